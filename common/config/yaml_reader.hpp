@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Strict reading of small YAML files: every fault names file, key and line; an unknown key is a fault.
+///
+/// The one place where yaml-cpp and its exceptions are met.
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/core/result.hpp"
+
+namespace biteline::config {
+
+/// Reads one mapping.  Calls never fail one by one: faults are collected, and finish() tells the first of them
+/// and how many more there are.  A key that was never asked for is unknown.
+///
+///     auto reader = YamlReader::open(path);          // Result
+///     settings.speed_mm_s = reader->number("speed_mm_s", {.minimum = 0.1, .maximum = 500});
+///     BITELINE_TRY(reader->finish());
+class YamlReader {
+ public:
+  struct Range {
+    double minimum{-1e300};
+    double maximum{1e300};
+  };
+
+  [[nodiscard]] static Result<YamlReader> open(const std::filesystem::path& path);
+  /// `name` stands for the file in faults.
+  [[nodiscard]] static Result<YamlReader> parse(const std::string& text, const std::string& name);
+
+  YamlReader(YamlReader&&) noexcept;
+  YamlReader& operator=(YamlReader&&) noexcept;
+  ~YamlReader();
+
+  [[nodiscard]] bool has(const std::string& key) const;
+
+  /// Required values; a missing or bad one is a fault and returns 0, empty or zeros.  Numbers must be finite.
+  double number(const std::string& key, Range range);
+  long integer(const std::string& key, Range range);
+  bool boolean(const std::string& key);
+  std::string text(const std::string& key);
+  std::vector<double> numbers(const std::string& key, std::size_t count);
+  /// Row-major, `rows` lists of `columns` numbers.
+  std::vector<double> matrix(const std::string& key, std::size_t rows, std::size_t columns);
+  std::vector<std::string> texts(const std::string& key);
+
+  /// Optional values.
+  double number_or(const std::string& key, double fallback, Range range);
+  long integer_or(const std::string& key, long fallback, Range range);
+  bool boolean_or(const std::string& key, bool fallback);
+  std::string text_or(const std::string& key, const std::string& fallback);
+
+  /// The nested mapping under `key` (faults join this reader's); an absent one reads as empty and is a fault when
+  /// `required`.  The child shares this reader's faults and lives no longer than it.
+  YamlReader child(const std::string& key, bool required);
+
+  /// Records a fault of the caller's own, e.g. a matrix that is no rotation.
+  void fault(Errc code, const std::string& key, const std::string& expected);
+
+  /// Also checks for unknown keys, of children too.
+  [[nodiscard]] Result<void> finish();
+
+ private:
+  struct Node;
+  explicit YamlReader(std::unique_ptr<Node> node);
+  std::unique_ptr<Node> node_;
+};
+
+}  // namespace biteline::config

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+#include "common/core/contracts.hpp"
+
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+
+namespace biteline {
+namespace {
+
+std::atomic<ContractHandler> g_handler{nullptr};
+
+}  // namespace
+
+void set_contract_handler(ContractHandler handler) noexcept { g_handler.store(handler); }
+
+void contract_broken(const char* condition, const char* file, int line) noexcept {
+  if (ContractHandler handler = g_handler.exchange(nullptr)) handler(condition, file, line);
+  std::fprintf(stderr, "%s:%d: contract broken: %s\n", file, line, condition);
+  std::abort();
+}
+
+}  // namespace biteline

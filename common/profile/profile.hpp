@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file A profile: the 3-D points of one laser stripe, at most one per image column and kept peak.
+
+#include <cstdint>
+#include <vector>
+
+#include "common/geometry/se3.hpp"
+#include "common/time/clocks.hpp"
+
+namespace biteline::profile {
+
+/// What is known about one point beyond its place.  0: an ordinary good point.
+enum PointFlag : std::uint16_t {
+  k_point_saturated = 1U << 0U,      ///< some pixels of the stripe at full scale
+  k_point_clipped = 1U << 1U,        ///< the stripe touches the region's edge
+  k_point_wide = 1U << 2U,           ///< wider than the stripe's plausible width
+  k_point_narrow = 1U << 3U,         ///< narrower
+  k_point_other_peaks = 1U << 4U,    ///< the column holds further peaks
+  k_point_reflection = 1U << 5U,     ///< taken for a mirror image: kept as evidence, not part of the surface
+  k_point_discontinuous = 1U << 6U,  ///< far from both neighbours
+  k_point_second_exposure = 1U << 7U,///< from the longer exposure of a bracket
+  k_point_edge_mixed = 1U << 8U,     ///< stripe broken here: the peak mixes two surfaces
+};
+
+/// Points with one of these are evidence, not surface: they stay out of the cloud.
+inline constexpr std::uint16_t k_point_not_surface = k_point_clipped | k_point_reflection;
+
+/// What is known about the whole profile.  0: an ordinary good profile.
+enum ProfileFlag : std::uint32_t {
+  k_profile_pose_missing = 1U << 0U,       ///< no pose: points are in cam only, never part of a cloud
+  k_profile_pose_stale = 1U << 1U,         ///< nearest pose farther from the exposure than allowed
+  k_profile_pose_extrapolated = 1U << 2U,  ///< no pose on one side of the exposure
+  k_profile_frame_gap = 1U << 3U,          ///< frames were lost just before this one
+  k_profile_overrun = 1U << 4U,            ///< processed late
+  k_profile_trigger_mismatch = 1U << 5U,   ///< exposure and trigger edge do not pair
+  k_profile_stripe_lost = 1U << 6U,        ///< hardly any column shows the stripe
+  k_profile_clock_unsure = 1U << 7U,       ///< clock mapping not (any more) good enough
+  k_profile_frame_damaged = 1U << 8U,      ///< the driver marked the frame as bad
+};
+
+/// Profiles with one of these never enter a cloud.
+inline constexpr std::uint32_t k_profile_not_usable =
+    k_profile_pose_missing | k_profile_pose_stale | k_profile_trigger_mismatch | k_profile_clock_unsure |
+    k_profile_frame_damaged;
+
+struct ProfilePoint {
+  Eigen::Vector3f point_cam{Eigen::Vector3f::Zero()};  ///< mm
+  float sigma_mm{0};        ///< standard deviation along the viewing ray
+  float row_px{0};          ///< sub-pixel row in the full sensor
+  float sigma_row_px{0};    ///< its standard deviation
+  float amplitude{0};       ///< stripe height above background, grey levels
+  float width_px{0};        ///< full width at half maximum
+  std::uint16_t column{0};  ///< column in the region
+  std::uint16_t flags{0};   ///< PointFlag
+  std::uint8_t peak_count{0};
+};
+
+/// One profile as the host sees it (the firmware's fixed-capacity twin is firmware/pipeline's own).
+struct Profile {
+  std::uint64_t sequence{0};             ///< counts profiles from 0, gaps are losses
+  std::uint64_t frame_sequence{0};       ///< the camera's own count
+  SensorClock::time_point exposure_mid;  ///< middle of the exposure
+  SE3 T_base_flange{SE3::Identity()};    ///< at exposure_mid
+  Nanoseconds pose_age{0};               ///< distance in time from exposure_mid to the nearest pose sample
+  std::uint32_t flags{0};                ///< ProfileFlag
+  std::vector<ProfilePoint> points;      ///< by column, then row
+};
+
+}  // namespace biteline::profile
