@@ -2,7 +2,9 @@
 #pragma once
 /// \file A profile: the 3-D points of one laser stripe, at most one per image column and kept peak.
 
+#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/geometry/se3.hpp"
@@ -56,15 +58,31 @@ struct ProfilePoint {
   std::uint8_t peak_count{0};
 };
 
-/// One profile as the host sees it (the firmware's fixed-capacity twin is firmware/pipeline's own).
-struct Profile {
+struct ProfileHeader {
   std::uint64_t sequence{0};             ///< counts profiles from 0, gaps are losses
   std::uint64_t frame_sequence{0};       ///< the camera's own count
   SensorClock::time_point exposure_mid;  ///< middle of the exposure
   SE3 T_base_flange{SE3::Identity()};    ///< at exposure_mid
   Nanoseconds pose_age{0};               ///< distance in time from exposure_mid to the nearest pose sample
   std::uint32_t flags{0};                ///< ProfileFlag
-  std::vector<ProfilePoint> points;      ///< by column, then row
+};
+
+/// A profile on the host: as long as it has points.
+struct Profile {
+  ProfileHeader header;
+  std::vector<ProfilePoint> points;  ///< by column, then row
+};
+
+/// Two kept peaks in each of 2048 columns.
+inline constexpr std::size_t k_max_profile_points = 4096;
+
+/// A profile in the firmware: fixed capacity, lives in a ring, never on the heap after start-up.
+struct ProfileBuffer {
+  ProfileHeader header;
+  std::size_t count{0};
+  std::array<ProfilePoint, k_max_profile_points> points;
+
+  [[nodiscard]] std::span<const ProfilePoint> view() const { return {points.data(), count}; }
 };
 
 }  // namespace biteline::profile

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file How a subcommand of `biteline` hooks in: one file, one add_<command>() each.
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+#include "common/core/result.hpp"
+
+namespace biteline::app {
+
+/// --quiet and --json, valid for every subcommand.
+struct GlobalOptions {
+  bool quiet{false};
+  bool json{false};
+};
+
+/// What main() runs after parsing: the chosen subcommand sets it from its callback.  An Error becomes one line on stderr
+/// and its row's exit status.
+struct Context {
+  GlobalOptions options;
+  std::function<Result<ExitStatus>()> run;
+};
+
+void add_calibrate(CLI::App& app, Context& context);
+void add_doctor(CLI::App& app, Context& context);
+void add_evaluate(CLI::App& app, Context& context);
+void add_extract(CLI::App& app, Context& context);
+void add_model(CLI::App& app, Context& context);
+void add_plan(CLI::App& app, Context& context);
+void add_replay(CLI::App& app, Context& context);
+void add_target(CLI::App& app, Context& context);
+void add_transfer(CLI::App& app, Context& context);
+
+}  // namespace biteline::app
