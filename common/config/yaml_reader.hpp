@@ -53,14 +53,14 @@ class YamlReader {
   bool boolean_or(const std::string& key, bool fallback);
   std::string text_or(const std::string& key, const std::string& fallback);
 
-  /// The nested mapping under `key` (faults join this reader's); an absent one reads as empty and is a fault when
-  /// `required`.  The child shares this reader's faults and lives no longer than it.
+  /// The nested mapping under `key`; an absent one reads as empty and is a fault when `required`.  Its faults join this
+  /// reader's; unknown keys in it are found when the child is destroyed, so destroy it before finish().
   YamlReader child(const std::string& key, bool required);
 
   /// Records a fault of the caller's own, e.g. a matrix that is no rotation.
   void fault(Errc code, const std::string& key, const std::string& expected);
 
-  /// Also checks for unknown keys, of children too.
+  /// Also checks for unknown keys.  Call once, last.
   [[nodiscard]] Result<void> finish();
 
  private:

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: MIT
+#include "common/config/yaml_reader.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+namespace biteline::config {
+namespace {
+
+struct Faults {
+  std::string file;
+  std::optional<Error> first;
+  int count{0};
+
+  void add(Errc code, int line, const std::string& key, const std::string& expected) {
+    ++count;
+    if (first) return;
+    first = Error{.code = code, .sys_errno = 0, .more_faults = 0, .where = {}};
+    if (line > 0) {
+      first->where = FixedText<256>::format("%s line %d, %s: %s", file.c_str(), line, key.c_str(), expected.c_str());
+    } else {
+      first->where = FixedText<256>::format("%s, %s: %s", file.c_str(), key.c_str(), expected.c_str());
+    }
+  }
+};
+
+int line_of(const YAML::Node& node) { return node.Mark().line >= 0 ? node.Mark().line + 1 : 0; }
+
+std::string describe(YamlReader::Range range) {
+  std::ostringstream text;
+  text << "a finite number";
+  if (range.minimum > -1e299) text << " from " << range.minimum;
+  if (range.maximum < 1e299) text << " to " << range.maximum;
+  return text.str();
+}
+
+/// One number of a scalar node; false when it is none, not finite or out of range.
+bool to_number(const YAML::Node& node, YamlReader::Range range, double& value) {
+  return node.IsScalar() && YAML::convert<double>::decode(node, value) && std::isfinite(value) &&
+         value >= range.minimum && value <= range.maximum;
+}
+
+}  // namespace
+
+struct YamlReader::Node {
+  std::shared_ptr<Faults> faults;
+  YAML::Node yaml;
+  std::string prefix;  ///< path of keys down to here, for faults
+  std::set<std::string> asked;
+
+  /// The value under `key`, or nothing (a fault when `required`).
+  std::optional<YAML::Node> find(const std::string& key, bool required) {
+    asked.insert(key);
+    const YAML::Node& mapping = yaml;
+    if (mapping.IsMap()) {
+      if (const YAML::Node value = mapping[key]; value.IsDefined() && !value.IsNull()) return value;
+    }
+    if (required) faults->add(Errc::BadFormat, line_of(yaml), prefix + key, "missing");
+    return std::nullopt;
+  }
+
+  void check_unknown_keys() {
+    if (!yaml.IsMap()) return;
+    for (const auto& entry : yaml) {
+      const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
+      if (!asked.contains(key)) faults->add(Errc::UnknownKey, line_of(entry.first), prefix + key, "not a key of this file");
+    }
+  }
+};
+
+YamlReader::YamlReader(std::unique_ptr<Node> node) : node_{std::move(node)} {}
+YamlReader::YamlReader(YamlReader&&) noexcept = default;
+YamlReader& YamlReader::operator=(YamlReader&&) noexcept = default;
+YamlReader::~YamlReader() {
+  // A child reports its unknown keys when it goes out of scope: it lives no longer than its parent.
+  if (node_ && !node_->prefix.empty()) node_->check_unknown_keys();
+}
+
+Result<YamlReader> YamlReader::open(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return fail(Errc::FileNotFound, "%s", path.c_str());
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  if (!std::filesystem::is_regular_file(path, error) || !file || !(text << file.rdbuf())) {
+    return fail(Errc::FileUnreadable, "%s", path.c_str());
+  }
+  return parse(text.str(), path.string());
+}
+
+Result<YamlReader> YamlReader::parse(const std::string& text, const std::string& name) {
+  auto node = std::make_unique<Node>();
+  node->faults = std::make_shared<Faults>();
+  node->faults->file = name;
+  try {
+    node->yaml = YAML::Load(text);
+  } catch (const YAML::Exception& fault) {
+    return fail(Errc::BadFormat, "%s line %d, column %d: %s", name.c_str(), fault.mark.line + 1, fault.mark.column + 1,
+                fault.msg.c_str());
+  }
+  if (!node->yaml.IsMap()) return fail(Errc::BadFormat, "%s: a mapping of keys expected", name.c_str());
+  std::set<std::string> keys;
+  for (const auto& entry : node->yaml) {
+    if (entry.first.IsScalar() && !keys.insert(entry.first.Scalar()).second) {
+      node->faults->add(Errc::BadFormat, line_of(entry.first), entry.first.Scalar(), "stands twice");
+    }
+  }
+  return YamlReader{std::move(node)};
+}
+
+bool YamlReader::has(const std::string& key) const {
+  const YAML::Node& mapping = node_->yaml;
+  return mapping.IsMap() && mapping[key].IsDefined() && !mapping[key].IsNull();
+}
+
+double YamlReader::number(const std::string& key, Range range) {
+  const auto found = node_->find(key, true);
+  double value = 0;
+  if (!found) return 0;
+  if (!to_number(*found, range, value)) {
+    fault(Errc::BadValue, key, describe(range) + " expected");
+    return 0;
+  }
+  return value;
+}
+
+long YamlReader::integer(const std::string& key, Range range) {
+  const double value = number(key, range);
+  if (value != std::floor(value)) fault(Errc::BadValue, key, "a whole number expected");
+  return static_cast<long>(value);
+}
+
+bool YamlReader::boolean(const std::string& key) {
+  const auto found = node_->find(key, true);
+  bool value = false;
+  if (found && !(found->IsScalar() && YAML::convert<bool>::decode(*found, value))) {
+    fault(Errc::BadValue, key, "true or false expected");
+  }
+  return value;
+}
+
+std::string YamlReader::text(const std::string& key) {
+  const auto found = node_->find(key, true);
+  if (!found) return {};
+  if (!found->IsScalar()) {
+    fault(Errc::BadValue, key, "text expected");
+    return {};
+  }
+  return found->Scalar();
+}
+
+std::vector<double> YamlReader::numbers(const std::string& key, std::size_t count) {
+  std::vector<double> values(count, 0.0);
+  const auto found = node_->find(key, true);
+  if (!found) return values;
+  bool good = found->IsSequence() && found->size() == count;
+  for (std::size_t i = 0; good && i < count; ++i) good = to_number((*found)[i], {}, values[i]);
+  if (!good) {
+    fault(Errc::BadValue, key, std::to_string(count) + " finite numbers expected");
+    values.assign(count, 0.0);
+  }
+  return values;
+}
+
+std::vector<double> YamlReader::matrix(const std::string& key, std::size_t rows, std::size_t columns) {
+  std::vector<double> values(rows * columns, 0.0);
+  const auto found = node_->find(key, true);
+  if (!found) return values;
+  bool good = found->IsSequence() && found->size() == rows;
+  for (std::size_t i = 0; good && i < rows; ++i) {
+    const YAML::Node row = (*found)[i];
+    good = row.IsSequence() && row.size() == columns;
+    for (std::size_t j = 0; good && j < columns; ++j) good = to_number(row[j], {}, values[i * columns + j]);
+  }
+  if (!good) {
+    fault(Errc::BadValue, key, std::to_string(rows) + " rows of " + std::to_string(columns) + " finite numbers expected");
+    values.assign(rows * columns, 0.0);
+  }
+  return values;
+}
+
+std::vector<std::string> YamlReader::texts(const std::string& key) {
+  const auto found = node_->find(key, true);
+  std::vector<std::string> values;
+  if (!found) return values;
+  bool good = found->IsSequence();
+  for (std::size_t i = 0; good && i < found->size(); ++i) {
+    good = (*found)[i].IsScalar();
+    if (good) values.push_back((*found)[i].Scalar());
+  }
+  if (!good) fault(Errc::BadValue, key, "a list of texts expected");
+  return values;
+}
+
+double YamlReader::number_or(const std::string& key, double fallback, Range range) {
+  return node_->find(key, false) ? number(key, range) : fallback;
+}
+
+long YamlReader::integer_or(const std::string& key, long fallback, Range range) {
+  return node_->find(key, false) ? integer(key, range) : fallback;
+}
+
+bool YamlReader::boolean_or(const std::string& key, bool fallback) {
+  return node_->find(key, false) ? boolean(key) : fallback;
+}
+
+std::string YamlReader::text_or(const std::string& key, const std::string& fallback) {
+  return node_->find(key, false) ? text(key) : fallback;
+}
+
+YamlReader YamlReader::child(const std::string& key, bool required) {
+  auto node = std::make_unique<Node>();
+  node->faults = node_->faults;
+  node->prefix = node_->prefix + key + ".";
+  if (const auto found = node_->find(key, required)) {
+    if (found->IsMap()) {
+      node->yaml = *found;
+    } else {
+      fault(Errc::BadFormat, key, "a mapping expected");
+    }
+  }
+  return YamlReader{std::move(node)};
+}
+
+void YamlReader::fault(Errc code, const std::string& key, const std::string& expected) {
+  const YAML::Node& mapping = node_->yaml;
+  const int line = mapping.IsMap() && mapping[key].IsDefined() ? line_of(mapping[key]) : line_of(mapping);
+  node_->faults->add(code, line, node_->prefix + key, expected);
+}
+
+Result<void> YamlReader::finish() {
+  node_->check_unknown_keys();
+  if (!node_->faults->first) return {};
+  Error error = *node_->faults->first;
+  error.more_faults = node_->faults->count - 1;
+  return tl::unexpected<Error>(error);
+}
+
+}  // namespace biteline::config

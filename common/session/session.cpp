@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+#include "common/session/session.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <memory>
+
+#include "common/config/sensor_yaml.hpp"
+#include "common/csv/table.hpp"
+
+namespace biteline::session {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Printed with eight decimals a unit quaternion is off by 1e-8; 1e-3 catches a lost digit or a swapped field.
+constexpr double k_unit_tolerance = 1e-3;
+
+Result<StampedPose> parse_pose(const csv::Row& row, const fs::path& file) {
+  BITELINE_ASSIGN(const std::int64_t stamp_ns, row.integer(0));
+  double v[7];
+  for (std::size_t i = 0; i < 7; ++i) {
+    BITELINE_ASSIGN(v[i], row.number(i + 1));
+  }
+  const Eigen::Quaterniond rotation(v[3], v[4], v[5], v[6]);
+  if (std::abs(rotation.norm() - 1) > k_unit_tolerance) {
+    return fail(Errc::BadValue, "%s row %d, fields 5 to 8: a unit quaternion expected, found length %.4f", file.c_str(),
+                row.number(), rotation.norm());
+  }
+  return StampedPose{.stamp = RobotClock::time_point{Nanoseconds{stamp_ns}},
+                     .T_base_flange = geometry::make_se3(rotation, {v[0], v[1], v[2]})};
+}
+
+Result<std::vector<FrameEntry>> read_frame_table(const fs::path& file) {
+  std::vector<FrameEntry> frames;
+  const fs::path folder = file.parent_path() / "data";
+  BITELINE_TRY(csv::read_table(file, 2, 2, [&](const csv::Row& row) -> Result<void> {
+    BITELINE_ASSIGN(const std::int64_t stamp_ns, row.integer(0));
+    const FrameEntry frame{.exposure_mid = SensorClock::time_point{Nanoseconds{stamp_ns}}, .file = folder / row.text(1)};
+    // A name with a folder in it could lead out of the session.
+    if (fs::path{row.text(1)}.filename() != fs::path{row.text(1)} || row.text(1).empty()) {
+      return fail(Errc::BadValue, "%s row %d, field 2: a plain file name expected", file.c_str(), row.number());
+    }
+    if (!frames.empty() && frame.exposure_mid <= frames.back().exposure_mid) {
+      return fail(Errc::BadValue, "%s row %d, field 1: rising stamps expected", file.c_str(), row.number());
+    }
+    std::error_code ignored;
+    if (!fs::is_regular_file(frame.file, ignored)) {
+      return fail(Errc::FileNotFound, "%s (named in %s row %d)", frame.file.c_str(), file.filename().c_str(), row.number());
+    }
+    frames.push_back(frame);
+    return {};
+  }));
+  if (frames.empty()) return fail(Errc::BadFormat, "%s: at least one frame expected", file.c_str());
+  return frames;
+}
+
+Result<void> check_coverage(const Session& session) {
+  const Nanoseconds offset = session.sensor.pose_clock_offset;
+  const auto first_pose = to_sensor_clock(session.poses.front().stamp, offset);
+  const auto last_pose = to_sensor_clock(session.poses.back().stamp, offset);
+  int outside = 0;
+  const FrameEntry* first_outside = nullptr;
+  for (const FrameEntry& frame : session.frames) {
+    if (frame.exposure_mid >= first_pose && frame.exposure_mid <= last_pose) continue;
+    if (first_outside == nullptr) first_outside = &frame;
+    ++outside;
+  }
+  if (outside == 0) return {};
+  const auto early_ns = (first_pose - first_outside->exposure_mid).count();
+  const auto late_ns = (first_outside->exposure_mid - last_pose).count();
+  auto failure = fail(Errc::BadValue, "%s: poses do not cover frame %s (%.3f ms outside)",
+                      (session.root / "pose0/data.csv").c_str(), first_outside->file.filename().c_str(),
+                      static_cast<double>(std::max(early_ns, late_ns)) * 1e-6);
+  failure.value().more_faults = outside - 1;
+  return failure;
+}
+
+struct FileCloser {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
+Result<void> write_rows(const fs::path& file, const std::string& text) {
+  const std::unique_ptr<std::FILE, FileCloser> out{std::fopen(file.c_str(), "wb")};
+  if (!out) return fail_errno(Errc::WriteFailed, errno, "%s", file.c_str());
+  if (std::fwrite(text.data(), 1, text.size(), out.get()) != text.size() || std::fflush(out.get()) != 0) {
+    return fail_errno(errno == ENOSPC ? Errc::DiskFull : Errc::WriteFailed, errno, "%s", file.c_str());
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<std::vector<StampedPose>> read_pose_table(const fs::path& file) {
+  std::vector<StampedPose> poses;
+  BITELINE_TRY(csv::read_table(file, 8, 8, [&](const csv::Row& row) -> Result<void> {
+    BITELINE_ASSIGN(const StampedPose pose, parse_pose(row, file));
+    if (!poses.empty() && pose.stamp <= poses.back().stamp) {
+      return fail(Errc::BadValue, "%s row %d, field 1: rising stamps expected", file.c_str(), row.number());
+    }
+    poses.push_back(pose);
+    return {};
+  }));
+  if (poses.empty()) return fail(Errc::BadFormat, "%s: at least one pose expected", file.c_str());
+  return poses;
+}
+
+Result<Session> read_session(const fs::path& root) {
+  std::error_code ignored;
+  if (!fs::is_directory(root, ignored)) return fail(Errc::FileNotFound, "%s: a session folder expected", root.c_str());
+  Session session{.root = root, .sensor = {}, .frames = {}, .poses = {}};
+  BITELINE_ASSIGN(session.sensor, config::read_sensor_yaml(root / "cam0/sensor.yaml"));
+  BITELINE_ASSIGN(session.frames, read_frame_table(root / "cam0/data.csv"));
+  BITELINE_ASSIGN(session.poses, read_pose_table(root / "pose0/data.csv"));
+  BITELINE_TRY(check_coverage(session));
+  return session;
+}
+
+Result<void> write_pose_table(const fs::path& file, const std::vector<StampedPose>& poses) {
+  std::string text = "#timestamp [ns],p_x [mm],p_y [mm],p_z [mm],q_w [],q_x [],q_y [],q_z []\n";
+  char line[256];
+  for (const StampedPose& pose : poses) {
+    const Vec3 p = pose.T_base_flange.translation();
+    const Eigen::Quaterniond q(pose.T_base_flange.linear());
+    std::snprintf(line, sizeof line, "%lld,%.6f,%.6f,%.6f,%.10f,%.10f,%.10f,%.10f\n",
+                  static_cast<long long>(pose.stamp.time_since_epoch().count()), p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z());
+    text += line;
+  }
+  return write_rows(file, text);
+}
+
+Result<void> write_frame_table(const fs::path& file, const std::vector<FrameEntry>& frames) {
+  std::string text = "#timestamp [ns],filename\n";
+  for (const FrameEntry& frame : frames) {
+    text += std::to_string(frame.exposure_mid.time_since_epoch().count()) + "," + frame.file.filename().string() + "\n";
+  }
+  return write_rows(file, text);
+}
+
+}  // namespace biteline::session

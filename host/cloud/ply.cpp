@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: MIT
+#include "host/cloud/ply.hpp"
+
+#include <bit>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+#include "common/csv/table.hpp"
+#include "host/cloud/ply_header.hpp"
+
+namespace biteline::cloud {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "write_cloud() writes memory as it is");
+
+/// Values of one row, in the order of the element's properties; lists are skipped.
+Result<void> read_row(PlyBody& body, const PlyElement& element, std::vector<double>& values) {
+  for (std::size_t i = 0; i < element.properties.size(); ++i) {
+    const PlyProperty& property = element.properties[i];
+    if (!property.is_list) {
+      BITELINE_ASSIGN(values[i], body.next(property.type));
+      continue;
+    }
+    BITELINE_ASSIGN(const double count, body.next(property.count_type));
+    for (double k = 0; k < count; ++k) BITELINE_TRY(body.next(property.type));
+  }
+  return body.end_row();
+}
+
+Result<void> skip_element(PlyBody& body, const PlyElement& element) {
+  if (!body.ascii() && !element.has_list()) {
+    // Divided, since count * size may overflow in a damaged header.
+    const std::size_t row_bytes = element.row_bytes();
+    for (std::size_t i = 0; i < element.count; ++i) BITELINE_TRY(body.skip_bytes(row_bytes));
+    return {};
+  }
+  std::vector<double> values(element.properties.size());
+  for (std::size_t i = 0; i < element.count; ++i) BITELINE_TRY(read_row(body, element, values));
+  return {};
+}
+
+/// Where the properties of a cloud stand in a row; -1: not there.
+struct CloudColumns {
+  int x, y, z, nx, ny, nz, profile, column, sigma_mm, flags;
+
+  explicit CloudColumns(const PlyElement& vertex)
+      : x{vertex.find("x")}, y{vertex.find("y")}, z{vertex.find("z")}, nx{vertex.find("nx")}, ny{vertex.find("ny")},
+        nz{vertex.find("nz")}, profile{vertex.find("profile")}, column{vertex.find("column")},
+        sigma_mm{vertex.find("sigma_mm")}, flags{vertex.find("flags")} {}
+
+  [[nodiscard]] bool has_normals() const { return nx >= 0 && ny >= 0 && nz >= 0; }
+  [[nodiscard]] bool has_order() const { return profile >= 0 && column >= 0; }
+};
+
+template <class Integer>
+Integer clamp_to(double value) {
+  if (!(value >= 0)) return 0;  // NaN too
+  return value >= static_cast<double>(std::numeric_limits<Integer>::max()) ? std::numeric_limits<Integer>::max()
+                                                                           : static_cast<Integer>(value);
+}
+
+void append(PointCloud& cloud, const CloudColumns& at, const std::vector<double>& row) {
+  const auto value = [&](int index) { return row[static_cast<std::size_t>(index)]; };
+  cloud.points.push_back({static_cast<float>(value(at.x)), static_cast<float>(value(at.y)), static_cast<float>(value(at.z))});
+  if (at.has_normals()) {
+    Eigen::Vector3d normal(value(at.nx), value(at.ny), value(at.nz));
+    const double length = normal.norm();
+    cloud.normals.push_back(std::isfinite(length) && length > 0.5 ? Eigen::Vector3f((normal / length).cast<float>())
+                                                                   : Eigen::Vector3f::Zero());
+  }
+  if (at.has_order()) {
+    cloud.profile.push_back(clamp_to<std::uint32_t>(value(at.profile)));
+    cloud.column.push_back(clamp_to<std::uint16_t>(value(at.column)));
+  }
+  if (at.sigma_mm >= 0) cloud.sigma_mm.push_back(std::isfinite(value(at.sigma_mm)) ? static_cast<float>(value(at.sigma_mm)) : 0.F);
+  if (at.flags >= 0) cloud.flags.push_back(clamp_to<std::uint16_t>(value(at.flags)));
+}
+
+Result<const PlyElement*> find_vertices(const PlyHeader& header, const std::string& name) {
+  for (const PlyElement& element : header.elements) {
+    if (element.name != "vertex") continue;
+    for (const char* axis : {"x", "y", "z"}) {
+      const int index = element.find(axis);
+      if (index < 0 || element.properties[static_cast<std::size_t>(index)].is_list) {
+        return fail(Errc::BadFormat, "%s, element vertex: property %s expected", name.c_str(), axis);
+      }
+    }
+    if (element.count == 0) return fail(Errc::BadFormat, "%s, element vertex: at least one point expected", name.c_str());
+    return &element;
+  }
+  return fail(Errc::BadFormat, "%s: element vertex expected", name.c_str());
+}
+
+/// A row of a binary file costs at least one byte: a count beyond that is a damaged header, not a reason to ask for memory.
+std::size_t plausible_count(const PlyElement& element, std::size_t file_bytes) { return std::min(element.count, file_bytes); }
+
+class BinaryWriter {
+ public:
+  static Result<BinaryWriter> open(const std::filesystem::path& file) {
+    BinaryWriter writer{file};
+    writer.stream_.reset(std::fopen(writer.beside_.c_str(), "wb"));
+    if (!writer.stream_) return fail_errno(Errc::WriteFailed, errno, "%s", writer.beside_.c_str());
+    return writer;
+  }
+  void put(const void* bytes, std::size_t count) {
+    if (good_ && std::fwrite(bytes, 1, count, stream_.get()) != count) {
+      good_ = false;
+      errno_ = errno;
+    }
+  }
+  void put(const std::string& text) { put(text.data(), text.size()); }
+  Result<void> close() {
+    if (good_ && std::fflush(stream_.get()) != 0) {
+      good_ = false;
+      errno_ = errno;
+    }
+    stream_.reset();
+    if (!good_) {
+      std::error_code ignored;
+      std::filesystem::remove(beside_, ignored);
+      return fail_errno(errno_ == ENOSPC ? Errc::DiskFull : Errc::WriteFailed, errno_, "%s", file_.c_str());
+    }
+    if (std::rename(beside_.c_str(), file_.c_str()) != 0) return fail_errno(Errc::WriteFailed, errno, "%s", file_.c_str());
+    return {};
+  }
+
+ private:
+  struct Closer {
+    void operator()(std::FILE* stream) const { std::fclose(stream); }
+  };
+  explicit BinaryWriter(const std::filesystem::path& file) : file_{file}, beside_{file.string() + ".part"} {}
+  std::filesystem::path file_, beside_;
+  std::unique_ptr<std::FILE, Closer> stream_;
+  bool good_{true};
+  int errno_{0};
+};
+
+template <class T>
+void put_field(std::string& row, const T& value) {
+  row.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+}  // namespace
+
+Result<PointCloud> read_cloud(const std::filesystem::path& file, std::size_t* dropped) {
+  const std::string name = file.string();
+  BITELINE_ASSIGN(const std::string bytes, csv::read_text(file));
+  BITELINE_ASSIGN(const PlyHeader header, parse_ply_header(bytes, name));
+  BITELINE_ASSIGN(const PlyElement* vertices, find_vertices(header, name));
+  PlyBody body{bytes, header, name};
+  for (const PlyElement* element = header.elements.data(); element != vertices; ++element) BITELINE_TRY(skip_element(body, *element));
+
+  const CloudColumns at{*vertices};
+  PointCloud cloud;
+  cloud.points.reserve(plausible_count(*vertices, bytes.size()));
+  std::vector<double> row(vertices->properties.size());
+  std::size_t left_out = 0;
+  for (std::size_t i = 0; i < vertices->count; ++i) {
+    BITELINE_TRY(read_row(body, *vertices, row));
+    const auto finite = [&](int index) { return std::isfinite(row[static_cast<std::size_t>(index)]); };
+    if (finite(at.x) && finite(at.y) && finite(at.z)) {
+      append(cloud, at, row);
+    } else {
+      ++left_out;
+    }
+  }
+  if (cloud.points.empty()) return fail(Errc::BadValue, "%s: no finite point among %zu", name.c_str(), vertices->count);
+  if (dropped != nullptr) *dropped = left_out;
+  return cloud;
+}
+
+Result<void> write_cloud(const std::filesystem::path& file, const PointCloud& cloud) {
+  BITELINE_ASSIGN(BinaryWriter writer, BinaryWriter::open(file));
+  const bool normals = !cloud.normals.empty(), order = cloud.organised(), sigma = !cloud.sigma_mm.empty(), flags = !cloud.flags.empty();
+  std::string header = "ply\nformat binary_little_endian 1.0\ncomment lengths in mm, robot base frame\nelement vertex " +
+                       std::to_string(cloud.size()) + "\nproperty float x\nproperty float y\nproperty float z\n";
+  if (normals) header += "property float nx\nproperty float ny\nproperty float nz\n";
+  if (order) header += "property uint profile\nproperty ushort column\n";
+  if (sigma) header += "property float sigma_mm\n";
+  if (flags) header += "property ushort flags\n";
+  writer.put(header + "end_header\n");
+  std::string row;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    row.clear();
+    for (int k = 0; k < 3; ++k) put_field(row, cloud.points[i][k]);
+    for (int k = 0; normals && k < 3; ++k) put_field(row, cloud.normals[i][k]);
+    if (order) {
+      put_field(row, cloud.profile[i]);
+      put_field(row, cloud.column[i]);
+    }
+    if (sigma) put_field(row, cloud.sigma_mm[i]);
+    if (flags) put_field(row, cloud.flags[i]);
+    writer.put(row);
+  }
+  return writer.close();
+}
+
+Result<TriangleMesh> read_mesh(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  BITELINE_ASSIGN(const std::string bytes, csv::read_text(file));
+  BITELINE_ASSIGN(const PlyHeader header, parse_ply_header(bytes, name));
+  BITELINE_TRY(find_vertices(header, name));
+  PlyBody body{bytes, header, name};
+  TriangleMesh mesh;
+  std::vector<double> row;
+  for (const PlyElement& element : header.elements) {
+    if (element.name == "vertex") {
+      const CloudColumns at{element};
+      row.assign(element.properties.size(), 0);
+      mesh.vertices.reserve(plausible_count(element, bytes.size()));
+      for (std::size_t i = 0; i < element.count; ++i) {
+        BITELINE_TRY(read_row(body, element, row));
+        const Eigen::Vector3d vertex(row[static_cast<std::size_t>(at.x)], row[static_cast<std::size_t>(at.y)],
+                                     row[static_cast<std::size_t>(at.z)]);
+        if (!vertex.allFinite()) return fail(Errc::BadValue, "%s, vertex %zu: finite numbers expected", name.c_str(), i);
+        mesh.vertices.push_back(vertex.cast<float>());
+      }
+    } else if (element.name == "face") {
+      for (std::size_t i = 0; i < element.count; ++i) {
+        for (const PlyProperty& property : element.properties) {
+          if (!property.is_list) {
+            BITELINE_TRY(body.next(property.type));
+            continue;
+          }
+          BITELINE_ASSIGN(const double count, body.next(property.count_type));
+          const bool is_face = property.name == "vertex_indices" || property.name == "vertex_index";
+          std::array<std::uint32_t, 3> face{};
+          for (int k = 0; k < count; ++k) {
+            BITELINE_ASSIGN(const double index, body.next(property.type));
+            if (!is_face) continue;
+            if (!(index >= 0 && index < static_cast<double>(mesh.vertices.size()))) {
+              return fail(Errc::BadValue, "%s, face %zu: a vertex number below %zu expected", name.c_str(), i, mesh.vertices.size());
+            }
+            const auto vertex = static_cast<std::uint32_t>(index);
+            if (k == 0) face[0] = vertex;
+            if (k >= 2) {
+              face[1] = face[2];
+              face[2] = vertex;
+              mesh.faces.push_back(face);
+            } else if (k == 1) {
+              face[2] = vertex;
+            }
+          }
+        }
+        BITELINE_TRY(body.end_row());
+      }
+    } else {
+      BITELINE_TRY(skip_element(body, element));
+    }
+  }
+  if (mesh.faces.empty()) return fail(Errc::BadFormat, "%s: element face with at least one triangle expected", name.c_str());
+  return mesh;
+}
+
+Result<void> write_mesh(const std::filesystem::path& file, const TriangleMesh& mesh) {
+  BITELINE_ASSIGN(BinaryWriter writer, BinaryWriter::open(file));
+  writer.put("ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.vertices.size()) +
+             "\nproperty float x\nproperty float y\nproperty float z\nelement face " + std::to_string(mesh.faces.size()) +
+             "\nproperty list uchar uint vertex_indices\nend_header\n");
+  for (const Eigen::Vector3f& vertex : mesh.vertices) writer.put(vertex.data(), 3 * sizeof(float));
+  std::string row;
+  for (const auto& face : mesh.faces) {
+    row.assign(1, '\3');
+    for (const std::uint32_t vertex : face) put_field(row, vertex);
+    writer.put(row);
+  }
+  return writer.close();
+}
+
+}  // namespace biteline::cloud
