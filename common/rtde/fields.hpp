@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Names and types of the variables that RTDE exchanges.
+///
+/// Universal Robots, "RTDE Guide", tables "Robot controller inputs / outputs".  Units are the controller's:
+/// m, rad, s.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "common/core/result.hpp"
+
+namespace biteline::rtde {
+
+using Vector3 = std::array<double, 3>;
+using Vector6 = std::array<double, 6>;
+using Vector6Int32 = std::array<std::int32_t, 6>;
+using Vector6Uint32 = std::array<std::uint32_t, 6>;
+
+/// In the order of FieldType: `value.index()` is its type.
+using Value = std::variant<bool, std::uint8_t, std::uint32_t, std::uint64_t, std::int32_t, double, Vector3,
+                           Vector6, Vector6Int32, Vector6Uint32>;
+
+enum class FieldType : std::uint8_t {
+  Bool,
+  Uint8,
+  Uint32,
+  Uint64,
+  Int32,
+  Double,
+  Vector3d,
+  Vector6d,
+  Vector6i,
+  Vector6u,
+};
+
+/// The type's name on the wire ("VECTOR6D") and back.
+[[nodiscard]] std::string_view wire_name(FieldType type);
+[[nodiscard]] std::optional<FieldType> field_type_of(std::string_view wire_name);
+
+/// A value of that type, zero.
+[[nodiscard]] Value zero_of(FieldType type);
+
+/// What a controller of the e series or CB3 sends or takes under that name; nothing for other names.
+[[nodiscard]] std::optional<FieldType> output_type(std::string_view name);
+[[nodiscard]] std::optional<FieldType> input_type(std::string_view name);
+
+/// Comma-separated lists, as in the set-up packages.
+[[nodiscard]] std::string join(const std::vector<std::string>& names);
+[[nodiscard]] std::vector<std::string> split(std::string_view list);
+
+}  // namespace biteline::rtde
