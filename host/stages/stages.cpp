@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#include "host/stages/stages.hpp"
+
+#include <array>
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+
+#include "host/cloud/ply.hpp"
+#include "host/report/report.hpp"
+#include "host/stages/shoe_view.hpp"
+
+namespace biteline::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A groove of 0.3 mm depth and 1 mm width reads about -0.4: full colour there keeps shallow ones visible.
+constexpr float k_full_colour_per_mm = 0.4F;
+
+const cv::Vec3b k_feature_colour{190, 60, 20};
+const cv::Vec3b k_line_colour{40, 40, 220};
+
+Result<void> write_picture(const fs::path& file, const cv::Mat& picture) {
+  const fs::path beside = file.parent_path() / (".part." + file.filename().string());
+  bool written = false;
+  try {
+    written = cv::imwrite(beside.string(), picture, {cv::IMWRITE_PNG_COMPRESSION, 3});
+  } catch (const cv::Exception&) {
+    written = false;  // told below, as every failure to write
+  }
+  std::error_code error;
+  if (written) fs::rename(beside, file, error);
+  if (!written || error) return fail(Errc::WriteFailed, "%s", file.c_str());
+  return {};
+}
+
+cloud::PointCloud subset(const cloud::PointCloud& cloud, const std::vector<std::uint32_t>& indices) {
+  cloud::PointCloud out;
+  for (const std::uint32_t i : indices) {
+    out.points.push_back(cloud.points[i]);
+    if (!cloud.normals.empty()) out.normals.push_back(cloud.normals[i]);
+    if (cloud.organised()) {
+      out.profile.push_back(cloud.profile[i]);
+      out.column.push_back(cloud.column[i]);
+    }
+  }
+  return out;
+}
+
+cloud::PointCloud as_cloud(const std::vector<Vec3>& points) {
+  cloud::PointCloud out;
+  for (const Vec3& p : points) out.points.push_back(p.cast<float>());
+  return out;
+}
+
+std::vector<cv::Vec3b> curvature_colours(const std::vector<float>& curvature_per_mm) {
+  std::vector<cv::Vec3b> colours;
+  colours.reserve(curvature_per_mm.size());
+  for (const float h : curvature_per_mm) colours.push_back(curvature_colour(h, k_full_colour_per_mm));
+  return colours;
+}
+
+/// One stage's two files.
+struct Sheet {
+  const fs::path& folder;
+  const groove::Extraction& extraction;
+
+  Result<void> write(const std::string& name, const std::string& caption, const cloud::PointCloud& points,
+                     const std::function<void(ShoeView&)>& draw) const {
+    if (points.points.empty()) return {};
+    ShoeView view{extraction.products.surface, extraction.T_base_shoe};
+    draw(view);
+    view.caption(caption);
+    BITELINE_TRY(write_picture(folder / (name + ".png"), view.picture()));
+    return cloud::write_cloud(folder / (name + ".ply"), points);
+  }
+};
+
+constexpr std::array k_names{"1_point_cloud", "2_feature_points", "3_denoised", "4_coarse_line", "5_thinned_line", "6_sequence", "unrolled_curvature"};
+
+}  // namespace
+
+Result<void> write_unrolled(const fs::path& file, const groove::Extraction& extraction) {
+  const groove::Unrolled& unrolled = extraction.products.unrolled;
+  if (unrolled.rows == 0 || unrolled.cols == 0) return {};
+  cv::Mat picture(unrolled.rows, unrolled.cols, CV_8UC3, cv::Scalar(120, 120, 120));
+  for (int row = 0; row < unrolled.rows; ++row) {
+    for (int col = 0; col < unrolled.cols; ++col) {
+      const std::size_t at = unrolled.at(row, col);
+      if (unrolled.known[at] != 0) picture.at<cv::Vec3b>(row, col) = curvature_colour(unrolled.value[at], k_full_colour_per_mm);
+    }
+  }
+  const int scale = std::max(1, 1400 / unrolled.cols);
+  cv::resize(picture, picture, {}, scale, scale, cv::INTER_NEAREST);
+  for (std::size_t s = 0; s < unrolled.section_col.size(); ++s) {
+    const int col = unrolled.section_col[s] * scale;
+    cv::line(picture, {col, 0}, {col, picture.rows - 1}, {90, 140, 90}, 1);
+    const std::string name{static_cast<char>('A' + s), s == 7 ? 'A' : static_cast<char>('B' + s)};
+    cv::putText(picture, name, {col + 4, 16}, cv::FONT_HERSHEY_SIMPLEX, 0.45, {20, 60, 20}, 1, cv::LINE_AA);
+  }
+  const auto& path_row = extraction.products.path_row;
+  for (std::size_t col = 1; col < path_row.size(); ++col) {
+    if (path_row[col] < 0 || path_row[col - 1] < 0) continue;
+    const auto at = [&](std::size_t c) {
+      return cv::Point{static_cast<int>((static_cast<double>(c) + 0.5) * scale), static_cast<int>((path_row[c] + 0.5F) * static_cast<float>(scale))};
+    };
+    cv::line(picture, at(col - 1), at(col), {30, 200, 30}, 1, cv::LINE_AA);
+  }
+  return write_picture(file, picture);
+}
+
+Result<void> write_stages(const fs::path& folder, const groove::Extraction& extraction) {
+  BITELINE_TRY(report::prepare_folder(folder));
+  for (const char* name : k_names) {
+    std::error_code ignored;
+    fs::remove(folder / (std::string(name) + ".png"), ignored);
+    fs::remove(folder / (std::string(name) + ".ply"), ignored);
+  }
+  const groove::Products& products = extraction.products;
+  const Sheet sheet{folder, extraction};
+  const std::vector<cv::Vec3b> curvature = curvature_colours(products.mean_curvature_per_mm);
+  const auto with_points = [&](const std::vector<std::uint32_t>& indices) {
+    return [&](ShoeView& view) {
+      view.draw_cloud({});
+      view.draw_points(indices, k_feature_colour);
+    };
+  };
+  BITELINE_TRY(sheet.write("1_point_cloud", "point cloud, colour: mean curvature (blue concave, red convex)", products.surface,
+                           [&](ShoeView& view) { view.draw_cloud(curvature); }));
+  BITELINE_TRY(sheet.write("2_feature_points", "feature points: strongly concave", subset(products.surface, products.feature_points),
+                           with_points(products.feature_points)));
+  BITELINE_TRY(sheet.write("3_denoised", "feature points without specks", subset(products.surface, products.denoised_points),
+                           with_points(products.denoised_points)));
+  BITELINE_TRY(sheet.write("4_coarse_line", "coarse line: points around the path", subset(products.surface, products.coarse_line),
+                           with_points(products.coarse_line)));
+  BITELINE_TRY(sheet.write("5_thinned_line", "thinned line", as_cloud(products.thinned_line), [&](ShoeView& view) {
+    view.draw_cloud({});
+    view.draw_line(products.thinned_line, std::vector<cv::Vec3b>(products.thinned_line.size(), k_line_colour));
+  }));
+
+  std::vector<Vec3> positions, normals;
+  std::vector<cv::Vec3b> colours;
+  for (const line::LinePoint& point : extraction.line.points) {
+    positions.push_back(point.position);
+    normals.push_back(point.normal);
+    colours.push_back(confidence_colour(point.confidence));
+  }
+  BITELINE_TRY(sheet.write("6_sequence", "the line, colour: confidence (green sure, red unsure); arrows: the upper's normals",
+                           as_cloud(positions), [&](ShoeView& view) {
+                             view.draw_cloud({});
+                             view.draw_line(positions, colours);
+                             view.draw_normals(positions, normals, std::max<std::size_t>(1, positions.size() / 60));
+                           }));
+  return write_unrolled(folder / "unrolled_curvature.png", extraction);
+}
+
+}  // namespace biteline::stages
