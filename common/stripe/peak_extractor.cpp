@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#include "common/stripe/peak_extractor.hpp"
+
+#include <hwy/targets.h>
+
+#include "common/core/contracts.hpp"
+#include "common/stripe/peak_extractor_state.hpp"
+
+namespace biteline::stripe {
+
+PeakExtractor::PeakExtractor(std::unique_ptr<State> state) : state_{std::move(state)} {}
+PeakExtractor::PeakExtractor(PeakExtractor&&) noexcept = default;
+PeakExtractor& PeakExtractor::operator=(PeakExtractor&&) noexcept = default;
+PeakExtractor::~PeakExtractor() = default;
+
+Result<PeakExtractor> PeakExtractor::create(const PeakConfig& config, int width_px, int height_px) {
+  if (width_px < 1 || width_px > static_cast<int>(k_max_columns)) {
+    return fail(Errc::InvalidArgument, "frame width %d: 1 to %zu expected", width_px, k_max_columns);
+  }
+  if (height_px < 2 * k_block_rows || height_px > k_max_rows) {
+    return fail(Errc::InvalidArgument, "frame height %d: %d to %d expected", height_px, 2 * k_block_rows, k_max_rows);
+  }
+  if (!(config.threshold_grey >= 1 && config.threshold_grey <= 254)) {
+    return fail(Errc::InvalidArgument, "threshold_grey %g: 1 to 254 expected", static_cast<double>(config.threshold_grey));
+  }
+  if (!(config.width_min_px > 0 && config.width_max_px > config.width_min_px)) {
+    return fail(Errc::InvalidArgument, "stripe width %g to %g px: rising positive limits expected",
+                static_cast<double>(config.width_min_px), static_cast<double>(config.width_max_px));
+  }
+  if (!(config.noise.read_noise_grey > 0 && config.noise.gain_grey_per_electron >= 0 &&
+        config.noise.speckle_contrast >= 0)) {
+    return fail(Errc::InvalidArgument, "noise model: positive read noise expected");
+  }
+
+  auto state = std::make_unique<State>();
+  state->config = config;
+  state->width_px = width_px;
+  state->height_px = height_px;
+  const std::size_t lanes = (static_cast<std::size_t>(width_px) + k_lane_columns - 1) / k_lane_columns;
+  const std::size_t columns = lanes * k_lane_columns;
+  const std::size_t blocks = (static_cast<std::size_t>(height_px) + k_block_rows - 1) / k_block_rows;
+  state->scratch.background.assign(columns, 0);
+  state->scratch.threshold.assign(columns, 0);
+  state->scratch.active_values.assign(columns * blocks, 0);
+  state->scratch.active_blocks.assign(lanes * blocks, 0);
+  state->scratch.active_counts.assign(lanes, 0);
+  state->scratch.candidates.assign(columns, {});
+  // The instruction set is chosen here and not at the first frame.
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  return PeakExtractor{std::move(state)};
+}
+
+void PeakExtractor::set_column_mask(std::span<const std::uint8_t> mask) {
+  BITELINE_EXPECTS(mask.empty() || mask.size() == static_cast<std::size_t>(state_->width_px));
+  state_->column_mask.assign(mask.begin(), mask.end());
+}
+
+}  // namespace biteline::stripe

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Laser-line extraction: sub-pixel rows per image column.
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "common/core/result.hpp"
+#include "common/rt/annotations.hpp"
+#include "common/stripe/peaks.hpp"
+
+namespace biteline::stripe {
+
+enum class PeakMode : std::uint8_t {
+  Matched,          ///< weighted least squares of the stripe's shape: the noise limit; the default
+  Maximum,          ///< brightest pixel, parabola through its neighbours
+  Threshold,        ///< mean of the two edges at half height
+  CentreOfGravity,  ///< first moment over the run above a tenth of the height
+  FirZeroCrossing,  ///< zero of the smoothed first derivative
+};
+
+/// Variance of one pixel at mean grey value m: read^2 + gain m + (speckle m)^2.
+struct NoiseModel {
+  float read_noise_grey{0.8F};        ///< of the camera, quantisation (0.29) included
+  float gain_grey_per_electron{0.02F};///< full scale at some 12 000 electrons: a CCD of the sensor's kind
+  float speckle_contrast{0.1F};       ///< per pixel, after the optics have averaged over grains
+};
+
+struct PeakConfig {
+  PeakMode mode{PeakMode::Matched};
+  float threshold_grey{12.0F};  ///< a peak is at least this high above its background
+  float width_min_px{1.5F};     ///< full width at half maximum
+  float width_max_px{24.0F};
+  NoiseModel noise;
+};
+
+/// A frame's pixels as the extractor sees them; rows `stride_bytes` apart.
+struct PixelView {
+  const std::uint8_t* pixels{nullptr};
+  std::size_t stride_bytes{0};
+};
+
+/// Finds the stripe's peaks in each column of 8-bit frames.
+///
+/// One row-major pass makes the maximum of every eight rows (vectors of columns, instruction set chosen at run time);
+/// candidates are searched in that small map, and only their surroundings are read again.
+/// Thread: one at a time.  RT: rt_extract.  Memory: all sized in create().
+class PeakExtractor {
+ public:
+  /// Fails on more than k_max_columns columns, fewer than 16 rows, or a config out of range.
+  [[nodiscard]] static Result<PeakExtractor> create(const PeakConfig& config, int width_px, int height_px);
+
+  PeakExtractor(PeakExtractor&&) noexcept;
+  PeakExtractor& operator=(PeakExtractor&&) noexcept;
+  ~PeakExtractor();
+
+  /// Columns with mask 0 are skipped and show no peak.  Pre: one byte per column, or empty for all.
+  void set_column_mask(std::span<const std::uint8_t> mask);
+
+  /// Fills every column of `out`; a column without stripe has no peaks.  Pre: the view has the size given to create().
+  void rt_extract(const PixelView& frame, Peaks& out) noexcept BITELINE_RT;
+
+ private:
+  struct State;
+  explicit PeakExtractor(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace biteline::stripe

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file One frame's way: stripe peaks, which peak, triangulation, robot pose.
+
+#include <memory>
+
+#include "common/core/result.hpp"
+#include "common/geometry/sensor_model.hpp"
+#include "common/profile/profile.hpp"
+#include "common/rt/annotations.hpp"
+#include "common/stripe/peak_extractor.hpp"
+#include "common/stripe/peak_selector.hpp"
+#include "firmware/pipeline/pose_history.hpp"
+#include "firmware/pipeline/triangulation_table.hpp"
+#include "hal/api/frame.hpp"
+
+namespace biteline::pipeline {
+
+/// Makes profiles of frames.  Two steps, since the pose of a frame is best known a little later, when poses after the
+/// exposure have arrived (the smoothing window is centred):
+///
+///     pipeline.rt_process(frame, profile);                    // at once; the frame may be given back then
+///     ...
+///     if (pipeline.rt_pose_ready(profile, poses) || waited_long_enough)
+///       pipeline.rt_stamp(profile, poses);                    // in the order of the frames
+///
+/// After rt_process a profile carries k_profile_pose_missing; rt_stamp clears it and sets stale and extrapolated as they
+/// are.  A profile stamped early is right, only its pose is less smoothed and, without any later pose, extrapolated.
+///
+/// Thread: rt_process keeps state from frame to frame and belongs to one thread; rt_pose_ready and rt_stamp are const and
+/// may run on another one.  RT: rt_ members.  Memory: all sized in create(), some 500 kB.
+class ProfilePipeline {
+ public:
+  struct Config {
+    stripe::PeakConfig peaks;
+    stripe::SelectorConfig selector;
+    geometry::PoseSmoothing pose_smoothing;
+    double stripe_lost_ratio{0.02};  ///< fewer columns than this with a point: k_profile_stripe_lost
+  };
+
+  /// Fails on a region larger than stripe::k_max_columns, a region whose rays miss the laser plane, a bad config.
+  [[nodiscard]] static Result<ProfilePipeline> create(const Config& config, const geometry::SensorModel& sensor);
+
+  ProfilePipeline(ProfilePipeline&&) noexcept;
+  ProfilePipeline& operator=(ProfilePipeline&&) noexcept;
+  ~ProfilePipeline();
+
+  /// Fills `out` but for the pose; header.sequence counts the calls from 0.  Pre: the frame has the region's size.
+  void rt_process(const hal::FrameView& frame, profile::ProfileBuffer& out) noexcept BITELINE_RT;
+
+  /// True when later poses would not change the stamp any more.
+  [[nodiscard]] bool rt_pose_ready(const profile::ProfileBuffer& profile, const PoseHistory& poses) const noexcept
+      BITELINE_RT;
+
+  /// Writes pose, age and flags into the header from the poses that are there.
+  void rt_stamp(profile::ProfileBuffer& profile, const PoseHistory& poses) const noexcept BITELINE_RT;
+
+ private:
+  struct State;
+  explicit ProfilePipeline(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace biteline::pipeline

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Inside of ProfilePipeline: shared by its set-up (allocates) and its hot path (fenced), and by nobody else.
+
+#include "firmware/pipeline/profile_pipeline.hpp"
+
+namespace biteline::pipeline {
+
+struct ProfilePipeline::State {
+  Config config;
+  geometry::Region region;
+  stripe::PeakExtractor extractor;
+  stripe::PeakSelector selector;
+  TriangulationTable table;
+  stripe::Peaks peaks;
+  stripe::Selection selection;
+  std::uint64_t next_sequence{0};
+};
+
+}  // namespace biteline::pipeline
