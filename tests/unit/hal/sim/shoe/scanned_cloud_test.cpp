@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "hal/sim/shoe/scanned_cloud.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <cmath>
+
+namespace biteline::sim {
+
+TEST_GROUP(ScannedCloud) {};
+
+TEST(ScannedCloud, PointsLieOnTheSurfaceUpToTheNoise) {
+  const MadeShoe shoe(draw_shoe(ShoeClass::Deep, 3));
+  const ScanSettings settings{.profile_step_mm = 40, .noise_mm = 0.02};
+  const SE3 T_base_shoe = geometry::make_se3(Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Vec3::UnitZ())), {300, -50, 60});
+  const ScannedCloud sut = scan_quickly(shoe, settings, T_base_shoe);
+
+  const double profiles = std::round(shoe.perimeter_mm() / settings.profile_step_mm);
+  double square_sum = 0;
+  for (std::size_t i = 0; i < sut.points.size(); ++i) {
+    const Vec3 point = T_base_shoe.inverse() * sut.points[i].cast<double>();
+    const double s_mm = shoe.perimeter_mm() * sut.profile[i] / profiles;
+    const Section section = shoe.section(s_mm);
+    const double offset_mm = (point.head<2>() - section.place().point).dot(section.place().normal);
+    const double deviation_mm = (offset_mm - section.offset_mm(point.z())) * shoe.normal(s_mm, point.z()).head<2>().norm();
+    square_sum += deviation_mm * deviation_mm;
+  }
+  const double rms_mm = std::sqrt(square_sum / static_cast<double>(sut.points.size()));
+  // Along the ray, seen at a slant: the share normal to the surface is a little less than the noise.
+  CHECK(rms_mm < settings.noise_mm && rms_mm > 0.7 * settings.noise_mm);
+}
+
+TEST(ScannedCloud, ComesInScanOrder) {
+  const ScannedCloud sut = scan_quickly(MadeShoe(draw_shoe(ShoeClass::Glossy, 3)), {.profile_step_mm = 5}, SE3::Identity());
+  for (std::size_t i = 1; i < sut.points.size(); ++i) {
+    const bool same = sut.profile[i] == sut.profile[i - 1];
+    CHECK(same ? sut.column[i] > sut.column[i - 1] : sut.profile[i] > sut.profile[i - 1]);
+  }
+}
+
+TEST(ScannedCloud, HidesWhatTheLipHides) {
+  // A lip standing 12 mm out hides the wall right above it from a head standing low.
+  ShoeParameters parameters = draw_shoe(ShoeClass::Step, 3);
+  parameters.groove.step_mm = 12;
+  const MadeShoe shoe(parameters);
+  const ScanSettings low{.profile_step_mm = 50, .noise_mm = 0, .camera_distance_mm = 60, .camera_z_mm = 3, .laser_distance_mm = 60, .laser_z_mm = 3};
+  const ScannedCloud sut = scan_quickly(shoe, low, SE3::Identity());
+  const double profiles = std::round(shoe.perimeter_mm() / low.profile_step_mm);
+  for (std::size_t i = 0; i < sut.points.size(); ++i) {
+    const double line_z_mm = shoe.section(shoe.perimeter_mm() * sut.profile[i] / profiles).line_height_mm();
+    CHECK(sut.points[i].z() < line_z_mm - 0.5 || sut.points[i].z() > line_z_mm + 1);
+  }
+}
+
+TEST(ScannedCloud, GlossPatchesAreHoles) {
+  ShoeParameters parameters = draw_shoe(ShoeClass::Deep, 6);
+  const ScannedCloud full = scan_quickly(MadeShoe(parameters), {.profile_step_mm = 3}, SE3::Identity());
+  parameters.gloss = {{.s_mm = 80, .u_mm = 0, .half_length_mm = 12, .half_height_mm = 6}};
+  const ScannedCloud sut = scan_quickly(MadeShoe(parameters), {.profile_step_mm = 3, .gloss_loss_ratio = 1}, SE3::Identity());
+  const double missing_mm2 = static_cast<double>(full.points.size() - sut.points.size()) * 3 * 0.073;
+  const double patch_mm2 = M_PI * 12 * 6;
+  DOUBLES_EQUAL(patch_mm2, missing_mm2, 0.15 * patch_mm2);
+}
+
+}  // namespace biteline::sim
