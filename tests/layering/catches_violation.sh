@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# catches_violation.sh CHECK: the check is worth something only when it goes red on a seeded violation.
+set -u
+tree=$(mktemp -d)
+trap 'rm -rf "$tree"' EXIT
+mkdir -p "$tree"/{common/core,hal/api,firmware/app,host/groove}
+echo '#include "common/core/result.hpp"' >"$tree/host/groove/good.cpp"
+"$1" "$tree" >/dev/null || { echo "red on a clean tree"; exit 1; }
+for seed in 'common/core/a.hpp hal/api/frame.hpp' 'host/groove/b.cpp hal/api/frame.hpp' 'host/groove/c.cpp host/robot/link.hpp' \
+  'hal/api/d.hpp firmware/app/x.hpp'; do
+  set -- "$1" $seed
+  echo "#include \"$3\"" >"$tree/$2"
+  if "$1" "$tree" >/dev/null; then
+    echo "green although $2 includes $3"
+    exit 1
+  fi
+  rm "$tree/$2"
+done

@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# check_layers.sh ROOT: every #include "layer/..." stays within what its layer may know.
+#   common <- hal <- firmware, common <- host; inside host the algorithms know neither ingest, robot nor apps;
+#   vendor headers stay out of hal/api and of common (but for common/config and common/image).
+set -u
+root=$1
+bad=0
+
+# forbid FOLDER PATTERN WHY: no file below FOLDER includes what PATTERN (an extended regular expression) names.
+forbid() {
+  local found
+  found=$(cd "$root" && grep -rnE --include='*.hpp' --include='*.cpp' "^[[:space:]]*#[[:space:]]*include [\"<]($2)" $1 2>/dev/null)
+  if [ -n "$found" ]; then
+    echo "layering: $3"
+    echo "$found"
+    bad=1
+  fi
+}
+
+forbid common '(hal|firmware|host|tests)/' 'common knows no other layer'
+forbid hal '(firmware|host|tests)/' 'hal knows common only'
+forbid firmware '(host|tests)/' 'firmware knows common and hal'
+forbid host '(hal|firmware|tests)/' 'host knows common only: sensor and robot are network peers'
+for algorithm in cloud line measure curvature groove calib surface registration kinematics trajectory; do
+  forbid "host/$algorithm" 'host/(ingest|robot|apps)/' 'algorithms know neither the network nor the programs'
+done
+forbid hal/api '(linux|gpiod|arv|aravis|embree)' 'no vendor header in hal/api'
+forbid 'common/core common/time common/geometry common/profile common/rt common/stripe' '(yaml-cpp|spng|opencv2|zmq|sys/|linux/)' \
+  'the inner modules of common know no library beyond Eigen and Highway, and no operating system'
+exit $bad
