@@ -32,7 +32,9 @@ std::string cell(const Json& row, const char* key) {
 /// Adds the program's rows; false when it failed.
 bool run(const fs::path& program, std::vector<Json>& rows) {
   std::fprintf(stderr, "bench: %s\n", program.filename().c_str());
-  std::FILE* output = ::popen(("'" + program.string() + "'").c_str(), "r");
+  std::string command{"'"};
+  command.append(program.string()).append("'");
+  std::FILE* output = ::popen(command.c_str(), "r");
   if (output == nullptr) return false;
   std::string line;
   for (int c = std::fgetc(output); c != EOF; c = std::fgetc(output)) {
