@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   app.fallthrough();
   app.add_flag("--quiet", context.options.quiet, "No progress, no words beyond the result");
   app.add_flag("--json", context.options.json, "Results on stdout as JSON");
+  add_doctor(app, context);
   add_evaluate(app, context);
 
   try {

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+// biteline doctor: what of this machine and board is ready, and the one step for each thing that is not.
+#include <fcntl.h>
+#include <sched.h>
+#include <sys/resource.h>
+#include <sys/utsname.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "host/apps/biteline/command.hpp"
+
+namespace biteline::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Finding {
+  std::string what;
+  bool ready{false};
+  std::string seen;
+  std::string step;  ///< empty when ready
+};
+
+std::string first_line(const fs::path& file) {
+  std::ifstream stream(file);
+  std::string line;
+  std::getline(stream, line);
+  return line;
+}
+
+/// Names in `folder` that begin with `prefix`.
+std::vector<fs::path> entries(const fs::path& folder, const std::string& prefix) {
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (fs::directory_iterator it{folder, error}, end; !error && it != end; it.increment(error)) {
+    if (it->path().filename().string().starts_with(prefix)) found.push_back(it->path());
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+Finding check_program(const std::string& name) {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path() / name;
+  const bool there = ::access(program.c_str(), X_OK) == 0;
+  return {"program " + name, there, there ? program.string() : "not beside this program", there ? "" : "run ./run build"};
+}
+
+Finding check_processors() {
+  const unsigned count = std::thread::hardware_concurrency();
+  return {"processors", count >= 2, std::to_string(count), count >= 2 ? "" : "use a machine with two cores or more: scan and host share them"};
+}
+
+Finding check_realtime_kernel() {
+  const bool rt = first_line("/sys/kernel/realtime") == "1";
+  utsname name{};
+  ::uname(&name);
+  return {"real-time kernel", rt, name.release, rt ? "" : "on the sensor: apt-get install linux-image-rt-$(dpkg --print-architecture); elsewhere start biteline-sensor with --rt=ignore"};
+}
+
+Finding check_limit(const std::string& what, __rlimit_resource resource, rlim_t wanted, const std::string& systemd_name) {
+  rlimit limit{};
+  ::getrlimit(resource, &limit);
+  const bool ready = ::geteuid() == 0 || limit.rlim_cur == RLIM_INFINITY || limit.rlim_cur >= wanted;
+  const std::string seen = limit.rlim_cur == RLIM_INFINITY ? "unlimited" : std::to_string(limit.rlim_cur);
+  return {what, ready, ::geteuid() == 0 ? seen + " (root)" : seen,
+          ready ? "" : "set " + systemd_name + " in the unit, or the limit in /etc/security/limits.d/biteline.conf"};
+}
+
+/// Device files of one kind, and whether this user may open them.
+Finding check_device(const std::string& what, const fs::path& folder, const std::string& prefix, const std::string& step) {
+  const auto found = entries(folder, prefix);
+  if (found.empty()) return {what, false, "none", step};
+  for (const fs::path& device : found) {
+    if (::access(device.c_str(), R_OK | W_OK) == 0) return {what, true, device.string(), ""};
+  }
+  return {what, false, found.front().string() + ": no permission", "install the board's udev rules and join the group biteline"};
+}
+
+Finding check_can() {
+  for (const fs::path& interface : entries("/sys/class/net", "")) {
+    // 280: ARPHRD_CAN of linux/if_arp.h.
+    if (first_line(interface / "type") != "280") continue;
+    const std::string name = interface.filename();
+    const bool up = first_line(interface / "operstate") != "down";
+    return {"CAN interface", up, name + (up ? "" : " is down"), up ? "" : "ip link set " + name + " up type can bitrate 500000 restart-ms 100"};
+  }
+  return {"CAN interface", false, "none", "enable the board's overlay, or take poses over RTDE"};
+}
+
+Finding check_receive_buffer() {
+  // Two frames of 1626 x 1236 in packets with their headers; below that GigE Vision loses packets at the first hiccup.
+  constexpr long k_wanted_bytes = 5'000'000;
+  const std::string seen = first_line("/proc/sys/net/core/rmem_max");
+  const bool ready = std::strtol(seen.c_str(), nullptr, 10) >= k_wanted_bytes;
+  return {"network receive buffer", ready, seen + " bytes", ready ? "" : "sysctl -w net.core.rmem_max=8388608 (GigE Vision)"};
+}
+
+Finding check_clock_source() {
+  const std::string source = first_line("/sys/devices/system/clocksource/clocksource0/current_clocksource");
+  const bool ready = !source.empty() && source != "jiffies" && source != "refined-jiffies";
+  return {"clock source", ready, source, ready ? "" : "boot without clocksource=jiffies"};
+}
+
+std::vector<Finding> examine() {
+  return {
+      check_program("biteline-sensor"),
+      check_program("biteline-host"),
+      check_program("biteline-cell"),
+      check_processors(),
+      check_clock_source(),
+      check_receive_buffer(),
+      check_realtime_kernel(),
+      check_limit("real-time priority", RLIMIT_RTPRIO, 80, "LimitRTPRIO=80"),
+      check_limit("locked memory", RLIMIT_MEMLOCK, RLIM_INFINITY, "LimitMEMLOCK=infinity"),
+      check_device("V4L2 camera", "/dev", "video", "connect the camera and enable the board's overlay, or use a GigE camera"),
+      check_device("GPIO (laser enable, interlock)", "/dev", "gpiochip", "enable the board's overlay"),
+      check_device("PWM (hardware trigger)", "/sys/class/pwm", "pwmchip", "enable the board's overlay; without it the trigger is timed by software"),
+      check_can(),
+      check_device("PTP clock", "/dev", "ptp", "use a network controller with a hardware clock; without one the camera's clock is fitted"),
+      check_device("watchdog", "/dev", "watchdog", "enable the board's watchdog; systemd's own still works"),
+  };
+}
+
+}  // namespace
+
+void add_doctor(CLI::App& app, Context& context) {
+  CLI::App* command = app.add_subcommand("doctor", "Say what of this machine and board is ready, and the one step for what is not");
+  command->callback([&context] {
+    context.run = [&context]() -> Result<ExitStatus> {
+      const std::vector<Finding> findings = examine();
+      if (context.options.json) {
+        nlohmann::ordered_json list = nlohmann::ordered_json::array();
+        for (const Finding& f : findings) list.push_back({{"what", f.what}, {"ready", f.ready}, {"seen", f.seen}, {"step", f.step}});
+        std::printf("%s\n", list.dump(2).c_str());
+        return ExitStatus::Done;
+      }
+      for (const Finding& f : findings) {
+        std::printf("%-7s %-32s %s\n", f.ready ? "ready" : "missing", f.what.c_str(), f.seen.c_str());
+        if (!f.ready) std::printf("        %-32s -> %s\n", "", f.step.c_str());
+      }
+      return ExitStatus::Done;
+    };
+  });
+}
+
+}  // namespace biteline::app
