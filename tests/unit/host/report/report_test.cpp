@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#include "host/report/report.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <sstream>
+
+#include "host/report/page.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace biteline::report {
+
+TEST_GROUP(Report) {
+  test::TemporaryFolder folder;
+
+  std::string content(const std::string& name) const {
+    std::ifstream file(folder.path() / name);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+  }
+  nlohmann::json written(Report& report) const {
+    SUCCEEDS(report.write(folder.path()));
+    return nlohmann::json::parse(content("report.json"));
+  }
+};
+
+TEST(Report, StagesAndFieldsAreWritten) {
+  Report sut;
+  LONGS_EQUAL(7, sut.timed("read", [] { return 7; }));
+  sut.timed("read", [] {});
+  sut.fields["points"] = 3;
+  const auto json = written(sut);
+  STRCMP_EQUAL("ok", json["status"].get<std::string>().c_str());
+  LONGS_EQUAL(3, json["points"].get<int>());
+  LONGS_EQUAL(1, json["stages"].size());
+  CHECK(json["stages"]["read"].get<double>() >= 0);
+  CHECK(json["total_s"].get<double>() >= json["stages"]["read"].get<double>());
+  CHECK(!json.contains("reason"));
+}
+
+TEST(Report, TimeForPicturesStaysOutOfTheTotal) {
+  Report sut;
+  volatile double work = 0;
+  sut.timed_aside("pictures", [&] {
+    for (int i = 0; i < 3'000'000; ++i) work = work + 1;
+  });
+  const auto json = written(sut);
+  CHECK(json["stages"]["pictures"].get<double>() > json["total_s"].get<double>());
+}
+
+TEST(Report, RefusalHasItsReason) {
+  Report sut;
+  sut.refuse("no crease anywhere");
+  const auto json = written(sut);
+  STRCMP_EQUAL("refused", json["status"].get<std::string>().c_str());
+  STRCMP_EQUAL("no crease anywhere", json["reason"].get<std::string>().c_str());
+}
+
+TEST(Report, FileThatCannotBeWrittenLeavesTheOldOne) {
+  folder.write("sub/report.json", "old");
+  Report sut;
+  FAILS_NAMING(Errc::WriteFailed, "report.json", sut.write(folder.path() / "absent"));
+  STRCMP_EQUAL("old", content("sub/report.json").c_str());
+}
+
+TEST(Report, PageEscapesWhatItShows) {
+  Page sut{"<script>", "a & b", Page::Mood::Good};
+  sut.figures({{"\"x\"", "1 < 2"}});
+  SUCCEEDS(sut.write(folder.path() / "index.html"));
+  const std::string html = content("index.html");
+  STRCMP_CONTAINS("&lt;script&gt;", html.c_str());
+  STRCMP_CONTAINS("a &amp; b", html.c_str());
+  STRCMP_CONTAINS("1 &lt; 2", html.c_str());
+  CHECK(html.find("<script>") == std::string::npos);
+}
+
+}  // namespace biteline::report
