@@ -32,7 +32,7 @@ Result<void> Report::write(const fs::path& folder) {
   nlohmann::ordered_json all;
   all["status"] = refused_ ? "refused" : "ok";
   if (refused_) all["reason"] = reason_;
-  all.update(fields);
+  if (!fields.is_null()) all.update(fields);
   all["stages"] = stages_.is_null() ? nlohmann::ordered_json::object() : stages_;
   all["total_s"] = total_s_;
   return write_file_atomically(folder / "report.json", all.dump(2) + "\n");
