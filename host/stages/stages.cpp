@@ -2,7 +2,7 @@
 #include "host/stages/stages.hpp"
 
 #include <array>
-#include <cmath>
+#include <functional>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
@@ -62,23 +62,35 @@ std::vector<cv::Vec3b> curvature_colours(const std::vector<float>& curvature_per
   return colours;
 }
 
+struct StageName {
+  const char* file;
+  const char* caption;
+};
+constexpr std::array k_stages{
+    StageName{"1_point_cloud", "point cloud, colour: mean curvature (blue concave, red convex)"},
+    StageName{"2_feature_points", "feature points: strongly concave"},
+    StageName{"3_denoised", "feature points without specks"},
+    StageName{"4_coarse_line", "coarse line: points around the path"},
+    StageName{"5_thinned_line", "thinned line"},
+    StageName{"6_sequence", "the line, colour: confidence (green sure, red unsure); arrows: the upper's normals"},
+    StageName{"unrolled_curvature", "mean curvature unrolled into eight sections; green: the path"},
+};
+
 /// One stage's two files.
 struct Sheet {
   const fs::path& folder;
   const groove::Extraction& extraction;
 
-  Result<void> write(const std::string& name, const std::string& caption, const cloud::PointCloud& points,
-                     const std::function<void(ShoeView&)>& draw) const {
+  Result<void> write(const StageName& stage, const cloud::PointCloud& points, const std::function<void(ShoeView&)>& draw) const {
     if (points.points.empty()) return {};
     ShoeView view{extraction.products.surface, extraction.T_base_shoe};
     draw(view);
-    view.caption(caption);
-    BITELINE_TRY(write_picture(folder / (name + ".png"), view.picture()));
-    return cloud::write_cloud(folder / (name + ".ply"), points);
+    view.caption(stage.caption);
+    BITELINE_TRY(write_picture(folder / (std::string(stage.file) + ".png"), view.picture()));
+    return cloud::write_cloud(folder / (std::string(stage.file) + ".ply"), points);
   }
 };
 
-constexpr std::array k_names{"1_point_cloud", "2_feature_points", "3_denoised", "4_coarse_line", "5_thinned_line", "6_sequence", "unrolled_curvature"};
 
 }  // namespace
 
@@ -113,10 +125,10 @@ Result<void> write_unrolled(const fs::path& file, const groove::Extraction& extr
 
 Result<void> write_stages(const fs::path& folder, const groove::Extraction& extraction) {
   BITELINE_TRY(report::prepare_folder(folder));
-  for (const char* name : k_names) {
+  for (const StageName& stage : k_stages) {
     std::error_code ignored;
-    fs::remove(folder / (std::string(name) + ".png"), ignored);
-    fs::remove(folder / (std::string(name) + ".ply"), ignored);
+    fs::remove(folder / (std::string(stage.file) + ".png"), ignored);
+    fs::remove(folder / (std::string(stage.file) + ".ply"), ignored);
   }
   const groove::Products& products = extraction.products;
   const Sheet sheet{folder, extraction};
@@ -127,15 +139,15 @@ Result<void> write_stages(const fs::path& folder, const groove::Extraction& extr
       view.draw_points(indices, k_feature_colour);
     };
   };
-  BITELINE_TRY(sheet.write("1_point_cloud", "point cloud, colour: mean curvature (blue concave, red convex)", products.surface,
+  BITELINE_TRY(sheet.write(k_stages[0], products.surface,
                            [&](ShoeView& view) { view.draw_cloud(curvature); }));
-  BITELINE_TRY(sheet.write("2_feature_points", "feature points: strongly concave", subset(products.surface, products.feature_points),
+  BITELINE_TRY(sheet.write(k_stages[1], subset(products.surface, products.feature_points),
                            with_points(products.feature_points)));
-  BITELINE_TRY(sheet.write("3_denoised", "feature points without specks", subset(products.surface, products.denoised_points),
+  BITELINE_TRY(sheet.write(k_stages[2], subset(products.surface, products.denoised_points),
                            with_points(products.denoised_points)));
-  BITELINE_TRY(sheet.write("4_coarse_line", "coarse line: points around the path", subset(products.surface, products.coarse_line),
+  BITELINE_TRY(sheet.write(k_stages[3], subset(products.surface, products.coarse_line),
                            with_points(products.coarse_line)));
-  BITELINE_TRY(sheet.write("5_thinned_line", "thinned line", as_cloud(products.thinned_line), [&](ShoeView& view) {
+  BITELINE_TRY(sheet.write(k_stages[4], as_cloud(products.thinned_line), [&](ShoeView& view) {
     view.draw_cloud({});
     view.draw_line(products.thinned_line, std::vector<cv::Vec3b>(products.thinned_line.size(), k_line_colour));
   }));
@@ -147,13 +159,23 @@ Result<void> write_stages(const fs::path& folder, const groove::Extraction& extr
     normals.push_back(point.normal);
     colours.push_back(confidence_colour(point.confidence));
   }
-  BITELINE_TRY(sheet.write("6_sequence", "the line, colour: confidence (green sure, red unsure); arrows: the upper's normals",
+  BITELINE_TRY(sheet.write(k_stages[5],
                            as_cloud(positions), [&](ShoeView& view) {
                              view.draw_cloud({});
                              view.draw_line(positions, colours);
                              view.draw_normals(positions, normals, std::max<std::size_t>(1, positions.size() / 60));
                            }));
-  return write_unrolled(folder / "unrolled_curvature.png", extraction);
+  return write_unrolled(folder / (std::string(k_stages[6].file) + ".png"), extraction);
+}
+
+std::vector<std::pair<std::string, std::string>> pictures(const fs::path& folder) {
+  std::vector<std::pair<std::string, std::string>> found;
+  for (const StageName& stage : k_stages) {
+    const std::string file = std::string(stage.file) + ".png";
+    std::error_code ignored;
+    if (fs::exists(folder / file, ignored)) found.emplace_back(file, stage.caption);
+  }
+  return found;
 }
 
 }  // namespace biteline::stages

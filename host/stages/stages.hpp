@@ -3,6 +3,9 @@
 /// \file stages/: what every stage of the extraction saw, as pictures and as clouds (the article's Figures 24 to 26).
 
 #include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "common/core/result.hpp"
 #include "host/groove/extract.hpp"
@@ -14,6 +17,9 @@ namespace biteline::stages {
 /// unrolled_curvature.png.  A refused extraction has the stages that it reached; the others are left out, and removed.
 /// Pre: the extraction kept its products.
 [[nodiscard]] Result<void> write_stages(const std::filesystem::path& folder, const groove::Extraction& extraction);
+
+/// The pictures that `folder` holds, in the order of the stages: file name and what it shows.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> pictures(const std::filesystem::path& folder);
 
 /// The unrolled mean curvature with the sections' borders and the path, as an 8-bit BGR PNG.
 [[nodiscard]] Result<void> write_unrolled(const std::filesystem::path& file, const groove::Extraction& extraction);
