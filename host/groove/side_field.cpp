@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: MIT
+#include "host/groove/side_field.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+namespace biteline::groove {
+
+namespace {
+
+// Coarse cells in which layers are told apart: 2 mm along and 1 mm up, or larger where points are few.
+constexpr double k_layer_s_mm = 2.0;
+constexpr double k_layer_z_mm = 1.0;
+constexpr double k_layer_points = 20.0;
+constexpr float k_layer_o_mm = 0.75F;
+constexpr float k_inner_mm = 44.0F;  // how far inside the outline a surface may lie: a toe's top does
+constexpr float k_outer_mm = 16.0F;
+constexpr int k_layer_bins = 80;
+
+std::vector<Place> locate_all(std::span<const Eigen::Vector3f> points, const Outline& outline) {
+  std::vector<Place> places(points.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>{0, points.size(), 8192}, [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      const Outline::Foot foot = outline.locate(points[i].x(), points[i].y());
+      const bool usable = foot.valid && foot.o_mm > -k_inner_mm && foot.o_mm < k_outer_mm;
+      places[i] = {usable ? foot.s_mm : -1.0F, foot.o_mm, points[i].z()};
+    }
+  });
+  return places;
+}
+
+/// The innermost o that still belongs to the outermost layer, per coarse cell.
+class OuterLayer {
+ public:
+  OuterLayer(std::span<const Place> places, const SideGrid& grid, double length_mm, double gap_mm) {
+    const double height_mm = grid.rows * grid.row_mm;
+    const double points_per_mm2 = static_cast<double>(places.size()) / (length_mm * height_mm);
+    const double grow = std::clamp(std::sqrt(k_layer_points / (k_layer_s_mm * k_layer_z_mm * points_per_mm2)), 1.0, 3.0);
+    cols_ = std::max(3, static_cast<int>(length_mm / (k_layer_s_mm * grow)));
+    row_mm_ = static_cast<float>(k_layer_z_mm * grow);
+    rows_ = static_cast<int>(static_cast<float>(height_mm) / row_mm_) + 1;
+    per_s_ = static_cast<float>(cols_ / length_mm);
+    z_low_ = static_cast<float>(grid.z_low_mm);
+    std::vector<std::uint16_t> counts(static_cast<std::size_t>(cols_ * rows_) * k_layer_bins, 0);
+    for (const Place& place : places) {
+      const std::int32_t cell = cell_of(place);
+      if (cell < 0) continue;
+      auto& count = counts[static_cast<std::size_t>(cell) * k_layer_bins + bin_of(place.o_mm)];
+      if (count < 65535) ++count;
+    }
+    limit_.assign(static_cast<std::size_t>(cols_ * rows_), -k_inner_mm);
+    const int gap_bins = std::max(1, static_cast<int>(std::lround(gap_mm / static_cast<double>(k_layer_o_mm))));
+    std::vector<float> top(limit_.size(), k_nothing_mm);
+    for (std::size_t cell = 0; cell < limit_.size(); ++cell) {
+      const Cluster cluster = outermost_cluster({counts.data() + cell * k_layer_bins, k_layer_bins}, gap_bins);
+      limit_[cell] = cluster.low_mm;
+      top[cell] = cluster.high_mm;
+    }
+    follow_neighbours(top, static_cast<float>(gap_mm));
+  }
+
+  [[nodiscard]] bool contains(const Place& place) const {
+    const std::int32_t cell = cell_of(place);
+    return cell >= 0 && place.o_mm >= limit_[static_cast<std::size_t>(cell)];
+  }
+
+ private:
+  [[nodiscard]] std::int32_t cell_of(const Place& place) const {
+    if (place.s_mm < 0) return -1;
+    const int col = std::min(cols_ - 1, static_cast<int>(place.s_mm * per_s_));
+    const int row = static_cast<int>((place.z_mm - z_low_) / row_mm_);
+    if (place.z_mm < z_low_ || row >= rows_) return -1;
+    return row * cols_ + col;
+  }
+  static std::size_t bin_of(float o_mm) {
+    return static_cast<std::size_t>(std::clamp((o_mm + k_inner_mm) / k_layer_o_mm, 0.0F, k_layer_bins - 1.0F));
+  }
+
+  struct Cluster {
+    float low_mm{-k_inner_mm};
+    float high_mm{k_nothing_mm};
+  };
+
+  /// Goes inwards from the outermost bin and stops at the first gap behind a cluster that is more than a stray point.
+  static Cluster outermost_cluster(std::span<const std::uint16_t> counts, int gap_bins) {
+    std::uint32_t total = 0;
+    for (const std::uint16_t count : counts) total += count;
+    if (total == 0) return {};
+    const std::uint32_t enough = std::clamp<std::uint32_t>(total / 12, 1, 4);
+    std::uint32_t cluster = 0;
+    int empty = 0;
+    int lowest = 0;
+    int highest = 0;
+    for (int bin = k_layer_bins - 1; bin >= 0; --bin) {
+      const std::uint16_t count = counts[static_cast<std::size_t>(bin)];
+      if (count > 0) {
+        if (cluster == 0) highest = bin;
+        cluster += count;
+        lowest = bin;
+        empty = 0;
+      } else if (cluster > 0 && ++empty >= gap_bins) {
+        if (cluster >= enough) break;
+        cluster = 0;
+      }
+    }
+    const auto edge = [](int bin) { return static_cast<float>(bin) * k_layer_o_mm - k_inner_mm; };
+    return {edge(lowest) - 0.01F, edge(highest + 1)};
+  }
+
+  /// A cell whose outermost points lie a layer behind those of most cells around it has seen only the inner layer.
+  void follow_neighbours(const std::vector<float>& top, float gap_mm) {
+    const std::vector<float> limit = limit_;
+    std::array<std::pair<float, float>, 25> around;
+    for (int row = 0; row < rows_; ++row) {
+      for (int col = 0; col < cols_; ++col) {
+        std::size_t count = 0;
+        for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r) {
+          for (int c = col - 2; c <= col + 2; ++c) {
+            const auto other = static_cast<std::size_t>(r * cols_ + (c + cols_) % cols_);
+            if (top[other] > k_nothing_mm) around[count++] = {top[other], limit[other]};
+          }
+        }
+        const auto cell = static_cast<std::size_t>(row * cols_ + col);
+        if (count < 3 || top[cell] <= k_nothing_mm) continue;
+        const auto middle = around.begin() + static_cast<std::ptrdiff_t>(count / 2);
+        std::nth_element(around.begin(), middle, around.begin() + static_cast<std::ptrdiff_t>(count));
+        if (top[cell] < middle->first - gap_mm - k_layer_o_mm) limit_[cell] = std::max(limit_[cell], middle->second);
+      }
+    }
+  }
+
+  static constexpr float k_nothing_mm = -1000.0F;
+  float row_mm_{0};
+  int cols_{0};
+  int rows_{0};
+  float per_s_{0};
+  float z_low_{0};
+  std::vector<float> limit_;
+};
+
+/// Per cell: weight, sum of z offsets from the cell's middle, sum of o, sum of o times offset.
+struct Moments {
+  std::vector<float> w, wz, o, oz;
+  explicit Moments(std::size_t size) : w(size, 0), wz(size, 0), o(size, 0), oz(size, 0) {}
+};
+
+void blur_along(std::vector<float>& field, const SideGrid& grid, double sigma_cols) {
+  const int reach = static_cast<int>(std::ceil(3 * sigma_cols));
+  std::vector<float> kernel;
+  for (int j = -reach; j <= reach; ++j) kernel.push_back(static_cast<float>(std::exp(-0.5 * std::pow(j / sigma_cols, 2))));
+  tbb::parallel_for(tbb::blocked_range<int>{0, grid.rows, 16}, [&](const auto& range) {
+    std::vector<float> padded(static_cast<std::size_t>(grid.cols + 2 * reach));
+    for (int row = range.begin(); row != range.end(); ++row) {
+      float* line = field.data() + grid.at(row, 0);
+      for (int c = 0; c < grid.cols + 2 * reach; ++c) padded[static_cast<std::size_t>(c)] = line[((c - reach) % grid.cols + grid.cols) % grid.cols];
+      std::fill(line, line + grid.cols, 0.0F);
+      for (std::size_t j = 0; j < kernel.size(); ++j) {
+        for (int c = 0; c < grid.cols; ++c) line[c] += kernel[j] * padded[static_cast<std::size_t>(c) + j];
+      }
+    }
+  });
+}
+
+/// Local straight line in z through Gaussian weights, evaluated at each cell's middle: unlike a plain weighted mean it is
+/// right on slopes with uneven density and at borders.
+void fit_rows(const Moments& m, const SideGrid& grid, double sigma_rows, double min_weight, SideField& field) {
+  const int reach = static_cast<int>(std::ceil(3 * sigma_rows));
+  tbb::parallel_for(tbb::blocked_range<int>{0, grid.rows, 8}, [&](const auto& range) {
+    const auto cols = static_cast<std::size_t>(grid.cols);
+    std::vector<float> s0(cols), s1(cols), s2(cols), t0(cols), t1(cols), up(cols), down(cols);
+    for (int row = range.begin(); row != range.end(); ++row) {
+      for (auto* sums : {&s0, &s1, &s2, &t0, &t1, &up, &down}) std::fill(sums->begin(), sums->end(), 0.0F);
+      for (int j = -reach; j <= reach; ++j) {
+        const int other = row + j;
+        if (other < 0 || other >= grid.rows) continue;
+        const auto g = static_cast<float>(std::exp(-0.5 * std::pow(j / sigma_rows, 2)));
+        const auto d = static_cast<float>(j);
+        const std::size_t base = grid.at(other, 0);
+        std::vector<float>& side = j < 0 ? down : up;
+        for (std::size_t c = 0; c < cols; ++c) {
+          const float w = g * m.w[base + c];
+          const float wz = g * m.wz[base + c];
+          const float o = g * m.o[base + c];
+          s0[c] += w;
+          s1[c] += d * w + wz;
+          s2[c] += d * d * w + 2 * d * wz;
+          t0[c] += o;
+          t1[c] += d * o + g * m.oz[base + c];
+          if (j != 0) side[c] += w;
+        }
+      }
+      for (std::size_t c = 0; c < cols; ++c) {
+        const std::size_t cell = grid.at(row, 0) + c;
+                if (s0[c] < static_cast<float>(min_weight)) continue;
+        const float det = s0[c] * s2[c] - s1[c] * s1[c];
+        field.o_mm[cell] = det > 0.02F * s0[c] * s0[c] ? (t0[c] * s2[c] - t1[c] * s1[c]) / det : t0[c] / s0[c];
+        field.seen[cell] = std::min(up[c], down[c]) > 0.12F * s0[c] ? 1 : 0;
+      }
+    }
+  });
+}
+
+/// Angle of the section's tangent against upright, and its change over `reach` rows below and above.
+void turns(SideField& field, double reach_mm, std::vector<float>& turn) {
+  const SideGrid& grid = field.grid;
+  const int reach = std::max(1, static_cast<int>(std::lround(reach_mm / grid.row_mm)));
+  turn.assign(grid.size(), 0.0F);
+  tbb::parallel_for(tbb::blocked_range<int>{reach, grid.rows - reach, 8}, [&](const auto& range) {
+    const auto span = static_cast<float>(reach * grid.row_mm);
+    for (int row = range.begin(); row != range.end(); ++row) {
+      for (int c = 0; c < grid.cols; ++c) {
+        const std::size_t low = grid.at(row - reach, c);
+        const std::size_t mid = grid.at(row, c);
+        const std::size_t high = grid.at(row + reach, c);
+        if (field.seen[low] == 0 || field.seen[mid] == 0 || field.seen[high] == 0) continue;
+        turn[mid] = std::atan((field.o_mm[high] - field.o_mm[mid]) / span) - std::atan((field.o_mm[mid] - field.o_mm[low]) / span);
+      }
+    }
+  });
+}
+
+}  // namespace
+
+SideField SideField::build(std::span<const Eigen::Vector3f> points, const Outline& outline, const Config& config) {
+  SideField field;
+  float lowest = 1e9F;
+  float highest = -1e9F;
+  for (const Eigen::Vector3f& p : points) {
+    lowest = std::min(lowest, p.z());
+    highest = std::max(highest, p.z());
+  }
+  SideGrid& grid = field.grid;
+  grid.row_mm = config.row_mm;
+  grid.z_low_mm = static_cast<double>(lowest);
+  grid.rows = std::max(16, static_cast<int>(std::min(config.top_mm, static_cast<double>(highest - lowest)) / config.row_mm) + 1);
+  grid.cols = static_cast<int>(outline.length_mm() / config.col_mm);
+  grid.col_mm = outline.length_mm() / grid.cols;
+
+  field.places = locate_all(points, outline);
+  const OuterLayer outer{field.places, grid, outline.length_mm(), config.lining_gap_mm};
+  Moments moments{grid.size()};
+  std::size_t used = 0;
+  for (Place& place : field.places) {
+    if (!outer.contains(place)) {
+      place.s_mm = -1.0F;
+      continue;
+    }
+    const auto z = static_cast<float>((static_cast<double>(place.z_mm) - grid.z_low_mm) / grid.row_mm);
+    const int row = static_cast<int>(z);
+    if (row >= grid.rows) continue;
+    const int col = static_cast<int>(static_cast<double>(place.s_mm) / grid.col_mm) % grid.cols;
+    const std::size_t cell = grid.at(row, col);
+    const float dz = z - static_cast<float>(row) - 0.5F;
+    moments.w[cell] += 1.0F;
+    moments.wz[cell] += dz;
+    moments.o[cell] += place.o_mm;
+    moments.oz[cell] += place.o_mm * dz;
+    ++used;
+  }
+  for (auto* sums : {&moments.w, &moments.wz, &moments.o, &moments.oz}) blur_along(*sums, grid, config.sigma_s_mm / grid.col_mm);
+
+  field.o_mm.assign(grid.size(), 0.0F);
+  field.seen.assign(grid.size(), 0);
+  // A place counts as seen with at least two points' worth of weight, and a twentieth of what is usual in this cloud.
+  const double usual = static_cast<double>(used) / static_cast<double>(grid.size()) * 2 * 3.14159 * (config.sigma_s_mm / grid.col_mm) * (config.sigma_z_mm / grid.row_mm);
+  fit_rows(moments, grid, config.sigma_z_mm / grid.row_mm, std::max(1.5, 0.05 * usual), field);
+  const auto seen = static_cast<double>(std::count(field.seen.begin(), field.seen.end(), 1));
+  field.points_per_mm2 = static_cast<double>(used) / std::max(1.0, seen * grid.row_mm * grid.col_mm);
+  turns(field, 0.75, field.turn_rad);
+  turns(field, 1.5, field.wide_turn_rad);
+  return field;
+}
+
+}  // namespace biteline::groove
