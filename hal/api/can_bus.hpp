@@ -37,6 +37,7 @@ struct CanHealth {
   std::uint64_t frames_dropped{0};  ///< by the kernel: our queue was full
   std::uint64_t bus_errors{0};
   std::uint64_t restarts{0};        ///< returns from bus-off
+  std::uint64_t stamps_estimated{0};  ///< the kernel's stamp was unusable (wall clock stepped): time of reading instead
 };
 
 /// Open from open() to the end of the object.  Bus-off is a state and not the end: the kernel restarts the controller

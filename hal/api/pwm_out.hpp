@@ -33,6 +33,8 @@ class PwmOut {
   [[nodiscard]] virtual Result<void> start() = 0;
   [[nodiscard]] virtual Result<void> stop() noexcept = 0;
   [[nodiscard]] virtual bool running() const noexcept = 0;
+  /// false: a thread toggles a line (SoftwarePwm); its jitter is the scheduler's, and health says so.
+  [[nodiscard]] virtual bool hardware_timed() const noexcept { return true; }
 };
 
 }  // namespace biteline::hal

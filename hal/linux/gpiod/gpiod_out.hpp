@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file GpioOut on the kernel's GPIO character device.
+
+#include <memory>
+
+#include "hal/api/gpio_out.hpp"
+#include "hal/linux/gpiod/line_request.hpp"
+
+namespace biteline::hal {
+
+/// The kernel gives the line back to its pull when the process ends in any way, SIGKILL included.
+class GpiodOut final : public GpioOut {
+ public:
+  [[nodiscard]] static Result<std::unique_ptr<GpiodOut>> open(const GpioLineAddress& address);
+  ~GpiodOut() override;
+
+  [[nodiscard]] Result<void> set(bool active) noexcept override;
+  [[nodiscard]] Result<bool> read_back() noexcept override;
+
+ private:
+  GpiodOut(Descriptor request, const std::string& name) : request_{std::move(request)}, name_{name} {}
+
+  Descriptor request_;
+  std::string name_;
+};
+
+}  // namespace biteline::hal

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file One GPIO line asked from the kernel, through its character device (interface version 2, Linux 5.10).
+///
+/// Not through libgpiod: Debian 12 has 1.6, which speaks version 1 of the interface, and that numbers no events, so a
+/// queue that ran over would lose edges in silence.  Version 2 counts them.
+
+#include <cstdint>
+#include <string>
+
+#include "common/core/result.hpp"
+#include "hal/linux/posix/descriptor.hpp"
+
+namespace biteline::hal {
+
+/// A line by the chip's device ("/dev/gpiochip0") or label ("9030000.pl061", "gpio-sim"), and by its number or name.
+struct GpioLineAddress {
+  std::string chip;
+  std::string line;
+  bool active_low{false};
+  enum class Bias { AsIs, PullUp, PullDown, Disabled } bias{Bias::AsIs};
+};
+
+enum class GpioDirection { Output, Input, InputEdges };
+
+/// Events that the kernel keeps for us at most; the largest that it takes for one line.
+inline constexpr std::uint32_t k_gpio_event_queue = 1024;
+
+/// Outputs start inactive.  The line is ours until the descriptor closes, then falls back to its pull.
+/// Errc::DeviceNotFound: no such chip or line; Errc::DeviceError with EBUSY: another process holds it.
+[[nodiscard]] Result<Descriptor> request_line(const GpioLineAddress& address, GpioDirection direction);
+
+/// true: active.
+[[nodiscard]] Result<bool> read_line(int request, const char* name) noexcept;
+
+}  // namespace biteline::hal

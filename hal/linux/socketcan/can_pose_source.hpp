@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file PoseSource on a CAN bus (POSE_FRAMES.md): poses latched at SYNC, stamped by our own controller.
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+
+#include "common/canpose/assembler.hpp"
+#include "hal/api/can_bus.hpp"
+#include "hal/api/clock.hpp"
+#include "hal/api/pose_source.hpp"
+
+namespace biteline::hal {
+
+/// Over any CanBus, so it runs on the simulated one too.
+class CanPoseSource final : public PoseSource {
+ public:
+  struct Config {
+    std::uint32_t base_id{canpose::k_default_base_id};
+    Nanoseconds lost_after{100'000'000};  ///< no pose for so long: Lost (12 poses at 125 Hz)
+  };
+  CanPoseSource(std::unique_ptr<CanBus> bus, const Clock& clock, const Config& config);
+
+  [[nodiscard]] Result<void> start() override;
+  [[nodiscard]] Result<PoseSample> next_pose(Nanoseconds timeout) override;
+  [[nodiscard]] Result<void> stop() override;
+  [[nodiscard]] PoseHealth health() const noexcept override;
+
+  /// What the bus and the assembler count; from the owner's thread.
+  [[nodiscard]] CanHealth bus_health() const noexcept { return bus_->health(); }
+  [[nodiscard]] const canpose::AssemblerHealth& assembler_health() const noexcept { return assembler_.health(); }
+
+ private:
+  /// Checks, counts and converts; nothing: rejected.
+  std::optional<PoseSample> accept(const canpose::AssembledPose& pose, SensorClock::time_point received);
+  void note_silence();
+
+  std::unique_ptr<CanBus> bus_;
+  const Clock& clock_;
+  Config config_;
+  canpose::Assembler assembler_;
+  std::optional<RobotClock::time_point> last_stamp_;
+  std::optional<std::uint64_t> last_sequence_;
+  SensorClock::time_point last_pose_at_;
+  std::atomic<PoseState> state_{PoseState::Idle};
+  std::atomic<std::uint64_t> poses_{0};
+  std::atomic<std::uint64_t> poses_lost_{0};
+  std::atomic<std::uint64_t> poses_rejected_{0};
+  std::atomic<std::uint64_t> reconnects_{0};
+};
+
+}  // namespace biteline::hal

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#include "hal/linux/socketcan/can_pose_source.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include "tests/unit/hal/linux/fake_can_bus.hpp"
+
+namespace biteline::hal {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST_GROUP(CanPoseSource) {
+  VirtualClock clock{SensorClock::time_point{10s}};
+  FakeCanBus* bus = new FakeCanBus{clock};
+  CanPoseSource sut{std::unique_ptr<CanBus>{bus}, clock, {.lost_after = 100ms}};
+
+  void send_sync(std::uint8_t counter) { bus->put(canpose::k_sync_id, std::array{counter}); }
+  void send_pose(std::uint8_t counter, std::uint64_t stamp_us, std::uint8_t status = 0) {
+    canpose::PoseMessage pose{.sync_counter = counter, .status = status, .stamp_us = stamp_us};
+    pose.T_base_flange.translation().y() = counter;
+    const canpose::ClassicFrames frames = canpose::encode_classic(pose).value();
+    for (std::uint32_t i = 0; i < frames.size(); ++i) bus->put(canpose::k_default_base_id + i, frames[i]);
+  }
+};
+
+TEST(CanPoseSource, GivesThePoseWithTheInstantOfItsSync) {
+  CHECK(sut.start().has_value());
+  send_sync(3);
+  const SensorClock::time_point latched = clock.now();
+  clock.advance(1ms);
+  send_pose(3, 500, canpose::k_protective_stop | canpose::k_simulated);
+  const Result<PoseSample> pose = sut.next_pose(10ms);
+  CHECK(pose.has_value());
+  CHECK(pose->stamp_sensor == latched);
+  CHECK(pose->received == latched + 1ms);
+  CHECK_EQUAL(k_pose_protective_stop | k_pose_simulated, pose->status);
+  DOUBLES_EQUAL(3.0, pose->T_base_flange.translation().y(), 1e-4);
+  CHECK(sut.health().state == PoseState::Streaming);
+}
+
+TEST(CanPoseSource, FollowsItsStateTable) {
+  CHECK(sut.next_pose(1ms).error().code == Errc::WrongState);
+  CHECK(sut.stop().has_value());
+  CHECK(sut.start().has_value());
+  CHECK(sut.start().error().code == Errc::WrongState);
+  CHECK(sut.health().state == PoseState::Connecting);
+  CHECK(sut.next_pose(1ms).error().code == Errc::Timeout);
+  CHECK(sut.stop().has_value());
+  CHECK(sut.health().state == PoseState::Idle);
+}
+
+TEST(CanPoseSource, SilenceIsLostAndItsEndIsAReconnect) {
+  CHECK(sut.start().has_value());
+  send_pose(1, 1000);
+  CHECK(sut.next_pose(10ms).has_value());
+  CHECK_FALSE(sut.next_pose(50ms).has_value());
+  CHECK(sut.health().state == PoseState::Streaming);
+  CHECK_FALSE(sut.next_pose(60ms).has_value());
+  CHECK(sut.health().state == PoseState::Lost);
+  send_pose(2, 2000);
+  CHECK(sut.next_pose(10ms).has_value());
+  CHECK(sut.health().state == PoseState::Streaming);
+  CHECK_EQUAL(1, sut.health().reconnects);
+}
+
+TEST(CanPoseSource, MissingPosesAreCounted) {
+  CHECK(sut.start().has_value());
+  send_pose(1, 1000);
+  send_pose(5, 5000);
+  CHECK(sut.next_pose(10ms).has_value());
+  CHECK(sut.next_pose(10ms).has_value());
+  CHECK_EQUAL(3, sut.health().poses_lost);
+}
+
+TEST(CanPoseSource, StampThatDoesNotRiseIsRejected) {
+  CHECK(sut.start().has_value());
+  send_pose(1, 1000);
+  send_pose(2, 1000);
+  CHECK(sut.next_pose(10ms).has_value());
+  CHECK_FALSE(sut.next_pose(10ms).has_value());
+  CHECK_EQUAL(1, sut.health().poses_rejected);
+}
+
+TEST(CanPoseSource, InvalidPoseIsRejected) {
+  CHECK(sut.start().has_value());
+  send_pose(1, 1000, canpose::k_pose_invalid);
+  CHECK_FALSE(sut.next_pose(10ms).has_value());
+  CHECK_EQUAL(1, sut.health().poses_rejected);
+}
+
+TEST(CanPoseSource, ClockSetBackIsBelievedOnlyAfterItCountedAsLost) {
+  CHECK(sut.start().has_value());
+  send_pose(1, 1'000'000);
+  CHECK(sut.next_pose(1ms).has_value());
+  std::uint8_t counter = 2;
+  std::uint64_t stamp_us = 10;
+  int rejected = 0;
+  while (sut.health().reconnects == 0 && rejected < 100) {
+    send_pose(counter++, stamp_us += 8000);
+    if (!sut.next_pose(8ms)) ++rejected;
+  }
+  CHECK(rejected > 100 / 8);  // lost_after of silence at one pose each 8 ms
+  CHECK(rejected < 20);
+  CHECK(sut.health().state == PoseState::Streaming);
+}
+
+TEST(CanPoseSource, ForeignTrafficNeitherBlocksNorHidesSilence) {
+  CHECK(sut.start().has_value());
+  send_pose(1, 1000);
+  CHECK(sut.next_pose(10ms).has_value());
+  clock.advance(200ms);
+  send_sync(2);  // passes the filter, is no pose
+  CHECK(sut.next_pose(0ms).error().code == Errc::Timeout);
+  CHECK(sut.health().state == PoseState::Lost);
+}
+
+}  // namespace
+}  // namespace biteline::hal
