@@ -39,20 +39,21 @@ template <class... Arguments>
 
 }  // namespace biteline
 
-/// Returns the Error of `expression` (a Result) from the enclosing function, if it has one.
-#define BITELINE_TRY(expression)                                              \
-  do {                                                                        \
-    if (auto&& biteline_try_result = (expression); !biteline_try_result) {    \
-      return tl::unexpected<::biteline::Error>(biteline_try_result.error());  \
-    }                                                                         \
-  } while (false)
-
 #define BITELINE_CONCAT_(a, b) a##b
 #define BITELINE_CONCAT(a, b) BITELINE_CONCAT_(a, b)
 
+/// Returns the Error of `expression` (a Result) from the enclosing function, if it has one.
+#define BITELINE_TRY(expression) BITELINE_TRY_(BITELINE_CONCAT(biteline_result_, __COUNTER__), expression)
+#define BITELINE_TRY_(name, expression)                                               \
+  do {                                                                                \
+    if (auto&& name = (expression); !name) {                                          \
+      return tl::unexpected<::biteline::Error>(name.error());                         \
+    }                                                                                 \
+  } while (false)
+
 /// `BITELINE_ASSIGN(auto image, read_png(path));` declares `image`, or returns the Error.
 #define BITELINE_ASSIGN(declaration, expression) \
-  BITELINE_ASSIGN_(BITELINE_CONCAT(biteline_result_, __LINE__), declaration, expression)
+  BITELINE_ASSIGN_(BITELINE_CONCAT(biteline_result_, __COUNTER__), declaration, expression)
 #define BITELINE_ASSIGN_(name, declaration, expression)                        \
   auto name = (expression);                                                    \
   if (!name) return tl::unexpected<::biteline::Error>(std::move(name).error()); \
