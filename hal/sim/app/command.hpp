@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The subcommands of biteline-cell.
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+
+#include "common/core/result.hpp"
+#include "hal/sim/record/made_scene.hpp"
+
+namespace biteline::cell {
+
+/// What the chosen subcommand does once everything is parsed.
+struct Context {
+  std::function<Result<void>()> run;
+};
+
+/// The options that choose a scene, the same for every subcommand.
+struct SceneOptions {
+  std::uint64_t seed{1};
+  std::string shoe{"deep"};
+  std::uint64_t head{21};
+  std::uint64_t place{0};  ///< 0: the shoe's seed
+  bool upper{false};
+  double last_difference_mm{0.15};
+  double speed_mm_s{100};
+  double rate_hz{100};
+};
+
+void add_scene_options(CLI::App& command, SceneOptions& options);
+[[nodiscard]] Result<sim::SceneSettings> scene_settings(const SceneOptions& options);
+
+void add_record(CLI::App& app, Context& context);
+
+}  // namespace biteline::cell

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// The simulated cell: shoe, scanning head, arm.  Nothing here is measured; every output says that it is simulated.
+#include <cstdio>
+#include <exception>
+
+#include "hal/sim/app/command.hpp"
+
+namespace {
+
+int report_failure(const biteline::Error& error) {
+  std::fprintf(stderr, "biteline-cell: %s\n", biteline::to_line(error).c_str());
+  return static_cast<int>(biteline::error_row(error.code).exit_status);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace biteline::cell;
+  CLI::App app{"Biteline's simulated cell: a made shoe, a scanning head and an arm.  Everything it serves is simulated.", "biteline-cell"};
+  Context context;
+  app.require_subcommand(1);
+  add_record(app, context);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    std::fprintf(stderr, "biteline-cell: %s (see --help)\n", error.what());
+    return static_cast<int>(biteline::ExitStatus::BadInput);
+  }
+  try {
+    const biteline::Result<void> result = context.run();
+    return result ? 0 : report_failure(result.error());
+  } catch (const std::exception& error) {
+    // No exception is meant to arrive here; should one do so, the user still gets one line and no core dump.
+    std::fprintf(stderr, "biteline-cell: internal failure: %s\n", error.what());
+    return static_cast<int>(biteline::ExitStatus::Connection);
+  }
+}

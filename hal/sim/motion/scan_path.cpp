@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#include "hal/sim/motion/scan_path.hpp"
+
+#include <cmath>
+
+namespace biteline::sim {
+
+namespace {
+
+/// The wall stands about this far inside the outline at the line.
+constexpr double k_wall_mm = 2;
+
+/// Frame with the given z and an x near `upwards`.
+Mat3 frame_along(const Vec3& z, const Vec3& upwards) {
+  Mat3 R;
+  R.col(2) = z.normalized();
+  R.col(1) = R.col(2).cross(upwards).normalized();
+  R.col(0) = R.col(1).cross(R.col(2));
+  return R;
+}
+
+}  // namespace
+
+ScanPath::ScanPath(const Outline& outline, const MadeHead& head, const ScanPathSettings& settings)
+    : outline_(outline), settings_(settings) {
+  SE3 T_cam_beam = SE3::Identity();
+  T_cam_beam.linear() = frame_along(head.laser.beam_cam, Vec3::UnitX());
+  T_cam_beam.translation() = Vec3(0, 0, head.working_distance_mm);
+  T_beam_cam_ = T_cam_beam.inverse(Eigen::Isometry);
+}
+
+double ScanPath::length_mm() const { return outline_.perimeter_mm() + 2 * settings_.lead_mm; }
+double ScanPath::duration_s() const { return length_mm() / settings_.speed_mm_s; }
+
+SE3 ScanPath::T_shoe_cam_at(double way_mm) const {
+  const Outline::Place place = outline_.at(s_at_mm(way_mm));
+  const Vec2 target = place.point - k_wall_mm * place.normal;
+  const Vec3 inwards(-place.normal.x(), -place.normal.y(), 0);
+  SE3 T_shoe_beam = SE3::Identity();
+  // Image columns rise with height: the stripe stands upright on the wall.
+  T_shoe_beam.linear() = frame_along(std::cos(settings_.pitch_rad) * inwards - std::sin(settings_.pitch_rad) * Vec3::UnitZ(), Vec3::UnitZ());
+  T_shoe_beam.translation() = Vec3(target.x(), target.y(), settings_.target_z_mm);
+  return T_shoe_beam * T_beam_cam_;
+}
+
+}  // namespace biteline::sim

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The way of the head round a shoe: the beam along the outline's inward normal, the camera beside it.
+
+#include "hal/sim/render/made_head.hpp"
+#include "hal/sim/shoe/outline.hpp"
+
+namespace biteline::sim {
+
+struct ScanPathSettings {
+  double target_z_mm{36};    ///< height of the working point, shoe frame
+  double pitch_rad{0.098};   ///< the beam looks down by this much
+  double speed_mm_s{100};    ///< of the stripe along the outline
+  double lead_mm{2};         ///< begins so far before the outline's start and ends so far beyond it
+};
+
+/// Constant speed along the outline from time 0 on.
+class ScanPath {
+ public:
+  ScanPath(const Outline& outline, const MadeHead& head, const ScanPathSettings& settings);
+
+  [[nodiscard]] double length_mm() const;
+  [[nodiscard]] double duration_s() const;
+  /// Where the camera is `way_mm` after the path's begin; any number, the path repeats.
+  [[nodiscard]] SE3 T_shoe_cam_at(double way_mm) const;
+  /// Outline place under the stripe there.
+  [[nodiscard]] double s_at_mm(double way_mm) const { return way_mm - settings_.lead_mm; }
+  [[nodiscard]] const ScanPathSettings& settings() const { return settings_; }
+
+ private:
+  Outline outline_;
+  ScanPathSettings settings_;
+  SE3 T_beam_cam_;  ///< camera in the head's own frame: working point, z along the beam, x along camera columns
+};
+
+}  // namespace biteline::sim

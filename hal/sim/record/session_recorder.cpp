@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#include "hal/sim/record/session_recorder.hpp"
+
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+
+#include "common/config/sensor_yaml.hpp"
+#include "common/image/grey_image.hpp"
+#include "common/session/session.hpp"
+#include "hal/sim/shoe/random.hpp"
+
+namespace biteline::sim {
+
+namespace {
+
+/// Poses begin before the first frame and end after the last, so that each frame lies between two.
+constexpr Nanoseconds k_pose_margin{20'000'000};
+
+Nanoseconds seconds(double s) { return Nanoseconds{std::llround(s * 1e9)}; }
+
+SE3 T_base_flange_at(const MadeScene& scene, double time_s) {
+  const double way_mm = time_s * scene.path.settings().speed_mm_s;
+  return scene.T_base_shoe * scene.path.T_shoe_cam_at(way_mm) * scene.head.model.T_flange_cam.inverse(Eigen::Isometry);
+}
+
+std::vector<session::StampedPose> made_poses(const MadeScene& scene, const RecordSettings& settings) {
+  Random random = Random(settings.noise_seed).fork(1);
+  std::vector<session::StampedPose> poses;
+  const double margin_s = static_cast<double>(k_pose_margin.count()) * 1e-9;
+  const auto count = static_cast<int>((scene.path.duration_s() + 2 * margin_s) * settings.pose_rate_hz);
+  for (int i = 0; i <= count; ++i) {
+    const double time_s = i / settings.pose_rate_hz - margin_s;
+    Twist noise;
+    for (int k = 0; k < 3; ++k) {
+      noise[k] = settings.pose_noise_mm * random.gaussian();
+      noise[k + 3] = settings.pose_noise_rad * random.gaussian();
+    }
+    poses.push_back({.stamp = RobotClock::time_point{settings.start + seconds(time_s) + settings.pose_clock_offset},
+                     .T_base_flange = T_base_flange_at(scene, time_s) * geometry::exp_se3(noise)});
+  }
+  return poses;
+}
+
+Result<void> write_text(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream out(file, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) return fail_errno(Errc::WriteFailed, errno, "%s", file.c_str());
+  return {};
+}
+
+}  // namespace
+
+Result<void> record_session(const std::filesystem::path& folder, const MadeScene& scene, const RecordSettings& settings,
+                            const std::function<void(double)>& progress) {
+  std::error_code error;
+  std::filesystem::create_directories(folder / "cam0" / "data", error);
+  if (!error) std::filesystem::create_directories(folder / "pose0", error);
+  if (error) return fail_errno(Errc::WriteFailed, error.value(), "%s", folder.c_str());
+
+  geometry::SensorModel told = scene.head.model;
+  told.pose_clock_offset = settings.tell_clock_offset ? settings.pose_clock_offset : Nanoseconds{0};
+  BITELINE_TRY(write_text(folder / "cam0" / "sensor.yaml",
+                          config::sensor_yaml_text(told, "made head " + std::to_string(scene.settings.head_seed) + ", simulated")));
+
+  const auto& region = scene.head.model.region;
+  image::GreyImage picture{.width_px = region.width_px, .height_px = region.height_px, .pixels = {}};
+  picture.pixels.resize(static_cast<std::size_t>(region.width_px) * static_cast<std::size_t>(region.height_px));
+  StripeRenderer renderer(scene.scene, scene.head);
+  std::vector<session::FrameEntry> frames;
+  const auto count = static_cast<int>(std::ceil(scene.path.duration_s() * scene.settings.rate_hz));
+  Random noise = Random(settings.noise_seed).fork(2);
+  for (int i = 0; i < count; ++i) {
+    const double time_s = i / scene.settings.rate_hz;
+    const double way_mm = time_s * scene.path.settings().speed_mm_s;
+    renderer.render({.T_scene_cam = scene.path.T_shoe_cam_at(way_mm), .region = region, .noise_seed = noise.next()}, picture.pixels, nullptr);
+    const Nanoseconds stamp = settings.start + seconds(time_s);
+    frames.push_back({.exposure_mid = SensorClock::time_point{stamp},
+                      .file = folder / "cam0" / "data" / (std::to_string(stamp.count()) + ".png")});
+    BITELINE_TRY(image::write_png(frames.back().file, picture));
+    if (progress) progress(static_cast<double>(i + 1) / count);
+  }
+  BITELINE_TRY(session::write_frame_table(folder / "cam0" / "data.csv", frames));
+  BITELINE_TRY(session::write_pose_table(folder / "pose0" / "data.csv", made_poses(scene, settings)));
+  return write_truth(folder / "truth", scene);
+}
+
+}  // namespace biteline::sim

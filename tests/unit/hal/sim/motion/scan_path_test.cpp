@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#include "hal/sim/motion/scan_path.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <cmath>
+
+namespace biteline::sim {
+
+TEST_GROUP(ScanPath) {
+  Outline outline{{.length_mm = 280}};
+  MadeHead head = draw_head(5);
+};
+
+TEST(ScanPath, BeamMeetsTheWallHeadOnAndPitchedAllTheWayRound) {
+  const ScanPath sut(outline, head, {.target_z_mm = 35, .pitch_rad = 0.1, .lead_mm = 2});
+  for (double way_mm = 0; way_mm < sut.length_mm(); way_mm += 11) {
+    const SE3 T_shoe_cam = sut.T_shoe_cam_at(way_mm);
+    const Vec3 beam = T_shoe_cam.linear() * head.laser.beam_cam;
+    const auto place = outline.at(sut.s_at_mm(way_mm));
+    DOUBLES_EQUAL(-std::cos(0.1), beam.head<2>().dot(place.normal), 1e-9);
+    DOUBLES_EQUAL(-std::sin(0.1), beam.z(), 1e-9);
+    // The picture's columns rise with height, and the camera sees the working point on its axis.
+    CHECK((T_shoe_cam.linear() * Vec3::UnitX()).z() > 0.9);
+    const Vec3 working_point = T_shoe_cam * Vec3(0, 0, head.working_distance_mm);
+    DOUBLES_EQUAL(35, working_point.z(), 1e-9);
+    DOUBLES_EQUAL(2, (place.point - working_point.head<2>()).norm(), 1e-9);
+  }
+}
+
+TEST(ScanPath, GoesRoundOnceWithItsLeadOnBothEnds) {
+  const ScanPath sut(outline, head, {.speed_mm_s = 50, .lead_mm = 3});
+  DOUBLES_EQUAL(outline.perimeter_mm() + 6, sut.length_mm(), 1e-9);
+  DOUBLES_EQUAL(sut.length_mm() / 50, sut.duration_s(), 1e-12);
+  const SE3 begin = sut.T_shoe_cam_at(0), again = sut.T_shoe_cam_at(outline.perimeter_mm());
+  DOUBLES_EQUAL(0, (begin.translation() - again.translation()).norm(), 1e-6);
+}
+
+}  // namespace biteline::sim
