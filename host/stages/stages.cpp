@@ -82,7 +82,7 @@ struct Sheet {
   const groove::Extraction& extraction;
 
   Result<void> write(const StageName& stage, const cloud::PointCloud& points, const std::function<void(ShoeView&)>& draw) const {
-    if (points.points.empty()) return {};
+    if (points.points.empty() || extraction.products.surface.points.empty()) return {};
     ShoeView view{extraction.products.surface, extraction.T_base_shoe};
     draw(view);
     view.caption(stage.caption);

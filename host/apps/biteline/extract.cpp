@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// biteline extract: the line in a scattered cloud.
+#include <cstdio>
+#include <map>
+
+#include "host/apps/biteline/command.hpp"
+#include "host/result/line_result.hpp"
+#include "host/cloud/ply.hpp"
+
+namespace biteline::app {
+namespace {
+
+struct Options {
+  std::filesystem::path cloud, out;
+  groove::Method method{groove::Method::Ours};
+};
+
+Result<ExitStatus> extract(const Options& options, const GlobalOptions& global) {
+  report::Report report;
+  std::size_t dropped = 0;
+  BITELINE_ASSIGN(const cloud::PointCloud cloud, report.timed("read", [&] { return cloud::read_cloud(options.cloud, &dropped); }));
+  BITELINE_TRY(result::prepare_result_folder(options.out));
+  groove::ExtractConfig config;
+  config.method = options.method;
+  const groove::Extraction extraction = report.timed("extract", [&] { return groove::extract(cloud, config); });
+  report.fields["input"] = options.cloud.filename().string();
+  report.fields["points_not_finite"] = dropped;
+  BITELINE_ASSIGN(const ExitStatus status, result::write_line_result(options.out, cloud, extraction, report));
+  if (!global.quiet) std::fprintf(status == ExitStatus::Done ? stdout : stderr, "%s\n", result::summary(extraction).c_str());
+  return status;
+}
+
+}  // namespace
+
+void add_extract(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("extract", "Find the bite line in a point cloud (PLY, mm)");
+  command->add_option("cloud", options->cloud, "The cloud: PLY, properties x y z in mm")->required();
+  command->add_option("--out", options->out, "Folder for line.csv, report.json, stages/")->required();
+  const std::map<std::string, groove::Method> methods{{"ours", groove::Method::Ours}, {"published", groove::Method::Published}};
+  command->add_option("--method", options->method, "ours, or the article's: published")->transform(CLI::CheckedTransformer(methods));
+  command->callback([options, &context] { context.run = [options, &context] { return extract(*options, context.options); }; });
+}
+
+}  // namespace biteline::app
