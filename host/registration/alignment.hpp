@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Sample and current upper brought together: the whole registration, with the reasons why not.
+
+#include <string>
+#include <vector>
+
+#include "common/core/result.hpp"
+#include "host/cloud/point_cloud.hpp"
+#include "host/line/closed_line.hpp"
+#include "host/registration/icp.hpp"
+#include "host/registration/shoe_axes.hpp"
+
+namespace biteline::registration {
+
+/// A finished sample made ready: what of it an upper has too, in the sample's own axes.
+struct Sample {
+  SE3 T_base_shoe{SE3::Identity()};  ///< of the sample, where it was scanned
+  ShoeAxes axes{};
+  Surfels common{};                    ///< above the line, in the shoe frame
+  Surfels common_coarse{};
+  Rim rim{};                           ///< in the shoe frame
+  std::vector<Vec3> line_shoe{};
+};
+
+/// Pre: a line of at least 3 points.  Fails (Refused) when next to nothing lies above the line.
+[[nodiscard]] Result<Sample> prepare_sample(const cloud::PointCloud& cloud, const line::ClosedLine& line);
+
+/// The current upper, made ready.
+struct Upper {
+  ShoeAxes axes{};
+  Surfels surfels{};
+  Surfels surfels_coarse{};
+  Rim rim{};
+};
+
+/// Fails (Refused) when the cloud holds no surface of a shoe's size.
+[[nodiscard]] Result<Upper> prepare_upper(const cloud::PointCloud& cloud);
+
+struct AlignOptions {
+  bool mirror{false};  ///< the sample is of the other foot
+  bool grade{false};   ///< the sample is of another size
+};
+
+enum class Verdict {
+  Aligned,
+  TooLittleOverlap,
+  DirectionNotFixed,
+  OtherFoot,
+  OtherSize,
+  OtherModel,
+  NotConverged,
+};
+
+/// Of a weak direction: how far the line may move along it.
+struct WeakDirection {
+  double sigma_mm{0};
+  std::string words{};  ///< "up and down", "along the shoe", ...
+};
+
+struct Alignment {
+  Verdict verdict{Verdict::NotConverged};
+  std::string reason{};              ///< one plain sentence when refused
+
+  Placement placement{};             ///< sample's shoe frame to the upper's base
+  SE3 T_upper_sample{SE3::Identity()};  ///< base of the sample's scan to base of the upper's; meaningful when rigid
+  bool converged{false};
+  int iterations{0};
+  double overlap_ratio{0};         ///< share of the sample's common surface that the upper's scan has
+  double upper_overlap_ratio{0};   ///< share of the upper's surface above the line that the sample has
+  double residual_rms_mm{0};       ///< of all pairs, texture and noise among them
+  double shape_rms_mm{0};          ///< of the mean residuals of patches: the difference of the two shapes
+  bool rim_used{false};
+  double rim_mm{0};
+  Information information{};         ///< independent pieces / mm²; see IcpResult
+  WeakDirection weakest{};
+  double line_sigma_mm{0};         ///< RMS over the line of how far the alignment may be off
+  double runner_up_ratio{0};       ///< cost of the best to that of the next different start: 1 = a toss-up
+
+  [[nodiscard]] bool accepted() const { return verdict == Verdict::Aligned; }
+};
+
+/// Any place and yaw, tilt to 10 degrees.  Never fails: a refusal is an Alignment with its verdict and reason.
+[[nodiscard]] Alignment align(const Sample& sample, const Upper& upper, const AlignOptions& options);
+
+}  // namespace biteline::registration

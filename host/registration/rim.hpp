@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The upper border of a scanned shoe (its collar), as registration uses it.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "host/cloud/point_cloud.hpp"
+#include "host/registration/surfels.hpp"
+
+namespace biteline::registration {
+
+/// A shoe's side is nearly upright: its surface alone fixes the height only weakly, and smooth differences of 0.1 mm
+/// between two lasts move it by 0.3 mm.  The collar's edge, where both scans end, fixes it.  Whether they end there
+/// because the shoe does, and not the camera's view, shows in whether the two agree (alignment.cpp).
+struct Rim {
+  std::vector<Eigen::Vector3f> positions{};  ///< in scan order
+  std::vector<Eigen::Vector3f> across{};     ///< unit, in the surface, at right angles to the rim
+  float spacing_mm{0};                     ///< usual distance of neighbours
+
+  [[nodiscard]] std::size_t size() const { return positions.size(); }
+};
+
+/// The upper end of each profile, where at least 8 columns in a row lead to it.  Empty for a cloud without order.
+[[nodiscard]] Rim rim_of(const cloud::PointCloud& cloud);
+
+/// Index of the rim's point nearest to `point`.  Pre: the rim is not empty.
+[[nodiscard]] std::uint32_t nearest_on(const Rim& rim, const Eigen::Vector3f& point);
+
+}  // namespace biteline::registration

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#include "host/registration/icp.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <random>
+
+#include "tests/support/made_pair.hpp"
+#include "tests/support/transforms.hpp"
+
+namespace biteline::registration {
+
+TEST_GROUP(Icp) {
+  Surfels source, target;
+
+  void setup() override {
+    const sim::ShoeParameters upper = sim::bare_upper_of(sim::draw_shoe(sim::ShoeClass::Deep, 4), 0, 0);
+    const sim::ScanSettings scan{.column_step_mm = 0.3, .noise_mm = 0};
+    target = surfels_of(test::scanned(upper, SE3::Identity(), scan).points, 2);
+    // Its back third is missing: what has no counterpart must not pull.
+    source.pitch_mm = target.pitch_mm;
+    const sim::ScanSettings shifted{.profile_step_mm = 1.3, .column_step_mm = 0.23, .noise_mm = 0};
+    const Surfels all = surfels_of(test::scanned(upper, SE3::Identity(), shifted).points, 2);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (all.positions[i].x() < 80) continue;
+      source.positions.push_back(all.positions[i]);
+      source.normals.push_back(all.normals[i]);
+    }
+  }
+};
+
+TEST(Icp, FindsTheMotionOfAPartToAHundredth) {
+  const NearestTable table{target, 15};
+  const Surfaces surfaces{.source = source, .target = target, .target_table = table};
+  Twist xi;
+  xi << 3, -4, 2, 0.02, -0.015, 0.03;
+  const Placement start{.T_target_source = geometry::exp_se3(xi)};
+  const IcpResult wide = run_icp(surfaces, start, {.reach_mm = 15, .least_scale_mm = 0.5});
+  const IcpResult sut = run_icp(surfaces, wide.placement, {.reach_mm = 3});
+  CHECK(sut.converged);
+  CHECK(sut.overlap_ratio > 0.97);
+  // Surfels of two different samplings, exact points: what is left is curvature within a voxel (2² / (8 * 15) = 0.03 mm),
+  // alike on both sides.  Along the upright the wall fixes the place ten times less well.
+  TRANSFORMS_EQUAL(SE3::Identity(), sut.placement.T_target_source, 0.15, 0.002);
+  CHECK(sut.rms_mm < 0.03);
+}
+
+TEST(Icp, FindsTheScaleWhenItMayChange) {
+  const NearestTable table{target, 8};
+  Surfels larger = source;
+  for (Eigen::Vector3f& p : larger.positions) p *= 1.02F;
+  const Surfaces surfaces{.source = larger, .target = target, .target_table = table};
+  const IcpResult uniform = run_icp(surfaces, {}, {.reach_mm = 8, .max_iterations = 60, .freedom = Freedom::UniformScale});
+  DOUBLES_EQUAL(1 / 1.02, uniform.placement.scale.x(), 1e-3);
+  const IcpResult graded = run_icp(surfaces, {}, {.reach_mm = 8, .max_iterations = 60, .freedom = Freedom::Graded});
+  DOUBLES_EQUAL(1 / 1.02, graded.placement.scale.x(), 2e-3);
+  DOUBLES_EQUAL(1 / 1.02, graded.placement.scale.y(), 2e-3);
+}
+
+TEST(Icp, InformationIsTheNumericSecondDerivativeOfTheCost) {
+  const NearestTable table{target, 5};
+  const Surfaces surfaces{.source = source, .target = target, .target_table = table};
+  const IcpResult sut = run_icp(surfaces, {}, {.reach_mm = 5});
+  const std::vector<Pair> pairs = find_pairs(surfaces, sut.placement, {.reach_mm = 5});
+  const auto residuals_moved = [&](int k, double step) {
+    Twist xi = Twist::Zero();
+    xi[k] = step;
+    const SE3 T = sut.placement.T_target_source * geometry::exp_se3(xi);
+    std::vector<double> residuals;
+    for (const Pair& pair : pairs) {
+      residuals.push_back((T * pair.point - target.positions[pair.target].cast<double>()).dot(pair.direction));
+    }
+    return residuals;
+  };
+  constexpr double k_step = 1e-4;
+  for (int k = 0; k < 6; ++k) {
+    const std::vector<double> plus = residuals_moved(k, k_step), minus = residuals_moved(k, -k_step);
+    double sum = 0;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const double derivative = (plus[i] - minus[i]) / (2 * k_step);
+      sum += derivative * derivative;
+    }
+    DOUBLES_EQUAL(1.0, sut.information(k, k) / sum, 1e-4);
+  }
+}
+
+TEST(Icp, NothingInReachConvergesToNothing) {
+  const NearestTable table{target, 5};
+  const Surfaces surfaces{.source = source, .target = target, .target_table = table};
+  const Placement far{.T_target_source = geometry::make_se3(Eigen::Quaterniond::Identity(), {5000, 0, 0})};
+  const IcpResult sut = run_icp(surfaces, far, {.reach_mm = 5});
+  CHECK_FALSE(sut.converged);
+  DOUBLES_EQUAL(0.0, sut.overlap_ratio, 0);
+}
+
+}  // namespace biteline::registration
