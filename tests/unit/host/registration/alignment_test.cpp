@@ -133,10 +133,12 @@ TEST(Alignment, AnUprightTubeDoesNotFixItsHeight) {
   // An ellipse with upright walls and no rim: it slides up and down.
   cloud::PointCloud tube;
   line::ClosedLine line;
+  std::mt19937_64 random{17};
+  std::normal_distribution<double> noise_mm{0, 0.02};
   for (int i = 0; i < 700; ++i) {
     const double turn_rad = 2 * std::numbers::pi * i / 700;
     const Vec3 outline{130 * std::cos(turn_rad), (45 + 5 * std::cos(turn_rad)) * std::sin(turn_rad), 0};
-    for (int k = 0; k < 200; ++k) tube.points.push_back((outline + 0.3 * k * Vec3::UnitZ()).cast<float>());
+    for (int k = 0; k < 200; ++k) tube.points.push_back(((1 + noise_mm(random) / 130) * outline + 0.3 * k * Vec3::UnitZ()).cast<float>());
     line.points.push_back({.position = outline + 10 * Vec3::UnitZ(), .normal = Vec3::UnitX(), .tangent = Vec3::UnitY()});
   }
   const Alignment sut = align(*prepare_sample(tube, line), *prepare_upper(tube), {});
