@@ -2,25 +2,19 @@
 #include "host/groove/side_field.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+
+#include "host/groove/outer_layer.hpp"
 
 namespace biteline::groove {
 
 namespace {
 
-// Coarse cells in which layers are told apart: 2 mm along and 1 mm up, or larger where points are few.
-constexpr double k_layer_s_mm = 2.0;
-constexpr double k_layer_z_mm = 1.0;
-constexpr double k_layer_points = 20.0;
-constexpr float k_layer_o_mm = 0.75F;
 constexpr float k_inner_mm = 44.0F;  // how far inside the outline a surface may lie: a toe's top does
 constexpr float k_outer_mm = 16.0F;
-constexpr int k_layer_bins = 80;
 
 std::vector<Place> locate_all(std::span<const Eigen::Vector3f> points, const Outline& outline) {
   std::vector<Place> places(points.size());
@@ -33,115 +27,6 @@ std::vector<Place> locate_all(std::span<const Eigen::Vector3f> points, const Out
   });
   return places;
 }
-
-/// The innermost o that still belongs to the outermost layer, per coarse cell.
-class OuterLayer {
- public:
-  OuterLayer(std::span<const Place> places, const SideGrid& grid, double length_mm, double gap_mm) {
-    const double height_mm = grid.rows * grid.row_mm;
-    const double points_per_mm2 = static_cast<double>(places.size()) / (length_mm * height_mm);
-    const double grow = std::clamp(std::sqrt(k_layer_points / (k_layer_s_mm * k_layer_z_mm * points_per_mm2)), 1.0, 3.0);
-    cols_ = std::max(3, static_cast<int>(length_mm / (k_layer_s_mm * grow)));
-    row_mm_ = static_cast<float>(k_layer_z_mm * grow);
-    rows_ = static_cast<int>(static_cast<float>(height_mm) / row_mm_) + 1;
-    per_s_ = static_cast<float>(cols_ / length_mm);
-    z_low_ = static_cast<float>(grid.z_low_mm);
-    std::vector<std::uint16_t> counts(static_cast<std::size_t>(cols_ * rows_) * k_layer_bins, 0);
-    for (const Place& place : places) {
-      const std::int32_t cell = cell_of(place);
-      if (cell < 0) continue;
-      auto& count = counts[static_cast<std::size_t>(cell) * k_layer_bins + bin_of(place.o_mm)];
-      if (count < 65535) ++count;
-    }
-    limit_.assign(static_cast<std::size_t>(cols_ * rows_), -k_inner_mm);
-    const int gap_bins = std::max(1, static_cast<int>(std::lround(gap_mm / static_cast<double>(k_layer_o_mm))));
-    std::vector<float> top(limit_.size(), k_nothing_mm);
-    for (std::size_t cell = 0; cell < limit_.size(); ++cell) {
-      const Cluster cluster = outermost_cluster({counts.data() + cell * k_layer_bins, k_layer_bins}, gap_bins);
-      limit_[cell] = cluster.low_mm;
-      top[cell] = cluster.high_mm;
-    }
-    follow_neighbours(top, static_cast<float>(gap_mm));
-  }
-
-  [[nodiscard]] bool contains(const Place& place) const {
-    const std::int32_t cell = cell_of(place);
-    return cell >= 0 && place.o_mm >= limit_[static_cast<std::size_t>(cell)];
-  }
-
- private:
-  [[nodiscard]] std::int32_t cell_of(const Place& place) const {
-    if (place.s_mm < 0) return -1;
-    const int col = std::min(cols_ - 1, static_cast<int>(place.s_mm * per_s_));
-    const int row = static_cast<int>((place.z_mm - z_low_) / row_mm_);
-    if (place.z_mm < z_low_ || row >= rows_) return -1;
-    return row * cols_ + col;
-  }
-  static std::size_t bin_of(float o_mm) {
-    return static_cast<std::size_t>(std::clamp((o_mm + k_inner_mm) / k_layer_o_mm, 0.0F, k_layer_bins - 1.0F));
-  }
-
-  struct Cluster {
-    float low_mm{-k_inner_mm};
-    float high_mm{k_nothing_mm};
-  };
-
-  /// Goes inwards from the outermost bin and stops at the first gap behind a cluster that is more than a stray point.
-  static Cluster outermost_cluster(std::span<const std::uint16_t> counts, int gap_bins) {
-    std::uint32_t total = 0;
-    for (const std::uint16_t count : counts) total += count;
-    if (total == 0) return {};
-    const std::uint32_t enough = std::clamp<std::uint32_t>(total / 12, 1, 4);
-    std::uint32_t cluster = 0;
-    int empty = 0;
-    int lowest = 0;
-    int highest = 0;
-    for (int bin = k_layer_bins - 1; bin >= 0; --bin) {
-      const std::uint16_t count = counts[static_cast<std::size_t>(bin)];
-      if (count > 0) {
-        if (cluster == 0) highest = bin;
-        cluster += count;
-        lowest = bin;
-        empty = 0;
-      } else if (cluster > 0 && ++empty >= gap_bins) {
-        if (cluster >= enough) break;
-        cluster = 0;
-      }
-    }
-    const auto edge = [](int bin) { return static_cast<float>(bin) * k_layer_o_mm - k_inner_mm; };
-    return {edge(lowest) - 0.01F, edge(highest + 1)};
-  }
-
-  /// A cell whose outermost points lie a layer behind those of most cells around it has seen only the inner layer.
-  void follow_neighbours(const std::vector<float>& top, float gap_mm) {
-    const std::vector<float> limit = limit_;
-    std::array<std::pair<float, float>, 25> around;
-    for (int row = 0; row < rows_; ++row) {
-      for (int col = 0; col < cols_; ++col) {
-        std::size_t count = 0;
-        for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r) {
-          for (int c = col - 2; c <= col + 2; ++c) {
-            const auto other = static_cast<std::size_t>(r * cols_ + (c + cols_) % cols_);
-            if (top[other] > k_nothing_mm) around[count++] = {top[other], limit[other]};
-          }
-        }
-        const auto cell = static_cast<std::size_t>(row * cols_ + col);
-        if (count < 3 || top[cell] <= k_nothing_mm) continue;
-        const auto middle = around.begin() + static_cast<std::ptrdiff_t>(count / 2);
-        std::nth_element(around.begin(), middle, around.begin() + static_cast<std::ptrdiff_t>(count));
-        if (top[cell] < middle->first - gap_mm - k_layer_o_mm) limit_[cell] = std::max(limit_[cell], middle->second);
-      }
-    }
-  }
-
-  static constexpr float k_nothing_mm = -1000.0F;
-  float row_mm_{0};
-  int cols_{0};
-  int rows_{0};
-  float per_s_{0};
-  float z_low_{0};
-  std::vector<float> limit_;
-};
 
 /// Per cell: weight, sum of z offsets from the cell's middle, sum of o, sum of o times offset.
 struct Moments {
@@ -242,14 +127,15 @@ SideField SideField::build(std::span<const Eigen::Vector3f> points, const Outlin
   grid.col_mm = outline.length_mm() / grid.cols;
 
   field.places = locate_all(points, outline);
-  const OuterLayer outer{field.places, grid, outline.length_mm(), config.lining_gap_mm};
+  keep_outer_layer(field.places, {.length_mm = outline.length_mm(),
+                                  .z_low_mm = grid.z_low_mm,
+                                  .height_mm = grid.rows * grid.row_mm,
+                                  .gap_mm = config.lining_gap_mm,
+                                  .inner_mm = static_cast<double>(k_inner_mm)});
   Moments moments{grid.size()};
   std::size_t used = 0;
-  for (Place& place : field.places) {
-    if (!outer.contains(place)) {
-      place.s_mm = -1.0F;
-      continue;
-    }
+  for (const Place& place : field.places) {
+    if (place.s_mm < 0) continue;
     const auto z = static_cast<float>((static_cast<double>(place.z_mm) - grid.z_low_mm) / grid.row_mm);
     const int row = static_cast<int>(z);
     if (row >= grid.rows) continue;

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "host/groove/outer_layer.hpp"
 #include "host/groove/plan.hpp"
 
 namespace biteline::groove {
@@ -25,13 +26,6 @@ struct SideGrid {
   }
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols); }
   [[nodiscard]] double z_mm(double row) const { return z_low_mm + (row + 0.5) * row_mm; }
-};
-
-/// A point of the cloud in the coordinates of an outline.
-struct Place {
-  float s_mm{-1};  ///< negative: not on the outermost layer, or out of reach
-  float o_mm{0};
-  float z_mm{0};
 };
 
 struct SideField {
