@@ -67,7 +67,12 @@ cv::Point ShoeView::place(const Panel& panel, const Vec3& point_shoe) const {
 bool ShoeView::is_hidden(const Panel& panel, const Vec3& point_shoe) const {
   const cv::Point at = place(panel, point_shoe);
   if (!panel.area.contains(at)) return true;
-  return panel.depth_sign * point_shoe[panel.depth_axis] < depth_mm_.at<float>(at) - k_hidden_mm;
+  // The cloud may have gaps of a pixel or two between its points.
+  constexpr int k_reach_px = 2;
+  const cv::Rect around = cv::Rect(at.x - k_reach_px, at.y - k_reach_px, 2 * k_reach_px + 1, 2 * k_reach_px + 1) & panel.area;
+  double nearest_mm = 0;
+  cv::minMaxLoc(depth_mm_(around), nullptr, &nearest_mm);
+  return panel.depth_sign * point_shoe[panel.depth_axis] < nearest_mm - k_hidden_mm;
 }
 
 void ShoeView::draw_cloud(std::span<const cv::Vec3b> colours) {

@@ -17,6 +17,8 @@ class ShoeView {
  public:
   /// Scale and panels are chosen so that all of `cloud` is seen.  Pre: the cloud is not empty.
   ShoeView(const cloud::PointCloud& cloud, const SE3& T_base_shoe);
+  ShoeView(const ShoeView&) = delete;  // a cv::Mat copies its header only: both would draw into one picture
+  ShoeView& operator=(const ShoeView&) = delete;
 
   /// Every point of the cloud, lit from the viewer when it has normals; `colours` (BGR, one per point) or grey.
   void draw_cloud(std::span<const cv::Vec3b> colours);
