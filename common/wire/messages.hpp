@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The messages between sensor and host as plain structs, and their bytes (PROTOCOL.md).
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "common/core/result.hpp"
+#include "common/geometry/sensor_model.hpp"
+#include "common/profile/profile.hpp"
+
+namespace biteline::wire {
+
+/// Raised, with the reason in PROTOCOL.md, whenever an old peer would misread a message.
+inline constexpr std::uint16_t k_protocol = 1;
+
+/// No message is longer; sockets drop what is.  A full profile (4096 points) packs to at most 175 KB.
+inline constexpr std::size_t k_max_message_bytes = 512 * 1024;
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// Host to sensor, first on every connection and again whenever the host doubts it.
+struct HostHello {
+  std::string name;
+  bool resume{false};              ///< false: from the oldest message still held
+  std::uint64_t resume_scan_id{0}; ///< the scan that the host holds the beginning of
+  std::uint64_t next_sequence{0};  ///< first message it lacks: sent from there on
+  std::uint64_t safe_sequence{0};  ///< everything below is safe with it, as in Ack
+};
+
+/// The sensor's answer.
+struct SensorHello {
+  std::string name;
+  std::string version;
+  std::string scan_name;
+  std::uint64_t frames_expected{0};  ///< 0: not known
+  bool lossless{false};              ///< the source waits for the host
+  bool simulated{false};
+  std::uint64_t held_from{0};        ///< oldest message still held
+  std::uint64_t held_to{0};          ///< one past the newest
+  geometry::SensorModel model;
+};
+
+struct StageTime {
+  std::string name;
+  std::uint64_t count{0};
+  Nanoseconds min{0}, mean{0}, max{0};
+};
+
+struct Counters {
+  std::uint64_t frames{0};
+  std::uint64_t frames_lost{0};
+  std::uint64_t frames_damaged{0};
+  std::uint64_t poses{0};
+  std::uint64_t poses_lost{0};
+  std::uint64_t poses_rejected{0};
+  std::uint64_t profiles{0};
+  std::uint64_t profiles_dropped{0};  ///< between pipeline and store
+  std::uint64_t messages_lost{0};     ///< evicted from the store before any host had them
+  std::uint64_t packets_rejected{0};
+  std::uint64_t peers_refused{0};
+  std::uint64_t overruns{0};
+};
+
+enum class LaserState : std::uint8_t { Off, On, Fault };
+
+/// A few times a second; the newest replaces the older.
+struct Health {
+  Counters counters;
+  std::vector<StageTime> stages;
+  LaserState laser{LaserState::Off};
+  std::string laser_reason;
+  bool scanning{false};
+};
+
+/// The scan's last message, in sequence with its profiles.
+struct EndOfScan {
+  std::uint16_t errc{0};  ///< 0: complete; otherwise the Errc that ended it
+  std::string where;
+  Counters counters;
+  std::vector<StageTime> stages;
+};
+
+/// Host to sensor: everything below is safe with the host.
+struct Ack {
+  std::uint64_t safe_sequence{0};
+};
+
+enum class Command : std::uint8_t { StartScan, StopScan, LaserOff };
+
+struct Control {
+  std::uint32_t id{0};
+  Command command{Command::StopScan};
+};
+
+struct ControlReply {
+  std::uint32_t id{0};
+  std::uint16_t errc{0};  ///< 0: done
+  std::string where;
+};
+
+/// These messages are gone for good.
+struct Gap {
+  std::uint64_t first{0};
+  std::uint64_t count{0};
+};
+
+enum class ByeReason : std::uint8_t { Stopping, VersionMismatch, Refused };
+
+struct Bye {
+  ByeReason reason{ByeReason::Stopping};
+  std::string text;
+  std::uint16_t protocol{k_protocol};  ///< the sender's
+};
+
+using Body = std::variant<HostHello, SensorHello, profile::Profile, Health, EndOfScan, Ack, Control, ControlReply, Gap, Bye>;
+
+struct Message {
+  std::uint16_t protocol{k_protocol};
+  std::uint64_t scan_id{0};
+  std::uint64_t sequence{0};  ///< of profiles and EndOfScan only
+  Body body;
+};
+
+/// Verified and checked: structure (FlatBuffers verifier), sizes, enumerators, finite numbers, rotations.  The bytes may
+/// come from anyone.  Errc::ProtocolError; a message of another protocol version is Errc::NotSupported.
+[[nodiscard]] Result<Message> decode(std::span<const std::uint8_t> bytes);
+
+/// Replaces `out`.  Texts are cut at 500 bytes.  For a profile see also encode_profile().
+void encode(const Message& message, Bytes& out);
+
+struct ProfileAddress {
+  std::uint64_t scan_id{0};
+  std::uint64_t sequence{0};
+};
+
+/// As encode() without an intermediate copy of the points: the firmware's way.
+void encode_profile(ProfileAddress address, const profile::ProfileHeader& header,
+                    std::span<const profile::ProfilePoint> points, Bytes& out);
+
+}  // namespace biteline::wire

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+#include "common/wire/schema_parts.hpp"
+
+#include <cmath>
+#include <string_view>
+
+namespace biteline::wire {
+namespace {
+
+constexpr std::size_t k_max_text_bytes = 500;
+constexpr double k_rotation_tolerance = 1e-6;  // far above the rounding of any rotation, far below any real fault
+constexpr int k_max_sensor_px = 65536;         // columns travel as 16 bit
+
+bool finite(const fb::Vec3& v) { return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z()); }
+
+Vec3 to_vec3(const fb::Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+fb::Vec3 from_vec3(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+bool plausible(const geometry::Region& region) {
+  const auto in_range = [](int value, int minimum) { return value >= minimum && value <= k_max_sensor_px; };
+  return in_range(region.offset_u_px, 0) && in_range(region.offset_v_px, 0) && in_range(region.width_px, 1) &&
+         in_range(region.height_px, 1);
+}
+
+}  // namespace
+
+flatbuffers::Offset<flatbuffers::String> text(flatbuffers::FlatBufferBuilder& fbb, const std::string& source) {
+  return fbb.CreateString(source.data(), std::min(source.size(), k_max_text_bytes));
+}
+
+std::string to_string(const flatbuffers::String* source) {
+  if (source == nullptr) return {};
+  std::string text = source->str().substr(0, k_max_text_bytes);
+  for (char& letter : text) {
+    const auto code = static_cast<unsigned char>(letter);
+    if (code < 0x20 || code == 0x7F) letter = '?';
+  }
+  return text;
+}
+
+fb::Motion pack_motion(const SE3& T) {
+  const Mat3 R = T.linear();
+  return {R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2), from_vec3(T.translation())};
+}
+
+Result<SE3> read_motion(const fb::Motion& motion) {
+  Mat3 R;
+  R << motion.r00(), motion.r01(), motion.r02(), motion.r10(), motion.r11(), motion.r12(), motion.r20(), motion.r21(),
+      motion.r22();
+  if (!R.allFinite() || !finite(motion.t())) return fail(Errc::ProtocolError, "pose with a number that is not finite");
+  // A rotation's entries are at most 1; checked first, so that the product below cannot overflow.
+  if (R.cwiseAbs().maxCoeff() > 1 + k_rotation_tolerance ||
+      (R.transpose() * R - Mat3::Identity()).cwiseAbs().maxCoeff() > k_rotation_tolerance || R.determinant() < 0) {
+    return fail(Errc::ProtocolError, "pose whose rotation is none");
+  }
+  SE3 T = SE3::Identity();
+  T.linear() = R;
+  T.translation() = to_vec3(motion.t());
+  return T;
+}
+
+flatbuffers::Offset<fb::SensorModel> pack_model(flatbuffers::FlatBufferBuilder& fbb, const geometry::SensorModel& model) {
+  const geometry::Camera& camera = model.camera;
+  const fb::Vec3 normal = from_vec3(model.laser_plane.normal_cam);
+  const fb::Motion mounting = pack_motion(model.T_flange_cam);
+  return fb::CreateSensorModel(fbb, camera.fu_px, camera.fv_px, camera.cu_px, camera.cv_px, camera.k1, camera.k2,
+                               camera.p1, camera.p2, camera.k3, &normal, model.laser_plane.distance_mm, &mounting,
+                               model.region.offset_u_px, model.region.offset_v_px, model.region.width_px,
+                               model.region.height_px, model.pose_clock_offset.count(), model.rate_hz.value_or(0),
+                               model.exposure.value_or(Nanoseconds{0}).count());
+}
+
+Result<geometry::SensorModel> read_model(const fb::SensorModel& table) {
+  const double numbers[] = {table.fu_px(), table.fv_px(), table.cu_px(), table.cv_px(), table.k1(),
+                            table.k2(),    table.p1(),    table.p2(),    table.k3(),    table.plane_distance_mm(),
+                            table.rate_hz()};
+  for (const double number : numbers) {
+    if (!std::isfinite(number)) return fail(Errc::ProtocolError, "sensor model with a number that is not finite");
+  }
+  if (table.plane_normal_cam() == nullptr || table.mounting() == nullptr || !finite(*table.plane_normal_cam())) {
+    return fail(Errc::ProtocolError, "sensor model without laser plane or mounting");
+  }
+  geometry::SensorModel model;
+  model.camera = {.fu_px = table.fu_px(), .fv_px = table.fv_px(), .cu_px = table.cu_px(), .cv_px = table.cv_px(),
+                  .k1 = table.k1(), .k2 = table.k2(), .p1 = table.p1(), .p2 = table.p2(), .k3 = table.k3()};
+  model.laser_plane = {.normal_cam = to_vec3(*table.plane_normal_cam()), .distance_mm = table.plane_distance_mm()};
+  BITELINE_ASSIGN(model.T_flange_cam, read_motion(*table.mounting()));
+  model.region = {.offset_u_px = table.offset_u_px(), .offset_v_px = table.offset_v_px(),
+                  .width_px = table.width_px(), .height_px = table.height_px()};
+  if (!plausible(model.region)) return fail(Errc::ProtocolError, "sensor model with an impossible region");
+  model.pose_clock_offset = Nanoseconds{table.pose_clock_offset_ns()};
+  if (table.rate_hz() > 0) model.rate_hz = table.rate_hz();
+  if (table.exposure_ns() > 0) model.exposure = Nanoseconds{table.exposure_ns()};
+  return model;
+}
+
+flatbuffers::Offset<fb::Counters> pack_counters(flatbuffers::FlatBufferBuilder& fbb, const Counters& counters) {
+  return fb::CreateCounters(fbb, counters.frames, counters.frames_lost, counters.frames_damaged, counters.poses,
+                            counters.poses_lost, counters.poses_rejected, counters.profiles, counters.profiles_dropped,
+                            counters.messages_lost, counters.packets_rejected, counters.peers_refused, counters.overruns);
+}
+
+Counters read_counters(const fb::Counters* table) {
+  if (table == nullptr) return {};
+  return {.frames = table->frames(),
+          .frames_lost = table->frames_lost(),
+          .frames_damaged = table->frames_damaged(),
+          .poses = table->poses(),
+          .poses_lost = table->poses_lost(),
+          .poses_rejected = table->poses_rejected(),
+          .profiles = table->profiles(),
+          .profiles_dropped = table->profiles_dropped(),
+          .messages_lost = table->messages_lost(),
+          .packets_rejected = table->packets_rejected(),
+          .peers_refused = table->peers_refused(),
+          .overruns = table->overruns()};
+}
+
+flatbuffers::Offset<StageTimeVector> pack_stages(flatbuffers::FlatBufferBuilder& fbb, const std::vector<StageTime>& stages) {
+  std::vector<flatbuffers::Offset<fb::StageTime>> tables;
+  for (const StageTime& stage : stages) {
+    tables.push_back(fb::CreateStageTime(fbb, text(fbb, stage.name), stage.count, stage.min.count(), stage.mean.count(),
+                                         stage.max.count()));
+  }
+  return fbb.CreateVector(tables);
+}
+
+std::vector<StageTime> read_stages(const StageTimeVector* tables) {
+  std::vector<StageTime> stages;
+  if (tables == nullptr) return stages;
+  for (const fb::StageTime* table : *tables) {
+    stages.push_back({.name = to_string(table->name()),
+                      .count = table->count(),
+                      .min = Nanoseconds{table->min_ns()},
+                      .mean = Nanoseconds{table->mean_ns()},
+                      .max = Nanoseconds{table->max_ns()}});
+  }
+  return stages;
+}
+
+}  // namespace biteline::wire

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Parts that several messages share, to and from the generated schema code.  Private to common/wire.
+
+#include <string>
+#include <vector>
+
+#include "common/wire/messages.hpp"
+#include "common/wire/protocol_generated.h"
+
+namespace biteline::wire {
+
+/// Cut at 500 bytes.
+[[nodiscard]] flatbuffers::Offset<flatbuffers::String> text(flatbuffers::FlatBufferBuilder& fbb, const std::string& source);
+/// Empty when absent; cut at 500 bytes; control characters become '?', since it may end on a terminal.
+[[nodiscard]] std::string to_string(const flatbuffers::String* source);
+
+[[nodiscard]] fb::Motion pack_motion(const SE3& T);
+/// Finite, and a rotation to 1e-6; made exactly orthonormal by nobody: the bits stay.
+[[nodiscard]] Result<SE3> read_motion(const fb::Motion& motion);
+
+[[nodiscard]] flatbuffers::Offset<fb::SensorModel> pack_model(flatbuffers::FlatBufferBuilder& fbb,
+                                                              const geometry::SensorModel& model);
+[[nodiscard]] Result<geometry::SensorModel> read_model(const fb::SensorModel& table);
+
+[[nodiscard]] flatbuffers::Offset<fb::Counters> pack_counters(flatbuffers::FlatBufferBuilder& fbb, const Counters& counters);
+/// All zero when absent.
+[[nodiscard]] Counters read_counters(const fb::Counters* table);
+
+using StageTimeVector = flatbuffers::Vector<flatbuffers::Offset<fb::StageTime>>;
+[[nodiscard]] flatbuffers::Offset<StageTimeVector> pack_stages(flatbuffers::FlatBufferBuilder& fbb,
+                                                               const std::vector<StageTime>& stages);
+[[nodiscard]] std::vector<StageTime> read_stages(const StageTimeVector* tables);
+
+}  // namespace biteline::wire
