@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/runtime/laser_guard.hpp"
+
+#include <algorithm>
+
+namespace biteline::runtime {
+
+const char* text(LaserOff reason) {
+  switch (reason) {
+    case LaserOff::NotAsked: return "no scan is on";
+    case LaserOff::InterlockOpen: return "the interlock is open";
+    case LaserOff::KeyOff: return "the key switch is off";
+    case LaserOff::FramesStopped: return "the camera gives no frames";
+    case LaserOff::WatchdogStarved: return "the frame processing hangs";
+    case LaserOff::DriverFailed: return "the laser's output does not do as told";
+    case LaserOff::Stopped: return "the sensor stops";
+  }
+  return "for an unknown reason";
+}
+
+bool LaserGuard::forbidden(const LaserInputs& inputs, LaserOff& why) const {
+  const auto found = [&](LaserOff reason) {
+    why = reason;
+    return true;
+  };
+  if (inputs.driver_failed) return found(LaserOff::DriverFailed);
+  if (!inputs.interlock_closed) return found(LaserOff::InterlockOpen);
+  if (!inputs.key_on) return found(LaserOff::KeyOff);
+  if (state_ != State::On) return false;
+  // Light first, frames then: both get their time from the moment of switching on.
+  const auto silence = [&](SensorClock::time_point last) { return inputs.now - std::max(last, on_since_); };
+  if (silence(inputs.watchdog_fed) > config_.watchdog_within) return found(LaserOff::WatchdogStarved);
+  if (silence(inputs.last_frame) > config_.frames_within) return found(LaserOff::FramesStopped);
+  return false;
+}
+
+bool LaserGuard::look(const LaserInputs& inputs) {
+  if (state_ == State::Stopped) return false;
+  if (!inputs.scan_on) {
+    // A latched fault stays readable as the reason until the next scan is asked for.
+    if (state_ != State::Latched) reason_ = LaserOff::NotAsked;
+    state_ = State::Off;
+    return false;
+  }
+  if (state_ == State::Latched) return false;
+  LaserOff why = LaserOff::NotAsked;
+  if (forbidden(inputs, why)) {
+    // Before the first light an open interlock is no fault but a person not yet ready.
+    if (state_ == State::On || why == LaserOff::DriverFailed) state_ = State::Latched;
+    reason_ = why;
+    return false;
+  }
+  if (state_ == State::Off) {
+    state_ = State::On;
+    on_since_ = inputs.now;
+  }
+  return true;
+}
+
+}  // namespace biteline::runtime

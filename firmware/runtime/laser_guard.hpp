@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Decides, and nothing else does, whether the laser may be on.
+
+#include <cstdint>
+
+#include "common/time/clocks.hpp"
+
+namespace biteline::runtime {
+
+/// Why the laser is off.
+enum class LaserOff : std::uint8_t {
+  NotAsked,          ///< no scan is on
+  InterlockOpen,     ///< or unknown
+  KeyOff,
+  FramesStopped,     ///< the camera gives no frames: nobody would see what the laser does
+  WatchdogStarved,   ///< the software that processes frames does not report
+  DriverFailed,      ///< the output did not do as told
+  Stopped,           ///< end of program, signal, broken contract: for good
+};
+
+[[nodiscard]] const char* text(LaserOff reason);
+
+/// What is known at one look.
+struct LaserInputs {
+  SensorClock::time_point now;
+  bool scan_on{false};
+  bool interlock_closed{false};           ///< unknown counts as open
+  bool key_on{false};
+  SensorClock::time_point last_frame;     ///< newest frame that was processed
+  SensorClock::time_point watchdog_fed;   ///< newest sign of life of the processing
+  bool driver_failed{false};              ///< last write or read-back of the output went wrong
+};
+
+/// State machine.  Off by default; On only while everything in LaserInputs allows it; any fault leads to Latched, and
+/// back to Off only when the scan was switched off (a person or the host has to ask again).
+///
+/// | state   | scan off | scan on, all well | a fault          | stop()  |
+/// |---------|----------|-------------------|------------------|---------|
+/// | Off     | Off      | On                | Off (interlock, key: not yet allowed) | Stopped |
+/// | On      | Off      | On                | Latched          | Stopped |
+/// | Latched | Off      | Latched           | Latched          | Stopped |
+/// | Stopped | Stopped  | Stopped           | Stopped          | Stopped |
+///
+/// Frames cannot flow before the laser is needed, so after switching on they have `frames_within` to begin.
+/// The limit of 100 ms from fault to darkness: 50 ms at most until a silent camera or a starved watchdog counts, plus
+/// one period of the thread that looks (10 ms, thread_table.hpp), plus the output's write.
+/// Thread: one owner (safety); pure, no clock of its own.
+class LaserGuard {
+ public:
+  struct Config {
+    Nanoseconds frames_within{std::chrono::milliseconds{50}};
+    Nanoseconds watchdog_within{std::chrono::milliseconds{50}};
+  };
+  enum class State : std::uint8_t { Off, On, Latched, Stopped };
+
+  explicit LaserGuard(const Config& config) : config_{config} {}
+
+  /// True: the output shall be on until the next look.
+  bool look(const LaserInputs& inputs);
+
+  /// For good.
+  void stop() {
+    state_ = State::Stopped;
+    reason_ = LaserOff::Stopped;
+  }
+
+  [[nodiscard]] State state() const { return state_; }
+  /// Of the present darkness, or of the last one.
+  [[nodiscard]] LaserOff reason() const { return reason_; }
+
+ private:
+  /// A fault that forbids light whatever was before.
+  [[nodiscard]] bool forbidden(const LaserInputs& inputs, LaserOff& why) const;
+
+  Config config_;
+  State state_{State::Off};
+  LaserOff reason_{LaserOff::NotAsked};
+  SensorClock::time_point on_since_;
+};
+
+}  // namespace biteline::runtime

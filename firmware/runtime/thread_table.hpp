@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The firmware's threads: the one place that says how each of them runs.
+
+#include <array>
+
+#include "common/time/clocks.hpp"
+
+namespace biteline::runtime {
+
+enum class Policy { Normal, Fifo };
+
+struct ThreadSpec {
+  const char* name;     ///< at most 15 characters, as the kernel shows it
+  Policy policy;
+  int priority;         ///< 1 .. 99 of SCHED_FIFO, 0 of Normal
+  int cpu;              ///< pinned there; -1: anywhere
+  Nanoseconds period;   ///< 0: driven by what arrives
+  Nanoseconds budget;   ///< of one turn; more is a counted overrun
+};
+
+namespace threads {
+
+using std::chrono::milliseconds;
+using std::chrono::microseconds;
+
+/// The laser goes off within 100 ms of a fault (safety.hpp): ten looks in that time leave room for a missed one.
+/// Above everything else, because nothing else may keep it from looking.
+inline constexpr ThreadSpec k_safety{"bl-safety", Policy::Fifo, 70, 0, milliseconds{10}, milliseconds{1}};
+/// Poses are short and must not age behind a frame.
+inline constexpr ThreadSpec k_pose{"bl-pose", Policy::Fifo, 60, 0, milliseconds{0}, microseconds{200}};
+/// One frame's way, ARCHITECTURE "Time budget of one frame": 10 ms between frames at 100 Hz, half of it at most.
+inline constexpr ThreadSpec k_acquisition{"bl-acq", Policy::Fifo, 50, 1, milliseconds{0}, milliseconds{5}};
+/// Encodes and sends; what it does late nobody misses before the store is full.
+inline constexpr ThreadSpec k_stream{"bl-stream", Policy::Normal, 0, -1, milliseconds{0}, milliseconds{5}};
+
+}  // namespace threads
+
+inline constexpr std::array<ThreadSpec, 4> k_thread_table{threads::k_safety, threads::k_pose, threads::k_acquisition,
+                                                          threads::k_stream};
+
+}  // namespace biteline::runtime

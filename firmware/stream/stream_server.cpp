@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/stream/stream_server.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+#include <variant>
+
+namespace biteline::stream {
+namespace {
+
+/// What a profile takes at most (see wire::k_max_message_bytes); typical ones take a quarter.
+constexpr std::size_t k_large_profile_bytes = 200 * 1024;
+
+}  // namespace
+
+StreamServer::StreamServer(ServerConfig config, wire::SensorHello identity, Outbox& outbox, CommandHandler on_command,
+                           HealthProvider health)
+    : config_{config},
+      identity_{std::move(identity)},
+      outbox_{outbox},
+      on_command_{std::move(on_command)},
+      health_{std::move(health)},
+      store_{config.store_bytes} {}
+
+void StreamServer::begin_scan(std::uint64_t scan_id, const std::string& scan_name, std::uint64_t frames_expected) {
+  messages_lost_ += store_.clear();
+  scan_id_ = scan_id;
+  ended_ = false;
+  identity_.scan_name = scan_name;
+  identity_.frames_expected = frames_expected;
+  for (auto& [peer, host] : hosts_) {
+    host.next = 0;
+    host.acknowledged = 0;
+    host.has_end = false;
+    send_hello(peer);
+  }
+}
+
+bool StreamServer::has_room() const { return store_.has_room(k_large_profile_bytes); }
+
+void StreamServer::add_profile(const profile::ProfileHeader& header, std::span<const profile::ProfilePoint> points) {
+  wire::Bytes packet;
+  wire::encode_profile({.scan_id = scan_id_, .sequence = store_.held_to()}, header, points, packet);
+  messages_lost_ += store_.push(std::move(packet));
+}
+
+void StreamServer::add_end(wire::EndOfScan end) {
+  fill(end.counters);
+  wire::Bytes packet;
+  wire::encode({.scan_id = scan_id_, .sequence = store_.held_to(), .body = std::move(end)}, packet);
+  messages_lost_ += store_.push(std::move(packet));
+  ended_ = true;
+}
+
+void StreamServer::on_packet(const PeerId& peer, std::span<const std::uint8_t> packet, SensorClock::time_point now) {
+  const Result<wire::Message> message = wire::decode(packet);
+  if (!message) {
+    ++packets_rejected_;
+    if (message.error().code == Errc::NotSupported) {
+      refuse(peer, wire::ByeReason::VersionMismatch, to_line(message.error()));
+    }
+    return;
+  }
+  if (const auto* hello = std::get_if<wire::HostHello>(&message->body)) return on_hello(peer, *hello, now);
+
+  const auto known = hosts_.find(peer);
+  if (known == hosts_.end()) {
+    // A host whose connection was renewed, or a stranger: whoever it is, hello comes first.  Hosts say it again by
+    // themselves when they hear nothing.
+    ++packets_rejected_;
+    return;
+  }
+  Host& host = known->second;
+  host.heard = now;
+  host.present = true;
+  if (const auto* ack = std::get_if<wire::Ack>(&message->body)) {
+    on_ack(host, message->scan_id, *ack);
+  } else if (const auto* control = std::get_if<wire::Control>(&message->body)) {
+    on_control(peer, *control);
+  } else if (std::holds_alternative<wire::Bye>(message->body)) {
+    hosts_.erase(known);
+  } else {
+    ++packets_rejected_;
+  }
+  update_acknowledged();
+}
+
+void StreamServer::on_hello(const PeerId& peer, const wire::HostHello& hello, SensorClock::time_point now) {
+  if (!hosts_.contains(peer) && hosts_.size() >= config_.max_hosts) {
+    // A host that connects anew leaves its old address behind: the absent go first.
+    std::erase_if(hosts_, [](const auto& entry) { return !entry.second.present; });
+    if (hosts_.size() >= config_.max_hosts) {
+      refuse(peer, wire::ByeReason::Refused, "the sensor already serves " + std::to_string(hosts_.size()) + " hosts");
+      return;
+    }
+  }
+  Host& host = hosts_[peer];
+  host.name = hello.name;
+  host.heard = now;
+  host.present = true;
+  // A host that holds the beginning of another scan starts with this one's first message; it learns that from the hello.
+  const bool resumes = hello.resume && hello.resume_scan_id == scan_id_;
+  host.next = resumes ? std::min(hello.next_sequence, store_.held_to()) : 0;
+  host.acknowledged = resumes ? std::min(hello.safe_sequence, host.next) : 0;
+  host.has_end = false;
+  update_acknowledged();
+  send_hello(peer);
+}
+
+void StreamServer::on_ack(Host& host, std::uint64_t scan_id, const wire::Ack& ack) {
+  if (scan_id != scan_id_) return;  // on its way when the scan changed
+  if (ack.safe_sequence > host.next) {  // what was never sent cannot be safe
+    ++packets_rejected_;
+    return;
+  }
+  host.acknowledged = std::max(host.acknowledged, ack.safe_sequence);
+  host.has_end = ended_ && host.acknowledged == store_.held_to();
+}
+
+void StreamServer::on_control(const PeerId& peer, const wire::Control& control) {
+  const Result<void> done = on_command_(control.command);
+  wire::ControlReply reply{.id = control.id, .errc = 0, .where = {}};
+  if (!done) {
+    reply.errc = static_cast<std::uint16_t>(done.error().code);
+    reply.where = done.error().where.c_str();
+  }
+  send(peer, {.scan_id = scan_id_, .body = std::move(reply)});
+}
+
+void StreamServer::tick(SensorClock::time_point now) {
+  drop_silent_hosts(now);
+  for (auto& [peer, host] : hosts_) {
+    if (host.present) send_due(peer, host);
+  }
+  if (now < health_due_) return;
+  health_due_ = now + config_.health_period;
+  wire::Health health = health_();
+  fill(health.counters);
+  wire::encode({.scan_id = scan_id_, .body = std::move(health)}, scratch_);
+  for (auto& [peer, host] : hosts_) {
+    if (host.present) outbox_.send(peer, scratch_);
+  }
+}
+
+void StreamServer::send_due(const PeerId& peer, Host& host) {
+  if (host.next < store_.held_from()) {
+    const wire::Gap gap{.first = host.next, .count = store_.held_from() - host.next};
+    wire::encode({.scan_id = scan_id_, .body = gap}, scratch_);
+    if (!outbox_.send(peer, scratch_)) return;
+    host.next = store_.held_from();
+    // The host has nothing of the gap to acknowledge; its window starts behind it.
+    host.acknowledged = std::max(host.acknowledged, host.next);
+  }
+  const std::uint64_t end = std::min(store_.held_to(), host.acknowledged + config_.window_messages);
+  while (host.next < end && outbox_.send(peer, store_.at(host.next))) ++host.next;
+}
+
+void StreamServer::say_bye(const std::string& text) {
+  for (const auto& [peer, host] : hosts_) {
+    send(peer, {.scan_id = scan_id_, .body = wire::Bye{.reason = wire::ByeReason::Stopping, .text = text}});
+  }
+}
+
+void StreamServer::refuse(const PeerId& peer, wire::ByeReason reason, const std::string& text) {
+  ++peers_refused_;
+  send(peer, {.scan_id = scan_id_, .body = wire::Bye{.reason = reason, .text = text}});
+}
+
+void StreamServer::send_hello(const PeerId& peer) {
+  wire::SensorHello hello = identity_;
+  hello.held_from = store_.held_from();
+  hello.held_to = store_.held_to();
+  send(peer, {.scan_id = scan_id_, .body = std::move(hello)});
+}
+
+void StreamServer::send(const PeerId& peer, const wire::Message& message) {
+  wire::encode(message, scratch_);
+  outbox_.send(peer, scratch_);
+}
+
+void StreamServer::drop_silent_hosts(SensorClock::time_point now) {
+  for (auto& [peer, host] : hosts_) {
+    if (now - host.heard > config_.absent_after) host.present = false;
+  }
+  std::erase_if(hosts_, [&](const auto& entry) { return now - entry.second.heard > config_.forgotten_after; });
+  update_acknowledged();
+}
+
+void StreamServer::update_acknowledged() {
+  // Without any host the last word stands: what nobody acknowledged is kept for whoever comes.
+  std::uint64_t lowest = std::numeric_limits<std::uint64_t>::max();
+  for (const auto& [peer, host] : hosts_) {
+    if (host.present) lowest = std::min(lowest, host.acknowledged);
+  }
+  if (lowest != std::numeric_limits<std::uint64_t>::max()) store_.set_acknowledged(lowest);
+}
+
+std::size_t StreamServer::hosts_present() const {
+  return static_cast<std::size_t>(
+      std::count_if(hosts_.begin(), hosts_.end(), [](const auto& entry) { return entry.second.present; }));
+}
+
+bool StreamServer::end_acknowledged() const {
+  if (!ended_) return false;
+  const auto lacks_end = [](const auto& entry) { return entry.second.present && !entry.second.has_end; };
+  const auto has_end = [](const auto& entry) { return entry.second.has_end; };
+  return std::none_of(hosts_.begin(), hosts_.end(), lacks_end) && std::any_of(hosts_.begin(), hosts_.end(), has_end);
+}
+
+void StreamServer::fill(wire::Counters& counters) const {
+  counters.messages_lost = messages_lost_;
+  counters.packets_rejected = packets_rejected_;
+  counters.peers_refused = peers_refused_;
+}
+
+}  // namespace biteline::stream

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The sensor's side of the protocol, without sockets: hosts, their place in the stream, what is due to whom.
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <span>
+#include <string>
+
+#include "common/wire/messages.hpp"
+#include "firmware/stream/message_store.hpp"
+
+namespace biteline::stream {
+
+/// Opaque address of a connected host.
+using PeerId = std::string;
+
+/// Where packets leave; the socket, or a test.
+class Outbox {
+ public:
+  Outbox() = default;
+  Outbox(const Outbox&) = delete;
+  Outbox& operator=(const Outbox&) = delete;
+  virtual ~Outbox() = default;
+
+  /// False: the peer's queue is full or the peer is gone; nothing was sent.  Never blocks.
+  virtual bool send(const PeerId& peer, std::span<const std::uint8_t> packet) = 0;
+};
+
+struct ServerConfig {
+  std::size_t store_bytes{256 * 1024 * 1024};  ///< some 8000 full profiles: 80 s at 100 Hz
+  std::uint64_t window_messages{64};           ///< sent and not yet acknowledged, per host
+  /// Hosts say something at least four times a second (PROTOCOL.md); eight silent intervals and one is absent.
+  Nanoseconds absent_after{2'000'000'000};
+  /// Known again for that long, so that its place is not lost by a pause.
+  Nanoseconds forgotten_after{60'000'000'000};
+  Nanoseconds health_period{250'000'000};
+  std::size_t max_hosts{4};
+};
+
+/// Hosts say hello, get the scan from where they ask, acknowledge.  All of several hosts get everything.
+/// Thread: one owner (the stream thread).
+class StreamServer {
+ public:
+  using CommandHandler = std::function<Result<void>(wire::Command)>;
+  using HealthProvider = std::function<wire::Health()>;
+
+  /// `identity`: what the sensor says of itself; its held range is filled in here.
+  StreamServer(ServerConfig config, wire::SensorHello identity, Outbox& outbox, CommandHandler on_command,
+               HealthProvider health);
+
+  /// A new scan: the store begins anew.  Messages of the old one that no host has are counted as lost.
+  void begin_scan(std::uint64_t scan_id, const std::string& scan_name, std::uint64_t frames_expected);
+
+  /// False: taking another message now would lose one that no host has yet.  Lossless sources wait then.
+  [[nodiscard]] bool has_room() const;
+
+  void add_profile(const profile::ProfileHeader& header, std::span<const profile::ProfilePoint> points);
+  /// The scan's last message.
+  void add_end(wire::EndOfScan end);
+
+  /// A packet of a host, from anyone.
+  void on_packet(const PeerId& peer, std::span<const std::uint8_t> packet, SensorClock::time_point now);
+
+  /// Sends what is due.  To be called often.
+  void tick(SensorClock::time_point now);
+
+  /// Tells every host that the sensor stops.
+  void say_bye(const std::string& text);
+
+  [[nodiscard]] std::size_t hosts_present() const;
+  /// True when every present host has acknowledged the scan's end, and at least one has.
+  [[nodiscard]] bool end_acknowledged() const;
+  /// Messages lost, packets rejected, hosts refused: this module's part of the counters.
+  void fill(wire::Counters& counters) const;
+  void count_refused_peer() { ++peers_refused_; }
+
+ private:
+  struct Host {
+    std::string name;
+    std::uint64_t next{0};          ///< next message to send
+    std::uint64_t acknowledged{0};
+    SensorClock::time_point heard;
+    bool present{true};
+    bool has_end{false};            ///< acknowledged the end of a scan that is over
+  };
+  void send(const PeerId& peer, const wire::Message& message);
+  void send_hello(const PeerId& peer);
+  void send_due(const PeerId& peer, Host& host);
+  void on_hello(const PeerId& peer, const wire::HostHello& hello, SensorClock::time_point now);
+  void on_ack(Host& host, std::uint64_t scan_id, const wire::Ack& ack);
+  void on_control(const PeerId& peer, const wire::Control& control);
+  void update_acknowledged();
+  void drop_silent_hosts(SensorClock::time_point now);
+  void refuse(const PeerId& peer, wire::ByeReason reason, const std::string& text);
+
+  ServerConfig config_;
+  wire::SensorHello identity_;
+  Outbox& outbox_;
+  CommandHandler on_command_;
+  HealthProvider health_;
+  MessageStore store_;
+  std::map<PeerId, Host> hosts_;
+  std::uint64_t scan_id_{0};
+  bool ended_{false};
+  SensorClock::time_point health_due_;
+  std::uint64_t messages_lost_{0};
+  std::uint64_t packets_rejected_{0};
+  std::uint64_t peers_refused_{0};
+  wire::Bytes scratch_;
+};
+
+}  // namespace biteline::stream
