@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+// biteline-sensor: picks the devices, wires the threads, and ends with one plain line and an exit status.
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <random>
+#include <thread>
+
+#include "common/wire/keys.hpp"
+#include "firmware/app/options.hpp"
+#include "firmware/app/scanner.hpp"
+#include "firmware/app/streamer.hpp"
+#include "firmware/stream/stream_socket.hpp"
+
+namespace {
+
+using namespace biteline;
+
+/// SIGTERM and SIGINT arrive at wait_for_signal() and nowhere else; a broken pipe is an error code, not a death.
+sigset_t block_stop_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+  return signals;
+}
+
+/// The kernel then tells us by SIGTERM when our parent dies.
+Result<void> tie_to_parent(pid_t parent) {
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  // It may have died before the line above.
+  if (getppid() != parent) return fail(Errc::ProcessDied, "process %d, which started this one, is gone", parent);
+  return {};
+}
+
+std::uint64_t random_scan_id() {
+  std::random_device source;
+  return (std::uint64_t{source()} << 32U) | source();
+}
+
+void wait_for_signal(const sigset_t& signals, const std::atomic<bool>& stream_over, std::atomic<bool>& stop) {
+  constexpr timespec k_look{.tv_sec = 0, .tv_nsec = 20'000'000};
+  while (!stream_over) {
+    if (sigtimedwait(&signals, nullptr, &k_look) > 0) stop = true;
+  }
+}
+
+Result<void> run(const sensor::Options& options, const sigset_t& signals) {
+  if (options.parent_pid) BITELINE_TRY(tie_to_parent(*options.parent_pid));
+  BITELINE_ASSIGN(sensor::Source source, sensor::open_source(options.source));
+  const runtime::RealtimeDemand demand = options.realtime.value_or(
+      source.lossless ? runtime::RealtimeDemand::Ignored : runtime::RealtimeDemand::Required);
+  BITELINE_TRY(runtime::prepare_process(demand));
+
+  stream::StreamSocket::Config network{.listen = options.listen, .keys = {}};
+  if (options.keys) {
+    BITELINE_ASSIGN(network.keys, wire::read_sensor_keys(*options.keys));
+  }
+  BITELINE_ASSIGN(const std::unique_ptr<stream::StreamSocket> socket, stream::StreamSocket::open(network));
+  const bool play_once = source.lossless && !options.stay_after_scan;
+  const hal::MonotonicClock clock;
+  BITELINE_ASSIGN(const std::unique_ptr<sensor::Scanner> scanner,
+                  sensor::Scanner::create(std::move(source), {}, clock, demand));
+
+  sensor::StreamerConfig config;
+  config.server.store_bytes = options.store_megabytes * 1024 * 1024;
+  config.name = options.name;
+  config.version = BITELINE_VERSION;
+  config.scan_id = random_scan_id();
+  config.leave_after_scan = play_once;
+  sensor::Streamer streamer{config, *scanner, *socket, clock};
+
+  BITELINE_TRY(scanner->start());
+  // For whoever started this program: one line, then nothing more on stdout.
+  std::printf("{\"endpoint\":\"%s\",\"protocol\":%d}\n", socket->address().c_str(), static_cast<int>(wire::k_protocol));
+  std::fflush(stdout);
+
+  std::atomic<bool> stop{false};
+  std::atomic<bool> stream_over{false};
+  std::thread stream_thread{[&] {
+    // Its table entry is an ordinary thread: nothing here can be refused.
+    (void)runtime::enter_thread(runtime::threads::k_stream, runtime::RealtimeDemand::Ignored);
+    streamer.run(stop);
+    stream_over = true;
+  }};
+  wait_for_signal(signals, stream_over, stop);
+  stream_thread.join();
+  scanner->stop();
+  if (const std::optional<Error> failure = scanner->failure()) return tl::unexpected<Error>{*failure};
+  return {};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const sigset_t signals = block_stop_signals();
+  const sensor::ParsedOptions parsed = sensor::parse_options(argc, argv);
+  if (parsed.leave_with) return *parsed.leave_with;
+  try {
+    const Result<void> done = parsed.options.make_keys ? wire::make_keys(*parsed.options.make_keys)
+                                                       : run(parsed.options, signals);
+    if (done) return static_cast<int>(ExitStatus::Done);
+    std::fprintf(stderr, "biteline-sensor: %s\n", to_line(done.error()).c_str());
+    return static_cast<int>(error_row(done.error().code).exit_status);
+  } catch (const std::exception& error) {
+    // Out of memory, no thread to be had: nothing else here throws.
+    std::fprintf(stderr, "biteline-sensor: internal failure: %s\n", error.what());
+    return static_cast<int>(ExitStatus::Connection);
+  }
+}

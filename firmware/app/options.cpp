@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/app/options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+namespace biteline::sensor {
+namespace {
+
+int complain(const std::string& line) {
+  std::fprintf(stderr, "biteline-sensor: %s\n", line.c_str());
+  return static_cast<int>(ExitStatus::BadInput);
+}
+
+}  // namespace
+
+ParsedOptions parse_options(int argc, char** argv) {
+  ParsedOptions parsed;
+  Options& options = parsed.options;
+  std::string listen = "tcp://127.0.0.1:0";
+  std::string realtime;
+  CLI::App app{"Biteline's sensor program: camera frames in, 3-D profiles out to the host.", "biteline-sensor"};
+  app.set_version_flag("--version", BITELINE_VERSION);
+  app.add_option("--source", options.source.source, "replay:SESSION, a recorded session's folder");
+  app.add_option("--sensor", options.source.sensor_file, "Calibration that replaces the head's own (sensor.yaml)");
+  app.add_option("--listen", listen, "Where hosts connect; port 0: any free one")->capture_default_str();
+  app.add_option("--keys", options.keys, "Folder of keys; compulsory beyond loopback");
+  app.add_option("--make-keys", options.make_keys, "Make keys for this sensor and one host in a folder, and leave");
+  app.add_option("--name", options.name, "What the sensor calls itself");
+  app.add_option("--rt", realtime, "required: refuse to run without real-time rights; ignore: run as any program")
+      ->check(CLI::IsMember({"required", "ignore"}));
+  app.add_option("--store-mb", options.store_megabytes, "Room for what hosts have not fetched yet, in MB")
+      ->check(CLI::Range(1, 16384))
+      ->capture_default_str();
+  app.add_option("--exit-with-parent", options.parent_pid, "Stop when the program that started this one ends: its process number");
+  app.add_flag("--stay", options.stay_after_scan, "Keep serving a recording after it was delivered");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    parsed.leave_with = error.get_exit_code() == 0 ? app.exit(error) : complain(std::string{error.what()} + " (see --help)");
+    return parsed;
+  }
+  if (options.source.source.empty() && !options.make_keys) {
+    parsed.leave_with = complain("--source is needed (see --help)");
+    return parsed;
+  }
+  const Result<wire::Endpoint> endpoint = wire::parse_endpoint(listen);
+  if (!endpoint) {
+    parsed.leave_with = complain(to_line(endpoint.error()));
+    return parsed;
+  }
+  options.listen = *endpoint;
+  if (realtime == "required") options.realtime = runtime::RealtimeDemand::Required;
+  if (realtime == "ignore") options.realtime = runtime::RealtimeDemand::Ignored;
+  return parsed;
+}
+
+}  // namespace biteline::sensor

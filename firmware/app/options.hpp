@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The command line of biteline-sensor.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "common/core/result.hpp"
+#include "common/wire/endpoint.hpp"
+#include "firmware/app/source.hpp"
+#include "firmware/runtime/realtime.hpp"
+
+namespace biteline::sensor {
+
+struct Options {
+  SourceOptions source;
+  wire::Endpoint listen;
+  std::optional<std::filesystem::path> keys;
+  std::optional<std::filesystem::path> make_keys;
+  std::string name{"biteline-sensor"};
+  std::optional<runtime::RealtimeDemand> realtime;  ///< not told: required, but for recordings
+  std::size_t store_megabytes{256};
+  std::optional<int> parent_pid;  ///< stop when it ends
+  bool stay_after_scan{false};
+};
+
+/// What to do after parsing: run, or leave at once (help, version) with a status.
+struct ParsedOptions {
+  Options options;
+  std::optional<int> leave_with;
+};
+
+[[nodiscard]] ParsedOptions parse_options(int argc, char** argv);
+
+}  // namespace biteline::sensor

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/app/scanner.hpp"
+
+#include <chrono>
+#include <limits>
+#include <utility>
+
+namespace biteline::sensor {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+/// How long a thread sleeps in its device before it looks whether it shall stop.
+constexpr Nanoseconds k_device_wait = milliseconds{50};
+/// A paused lossless source looks again so often: far less than a frame takes to process.
+constexpr Nanoseconds k_pause = microseconds{200};
+/// Poses are read this far beyond the profile that waits for them: four times the smoothing's reach (24 ms), and at
+/// 8 kHz, beyond any controller, still a fifth of the history.
+constexpr Nanoseconds k_pose_lead = milliseconds{100};
+/// A live profile waits so long for poses after its exposure: the smoothing's reach plus two periods of the slowest
+/// controller (8 ms) and as much for the network.
+constexpr Nanoseconds k_pose_patience = milliseconds{24 + 16 + 10};
+
+constexpr std::int64_t k_never_ns = std::numeric_limits<std::int64_t>::min();
+
+std::int64_t to_ns(SensorClock::time_point instant) { return instant.time_since_epoch().count(); }
+
+}  // namespace
+
+Result<std::unique_ptr<Scanner>> Scanner::create(Source source, const pipeline::ProfilePipeline::Config& config,
+                                                 const hal::Clock& clock, runtime::RealtimeDemand demand) {
+  BITELINE_ASSIGN(pipeline::ProfilePipeline pipeline, pipeline::ProfilePipeline::create(config, source.model));
+  return std::unique_ptr<Scanner>{new Scanner{std::move(source), std::move(pipeline), clock, demand}};
+}
+
+Scanner::Scanner(Source source, pipeline::ProfilePipeline pipeline, const hal::Clock& clock,
+                 runtime::RealtimeDemand demand)
+    : source_{std::move(source)},
+      pipeline_{std::move(pipeline)},
+      clock_{clock},
+      demand_{demand},
+      poses_wanted_until_ns_{k_never_ns},
+      newest_frame_ns_{k_never_ns} {}
+
+Scanner::~Scanner() { stop(); }
+
+Result<void> Scanner::start() {
+  BITELINE_TRY(source_.poses->start());
+  BITELINE_TRY(source_.camera->start());
+  pose_thread_ = std::thread{[this] { read_poses(); }};
+  acquisition_thread_ = std::thread{[this] { acquire(); }};
+  return {};
+}
+
+void Scanner::stop() {
+  stopping_ = true;
+  if (acquisition_thread_.joinable()) acquisition_thread_.join();
+  if (pose_thread_.joinable()) pose_thread_.join();
+  // Both say only that a device that is to be quiet anyway did not answer.
+  (void)source_.camera->stop();
+  (void)source_.poses->stop();
+}
+
+void Scanner::acquire() {
+  if (const Result<void> entered = runtime::enter_thread(runtime::threads::k_acquisition, demand_); !entered) {
+    record_failure(entered.error());
+  } else {
+    while (!stopping_) {
+      // Fewer than three free: the ring may be full, and a recording is not to lose anything.
+      if (source_.lossless && pool_.rt_free_count() < 3) {
+        std::this_thread::sleep_for(k_pause);
+        continue;
+      }
+      const SensorClock::time_point begin = clock_.now();
+      const Result<hal::FrameView> frame = source_.camera->next_frame(k_device_wait);
+      if (frame) {
+        wait_meter.rt_add(clock_.now() - begin);
+        process(*frame);
+      } else if (frame.error().code != Errc::Timeout) {
+        record_failure(frame.error());
+        break;
+      } else if (source_.camera->health().finished) {
+        break;
+      }
+    }
+  }
+  acquisition_over_.store(true, std::memory_order_release);
+}
+
+void Scanner::process(const hal::FrameView& frame) {
+  const SensorClock::time_point begin = clock_.now();
+  const std::optional<rt::BufferIndex> buffer = pool_.rt_acquire();
+  BITELINE_EXPECTS(buffer.has_value());  // k_pool_profiles leaves one
+  pipeline_.rt_process(frame, pool_[*buffer]);
+  source_.camera->release(frame);
+  const SensorClock::time_point end = clock_.now();
+  if (end - begin > runtime::threads::k_acquisition.budget && !source_.lossless) {
+    pool_[*buffer].header.flags |= profile::k_profile_overrun;
+    overruns_.fetch_add(1, std::memory_order_relaxed);
+  }
+  if (const std::optional<rt::BufferIndex> victim = ring_.rt_push(*buffer)) {
+    pool_.rt_release(*victim);
+    dropped_.fetch_add(1, std::memory_order_relaxed);
+  }
+  process_meter.rt_add(end - begin);
+  profiles_.fetch_add(1, std::memory_order_relaxed);
+  newest_frame_ns_.store(to_ns(end), std::memory_order_relaxed);
+}
+
+void Scanner::read_poses() {
+  if (const Result<void> entered = runtime::enter_thread(runtime::threads::k_pose, demand_); !entered) {
+    record_failure(entered.error());
+    poses_over_ = true;
+    return;
+  }
+  while (!stopping_) {
+    if (source_.lossless && to_ns(poses_.rt_newest()) > poses_wanted_until_ns_.load(std::memory_order_relaxed)) {
+      std::this_thread::sleep_for(k_pause);
+      continue;
+    }
+    const Result<hal::PoseSample> pose = source_.poses->next_pose(k_device_wait);
+    if (pose) {
+      const SensorClock::time_point stamp =
+          pose->stamp_sensor.value_or(to_sensor_clock(pose->stamp, source_.model.pose_clock_offset));
+      if (!poses_.rt_push({.stamp = stamp, .T_base_flange = pose->T_base_flange})) {
+        rejected_poses_.fetch_add(1, std::memory_order_relaxed);
+      }
+    } else if (pose.error().code != Errc::Timeout) {
+      record_failure(pose.error());
+      break;
+    } else if (source_.poses->health().state == hal::PoseState::Finished) {
+      break;
+    }
+  }
+  poses_over_.store(true, std::memory_order_release);
+}
+
+const profile::ProfileBuffer* Scanner::take() {
+  if (!taken_) {
+    taken_ = ring_.rt_pop();
+    if (!taken_) return nullptr;
+    stamped_ = false;
+    taken_at_ = clock_.now();
+    poses_wanted_until_ns_.store(to_ns(pool_[*taken_].header.exposure_mid + k_pose_lead), std::memory_order_relaxed);
+  }
+  if (!stamped_) {
+    if (!pose_settled()) return nullptr;
+    const SensorClock::time_point begin = clock_.now();
+    pipeline_.rt_stamp(pool_[*taken_], poses_);
+    stamp_meter.rt_add(clock_.now() - begin);
+    stamped_ = true;
+  }
+  return &pool_[*taken_];
+}
+
+bool Scanner::pose_settled() {
+  // In this order: a pose source that is over has pushed everything before it said so.
+  const bool over = poses_over_.load(std::memory_order_acquire);
+  if (over || pipeline_.rt_pose_ready(pool_[*taken_], poses_)) return true;
+  return !source_.lossless && clock_.now() - taken_at_ > k_pose_patience;
+}
+
+void Scanner::give_back() {
+  BITELINE_EXPECTS(taken_.has_value());
+  pool_.rt_release(*taken_);
+  taken_.reset();
+}
+
+bool Scanner::finished() const {
+  return acquisition_over_.load(std::memory_order_acquire) && !taken_ && pool_.rt_free_count() == k_pool_profiles;
+}
+
+void Scanner::record_failure(const Error& error) {
+  const std::lock_guard lock{failure_mutex_};
+  if (!failure_) failure_ = error;
+}
+
+std::optional<Error> Scanner::failure() const {
+  const std::lock_guard lock{failure_mutex_};
+  return failure_;
+}
+
+ScanCounts Scanner::counts() const {
+  const hal::CameraHealth camera = source_.camera->health();
+  const hal::PoseHealth poses = source_.poses->health();
+  return {.frames = camera.frames,
+          .frames_lost = camera.frames_lost,
+          .frames_damaged = camera.frames_damaged,
+          .poses = poses.poses,
+          .poses_lost = poses.poses_lost,
+          .poses_rejected = poses.poses_rejected + rejected_poses_.load(std::memory_order_relaxed),
+          .profiles = profiles_.load(std::memory_order_relaxed),
+          .profiles_dropped = dropped_.load(std::memory_order_relaxed),
+          .overruns = overruns_.load(std::memory_order_relaxed)};
+}
+
+SensorClock::time_point Scanner::newest_frame() const {
+  return SensorClock::time_point{Nanoseconds{newest_frame_ns_.load(std::memory_order_relaxed)}};
+}
+
+}  // namespace biteline::sensor

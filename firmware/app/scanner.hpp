@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Frames to profiles: the acquisition and the pose thread, and what they hand to the stream thread.
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "common/rt/buffer_pool.hpp"
+#include "common/rt/spsc_ring.hpp"
+#include "firmware/app/source.hpp"
+#include "firmware/pipeline/profile_pipeline.hpp"
+#include "firmware/runtime/realtime.hpp"
+#include "firmware/runtime/stage_meter.hpp"
+#include "hal/api/clock.hpp"
+
+namespace biteline::sensor {
+
+/// Counts that belong to the scanner.  Any thread.
+struct ScanCounts {
+  std::uint64_t frames{0}, frames_lost{0}, frames_damaged{0};
+  std::uint64_t poses{0}, poses_lost{0}, poses_rejected{0};
+  std::uint64_t profiles{0}, profiles_dropped{0}, overruns{0};
+};
+
+/// One scan: two threads from start() to the end of the object.
+///
+///     camera -> [acquisition] rt_process -> ring of profiles -> [stream] take(), give_back()
+///     poses  -> [pose] history ------------------------------------^ stamps them
+///
+/// A source that may wait (lossless) is made to: acquisition pauses while the ring is full, and poses are read only as far
+/// ahead as the next profile needs, so that the history cannot run over.  Any other source is never waited for: the
+/// oldest profile in the ring is dropped and counted.
+/// Thread: take() and give_back() from the stream thread only; the rest from the thread that made it.
+class Scanner {
+ public:
+  [[nodiscard]] static Result<std::unique_ptr<Scanner>> create(Source source, const pipeline::ProfilePipeline::Config& config,
+                                                               const hal::Clock& clock, runtime::RealtimeDemand demand);
+  ~Scanner();  ///< stops first
+  Scanner(const Scanner&) = delete;
+  Scanner& operator=(const Scanner&) = delete;
+
+  [[nodiscard]] Result<void> start();
+  /// Ends both threads; what is in the ring can still be taken.
+  void stop();
+  /// As stop(), without waiting for them.  Any thread.
+  void request_stop() { stopping_ = true; }
+
+  /// The next profile in order, stamped with its pose; nothing when there is none yet.  Valid until give_back().
+  [[nodiscard]] const profile::ProfileBuffer* take();
+  void give_back();
+  /// Something is in the ring: take() is worth calling again soon.
+  [[nodiscard]] bool waiting() const { return pool_.rt_free_count() + 2 <= k_pool_profiles; }
+
+  /// No profile will come any more: the source is at its end, failed, or was stopped, and the ring is empty.
+  [[nodiscard]] bool finished() const;
+  /// What ended it, if not the end of the source.
+  [[nodiscard]] std::optional<Error> failure() const;
+
+  [[nodiscard]] ScanCounts counts() const;
+  [[nodiscard]] const Source& source() const { return source_; }
+  /// When the newest frame was through, for the laser's guard; min(): none yet.
+  [[nodiscard]] SensorClock::time_point newest_frame() const;
+
+  runtime::StageMeter wait_meter, process_meter, stamp_meter;
+
+ private:
+  /// Ring plus the one being filled plus the one being sent: a buffer is always free for the next frame.
+  static constexpr std::size_t k_ring_profiles = 32;
+  static constexpr std::size_t k_pool_profiles = k_ring_profiles + 2;
+
+  Scanner(Source source, pipeline::ProfilePipeline pipeline, const hal::Clock& clock, runtime::RealtimeDemand demand);
+  void acquire();
+  void read_poses();
+  void process(const hal::FrameView& frame);
+  [[nodiscard]] bool pose_settled();
+  void record_failure(const Error& error);
+
+  Source source_;
+  pipeline::ProfilePipeline pipeline_;
+  const hal::Clock& clock_;
+  runtime::RealtimeDemand demand_;
+  pipeline::PoseHistory poses_;
+  rt::BufferPool<profile::ProfileBuffer> pool_{k_pool_profiles};
+  rt::DropOldestRing<rt::BufferIndex, k_ring_profiles> ring_;
+
+  std::thread acquisition_thread_, pose_thread_;
+  std::atomic<bool> stopping_{false};
+  std::atomic<bool> acquisition_over_{false};
+  std::atomic<bool> poses_over_{false};
+  std::atomic<std::int64_t> poses_wanted_until_ns_;
+  std::atomic<std::int64_t> newest_frame_ns_;
+  std::atomic<std::uint64_t> profiles_{0}, dropped_{0}, rejected_poses_{0}, overruns_{0};
+
+  // Stream thread's own.
+  std::optional<rt::BufferIndex> taken_;
+  bool stamped_{false};
+  SensorClock::time_point taken_at_;
+
+  mutable std::mutex failure_mutex_;
+  std::optional<Error> failure_;
+};
+
+}  // namespace biteline::sensor
