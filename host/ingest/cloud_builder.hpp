@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Profiles to one cloud in base, and an account of what was left out.
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/geometry/sensor_model.hpp"
+#include "common/profile/profile.hpp"
+#include "host/cloud/point_cloud.hpp"
+
+namespace biteline::ingest {
+
+/// What came, what stayed out and why.  A profile or point with several flags counts under each of them.
+struct IngestCounts {
+  std::uint64_t profiles{0};          ///< received
+  std::uint64_t profiles_used{0};
+  std::uint64_t profiles_lost{0};     ///< gaps in their numbers, wherever they were lost
+  std::uint64_t points{0};            ///< received, also those of profiles left out
+  std::uint64_t points_used{0};
+  std::uint64_t points_not_surface{0};///< evidence only, in profiles that were used
+  std::uint64_t points_of_unusable_profiles{0};
+  std::array<std::uint64_t, 32> profiles_by_flag{};  ///< index: bit of ProfileFlag
+  std::array<std::uint64_t, 16> points_by_flag{};    ///< index: bit of PointFlag
+};
+
+/// The flags' names with their counts, those that occur only: for report.json.
+[[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> profile_flag_counts(const IngestCounts& counts);
+[[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> point_flag_counts(const IngestCounts& counts);
+
+/// Leaves out profiles with k_profile_not_usable and points with k_point_not_surface.  Not thread-safe.
+class CloudBuilder {
+ public:
+  explicit CloudBuilder(const geometry::SensorModel& sensor) : T_flange_cam_{sensor.T_flange_cam} {}
+
+  void add(const profile::Profile& profile);
+
+  [[nodiscard]] const IngestCounts& counts() const { return counts_; }
+  [[nodiscard]] const cloud::PointCloud& cloud() const { return cloud_; }
+  [[nodiscard]] cloud::PointCloud take() { return std::move(cloud_); }
+
+ private:
+  void append(const SE3& T_base_cam, std::uint64_t sequence, const profile::ProfilePoint& point);
+
+  SE3 T_flange_cam_;
+  cloud::PointCloud cloud_;
+  IngestCounts counts_;
+  std::uint64_t next_sequence_{0};
+};
+
+}  // namespace biteline::ingest
