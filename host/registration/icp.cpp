@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace biteline::registration {
 namespace {
@@ -17,6 +18,8 @@ constexpr double k_facing_pitches = 1.5;
 // Geman-McClure: residuals of this many robust standard deviations weigh a quarter.
 constexpr double k_kernel_sigmas = 3.0;
 constexpr std::size_t k_min_pairs = 20;
+// A shoe's height is fixed a hundredth as well as its width: it takes 3 % longer.
+constexpr double k_damping_ratio = 3e-4;
 // Lasts and stretched leather differ smoothly: 40 mm is half a shoe's height or width.
 constexpr double k_surface_correlation_mm = 40;
 // A collar is cut in one piece: as many independent places as it has sides and ends, twice.
@@ -77,11 +80,15 @@ struct NormalEquations {
     }
   }
 
-  /// Small damping keeps a step along an unfixed direction at zero instead of anywhere; the degeneracy is told from H.
+  /// Damping keeps a direction that the surface does not fix from running away on noise; it changes how fast a step
+  /// arrives and not where.  The degeneracy itself is told from H.
   [[nodiscard]] Step solve() const {
     Information damped = H;
-    const double translation = H.topLeftCorner<3, 3>().trace() / 3;
-    damped.diagonal().array() += 1e-9 * H.diagonal().array() + 1e-9 * translation;
+    for (Eigen::Index first = 0; first < H.rows(); first += 3) {
+      const Eigen::Index count = std::min<Eigen::Index>(3, H.rows() - first);
+      const double mean = H.diagonal().segment(first, count).mean();
+      damped.diagonal().segment(first, count).array() += k_damping_ratio * mean + std::numeric_limits<double>::min();
+    }
     return damped.ldlt().solve(b);
   }
 };
@@ -183,7 +190,10 @@ IcpResult run_icp(const Surfaces& surfaces, const Placement& start, const IcpOpt
     const double rim_sigma_mm = std::max(options.least_scale_mm, robust_sigma_mm(pairs.rim));
     equations.add(pairs.rim, result.placement, k_kernel_sigmas * rim_sigma_mm,
                   rim_weight(surfaces.source, pairs.rim.size()));
-    const Step step = equations.solve();
+    Step step = equations.solve();
+    // Pairs are only known within reach: a longer step is a guess.
+    const double length_mm = step.head<3>().norm();
+    if (length_mm > options.reach_mm) step *= options.reach_mm / length_mm;
     apply(step, options.freedom, result.placement);
     result.converged = step.head<3>().norm() < k_done_mm && step.segment<3>(3).norm() < k_done_rad;
     pairs = AllPairs{surfaces, result.placement, options};
