@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "common/core/result.hpp"
+#include "host/groove/extract.hpp"
 
 namespace biteline::app {
 
@@ -21,6 +22,9 @@ struct Context {
   GlobalOptions options;
   std::function<Result<ExitStatus>()> run;
 };
+
+/// --method, the same for every command that extracts a line.
+void add_method_option(CLI::App& command, groove::Method& method);
 
 void add_calibrate(CLI::App& app, Context& context);
 void add_doctor(CLI::App& app, Context& context);

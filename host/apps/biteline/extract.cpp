@@ -32,13 +32,17 @@ Result<ExitStatus> extract(const Options& options, const GlobalOptions& global) 
 
 }  // namespace
 
+void add_method_option(CLI::App& command, groove::Method& method) {
+  const std::map<std::string, groove::Method> methods{{"ours", groove::Method::Ours}, {"published", groove::Method::Published}};
+  command.add_option("--method", method, "ours, or the article's: published")->transform(CLI::CheckedTransformer(methods));
+}
+
 void add_extract(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("extract", "Find the bite line in a point cloud (PLY, mm)");
   command->add_option("cloud", options->cloud, "The cloud: PLY, properties x y z in mm")->required();
   command->add_option("--out", options->out, "Folder for line.csv, report.json, stages/")->required();
-  const std::map<std::string, groove::Method> methods{{"ours", groove::Method::Ours}, {"published", groove::Method::Published}};
-  command->add_option("--method", options->method, "ours, or the article's: published")->transform(CLI::CheckedTransformer(methods));
+  add_method_option(*command, options->method);
   command->callback([options, &context] { context.run = [options, &context] { return extract(*options, context.options); }; });
 }
 

@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   add_doctor(app, context);
   add_evaluate(app, context);
   add_extract(app, context);
+  add_replay(app, context);
 
   try {
     app.parse(argc, argv);

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+// biteline replay: a recorded session through the sensor program and the host's pipeline.
+#include <cstdio>
+#include <optional>
+
+#include "host/apps/biteline/command.hpp"
+#include "host/ingest/session_run.hpp"
+#include "host/report/progress.hpp"
+#include "host/result/line_result.hpp"
+
+namespace biteline::app {
+namespace {
+
+struct Options {
+  std::filesystem::path session, out, sensor;
+  groove::Method method{groove::Method::Ours};
+};
+
+nlohmann::ordered_json account_of(const ingest::SessionRun& run) {
+  nlohmann::ordered_json account{{"frames", run.sensor_counters.frames},
+                                 {"frames_lost", run.sensor_counters.frames_lost},
+                                 {"profiles", run.counts.profiles},
+                                 {"profiles_used", run.counts.profiles_used},
+                                 {"profiles_lost", run.counts.profiles_lost},
+                                 {"points_received", run.counts.points},
+                                 {"points_used", run.counts.points_used},
+                                 {"points_not_surface", run.counts.points_not_surface}};
+  for (const auto& [name, count] : ingest::profile_flag_counts(run.counts)) account["profile_flags"][name] = count;
+  for (const auto& [name, count] : ingest::point_flag_counts(run.counts)) account["point_flags"][name] = count;
+  for (const wire::StageTime& stage : run.sensor_stages) {
+    account["sensor_stages_ms"][stage.name] = {{"min", 1e-6 * static_cast<double>(stage.min.count())},
+                                               {"mean", 1e-6 * static_cast<double>(stage.mean.count())},
+                                               {"max", 1e-6 * static_cast<double>(stage.max.count())}};
+  }
+  return account;
+}
+
+Result<ExitStatus> replay(const Options& options, const GlobalOptions& global) {
+  report::Report report;
+  BITELINE_TRY(result::prepare_result_folder(options.out));
+
+  ingest::SessionRunOptions run_options;
+  run_options.session = options.session;
+  if (!options.sensor.empty()) run_options.sensor_file = options.sensor;
+  std::optional<report::Progress> progress;
+  run_options.progress = [&](std::size_t done, std::size_t total) {
+    if (!progress) progress.emplace("profiles", total, global.quiet);
+    progress->set(done);
+  };
+  BITELINE_ASSIGN(const ingest::SessionRun run, report.timed("scan", [&] { return ingest::run_sensor_on_session(run_options); }));
+  progress.reset();
+
+  groove::ExtractConfig config;
+  config.method = options.method;
+  const groove::Extraction extraction = report.timed("extract", [&] { return groove::extract(run.cloud, config); });
+
+  report.fields["input"] = options.session.filename().string();
+  report.fields["scan"] = account_of(run);
+  report.fields["frames_per_s"] = run.stream_s > 0 ? static_cast<double>(run.counts.profiles) / run.stream_s : 0.0;
+  BITELINE_ASSIGN(const ExitStatus status, result::write_line_result(options.out, run.cloud, extraction, report));
+  if (!global.quiet) std::fprintf(status == ExitStatus::Done ? stdout : stderr, "%s\n", result::summary(extraction).c_str());
+  return status;
+}
+
+}  // namespace
+
+void add_replay(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("replay", "Run a recorded session through the sensor's pipeline and the host's");
+  command->add_option("session", options->session, "The session's folder")->required();
+  command->add_option("--out", options->out, "Folder for cloud.ply, line.csv, report.json, stages/")->required();
+  command->add_option("--sensor", options->sensor,
+                      "A sensor.yaml whose intrinsics, distortion, laser plane and T_flange_cam replace the session's");
+  add_method_option(*command, options->method);
+  command->callback([options, &context] { context.run = [options, &context] { return replay(*options, context.options); }; });
+}
+
+}  // namespace biteline::app
