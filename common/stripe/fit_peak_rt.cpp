@@ -1,246 +1,347 @@
 // SPDX-License-Identifier: MIT
-// One candidate, looked at closely: where exactly, how wide, how sure.
+// Candidates looked at closely: where exactly, how wide, how sure.  A vector holds neighbouring columns, one per lane; the
+// rows around their stripes are walked once per step and read as rows, so that no gather is needed.  Compiled once per
+// instruction set, chosen at run time.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "common/stripe/fit_peak_rt.cpp"
+#include <hwy/foreach_target.h>
+// foreach_target.h must come first
+#include <hwy/highway.h>
+
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
+#include <array>
 
 #include "common/stripe/peak_extractor_state.hpp"
 
+#ifndef BITELINE_STRIPE_FIT_CONSTANTS
+#define BITELINE_STRIPE_FIT_CONSTANTS
+namespace biteline::stripe {
+/// FWHM of a Gaussian over its standard deviation: 2 sqrt(2 ln 2).
+inline constexpr float k_fwhm_per_sigma = 2.3548F;
+/// A Gaussian's tail beyond this many standard deviations is below 1 % of the height.
+inline constexpr float k_reach_sigma = 3.2F;
+/// Beyond the tail and up to here the background is read.
+inline constexpr float k_background_sigma = 4.8F;
+/// Narrower than a pixel's own aperture cannot be, wider than this is no stripe.
+inline constexpr float k_min_sigma_px = 0.5F, k_max_sigma_px = 16.0F;
+/// Columns whose candidates are farther apart than this are not walked together.
+inline constexpr int k_max_spread_rows = 32;
+/// The model's residual over its own energy, above which the shape is no stripe's: speckle of contrast 0.25 reaches 0.3.
+inline constexpr float k_poor_fit_ratio = 0.45F;
+}  // namespace biteline::stripe
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace biteline::stripe {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<float, k_max_lanes>;
+using V = hn::Vec<D>;
+using M = hn::Mask<D>;
+constexpr D d{};
+
+/// exp(-x) for 0 <= x <= 12, to 2 % of itself and 0.0002 of one: ten times what a real stripe keeps to its shape.
+HWY_INLINE V falling_exponential(V x) {
+  const V t = hn::Mul(x, hn::Set(d, -1.0F / 32));
+  V e = hn::MulAdd(t, hn::MulAdd(t, hn::Set(d, 0.5F), hn::Set(d, 1.0F)), hn::Set(d, 1.0F));
+  for (int i = 0; i < 5; ++i) e = hn::Mul(e, e);
+  return e;
+}
+
+/// The stripes of one vector of columns.
+struct Stripe {
+  V centre;      ///< row, from the walk's first
+  V sigma;
+  V amplitude;
+  V background;  ///< at the centre
+  V tilt;        ///< background's change per row
+};
+
+/// Rows [first, last] of neighbouring columns.
+struct Walk {
+  const std::uint8_t* pixels;  ///< first row, first column
+  std::size_t stride_bytes;
+  int row_count;
+
+  HWY_INLINE V row(int i) const {
+    const hn::Rebind<std::uint8_t, D> d8;
+    const hn::Rebind<std::int32_t, D> d32;
+    return hn::ConvertTo(d, hn::PromoteTo(d32, hn::LoadU(d8, pixels + static_cast<std::size_t>(i) * stride_bytes)));
+  }
+};
+
+/// Start values: mean row and number of the pixels above half height, around the candidate's block.
+HWY_INLINE Stripe start_values(const Walk& walk, V first_of_window, V last_of_window, V top, V background) {
+  const V half = hn::Mul(hn::Add(top, background), hn::Set(d, 0.5F)), zero = hn::Zero(d), one = hn::Set(d, 1.0F);
+  V count = zero, sum = zero;
+  V row = zero;
+  for (int i = 0; i < walk.row_count; ++i) {
+    const V above = hn::Sub(walk.row(i), half);
+    const M inside = hn::And(hn::And(hn::Ge(row, first_of_window), hn::Le(row, last_of_window)), hn::Ge(above, zero));
+    const V unit = hn::IfThenElseZero(inside, one);
+    count = hn::Add(count, unit);
+    sum = hn::MulAdd(unit, row, sum);
+    row = hn::Add(row, one);
+  }
+  count = hn::Max(count, one);
+  return {.centre = hn::Div(sum, count),
+          .sigma = hn::Max(hn::Mul(count, hn::Set(d, 1 / k_fwhm_per_sigma)), hn::Set(d, 0.8F)),
+          .amplitude = hn::Sub(top, background),
+          .background = background,
+          .tilt = zero};
+}
+
+/// Mean grey on either side of the stripe; a side that is cut off or holds another stripe takes the other's.
+HWY_INLINE void read_background(const Walk& walk, Stripe& stripe) {
+  const V zero = hn::Zero(d), one = hn::Set(d, 1.0F);
+  const V inner = hn::Mul(stripe.sigma, hn::Set(d, k_reach_sigma));
+  const V outer = hn::Max(hn::Mul(stripe.sigma, hn::Set(d, k_background_sigma)), hn::Add(inner, hn::Set(d, 2.0F)));
+  V before_sum = zero, before_count = zero, after_sum = zero, after_count = zero;
+  V x = hn::Neg(stripe.centre);
+  for (int i = 0; i < walk.row_count; ++i) {
+    const V grey = walk.row(i), distance = hn::Abs(x);
+    const M edge = hn::And(hn::Gt(distance, inner), hn::Le(distance, outer));
+    const M before = hn::And(edge, hn::Lt(x, zero)), after = hn::And(edge, hn::Ge(x, zero));
+    before_sum = hn::Add(before_sum, hn::IfThenElseZero(before, grey));
+    before_count = hn::Add(before_count, hn::IfThenElseZero(before, one));
+    after_sum = hn::Add(after_sum, hn::IfThenElseZero(after, grey));
+    after_count = hn::Add(after_count, hn::IfThenElseZero(after, one));
+    x = hn::Add(x, one);
+  }
+  V before = hn::Div(before_sum, hn::Max(before_count, one)), after = hn::Div(after_sum, hn::Max(after_count, one));
+  const M no_before = hn::Lt(before_count, hn::Set(d, 1.5F)), no_after = hn::Lt(after_count, hn::Set(d, 1.5F));
+  before = hn::IfThenElse(no_before, after, before);
+  after = hn::IfThenElse(no_after, before, after);
+  // A difference of a fifth of the height is another stripe and not a tilted background.
+  const V limit = hn::Mul(hn::Max(stripe.amplitude, one), hn::Set(d, 0.2F));
+  const V low = hn::Min(before, after);
+  const M other = hn::Gt(hn::Abs(hn::Sub(before, after)), limit);
+  before = hn::IfThenElse(other, low, before);
+  after = hn::IfThenElse(other, low, after);
+  const M nothing = hn::And(no_before, no_after);
+  stripe.background = hn::IfThenElse(nothing, stripe.background, hn::Mul(hn::Add(before, after), hn::Set(d, 0.5F)));
+  stripe.tilt = hn::IfThenElse(nothing, zero, hn::Div(hn::Sub(after, before), hn::Add(inner, outer)));
+}
+
+/// What one round of the fit learns.
+struct Round {
+  V variance_centre;  ///< of the new centre, by the noise model
+  V misfit;           ///< residual's share of the model's energy
+  V saturated;        ///< pixels at full scale within the stripe
+};
+
+/// One Gauss-Newton step of the weighted least-squares fit of a Gaussian on a tilted background.  The weights are one
+/// over the noise model's variance at the current estimate, which makes the fit's limit the maximum-likelihood estimate
+/// to first order (Kay 1993, Fundamentals of Statistical Signal Processing, ch. 7).  Centre on one side and amplitude and
+/// width on the other are even and odd about the centre, so their cross terms vanish but for the sampling, and the system
+/// splits into 1 + 2.  Saturated pixels carry no weight: they only say "at least this".
+HWY_INLINE Round improve(const Walk& walk, const NoiseModel& noise, Stripe& stripe) {
+  const V zero = hn::Zero(d), one = hn::Set(d, 1.0F);
+  const V read_variance = hn::Set(d, noise.read_noise_grey * noise.read_noise_grey);
+  const V gain = hn::Set(d, noise.gain_grey_per_electron);
+  const V speckle = hn::Set(d, noise.speckle_contrast * noise.speckle_contrast);
+  const V per_sigma = hn::Div(one, stripe.sigma);
+  const V full_scale = hn::Set(d, 254.5F), reach = hn::Set(d, k_reach_sigma);
+  const V base_variance = hn::MulAdd(gain, hn::Max(stripe.background, zero), read_variance);
+
+  V cc = zero, rc = zero, aa = zero, as = zero, ss = zero, ra = zero, rs = zero;  // information and scores
+  V speckled = zero, energy = zero, residual_energy = zero, saturated = zero;
+  V x = hn::Neg(stripe.centre);
+  for (int i = 0; i < walk.row_count; ++i) {
+    const V grey = walk.row(i);
+    const V u = hn::Mul(x, per_sigma);
+    const M inside = hn::Lt(hn::Abs(u), reach), full = hn::Gt(grey, full_scale);
+    const V half_square = hn::Min(hn::Mul(hn::Mul(u, u), hn::Set(d, 0.5F)), hn::Set(d, 12.0F));
+    const V g = falling_exponential(half_square), mean = hn::Mul(stripe.amplitude, g);
+    const V variance = hn::MulAdd(mean, hn::MulAdd(mean, speckle, gain), base_variance);
+    const V weight = hn::IfThenElseZero(hn::AndNot(full, inside), hn::Div(one, variance));
+    const V residual = hn::Sub(grey, hn::MulAdd(x, stripe.tilt, hn::Add(stripe.background, mean)));
+    const V by_centre = hn::Mul(hn::Mul(mean, u), per_sigma), by_sigma = hn::Mul(by_centre, u);
+    const V weighted_centre = hn::Mul(weight, by_centre), weighted_g = hn::Mul(weight, g), weighted_sigma = hn::Mul(weight, by_sigma);
+    cc = hn::MulAdd(weighted_centre, by_centre, cc);
+    rc = hn::MulAdd(weighted_centre, residual, rc);
+    aa = hn::MulAdd(weighted_g, g, aa);
+    as = hn::MulAdd(weighted_g, by_sigma, as);
+    ss = hn::MulAdd(weighted_sigma, by_sigma, ss);
+    ra = hn::MulAdd(weighted_g, residual, ra);
+    rs = hn::MulAdd(weighted_sigma, residual, rs);
+    const V speckle_part = hn::Mul(weighted_centre, mean);
+    speckled = hn::MulAdd(speckle_part, speckle_part, speckled);
+    const V counted = hn::IfThenElseZero(hn::AndNot(full, inside), mean);
+    energy = hn::MulAdd(counted, mean, energy);
+    const V counted_residual = hn::IfThenElseZero(hn::AndNot(full, inside), residual);
+    residual_energy = hn::MulAdd(counted_residual, counted_residual, residual_energy);
+    saturated = hn::Add(saturated, hn::IfThenElseZero(hn::And(full, inside), one));
+    x = hn::Add(x, one);
+  }
+  const V tiny = hn::Set(d, 1e-12F);
+  cc = hn::Max(cc, tiny);
+  const V step = hn::Div(rc, cc);
+  stripe.centre = hn::Add(stripe.centre, hn::Min(hn::Max(step, hn::Neg(stripe.sigma)), stripe.sigma));
+  const V determinant = hn::Max(hn::NegMulAdd(as, as, hn::Mul(aa, ss)), tiny);
+  const V step_a = hn::Div(hn::NegMulAdd(as, rs, hn::Mul(ss, ra)), determinant);
+  const V step_s = hn::Div(hn::NegMulAdd(as, ra, hn::Mul(aa, rs)), determinant);
+  stripe.amplitude = hn::Max(hn::Mul(stripe.amplitude, hn::Set(d, 0.5F)),
+                             hn::Min(hn::Mul(stripe.amplitude, hn::Set(d, 2.0F)), hn::Add(stripe.amplitude, step_a)));
+  stripe.sigma = hn::Max(hn::Mul(stripe.sigma, hn::Set(d, 0.7F)),
+                         hn::Min(hn::Mul(stripe.sigma, hn::Set(d, 1.5F)), hn::Add(stripe.sigma, step_s)));
+  stripe.sigma = hn::Max(hn::Set(d, k_min_sigma_px), hn::Min(stripe.sigma, hn::Set(d, k_max_sigma_px)));
+  // Neighbouring rows share their speckle: its part of the variance counts as many times as rows go together.
+  const V extra = hn::Mul(hn::Mul(speckled, speckle), hn::Set(d, std::max(noise.speckle_grain_px, 1.0F) - 1));
+  return {.variance_centre = hn::Div(hn::Add(one, hn::Div(extra, cc)), cc),
+          .misfit = hn::Sqrt(hn::Div(residual_energy, hn::Max(energy, one))),
+          .saturated = saturated};
+}
+
+/// Rows that cover `reach` standard deviations of every used lane's stripe.
+HWY_INLINE Walk walk_around(const FrameRows& frame, const FitGroup& group, const Walk& previous, const Stripe& stripe,
+                            float reach_sigma, int& first_row) {
+  alignas(64) std::array<float, k_max_lanes> lowest, highest;
+  const V reach = hn::MulAdd(stripe.sigma, hn::Set(d, reach_sigma), hn::Set(d, 2.0F));
+  hn::Store(hn::Sub(stripe.centre, reach), d, lowest.data());
+  hn::Store(hn::Add(stripe.centre, reach), d, highest.data());
+  float low = 1e9F, high = -1e9F;
+  for (std::size_t i = 0; i < hn::Lanes(d); ++i) {
+    if (!group.used[i]) continue;
+    low = std::min(low, lowest[i]);
+    high = std::max(high, highest[i]);
+  }
+  const int first = std::clamp(first_row + static_cast<int>(low), 0, frame.height_px - 1);
+  const int last = std::clamp(first_row + static_cast<int>(high) + 1, first, frame.height_px - 1);
+  const Walk walk{.pixels = previous.pixels + (first - first_row) * static_cast<std::ptrdiff_t>(frame.stride_bytes),
+                  .stride_bytes = frame.stride_bytes,
+                  .row_count = last - first + 1};
+  first_row = first;
+  return walk;
+}
+
+/// Moves the stripe's rows to a walk that begins `rows` later.
+HWY_INLINE void rebase(Stripe& stripe, int rows) {
+  stripe.centre = hn::Sub(stripe.centre, hn::Set(d, static_cast<float>(rows)));
+}
+
+void fit_group(const FrameRows& frame, const FitGroup& group, const NoiseModel& noise, FittedLanes& out) {
+  // The start looks at the block and twelve rows on either side, half of the widest stripe.
+  constexpr int k_window_rows = 12;
+  int first = std::max(0, group.lowest_row - k_window_rows);
+  const int last = std::min(frame.height_px - 1, group.highest_row + k_block_rows - 1 + k_window_rows);
+  Walk walk{.pixels = frame.pixels + static_cast<std::size_t>(first) * frame.stride_bytes + group.first_column,
+            .stride_bytes = frame.stride_bytes,
+            .row_count = last - first + 1};
+  const V block_row = hn::Sub(hn::LoadU(d, group.block_row.data()), hn::Set(d, static_cast<float>(first)));
+  Stripe stripe = start_values(walk, hn::Sub(block_row, hn::Set(d, static_cast<float>(k_window_rows))),
+                               hn::Add(block_row, hn::Set(d, static_cast<float>(k_block_rows - 1 + k_window_rows))),
+                               hn::LoadU(d, group.top.data()), hn::LoadU(d, group.background.data()));
+
+  const int start_first = first;
+  walk = walk_around(frame, group, walk, stripe, k_background_sigma, first);
+  rebase(stripe, first - start_first);
+  improve(walk, noise, stripe);
+  read_background(walk, stripe);
+  improve(walk, noise, stripe);
+  const Round round = improve(walk, noise, stripe);
+
+  hn::StoreU(hn::Add(stripe.centre, hn::Set(d, static_cast<float>(first))), d, out.centre.data());
+  hn::StoreU(stripe.sigma, d, out.sigma.data());
+  hn::StoreU(stripe.amplitude, d, out.amplitude.data());
+  hn::StoreU(stripe.background, d, out.background.data());
+  hn::StoreU(hn::Sqrt(round.variance_centre), d, out.sigma_centre.data());
+  hn::StoreU(round.misfit, d, out.misfit.data());
+  hn::StoreU(round.saturated, d, out.saturated.data());
+}
+
+std::size_t fit_lanes() { return hn::Lanes(d); }
+
+}  // namespace HWY_NAMESPACE
+}  // namespace biteline::stripe
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace biteline::stripe {
 namespace {
 
-constexpr int k_full_scale = 255;
-/// Half of the longest stretch looked at: a stripe of 24 px at half height, seen down to a hundredth, is 62 px long.
-constexpr int k_max_half = 40;
-/// FWHM of a Gaussian over its standard deviation: 2 sqrt(2 ln 2).
-constexpr float k_fwhm_per_sigma = 2.3548F;
+HWY_EXPORT(fit_group);
+HWY_EXPORT(fit_lanes);
 
-/// The stretch of one column around a candidate.
-struct Stretch {
-  std::array<float, 2 * k_max_half + 1> grey;
-  int first_row{0};
-  int count{0};
-  int top{0};         ///< index of the maximum
-  bool clipped{false};///< the stripe runs over the region's edge
-  int saturated{0};   ///< pixels at full scale
-  float background{0};
-  float height{0};    ///< maximum above background
+std::uint8_t flags_of(const FittedLanes& fitted, std::size_t lane, const PeakConfig& config, int height_px) {
+  const float centre = fitted.centre[lane], sigma = fitted.sigma[lane], width_px = sigma * k_fwhm_per_sigma;
+  std::uint8_t flags = 0;
+  if (fitted.saturated[lane] > 0.5F) flags |= k_peak_saturated;
+  // Cut where it still has a tenth of its height: exp(-2.15^2 / 2).
+  if (centre - 2.15F * sigma < 0 || centre + 2.15F * sigma > static_cast<float>(height_px - 1)) flags |= k_peak_clipped;
+  if (width_px > config.width_max_px) flags |= k_peak_wide;
+  if (width_px < config.width_min_px) flags |= k_peak_narrow;
+  if (fitted.misfit[lane] > k_poor_fit_ratio) flags |= k_peak_poor_fit;
+  return flags;
+}
 
-  [[nodiscard]] float above(int i) const { return grey[static_cast<std::size_t>(i)] - background; }
-};
-
-struct Moments {
-  float centre{0};  ///< index
-  float sigma{0};
-};
-
-const std::uint8_t* pixel_column(const FrameRows& frame, int column) { return frame.pixels + column; }
-
-/// Reads the stripe's surroundings: from the maximum both ways until a twentieth of the height, and half as far again.
-bool read_stretch(const FrameRows& frame, int column, const Candidate& candidate, float threshold_grey, Stretch& out) {
-  const std::uint8_t* pixels = pixel_column(frame, column);
-  const auto grey = [&](int row) { return static_cast<int>(pixels[static_cast<std::size_t>(row) * frame.stride_bytes]); };
-  const int block_first = candidate.block * k_block_rows;
-  const int block_last = std::min(frame.height_px, block_first + k_block_rows) - 1;
-  int top = block_first, plateau_last = block_first;
-  for (int row = block_first; row <= block_last; ++row) {
-    if (grey(row) > grey(top)) top = plateau_last = row;
-    if (grey(row) == grey(top) && row == plateau_last + 1) plateau_last = row;
-  }
-  // The middle of a saturated plateau, which may reach into the next block.
-  if (grey(top) == k_full_scale) {
-    while (plateau_last + 1 < frame.height_px && plateau_last - top < k_max_half && grey(plateau_last + 1) == k_full_scale) ++plateau_last;
-    top = (top + plateau_last) / 2;
-  }
-
-  const int lowest = std::max(0, top - k_max_half), highest = std::min(frame.height_px - 1, top + k_max_half);
-  // Background: the lower of the two sides' quietest runs of three.
-  const auto walk = [&](int step, int limit) {
-    int row = top;
-    int least = grey(top), least_row = top;
-    while (row != limit) {
-      row += step;
-      const int value = grey(row);
-      if (value < least) least = value, least_row = row;
-      // Risen again to half the height: the next stripe.
-      if (2 * (value - least) > grey(top) - least && value > least + static_cast<int>(threshold_grey)) return least_row;
-      if (20 * value <= grey(top) && std::abs(row - top) >= 3) break;
-    }
-    return row;
+/// The lanes from `first_lane` on whose candidates lie near the first used one; takes them out of `waiting`.
+void gather(const CoarseScratch& scratch, std::size_t lanes, std::size_t rank, std::array<bool, k_max_lanes>& waiting,
+            std::size_t first_lane, FitGroup& group) {
+  const auto row_of = [&](std::size_t lane) {
+    return scratch.candidates[group.first_column + lane].kept[rank].block * k_block_rows;
   };
-  int first = walk(-1, lowest), last = walk(+1, highest);
-  const int margin = 2 + (last - first) / 8;
-  const bool open_first = first == lowest, open_last = last == highest;
-  first = std::max(lowest, first - (open_first ? 0 : margin));
-  last = std::min(highest, last + (open_last ? 0 : margin));
-
-  out.first_row = first;
-  out.count = last - first + 1;
-  out.top = top - first;
-  out.saturated = 0;
-  for (int row = first; row <= last; ++row) {
-    const int value = grey(row);
-    out.grey[static_cast<std::size_t>(row - first)] = static_cast<float>(value);
-    if (value == k_full_scale) ++out.saturated;
-  }
-  const float low_side = std::min(out.grey[0], out.grey[static_cast<std::size_t>(out.count - 1)]);
-  out.background = low_side;
-  out.height = out.grey[static_cast<std::size_t>(out.top)] - out.background;
-  out.clipped = (first == 0 && out.above(0) > 0.1F * out.height) ||
-                (last == frame.height_px - 1 && out.above(out.count - 1) > 0.1F * out.height);
-  return out.height >= threshold_grey;
-}
-
-/// First and second moment of what is above a tenth of the height, contiguous with the maximum.
-Moments moments(const Stretch& s) {
-  const float floor = 0.1F * s.height;
-  int first = s.top, last = s.top;
-  while (first > 0 && s.above(first - 1) > floor) --first;
-  while (last + 1 < s.count && s.above(last + 1) > floor) ++last;
-  float sum = 0, sum_i = 0, sum_ii = 0;
-  for (int i = first; i <= last; ++i) {
-    const float weight = s.above(i), x = static_cast<float>(i - s.top);
-    sum += weight;
-    sum_i += weight * x;
-    sum_ii += weight * x * x;
-  }
-  const float mean = sum_i / sum;
-  return {.centre = static_cast<float>(s.top) + mean, .sigma = std::sqrt(std::max(0.05F, sum_ii / sum - mean * mean))};
-}
-
-/// Where the stripe crosses half its height, on each side, by linear interpolation.
-struct Edges {
-  float first{0}, last{0};
-};
-
-Edges half_height_edges(const Stretch& s) {
-  const float half = 0.5F * s.height;
-  int first = s.top, last = s.top;
-  while (first > 0 && s.above(first - 1) > half) --first;
-  while (last + 1 < s.count && s.above(last + 1) > half) ++last;
-  Edges edges{.first = static_cast<float>(first), .last = static_cast<float>(last)};
-  if (first > 0) edges.first -= (s.above(first) - half) / (s.above(first) - s.above(first - 1));
-  if (last + 1 < s.count) edges.last += (s.above(last) - half) / (s.above(last) - s.above(last + 1));
-  return edges;
-}
-
-float parabola_top(const Stretch& s) {
-  if (s.top == 0 || s.top + 1 >= s.count) return static_cast<float>(s.top);
-  const float before = s.above(s.top - 1), at = s.above(s.top), after = s.above(s.top + 1);
-  const float bend = before - 2 * at + after;
-  return static_cast<float>(s.top) + (bend < 0 ? 0.5F * (before - after) / bend : 0.0F);
-}
-
-/// Zero of the first derivative of the stretch smoothed by a Gaussian of the stripe's width, near `start`.
-float derivative_zero(const Stretch& s, Moments start) {
-  const auto slope = [&](float centre) {
-    float sum = 0;
-    for (int i = 0; i < s.count; ++i) {
-      const float u = (static_cast<float>(i) - centre) / start.sigma;
-      if (std::fabs(u) < 4) sum += u * std::exp(-0.5F * u * u) * s.above(i);
+  group.lowest_row = group.highest_row = row_of(first_lane);
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    group.used[lane] = false;
+    const std::size_t column = group.first_column + lane;
+    // Unused lanes repeat the first one's rows: their results are thrown away.
+    int row = row_of(first_lane);
+    if (lane >= first_lane && waiting[lane]) {
+      const int low = std::min(group.lowest_row, row_of(lane)), high = std::max(group.highest_row, row_of(lane));
+      if (high - low <= k_max_spread_rows) {
+        group.lowest_row = low;
+        group.highest_row = high;
+        row = row_of(lane);
+        group.used[lane] = true;
+        waiting[lane] = false;
+      }
     }
-    return sum;
-  };
-  float low = start.centre - 1.5F, high = start.centre + 1.5F;
-  for (int i = 0; i < 16; ++i) {
-    const float middle = 0.5F * (low + high);
-    (slope(middle) > 0 ? low : high) = middle;
+    group.block_row[lane] = static_cast<float>(row);
+    group.top[lane] = group.used[lane] ? static_cast<float>(scratch.candidates[column].kept[rank].value) : 255.0F;
+    group.background[lane] = static_cast<float>(scratch.background[column]);
   }
-  return 0.5F * (low + high);
-}
-
-struct Fit {
-  float centre{0};
-  float sigma{0};
-  float amplitude{0};
-  float sigma_centre{0};
-  bool poor{false};
-};
-
-/// Weighted least squares of a Gaussian on a constant: centre, amplitude and width by Gauss-Newton with the noise
-/// model's weights at the current estimate (iteratively reweighted, hence maximum likelihood to first order; Kay 1993,
-/// Statistical Signal Processing, ch. 7 and 8).  Saturated pixels carry no weight.
-Fit matched_fit(const Stretch& s, Moments start, const NoiseModel& noise) {
-  constexpr int k_rounds = 3;
-  const float read_variance = noise.read_noise_grey * noise.read_noise_grey;
-  const float speckle_variance = noise.speckle_contrast * noise.speckle_contrast;
-  Fit fit{.centre = start.centre, .sigma = start.sigma, .amplitude = s.height, .sigma_centre = 0, .poor = false};
-  for (int round = 0; round < k_rounds; ++round) {
-    // Normal equations for (centre, amplitude, sigma); 3 x 3, symmetric.
-    float cc = 0, ca = 0, cs = 0, aa = 0, as = 0, ss = 0, rc = 0, ra = 0, rs = 0;
-    for (int i = 0; i < s.count; ++i) {
-      if (s.grey[static_cast<std::size_t>(i)] >= k_full_scale) continue;
-      const float u = (static_cast<float>(i) - fit.centre) / fit.sigma;
-      if (std::fabs(u) > 3.5F) continue;
-      const float g = std::exp(-0.5F * u * u), mean = fit.amplitude * g;
-      const float weight = 1 / (read_variance + noise.gain_grey_per_electron * (mean + s.background) + speckle_variance * mean * mean);
-      const float residual = s.above(i) - mean;
-      const float by_centre = mean * u / fit.sigma, by_sigma = mean * u * u / fit.sigma;
-      cc += weight * by_centre * by_centre;
-      ca += weight * by_centre * g;
-      cs += weight * by_centre * by_sigma;
-      aa += weight * g * g;
-      as += weight * g * by_sigma;
-      ss += weight * by_sigma * by_sigma;
-      rc += weight * by_centre * residual;
-      ra += weight * g * residual;
-      rs += weight * by_sigma * residual;
-    }
-    // Cramer's rule on the 3 x 3 system.
-    const float m00 = aa * ss - as * as, m01 = as * cs - ca * ss, m02 = ca * as - aa * cs;
-    const float det = cc * m00 + ca * m01 + cs * m02;
-    if (!(det > 0)) {
-      fit.poor = true;
-      return fit;
-    }
-    const float m11 = cc * ss - cs * cs, m12 = ca * cs - cc * as, m22 = cc * aa - ca * ca;
-    const float step_c = (m00 * rc + m01 * ra + m02 * rs) / det;
-    const float step_a = (m01 * rc + m11 * ra + m12 * rs) / det;
-    const float step_s = (m02 * rc + m12 * ra + m22 * rs) / det;
-    fit.centre += std::clamp(step_c, -fit.sigma, fit.sigma);
-    fit.amplitude = std::max(0.5F * fit.amplitude, fit.amplitude + step_a);
-    fit.sigma = std::clamp(fit.sigma + step_s, 0.7F * fit.sigma, 1.4F * fit.sigma);
-    fit.sigma_centre = std::sqrt(m00 / det);
-  }
-  fit.poor = std::fabs(fit.centre - start.centre) > start.sigma;
-  return fit;
 }
 
 }  // namespace
 
-bool rt_fit_peak(const FrameRows& frame, int column, const Candidate& candidate, const PeakConfig& config,
-                 Peak& out) noexcept BITELINE_RT {
-  Stretch stretch;
-  if (!read_stretch(frame, column, candidate, config.threshold_grey, stretch)) return false;
-  const Moments start = moments(stretch);
-  const Fit fit = matched_fit(stretch, start, config.noise);
-
-  float centre = fit.centre;
-  float width_px = fit.sigma * k_fwhm_per_sigma;
-  switch (config.mode) {
-    case PeakMode::Matched: break;
-    case PeakMode::Maximum: centre = parabola_top(stretch); break;
-    case PeakMode::CentreOfGravity: centre = start.centre; break;
-    case PeakMode::FirZeroCrossing: centre = derivative_zero(stretch, start); break;
-    case PeakMode::Threshold: {
-      const Edges edges = half_height_edges(stretch);
-      centre = 0.5F * (edges.first + edges.last);
-      width_px = edges.last - edges.first;
-      break;
+void rt_fit_candidates(const FrameRows& frame, const PeakConfig& config, const CoarseScratch& scratch, Peaks& out) noexcept
+    BITELINE_RT {
+  const std::size_t lanes = HWY_DYNAMIC_DISPATCH(fit_lanes)();
+  const auto width = static_cast<std::size_t>(frame.width_px);
+  FitGroup group{};
+  FittedLanes fitted{};
+  for (std::size_t rank = 0; rank < k_kept_peaks; ++rank) {
+    for (std::size_t start = 0; start < width; start += lanes) {
+      // The last vector is moved back to end with the row; its first lanes were done already.
+      group.first_column = std::min(start, width - lanes);
+      std::array<bool, k_max_lanes> waiting{};
+      bool any = false;
+      for (std::size_t lane = 0; lane < lanes; ++lane) {
+        const std::size_t column = group.first_column + lane;
+        waiting[lane] = column >= start && scratch.candidates[column].kept_count > rank;
+        any = any || waiting[lane];
+      }
+      if (!any) continue;
+      for (std::size_t first_lane = 0; first_lane < lanes; ++first_lane) {
+        if (!waiting[first_lane]) continue;
+        gather(scratch, lanes, rank, waiting, first_lane, group);
+        HWY_DYNAMIC_DISPATCH(fit_group)(frame, group, config.noise, fitted);
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+          if (!group.used[lane] || fitted.amplitude[lane] < config.threshold_grey) continue;
+          ColumnPeaks& column = out.columns[group.first_column + lane];
+          column.kept[column.kept_count++] = {.row_px = fitted.centre[lane],
+                                              .sigma_row_px = fitted.sigma_centre[lane],
+                                              .amplitude = fitted.amplitude[lane],
+                                              .width_px = fitted.sigma[lane] * k_fwhm_per_sigma,
+                                              .background = fitted.background[lane],
+                                              .flags = flags_of(fitted, lane, config, frame.height_px)};
+        }
+      }
     }
   }
-  out.row_px = static_cast<float>(stretch.first_row) + centre;
-  out.sigma_row_px = fit.sigma_centre;
-  out.amplitude = fit.amplitude;
-  out.width_px = width_px;
-  out.background = stretch.background;
-  out.flags = 0;
-  if (stretch.saturated > 0) out.flags |= k_peak_saturated;
-  if (stretch.clipped) out.flags |= k_peak_clipped;
-  if (width_px > config.width_max_px) out.flags |= k_peak_wide;
-  if (width_px < config.width_min_px) out.flags |= k_peak_narrow;
-  if (fit.poor) out.flags |= k_peak_poor_fit;
-  return true;
 }
 
 }  // namespace biteline::stripe
+#endif  // HWY_ONCE

@@ -14,8 +14,8 @@ PeakExtractor& PeakExtractor::operator=(PeakExtractor&&) noexcept = default;
 PeakExtractor::~PeakExtractor() = default;
 
 Result<PeakExtractor> PeakExtractor::create(const PeakConfig& config, int width_px, int height_px) {
-  if (width_px < 1 || width_px > static_cast<int>(k_max_columns)) {
-    return fail(Errc::InvalidArgument, "frame width %d: 1 to %zu expected", width_px, k_max_columns);
+  if (width_px < static_cast<int>(k_max_lanes) || width_px > static_cast<int>(k_max_columns)) {
+    return fail(Errc::InvalidArgument, "frame width %d: %zu to %zu expected", width_px, k_max_lanes, k_max_columns);
   }
   if (height_px < 2 * k_block_rows || height_px > k_max_rows) {
     return fail(Errc::InvalidArgument, "frame height %d: %d to %d expected", height_px, 2 * k_block_rows, k_max_rows);
@@ -28,8 +28,8 @@ Result<PeakExtractor> PeakExtractor::create(const PeakConfig& config, int width_
                 static_cast<double>(config.width_min_px), static_cast<double>(config.width_max_px));
   }
   if (!(config.noise.read_noise_grey > 0 && config.noise.gain_grey_per_electron >= 0 &&
-        config.noise.speckle_contrast >= 0)) {
-    return fail(Errc::InvalidArgument, "noise model: positive read noise expected");
+        config.noise.speckle_contrast >= 0 && config.noise.speckle_grain_px >= 1)) {
+    return fail(Errc::InvalidArgument, "noise model: positive read noise and a grain of a pixel or more expected");
   }
 
   auto state = std::make_unique<State>();

@@ -25,6 +25,8 @@ struct NoiseModel {
   float read_noise_grey{0.8F};        ///< of the camera, quantisation (0.29) included
   float gain_grey_per_electron{0.02F};///< full scale at some 12 000 electrons: a CCD of the sensor's kind
   float speckle_contrast{0.1F};       ///< per pixel, after the optics have averaged over grains
+  /// Rows that share their speckle: the optics' blur in pixels.  1: every pixel its own.
+  float speckle_grain_px{2.3F};
 };
 
 struct PeakConfig {
@@ -48,7 +50,7 @@ struct PixelView {
 /// Thread: one at a time.  RT: rt_extract.  Memory: all sized in create().
 class PeakExtractor {
  public:
-  /// Fails on more than k_max_columns columns, fewer than 16 rows, or a config out of range.
+  /// Fails on more than k_max_columns columns, fewer than 16 columns or rows, or a config out of range.
   [[nodiscard]] static Result<PeakExtractor> create(const PeakConfig& config, int width_px, int height_px);
 
   PeakExtractor(PeakExtractor&&) noexcept;

@@ -12,17 +12,17 @@ void PeakExtractor::rt_extract(const PixelView& frame, Peaks& out) noexcept BITE
   rt_find_candidates(rows, state.config.threshold_grey, state.scratch);
 
   out.column_count = state.width_px;
+  for (std::size_t column = 0; column < static_cast<std::size_t>(state.width_px); ++column) {
+    if (!state.column_mask.empty() && state.column_mask[column] == 0) state.scratch.candidates[column] = {};
+    out.columns[column].kept_count = 0;
+    out.columns[column].seen_count = state.scratch.candidates[column].seen_count;
+  }
+  rt_fit_candidates(rows, state.config, state.scratch, out);
+
+  if (state.config.mode == PeakMode::Matched) return;
   for (int column = 0; column < state.width_px; ++column) {
     ColumnPeaks& peaks = out.columns[static_cast<std::size_t>(column)];
-    peaks.kept_count = 0;
-    peaks.seen_count = 0;
-    if (!state.column_mask.empty() && state.column_mask[static_cast<std::size_t>(column)] == 0) continue;
-    const ColumnCandidates& candidates = state.scratch.candidates[static_cast<std::size_t>(column)];
-    peaks.seen_count = candidates.seen_count;
-    for (std::size_t i = 0; i < candidates.kept_count; ++i) {
-      Peak& peak = peaks.kept[peaks.kept_count];
-      if (rt_fit_peak(rows, column, candidates.kept[i], state.config, peak)) ++peaks.kept_count;
-    }
+    for (std::size_t i = 0; i < peaks.kept_count; ++i) rt_apply_mode(rows, column, state.config.mode, peaks.kept[i]);
   }
 }
 

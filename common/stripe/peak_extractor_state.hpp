@@ -56,9 +56,30 @@ struct CoarseScratch {
 /// Fills scratch.candidates.  `threshold_grey` above the column's own quiet level.
 void rt_find_candidates(const FrameRows& frame, float threshold_grey, CoarseScratch& scratch) noexcept BITELINE_RT;
 
-/// Fits one candidate.  False: too low above its own surroundings.
-[[nodiscard]] bool rt_fit_peak(const FrameRows& frame, int column, const Candidate& candidate, const PeakConfig& config,
-                               Peak& out) noexcept BITELINE_RT;
+/// At most this many columns in one vector of floats.
+inline constexpr std::size_t k_max_lanes = 16;
+
+/// Neighbouring columns whose candidates are fitted together.
+struct FitGroup {
+  std::size_t first_column{0};
+  std::array<bool, k_max_lanes> used{};
+  std::array<float, k_max_lanes> block_row{};   ///< first row of the candidate's block
+  std::array<float, k_max_lanes> top{};         ///< the block's maximum
+  std::array<float, k_max_lanes> background{};  ///< the column's quiet level
+  int lowest_row{0};                            ///< of block_row over the used lanes
+  int highest_row{0};
+};
+
+struct FittedLanes {
+  std::array<float, k_max_lanes> centre, sigma, amplitude, background, sigma_centre, misfit, saturated;
+};
+
+/// Fits every candidate by the stripe's shape; those whose amplitude is too low are dropped.  Pre: out's counts are 0.
+void rt_fit_candidates(const FrameRows& frame, const PeakConfig& config, const CoarseScratch& scratch, Peaks& out) noexcept
+    BITELINE_RT;
+
+/// Replaces a fitted peak's row by what `mode` says.  Pre: not Matched.
+void rt_apply_mode(const FrameRows& frame, int column, PeakMode mode, Peak& peak) noexcept BITELINE_RT;
 
 struct PeakExtractor::State {
   PeakConfig config;
