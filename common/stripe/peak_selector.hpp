@@ -19,19 +19,29 @@ enum class PeakChoice : std::uint8_t {
 
 struct SelectorConfig {
   PeakChoice choice{PeakChoice::Continuity};
-  float max_step_px{3.0F};  ///< row difference of neighbouring columns on one surface
+  /// Row difference of neighbouring columns on one surface beyond what the stripe's own slope explains.  Three standard
+  /// deviations of the widest ordinary stripe's speckle are below one; a groove's rim bends by two.
+  float max_step_px{4.0F};
+  /// Columns a stretch may miss (a dark thread, a scratch) and still be one.
+  int max_gap_columns{2};
+  /// A stretch of fewer columns is no surface: at 0.13 mm a column, half a millimetre.
+  int min_stretch_columns{4};
+  /// A stretch with less than this share of the longest one's light, and in another place than the last profile, is taken
+  /// for a reflection.
+  float min_support_ratio{0.01F};
 };
 
 enum SelectionFlag : std::uint8_t {
   k_selection_reflection = 1U << 0U,     ///< not on a plausible stretch of stripe
   k_selection_discontinuous = 1U << 1U,  ///< far from both neighbours
-  k_selection_edge_mixed = 1U << 2U,     ///< at the end of a stretch: the peak mixes two surfaces
+  k_selection_edge_mixed = 1U << 2U,     ///< at the end of a stretch, and not of its brightness or width
 };
 
 /// The choice of one column.
 struct Selected {
   std::int8_t kept_index{-1};  ///< into ColumnPeaks::kept; -1: no peak
   std::uint8_t flags{0};       ///< SelectionFlag, of the chosen peak
+  bool joined{false};          ///< on one stretch with the previous column's chosen peak
 };
 
 struct Selection {
@@ -40,15 +50,49 @@ struct Selection {
 
 /// Chooses one peak per column.
 ///
-/// Thread: one at a time (keeps the previous profile).  RT: rt_select.  Memory: inside the object.
+/// Peaks of neighbouring columns are linked to stretches; a stretch's support is its light, half as much again where it
+/// lies where the previous profile was.  Each column takes the peak of its best supported stretch.  What is on no
+/// stretch worth the name is chosen too, where there is nothing better, but flagged.
+/// Thread: one at a time (keeps the previous profile).  RT: rt_select.  Memory: inside the object (100 kB).
 class PeakSelector {
  public:
   explicit PeakSelector(const SelectorConfig& config) : config_{config} {}
 
   void rt_select(const Peaks& peaks, Selection& out) noexcept BITELINE_RT;
 
+  /// Forgets the previous profile.
+  void rt_reset() noexcept BITELINE_RT { previous_columns_ = 0; }
+
  private:
+  struct Stretch {
+    float support{0};
+    float last_row_px{0};
+    float slope_px{0};  ///< rows per column at its end
+    int last_column{0};
+    int columns{0};
+    int seen_before{0};  ///< columns in which it lies where the previous profile was
+  };
+  using Index = std::int16_t;
+  static constexpr Index k_none = -1;
+
+  void rt_link(const Peaks& peaks) noexcept BITELINE_RT;
+  void rt_close_ended(std::size_t column) noexcept BITELINE_RT;
+  [[nodiscard]] Index rt_open(const Peak& peak) noexcept BITELINE_RT;
+  [[nodiscard]] Index rt_continue(std::size_t column, const Peak& peak, Index taken) const noexcept BITELINE_RT;
+  void rt_choose(const Peaks& peaks, Selection& out) noexcept BITELINE_RT;
+  void rt_flag_ends(const Peaks& peaks, Selection& out) noexcept BITELINE_RT;
+  [[nodiscard]] float rt_support(Index stretch) const noexcept BITELINE_RT;
+
   SelectorConfig config_;
+  std::array<Stretch, k_max_columns * k_kept_peaks> stretches_;
+  int stretch_count_{0};
+  /// Stretches that a next column may go on with.  Few: a column has two peaks, and a stretch stays open for a gap.
+  static constexpr std::size_t k_max_open = 16;
+  std::array<Index, k_max_open> open_;
+  std::size_t open_count_{0};
+  std::array<std::array<Index, k_kept_peaks>, k_max_columns> stretch_of_;
+  std::array<float, k_max_columns> previous_row_px_;  ///< of the previous profile; below 0: none
+  int previous_columns_{0};
 };
 
 }  // namespace biteline::stripe

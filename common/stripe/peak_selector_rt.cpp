@@ -1,24 +1,199 @@
 // SPDX-License-Identifier: MIT
 #include "common/stripe/peak_selector.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
 namespace biteline::stripe {
 namespace {
 
+/// A stripe that moved farther than this between profiles is another one: 2 mm of surface at 0.16 mm a row.
+constexpr float k_same_place_px = 12.0F;
+/// What lying in the same place adds to the support.
+constexpr float k_same_place_bonus = 0.5F;
+/// Share of the last step that a stretch's slope takes over.
+constexpr float k_slope_gain = 0.5F;
+/// A steep stripe's next step differs from the last by this share of it.
+constexpr float k_slope_tolerance = 0.6F;
+/// At a stretch's end: less bright, or wider, than the columns further in.
+constexpr float k_dim_ratio = 0.55F;
+constexpr float k_wide_ratio = 1.4F;
+/// Columns further in that an end is compared with, and columns that an end may have.
+constexpr std::size_t k_inner_columns = 5;
+constexpr std::size_t k_end_columns = 2;
+
 std::int8_t choose_alone(const ColumnPeaks& column, PeakChoice choice) {
   if (column.kept_count == 0) return -1;
-  if (column.kept_count == 1 || choice == PeakChoice::Strongest || choice == PeakChoice::Continuity) return 0;
+  if (column.kept_count == 1 || choice == PeakChoice::Strongest) {
+    return column.kept_count == 2 && column.kept[1].amplitude > column.kept[0].amplitude ? 1 : 0;
+  }
   const bool second_is_lower = column.kept[1].row_px < column.kept[0].row_px;
   return static_cast<std::int8_t>((choice == PeakChoice::First) == second_is_lower ? 1 : 0);
+}
+
+bool same_place(float row_px, float previous_row_px) {
+  return previous_row_px >= 0 && std::fabs(row_px - previous_row_px) < k_same_place_px;
 }
 
 }  // namespace
 
 void PeakSelector::rt_select(const Peaks& peaks, Selection& out) noexcept BITELINE_RT {
+  rt_link(peaks);
+  rt_choose(peaks, out);
+  rt_flag_ends(peaks, out);
+
+  const auto columns = static_cast<std::size_t>(peaks.column_count);
+  for (std::size_t i = 0; i < columns; ++i) {
+    const Selected& selected = out.columns[i];
+    const bool surface = selected.kept_index >= 0 && (selected.flags & k_selection_reflection) == 0;
+    previous_row_px_[i] = surface ? peaks.columns[i].kept[static_cast<std::size_t>(selected.kept_index)].row_px : -1.0F;
+  }
+  previous_columns_ = peaks.column_count;
+}
+
+/// Links each column's peaks to the stretches that end just before it; what fits none begins a new one.
+void PeakSelector::rt_link(const Peaks& peaks) noexcept BITELINE_RT {
+  stretch_count_ = 0;
+  open_count_ = 0;
+  const bool has_previous = previous_columns_ == peaks.column_count;
   for (std::size_t i = 0; i < static_cast<std::size_t>(peaks.column_count); ++i) {
-    out.columns[i] = {.kept_index = choose_alone(peaks.columns[i], config_.choice), .flags = 0};
+    const ColumnPeaks& column = peaks.columns[i];
+    stretch_of_[i].fill(k_none);
+    rt_close_ended(i);
+    for (std::size_t k = 0; k < column.kept_count; ++k) {
+      const Peak& peak = column.kept[k];
+      Index index = rt_continue(i, peak, k == 1 ? stretch_of_[i][0] : k_none);
+      if (index == k_none) {
+        index = rt_open(peak);
+      } else {
+        Stretch& stretch = stretches_[static_cast<std::size_t>(index)];
+        const float step_px = (peak.row_px - stretch.last_row_px) / static_cast<float>(static_cast<int>(i) - stretch.last_column);
+        stretch.slope_px += k_slope_gain * (step_px - stretch.slope_px);
+      }
+      Stretch& stretch = stretches_[static_cast<std::size_t>(index)];
+      stretch.last_row_px = peak.row_px;
+      stretch.last_column = static_cast<int>(i);
+      stretch.support += peak.amplitude;
+      ++stretch.columns;
+      if (has_previous && same_place(peak.row_px, previous_row_px_[i])) ++stretch.seen_before;
+      stretch_of_[i][k] = index;
+    }
+  }
+}
+
+void PeakSelector::rt_close_ended(std::size_t column) noexcept BITELINE_RT {
+  std::size_t kept = 0;
+  for (std::size_t s = 0; s < open_count_; ++s) {
+    const int gap = static_cast<int>(column) - stretches_[static_cast<std::size_t>(open_[s])].last_column;
+    if (gap <= config_.max_gap_columns + 1) open_[kept++] = open_[s];
+  }
+  open_count_ = kept;
+}
+
+PeakSelector::Index PeakSelector::rt_open(const Peak& peak) noexcept BITELINE_RT {
+  const auto index = static_cast<Index>(stretch_count_++);
+  stretches_[static_cast<std::size_t>(index)] = {.last_row_px = peak.row_px};
+  // Too many open ones are noise: the oldest gives way.
+  if (open_count_ == k_max_open) {
+    std::copy(open_.begin() + 1, open_.end(), open_.begin());
+    --open_count_;
+  }
+  open_[open_count_++] = index;
+  return index;
+}
+
+/// The open stretch that `peak` goes on from, other than `taken`; k_none when there is none.
+PeakSelector::Index PeakSelector::rt_continue(std::size_t column, const Peak& peak, Index taken) const noexcept BITELINE_RT {
+  Index best = k_none;
+  float best_distance_px = 1e9F;
+  for (std::size_t s = 0; s < open_count_; ++s) {
+    const Stretch& stretch = stretches_[static_cast<std::size_t>(open_[s])];
+    const int gap = static_cast<int>(column) - stretch.last_column;
+    if (gap < 1 || open_[s] == taken) continue;
+    const float advance_px = stretch.slope_px * static_cast<float>(gap);
+    const float distance_px = std::fabs(peak.row_px - stretch.last_row_px - advance_px);
+    if (distance_px > config_.max_step_px + k_slope_tolerance * std::fabs(advance_px)) continue;
+    if (distance_px < best_distance_px) {
+      best = open_[s];
+      best_distance_px = distance_px;
+    }
+  }
+  return best;
+}
+
+float PeakSelector::rt_support(Index index) const noexcept BITELINE_RT {
+  const Stretch& stretch = stretches_[static_cast<std::size_t>(index)];
+  const float share_seen = static_cast<float>(stretch.seen_before) / static_cast<float>(stretch.columns);
+  return stretch.support * (1 + k_same_place_bonus * share_seen);
+}
+
+void PeakSelector::rt_choose(const Peaks& peaks, Selection& out) noexcept BITELINE_RT {
+  float best_support = 0;
+  for (int s = 0; s < stretch_count_; ++s) best_support = std::max(best_support, rt_support(static_cast<Index>(s)));
+
+  Index last_stretch = k_none;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(peaks.column_count); ++i) {
+    const ColumnPeaks& column = peaks.columns[i];
+    Selected& selected = out.columns[i];
+    selected = {};
+    if (config_.choice == PeakChoice::Continuity) {
+      if (column.kept_count > 0) {
+        const bool second = column.kept_count > 1 && rt_support(stretch_of_[i][1]) > rt_support(stretch_of_[i][0]);
+        selected.kept_index = second ? 1 : 0;
+      }
+    } else {
+      selected.kept_index = choose_alone(column, config_.choice);
+    }
+    if (selected.kept_index < 0) {
+      if (last_stretch != k_none &&
+          static_cast<int>(i) - stretches_[static_cast<std::size_t>(last_stretch)].last_column > config_.max_gap_columns) {
+        last_stretch = k_none;
+      }
+      continue;
+    }
+    const Index index = stretch_of_[i][static_cast<std::size_t>(selected.kept_index)];
+    const Stretch& stretch = stretches_[static_cast<std::size_t>(index)];
+    const bool alone = stretch.columns < config_.min_stretch_columns;
+    const bool faint = rt_support(index) < config_.min_support_ratio * best_support && 2 * stretch.seen_before < stretch.columns;
+    if (alone) selected.flags |= k_selection_discontinuous;
+    if (alone || faint) selected.flags |= k_selection_reflection;
+    selected.joined = index == last_stretch && i > 0 && out.columns[i - 1].kept_index >= 0;
+    last_stretch = index;
+  }
+}
+
+/// Where a stretch ends, the stripe is cut by an edge of the surface, and the last columns may show a part of it or two
+/// surfaces in one peak: they are then dimmer or wider than the columns further in.
+void PeakSelector::rt_flag_ends(const Peaks& peaks, Selection& out) noexcept BITELINE_RT {
+  const auto columns = static_cast<std::size_t>(peaks.column_count);
+  const auto chosen = [&](std::size_t i) -> const Peak& {
+    return peaks.columns[i].kept[static_cast<std::size_t>(out.columns[i].kept_index)];
+  };
+  const auto flag_end = [&](std::size_t end, int inward) {
+    // Further in: the columns after the end's own.
+    float amplitude = 0, width_px = 0;
+    for (std::size_t k = k_end_columns; k < k_end_columns + k_inner_columns; ++k) {
+      const auto i = static_cast<std::size_t>(static_cast<int>(end) + inward * static_cast<int>(k));
+      amplitude += chosen(i).amplitude / static_cast<float>(k_inner_columns);
+      width_px += chosen(i).width_px / static_cast<float>(k_inner_columns);
+    }
+    for (std::size_t k = 0; k < k_end_columns; ++k) {
+      const auto i = static_cast<std::size_t>(static_cast<int>(end) + inward * static_cast<int>(k));
+      if (chosen(i).amplitude < k_dim_ratio * amplitude || chosen(i).width_px > k_wide_ratio * width_px) {
+        out.columns[i].flags |= k_selection_edge_mixed;
+      }
+    }
+  };
+  std::size_t first = 0;
+  for (std::size_t i = 1; i <= columns; ++i) {
+    if (i < columns && out.columns[i].joined) continue;
+    // Columns [first, i) are one stretch, or one column without.
+    if (i - first >= k_end_columns + k_inner_columns) {
+      flag_end(first, +1);
+      flag_end(i - 1, -1);
+    }
+    first = i;
   }
 }
 

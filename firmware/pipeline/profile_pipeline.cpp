@@ -18,9 +18,12 @@ Result<ProfilePipeline> ProfilePipeline::create(const Config& config, const geom
                                                           .region = sensor.region,
                                                           .extractor = std::move(extractor),
                                                           .selector = stripe::PeakSelector{config.selector},
+                                                          .line_average = stripe::LineAverage{config.line_average},
                                                           .table = std::move(table),
                                                           .peaks = {},
                                                           .selection = {},
+                                                          .line = {},
+                                                          .line_work = {},
                                                           .next_sequence = 0})};
 }
 

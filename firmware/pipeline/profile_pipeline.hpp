@@ -8,6 +8,7 @@
 #include "common/geometry/sensor_model.hpp"
 #include "common/profile/profile.hpp"
 #include "common/rt/annotations.hpp"
+#include "common/stripe/line_average.hpp"
 #include "common/stripe/peak_extractor.hpp"
 #include "common/stripe/peak_selector.hpp"
 #include "firmware/pipeline/pose_history.hpp"
@@ -34,6 +35,7 @@ class ProfilePipeline {
   struct Config {
     stripe::PeakConfig peaks;
     stripe::SelectorConfig selector;
+    stripe::LineAverageConfig line_average;
     geometry::PoseSmoothing pose_smoothing;
     double stripe_lost_ratio{0.02};  ///< fewer columns than this with a point: k_profile_stripe_lost
   };

@@ -31,6 +31,29 @@ std::uint16_t point_flags(const stripe::Peak& peak, const stripe::ColumnPeaks& c
   return flags;
 }
 
+/// The chosen peaks as a line, averaged along itself.  A peak that mixes surfaces or is none joins nothing.
+void rt_average_along_line(const stripe::Peaks& peaks, const stripe::Selection& selection, const stripe::LineAverage& average,
+                           std::span<stripe::LinePoint> line, std::span<stripe::LinePoint> work) noexcept BITELINE_RT {
+  const auto columns = static_cast<std::size_t>(peaks.column_count);
+  bool previous_sound = false;
+  for (std::size_t i = 0; i < columns; ++i) {
+    const stripe::Selected& selected = selection.columns[i];
+    line[i] = {};
+    if (selected.kept_index < 0) {
+      previous_sound = false;
+      continue;
+    }
+    const stripe::Peak& peak = peaks.columns[i].kept[static_cast<std::size_t>(selected.kept_index)];
+    const bool sound = selected.flags == 0 && (peak.flags & (stripe::k_peak_clipped | stripe::k_peak_poor_fit)) == 0;
+    line[i] = {.row_px = peak.row_px,
+               .sigma_row_px = peak.sigma_row_px,
+               .present = true,
+               .joined = selected.joined && sound && previous_sound};
+    previous_sound = sound;
+  }
+  average.rt_average(line.subspan(0, columns), work);
+}
+
 }  // namespace
 
 void ProfilePipeline::rt_process(const hal::FrameView& frame, ProfileBuffer& out) noexcept BITELINE_RT {
@@ -45,18 +68,20 @@ void ProfilePipeline::rt_process(const hal::FrameView& frame, ProfileBuffer& out
 
   state.extractor.rt_extract({.pixels = frame.pixels.data(), .stride_bytes = frame.stride_bytes}, state.peaks);
   state.selector.rt_select(state.peaks, state.selection);
+  rt_average_along_line(state.peaks, state.selection, state.line_average, state.line, state.line_work);
 
   for (int column = 0; column < state.peaks.column_count; ++column) {
     const stripe::Selected selected = state.selection.columns[static_cast<std::size_t>(column)];
     if (selected.kept_index < 0) continue;
     const stripe::ColumnPeaks& peaks = state.peaks.columns[static_cast<std::size_t>(column)];
     const stripe::Peak& peak = peaks.kept[static_cast<std::size_t>(selected.kept_index)];
-    const TriangulationTable::Point triangulated = state.table.rt_point(column, peak.row_px);
+    const stripe::LinePoint& averaged = state.line[static_cast<std::size_t>(column)];
+    const TriangulationTable::Point triangulated = state.table.rt_point(column, averaged.row_px);
     ProfilePoint& point = out.points[out.count++];
     point.point_cam = triangulated.point_cam;
-    point.sigma_mm = peak.sigma_row_px * triangulated.mm_per_row;
-    point.row_px = peak.row_px + static_cast<float>(state.region.offset_v_px);
-    point.sigma_row_px = peak.sigma_row_px;
+    point.sigma_mm = averaged.sigma_row_px * triangulated.mm_per_row;
+    point.row_px = averaged.row_px + static_cast<float>(state.region.offset_v_px);
+    point.sigma_row_px = averaged.sigma_row_px;
     point.amplitude = peak.amplitude;
     point.width_px = peak.width_px;
     point.column = static_cast<std::uint16_t>(column);

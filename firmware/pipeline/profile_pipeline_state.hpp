@@ -11,9 +11,12 @@ struct ProfilePipeline::State {
   geometry::Region region;
   stripe::PeakExtractor extractor;
   stripe::PeakSelector selector;
+  stripe::LineAverage line_average;
   TriangulationTable table;
   stripe::Peaks peaks;
   stripe::Selection selection;
+  std::array<stripe::LinePoint, stripe::k_max_columns> line;
+  std::array<stripe::LinePoint, stripe::k_max_columns> line_work;
   std::uint64_t next_sequence{0};
 };
 
