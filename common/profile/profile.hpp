@@ -48,7 +48,7 @@ inline constexpr std::uint32_t k_profile_not_usable =
 
 struct ProfilePoint {
   Eigen::Vector3f point_cam{Eigen::Vector3f::Zero()};  ///< mm
-  float sigma_mm{0};        ///< standard deviation along the viewing ray
+  float sigma_mm{0};        ///< standard deviation of its place, along the way it moves in the laser plane when its row errs
   float row_px{0};          ///< sub-pixel row in the full sensor
   float sigma_row_px{0};    ///< its standard deviation
   float amplitude{0};       ///< stripe height above background, grey levels

@@ -26,7 +26,7 @@ struct NoiseModel {
   float gain_grey_per_electron{0.02F};///< full scale at some 12 000 electrons: a CCD of the sensor's kind
   float speckle_contrast{0.1F};       ///< per pixel, after the optics have averaged over grains
   /// Rows that share their speckle: the optics' blur in pixels.  1: every pixel its own.
-  float speckle_grain_px{2.3F};
+  float speckle_grain_px{2.9F};
 };
 
 struct PeakConfig {
@@ -34,7 +34,7 @@ struct PeakConfig {
   float threshold_grey{12.0F};  ///< a peak is at least this high above its background
   float width_min_px{1.5F};     ///< full width at half maximum
   float width_max_px{24.0F};
-  NoiseModel noise;
+  NoiseModel noise{};
 };
 
 /// A frame's pixels as the extractor sees them; rows `stride_bytes` apart.

@@ -54,7 +54,8 @@ class ProfilePipeline {
   [[nodiscard]] bool rt_pose_ready(const profile::ProfileBuffer& profile, const PoseHistory& poses) const noexcept
       BITELINE_RT;
 
-  /// Writes pose, age and flags into the header from the poses that are there.
+  /// Writes pose, age and flags into the header from the poses that are there, and adds the pose's own scatter to the
+  /// points' standard deviations.  Pre: once per profile.
   void rt_stamp(profile::ProfileBuffer& profile, const PoseHistory& poses) const noexcept BITELINE_RT;
 
  private:

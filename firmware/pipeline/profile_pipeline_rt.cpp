@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <cmath>
+
 #include "common/core/contracts.hpp"
 #include "firmware/pipeline/profile_pipeline_state.hpp"
 
@@ -106,6 +108,15 @@ void ProfilePipeline::rt_stamp(ProfileBuffer& profile, const PoseHistory& poses)
                                                       profile::k_profile_pose_extrapolated);
   if (pose.stale) profile.header.flags |= profile::k_profile_pose_stale;
   if (pose.extrapolated) profile.header.flags |= profile::k_profile_pose_extrapolated;
+
+  // Along the measuring direction: the flange's own scatter, and the orientation's at its lever.
+  const auto place_variance = static_cast<float>(pose.sigma_mm * pose.sigma_mm);
+  const auto turn_variance = static_cast<float>(pose.sigma_rad * pose.sigma_rad);
+  for (std::size_t i = 0; i < profile.count; ++i) {
+    ProfilePoint& point = profile.points[i];
+    const float lever_squared = (state_->T_flange_cam * point.point_cam).cross(state_->measuring_flange).squaredNorm();
+    point.sigma_mm = std::sqrt(point.sigma_mm * point.sigma_mm + place_variance + turn_variance * lever_squared);
+  }
 }
 
 }  // namespace biteline::pipeline

@@ -9,6 +9,8 @@ namespace biteline::pipeline {
 struct ProfilePipeline::State {
   Config config;
   geometry::Region region;
+  Eigen::Isometry3f T_flange_cam;
+  Eigen::Vector3f measuring_flange;  ///< direction in which a row error moves a point, at the region's centre
   stripe::PeakExtractor extractor;
   stripe::PeakSelector selector;
   stripe::LineAverage line_average;

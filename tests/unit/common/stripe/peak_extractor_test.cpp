@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT
+#include "common/stripe/peak_extractor.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <memory>
+
+#include "tests/support/made_stripe.hpp"
+
+namespace biteline::stripe {
+
+using test::MadeStripe;
+
+TEST_GROUP(PeakExtractor) {
+  std::mt19937_64 random{5};
+  std::unique_ptr<Peaks> peaks = std::make_unique<Peaks>();
+
+  const Peaks& extract(const std::vector<std::uint8_t>& pixels, int width_px, int height_px, const PeakConfig& config = {}) {
+    auto sut = PeakExtractor::create(config, width_px, height_px);
+    CHECK(sut.has_value());
+    sut->rt_extract({.pixels = pixels.data(), .stride_bytes = static_cast<std::size_t>(width_px)}, *peaks);
+    return *peaks;
+  }
+
+  /// RMS error and variance of the normalised errors over pictures with every sub-pixel phase.
+  struct Accuracy {
+    double rms_px{0}, normalised_variance{0};
+    int columns{0};
+  };
+  Accuracy accuracy(MadeStripe made, const PeakConfig& config, int pictures) {
+    Accuracy out;
+    for (int i = 0; i < pictures; ++i) {
+      made.row_px = [&](int u) { return 40.0 + 10 * i % 40 + 0.0371 * u; };
+      extract(test::picture(made, random), made.width_px, made.height_px, config);
+      for (int u = 0; u < made.width_px; ++u) {
+        const ColumnPeaks& column = peaks->columns[static_cast<std::size_t>(u)];
+        LONGS_EQUAL(1, column.kept_count);
+        const double error = column.kept[0].row_px - made.row_px(u);
+        out.rms_px += error * error;
+        out.normalised_variance += std::pow(error / column.kept[0].sigma_row_px, 2);
+        ++out.columns;
+      }
+    }
+    out.rms_px = std::sqrt(out.rms_px / out.columns);
+    out.normalised_variance /= out.columns;
+    return out;
+  }
+};
+
+TEST(PeakExtractor, ReachesTheCramerRaoBoundAndSaysHowSureItIs) {
+  for (const double amplitude : {20.0, 60.0, 120.0, 250.0}) {
+    MadeStripe made;
+    made.amplitude = amplitude;
+    const PeakConfig config{.threshold_grey = 8, .noise = made.noise};
+    const Accuracy result = accuracy(made, config, 20);
+    CHECK_TEXT(result.rms_px < 1.15 * test::cramer_rao_px(made, 60.3), StringFromFormat("amplitude %g: rms %g px, bound %g px", amplitude, result.rms_px, test::cramer_rao_px(made, 60.3)).asCharString());
+    CHECK_TEXT(result.normalised_variance > 0.8 && result.normalised_variance < 1.25,
+               StringFromFormat("amplitude %g: normalised variance %g", amplitude, result.normalised_variance).asCharString());
+  }
+}
+
+TEST(PeakExtractor, SaturatedTopCarriesNoWeight) {
+  // 30 % of the full width at half maximum at full scale: |x| < 0.3 * 1.1774 sigma, amplitude 255 exp(0.353^2 / 2).
+  MadeStripe made;
+  made.amplitude = 255 * std::exp(0.5 * 0.353 * 0.353);
+  made.sigma_px = 3.0;
+  const Accuracy result = accuracy(made, {.noise = made.noise}, 20);
+  CHECK(result.rms_px < 1.3 * test::cramer_rao_px(made, 60.3));
+  CHECK(peaks->columns[100].kept[0].flags & k_peak_saturated);
+}
+
+TEST(PeakExtractor, DarkColumnHasNoPeakAndNoiseIsNone) {
+  MadeStripe made;
+  made.amplitude = 0;
+  extract(test::picture(made, random), made.width_px, made.height_px);
+  for (int u = 0; u < made.width_px; ++u) LONGS_EQUAL(0, peaks->columns[static_cast<std::size_t>(u)].kept_count);
+}
+
+TEST(PeakExtractor, KeepsTheTwoStrongestOfThreeAndCountsAll) {
+  MadeStripe made;
+  std::vector<double> mean(static_cast<std::size_t>(made.width_px * made.height_px), 0.0);
+  const double rows[] = {20.3, 60.7, 101.2}, amplitudes[] = {80, 200, 120};
+  for (int i = 0; i < 3; ++i) {
+    made.row_px = [&](int) { return rows[i]; };
+    made.amplitude = amplitudes[i];
+    test::add_stripe(made, mean);
+  }
+  extract(test::expose(made, mean, random), made.width_px, made.height_px);
+  for (int u = 0; u < made.width_px; ++u) {
+    const ColumnPeaks& column = peaks->columns[static_cast<std::size_t>(u)];
+    LONGS_EQUAL(2, column.kept_count);
+    LONGS_EQUAL(3, column.seen_count);
+    DOUBLES_EQUAL(60.7, column.kept[0].row_px, 0.2);
+    DOUBLES_EQUAL(101.2, column.kept[1].row_px, 0.2);
+  }
+}
+
+TEST(PeakExtractor, WidthAndAmplitudeAreTheStripes) {
+  for (const double sigma_px : {1.0, 2.1, 5.0, 8.0}) {
+    MadeStripe made;
+    made.sigma_px = sigma_px;
+    extract(test::picture(made, random), made.width_px, made.height_px);
+    const Peak& peak = peaks->columns[128].kept[0];
+    DOUBLES_EQUAL(2.3548 * sigma_px, peak.width_px, 0.05 * 2.3548 * sigma_px + 0.05);
+    DOUBLES_EQUAL(180, peak.amplitude, 8);
+    LONGS_EQUAL(0, peak.flags & ~k_peak_narrow);
+  }
+}
+
+TEST(PeakExtractor, EvenAmbientLightMovesNothing) {
+  MadeStripe made;
+  made.background = 60;
+  made.amplitude = 100;
+  const Accuracy result = accuracy(made, {.noise = made.noise}, 5);
+  CHECK(result.rms_px < 1.5 * test::cramer_rao_px(made, 60.3));
+  DOUBLES_EQUAL(60, peaks->columns[50].kept[0].background, 1.5);
+}
+
+TEST(PeakExtractor, StripeOverTheRegionsEdgeIsClipped) {
+  MadeStripe made;
+  for (const double row_px : {1.0, 126.5}) {
+    made.row_px = [&](int) { return row_px; };
+    extract(test::picture(made, random), made.width_px, made.height_px);
+    for (int u = 0; u < made.width_px; ++u) {
+      const ColumnPeaks& column = peaks->columns[static_cast<std::size_t>(u)];
+      LONGS_EQUAL(1, column.kept_count);
+      CHECK(column.kept[0].flags & k_peak_clipped);
+    }
+  }
+}
+
+TEST(PeakExtractor, HotPixelIsNarrow) {
+  std::vector<std::uint8_t> pixels(64 * 64, 0);
+  pixels[30 * 64 + 20] = 250;
+  extract(pixels, 64, 64);
+  const ColumnPeaks& column = peaks->columns[20];
+  LONGS_EQUAL(1, column.kept_count);
+  CHECK(column.kept[0].flags & k_peak_narrow);
+  LONGS_EQUAL(0, peaks->columns[19].kept_count);
+}
+
+TEST(PeakExtractor, EveryModeFindsTheStripe) {
+  // Without noise: what is left is each mode's own bias over the sub-pixel phases.
+  struct Row { PeakMode mode; double tolerance_px; };
+  for (const Row& row : {Row{PeakMode::Matched, 0.02}, Row{PeakMode::Maximum, 0.1}, Row{PeakMode::Threshold, 0.05},
+                         Row{PeakMode::CentreOfGravity, 0.1}, Row{PeakMode::FirZeroCrossing, 0.02}}) {
+    MadeStripe made;
+    made.noise = {.read_noise_grey = 0, .gain_grey_per_electron = 0, .speckle_contrast = 0, .speckle_grain_px = 1};
+    made.row_px = [](int u) { return 50 + 0.013 * u; };
+    extract(test::picture(made, random), made.width_px, made.height_px, {.mode = row.mode});
+    for (int u = 0; u < made.width_px; ++u) {
+      DOUBLES_EQUAL(made.row_px(u), peaks->columns[static_cast<std::size_t>(u)].kept[0].row_px, row.tolerance_px);
+    }
+  }
+}
+
+TEST(PeakExtractor, OddWidthsStridesAndStepsLoseNoColumn) {
+  // Widths about the vectors' lengths; a step of 60 rows in mid-vector; rows farther apart than the width.
+  for (const int width_px : {16, 17, 63, 65, 100, 127}) {
+    MadeStripe made;
+    made.width_px = width_px;
+    made.height_px = 130;
+    made.row_px = [&](int u) { return u < width_px / 2 ? 30.25 : 90.75; };
+    const auto pixels = test::picture(made, random);
+    const std::size_t stride = static_cast<std::size_t>(width_px) + 13;
+    std::vector<std::uint8_t> padded(stride * 130, 255);
+    for (std::size_t v = 0; v < 130; ++v) {
+      std::copy_n(pixels.begin() + static_cast<std::ptrdiff_t>(v) * width_px, width_px, padded.begin() + static_cast<std::ptrdiff_t>(v * stride));
+    }
+    auto sut = PeakExtractor::create({}, width_px, 130);
+    CHECK(sut.has_value());
+    sut->rt_extract({.pixels = padded.data(), .stride_bytes = stride}, *peaks);
+    for (int u = 0; u < width_px; ++u) {
+      LONGS_EQUAL(1, peaks->columns[static_cast<std::size_t>(u)].kept_count);
+      DOUBLES_EQUAL(made.row_px(u), peaks->columns[static_cast<std::size_t>(u)].kept[0].row_px, 0.3);
+    }
+  }
+}
+
+TEST(PeakExtractor, MaskedColumnsShowNothing) {
+  MadeStripe made;
+  const auto pixels = test::picture(made, random);
+  auto sut = PeakExtractor::create({}, made.width_px, made.height_px);
+  CHECK(sut.has_value());
+  std::vector<std::uint8_t> mask(256, 1);
+  mask[77] = 0;
+  sut->set_column_mask(mask);
+  sut->rt_extract({.pixels = pixels.data(), .stride_bytes = 256}, *peaks);
+  LONGS_EQUAL(0, peaks->columns[77].kept_count);
+  LONGS_EQUAL(1, peaks->columns[78].kept_count);
+}
+
+TEST(PeakExtractor, RefusesWhatItCannotHold) {
+  CHECK(!PeakExtractor::create({}, 4000, 100));
+  CHECK(!PeakExtractor::create({}, 100, 4));
+  CHECK(!PeakExtractor::create({.threshold_grey = 0}, 100, 100));
+  CHECK(!PeakExtractor::create({.width_min_px = 5, .width_max_px = 4}, 100, 100));
+}
+
+}  // namespace biteline::stripe
