@@ -69,6 +69,7 @@ struct ChildProcess::State {
   std::thread listener;  ///< reads stderr to its end
   mutable std::mutex mutex;
   std::string last_words;  ///< guarded by mutex
+  int stderr_lines{0};     ///< guarded by mutex
 
   void listen(Fd err, bool show) {
     std::string line;
@@ -87,6 +88,7 @@ struct ChildProcess::State {
         if (!line.empty()) {
           const std::lock_guard lock{mutex};
           last_words = line;
+          ++stderr_lines;
         }
         line.clear();
       }
@@ -200,6 +202,11 @@ int ChildProcess::stop(Duration grace) {
 std::string ChildProcess::last_words() const {
   const std::lock_guard lock{state_->mutex};
   return state_->last_words;
+}
+
+int ChildProcess::stderr_lines() const {
+  const std::lock_guard lock{state_->mutex};
+  return state_->stderr_lines;
 }
 
 int ChildProcess::pid() const { return state_->pid; }

@@ -47,6 +47,9 @@ class ChildProcess {
   /// The last line it wrote to stderr, for a failure's one line.
   [[nodiscard]] std::string last_words() const;
 
+  /// How many lines it wrote to stderr so far.
+  [[nodiscard]] int stderr_lines() const;
+
   [[nodiscard]] int pid() const;
 
  private:
