@@ -3,7 +3,9 @@
 
 #include <embree3/rtcore.h>
 
+#include <algorithm>
 #include <array>
+#include <cfenv>
 #include <cmath>
 
 #include "common/core/contracts.hpp"
@@ -148,7 +150,12 @@ std::optional<ReferenceSurface::Hit> ReferenceSurface::first_hit(const Ray& ray)
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
+  // Embree multiplies infinite reciprocals of axis-parallel directions by zero and discards the outcome; the flag that
+  // this raises must not reach a caller who watches for his own.
+  std::fenv_t environment;
+  std::feholdexcept(&environment);
   rtcIntersect1(scene_->scene, &context, &query);
+  std::fesetenv(&environment);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   return Hit{.point = ray.origin + static_cast<double>(query.ray.tfar) * ray.direction,
              .normal = scene_->normal(query.hit.primID)};

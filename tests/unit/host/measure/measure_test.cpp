@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <CppUTest/TestHarness.h>
 
-#include <cfenv>
 #include <numbers>
 #include <random>
 
@@ -142,8 +141,6 @@ TEST(Measure, NormalErrorIsTheAngleToTheWallAboveTheLine) {
   const double lean_rad = 2 * std::numbers::pi / 180;
   for (auto& p : line.points) p.normal = std::cos(lean_rad) * p.normal + std::sin(lean_rad) * Vec3::UnitZ();
   const auto sut = normal_error_deg(line, ReferenceSurface{tube}, Vec3::UnitZ());
-  // Embree's traversal multiplies infinite reciprocals of level rays by zero and discards the outcome.
-  std::feclearexcept(FE_INVALID);
   CHECK(sut.has_value());
   DOUBLES_EQUAL(2.0, *sut, 0.05);  // facets of 0.5 degrees turn level normals by at most 0.25
 }
