@@ -1,0 +1,435 @@
+// SPDX-License-Identifier: MIT
+#include "hal/linux/aravis/aravis_camera.hpp"
+
+#include <arv.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "common/core/contracts.hpp"
+#include "hal/linux/aravis/arrival_clock.hpp"
+#include "hal/linux/aravis/frame_counter.hpp"
+
+namespace biteline::hal {
+
+namespace {
+
+/// The stream's own statistics are looked at this often.
+constexpr std::uint64_t k_frames_between_counts = 32;
+
+enum class State { Open, Configured, Running };
+
+/// The one funnel from GError to Error.
+class Call {
+ public:
+  explicit Call(const std::string& device, const char* what) : device_(device), what_(what) {}
+  ~Call() { g_clear_error(&error_); }
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+
+  operator GError**() { return &error_; }  // NOLINT(google-explicit-constructor): it stands where a GError** is wanted
+  [[nodiscard]] bool failed() const { return error_ != nullptr; }
+  [[nodiscard]] tl::unexpected<Error> failure() const {
+    const bool gone = g_error_matches(error_, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_NOT_CONNECTED) ||
+                      g_error_matches(error_, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_TIMEOUT);
+    const bool absent = g_error_matches(error_, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_NOT_FOUND);
+    const Errc code = absent ? Errc::DeviceNotFound : gone ? Errc::DeviceLost : Errc::DeviceError;
+    return fail(code, "camera %s, %s: %s", device_.c_str(), what_, error_->message);
+  }
+
+ private:
+  const std::string& device_;
+  const char* what_;
+  GError* error_{nullptr};
+};
+
+SensorClock::time_point monotonic_now() {
+  return SensorClock::time_point{std::chrono::duration_cast<Nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())};
+}
+
+double microseconds(Nanoseconds time) { return static_cast<double>(time.count()) * 1e-3; }
+Nanoseconds from_microseconds(double time_us) { return Nanoseconds{std::llround(time_us * 1e3)}; }
+
+int rounded_down(int value, int step) { return value - value % std::max(1, step); }
+
+}  // namespace
+
+struct AravisCamera::Device {
+  Config config;
+  ArvCamera* camera{nullptr};
+  ArvStream* stream{nullptr};
+  State state{State::Open};
+  CameraSettings settings;
+  bool ptp{false};
+  std::vector<ArvBuffer*> borrowed;
+  ArrivalClock arrival;
+  FrameCounter counter;
+  std::uint64_t next_sequence{0};
+  bool first_frame{true};
+  std::atomic<bool> lost{false};
+  std::atomic<std::uint64_t> frames{0}, frames_lost{0}, frames_damaged{0};
+  std::atomic<std::uint64_t> underruns{0}, packets_resent{0};
+  std::atomic<float> temperature_degc{0};
+  std::atomic<bool> temperature_known{false};
+
+  Device() = default;
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+  ~Device() {
+    drop_stream();
+    if (camera == nullptr) return;
+    g_signal_handlers_disconnect_by_data(arv_camera_get_device(camera), this);
+    g_object_unref(camera);
+  }
+
+  void drop_stream() {
+    for (ArvBuffer* buffer : borrowed) g_object_unref(buffer);
+    borrowed.clear();
+    if (stream != nullptr) g_object_unref(stream);
+    stream = nullptr;
+  }
+
+  [[nodiscard]] bool has(const char* feature) const {
+    GError* error = nullptr;
+    const bool present = arv_camera_is_feature_available(camera, feature, &error) != FALSE && error == nullptr;
+    g_clear_error(&error);
+    return present;
+  }
+
+  Result<void> set_trigger(Trigger trigger);
+  Result<void> set_rate(double rate_hz);
+  Result<void> set_region(const geometry::Region& region);
+  Result<geometry::Region> region() const;
+  void read_counts();
+  void read_ptp();
+  void read_temperature();
+};
+
+Result<void> AravisCamera::Device::set_region(const geometry::Region& region) {
+  Call call(config.address, "region");
+  // Offsets first to 0: a larger size is refused beside the old offset.
+  arv_camera_set_region(camera, 0, 0, region.width_px, region.height_px, call);
+  if (call.failed()) return call.failure();
+  arv_camera_set_region(camera, region.offset_u_px, region.offset_v_px, region.width_px, region.height_px, call);
+  if (call.failed()) return call.failure();
+  return {};
+}
+
+Result<geometry::Region> AravisCamera::Device::region() const {
+  Call call(config.address, "region");
+  geometry::Region region;
+  arv_camera_get_region(camera, &region.offset_u_px, &region.offset_v_px, &region.width_px, &region.height_px, call);
+  if (call.failed()) return call.failure();
+  return region;
+}
+
+Result<void> AravisCamera::Device::set_trigger(Trigger trigger) {
+  Call call(config.address, "trigger");
+  if (trigger == Trigger::FreeRun) {
+    if (has("TriggerMode")) arv_camera_clear_triggers(camera, call);
+  } else {
+    if (!has("TriggerMode")) return fail(Errc::NotSupported, "camera %s has no TriggerMode", config.address.c_str());
+    arv_camera_set_trigger(camera, config.trigger_line.c_str(), call);
+  }
+  if (call.failed()) return call.failure();
+  return {};
+}
+
+Result<void> AravisCamera::Device::set_rate(double rate_hz) {
+  if (rate_hz <= 0) return {};
+  Call call(config.address, "frame rate");
+  if (!has("AcquisitionFrameRate")) return fail(Errc::NotSupported, "camera %s has no AcquisitionFrameRate", config.address.c_str());
+  if (has("AcquisitionFrameRateEnable")) arv_camera_set_boolean(camera, "AcquisitionFrameRateEnable", TRUE, call);
+  if (!call.failed()) arv_camera_set_float(camera, "AcquisitionFrameRate", rate_hz, call);
+  if (call.failed()) return call.failure();
+  return {};
+}
+
+void AravisCamera::Device::read_ptp() {
+  ptp = false;
+  if (!has("PtpStatus")) return;
+  GError* error = nullptr;
+  const char* status = arv_camera_get_string(camera, "PtpStatus", &error);
+  if (error == nullptr && status != nullptr) ptp = std::strcmp(status, "Slave") == 0 || std::strcmp(status, "Master") == 0;
+  g_clear_error(&error);
+}
+
+void AravisCamera::Device::read_temperature() {
+  if (!has("DeviceTemperature")) return;
+  GError* error = nullptr;
+  const double degc = arv_camera_get_float(camera, "DeviceTemperature", &error);
+  temperature_known = error == nullptr;
+  if (error == nullptr) temperature_degc = static_cast<float>(degc);
+  g_clear_error(&error);
+}
+
+void AravisCamera::Device::read_counts() {
+  if (stream == nullptr) return;
+  guint64 completed = 0, failures = 0, missing_buffers = 0;
+  arv_stream_get_statistics(stream, &completed, &failures, &missing_buffers);
+  underruns = missing_buffers;
+  if (ARV_IS_GV_STREAM(stream)) {
+    guint64 resent = 0, missing = 0;
+    arv_gv_stream_get_statistics(ARV_GV_STREAM(stream), &resent, &missing);
+    packets_resent = resent;
+  }
+}
+
+AravisCamera::AravisCamera(std::unique_ptr<Device> device) : device_(std::move(device)) {}
+
+AravisCamera::~AravisCamera() {
+  if (device_->state == State::Running && !stop()) {
+    // Gone or silent: the heartbeat ends and the camera stops by itself.
+  }
+}
+
+Result<std::unique_ptr<AravisCamera>> AravisCamera::open(const Config& config) {
+  auto device = std::make_unique<Device>();
+  device->config = config;
+  Call call(device->config.address, "open");
+  device->camera = arv_camera_new(config.address.c_str(), call);
+  if (call.failed()) return call.failure();
+  if (device->camera == nullptr) return fail(Errc::DeviceNotFound, "camera %s", config.address.c_str());
+
+  ArvDevice* handle = arv_camera_get_device(device->camera);
+  g_signal_connect(handle, "control-lost", G_CALLBACK(+[](ArvDevice*, gpointer self) { static_cast<Device*>(self)->lost = true; }),
+                   device.get());
+  if (ARV_IS_GV_DEVICE(handle)) {
+    arv_gv_device_set_stream_options(ARV_GV_DEVICE(handle), config.packet_socket ? ARV_GV_STREAM_OPTION_NONE
+                                                                                 : ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
+    // Aravis 0.8.26 misjudges small payloads when it looks for a packet size by itself.
+    arv_gv_device_set_packet_size_adjustment(ARV_GV_DEVICE(handle), ARV_GV_PACKET_SIZE_ADJUSTMENT_NEVER);
+    if (config.packet_bytes > 0) arv_camera_gv_set_packet_size(device->camera, config.packet_bytes, call);
+    if (call.failed()) return call.failure();
+  }
+  arv_camera_set_pixel_format(device->camera, ARV_PIXEL_FORMAT_MONO_8, call);
+  if (!call.failed()) arv_camera_set_acquisition_mode(device->camera, ARV_ACQUISITION_MODE_CONTINUOUS, call);
+  if (call.failed()) return call.failure();
+  if (device->has("PtpEnable")) {
+    arv_camera_set_boolean(device->camera, "PtpEnable", TRUE, call);
+    if (call.failed()) return call.failure();
+  }
+  device->read_ptp();
+  device->read_temperature();
+  return std::unique_ptr<AravisCamera>(new AravisCamera(std::move(device)));
+}
+
+Result<CameraLimits> AravisCamera::limits() {
+  Call call(device_->config.address, "limits");
+  CameraLimits limits;
+  ArvCamera* camera = device_->camera;
+  arv_camera_get_sensor_size(camera, &limits.sensor_width_px, &limits.sensor_height_px, call);
+  if (call.failed()) return call.failure();
+  limits.region_step_u_px = std::max(arv_camera_get_width_increment(camera, nullptr), arv_camera_get_x_offset_increment(camera, nullptr));
+  limits.region_step_v_px = std::max(arv_camera_get_height_increment(camera, nullptr), arv_camera_get_y_offset_increment(camera, nullptr));
+  limits.region_step_u_px = std::max(1, limits.region_step_u_px);
+  limits.region_step_v_px = std::max(1, limits.region_step_v_px);
+  double low_us = 0, high_us = 0;
+  arv_camera_get_exposure_time_bounds(camera, &low_us, &high_us, call);
+  if (call.failed()) return call.failure();
+  limits.exposure_min = from_microseconds(low_us);
+  limits.exposure_max = from_microseconds(std::min(high_us, 1e9));
+  if (device_->has("AcquisitionFrameRate")) {
+    double low_hz = 0;
+    arv_camera_get_frame_rate_bounds(camera, &low_hz, &limits.rate_max_hz, call);
+    if (call.failed()) return call.failure();
+  }
+  limits.hardware_trigger = device_->has("TriggerMode");
+  return limits;
+}
+
+Result<CameraSettings> AravisCamera::configure(const CameraSettings& wanted) {
+  Device& device = *device_;
+  if (device.state == State::Running) return fail(Errc::WrongState, "camera %s: configure while running", device.config.address.c_str());
+  if (wanted.second_exposure.count() != 0) {
+    return fail(Errc::NotSupported, "camera %s: no bracketing (SFNC leaves the sequencer to the vendor)", device.config.address.c_str());
+  }
+  BITELINE_ASSIGN(const CameraLimits limit, limits());
+  const geometry::Region& r = wanted.region;
+  if (r.offset_u_px < 0 || r.offset_v_px < 0 || r.width_px < 1 || r.height_px < 1 || r.offset_u_px + r.width_px > limit.sensor_width_px ||
+      r.offset_v_px + r.height_px > limit.sensor_height_px) {
+    return fail(Errc::BadValue, "camera %s: region %d x %d at (%d, %d) outside its %d x %d pixels", device.config.address.c_str(), r.width_px,
+                r.height_px, r.offset_u_px, r.offset_v_px, limit.sensor_width_px, limit.sensor_height_px);
+  }
+  if (wanted.exposure < limit.exposure_min || wanted.exposure > limit.exposure_max) {
+    return fail(Errc::BadValue, "camera %s: exposure %.1f us outside %.1f to %.1f us", device.config.address.c_str(), microseconds(wanted.exposure),
+                microseconds(limit.exposure_min), microseconds(limit.exposure_max));
+  }
+  const geometry::Region stepped{.offset_u_px = rounded_down(r.offset_u_px, limit.region_step_u_px),
+                                 .offset_v_px = rounded_down(r.offset_v_px, limit.region_step_v_px),
+                                 .width_px = rounded_down(r.width_px, limit.region_step_u_px),
+                                 .height_px = rounded_down(r.height_px, limit.region_step_v_px)};
+  BITELINE_TRY(device.set_region(stepped));
+  Call call(device.config.address, "exposure");
+  arv_camera_set_exposure_time(device.camera, microseconds(wanted.exposure), call);
+  if (call.failed()) return call.failure();
+  if (wanted.trigger == Trigger::FreeRun) BITELINE_TRY(device.set_rate(wanted.rate_hz));
+  BITELINE_TRY(device.set_trigger(wanted.trigger));
+
+  device.settings = wanted;
+  BITELINE_ASSIGN(device.settings.region, device.region());
+  device.settings.exposure = from_microseconds(arv_camera_get_exposure_time(device.camera, call));
+  if (call.failed()) return call.failure();
+  if (wanted.trigger == Trigger::FreeRun && wanted.rate_hz > 0) {
+    device.settings.rate_hz = arv_camera_get_frame_rate(device.camera, call);
+    if (call.failed()) return call.failure();
+  }
+  device.state = State::Configured;
+  return device.settings;
+}
+
+Result<void> AravisCamera::start() {
+  Device& device = *device_;
+  if (device.state != State::Configured) return fail(Errc::WrongState, "camera %s: start before configure", device.config.address.c_str());
+  Call call(device.config.address, "start");
+  device.stream = arv_camera_create_stream(device.camera, nullptr, nullptr, call);
+  if (call.failed()) return call.failure();
+  const guint payload_bytes = arv_camera_get_payload(device.camera, call);
+  if (call.failed()) return call.failure();
+  if (ARV_IS_GV_STREAM(device.stream)) {
+    // A burst of whole frames fits the socket, so that a receiver that is late by a frame loses none.
+    g_object_set(device.stream, "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size",
+                 static_cast<int>(std::min<std::uint64_t>(16ULL * payload_bytes, 64ULL << 20U)), nullptr);
+  }
+  for (int i = 0; i < device.config.buffers; ++i) {
+    ArvBuffer* buffer = arv_buffer_new_allocate(payload_bytes);
+    std::size_t size_bytes = 0;
+    void* data = const_cast<void*>(arv_buffer_get_data(buffer, &size_bytes));
+    std::memset(data, 0, payload_bytes);  // touched now, not while frames flow
+    arv_stream_push_buffer(device.stream, buffer);
+  }
+  device.borrowed.reserve(static_cast<std::size_t>(device.config.buffers));
+  device.arrival.reset();
+  device.counter = {};
+  device.first_frame = true;
+  device.next_sequence = 0;
+  device.frames = device.frames_lost = device.frames_damaged = device.underruns = device.packets_resent = 0;
+  device.read_ptp();
+  device.read_temperature();
+  arv_camera_start_acquisition(device.camera, call);
+  if (call.failed()) {
+    device.drop_stream();
+    return call.failure();
+  }
+  device.state = State::Running;
+  return {};
+}
+
+Result<FrameView> AravisCamera::next_frame(Nanoseconds timeout) {
+  Device& device = *device_;
+  if (device.state != State::Running) return fail(Errc::WrongState, "camera %s: not running", device.config.address.c_str());
+  const auto until = monotonic_now() + timeout;
+  for (;;) {
+    if (device.lost) return fail(Errc::DeviceLost, "camera %s", device.config.address.c_str());
+    const auto left = std::max<std::int64_t>(0, (until - monotonic_now()).count() / 1000);
+    ArvBuffer* buffer = arv_stream_timeout_pop_buffer(device.stream, static_cast<guint64>(left));
+    const auto arrival = monotonic_now();
+    if (buffer == nullptr) {
+      device.read_counts();
+      if (device.lost) return fail(Errc::DeviceLost, "camera %s", device.config.address.c_str());
+      return fail(Errc::Timeout, "camera %s: no frame", device.config.address.c_str());
+    }
+    const ArvBufferStatus status = arv_buffer_get_status(buffer);
+    const bool whole = status == ARV_BUFFER_STATUS_SUCCESS;
+    const bool holed = status == ARV_BUFFER_STATUS_MISSING_PACKETS || status == ARV_BUFFER_STATUS_TIMEOUT;
+    std::size_t size_bytes = 0;
+    const auto* pixels = static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &size_bytes));
+    // The size of a frame whose leader was lost is not known: that of the settings counts.
+    const int width_px = device.settings.region.width_px, height_px = device.settings.region.height_px;
+    const std::size_t wanted_bytes = static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
+    const bool foreign = whole && (arv_buffer_get_image_width(buffer) != width_px || arv_buffer_get_image_height(buffer) != height_px);
+    if ((!whole && !holed) || foreign || pixels == nullptr) {
+      // Aborted, of another size or without data: nothing to show; its gap shows in the count.
+      arv_stream_push_buffer(device.stream, buffer);
+      continue;
+    }
+    FrameView frame{.pixels = {pixels, wanted_bytes},
+                    .width_px = width_px,
+                    .height_px = height_px,
+                    .stride_bytes = static_cast<std::size_t>(width_px),
+                    .sequence = device.counter.count(arv_buffer_get_frame_id(buffer)),
+                    .exposure_mid = {},
+                    .flags = whole ? 0U : static_cast<std::uint32_t>(k_frame_damaged)};
+    const Nanoseconds half_exposure = device.settings.exposure / 2;
+    const Nanoseconds stamp{static_cast<std::int64_t>(arv_buffer_get_timestamp(buffer))};
+    if (stamp.count() == 0) {
+      frame.exposure_mid = arrival;  // leader lost
+      frame.flags |= k_frame_stamp_uncertain;
+    } else if (device.ptp) {
+      frame.exposure_mid = SensorClock::time_point{stamp - device.config.ptp_minus_sensor + half_exposure};
+    } else {
+      frame.exposure_mid = device.arrival.map(stamp, arrival) + half_exposure;
+      frame.flags |= k_frame_stamp_uncertain;
+    }
+    if (!device.first_frame && frame.sequence > device.next_sequence) {
+      frame.flags |= k_frame_gap_before;
+      device.frames_lost += frame.sequence - device.next_sequence;
+    }
+    device.first_frame = false;
+    device.next_sequence = frame.sequence + 1;
+    if (whole) {
+      ++device.frames;
+    } else {
+      ++device.frames_damaged;
+    }
+    if (frame.sequence % k_frames_between_counts == 0) device.read_counts();
+    device.borrowed.push_back(buffer);
+    return frame;
+  }
+}
+
+void AravisCamera::release(const FrameView& frame) noexcept {
+  Device& device = *device_;
+  const auto found = std::find_if(device.borrowed.begin(), device.borrowed.end(), [&](ArvBuffer* buffer) {
+    std::size_t size_bytes = 0;
+    return arv_buffer_get_data(buffer, &size_bytes) == frame.pixels.data();
+  });
+  if (found == device.borrowed.end()) return;  // stop() took it back already
+  arv_stream_push_buffer(device.stream, *found);
+  *found = device.borrowed.back();
+  device.borrowed.pop_back();
+}
+
+Result<Nanoseconds> AravisCamera::adjust_exposure(Nanoseconds exposure) {
+  Device& device = *device_;
+  if (device.state != State::Running) return fail(Errc::WrongState, "camera %s: not running", device.config.address.c_str());
+  Call call(device.config.address, "exposure");
+  arv_camera_set_exposure_time(device.camera, microseconds(exposure), call);
+  if (call.failed()) return call.failure();
+  device.settings.exposure = from_microseconds(arv_camera_get_exposure_time(device.camera, call));
+  if (call.failed()) return call.failure();
+  return device.settings.exposure;
+}
+
+Result<void> AravisCamera::stop() {
+  Device& device = *device_;
+  if (device.state != State::Running) return {};
+  device.read_counts();
+  device.state = State::Configured;
+  Call call(device.config.address, "stop");
+  if (!device.lost) arv_camera_stop_acquisition(device.camera, call);
+  device.drop_stream();
+  if (call.failed()) return call.failure();
+  return {};
+}
+
+CameraHealth AravisCamera::health() const noexcept {
+  const Device& device = *device_;
+  return {.frames = device.frames,
+          .frames_lost = device.frames_lost,
+          .frames_damaged = device.frames_damaged,
+          .underruns = device.underruns,
+          .packets_resent = device.packets_resent,
+          .temperature_degc = device.temperature_degc,
+          .temperature_known = device.temperature_known,
+          .connected = !device.lost,
+          .finished = false};
+}
+
+bool AravisCamera::clock_follows_ptp() const noexcept { return device_->ptp; }
+
+}  // namespace biteline::hal

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file What the simulated camera says it can do: its GenICam description, SFNC names over Aravis' fake camera's registers.
+
+#include <cstdint>
+#include <string>
+
+namespace biteline::sim {
+
+/// Registers.  Those below 0x400 are what Aravis' fake camera itself acts on; those from 0x400 on are plain memory that
+/// the owner of the camera reads and writes.
+namespace gv_register {
+inline constexpr std::uint32_t k_width = 0x100;
+inline constexpr std::uint32_t k_height = 0x104;
+inline constexpr std::uint32_t k_sensor_height = 0x118;
+inline constexpr std::uint32_t k_sensor_width = 0x11c;
+inline constexpr std::uint32_t k_exposure_us = 0x120;
+inline constexpr std::uint32_t k_offset_x = 0x130;
+inline constexpr std::uint32_t k_offset_y = 0x134;
+inline constexpr std::uint32_t k_frame_period_us = 0x138;
+inline constexpr std::uint32_t k_trigger_mode = 0x300;
+inline constexpr std::uint32_t k_trigger_source = 0x304;
+inline constexpr std::uint32_t k_trigger_fire = 0x30c;
+inline constexpr std::uint32_t k_frame_rate_enable = 0x400;
+inline constexpr std::uint32_t k_line_selector = 0x404;
+inline constexpr std::uint32_t k_line_source = 0x410;  ///< and + 4 for Line1
+inline constexpr std::uint32_t k_ptp_enable = 0x420;
+inline constexpr std::uint32_t k_ptp_status = 0x424;
+inline constexpr std::uint32_t k_temperature_millidegc_register = 0x428;
+}  // namespace gv_register
+
+/// Values of PtpStatus.
+inline constexpr std::uint32_t k_ptp_disabled = 0;
+inline constexpr std::uint32_t k_ptp_slave = 1;
+
+[[nodiscard]] std::string genicam_description();
+
+}  // namespace biteline::sim

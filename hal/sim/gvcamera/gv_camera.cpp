@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+#include "hal/sim/gvcamera/gv_camera.hpp"
+
+#include <arv.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <thread>
+
+#include "hal/sim/gvcamera/genicam_description.hpp"
+
+namespace biteline::sim {
+
+namespace {
+
+/// How often the fake camera looks for a trigger; its default of 25 Hz would be the highest frame rate.
+constexpr double k_trigger_poll_hz = 1000;
+/// Edges that wait while one frame is being made.
+constexpr std::size_t k_edges_kept = 1;
+constexpr std::uint32_t k_temperature_millidegc = 41'500;
+
+SensorClock::time_point monotonic_now() {
+  return SensorClock::time_point{std::chrono::duration_cast<Nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())};
+}
+
+/// A file that exists only as long as somebody holds it: Aravis wants a path.
+Result<int> memory_file(const std::string& content) {
+  const int descriptor = memfd_create("genicam", 0);
+  if (descriptor < 0) return fail_errno(Errc::DeviceError, errno, "simulated camera: memfd_create");
+  if (write(descriptor, content.data(), content.size()) != static_cast<ssize_t>(content.size())) {
+    const int number = errno;
+    close(descriptor);
+    return fail_errno(Errc::DeviceError, number, "simulated camera: GenICam description");
+  }
+  return descriptor;
+}
+
+}  // namespace
+
+struct GvCamera::Device {
+  ArvGvFakeCamera* server{nullptr};
+  ArvFakeCamera* registers{nullptr};  ///< owned by the server
+  int description{-1};
+
+  Device() = default;
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+  ~Device() {
+    end();
+    if (description >= 0) close(description);
+  }
+  /// Joins the server's thread and gives the port back.
+  void end() {
+    if (server != nullptr) g_object_unref(server);
+    server = nullptr;
+  }
+  [[nodiscard]] std::uint32_t read(std::uint32_t address) const {
+    guint32 value = 0;
+    arv_fake_camera_read_register(registers, address, &value);
+    return value;
+  }
+  void write(std::uint32_t address, std::uint32_t value) const { arv_fake_camera_write_register(registers, address, value); }
+};
+
+GvCamera::GvCamera(const Config& config, Painter painter)
+    : config_(config), painter_(std::move(painter)), device_(std::make_unique<Device>()) {}
+
+GvCamera::~GvCamera() {
+  device_->end();  // its thread paints with everything else in here
+}
+
+Result<std::unique_ptr<GvCamera>> GvCamera::open(const Config& config, Painter painter) {
+  std::unique_ptr<GvCamera> camera(new GvCamera(config, std::move(painter)));
+  Device& device = *camera->device_;
+  BITELINE_ASSIGN(device.description, memory_file(genicam_description()));
+  const std::string path = "/proc/self/fd/" + std::to_string(device.description);
+  device.server = arv_gv_fake_camera_new_full(config.address.c_str(), config.serial.c_str(), path.c_str());
+  if (device.server == nullptr || arv_gv_fake_camera_is_running(device.server) == FALSE) {
+    return fail(Errc::ConnectFailed, "simulated camera: %s port 3956 is not free, or no address of this machine", config.address.c_str());
+  }
+  g_object_set(device.server, "gvsp-lost-ratio", config.lost_packet_ratio, nullptr);
+  device.registers = arv_gv_fake_camera_get_fake_camera(device.server);
+  using namespace gv_register;
+  device.write(k_sensor_width, static_cast<std::uint32_t>(config.sensor_width_px));
+  device.write(k_sensor_height, static_cast<std::uint32_t>(config.sensor_height_px));
+  device.write(k_width, static_cast<std::uint32_t>(config.region.width_px));
+  device.write(k_height, static_cast<std::uint32_t>(config.region.height_px));
+  device.write(k_offset_x, static_cast<std::uint32_t>(config.region.offset_u_px));
+  device.write(k_offset_y, static_cast<std::uint32_t>(config.region.offset_v_px));
+  device.write(k_exposure_us, static_cast<std::uint32_t>(config.exposure.count() / 1000));
+  device.write(k_frame_period_us, static_cast<std::uint32_t>(1e6 / config.rate_hz));
+  device.write(k_trigger_source, 1);
+  device.write(k_temperature_millidegc_register, k_temperature_millidegc);
+  device.write(k_ptp_enable, config.ptp ? 1 : 0);
+  device.write(k_ptp_status, config.ptp ? k_ptp_slave : k_ptp_disabled);
+  arv_fake_camera_set_trigger_frequency(device.registers, k_trigger_poll_hz);
+  arv_fake_camera_set_fill_pattern(
+      device.registers,
+      [](ArvBuffer* buffer, void* self, guint32, guint32, ArvPixelFormat) { static_cast<GvCamera*>(self)->paint(buffer); },
+      camera.get());
+  return camera;
+}
+
+bool GvCamera::acquiring() const { return arv_fake_camera_get_acquisition_status(device_->registers) != 0; }
+
+void GvCamera::trigger(SensorClock::time_point edge) {
+  if (!acquiring() || device_->read(gv_register::k_trigger_mode) == 0) {
+    ++triggers_missed_;
+    return;
+  }
+  const std::lock_guard lock(edges_mutex_);
+  if (edges_.size() > k_edges_kept) {
+    ++triggers_missed_;
+    return;
+  }
+  edges_.push_back(edge);
+  device_->write(gv_register::k_trigger_fire, 1);
+}
+
+void GvCamera::paint(void* buffer_pointer) {
+  auto* buffer = static_cast<ArvBuffer*>(buffer_pointer);
+  GvExposure exposure{.region = {.offset_u_px = static_cast<int>(device_->read(gv_register::k_offset_x)),
+                                 .offset_v_px = static_cast<int>(device_->read(gv_register::k_offset_y)),
+                                 .width_px = arv_buffer_get_image_width(buffer),
+                                 .height_px = arv_buffer_get_image_height(buffer)},
+                      .exposure = Nanoseconds{static_cast<std::int64_t>(device_->read(gv_register::k_exposure_us)) * 1000},
+                      .begin = {},
+                      .triggered = false,
+                      .sequence = exposures_.fetch_add(1)};
+  exposure.begin = monotonic_now() - exposure.exposure;  // free run: a frame comes when its exposure is over
+  {
+    const std::lock_guard lock(edges_mutex_);
+    if (device_->read(gv_register::k_trigger_mode) == 0) {
+      edges_.clear();
+    } else if (!edges_.empty()) {
+      exposure.begin = edges_.front();
+      exposure.triggered = true;
+      edges_.pop_front();
+      if (!edges_.empty()) device_->write(gv_register::k_trigger_fire, 1);
+    }
+  }
+  std::this_thread::sleep_until(std::chrono::steady_clock::time_point{exposure.begin.time_since_epoch() + exposure.exposure});
+  // Aravis reports no size here: the buffer is as large as the picture by the payload's definition.
+  std::size_t unused = 0;
+  auto* pixels = static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &unused)));
+  painter_(exposure, {pixels, static_cast<std::size_t>(exposure.region.width_px) * static_cast<std::size_t>(exposure.region.height_px)});
+  const Nanoseconds stamp = exposure.begin.time_since_epoch() + config_.clock_offset;
+  arv_buffer_set_timestamp(buffer, static_cast<guint64>(stamp.count()));
+}
+
+}  // namespace biteline::sim

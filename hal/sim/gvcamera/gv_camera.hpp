@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file A simulated GigE Vision camera: Aravis' own fake camera on the network, with pictures of ours.
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+
+#include "common/core/result.hpp"
+#include "common/geometry/sensor_model.hpp"
+
+namespace biteline::sim {
+
+/// One exposure that the camera is about to make.
+struct GvExposure {
+  geometry::Region region;
+  Nanoseconds exposure{0};
+  SensorClock::time_point begin;  ///< start of the exposure, on this machine's monotonic clock
+  bool triggered{false};          ///< by an edge on Line0
+  std::uint64_t sequence{0};      ///< since open()
+};
+
+/// Real GVCP and GVSP packets on `address`, port 3956 (fixed by the standard); a GenICam description of our own with SFNC
+/// names.  It lacks what Aravis' fake camera lacks: packet resend and chunk data.
+/// Stamps are the start of the exposure on the camera's clock.
+///
+/// Thread: the painter is called on the camera's own thread, one exposure at a time; trigger() from any thread.
+class GvCamera {
+ public:
+  struct Config {
+    std::string address{"127.0.0.1"};  ///< of a network interface of this machine
+    std::string serial{"BITELINE-SIM"};
+    int sensor_width_px{1626};
+    int sensor_height_px{1236};
+    geometry::Region region;           ///< at power-up
+    Nanoseconds exposure{400'000};
+    double rate_hz{20};
+    Nanoseconds clock_offset{0};       ///< camera clock minus this machine's monotonic clock
+    bool ptp{true};                    ///< says that its clock follows PTP (clock_offset is then that of the PTP time)
+    double lost_packet_ratio{0};       ///< of the packets of the stream, thrown away before sending
+  };
+  /// Fills region.width * region.height pixels.
+  using Painter = std::function<void(const GvExposure&, std::span<std::uint8_t>)>;
+
+  /// Errc::ConnectFailed: no such interface, or another camera has its port.
+  [[nodiscard]] static Result<std::unique_ptr<GvCamera>> open(const Config& config, Painter painter);
+  ~GvCamera();
+  GvCamera(const GvCamera&) = delete;
+  GvCamera& operator=(const GvCamera&) = delete;
+
+  /// An edge on Line0.  As on a real camera, one that comes while TriggerMode is off or faster than frames go is lost.
+  void trigger(SensorClock::time_point edge);
+
+  [[nodiscard]] bool acquiring() const;
+  [[nodiscard]] std::uint64_t exposures() const { return exposures_.load(); }
+  [[nodiscard]] std::uint64_t triggers_missed() const { return triggers_missed_.load(); }
+
+ private:
+  struct Device;
+  explicit GvCamera(const Config& config, Painter painter);
+  void paint(void* buffer);
+
+  Config config_;
+  Painter painter_;
+  std::unique_ptr<Device> device_;
+  std::mutex edges_mutex_;
+  std::deque<SensorClock::time_point> edges_;
+  std::atomic<std::uint64_t> exposures_{0};
+  std::atomic<std::uint64_t> triggers_missed_{0};
+};
+
+}  // namespace biteline::sim

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT
+/// \file The Aravis backend against Aravis' own fake camera: real GigE Vision packets over loopback.
+#include "hal/linux/aravis/aravis_camera.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <cfenv>
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+#include "hal/sim/gvcamera/gv_camera.hpp"
+#include "tests/support/shared_data.hpp"
+
+namespace biteline::hal {
+
+namespace {
+
+using sim::GvCamera;
+using sim::GvExposure;
+
+constexpr Nanoseconds k_second{1'000'000'000};
+
+SensorClock::time_point now() {
+  return SensorClock::time_point{std::chrono::duration_cast<Nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())};
+}
+
+/// Every picture tells its own number, size and place, so that a mix-up shows.
+void paint_number(const GvExposure& exposure, std::span<std::uint8_t> pixels) {
+  std::memset(pixels.data(), static_cast<int>(exposure.sequence % 251), pixels.size());
+  pixels[1] = static_cast<std::uint8_t>(exposure.region.offset_v_px % 256);
+  pixels[pixels.size() - 1] = 77;
+}
+
+/// The standard fixes the port, so one camera at a time lives on an address; another test may just be using it.
+std::unique_ptr<GvCamera> open_server(const GvCamera::Config& config, GvCamera::Painter painter = paint_number) {
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    if (auto camera = GvCamera::open(config, painter)) {
+      test::note_ran();
+      return std::move(*camera);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds{100});  // until the other test gives the port back
+  }
+  test::note_skipped("GigE Vision port 3956 on 127.0.0.1 is not free");
+  return nullptr;
+}
+
+GvCamera::Config small_camera() {
+  GvCamera::Config config;
+  config.region = {.offset_u_px = 0, .offset_v_px = 456, .width_px = 640, .height_px = 120};
+  return config;
+}
+
+CameraSettings settings(double rate_hz) {
+  return {.region = {.offset_u_px = 16, .offset_v_px = 100, .width_px = 640, .height_px = 120}, .exposure = Nanoseconds{500'000}, .rate_hz = rate_hz};
+}
+
+}  // namespace
+
+#define SERVER_OR_SKIP(name, ...)          \
+  const auto name = open_server(__VA_ARGS__); \
+  if (!name) return
+
+TEST_GROUP(AravisCamera) {};
+
+TEST(AravisCamera, RefusesCallsOutOfOrder) {
+  SERVER_OR_SKIP(server, small_camera());
+  auto sut = *AravisCamera::open({});
+  CHECK_EQUAL(static_cast<int>(Errc::WrongState), static_cast<int>(sut->start().error().code));
+  CHECK_EQUAL(static_cast<int>(Errc::WrongState), static_cast<int>(sut->next_frame(k_second).error().code));
+  CHECK(sut->stop().has_value());
+  CHECK(sut->configure(settings(50)).has_value());
+  CHECK_EQUAL(static_cast<int>(Errc::WrongState), static_cast<int>(sut->next_frame(k_second).error().code));
+  CHECK(sut->start().has_value());
+  CHECK_EQUAL(static_cast<int>(Errc::WrongState), static_cast<int>(sut->configure(settings(50)).error().code));
+  CHECK_EQUAL(static_cast<int>(Errc::WrongState), static_cast<int>(sut->start().error().code));
+  CHECK(sut->stop().has_value());
+  CHECK(sut->stop().has_value());
+}
+
+TEST(AravisCamera, TellsWhatTheCameraIsAndRefusesWhatItCannot) {
+  SERVER_OR_SKIP(server, small_camera());
+  auto sut = *AravisCamera::open({});
+  const auto limits = *sut->limits();
+  LONGS_EQUAL(1626, limits.sensor_width_px);
+  LONGS_EQUAL(1236, limits.sensor_height_px);
+  CHECK(limits.hardware_trigger);
+  CHECK_FALSE(limits.bracketing);
+  CameraSettings outside = settings(50);
+  outside.region.offset_v_px = 1200;
+  CHECK_EQUAL(static_cast<int>(Errc::BadValue), static_cast<int>(sut->configure(outside).error().code));
+  CameraSettings bracketed = settings(50);
+  bracketed.second_exposure = Nanoseconds{1'000'000};
+  CHECK_EQUAL(static_cast<int>(Errc::NotSupported), static_cast<int>(sut->configure(bracketed).error().code));
+  DOUBLES_EQUAL(41.5, sut->health().temperature_degc, 0.01);
+}
+
+TEST(AravisCamera, FreeRunGivesEveryFrameOfTheRegionInOrder) {
+  SERVER_OR_SKIP(server, small_camera());
+  auto sut = *AravisCamera::open({.packet_bytes = 8000});
+  const auto got = *sut->configure(settings(200));
+  LONGS_EQUAL(100, got.region.offset_v_px);
+  DOUBLES_EQUAL(200, got.rate_hz, 1);
+  CHECK(sut->start().has_value());
+  std::uint64_t expected = 0;
+  SensorClock::time_point last{};
+  for (int i = 0; i < 60; ++i) {
+    const auto frame = sut->next_frame(k_second);
+    CHECK(frame.has_value());
+    LONGS_EQUAL(640, frame->width_px);
+    LONGS_EQUAL(120, frame->height_px);
+    LONGS_EQUAL(expected, frame->sequence);
+    LONGS_EQUAL(0, frame->flags);
+    LONGS_EQUAL(expected % 251, frame->pixels[0]);
+    LONGS_EQUAL(100, frame->pixels[1]);
+    LONGS_EQUAL(77, frame->pixels[640 * 120 - 1]);
+    CHECK(frame->exposure_mid > last);
+    CHECK(frame->exposure_mid < now());
+    last = frame->exposure_mid;
+    ++expected;
+    sut->release(*frame);
+  }
+  CHECK(sut->stop().has_value());
+  LONGS_EQUAL(60, sut->health().frames);
+  LONGS_EQUAL(0, sut->health().frames_lost);
+}
+
+TEST(AravisCamera, HardwareTriggerGivesOneFrameForEachEdgeStampedWithIt) {
+  SERVER_OR_SKIP(server, small_camera());
+  auto sut = *AravisCamera::open({});
+  CHECK(sut->clock_follows_ptp());
+  CameraSettings triggered = settings(100);
+  triggered.trigger = Trigger::Hardware;
+  CHECK(sut->configure(triggered).has_value());
+  CHECK(sut->start().has_value());
+  CHECK_EQUAL(static_cast<int>(Errc::Timeout), static_cast<int>(sut->next_frame(Nanoseconds{50'000'000}).error().code));
+  for (int i = 0; i < 10; ++i) {
+    const auto edge = now();
+    server->trigger(edge);
+    const auto frame = sut->next_frame(k_second);
+    CHECK(frame.has_value());
+    LONGS_EQUAL((edge + Nanoseconds{250'000}).time_since_epoch().count(), frame->exposure_mid.time_since_epoch().count());
+    sut->release(*frame);
+  }
+  CHECK_EQUAL(static_cast<int>(Errc::Timeout), static_cast<int>(sut->next_frame(Nanoseconds{50'000'000}).error().code));
+}
+
+TEST(AravisCamera, ACameraWithAClockOfItsOwnIsMappedByArrivalAndSaidToBeUnsure) {
+  GvCamera::Config config = small_camera();
+  config.ptp = false;
+  config.clock_offset = Nanoseconds{-123'456'789'000};
+  SERVER_OR_SKIP(server, config);
+  auto sut = *AravisCamera::open({});
+  CHECK(sut->configure(settings(200)).has_value());
+  CHECK(sut->start().has_value());
+  for (int i = 0; i < 20; ++i) {
+    const auto frame = sut->next_frame(k_second);
+    CHECK(frame.has_value());
+    CHECK((frame->flags & k_frame_stamp_uncertain) != 0);
+    CHECK(std::chrono::abs(now() - frame->exposure_mid) < k_second);
+    sut->release(*frame);
+  }
+}
+
+TEST(AravisCamera, LostPacketsGiveDamagedFramesAndGapsThatAreCounted) {
+  GvCamera::Config config = small_camera();
+  config.lost_packet_ratio = 0.004;  // 640 x 120 in packets of 1400 bytes: one frame in five
+  SERVER_OR_SKIP(server, config);
+  auto sut = *AravisCamera::open({.packet_bytes = 1400});
+  CHECK(sut->configure(settings(200)).has_value());
+  CHECK(sut->start().has_value());
+  std::uint64_t flagged = 0, whole = 0, last_sequence = 0;
+  for (int i = 0; i < 120; ++i) {
+    const auto frame = sut->next_frame(2 * k_second);
+    CHECK(frame.has_value());
+    (frame->flags & k_frame_damaged) != 0 ? ++flagged : ++whole;
+    last_sequence = frame->sequence;
+    sut->release(*frame);
+  }
+  CHECK(sut->stop().has_value());
+  const CameraHealth health = sut->health();
+  CHECK(flagged + health.frames_lost > 2);
+  LONGS_EQUAL(flagged, health.frames_damaged);
+  LONGS_EQUAL(whole, health.frames);
+  // Every frame of the camera's own count is accounted for.
+  LONGS_EQUAL(last_sequence + 1, health.frames + health.frames_damaged + health.frames_lost);
+}
+
+TEST(AravisCamera, ALostCameraIsSaidAndCanBeOpenedAgain) {
+  auto server = open_server(small_camera());
+  if (!server) return;
+  auto sut = *AravisCamera::open({});
+  CHECK(sut->configure(settings(100)).has_value());
+  CHECK(sut->start().has_value());
+  sut->release(*sut->next_frame(k_second));
+  server.reset();
+  Errc code = Errc::Timeout;
+  // Aravis sends a heartbeat each second and gives up after a few unanswered ones.
+  for (int i = 0; i < 150 && code != Errc::DeviceLost; ++i) {
+    const auto frame = sut->next_frame(Nanoseconds{100'000'000});
+    if (frame) {
+      sut->release(*frame);
+    } else {
+      code = frame.error().code;
+    }
+  }
+  CHECK_EQUAL(static_cast<int>(Errc::DeviceLost), static_cast<int>(code));
+  CHECK_FALSE(sut->health().connected);
+  CHECK(sut->stop().has_value());
+
+  server = open_server(small_camera());
+  if (!server) return;
+  auto again = AravisCamera::open({});
+  CHECK(again.has_value());
+  CHECK((*again)->configure(settings(100)).has_value());
+  CHECK((*again)->start().has_value());
+  CHECK((*again)->next_frame(k_second).has_value());
+  std::feclearexcept(FE_ALL_EXCEPT);  // Aravis works out a rate over no frames when a stream ends
+}
+
+TEST(AravisCamera, NoCameraAtTheAddressIsAnErrorThatNamesIt) {
+  const auto camera = AravisCamera::open({.address = "127.0.0.77"});
+  CHECK_FALSE(camera.has_value());
+  CHECK(camera.error().where.view().find("127.0.0.77") != std::string_view::npos);
+}
+
+}  // namespace biteline::hal
