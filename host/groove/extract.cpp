@@ -9,8 +9,11 @@
 #include "host/groove/decide.hpp"
 #include "host/groove/placement.hpp"
 #include "host/groove/plan.hpp"
+#include "host/groove/published/thin.hpp"
+#include "host/groove/published/trace.hpp"
 #include "host/groove/shoe.hpp"
 #include "host/groove/side_field.hpp"
+#include "host/groove/surface.hpp"
 
 namespace biteline::groove {
 
@@ -92,6 +95,14 @@ double point_confidence(const PlacedPoint& point, double of_line) {
   return of_line * seen * calm;
 }
 
+void add_tangents(line::ClosedLine& line) {
+  const std::size_t count = line.points.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 chord = line.points[(i + 1) % count].position - line.points[(i + count - 1) % count].position;
+    if (chord.norm() > 1e-9) line.points[i].tangent = chord.normalized();
+  }
+}
+
 /// Evenly spaced along the line, in base, with tangents.
 line::ClosedLine finished_line(const Placement& placement, const Extraction& extraction, double spacing_mm) {
   const auto& placed = placement.points;
@@ -117,46 +128,191 @@ line::ClosedLine finished_line(const Placement& placement, const Extraction& ext
                            .tangent = Vec3::UnitX(),
                            .confidence = confidence});
   }
-  for (std::size_t i = 0; i < count; ++i) {
-    line.points[i].tangent = (line.points[(i + 1) % count].position - line.points[(i + count - 1) % count].position).normalized();
-  }
+  add_tangents(line);
   return line;
+}
+
+/// What both methods start from.
+struct Side {
+  Shoe shoe;
+  Outline outline;
+  SideField field;
+};
+
+EightSections sections_of(const Shoe& shoe) { return EightSections{{.length_mm = shoe.length_mm, .half_width_mm = 0.5 * shoe.width_mm}}; }
+
+/// Row of the eight-section picture for every column that the line passes, straight in between.
+std::vector<float> row_per_column(const line::ClosedLine& line, const SE3& T_base_shoe, const Unrolled& picture, const EightSections& sections) {
+  std::vector<double> sum(static_cast<std::size_t>(picture.cols), 0.0);
+  std::vector<int> count(sum.size(), 0);
+  const SE3 T_shoe_base = T_base_shoe.inverse();
+  for (const line::LinePoint& point : line.points) {
+    const Vec3 p = T_shoe_base * point.position;
+    const auto col = static_cast<std::size_t>(std::clamp(static_cast<int>(sections.along_mm(p.x(), p.y()) / picture.col_mm), 0, picture.cols - 1));
+    sum[col] += (picture.top_mm - p.z()) / picture.row_mm - 0.5;
+    ++count[col];
+  }
+  std::vector<float> row(sum.size(), -1.0F);
+  float last = -1.0F;
+  for (std::size_t pass = 0; pass < 2; ++pass) {
+    for (std::size_t c = 0; c < sum.size(); ++c) {
+      if (count[c] > 0) last = static_cast<float>(sum[c] / count[c]);
+      if (row[c] < 0) row[c] = last;
+      if (count[c] > 0) row[c] = last;
+    }
+  }
+  return row;
+}
+
+/// Points and pictures of the stages, and the thick line around `path_row`.
+struct Stages {
+  CurvedSurface surface;
+  std::vector<std::uint32_t> features;
+  std::vector<std::uint32_t> denoised_features;
+  EightSections sections;
+  Unrolled picture;
+};
+
+Stages run_stages(const Side& side, const ExtractConfig& config, StageClock& clock) {
+  const curvature::CurvatureConfig curvature_config{
+      .solver = config.method == Method::Published ? curvature::Solver::WeightedPca : curvature::Solver::LeastSquares,
+      .radius_mm = static_cast<float>(config.curvature_radius_mm)};
+  CurvedSurface surface = clock.run("curvature", [&] { return curve_surface(side.shoe, side.field, side.outline, config.surface_point_limit, curvature_config); });
+  std::vector<std::uint32_t> features = clock.run("features", [&] { return feature_points(surface, {}); });
+  std::vector<std::uint32_t> kept = clock.run("denoise", [&] { return denoised(surface, features, {}); });
+  const EightSections sections = sections_of(side.shoe);
+  Unrolled picture = clock.run("eight sections", [&] { return unroll_features(surface, kept, sections); });
+  return {std::move(surface), std::move(features), std::move(kept), sections, std::move(picture)};
+}
+
+/// The article's last steps: back to 3-D, thinning, sequence.  Thick points wander across the groove, so the line through
+/// each must be fitted over several millimetres: lambda grows with the points per millimetre.
+std::vector<Vec3> thin_line(const Stages& stages, std::span<const float> path_row, std::vector<std::uint32_t>& coarse) {
+  constexpr double k_reach_mm = 1.5;
+  coarse = published::back_project(stages.surface.points, stages.denoised_features, stages.picture, stages.sections, path_row, k_reach_mm);
+  std::vector<Vec3> points;
+  points.reserve(coarse.size());
+  for (const std::uint32_t i : coarse) points.push_back(stages.surface.points[i].cast<double>());
+  const double per_mm = static_cast<double>(points.size()) / stages.sections.perimeter_mm();
+  return published::thin(std::move(points), {.lambda = std::max(10, static_cast<int>(4.0 * per_mm))});
+}
+
+void keep_products(Products& products, Stages&& stages, const cloud::PointCloud& cloud, const SE3& T_base_shoe, std::vector<float> path_row) {
+  std::vector<Vec3> thinned = thin_line(stages, path_row, products.coarse_line);
+  for (Vec3& p : thinned) p = T_base_shoe * p;
+  products.thinned_line = std::move(thinned);
+  const Eigen::Matrix3f R_base_shoe = T_base_shoe.linear().cast<float>();
+  products.surface.points.reserve(stages.surface.index.size());
+  products.surface.normals = std::move(stages.surface.curvature.normal);
+  for (Eigen::Vector3f& normal : products.surface.normals) normal = R_base_shoe * normal;
+  for (const std::uint32_t i : stages.surface.index) products.surface.points.push_back(cloud.points[i]);
+  products.mean_curvature_per_mm = std::move(stages.surface.curvature.mean_per_mm);
+  products.gaussian_curvature_per_mm2 = std::move(stages.surface.curvature.gaussian_per_mm2);
+  products.feature_points = std::move(stages.features);
+  products.denoised_points = std::move(stages.denoised_features);
+  // The picture shows all of the mean curvature, not only the features.
+  std::vector<Eigen::Vector3f>& points = stages.surface.points;
+  products.unrolled = unroll(points, products.mean_curvature_per_mm, stages.sections, {});
+  products.path_row = std::move(path_row);
+}
+
+/// The upper's normal beside the line, from the height field: mean over 2 to 6 mm above.
+Vec3 normal_from_field(const Side& side, const Vec3& p) {
+  const SideGrid& grid = side.field.grid;
+  const auto foot = side.outline.locate(static_cast<float>(p.x()), static_cast<float>(p.y()));
+  const Vec2 out = side.outline.normal(static_cast<double>(foot.s_mm));
+  const Vec2 along{-out.y(), out.x()};
+  const int col = static_cast<int>(static_cast<double>(foot.s_mm) / grid.col_mm) % grid.cols;
+  const int row = static_cast<int>((p.z() - grid.z_low_mm) / grid.row_mm);
+  const auto rows_of = [&](double mm) { return static_cast<int>(mm / grid.row_mm); };
+  Vec3 sum = 1e-3 * Vec3{out.x(), out.y(), 0};
+  for (int r = std::max(1, row + rows_of(2.0)); r <= std::min(grid.rows - 2, row + rows_of(6.0)); ++r) {
+    const auto o = [&](int dr, int dc) { return static_cast<double>(side.field.o_mm[grid.at(r + dr, (col + dc + grid.cols) % grid.cols)]); };
+    const auto seen = [&](int dr, int dc) { return side.field.seen[grid.at(r + dr, (col + dc + grid.cols) % grid.cols)] != 0; };
+    if (!seen(1, 0) || !seen(-1, 0) || !seen(0, 2) || !seen(0, -2)) continue;
+    Vec3 normal{0, 0, -(o(1, 0) - o(-1, 0)) / (2 * grid.row_mm)};
+    const double stretch = std::max(0.3, 1.0 + side.outline.bend_per_mm(static_cast<double>(foot.s_mm)) * o(0, 0));
+    normal.head<2>() = out - (o(0, 2) - o(0, -2)) / (4 * grid.col_mm * stretch) * along;
+    sum += normal.normalized();
+  }
+  return sum.normalized();
+}
+
+/// method.md 7 to 10 as published.
+void extract_published(const Side& side, const cloud::PointCloud& cloud, const ExtractConfig& config, StageClock& clock, Extraction& extraction) {
+  Stages stages = run_stages(side, config, clock);
+  const published::TracedLine traced = clock.run("trace", [&] {
+    return published::join_segments(stages.picture, published::trace_segments(stages.picture, {}), {});
+  });
+  extraction.closure_mm = traced.closure_mm;
+  extraction.confidence = traced.covered_ratio;
+  if (traced.closed) {
+    extraction.line = clock.run("thin", [&] {
+      std::vector<std::uint32_t> coarse;
+      line::ClosedLine line;
+      for (const Vec3& p : published::even_sequence(thin_line(stages, traced.path_row, coarse), config.point_spacing_mm)) {
+        line.points.push_back({.position = extraction.T_base_shoe * p,
+                               .normal = extraction.T_base_shoe.linear() * normal_from_field(side, p),
+                               .tangent = Vec3::UnitX(),
+                               .confidence = traced.covered_ratio});
+      }
+      add_tangents(line);
+      return line;
+    });
+    extraction.length_mm = line::length_mm(extraction.line);
+    extraction.found = extraction.line.points.size() >= 3;
+  }
+  if (!extraction.found) {
+    extraction.line = {};
+    extraction.reason = traced.reason.empty() ? "no crease: too few points along the traced line" : traced.reason;
+  }
+  if (config.keep_products) keep_products(extraction.products, std::move(stages), cloud, extraction.T_base_shoe, traced.path_row);
+}
+
+void extract_ours(const Side& side, const cloud::PointCloud& cloud, const ExtractConfig& config, StageClock& clock, Extraction& extraction) {
+  const std::vector<Crease> creases = clock.run("path", [&] { return find_creases(side.field, {}); });
+  const Decision decision = decide(creases, config.min_confidence_ratio);
+  for (const std::size_t i : decision.order) {
+    extraction.candidates.push_back(candidate_of(creases[i], decision.confidence_of[i], side.field, side.outline, extraction.T_base_shoe));
+  }
+  extraction.confidence = decision.confidence;
+  if (decision.accepted) {
+    const Crease& best = creases[decision.best];
+    const Placement placement = clock.run("placement", [&] { return place_line(side.shoe.points, side.field, side.outline, best, {.spacing_mm = config.point_spacing_mm}); });
+    extraction.line = finished_line(placement, extraction, config.point_spacing_mm);
+    extraction.length_mm = placement.length_mm;
+    extraction.bridged_mm = placement.bridged_mm;
+    extraction.closure_mm = best.closure_mm;
+    extraction.found = true;
+  } else {
+    extraction.reason = decision.reason;
+  }
+  if (!config.keep_products) return;
+  Stages stages = run_stages(side, config, clock);
+  std::vector<float> path_row(static_cast<std::size_t>(stages.picture.cols), -1.0F);
+  if (extraction.found) path_row = row_per_column(extraction.line, extraction.T_base_shoe, stages.picture, stages.sections);
+  keep_products(extraction.products, std::move(stages), cloud, extraction.T_base_shoe, std::move(path_row));
 }
 
 }  // namespace
 
 Extraction extract(const cloud::PointCloud& cloud, const ExtractConfig& config, const StageCallback& on_stage) {
   Extraction extraction;
-  if (config.method == Method::Published) {
-    extraction.reason = "the published method is not part of this build";
-    return extraction;
-  }
   StageClock clock{extraction.stages, on_stage};
-  const Shoe shoe = clock.run("shoe", [&] { return find_shoe(cloud.points); });
+  Shoe shoe = clock.run("shoe", [&] { return find_shoe(cloud.points); });
   extraction.T_base_shoe = shoe.T_base_shoe;
   if (!shoe.found) {
     extraction.reason = shoe.reason;
     return extraction;
   }
-  const Outline outline = clock.run("outline", [&] { return side_outline(shoe.points); });
-  const SideField field = clock.run("unroll", [&] { return SideField::build(shoe.points, outline, {}); });
-  const std::vector<Crease> creases = clock.run("path", [&] { return find_creases(field, {}); });
-  const Decision decision = decide(creases, config.min_confidence_ratio);
-  for (const std::size_t i : decision.order) {
-    extraction.candidates.push_back(candidate_of(creases[i], decision.confidence_of[i], field, outline, shoe.T_base_shoe));
+  Outline outline = clock.run("outline", [&] { return side_outline(shoe.points); });
+  SideField field = clock.run("unroll", [&] { return SideField::build(shoe.points, outline, {}); });
+  const Side side{std::move(shoe), std::move(outline), std::move(field)};
+  if (config.method == Method::Published) {
+    extract_published(side, cloud, config, clock, extraction);
+  } else {
+    extract_ours(side, cloud, config, clock, extraction);
   }
-  extraction.confidence = decision.confidence;
-  if (!decision.accepted) {
-    extraction.reason = decision.reason;
-    return extraction;
-  }
-  const Crease& best = creases[decision.best];
-  const Placement placement = clock.run("placement", [&] { return place_line(shoe.points, field, outline, best, {.spacing_mm = config.point_spacing_mm}); });
-  extraction.line = finished_line(placement, extraction, config.point_spacing_mm);
-  extraction.length_mm = placement.length_mm;
-  extraction.bridged_mm = placement.bridged_mm;
-  extraction.closure_mm = best.closure_mm;
-  extraction.found = true;
   return extraction;
 }
 

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#include "host/curvature/orient.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <queue>
+#include <vector>
+
+namespace biteline::curvature {
+
+namespace {
+
+struct Link {
+  float bend;  ///< 1 - |n . n'|: the flatter, the surer
+  std::uint32_t from;
+  std::uint32_t to;
+  bool operator<(const Link& other) const { return bend > other.bend; }
+};
+
+}  // namespace
+
+void orient_consistently(const NeighbourGrid& grid, std::span<Eigen::Vector3f> normals) {
+  constexpr std::size_t k_links = 8;
+  const std::size_t count = grid.size();
+  const auto at = [&](std::uint32_t i) { return Eigen::Vector3f{grid.x()[i], grid.y()[i], grid.z()[i]}; };
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (std::uint32_t i = 0; i < count; ++i) middle += at(i).cast<double>() / static_cast<double>(count);
+  const Eigen::Vector3f centre = middle.cast<float>();
+
+  std::vector<std::uint32_t> seeds(count);
+  std::iota(seeds.begin(), seeds.end(), 0U);
+  std::vector<float> distance2(count);
+  for (std::uint32_t i = 0; i < count; ++i) distance2[i] = (at(i) - centre).squaredNorm();
+  std::sort(seeds.begin(), seeds.end(), [&](std::uint32_t a, std::uint32_t b) { return distance2[a] > distance2[b]; });
+
+  std::vector<bool> done(count, false);
+  std::priority_queue<Link> links;
+  std::vector<NeighbourGrid::Hit> hits;
+  const auto spread_from = [&](std::uint32_t i) {
+    hits.clear();
+    grid.nearest(i, k_links, hits);
+    for (const NeighbourGrid::Hit& hit : hits) {
+      if (done[hit.index]) continue;
+      links.push({1.0F - std::abs(normals[i].dot(normals[hit.index])), i, hit.index});
+    }
+  };
+  for (const std::uint32_t seed : seeds) {
+    if (done[seed]) continue;
+    if (normals[seed].dot(at(seed) - centre) < 0) normals[seed] = -normals[seed];
+    done[seed] = true;
+    spread_from(seed);
+    while (!links.empty()) {
+      const Link link = links.top();
+      links.pop();
+      if (done[link.to]) continue;
+      if (normals[link.from].dot(normals[link.to]) < 0) normals[link.to] = -normals[link.to];
+      done[link.to] = true;
+      spread_from(link.to);
+    }
+  }
+}
+
+}  // namespace biteline::curvature
