@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "common/wire/messages.hpp"
 
-#include <cmath>
-#include <type_traits>
+#include <cstring>
 
+#include "common/wire/checksum.hpp"
 #include "common/wire/profile_codec.hpp"
 #include "common/wire/protocol_generated.h"
 #include "common/wire/schema_parts.hpp"
@@ -17,6 +17,8 @@ using flatbuffers::Offset;
 // The schema is four tables deep; a hello holds some ten of them and a health message one per stage.
 constexpr flatbuffers::uoffset_t k_max_depth = 8;
 constexpr flatbuffers::uoffset_t k_max_tables = 256;
+
+constexpr std::size_t k_checksum_bytes = sizeof(std::uint32_t);  ///< CRC-32C of all before, little-endian, at the end
 
 struct PackedBody {
   fb::Body type{fb::Body_NONE};
@@ -87,7 +89,11 @@ void finish(FlatBufferBuilder& fbb, const Message& address, PackedBody body, Byt
   const auto envelope =
       fb::CreateEnvelope(fbb, address.protocol, address.scan_id, address.sequence, body.type, body.offset);
   fb::FinishEnvelopeBuffer(fbb, envelope);
-  out.assign(fbb.GetBufferPointer(), fbb.GetBufferPointer() + fbb.GetSize());
+  const std::span<const std::uint8_t> content{fbb.GetBufferPointer(), fbb.GetSize()};
+  const std::uint32_t checksum = crc32c(content);
+  out.resize(content.size() + k_checksum_bytes);
+  std::memcpy(out.data(), content.data(), content.size());
+  std::memcpy(out.data() + content.size(), &checksum, k_checksum_bytes);
 }
 
 Result<Body> read_body(const fb::HostHello& table) {
@@ -157,6 +163,21 @@ Result<Body> read_body(const fb::Bye& table) {
   return Bye{.reason = static_cast<ByeReason>(table.reason()), .text = to_string(table.text()), .protocol = table.protocol()};
 }
 
+/// The message without its checksum.
+Result<std::span<const std::uint8_t>> unsealed(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() > k_max_message_bytes) return fail(Errc::ProtocolError, "message of %zu bytes", bytes.size());
+  // An offset and the identifier come first; the identifier is read before anything is verified.
+  if (bytes.size() < 2 * sizeof(flatbuffers::uoffset_t) + k_checksum_bytes ||
+      !fb::EnvelopeBufferHasIdentifier(bytes.data())) {
+    return fail(Errc::ProtocolError, "not a Biteline message");
+  }
+  const std::span<const std::uint8_t> content = bytes.first(bytes.size() - k_checksum_bytes);
+  std::uint32_t checksum = 0;
+  std::memcpy(&checksum, bytes.data() + content.size(), k_checksum_bytes);
+  if (crc32c(content) != checksum) return fail(Errc::ProtocolError, "message damaged on its way");
+  return content;
+}
+
 Result<Body> read_union(const fb::Envelope& envelope) {
   // The verifier has checked that a known type comes with a table of that type.
   switch (envelope.body_type()) {
@@ -178,14 +199,10 @@ Result<Body> read_union(const fb::Envelope& envelope) {
 }  // namespace
 
 Result<Message> decode(std::span<const std::uint8_t> bytes) {
-  if (bytes.size() > k_max_message_bytes) return fail(Errc::ProtocolError, "message of %zu bytes", bytes.size());
-  // The verifier itself reads the identifier, so the length comes first.
-  if (bytes.size() < 2 * sizeof(flatbuffers::uoffset_t) || !fb::EnvelopeBufferHasIdentifier(bytes.data())) {
-    return fail(Errc::ProtocolError, "not a Biteline message");
-  }
-  flatbuffers::Verifier verifier{bytes.data(), bytes.size(), k_max_depth, k_max_tables};
+  BITELINE_ASSIGN(const std::span<const std::uint8_t> content, unsealed(bytes));
+  flatbuffers::Verifier verifier{content.data(), content.size(), k_max_depth, k_max_tables};
   if (!fb::VerifyEnvelopeBuffer(verifier)) return fail(Errc::ProtocolError, "message with a broken structure");
-  const fb::Envelope& envelope = *fb::GetEnvelope(bytes.data());
+  const fb::Envelope& envelope = *fb::GetEnvelope(content.data());
   // A farewell is readable in every version: it says why the other side does not go on.
   const bool farewell = envelope.body_type() == fb::Body_Bye;
   if (envelope.protocol() != k_protocol && !farewell) {
