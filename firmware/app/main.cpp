@@ -32,12 +32,7 @@ sigset_t block_stop_signals() {
 }
 
 /// The kernel then tells us by SIGTERM when our parent dies.
-Result<void> tie_to_parent(pid_t parent) {
-  prctl(PR_SET_PDEATHSIG, SIGTERM);
-  // It may have died before the line above.
-  if (getppid() != parent) return fail(Errc::ProcessDied, "process %d, which started this one, is gone", parent);
-  return {};
-}
+void tie_to_parent() { prctl(PR_SET_PDEATHSIG, SIGTERM); }
 
 std::uint64_t random_scan_id() {
   std::random_device source;
@@ -52,7 +47,7 @@ void wait_for_signal(const sigset_t& signals, const std::atomic<bool>& stream_ov
 }
 
 Result<void> run(const sensor::Options& options, const sigset_t& signals) {
-  if (options.parent_pid) BITELINE_TRY(tie_to_parent(*options.parent_pid));
+  if (options.exit_with_parent) tie_to_parent();
   BITELINE_ASSIGN(sensor::Source source, sensor::open_source(options.source));
   const runtime::RealtimeDemand demand = options.realtime.value_or(
       source.lossless ? runtime::RealtimeDemand::Ignored : runtime::RealtimeDemand::Required);

@@ -32,7 +32,7 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_option("--store-mb", options.store_megabytes, "Room for what hosts have not fetched yet, in MB")
       ->check(CLI::Range(1, 16384))
       ->capture_default_str();
-  app.add_option("--exit-with-parent", options.parent_pid, "Stop when the program that started this one ends: its process number");
+  app.add_flag("--exit-with-parent", options.exit_with_parent, "Stop when the program that started this one ends");
   app.add_flag("--stay", options.stay_after_scan, "Keep serving a recording after it was delivered");
   try {
     app.parse(argc, argv);

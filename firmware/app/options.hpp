@@ -21,7 +21,7 @@ struct Options {
   std::string name{"biteline-sensor"};
   std::optional<runtime::RealtimeDemand> realtime;  ///< not told: required, but for recordings
   std::size_t store_megabytes{256};
-  std::optional<int> parent_pid;  ///< stop when it ends
+  bool exit_with_parent{false};
   bool stay_after_scan{false};
 };
 

@@ -13,11 +13,13 @@ using std::chrono::milliseconds;
 // All far below the sensor's patience with a silent host (2 s; PROTOCOL.md, "Times").
 constexpr Nanoseconds k_hello_period = milliseconds{500};   ///< while nothing is heard
 constexpr Nanoseconds k_ack_period = milliseconds{100};     ///< also the sign of life
+/// Signs of life but no profile for so long: either none is made, or the last of a window went astray.
+constexpr Nanoseconds k_stall = milliseconds{1000};
 constexpr Nanoseconds k_rewind_period = milliseconds{200};  ///< what was asked for again needs time to come
 /// An eighth of the sensor's window: it never stands still for want of an acknowledgement.
 constexpr std::uint64_t k_ack_messages = 8;
-/// A message that arrives broken so often was broken when it left.
-constexpr int k_broken_limit = 3;
+/// A message that arrives broken after so many repetitions was broken when it left.
+constexpr int k_broken_limit = 4;
 
 Error farewell_error(const wire::Bye& bye) {
   switch (bye.reason) {
@@ -50,13 +52,13 @@ Result<std::optional<LinkEvent>> HostProtocol::on_packet(std::span<const std::ui
 Result<std::optional<LinkEvent>> HostProtocol::on_broken(const Error& error, HostClock::time_point now) {
   ++counters_.rejected;
   if (error.code == Errc::NotSupported) return tl::unexpected<Error>{error};
+  if (!has_hello_ || !ask_again(now)) return std::optional<LinkEvent>{};
   broken_times_ = broken_at_ == next_ ? broken_times_ + 1 : 1;
   broken_at_ = next_;
   if (broken_times_ > k_broken_limit) {
     return fail(Errc::ProtocolError, "message %llu of the sensor stays broken: %s",
                 static_cast<unsigned long long>(next_), error.where.c_str());
   }
-  if (has_hello_) ask_again(now);
   return std::optional<LinkEvent>{};
 }
 
@@ -117,22 +119,24 @@ bool HostProtocol::in_order(std::uint64_t sequence, HostClock::time_point now) {
     ++counters_.duplicates;
   } else {
     ++counters_.out_of_order;
-    ask_again(now);
+    (void)ask_again(now);
   }
   return false;
 }
 
 void HostProtocol::advance(HostClock::time_point now) {
   ++next_;
+  progressed_ = now;
   ++counters_.messages;
   if (config_.acknowledge_by_itself) safe_ = next_;
   if (safe_ - acknowledged_ >= k_ack_messages || (ended_ && safe_ == next_)) send_ack(now);
 }
 
 void HostProtocol::tick(HostClock::time_point now) {
-  if (now - std::max(heard_, hello_said_) > k_hello_period || (!has_hello_ && now - hello_said_ > k_hello_period)) {
-    say_hello(now);
-  }
+  const bool unheard = now - std::max(heard_, hello_said_) > k_hello_period;
+  const bool unanswered = !has_hello_ && now - hello_said_ > k_hello_period;
+  const bool stalled = !ended_ && now - std::max(progressed_, hello_said_) > k_stall;
+  if (unheard || unanswered || stalled) say_hello(now);
   if (!has_hello_) return;
   if (safe_ - acknowledged_ >= k_ack_messages || now - ack_said_ > k_ack_period) send_ack(now);
 }
@@ -145,11 +149,12 @@ void HostProtocol::say_hello(HostClock::time_point now) {
                        .safe_sequence = safe_});
 }
 
-void HostProtocol::ask_again(HostClock::time_point now) {
-  if (now - rewind_said_ < k_rewind_period) return;
+bool HostProtocol::ask_again(HostClock::time_point now) {
+  if (now - rewind_said_ < k_rewind_period) return false;
   rewind_said_ = now;
   ++counters_.rewinds;
   say_hello(now);
+  return true;
 }
 
 void HostProtocol::send_ack(HostClock::time_point now) {

@@ -90,7 +90,8 @@ class HostProtocol {
   [[nodiscard]] bool in_order(std::uint64_t sequence, HostClock::time_point now);
   void advance(HostClock::time_point now);
   void say_hello(HostClock::time_point now);
-  void ask_again(HostClock::time_point now);
+  /// False: asked only just now.
+  bool ask_again(HostClock::time_point now);
   void send_ack(HostClock::time_point now);
   void send(wire::Body body);
 
@@ -102,7 +103,7 @@ class HostProtocol {
   std::uint64_t next_{0};
   std::uint64_t safe_{0};
   std::uint64_t acknowledged_{0};
-  HostClock::time_point heard_, hello_said_, ack_said_, rewind_said_;
+  HostClock::time_point heard_, progressed_, hello_said_, ack_said_, rewind_said_;
   std::uint64_t broken_at_{0};
   int broken_times_{0};
   LinkCounters counters_;

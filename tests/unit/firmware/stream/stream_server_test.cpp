@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/stream/stream_server.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "tests/support/errors.hpp"
+#include "tests/support/made_profile.hpp"
+
+namespace biteline::stream {
+namespace {
+
+/// Keeps what was sent; a peer may be full.
+class FakeOutbox final : public Outbox {
+ public:
+  bool send(const PeerId& peer, std::span<const std::uint8_t> packet) override {
+    if (full) return false;
+    Result<wire::Message> message = wire::decode(packet);
+    SUCCEEDS(message);
+    sent[peer].push_back(std::move(*message));
+    return true;
+  }
+
+  template <class Kind>
+  std::vector<Kind> of(const PeerId& peer) {
+    std::vector<Kind> found;
+    for (const wire::Message& message : sent[peer]) {
+      if (const Kind* kind = std::get_if<Kind>(&message.body)) found.push_back(*kind);
+    }
+    return found;
+  }
+
+  bool full{false};
+  std::map<PeerId, std::vector<wire::Message>> sent;
+};
+
+constexpr std::uint64_t k_scan_id = 99;
+
+}  // namespace
+
+TEST_GROUP(StreamServer) {
+  FakeOutbox outbox;
+  SensorClock::time_point now{Nanoseconds{1'000'000'000}};
+  std::vector<wire::Command> commands;
+  ServerConfig config{.store_bytes = 1024 * 1024, .window_messages = 4, .max_hosts = 2};
+  std::unique_ptr<StreamServer> sut;
+
+  void setup() override { make(); }
+
+  void make() {
+    sut = std::make_unique<StreamServer>(
+        config, wire::SensorHello{.name = "s", .version = {}, .scan_name = {}, .model = model()}, outbox,
+        [this](wire::Command command) -> Result<void> {
+          commands.push_back(command);
+          if (command == wire::Command::StartScan) return fail(Errc::InterlockOpen, "door");
+          return {};
+        },
+        [] { return wire::Health{}; });
+    sut->begin_scan(k_scan_id, "scan", 0);
+  }
+
+  static geometry::SensorModel model() {
+    geometry::SensorModel sensor;
+    sensor.region = {.offset_u_px = 0, .offset_v_px = 0, .width_px = 10, .height_px = 10};
+    return sensor;
+  }
+
+  void receive(const PeerId& peer, wire::Body body) {
+    wire::Bytes packet;
+    wire::encode({.scan_id = k_scan_id, .body = std::move(body)}, packet);
+    sut->on_packet(peer, packet, now);
+  }
+  void add(int profiles, std::size_t points = 3) {
+    for (int i = 0; i < profiles; ++i) {
+      const profile::Profile profile = test::made_profile(static_cast<std::uint64_t>(i), points);
+      sut->add_profile(profile.header, profile.points);
+    }
+  }
+  std::size_t profiles_sent(const PeerId& peer) { return outbox.of<profile::Profile>(peer).size(); }
+  wire::Counters counters() {
+    wire::Counters result;
+    sut->fill(result);
+    return result;
+  }
+};
+
+TEST(StreamServer, HostThatSaysHelloGetsTheScanFromItsBeginning) {
+  add(2);
+  receive("a", wire::HostHello{});
+  LONGS_EQUAL(1, outbox.of<wire::SensorHello>("a").size());
+  LONGS_EQUAL(2, outbox.of<wire::SensorHello>("a")[0].held_to);
+  sut->tick(now);
+  LONGS_EQUAL(2, profiles_sent("a"));
+}
+
+TEST(StreamServer, NobodyGetsAnythingBeforeHello) {
+  add(2);
+  receive("a", wire::Ack{});
+  sut->tick(now);
+  LONGS_EQUAL(0, outbox.sent["a"].size());
+  LONGS_EQUAL(1, counters().packets_rejected);
+}
+
+TEST(StreamServer, WindowBoundsWhatIsUnderWay) {
+  add(10);
+  receive("a", wire::HostHello{});
+  sut->tick(now);
+  LONGS_EQUAL(4, profiles_sent("a"));
+  receive("a", wire::Ack{.safe_sequence = 3});
+  sut->tick(now);
+  LONGS_EQUAL(7, profiles_sent("a"));
+}
+
+TEST(StreamServer, FullPeerGetsTheRestLater) {
+  add(3);
+  receive("a", wire::HostHello{});
+  outbox.full = true;
+  sut->tick(now);
+  LONGS_EQUAL(0, profiles_sent("a"));
+  outbox.full = false;
+  sut->tick(now);
+  LONGS_EQUAL(3, profiles_sent("a"));
+}
+
+TEST(StreamServer, ResumingHostGetsWhatItLacksAndASecondOneEverything) {
+  add(4);
+  receive("a", wire::HostHello{.name = {}, .resume = true, .resume_scan_id = k_scan_id, .next_sequence = 3, .safe_sequence = 3});
+  receive("b", wire::HostHello{});
+  sut->tick(now);
+  LONGS_EQUAL(1, profiles_sent("a"));
+  LONGS_EQUAL(3, outbox.of<profile::Profile>("a")[0].header.sequence);
+  LONGS_EQUAL(4, profiles_sent("b"));
+}
+
+TEST(StreamServer, HostOfAnotherScanStartsAnew) {
+  add(4);
+  receive("a", wire::HostHello{.name = {}, .resume = true, .resume_scan_id = 1, .next_sequence = 3, .safe_sequence = 3});
+  sut->tick(now);
+  LONGS_EQUAL(4, profiles_sent("a"));
+}
+
+TEST(StreamServer, LossBeyondTheStoreIsToldToTheHostAndCounted) {
+  config.store_bytes = 30'000;
+  make();
+  add(40, 100);  // some 3 KB each
+  const std::uint64_t lost = counters().messages_lost;
+  CHECK(lost > 20);
+  receive("a", wire::HostHello{});
+  sut->tick(now);
+  const auto gaps = outbox.of<wire::Gap>("a");
+  LONGS_EQUAL(1, gaps.size());
+  LONGS_EQUAL(0, gaps[0].first);
+  LONGS_EQUAL(lost, gaps[0].count);
+  LONGS_EQUAL(4, profiles_sent("a"));
+  LONGS_EQUAL(lost, outbox.of<wire::SensorHello>("a")[0].held_from);
+}
+
+TEST(StreamServer, LosslessSourceWaitsForTheSlowestPresentHost) {
+  config.store_bytes = 500'000;
+  make();
+  receive("a", wire::HostHello{});
+  receive("b", wire::HostHello{});
+  CHECK(sut->has_room());
+  while (sut->has_room()) add(1, 4000);
+  sut->tick(now);
+  receive("a", wire::Ack{.safe_sequence = 2});
+  CHECK(!sut->has_room());
+  receive("b", wire::Ack{.safe_sequence = 1});
+  CHECK(sut->has_room());
+  LONGS_EQUAL(0, counters().messages_lost);
+}
+
+TEST(StreamServer, SilentHostHoldsNothingUpButComesBackWhereItWas) {
+  add(3);
+  receive("a", wire::HostHello{});
+  sut->tick(now);
+  LONGS_EQUAL(1, sut->hosts_present());
+  now += std::chrono::seconds{3};
+  sut->tick(now);
+  LONGS_EQUAL(0, sut->hosts_present());
+  add(1);
+  sut->tick(now);
+  LONGS_EQUAL(3, profiles_sent("a"));
+  receive("a", wire::Ack{.safe_sequence = 3});
+  sut->tick(now);
+  LONGS_EQUAL(4, profiles_sent("a"));
+}
+
+TEST(StreamServer, WhatNobodyAcknowledgedIsKeptWhileNobodyIsThere) {
+  config.store_bytes = 500'000;
+  make();
+  receive("a", wire::HostHello{});
+  now += std::chrono::seconds{3};
+  sut->tick(now);
+  while (sut->has_room()) add(1, 4000);
+  LONGS_EQUAL(0, counters().messages_lost);
+}
+
+TEST(StreamServer, AcknowledgingWhatWasNeverSentIsRejected) {
+  add(10);
+  receive("a", wire::HostHello{});
+  sut->tick(now);
+  receive("a", wire::Ack{.safe_sequence = 9});
+  LONGS_EQUAL(1, counters().packets_rejected);
+  sut->tick(now);
+  LONGS_EQUAL(4, profiles_sent("a"));
+}
+
+TEST(StreamServer, EndCountsAsDeliveredWhenEveryPresentHostHasIt) {
+  add(1);
+  receive("a", wire::HostHello{});
+  receive("b", wire::HostHello{});
+  sut->add_end({});
+  sut->tick(now);
+  CHECK(!sut->end_acknowledged());
+  receive("a", wire::Ack{.safe_sequence = 2});
+  CHECK(!sut->end_acknowledged());
+  receive("b", wire::Ack{.safe_sequence = 2});
+  CHECK(sut->end_acknowledged());
+}
+
+TEST(StreamServer, HostThatLeavesIsForgotten) {
+  receive("a", wire::HostHello{});
+  receive("a", wire::Bye{});
+  LONGS_EQUAL(0, sut->hosts_present());
+}
+
+TEST(StreamServer, OtherVersionIsToldWhy) {
+  wire::Bytes packet;
+  wire::encode({.protocol = wire::k_protocol + 1, .body = wire::HostHello{}}, packet);
+  sut->on_packet("a", packet, now);
+  const auto byes = outbox.of<wire::Bye>("a");
+  LONGS_EQUAL(1, byes.size());
+  CHECK(byes[0].reason == wire::ByeReason::VersionMismatch);
+  LONGS_EQUAL(wire::k_protocol, byes[0].protocol);
+  LONGS_EQUAL(1, counters().peers_refused);
+}
+
+TEST(StreamServer, MoreHostsThanAllowedAreRefusedUnlessOneIsAbsent) {
+  receive("a", wire::HostHello{});
+  receive("b", wire::HostHello{});
+  receive("c", wire::HostHello{});
+  LONGS_EQUAL(1, outbox.of<wire::Bye>("c").size());
+  now += std::chrono::seconds{3};
+  receive("b", wire::Ack{});
+  sut->tick(now);  // a is silent by now
+  receive("c", wire::HostHello{});
+  LONGS_EQUAL(1, outbox.of<wire::SensorHello>("c").size());
+}
+
+TEST(StreamServer, RubbishIsCountedAndAnswersNothing) {
+  const wire::Bytes rubbish(50, 0x42);
+  sut->on_packet("a", rubbish, now);
+  sut->on_packet("a", {}, now);
+  LONGS_EQUAL(2, counters().packets_rejected);
+  LONGS_EQUAL(0, outbox.sent["a"].size());
+}
+
+TEST(StreamServer, CommandsOfAKnownHostAreObeyedAndAnswered) {
+  receive("x", wire::Control{.id = 1, .command = wire::Command::StopScan});
+  LONGS_EQUAL(0, commands.size());
+  receive("a", wire::HostHello{});
+  receive("a", wire::Control{.id = 7, .command = wire::Command::StopScan});
+  receive("a", wire::Control{.id = 8, .command = wire::Command::StartScan});
+  LONGS_EQUAL(2, commands.size());
+  const auto replies = outbox.of<wire::ControlReply>("a");
+  LONGS_EQUAL(7, replies.at(0).id);
+  LONGS_EQUAL(0, replies.at(0).errc);
+  LONGS_EQUAL(static_cast<int>(Errc::InterlockOpen), replies.at(1).errc);
+  STRCMP_EQUAL("door", replies.at(1).where.c_str());
+}
+
+TEST(StreamServer, NewScanIsAnnouncedAndUnfetchedOnesAreCountedLost) {
+  add(5);
+  receive("a", wire::HostHello{});
+  sut->tick(now);
+  receive("a", wire::Ack{.safe_sequence = 2});
+  sut->begin_scan(100, "next", 10);
+  LONGS_EQUAL(3, counters().messages_lost);
+  const wire::Message& last = outbox.sent["a"].back();
+  LONGS_EQUAL(100, last.scan_id);
+  STRCMP_EQUAL("next", std::get<wire::SensorHello>(last.body).scan_name.c_str());
+}
+
+}  // namespace biteline::stream
