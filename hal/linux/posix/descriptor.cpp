@@ -30,6 +30,7 @@ Errc code_of(int sys_errno) {
       return Errc::NoRights;
     case ENOTTY:
     case EOPNOTSUPP:
+    case ENOSYS:
       return Errc::NotSupported;
     case EINVAL:
     case ERANGE:

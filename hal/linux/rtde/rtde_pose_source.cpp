@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+#include "hal/linux/rtde/rtde_pose_source.hpp"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <ctime>
+
+namespace biteline::hal {
+namespace {
+
+/// Until the socket has something (a negative number: until the time is over).
+void wait_for(int number, short events, Nanoseconds timeout) {
+  const Nanoseconds bounded = std::max(timeout, Nanoseconds{0});
+  const std::timespec limit{.tv_sec = bounded.count() / 1'000'000'000, .tv_nsec = bounded.count() % 1'000'000'000};
+  pollfd watched{.fd = number, .events = events, .revents = 0};
+  static_cast<void>(::ppoll(&watched, 1, &limit, nullptr));
+}
+
+}  // namespace
+
+RtdePoseSource::RtdePoseSource(const Config& config)
+    : config_{config},
+      samples_{config.samples},
+      session_{rtde::ClientSession::Config{.outputs = {RtdeSamples::recipe(config.samples.rate_hz)}, .inputs = {}}} {}
+
+Result<std::unique_ptr<RtdePoseSource>> RtdePoseSource::open(const Config& config) {
+  if (!(config.samples.rate_hz > 0 && config.samples.rate_hz <= 1000)) {
+    return fail(Errc::BadValue, "RTDE rate %g Hz", config.samples.rate_hz);
+  }
+  return std::unique_ptr<RtdePoseSource>{new RtdePoseSource{config}};
+}
+
+Result<void> RtdePoseSource::start() {
+  if (state_ != PoseState::Idle) return fail(Errc::WrongState, "RTDE pose source is started");
+  state_ = PoseState::Connecting;
+  retry_at_ = monotonic_now();
+  return {};
+}
+
+Result<void> RtdePoseSource::stop() {
+  stream_.reset();
+  state_ = PoseState::Idle;
+  return {};
+}
+
+Result<PoseSample> RtdePoseSource::next_pose(Nanoseconds timeout) {
+  if (state_ == PoseState::Idle) return fail(Errc::WrongState, "RTDE pose source is not started");
+  const SensorClock::time_point deadline = monotonic_now() + timeout;
+  bool looked = false;  // a timeout of 0 still reads what is there
+  while (true) {
+    if (std::optional<PoseSample> sample = samples_.take()) {
+      if (state_ == PoseState::Lost) reconnects_.fetch_add(1);
+      state_ = PoseState::Streaming;
+      publish_counts();
+      return *std::move(sample);
+    }
+    if (monotonic_now() >= deadline && looked) return fail(Errc::Timeout, "RTDE pose");
+    if (const Result<void> advanced = advance(deadline); !advanced) give_up(advanced.error());
+    publish_counts();
+    looked = true;
+  }
+}
+
+Result<void> RtdePoseSource::advance(SensorClock::time_point until) {
+  const SensorClock::time_point now = monotonic_now();
+  if (!stream_) {
+    if (now < retry_at_) {
+      wait_for(-1, 0, std::min(until, retry_at_) - now);
+      return {};
+    }
+    begin_connection(now);
+    BITELINE_ASSIGN(stream_, TcpStream::connect(config_.controller));
+  }
+  const SensorClock::time_point patience =
+      handshaking_ ? connection_began_ + config_.connect_timeout : last_heard_ + config_.lost_after;
+  if (now >= patience) return fail(Errc::Timeout, "RTDE controller is silent");
+  BITELINE_ASSIGN(const bool connected, stream_->connected());
+  if (!connected) {
+    wait_for(stream_->number(), POLLOUT, std::min(until, patience) - now);
+    return {};
+  }
+  BITELINE_TRY(stream_->send(session_.outgoing()));
+  const short events = session_.outgoing().empty() ? POLLIN : POLLIN | POLLOUT;
+  wait_for(stream_->number(), events, std::min(until, patience) - now);
+  BITELINE_ASSIGN(const std::span<const std::uint8_t> bytes, stream_->receive(received_bytes_));
+  if (bytes.empty()) return {};
+  last_heard_ = monotonic_now();
+  samples_.set_received(last_heard_);
+  BITELINE_TRY(session_.consume(bytes, samples_));
+  if (session_.running()) handshaking_ = false;
+  return {};
+}
+
+void RtdePoseSource::begin_connection(SensorClock::time_point now) {
+  session_.start();
+  samples_.begin_connection();
+  handshaking_ = true;
+  connection_began_ = now;
+  last_heard_ = now;
+}
+
+void RtdePoseSource::give_up(const Error& fault) {
+  last_fault_ = fault;
+  stream_.reset();
+  retry_at_ = monotonic_now() + config_.retry_after;
+  if (state_ == PoseState::Streaming) state_ = PoseState::Lost;
+}
+
+void RtdePoseSource::publish_counts() {
+  const RtdeSampleCounts& counts = samples_.counts();
+  poses_ = counts.poses;
+  poses_lost_ = counts.poses_lost;
+  poses_rejected_ = counts.poses_rejected;
+}
+
+PoseHealth RtdePoseSource::health() const noexcept {
+  return {.state = state_.load(),
+          .poses = poses_.load(),
+          .poses_lost = poses_lost_.load(),
+          .poses_rejected = poses_rejected_.load(),
+          .reconnects = reconnects_.load()};
+}
+
+}  // namespace biteline::hal

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file PoseSource on a UR controller's real-time port, connecting again by itself.
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common/rtde/client_session.hpp"
+#include "hal/api/clock.hpp"
+#include "hal/api/pose_source.hpp"
+#include "hal/linux/rtde/rtde_samples.hpp"
+#include "hal/linux/rtde/tcp_stream.hpp"
+
+namespace biteline::hal {
+
+/// Everything happens within next_pose(): no thread.  A connection that fails, ends, says what it should not or falls silent
+/// is given up and made anew, with the whole hand-shake, until stop().
+/// stamp_sensor is the controller's stamp through the measured clock map; what stays is the constant part of the delay,
+/// which the calibrated pose_clock_offset takes up.
+class RtdePoseSource final : public PoseSource {
+ public:
+  struct Config {
+    TcpStream::Peer controller{.address = "127.0.0.1", .port = 30004};
+    RtdeSamples::Config samples{};
+    Nanoseconds connect_timeout{2'000'000'000};  ///< hand-shake included
+    Nanoseconds retry_after{250'000'000};
+    Nanoseconds lost_after{100'000'000};         ///< 12 poses at 125 Hz
+  };
+  [[nodiscard]] static Result<std::unique_ptr<RtdePoseSource>> open(const Config& config);
+
+  [[nodiscard]] Result<void> start() override;
+  [[nodiscard]] Result<PoseSample> next_pose(Nanoseconds timeout) override;
+  [[nodiscard]] Result<void> stop() override;
+  [[nodiscard]] PoseHealth health() const noexcept override;
+
+  /// From the owner's thread.
+  [[nodiscard]] ClockMapHealth clock_health() const { return samples_.clock_health(); }
+  /// Why the last connection ended; for the log.
+  [[nodiscard]] const std::optional<Error>& last_fault() const { return last_fault_; }
+
+ private:
+  explicit RtdePoseSource(const Config& config);
+
+  void begin_connection(SensorClock::time_point now);
+  void give_up(const Error& fault);
+  /// One step of whatever the connection is at; waits no longer than to `until`.
+  Result<void> advance(SensorClock::time_point until);
+  void publish_counts();
+
+  Config config_;
+  RtdeSamples samples_;
+  rtde::ClientSession session_;
+  std::optional<TcpStream> stream_;
+  bool handshaking_{false};
+  SensorClock::time_point connection_began_;
+  SensorClock::time_point retry_at_;
+  SensorClock::time_point last_heard_;
+  std::optional<Error> last_fault_;
+  std::array<std::uint8_t, 16384> received_bytes_{};
+  std::atomic<PoseState> state_{PoseState::Idle};
+  std::atomic<std::uint64_t> poses_{0};
+  std::atomic<std::uint64_t> poses_lost_{0};
+  std::atomic<std::uint64_t> poses_rejected_{0};
+  std::atomic<std::uint64_t> reconnects_{0};
+};
+
+}  // namespace biteline::hal

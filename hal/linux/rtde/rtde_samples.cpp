@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+#include "hal/linux/rtde/rtde_samples.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace biteline::hal {
+namespace {
+
+// Places in the recipe.
+enum Field : std::size_t { k_timestamp, k_tcp_pose, k_tcp_offset, k_runtime_state, k_safety_bits };
+
+// Universal Robots, RTDE Guide: runtime_state 2 = playing; safety_status_bits 2 protective stop, 5 system, 6 robot and
+// 7 any emergency stop.
+constexpr std::uint32_t k_runtime_playing = 2;
+constexpr std::uint32_t k_safety_protective = 1U << 2U;
+constexpr std::uint32_t k_safety_emergency = 1U << 5U | 1U << 6U | 1U << 7U;
+
+/// m and a rotation vector on the wire.
+std::optional<SE3> to_motion(const rtde::Vector6& pose) {
+  constexpr double k_mm_per_m = 1000;
+  constexpr double k_reach_max_m = 100;  // no arm; what is beyond is no pose
+  const bool sane = std::all_of(pose.begin(), pose.end(),
+                                [](double part) { return std::isfinite(part) && std::abs(part) < k_reach_max_m; });
+  if (!sane) return std::nullopt;
+  SE3 T = SE3::Identity();
+  T.translation() = k_mm_per_m * Vec3{pose[0], pose[1], pose[2]};
+  T.linear() = geometry::exp_so3({pose[3], pose[4], pose[5]});
+  return T;
+}
+
+}  // namespace
+
+rtde::ClientSession::OutputRecipe RtdeSamples::recipe(double rate_hz) {
+  return {.names = {"timestamp", "actual_TCP_pose", "tcp_offset", "runtime_state", "safety_status_bits"},
+          .frequency_hz = rate_hz};
+}
+
+void RtdeSamples::on_data(std::size_t, std::span<const rtde::Value> values) {
+  // The session agreed on types by name; a controller that calls them otherwise is no UR.
+  const auto* const time_s = std::get_if<double>(&values[k_timestamp]);
+  const auto* const tcp_pose = std::get_if<rtde::Vector6>(&values[k_tcp_pose]);
+  const auto* const tcp_offset = std::get_if<rtde::Vector6>(&values[k_tcp_offset]);
+  const auto* const runtime_state = std::get_if<std::uint32_t>(&values[k_runtime_state]);
+  const auto* const safety_bits = std::get_if<std::uint32_t>(&values[k_safety_bits]);
+  constexpr double k_time_max_s = 9e9;  // 285 years, what nanoseconds in 63 bits hold
+  if (!time_s || !tcp_pose || !tcp_offset || !runtime_state || !safety_bits || !std::isfinite(*time_s) ||
+      std::abs(*time_s) > k_time_max_s) {
+    ++counts_.poses_rejected;
+    return;
+  }
+  const RobotClock::time_point stamp{Nanoseconds{std::llround(*time_s * 1e9)}};
+  if (first_of_connection_ && last_stamp_ && stamp <= *last_stamp_) last_stamp_.reset();
+  const std::optional<SE3> T_base_tcp = to_motion(*tcp_pose);
+  const std::optional<SE3> T_flange_tcp = to_motion(*tcp_offset);
+  if (!T_base_tcp || !T_flange_tcp || (last_stamp_ && stamp <= *last_stamp_)) {
+    ++counts_.poses_rejected;
+    // The clock map sees the jump too; once it began anew, so do the stamps.
+    if (clock_.add(stamp, received_) == ClockMapCore::Verdict::Stepped) last_stamp_.reset();
+    return;
+  }
+  std::uint64_t steps = 1;
+  if (last_stamp_) {
+    const double cycles = static_cast<double>((stamp - *last_stamp_).count()) * 1e-9 * config_.rate_hz;
+    steps = static_cast<std::uint64_t>(std::max(1.0, std::min(std::round(cycles), 1e9)));
+  }
+  last_stamp_ = stamp;
+  first_of_connection_ = false;
+  sequence_ += steps;
+  counts_.poses_lost += steps - 1;
+  clock_.add(stamp, received_);
+
+  std::uint32_t status = 0;
+  if (*runtime_state == k_runtime_playing) status |= k_pose_program_running;
+  if ((*safety_bits & k_safety_protective) != 0) status |= k_pose_protective_stop;
+  if ((*safety_bits & k_safety_emergency) != 0) status |= k_pose_emergency_stop;
+  put(PoseSample{.stamp = stamp,
+                 .stamp_sensor = clock_.to_sensor(stamp),
+                 .received = received_,
+                 .T_base_flange = *T_base_tcp * T_flange_tcp->inverse(),
+                 .sequence = sequence_,
+                 .status = status});
+}
+
+void RtdeSamples::put(const PoseSample& sample) {
+  if (count_ == k_waiting) {
+    first_ = (first_ + 1) % k_waiting;
+    --count_;
+    ++counts_.poses_lost;
+  }
+  waiting_[(first_ + count_) % k_waiting] = sample;
+  ++count_;
+}
+
+std::optional<PoseSample> RtdeSamples::take() {
+  if (count_ == 0) return std::nullopt;
+  const PoseSample sample = waiting_[first_];
+  first_ = (first_ + 1) % k_waiting;
+  --count_;
+  ++counts_.poses;
+  return sample;
+}
+
+}  // namespace biteline::hal
