@@ -26,6 +26,13 @@ inline constexpr float k_background_sigma = 4.8F;
 inline constexpr float k_min_sigma_px = 0.5F, k_max_sigma_px = 16.0F;
 /// Columns whose candidates are farther apart than this are not walked together.
 inline constexpr int k_max_spread_rows = 32;
+/// Speckle that the weights believe in.  Full belief would give the far tails as much say as the top, and there the shape
+/// is not known that well: the fit would follow its own width estimate (worse than this from contrast 0.15 on, see
+/// bench_stripe_accuracy).  The variance that is reported holds all of the speckle.
+inline constexpr float k_weight_contrast = 0.06F;
+/// Two rounds always, and up to so many more until no lane's centre moves by a fifth of its standard deviation.
+inline constexpr int k_more_rounds = 3;
+inline constexpr float k_settled_step_squared = 0.04F;
 /// The model's residual over its own energy, above which the shape is no stripe's: speckle of contrast 0.25 reaches 0.3.
 inline constexpr float k_poor_fit_ratio = 0.45F;
 }  // namespace biteline::stripe
@@ -74,7 +81,7 @@ struct Walk {
 /// Start values: mean row and number of the pixels above half height, around the candidate's block.
 HWY_INLINE Stripe start_values(const Walk& walk, V first_of_window, V last_of_window, V top, V background) {
   const V half = hn::Mul(hn::Add(top, background), hn::Set(d, 0.5F)), zero = hn::Zero(d), one = hn::Set(d, 1.0F);
-  V count = zero, sum = zero;
+  V count = zero, sum = zero, height = zero;
   V row = zero;
   for (int i = 0; i < walk.row_count; ++i) {
     const V above = hn::Sub(walk.row(i), half);
@@ -82,12 +89,15 @@ HWY_INLINE Stripe start_values(const Walk& walk, V first_of_window, V last_of_wi
     const V unit = hn::IfThenElseZero(inside, one);
     count = hn::Add(count, unit);
     sum = hn::MulAdd(unit, row, sum);
+    height = hn::Add(height, hn::IfThenElseZero(inside, above));
     row = hn::Add(row, one);
   }
   count = hn::Max(count, one);
+  // A Gaussian's mean over its upper half is 0.81 of its top; the brightest pixel itself is mostly speckle.
+  const V mean_height = hn::Add(hn::Div(height, count), hn::Sub(half, background));
   return {.centre = hn::Div(sum, count),
           .sigma = hn::Max(hn::Mul(count, hn::Set(d, 1 / k_fwhm_per_sigma)), hn::Set(d, 0.8F)),
-          .amplitude = hn::Sub(top, background),
+          .amplitude = hn::Mul(mean_height, hn::Set(d, 1 / 0.81F)),
           .background = background,
           .tilt = zero};
 }
@@ -129,18 +139,20 @@ struct Round {
   V variance_centre;  ///< of the new centre, by the noise model
   V misfit;           ///< residual's share of the model's energy
   V saturated;        ///< pixels at full scale within the stripe
+  M settled;          ///< the last step was small against the standard deviation
 };
 
 /// One Gauss-Newton step of the weighted least-squares fit of a Gaussian on a tilted background.  The weights are one
 /// over the noise model's variance at the current estimate, which makes the fit's limit the maximum-likelihood estimate
-/// to first order (Kay 1993, Fundamentals of Statistical Signal Processing, ch. 7).  Centre on one side and amplitude and
+/// to first order (Kay 1993, Fundamentals of Statistical Signal Processing, ch. 7), but for strong speckle.  Centre on one side and amplitude and
 /// width on the other are even and odd about the centre, so their cross terms vanish but for the sampling, and the system
 /// splits into 1 + 2.  Saturated pixels carry no weight: they only say "at least this".
 HWY_INLINE Round improve(const Walk& walk, const NoiseModel& noise, Stripe& stripe) {
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0F);
   const V read_variance = hn::Set(d, noise.read_noise_grey * noise.read_noise_grey);
   const V gain = hn::Set(d, noise.gain_grey_per_electron);
-  const V speckle = hn::Set(d, noise.speckle_contrast * noise.speckle_contrast);
+  const float weight_contrast = std::min(noise.speckle_contrast, k_weight_contrast);
+  const V speckle = hn::Set(d, weight_contrast * weight_contrast);
   const V per_sigma = hn::Div(one, stripe.sigma);
   const V full_scale = hn::Set(d, 254.5F), reach = hn::Set(d, k_reach_sigma);
   const V base_variance = hn::MulAdd(gain, hn::Max(stripe.background, zero), read_variance);
@@ -151,11 +163,11 @@ HWY_INLINE Round improve(const Walk& walk, const NoiseModel& noise, Stripe& stri
   for (int i = 0; i < walk.row_count; ++i) {
     const V grey = walk.row(i);
     const V u = hn::Mul(x, per_sigma);
-    const M inside = hn::Lt(hn::Abs(u), reach), full = hn::Gt(grey, full_scale);
+    const M inside = hn::Lt(hn::Abs(u), reach), full = hn::Gt(grey, full_scale), used = hn::AndNot(full, inside);
     const V half_square = hn::Min(hn::Mul(hn::Mul(u, u), hn::Set(d, 0.5F)), hn::Set(d, 12.0F));
     const V g = falling_exponential(half_square), mean = hn::Mul(stripe.amplitude, g);
     const V variance = hn::MulAdd(mean, hn::MulAdd(mean, speckle, gain), base_variance);
-    const V weight = hn::IfThenElseZero(hn::AndNot(full, inside), hn::Div(one, variance));
+    const V weight = hn::IfThenElseZero(used, hn::ApproximateReciprocal(variance));
     const V residual = hn::Sub(grey, hn::MulAdd(x, stripe.tilt, hn::Add(stripe.background, mean)));
     const V by_centre = hn::Mul(hn::Mul(mean, u), per_sigma), by_sigma = hn::Mul(by_centre, u);
     const V weighted_centre = hn::Mul(weight, by_centre), weighted_g = hn::Mul(weight, g), weighted_sigma = hn::Mul(weight, by_sigma);
@@ -168,9 +180,9 @@ HWY_INLINE Round improve(const Walk& walk, const NoiseModel& noise, Stripe& stri
     rs = hn::MulAdd(weighted_sigma, residual, rs);
     const V speckle_part = hn::Mul(weighted_centre, mean);
     speckled = hn::MulAdd(speckle_part, speckle_part, speckled);
-    const V counted = hn::IfThenElseZero(hn::AndNot(full, inside), mean);
+    const V counted = hn::IfThenElseZero(used, mean);
     energy = hn::MulAdd(counted, mean, energy);
-    const V counted_residual = hn::IfThenElseZero(hn::AndNot(full, inside), residual);
+    const V counted_residual = hn::IfThenElseZero(used, residual);
     residual_energy = hn::MulAdd(counted_residual, counted_residual, residual_energy);
     saturated = hn::Add(saturated, hn::IfThenElseZero(hn::And(full, inside), one));
     x = hn::Add(x, one);
@@ -188,10 +200,15 @@ HWY_INLINE Round improve(const Walk& walk, const NoiseModel& noise, Stripe& stri
                          hn::Min(hn::Mul(stripe.sigma, hn::Set(d, 1.5F)), hn::Add(stripe.sigma, step_s)));
   stripe.sigma = hn::Max(hn::Set(d, k_min_sigma_px), hn::Min(stripe.sigma, hn::Set(d, k_max_sigma_px)));
   // Neighbouring rows share their speckle: its part of the variance counts as many times as rows go together.
-  const V extra = hn::Mul(hn::Mul(speckled, speckle), hn::Set(d, std::max(noise.speckle_grain_px, 1.0F) - 1));
-  return {.variance_centre = hn::Div(hn::Add(one, hn::Div(extra, cc)), cc),
+  const V extra = hn::Mul(speckled, hn::Set(d, noise.speckle_contrast * noise.speckle_contrast * noise.speckle_grain_px -
+                                                   weight_contrast * weight_contrast));
+  // The fit's own height and width follow the speckle; to second order that adds four times its square (seen in
+  // bench_stripe_accuracy at contrasts from 0.1 to 0.3).
+  const V second_order = hn::Set(d, 1 + 4 * noise.speckle_contrast * noise.speckle_contrast);
+  return {.variance_centre = hn::Mul(hn::Div(hn::Add(one, hn::Div(extra, cc)), cc), second_order),
           .misfit = hn::Sqrt(hn::Div(residual_energy, hn::Max(energy, one))),
-          .saturated = saturated};
+          .saturated = saturated,
+          .settled = hn::Lt(hn::Mul(hn::Mul(step, step), cc), hn::Set(d, k_settled_step_squared))};
 }
 
 /// Rows that cover `reach` standard deviations of every used lane's stripe.
@@ -222,8 +239,8 @@ HWY_INLINE void rebase(Stripe& stripe, int rows) {
 }
 
 void fit_group(const FrameRows& frame, const FitGroup& group, const NoiseModel& noise, FittedLanes& out) {
-  // The start looks at the block and twelve rows on either side, half of the widest stripe.
-  constexpr int k_window_rows = 12;
+  // The start looks at the block and as many rows on either side: the widest stripe, however it lies.
+  constexpr int k_window_rows = 8;
   int first = std::max(0, group.lowest_row - k_window_rows);
   const int last = std::min(frame.height_px - 1, group.highest_row + k_block_rows - 1 + k_window_rows);
   Walk walk{.pixels = frame.pixels + static_cast<std::size_t>(first) * frame.stride_bytes + group.first_column,
@@ -239,8 +256,11 @@ void fit_group(const FrameRows& frame, const FitGroup& group, const NoiseModel& 
   rebase(stripe, first - start_first);
   improve(walk, noise, stripe);
   read_background(walk, stripe);
-  improve(walk, noise, stripe);
-  const Round round = improve(walk, noise, stripe);
+  Round round = improve(walk, noise, stripe);
+  const M used = hn::Ne(hn::LoadU(d, group.in_use.data()), hn::Zero(d));
+  for (int more = 0; more < k_more_rounds && !hn::AllTrue(d, hn::Or(round.settled, hn::Not(used))); ++more) {
+    round = improve(walk, noise, stripe);
+  }
 
   hn::StoreU(hn::Add(stripe.centre, hn::Set(d, static_cast<float>(first))), d, out.centre.data());
   hn::StoreU(stripe.sigma, d, out.sigma.data());
@@ -299,6 +319,7 @@ void gather(const CoarseScratch& scratch, std::size_t lanes, std::size_t rank, s
       }
     }
     group.block_row[lane] = static_cast<float>(row);
+    group.in_use[lane] = group.used[lane] ? 1.0F : 0.0F;
     group.top[lane] = group.used[lane] ? static_cast<float>(scratch.candidates[column].kept[rank].value) : 255.0F;
     group.background[lane] = static_cast<float>(scratch.background[column]);
   }

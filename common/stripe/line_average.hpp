@@ -18,7 +18,7 @@ struct LineAverageConfig {
   /// Correlation of neighbouring columns' errors (speckle blurred by the optics); falls by this factor with each column.
   float neighbour_correlation{0.42F};
   /// Two estimates may differ by this many standard deviations each and still be of one shape.
-  float consistency_sigma{1.2F};
+  float consistency_sigma{1.6F};
 
   static constexpr int k_max_each_side = 6;
 };

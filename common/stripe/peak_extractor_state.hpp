@@ -63,6 +63,7 @@ inline constexpr std::size_t k_max_lanes = 16;
 struct FitGroup {
   std::size_t first_column{0};
   std::array<bool, k_max_lanes> used{};
+  std::array<float, k_max_lanes> in_use{};      ///< the same as a number
   std::array<float, k_max_lanes> block_row{};   ///< first row of the candidate's block
   std::array<float, k_max_lanes> top{};         ///< the block's maximum
   std::array<float, k_max_lanes> background{};  ///< the column's quiet level
