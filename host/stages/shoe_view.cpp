@@ -76,8 +76,8 @@ bool ShoeView::is_hidden(const Panel& panel, const Vec3& point_shoe) const {
 }
 
 void ShoeView::draw_cloud(std::span<const cv::Vec3b> colours) {
-  // Large enough that the surface closes at the thinning used for pictures.
-  const int half_px = px_per_mm_ > 3 ? 1 : 0;
+  // Profiles lie about a millimetre apart: discs of that size close the surface.
+  const int half_px = static_cast<int>(std::lround(0.5 * std::min(px_per_mm_, 8.0)));
   for (std::size_t i = 0; i < cloud_.size(); ++i) {
     const Vec3 p = T_shoe_base_ * cloud_.points[i].cast<double>();
     for (const Panel& panel : panels_) {

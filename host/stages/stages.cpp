@@ -104,7 +104,7 @@ Result<void> write_unrolled(const fs::path& file, const groove::Extraction& extr
       if (unrolled.known[at] != 0) picture.at<cv::Vec3b>(row, col) = curvature_colour(unrolled.value[at], k_full_colour_per_mm);
     }
   }
-  const int scale = std::max(1, 1400 / unrolled.cols);
+  const int scale = std::max(1, (1400 + unrolled.cols - 1) / unrolled.cols);
   cv::resize(picture, picture, {}, scale, scale, cv::INTER_NEAREST);
   for (std::size_t s = 0; s < unrolled.section_col.size(); ++s) {
     const int col = unrolled.section_col[s] * scale;
