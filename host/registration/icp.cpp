@@ -11,9 +11,10 @@ namespace {
 
 using Step = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1>;
 
-// Steps below these change no residual by more than 0.1 um on a shoe of 300 mm.
-constexpr double k_done_mm = 1e-4;
-constexpr double k_done_rad = 5e-7;
+// Steps below these move nothing on a shoe by more than 3 um.  Pairs change in whole surfels, so the last steps may go to
+// and fro by about 1 um and never end.
+constexpr double k_done_mm = 2e-3;
+constexpr double k_done_rad = 1e-5;
 constexpr double k_facing_pitches = 1.5;
 // Geman-McClure: residuals of this many robust standard deviations weigh a quarter.
 constexpr double k_kernel_sigmas = 3.0;
