@@ -12,7 +12,6 @@
 #include "common/rt/spsc_ring.hpp"
 #include "firmware/app/source.hpp"
 #include "firmware/pipeline/profile_pipeline.hpp"
-#include "firmware/runtime/laser_watch.hpp"
 #include "firmware/runtime/realtime.hpp"
 #include "firmware/runtime/stage_meter.hpp"
 #include "hal/api/clock.hpp"
@@ -37,15 +36,8 @@ struct ScanCounts {
 /// Thread: take() and give_back() from the stream thread only; the rest from the thread that made it.
 class Scanner {
  public:
-  struct Config {
-    pipeline::ProfilePipeline::Config pipeline;
-    geometry::SensorModel model;
-    bool lossless{false};  ///< the source may be made to wait
-    runtime::RealtimeDemand realtime{runtime::RealtimeDemand::Required};
-  };
-  /// `laser` is told of every frame and every sign of life; null where there is none.
-  [[nodiscard]] static Result<std::unique_ptr<Scanner>> create(Source source, const Config& config,
-                                                               const hal::Clock& clock, runtime::LaserWatch* laser);
+  [[nodiscard]] static Result<std::unique_ptr<Scanner>> create(Source source, const pipeline::ProfilePipeline::Config& config,
+                                                               const hal::Clock& clock, runtime::RealtimeDemand demand);
   ~Scanner();  ///< stops first
   Scanner(const Scanner&) = delete;
   Scanner& operator=(const Scanner&) = delete;
@@ -68,8 +60,9 @@ class Scanner {
   [[nodiscard]] std::optional<Error> failure() const;
 
   [[nodiscard]] ScanCounts counts() const;
-  [[nodiscard]] Source& source() { return source_; }
-  [[nodiscard]] const Config& config() const { return config_; }
+  [[nodiscard]] const Source& source() const { return source_; }
+  /// When the newest frame was through, for the laser's guard; min(): none yet.
+  [[nodiscard]] SensorClock::time_point newest_frame() const;
 
   runtime::StageMeter wait_meter, process_meter, stamp_meter;
 
@@ -78,8 +71,7 @@ class Scanner {
   static constexpr std::size_t k_ring_profiles = 32;
   static constexpr std::size_t k_pool_profiles = k_ring_profiles + 2;
 
-  Scanner(Source source, const Config& config, pipeline::ProfilePipeline pipeline, const hal::Clock& clock,
-          runtime::LaserWatch* laser);
+  Scanner(Source source, pipeline::ProfilePipeline pipeline, const hal::Clock& clock, runtime::RealtimeDemand demand);
   void acquire();
   void read_poses();
   void process(const hal::FrameView& frame);
@@ -87,10 +79,9 @@ class Scanner {
   void record_failure(const Error& error);
 
   Source source_;
-  Config config_;
   pipeline::ProfilePipeline pipeline_;
   const hal::Clock& clock_;
-  runtime::LaserWatch* laser_;
+  runtime::RealtimeDemand demand_;
   pipeline::PoseHistory poses_;
   rt::BufferPool<profile::ProfileBuffer> pool_{k_pool_profiles};
   rt::DropOldestRing<rt::BufferIndex, k_ring_profiles> ring_;
@@ -100,6 +91,7 @@ class Scanner {
   std::atomic<bool> acquisition_over_{false};
   std::atomic<bool> poses_over_{false};
   std::atomic<std::int64_t> poses_wanted_until_ns_;
+  std::atomic<std::int64_t> newest_frame_ns_;
   std::atomic<std::uint64_t> profiles_{0}, dropped_{0}, rejected_poses_{0}, overruns_{0};
 
   // Stream thread's own.

@@ -22,9 +22,11 @@ int main(int argc, char** argv) {
   app.fallthrough();
   app.add_flag("--quiet", context.options.quiet, "No progress, no words beyond the result");
   app.add_flag("--json", context.options.json, "Results on stdout as JSON");
+  add_target(app, context);
   add_doctor(app, context);
   add_evaluate(app, context);
   add_extract(app, context);
+  add_calibrate(app, context);
   add_replay(app, context);
 
   try {

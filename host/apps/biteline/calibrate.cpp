@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+// biteline calibrate: a calibration folder into sensor.yaml.
+#include <cstdio>
+#include <memory>
+#include <set>
+
+#include "common/config/sensor_yaml.hpp"
+#include "host/apps/biteline/command.hpp"
+#include "host/calib/head/head_calibration.hpp"
+#include "host/calib/head/head_pictures.hpp"
+#include "host/calib/head/head_report.hpp"
+#include "host/report/report.hpp"
+
+namespace biteline::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::vector<std::string> k_parts{"camera", "laser", "hand-eye", "clock"};
+
+struct Options {
+  fs::path calib, out, sensor;
+  std::vector<std::string> only;
+};
+
+const char* folder_of(const std::string& part) { return part == "hand-eye" ? "handeye" : part.c_str(); }
+
+/// What is asked for, or everything that the folder holds.
+Result<std::set<std::string>> parts_of(const Options& options) {
+  if (!fs::is_directory(options.calib)) return fail(Errc::FileNotFound, "%s: a calibration folder expected", options.calib.c_str());
+  if (!options.only.empty()) return std::set<std::string>(options.only.begin(), options.only.end());
+  std::set<std::string> parts{"camera", "laser", "hand-eye"};
+  if (!options.sensor.empty()) {
+    std::erase_if(parts, [&](const std::string& part) { return !fs::is_directory(options.calib / folder_of(part)); });
+  }
+  if (fs::is_directory(options.calib / "clock")) parts.insert("clock");
+  return parts;
+}
+
+/// sensor.yaml without the lines of parts that were not calibrated: a reader refuses it by name instead of using a made-up value.
+std::string without_unknown(std::string text, const std::set<std::string>& known) {
+  const auto cut = [&](const std::string& key, int lines) {
+    const std::size_t from = text.find("\n" + key + ":") + 1;
+    std::size_t to = from;
+    for (int i = 0; i < lines; ++i) to = text.find('\n', to) + 1;
+    text.erase(from, to - from);
+  };
+  if (!known.contains("laser")) cut("laser_plane", 1);
+  if (!known.contains("hand-eye")) cut("T_flange_cam", 5);
+  return text;
+}
+
+Result<ExitStatus> refuse(report::Report& report, const std::string& reason, const Options& options) {
+  report.refuse(reason);
+  BITELINE_TRY(report.write(options.out));
+  std::fprintf(stderr, "biteline: refused: %s\n", reason.c_str());
+  return ExitStatus::Refused;
+}
+
+Result<calib::HeadInput> read_input(const Options& options, const std::set<std::string>& parts,
+                                    const std::optional<geometry::SensorModel>& known) {
+  calib::HeadInput input;
+  if (known) input.known_camera = known->camera;
+  // The camera is under everything; its pictures are taken also when only a later part is asked for.
+  if (parts.contains("camera") || !known) {
+    BITELINE_ASSIGN(input.camera, calib::read_camera_folder(options.calib));
+  }
+  if (parts.contains("laser")) {
+    BITELINE_ASSIGN(input.laser, calib::read_laser_folder(options.calib));
+  }
+  if (parts.contains("hand-eye")) {
+    BITELINE_ASSIGN(input.hand_eye, calib::read_hand_eye_folder(options.calib));
+  }
+  return input;
+}
+
+void say(const calib::HeadCalibration& result, const GlobalOptions& global) {
+  if (global.quiet) return;
+  for (const calib::SetAside& one : result.set_aside) std::fprintf(stderr, "biteline: set aside %s: %s\n", one.name.c_str(), one.reason.c_str());
+}
+
+Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global) {
+  report::Report report;
+  BITELINE_ASSIGN(const std::set<std::string> parts, parts_of(options));
+  std::optional<geometry::SensorModel> known;
+  if (!options.sensor.empty()) {
+    BITELINE_ASSIGN(known, config::read_sensor_yaml(options.sensor));
+  }
+  BITELINE_ASSIGN(const calib::HeadInput input, report.timed("read", [&] { return read_input(options, parts, known); }));
+  BITELINE_TRY(report::prepare_folder(options.out / "stages"));
+  std::error_code ignored;
+  fs::remove(options.out / "sensor.yaml", ignored);  // an older result must not outlive a refusal
+
+  const calib::HeadCalibration result = report.timed("calibrate", [&] { return calib::calibrate_head(input); });
+  report.fields["input"] = options.calib.filename().string();
+  report.fields["parts"] = parts;
+  report.fields.update(calib::report_fields(result));
+  say(result, global);
+  BITELINE_TRY(report.timed_aside("pictures", [&] { return calib::draw_calibration(result, options.calib, options.out / "stages"); }));
+  if (result.refused) {
+    if (error_row(result.refused->code).exit_status != ExitStatus::Refused) return tl::unexpected<Error>(*result.refused);
+    return refuse(report, std::string(result.refused->where.view()), options);
+  }
+
+  geometry::SensorModel sensor = known.value_or(geometry::SensorModel{});
+  std::set<std::string> told = parts;
+  if (known) told.insert(k_parts.begin(), k_parts.end());
+  sensor.camera = result.fit.state.camera;
+  if (result.camera) sensor.region = {.offset_u_px = 0, .offset_v_px = 0, .width_px = result.camera->size.width_px, .height_px = result.camera->size.height_px};
+  if (result.laser) sensor.laser_plane = result.fit.state.plane;
+  if (result.hand_eye) sensor.T_flange_cam = result.fit.state.T_flange_cam;
+  const std::string text = without_unknown(config::sensor_yaml_text(sensor, "calibrated by biteline; report.json beside it tells how well"), told);
+  BITELINE_TRY(report::write_file_atomically(options.out / "sensor.yaml", text));
+  BITELINE_TRY(report.write(options.out));
+  if (global.json) std::printf("%s\n", report.fields.dump(2).c_str());
+  return ExitStatus::Done;
+}
+
+void add_options(CLI::App* command, const std::shared_ptr<Options>& options, bool whole) {
+  command->add_option("CALIB", options->calib, "The calibration folder")->required(!whole);
+  command->add_option("--out", options->out, "Where the results go")->required(!whole);
+  command->add_option("--sensor", options->sensor, "A sensor.yaml to take from what is not calibrated here");
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("calibrate", "Calibrates a head: camera, laser plane, mounting, clock");
+  add_options(command, options, true);
+  command->add_option("--only", options->only, "Some of the parts: camera,laser,hand-eye,clock")->delimiter(',')->check(CLI::IsMember(k_parts));
+  command->callback([command, options, &context] {
+    if (context.run) return;  // a part's own subcommand was given
+    if (options->calib.empty()) throw CLI::RequiredError("CALIB");
+    if (options->out.empty()) throw CLI::RequiredError("--out");
+    context.run = [options, &context] { return calibrate(*options, context.options); };
+  });
+  for (const std::string& part : k_parts) {
+    const auto own = std::make_shared<Options>();
+    CLI::App* sub = command->add_subcommand(part, "Only this part, and what it stands on");
+    add_options(sub, own, false);
+    own->only = {part};
+    sub->callback([own, &context] { context.run = [own, &context] { return calibrate(*own, context.options); }; });
+  }
+}
+
+}  // namespace biteline::app
