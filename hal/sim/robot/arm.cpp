@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#include "hal/sim/robot/arm.hpp"
+
+#include <algorithm>
+
+namespace biteline::sim {
+
+namespace {
+
+double seconds(Nanoseconds time) { return static_cast<double>(time.count()) * 1e-9; }
+
+}  // namespace
+
+Arm::Arm(const ArmKinematics& kinematics, const SE3& T_base_flange_start)
+    : kinematics_(kinematics), T_base_flange_still_(T_base_flange_start) {}
+
+ArmState Arm::at(SensorClock::time_point instant) const {
+  const std::lock_guard lock(mutex_);
+  ArmState state{.T_base_flange = T_base_flange_still_, .T_flange_tcp = T_flange_tcp_, .outputs = outputs_};
+  const double time_s = seconds(instant - begin_);
+  if (motion_) {
+    state.moving = time_s >= 0 && time_s < motion_->duration_s;
+    state.T_base_flange = motion_->T_base_flange_at(std::clamp(time_s, 0.0, motion_->duration_s));
+    state.program_name = motion_->name;
+  } else if (program_) {
+    state.moving = state.program_running = time_s >= 0 && time_s < program_->duration_s();
+    state.T_base_flange = program_->T_base_flange_at(std::max(0.0, time_s));
+    state.T_flange_tcp = program_->T_flange_tcp_at(std::max(0.0, time_s));
+    state.outputs = program_->outputs_at(std::max(0.0, time_s));
+    state.program_name = program_->name();
+  }
+  return state;
+}
+
+void Arm::stand(SensorClock::time_point instant) {
+  const ArmState now = at(instant);
+  const std::lock_guard lock(mutex_);
+  T_base_flange_still_ = now.T_base_flange;
+  T_flange_tcp_ = now.T_flange_tcp;
+  outputs_ = now.outputs;
+  motion_.reset();
+  program_.reset();
+  begin_ = instant;
+}
+
+void Arm::stop(SensorClock::time_point instant) { stand(instant); }
+
+void Arm::run(FlangeMotion motion, SensorClock::time_point begin) {
+  stand(begin);
+  const std::lock_guard lock(mutex_);
+  motion_ = std::make_shared<const FlangeMotion>(std::move(motion));
+}
+
+void Arm::run(const Script& script, SensorClock::time_point begin) {
+  stand(begin);
+  const ArmState now = at(begin);
+  auto program = std::make_shared<const Program>(Program::plan(script, kinematics_, now.T_base_flange, now.T_flange_tcp));
+  const std::lock_guard lock(mutex_);
+  program_ = std::move(program);
+}
+
+}  // namespace biteline::sim

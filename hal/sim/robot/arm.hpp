@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The simulated arm: where it is at any instant, and what it was told to do.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "common/time/clocks.hpp"
+#include "hal/sim/robot/program.hpp"
+
+namespace biteline::sim {
+
+/// A way of the flange in time that no script describes: the scan.
+struct FlangeMotion {
+  std::string name;
+  double duration_s{0};
+  std::function<SE3(double time_s)> T_base_flange_at;  ///< for 0 <= time <= duration
+};
+
+/// What the arm does at one instant.
+struct ArmState {
+  SE3 T_base_flange{SE3::Identity()};
+  SE3 T_flange_tcp{SE3::Identity()};
+  bool moving{false};         ///< a motion or program is on
+  bool program_running{false};
+  std::string program_name{};
+  std::uint8_t outputs{0};    ///< digital outputs
+};
+
+/// Ideal: the arm is where its program says, at every instant; links and dynamics are not simulated.
+/// Thread: any.
+class Arm {
+ public:
+  Arm(const ArmKinematics& kinematics, const SE3& T_base_flange_start);
+
+  [[nodiscard]] ArmState at(SensorClock::time_point instant) const;
+
+  /// Replaces whatever is on; begins at `begin` from where the arm then is.
+  void run(FlangeMotion motion, SensorClock::time_point begin);
+  void run(const Script& script, SensorClock::time_point begin);
+  /// Stands still from `instant` on.
+  void stop(SensorClock::time_point instant);
+
+  [[nodiscard]] const ArmKinematics& kinematics() const { return kinematics_; }
+
+ private:
+  void stand(SensorClock::time_point instant);
+
+  ArmKinematics kinematics_;
+  mutable std::mutex mutex_;
+  SE3 T_base_flange_still_;
+  SE3 T_flange_tcp_{SE3::Identity()};
+  std::uint8_t outputs_{0};
+  std::shared_ptr<const FlangeMotion> motion_;
+  std::shared_ptr<const Program> program_;
+  SensorClock::time_point begin_;
+};
+
+}  // namespace biteline::sim

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+#include "hal/sim/robot/arm_kinematics.hpp"
+
+#include <Eigen/Cholesky>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace biteline::sim {
+
+namespace {
+
+constexpr double k_right = std::numbers::pi / 2;
+
+constexpr int k_steps = 60;
+constexpr double k_met_mm = 1e-4;
+constexpr double k_met_rad = 1e-7;
+/// One radian weighs as much as this many millimetres, about the length of a link.
+constexpr double k_lever_mm = 400;
+
+struct Lengths {
+  const char* name;
+  double d1_mm, a2_mm, a3_mm, d4_mm, d5_mm, d6_mm;
+};
+constexpr std::array k_arms{Lengths{"ur3e", 151.85, -243.55, -213.2, 131.05, 85.35, 92.1},
+                            Lengths{"ur5e", 162.5, -425, -392.2, 133.3, 99.7, 99.6},
+                            Lengths{"ur10e", 180.7, -612.7, -571.55, 174.15, 119.85, 116.55}};
+
+}  // namespace
+
+std::optional<ArmKinematics> ArmKinematics::named(std::string_view name) {
+  for (const Lengths& arm : k_arms) {
+    if (name != arm.name) continue;
+    return ArmKinematics({{{0, arm.d1_mm, k_right},
+                           {arm.a2_mm, 0, 0},
+                           {arm.a3_mm, 0, 0},
+                           {0, arm.d4_mm, k_right},
+                           {0, arm.d5_mm, -k_right},
+                           {0, arm.d6_mm, 0}}});
+  }
+  return std::nullopt;
+}
+
+SE3 ArmKinematics::forward(const JointVector& q_rad, Jacobian& J) const {
+  std::array<SE3, 6> frames;
+  SE3 T = SE3::Identity();
+  for (std::size_t i = 0; i < 6; ++i) {
+    frames[i] = T;
+    T.rotate(Eigen::AngleAxisd(q_rad[static_cast<Eigen::Index>(i)], Vec3::UnitZ()));
+    T.translate(Vec3(rows_[i].a_mm, 0, rows_[i].d_mm));
+    T.rotate(Eigen::AngleAxisd(rows_[i].alpha_rad, Vec3::UnitX()));
+  }
+  for (std::size_t i = 0; i < 6; ++i) {
+    const Vec3 axis = frames[i].linear().col(2);
+    J.col(static_cast<Eigen::Index>(i)) << axis.cross(T.translation() - frames[i].translation()), axis;
+  }
+  return T;
+}
+
+SE3 ArmKinematics::T_base_flange(const JointVector& q_rad) const {
+  Jacobian J;
+  return forward(q_rad, J);
+}
+
+std::optional<JointVector> ArmKinematics::joints_near(const SE3& T_base_flange, const JointVector& q_near_rad) const {
+  JointVector q_rad = q_near_rad;
+  double damping = 1e-6;
+  double last_error = 1e18;
+  JointVector last_q_rad = q_rad;
+  for (int step = 0; step < k_steps; ++step) {
+    Jacobian J;
+    const SE3 T = forward(q_rad, J);
+    const Vec3 away_mm = T_base_flange.translation() - T.translation();
+    const Vec3 turn_rad = geometry::log_so3(T_base_flange.linear() * T.linear().transpose());
+    if (away_mm.norm() < k_met_mm && turn_rad.norm() < k_met_rad) return q_rad;
+    const double error = away_mm.squaredNorm() + k_lever_mm * k_lever_mm * turn_rad.squaredNorm();
+    if (error > last_error) {
+      damping = std::min(damping * 10, 1.0);
+      q_rad = last_q_rad;
+      last_error = 1e18;
+      continue;
+    }
+    last_error = error;
+    last_q_rad = q_rad;
+    damping = std::max(damping * 0.2, 1e-9);
+    Eigen::Matrix<double, 6, 1> residual;
+    residual << away_mm, k_lever_mm * turn_rad;
+    J.bottomRows<3>() *= k_lever_mm;
+    const Jacobian normal = J.transpose() * J + damping * k_lever_mm * k_lever_mm * Jacobian::Identity();
+    const JointVector change_rad = normal.ldlt().solve(J.transpose() * residual);
+    constexpr double k_longest_rad = 0.3;
+    q_rad += change_rad * std::min(1.0, k_longest_rad / std::max(1e-12, change_rad.norm()));
+  }
+  return std::nullopt;
+}
+
+std::optional<JointVector> ArmKinematics::joints_anywhere(const SE3& T_base_flange) const {
+  const double towards_rad = std::atan2(T_base_flange.translation().y(), T_base_flange.translation().x()) + std::numbers::pi;
+  for (const double elbow : {1.6, -1.6}) {
+    for (const double wrist : {-1.57, 1.57}) {
+      for (const double q4 : {-1.6, 0.0, 1.6}) {
+        JointVector start_rad;
+        start_rad << towards_rad, -1.2, elbow, q4, wrist, 0;
+        if (const auto found = joints_near(T_base_flange, start_rad)) return found;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace biteline::sim

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file A script laid out in time: where the flange is at every instant of it.
+
+#include <cstdint>
+#include <variant>
+#include <vector>
+
+#include "hal/sim/robot/script.hpp"
+#include "hal/sim/robot/timed_path.hpp"
+
+namespace biteline::sim {
+
+/// Immutable after plan().
+class Program {
+ public:
+  /// Straight and process moves that blend into each other form one path; a joint move and everything else stops the arm.
+  /// A joint move from where the arm's own links do not reach (the head's way round the shoe) is made straight instead.
+  [[nodiscard]] static Program plan(const Script& script, const ArmKinematics& arm, const SE3& T_base_flange_start,
+                                    const SE3& T_flange_tcp);
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] double duration_s() const { return pieces_.empty() ? 0 : pieces_.back().end_s; }
+  [[nodiscard]] SE3 T_base_flange_at(double time_s) const;
+  /// The tool frame in force.
+  [[nodiscard]] SE3 T_flange_tcp_at(double time_s) const;
+  /// Bits of the digital outputs, 0 to 7, as the script has set and cleared them since its begin.
+  [[nodiscard]] std::uint8_t outputs_at(double time_s) const;
+
+ private:
+  struct Hold {
+    SE3 T_base_flange{SE3::Identity()};
+  };
+  struct JointMove {
+    JointVector from_rad, to_rad;
+    double speed_rad_s, acceleration_rad_s2;
+  };
+  struct Piece {
+    double begin_s{0};
+    double end_s{0};
+    SE3 T_flange_tcp{SE3::Identity()};
+    std::uint8_t outputs{0};
+    std::variant<Hold, TimedPath, JointMove> motion;
+  };
+  [[nodiscard]] const Piece& piece_at(double time_s) const;
+  [[nodiscard]] SE3 flange_of(const Piece& piece, double time_s) const;
+
+  explicit Program(const ArmKinematics& arm) : arm_(arm) {}
+  ArmKinematics arm_;
+  std::string name_;
+  std::vector<Piece> pieces_;
+};
+
+}  // namespace biteline::sim

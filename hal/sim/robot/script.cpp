@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: MIT
+#include "hal/sim/robot/script.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <map>
+
+namespace biteline::sim {
+
+namespace {
+
+constexpr double k_mm_per_m = 1000;
+/// URScript's defaults: 1.2 m/s^2 and 0.25 m/s for straight moves, 1.4 rad/s^2 and 1.05 rad/s for joint moves.
+constexpr double k_linear_acceleration = 1.2, k_linear_speed = 0.25;
+constexpr double k_joint_acceleration = 1.4, k_joint_speed = 1.05;
+
+struct Pose {
+  std::array<double, 6> numbers;
+};
+using List = std::array<double, 6>;
+using Literal = std::variant<double, bool, std::string, Pose, List>;
+
+SE3 to_se3(const Pose& pose) {
+  SE3 T = SE3::Identity();
+  T.translation() = k_mm_per_m * Vec3(pose.numbers[0], pose.numbers[1], pose.numbers[2]);
+  T.linear() = geometry::exp_so3(Vec3(pose.numbers[3], pose.numbers[4], pose.numbers[5]));
+  return T;
+}
+
+struct Argument {
+  std::string name;  ///< empty: by position
+  Literal value;
+};
+
+/// Reads one line.
+class LineReader {
+ public:
+  LineReader(std::string_view text, int line, const std::map<std::string, Literal>& variables)
+      : text_(text), line_(line), variables_(variables) {}
+
+  void skip_spaces() {
+    while (!text_.empty() && (text_.front() == ' ' || text_.front() == '\t')) text_.remove_prefix(1);
+  }
+  bool take(char expected) {
+    skip_spaces();
+    if (text_.empty() || text_.front() != expected) return false;
+    text_.remove_prefix(1);
+    return true;
+  }
+  std::string word() {
+    skip_spaces();
+    std::size_t length = 0;
+    while (length < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[length])) != 0 || text_[length] == '_')) ++length;
+    std::string found(text_.substr(0, length));
+    text_.remove_prefix(length);
+    return found;
+  }
+  [[nodiscard]] bool at_end() {
+    skip_spaces();
+    return text_.empty();
+  }
+  [[nodiscard]] tl::unexpected<Error> wrong(const char* expected) const {
+    return fail(Errc::BadFormat, "script line %d: %s expected at '%.*s'", line_, expected, static_cast<int>(std::min<std::size_t>(text_.size(), 30)), text_.data());
+  }
+  [[nodiscard]] int line() const { return line_; }
+
+  Result<double> number() {
+    skip_spaces();
+    const std::string copy(text_.substr(0, 64));
+    char* end = nullptr;
+    const double value = std::strtod(copy.c_str(), &end);
+    if (end == copy.c_str() || !std::isfinite(value)) return wrong("a finite number");
+    text_.remove_prefix(static_cast<std::size_t>(end - copy.c_str()));
+    return value;
+  }
+
+  Result<List> six_numbers() {
+    List list{};
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      if (i > 0 && !take(',')) return wrong("','");
+      BITELINE_ASSIGN(list[i], number());
+    }
+    if (!take(']')) return wrong("']'");
+    return list;
+  }
+
+  Result<Literal> literal() {
+    skip_spaces();
+    if (take('[')) {
+      BITELINE_ASSIGN(const List list, six_numbers());
+      return Literal{list};
+    }
+    if (take('"')) {
+      const std::size_t end = text_.find('"');
+      if (end == std::string_view::npos) return wrong("a closing quote");
+      std::string found(text_.substr(0, end));
+      text_.remove_prefix(end + 1);
+      return Literal{std::move(found)};
+    }
+    if (!text_.empty() && std::isalpha(static_cast<unsigned char>(text_.front())) != 0) {
+      const std::string name = word();
+      if (name == "p" && take('[')) {
+        BITELINE_ASSIGN(const List list, six_numbers());
+        return Literal{Pose{list}};
+      }
+      if (name == "True" || name == "False") return Literal{name == "True"};
+      const auto variable = variables_.find(name);
+      if (variable != variables_.end()) return variable->second;
+      return fail(Errc::NotSupported, "script line %d: '%s' is not known here", line_, name.c_str());
+    }
+    BITELINE_ASSIGN(const double value, number());
+    return Literal{value};
+  }
+
+  /// After the opening bracket, up to the closing one.
+  Result<std::vector<Argument>> arguments() {
+    std::vector<Argument> found;
+    if (take(')')) return found;
+    do {
+      Argument argument;
+      const std::string_view before = text_;
+      const std::string name = word();
+      if (!name.empty() && take('=')) {
+        argument.name = name;
+      } else {
+        text_ = before;
+      }
+      BITELINE_ASSIGN(argument.value, literal());
+      found.push_back(std::move(argument));
+    } while (take(','));
+    if (!take(')')) return wrong("')'");
+    return found;
+  }
+
+ private:
+  std::string_view text_;
+  int line_;
+  const std::map<std::string, Literal>& variables_;
+};
+
+/// The number named `name`, or at `position` without name.
+Result<double> number_of(const std::vector<Argument>& arguments, const char* name, std::size_t position, double fallback, int line) {
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    if (arguments[i].name != name && !(arguments[i].name.empty() && i == position)) continue;
+    if (const auto* number = std::get_if<double>(&arguments[i].value)) return *number;
+    return fail(Errc::BadValue, "script line %d: %s: a number expected", line, name);
+  }
+  return fallback;
+}
+
+Result<ScriptStep> move_step(const std::string& function, const std::vector<Argument>& arguments, int line) {
+  MoveStep move;
+  const bool joint = function == "movej";
+  move.kind = joint ? MoveStep::Kind::Joint : function == "movep" ? MoveStep::Kind::Process : MoveStep::Kind::Linear;
+  if (arguments.empty()) return fail(Errc::BadFormat, "script line %d: %s needs a goal", line, function.c_str());
+  if (const auto* pose = std::get_if<Pose>(&arguments[0].value)) {
+    move.T_base_tcp = to_se3(*pose);
+  } else if (const auto* joints = std::get_if<List>(&arguments[0].value)) {
+    move.q_rad = Eigen::Map<const JointVector>(joints->data());
+  } else {
+    return fail(Errc::BadValue, "script line %d: %s: a pose or six joints expected", line, function.c_str());
+  }
+  const double unit = joint ? 1 : k_mm_per_m;
+  BITELINE_ASSIGN(const double acceleration, number_of(arguments, "a", 1, joint ? k_joint_acceleration : k_linear_acceleration, line));
+  BITELINE_ASSIGN(const double speed, number_of(arguments, "v", 2, joint ? k_joint_speed : k_linear_speed, line));
+  // movep has no time argument: its radius comes a place earlier.
+  BITELINE_ASSIGN(const double time_s, number_of(arguments, "t", function == "movep" ? 99 : 3, 0, line));
+  BITELINE_ASSIGN(const double blend, number_of(arguments, "r", function == "movep" ? 3 : 4, 0, line));
+  if (time_s != 0) return fail(Errc::NotSupported, "script line %d: a move by time is not simulated", line);
+  if (speed <= 0 || acceleration <= 0 || blend < 0) {
+    return fail(Errc::BadValue, "script line %d: a > 0, v > 0 and r >= 0 expected", line);
+  }
+  move.speed = unit * speed;
+  move.acceleration = unit * acceleration;
+  move.blend_mm = k_mm_per_m * blend;
+  return ScriptStep{move};
+}
+
+/// Nothing: a call without effect here.
+Result<std::optional<ScriptStep>> step_of(const std::string& function, const std::vector<Argument>& arguments, int line) {
+  if (function == "movel" || function == "movep" || function == "movej") {
+    BITELINE_ASSIGN(ScriptStep step, move_step(function, arguments, line));
+    return std::optional{std::move(step)};
+  }
+  if (function == "set_tcp") {
+    const auto* pose = arguments.empty() ? nullptr : std::get_if<Pose>(&arguments[0].value);
+    if (pose == nullptr) return fail(Errc::BadValue, "script line %d: set_tcp: a pose expected", line);
+    return std::optional<ScriptStep>{SetTcpStep{to_se3(*pose)}};
+  }
+  if (function == "sleep") {
+    BITELINE_ASSIGN(const double time_s, number_of(arguments, "t", 0, 0, line));
+    return std::optional<ScriptStep>{SleepStep{std::max(0.0, time_s)}};
+  }
+  if (function == "set_digital_out" || function == "set_standard_digital_out") {
+    const auto* number = arguments.size() == 2 ? std::get_if<double>(&arguments[0].value) : nullptr;
+    const auto* active = arguments.size() == 2 ? std::get_if<bool>(&arguments[1].value) : nullptr;
+    if (number == nullptr || active == nullptr || *number < 0 || *number > 7) {
+      return fail(Errc::BadValue, "script line %d: %s: an output 0 to 7 and True or False expected", line, function.c_str());
+    }
+    return std::optional<ScriptStep>{DigitalOutStep{static_cast<int>(*number), *active}};
+  }
+  if (function == "textmsg") {
+    const auto* text = arguments.empty() ? nullptr : std::get_if<std::string>(&arguments[0].value);
+    return std::optional<ScriptStep>{TextStep{text != nullptr ? *text : ""}};
+  }
+  if (function == "sync" || function == "set_payload" || function == "stopl" || function == "stopj") return std::optional<ScriptStep>{};
+  return fail(Errc::NotSupported, "script line %d: '%s' is not simulated", line, function.c_str());
+}
+
+}  // namespace
+
+Result<Script> parse_script(std::string_view text) {
+  Script script;
+  std::map<std::string, Literal> variables;
+  int line = 0;
+  bool inside = false, ended = false;
+  while (!text.empty()) {
+    const std::size_t length = std::min(text.find('\n'), text.size());
+    std::string_view row = text.substr(0, length);
+    text.remove_prefix(std::min(length + 1, text.size()));
+    ++line;
+    row = row.substr(0, row.find('#'));
+    while (!row.empty() && (row.back() == '\r' || row.back() == ' ' || row.back() == '\t')) row.remove_suffix(1);
+    LineReader reader(row, line, variables);
+    if (reader.at_end()) continue;
+    if (ended) return fail(Errc::BadFormat, "script line %d: something follows the end of the program", line);
+    std::string name = reader.word();
+    if (name == "def" || name == "sec") {
+      if (inside) return fail(Errc::NotSupported, "script line %d: a function inside the program is not simulated", line);
+      script.name = reader.word();
+      if (!reader.take('(') || !reader.take(')') || !reader.take(':')) return reader.wrong("'():'");
+      inside = true;
+      continue;
+    }
+    if (name == "end") {
+      if (!inside) return fail(Errc::BadFormat, "script line %d: 'end' without 'def'", line);
+      ended = true;
+      continue;
+    }
+    if (name == "local" || name == "global") name = reader.word();
+    if (reader.take('=')) {
+      BITELINE_ASSIGN(variables[name], reader.literal());
+      if (!reader.at_end()) return reader.wrong("the end of the line");
+      continue;
+    }
+    if (!reader.take('(')) return fail(Errc::NotSupported, "script line %d: '%s' is not simulated", line, name.c_str());
+    BITELINE_ASSIGN(const auto arguments, reader.arguments());
+    if (!reader.at_end()) return reader.wrong("the end of the line");
+    BITELINE_ASSIGN(auto step, step_of(name, arguments, line));
+    if (step) script.steps.push_back(std::move(*step));
+  }
+  if (inside && !ended) return fail(Errc::Truncated, "script line %d: 'end' is missing", line);
+  return script;
+}
+
+}  // namespace biteline::sim

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The part of URScript that path programs use, read into steps; anything else is refused with its line.
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "common/core/result.hpp"
+#include "common/geometry/se3.hpp"
+#include "hal/sim/robot/arm_kinematics.hpp"
+
+namespace biteline::sim {
+
+/// Units ours: mm, rad, s.
+struct MoveStep {
+  enum class Kind { Linear, Process, Joint };  ///< movel, movep, movej
+  Kind kind{Kind::Linear};
+  std::optional<SE3> T_base_tcp;       ///< the goal: a pose, or
+  std::optional<JointVector> q_rad;    ///< joints
+  double speed{0};                     ///< mm/s; movej: rad/s
+  double acceleration{0};              ///< mm/s^2; movej: rad/s^2
+  double blend_mm{0};
+};
+struct SetTcpStep {
+  SE3 T_flange_tcp{SE3::Identity()};
+};
+struct SleepStep {
+  double time_s{0};
+};
+struct DigitalOutStep {
+  int number{0};
+  bool active{false};
+};
+struct TextStep {
+  std::string text;
+};
+using ScriptStep = std::variant<MoveStep, SetTcpStep, SleepStep, DigitalOutStep, TextStep>;
+
+struct Script {
+  std::string name{"script"};
+  std::vector<ScriptStep> steps;
+};
+
+/// `def name(): ... end` or bare lines; movel, movep, movej, set_tcp, set_payload, set_digital_out, set_standard_digital_out,
+/// sleep, sync, textmsg; variables that hold literals.  Universal Robots, "The URScript Programming Language", with its
+/// defaults for a and v.  No loops and no conditions.
+[[nodiscard]] Result<Script> parse_script(std::string_view text);
+
+}  // namespace biteline::sim

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: MIT
+#include "hal/sim/robot/ur_controller.hpp"
+
+#include <poll.h>
+
+#include <algorithm>
+
+namespace biteline::sim {
+
+namespace {
+
+constexpr std::size_t k_longest_script_bytes = 8U << 20U;
+constexpr std::size_t k_longest_line_bytes = 1000;
+
+/// A client that reads nothing for so long that this piles up is cut off.
+constexpr std::size_t k_most_waiting_bytes = 4U << 20U;
+
+class IgnoreInputs final : public rtde::ControllerListener {
+ public:
+  void on_inputs(const rtde::Recipe&, std::span<const rtde::Value>) override {}
+  void on_text(const rtde::TextMessage&) override {}
+};
+
+void append(std::vector<std::uint8_t>& bytes, const std::string& text) { bytes.insert(bytes.end(), text.begin(), text.end()); }
+
+/// The first whole program in `bytes`: up to an `end` at the begin of a line.  Bare lines: one each.
+std::optional<std::string> take_program(std::vector<std::uint8_t>& bytes) {
+  const std::string text(bytes.begin(), bytes.end());
+  std::size_t begin = text.find_first_not_of(" \t\r\n");
+  if (begin == std::string::npos) return std::nullopt;
+  const bool function = text.compare(begin, 4, "def ") == 0 || text.compare(begin, 4, "sec ") == 0;
+  std::size_t end = text.find('\n', begin);
+  while (function && end != std::string::npos) {
+    const std::size_t line_begin = text.find_last_of('\n', end == 0 ? 0 : end - 1);
+    const std::size_t first = line_begin == std::string::npos ? begin : line_begin + 1;
+    std::string line = text.substr(first, end - first);
+    line.erase(0, std::min(line.find_first_not_of(" \t"), line.size()));
+    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
+    if (line == "end") break;
+    end = text.find('\n', end + 1);
+  }
+  if (end == std::string::npos) return std::nullopt;
+  bytes.erase(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(end + 1));
+  return text.substr(begin, end + 1 - begin);
+}
+
+template <class Clients>
+void drop_dead(Clients& clients) {
+  std::erase_if(clients, [](const auto& client) {
+    const bool done = client->closing && client->outgoing.empty();
+    return done || client->outgoing.size() > k_most_waiting_bytes || !client->socket.is_open();
+  });
+}
+
+}  // namespace
+
+UrController::UrController(const Config& config, Arm& arm, OnCycle on_cycle)
+    : config_(config), arm_(arm), on_cycle_(std::move(on_cycle)), values_(arm.kinematics()) {}
+
+UrController::~UrController() {
+  stopping_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+Result<std::unique_ptr<UrController>> UrController::open(const Config& config, Arm& arm, OnCycle on_cycle) {
+  std::unique_ptr<UrController> controller(new UrController(config, arm, std::move(on_cycle)));
+  BITELINE_ASSIGN(controller->rtde_listener_, listen_on_loopback(config.rtde_port));
+  BITELINE_ASSIGN(controller->script_listener_, listen_on_loopback(config.script_port));
+  BITELINE_ASSIGN(controller->dashboard_listener_, listen_on_loopback(config.dashboard_port));
+  // Whole microseconds: the pose bus stamps in them.
+  controller->begin_ = SensorClock::time_point{Nanoseconds{hal::monotonic_now().time_since_epoch().count() / 1000 * 1000}};
+  controller->thread_ = std::thread([raw = controller.get()] { raw->serve(); });
+  return controller;
+}
+
+SensorClock::time_point UrController::instant_of(std::uint64_t cycle) const {
+  return begin_ + Nanoseconds{static_cast<std::int64_t>(cycle) * (1'000'000'000 / config_.rate_hz)};
+}
+
+void UrController::serve() {
+  std::uint64_t number = 0;
+  while (!stopping_) {
+    wait_until(instant_of(number));
+    accept_clients();
+    serve_rtde();
+    serve_scripts();
+    serve_dashboard();
+    if (hal::monotonic_now() < instant_of(number)) continue;
+    cycle(number);
+    // A cycle that came too late is skipped, never caught up: its instant is gone.
+    ++number;
+    while (instant_of(number + 1) < hal::monotonic_now()) ++number;
+  }
+}
+
+void UrController::wait_until(SensorClock::time_point instant) {
+  std::vector<pollfd> waits;
+  for (const auto* listener : {&rtde_listener_, &script_listener_, &dashboard_listener_}) waits.push_back({listener->socket.number(), POLLIN, 0});
+  for (const auto& client : rtde_clients_) waits.push_back({client->socket.number(), POLLIN, 0});
+  for (const auto& client : script_clients_) waits.push_back({client->socket.number(), POLLIN, 0});
+  for (const auto& client : dashboard_clients_) waits.push_back({client->socket.number(), POLLIN, 0});
+  const std::int64_t left_ns = std::max<std::int64_t>(0, (instant - hal::monotonic_now()).count());
+  const timespec timeout{.tv_sec = left_ns / 1'000'000'000, .tv_nsec = left_ns % 1'000'000'000};
+  ppoll(waits.data(), waits.size(), &timeout, nullptr);
+}
+
+void UrController::cycle(std::uint64_t number) {
+  const auto instant = instant_of(number);
+  const ArmState state = arm_.at(instant);
+  const Nanoseconds stamp = instant.time_since_epoch() + config_.clock_offset;
+  values_.advance(state, static_cast<double>(stamp.count()) * 1e-9);
+  for (const auto& client : rtde_clients_) {
+    client->session.append_outputs(number, values_);
+    pass_on(*client);
+    if (!write_available(client->socket, client->outgoing)) client->socket.close();
+  }
+  drop_dead(rtde_clients_);
+  if (on_cycle_) on_cycle_(instant, state);
+}
+
+void UrController::pass_on(RtdeClient& client) {
+  auto& bytes = client.session.outgoing();
+  client.outgoing.insert(client.outgoing.end(), bytes.begin(), bytes.end());
+  bytes.clear();
+}
+
+void UrController::accept_clients() {
+  if (hal::Descriptor socket = accept_from(rtde_listener_); socket.is_open()) {
+    rtde_clients_.push_back(std::make_unique<RtdeClient>(rtde::ControllerSession::Config{.rate_hz = static_cast<double>(config_.rate_hz)}));
+    rtde_clients_.back()->socket = std::move(socket);
+    rtde_clients_.back()->session.start();
+  }
+  if (hal::Descriptor socket = accept_from(script_listener_); socket.is_open()) {
+    script_clients_.push_back(std::make_unique<Client>());
+    script_clients_.back()->socket = std::move(socket);
+  }
+  if (hal::Descriptor socket = accept_from(dashboard_listener_); socket.is_open()) {
+    dashboard_clients_.push_back(std::make_unique<Client>());
+    dashboard_clients_.back()->socket = std::move(socket);
+    append(dashboard_clients_.back()->outgoing, "Connected: Universal Robots Dashboard Server\n");
+  }
+}
+
+void UrController::serve_rtde() {
+  IgnoreInputs listener;
+  for (const auto& client : rtde_clients_) {
+    bool alive = read_available(client->socket, client->incoming);
+    alive = client->session.consume(client->incoming, listener).has_value() && alive;
+    client->incoming.clear();
+    pass_on(*client);
+    if (!alive || !write_available(client->socket, client->outgoing)) client->socket.close();
+  }
+  drop_dead(rtde_clients_);
+}
+
+void UrController::serve_scripts() {
+  for (const auto& client : script_clients_) {
+    const bool alive = read_available(client->socket, client->incoming);
+    // A program sent without its last line end is complete when the sender closes.
+    if (!alive) client->incoming.push_back('\n');
+    while (auto program = take_program(client->incoming)) run_script(*program, *client);
+    if (client->incoming.size() > k_longest_script_bytes) client->closing = true;
+    if (!write_available(client->socket, client->outgoing) || !alive) client->socket.close();
+  }
+  drop_dead(script_clients_);
+}
+
+void UrController::run_script(const std::string& text, Client& client) {
+  const auto script = parse_script(text);
+  if (script) {
+    ++scripts_run_;
+    arm_.run(*script, hal::monotonic_now());
+    return;
+  }
+  ++scripts_refused_;
+  const std::string reason = to_line(script.error());
+  append(client.outgoing, reason + "\n");
+  for (const auto& rtde_client : rtde_clients_) {
+    rtde_client->session.send_text({.level = rtde::TextLevel::Error, .text = reason, .source = "script"});
+  }
+}
+
+void UrController::serve_dashboard() {
+  for (const auto& client : dashboard_clients_) {
+    const bool alive = read_available(client->socket, client->incoming);
+    for (;;) {
+      const auto line_end = std::find(client->incoming.begin(), client->incoming.end(), '\n');
+      if (line_end == client->incoming.end()) break;
+      std::string line(client->incoming.begin(), line_end);
+      client->incoming.erase(client->incoming.begin(), line_end + 1);
+      if (!line.empty() && line.back() == '\r') line.pop_back();
+      append(client->outgoing, dashboard_answer(line, *client) + "\n");
+    }
+    if (client->incoming.size() > k_longest_line_bytes) client->closing = true;
+    if (!write_available(client->socket, client->outgoing) || !alive) client->socket.close();
+  }
+  drop_dead(dashboard_clients_);
+}
+
+std::string UrController::dashboard_answer(const std::string& line, Client& client) {
+  const auto now = hal::monotonic_now();
+  const ArmState state = arm_.at(now);
+  if (line == "robotmode") return "Robotmode: RUNNING";
+  if (line == "safetystatus") return "Safetystatus: NORMAL";
+  if (line == "safetymode") return "Safetymode: NORMAL";
+  if (line == "running") return state.program_running ? "Program running: true" : "Program running: false";
+  if (line == "programState" || line == "programstate") {
+    return (state.program_running ? "PLAYING " : "STOPPED ") + (state.program_name.empty() ? "<unnamed>" : state.program_name);
+  }
+  if (line == "is in remote control") return "true";
+  if (line == "PolyscopeVersion") return "URSoftware 5.12.0 (simulated by Biteline)";
+  if (line == "get robot model") return config_.model;
+  if (line == "stop") {
+    arm_.stop(now);
+    return "Stopped";
+  }
+  if (line == "quit") {
+    client.closing = true;
+    return "Disconnected";
+  }
+  return "could not understand: '" + line + "'";
+}
+
+}  // namespace biteline::sim

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file A simulated UR controller on loopback: RTDE, script port, dashboard.
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "hal/sim/robot/arm.hpp"
+#include "hal/sim/robot/tcp.hpp"
+#include "hal/sim/robot/ur_values.hpp"
+
+namespace biteline::sim {
+
+/// One thread serves all connections and the controller's cycle.  A script replaces the one that runs, as on the real
+/// one; a script that cannot be read is answered on the script port and in an RTDE text, and nothing moves.
+///
+/// Dashboard: robotmode, safetystatus, running, programState, stop, "is in remote control", PolyscopeVersion,
+/// "get robot model", quit; other lines get the real one's answer to the unknown.
+/// Thread: any for the public methods.
+class UrController {
+ public:
+  struct Config {
+    std::uint16_t rtde_port{0};       ///< 0: a free one; the real one has 30004
+    std::uint16_t script_port{0};     ///< 30002
+    std::uint16_t dashboard_port{0};  ///< 29999
+    int rate_hz{500};                 ///< 125: as a CB3
+    Nanoseconds clock_offset{0};      ///< controller clock minus this machine's monotonic clock
+    std::string model{"UR5e"};
+  };
+  struct Ports {
+    std::uint16_t rtde, script, dashboard;
+  };
+  /// Called on each cycle with the instant on this machine's monotonic clock, on the controller's thread.
+  using OnCycle = std::function<void(SensorClock::time_point, const ArmState&)>;
+
+  [[nodiscard]] static Result<std::unique_ptr<UrController>> open(const Config& config, Arm& arm, OnCycle on_cycle);
+  ~UrController();
+  UrController(const UrController&) = delete;
+  UrController& operator=(const UrController&) = delete;
+
+  [[nodiscard]] Ports ports() const { return {rtde_listener_.port, script_listener_.port, dashboard_listener_.port}; }
+  [[nodiscard]] std::uint64_t scripts_run() const { return scripts_run_.load(); }
+  [[nodiscard]] std::uint64_t scripts_refused() const { return scripts_refused_.load(); }
+
+ private:
+  struct Client {
+    hal::Descriptor socket;
+    std::vector<std::uint8_t> incoming, outgoing;
+    bool closing{false};  ///< as soon as all is sent
+  };
+  struct RtdeClient : Client {
+    explicit RtdeClient(const rtde::ControllerSession::Config& config) : session(config) {}
+    rtde::ControllerSession session;
+  };
+
+  UrController(const Config& config, Arm& arm, OnCycle on_cycle);
+  void serve();
+  void cycle(std::uint64_t number);
+  void wait_until(SensorClock::time_point instant);
+  static void pass_on(RtdeClient& client);
+  void accept_clients();
+  void serve_rtde();
+  void serve_scripts();
+  void serve_dashboard();
+  void run_script(const std::string& text, Client& client);
+  [[nodiscard]] std::string dashboard_answer(const std::string& line, Client& client);
+  [[nodiscard]] SensorClock::time_point instant_of(std::uint64_t cycle) const;
+
+  Config config_;
+  Arm& arm_;
+  OnCycle on_cycle_;
+  UrValues values_;
+  TcpListener rtde_listener_, script_listener_, dashboard_listener_;
+  std::vector<std::unique_ptr<RtdeClient>> rtde_clients_;
+  std::vector<std::unique_ptr<Client>> script_clients_, dashboard_clients_;
+  SensorClock::time_point begin_;
+  std::atomic<std::uint64_t> scripts_run_{0}, scripts_refused_{0};
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;
+};
+
+}  // namespace biteline::sim

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+#include "hal/sim/robot/ur_values.hpp"
+
+namespace biteline::sim {
+
+namespace {
+
+constexpr double k_m_per_mm = 1e-3;
+/// UR's numbers, RTDE guide: robot mode RUNNING, safety mode NORMAL, runtime state STOPPED and PLAYING.
+constexpr std::int32_t k_running = 7, k_normal = 1;
+constexpr std::uint32_t k_stopped = 1, k_playing = 2;
+constexpr std::uint32_t k_power_on = 1U << 0U, k_program_running = 1U << 1U;
+constexpr std::uint32_t k_safety_normal = 1U << 0U;
+
+rtde::Vector6 ur_pose(const SE3& T) {
+  const Vec3 p = k_m_per_mm * T.translation();
+  const Vec3 r = geometry::log_so3(T.linear());
+  return {p.x(), p.y(), p.z(), r.x(), r.y(), r.z()};
+}
+
+rtde::Vector6 to_array(const JointVector& q) { return {q[0], q[1], q[2], q[3], q[4], q[5]}; }
+
+/// Linear speed of the tool's origin and turning speed, both in base.
+rtde::Vector6 speed_between(const SE3& before, const SE3& after, double step_s) {
+  const Vec3 v = k_m_per_mm / step_s * (after.translation() - before.translation());
+  const Vec3 w = geometry::log_so3(after.linear() * before.linear().transpose()) / step_s;
+  return {v.x(), v.y(), v.z(), w.x(), w.y(), w.z()};
+}
+
+}  // namespace
+
+void UrValues::advance(const ArmState& state, double timestamp_s) {
+  const SE3 T_base_tcp = state.T_base_flange * state.T_flange_tcp;
+  const SE3 T_base_tcp_before = state_.T_base_flange * state.T_flange_tcp;
+  const double step_s = timestamp_s - timestamp_s_;
+  const bool first = timestamp_s_ == 0;
+  tcp_speed_ = first || step_s <= 0 ? rtde::Vector6{} : speed_between(T_base_tcp_before, T_base_tcp, step_s);
+  tcp_pose_ = ur_pose(T_base_tcp);
+  tcp_offset_ = ur_pose(state.T_flange_tcp);
+
+  const bool still = !first && state_.T_base_flange.matrix() == state.T_base_flange.matrix();
+  if (still) {
+    q_rad_s_.setZero();
+  } else {
+    const auto followed = q_rad_ ? kinematics_.joints_near(state.T_base_flange, *q_rad_) : kinematics_.joints_anywhere(state.T_base_flange);
+    const bool smooth = followed && q_rad_ && step_s > 0;
+    q_rad_s_ = smooth ? JointVector((*followed - *q_rad_) / step_s) : JointVector(JointVector::Zero());
+    if (followed) q_rad_ = followed;
+  }
+  state_ = state;
+  timestamp_s_ = timestamp_s;
+}
+
+rtde::Value UrValues::value_of(std::string_view name) const {
+  if (name == "timestamp") return timestamp_s_;
+  if (name == "actual_q" || name == "target_q") return to_array(q_rad_.value_or(JointVector::Zero()));
+  if (name == "actual_qd" || name == "target_qd") return to_array(q_rad_s_);
+  if (name == "actual_TCP_pose" || name == "target_TCP_pose") return tcp_pose_;
+  if (name == "actual_TCP_speed" || name == "target_TCP_speed") return tcp_speed_;
+  if (name == "tcp_offset") return tcp_offset_;
+  if (name == "robot_mode") return k_running;
+  if (name == "safety_mode" || name == "safety_status") return k_normal;
+  if (name == "runtime_state") return state_.program_running ? k_playing : k_stopped;
+  if (name == "robot_status_bits") return k_power_on | (state_.program_running ? k_program_running : 0U);
+  if (name == "safety_status_bits") return k_safety_normal;
+  if (name == "speed_scaling" || name == "target_speed_fraction") return 1.0;
+  if (name == "actual_digital_output_bits") return std::uint64_t{state_.outputs};
+  const auto type = rtde::output_type(name);
+  return rtde::zero_of(type.value_or(rtde::FieldType::Double));
+}
+
+}  // namespace biteline::sim

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The simulated arm's state under RTDE's names and units.
+
+#include <optional>
+
+#include "common/rtde/controller_session.hpp"
+#include "hal/sim/robot/arm.hpp"
+
+namespace biteline::sim {
+
+/// One controller cycle.  Call advance() once for each cycle, in order; speeds are differences to the cycle before.
+/// Joints are followed from cycle to cycle; where the links do not reach they keep their last values.
+/// What the simulation does not have (forces, currents, temperatures) reads 0.
+class UrValues final : public rtde::ValueSource {
+ public:
+  explicit UrValues(const ArmKinematics& kinematics) : kinematics_(kinematics) {}
+
+  void advance(const ArmState& state, double timestamp_s);
+
+  [[nodiscard]] rtde::Value value_of(std::string_view name) const override;
+
+  [[nodiscard]] const ArmState& state() const { return state_; }
+
+ private:
+  ArmKinematics kinematics_;
+  ArmState state_;
+  double timestamp_s_{0};
+  std::optional<JointVector> q_rad_;
+  JointVector q_rad_s_{JointVector::Zero()};
+  rtde::Vector6 tcp_pose_{}, tcp_speed_{}, tcp_offset_{};
+};
+
+}  // namespace biteline::sim

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+#include "hal/sim/robot/ur_controller.hpp"
+
+#include <CppUTest/TestHarness.h>
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+
+#include "common/rtde/client_session.hpp"
+
+namespace biteline::sim {
+
+namespace {
+
+/// Generous: a busy machine must not fail the test, and a right answer comes in milliseconds.
+constexpr int k_patience_ms = 10'000;
+
+hal::Descriptor connect_to(std::uint16_t port) {
+  hal::Descriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  CHECK(connect(socket.number(), reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
+  return socket;
+}
+
+void send_text(const hal::Descriptor& socket, const std::string& text) {
+  LONGS_EQUAL(text.size(), send(socket.number(), text.data(), text.size(), MSG_NOSIGNAL));
+}
+
+std::string read_line(const hal::Descriptor& socket) {
+  std::string line;
+  for (;;) {
+    pollfd wait{socket.number(), POLLIN, 0};
+    char letter = 0;
+    if (poll(&wait, 1, k_patience_ms) <= 0 || recv(socket.number(), &letter, 1, 0) != 1) return line + " <closed>";
+    if (letter == '\n') return line;
+    line += letter;
+  }
+}
+
+class Recorder final : public rtde::ClientListener {
+ public:
+  void on_data(std::size_t, std::span<const rtde::Value> values) override {
+    stamps_s.push_back(std::get<double>(values[0]));
+    poses.push_back(std::get<rtde::Vector6>(values[1]));
+    states.push_back(std::get<std::uint32_t>(values[2]));
+  }
+  void on_text(const rtde::TextMessage& message) override { texts.push_back(message.text); }
+  std::vector<double> stamps_s;
+  std::vector<rtde::Vector6> poses;
+  std::vector<std::uint32_t> states;
+  std::vector<std::string> texts;
+};
+
+/// An RTDE client that reads until `enough` says so.
+class Client {
+ public:
+  explicit Client(std::uint16_t port)
+      : socket_(connect_to(port)),
+        session_({.outputs = {{.names = {"timestamp", "actual_TCP_pose", "runtime_state"}, .frequency_hz = 500}}, .inputs = {}}) {
+    session_.start();
+  }
+  template <class Enough>
+  bool read_until(Enough enough) {
+    const auto until = hal::monotonic_now() + Nanoseconds{k_patience_ms * 1'000'000LL};
+    while (hal::monotonic_now() < until) {
+      CHECK(write_available(socket_, session_.outgoing()));
+      pollfd wait{socket_.number(), POLLIN, 0};
+      poll(&wait, 1, 100);
+      std::vector<std::uint8_t> bytes;
+      CHECK(read_available(socket_, bytes));
+      CHECK(session_.consume(bytes, recorder).has_value());
+      if (enough(recorder)) return true;
+    }
+    return false;
+  }
+  Recorder recorder;
+
+ private:
+  hal::Descriptor socket_;
+  rtde::ClientSession session_;
+};
+
+}  // namespace
+
+TEST_GROUP(UrController) {
+  ArmKinematics kinematics = *ArmKinematics::named("ur5e");
+  SE3 T_start = kinematics.T_base_flange((JointVector() << 0.1, -1.4, 1.7, -1.8, -1.5, 0.2).finished());
+  Arm arm{kinematics, T_start};
+  std::unique_ptr<UrController> sut = *UrController::open({}, arm, {});
+};
+
+TEST(UrController, StreamsPosesAtTheCyclesOfItsOwnClock) {
+  Client client(sut->ports().rtde);
+  CHECK(client.read_until([](const Recorder& r) { return r.poses.size() >= 20; }));
+  const auto& r = client.recorder;
+  DOUBLES_EQUAL(T_start.translation().x() / 1000, r.poses[0][0], 1e-9);
+  for (std::size_t i = 1; i < r.stamps_s.size(); ++i) {
+    const double cycles = (r.stamps_s[i] - r.stamps_s[i - 1]) * 500;
+    DOUBLES_EQUAL(std::round(cycles), cycles, 1e-4);  // late cycles are skipped, never shifted
+    CHECK(cycles > 0.5);
+  }
+}
+
+TEST(UrController, RunsAScriptToItsEnd) {
+  Client client(sut->ports().rtde);
+  const hal::Descriptor script = connect_to(sut->ports().script);
+  const double x_m = T_start.translation().x() / 1000, y_m = T_start.translation().y() / 1000, z_m = T_start.translation().z() / 1000;
+  const Vec3 r = geometry::log_so3(T_start.linear());
+  char text[300];
+  std::snprintf(text, sizeof text, "def go():\n  movel(p[%.6f,%.6f,%.6f,%.6f,%.6f,%.6f], a=2, v=0.2)\nend\n", x_m, y_m, z_m + 0.02, r.x(), r.y(), r.z());
+  send_text(script, text);
+  CHECK(client.read_until([&](const Recorder& rec) { return !rec.poses.empty() && std::abs(rec.poses.back()[2] - z_m - 0.02) < 1e-6 && rec.states.back() == 1; }));
+  CHECK(std::find(client.recorder.states.begin(), client.recorder.states.end(), 2U) != client.recorder.states.end());
+  LONGS_EQUAL(1, sut->scripts_run());
+}
+
+TEST(UrController, AScriptItCannotReadMovesNothingAndIsSaid) {
+  Client client(sut->ports().rtde);
+  CHECK(client.read_until([](const Recorder& r) { return r.poses.size() >= 2; }));
+  const hal::Descriptor script = connect_to(sut->ports().script);
+  send_text(script, "def bad():\n  servoj([0,0,0,0,0,0])\nend\n");
+  STRCMP_CONTAINS("servoj", read_line(script).c_str());
+  CHECK(client.read_until([](const Recorder& r) { return !r.texts.empty(); }));
+  STRCMP_CONTAINS("line 2", client.recorder.texts[0].c_str());
+  LONGS_EQUAL(1, sut->scripts_refused());
+  CHECK_FALSE(arm.at(hal::monotonic_now()).moving);
+}
+
+TEST(UrController, TheDashboardAnswersAndStops) {
+  const hal::Descriptor dashboard = connect_to(sut->ports().dashboard);
+  STRCMP_EQUAL("Connected: Universal Robots Dashboard Server", read_line(dashboard).c_str());
+  send_text(dashboard, "robotmode\n");
+  STRCMP_EQUAL("Robotmode: RUNNING", read_line(dashboard).c_str());
+  arm.run(*parse_script("sleep(100)\n"), hal::monotonic_now());
+  send_text(dashboard, "running\n");
+  STRCMP_EQUAL("Program running: true", read_line(dashboard).c_str());
+  send_text(dashboard, "stop\nrunning\n");
+  STRCMP_EQUAL("Stopped", read_line(dashboard).c_str());
+  STRCMP_EQUAL("Program running: false", read_line(dashboard).c_str());
+  send_text(dashboard, "dance\n");
+  STRCMP_CONTAINS("could not understand", read_line(dashboard).c_str());
+  send_text(dashboard, "quit\n");
+  STRCMP_EQUAL("Disconnected", read_line(dashboard).c_str());
+  STRCMP_EQUAL(" <closed>", read_line(dashboard).c_str());
+}
+
+}  // namespace biteline::sim
