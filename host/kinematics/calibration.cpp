@@ -35,13 +35,15 @@ SE3 frame_from(config::YamlReader& joint) {
 
 Result<ArmModel> with_calibration(const ArmModel& arm, const std::filesystem::path& file) {
   BITELINE_ASSIGN(config::YamlReader reader, config::YamlReader::open(file));
-  config::YamlReader joints = reader.child("kinematics", true);
   ArmModel calibrated = arm;
-  for (std::size_t i = 0; i < k_joints; ++i) {
-    config::YamlReader joint = joints.child(k_joint_names[i], true);
-    calibrated.T_fixed[i] = frame_from(joint);
+  {
+    config::YamlReader joints = reader.child("kinematics", true);
+    for (std::size_t i = 0; i < k_joints; ++i) {
+      config::YamlReader joint = joints.child(k_joint_names[i], true);
+      calibrated.T_fixed[i] = frame_from(joint);
+    }
+    static_cast<void>(joints.text_or("hash", ""));
   }
-  static_cast<void>(joints.text_or("hash", ""));
   BITELINE_TRY(reader.finish());
 
   const std::array<SE3, k_joints> nominal = nominal_frames(arm.nominal);

@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
   add_extract(app, context);
   add_calibrate(app, context);
   add_replay(app, context);
+  add_plan(app, context);
 
   try {
     app.parse(argc, argv);

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file What is done along the line, and with which tool: the process YAML.
+
+#include <filesystem>
+#include <string>
+
+#include "common/core/result.hpp"
+#include "common/geometry/se3.hpp"
+
+namespace biteline::trajectory {
+
+/// The tool: z of its frame is its axis, out of the flange; its tip is the origin.
+struct Tool {
+  SE3 T_flange_tcp{SE3::Identity()};
+  double body_radius_mm{
+      20};  ///< of a cylinder round the axis, from the flange down to `contact_length_mm` from the tip
+  double contact_length_mm{15};  ///< what of the tip may come close to the shoe
+  double free_turn_rad{0};       ///< how far it may be turned about its axis, either way; pi: it is round
+};
+
+/// Where the tip stands relative to the line; out: along the upper's outward normal, up: at right angles to
+/// it and the line.
+struct Placement {
+  double outward_mm{0};
+  double up_mm{0};
+  double standoff_mm{0};  ///< of the tip, back along the tool's axis (spray)
+  double tilt_rad{0};     ///< 0: the tool points level at the upper; pi/2: straight down
+  double lead_rad{0};     ///< > 0: the tool's body leans back, the tip goes ahead
+};
+
+/// What the tool covers at once: a contact width, or the cone of a spray at its standoff.
+struct Coverage {
+  double contact_width_mm{0};
+  double cone_rad{0};
+};
+
+struct Motion {
+  double speed_mm_s{50};           ///< along the line
+  double minimum_speed_mm_s{5};    ///< slower than this the process burns or floods; the path is refused
+  double acceleration_mm_s2{500};  ///< along the path
+  double cross_acceleration_mm_s2{500};  ///< in curves: limits the speed to sqrt(a / curvature)
+  double joint_speed_ratio{0.5};         ///< of the arm's own limits
+  double spacing_mm{2};
+  double blend_mm{0.8};
+  double overlap_mm{10};   ///< beyond the starting point, so that the seam is covered
+  double approach_mm{30};  ///< back along the tool's axis
+  double approach_speed_mm_s{30};
+  double lift_mm{80};  ///< from there straight up, before and after
+  double transfer_speed_mm_s{150};
+};
+
+/// Where the closed line is entered.
+enum class Start {
+  Auto,     ///< where a seam harms least: straight and away from toe and heel
+  Nearest,  ///< nearest to the robot's base
+  Farthest,
+};
+
+struct Process {
+  std::string name;
+  Tool tool;
+  Placement placement;
+  Coverage coverage;
+  Motion motion;
+  Start start{Start::Auto};
+  int digital_output{-1};  ///< switched on along the line; -1: none
+};
+
+/// Width worked at once, mm: the contact's, or the cone's at the standoff.
+[[nodiscard]] double covered_width_mm(const Process& process);
+
+/// Strict: every fault names file, key and line.  Angles in the file are degrees.
+[[nodiscard]] Result<Process> read_process(const std::filesystem::path& file);
+
+}  // namespace biteline::trajectory
