@@ -30,9 +30,10 @@ inline constexpr int k_max_spread_rows = 32;
 /// is not known that well: the fit would follow its own width estimate (worse than this from contrast 0.15 on, see
 /// bench_stripe_accuracy).  The variance that is reported holds all of the speckle.
 inline constexpr float k_weight_contrast = 0.06F;
-/// Two rounds always, and up to so many more until no lane's centre moves by a fifth of its standard deviation.
+/// Two rounds always, and up to so many more until no lane's centre moves by most of its standard deviation: what is
+/// left after such a step is a tenth of it.
 inline constexpr int k_more_rounds = 3;
-inline constexpr float k_settled_step_squared = 0.04F;
+inline constexpr float k_settled_step_squared = 0.5F;
 /// The model's residual over its own energy, above which the shape is no stripe's: speckle of contrast 0.25 reaches 0.3.
 inline constexpr float k_poor_fit_ratio = 0.45F;
 }  // namespace biteline::stripe
@@ -142,11 +143,14 @@ struct Round {
   M settled;          ///< the last step was small against the standard deviation
 };
 
+/// `Judge` also fills Round's misfit and saturated, and counts all of the speckle in the variance.
+///
 /// One Gauss-Newton step of the weighted least-squares fit of a Gaussian on a tilted background.  The weights are one
 /// over the noise model's variance at the current estimate, which makes the fit's limit the maximum-likelihood estimate
 /// to first order (Kay 1993, Fundamentals of Statistical Signal Processing, ch. 7), but for strong speckle.  Centre on one side and amplitude and
 /// width on the other are even and odd about the centre, so their cross terms vanish but for the sampling, and the system
 /// splits into 1 + 2.  Saturated pixels carry no weight: they only say "at least this".
+template <bool Judge>
 HWY_INLINE Round improve(const Walk& walk, const NoiseModel& noise, Stripe& stripe) {
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0F);
   const V read_variance = hn::Set(d, noise.read_noise_grey * noise.read_noise_grey);
@@ -178,13 +182,15 @@ HWY_INLINE Round improve(const Walk& walk, const NoiseModel& noise, Stripe& stri
     ss = hn::MulAdd(weighted_sigma, by_sigma, ss);
     ra = hn::MulAdd(weighted_g, residual, ra);
     rs = hn::MulAdd(weighted_sigma, residual, rs);
-    const V speckle_part = hn::Mul(weighted_centre, mean);
-    speckled = hn::MulAdd(speckle_part, speckle_part, speckled);
-    const V counted = hn::IfThenElseZero(used, mean);
-    energy = hn::MulAdd(counted, mean, energy);
-    const V counted_residual = hn::IfThenElseZero(used, residual);
-    residual_energy = hn::MulAdd(counted_residual, counted_residual, residual_energy);
-    saturated = hn::Add(saturated, hn::IfThenElseZero(hn::And(full, inside), one));
+    if constexpr (Judge) {
+      const V speckle_part = hn::Mul(weighted_centre, mean);
+      speckled = hn::MulAdd(speckle_part, speckle_part, speckled);
+      const V counted = hn::IfThenElseZero(used, mean);
+      energy = hn::MulAdd(counted, mean, energy);
+      const V counted_residual = hn::IfThenElseZero(used, residual);
+      residual_energy = hn::MulAdd(counted_residual, counted_residual, residual_energy);
+      saturated = hn::Add(saturated, hn::IfThenElseZero(hn::And(full, inside), one));
+    }
     x = hn::Add(x, one);
   }
   const V tiny = hn::Set(d, 1e-12F);
@@ -254,12 +260,15 @@ void fit_group(const FrameRows& frame, const FitGroup& group, const NoiseModel& 
   const int start_first = first;
   walk = walk_around(frame, group, walk, stripe, k_background_sigma, first);
   rebase(stripe, first - start_first);
-  improve(walk, noise, stripe);
+  improve<false>(walk, noise, stripe);
   read_background(walk, stripe);
-  Round round = improve(walk, noise, stripe);
+  const int wide_first = first;
+  walk = walk_around(frame, group, walk, stripe, k_reach_sigma, first);
+  rebase(stripe, first - wide_first);
+  Round round = improve<true>(walk, noise, stripe);
   const M used = hn::Ne(hn::LoadU(d, group.in_use.data()), hn::Zero(d));
   for (int more = 0; more < k_more_rounds && !hn::AllTrue(d, hn::Or(round.settled, hn::Not(used))); ++more) {
-    round = improve(walk, noise, stripe);
+    round = improve<true>(walk, noise, stripe);
   }
 
   hn::StoreU(hn::Add(stripe.centre, hn::Set(d, static_cast<float>(first))), d, out.centre.data());
