@@ -26,7 +26,7 @@ enum PointFlag : std::uint16_t {
 };
 
 /// Points with one of these are evidence, not surface: they stay out of the cloud.
-inline constexpr std::uint16_t k_point_not_surface = k_point_clipped | k_point_reflection;
+inline constexpr std::uint16_t k_point_not_surface = k_point_clipped | k_point_reflection | k_point_edge_mixed;
 
 /// What is known about the whole profile.  0: an ordinary good profile.
 enum ProfileFlag : std::uint32_t {
@@ -63,6 +63,7 @@ struct ProfileHeader {
   std::uint64_t frame_sequence{0};       ///< the camera's own count
   SensorClock::time_point exposure_mid;  ///< middle of the exposure
   SE3 T_base_flange{SE3::Identity()};    ///< at exposure_mid
+  Nanoseconds second_exposure_after{0};  ///< of a bracket: from exposure_mid to the longer exposure's middle; 0: none
   Nanoseconds pose_age{0};               ///< distance in time from exposure_mid to the nearest pose sample
   std::uint32_t flags{0};                ///< ProfileFlag
 };

@@ -34,8 +34,9 @@ inline constexpr float k_weight_contrast = 0.06F;
 /// left after such a step is a tenth of it.
 inline constexpr int k_more_rounds = 3;
 inline constexpr float k_settled_step_squared = 0.5F;
-/// The model's residual over its own energy, above which the shape is no stripe's: speckle of contrast 0.25 reaches 0.3.
-inline constexpr float k_poor_fit_ratio = 0.45F;
+/// The residual over the model's own energy, above which the shape is no stripe's: this, and as much again as the speckle
+/// makes of itself.  Two stripes four of their standard deviations apart reach 0.4.
+inline constexpr float k_poor_fit_ratio = 0.22F;
 }  // namespace biteline::stripe
 #endif
 
@@ -301,7 +302,7 @@ std::uint8_t flags_of(const FittedLanes& fitted, std::size_t lane, const PeakCon
   if (centre - 2.15F * sigma < 0 || centre + 2.15F * sigma > static_cast<float>(height_px - 1)) flags |= k_peak_clipped;
   if (width_px > config.width_max_px) flags |= k_peak_wide;
   if (width_px < config.width_min_px) flags |= k_peak_narrow;
-  if (fitted.misfit[lane] > k_poor_fit_ratio) flags |= k_peak_poor_fit;
+  if (fitted.misfit[lane] > k_poor_fit_ratio + 1.1F * config.noise.speckle_contrast) flags |= k_peak_poor_fit;
   return flags;
 }
 

@@ -43,6 +43,20 @@ struct PixelView {
   std::size_t stride_bytes{0};
 };
 
+/// A lit frame without the room's own light: lit - dark + k_ambient_pedestal, saturated pixels kept at full scale.  The
+/// pedestal keeps noise below zero; read noise counts twice in such a picture.
+inline constexpr std::uint8_t k_ambient_pedestal = 8;
+
+struct AmbientPair {
+  PixelView lit;
+  PixelView dark;  ///< the same region with the laser off
+  int width_px{0};
+  int height_px{0};
+};
+
+/// `out` has width x height pixels without padding.
+void rt_subtract_ambient(const AmbientPair& pair, std::uint8_t* out) noexcept BITELINE_RT;
+
 /// Finds the stripe's peaks in each column of 8-bit frames.
 ///
 /// One row-major pass makes the maximum of every eight rows (vectors of columns, instruction set chosen at run time);

@@ -15,12 +15,12 @@ using std::chrono::milliseconds;
 constexpr Nanoseconds k_device_wait = milliseconds{50};
 /// A paused lossless source looks again so often: far less than a frame takes to process.
 constexpr Nanoseconds k_pause = microseconds{200};
-/// Poses are read this far beyond the profile that waits for them: four times the smoothing's reach (24 ms), and at
+/// Poses are read this far beyond the profile that waits for them: twice the smoothing's reach (50 ms), and at
 /// 8 kHz, beyond any controller, still a fifth of the history.
 constexpr Nanoseconds k_pose_lead = milliseconds{100};
 /// A live profile waits so long for poses after its exposure: the smoothing's reach plus two periods of the slowest
 /// controller (8 ms) and as much for the network.
-constexpr Nanoseconds k_pose_patience = milliseconds{24 + 16 + 10};
+constexpr Nanoseconds k_pose_patience = geometry::PoseSmoothing{}.reach + milliseconds{16 + 10};
 
 constexpr std::int64_t k_never_ns = std::numeric_limits<std::int64_t>::min();
 
@@ -92,8 +92,12 @@ void Scanner::process(const hal::FrameView& frame) {
   const SensorClock::time_point begin = clock_.now();
   const std::optional<rt::BufferIndex> buffer = pool_.rt_acquire();
   BITELINE_EXPECTS(buffer.has_value());  // k_pool_profiles leaves one
-  pipeline_.rt_process(frame, pool_[*buffer]);
+  const bool made = pipeline_.rt_process(frame, pool_[*buffer]);
   source_.camera->release(frame);
+  if (!made) {  // an ambient picture, or the first half of a bracket
+    pool_.rt_release(*buffer);
+    return;
+  }
   const SensorClock::time_point end = clock_.now();
   if (end - begin > runtime::threads::k_acquisition.budget && !source_.lossless) {
     pool_[*buffer].header.flags |= profile::k_profile_overrun;

@@ -4,7 +4,6 @@
 #include "firmware/pipeline/profile_pipeline_state.hpp"
 
 namespace biteline::pipeline {
-
 namespace {
 
 /// A peak's row says how far along the laser's light a point lies: the way it moves when the row changes.
@@ -16,7 +15,26 @@ Eigen::Vector3f measuring_direction_flange(const geometry::SensorModel& sensor) 
   return (sensor.T_flange_cam.linear() * step_cam.normalized()).cast<float>();
 }
 
+std::size_t pixel_count(const geometry::Region& region) {
+  return static_cast<std::size_t>(region.width_px) * static_cast<std::size_t>(region.height_px);
+}
+
 }  // namespace
+
+ProfilePipeline::State::State(const Config& given, const geometry::SensorModel& sensor, stripe::PeakExtractor made_extractor,
+                              TriangulationTable made_table)
+    : config{given},
+      region{sensor.region},
+      T_flange_cam{sensor.T_flange_cam.cast<float>()},
+      T_flange_cam_exact{sensor.T_flange_cam},
+      measuring_flange{measuring_direction_flange(sensor)},
+      extractor{std::move(made_extractor)},
+      line_average{given.line_average},
+      table{std::move(made_table)},
+      first{given.selector},
+      second{given.selector},
+      ambient(pixel_count(sensor.region)),
+      difference(pixel_count(sensor.region)) {}
 
 ProfilePipeline::ProfilePipeline(std::unique_ptr<State> state) : state_{std::move(state)} {}
 ProfilePipeline::ProfilePipeline(ProfilePipeline&&) noexcept = default;
@@ -27,19 +45,7 @@ Result<ProfilePipeline> ProfilePipeline::create(const Config& config, const geom
   BITELINE_ASSIGN(auto extractor,
                   stripe::PeakExtractor::create(config.peaks, sensor.region.width_px, sensor.region.height_px));
   BITELINE_ASSIGN(auto table, TriangulationTable::create(sensor));
-  return ProfilePipeline{std::unique_ptr<State>(new State{.config = config,
-                                                          .region = sensor.region,
-                                                          .T_flange_cam = sensor.T_flange_cam.cast<float>(),
-                                                          .measuring_flange = measuring_direction_flange(sensor),
-                                                          .extractor = std::move(extractor),
-                                                          .selector = stripe::PeakSelector{config.selector},
-                                                          .line_average = stripe::LineAverage{config.line_average},
-                                                          .table = std::move(table),
-                                                          .peaks = {},
-                                                          .selection = {},
-                                                          .line = {},
-                                                          .line_work = {},
-                                                          .next_sequence = 0})};
+  return ProfilePipeline{std::make_unique<State>(config, sensor, std::move(extractor), std::move(table))};
 }
 
 }  // namespace biteline::pipeline

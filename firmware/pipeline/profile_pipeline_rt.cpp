@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cmath>
 
 #include "common/core/contracts.hpp"
@@ -33,75 +34,171 @@ std::uint16_t point_flags(const stripe::Peak& peak, const stripe::ColumnPeaks& c
   return flags;
 }
 
+bool is_present(const ExposedStripe& stripe, std::size_t column) { return stripe.selection.columns[column].kept_index >= 0; }
+
+const stripe::Peak& chosen_peak(const ExposedStripe& stripe, std::size_t column) {
+  return stripe.peaks.columns[column].kept[static_cast<std::size_t>(stripe.selection.columns[column].kept_index)];
+}
+
 /// The chosen peaks as a line, averaged along itself.  A peak that mixes surfaces or is none joins nothing.
-void rt_average_along_line(const stripe::Peaks& peaks, const stripe::Selection& selection, const stripe::LineAverage& average,
-                           std::span<stripe::LinePoint> line, std::span<stripe::LinePoint> work) noexcept BITELINE_RT {
-  const auto columns = static_cast<std::size_t>(peaks.column_count);
+void rt_average_along_line(const stripe::LineAverage& average, ExposedStripe& stripe, std::span<stripe::LinePoint> work) noexcept
+    BITELINE_RT {
+  const auto columns = static_cast<std::size_t>(stripe.peaks.column_count);
   bool previous_sound = false;
   for (std::size_t i = 0; i < columns; ++i) {
-    const stripe::Selected& selected = selection.columns[i];
-    line[i] = {};
+    const stripe::Selected& selected = stripe.selection.columns[i];
+    stripe.line[i] = {};
     if (selected.kept_index < 0) {
       previous_sound = false;
       continue;
     }
-    const stripe::Peak& peak = peaks.columns[i].kept[static_cast<std::size_t>(selected.kept_index)];
+    const stripe::Peak& peak = chosen_peak(stripe, i);
     const bool sound = selected.flags == 0 && (peak.flags & (stripe::k_peak_clipped | stripe::k_peak_poor_fit)) == 0;
-    line[i] = {.row_px = peak.row_px,
-               .sigma_row_px = peak.sigma_row_px,
-               .present = true,
-               .joined = selected.joined && sound && previous_sound};
+    stripe.line[i] = {.row_px = peak.row_px,
+                      .sigma_row_px = peak.sigma_row_px,
+                      .present = true,
+                      .joined = selected.joined && sound && previous_sound};
     previous_sound = sound;
   }
-  average.rt_average(line.subspan(0, columns), work);
+  average.rt_average(std::span{stripe.line}.subspan(0, columns), work);
+}
+
+/// Puts points into a profile as long as there is room.
+class PointWriter {
+ public:
+  PointWriter(const TriangulationTable& table, int offset_v_px, ProfileBuffer& out) : table_{table}, offset_v_px_{offset_v_px}, out_{out} {}
+
+  void rt_write(std::size_t column, const stripe::Peak& peak, const stripe::LinePoint& place, std::uint16_t flags,
+                std::uint8_t peak_count) noexcept BITELINE_RT {
+    if (out_.count == out_.points.size()) return;
+    const TriangulationTable::Point triangulated = table_.rt_point(static_cast<int>(column), place.row_px);
+    out_.points[out_.count++] = {.point_cam = triangulated.point_cam,
+                                 .sigma_mm = place.sigma_row_px * triangulated.mm_per_row,
+                                 .row_px = place.row_px + static_cast<float>(offset_v_px_),
+                                 .sigma_row_px = place.sigma_row_px,
+                                 .amplitude = peak.amplitude,
+                                 .width_px = peak.width_px,
+                                 .column = static_cast<std::uint16_t>(column),
+                                 .flags = flags,
+                                 .peak_count = peak_count};
+  }
+
+ private:
+  const TriangulationTable& table_;
+  int offset_v_px_;
+  ProfileBuffer& out_;
+};
+
+/// Per column the exposure whose peak says more: the longer one, unless it is saturated there and the shorter one is not.
+bool prefers_second(const ExposedStripe& first, const ExposedStripe& second, std::size_t column) {
+  if (!is_present(second, column)) return false;
+  if (!is_present(first, column)) return true;
+  constexpr std::uint8_t k_bad = stripe::k_selection_reflection | stripe::k_selection_edge_mixed;
+  const bool first_bad = first.selection.columns[column].flags & k_bad, second_bad = second.selection.columns[column].flags & k_bad;
+  if (first_bad != second_bad) return first_bad;
+  return (chosen_peak(second, column).flags & stripe::k_peak_saturated) == 0;
 }
 
 }  // namespace
 
-void ProfilePipeline::rt_process(const hal::FrameView& frame, ProfileBuffer& out) noexcept BITELINE_RT {
+bool ProfilePipeline::rt_process(const hal::FrameView& frame, ProfileBuffer& out) noexcept BITELINE_RT {
   State& state = *state_;
   BITELINE_EXPECTS(frame.width_px == state.region.width_px && frame.height_px == state.region.height_px);
+  if (frame.flags & hal::k_frame_laser_off) {
+    const auto width = static_cast<std::size_t>(frame.width_px);
+    for (std::size_t row = 0; row < static_cast<std::size_t>(frame.height_px); ++row) {
+      std::copy_n(frame.pixels.data() + row * frame.stride_bytes, width, state.ambient.data() + row * width);
+    }
+    state.ambient_mid = frame.exposure_mid;
+    return false;
+  }
+
+  // From one frame to one exposure's line.
+  const auto expose = [&](ExposedStripe& stripe) {
+    stripe::PixelView view{.pixels = frame.pixels.data(), .stride_bytes = frame.stride_bytes};
+    if (state.ambient_mid && std::chrono::abs(frame.exposure_mid - *state.ambient_mid) <= state.config.ambient_max_age) {
+      const auto width = static_cast<std::size_t>(frame.width_px);
+      stripe::rt_subtract_ambient({.lit = view,
+                                   .dark = {.pixels = state.ambient.data(), .stride_bytes = width},
+                                   .width_px = frame.width_px,
+                                   .height_px = frame.height_px},
+                                  state.difference.data());
+      view = {.pixels = state.difference.data(), .stride_bytes = width};
+    }
+    stripe.exposure_mid = frame.exposure_mid;
+    stripe.frame_sequence = frame.sequence;
+    stripe.frame_flags = frame.flags;
+    state.extractor.rt_extract(view, stripe.peaks);
+    stripe.selector.rt_select(stripe.peaks, stripe.selection);
+    rt_average_along_line(state.line_average, stripe, state.line_work);
+  };
+
+  const bool is_second = (frame.flags & hal::k_frame_second_exposure) != 0;
+  if (!state.config.bracketing) {
+    expose(state.first);
+    rt_make_profile(state.first, nullptr, out);
+    return true;
+  }
+  if (is_second) {
+    expose(state.second);
+    // A second without its first is a profile of its own.
+    rt_make_profile(state.first_waits ? state.first : state.second, state.first_waits ? &state.second : nullptr, out);
+    state.first_waits = false;
+    return true;
+  }
+  // A first whose second was lost goes out alone, before the new one is looked at.
+  const bool alone = state.first_waits;
+  if (alone) rt_make_profile(state.first, nullptr, out);
+  expose(state.first);
+  state.first_waits = true;
+  return alone;
+}
+
+void ProfilePipeline::rt_make_profile(const ExposedStripe& first, const ExposedStripe* second, ProfileBuffer& out) noexcept
+    BITELINE_RT {
+  State& state = *state_;
   out.header = {};
   out.header.sequence = state.next_sequence++;
-  out.header.frame_sequence = frame.sequence;
-  out.header.exposure_mid = frame.exposure_mid;
-  out.header.flags = profile_flags(frame.flags);
+  out.header.frame_sequence = first.frame_sequence;
+  out.header.exposure_mid = first.exposure_mid;
+  out.header.flags = profile_flags(second != nullptr ? first.frame_flags | second->frame_flags : first.frame_flags);
+  if (second != nullptr) out.header.second_exposure_after = second->exposure_mid - first.exposure_mid;
   out.count = 0;
 
-  state.extractor.rt_extract({.pixels = frame.pixels.data(), .stride_bytes = frame.stride_bytes}, state.peaks);
-  state.selector.rt_select(state.peaks, state.selection);
-  rt_average_along_line(state.peaks, state.selection, state.line_average, state.line, state.line_work);
-
-  for (int column = 0; column < state.peaks.column_count; ++column) {
-    const stripe::Selected selected = state.selection.columns[static_cast<std::size_t>(column)];
-    if (selected.kept_index < 0) continue;
-    const stripe::ColumnPeaks& peaks = state.peaks.columns[static_cast<std::size_t>(column)];
-    const stripe::Peak& peak = peaks.kept[static_cast<std::size_t>(selected.kept_index)];
-    const stripe::LinePoint& averaged = state.line[static_cast<std::size_t>(column)];
-    const TriangulationTable::Point triangulated = state.table.rt_point(column, averaged.row_px);
-    ProfilePoint& point = out.points[out.count++];
-    point.point_cam = triangulated.point_cam;
-    point.sigma_mm = averaged.sigma_row_px * triangulated.mm_per_row;
-    point.row_px = averaged.row_px + static_cast<float>(state.region.offset_v_px);
-    point.sigma_row_px = averaged.sigma_row_px;
-    point.amplitude = peak.amplitude;
-    point.width_px = peak.width_px;
-    point.column = static_cast<std::uint16_t>(column);
-    point.flags = point_flags(peak, peaks, selected.flags);
-    point.peak_count = peaks.seen_count;
+  PointWriter writer{state.table, state.region.offset_v_px, out};
+  std::size_t surface_columns = 0;
+  const auto columns = static_cast<std::size_t>(first.peaks.column_count);
+  for (std::size_t column = 0; column < columns; ++column) {
+    const bool from_second = second != nullptr && prefers_second(first, *second, column);
+    const ExposedStripe& stripe = from_second ? *second : first;
+    if (!is_present(stripe, column)) continue;
+    ++surface_columns;
+    const stripe::ColumnPeaks& peaks = stripe.peaks.columns[column];
+    const auto exposure_flag = static_cast<std::uint16_t>(
+        (stripe.frame_flags & hal::k_frame_second_exposure) != 0 ? profile::k_point_second_exposure : 0);
+    const stripe::Peak& chosen = chosen_peak(stripe, column);
+    const auto chosen_flags =
+        static_cast<std::uint16_t>(point_flags(chosen, peaks, stripe.selection.columns[column].flags) | exposure_flag);
+    writer.rt_write(column, chosen, stripe.line[column], chosen_flags, peaks.seen_count);
+    if (!state.config.keep_second_peaks || peaks.kept_count < 2) continue;
+    const stripe::Peak& other = peaks.kept[stripe.selection.columns[column].kept_index == 0 ? 1 : 0];
+    const auto other_flags =
+        static_cast<std::uint16_t>(point_flags(other, peaks, stripe::k_selection_reflection) | exposure_flag);
+    writer.rt_write(column, other, {.row_px = other.row_px, .sigma_row_px = other.sigma_row_px}, other_flags, peaks.seen_count);
   }
-  if (static_cast<double>(out.count) < state.config.stripe_lost_ratio * state.peaks.column_count) {
+  if (static_cast<double>(surface_columns) < state.config.stripe_lost_ratio * static_cast<double>(columns)) {
     out.header.flags |= profile::k_profile_stripe_lost;
   }
 }
 
 bool ProfilePipeline::rt_pose_ready(const ProfileBuffer& profile, const PoseHistory& poses) const noexcept BITELINE_RT {
-  return poses.rt_covers(profile.header.exposure_mid, state_->config.pose_smoothing);
+  return poses.rt_covers(profile.header.exposure_mid + profile.header.second_exposure_after, state_->config.pose_smoothing);
 }
 
 void ProfilePipeline::rt_stamp(ProfileBuffer& profile, const PoseHistory& poses) const noexcept BITELINE_RT {
+  const State& state = *state_;
   geometry::PoseEstimate pose;
-  if (!poses.rt_pose_at(profile.header.exposure_mid, state_->config.pose_smoothing, pose)) return;
+  if (!poses.rt_pose_at(profile.header.exposure_mid, state.config.pose_smoothing, pose)) return;
   profile.header.T_base_flange = pose.T_base_flange;
   profile.header.pose_age = pose.age;
   profile.header.flags &= ~static_cast<std::uint32_t>(profile::k_profile_pose_missing | profile::k_profile_pose_stale |
@@ -109,12 +206,22 @@ void ProfilePipeline::rt_stamp(ProfileBuffer& profile, const PoseHistory& poses)
   if (pose.stale) profile.header.flags |= profile::k_profile_pose_stale;
   if (pose.extrapolated) profile.header.flags |= profile::k_profile_pose_extrapolated;
 
+  Eigen::Isometry3f T_first_second = Eigen::Isometry3f::Identity();
+  if (profile.header.second_exposure_after.count() != 0) {
+    geometry::PoseEstimate second;
+    if (!poses.rt_pose_at(profile.header.exposure_mid + profile.header.second_exposure_after, state.config.pose_smoothing, second)) return;
+    if (second.stale) profile.header.flags |= profile::k_profile_pose_stale;
+    if (second.extrapolated) profile.header.flags |= profile::k_profile_pose_extrapolated;
+    T_first_second = ((pose.T_base_flange * state.T_flange_cam_exact).inverse() * second.T_base_flange * state.T_flange_cam_exact).cast<float>();
+  }
+
   // Along the measuring direction: the flange's own scatter, and the orientation's at its lever.
   const auto place_variance = static_cast<float>(pose.sigma_mm * pose.sigma_mm);
   const auto turn_variance = static_cast<float>(pose.sigma_rad * pose.sigma_rad);
   for (std::size_t i = 0; i < profile.count; ++i) {
     ProfilePoint& point = profile.points[i];
-    const float lever_squared = (state_->T_flange_cam * point.point_cam).cross(state_->measuring_flange).squaredNorm();
+    if (point.flags & profile::k_point_second_exposure) point.point_cam = T_first_second * point.point_cam;
+    const float lever_squared = (state.T_flange_cam * point.point_cam).cross(state.measuring_flange).squaredNorm();
     point.sigma_mm = std::sqrt(point.sigma_mm * point.sigma_mm + place_variance + turn_variance * lever_squared);
   }
 }
