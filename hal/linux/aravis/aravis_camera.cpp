@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cfenv>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -89,8 +90,12 @@ struct AravisCamera::Device {
   void drop_stream() {
     for (ArvBuffer* buffer : borrowed) g_object_unref(buffer);
     borrowed.clear();
+    // A stream that ends works out its mean rate, over no frames if there were none: those flags are not ours.
+    std::fenv_t environment;
+    std::feholdexcept(&environment);
     if (stream != nullptr) g_object_unref(stream);
     stream = nullptr;
+    std::fesetenv(&environment);
   }
 
   [[nodiscard]] bool has(const char* feature) const {

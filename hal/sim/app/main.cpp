@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Biteline's simulated cell: a made shoe, a scanning head and an arm.  Everything it serves is simulated.", "biteline-cell"};
   Context context;
   app.require_subcommand(1);
+  add_serve(app, context);
   add_record(app, context);
 
   try {

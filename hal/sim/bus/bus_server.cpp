@@ -18,11 +18,16 @@ namespace biteline::sim {
 BusServer::BusServer(hal::Descriptor listener, hal::Descriptor wake, Callbacks callbacks)
     : listener_(std::move(listener)), wake_(std::move(wake)), callbacks_(std::move(callbacks)), thread_([this] { serve(); }) {}
 
-BusServer::~BusServer() {
+BusServer::~BusServer() { close(); }
+
+void BusServer::close() {
+  if (!thread_.joinable()) return;
   stopping_ = true;
   const std::uint64_t one = 1;
   [[maybe_unused]] const auto written = write(wake_.number(), &one, sizeof one);
   thread_.join();
+  const std::lock_guard lock(clients_mutex_);
+  clients_.clear();
 }
 
 Result<std::unique_ptr<BusServer>> BusServer::open(const std::string& name, Callbacks callbacks) {

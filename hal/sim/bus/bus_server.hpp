@@ -41,6 +41,9 @@ class BusServer {
   /// One frame to everybody on the pose bus.
   void send(const hal::CanFrame& frame);
 
+  /// Hears nobody any more; drive() and send() then reach nobody.
+  void close();
+
   [[nodiscard]] std::uint64_t messages_dropped() const { return dropped_.load(); }
 
  private:

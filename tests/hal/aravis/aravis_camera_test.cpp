@@ -4,7 +4,6 @@
 
 #include <CppUTest/TestHarness.h>
 
-#include <cfenv>
 #include <chrono>
 #include <cstring>
 #include <thread>
@@ -215,7 +214,6 @@ TEST(AravisCamera, ALostCameraIsSaidAndCanBeOpenedAgain) {
   CHECK((*again)->configure(settings(100)).has_value());
   CHECK((*again)->start().has_value());
   CHECK((*again)->next_frame(k_second).has_value());
-  std::feclearexcept(FE_ALL_EXCEPT);  // Aravis works out a rate over no frames when a stream ends
 }
 
 TEST(AravisCamera, NoCameraAtTheAddressIsAnErrorThatNamesIt) {

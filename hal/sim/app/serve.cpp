@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+
+#include "common/config/sensor_yaml.hpp"
+#include "hal/sim/app/command.hpp"
+#include "hal/sim/live/live_cell.hpp"
+
+namespace biteline::cell {
+
+namespace {
+
+struct ServeOptions {
+  SceneOptions scene{.speed_mm_s = 50, .rate_hz = 50};
+  std::string out;
+  std::string wires;
+  std::string camera{"127.0.0.1"};
+  std::string arm{"ur5e"};
+  std::uint16_t rtde_port{0}, script_port{0}, dashboard_port{0};
+  int robot_rate_hz{500};
+  double robot_clock_ms{0};
+  double lost_packet_ratio{0};
+  bool camera_free_clock{false};
+  bool exit_with_parent{false};
+};
+
+Result<void> write_sensor_yaml(const std::filesystem::path& file, const sim::MadeScene& scene) {
+  std::ofstream out(file, std::ios::binary);
+  out << config::sensor_yaml_text(scene.head.model, "made head " + std::to_string(scene.settings.head_seed) + ", simulated");
+  out.close();
+  if (!out) return fail_errno(Errc::WriteFailed, errno, "%s", file.c_str());
+  return {};
+}
+
+/// For whoever started this program: one line, then nothing more on stdout before the end.
+void print_endpoints(const sim::LiveCell& cell, const ServeOptions& options) {
+  const auto ports = cell.robot_ports();
+  std::printf("{\"simulated\":true,\"wires\":\"%s\",\"camera\":\"%s\",\"rtde\":\"127.0.0.1:%d\",\"script\":\"127.0.0.1:%d\","
+              "\"dashboard\":\"127.0.0.1:%d\",\"arm\":\"%s\",\"out\":\"%s\",\"sensor\":\"%s/sensor.yaml\",\"scan_s\":%.3f}\n",
+              cell.settings().wires.c_str(), cell.settings().camera_address.c_str(), int{ports.rtde}, int{ports.script}, int{ports.dashboard},
+              options.arm.c_str(), options.out.c_str(), options.out.c_str(), cell.scene().path.duration_s());
+  std::fflush(stdout);
+}
+
+void print_counts(const sim::LiveCounts& counts) {
+  const auto number = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };
+  std::printf("{\"simulated\":true,\"exposures\":%llu,\"exposures_lit\":%llu,\"triggers\":%llu,\"triggers_missed\":%llu,\"scans\":%llu,"
+              "\"scripts_run\":%llu,\"scripts_refused\":%llu,\"bus_messages_dropped\":%llu}\n",
+              number(counts.exposures), number(counts.exposures_lit), number(counts.triggers), number(counts.triggers_missed), number(counts.scans),
+              number(counts.scripts_run), number(counts.scripts_refused), number(counts.bus_messages_dropped));
+}
+
+Result<void> serve(const ServeOptions& options) {
+  // Before any thread exists, so that the signals arrive at sigwait() below and nowhere else.
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+  if (options.exit_with_parent) {
+    const pid_t parent = getppid();
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (getppid() != parent) return {};  // it died before the kernel knew
+  }
+
+  BITELINE_ASSIGN(const sim::SceneSettings scene, scene_settings(options.scene));
+  sim::LiveSettings settings;
+  settings.scene = scene;
+  settings.wires = options.wires.empty() ? "biteline-cell-" + std::to_string(getpid()) : options.wires;
+  settings.camera_address = options.camera;
+  settings.arm = options.arm;
+  settings.lost_packet_ratio = options.lost_packet_ratio;
+  settings.camera_ptp = !options.camera_free_clock;
+  settings.robot.rtde_port = options.rtde_port;
+  settings.robot.script_port = options.script_port;
+  settings.robot.dashboard_port = options.dashboard_port;
+  settings.robot.rate_hz = options.robot_rate_hz;
+  settings.robot.clock_offset = Nanoseconds{std::llround(options.robot_clock_ms * 1e6)};
+  BITELINE_ASSIGN(const auto cell, sim::LiveCell::open(settings));
+  const std::filesystem::path out(options.out);
+  BITELINE_TRY(sim::write_truth(out / "truth", cell->scene()));
+  BITELINE_TRY(write_sensor_yaml(out / "sensor.yaml", cell->scene()));
+  print_endpoints(*cell, options);
+
+  int signal_number = 0;
+  sigwait(&signals, &signal_number);
+  BITELINE_TRY(cell->write_track(out / "track.csv"));
+  print_counts(cell->counts());
+  return {};
+}
+
+}  // namespace
+
+void add_serve(CLI::App& app, Context& context) {
+  auto options = std::make_shared<ServeOptions>();
+  CLI::App* command = app.add_subcommand("serve", "Run the cell until SIGTERM: camera, wires, pose bus and robot, all simulated");
+  add_scene_options(*command, options->scene);
+  command->add_option("--out", options->out, "Folder for sensor.yaml, truth/ and, at the end, track.csv")->required();
+  command->add_option("--wires", options->wires, "Name of the simulated wires (default: made from the process number)");
+  command->add_option("--camera", options->camera, "Address of the GigE Vision camera; its port, 3956, is fixed")->capture_default_str();
+  command->add_option("--arm", options->arm, "ur3e, ur5e or ur10e")->capture_default_str();
+  command->add_option("--rtde-port", options->rtde_port, "0: a free one; a real controller has 30004")->capture_default_str();
+  command->add_option("--script-port", options->script_port, "0: a free one; a real controller has 30002")->capture_default_str();
+  command->add_option("--dashboard-port", options->dashboard_port, "0: a free one; a real controller has 29999")->capture_default_str();
+  command->add_option("--robot-rate-hz", options->robot_rate_hz, "500: e series, 125: CB3")->capture_default_str()->check(CLI::IsMember({125, 500}));
+  command->add_option("--robot-clock-ms", options->robot_clock_ms, "Robot clock minus camera clock")->check(CLI::Range(-1e6, 1e6));
+  command->add_option("--lost-packet-ratio", options->lost_packet_ratio, "Of the camera's packets")->check(CLI::Range(0.0, 0.5));
+  command->add_flag("--camera-free-clock", options->camera_free_clock, "The camera's clock follows no PTP");
+  command->add_flag("--exit-with-parent", options->exit_with_parent, "End when the process that started this one ends");
+  command->callback([options, &context] { context.run = [options] { return serve(*options); }; });
+}
+
+}  // namespace biteline::cell
