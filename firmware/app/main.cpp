@@ -7,12 +7,10 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
-#include <random>
 #include <thread>
 
 #include "common/wire/keys.hpp"
 #include "firmware/app/options.hpp"
-#include "firmware/app/scanner.hpp"
 #include "firmware/app/streamer.hpp"
 #include "firmware/stream/stream_socket.hpp"
 
@@ -34,11 +32,6 @@ sigset_t block_stop_signals() {
 /// The kernel then tells us by SIGTERM when our parent dies.
 void tie_to_parent() { prctl(PR_SET_PDEATHSIG, SIGTERM); }
 
-std::uint64_t random_scan_id() {
-  std::random_device source;
-  return (std::uint64_t{source()} << 32U) | source();
-}
-
 void wait_for_signal(const sigset_t& signals, const std::atomic<bool>& stream_over, std::atomic<bool>& stop) {
   constexpr timespec k_look{.tv_sec = 0, .tv_nsec = 20'000'000};
   while (!stream_over) {
@@ -46,32 +39,44 @@ void wait_for_signal(const sigset_t& signals, const std::atomic<bool>& stream_ov
   }
 }
 
-Result<void> run(const sensor::Options& options, const sigset_t& signals) {
-  if (options.exit_with_parent) tie_to_parent();
-  BITELINE_ASSIGN(sensor::Source source, sensor::open_source(options.source));
-  const runtime::RealtimeDemand demand = options.realtime.value_or(
-      source.lossless ? runtime::RealtimeDemand::Ignored : runtime::RealtimeDemand::Required);
-  BITELINE_TRY(runtime::prepare_process(demand));
-
+Result<stream::StreamSocket::Config> network_of(const sensor::Options& options) {
   stream::StreamSocket::Config network{.listen = options.listen, .keys = {}};
   if (options.keys) {
     BITELINE_ASSIGN(network.keys, wire::read_sensor_keys(*options.keys));
   }
-  BITELINE_ASSIGN(const std::unique_ptr<stream::StreamSocket> socket, stream::StreamSocket::open(network));
-  const bool play_once = source.lossless && !options.stay_after_scan;
+  return network;
+}
+
+/// Dark from here on until a scan asks for light; nothing where there is no laser.
+Result<std::unique_ptr<runtime::LaserWatch>> start_laser_watch(sensor::SourceKind& kind, const hal::Clock& clock,
+                                                               runtime::RealtimeDemand demand) {
+  BITELINE_ASSIGN(std::optional<sensor::LaserDevices> devices, kind.open_laser());
+  if (!devices) return std::unique_ptr<runtime::LaserWatch>{};
+  auto watch = std::make_unique<runtime::LaserWatch>(std::move(devices->laser), std::move(devices->safety), clock,
+                                                     runtime::LaserGuard::Config{});
+  BITELINE_TRY(watch->start(demand));
+  return watch;
+}
+
+Result<void> run(const sensor::Options& options, const sigset_t& signals) {
+  if (options.exit_with_parent) tie_to_parent();
+  BITELINE_ASSIGN(const std::unique_ptr<sensor::SourceKind> kind, sensor::choose_source(options.source));
+  const runtime::RealtimeDemand demand = options.realtime.value_or(
+      kind->recording ? runtime::RealtimeDemand::Ignored : runtime::RealtimeDemand::Required);
+  BITELINE_TRY(runtime::prepare_process(demand));
+  BITELINE_ASSIGN(stream::StreamSocket::Config network, network_of(options));
+  BITELINE_ASSIGN(const std::unique_ptr<stream::StreamSocket> socket, stream::StreamSocket::open(std::move(network)));
   const hal::MonotonicClock clock;
-  BITELINE_ASSIGN(const std::unique_ptr<sensor::Scanner> scanner,
-                  sensor::Scanner::create(std::move(source), {}, clock, demand));
+  BITELINE_ASSIGN(const std::unique_ptr<runtime::LaserWatch> laser, start_laser_watch(*kind, clock, demand));
 
   sensor::StreamerConfig config;
   config.server.store_bytes = options.store_megabytes * 1024 * 1024;
+  config.realtime = demand;
   config.name = options.name;
   config.version = BITELINE_VERSION;
-  config.scan_id = random_scan_id();
-  config.leave_after_scan = play_once;
-  sensor::Streamer streamer{config, *scanner, *socket, clock};
-
-  BITELINE_TRY(scanner->start());
+  config.leave_after_scan = kind->recording && !options.stay_after_scan;
+  sensor::Streamer streamer{config, *kind, *socket, clock, laser.get()};
+  if (kind->recording) BITELINE_TRY(streamer.start_scan());
   // For whoever started this program: one line, then nothing more on stdout.
   std::printf("{\"endpoint\":\"%s\",\"protocol\":%d}\n", socket->address().c_str(), static_cast<int>(wire::k_protocol));
   std::fflush(stdout);
@@ -86,8 +91,9 @@ Result<void> run(const sensor::Options& options, const sigset_t& signals) {
   }};
   wait_for_signal(signals, stream_over, stop);
   stream_thread.join();
-  scanner->stop();
-  if (const std::optional<Error> failure = scanner->failure()) return tl::unexpected<Error>{*failure};
+  if (laser) laser->stop();
+  // Of a live sensor the hosts were told; a recording that cannot be played is this run's own failure.
+  if (kind->recording && streamer.failure()) return tl::unexpected<Error>{*streamer.failure()};
   return {};
 }
 

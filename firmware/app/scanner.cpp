@@ -11,8 +11,9 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-/// How long a thread sleeps in its device before it looks whether it shall stop.
-constexpr Nanoseconds k_device_wait = milliseconds{50};
+/// How long a thread sleeps in its device before it looks whether it shall stop, and says that it lives: well below the
+/// laser guard's patience with it (50 ms).
+constexpr Nanoseconds k_device_wait = milliseconds{20};
 /// A paused lossless source looks again so often: far less than a frame takes to process.
 constexpr Nanoseconds k_pause = microseconds{200};
 /// Poses are read this far beyond the profile that waits for them: twice the smoothing's reach (50 ms), and at
@@ -28,26 +29,27 @@ std::int64_t to_ns(SensorClock::time_point instant) { return instant.time_since_
 
 }  // namespace
 
-Result<std::unique_ptr<Scanner>> Scanner::create(Source source, const pipeline::ProfilePipeline::Config& config,
-                                                 const hal::Clock& clock, runtime::RealtimeDemand demand) {
-  BITELINE_ASSIGN(pipeline::ProfilePipeline pipeline, pipeline::ProfilePipeline::create(config, source.model));
-  return std::unique_ptr<Scanner>{new Scanner{std::move(source), std::move(pipeline), clock, demand}};
+Result<std::unique_ptr<Scanner>> Scanner::create(Source source, const Config& config, const hal::Clock& clock,
+                                                 runtime::LaserWatch* laser) {
+  BITELINE_ASSIGN(pipeline::ProfilePipeline pipeline, pipeline::ProfilePipeline::create(config.pipeline, config.model));
+  return std::unique_ptr<Scanner>{new Scanner{std::move(source), config, std::move(pipeline), clock, laser}};
 }
 
-Scanner::Scanner(Source source, pipeline::ProfilePipeline pipeline, const hal::Clock& clock,
-                 runtime::RealtimeDemand demand)
+Scanner::Scanner(Source source, const Config& config, pipeline::ProfilePipeline pipeline, const hal::Clock& clock,
+                 runtime::LaserWatch* laser)
     : source_{std::move(source)},
+      config_{config},
       pipeline_{std::move(pipeline)},
       clock_{clock},
-      demand_{demand},
-      poses_wanted_until_ns_{k_never_ns},
-      newest_frame_ns_{k_never_ns} {}
+      laser_{laser},
+      poses_wanted_until_ns_{k_never_ns} {}
 
 Scanner::~Scanner() { stop(); }
 
 Result<void> Scanner::start() {
   BITELINE_TRY(source_.poses->start());
   BITELINE_TRY(source_.camera->start());
+  if (source_.trigger) BITELINE_TRY(source_.trigger->start());
   pose_thread_ = std::thread{[this] { read_poses(); }};
   acquisition_thread_ = std::thread{[this] { acquire(); }};
   return {};
@@ -57,22 +59,24 @@ void Scanner::stop() {
   stopping_ = true;
   if (acquisition_thread_.joinable()) acquisition_thread_.join();
   if (pose_thread_.joinable()) pose_thread_.join();
-  // Both say only that a device that is to be quiet anyway did not answer.
+  // All say only that a device that is to be quiet anyway did not answer.
+  if (source_.trigger) (void)source_.trigger->stop();
   (void)source_.camera->stop();
   (void)source_.poses->stop();
 }
 
 void Scanner::acquire() {
-  if (const Result<void> entered = runtime::enter_thread(runtime::threads::k_acquisition, demand_); !entered) {
+  if (const Result<void> entered = runtime::enter_thread(runtime::threads::k_acquisition, config_.realtime); !entered) {
     record_failure(entered.error());
   } else {
     while (!stopping_) {
       // Fewer than three free: the ring may be full, and a recording is not to lose anything.
-      if (source_.lossless && pool_.rt_free_count() < 3) {
+      if (config_.lossless && pool_.rt_free_count() < 3) {
         std::this_thread::sleep_for(k_pause);
         continue;
       }
       const SensorClock::time_point begin = clock_.now();
+      if (laser_ != nullptr) laser_->note_alive(begin);
       const Result<hal::FrameView> frame = source_.camera->next_frame(k_device_wait);
       if (frame) {
         wait_meter.rt_add(clock_.now() - begin);
@@ -99,7 +103,7 @@ void Scanner::process(const hal::FrameView& frame) {
     return;
   }
   const SensorClock::time_point end = clock_.now();
-  if (end - begin > runtime::threads::k_acquisition.budget && !source_.lossless) {
+  if (end - begin > runtime::threads::k_acquisition.budget && !config_.lossless) {
     pool_[*buffer].header.flags |= profile::k_profile_overrun;
     overruns_.fetch_add(1, std::memory_order_relaxed);
   }
@@ -109,24 +113,24 @@ void Scanner::process(const hal::FrameView& frame) {
   }
   process_meter.rt_add(end - begin);
   profiles_.fetch_add(1, std::memory_order_relaxed);
-  newest_frame_ns_.store(to_ns(end), std::memory_order_relaxed);
+  if (laser_ != nullptr) laser_->note_frame(end);
 }
 
 void Scanner::read_poses() {
-  if (const Result<void> entered = runtime::enter_thread(runtime::threads::k_pose, demand_); !entered) {
+  if (const Result<void> entered = runtime::enter_thread(runtime::threads::k_pose, config_.realtime); !entered) {
     record_failure(entered.error());
     poses_over_ = true;
     return;
   }
   while (!stopping_) {
-    if (source_.lossless && to_ns(poses_.rt_newest()) > poses_wanted_until_ns_.load(std::memory_order_relaxed)) {
+    if (config_.lossless && to_ns(poses_.rt_newest()) > poses_wanted_until_ns_.load(std::memory_order_relaxed)) {
       std::this_thread::sleep_for(k_pause);
       continue;
     }
     const Result<hal::PoseSample> pose = source_.poses->next_pose(k_device_wait);
     if (pose) {
       const SensorClock::time_point stamp =
-          pose->stamp_sensor.value_or(to_sensor_clock(pose->stamp, source_.model.pose_clock_offset));
+          pose->stamp_sensor.value_or(to_sensor_clock(pose->stamp, config_.model.pose_clock_offset));
       if (!poses_.rt_push({.stamp = stamp, .T_base_flange = pose->T_base_flange})) {
         rejected_poses_.fetch_add(1, std::memory_order_relaxed);
       }
@@ -162,7 +166,7 @@ bool Scanner::pose_settled() {
   // In this order: a pose source that is over has pushed everything before it said so.
   const bool over = poses_over_.load(std::memory_order_acquire);
   if (over || pipeline_.rt_pose_ready(pool_[*taken_], poses_)) return true;
-  return !source_.lossless && clock_.now() - taken_at_ > k_pose_patience;
+  return !config_.lossless && clock_.now() - taken_at_ > k_pose_patience;
 }
 
 void Scanner::give_back() {
@@ -197,10 +201,6 @@ ScanCounts Scanner::counts() const {
           .profiles = profiles_.load(std::memory_order_relaxed),
           .profiles_dropped = dropped_.load(std::memory_order_relaxed),
           .overruns = overruns_.load(std::memory_order_relaxed)};
-}
-
-SensorClock::time_point Scanner::newest_frame() const {
-  return SensorClock::time_point{Nanoseconds{newest_frame_ns_.load(std::memory_order_relaxed)}};
 }
 
 }  // namespace biteline::sensor

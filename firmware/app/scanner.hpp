@@ -12,6 +12,7 @@
 #include "common/rt/spsc_ring.hpp"
 #include "firmware/app/source.hpp"
 #include "firmware/pipeline/profile_pipeline.hpp"
+#include "firmware/runtime/laser_watch.hpp"
 #include "firmware/runtime/realtime.hpp"
 #include "firmware/runtime/stage_meter.hpp"
 #include "hal/api/clock.hpp"
@@ -36,8 +37,15 @@ struct ScanCounts {
 /// Thread: take() and give_back() from the stream thread only; the rest from the thread that made it.
 class Scanner {
  public:
-  [[nodiscard]] static Result<std::unique_ptr<Scanner>> create(Source source, const pipeline::ProfilePipeline::Config& config,
-                                                               const hal::Clock& clock, runtime::RealtimeDemand demand);
+  struct Config {
+    pipeline::ProfilePipeline::Config pipeline;
+    geometry::SensorModel model;
+    bool lossless{false};  ///< the source may be made to wait
+    runtime::RealtimeDemand realtime{runtime::RealtimeDemand::Required};
+  };
+  /// `laser` is told of every frame and every sign of life; null where there is none.
+  [[nodiscard]] static Result<std::unique_ptr<Scanner>> create(Source source, const Config& config,
+                                                               const hal::Clock& clock, runtime::LaserWatch* laser);
   ~Scanner();  ///< stops first
   Scanner(const Scanner&) = delete;
   Scanner& operator=(const Scanner&) = delete;
@@ -60,9 +68,8 @@ class Scanner {
   [[nodiscard]] std::optional<Error> failure() const;
 
   [[nodiscard]] ScanCounts counts() const;
-  [[nodiscard]] const Source& source() const { return source_; }
-  /// When the newest frame was through, for the laser's guard; min(): none yet.
-  [[nodiscard]] SensorClock::time_point newest_frame() const;
+  [[nodiscard]] Source& source() { return source_; }
+  [[nodiscard]] const Config& config() const { return config_; }
 
   runtime::StageMeter wait_meter, process_meter, stamp_meter;
 
@@ -71,7 +78,8 @@ class Scanner {
   static constexpr std::size_t k_ring_profiles = 32;
   static constexpr std::size_t k_pool_profiles = k_ring_profiles + 2;
 
-  Scanner(Source source, pipeline::ProfilePipeline pipeline, const hal::Clock& clock, runtime::RealtimeDemand demand);
+  Scanner(Source source, const Config& config, pipeline::ProfilePipeline pipeline, const hal::Clock& clock,
+          runtime::LaserWatch* laser);
   void acquire();
   void read_poses();
   void process(const hal::FrameView& frame);
@@ -79,9 +87,10 @@ class Scanner {
   void record_failure(const Error& error);
 
   Source source_;
+  Config config_;
   pipeline::ProfilePipeline pipeline_;
   const hal::Clock& clock_;
-  runtime::RealtimeDemand demand_;
+  runtime::LaserWatch* laser_;
   pipeline::PoseHistory poses_;
   rt::BufferPool<profile::ProfileBuffer> pool_{k_pool_profiles};
   rt::DropOldestRing<rt::BufferIndex, k_ring_profiles> ring_;
@@ -91,7 +100,6 @@ class Scanner {
   std::atomic<bool> acquisition_over_{false};
   std::atomic<bool> poses_over_{false};
   std::atomic<std::int64_t> poses_wanted_until_ns_;
-  std::atomic<std::int64_t> newest_frame_ns_;
   std::atomic<std::uint64_t> profiles_{0}, dropped_{0}, rejected_poses_{0}, overruns_{0};
 
   // Stream thread's own.

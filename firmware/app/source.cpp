@@ -4,6 +4,9 @@
 #include <string_view>
 #include <utility>
 
+#ifdef BITELINE_SENSOR_HAS_CELL
+#include "firmware/app/cell_source.hpp"
+#endif
 #include "hal/replay/recording.hpp"
 #include "hal/replay/replay_camera.hpp"
 #include "hal/replay/replay_poses.hpp"
@@ -11,29 +14,48 @@
 namespace biteline::sensor {
 namespace {
 
-Result<Source> open_replay(const std::filesystem::path& folder, const SourceOptions& options) {
-  BITELINE_ASSIGN(std::shared_ptr<const session::Session> recording,
-                  hal::replay::open_recording(folder, options.sensor_file));
-  Source source;
-  BITELINE_ASSIGN(source.camera, hal::replay::ReplayCamera::open(recording, {}));
-  source.poses = std::make_unique<hal::replay::ReplayPoses>(recording);
-  source.model = recording->sensor;
-  source.scan_name = folder.lexically_normal().filename().string();
-  source.frames_expected = recording->frames.size();
-  source.lossless = true;
-  BITELINE_TRY(source.camera->configure({.region = source.model.region}));
-  return source;
-}
+class Recording final : public SourceKind {
+ public:
+  explicit Recording(std::shared_ptr<const session::Session> session) : session_{std::move(session)} {
+    model = session_->sensor;
+    recording = true;
+  }
+
+  Result<Source> open() override {
+    Source source;
+    BITELINE_ASSIGN(source.camera, hal::replay::ReplayCamera::open(session_, {}));
+    BITELINE_TRY(source.camera->configure({.region = model.region}));
+    source.poses = std::make_unique<hal::replay::ReplayPoses>(session_);
+    source.scan_name = session_->root.lexically_normal().filename().string();
+    source.frames_expected = session_->frames.size();
+    return source;
+  }
+
+  Result<std::optional<LaserDevices>> open_laser() override { return std::optional<LaserDevices>{}; }
+
+ private:
+  std::shared_ptr<const session::Session> session_;
+};
 
 }  // namespace
 
-Result<Source> open_source(const SourceOptions& options) {
+Result<std::unique_ptr<SourceKind>> choose_source(const SourceOptions& options) {
   const std::string_view text{options.source};
   const std::size_t colon = text.find(':');
   const std::string_view kind = text.substr(0, colon);
   const std::string_view rest = colon == std::string_view::npos ? std::string_view{} : text.substr(colon + 1);
-  if (kind == "replay" && !rest.empty()) return open_replay(std::filesystem::path{rest}, options);
-  return fail(Errc::InvalidArgument, "source '%s': replay:SESSION expected", options.source.c_str());
+  if (kind == "replay" && !rest.empty()) {
+    BITELINE_ASSIGN(std::shared_ptr<const session::Session> session,
+                    hal::replay::open_recording(std::filesystem::path{rest}, options.sensor_file));
+    return std::make_unique<Recording>(std::move(session));
+  }
+#ifdef BITELINE_SENSOR_HAS_CELL
+  if (kind == "cell" && !rest.empty()) {
+    if (!options.sensor_file) return fail(Errc::InvalidArgument, "source '%s': --sensor FILE is needed", options.source.c_str());
+    return open_cell(std::string{rest}, *options.sensor_file);
+  }
+#endif
+  return fail(Errc::InvalidArgument, "source '%s': replay:SESSION or cell:NAME expected", options.source.c_str());
 }
 
 }  // namespace biteline::sensor

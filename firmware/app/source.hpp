@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Where frames and poses come from: the devices behind one scan, opened.
+/// \file Where frames and poses come from: the devices behind a scan.
 
 #include <filesystem>
 #include <memory>
@@ -9,27 +9,54 @@
 
 #include "common/core/result.hpp"
 #include "common/geometry/sensor_model.hpp"
+#include "hal/api/edge_in.hpp"
+#include "hal/api/gpio_out.hpp"
 #include "hal/api/line_camera.hpp"
 #include "hal/api/pose_source.hpp"
+#include "hal/api/pwm_out.hpp"
+#include "hal/api/safety_in.hpp"
 
 namespace biteline::sensor {
 
-/// What feeds a scan.  The camera is configured; nothing is started.
+/// What feeds one scan.  The camera is configured; nothing is started.
 struct Source {
   std::unique_ptr<hal::LineCamera> camera;
   std::unique_ptr<hal::PoseSource> poses;
-  geometry::SensorModel model;
+  std::unique_ptr<hal::PwmOut> trigger;      ///< configured; none: the camera runs by itself
+  std::unique_ptr<hal::EdgeIn> scan_active;  ///< the robot's word that it is on its way; none: the host alone decides
   std::string scan_name;
-  std::uint64_t frames_expected{0};  ///< 0: not known
-  bool lossless{false};              ///< may be made to wait: a recording
-  bool simulated{false};             ///< frames and poses are made, not measured
+  std::uint64_t frames_expected{0};          ///< 0: not known
+};
+
+/// The light and what allows it; outlives the scans.
+struct LaserDevices {
+  std::unique_ptr<hal::GpioOut> laser;
+  std::unique_ptr<hal::SafetyIn> safety;
+};
+
+/// One way to get a scan.
+class SourceKind {
+ public:
+  SourceKind() = default;
+  SourceKind(const SourceKind&) = delete;
+  SourceKind& operator=(const SourceKind&) = delete;
+  virtual ~SourceKind() = default;
+
+  /// Devices opened anew for each scan: what was unplugged and is back is found again.
+  [[nodiscard]] virtual Result<Source> open() = 0;
+  /// Nothing where there is no laser.
+  [[nodiscard]] virtual Result<std::optional<LaserDevices>> open_laser() = 0;
+
+  geometry::SensorModel model;
+  bool recording{false};  ///< may be made to wait; played once, from the start of the program
+  bool simulated{false};  ///< frames and poses are made, not measured
 };
 
 struct SourceOptions {
-  std::string source;                                ///< "replay:SESSION"
-  std::optional<std::filesystem::path> sensor_file;  ///< replaces the head's calibration
+  std::string source;                                ///< "replay:SESSION" or "cell:NAME"
+  std::optional<std::filesystem::path> sensor_file;  ///< the head's calibration; replaces a recording's own
 };
 
-[[nodiscard]] Result<Source> open_source(const SourceOptions& options);
+[[nodiscard]] Result<std::unique_ptr<SourceKind>> choose_source(const SourceOptions& options);
 
 }  // namespace biteline::sensor

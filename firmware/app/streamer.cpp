@@ -2,6 +2,7 @@
 #include "firmware/app/streamer.hpp"
 
 #include <chrono>
+#include <random>
 #include <string>
 #include <utility>
 
@@ -17,13 +18,19 @@ constexpr int k_profiles_per_turn = 16;
 /// After the scan's end was acknowledged hosts have so long to say goodbye.
 constexpr Nanoseconds k_farewell = milliseconds{500};
 
-wire::SensorHello identity_of(const StreamerConfig& config, const Source& source) {
+std::uint64_t random_scan_id() {
+  std::random_device source;
+  // 0 means no scan.
+  return ((std::uint64_t{source()} << 32U) | source()) | 1U;
+}
+
+wire::SensorHello identity_of(const StreamerConfig& config, const SourceKind& kind) {
   wire::SensorHello hello;
   hello.name = config.name;
   hello.version = config.version;
-  hello.lossless = source.lossless;
-  hello.simulated = source.simulated;
-  hello.model = source.model;
+  hello.lossless = kind.recording;
+  hello.simulated = kind.simulated;
+  hello.model = kind.model;
   return hello;
 }
 
@@ -34,14 +41,35 @@ wire::StageTime stage_time(const char* name, const runtime::StageMeter& meter) {
 
 }  // namespace
 
-Streamer::Streamer(const StreamerConfig& config, Scanner& scanner, stream::StreamSocket& socket, const hal::Clock& clock)
+Streamer::Streamer(const StreamerConfig& config, SourceKind& kind, stream::StreamSocket& socket, const hal::Clock& clock,
+                   runtime::LaserWatch* laser)
     : config_{config},
-      scanner_{scanner},
+      kind_{kind},
       socket_{socket},
       clock_{clock},
-      server_{config.server, identity_of(config, scanner.source()), socket,
-              [this](wire::Command command) { return obey(command); }, [this] { return health(); }} {
-  server_.begin_scan(config_.scan_id, scanner_.source().scan_name, scanner_.source().frames_expected);
+      laser_{laser},
+      server_{config.server, identity_of(config, kind), socket,
+              [this](wire::Command command) { return obey(command); }, [this] { return health(); }} {}
+
+Result<void> Streamer::start_scan() {
+  if (state_ != State::Idle) return fail(Errc::WrongState, "a scan is on");
+  scanner_.reset();  // lets go of the last scan's devices before they are opened again
+  BITELINE_ASSIGN(Source source, kind_.open());
+  const std::string scan_name = source.scan_name;
+  const std::uint64_t frames_expected = source.frames_expected;
+  BITELINE_ASSIGN(scanner_, Scanner::create(std::move(source),
+                                            {.pipeline = config_.pipeline,
+                                             .model = kind_.model,
+                                             .lossless = kind_.recording,
+                                             .realtime = config_.realtime},
+                                            clock_, laser_));
+  BITELINE_TRY(scanner_->start());
+  server_.begin_scan(random_scan_id(), scan_name, frames_expected);
+  failure_.reset();
+  robot_was_active_ = false;
+  state_ = State::Scanning;
+  if (laser_ != nullptr) laser_->ask_for_light(true);
+  return {};
 }
 
 void Streamer::run(const std::atomic<bool>& stop) {
@@ -49,49 +77,75 @@ void Streamer::run(const std::atomic<bool>& stop) {
     server_.on_packet(peer, packet, clock_.now());
   };
   while (!stop && !delivered()) {
-    const int refused = socket_.receive(scanner_.waiting() ? Nanoseconds{0} : k_idle_wait, on_packet);
+    const bool busy = state_ != State::Idle && scanner_->waiting();
+    const int refused = socket_.receive(busy ? Nanoseconds{0} : k_idle_wait, on_packet);
     for (int i = 0; i < refused; ++i) server_.count_refused_peer();
-    take_profiles();
-    if (!ended_ && scanner_.finished()) announce_end();
+    if (state_ != State::Idle) {
+      follow_robot();
+      take_profiles();
+      if (scanner_->finished()) announce_end();
+    }
     server_.tick(clock_.now());
   }
+  if (laser_ != nullptr) laser_->ask_for_light(false);
   server_.say_bye(stop ? "the sensor was told to stop" : "the scan is over");
+}
+
+void Streamer::follow_robot() {
+  if (state_ != State::Scanning || scanner_->source().scan_active == nullptr) return;
+  const Result<bool> active = scanner_->source().scan_active->level();
+  // A line that cannot be read ends nothing: the host still can, and the poses show whether the arm moves.
+  if (!active) return;
+  if (robot_was_active_ && !*active) end_scan();
+  robot_was_active_ = *active;
 }
 
 void Streamer::take_profiles() {
   for (int i = 0; i < k_profiles_per_turn; ++i) {
-    if (scanner_.source().lossless && !server_.has_room()) return;
-    const profile::ProfileBuffer* profile = scanner_.take();
+    if (kind_.recording && !server_.has_room()) return;
+    const profile::ProfileBuffer* profile = scanner_->take();
     if (profile == nullptr) return;
     const SensorClock::time_point begin = clock_.now();
     server_.add_profile(profile->header, profile->view());
     encode_meter_.rt_add(clock_.now() - begin);
-    scanner_.give_back();
+    scanner_->give_back();
   }
 }
 
+void Streamer::end_scan() {
+  state_ = State::Ending;
+  if (laser_ != nullptr) laser_->ask_for_light(false);
+  scanner_->request_stop();
+}
+
 void Streamer::announce_end() {
+  if (state_ == State::Scanning) end_scan();
   wire::EndOfScan end;
-  if (const std::optional<Error> failure = scanner_.failure()) {
-    end.errc = static_cast<std::uint16_t>(failure->code);
-    end.where = failure->where.c_str();
+  failure_ = scanner_->failure();
+  if (failure_) {
+    end.errc = static_cast<std::uint16_t>(failure_->code);
+    end.where = failure_->where.c_str();
   }
   end.counters = counters();
   end.stages = stages();
   server_.add_end(std::move(end));
-  ended_ = true;
+  // Only now: the devices' own counts are part of the above.
+  scanner_->stop();
+  state_ = State::Idle;
+  ended_once_ = true;
 }
 
 bool Streamer::delivered() {
-  if (!config_.leave_after_scan || !ended_) return false;
+  if (!config_.leave_after_scan || !ended_once_) return false;
   if (!acknowledged_at_ && server_.end_acknowledged()) acknowledged_at_ = clock_.now();
   if (!acknowledged_at_) return false;
   return server_.hosts_present() == 0 || clock_.now() - *acknowledged_at_ > k_farewell;
 }
 
 wire::Counters Streamer::counters() const {
-  const ScanCounts counts = scanner_.counts();
   wire::Counters counters;
+  if (!scanner_) return counters;
+  const ScanCounts counts = scanner_->counts();
   counters.frames = counts.frames;
   counters.frames_lost = counts.frames_lost;
   counters.frames_damaged = counts.frames_damaged;
@@ -105,25 +159,42 @@ wire::Counters Streamer::counters() const {
 }
 
 std::vector<wire::StageTime> Streamer::stages() const {
-  return {stage_time("wait_for_frame", scanner_.wait_meter), stage_time("frame_to_profile", scanner_.process_meter),
-          stage_time("stamp_pose", scanner_.stamp_meter), stage_time("encode", encode_meter_)};
+  if (!scanner_) return {};
+  return {stage_time("wait_for_frame", scanner_->wait_meter), stage_time("frame_to_profile", scanner_->process_meter),
+          stage_time("stamp_pose", scanner_->stamp_meter), stage_time("encode", encode_meter_)};
 }
 
 wire::Health Streamer::health() const {
   wire::Health health;
   health.counters = counters();
   health.stages = stages();
-  health.scanning = !ended_;
+  health.scanning = state_ != State::Idle;
+  if (laser_ == nullptr) {
+    health.laser_reason = "there is no laser";
+    return health;
+  }
+  const runtime::LaserWatch::Status laser = laser_->status();
+  health.laser = laser.on ? wire::LaserState::On
+                 : laser.state == runtime::LaserGuard::State::Latched || laser.output_lost ? wire::LaserState::Fault
+                                                                                          : wire::LaserState::Off;
+  if (!laser.on) health.laser_reason = runtime::text(laser.reason);
   return health;
 }
 
 Result<void> Streamer::obey(wire::Command command) {
   switch (command) {
-    case wire::Command::StopScan: scanner_.request_stop(); return {};
+    case wire::Command::StartScan:
+      if (kind_.recording) return fail(Errc::NotSupported, "a recording plays by itself");
+      return start_scan();
     case wire::Command::LaserOff:
-    case wire::Command::StartScan: break;
+      if (laser_ == nullptr) return fail(Errc::NotSupported, "there is no laser");
+      laser_->ask_for_light(false);
+      return {};
+    case wire::Command::StopScan: break;
   }
-  return fail(Errc::NotSupported, "a recording has neither laser nor start button");
+  if (state_ == State::Idle) return fail(Errc::WrongState, "no scan is on");
+  end_scan();
+  return {};
 }
 
 }  // namespace biteline::sensor

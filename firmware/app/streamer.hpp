@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file The stream thread: profiles from the scanner into the store and out to the hosts.
+/// \file The stream thread: begins and ends scans, and carries their profiles into the store and out to the hosts.
 
 #include <atomic>
 #include <memory>
@@ -13,25 +13,42 @@ namespace biteline::sensor {
 
 struct StreamerConfig {
   stream::ServerConfig server;
+  pipeline::ProfilePipeline::Config pipeline;
+  runtime::RealtimeDemand realtime{runtime::RealtimeDemand::Required};
   std::string name{"biteline-sensor"};
   std::string version;
-  std::uint64_t scan_id{0};
   bool leave_after_scan{false};  ///< once the scan's end was acknowledged: a recording is played once
 };
 
-/// Runs on its caller's thread.
+/// | state    | StartScan | StopScan | robot's scan line falls | source ends or fails |
+/// |----------|-----------|----------|-------------------------|----------------------|
+/// | Idle     | Scanning  | refused  | Idle                    | -                    |
+/// | Scanning | refused   | Ending   | Ending                  | Ending               |
+/// | Ending   | refused   | Ending   | Ending                  | Ending; Idle when the last profile is stored |
+///
+/// refused: Errc::WrongState, to the host that asked.  Light is asked for in Scanning only (the laser's guard decides).
+/// Runs on its caller's thread, which also opens the devices of a scan (some hundred ms on a network camera: the hosts'
+/// patience is 2 s).
 class Streamer {
  public:
-  Streamer(const StreamerConfig& config, Scanner& scanner, stream::StreamSocket& socket, const hal::Clock& clock);
+  Streamer(const StreamerConfig& config, SourceKind& kind, stream::StreamSocket& socket, const hal::Clock& clock,
+           runtime::LaserWatch* laser);
+
+  /// As a host's StartScan.
+  [[nodiscard]] Result<void> start_scan();
 
   /// Until `stop` is set, or the scan is over and delivered (leave_after_scan).  Says goodbye to the hosts.
   void run(const std::atomic<bool>& stop);
 
-  /// The scan's end went out, and why it ended.
-  [[nodiscard]] bool ended() const { return ended_; }
+  /// What ended the last scan, if it was not its own end.
+  [[nodiscard]] std::optional<Error> failure() const { return failure_; }
 
  private:
+  enum class State { Idle, Scanning, Ending };
+
+  void follow_robot();
   void take_profiles();
+  void end_scan();
   void announce_end();
   [[nodiscard]] bool delivered();
   [[nodiscard]] wire::Counters counters() const;
@@ -40,12 +57,17 @@ class Streamer {
   [[nodiscard]] Result<void> obey(wire::Command command);
 
   StreamerConfig config_;
-  Scanner& scanner_;
+  SourceKind& kind_;
   stream::StreamSocket& socket_;
   const hal::Clock& clock_;
+  runtime::LaserWatch* laser_;
   stream::StreamServer server_;
+  State state_{State::Idle};
+  std::unique_ptr<Scanner> scanner_;  ///< of the present scan, or of the last one
   runtime::StageMeter encode_meter_;
-  bool ended_{false};
+  std::optional<Error> failure_;
+  bool robot_was_active_{false};
+  bool ended_once_{false};
   std::optional<SensorClock::time_point> acknowledged_at_;
 };
 

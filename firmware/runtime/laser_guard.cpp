@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/runtime/laser_guard.hpp"
 
-#include <algorithm>
-
 namespace biteline::runtime {
 
 const char* text(LaserOff reason) {
@@ -26,11 +24,9 @@ bool LaserGuard::forbidden(const LaserInputs& inputs, LaserOff& why) const {
   if (inputs.driver_failed) return found(LaserOff::DriverFailed);
   if (!inputs.interlock_closed) return found(LaserOff::InterlockOpen);
   if (!inputs.key_on) return found(LaserOff::KeyOff);
-  if (state_ != State::On) return false;
-  // Light first, frames then: both get their time from the moment of switching on.
-  const auto silence = [&](SensorClock::time_point last) { return inputs.now - std::max(last, on_since_); };
-  if (silence(inputs.watchdog_fed) > config_.watchdog_within) return found(LaserOff::WatchdogStarved);
-  if (silence(inputs.last_frame) > config_.frames_within) return found(LaserOff::FramesStopped);
+  // Compared with an instant and not by a difference: "never" is the smallest time point there is.
+  if (inputs.watchdog_fed < inputs.now - config_.watchdog_within) return found(LaserOff::WatchdogStarved);
+  if (inputs.last_frame < inputs.now - config_.frames_within) return found(LaserOff::FramesStopped);
   return false;
 }
 
@@ -45,15 +41,12 @@ bool LaserGuard::look(const LaserInputs& inputs) {
   if (state_ == State::Latched) return false;
   LaserOff why = LaserOff::NotAsked;
   if (forbidden(inputs, why)) {
-    // Before the first light an open interlock is no fault but a person not yet ready.
+    // Before the first light an open interlock or a camera that has just started is no fault: not yet.
     if (state_ == State::On || why == LaserOff::DriverFailed) state_ = State::Latched;
     reason_ = why;
     return false;
   }
-  if (state_ == State::Off) {
-    state_ = State::On;
-    on_since_ = inputs.now;
-  }
+  state_ = State::On;
   return true;
 }
 

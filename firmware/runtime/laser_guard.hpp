@@ -35,21 +35,22 @@ struct LaserInputs {
 /// State machine.  Off by default; On only while everything in LaserInputs allows it; any fault leads to Latched, and
 /// back to Off only when the scan was switched off (a person or the host has to ask again).
 ///
-/// | state   | scan off | scan on, all well | a fault          | stop()  |
-/// |---------|----------|-------------------|------------------|---------|
-/// | Off     | Off      | On                | Off (interlock, key: not yet allowed) | Stopped |
-/// | On      | Off      | On                | Latched          | Stopped |
-/// | Latched | Off      | Latched           | Latched          | Stopped |
-/// | Stopped | Stopped  | Stopped           | Stopped          | Stopped |
+/// | state   | scan off | scan on, all well | scan on, a fault             | stop()  |
+/// |---------|----------|-------------------|------------------------------|---------|
+/// | Off     | Off      | On                | Off: not yet (driver: Latched) | Stopped |
+/// | On      | Off      | On                | Latched                      | Stopped |
+/// | Latched | Off      | Latched           | Latched                      | Stopped |
+/// | Stopped | Stopped  | Stopped           | Stopped                      | Stopped |
 ///
-/// Frames cannot flow before the laser is needed, so after switching on they have `frames_within` to begin.
-/// The limit of 100 ms from fault to darkness: 50 ms at most until a silent camera or a starved watchdog counts, plus
-/// one period of the thread that looks (10 ms, thread_table.hpp), plus the output's write.
+/// The camera runs before the light: frames must already flow when it comes on.
+/// The limit of 100 ms from fault to darkness: 75 ms at most until a silent camera counts (one and a half frames at the
+/// slowest rate in use, 20 Hz), plus two periods of the thread that looks (10 ms, thread_table.hpp; one may be missed),
+/// plus the output's write.
 /// Thread: one owner (safety); pure, no clock of its own.
 class LaserGuard {
  public:
   struct Config {
-    Nanoseconds frames_within{std::chrono::milliseconds{50}};
+    Nanoseconds frames_within{std::chrono::milliseconds{75}};
     Nanoseconds watchdog_within{std::chrono::milliseconds{50}};
   };
   enum class State : std::uint8_t { Off, On, Latched, Stopped };
@@ -70,13 +71,11 @@ class LaserGuard {
   [[nodiscard]] LaserOff reason() const { return reason_; }
 
  private:
-  /// A fault that forbids light whatever was before.
   [[nodiscard]] bool forbidden(const LaserInputs& inputs, LaserOff& why) const;
 
   Config config_;
   State state_{State::Off};
   LaserOff reason_{LaserOff::NotAsked};
-  SensorClock::time_point on_since_;
 };
 
 }  // namespace biteline::runtime

@@ -91,7 +91,8 @@ Result<std::optional<LinkEvent>> HostProtocol::on_message(wire::Message message,
 
 std::optional<LinkEvent> HostProtocol::on_hello(std::uint64_t scan_id, wire::SensorHello hello) {
   const bool same_scan = (has_hello_ || config_.resume) && scan_id == scan_id_;
-  const bool other_scan = (has_hello_ || config_.resume) && !same_scan;
+  // Scan 0 is none; one that has ended lacks nothing.
+  const bool other_scan = (has_hello_ || config_.resume) && !same_scan && scan_id_ != 0 && !ended_;
   if (has_hello_ && same_scan) return std::nullopt;  // the answer to a repeated hello
   has_hello_ = true;
   if (!same_scan) {

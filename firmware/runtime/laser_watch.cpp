@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/runtime/laser_watch.hpp"
+
+#include <utility>
+
+#include "common/core/contracts.hpp"
+
+namespace biteline::runtime {
+namespace {
+
+/// What a broken contract must switch off; there is one laser in a process.
+std::atomic<hal::GpioOut*> g_laser{nullptr};
+
+void darken(const char*, const char*, int) noexcept {
+  // Nothing can be done about a failure here: the process aborts next, and the kernel lets go of the line.
+  if (hal::GpioOut* laser = g_laser.load()) (void)laser->set(false);
+}
+
+}  // namespace
+
+LaserWatch::LaserWatch(std::unique_ptr<hal::GpioOut> laser, std::unique_ptr<hal::SafetyIn> safety,
+                       const hal::Clock& clock, const LaserGuard::Config& config)
+    : laser_{std::move(laser)}, safety_{std::move(safety)}, clock_{clock}, guard_{config} {
+  BITELINE_EXPECTS(laser_ != nullptr && safety_ != nullptr);
+  g_laser = laser_.get();
+  set_contract_handler(darken);
+  drive(false);
+}
+
+LaserWatch::~LaserWatch() {
+  stop();
+  set_contract_handler(nullptr);
+  g_laser = nullptr;
+}
+
+Result<void> LaserWatch::start(RealtimeDemand demand) {
+  if (driver_failed_) return fail(Errc::DeviceError, "the laser's output does not do as told");
+  thread_ = std::thread{[this, demand] { run(demand); }};
+  start_error_.wait(-1);
+  if (start_error_ == 0) return {};
+  thread_.join();
+  return fail(static_cast<Errc>(start_error_.load()), "thread %s (LimitRTPRIO, or --rt=ignore)", threads::k_safety.name);
+}
+
+void LaserWatch::stop() {
+  stopping_ = true;
+  if (thread_.joinable()) thread_.join();
+  guard_.stop();
+  step();
+}
+
+void LaserWatch::run(RealtimeDemand demand) {
+  const Result<void> entered = enter_thread(threads::k_safety, demand);
+  start_error_ = entered ? 0 : static_cast<int>(entered.error().code);
+  start_error_.notify_one();
+  if (!entered) return;
+  // On a fixed grid: a late look is followed by the next one at its own time, missed ones are skipped.
+  auto due = std::chrono::steady_clock::now();
+  while (!stopping_) {
+    step();
+    const auto now = std::chrono::steady_clock::now();
+    while (due <= now) due += threads::k_safety.period;
+    std::this_thread::sleep_until(due);
+  }
+}
+
+void LaserWatch::step() {
+  const Result<hal::SafetyInputs> safety = safety_->read();
+  LaserInputs inputs;
+  inputs.now = clock_.now();
+  inputs.scan_on = scan_on_.load(std::memory_order_relaxed);
+  inputs.interlock_closed = safety && safety->interlock_closed;
+  inputs.key_on = safety && safety->key_on;
+  inputs.last_frame = load(last_frame_ns_);
+  inputs.watchdog_fed = load(alive_ns_);
+  inputs.driver_failed = driver_failed_;
+  const bool light = guard_.look(inputs);
+  drive(light);
+  on_ = light && !driver_failed_;
+  state_ = guard_.state();
+  reason_ = guard_.reason();
+}
+
+void LaserWatch::drive(bool on) {
+  const Result<void> told = laser_->set(on);
+  const Result<bool> level = laser_->read_back();
+  driver_failed_ = !told || !level || *level != on;
+  output_lost_ = driver_failed_;
+}
+
+LaserWatch::Status LaserWatch::status() const {
+  return {.on = on_, .state = state_, .reason = reason_, .output_lost = output_lost_};
+}
+
+}  // namespace biteline::runtime

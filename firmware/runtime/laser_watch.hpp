@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The safety thread: asks the guard a hundred times a second and makes the laser's output obey.
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "firmware/runtime/laser_guard.hpp"
+#include "firmware/runtime/realtime.hpp"
+#include "hal/api/clock.hpp"
+#include "hal/api/gpio_out.hpp"
+#include "hal/api/safety_in.hpp"
+
+namespace biteline::runtime {
+
+/// Owns the laser's output.  Off before start(), after stop(), when the object goes, and on a broken contract anywhere in
+/// the process; when the process dies the kernel lets go of the line, whose pull is off (hal/api/gpio_out.hpp).
+/// Thread: note_* and ask_* from any thread; start() and stop() from one.
+class LaserWatch {
+ public:
+  LaserWatch(std::unique_ptr<hal::GpioOut> laser, std::unique_ptr<hal::SafetyIn> safety, const hal::Clock& clock,
+             const LaserGuard::Config& config);
+  LaserWatch(const LaserWatch&) = delete;
+  LaserWatch& operator=(const LaserWatch&) = delete;
+  ~LaserWatch();
+
+  [[nodiscard]] Result<void> start(RealtimeDemand demand);
+  /// Dark for good.
+  void stop();
+
+  /// A scan wants light, or no longer does.
+  void ask_for_light(bool scan_on) { scan_on_.store(scan_on, std::memory_order_relaxed); }
+  void note_frame(SensorClock::time_point processed) { store(last_frame_ns_, processed); }
+  void note_alive(SensorClock::time_point now) { store(alive_ns_, now); }
+
+  struct Status {
+    bool on{false};
+    LaserGuard::State state{LaserGuard::State::Off};
+    LaserOff reason{LaserOff::NotAsked};
+    bool output_lost{false};  ///< the output could not be told or read back: its level is unknown
+  };
+  [[nodiscard]] Status status() const;
+
+  /// One look; the thread's own step, and the tests'.
+  void step();
+
+ private:
+  static void store(std::atomic<std::int64_t>& where, SensorClock::time_point instant) {
+    where.store(instant.time_since_epoch().count(), std::memory_order_relaxed);
+  }
+  static SensorClock::time_point load(const std::atomic<std::int64_t>& from) {
+    return SensorClock::time_point{Nanoseconds{from.load(std::memory_order_relaxed)}};
+  }
+  void run(RealtimeDemand demand);
+  void drive(bool on);
+
+  std::unique_ptr<hal::GpioOut> laser_;
+  std::unique_ptr<hal::SafetyIn> safety_;
+  const hal::Clock& clock_;
+  LaserGuard guard_;
+  std::thread thread_;
+  bool driver_failed_{false};
+  std::atomic<bool> stopping_{false};
+  std::atomic<bool> scan_on_{false};
+  std::atomic<std::int64_t> last_frame_ns_{SensorClock::time_point::min().time_since_epoch().count()};
+  std::atomic<std::int64_t> alive_ns_{SensorClock::time_point::min().time_since_epoch().count()};
+  // Published for the others.
+  std::atomic<bool> on_{false};
+  std::atomic<LaserGuard::State> state_{LaserGuard::State::Off};
+  std::atomic<LaserOff> reason_{LaserOff::NotAsked};
+  std::atomic<bool> output_lost_{false};
+  std::atomic<int> start_error_{-1};
+};
+
+}  // namespace biteline::runtime
