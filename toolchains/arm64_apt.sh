@@ -6,14 +6,19 @@
 
 arm64_cache=${BITELINE_ARM64_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/biteline/arm64}
 
-arm64_apt() {
+# arm64_tool TOOL ARGUMENT...: apt-get or apt-cache of that folder.
+arm64_tool() {
+  local tool=$1
+  shift
   mkdir -p "$arm64_cache"/apt/lists/partial "$arm64_cache"/apt/archives/partial
   touch "$arm64_cache/apt/status"
-  apt-get -q -o APT::Architecture=arm64 -o APT::Architectures=arm64 -o APT::Install-Recommends=false \
+  "$tool" -q -o APT::Architecture=arm64 -o APT::Architectures=arm64 -o APT::Install-Recommends=false \
     -o Dir::State="$arm64_cache/apt" -o Dir::State::lists="$arm64_cache/apt/lists" \
     -o Dir::State::status="$arm64_cache/apt/status" -o Dir::Cache="$arm64_cache/apt" \
     -o APT::Sandbox::User="$(id -un)" -o Debug::NoLocking=true "$@"
 }
+arm64_apt() { arm64_tool apt-get "$@"; }
+arm64_apt_cache() { arm64_tool apt-cache "$@"; }
 
 # arm64_update: once a day is enough, and a second caller waits for the first.
 arm64_update() {

@@ -20,14 +20,18 @@ Result<Edge> GpiodEdgeIn::next_edge(Nanoseconds timeout) {
   if (size < 0) return device_failure(errno, name_.c_str(), "read edge");
   if (size != sizeof event) return fail(Errc::DeviceError, "%.60s: short edge event", name_.c_str());
 
-  // The kernel drops the oldest events when the queue is full and goes on counting, from 1, modulo 2^32.
+  // The kernel drops the oldest events when the queue is full and goes on counting, from 1, modulo 2^32.  Edges that come
+  // faster than its interrupt thread runs are merged before they are counted: then the same way comes twice.
+  const bool rising = event.id == GPIO_V2_LINE_EVENT_RISING_EDGE;
   const std::uint32_t steps = event.line_seqno - last_sequence_;
+  const std::uint64_t merged = steps == 1 && last_rising_ == rising ? 1 : 0;
   last_sequence_ = event.line_seqno;
-  sequence_ += steps;
-  edges_lost_.fetch_add(steps - 1, std::memory_order_relaxed);
+  last_rising_ = rising;
+  sequence_ += steps + merged;
+  edges_lost_.fetch_add(steps - 1 + merged, std::memory_order_relaxed);
   edges_.fetch_add(1, std::memory_order_relaxed);
   return Edge{.stamp = SensorClock::time_point{Nanoseconds{static_cast<std::int64_t>(event.timestamp_ns)}},
-              .rising = event.id == GPIO_V2_LINE_EVENT_RISING_EDGE,
+              .rising = rising,
               .sequence = sequence_};
 }
 

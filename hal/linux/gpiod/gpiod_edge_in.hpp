@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
 
 #include "hal/api/edge_in.hpp"
 #include "hal/linux/gpiod/line_request.hpp"
@@ -24,6 +25,7 @@ class GpiodEdgeIn final : public EdgeIn {
   Descriptor request_;
   std::string name_;
   std::uint32_t last_sequence_{0};
+  std::optional<bool> last_rising_;
   std::uint64_t sequence_{0};
   std::atomic<std::uint64_t> edges_{0};
   std::atomic<std::uint64_t> edges_lost_{0};

@@ -73,7 +73,9 @@ Result<void> SysfsPwm::start() {
 }
 
 Result<void> SysfsPwm::stop() noexcept {
-  BITELINE_TRY(write("enable", 0));
+  // A channel that never had a period refuses even to be told off.
+  BITELINE_ASSIGN(const std::int64_t enabled, read("enable"));
+  if (enabled != 0) BITELINE_TRY(write("enable", 0));
   running_ = false;
   return {};
 }

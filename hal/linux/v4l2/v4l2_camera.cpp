@@ -26,6 +26,20 @@ SensorClock::time_point stamp_of(const v4l2_buffer& buffer) {
       Nanoseconds{std::int64_t{buffer.timestamp.tv_sec} * 1'000'000'000 + buffer.timestamp.tv_usec * 1000}};
 }
 
+v4l2_selection selection(std::uint32_t target) {
+  v4l2_selection selection{};
+  selection.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  selection.target = target;
+  return selection;
+}
+
+v4l2_rect rectangle(const geometry::Region& region) {
+  return {.left = region.offset_u_px,
+          .top = region.offset_v_px,
+          .width = static_cast<std::uint32_t>(region.width_px),
+          .height = static_cast<std::uint32_t>(region.height_px)};
+}
+
 bool fits(const geometry::Region& region, int width_px, int height_px) {
   return region.offset_u_px >= 0 && region.offset_v_px >= 0 && region.width_px > 0 && region.height_px > 0 &&
          region.offset_u_px + region.width_px <= width_px && region.offset_v_px + region.height_px <= height_px;
@@ -71,9 +85,7 @@ Result<std::unique_ptr<V4l2Camera>> V4l2Camera::open(const Config& config) {
 }
 
 Result<void> V4l2Camera::read_full_size() {
-  v4l2_selection bounds{};
-  bounds.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  bounds.target = V4L2_SEL_TGT_CROP_DEFAULT;
+  v4l2_selection bounds = selection(V4L2_SEL_TGT_CROP_DEFAULT);
   if (retrying_ioctl(device_.number(), VIDIOC_G_SELECTION, &bounds) == 0 && bounds.r.width > 0) {
     sensor_width_px_ = static_cast<int>(bounds.r.width);
     sensor_height_px_ = static_cast<int>(bounds.r.height);
@@ -121,12 +133,18 @@ Result<CameraSettings> V4l2Camera::configure(const CameraSettings& wanted) {
     return fail(Errc::NotSupported, "V4L2 applies exposures some frames late: no bracketing");
   }
 
-  const bool cropped = crop_in_driver(wanted.region);
+  const bool whole = wanted.region.width_px == sensor_width_px_ && wanted.region.height_px == sensor_height_px_;
+  bool cropped = !whole && crop_in_driver(wanted.region);
+  if (cropped) {
+    // Some drivers take the rectangle and give it up again for the format.
+    cropped = set_format({.width_px = wanted.region.width_px, .height_px = wanted.region.height_px}).has_value() &&
+              crop_is(wanted.region);
+    if (!cropped) reset_crop();
+  }
   window_ = cropped ? PictureWindow{.width_px = wanted.region.width_px, .height_px = wanted.region.height_px}
                     : PictureWindow{wanted.region.offset_u_px, wanted.region.offset_v_px, wanted.region.width_px,
                                     wanted.region.height_px};
-  BITELINE_TRY(set_format(cropped ? window_
-                                  : PictureWindow{.width_px = sensor_width_px_, .height_px = sensor_height_px_}));
+  if (!cropped) BITELINE_TRY(set_format({.width_px = sensor_width_px_, .height_px = sensor_height_px_}));
   copies_ = format_ != PixelFormat::Grey8 || window_.width_px != picture_width_px_ ||
             window_.height_px != picture_height_px_;
 
@@ -143,25 +161,25 @@ Result<CameraSettings> V4l2Camera::configure(const CameraSettings& wanted) {
 }
 
 bool V4l2Camera::crop_in_driver(const geometry::Region& region) {
-  v4l2_selection crop{};
-  crop.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  crop.target = V4L2_SEL_TGT_CROP;
-  crop.r = {.left = region.offset_u_px,
-            .top = region.offset_v_px,
-            .width = static_cast<std::uint32_t>(region.width_px),
-            .height = static_cast<std::uint32_t>(region.height_px)};
-  const v4l2_rect asked = crop.r;
-  if (retrying_ioctl(device_.number(), VIDIOC_S_SELECTION, &crop) == 0 && crop.r.left == asked.left &&
-      crop.r.top == asked.top && crop.r.width == asked.width && crop.r.height == asked.height) {
-    return true;
-  }
+  v4l2_selection crop = selection(V4L2_SEL_TGT_CROP);
+  crop.r = rectangle(region);
+  if (retrying_ioctl(device_.number(), VIDIOC_S_SELECTION, &crop) == 0 && crop_is(region)) return true;
   // Another rectangle than the one asked would move every pixel: take the whole sensor and cut here.
-  crop.r = {.left = 0,
-            .top = 0,
-            .width = static_cast<std::uint32_t>(sensor_width_px_),
-            .height = static_cast<std::uint32_t>(sensor_height_px_)};
-  static_cast<void>(retrying_ioctl(device_.number(), VIDIOC_S_SELECTION, &crop));
+  reset_crop();
   return false;
+}
+
+bool V4l2Camera::crop_is(const geometry::Region& region) const {
+  v4l2_selection crop = selection(V4L2_SEL_TGT_CROP);
+  const v4l2_rect wanted = rectangle(region);
+  return retrying_ioctl(device_.number(), VIDIOC_G_SELECTION, &crop) == 0 && crop.r.left == wanted.left &&
+         crop.r.top == wanted.top && crop.r.width == wanted.width && crop.r.height == wanted.height;
+}
+
+void V4l2Camera::reset_crop() {
+  v4l2_selection crop = selection(V4L2_SEL_TGT_CROP);
+  crop.r = rectangle({.width_px = sensor_width_px_, .height_px = sensor_height_px_});
+  static_cast<void>(retrying_ioctl(device_.number(), VIDIOC_S_SELECTION, &crop));
 }
 
 Result<void> V4l2Camera::set_format(PictureWindow size) {

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: MIT
+// SocketCAN on vcan0 (CAN FD), the pose source and the encoder on top of it.
+#include <CppUTest/TestHarness.h>
+#include <net/if.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+
+#include <cstring>
+#include <thread>
+
+#include "hal/linux/socketcan/can_encoder.hpp"
+#include "hal/linux/socketcan/can_pose_source.hpp"
+#include "hal/linux/socketcan/socketcan_bus.hpp"
+#include "tests/hal/conformance/can_bus.hpp"
+#include "tests/hal/conformance/pose_source.hpp"
+#include "tests/hal/kernel/skip.hpp"
+
+namespace biteline::hal {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr const char* k_vcan = "/sys/class/net/vcan0";
+
+std::unique_ptr<SocketcanBus> open_bus() { return SocketcanBus::open({.interface = "vcan0"}).value(); }
+
+void set_link(bool up) {
+  const Descriptor socket{::socket(AF_INET, SOCK_DGRAM, 0)};
+  ifreq request{};
+  std::strcpy(request.ifr_name, "vcan0");
+  CHECK_EQUAL(0, ::ioctl(socket.number(), SIOCGIFFLAGS, &request));
+  request.ifr_flags = static_cast<short>(up ? request.ifr_flags | IFF_UP : request.ifr_flags & ~IFF_UP);
+  CHECK_EQUAL(0, ::ioctl(socket.number(), SIOCSIFFLAGS, &request));
+}
+
+CanFrame frame_of(std::uint32_t id, std::span<const std::uint8_t> data, bool fd = false) {
+  CanFrame frame{.id = id, .fd = fd, .size_bytes = static_cast<std::uint8_t>(data.size()), .received = {}};
+  std::copy(data.begin(), data.end(), frame.data.begin());
+  return frame;
+}
+
+/// What stands for the arm: SYNC, then the pose in classic frames or in one FD frame, turn by turn.
+struct Arm {
+  std::unique_ptr<SocketcanBus> bus{open_bus()};
+  canpose::PoseMessage pose{.sync_counter = 0};
+
+  void send() {
+    pose.sync_counter = static_cast<std::uint8_t>(pose.sync_counter % canpose::k_sync_counter_last + 1);
+    pose.stamp_us += 8000;
+    pose.T_base_flange.translation().x() += 1;
+    CHECK(bus->send(frame_of(canpose::k_sync_id, std::array{pose.sync_counter})).has_value());
+    if (pose.sync_counter % 2 == 0) {
+      CHECK(bus->send(frame_of(canpose::k_default_base_id + canpose::k_fd_id_offset, canpose::encode_fd(pose).value(), true))
+                .has_value());
+      return;
+    }
+    const canpose::ClassicFrames frames = canpose::encode_classic(pose).value();
+    for (std::uint32_t i = 0; i < frames.size(); ++i) {
+      CHECK(bus->send(frame_of(canpose::k_default_base_id + i, frames[i])).has_value());
+    }
+  }
+};
+
+TEST_GROUP(CanKernel) {
+  MonotonicClock clock;
+};
+
+TEST(CanKernel, BusConforms) {
+  BITELINE_DEVICE_OR_SKIP(k_vcan);
+  const auto sut = open_bus();
+  const auto peer = open_bus();
+  conformance::check_can_bus(*sut, *peer, {.fd = true, .extended = true});
+}
+
+TEST(CanKernel, StampIsBetweenSendingAndReading) {
+  BITELINE_DEVICE_OR_SKIP(k_vcan);
+  const auto sut = open_bus();
+  const auto peer = open_bus();
+  for (int i = 0; i < 20; ++i) {
+    const SensorClock::time_point before = monotonic_now();
+    CHECK(peer->send(conformance::numbered_frame(0x10, 1, false)).has_value());
+    std::this_thread::sleep_for(2ms);  // so that the time of reading would be told from the time of arrival
+    const Result<CanFrame> frame = sut->receive(1s);
+    CHECK(frame.has_value());
+    CHECK(frame->received >= before - 100us);  // two clocks read one after the other
+    CHECK(frame->received <= monotonic_now() - 2ms + 1ms);
+  }
+  CHECK_EQUAL(0, sut->health().stamps_estimated);
+}
+
+TEST(CanKernel, SteppedWallClockIsNoticed) {
+  BITELINE_DEVICE_OR_SKIP(k_vcan);
+  const auto sut = open_bus();
+  const auto peer = open_bus();
+  CHECK(peer->send(conformance::numbered_frame(0x10, 1, false)).has_value());
+  timeval wall{};
+  ::gettimeofday(&wall, nullptr);
+  wall.tv_sec += 3600;
+  CHECK_EQUAL(0, ::settimeofday(&wall, nullptr));
+  const Result<CanFrame> frame = sut->receive(1s);
+  wall.tv_sec -= 3600;
+  ::settimeofday(&wall, nullptr);
+  CHECK(frame.has_value());
+  CHECK_EQUAL(1, sut->health().stamps_estimated);
+  CHECK(std::chrono::abs(monotonic_now() - frame->received) < 1s);
+}
+
+TEST(CanKernel, FramesBeyondTheQueueAreCountedAsDropped) {
+  BITELINE_DEVICE_OR_SKIP(k_vcan);
+  const auto sut = SocketcanBus::open({.interface = "vcan0", .receive_buffer_bytes = 4096}).value();
+  const auto peer = open_bus();
+  constexpr int k_sent = 500;
+  for (int i = 0; i < k_sent; ++i) CHECK(peer->send(conformance::numbered_frame(0x10, 8, false)).has_value());
+  int received = 0;
+  while (sut->receive(10ms)) ++received;
+  CHECK(received < k_sent);
+  // The kernel tells the count with the next frame that gets through.
+  CHECK(peer->send(conformance::numbered_frame(0x10, 8, false)).has_value());
+  CHECK(sut->receive(1s).has_value());
+  CHECK_EQUAL(k_sent - received, sut->health().frames_dropped);
+}
+
+TEST(CanKernel, LinkThatGoesDownAndUpIsAStateAndNoEnd) {
+  BITELINE_DEVICE_OR_SKIP(k_vcan);
+  const auto sut = open_bus();
+  set_link(false);
+  CHECK(sut->receive(10ms).error().code == Errc::Timeout);
+  CHECK(sut->health().state == CanState::Down);
+  set_link(true);
+  const auto peer = open_bus();
+  CHECK(peer->send(conformance::numbered_frame(0x10, 1, false)).has_value());
+  CHECK(sut->receive(1s).has_value());
+  CHECK(sut->health().state == CanState::ErrorActive);
+}
+
+TEST(CanKernel, MissingInterfaceIsSaid) {
+  BITELINE_DEVICE_OR_SKIP(k_vcan);
+  CHECK(SocketcanBus::open({.interface = "can77"}).error().code == Errc::DeviceNotFound);
+}
+
+TEST(CanKernel, PoseSourceConforms) {
+  BITELINE_DEVICE_OR_SKIP(k_vcan);
+  Arm arm;
+  CanPoseSource sut{open_bus(), clock, {}};
+  conformance::check_pose_source(sut, [&] { arm.send(); });
+  CHECK_EQUAL(0, sut.health().poses_lost + sut.health().poses_rejected);
+}
+
+TEST(CanKernel, PoseIsLatchedAtItsSync) {
+  BITELINE_DEVICE_OR_SKIP(k_vcan);
+  Arm arm;
+  CanPoseSource sut{open_bus(), clock, {}};
+  CHECK(sut.start().has_value());
+  const SensorClock::time_point before = monotonic_now();
+  arm.send();
+  const Result<PoseSample> pose = sut.next_pose(1s);
+  CHECK(pose.has_value());
+  CHECK(pose->stamp_sensor.has_value());
+  CHECK(*pose->stamp_sensor >= before - 100us);
+  CHECK(*pose->stamp_sensor <= pose->received);
+}
+
+TEST(CanKernel, EncoderFollowsTheBus) {
+  BITELINE_DEVICE_OR_SKIP(k_vcan);
+  const auto peer = open_bus();
+  const auto sut = CanEncoder::open(open_bus(), {.node = 3, .range_ticks = 0}).value();
+  for (const std::uint8_t low_byte : {std::uint8_t{5}, std::uint8_t{9}, std::uint8_t{25}}) {
+    CHECK(peer->send(frame_of(canpose::tpdo1_id(3), std::array<std::uint8_t, 4>{low_byte, 0, 0, 0})).has_value());
+  }
+  Result<EncoderReading> reading = sut->read();
+  for (int i = 0; i < 1000 && !(reading && reading->position_ticks == 20); ++i) reading = sut->read();
+  CHECK_EQUAL(20, reading->position_ticks);
+}
+
+}  // namespace
+}  // namespace biteline::hal
