@@ -20,11 +20,18 @@ arm64_tool() {
 arm64_apt() { arm64_tool apt-get "$@"; }
 arm64_apt_cache() { arm64_tool apt-cache "$@"; }
 
-# arm64_update: once a day is enough, and a second caller waits for the first.
+# What cannot be fetched ends the caller with 77: a machine without network skips these tests.
+cannot_fetch() {
+  echo "skipped: cannot fetch $* (no network?)" >&2
+  exit 77
+}
+
+# arm64_update: once a day is enough.  apt-get update tells a failed download by warnings only, so the index is looked for.
 arm64_update() {
-  if [ -z "$(find "$arm64_cache/apt/updated" -mtime -1 2>/dev/null)" ]; then
-    arm64_apt update && touch "$arm64_cache/apt/updated"
-  fi
+  [ -z "$(find "$arm64_cache/apt/updated" -mtime -1 2>/dev/null)" ] || return 0
+  arm64_apt update
+  [ -n "$(find "$arm64_cache/apt/lists" -name '*arm64_Packages*' -print -quit)" ] || cannot_fetch "Debian's arm64 index"
+  touch "$arm64_cache/apt/updated"
 }
 
 # unpack_deb FILE FOLDER: files only, no scripts; the folder's lib, bin and sbin are links into usr.

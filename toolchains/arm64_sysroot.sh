@@ -18,7 +18,7 @@ if [ "$(cat "$sysroot/.biteline" 2>/dev/null)" != "$wanted" ]; then
   {
     arm64_update
     rm -f "$arm64_cache"/apt/archives/*.deb
-    arm64_apt install -y --download-only $packages
+    arm64_apt install -y --download-only $packages || cannot_fetch $packages
     rm -rf "$sysroot"
     for package in "$arm64_cache"/apt/archives/*.deb; do
       case ${package##*/} in

@@ -13,6 +13,10 @@ shift 3
 for tool in qemu-system-aarch64 dtc fdtoverlay cpio depmod modprobe aarch64-linux-gnu-objdump; do
   PATH=$PATH:/sbin:/usr/sbin command -v "$tool" >/dev/null || { echo "skipped: no $tool"; exit 77; }
 done
+for name in "$@"; do
+  [ "$name" != -- ] || break
+  [ -e "$build/$name" ] || { echo "skipped: no $build/$name"; exit 77; }
+done
 PATH=$PATH:/sbin:/usr/sbin
 sysroot=$("$root/toolchains/arm64_sysroot.sh")
 kernel=$("$here/kernel.sh" "$flavour")

@@ -19,7 +19,8 @@ flock 9
 
 # fetch PACKAGE: the newest of our own index; what is there already is not fetched again.
 fetch() {
-  ls "$work"/packages/"$1"_*.deb >/dev/null 2>&1 || (cd "$work/packages" && arm64_apt download "$1" >&2)
+  ls "$work"/packages/"$1"_*.deb >/dev/null 2>&1 || (cd "$work/packages" && arm64_apt download "$1" >&2) \
+    || cannot_fetch "$1"
 }
 
 # kernel_source SERIES FILE...: those files of Debian's source of that series, into sources/SERIES.
@@ -47,7 +48,8 @@ build_modules() {
   local common_package="linux-headers-${version%%-rt-arm64}"
   common_package="${common_package%-arm64}-$common"
   fetch "$common_package"
-  ls "$work"/packages/linux-kbuild-6.1_*.deb >/dev/null 2>&1 || (cd "$work/packages" && apt-get -q download linux-kbuild-6.1 >&2)
+  ls "$work"/packages/linux-kbuild-6.1_*.deb >/dev/null 2>&1 || (cd "$work/packages" && apt-get -q download linux-kbuild-6.1 >&2) \
+    || cannot_fetch linux-kbuild-6.1
   for package in "linux-headers-$version" "$common_package" linux-kbuild-6.1; do
     dpkg-deb -x "$work"/packages/"$package"_*.deb "$headers"
   done

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file What a board has and where: boards/<board>/board.yaml as a struct.  Data only; nothing is opened here.
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "common/core/result.hpp"
+#include "common/time/clocks.hpp"
+#include "hal/linux/gpiod/line_request.hpp"
+
+namespace biteline::hal {
+
+struct BoardCamera {
+  enum class Kind { V4l2, GigE } kind{Kind::V4l2};
+  // V4l2
+  std::string device;
+  std::string control_device;          ///< the sensor's sub-device; empty: the same as `device`
+  std::optional<int> gain;
+  std::optional<Nanoseconds> readout;  ///< end of exposure to the end of frame, from the data sheet
+  // GigE
+  std::string address;
+  int packet_bytes{0};  ///< 0: what the camera has
+  bool packet_socket{false};
+
+  bool hardware_trigger{false};
+  /// Strobe echo's edge to mid-exposure as the camera tells it, bounds; both 0: frames are not paired with edges.
+  Nanoseconds edge_to_mid_min{0}, edge_to_mid_max{0};
+};
+
+struct BoardTrigger {
+  enum class Kind { None, HardwareTimer, Software } kind{Kind::None};
+  std::string chip;  ///< HardwareTimer
+  int channel{0};
+  GpioLineAddress line;  ///< Software
+};
+
+struct BoardLaser {
+  GpioLineAddress enable;
+  GpioLineAddress interlock;
+  std::optional<GpioLineAddress> key;
+};
+
+struct BoardPoses {
+  enum class Kind { Rtde, Can } kind{Kind::Rtde};
+  std::string address;  ///< Rtde
+  std::uint16_t port{30004};
+  double rate_hz{500};
+  std::string interface;  ///< Can
+  std::uint32_t base_id{0};
+};
+
+struct BoardWatchdog {
+  std::string device;  ///< empty: none
+  bool systemd{true};
+  Nanoseconds timeout{0};
+};
+
+struct Board {
+  std::string name;
+  BoardCamera camera;
+  BoardTrigger trigger;
+  std::optional<BoardLaser> laser;             ///< none: a board that drives no laser
+  std::optional<GpioLineAddress> strobe_echo;  ///< the camera's "exposing" output
+  std::optional<GpioLineAddress> scan_active;  ///< the robot's "on my way" output
+  BoardPoses poses;
+  std::string ptp;  ///< "/dev/ptp0"; empty: none
+  BoardWatchdog watchdog;
+};
+
+/// Strict: every fault names file, key and line; an unknown key, also one of another kind's, is a fault.
+[[nodiscard]] Result<Board> read_board_yaml(const std::filesystem::path& path);
+
+}  // namespace biteline::hal

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+#include <array>
+#include <string_view>
+
+#include "common/config/yaml_reader.hpp"
+#include "hal/board/board.hpp"
+
+namespace biteline::hal {
+namespace {
+
+using config::YamlReader;
+
+/// The place of the text under `key` among `names`; a fault and 0 when it is none of them.
+template <std::size_t Count>
+std::size_t choice(YamlReader& reader, const std::string& key, const std::array<std::string_view, Count>& names) {
+  const std::string text = reader.text(key);
+  std::string expected;
+  for (std::size_t i = 0; i < Count; ++i) {
+    if (text == names[i]) return i;
+    expected += (i == 0 ? "" : ", ") + std::string{names[i]};
+  }
+  if (!text.empty()) reader.fault(Errc::BadValue, key, "one of " + expected + " expected");
+  return 0;
+}
+
+Nanoseconds microseconds(double us) { return Nanoseconds{static_cast<std::int64_t>(us * 1000)}; }
+
+GpioLineAddress read_line(YamlReader& parent, const std::string& key) {
+  YamlReader reader = parent.child(key, true);
+  GpioLineAddress line{.chip = reader.text("chip"), .line = reader.text("line")};
+  line.active_low = reader.boolean_or("active_low", false);
+  const std::string bias = reader.text_or("bias", "as-is");
+  if (bias == "pull-up") {
+    line.bias = GpioLineAddress::Bias::PullUp;
+  } else if (bias == "pull-down") {
+    line.bias = GpioLineAddress::Bias::PullDown;
+  } else if (bias == "disabled") {
+    line.bias = GpioLineAddress::Bias::Disabled;
+  } else if (bias != "as-is") {
+    reader.fault(Errc::BadValue, "bias", "one of as-is, pull-up, pull-down, disabled expected");
+  }
+  return line;
+}
+
+std::optional<GpioLineAddress> read_optional_line(YamlReader& parent, const std::string& key) {
+  if (!parent.has(key)) return std::nullopt;
+  return read_line(parent, key);
+}
+
+BoardCamera read_camera(YamlReader& parent) {
+  YamlReader reader = parent.child("camera", true);
+  BoardCamera camera;
+  if (choice<2>(reader, "kind", {"v4l2", "gige"}) == 0) {
+    camera.kind = BoardCamera::Kind::V4l2;
+    camera.device = reader.text("device");
+    camera.control_device = reader.text_or("control_device", "");
+    if (reader.has("gain")) camera.gain = static_cast<int>(reader.integer("gain", {0, 65535}));
+    if (reader.has("readout_us")) camera.readout = microseconds(reader.number("readout_us", {0, 1e6}));
+  } else {
+    camera.kind = BoardCamera::Kind::GigE;
+    camera.address = reader.text("address");
+    // 576 is the least that every network carries; 65535 the most that UDP does.
+    camera.packet_bytes = static_cast<int>(reader.integer_or("packet_bytes", 0, {0, 65535}));
+    camera.packet_socket = reader.boolean_or("packet_socket", false);
+  }
+  camera.hardware_trigger = reader.boolean_or("hardware_trigger", false);
+  if (reader.has("edge_to_mid_us")) {
+    const std::vector<double> bounds_us = reader.numbers("edge_to_mid_us", 2);
+    camera.edge_to_mid_min = microseconds(bounds_us[0]);
+    camera.edge_to_mid_max = microseconds(bounds_us[1]);
+    if (!(bounds_us[0] <= bounds_us[1] && bounds_us[1] <= 1e6)) {
+      reader.fault(Errc::BadValue, "edge_to_mid_us", "[least, most] below 1e6 expected");
+    }
+  }
+  return camera;
+}
+
+BoardTrigger read_trigger(YamlReader& parent) {
+  YamlReader reader = parent.child("trigger", false);
+  if (!parent.has("trigger")) return {};
+  BoardTrigger trigger;
+  if (choice<2>(reader, "kind", {"pwm", "software"}) == 0) {
+    trigger.kind = BoardTrigger::Kind::HardwareTimer;
+    trigger.chip = reader.text("chip");
+    trigger.channel = static_cast<int>(reader.integer("channel", {0, 63}));
+  } else {
+    trigger.kind = BoardTrigger::Kind::Software;
+    trigger.line = read_line(reader, "line");
+  }
+  return trigger;
+}
+
+std::optional<BoardLaser> read_laser(YamlReader& parent) {
+  if (!parent.has("laser")) return std::nullopt;
+  YamlReader reader = parent.child("laser", true);
+  BoardLaser laser;
+  laser.enable = read_line(reader, "enable");
+  laser.interlock = read_line(reader, "interlock");
+  laser.key = read_optional_line(reader, "key");
+  return laser;
+}
+
+BoardPoses read_poses(YamlReader& parent) {
+  YamlReader reader = parent.child("poses", true);
+  BoardPoses poses;
+  if (choice<2>(reader, "kind", {"rtde", "can"}) == 0) {
+    poses.kind = BoardPoses::Kind::Rtde;
+    poses.address = reader.text("address");
+    poses.port = static_cast<std::uint16_t>(reader.integer_or("port", 30004, {1, 65535}));
+    poses.rate_hz = reader.number_or("rate_hz", 500, {1, 500});
+  } else {
+    poses.kind = BoardPoses::Kind::Can;
+    poses.interface = reader.text("interface");
+    poses.base_id = static_cast<std::uint32_t>(reader.integer_or("base_id", 0x1A0, {0, 0x7F4}));
+    if (poses.base_id % 4 != 0) reader.fault(Errc::BadValue, "base_id", "a multiple of 4 expected");
+  }
+  return poses;
+}
+
+BoardWatchdog read_watchdog(YamlReader& parent) {
+  YamlReader reader = parent.child("watchdog", true);
+  BoardWatchdog watchdog;
+  watchdog.device = reader.text_or("device", "");
+  watchdog.systemd = reader.boolean_or("systemd", true);
+  watchdog.timeout = microseconds(1000 * reader.number("timeout_ms", {50, 600'000}));
+  return watchdog;
+}
+
+}  // namespace
+
+Result<Board> read_board_yaml(const std::filesystem::path& path) {
+  BITELINE_ASSIGN(YamlReader reader, YamlReader::open(path));
+  Board board;
+  board.name = reader.text("board");
+  board.camera = read_camera(reader);
+  board.trigger = read_trigger(reader);
+  board.laser = read_laser(reader);
+  board.strobe_echo = read_optional_line(reader, "strobe_echo");
+  board.scan_active = read_optional_line(reader, "scan_active");
+  board.poses = read_poses(reader);
+  board.ptp = reader.text_or("ptp", "");
+  board.watchdog = read_watchdog(reader);
+
+  if (board.trigger.kind != BoardTrigger::Kind::None && !board.camera.hardware_trigger) {
+    reader.fault(Errc::BadValue, "trigger", "camera.hardware_trigger: true expected beside it");
+  }
+  if (board.camera.edge_to_mid_max > Nanoseconds{0} && !board.strobe_echo) {
+    reader.fault(Errc::BadValue, "camera", "strobe_echo expected beside edge_to_mid_us");
+  }
+  BITELINE_TRY(reader.finish());
+  return board;
+}
+
+}  // namespace biteline::hal

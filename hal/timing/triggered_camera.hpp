@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file A camera whose exposures are timed by the edges of its strobe echo, whatever its own stamps are worth.
+
+#include <atomic>
+#include <memory>
+
+#include "hal/api/edge_in.hpp"
+#include "hal/api/line_camera.hpp"
+#include "hal/timing/edge_grid.hpp"
+#include "hal/timing/trigger_pairing.hpp"
+
+namespace biteline::hal {
+
+/// Counts since start(), from the owner's thread.
+struct TriggerHealth {
+  PairingHealth pairing;
+  EdgeGridHealth grid;
+  std::uint64_t edges_lost{0};     ///< by the kernel
+  std::uint64_t edge_failures{0};  ///< the line could not be read
+};
+
+/// A LineCamera round another one.  A frame that pairs with one rising edge gets its mid-exposure from it and loses the
+/// flag of an uncertain stamp; one that pairs with none or two keeps its own stamp and is flagged k_frame_trigger_mismatch.
+/// A strobe line that fails costs the pairing, never the frames.
+class TriggeredCamera final : public LineCamera {
+ public:
+  struct Config {
+    TriggerPairing::Config pairing;  ///< edge to mid-exposure as the camera tells it
+  };
+  TriggeredCamera(std::unique_ptr<LineCamera> camera, std::unique_ptr<EdgeIn> strobe_echo, const Config& config)
+      : camera_{std::move(camera)}, strobe_echo_{std::move(strobe_echo)}, config_{config} {}
+
+  [[nodiscard]] Result<CameraLimits> limits() override { return camera_->limits(); }
+  [[nodiscard]] Result<CameraSettings> configure(const CameraSettings& wanted) override;
+  [[nodiscard]] Result<void> start() override;
+  [[nodiscard]] Result<FrameView> next_frame(Nanoseconds timeout) override;
+  void release(const FrameView& frame) noexcept override { camera_->release(frame); }
+  [[nodiscard]] Result<Nanoseconds> adjust_exposure(Nanoseconds exposure) override;
+  [[nodiscard]] Result<void> stop() override { return camera_->stop(); }
+  [[nodiscard]] CameraHealth health() const noexcept override { return camera_->health(); }
+
+  [[nodiscard]] TriggerHealth trigger_health() const;
+
+ private:
+  void take_edges();
+
+  std::unique_ptr<LineCamera> camera_;
+  std::unique_ptr<EdgeIn> strobe_echo_;
+  Config config_;
+  CameraSettings settings_;
+  TriggerPairing pairing_{config_.pairing};
+  EdgeGrid grid_{{.period = Nanoseconds{1}, .tolerance = Nanoseconds{0}}};
+  std::uint64_t edge_failures_{0};
+};
+
+}  // namespace biteline::hal

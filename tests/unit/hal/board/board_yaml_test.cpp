@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#include <CppUTest/TestHarness.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "hal/board/board.hpp"
+
+namespace biteline::hal {
+namespace {
+
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+
+const std::string k_small = R"(board: made
+camera: {kind: v4l2, device: /dev/video0}
+poses: {kind: rtde, address: 192.168.1.10}
+watchdog: {timeout_ms: 500}
+)";
+
+TEST_GROUP(BoardYaml) {
+  fs::path file{fs::temp_directory_path() / ("biteline-board-" + std::to_string(::getpid()) + ".yaml")};
+
+  void teardown() override { fs::remove(file); }
+  Result<Board> read(const std::string& text) {
+    std::ofstream{file} << text;
+    return read_board_yaml(file);
+  }
+};
+
+TEST(BoardYaml, EveryBoardOfTheTreeReads) {
+  int boards = 0;
+  for (const fs::directory_entry& folder : fs::directory_iterator{BITELINE_BOARDS_DIR}) {
+    const fs::path path = folder.path() / "board.yaml";
+    if (!fs::exists(path)) continue;
+    const Result<Board> board = read_board_yaml(path);
+    if (!board) FAIL(to_line(board.error()).c_str());
+    CHECK(board->name == folder.path().filename().string());
+    CHECK(board->laser.has_value());
+    // A laser whose enable line floats, or is pulled the wrong way, is on before we are.
+    CHECK(board->laser->enable.bias ==
+          (board->laser->enable.active_low ? GpioLineAddress::Bias::PullUp : GpioLineAddress::Bias::PullDown));
+    ++boards;
+  }
+  CHECK(boards >= 3);
+}
+
+TEST(BoardYaml, LeastBoardHasItsDefaults) {
+  const Result<Board> board = read(k_small);
+  CHECK(board.has_value());
+  CHECK(board->trigger.kind == BoardTrigger::Kind::None);
+  CHECK_FALSE(board->laser.has_value());
+  CHECK_EQUAL(30004, board->poses.port);
+  CHECK(board->watchdog.timeout == 500ms);
+}
+
+TEST(BoardYaml, FaultsAreRefusedEach) {
+  struct Row {
+    const char* name;
+    std::string text;
+    Errc expected;
+  };
+  const auto with = [](const char* line) { return k_small + line + "\n"; };
+  const Row rows[] = {
+      {"unknown key", with("colour: red"), Errc::UnknownKey},
+      {"unknown key inside", with("laser: {enable: {chip: a, line: '1', volts: 5}, interlock: {chip: a, line: '2'}}"),
+       Errc::UnknownKey},
+      {"another kind's key", "board: a\ncamera: {kind: gige, address: a, device: b}\nposes: {kind: rtde, address: a}\n"
+                             "watchdog: {timeout_ms: 500}\n", Errc::UnknownKey},
+      {"unknown kind", "board: a\ncamera: {kind: usb, device: b}\nposes: {kind: rtde, address: a}\n"
+                       "watchdog: {timeout_ms: 500}\n", Errc::BadValue},
+      {"missing camera", "board: a\nposes: {kind: rtde, address: a}\nwatchdog: {timeout_ms: 500}\n", Errc::BadFormat},
+      {"wild bias", with("scan_active: {chip: a, line: '1', bias: up}"), Errc::BadValue},
+      {"trigger on a camera that takes none", with("trigger: {kind: pwm, chip: a, channel: 0}"), Errc::BadValue},
+      {"base id off the grid", "board: a\ncamera: {kind: v4l2, device: b}\nposes: {kind: can, interface: c, base_id: 3}\n"
+                               "watchdog: {timeout_ms: 500}\n", Errc::BadValue},
+      {"watchdog too short", "board: a\ncamera: {kind: v4l2, device: b}\nposes: {kind: rtde, address: a}\n"
+                             "watchdog: {timeout_ms: 1}\n", Errc::BadValue},
+  };
+  for (const Row& row : rows) {
+    const Result<Board> board = read(row.text);
+    if (board) FAIL(row.name);
+    if (board.error().code != row.expected && row.expected != Errc::BadFormat) FAIL((row.name + (": " + to_line(board.error()))).c_str());
+  }
+}
+
+}  // namespace
+}  // namespace biteline::hal
