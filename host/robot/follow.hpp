@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Send a path, watch the arm follow it, and say how well it did.
+
+#include "host/robot/robot_link.hpp"
+#include "host/trajectory/track.hpp"
+
+namespace biteline::robot {
+
+struct FollowOptions {
+  double start_patience_s{5};  ///< from sending to the program's first motion
+  double way_there_s{60};      ///< for the arm's way to the path's beginning
+  double slowest_ratio{0.1};   ///< of the planned speed: the operator's slider
+};
+
+struct FollowReport {
+  std::vector<trajectory::TrackSample> track;  ///< the whole run, time from the program's start
+  trajectory::TrackDeviation deviation;
+  double duration_s{0};
+  double slowest_speed_ratio{1};  ///< that the controller reported meanwhile
+};
+
+/// Blocks until the program ends.  On a stop by the safety system, a lost connection or too long a wait the
+/// arm is told to stop and the reason returned.  `report` is filled as far as it went, also then.
+[[nodiscard]] Result<void> follow(RobotLink& link, const trajectory::CheckedPath& path,
+                                  const FollowOptions& options, FollowReport& report);
+
+/// One row per sample: time, T_base_tcp.
+[[nodiscard]] Result<void> write_track(const std::filesystem::path& file,
+                                       const std::vector<trajectory::TrackSample>& track);
+
+}  // namespace biteline::robot

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+// A planned path in the simulated controller's hands: it takes the script of every process and comes by where
+// the plan says.
+#include <CppUTest/TestHarness.h>
+
+#include <cstdio>
+#include <numbers>
+
+#include "hal/sim/robot/program.hpp"
+#include "hal/sim/robot/ur_controller.hpp"
+#include "host/robot/follow.hpp"
+#include "host/robot/ur/script.hpp"
+#include "host/robot/ur/ur_link.hpp"
+#include "tests/unit/host/robot/planned.hpp"
+
+namespace biteline::robot {
+namespace {
+
+// What issue and method demand of a followed path.
+constexpr double k_max_mm = 0.05;
+constexpr double k_max_rad = 0.1 * std::numbers::pi / 180;
+
+void check(const char* name, const trajectory::TrackDeviation& d) {
+  std::printf(
+      "%-12s %zu samples, tip mean %.4f mm, max %.4f mm at %.0f mm, %.4f degrees; line mean %.4f mm, max "
+      "%.4f mm\n",
+      name, d.samples, d.mean_mm, d.max_mm, d.max_at_mm, d.max_rad * 180 / std::numbers::pi, d.line_mean_mm,
+      d.line_max_mm);
+  CHECK_TEXT(d.completed, name);
+  CHECK_TEXT(d.covered > 0.999, name);
+  CHECK_TEXT(d.max_mm <= k_max_mm, name);
+  CHECK_TEXT(d.max_rad <= k_max_rad, name);
+}
+
+/// A stretched pose above the table, away from the shoe.
+SE3 T_base_flange_home(const sim::ArmKinematics& arm) {
+  sim::JointVector q_rad;
+  q_rad << 0.0, -1.8, 1.6, -1.4, -1.57, 0.0;
+  return arm.T_base_flange(q_rad);
+}
+
+}  // namespace
+
+TEST_GROUP(FollowPath) {
+  sim::ArmKinematics kinematics = *sim::ArmKinematics::named("ur5e");
+};
+
+TEST(FollowPath, EveryProcessRunsAndStaysOnThePlan) {
+  for (const char* name : {"grind.yaml", "rough.yaml", "cement.yaml", "spray.yaml"}) {
+    const trajectory::CheckedPath path = test::planned_path(name);
+    const auto script = sim::parse_script(ur::urscript(path));
+    CHECK_TEXT(script.has_value(), name);
+    const sim::Program program =
+        sim::Program::plan(*script, kinematics, T_base_flange_home(kinematics), SE3::Identity());
+    std::vector<trajectory::TrackSample> track;
+    for (double time_s = 0; time_s <= program.duration_s() + 0.002;
+         time_s += 0.002) {  // the controller's cycle
+      track.push_back({.time_s = time_s,
+                       .T_base_tcp = program.T_base_flange_at(time_s) * program.T_flange_tcp_at(time_s)});
+    }
+    check(name, trajectory::deviation(path.path(), track));
+  }
+}
+
+TEST(FollowPath, SentOverTheNetworkAndFollowedInRealTime) {
+  sim::Arm arm{kinematics, T_base_flange_home(kinematics)};
+  const auto controller =
+      sim::UrController::open({}, arm, [](SensorClock::time_point, const sim::ArmState&) {});
+  CHECK(controller.has_value());
+  const sim::UrController::Ports ports = (*controller)->ports();
+  const auto link = ur::UrLink::open({.host = "127.0.0.1",
+                                      .rtde_port = ports.rtde,
+                                      .script_port = ports.script,
+                                      .dashboard_port = ports.dashboard,
+                                      .rate_hz = 0,
+                                      .connect_patience_s = 20});
+  CHECK(link.has_value());
+  const trajectory::CheckedPath path = test::planned_path("spray.yaml");
+  FollowReport report;
+  const auto followed = follow(**link, path, {}, report);
+  CHECK_TEXT(followed.has_value(), followed ? "" : to_line(followed.error()).c_str());
+  check("over RTDE", report.deviation);
+  CHECK_EQUAL(1U, (*controller)->scripts_run());
+  CHECK(report.deviation.samples > 100 * path.duration_s());  // 500 Hz, and a busy machine may lose some
+}
+
+}  // namespace biteline::robot
