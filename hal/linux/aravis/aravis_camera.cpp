@@ -24,6 +24,19 @@ constexpr std::uint64_t k_frames_between_counts = 32;
 
 enum class State { Open, Configured, Running };
 
+/// The arithmetic flags stay as they were: Aravis divides by zero in passing (a frame rate of a period not read yet, a mean
+/// rate over no frames), and those flags are not this program's.
+class KeepFloatingPointFlags {
+ public:
+  KeepFloatingPointFlags() { std::feholdexcept(&environment_); }
+  ~KeepFloatingPointFlags() { std::fesetenv(&environment_); }
+  KeepFloatingPointFlags(const KeepFloatingPointFlags&) = delete;
+  KeepFloatingPointFlags& operator=(const KeepFloatingPointFlags&) = delete;
+
+ private:
+  std::fenv_t environment_{};
+};
+
 /// The one funnel from GError to Error.
 class Call {
  public:
@@ -43,6 +56,7 @@ class Call {
   }
 
  private:
+  KeepFloatingPointFlags flags_;
   const std::string& device_;
   const char* what_;
   GError* error_{nullptr};
@@ -90,15 +104,13 @@ struct AravisCamera::Device {
   void drop_stream() {
     for (ArvBuffer* buffer : borrowed) g_object_unref(buffer);
     borrowed.clear();
-    // A stream that ends works out its mean rate, over no frames if there were none: those flags are not ours.
-    std::fenv_t environment;
-    std::feholdexcept(&environment);
+    const KeepFloatingPointFlags flags;
     if (stream != nullptr) g_object_unref(stream);
     stream = nullptr;
-    std::fesetenv(&environment);
   }
 
   [[nodiscard]] bool has(const char* feature) const {
+    const KeepFloatingPointFlags flags;
     GError* error = nullptr;
     const bool present = arv_camera_is_feature_available(camera, feature, &error) != FALSE && error == nullptr;
     g_clear_error(&error);

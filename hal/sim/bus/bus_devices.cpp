@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 
-#include "hal/sim/bus/bus_address.hpp"
+#include "hal/sim/bus/bus_transfer.hpp"
 
 namespace biteline::sim {
 
@@ -19,7 +19,7 @@ constexpr const char* k_wires = "simulated wires";
 }  // namespace
 
 Result<BusConnection> BusConnection::connect(const std::string& name) {
-  hal::Descriptor socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+  hal::Descriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   if (!socket.is_open()) return hal::device_failure(errno, name.c_str(), "socket");
   const BusAddress address(name);
   if (::connect(socket.number(), address.get(), address.size()) != 0) {
@@ -38,7 +38,7 @@ Result<void> BusConnection::send(const BusMessage& message) noexcept {
 Result<BusMessage> BusConnection::receive(Nanoseconds timeout) noexcept {
   BITELINE_TRY(hal::wait_readable(socket_.number(), timeout, k_wires));
   BusMessage message;
-  const auto size = recv(socket_.number(), &message, sizeof message, 0);
+  const auto size = receive_whole(socket_.number(), message);
   if (size == static_cast<ssize_t>(sizeof message)) return message;
   return fail_errno(Errc::DeviceLost, size < 0 ? errno : 0, k_wires);
 }

@@ -11,9 +11,16 @@
 #include <cerrno>
 #include <cstring>
 
-#include "hal/sim/bus/bus_address.hpp"
+#include "hal/sim/bus/bus_transfer.hpp"
 
 namespace biteline::sim {
+
+namespace {
+
+/// Some two seconds of the pose bus; the kernel gives at most its own limit (net.core.wmem_max).
+constexpr int k_client_buffer_bytes = 2 << 20;
+
+}  // namespace
 
 BusServer::BusServer(hal::Descriptor listener, hal::Descriptor wake, Callbacks callbacks)
     : listener_(std::move(listener)), wake_(std::move(wake)), callbacks_(std::move(callbacks)), thread_([this] { serve(); }) {}
@@ -31,7 +38,7 @@ void BusServer::close() {
 }
 
 Result<std::unique_ptr<BusServer>> BusServer::open(const std::string& name, Callbacks callbacks) {
-  hal::Descriptor listener(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  hal::Descriptor listener(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!listener.is_open()) return hal::device_failure(errno, name.c_str(), "socket");
   const BusAddress address(name);
   if (bind(listener.number(), address.get(), address.size()) != 0 || listen(listener.number(), 16) != 0) {
@@ -105,6 +112,7 @@ void BusServer::serve() {
 void BusServer::accept_client() {
   hal::Descriptor socket(accept4(listener_.number(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
   if (!socket.is_open()) return;
+  setsockopt(socket.number(), SOL_SOCKET, SO_SNDBUF, &k_client_buffer_bytes, sizeof k_client_buffer_bytes);
   auto client = std::make_unique<Client>();
   client->socket = std::move(socket);
   const std::lock_guard lock(clients_mutex_);
@@ -114,7 +122,7 @@ void BusServer::accept_client() {
 bool BusServer::read_from(Client& client) {
   for (;;) {
     BusMessage message;
-    const auto size = recv(client.socket.number(), &message, sizeof message, MSG_DONTWAIT);
+    const auto size = receive_whole(client.socket.number(), message);
     if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return true;
     if (size != static_cast<ssize_t>(sizeof message)) return false;
     const auto now = hal::monotonic_now();

@@ -16,9 +16,8 @@
 
 namespace biteline::sim {
 
-/// A socket of this machine (SOCK_SEQPACKET in the abstract namespace: no file, gone with its process) that keeps message
-/// borders and notices the death of a client: what that client drove falls back, as a kernel lets go of a dead process's
-/// lines.  A slow client loses messages (counted), and never holds up the others.
+/// A local stream socket in the abstract namespace (no file, gone with its process), all messages of one size.  It notices
+/// the death of a client: what that client drove falls back, as a kernel lets go of a dead process's lines.  A slow client loses messages (counted), and never holds up the others.
 ///
 /// Thread: every method from any thread; the callbacks are called on the server's own thread or on the caller's of
 /// drive(), one at a time for each line.

@@ -8,6 +8,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cmath>
 #include <fstream>
 #include <thread>
@@ -82,9 +83,15 @@ struct Scan {
   bool complete{false};
 };
 
-/// Laser on, until the arm says that it is round.
+/// Laser on, until the arm says that it is round.  Poses have a thread of their own, as in the sensor.
 Scan take_scan(Devices& devices) {
   Scan scan;
+  std::atomic<bool> over{false};
+  std::thread pose_thread([&] {
+    while (!over) {
+      if (const auto pose = devices.poses->next_pose(Nanoseconds{20'000'000})) scan.poses.push_back(*pose);
+    }
+  });
   CHECK(devices.laser->set(true).has_value());
   bool active = false;
   const auto until = hal::monotonic_now() + 30 * k_second;
@@ -97,8 +104,9 @@ Scan take_scan(Devices& devices) {
       if (active) scan.pictures.push_back({frame->exposure_mid, frame->width_px, frame->height_px, {frame->pixels.begin(), frame->pixels.end()}});
       devices.camera->release(*frame);
     }
-    while (const auto pose = devices.poses->next_pose(Nanoseconds{0})) scan.poses.push_back(*pose);
   }
+  over = true;
+  pose_thread.join();
   return scan;
 }
 
