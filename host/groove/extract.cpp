@@ -282,6 +282,8 @@ void extract_ours(const Side& side, const cloud::PointCloud& cloud, const Extrac
     extraction.line = finished_line(placement, extraction, config.point_spacing_mm);
     extraction.length_mm = placement.length_mm;
     extraction.bridged_mm = placement.bridged_mm;
+    // What was bridged was not seen to be the bite line.
+    extraction.confidence = decision.confidence * (1 - placement.bridged_mm / std::max(placement.length_mm, 1.0));
     extraction.closure_mm = best.closure_mm;
     extraction.found = true;
   } else {

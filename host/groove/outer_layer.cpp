@@ -31,19 +31,21 @@ class Layers {
     rows_ = static_cast<int>(static_cast<float>(config.height_mm) / row_mm_) + 1;
     per_s_ = static_cast<float>(cols_ / config.length_mm);
     z_low_ = static_cast<float>(config.z_low_mm);
-    std::vector<std::uint16_t> counts(static_cast<std::size_t>(cols_ * rows_) * k_layer_bins, 0);
+    counts_.assign(static_cast<std::size_t>(cols_ * rows_) * k_layer_bins, 0);
     for (const Place& place : places) {
       const std::int32_t cell = cell_of(place);
       if (cell < 0) continue;
-      auto& count = counts[static_cast<std::size_t>(cell) * k_layer_bins + bin_of(place.o_mm)];
+      auto& count = counts_[static_cast<std::size_t>(cell) * k_layer_bins + bin_of(place.o_mm)];
       if (count < 65535) ++count;
     }
     limit_.assign(static_cast<std::size_t>(cols_ * rows_), -k_inner_mm);
     const int gap_bins = std::max(1, static_cast<int>(std::lround(config.gap_mm / static_cast<double>(k_layer_o_mm))));
+    totals_.assign(limit_.size(), 0);
     std::vector<float> top(limit_.size(), k_nothing_mm);
     for (std::size_t cell = 0; cell < limit_.size(); ++cell) {
-      const Cluster cluster = outermost_cluster({counts.data() + cell * k_layer_bins, k_layer_bins}, gap_bins);
+      const Cluster cluster = outermost_cluster({counts_.data() + cell * k_layer_bins, k_layer_bins}, gap_bins);
       limit_[cell] = cluster.low_mm;
+      for (std::size_t bin = 0; bin < k_layer_bins; ++bin) totals_[cell] += counts_[cell * k_layer_bins + bin];
       top[cell] = cluster.high_mm;
     }
     follow_neighbours(top, static_cast<float>(config.gap_mm));
@@ -51,10 +53,21 @@ class Layers {
 
   [[nodiscard]] bool contains(const Place& place) const {
     const std::int32_t cell = cell_of(place);
-    return cell >= 0 && place.o_mm >= limit_[static_cast<std::size_t>(cell)];
+    return cell >= 0 && place.o_mm >= limit_[static_cast<std::size_t>(cell)] && !stray(static_cast<std::size_t>(cell), place.o_mm);
   }
 
  private:
+  /// Hardly any company at its own depth, in a cell with many points.
+  [[nodiscard]] bool stray(std::size_t cell, float o_mm) const {
+    const std::uint16_t* counts = counts_.data() + cell * k_layer_bins;
+    const std::size_t bin = bin_of(o_mm);
+    std::uint32_t near = counts[bin];
+    if (near > 2) return false;
+    if (bin > 0) near += counts[bin - 1];
+    if (bin + 1 < k_layer_bins) near += counts[bin + 1];
+    return near <= 2 && totals_[cell] >= 15;
+  }
+
   [[nodiscard]] std::int32_t cell_of(const Place& place) const {
     if (place.s_mm < 0) return -1;
     const int col = std::min(cols_ - 1, static_cast<int>(place.s_mm * per_s_));
@@ -126,6 +139,8 @@ class Layers {
   float per_s_{0};
   float z_low_{0};
   std::vector<float> limit_;
+  std::vector<std::uint16_t> counts_;
+  std::vector<std::uint32_t> totals_;
 };
 
 /// Outermost o per fine cell, leaving out a twentieth of the points as strays.

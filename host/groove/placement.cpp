@@ -21,38 +21,66 @@ struct PathCurve {
   std::vector<double> z_mm;
 };
 
+/// Cubic between two points with given derivatives per step (Hermite), at `t` of `span` steps.
+Vec3 hermite(const Vec3& p0, const Vec3& d0, const Vec3& p1, const Vec3& d1, double t, double span) {
+  const double u = t / span;
+  const double u2 = u * u;
+  const double u3 = u2 * u;
+  return (2 * u3 - 3 * u2 + 1) * p0 + (u3 - 2 * u2 + u) * span * d0 + (3 * u2 - 2 * u3) * p1 + (u3 - u2) * span * d1;
+}
+
+/// The path in 3-D; where its surface was not seen it goes on as a cubic that leaves both ends in their own directions,
+/// since a chord would cut off the curve of a toe.
 PathCurve curve_of(const SideField& field, const Outline& outline, const Crease& crease) {
   const SideGrid& grid = field.grid;
-  const auto cols = static_cast<std::size_t>(grid.cols);
-  // o is read only where the path was seen; in between it is carried over by a straight line.
-  std::vector<double> o(cols, 0.0);
-  std::vector<bool> known(cols, false);
-  std::size_t any = cols;
-  for (std::size_t c = 0; c < cols; ++c) {
-    const int row = std::clamp(static_cast<int>(std::lround(crease.row[c])), 0, grid.rows - 1);
+  const auto cols = static_cast<std::ptrdiff_t>(grid.cols);
+  const auto wrap = [&](std::ptrdiff_t c) { return static_cast<std::size_t>((c % cols + cols) % cols); };
+  std::vector<Vec3> points(static_cast<std::size_t>(cols), Vec3::Zero());
+  std::vector<bool> seen(static_cast<std::size_t>(cols), false);
+  for (std::ptrdiff_t c = 0; c < cols; ++c) {
+    const auto i = static_cast<std::size_t>(c);
+    const int row = std::clamp(static_cast<int>(std::lround(crease.row[i])), 0, grid.rows - 1);
     const std::size_t cell = grid.at(row, static_cast<int>(c));
-    if (field.seen[cell] == 0) continue;
-    o[c] = static_cast<double>(field.o_mm[cell]);
-    known[c] = true;
-    any = c;
+    seen[i] = field.seen[cell] != 0;
+    const double s = (static_cast<double>(c) + 0.5) * grid.col_mm;
+    const Vec2 plan = outline.point(s) + static_cast<double>(field.o_mm[cell]) * outline.normal(s);
+    points[i] = {plan.x(), plan.y(), grid.z_mm(crease.row[i])};
   }
-  if (any < cols) {
-    std::size_t last = any;
-    for (std::size_t k = 1; k <= cols; ++k) {
-      const std::size_t c = (any + k) % cols;
-      if (!known[c]) continue;
-      const std::size_t gap = (c + cols - last) % cols == 0 ? cols : (c + cols - last) % cols;
-      for (std::size_t j = 1; j < gap; ++j) {
-        o[(last + j) % cols] = o[last] + (o[c] - o[last]) * static_cast<double>(j) / static_cast<double>(gap);
-      }
-      last = c;
-    }
+  // The columns beside a gap lean on points from one side only.
+  const auto margin = static_cast<std::ptrdiff_t>(std::ceil(3.0 / grid.col_mm));
+  std::vector<bool> known = seen;
+  for (std::ptrdiff_t c = 0; c < cols; ++c) {
+    if (seen[wrap(c)]) continue;
+    for (std::ptrdiff_t j = -margin; j <= margin; ++j) known[wrap(c + j)] = false;
+  }
+  const auto lever = static_cast<std::ptrdiff_t>(std::ceil(12.0 / grid.col_mm));
+  for (std::ptrdiff_t c = 0; c < cols; ++c) {
+    if (!known[wrap(c)] || known[wrap(c + 1)]) continue;
+    std::ptrdiff_t end = c + 1;
+    while (end < c + cols && !known[wrap(end)]) ++end;
+    if (end >= c + cols) break;
+    // Directions over 12 mm outside the gap, turned on by the bend over those 12 mm to stand at the gap's edge.
+    const auto direction = [&](std::ptrdiff_t at, std::ptrdiff_t away) {
+      const Vec3 near = points[wrap(at)] - points[wrap(at + away * lever / 2)];
+      const Vec3 far = points[wrap(at + away * lever / 2)] - points[wrap(at + away * lever)];
+      return Vec3{(1.5 * near - 0.5 * far) / (0.5 * static_cast<double>(lever))};
+    };
+    const Vec3& p0 = points[wrap(c)];
+    const Vec3& p1 = points[wrap(end)];
+    Vec3 d0 = direction(c, -1);
+    Vec3 d1 = -direction(end, +1);
+    // Steps across the gap are as long as its chord asks for, not as those outside.
+    const auto span = static_cast<double>(end - c);
+    const double step = 1.05 * (p1 - p0).norm() / span;
+    if (d0.norm() > 1e-9) d0 *= step / d0.norm();
+    if (d1.norm() > 1e-9) d1 *= step / d1.norm();
+    for (std::ptrdiff_t j = c + 1; j < end; ++j) points[wrap(j)] = hermite(p0, d0, p1, d1, static_cast<double>(j - c), span);
+    c = end - 1;
   }
   PathCurve curve;
-  for (std::size_t c = 0; c < cols; ++c) {
-    const double s = (static_cast<double>(c) + 0.5) * grid.col_mm;
-    curve.plan.push_back(outline.point(s) + o[c] * outline.normal(s));
-    curve.z_mm.push_back(grid.z_mm(crease.row[c]));
+  for (const Vec3& p : points) {
+    curve.plan.push_back(p.head<2>());
+    curve.z_mm.push_back(p.z());
   }
   return curve;
 }
@@ -160,6 +188,24 @@ std::vector<float> section_curvature(const Sections& sections, double sigma_mm) 
   return k;
 }
 
+// Flatter than a radius of 12 mm is the shape of the shoe, not a crease.
+constexpr double k_least_curvature_per_mm = 0.08;
+
+/// Typical size of the sections' curvature outside the search range: texture and noise.
+double curvature_noise(const Sections& sections, std::span<const float> k, const PlacementConfig& config) {
+  std::vector<double> values;
+  const int reach = static_cast<int>(std::lround(config.search_mm / sections.row_mm));
+  for (int station = 0; station < sections.stations; station += 7) {
+    for (int row = sections.zero_row + reach + 10; row < sections.rows - 10; row += 5) {
+      const std::size_t cell = sections.at(station, row);
+      if (sections.known[cell] != 0) values.push_back(std::abs(static_cast<double>(k[cell])));
+    }
+  }
+  if (values.empty()) return 0;
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
 struct Ridge {
   std::vector<double> row;        ///< per station, sub-row
   std::vector<double> k_per_mm;   ///< there
@@ -179,13 +225,17 @@ Ridge follow_ridge(const Sections& sections, std::span<const float> k, const Pla
   }
   std::vector<double> sorted = peaks;
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-  const double usual = std::max(1e-3, sorted[sorted.size() / 2]);
+  const double usual = sorted[sorted.size() / 2];
+  const double noise = curvature_noise(sections, k, config);
 
+  // Each station counts by its own peak, so that a filled stretch's weak fillet is followed too; where nothing but noise
+  // is left, continuity decides.
+  const double floor = std::max({k_least_curvature_per_mm, 0.02 * usual, 2 * noise});
   std::vector<float> cost(static_cast<std::size_t>(rows) * stations);
   for (int r = 0; r < rows; ++r) {
     for (std::size_t i = 0; i < stations; ++i) {
-      const double value = std::clamp(static_cast<double>(k[sections.at(static_cast<int>(i), low + r)]) / usual, 0.0, 2.0);
-      cost[static_cast<std::size_t>(r) * stations + i] = static_cast<float>(2.0 - value);
+      const double value = static_cast<double>(k[sections.at(static_cast<int>(i), low + r)]) / std::max(peaks[i], floor);
+      cost[static_cast<std::size_t>(r) * stations + i] = static_cast<float>(1.0 - std::max(value, 0.0));
     }
   }
   const ClosedPath path = shortest_closed_path(cost, rows, sections.stations, {.max_step_rows = 3, .step_cost = 0.03});
@@ -208,8 +258,7 @@ Ridge follow_ridge(const Sections& sections, std::span<const float> k, const Pla
     const double bow = value(row - 1) - 2 * top + value(row + 1);
     ridge.row[i] = row + (bow < -1e-9 ? std::clamp(0.5 * (value(row - 1) - value(row + 1)) / bow, -0.5, 0.5) : 0.0);
     ridge.k_per_mm[i] = top;
-    // Visible: at least a fifth of what is usual on this line, and more than a 20 mm radius.
-    ridge.visible[i] = top > std::max(0.2 * usual, 0.05) && sections.known[sections.at(static_cast<int>(i), row)] != 0 ? 1 : 0;
+    ridge.visible[i] = top > std::max(k_least_curvature_per_mm, 2 * noise) && sections.known[sections.at(static_cast<int>(i), row)] != 0 ? 1 : 0;
   }
   return ridge;
 }
@@ -272,11 +321,11 @@ std::optional<Vec3> normal_above(const Sections& sections, const Outline& outlin
   const auto rows_of = [&](double mm) { return static_cast<int>(std::lround(mm / sections.row_mm)); };
   const int from = static_cast<int>(std::lround(row)) + rows_of(config.normal_from_mm);
   const int to = std::min(sections.rows - 1, static_cast<int>(std::lround(row)) + rows_of(config.normal_to_mm));
-  const int around = std::max(1, static_cast<int>(std::lround(2.0 / sections.station_mm)));
+  const int around = std::max(1, static_cast<int>(std::lround(1.0 / sections.station_mm)));
   const double s_here = station * sections.station_mm;
   const Vec2 out = outline.normal(s_here);
   const Vec2 along{-out.y(), out.x()};
-  // Per height o = a + b s + c z over 2 mm either way; normals of patches a millimetre high are averaged, as the surface
+  // Per height o = a + b s + c z over 1 mm either way; normals of patches a millimetre high are averaged, as the surface
   // bends within the 4 mm.
   const int patch = std::max(2, rows_of(1.0));
   Vec3 sum = Vec3::Zero();

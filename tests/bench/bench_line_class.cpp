@@ -3,6 +3,7 @@
 //
 //   bench_line_class [--seeds N] [--from N] [--class NAME] [--no-published] [--rows]
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -50,6 +51,95 @@ Case make_case(sim::ShoeClass shoe_class, std::uint64_t seed) {
   return made;
 }
 
+/// What may be wrong with a cloud beyond the shoe itself.
+enum class Disturbance { None, Tilt, Table, Post, Outliers, Sector, Sparse, Shuffled };
+constexpr std::array k_disturbances{"none", "tilt", "table", "post", "outliers", "sector", "sparse", "shuffled"};
+
+void keep_if(cloud::PointCloud& cloud, const std::vector<bool>& keep) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    if (!keep[i]) continue;
+    cloud.points[kept++] = cloud.points[i];
+  }
+  cloud.points.resize(kept);
+  cloud.profile.clear();
+  cloud.column.clear();
+}
+
+void disturb(Case& made, Disturbance disturbance, std::uint64_t seed) {
+  sim::Random random{seed * 131 + 9};
+  std::vector<Eigen::Vector3f>& points = made.cloud.points;
+  Eigen::Vector3f low = points.front();
+  Eigen::Vector3f high = low;
+  for (const Eigen::Vector3f& p : points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const Eigen::Vector3f middle = 0.5F * (low + high);
+  const auto add = [&](const Vec3& p) { points.push_back(p.cast<float>()); };
+  std::vector<bool> keep(points.size(), true);
+  switch (disturbance) {
+    case Disturbance::None: return;
+    case Disturbance::Tilt: {
+      const double direction = random.uniform({0, 2 * std::numbers::pi});
+      const double angle = random.uniform({4, 10}) * std::numbers::pi / 180;
+      const Mat3 R = Eigen::AngleAxisd(angle, Vec3{std::cos(direction), std::sin(direction), 0}).toRotationMatrix();
+      const Vec3 centre = middle.cast<double>();
+      for (Eigen::Vector3f& p : points) p = (R * (p.cast<double>() - centre) + centre).cast<float>();
+      for (line::LinePoint& p : made.truth.points) {
+        p.position = R * (p.position - centre) + centre;
+        p.normal = R * p.normal;
+      }
+      return;
+    }
+    case Disturbance::Table:
+      for (int i = 0; i < 200'000; ++i) {
+        const double x = random.uniform({-350, 350});
+        const double y = random.uniform({-300, 300});
+        add(Vec3{middle.x() + x, middle.y() + y, low.z() - 0.3 + 0.02 * random.gaussian()});
+      }
+      break;
+    case Disturbance::Post: {
+      // A clamp's column 25 mm beside the shoe.
+      const double side = random.chance(0.5) ? 1.0 : -1.0;
+      const Vec3 foot{middle.x() + 40.0, middle.y() + side * (0.5 * static_cast<double>(high.y() - low.y()) + 45.0), static_cast<double>(low.z())};
+      for (int i = 0; i < 30'000; ++i) {
+        const double angle = random.uniform({0, 2 * std::numbers::pi});
+        add(foot + Vec3{20 * std::cos(angle), 20 * std::sin(angle), random.uniform({0, 120})});
+      }
+      break;
+    }
+    case Disturbance::Outliers:
+      for (std::size_t i = 0, n = points.size() / 100; i < n; ++i) {
+        if (i % 2 == 0) {
+          add(Vec3{random.uniform({low.x() - 60.0, high.x() + 60.0}), random.uniform({low.y() - 60.0, high.y() + 60.0}), random.uniform({low.z() - 30.0, high.z() + 60.0})});
+        } else {
+          const auto at = static_cast<std::size_t>(random.integer(0, static_cast<int>(points.size()) - 1));
+          add(points[at].cast<double>() + 3.0 * Vec3{random.gaussian(), random.gaussian(), random.gaussian()});
+        }
+      }
+      break;
+    case Disturbance::Sector: {
+      const auto at = static_cast<std::size_t>(random.integer(0, static_cast<int>(made.truth.points.size()) - 1));
+      const Vec3 centre = made.truth.points[at].position;
+      for (std::size_t i = 0; i < points.size(); ++i) keep[i] = (points[i].cast<double>() - centre).head<2>().norm() > 20.0;
+      keep_if(made.cloud, keep);
+      return;
+    }
+    case Disturbance::Sparse: {
+      const double share = 50'000.0 / static_cast<double>(points.size());
+      for (std::size_t i = 0; i < points.size(); ++i) keep[i] = random.chance(share);
+      keep_if(made.cloud, keep);
+      return;
+    }
+    case Disturbance::Shuffled:
+      for (std::size_t i = points.size(); i-- > 1;) std::swap(points[i], points[static_cast<std::size_t>(random.integer(0, static_cast<int>(i)))]);
+      break;
+  }
+  made.cloud.profile.clear();
+  made.cloud.column.clear();
+}
+
 struct Tally {
   int shoes{0}, right{0}, imprecise{0}, wrong{0}, refused{0};
   double sum_mm{0}, worst_mean_mm{0}, worst_max_mm{0}, normal2_deg2{0};
@@ -87,7 +177,7 @@ ToTruth to_truth(const line::LinePoint& point, const line::ClosedLine& truth) {
   return {(offset - offset.dot(along) * along).norm(), std::acos(cosine) * 180 / std::numbers::pi};
 }
 
-void judge(const Case& made, const groove::Extraction& found, bool bare, Tally& tally, Calibration* calibration, std::string& row) {
+void judge(const Case& made, const groove::Extraction& found, bool bare, Tally& tally, Calibration* calibration, std::string& row, bool only_sure = false) {
   ++tally.shoes;
   char text[300];
   if (!found.found) {
@@ -101,7 +191,7 @@ void judge(const Case& made, const groove::Extraction& found, bool bare, Tally& 
     row = "WRONG: a line on a bare upper";
     return;
   }
-  const measure::LineError error = measure::line_error(found.line, made.truth);
+  measure::LineError error = measure::line_error(found.line, made.truth);
   double normal2_deg2 = 0;
   for (const line::LinePoint& point : found.line.points) {
     const ToTruth truth = to_truth(point, made.truth);
@@ -111,6 +201,17 @@ void judge(const Case& made, const groove::Extraction& found, bool bare, Tally& 
     calibration->claimed[bin] += point.confidence;
     calibration->held[bin] += truth.distance_mm <= 0.3 ? 1 : 0;
     calibration->count[bin] += 1;
+  }
+  if (only_sure) {
+    // What was not seen is a guess and says so: judged where the line claims to be sure.
+    double sum = 0;
+    double count = 0;
+    for (const line::LinePoint& point : found.line.points) {
+      if (point.confidence < 0.5) continue;
+      sum += to_truth(point, made.truth).distance_mm;
+      count += 1;
+    }
+    error.mean_mm = sum / std::max(count, 1.0);
   }
   ++tally.lines;
   tally.sum_mm += error.mean_mm;
@@ -186,6 +287,20 @@ int run(int argc, char** argv) {
     add(all_published, theirs);
   }
   print("all", all_ours, all_published);
+  for (std::size_t d = 1; d < k_disturbances.size(); ++d) {
+    const std::string name{k_disturbances[d]};
+    if (!only.empty() && only != name) continue;
+    Tally ours;
+    for (std::uint64_t seed = from; seed < from + seeds; ++seed) {
+      // Every class but the bare one in turn.
+      Case made = make_case(static_cast<sim::ShoeClass>(seed % 9), seed + 1000);
+      disturb(made, static_cast<Disturbance>(d), seed);
+      std::string row;
+      judge(made, groove::extract(made.cloud, {.keep_products = false}), false, ours, &calibration, row, static_cast<Disturbance>(d) == Disturbance::Sector);
+      if (rows) std::fprintf(stderr, "%-9s %3llu %-9s %s\n", name.c_str(), static_cast<unsigned long long>(seed), std::string{sim::k_shoe_class_names[seed % 9]}.c_str(), row.c_str());
+    }
+    print("disturbed by " + name, ours, {});
+  }
   for (std::size_t bin = 0; bin < 10; ++bin) {
     if (calibration.count[bin] < 1) continue;
     std::printf("{\"bench\":\"line.calibration\",\"what\":\"share within 0.3 mm of points claiming %.2f\",\"ours\":%.3f,\"unit\":\"share\",\"target\":%.3f,\"points\":%.0f}\n",
