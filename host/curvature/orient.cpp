@@ -47,7 +47,15 @@ void orient_consistently(const NeighbourGrid& grid, std::span<Eigen::Vector3f> n
   };
   for (const std::uint32_t seed : seeds) {
     if (done[seed]) continue;
-    if (normals[seed].dot(at(seed) - centre) < 0) normals[seed] = -normals[seed];
+    // Nearest neighbours are not mutual: a part that nobody counted among theirs may still have oriented ones of its own.
+    hits.clear();
+    grid.nearest(seed, k_links, hits);
+    float flattest = 0;
+    for (const NeighbourGrid::Hit& hit : hits) {
+      const float agreement = done[hit.index] ? normals[seed].dot(normals[hit.index]) : 0.0F;
+      if (std::abs(agreement) > std::abs(flattest)) flattest = agreement;
+    }
+    if (flattest < 0 || (flattest == 0 && normals[seed].dot(at(seed) - centre) < 0)) normals[seed] = -normals[seed];
     done[seed] = true;
     spread_from(seed);
     while (!links.empty()) {

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#include <CppUTest/TestHarness.h>
+
+#include "host/groove/decide.hpp"
+
+namespace biteline::groove {
+namespace {
+
+Crease crease(double height_mm, double turn_deg, double step_mm) {
+  Crease c;
+  c.seen_share = 1;
+  c.visible_share = 1;
+  c.median_turn_rad = turn_deg * 3.14159265 / 180;
+  c.median_step_mm = step_mm;
+  c.step_share = step_mm > 0.15 ? 1 : 0;
+  c.mean_height_mm = height_mm;
+  c.evidence = 1 - std::exp(-(turn_deg - 1.5) / 12);
+  return c;
+}
+
+}  // namespace
+
+TEST_GROUP(Decide) {};
+
+TEST(Decide, AGrooveInTheSoleBelowTheSolesEdgeIsDecoration) {
+  const Decision sut = decide({crease(15, 70, 0.0), crease(26, 50, 3.0)}, 0.5);
+  CHECK_TEXT(sut.accepted, sut.reason.c_str());
+  LONGS_EQUAL(1, sut.best);
+  LONGS_EQUAL(1, sut.order.front());
+}
+
+TEST(Decide, AWeakStitchLineAboveIsNotTheBiteLine) {
+  const Decision sut = decide({crease(26, 70, 3.0), crease(38, 8, 0.0)}, 0.5);
+  CHECK_TEXT(sut.accepted, sut.reason.c_str());
+  LONGS_EQUAL(0, sut.best);
+}
+
+TEST(Decide, TwoThatLookTheSameAreNamedAndNotChosen) {
+  // The lower one has the sole's step, the upper one lies where a bite line would.
+  const Decision sut = decide({crease(22, 60, 2.2), crease(34, 60, 0.1)}, 0.5);
+  CHECK_FALSE(sut.accepted);
+  STRCMP_CONTAINS("two candidates", sut.reason.c_str());
+  STRCMP_CONTAINS("22.0", sut.reason.c_str());
+  STRCMP_CONTAINS("34.0", sut.reason.c_str());
+  CHECK(sut.confidence < 0.5);
+}
+
+TEST(Decide, HalfACreaseIsNone) {
+  Crease half = crease(26, 60, 3.0);
+  half.visible_share = 0.55;
+  half.longest_gap_mm = 280;
+  const Decision sut = decide({half}, 0.5);
+  CHECK_FALSE(sut.accepted);
+  STRCMP_CONTAINS("no crease all the way round", sut.reason.c_str());
+  STRCMP_CONTAINS("280 mm", sut.reason.c_str());
+}
+
+TEST(Decide, ASmoothFilletIsNoCrease) {
+  const Decision sut = decide({crease(26, 3, 3.0)}, 0.5);
+  CHECK_FALSE(sut.accepted);
+  CHECK(sut.confidence < 0.5);
+}
+
+TEST(Decide, ASpiralDoesNotClose) {
+  Crease spiral = crease(26, 60, 3.0);
+  spiral.closure_mm = 12;
+  const Decision sut = decide({spiral}, 0.5);
+  CHECK_FALSE(sut.accepted);
+  STRCMP_CONTAINS("does not close", sut.reason.c_str());
+}
+
+TEST(Decide, MostOfTheSideUnseenIsToldAsSuch) {
+  Crease seen_half = crease(26, 60, 3.0);
+  seen_half.seen_share = 0.5;
+  seen_half.visible_share = 0.5;
+  seen_half.longest_gap_mm = 300;
+  const Decision sut = decide({seen_half}, 0.5);
+  CHECK_FALSE(sut.accepted);
+  STRCMP_CONTAINS("too much is missing", sut.reason.c_str());
+}
+
+TEST(Decide, NothingIsNothing) {
+  const Decision sut = decide({}, 0.5);
+  CHECK_FALSE(sut.accepted);
+  CHECK_FALSE(sut.reason.empty());
+}
+
+}  // namespace biteline::groove
