@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: MIT
+#ifndef BITELINE_LANES
+#define BITELINE_LANES 8
+#endif
 #include "host/curvature/batch.hpp"
 
 #undef HWY_TARGET_INCLUDE
@@ -13,12 +16,28 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 // At most eight lanes: wider vectors gain nothing here, the fits are bound by the first-level cache.
-using D = hn::CappedTag<float, 8>;
+using D = hn::CappedTag<float, BITELINE_LANES>;
 using V = hn::Vec<D>;
 
 inline V load(const Batch::Row& row, std::size_t lane) { return hn::Load(D(), row.data() + lane); }
 inline void store(V v, Batch::Row& row, std::size_t lane) { hn::Store(v, D(), row.data() + lane); }
 inline V set(float value) { return hn::Set(D(), value); }
+
+/// exp(-fall d^2) as the eighth power of a short series' reciprocal: to 0.1 % over the neighbourhood.
+HWY_INLINE V weight_of(V x, V y, V z, float fall) {
+  const V one = set(1.0F);
+  const V t = hn::Mul(set(0.125F * fall), hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Mul(z, z))));
+  const V series = hn::MulAdd(t, hn::MulAdd(t, hn::MulAdd(t, set(1.0F / 6), set(0.5F)), one), one);
+  const V e = hn::Div(one, series);
+  const V e2 = hn::Mul(e, e);
+  const V e4 = hn::Mul(e2, e2);
+  return hn::Mul(e4, e4);
+}
+
+/// Weight of row j: 0 in lanes that have no j-th neighbour.
+HWY_INLINE V row_weight(V count, std::size_t j, V x, V y, V z, float fall) {
+  return hn::IfThenElseZero(hn::Gt(count, set(static_cast<float>(j))), weight_of(x, y, z, fall));
+}
 
 /// One Jacobi rotation that clears a_pq; r is the third index.  Golub and Van Loan, Matrix Computations, 8.5.2.
 inline void rotate(V& app, V& aqq, V& apq, V& apr, V& aqr, V (&vp)[3], V (&vq)[3]) {
@@ -51,12 +70,13 @@ void FitPlanes(Batch& batch) {
   const D d;
   for (std::size_t lane = 0; lane < Batch::k_lanes; lane += hn::Lanes(d)) {
     const V zero = hn::Zero(d);
+    const V count = load(batch.count, lane);
     V w = zero, sx = zero, sy = zero, sz = zero, xx = zero, yy = zero, zz = zero, xy = zero, xz = zero, yz = zero;
     for (std::size_t j = 0; j < batch.rows; ++j) {
-      const V weight = load(batch.weight[j], lane);
       const V x = load(batch.x[j], lane);
       const V y = load(batch.y[j], lane);
       const V z = load(batch.z[j], lane);
+      const V weight = row_weight(count, j, x, y, z, batch.fall);
       const V wx = hn::Mul(weight, x);
       const V wy = hn::Mul(weight, y);
       const V wz = hn::Mul(weight, z);
@@ -279,6 +299,23 @@ HWY_INLINE Quadric solve_mixed(Symmetric<k_columns>& gram, const V (&gram_b)[k_c
   return quadric;
 }
 
+/// f = 0 on the points alone: defined up to its sign and size, of which the normals settle the sign.
+HWY_INLINE Quadric solve_homogeneous(Symmetric<k_columns>& gram, V nx, V ny, V nz) {
+  Quadric quadric;
+  for (std::size_t i = 0; i < k_columns; ++i) quadric.a[i] = hn::Zero(D());
+  quadric.a[6] = nx;
+  quadric.a[7] = ny;
+  quadric.a[8] = nz;
+  least_eigenvector(gram, quadric.a);
+  const V along = hn::MulAdd(quadric.a[6], nx, hn::MulAdd(quadric.a[7], ny, hn::Mul(quadric.a[8], nz)));
+  // To unit slope, as the levels of the other forms have it; where there is no slope there is no surface.
+  const V slope2 = hn::MulAdd(quadric.a[6], quadric.a[6], hn::MulAdd(quadric.a[7], quadric.a[7], hn::MulAdd(quadric.a[8], quadric.a[8], set(1e-8F))));
+  const V scale = hn::Div(hn::IfThenElse(hn::Lt(along, hn::Zero(D())), set(-1.0F), set(1.0F)), hn::Sqrt(slope2));
+  for (V& a : quadric.a) a = hn::Mul(a, scale);
+  quadric.trust = set(1.0F);
+  return quadric;
+}
+
 HWY_INLINE Quadric solve_least_squares(Symmetric<k_columns>& gram, const V (&gram_b)[k_columns]) {
   Quadric quadric;
   for (std::size_t i = 0; i < k_columns; ++i) {
@@ -296,29 +333,34 @@ void FitLevelSets(Batch& batch, Solver solver, float offset) {
   const std::size_t stride = hn::Lanes(d);
   float* m = batch.scratch[0].data();
   for (std::size_t lane = 0; lane < Batch::k_lanes; lane += stride) {
-    V total = set(1e-6F);
-    for (std::size_t j = 0; j < batch.rows; ++j) {
-      const V w = load(batch.weight[j], lane);
-      total = hn::Add(total, solver == Solver::PlainSvd ? hn::IfThenElse(hn::Gt(w, hn::Zero(d)), set(1.0F), hn::Zero(d)) : w);
-    }
-    const V share = hn::Div(set(1.0F), total);
+    const V count = load(batch.count, lane);
+    const bool levels = solver != Solver::PlainSvd;
+    const std::size_t rows_each = levels ? 3 : 1;
+    const float fall = levels ? batch.fall : 0.0F;
+    V mean_nx = hn::Zero(d);
+    V mean_ny = hn::Zero(d);
+    V mean_nz = set(1e-6F);
     const V c = set(offset);
     for (std::size_t j = 0; j < batch.rows; ++j) {
-      V w = load(batch.weight[j], lane);
-      if (solver == Solver::PlainSvd) w = hn::IfThenElse(hn::Gt(w, hn::Zero(d)), set(1.0F), hn::Zero(d));
-      const V r = hn::Sqrt(hn::Mul(w, share));
       const V x = load(batch.x[j], lane);
       const V y = load(batch.y[j], lane);
       const V z = load(batch.z[j], lane);
+      const V r = hn::Sqrt(row_weight(count, j, x, y, z, fall));
       const V ox = hn::Mul(c, load(batch.nx[j], lane));
       const V oy = hn::Mul(c, load(batch.ny[j], lane));
       const V oz = hn::Mul(c, load(batch.nz[j], lane));
-      float* row = m + 3 * j * k_columns * stride;
+      float* row = m + rows_each * j * k_columns * stride;
       monomials(x, y, z, r, row, stride);
+      if (!levels) {
+        mean_nx = hn::MulAdd(r, ox, mean_nx);
+        mean_ny = hn::MulAdd(r, oy, mean_ny);
+        mean_nz = hn::MulAdd(r, oz, mean_nz);
+        continue;
+      }
       monomials(hn::Add(x, ox), hn::Add(y, oy), hn::Add(z, oz), r, row + k_columns * stride, stride);
       monomials(hn::Sub(x, ox), hn::Sub(y, oy), hn::Sub(z, oz), r, row + 2 * k_columns * stride, stride);
     }
-    const std::size_t rows = 3 * batch.rows;
+    const std::size_t rows = rows_each * batch.rows;
     Symmetric<k_columns> gram;
     gram_tile<0, 0>(m, rows, stride, gram);
     gram_tile<3, 0>(m, rows, stride, gram);
@@ -335,7 +377,7 @@ void FitLevelSets(Batch& batch, Solver solver, float offset) {
       for (std::size_t i = 0; i < k_columns; ++i) constant[i] = hn::MulAdd(one, hn::Load(d, row + i * stride), constant[i]);
     }
     V outer_weight = hn::Zero(d);
-    for (std::size_t j = 0; j < batch.rows; ++j) {
+    for (std::size_t j = 0; levels && j < batch.rows; ++j) {
       const float* above = m + (3 * j + 1) * k_columns * stride;
       const float* below = above + k_columns * stride;
       const V one = hn::Mul(c, hn::Load(d, above + 9 * stride));
@@ -345,11 +387,16 @@ void FitLevelSets(Batch& batch, Solver solver, float offset) {
       }
     }
     for (std::size_t i = 0; i < k_columns; ++i) gram.at(9, i) = constant[i];
+    // Weights sum to one from here on, so that the thresholds of the solvers mean the same for any number of neighbours.
+    const V share = hn::Div(set(static_cast<float>(rows_each)), hn::Max(constant[9], set(1e-6F)));
+    for (V& entry : gram.entry) entry = hn::Mul(entry, share);
+    for (V& entry : gram_b) entry = hn::Mul(entry, share);
+    outer_weight = hn::Mul(outer_weight, share);
 
     Quadric q;
     switch (solver) {
-      case Solver::WeightedPca:
-      case Solver::PlainSvd: q = solve_pca(gram, gram_b, outer_weight); break;
+      case Solver::PlainSvd: q = solve_homogeneous(gram, mean_nx, mean_ny, mean_nz); break;
+      case Solver::WeightedPca: q = solve_pca(gram, gram_b, outer_weight); break;
       case Solver::Mixed: q = solve_mixed(gram, gram_b, outer_weight); break;
       case Solver::LeastSquares: q = solve_least_squares(gram, gram_b); break;
     }

@@ -21,7 +21,14 @@ struct Scratch {
   Batch batch;
   std::vector<NeighbourGrid::Hit> hits;
   std::array<float, Batch::k_lanes> radius_mm{};
-  std::array<std::size_t, Batch::k_lanes> count{};
+};
+
+/// The neighbours found for the normals, kept for the curvature while that costs at most 100 bytes per point.
+struct Kept {
+  static constexpr std::size_t k_most = 24;
+  std::size_t per_point{0};          ///< 0: nothing is kept
+  std::vector<std::uint32_t> index;  ///< per_point each
+  std::vector<float> radius_mm;
 };
 
 /// Neighbours of one point; beyond what a batch holds every n-th is taken, so that the whole disc stays covered.
@@ -36,56 +43,71 @@ float gather(const NeighbourGrid& grid, std::uint32_t index, const CurvatureConf
   return config.radius_mm;
 }
 
-/// Puts the neighbourhoods of up to k_lanes points, from `first` on, into the batch; with normals when there are any.
-std::size_t fill(const NeighbourGrid& grid, std::size_t first, std::size_t end, std::span<const Eigen::Vector3f> normals,
-                 const CurvatureConfig& config, Scratch& scratch) {
-  Batch& batch = scratch.batch;
-  const std::size_t lanes = std::min(Batch::k_lanes, end - first);
-  batch.rows = 0;
-  scratch.count.fill(0);
-  const float fall = config.weight_ratio > 0 ? 0.5F / (config.weight_ratio * config.weight_ratio) : 0.0F;
-  std::size_t shortest = Batch::k_most_neighbours;
-  for (std::size_t lane = 0; lane < lanes; ++lane) {
-    const auto index = static_cast<std::uint32_t>(first + lane);
-    const float radius = gather(grid, index, config, scratch.hits);
-    const float inverse = 1.0F / radius;
-    scratch.radius_mm[lane] = radius;
-    scratch.count[lane] = scratch.hits.size();
-    shortest = std::min(shortest, scratch.hits.size());
-    const float px = grid.x()[index];
-    const float py = grid.y()[index];
-    const float pz = grid.z()[index];
-    for (std::size_t j = 0; j < scratch.hits.size(); ++j) {
-      const std::uint32_t other = scratch.hits[j].index;
-      batch.x[j][lane] = (grid.x()[other] - px) * inverse;
-      batch.y[j][lane] = (grid.y()[other] - py) * inverse;
-      batch.z[j][lane] = (grid.z()[other] - pz) * inverse;
-      batch.weight[j][lane] = scratch.hits[j].distance2_mm2 * inverse * inverse;
-      if (!normals.empty()) {
-        batch.nx[j][lane] = normals[other].x();
-        batch.ny[j][lane] = normals[other].y();
-        batch.nz[j][lane] = normals[other].z();
+class Filler {
+ public:
+  Filler(const NeighbourGrid& grid, const CurvatureConfig& config, Scratch& scratch) : grid_{grid}, config_{config}, scratch_{scratch} {
+    scratch.batch.fall = config.weight_ratio > 0 ? 0.5F / (config.weight_ratio * config.weight_ratio) : 0.0F;
+  }
+
+  /// Searches the neighbours of up to k_lanes points from `first` on, and keeps them when `kept` wants them.
+  std::size_t search(std::size_t first, std::size_t end, std::span<const Eigen::Vector3f> normals, Kept& kept) {
+    const std::size_t lanes = begin(first, end);
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const auto index = static_cast<std::uint32_t>(first + lane);
+      scratch_.radius_mm[lane] = gather(grid_, index, config_, scratch_.hits);
+      if (kept.per_point > 0) {
+        kept.radius_mm[index] = scratch_.radius_mm[lane];
+        for (std::size_t j = 0; j < kept.per_point; ++j) kept.index[index * kept.per_point + j] = scratch_.hits[std::min(j, scratch_.hits.size() - 1)].index;
       }
+      put(lane, index, scratch_.hits.size(), normals, [&](std::size_t j) { return scratch_.hits[j].index; });
     }
-    // exp(-8 t) as the eighth power of a short series' reciprocal: to 0.1 %, without a call per neighbour.
-    for (std::size_t j = 0; j < scratch.hits.size(); ++j) {
-      const float t = fall * batch.weight[j][lane] * 0.125F;
-      const float e = 1.0F / (1.0F + t * (1.0F + t * (0.5F + t * 0.16666667F)));
-      const float e2 = e * e;
-      batch.weight[j][lane] = e2 * e2 * e2 * e2;
-    }
-    batch.rows = std::max(batch.rows, scratch.hits.size());
+    return lanes;
   }
-  if (lanes < Batch::k_lanes) shortest = 0;
-  // What the fuller lanes have beyond this lane's neighbours counts nothing here.
-  for (std::size_t lane = 0; shortest < batch.rows && lane < Batch::k_lanes; ++lane) {
-    for (std::size_t j = scratch.count[lane]; j < batch.rows; ++j) {
-      batch.x[j][lane] = batch.y[j][lane] = batch.z[j][lane] = batch.weight[j][lane] = 0.0F;
-      batch.nx[j][lane] = batch.ny[j][lane] = batch.nz[j][lane] = 0.0F;
+
+  /// The same from what was kept.
+  std::size_t recall(std::size_t first, std::size_t end, std::span<const Eigen::Vector3f> normals, const Kept& kept) {
+    const std::size_t lanes = begin(first, end);
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const auto index = static_cast<std::uint32_t>(first + lane);
+      scratch_.radius_mm[lane] = kept.radius_mm[index];
+      const std::uint32_t* list = kept.index.data() + index * kept.per_point;
+      put(lane, index, kept.per_point, normals, [&](std::size_t j) { return list[j]; });
     }
+    return lanes;
   }
-  return lanes;
-}
+
+ private:
+  std::size_t begin(std::size_t first, std::size_t end) {
+    scratch_.batch.rows = 0;
+    scratch_.batch.count.fill(0.0F);
+    return std::min(Batch::k_lanes, end - first);
+  }
+
+  template <class IndexOf>
+  void put(std::size_t lane, std::uint32_t index, std::size_t count, std::span<const Eigen::Vector3f> normals, IndexOf&& index_of) {
+    Batch& batch = scratch_.batch;
+    const float inverse = 1.0F / scratch_.radius_mm[lane];
+    const float px = grid_.x()[index];
+    const float py = grid_.y()[index];
+    const float pz = grid_.z()[index];
+    for (std::size_t j = 0; j < count; ++j) {
+      const std::uint32_t other = index_of(j);
+      batch.x[j][lane] = (grid_.x()[other] - px) * inverse;
+      batch.y[j][lane] = (grid_.y()[other] - py) * inverse;
+      batch.z[j][lane] = (grid_.z()[other] - pz) * inverse;
+      if (normals.empty()) continue;
+      batch.nx[j][lane] = normals[other].x();
+      batch.ny[j][lane] = normals[other].y();
+      batch.nz[j][lane] = normals[other].z();
+    }
+    batch.count[lane] = static_cast<float>(count);
+    batch.rows = std::max(batch.rows, count);
+  }
+
+  const NeighbourGrid& grid_;
+  const CurvatureConfig& config_;
+  Scratch& scratch_;
+};
 
 }  // namespace
 
@@ -99,17 +121,24 @@ Curvature estimate_curvature(std::span<const Eigen::Vector3f> points, std::span<
   result.trusted.assign(points.size(), 0);
   if (points.empty()) return result;
 
-  const float cell_mm = config.neighbours > 0 ? cell_for_count(points, static_cast<double>(config.neighbours) / 4.0) : config.radius_mm;
+  const float cell_mm = config.neighbours > 0 ? cell_for_count(points, static_cast<double>(config.neighbours) / 2.2) : config.radius_mm;
   const NeighbourGrid grid{points, {.cell_mm = cell_mm}};
   const std::vector<std::uint32_t>& order = grid.order();
   std::vector<Eigen::Vector3f> normals(points.size());  // grid order
+  Kept kept;
+  if (config.neighbours > 0 && config.neighbours <= Kept::k_most && points.size() >= config.neighbours) {
+    kept.per_point = config.neighbours;
+    kept.index.resize(points.size() * kept.per_point);
+    kept.radius_mm.resize(points.size());
+  }
   tbb::enumerable_thread_specific<Scratch> scratches;
   constexpr std::size_t k_grain = 64 * Batch::k_lanes;
 
   tbb::parallel_for(tbb::blocked_range<std::size_t>{0, points.size(), k_grain}, [&](const auto& range) {
     Scratch& scratch = scratches.local();
+    Filler filler{grid, config, scratch};
     for (std::size_t first = range.begin(); first < range.end(); first += Batch::k_lanes) {
-      const std::size_t lanes = fill(grid, first, range.end(), {}, config, scratch);
+      const std::size_t lanes = filler.search(first, range.end(), {}, kept);
       fit_planes(scratch.batch);
       for (std::size_t lane = 0; lane < lanes; ++lane) {
         Eigen::Vector3f normal{scratch.batch.out_nx[lane], scratch.batch.out_ny[lane], scratch.batch.out_nz[lane]};
@@ -122,13 +151,15 @@ Curvature estimate_curvature(std::span<const Eigen::Vector3f> points, std::span<
 
   tbb::parallel_for(tbb::blocked_range<std::size_t>{0, points.size(), k_grain}, [&](const auto& range) {
     Scratch& scratch = scratches.local();
+    Filler filler{grid, config, scratch};
+    Kept none;
     for (std::size_t first = range.begin(); first < range.end(); first += Batch::k_lanes) {
-      const std::size_t lanes = fill(grid, first, range.end(), normals, config, scratch);
+      const std::size_t lanes = kept.per_point > 0 ? filler.recall(first, range.end(), normals, kept) : filler.search(first, range.end(), normals, none);
       fit_level_sets(scratch.batch, config.solver, config.offset_ratio);
       for (std::size_t lane = 0; lane < lanes; ++lane) {
         const std::size_t i = order[first + lane];
         result.normal[i] = normals[first + lane];
-        if (scratch.count[lane] < k_least_neighbours || scratch.batch.trust[lane] == 0.0F) continue;
+        if (scratch.batch.count[lane] < static_cast<float>(k_least_neighbours) || scratch.batch.trust[lane] == 0.0F) continue;
         const float inverse = 1.0F / scratch.radius_mm[lane];
         result.mean_per_mm[i] = scratch.batch.mean[lane] * inverse;
         result.gaussian_per_mm2[i] = scratch.batch.gaussian[lane] * inverse * inverse;

@@ -19,8 +19,9 @@ struct CurvatureConfig {
   std::size_t neighbours{0};   ///< this many nearest instead, at most Batch::k_most_neighbours
   /// Levels at this share of the radius: well above the noise, within the quadric's reach.
   float offset_ratio{1.0F / 3.0F};
-  /// Weights fall to exp(-1/2) at this share of the radius; 0: all weights 1.
-  float weight_ratio{0.6F};
+  /// Weights fall to exp(-1/2) at this share of the radius; 0: all weights 1.  At 1 the error of H is least on noisy balls,
+  /// tubes and tori, and a valley as tight as the radius is still read right (tests/bench/line/bench_curvature).
+  float weight_ratio{1.0F};
 };
 
 /// Per point of the cloud, in its order.

@@ -25,7 +25,8 @@ double alone(const Crease& crease) {
 
 /// For comparing rivals.
 double score(const Crease& crease, bool topmost) {
-  return crease.evidence + 0.4 * std::tanh(crease.median_step_mm / 1.5) + (topmost ? 0.35 : 0.0);
+  const double step = 0.4 * std::tanh(crease.median_step_mm / 1.5) + (crease.median_step_mm > 0.15 ? 0.15 * crease.step_share : 0.0);
+  return crease.evidence + step + (topmost ? 0.35 : 0.0);
 }
 
 }  // namespace
