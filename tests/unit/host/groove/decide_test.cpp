@@ -36,8 +36,8 @@ TEST(Decide, AWeakStitchLineAboveIsNotTheBiteLine) {
 }
 
 TEST(Decide, TwoThatLookTheSameAreNamedAndNotChosen) {
-  // The lower one has the sole's step, the upper one lies where a bite line would.
-  const Decision sut = decide({crease(22, 60, 2.2), crease(34, 60, 0.1)}, 0.5);
+  // The lower one has a small step like a sole, the upper one lies above all other creases like a bite line.
+  const Decision sut = decide({crease(22, 60, 0.8), crease(34, 60, 0.1)}, 0.5);
   CHECK_FALSE(sut.accepted);
   STRCMP_CONTAINS("two candidates", sut.reason.c_str());
   STRCMP_CONTAINS("22.0", sut.reason.c_str());
