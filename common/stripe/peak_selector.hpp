@@ -26,9 +26,12 @@ struct SelectorConfig {
   int max_gap_columns{2};
   /// A stretch of fewer columns is no surface: at 0.13 mm a column, half a millimetre.
   int min_stretch_columns{4};
-  /// A stretch with less than this share of the longest one's light, and in another place than the last profile, is taken
-  /// for a reflection.
-  float min_support_ratio{0.01F};
+  /// A stretch with less than this share of the longest one's light, in another place than the last profile and than the
+  /// well supported stretches beside it, is taken for a reflection.
+  float min_support_ratio{0.05F};
+  /// Beside: within so many columns (a hole in the upper), and no more rows away per column than this.
+  int beside_columns{60};
+  float beside_slope_px{0.75F};
 };
 
 enum SelectionFlag : std::uint8_t {
@@ -66,8 +69,10 @@ class PeakSelector {
  private:
   struct Stretch {
     float support{0};
+    float first_row_px{0};
     float last_row_px{0};
     float slope_px{0};  ///< rows per column at its end
+    int first_column{0};
     int last_column{0};
     int columns{0};
     int seen_before{0};  ///< columns in which it lies where the previous profile was
@@ -77,9 +82,12 @@ class PeakSelector {
 
   void rt_link(const Peaks& peaks) noexcept BITELINE_RT;
   void rt_close_ended(std::size_t column) noexcept BITELINE_RT;
-  [[nodiscard]] Index rt_open(const Peak& peak) noexcept BITELINE_RT;
+  [[nodiscard]] Index rt_open(const Peak& peak, int column) noexcept BITELINE_RT;
   [[nodiscard]] Index rt_continue(std::size_t column, const Peak& peak, Index taken) const noexcept BITELINE_RT;
   void rt_choose(const Peaks& peaks, Selection& out) noexcept BITELINE_RT;
+  void rt_judge(const Peaks& peaks, Selection& out) noexcept BITELINE_RT;
+  [[nodiscard]] bool rt_goes_on(const Stretch& stretch, const Peaks& peaks, const Selection& chosen, float least_support) const noexcept
+      BITELINE_RT;
   void rt_flag_ends(const Peaks& peaks, Selection& out) noexcept BITELINE_RT;
   [[nodiscard]] float rt_support(Index stretch) const noexcept BITELINE_RT;
 

@@ -41,6 +41,7 @@ bool same_place(float row_px, float previous_row_px) {
 void PeakSelector::rt_select(const Peaks& peaks, Selection& out) noexcept BITELINE_RT {
   rt_link(peaks);
   rt_choose(peaks, out);
+  rt_judge(peaks, out);
   rt_flag_ends(peaks, out);
 
   const auto columns = static_cast<std::size_t>(peaks.column_count);
@@ -65,7 +66,7 @@ void PeakSelector::rt_link(const Peaks& peaks) noexcept BITELINE_RT {
       const Peak& peak = column.kept[k];
       Index index = rt_continue(i, peak, k == 1 ? stretch_of_[i][0] : k_none);
       if (index == k_none) {
-        index = rt_open(peak);
+        index = rt_open(peak, static_cast<int>(i));
       } else {
         Stretch& stretch = stretches_[static_cast<std::size_t>(index)];
         const float step_px = (peak.row_px - stretch.last_row_px) / static_cast<float>(static_cast<int>(i) - stretch.last_column);
@@ -91,9 +92,9 @@ void PeakSelector::rt_close_ended(std::size_t column) noexcept BITELINE_RT {
   open_count_ = kept;
 }
 
-PeakSelector::Index PeakSelector::rt_open(const Peak& peak) noexcept BITELINE_RT {
+PeakSelector::Index PeakSelector::rt_open(const Peak& peak, int column) noexcept BITELINE_RT {
   const auto index = static_cast<Index>(stretch_count_++);
-  stretches_[static_cast<std::size_t>(index)] = {.last_row_px = peak.row_px};
+  stretches_[static_cast<std::size_t>(index)] = {.first_row_px = peak.row_px, .last_row_px = peak.row_px, .first_column = column, .last_column = column};
   // Too many open ones are noise: the oldest gives way.
   if (open_count_ == k_max_open) {
     std::copy(open_.begin() + 1, open_.end(), open_.begin());
@@ -128,39 +129,69 @@ float PeakSelector::rt_support(Index index) const noexcept BITELINE_RT {
   return stretch.support * (1 + k_same_place_bonus * share_seen);
 }
 
+/// Each column's peak, and whether it goes on from the column before.
 void PeakSelector::rt_choose(const Peaks& peaks, Selection& out) noexcept BITELINE_RT {
-  float best_support = 0;
-  for (int s = 0; s < stretch_count_; ++s) best_support = std::max(best_support, rt_support(static_cast<Index>(s)));
-
   Index last_stretch = k_none;
   for (std::size_t i = 0; i < static_cast<std::size_t>(peaks.column_count); ++i) {
     const ColumnPeaks& column = peaks.columns[i];
     Selected& selected = out.columns[i];
     selected = {};
-    if (config_.choice == PeakChoice::Continuity) {
-      if (column.kept_count > 0) {
-        const bool second = column.kept_count > 1 && rt_support(stretch_of_[i][1]) > rt_support(stretch_of_[i][0]);
-        selected.kept_index = second ? 1 : 0;
-      }
-    } else {
+    if (config_.choice != PeakChoice::Continuity) {
       selected.kept_index = choose_alone(column, config_.choice);
+    } else if (column.kept_count > 0) {
+      const bool second = column.kept_count > 1 && rt_support(stretch_of_[i][1]) > rt_support(stretch_of_[i][0]);
+      selected.kept_index = second ? 1 : 0;
     }
-    if (selected.kept_index < 0) {
-      if (last_stretch != k_none &&
-          static_cast<int>(i) - stretches_[static_cast<std::size_t>(last_stretch)].last_column > config_.max_gap_columns) {
-        last_stretch = k_none;
-      }
-      continue;
-    }
-    const Index index = stretch_of_[i][static_cast<std::size_t>(selected.kept_index)];
-    const Stretch& stretch = stretches_[static_cast<std::size_t>(index)];
-    const bool alone = stretch.columns < config_.min_stretch_columns;
-    const bool faint = rt_support(index) < config_.min_support_ratio * best_support && 2 * stretch.seen_before < stretch.columns;
-    if (alone) selected.flags |= k_selection_discontinuous;
-    if (alone || faint) selected.flags |= k_selection_reflection;
-    selected.joined = index == last_stretch && i > 0 && out.columns[i - 1].kept_index >= 0;
+    const Index index = selected.kept_index < 0 ? k_none : stretch_of_[i][static_cast<std::size_t>(selected.kept_index)];
+    selected.joined = index != k_none && index == last_stretch;
     last_stretch = index;
   }
+}
+
+/// Flags the chosen peaks whose stretch is no surface's.
+void PeakSelector::rt_judge(const Peaks& peaks, Selection& out) noexcept BITELINE_RT {
+  float best_support = 0;
+  for (int s = 0; s < stretch_count_; ++s) best_support = std::max(best_support, rt_support(static_cast<Index>(s)));
+  const float least_support = config_.min_support_ratio * best_support;
+
+  Index judged = k_none;
+  std::uint8_t verdict = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(peaks.column_count); ++i) {
+    Selected& selected = out.columns[i];
+    if (selected.kept_index < 0) continue;
+    const Index index = stretch_of_[i][static_cast<std::size_t>(selected.kept_index)];
+    if (index != judged) {
+      const Stretch& stretch = stretches_[static_cast<std::size_t>(index)];
+      const bool alone = stretch.columns < config_.min_stretch_columns;
+      const bool faint = rt_support(index) < least_support && 2 * stretch.seen_before < stretch.columns &&
+                         !rt_goes_on(stretch, peaks, out, least_support);
+      judged = index;
+      verdict = alone   ? k_selection_discontinuous | k_selection_reflection
+                : faint ? k_selection_reflection
+                        : 0;
+    }
+    selected.flags = static_cast<std::uint8_t>(selected.flags | verdict);
+  }
+}
+
+/// True when a well supported stretch ends or begins beside `stretch` at a height that the surface between may have.
+bool PeakSelector::rt_goes_on(const Stretch& stretch, const Peaks& peaks, const Selection& chosen, float least_support) const noexcept
+    BITELINE_RT {
+  const auto meets = [&](int from_column, float from_row_px, int step) {
+    for (int gap = 1; gap <= config_.beside_columns; ++gap) {
+      const int column = from_column + step * gap;
+      if (column < 0 || column >= peaks.column_count) return false;
+      const auto i = static_cast<std::size_t>(column);
+      if (chosen.columns[i].kept_index < 0) continue;
+      const auto kept = static_cast<std::size_t>(chosen.columns[i].kept_index);
+      if (rt_support(stretch_of_[i][kept]) < least_support) continue;
+      // The nearest one decides.
+      const float allowed_px = config_.max_step_px + config_.beside_slope_px * static_cast<float>(gap);
+      return std::fabs(peaks.columns[i].kept[kept].row_px - from_row_px) <= allowed_px;
+    }
+    return false;
+  };
+  return meets(stretch.first_column, stretch.first_row_px, -1) || meets(stretch.last_column, stretch.last_row_px, +1);
 }
 
 /// Where a stretch ends, the stripe is cut by an edge of the surface, and the last columns may show a part of it or two
