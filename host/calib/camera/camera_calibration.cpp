@@ -14,11 +14,11 @@ namespace biteline::calib {
 namespace {
 
 constexpr int k_least_views = 3;  ///< two views give as many equations as unknowns: nothing would show a bad one
-/// Removing a view that agrees lowers the sum of squares as its share of the noise would, ratio 1; 10 is beyond 3 standard
-/// deviations for any view of 6 rings or more.
-constexpr double k_harm_ratio = 10;
+/// Removing a view that agrees lowers the sum of squares as its share of the noise would, ratio 1; 4 means twice the
+/// noise of the others, beyond 3 standard deviations for any view of 6 rings or more.
+constexpr double k_harm_ratio = 4;
 /// A harmful view must also matter: below, it is the noise that differs, not the camera.
-constexpr double k_harm_rms_px = 0.1;
+constexpr double k_harm_rms_px = 0.08;
 /// A ring farther than this many standard deviations is damaged print or a shadow's edge.
 constexpr double k_ring_outlier_sigmas = 6;
 /// Whole-pixel blunders remain: wrong target, wrong order, moving target.

@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -78,6 +79,26 @@ std::vector<StopReadings> changed(std::span<const StopReadings> stops, auto chan
   return result;
 }
 
+/// 0: these stops do not agree; else higher, the better.  Rotations alone cannot tell an inverted pose from a quaternion in
+/// another order (both are q -> a conj(q) b), translations can.
+double agreement(std::span<const StopReadings> stops, std::size_t enough) {
+  const Consensus consensus = rotation_consensus(stops);
+  if (consensus.stops.size() < enough) return 0;
+  std::vector<Stop> used;
+  double square_sum = 0, count = 0;
+  for (std::size_t i = 0; i < consensus.stops.size(); ++i) {
+    const StopReadings& stop = stops[consensus.stops[i]];
+    used.push_back({.T_base_flange = stop.T_base_flange, .T_cam_target = stop.T_cam_target[consensus.readings[i]]});
+    square_sum += (used.back().T_cam_target.translation() - used.front().T_cam_target.translation()).squaredNorm();
+    count += 1;
+  }
+  const std::optional<TranslationFit> fit = translation_of_x(used, consensus.R_flange_cam);
+  const double motion_mm = std::sqrt(square_sum / count);
+  constexpr double k_most_miss_ratio = 0.1;  // of the target's motion; the wrong hypothesis misses by all of it
+  if (!fit || fit->rms_mm > k_most_miss_ratio * motion_mm) return 0;
+  return 1 / (1e-6 + fit->rms_mm / std::max(1e-9, motion_mm));
+}
+
 }  // namespace
 
 Consensus rotation_consensus(std::span<const StopReadings> stops) {
@@ -111,37 +132,32 @@ Consensus rotation_consensus(std::span<const StopReadings> stops) {
 }
 
 std::string explain_disagreement(std::span<const StopReadings> stops, std::size_t enough) {
-  const auto agree = [&](const std::vector<StopReadings>& tried) { return rotation_consensus(tried).stops.size() >= enough; };
-  if (agree(changed(stops, [](StopReadings& stop) { stop.T_base_flange = stop.T_base_flange.inverse(); }))) {
-    return "the poses are inverted: they give base in flange, meant is T_base_flange, flange in base";
-  }
-  if (agree(changed(stops, [](StopReadings& stop) {
-        // A picture flipped left to right: p_cam -> M p_cam, and the grid is read with its x reversed.
-        const Mat3 M = Vec3(-1, 1, 1).asDiagonal();
-        for (SE3& T : stop.T_cam_target) {
-          const Mat3 R = M * T.linear() * M;
-          T.linear() = R;
-          T.translation() = M * T.translation();
-        }
-      }))) {
-    return "the pictures are mirror images (flipped in the camera's driver, or the target is seen in a mirror)";
-  }
-  if (agree(changed(stops, [](StopReadings& stop) {
-        const Eigen::Quaterniond q(stop.T_base_flange.linear());  // read as w x y z
-        stop.T_base_flange.linear() = Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()).toRotationMatrix();
-      }))) {
-    return "the quaternions are in the order x y z w, meant is w x y z";
-  }
   const std::size_t n = stops.size();
-  for (const std::size_t shift : {std::size_t{1}, n - 1}) {
-    std::vector<StopReadings> tried(stops.begin(), stops.end());
-    for (std::size_t i = 0; i < n; ++i) tried[i].T_base_flange = stops[(i + shift) % n].T_base_flange;
-    if (agree(tried)) return "poses and pictures are off by one against each other";
-  }
-  std::vector<StopReadings> reversed(stops.begin(), stops.end());
-  for (std::size_t i = 0; i < n; ++i) reversed[i].T_base_flange = stops[n - 1 - i].T_base_flange;
-  if (agree(reversed)) return "poses and pictures are in opposite order";
-  return "";
+  struct Hypothesis {
+    std::string words;
+    std::vector<StopReadings> stops;
+  };
+  const auto reordered = [&](auto source) {
+    std::vector<StopReadings> result(stops.begin(), stops.end());
+    for (std::size_t i = 0; i < n; ++i) result[i].T_base_flange = stops[source(i)].T_base_flange;
+    return result;
+  };
+  const std::array<Hypothesis, 5> hypotheses{{
+      {"the poses are inverted: they give base in flange, meant is T_base_flange, flange in base",
+       changed(stops, [](StopReadings& stop) { stop.T_base_flange = stop.T_base_flange.inverse(); })},
+      {"the quaternions are in the order x y z w, meant is w x y z",
+       changed(stops, [](StopReadings& stop) {
+         const Eigen::Quaterniond q(stop.T_base_flange.linear());  // read as w x y z
+         stop.T_base_flange.linear() = Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()).toRotationMatrix();
+       })},
+      {"poses and pictures are off by one against each other", reordered([n](std::size_t i) { return (i + 1) % n; })},
+      {"poses and pictures are off by one against each other", reordered([n](std::size_t i) { return (i + n - 1) % n; })},
+      {"poses and pictures are in opposite order", reordered([n](std::size_t i) { return n - 1 - i; })},
+  }};
+  const auto best = std::max_element(hypotheses.begin(), hypotheses.end(), [&](const Hypothesis& a, const Hypothesis& b) {
+    return agreement(a.stops, enough) < agreement(b.stops, enough);
+  });
+  return agreement(best->stops, enough) > 0 ? best->words : "";
 }
 
 }  // namespace biteline::calib

@@ -64,6 +64,8 @@ Result<void> check_scale(const std::vector<Stop>& stops, const Mat3& R_flange_ca
   if (!fit) return fail(Errc::Degenerate, "hand-eye: the motions do not determine the translation");
   const double scale = fit->pose_scale;
   const auto near = [&](double value) { return std::abs(scale / value - 1) < 0.1; };
+  // Seen in a mirror every rotation has a proper twin, M R M = (-M) R (-M); the translations come out reversed.
+  if (near(-1)) return fail(Errc::Refused, "hand-eye: the pictures are mirror images (flipped in the camera's driver, or seen in a mirror)");
   if (near(1000)) return fail(Errc::Refused, "hand-eye: the poses are in metres (or the target's pitch a thousand times too large); meant is mm");
   if (near(1e-3)) return fail(Errc::Refused, "hand-eye: the target is told in metres (or the poses in micrometres); meant is mm");
   if (near(25.4)) return fail(Errc::Refused, "hand-eye: the poses are in inches; meant is mm");

@@ -9,7 +9,7 @@ namespace biteline::calib {
 namespace {
 
 /// An arm's view under the camera's calibration: more, and it is another camera's or another target's.
-constexpr double k_most_view_rms_px = 0.15, k_most_view_ratio = 3;
+constexpr double k_most_view_rms_px = 0.2, k_most_view_ratio = 5;
 /// The ring target's print may differ from what target.yaml says by this much before it is another target.
 constexpr double k_diameter_tolerance_ratio = 0.15;
 

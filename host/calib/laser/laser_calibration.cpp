@@ -19,8 +19,8 @@ constexpr int k_least_stripe_points = 5; ///< thinned, on one view
 /// The stripe's points are good to some 0.01 mm; 0.3 mm is a fault and not noise on any head of working distance 0.1 to 0.5 m.
 constexpr double k_ransac_reach_mm = 0.3;
 constexpr double k_most_rms_mm = 0.3;
-/// A view this far off, and 5 times as far as the others, saw something else.
-constexpr double k_view_outlier_mm = 0.05, k_view_outlier_ratio = 5;
+/// A view this far off (as pixels at its distance), and 5 times as far as the others, saw something else.
+constexpr double k_view_outlier_px = 1, k_view_outlier_ratio = 5;
 /// Rings of a grid under a wrong camera or on a bent target.
 constexpr double k_most_ring_rms_px = 1.0;
 /// Two grids of one rigid target, as single views show them.
@@ -190,7 +190,7 @@ bool relate_planes(std::vector<LaserView>& views, SE3& T_plane1_plane2) {
 /// Poses of the grids and the stripe points on them; or why the view cannot be used.
 std::optional<std::string> prepare(const geometry::Camera& camera, LaserView& view) {
   if (view.pictures.planes.empty()) return "no ring grid found in the lit picture";
-  if (view.pictures.stripe.empty()) return "no stripe in the laser picture";
+  if (view.pictures.stripe.empty()) return "no stripe in its laser picture";
   for (PlaneView& plane : view.pictures.planes) {
     auto pose = fit_plane_pose(camera, plane.centres);
     for (int round = 0; pose && round < 2; ++round) {
@@ -256,7 +256,7 @@ Result<LaserCalibration> calibrate_laser(const geometry::Camera& camera, std::ve
     std::vector<double> sorted = rms_mm;
     std::sort(sorted.begin(), sorted.end());
     const auto worst = static_cast<std::size_t>(std::max_element(rms_mm.begin(), rms_mm.end()) - rms_mm.begin());
-    if (rms_mm[worst] < std::max(k_view_outlier_mm, k_view_outlier_ratio * sorted[sorted.size() / 2])) break;
+    if (rms_mm[worst] < std::max(k_view_outlier_px * fit.middle.z() / camera.fv_px, k_view_outlier_ratio * sorted[sorted.size() / 2])) break;
     char reason[160];
     std::snprintf(reason, sizeof reason, "its stripe lies %.2f mm off the plane of the others, they %.3f mm (target moved between the pictures?)",
                   rms_mm[worst], sorted[sorted.size() / 2]);
