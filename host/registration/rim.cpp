@@ -1,73 +1,144 @@
 // SPDX-License-Identifier: MIT
 #include "host/registration/rim.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <limits>
+
+#include "host/registration/voxel_map.hpp"
 
 namespace biteline::registration {
 namespace {
 
-constexpr std::size_t k_run_columns = 8;      // a shorter run at the end is speckle
-constexpr float k_max_spacing_ratio = 4.0F;   // neighbours farther apart than this many usual distances: a hole between
-constexpr std::size_t k_min_points = 30;
+constexpr float k_clear_above_mm = 15;    // a seam or a glossy patch is no collar
+constexpr float k_min_upright = 0.4F;     // a surface flatter than 66 degrees has no upper end
+constexpr float k_half_slab_mm = 1;       // along the rim: one profile at 2 mm always falls into it
+constexpr float k_off_surface_mm = 1;
+constexpr float k_neighbour_mm = 6;       // rim's direction from points within it
+constexpr std::size_t k_min_neighbours = 4;
+constexpr std::size_t k_min_points = 20;       // 4 cm
 
-/// The profile [begin, end) seen from its upper end: where the surface goes on without a step, and how.
-struct ProfileEnd {
-  bool found{false};
-  Eigen::Vector3f position{Eigen::Vector3f::Zero()};
-  Eigen::Vector3f inward{Eigen::Vector3f::Zero()};  ///< along the profile, into the surface
+/// A surfel above which the surface does not go on.
+struct Border {
+  Eigen::Vector3f position, normal;
+  Eigen::Vector3f up;                        ///< unit, in the surface
+  float highest_mm{-std::numeric_limits<float>::max()};  ///< of all points in line with it, along `up`
+
+  void offer(const Eigen::Vector3f& point) {
+    const Eigen::Vector3f d = point - position;
+    if (std::abs(d.dot(normal)) > k_off_surface_mm || std::abs(d.dot(normal.cross(up))) > k_half_slab_mm) return;
+    highest_mm = std::max(highest_mm, d.dot(up));
+  }
+  [[nodiscard]] bool seen() const { return highest_mm > -k_clear_above_mm; }
+  [[nodiscard]] Eigen::Vector3f end() const { return position + highest_mm * up; }
 };
 
-ProfileEnd upper_end(const cloud::PointCloud& cloud, std::size_t begin, std::size_t end) {
-  if (end - begin < 2 * k_run_columns) return {};
-  const bool last_is_upper = cloud.points[end - 1].z() > cloud.points[begin].z();
-  const auto at = [&](std::size_t steps) { return last_is_upper ? end - 1 - steps : begin + steps; };
-  // Drop what is cut off from the rest by a missing column: the end of the last run that is long enough.
-  std::size_t first = 0, run = 1;
-  for (std::size_t k = 1; k < end - begin && run < k_run_columns; ++k) {
-    const int columns = std::abs(int{cloud.column[at(k)]} - int{cloud.column[at(k - 1)]});
-    if (columns == 1) {
-      ++run;
-    } else {
-      first = k;
-      run = 1;
+template <class Visit>
+void visit_cube(VoxelKey centre, Visit&& visit) {
+  for (int dz = -1; dz <= 1; ++dz) {
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) visit(VoxelGrid::neighbour(centre, dx, dy, dz));
     }
   }
-  if (run < k_run_columns) return {};
-  const Eigen::Vector3f& position = cloud.points[at(first)];
-  return {.found = true, .position = position, .inward = (cloud.points[at(first + k_run_columns - 1)] - position).normalized()};
 }
 
-float median_spacing(const std::vector<Eigen::Vector3f>& positions) {
-  std::vector<float> spacing;
-  for (std::size_t i = 1; i < positions.size(); ++i) spacing.push_back((positions[i] - positions[i - 1]).norm());
-  const auto middle = spacing.begin() + static_cast<std::ptrdiff_t>(spacing.size() / 2);
-  std::nth_element(spacing.begin(), middle, spacing.end());
+bool goes_on_above(const Eigen::Vector3f& position, const Eigen::Vector3f& up, const Surfels& surfels, const VoxelGrid& grid,
+                   const VoxelMap& occupied) {
+  for (float above_mm = surfels.pitch_mm; above_mm <= k_clear_above_mm; above_mm += surfels.pitch_mm) {
+    bool found = false;
+    visit_cube(grid.key(position + above_mm * up), [&](VoxelKey key) {
+      const std::int64_t at = occupied.find(key);
+      if (at < 0) return;
+      found = found || (surfels.positions[static_cast<std::size_t>(at)] - position).dot(up) > 0.5F * surfels.pitch_mm;
+    });
+    if (found) return true;
+  }
+  return false;
+}
+
+std::vector<Border> borders_of(const Surfels& surfels) {
+  const VoxelGrid grid{surfels.pitch_mm};
+  VoxelMap occupied;
+  std::vector<std::uint32_t> holder;
+  // Surfels of one pitch stand in different voxels, so numbers and indices agree.
+  for (const Eigen::Vector3f& p : surfels.positions) occupied.number(grid.key(p));
+  std::vector<Border> borders;
+  if (occupied.size() != surfels.size()) return borders;
+  for (std::size_t i = 0; i < surfels.size(); ++i) {
+    const Eigen::Vector3f& n = surfels.normals[i];
+    const Eigen::Vector3f up = Eigen::Vector3f::UnitZ() - n.z() * n;
+    if (up.norm() < k_min_upright) continue;
+    const Border border{.position = surfels.positions[i], .normal = n, .up = up.normalized()};
+    if (!goes_on_above(border.position, border.up, surfels, grid, occupied)) borders.push_back(border);
+  }
+  return borders;
+}
+
+/// Lets every point near a border take part in where that border ends.
+void find_ends(std::span<const Eigen::Vector3f> points, float pitch_mm, std::vector<Border>& borders) {
+  const VoxelGrid grid{pitch_mm};
+  VoxelMap voxels;
+  std::vector<std::vector<std::uint32_t>> near;
+  for (std::uint32_t i = 0; i < borders.size(); ++i) {
+    visit_cube(grid.key(borders[i].position), [&](VoxelKey key) {
+      const std::uint32_t at = voxels.number(key);
+      if (at == near.size()) near.emplace_back();
+      near[at].push_back(i);
+    });
+  }
+  VoxelKey last_key = 0;
+  std::int64_t last_at = -1;
+  for (const Eigen::Vector3f& point : points) {
+    const VoxelKey key = grid.key(point);
+    if (key != last_key) {
+      last_key = key;
+      last_at = voxels.find(key);
+    }
+    if (last_at < 0) continue;
+    for (const std::uint32_t i : near[static_cast<std::size_t>(last_at)]) borders[i].offer(point);
+  }
+}
+
+Eigen::Vector3f main_direction(const std::vector<Eigen::Vector3f>& ways) {
+  Eigen::Matrix3f outer = Eigen::Matrix3f::Zero();
+  for (const Eigen::Vector3f& way : ways) outer += way * way.transpose();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
+  solver.computeDirect(outer / static_cast<float>(ways.size()));
+  return solver.eigenvectors().col(2);
+}
+
+float median_along(const std::vector<Eigen::Vector3f>& ways, const Eigen::Vector3f& direction) {
+  std::vector<float> heights;
+  for (const Eigen::Vector3f& way : ways) heights.push_back(way.dot(direction));
+  const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
+  std::nth_element(heights.begin(), middle, heights.end());
   return *middle;
 }
 
 }  // namespace
 
-Rim rim_of(const cloud::PointCloud& cloud) {
-  Rim rim;
-  if (!cloud.organised()) return rim;
-  std::vector<Eigen::Vector3f> positions, inward;
-  for (std::size_t begin = 0, end = 0; begin < cloud.size(); begin = end) {
-    while (end < cloud.size() && cloud.profile[end] == cloud.profile[begin]) ++end;
-    const ProfileEnd edge = upper_end(cloud, begin, end);
-    if (!edge.found) continue;
-    positions.push_back(edge.position);
-    inward.push_back(edge.inward);
+Rim rim_of(std::span<const Eigen::Vector3f> points, const Surfels& surfels) {
+  std::vector<Border> borders = borders_of(surfels);
+  find_ends(points, surfels.pitch_mm, borders);
+  std::erase_if(borders, [](const Border& border) { return !border.seen(); });
+  std::vector<Eigen::Vector3f> ends;
+  for (const Border& border : borders) ends.push_back(border.end());
+
+  Rim rim{.spacing_mm = surfels.pitch_mm};
+  for (std::size_t i = 0; i < borders.size(); ++i) {
+    std::vector<Eigen::Vector3f> ways;
+    for (const Eigen::Vector3f& end : ends) {
+      if ((end - ends[i]).squaredNorm() < k_neighbour_mm * k_neighbour_mm) ways.push_back(end - ends[i]);
+    }
+    if (ways.size() < k_min_neighbours) continue;
+    const Eigen::Vector3f along = main_direction(ways), up = borders[i].up;
+    const Eigen::Vector3f across = (up - up.dot(along) * along).normalized();
+    // One end is as uneven as its points are apart, and a stray point puts it too high: the rim is the middle of those
+    // beside each other.
+    rim.positions.push_back(ends[i] + median_along(ways, across) * across);
+    rim.across.push_back(across);
   }
-  if (positions.size() < k_min_points) return rim;
-  rim.spacing_mm = median_spacing(positions);
-  for (std::size_t i = 1; i + 1 < positions.size(); ++i) {
-    const Eigen::Vector3f before = positions[i] - positions[i - 1], after = positions[i + 1] - positions[i];
-    const float limit_mm = k_max_spacing_ratio * rim.spacing_mm;
-    if (before.norm() > limit_mm || after.norm() > limit_mm) continue;
-    const Eigen::Vector3f along = (before + after).normalized();
-    rim.positions.push_back(positions[i]);
-    rim.across.push_back((inward[i] - inward[i].dot(along) * along).normalized());
-  }
+  if (rim.size() < k_min_points) return Rim{};
   return rim;
 }
 

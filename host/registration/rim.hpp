@@ -4,9 +4,9 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 #include <vector>
 
-#include "host/cloud/point_cloud.hpp"
 #include "host/registration/surfels.hpp"
 
 namespace biteline::registration {
@@ -15,15 +15,16 @@ namespace biteline::registration {
 /// between two lasts move it by 0.3 mm.  The collar's edge, where both scans end, fixes it.  Whether they end there
 /// because the shoe does, and not the camera's view, shows in whether the two agree (alignment.cpp).
 struct Rim {
-  std::vector<Eigen::Vector3f> positions{};  ///< in scan order
-  std::vector<Eigen::Vector3f> across{};     ///< unit, in the surface, at right angles to the rim
+  std::vector<Eigen::Vector3f> positions{};
+  std::vector<Eigen::Vector3f> across{};   ///< unit, in the surface, at right angles to the rim, upwards
   float spacing_mm{0};                     ///< usual distance of neighbours
 
   [[nodiscard]] std::size_t size() const { return positions.size(); }
 };
 
-/// The upper end of each profile, where at least 8 columns in a row lead to it.  Empty for a cloud without order.
-[[nodiscard]] Rim rim_of(const cloud::PointCloud& cloud);
+/// Where the surface ends upwards and nothing lies above within 15 mm: the highest points, to a point's spacing, not to a
+/// surfel's.  `surfels` are those of `points`; the points may come in any order.
+[[nodiscard]] Rim rim_of(std::span<const Eigen::Vector3f> points, const Surfels& surfels);
 
 /// Index of the rim's point nearest to `point`.  Pre: the rim is not empty.
 [[nodiscard]] std::uint32_t nearest_on(const Rim& rim, const Eigen::Vector3f& point);

@@ -23,10 +23,12 @@ int main(int argc, char** argv) {
   app.add_flag("--quiet", context.options.quiet, "No progress, no words beyond the result");
   app.add_flag("--json", context.options.json, "Results on stdout as JSON");
   add_target(app, context);
+  add_transfer(app, context);
   add_doctor(app, context);
   add_evaluate(app, context);
   add_extract(app, context);
   add_calibrate(app, context);
+  add_model(app, context);
   add_replay(app, context);
   add_plan(app, context);
 

@@ -3,62 +3,67 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <algorithm>
+#include <random>
+
 namespace biteline::registration {
 
 TEST_GROUP(Rim) {
-  /// A plane standing upright, 60 profiles 1 mm apart, 120 columns 0.2 mm apart; its top edge rises by 0.1 mm per mm.
-  cloud::PointCloud slanted_wall() const {
-    cloud::PointCloud cloud;
-    for (std::uint32_t profile = 0; profile < 60; ++profile) {
-      for (std::uint16_t column = 0; column < 120; ++column) {
-        const float z = 0.2F * static_cast<float>(column);
-        if (z > 15 + 0.1F * static_cast<float>(profile)) break;
-        cloud.points.emplace_back(static_cast<float>(profile), 0.0F, z);
-        cloud.profile.push_back(profile);
-        cloud.column.push_back(column);
+  std::mt19937 random{13};
+
+  /// A wall standing upright, 60 mm long, profiles 1.1 mm apart, points 0.1 mm apart; its top edge rises by 0.1 mm per mm.
+  std::vector<Eigen::Vector3f> slanted_wall(bool with_hole = false) {
+    std::normal_distribution<float> noise_mm{0, 0.01F};
+    std::vector<Eigen::Vector3f> points;
+    for (float x = 0; x < 60; x += 1.1F) {
+      for (float z = 0; z < 25 + 0.1F * x; z += 0.1F) {
+        if (with_hole && x > 20 && x < 30 && z > 8 && z < 16) continue;
+        points.emplace_back(x, noise_mm(random), z);
       }
     }
-    return cloud;
+    std::shuffle(points.begin(), points.end(), random);
+    return points;
   }
+  static Rim rim(const std::vector<Eigen::Vector3f>& points) { return rim_of(points, surfels_of(points, 2)); }
 };
 
-TEST(Rim, IsTheUpperEndOfEachProfile) {
-  const Rim sut = rim_of(slanted_wall());
-  CHECK(sut.size() >= 55);
-  for (const Eigen::Vector3f& p : sut.positions) DOUBLES_EQUAL(15 + 0.1F * p.x() - 0.1F, p.z(), 0.11F);  // half a column
+// The highest of points 0.1 mm apart, of one or two profiles up to 1 mm aside on a slope of 0.1.
+constexpr float k_low_mm = 0.2F, k_high_mm = 0.1F;
+
+TEST(Rim, IsWhereTheSurfaceEndsUpwards) {
+  const Rim sut = rim(slanted_wall());
+  CHECK(sut.size() >= 26);
+  for (const Eigen::Vector3f& p : sut.positions) {
+    const float end_mm = 25 + 0.1F * p.x();
+    CHECK(p.z() < end_mm + k_high_mm && p.z() > end_mm - k_low_mm);
+  }
 }
 
 TEST(Rim, AcrossIsAtRightAnglesToTheEdgeAndInTheSurface) {
-  for (const Eigen::Vector3f& across : rim_of(slanted_wall()).across) {
-    DOUBLES_EQUAL(0.0F, across.y(), 1e-4F);
-    // Edge points snap to columns of 0.2 mm at 1 mm distance: +-0.1 rad about the true 0.1 rad.
-    DOUBLES_EQUAL(0.1F, across.x(), 0.11F);
-    CHECK(across.z() < -0.9F);
+  for (const Eigen::Vector3f& across : rim(slanted_wall()).across) {
+    DOUBLES_EQUAL(0.0F, across.y(), 0.1F);
+    DOUBLES_EQUAL(-0.1F, across.x(), 0.1F);
+    CHECK(across.z() > 0.9F);
   }
 }
 
-TEST(Rim, SpeckleBeyondTheEdgeIsNoEdge) {
-  cloud::PointCloud cloud = slanted_wall();
-  cloud::PointCloud speckled;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    speckled.points.push_back(cloud.points[i]);
-    speckled.profile.push_back(cloud.profile[i]);
-    speckled.column.push_back(cloud.column[i]);
-    const bool last = i + 1 == cloud.size() || cloud.profile[i + 1] != cloud.profile[i];
-    if (!last || cloud.profile[i] % 3 != 0) continue;
-    speckled.points.emplace_back(cloud.points[i].x(), 0.0F, 30.0F);
-    speckled.profile.push_back(cloud.profile[i]);
-    speckled.column.push_back(140);
-  }
-  const Rim sut = rim_of(speckled);
-  CHECK(sut.size() >= 55);
-  for (const Eigen::Vector3f& p : sut.positions) CHECK(p.z() < 22);
+TEST(Rim, AHoleInTheWallHasNoUpperEnd) {
+  for (const Eigen::Vector3f& p : rim(slanted_wall(true)).positions) CHECK(p.z() > 20);
 }
 
-TEST(Rim, CloudWithoutOrderHasNone) {
-  cloud::PointCloud cloud = slanted_wall();
-  cloud.profile.clear();
-  CHECK(rim_of(cloud).size() == 0);
+TEST(Rim, StrayPointsAboveDoNotMoveIt) {
+  std::vector<Eigen::Vector3f> points = slanted_wall();
+  for (float x = 1; x < 60; x += 5) {
+    points.emplace_back(x, 0.0F, 26.5F + 0.1F * x);
+    points.emplace_back(x, 0.0F, 27.0F + 0.1F * x);
+  }
+  for (const Eigen::Vector3f& p : rim(points).positions) CHECK(p.z() < 25 + 0.1F * p.x() + k_high_mm);
+}
+
+TEST(Rim, TooShortARimIsNone) {
+  std::vector<Eigen::Vector3f> points = slanted_wall();
+  std::erase_if(points, [](const Eigen::Vector3f& p) { return p.x() > 15; });
+  CHECK(rim(points).size() == 0);
 }
 
 }  // namespace biteline::registration

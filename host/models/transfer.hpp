@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file A sample's line on the next upper: align, then carry over by rays.
+
+#include "host/models/sample_folder.hpp"
+#include "host/registration/alignment.hpp"
+#include "host/surface/carried_line.hpp"
+
+namespace biteline::models {
+
+struct TransferOptions {
+  registration::AlignOptions align{};
+  surface::RayDirection direction{surface::RayDirection::Level};
+  double max_gap_mm{15};
+};
+
+struct Stage {
+  const char* name;
+  double seconds;
+};
+
+struct Transfer {
+  bool found{false};
+  std::string reason;               ///< one plain sentence when not found
+  registration::Alignment alignment;
+  surface::CarriedLine carried;     ///< its line is empty when not found
+  double bound_mm{0};               ///< 19 of 20 points of the line are nearer than this to the bite line, as far as the scans tell
+  double confidence{0};             ///< mean over the points
+  bool from_mesh{false};            ///< the upper's scan was organised
+  std::vector<Stage> stages;        ///< in order, wall time
+};
+
+/// A refusal is a Transfer with its reason; fails only where a cloud holds no surface at all.
+[[nodiscard]] Result<Transfer> transfer_line(const SampleFiles& sample, const cloud::PointCloud& upper,
+                                             const TransferOptions& options);
+
+}  // namespace biteline::models

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+#include "host/models/transfer.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <algorithm>
+#include <random>
+
+#include "tests/support/errors.hpp"
+#include "tests/support/made_pair.hpp"
+
+namespace biteline::models {
+namespace {
+
+const sim::ScanSettings k_scan{.profile_step_mm = 1.2, .column_step_mm = 0.2};
+
+double mean_error_mm(const line::ClosedLine& line, const line::ClosedLine& truth) {
+  double sum_mm = 0;
+  for (const line::LinePoint& p : line.points) {
+    double best = 1e9;
+    for (std::size_t i = 0; i < truth.points.size(); ++i) {
+      const Vec3 a = truth.points[i].position, d = truth.points[(i + 1) % truth.points.size()].position - a;
+      const double share = std::clamp((p.position - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
+      best = std::min(best, (a + share * d - p.position).norm());
+    }
+    sum_mm += best;
+  }
+  return sum_mm / static_cast<double>(line.points.size());
+}
+
+double normal_rms_deg(const line::ClosedLine& line, const line::ClosedLine& truth) {
+  double sum = 0;
+  for (const line::LinePoint& p : line.points) {
+    const auto nearest = std::min_element(truth.points.begin(), truth.points.end(), [&](const line::LinePoint& a, const line::LinePoint& b) {
+      return (a.position - p.position).squaredNorm() < (b.position - p.position).squaredNorm();
+    });
+    const double angle_deg = std::acos(std::min(1.0, p.normal.dot(nearest->normal))) * 180 / 3.14159265358979;
+    sum += angle_deg * angle_deg;
+  }
+  return std::sqrt(sum / static_cast<double>(line.points.size()));
+}
+
+}  // namespace
+
+TEST_GROUP(Transfer) {
+  test::MadePair pair = test::made_pair({.seed = 6, .scan = k_scan});
+  SampleFiles sample() const { return {.cloud = pair.sample_cloud, .line = pair.sample_line}; }
+};
+
+TEST(Transfer, TheUpperGetsTheSamplesLineAtItsHeight) {
+  const Result<Transfer> sut = transfer_line(sample(), pair.upper_cloud, {});
+  SUCCEEDS(sut);
+  CHECK(sut->found);
+  CHECK(sut->from_mesh);
+  // The bars for a recorded pair; made without the errors of peaks and poses it must be well inside.
+  CHECK(mean_error_mm(sut->carried.line, pair.upper_line) < 0.05);
+  CHECK(normal_rms_deg(sut->carried.line, pair.upper_line) < 1.5);
+  CHECK(sut->confidence > 0.9);
+  CHECK(sut->bound_mm < 0.5);
+}
+
+TEST(Transfer, ScatteredPointsWillDo) {
+  cloud::PointCloud scattered;
+  scattered.points = pair.upper_cloud.points;
+  std::mt19937_64 random{5};
+  std::shuffle(scattered.points.begin(), scattered.points.end(), random);
+  const Result<Transfer> sut = transfer_line(sample(), scattered, {});
+  SUCCEEDS(sut);
+  CHECK(sut->found);
+  CHECK_FALSE(sut->from_mesh);
+  CHECK(mean_error_mm(sut->carried.line, pair.upper_line) < 0.05);
+}
+
+TEST(Transfer, ARefusalHasItsReasonAndNoLine) {
+  const test::MadePair other = test::made_pair({.seed = 8, .scan = k_scan});
+  const Result<Transfer> sut = transfer_line(sample(), other.upper_cloud, {});
+  SUCCEEDS(sut);
+  CHECK_FALSE(sut->found);
+  CHECK(sut->reason.find("another model") != std::string::npos);
+  CHECK(sut->carried.line.points.empty());
+}
+
+TEST(Transfer, AMirroredSampleServesTheOtherFoot) {
+  // Across the plane y = 0 of base.
+  const auto mirrored = [](Vec3 p) { return Vec3{p.x(), -p.y(), p.z()}; };
+  cloud::PointCloud other_foot = pair.upper_cloud;
+  for (Eigen::Vector3f& p : other_foot.points) p.y() = -p.y();
+  line::ClosedLine truth = pair.upper_line;
+  for (line::LinePoint& p : truth.points) {
+    p.position = mirrored(p.position);
+    p.normal = mirrored(p.normal);
+  }
+  const Result<Transfer> sut = transfer_line(sample(), other_foot, {.align = {.mirror = true}});
+  SUCCEEDS(sut);
+  CHECK(sut->found);
+  CHECK(mean_error_mm(sut->carried.line, truth) < 0.05);
+  CHECK(normal_rms_deg(sut->carried.line, truth) < 1.5);
+  double area = 0;
+  const std::vector<line::LinePoint>& points = sut->carried.line.points;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3 a = points[i].position - points[0].position, b = points[(i + 1) % points.size()].position - points[0].position;
+    area += a.x() * b.y() - a.y() * b.x();
+  }
+  CHECK(area > 0);  // anticlockwise, though the sample's own order is turned round by the mirror
+}
+
+}  // namespace biteline::models
