@@ -54,6 +54,7 @@ Result<std::unique_ptr<runtime::LaserWatch>> start_laser_watch(sensor::SourceKin
   if (!devices) return std::unique_ptr<runtime::LaserWatch>{};
   auto watch = std::make_unique<runtime::LaserWatch>(std::move(devices->laser), std::move(devices->safety), clock,
                                                      runtime::LaserGuard::Config{});
+  for (std::unique_ptr<hal::Watchdog>& watchdog : devices->watchdogs) watch->feed(std::move(watchdog));
   BITELINE_TRY(watch->start(demand));
   return watch;
 }

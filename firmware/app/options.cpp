@@ -21,7 +21,7 @@ ParsedOptions parse_options(int argc, char** argv) {
   std::string realtime;
   CLI::App app{"Biteline's sensor program: camera frames in, 3-D profiles out to the host.", "biteline-sensor"};
   app.set_version_flag("--version", BITELINE_VERSION);
-  app.add_option("--source", options.source.source, "replay:SESSION, a recorded session's folder; cell:NAME, the simulated cell of that name");
+  app.add_option("--source", options.source.source, "replay:SESSION, a recorded session's folder; cell:NAME, the simulated cell of that name; board:FILE, the devices of a board.yaml");
   app.add_option("--sensor", options.source.sensor_file, "Calibration that replaces the head's own (sensor.yaml)");
   app.add_option("--listen", listen, "Where hosts connect; port 0: any free one")->capture_default_str();
   app.add_option("--keys", options.keys, "Folder of keys; compulsory beyond loopback");

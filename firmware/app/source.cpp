@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "firmware/app/board_source.hpp"
 #ifdef BITELINE_SENSOR_HAS_CELL
 #include "firmware/app/cell_source.hpp"
 #endif
@@ -49,13 +50,17 @@ Result<std::unique_ptr<SourceKind>> choose_source(const SourceOptions& options) 
                     hal::replay::open_recording(std::filesystem::path{rest}, options.sensor_file));
     return std::make_unique<Recording>(std::move(session));
   }
+  if (kind == "board" && !rest.empty()) {
+    if (!options.sensor_file) return fail(Errc::InvalidArgument, "source '%s': --sensor FILE is needed", options.source.c_str());
+    return open_board(std::filesystem::path{rest}, *options.sensor_file);
+  }
 #ifdef BITELINE_SENSOR_HAS_CELL
   if (kind == "cell" && !rest.empty()) {
     if (!options.sensor_file) return fail(Errc::InvalidArgument, "source '%s': --sensor FILE is needed", options.source.c_str());
     return open_cell(std::string{rest}, *options.sensor_file);
   }
 #endif
-  return fail(Errc::InvalidArgument, "source '%s': replay:SESSION or cell:NAME expected", options.source.c_str());
+  return fail(Errc::InvalidArgument, "source '%s': replay:SESSION, cell:NAME or board:FILE expected", options.source.c_str());
 }
 
 }  // namespace biteline::sensor

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/core/result.hpp"
 #include "common/geometry/sensor_model.hpp"
@@ -15,6 +16,7 @@
 #include "hal/api/pose_source.hpp"
 #include "hal/api/pwm_out.hpp"
 #include "hal/api/safety_in.hpp"
+#include "hal/api/watchdog.hpp"
 
 namespace biteline::sensor {
 
@@ -32,6 +34,7 @@ struct Source {
 struct LaserDevices {
   std::unique_ptr<hal::GpioOut> laser;
   std::unique_ptr<hal::SafetyIn> safety;
+  std::vector<std::unique_ptr<hal::Watchdog>> watchdogs;  ///< armed
 };
 
 /// One way to get a scan.
@@ -53,7 +56,7 @@ class SourceKind {
 };
 
 struct SourceOptions {
-  std::string source;                                ///< "replay:SESSION" or "cell:NAME"
+  std::string source;                                ///< "replay:SESSION", "cell:NAME" or "board:FILE"
   std::optional<std::filesystem::path> sensor_file;  ///< the head's calibration; replaces a recording's own
 };
 

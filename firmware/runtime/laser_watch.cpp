@@ -47,6 +47,8 @@ void LaserWatch::stop() {
   if (thread_.joinable()) thread_.join();
   guard_.stop();
   step();
+  for (const std::unique_ptr<hal::Watchdog>& watchdog : watchdogs_) (void)watchdog->disarm();
+  watchdogs_.clear();
 }
 
 void LaserWatch::run(RealtimeDemand demand) {
@@ -58,6 +60,7 @@ void LaserWatch::run(RealtimeDemand demand) {
   auto due = std::chrono::steady_clock::now();
   while (!stopping_) {
     step();
+    feed_watchdogs();
     const auto now = std::chrono::steady_clock::now();
     while (due <= now) due += threads::k_safety.period;
     std::this_thread::sleep_until(due);
@@ -88,8 +91,14 @@ void LaserWatch::drive(bool on) {
   output_lost_ = driver_failed_;
 }
 
+void LaserWatch::feed_watchdogs() {
+  for (const std::unique_ptr<hal::Watchdog>& watchdog : watchdogs_) {
+    if (!watchdog->feed()) feeds_failed_.fetch_add(1, std::memory_order_relaxed);
+  }
+}
+
 LaserWatch::Status LaserWatch::status() const {
-  return {.on = on_, .state = state_, .reason = reason_, .output_lost = output_lost_};
+  return {.on = on_, .state = state_, .reason = reason_, .output_lost = output_lost_, .feeds_failed = feeds_failed_};
 }
 
 }  // namespace biteline::runtime

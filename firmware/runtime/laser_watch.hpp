@@ -6,12 +6,15 @@
 #include <memory>
 #include <optional>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "firmware/runtime/laser_guard.hpp"
 #include "firmware/runtime/realtime.hpp"
 #include "hal/api/clock.hpp"
 #include "hal/api/gpio_out.hpp"
 #include "hal/api/safety_in.hpp"
+#include "hal/api/watchdog.hpp"
 
 namespace biteline::runtime {
 
@@ -25,6 +28,10 @@ class LaserWatch {
   LaserWatch(const LaserWatch&) = delete;
   LaserWatch& operator=(const LaserWatch&) = delete;
   ~LaserWatch();
+
+  /// An armed watchdog, fed at every look from start() on and disarmed by stop(): what it does when this thread hangs or
+  /// the process dies darkens the laser too.  Before start() only.
+  void feed(std::unique_ptr<hal::Watchdog> watchdog) { watchdogs_.push_back(std::move(watchdog)); }
 
   [[nodiscard]] Result<void> start(RealtimeDemand demand);
   /// Dark for good.
@@ -40,6 +47,7 @@ class LaserWatch {
     LaserGuard::State state{LaserGuard::State::Off};
     LaserOff reason{LaserOff::NotAsked};
     bool output_lost{false};  ///< the output could not be told or read back: its level is unknown
+    std::uint64_t feeds_failed{0};  ///< a watchdog did not take its food: it will bite
   };
   [[nodiscard]] Status status() const;
 
@@ -55,11 +63,13 @@ class LaserWatch {
   }
   void run(RealtimeDemand demand);
   void drive(bool on);
+  void feed_watchdogs();
 
   std::unique_ptr<hal::GpioOut> laser_;
   std::unique_ptr<hal::SafetyIn> safety_;
   const hal::Clock& clock_;
   LaserGuard guard_;
+  std::vector<std::unique_ptr<hal::Watchdog>> watchdogs_;
   std::thread thread_;
   bool driver_failed_{false};
   std::atomic<bool> stopping_{false};
@@ -71,6 +81,7 @@ class LaserWatch {
   std::atomic<LaserGuard::State> state_{LaserGuard::State::Off};
   std::atomic<LaserOff> reason_{LaserOff::NotAsked};
   std::atomic<bool> output_lost_{false};
+  std::atomic<std::uint64_t> feeds_failed_{0};
   std::atomic<int> start_error_{-1};
 };
 

@@ -60,6 +60,7 @@ struct BoardWatchdog {
 
 struct Board {
   std::string name;
+  bool simulated{false};  ///< what stands behind the devices is made: profiles say so
   BoardCamera camera;
   BoardTrigger trigger;
   std::optional<BoardLaser> laser;             ///< none: a board that drives no laser

@@ -132,6 +132,7 @@ Result<Board> read_board_yaml(const std::filesystem::path& path) {
   BITELINE_ASSIGN(YamlReader reader, YamlReader::open(path));
   Board board;
   board.name = reader.text("board");
+  board.simulated = reader.boolean_or("simulated", false);
   board.camera = read_camera(reader);
   board.trigger = read_trigger(reader);
   board.laser = read_laser(reader);
