@@ -42,7 +42,7 @@ PackedBody pack_body(FlatBufferBuilder& fbb, const SensorHello& hello) {
   const auto model = pack_model(fbb, hello.model);
   return packed(fb::Body_SensorHello,
                 fb::CreateSensorHello(fbb, name, version, scan_name, hello.frames_expected, hello.lossless,
-                                      hello.simulated, hello.held_from, hello.held_to, model));
+                                      hello.simulated, hello.scanning, hello.held_from, hello.held_to, model));
 }
 
 PackedBody pack_body(FlatBufferBuilder& fbb, const profile::Profile& profile) {
@@ -114,6 +114,7 @@ Result<Body> read_body(const fb::SensorHello& table) {
                      .frames_expected = table.frames_expected(),
                      .lossless = table.lossless(),
                      .simulated = table.simulated(),
+                     .scanning = table.scanning(),
                      .held_from = table.held_from(),
                      .held_to = table.held_to(),
                      .model = model};

@@ -40,6 +40,7 @@ struct SensorHello {
   std::uint64_t frames_expected{0};  ///< 0: not known
   bool lossless{false};              ///< the source waits for the host
   bool simulated{false};
+  bool scanning{false};              ///< the scan goes on; false: it has ended, or there was none yet (scan 0)
   std::uint64_t held_from{0};        ///< oldest message still held
   std::uint64_t held_to{0};          ///< one past the newest
   geometry::SensorModel model;

@@ -29,6 +29,7 @@ void StreamServer::begin_scan(std::uint64_t scan_id, const std::string& scan_nam
   ended_ = false;
   identity_.scan_name = scan_name;
   identity_.frames_expected = frames_expected;
+  identity_.scanning = true;
   for (auto& [peer, host] : hosts_) {
     host.next = 0;
     host.acknowledged = 0;
@@ -51,6 +52,7 @@ void StreamServer::add_end(wire::EndOfScan end) {
   wire::encode({.scan_id = scan_id_, .sequence = store_.held_to(), .body = std::move(end)}, packet);
   messages_lost_ += store_.push(std::move(packet));
   ended_ = true;
+  identity_.scanning = false;
 }
 
 void StreamServer::on_packet(const PeerId& peer, std::span<const std::uint8_t> packet, SensorClock::time_point now) {

@@ -49,6 +49,7 @@ SensorHello made_hello() {
   hello.frames_expected = 640;
   hello.lossless = true;
   hello.simulated = true;
+  hello.scanning = true;
   hello.held_from = 3;
   hello.held_to = 9;
   hello.model.camera = {.fu_px = 1, .fv_px = 2, .cu_px = 3, .cv_px = 4, .k1 = 5, .k2 = 6, .p1 = 7, .p2 = 8, .k3 = 9};
@@ -105,7 +106,7 @@ TEST(Messages, HelloCarriesTheWholeHead) {
   STRCMP_EQUAL("1.2.3", got.version.c_str());
   STRCMP_EQUAL("sport3", got.scan_name.c_str());
   LONGS_EQUAL(640, got.frames_expected);
-  CHECK(got.lossless && got.simulated);
+  CHECK(got.lossless && got.simulated && got.scanning);
   LONGS_EQUAL(3, got.held_from);
   LONGS_EQUAL(9, got.held_to);
   DOUBLES_EQUAL(9, got.model.camera.k3, 0);
