@@ -6,16 +6,12 @@
 #include "host/apps/biteline/command.hpp"
 #include "host/cloud/ply.hpp"
 #include "host/kinematics/calibration.hpp"
-#include "host/report/report.hpp"
-#include "host/robot/ur/script.hpp"
-#include "host/trajectory/path_file.hpp"
-#include "host/trajectory/plan.hpp"
+#include "host/result/plan_result.hpp"
 
 namespace biteline::app {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::ordered_json;
 
 constexpr double k_rad_per_deg = std::numbers::pi / 180;
 
@@ -45,73 +41,13 @@ Result<trajectory::PlanRequest> read_request(const Options& options) {
   return request;
 }
 
-ordered_json as_json(const trajectory::Check& check) {
-  ordered_json out{{"name", check.name},
-                   {"passed", check.passed},
-                   {"value", check.value},
-                   {"limit", check.limit},
-                   {"unit", check.unit}};
-  if (check.arc_mm >= 0) out["at_mm"] = check.arc_mm;
-  if (!check.detail.empty()) out["detail"] = check.detail;
-  return out;
-}
-
-ordered_json as_json(const trajectory::Remedy& remedy) {
-  ordered_json out = ordered_json::object();
-  if (remedy.move_shoe_base)
-    out["move_shoe_mm"] = {remedy.move_shoe_base->x(), remedy.move_shoe_base->y(),
-                           remedy.move_shoe_base->z()};
-  if (remedy.tilt_rad) out["tilt_deg"] = *remedy.tilt_rad / k_rad_per_deg;
-  return out;
-}
-
-void fill_report(report::Report& report, const trajectory::PlanRequest& request,
-                 const trajectory::PlanOutcome& outcome) {
-  ordered_json& fields = report.fields;
-  fields["robot"] = request.arm.name;
-  fields["calibrated"] = request.arm.calibrated;
-  fields["process"] = request.process.name;
-  fields["covered_width_mm"] = trajectory::covered_width_mm(request.process);
-  fields["line_length_mm"] = line::length_mm(request.line);
-  fields["seam_at_mm"] = outcome.tool_path.seam_arc_mm;
-  fields["checks"] = ordered_json::array();
-  for (const trajectory::Check& check : outcome.checks) fields["checks"].push_back(as_json(check));
-  if (outcome.path) {
-    fields["points"] = outcome.path->path().waypoints.size();
-    fields["duration_s"] = outcome.path->duration_s();
-    return;
-  }
-  report.refuse(outcome.reason);
-  if (outcome.blockage.what != trajectory::Obstacle::None) {
-    fields["blocked_at_mm"] = outcome.blockage.arc_mm;
-    fields["blocked_by"] = outcome.blockage.detail;
-    fields["what_would_help"] = as_json(outcome.remedy);
-  }
-}
-
-/// What an earlier run left: a refused plan leaves no path behind.
-void remove_results(const fs::path& folder) {
-  for (const char* name : {"path.csv", "path.script", "tracking.html"}) {
-    std::error_code ignored;  // nothing there is what is wanted
-    fs::remove(folder / name, ignored);
-  }
-}
-
 Result<ExitStatus> run_plan(const Options& options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_ASSIGN(const trajectory::PlanRequest request,
                   report.timed("read", [&] { return read_request(options); }));
-  BITELINE_TRY(report::prepare_folder(options.out));
-  remove_results(options.out);
+  BITELINE_TRY(result::prepare_plan_folder(options.out));
   const trajectory::PlanOutcome outcome = report.timed("plan", [&] { return trajectory::plan(request); });
-  fill_report(report, request, outcome);
-  if (outcome.path) {
-    BITELINE_TRY(report.timed("write", [&]() -> Result<void> {
-      BITELINE_TRY(trajectory::write_path(options.out / "path.csv", *outcome.path));
-      return report::write_file_atomically(options.out / "path.script", robot::ur::urscript(*outcome.path));
-    }));
-  }
-  BITELINE_TRY(report.write(options.out));
+  BITELINE_ASSIGN(const ExitStatus status, result::write_plan_result(options.out, request, outcome, report));
 
   if (global.json) {
     std::printf("%s\n", report.fields.dump(2).c_str());
@@ -123,7 +59,7 @@ Result<ExitStatus> run_plan(const Options& options, const GlobalOptions& global)
   } else {
     std::fprintf(stderr, "biteline: refused: %s\n", outcome.reason.c_str());
   }
-  return outcome.path ? ExitStatus::Done : ExitStatus::Refused;
+  return status;
 }
 
 }  // namespace

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file What every command that plans a path does with the outcome.
+
+#include <filesystem>
+
+#include "common/core/result.hpp"
+#include "host/report/report.hpp"
+#include "host/trajectory/plan.hpp"
+
+namespace biteline::result {
+
+/// Makes the folder and removes what an earlier run left: a refused plan leaves no path behind.
+[[nodiscard]] Result<void> prepare_plan_folder(const std::filesystem::path& folder);
+
+/// Writes path.csv and path.script (unless refused) and report.json with every check; Done or Refused.
+[[nodiscard]] Result<ExitStatus> write_plan_result(const std::filesystem::path& folder, const trajectory::PlanRequest& request,
+                                                   const trajectory::PlanOutcome& outcome, report::Report& report);
+
+}  // namespace biteline::result
