@@ -35,6 +35,7 @@ struct SensorLink::State {
   HostProtocol protocol;
   HostClock::time_point opened{now()};
   int connections{0};
+  wire::Bytes last_packet;
 
   /// An Error: the connection will never come about.
   Result<void> follow_connection() {
@@ -87,8 +88,8 @@ Result<std::optional<LinkEvent>> SensorLink::next(Nanoseconds timeout) {
     state_->protocol.tick(now());
     while (const std::optional<wire::Socket::Parts> packet = state_->caller.receive()) {
       const bool well_formed = packet->parts.size() == 1 && packet->surplus_parts == 0;
-      BITELINE_ASSIGN(std::optional<LinkEvent> event,
-                      state_->protocol.on_packet(well_formed ? packet->parts.front() : wire::Bytes{}, now()));
+      state_->last_packet = well_formed ? packet->parts.front() : wire::Bytes{};
+      BITELINE_ASSIGN(std::optional<LinkEvent> event, state_->protocol.on_packet(state_->last_packet, now()));
       if (event) return event;
     }
     BITELINE_TRY(state_->check_silence());
@@ -98,6 +99,7 @@ Result<std::optional<LinkEvent>> SensorLink::next(Nanoseconds timeout) {
   }
 }
 
+std::span<const std::uint8_t> SensorLink::packet() const { return state_->last_packet; }
 void SensorLink::acknowledge() { state_->protocol.acknowledge(); }
 void SensorLink::command(wire::Control control) { state_->protocol.command(control); }
 ScanPosition SensorLink::position() const { return state_->protocol.position(); }

@@ -33,6 +33,9 @@ class SensorLink {
   /// a message that stays broken.
   [[nodiscard]] Result<std::optional<LinkEvent>> next(Nanoseconds timeout);
 
+  /// The message behind the last event, as it came.  Valid until the next call of next().
+  [[nodiscard]] std::span<const std::uint8_t> packet() const;
+
   /// With acknowledge_by_itself off: everything given out so far is safe.
   void acknowledge();
   void command(wire::Control control);

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "host/apps/biteline/command.hpp"
+#include "host/ingest/account.hpp"
 #include "host/ingest/session_run.hpp"
 #include "host/report/progress.hpp"
 #include "host/result/line_result.hpp"
@@ -15,25 +16,6 @@ struct Options {
   std::filesystem::path session, out, sensor;
   groove::Method method{groove::Method::Ours};
 };
-
-nlohmann::ordered_json account_of(const ingest::SessionRun& run) {
-  nlohmann::ordered_json account{{"frames", run.sensor_counters.frames},
-                                 {"frames_lost", run.sensor_counters.frames_lost},
-                                 {"profiles", run.counts.profiles},
-                                 {"profiles_used", run.counts.profiles_used},
-                                 {"profiles_lost", run.counts.profiles_lost},
-                                 {"points_received", run.counts.points},
-                                 {"points_used", run.counts.points_used},
-                                 {"points_not_surface", run.counts.points_not_surface}};
-  for (const auto& [name, count] : ingest::profile_flag_counts(run.counts)) account["profile_flags"][name] = count;
-  for (const auto& [name, count] : ingest::point_flag_counts(run.counts)) account["point_flags"][name] = count;
-  for (const wire::StageTime& stage : run.sensor_stages) {
-    account["sensor_stages_ms"][stage.name] = {{"min", 1e-6 * static_cast<double>(stage.min.count())},
-                                               {"mean", 1e-6 * static_cast<double>(stage.mean.count())},
-                                               {"max", 1e-6 * static_cast<double>(stage.max.count())}};
-  }
-  return account;
-}
 
 Result<ExitStatus> replay(const Options& options, const GlobalOptions& global) {
   report::Report report;
@@ -55,7 +37,7 @@ Result<ExitStatus> replay(const Options& options, const GlobalOptions& global) {
   const groove::Extraction extraction = report.timed("extract", [&] { return groove::extract(run.cloud, config); });
 
   report.fields["input"] = options.session.filename().string();
-  report.fields["scan"] = account_of(run);
+  report.fields["scan"] = ingest::account_of(run.counts, run.sensor_counters, run.sensor_stages);
   report.fields["frames_per_s"] = run.stream_s > 0 ? static_cast<double>(run.counts.profiles) / run.stream_s : 0.0;
   BITELINE_ASSIGN(const ExitStatus status, result::write_line_result(options.out, run.cloud, extraction, report));
   if (!global.quiet) std::fprintf(status == ExitStatus::Done ? stdout : stderr, "%s\n", result::summary(extraction).c_str());

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// biteline-host: the service.
+#include <sys/prctl.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+
+#include "host/apps/biteline-host/options.hpp"
+#include "host/apps/biteline-host/service.hpp"
+
+namespace {
+
+using namespace biteline;
+
+std::atomic<bool> g_stop{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "set in a signal handler");
+
+void heed_stop_signals() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { g_stop = true; };
+  sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGINT, &action, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+Result<ExitStatus> run(const service::Options& options) {
+  if (options.exit_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
+  BITELINE_ASSIGN(service::Service host, service::Service::create(options));
+  return host.run(g_stop);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  heed_stop_signals();
+  const service::ParsedOptions parsed = service::parse_options(argc, argv);
+  if (parsed.leave_with) return *parsed.leave_with;
+  try {
+    const Result<ExitStatus> status = run(parsed.options);
+    if (status) return static_cast<int>(*status);
+    std::fprintf(stderr, "biteline-host: %s\n", to_line(status.error()).c_str());
+    return static_cast<int>(error_row(status.error().code).exit_status);
+  } catch (const std::exception& error) {
+    // No exception is meant to arrive here; should one do so, the operator still gets one line.
+    std::fprintf(stderr, "biteline-host: internal failure: %s\n", error.what());
+    return static_cast<int>(ExitStatus::Connection);
+  }
+}

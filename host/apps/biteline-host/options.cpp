@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#include "host/apps/biteline-host/options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+namespace biteline::service {
+namespace {
+
+int complain(const std::string& line) {
+  std::fprintf(stderr, "biteline-host: %s\n", line.c_str());
+  return static_cast<int>(ExitStatus::BadInput);
+}
+
+}  // namespace
+
+ParsedOptions parse_options(int argc, char** argv) {
+  ParsedOptions parsed;
+  Options& options = parsed.options;
+  RobotOptions robot;
+  std::string sensor;
+  CLI::App app{"Biteline's service: takes scans in, finds the bite line, plans the path, lets the arm follow it.", "biteline-host"};
+  app.set_version_flag("--version", BITELINE_VERSION);
+  app.add_option("--sensor", sensor, "Where the sensor listens: tcp://HOST:PORT")->required();
+  app.add_option("--keys", options.keys, "Folder of keys; compulsory beyond loopback");
+  app.add_option("--out", options.out, "Folder of the results: scan-0001, scan-0002, ...")->required();
+  auto* arm = app.add_option("--robot", robot.arm, "UR3e, UR5e, UR10e, UR3, UR5 or UR10: plan its path along the line");
+  app.add_option("--process", robot.process, "Process YAML: tool, placement, motion")->needs(arm);
+  app.add_option("--table-z", robot.table_z_mm, "Height of the table in the robot's base [mm]")->needs(arm);
+  app.add_option("--rtde", robot.rtde, "The controller's real-time port, HOST:PORT")->capture_default_str();
+  app.add_option("--script", robot.script, "The controller's script port, HOST:PORT")->capture_default_str();
+  app.add_flag("--send", robot.send, "Send a path that passed every check, and watch the arm follow it")->needs(arm);
+  app.add_flag("--once", options.once, "One scan, then leave");
+  app.add_flag("--keep-recording", options.keep_recording, "Keep the scan's messages beside its result");
+  app.add_flag("--exit-with-parent", options.exit_with_parent, "Stop when the program that started this one ends");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    parsed.leave_with = error.get_exit_code() == 0 ? app.exit(error) : complain(std::string{error.what()} + " (see --help)");
+    return parsed;
+  }
+  const Result<wire::Endpoint> endpoint = wire::parse_endpoint(sensor);
+  if (!endpoint) {
+    parsed.leave_with = complain(to_line(endpoint.error()));
+    return parsed;
+  }
+  options.sensor = *endpoint;
+  if (!robot.arm.empty()) {
+    if (robot.process.empty()) {
+      parsed.leave_with = complain("--robot needs --process (see --help)");
+      return parsed;
+    }
+    options.robot = robot;
+  }
+  return parsed;
+}
+
+}  // namespace biteline::service

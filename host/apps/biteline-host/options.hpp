@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The command line of biteline-host.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "common/wire/endpoint.hpp"
+
+namespace biteline::service {
+
+struct RobotOptions {
+  std::string arm;                 ///< UR5e, ...
+  std::filesystem::path process;   ///< process YAML
+  std::string rtde{"127.0.0.1:30004"};
+  std::string script{"127.0.0.1:30002"};
+  double table_z_mm{0};
+  bool send{false};
+};
+
+struct Options {
+  wire::Endpoint sensor;
+  std::optional<std::filesystem::path> keys;
+  std::filesystem::path out;
+  std::optional<RobotOptions> robot;  ///< without: the line is the result
+  bool once{false};
+  bool keep_recording{false};
+  bool exit_with_parent{false};
+};
+
+struct ParsedOptions {
+  Options options;
+  std::optional<int> leave_with;
+};
+
+[[nodiscard]] ParsedOptions parse_options(int argc, char** argv);
+
+}  // namespace biteline::service

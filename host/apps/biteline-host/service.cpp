@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+#include "host/apps/biteline-host/service.hpp"
+
+#include <chrono>
+#include <cstdio>
+#include <thread>
+#include <utility>
+
+#include "host/apps/biteline-host/steps.hpp"
+#include "host/report/report.hpp"
+
+namespace biteline::service {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+constexpr Nanoseconds k_turn = milliseconds{100};
+constexpr milliseconds k_before_retry{1000};
+/// Any number will do: one command is under way at a time.
+constexpr std::uint32_t k_start_id = 1;
+
+void complain(const Error& error) { std::fprintf(stderr, "biteline-host: %s\n", to_line(error).c_str()); }
+
+/// In small steps, so that a stop is heeded.
+void wait_before_retry(const std::atomic<bool>& stop) {
+  for (milliseconds waited{0}; waited < k_before_retry && !stop; waited += milliseconds{50}) {
+    std::this_thread::sleep_for(milliseconds{50});
+  }
+}
+
+}  // namespace
+
+Result<Service> Service::create(const Options& options) {
+  std::optional<wire::HostKeys> keys;
+  if (options.keys) {
+    BITELINE_ASSIGN(keys, wire::read_host_keys(*options.keys));
+  }
+  std::optional<Robot> robot;
+  if (options.robot) {
+    robot.emplace();
+    robot->options = *options.robot;
+    BITELINE_ASSIGN(robot->arm, kinematics::arm_model(options.robot->arm));
+    BITELINE_ASSIGN(robot->process, trajectory::read_process(options.robot->process));
+  }
+  BITELINE_TRY(report::prepare_folder(options.out));
+  return Service{options, std::move(keys), std::move(robot)};
+}
+
+Service::Service(Options options, std::optional<wire::HostKeys> keys, std::optional<Robot> robot)
+    : options_{std::move(options)}, keys_{std::move(keys)}, robot_{std::move(robot)} {}
+
+Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
+  BITELINE_TRY(find_unfinished());
+  while (!stop) {
+    const Result<void> scanned = take_in_scan(stop);
+    if (stop) break;
+    if (!scanned) {
+      link_.reset();
+      if (options_.once) return tl::unexpected<Error>{scanned.error()};
+      complain(scanned.error());
+      wait_before_retry(stop);
+      continue;
+    }
+    Scan scan = std::move(*scan_);
+    scan_.reset();
+    const Result<ExitStatus> status = work_out(std::move(scan));
+    if (options_.once) return status;
+    if (!status) complain(status.error());
+  }
+  return ExitStatus::Done;
+}
+
+Result<void> Service::take_in_scan(const std::atomic<bool>& stop) {
+  if (!link_) {
+    ingest::SensorLinkConfig config;
+    config.sensor = options_.sensor;
+    config.keys = keys_;
+    config.protocol.acknowledge_by_itself = false;
+    if (scan_) config.protocol.resume = scan_->intake.position();
+    BITELINE_ASSIGN(link_, ingest::SensorLink::open(config));
+  } else {
+    // The sensor is known and idle: the next scan.
+    link_->command({.id = k_start_id, .command = wire::Command::StartScan});
+  }
+  while (!stop) {
+    if (scan_ && scan_->intake.ended()) return {};
+    BITELINE_ASSIGN(const std::optional<ingest::LinkEvent> event, link_->next(k_turn));
+    if (event) BITELINE_TRY(on_event(*event));
+  }
+  return {};
+}
+
+Result<void> Service::on_event(const ingest::LinkEvent& event) {
+  if (const auto* hello = std::get_if<ingest::Hello>(&event)) return on_hello(*hello);
+  if (const auto* reply = std::get_if<wire::ControlReply>(&event)) {
+    if (reply->errc == 0) return {};
+    return fail(Errc::PeerRefused, "the sensor does not begin a scan: %s", reply->where.c_str());
+  }
+  if (!scan_) return {};  // the rest of a scan that was over before this host came
+  BITELINE_TRY(scan_->intake.take(event, link_->packet()));
+  link_->acknowledge();
+  return {};
+}
+
+Result<void> Service::on_hello(const ingest::Hello& hello) {
+  if (scan_ && !hello.resumed) {
+    // What there is of it is kept and told; it is not a result.
+    say_step("the sensor no longer has the rest of %s", scan_->folder.filename().c_str());
+    Scan cut_off = std::move(*scan_);
+    scan_.reset();
+    BITELINE_TRY(work_out(std::move(cut_off)));
+  }
+  if (scan_) {
+    say_step("goes on with %s at profile %llu", scan_->folder.filename().c_str(),
+             static_cast<unsigned long long>(scan_->intake.profiles()));
+    return {};
+  }
+  const bool has_scan = hello.scan_id != 0 && (hello.sensor.scanning || hello.sensor.lossless);
+  if (!has_scan) {
+    say_step("connected to %s%s; asks for a scan", hello.sensor.name.c_str(), hello.sensor.simulated ? " (simulated)" : "");
+    link_->command({.id = k_start_id, .command = wire::Command::StartScan});
+    return {};
+  }
+  const fs::path folder = next_folder();
+  BITELINE_TRY(report::prepare_folder(folder));
+  BITELINE_ASSIGN(ingest::ScanIntake intake, ingest::ScanIntake::begin(folder, hello, link_->packet()));
+  scan_.emplace(Scan{.folder = folder, .intake = std::move(intake)});
+  say_step("takes in scan '%s' of %s%s into %s", hello.sensor.scan_name.c_str(), hello.sensor.name.c_str(),
+           hello.sensor.simulated ? " (simulated)" : "", folder.c_str());
+  return {};
+}
+
+Result<void> Service::find_unfinished() {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator{options_.out, error}) {
+    if (!ingest::ScanIntake::is_in(entry.path()) || fs::exists(entry.path() / "report.json", error)) continue;
+    Result<ingest::ScanIntake> intake = ingest::ScanIntake::recover(entry.path());
+    if (!intake) {
+      complain(intake.error());
+      continue;
+    }
+    say_step("found %s unfinished, with %llu profiles", entry.path().filename().c_str(),
+             static_cast<unsigned long long>(intake->profiles()));
+    scan_.emplace(Scan{.folder = entry.path(), .intake = std::move(*intake)});
+    return {};
+  }
+  return {};
+}
+
+fs::path Service::next_folder() const {
+  std::error_code error;
+  for (int number = 1;; ++number) {
+    char name[32];
+    std::snprintf(name, sizeof name, "scan-%04d", number);
+    if (!fs::exists(options_.out / name, error)) return options_.out / name;
+  }
+}
+
+Result<ExitStatus> Service::work_out(Scan scan) {
+  const ingest::ScanOutcome outcome = scan.intake.finish();
+  BITELINE_ASSIGN(const LineStep line, find_line(scan.folder, outcome));
+  if (!options_.keep_recording) scan.intake.forget();
+  if (!line.extraction || !robot_) return line.status;
+  const PlanStepRequest request{.arm = robot_->arm, .process = robot_->process, .table_z_mm = robot_->options.table_z_mm};
+  BITELINE_ASSIGN(const PlanStep plan, plan_path(scan.folder / "path", request, outcome, *line.extraction));
+  if (!plan.path || !robot_->options.send) return plan.status;
+  if (outcome.messages_lost > 0) {
+    return fail(Errc::Refused, "%llu profiles of the scan are lost: the path is not sent",
+                static_cast<unsigned long long>(outcome.messages_lost));
+  }
+  return follow_path(scan.folder, *plan.path, {.rtde = robot_->options.rtde, .script = robot_->options.script});
+}
+
+}  // namespace biteline::service

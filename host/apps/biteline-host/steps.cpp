@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+#include "host/apps/biteline-host/steps.hpp"
+
+#include <charconv>
+#include <cstdarg>
+#include <cstdio>
+#include <memory>
+
+#include "host/cloud/ply.hpp"
+#include "host/ingest/account.hpp"
+#include "host/report/report.hpp"
+#include "host/result/line_result.hpp"
+#include "host/result/plan_result.hpp"
+#include "host/robot/follow.hpp"
+#include "host/robot/ur/ur_link.hpp"
+
+namespace biteline::service {
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<LineStep> keep_unfinished(const fs::path& folder, const ingest::ScanOutcome& scan, report::Report& report) {
+  const std::string reason = to_line(*scan.failure);
+  report.refuse("the scan is not complete: " + reason);
+  BITELINE_TRY(cloud::write_cloud(folder / "cloud.ply", scan.cloud));
+  BITELINE_TRY(report.write(folder));
+  say_step("refused: the scan is not complete: %s", reason.c_str());
+  return LineStep{.status = ExitStatus::Refused, .extraction = {}};
+}
+
+struct HostPort {
+  std::string host;
+  std::uint16_t port{0};
+};
+
+Result<HostPort> parse_host_port(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  HostPort parsed{.host = text.substr(0, colon), .port = 0};
+  const char* end = text.data() + text.size();
+  if (colon == std::string::npos || colon == 0 ||
+      std::from_chars(text.data() + colon + 1, end, parsed.port).ptr != end || parsed.port == 0) {
+    return fail(Errc::InvalidArgument, "controller '%s': HOST:PORT expected", text.c_str());
+  }
+  return parsed;
+}
+
+Result<std::unique_ptr<robot::ur::UrLink>> open_robot(const ControllerAddress& controller) {
+  BITELINE_ASSIGN(const HostPort rtde, parse_host_port(controller.rtde));
+  BITELINE_ASSIGN(const HostPort script, parse_host_port(controller.script));
+  if (rtde.host != script.host) {
+    return fail(Errc::InvalidArgument, "--rtde %s and --script %s are two machines", controller.rtde.c_str(),
+                controller.script.c_str());
+  }
+  robot::ur::UrLink::Config config;
+  config.host = rtde.host;
+  config.rtde_port = rtde.port;
+  config.script_port = script.port;
+  return robot::ur::UrLink::open(config);
+}
+
+Result<void> write_followed(const fs::path& folder, const robot::FollowReport& followed) {
+  const trajectory::TrackDeviation& deviation = followed.deviation;
+  const nlohmann::ordered_json json{{"completed", deviation.completed},
+                                    {"samples", deviation.samples},
+                                    {"duration_s", followed.duration_s},
+                                    {"slowest_speed_ratio", followed.slowest_speed_ratio},
+                                    {"from_path_mm",
+                                     {{"mean", deviation.mean_mm},
+                                      {"rms", deviation.rms_mm},
+                                      {"max", deviation.max_mm},
+                                      {"max_at_mm", deviation.max_at_mm}}},
+                                    {"from_path_rad", {{"max", deviation.max_rad}}},
+                                    {"from_line_mm", {{"mean", deviation.line_mean_mm}, {"max", deviation.line_max_mm}}},
+                                    {"covered", deviation.covered}};
+  BITELINE_TRY(robot::write_track(folder / "track.csv", followed.track));
+  return report::write_file_atomically(folder / "followed.json", json.dump(2) + "\n");
+}
+
+}  // namespace
+
+void say_step(const char* pattern, ...) {
+  std::va_list arguments;
+  va_start(arguments, pattern);
+  std::vprintf(pattern, arguments);
+  va_end(arguments);
+  std::printf("\n");
+  std::fflush(stdout);
+}
+
+Result<LineStep> find_line(const fs::path& folder, const ingest::ScanOutcome& scan) {
+  report::Report report;
+  BITELINE_TRY(result::prepare_result_folder(folder));
+  report.fields["input"] = scan.sensor.scan_name;
+  report.fields["sensor"] = scan.sensor.name;
+  report.fields["simulated"] = scan.sensor.simulated;
+  report.fields["scan"] = ingest::account_of(scan.counts, scan.sensor_counters, scan.sensor_stages);
+  report.fields["messages_lost"] = scan.messages_lost;
+  if (scan.failure) return keep_unfinished(folder, scan, report);
+  groove::Extraction extraction = report.timed("extract", [&] { return groove::extract(scan.cloud, {}); });
+  BITELINE_ASSIGN(const ExitStatus status, result::write_line_result(folder, scan.cloud, extraction, report));
+  say_step("%s", result::summary(extraction).c_str());
+  LineStep step{.status = status, .extraction = {}};
+  if (status == ExitStatus::Done) step.extraction = std::move(extraction);
+  return step;
+}
+
+Result<PlanStep> plan_path(const fs::path& folder, const PlanStepRequest& request, const ingest::ScanOutcome& scan,
+                           const groove::Extraction& extraction) {
+  report::Report report;
+  BITELINE_TRY(result::prepare_plan_folder(folder));
+  trajectory::PlanRequest plan_request;
+  plan_request.line = extraction.line;
+  plan_request.process = request.process;
+  plan_request.arm = request.arm;
+  plan_request.table_z_mm = request.table_z_mm;
+  plan_request.cloud = scan.cloud.points;
+  trajectory::PlanOutcome outcome = report.timed("plan", [&] { return trajectory::plan(plan_request); });
+  BITELINE_ASSIGN(const ExitStatus status, result::write_plan_result(folder, plan_request, outcome, report));
+  if (outcome.path) {
+    say_step("%s follows the line in %.1f s: every check passed", request.arm.name.c_str(), outcome.path->duration_s());
+  } else {
+    say_step("refused: no path: %s", outcome.reason.c_str());
+  }
+  return PlanStep{.status = status, .path = std::move(outcome.path)};
+}
+
+Result<ExitStatus> follow_path(const fs::path& folder, const trajectory::CheckedPath& path,
+                               const ControllerAddress& controller) {
+  BITELINE_ASSIGN(const std::unique_ptr<robot::ur::UrLink> link, open_robot(controller));
+  say_step("sends the path to %s", controller.script.c_str());
+  robot::FollowReport followed;
+  const Result<void> done = robot::follow(*link, path, {}, followed);
+  // As far as it went, also when it was stopped.
+  BITELINE_TRY(write_followed(folder, followed));
+  if (!done) return tl::unexpected<Error>{done.error()};
+  say_step("the arm followed the line in %.1f s: %.3f mm from it on average, %.3f mm at most; %.1f %% of it covered",
+           followed.duration_s, followed.deviation.line_mean_mm, followed.deviation.line_max_mm,
+           100 * followed.deviation.covered);
+  return followed.deviation.completed ? ExitStatus::Done : ExitStatus::Refused;
+}
+
+}  // namespace biteline::service

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file What is done with a scan, step by step.  Each step writes its own result and tells it in one line on stdout.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "common/core/result.hpp"
+#include "host/groove/extract.hpp"
+#include "host/ingest/scan_intake.hpp"
+#include "host/kinematics/arm_model.hpp"
+#include "host/trajectory/checked_path.hpp"
+#include "host/trajectory/process.hpp"
+
+namespace biteline::service {
+
+/// One line on stdout, at once.
+[[gnu::format(printf, 1, 2)]] void say_step(const char* pattern, ...);
+
+struct LineStep {
+  ExitStatus status{ExitStatus::Refused};
+  std::optional<groove::Extraction> extraction;  ///< when a line was found
+};
+
+/// cloud.ply, line.csv, stages/, report.json.  A scan that did not come to its own end is refused: the cloud is kept.
+[[nodiscard]] Result<LineStep> find_line(const std::filesystem::path& folder, const ingest::ScanOutcome& scan);
+
+struct PlanStepRequest {
+  kinematics::ArmModel arm;
+  trajectory::Process process;
+  double table_z_mm{0};
+};
+
+struct PlanStep {
+  ExitStatus status{ExitStatus::Refused};
+  std::optional<trajectory::CheckedPath> path;  ///< when every check passed
+};
+
+/// path.csv, path.script, report.json.  The arm that scanned is the arm that follows: its base is the cloud's frame.
+[[nodiscard]] Result<PlanStep> plan_path(const std::filesystem::path& folder, const PlanStepRequest& request,
+                                         const ingest::ScanOutcome& scan, const groove::Extraction& extraction);
+
+struct ControllerAddress {
+  std::string rtde;    ///< HOST:PORT
+  std::string script;  ///< HOST:PORT
+};
+
+/// Sends the path, watches the arm follow it: followed.json, track.csv.
+[[nodiscard]] Result<ExitStatus> follow_path(const std::filesystem::path& folder, const trajectory::CheckedPath& path,
+                                             const ControllerAddress& controller);
+
+}  // namespace biteline::service

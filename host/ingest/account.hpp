@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The account of a scan for report.json: what came, what was used, what was lost and where.
+
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "common/wire/messages.hpp"
+#include "host/ingest/cloud_builder.hpp"
+
+namespace biteline::ingest {
+
+[[nodiscard]] nlohmann::ordered_json account_of(const IngestCounts& counts, const wire::Counters& sensor,
+                                                const std::vector<wire::StageTime>& sensor_stages);
+
+}  // namespace biteline::ingest
