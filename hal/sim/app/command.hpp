@@ -32,6 +32,7 @@ void add_scene_options(CLI::App& command, SceneOptions& options);
 [[nodiscard]] Result<sim::SceneSettings> scene_settings(const SceneOptions& options);
 
 void add_record(CLI::App& app, Context& context);
+void add_record_calibration(CLI::App& app, Context& context);
 void add_serve(CLI::App& app, Context& context);
 
 }  // namespace biteline::cell

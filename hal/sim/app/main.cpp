@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   add_serve(app, context);
   add_record(app, context);
+  add_record_calibration(app, context);
 
   try {
     app.parse(argc, argv);

@@ -2,15 +2,14 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <csignal>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 
 #include "common/config/sensor_yaml.hpp"
 #include "hal/sim/app/command.hpp"
 #include "hal/sim/live/live_cell.hpp"
+#include "hal/sim/record/files.hpp"
 
 namespace biteline::cell {
 
@@ -29,14 +28,6 @@ struct ServeOptions {
   bool camera_free_clock{false};
   bool exit_with_parent{false};
 };
-
-Result<void> write_sensor_yaml(const std::filesystem::path& file, const sim::MadeScene& scene) {
-  std::ofstream out(file, std::ios::binary);
-  out << config::sensor_yaml_text(scene.head.model, "made head " + std::to_string(scene.settings.head_seed) + ", simulated");
-  out.close();
-  if (!out) return fail_errno(Errc::WriteFailed, errno, "%s", file.c_str());
-  return {};
-}
 
 /// For whoever started this program: one line, then nothing more on stdout before the end.
 void print_endpoints(const sim::LiveCell& cell, const ServeOptions& options) {
@@ -86,7 +77,7 @@ Result<void> serve(const ServeOptions& options) {
   BITELINE_ASSIGN(const auto cell, sim::LiveCell::open(settings));
   const std::filesystem::path out(options.out);
   BITELINE_TRY(sim::write_truth(out / "truth", cell->scene()));
-  BITELINE_TRY(write_sensor_yaml(out / "sensor.yaml", cell->scene()));
+  BITELINE_TRY(sim::write_file(out / "sensor.yaml", config::sensor_yaml_text(cell->scene().head.model, "made head " + std::to_string(scene.head_seed) + ", simulated")));
   print_endpoints(*cell, options);
 
   int signal_number = 0;

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "hal/sim/record/files.hpp"
 #include "hal/sim/shoe/random.hpp"
 
 namespace biteline::sim {
@@ -84,9 +85,7 @@ Result<std::unique_ptr<MadeScene>> make_scene(const SceneSettings& settings) {
 }
 
 Result<void> write_truth(const std::filesystem::path& folder, const MadeScene& scene) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) return fail_errno(Errc::WriteFailed, error.value(), "%s", folder.c_str());
+  BITELINE_TRY(make_folder(folder));
   if (!scene.line.empty()) BITELINE_TRY(write_line(folder / "groove.csv", scene));
   BITELINE_TRY(write_matrix(folder / "T_base_shoe.txt", scene.T_base_shoe));
   return write_mesh_ply(folder / "reference.ply", scene.mesh, scene.T_base_shoe);

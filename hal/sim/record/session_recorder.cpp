@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "hal/sim/record/session_recorder.hpp"
 
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <fstream>
 
 #include "common/config/sensor_yaml.hpp"
 #include "common/image/grey_image.hpp"
 #include "common/session/session.hpp"
+#include "hal/sim/record/files.hpp"
 #include "hal/sim/shoe/random.hpp"
 
 namespace biteline::sim {
@@ -43,26 +41,16 @@ std::vector<session::StampedPose> made_poses(const MadeScene& scene, const Recor
   return poses;
 }
 
-Result<void> write_text(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) return fail_errno(Errc::WriteFailed, errno, "%s", file.c_str());
-  return {};
-}
-
 }  // namespace
 
 Result<void> record_session(const std::filesystem::path& folder, const MadeScene& scene, const RecordSettings& settings,
                             const std::function<void(double)>& progress) {
-  std::error_code error;
-  std::filesystem::create_directories(folder / "cam0" / "data", error);
-  if (!error) std::filesystem::create_directories(folder / "pose0", error);
-  if (error) return fail_errno(Errc::WriteFailed, error.value(), "%s", folder.c_str());
+  BITELINE_TRY(make_folder(folder / "cam0" / "data"));
+  BITELINE_TRY(make_folder(folder / "pose0"));
 
   geometry::SensorModel told = scene.head.model;
   told.pose_clock_offset = settings.tell_clock_offset ? settings.pose_clock_offset : Nanoseconds{0};
-  BITELINE_TRY(write_text(folder / "cam0" / "sensor.yaml",
+  BITELINE_TRY(write_file(folder / "cam0" / "sensor.yaml",
                           config::sensor_yaml_text(told, "made head " + std::to_string(scene.settings.head_seed) + ", simulated")));
 
   const auto& region = scene.head.model.region;
