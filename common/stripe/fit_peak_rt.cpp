@@ -6,6 +6,7 @@
 #define HWY_TARGET_INCLUDE "common/stripe/fit_peak_rt.cpp"
 #include <hwy/foreach_target.h>
 // foreach_target.h must come first
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <algorithm>
@@ -33,7 +34,7 @@ inline constexpr float k_weight_contrast = 0.06F;
 /// Two rounds always, and up to so many more until no lane's centre moves by most of its standard deviation: what is
 /// left after such a step is a tenth of it.
 inline constexpr int k_more_rounds = 3;
-inline constexpr float k_settled_step_squared = 0.5F;
+inline constexpr float k_settled_step_squared = 1.0F;
 /// The residual over the model's own energy, above which the shape is no stripe's: this, and as much again as the speckle
 /// makes of itself.  Two stripes four of their standard deviations apart reach 0.4.
 inline constexpr float k_poor_fit_ratio = 0.22F;
@@ -221,16 +222,10 @@ HWY_INLINE Round improve(const Walk& walk, const NoiseModel& noise, Stripe& stri
 /// Rows that cover `reach` standard deviations of every used lane's stripe.
 HWY_INLINE Walk walk_around(const FrameRows& frame, const FitGroup& group, const Walk& previous, const Stripe& stripe,
                             float reach_sigma, int& first_row) {
-  alignas(64) std::array<float, k_max_lanes> lowest, highest;
-  const V reach = hn::MulAdd(stripe.sigma, hn::Set(d, reach_sigma), hn::Set(d, 2.0F));
-  hn::Store(hn::Sub(stripe.centre, reach), d, lowest.data());
-  hn::Store(hn::Add(stripe.centre, reach), d, highest.data());
-  float low = 1e9F, high = -1e9F;
-  for (std::size_t i = 0; i < hn::Lanes(d); ++i) {
-    if (!group.used[i]) continue;
-    low = std::min(low, lowest[i]);
-    high = std::max(high, highest[i]);
-  }
+  const M used = hn::Ne(hn::LoadU(d, group.in_use.data()), hn::Zero(d));
+  const V reach = hn::MulAdd(stripe.sigma, hn::Set(d, reach_sigma), hn::Set(d, 2.0F)), far = hn::Set(d, 1e6F);
+  const float low = hn::GetLane(hn::MinOfLanes(d, hn::IfThenElse(used, hn::Sub(stripe.centre, reach), far)));
+  const float high = hn::GetLane(hn::MaxOfLanes(d, hn::IfThenElse(used, hn::Add(stripe.centre, reach), hn::Neg(far))));
   const int first = std::clamp(first_row + static_cast<int>(low), 0, frame.height_px - 1);
   const int last = std::clamp(first_row + static_cast<int>(high) + 1, first, frame.height_px - 1);
   const Walk walk{.pixels = previous.pixels + (first - first_row) * static_cast<std::ptrdiff_t>(frame.stride_bytes),
@@ -335,6 +330,22 @@ void gather(const CoarseScratch& scratch, std::size_t lanes, std::size_t rank, s
   }
 }
 
+/// The rows about the candidates of the next cache line of columns: they left the near caches when the frame streamed by.
+void prefetch_lane(const FrameRows& frame, const CoarseScratch& scratch, std::size_t rank, std::size_t first_column) {
+  const auto width = static_cast<std::size_t>(frame.width_px);
+  if (first_column >= width) return;
+  const ColumnCandidates& first = scratch.candidates[first_column];
+  const ColumnCandidates& last = scratch.candidates[std::min(first_column + k_lane_columns, width) - 1];
+  if (first.kept_count <= rank || last.kept_count <= rank) return;
+  // As the walks go: a block more on either side, and no farther than columns are walked together.
+  const auto [low, high] = std::minmax(first.kept[rank].block, last.kept[rank].block);
+  const int first_row = std::max(0, (low - 1) * k_block_rows);
+  const int end_row = std::min({frame.height_px, (high + 2) * k_block_rows, first_row + 2 * k_max_spread_rows});
+  for (int row = first_row; row < end_row; ++row) {
+    hwy::Prefetch(frame.pixels + static_cast<std::size_t>(row) * frame.stride_bytes + first_column);
+  }
+}
+
 }  // namespace
 
 void rt_fit_candidates(const FrameRows& frame, const PeakConfig& config, const CoarseScratch& scratch, Peaks& out) noexcept
@@ -345,6 +356,7 @@ void rt_fit_candidates(const FrameRows& frame, const PeakConfig& config, const C
   FittedLanes fitted{};
   for (std::size_t rank = 0; rank < k_kept_peaks; ++rank) {
     for (std::size_t start = 0; start < width; start += lanes) {
+      if (start % k_lane_columns == 0) prefetch_lane(frame, scratch, rank, start + k_lane_columns);
       // The last vector is moved back to end with the row; its first lanes were done already.
       group.first_column = std::min(start, width - lanes);
       std::array<bool, k_max_lanes> waiting{};

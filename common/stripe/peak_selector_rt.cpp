@@ -16,6 +16,8 @@ constexpr float k_same_place_bonus = 0.5F;
 constexpr float k_slope_gain = 0.5F;
 /// A steep stripe's next step differs from the last by this share of it.
 constexpr float k_slope_tolerance = 0.6F;
+/// Slopes below this are none.
+constexpr float k_level_px = 1e-6F;
 /// At a stretch's end: less bright, or wider, than the columns further in.
 constexpr float k_dim_ratio = 0.55F;
 constexpr float k_wide_ratio = 1.4F;
@@ -71,6 +73,8 @@ void PeakSelector::rt_link(const Peaks& peaks) noexcept BITELINE_RT {
         Stretch& stretch = stretches_[static_cast<std::size_t>(index)];
         const float step_px = (peak.row_px - stretch.last_row_px) / static_cast<float>(static_cast<int>(i) - stretch.last_column);
         stretch.slope_px += k_slope_gain * (step_px - stretch.slope_px);
+        // On a level stripe the slope would halve on into denormal numbers, a hundred times slower.
+        if (std::fabs(stretch.slope_px) < k_level_px) stretch.slope_px = 0;
       }
       Stretch& stretch = stretches_[static_cast<std::size_t>(index)];
       stretch.last_row_px = peak.row_px;
