@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "host/robot/ur/script.hpp"
+#include "host/tracking/tracking_page.hpp"
 #include "host/trajectory/path_file.hpp"
 
 namespace biteline::result {
@@ -69,6 +70,24 @@ Result<void> prepare_plan_folder(const fs::path& folder) {
   return {};
 }
 
+Result<void> write_tracking(const fs::path& folder, const trajectory::PlanRequest& request,
+                            const trajectory::PlanOutcome& outcome, const std::vector<trajectory::TrackSample>& track) {
+  std::vector<Vec3> shoe = outcome.surroundings.shoe_points;
+  if (!request.cloud.empty()) {
+    shoe.clear();
+    const SE3 T_base_line = request.T_line_base.inverse();
+    const std::size_t step = 1 + request.cloud.size() / tracking::k_most_points;
+    for (std::size_t i = 0; i < request.cloud.size(); i += step) shoe.push_back(T_base_line * request.cloud[i].cast<double>());
+  }
+  return tracking::write_tracking_page(folder / "tracking.html", {.path = outcome.path->path(),
+                                                                  .arm = request.arm,
+                                                                  .tool = request.process.tool,
+                                                                  .shoe_points_base = std::move(shoe),
+                                                                  .shoe_is_guessed = request.cloud.empty(),
+                                                                  .table_z_mm = outcome.surroundings.table_z_mm,
+                                                                  .track = track});
+}
+
 Result<ExitStatus> write_plan_result(const fs::path& folder, const trajectory::PlanRequest& request,
                                      const trajectory::PlanOutcome& outcome, report::Report& report) {
   fill_report(report, request, outcome);
@@ -78,6 +97,7 @@ Result<ExitStatus> write_plan_result(const fs::path& folder, const trajectory::P
       return report::write_file_atomically(folder / "path.script", robot::ur::urscript(*outcome.path));
     }));
   }
+  if (outcome.path) BITELINE_TRY(report.timed_aside("page", [&] { return write_tracking(folder, request, outcome, {}); }));
   BITELINE_TRY(report.write(folder));
   return outcome.path ? ExitStatus::Done : ExitStatus::Refused;
 }

@@ -7,13 +7,19 @@
 #include "common/core/result.hpp"
 #include "host/report/report.hpp"
 #include "host/trajectory/plan.hpp"
+#include "host/trajectory/track.hpp"
 
 namespace biteline::result {
 
 /// Makes the folder and removes what an earlier run left: a refused plan leaves no path behind.
 [[nodiscard]] Result<void> prepare_plan_folder(const std::filesystem::path& folder);
 
-/// Writes path.csv and path.script (unless refused) and report.json with every check; Done or Refused.
+/// tracking.html: the arm following the path, and the recorded track when there is one.  Pre: the outcome has a path.
+[[nodiscard]] Result<void> write_tracking(const std::filesystem::path& folder, const trajectory::PlanRequest& request,
+                                          const trajectory::PlanOutcome& outcome,
+                                          const std::vector<trajectory::TrackSample>& track);
+
+/// Writes path.csv, path.script and tracking.html (unless refused) and report.json with every check; Done or Refused.
 [[nodiscard]] Result<ExitStatus> write_plan_result(const std::filesystem::path& folder, const trajectory::PlanRequest& request,
                                                    const trajectory::PlanOutcome& outcome, report::Report& report);
 

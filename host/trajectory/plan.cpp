@@ -182,7 +182,7 @@ PlanOutcome plan(const PlanRequest& request) {
   PlanOutcome out;
   const Scene scene = scene_of(request);
   out.checks = check_line(scene.line);
-  out.shoe_points_base = scene.surroundings.shoe_points;
+  out.surroundings = scene.surroundings;
   std::vector<Check> path_checks;
   if (!all_passed(out.checks)) {
     out.reason = failures(out.checks);

@@ -29,7 +29,7 @@ struct PlanOutcome {
   Blockage blockage;
   Remedy remedy;
   ToolPath tool_path;                  ///< of `path`; when refused, of the first try
-  std::vector<Vec3> shoe_points_base;  ///< what collisions were checked against
+  Surroundings surroundings;  ///< in the arm's base: what collisions were checked against
 };
 
 /// Check the line; then for each place to enter it, the least harmful first: tool frames, joints along the
