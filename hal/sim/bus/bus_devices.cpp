@@ -122,7 +122,7 @@ Result<hal::PwmSettings> SimPwmOut::configure(const hal::PwmSettings& wanted) {
 }
 
 Result<void> SimPwmOut::start() {
-  if (!configured_ || running_) return fail(Errc::WrongState, "simulated trigger: start");
+  if (!configured_) return fail(Errc::WrongState, "simulated trigger: start before configure");
   BITELINE_TRY(tell(settings_));
   running_ = true;
   return {};
@@ -168,6 +168,9 @@ Result<hal::CanFrame> SimCanBus::receive(Nanoseconds timeout) {
 }
 
 Result<void> SimCanBus::send(const hal::CanFrame& frame) {
+  if (frame.size_bytes > (frame.fd ? frame.data.size() : 8) || frame.id > (frame.extended ? 0x1FFFFFFFU : 0x7FFU)) {
+    return fail(Errc::BadValue, "CAN frame 0x%x with %d bytes", frame.id, int{frame.size_bytes});
+  }
   BITELINE_TRY(connection_.send({.kind = BusMessage::Kind::Can, .can = frame}));
   ++sent_;
   return {};

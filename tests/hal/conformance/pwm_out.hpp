@@ -26,6 +26,7 @@ inline void check_pwm_out(hal::PwmOut& sut) {
 
   CHECK(sut.start().has_value());
   CHECK(sut.running());
+  CHECK(sut.start().has_value());
   CHECK(sut.configure({.period = 5ms, .pulse = 1ms}).has_value());  // shorter and longer, while it runs
   CHECK(sut.configure({.period = 20ms, .pulse = 8ms}).has_value());
   CHECK(sut.running());

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 // SocketCAN on vcan0 (CAN FD), the pose source and the encoder on top of it.
 #include <CppUTest/TestHarness.h>
+#include <linux/can.h>
+#include <linux/can/error.h>
+#include <linux/can/raw.h>
 #include <net/if.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
@@ -132,6 +135,39 @@ TEST(CanKernel, LinkThatGoesDownAndUpIsAStateAndNoEnd) {
   CHECK(peer->send(conformance::numbered_frame(0x10, 1, false)).has_value());
   CHECK(sut->receive(1s).has_value());
   CHECK(sut->health().state == CanState::ErrorActive);
+}
+
+TEST(CanKernel, BusOffAndBackIsAStateAndCounted) {
+  BITELINE_DEVICE_OR_SKIP(k_vcan);
+  const auto sut = open_bus();
+  // vcan has no errors of its own: the frames with which a real driver reports them, put on it by hand.
+  const Descriptor driver{::socket(PF_CAN, SOCK_RAW, CAN_RAW)};
+  sockaddr_can address{};
+  address.can_family = AF_CAN;
+  address.can_ifindex = static_cast<int>(::if_nametoindex("vcan0"));
+  CHECK_EQUAL(0, ::bind(driver.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address));
+  const auto report = [&](std::uint32_t error_class, std::uint8_t controller_state = 0) {
+    can_frame frame{};
+    frame.can_id = CAN_ERR_FLAG | error_class;
+    frame.can_dlc = CAN_ERR_DLC;
+    frame.data[1] = controller_state;
+    CHECK_EQUAL(static_cast<ssize_t>(sizeof frame), ::write(driver.number(), &frame, sizeof frame));
+    CHECK(sut->receive(10ms).error().code == Errc::Timeout);
+  };
+  report(CAN_ERR_CRTL, CAN_ERR_CRTL_RX_WARNING);
+  CHECK(sut->health().state == CanState::ErrorWarning);
+  report(CAN_ERR_CRTL, CAN_ERR_CRTL_TX_PASSIVE);
+  CHECK(sut->health().state == CanState::ErrorPassive);
+  report(CAN_ERR_PROT | CAN_ERR_BUSERROR);
+  CHECK_EQUAL(1, sut->health().bus_errors);
+  report(CAN_ERR_BUSOFF);
+  CHECK(sut->health().state == CanState::BusOff);
+  report(CAN_ERR_RESTARTED);
+  CHECK(sut->health().state == CanState::ErrorActive);
+  CHECK_EQUAL(1, sut->health().restarts);
+  const auto peer = open_bus();
+  CHECK(peer->send(conformance::numbered_frame(0x10, 1, false)).has_value());
+  CHECK(sut->receive(1s).has_value());
 }
 
 TEST(CanKernel, MissingInterfaceIsSaid) {
