@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: MIT
+# What a unit gets: `cpack -G DEB` in a build folder makes biteline-firmware_<version>_<architecture>.deb.
+include(GNUInstallDirs)
+
+install(TARGETS biteline-sensor RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT firmware)
+install(FILES boards/common/systemd/biteline-sensor.service DESTINATION lib/systemd/system COMPONENT firmware)
+install(FILES boards/common/udev/90-biteline.rules DESTINATION lib/udev/rules.d COMPONENT firmware)
+install(FILES boards/common/sysusers/biteline.conf DESTINATION lib/sysusers.d COMPONENT firmware)
+# Every board's data; the unit's own goes to /etc/biteline by hand, and boards/<board>/board.cmake names it.
+install(DIRECTORY boards/ DESTINATION ${CMAKE_INSTALL_DATADIR}/biteline/boards COMPONENT firmware PATTERN common EXCLUDE)
+set(BITELINE_BOARD "" CACHE STRING "Board whose systemd drop-in the package installs")
+if(BITELINE_BOARD AND EXISTS ${CMAKE_SOURCE_DIR}/boards/${BITELINE_BOARD}/systemd)
+  install(DIRECTORY boards/${BITELINE_BOARD}/systemd/ DESTINATION lib/systemd/system COMPONENT firmware)
+endif()
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_ALL firmware)
+set(CPACK_PACKAGE_NAME biteline)
+set(CPACK_PACKAGE_VENDOR biteline)
+set(CPACK_PACKAGE_CONTACT "Biteline maintainers <maintainers@biteline.invalid>")
+set(CPACK_STRIP_FILES ON)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_FIRMWARE_PACKAGE_NAME biteline-firmware)
+set(CPACK_DEBIAN_FIRMWARE_PACKAGE_SECTION science)
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL aarch64)
+  set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
+  # dpkg-shlibdeps would ask this machine's packages, which are of the other architecture.
+  set(CPACK_DEBIAN_FIRMWARE_PACKAGE_DEPENDS
+      "libc6 (>= 2.36), libstdc++6 (>= 12), libaravis-0.8-0, libspng0, libyaml-cpp0.7, libzmq5")
+else()
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+endif()
+include(CPack)
