@@ -10,6 +10,7 @@ namespace biteline::groove {
 
 namespace {
 
+constexpr double k_spiral_cost = 8.0;  // columns without any crease
 constexpr double k_deg = 3.14159265358979 / 180.0;
 
 double median(std::vector<double> values) {
@@ -134,7 +135,10 @@ std::vector<Crease> find_creases(const SideField& field, const CreaseConfig& con
     const ClosedPath path = shortest_closed_path(cost, grid.rows, grid.cols, {});
     creases.push_back(describe(field, evidence, path.row, config));
     const ClosedPath open = shortest_open_path(cost, grid.rows, grid.cols, {});
-    creases.back().closure_mm = std::abs(open.row.front() - open.row.back()) * grid.row_mm;
+    // Where closing costs less than a few columns without a crease, the closed path is the line; the open one may only have
+    // found another end for a column or two.
+    const std::vector<int>& ends = path.cost - open.cost > k_spiral_cost ? open.row : path.row;
+    creases.back().closure_mm = std::abs(ends.front() - ends.back()) * grid.row_mm;
     if (creases.back().evidence < 0.02) break;
     for (int c = 0; c < grid.cols; ++c) {
       const int row = path.row[static_cast<std::size_t>(c)];
