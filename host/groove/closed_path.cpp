@@ -20,8 +20,17 @@ struct Sweep {
   std::vector<std::int8_t> step;   ///< per column and row: row of the previous column minus this row
 };
 
-/// Dynamic programming over `count` columns from column 0 (taken modulo cols); `start` gives the cost of each first row.
-Sweep sweep(std::span<const float> cost, int rows, int cols, int count, const std::vector<float>& start, const PathConfig& config) {
+/// Cost column after column, the order in which the sweep reads it.
+std::vector<float> transposed(std::span<const float> cost, int rows, int cols) {
+  std::vector<float> by_column(cost.size());
+  for (int r = 0; r < rows; ++r) {
+    for (int c = 0; c < cols; ++c) by_column[static_cast<std::size_t>(c) * static_cast<std::size_t>(rows) + static_cast<std::size_t>(r)] = cost[static_cast<std::size_t>(r) * static_cast<std::size_t>(cols) + static_cast<std::size_t>(c)];
+  }
+  return by_column;
+}
+
+/// Dynamic programming over `count` columns from column 0 (taken modulo cols) of costs kept column after column; `start` gives the cost of each first row.
+Sweep sweep(std::span<const float> by_column, int rows, int cols, int count, const std::vector<float>& start, const PathConfig& config) {
   Sweep result;
   result.step.assign(static_cast<std::size_t>(rows) * static_cast<std::size_t>(count), 0);
   const auto height = static_cast<std::size_t>(rows);
@@ -29,8 +38,8 @@ Sweep sweep(std::span<const float> cost, int rows, int cols, int count, const st
   // Blocked rows beyond both ends spare the inner loop its bounds.
   std::vector<float> before(height + 2 * static_cast<std::size_t>(reach), k_blocked);
   std::vector<float> best(height);
-  std::vector<std::int8_t> from(height);
-  for (std::size_t r = 0; r < height; ++r) before[r + static_cast<std::size_t>(reach)] = start[r] + cost[r * static_cast<std::size_t>(cols)];
+  std::vector<float> from(height);  // as floats, so that comparing and choosing go through vectors
+  for (std::size_t r = 0; r < height; ++r) before[r + static_cast<std::size_t>(reach)] = start[r] + by_column[r];
   for (int column = 1; column < count; ++column) {
     std::fill(best.begin(), best.end(), k_blocked);
     for (int d = -reach; d <= reach; ++d) {
@@ -40,14 +49,14 @@ Sweep sweep(std::span<const float> cost, int rows, int cols, int count, const st
         const float candidate = previous[r] + penalty;
         const bool better = candidate < best[r];
         best[r] = better ? candidate : best[r];
-        from[r] = better ? static_cast<std::int8_t>(d) : from[r];
+        from[r] = better ? static_cast<float>(d) : from[r];
       }
     }
-    const auto col = static_cast<std::size_t>(column % cols);
+    const float* own = by_column.data() + static_cast<std::size_t>(column % cols) * height;
     std::int8_t* steps = result.step.data() + static_cast<std::size_t>(column) * height;
     for (std::size_t r = 0; r < height; ++r) {
-      before[r + static_cast<std::size_t>(reach)] = std::min(k_blocked, best[r] + cost[r * static_cast<std::size_t>(cols) + col]);
-      steps[r] = from[r];
+      before[r + static_cast<std::size_t>(reach)] = std::min(k_blocked, best[r] + own[r]);
+      steps[r] = static_cast<std::int8_t>(from[r]);
     }
   }
   result.total.assign(before.begin() + reach, before.end() - reach);
@@ -69,14 +78,15 @@ std::vector<int> trace_back(const Sweep& result, int rows, int count, int row) {
 ClosedPath shortest_closed_path(std::span<const float> cost, int rows, int cols, const PathConfig& config) {
   BITELINE_EXPECTS(rows > 0 && cols > 1 && cost.size() == static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols));
   const std::vector<float> free_start(static_cast<std::size_t>(rows), 0.0F);
-  const Sweep twice = sweep(cost, rows, cols, 2 * cols, free_start, config);
+  const std::vector<float> by_column = transposed(cost, rows, cols);
+  const Sweep twice = sweep(by_column, rows, cols, 2 * cols, free_start, config);
   const auto end = static_cast<int>(std::min_element(twice.total.begin(), twice.total.end()) - twice.total.begin());
   const int seam_row = trace_back(twice, rows, 2 * cols, end)[static_cast<std::size_t>(cols)];
 
   // Once round from the seam's row back to the same row: cols + 1 columns, the last being the first again.
   std::vector<float> start(static_cast<std::size_t>(rows), k_blocked);
   start[static_cast<std::size_t>(seam_row)] = 0;
-  const Sweep once = sweep(cost, rows, cols, cols + 1, start, config);
+  const Sweep once = sweep(by_column, rows, cols, cols + 1, start, config);
   ClosedPath path;
   path.row = trace_back(once, rows, cols + 1, seam_row);
   path.row.pop_back();
@@ -87,7 +97,7 @@ ClosedPath shortest_closed_path(std::span<const float> cost, int rows, int cols,
 
 ClosedPath shortest_open_path(std::span<const float> cost, int rows, int cols, const PathConfig& config) {
   BITELINE_EXPECTS(rows > 0 && cols > 1 && cost.size() == static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols));
-  const Sweep once = sweep(cost, rows, cols, cols, std::vector<float>(static_cast<std::size_t>(rows), 0.0F), config);
+  const Sweep once = sweep(transposed(cost, rows, cols), rows, cols, cols, std::vector<float>(static_cast<std::size_t>(rows), 0.0F), config);
   const auto end = static_cast<int>(std::min_element(once.total.begin(), once.total.end()) - once.total.begin());
   return {.row = trace_back(once, rows, cols, end), .cost = static_cast<double>(once.total[static_cast<std::size_t>(end)])};
 }

@@ -32,7 +32,8 @@ double surrounding_turn(const SideField& field, int row, int col) {
   std::vector<double> around;
   const int near = static_cast<int>(4.0 / grid.row_mm);
   const int far = static_cast<int>(12.0 / grid.row_mm);
-  for (int d = -far; d <= far; ++d) {
+  around.reserve(128);
+  for (int d = -far; d <= far; d += 2) {
     if (std::abs(d) < near) continue;
     const int r = row + d;
     if (r < 0 || r >= grid.rows) continue;

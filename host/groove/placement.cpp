@@ -321,11 +321,11 @@ std::optional<Vec3> normal_above(const Sections& sections, const Outline& outlin
   const auto rows_of = [&](double mm) { return static_cast<int>(std::lround(mm / sections.row_mm)); };
   const int from = static_cast<int>(std::lround(row)) + rows_of(config.normal_from_mm);
   const int to = std::min(sections.rows - 1, static_cast<int>(std::lround(row)) + rows_of(config.normal_to_mm));
-  const int around = std::max(1, static_cast<int>(std::lround(1.0 / sections.station_mm)));
+  const int around = std::max(1, static_cast<int>(std::lround(0.5 / sections.station_mm)));
   const double s_here = station * sections.station_mm;
   const Vec2 out = outline.normal(s_here);
   const Vec2 along{-out.y(), out.x()};
-  // Per height o = a + b s + c z over 1 mm either way; normals of patches a millimetre high are averaged, as the surface
+  // Per height o = a + b s + c z over half a millimetre either way (the sections are weighted over more already); normals of patches a millimetre high are averaged, as the surface
   // bends within the 4 mm.
   const int patch = std::max(2, rows_of(1.0));
   Vec3 sum = Vec3::Zero();

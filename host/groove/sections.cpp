@@ -27,28 +27,42 @@ std::vector<float> gaussian(double sigma, double step) {
   return kernel;
 }
 
+/// Where one point falls.
+struct Landing {
+  std::int32_t cell{-1};
+  float s_mm{0};
+  float o_mm{0};
+};
+
+Landing land(const SectionInput& input, const SectionConfig& config, const Sections& sections, const Eigen::Vector3f& p) {
+  const Outline::Foot foot = input.outline.locate(p.x(), p.y());
+  if (!foot.valid || std::abs(static_cast<double>(foot.o_mm)) > k_reach_o_mm) return {};
+  const double at = static_cast<double>(foot.s_mm) * sections.stations / input.outline.length_mm();
+  const auto nearest = static_cast<int>(at + 0.5);
+  // The path's height at the point's own s, so that a sloping path leaves the sections level.
+  const int before = static_cast<int>(at);
+  const double z0 = input.path_z_mm[static_cast<std::size_t>(before % sections.stations)];
+  const double z1 = input.path_z_mm[static_cast<std::size_t>((before + 1) % sections.stations)];
+  const double z = static_cast<double>(p.z()) - (z0 + (at - before) * (z1 - z0));
+  const int row = static_cast<int>(std::floor(z / config.row_mm + 0.5)) + sections.zero_row;
+  if (row < 0 || row >= sections.rows) return {};
+  return {static_cast<std::int32_t>(sections.at(nearest % sections.stations, row)), static_cast<float>((at - nearest) * sections.station_mm), foot.o_mm};
+}
+
 std::vector<Bin> collect(const SectionInput& input, const SectionConfig& config, const Sections& sections) {
+  std::vector<Landing> landings(input.points.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>{0, input.points.size(), 4096}, [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) landings[i] = land(input, config, sections, input.points[i]);
+  });
   std::vector<Bin> bins(static_cast<std::size_t>(sections.stations) * static_cast<std::size_t>(sections.rows));
-  const double per_station = sections.stations / input.outline.length_mm();
-  for (const Eigen::Vector3f& p : input.points) {
-    const Outline::Foot foot = input.outline.locate(p.x(), p.y());
-    if (!foot.valid || std::abs(static_cast<double>(foot.o_mm)) > k_reach_o_mm) continue;
-    const double at = static_cast<double>(foot.s_mm) * per_station;
-    const int station = static_cast<int>(std::lround(at)) % sections.stations;
-    // The path's height at the point's own s, so that a sloping path leaves the sections level.
-    const int before = static_cast<int>(std::floor(at));
-    const double z0 = input.path_z_mm[static_cast<std::size_t>(before % sections.stations)];
-    const double z1 = input.path_z_mm[static_cast<std::size_t>((before + 1) % sections.stations)];
-    const double z = static_cast<double>(p.z()) - (z0 + (at - before) * (z1 - z0));
-    const int row = static_cast<int>(std::lround(z / config.row_mm)) + sections.zero_row;
-    if (row < 0 || row >= sections.rows) continue;
-    Bin& bin = bins[sections.at(station, row)];
-    const auto s = static_cast<float>((at - std::lround(at)) * sections.station_mm);
+  for (const Landing& landing : landings) {
+    if (landing.cell < 0) continue;
+    Bin& bin = bins[static_cast<std::size_t>(landing.cell)];
     bin.w += 1.0F;
-    bin.s += s;
-    bin.ss += s * s;
-    bin.o += foot.o_mm;
-    bin.so += s * foot.o_mm;
+    bin.s += landing.s_mm;
+    bin.ss += landing.s_mm * landing.s_mm;
+    bin.o += landing.o_mm;
+    bin.so += landing.s_mm * landing.o_mm;
   }
   return bins;
 }

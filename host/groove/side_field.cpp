@@ -90,20 +90,34 @@ void fit_rows(const Moments& m, const SideGrid& grid, double sigma_rows, double 
   });
 }
 
-/// Angle of the section's tangent against upright, and its change over `reach` rows below and above.
+/// atan to 1e-5 rad (Abramowitz and Stegun 4.4.49), without a branch, so that it goes through vectors.
+inline float arc_tangent(float x) {
+  const float size = std::abs(x);
+  const float t = size > 1.0F ? 1.0F / size : size;
+  const float t2 = t * t;
+  const float small = t * (0.9998660F + t2 * (-0.3302995F + t2 * (0.1801410F + t2 * (-0.0851330F + t2 * 0.0208351F))));
+  const float angle = size > 1.0F ? 1.57079633F - small : small;
+  return x < 0.0F ? -angle : angle;
+}
+
+/// Change of the angle of the section's tangent against upright, from `reach` rows below to as many above.
 void turns(SideField& field, double reach_mm, std::vector<float>& turn) {
   const SideGrid& grid = field.grid;
   const int reach = std::max(1, static_cast<int>(std::lround(reach_mm / grid.row_mm)));
   turn.assign(grid.size(), 0.0F);
-  tbb::parallel_for(tbb::blocked_range<int>{reach, grid.rows - reach, 8}, [&](const auto& range) {
-    const auto span = static_cast<float>(reach * grid.row_mm);
+  tbb::parallel_for(tbb::blocked_range<int>{reach, std::max(reach, grid.rows - reach), 8}, [&](const auto& range) {
+    const auto per_span = static_cast<float>(1.0 / (reach * grid.row_mm));
     for (int row = range.begin(); row != range.end(); ++row) {
+      const float* low = field.o_mm.data() + grid.at(row - reach, 0);
+      const float* mid = field.o_mm.data() + grid.at(row, 0);
+      const float* high = field.o_mm.data() + grid.at(row + reach, 0);
+      const std::uint8_t* seen_low = field.seen.data() + grid.at(row - reach, 0);
+      const std::uint8_t* seen_mid = field.seen.data() + grid.at(row, 0);
+      const std::uint8_t* seen_high = field.seen.data() + grid.at(row + reach, 0);
+      float* out = turn.data() + grid.at(row, 0);
       for (int c = 0; c < grid.cols; ++c) {
-        const std::size_t low = grid.at(row - reach, c);
-        const std::size_t mid = grid.at(row, c);
-        const std::size_t high = grid.at(row + reach, c);
-        if (field.seen[low] == 0 || field.seen[mid] == 0 || field.seen[high] == 0) continue;
-        turn[mid] = std::atan((field.o_mm[high] - field.o_mm[mid]) / span) - std::atan((field.o_mm[mid] - field.o_mm[low]) / span);
+        const float angle = arc_tangent((high[c] - mid[c]) * per_span) - arc_tangent((mid[c] - low[c]) * per_span);
+        out[c] = (seen_low[c] & seen_mid[c] & seen_high[c]) != 0 ? angle : 0.0F;
       }
     }
   });
