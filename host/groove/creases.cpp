@@ -10,7 +10,9 @@ namespace biteline::groove {
 
 namespace {
 
-constexpr double k_spiral_cost = 8.0;  // columns without any crease
+constexpr double k_spiral_cost = 8.0;          // columns without any crease
+constexpr double k_least_evidence = 0.1;       // weaker paths, and all that would come after them, are no rivals
+constexpr double k_worth_a_look_share = 0.5;   // less visible ones are refused whether they close or not
 constexpr double k_deg = 3.14159265358979 / 180.0;
 
 double median(std::vector<double> values) {
@@ -135,12 +137,15 @@ std::vector<Crease> find_creases(const SideField& field, const CreaseConfig& con
   for (int k = 0; k < config.most; ++k) {
     const ClosedPath path = shortest_closed_path(cost, grid.rows, grid.cols, {});
     creases.push_back(describe(field, evidence, path.row, config));
-    const ClosedPath open = shortest_open_path(cost, grid.rows, grid.cols, {});
-    // Where closing costs less than a few columns without a crease, the closed path is the line; the open one may only have
-    // found another end for a column or two.
-    const std::vector<int>& ends = path.cost - open.cost > k_spiral_cost ? open.row : path.row;
-    creases.back().closure_mm = std::abs(ends.front() - ends.back()) * grid.row_mm;
-    if (creases.back().evidence < 0.02) break;
+    Crease& crease = creases.back();
+    crease.closure_mm = std::abs(path.row.front() - path.row.back()) * grid.row_mm;
+    if (crease.evidence < k_least_evidence) break;
+    if (crease.visible_share > k_worth_a_look_share) {
+      // Where closing costs less than a few columns without a crease, the closed path is the line; the open one may only
+      // have found another end for a column or two.
+      const ClosedPath open = shortest_open_path(cost, grid.rows, grid.cols, {});
+      if (path.cost - open.cost > k_spiral_cost) crease.closure_mm = std::abs(open.row.front() - open.row.back()) * grid.row_mm;
+    }
     for (int c = 0; c < grid.cols; ++c) {
       const int row = path.row[static_cast<std::size_t>(c)];
       for (int r = std::max(0, row - apart); r <= std::min(grid.rows - 1, row + apart); ++r) cost[grid.at(r, c)] = 1.0F;

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
+#include <optional>
+#include <span>
 
 #include "host/groove/creases.hpp"
 #include "host/groove/decide.hpp"
@@ -131,6 +134,14 @@ line::ClosedLine finished_line(const Placement& placement, const Extraction& ext
   add_tangents(line);
   return line;
 }
+
+/// Points for the line's place, in shoe; how many there are for each point of the side.
+struct RawPoints {
+  std::vector<Eigen::Vector3f> points;
+  double per_side_point{1};
+};
+/// The raw points behind points of the side, given by their indices.
+using RawNear = std::function<RawPoints(const std::vector<std::uint32_t>&)>;
 
 /// What both methods start from.
 struct Side {
@@ -269,7 +280,7 @@ void extract_published(const Side& side, const cloud::PointCloud& cloud, const E
   if (config.keep_products) keep_products(extraction.products, std::move(stages), cloud, extraction.T_base_shoe, traced.path_row);
 }
 
-void extract_ours(const Side& side, const cloud::PointCloud& cloud, const ExtractConfig& config, StageClock& clock, Extraction& extraction) {
+void extract_ours(const Side& side, const cloud::PointCloud& cloud, const ExtractConfig& config, const RawNear& raw_near, StageClock& clock, Extraction& extraction) {
   const std::vector<Crease> creases = clock.run("path", [&] { return find_creases(side.field, {}); });
   const Decision decision = decide(creases, config.min_confidence_ratio);
   for (const std::size_t i : decision.order) {
@@ -278,7 +289,11 @@ void extract_ours(const Side& side, const cloud::PointCloud& cloud, const Extrac
   extraction.confidence = decision.confidence;
   if (decision.accepted) {
     const Crease& best = creases[decision.best];
-    const Placement placement = clock.run("placement", [&] { return place_line(side.shoe.points, side.field, side.outline, best, {.spacing_mm = config.point_spacing_mm}); });
+    const Placement placement = clock.run("placement", [&] {
+      const RawPoints raw = raw_near(near_path(side.field, best));
+      return place_line({.near = raw.points, .points_per_mm2 = side.field.points_per_mm2 * raw.per_side_point, .field = side.field, .outline = side.outline, .crease = best},
+                        {.spacing_mm = config.point_spacing_mm});
+    });
     extraction.line = finished_line(placement, extraction, config.point_spacing_mm);
     extraction.length_mm = placement.length_mm;
     extraction.bridged_mm = placement.bridged_mm;
@@ -296,24 +311,81 @@ void extract_ours(const Side& side, const cloud::PointCloud& cloud, const Extrac
   keep_products(extraction.products, std::move(stages), cloud, extraction.T_base_shoe, std::move(path_row));
 }
 
+/// Shoe, outline and height field of a cloud; nothing, and the reason in the extraction, when there is no shoe.
+std::optional<Side> make_side(std::span<const Eigen::Vector3f> points, StageClock& clock, Extraction& extraction) {
+  Shoe shoe = clock.run("shoe", [&] { return find_shoe(points); });
+  extraction.T_base_shoe = shoe.T_base_shoe;
+  if (!shoe.found) {
+    extraction.reason = shoe.reason;
+    return std::nullopt;
+  }
+  Outline outline = clock.run("outline", [&] { return side_outline(shoe.points); });
+  SideField field = clock.run("unroll", [&] { return SideField::build(shoe.points, outline, {}); });
+  return Side{std::move(shoe), std::move(outline), std::move(field)};
+}
+
 }  // namespace
 
 Extraction extract(const cloud::PointCloud& cloud, const ExtractConfig& config, const StageCallback& on_stage) {
   Extraction extraction;
   StageClock clock{extraction.stages, on_stage};
-  Shoe shoe = clock.run("shoe", [&] { return find_shoe(cloud.points); });
-  extraction.T_base_shoe = shoe.T_base_shoe;
-  if (!shoe.found) {
-    extraction.reason = shoe.reason;
+  const std::optional<Side> side = make_side(cloud.points, clock, extraction);
+  if (!side) return extraction;
+  if (config.method == Method::Published) {
+    extract_published(*side, cloud, config, clock, extraction);
     return extraction;
   }
-  Outline outline = clock.run("outline", [&] { return side_outline(shoe.points); });
-  SideField field = clock.run("unroll", [&] { return SideField::build(shoe.points, outline, {}); });
-  const Side side{std::move(shoe), std::move(outline), std::move(field)};
+  const RawNear raw_near = [&](const std::vector<std::uint32_t>& near) {
+    RawPoints raw;
+    raw.points.reserve(near.size());
+    for (const std::uint32_t i : near) raw.points.push_back(side->shoe.points[i]);
+    return raw;
+  };
+  extract_ours(*side, cloud, config, raw_near, clock, extraction);
+  return extraction;
+}
+
+void LiveScan::add_profile(std::span<const Eigen::Vector3f> points) {
+  // Neighbours along the stripe are some 0.07 mm apart: their means over a quarter of a millimetre carry all that finding
+  // the line needs.
+  constexpr float k_run_mm = 0.25F;
+  std::size_t i = 0;
+  while (i < points.size()) {
+    const auto first = static_cast<std::uint32_t>(raw_.size());
+    const Eigen::Vector3f start = points[i];
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    float count = 0;
+    for (; i < points.size() && (points[i] - start).squaredNorm() < k_run_mm * k_run_mm; ++i) {
+      sum += points[i] - start;
+      count += 1;
+      raw_.push_back(points[i]);
+    }
+    thinned_.points.push_back(start + sum / count);
+    first_raw_.push_back(first);
+  }
+}
+
+Extraction LiveScan::finish(const ExtractConfig& config, const StageCallback& on_stage) const {
+  Extraction extraction;
+  StageClock clock{extraction.stages, on_stage};
+  const std::optional<Side> side = make_side(thinned_.points, clock, extraction);
+  if (!side) return extraction;
+  const RawNear raw_near = [&](const std::vector<std::uint32_t>& near) {
+    RawPoints raw;
+    raw.per_side_point = static_cast<double>(raw_.size()) / static_cast<double>(thinned_.size());
+    raw.points.reserve(static_cast<std::size_t>(1.2 * raw.per_side_point * static_cast<double>(near.size())));
+    const Eigen::Isometry3f T_shoe_base = side->shoe.T_base_shoe.inverse().cast<float>();
+    for (const std::uint32_t i : near) {
+      const std::uint32_t run = side->shoe.index[i];
+      const std::size_t end = run + 1 < first_raw_.size() ? first_raw_[run + 1] : raw_.size();
+      for (std::size_t k = first_raw_[run]; k < end; ++k) raw.points.push_back(T_shoe_base * raw_[k]);
+    }
+    return raw;
+  };
   if (config.method == Method::Published) {
-    extract_published(side, cloud, config, clock, extraction);
+    extract_published(*side, thinned_, config, clock, extraction);
   } else {
-    extract_ours(side, cloud, config, clock, extraction);
+    extract_ours(*side, thinned_, config, raw_near, clock, extraction);
   }
   return extraction;
 }

@@ -110,20 +110,6 @@ std::vector<double> heights_at_stations(const PathCurve& curve, const Outline& p
   return smooth_closed(z, 3.0 / (length / static_cast<double>(stations)));
 }
 
-/// Points of the outermost layer within reach of the path's height.
-std::vector<Eigen::Vector3f> points_near(std::span<const Eigen::Vector3f> points, const SideField& field, const Crease& crease, double reach_mm) {
-  std::vector<Eigen::Vector3f> near;
-  near.reserve(points.size() / 3);
-  const SideGrid& grid = field.grid;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Place& place = field.places[i];
-    if (place.s_mm < 0) continue;
-    const int col = std::min(grid.cols - 1, static_cast<int>(static_cast<double>(place.s_mm) / grid.col_mm));
-    if (std::abs(static_cast<double>(place.z_mm) - grid.z_mm(crease.row[static_cast<std::size_t>(col)])) < reach_mm) near.push_back(points[i]);
-  }
-  return near;
-}
-
 /// Curvature of every section at every row: o smoothed by the definition's Gaussian, then k = o'' / (1 + o'^2)^1.5.
 /// Gaussian and its derivatives are folded into one pass; unknown rows leave k at 0.
 std::vector<float> section_curvature(const Sections& sections, double sigma_mm) {
@@ -361,18 +347,33 @@ std::optional<Vec3> normal_above(const Sections& sections, const Outline& outlin
 
 }  // namespace
 
-Placement place_line(std::span<const Eigen::Vector3f> points, const SideField& field, const Outline& outline, const Crease& crease, const PlacementConfig& config) {
+std::vector<std::uint32_t> near_path(const SideField& field, const Crease& crease) {
+  // The sections' own 6.6 mm and what the path may lie off by.
+  constexpr double k_reach_mm = 8.0;
+  std::vector<std::uint32_t> near;
+  near.reserve(field.places.size() / 3);
+  const SideGrid& grid = field.grid;
+  for (std::size_t i = 0; i < field.places.size(); ++i) {
+    const Place& place = field.places[i];
+    if (place.s_mm < 0) continue;
+    const int col = std::min(grid.cols - 1, static_cast<int>(static_cast<double>(place.s_mm) / grid.col_mm));
+    const double path_z_mm = grid.z_mm(crease.row[static_cast<std::size_t>(col)]);
+    if (std::abs(static_cast<double>(place.z_mm) - path_z_mm) < k_reach_mm) near.push_back(static_cast<std::uint32_t>(i));
+  }
+  return near;
+}
+
+Placement place_line(const PlacementInput& input, const PlacementConfig& config) {
   Placement placement;
-  const PathCurve curve = curve_of(field, outline, crease);
+  const PathCurve curve = curve_of(input.field, input.outline, input.crease);
   const Outline path_outline{curve.plan, {.spacing_mm = 0.5, .smoothing_mm = 4.0, .reach_mm = 18.0}};
   const auto stations = static_cast<std::size_t>(std::max(32.0, std::round(path_outline.length_mm() / config.spacing_mm)));
   const std::vector<double> path_z = heights_at_stations(curve, path_outline, stations);
 
-  const std::vector<Eigen::Vector3f> near = points_near(points, field, crease, 8.0);
   // About six points within the definition's Gaussian and these weights (areas 1.0 mm by 2.5 sigma), at least two
   // profiles of a usual scan.
-  const double sigma_s = std::clamp(6.0 / (2.5 * std::max(field.points_per_mm2, 0.1)), 0.7, 2.0);
-  const Sections sections = cut_sections({.points = near, .outline = path_outline, .path_z_mm = path_z, .sigma_s_mm = sigma_s}, {});
+  const double sigma_s = std::clamp(6.0 / (2.5 * std::max(input.points_per_mm2, 0.1)), 0.7, 2.0);
+  const Sections sections = cut_sections({.points = input.near, .outline = path_outline, .path_z_mm = path_z, .sigma_s_mm = sigma_s}, {});
   const std::vector<float> k = section_curvature(sections, config.smoothing_mm);
   Ridge ridge = follow_ridge(sections, k, config);
   const std::vector<double> raw_row = ridge.row;

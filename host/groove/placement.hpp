@@ -38,12 +38,21 @@ struct Placement {
   double bridged_mm{0};
 };
 
-/// `points` in shoe, with their `field.places`.
+/// Points of the outermost layer within reach of the path's height, in shoe: what place_line() works on.
+[[nodiscard]] std::vector<std::uint32_t> near_path(const SideField& field, const Crease& crease);
+
+/// `near` in shoe: all raw points round the path, `points_per_mm2` of the surface.
 ///
 /// method.md "place of the line": section by the upright plane along the outline's normal; o(z) smoothed by a Gaussian;
 /// k = o'' / (1 + o'^2)^1.5; z of largest k near the path; running mean along the line; the point on the unsmoothed
 /// surface at that z.  The outline is the path's own, so that the sections are square to the line.
-[[nodiscard]] Placement place_line(std::span<const Eigen::Vector3f> points, const SideField& field, const Outline& outline,
-                                   const Crease& crease, const PlacementConfig& config);
+struct PlacementInput {
+  std::span<const Eigen::Vector3f> near;
+  double points_per_mm2;
+  const SideField& field;
+  const Outline& outline;
+  const Crease& crease;
+};
+[[nodiscard]] Placement place_line(const PlacementInput& input, const PlacementConfig& config);
 
 }  // namespace biteline::groove

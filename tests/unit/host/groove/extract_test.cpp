@@ -24,6 +24,7 @@ Made make(sim::ShoeClass shoe_class, std::uint64_t seed, const SE3& T_base_shoe)
   const sim::ScannedCloud scan = sim::scan_quickly(shoe, {.profile_step_mm = 1.3, .column_step_mm = 0.15}, T_base_shoe);
   Made made;
   made.cloud.points = scan.points;
+  made.cloud.profile = scan.profile;
   for (const auto& point : sim::true_line(shoe, 0.5)) made.truth.push_back(T_base_shoe * point.point_shoe);
   return made;
 }
@@ -139,6 +140,35 @@ TEST(Extract, AMissingSectorIsBridgedAndMarked) {
     if (away < 6) CHECK(p.confidence < 0.5);
     if (away > 30) CHECK(p.confidence > 0.8);
   }
+}
+
+TEST(Extract, TheLineWhileScanningIsThatOfTheFinishedCloud) {
+  const Made made = make(sim::ShoeClass::Faded, 47, somewhere());
+  LiveScan sut;
+  const auto& profile = made.cloud.profile;
+  for (std::size_t first = 0; first < profile.size();) {
+    std::size_t end = first;
+    while (end < profile.size() && profile[end] == profile[first]) ++end;
+    sut.add_profile({made.cloud.points.data() + first, end - first});
+    first = end;
+  }
+  LONGS_EQUAL(made.cloud.size(), sut.points());
+  const Extraction live = sut.finish({.keep_products = false});
+  CHECK_TEXT(live.found, live.reason.c_str());
+  std::vector<Vec3> finished;
+  for (const auto& p : extract(made.cloud, {.keep_products = false}).line.points) finished.push_back(p.position);
+  CHECK_COMPARE(mean_error_mm(live.line, finished), <=, 0.02);
+  CHECK_COMPARE(mean_error_mm(live.line, made.truth), <=, k_right_mm);
+}
+
+TEST(Extract, HalfAScanIsNotYetALine) {
+  const Made made = make(sim::ShoeClass::Deep, 48, somewhere());
+  LiveScan sut;
+  CHECK_FALSE(sut.finish({}).found);
+  sut.add_profile({made.cloud.points.data(), made.cloud.size() / 2});
+  const Extraction half = sut.finish({.keep_products = false});
+  CHECK_FALSE(half.found);
+  CHECK_FALSE(half.reason.empty());
 }
 
 TEST(Extract, ThePublishedMethodFindsAPlainGrooveAndKeepsItsStages) {
