@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The offset between the pose stream's clock and the camera's, from a scan that sees some surface more than once.
+
+#include "common/core/result.hpp"
+#include "host/calib/clock/overlap.hpp"
+
+namespace biteline::calib {
+
+struct ClockOffset {
+  Nanoseconds offset{0};
+  Nanoseconds sigma{0};
+  double rms_before_mm{0};  ///< of surfaces seen twice, at offset 0
+  double rms_mm{0};
+  std::size_t pairs{0};
+  int iterations{0};
+};
+
+/// Under a wrong offset a point is put where the head was too early or too late, off by velocity times offset; where a surface
+/// is seen again under another velocity the two do not agree.  A coarse search over +-`search_ms`, then Gauss-Newton on the
+/// point-to-plane distances; the standard deviation from the scatter between frames (errors of one frame go together).
+/// Refuses when nothing is seen twice, or only under equal motion.
+[[nodiscard]] Result<ClockOffset> find_clock_offset(const Scan& scan, const ScanModel& model, double search_ms);
+
+}  // namespace biteline::calib
