@@ -6,6 +6,7 @@
 #include "host/apps/biteline/command.hpp"
 #include "host/cloud/ply.hpp"
 #include "host/kinematics/calibration.hpp"
+#include "host/kinematics/tool_touch.hpp"
 #include "host/result/plan_result.hpp"
 
 namespace biteline::app {
@@ -16,19 +17,28 @@ namespace fs = std::filesystem;
 constexpr double k_rad_per_deg = std::numbers::pi / 180;
 
 struct Options {
-  fs::path line, process, out, kinematics, cloud;
+  fs::path line, process, out, kinematics, cloud, touches;
   std::string robot;
   std::vector<double> base_at{0, 0, 0, 0};  // x y z [mm], yaw [deg]
   double table_z_mm{0};
 };
 
-Result<trajectory::PlanRequest> read_request(const Options& options) {
+Result<trajectory::PlanRequest> read_request(const Options& options, report::Report& report) {
   trajectory::PlanRequest request;
   BITELINE_ASSIGN(request.arm, kinematics::arm_model(options.robot));
   if (!options.kinematics.empty()) {
     BITELINE_ASSIGN(request.arm, kinematics::with_calibration(request.arm, options.kinematics));
   }
   BITELINE_ASSIGN(request.process, trajectory::read_process(options.process));
+  if (!options.touches.empty()) {
+    BITELINE_ASSIGN(const std::vector<SE3> touches, kinematics::read_touches(options.touches));
+    BITELINE_ASSIGN(const kinematics::ToolTouch fit, kinematics::fit_tool_touch(touches, {}));
+    request.process.tool.T_flange_tcp.translation() = fit.tip_flange;
+    report.fields["tool_touch"] = {{"touches", touches.size()},
+                                   {"rms_mm", fit.rms_mm},
+                                   {"sigma_mm", fit.sigma_mm.norm()},
+                                   {"tip_mm", {fit.tip_flange.x(), fit.tip_flange.y(), fit.tip_flange.z()}}};
+  }
   BITELINE_ASSIGN(request.line, line::read_line(options.line));
   if (!options.cloud.empty()) {
     BITELINE_ASSIGN(cloud::PointCloud cloud, cloud::read_cloud(options.cloud));
@@ -44,7 +54,7 @@ Result<trajectory::PlanRequest> read_request(const Options& options) {
 Result<ExitStatus> run_plan(const Options& options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_ASSIGN(const trajectory::PlanRequest request,
-                  report.timed("read", [&] { return read_request(options); }));
+                  report.timed("read", [&] { return read_request(options, report); }));
   BITELINE_TRY(result::prepare_plan_folder(options.out));
   const trajectory::PlanOutcome outcome = report.timed("plan", [&] { return trajectory::plan(request); });
   BITELINE_ASSIGN(const ExitStatus status, result::write_plan_result(options.out, request, outcome, report));
@@ -77,6 +87,8 @@ void add_plan(CLI::App& app, Context& context) {
       ->add_option("--base-at", options->base_at,
                    "Place of the arm's base in the line's frame: x y z [mm] yaw [deg]")
       ->expected(4);
+  command->add_option("--touches", options->touches,
+                      "The tool's tip from touching one point: poses of the flange (number, mm, quaternion)");
   command->add_option("--table-z", options->table_z_mm, "Height of the table in the line's frame [mm]");
   command->add_option("--cloud", options->cloud,
                       "The shoe's cloud for collisions; without it the shoe is guessed from the line");
