@@ -26,6 +26,7 @@ struct ServeOptions {
   double robot_clock_ms{0};
   double lost_packet_ratio{0};
   bool camera_free_clock{false};
+  bool anywhere{false};
   bool exit_with_parent{false};
 };
 
@@ -61,7 +62,8 @@ Result<void> serve(const ServeOptions& options) {
     if (getppid() != parent) return {};  // it died before the kernel knew
   }
 
-  BITELINE_ASSIGN(const sim::SceneSettings scene, scene_settings(options.scene));
+  BITELINE_ASSIGN(sim::SceneSettings scene, scene_settings(options.scene));
+  if (!options.anywhere) scene.places = sim::places_within_reach_of(options.arm);
   sim::LiveSettings settings;
   settings.scene = scene;
   settings.wires = options.wires.empty() ? "biteline-cell-" + std::to_string(getpid()) : options.wires;
@@ -104,6 +106,7 @@ void add_serve(CLI::App& app, Context& context) {
   command->add_option("--robot-clock-ms", options->robot_clock_ms, "Robot clock minus camera clock")->check(CLI::Range(-1e6, 1e6));
   command->add_option("--lost-packet-ratio", options->lost_packet_ratio, "Of the camera's packets")->check(CLI::Range(0.0, 0.5));
   command->add_flag("--camera-free-clock", options->camera_free_clock, "The camera's clock follows no PTP");
+  command->add_flag("--anywhere", options->anywhere, "The shoe may stand where the arm's tool does not get round it");
   command->add_flag("--exit-with-parent", options->exit_with_parent, "End when the process that started this one ends");
   command->callback([options, &context] { context.run = [options] { return serve(*options); }; });
 }

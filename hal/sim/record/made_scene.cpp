@@ -4,10 +4,8 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 
 #include "hal/sim/record/files.hpp"
-#include "hal/sim/shoe/random.hpp"
 
 namespace biteline::sim {
 
@@ -49,13 +47,18 @@ Result<void> write_matrix(const std::filesystem::path& path, const SE3& T) {
 
 }  // namespace
 
-SE3 draw_place(std::uint64_t seed) {
+PlaceRange places_within_reach_of(std::string_view arm) {
+  constexpr double k_degree = std::numbers::pi / 180;
+  if (arm == "ur10e") return {.x_mm = {600, 670}, .y_mm = {-40, 40}, .z_mm = {90, 150}, .yaw_rad = {70 * k_degree, 110 * k_degree}};
+  return {.x_mm = {435, 470}, .y_mm = {-20, 20}, .z_mm = {20, 40}, .yaw_rad = {82 * k_degree, 98 * k_degree}};
+}
+
+SE3 draw_place(std::uint64_t seed, const PlaceRange& range, double shoe_length_mm) {
   Random random(seed ^ 0x504C414345ULL);
-  const double yaw_rad = random.uniform({-std::numbers::pi, std::numbers::pi});
-  const SE3 T_base_middle = geometry::make_se3(Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vec3::UnitZ())),
-                                               {random.uniform({450, 550}), random.uniform({-100, 100}), random.uniform({20, 60})});
-  // The middle of a common shoe stands there, whatever its yaw.
-  return T_base_middle * Eigen::Translation3d(-140, 0, 0);
+  const double yaw_rad = random.uniform(range.yaw_rad);
+  const Vec3 middle_base{random.uniform(range.x_mm), random.uniform(range.y_mm), random.uniform(range.z_mm)};
+  const SE3 T_base_middle = geometry::make_se3(Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vec3::UnitZ())), middle_base);
+  return T_base_middle * Eigen::Translation3d(-shoe_length_mm / 2, 0, 0);
 }
 
 Result<std::unique_ptr<MadeScene>> make_scene(const SceneSettings& settings) {
@@ -76,7 +79,7 @@ Result<std::unique_ptr<MadeScene>> make_scene(const SceneSettings& settings) {
   }
   return std::make_unique<MadeScene>(MadeScene{.settings = settings,
                                                .shoe = std::move(shoe),
-                                               .T_base_shoe = draw_place(settings.place_seed),
+                                               .T_base_shoe = draw_place(settings.place_seed, settings.places, settings.shoe.outline.length_mm),
                                                .head = head,
                                                .mesh = std::move(mesh),
                                                .scene = std::move(scene),

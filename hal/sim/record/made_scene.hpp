@@ -4,17 +4,33 @@
 
 #include <filesystem>
 #include <memory>
+#include <numbers>
+#include <string_view>
 
 #include "hal/sim/motion/scan_path.hpp"
 #include "hal/sim/render/stripe_renderer.hpp"
 #include "hal/sim/shoe/made_shoe.hpp"
+#include "hal/sim/shoe/random.hpp"
 #include "hal/sim/shoe/true_line.hpp"
 
 namespace biteline::sim {
 
+/// Where on the table shoes may stand: the middle of the sole, and the way the toe points.
+struct PlaceRange {
+  Random::Interval x_mm{450, 550};
+  Random::Interval y_mm{-100, 100};
+  Random::Interval z_mm{20, 60};
+  Random::Interval yaw_rad{-std::numbers::pi, std::numbers::pi};
+};
+
+/// Places where the arm (ur3e, ur5e, ur10e) gets its tool all the way round a common shoe.  Found by planning with the
+/// grinding process over a grid of places: beside the arm, toe to the side; the UR3e is too short for a grown-up's shoe.
+[[nodiscard]] PlaceRange places_within_reach_of(std::string_view arm);
+
 struct SceneSettings {
   ShoeParameters shoe{};
   std::uint64_t place_seed{1};   ///< where the shoe stands
+  PlaceRange places{};
   std::uint64_t head_seed{21};
   double scan_speed_mm_s{100};
   double rate_hz{100};
@@ -38,8 +54,7 @@ inline constexpr double k_true_line_spacing_mm = 0.5;
 /// On the heap: renderers keep references into it.
 [[nodiscard]] Result<std::unique_ptr<MadeScene>> make_scene(const SceneSettings& settings);
 
-/// A place on the table in front of the arm, any yaw that the place's seed draws.
-[[nodiscard]] SE3 draw_place(std::uint64_t seed);
+[[nodiscard]] SE3 draw_place(std::uint64_t seed, const PlaceRange& range, double shoe_length_mm);
 
 /// truth/groove.csv (none for a shoe without line), truth/T_base_shoe.txt, truth/reference.ply.
 [[nodiscard]] Result<void> write_truth(const std::filesystem::path& folder, const MadeScene& scene);
