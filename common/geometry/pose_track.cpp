@@ -10,14 +10,17 @@ namespace {
 
 constexpr int k_max_window = 2 * PoseSmoothing::k_max_each_side;
 
-/// Samples each side of the narrowest smoothing window: with 500 Hz 24 ms, over which a cubic follows an arm at its jerk limit.
+/// Samples each side of the narrowest smoothing window: with 500 Hz 24 ms, over which a cubic follows an arm
+/// at its jerk limit.
 constexpr int k_narrow_each_side = 6;
 /// 99 % point of chi-square with the six degrees of freedom of a pose.
 constexpr double k_agreement = 16.8;
 /// Below these, differences are rounding and not motion.
 constexpr double k_rounding_mm = 1e-7, k_rounding_rad = 1e-10;
 
-double seconds(Nanoseconds duration) { return 1e-9 * static_cast<double>(duration.count()); }
+double seconds(Nanoseconds duration) {
+  return 1e-9 * static_cast<double>(duration.count());
+}
 
 /// Samples around one instant, as twists about a reference pose near it.
 struct Window {
@@ -32,21 +35,24 @@ struct Window {
 struct Fit {
   Twist value{Twist::Zero()};
   Twist rate_per_s{Twist::Zero()};
-  double variance_ratio{1};       ///< of the value to a single sample
+  double variance_ratio{1};                        ///< of the value to a single sample
   double sample_sigma_mm{0}, sample_sigma_rad{0};  ///< scatter about the fit; 0: no degree of freedom left
   int count{0};
 };
 
-/// Samples [first, last) by a polynomial of Terms - 1 degrees.  Normal equations of fixed size: their closed-form inverse
-/// neither allocates nor loses digits that matter, since times are scaled to [-1, 1] (condition below 1000 for a cubic).
+/// Samples [first, last) by a polynomial of Terms - 1 degrees.  Normal equations of fixed size: their
+/// closed-form inverse neither allocates nor loses digits that matter, since times are scaled to [-1, 1]
+/// (condition below 1000 for a cubic).
 template <int Terms>
 Fit fit_at_zero(const Window& window, int first, int last) {
   using Powers = Eigen::Matrix<double, Terms, 1>;
   double scale_s = 1e-9;
-  for (int i = first; i < last; ++i) scale_s = std::max(scale_s, std::fabs(window.time_s[static_cast<std::size_t>(i)]));
+  for (int i = first; i < last; ++i)
+    scale_s = std::max(scale_s, std::fabs(window.time_s[static_cast<std::size_t>(i)]));
   const auto powers = [&](int i) {
     Powers power = Powers::Ones();
-    for (int k = 1; k < Terms; ++k) power[k] = power[k - 1] * (window.time_s[static_cast<std::size_t>(i)] / scale_s);
+    for (int k = 1; k < Terms; ++k)
+      power[k] = power[k - 1] * (window.time_s[static_cast<std::size_t>(i)] / scale_s);
     return power;
   };
   Eigen::Matrix<double, Terms, Terms> normal = Eigen::Matrix<double, Terms, Terms>::Zero();
@@ -77,14 +83,18 @@ Fit fit_at_zero(const Window& window, int first, int last) {
   return fit;
 }
 
-/// True when the wider fit's value differs from the narrower one's by no more than their scatter explains.  Of nested
-/// least-squares fits the variances subtract.
+/// True when the wider fit's value differs from the narrower one's by no more than their scatter explains. Of
+/// nested least-squares fits the variances subtract.
 bool agree(const Fit& narrow, const Fit& wide) {
   const double ratio = std::max(0.0, narrow.variance_ratio - wide.variance_ratio);
   const Twist difference = wide.value - narrow.value;
-  const double variance_mm2 = ratio * narrow.sample_sigma_mm * narrow.sample_sigma_mm + k_rounding_mm * k_rounding_mm;
-  const double variance_rad2 = ratio * narrow.sample_sigma_rad * narrow.sample_sigma_rad + k_rounding_rad * k_rounding_rad;
-  return difference.head<3>().squaredNorm() / variance_mm2 + difference.tail<3>().squaredNorm() / variance_rad2 < k_agreement;
+  const double variance_mm2 =
+      ratio * narrow.sample_sigma_mm * narrow.sample_sigma_mm + k_rounding_mm * k_rounding_mm;
+  const double variance_rad2 =
+      ratio * narrow.sample_sigma_rad * narrow.sample_sigma_rad + k_rounding_rad * k_rounding_rad;
+  return difference.head<3>().squaredNorm() / variance_mm2 +
+             difference.tail<3>().squaredNorm() / variance_rad2 <
+         k_agreement;
 }
 
 Fit fit_widest(const Window& window) {
@@ -95,7 +105,8 @@ Fit fit_widest(const Window& window) {
 
   const auto around = [&](int each_side) {
     // As many on either side: a lopsided window lags.  At the record's end there is no choice.
-    int first = std::max(0, window.split - each_side), last = std::min(window.count, window.split + each_side);
+    int first = std::max(0, window.split - each_side),
+        last = std::min(window.count, window.split + each_side);
     if (last - first < k_least_for_cubic) {
       first = std::max(0, std::min(first, last - k_least_for_cubic));
       last = std::min(window.count, first + k_least_for_cubic);
@@ -113,28 +124,33 @@ Fit fit_widest(const Window& window) {
 
 }  // namespace
 
-bool rt_pose_at(std::span<const PoseSample> samples, SensorClock::time_point instant, const PoseSmoothing& smoothing,
-                PoseEstimate& out) noexcept {
+bool rt_pose_at(std::span<const PoseSample> samples, SensorClock::time_point instant,
+                const PoseSmoothing& smoothing, PoseEstimate& out) noexcept {
   if (samples.empty()) return false;
-  const auto after = std::lower_bound(samples.begin(), samples.end(), instant,
-                                      [](const PoseSample& s, SensorClock::time_point t) { return s.stamp < t; });
+  const auto after =
+      std::lower_bound(samples.begin(), samples.end(), instant,
+                       [](const PoseSample& s, SensorClock::time_point t) { return s.stamp < t; });
   const auto split = static_cast<std::ptrdiff_t>(after - samples.begin());
   const auto size = static_cast<std::ptrdiff_t>(samples.size());
 
   out = {};
   out.extrapolated = split == size || (split == 0 && samples.front().stamp != instant);
-  const std::ptrdiff_t nearest_before = std::max<std::ptrdiff_t>(split - 1, 0), nearest_after = std::min(split, size - 1);
+  const std::ptrdiff_t nearest_before = std::max<std::ptrdiff_t>(split - 1, 0),
+                       nearest_after = std::min(split, size - 1);
   const Nanoseconds before_age = instant - samples[static_cast<std::size_t>(nearest_before)].stamp;
   const Nanoseconds after_age = samples[static_cast<std::size_t>(nearest_after)].stamp - instant;
   out.age = std::min(std::chrono::abs(before_age), std::chrono::abs(after_age));
   out.stale = out.age > smoothing.stale_after;
 
-  // At least the two neighbours, which make plain interpolation; more of them within reach.  As many on either side:
-  // a lopsided window lags.
+  // At least the two neighbours, which make plain interpolation; more of them within reach.  As many on
+  // either side: a lopsided window lags.
   const int each_side = std::clamp(smoothing.samples_each_side, 1, PoseSmoothing::k_max_each_side);
-  std::ptrdiff_t first = std::max<std::ptrdiff_t>(0, split - each_side), last = std::min(size, split + each_side);
-  while (first < split - 1 && instant - samples[static_cast<std::size_t>(first)].stamp > smoothing.reach) ++first;
-  while (last > split + 1 && samples[static_cast<std::size_t>(last - 1)].stamp - instant > smoothing.reach) --last;
+  std::ptrdiff_t first = std::max<std::ptrdiff_t>(0, split - each_side),
+                 last = std::min(size, split + each_side);
+  while (first < split - 1 && instant - samples[static_cast<std::size_t>(first)].stamp > smoothing.reach)
+    ++first;
+  while (last > split + 1 && samples[static_cast<std::size_t>(last - 1)].stamp - instant > smoothing.reach)
+    --last;
   if (first == split) last = std::min(size, std::max(last, split + 2));
   if (last == split) first = std::max<std::ptrdiff_t>(0, std::min(first, split - 2));
 
@@ -150,7 +166,8 @@ bool rt_pose_at(std::span<const PoseSample> samples, SensorClock::time_point ins
   }
   const Fit fit = fit_widest(window);
   out.T_base_flange = window.T_base_reference * exp_se3(fit.value);
-  // The reference is a neighbouring sample: the twist's rate is the body velocity to first order in the angle between.
+  // The reference is a neighbouring sample: the twist's rate is the body velocity to first order in the angle
+  // between.
   out.velocity_per_s = fit.rate_per_s;
   out.sigma_mm = fit.sample_sigma_mm * std::sqrt(fit.variance_ratio);
   out.sigma_rad = fit.sample_sigma_rad * std::sqrt(fit.variance_ratio);

@@ -19,11 +19,13 @@ struct PoseSample {
 struct PoseSmoothing {
   static constexpr int k_max_each_side = 24;
 
-  /// Most samples on each side of the instant; 1 turns smoothing off: plain interpolation between the two neighbours.
+  /// Most samples on each side of the instant; 1 turns smoothing off: plain interpolation between the two
+  /// neighbours.
   int samples_each_side{k_max_each_side};
   /// Samples farther from the instant are never used, and a profile waits no longer than this for later ones.
   Nanoseconds reach{std::chrono::milliseconds{50}};
-  /// A nearest sample farther away makes the pose stale.  Two periods of the slowest controller in use (125 Hz).
+  /// A nearest sample farther away makes the pose stale.  Two periods of the slowest controller in use (125
+  /// Hz).
   Nanoseconds stale_after{std::chrono::milliseconds{16}};
 };
 
@@ -31,21 +33,22 @@ struct PoseEstimate {
   SE3 T_base_flange{SE3::Identity()};
   /// Body velocity: T(t + dt) = T(t) exp(velocity dt); mm/s and rad/s.
   Twist velocity_per_s{Twist::Zero()};
-  /// Standard deviations of the estimate, from what the samples scatter about the fit: of the flange's place in one
-  /// direction, and of its orientation about one axis.  0 where too few samples tell.
+  /// Standard deviations of the estimate, from what the samples scatter about the fit: of the flange's place
+  /// in one direction, and of its orientation about one axis.  0 where too few samples tell.
   double sigma_mm{0}, sigma_rad{0};
-  Nanoseconds age{0};      ///< distance in time to the nearest sample
-  int sample_count{0};     ///< samples the pose was drawn from
-  bool stale{false};       ///< age above PoseSmoothing::stale_after
-  bool extrapolated{false};///< no sample on one side of the instant
+  Nanoseconds age{0};        ///< distance in time to the nearest sample
+  int sample_count{0};       ///< samples the pose was drawn from
+  bool stale{false};         ///< age above PoseSmoothing::stale_after
+  bool extrapolated{false};  ///< no sample on one side of the instant
 };
 
-/// Local polynomial regression on SE(3): the samples around `instant` are mapped to twists about a neighbouring sample, a
-/// cubic in time is fitted by least squares in each coordinate, and its value at the instant is mapped back.  Centred,
-/// hence without lag.  The window begins small, where a cubic follows any motion an arm can make, and doubles as long as
-/// the wider fit's value agrees with the narrower one's within their scatter (a chi-square test on the difference of nested
-/// fits): hence true motion is not rounded.  Savitzky, Golay 1964 for equal spacing; twists: Sola, Deray, Atchuthan 2018.
-/// With n samples each side independent noise shrinks to about 3 / sqrt(8 n) of itself.
+/// Local polynomial regression on SE(3): the samples around `instant` are mapped to twists about a
+/// neighbouring sample, a cubic in time is fitted by least squares in each coordinate, and its value at the
+/// instant is mapped back.  Centred, hence without lag.  The window begins small, where a cubic follows any
+/// motion an arm can make, and doubles as long as the wider fit's value agrees with the narrower one's within
+/// their scatter (a chi-square test on the difference of nested fits): hence true motion is not rounded.
+/// Savitzky, Golay 1964 for equal spacing; twists: Sola, Deray, Atchuthan 2018. With n samples each side
+/// independent noise shrinks to about 3 / sqrt(8 n) of itself.
 ///
 /// Pre: `samples` have strictly rising stamps.  False: there are none.  RT: yes.  Cost: some 10 us.
 [[nodiscard]] bool rt_pose_at(std::span<const PoseSample> samples, SensorClock::time_point instant,

@@ -20,8 +20,8 @@ using BufferIndex = std::uint32_t;
 
 /// At most `MaxCount` buffers, all made and touched in the constructor.
 ///
-/// Thread: rt_acquire and rt_release from any thread; a buffer's content belongs to whoever acquired it or received its
-/// number through a ring.  RT: rt_ members.  Memory: one array on the heap, at start-up.
+/// Thread: rt_acquire and rt_release from any thread; a buffer's content belongs to whoever acquired it or
+/// received its number through a ring.  RT: rt_ members.  Memory: one array on the heap, at start-up.
 template <class T, std::size_t MaxCount = 64>
 class BufferPool {
   static_assert(MaxCount <= 64, "the free set is one word");
@@ -38,7 +38,8 @@ class BufferPool {
     while (free != 0) {
       const std::uint64_t lowest = free & (~free + 1);
       // acquire: pairs with the release of the buffer's last user.
-      if (free_.compare_exchange_weak(free, free & ~lowest, std::memory_order_acquire, std::memory_order_relaxed)) {
+      if (free_.compare_exchange_weak(free, free & ~lowest, std::memory_order_acquire,
+                                      std::memory_order_relaxed)) {
         return static_cast<BufferIndex>(std::countr_zero(lowest));
       }
     }

@@ -44,7 +44,8 @@ class LatestValue {
   }
 
  private:
-  // A store takes some 10 ns and comes at most every millisecond; one repeat is normal, more are an interrupted writer.
+  // A store takes some 10 ns and comes at most every millisecond; one repeat is normal, more are an
+  // interrupted writer.
   static constexpr int k_attempts = 1000;
   std::atomic<std::uint64_t> sequence_{0};
   AtomicWords<T> words_;

@@ -28,8 +28,8 @@ class SpscRing {
  public:
   /// False: full, nothing changed.
   [[nodiscard]] bool rt_push(const T& item) noexcept BITELINE_RT {
-    // relaxed: only this thread writes head_; acquire pairs with the consumer's release, so that its copy out of the
-    // slot is over before the slot is written again.
+    // relaxed: only this thread writes head_; acquire pairs with the consumer's release, so that its copy out
+    // of the slot is over before the slot is written again.
     const std::uint64_t head = head_.load(std::memory_order_relaxed);
     if (head - tail_.load(std::memory_order_acquire) == Capacity) return false;
     slots_[head & k_mask] = item;
@@ -61,16 +61,17 @@ class SpscRing {
   alignas(k_cache_line_bytes) std::array<T, Capacity> slots_{};
 };
 
-/// Ring that drops the oldest when full and gives the victim back to the producer: for handles of pooled buffers,
-/// whose victim goes back to the pool and is counted.
+/// Ring that drops the oldest when full and gives the victim back to the producer: for handles of pooled
+/// buffers, whose victim goes back to the pool and is counted.
 ///
-/// The producer takes the oldest by the same compare-and-swap on tail_ as the consumer (iceoryx, spsc_sofi).  The bad
-/// interleaving: the consumer has read tail_ = r and copies slot r while the producer steals r and writes item
-/// r + Capacity into the same slot.  The steal has moved tail_ to r + 1 before that write, so the consumer's own
-/// compare-and-swap on r fails and its copy is thrown away; tail_ only grows, so it cannot be r again.  The copy itself
-/// is no data race because slots are atomic; hence T must fit a lock-free atomic.
+/// The producer takes the oldest by the same compare-and-swap on tail_ as the consumer (iceoryx, spsc_sofi).
+/// The bad interleaving: the consumer has read tail_ = r and copies slot r while the producer steals r and
+/// writes item r + Capacity into the same slot.  The steal has moved tail_ to r + 1 before that write, so the
+/// consumer's own compare-and-swap on r fails and its copy is thrown away; tail_ only grows, so it cannot be
+/// r again.  The copy itself is no data race because slots are atomic; hence T must fit a lock-free atomic.
 ///
-/// Thread: one producer, one consumer.  RT: all members; rt_pop repeats only when the producer stole meanwhile.
+/// Thread: one producer, one consumer.  RT: all members; rt_pop repeats only when the producer stole
+/// meanwhile.
 template <class T, std::size_t Capacity>
 class DropOldestRing {
   static_assert(std::has_single_bit(Capacity), "indices wrap by mask");
@@ -85,7 +86,8 @@ class DropOldestRing {
     if (head - tail == Capacity) {
       const T oldest = slots_[tail & k_mask].load(std::memory_order_relaxed);
       // Failure: the consumer took it just now, so there is room.
-      if (tail_.compare_exchange_strong(tail, tail + 1, std::memory_order_acq_rel, std::memory_order_acquire)) {
+      if (tail_.compare_exchange_strong(tail, tail + 1, std::memory_order_acq_rel,
+                                        std::memory_order_acquire)) {
         victim = oldest;
       }
     }
@@ -98,7 +100,8 @@ class DropOldestRing {
     std::uint64_t tail = tail_.load(std::memory_order_acquire);
     while (tail != head_.load(std::memory_order_acquire)) {
       const T item = slots_[tail & k_mask].load(std::memory_order_relaxed);
-      if (tail_.compare_exchange_strong(tail, tail + 1, std::memory_order_acq_rel, std::memory_order_acquire)) {
+      if (tail_.compare_exchange_strong(tail, tail + 1, std::memory_order_acq_rel,
+                                        std::memory_order_acquire)) {
         return item;
       }
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file A value as atomic words: may be read while it is written, without a data race (the reader finds out and repeats).
+/// \file A value as atomic words: may be read while it is written, without a data race (the reader finds out
+/// and repeats).
 
 #include <array>
 #include <atomic>
@@ -13,9 +14,10 @@
 
 namespace biteline::rt {
 
-/// Storage of one T for sequence locks (Boehm 2012, "Can seqlocks get along with programming language memory models?").
-/// Every word is stored with release and loaded with acquire: whoever sees one new word also sees what the writer stored
-/// before it (the mark "being written"), which makes fences, that the thread sanitizer does not know, needless.
+/// Storage of one T for sequence locks (Boehm 2012, "Can seqlocks get along with programming language memory
+/// models?"). Every word is stored with release and loaded with acquire: whoever sees one new word also sees
+/// what the writer stored before it (the mark "being written"), which makes fences, that the thread sanitizer
+/// does not know, needless.
 template <class T>
 class AtomicWords {
   static_assert(std::is_trivially_copyable_v<T>);

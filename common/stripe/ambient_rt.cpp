@@ -31,7 +31,8 @@ void subtract(const AmbientPair& pair, std::uint8_t* out) {
     for (; u + step <= width; u += step) {
       const auto a = hn::LoadU(d, lit + u), b = hn::LoadU(d, dark + u);
       // One of the two differences is zero.
-      const auto value = hn::SaturatedAdd(hn::SaturatedSub(pedestal, hn::SaturatedSub(b, a)), hn::SaturatedSub(a, b));
+      const auto value =
+          hn::SaturatedAdd(hn::SaturatedSub(pedestal, hn::SaturatedSub(b, a)), hn::SaturatedSub(a, b));
       hn::StoreU(hn::IfThenElse(hn::Eq(a, full), full, value), d, to + u);
     }
     for (; u < width; ++u) to[u] = difference(lit[u], dark[u]);

@@ -16,17 +16,20 @@ namespace biteline::stripe {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Rows sampled for the quiet level, in pairs half a frame apart: a stripe lies in at most one of a pair, so the pair's
-// minimum does not see it.
+// Rows sampled for the quiet level, in pairs half a frame apart: a stripe lies in at most one of a pair, so
+// the pair's minimum does not see it.
 constexpr int k_pairs = 8;
 
 /// Mean over the pairs of the pairs' minima, and the threshold above it.
 void quiet_level(const FrameRows& frame, int threshold_grey, CoarseScratch& scratch) {
   const hn::ScalableTag<std::uint8_t> d;
   const std::size_t lanes = hn::Lanes(d);
-  const auto height = static_cast<std::size_t>(frame.height_px), width = static_cast<std::size_t>(frame.width_px);
+  const auto height = static_cast<std::size_t>(frame.height_px),
+             width = static_cast<std::size_t>(frame.width_px);
   const auto threshold = hn::Set(d, static_cast<std::uint8_t>(threshold_grey));
-  const auto pair_row = [&](int pair) { return (2 * static_cast<std::size_t>(pair) + 1) * height / (4 * k_pairs); };
+  const auto pair_row = [&](int pair) {
+    return (2 * static_cast<std::size_t>(pair) + 1) * height / (4 * k_pairs);
+  };
   const auto pair_minimum = [&](int pair, std::size_t column) {
     const std::uint8_t* upper = frame.pixels + pair_row(pair) * frame.stride_bytes + column;
     return hn::Min(hn::LoadU(d, upper), hn::LoadU(d, upper + (height / 2) * frame.stride_bytes));
@@ -48,7 +51,8 @@ void quiet_level(const FrameRows& frame, int threshold_grey, CoarseScratch& scra
       sum += std::min(*upper, upper[(height / 2) * frame.stride_bytes]);
     }
     scratch.background[column] = static_cast<std::uint8_t>((sum + k_pairs / 2) / k_pairs);
-    scratch.threshold[column] = static_cast<std::uint8_t>(std::min(255, scratch.background[column] + threshold_grey));
+    scratch.threshold[column] =
+        static_cast<std::uint8_t>(std::min(255, scratch.background[column] + threshold_grey));
   }
 }
 
@@ -64,21 +68,25 @@ void block_maxima(const FrameRows& frame, CoarseScratch& scratch) {
 
   for (int block = 0; block < block_count; ++block) {
     const std::size_t first_row = static_cast<std::size_t>(block) * k_block_rows;
-    const std::size_t rows = std::min<std::size_t>(k_block_rows, static_cast<std::size_t>(frame.height_px) - first_row);
+    const std::size_t rows =
+        std::min<std::size_t>(k_block_rows, static_cast<std::size_t>(frame.height_px) - first_row);
     const std::uint8_t* top = frame.pixels + first_row * frame.stride_bytes;
     // A short last block repeats its last row.
     const std::uint8_t* row[k_block_rows];
     for (std::size_t i = 0; i < k_block_rows; ++i) row[i] = top + std::min(i, rows - 1) * frame.stride_bytes;
     // Two blocks ahead: far enough to hide memory, near enough to be still there.
-    const std::size_t ahead_rows = static_cast<std::size_t>(block) + 2 < static_cast<std::size_t>(block_count) ? 2 * k_block_rows : 0;
+    const std::size_t ahead_rows =
+        static_cast<std::size_t>(block) + 2 < static_cast<std::size_t>(block_count) ? 2 * k_block_rows : 0;
 
     for (std::size_t lane = 0; lane < whole_lanes; ++lane) {
       const std::size_t column = lane * k_lane_columns;
-      std::uint8_t* values = scratch.active_values.data() +
-                             (lane * static_cast<std::size_t>(block_count) + scratch.active_counts[lane]) * k_lane_columns;
+      std::uint8_t* values =
+          scratch.active_values.data() +
+          (lane * static_cast<std::size_t>(block_count) + scratch.active_counts[lane]) * k_lane_columns;
       bool active = false;
       if (ahead_rows != 0) {
-        for (std::size_t i = 0; i < k_block_rows; ++i) hwy::Prefetch(row[i] + ahead_rows * frame.stride_bytes + column);
+        for (std::size_t i = 0; i < k_block_rows; ++i)
+          hwy::Prefetch(row[i] + ahead_rows * frame.stride_bytes + column);
       }
       for (std::size_t part = 0; part < k_lane_columns; part += step) {
         const std::size_t at = column + part;
@@ -97,10 +105,12 @@ void block_maxima(const FrameRows& frame, CoarseScratch& scratch) {
         ++scratch.active_counts[lane];
       }
     }
-    for (std::size_t lane = whole_lanes; lane < lane_count; ++lane) {  // the rest of the width: one lane at most
+    for (std::size_t lane = whole_lanes; lane < lane_count;
+         ++lane) {  // the rest of the width: one lane at most
       const std::size_t column = lane * k_lane_columns, columns = width - column;
-      std::uint8_t* values = scratch.active_values.data() +
-                             (lane * static_cast<std::size_t>(block_count) + scratch.active_counts[lane]) * k_lane_columns;
+      std::uint8_t* values =
+          scratch.active_values.data() +
+          (lane * static_cast<std::size_t>(block_count) + scratch.active_counts[lane]) * k_lane_columns;
       bool active = false;
       for (std::size_t i = 0; i < columns; ++i) {
         std::uint8_t maximum = 0;
@@ -142,10 +152,11 @@ void keep(ColumnCandidates& column, Candidate found) {
   }
 }
 
-/// Peaks of one column's block maxima.  A peak ends where the maxima fall below half its height, and the next begins
-/// where they have doubled again: speckle does not reach that, two stripes do.
-void split_peaks(const CoarseScratch& scratch, std::size_t lane, std::size_t blocks_per_lane, std::size_t part,
-                 ColumnCandidates& column, std::uint8_t threshold, std::uint8_t background) {
+/// Peaks of one column's block maxima.  A peak ends where the maxima fall below half its height, and the next
+/// begins where they have doubled again: speckle does not reach that, two stripes do.
+void split_peaks(const CoarseScratch& scratch, std::size_t lane, std::size_t blocks_per_lane,
+                 std::size_t part, ColumnCandidates& column, std::uint8_t threshold,
+                 std::uint8_t background) {
   column.kept_count = 0;
   column.seen_count = 0;
   Candidate peak{};
@@ -190,13 +201,14 @@ void split_peaks(const CoarseScratch& scratch, std::size_t lane, std::size_t blo
 
 }  // namespace
 
-void rt_find_candidates(const FrameRows& frame, float threshold_grey, CoarseScratch& scratch) noexcept BITELINE_RT {
+void rt_find_candidates(const FrameRows& frame, float threshold_grey,
+                        CoarseScratch& scratch) noexcept BITELINE_RT {
   HWY_DYNAMIC_DISPATCH(coarse)(frame, static_cast<int>(threshold_grey), scratch);
   const std::size_t lanes = scratch.active_counts.size();
   const std::size_t blocks_per_lane = scratch.active_blocks.size() / lanes;
   for (std::size_t column = 0; column < static_cast<std::size_t>(frame.width_px); ++column) {
-    split_peaks(scratch, column / k_lane_columns, blocks_per_lane, column % k_lane_columns, scratch.candidates[column],
-                scratch.threshold[column], scratch.background[column]);
+    split_peaks(scratch, column / k_lane_columns, blocks_per_lane, column % k_lane_columns,
+                scratch.candidates[column], scratch.threshold[column], scratch.background[column]);
   }
 }
 

@@ -12,10 +12,11 @@
 namespace biteline::stripe {
 
 struct LineAverageConfig {
-  /// Most columns on each side that one row may be drawn from; 0 turns averaging off.  Six columns are 0.8 mm of surface at
-  /// 0.13 mm a column.
+  /// Most columns on each side that one row may be drawn from; 0 turns averaging off.  Six columns are 0.8 mm
+  /// of surface at 0.13 mm a column.
   int max_each_side{k_max_each_side};
-  /// Correlation of neighbouring columns' errors (speckle blurred by the optics); falls by this factor with each column.
+  /// Correlation of neighbouring columns' errors (speckle blurred by the optics); falls by this factor with
+  /// each column.
   float neighbour_correlation{0.42F};
   /// Two estimates may differ by this many standard deviations each and still be of one shape.
   float consistency_sigma{1.6F};
@@ -31,11 +32,12 @@ struct LinePoint {
   bool joined{false};  ///< on one stretch with the previous column
 };
 
-/// Speckle moves a stripe's centre in each column alone; only neighbours can average it away.  Per column a parabola is
-/// fitted to ever wider centred windows of its stretch, and the widest is taken whose value agrees with those of all
-/// narrower ones within their standard deviations (intersection of confidence intervals: Goldenshluger, Nemirovski 1997;
-/// Katkovnik 1999).  Where the surface bends faster than a parabola, at a groove's rim and bottom, the narrow windows win
-/// and the shape stays; the standard deviation that is returned is that of the window taken.
+/// Speckle moves a stripe's centre in each column alone; only neighbours can average it away.  Per column a
+/// parabola is fitted to ever wider centred windows of its stretch, and the widest is taken whose value
+/// agrees with those of all narrower ones within their standard deviations (intersection of confidence
+/// intervals: Goldenshluger, Nemirovski 1997; Katkovnik 1999).  Where the surface bends faster than a
+/// parabola, at a groove's rim and bottom, the narrow windows win and the shape stays; the standard deviation
+/// that is returned is that of the window taken.
 ///
 /// Thread: immutable.  RT: rt_average.
 class LineAverage {
@@ -51,7 +53,7 @@ class LineAverage {
   struct Window {
     int each_side{0};
     std::array<float, LineAverageConfig::k_max_each_side + 1> weight{};  ///< by distance from the centre
-    float sigma_ratio{1};                                                ///< of the average to a single column
+    float sigma_ratio{1};  ///< of the average to a single column
   };
   LineAverageConfig config_;
   std::array<Window, k_windows> windows_;

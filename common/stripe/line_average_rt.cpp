@@ -19,11 +19,12 @@ LineAverage::LineAverage(const LineAverageConfig& config) : config_{config} {
   for (std::size_t w = 0; w < k_windows; ++w) {
     Window& window = windows_[w];
     window.each_side = k_half_widths[w];
-    // Value at 0 of the parabola through offsets -n..n: weights (3 (3 n^2 + 3 n - 1) - 15 k^2) / ((2n-1)(2n+1)(2n+3)).
+    // Value at 0 of the parabola through offsets -n..n: weights (3 (3 n^2 + 3 n - 1) - 15 k^2) /
+    // ((2n-1)(2n+1)(2n+3)).
     const double n = window.each_side;
     for (int k = 0; k <= window.each_side; ++k) {
-      window.weight[static_cast<std::size_t>(k)] =
-          static_cast<float>((3 * (3 * n * n + 3 * n - 1) - 15.0 * k * k) / ((2 * n - 1) * (2 * n + 1) * (2 * n + 3)));
+      window.weight[static_cast<std::size_t>(k)] = static_cast<float>(
+          (3 * (3 * n * n + 3 * n - 1) - 15.0 * k * k) / ((2 * n - 1) * (2 * n + 1) * (2 * n + 3)));
     }
     double variance = 0;
     for (int i = -window.each_side; i <= window.each_side; ++i) {
@@ -37,7 +38,8 @@ LineAverage::LineAverage(const LineAverageConfig& config) : config_{config} {
   }
 }
 
-void LineAverage::rt_average(std::span<LinePoint> line, std::span<LinePoint> work) const noexcept BITELINE_RT {
+void LineAverage::rt_average(std::span<LinePoint> line,
+                             std::span<LinePoint> work) const noexcept BITELINE_RT {
   BITELINE_EXPECTS(work.size() >= line.size());
   std::copy(line.begin(), line.end(), work.begin());
   const auto count = static_cast<std::ptrdiff_t>(line.size());
@@ -55,7 +57,8 @@ void LineAverage::rt_average(std::span<LinePoint> line, std::span<LinePoint> wor
     float high = own.row_px + config_.consistency_sigma * own.sigma_row_px;
     for (const Window& window : windows_) {
       if (window.each_side > room || window.each_side > config_.max_each_side) break;
-      float row_px = window.weight[0] * own.row_px, variance = window.weight[0] * own.sigma_row_px * own.sigma_row_px;
+      float row_px = window.weight[0] * own.row_px,
+            variance = window.weight[0] * own.sigma_row_px * own.sigma_row_px;
       for (std::ptrdiff_t k = 1; k <= window.each_side; ++k) {
         const LinePoint& before = work[static_cast<std::size_t>(i - k)];
         const LinePoint& after = work[static_cast<std::size_t>(i + k)];
@@ -63,8 +66,10 @@ void LineAverage::rt_average(std::span<LinePoint> line, std::span<LinePoint> wor
         variance += window.weight[static_cast<std::size_t>(k)] *
                     (before.sigma_row_px * before.sigma_row_px + after.sigma_row_px * after.sigma_row_px);
       }
-      // Neighbours' own uncertainties, averaged with the same weights; never below the least that a window could give.
-      const float sigma_px = window.sigma_ratio * std::sqrt(std::max(variance, 0.25F * own.sigma_row_px * own.sigma_row_px));
+      // Neighbours' own uncertainties, averaged with the same weights; never below the least that a window
+      // could give.
+      const float sigma_px =
+          window.sigma_ratio * std::sqrt(std::max(variance, 0.25F * own.sigma_row_px * own.sigma_row_px));
       low = std::max(low, row_px - config_.consistency_sigma * sigma_px);
       high = std::min(high, row_px + config_.consistency_sigma * sigma_px);
       if (low > high) break;

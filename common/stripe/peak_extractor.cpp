@@ -15,13 +15,16 @@ PeakExtractor::~PeakExtractor() = default;
 
 Result<PeakExtractor> PeakExtractor::create(const PeakConfig& config, int width_px, int height_px) {
   if (width_px < static_cast<int>(k_max_lanes) || width_px > static_cast<int>(k_max_columns)) {
-    return fail(Errc::InvalidArgument, "frame width %d: %zu to %zu expected", width_px, k_max_lanes, k_max_columns);
+    return fail(Errc::InvalidArgument, "frame width %d: %zu to %zu expected", width_px, k_max_lanes,
+                k_max_columns);
   }
   if (height_px < 2 * k_block_rows || height_px > k_max_rows) {
-    return fail(Errc::InvalidArgument, "frame height %d: %d to %d expected", height_px, 2 * k_block_rows, k_max_rows);
+    return fail(Errc::InvalidArgument, "frame height %d: %d to %d expected", height_px, 2 * k_block_rows,
+                k_max_rows);
   }
   if (!(config.threshold_grey >= 1 && config.threshold_grey <= 254)) {
-    return fail(Errc::InvalidArgument, "threshold_grey %g: 1 to 254 expected", static_cast<double>(config.threshold_grey));
+    return fail(Errc::InvalidArgument, "threshold_grey %g: 1 to 254 expected",
+                static_cast<double>(config.threshold_grey));
   }
   if (!(config.width_min_px > 0 && config.width_max_px > config.width_min_px)) {
     return fail(Errc::InvalidArgument, "stripe width %g to %g px: rising positive limits expected",
@@ -29,7 +32,8 @@ Result<PeakExtractor> PeakExtractor::create(const PeakConfig& config, int width_
   }
   if (!(config.noise.read_noise_grey > 0 && config.noise.gain_grey_per_electron >= 0 &&
         config.noise.speckle_contrast >= 0 && config.noise.speckle_grain_px >= 1)) {
-    return fail(Errc::InvalidArgument, "noise model: positive read noise and a grain of a pixel or more expected");
+    return fail(Errc::InvalidArgument,
+                "noise model: positive read noise and a grain of a pixel or more expected");
   }
 
   auto state = std::make_unique<State>();

@@ -22,9 +22,9 @@ enum class PeakMode : std::uint8_t {
 
 /// Variance of one pixel at mean grey value m: read^2 + gain m + (speckle m)^2.
 struct NoiseModel {
-  float read_noise_grey{0.8F};        ///< of the camera, quantisation (0.29) included
-  float gain_grey_per_electron{0.02F};///< full scale at some 12 000 electrons: a CCD of the sensor's kind
-  float speckle_contrast{0.1F};       ///< per pixel, after the optics have averaged over grains
+  float read_noise_grey{0.8F};          ///< of the camera, quantisation (0.29) included
+  float gain_grey_per_electron{0.02F};  ///< full scale at some 12 000 electrons: a CCD of the sensor's kind
+  float speckle_contrast{0.1F};         ///< per pixel, after the optics have averaged over grains
   /// Rows that share their speckle: the optics' blur in pixels.  1: every pixel its own.
   float speckle_grain_px{2.9F};
 };
@@ -43,8 +43,8 @@ struct PixelView {
   std::size_t stride_bytes{0};
 };
 
-/// A lit frame without the room's own light: lit - dark + k_ambient_pedestal, saturated pixels kept at full scale.  The
-/// pedestal keeps noise below zero; read noise counts twice in such a picture.
+/// A lit frame without the room's own light: lit - dark + k_ambient_pedestal, saturated pixels kept at full
+/// scale.  The pedestal keeps noise below zero; read noise counts twice in such a picture.
 inline constexpr std::uint8_t k_ambient_pedestal = 8;
 
 struct AmbientPair {
@@ -59,9 +59,9 @@ void rt_subtract_ambient(const AmbientPair& pair, std::uint8_t* out) noexcept BI
 
 /// Finds the stripe's peaks in each column of 8-bit frames.
 ///
-/// One row-major pass makes the maximum of every eight rows (vectors of columns, instruction set chosen at run time);
-/// candidates are searched in that small map, and only their surroundings are read again.
-/// Thread: one at a time.  RT: rt_extract.  Memory: all sized in create().
+/// One row-major pass makes the maximum of every eight rows (vectors of columns, instruction set chosen at
+/// run time); candidates are searched in that small map, and only their surroundings are read again. Thread:
+/// one at a time.  RT: rt_extract.  Memory: all sized in create().
 class PeakExtractor {
  public:
   /// Fails on more than k_max_columns columns, fewer than 16 columns or rows, or a config out of range.
@@ -74,7 +74,8 @@ class PeakExtractor {
   /// Columns with mask 0 are skipped and show no peak.  Pre: one byte per column, or empty for all.
   void set_column_mask(std::span<const std::uint8_t> mask);
 
-  /// Fills every column of `out`; a column without stripe has no peaks.  Pre: the view has the size given to create().
+  /// Fills every column of `out`; a column without stripe has no peaks.  Pre: the view has the size given to
+  /// create().
   void rt_extract(const PixelView& frame, Peaks& out) noexcept BITELINE_RT;
 
  private:

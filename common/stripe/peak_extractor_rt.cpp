@@ -22,7 +22,8 @@ void PeakExtractor::rt_extract(const PixelView& frame, Peaks& out) noexcept BITE
   if (state.config.mode == PeakMode::Matched) return;
   for (int column = 0; column < state.width_px; ++column) {
     ColumnPeaks& peaks = out.columns[static_cast<std::size_t>(column)];
-    for (std::size_t i = 0; i < peaks.kept_count; ++i) rt_apply_mode(rows, column, state.config.mode, peaks.kept[i]);
+    for (std::size_t i = 0; i < peaks.kept_count; ++i)
+      rt_apply_mode(rows, column, state.config.mode, peaks.kept[i]);
   }
 }
 

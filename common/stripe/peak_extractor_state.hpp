@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Inside of PeakExtractor: shared by its set-up (allocates) and its hot path (fenced), and by nobody else.
+/// \file Inside of PeakExtractor: shared by its set-up (allocates) and its hot path (fenced), and by nobody
+/// else.
 
 #include <array>
 #include <cstdint>
@@ -11,8 +12,9 @@
 
 namespace biteline::stripe {
 
-/// Rows whose maximum is taken together in the pass over the frame.  Eight streams are what the prefetchers of x86 and
-/// Cortex-A cores follow at once; two stripes in one column less than two blocks apart count as one peak.
+/// Rows whose maximum is taken together in the pass over the frame.  Eight streams are what the prefetchers
+/// of x86 and Cortex-A cores follow at once; two stripes in one column less than two blocks apart count as
+/// one peak.
 inline constexpr int k_block_rows = 8;
 
 /// A vector's worth of columns in which some block maximum rose above the threshold.
@@ -45,8 +47,9 @@ struct FrameRows {
 struct CoarseScratch {
   /// Per column, a quiet level: what the column shows away from any stripe.
   std::vector<std::uint8_t> background;
-  std::vector<std::uint8_t> threshold;     ///< background + PeakConfig::threshold_grey, saturated
-  /// Block maxima of the lanes that rose above the threshold, in scan order within a lane, `k_lane_columns` each.
+  std::vector<std::uint8_t> threshold;  ///< background + PeakConfig::threshold_grey, saturated
+  /// Block maxima of the lanes that rose above the threshold, in scan order within a lane, `k_lane_columns`
+  /// each.
   std::vector<std::uint8_t> active_values;
   std::vector<std::uint8_t> active_blocks;   ///< block number of each entry
   std::vector<std::uint16_t> active_counts;  ///< entries per lane
@@ -54,7 +57,8 @@ struct CoarseScratch {
 };
 
 /// Fills scratch.candidates.  `threshold_grey` above the column's own quiet level.
-void rt_find_candidates(const FrameRows& frame, float threshold_grey, CoarseScratch& scratch) noexcept BITELINE_RT;
+void rt_find_candidates(const FrameRows& frame, float threshold_grey,
+                        CoarseScratch& scratch) noexcept BITELINE_RT;
 
 /// At most this many columns in one vector of floats.
 inline constexpr std::size_t k_max_lanes = 16;
@@ -75,9 +79,10 @@ struct FittedLanes {
   std::array<float, k_max_lanes> centre, sigma, amplitude, background, sigma_centre, misfit, saturated;
 };
 
-/// Fits every candidate by the stripe's shape; those whose amplitude is too low are dropped.  Pre: out's counts are 0.
-void rt_fit_candidates(const FrameRows& frame, const PeakConfig& config, const CoarseScratch& scratch, Peaks& out) noexcept
-    BITELINE_RT;
+/// Fits every candidate by the stripe's shape; those whose amplitude is too low are dropped.  Pre: out's
+/// counts are 0.
+void rt_fit_candidates(const FrameRows& frame, const PeakConfig& config, const CoarseScratch& scratch,
+                       Peaks& out) noexcept BITELINE_RT;
 
 /// Replaces a fitted peak's row by what `mode` says.  Pre: not Matched.
 void rt_apply_mode(const FrameRows& frame, int column, PeakMode mode, Peak& peak) noexcept BITELINE_RT;

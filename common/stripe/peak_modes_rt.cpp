@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The field's other peak modes, for comparison and for customers' habits.  They start from the fitted peak, so that
-// all modes see the same background and the same stretch of stripe.
+// The field's other peak modes, for comparison and for customers' habits.  They start from the fitted peak,
+// so that all modes see the same background and the same stretch of stripe.
 #include <algorithm>
 #include <cmath>
 
@@ -18,7 +18,9 @@ struct ColumnAbove {
   float background;
 
   [[nodiscard]] float operator()(int row) const {
-    return static_cast<float>(frame.pixels[static_cast<std::size_t>(row) * frame.stride_bytes + static_cast<std::size_t>(column)]) - background;
+    return static_cast<float>(frame.pixels[static_cast<std::size_t>(row) * frame.stride_bytes +
+                                           static_cast<std::size_t>(column)]) -
+           background;
   }
 };
 
@@ -67,17 +69,20 @@ float mean_of_edges(const ColumnAbove& above, int top, int reach, float& width_p
   const float half = 0.5F * above(top);
   const Run run = run_above(above, top, half, reach);
   float first = static_cast<float>(run.first), last = static_cast<float>(run.last);
-  if (run.first > 0) first -= (above(run.first) - half) / std::max(1.0F, above(run.first) - above(run.first - 1));
-  if (run.last + 1 < above.frame.height_px) last += (above(run.last) - half) / std::max(1.0F, above(run.last) - above(run.last + 1));
+  if (run.first > 0)
+    first -= (above(run.first) - half) / std::max(1.0F, above(run.first) - above(run.first - 1));
+  if (run.last + 1 < above.frame.height_px)
+    last += (above(run.last) - half) / std::max(1.0F, above(run.last) - above(run.last + 1));
   width_px = last - first;
   return 0.5F * (first + last);
 }
 
-/// Zero of the first derivative of the column smoothed by a Gaussian of the stripe's width; `slope` is the filtered
-/// second derivative there, the mode's measure of quality.
+/// Zero of the first derivative of the column smoothed by a Gaussian of the stripe's width; `slope` is the
+/// filtered second derivative there, the mode's measure of quality.
 float derivative_zero(const ColumnAbove& above, float centre, float sigma) {
   const auto derivative = [&](float at) {
-    const int first = std::max(0, static_cast<int>(at - 4 * sigma)), last = std::min(above.frame.height_px - 1, static_cast<int>(at + 4 * sigma) + 1);
+    const int first = std::max(0, static_cast<int>(at - 4 * sigma)),
+              last = std::min(above.frame.height_px - 1, static_cast<int>(at + 4 * sigma) + 1);
     float sum = 0;
     for (int row = first; row <= last; ++row) {
       const float u = (static_cast<float>(row) - at) / sigma;
@@ -101,10 +106,17 @@ void rt_apply_mode(const FrameRows& frame, int column, PeakMode mode, Peak& peak
   const int reach = 2 * static_cast<int>(peak.width_px) + 2;
   const int top = brightest(above, peak.row_px, peak.width_px);
   switch (mode) {
-    case PeakMode::Matched: break;
-    case PeakMode::Maximum: peak.row_px = parabola_top(above, top); break;
-    case PeakMode::Threshold: peak.row_px = mean_of_edges(above, top, reach, peak.width_px); break;
-    case PeakMode::CentreOfGravity: peak.row_px = centre_of_gravity(above, top, reach); break;
+    case PeakMode::Matched:
+      break;
+    case PeakMode::Maximum:
+      peak.row_px = parabola_top(above, top);
+      break;
+    case PeakMode::Threshold:
+      peak.row_px = mean_of_edges(above, top, reach, peak.width_px);
+      break;
+    case PeakMode::CentreOfGravity:
+      peak.row_px = centre_of_gravity(above, top, reach);
+      break;
     case PeakMode::FirZeroCrossing:
       peak.row_px = derivative_zero(above, peak.row_px, peak.width_px / k_fwhm_per_sigma);
       break;

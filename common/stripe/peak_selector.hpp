@@ -19,15 +19,15 @@ enum class PeakChoice : std::uint8_t {
 
 struct SelectorConfig {
   PeakChoice choice{PeakChoice::Continuity};
-  /// Row difference of neighbouring columns on one surface beyond what the stripe's own slope explains.  Three standard
-  /// deviations of the widest ordinary stripe's speckle are below one; a groove's rim bends by two.
+  /// Row difference of neighbouring columns on one surface beyond what the stripe's own slope explains. Three
+  /// standard deviations of the widest ordinary stripe's speckle are below one; a groove's rim bends by two.
   float max_step_px{4.0F};
   /// Columns a stretch may miss (a dark thread, a scratch) and still be one.
   int max_gap_columns{2};
   /// A stretch of fewer columns is no surface: at 0.13 mm a column, half a millimetre.
   int min_stretch_columns{4};
-  /// A stretch with less than this share of the longest one's light, in another place than the last profile and than the
-  /// well supported stretches beside it, is taken for a reflection.
+  /// A stretch with less than this share of the longest one's light, in another place than the last profile
+  /// and than the well supported stretches beside it, is taken for a reflection.
   float min_support_ratio{0.05F};
   /// Beside: within so many columns (a hole in the upper), and no more rows away per column than this.
   int beside_columns{60};
@@ -53,9 +53,9 @@ struct Selection {
 
 /// Chooses one peak per column.
 ///
-/// Peaks of neighbouring columns are linked to stretches; a stretch's support is its light, half as much again where it
-/// lies where the previous profile was.  Each column takes the peak of its best supported stretch.  What is on no
-/// stretch worth the name is chosen too, where there is nothing better, but flagged.
+/// Peaks of neighbouring columns are linked to stretches; a stretch's support is its light, half as much
+/// again where it lies where the previous profile was.  Each column takes the peak of its best supported
+/// stretch.  What is on no stretch worth the name is chosen too, where there is nothing better, but flagged.
 /// Thread: one at a time (keeps the previous profile).  RT: rt_select.  Memory: inside the object (100 kB).
 class PeakSelector {
  public:
@@ -83,18 +83,20 @@ class PeakSelector {
   void rt_link(const Peaks& peaks) noexcept BITELINE_RT;
   void rt_close_ended(std::size_t column) noexcept BITELINE_RT;
   [[nodiscard]] Index rt_open(const Peak& peak, int column) noexcept BITELINE_RT;
-  [[nodiscard]] Index rt_continue(std::size_t column, const Peak& peak, Index taken) const noexcept BITELINE_RT;
+  [[nodiscard]] Index rt_continue(std::size_t column, const Peak& peak,
+                                  Index taken) const noexcept BITELINE_RT;
   void rt_choose(const Peaks& peaks, Selection& out) noexcept BITELINE_RT;
   void rt_judge(const Peaks& peaks, Selection& out) noexcept BITELINE_RT;
-  [[nodiscard]] bool rt_goes_on(const Stretch& stretch, const Peaks& peaks, const Selection& chosen, float least_support) const noexcept
-      BITELINE_RT;
+  [[nodiscard]] bool rt_goes_on(const Stretch& stretch, const Peaks& peaks, const Selection& chosen,
+                                float least_support) const noexcept BITELINE_RT;
   void rt_flag_ends(const Peaks& peaks, Selection& out) noexcept BITELINE_RT;
   [[nodiscard]] float rt_support(Index stretch) const noexcept BITELINE_RT;
 
   SelectorConfig config_;
   std::array<Stretch, k_max_columns * k_kept_peaks> stretches_;
   int stretch_count_{0};
-  /// Stretches that a next column may go on with.  Few: a column has two peaks, and a stretch stays open for a gap.
+  /// Stretches that a next column may go on with.  Few: a column has two peaks, and a stretch stays open for
+  /// a gap.
   static constexpr std::size_t k_max_open = 16;
   std::array<Index, k_max_open> open_;
   std::size_t open_count_{0};

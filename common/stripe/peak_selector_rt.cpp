@@ -50,7 +50,8 @@ void PeakSelector::rt_select(const Peaks& peaks, Selection& out) noexcept BITELI
   for (std::size_t i = 0; i < columns; ++i) {
     const Selected& selected = out.columns[i];
     const bool surface = selected.kept_index >= 0 && (selected.flags & k_selection_reflection) == 0;
-    previous_row_px_[i] = surface ? peaks.columns[i].kept[static_cast<std::size_t>(selected.kept_index)].row_px : -1.0F;
+    previous_row_px_[i] =
+        surface ? peaks.columns[i].kept[static_cast<std::size_t>(selected.kept_index)].row_px : -1.0F;
   }
   previous_columns_ = peaks.column_count;
 }
@@ -71,7 +72,8 @@ void PeakSelector::rt_link(const Peaks& peaks) noexcept BITELINE_RT {
         index = rt_open(peak, static_cast<int>(i));
       } else {
         Stretch& stretch = stretches_[static_cast<std::size_t>(index)];
-        const float step_px = (peak.row_px - stretch.last_row_px) / static_cast<float>(static_cast<int>(i) - stretch.last_column);
+        const float step_px = (peak.row_px - stretch.last_row_px) /
+                              static_cast<float>(static_cast<int>(i) - stretch.last_column);
         stretch.slope_px += k_slope_gain * (step_px - stretch.slope_px);
         // On a level stripe the slope would halve on into denormal numbers, a hundred times slower.
         if (std::fabs(stretch.slope_px) < k_level_px) stretch.slope_px = 0;
@@ -98,7 +100,8 @@ void PeakSelector::rt_close_ended(std::size_t column) noexcept BITELINE_RT {
 
 PeakSelector::Index PeakSelector::rt_open(const Peak& peak, int column) noexcept BITELINE_RT {
   const auto index = static_cast<Index>(stretch_count_++);
-  stretches_[static_cast<std::size_t>(index)] = {.first_row_px = peak.row_px, .last_row_px = peak.row_px, .first_column = column, .last_column = column};
+  stretches_[static_cast<std::size_t>(index)] = {
+      .first_row_px = peak.row_px, .last_row_px = peak.row_px, .first_column = column, .last_column = column};
   // Too many open ones are noise: the oldest gives way.
   if (open_count_ == k_max_open) {
     std::copy(open_.begin() + 1, open_.end(), open_.begin());
@@ -109,7 +112,8 @@ PeakSelector::Index PeakSelector::rt_open(const Peak& peak, int column) noexcept
 }
 
 /// The open stretch that `peak` goes on from, other than `taken`; k_none when there is none.
-PeakSelector::Index PeakSelector::rt_continue(std::size_t column, const Peak& peak, Index taken) const noexcept BITELINE_RT {
+PeakSelector::Index PeakSelector::rt_continue(std::size_t column, const Peak& peak,
+                                              Index taken) const noexcept BITELINE_RT {
   Index best = k_none;
   float best_distance_px = 1e9F;
   for (std::size_t s = 0; s < open_count_; ++s) {
@@ -143,10 +147,12 @@ void PeakSelector::rt_choose(const Peaks& peaks, Selection& out) noexcept BITELI
     if (config_.choice != PeakChoice::Continuity) {
       selected.kept_index = choose_alone(column, config_.choice);
     } else if (column.kept_count > 0) {
-      const bool second = column.kept_count > 1 && rt_support(stretch_of_[i][1]) > rt_support(stretch_of_[i][0]);
+      const bool second =
+          column.kept_count > 1 && rt_support(stretch_of_[i][1]) > rt_support(stretch_of_[i][0]);
       selected.kept_index = second ? 1 : 0;
     }
-    const Index index = selected.kept_index < 0 ? k_none : stretch_of_[i][static_cast<std::size_t>(selected.kept_index)];
+    const Index index =
+        selected.kept_index < 0 ? k_none : stretch_of_[i][static_cast<std::size_t>(selected.kept_index)];
     selected.joined = index != k_none && index == last_stretch;
     last_stretch = index;
   }
@@ -155,7 +161,8 @@ void PeakSelector::rt_choose(const Peaks& peaks, Selection& out) noexcept BITELI
 /// Flags the chosen peaks whose stretch is no surface's.
 void PeakSelector::rt_judge(const Peaks& peaks, Selection& out) noexcept BITELINE_RT {
   float best_support = 0;
-  for (int s = 0; s < stretch_count_; ++s) best_support = std::max(best_support, rt_support(static_cast<Index>(s)));
+  for (int s = 0; s < stretch_count_; ++s)
+    best_support = std::max(best_support, rt_support(static_cast<Index>(s)));
   const float least_support = config_.min_support_ratio * best_support;
 
   Index judged = k_none;
@@ -178,9 +185,10 @@ void PeakSelector::rt_judge(const Peaks& peaks, Selection& out) noexcept BITELIN
   }
 }
 
-/// True when a well supported stretch ends or begins beside `stretch` at a height that the surface between may have.
-bool PeakSelector::rt_goes_on(const Stretch& stretch, const Peaks& peaks, const Selection& chosen, float least_support) const noexcept
-    BITELINE_RT {
+/// True when a well supported stretch ends or begins beside `stretch` at a height that the surface between
+/// may have.
+bool PeakSelector::rt_goes_on(const Stretch& stretch, const Peaks& peaks, const Selection& chosen,
+                              float least_support) const noexcept BITELINE_RT {
   const auto meets = [&](int from_column, float from_row_px, int step) {
     for (int gap = 1; gap <= config_.beside_columns; ++gap) {
       const int column = from_column + step * gap;
@@ -195,11 +203,12 @@ bool PeakSelector::rt_goes_on(const Stretch& stretch, const Peaks& peaks, const 
     }
     return false;
   };
-  return meets(stretch.first_column, stretch.first_row_px, -1) || meets(stretch.last_column, stretch.last_row_px, +1);
+  return meets(stretch.first_column, stretch.first_row_px, -1) ||
+         meets(stretch.last_column, stretch.last_row_px, +1);
 }
 
-/// Where a stretch ends, the stripe is cut by an edge of the surface, and the last columns may show a part of it or two
-/// surfaces in one peak: they are then dimmer or wider than the columns further in.
+/// Where a stretch ends, the stripe is cut by an edge of the surface, and the last columns may show a part of
+/// it or two surfaces in one peak: they are then dimmer or wider than the columns further in.
 void PeakSelector::rt_flag_ends(const Peaks& peaks, Selection& out) noexcept BITELINE_RT {
   const auto columns = static_cast<std::size_t>(peaks.column_count);
   const auto chosen = [&](std::size_t i) -> const Peak& {

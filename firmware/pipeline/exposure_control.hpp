@@ -9,22 +9,22 @@ namespace biteline::pipeline {
 
 /// Proposes the next exposure after each profile.
 ///
-/// The light of a stripe is proportional to the exposure, so one step brings the typical amplitude to the target, but for
-/// two things: saturated columns tell nothing about how much too bright they are, so a share of them above the limit cuts
-/// the exposure by a fixed factor; and hardly any valid column means either darkness or no surface, which a longer exposure
-/// tells apart, so it doubles up to its limit.  Steps are limited and small ones left out: a camera needs a frame or two to
-/// follow, and an exposure that hunts gives stripes of changing height.
-/// Thread: one.  RT: rt_ members.
+/// The light of a stripe is proportional to the exposure, so one step brings the typical amplitude to the
+/// target, but for two things: saturated columns tell nothing about how much too bright they are, so a share
+/// of them above the limit cuts the exposure by a fixed factor; and hardly any valid column means either
+/// darkness or no surface, which a longer exposure tells apart, so it doubles up to its limit.  Steps are
+/// limited and small ones left out: a camera needs a frame or two to follow, and an exposure that hunts gives
+/// stripes of changing height. Thread: one.  RT: rt_ members.
 class ExposureControl {
  public:
   struct Config {
     Nanoseconds minimum{std::chrono::microseconds{20}};
     Nanoseconds maximum{std::chrono::milliseconds{4}};  ///< at 250 mm/s a millimetre of motion blur
-    float target_amplitude{150};        ///< of the middle valid column, grey levels: bright, with room for speckle
-    float saturated_limit_ratio{0.05F}; ///< of the valid columns
-    float valid_least_ratio{0.05F};     ///< of all columns
+    float target_amplitude{150};  ///< of the middle valid column, grey levels: bright, with room for speckle
+    float saturated_limit_ratio{0.05F};  ///< of the valid columns
+    float valid_least_ratio{0.05F};      ///< of all columns
     float largest_step_ratio{2.0F};
-    float smallest_step_ratio{1.15F};   ///< a smaller change is not worth the camera's trouble
+    float smallest_step_ratio{1.15F};  ///< a smaller change is not worth the camera's trouble
     int profiles_between_steps{3};
   };
 
@@ -39,7 +39,8 @@ class ExposureControl {
   ExposureControl(const Config& config, Nanoseconds start) : config_{config}, exposure_{start} {}
 
   /// Pre: `column_count` > 0.
-  [[nodiscard]] Decision rt_update(const profile::ProfileBuffer& profile, int column_count) noexcept BITELINE_RT;
+  [[nodiscard]] Decision rt_update(const profile::ProfileBuffer& profile,
+                                   int column_count) noexcept BITELINE_RT;
 
  private:
   Config config_;

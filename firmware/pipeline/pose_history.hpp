@@ -15,8 +15,8 @@ namespace biteline::pipeline {
 
 /// Ring of the newest poses; the oldest is overwritten, readers notice.
 ///
-/// Sequence lock over the whole ring: a reader copies the samples around its instant and then checks that the writer has
-/// not come round to them meanwhile.  Thread: one writer (rt_push), any readers.  RT: all members.
+/// Sequence lock over the whole ring: a reader copies the samples around its instant and then checks that the
+/// writer has not come round to them meanwhile.  Thread: one writer (rt_push), any readers.  RT: all members.
 class PoseHistory {
  public:
   static constexpr std::size_t k_capacity = 4096;  ///< 8 s at 500 Hz

@@ -6,7 +6,9 @@
 namespace biteline::pipeline {
 namespace {
 
-SensorClock::time_point at_ns(std::int64_t stamp_ns) { return SensorClock::time_point{Nanoseconds{stamp_ns}}; }
+SensorClock::time_point at_ns(std::int64_t stamp_ns) {
+  return SensorClock::time_point{Nanoseconds{stamp_ns}};
+}
 
 }  // namespace
 
@@ -16,9 +18,10 @@ bool PoseHistory::rt_push(const geometry::PoseSample& sample) noexcept BITELINE_
   if (count > 0 && sample.stamp <= rt_stamp_of(count - 1)) return false;
   const Eigen::Quaterniond rotation{sample.T_base_flange.linear()};
   const Eigen::Vector3d translation = sample.T_base_flange.translation();
-  slots_[count % k_capacity].rt_store({.stamp_ns = sample.stamp.time_since_epoch().count(),
-                                       .translation_mm = {translation.x(), translation.y(), translation.z()},
-                                       .quaternion_xyzw = {rotation.x(), rotation.y(), rotation.z(), rotation.w()}});
+  slots_[count % k_capacity].rt_store(
+      {.stamp_ns = sample.stamp.time_since_epoch().count(),
+       .translation_mm = {translation.x(), translation.y(), translation.z()},
+       .quaternion_xyzw = {rotation.x(), rotation.y(), rotation.z(), rotation.w()}});
   count_.store(count + 1, std::memory_order_release);
   return true;
 }
@@ -32,8 +35,8 @@ SensorClock::time_point PoseHistory::rt_newest() const noexcept BITELINE_RT {
   return count == 0 ? SensorClock::time_point::min() : rt_stamp_of(count - 1);
 }
 
-bool PoseHistory::rt_covers(SensorClock::time_point instant, const geometry::PoseSmoothing& smoothing) const noexcept
-    BITELINE_RT {
+bool PoseHistory::rt_covers(SensorClock::time_point instant,
+                            const geometry::PoseSmoothing& smoothing) const noexcept BITELINE_RT {
   const std::uint64_t count = count_.load(std::memory_order_acquire);
   if (count == 0) return false;
   if (rt_newest() > instant + smoothing.reach) return true;
@@ -69,15 +72,18 @@ bool PoseHistory::rt_pose_at(SensorClock::time_point instant, const geometry::Po
     geometry::PoseSample& sample = window[i - first];
     sample.stamp = at_ns(packed.stamp_ns);
     sample.T_base_flange = SE3::Identity();
-    sample.T_base_flange.linear() =
-        Eigen::Quaterniond{packed.quaternion_xyzw[3], packed.quaternion_xyzw[0], packed.quaternion_xyzw[1], packed.quaternion_xyzw[2]}.toRotationMatrix();
+    sample.T_base_flange.linear() = Eigen::Quaterniond{packed.quaternion_xyzw[3], packed.quaternion_xyzw[0],
+                                                       packed.quaternion_xyzw[1], packed.quaternion_xyzw[2]}
+                                        .toRotationMatrix();
     sample.T_base_flange.translation() =
         Eigen::Vector3d{packed.translation_mm[0], packed.translation_mm[1], packed.translation_mm[2]};
   }
-  // Acquire loads of the words precede this one: had the writer begun to overwrite `first`, it would show here.
+  // Acquire loads of the words precede this one: had the writer begun to overwrite `first`, it would show
+  // here.
   const std::uint64_t count_after = count_.load(std::memory_order_acquire);
   if (count_after >= first + k_capacity) return false;
-  return geometry::rt_pose_at({window.data(), static_cast<std::size_t>(last - first)}, instant, smoothing, out);
+  return geometry::rt_pose_at({window.data(), static_cast<std::size_t>(last - first)}, instant, smoothing,
+                              out);
 }
 
 }  // namespace biteline::pipeline

@@ -9,7 +9,8 @@ namespace {
 /// A peak's row says how far along the laser's light a point lies: the way it moves when the row changes.
 Eigen::Vector3f measuring_direction_flange(const geometry::SensorModel& sensor) {
   const geometry::Region& region = sensor.region;
-  const Vec2 centre_px{region.offset_u_px + 0.5 * region.width_px, region.offset_v_px + 0.5 * region.height_px};
+  const Vec2 centre_px{region.offset_u_px + 0.5 * region.width_px,
+                       region.offset_v_px + 0.5 * region.height_px};
   const Vec3 step_cam = geometry::triangulate(sensor.camera, sensor.laser_plane, centre_px + Vec2{0, 0.5}) -
                         geometry::triangulate(sensor.camera, sensor.laser_plane, centre_px - Vec2{0, 0.5});
   return (sensor.T_flange_cam.linear() * step_cam.normalized()).cast<float>();
@@ -21,8 +22,8 @@ std::size_t pixel_count(const geometry::Region& region) {
 
 }  // namespace
 
-ProfilePipeline::State::State(const Config& given, const geometry::SensorModel& sensor, stripe::PeakExtractor made_extractor,
-                              TriangulationTable made_table)
+ProfilePipeline::State::State(const Config& given, const geometry::SensorModel& sensor,
+                              stripe::PeakExtractor made_extractor, TriangulationTable made_table)
     : config{given},
       region{sensor.region},
       T_flange_cam{sensor.T_flange_cam.cast<float>()},
@@ -42,8 +43,8 @@ ProfilePipeline& ProfilePipeline::operator=(ProfilePipeline&&) noexcept = defaul
 ProfilePipeline::~ProfilePipeline() = default;
 
 Result<ProfilePipeline> ProfilePipeline::create(const Config& config, const geometry::SensorModel& sensor) {
-  BITELINE_ASSIGN(auto extractor,
-                  stripe::PeakExtractor::create(config.peaks, sensor.region.width_px, sensor.region.height_px));
+  BITELINE_ASSIGN(auto extractor, stripe::PeakExtractor::create(config.peaks, sensor.region.width_px,
+                                                                sensor.region.height_px));
   BITELINE_ASSIGN(auto table, TriangulationTable::create(sensor));
   return ProfilePipeline{std::make_unique<State>(config, sensor, std::move(extractor), std::move(table))};
 }

@@ -20,7 +20,8 @@ std::uint32_t profile_flags(std::uint32_t frame_flags) {
   return flags;
 }
 
-std::uint16_t point_flags(const stripe::Peak& peak, const stripe::ColumnPeaks& column, std::uint8_t selection_flags) {
+std::uint16_t point_flags(const stripe::Peak& peak, const stripe::ColumnPeaks& column,
+                          std::uint8_t selection_flags) {
   std::uint16_t flags = 0;
   if (peak.flags & stripe::k_peak_saturated) flags |= profile::k_point_saturated;
   if (peak.flags & stripe::k_peak_clipped) flags |= profile::k_point_clipped;
@@ -34,15 +35,18 @@ std::uint16_t point_flags(const stripe::Peak& peak, const stripe::ColumnPeaks& c
   return flags;
 }
 
-bool is_present(const ExposedStripe& stripe, std::size_t column) { return stripe.selection.columns[column].kept_index >= 0; }
+bool is_present(const ExposedStripe& stripe, std::size_t column) {
+  return stripe.selection.columns[column].kept_index >= 0;
+}
 
 const stripe::Peak& chosen_peak(const ExposedStripe& stripe, std::size_t column) {
-  return stripe.peaks.columns[column].kept[static_cast<std::size_t>(stripe.selection.columns[column].kept_index)];
+  return stripe.peaks.columns[column]
+      .kept[static_cast<std::size_t>(stripe.selection.columns[column].kept_index)];
 }
 
 /// The chosen peaks as a line, averaged along itself.  A peak that mixes surfaces or is none joins nothing.
-void rt_average_along_line(const stripe::LineAverage& average, ExposedStripe& stripe, std::span<stripe::LinePoint> work) noexcept
-    BITELINE_RT {
+void rt_average_along_line(const stripe::LineAverage& average, ExposedStripe& stripe,
+                           std::span<stripe::LinePoint> work) noexcept BITELINE_RT {
   const auto columns = static_cast<std::size_t>(stripe.peaks.column_count);
   bool previous_sound = false;
   for (std::size_t i = 0; i < columns; ++i) {
@@ -53,7 +57,8 @@ void rt_average_along_line(const stripe::LineAverage& average, ExposedStripe& st
       continue;
     }
     const stripe::Peak& peak = chosen_peak(stripe, i);
-    const bool sound = selected.flags == 0 && (peak.flags & (stripe::k_peak_clipped | stripe::k_peak_poor_fit)) == 0;
+    const bool sound =
+        selected.flags == 0 && (peak.flags & (stripe::k_peak_clipped | stripe::k_peak_poor_fit)) == 0;
     stripe.line[i] = {.row_px = peak.row_px,
                       .sigma_row_px = peak.sigma_row_px,
                       .present = true,
@@ -66,10 +71,11 @@ void rt_average_along_line(const stripe::LineAverage& average, ExposedStripe& st
 /// Puts points into a profile as long as there is room.
 class PointWriter {
  public:
-  PointWriter(const TriangulationTable& table, int offset_v_px, ProfileBuffer& out) : table_{table}, offset_v_px_{offset_v_px}, out_{out} {}
+  PointWriter(const TriangulationTable& table, int offset_v_px, ProfileBuffer& out)
+      : table_{table}, offset_v_px_{offset_v_px}, out_{out} {}
 
-  void rt_write(std::size_t column, const stripe::Peak& peak, const stripe::LinePoint& place, std::uint16_t flags,
-                std::uint8_t peak_count) noexcept BITELINE_RT {
+  void rt_write(std::size_t column, const stripe::Peak& peak, const stripe::LinePoint& place,
+                std::uint16_t flags, std::uint8_t peak_count) noexcept BITELINE_RT {
     if (out_.count == out_.points.size()) return;
     const TriangulationTable::Point triangulated = table_.rt_point(static_cast<int>(column), place.row_px);
     out_.points[out_.count++] = {.point_cam = triangulated.point_cam,
@@ -89,12 +95,14 @@ class PointWriter {
   ProfileBuffer& out_;
 };
 
-/// Per column the exposure whose peak says more: the longer one, unless it is saturated there and the shorter one is not.
+/// Per column the exposure whose peak says more: the longer one, unless it is saturated there and the shorter
+/// one is not.
 bool prefers_second(const ExposedStripe& first, const ExposedStripe& second, std::size_t column) {
   if (!is_present(second, column)) return false;
   if (!is_present(first, column)) return true;
   constexpr std::uint8_t k_bad = stripe::k_selection_reflection | stripe::k_selection_edge_mixed;
-  const bool first_bad = first.selection.columns[column].flags & k_bad, second_bad = second.selection.columns[column].flags & k_bad;
+  const bool first_bad = first.selection.columns[column].flags & k_bad,
+             second_bad = second.selection.columns[column].flags & k_bad;
   if (first_bad != second_bad) return first_bad;
   return (chosen_peak(second, column).flags & stripe::k_peak_saturated) == 0;
 }
@@ -116,7 +124,8 @@ bool ProfilePipeline::rt_process(const hal::FrameView& frame, ProfileBuffer& out
   // From one frame to one exposure's line.
   const auto expose = [&](ExposedStripe& stripe) {
     stripe::PixelView view{.pixels = frame.pixels.data(), .stride_bytes = frame.stride_bytes};
-    if (state.ambient_mid && std::chrono::abs(frame.exposure_mid - *state.ambient_mid) <= state.config.ambient_max_age) {
+    if (state.ambient_mid &&
+        std::chrono::abs(frame.exposure_mid - *state.ambient_mid) <= state.config.ambient_max_age) {
       const auto width = static_cast<std::size_t>(frame.width_px);
       stripe::rt_subtract_ambient({.lit = view,
                                    .dark = {.pixels = state.ambient.data(), .stride_bytes = width},
@@ -142,7 +151,8 @@ bool ProfilePipeline::rt_process(const hal::FrameView& frame, ProfileBuffer& out
   if (is_second) {
     expose(state.second);
     // A second without its first is a profile of its own.
-    rt_make_profile(state.first_waits ? state.first : state.second, state.first_waits ? &state.second : nullptr, out);
+    rt_make_profile(state.first_waits ? state.first : state.second,
+                    state.first_waits ? &state.second : nullptr, out);
     state.first_waits = false;
     return true;
   }
@@ -154,14 +164,15 @@ bool ProfilePipeline::rt_process(const hal::FrameView& frame, ProfileBuffer& out
   return alone;
 }
 
-void ProfilePipeline::rt_make_profile(const ExposedStripe& first, const ExposedStripe* second, ProfileBuffer& out) noexcept
-    BITELINE_RT {
+void ProfilePipeline::rt_make_profile(const ExposedStripe& first, const ExposedStripe* second,
+                                      ProfileBuffer& out) noexcept BITELINE_RT {
   State& state = *state_;
   out.header = {};
   out.header.sequence = state.next_sequence++;
   out.header.frame_sequence = first.frame_sequence;
   out.header.exposure_mid = first.exposure_mid;
-  out.header.flags = profile_flags(second != nullptr ? first.frame_flags | second->frame_flags : first.frame_flags);
+  out.header.flags =
+      profile_flags(second != nullptr ? first.frame_flags | second->frame_flags : first.frame_flags);
   if (second != nullptr) out.header.second_exposure_after = second->exposure_mid - first.exposure_mid;
   out.count = 0;
 
@@ -177,22 +188,25 @@ void ProfilePipeline::rt_make_profile(const ExposedStripe& first, const ExposedS
     const auto exposure_flag = static_cast<std::uint16_t>(
         (stripe.frame_flags & hal::k_frame_second_exposure) != 0 ? profile::k_point_second_exposure : 0);
     const stripe::Peak& chosen = chosen_peak(stripe, column);
-    const auto chosen_flags =
-        static_cast<std::uint16_t>(point_flags(chosen, peaks, stripe.selection.columns[column].flags) | exposure_flag);
+    const auto chosen_flags = static_cast<std::uint16_t>(
+        point_flags(chosen, peaks, stripe.selection.columns[column].flags) | exposure_flag);
     writer.rt_write(column, chosen, stripe.line[column], chosen_flags, peaks.seen_count);
     if (!state.config.keep_second_peaks || peaks.kept_count < 2) continue;
     const stripe::Peak& other = peaks.kept[stripe.selection.columns[column].kept_index == 0 ? 1 : 0];
     const auto other_flags =
         static_cast<std::uint16_t>(point_flags(other, peaks, stripe::k_selection_reflection) | exposure_flag);
-    writer.rt_write(column, other, {.row_px = other.row_px, .sigma_row_px = other.sigma_row_px}, other_flags, peaks.seen_count);
+    writer.rt_write(column, other, {.row_px = other.row_px, .sigma_row_px = other.sigma_row_px}, other_flags,
+                    peaks.seen_count);
   }
   if (static_cast<double>(surface_columns) < state.config.stripe_lost_ratio * static_cast<double>(columns)) {
     out.header.flags |= profile::k_profile_stripe_lost;
   }
 }
 
-bool ProfilePipeline::rt_pose_ready(const ProfileBuffer& profile, const PoseHistory& poses) const noexcept BITELINE_RT {
-  return poses.rt_covers(profile.header.exposure_mid + profile.header.second_exposure_after, state_->config.pose_smoothing);
+bool ProfilePipeline::rt_pose_ready(const ProfileBuffer& profile,
+                                    const PoseHistory& poses) const noexcept BITELINE_RT {
+  return poses.rt_covers(profile.header.exposure_mid + profile.header.second_exposure_after,
+                         state_->config.pose_smoothing);
 }
 
 void ProfilePipeline::rt_stamp(ProfileBuffer& profile, const PoseHistory& poses) const noexcept BITELINE_RT {
@@ -201,18 +215,22 @@ void ProfilePipeline::rt_stamp(ProfileBuffer& profile, const PoseHistory& poses)
   if (!poses.rt_pose_at(profile.header.exposure_mid, state.config.pose_smoothing, pose)) return;
   profile.header.T_base_flange = pose.T_base_flange;
   profile.header.pose_age = pose.age;
-  profile.header.flags &= ~static_cast<std::uint32_t>(profile::k_profile_pose_missing | profile::k_profile_pose_stale |
-                                                      profile::k_profile_pose_extrapolated);
+  profile.header.flags &= ~static_cast<std::uint32_t>(
+      profile::k_profile_pose_missing | profile::k_profile_pose_stale | profile::k_profile_pose_extrapolated);
   if (pose.stale) profile.header.flags |= profile::k_profile_pose_stale;
   if (pose.extrapolated) profile.header.flags |= profile::k_profile_pose_extrapolated;
 
   Eigen::Isometry3f T_first_second = Eigen::Isometry3f::Identity();
   if (profile.header.second_exposure_after.count() != 0) {
     geometry::PoseEstimate second;
-    if (!poses.rt_pose_at(profile.header.exposure_mid + profile.header.second_exposure_after, state.config.pose_smoothing, second)) return;
+    if (!poses.rt_pose_at(profile.header.exposure_mid + profile.header.second_exposure_after,
+                          state.config.pose_smoothing, second))
+      return;
     if (second.stale) profile.header.flags |= profile::k_profile_pose_stale;
     if (second.extrapolated) profile.header.flags |= profile::k_profile_pose_extrapolated;
-    T_first_second = ((pose.T_base_flange * state.T_flange_cam_exact).inverse() * second.T_base_flange * state.T_flange_cam_exact).cast<float>();
+    T_first_second = ((pose.T_base_flange * state.T_flange_cam_exact).inverse() * second.T_base_flange *
+                      state.T_flange_cam_exact)
+                         .cast<float>();
   }
 
   // Along the measuring direction: the flange's own scatter, and the orientation's at its lever.
@@ -221,8 +239,10 @@ void ProfilePipeline::rt_stamp(ProfileBuffer& profile, const PoseHistory& poses)
   for (std::size_t i = 0; i < profile.count; ++i) {
     ProfilePoint& point = profile.points[i];
     if (point.flags & profile::k_point_second_exposure) point.point_cam = T_first_second * point.point_cam;
-    const float lever_squared = (state.T_flange_cam * point.point_cam).cross(state.measuring_flange).squaredNorm();
-    point.sigma_mm = std::sqrt(point.sigma_mm * point.sigma_mm + place_variance + turn_variance * lever_squared);
+    const float lever_squared =
+        (state.T_flange_cam * point.point_cam).cross(state.measuring_flange).squaredNorm();
+    point.sigma_mm =
+        std::sqrt(point.sigma_mm * point.sigma_mm + place_variance + turn_variance * lever_squared);
   }
 }
 

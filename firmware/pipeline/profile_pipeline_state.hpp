@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Inside of ProfilePipeline: shared by its set-up (allocates) and its hot path (fenced), and by nobody else.
+/// \file Inside of ProfilePipeline: shared by its set-up (allocates) and its hot path (fenced), and by nobody
+/// else.
 
 #include <array>
 #include <optional>
@@ -25,7 +26,8 @@ struct ExposedStripe {
 };
 
 struct ProfilePipeline::State {
-  State(const Config& given, const geometry::SensorModel& sensor, stripe::PeakExtractor made_extractor, TriangulationTable made_table);
+  State(const Config& given, const geometry::SensorModel& sensor, stripe::PeakExtractor made_extractor,
+        TriangulationTable made_table);
 
   Config config;
   geometry::Region region;

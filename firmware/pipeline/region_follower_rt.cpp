@@ -15,13 +15,16 @@ constexpr double k_worth_ratio = 1.25;
 RegionFollower::RegionFollower(const Config& config)
     : config_{config}, end_row_px_{config.sensor_height_px}, seen_first_px_{config.sensor_height_px} {}
 
-RegionFollower::Proposal RegionFollower::rt_propose(int first_row_px, int end_row_px, bool searching) noexcept BITELINE_RT {
+RegionFollower::Proposal RegionFollower::rt_propose(int first_row_px, int end_row_px,
+                                                    bool searching) noexcept BITELINE_RT {
   const int step = config_.step_px;
   int first = std::max(0, first_row_px) / step * step;
   int end = std::min(config_.sensor_height_px, (end_row_px + step - 1) / step * step);
   if (end - first < config_.least_height_px) {
     const int middle = (first + end) / 2;
-    first = std::clamp(middle - config_.least_height_px / 2, 0, std::max(0, config_.sensor_height_px - config_.least_height_px)) / step * step;
+    first = std::clamp(middle - config_.least_height_px / 2, 0,
+                       std::max(0, config_.sensor_height_px - config_.least_height_px)) /
+            step * step;
     end = std::min(config_.sensor_height_px, first + config_.least_height_px);
   }
   const bool changed = first != first_row_px_ || end != end_row_px_;
@@ -34,10 +37,15 @@ RegionFollower::Proposal RegionFollower::rt_propose(int first_row_px, int end_ro
   }
   searching_ = searching;
   const Nanoseconds period = config_.frame_overhead + (end - first) * config_.row_time;
-  return {.offset_v_px = first, .height_px = end - first, .changed = changed, .searching = searching, .rate_max_hz = 1e9 / static_cast<double>(period.count())};
+  return {.offset_v_px = first,
+          .height_px = end - first,
+          .changed = changed,
+          .searching = searching,
+          .rate_max_hz = 1e9 / static_cast<double>(period.count())};
 }
 
-RegionFollower::Proposal RegionFollower::rt_update(const profile::ProfileBuffer& profile) noexcept BITELINE_RT {
+RegionFollower::Proposal RegionFollower::rt_update(const profile::ProfileBuffer& profile) noexcept
+    BITELINE_RT {
   if (profile.header.flags & profile::k_profile_stripe_lost) {
     if (++profiles_lost_ >= config_.profiles_to_lose) return rt_propose(0, config_.sensor_height_px, true);
     return rt_propose(first_row_px_, end_row_px_, searching_);
@@ -67,7 +75,8 @@ RegionFollower::Proposal RegionFollower::rt_update(const profile::ProfileBuffer&
   const bool too_large = end_row_px_ - first_row_px_ > static_cast<int>(k_worth_ratio * wanted_height);
   profiles_too_large_ = too_large ? profiles_too_large_ + 1 : 0;
   // Found again after a search: at once, since the whole height is slow.
-  if (too_large && (searching_ || profiles_too_large_ >= config_.profiles_to_shrink)) return rt_propose(wanted_first, wanted_end, false);
+  if (too_large && (searching_ || profiles_too_large_ >= config_.profiles_to_shrink))
+    return rt_propose(wanted_first, wanted_end, false);
   return rt_propose(first_row_px_, end_row_px_, false);
 }
 

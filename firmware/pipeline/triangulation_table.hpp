@@ -10,9 +10,10 @@
 
 namespace biteline::pipeline {
 
-/// Undistortion and plane intersection (method, stage 5: X = r d / (n . r)) in one look-up.  Per column and grid row the
-/// point itself and its derivative by row are kept; between grid rows a cubic Hermite step, whose error falls with the fourth power of the spacing
-/// (tests/unit/firmware/pipeline holds it to 0.1 um over the whole region).
+/// Undistortion and plane intersection (method, stage 5: X = r d / (n . r)) in one look-up.  Per column and
+/// grid row the point itself and its derivative by row are kept; between grid rows a cubic Hermite step,
+/// whose error falls with the fourth power of the spacing (tests/unit/firmware/pipeline holds it to 0.1 um
+/// over the whole region).
 ///
 /// Single precision: a point at 400 mm has steps of 0.03 um.  Thread: immutable.  RT: rt_ members.
 class TriangulationTable {
@@ -21,8 +22,8 @@ class TriangulationTable {
   [[nodiscard]] static Result<TriangulationTable> create(const geometry::SensorModel& sensor);
 
   struct Point {
-    Eigen::Vector3f point_cam;   ///< mm
-    float mm_per_row;            ///< length moved along the plane per pixel of row: what sigma_row_px is multiplied by
+    Eigen::Vector3f point_cam;  ///< mm
+    float mm_per_row;  ///< length moved along the plane per pixel of row: what sigma_row_px is multiplied by
   };
 
   /// `row_px` in the region, sub-pixel, clamped to it.  Pre: 0 <= column < width.

@@ -9,7 +9,8 @@ TriangulationTable::Point TriangulationTable::rt_point(int column, float row_px)
   const float position = std::clamp(row_px / static_cast<float>(k_rows_per_node), 0.0F,
                                     static_cast<float>(nodes_per_column_ - 1));
   const int node = std::min(static_cast<int>(position), nodes_per_column_ - 2);
-  const Node* nodes = nodes_.data() + static_cast<std::size_t>(column) * static_cast<std::size_t>(nodes_per_column_) +
+  const Node* nodes = nodes_.data() +
+                      static_cast<std::size_t>(column) * static_cast<std::size_t>(nodes_per_column_) +
                       static_cast<std::size_t>(node);
   // Cubic Hermite on [0, 1], written from the nearer node so that rounding stays that of small steps.
   const float t = position - static_cast<float>(node), s = 1 - t;

@@ -23,8 +23,8 @@ namespace {
 const cv::Size k_board{9, 6};
 constexpr float k_pitch_mm = 5;
 
-/// What a red bandpass filter before a monochrome camera would leave: red less the lamp's light, which green shows. The
-/// laser shows in green too where it saturates; an opening taller than the stripe takes that away.
+/// What a red bandpass filter before a monochrome camera would leave: red less the lamp's light, which green
+/// shows. The laser shows in green too where it saturates; an opening taller than the stripe takes that away.
 cv::Mat filtered(const cv::Mat& colour) {
   std::vector<cv::Mat> channels;
   cv::split(colour, channels);
@@ -35,22 +35,25 @@ cv::Mat filtered(const cv::Mat& colour) {
 }
 
 struct View {
-  cv::Mat picture;               ///< filtered
+  cv::Mat picture;  ///< filtered
   std::vector<cv::Point2f> corners;
   cv::Mat R_cam_board, t_cam_board_mm;
-  std::vector<Vec2> stripe_px;   ///< unflagged peaks
+  std::vector<Vec2> stripe_px;  ///< unflagged peaks
   [[nodiscard]] Vec3 normal() const {
     return {R_cam_board.at<double>(0, 2), R_cam_board.at<double>(1, 2), R_cam_board.at<double>(2, 2)};
   }
   [[nodiscard]] double distance_mm() const {
-    return normal().dot(Vec3{t_cam_board_mm.at<double>(0), t_cam_board_mm.at<double>(1), t_cam_board_mm.at<double>(2)});
+    return normal().dot(
+        Vec3{t_cam_board_mm.at<double>(0), t_cam_board_mm.at<double>(1), t_cam_board_mm.at<double>(2)});
   }
 };
 
 std::vector<Vec2> find_stripe(const cv::Mat& picture) {
   const auto peaks = std::make_unique<Peaks>();
   const auto selection = std::make_unique<Selection>();
-  auto extractor = PeakExtractor::create({.threshold_grey = 20, .width_max_px = 40, .noise = {.speckle_contrast = 0.3F}}, picture.cols, picture.rows);
+  auto extractor =
+      PeakExtractor::create({.threshold_grey = 20, .width_max_px = 40, .noise = {.speckle_contrast = 0.3F}},
+                            picture.cols, picture.rows);
   CHECK(extractor.has_value());
   const auto selector = std::make_unique<PeakSelector>(SelectorConfig{});
   extractor->rt_extract({.pixels = picture.data, .stride_bytes = picture.step}, *peaks);
@@ -71,11 +74,13 @@ bool find_corners(const cv::Mat& colour, std::vector<cv::Point2f>& corners) {
   cv::extractChannel(colour, green, 1);
   if (cv::mean(green)[0] < 10) return false;  // taken in the dark, for the stripe alone
   cv::equalizeHist(green, even);
-  if (!cv::findChessboardCorners(even, k_board, corners, cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE) &&
+  if (!cv::findChessboardCorners(even, k_board, corners,
+                                 cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE) &&
       !cv::findChessboardCornersSB(green, k_board, corners, cv::CALIB_CB_NORMALIZE_IMAGE)) {
     return false;
   }
-  cv::cornerSubPix(green, corners, {5, 5}, {-1, -1}, {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 50, 1e-3});
+  cv::cornerSubPix(green, corners, {5, 5}, {-1, -1},
+                   {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 50, 1e-3});
   return true;
 }
 
@@ -88,7 +93,8 @@ geometry::LaserPlane least_squares_plane(const std::vector<Vec3>& points) {
   return {.normal_cam = normal, .distance_mm = normal.dot(mean)};
 }
 
-/// The plane that most points lie near (random sampling, Fischler and Bolles 1981), then least squares over those.
+/// The plane that most points lie near (random sampling, Fischler and Bolles 1981), then least squares over
+/// those.
 geometry::LaserPlane fit_plane(const std::vector<Vec3>& points) {
   constexpr double k_near_mm = 0.4;
   std::mt19937_64 random{3};
@@ -115,11 +121,14 @@ geometry::LaserPlane fit_plane(const std::vector<Vec3>& points) {
 
 }  // namespace
 
-TEST_GROUP(StripePhotographs) {
-  void setup() override { cv::setNumThreads(1); }
-  // OpenCV's own solvers underflow on their way.
-  void teardown() override { std::feclearexcept(FE_UNDERFLOW); }
-};
+TEST_GROUP(StripePhotographs){void setup() override{cv::setNumThreads(1);
+}  // namespace biteline::stripe
+// OpenCV's own solvers underflow on their way.
+void teardown() override {
+  std::feclearexcept(FE_UNDERFLOW);
+}
+}
+;
 
 TEST(StripePhotographs, StripeOnAChessboardLiesInTheBoardsPlane) {
   BITELINE_SHARED_DATA_OR_SKIP(root, "stripes/blaser_ur5e_640");
@@ -127,7 +136,8 @@ TEST(StripePhotographs, StripeOnAChessboardLiesInTheBoardsPlane) {
   std::vector<std::vector<cv::Point2f>> corners;
   cv::Size size;
   for (int i = 0; i < 25; ++i) {
-    const cv::Mat colour = cv::imread((root / ("im" + std::to_string(i) + ".png")).string(), cv::IMREAD_COLOR);
+    const cv::Mat colour =
+        cv::imread((root / ("im" + std::to_string(i) + ".png")).string(), cv::IMREAD_COLOR);
     CHECK(!colour.empty());
     size = colour.size();
     View view;
@@ -139,12 +149,22 @@ TEST(StripePhotographs, StripeOnAChessboardLiesInTheBoardsPlane) {
   }
   CHECK(views.size() >= 10);
   std::vector<cv::Point3f> board;
-  for (int k = 0; k < k_board.area(); ++k) board.push_back({k_pitch_mm * static_cast<float>(k % k_board.width), k_pitch_mm * static_cast<float>(k / k_board.width), 0});
+  for (int k = 0; k < k_board.area(); ++k)
+    board.push_back({k_pitch_mm * static_cast<float>(k % k_board.width),
+                     k_pitch_mm * static_cast<float>(k / k_board.width), 0});
   cv::Mat K, D;
   std::vector<cv::Mat> rotations, translations;
-  cv::calibrateCamera(std::vector<std::vector<cv::Point3f>>(views.size(), board), corners, size, K, D, rotations, translations, cv::CALIB_FIX_K3 | cv::CALIB_ZERO_TANGENT_DIST);
-  geometry::Camera camera{.fu_px = K.at<double>(0, 0), .fv_px = K.at<double>(1, 1), .cu_px = K.at<double>(0, 2), .cv_px = K.at<double>(1, 2),
-                          .k1 = D.at<double>(0), .k2 = D.at<double>(1), .p1 = D.at<double>(2), .p2 = D.at<double>(3), .k3 = D.at<double>(4)};
+  cv::calibrateCamera(std::vector<std::vector<cv::Point3f>>(views.size(), board), corners, size, K, D,
+                      rotations, translations, cv::CALIB_FIX_K3 | cv::CALIB_ZERO_TANGENT_DIST);
+  geometry::Camera camera{.fu_px = K.at<double>(0, 0),
+                          .fv_px = K.at<double>(1, 1),
+                          .cu_px = K.at<double>(0, 2),
+                          .cv_px = K.at<double>(1, 2),
+                          .k1 = D.at<double>(0),
+                          .k2 = D.at<double>(1),
+                          .p1 = D.at<double>(2),
+                          .p2 = D.at<double>(3),
+                          .k3 = D.at<double>(4)};
   for (std::size_t i = 0; i < views.size(); ++i) {
     cv::Rodrigues(rotations[i], views[i].R_cam_board);
     views[i].t_cam_board_mm = translations[i];
@@ -167,25 +187,29 @@ TEST(StripePhotographs, StripeOnAChessboardLiesInTheBoardsPlane) {
     std::vector<bool> has_point(static_cast<std::size_t>(size.width), false);
     double view_mm2 = 0;
     for (const Vec2& pixel : view.stripe_px) {
-      const double distance_mm = view.normal().dot(geometry::triangulate(camera, plane, pixel)) - view.distance_mm();
+      const double distance_mm =
+          view.normal().dot(geometry::triangulate(camera, plane, pixel)) - view.distance_mm();
       view_mm2 += distance_mm * distance_mm;
       has_point[static_cast<std::size_t>(pixel.x())] = true;
     }
     sum_mm2 += view_mm2;
     count += view.stripe_px.size();
-    // Where both planes meet the stripe must be; it is visible where the picture is brighter there than the threshold.
+    // Where both planes meet the stripe must be; it is visible where the picture is brighter there than the
+    // threshold.
     std::size_t view_visible = 0, view_found = 0;
     for (int u = 0; u < size.width; ++u) {
       int row = -1;
       double least_mm = 1e9;
       for (int v = 3; v < size.height - 3; ++v) {
-        const Vec3 point = geometry::triangulate(camera, plane, {static_cast<double>(u), static_cast<double>(v)});
+        const Vec3 point =
+            geometry::triangulate(camera, plane, {static_cast<double>(u), static_cast<double>(v)});
         const double distance_mm = std::fabs(view.normal().dot(point) - view.distance_mm());
         if (point.z() > 0 && distance_mm < least_mm) least_mm = distance_mm, row = v;
       }
       if (row < 0) continue;
       int brightest = 0;
-      for (int v = row - 3; v <= row + 3; ++v) brightest = std::max<int>(brightest, view.picture.at<std::uint8_t>(v, u));
+      for (int v = row - 3; v <= row + 3; ++v)
+        brightest = std::max<int>(brightest, view.picture.at<std::uint8_t>(v, u));
       if (brightest < 60) continue;
       ++view_visible;
       view_found += has_point[static_cast<std::size_t>(u)] ? 1U : 0U;
@@ -195,21 +219,23 @@ TEST(StripePhotographs, StripeOnAChessboardLiesInTheBoardsPlane) {
   }
   const double rms_mm = std::sqrt(sum_mm2 / static_cast<double>(count));
   const double share = static_cast<double>(found) / static_cast<double>(visible);
-  // What is left is not the peaks': one pixel is 0.3 to 0.5 mm of distance here, twelve small chessboards fix the camera to
-  // 0.34 px, and beside black squares the paper's own scatter shifts the light by a pixel or two.
+  // What is left is not the peaks': one pixel is 0.3 to 0.5 mm of distance here, twelve small chessboards fix
+  // the camera to 0.34 px, and beside black squares the paper's own scatter shifts the light by a pixel or
+  // two.
   CHECK_TEXT(rms_mm < 0.8, StringFromFormat("rms %.3f mm", rms_mm).asCharString());
   CHECK_TEXT(share > 0.95, StringFromFormat("share %.3f", share).asCharString());
 }
 
 TEST(StripePhotographs, StripeOnAPlaneInTheDarkIsStraight) {
-  // The board's plane meets the laser's in a straight line, whatever the camera's pose; its distortion is below 0.2 px over
-  // the stripes' length here.
+  // The board's plane meets the laser's in a straight line, whatever the camera's pose; its distortion is
+  // below 0.2 px over the stripes' length here.
   BITELINE_SHARED_DATA_OR_SKIP(root, "stripes/blaser_ur5e_640");
   double sum_px2 = 0;
   std::size_t count = 0;
   int sharp = 0;
   for (int i = 13; i < 24; ++i) {
-    const cv::Mat colour = cv::imread((root / ("im" + std::to_string(i) + ".png")).string(), cv::IMREAD_COLOR);
+    const cv::Mat colour =
+        cv::imread((root / ("im" + std::to_string(i) + ".png")).string(), cv::IMREAD_COLOR);
     CHECK(!colour.empty());
     cv::Mat red;
     cv::extractChannel(colour, red, 2);
@@ -228,7 +254,8 @@ TEST(StripePhotographs, StripeOnAPlaneInTheDarkIsStraight) {
       }
       line = normal.inverse() * right;
     }
-    // Four were exposed until the stripe was a white blob with a red halo: those must be found, and are no measure.
+    // Four were exposed until the stripe was a white blob with a red halo: those must be found, and are no
+    // measure.
     cv::Mat full;
     cv::compare(red, 240, full, cv::CMP_GE);
     double view_px2 = 0;

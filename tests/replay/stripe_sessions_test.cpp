@@ -35,15 +35,18 @@ CloudQuality replay(const std::filesystem::path& root, std::size_t step) {
   CHECK(sut.has_value());
   const auto poses = std::make_unique<PoseHistory>();
   for (const session::StampedPose& pose : recorded->poses) {
-    poses->rt_push({.stamp = to_sensor_clock(pose.stamp, recorded->sensor.pose_clock_offset), .T_base_flange = pose.T_base_flange});
+    poses->rt_push({.stamp = to_sensor_clock(pose.stamp, recorded->sensor.pose_clock_offset),
+                    .T_base_flange = pose.T_base_flange});
   }
   const geometry::Region& region = recorded->sensor.region;
-  std::vector<std::uint8_t> pixels(static_cast<std::size_t>(region.width_px) * static_cast<std::size_t>(region.height_px));
+  std::vector<std::uint8_t> pixels(static_cast<std::size_t>(region.width_px) *
+                                   static_cast<std::size_t>(region.height_px));
   const auto profile = std::make_unique<profile::ProfileBuffer>();
   std::vector<double> distances_mm;
   CloudQuality quality;
   for (std::size_t i = 0; i < recorded->frames.size(); i += step) {
-    CHECK(image::read_png_into(recorded->frames[i].file, region.width_px, region.height_px, pixels).has_value());
+    CHECK(image::read_png_into(recorded->frames[i].file, region.width_px, region.height_px, pixels)
+              .has_value());
     sut->rt_process({.pixels = pixels,
                      .width_px = region.width_px,
                      .height_px = region.height_px,
@@ -76,8 +79,9 @@ CloudQuality replay(const std::filesystem::path& root, std::size_t step) {
 }
 
 void check_quality(const CloudQuality& quality) {
-  const auto text = StringFromFormat("rms %.5f p99.9 %.4f worst %.3f mm, normalised %.2f, %zu points", quality.rms_mm, quality.abs_p999_mm,
-                                     quality.worst_mm, quality.normalised_variance, quality.points);
+  const auto text =
+      StringFromFormat("rms %.5f p99.9 %.4f worst %.3f mm, normalised %.2f, %zu points", quality.rms_mm,
+                       quality.abs_p999_mm, quality.worst_mm, quality.normalised_variance, quality.points);
   // The bars of the product: a plain centre of gravity with unsmoothed poses reaches 0.0124 and 0.042.
   CHECK_TEXT(quality.rms_mm < 0.0080, text.asCharString());
   CHECK_TEXT(quality.abs_p999_mm < 0.030, text.asCharString());

@@ -10,7 +10,8 @@
 
 #include "firmware/pipeline/profile_pipeline.hpp"
 
-// Every allocation of this program is counted: glibc's own entry points are replaced, so malloc of C code counts too.
+// Every allocation of this program is counted: glibc's own entry points are replaced, so malloc of C code
+// counts too.
 namespace {
 std::atomic<long> g_allocations{0};
 }
@@ -19,7 +20,9 @@ void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* old, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
-void* malloc(std::size_t size) { return g_allocations.fetch_add(1, std::memory_order_relaxed), __libc_malloc(size); }
+void* malloc(std::size_t size) {
+  return g_allocations.fetch_add(1, std::memory_order_relaxed), __libc_malloc(size);
+}
 void* calloc(std::size_t count, std::size_t size) {
   return g_allocations.fetch_add(1, std::memory_order_relaxed), __libc_calloc(count, size);
 }
@@ -39,13 +42,21 @@ TEST_GROUP(MallocGuard) {
 
   static geometry::SensorModel sensor() {
     geometry::SensorModel model;
-    model.camera = {.fu_px = 2700, .fv_px = 2700, .cu_px = 128, .cv_px = 48, .k1 = -0.1, .k2 = 0, .p1 = 0, .p2 = 0, .k3 = 0};
+    model.camera = {.fu_px = 2700,
+                    .fv_px = 2700,
+                    .cu_px = 128,
+                    .cv_px = 48,
+                    .k1 = -0.1,
+                    .k2 = 0,
+                    .p1 = 0,
+                    .p2 = 0,
+                    .k3 = 0};
     model.laser_plane = {.normal_cam = Vec3{0, 0.7071, -0.7071}.normalized(), .distance_mm = -200};
     model.region = {.offset_u_px = 0, .offset_v_px = 0, .width_px = k_width_px, .height_px = k_height_px};
     return model;
   }
 
-  static void draw(std::vector<std::uint8_t>& pixels, int frame) {
+  static void draw(std::vector<std::uint8_t> & pixels, int frame) {
     for (int u = 0; u < k_width_px; ++u) {
       const double row_px = 40 + 20 * std::sin(0.02 * u + 0.1 * frame);
       for (int v = 0; v < k_height_px; ++v) {

@@ -20,7 +20,8 @@ struct MadeStripe {
   double sigma_px{2.1};
   double amplitude{180};
   double background{0};
-  NoiseModel noise{.read_noise_grey = 0.8F, .gain_grey_per_electron = 0.02F, .speckle_contrast = 0, .speckle_grain_px = 1};
+  NoiseModel noise{
+      .read_noise_grey = 0.8F, .gain_grey_per_electron = 0.02F, .speckle_contrast = 0, .speckle_grain_px = 1};
   std::function<double(int)> row_px{[](int) { return 60.0; }};
 };
 
@@ -30,13 +31,15 @@ inline void add_stripe(const MadeStripe& made, std::vector<double>& mean) {
     const double centre = made.row_px(u);
     for (int v = 0; v < made.height_px; ++v) {
       const double x = (v - centre) / made.sigma_px;
-      if (std::fabs(x) < 6) mean[static_cast<std::size_t>(v * made.width_px + u)] += made.amplitude * std::exp(-0.5 * x * x);
+      if (std::fabs(x) < 6)
+        mean[static_cast<std::size_t>(v * made.width_px + u)] += made.amplitude * std::exp(-0.5 * x * x);
     }
   }
 }
 
 /// Read noise, shot noise, speckle independent from pixel to pixel, then eight bits.
-inline std::vector<std::uint8_t> expose(const MadeStripe& made, const std::vector<double>& mean, std::mt19937_64& random) {
+inline std::vector<std::uint8_t> expose(const MadeStripe& made, const std::vector<double>& mean,
+                                        std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   std::vector<std::uint8_t> pixels(mean.size());
   for (std::size_t i = 0; i < mean.size(); ++i) {
@@ -55,8 +58,9 @@ inline std::vector<std::uint8_t> picture(const MadeStripe& made, std::mt19937_64
   return expose(made, mean, random);
 }
 
-/// Cramer-Rao bound on the row of one column, px: 1 / sqrt(sum (dm/dc)^2 / variance), over pixels below full scale
-/// (Kay 1993, Estimation Theory, eq. (3.31) for independent Gaussian noise; quantisation adds 1/12 to the read noise).
+/// Cramer-Rao bound on the row of one column, px: 1 / sqrt(sum (dm/dc)^2 / variance), over pixels below full
+/// scale (Kay 1993, Estimation Theory, eq. (3.31) for independent Gaussian noise; quantisation adds 1/12 to
+/// the read noise).
 inline double cramer_rao_px(const MadeStripe& made, double centre) {
   double information = 0;
   for (int v = 0; v < made.height_px; ++v) {
@@ -65,8 +69,8 @@ inline double cramer_rao_px(const MadeStripe& made, double centre) {
     const double m = made.amplitude * std::exp(-0.5 * x * x), slope = m * x / made.sigma_px;
     if (made.background + m > 254.5) continue;
     information += slope * slope /
-                   (std::pow(made.noise.read_noise_grey, 2) + 1.0 / 12 + made.noise.gain_grey_per_electron * m +
-                    std::pow(made.noise.speckle_contrast * m, 2));
+                   (std::pow(made.noise.read_noise_grey, 2) + 1.0 / 12 +
+                    made.noise.gain_grey_per_electron * m + std::pow(made.noise.speckle_contrast * m, 2));
   }
   return 1 / std::sqrt(information);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Speed of the peak extraction against memory and against what a user could put together: one thread, frames streamed
-// from a set larger than the caches, ours and the peers in turn on the same frames.
+// Speed of the peak extraction against memory and against what a user could put together: one thread, frames
+// streamed from a set larger than the caches, ours and the peers in turn on the same frames.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -18,10 +18,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 /// Pixels per second, best of three rounds: other processes only ever slow one down.
-double best_rate(const StreamedFrames& frames, std::size_t frame_count, const std::function<void(const std::uint8_t*)>& work) {
+double best_rate(const StreamedFrames& frames, std::size_t frame_count,
+                 const std::function<void(const std::uint8_t*)>& work) {
   double best = 0;
   for (int round = 0; round < 3; ++round) {
     const auto start = Clock::now();
@@ -31,10 +34,12 @@ double best_rate(const StreamedFrames& frames, std::size_t frame_count, const st
   return best;
 }
 
-void row(const char* what, const char* size, double ours, const char* peer, double peer_value, double target) {
-  std::printf("{\"bench\":\"stripe.extract\",\"what\":\"%s, %s\",\"ours\":%.4g,\"peer\":\"%s\",\"peer_value\":%.4g,"
-              "\"unit\":\"Gpixel/s\",\"ratio\":%.4g,\"target\":%g}\n",
-              what, size, 1e-9 * ours, peer, 1e-9 * peer_value, ours / peer_value, target);
+void row(const char* what, const char* size, double ours, const char* peer, double peer_value,
+         double target) {
+  std::printf(
+      "{\"bench\":\"stripe.extract\",\"what\":\"%s, %s\",\"ours\":%.4g,\"peer\":\"%s\",\"peer_value\":%.4g,"
+      "\"unit\":\"Gpixel/s\",\"ratio\":%.4g,\"target\":%g}\n",
+      what, size, 1e-9 * ours, peer, 1e-9 * peer_value, ours / peer_value, target);
   std::fflush(stdout);
 }
 
@@ -53,7 +58,8 @@ int compare_speed(StreamedFrames::Size size) {
   std::uint64_t sum = 0;
   const auto read = [&](const std::uint8_t* pixels) { sum += sum_of_bytes({pixels, frames.frame_bytes()}); };
   const auto ours = [&](const std::uint8_t* pixels) {
-    extractor->rt_extract({.pixels = pixels, .stride_bytes = static_cast<std::size_t>(size.width_px)}, *peaks);
+    extractor->rt_extract({.pixels = pixels, .stride_bytes = static_cast<std::size_t>(size.width_px)},
+                          *peaks);
   };
   // Ours and the reading in turn, so that a slow moment of the machine meets both.
   double reading = 0, extracting = 0;
@@ -63,7 +69,9 @@ int compare_speed(StreamedFrames::Size size) {
   }
   row("full default extraction", name, extracting, "reading (sum of bytes)", reading, 0.6);
   row("full default extraction", name, extracting, "hand argmax + centre of gravity",
-      best_rate(frames, frames.count(), [&](const std::uint8_t* p) { argmax_and_gravity(peer_frame(p), rows); }), 0);
+      best_rate(frames, frames.count(),
+                [&](const std::uint8_t* p) { argmax_and_gravity(peer_frame(p), rows); }),
+      0);
   row("full default extraction", name, extracting, "OpenCV blur + argmax + centre of gravity",
       best_rate(frames, 40, [&](const std::uint8_t* p) { opencv_gravity(peer_frame(p), rows); }), 10);
   row("full default extraction", name, extracting, "OpenCV Steger",
@@ -71,7 +79,8 @@ int compare_speed(StreamedFrames::Size size) {
   return sum == 0 ? 1 : 0;
 }
 
-/// From the frame's last byte in memory to the finished profile: peaks, choice, averaging, triangulation, pose.
+/// From the frame's last byte in memory to the finished profile: peaks, choice, averaging, triangulation,
+/// pose.
 int latency() {
   const StreamedFrames::Size size{.width_px = 1626, .height_px = 1236};
   const StreamedFrames frames{size};
@@ -102,7 +111,10 @@ int latency() {
   }
   std::sort(latency_us.begin(), latency_us.end());
   const auto print = [](const char* what, double value_us) {
-    std::printf("{\"bench\":\"stripe.latency\",\"what\":\"frame 1626 x 1236 to profile, %s of 100000\",\"ours\":%.4g,\"unit\":\"us\"}\n", what, value_us);
+    std::printf(
+        "{\"bench\":\"stripe.latency\",\"what\":\"frame 1626 x 1236 to profile, %s of "
+        "100000\",\"ours\":%.4g,\"unit\":\"us\"}\n",
+        what, value_us);
   };
   print("median", latency_us[k_frames / 2]);
   print("99.9th percentile", latency_us[k_frames - k_frames / 1000]);

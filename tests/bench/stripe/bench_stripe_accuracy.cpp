@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Accuracy of the peaks on made stripes with known rows: against the Cramer-Rao bound of the same noise model, against
-// Steger's detector under speckle, and whether the reported standard deviations are honest.
+// Accuracy of the peaks on made stripes with known rows: against the Cramer-Rao bound of the same noise
+// model, against Steger's detector under speckle, and whether the reported standard deviations are honest.
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -36,13 +36,16 @@ struct Scores {
   Score single, averaged, steger;
 };
 
-double row_of(int picture, int u) { return 35.0 + 0.37 * picture + 0.0371 * u; }
+double row_of(int picture, int u) {
+  return 35.0 + 0.37 * picture + 0.0371 * u;
+}
 
 Scores measure(MadeStripe made, float neighbour_correlation) {
   std::mt19937_64 random{17};
   made.width_px = k_width_px;
   made.height_px = k_height_px;
-  auto extractor = stripe::PeakExtractor::create({.threshold_grey = 8, .noise = made.noise}, k_width_px, k_height_px);
+  auto extractor =
+      stripe::PeakExtractor::create({.threshold_grey = 8, .noise = made.noise}, k_width_px, k_height_px);
   const stripe::LineAverage average{{.neighbour_correlation = neighbour_correlation}};
   const auto peaks = std::make_unique<stripe::Peaks>();
   std::vector<stripe::LinePoint> line(k_width_px), work(k_width_px);
@@ -60,16 +63,23 @@ Scores measure(MadeStripe made, float neighbour_correlation) {
         continue;
       }
       const stripe::Peak& peak = column.kept[0];
-      line[u] = {.row_px = peak.row_px, .sigma_row_px = peak.sigma_row_px, .present = true, .joined = u > 0 && line[u - 1].present};
-      scores.single.add(static_cast<double>(peak.row_px) - row_of(picture, static_cast<int>(u)), static_cast<double>(peak.sigma_row_px));
+      line[u] = {.row_px = peak.row_px,
+                 .sigma_row_px = peak.sigma_row_px,
+                 .present = true,
+                 .joined = u > 0 && line[u - 1].present};
+      scores.single.add(static_cast<double>(peak.row_px) - row_of(picture, static_cast<int>(u)),
+                        static_cast<double>(peak.sigma_row_px));
     }
     average.rt_average(line, work);
-    opencv_steger({.pixels = pixels.data(), .width_px = k_width_px, .height_px = k_height_px}, made.sigma_px, steger);
+    opencv_steger({.pixels = pixels.data(), .width_px = k_width_px, .height_px = k_height_px}, made.sigma_px,
+                  steger);
     for (std::size_t u = 16; u < k_width_px - 16; ++u) {
       if (line[u].present) {
-        scores.averaged.add(static_cast<double>(line[u].row_px) - row_of(picture, static_cast<int>(u)), static_cast<double>(line[u].sigma_row_px));
+        scores.averaged.add(static_cast<double>(line[u].row_px) - row_of(picture, static_cast<int>(u)),
+                            static_cast<double>(line[u].sigma_row_px));
       }
-      if (steger[u] >= 0) scores.steger.add(static_cast<double>(steger[u]) - row_of(picture, static_cast<int>(u)), 1);
+      if (steger[u] >= 0)
+        scores.steger.add(static_cast<double>(steger[u]) - row_of(picture, static_cast<int>(u)), 1);
     }
   }
   return scores;
@@ -81,18 +91,24 @@ double bound_px(const MadeStripe& made) {
   tall.height_px = k_height_px;
   double sum = 0;
   constexpr int k_phases = 32;
-  for (int i = 0; i < k_phases; ++i) sum += std::pow(stripe::test::cramer_rao_px(tall, 45 + static_cast<double>(i) / k_phases), 2) / k_phases;
+  for (int i = 0; i < k_phases; ++i)
+    sum += std::pow(stripe::test::cramer_rao_px(tall, 45 + static_cast<double>(i) / k_phases), 2) / k_phases;
   return std::sqrt(sum);
 }
 
 void row(const char* what, double ours, const char* peer, double peer_value, double target) {
-  std::printf("{\"bench\":\"stripe.accuracy\",\"what\":\"%s\",\"ours\":%.4g,\"peer\":\"%s\",\"peer_value\":%.4g,\"unit\":\"px\","
-              "\"ratio\":%.4g,\"target\":%g}\n", what, ours, peer, peer_value, ours / peer_value, target);
+  std::printf(
+      "{\"bench\":\"stripe.accuracy\",\"what\":\"%s\",\"ours\":%.4g,\"peer\":\"%s\",\"peer_value\":%.4g,"
+      "\"unit\":\"px\","
+      "\"ratio\":%.4g,\"target\":%g}\n",
+      what, ours, peer, peer_value, ours / peer_value, target);
 }
 
 void honesty(const char* what, double normalised) {
-  std::printf("{\"bench\":\"stripe.honesty\",\"what\":\"variance of error over sigma, %s\",\"ours\":%.4g,\"unit\":\"1\",\"target\":\"0.8 to 1.25\"}\n",
-              what, normalised);
+  std::printf(
+      "{\"bench\":\"stripe.honesty\",\"what\":\"variance of error over sigma, "
+      "%s\",\"ours\":%.4g,\"unit\":\"1\",\"target\":\"0.8 to 1.25\"}\n",
+      what, normalised);
 }
 
 }  // namespace
@@ -124,7 +140,8 @@ int main() {
   speckled.noise.speckle_contrast = 0.25F;
   const Scores scores = measure(speckled, 0);
   row("speckle 0.25, single column", scores.single.rms_px(), "Cramer-Rao bound", bound_px(speckled), 0);
-  row("speckle 0.25, averaged along the line", scores.averaged.rms_px(), "OpenCV Steger", scores.steger.rms_px(), 1);
+  row("speckle 0.25, averaged along the line", scores.averaged.rms_px(), "OpenCV Steger",
+      scores.steger.rms_px(), 1);
   honesty("speckle 0.25, single column", scores.single.normalised());
   honesty("speckle 0.25, averaged", scores.averaged.normalised());
 }

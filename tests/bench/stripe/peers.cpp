@@ -16,7 +16,8 @@ constexpr float k_threshold_grey = 12;
 template <class Pixel>
 float gravity(const cv::Mat& picture, int column, int top) {
   float sum = 0, moment = 0;
-  for (int row = std::max(0, top - k_half_window); row <= std::min(picture.rows - 1, top + k_half_window); ++row) {
+  for (int row = std::max(0, top - k_half_window); row <= std::min(picture.rows - 1, top + k_half_window);
+       ++row) {
     const auto grey = static_cast<float>(picture.at<Pixel>(row, column));
     sum += grey;
     moment += grey * static_cast<float>(row);
@@ -36,7 +37,8 @@ void opencv_gravity(const PeerFrame& frame, std::span<float> row_px) {
   cv::reduceArgMax(blurred, top, 0);
   for (int column = 0; column < frame.width_px; ++column) {
     const bool lit = static_cast<float>(maximum.at<std::uint8_t>(0, column)) >= k_threshold_grey;
-    row_px[static_cast<std::size_t>(column)] = lit ? gravity<std::uint8_t>(blurred, column, top.at<int>(0, column)) : -1.0F;
+    row_px[static_cast<std::size_t>(column)] =
+        lit ? gravity<std::uint8_t>(blurred, column, top.at<int>(0, column)) : -1.0F;
   }
 }
 
@@ -48,7 +50,8 @@ void opencv_steger(const PeerFrame& frame, double sigma_px, std::span<float> row
     const double value = std::exp(-0.5 * i * i / (sigma_px * sigma_px)) / (std::sqrt(2 * CV_PI) * sigma_px);
     g.at<float>(i + half) = static_cast<float>(value);
     g1.at<float>(i + half) = static_cast<float>(value * i / (sigma_px * sigma_px));
-    g2.at<float>(i + half) = static_cast<float>(value * (i * i / std::pow(sigma_px, 4) - 1 / (sigma_px * sigma_px)));
+    g2.at<float>(i + half) =
+        static_cast<float>(value * (i * i / std::pow(sigma_px, 4) - 1 / (sigma_px * sigma_px)));
   }
   cv::Mat rx, ry, rxx, rxy, ryy;
   cv::sepFilter2D(picture, rx, CV_32F, g1, g);
@@ -61,7 +64,8 @@ void opencv_steger(const PeerFrame& frame, double sigma_px, std::span<float> row
   std::fill(row_px.begin(), row_px.end(), -1.0F);
   for (int row = 0; row < frame.height_px; ++row) {
     for (int column = 0; column < frame.width_px; ++column) {
-      const float a = rxx.at<float>(row, column), b = rxy.at<float>(row, column), c = ryy.at<float>(row, column);
+      const float a = rxx.at<float>(row, column), b = rxy.at<float>(row, column),
+                  c = ryy.at<float>(row, column);
       // Eigenvalue of largest magnitude, and its vector.
       const float mean = 0.5F * (a + c), root = std::sqrt(0.25F * (a - c) * (a - c) + b * b);
       const float lambda = mean - root;

@@ -23,7 +23,8 @@ std::uint64_t sum(const std::uint8_t* bytes, std::size_t count) {
   auto a = hn::Zero(d64), b = a, c = a, e = a;
   std::size_t i = 0;
   for (; i + 4 * step <= count; i += 4 * step) {
-    for (std::size_t line = 0; line < 4 * step; line += 64) hwy::Prefetch(bytes + std::min(i + line + 4096, count - 1));
+    for (std::size_t line = 0; line < 4 * step; line += 64)
+      hwy::Prefetch(bytes + std::min(i + line + 4096, count - 1));
     a = hn::Add(a, hn::SumsOf8(hn::LoadU(d8, bytes + i)));
     b = hn::Add(b, hn::SumsOf8(hn::LoadU(d8, bytes + i + step)));
     c = hn::Add(c, hn::SumsOf8(hn::LoadU(d8, bytes + i + 2 * step)));
@@ -37,7 +38,8 @@ std::uint64_t sum(const std::uint8_t* bytes, std::size_t count) {
 constexpr std::size_t k_rows = 8;
 
 /// Running maximum of each column and the block of eight rows that holds it.
-void argmax(const std::uint8_t* pixels, std::size_t width, std::size_t height, std::uint8_t* maximum, std::uint8_t* block) {
+void argmax(const std::uint8_t* pixels, std::size_t width, std::size_t height, std::uint8_t* maximum,
+            std::uint8_t* block) {
   const hn::ScalableTag<std::uint8_t> d;
   const std::size_t step = hn::Lanes(d);
   std::fill_n(maximum, width, std::uint8_t{0});
@@ -68,10 +70,13 @@ HWY_EXPORT(sum);
 HWY_EXPORT(argmax);
 }  // namespace
 
-std::uint64_t sum_of_bytes(std::span<const std::uint8_t> bytes) { return HWY_DYNAMIC_DISPATCH(sum)(bytes.data(), bytes.size()); }
+std::uint64_t sum_of_bytes(std::span<const std::uint8_t> bytes) {
+  return HWY_DYNAMIC_DISPATCH(sum)(bytes.data(), bytes.size());
+}
 
 void argmax_and_gravity(const PeerFrame& frame, std::span<float> row_px) {
-  const auto width = static_cast<std::size_t>(frame.width_px), height = static_cast<std::size_t>(frame.height_px);
+  const auto width = static_cast<std::size_t>(frame.width_px),
+             height = static_cast<std::size_t>(frame.height_px);
   static std::vector<std::uint8_t> maximum, block;
   maximum.resize(width);
   block.resize(width);

@@ -32,7 +32,9 @@ std::vector<std::uint8_t> draw(StreamedFrames::Size size, std::size_t index) {
 }  // namespace
 
 StreamedFrames::StreamedFrames(Size size)
-    : size_{size}, count_{k_set_bytes / (static_cast<std::size_t>(size.width_px) * static_cast<std::size_t>(size.height_px))} {
+    : size_{size},
+      count_{k_set_bytes /
+             (static_cast<std::size_t>(size.width_px) * static_cast<std::size_t>(size.height_px))} {
   pixels_.resize(count_ * frame_bytes());
   const auto width = static_cast<std::ptrdiff_t>(size.width_px);
   for (std::size_t i = 0; i < k_drawn_frames; ++i) {

@@ -23,7 +23,9 @@ class StreamedFrames {
   [[nodiscard]] std::size_t frame_bytes() const {
     return static_cast<std::size_t>(size_.width_px) * static_cast<std::size_t>(size_.height_px);
   }
-  [[nodiscard]] const std::uint8_t* frame(std::size_t index) const { return pixels_.data() + (index % count_) * frame_bytes(); }
+  [[nodiscard]] const std::uint8_t* frame(std::size_t index) const {
+    return pixels_.data() + (index % count_) * frame_bytes();
+  }
   [[nodiscard]] std::span<const std::uint8_t> all() const { return {pixels_.data(), count_ * frame_bytes()}; }
 
  private:

@@ -19,8 +19,11 @@ SensorClock::time_point at_s(double time_s) {
 /// Round a shoe's toe: 3 m/s at the flange, 10 rad/s, and both change.
 SE3 swinging(double time_s) {
   const double turn_rad = 1.2 * std::sin(8.0 * time_s) + 0.4 * time_s;
-  const Vec3 place_mm{280 * std::cos(turn_rad) - 60 * time_s, 280 * std::sin(turn_rad), 152 + 5 * std::sin(3 * time_s)};
-  return make_se3(Eigen::Quaterniond{Eigen::AngleAxisd{turn_rad, Vec3::UnitZ()} * Eigen::AngleAxisd{0.7, Vec3::UnitX()}}, place_mm);
+  const Vec3 place_mm{280 * std::cos(turn_rad) - 60 * time_s, 280 * std::sin(turn_rad),
+                      152 + 5 * std::sin(3 * time_s)};
+  return make_se3(
+      Eigen::Quaterniond{Eigen::AngleAxisd{turn_rad, Vec3::UnitZ()} * Eigen::AngleAxisd{0.7, Vec3::UnitX()}},
+      place_mm);
 }
 
 }  // namespace
@@ -60,7 +63,8 @@ TEST(PoseTrack, IndependentNoiseShrinksAndItsRestIsToldHonestly) {
   PoseEstimate sut;
   for (double time_s = 0.1; time_s < 5.9; time_s += 0.0313) {
     CHECK(rt_pose_at(samples, at_s(time_s), {}, sut));
-    const Vec3 error = swinging(time_s).linear().transpose() * (sut.T_base_flange.translation() - swinging(time_s).translation());
+    const Vec3 error = swinging(time_s).linear().transpose() *
+                       (sut.T_base_flange.translation() - swinging(time_s).translation());
     sum += error.squaredNorm() / 3;
     sum_normalised += error.squaredNorm() / (3 * sut.sigma_mm * sut.sigma_mm);
     ++count;
@@ -76,7 +80,8 @@ TEST(PoseTrack, WithoutSmoothingItIsTheGeodesicBetweenNeighbours) {
   const auto samples = record(0.008, 10, 0, 0);
   PoseEstimate sut;
   CHECK(rt_pose_at(samples, at_s(0.026), {.samples_each_side = 1}, sut));
-  TRANSFORMS_EQUAL(interpolate(samples[3].T_base_flange, samples[4].T_base_flange, 0.25), sut.T_base_flange, 1e-3, 1e-6);
+  TRANSFORMS_EQUAL(interpolate(samples[3].T_base_flange, samples[4].T_base_flange, 0.25), sut.T_base_flange,
+                   1e-3, 1e-6);
   LONGS_EQUAL(2, sut.sample_count);
 }
 
@@ -85,7 +90,8 @@ TEST(PoseTrack, VelocityIsTheBodyTwist) {
   PoseEstimate sut;
   CHECK(rt_pose_at(samples, at_s(0.5), {}, sut));
   constexpr double k_step_s = 1e-4;
-  const Twist expected = log_se3(swinging(0.5 - k_step_s).inverse() * swinging(0.5 + k_step_s)) / (2 * k_step_s);
+  const Twist expected =
+      log_se3(swinging(0.5 - k_step_s).inverse() * swinging(0.5 + k_step_s)) / (2 * k_step_s);
   DOUBLES_EQUAL(0, (sut.velocity_per_s - expected).norm() / expected.norm(), 0.02);
 }
 
@@ -115,7 +121,8 @@ TEST(PoseTrack, GapIsInterpolatedAndAged) {
 
 TEST(PoseTrack, IsEquivariantOnTheLeft) {
   // Asymmetric: would fail if base and flange were swapped.
-  const SE3 T_world_base = make_se3(Eigen::Quaterniond{Eigen::AngleAxisd{0.9, Vec3{1, 2, -1}.normalized()}}, {300, -20, 70});
+  const SE3 T_world_base =
+      make_se3(Eigen::Quaterniond{Eigen::AngleAxisd{0.9, Vec3{1, 2, -1}.normalized()}}, {300, -20, 70});
   auto samples = record(0.002, 300, 0.01, 5e-5);
   PoseEstimate in_base, in_world;
   CHECK(rt_pose_at(samples, at_s(0.3), {}, in_base));

@@ -10,8 +10,9 @@
 
 namespace biteline::rt {
 
-// Enough hand-overs that the two threads meet at every place of a ring of four some thousand times, also on one core.
-constexpr std::uint32_t k_items = 200000;
+// Enough hand-overs that the two threads meet at every place of a ring of four some thousand times, also on
+// one core.
+constexpr std::uint32_t k_items = 50000;
 
 TEST_GROUP(SpscRing){};
 
@@ -105,8 +106,8 @@ TEST(DropOldestRing, EveryItemIsEitherDeliveredInOrderOrGivenBackOnce) {
   LONGS_EQUAL(0, fate.lost_or_twice);
 }
 
-/// The ring as one would first write it: the consumer moves the tail with a plain store.  It overwrites the producer's
-/// steal, and an item is given out twice.
+/// The ring as one would first write it: the consumer moves the tail with a plain store.  It overwrites the
+/// producer's steal, and an item is given out twice.
 template <class T, std::size_t Capacity>
 class WrongDropOldestRing {
  public:

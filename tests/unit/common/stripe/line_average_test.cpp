@@ -25,11 +25,15 @@ TEST_GROUP(LineAverage) {
   };
 
   /// Errors of neighbouring columns correlate as `correlation` to the power of their distance.
-  Result average(const std::function<double(double)>& row_px, double correlation, std::size_t first, std::size_t end) {
+  Result average(const std::function<double(double)>& row_px, double correlation, std::size_t first,
+                 std::size_t end) {
     std::vector<LinePoint> line(k_columns), work(k_columns);
     double error = normal(random) * k_sigma_px;
     for (std::size_t i = 0; i < k_columns; ++i) {
-      line[i] = {.row_px = static_cast<float>(row_px(static_cast<double>(i)) + error), .sigma_row_px = static_cast<float>(k_sigma_px), .present = true, .joined = i > 0};
+      line[i] = {.row_px = static_cast<float>(row_px(static_cast<double>(i)) + error),
+                 .sigma_row_px = static_cast<float>(k_sigma_px),
+                 .present = true,
+                 .joined = i > 0};
       error = correlation * error + std::sqrt(1 - correlation * correlation) * k_sigma_px * normal(random);
     }
     LineAverage{{.neighbour_correlation = static_cast<float>(correlation)}}.rt_average(line, work);
@@ -66,22 +70,26 @@ TEST(LineAverage, CreaseKeepsItsShape) {
       worst_px = std::max(worst_px, one.rms_px);
     }
   }
-  // Of 164 columns none is off by more than single columns would be; a fixed window of 13 would be off by 2 px at the crease.
+  // Of 164 columns none is off by more than single columns would be; a fixed window of 13 would be off by 2
+  // px at the crease.
   CHECK(worst_px < 5 * k_sigma_px);
 }
 
 TEST(LineAverage, NothingIsTakenAcrossAGap) {
   std::vector<LinePoint> line(40), work(40);
   for (std::size_t i = 0; i < 40; ++i) {
-    line[i] = {.row_px = i < 20 ? 10.0F : 10.1F, .sigma_row_px = 1.0F, .present = true, .joined = i != 0 && i != 20};
+    line[i] = {
+        .row_px = i < 20 ? 10.0F : 10.1F, .sigma_row_px = 1.0F, .present = true, .joined = i != 0 && i != 20};
   }
   LineAverage{{}}.rt_average(line, work);
-  for (std::size_t i = 0; i < 40; ++i) DOUBLES_EQUAL(i < 20 ? 10.0 : 10.1, static_cast<double>(line[i].row_px), 1e-5);
+  for (std::size_t i = 0; i < 40; ++i)
+    DOUBLES_EQUAL(i < 20 ? 10.0 : 10.1, static_cast<double>(line[i].row_px), 1e-5);
 }
 
 TEST(LineAverage, EndsOfAStretchAreLeftAsTheyAre) {
   std::vector<LinePoint> line(30), work(30);
-  for (std::size_t i = 0; i < 30; ++i) line[i] = {.row_px = static_cast<float>(i % 3), .sigma_row_px = 5, .present = true, .joined = i > 0};
+  for (std::size_t i = 0; i < 30; ++i)
+    line[i] = {.row_px = static_cast<float>(i % 3), .sigma_row_px = 5, .present = true, .joined = i > 0};
   LineAverage{{}}.rt_average(line, work);
   DOUBLES_EQUAL(0, static_cast<double>(line[0].row_px), 0);
   DOUBLES_EQUAL(5, static_cast<double>(line[0].sigma_row_px), 0);

@@ -15,7 +15,8 @@ TEST_GROUP(PeakExtractor) {
   std::mt19937_64 random{5};
   std::unique_ptr<Peaks> peaks = std::make_unique<Peaks>();
 
-  const Peaks& extract(const std::vector<std::uint8_t>& pixels, int width_px, int height_px, const PeakConfig& config = {}) {
+  const Peaks& extract(const std::vector<std::uint8_t>& pixels, int width_px, int height_px,
+                       const PeakConfig& config = {}) {
     auto sut = PeakExtractor::create(config, width_px, height_px);
     CHECK(sut.has_value());
     sut->rt_extract({.pixels = pixels.data(), .stride_bytes = static_cast<std::size_t>(width_px)}, *peaks);
@@ -53,14 +54,19 @@ TEST(PeakExtractor, ReachesTheCramerRaoBoundAndSaysHowSureItIs) {
     made.amplitude = amplitude;
     const PeakConfig config{.threshold_grey = 8, .noise = made.noise};
     const Accuracy result = accuracy(made, config, 20);
-    CHECK_TEXT(result.rms_px < 1.15 * test::cramer_rao_px(made, 60.3), StringFromFormat("amplitude %g: rms %g px, bound %g px", amplitude, result.rms_px, test::cramer_rao_px(made, 60.3)).asCharString());
+    CHECK_TEXT(result.rms_px < 1.15 * test::cramer_rao_px(made, 60.3),
+               StringFromFormat("amplitude %g: rms %g px, bound %g px", amplitude, result.rms_px,
+                                test::cramer_rao_px(made, 60.3))
+                   .asCharString());
     CHECK_TEXT(result.normalised_variance > 0.8 && result.normalised_variance < 1.25,
-               StringFromFormat("amplitude %g: normalised variance %g", amplitude, result.normalised_variance).asCharString());
+               StringFromFormat("amplitude %g: normalised variance %g", amplitude, result.normalised_variance)
+                   .asCharString());
   }
 }
 
 TEST(PeakExtractor, SaturatedTopCarriesNoWeight) {
-  // 30 % of the full width at half maximum at full scale: |x| < 0.3 * 1.1774 sigma, amplitude 255 exp(0.353^2 / 2).
+  // 30 % of the full width at half maximum at full scale: |x| < 0.3 * 1.1774 sigma, amplitude 255 exp(0.353^2
+  // / 2).
   MadeStripe made;
   made.amplitude = 255 * std::exp(0.5 * 0.353 * 0.353);
   made.sigma_px = 3.0;
@@ -73,7 +79,8 @@ TEST(PeakExtractor, DarkColumnHasNoPeakAndNoiseIsNone) {
   MadeStripe made;
   made.amplitude = 0;
   extract(test::picture(made, random), made.width_px, made.height_px);
-  for (int u = 0; u < made.width_px; ++u) LONGS_EQUAL(0, peaks->columns[static_cast<std::size_t>(u)].kept_count);
+  for (int u = 0; u < made.width_px; ++u)
+    LONGS_EQUAL(0, peaks->columns[static_cast<std::size_t>(u)].kept_count);
 }
 
 TEST(PeakExtractor, KeepsTheTwoStrongestOfThreeAndCountsAll) {
@@ -141,15 +148,21 @@ TEST(PeakExtractor, HotPixelIsNarrow) {
 
 TEST(PeakExtractor, EveryModeFindsTheStripe) {
   // Without noise: what is left is each mode's own bias over the sub-pixel phases.
-  struct Row { PeakMode mode; double tolerance_px; };
-  for (const Row& row : {Row{PeakMode::Matched, 0.02}, Row{PeakMode::Maximum, 0.1}, Row{PeakMode::Threshold, 0.05},
-                         Row{PeakMode::CentreOfGravity, 0.1}, Row{PeakMode::FirZeroCrossing, 0.02}}) {
+  struct Row {
+    PeakMode mode;
+    double tolerance_px;
+  };
+  for (const Row& row :
+       {Row{PeakMode::Matched, 0.02}, Row{PeakMode::Maximum, 0.1}, Row{PeakMode::Threshold, 0.05},
+        Row{PeakMode::CentreOfGravity, 0.1}, Row{PeakMode::FirZeroCrossing, 0.02}}) {
     MadeStripe made;
-    made.noise = {.read_noise_grey = 0, .gain_grey_per_electron = 0, .speckle_contrast = 0, .speckle_grain_px = 1};
+    made.noise = {
+        .read_noise_grey = 0, .gain_grey_per_electron = 0, .speckle_contrast = 0, .speckle_grain_px = 1};
     made.row_px = [](int u) { return 50 + 0.013 * u; };
     extract(test::picture(made, random), made.width_px, made.height_px, {.mode = row.mode});
     for (int u = 0; u < made.width_px; ++u) {
-      DOUBLES_EQUAL(made.row_px(u), peaks->columns[static_cast<std::size_t>(u)].kept[0].row_px, row.tolerance_px);
+      DOUBLES_EQUAL(made.row_px(u), peaks->columns[static_cast<std::size_t>(u)].kept[0].row_px,
+                    row.tolerance_px);
     }
   }
 }
@@ -165,7 +178,8 @@ TEST(PeakExtractor, OddWidthsStridesAndStepsLoseNoColumn) {
     const std::size_t stride = static_cast<std::size_t>(width_px) + 13;
     std::vector<std::uint8_t> padded(stride * 130, 255);
     for (std::size_t v = 0; v < 130; ++v) {
-      std::copy_n(pixels.begin() + static_cast<std::ptrdiff_t>(v) * width_px, width_px, padded.begin() + static_cast<std::ptrdiff_t>(v * stride));
+      std::copy_n(pixels.begin() + static_cast<std::ptrdiff_t>(v) * width_px, width_px,
+                  padded.begin() + static_cast<std::ptrdiff_t>(v * stride));
     }
     auto sut = PeakExtractor::create({}, width_px, 130);
     CHECK(sut.has_value());

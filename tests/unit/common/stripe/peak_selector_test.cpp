@@ -13,7 +13,9 @@ TEST_GROUP(PeakSelector) {
   std::unique_ptr<Selection> selection = std::make_unique<Selection>();
   std::unique_ptr<PeakSelector> sut = std::make_unique<PeakSelector>(SelectorConfig{});
 
-  void setup() override { clear(); }
+  void setup() override {
+    clear();
+  }
   void clear() {
     peaks->column_count = k_columns;
     for (ColumnPeaks& column : peaks->columns) column = {};
@@ -27,17 +29,25 @@ TEST_GROUP(PeakSelector) {
   void add(const Line& line) {
     for (int u = line.first; u < line.end; ++u) {
       ColumnPeaks& column = peaks->columns[static_cast<std::size_t>(u)];
-      Peak peak{.row_px = static_cast<float>(line.row_px + line.slope_px * (u - line.first)), .sigma_row_px = 0.05F, .amplitude = line.amplitude, .width_px = 5};
-      if (column.kept_count == 1 && column.kept[0].amplitude < peak.amplitude) std::swap(peak, column.kept[0]);
+      Peak peak{.row_px = static_cast<float>(line.row_px + line.slope_px * (u - line.first)),
+                .sigma_row_px = 0.05F,
+                .amplitude = line.amplitude,
+                .width_px = 5};
+      if (column.kept_count == 1 && column.kept[0].amplitude < peak.amplitude)
+        std::swap(peak, column.kept[0]);
       column.kept[column.kept_count++] = peak;
       ++column.seen_count;
     }
   }
   float chosen_row(int u) {
     const Selected& selected = selection->columns[static_cast<std::size_t>(u)];
-    return peaks->columns[static_cast<std::size_t>(u)].kept[static_cast<std::size_t>(selected.kept_index)].row_px;
+    return peaks->columns[static_cast<std::size_t>(u)]
+        .kept[static_cast<std::size_t>(selected.kept_index)]
+        .row_px;
   }
-  std::uint8_t flags(int u) { return selection->columns[static_cast<std::size_t>(u)].flags; }
+  std::uint8_t flags(int u) {
+    return selection->columns[static_cast<std::size_t>(u)].flags;
+  }
 };
 
 TEST(PeakSelector, LongDimStripeWinsOverShortBrightGlare) {
@@ -67,8 +77,10 @@ TEST(PeakSelector, PreviousProfileDecidesBetweenEquals) {
 TEST(PeakSelector, SteepWallAndGrooveStayOneStretch) {
   // Rises by three rows per column and falls again, as a groove's walls do.
   add({.first = 0, .end = 100, .row_px = 100, .slope_px = 0, .amplitude = 150});
-  for (int u = 100; u < 120; ++u) add({.first = u, .end = u + 1, .row_px = 100 + 3.0 * (u - 99), .slope_px = 0, .amplitude = 60});
-  for (int u = 120; u < 140; ++u) add({.first = u, .end = u + 1, .row_px = 160 - 3.0 * (u - 119), .slope_px = 0, .amplitude = 60});
+  for (int u = 100; u < 120; ++u)
+    add({.first = u, .end = u + 1, .row_px = 100 + 3.0 * (u - 99), .slope_px = 0, .amplitude = 60});
+  for (int u = 120; u < 140; ++u)
+    add({.first = u, .end = u + 1, .row_px = 160 - 3.0 * (u - 119), .slope_px = 0, .amplitude = 60});
   add({.first = 140, .end = k_columns, .row_px = 100, .slope_px = 0, .amplitude = 150});
   sut->rt_select(*peaks, *selection);
   int breaks = 0;
@@ -108,8 +120,12 @@ TEST(PeakSelector, DimEndOfAStretchIsMixed) {
 TEST(PeakSelector, FirstLastAndStrongestAreWhatTheySay) {
   add({.first = 0, .end = k_columns, .row_px = 100, .slope_px = 0, .amplitude = 80});
   add({.first = 0, .end = k_columns, .row_px = 60, .slope_px = 0, .amplitude = 200});
-  struct Row { PeakChoice choice; double row_px; };
-  for (const Row& row : {Row{PeakChoice::First, 60}, Row{PeakChoice::Last, 100}, Row{PeakChoice::Strongest, 60}}) {
+  struct Row {
+    PeakChoice choice;
+    double row_px;
+  };
+  for (const Row& row :
+       {Row{PeakChoice::First, 60}, Row{PeakChoice::Last, 100}, Row{PeakChoice::Strongest, 60}}) {
     sut = std::make_unique<PeakSelector>(SelectorConfig{.choice = row.choice});
     sut->rt_select(*peaks, *selection);
     DOUBLES_EQUAL(row.row_px, static_cast<double>(chosen_row(7)), 1e-3);

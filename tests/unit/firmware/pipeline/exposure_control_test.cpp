@@ -12,12 +12,14 @@ TEST_GROUP(ExposureControl) {
   static constexpr int k_columns = 1000;
   std::unique_ptr<profile::ProfileBuffer> buffer = std::make_unique<profile::ProfileBuffer>();
 
-  /// A surface that gives `grey_per_us`, speckled: the brightest columns shine three times as much as the middle ones.
+  /// A surface that gives `grey_per_us`, speckled: the brightest columns shine three times as much as the
+  /// middle ones.
   const profile::ProfileBuffer& expose(double grey_per_us, Nanoseconds exposure, int columns = k_columns) {
     buffer->count = 0;
     for (int i = 0; i < columns; ++i) {
       const double share = static_cast<double>(i) / columns;
-      const double light = grey_per_us * 1e-3 * static_cast<double>(exposure.count()) * (0.8 + 0.4 * share + (share > 0.97 ? 1.0 : 0.0));
+      const double light = grey_per_us * 1e-3 * static_cast<double>(exposure.count()) *
+                           (0.8 + 0.4 * share + (share > 0.97 ? 1.0 : 0.0));
       if (light < 12) continue;
       profile::ProfilePoint& point = buffer->points[buffer->count++];
       point = {};
@@ -31,7 +33,8 @@ TEST_GROUP(ExposureControl) {
 
 TEST(ExposureControl, FindsTheTargetFromDarkAndFromGlare) {
   for (const double grey_per_us : {0.1, 0.5, 2.0, 6.0}) {
-    for (const Nanoseconds start : {Nanoseconds{std::chrono::microseconds{20}}, Nanoseconds{std::chrono::milliseconds{4}}}) {
+    for (const Nanoseconds start :
+         {Nanoseconds{std::chrono::microseconds{20}}, Nanoseconds{std::chrono::milliseconds{4}}}) {
       ExposureControl sut{{}, start};
       Nanoseconds exposure = start;
       ExposureControl::Decision last;
@@ -52,7 +55,8 @@ TEST(ExposureControl, FindsTheTargetFromDarkAndFromGlare) {
 TEST(ExposureControl, KeepsToItsLimits) {
   ExposureControl sut{{}, std::chrono::microseconds{400}};
   ExposureControl::Decision decision;
-  for (int i = 0; i < 100; ++i) decision = sut.rt_update(expose(0, std::chrono::microseconds{400}), k_columns);
+  for (int i = 0; i < 100; ++i)
+    decision = sut.rt_update(expose(0, std::chrono::microseconds{400}), k_columns);
   CHECK(decision.exposure == ExposureControl::Config{}.maximum);
   for (int i = 0; i < 100; ++i) decision = sut.rt_update(expose(1e6, decision.exposure), k_columns);
   CHECK(decision.exposure == ExposureControl::Config{}.minimum);

@@ -14,10 +14,13 @@ namespace {
 using stripe::test::MadeStripe;
 
 constexpr int k_width_px = 320, k_height_px = 160;
-/// Rows of the sessions' heads err by this much on one column; unflagged points may not be off by more than five times it.
+/// Rows of the sessions' heads err by this much on one column; unflagged points may not be off by more than
+/// five times it.
 constexpr double k_far_px = 0.3;
 
-SensorClock::time_point at_ms(std::int64_t time_ms) { return SensorClock::time_point{std::chrono::milliseconds{time_ms}}; }
+SensorClock::time_point at_ms(std::int64_t time_ms) {
+  return SensorClock::time_point{std::chrono::milliseconds{time_ms}};
+}
 
 }  // namespace
 
@@ -33,9 +36,12 @@ TEST_GROUP(ProfilePipeline) {
     stripe.height_px = k_height_px;
     return stripe;
   }
-  std::vector<double> dark() { return std::vector<double>(k_width_px * k_height_px, 0.0); }
+  std::vector<double> dark() {
+    return std::vector<double>(k_width_px * k_height_px, 0.0);
+  }
 
-  bool process(ProfilePipeline& sut, const std::vector<std::uint8_t>& pixels, std::int64_t time_ms = 0, std::uint32_t flags = 0) {
+  bool process(ProfilePipeline & sut, const std::vector<std::uint8_t>& pixels, std::int64_t time_ms = 0,
+               std::uint32_t flags = 0) {
     return sut.rt_process({.pixels = pixels,
                            .width_px = k_width_px,
                            .height_px = k_height_px,
@@ -52,22 +58,27 @@ TEST_GROUP(ProfilePipeline) {
     return std::move(*sut);
   }
 
-  double row_in_region(const profile::ProfilePoint& point) { return static_cast<double>(point.row_px) - head.region.offset_v_px; }
+  double row_in_region(const profile::ProfilePoint& point) {
+    return static_cast<double>(point.row_px) - head.region.offset_v_px;
+  }
 };
 
 TEST(ProfilePipeline, PointsLieWhereTheDirectFormulaPutsTheStripe) {
   MadeStripe stripe = made();
   stripe.row_px = [](int u) { return 60 + 0.1 * u; };
-  ProfilePipeline sut = create({.peaks = {.noise = stripe.noise}, .line_average = {.neighbour_correlation = 0}});
+  ProfilePipeline sut =
+      create({.peaks = {.noise = stripe.noise}, .line_average = {.neighbour_correlation = 0}});
   CHECK(process(sut, stripe::test::picture(stripe, random)));
   LONGS_EQUAL(k_width_px, out->count);
   CHECK(out->header.flags == profile::k_profile_pose_missing);
   double sum_normalised = 0;
   for (const profile::ProfilePoint& point : out->view()) {
     LONGS_EQUAL(0, point.flags);
-    const Vec2 pixel_px{point.column + head.region.offset_u_px, stripe.row_px(point.column) + head.region.offset_v_px};
+    const Vec2 pixel_px{point.column + head.region.offset_u_px,
+                        stripe.row_px(point.column) + head.region.offset_v_px};
     const Vec3 expected = geometry::triangulate(head.camera, head.laser_plane, pixel_px);
-    sum_normalised += (point.point_cam.cast<double>() - expected).squaredNorm() / std::pow(static_cast<double>(point.sigma_mm), 2);
+    sum_normalised += (point.point_cam.cast<double>() - expected).squaredNorm() /
+                      std::pow(static_cast<double>(point.sigma_mm), 2);
   }
   // Neighbours share their average: some 30 independent ones.
   DOUBLES_EQUAL(1.0, sum_normalised / k_width_px, 0.8);
@@ -106,7 +117,8 @@ TEST(ProfilePipeline, SpatterAndHotPixelsDoNotPassForSurface) {
   auto mean = dark();
   stripe::test::add_stripe(stripe, mean);
   std::uniform_int_distribution<int> anywhere{0, k_width_px * k_height_px - 1};
-  for (int i = 0; i < 300; ++i) mean[static_cast<std::size_t>(anywhere(random))] += 240;  // brighter than the stripe
+  for (int i = 0; i < 300; ++i)
+    mean[static_cast<std::size_t>(anywhere(random))] += 240;  // brighter than the stripe
   ProfilePipeline sut = create();
   CHECK(process(sut, stripe::test::expose(stripe, mean, random)));
   int surface = 0;
@@ -129,7 +141,8 @@ TEST(ProfilePipeline, StepsMixNoSurfaces) {
       for (int v = 0; v < k_height_px; ++v) {
         const double a = (v - upper(u)) / 2.1, b = (v - upper(u) - step_px) / 2.1;
         const auto gauss = [](double x) { return std::fabs(x) < 6 ? std::exp(-0.5 * x * x) : 0.0; };
-        mean[static_cast<std::size_t>(v * k_width_px + u)] = 170 * (share * gauss(a) + (1 - share) * gauss(b));
+        mean[static_cast<std::size_t>(v * k_width_px + u)] =
+            170 * (share * gauss(a) + (1 - share) * gauss(b));
       }
     }
     ProfilePipeline sut = create();
@@ -144,7 +157,8 @@ TEST(ProfilePipeline, StepsMixNoSurfaces) {
 }
 
 TEST(ProfilePipeline, LaserOffFrameTakesTheRoomsLightAway) {
-  // A bright edge across the picture, steeper than any ambient level: without the dark frame it is a stripe of its own.
+  // A bright edge across the picture, steeper than any ambient level: without the dark frame it is a stripe
+  // of its own.
   MadeStripe stripe = made(), lamp = made();
   lamp.row_px = [](int) { return 120.0; };
   lamp.amplitude = 200;
@@ -167,7 +181,8 @@ TEST(ProfilePipeline, LaserOffFrameTakesTheRoomsLightAway) {
 }
 
 TEST(ProfilePipeline, BracketShowsBlackAndGlossyInOneProfile) {
-  // Left half black (a hundredth of the light), right half glossy (saturates long before) with a mirror image.
+  // Left half black (a hundredth of the light), right half glossy (saturates long before) with a mirror
+  // image.
   const auto scene = [&](double exposure) {
     auto mean = dark();
     MadeStripe direct = made();
@@ -201,7 +216,8 @@ TEST(ProfilePipeline, BracketShowsBlackAndGlossyInOneProfile) {
 }
 
 TEST(ProfilePipeline, BracketsSecondPointsAreCarriedToTheFirstInstant) {
-  // The arm moves along the camera's x by 1 mm between the exposures: a second point seen at p stood at p - 1 mm.
+  // The arm moves along the camera's x by 1 mm between the exposures: a second point seen at p stood at p - 1
+  // mm.
   MadeStripe faint = made();
   faint.amplitude = 5;
   MadeStripe bright = made();
@@ -245,7 +261,8 @@ TEST(ProfilePipeline, DarkFrameSaysTheStripeIsLost) {
 
 TEST(ProfilePipeline, FrameFlagsTravel) {
   ProfilePipeline sut = create();
-  CHECK(process(sut, stripe::test::picture(made(), random), 0, hal::k_frame_damaged | hal::k_frame_gap_before));
+  CHECK(
+      process(sut, stripe::test::picture(made(), random), 0, hal::k_frame_damaged | hal::k_frame_gap_before));
   CHECK(out->header.flags & profile::k_profile_frame_damaged);
   CHECK(out->header.flags & profile::k_profile_frame_gap);
 }

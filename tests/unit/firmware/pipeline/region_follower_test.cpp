@@ -24,7 +24,8 @@ TEST_GROUP(RegionFollower) {
       point = {};
       point.row_px = static_cast<float>(row);
       point.width_px = 5;
-      if (row < region.offset_v_px + 5 || row > region.offset_v_px + region.height_px - 6) point.flags |= profile::k_point_clipped;
+      if (row < region.offset_v_px + 5 || row > region.offset_v_px + region.height_px - 6)
+        point.flags |= profile::k_point_clipped;
     }
     if (buffer->count < 4) buffer->header.flags |= profile::k_profile_stripe_lost;
     region = sut.rt_update(*buffer);

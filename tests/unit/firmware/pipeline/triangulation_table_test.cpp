@@ -26,11 +26,14 @@ TEST(TriangulationTable, IsTheDirectFormulaToATenthOfAMicrometreOverTheWholeRegi
       const Vec3 direct = geometry::triangulate(sensor.camera, sensor.laser_plane, pixel_px);
       const auto point = sut->rt_point(column, static_cast<float>(row_px));
       // The row itself is single precision too: its rounding is the peak's affair and left out.
-      const Vec3 same_row = geometry::triangulate(sensor.camera, sensor.laser_plane,
-                                                  {pixel_px.x(), static_cast<double>(static_cast<float>(row_px)) + sensor.region.offset_v_px});
+      const Vec3 same_row = geometry::triangulate(
+          sensor.camera, sensor.laser_plane,
+          {pixel_px.x(), static_cast<double>(static_cast<float>(row_px)) + sensor.region.offset_v_px});
       worst_mm = std::max(worst_mm, (point.point_cam.cast<double>() - same_row).norm());
       const Vec3 next = geometry::triangulate(sensor.camera, sensor.laser_plane, pixel_px + Vec2{0, 0.01});
-      worst_slope_ratio = std::max(worst_slope_ratio, std::fabs(static_cast<double>(point.mm_per_row) / ((next - direct).norm() / 0.01) - 1));
+      worst_slope_ratio =
+          std::max(worst_slope_ratio,
+                   std::fabs(static_cast<double>(point.mm_per_row) / ((next - direct).norm() / 0.01) - 1));
     }
   }
   CHECK_TEXT(worst_mm < k_tenth_um_mm, StringFromFormat("worst %g mm", worst_mm).asCharString());
@@ -38,15 +41,18 @@ TEST(TriangulationTable, IsTheDirectFormulaToATenthOfAMicrometreOverTheWholeRegi
 }
 
 TEST(TriangulationTable, SinglePrecisionAddsLessThanAPercentToThePeaksOwnVariance) {
-  // Proof that float is enough behind the peak: a row as float is off by at most half a unit in the last place of 1236,
-  // 0.00006 px, and a point as float by 0.00002 mm at 400 mm, where the noise limit of a bright peak is 0.01 px and 0.001 mm.
+  // Proof that float is enough behind the peak: a row as float is off by at most half a unit in the last
+  // place of 1236, 0.00006 px, and a point as float by 0.00002 mm at 400 mm, where the noise limit of a
+  // bright peak is 0.01 px and 0.001 mm.
   const geometry::SensorModel sensor = test::made_head(1626, 1236);
   const double row_rounding_px = 0.5 * std::ldexp(1.0, 10 - 23);
   const double mm_per_row = (geometry::triangulate(sensor.camera, sensor.laser_plane, {800, 601}) -
-                             geometry::triangulate(sensor.camera, sensor.laser_plane, {800, 600})).norm();
+                             geometry::triangulate(sensor.camera, sensor.laser_plane, {800, 600}))
+                                .norm();
   const double point_rounding_mm = 0.5 * std::ldexp(1.0, 8 - 23) * std::sqrt(3.0);
   constexpr double k_best_peak_px = 0.01;
-  const double rounding_mm = row_rounding_px * mm_per_row + point_rounding_mm, noise_mm = k_best_peak_px * mm_per_row;
+  const double rounding_mm = row_rounding_px * mm_per_row + point_rounding_mm,
+               noise_mm = k_best_peak_px * mm_per_row;
   CHECK(rounding_mm * rounding_mm < 0.01 * noise_mm * noise_mm);
 }
 
