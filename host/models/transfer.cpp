@@ -40,9 +40,9 @@ std::vector<PlacedPoint> placed_line(const line::ClosedLine& line, const Sample&
   std::vector<PlacedPoint> placed;
   placed.reserve(line.points.size());
   for (const line::LinePoint& point : line.points) {
-    placed.push_back({.position = alignment.placement.place(T_shoe_base * point.position),
-                      .normal = alignment.placement.place_normal(T_shoe_base.linear() * point.normal),
-                      .confidence = point.confidence});
+    const Alignment::OnLine on_upper =
+        alignment.placed({.point = T_shoe_base * point.position, .normal = T_shoe_base.linear() * point.normal});
+    placed.push_back({.position = on_upper.point, .normal = on_upper.normal, .confidence = point.confidence});
   }
   return placed;
 }
@@ -59,11 +59,14 @@ surface::CarriedLine carry(const cloud::PointCloud& upper, const Prepared& prepa
   return surface::carry_line(surface::FirstOf{mesh, points}, placed, options);
 }
 
-/// Twice the standard deviation of the alignment.  Graded, also what the fit of two shapes leaves: how the sole's edge
-/// follows a shape that does not grow evenly is not known.
+/// Twice the standard deviation of the alignment.  Graded, also what the fit of two shapes leaves, and a share for how
+/// far the sizes lie apart: how deep the line lies within the outline is not graded but read from the sample.
 double bound_mm(const Alignment& alignment, bool graded) {
-  const double shape_mm = graded ? alignment.shape_rms_mm : 0;
-  return 2 * std::hypot(alignment.line_sigma_mm, shape_mm);
+  if (!graded) return 2 * alignment.line_sigma_mm;
+  // Made shoes of 4 classes, 230 to 310 mm long, from a sample of 270: at most 0.45 mm at a change of 0.15.
+  constexpr double k_mm_per_change = 1.5;
+  return 2 * std::hypot(alignment.line_sigma_mm, alignment.shape_rms_mm) +
+         k_mm_per_change * alignment.placement.grade.largest_change();
 }
 
 double mean_confidence(const line::ClosedLine& line) {

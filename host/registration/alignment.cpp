@@ -23,6 +23,7 @@ constexpr double k_groove_margin_mm = 5;
 constexpr double k_fine_reach_mm = 5;
 // Another model: the bound on the RMS difference of the common surface.
 constexpr double k_max_shape_rms_mm = 0.2;
+constexpr double k_max_graded_rms_mm = 0.3;  // sizes of one model differ besides by what grading describes
 constexpr float k_patch_mm = 6;            // several stitches and threads: texture averages out, shape stays
 constexpr std::size_t k_min_patch_surfels = 3;
 constexpr double k_min_overlap_ratio = 0.6;
@@ -41,28 +42,51 @@ constexpr std::size_t k_min_surfels = 300;  // 12 cm² at the fine pitch
 
 double square(double value) { return value * value; }
 
-/// Height of the line beside each place of the plan: that of the horizontally nearest point of the line.
-class LineHeight {
+/// The place of the closed line beside a point, seen from above.  Anticlockwise, so outward is to the right.
+class LineBeside {
  public:
-  explicit LineHeight(const std::vector<Vec3>& line) : line_{line} {}
+  explicit LineBeside(const std::vector<Vec3>& line) : line_{line} {}
 
-  [[nodiscard]] double at(const Vec3& point) const {
-    double best = (line_.front() - point).head<2>().squaredNorm(), height_mm = line_.front().z();
-    for (const Vec3& p : line_) {
-      const double squared = (p - point).head<2>().squaredNorm();
+  struct Place {
+    double height_mm;
+    Foot foot;
+  };
+
+  [[nodiscard]] Place at(const Vec3& point) const {
+    std::size_t nearest = 0;
+    double best = (line_.front() - point).head<2>().squaredNorm();
+    for (std::size_t i = 1; i < line_.size(); ++i) {
+      const double squared = (line_[i] - point).head<2>().squaredNorm();
       if (squared < best) {
         best = squared;
-        height_mm = p.z();
+        nearest = i;
       }
     }
-    return height_mm;
+    const std::size_t before = nearest == 0 ? line_.size() - 1 : nearest - 1;
+    const Vec3 on_before = on_segment(before, point), on_after = on_segment(nearest, point);
+    const bool is_before = (on_before - point).head<2>().squaredNorm() < (on_after - point).head<2>().squaredNorm();
+    const Vec3& place = is_before ? on_before : on_after;
+    return {.height_mm = place.z(), .foot = {.place = place.head<2>().cast<float>(), .outward = outward_at(nearest)}};
   }
 
  private:
+  [[nodiscard]] Eigen::Vector2f outward_at(std::size_t i) const {
+    const Vec3 along = line_[(i + 1) % line_.size()] - line_[i == 0 ? line_.size() - 1 : i - 1];
+    return Vec2{along.y(), -along.x()}.normalized().cast<float>();
+  }
+
+  [[nodiscard]] Vec3 on_segment(std::size_t i, const Vec3& point) const {
+    const Vec3& a = line_[i];
+    const Vec3 d = line_[(i + 1) % line_.size()] - a;
+    const double squared = d.head<2>().squaredNorm();
+    const double share = squared > 0 ? std::clamp((point - a).head<2>().dot(d.head<2>()) / squared, 0.0, 1.0) : 0;
+    return a + share * d;
+  }
+
   const std::vector<Vec3>& line_;
 };
 
-/// At most this many points stand for the line where only its height counts: 3 mm apart on a shoe.
+/// At most this many points stand for the line where only its height and course count: 3 mm apart on a shoe.
 std::vector<Vec3> thinned(const std::vector<Vec3>& line) {
   constexpr std::size_t k_points = 250;
   const std::size_t step = std::max<std::size_t>(1, line.size() / k_points);
@@ -78,10 +102,30 @@ Rim moved(const Rim& rim, const SE3& T_to_from) {
   return out;
 }
 
-IcpOptions fine_options(const AlignOptions& options) {
+Foot mirrored(const Foot& foot) {
+  return {.place = {foot.place.x(), -foot.place.y()}, .outward = {foot.outward.x(), -foot.outward.y()}};
+}
+
+/// The sample as of the other foot.
+Sample mirrored(const Sample& sample) {
+  Sample other = sample;
+  for (Surfels* surfels : {&other.common, &other.common_coarse}) {
+    for (Eigen::Vector3f& p : surfels->positions) p.y() = -p.y();
+    for (Eigen::Vector3f& n : surfels->normals) n.y() = -n.y();
+    for (Foot& foot : surfels->feet) foot = mirrored(foot);
+  }
+  for (Eigen::Vector3f& p : other.rim.positions) p.y() = -p.y();
+  for (Eigen::Vector3f& v : other.rim.across) v.y() = -v.y();
+  for (Foot& foot : other.rim.feet) foot = mirrored(foot);
+  for (Vec3& p : other.line_shoe) p.y() = -p.y();
+  std::reverse(other.line_shoe.begin(), other.line_shoe.end());  // anticlockwise again
+  return other;
+}
+
+IcpOptions fine_options(Freedom freedom) {
   return {.reach_mm = k_fine_reach_mm,
-          .max_iterations = 40,
-          .freedom = options.grade ? Freedom::Graded : Freedom::Rigid,
+          .max_iterations = freedom == Freedom::Rigid ? 40 : 150,  // length, offset and section nearly stand for one another
+          .freedom = freedom,
           .rim_reach_mm = k_rim_reach_mm};
 }
 
@@ -133,14 +177,19 @@ double shape_rms_mm(const Surfaces& surfaces, const std::vector<Pair>& pairs) {
 
 /// Share of the upper's surfels, beside and above the line, that lie on the placed sample.
 double upper_overlap_ratio(const Sample& sample, const Upper& upper, const Placement& placement) {
-  const NearestTable table{sample.common, static_cast<float>(k_fine_reach_mm)};
-  const std::vector<Vec3> thin = thinned(sample.line_shoe);
-  const LineHeight line{thin};
+  Surfels graded = sample.common;
+  for (std::size_t i = 0; i < graded.size(); ++i) {
+    graded.positions[i] = placement.grade.apply(graded.positions[i].cast<double>(), graded.foot(i)).cast<float>();
+  }
+  const NearestTable table{graded, static_cast<float>(k_fine_reach_mm)};
+  std::vector<Vec3> thin = thinned(sample.line_shoe);
+  for (Vec3& p : thin) p = placement.grade.apply(p, Foot{.place = p.head<2>().cast<float>()});
+  const LineBeside line{thin};
   const SE3 T_source_target = placement.T_target_source.inverse();
   std::size_t above = 0, paired = 0;
   for (const Eigen::Vector3f& position : upper.surfels_coarse.positions) {
-    const Vec3 p = (T_source_target * position.cast<double>()).cwiseQuotient(placement.scale);
-    if (p.z() < line.at(p) + k_groove_margin_mm) continue;
+    const Vec3 p = T_source_target * position.cast<double>();
+    if (p.z() < line.at(p).height_mm + k_groove_margin_mm) continue;
     ++above;
     if (table.near(p.cast<float>()) != NearestTable::k_none) ++paired;
   }
@@ -174,7 +223,7 @@ void tell_uncertainty(const Sample& sample, const Fit& fit, Alignment& alignment
   Vec3 centre = Vec3::Zero();
   for (const Vec3& p : sample.line_shoe) centre += p;
   centre /= static_cast<double>(sample.line_shoe.size());
-  const Vec3 pivot = fit.icp.placement.scale.cwiseProduct(centre);
+  const Vec3 pivot = fit.icp.placement.grade.apply(centre, Foot{.place = centre.head<2>().cast<float>()});
   Eigen::Matrix<double, 6, 6> shift = Eigen::Matrix<double, 6, 6>::Identity();
   shift.topRightCorner<3, 3>() = geometry::hat(pivot);  // twist about the pivot -> twist about the frame's origin
   const Eigen::Matrix<double, 6, 6> about_pivot = shift.transpose() * H.topLeftCorner<6, 6>() * shift;
@@ -195,8 +244,7 @@ void tell_uncertainty(const Sample& sample, const Fit& fit, Alignment& alignment
       std::sqrt(covariance.diagonal().head<3>().sum() + 2.0 / 3.0 * covariance.diagonal().tail<3>().sum());
 }
 
-Alignment describe(const Sample& sample, const Upper& upper, const NearestTable& table, const Fit& fit,
-                   const AlignOptions& options) {
+Alignment describe(const Sample& sample, const Upper& upper, const NearestTable& table, const Fit& fit, Freedom freedom) {
   const IcpResult& icp = fit.icp;
   const Surfaces surfaces{.source = sample.common, .target = upper.surfels, .target_table = table};
   Alignment alignment{.placement = icp.placement,
@@ -207,19 +255,18 @@ Alignment describe(const Sample& sample, const Upper& upper, const NearestTable&
                       .residual_rms_mm = icp.rms_mm,
                       .rim_used = fit.rim_used,
                       .rim_mm = icp.rim_mm};
-  alignment.shape_rms_mm = shape_rms_mm(surfaces, find_pairs(surfaces, icp.placement, fine_options(options)));
+  alignment.shape_rms_mm = shape_rms_mm(surfaces, find_pairs(surfaces, icp.placement, fine_options(freedom)));
   alignment.upper_overlap_ratio = upper_overlap_ratio(sample, upper, icp.placement);
   tell_uncertainty(sample, fit, alignment);
   return alignment;
 }
 
-bool same_shape(const Alignment& alignment) { return alignment.shape_rms_mm < k_max_shape_rms_mm; }
-
 /// Aligned, or what of the common surface itself forbids it; OtherModel stands for every difference of shape.
-Verdict judge(const Alignment& alignment) {
+Verdict judge(const Alignment& alignment, Freedom freedom) {
+  const double max_shape_rms_mm = freedom == Freedom::Rigid ? k_max_shape_rms_mm : k_max_graded_rms_mm;
   const bool upper_is_on_sample = alignment.upper_overlap_ratio >= k_min_upper_overlap_ratio;
   if (alignment.overlap_ratio < k_hopeless_overlap_ratio && upper_is_on_sample) return Verdict::TooLittleOverlap;
-  if (!same_shape(alignment) || (alignment.overlap_ratio < k_min_overlap_ratio && !upper_is_on_sample)) {
+  if (alignment.shape_rms_mm >= max_shape_rms_mm || (alignment.overlap_ratio < k_min_overlap_ratio && !upper_is_on_sample)) {
     return Verdict::OtherModel;
   }
   if (alignment.weakest.sigma_mm > k_max_direction_sigma_mm) return Verdict::DirectionNotFixed;
@@ -229,19 +276,19 @@ Verdict judge(const Alignment& alignment) {
 }
 
 /// The best of the two best starts, refined.
-Alignment best_alignment(const Sample& sample, const Upper& upper, const NearestTable& table, const AlignOptions& options) {
+Alignment best_alignment(const Sample& sample, const Upper& upper, const NearestTable& table, Freedom freedom) {
   constexpr std::size_t k_refined = 2;
-  const std::vector<IcpResult> coarse = coarse_fits(sample, upper, options);
+  const std::vector<IcpResult> coarse = coarse_fits(sample, upper, freedom);
   std::vector<Fit> fits;
   for (std::size_t i = 0; i < std::min(k_refined, coarse.size()); ++i) {
-    fits.push_back(refine(sample, upper, table, coarse[i].placement, fine_options(options)));
+    fits.push_back(refine(sample, upper, table, coarse[i].placement, fine_options(freedom)));
   }
   std::sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.icp.cost_mm2 < b.icp.cost_mm2; });
-  Alignment alignment = describe(sample, upper, table, fits.front(), options);
+  Alignment alignment = describe(sample, upper, table, fits.front(), freedom);
   if (fits.size() > 1 && fits[1].icp.cost_mm2 > 0) {
     alignment.runner_up_ratio = fits[0].icp.cost_mm2 / fits[1].icp.cost_mm2;
   }
-  alignment.verdict = judge(alignment);
+  alignment.verdict = judge(alignment, freedom);
   return alignment;
 }
 
@@ -251,24 +298,23 @@ std::string sentence(const char* pattern, Arguments... arguments) {
 }
 
 /// Why the shapes differ: the other foot, another size, or another model.
-void explain_difference(const Sample& sample, const Upper& upper, const NearestTable& table, const AlignOptions& options,
-                        Alignment& alignment) {
-  const Alignment mirrored = best_alignment(sample, upper, table, {.mirror = !options.mirror, .grade = options.grade});
-  if (mirrored.accepted()) {
+void explain_difference(const Sample& sample, const Upper& upper, const NearestTable& table, Freedom freedom, Alignment& alignment) {
+  const Alignment other_foot = best_alignment(mirrored(sample), upper, table, freedom);
+  if (other_foot.accepted()) {
     alignment.verdict = Verdict::OtherFoot;
     alignment.reason = sentence(
         "the upper is of the other foot: mirrored, the sample fits to %.2f mm RMS, as it is only to %.2f mm",
-        mirrored.shape_rms_mm, alignment.shape_rms_mm);
+        other_foot.shape_rms_mm, alignment.shape_rms_mm);
     return;
   }
-  if (!options.grade) {
-    const Alignment graded = best_alignment(sample, upper, table, {.mirror = options.mirror, .grade = true});
-    const Vec3 scale = graded.placement.scale.cwiseAbs();
-    if (graded.accepted() && (scale.array() - 1).abs().maxCoeff() < k_max_size_change) {
+  if (freedom == Freedom::Rigid) {
+    const Alignment graded = best_alignment(sample, upper, table, Freedom::Graded);
+    const Grade& grade = graded.placement.grade;
+    if (graded.accepted() && grade.largest_change() < k_max_size_change) {
       alignment.verdict = Verdict::OtherSize;
       alignment.reason = sentence(
           "the upper is of another size: %.3f of the sample's length, %.3f of its width, %.3f of its height (grading is off)",
-          scale.x(), scale.y(), scale.z());
+          grade.length, grade.width, grade.section);
       return;
     }
   }
@@ -281,6 +327,13 @@ void explain_difference(const Sample& sample, const Upper& upper, const NearestT
 
 }  // namespace
 
+Alignment::OnLine Alignment::placed(const OnLine& on_sample) const {
+  const auto as_used = [&](const Vec3& v) { return mirrored ? Vec3{v.x(), -v.y(), v.z()} : v; };
+  const Vec3 point = as_used(on_sample.point), normal = as_used(on_sample.normal);
+  const Foot foot{.place = point.head<2>().cast<float>(), .outward = normal.head<2>().normalized().cast<float>()};
+  return {.point = placement.place(point, foot), .normal = placement.place_normal(normal)};
+}
+
 Result<Sample> prepare_sample(const cloud::PointCloud& cloud, const line::ClosedLine& line) {
   BITELINE_EXPECTS(line.points.size() >= 3);
   const Surfels surfels = surfels_of(cloud.points, k_pitch_mm);
@@ -291,17 +344,22 @@ Result<Sample> prepare_sample(const cloud::PointCloud& cloud, const line::Closed
   for (const line::LinePoint& p : line.points) sample.line_shoe.push_back(T_shoe_base * p.position);
 
   const std::vector<Vec3> thin = thinned(sample.line_shoe);
-  const LineHeight line_height{thin};
+  const LineBeside line_beside{thin};
   sample.common.pitch_mm = surfels.pitch_mm;
   for (std::size_t i = 0; i < surfels.size(); ++i) {
     const Vec3 p = T_shoe_base * surfels.positions[i].cast<double>();
-    if (p.z() < line_height.at(p) + k_groove_margin_mm) continue;
+    const LineBeside::Place beside = line_beside.at(p);
+    if (p.z() < beside.height_mm + k_groove_margin_mm) continue;
     sample.common.positions.push_back(p.cast<float>());
+    sample.common.feet.push_back(beside.foot);
     sample.common.normals.push_back((T_shoe_base.linear() * surfels.normals[i].cast<double>()).cast<float>());
   }
   if (sample.common.size() < k_min_surfels) return fail(Errc::Refused, "next to nothing of the sample lies above its line");
   sample.common_coarse = coarsened(sample.common, k_coarse_pitch_mm);
   sample.rim = moved(rim_of(cloud.points, surfels), T_shoe_base);
+  for (const Eigen::Vector3f& p : sample.rim.positions) {
+    sample.rim.feet.push_back(line_beside.at(p.cast<double>()).foot);
+  }
   return sample;
 }
 
@@ -316,7 +374,10 @@ Result<Upper> prepare_upper(const cloud::PointCloud& cloud) {
 
 Alignment align(const Sample& sample, const Upper& upper, const AlignOptions& options) {
   const NearestTable table{upper.surfels, static_cast<float>(k_fine_reach_mm)};
-  Alignment alignment = best_alignment(sample, upper, table, options);
+  const Freedom freedom = options.grade ? Freedom::Graded : Freedom::Rigid;
+  const Sample used = options.mirror ? mirrored(sample) : sample;
+  Alignment alignment = best_alignment(used, upper, table, freedom);
+  alignment.mirrored = options.mirror;
   switch (alignment.verdict) {
     case Verdict::Aligned:
       break;
@@ -332,7 +393,7 @@ Alignment align(const Sample& sample, const Upper& upper, const AlignOptions& op
       alignment.reason = sentence("the alignment did not settle within %d steps", alignment.iterations);
       break;
     default:
-      explain_difference(sample, upper, table, options, alignment);
+      explain_difference(used, upper, table, freedom, alignment);
   }
   return alignment;
 }

@@ -62,7 +62,8 @@ struct Alignment {
   Verdict verdict{Verdict::NotConverged};
   std::string reason{};              ///< one plain sentence when refused
 
-  Placement placement{};             ///< sample's shoe frame to the upper's base
+  bool mirrored{false};            ///< the sample's shoe frame was mirrored (y turned round) before it was placed
+  Placement placement{};           ///< sample's shoe frame to the upper's base
   SE3 T_upper_sample{SE3::Identity()};  ///< base of the sample's scan to base of the upper's; meaningful when rigid
   bool converged{false};
   int iterations{0};
@@ -78,6 +79,12 @@ struct Alignment {
   double runner_up_ratio{0};       ///< cost of the best to that of the next different start: 1 = a toss-up
 
   [[nodiscard]] bool accepted() const { return verdict == Verdict::Aligned; }
+
+  /// Where a point of the sample's line and its normal, given in the sample's shoe frame, lie on the upper.
+  struct OnLine {
+    Vec3 point, normal;
+  };
+  [[nodiscard]] OnLine placed(const OnLine& on_sample) const;
 };
 
 /// Any place and yaw, tilt to 10 degrees.  Never fails: a refusal is an Alignment with its verdict and reason.

@@ -9,12 +9,13 @@
 namespace biteline::registration {
 namespace {
 
-using Step = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1>;
+using Step = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, k_most_parameters, 1>;
 
 // Steps below these move nothing on a shoe by more than 3 um.  Pairs change in whole surfels, so the last steps may go to
 // and fro by about 1 um and never end.
 constexpr double k_done_mm = 2e-3;
 constexpr double k_done_rad = 1e-5;
+constexpr double k_done_ratio = 1e-5;
 constexpr double k_facing_pitches = 1.5;
 // Geman-McClure: residuals of this many robust standard deviations weigh a quarter.
 constexpr double k_kernel_sigmas = 3.0;
@@ -38,22 +39,39 @@ double robust_sigma_mm(const std::vector<Pair>& pairs) {
   return 1.4826 * *middle;  // of a normal distribution: the standard deviation
 }
 
-/// Derivative of the residual by the parameters, in the source's frame: n . R [I, -hat(s)] xi with s = scale ∘ p.
-Step jacobian(const Placement& placement, const Vec3& point_source, const Vec3& direction, Freedom freedom) {
-  const Vec3 s = placement.scale.cwiseProduct(point_source);
-  const Vec3 n = placement.T_target_source.linear().transpose() * direction;
+/// Derivative of the residual by the parameters, in the source's frame: n . R [I, -hat(s)] xi with s = grade(p).
+Step jacobian(const Placement& placement, const Pair& pair, Freedom freedom) {
+  const Vec3 s = placement.grade.apply(pair.point, pair.foot);
+  const Vec3 n = placement.T_target_source.linear().transpose() * pair.direction;
   Step J(parameter_count(freedom));
   J.head<3>() = n;
   J.segment<3>(3) = s.cross(n);
   if (freedom == Freedom::UniformScale) J[6] = n.dot(s);
-  if (freedom == Freedom::Graded) J.segment<3>(6) = n.cwiseProduct(s);
+  if (freedom == Freedom::Graded) {
+    const double offset = n.x() * pair.foot.outward.x() + n.y() * pair.foot.outward.y();
+    J[6] = n.x() * placement.grade.length * pair.foot.place.x();
+    J[7] = n.y() * placement.grade.width * pair.foot.place.y();
+    J[8] = n.dot(s) - J[6] - J[7] - placement.grade.offset_mm * offset;
+    J[9] = offset;
+  }
   return J;
 }
 
 void apply(const Step& step, Freedom freedom, Placement& placement) {
   placement.T_target_source = placement.T_target_source * geometry::exp_se3(step.head<6>());
-  if (freedom == Freedom::UniformScale) placement.scale *= 1 + step[6];
-  if (freedom == Freedom::Graded) placement.scale.array() *= 1 + step.segment<3>(6).array();
+  if (freedom == Freedom::Rigid) return;
+  placement.grade.length *= 1 + step[6];
+  placement.grade.width *= 1 + (freedom == Freedom::Graded ? step[7] : step[6]);
+  placement.grade.section *= 1 + (freedom == Freedom::Graded ? step[8] : step[6]);
+  if (freedom == Freedom::Graded) placement.grade.offset_mm += step[9];
+}
+
+bool settled(const Step& step) {
+  if (step.head<3>().norm() > k_done_mm || step.segment<3>(3).norm() > k_done_rad) return false;
+  for (Eigen::Index i = 6; i < step.size(); ++i) {
+    if (std::abs(step[i]) > (i < 9 ? k_done_ratio : k_done_mm)) return false;
+  }
+  return true;
 }
 
 /// Normal equations of one iteration.
@@ -70,7 +88,7 @@ struct NormalEquations {
   /// `kernel_mm` 0: no robust weights.
   void add(const std::vector<Pair>& pairs, const Placement& placement, double kernel_mm, double weight_of_each) {
     for (const Pair& pair : pairs) {
-      const Step J = jacobian(placement, pair.point, pair.direction, freedom);
+      const Step J = jacobian(placement, pair, freedom);
       double weight = weight_of_each;
       if (kernel_mm > 0) {
         const double ratio = pair.residual_mm / kernel_mm;
@@ -141,15 +159,14 @@ std::vector<Pair> find_pairs(const Surfaces& surfaces, const Placement& placemen
   const auto& [source, target, table, source_rim, target_rim] = surfaces;
   std::vector<Pair> pairs;
   pairs.reserve(source.size());
-  const Mat3 linear = placement.T_target_source.linear() * placement.scale.asDiagonal();
-  const Mat3 normal_linear = placement.T_target_source.linear() * placement.scale.cwiseInverse().asDiagonal();
   const double facing_mm = k_facing_pitches * target.pitch_mm;
   for (std::uint32_t i = 0; i < source.size(); ++i) {
     const Vec3 point = source.positions[i].cast<double>();
-    const Vec3 placed = linear * point + placement.T_target_source.translation();
+    const Foot foot = source.foot(i);
+    const Vec3 placed = placement.place(point, foot);
     const std::uint32_t near = table.near(placed.cast<float>());
     if (near == NearestTable::k_none) continue;
-    const Vec3 n_p = (normal_linear * source.normals[i].cast<double>()).normalized();
+    const Vec3 n_p = placement.place_normal(source.normals[i].cast<double>());
     const Vec3 n_q = target.normals[near].cast<double>();
     if (n_p.dot(n_q) < options.min_normal_cosine) continue;
     const Vec3 direction = (n_p + n_q).normalized();
@@ -157,7 +174,7 @@ std::vector<Pair> find_pairs(const Surfaces& surfaces, const Placement& placemen
     const double residual_mm = d.dot(direction);
     if (std::abs(residual_mm) > options.reach_mm) continue;
     if (d.squaredNorm() - square(residual_mm) > square(facing_mm)) continue;
-    pairs.push_back({.source = i, .target = near, .point = point, .direction = direction, .residual_mm = residual_mm});
+    pairs.push_back({.source = i, .target = near, .point = point, .foot = foot, .direction = direction, .residual_mm = residual_mm});
   }
   return pairs;
 }
@@ -168,14 +185,15 @@ std::vector<Pair> find_rim_pairs(const Surfaces& surfaces, const Placement& plac
   const Rim &source = *surfaces.source_rim, &target = *surfaces.target_rim;
   for (std::uint32_t i = 0; i < source.size(); ++i) {
     const Vec3 point = source.positions[i].cast<double>();
-    const Eigen::Vector3f placed = placement.place(point).cast<float>();
+    const Foot foot = source.foot(i);
+    const Eigen::Vector3f placed = placement.place(point, foot).cast<float>();
     const std::uint32_t near = nearest_on(target, placed);
     const Vec3 d = (placed - target.positions[near]).cast<double>();
     if (d.squaredNorm() > square(reach_mm + target.spacing_mm)) continue;
     const Vec3 direction = target.across[near].cast<double>();
     const double residual_mm = d.dot(direction);
     if (std::abs(residual_mm) > reach_mm) continue;
-    pairs.push_back({.source = i, .target = near, .point = point, .direction = direction, .residual_mm = residual_mm});
+    pairs.push_back({.source = i, .target = near, .point = point, .foot = foot, .direction = direction, .residual_mm = residual_mm});
   }
   return pairs;
 }
@@ -196,7 +214,7 @@ IcpResult run_icp(const Surfaces& surfaces, const Placement& start, const IcpOpt
     const double length_mm = step.head<3>().norm();
     if (length_mm > options.reach_mm) step *= options.reach_mm / length_mm;
     apply(step, options.freedom, result.placement);
-    result.converged = step.head<3>().norm() < k_done_mm && step.segment<3>(3).norm() < k_done_rad;
+    result.converged = settled(step);
     pairs = AllPairs{surfaces, result.placement, options};
   }
   summarise(pairs, surfaces, options, result);

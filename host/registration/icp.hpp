@@ -3,6 +3,9 @@
 /// \file Iterative closest points between two surfaces of which only a part is common: the local step of registration.
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <vector>
 
 #include "common/geometry/se3.hpp"
 #include "host/registration/nearest_table.hpp"
@@ -11,23 +14,46 @@
 
 namespace biteline::registration {
 
-/// p_target = T_target_source * (scale ∘ p_source), scale along the source's own axes.  A negative scale_y mirrors.
-struct Placement {
-  SE3 T_target_source{SE3::Identity()};
-  Vec3 scale{Vec3::Ones()};
+/// How a shoe of one size becomes one of another: its outline by length and width, then moved outward by an even offset
+/// (the line lies inside the outline that is graded, by the depth of the groove); its upright sections as a whole.  A last
+/// graded by length only keeps its sections (section 1), an enlarged one has all three alike and no offset.
+struct Grade {
+  double length{1}, width{1}, section{1};
+  double offset_mm{0};
 
-  [[nodiscard]] Vec3 place(const Vec3& point) const { return T_target_source * scale.cwiseProduct(point); }
-  /// Normals go by the inverse transpose, so that they stay at right angles to the surface.
-  [[nodiscard]] Vec3 place_normal(const Vec3& normal) const {
-    return (T_target_source.linear() * normal.cwiseQuotient(scale)).normalized();
+  /// A point of the shoe frame and the line's place beside it.
+  [[nodiscard]] Vec3 apply(const Vec3& point, const Foot& foot) const {
+    const double x = foot.place.x(), y = foot.place.y();
+    return {length * x + section * (point.x() - x) + offset_mm * foot.outward.x(),
+            width * y + section * (point.y() - y) + offset_mm * foot.outward.y(), section * point.z()};
+  }
+  /// The outline's normal turns with the outline; its rise, of the section, stays.
+  [[nodiscard]] Vec3 apply_normal(const Vec3& normal) const {
+    const Vec2 level{normal.x() / length, normal.y() / width};
+    const double before = normal.head<2>().norm(), after = level.norm();
+    if (after <= 0) return normal;
+    return {level.x() * before / after, level.y() * before / after, normal.z()};
+  }
+  [[nodiscard]] double largest_change() const {
+    return std::max({std::abs(length - 1), std::abs(width - 1), std::abs(section - 1)});
   }
 };
 
-/// What may change.  Graded: one factor along each axis of the source (length, girth, height).
+/// p_target = T_target_source * grade(p_source).
+struct Placement {
+  SE3 T_target_source{SE3::Identity()};
+  Grade grade{};
+
+  [[nodiscard]] Vec3 place(const Vec3& point, const Foot& foot) const { return T_target_source * grade.apply(point, foot); }
+  [[nodiscard]] Vec3 place_normal(const Vec3& normal) const { return T_target_source.linear() * grade.apply_normal(normal); }
+};
+
+/// What may change.  Graded: length, width, section and offset, each for itself.
 enum class Freedom { Rigid, UniformScale, Graded };
 
+inline constexpr int k_most_parameters = 10;
 [[nodiscard]] constexpr int parameter_count(Freedom freedom) {
-  return freedom == Freedom::Rigid ? 6 : freedom == Freedom::UniformScale ? 7 : 9;
+  return freedom == Freedom::Rigid ? 6 : freedom == Freedom::UniformScale ? 7 : k_most_parameters;
 }
 
 struct IcpOptions {
@@ -40,8 +66,9 @@ struct IcpOptions {
 };
 
 /// Information of the estimate's parameters: right perturbation [rho; theta] of T_target_source (mm, rad), then relative
-/// changes of the scale (uniform: 1, graded: x, y, z).  Unit weight: divide by the variance of a residual.
-using Information = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 9, 9>;
+/// changes of the grade (uniform: 1, graded: length, width, section) and its offset (mm).  Unit weight: divide by the
+/// variance of a residual.
+using Information = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, k_most_parameters, k_most_parameters>;
 
 struct IcpResult {
   Placement placement{};
@@ -79,6 +106,7 @@ struct Pair {
   std::uint32_t source;    ///< index in the source's surfels or rim
   std::uint32_t target;
   Vec3 point;              ///< the source's point, own frame
+  Foot foot;
   Vec3 direction;          ///< unit, target's frame: in which the residual is measured
   double residual_mm;      ///< (placed point - target) . direction
 };

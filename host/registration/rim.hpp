@@ -17,9 +17,11 @@ namespace biteline::registration {
 struct Rim {
   std::vector<Eigen::Vector3f> positions{};
   std::vector<Eigen::Vector3f> across{};   ///< unit, in the surface, at right angles to the rim, upwards
+  std::vector<Foot> feet{};                ///< as Surfels::feet
   float spacing_mm{0};                     ///< usual distance of neighbours
 
   [[nodiscard]] std::size_t size() const { return positions.size(); }
+  [[nodiscard]] Foot foot(std::size_t i) const { return feet.empty() ? Foot{} : feet[i]; }
 };
 
 /// Where the surface ends upwards and nothing lies above within 15 mm: the highest points, to a point's spacing, not to a

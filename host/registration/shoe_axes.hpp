@@ -7,13 +7,13 @@
 
 namespace biteline::registration {
 
-enum class Foot { Left, Right, Unclear };
+enum class Side { Left, Right, Unclear };
 
 struct ShoeAxes {
   SE3 T_base_shoe{SE3::Identity()};  ///< x heel to toe, y left, z up (base's z); origin at the heel end, lowest point z = 0
   double length_mm{0};
   double width_mm{0};
-  Foot foot{Foot::Unclear};
+  Side side{Side::Unclear};
 };
 
 /// Heel and toe are told apart by the plan's area, which lies nearer to the toe (the ball of the foot is the widest

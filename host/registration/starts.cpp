@@ -59,25 +59,24 @@ double top_along(const Surfels& surfels, const Vec3& mean, const Vec3& up) {
   return top_mm;
 }
 
-Surfels scaled(const Surfels& surfels, const Vec3& scale) {
+Surfels graded(const Surfels& surfels, const Grade& grade) {
   Surfels out = surfels;
-  for (Eigen::Vector3f& p : out.positions) p = p.cwiseProduct(scale.cast<float>());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out.positions[i] = grade.apply(surfels.positions[i].cast<double>(), surfels.foot(i)).cast<float>();
+  }
   return out;
 }
 
-Vec3 start_scale(const Sample& sample, const Upper& upper, const AlignOptions& options) {
-  Vec3 scale = Vec3::Ones();
-  if (options.grade) {
-    // The line's own length stands for the sample's: the sole of the sample is longer than its upper.
-    const ShoeAxes common = shoe_axes(sample.common);
-    scale.setConstant(std::clamp(upper.axes.length_mm / common.length_mm, 0.7, 1.4));
-  }
-  if (options.mirror) scale.y() = -scale.y();
-  return scale;
+/// By length alone; the sections at first as they are.
+Grade start_grade(const Sample& sample, const Upper& upper, Freedom freedom) {
+  if (freedom == Freedom::Rigid) return {};
+  // The common part's own length, not the sample's: its sole is longer than its upper.
+  const double factor = std::clamp(upper.axes.length_mm / shoe_axes(sample.common).length_mm, 0.7, 1.4);
+  return {.length = factor, .width = factor, .section = freedom == Freedom::UniformScale ? factor : 1};
 }
 
-std::vector<Placement> starts(const Sample& sample, const Upper& upper, const Vec3& scale) {
-  const Surfels source = scaled(sample.common_coarse, scale);
+std::vector<Placement> starts(const Sample& sample, const Upper& upper, const Grade& grade) {
+  const Surfels source = graded(sample.common_coarse, grade);
   const std::array<std::array<Frame, 2>, 2> pairs{{
       {upright_frame(source, SE3::Identity()), upright_frame(upper.surfels_coarse, upper.axes.T_base_shoe)},
       {principal_frame(source), principal_frame(upper.surfels_coarse)},
@@ -89,7 +88,7 @@ std::vector<Placement> starts(const Sample& sample, const Upper& upper, const Ve
       const Mat3 R = to.axes * Eigen::AngleAxisd(yaw_deg * k_rad_per_deg, Vec3::UnitZ()).toRotationMatrix() *
                      from.axes.transpose();
       for (const double height_mm : {0.0, rise_mm}) {
-        Placement placement{.T_target_source = SE3::Identity(), .scale = scale};
+        Placement placement{.T_target_source = SE3::Identity(), .grade = grade};
         placement.T_target_source.linear() = R;
         placement.T_target_source.translation() = to.mean + height_mm * to.axes.col(2) - R * from.mean;
         placements.push_back(placement);
@@ -100,17 +99,17 @@ std::vector<Placement> starts(const Sample& sample, const Upper& upper, const Ve
 }
 
 bool alike(const Placement& a, const Placement& b, const Vec3& centre) {
-  return (a.place(centre) - b.place(centre)).norm() < k_same_mm &&
+  const Foot foot{.place = centre.head<2>().cast<float>()};
+  return (a.place(centre, foot) - b.place(centre, foot)).norm() < k_same_mm &&
          geometry::angle_between_rad(a.T_target_source.linear(), b.T_target_source.linear()) < k_same_rad;
 }
 
 }  // namespace
 
-std::vector<IcpResult> coarse_fits(const Sample& sample, const Upper& upper, const AlignOptions& options) {
-  const std::vector<Placement> placements = starts(sample, upper, start_scale(sample, upper, options));
+std::vector<IcpResult> coarse_fits(const Sample& sample, const Upper& upper, Freedom freedom) {
+  const std::vector<Placement> placements = starts(sample, upper, start_grade(sample, upper, freedom));
   const NearestTable wide{upper.surfels_coarse, static_cast<float>(k_coarse_reach_mm)};
   const Surfaces surfaces{.source = sample.common_coarse, .target = upper.surfels_coarse, .target_table = wide};
-  const Freedom freedom = options.grade ? Freedom::Graded : Freedom::Rigid;
 
   std::vector<IcpResult> fits(placements.size());
   tbb::parallel_for(std::size_t{0}, placements.size(), [&](std::size_t i) {

@@ -9,6 +9,6 @@
 namespace biteline::registration {
 
 /// Best first, no two alike (5 mm, 5 degrees).  At least one.
-[[nodiscard]] std::vector<IcpResult> coarse_fits(const Sample& sample, const Upper& upper, const AlignOptions& options);
+[[nodiscard]] std::vector<IcpResult> coarse_fits(const Sample& sample, const Upper& upper, Freedom freedom);
 
 }  // namespace biteline::registration

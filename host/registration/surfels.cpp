@@ -154,13 +154,22 @@ Surfels coarsened(const Surfels& fine, float pitch_mm) {
       counts.push_back(0);
       coarse.positions.emplace_back(Eigen::Vector3f::Zero());
       coarse.normals.emplace_back(Eigen::Vector3f::Zero());
+      if (!fine.feet.empty()) coarse.feet.emplace_back();
     }
     counts[at] += 1;
     coarse.positions[at] += fine.positions[i];
     coarse.normals[at] += fine.normals[i];
+    if (!fine.feet.empty()) {
+      coarse.feet[at].place += fine.feet[i].place;
+      coarse.feet[at].outward += fine.feet[i].outward;
+    }
   }
   for (std::size_t i = 0; i < coarse.size(); ++i) {
     coarse.positions[i] /= counts[i];
+    if (!coarse.feet.empty()) {
+      coarse.feet[i].place /= counts[i];
+      coarse.feet[i].outward.normalize();
+    }
     coarse.normals[i].normalize();  // stays zero where two sides of a thin sheet share a voxel: then nothing matches it
   }
   return coarse;

@@ -9,14 +9,22 @@
 
 namespace biteline::registration {
 
+/// Beside a point of a sample, seen from above: the place of its line and the outward normal there.
+struct Foot {
+  Eigen::Vector2f place{0, 0};
+  Eigen::Vector2f outward{0, 0};
+};
+
 /// One element per occupied voxel: mean of its points, normal of the points in the voxel and its 26 neighbours.  Evenly
 /// dense whatever the scan's spacing was, so that no side of the shoe outweighs another.
 struct Surfels {
   std::vector<Eigen::Vector3f> positions{};  ///< mm
   std::vector<Eigen::Vector3f> normals{};    ///< unit length, away from the shoe's middle line
+  std::vector<Foot> feet{};                  ///< of a sample only, one each, or empty
   float pitch_mm{0};
 
   [[nodiscard]] std::size_t size() const { return positions.size(); }
+  [[nodiscard]] Foot foot(std::size_t i) const { return feet.empty() ? Foot{} : feet[i]; }
 };
 
 /// Voxels whose neighbourhood is no surface (fewer than 8 points, or a blob) are left out.

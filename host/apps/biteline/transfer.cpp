@@ -25,7 +25,7 @@ nlohmann::ordered_json rows_of(const Eigen::Matrix4d& T) {
 }
 
 nlohmann::ordered_json json_of(const registration::Alignment& alignment) {
-  const Vec3& scale = alignment.placement.scale;
+  const registration::Grade& grade = alignment.placement.grade;
   nlohmann::ordered_json information = nlohmann::ordered_json::array();
   for (Eigen::Index row = 0; row < alignment.information.rows(); ++row) {
     nlohmann::ordered_json values = nlohmann::ordered_json::array();
@@ -36,7 +36,8 @@ nlohmann::ordered_json json_of(const registration::Alignment& alignment) {
           {"iterations", alignment.iterations},
           {"T_upper_sample", rows_of(alignment.T_upper_sample.matrix())},
           {"T_upper_shoe", rows_of(alignment.placement.T_target_source.matrix())},
-          {"scale", {scale.x(), scale.y(), scale.z()}},
+          {"mirrored", alignment.mirrored},
+          {"grade", {{"length", grade.length}, {"width", grade.width}, {"section", grade.section}, {"offset_mm", grade.offset_mm}}},
           {"overlap_share", alignment.overlap_ratio},
           {"upper_overlap_share", alignment.upper_overlap_ratio},
           {"residual_rms_mm", alignment.residual_rms_mm},

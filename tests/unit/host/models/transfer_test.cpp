@@ -80,6 +80,25 @@ TEST(Transfer, ARefusalHasItsReasonAndNoLine) {
   CHECK(sut->carried.line.points.empty());
 }
 
+TEST(Transfer, OneSampleServesOtherSizesWithinItsBound) {
+  for (const double length_mm : {235.0, 305.0}) {
+    sim::ShoeParameters size = sim::draw_shoe(sim::ShoeClass::Deep, 6);
+    size.outline.length_mm *= length_mm / 270;
+    const sim::MadeShoe upper{sim::bare_upper_of(size, 0.15, 9)};
+    const std::vector<sim::TrueLinePoint> truth = sim::carried_line(sim::true_line(sim::MadeShoe{size}, 1.0), upper);
+    const cloud::PointCloud cloud = test::scanned(upper.parameters(), pair.T_base_upper, k_scan);
+    const Result<Transfer> refused = transfer_line(sample(), cloud, {});
+    SUCCEEDS(refused);
+    CHECK_FALSE(refused->found);
+    const Result<Transfer> sut = transfer_line(sample(), cloud, {.align = {.grade = true}});
+    SUCCEEDS(sut);
+    CHECK(sut->found);
+    const double error_mm = mean_error_mm(sut->carried.line, test::as_line(truth, pair.T_base_upper));
+    CHECK(error_mm < 0.4);  // the bar
+    CHECK(error_mm < sut->bound_mm);
+  }
+}
+
 TEST(Transfer, AMirroredSampleServesTheOtherFoot) {
   // Across the plane y = 0 of base.
   const auto mirrored = [](Vec3 p) { return Vec3{p.x(), -p.y(), p.z()}; };

@@ -33,7 +33,8 @@ double line_error_mm(const test::MadePair& pair, const Sample& sample, const Ali
   const SE3 T_shoe_base = sample.T_base_shoe.inverse();
   double sum_mm = 0;
   for (const line::LinePoint& p : pair.sample_line.points) {
-    sum_mm += (alignment.placement.place(T_shoe_base * p.position) - T_upper_sample * p.position).norm();
+    const Alignment::OnLine placed = alignment.placed({.point = T_shoe_base * p.position, .normal = T_shoe_base.linear() * p.normal});
+    sum_mm += (placed.point - T_upper_sample * p.position).norm();
   }
   return sum_mm / static_cast<double>(pair.sample_line.points.size());
 }
@@ -110,8 +111,8 @@ TEST(Alignment, AnotherSizeIsRefusedAndGradingTakesIt) {
     CHECK(sut.reason.find("another size") != std::string::npos);
     const Alignment graded = aligned(other_size, {.grade = true});
     CHECK(graded.accepted());
-    DOUBLES_EQUAL(factor, graded.placement.scale.x(), 0.004);
-    DOUBLES_EQUAL(factor, graded.placement.scale.z(), 0.01);
+    DOUBLES_EQUAL(factor, graded.placement.grade.length, 0.004);
+    DOUBLES_EQUAL(factor, graded.placement.grade.section, 0.01);
   }
 }
 
