@@ -89,8 +89,6 @@ TEST(SimBus, TheTriggerRunsOnlyBetweenStartAndStopAndEndsWithItsOwner) {
   CHECK(sut->start().has_value());
   settle();
   LONGS_EQUAL(10'000'000, period_ns.load());
-  const auto watcher = *SimEdgeIn::open(name, Line::LaserEnable);
-  const auto marker = *SimGpioOut::open(name, Line::LaserEnable);
   sut.reset();
   for (int i = 0; i < 1000 && period_ns != 0; ++i) settle();
   LONGS_EQUAL(0, period_ns.load());

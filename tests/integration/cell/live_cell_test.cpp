@@ -35,13 +35,14 @@ LiveSettings quick_cell() {
 
 /// The standard fixes the camera's port, so one camera at a time lives on an address; another test may just be using it.
 std::unique_ptr<LiveCell> open_cell(const LiveSettings& settings) {
-  for (int attempt = 0; attempt < 100; ++attempt) {
+  const auto patience_ends = hal::monotonic_now() + 15 * k_second;
+  do {
     if (auto cell = LiveCell::open(settings)) {
       test::note_ran();
       return std::move(*cell);
     }
     std::this_thread::sleep_for(std::chrono::milliseconds{100});  // until the other test gives the port back
-  }
+  } while (hal::monotonic_now() < patience_ends);
   test::note_skipped("GigE Vision port 3956 on 127.0.0.1 is not free");
   return nullptr;
 }
