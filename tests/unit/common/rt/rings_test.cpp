@@ -84,11 +84,12 @@ Fate stress() {
         any = true;
       }
       if (last_look && !any) return;
+      if (!any) std::this_thread::yield();
     }
   }};
   for (std::uint32_t i = 0; i < k_items; ++i) {
     if (const auto victim = ring.rt_push(i)) victims.push_back(*victim);
-    if (i % 64 == 0) std::this_thread::yield();
+    if (i % 1024 == 0) std::this_thread::yield();
   }
   done.store(true, std::memory_order_release);
   consumer.join();
@@ -171,7 +172,7 @@ TEST(LatestValue, ReaderNeverSeesTwoStoresMixed) {
     Wide value;
     value.all_equal.fill(i);
     sut.rt_store(value);
-    if (i % 256 == 0) std::this_thread::yield();
+    if (i % 4096 == 0) std::this_thread::yield();
   }
   done.store(true);
   reader.join();

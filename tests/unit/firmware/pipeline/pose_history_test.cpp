@@ -83,7 +83,7 @@ TEST(PoseHistory, ReadersMeetNoHalfWrittenPose) {
   }};
   for (std::int64_t i = 0; i < 50000; ++i) {
     sut->rt_push({.stamp = at_ms(2 * i), .T_base_flange = cruising(at_ms(2 * i))});
-    if (i % 512 == 0) std::this_thread::yield();
+    if (i % 4096 == 0) std::this_thread::yield();
   }
   done.store(true);
   reader.join();
