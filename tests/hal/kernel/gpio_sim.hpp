@@ -18,19 +18,23 @@ class GpioSim {
  public:
   static constexpr int k_lines = 8;
   static constexpr const char* k_label = "biteline-test";
+  static constexpr int k_laser_enable = 2;  // named as in boards/qemu-virt/board.yaml
+  static constexpr int k_interlock = 6;
 
   GpioSim() {
     std::filesystem::create_directories(bank());
     put(bank() / "num_lines", std::to_string(k_lines));
     put(bank() / "label", k_label);
-    std::filesystem::create_directories(bank() / "line2");
-    put(bank() / "line2/name", "laser-enable");
+    for (const Name& name : k_names) {
+      std::filesystem::create_directories(bank() / name.folder);
+      put(bank() / name.folder / "name", name.name);
+    }
     put(device() / "live", "1");
     lines_ = std::filesystem::path{"/sys/devices/platform"} / get(device() / "dev_name") / get(bank() / "chip_name");
   }
   ~GpioSim() {
     put(device() / "live", "0");
-    std::filesystem::remove(bank() / "line2");
+    for (const Name& name : k_names) std::filesystem::remove(bank() / name.folder);
     std::filesystem::remove(bank());
     std::filesystem::remove(device());
   }
@@ -42,6 +46,12 @@ class GpioSim {
   void unplug() const { put(device() / "live", "0"); }
 
  private:
+  struct Name {
+    const char* folder;
+    const char* name;
+  };
+  static constexpr Name k_names[] = {{"line2", "laser-enable"}, {"line6", "interlock"}};
+
   static std::filesystem::path device() { return std::filesystem::path{k_gpio_sim_config} / "biteline"; }
   static std::filesystem::path bank() { return device() / "bank0"; }
   [[nodiscard]] std::filesystem::path line_folder(int line) const { return lines_ / ("sim_gpio" + std::to_string(line)); }
