@@ -27,6 +27,7 @@ void StreamServer::begin_scan(std::uint64_t scan_id, const std::string& scan_nam
   messages_lost_ += store_.clear();
   scan_id_ = scan_id;
   ended_ = false;
+  end_delivered_ = false;
   identity_.scan_name = scan_name;
   identity_.frames_expected = frames_expected;
   identity_.scanning = true;
@@ -118,6 +119,7 @@ void StreamServer::on_ack(Host& host, std::uint64_t scan_id, const wire::Ack& ac
   }
   host.acknowledged = std::max(host.acknowledged, ack.safe_sequence);
   host.has_end = ended_ && host.acknowledged == store_.held_to();
+  end_delivered_ = end_delivered_ || host.has_end;
 }
 
 void StreamServer::on_control(const PeerId& peer, const wire::Control& control) {
@@ -204,10 +206,8 @@ std::size_t StreamServer::hosts_present() const {
 }
 
 bool StreamServer::end_acknowledged() const {
-  if (!ended_) return false;
   const auto lacks_end = [](const auto& entry) { return entry.second.present && !entry.second.has_end; };
-  const auto has_end = [](const auto& entry) { return entry.second.has_end; };
-  return std::none_of(hosts_.begin(), hosts_.end(), lacks_end) && std::any_of(hosts_.begin(), hosts_.end(), has_end);
+  return end_delivered_ && std::none_of(hosts_.begin(), hosts_.end(), lacks_end);
 }
 
 void StreamServer::fill(wire::Counters& counters) const {

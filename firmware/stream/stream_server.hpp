@@ -104,6 +104,7 @@ class StreamServer {
   std::map<PeerId, Host> hosts_;
   std::uint64_t scan_id_{0};
   bool ended_{false};
+  bool end_delivered_{false};  ///< at least one host has the end, even if it has left since
   SensorClock::time_point health_due_;
   std::uint64_t messages_lost_{0};
   std::uint64_t packets_rejected_{0};

@@ -129,8 +129,13 @@ void HostProtocol::advance(HostClock::time_point now) {
   ++next_;
   progressed_ = now;
   ++counters_.messages;
-  if (config_.acknowledge_by_itself) safe_ = next_;
-  if (safe_ - acknowledged_ >= k_ack_messages || (ended_ && safe_ == next_)) send_ack(now);
+  if (config_.acknowledge_by_itself) acknowledge(now);
+}
+
+void HostProtocol::acknowledge(HostClock::time_point now) {
+  safe_ = next_;
+  // The end at once: the caller may have no further call to make.
+  if (safe_ - acknowledged_ >= k_ack_messages || (ended_ && safe_ > acknowledged_)) send_ack(now);
 }
 
 void HostProtocol::tick(HostClock::time_point now) {

@@ -70,7 +70,7 @@ class HostProtocol {
   void on_connected(HostClock::time_point now) { say_hello(now); }
 
   /// Everything given out so far is safe.
-  void acknowledge() { safe_ = next_; }
+  void acknowledge(HostClock::time_point now);
 
   void command(wire::Control control);
   void say_bye();

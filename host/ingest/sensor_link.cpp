@@ -100,7 +100,7 @@ Result<std::optional<LinkEvent>> SensorLink::next(Nanoseconds timeout) {
 }
 
 std::span<const std::uint8_t> SensorLink::packet() const { return state_->last_packet; }
-void SensorLink::acknowledge() { state_->protocol.acknowledge(); }
+void SensorLink::acknowledge() { state_->protocol.acknowledge(now()); }
 void SensorLink::command(wire::Control control) { state_->protocol.command(control); }
 ScanPosition SensorLink::position() const { return state_->protocol.position(); }
 const LinkCounters& SensorLink::counters() const { return state_->protocol.counters(); }

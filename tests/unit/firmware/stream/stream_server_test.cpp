@@ -222,6 +222,17 @@ TEST(StreamServer, EndCountsAsDeliveredWhenEveryPresentHostHasIt) {
   CHECK(sut->end_acknowledged());
 }
 
+TEST(StreamServer, EndStaysDeliveredWhenTheHostLeaves) {
+  receive("a", wire::HostHello{});
+  sut->add_end({});
+  sut->tick(now);
+  receive("a", wire::Ack{.safe_sequence = 1});
+  receive("a", wire::Bye{});
+  CHECK(sut->end_acknowledged());
+  sut->begin_scan(100, "next", 0);
+  CHECK(!sut->end_acknowledged());
+}
+
 TEST(StreamServer, HostThatLeavesIsForgotten) {
   receive("a", wire::HostHello{});
   receive("a", wire::Bye{});

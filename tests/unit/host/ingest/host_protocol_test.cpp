@@ -118,8 +118,7 @@ TEST(HostProtocol, NothingIsSafeBeforeItsOwnerSaysSo) {
   now += milliseconds{150};
   sut->tick(now);
   for (const wire::Ack& ack : all<wire::Ack>()) LONGS_EQUAL(0, ack.safe_sequence);
-  sut->acknowledge();
-  sut->tick(now);
+  sut->acknowledge(now);
   LONGS_EQUAL(20, all<wire::Ack>().back().safe_sequence);
 }
 
