@@ -108,8 +108,7 @@ Result<Socket> open_caller(const SocketContext& context, const Endpoint& endpoin
   BITELINE_TRY(set_common_options(socket, endpoint));
   BITELINE_TRY(socket.set(ZMQ_RECONNECT_IVL, k_reconnect_ms));
   BITELINE_TRY(socket.set(ZMQ_RECONNECT_IVL_MAX, k_reconnect_max_ms));
-  // What was meant for a connection that is gone must not pile up for the next one.
-  BITELINE_TRY(socket.set(ZMQ_IMMEDIATE, 1));
+  // Not ZMQ_IMMEDIATE: it would throw away what has arrived and was not read yet when the peer hangs up, farewells above all.
   if (keys) {
     BITELINE_TRY(socket.set(ZMQ_CURVE_SERVERKEY, keys->sensor_public_key));
     BITELINE_TRY(socket.set(ZMQ_CURVE_PUBLICKEY, keys->own.public_key));

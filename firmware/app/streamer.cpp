@@ -17,6 +17,23 @@ constexpr Nanoseconds k_idle_wait = milliseconds{1};
 constexpr int k_profiles_per_turn = 16;
 /// After the scan's end was acknowledged hosts have so long to say goodbye.
 constexpr Nanoseconds k_farewell = milliseconds{500};
+/// For the farewell itself to reach them, over loopback or a workshop's network.
+constexpr Nanoseconds k_last_word = milliseconds{100};
+/// From the start of a scan to its light: the first frames of a network camera take some tenths of a second.
+constexpr Nanoseconds k_light_patience = milliseconds{5000};
+
+Errc code_of(runtime::LaserOff reason) {
+  switch (reason) {
+    case runtime::LaserOff::InterlockOpen:
+    case runtime::LaserOff::KeyOff: return Errc::InterlockOpen;
+    case runtime::LaserOff::FramesStopped: return Errc::Timeout;
+    case runtime::LaserOff::WatchdogStarved: return Errc::Overrun;
+    case runtime::LaserOff::DriverFailed:
+    case runtime::LaserOff::NotAsked:
+    case runtime::LaserOff::Stopped: break;
+  }
+  return Errc::DeviceError;
+}
 
 std::uint64_t random_scan_id() {
   std::random_device source;
@@ -68,6 +85,8 @@ Result<void> Streamer::start_scan() {
   failure_.reset();
   robot_was_active_ = false;
   state_ = State::Scanning;
+  lit_ = false;
+  light_asked_at_ = clock_.now();
   if (laser_ != nullptr) laser_->ask_for_light(true);
   return {};
 }
@@ -82,6 +101,7 @@ void Streamer::run(const std::atomic<bool>& stop) {
     for (int i = 0; i < refused; ++i) server_.count_refused_peer();
     if (state_ != State::Idle) {
       follow_robot();
+      watch_light();
       take_profiles();
       if (scanner_->finished()) announce_end();
     }
@@ -89,6 +109,9 @@ void Streamer::run(const std::atomic<bool>& stop) {
   }
   if (laser_ != nullptr) laser_->ask_for_light(false);
   server_.say_bye(stop ? "the sensor was told to stop" : "the scan is over");
+  // A socket closed on unread packets resets its connection, and the farewell would be lost with it.
+  const SensorClock::time_point last_word = clock_.now() + k_last_word;
+  while (server_.hosts_present() > 0 && clock_.now() < last_word) (void)socket_.receive(k_idle_wait, on_packet);
 }
 
 void Streamer::follow_robot() {
@@ -98,6 +121,22 @@ void Streamer::follow_robot() {
   if (!active) return;
   if (robot_was_active_ && !*active) end_scan();
   robot_was_active_ = *active;
+}
+
+void Streamer::watch_light() {
+  if (state_ != State::Scanning || laser_ == nullptr) return;
+  const runtime::LaserWatch::Status laser = laser_->status();
+  lit_ = lit_ || laser.on;
+  if (laser.on) return;
+  const bool went_off = lit_ || laser.state == runtime::LaserGuard::State::Latched;
+  if (!went_off && clock_.now() - light_asked_at_ < k_light_patience) return;
+  fail_scan(fail(code_of(laser.reason), "the laser %s: %s", went_off ? "went off" : "stays off", runtime::text(laser.reason))
+                .value());
+}
+
+void Streamer::fail_scan(const Error& why) {
+  failure_ = why;
+  end_scan();
 }
 
 void Streamer::take_profiles() {
@@ -121,7 +160,8 @@ void Streamer::end_scan() {
 void Streamer::announce_end() {
   if (state_ == State::Scanning) end_scan();
   wire::EndOfScan end;
-  failure_ = scanner_->failure();
+  // A device's own failure explains a laser that went off, and not the other way round.
+  if (scanner_->failure()) failure_ = scanner_->failure();
   if (failure_) {
     end.errc = static_cast<std::uint16_t>(failure_->code);
     end.where = failure_->where.c_str();
@@ -189,6 +229,7 @@ Result<void> Streamer::obey(wire::Command command) {
     case wire::Command::LaserOff:
       if (laser_ == nullptr) return fail(Errc::NotSupported, "there is no laser");
       laser_->ask_for_light(false);
+      if (state_ == State::Scanning) fail_scan(fail(Errc::PeerRefused, "the laser went off: a host asked for it").value());
       return {};
     case wire::Command::StopScan: break;
   }

@@ -26,7 +26,8 @@ struct StreamerConfig {
 /// | Scanning | refused   | Ending   | Ending                  | Ending               |
 /// | Ending   | refused   | Ending   | Ending                  | Ending; Idle when the last profile is stored |
 ///
-/// refused: Errc::WrongState, to the host that asked.  Light is asked for in Scanning only (the laser's guard decides).
+/// refused: Errc::WrongState, to the host that asked.  Light is asked for in Scanning only (the laser's guard decides); a
+/// laser that goes off meanwhile, or never comes on, ends the scan as failed, with the guard's reason.
 /// Runs on its caller's thread, which also opens the devices of a scan (some hundred ms on a network camera: the hosts'
 /// patience is 2 s).
 class Streamer {
@@ -47,6 +48,8 @@ class Streamer {
   enum class State { Idle, Scanning, Ending };
 
   void follow_robot();
+  void watch_light();
+  void fail_scan(const Error& why);
   void take_profiles();
   void end_scan();
   void announce_end();
@@ -66,6 +69,8 @@ class Streamer {
   std::unique_ptr<Scanner> scanner_;  ///< of the present scan, or of the last one
   runtime::StageMeter encode_meter_;
   std::optional<Error> failure_;
+  SensorClock::time_point light_asked_at_;
+  bool lit_{false};
   bool robot_was_active_{false};
   bool ended_once_{false};
   std::optional<SensorClock::time_point> acknowledged_at_;

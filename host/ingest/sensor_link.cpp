@@ -26,7 +26,10 @@ struct SensorLink::State {
         context{std::move(zmq)},
         caller{std::move(socket)},
         watcher{std::move(events)},
-        protocol{config.protocol, [this](std::span<const std::uint8_t> packet) { caller.send({packet}); }} {}
+        protocol{config.protocol, [this](std::span<const std::uint8_t> packet) {
+                   // What is meant for a connection that is gone must not pile up for the next one.
+                   if (connected) caller.send({packet});
+                 }} {}
 
   SensorLinkConfig config;
   wire::SocketContext context;
@@ -34,6 +37,7 @@ struct SensorLink::State {
   wire::Socket watcher;
   HostProtocol protocol;
   HostClock::time_point opened{now()};
+  bool connected{false};
   int connections{0};
   wire::Bytes last_packet;
 
@@ -44,13 +48,14 @@ struct SensorLink::State {
       switch (*event) {
         case wire::LinkEvent::Connected:
           ++connections;
+          connected = true;
           protocol.on_connected(now());
           break;
         case wire::LinkEvent::AuthenticationFailed:
           return fail(Errc::AuthenticationFailed, "the sensor at %s does not let this host's key in", address.c_str());
         case wire::LinkEvent::HandshakeFailed:
           return fail(Errc::AuthenticationFailed, "the sensor at %s and this host do not agree on keys", address.c_str());
-        case wire::LinkEvent::Disconnected:
+        case wire::LinkEvent::Disconnected: connected = false; break;
         case wire::LinkEvent::ConnectFailed: break;  // tried again by itself
       }
     }

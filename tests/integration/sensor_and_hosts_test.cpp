@@ -259,7 +259,6 @@ TEST(SensorAndHosts, RubbishAndOtherVersionsDisturbNobody) {
   const wire::Bytes rubbish(300, 0x42);
   wire::Bytes other_version;
   wire::encode({.protocol = wire::k_protocol + 1, .body = wire::HostHello{}}, other_version);
-  // Sent once connected: a caller that is not yet connected refuses to send.
   int sent = 0;
   const auto deadline = std::chrono::steady_clock::now() + k_patience;
   while (sent < 20 && std::chrono::steady_clock::now() < deadline) {

@@ -21,10 +21,11 @@ namespace fs = std::filesystem;
 
 Result<LineStep> keep_unfinished(const fs::path& folder, const ingest::ScanOutcome& scan, report::Report& report) {
   const std::string reason = to_line(*scan.failure);
-  report.refuse("the scan is not complete: " + reason);
+  const auto profiles = static_cast<unsigned long long>(scan.counts.profiles);
+  report.refuse("the scan is not complete after " + std::to_string(profiles) + " profiles: " + reason);
   BITELINE_TRY(cloud::write_cloud(folder / "cloud.ply", scan.cloud));
   BITELINE_TRY(report.write(folder));
-  say_step("refused: the scan is not complete: %s", reason.c_str());
+  say_step("refused: the scan is not complete after %llu profiles: %s", profiles, reason.c_str());
   return LineStep{.status = ExitStatus::Refused, .extraction = {}};
 }
 
