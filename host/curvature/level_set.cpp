@@ -31,13 +31,16 @@ struct Kept {
   std::vector<float> radius_mm;
 };
 
-/// Neighbours of one point; beyond what a batch holds every n-th is taken, so that the whole disc stays covered.
-float gather(const NeighbourGrid& grid, std::uint32_t index, const CurvatureConfig& config, std::vector<NeighbourGrid::Hit>& hits) {
+/// Neighbours of one point; beyond what a batch holds every n-th is taken, so that the whole disc stays
+/// covered.
+float gather(const NeighbourGrid& grid, std::uint32_t index, const CurvatureConfig& config,
+             std::vector<NeighbourGrid::Hit>& hits) {
   hits.clear();
   if (config.neighbours > 0) return std::max(grid.nearest(index, config.neighbours, hits), 1e-6F);
   grid.within(index, config.radius_mm, hits);
   if (hits.size() > Batch::k_most_neighbours) {
-    for (std::size_t j = 0; j < Batch::k_most_neighbours; ++j) hits[j] = hits[j * hits.size() / Batch::k_most_neighbours];
+    for (std::size_t j = 0; j < Batch::k_most_neighbours; ++j)
+      hits[j] = hits[j * hits.size() / Batch::k_most_neighbours];
     hits.resize(Batch::k_most_neighbours);
   }
   return config.radius_mm;
@@ -45,19 +48,22 @@ float gather(const NeighbourGrid& grid, std::uint32_t index, const CurvatureConf
 
 class Filler {
  public:
-  Filler(const NeighbourGrid& grid, const CurvatureConfig& config, Scratch& scratch) : grid_{grid}, config_{config}, scratch_{scratch} {
+  Filler(const NeighbourGrid& grid, const CurvatureConfig& config, Scratch& scratch)
+      : grid_{grid}, config_{config}, scratch_{scratch} {
     scratch.batch.fall = config.weight_ratio > 0 ? 0.5F / (config.weight_ratio * config.weight_ratio) : 0.0F;
   }
 
   /// Searches the neighbours of up to k_lanes points from `first` on, and keeps them when `kept` wants them.
-  std::size_t search(std::size_t first, std::size_t end, std::span<const Eigen::Vector3f> normals, Kept& kept) {
+  std::size_t search(std::size_t first, std::size_t end, std::span<const Eigen::Vector3f> normals,
+                     Kept& kept) {
     const std::size_t lanes = begin(first, end);
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       const auto index = static_cast<std::uint32_t>(first + lane);
       scratch_.radius_mm[lane] = gather(grid_, index, config_, scratch_.hits);
       if (kept.per_point > 0) {
         kept.radius_mm[index] = scratch_.radius_mm[lane];
-        for (std::size_t j = 0; j < kept.per_point; ++j) kept.index[index * kept.per_point + j] = scratch_.hits[std::min(j, scratch_.hits.size() - 1)].index;
+        for (std::size_t j = 0; j < kept.per_point; ++j)
+          kept.index[index * kept.per_point + j] = scratch_.hits[std::min(j, scratch_.hits.size() - 1)].index;
       }
       put(lane, index, scratch_.hits.size(), normals, [&](std::size_t j) { return scratch_.hits[j].index; });
     }
@@ -65,7 +71,8 @@ class Filler {
   }
 
   /// The same from what was kept.
-  std::size_t recall(std::size_t first, std::size_t end, std::span<const Eigen::Vector3f> normals, const Kept& kept) {
+  std::size_t recall(std::size_t first, std::size_t end, std::span<const Eigen::Vector3f> normals,
+                     const Kept& kept) {
     const std::size_t lanes = begin(first, end);
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       const auto index = static_cast<std::uint32_t>(first + lane);
@@ -84,7 +91,8 @@ class Filler {
   }
 
   template <class IndexOf>
-  void put(std::size_t lane, std::uint32_t index, std::size_t count, std::span<const Eigen::Vector3f> normals, IndexOf&& index_of) {
+  void put(std::size_t lane, std::uint32_t index, std::size_t count, std::span<const Eigen::Vector3f> normals,
+           IndexOf&& index_of) {
     Batch& batch = scratch_.batch;
     const float inverse = 1.0F / scratch_.radius_mm[lane];
     const float px = grid_.x()[index];
@@ -111,7 +119,8 @@ class Filler {
 
 }  // namespace
 
-Curvature estimate_curvature(std::span<const Eigen::Vector3f> points, std::span<const Eigen::Vector3f> outward, const CurvatureConfig& config) {
+Curvature estimate_curvature(std::span<const Eigen::Vector3f> points,
+                             std::span<const Eigen::Vector3f> outward, const CurvatureConfig& config) {
   BITELINE_EXPECTS(outward.empty() || outward.size() == points.size());
   BITELINE_EXPECTS(config.neighbours <= Batch::k_most_neighbours);
   Curvature result;
@@ -121,7 +130,9 @@ Curvature estimate_curvature(std::span<const Eigen::Vector3f> points, std::span<
   result.trusted.assign(points.size(), 0);
   if (points.empty()) return result;
 
-  const float cell_mm = config.neighbours > 0 ? cell_for_count(points, static_cast<double>(config.neighbours) / 2.2) : config.radius_mm;
+  const float cell_mm = config.neighbours > 0
+                            ? cell_for_count(points, static_cast<double>(config.neighbours) / 2.2)
+                            : config.radius_mm;
   const NeighbourGrid grid{points, {.cell_mm = cell_mm}};
   const std::vector<std::uint32_t>& order = grid.order();
   std::vector<Eigen::Vector3f> normals(points.size());  // grid order
@@ -141,7 +152,8 @@ Curvature estimate_curvature(std::span<const Eigen::Vector3f> points, std::span<
       const std::size_t lanes = filler.search(first, range.end(), {}, kept);
       fit_planes(scratch.batch);
       for (std::size_t lane = 0; lane < lanes; ++lane) {
-        Eigen::Vector3f normal{scratch.batch.out_nx[lane], scratch.batch.out_ny[lane], scratch.batch.out_nz[lane]};
+        Eigen::Vector3f normal{scratch.batch.out_nx[lane], scratch.batch.out_ny[lane],
+                               scratch.batch.out_nz[lane]};
         if (!outward.empty() && normal.dot(outward[order[first + lane]]) < 0) normal = -normal;
         normals[first + lane] = normal;
       }
@@ -154,12 +166,15 @@ Curvature estimate_curvature(std::span<const Eigen::Vector3f> points, std::span<
     Filler filler{grid, config, scratch};
     Kept none;
     for (std::size_t first = range.begin(); first < range.end(); first += Batch::k_lanes) {
-      const std::size_t lanes = kept.per_point > 0 ? filler.recall(first, range.end(), normals, kept) : filler.search(first, range.end(), normals, none);
+      const std::size_t lanes = kept.per_point > 0 ? filler.recall(first, range.end(), normals, kept)
+                                                   : filler.search(first, range.end(), normals, none);
       fit_level_sets(scratch.batch, config.solver, config.offset_ratio);
       for (std::size_t lane = 0; lane < lanes; ++lane) {
         const std::size_t i = order[first + lane];
         result.normal[i] = normals[first + lane];
-        if (scratch.batch.count[lane] < static_cast<float>(k_least_neighbours) || scratch.batch.trust[lane] == 0.0F) continue;
+        if (scratch.batch.count[lane] < static_cast<float>(k_least_neighbours) ||
+            scratch.batch.trust[lane] == 0.0F)
+          continue;
         const float inverse = 1.0F / scratch.radius_mm[lane];
         result.mean_per_mm[i] = scratch.batch.mean[lane] * inverse;
         result.gaussian_per_mm2[i] = scratch.batch.gaussian[lane] * inverse * inverse;

@@ -27,24 +27,29 @@ Bounds bounds_of(std::span<const Eigen::Vector3f> points) {
 
 }  // namespace
 
-NeighbourGrid::NeighbourGrid(std::span<const Eigen::Vector3f> points, const Config& config) : cell_mm_{config.cell_mm}, inverse_mm_{1 / config.cell_mm} {
+NeighbourGrid::NeighbourGrid(std::span<const Eigen::Vector3f> points, const Config& config)
+    : cell_mm_{config.cell_mm}, inverse_mm_{1 / config.cell_mm} {
   if (points.empty()) {
     start_.assign(2, 0);
     return;
   }
   const Bounds bounds = bounds_of(points);
   const Eigen::Vector3f extent = bounds.high - bounds.low;
-  const auto cells_at = [&](float cell_mm) { return ((extent.cast<double>() / static_cast<double>(cell_mm)).array().floor() + 1.0).prod(); };
+  const auto cells_at = [&](float cell_mm) {
+    return ((extent.cast<double>() / static_cast<double>(cell_mm)).array().floor() + 1.0).prod();
+  };
   while (cells_at(cell_mm_) > static_cast<double>(config.max_cells)) cell_mm_ *= 1.25F;
   inverse_mm_ = 1 / cell_mm_;
   origin_ = bounds.low;
   size_ = (extent * inverse_mm_).array().floor().cast<int>() + 1;
-  const auto cells = static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(size_.z());
+  const auto cells = static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()) *
+                     static_cast<std::size_t>(size_.z());
 
   std::vector<std::uint32_t> cell_of(points.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>{0, points.size(), 16384}, [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      const Eigen::Vector3i cell = ((points[i] - origin_) * inverse_mm_).cast<int>().cwiseMin(size_ - Eigen::Vector3i::Ones());
+      const Eigen::Vector3i cell =
+          ((points[i] - origin_) * inverse_mm_).cast<int>().cwiseMin(size_ - Eigen::Vector3i::Ones());
       cell_of[i] = static_cast<std::uint32_t>((cell.z() * size_.y() + cell.y()) * size_.x() + cell.x());
     }
   });
@@ -72,8 +77,12 @@ void NeighbourGrid::within(std::uint32_t index, float radius_mm, std::vector<Hit
   const float px = x_[index];
   const float py = y_[index];
   const float pz = z_[index];
-  const auto low = [&](float p, int axis) { return std::max(0, static_cast<int>((p - radius_mm - origin_[axis]) * inverse_mm_)); };
-  const auto high = [&](float p, int axis) { return std::min(size_[axis] - 1, static_cast<int>((p + radius_mm - origin_[axis]) * inverse_mm_)); };
+  const auto low = [&](float p, int axis) {
+    return std::max(0, static_cast<int>((p - radius_mm - origin_[axis]) * inverse_mm_));
+  };
+  const auto high = [&](float p, int axis) {
+    return std::min(size_[axis] - 1, static_cast<int>((p + radius_mm - origin_[axis]) * inverse_mm_));
+  };
   const int x0 = low(px, 0);
   const int x1 = high(px, 0);
   const float r2 = radius_mm * radius_mm;
@@ -120,7 +129,8 @@ float NeighbourGrid::nearest(std::uint32_t index, std::size_t count, std::vector
 
 float cell_for_count(std::span<const Eigen::Vector3f> points, double count) {
   if (points.size() < 2) return 1.0F;
-  // Points per occupied cell of a trial grid, times the area of such a cell, gives the density of the surface.
+  // Points per occupied cell of a trial grid, times the area of such a cell, gives the density of the
+  // surface.
   const Bounds bounds = bounds_of(points);
   const float extent = std::max((bounds.high - bounds.low).maxCoeff(), 1e-3F);
   const float trial_mm = extent / 64.0F;
@@ -133,7 +143,8 @@ float cell_for_count(std::span<const Eigen::Vector3f> points, double count) {
     seen[i] = true;
   }
   // A surface crosses about 1.5 times as many cells as its area has cell faces.
-  const double area_mm2 = static_cast<double>(occupied) * static_cast<double>(trial_mm) * static_cast<double>(trial_mm) / 1.5;
+  const double area_mm2 =
+      static_cast<double>(occupied) * static_cast<double>(trial_mm) * static_cast<double>(trial_mm) / 1.5;
   return static_cast<float>(std::sqrt(count * area_mm2 / static_cast<double>(points.size())));
 }
 

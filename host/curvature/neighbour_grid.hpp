@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Neighbourhoods from a voxel grid: points sorted by cell, so that a search reads nine short runs of memory.
+/// \file Neighbourhoods from a voxel grid: points sorted by cell, so that a search reads nine short runs of
+/// memory.
 
 #include <cstdint>
 #include <span>
@@ -10,8 +11,8 @@
 
 namespace biteline::curvature {
 
-/// Built once per cloud, then read by any number of threads.  Memory: 16 bytes per point and 4 per cell; the cells grow
-/// until there are at most `max_cells`.
+/// Built once per cloud, then read by any number of threads.  Memory: 16 bytes per point and 4 per cell; the
+/// cells grow until there are at most `max_cells`.
 class NeighbourGrid {
  public:
   struct Config {
@@ -33,7 +34,8 @@ class NeighbourGrid {
     float distance2_mm2;
     std::uint32_t index;  ///< in grid order
   };
-  /// All within the radius of the point `index` (in grid order), itself included, appended to `hits` in grid order.
+  /// All within the radius of the point `index` (in grid order), itself included, appended to `hits` in grid
+  /// order.
   void within(std::uint32_t index, float radius_mm, std::vector<Hit>& hits) const;
 
   /// The `count` nearest (itself included), in no order; returns the distance of the farthest, mm.

@@ -32,7 +32,8 @@ void orient_consistently(const NeighbourGrid& grid, std::span<Eigen::Vector3f> n
   std::iota(seeds.begin(), seeds.end(), 0U);
   std::vector<float> distance2(count);
   for (std::uint32_t i = 0; i < count; ++i) distance2[i] = (at(i) - centre).squaredNorm();
-  std::sort(seeds.begin(), seeds.end(), [&](std::uint32_t a, std::uint32_t b) { return distance2[a] > distance2[b]; });
+  std::sort(seeds.begin(), seeds.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return distance2[a] > distance2[b]; });
 
   std::vector<bool> done(count, false);
   std::priority_queue<Link> links;
@@ -47,7 +48,8 @@ void orient_consistently(const NeighbourGrid& grid, std::span<Eigen::Vector3f> n
   };
   for (const std::uint32_t seed : seeds) {
     if (done[seed]) continue;
-    // Nearest neighbours are not mutual: a part that nobody counted among theirs may still have oriented ones of its own.
+    // Nearest neighbours are not mutual: a part that nobody counted among theirs may still have oriented ones
+    // of its own.
     hits.clear();
     grid.nearest(seed, k_links, hits);
     float flattest = 0;
@@ -55,7 +57,8 @@ void orient_consistently(const NeighbourGrid& grid, std::span<Eigen::Vector3f> n
       const float agreement = done[hit.index] ? normals[seed].dot(normals[hit.index]) : 0.0F;
       if (std::abs(agreement) > std::abs(flattest)) flattest = agreement;
     }
-    if (flattest < 0 || (flattest == 0 && normals[seed].dot(at(seed) - centre) < 0)) normals[seed] = -normals[seed];
+    if (flattest < 0 || (flattest == 0 && normals[seed].dot(at(seed) - centre) < 0))
+      normals[seed] = -normals[seed];
     done[seed] = true;
     spread_from(seed);
     while (!links.empty()) {

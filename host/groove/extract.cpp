@@ -5,15 +5,15 @@
 #include <optional>
 #include <utility>
 
-#include "host/groove/creases.hpp"
-#include "host/groove/decide.hpp"
 #include "host/groove/finished_line.hpp"
-#include "host/groove/placement.hpp"
+#include "host/groove/path/creases.hpp"
+#include "host/groove/path/decide.hpp"
+#include "host/groove/place/placement.hpp"
+#include "host/groove/published/stage_products.hpp"
 #include "host/groove/published/thin.hpp"
 #include "host/groove/published/trace.hpp"
-#include "host/groove/side.hpp"
+#include "host/groove/side/side.hpp"
 #include "host/groove/stage_clock.hpp"
-#include "host/groove/stage_products.hpp"
 
 namespace biteline::groove {
 
@@ -28,7 +28,8 @@ struct RawPoints {
 using RawNear = std::function<RawPoints(const std::vector<std::uint32_t>&)>;
 
 /// method.md 7 to 10 as published.
-void extract_published(const Side& side, const cloud::PointCloud& cloud, const ExtractConfig& config, StageClock& clock, Extraction& extraction) {
+void extract_published(const Side& side, const cloud::PointCloud& cloud, const ExtractConfig& config,
+                       StageClock& clock, Extraction& extraction) {
   Stages stages = run_stages(side, config, clock);
   const published::TracedLine traced = clock.run("trace", [&] {
     return published::join_segments(stages.picture, published::trace_segments(stages.picture, {}), {});
@@ -39,7 +40,8 @@ void extract_published(const Side& side, const cloud::PointCloud& cloud, const E
     extraction.line = clock.run("thin", [&] {
       std::vector<std::uint32_t> coarse;
       line::ClosedLine line;
-      for (const Vec3& p : published::even_sequence(thin_line(stages, traced.path_row, coarse), config.point_spacing_mm)) {
+      for (const Vec3& p :
+           published::even_sequence(thin_line(stages, traced.path_row, coarse), config.point_spacing_mm)) {
         line.points.push_back({.position = extraction.T_base_shoe * p,
                                .normal = extraction.T_base_shoe.linear() * normal_from_field(side, p),
                                .tangent = Vec3::UnitX(),
@@ -53,12 +55,15 @@ void extract_published(const Side& side, const cloud::PointCloud& cloud, const E
   }
   if (!extraction.found) {
     extraction.line = {};
-    extraction.reason = traced.reason.empty() ? "no crease: too few points along the traced line" : traced.reason;
+    extraction.reason =
+        traced.reason.empty() ? "no crease: too few points along the traced line" : traced.reason;
   }
-  if (config.keep_products) hand_on(std::move(stages), extraction.products, cloud, extraction.T_base_shoe, traced.path_row);
+  if (config.keep_products)
+    hand_on(std::move(stages), extraction.products, cloud, extraction.T_base_shoe, traced.path_row);
 }
 
-void extract_ours(const Side& side, const cloud::PointCloud& cloud, const ExtractConfig& config, const RawNear& raw_near, StageClock& clock, Extraction& extraction) {
+void extract_ours(const Side& side, const cloud::PointCloud& cloud, const ExtractConfig& config,
+                  const RawNear& raw_near, StageClock& clock, Extraction& extraction) {
   const std::vector<Crease> creases = clock.run("path", [&] { return find_creases(side.field, {}); });
   const Decision decision = decide(creases, config.min_confidence_ratio);
   for (const std::size_t i : decision.order) {
@@ -69,14 +74,19 @@ void extract_ours(const Side& side, const cloud::PointCloud& cloud, const Extrac
     const Crease& best = creases[decision.best];
     const Placement placement = clock.run("placement", [&] {
       const RawPoints raw = raw_near(near_path(side.field, best));
-      return place_line({.near = raw.points, .points_per_mm2 = side.field.points_per_mm2 * raw.per_side_point, .field = side.field, .outline = side.outline, .crease = best},
+      return place_line({.near = raw.points,
+                         .points_per_mm2 = side.field.points_per_mm2 * raw.per_side_point,
+                         .field = side.field,
+                         .outline = side.outline,
+                         .crease = best},
                         {.spacing_mm = config.point_spacing_mm});
     });
     extraction.line = finished_line(placement, extraction, config.point_spacing_mm);
     extraction.length_mm = placement.length_mm;
     extraction.bridged_mm = placement.bridged_mm;
     // What was bridged was not seen to be the bite line.
-    extraction.confidence = decision.confidence * (1 - placement.bridged_mm / std::max(placement.length_mm, 1.0));
+    extraction.confidence =
+        decision.confidence * (1 - placement.bridged_mm / std::max(placement.length_mm, 1.0));
     extraction.closure_mm = best.closure_mm;
     extraction.found = true;
   } else {
@@ -85,13 +95,15 @@ void extract_ours(const Side& side, const cloud::PointCloud& cloud, const Extrac
   if (!config.keep_products) return;
   Stages stages = run_stages(side, config, clock);
   std::vector<float> path_row(static_cast<std::size_t>(stages.picture.cols), -1.0F);
-  if (extraction.found) path_row = row_per_column(extraction.line, extraction.T_base_shoe, stages.picture, stages.sections);
+  if (extraction.found)
+    path_row = row_per_column(extraction.line, extraction.T_base_shoe, stages.picture, stages.sections);
   hand_on(std::move(stages), extraction.products, cloud, extraction.T_base_shoe, std::move(path_row));
 }
 
 }  // namespace
 
-Extraction extract(const cloud::PointCloud& cloud, const ExtractConfig& config, const StageCallback& on_stage) {
+Extraction extract(const cloud::PointCloud& cloud, const ExtractConfig& config,
+                   const StageCallback& on_stage) {
   Extraction extraction;
   StageClock clock{extraction.stages, on_stage};
   const std::optional<Side> side = make_side(cloud.points, clock, extraction);
@@ -111,8 +123,8 @@ Extraction extract(const cloud::PointCloud& cloud, const ExtractConfig& config, 
 }
 
 void LiveScan::add_profile(std::span<const Eigen::Vector3f> points) {
-  // Neighbours along the stripe are some 0.07 mm apart: their means over a quarter of a millimetre carry all that finding
-  // the line needs.
+  // Neighbours along the stripe are some 0.07 mm apart: their means over a quarter of a millimetre carry all
+  // that finding the line needs.
   constexpr float k_run_mm = 0.25F;
   std::size_t i = 0;
   while (i < points.size()) {

@@ -22,11 +22,12 @@ enum class Method : std::uint8_t {
 
 struct ExtractConfig {
   Method method{Method::Ours};
-  double point_spacing_mm{0.5};         ///< of the resulting line
-  double curvature_radius_mm{1.5};      ///< neighbourhood of normals and curvature
-  std::size_t surface_point_limit{250'000};  ///< denser clouds are thinned to about this for finding the line; never for placing it
-  double min_confidence_ratio{0.5};     ///< a line less sure than this is refused
-  bool keep_products{true};             ///< fill Extraction::products
+  double point_spacing_mm{0.5};     ///< of the resulting line
+  double curvature_radius_mm{1.5};  ///< neighbourhood of normals and curvature
+  std::size_t surface_point_limit{
+      250'000};  ///< denser clouds are thinned to about this for finding the line; never for placing it
+  double min_confidence_ratio{0.5};  ///< a line less sure than this is refused
+  bool keep_products{true};          ///< fill Extraction::products
 };
 
 /// A closed crease that could be the bite line.  The first of a list is the best one.
@@ -47,28 +48,28 @@ struct Stage {
 
 /// What the stages handed on: the article's Figures 24 to 26.  Indices point into `surface`.
 struct Products {
-  cloud::PointCloud surface;                         ///< the shoe's points (table and outliers left out), with normals
-  std::vector<float> mean_curvature_per_mm;          ///< convex > 0
+  cloud::PointCloud surface;  ///< the shoe's points (table and outliers left out), with normals
+  std::vector<float> mean_curvature_per_mm;  ///< convex > 0
   std::vector<float> gaussian_curvature_per_mm2;
-  std::vector<std::uint32_t> feature_points;         ///< strongly concave
-  std::vector<std::uint32_t> denoised_points;        ///< without specks
-  std::vector<std::uint32_t> coarse_line;            ///< thick: those around the path
-  std::vector<Vec3> thinned_line;                    ///< coarse line moved onto its middle, in order
-  Unrolled unrolled;                                 ///< mean curvature, eight sections side by side
-  std::vector<float> path_row;                       ///< per column of `unrolled`; negative: not found
+  std::vector<std::uint32_t> feature_points;   ///< strongly concave
+  std::vector<std::uint32_t> denoised_points;  ///< without specks
+  std::vector<std::uint32_t> coarse_line;      ///< thick: those around the path
+  std::vector<Vec3> thinned_line;              ///< coarse line moved onto its middle, in order
+  Unrolled unrolled;                           ///< mean curvature, eight sections side by side
+  std::vector<float> path_row;                 ///< per column of `unrolled`; negative: not found
 };
 
 struct Extraction {
   bool found{false};
-  std::string reason;                 ///< one plain sentence when not found
-  line::ClosedLine line;              ///< empty when not found
-  double confidence{0};               ///< that the line as a whole is the bite line
+  std::string reason;     ///< one plain sentence when not found
+  line::ClosedLine line;  ///< empty when not found
+  double confidence{0};   ///< that the line as a whole is the bite line
   double closure_mm{0};
   double length_mm{0};
   double bridged_mm{0};               ///< length without a visible crease, bridged from both sides
   std::vector<Candidate> candidates;  ///< found or not, best first
   SE3 T_base_shoe{SE3::Identity()};
-  std::vector<Stage> stages;          ///< in order, wall time
+  std::vector<Stage> stages;  ///< in order, wall time
   Products products;
 };
 
@@ -80,9 +81,9 @@ using StageCallback = std::function<void(const char* stage)>;
 [[nodiscard]] Extraction extract(const cloud::PointCloud& cloud, const ExtractConfig& config,
                                  const StageCallback& on_stage = {});
 
-/// The same while the scan runs: profiles are reduced as they come, so that only the closing steps remain when the last one
-/// is in.  The result differs from that of the finished cloud by the reduction's rounding only.
-/// Thread: one at a time.  Memory: 22 bytes per point.
+/// The same while the scan runs: profiles are reduced as they come, so that only the closing steps remain
+/// when the last one is in.  The result differs from that of the finished cloud by the reduction's rounding
+/// only. Thread: one at a time.  Memory: 22 bytes per point.
 class LiveScan {
  public:
   /// Points of one profile in base, in the order of the stripe.

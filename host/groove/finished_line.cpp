@@ -12,7 +12,8 @@ namespace {
 double point_confidence(const PlacedPoint& point, double of_line) {
   // A bridged stretch is a straight guess between its ends: worth half after 8 mm.
   const double seen = std::exp2(-point.to_visible_mm / 8.0);
-  // The section's own place against the mean over its neighbours: a groove that jumps by more than 0.3 mm is unsure.
+  // The section's own place against the mean over its neighbours: a groove that jumps by more than 0.3 mm is
+  // unsure.
   const double calm = 1.0 / (1.0 + std::pow(point.scatter_mm / 0.6, 2));
   return of_line * seen * calm;
 }
@@ -45,7 +46,8 @@ line::ClosedLine finished_line(const Placement& placement, const Extraction& ext
     const double f = (target - at[k]) / std::max(at[k + 1] - at[k], 1e-12);
     const Vec3 position = (1 - f) * a.position + f * b.position;
     const Vec3 normal = ((1 - f) * a.normal + f * b.normal).normalized();
-    const double confidence = (1 - f) * point_confidence(a, extraction.confidence) + f * point_confidence(b, extraction.confidence);
+    const double confidence =
+        (1 - f) * point_confidence(a, extraction.confidence) + f * point_confidence(b, extraction.confidence);
     line.points.push_back({.position = extraction.T_base_shoe * position,
                            .normal = extraction.T_base_shoe.linear() * normal,
                            .tangent = Vec3::UnitX(),
@@ -67,10 +69,12 @@ Candidate candidate_of(const Crease& crease, double confidence, const Side& side
                       .seen_share = crease.seen_share,
                       .points = {}};
   for (int c = 0; c < grid.cols; ++c) {
-    const int row = std::clamp(static_cast<int>(std::lround(crease.row[static_cast<std::size_t>(c)])), 0, grid.rows - 1);
+    const int row =
+        std::clamp(static_cast<int>(std::lround(crease.row[static_cast<std::size_t>(c)])), 0, grid.rows - 1);
     const double s = (c + 0.5) * grid.col_mm;
     const Vec2 plan = outline.point(s) + static_cast<double>(field.o_mm[grid.at(row, c)]) * outline.normal(s);
-    candidate.points.push_back(side.shoe.T_base_shoe * Vec3{plan.x(), plan.y(), grid.z_mm(crease.row[static_cast<std::size_t>(c)])});
+    candidate.points.push_back(side.shoe.T_base_shoe *
+                               Vec3{plan.x(), plan.y(), grid.z_mm(crease.row[static_cast<std::size_t>(c)])});
   }
   for (std::size_t i = 0; i < candidate.points.size(); ++i) {
     candidate.length_mm += (candidate.points[(i + 1) % candidate.points.size()] - candidate.points[i]).norm();

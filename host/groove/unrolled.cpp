@@ -8,7 +8,9 @@ namespace biteline::groove {
 
 namespace {
 
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+double cross(const Vec2& a, const Vec2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
 
 /// Where the ray from `from` through `to` meets the segment a b, as a share of it; clamped to the segment.
 double meet(const Vec2& from, const Vec2& to, const Vec2& a, const Vec2& b) {
@@ -25,8 +27,9 @@ EightSections::EightSections(const Config& config)
     : low_x_mm_{config.end_ratio * config.length_mm}, high_x_mm_{(1 - config.end_ratio) * config.length_mm} {
   const double w = config.half_width_mm;
   const double l = config.length_mm;
-  corner_ = {Vec2{high_x_mm_, w},  Vec2{low_x_mm_, w},   Vec2{0, 0.5 * w}, Vec2{0, -0.5 * w}, Vec2{low_x_mm_, -w},
-             Vec2{high_x_mm_, -w}, Vec2{l, -0.5 * w},    Vec2{l, 0.5 * w}, Vec2{high_x_mm_, w}};
+  corner_ = {Vec2{high_x_mm_, w}, Vec2{low_x_mm_, w},  Vec2{0, 0.5 * w},
+             Vec2{0, -0.5 * w},   Vec2{low_x_mm_, -w}, Vec2{high_x_mm_, -w},
+             Vec2{l, -0.5 * w},   Vec2{l, 0.5 * w},    Vec2{high_x_mm_, w}};
   for (std::size_t i = 0; i < 8; ++i) start_mm_[i + 1] = start_mm_[i] + (corner_[i + 1] - corner_[i]).norm();
 }
 
@@ -41,20 +44,23 @@ double EightSections::along_mm(double x_mm, double y_mm) const {
   for (std::size_t i = first; i < first + 3; ++i) {
     const bool last = i == first + 2;
     if (last || cross(corner_[i + 1] - middle, point - middle) <= 0) {
-      return start_mm_[i] + meet(middle, point, corner_[i], corner_[i + 1]) * (start_mm_[i + 1] - start_mm_[i]);
+      return start_mm_[i] +
+             meet(middle, point, corner_[i], corner_[i + 1]) * (start_mm_[i + 1] - start_mm_[i]);
     }
   }
   return 0;
 }
 
 PixelPlace pixel_of(const Unrolled& picture, const EightSections& sections, const Eigen::Vector3f& point) {
-  const int row = static_cast<int>(std::floor((picture.top_mm - static_cast<double>(point.z())) / picture.row_mm));
+  const int row =
+      static_cast<int>(std::floor((picture.top_mm - static_cast<double>(point.z())) / picture.row_mm));
   if (row < 0 || row >= picture.rows) return {};
   const double along = sections.along_mm(static_cast<double>(point.x()), static_cast<double>(point.y()));
   return {row, std::clamp(static_cast<int>(along / picture.col_mm), 0, picture.cols - 1)};
 }
 
-Unrolled unroll(std::span<const Eigen::Vector3f> points, std::span<const float> feature, const EightSections& sections, const UnrollConfig& config) {
+Unrolled unroll(std::span<const Eigen::Vector3f> points, std::span<const float> feature,
+                const EightSections& sections, const UnrollConfig& config) {
   Unrolled picture;
   picture.row_mm = config.row_mm;
   picture.cols = static_cast<int>(sections.perimeter_mm() / config.col_mm);
@@ -68,7 +74,8 @@ Unrolled unroll(std::span<const Eigen::Vector3f> points, std::span<const float> 
   if (points.empty()) low = high = 0;
   picture.top_mm = static_cast<double>(high) + 1e-3;
   picture.rows = static_cast<int>((picture.top_mm - static_cast<double>(low)) / config.row_mm) + 1;
-  for (std::size_t i = 0; i < 8; ++i) picture.section_col[i] = static_cast<int>(sections.start_mm(i) / picture.col_mm);
+  for (std::size_t i = 0; i < 8; ++i)
+    picture.section_col[i] = static_cast<int>(sections.start_mm(i) / picture.col_mm);
   const auto pixels = static_cast<std::size_t>(picture.rows) * static_cast<std::size_t>(picture.cols);
   picture.value.assign(pixels, 0.0F);
   picture.known.assign(pixels, 0);

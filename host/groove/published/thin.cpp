@@ -8,8 +8,9 @@
 
 namespace biteline::groove::published {
 
-std::vector<std::uint32_t> back_project(std::span<const Eigen::Vector3f> points, std::span<const std::uint32_t> candidates,
-                                        const Unrolled& picture, const EightSections& sections, std::span<const float> path_row,
+std::vector<std::uint32_t> back_project(std::span<const Eigen::Vector3f> points,
+                                        std::span<const std::uint32_t> candidates, const Unrolled& picture,
+                                        const EightSections& sections, std::span<const float> path_row,
                                         double reach_mm) {
   std::vector<std::pair<double, std::uint32_t>> found;
   for (const std::uint32_t i : candidates) {
@@ -19,7 +20,8 @@ std::vector<std::uint32_t> back_project(std::span<const Eigen::Vector3f> points,
     if (row < 0) continue;
     const double z = picture.top_mm - (row + 0.5) * picture.row_mm;
     if (std::abs(static_cast<double>(points[i].z()) - z) > reach_mm) continue;
-    found.emplace_back(sections.along_mm(static_cast<double>(points[i].x()), static_cast<double>(points[i].y())), i);
+    found.emplace_back(
+        sections.along_mm(static_cast<double>(points[i].x()), static_cast<double>(points[i].y())), i);
   }
   std::sort(found.begin(), found.end());
   std::vector<std::uint32_t> ordered;
@@ -35,7 +37,8 @@ std::vector<Vec3> thin(std::vector<Vec3> points, const ThinConfig& config) {
     std::vector<Vec3> moved(points.size());
     for (std::ptrdiff_t i = 0; i < count; ++i) {
       Vec3 mean = Vec3::Zero();
-      for (std::ptrdiff_t j = -config.lambda; j <= config.lambda; ++j) mean += points[static_cast<std::size_t>(((i + j) % count + count) % count)];
+      for (std::ptrdiff_t j = -config.lambda; j <= config.lambda; ++j)
+        mean += points[static_cast<std::size_t>(((i + j) % count + count) % count)];
       mean /= 2 * config.lambda + 1;
       Mat3 scatter = Mat3::Zero();
       for (std::ptrdiff_t j = -config.lambda; j <= config.lambda; ++j) {
@@ -55,7 +58,8 @@ std::vector<Vec3> thin(std::vector<Vec3> points, const ThinConfig& config) {
 
 std::vector<Vec3> even_sequence(const std::vector<Vec3>& points, double spacing_mm) {
   if (points.size() < 8) return points;
-  // The thinned points still lie in scan order across a stretch: means over about 2 mm of order give a clean polyline.
+  // The thinned points still lie in scan order across a stretch: means over about 2 mm of order give a clean
+  // polyline.
   Vec3 low = points.front();
   Vec3 high = low;
   for (const Vec3& p : points) {
@@ -63,7 +67,8 @@ std::vector<Vec3> even_sequence(const std::vector<Vec3>& points, double spacing_
     high = high.cwiseMax(p);
   }
   const double rough_length = 2.4 * (high - low).head<2>().norm();
-  const auto bins = static_cast<std::size_t>(std::clamp(rough_length / 2.0, 8.0, static_cast<double>(points.size())));
+  const auto bins =
+      static_cast<std::size_t>(std::clamp(rough_length / 2.0, 8.0, static_cast<double>(points.size())));
   std::vector<Vec3> polyline(bins, Vec3::Zero());
   for (std::size_t b = 0; b < bins; ++b) {
     const std::size_t from = b * points.size() / bins;
@@ -78,7 +83,8 @@ std::vector<Vec3> even_sequence(const std::vector<Vec3>& points, double spacing_
   for (std::size_t i = 0; i < count; ++i) {
     const double target = at.back() * static_cast<double>(i) / static_cast<double>(count);
     while (k + 1 < bins && at[k + 1] <= target) ++k;
-    even[i] = polyline[k] + (target - at[k]) / std::max(at[k + 1] - at[k], 1e-12) * (polyline[(k + 1) % bins] - polyline[k]);
+    even[i] = polyline[k] + (target - at[k]) / std::max(at[k + 1] - at[k], 1e-12) *
+                                (polyline[(k + 1) % bins] - polyline[k]);
   }
   return even;
 }

@@ -45,7 +45,8 @@ Spread spread_of(const std::vector<Vec2>& points, const std::vector<double>& wei
 
 class Tracer {
  public:
-  Tracer(const Unrolled& picture, const TraceConfig& config) : picture_{picture}, config_{config}, used_(picture.value.size(), 0) {}
+  Tracer(const Unrolled& picture, const TraceConfig& config)
+      : picture_{picture}, config_{config}, used_(picture.value.size(), 0) {}
 
   std::vector<Segment> run() {
     std::vector<Segment> segments;
@@ -75,7 +76,8 @@ class Tracer {
   void use(const Vec2& point) {
     const int col = static_cast<int>(point.x());
     const int row = static_cast<int>(point.y());
-    for (int r = std::max(0, row - 2); r <= std::min(picture_.rows - 1, row + 2); ++r) used_[picture_.at(r, col)] = 1;
+    for (int r = std::max(0, row - 2); r <= std::min(picture_.rows - 1, row + 2); ++r)
+      used_[picture_.at(r, col)] = 1;
   }
 
   /// Grows to the right; returns the seed of the next segment when it ended at a fork.
@@ -84,14 +86,16 @@ class Tracer {
     for (;;) {
       const std::size_t last = std::min(segment.size(), static_cast<std::size_t>(config_.last_points));
       const std::vector<Vec2> tail(segment.end() - static_cast<std::ptrdiff_t>(last), segment.end());
-      const Vec2 ahead = last < 3 ? Vec2{1.0, 0.0} : spread_of(tail, std::vector<double>(last, 1.0)).direction;
+      const Vec2 ahead =
+          last < 3 ? Vec2{1.0, 0.0} : spread_of(tail, std::vector<double>(last, 1.0)).direction;
       std::vector<Vec2> points;
       std::vector<double> weights;
       look_ahead(segment.back(), ahead, points, weights);
       if (points.empty()) return {};
       const Spread spread = spread_of(points, weights);
       if (points.size() >= 4 && spread.main_ratio < config_.fork_ratio) {
-        std::sort(points.begin(), points.end(), [&](const Vec2& a, const Vec2& b) { return a.dot(ahead) < b.dot(ahead); });
+        std::sort(points.begin(), points.end(),
+                  [&](const Vec2& a, const Vec2& b) { return a.dot(ahead) < b.dot(ahead); });
         return {points.back()};
       }
       const auto nearest = std::min_element(points.begin(), points.end(), [&](const Vec2& a, const Vec2& b) {
@@ -102,7 +106,8 @@ class Tracer {
     }
   }
 
-  void look_ahead(const Vec2& from, const Vec2& ahead, std::vector<Vec2>& points, std::vector<double>& weights) const {
+  void look_ahead(const Vec2& from, const Vec2& ahead, std::vector<Vec2>& points,
+                  std::vector<double>& weights) const {
     const double length = config_.rectangle_px;
     const double half_width = config_.rectangle_px / 6.0;
     const Vec2 aside{-ahead.y(), ahead.x()};
@@ -135,12 +140,15 @@ Vec2 direction_at(const Segment& segment, bool front) {
 
 std::vector<Segment> trace_segments(const Unrolled& picture, const TraceConfig& config) {
   std::vector<Segment> segments = Tracer{picture, config}.run();
-  std::erase_if(segments, [&](const Segment& s) { return s.back().x() - s.front().x() + 1 < config.shortest_px; });
-  std::sort(segments.begin(), segments.end(), [](const Segment& a, const Segment& b) { return a.front().x() < b.front().x(); });
+  std::erase_if(segments,
+                [&](const Segment& s) { return s.back().x() - s.front().x() + 1 < config.shortest_px; });
+  std::sort(segments.begin(), segments.end(),
+            [](const Segment& a, const Segment& b) { return a.front().x() < b.front().x(); });
   return segments;
 }
 
-TracedLine join_segments(const Unrolled& picture, const std::vector<Segment>& segments, const TraceConfig& config) {
+TracedLine join_segments(const Unrolled& picture, const std::vector<Segment>& segments,
+                         const TraceConfig& config) {
   TracedLine line;
   line.path_row.assign(static_cast<std::size_t>(picture.cols), -1.0F);
   if (segments.empty()) {
@@ -156,7 +164,8 @@ TracedLine join_segments(const Unrolled& picture, const std::vector<Segment>& se
     for (std::size_t j = 0; j < i; ++j) {
       const Vec2 gap = segments[i].front() - segments[j].back();
       if (gap.x() <= 0 || gap.x() > config.longest_gap_px || std::abs(gap.y()) > 3 + 0.5 * gap.x()) continue;
-      if (direction_at(segments[j], false).dot(direction_at(segments[i], true)) < config.join_cosine) continue;
+      if (direction_at(segments[j], false).dot(direction_at(segments[i], true)) < config.join_cosine)
+        continue;
       if (length[j] + own <= length[i]) continue;
       length[i] = length[j] + own;
       before[i] = static_cast<std::ptrdiff_t>(j);
@@ -180,16 +189,23 @@ TracedLine join_segments(const Unrolled& picture, const std::vector<Segment>& se
   const double span = points.back().x() - points.front().x() + 1;
   line.closure_mm = std::abs(points.back().y() - points.front().y()) * picture.row_mm;
   if (span < config.whole_ratio * picture.cols) {
-    line.reason = FixedText<160>::format("no crease all the way round: the longest traced line runs from %.0f to %.0f of %.0f mm",
-                                         points.front().x() * picture.col_mm, points.back().x() * picture.col_mm,
-                                         picture.cols * picture.col_mm).c_str();
+    line.reason =
+        FixedText<160>::format(
+            "no crease all the way round: the longest traced line runs from %.0f to %.0f of %.0f mm",
+            points.front().x() * picture.col_mm, points.back().x() * picture.col_mm,
+            picture.cols * picture.col_mm)
+            .c_str();
   } else if (line.closure_mm > config.closure_mm) {
-    line.reason = FixedText<160>::format("the traced line does not close: its ends lie %.1f mm apart in height", line.closure_mm).c_str();
+    line.reason = FixedText<160>::format(
+                      "the traced line does not close: its ends lie %.1f mm apart in height", line.closure_mm)
+                      .c_str();
   } else {
     line.closed = true;
     // The ends meet across the seam.
-    for (int col = 0; col < static_cast<int>(points.front().x()); ++col) line.path_row[static_cast<std::size_t>(col)] = static_cast<float>(points.front().y());
-    for (int col = static_cast<int>(points.back().x()); col < picture.cols; ++col) line.path_row[static_cast<std::size_t>(col)] = static_cast<float>(points.back().y());
+    for (int col = 0; col < static_cast<int>(points.front().x()); ++col)
+      line.path_row[static_cast<std::size_t>(col)] = static_cast<float>(points.front().y());
+    for (int col = static_cast<int>(points.back().x()); col < picture.cols; ++col)
+      line.path_row[static_cast<std::size_t>(col)] = static_cast<float>(points.back().y());
   }
   return line;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Neighbours, normals and level-set curvature beside PCL (normals, principal curvatures) and CGAL (jets): speed on one
-// cloud with one thread, and error of the principal curvatures, H and K on surfaces whose curvature is known.
+// Neighbours, normals and level-set curvature beside PCL (normals, principal curvatures) and CGAL (jets):
+// speed on one cloud with one thread, and error of the principal curvatures, H and K on surfaces whose
+// curvature is known.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -25,9 +26,9 @@ struct Shape {
   std::string name;
   Points points;
   Points outward;
-  std::vector<float> mean_per_mm;       ///< the truth per point
+  std::vector<float> mean_per_mm;  ///< the truth per point
   std::vector<float> gaussian_per_mm2;
-  std::vector<bool> judged;             ///< away from borders
+  std::vector<bool> judged;  ///< away from borders
 };
 
 constexpr float k_noise_mm = 0.03F;
@@ -38,7 +39,8 @@ class Maker {
  public:
   float uniform(float low, float high) { return std::uniform_real_distribution<float>{low, high}(random_); }
   float normal() { return normal_(random_); }
-  void add(Shape& shape, const Eigen::Vector3f& p, const Eigen::Vector3f& n, float mean, float gaussian, bool judged) {
+  void add(Shape& shape, const Eigen::Vector3f& p, const Eigen::Vector3f& n, float mean, float gaussian,
+           bool judged) {
     const Eigen::Vector3f noise{normal(), normal(), normal()};
     shape.points.emplace_back(p + k_noise_mm * noise);
     shape.outward.push_back(n);
@@ -56,7 +58,9 @@ class Maker {
 std::vector<Shape> shapes(float density) {
   Maker make;
   std::vector<Shape> all;
-  const auto count = [&](double area_mm2) { return static_cast<int>(area_mm2 * static_cast<double>(density)); };
+  const auto count = [&](double area_mm2) {
+    return static_cast<int>(area_mm2 * static_cast<double>(density));
+  };
   constexpr float k_pi = std::numbers::pi_v<float>;
 
   Shape ball{"sphere R 5 mm", {}, {}, {}, {}, {}};
@@ -86,7 +90,8 @@ std::vector<Shape> shapes(float density) {
     } while (make.uniform(0, 16) > 12 + 4 * std::cos(b));
     const Eigen::Vector3f n{std::cos(a) * std::cos(b), std::sin(a) * std::cos(b), std::sin(b)};
     const float other = std::cos(b) / (12 + 4 * std::cos(b));
-    make.add(torus, Eigen::Vector3f{12 * std::cos(a), 12 * std::sin(a), 0} + 4 * n, n, 0.5F * (0.25F + other), 0.25F * other, true);
+    make.add(torus, Eigen::Vector3f{12 * std::cos(a), 12 * std::sin(a), 0} + 4 * n, n, 0.5F * (0.25F + other),
+             0.25F * other, true);
   }
   all.push_back(std::move(torus));
 
@@ -100,7 +105,8 @@ std::vector<Shape> shapes(float density) {
     const float a = std::clamp(s / k_valley_mm, -k_half_turn, k_half_turn);
     const float beyond = s > arc ? s - arc : s < -arc ? s + arc : 0.0F;
     const Eigen::Vector3f n{-std::sin(a), 0, std::cos(a)};
-    const Eigen::Vector3f p{k_valley_mm * std::sin(a) + beyond * std::cos(a), y, k_valley_mm * (1 - std::cos(a)) + beyond * std::sin(a)};
+    const Eigen::Vector3f p{k_valley_mm * std::sin(a) + beyond * std::cos(a), y,
+                            k_valley_mm * (1 - std::cos(a)) + beyond * std::sin(a)};
     make.add(valley, p, n, -1 / (2 * k_valley_mm), 0.0F, std::abs(s) < 0.3F && y > 2 && y < 198);
   }
   all.push_back(std::move(valley));
@@ -139,9 +145,12 @@ double best_of(int rounds, Work&& work) {
   return best;
 }
 
-void row(const std::string& bench, const std::string& what, double ours, const char* unit, const char* peer, double peer_value, double target) {
-  std::printf("{\"bench\":\"%s\",\"what\":\"%s\",\"ours\":%.5g,\"unit\":\"%s\"", bench.c_str(), what.c_str(), ours, unit);
-  if (peer != nullptr) std::printf(",\"peer\":\"%s\",\"peer_value\":%.5g,\"ratio\":%.4g", peer, peer_value, ours / peer_value);
+void row(const std::string& bench, const std::string& what, double ours, const char* unit, const char* peer,
+         double peer_value, double target) {
+  std::printf("{\"bench\":\"%s\",\"what\":\"%s\",\"ours\":%.5g,\"unit\":\"%s\"", bench.c_str(), what.c_str(),
+              ours, unit);
+  if (peer != nullptr)
+    std::printf(",\"peer\":\"%s\",\"peer_value\":%.5g,\"ratio\":%.4g", peer, peer_value, ours / peer_value);
   if (target > 0) std::printf(",\"target\":%.4g", target);
   std::printf("}\n");
   std::fflush(stdout);
@@ -158,7 +167,8 @@ Points side(std::size_t count) {
     for (std::size_t c = 0; c < columns; ++c) {
       const float z = 60.0F * static_cast<float>(c) / static_cast<float>(columns);
       const float u = (z - 26.0F) / 0.8F;
-      const float o = -2.5F * std::exp(-0.5F * u * u) - 0.004F * (z - 26.0F) * (z - 26.0F) + 0.015F * make.normal();
+      const float o =
+          -2.5F * std::exp(-0.5F * u * u) - 0.004F * (z - 26.0F) * (z - 26.0F) + 0.015F * make.normal();
       points.emplace_back((140 + o) * std::cos(a), (60 + o) * std::sin(a), z);
     }
   }
@@ -168,7 +178,8 @@ Points side(std::size_t count) {
 void speed() {
   const Points points = side(200'000);
   Points outward(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) outward[i] = Eigen::Vector3f{points[i].x() / (140 * 140), points[i].y() / (60 * 60), 0};
+  for (std::size_t i = 0; i < points.size(); ++i)
+    outward[i] = Eigen::Vector3f{points[i].x() / (140 * 140), points[i].y() / (60 * 60), 0};
   std::vector<std::uint32_t> order(points.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
   std::shuffle(order.begin(), order.end(), std::mt19937{3});
@@ -182,15 +193,19 @@ void speed() {
   for (const bool scan_order : {true, false}) {
     const Points& cloud = scan_order ? points : shuffled;
     const Points& hints = scan_order ? outward : shuffled_outward;
-    const std::string what = std::string{"200 000 points, k = 20, one thread, "} + (scan_order ? "scan order" : "shuffled");
-    const double ours = best_of(3, [&] { (void)curvature::estimate_curvature(cloud, hints, {.neighbours = k_neighbours}); });
+    const std::string what =
+        std::string{"200 000 points, k = 20, one thread, "} + (scan_order ? "scan order" : "shuffled");
+    const double ours =
+        best_of(3, [&] { (void)curvature::estimate_curvature(cloud, hints, {.neighbours = k_neighbours}); });
     if (peers::has_pcl()) {
-      row("curvature.speed", what, ours, "s", "PCL", best_of(2, [&] { (void)peers::pcl_curvature(cloud, k_neighbours, 0); }), 0.2);
+      row("curvature.speed", what, ours, "s", "PCL",
+          best_of(2, [&] { (void)peers::pcl_curvature(cloud, k_neighbours, 0); }), 0.2);
     } else {
       row("curvature.speed", what + " (PCL not in this build)", ours, "s", nullptr, 0, 0);
     }
     if (peers::has_cgal()) {
-      row("curvature.speed", what, ours, "s", "CGAL jets", best_of(1, [&] { (void)peers::cgal_curvature(cloud, k_neighbours); }), 1.0 / 15);
+      row("curvature.speed", what, ours, "s", "CGAL jets",
+          best_of(1, [&] { (void)peers::cgal_curvature(cloud, k_neighbours); }), 1.0 / 15);
     } else {
       row("curvature.speed", what + " (CGAL not in this build)", ours, "s", nullptr, 0, 0);
     }
@@ -205,17 +220,23 @@ void accuracy() {
     };
     // By count: as many as the radius holds here, so that both see the same neighbourhoods.
     const std::size_t held = 35;
-    for (const Way& way : {Way{"r = 1.5 mm", {.radius_mm = k_radius_mm}}, Way{"k = 35", {.neighbours = held}}}) {
-      const curvature::Curvature ours = curvature::estimate_curvature(shape.points, shape.outward, way.config);
+    for (const Way& way :
+         {Way{"r = 1.5 mm", {.radius_mm = k_radius_mm}}, Way{"k = 35", {.neighbours = held}}}) {
+      const curvature::Curvature ours =
+          curvature::estimate_curvature(shape.points, shape.outward, way.config);
       const std::string what = shape.name + ", noise 0.03 mm, " + way.name;
       const double h = rms(shape, ours.mean_per_mm, shape.mean_per_mm);
       const double k = rms(shape, ours.gaussian_per_mm2, shape.gaussian_per_mm2);
       if (peers::has_cgal()) {
-        const peers::Values jets = peers::cgal_curvature(shape.points, held, way.config.neighbours > 0 ? 0.0F : k_radius_mm, shape.outward);
-        row("curvature.error H", what, h, "1/mm rms", "CGAL jets", rms(shape, jets.mean_per_mm, shape.mean_per_mm), 1.0);
-        row("curvature.error K", what, k, "1/mm2 rms", "CGAL jets", rms(shape, jets.gaussian_per_mm2, shape.gaussian_per_mm2), 1.0);
+        const peers::Values jets = peers::cgal_curvature(
+            shape.points, held, way.config.neighbours > 0 ? 0.0F : k_radius_mm, shape.outward);
+        row("curvature.error H", what, h, "1/mm rms", "CGAL jets",
+            rms(shape, jets.mean_per_mm, shape.mean_per_mm), 1.0);
+        row("curvature.error K", what, k, "1/mm2 rms", "CGAL jets",
+            rms(shape, jets.gaussian_per_mm2, shape.gaussian_per_mm2), 1.0);
         if (shape.name.starts_with("valley")) {
-          row("curvature.valley", what + ", true -0.667", typical_bend(shape, ours.mean_per_mm, ours.gaussian_per_mm2), "1/mm", "CGAL jets",
+          row("curvature.valley", what + ", true -0.667",
+              typical_bend(shape, ours.mean_per_mm, ours.gaussian_per_mm2), "1/mm", "CGAL jets",
               typical_bend(shape, jets.mean_per_mm, jets.gaussian_per_mm2), 0);
         }
       } else {
@@ -223,8 +244,10 @@ void accuracy() {
         row("curvature.error K", what, k, "1/mm2 rms", nullptr, 0, 0);
       }
       if (peers::has_pcl()) {
-        const peers::Values pcl = peers::pcl_curvature(shape.points, held, way.config.neighbours > 0 ? 0.0F : k_radius_mm);
-        row("curvature.error H", what, h, "1/mm rms", "PCL", rms(shape, pcl.mean_per_mm, shape.mean_per_mm), 1.0);
+        const peers::Values pcl =
+            peers::pcl_curvature(shape.points, held, way.config.neighbours > 0 ? 0.0F : k_radius_mm);
+        row("curvature.error H", what, h, "1/mm rms", "PCL", rms(shape, pcl.mean_per_mm, shape.mean_per_mm),
+            1.0);
       }
     }
   }
@@ -240,14 +263,17 @@ void false_features() {
     outward.emplace_back(0, 0, 1);
   }
   const auto share = [&](curvature::Solver solver, float weight_ratio) {
-    const curvature::Curvature c = curvature::estimate_curvature(wall, outward, {.solver = solver, .radius_mm = 1.5F, .weight_ratio = weight_ratio});
+    const curvature::Curvature c = curvature::estimate_curvature(
+        wall, outward, {.solver = solver, .radius_mm = 1.5F, .weight_ratio = weight_ratio});
     double count = 0;
     for (const float mean : c.mean_per_mm) count += mean < -0.06F ? 1 : 0;
     return count / static_cast<double>(wall.size());
   };
   const double svd = share(curvature::Solver::PlainSvd, 0.0F);
-  row("curvature.false features", "weighted PCA beside plain SVD, flat wall, noise 0.03 mm", share(curvature::Solver::WeightedPca, 0.6F), "share", "plain SVD", svd, 0);
-  row("curvature.false features", "ours beside plain SVD, flat wall, noise 0.03 mm", share(curvature::Solver::LeastSquares, 0.6F), "share", "plain SVD", svd, 0);
+  row("curvature.false features", "weighted PCA beside plain SVD, flat wall, noise 0.03 mm",
+      share(curvature::Solver::WeightedPca, 0.6F), "share", "plain SVD", svd, 0);
+  row("curvature.false features", "ours beside plain SVD, flat wall, noise 0.03 mm",
+      share(curvature::Solver::LeastSquares, 0.6F), "share", "plain SVD", svd, 0);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Our line and the published one over the classes of made shoes: how often right, refused, wrong; how well calibrated.
+// Our line and the published one over the classes of made shoes: how often right, refused, wrong; how well
+// calibrated.
 //
 //   bench_line_class [--seeds N] [--from N] [--class NAME] [--no-published] [--rows]
 #include <algorithm>
@@ -35,8 +36,11 @@ Case make_case(sim::ShoeClass shoe_class, std::uint64_t seed) {
   const sim::MadeShoe shoe{sim::draw_shoe(shoe_class, seed)};
   sim::Random random{seed * 77 + 5};
   SE3 T_base_shoe = SE3::Identity();
-  T_base_shoe.linear() = Eigen::AngleAxisd(random.uniform({-std::numbers::pi, std::numbers::pi}), Vec3::UnitZ()).toRotationMatrix();
-  T_base_shoe.translation() = Vec3{random.uniform({200, 600}), random.uniform({-300, 300}), random.uniform({20, 80})};
+  T_base_shoe.linear() =
+      Eigen::AngleAxisd(random.uniform({-std::numbers::pi, std::numbers::pi}), Vec3::UnitZ())
+          .toRotationMatrix();
+  T_base_shoe.translation() =
+      Vec3{random.uniform({200, 600}), random.uniform({-300, 300}), random.uniform({20, 80})};
   const sim::ScannedCloud scan = sim::scan_quickly(shoe, {.seed = seed}, T_base_shoe);
   Case made;
   made.cloud.points = scan.points;
@@ -53,7 +57,8 @@ Case make_case(sim::ShoeClass shoe_class, std::uint64_t seed) {
 
 /// What may be wrong with a cloud beyond the shoe itself.
 enum class Disturbance { None, Tilt, Table, Post, Outliers, Sector, Sparse, Shuffled };
-constexpr std::array k_disturbances{"none", "tilt", "table", "post", "outliers", "sector", "sparse", "shuffled"};
+constexpr std::array k_disturbances{"none",     "tilt",   "table",  "post",
+                                    "outliers", "sector", "sparse", "shuffled"};
 
 void keep_if(cloud::PointCloud& cloud, const std::vector<bool>& keep) {
   std::size_t kept = 0;
@@ -79,11 +84,13 @@ void disturb(Case& made, Disturbance disturbance, std::uint64_t seed) {
   const auto add = [&](const Vec3& p) { points.push_back(p.cast<float>()); };
   std::vector<bool> keep(points.size(), true);
   switch (disturbance) {
-    case Disturbance::None: return;
+    case Disturbance::None:
+      return;
     case Disturbance::Tilt: {
       const double direction = random.uniform({0, 2 * std::numbers::pi});
       const double angle = random.uniform({4, 10}) * std::numbers::pi / 180;
-      const Mat3 R = Eigen::AngleAxisd(angle, Vec3{std::cos(direction), std::sin(direction), 0}).toRotationMatrix();
+      const Mat3 R =
+          Eigen::AngleAxisd(angle, Vec3{std::cos(direction), std::sin(direction), 0}).toRotationMatrix();
       const Vec3 centre = middle.cast<double>();
       for (Eigen::Vector3f& p : points) p = (R * (p.cast<double>() - centre) + centre).cast<float>();
       for (line::LinePoint& p : made.truth.points) {
@@ -102,7 +109,9 @@ void disturb(Case& made, Disturbance disturbance, std::uint64_t seed) {
     case Disturbance::Post: {
       // A clamp's column 25 mm beside the shoe.
       const double side = random.chance(0.5) ? 1.0 : -1.0;
-      const Vec3 foot{middle.x() + 40.0, middle.y() + side * (0.5 * static_cast<double>(high.y() - low.y()) + 45.0), static_cast<double>(low.z())};
+      const Vec3 foot{middle.x() + 40.0,
+                      middle.y() + side * (0.5 * static_cast<double>(high.y() - low.y()) + 45.0),
+                      static_cast<double>(low.z())};
       for (int i = 0; i < 30'000; ++i) {
         const double angle = random.uniform({0, 2 * std::numbers::pi});
         add(foot + Vec3{20 * std::cos(angle), 20 * std::sin(angle), random.uniform({0, 120})});
@@ -112,17 +121,22 @@ void disturb(Case& made, Disturbance disturbance, std::uint64_t seed) {
     case Disturbance::Outliers:
       for (std::size_t i = 0, n = points.size() / 100; i < n; ++i) {
         if (i % 2 == 0) {
-          add(Vec3{random.uniform({low.x() - 60.0, high.x() + 60.0}), random.uniform({low.y() - 60.0, high.y() + 60.0}), random.uniform({low.z() - 30.0, high.z() + 60.0})});
+          add(Vec3{random.uniform({low.x() - 60.0, high.x() + 60.0}),
+                   random.uniform({low.y() - 60.0, high.y() + 60.0}),
+                   random.uniform({low.z() - 30.0, high.z() + 60.0})});
         } else {
           const auto at = static_cast<std::size_t>(random.integer(0, static_cast<int>(points.size()) - 1));
-          add(points[at].cast<double>() + 3.0 * Vec3{random.gaussian(), random.gaussian(), random.gaussian()});
+          add(points[at].cast<double>() +
+              3.0 * Vec3{random.gaussian(), random.gaussian(), random.gaussian()});
         }
       }
       break;
     case Disturbance::Sector: {
-      const auto at = static_cast<std::size_t>(random.integer(0, static_cast<int>(made.truth.points.size()) - 1));
+      const auto at =
+          static_cast<std::size_t>(random.integer(0, static_cast<int>(made.truth.points.size()) - 1));
       const Vec3 centre = made.truth.points[at].position;
-      for (std::size_t i = 0; i < points.size(); ++i) keep[i] = (points[i].cast<double>() - centre).head<2>().norm() > 20.0;
+      for (std::size_t i = 0; i < points.size(); ++i)
+        keep[i] = (points[i].cast<double>() - centre).head<2>().norm() > 20.0;
       keep_if(made.cloud, keep);
       return;
     }
@@ -133,7 +147,8 @@ void disturb(Case& made, Disturbance disturbance, std::uint64_t seed) {
       return;
     }
     case Disturbance::Shuffled:
-      for (std::size_t i = points.size(); i-- > 1;) std::swap(points[i], points[static_cast<std::size_t>(random.integer(0, static_cast<int>(i)))]);
+      for (std::size_t i = points.size(); i-- > 1;)
+        std::swap(points[i], points[static_cast<std::size_t>(random.integer(0, static_cast<int>(i)))]);
       break;
   }
   made.cloud.profile.clear();
@@ -171,18 +186,22 @@ ToTruth to_truth(const line::LinePoint& point, const line::ClosedLine& truth) {
   }
   // Half a step along the line is no error: take out the part along the truth's own direction.
   const std::size_t count = truth.points.size();
-  const Vec3 along = (truth.points[(near + 1) % count].position - truth.points[(near + count - 1) % count].position).normalized();
+  const Vec3 along =
+      (truth.points[(near + 1) % count].position - truth.points[(near + count - 1) % count].position)
+          .normalized();
   const Vec3 offset = point.position - truth.points[near].position;
   const double cosine = std::clamp(point.normal.dot(truth.points[near].normal), -1.0, 1.0);
   return {(offset - offset.dot(along) * along).norm(), std::acos(cosine) * 180 / std::numbers::pi};
 }
 
-void judge(const Case& made, const groove::Extraction& found, bool bare, Tally& tally, Calibration* calibration, std::string& row, bool only_sure = false) {
+void judge(const Case& made, const groove::Extraction& found, bool bare, Tally& tally,
+           Calibration* calibration, std::string& row, bool only_sure = false) {
   ++tally.shoes;
   char text[300];
   if (!found.found) {
     bare ? ++tally.right : ++tally.refused;
-    std::snprintf(text, sizeof text, "%s (%.2f) %s", bare ? "right" : "REFUSED", found.confidence, found.reason.c_str());
+    std::snprintf(text, sizeof text, "%s (%.2f) %s", bare ? "right" : "REFUSED", found.confidence,
+                  found.reason.c_str());
     row = text;
     return;
   }
@@ -218,22 +237,32 @@ void judge(const Case& made, const groove::Extraction& found, bool bare, Tally& 
   tally.worst_mean_mm = std::max(tally.worst_mean_mm, error.mean_mm);
   tally.worst_max_mm = std::max(tally.worst_max_mm, error.max_mm);
   tally.normal2_deg2 += normal2_deg2;
-  const char* word = error.mean_mm <= k_right_mm ? "right" : error.mean_mm <= k_wrong_mm ? "IMPRECISE" : "WRONG";
-  if (error.mean_mm <= k_right_mm) ++tally.right;
-  else if (error.mean_mm <= k_wrong_mm) ++tally.imprecise;
-  else ++tally.wrong;
-  std::snprintf(text, sizeof text, "%s mean %.4f p95 %.3f max %.3f complete %.3f normal %.2f deg conf %.3f bridged %.1f", word, error.mean_mm,
-                error.p95_mm, error.max_mm, error.complete, std::sqrt(normal2_deg2), found.confidence, found.bridged_mm);
+  const char* word = error.mean_mm <= k_right_mm   ? "right"
+                     : error.mean_mm <= k_wrong_mm ? "IMPRECISE"
+                                                   : "WRONG";
+  if (error.mean_mm <= k_right_mm)
+    ++tally.right;
+  else if (error.mean_mm <= k_wrong_mm)
+    ++tally.imprecise;
+  else
+    ++tally.wrong;
+  std::snprintf(text, sizeof text,
+                "%s mean %.4f p95 %.3f max %.3f complete %.3f normal %.2f deg conf %.3f bridged %.1f", word,
+                error.mean_mm, error.p95_mm, error.max_mm, error.complete, std::sqrt(normal2_deg2),
+                found.confidence, found.bridged_mm);
   row = text;
 }
 
 void print(const std::string& name, const Tally& ours, const Tally& theirs) {
   std::printf(
-      "{\"bench\":\"line.class\",\"what\":\"%s: right of %d shoes\",\"ours\":%d,\"unit\":\"shoes\",\"peer\":\"published\",\"peer_value\":%d,"
-      "\"refused\":%d,\"imprecise\":%d,\"wrong\":%d,\"mean_mm\":%.4f,\"worst_mean_mm\":%.4f,\"worst_max_mm\":%.3f,\"normal_rms_deg\":%.3f,"
+      "{\"bench\":\"line.class\",\"what\":\"%s: right of %d "
+      "shoes\",\"ours\":%d,\"unit\":\"shoes\",\"peer\":\"published\",\"peer_value\":%d,"
+      "\"refused\":%d,\"imprecise\":%d,\"wrong\":%d,\"mean_mm\":%.4f,\"worst_mean_mm\":%.4f,\"worst_max_mm\":"
+      "%.3f,\"normal_rms_deg\":%.3f,"
       "\"peer_refused\":%d,\"peer_imprecise\":%d,\"peer_wrong\":%d}\n",
-      name.c_str(), ours.shoes, ours.right, theirs.right, ours.refused, ours.imprecise, ours.wrong, ours.lines > 0 ? ours.sum_mm / ours.lines : 0.0,
-      ours.worst_mean_mm, ours.worst_max_mm, ours.lines > 0 ? std::sqrt(ours.normal2_deg2 / ours.lines) : 0.0, theirs.refused, theirs.imprecise,
+      name.c_str(), ours.shoes, ours.right, theirs.right, ours.refused, ours.imprecise, ours.wrong,
+      ours.lines > 0 ? ours.sum_mm / ours.lines : 0.0, ours.worst_mean_mm, ours.worst_max_mm,
+      ours.lines > 0 ? std::sqrt(ours.normal2_deg2 / ours.lines) : 0.0, theirs.refused, theirs.imprecise,
       theirs.wrong);
   std::fflush(stdout);
 }
@@ -246,11 +275,16 @@ int run(int argc, char** argv) {
   bool rows = false;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
-    if (argument == "--seeds" && i + 1 < argc) seeds = std::strtoull(argv[++i], nullptr, 10);
-    else if (argument == "--from" && i + 1 < argc) from = std::strtoull(argv[++i], nullptr, 10);
-    else if (argument == "--class" && i + 1 < argc) only = argv[++i];
-    else if (argument == "--no-published") published = false;
-    else if (argument == "--rows") rows = true;
+    if (argument == "--seeds" && i + 1 < argc)
+      seeds = std::strtoull(argv[++i], nullptr, 10);
+    else if (argument == "--from" && i + 1 < argc)
+      from = std::strtoull(argv[++i], nullptr, 10);
+    else if (argument == "--class" && i + 1 < argc)
+      only = argv[++i];
+    else if (argument == "--no-published")
+      published = false;
+    else if (argument == "--rows")
+      rows = true;
   }
   Tally all_ours;
   Tally all_published;
@@ -277,10 +311,15 @@ int run(int argc, char** argv) {
       const bool bare = made.truth.points.empty();
       std::string row;
       judge(made, groove::extract(made.cloud, {.keep_products = false}), bare, ours, &calibration, row);
-      if (rows) std::fprintf(stderr, "%-9s %3llu ours      %s\n", name.c_str(), static_cast<unsigned long long>(seed), row.c_str());
+      if (rows)
+        std::fprintf(stderr, "%-9s %3llu ours      %s\n", name.c_str(), static_cast<unsigned long long>(seed),
+                     row.c_str());
       if (!published) continue;
-      judge(made, groove::extract(made.cloud, {.method = groove::Method::Published, .keep_products = false}), bare, theirs, nullptr, row);
-      if (rows) std::fprintf(stderr, "%-9s %3llu published %s\n", name.c_str(), static_cast<unsigned long long>(seed), row.c_str());
+      judge(made, groove::extract(made.cloud, {.method = groove::Method::Published, .keep_products = false}),
+            bare, theirs, nullptr, row);
+      if (rows)
+        std::fprintf(stderr, "%-9s %3llu published %s\n", name.c_str(), static_cast<unsigned long long>(seed),
+                     row.c_str());
     }
     print(name, ours, theirs);
     add(all_ours, ours);
@@ -296,16 +335,21 @@ int run(int argc, char** argv) {
       Case made = make_case(static_cast<sim::ShoeClass>(seed % 9), seed + 1000);
       disturb(made, static_cast<Disturbance>(d), seed);
       std::string row;
-      judge(made, groove::extract(made.cloud, {.keep_products = false}), false, ours, &calibration, row, static_cast<Disturbance>(d) == Disturbance::Sector);
-      if (rows) std::fprintf(stderr, "%-9s %3llu %-9s %s\n", name.c_str(), static_cast<unsigned long long>(seed), std::string{sim::k_shoe_class_names[seed % 9]}.c_str(), row.c_str());
+      judge(made, groove::extract(made.cloud, {.keep_products = false}), false, ours, &calibration, row,
+            static_cast<Disturbance>(d) == Disturbance::Sector);
+      if (rows)
+        std::fprintf(stderr, "%-9s %3llu %-9s %s\n", name.c_str(), static_cast<unsigned long long>(seed),
+                     std::string{sim::k_shoe_class_names[seed % 9]}.c_str(), row.c_str());
     }
     print("disturbed by " + name, ours, {});
   }
   for (std::size_t bin = 0; bin < 10; ++bin) {
     if (calibration.count[bin] < 1) continue;
-    std::printf("{\"bench\":\"line.calibration\",\"what\":\"share within 0.3 mm of points claiming %.2f\",\"ours\":%.3f,\"unit\":\"share\",\"target\":%.3f,\"points\":%.0f}\n",
-                calibration.claimed[bin] / calibration.count[bin], calibration.held[bin] / calibration.count[bin],
-                calibration.claimed[bin] / calibration.count[bin], calibration.count[bin]);
+    std::printf(
+        "{\"bench\":\"line.calibration\",\"what\":\"share within 0.3 mm of points claiming "
+        "%.2f\",\"ours\":%.3f,\"unit\":\"share\",\"target\":%.3f,\"points\":%.0f}\n",
+        calibration.claimed[bin] / calibration.count[bin], calibration.held[bin] / calibration.count[bin],
+        calibration.claimed[bin] / calibration.count[bin], calibration.count[bin]);
   }
   return 0;
 }
@@ -313,4 +357,6 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace biteline::bench
 
-int main(int argc, char** argv) { return biteline::bench::run(argc, argv); }
+int main(int argc, char** argv) {
+  return biteline::bench::run(argc, argv);
+}

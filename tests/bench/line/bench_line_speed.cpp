@@ -54,8 +54,10 @@ Timed best_of(int rounds, Work&& work) {
     const auto begin = std::chrono::steady_clock::now();
     const std::clock_t processor = std::clock();
     best.found = work() && best.found;
-    best.processor_s = std::min(best.processor_s, static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC);
-    best.wall_s = std::min(best.wall_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+    best.processor_s =
+        std::min(best.processor_s, static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC);
+    best.wall_s = std::min(best.wall_s,
+                           std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
   }
   return best;
 }
@@ -65,7 +67,8 @@ cloud::PointCloud scan(double points) {
   // Points grow with the square of the fineness; the usual scan of this shoe has about 560 000.
   const sim::ScannedCloud first = sim::scan_quickly(shoe, {}, SE3::Identity());
   const double finer = std::sqrt(static_cast<double>(first.points.size()) / points);
-  sim::ScannedCloud made = sim::scan_quickly(shoe, {.profile_step_mm = 1.0 * finer, .column_step_mm = 0.073 * finer}, SE3::Identity());
+  sim::ScannedCloud made = sim::scan_quickly(
+      shoe, {.profile_step_mm = 1.0 * finer, .column_step_mm = 0.073 * finer}, SE3::Identity());
   cloud::PointCloud cloud;
   cloud.points = std::move(made.points);
   return cloud;
@@ -82,13 +85,17 @@ void live() {
     while (end < scan.points.size() && scan.profile[end] == scan.profile[first]) ++end;
     const auto begin = std::chrono::steady_clock::now();
     live_scan.add_profile({scan.points.data() + first, end - first});
-    longest_s = std::max(longest_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+    longest_s =
+        std::max(longest_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
     first = end;
   }
   const Timed timed = best_of(8, [&] { return live_scan.finish({.keep_products = false}).found; });
-  std::printf("{\"bench\":\"line.live\",\"what\":\"last profile to line, %zu points%s\",\"ours\":%.4f,\"unit\":\"s\",\"target\":0.03,\"processor_s\":%.4f}\n",
-              live_scan.points(), timed.found ? "" : " (NOT FOUND)", timed.wall_s, timed.processor_s);
-  std::printf("{\"bench\":\"line.live\",\"what\":\"one profile, longest\",\"ours\":%.6f,\"unit\":\"s\"}\n", longest_s);
+  std::printf(
+      "{\"bench\":\"line.live\",\"what\":\"last profile to line, %zu "
+      "points%s\",\"ours\":%.4f,\"unit\":\"s\",\"target\":0.03,\"processor_s\":%.4f}\n",
+      live_scan.points(), timed.found ? "" : " (NOT FOUND)", timed.wall_s, timed.processor_s);
+  std::printf("{\"bench\":\"line.live\",\"what\":\"one profile, longest\",\"ours\":%.6f,\"unit\":\"s\"}\n",
+              longest_s);
 }
 
 int run() {
@@ -101,12 +108,17 @@ int run() {
     const cloud::PointCloud cloud = scan(size.points);
     malloc_trim(0);  // what the scanner used and freed must not hide what the extraction takes
     const PeakMemory peak;
-    const Timed timed = best_of(size.rounds, [&] { return groove::extract(cloud, {.keep_products = false}).found; });
+    const Timed timed =
+        best_of(size.rounds, [&] { return groove::extract(cloud, {.keep_products = false}).found; });
     const auto points = static_cast<double>(cloud.size());
-    std::printf("{\"bench\":\"line.speed\",\"what\":\"cloud to line, %.0f points%s\",\"ours\":%.4f,\"unit\":\"s\",\"target\":%.2f,\"processor_s\":%.4f}\n", points,
-                timed.found ? "" : " (NOT FOUND)", timed.wall_s, size.target_s, timed.processor_s);
-    std::printf("{\"bench\":\"line.memory\",\"what\":\"beyond the cloud itself, %.0f points\",\"ours\":%.0f,\"unit\":\"bytes/point\",\"target\":200}\n",
-                points, peak.bytes() / points);
+    std::printf(
+        "{\"bench\":\"line.speed\",\"what\":\"cloud to line, %.0f "
+        "points%s\",\"ours\":%.4f,\"unit\":\"s\",\"target\":%.2f,\"processor_s\":%.4f}\n",
+        points, timed.found ? "" : " (NOT FOUND)", timed.wall_s, size.target_s, timed.processor_s);
+    std::printf(
+        "{\"bench\":\"line.memory\",\"what\":\"beyond the cloud itself, %.0f "
+        "points\",\"ours\":%.0f,\"unit\":\"bytes/point\",\"target\":200}\n",
+        points, peak.bytes() / points);
     std::fflush(stdout);
   }
   live();
@@ -116,4 +128,6 @@ int run() {
 }  // namespace
 }  // namespace biteline::bench
 
-int main() { return biteline::bench::run(); }
+int main() {
+  return biteline::bench::run();
+}

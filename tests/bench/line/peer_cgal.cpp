@@ -11,9 +11,12 @@
 
 namespace biteline::bench::peers {
 
-bool has_cgal() { return true; }
+bool has_cgal() {
+  return true;
+}
 
-Values cgal_curvature(std::span<const Eigen::Vector3f> points, std::size_t neighbours, float radius_mm, std::span<const Eigen::Vector3f> outward) {
+Values cgal_curvature(std::span<const Eigen::Vector3f> points, std::size_t neighbours, float radius_mm,
+                      std::span<const Eigen::Vector3f> outward) {
   using Kernel = CGAL::Simple_cartesian<double>;
   using Traits = CGAL::Search_traits_3<Kernel>;
   using Search = CGAL::Orthogonal_k_neighbor_search<Traits>;
@@ -29,7 +32,8 @@ Values cgal_curvature(std::span<const Eigen::Vector3f> points, std::size_t neigh
     around.assign(1, cloud[i]);
     if (radius_mm > 0) {
       std::vector<Kernel::Point_3> found;
-      tree.search(std::back_inserter(found), CGAL::Fuzzy_sphere<Traits>{cloud[i], static_cast<double>(radius_mm)});
+      tree.search(std::back_inserter(found),
+                  CGAL::Fuzzy_sphere<Traits>{cloud[i], static_cast<double>(radius_mm)});
       for (const auto& p : found) {
         if (p != cloud[i]) around.push_back(p);
       }

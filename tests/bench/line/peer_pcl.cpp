@@ -7,7 +7,9 @@
 
 namespace biteline::bench::peers {
 
-bool has_pcl() { return true; }
+bool has_pcl() {
+  return true;
+}
 
 Values pcl_curvature(std::span<const Eigen::Vector3f> points, std::size_t neighbours, float radius_mm) {
   pcl::PointCloud<pcl::PointXYZ>::Ptr cloud{new pcl::PointCloud<pcl::PointXYZ>};
@@ -16,7 +18,8 @@ Values pcl_curvature(std::span<const Eigen::Vector3f> points, std::size_t neighb
   pcl::search::KdTree<pcl::PointXYZ>::Ptr tree{new pcl::search::KdTree<pcl::PointXYZ>};
   pcl::PointCloud<pcl::Normal>::Ptr normals{new pcl::PointCloud<pcl::Normal>};
   pcl::NormalEstimation<pcl::PointXYZ, pcl::Normal> normal_estimation;
-  pcl::PrincipalCurvaturesEstimation<pcl::PointXYZ, pcl::Normal, pcl::PrincipalCurvatures> curvature_estimation;
+  pcl::PrincipalCurvaturesEstimation<pcl::PointXYZ, pcl::Normal, pcl::PrincipalCurvatures>
+      curvature_estimation;
   pcl::PointCloud<pcl::PrincipalCurvatures> curvatures;
   normal_estimation.setInputCloud(cloud);
   normal_estimation.setSearchMethod(tree);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file The public libraries that ours is compared with.  Each may be missing from a build; the bench then says so.
+/// \file The public libraries that ours is compared with.  Each may be missing from a build; the bench then
+/// says so.
 
 #include <cstddef>
 #include <span>
@@ -17,11 +18,12 @@ struct Values {
 
 [[nodiscard]] bool has_pcl();
 /// NormalEstimation, then PrincipalCurvaturesEstimation; by radius when `radius_mm` > 0.
-[[nodiscard]] Values pcl_curvature(std::span<const Eigen::Vector3f> points, std::size_t neighbours, float radius_mm = 0);
+[[nodiscard]] Values pcl_curvature(std::span<const Eigen::Vector3f> points, std::size_t neighbours,
+                                   float radius_mm = 0);
 
 [[nodiscard]] bool has_cgal();
 /// kd-tree search, then a jet of degree 2 per point (Monge_via_jet_fitting).  `outward` settles the sign.
-[[nodiscard]] Values cgal_curvature(std::span<const Eigen::Vector3f> points, std::size_t neighbours, float radius_mm = 0,
-                                    std::span<const Eigen::Vector3f> outward = {});
+[[nodiscard]] Values cgal_curvature(std::span<const Eigen::Vector3f> points, std::size_t neighbours,
+                                    float radius_mm = 0, std::span<const Eigen::Vector3f> outward = {});
 
 }  // namespace biteline::bench::peers

@@ -30,7 +30,8 @@ Sample ball(float radius_mm, std::size_t count, float noise_mm) {
   return sample;
 }
 
-/// A cylinder seen from inside, so that it is a valley: radius 1.5 mm, the floor's middle at x = z = 0, along y.
+/// A cylinder seen from inside, so that it is a valley: radius 1.5 mm, the floor's middle at x = z = 0, along
+/// y.
 Sample valley(std::size_t count, float noise_mm) {
   constexpr float k_radius_mm = 1.5F;
   std::mt19937 random{12};
@@ -49,7 +50,8 @@ Sample valley(std::size_t count, float noise_mm) {
 }
 
 double median(std::vector<float> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
   return static_cast<double>(values[values.size() / 2]);
 }
 
@@ -57,7 +59,7 @@ constexpr std::array k_solvers{Solver::WeightedPca, Solver::Mixed, Solver::Least
 
 }  // namespace
 
-TEST_GROUP(LevelSet) {};
+TEST_GROUP(LevelSet){};
 
 TEST(LevelSet, BallIsConvexWithItsRadius) {
   const Sample sample = ball(5.0F, 6000, 0.0F);
@@ -81,7 +83,8 @@ TEST(LevelSet, NoisyValleyIsConcaveWithItsRadius) {
     std::vector<float> floor;
     for (std::size_t i = 0; i < sample.points.size(); ++i) {
       const Eigen::Vector3f& p = sample.points[i];
-      if (std::abs(p.x()) < 0.2F && p.y() > 2 && p.y() < 18) floor.push_back(principal(sut.mean_per_mm[i], sut.gaussian_per_mm2[i]).smaller_per_mm);
+      if (std::abs(p.x()) < 0.2F && p.y() > 2 && p.y() < 18)
+        floor.push_back(principal(sut.mean_per_mm[i], sut.gaussian_per_mm2[i]).smaller_per_mm);
     }
     DOUBLES_EQUAL(-1.0 / 1.5, median(floor), 0.03);
   }
@@ -99,7 +102,8 @@ TEST(LevelSet, WithoutLevelsAFlatWallIsFullOfFalseFeatures) {
   }
   const auto features = [&](Solver solver) {
     const Curvature c = estimate_curvature(wall.points, wall.outward, {.solver = solver});
-    return std::count_if(c.mean_per_mm.begin(), c.mean_per_mm.end(), [](float mean) { return mean < -0.06F; });
+    return std::count_if(c.mean_per_mm.begin(), c.mean_per_mm.end(),
+                         [](float mean) { return mean < -0.06F; });
   };
   CHECK_COMPARE(5 * features(Solver::WeightedPca), <, features(Solver::PlainSvd));
 }
@@ -107,7 +111,8 @@ TEST(LevelSet, WithoutLevelsAFlatWallIsFullOfFalseFeatures) {
 TEST(LevelSet, LevelsWithinTheNoiseReadTooLittleCurvatureByTotalLeastSquares) {
   // method.md 7: radius 1.5 mm, noise 0.03 mm, R = 5 mm; c = 0.05 mm gives 0.03 instead of 0.2.
   const Sample sample = ball(5.0F, 6000, 0.03F);
-  const Curvature narrow = estimate_curvature(sample.points, sample.outward, {.solver = Solver::WeightedPca, .offset_ratio = 0.05F / 1.5F});
+  const Curvature narrow = estimate_curvature(sample.points, sample.outward,
+                                              {.solver = Solver::WeightedPca, .offset_ratio = 0.05F / 1.5F});
   const Curvature sut = estimate_curvature(sample.points, sample.outward, {.solver = Solver::WeightedPca});
   CHECK(median(narrow.mean_per_mm) < 0.17);
   DOUBLES_EQUAL(0.2, median(sut.mean_per_mm), 0.005);
@@ -125,7 +130,8 @@ TEST(LevelSet, MovingTheCloudChangesNoCurvature) {
   const Curvature after = estimate_curvature(sample.points, sample.outward, {});
   // Points at the rim of a neighbourhood come and go with the last bit: compare the typical point.
   std::vector<float> change;
-  for (std::size_t i = 0; i < sample.points.size(); ++i) change.push_back(std::abs(after.mean_per_mm[i] - before.mean_per_mm[i]));
+  for (std::size_t i = 0; i < sample.points.size(); ++i)
+    change.push_back(std::abs(after.mean_per_mm[i] - before.mean_per_mm[i]));
   CHECK(median(change) < 1e-3);
 }
 

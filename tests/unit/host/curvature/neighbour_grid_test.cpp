@@ -9,16 +9,17 @@
 
 namespace biteline::curvature {
 
-TEST_GROUP(NeighbourGrid) {
-  static std::vector<Eigen::Vector3f> cloud(std::size_t count) {
-    std::mt19937 random{7};
-    std::uniform_real_distribution<float> place{-8.0F, 12.0F};
-    std::vector<Eigen::Vector3f> points(count);
-    for (Eigen::Vector3f& p : points) p = {place(random), 0.3F * place(random), place(random) + 100.0F};
-    return points;
-  }
-  static Eigen::Vector3f at(const NeighbourGrid& grid, std::uint32_t i) { return {grid.x()[i], grid.y()[i], grid.z()[i]}; }
-};
+TEST_GROUP(NeighbourGrid){static std::vector<Eigen::Vector3f> cloud(std::size_t count){std::mt19937 random{7};
+std::uniform_real_distribution<float> place{-8.0F, 12.0F};
+std::vector<Eigen::Vector3f> points(count);
+for (Eigen::Vector3f& p : points) p = {place(random), 0.3F * place(random), place(random) + 100.0F};
+return points;
+}  // namespace biteline::curvature
+static Eigen::Vector3f at(const NeighbourGrid& grid, std::uint32_t i) {
+  return {grid.x()[i], grid.y()[i], grid.z()[i]};
+}
+}
+;
 
 TEST(NeighbourGrid, EveryPointIsThereOnce) {
   const auto points = cloud(3000);

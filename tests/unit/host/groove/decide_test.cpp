@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <CppUTest/TestHarness.h>
 
-#include "host/groove/decide.hpp"
+#include "host/groove/path/decide.hpp"
 
 namespace biteline::groove {
 namespace {
@@ -20,7 +20,7 @@ Crease crease(double height_mm, double turn_deg, double step_mm) {
 
 }  // namespace
 
-TEST_GROUP(Decide) {};
+TEST_GROUP(Decide){};
 
 TEST(Decide, AGrooveInTheSoleBelowTheSolesEdgeIsDecoration) {
   const Decision sut = decide({crease(15, 70, 0.0), crease(26, 50, 3.0)}, 0.5);

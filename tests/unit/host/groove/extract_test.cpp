@@ -21,7 +21,8 @@ struct Made {
 Made make(sim::ShoeClass shoe_class, std::uint64_t seed, const SE3& T_base_shoe) {
   const sim::MadeShoe shoe{sim::draw_shoe(shoe_class, seed)};
   // A coarse scan keeps the test fast: the line's place depends little on it.
-  const sim::ScannedCloud scan = sim::scan_quickly(shoe, {.profile_step_mm = 1.3, .column_step_mm = 0.15}, T_base_shoe);
+  const sim::ScannedCloud scan =
+      sim::scan_quickly(shoe, {.profile_step_mm = 1.3, .column_step_mm = 0.15}, T_base_shoe);
   Made made;
   made.cloud.points = scan.points;
   made.cloud.profile = scan.profile;
@@ -42,7 +43,8 @@ double distance_mm(const Vec3& p, const std::vector<Vec3>& closed) {
 
 double mean_error_mm(const line::ClosedLine& line, const std::vector<Vec3>& truth) {
   double sum = 0;
-  for (const line::LinePoint& point : line.points) sum += distance_mm(point.position, truth) / static_cast<double>(line.points.size());
+  for (const line::LinePoint& point : line.points)
+    sum += distance_mm(point.position, truth) / static_cast<double>(line.points.size());
   return sum;
 }
 
@@ -57,10 +59,11 @@ constexpr double k_right_mm = 0.08;
 
 }  // namespace
 
-TEST_GROUP(Extract) {};
+TEST_GROUP(Extract){};
 
 TEST(Extract, LinesOfMadeShoesAreRight) {
-  for (const auto shoe_class : {sim::ShoeClass::Deep, sim::ShoeClass::Shallow, sim::ShoeClass::Step, sim::ShoeClass::Decorated, sim::ShoeClass::Stitched}) {
+  for (const auto shoe_class : {sim::ShoeClass::Deep, sim::ShoeClass::Shallow, sim::ShoeClass::Step,
+                                sim::ShoeClass::Decorated, sim::ShoeClass::Stitched}) {
     const Made made = make(shoe_class, 41, somewhere());
     const Extraction sut = extract(made.cloud, {.keep_products = false});
     const std::string name{sim::name_of(shoe_class)};
@@ -85,7 +88,8 @@ TEST(Extract, TheLineIsClosedEvenAndRunsAnticlockwiseWithOutwardNormals) {
     DOUBLES_EQUAL(1.0, p.normal.norm(), 1e-9);
     DOUBLES_EQUAL(1.0, p.tangent.norm(), 1e-9);
     CHECK(p.confidence >= 0 && p.confidence <= 1);
-    area += 0.5 * ((p.position - middle).x() * (next.position - middle).y() - (p.position - middle).y() * (next.position - middle).x());
+    area += 0.5 * ((p.position - middle).x() * (next.position - middle).y() -
+                   (p.position - middle).y() * (next.position - middle).x());
     // Outwards is to the right of an anticlockwise way.
     const Vec3 right_of_way{p.tangent.y(), -p.tangent.x(), 0};
     CHECK(right_of_way.dot(p.normal) > 0.5);
@@ -105,7 +109,9 @@ TEST(Extract, WhatIsNoShoeIsRefused) {
   std::mt19937 random{1};
   std::normal_distribution<float> normal;
   cloud::PointCloud ball;
-  for (int i = 0; i < 30000; ++i) ball.points.emplace_back(60 * Eigen::Vector3f{normal(random), normal(random), normal(random)}.normalized());
+  for (int i = 0; i < 30000; ++i)
+    ball.points.emplace_back(60 *
+                             Eigen::Vector3f{normal(random), normal(random), normal(random)}.normalized());
   const Extraction sut = extract(ball, {});
   CHECK_FALSE(sut.found);
   STRCMP_CONTAINS("not a shoe", sut.reason.c_str());
@@ -131,7 +137,8 @@ TEST(Extract, TurningTheShoeTurnsTheLine) {
 TEST(Extract, AMissingSectorIsBridgedAndMarked) {
   Made made = make(sim::ShoeClass::Deep, 45, somewhere());
   const Vec3 centre = made.truth[made.truth.size() / 4];  // a long side
-  std::erase_if(made.cloud.points, [&](const Eigen::Vector3f& p) { return (p.cast<double>() - centre).head<2>().norm() < 18; });
+  std::erase_if(made.cloud.points,
+                [&](const Eigen::Vector3f& p) { return (p.cast<double>() - centre).head<2>().norm() < 18; });
   const Extraction sut = extract(made.cloud, {.keep_products = false});
   CHECK_TEXT(sut.found, sut.reason.c_str());
   DOUBLES_EQUAL(36.0, sut.bridged_mm, 6.0);
@@ -156,7 +163,8 @@ TEST(Extract, TheLineWhileScanningIsThatOfTheFinishedCloud) {
   const Extraction live = sut.finish({.keep_products = false});
   CHECK_TEXT(live.found, live.reason.c_str());
   std::vector<Vec3> finished;
-  for (const auto& p : extract(made.cloud, {.keep_products = false}).line.points) finished.push_back(p.position);
+  for (const auto& p : extract(made.cloud, {.keep_products = false}).line.points)
+    finished.push_back(p.position);
   CHECK_COMPARE(mean_error_mm(live.line, finished), <=, 0.02);
   CHECK_COMPARE(mean_error_mm(live.line, made.truth), <=, k_right_mm);
 }
@@ -183,7 +191,8 @@ TEST(Extract, ThePublishedMethodFindsAPlainGrooveAndKeepsItsStages) {
   CHECK(!products.coarse_line.empty());
   CHECK(!products.thinned_line.empty());
   LONGS_EQUAL(products.unrolled.cols, products.path_row.size());
-  for (std::size_t i = 1; i < 8; ++i) CHECK(products.unrolled.section_col[i] > products.unrolled.section_col[i - 1]);
+  for (std::size_t i = 1; i < 8; ++i)
+    CHECK(products.unrolled.section_col[i] > products.unrolled.section_col[i - 1]);
 }
 
 }  // namespace biteline::groove

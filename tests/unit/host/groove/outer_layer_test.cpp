@@ -3,12 +3,13 @@
 
 #include <random>
 
-#include "host/groove/outer_layer.hpp"
+#include "host/groove/side/outer_layer.hpp"
 
 namespace biteline::groove {
 namespace {
 
-// Cells without a point of the wall, by chance: one in two hundred may go wrong, one in a thousand behind a clear gap.
+// Cells without a point of the wall, by chance: one in two hundred may go wrong, one in a thousand behind a
+// clear gap.
 constexpr double k_by_chance_ratio = 0.005;
 constexpr double k_by_chance_behind_gap_ratio = 0.001;
 
@@ -22,12 +23,16 @@ struct Wall {
 
 }  // namespace
 
-TEST_GROUP(OuterLayer) { Wall wall; };
+TEST_GROUP(OuterLayer) {
+  Wall wall;
+};
 
 TEST(OuterLayer, ALiningBehindTheWallGoesAndTheWallStays) {
-  for (int i = 0; i < 150000; ++i) wall.places.push_back({wall.any(0, 600), wall.any(-0.05F, 0.05F), wall.any(0, 60)});
+  for (int i = 0; i < 150000; ++i)
+    wall.places.push_back({wall.any(0, 600), wall.any(-0.05F, 0.05F), wall.any(0, 60)});
   const std::size_t outside = wall.places.size();
-  for (int i = 0; i < 150000; ++i) wall.places.push_back({wall.any(0, 600), wall.any(-3.1F, -2.9F), wall.any(0, 60)});
+  for (int i = 0; i < 150000; ++i)
+    wall.places.push_back({wall.any(0, 600), wall.any(-3.1F, -2.9F), wall.any(0, 60)});
   keep_outer_layer(wall.places, k_config);
   std::size_t lost = 0;
   std::size_t left = 0;
@@ -41,9 +46,12 @@ TEST(OuterLayer, ALiningBehindTheWallGoesAndTheWallStays) {
 
 TEST(OuterLayer, ALevelLedgeAndTheUpperBehindItStay) {
   // Sole to z = 25, its top level from o = 0 to -5, the upper from there.
-  for (int i = 0; i < 100000; ++i) wall.places.push_back({wall.any(0, 600), wall.any(-0.03F, 0.03F), wall.any(0, 25)});
-  for (int i = 0; i < 30000; ++i) wall.places.push_back({wall.any(0, 600), wall.any(-5, 0), 25 + wall.any(-0.03F, 0.03F)});
-  for (int i = 0; i < 100000; ++i) wall.places.push_back({wall.any(0, 600), -5 + wall.any(-0.03F, 0.03F), wall.any(25, 60)});
+  for (int i = 0; i < 100000; ++i)
+    wall.places.push_back({wall.any(0, 600), wall.any(-0.03F, 0.03F), wall.any(0, 25)});
+  for (int i = 0; i < 30000; ++i)
+    wall.places.push_back({wall.any(0, 600), wall.any(-5, 0), 25 + wall.any(-0.03F, 0.03F)});
+  for (int i = 0; i < 100000; ++i)
+    wall.places.push_back({wall.any(0, 600), -5 + wall.any(-0.03F, 0.03F), wall.any(25, 60)});
   keep_outer_layer(wall.places, k_config);
   std::size_t lost = 0;
   for (const Place& place : wall.places) lost += place.s_mm < 0 ? 1 : 0;
@@ -51,14 +59,17 @@ TEST(OuterLayer, ALevelLedgeAndTheUpperBehindItStay) {
 }
 
 TEST(OuterLayer, AnInsoleAtTheHeightOfTheCreaseGoes) {
-  for (int i = 0; i < 200000; ++i) wall.places.push_back({wall.any(0, 600), wall.any(-0.03F, 0.03F), wall.any(0, 60)});
+  for (int i = 0; i < 200000; ++i)
+    wall.places.push_back({wall.any(0, 600), wall.any(-0.03F, 0.03F), wall.any(0, 60)});
   const std::size_t outside = wall.places.size();
   // It reaches the wall's back without a gap.
-  for (int i = 0; i < 80000; ++i) wall.places.push_back({wall.any(0, 600), wall.any(-25, -1.0F), 30 + wall.any(-0.1F, 0.1F)});
+  for (int i = 0; i < 80000; ++i)
+    wall.places.push_back({wall.any(0, 600), wall.any(-25, -1.0F), 30 + wall.any(-0.1F, 0.1F)});
   keep_outer_layer(wall.places, k_config);
   std::size_t left = 0;
   for (std::size_t i = outside; i < wall.places.size(); ++i) left += wall.places[i].s_mm >= 0 ? 1 : 0;
-  CHECK_COMPARE(static_cast<double>(left), <, k_by_chance_ratio * static_cast<double>(wall.places.size() - outside));
+  CHECK_COMPARE(static_cast<double>(left), <,
+                k_by_chance_ratio * static_cast<double>(wall.places.size() - outside));
 }
 
 }  // namespace biteline::groove

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "host/groove/plan.hpp"
+#include "host/groove/shoe/plan.hpp"
 
 namespace biteline::groove {
 namespace {
@@ -21,14 +21,15 @@ std::vector<Vec2> ellipse(double a_mm, double b_mm, const Vec2& centre) {
 
 }  // namespace
 
-TEST_GROUP(Plan) {};
+TEST_GROUP(Plan){};
 
 TEST(Plan, HullOfASquareWithPointsInsideIsItsCorners) {
   std::vector<Vec2> points{{0, 0}, {4, 0}, {4, 4}, {0, 4}, {2, 2}, {2, 0}, {1, 3}};
   const std::vector<Vec2> sut = convex_hull(points);
   LONGS_EQUAL(4, sut.size());
   double area = 0;
-  for (std::size_t i = 0; i < 4; ++i) area += 0.5 * (sut[i].x() * sut[(i + 1) % 4].y() - sut[i].y() * sut[(i + 1) % 4].x());
+  for (std::size_t i = 0; i < 4; ++i)
+    area += 0.5 * (sut[i].x() * sut[(i + 1) % 4].y() - sut[i].y() * sut[(i + 1) % 4].x());
   DOUBLES_EQUAL(16.0, area, 1e-12);  // positive: anticlockwise
 }
 
@@ -37,7 +38,8 @@ TEST(Plan, TightestBoxFindsATurnedRectangle) {
   const Vec2 along{std::cos(angle), std::sin(angle)};
   const Vec2 across{-along.y(), along.x()};
   std::vector<Vec2> points;
-  for (const auto& [u, v] : {std::pair{-5.0, -2.0}, {5.0, -2.0}, {5.0, 2.0}, {-5.0, 2.0}}) points.push_back(Vec2{7, -3} + u * along + v * across);
+  for (const auto& [u, v] : {std::pair{-5.0, -2.0}, {5.0, -2.0}, {5.0, 2.0}, {-5.0, 2.0}})
+    points.push_back(Vec2{7, -3} + u * along + v * across);
   const PlanBox sut = tightest_box(convex_hull(points));
   DOUBLES_EQUAL(10.0, sut.length_mm, 1e-9);
   DOUBLES_EQUAL(4.0, sut.width_mm, 1e-9);

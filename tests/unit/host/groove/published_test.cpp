@@ -23,13 +23,19 @@ Unrolled blank() {
   return picture;
 }
 
-void draw(Unrolled& picture, int row, int col) { picture.value[picture.at(row, col)] = -0.4F; }
+void draw(Unrolled& picture, int row, int col) {
+  picture.value[picture.at(row, col)] = -0.4F;
+}
 
-int wave(int col) { return 30 + static_cast<int>(std::lround(6 * std::sin(2 * std::numbers::pi * col / 300))); }
+int wave(int col) {
+  return 30 + static_cast<int>(std::lround(6 * std::sin(2 * std::numbers::pi * col / 300)));
+}
 
 }  // namespace
 
-TEST_GROUP(Published) { Unrolled picture = blank(); };
+TEST_GROUP(Published) {
+  Unrolled picture = blank();
+};
 
 TEST(Published, AWavyGrooveIsTracedFromEndToEndAndCloses) {
   for (int c = 0; c < 300; ++c) {
@@ -91,7 +97,9 @@ TEST(Published, ThinningPullsALevelThickLineOntoItsMiddle) {
   double before = 0;
   double after = 0;
   for (int i = 0; i < count; ++i) {
-    const auto off = [](const Vec3& p) { return std::pow(p.head<2>().norm() - 100, 2) + std::pow(p.z() - 25, 2); };
+    const auto off = [](const Vec3& p) {
+      return std::pow(p.head<2>().norm() - 100, 2) + std::pow(p.z() - 25, 2);
+    };
     before += off(points[static_cast<std::size_t>(i)]) / count;
     after += off(sut[static_cast<std::size_t>(i)]) / count;
   }

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Sections of the raw surface along a path, level with it: o(z) at each station, fine enough for the
+/// line's place.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "host/groove/shoe/plan.hpp"
+
+namespace biteline::groove {
+
+struct SectionConfig {
+  double row_mm{0.05};   ///< an eighth of the definition's Gaussian
+  double below_mm{4.6};  ///< search 2.5 mm and five standard deviations of the Gaussian
+  double above_mm{6.6};  ///< the normals' 6 mm and a margin
+  double station_mm{0.5};
+  double sigma_z_mm{
+      0.06};  ///< merges a scan's points (0.07 mm apart) without touching the definition's 0.4 mm
+};
+
+/// o(z) per station; z counts from the path.  A row is unknown where no point is near.
+struct Sections {
+  int stations{0};
+  int rows{0};
+  int zero_row{0};  ///< the path's own height
+  double row_mm{0};
+  double station_mm{0};
+  std::vector<double> path_z_mm;  ///< per station, in shoe
+  std::vector<float> o_mm;        ///< stations x rows; gaps up to 1.5 mm are filled by straight lines
+  std::vector<std::uint8_t> known;
+
+  [[nodiscard]] std::size_t at(int station, int row) const {
+    return static_cast<std::size_t>(station) * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row);
+  }
+  [[nodiscard]] double z_mm(double row) const { return (row - zero_row) * row_mm; }
+};
+
+/// `sigma_s_mm`: weights along the line.  `path_z_mm`: height of the path per sample of `outline`.
+struct SectionInput {
+  std::span<const Eigen::Vector3f> points;  ///< in shoe, those near the path
+  const Outline& outline;
+  std::span<const double> path_z_mm;  ///< per station
+  double sigma_s_mm;
+};
+
+[[nodiscard]] Sections cut_sections(const SectionInput& input, const SectionConfig& config);
+
+}  // namespace biteline::groove

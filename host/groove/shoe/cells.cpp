@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+#include "host/groove/shoe/cells.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace biteline::groove {
+
+namespace {
+
+/// Bounds that leave out the far 0.05 % on either side of each axis, then a margin: a single point a metre
+/// away must not blow up the grid.
+std::pair<Eigen::Vector3f, Eigen::Vector3f> robust_bounds(std::span<const Eigen::Vector3f> points) {
+  constexpr std::size_t k_sample = 20'000;
+  constexpr float k_margin_mm =
+      40.0F;  // one missing sector: what lies farther from everything else is no shoe
+  const std::size_t step = std::max<std::size_t>(1, points.size() / k_sample);
+  std::vector<float> values;
+  Eigen::Vector3f low;
+  Eigen::Vector3f high;
+  for (int axis = 0; axis < 3; ++axis) {
+    values.clear();
+    for (std::size_t i = 0; i < points.size(); i += step) values.push_back(points[i][axis]);
+    const auto cut = static_cast<std::ptrdiff_t>(values.size() / 2000);
+    std::nth_element(values.begin(), values.begin() + cut, values.end());
+    low[axis] = values[static_cast<std::size_t>(cut)] - k_margin_mm;
+    const auto top = static_cast<std::ptrdiff_t>(values.size()) - 1 - cut;
+    std::nth_element(values.begin(), values.begin() + top, values.end());
+    high[axis] = values[static_cast<std::size_t>(top)] + k_margin_mm;
+  }
+  return {low, high};
+}
+
+}  // namespace
+
+Cells::Cells(std::span<const Eigen::Vector3f> points, const Config& config) : cell_mm_{config.cell_mm} {
+  if (points.empty()) return;
+  const auto [low, high] = robust_bounds(points);
+  origin_ = low;
+  const Eigen::Vector3f extent = high - low;
+  const auto cells_at = [&](float cell_mm) {
+    return static_cast<double>((extent / cell_mm).array().ceil().prod());
+  };
+  while (cells_at(cell_mm_) > static_cast<double>(config.max_cells)) cell_mm_ *= 1.25F;
+  inverse_mm_ = 1.0F / cell_mm_;
+  size_ = (extent * inverse_mm_).array().ceil().cast<int>().max(1);
+
+  const auto total = static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()) *
+                     static_cast<std::size_t>(size_.z());
+  count_.assign(total, 0);
+  for (const Eigen::Vector3f& point : points) {
+    if (const std::int32_t cell = cell_of(point); cell >= 0) ++count_[static_cast<std::size_t>(cell)];
+  }
+  slot_.assign(total, -1);
+  for (std::size_t cell = 0; cell < total; ++cell) {
+    if (count_[cell] == 0) continue;
+    slot_[cell] = static_cast<std::int32_t>(occupied_.size());
+    occupied_.push_back(static_cast<std::int32_t>(cell));
+  }
+  mean_.assign(occupied_.size(), Eigen::Vector3f::Zero());
+  for (const Eigen::Vector3f& point : points) {
+    if (const std::int32_t cell = cell_of(point); cell >= 0) {
+      mean_[static_cast<std::size_t>(slot_[static_cast<std::size_t>(cell)])] += point - origin_;
+    }
+  }
+  for (std::size_t slot = 0; slot < occupied_.size(); ++slot) {
+    mean_[slot] = origin_ + mean_[slot] / static_cast<float>(count(occupied_[slot]));
+  }
+}
+
+Eigen::Vector3f Cells::mean(std::int32_t cell) const {
+  return mean_[static_cast<std::size_t>(slot_[static_cast<std::size_t>(cell)])];
+}
+
+int Cells::label(const std::vector<bool>& keep, std::vector<std::int32_t>& labels) const {
+  labels.assign(occupied_.size(), -1);
+  std::vector<std::int32_t> stack;
+  int components = 0;
+  for (std::size_t seed = 0; seed < occupied_.size(); ++seed) {
+    if (!keep[seed] || labels[seed] >= 0) continue;
+    labels[seed] = components;
+    stack.push_back(static_cast<std::int32_t>(seed));
+    while (!stack.empty()) {
+      const std::int32_t cell = occupied_[static_cast<std::size_t>(stack.back())];
+      stack.pop_back();
+      const int x = cell % size_.x();
+      const int y = (cell / size_.x()) % size_.y();
+      const int z = cell / (size_.x() * size_.y());
+      for (int dz = std::max(0, z - 1); dz <= std::min(size_.z() - 1, z + 1); ++dz) {
+        for (int dy = std::max(0, y - 1); dy <= std::min(size_.y() - 1, y + 1); ++dy) {
+          for (int dx = std::max(0, x - 1); dx <= std::min(size_.x() - 1, x + 1); ++dx) {
+            const std::int32_t slot = slot_[static_cast<std::size_t>((dz * size_.y() + dy) * size_.x() + dx)];
+            if (slot < 0 || !keep[static_cast<std::size_t>(slot)] ||
+                labels[static_cast<std::size_t>(slot)] >= 0)
+              continue;
+            labels[static_cast<std::size_t>(slot)] = components;
+            stack.push_back(slot);
+          }
+        }
+      }
+    }
+    ++components;
+  }
+  return components;
+}
+
+}  // namespace biteline::groove

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file A coarse grid of cells over a cloud: what is connected, what is flat, what lies alone.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace biteline::groove {
+
+/// Dense grid; a cell keeps the number of its points and the sum of their offsets from its corner.
+class Cells {
+ public:
+  struct Config {
+    float cell_mm{4.0F};
+    std::size_t max_cells{24'000'000};  ///< the cell grows until the grid fits
+  };
+
+  Cells(std::span<const Eigen::Vector3f> points, const Config& config);
+
+  /// Cell of a point, or -1 outside the grid (far outliers).
+  [[nodiscard]] std::int32_t cell_of(const Eigen::Vector3f& point) const {
+    const Eigen::Vector3f offset = (point - origin_) * inverse_mm_;
+    if (offset.minCoeff() < 0.0F) return -1;
+    const int x = static_cast<int>(offset.x());
+    const int y = static_cast<int>(offset.y());
+    const int z = static_cast<int>(offset.z());
+    if (x >= size_.x() || y >= size_.y() || z >= size_.z()) return -1;
+    return (z * size_.y() + y) * size_.x() + x;
+  }
+
+  /// Cells with points, ascending.
+  [[nodiscard]] const std::vector<std::int32_t>& occupied() const { return occupied_; }
+  [[nodiscard]] std::uint32_t count(std::int32_t cell) const {
+    return count_[static_cast<std::size_t>(cell)];
+  }
+  /// Mean of the cell's points.
+  [[nodiscard]] Eigen::Vector3f mean(std::int32_t cell) const;
+  [[nodiscard]] float cell_mm() const { return cell_mm_; }
+
+  /// Labels the occupied cells that `keep` marks by 26-connected component, from 0; -1 for all others.
+  /// Returns the number of components.
+  int label(const std::vector<bool>& keep, std::vector<std::int32_t>& labels) const;
+
+ private:
+  float cell_mm_;
+  float inverse_mm_{0};
+  Eigen::Vector3f origin_{Eigen::Vector3f::Zero()};
+  Eigen::Vector3i size_{Eigen::Vector3i::Zero()};
+  std::vector<std::uint32_t> count_;
+  std::vector<std::int32_t> occupied_;
+  std::vector<std::int32_t> slot_;     ///< cell -> index into occupied_, -1 when empty
+  std::vector<Eigen::Vector3f> mean_;  ///< per occupied cell
+};
+
+}  // namespace biteline::groove

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: MIT
+#include "host/groove/shoe/plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace biteline::groove {
+
+namespace {
+
+constexpr float k_lookup_mm = 2.0F;
+
+double cross(const Vec2& a, const Vec2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// `count` points evenly spaced along a closed curve; returns its length.
+double respace(std::vector<Vec2>& curve, std::size_t count) {
+  std::vector<double> at(curve.size() + 1, 0.0);
+  for (std::size_t i = 0; i < curve.size(); ++i)
+    at[i + 1] = at[i] + (curve[(i + 1) % curve.size()] - curve[i]).norm();
+  const double length = at.back();
+  std::vector<Vec2> even(count);
+  std::size_t edge = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double target = length * static_cast<double>(k) / static_cast<double>(count);
+    while (edge + 1 < curve.size() && at[edge + 1] <= target) ++edge;
+    const double span = std::max(at[edge + 1] - at[edge], 1e-12);
+    even[k] = curve[edge] + (target - at[edge]) / span * (curve[(edge + 1) % curve.size()] - curve[edge]);
+  }
+  curve = std::move(even);
+  return length;
+}
+
+}  // namespace
+
+std::vector<Vec2> convex_hull(std::vector<Vec2> points) {
+  std::sort(points.begin(), points.end(),
+            [](const Vec2& a, const Vec2& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); });
+  if (points.size() < 3) return points;
+  std::vector<Vec2> hull(2 * points.size());
+  std::size_t size = 0;
+  const auto add = [&](const Vec2& p, std::size_t floor) {
+    while (size >= floor + 2 && cross(hull[size - 1] - hull[size - 2], p - hull[size - 2]) <= 0) --size;
+    hull[size++] = p;
+  };
+  for (const Vec2& p : points) add(p, 0);
+  const std::size_t lower = size - 1;
+  for (std::size_t i = points.size() - 1; i-- > 0;) add(points[i], lower);
+  hull.resize(size - 1);
+  return hull;
+}
+
+PlanBox tightest_box(std::span<const Vec2> hull) {
+  PlanBox best;
+  double best_area = std::numeric_limits<double>::max();
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Vec2 along = (hull[(i + 1) % hull.size()] - hull[i]).normalized();
+    const Vec2 across{-along.y(), along.x()};
+    Vec2 low = Vec2::Constant(std::numeric_limits<double>::max());
+    Vec2 high = -low;
+    for (const Vec2& p : hull) {
+      const Vec2 local{p.dot(along), p.dot(across)};
+      low = low.cwiseMin(local);
+      high = high.cwiseMax(local);
+    }
+    const Vec2 size = high - low;
+    if (size.prod() >= best_area) continue;
+    best_area = size.prod();
+    const Vec2 middle = 0.5 * (low + high);
+    best.centre = middle.x() * along + middle.y() * across;
+    best.long_axis = size.x() >= size.y() ? along : across;
+    best.length_mm = size.maxCoeff();
+    best.width_mm = size.minCoeff();
+  }
+  double area = 0;
+  Vec2 moment = Vec2::Zero();
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Vec2 a = hull[i] - best.centre;
+    const Vec2 b = hull[(i + 1) % hull.size()] - best.centre;
+    area += 0.5 * cross(a, b);
+    moment += cross(a, b) / 6.0 * (a + b);
+  }
+  best.area_centroid = best.centre + moment / std::max(area, 1e-9);
+  return best;
+}
+
+std::vector<double> smooth_closed(std::span<const double> values, double sigma_samples) {
+  const auto count = static_cast<std::ptrdiff_t>(values.size());
+  const auto reach = static_cast<std::ptrdiff_t>(std::ceil(3.5 * sigma_samples));
+  std::vector<double> kernel;
+  double sum = 0;
+  for (std::ptrdiff_t j = -reach; j <= reach; ++j) {
+    kernel.push_back(std::exp(-0.5 * std::pow(static_cast<double>(j) / std::max(sigma_samples, 1e-9), 2)));
+    sum += kernel.back();
+  }
+  std::vector<double> smooth(values.size(), 0.0);
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    double value = 0;
+    for (std::ptrdiff_t j = -reach; j <= reach; ++j) {
+      value += kernel[static_cast<std::size_t>(j + reach)] *
+               values[static_cast<std::size_t>(((i + j) % count + count) % count)];
+    }
+    smooth[static_cast<std::size_t>(i)] = value / sum;
+  }
+  return smooth;
+}
+
+Outline::Outline(std::span<const Vec2> curve, const Config& config) {
+  points_.assign(curve.begin(), curve.end());
+  double length = 0;
+  for (std::size_t i = 0; i < points_.size(); ++i)
+    length += (points_[(i + 1) % points_.size()] - points_[i]).norm();
+  const auto count =
+      static_cast<std::size_t>(std::clamp(std::round(length / config.spacing_mm), 16.0, 30000.0));
+  respace(points_, count);
+  if (config.smoothing_mm > 0) {
+    std::vector<double> x(count);
+    std::vector<double> y(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      x[i] = points_[i].x();
+      y[i] = points_[i].y();
+    }
+    const double sigma = config.smoothing_mm * static_cast<double>(count) / length;
+    x = smooth_closed(x, sigma);
+    y = smooth_closed(y, sigma);
+    for (std::size_t i = 0; i < count; ++i) points_[i] = {x[i], y[i]};
+  }
+  respace(points_, count);
+  length_mm_ = respace(points_, count);
+
+  normals_.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec2 tangent = (points_[(i + 1) % count] - points_[(i + count - 1) % count]).normalized();
+    normals_[i] = {tangent.y(), -tangent.x()};
+  }
+  std::vector<double> bend(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    bend[i] = cross(normals_[(i + count - 1) % count], normals_[(i + 1) % count]) / (2.0 * spacing_mm());
+  }
+  bend_per_mm_ = smooth_closed(bend, 2.0);
+  build_lookup(config.reach_mm);
+}
+
+void Outline::build_lookup(double reach_mm) {
+  Vec2 low = points_.front();
+  Vec2 high = low;
+  for (const Vec2& p : points_) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  lookup_origin_ = (low - Vec2::Constant(reach_mm)).cast<float>();
+  const Vec2 size = (high - low) + Vec2::Constant(2 * reach_mm);
+  lookup_cols_ = static_cast<int>(size.x() / k_lookup_mm) + 1;
+  lookup_rows_ = static_cast<int>(size.y() / k_lookup_mm) + 1;
+  const auto cells = static_cast<std::size_t>(lookup_cols_) * static_cast<std::size_t>(lookup_rows_);
+  nearest_.assign(cells, -1);
+  std::vector<float> distance2(cells, static_cast<float>(reach_mm * reach_mm));
+  const int reach = static_cast<int>(reach_mm / k_lookup_mm) + 1;
+  // A sample every 2 mm is enough to start from: locate() takes the Newton step to the foot.
+  const auto stride = static_cast<std::size_t>(std::max(1.0, std::floor(2.0 / spacing_mm())));
+  for (std::size_t i = 0; i < points_.size(); i += stride) {
+    const Eigen::Vector2f p = points_[i].cast<float>();
+    const int col = static_cast<int>((p.x() - lookup_origin_.x()) / k_lookup_mm);
+    const int row = static_cast<int>((p.y() - lookup_origin_.y()) / k_lookup_mm);
+    for (int r = std::max(0, row - reach); r <= std::min(lookup_rows_ - 1, row + reach); ++r) {
+      const float dy = lookup_origin_.y() + (static_cast<float>(r) + 0.5F) * k_lookup_mm - p.y();
+      for (int c = std::max(0, col - reach); c <= std::min(lookup_cols_ - 1, col + reach); ++c) {
+        const float dx = lookup_origin_.x() + (static_cast<float>(c) + 0.5F) * k_lookup_mm - p.x();
+        const float d2 = dx * dx + dy * dy;
+        const auto cell = static_cast<std::size_t>(r) * static_cast<std::size_t>(lookup_cols_) +
+                          static_cast<std::size_t>(c);
+        if (d2 >= distance2[cell]) continue;
+        distance2[cell] = d2;
+        nearest_[cell] = static_cast<std::int16_t>(i);
+      }
+    }
+  }
+}
+
+Outline::Foot Outline::locate(float x_mm, float y_mm) const {
+  const float column = (x_mm - lookup_origin_.x()) / k_lookup_mm;
+  const float line = (y_mm - lookup_origin_.y()) / k_lookup_mm;
+  if (!(column >= 0 && line >= 0) || column >= static_cast<float>(lookup_cols_) ||
+      line >= static_cast<float>(lookup_rows_))
+    return {};
+  const std::int16_t start =
+      nearest_[static_cast<std::size_t>(line) * static_cast<std::size_t>(lookup_cols_) +
+               static_cast<std::size_t>(column)];
+  if (start < 0) return {};
+  const Vec2 p{x_mm, y_mm};
+  const double spacing = spacing_mm();
+  auto i = static_cast<std::ptrdiff_t>(start);
+  const auto count = static_cast<std::ptrdiff_t>(points_.size());
+  double along = 0;
+  double outwards = 0;
+  // Newton steps to the foot of the perpendicular: an offset curve at o is (1 + bend o) times as long.
+  for (int step = 0; step < 3; ++step) {
+    const auto k = static_cast<std::size_t>(i);
+    const Vec2 r = p - points_[k];
+    outwards = r.dot(normals_[k]);
+    const double stretch = std::max(0.2, 1.0 + bend_per_mm_[k] * outwards);
+    along = (r.y() * normals_[k].x() - r.x() * normals_[k].y()) / stretch;
+    const auto jump = static_cast<std::ptrdiff_t>(std::lround(along / spacing));
+    if (jump == 0) break;
+    i = ((i + jump) % count + count) % count;
+  }
+  double s = static_cast<double>(i) * spacing + along;
+  if (s < 0) s += length_mm_;
+  if (s >= length_mm_) s -= length_mm_;
+  return {.s_mm = static_cast<float>(s), .o_mm = static_cast<float>(outwards), .valid = true};
+}
+
+Outline::Between Outline::between(double s_mm) const {
+  const auto count = static_cast<double>(points_.size());
+  double at = std::fmod(s_mm / length_mm_ * count, count);
+  if (at < 0) at += count;
+  const auto first = static_cast<std::size_t>(at) % points_.size();
+  return {first, (first + 1) % points_.size(), at - std::floor(at)};
+}
+
+Vec2 Outline::point(double s_mm) const {
+  const Between b = between(s_mm);
+  return (1 - b.fraction) * points_[b.first] + b.fraction * points_[b.second];
+}
+
+Vec2 Outline::normal(double s_mm) const {
+  const Between b = between(s_mm);
+  return ((1 - b.fraction) * normals_[b.first] + b.fraction * normals_[b.second]).normalized();
+}
+
+double Outline::bend_per_mm(double s_mm) const {
+  const Between b = between(s_mm);
+  return (1 - b.fraction) * bend_per_mm_[b.first] + b.fraction * bend_per_mm_[b.second];
+}
+
+}  // namespace biteline::groove
