@@ -29,8 +29,16 @@ Tool read_tool(YamlReader reader) {
   return tool;
 }
 
+Outwards read_outwards(YamlReader& reader) {
+  const std::string word = reader.text_or("outwards", "level");
+  if (word == "normal") return Outwards::Normal;
+  if (word != "level") reader.fault(Errc::BadValue, "outwards", "level or normal");
+  return Outwards::Level;
+}
+
 Placement read_placement(YamlReader reader) {
-  return {.outward_mm = reader.number("outward_mm", {.minimum = -50, .maximum = 200}),
+  return {.outwards = read_outwards(reader),
+          .outward_mm = reader.number("outward_mm", {.minimum = -50, .maximum = 200}),
           .up_mm = reader.number("up_mm", {.minimum = -50, .maximum = 200}),
           .standoff_mm = reader.number_or("standoff_mm", 0, {.minimum = 0, .maximum = 500}),
           .tilt_rad = reader.number("tilt_deg", {.minimum = -45, .maximum = 90}) * k_rad_per_deg,

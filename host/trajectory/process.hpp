@@ -19,13 +19,18 @@ struct Tool {
   double free_turn_rad{0};       ///< how far it may be turned about its axis, either way; pi: it is round
 };
 
-/// Where the tip stands relative to the line; out: along the upper's outward normal, up: at right angles to
-/// it and the line.
+/// What "outwards" is: level, at right angles to the line, or the upper's own normal.  Level is the default: an upper's
+/// wall leans out over the crease on one shoe and in on the next (by 20 degrees either way), and the tool's room above
+/// the table and beside the last must not depend on that.
+enum class Outwards { Level, Normal };
+
+/// Where the tip stands relative to the line; up: at right angles to outwards and the line.
 struct Placement {
+  Outwards outwards{Outwards::Level};
   double outward_mm{0};
   double up_mm{0};
   double standoff_mm{0};  ///< of the tip, back along the tool's axis (spray)
-  double tilt_rad{0};     ///< 0: the tool points level at the upper; pi/2: straight down
+  double tilt_rad{0};     ///< 0: the tool points straight against outwards; pi/2: straight down
   double lead_rad{0};     ///< > 0: the tool's body leans back, the tip goes ahead
 };
 

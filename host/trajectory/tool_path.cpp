@@ -144,12 +144,13 @@ Sampling sampled(const line::ClosedLine& line, const Process& process) {
 }
 
 SE3 tool_frame(const Sample& sample, const Placement& placement) {
-  const Vec3& n = sample.normal;
   const Vec3& t = sample.tangent;
+  // Outwards of an anticlockwise line is to its right.
+  const Vec3 n = placement.outwards == Outwards::Normal ? sample.normal : Vec3(t.cross(Vec3::UnitZ()).normalized());
   const Vec3 up = n.cross(t);
-  const Vec3 level_body = std::cos(placement.tilt_rad) * n + std::sin(placement.tilt_rad) * up;
+  const Vec3 upright_body = std::cos(placement.tilt_rad) * n + std::sin(placement.tilt_rad) * up;
   const Vec3 body =
-      (std::cos(placement.lead_rad) * level_body - std::sin(placement.lead_rad) * t).normalized();
+      (std::cos(placement.lead_rad) * upright_body - std::sin(placement.lead_rad) * t).normalized();
   const Vec3 z = -body;
   const Vec3 x = (t - t.dot(z) * z).normalized();
   SE3 T = SE3::Identity();

@@ -64,6 +64,21 @@ TEST(ToolPath, OffsetsTiltAndLeadAreWhatTheyAreNamed) {
   }
 }
 
+TEST(ToolPath, LeaningNormalsTurnTheToolOnlyWhenAskedFor) {
+  line::ClosedLine leaning = line;
+  for (line::LinePoint& p : leaning.points) p.normal = (p.normal - 0.4 * Vec3::UnitZ()).normalized();
+  const Process level = process_with({.tilt_rad = 0.5});
+  const Process normal = process_with({.outwards = Outwards::Normal, .tilt_rad = 0.5});
+  const ToolPath plain = make_tool_path(line, level, 50), kept = make_tool_path(leaning, level, 50);
+  const ToolPath turned = make_tool_path(leaning, normal, 50);
+  for (std::size_t i = 0; i < plain.points.size(); i += 20) {
+    TRANSFORMS_EQUAL(plain.points[i].T_base_tcp, kept.points[i].T_base_tcp, 1e-9, 1e-9);
+  }
+  // Down by atan 0.4: the tool looks up from lower.
+  const auto elevation_rad = [](const ToolPoint& p) { return std::asin(-p.T_base_tcp.linear()(2, 2)); };
+  DOUBLES_EQUAL(0.5 - std::atan(0.4), elevation_rad(on_line(turned)[100]), 0.02);
+}
+
 TEST(ToolPath, GoesOnceRoundAndOverlaps) {
   Process process;
   process.motion.overlap_mm = 25;
