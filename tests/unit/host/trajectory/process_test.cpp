@@ -41,7 +41,7 @@ TEST(ProcessFile, ShippedProcessesAreValid) {
   const Process spray = *read_process(shipped("spray.yaml"));
   DOUBLES_EQUAL(2 * spray.placement.standoff_mm * std::tan(spray.coverage.cone_rad / 2),
                 covered_width_mm(spray), 1e-9);
-  DOUBLES_EQUAL(50 * std::numbers::pi / 180, spray.placement.tilt_rad, 1e-12);
+  DOUBLES_EQUAL(60 * std::numbers::pi / 180, spray.placement.tilt_rad, 1e-12);
 }
 
 TEST(ProcessFile, UnknownKeysAndImpossibleValuesAreNamed) {
@@ -52,7 +52,7 @@ TEST(ProcessFile, UnknownKeysAndImpossibleValuesAreNamed) {
   };
   for (const Row& row :
        {Row{"up_mm", "upp_mm", "up_mm"}, Row{"spacing_mm: 2", "spacing_mm: 1", "blend_mm"},
-        Row{"tilt_deg: 50", "tilt_deg: 500", "tilt_deg"}, Row{"start: auto", "start: heel", "start"},
+        Row{"tilt_deg: 60", "tilt_deg: 600", "tilt_deg"}, Row{"start: auto", "start: heel", "start"},
         Row{"[0, 0, 180]", "[0, 180]", "tcp_position_mm"}}) {
     const auto process = read_changed(row.from, row.to);
     CHECK_FALSE_TEXT(process.has_value(), row.to);
