@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "hal/linux/aravis/aravis_camera.hpp"
 
-#include <arv.h>
-
 #include <algorithm>
-#include <atomic>
-#include <cfenv>
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <vector>
 
-#include "common/core/contracts.hpp"
-#include "hal/linux/aravis/arrival_clock.hpp"
-#include "hal/linux/aravis/frame_counter.hpp"
+#include "hal/linux/aravis/aravis_device.hpp"
 
 namespace biteline::hal {
 
@@ -22,184 +15,28 @@ namespace {
 /// The stream's own statistics are looked at this often.
 constexpr std::uint64_t k_frames_between_counts = 32;
 
-enum class State { Open, Configured, Running };
-
-/// The arithmetic flags stay as they were: Aravis divides by zero in passing (a frame rate of a period not read yet, a mean
-/// rate over no frames), and those flags are not this program's.
-class KeepFloatingPointFlags {
- public:
-  KeepFloatingPointFlags() { std::feholdexcept(&environment_); }
-  ~KeepFloatingPointFlags() { std::fesetenv(&environment_); }
-  KeepFloatingPointFlags(const KeepFloatingPointFlags&) = delete;
-  KeepFloatingPointFlags& operator=(const KeepFloatingPointFlags&) = delete;
-
- private:
-  std::fenv_t environment_{};
-};
-
-/// The one funnel from GError to Error.
-class Call {
- public:
-  explicit Call(const std::string& device, const char* what) : device_(device), what_(what) {}
-  ~Call() { g_clear_error(&error_); }
-  Call(const Call&) = delete;
-  Call& operator=(const Call&) = delete;
-
-  operator GError**() { return &error_; }  // NOLINT(google-explicit-constructor): it stands where a GError** is wanted
-  [[nodiscard]] bool failed() const { return error_ != nullptr; }
-  [[nodiscard]] tl::unexpected<Error> failure() const {
-    const bool gone = g_error_matches(error_, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_NOT_CONNECTED) ||
-                      g_error_matches(error_, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_TIMEOUT);
-    const bool absent = g_error_matches(error_, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_NOT_FOUND);
-    const Errc code = absent ? Errc::DeviceNotFound : gone ? Errc::DeviceLost : Errc::DeviceError;
-    return fail(code, "camera %s, %s: %s", device_.c_str(), what_, error_->message);
-  }
-
- private:
-  KeepFloatingPointFlags flags_;
-  const std::string& device_;
-  const char* what_;
-  GError* error_{nullptr};
-};
-
 SensorClock::time_point monotonic_now() {
-  return SensorClock::time_point{std::chrono::duration_cast<Nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())};
+  return SensorClock::time_point{
+      std::chrono::duration_cast<Nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())};
 }
 
-double microseconds(Nanoseconds time) { return static_cast<double>(time.count()) * 1e-3; }
-Nanoseconds from_microseconds(double time_us) { return Nanoseconds{std::llround(time_us * 1e3)}; }
+double microseconds(Nanoseconds time) {
+  return static_cast<double>(time.count()) * 1e-3;
+}
+Nanoseconds from_microseconds(double time_us) {
+  return Nanoseconds{std::llround(time_us * 1e3)};
+}
 
-int rounded_down(int value, int step) { return value - value % std::max(1, step); }
+int rounded_down(int value, int step) {
+  return value - value % std::max(1, step);
+}
 
 }  // namespace
-
-struct AravisCamera::Device {
-  Config config;
-  ArvCamera* camera{nullptr};
-  ArvStream* stream{nullptr};
-  State state{State::Open};
-  CameraSettings settings;
-  bool ptp{false};
-  std::vector<ArvBuffer*> borrowed;
-  ArrivalClock arrival;
-  FrameCounter counter;
-  std::uint64_t next_sequence{0};
-  bool first_frame{true};
-  std::atomic<bool> lost{false};
-  std::atomic<std::uint64_t> frames{0}, frames_lost{0}, frames_damaged{0};
-  std::atomic<std::uint64_t> underruns{0}, packets_resent{0};
-  std::atomic<float> temperature_degc{0};
-  std::atomic<bool> temperature_known{false};
-
-  Device() = default;
-  Device(const Device&) = delete;
-  Device& operator=(const Device&) = delete;
-  ~Device() {
-    drop_stream();
-    if (camera == nullptr) return;
-    g_signal_handlers_disconnect_by_data(arv_camera_get_device(camera), this);
-    g_object_unref(camera);
-  }
-
-  void drop_stream() {
-    for (ArvBuffer* buffer : borrowed) g_object_unref(buffer);
-    borrowed.clear();
-    const KeepFloatingPointFlags flags;
-    if (stream != nullptr) g_object_unref(stream);
-    stream = nullptr;
-  }
-
-  [[nodiscard]] bool has(const char* feature) const {
-    const KeepFloatingPointFlags flags;
-    GError* error = nullptr;
-    const bool present = arv_camera_is_feature_available(camera, feature, &error) != FALSE && error == nullptr;
-    g_clear_error(&error);
-    return present;
-  }
-
-  Result<void> set_trigger(Trigger trigger);
-  Result<void> set_rate(double rate_hz);
-  Result<void> set_region(const geometry::Region& region);
-  Result<geometry::Region> region() const;
-  void read_counts();
-  void read_ptp();
-  void read_temperature();
-};
-
-Result<void> AravisCamera::Device::set_region(const geometry::Region& region) {
-  Call call(config.address, "region");
-  // Offsets first to 0: a larger size is refused beside the old offset.
-  arv_camera_set_region(camera, 0, 0, region.width_px, region.height_px, call);
-  if (call.failed()) return call.failure();
-  arv_camera_set_region(camera, region.offset_u_px, region.offset_v_px, region.width_px, region.height_px, call);
-  if (call.failed()) return call.failure();
-  return {};
-}
-
-Result<geometry::Region> AravisCamera::Device::region() const {
-  Call call(config.address, "region");
-  geometry::Region region;
-  arv_camera_get_region(camera, &region.offset_u_px, &region.offset_v_px, &region.width_px, &region.height_px, call);
-  if (call.failed()) return call.failure();
-  return region;
-}
-
-Result<void> AravisCamera::Device::set_trigger(Trigger trigger) {
-  Call call(config.address, "trigger");
-  if (trigger == Trigger::FreeRun) {
-    if (has("TriggerMode")) arv_camera_clear_triggers(camera, call);
-  } else {
-    if (!has("TriggerMode")) return fail(Errc::NotSupported, "camera %s has no TriggerMode", config.address.c_str());
-    arv_camera_set_trigger(camera, config.trigger_line.c_str(), call);
-  }
-  if (call.failed()) return call.failure();
-  return {};
-}
-
-Result<void> AravisCamera::Device::set_rate(double rate_hz) {
-  if (rate_hz <= 0) return {};
-  Call call(config.address, "frame rate");
-  if (!has("AcquisitionFrameRate")) return fail(Errc::NotSupported, "camera %s has no AcquisitionFrameRate", config.address.c_str());
-  if (has("AcquisitionFrameRateEnable")) arv_camera_set_boolean(camera, "AcquisitionFrameRateEnable", TRUE, call);
-  if (!call.failed()) arv_camera_set_float(camera, "AcquisitionFrameRate", rate_hz, call);
-  if (call.failed()) return call.failure();
-  return {};
-}
-
-void AravisCamera::Device::read_ptp() {
-  ptp = false;
-  if (!has("PtpStatus")) return;
-  GError* error = nullptr;
-  const char* status = arv_camera_get_string(camera, "PtpStatus", &error);
-  if (error == nullptr && status != nullptr) ptp = std::strcmp(status, "Slave") == 0 || std::strcmp(status, "Master") == 0;
-  g_clear_error(&error);
-}
-
-void AravisCamera::Device::read_temperature() {
-  if (!has("DeviceTemperature")) return;
-  GError* error = nullptr;
-  const double degc = arv_camera_get_float(camera, "DeviceTemperature", &error);
-  temperature_known = error == nullptr;
-  if (error == nullptr) temperature_degc = static_cast<float>(degc);
-  g_clear_error(&error);
-}
-
-void AravisCamera::Device::read_counts() {
-  if (stream == nullptr) return;
-  guint64 completed = 0, failures = 0, missing_buffers = 0;
-  arv_stream_get_statistics(stream, &completed, &failures, &missing_buffers);
-  underruns = missing_buffers;
-  if (ARV_IS_GV_STREAM(stream)) {
-    guint64 resent = 0, missing = 0;
-    arv_gv_stream_get_statistics(ARV_GV_STREAM(stream), &resent, &missing);
-    packets_resent = resent;
-  }
-}
 
 AravisCamera::AravisCamera(std::unique_ptr<Device> device) : device_(std::move(device)) {}
 
 AravisCamera::~AravisCamera() {
-  if (device_->state == State::Running && !stop()) {
+  if (device_->state == Device::State::Running && !stop()) {
     // Gone or silent: the heartbeat ends and the camera stops by itself.
   }
 }
@@ -213,11 +50,13 @@ Result<std::unique_ptr<AravisCamera>> AravisCamera::open(const Config& config) {
   if (device->camera == nullptr) return fail(Errc::DeviceNotFound, "camera %s", config.address.c_str());
 
   ArvDevice* handle = arv_camera_get_device(device->camera);
-  g_signal_connect(handle, "control-lost", G_CALLBACK(+[](ArvDevice*, gpointer self) { static_cast<Device*>(self)->lost = true; }),
+  g_signal_connect(handle, "control-lost",
+                   G_CALLBACK(+[](ArvDevice*, gpointer self) { static_cast<Device*>(self)->lost = true; }),
                    device.get());
   if (ARV_IS_GV_DEVICE(handle)) {
-    arv_gv_device_set_stream_options(ARV_GV_DEVICE(handle), config.packet_socket ? ARV_GV_STREAM_OPTION_NONE
-                                                                                 : ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
+    arv_gv_device_set_stream_options(
+        ARV_GV_DEVICE(handle),
+        config.packet_socket ? ARV_GV_STREAM_OPTION_NONE : ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
     // Aravis 0.8.26 misjudges small payloads when it looks for a packet size by itself.
     arv_gv_device_set_packet_size_adjustment(ARV_GV_DEVICE(handle), ARV_GV_PACKET_SIZE_ADJUSTMENT_NEVER);
     if (config.packet_bytes > 0) arv_camera_gv_set_packet_size(device->camera, config.packet_bytes, call);
@@ -241,8 +80,10 @@ Result<CameraLimits> AravisCamera::limits() {
   ArvCamera* camera = device_->camera;
   arv_camera_get_sensor_size(camera, &limits.sensor_width_px, &limits.sensor_height_px, call);
   if (call.failed()) return call.failure();
-  limits.region_step_u_px = std::max(arv_camera_get_width_increment(camera, nullptr), arv_camera_get_x_offset_increment(camera, nullptr));
-  limits.region_step_v_px = std::max(arv_camera_get_height_increment(camera, nullptr), arv_camera_get_y_offset_increment(camera, nullptr));
+  limits.region_step_u_px = std::max(arv_camera_get_width_increment(camera, nullptr),
+                                     arv_camera_get_x_offset_increment(camera, nullptr));
+  limits.region_step_v_px = std::max(arv_camera_get_height_increment(camera, nullptr),
+                                     arv_camera_get_y_offset_increment(camera, nullptr));
   limits.region_step_u_px = std::max(1, limits.region_step_u_px);
   limits.region_step_v_px = std::max(1, limits.region_step_v_px);
   double low_us = 0, high_us = 0;
@@ -261,19 +102,24 @@ Result<CameraLimits> AravisCamera::limits() {
 
 Result<CameraSettings> AravisCamera::configure(const CameraSettings& wanted) {
   Device& device = *device_;
-  if (device.state == State::Running) return fail(Errc::WrongState, "camera %s: configure while running", device.config.address.c_str());
+  if (device.state == Device::State::Running)
+    return fail(Errc::WrongState, "camera %s: configure while running", device.config.address.c_str());
   if (wanted.second_exposure.count() != 0) {
-    return fail(Errc::NotSupported, "camera %s: no bracketing (SFNC leaves the sequencer to the vendor)", device.config.address.c_str());
+    return fail(Errc::NotSupported, "camera %s: no bracketing (SFNC leaves the sequencer to the vendor)",
+                device.config.address.c_str());
   }
   BITELINE_ASSIGN(const CameraLimits limit, limits());
   const geometry::Region& r = wanted.region;
-  if (r.offset_u_px < 0 || r.offset_v_px < 0 || r.width_px < 1 || r.height_px < 1 || r.offset_u_px + r.width_px > limit.sensor_width_px ||
+  if (r.offset_u_px < 0 || r.offset_v_px < 0 || r.width_px < 1 || r.height_px < 1 ||
+      r.offset_u_px + r.width_px > limit.sensor_width_px ||
       r.offset_v_px + r.height_px > limit.sensor_height_px) {
-    return fail(Errc::BadValue, "camera %s: region %d x %d at (%d, %d) outside its %d x %d pixels", device.config.address.c_str(), r.width_px,
-                r.height_px, r.offset_u_px, r.offset_v_px, limit.sensor_width_px, limit.sensor_height_px);
+    return fail(Errc::BadValue, "camera %s: region %d x %d at (%d, %d) outside its %d x %d pixels",
+                device.config.address.c_str(), r.width_px, r.height_px, r.offset_u_px, r.offset_v_px,
+                limit.sensor_width_px, limit.sensor_height_px);
   }
   if (wanted.exposure < limit.exposure_min || wanted.exposure > limit.exposure_max) {
-    return fail(Errc::BadValue, "camera %s: exposure %.1f us outside %.1f to %.1f us", device.config.address.c_str(), microseconds(wanted.exposure),
+    return fail(Errc::BadValue, "camera %s: exposure %.1f us outside %.1f to %.1f us",
+                device.config.address.c_str(), microseconds(wanted.exposure),
                 microseconds(limit.exposure_min), microseconds(limit.exposure_max));
   }
   const geometry::Region stepped{.offset_u_px = rounded_down(r.offset_u_px, limit.region_step_u_px),
@@ -295,13 +141,14 @@ Result<CameraSettings> AravisCamera::configure(const CameraSettings& wanted) {
     device.settings.rate_hz = arv_camera_get_frame_rate(device.camera, call);
     if (call.failed()) return call.failure();
   }
-  device.state = State::Configured;
+  device.state = Device::State::Configured;
   return device.settings;
 }
 
 Result<void> AravisCamera::start() {
   Device& device = *device_;
-  if (device.state != State::Configured) return fail(Errc::WrongState, "camera %s: start before configure", device.config.address.c_str());
+  if (device.state != Device::State::Configured)
+    return fail(Errc::WrongState, "camera %s: start before configure", device.config.address.c_str());
   Call call(device.config.address, "start");
   device.stream = arv_camera_create_stream(device.camera, nullptr, nullptr, call);
   if (call.failed()) return call.failure();
@@ -332,13 +179,14 @@ Result<void> AravisCamera::start() {
     device.drop_stream();
     return call.failure();
   }
-  device.state = State::Running;
+  device.state = Device::State::Running;
   return {};
 }
 
 Result<FrameView> AravisCamera::next_frame(Nanoseconds timeout) {
   Device& device = *device_;
-  if (device.state != State::Running) return fail(Errc::WrongState, "camera %s: not running", device.config.address.c_str());
+  if (device.state != Device::State::Running)
+    return fail(Errc::WrongState, "camera %s: not running", device.config.address.c_str());
   const auto until = monotonic_now() + timeout;
   for (;;) {
     if (device.lost) return fail(Errc::DeviceLost, "camera %s", device.config.address.c_str());
@@ -358,7 +206,8 @@ Result<FrameView> AravisCamera::next_frame(Nanoseconds timeout) {
     // The size of a frame whose leader was lost is not known: that of the settings counts.
     const int width_px = device.settings.region.width_px, height_px = device.settings.region.height_px;
     const std::size_t wanted_bytes = static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
-    const bool foreign = whole && (arv_buffer_get_image_width(buffer) != width_px || arv_buffer_get_image_height(buffer) != height_px);
+    const bool foreign = whole && (arv_buffer_get_image_width(buffer) != width_px ||
+                                   arv_buffer_get_image_height(buffer) != height_px);
     if ((!whole && !holed) || foreign || pixels == nullptr) {
       // Aborted, of another size or without data: nothing to show; its gap shows in the count.
       arv_stream_push_buffer(device.stream, buffer);
@@ -413,7 +262,8 @@ void AravisCamera::release(const FrameView& frame) noexcept {
 
 Result<Nanoseconds> AravisCamera::adjust_exposure(Nanoseconds exposure) {
   Device& device = *device_;
-  if (device.state != State::Running) return fail(Errc::WrongState, "camera %s: not running", device.config.address.c_str());
+  if (device.state != Device::State::Running)
+    return fail(Errc::WrongState, "camera %s: not running", device.config.address.c_str());
   Call call(device.config.address, "exposure");
   arv_camera_set_exposure_time(device.camera, microseconds(exposure), call);
   if (call.failed()) return call.failure();
@@ -424,9 +274,9 @@ Result<Nanoseconds> AravisCamera::adjust_exposure(Nanoseconds exposure) {
 
 Result<void> AravisCamera::stop() {
   Device& device = *device_;
-  if (device.state != State::Running) return {};
+  if (device.state != Device::State::Running) return {};
   device.read_counts();
-  device.state = State::Configured;
+  device.state = Device::State::Configured;
   Call call(device.config.address, "stop");
   if (!device.lost) arv_camera_stop_acquisition(device.camera, call);
   device.drop_stream();
@@ -447,6 +297,8 @@ CameraHealth AravisCamera::health() const noexcept {
           .finished = false};
 }
 
-bool AravisCamera::clock_follows_ptp() const noexcept { return device_->ptp; }
+bool AravisCamera::clock_follows_ptp() const noexcept {
+  return device_->ptp;
+}
 
 }  // namespace biteline::hal

@@ -12,23 +12,24 @@ namespace biteline::hal {
 /// A camera on the network is opened by its address.  Set up by SFNC names (Width, OffsetY, ExposureTime,
 /// AcquisitionFrameRate, TriggerMode, ...); what the camera lacks is said by configure(), not guessed.
 ///
-/// Frames are handed on without a copy.  Missing packets: asked for again where the camera can resend; a frame that stays
-/// incomplete is given out as damaged.  Losses are counted by layer: packets resent and missing (the stream), frames
-/// missing (gaps in the camera's own count), frames without a free buffer.
+/// Frames are handed on without a copy.  Missing packets: asked for again where the camera can resend; a
+/// frame that stays incomplete is given out as damaged.  Losses are counted by layer: packets resent and
+/// missing (the stream), frames missing (gaps in the camera's own count), frames without a free buffer.
 ///
-/// Stamps are the middle of the exposure: the camera's stamp of its begin plus half the exposure time.  With a camera
-/// that follows PTP, `ptp_minus_sensor` maps it; without, the stamp is mapped by arrival (ArrivalClock) and flagged
-/// k_frame_stamp_uncertain.
+/// Stamps are the middle of the exposure: the camera's stamp of its begin plus half the exposure time.  With
+/// a camera that follows PTP, `ptp_minus_sensor` maps it; without, the stamp is mapped by arrival
+/// (ArrivalClock) and flagged k_frame_stamp_uncertain.
 ///
 /// A camera that is gone stays gone for this object (see LineCamera); opening it again makes a new one.
 /// Thread: as LineCamera; Aravis has a receiving thread of its own.  Memory: all buffers made by start().
 class AravisCamera final : public LineCamera {
  public:
   struct Config {
-    std::string address{"127.0.0.1"};   ///< network address, or Aravis' name of a USB camera
-    int packet_bytes{0};                ///< 0: leave what the camera has; jumbo frames need it set (9000 for an MTU of 9000)
-    bool packet_socket{false};          ///< receive below the IP stack; needs rights, and gives nothing on loopback
-    int buffers{24};                    ///< frames that may wait
+    std::string address{"127.0.0.1"};  ///< network address, or Aravis' name of a USB camera
+    int packet_bytes{
+        0};  ///< 0: leave what the camera has; jumbo frames need it set (9000 for an MTU of 9000)
+    bool packet_socket{false};  ///< receive below the IP stack; needs rights, and gives nothing on loopback
+    int buffers{24};            ///< frames that may wait
     std::string trigger_line{"Line0"};  ///< of Trigger::Hardware
     Nanoseconds ptp_minus_sensor{0};    ///< PTP time minus sensor clock (hal/linux/ptp measures it)
   };

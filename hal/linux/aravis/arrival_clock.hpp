@@ -9,10 +9,10 @@
 
 namespace biteline::hal {
 
-/// Frames arrive late by a least time plus whatever the network adds, so the smallest (arrival - stamp) seen is the best
-/// one.  It is forgotten slowly, so that a camera clock that drifts is followed.  What stays unknown is the least delay
-/// itself (read-out and transfer): a stamp made so is early or late by that much until it is calibrated away.
-/// Pure; thread: one owner.
+/// Frames arrive late by a least time plus whatever the network adds, so the smallest (arrival - stamp) seen
+/// is the best one.  It is forgotten slowly, so that a camera clock that drifts is followed.  What stays
+/// unknown is the least delay itself (read-out and transfer): a stamp made so is early or late by that much
+/// until it is calibrated away. Pure; thread: one owner.
 class ArrivalClock {
  public:
   /// Two quartz clocks differ by less than this; the smallest difference is let go at this rate.

@@ -6,8 +6,8 @@
 
 namespace biteline::hal {
 
-/// GigE Vision 1.x: blocks are numbered 1 to 65535, then 1 again; 0 does not occur.  Cameras with 64-bit numbers never
-/// reach the turn, and pass through unchanged.  Pure; thread: one owner.
+/// GigE Vision 1.x: blocks are numbered 1 to 65535, then 1 again; 0 does not occur.  Cameras with 64-bit
+/// numbers never reach the turn, and pass through unchanged.  Pure; thread: one owner.
 class FrameCounter {
  public:
   /// Frames from the first one on, gaps included: 0 for the first.

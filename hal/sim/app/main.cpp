@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The simulated cell: shoe, scanning head, arm.  Nothing here is measured; every output says that it is simulated.
+// The simulated cell: shoe, scanning head, arm.  Nothing here is measured; every output says that it is
+// simulated.
 #include <cstdio>
 #include <exception>
 
@@ -16,7 +17,10 @@ int report_failure(const biteline::Error& error) {
 
 int main(int argc, char** argv) {
   using namespace biteline::cell;
-  CLI::App app{"Biteline's simulated cell: a made shoe, a scanning head and an arm.  Everything it serves is simulated.", "biteline-cell"};
+  CLI::App app{
+      "Biteline's simulated cell: a made shoe, a scanning head and an arm.  Everything it serves is "
+      "simulated.",
+      "biteline-cell"};
   Context context;
   app.require_subcommand(1);
   add_serve(app, context);

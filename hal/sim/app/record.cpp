@@ -33,7 +33,8 @@ Result<void> record(const RecordOptions& options) {
       .tell_clock_offset = !options.hide_clock_offset,
       .noise_seed = settings.shoe.seed};
   BITELINE_TRY(sim::record_session(options.out, *scene, record_settings, show_progress));
-  std::printf("simulated session of shoe %s %llu: %s\n", std::string(sim::name_of(settings.shoe.shoe_class)).c_str(),
+  std::printf("simulated session of shoe %s %llu: %s\n",
+              std::string(sim::name_of(settings.shoe.shoe_class)).c_str(),
               static_cast<unsigned long long>(settings.shoe.seed), options.out.c_str());
   return {};
 }
@@ -48,7 +49,8 @@ Result<void> record_calibration(const CalibrationOptions& options, bool with_clo
   sim::CalibrationSettings settings = options.settings;
   if (with_clock) settings.clock_offset = Nanoseconds{std::llround(options.clock_offset_ms * 1e6)};
   BITELINE_TRY(sim::record_calibration(options.out, settings, show_progress));
-  std::printf("simulated calibration pictures of head %llu: %s\n", static_cast<unsigned long long>(settings.head_seed), options.out.c_str());
+  std::printf("simulated calibration pictures of head %llu: %s\n",
+              static_cast<unsigned long long>(settings.head_seed), options.out.c_str());
   return {};
 }
 
@@ -57,16 +59,30 @@ Result<void> record_calibration(const CalibrationOptions& options, bool with_clo
 void add_record_calibration(CLI::App& app, Context& context) {
   auto options = std::make_shared<CalibrationOptions>();
   sim::CalibrationSettings& settings = options->settings;
-  CLI::App* command = app.add_subcommand("record-calibration", "Write a made head's calibration folder, with the true answer; no time runs");
-  command->add_option("--head", settings.head_seed, "Which head: its true calibration is drawn from this seed")->capture_default_str();
+  CLI::App* command = app.add_subcommand(
+      "record-calibration", "Write a made head's calibration folder, with the true answer; no time runs");
+  command
+      ->add_option("--head", settings.head_seed, "Which head: its true calibration is drawn from this seed")
+      ->capture_default_str();
   command->add_option("--seed", settings.view_seed, "Views and noise")->capture_default_str();
   command->add_option("--out", options->out, "The calibration folder")->required();
-  command->add_option("--camera-views", settings.camera_views)->capture_default_str()->check(CLI::Range(1, 99));
+  command->add_option("--camera-views", settings.camera_views)
+      ->capture_default_str()
+      ->check(CLI::Range(1, 99));
   command->add_option("--laser-views", settings.laser_views)->capture_default_str()->check(CLI::Range(1, 99));
-  command->add_option("--handeye-views", settings.handeye_views)->capture_default_str()->check(CLI::Range(1, 99));
-  command->add_option("--pose-noise-mm", settings.pose_noise_mm, "Of each hand-eye pose")->capture_default_str()->check(CLI::Range(0.0, 5.0));
-  command->add_option("--pose-noise-rad", settings.pose_noise_rad)->capture_default_str()->check(CLI::Range(0.0, 0.1));
-  CLI::Option* clock = command->add_option("--clock-offset-ms", options->clock_offset_ms, "Adds clock/, a scan with this offset between the clocks")->check(CLI::Range(-1000.0, 1000.0));
+  command->add_option("--handeye-views", settings.handeye_views)
+      ->capture_default_str()
+      ->check(CLI::Range(1, 99));
+  command->add_option("--pose-noise-mm", settings.pose_noise_mm, "Of each hand-eye pose")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 5.0));
+  command->add_option("--pose-noise-rad", settings.pose_noise_rad)
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 0.1));
+  CLI::Option* clock = command
+                           ->add_option("--clock-offset-ms", options->clock_offset_ms,
+                                        "Adds clock/, a scan with this offset between the clocks")
+                           ->check(CLI::Range(-1000.0, 1000.0));
   command->callback([options, clock, &context] {
     const bool with_clock = clock->count() > 0;
     context.run = [options, with_clock] { return record_calibration(*options, with_clock); };
@@ -75,10 +91,12 @@ void add_record_calibration(CLI::App& app, Context& context) {
 
 void add_record(CLI::App& app, Context& context) {
   auto options = std::make_shared<RecordOptions>();
-  CLI::App* command = app.add_subcommand("record", "Write a made scan as a session folder, with its truth; no time runs");
+  CLI::App* command =
+      app.add_subcommand("record", "Write a made scan as a session folder, with its truth; no time runs");
   add_scene_options(*command, options->scene);
   command->add_option("--out", options->out, "The session's folder")->required();
-  command->add_option("--clock-offset-ms", options->clock_offset_ms, "Pose clock minus camera clock")->check(CLI::Range(-1000.0, 1000.0));
+  command->add_option("--clock-offset-ms", options->clock_offset_ms, "Pose clock minus camera clock")
+      ->check(CLI::Range(-1000.0, 1000.0));
   command->add_flag("--hide-clock-offset", options->hide_clock_offset, "sensor.yaml says 0 instead");
   command->callback([options, &context] { context.run = [options] { return record(*options); }; });
 }

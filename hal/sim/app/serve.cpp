@@ -33,19 +33,26 @@ struct ServeOptions {
 /// For whoever started this program: one line, then nothing more on stdout before the end.
 void print_endpoints(const sim::LiveCell& cell, const ServeOptions& options) {
   const auto ports = cell.robot_ports();
-  std::printf("{\"simulated\":true,\"wires\":\"%s\",\"camera\":\"%s\",\"rtde\":\"127.0.0.1:%d\",\"script\":\"127.0.0.1:%d\","
-              "\"dashboard\":\"127.0.0.1:%d\",\"arm\":\"%s\",\"out\":\"%s\",\"sensor\":\"%s/sensor.yaml\",\"scan_s\":%.3f}\n",
-              cell.settings().wires.c_str(), cell.settings().camera_address.c_str(), int{ports.rtde}, int{ports.script}, int{ports.dashboard},
-              options.arm.c_str(), options.out.c_str(), options.out.c_str(), cell.scene().path.duration_s());
+  std::printf(
+      "{\"simulated\":true,\"wires\":\"%s\",\"camera\":\"%s\",\"rtde\":\"127.0.0.1:%d\",\"script\":\"127.0.0."
+      "1:%d\","
+      "\"dashboard\":\"127.0.0.1:%d\",\"arm\":\"%s\",\"out\":\"%s\",\"sensor\":\"%s/"
+      "sensor.yaml\",\"scan_s\":%.3f}\n",
+      cell.settings().wires.c_str(), cell.settings().camera_address.c_str(), int{ports.rtde},
+      int{ports.script}, int{ports.dashboard}, options.arm.c_str(), options.out.c_str(), options.out.c_str(),
+      cell.scene().path.duration_s());
   std::fflush(stdout);
 }
 
 void print_counts(const sim::LiveCounts& counts) {
   const auto number = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };
-  std::printf("{\"simulated\":true,\"exposures\":%llu,\"exposures_lit\":%llu,\"triggers\":%llu,\"triggers_missed\":%llu,\"scans\":%llu,"
-              "\"scripts_run\":%llu,\"scripts_refused\":%llu,\"bus_messages_dropped\":%llu}\n",
-              number(counts.exposures), number(counts.exposures_lit), number(counts.triggers), number(counts.triggers_missed), number(counts.scans),
-              number(counts.scripts_run), number(counts.scripts_refused), number(counts.bus_messages_dropped));
+  std::printf(
+      "{\"simulated\":true,\"exposures\":%llu,\"exposures_lit\":%llu,\"triggers\":%llu,\"triggers_missed\":%"
+      "llu,\"scans\":%llu,"
+      "\"scripts_run\":%llu,\"scripts_refused\":%llu,\"bus_messages_dropped\":%llu}\n",
+      number(counts.exposures), number(counts.exposures_lit), number(counts.triggers),
+      number(counts.triggers_missed), number(counts.scans), number(counts.scripts_run),
+      number(counts.scripts_refused), number(counts.bus_messages_dropped));
 }
 
 Result<void> serve(const ServeOptions& options) {
@@ -79,7 +86,10 @@ Result<void> serve(const ServeOptions& options) {
   BITELINE_ASSIGN(const auto cell, sim::LiveCell::open(settings));
   const std::filesystem::path out(options.out);
   BITELINE_TRY(sim::write_truth(out / "truth", cell->scene()));
-  BITELINE_TRY(sim::write_file(out / "sensor.yaml", config::sensor_yaml_text(cell->scene().head.model, "made head " + std::to_string(scene.head_seed) + ", simulated")));
+  BITELINE_TRY(sim::write_file(
+      out / "sensor.yaml",
+      config::sensor_yaml_text(cell->scene().head.model,
+                               "made head " + std::to_string(scene.head_seed) + ", simulated")));
   print_endpoints(*cell, options);
 
   int signal_number = 0;
@@ -93,21 +103,36 @@ Result<void> serve(const ServeOptions& options) {
 
 void add_serve(CLI::App& app, Context& context) {
   auto options = std::make_shared<ServeOptions>();
-  CLI::App* command = app.add_subcommand("serve", "Run the cell until SIGTERM: camera, wires, pose bus and robot, all simulated");
+  CLI::App* command = app.add_subcommand(
+      "serve", "Run the cell until SIGTERM: camera, wires, pose bus and robot, all simulated");
   add_scene_options(*command, options->scene);
-  command->add_option("--out", options->out, "Folder for sensor.yaml, truth/ and, at the end, track.csv")->required();
-  command->add_option("--wires", options->wires, "Name of the simulated wires (default: made from the process number)");
-  command->add_option("--camera", options->camera, "Address of the GigE Vision camera; its port, 3956, is fixed")->capture_default_str();
+  command->add_option("--out", options->out, "Folder for sensor.yaml, truth/ and, at the end, track.csv")
+      ->required();
+  command->add_option("--wires", options->wires,
+                      "Name of the simulated wires (default: made from the process number)");
+  command
+      ->add_option("--camera", options->camera, "Address of the GigE Vision camera; its port, 3956, is fixed")
+      ->capture_default_str();
   command->add_option("--arm", options->arm, "ur3e, ur5e or ur10e")->capture_default_str();
-  command->add_option("--rtde-port", options->rtde_port, "0: a free one; a real controller has 30004")->capture_default_str();
-  command->add_option("--script-port", options->script_port, "0: a free one; a real controller has 30002")->capture_default_str();
-  command->add_option("--dashboard-port", options->dashboard_port, "0: a free one; a real controller has 29999")->capture_default_str();
-  command->add_option("--robot-rate-hz", options->robot_rate_hz, "500: e series, 125: CB3")->capture_default_str()->check(CLI::IsMember({125, 500}));
-  command->add_option("--robot-clock-ms", options->robot_clock_ms, "Robot clock minus camera clock")->check(CLI::Range(-1e6, 1e6));
-  command->add_option("--lost-packet-ratio", options->lost_packet_ratio, "Of the camera's packets")->check(CLI::Range(0.0, 0.5));
+  command->add_option("--rtde-port", options->rtde_port, "0: a free one; a real controller has 30004")
+      ->capture_default_str();
+  command->add_option("--script-port", options->script_port, "0: a free one; a real controller has 30002")
+      ->capture_default_str();
+  command
+      ->add_option("--dashboard-port", options->dashboard_port, "0: a free one; a real controller has 29999")
+      ->capture_default_str();
+  command->add_option("--robot-rate-hz", options->robot_rate_hz, "500: e series, 125: CB3")
+      ->capture_default_str()
+      ->check(CLI::IsMember({125, 500}));
+  command->add_option("--robot-clock-ms", options->robot_clock_ms, "Robot clock minus camera clock")
+      ->check(CLI::Range(-1e6, 1e6));
+  command->add_option("--lost-packet-ratio", options->lost_packet_ratio, "Of the camera's packets")
+      ->check(CLI::Range(0.0, 0.5));
   command->add_flag("--camera-free-clock", options->camera_free_clock, "The camera's clock follows no PTP");
-  command->add_flag("--anywhere", options->anywhere, "The shoe may stand where the arm's tool does not get round it");
-  command->add_flag("--exit-with-parent", options->exit_with_parent, "End when the process that started this one ends");
+  command->add_flag("--anywhere", options->anywhere,
+                    "The shoe may stand where the arm's tool does not get round it");
+  command->add_flag("--exit-with-parent", options->exit_with_parent,
+                    "End when the process that started this one ends");
   command->callback([options, &context] { context.run = [options] { return serve(*options); }; });
 }
 

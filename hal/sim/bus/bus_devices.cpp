@@ -29,7 +29,8 @@ Result<BusConnection> BusConnection::connect(const std::string& name) {
 }
 
 Result<void> BusConnection::send(const BusMessage& message) noexcept {
-  if (::send(socket_.number(), &message, sizeof message, MSG_NOSIGNAL) != static_cast<ssize_t>(sizeof message)) {
+  if (::send(socket_.number(), &message, sizeof message, MSG_NOSIGNAL) !=
+      static_cast<ssize_t>(sizeof message)) {
     return fail_errno(Errc::DeviceLost, errno, k_wires);
   }
   return {};
@@ -60,12 +61,16 @@ Result<std::unique_ptr<SimGpioOut>> SimGpioOut::open(const std::string& name, Li
 }
 
 Result<void> SimGpioOut::set(bool active) noexcept {
-  BITELINE_ASSIGN(const bool level, connection_.ask({.kind = BusMessage::Kind::Drive, .line = line_, .active = active}));
-  if (level != active) return fail(Errc::DeviceError, "simulated wires: line %u did not follow", static_cast<unsigned>(line_));
+  BITELINE_ASSIGN(const bool level,
+                  connection_.ask({.kind = BusMessage::Kind::Drive, .line = line_, .active = active}));
+  if (level != active)
+    return fail(Errc::DeviceError, "simulated wires: line %u did not follow", static_cast<unsigned>(line_));
   return {};
 }
 
-Result<bool> SimGpioOut::read_back() noexcept { return connection_.ask({.kind = BusMessage::Kind::Query, .line = line_}); }
+Result<bool> SimGpioOut::read_back() noexcept {
+  return connection_.ask({.kind = BusMessage::Kind::Query, .line = line_});
+}
 
 Result<std::unique_ptr<SimEdgeIn>> SimEdgeIn::open(const std::string& name, Line line) {
   BITELINE_ASSIGN(BusConnection edges, BusConnection::connect(name));
@@ -85,11 +90,15 @@ Result<hal::Edge> SimEdgeIn::next_edge(Nanoseconds timeout) {
     started_ = true;
     next_sequence_ = message.sequence + 1;
     ++edges_;
-    return hal::Edge{.stamp = SensorClock::time_point{Nanoseconds{message.stamp_ns}}, .rising = message.active, .sequence = message.sequence};
+    return hal::Edge{.stamp = SensorClock::time_point{Nanoseconds{message.stamp_ns}},
+                     .rising = message.active,
+                     .sequence = message.sequence};
   }
 }
 
-Result<bool> SimEdgeIn::level() noexcept { return level_connection_.ask({.kind = BusMessage::Kind::Query, .line = line_}); }
+Result<bool> SimEdgeIn::level() noexcept {
+  return level_connection_.ask({.kind = BusMessage::Kind::Query, .line = line_});
+}
 
 Result<std::unique_ptr<SimSafetyIn>> SimSafetyIn::open(const std::string& name) {
   BITELINE_ASSIGN(BusConnection connection, BusConnection::connect(name));
@@ -97,7 +106,8 @@ Result<std::unique_ptr<SimSafetyIn>> SimSafetyIn::open(const std::string& name) 
 }
 
 Result<hal::SafetyInputs> SimSafetyIn::read() noexcept {
-  BITELINE_ASSIGN(const bool closed, connection_.ask({.kind = BusMessage::Kind::Query, .line = Line::Interlock}));
+  BITELINE_ASSIGN(const bool closed,
+                  connection_.ask({.kind = BusMessage::Kind::Query, .line = Line::Interlock}));
   BITELINE_ASSIGN(const bool key_on, connection_.ask({.kind = BusMessage::Kind::Query, .line = Line::Key}));
   return hal::SafetyInputs{.interlock_closed = closed, .key_on = key_on, .read_at = hal::monotonic_now()};
 }
@@ -108,7 +118,9 @@ Result<std::unique_ptr<SimPwmOut>> SimPwmOut::open(const std::string& name) {
 }
 
 Result<void> SimPwmOut::tell(const hal::PwmSettings& settings) noexcept {
-  return connection_.send({.kind = BusMessage::Kind::Trigger, .period_ns = settings.period.count(), .pulse_ns = settings.pulse.count()});
+  return connection_.send({.kind = BusMessage::Kind::Trigger,
+                           .period_ns = settings.period.count(),
+                           .pulse_ns = settings.pulse.count()});
 }
 
 Result<hal::PwmSettings> SimPwmOut::configure(const hal::PwmSettings& wanted) {
@@ -140,7 +152,8 @@ Result<std::unique_ptr<SimCanBus>> SimCanBus::open(const std::string& name) {
 }
 
 Result<void> SimCanBus::set_filters(std::span<const hal::CanFilter> filters) {
-  if (filters.size() > k_most_filters) return fail(Errc::BadValue, "simulated CAN: at most %zu filters", k_most_filters);
+  if (filters.size() > k_most_filters)
+    return fail(Errc::BadValue, "simulated CAN: at most %zu filters", k_most_filters);
   std::copy(filters.begin(), filters.end(), filters_.begin());
   filter_count_ = filters.size();
   return {};
@@ -148,9 +161,11 @@ Result<void> SimCanBus::set_filters(std::span<const hal::CanFilter> filters) {
 
 bool SimCanBus::passes(const hal::CanFrame& frame) const {
   if (filter_count_ == 0) return true;
-  return std::any_of(filters_.begin(), filters_.begin() + static_cast<std::ptrdiff_t>(filter_count_), [&](const auto& filter) {
-    return filter.extended == frame.extended && (frame.id & filter.mask) == (filter.id & filter.mask);
-  });
+  return std::any_of(filters_.begin(), filters_.begin() + static_cast<std::ptrdiff_t>(filter_count_),
+                     [&](const auto& filter) {
+                       return filter.extended == frame.extended &&
+                              (frame.id & filter.mask) == (filter.id & filter.mask);
+                     });
 }
 
 Result<hal::CanFrame> SimCanBus::receive(Nanoseconds timeout) {
@@ -168,7 +183,8 @@ Result<hal::CanFrame> SimCanBus::receive(Nanoseconds timeout) {
 }
 
 Result<void> SimCanBus::send(const hal::CanFrame& frame) {
-  if (frame.size_bytes > (frame.fd ? frame.data.size() : 8) || frame.id > (frame.extended ? 0x1FFFFFFFU : 0x7FFU)) {
+  if (frame.size_bytes > (frame.fd ? frame.data.size() : 8) ||
+      frame.id > (frame.extended ? 0x1FFFFFFFU : 0x7FFU)) {
     return fail(Errc::BadValue, "CAN frame 0x%x with %d bytes", frame.id, int{frame.size_bytes});
   }
   BITELINE_TRY(connection_.send({.kind = BusMessage::Kind::Can, .can = frame}));
@@ -177,7 +193,9 @@ Result<void> SimCanBus::send(const hal::CanFrame& frame) {
 }
 
 hal::CanHealth SimCanBus::health() const noexcept {
-  return {.state = down_ ? hal::CanState::Down : hal::CanState::ErrorActive, .frames_received = received_, .frames_sent = sent_};
+  return {.state = down_ ? hal::CanState::Down : hal::CanState::ErrorActive,
+          .frames_received = received_,
+          .frames_sent = sent_};
 }
 
 }  // namespace biteline::sim

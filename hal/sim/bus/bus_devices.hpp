@@ -51,7 +51,9 @@ class SimEdgeIn final : public hal::EdgeIn {
   [[nodiscard]] static Result<std::unique_ptr<SimEdgeIn>> open(const std::string& name, Line line);
   [[nodiscard]] Result<hal::Edge> next_edge(Nanoseconds timeout) override;
   [[nodiscard]] Result<bool> level() noexcept override;
-  [[nodiscard]] hal::EdgeHealth health() const noexcept override { return {.edges = edges_, .edges_lost = lost_}; }
+  [[nodiscard]] hal::EdgeHealth health() const noexcept override {
+    return {.edges = edges_, .edges_lost = lost_};
+  }
 
  private:
   SimEdgeIn(BusConnection edges, BusConnection levels, Line line)
@@ -91,7 +93,8 @@ class SimPwmOut final : public hal::PwmOut {
   std::atomic<bool> running_{false};
 };
 
-/// The pose bus.  `received` of a frame is when it stood on the wire, as a controller with hardware stamps gives it.
+/// The pose bus.  `received` of a frame is when it stood on the wire, as a controller with hardware stamps
+/// gives it.
 class SimCanBus final : public hal::CanBus {
  public:
   [[nodiscard]] static Result<std::unique_ptr<SimCanBus>> open(const std::string& name);

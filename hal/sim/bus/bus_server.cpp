@@ -23,9 +23,14 @@ constexpr int k_client_buffer_bytes = 2 << 20;
 }  // namespace
 
 BusServer::BusServer(hal::Descriptor listener, hal::Descriptor wake, Callbacks callbacks)
-    : listener_(std::move(listener)), wake_(std::move(wake)), callbacks_(std::move(callbacks)), thread_([this] { serve(); }) {}
+    : listener_(std::move(listener)),
+      wake_(std::move(wake)),
+      callbacks_(std::move(callbacks)),
+      thread_([this] { serve(); }) {}
 
-BusServer::~BusServer() { close(); }
+BusServer::~BusServer() {
+  close();
+}
 
 void BusServer::close() {
   if (!thread_.joinable()) return;
@@ -46,10 +51,13 @@ Result<std::unique_ptr<BusServer>> BusServer::open(const std::string& name, Call
   }
   hal::Descriptor wake(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!wake.is_open()) return hal::device_failure(errno, name.c_str(), "eventfd");
-  return std::unique_ptr<BusServer>(new BusServer(std::move(listener), std::move(wake), std::move(callbacks)));
+  return std::unique_ptr<BusServer>(
+      new BusServer(std::move(listener), std::move(wake), std::move(callbacks)));
 }
 
-void BusServer::drive(Line line, bool active, SensorClock::time_point stamp) { change(line, active, stamp); }
+void BusServer::drive(Line line, bool active, SensorClock::time_point stamp) {
+  change(line, active, stamp);
+}
 
 void BusServer::change(Line line, bool active, SensorClock::time_point stamp) {
   const std::lock_guard change_lock(change_mutex_);
@@ -68,7 +76,8 @@ void BusServer::change(Line line, bool active, SensorClock::time_point stamp) {
 }
 
 void BusServer::send(const hal::CanFrame& frame) {
-  const BusMessage message{.kind = BusMessage::Kind::Can, .stamp_ns = frame.received.time_since_epoch().count(), .can = frame};
+  const BusMessage message{
+      .kind = BusMessage::Kind::Can, .stamp_ns = frame.received.time_since_epoch().count(), .can = frame};
   const std::lock_guard lock(clients_mutex_);
   for (const auto& client : clients_) {
     if (client->wants_can) post(*client, message);
@@ -76,7 +85,8 @@ void BusServer::send(const hal::CanFrame& frame) {
 }
 
 void BusServer::post(const Client& client, const BusMessage& message) {
-  if (::send(client.socket.number(), &message, sizeof message, MSG_DONTWAIT | MSG_NOSIGNAL) != static_cast<ssize_t>(sizeof message)) {
+  if (::send(client.socket.number(), &message, sizeof message, MSG_DONTWAIT | MSG_NOSIGNAL) !=
+      static_cast<ssize_t>(sizeof message)) {
     ++dropped_;
   }
 }
@@ -100,7 +110,8 @@ void BusServer::serve() {
       std::unique_ptr<Client> gone;
       {
         const std::lock_guard lock(clients_mutex_);
-        const auto found = std::find_if(clients_.begin(), clients_.end(), [&](const auto& c) { return c.get() == asked[i]; });
+        const auto found = std::find_if(clients_.begin(), clients_.end(),
+                                        [&](const auto& c) { return c.get() == asked[i]; });
         gone = std::move(*found);
         clients_.erase(found);
       }
@@ -139,14 +150,18 @@ bool BusServer::read_from(Client& client) {
         change(message.line, message.active, now);
         [[fallthrough]];
       case BusMessage::Kind::Query: {
-        const BusMessage answer{.kind = BusMessage::Kind::Level, .line = message.line, .active = level(message.line), .stamp_ns = now.time_since_epoch().count()};
+        const BusMessage answer{.kind = BusMessage::Kind::Level,
+                                .line = message.line,
+                                .active = level(message.line),
+                                .stamp_ns = now.time_since_epoch().count()};
         const std::lock_guard lock(clients_mutex_);
         post(client, answer);
         break;
       }
       case BusMessage::Kind::Trigger:
         client.drives_trigger = message.period_ns > 0;
-        if (callbacks_.on_trigger) callbacks_.on_trigger(Nanoseconds{message.period_ns}, Nanoseconds{message.pulse_ns});
+        if (callbacks_.on_trigger)
+          callbacks_.on_trigger(Nanoseconds{message.period_ns}, Nanoseconds{message.pulse_ns});
         break;
       case BusMessage::Kind::Can:
         if (callbacks_.on_can) callbacks_.on_can(message.can);

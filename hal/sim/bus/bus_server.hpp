@@ -16,11 +16,12 @@
 
 namespace biteline::sim {
 
-/// A local stream socket in the abstract namespace (no file, gone with its process), all messages of one size.  It notices
-/// the death of a client: what that client drove falls back, as a kernel lets go of a dead process's lines.  A slow client loses messages (counted), and never holds up the others.
+/// A local stream socket in the abstract namespace (no file, gone with its process), all messages of one
+/// size.  It notices the death of a client: what that client drove falls back, as a kernel lets go of a dead
+/// process's lines.  A slow client loses messages (counted), and never holds up the others.
 ///
-/// Thread: every method from any thread; the callbacks are called on the server's own thread or on the caller's of
-/// drive(), one at a time for each line.
+/// Thread: every method from any thread; the callbacks are called on the server's own thread or on the
+/// caller's of drive(), one at a time for each line.
 class BusServer {
  public:
   struct Callbacks {
@@ -67,7 +68,7 @@ class BusServer {
   Callbacks callbacks_;
   std::array<std::atomic<bool>, static_cast<std::size_t>(Line::Count)> levels_{};
   std::array<std::uint64_t, static_cast<std::size_t>(Line::Count)> edges_{};
-  std::mutex change_mutex_;   ///< one line changes at a time
+  std::mutex change_mutex_;  ///< one line changes at a time
   std::mutex clients_mutex_;
   std::vector<std::unique_ptr<Client>> clients_;
   std::atomic<std::uint64_t> dropped_{0};

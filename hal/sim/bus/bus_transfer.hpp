@@ -15,8 +15,9 @@
 
 namespace biteline::sim {
 
-/// One message off a stream: its size, 0 at the stream's end, -1 with errno.  Never waits for the first byte.  Messages are
-/// sent whole (the kernel does not split writes this small on a local socket), so the rest is there when the begin is.
+/// One message off a stream: its size, 0 at the stream's end, -1 with errno.  Never waits for the first byte.
+/// Messages are sent whole (the kernel does not split writes this small on a local socket), so the rest is
+/// there when the begin is.
 inline ssize_t receive_whole(int socket, BusMessage& message) {
   ssize_t size = 0;
   do {
@@ -40,7 +41,9 @@ class BusAddress {
     std::memcpy(address_.sun_path + 1, name.data(), length_);  // a leading 0: abstract
   }
   [[nodiscard]] const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&address_); }
-  [[nodiscard]] socklen_t size() const { return static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + length_); }
+  [[nodiscard]] socklen_t size() const {
+    return static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + length_);
+  }
 
  private:
   sockaddr_un address_{};

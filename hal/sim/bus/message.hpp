@@ -13,15 +13,17 @@ namespace biteline::sim {
 
 /// The wires between sensor, laser, camera, robot and door.
 enum class Line : std::uint32_t {
-  LaserEnable,   ///< sensor -> laser; inactive when nobody drives it
-  StrobeEcho,    ///< camera -> sensor: exposure is on
-  ScanActive,    ///< robot -> sensor: the arm is on its way round the shoe
-  Interlock,     ///< door -> sensor and laser: closed
-  Key,           ///< key switch -> sensor and laser: on
+  LaserEnable,  ///< sensor -> laser; inactive when nobody drives it
+  StrobeEcho,   ///< camera -> sensor: exposure is on
+  ScanActive,   ///< robot -> sensor: the arm is on its way round the shoe
+  Interlock,    ///< door -> sensor and laser: closed
+  Key,          ///< key switch -> sensor and laser: on
   Count,
 };
 
-[[nodiscard]] constexpr std::uint32_t bit_of(Line line) { return 1U << static_cast<std::uint32_t>(line); }
+[[nodiscard]] constexpr std::uint32_t bit_of(Line line) {
+  return 1U << static_cast<std::uint32_t>(line);
+}
 
 struct BusMessage {
   enum class Kind : std::uint32_t {

@@ -10,7 +10,8 @@ namespace {
 
 /// Registers that Aravis lays out by the GigE Vision bootstrap map, and the fake camera's own commands.
 constexpr std::uint32_t k_vendor = 0x48, k_model = 0x68, k_version = 0x88, k_serial = 0xd8;
-constexpr std::uint32_t k_pixel_format = 0x128, k_acquisition = 0x124, k_acquisition_mode = 0x12c, k_trigger_activation = 0x308;
+constexpr std::uint32_t k_pixel_format = 0x128, k_acquisition = 0x124, k_acquisition_mode = 0x12c,
+                        k_trigger_activation = 0x308;
 
 struct Choice {
   const char* name;
@@ -21,49 +22,69 @@ class Description {
  public:
   void text(const char* name, std::uint32_t address, int length) {
     feature(name);
-    add("<StringReg Name=\"%s\" NameSpace=\"Standard\"><Address>0x%x</Address><Length>%d</Length><AccessMode>RO</AccessMode>"
-        "<pPort>Device</pPort></StringReg>\n", name, address, length);
+    add("<StringReg Name=\"%s\" "
+        "NameSpace=\"Standard\"><Address>0x%x</Address><Length>%d</Length><AccessMode>RO</AccessMode>"
+        "<pPort>Device</pPort></StringReg>\n",
+        name, address, length);
   }
   /// `limit`: a feature's name or a number, empty for none.
-  void integer(const char* name, std::uint32_t address, const char* access, int minimum, const std::string& limit) {
+  void integer(const char* name, std::uint32_t address, const char* access, int minimum,
+               const std::string& limit) {
     feature(name);
-    const std::string tag = limit.empty() ? "" : (limit[0] >= '0' && limit[0] <= '9') ? "<Max>" + limit + "</Max>" : "<pMax>" + limit + "</pMax>";
-    add("<Integer Name=\"%s\" NameSpace=\"Standard\"><pValue>%sRegister</pValue><Min>%d</Min>%s</Integer>\n", name, name, minimum, tag.c_str());
+    const std::string tag = limit.empty()                          ? ""
+                            : (limit[0] >= '0' && limit[0] <= '9') ? "<Max>" + limit + "</Max>"
+                                                                   : "<pMax>" + limit + "</pMax>";
+    add("<Integer Name=\"%s\" NameSpace=\"Standard\"><pValue>%sRegister</pValue><Min>%d</Min>%s</Integer>\n",
+        name, name, minimum, tag.c_str());
     raw_register(name, address, access);
   }
   /// value = register / per_unit
-  void real(const char* name, std::uint32_t address, const char* access, int per_unit, double minimum, double maximum) {
+  void real(const char* name, std::uint32_t address, const char* access, int per_unit, double minimum,
+            double maximum) {
     feature(name);
-    add("<Float Name=\"%s\" NameSpace=\"Standard\"><pValue>%sConverter</pValue><Min>%g</Min><Max>%g</Max></Float>\n", name, name, minimum, maximum);
-    add("<Converter Name=\"%sConverter\"><FormulaTo>FROM * %d</FormulaTo><FormulaFrom>TO / %d.0</FormulaFrom><pValue>%sRegister</pValue></Converter>\n",
+    add("<Float Name=\"%s\" "
+        "NameSpace=\"Standard\"><pValue>%sConverter</pValue><Min>%g</Min><Max>%g</Max></Float>\n",
+        name, name, minimum, maximum);
+    add("<Converter Name=\"%sConverter\"><FormulaTo>FROM * %d</FormulaTo><FormulaFrom>TO / "
+        "%d.0</FormulaFrom><pValue>%sRegister</pValue></Converter>\n",
         name, per_unit, per_unit, name);
     raw_register(name, address, access);
   }
   /// value = 1e6 / register: a rate kept as a period in microseconds
   void rate(const char* name, std::uint32_t address, double minimum, double maximum) {
     feature(name);
-    add("<Float Name=\"%s\" NameSpace=\"Standard\"><pValue>%sConverter</pValue><Min>%g</Min><Max>%g</Max></Float>\n", name, name, minimum, maximum);
-    add("<Converter Name=\"%sConverter\"><FormulaTo>1000000 / FROM</FormulaTo><FormulaFrom>1000000.0 / TO</FormulaFrom><pValue>%sRegister</pValue></Converter>\n",
+    add("<Float Name=\"%s\" "
+        "NameSpace=\"Standard\"><pValue>%sConverter</pValue><Min>%g</Min><Max>%g</Max></Float>\n",
+        name, name, minimum, maximum);
+    add("<Converter Name=\"%sConverter\"><FormulaTo>1000000 / FROM</FormulaTo><FormulaFrom>1000000.0 / "
+        "TO</FormulaFrom><pValue>%sRegister</pValue></Converter>\n",
         name, name);
     raw_register(name, address, "RW");
   }
   void boolean(const char* name, std::uint32_t address) {
     feature(name);
-    add("<Boolean Name=\"%s\" NameSpace=\"Standard\"><pValue>%sRegister</pValue><OnValue>1</OnValue><OffValue>0</OffValue></Boolean>\n", name, name);
+    add("<Boolean Name=\"%s\" "
+        "NameSpace=\"Standard\"><pValue>%sRegister</pValue><OnValue>1</OnValue><OffValue>0</OffValue></"
+        "Boolean>\n",
+        name, name);
     raw_register(name, address, "RW");
   }
-  void choices(const char* name, std::uint32_t address, const char* access, const std::vector<Choice>& entries, const char* selector = nullptr) {
+  void choices(const char* name, std::uint32_t address, const char* access,
+               const std::vector<Choice>& entries, const char* selector = nullptr) {
     feature(name);
     add("<Enumeration Name=\"%s\" NameSpace=\"Standard\">", name);
     for (const auto& entry : entries) {
-      add("<EnumEntry Name=\"%s\" NameSpace=\"Standard\"><Value>%u</Value></EnumEntry>", entry.name, entry.value);
+      add("<EnumEntry Name=\"%s\" NameSpace=\"Standard\"><Value>%u</Value></EnumEntry>", entry.name,
+          entry.value);
     }
     add("<pValue>%sRegister</pValue></Enumeration>\n", name);
     raw_register(name, address, access, selector);
   }
   void command(const char* name, std::uint32_t address, int value) {
     feature(name);
-    add("<Command Name=\"%s\" NameSpace=\"Standard\"><pValue>%sRegister</pValue><CommandValue>%d</CommandValue></Command>\n", name, name, value);
+    add("<Command Name=\"%s\" "
+        "NameSpace=\"Standard\"><pValue>%sRegister</pValue><CommandValue>%d</CommandValue></Command>\n",
+        name, name, value);
     raw_register(name, address, "WO");
   }
   void line(const std::string& text) { body_ += text + "\n"; }
@@ -71,12 +92,16 @@ class Description {
 
   [[nodiscard]] std::string whole() const {
     return "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n"
-           "<RegisterDescription ModelName=\"SimulatedLineCamera\" VendorName=\"Biteline\" StandardNameSpace=\"None\" "
-           "SchemaMajorVersion=\"1\" SchemaMinorVersion=\"0\" SchemaSubMinorVersion=\"1\" MajorVersion=\"1\" MinorVersion=\"0\" "
+           "<RegisterDescription ModelName=\"SimulatedLineCamera\" VendorName=\"Biteline\" "
+           "StandardNameSpace=\"None\" "
+           "SchemaMajorVersion=\"1\" SchemaMinorVersion=\"0\" SchemaSubMinorVersion=\"1\" MajorVersion=\"1\" "
+           "MinorVersion=\"0\" "
            "SubMinorVersion=\"0\" ToolTip=\"Simulated\" ProductGuid=\"0\" VersionGuid=\"0\" "
-           "xmlns=\"http://www.genicam.org/GenApi/Version_1_0\" xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\" "
+           "xmlns=\"http://www.genicam.org/GenApi/Version_1_0\" "
+           "xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\" "
            "xsi:schemaLocation=\"http://www.genicam.org/GenApi/Version_1_0 GenApiSchema.xsd\">\n"
-           "<Category Name=\"Root\" NameSpace=\"Standard\">" + features_ + "</Category>\n" + body_ +
+           "<Category Name=\"Root\" NameSpace=\"Standard\">" +
+           features_ + "</Category>\n" + body_ +
            "<Port Name=\"Device\" NameSpace=\"Standard\"></Port>\n</RegisterDescription>\n";
   }
 
@@ -91,11 +116,17 @@ class Description {
 #pragma GCC diagnostic pop
     body_ += text;
   }
-  void feature(const char* name) { features_ += std::string("<pFeature>") + name + "</pFeature>"; }
-  void raw_register(const char* name, std::uint32_t address, const char* access, const char* selector = nullptr) {
-    const std::string index = selector == nullptr ? "" : std::string("<pIndex Offset=\"4\">") + selector + "</pIndex>";
-    add("<IntReg Name=\"%sRegister\" NameSpace=\"Custom\"><Address>0x%x</Address>%s<Length>4</Length><AccessMode>%s</AccessMode>"
-        "<pPort>Device</pPort><Sign>Unsigned</Sign><Endianess>BigEndian</Endianess></IntReg>\n", name, address, index.c_str(), access);
+  void feature(const char* name) {
+    features_ += std::string("<pFeature>") + name + "</pFeature>";
+  }
+  void raw_register(const char* name, std::uint32_t address, const char* access,
+                    const char* selector = nullptr) {
+    const std::string index =
+        selector == nullptr ? "" : std::string("<pIndex Offset=\"4\">") + selector + "</pIndex>";
+    add("<IntReg Name=\"%sRegister\" "
+        "NameSpace=\"Custom\"><Address>0x%x</Address>%s<Length>4</Length><AccessMode>%s</AccessMode>"
+        "<pPort>Device</pPort><Sign>Unsigned</Sign><Endianess>BigEndian</Endianess></IntReg>\n",
+        name, address, index.c_str(), access);
   }
 
   std::string features_, body_;
@@ -121,7 +152,8 @@ std::string genicam_description() {
   xml.integer("OffsetY", k_offset_y, "RW", 0, "SensorHeight");
   xml.choices("PixelFormat", k_pixel_format, "RW", {{"Mono8", 0x01080001}});
 
-  xml.choices("AcquisitionMode", k_acquisition_mode, "RW", {{"Continuous", 1}, {"SingleFrame", 2}, {"MultiFrame", 3}});
+  xml.choices("AcquisitionMode", k_acquisition_mode, "RW",
+              {{"Continuous", 1}, {"SingleFrame", 2}, {"MultiFrame", 3}});
   xml.command("AcquisitionStart", k_acquisition, 1);
   xml.command("AcquisitionStop", k_acquisition, 0);
   xml.boolean("AcquisitionFrameRateEnable", k_frame_rate_enable);
@@ -129,10 +161,13 @@ std::string genicam_description() {
   xml.real("ExposureTime", k_exposure_us, "RW", 1, 10, 1e6);
 
   xml.listed("TriggerSelector");
-  xml.line("<Enumeration Name=\"TriggerSelector\" NameSpace=\"Standard\"><EnumEntry Name=\"FrameStart\" NameSpace=\"Standard\">"
-           "<Value>0</Value></EnumEntry><Value>0</Value></Enumeration>");
+  xml.line(
+      "<Enumeration Name=\"TriggerSelector\" NameSpace=\"Standard\"><EnumEntry Name=\"FrameStart\" "
+      "NameSpace=\"Standard\">"
+      "<Value>0</Value></EnumEntry><Value>0</Value></Enumeration>");
   xml.choices("TriggerMode", k_trigger_mode, "RW", {{"Off", 0}, {"On", 1}});
-  // The fake camera knows 1 as "fires when register k_trigger_fire is written"; here a wire writes it, not a command.
+  // The fake camera knows 1 as "fires when register k_trigger_fire is written"; here a wire writes it, not a
+  // command.
   xml.choices("TriggerSource", k_trigger_source, "RW", {{"Line0", 1}});
   xml.choices("TriggerActivation", k_trigger_activation, "RW", {{"RisingEdge", 0}});
 
@@ -142,9 +177,13 @@ std::string genicam_description() {
   xml.choices("PtpStatus", k_ptp_status, "RO", {{"Disabled", k_ptp_disabled}, {"Slave", k_ptp_slave}});
 
   xml.listed("PayloadSize");
-  xml.line("<IntSwissKnife Name=\"PayloadSize\" NameSpace=\"Standard\"><pVariable Name=\"W\">Width</pVariable>"
-           "<pVariable Name=\"H\">Height</pVariable><Formula>W * H</Formula></IntSwissKnife>");
-  xml.line("<Integer Name=\"TLParamsLocked\"><Visibility>Invisible</Visibility><Value>0</Value><Min>0</Min><Max>1</Max></Integer>");
+  xml.line(
+      "<IntSwissKnife Name=\"PayloadSize\" NameSpace=\"Standard\"><pVariable Name=\"W\">Width</pVariable>"
+      "<pVariable Name=\"H\">Height</pVariable><Formula>W * H</Formula></IntSwissKnife>");
+  xml.line(
+      "<Integer "
+      "Name=\"TLParamsLocked\"><Visibility>Invisible</Visibility><Value>0</Value><Min>0</Min><Max>1</Max></"
+      "Integer>");
   return xml.whole();
 }
 

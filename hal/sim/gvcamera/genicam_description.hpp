@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file What the simulated camera says it can do: its GenICam description, SFNC names over Aravis' fake camera's registers.
+/// \file What the simulated camera says it can do: its GenICam description, SFNC names over Aravis' fake
+/// camera's registers.
 
 #include <cstdint>
 #include <string>
 
 namespace biteline::sim {
 
-/// Registers.  Those below 0x400 are what Aravis' fake camera itself acts on; those from 0x400 on are plain memory that
-/// the owner of the camera reads and writes.
+/// Registers.  Those below 0x400 are what Aravis' fake camera itself acts on; those from 0x400 on are plain
+/// memory that the owner of the camera reads and writes.
 namespace gv_register {
 inline constexpr std::uint32_t k_width = 0x100;
 inline constexpr std::uint32_t k_height = 0x104;

@@ -22,7 +22,8 @@ constexpr std::size_t k_edges_kept = 1;
 constexpr std::uint32_t k_temperature_millidegc = 41'500;
 
 SensorClock::time_point monotonic_now() {
-  return SensorClock::time_point{std::chrono::duration_cast<Nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())};
+  return SensorClock::time_point{
+      std::chrono::duration_cast<Nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())};
 }
 
 /// A file that exists only as long as somebody holds it: Aravis wants a path.
@@ -61,7 +62,9 @@ struct GvCamera::Device {
     arv_fake_camera_read_register(registers, address, &value);
     return value;
   }
-  void write(std::uint32_t address, std::uint32_t value) const { arv_fake_camera_write_register(registers, address, value); }
+  void write(std::uint32_t address, std::uint32_t value) const {
+    arv_fake_camera_write_register(registers, address, value);
+  }
 };
 
 GvCamera::GvCamera(const Config& config, Painter painter)
@@ -78,7 +81,9 @@ Result<std::unique_ptr<GvCamera>> GvCamera::open(const Config& config, Painter p
   const std::string path = "/proc/self/fd/" + std::to_string(device.description);
   device.server = arv_gv_fake_camera_new_full(config.address.c_str(), config.serial.c_str(), path.c_str());
   if (device.server == nullptr || arv_gv_fake_camera_is_running(device.server) == FALSE) {
-    return fail(Errc::ConnectFailed, "simulated camera: %s port 3956 is not free, or no address of this machine", config.address.c_str());
+    return fail(Errc::ConnectFailed,
+                "simulated camera: %s port 3956 is not free, or no address of this machine",
+                config.address.c_str());
   }
   g_object_set(device.server, "gvsp-lost-ratio", config.lost_packet_ratio, nullptr);
   device.registers = arv_gv_fake_camera_get_fake_camera(device.server);
@@ -98,12 +103,16 @@ Result<std::unique_ptr<GvCamera>> GvCamera::open(const Config& config, Painter p
   arv_fake_camera_set_trigger_frequency(device.registers, k_trigger_poll_hz);
   arv_fake_camera_set_fill_pattern(
       device.registers,
-      [](ArvBuffer* buffer, void* self, guint32, guint32, ArvPixelFormat) { static_cast<GvCamera*>(self)->paint(buffer); },
+      [](ArvBuffer* buffer, void* self, guint32, guint32, ArvPixelFormat) {
+        static_cast<GvCamera*>(self)->paint(buffer);
+      },
       camera.get());
   return camera;
 }
 
-bool GvCamera::acquiring() const { return arv_fake_camera_get_acquisition_status(device_->registers) != 0; }
+bool GvCamera::acquiring() const {
+  return arv_fake_camera_get_acquisition_status(device_->registers) != 0;
+}
 
 void GvCamera::trigger(SensorClock::time_point edge) {
   if (!acquiring() || device_->read(gv_register::k_trigger_mode) == 0) {
@@ -121,14 +130,15 @@ void GvCamera::trigger(SensorClock::time_point edge) {
 
 void GvCamera::paint(void* buffer_pointer) {
   auto* buffer = static_cast<ArvBuffer*>(buffer_pointer);
-  GvExposure exposure{.region = {.offset_u_px = static_cast<int>(device_->read(gv_register::k_offset_x)),
-                                 .offset_v_px = static_cast<int>(device_->read(gv_register::k_offset_y)),
-                                 .width_px = arv_buffer_get_image_width(buffer),
-                                 .height_px = arv_buffer_get_image_height(buffer)},
-                      .exposure = Nanoseconds{static_cast<std::int64_t>(device_->read(gv_register::k_exposure_us)) * 1000},
-                      .begin = {},
-                      .triggered = false,
-                      .sequence = exposures_.fetch_add(1)};
+  GvExposure exposure{
+      .region = {.offset_u_px = static_cast<int>(device_->read(gv_register::k_offset_x)),
+                 .offset_v_px = static_cast<int>(device_->read(gv_register::k_offset_y)),
+                 .width_px = arv_buffer_get_image_width(buffer),
+                 .height_px = arv_buffer_get_image_height(buffer)},
+      .exposure = Nanoseconds{static_cast<std::int64_t>(device_->read(gv_register::k_exposure_us)) * 1000},
+      .begin = {},
+      .triggered = false,
+      .sequence = exposures_.fetch_add(1)};
   exposure.begin = monotonic_now() - exposure.exposure;  // free run: a frame comes when its exposure is over
   {
     const std::lock_guard lock(edges_mutex_);
@@ -141,11 +151,13 @@ void GvCamera::paint(void* buffer_pointer) {
       if (!edges_.empty()) device_->write(gv_register::k_trigger_fire, 1);
     }
   }
-  std::this_thread::sleep_until(std::chrono::steady_clock::time_point{exposure.begin.time_since_epoch() + exposure.exposure});
+  std::this_thread::sleep_until(
+      std::chrono::steady_clock::time_point{exposure.begin.time_since_epoch() + exposure.exposure});
   // Aravis reports no size here: the buffer is as large as the picture by the payload's definition.
   std::size_t unused = 0;
   auto* pixels = static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &unused)));
-  painter_(exposure, {pixels, static_cast<std::size_t>(exposure.region.width_px) * static_cast<std::size_t>(exposure.region.height_px)});
+  painter_(exposure, {pixels, static_cast<std::size_t>(exposure.region.width_px) *
+                                  static_cast<std::size_t>(exposure.region.height_px)});
   const Nanoseconds stamp = exposure.begin.time_since_epoch() + config_.clock_offset;
   arv_buffer_set_timestamp(buffer, static_cast<guint64>(stamp.count()));
 }

@@ -25,11 +25,12 @@ struct GvExposure {
   std::uint64_t sequence{0};      ///< since open()
 };
 
-/// Real GVCP and GVSP packets on `address`, port 3956 (fixed by the standard); a GenICam description of our own with SFNC
-/// names.  It lacks what Aravis' fake camera lacks: packet resend and chunk data.
-/// Stamps are the start of the exposure on the camera's clock.
+/// Real GVCP and GVSP packets on `address`, port 3956 (fixed by the standard); a GenICam description of our
+/// own with SFNC names.  It lacks what Aravis' fake camera lacks: packet resend and chunk data. Stamps are
+/// the start of the exposure on the camera's clock.
 ///
-/// Thread: the painter is called on the camera's own thread, one exposure at a time; trigger() from any thread.
+/// Thread: the painter is called on the camera's own thread, one exposure at a time; trigger() from any
+/// thread.
 class GvCamera {
  public:
   struct Config {
@@ -37,12 +38,12 @@ class GvCamera {
     std::string serial{"BITELINE-SIM"};
     int sensor_width_px{1626};
     int sensor_height_px{1236};
-    geometry::Region region;           ///< at power-up
+    geometry::Region region;  ///< at power-up
     Nanoseconds exposure{400'000};
     double rate_hz{20};
-    Nanoseconds clock_offset{0};       ///< camera clock minus this machine's monotonic clock
-    bool ptp{true};                    ///< says that its clock follows PTP (clock_offset is then that of the PTP time)
-    double lost_packet_ratio{0};       ///< of the packets of the stream, thrown away before sending
+    Nanoseconds clock_offset{0};  ///< camera clock minus this machine's monotonic clock
+    bool ptp{true};  ///< says that its clock follows PTP (clock_offset is then that of the PTP time)
+    double lost_packet_ratio{0};  ///< of the packets of the stream, thrown away before sending
   };
   /// Fills region.width * region.height pixels.
   using Painter = std::function<void(const GvExposure&, std::span<std::uint8_t>)>;
@@ -53,7 +54,8 @@ class GvCamera {
   GvCamera(const GvCamera&) = delete;
   GvCamera& operator=(const GvCamera&) = delete;
 
-  /// An edge on Line0.  As on a real camera, one that comes while TriggerMode is off or faster than frames go is lost.
+  /// An edge on Line0.  As on a real camera, one that comes while TriggerMode is off or faster than frames go
+  /// is lost.
   void trigger(SensorClock::time_point edge);
 
   [[nodiscard]] bool acquiring() const;

@@ -22,8 +22,12 @@ constexpr Nanoseconds k_frame_time{250'000};
 /// The track is for one cell's life; a row each 2 ms for an hour.
 constexpr std::size_t k_most_track_rows = 1'800'000;
 
-double seconds(Nanoseconds time) { return static_cast<double>(time.count()) * 1e-9; }
-Nanoseconds nanoseconds(double time_s) { return Nanoseconds{std::llround(time_s * 1e9)}; }
+double seconds(Nanoseconds time) {
+  return static_cast<double>(time.count()) * 1e-9;
+}
+Nanoseconds nanoseconds(double time_s) {
+  return Nanoseconds{std::llround(time_s * 1e9)};
+}
 
 /// Way along the scan: an even ramp up, the scan from 0 to `length_mm` at full speed, an even ramp down.
 struct ScanWay {
@@ -49,19 +53,24 @@ GvCamera::Config camera_config(const LiveSettings& settings, const MadeHead& hea
   camera.rate_hz = settings.scene.rate_hz;
   camera.ptp = settings.camera_ptp;
   camera.lost_packet_ratio = settings.lost_packet_ratio;
-  if (!settings.camera_ptp) camera.clock_offset = Nanoseconds{-42'000'000'000};  // as if counting from its own power-up
+  if (!settings.camera_ptp)
+    camera.clock_offset = Nanoseconds{-42'000'000'000};  // as if counting from its own power-up
   return camera;
 }
 
 /// Smooth from 0 to 1.
-double eased(double part) { return part * part * (3 - 2 * part); }
+double eased(double part) {
+  return part * part * (3 - 2 * part);
+}
 
 }  // namespace
 
-LiveCell::LiveCell(const LiveSettings& settings, std::unique_ptr<MadeScene> scene, const ArmKinematics& kinematics)
+LiveCell::LiveCell(const LiveSettings& settings, std::unique_ptr<MadeScene> scene,
+                   const ArmKinematics& kinematics)
     : settings_(settings),
       scene_(std::move(scene)),
-      arm_(kinematics, T_base_flange_on_path(-ScanWay{scene_->path.length_mm(), scene_->path.settings().speed_mm_s}.ramp_mm())),
+      arm_(kinematics, T_base_flange_on_path(
+                           -ScanWay{scene_->path.length_mm(), scene_->path.settings().speed_mm_s}.ramp_mm())),
       renderer_(scene_->scene, scene_->head),
       pose_noise_(Random(settings.scene.shoe.seed).fork(77)) {}
 
@@ -76,7 +85,8 @@ LiveCell::~LiveCell() {
 
 Result<std::unique_ptr<LiveCell>> LiveCell::open(const LiveSettings& settings) {
   const auto kinematics = ArmKinematics::named(settings.arm);
-  if (!kinematics) return fail(Errc::InvalidArgument, "arm '%s': ur3e, ur5e or ur10e expected", settings.arm.c_str());
+  if (!kinematics)
+    return fail(Errc::InvalidArgument, "arm '%s': ur3e, ur5e or ur10e expected", settings.arm.c_str());
   BITELINE_ASSIGN(auto scene, make_scene(settings.scene));
   std::unique_ptr<LiveCell> cell(new LiveCell(settings, std::move(scene), *kinematics));
   LiveCell* self = cell.get();
@@ -87,23 +97,32 @@ Result<std::unique_ptr<LiveCell>> LiveCell::open(const LiveSettings& settings) {
     self->bus_->drive(Line::StrobeEcho, false, edge + pulse);
   });
   BusServer::Callbacks callbacks;
-  callbacks.on_line = [self](Line line, bool active, SensorClock::time_point stamp) { self->on_line(line, active, stamp); };
+  callbacks.on_line = [self](Line line, bool active, SensorClock::time_point stamp) {
+    self->on_line(line, active, stamp);
+  };
   callbacks.on_trigger = [self](Nanoseconds period, Nanoseconds pulse) {
     if (self->ready_) self->trigger_->configure(period, pulse);
   };
   BITELINE_ASSIGN(cell->bus_, BusServer::open(settings.wires, std::move(callbacks)));
-  BITELINE_ASSIGN(cell->camera_, GvCamera::open(camera_config(settings, cell->scene_->head), [self](const GvExposure& exposure, std::span<std::uint8_t> pixels) {
-    self->paint(exposure, pixels);
-  }));
+  BITELINE_ASSIGN(cell->camera_,
+                  GvCamera::open(camera_config(settings, cell->scene_->head),
+                                 [self](const GvExposure& exposure, std::span<std::uint8_t> pixels) {
+                                   self->paint(exposure, pixels);
+                                 }));
   cell->bus_->drive(Line::Interlock, true, hal::monotonic_now());
   cell->bus_->drive(Line::Key, true, hal::monotonic_now());
-  BITELINE_ASSIGN(cell->robot_, UrController::open(settings.robot, cell->arm_, [self](SensorClock::time_point instant, const ArmState& state) { self->on_cycle(instant, state); }));
+  BITELINE_ASSIGN(cell->robot_,
+                  UrController::open(settings.robot, cell->arm_,
+                                     [self](SensorClock::time_point instant, const ArmState& state) {
+                                       self->on_cycle(instant, state);
+                                     }));
   cell->ready_ = true;
   return cell;
 }
 
 SE3 LiveCell::T_base_flange_on_path(double way_mm) const {
-  return scene_->T_base_shoe * scene_->path.T_shoe_cam_at(way_mm) * scene_->head.model.T_flange_cam.inverse(Eigen::Isometry);
+  return scene_->T_base_shoe * scene_->path.T_shoe_cam_at(way_mm) *
+         scene_->head.model.T_flange_cam.inverse(Eigen::Isometry);
 }
 
 bool LiveCell::laser_shines() const {
@@ -112,7 +131,8 @@ bool LiveCell::laser_shines() const {
 
 void LiveCell::paint(const GvExposure& exposure, std::span<std::uint8_t> pixels) {
   const ArmState state = arm_.at(exposure.begin + exposure.exposure / 2);
-  const SE3 T_shoe_cam = scene_->T_base_shoe.inverse(Eigen::Isometry) * state.T_base_flange * scene_->head.model.T_flange_cam;
+  const SE3 T_shoe_cam =
+      scene_->T_base_shoe.inverse(Eigen::Isometry) * state.T_base_flange * scene_->head.model.T_flange_cam;
   const bool lit = laser_shines();
   if (lit) ++lit_;
   renderer_.render({.T_scene_cam = T_shoe_cam,
@@ -133,8 +153,11 @@ FlangeMotion LiveCell::scan_motion(const SE3& T_base_flange_from) const {
   const SE3 T_begin = T_base_flange_on_path(way.at_mm(0));
   const bool there = (T_base_flange_from.inverse(Eigen::Isometry) * T_begin).isApprox(SE3::Identity(), 1e-9);
   const double approach_s = there ? 0 : k_approach_s;
-  return {.name = "scan", .duration_s = approach_s + way.duration_s(), .T_base_flange_at = [=, this](double time_s) {
-            if (time_s < approach_s) return geometry::interpolate(T_base_flange_from, T_begin, eased(time_s / approach_s));
+  return {.name = "scan",
+          .duration_s = approach_s + way.duration_s(),
+          .T_base_flange_at = [=, this](double time_s) {
+            if (time_s < approach_s)
+              return geometry::interpolate(T_base_flange_from, T_begin, eased(time_s / approach_s));
             return T_base_flange_on_path(way.at_mm(time_s - approach_s));
           }};
 }
@@ -163,17 +186,20 @@ void LiveCell::on_cycle(SensorClock::time_point instant, const ArmState& state) 
 }
 
 void LiveCell::send_pose(SensorClock::time_point instant, const ArmState& state) {
-  sync_counter_ = sync_counter_ >= canpose::k_sync_counter_last ? 1 : static_cast<std::uint8_t>(sync_counter_ + 1);
+  sync_counter_ =
+      sync_counter_ >= canpose::k_sync_counter_last ? 1 : static_cast<std::uint8_t>(sync_counter_ + 1);
   Twist noise;
   for (int k = 0; k < 3; ++k) {
     noise[k] = settings_.pose_noise_mm * pose_noise_.gaussian();
     noise[k + 3] = settings_.pose_noise_rad * pose_noise_.gaussian();
   }
   const Nanoseconds stamp = instant.time_since_epoch() + settings_.robot.clock_offset;
-  const auto frame = canpose::encode_fd({.sync_counter = sync_counter_,
-                                         .status = static_cast<std::uint8_t>(canpose::k_simulated | (state.program_running ? canpose::k_program_running : 0)),
-                                         .stamp_us = static_cast<std::uint64_t>(stamp.count() / 1000),
-                                         .T_base_flange = state.T_base_flange * geometry::exp_se3(noise)});
+  const auto frame = canpose::encode_fd(
+      {.sync_counter = sync_counter_,
+       .status = static_cast<std::uint8_t>(canpose::k_simulated |
+                                           (state.program_running ? canpose::k_program_running : 0)),
+       .stamp_us = static_cast<std::uint64_t>(stamp.count() / 1000),
+       .T_base_flange = state.T_base_flange * geometry::exp_se3(noise)});
   if (!frame) return;  // beyond the format's reach of 214 m
   hal::CanFrame sync{.id = canpose::k_sync_id, .size_bytes = 1, .received = instant};
   sync.data[0] = sync_counter_;
@@ -202,12 +228,14 @@ Result<void> LiveCell::write_track(const std::filesystem::path& file) const {
   const std::lock_guard lock(track_mutex_);
   std::FILE* out = std::fopen(file.c_str(), "wb");
   if (out == nullptr) return fail_errno(Errc::WriteFailed, errno, "%s", file.c_str());
-  std::fprintf(out, "#timestamp [ns],p_x [mm],p_y [mm],p_z [mm],q_w [],q_x [],q_y [],q_z [],script [],outputs []\n");
+  std::fprintf(
+      out, "#timestamp [ns],p_x [mm],p_y [mm],p_z [mm],q_w [],q_x [],q_y [],q_z [],script [],outputs []\n");
   for (const TrackRow& row : track_) {
     const Vec3 p = row.T_base_tcp.translation();
     const Eigen::Quaterniond q(row.T_base_tcp.linear());
-    std::fprintf(out, "%lld,%.5f,%.5f,%.5f,%.9f,%.9f,%.9f,%.9f,%d,%d\n", static_cast<long long>(row.stamp.count()), p.x(), p.y(), p.z(), q.w(),
-                 q.x(), q.y(), q.z(), row.program ? 1 : 0, row.outputs);
+    std::fprintf(out, "%lld,%.5f,%.5f,%.5f,%.9f,%.9f,%.9f,%.9f,%d,%d\n",
+                 static_cast<long long>(row.stamp.count()), p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(),
+                 row.program ? 1 : 0, row.outputs);
   }
   const bool failed = std::ferror(out) != 0;
   if (std::fclose(out) != 0 || failed) return fail_errno(Errc::WriteFailed, errno, "%s", file.c_str());

@@ -21,14 +21,14 @@ namespace biteline::sim {
 
 struct LiveSettings {
   SceneSettings scene{};
-  std::string wires{"biteline-cell"};     ///< name of the simulated wires
+  std::string wires{"biteline-cell"};  ///< name of the simulated wires
   std::string camera_address{"127.0.0.1"};
   UrController::Config robot{};
   std::string arm{"ur5e"};
   double lost_packet_ratio{0};
   bool camera_ptp{true};
-  double pose_noise_mm{0.010};            ///< of each pose on the bus
-  double pose_noise_rad{5.2e-5};          ///< 0.003 degrees
+  double pose_noise_mm{0.010};                ///< of each pose on the bus
+  double pose_noise_rad{5.2e-5};              ///< 0.003 degrees
   Nanoseconds scan_after_laser{300'000'000};  ///< the arm sets out so long after the laser went on
 };
 
@@ -38,10 +38,12 @@ struct LiveCounts {
   std::uint64_t scans{0}, scripts_run{0}, scripts_refused{0}, bus_messages_dropped{0};
 };
 
-/// The laser shines while LaserEnable, Interlock and Key are active.  When it goes on, the arm takes the head once round the
-/// shoe; ScanActive is high while the head is on its way at full speed.  After that the arm waits for scripts.
+/// The laser shines while LaserEnable, Interlock and Key are active.  When it goes on, the arm takes the head
+/// once round the shoe; ScanActive is high while the head is on its way at full speed.  After that the arm
+/// waits for scripts.
 ///
-/// Threads: the camera's (renders), the robot's (cycle, pose bus), the wires', the trigger's.  Public methods: any.
+/// Threads: the camera's (renders), the robot's (cycle, pose bus), the wires', the trigger's.  Public
+/// methods: any.
 class LiveCell {
  public:
   [[nodiscard]] static Result<std::unique_ptr<LiveCell>> open(const LiveSettings& settings);
@@ -54,8 +56,8 @@ class LiveCell {
   [[nodiscard]] UrController::Ports robot_ports() const { return robot_->ports(); }
   [[nodiscard]] LiveCounts counts() const;
 
-  /// The tool's way as the controller knows it, one row for each cycle while the arm moved: #timestamp [ns] (robot clock),
-  /// T_base_tcp as position and quaternion, whether a script ran, digital outputs.
+  /// The tool's way as the controller knows it, one row for each cycle while the arm moved: #timestamp [ns]
+  /// (robot clock), T_base_tcp as position and quaternion, whether a script ran, digital outputs.
   [[nodiscard]] Result<void> write_track(const std::filesystem::path& file) const;
 
  private:
@@ -79,14 +81,14 @@ class LiveCell {
   std::unique_ptr<MadeScene> scene_;
   Arm arm_;
   StripeRenderer renderer_;
-  std::atomic<std::int64_t> scan_at_ns_{0};      ///< when the arm is to set out; 0: not asked
+  std::atomic<std::int64_t> scan_at_ns_{0};  ///< when the arm is to set out; 0: not asked
   std::atomic<std::int64_t> scan_full_from_ns_{0}, scan_full_until_ns_{0};
   std::atomic<std::uint64_t> lit_{0}, scans_{0};
-  std::uint8_t sync_counter_{0};                 ///< controller's thread
-  Random pose_noise_;                            ///< controller's thread
+  std::uint8_t sync_counter_{0};  ///< controller's thread
+  Random pose_noise_;             ///< controller's thread
   mutable std::mutex track_mutex_;
   std::vector<TrackRow> track_;
-  std::atomic<bool> ready_{false};               ///< every part exists
+  std::atomic<bool> ready_{false};  ///< every part exists
   std::unique_ptr<BusServer> bus_;
   std::unique_ptr<GvCamera> camera_;
   std::unique_ptr<UrController> robot_;

@@ -12,9 +12,9 @@
 
 namespace biteline::sim {
 
-/// Edges on an even grid from the moment it is switched on.  An edge is told late when this machine is busy, but with the
-/// instant it belongs to; the grid never shifts.
-/// Thread: configure() from any; the callback on the timer's own thread.
+/// Edges on an even grid from the moment it is switched on.  An edge is told late when this machine is busy,
+/// but with the instant it belongs to; the grid never shifts. Thread: configure() from any; the callback on
+/// the timer's own thread.
 class TriggerTimer {
  public:
   using OnEdge = std::function<void(SensorClock::time_point edge, Nanoseconds pulse)>;

@@ -29,8 +29,12 @@ ScanPath::ScanPath(const Outline& outline, const MadeHead& head, const ScanPathS
   T_beam_cam_ = T_cam_beam.inverse(Eigen::Isometry);
 }
 
-double ScanPath::length_mm() const { return outline_.perimeter_mm() + 2 * settings_.lead_mm; }
-double ScanPath::duration_s() const { return length_mm() / settings_.speed_mm_s; }
+double ScanPath::length_mm() const {
+  return outline_.perimeter_mm() + 2 * settings_.lead_mm;
+}
+double ScanPath::duration_s() const {
+  return length_mm() / settings_.speed_mm_s;
+}
 
 SE3 ScanPath::T_shoe_cam_at(double way_mm) const {
   const Outline::Place place = outline_.at(s_at_mm(way_mm));
@@ -38,7 +42,8 @@ SE3 ScanPath::T_shoe_cam_at(double way_mm) const {
   const Vec3 inwards(-place.normal.x(), -place.normal.y(), 0);
   SE3 T_shoe_beam = SE3::Identity();
   // Image columns rise with height: the stripe stands upright on the wall.
-  T_shoe_beam.linear() = frame_along(std::cos(settings_.pitch_rad) * inwards - std::sin(settings_.pitch_rad) * Vec3::UnitZ(), Vec3::UnitZ());
+  T_shoe_beam.linear() = frame_along(
+      std::cos(settings_.pitch_rad) * inwards - std::sin(settings_.pitch_rad) * Vec3::UnitZ(), Vec3::UnitZ());
   T_shoe_beam.translation() = Vec3(target.x(), target.y(), settings_.target_z_mm);
   return T_shoe_beam * T_beam_cam_;
 }

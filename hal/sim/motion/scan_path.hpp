@@ -8,10 +8,10 @@
 namespace biteline::sim {
 
 struct ScanPathSettings {
-  double target_z_mm{36};    ///< height of the working point, shoe frame
-  double pitch_rad{0.098};   ///< the beam looks down by this much
-  double speed_mm_s{100};    ///< of the stripe along the outline
-  double lead_mm{2};         ///< begins so far before the outline's start and ends so far beyond it
+  double target_z_mm{36};   ///< height of the working point, shoe frame
+  double pitch_rad{0.098};  ///< the beam looks down by this much
+  double speed_mm_s{100};   ///< of the stripe along the outline
+  double lead_mm{2};        ///< begins so far before the outline's start and ends so far beyond it
 };
 
 /// Constant speed along the outline from time 0 on.
@@ -30,7 +30,8 @@ class ScanPath {
  private:
   Outline outline_;
   ScanPathSettings settings_;
-  SE3 T_beam_cam_;  ///< camera in the head's own frame: working point, z along the beam, x along camera columns
+  SE3 T_beam_cam_;  ///< camera in the head's own frame: working point, z along the beam, x along camera
+                    ///< columns
 };
 
 }  // namespace biteline::sim

@@ -11,19 +11,21 @@ namespace biteline::sim {
 
 struct CalibrationSettings {
   std::uint64_t head_seed{21};
-  std::uint64_t view_seed{1};         ///< other views and other noise of the same head
+  std::uint64_t view_seed{1};  ///< other views and other noise of the same head
   int camera_views{12};
   int laser_views{6};
   int handeye_views{13};
   double pose_noise_mm{0.020};
   double pose_noise_rad{1e-4};
-  double plane_angle_error_rad{0.03};  ///< how far the two-plane target is from 90 degrees, standard deviation
+  double plane_angle_error_rad{
+      0.03};  ///< how far the two-plane target is from 90 degrees, standard deviation
   /// With it a clock/ session is added: robot clock minus camera clock, not told in its sensor.yaml.
   std::optional<Nanoseconds> clock_offset;
 };
 
 /// CALIB/ in the exchange format (README, "Data formats").  Same arguments, same files.
-[[nodiscard]] Result<void> record_calibration(const std::filesystem::path& folder, const CalibrationSettings& settings,
+[[nodiscard]] Result<void> record_calibration(const std::filesystem::path& folder,
+                                              const CalibrationSettings& settings,
                                               const std::function<void(double)>& progress);
 
 }  // namespace biteline::sim

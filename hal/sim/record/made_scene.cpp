@@ -49,7 +49,9 @@ Result<void> write_matrix(const std::filesystem::path& path, const SE3& T) {
 
 PlaceRange places_within_reach_of(std::string_view arm) {
   constexpr double k_degree = std::numbers::pi / 180;
-  if (arm == "ur10e") return {.x_mm = {600, 670}, .y_mm = {-40, 40}, .z_mm = {90, 150}, .yaw_rad = {70 * k_degree, 110 * k_degree}};
+  if (arm == "ur10e")
+    return {
+        .x_mm = {600, 670}, .y_mm = {-40, 40}, .z_mm = {90, 150}, .yaw_rad = {70 * k_degree, 110 * k_degree}};
   return {.x_mm = {435, 470}, .y_mm = {-20, 20}, .z_mm = {20, 40}, .yaw_rad = {82 * k_degree, 98 * k_degree}};
 }
 
@@ -57,7 +59,8 @@ SE3 draw_place(std::uint64_t seed, const PlaceRange& range, double shoe_length_m
   Random random(seed ^ 0x504C414345ULL);
   const double yaw_rad = random.uniform(range.yaw_rad);
   const Vec3 middle_base{random.uniform(range.x_mm), random.uniform(range.y_mm), random.uniform(range.z_mm)};
-  const SE3 T_base_middle = geometry::make_se3(Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vec3::UnitZ())), middle_base);
+  const SE3 T_base_middle =
+      geometry::make_se3(Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vec3::UnitZ())), middle_base);
   return T_base_middle * Eigen::Translation3d(-shoe_length_mm / 2, 0, 0);
 }
 
@@ -67,7 +70,8 @@ Result<std::unique_ptr<MadeScene>> make_scene(const SceneSettings& settings) {
   head.model.rate_hz = settings.rate_hz;
   SurfaceMesh mesh = mesh_of(shoe, settings.fineness);
   BITELINE_ASSIGN(Scene scene, Scene::build(mesh));
-  const ScanPathSettings path{.target_z_mm = 0.55 * settings.shoe.upper.top_z_mm, .speed_mm_s = settings.scan_speed_mm_s};
+  const ScanPathSettings path{.target_z_mm = 0.55 * settings.shoe.upper.top_z_mm,
+                              .speed_mm_s = settings.scan_speed_mm_s};
   ScanPath scan_path(shoe.outline(), head, path);
   auto line = true_line(shoe, k_true_line_spacing_mm);
   if (settings.shoe.bare && settings.shoe.shoe_class != ShoeClass::Bare) {
@@ -77,14 +81,15 @@ Result<std::unique_ptr<MadeScene>> make_scene(const SceneSettings& settings) {
     sample.last_difference_mm = 0;
     line = carried_line(true_line(MadeShoe(sample), k_true_line_spacing_mm), shoe);
   }
-  return std::make_unique<MadeScene>(MadeScene{.settings = settings,
-                                               .shoe = std::move(shoe),
-                                               .T_base_shoe = draw_place(settings.place_seed, settings.places, settings.shoe.outline.length_mm),
-                                               .head = head,
-                                               .mesh = std::move(mesh),
-                                               .scene = std::move(scene),
-                                               .path = std::move(scan_path),
-                                               .line = std::move(line)});
+  return std::make_unique<MadeScene>(MadeScene{
+      .settings = settings,
+      .shoe = std::move(shoe),
+      .T_base_shoe = draw_place(settings.place_seed, settings.places, settings.shoe.outline.length_mm),
+      .head = head,
+      .mesh = std::move(mesh),
+      .scene = std::move(scene),
+      .path = std::move(scan_path),
+      .line = std::move(line)});
 }
 
 Result<void> write_truth(const std::filesystem::path& folder, const MadeScene& scene) {

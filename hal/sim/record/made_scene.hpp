@@ -23,13 +23,14 @@ struct PlaceRange {
   Random::Interval yaw_rad{-std::numbers::pi, std::numbers::pi};
 };
 
-/// Places where the arm (ur3e, ur5e, ur10e) gets its tool all the way round a common shoe.  Found by planning with the
-/// grinding process over a grid of places: beside the arm, toe to the side; the UR3e is too short for a grown-up's shoe.
+/// Places where the arm (ur3e, ur5e, ur10e) gets its tool all the way round a common shoe.  Found by planning
+/// with the grinding process over a grid of places: beside the arm, toe to the side; the UR3e is too short
+/// for a grown-up's shoe.
 [[nodiscard]] PlaceRange places_within_reach_of(std::string_view arm);
 
 struct SceneSettings {
   ShoeParameters shoe{};
-  std::uint64_t place_seed{1};   ///< where the shoe stands
+  std::uint64_t place_seed{1};  ///< where the shoe stands
   PlaceRange places{};
   std::uint64_t head_seed{21};
   double scan_speed_mm_s{100};
@@ -43,7 +44,7 @@ struct MadeScene {
   SE3 T_base_shoe;
   MadeHead head;
   SurfaceMesh mesh;
-  Scene scene;              ///< in the shoe's frame
+  Scene scene;  ///< in the shoe's frame
   ScanPath path;
   std::vector<TrueLinePoint> line;  ///< empty: there is none
 };

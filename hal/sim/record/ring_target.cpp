@@ -31,7 +31,8 @@ Shade shade_on(const RingGrid& grid, double x_mm, double y_mm) {
 class Sheets {
  public:
   explicit Sheets(std::span<const PlacedGrid> sheets) {
-    for (const auto& sheet : sheets) sheets_.push_back({sheet.grid, sheet.T_cam_sheet.inverse(Eigen::Isometry)});
+    for (const auto& sheet : sheets)
+      sheets_.push_back({sheet.grid, sheet.T_cam_sheet.inverse(Eigen::Isometry)});
   }
   [[nodiscard]] Shade seen_along(const Vec3& ray) const {
     Shade shade = Shade::Background;
@@ -41,7 +42,8 @@ class Sheets {
       if (std::abs(direction.z()) < 1e-9) continue;
       const double distance = -origin.z() / direction.z();
       if (distance <= 0 || distance >= nearest) continue;
-      const Shade here = shade_on(grid, origin.x() + distance * direction.x(), origin.y() + distance * direction.y());
+      const Shade here =
+          shade_on(grid, origin.x() + distance * direction.x(), origin.y() + distance * direction.y());
       if (here == Shade::Background) continue;  // beyond the sheet
       shade = here;
       nearest = distance;
@@ -57,21 +59,28 @@ class Sheets {
   std::vector<Sheet> sheets_;
 };
 
-/// Viewing rays of all pixel centres; between them rays bend so little that the neighbours' difference serves.
+/// Viewing rays of all pixel centres; between them rays bend so little that the neighbours' difference
+/// serves.
 class Rays {
  public:
-  Rays(const MadeHead& head) : width_(head.sensor_width_px + 1), rays_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(head.sensor_height_px + 1)) {
+  Rays(const MadeHead& head)
+      : width_(head.sensor_width_px + 1),
+        rays_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(head.sensor_height_px + 1)) {
     for (int v = 0; v <= head.sensor_height_px; ++v) {
-      for (int u = 0; u <= head.sensor_width_px; ++u) rays_[index(u, v)] = head.model.camera.ray({u, v}).head<2>();
+      for (int u = 0; u <= head.sensor_width_px; ++u)
+        rays_[index(u, v)] = head.model.camera.ray({u, v}).head<2>();
     }
   }
   [[nodiscard]] Vec3 at(int u, int v, double du, double dv) const {
-    const Vec2 ray = rays_[index(u, v)] + du * (rays_[index(u + 1, v)] - rays_[index(u, v)]) + dv * (rays_[index(u, v + 1)] - rays_[index(u, v)]);
+    const Vec2 ray = rays_[index(u, v)] + du * (rays_[index(u + 1, v)] - rays_[index(u, v)]) +
+                     dv * (rays_[index(u, v + 1)] - rays_[index(u, v)]);
     return {ray.x(), ray.y(), 1};
   }
 
  private:
-  [[nodiscard]] std::size_t index(int u, int v) const { return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(u); }
+  [[nodiscard]] std::size_t index(int u, int v) const {
+    return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(u);
+  }
   int width_;
   std::vector<Vec2> rays_;
 };
@@ -90,10 +99,13 @@ void blur(std::vector<float>& picture, int width, int height, double sigma_px) {
     std::vector<float> line(static_cast<std::size_t>(length));
     for (int l = 0; l < lines; ++l) {
       float* begin = picture.data() + static_cast<std::size_t>(l) * line_step;
-      for (int i = 0; i < length; ++i) line[static_cast<std::size_t>(i)] = begin[static_cast<std::size_t>(i) * step];
+      for (int i = 0; i < length; ++i)
+        line[static_cast<std::size_t>(i)] = begin[static_cast<std::size_t>(i) * step];
       for (int i = 0; i < length; ++i) {
         float value = 0;
-        for (int k = -reach; k <= reach; ++k) value += kernel[static_cast<std::size_t>(k + reach)] * line[static_cast<std::size_t>(std::clamp(i + k, 0, length - 1))];
+        for (int k = -reach; k <= reach; ++k)
+          value += kernel[static_cast<std::size_t>(k + reach)] *
+                   line[static_cast<std::size_t>(std::clamp(i + k, 0, length - 1))];
         begin[static_cast<std::size_t>(i) * step] = value;
       }
     }
@@ -104,11 +116,14 @@ void blur(std::vector<float>& picture, int width, int height, double sigma_px) {
 
 }  // namespace
 
-image::GreyImage render_rings(const MadeHead& head, std::span<const PlacedGrid> placed, const LampLight& light, std::uint64_t noise_seed) {
+image::GreyImage render_rings(const MadeHead& head, std::span<const PlacedGrid> placed,
+                              const LampLight& light, std::uint64_t noise_seed) {
   const int width = head.sensor_width_px, height = head.sensor_height_px;
   const Sheets sheets(placed);
   const Rays rays(head);
-  const auto index = [&](int u, int v) { return static_cast<std::size_t>(v) * static_cast<std::size_t>(width) + static_cast<std::size_t>(u); };
+  const auto index = [&](int u, int v) {
+    return static_cast<std::size_t>(v) * static_cast<std::size_t>(width) + static_cast<std::size_t>(u);
+  };
   const auto ratio_of = [&](Shade shade) {
     return shade == Shade::White ? 1.0 : shade == Shade::Black ? light.black_ratio : light.background_ratio;
   };
@@ -120,7 +135,9 @@ image::GreyImage render_rings(const MadeHead& head, std::span<const PlacedGrid> 
   const auto crossed = [&](int u, int v) {
     for (int dv = -1; dv <= 1; ++dv) {
       for (int du = -1; du <= 1; ++du) {
-        if (middles[index(std::clamp(u + du, 0, width - 1), std::clamp(v + dv, 0, height - 1))] != middles[index(u, v)]) return true;
+        if (middles[index(std::clamp(u + du, 0, width - 1), std::clamp(v + dv, 0, height - 1))] !=
+            middles[index(u, v)])
+          return true;
       }
     }
     return false;
@@ -133,12 +150,14 @@ image::GreyImage render_rings(const MadeHead& head, std::span<const PlacedGrid> 
         ratio = 0;
         for (int i = 0; i < k_edge_samples; ++i) {
           for (int k = 0; k < k_edge_samples; ++k) {
-            ratio += ratio_of(sheets.seen_along(rays.at(u, v, (i + 0.5) / k_edge_samples - 0.5, (k + 0.5) / k_edge_samples - 0.5)));
+            ratio += ratio_of(sheets.seen_along(
+                rays.at(u, v, (i + 0.5) / k_edge_samples - 0.5, (k + 0.5) / k_edge_samples - 0.5)));
           }
         }
         ratio /= k_edge_samples * k_edge_samples;
       }
-      const double across = (u - 0.5 * width) / width * std::cos(light.slope_rad) + (v - 0.5 * height) / width * std::sin(light.slope_rad);
+      const double across = (u - 0.5 * width) / width * std::cos(light.slope_rad) +
+                            (v - 0.5 * height) / width * std::sin(light.slope_rad);
       picture[index(u, v)] = static_cast<float>(light.white_grey * ratio * (1 + light.slope_ratio * across));
     }
   }
@@ -148,8 +167,10 @@ image::GreyImage render_rings(const MadeHead& head, std::span<const PlacedGrid> 
   image::GreyImage developed{.width_px = width, .height_px = height, .pixels = {}};
   developed.pixels.reserve(picture.size());
   for (const float level : picture) {
-    const double sigma = std::hypot(head.faults.read_noise_grey, std::sqrt(level / head.faults.electrons_per_grey));
-    developed.pixels.push_back(static_cast<std::uint8_t>(std::clamp(std::lround(level + sigma * random.gaussian()), 0L, 255L)));
+    const double sigma =
+        std::hypot(head.faults.read_noise_grey, std::sqrt(level / head.faults.electrons_per_grey));
+    developed.pixels.push_back(
+        static_cast<std::uint8_t>(std::clamp(std::lround(level + sigma * random.gaussian()), 0L, 255L)));
   }
   return developed;
 }
@@ -159,11 +180,15 @@ bool all_rings_visible(const MadeHead& head, const PlacedGrid& sheet, double mar
     for (int col = 0; col < sheet.grid.cols; ++col) {
       for (int side = 0; side < 8; ++side) {
         const double angle = side * std::numbers::pi / 4;
-        const Vec3 rim = sheet.grid.centre(row, col) + 0.5 * sheet.grid.outer_diameter_mm * Vec3(std::cos(angle), std::sin(angle), 0);
+        const Vec3 rim = sheet.grid.centre(row, col) +
+                         0.5 * sheet.grid.outer_diameter_mm * Vec3(std::cos(angle), std::sin(angle), 0);
         const Vec3 rim_cam = sheet.T_cam_sheet * rim;
         if (rim_cam.z() < 20) return false;
         const Vec2 pixel = head.model.camera.project(rim_cam);
-        if (pixel.x() < margin_px || pixel.y() < margin_px || pixel.x() > head.sensor_width_px - 1 - margin_px || pixel.y() > head.sensor_height_px - 1 - margin_px) return false;
+        if (pixel.x() < margin_px || pixel.y() < margin_px ||
+            pixel.x() > head.sensor_width_px - 1 - margin_px ||
+            pixel.y() > head.sensor_height_px - 1 - margin_px)
+          return false;
       }
     }
   }

@@ -44,7 +44,8 @@ struct LampLight {
 
 /// The full sensor's picture of the sheets; where several lie on one ray the nearest is seen.
 /// Edges are exact to some 0.01 px (samples 6 x 6 in every pixel that an edge crosses).
-[[nodiscard]] image::GreyImage render_rings(const MadeHead& head, std::span<const PlacedGrid> sheets, const LampLight& light, std::uint64_t noise_seed);
+[[nodiscard]] image::GreyImage render_rings(const MadeHead& head, std::span<const PlacedGrid> sheets,
+                                            const LampLight& light, std::uint64_t noise_seed);
 
 /// Every ring lies in the picture, `margin_px` from its border.
 [[nodiscard]] bool all_rings_visible(const MadeHead& head, const PlacedGrid& sheet, double margin_px);

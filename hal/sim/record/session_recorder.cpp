@@ -16,11 +16,14 @@ namespace {
 /// Poses begin before the first frame and end after the last, so that each frame lies between two.
 constexpr Nanoseconds k_pose_margin{20'000'000};
 
-Nanoseconds seconds(double s) { return Nanoseconds{std::llround(s * 1e9)}; }
+Nanoseconds seconds(double s) {
+  return Nanoseconds{std::llround(s * 1e9)};
+}
 
 SE3 T_base_flange_at(const MadeScene& scene, double time_s) {
   const double way_mm = time_s * scene.path.settings().speed_mm_s;
-  return scene.T_base_shoe * scene.path.T_shoe_cam_at(way_mm) * scene.head.model.T_flange_cam.inverse(Eigen::Isometry);
+  return scene.T_base_shoe * scene.path.T_shoe_cam_at(way_mm) *
+         scene.head.model.T_flange_cam.inverse(Eigen::Isometry);
 }
 
 std::vector<session::StampedPose> made_poses(const MadeScene& scene, const RecordSettings& settings) {
@@ -35,27 +38,31 @@ std::vector<session::StampedPose> made_poses(const MadeScene& scene, const Recor
       noise[k] = settings.pose_noise_mm * random.gaussian();
       noise[k + 3] = settings.pose_noise_rad * random.gaussian();
     }
-    poses.push_back({.stamp = RobotClock::time_point{settings.start + seconds(time_s) + settings.pose_clock_offset},
-                     .T_base_flange = T_base_flange_at(scene, time_s) * geometry::exp_se3(noise)});
+    poses.push_back(
+        {.stamp = RobotClock::time_point{settings.start + seconds(time_s) + settings.pose_clock_offset},
+         .T_base_flange = T_base_flange_at(scene, time_s) * geometry::exp_se3(noise)});
   }
   return poses;
 }
 
 }  // namespace
 
-Result<void> record_session(const std::filesystem::path& folder, const MadeScene& scene, const RecordSettings& settings,
-                            const std::function<void(double)>& progress) {
+Result<void> record_session(const std::filesystem::path& folder, const MadeScene& scene,
+                            const RecordSettings& settings, const std::function<void(double)>& progress) {
   BITELINE_TRY(make_folder(folder / "cam0" / "data"));
   BITELINE_TRY(make_folder(folder / "pose0"));
 
   geometry::SensorModel told = scene.head.model;
   told.pose_clock_offset = settings.tell_clock_offset ? settings.pose_clock_offset : Nanoseconds{0};
-  BITELINE_TRY(write_file(folder / "cam0" / "sensor.yaml",
-                          config::sensor_yaml_text(told, "made head " + std::to_string(scene.settings.head_seed) + ", simulated")));
+  BITELINE_TRY(
+      write_file(folder / "cam0" / "sensor.yaml",
+                 config::sensor_yaml_text(
+                     told, "made head " + std::to_string(scene.settings.head_seed) + ", simulated")));
 
   const auto& region = scene.head.model.region;
   image::GreyImage picture{.width_px = region.width_px, .height_px = region.height_px, .pixels = {}};
-  picture.pixels.resize(static_cast<std::size_t>(region.width_px) * static_cast<std::size_t>(region.height_px));
+  picture.pixels.resize(static_cast<std::size_t>(region.width_px) *
+                        static_cast<std::size_t>(region.height_px));
   StripeRenderer renderer(scene.scene, scene.head);
   std::vector<session::FrameEntry> frames;
   const auto count = static_cast<int>(std::ceil(scene.path.duration_s() * scene.settings.rate_hz));
@@ -63,7 +70,9 @@ Result<void> record_session(const std::filesystem::path& folder, const MadeScene
   for (int i = 0; i < count; ++i) {
     const double time_s = i / scene.settings.rate_hz;
     const double way_mm = time_s * scene.path.settings().speed_mm_s;
-    renderer.render({.T_scene_cam = scene.path.T_shoe_cam_at(way_mm), .region = region, .noise_seed = noise.next()}, picture.pixels, nullptr);
+    renderer.render(
+        {.T_scene_cam = scene.path.T_shoe_cam_at(way_mm), .region = region, .noise_seed = noise.next()},
+        picture.pixels, nullptr);
     const Nanoseconds stamp = settings.start + seconds(time_s);
     frames.push_back({.exposure_mid = SensorClock::time_point{stamp},
                       .file = folder / "cam0" / "data" / (std::to_string(stamp.count()) + ".png")});

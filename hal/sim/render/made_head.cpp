@@ -37,7 +37,8 @@ MadeHead draw_head(std::uint64_t seed) {
                        .p2 = random.uniform({-4e-4, 4e-4}),
                        .k3 = 0};
 
-  // Plane through the working point, at 45 degrees to the axis, along the picture's rows; then turned a little.
+  // Plane through the working point, at 45 degrees to the axis, along the picture's rows; then turned a
+  // little.
   head.working_distance_mm = 200 + 2 * random.gaussian();
   const double angle_rad = 45 * k_degree + 0.006 * random.gaussian();
   const Vec3 working_point{0, 0, head.working_distance_mm};
@@ -57,10 +58,12 @@ MadeHead draw_head(std::uint64_t seed) {
   head.model.T_flange_cam = T_flange_cam * small_motion(random, 1.5, 0.008);
 
   constexpr int k_region_height_px = 320;
-  head.model.region = {.offset_u_px = 0,
-                       .offset_v_px = 4 * static_cast<int>(std::lround((head.model.camera.cv_px - k_region_height_px / 2.0) / 4)),
-                       .width_px = head.sensor_width_px,
-                       .height_px = k_region_height_px};
+  head.model.region = {
+      .offset_u_px = 0,
+      .offset_v_px =
+          4 * static_cast<int>(std::lround((head.model.camera.cv_px - k_region_height_px / 2.0) / 4)),
+      .width_px = head.sensor_width_px,
+      .height_px = k_region_height_px};
   head.model.rate_hz = 100;
   head.model.exposure = Nanoseconds{400'000};
   return head;

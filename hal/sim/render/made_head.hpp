@@ -12,22 +12,23 @@ struct LaserLight {
   Vec3 emitter_cam{Vec3::Zero()};  ///< in the laser plane
   Vec3 beam_cam{Vec3::UnitZ()};    ///< middle of the fan, unit, in the laser plane
   double fan_half_rad{0.42};
-  double sigma_mm{0.19};          ///< half thickness of the sheet: standard deviation of its Gaussian
-  /// Grey levels of the stripe's middle on a white (ratio 1) surface lit and seen head on at the working distance.
+  double sigma_mm{0.19};  ///< half thickness of the sheet: standard deviation of its Gaussian
+  /// Grey levels of the stripe's middle on a white (ratio 1) surface lit and seen head on at the working
+  /// distance.
   double full_grey{380};
 };
 
 struct CameraFaults {
-  double blur_px{1.1};             ///< standard deviation of lens and pixel
-  double electrons_per_grey{40};   ///< full well of about 10 000 over 255 levels
+  double blur_px{1.1};            ///< standard deviation of lens and pixel
+  double electrons_per_grey{40};  ///< full well of about 10 000 over 255 levels
   double read_noise_grey{0.5};
   double black_grey{0};
-  double ambient_grey{0};          ///< at the nominal exposure
-  double speckle_ratio{0.08};      ///< contrast after averaging over the pixel
+  double ambient_grey{0};      ///< at the nominal exposure
+  double speckle_ratio{0.08};  ///< contrast after averaging over the pixel
 };
 
 struct MadeHead {
-  geometry::SensorModel model;     ///< true values; exposure and rate are the nominal ones
+  geometry::SensorModel model;  ///< true values; exposure and rate are the nominal ones
   int sensor_width_px{1626};
   int sensor_height_px{1236};
   LaserLight laser;
@@ -35,8 +36,8 @@ struct MadeHead {
   double working_distance_mm{200};  ///< from the camera to the stripe, along its axis
 };
 
-/// A head of the published build (1626 x 1236 pixels, laser and camera axis at 45 degrees), its measures varied by seed as
-/// one built head differs from the next.
+/// A head of the published build (1626 x 1236 pixels, laser and camera axis at 45 degrees), its measures
+/// varied by seed as one built head differs from the next.
 [[nodiscard]] MadeHead draw_head(std::uint64_t seed);
 
 }  // namespace biteline::sim

@@ -25,7 +25,8 @@ struct Scene::Embree {
 
 namespace {
 
-/// Shadow rays stop this far before the surface they come from; far above single precision, far below any detail.
+/// Shadow rays stop this far before the surface they come from; far above single precision, far below any
+/// detail.
 constexpr double k_clearance_mm = 0.01;
 
 RTCIntersectContext coherent_context() {
@@ -61,13 +62,16 @@ Result<Scene> Scene::build(const SurfaceMesh& mesh) {
   auto embree = std::make_unique<Embree>();
   // One thread: building takes under a second, and a test machine has other things to do.
   embree->device = rtcNewDevice("threads=1");
-  if (embree->device == nullptr) return fail(Errc::DeviceError, "embree: no device (%d)", rtcGetDeviceError(nullptr));
+  if (embree->device == nullptr)
+    return fail(Errc::DeviceError, "embree: no device (%d)", rtcGetDeviceError(nullptr));
   embree->triangles = mesh.triangles;
   embree->looks = mesh.looks;
 
   RTCGeometry geometry = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, mesh.vertices.size());
-  void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, mesh.triangles.size());
+  void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
+                                           mesh.vertices.size());
+  void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12,
+                                          mesh.triangles.size());
   if (vertices == nullptr || indices == nullptr) {
     rtcReleaseGeometry(geometry);
     return fail(Errc::DeviceError, "embree: no memory for %zu triangles", mesh.triangles.size());

@@ -26,8 +26,8 @@ constexpr double k_reach_sigma = 4;
 constexpr double k_gloss_diffuse_ratio = 0.02;
 constexpr double k_gloss_mirror_ratio = 0.35;
 
-/// Embree's vector lanes divide by zero on triangles parallel to a ray and throw the result away; the flags that leaves
-/// are not this program's.
+/// Embree's vector lanes divide by zero on triangles parallel to a ray and throw the result away; the flags
+/// that leaves are not this program's.
 class KeepFloatingPointFlags {
  public:
   KeepFloatingPointFlags() { std::feholdexcept(&environment_); }
@@ -54,8 +54,10 @@ StripeRenderer::StripeRenderer(const Scene& scene, const MadeHead& head) : scene
   for (std::size_t i = 0; i < k_gaussians; ++i) gaussians_.push_back(static_cast<float>(random.gaussian()));
 }
 
-void StripeRenderer::render(const Shot& shot, std::span<std::uint8_t> pixels, std::vector<TrueStripePoint>* truth) {
-  BITELINE_EXPECTS(pixels.size() == static_cast<std::size_t>(shot.region.width_px) * static_cast<std::size_t>(shot.region.height_px));
+void StripeRenderer::render(const Shot& shot, std::span<std::uint8_t> pixels,
+                            std::vector<TrueStripePoint>* truth) {
+  BITELINE_EXPECTS(pixels.size() == static_cast<std::size_t>(shot.region.width_px) *
+                                        static_cast<std::size_t>(shot.region.height_px));
   if (truth != nullptr) truth->clear();
   prepare(shot);
   if (shot.laser_on) {
@@ -67,13 +69,15 @@ void StripeRenderer::render(const Shot& shot, std::span<std::uint8_t> pixels, st
 }
 
 void StripeRenderer::prepare(const Shot& shot) {
-  const std::size_t count = static_cast<std::size_t>(shot.region.width_px) * static_cast<std::size_t>(shot.region.height_px);
+  const std::size_t count =
+      static_cast<std::size_t>(shot.region.width_px) * static_cast<std::size_t>(shot.region.height_px);
   const double grey = head_.faults.black_grey + head_.faults.ambient_grey * shot.exposure_ratio;
   if (light_.size() == count && background_grey_ == grey) return;
   light_.assign(count, 0.0F);
   background_.resize(2 * count);
   background_grey_ = grey;
-  const double sigma = std::hypot(head_.faults.read_noise_grey, std::sqrt(grey / head_.faults.electrons_per_grey));
+  const double sigma =
+      std::hypot(head_.faults.read_noise_grey, std::sqrt(grey / head_.faults.electrons_per_grey));
   Random random(54321);
   for (auto& pixel : background_) {
     const double level = grey + sigma * gaussians_[random.next() % k_gaussians];
@@ -81,8 +85,9 @@ void StripeRenderer::prepare(const Shot& shot) {
   }
 }
 
-StripeRenderer::CurvePoint StripeRenderer::look_at(const Vec3& point_scene, const RayHit& hit, const Vec3& light_direction,
-                                                   double light_ratio, const Shot& shot) const {
+StripeRenderer::CurvePoint StripeRenderer::look_at(const Vec3& point_scene, const RayHit& hit,
+                                                   const Vec3& light_direction, double light_ratio,
+                                                   const Shot& shot) const {
   CurvePoint seen{.point_scene = point_scene};
   const Vec3 eye_scene = shot.T_scene_cam.translation();
   const Vec3 to_eye = (eye_scene - point_scene).normalized();
@@ -90,7 +95,8 @@ StripeRenderer::CurvePoint StripeRenderer::look_at(const Vec3& point_scene, cons
   if (cosine_light < k_least_cosine || hit.normal.dot(to_eye) < k_least_cosine) return seen;
   const Vec3 point_cam = shot.T_scene_cam.inverse(Eigen::Isometry) * point_scene;
   if (point_cam.z() <= 0) return seen;
-  seen.pixel_px = head_.model.camera.project(point_cam) - Vec2(shot.region.offset_u_px, shot.region.offset_v_px);
+  seen.pixel_px =
+      head_.model.camera.project(point_cam) - Vec2(shot.region.offset_u_px, shot.region.offset_v_px);
   constexpr double k_margin_px = 40;
   if (seen.pixel_px.x() < -k_margin_px || seen.pixel_px.x() > shot.region.width_px + k_margin_px ||
       seen.pixel_px.y() < -k_margin_px || seen.pixel_px.y() > shot.region.height_px + k_margin_px) {
@@ -98,12 +104,13 @@ StripeRenderer::CurvePoint StripeRenderer::look_at(const Vec3& point_scene, cons
   }
   if (!scene_.sees(eye_scene, point_scene)) return seen;
 
-  // Down the column the seen point moves on the facet: P(v) = r (n . P0) / (n . r).  How fast it leaves the sheet's middle
-  // makes the stripe's width in the picture.
+  // Down the column the seen point moves on the facet: P(v) = r (n . P0) / (n . r).  How fast it leaves the
+  // sheet's middle makes the stripe's width in the picture.
   const Vec3 normal_cam = shot.T_scene_cam.linear().transpose() * hit.normal;
   const Vec3 ray = point_cam / point_cam.z();
   const Vec3 ray_per_px{0, 1 / head_.model.camera.fv_px, 0};
-  const Vec3 moved_per_px = point_cam.z() * (ray_per_px - ray * (normal_cam.dot(ray_per_px) / normal_cam.dot(ray)));
+  const Vec3 moved_per_px =
+      point_cam.z() * (ray_per_px - ray * (normal_cam.dot(ray_per_px) / normal_cam.dot(ray)));
   const double sheet_mm_per_px = std::abs(head_.model.laser_plane.normal_cam.dot(moved_per_px));
   const double sheet_px = std::min(k_widest_sigma_px, head_.laser.sigma_mm / std::max(sheet_mm_per_px, 1e-6));
   seen.sigma_px = std::hypot(sheet_px, head_.faults.blur_px);
@@ -111,8 +118,8 @@ StripeRenderer::CurvePoint StripeRenderer::look_at(const Vec3& point_scene, cons
   const double distance_mm = (point_cam - head_.laser.emitter_cam).norm();
   const double nominal_mm = (Vec3(0, 0, head_.working_distance_mm) - head_.laser.emitter_cam).norm();
   const double diffuse_ratio = hit.look.glossy ? k_gloss_diffuse_ratio : hit.look.diffuse_ratio;
-  seen.amplitude_grey = head_.laser.full_grey * shot.exposure_ratio * light_ratio * diffuse_ratio * cosine_light *
-                        (nominal_mm / distance_mm) * (sheet_px / seen.sigma_px);
+  seen.amplitude_grey = head_.laser.full_grey * shot.exposure_ratio * light_ratio * diffuse_ratio *
+                        cosine_light * (nominal_mm / distance_mm) * (sheet_px / seen.sigma_px);
   seen.seen = true;
   return seen;
 }
@@ -137,7 +144,8 @@ void StripeRenderer::trace(const Shot& shot) {
     const Vec3 mirrored = direction - 2 * direction.dot(hit->normal) * hit->normal;
     const auto second = scene_.first_hit(point + 0.01 * hit->normal, mirrored);
     if (!second || second->look.glossy) continue;
-    mirror_curve_.back() = look_at(point + second->distance_mm * mirrored, *second, mirrored, k_gloss_mirror_ratio, shot);
+    mirror_curve_.back() =
+        look_at(point + second->distance_mm * mirrored, *second, mirrored, k_gloss_mirror_ratio, shot);
   }
 }
 
@@ -147,18 +155,20 @@ void StripeRenderer::draw_curve(const std::vector<CurvePoint>& curve, bool mirro
     const CurvePoint& a = curve[i - 1];
     const CurvePoint& b = curve[i];
     if (!a.seen || !b.seen || (a.point_scene - b.point_scene).norm() > k_jump_mm) continue;
-    const double left = std::min(a.pixel_px.x(), b.pixel_px.x()), right = std::max(a.pixel_px.x(), b.pixel_px.x());
+    const double left = std::min(a.pixel_px.x(), b.pixel_px.x()),
+                 right = std::max(a.pixel_px.x(), b.pixel_px.x());
     if (right - left < 1e-12) continue;
     // Columns in (left, right]: each belongs to one pair of neighbours.
     const int first = std::max(0, static_cast<int>(std::floor(left)) + 1);
     const int last = std::min(shot.region.width_px - 1, static_cast<int>(std::floor(right)));
     for (int column = first; column <= last; ++column) {
       const double part = (column - a.pixel_px.x()) / (b.pixel_px.x() - a.pixel_px.x());
-      const TrueStripePoint stripe{.column_px = column,
-                                   .row_px = a.pixel_px.y() + part * (b.pixel_px.y() - a.pixel_px.y()),
-                                   .sigma_px = a.sigma_px + part * (b.sigma_px - a.sigma_px),
-                                   .amplitude_grey = a.amplitude_grey + part * (b.amplitude_grey - a.amplitude_grey),
-                                   .mirrored = mirrored};
+      const TrueStripePoint stripe{
+          .column_px = column,
+          .row_px = a.pixel_px.y() + part * (b.pixel_px.y() - a.pixel_px.y()),
+          .sigma_px = a.sigma_px + part * (b.sigma_px - a.sigma_px),
+          .amplitude_grey = a.amplitude_grey + part * (b.amplitude_grey - a.amplitude_grey),
+          .mirrored = mirrored};
       draw(stripe, shot);
       if (truth != nullptr) truth->push_back(stripe);
     }
@@ -170,7 +180,8 @@ void StripeRenderer::draw(const TrueStripePoint& stripe, const Shot& shot) {
   const int low = std::max(0, static_cast<int>(std::ceil(stripe.row_px - reach)));
   const int high = std::min(shot.region.height_px - 1, static_cast<int>(std::floor(stripe.row_px + reach)));
   if (low > high) return;
-  // A Gaussian at even steps: each value is the one before times a factor that itself changes by a constant factor.
+  // A Gaussian at even steps: each value is the one before times a factor that itself changes by a constant
+  // factor.
   const double inverse = 1 / (stripe.sigma_px * stripe.sigma_px);
   const double begin = low - stripe.row_px;
   double value = stripe.amplitude_grey * std::exp(-0.5 * begin * begin * inverse);
@@ -178,7 +189,8 @@ void StripeRenderer::draw(const TrueStripePoint& stripe, const Shot& shot) {
   const double change = std::exp(-inverse);
   const auto width = static_cast<std::size_t>(shot.region.width_px);
   for (int row = low; row <= high; ++row) {
-    light_[static_cast<std::size_t>(row) * width + static_cast<std::size_t>(stripe.column_px)] += static_cast<float>(value);
+    light_[static_cast<std::size_t>(row) * width + static_cast<std::size_t>(stripe.column_px)] +=
+        static_cast<float>(value);
     value *= factor;
     factor *= change;
   }
@@ -197,7 +209,8 @@ void StripeRenderer::develop(const Shot& shot, std::span<std::uint8_t> pixels) {
   const CameraFaults& faults = head_.faults;
   for (const Range& range : touched_) {
     for (int row = range.low; row <= range.high; ++row) {
-      const std::size_t index = static_cast<std::size_t>(row) * width + static_cast<std::size_t>(range.column);
+      const std::size_t index =
+          static_cast<std::size_t>(row) * width + static_cast<std::size_t>(range.column);
       const double light = light_[index];
       if (light <= 0) continue;  // already developed: two stripes overlapped here
       light_[index] = 0;

@@ -7,7 +7,9 @@ namespace biteline::sim {
 
 namespace {
 
-double seconds(Nanoseconds time) { return static_cast<double>(time.count()) * 1e-9; }
+double seconds(Nanoseconds time) {
+  return static_cast<double>(time.count()) * 1e-9;
+}
 
 }  // namespace
 
@@ -43,7 +45,9 @@ void Arm::stand(SensorClock::time_point instant) {
   begin_ = instant;
 }
 
-void Arm::stop(SensorClock::time_point instant) { stand(instant); }
+void Arm::stop(SensorClock::time_point instant) {
+  stand(instant);
+}
 
 void Arm::run(FlangeMotion motion, SensorClock::time_point begin) {
   stand(begin);
@@ -54,7 +58,8 @@ void Arm::run(FlangeMotion motion, SensorClock::time_point begin) {
 void Arm::run(const Script& script, SensorClock::time_point begin) {
   stand(begin);
   const ArmState now = at(begin);
-  auto program = std::make_shared<const Program>(Program::plan(script, kinematics_, now.T_base_flange, now.T_flange_tcp));
+  auto program = std::make_shared<const Program>(
+      Program::plan(script, kinematics_, now.T_base_flange, now.T_flange_tcp));
   const std::lock_guard lock(mutex_);
   program_ = std::move(program);
 }

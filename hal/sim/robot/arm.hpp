@@ -25,10 +25,10 @@ struct FlangeMotion {
 struct ArmState {
   SE3 T_base_flange{SE3::Identity()};
   SE3 T_flange_tcp{SE3::Identity()};
-  bool moving{false};         ///< a motion or program is on
+  bool moving{false};  ///< a motion or program is on
   bool program_running{false};
   std::string program_name{};
-  std::uint8_t outputs{0};    ///< digital outputs
+  std::uint8_t outputs{0};  ///< digital outputs
 };
 
 /// Ideal: the arm is where its program says, at every instant; links and dynamics are not simulated.

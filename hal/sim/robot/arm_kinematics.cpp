@@ -62,7 +62,8 @@ SE3 ArmKinematics::T_base_flange(const JointVector& q_rad) const {
   return forward(q_rad, J);
 }
 
-std::optional<JointVector> ArmKinematics::joints_near(const SE3& T_base_flange, const JointVector& q_near_rad) const {
+std::optional<JointVector> ArmKinematics::joints_near(const SE3& T_base_flange,
+                                                      const JointVector& q_near_rad) const {
   JointVector q_rad = q_near_rad;
   double damping = 1e-6;
   double last_error = 1e18;
@@ -95,7 +96,8 @@ std::optional<JointVector> ArmKinematics::joints_near(const SE3& T_base_flange, 
 }
 
 std::optional<JointVector> ArmKinematics::joints_anywhere(const SE3& T_base_flange) const {
-  const double towards_rad = std::atan2(T_base_flange.translation().y(), T_base_flange.translation().x()) + std::numbers::pi;
+  const double towards_rad =
+      std::atan2(T_base_flange.translation().y(), T_base_flange.translation().x()) + std::numbers::pi;
   for (const double elbow : {1.6, -1.6}) {
     for (const double wrist : {-1.57, 1.57}) {
       for (const double q4 : {-1.6, 0.0, 1.6}) {

@@ -20,9 +20,10 @@ class ArmKinematics {
 
   [[nodiscard]] SE3 T_base_flange(const JointVector& q_rad) const;
 
-  /// The joints near `q_near_rad` that reach the pose, by damped Newton steps to 1e-4 mm and 1e-7 rad; nothing when there
-  /// are none near (out of reach, another branch, singular).
-  [[nodiscard]] std::optional<JointVector> joints_near(const SE3& T_base_flange, const JointVector& q_near_rad) const;
+  /// The joints near `q_near_rad` that reach the pose, by damped Newton steps to 1e-4 mm and 1e-7 rad;
+  /// nothing when there are none near (out of reach, another branch, singular).
+  [[nodiscard]] std::optional<JointVector> joints_near(const SE3& T_base_flange,
+                                                       const JointVector& q_near_rad) const;
 
   /// As joints_near(), from a handful of common postures; for when nothing is known of where the arm was.
   [[nodiscard]] std::optional<JointVector> joints_anywhere(const SE3& T_base_flange) const;

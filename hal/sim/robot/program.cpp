@@ -14,7 +14,9 @@ struct Trapezoid {
   double way, speed, acceleration;
 
   [[nodiscard]] double peak_speed() const { return std::min(speed, std::sqrt(way * acceleration)); }
-  [[nodiscard]] double duration_s() const { return way <= 0 ? 0 : way / peak_speed() + peak_speed() / acceleration; }
+  [[nodiscard]] double duration_s() const {
+    return way <= 0 ? 0 : way / peak_speed() + peak_speed() / acceleration;
+  }
   [[nodiscard]] double at(double time_s) const {
     const double whole_s = duration_s(), ramp_s = peak_speed() / acceleration;
     if (time_s <= 0) return 0;
@@ -44,7 +46,11 @@ Program Program::plan(const Script& script, const ArmKinematics& arm, const SE3&
   std::uint8_t outputs = 0;
   double time_s = 0;
   const auto append = [&](double duration_s, std::variant<Hold, TimedPath, JointMove> motion) {
-    program.pieces_.push_back({.begin_s = time_s, .end_s = time_s + duration_s, .T_flange_tcp = T_flange_tcp, .outputs = outputs, .motion = std::move(motion)});
+    program.pieces_.push_back({.begin_s = time_s,
+                               .end_s = time_s + duration_s,
+                               .T_flange_tcp = T_flange_tcp,
+                               .outputs = outputs,
+                               .motion = std::move(motion)});
     time_s += duration_s;
     T_base_flange = program.flange_of(program.pieces_.back(), time_s);
   };
@@ -62,7 +68,10 @@ Program Program::plan(const Script& script, const ArmKinematics& arm, const SE3&
     const auto* move = std::get_if<MoveStep>(&step);
     if (move != nullptr && move->kind != MoveStep::Kind::Joint) {
       const SE3 goal = move->T_base_tcp ? *move->T_base_tcp : arm.T_base_flange(*move->q_rad) * T_flange_tcp;
-      pending.push_back({.T_base_tcp = goal, .speed_mm_s = move->speed, .acceleration_mm_s2 = move->acceleration, .blend_mm = move->blend_mm});
+      pending.push_back({.T_base_tcp = goal,
+                         .speed_mm_s = move->speed,
+                         .acceleration_mm_s2 = move->acceleration,
+                         .blend_mm = move->blend_mm});
       continue;
     }
     flush();
@@ -70,14 +79,18 @@ Program Program::plan(const Script& script, const ArmKinematics& arm, const SE3&
       std::optional<JointVector> to_rad = move->q_rad;
       auto from_rad = to_rad ? arm.joints_near(T_base_flange, *to_rad) : std::nullopt;
       if (!from_rad) from_rad = arm.joints_anywhere(T_base_flange);
-      if (!to_rad && from_rad) to_rad = arm.joints_near(*move->T_base_tcp * T_flange_tcp.inverse(Eigen::Isometry), *from_rad);
+      if (!to_rad && from_rad)
+        to_rad = arm.joints_near(*move->T_base_tcp * T_flange_tcp.inverse(Eigen::Isometry), *from_rad);
       if (from_rad && to_rad) from_rad = nearest_turns(*from_rad, *to_rad);
       if (from_rad && to_rad) {
         const double way_rad = (*to_rad - *from_rad).cwiseAbs().maxCoeff();
-        append(Trapezoid{way_rad, move->speed, move->acceleration}.duration_s(), JointMove{*from_rad, *to_rad, move->speed, move->acceleration});
+        append(Trapezoid{way_rad, move->speed, move->acceleration}.duration_s(),
+               JointMove{*from_rad, *to_rad, move->speed, move->acceleration});
       } else {
-        // The scan's head reaches farther round the shoe than the simulated arm's links do: from there it goes straight.
-        const SE3 T_base_tcp = move->T_base_tcp ? *move->T_base_tcp : arm.T_base_flange(*move->q_rad) * T_flange_tcp;
+        // The scan's head reaches farther round the shoe than the simulated arm's links do: from there it
+        // goes straight.
+        const SE3 T_base_tcp =
+            move->T_base_tcp ? *move->T_base_tcp : arm.T_base_flange(*move->q_rad) * T_flange_tcp;
         pending.push_back({.T_base_tcp = T_base_tcp});
         flush();
       }
@@ -97,7 +110,8 @@ Program Program::plan(const Script& script, const ArmKinematics& arm, const SE3&
 }
 
 const Program::Piece& Program::piece_at(double time_s) const {
-  const auto after = std::upper_bound(pieces_.begin(), pieces_.end(), time_s, [](double t, const Piece& piece) { return t < piece.begin_s; });
+  const auto after = std::upper_bound(pieces_.begin(), pieces_.end(), time_s,
+                                      [](double t, const Piece& piece) { return t < piece.begin_s; });
   return after == pieces_.begin() ? pieces_.front() : *(after - 1);
 }
 
@@ -110,12 +124,19 @@ SE3 Program::flange_of(const Piece& piece, double time_s) const {
   const auto& move = std::get<JointMove>(piece.motion);
   const JointVector change_rad = move.to_rad - move.from_rad;
   const double way_rad = change_rad.cwiseAbs().maxCoeff();
-  const double part = way_rad > 0 ? Trapezoid{way_rad, move.speed_rad_s, move.acceleration_rad_s2}.at(inside_s) / way_rad : 1;
+  const double part =
+      way_rad > 0 ? Trapezoid{way_rad, move.speed_rad_s, move.acceleration_rad_s2}.at(inside_s) / way_rad : 1;
   return arm_.T_base_flange(move.from_rad + part * change_rad);
 }
 
-SE3 Program::T_base_flange_at(double time_s) const { return flange_of(piece_at(time_s), std::min(time_s, duration_s())); }
-SE3 Program::T_flange_tcp_at(double time_s) const { return piece_at(time_s).T_flange_tcp; }
-std::uint8_t Program::outputs_at(double time_s) const { return piece_at(time_s).outputs; }
+SE3 Program::T_base_flange_at(double time_s) const {
+  return flange_of(piece_at(time_s), std::min(time_s, duration_s()));
+}
+SE3 Program::T_flange_tcp_at(double time_s) const {
+  return piece_at(time_s).T_flange_tcp;
+}
+std::uint8_t Program::outputs_at(double time_s) const {
+  return piece_at(time_s).outputs;
+}
 
 }  // namespace biteline::sim

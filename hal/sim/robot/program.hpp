@@ -14,10 +14,11 @@ namespace biteline::sim {
 /// Immutable after plan().
 class Program {
  public:
-  /// Straight and process moves that blend into each other form one path; a joint move and everything else stops the arm.
-  /// A joint move from where the arm's own links do not reach (the head's way round the shoe) is made straight instead.
-  [[nodiscard]] static Program plan(const Script& script, const ArmKinematics& arm, const SE3& T_base_flange_start,
-                                    const SE3& T_flange_tcp);
+  /// Straight and process moves that blend into each other form one path; a joint move and everything else
+  /// stops the arm. A joint move from where the arm's own links do not reach (the head's way round the shoe)
+  /// is made straight instead.
+  [[nodiscard]] static Program plan(const Script& script, const ArmKinematics& arm,
+                                    const SE3& T_base_flange_start, const SE3& T_flange_tcp);
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] double duration_s() const { return pieces_.empty() ? 0 : pieces_.back().end_s; }

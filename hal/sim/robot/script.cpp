@@ -10,7 +10,8 @@ namespace biteline::sim {
 namespace {
 
 constexpr double k_mm_per_m = 1000;
-/// URScript's defaults: 1.2 m/s^2 and 0.25 m/s for straight moves, 1.4 rad/s^2 and 1.05 rad/s for joint moves.
+/// URScript's defaults: 1.2 m/s^2 and 0.25 m/s for straight moves, 1.4 rad/s^2 and 1.05 rad/s for joint
+/// moves.
 constexpr double k_linear_acceleration = 1.2, k_linear_speed = 0.25;
 constexpr double k_joint_acceleration = 1.4, k_joint_speed = 1.05;
 
@@ -50,7 +51,9 @@ class LineReader {
   std::string word() {
     skip_spaces();
     std::size_t length = 0;
-    while (length < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[length])) != 0 || text_[length] == '_')) ++length;
+    while (length < text_.size() &&
+           (std::isalnum(static_cast<unsigned char>(text_[length])) != 0 || text_[length] == '_'))
+      ++length;
     std::string found(text_.substr(0, length));
     text_.remove_prefix(length);
     return found;
@@ -60,7 +63,8 @@ class LineReader {
     return text_.empty();
   }
   [[nodiscard]] tl::unexpected<Error> wrong(const char* expected) const {
-    return fail(Errc::BadFormat, "script line %d: %s expected at '%.*s'", line_, expected, static_cast<int>(std::min<std::size_t>(text_.size(), 30)), text_.data());
+    return fail(Errc::BadFormat, "script line %d: %s expected at '%.*s'", line_, expected,
+                static_cast<int>(std::min<std::size_t>(text_.size(), 30)), text_.data());
   }
   [[nodiscard]] int line() const { return line_; }
 
@@ -139,7 +143,8 @@ class LineReader {
 };
 
 /// The number named `name`, or at `position` without name.
-Result<double> number_of(const std::vector<Argument>& arguments, const char* name, std::size_t position, double fallback, int line) {
+Result<double> number_of(const std::vector<Argument>& arguments, const char* name, std::size_t position,
+                         double fallback, int line) {
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     if (arguments[i].name != name && !(arguments[i].name.empty() && i == position)) continue;
     if (const auto* number = std::get_if<double>(&arguments[i].value)) return *number;
@@ -151,8 +156,11 @@ Result<double> number_of(const std::vector<Argument>& arguments, const char* nam
 Result<ScriptStep> move_step(const std::string& function, const std::vector<Argument>& arguments, int line) {
   MoveStep move;
   const bool joint = function == "movej";
-  move.kind = joint ? MoveStep::Kind::Joint : function == "movep" ? MoveStep::Kind::Process : MoveStep::Kind::Linear;
-  if (arguments.empty()) return fail(Errc::BadFormat, "script line %d: %s needs a goal", line, function.c_str());
+  move.kind = joint                 ? MoveStep::Kind::Joint
+              : function == "movep" ? MoveStep::Kind::Process
+                                    : MoveStep::Kind::Linear;
+  if (arguments.empty())
+    return fail(Errc::BadFormat, "script line %d: %s needs a goal", line, function.c_str());
   if (const auto* pose = std::get_if<Pose>(&arguments[0].value)) {
     move.T_base_tcp = to_se3(*pose);
   } else if (const auto* joints = std::get_if<List>(&arguments[0].value)) {
@@ -161,8 +169,10 @@ Result<ScriptStep> move_step(const std::string& function, const std::vector<Argu
     return fail(Errc::BadValue, "script line %d: %s: a pose or six joints expected", line, function.c_str());
   }
   const double unit = joint ? 1 : k_mm_per_m;
-  BITELINE_ASSIGN(const double acceleration, number_of(arguments, "a", 1, joint ? k_joint_acceleration : k_linear_acceleration, line));
-  BITELINE_ASSIGN(const double speed, number_of(arguments, "v", 2, joint ? k_joint_speed : k_linear_speed, line));
+  BITELINE_ASSIGN(const double acceleration,
+                  number_of(arguments, "a", 1, joint ? k_joint_acceleration : k_linear_acceleration, line));
+  BITELINE_ASSIGN(const double speed,
+                  number_of(arguments, "v", 2, joint ? k_joint_speed : k_linear_speed, line));
   // movep has no time argument: its radius comes a place earlier.
   BITELINE_ASSIGN(const double time_s, number_of(arguments, "t", function == "movep" ? 99 : 3, 0, line));
   BITELINE_ASSIGN(const double blend, number_of(arguments, "r", function == "movep" ? 3 : 4, 0, line));
@@ -177,7 +187,8 @@ Result<ScriptStep> move_step(const std::string& function, const std::vector<Argu
 }
 
 /// Nothing: a call without effect here.
-Result<std::optional<ScriptStep>> step_of(const std::string& function, const std::vector<Argument>& arguments, int line) {
+Result<std::optional<ScriptStep>> step_of(const std::string& function, const std::vector<Argument>& arguments,
+                                          int line) {
   if (function == "movel" || function == "movep" || function == "movej") {
     BITELINE_ASSIGN(ScriptStep step, move_step(function, arguments, line));
     return std::optional{std::move(step)};
@@ -195,7 +206,8 @@ Result<std::optional<ScriptStep>> step_of(const std::string& function, const std
     const auto* number = arguments.size() == 2 ? std::get_if<double>(&arguments[0].value) : nullptr;
     const auto* active = arguments.size() == 2 ? std::get_if<bool>(&arguments[1].value) : nullptr;
     if (number == nullptr || active == nullptr || *number < 0 || *number > 7) {
-      return fail(Errc::BadValue, "script line %d: %s: an output 0 to 7 and True or False expected", line, function.c_str());
+      return fail(Errc::BadValue, "script line %d: %s: an output 0 to 7 and True or False expected", line,
+                  function.c_str());
     }
     return std::optional<ScriptStep>{DigitalOutStep{static_cast<int>(*number), *active}};
   }
@@ -203,7 +215,8 @@ Result<std::optional<ScriptStep>> step_of(const std::string& function, const std
     const auto* text = arguments.empty() ? nullptr : std::get_if<std::string>(&arguments[0].value);
     return std::optional<ScriptStep>{TextStep{text != nullptr ? *text : ""}};
   }
-  if (function == "sync" || function == "set_payload" || function == "stopl" || function == "stopj") return std::optional<ScriptStep>{};
+  if (function == "sync" || function == "set_payload" || function == "stopl" || function == "stopj")
+    return std::optional<ScriptStep>{};
   return fail(Errc::NotSupported, "script line %d: '%s' is not simulated", line, function.c_str());
 }
 
@@ -220,13 +233,16 @@ Result<Script> parse_script(std::string_view text) {
     text.remove_prefix(std::min(length + 1, text.size()));
     ++line;
     row = row.substr(0, row.find('#'));
-    while (!row.empty() && (row.back() == '\r' || row.back() == ' ' || row.back() == '\t')) row.remove_suffix(1);
+    while (!row.empty() && (row.back() == '\r' || row.back() == ' ' || row.back() == '\t'))
+      row.remove_suffix(1);
     LineReader reader(row, line, variables);
     if (reader.at_end()) continue;
     if (ended) return fail(Errc::BadFormat, "script line %d: something follows the end of the program", line);
     std::string name = reader.word();
     if (name == "def" || name == "sec") {
-      if (inside) return fail(Errc::NotSupported, "script line %d: a function inside the program is not simulated", line);
+      if (inside)
+        return fail(Errc::NotSupported, "script line %d: a function inside the program is not simulated",
+                    line);
       script.name = reader.word();
       if (!reader.take('(') || !reader.take(')') || !reader.take(':')) return reader.wrong("'():'");
       inside = true;
@@ -243,7 +259,8 @@ Result<Script> parse_script(std::string_view text) {
       if (!reader.at_end()) return reader.wrong("the end of the line");
       continue;
     }
-    if (!reader.take('(')) return fail(Errc::NotSupported, "script line %d: '%s' is not simulated", line, name.c_str());
+    if (!reader.take('('))
+      return fail(Errc::NotSupported, "script line %d: '%s' is not simulated", line, name.c_str());
     BITELINE_ASSIGN(const auto arguments, reader.arguments());
     if (!reader.at_end()) return reader.wrong("the end of the line");
     BITELINE_ASSIGN(auto step, step_of(name, arguments, line));

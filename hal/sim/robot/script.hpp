@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file The part of URScript that path programs use, read into steps; anything else is refused with its line.
+/// \file The part of URScript that path programs use, read into steps; anything else is refused with its
+/// line.
 
 #include <array>
 #include <optional>
@@ -19,10 +20,10 @@ namespace biteline::sim {
 struct MoveStep {
   enum class Kind { Linear, Process, Joint };  ///< movel, movep, movej
   Kind kind{Kind::Linear};
-  std::optional<SE3> T_base_tcp;       ///< the goal: a pose, or
-  std::optional<JointVector> q_rad;    ///< joints
-  double speed{0};                     ///< mm/s; movej: rad/s
-  double acceleration{0};              ///< mm/s^2; movej: rad/s^2
+  std::optional<SE3> T_base_tcp;     ///< the goal: a pose, or
+  std::optional<JointVector> q_rad;  ///< joints
+  double speed{0};                   ///< mm/s; movej: rad/s
+  double acceleration{0};            ///< mm/s^2; movej: rad/s^2
   double blend_mm{0};
 };
 struct SetTcpStep {
@@ -45,9 +46,9 @@ struct Script {
   std::vector<ScriptStep> steps;
 };
 
-/// `def name(): ... end` or bare lines; movel, movep, movej, set_tcp, set_payload, set_digital_out, set_standard_digital_out,
-/// sleep, sync, textmsg; variables that hold literals.  Universal Robots, "The URScript Programming Language", with its
-/// defaults for a and v.  No loops and no conditions.
+/// `def name(): ... end` or bare lines; movel, movep, movej, set_tcp, set_payload, set_digital_out,
+/// set_standard_digital_out, sleep, sync, textmsg; variables that hold literals.  Universal Robots, "The
+/// URScript Programming Language", with its defaults for a and v.  No loops and no conditions.
 [[nodiscard]] Result<Script> parse_script(std::string_view text);
 
 }  // namespace biteline::sim

@@ -11,7 +11,9 @@
 namespace biteline::sim {
 
 Result<TcpListener> listen_on_loopback(std::uint16_t port) {
-  TcpListener listener{.socket = hal::Descriptor(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)), .port = port};
+  TcpListener listener{
+      .socket = hal::Descriptor(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)),
+      .port = port};
   const int number = listener.socket.number();
   if (number < 0) return fail_errno(Errc::DeviceError, errno, "socket");
   const int on = 1;
@@ -22,7 +24,8 @@ Result<TcpListener> listen_on_loopback(std::uint16_t port) {
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   socklen_t size = sizeof address;
   auto* generic = reinterpret_cast<sockaddr*>(&address);
-  if (bind(number, generic, size) != 0 || listen(number, 8) != 0 || getsockname(number, generic, &size) != 0) {
+  if (bind(number, generic, size) != 0 || listen(number, 8) != 0 ||
+      getsockname(number, generic, &size) != 0) {
     return fail_errno(Errc::ConnectFailed, errno, "127.0.0.1:%d", int{port});
   }
   listener.port = ntohs(address.sin_port);
@@ -54,7 +57,8 @@ bool write_available(const hal::Descriptor& socket, std::vector<std::uint8_t>& b
   std::size_t sent = 0;
   bool alive = true;
   while (sent < bytes.size()) {
-    const auto size = send(socket.number(), bytes.data() + sent, bytes.size() - sent, MSG_DONTWAIT | MSG_NOSIGNAL);
+    const auto size =
+        send(socket.number(), bytes.data() + sent, bytes.size() - sent, MSG_DONTWAIT | MSG_NOSIGNAL);
     if (size < 0 && errno == EINTR) continue;
     if (size < 0) {
       alive = errno == EAGAIN || errno == EWOULDBLOCK;

@@ -21,7 +21,8 @@ double way_mm(const SE3& from, const SE3& to) {
 
 /// Translation along the straight line, rotation along the geodesic.
 SE3 between(const SE3& from, const SE3& to, double part) {
-  const Eigen::Quaterniond rotation = Eigen::Quaterniond(from.linear()).slerp(part, Eigen::Quaterniond(to.linear()));
+  const Eigen::Quaterniond rotation =
+      Eigen::Quaterniond(from.linear()).slerp(part, Eigen::Quaterniond(to.linear()));
   return geometry::make_se3(rotation, from.translation() + part * (to.translation() - from.translation()));
 }
 
@@ -81,12 +82,15 @@ void TimedPath::set_speeds() {
     sample.speed_mm_s = sample.limit_mm_s;
     if (i == 0) continue;
     const double before = samples_[i - 1].speed_mm_s;
-    sample.speed_mm_s = std::min(sample.speed_mm_s, std::sqrt(before * before + 2 * sample.acceleration_mm_s2 * sample.way_mm));
+    sample.speed_mm_s = std::min(sample.speed_mm_s,
+                                 std::sqrt(before * before + 2 * sample.acceleration_mm_s2 * sample.way_mm));
   }
   for (std::size_t i = samples_.size() - 1; i > 0; --i) {
     const double after = samples_[i].speed_mm_s;
     Sample& sample = samples_[i - 1];
-    sample.speed_mm_s = std::min(sample.speed_mm_s, std::sqrt(after * after + 2 * samples_[i].acceleration_mm_s2 * samples_[i].way_mm));
+    sample.speed_mm_s =
+        std::min(sample.speed_mm_s,
+                 std::sqrt(after * after + 2 * samples_[i].acceleration_mm_s2 * samples_[i].way_mm));
   }
 }
 
@@ -95,7 +99,8 @@ void TimedPath::set_times() {
     Sample& sample = samples_[i];
     const double mean_mm_s = 0.5 * (sample.speed_mm_s + samples_[i - 1].speed_mm_s);
     // Between two stops only one sample apart: there and still, half the way each.
-    const double step_s = mean_mm_s > 1e-9 ? sample.way_mm / mean_mm_s : 2 * std::sqrt(sample.way_mm / sample.acceleration_mm_s2);
+    const double step_s = mean_mm_s > 1e-9 ? sample.way_mm / mean_mm_s
+                                           : 2 * std::sqrt(sample.way_mm / sample.acceleration_mm_s2);
     sample.time_s = samples_[i - 1].time_s + step_s;
   }
 }
@@ -103,7 +108,8 @@ void TimedPath::set_times() {
 SE3 TimedPath::T_base_tcp_at(double time_s) const {
   if (time_s <= 0 || samples_.size() == 1) return samples_.front().T_base_tcp;
   if (time_s >= duration_s()) return samples_.back().T_base_tcp;
-  const auto after = std::upper_bound(samples_.begin(), samples_.end(), time_s, [](double t, const Sample& s) { return t < s.time_s; });
+  const auto after = std::upper_bound(samples_.begin(), samples_.end(), time_s,
+                                      [](double t, const Sample& s) { return t < s.time_s; });
   const Sample& to = *after;
   const Sample& from = *(after - 1);
   const double whole_s = to.time_s - from.time_s, part_s = time_s - from.time_s;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Straight moves with blends, as a controller makes them of movel and movep, with a time for every place.
+/// \file Straight moves with blends, as a controller makes them of movel and movep, with a time for every
+/// place.
 
 #include <vector>
 
@@ -15,9 +16,9 @@ struct StraightMove {
   double blend_mm{0};  ///< 0: stops there
 };
 
-/// Corners are cut by a parabola that leaves the incoming line `blend_mm` before the corner and joins the outgoing one as
-/// far behind it (less where a side is short); speed changes by the acceleration told, forwards and backwards in time.
-/// Turning counts as way too, so that a move that only turns takes time.
+/// Corners are cut by a parabola that leaves the incoming line `blend_mm` before the corner and joins the
+/// outgoing one as far behind it (less where a side is short); speed changes by the acceleration told,
+/// forwards and backwards in time. Turning counts as way too, so that a move that only turns takes time.
 class TimedPath {
  public:
   TimedPath(const SE3& T_base_tcp_start, const std::vector<StraightMove>& moves);

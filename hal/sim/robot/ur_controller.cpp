@@ -21,7 +21,9 @@ class IgnoreInputs final : public rtde::ControllerListener {
   void on_text(const rtde::TextMessage&) override {}
 };
 
-void append(std::vector<std::uint8_t>& bytes, const std::string& text) { bytes.insert(bytes.end(), text.begin(), text.end()); }
+void append(std::vector<std::uint8_t>& bytes, const std::string& text) {
+  bytes.insert(bytes.end(), text.begin(), text.end());
+}
 
 /// The first whole program in `bytes`: up to an `end` at the begin of a line.  Bare lines: one each.
 std::optional<std::string> take_program(std::vector<std::uint8_t>& bytes) {
@@ -68,7 +70,8 @@ Result<std::unique_ptr<UrController>> UrController::open(const Config& config, A
   BITELINE_ASSIGN(controller->script_listener_, listen_on_loopback(config.script_port));
   BITELINE_ASSIGN(controller->dashboard_listener_, listen_on_loopback(config.dashboard_port));
   // Whole microseconds: the pose bus stamps in them.
-  controller->begin_ = SensorClock::time_point{Nanoseconds{hal::monotonic_now().time_since_epoch().count() / 1000 * 1000}};
+  controller->begin_ =
+      SensorClock::time_point{Nanoseconds{hal::monotonic_now().time_since_epoch().count() / 1000 * 1000}};
   controller->thread_ = std::thread([raw = controller.get()] { raw->serve(); });
   return controller;
 }
@@ -95,7 +98,8 @@ void UrController::serve() {
 
 void UrController::wait_until(SensorClock::time_point instant) {
   std::vector<pollfd> waits;
-  for (const auto* listener : {&rtde_listener_, &script_listener_, &dashboard_listener_}) waits.push_back({listener->socket.number(), POLLIN, 0});
+  for (const auto* listener : {&rtde_listener_, &script_listener_, &dashboard_listener_})
+    waits.push_back({listener->socket.number(), POLLIN, 0});
   for (const auto& client : rtde_clients_) waits.push_back({client->socket.number(), POLLIN, 0});
   for (const auto& client : script_clients_) waits.push_back({client->socket.number(), POLLIN, 0});
   for (const auto& client : dashboard_clients_) waits.push_back({client->socket.number(), POLLIN, 0});
@@ -126,7 +130,8 @@ void UrController::pass_on(RtdeClient& client) {
 
 void UrController::accept_clients() {
   if (hal::Descriptor socket = accept_from(rtde_listener_); socket.is_open()) {
-    rtde_clients_.push_back(std::make_unique<RtdeClient>(rtde::ControllerSession::Config{.rate_hz = static_cast<double>(config_.rate_hz)}));
+    rtde_clients_.push_back(std::make_unique<RtdeClient>(
+        rtde::ControllerSession::Config{.rate_hz = static_cast<double>(config_.rate_hz)}));
     rtde_clients_.back()->socket = std::move(socket);
     rtde_clients_.back()->session.start();
   }
@@ -205,7 +210,8 @@ std::string UrController::dashboard_answer(const std::string& line, Client& clie
   if (line == "safetymode") return "Safetymode: NORMAL";
   if (line == "running") return state.program_running ? "Program running: true" : "Program running: false";
   if (line == "programState" || line == "programstate") {
-    return (state.program_running ? "PLAYING " : "STOPPED ") + (state.program_name.empty() ? "<unnamed>" : state.program_name);
+    return (state.program_running ? "PLAYING " : "STOPPED ") +
+           (state.program_name.empty() ? "<unnamed>" : state.program_name);
   }
   if (line == "is in remote control") return "true";
   if (line == "PolyscopeVersion") return "URSoftware 5.12.0 (simulated by Biteline)";

@@ -14,8 +14,9 @@
 
 namespace biteline::sim {
 
-/// One thread serves all connections and the controller's cycle.  A script replaces the one that runs, as on the real
-/// one; a script that cannot be read is answered on the script port and in an RTDE text, and nothing moves.
+/// One thread serves all connections and the controller's cycle.  A script replaces the one that runs, as on
+/// the real one; a script that cannot be read is answered on the script port and in an RTDE text, and nothing
+/// moves.
 ///
 /// Dashboard: robotmode, safetystatus, running, programState, stop, "is in remote control", PolyscopeVersion,
 /// "get robot model", quit; other lines get the real one's answer to the unknown.
@@ -36,12 +37,15 @@ class UrController {
   /// Called on each cycle with the instant on this machine's monotonic clock, on the controller's thread.
   using OnCycle = std::function<void(SensorClock::time_point, const ArmState&)>;
 
-  [[nodiscard]] static Result<std::unique_ptr<UrController>> open(const Config& config, Arm& arm, OnCycle on_cycle);
+  [[nodiscard]] static Result<std::unique_ptr<UrController>> open(const Config& config, Arm& arm,
+                                                                  OnCycle on_cycle);
   ~UrController();
   UrController(const UrController&) = delete;
   UrController& operator=(const UrController&) = delete;
 
-  [[nodiscard]] Ports ports() const { return {rtde_listener_.port, script_listener_.port, dashboard_listener_.port}; }
+  [[nodiscard]] Ports ports() const {
+    return {rtde_listener_.port, script_listener_.port, dashboard_listener_.port};
+  }
   [[nodiscard]] std::uint64_t scripts_run() const { return scripts_run_.load(); }
   [[nodiscard]] std::uint64_t scripts_refused() const { return scripts_refused_.load(); }
 

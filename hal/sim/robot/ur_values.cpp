@@ -18,7 +18,9 @@ rtde::Vector6 ur_pose(const SE3& T) {
   return {p.x(), p.y(), p.z(), r.x(), r.y(), r.z()};
 }
 
-rtde::Vector6 to_array(const JointVector& q) { return {q[0], q[1], q[2], q[3], q[4], q[5]}; }
+rtde::Vector6 to_array(const JointVector& q) {
+  return {q[0], q[1], q[2], q[3], q[4], q[5]};
+}
 
 /// Linear speed of the tool's origin and turning speed, both in base.
 rtde::Vector6 speed_between(const SE3& before, const SE3& after, double step_s) {
@@ -42,7 +44,8 @@ void UrValues::advance(const ArmState& state, double timestamp_s) {
   if (still) {
     q_rad_s_.setZero();
   } else {
-    const auto followed = q_rad_ ? kinematics_.joints_near(state.T_base_flange, *q_rad_) : kinematics_.joints_anywhere(state.T_base_flange);
+    const auto followed = q_rad_ ? kinematics_.joints_near(state.T_base_flange, *q_rad_)
+                                 : kinematics_.joints_anywhere(state.T_base_flange);
     const bool smooth = followed && q_rad_ && step_s > 0;
     q_rad_s_ = smooth ? JointVector((*followed - *q_rad_) / step_s) : JointVector(JointVector::Zero());
     if (followed) q_rad_ = followed;

@@ -9,8 +9,8 @@
 
 namespace biteline::sim {
 
-/// One controller cycle.  Call advance() once for each cycle, in order; speeds are differences to the cycle before.
-/// Joints are followed from cycle to cycle; where the links do not reach they keep their last values.
+/// One controller cycle.  Call advance() once for each cycle, in order; speeds are differences to the cycle
+/// before. Joints are followed from cycle to cycle; where the links do not reach they keep their last values.
 /// What the simulation does not have (forces, currents, temperatures) reads 0.
 class UrValues final : public rtde::ValueSource {
  public:

@@ -16,7 +16,9 @@ constexpr double k_two_pi = 2 * std::numbers::pi;
 /// exp(-40) is below 1e-17: beyond it a tail counts for nothing, and cutting it avoids denormal numbers.
 constexpr double k_tail = 40;
 
-double square(double x) { return x * x; }
+double square(double x) {
+  return x * x;
+}
 
 double bell(double x_over_sigma) {
   const double exponent = 0.5 * square(x_over_sigma);
@@ -43,8 +45,8 @@ double valley(double u_mm, double width_mm) {
   return 0.65 * bell(u_mm / width_mm) + 0.35 * bell((u_mm - width_mm) / (1.7 * width_mm));
 }
 
-/// Below the line a bare upper's wall turns upright, as lasts do towards the feather edge: heights are drawn together
-/// smoothly (tanh bends by nothing at 0).
+/// Below the line a bare upper's wall turns upright, as lasts do towards the feather edge: heights are drawn
+/// together smoothly (tanh bends by nothing at 0).
 double bare_height_mm(double u_mm) {
   constexpr double k_reach_mm = 14;
   return u_mm >= 0 ? u_mm : k_reach_mm * std::tanh(u_mm / k_reach_mm);
@@ -66,7 +68,8 @@ constexpr double k_band_edge_mm = 0.15;
 
 }  // namespace
 
-MadeShoe::MadeShoe(ShoeParameters parameters) : parameters_(std::move(parameters)), outline_(parameters_.outline) {
+MadeShoe::MadeShoe(ShoeParameters parameters)
+    : parameters_(std::move(parameters)), outline_(parameters_.outline) {
   Random line(parameters_.seed * 2 + 1);
   for (int count = 2; count <= 5; ++count) {
     line_waves_.push_back({line.uniform({0.3, 1}) / count, count, line.uniform({0, k_two_pi})});
@@ -102,15 +105,18 @@ Section MadeShoe::section(double s_mm) const {
   section.place_ = outline_.at(s_mm);
   const double along_ratio = section.place_.point.x() / outline_.length_mm();
 
-  section.line_height_mm_ = p.groove.line_height_mm + p.groove.toe_rise_mm * square(std::max(0.0, along_ratio - 0.3) / 0.7) +
+  section.line_height_mm_ = p.groove.line_height_mm +
+                            p.groove.toe_rise_mm * square(std::max(0.0, along_ratio - 0.3) / 0.7) +
                             p.groove.heel_rise_mm * square(std::max(0.0, 0.5 - along_ratio) / 0.5) +
                             p.groove.wave_mm * waves(line_waves_, s_mm);
   section.top_z_mm_ = p.upper.top_z_mm + (section.line_height_mm_ - p.groove.line_height_mm);
 
   section.strength_ratio_ = 1 + k_strength_variation_ratio * waves(strength_waves_, s_mm);
-  for (const auto& stretch : p.filled) section.open_ratio_ *= 1 - inside(stretch, outline_.way_mm(stretch.s_mm, s_mm));
+  for (const auto& stretch : p.filled)
+    section.open_ratio_ *= 1 - inside(stretch, outline_.way_mm(stretch.s_mm, s_mm));
   for (const auto& stretch : p.faded) {
-    section.strength_ratio_ *= 1 - (1 - k_faded_strength_ratio) * inside(stretch, outline_.way_mm(stretch.s_mm, s_mm));
+    section.strength_ratio_ *=
+        1 - (1 - k_faded_strength_ratio) * inside(stretch, outline_.way_mm(stretch.s_mm, s_mm));
   }
   if (p.sole.lug_count > 0) {
     section.lug_ratio_ = logistic(6 * std::sin(k_two_pi * p.sole.lug_count * s_mm / perimeter_mm()));
@@ -125,16 +131,19 @@ Section MadeShoe::section(double s_mm) const {
     section.stitch_ratio_.push_back(bell(std::remainder(s_mm, pitch_mm) / (0.2 * pitch_mm)));
   }
   for (const auto& seam : p.upper.seams) section.seam_way_mm_.push_back(outline_.way_mm(seam.s_mm, s_mm));
-  for (const auto& swoosh : p.upper.swooshes) section.swoosh_way_mm_.push_back(outline_.way_mm(swoosh.s_mm, s_mm));
+  for (const auto& swoosh : p.upper.swooshes)
+    section.swoosh_way_mm_.push_back(outline_.way_mm(swoosh.s_mm, s_mm));
   return section;
 }
 
 Vec3 MadeShoe::normal(double s_mm, double z_mm) const {
   constexpr double k_step_mm = 0.01;  // finest detail is some 0.15 mm wide: error below 1e-3 rad
   const Section middle = section(s_mm);
-  const double slope_z = (middle.offset_mm(z_mm + k_step_mm) - middle.offset_mm(z_mm - k_step_mm)) / (2 * k_step_mm);
+  const double slope_z =
+      (middle.offset_mm(z_mm + k_step_mm) - middle.offset_mm(z_mm - k_step_mm)) / (2 * k_step_mm);
   const double slope_s =
-      (section(s_mm + k_step_mm).offset_mm(z_mm) - section(s_mm - k_step_mm).offset_mm(z_mm)) / (2 * k_step_mm);
+      (section(s_mm + k_step_mm).offset_mm(z_mm) - section(s_mm - k_step_mm).offset_mm(z_mm)) /
+      (2 * k_step_mm);
   // P = C(s) + N(s) o + z e_z with N' = curvature T, so P_s x P_z = stretch (N - o_z e_z) - o_s T.
   const auto& place = middle.place();
   const double stretch = 1 + place.curvature_per_mm * middle.offset_mm(z_mm);
@@ -149,7 +158,8 @@ double Section::sole_mm(double u_mm, double z_mm) const {
     offset_mm -= groove.depth_mm * bell((u_mm - groove.u_mm) / groove.width_mm);
   }
   if (sole.foxing) {
-    offset_mm += sole.foxing->height_mm * band(u_mm, sole.foxing->low_u_mm, sole.foxing->high_u_mm, k_band_edge_mm);
+    offset_mm +=
+        sole.foxing->height_mm * band(u_mm, sole.foxing->low_u_mm, sole.foxing->high_u_mm, k_band_edge_mm);
   }
   if (sole.lug_count > 0) {
     offset_mm -= sole.lug_depth_mm * lug_ratio_ * logistic((sole.lug_top_z_mm - z_mm) / k_band_edge_mm);
@@ -177,12 +187,14 @@ double Section::decoration_of_upper_mm(double u_mm) const {
     const double way_mm = swoosh_way_mm_[i];
     if (std::abs(way_mm) > swoosh.half_length_mm + 2) continue;
     const double middle_u_mm = swoosh.u_mm + swoosh.bend_per_mm * square(way_mm);
-    offset_mm += swoosh.height_mm *
-                 band(u_mm, middle_u_mm - swoosh.half_width_mm, middle_u_mm + swoosh.half_width_mm, k_band_edge_mm) *
-                 band(way_mm, -swoosh.half_length_mm, swoosh.half_length_mm, k_band_edge_mm / 2);
+    offset_mm +=
+        swoosh.height_mm *
+        band(u_mm, middle_u_mm - swoosh.half_width_mm, middle_u_mm + swoosh.half_width_mm, k_band_edge_mm) *
+        band(way_mm, -swoosh.half_length_mm, swoosh.half_length_mm, k_band_edge_mm / 2);
   }
   if (upper.texture_mm > 0) {
-    offset_mm += upper.texture_mm * texture_phase_ratio_ * std::sin(k_two_pi * u_mm / upper.texture_pitch_mm) *
+    offset_mm += upper.texture_mm * texture_phase_ratio_ *
+                 std::sin(k_two_pi * u_mm / upper.texture_pitch_mm) *
                  logistic((u_mm - k_texture_begin_u_mm) / 0.4);
   }
   return offset_mm;
@@ -224,10 +236,12 @@ SurfaceLook Section::look(double z_mm) const {
   const ShoeParameters& p = shoe_->parameters_;
   const double u_mm = z_mm - line_height_mm_;
   const bool on_sole = !p.bare && u_mm < p.groove.lip_u_mm;
-  SurfaceLook look{.diffuse_ratio = on_sole ? p.reflectance.sole_ratio : p.reflectance.upper_ratio, .glossy = false};
+  SurfaceLook look{.diffuse_ratio = on_sole ? p.reflectance.sole_ratio : p.reflectance.upper_ratio,
+                   .glossy = false};
   for (const auto& patch : p.gloss) {
     const double way_mm = shoe_->outline_.way_mm(patch.s_mm, s_mm_);
-    if (square(way_mm / patch.half_length_mm) + square((u_mm - patch.u_mm) / patch.half_height_mm) < 1) look.glossy = true;
+    if (square(way_mm / patch.half_length_mm) + square((u_mm - patch.u_mm) / patch.half_height_mm) < 1)
+      look.glossy = true;
   }
   return look;
 }

@@ -45,7 +45,7 @@ class Section {
   Outline::Place place_{};
   double line_height_mm_{0};
   double top_z_mm_{0};
-  double open_ratio_{1};     ///< 1: groove as drawn, 0: filled
+  double open_ratio_{1};      ///< 1: groove as drawn, 0: filled
   double strength_ratio_{1};  ///< varies about 1, far below where the groove fades
   double lug_ratio_{0};
   double last_difference_mm_{0};
@@ -78,9 +78,9 @@ class MadeShoe {
 
   ShoeParameters parameters_;
   Outline outline_;
-  std::vector<Wave> line_waves_;  ///< relative, for the line's height
+  std::vector<Wave> line_waves_;      ///< relative, for the line's height
   std::vector<Wave> strength_waves_;  ///< relative, for the groove's depth and step
-  std::vector<Wave> last_waves_;  ///< relative, one last against the next
+  std::vector<Wave> last_waves_;      ///< relative, one last against the next
 };
 
 }  // namespace biteline::sim

@@ -11,7 +11,8 @@ namespace biteline::sim {
 
 namespace {
 
-/// A common sports shoe's sole seen from above, right foot, as parts of its length; anticlockwise from the heel.
+/// A common sports shoe's sole seen from above, right foot, as parts of its length; anticlockwise from the
+/// heel.
 constexpr std::array<std::array<double, 2>, Outline::k_control_points> k_right_foot{{
     {-0.010, 0.000}, {0.010, -0.065}, {0.080, -0.105}, {0.180, -0.120}, {0.290, -0.118}, {0.400, -0.118},
     {0.500, -0.132}, {0.600, -0.156}, {0.700, -0.174}, {0.800, -0.166}, {0.900, -0.126}, {0.980, -0.062},
@@ -19,14 +20,16 @@ constexpr std::array<std::array<double, 2>, Outline::k_control_points> k_right_f
     {0.500, 0.164},  {0.400, 0.148},  {0.290, 0.138},  {0.180, 0.130},  {0.080, 0.110},  {0.010, 0.065},
 }};
 
-/// Table steps per control point: the arc length between two entries is then below 0.1 mm, its error below 1e-6 mm.
+/// Table steps per control point: the arc length between two entries is then below 0.1 mm, its error below
+/// 1e-6 mm.
 constexpr int k_table_steps = 512;
 
 std::vector<Vec2> control_points(const OutlineShape& shape) {
   std::vector<Vec2> points;
   for (std::size_t i = 0; i < k_right_foot.size(); ++i) {
     const double sideways = shape.width_ratio * (shape.jitter.empty() ? 1.0 : 1.0 + shape.jitter[i]);
-    points.emplace_back(shape.length_mm * k_right_foot[i][0], shape.length_mm * k_right_foot[i][1] * sideways);
+    points.emplace_back(shape.length_mm * k_right_foot[i][0],
+                        shape.length_mm * k_right_foot[i][1] * sideways);
   }
   if (!shape.left_foot) return points;
   for (auto& point : points) point.y() = -point.y();
@@ -39,7 +42,8 @@ std::vector<Vec2> control_points(const OutlineShape& shape) {
 Outline::Outline(const OutlineShape& shape) : control_(control_points(shape)) {
   BITELINE_EXPECTS(shape.jitter.empty() || shape.jitter.size() == k_right_foot.size());
   const int steps = k_control_points * k_table_steps;
-  // The spline runs inside its control polygon: scale and shift it so that heel and toe stand where they should.
+  // The spline runs inside its control polygon: scale and shift it so that heel and toe stand where they
+  // should.
   double x_low_mm = 1e9, x_high_mm = -1e9;
   for (int i = 0; i < steps; ++i) {
     const double x = evaluate(static_cast<double>(i) / k_table_steps).value.x();
@@ -55,8 +59,9 @@ Outline::Outline(const OutlineShape& shape) : control_(control_points(shape)) {
   for (int i = 0; i < steps; ++i) {
     const double a = static_cast<double>(i) / k_table_steps, h = 1.0 / k_table_steps;
     // Simpson's rule on the speed.
-    const double length_mm = h / 6 * (evaluate(a).first.norm() + 4 * evaluate(a + h / 2).first.norm() +
-                                      evaluate(a + h).first.norm());
+    const double length_mm =
+        h / 6 *
+        (evaluate(a).first.norm() + 4 * evaluate(a + h / 2).first.norm() + evaluate(a + h).first.norm());
     arc_mm_.push_back(arc_mm_.back() + length_mm);
   }
   perimeter_mm_ = arc_mm_.back();
@@ -72,7 +77,8 @@ Outline::Derivatives Outline::evaluate(double parameter) const {
   const Vec2 a = index(-1), b = index(0), c = index(1), d = index(2);
   const double q = 1 - t;
   return {.value = (q * q * q * a + (3 * t * t * t - 6 * t * t + 4) * b +
-                    (-3 * t * t * t + 3 * t * t + 3 * t + 1) * c + t * t * t * d) / 6,
+                    (-3 * t * t * t + 3 * t * t + 3 * t + 1) * c + t * t * t * d) /
+                   6,
           .first = (-q * q * a + (3 * t * t - 4 * t) * b + (-3 * t * t + 2 * t + 1) * c + t * t * d) / 2,
           .second = q * a + (3 * t - 2) * b + (1 - 3 * t) * c + t * d};
 }
@@ -92,6 +98,8 @@ Outline::Place Outline::at(double s_mm) const {
           .curvature_per_mm = cross / (speed * speed * speed)};
 }
 
-double Outline::way_mm(double from_mm, double to_mm) const { return std::remainder(to_mm - from_mm, perimeter_mm_); }
+double Outline::way_mm(double from_mm, double to_mm) const {
+  return std::remainder(to_mm - from_mm, perimeter_mm_);
+}
 
 }  // namespace biteline::sim

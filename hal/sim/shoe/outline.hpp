@@ -10,16 +10,17 @@ namespace biteline::sim {
 
 struct OutlineShape {
   double length_mm{290};
-  double width_ratio{1.0};        ///< about a common foot's breadth
+  double width_ratio{1.0};  ///< about a common foot's breadth
   bool left_foot{false};
-  std::vector<double> jitter{};     ///< relative sideways change of each control point, may be empty
+  std::vector<double> jitter{};  ///< relative sideways change of each control point, may be empty
 };
 
-/// Closed uniform cubic B-spline: curvature is continuous, so sections do not jump.  Heel at x = 0, toe at x = length.
+/// Closed uniform cubic B-spline: curvature is continuous, so sections do not jump.  Heel at x = 0, toe at x
+/// = length.
 class Outline {
  public:
-  /// A place of the outline: point, direction of travel, outward normal (both unit, horizontal), signed curvature
-  /// (positive where convex).
+  /// A place of the outline: point, direction of travel, outward normal (both unit, horizontal), signed
+  /// curvature (positive where convex).
   struct Place {
     Vec2 point;
     Vec2 tangent;

@@ -6,8 +6,8 @@
 
 namespace biteline::sim {
 
-/// xoshiro256** (Blackman, Vigna 2018), seeded by SplitMix64.  The standard library's distributions differ between
-/// implementations; a made scene must not.  Not thread-safe.
+/// xoshiro256** (Blackman, Vigna 2018), seeded by SplitMix64.  The standard library's distributions differ
+/// between implementations; a made scene must not.  Not thread-safe.
 class Random {
  public:
   struct Interval {

@@ -14,10 +14,13 @@ struct Viewer {
   double z_mm;
 };
 
-/// Clears `seen` where the section hides itself from a viewer in its plane.  Going away from the viewer's own height,
-/// a point is seen only if its elevation goes beyond that of all points before it.
-void hide(const std::vector<double>& z_mm, const std::vector<double>& offset_mm, Viewer viewer, std::vector<bool>& seen) {
-  const auto elevation = [&](std::size_t i) { return (z_mm[i] - viewer.z_mm) / (viewer.distance_mm - offset_mm[i]); };
+/// Clears `seen` where the section hides itself from a viewer in its plane.  Going away from the viewer's own
+/// height, a point is seen only if its elevation goes beyond that of all points before it.
+void hide(const std::vector<double>& z_mm, const std::vector<double>& offset_mm, Viewer viewer,
+          std::vector<bool>& seen) {
+  const auto elevation = [&](std::size_t i) {
+    return (z_mm[i] - viewer.z_mm) / (viewer.distance_mm - offset_mm[i]);
+  };
   std::size_t level = 0;
   while (level < z_mm.size() && z_mm[level] < viewer.z_mm) ++level;
   double highest = -1e9;
@@ -37,7 +40,8 @@ void hide(const std::vector<double>& z_mm, const std::vector<double>& offset_mm,
 ScannedCloud scan_quickly(const MadeShoe& shoe, const ScanSettings& settings, const SE3& T_frame_shoe) {
   Random random(settings.seed);
   ScannedCloud cloud;
-  const int profiles = std::max(3, static_cast<int>(std::round(shoe.perimeter_mm() / settings.profile_step_mm)));
+  const int profiles =
+      std::max(3, static_cast<int>(std::round(shoe.perimeter_mm() / settings.profile_step_mm)));
   const Viewer camera{settings.camera_distance_mm, settings.camera_z_mm};
   const Viewer laser{settings.laser_distance_mm, settings.laser_z_mm};
 
@@ -46,7 +50,8 @@ ScannedCloud scan_quickly(const MadeShoe& shoe, const ScanSettings& settings, co
   for (int profile = 0; profile < profiles; ++profile) {
     const Section section = shoe.section(shoe.perimeter_mm() * profile / profiles);
     // Columns do not stand still on the shoe: the arm never repeats a height exactly.
-    const double first_z_mm = std::max(0.0, settings.field_low_z_mm) + settings.column_step_mm * random.uniform({0, 1});
+    const double first_z_mm =
+        std::max(0.0, settings.field_low_z_mm) + settings.column_step_mm * random.uniform({0, 1});
     const double last_z_mm = std::min(settings.field_high_z_mm, section.top_z_mm());
     z_mm.clear();
     offset_mm.clear();

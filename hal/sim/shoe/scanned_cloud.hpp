@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file A made shoe as a scanner would hand it on, without rendering pictures: fast enough for hundreds of shoes.
+/// \file A made shoe as a scanner would hand it on, without rendering pictures: fast enough for hundreds of
+/// shoes.
 ///
-/// One profile for each step along the outline, one point for each image column; noise along the viewing ray; what
-/// either laser or camera cannot see past the shoe's own section is missing, and so are glossy patches.  For occlusion
-/// laser and camera are taken to stand in the section's plane: the stripe's sideways view is left out.
+/// One profile for each step along the outline, one point for each image column; noise along the viewing ray;
+/// what either laser or camera cannot see past the shoe's own section is missing, and so are glossy patches.
+/// For occlusion laser and camera are taken to stand in the section's plane: the stripe's sideways view is
+/// left out.
 
 #include <cstdint>
 #include <vector>
@@ -21,9 +23,9 @@ struct ScanSettings {
   double camera_z_mm{55};
   double laser_distance_mm{200};
   double laser_z_mm{45};
-  double field_low_z_mm{-5};       ///< what the head sees of the wall
+  double field_low_z_mm{-5};  ///< what the head sees of the wall
   double field_high_z_mm{110};
-  double gloss_loss_ratio{0.92};   ///< share of the points lost on glossy patches
+  double gloss_loss_ratio{0.92};  ///< share of the points lost on glossy patches
   std::uint64_t seed{1};
 };
 
@@ -34,6 +36,7 @@ struct ScannedCloud {
   std::vector<std::uint16_t> column;
 };
 
-[[nodiscard]] ScannedCloud scan_quickly(const MadeShoe& shoe, const ScanSettings& settings, const SE3& T_frame_shoe);
+[[nodiscard]] ScannedCloud scan_quickly(const MadeShoe& shoe, const ScanSettings& settings,
+                                        const SE3& T_frame_shoe);
 
 }  // namespace biteline::sim

@@ -14,7 +14,8 @@ namespace {
 /// Streams of random numbers, one per part of the shoe.
 enum Purpose : std::uint64_t { k_outline = 1, k_groove, k_stretches, k_sole, k_upper, k_gloss, k_light };
 
-/// Perimeter of a shoe of length 1, for placing things before the outline exists; only their spread depends on it.
+/// Perimeter of a shoe of length 1, for placing things before the outline exists; only their spread depends
+/// on it.
 constexpr double k_perimeter_ratio = 2.13;
 
 OutlineShape draw_outline(Random random) {
@@ -57,7 +58,8 @@ Groove draw_groove(ShoeClass shoe_class, Random random, double scale) {
 }
 
 /// `count` stretches that keep away from each other: one in each of `count` equal parts of the outline.
-std::vector<Stretch> draw_stretches(Random& random, double perimeter_mm, int count, Random::Interval half_length_mm) {
+std::vector<Stretch> draw_stretches(Random& random, double perimeter_mm, int count,
+                                    Random::Interval half_length_mm) {
   std::vector<Stretch> stretches;
   const double part_mm = perimeter_mm / count;
   for (int i = 0; i < count; ++i) {
@@ -161,7 +163,8 @@ ShoeParameters draw_shoe(ShoeClass shoe_class, std::uint64_t seed) {
   shoe.upper.texture_mm = upper.chance(0.7) ? upper.uniform({0.01, 0.04}) : 0.0;
   // Texture as strong as the groove is one surface, not a shoe: keep the weave below the crease.
   if (shoe_class == ShoeClass::Shallow) shoe.upper.texture_mm *= 0.4;
-  if (shoe_class == ShoeClass::Stitched || (mixed && upper.chance(0.5))) stitch_upper(shoe.upper, upper, perimeter_mm);
+  if (shoe_class == ShoeClass::Stitched || (mixed && upper.chance(0.5)))
+    stitch_upper(shoe.upper, upper, perimeter_mm);
 
   Random gloss = source.fork(k_gloss);
   if (shoe_class == ShoeClass::Glossy || (mixed && gloss.chance(0.4))) {

@@ -2,7 +2,8 @@
 #pragma once
 /// \file What a made shoe is made of, and the classes of shoes that are drawn by seed.
 ///
-/// Heights `_u_mm` are above the nominal bite line, places `_s_mm` along the outline from the heel, anticlockwise.
+/// Heights `_u_mm` are above the nominal bite line, places `_s_mm` along the outline from the heel,
+/// anticlockwise.
 
 #include <array>
 #include <cstdint>
@@ -38,14 +39,14 @@ inline constexpr std::array<std::string_view, 10> k_shoe_class_names{
 /// The crease itself.  In the section, with u the height above the nominal line:
 ///   o(u) = sole(u) + (upper(u) - sole(u)) * logistic((u - lip_u) / lip_width) - depth * valley(u)
 struct Groove {
-  double line_height_mm{26};    ///< nominal bite line above the sole's bottom, at the waist
-  double toe_rise_mm{4};        ///< it rises towards toe and heel
+  double line_height_mm{26};  ///< nominal bite line above the sole's bottom, at the waist
+  double toe_rise_mm{4};      ///< it rises towards toe and heel
   double heel_rise_mm{3};
-  double wave_mm{0.3};          ///< slow irregular change along the line
-  double step_mm{3};            ///< how far the sole's edge stands out from the upper at the line
-  double depth_mm{2.5};         ///< valley beyond the step
-  double width_mm{0.8};         ///< sigma of the valley
-  double lip_u_mm{-1.0};        ///< where the sole's edge falls away
+  double wave_mm{0.3};    ///< slow irregular change along the line
+  double step_mm{3};      ///< how far the sole's edge stands out from the upper at the line
+  double depth_mm{2.5};   ///< valley beyond the step
+  double width_mm{0.8};   ///< sigma of the valley
+  double lip_u_mm{-1.0};  ///< where the sole's edge falls away
   double lip_width_mm{0.3};
 };
 
@@ -77,7 +78,7 @@ struct SoleShape {
 
 struct UpperShape {
   double top_z_mm{64};
-  double lean_per_mm{0.0079};   ///< wall = lean * (2 * bulge_u * u - u^2): out to bulge_u, then in
+  double lean_per_mm{0.0079};  ///< wall = lean * (2 * bulge_u * u - u^2): out to bulge_u, then in
   double bulge_u_mm{11};
   struct StitchRow {
     double u_mm{6};
@@ -101,13 +102,13 @@ struct UpperShape {
   struct Swoosh {  ///< a curved raised band on one side
     double s_mm{0};
     double half_length_mm{35};
-    double u_mm{6};           ///< height of its middle line at s
+    double u_mm{6};  ///< height of its middle line at s
     double bend_per_mm{0.006};
     double half_width_mm{3};
     double height_mm{0.45};
   };
   std::vector<Swoosh> swooshes{};
-  double texture_mm{0};     ///< weave, amplitude
+  double texture_mm{0};  ///< weave, amplitude
   double texture_pitch_mm{2};
 };
 
@@ -145,6 +146,7 @@ struct ShoeParameters {
 [[nodiscard]] ShoeParameters draw_shoe(ShoeClass shoe_class, std::uint64_t seed);
 
 /// The next upper of the same model: without sole, differing as one last differs from the next.
-[[nodiscard]] ShoeParameters bare_upper_of(ShoeParameters sample, double last_difference_mm, std::uint64_t last_seed);
+[[nodiscard]] ShoeParameters bare_upper_of(ShoeParameters sample, double last_difference_mm,
+                                           std::uint64_t last_seed);
 
 }  // namespace biteline::sim

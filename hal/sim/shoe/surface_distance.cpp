@@ -12,7 +12,8 @@ constexpr int k_coarse_places = 400;
 }  // namespace
 
 SurfaceDistance::SurfaceDistance(const MadeShoe& shoe) : shoe_(shoe) {
-  for (int i = 0; i < k_coarse_places; ++i) coarse_.push_back(shoe.outline().at(shoe.perimeter_mm() * i / k_coarse_places).point);
+  for (int i = 0; i < k_coarse_places; ++i)
+    coarse_.push_back(shoe.outline().at(shoe.perimeter_mm() * i / k_coarse_places).point);
 }
 
 double SurfaceDistance::place_of_mm(const Vec3& point_shoe) const {

@@ -13,8 +13,8 @@ class SurfaceDistance {
  public:
   explicit SurfaceDistance(const MadeShoe& shoe);
 
-  /// Along the wall's outward normal, first order: exact for points closer than a tenth of the surface's radius of
-  /// curvature there.  Pre: 0 <= z <= top.
+  /// Along the wall's outward normal, first order: exact for points closer than a tenth of the surface's
+  /// radius of curvature there.  Pre: 0 <= z <= top.
   [[nodiscard]] double signed_distance_mm(const Vec3& point_shoe) const;
 
   /// The outline place whose normal passes through the point.

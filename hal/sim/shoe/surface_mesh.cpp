@@ -12,7 +12,9 @@ namespace biteline::sim {
 
 namespace {
 
-int steps_for(double length_mm, double step_mm) { return std::max(1, static_cast<int>(std::ceil(length_mm / step_mm))); }
+int steps_for(double length_mm, double step_mm) {
+  return std::max(1, static_cast<int>(std::ceil(length_mm / step_mm)));
+}
 
 /// The same number of rows in every column, so that columns join into quadrangles.
 struct RowPlan {
@@ -20,15 +22,18 @@ struct RowPlan {
 
   RowPlan(const MadeShoe& shoe, const MeshFineness& fineness) {
     const auto& p = shoe.parameters();
-    below = steps_for(p.groove.line_height_mm + p.groove.toe_rise_mm - fineness.fine_band_mm, fineness.coarse_row_mm);
+    below = steps_for(p.groove.line_height_mm + p.groove.toe_rise_mm - fineness.fine_band_mm,
+                      fineness.coarse_row_mm);
     fine = steps_for(2 * fineness.fine_band_mm, fineness.fine_row_mm);
-    above = steps_for(p.upper.top_z_mm - p.groove.line_height_mm - fineness.fine_band_mm, fineness.coarse_row_mm);
+    above =
+        steps_for(p.upper.top_z_mm - p.groove.line_height_mm - fineness.fine_band_mm, fineness.coarse_row_mm);
   }
 
   [[nodiscard]] int count() const { return below + fine + above + 1; }
 
   [[nodiscard]] double height_mm(const Section& section, double fine_band_mm, int row) const {
-    const double low_mm = section.line_height_mm() - fine_band_mm, high_mm = section.line_height_mm() + fine_band_mm;
+    const double low_mm = section.line_height_mm() - fine_band_mm,
+                 high_mm = section.line_height_mm() + fine_band_mm;
     if (row < below) return low_mm * row / below;
     if (row < below + fine) return low_mm + (high_mm - low_mm) * (row - below) / fine;
     return high_mm + (section.top_z_mm() - high_mm) * (row - below - fine) / above;
@@ -40,7 +45,8 @@ constexpr int k_roof_rows = 6;
 constexpr double k_roof_rise_mm = 6;
 
 Vec3 roof_point(const Vec3& edge, double length_mm, double part) {
-  const Vec3 middle{std::clamp(edge.x(), 0.2 * length_mm, 0.8 * length_mm), 0.02 * length_mm, edge.z() + k_roof_rise_mm};
+  const Vec3 middle{std::clamp(edge.x(), 0.2 * length_mm, 0.8 * length_mm), 0.02 * length_mm,
+                    edge.z() + k_roof_rise_mm};
   Vec3 point = edge + part * (middle - edge);
   point.z() = edge.z() + k_roof_rise_mm * std::sin(0.5 * std::numbers::pi * part);
   return point;
@@ -59,7 +65,8 @@ SurfaceMesh mesh_of(const MadeShoe& shoe, const MeshFineness& fineness) {
   mesh.looks.reserve(vertex_count);
   mesh.triangles.reserve(2 * vertex_count);
   const auto add = [&](const Vec3& point, const SurfaceLook& look) {
-    mesh.vertices.push_back({static_cast<float>(point.x()), static_cast<float>(point.y()), static_cast<float>(point.z())});
+    mesh.vertices.push_back(
+        {static_cast<float>(point.x()), static_cast<float>(point.y()), static_cast<float>(point.z())});
     mesh.looks.push_back(look);
   };
   for (int column = 0; column < columns; ++column) {
@@ -86,13 +93,15 @@ SurfaceMesh mesh_of(const MadeShoe& shoe, const MeshFineness& fineness) {
   return mesh;
 }
 
-Result<void> write_mesh_ply(const std::filesystem::path& file, const SurfaceMesh& mesh, const SE3& T_frame_shoe) {
+Result<void> write_mesh_ply(const std::filesystem::path& file, const SurfaceMesh& mesh,
+                            const SE3& T_frame_shoe) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(std::fopen(file.c_str(), "wb"), &std::fclose);
   if (!out) return fail_errno(Errc::WriteFailed, errno, "%s", file.c_str());
-  std::fprintf(out.get(),
-               "ply\nformat binary_little_endian 1.0\nelement vertex %zu\nproperty float x\nproperty float y\n"
-               "property float z\nelement face %zu\nproperty list uchar int vertex_indices\nend_header\n",
-               mesh.vertices.size(), mesh.triangles.size());
+  std::fprintf(
+      out.get(),
+      "ply\nformat binary_little_endian 1.0\nelement vertex %zu\nproperty float x\nproperty float y\n"
+      "property float z\nelement face %zu\nproperty list uchar int vertex_indices\nend_header\n",
+      mesh.vertices.size(), mesh.triangles.size());
   for (const auto& vertex : mesh.vertices) {
     const Eigen::Vector3f moved = (T_frame_shoe * Vec3(vertex[0], vertex[1], vertex[2])).cast<float>();
     std::fwrite(moved.data(), sizeof(float), 3, out.get());
@@ -102,7 +111,8 @@ Result<void> write_mesh_ply(const std::filesystem::path& file, const SurfaceMesh
     std::memcpy(row.data() + 1, triangle.data(), 12);
     std::fwrite(row.data(), 1, row.size(), out.get());
   }
-  if (std::fflush(out.get()) != 0 || std::ferror(out.get()) != 0) return fail(Errc::WriteFailed, "%s", file.c_str());
+  if (std::fflush(out.get()) != 0 || std::ferror(out.get()) != 0)
+    return fail(Errc::WriteFailed, "%s", file.c_str());
   return {};
 }
 

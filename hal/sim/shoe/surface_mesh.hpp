@@ -21,8 +21,8 @@ struct SurfaceMesh {
 
 /// The wall's facets leave the exact surface by at most spacing^2 * curvature / 8.
 struct MeshFineness {
-  double column_mm{0.35};      ///< along the outline
-  double fine_row_mm{0.06};    ///< within fine_band_mm of the nominal line
+  double column_mm{0.35};    ///< along the outline
+  double fine_row_mm{0.06};  ///< within fine_band_mm of the nominal line
   double fine_band_mm{4.5};
   double coarse_row_mm{0.25};
 };

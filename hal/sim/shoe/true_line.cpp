@@ -23,7 +23,8 @@ Peak largest(const SmoothedSection& section) {
     const double bend = k[i - 1] - 2 * k[i] + k[i + 1];
     if (bend < -1e-12) part = 0.5 * (k[i - 1] - k[i + 1]) / bend;
   }
-  return {.z_mm = section.first_z_mm + section.step_mm * (static_cast<double>(i) + part), .curvature_per_mm = *top};
+  return {.z_mm = section.first_z_mm + section.step_mm * (static_cast<double>(i) + part),
+          .curvature_per_mm = *top};
 }
 
 /// Running mean over a closed sequence; the window's two end samples count by the part of them inside it.
@@ -47,7 +48,8 @@ std::vector<double> running_mean(const std::vector<double>& values, double windo
 Vec3 mean_normal(const MadeShoe& shoe, double s_mm, double line_z_mm, const PlaceDefinition& definition) {
   constexpr double k_step_mm = 0.1;
   Vec3 sum = Vec3::Zero();
-  for (double above_mm = definition.normal_low_mm; above_mm <= definition.normal_high_mm + 1e-9; above_mm += k_step_mm) {
+  for (double above_mm = definition.normal_low_mm; above_mm <= definition.normal_high_mm + 1e-9;
+       above_mm += k_step_mm) {
     sum += shoe.normal(s_mm, line_z_mm + above_mm);
   }
   return sum.normalized();
@@ -100,7 +102,8 @@ LineHeights line_heights(const std::vector<SmoothedSection>& sections, double sp
   return heights;
 }
 
-std::vector<TrueLinePoint> true_line(const MadeShoe& shoe, double spacing_mm, const PlaceDefinition& definition) {
+std::vector<TrueLinePoint> true_line(const MadeShoe& shoe, double spacing_mm,
+                                     const PlaceDefinition& definition) {
   if (shoe.parameters().bare) return {};
   const auto count = static_cast<std::size_t>(std::ceil(shoe.perimeter_mm() / spacing_mm));
   const double step_mm = shoe.perimeter_mm() / static_cast<double>(count);
@@ -108,8 +111,8 @@ std::vector<TrueLinePoint> true_line(const MadeShoe& shoe, double spacing_mm, co
   std::vector<SmoothedSection> sections;
   for (std::size_t i = 0; i < count; ++i) {
     const Section section = shoe.section(static_cast<double>(i) * step_mm);
-    sections.push_back(smoothed_section([&](double z_mm) { return section.offset_mm(z_mm); }, section.line_height_mm(),
-                                        definition));
+    sections.push_back(smoothed_section([&](double z_mm) { return section.offset_mm(z_mm); },
+                                        section.line_height_mm(), definition));
   }
   const LineHeights heights = line_heights(sections, step_mm, definition);
 

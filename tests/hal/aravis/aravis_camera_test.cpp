@@ -21,7 +21,8 @@ using sim::GvExposure;
 constexpr Nanoseconds k_second{1'000'000'000};
 
 SensorClock::time_point now() {
-  return SensorClock::time_point{std::chrono::duration_cast<Nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())};
+  return SensorClock::time_point{
+      std::chrono::duration_cast<Nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())};
 }
 
 /// Every picture tells its own number, size and place, so that a mix-up shows.
@@ -31,8 +32,10 @@ void paint_number(const GvExposure& exposure, std::span<std::uint8_t> pixels) {
   pixels[pixels.size() - 1] = 77;
 }
 
-/// The standard fixes the port, so one camera at a time lives on an address; another test may just be using it.
-std::unique_ptr<GvCamera> open_server(const GvCamera::Config& config, GvCamera::Painter painter = paint_number) {
+/// The standard fixes the port, so one camera at a time lives on an address; another test may just be using
+/// it.
+std::unique_ptr<GvCamera> open_server(const GvCamera::Config& config,
+                                      GvCamera::Painter painter = paint_number) {
   for (int attempt = 0; attempt < 100; ++attempt) {
     if (auto camera = GvCamera::open(config, painter)) {
       test::note_ran();
@@ -51,16 +54,18 @@ GvCamera::Config small_camera() {
 }
 
 CameraSettings settings(double rate_hz) {
-  return {.region = {.offset_u_px = 16, .offset_v_px = 100, .width_px = 640, .height_px = 120}, .exposure = Nanoseconds{500'000}, .rate_hz = rate_hz};
+  return {.region = {.offset_u_px = 16, .offset_v_px = 100, .width_px = 640, .height_px = 120},
+          .exposure = Nanoseconds{500'000},
+          .rate_hz = rate_hz};
 }
 
 }  // namespace
 
-#define SERVER_OR_SKIP(name, ...)          \
+#define SERVER_OR_SKIP(name, ...)             \
   const auto name = open_server(__VA_ARGS__); \
   if (!name) return
 
-TEST_GROUP(AravisCamera) {};
+TEST_GROUP(AravisCamera){};
 
 TEST(AravisCamera, RefusesCallsOutOfOrder) {
   SERVER_OR_SKIP(server, small_camera());
@@ -71,7 +76,8 @@ TEST(AravisCamera, RefusesCallsOutOfOrder) {
   CHECK(sut->configure(settings(50)).has_value());
   CHECK_EQUAL(static_cast<int>(Errc::WrongState), static_cast<int>(sut->next_frame(k_second).error().code));
   CHECK(sut->start().has_value());
-  CHECK_EQUAL(static_cast<int>(Errc::WrongState), static_cast<int>(sut->configure(settings(50)).error().code));
+  CHECK_EQUAL(static_cast<int>(Errc::WrongState),
+              static_cast<int>(sut->configure(settings(50)).error().code));
   CHECK_EQUAL(static_cast<int>(Errc::WrongState), static_cast<int>(sut->start().error().code));
   CHECK(sut->stop().has_value());
   CHECK(sut->stop().has_value());
@@ -132,16 +138,19 @@ TEST(AravisCamera, HardwareTriggerGivesOneFrameForEachEdgeStampedWithIt) {
   triggered.trigger = Trigger::Hardware;
   CHECK(sut->configure(triggered).has_value());
   CHECK(sut->start().has_value());
-  CHECK_EQUAL(static_cast<int>(Errc::Timeout), static_cast<int>(sut->next_frame(Nanoseconds{50'000'000}).error().code));
+  CHECK_EQUAL(static_cast<int>(Errc::Timeout),
+              static_cast<int>(sut->next_frame(Nanoseconds{50'000'000}).error().code));
   for (int i = 0; i < 10; ++i) {
     const auto edge = now();
     server->trigger(edge);
     const auto frame = sut->next_frame(k_second);
     CHECK(frame.has_value());
-    LONGS_EQUAL((edge + Nanoseconds{250'000}).time_since_epoch().count(), frame->exposure_mid.time_since_epoch().count());
+    LONGS_EQUAL((edge + Nanoseconds{250'000}).time_since_epoch().count(),
+                frame->exposure_mid.time_since_epoch().count());
     sut->release(*frame);
   }
-  CHECK_EQUAL(static_cast<int>(Errc::Timeout), static_cast<int>(sut->next_frame(Nanoseconds{50'000'000}).error().code));
+  CHECK_EQUAL(static_cast<int>(Errc::Timeout),
+              static_cast<int>(sut->next_frame(Nanoseconds{50'000'000}).error().code));
 }
 
 TEST(AravisCamera, ACameraWithAClockOfItsOwnIsMappedByArrivalAndSaidToBeUnsure) {

@@ -15,7 +15,9 @@ namespace {
 constexpr Nanoseconds k_second{1'000'000'000};
 constexpr Nanoseconds k_none{0};
 
-int code(const Error& error) { return static_cast<int>(error.code); }
+int code(const Error& error) {
+  return static_cast<int>(error.code);
+}
 
 }  // namespace
 
@@ -25,12 +27,19 @@ TEST_GROUP(SimBus) {
   std::unique_ptr<BusServer> cell;
 
   void setup() override {
-    cell = *BusServer::open(name, {.on_line = {}, .on_trigger = [this](Nanoseconds period, Nanoseconds) { period_ns = period.count(); }, .on_can = {}});
+    cell = *BusServer::open(
+        name, {.on_line = {},
+               .on_trigger = [this](Nanoseconds period, Nanoseconds) { period_ns = period.count(); },
+               .on_can = {}});
   }
-  void teardown() override { cell.reset(); }
+  void teardown() override {
+    cell.reset();
+  }
 
   /// A question that is answered after everything sent before it has been worked.
-  void settle() { CHECK((*SimSafetyIn::open(name))->read().has_value()); }
+  void settle() {
+    CHECK((*SimSafetyIn::open(name))->read().has_value());
+  }
 };
 
 TEST(SimBus, AnOutputStartsInactiveFollowsAndFallsBackWhenItsOwnerGoes) {
@@ -50,7 +59,8 @@ TEST(SimBus, AnOutputStartsInactiveFollowsAndFallsBackWhenItsOwnerGoes) {
 TEST(SimBus, EdgesComeInOrderWithTheirStampsAndLevels) {
   const auto sut = *SimEdgeIn::open(name, Line::StrobeEcho);
   CHECK_EQUAL(static_cast<int>(Errc::Timeout), code(sut->next_edge(k_none).error()));
-  for (int i = 0; i < 10; ++i) cell->drive(Line::StrobeEcho, i % 2 == 0, SensorClock::time_point{Nanoseconds{1000 + i}});
+  for (int i = 0; i < 10; ++i)
+    cell->drive(Line::StrobeEcho, i % 2 == 0, SensorClock::time_point{Nanoseconds{1000 + i}});
   for (std::int64_t i = 0; i < 10; ++i) {
     const auto edge = sut->next_edge(k_second);
     CHECK(edge.has_value());
@@ -100,7 +110,8 @@ TEST(SimBus, FramesPassTheFiltersWithTheirStamps) {
   CHECK(sut->set_filters(filters).has_value());
   settle();
   cell->send({.id = 0x080, .size_bytes = 1, .received = SensorClock::time_point{Nanoseconds{5}}});
-  cell->send({.id = 0x1A8, .size_bytes = 48, .data = {7}, .received = SensorClock::time_point{Nanoseconds{6}}});
+  cell->send(
+      {.id = 0x1A8, .size_bytes = 48, .data = {7}, .received = SensorClock::time_point{Nanoseconds{6}}});
   const auto frame = sut->receive(k_second);
   CHECK(frame.has_value());
   LONGS_EQUAL(0x1A8, frame->id);

@@ -27,13 +27,17 @@ constexpr Nanoseconds k_second{1'000'000'000};
 
 LiveSettings quick_cell() {
   LiveSettings settings;
-  settings.scene = {.shoe = draw_shoe(ShoeClass::Deep, 4), .scan_speed_mm_s = 300, .rate_hz = 25, .fineness = {.column_mm = 1.0, .coarse_row_mm = 0.5}};
+  settings.scene = {.shoe = draw_shoe(ShoeClass::Deep, 4),
+                    .scan_speed_mm_s = 300,
+                    .rate_hz = 25,
+                    .fineness = {.column_mm = 1.0, .coarse_row_mm = 0.5}};
   settings.wires = "biteline-live-test-" + std::to_string(getpid());
   settings.scan_after_laser = Nanoseconds{100'000'000};
   return settings;
 }
 
-/// The standard fixes the camera's port, so one camera at a time lives on an address; another test may just be using it.
+/// The standard fixes the camera's port, so one camera at a time lives on an address; another test may just
+/// be using it.
 std::unique_ptr<LiveCell> open_cell(const LiveSettings& settings) {
   const auto patience_ends = hal::monotonic_now() + 15 * k_second;
   do {
@@ -66,10 +70,18 @@ struct Devices {
     const auto& name = cell.settings().wires;
     const auto& model = cell.scene().head.model;
     camera = *hal::AravisCamera::open({.address = "127.0.0.1", .packet_bytes = 16000});
-    CHECK(camera->configure({.region = model.region, .exposure = *model.exposure, .rate_hz = *model.rate_hz, .trigger = hal::Trigger::Hardware}).has_value());
+    CHECK(camera
+              ->configure({.region = model.region,
+                           .exposure = *model.exposure,
+                           .rate_hz = *model.rate_hz,
+                           .trigger = hal::Trigger::Hardware})
+              .has_value());
     poses = std::make_unique<hal::CanPoseSource>(*SimCanBus::open(name), clock, hal::CanPoseSource::Config{});
     trigger = *SimPwmOut::open(name);
-    CHECK(trigger->configure({.period = Nanoseconds{static_cast<std::int64_t>(1e9 / *model.rate_hz)}, .pulse = *model.exposure}).has_value());
+    CHECK(trigger
+              ->configure({.period = Nanoseconds{static_cast<std::int64_t>(1e9 / *model.rate_hz)},
+                           .pulse = *model.exposure})
+              .has_value());
     laser = *SimGpioOut::open(name, Line::LaserEnable);
     scan_active = *SimEdgeIn::open(name, Line::ScanActive);
     CHECK(poses->start().has_value());
@@ -102,7 +114,11 @@ Scan take_scan(Devices& devices) {
       active = edge->rising;
     }
     if (const auto frame = devices.camera->next_frame(Nanoseconds{10'000'000})) {
-      if (active) scan.pictures.push_back({frame->exposure_mid, frame->width_px, frame->height_px, {frame->pixels.begin(), frame->pixels.end()}});
+      if (active)
+        scan.pictures.push_back({frame->exposure_mid,
+                                 frame->width_px,
+                                 frame->height_px,
+                                 {frame->pixels.begin(), frame->pixels.end()}});
       devices.camera->release(*frame);
     }
   }
@@ -112,10 +128,12 @@ Scan take_scan(Devices& devices) {
 }
 
 std::optional<SE3> pose_at(const Scan& scan, SensorClock::time_point instant) {
-  const auto after = std::find_if(scan.poses.begin(), scan.poses.end(), [&](const auto& pose) { return *pose.stamp_sensor >= instant; });
+  const auto after = std::find_if(scan.poses.begin(), scan.poses.end(),
+                                  [&](const auto& pose) { return *pose.stamp_sensor >= instant; });
   if (after == scan.poses.begin() || after == scan.poses.end()) return std::nullopt;
   const auto before = after - 1;
-  const double part = static_cast<double>((instant - *before->stamp_sensor).count()) / static_cast<double>((*after->stamp_sensor - *before->stamp_sensor).count());
+  const double part = static_cast<double>((instant - *before->stamp_sensor).count()) /
+                      static_cast<double>((*after->stamp_sensor - *before->stamp_sensor).count());
   return geometry::interpolate(before->T_base_flange, after->T_base_flange, part);
 }
 
@@ -139,7 +157,8 @@ std::vector<double> distances_mm(const Scan& scan, const MadeScene& scene) {
       if (sum < 300) continue;
       const Vec2 pixel_px(column + model.region.offset_u_px, moment / sum + model.region.offset_v_px);
       const Vec3 point = T_shoe_cam * geometry::triangulate(model.camera, model.laser_plane, pixel_px);
-      if (point.z() > 1 && point.z() < scene.settings.shoe.upper.top_z_mm - 2) found.push_back(distance.signed_distance_mm(point));
+      if (point.z() > 1 && point.z() < scene.settings.shoe.upper.top_z_mm - 2)
+        found.push_back(distance.signed_distance_mm(point));
     }
   }
   return found;
@@ -147,7 +166,7 @@ std::vector<double> distances_mm(const Scan& scan, const MadeScene& scene) {
 
 }  // namespace
 
-TEST_GROUP(LiveCell) {};
+TEST_GROUP(LiveCell){};
 
 TEST(LiveCell, AScanThroughAllItsProtocolsLiesOnTheMadeShoe) {
   const auto cell = open_cell(quick_cell());
@@ -160,8 +179,8 @@ TEST(LiveCell, AScanThroughAllItsProtocolsLiesOnTheMadeShoe) {
   CHECK(distances.size() > 3000);
   double square_sum = 0;
   for (const double d : distances) square_sum += std::min(0.25, d * d);
-  // As for a recorded session: poses 0.010 mm, plain peaks 0.01 to 0.02 mm, facets.  A stamp wrong by 1 ms would add 0.1 mm
-  // at the toe.
+  // As for a recorded session: poses 0.010 mm, plain peaks 0.01 to 0.02 mm, facets.  A stamp wrong by 1 ms
+  // would add 0.1 mm at the toe.
   CHECK(std::sqrt(square_sum / static_cast<double>(distances.size())) < 0.03);
   LONGS_EQUAL(1, cell->counts().scans);
 }
@@ -201,17 +220,22 @@ TEST(LiveCell, TheTrackOfARunScriptIsWritten) {
   address.sin_port = htons(cell->robot_ports().script);
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   CHECK(connect(socket.number(), reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
-  const Vec3 p = before.T_base_flange.translation() / 1000, r = geometry::log_so3(before.T_base_flange.linear());
+  const Vec3 p = before.T_base_flange.translation() / 1000,
+             r = geometry::log_so3(before.T_base_flange.linear());
   char script[200];
-  const int size = std::snprintf(script, sizeof script, "movel(p[%.7f,%.7f,%.7f,%.8f,%.8f,%.8f], a=2, v=0.2)\n", p.x(), p.y(), p.z() + 0.03, r.x(), r.y(), r.z());
+  const int size =
+      std::snprintf(script, sizeof script, "movel(p[%.7f,%.7f,%.7f,%.8f,%.8f,%.8f], a=2, v=0.2)\n", p.x(),
+                    p.y(), p.z() + 0.03, r.x(), r.y(), r.z());
   LONGS_EQUAL(size, send(socket.number(), script, static_cast<std::size_t>(size), 0));
   double height_mm = 0;
   const auto until = hal::monotonic_now() + 20 * k_second;
   while (std::abs(height_mm - 30) > 0.1 && hal::monotonic_now() < until) {
-    height_mm = devices.poses->next_pose(k_second)->T_base_flange.translation().z() - before.T_base_flange.translation().z();
+    height_mm = devices.poses->next_pose(k_second)->T_base_flange.translation().z() -
+                before.T_base_flange.translation().z();
   }
   DOUBLES_EQUAL(30, height_mm, 0.1);
-  const auto file = std::filesystem::temp_directory_path() / ("biteline-track-" + std::to_string(getpid()) + ".csv");
+  const auto file =
+      std::filesystem::temp_directory_path() / ("biteline-track-" + std::to_string(getpid()) + ".csv");
   CHECK(cell->write_track(file).has_value());
   std::ifstream in(file);
   std::string row, last;

@@ -14,13 +14,22 @@ MadeHead small_head() {
   MadeHead head = draw_head(5);
   head.sensor_width_px = 700;
   head.sensor_height_px = 460;
-  head.model.camera = {.fu_px = 1350, .fv_px = 1345, .cu_px = 352, .cv_px = 226, .k1 = -0.1, .k2 = 0.1, .p1 = 3e-4, .p2 = -2e-4};
+  head.model.camera = {.fu_px = 1350,
+                       .fv_px = 1345,
+                       .cu_px = 352,
+                       .cv_px = 226,
+                       .k1 = -0.1,
+                       .k2 = 0.1,
+                       .p1 = 3e-4,
+                       .p2 = -2e-4};
   head.faults.blur_px = 0.8;
   return head;
 }
 
 PlacedGrid facing(double tilt_rad) {
-  return {.grid = {.rows = 3, .cols = 5}, .T_cam_sheet = geometry::make_se3(Eigen::Quaterniond(geometry::exp_so3(Vec3(0, tilt_rad, 0))), {1, 2, 210})};
+  return {.grid = {.rows = 3, .cols = 5},
+          .T_cam_sheet =
+              geometry::make_se3(Eigen::Quaterniond(geometry::exp_so3(Vec3(0, tilt_rad, 0))), {1, 2, 210})};
 }
 
 /// Centre of the darkness around a place, weighted by how dark it is.
@@ -39,11 +48,12 @@ Vec2 dark_centre(const image::GreyImage& picture, const Vec2& about, int reach) 
 
 }  // namespace
 
-TEST_GROUP(RingTarget) {};
+TEST_GROUP(RingTarget){};
 
 TEST(RingTarget, RingsSeenHeadOnHaveTheirCentresWhereTheCameraProjectsThem) {
   MadeHead head = small_head();
-  // Distortion bends rings, so that their middles leave the centres' images by some 0.05 px: not what is asked here.
+  // Distortion bends rings, so that their middles leave the centres' images by some 0.05 px: not what is
+  // asked here.
   head.model.camera.k1 = head.model.camera.k2 = head.model.camera.p1 = head.model.camera.p2 = 0;
   const PlacedGrid sheet = facing(0);
   const auto picture = render_rings(head, {&sheet, 1}, {.white_grey = 200, .slope_ratio = 0}, 7);
@@ -51,7 +61,8 @@ TEST(RingTarget, RingsSeenHeadOnHaveTheirCentresWhereTheCameraProjectsThem) {
     for (int col = 0; col < sheet.grid.cols; ++col) {
       const Vec2 expected = head.model.camera.project(sheet.T_cam_sheet * sheet.grid.centre(row, col));
       const Vec2 found = dark_centre(picture, expected, 44);
-      // Noise of 2 levels in 170 over some 2900 dark pixels, and samples 1/6 px apart along an edge of 190 px: below 0.01 px.
+      // Noise of 2 levels in 170 over some 2900 dark pixels, and samples 1/6 px apart along an edge of 190
+      // px: below 0.01 px.
       DOUBLES_EQUAL(0, (found - expected).norm(), 0.02);
     }
   }

@@ -35,7 +35,10 @@ class TemporaryFolder {
 
 /// A coarse scan of some ten pictures.
 SceneSettings quick_scene(ShoeClass shoe_class) {
-  return {.shoe = draw_shoe(shoe_class, 4), .scan_speed_mm_s = 1000, .rate_hz = 15, .fineness = {.column_mm = 1.5, .coarse_row_mm = 0.5}};
+  return {.shoe = draw_shoe(shoe_class, 4),
+          .scan_speed_mm_s = 1000,
+          .rate_hz = 15,
+          .fineness = {.column_mm = 1.5, .coarse_row_mm = 0.5}};
 }
 
 std::string bytes_of(const fs::path& file) {
@@ -48,8 +51,11 @@ SE3 pose_at(const session::Session& session, SensorClock::time_point instant) {
     return to_sensor_clock(pose.stamp, session.sensor.pose_clock_offset) >= instant;
   });
   const auto before = after - 1;
-  const auto stamp = [&](const auto& pose) { return to_sensor_clock(pose.stamp, session.sensor.pose_clock_offset); };
-  const double part = static_cast<double>((instant - stamp(*before)).count()) / static_cast<double>((stamp(*after) - stamp(*before)).count());
+  const auto stamp = [&](const auto& pose) {
+    return to_sensor_clock(pose.stamp, session.sensor.pose_clock_offset);
+  };
+  const double part = static_cast<double>((instant - stamp(*before)).count()) /
+                      static_cast<double>((stamp(*after) - stamp(*before)).count());
   return geometry::interpolate(before->T_base_flange, after->T_base_flange, part);
 }
 
@@ -74,12 +80,15 @@ double cloud_rms_mm(const fs::path& folder, const MadeScene& scene) {
   int count = 0;
   for (const auto& frame : session.frames) {
     const auto picture = *image::read_png(frame.file);
-    const SE3 T_shoe_cam = scene.T_base_shoe.inverse() * pose_at(session, frame.exposure_mid) * session.sensor.T_flange_cam;
+    const SE3 T_shoe_cam =
+        scene.T_base_shoe.inverse() * pose_at(session, frame.exposure_mid) * session.sensor.T_flange_cam;
     for (int column = 0; column < picture.width_px; column += 7) {
       const auto row_px = centre_px(picture, column);
       if (!row_px) continue;
-      const Vec2 pixel_px(column + session.sensor.region.offset_u_px, *row_px + session.sensor.region.offset_v_px);
-      const Vec3 point = T_shoe_cam * geometry::triangulate(session.sensor.camera, session.sensor.laser_plane, pixel_px);
+      const Vec2 pixel_px(column + session.sensor.region.offset_u_px,
+                          *row_px + session.sensor.region.offset_v_px);
+      const Vec3 point =
+          T_shoe_cam * geometry::triangulate(session.sensor.camera, session.sensor.laser_plane, pixel_px);
       if (point.z() < 1 || point.z() > scene.settings.shoe.upper.top_z_mm - 2) continue;
       const double error_mm = std::clamp(distance.signed_distance_mm(point), -0.5, 0.5);
       square_sum += error_mm * error_mm;
@@ -92,14 +101,15 @@ double cloud_rms_mm(const fs::path& folder, const MadeScene& scene) {
 
 }  // namespace
 
-TEST_GROUP(SessionRecorder) {};
+TEST_GROUP(SessionRecorder){};
 
 TEST(SessionRecorder, ASessionReadBackAndTriangulatedLiesOnTheShoe) {
   const TemporaryFolder folder("record");
   const auto scene = *make_scene(quick_scene(ShoeClass::Deep));
   CHECK(record_session(folder.path(), *scene, {}, {}).has_value());
-  // Poses 0.010 mm in each direction, turned by 0.003 degrees at 480 mm; peaks by a plain centre of gravity 0.01 to 0.02 mm,
-  // worse on the groove's walls; facets of 1.5 mm at the toe's radius 0.01 mm; poses 2 ms apart at ten times the usual speed.
+  // Poses 0.010 mm in each direction, turned by 0.003 degrees at 480 mm; peaks by a plain centre of gravity
+  // 0.01 to 0.02 mm, worse on the groove's walls; facets of 1.5 mm at the toe's radius 0.01 mm; poses 2 ms
+  // apart at ten times the usual speed.
   CHECK(cloud_rms_mm(folder.path(), *scene) < 0.03);
 }
 
@@ -107,8 +117,10 @@ TEST(SessionRecorder, AClockOffsetThatIsNotToldSpoilsTheCloudAndOneThatIsToldDoe
   const TemporaryFolder told("told"), hidden("hidden");
   const auto scene = *make_scene(quick_scene(ShoeClass::Deep));
   constexpr Nanoseconds k_offset{3'700'000};
-  CHECK(record_session(told.path(), *scene, {.pose_clock_offset = k_offset, .tell_clock_offset = true}, {}).has_value());
-  CHECK(record_session(hidden.path(), *scene, {.pose_clock_offset = k_offset, .tell_clock_offset = false}, {}).has_value());
+  CHECK(record_session(told.path(), *scene, {.pose_clock_offset = k_offset, .tell_clock_offset = true}, {})
+            .has_value());
+  CHECK(record_session(hidden.path(), *scene, {.pose_clock_offset = k_offset, .tell_clock_offset = false}, {})
+            .has_value());
   CHECK(cloud_rms_mm(hidden.path(), *scene) > 2 * cloud_rms_mm(told.path(), *scene));
 }
 

@@ -12,7 +12,8 @@ SurfaceMesh steps() {
   SurfaceMesh mesh;
   const auto square = [&](float low, float high, float z, SurfaceLook look) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-    for (const auto& corner : {std::array{low, low, z}, std::array{high, low, z}, std::array{high, high, z}, std::array{low, high, z}}) {
+    for (const auto& corner : {std::array{low, low, z}, std::array{high, low, z}, std::array{high, high, z},
+                               std::array{low, high, z}}) {
       mesh.vertices.push_back(corner);
       mesh.looks.push_back(look);
     }
@@ -26,7 +27,7 @@ SurfaceMesh steps() {
 
 }  // namespace
 
-TEST_GROUP(Scene) {};
+TEST_GROUP(Scene){};
 
 TEST(Scene, FirstHitIsTheNearestSurfaceWithItsNormalTowardsTheRay) {
   const Scene sut = *Scene::build(steps());
@@ -50,6 +51,8 @@ TEST(Scene, SeesPastAndNotThrough) {
   CHECK_FALSE(sut.sees({-80, 10, 50}, {25, 10, 0}));
 }
 
-TEST(Scene, RefusesAnEmptyMesh) { CHECK_FALSE(Scene::build(SurfaceMesh{}).has_value()); }
+TEST(Scene, RefusesAnEmptyMesh) {
+  CHECK_FALSE(Scene::build(SurfaceMesh{}).has_value());
+}
 
 }  // namespace biteline::sim

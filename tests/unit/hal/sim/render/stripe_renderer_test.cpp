@@ -18,7 +18,8 @@ SurfaceMesh board(SurfaceLook left, SurfaceLook right) {
   for (const double side : {-1.0, 1.0}) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     const auto edge = static_cast<float>(side * 300);
-    for (const auto& corner : {std::array{0.0F, -300.0F, 0.0F}, std::array{edge, -300.0F, 0.0F}, std::array{edge, 300.0F, 0.0F}, std::array{0.0F, 300.0F, 0.0F}}) {
+    for (const auto& corner : {std::array{0.0F, -300.0F, 0.0F}, std::array{edge, -300.0F, 0.0F},
+                               std::array{edge, 300.0F, 0.0F}, std::array{0.0F, 300.0F, 0.0F}}) {
       mesh.vertices.push_back(corner);
       mesh.looks.push_back(side < 0 ? left : right);
     }
@@ -43,7 +44,8 @@ SE3 T_board_cam(const MadeHead& head) {
 
 double column_light(const std::vector<std::uint8_t>& pixels, const geometry::Region& region, int column) {
   double sum = 0;
-  for (int row = 0; row < region.height_px; ++row) sum += pixels[static_cast<std::size_t>(row * region.width_px + column)];
+  for (int row = 0; row < region.height_px; ++row)
+    sum += pixels[static_cast<std::size_t>(row * region.width_px + column)];
   return sum;
 }
 
@@ -57,7 +59,9 @@ TEST_GROUP(StripeRenderer) {
   void setup() override {
     pixels.resize(static_cast<std::size_t>(head.model.region.width_px * head.model.region.height_px));
   }
-  [[nodiscard]] Shot shot() const { return {.T_scene_cam = T_board_cam(head), .region = head.model.region, .noise_seed = 9}; }
+  [[nodiscard]] Shot shot() const {
+    return {.T_scene_cam = T_board_cam(head), .region = head.model.region, .noise_seed = 9};
+  }
 };
 
 TEST(StripeRenderer, TrueRowsTriangulateOntoTheBoard) {
@@ -66,10 +70,12 @@ TEST(StripeRenderer, TrueRowsTriangulateOntoTheBoard) {
   sut.render(shot(), pixels, &truth);
   CHECK(truth.size() > 1500);
   for (const auto& stripe : truth) {
-    const Vec2 pixel_px(stripe.column_px + head.model.region.offset_u_px, stripe.row_px + head.model.region.offset_v_px);
+    const Vec2 pixel_px(stripe.column_px + head.model.region.offset_u_px,
+                        stripe.row_px + head.model.region.offset_v_px);
     const Vec3 point_cam = geometry::triangulate(head.model.camera, head.model.laser_plane, pixel_px);
     const Vec3 point_board = T_board_cam(head) * point_cam;
-    // Single precision of the ray tracer and a straight line between pixels half apart: a few micrometres at the most.
+    // Single precision of the ray tracer and a straight line between pixels half apart: a few micrometres at
+    // the most.
     DOUBLES_EQUAL(0, point_board.z(), 0.002);
   }
 }
@@ -83,13 +89,15 @@ TEST(StripeRenderer, PixelsCarryTheStripeWhereTheTruthSays) {
   for (const auto& stripe : truth) {
     double sum = 0, moment = 0;
     for (int row = static_cast<int>(stripe.row_px) - 9; row <= static_cast<int>(stripe.row_px) + 10; ++row) {
-      const double value = pixels[static_cast<std::size_t>(row * head.model.region.width_px + stripe.column_px)];
+      const double value =
+          pixels[static_cast<std::size_t>(row * head.model.region.width_px + stripe.column_px)];
       sum += value;
       moment += value * row;
     }
     square_sum += std::pow(moment / sum - stripe.row_px, 2);
   }
-  // Shot noise alone: sigma / sqrt(electrons) = 2.5 / sqrt(40 * 1000) = 0.013 px; read noise and rounding add as much.
+  // Shot noise alone: sigma / sqrt(electrons) = 2.5 / sqrt(40 * 1000) = 0.013 px; read noise and rounding add
+  // as much.
   CHECK(std::sqrt(square_sum / static_cast<double>(truth.size())) < 0.04);
 }
 
@@ -119,17 +127,20 @@ TEST(StripeRenderer, LaserOffLeavesTheBackgroundAlone) {
 }
 
 TEST(StripeRenderer, LightGrowsWithReflectanceAndExposureUntilItSaturates) {
-  const Scene scene = *Scene::build(board({.diffuse_ratio = 0.05, .glossy = false}, {.diffuse_ratio = 0.5, .glossy = false}));
+  const Scene scene =
+      *Scene::build(board({.diffuse_ratio = 0.05, .glossy = false}, {.diffuse_ratio = 0.5, .glossy = false}));
   StripeRenderer sut(scene, head);
   const auto mean_light = [&](double exposure_ratio, int from) {
     Shot exposed = shot();
     exposed.exposure_ratio = exposure_ratio;
     sut.render(exposed, pixels, nullptr);
     double sum = 0;
-    for (int column = from; column < from + 200; ++column) sum += column_light(pixels, head.model.region, column);
+    for (int column = from; column < from + 200; ++column)
+      sum += column_light(pixels, head.model.region, column);
     exposed.laser_on = false;
     sut.render(exposed, pixels, nullptr);
-    for (int column = from; column < from + 200; ++column) sum -= column_light(pixels, head.model.region, column);
+    for (int column = from; column < from + 200; ++column)
+      sum -= column_light(pixels, head.model.region, column);
     return sum / 200;
   };
   const double black = mean_light(1, 200), bright = mean_light(1, 1200);
@@ -142,7 +153,8 @@ TEST(StripeRenderer, LightGrowsWithReflectanceAndExposureUntilItSaturates) {
 }
 
 TEST(StripeRenderer, GlossyPlacesAreDark) {
-  const Scene scene = *Scene::build(board({.diffuse_ratio = 0.6, .glossy = true}, {.diffuse_ratio = 0.6, .glossy = false}));
+  const Scene scene =
+      *Scene::build(board({.diffuse_ratio = 0.6, .glossy = true}, {.diffuse_ratio = 0.6, .glossy = false}));
   StripeRenderer sut(scene, head);
   sut.render(shot(), pixels, nullptr);
   CHECK(column_light(pixels, head.model.region, 300) < 0.1 * column_light(pixels, head.model.region, 1300));
@@ -152,7 +164,8 @@ TEST(StripeRenderer, AMirrorImageIsMarkedAndLiesOffTheFirstSurface) {
   // A glossy board, and a matt wall standing on its edge that the mirrored fan meets.
   SurfaceMesh mesh = board({.diffuse_ratio = 0.6, .glossy = true}, {.diffuse_ratio = 0.6, .glossy = true});
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-  for (const auto& corner : {std::array{45.0F, -300.0F, 0.0F}, std::array{45.0F, 300.0F, 0.0F}, std::array{45.0F, 300.0F, 60.0F}, std::array{45.0F, -300.0F, 60.0F}}) {
+  for (const auto& corner : {std::array{45.0F, -300.0F, 0.0F}, std::array{45.0F, 300.0F, 0.0F},
+                             std::array{45.0F, 300.0F, 60.0F}, std::array{45.0F, -300.0F, 60.0F}}) {
     mesh.vertices.push_back(corner);
     mesh.looks.push_back({.diffuse_ratio = 0.9, .glossy = false});
   }
@@ -161,7 +174,8 @@ TEST(StripeRenderer, AMirrorImageIsMarkedAndLiesOffTheFirstSurface) {
   const Scene scene = *Scene::build(mesh);
   StripeRenderer sut(scene, head);
   sut.render(shot(), pixels, &truth);
-  const auto mirrored = std::count_if(truth.begin(), truth.end(), [](const auto& stripe) { return stripe.mirrored; });
+  const auto mirrored =
+      std::count_if(truth.begin(), truth.end(), [](const auto& stripe) { return stripe.mirrored; });
   CHECK(mirrored > 10);
 }
 
@@ -171,10 +185,14 @@ TEST(StripeRenderer, ASmallerRegionShowsTheSameStripeShifted) {
   sut.render(shot(), pixels, &truth);
   const TrueStripePoint whole = truth[700];
   Shot small = shot();
-  small.region = {.offset_u_px = 104, .offset_v_px = head.model.region.offset_v_px + 60, .width_px = 800, .height_px = 200};
+  small.region = {.offset_u_px = 104,
+                  .offset_v_px = head.model.region.offset_v_px + 60,
+                  .width_px = 800,
+                  .height_px = 200};
   pixels.resize(800 * 200);
   sut.render(small, pixels, &truth);
-  const auto same = std::find_if(truth.begin(), truth.end(), [&](const auto& s) { return s.column_px == whole.column_px - 104; });
+  const auto same = std::find_if(truth.begin(), truth.end(),
+                                 [&](const auto& s) { return s.column_px == whole.column_px - 104; });
   CHECK(same != truth.end());
   DOUBLES_EQUAL(whole.row_px - 60, same->row_px, 1e-9);
 }

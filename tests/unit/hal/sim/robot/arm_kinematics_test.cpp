@@ -24,7 +24,8 @@ TEST(ArmKinematics, JointsNearComeBackToTheJointsThatMadeThePose) {
   Random random(4);
   for (int i = 0; i < 200; ++i) {
     JointVector q_rad, near_rad;
-    q_rad << random.uniform({-3, 3}), random.uniform({-2, -0.6}), random.uniform({0.6, 2.2}), random.uniform({-2, 0}), random.uniform({-2.2, -0.7}), random.uniform({-3, 3});
+    q_rad << random.uniform({-3, 3}), random.uniform({-2, -0.6}), random.uniform({0.6, 2.2}),
+        random.uniform({-2, 0}), random.uniform({-2.2, -0.7}), random.uniform({-3, 3});
     for (int k = 0; k < 6; ++k) near_rad[k] = q_rad[k] + random.uniform({-0.05, 0.05});
     const auto found = sut.joints_near(sut.T_base_flange(q_rad), near_rad);
     CHECK(found.has_value());
@@ -33,7 +34,8 @@ TEST(ArmKinematics, JointsNearComeBackToTheJointsThatMadeThePose) {
 }
 
 TEST(ArmKinematics, AnywhereFindsAPostureThatReachesAndSaysWhenThereIsNone) {
-  const SE3 T = geometry::make_se3(Eigen::Quaterniond(Eigen::AngleAxisd(3.0, Vec3(1, 0.1, 0).normalized())), {-400, 150, 250});
+  const SE3 T = geometry::make_se3(Eigen::Quaterniond(Eigen::AngleAxisd(3.0, Vec3(1, 0.1, 0).normalized())),
+                                   {-400, 150, 250});
   const auto found = sut.joints_anywhere(T);
   CHECK(found.has_value());
   TRANSFORMS_EQUAL(T, sut.T_base_flange(*found), 1e-3, 1e-6);
@@ -42,6 +44,8 @@ TEST(ArmKinematics, AnywhereFindsAPostureThatReachesAndSaysWhenThereIsNone) {
   CHECK_FALSE(sut.joints_anywhere(far).has_value());
 }
 
-TEST(ArmKinematics, UnknownArmsAreNoArms) { CHECK_FALSE(ArmKinematics::named("ur99").has_value()); }
+TEST(ArmKinematics, UnknownArmsAreNoArms) {
+  CHECK_FALSE(ArmKinematics::named("ur99").has_value());
+}
 
 }  // namespace biteline::sim

@@ -22,7 +22,8 @@ TEST(Program, AJointMoveEndsAtItsJointsAndHalfWayIsHalfWayInJoints) {
   goal_rad << 0.5, -1.2, 1.5, -1.6, -1.4, 0.4;
   TRANSFORMS_EQUAL(arm.T_base_flange(home_rad), sut.T_base_flange_at(0), 1e-3, 1e-6);
   TRANSFORMS_EQUAL(arm.T_base_flange(goal_rad), sut.T_base_flange_at(sut.duration_s() + 1), 1e-6, 1e-9);
-  TRANSFORMS_EQUAL(arm.T_base_flange((home_rad + goal_rad) / 2), sut.T_base_flange_at(sut.duration_s() / 2), 1e-3, 1e-6);
+  TRANSFORMS_EQUAL(arm.T_base_flange((home_rad + goal_rad) / 2), sut.T_base_flange_at(sut.duration_s() / 2),
+                   1e-3, 1e-6);
   // 0.4 rad at 0.5 rad/s with 1 rad/s^2: 0.4 / 0.5 + 0.5 / 1
   DOUBLES_EQUAL(1.3, sut.duration_s(), 1e-6);
 }
@@ -59,7 +60,8 @@ TEST(Program, NeverJumps) {
   constexpr double k_step_s = 0.002;
   for (double t = 0; t < sut.duration_s(); t += k_step_s) {
     const SE3 step = sut.T_base_flange_at(t).inverse() * sut.T_base_flange_at(t + k_step_s);
-    CHECK(step.translation().norm() < 2000 * k_step_s);  // 1.05 rad/s at under a metre's reach, and the tool's turn
+    CHECK(step.translation().norm() <
+          2000 * k_step_s);  // 1.05 rad/s at under a metre's reach, and the tool's turn
     CHECK(geometry::log_so3(step.linear()).norm() < 8 * k_step_s);
   }
 }

@@ -7,11 +7,13 @@ namespace biteline::sim {
 
 namespace {
 
-const MoveStep& move(const Script& script, std::size_t i) { return std::get<MoveStep>(script.steps[i]); }
+const MoveStep& move(const Script& script, std::size_t i) {
+  return std::get<MoveStep>(script.steps[i]);
+}
 
 }  // namespace
 
-TEST_GROUP(Script) {};
+TEST_GROUP(Script){};
 
 TEST(Script, ReadsAPathProgramInOurUnits) {
   const auto sut = parse_script(
@@ -41,7 +43,8 @@ TEST(Script, ReadsAPathProgramInOurUnits) {
 }
 
 TEST(Script, TakesArgumentsByPositionVariablesAndDefaults) {
-  const auto sut = parse_script("goal = p[0.1,0,0,0,0,0]\nlocal v1 = 0.2\nmovel(goal, 0.7, v1)\nmovej(goal)\n");
+  const auto sut =
+      parse_script("goal = p[0.1,0,0,0,0,0]\nlocal v1 = 0.2\nmovel(goal, 0.7, v1)\nmovej(goal)\n");
   CHECK(sut.has_value());
   DOUBLES_EQUAL(700, move(*sut, 0).acceleration, 1e-9);
   DOUBLES_EQUAL(200, move(*sut, 0).speed, 1e-9);

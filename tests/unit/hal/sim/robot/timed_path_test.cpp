@@ -11,11 +11,13 @@ namespace biteline::sim {
 
 namespace {
 
-SE3 at(double x, double y) { return geometry::make_se3(Eigen::Quaterniond::Identity(), {x, y, 0}); }
+SE3 at(double x, double y) {
+  return geometry::make_se3(Eigen::Quaterniond::Identity(), {x, y, 0});
+}
 
 }  // namespace
 
-TEST_GROUP(TimedPath) {};
+TEST_GROUP(TimedPath){};
 
 TEST(TimedPath, OneMoveTakesTheTimeOfItsTrapezoid) {
   const TimedPath sut(at(0, 0), {{.T_base_tcp = at(300, 0), .speed_mm_s = 100, .acceleration_mm_s2 = 500}});
@@ -27,13 +29,16 @@ TEST(TimedPath, OneMoveTakesTheTimeOfItsTrapezoid) {
 
 TEST(TimedPath, StopsAtACornerWithoutBlendAndRunsThroughOneWith) {
   for (const double blend_mm : {0.0, 10.0}) {
-    const TimedPath sut(at(0, 0), {{.T_base_tcp = at(100, 0), .speed_mm_s = 100, .acceleration_mm_s2 = 1000, .blend_mm = blend_mm},
-                                   {.T_base_tcp = at(100, 100), .speed_mm_s = 100, .acceleration_mm_s2 = 1000}});
+    const TimedPath sut(
+        at(0, 0),
+        {{.T_base_tcp = at(100, 0), .speed_mm_s = 100, .acceleration_mm_s2 = 1000, .blend_mm = blend_mm},
+         {.T_base_tcp = at(100, 100), .speed_mm_s = 100, .acceleration_mm_s2 = 1000}});
     double slowest_mm_s = 1e9, nearest_mm = 1e9;
     constexpr double k_step_s = 0.002;
     for (double t = 0.2; t < sut.duration_s() - 0.2; t += k_step_s) {
       const Vec3 p = sut.T_base_tcp_at(t).translation();
-      slowest_mm_s = std::min(slowest_mm_s, (sut.T_base_tcp_at(t + k_step_s).translation() - p).norm() / k_step_s);
+      slowest_mm_s =
+          std::min(slowest_mm_s, (sut.T_base_tcp_at(t + k_step_s).translation() - p).norm() / k_step_s);
       nearest_mm = std::min(nearest_mm, (p - Vec3(100, 0, 0)).norm());
     }
     if (blend_mm == 0) {
@@ -41,7 +46,8 @@ TEST(TimedPath, StopsAtACornerWithoutBlendAndRunsThroughOneWith) {
       CHECK(nearest_mm < 0.1);
     } else {
       CHECK(slowest_mm_s > 60);
-      // A parabola through (90, 0), (100, 0), (100, 10) passes the corner at half the control point's distance.
+      // A parabola through (90, 0), (100, 0), (100, 10) passes the corner at half the control point's
+      // distance.
       DOUBLES_EQUAL(10 * std::sqrt(2) / 4, nearest_mm, 0.2);
     }
   }
@@ -63,7 +69,8 @@ TEST(TimedPath, AFineCurveKeepsItsSpeedAndStaysWithinTheBlendsSag) {
     const Vec3 from_centre = T.translation() - Vec3(0, k_radius_mm, 0);
     // Chords of 1.05 mm: sagitta 1.05^2 / (8 * 35) = 0.004 mm.
     DOUBLES_EQUAL(k_radius_mm, from_centre.norm(), 0.006);
-    DOUBLES_EQUAL(30, (sut.T_base_tcp_at(t + k_step_s).translation() - T.translation()).norm() / k_step_s, 0.5);
+    DOUBLES_EQUAL(30, (sut.T_base_tcp_at(t + k_step_s).translation() - T.translation()).norm() / k_step_s,
+                  0.5);
   }
 }
 

@@ -35,7 +35,8 @@ std::string read_line(const hal::Descriptor& socket) {
   for (;;) {
     pollfd wait{socket.number(), POLLIN, 0};
     char letter = 0;
-    if (poll(&wait, 1, k_patience_ms) <= 0 || recv(socket.number(), &letter, 1, 0) != 1) return line + " <closed>";
+    if (poll(&wait, 1, k_patience_ms) <= 0 || recv(socket.number(), &letter, 1, 0) != 1)
+      return line + " <closed>";
     if (letter == '\n') return line;
     line += letter;
   }
@@ -60,7 +61,9 @@ class Client {
  public:
   explicit Client(std::uint16_t port)
       : socket_(connect_to(port)),
-        session_({.outputs = {{.names = {"timestamp", "actual_TCP_pose", "runtime_state"}, .frequency_hz = 500}}, .inputs = {}}) {
+        session_(
+            {.outputs = {{.names = {"timestamp", "actual_TCP_pose", "runtime_state"}, .frequency_hz = 500}},
+             .inputs = {}}) {
     session_.start();
   }
   template <class Enough>
@@ -108,13 +111,18 @@ TEST(UrController, StreamsPosesAtTheCyclesOfItsOwnClock) {
 TEST(UrController, RunsAScriptToItsEnd) {
   Client client(sut->ports().rtde);
   const hal::Descriptor script = connect_to(sut->ports().script);
-  const double x_m = T_start.translation().x() / 1000, y_m = T_start.translation().y() / 1000, z_m = T_start.translation().z() / 1000;
+  const double x_m = T_start.translation().x() / 1000, y_m = T_start.translation().y() / 1000,
+               z_m = T_start.translation().z() / 1000;
   const Vec3 r = geometry::log_so3(T_start.linear());
   char text[300];
-  std::snprintf(text, sizeof text, "def go():\n  movel(p[%.6f,%.6f,%.6f,%.6f,%.6f,%.6f], a=2, v=0.2)\nend\n", x_m, y_m, z_m + 0.02, r.x(), r.y(), r.z());
+  std::snprintf(text, sizeof text, "def go():\n  movel(p[%.6f,%.6f,%.6f,%.6f,%.6f,%.6f], a=2, v=0.2)\nend\n",
+                x_m, y_m, z_m + 0.02, r.x(), r.y(), r.z());
   send_text(script, text);
-  CHECK(client.read_until([&](const Recorder& rec) { return !rec.poses.empty() && std::abs(rec.poses.back()[2] - z_m - 0.02) < 1e-6 && rec.states.back() == 1; }));
-  CHECK(std::find(client.recorder.states.begin(), client.recorder.states.end(), 2U) != client.recorder.states.end());
+  CHECK(client.read_until([&](const Recorder& rec) {
+    return !rec.poses.empty() && std::abs(rec.poses.back()[2] - z_m - 0.02) < 1e-6 && rec.states.back() == 1;
+  }));
+  CHECK(std::find(client.recorder.states.begin(), client.recorder.states.end(), 2U) !=
+        client.recorder.states.end());
   LONGS_EQUAL(1, sut->scripts_run());
 }
 

@@ -11,9 +11,9 @@ namespace biteline::sim {
 
 namespace {
 
-constexpr std::array k_all_classes{ShoeClass::Deep,     ShoeClass::Shallow,   ShoeClass::Step,     ShoeClass::Filled,
-                                   ShoeClass::Faded,    ShoeClass::Decorated, ShoeClass::Stitched, ShoeClass::Glossy,
-                                   ShoeClass::Mixed,    ShoeClass::Bare};
+constexpr std::array k_all_classes{
+    ShoeClass::Deep,      ShoeClass::Shallow,  ShoeClass::Step,   ShoeClass::Filled, ShoeClass::Faded,
+    ShoeClass::Decorated, ShoeClass::Stitched, ShoeClass::Glossy, ShoeClass::Mixed,  ShoeClass::Bare};
 
 Vec3 facet_normal(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
   const auto corner = [&](std::size_t k) {
@@ -25,10 +25,11 @@ Vec3 facet_normal(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>& t
 
 }  // namespace
 
-TEST_GROUP(MadeShoe) {};
+TEST_GROUP(MadeShoe){};
 
 TEST(MadeShoe, IsTheSameForTheSameSeedAndAnotherForAnother) {
-  const MadeShoe a(draw_shoe(ShoeClass::Mixed, 7)), b(draw_shoe(ShoeClass::Mixed, 7)), c(draw_shoe(ShoeClass::Mixed, 8));
+  const MadeShoe a(draw_shoe(ShoeClass::Mixed, 7)), b(draw_shoe(ShoeClass::Mixed, 7)),
+      c(draw_shoe(ShoeClass::Mixed, 8));
   for (double s_mm = 0; s_mm < 300; s_mm += 31) {
     const Vec3 point = a.section(s_mm).point(25);
     DOUBLES_EQUAL(0, (point - b.section(s_mm).point(25)).norm(), 0);
@@ -71,7 +72,8 @@ TEST(MadeShoe, NormalAgreesWithAFineMesh) {
   for (double s_mm = 3; s_mm < sut.perimeter_mm(); s_mm += 23.7) {
     const double line_z_mm = sut.section(s_mm).line_height_mm();
     for (double z_mm = line_z_mm - 6; z_mm < line_z_mm + 20; z_mm += 1.9) {
-      const Vec3 along = sut.section(s_mm + k_step_mm).point(z_mm) - sut.section(s_mm - k_step_mm).point(z_mm);
+      const Vec3 along =
+          sut.section(s_mm + k_step_mm).point(z_mm) - sut.section(s_mm - k_step_mm).point(z_mm);
       const Vec3 up = sut.section(s_mm).point(z_mm + k_step_mm) - sut.section(s_mm).point(z_mm - k_step_mm);
       const Vec3 expected = along.cross(up).normalized();
       DOUBLES_EQUAL(0, expected.cross(sut.normal(s_mm, z_mm)).norm(), 2e-3);
@@ -97,15 +99,18 @@ TEST(MadeShoe, BareUpperFollowsItsSampleAboveTheLineWithinTheLastsDifference) {
 
 TEST(MadeShoe, MeshIsWatertightAroundAndLooksOutwards) {
   const MadeShoe shoe(draw_shoe(ShoeClass::Decorated, 2));
-  const SurfaceMesh sut = mesh_of(shoe, {.column_mm = 3, .fine_row_mm = 0.5, .fine_band_mm = 4, .coarse_row_mm = 3});
+  const SurfaceMesh sut =
+      mesh_of(shoe, {.column_mm = 3, .fine_row_mm = 0.5, .fine_band_mm = 4, .coarse_row_mm = 3});
   LONGS_EQUAL(sut.vertices.size(), sut.looks.size());
-  // Divergence theorem: the flux of (x, y, 0) / 2 through the wall is the enclosed volume, about area times height.
+  // Divergence theorem: the flux of (x, y, 0) / 2 through the wall is the enclosed volume, about area times
+  // height.
   double volume_mm3 = 0;
   for (const auto& triangle : sut.triangles) {
     const auto& v = sut.vertices[triangle[0]];
     volume_mm3 += 0.25 * Vec3(v[0], v[1], 0).dot(facet_normal(sut, triangle));
   }
-  const double box_mm3 = shoe.outline().length_mm() * 0.35 * shoe.outline().length_mm() * shoe.section(0).top_z_mm();
+  const double box_mm3 =
+      shoe.outline().length_mm() * 0.35 * shoe.outline().length_mm() * shoe.section(0).top_z_mm();
   CHECK(volume_mm3 > 0.5 * box_mm3 && volume_mm3 < 1.1 * box_mm3);
 }
 

@@ -16,7 +16,8 @@ TEST(Outline, RunsAtUnitSpeedSoThatPlacesAreArcLengths) {
   constexpr double k_step_mm = 0.5;
   for (double s_mm = -20; s_mm < sut.perimeter_mm() + 20; s_mm += 7.3) {
     const double chord_mm = (sut.at(s_mm + k_step_mm).point - sut.at(s_mm).point).norm();
-    // A chord of an arc of radius R is shorter by step^3 / (24 R^2); no outline here bends tighter than 10 mm.
+    // A chord of an arc of radius R is shorter by step^3 / (24 R^2); no outline here bends tighter than 10
+    // mm.
     DOUBLES_EQUAL(k_step_mm, chord_mm, k_step_mm * k_step_mm * k_step_mm / (24 * 10 * 10) + 1e-6);
   }
 }
@@ -40,9 +41,11 @@ TEST(Outline, RunsAnticlockwiseWithItsNormalOutwardsOnBothFeet) {
     constexpr double k_step_mm = 0.2;
     for (double s_mm = 0; s_mm < sut.perimeter_mm(); s_mm += k_step_mm) {
       const auto place = sut.at(s_mm);
-      area_mm2 += 0.5 * k_step_mm * (place.point.x() * place.tangent.y() - place.point.y() * place.tangent.x());
+      area_mm2 +=
+          0.5 * k_step_mm * (place.point.x() * place.tangent.y() - place.point.y() * place.tangent.x());
       turned_rad += k_step_mm * place.curvature_per_mm;
-      DOUBLES_EQUAL(-1, place.normal.x() * place.tangent.y() * -1 + place.normal.y() * place.tangent.x(), 1e-12);
+      DOUBLES_EQUAL(-1, place.normal.x() * place.tangent.y() * -1 + place.normal.y() * place.tangent.x(),
+                    1e-12);
     }
     CHECK(area_mm2 > 15000);
     DOUBLES_EQUAL(2 * M_PI, turned_rad, 0.02);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// \file The definition of the line's place, as this module spells it out, against a set whose truth others made.
+/// \file The definition of the line's place, as this module spells it out, against a set whose truth others
+/// made.
 #include <CppUTest/TestHarness.h>
 
 #include <algorithm>
@@ -74,17 +75,19 @@ class Column {
 
 }  // namespace
 
-TEST_GROUP(ReferenceTruth) {};
+TEST_GROUP(ReferenceTruth){};
 
 TEST(ReferenceTruth, SameDefinitionGivesTheSameLine) {
   BITELINE_SHARED_DATA_OR_SKIP(folder, "sessions/sport3/truth");
-  const std::vector<Vec3> grid = read_grid(folder / "reference.ply"), truth = read_line(folder / "groove.csv");
+  const std::vector<Vec3> grid = read_grid(folder / "reference.ply"),
+                          truth = read_line(folder / "groove.csv");
   LONGS_EQUAL(k_columns, truth.size());
 
   std::vector<SmoothedSection> sections;
   for (std::size_t i = 0; i < k_columns; ++i) {
     const Column column(&grid[i * k_rows]);
-    sections.push_back(smoothed_section([&](double z_mm) { return column.offset_mm(z_mm); }, truth[i].z(), {}));
+    sections.push_back(
+        smoothed_section([&](double z_mm) { return column.offset_mm(z_mm); }, truth[i].z(), {}));
   }
   const LineHeights heights = line_heights(sections, 628.3 / k_columns, {});
   double worst_mm = 0, sum_mm = 0;

@@ -7,12 +7,13 @@
 
 namespace biteline::sim {
 
-TEST_GROUP(ScannedCloud) {};
+TEST_GROUP(ScannedCloud){};
 
 TEST(ScannedCloud, PointsLieOnTheSurfaceUpToTheNoise) {
   const MadeShoe shoe(draw_shoe(ShoeClass::Deep, 3));
   const ScanSettings settings{.profile_step_mm = 40, .noise_mm = 0.02};
-  const SE3 T_base_shoe = geometry::make_se3(Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Vec3::UnitZ())), {300, -50, 60});
+  const SE3 T_base_shoe =
+      geometry::make_se3(Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Vec3::UnitZ())), {300, -50, 60});
   const ScannedCloud sut = scan_quickly(shoe, settings, T_base_shoe);
 
   const double profiles = std::round(shoe.perimeter_mm() / settings.profile_step_mm);
@@ -22,7 +23,8 @@ TEST(ScannedCloud, PointsLieOnTheSurfaceUpToTheNoise) {
     const double s_mm = shoe.perimeter_mm() * sut.profile[i] / profiles;
     const Section section = shoe.section(s_mm);
     const double offset_mm = (point.head<2>() - section.place().point).dot(section.place().normal);
-    const double deviation_mm = (offset_mm - section.offset_mm(point.z())) * shoe.normal(s_mm, point.z()).head<2>().norm();
+    const double deviation_mm =
+        (offset_mm - section.offset_mm(point.z())) * shoe.normal(s_mm, point.z()).head<2>().norm();
     square_sum += deviation_mm * deviation_mm;
   }
   const double rms_mm = std::sqrt(square_sum / static_cast<double>(sut.points.size()));
@@ -31,7 +33,8 @@ TEST(ScannedCloud, PointsLieOnTheSurfaceUpToTheNoise) {
 }
 
 TEST(ScannedCloud, ComesInScanOrder) {
-  const ScannedCloud sut = scan_quickly(MadeShoe(draw_shoe(ShoeClass::Glossy, 3)), {.profile_step_mm = 5}, SE3::Identity());
+  const ScannedCloud sut =
+      scan_quickly(MadeShoe(draw_shoe(ShoeClass::Glossy, 3)), {.profile_step_mm = 5}, SE3::Identity());
   for (std::size_t i = 1; i < sut.points.size(); ++i) {
     const bool same = sut.profile[i] == sut.profile[i - 1];
     CHECK(same ? sut.column[i] > sut.column[i - 1] : sut.profile[i] > sut.profile[i - 1]);
@@ -43,7 +46,12 @@ TEST(ScannedCloud, HidesWhatTheLipHides) {
   ShoeParameters parameters = draw_shoe(ShoeClass::Step, 3);
   parameters.groove.step_mm = 12;
   const MadeShoe shoe(parameters);
-  const ScanSettings low{.profile_step_mm = 50, .noise_mm = 0, .camera_distance_mm = 60, .camera_z_mm = 3, .laser_distance_mm = 60, .laser_z_mm = 3};
+  const ScanSettings low{.profile_step_mm = 50,
+                         .noise_mm = 0,
+                         .camera_distance_mm = 60,
+                         .camera_z_mm = 3,
+                         .laser_distance_mm = 60,
+                         .laser_z_mm = 3};
   const ScannedCloud sut = scan_quickly(shoe, low, SE3::Identity());
   const double profiles = std::round(shoe.perimeter_mm() / low.profile_step_mm);
   for (std::size_t i = 0; i < sut.points.size(); ++i) {
@@ -56,7 +64,8 @@ TEST(ScannedCloud, GlossPatchesAreHoles) {
   ShoeParameters parameters = draw_shoe(ShoeClass::Deep, 6);
   const ScannedCloud full = scan_quickly(MadeShoe(parameters), {.profile_step_mm = 3}, SE3::Identity());
   parameters.gloss = {{.s_mm = 80, .u_mm = 0, .half_length_mm = 12, .half_height_mm = 6}};
-  const ScannedCloud sut = scan_quickly(MadeShoe(parameters), {.profile_step_mm = 3, .gloss_loss_ratio = 1}, SE3::Identity());
+  const ScannedCloud sut =
+      scan_quickly(MadeShoe(parameters), {.profile_step_mm = 3, .gloss_loss_ratio = 1}, SE3::Identity());
   const double missing_mm2 = static_cast<double>(full.points.size() - sut.points.size()) * 3 * 0.073;
   const double patch_mm2 = M_PI * 12 * 6;
   DOUBLES_EQUAL(patch_mm2, missing_mm2, 0.15 * patch_mm2);

@@ -5,7 +5,7 @@
 
 namespace biteline::sim {
 
-TEST_GROUP(SurfaceDistance) {};
+TEST_GROUP(SurfaceDistance){};
 
 TEST(SurfaceDistance, IsTheStepAlongTheNormalThatMadeThePoint) {
   const MadeShoe shoe(draw_shoe(ShoeClass::Step, 8));

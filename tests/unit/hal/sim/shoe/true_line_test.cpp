@@ -23,9 +23,11 @@ double brute_force_height_mm(const Section& section) {
   };
   double best_k = -1e9, best_z_mm = 0;
   for (double z_mm = section.line_height_mm() - 2.5; z_mm <= section.line_height_mm() + 2.5; z_mm += 0.02) {
-    const double below = smoothed(z_mm - k_difference_mm), here = smoothed(z_mm), above = smoothed(z_mm + k_difference_mm);
+    const double below = smoothed(z_mm - k_difference_mm), here = smoothed(z_mm),
+                 above = smoothed(z_mm + k_difference_mm);
     const double slope = (above - below) / (2 * k_difference_mm);
-    const double k = (above - 2 * here + below) / (k_difference_mm * k_difference_mm) / std::pow(1 + slope * slope, 1.5);
+    const double k =
+        (above - 2 * here + below) / (k_difference_mm * k_difference_mm) / std::pow(1 + slope * slope, 1.5);
     if (k > best_k) {
       best_k = k;
       best_z_mm = z_mm;
@@ -34,14 +36,17 @@ double brute_force_height_mm(const Section& section) {
   return best_z_mm;
 }
 
-PlaceDefinition without_running_mean() { return {.running_mean_mm = 1e-6}; }
+PlaceDefinition without_running_mean() {
+  return {.running_mean_mm = 1e-6};
+}
 
 }  // namespace
 
-TEST_GROUP(TrueLine) {};
+TEST_GROUP(TrueLine){};
 
 TEST(TrueLine, HeightIsThatOfTheDefinitionByBruteForce) {
-  for (const ShoeClass shoe_class : {ShoeClass::Deep, ShoeClass::Shallow, ShoeClass::Step, ShoeClass::Stitched}) {
+  for (const ShoeClass shoe_class :
+       {ShoeClass::Deep, ShoeClass::Shallow, ShoeClass::Step, ShoeClass::Stitched}) {
     const MadeShoe shoe(draw_shoe(shoe_class, 5));
     const auto sut = true_line(shoe, 60, without_running_mean());
     for (const auto& place : sut) {
@@ -70,13 +75,15 @@ TEST(TrueLine, RunningMeanOfAStraightRampIsTheRamp) {
   std::vector<SmoothedSection> sections;
   constexpr int k_count = 100;
   for (int i = 0; i < k_count; ++i) {
-    SmoothedSection section{.first_z_mm = 0.1 * std::sin(2 * M_PI * i / k_count), .step_mm = 0.5, .curvature_per_mm = {0, 1, 0}};
+    SmoothedSection section{
+        .first_z_mm = 0.1 * std::sin(2 * M_PI * i / k_count), .step_mm = 0.5, .curvature_per_mm = {0, 1, 0}};
     sections.push_back(section);
   }
   const auto heights = line_heights(sections, 1.0, {.running_mean_mm = 8});
   for (int i = 0; i < k_count; ++i) {
     // A sine keeps its phase and loses 1 - (pi w / n)^2 / 6 of its height in a window w.
-    DOUBLES_EQUAL(0.5 + 0.1 * std::sin(2 * M_PI * i / k_count), heights.z_mm[static_cast<std::size_t>(i)], 0.1 * 0.012);
+    DOUBLES_EQUAL(0.5 + 0.1 * std::sin(2 * M_PI * i / k_count), heights.z_mm[static_cast<std::size_t>(i)],
+                  0.1 * 0.012);
   }
 }
 
@@ -111,7 +118,9 @@ TEST(TrueLine, ABareUpperHasNoneAndTakesItsSamplesAtEqualHeight) {
   LONGS_EQUAL(line.size(), carried.size());
   for (std::size_t i = 0; i < line.size(); ++i) {
     DOUBLES_EQUAL(line[i].point_shoe.z(), carried[i].point_shoe.z(), 1e-12);
-    DOUBLES_EQUAL(0, (bare.section(carried[i].s_mm).point(carried[i].point_shoe.z()) - carried[i].point_shoe).norm(), 1e-9);
+    DOUBLES_EQUAL(
+        0, (bare.section(carried[i].s_mm).point(carried[i].point_shoe.z()) - carried[i].point_shoe).norm(),
+        1e-9);
   }
 }
 

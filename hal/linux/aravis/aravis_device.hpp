@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file AravisCamera's inside: the one place besides it where Aravis' types are met.
+
+#include <arv.h>
+
+#include <atomic>
+#include <cfenv>
+#include <vector>
+
+#include "hal/linux/aravis/aravis_camera.hpp"
+#include "hal/linux/aravis/arrival_clock.hpp"
+#include "hal/linux/aravis/frame_counter.hpp"
+
+namespace biteline::hal {
+
+/// The arithmetic flags stay as they were: Aravis divides by zero in passing (a frame rate of a period not
+/// read yet, a mean rate over no frames), and those flags are not this program's.
+class KeepFloatingPointFlags {
+ public:
+  KeepFloatingPointFlags() { std::feholdexcept(&environment_); }
+  ~KeepFloatingPointFlags() { std::fesetenv(&environment_); }
+  KeepFloatingPointFlags(const KeepFloatingPointFlags&) = delete;
+  KeepFloatingPointFlags& operator=(const KeepFloatingPointFlags&) = delete;
+
+ private:
+  std::fenv_t environment_{};
+};
+
+/// The one funnel from GError to Error.
+class Call {
+ public:
+  explicit Call(const std::string& device, const char* what) : device_(device), what_(what) {}
+  ~Call() { g_clear_error(&error_); }
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+
+  operator GError**() {
+    return &error_;
+  }  // NOLINT(google-explicit-constructor): it stands where a GError** is wanted
+  [[nodiscard]] bool failed() const { return error_ != nullptr; }
+  [[nodiscard]] tl::unexpected<Error> failure() const {
+    const bool gone = g_error_matches(error_, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_NOT_CONNECTED) ||
+                      g_error_matches(error_, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_TIMEOUT);
+    const bool absent = g_error_matches(error_, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_NOT_FOUND);
+    const Errc code = absent ? Errc::DeviceNotFound : gone ? Errc::DeviceLost : Errc::DeviceError;
+    return fail(code, "camera %s, %s: %s", device_.c_str(), what_, error_->message);
+  }
+
+ private:
+  KeepFloatingPointFlags flags_;
+  const std::string& device_;
+  const char* what_;
+  GError* error_{nullptr};
+};
+
+/// Everything that belongs to one opened camera.
+struct AravisCamera::Device {
+  Config config;
+  ArvCamera* camera{nullptr};
+  ArvStream* stream{nullptr};
+  enum class State { Open, Configured, Running };
+  State state{State::Open};
+  CameraSettings settings;
+  bool ptp{false};
+  std::vector<ArvBuffer*> borrowed;
+  ArrivalClock arrival;
+  FrameCounter counter;
+  std::uint64_t next_sequence{0};
+  bool first_frame{true};
+  std::atomic<bool> lost{false};
+  std::atomic<std::uint64_t> frames{0}, frames_lost{0}, frames_damaged{0};
+  std::atomic<std::uint64_t> underruns{0}, packets_resent{0};
+  std::atomic<float> temperature_degc{0};
+  std::atomic<bool> temperature_known{false};
+
+  Device() = default;
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+  ~Device() {
+    drop_stream();
+    if (camera == nullptr) return;
+    g_signal_handlers_disconnect_by_data(arv_camera_get_device(camera), this);
+    g_object_unref(camera);
+  }
+
+  void drop_stream() {
+    for (ArvBuffer* buffer : borrowed) g_object_unref(buffer);
+    borrowed.clear();
+    const KeepFloatingPointFlags flags;
+    if (stream != nullptr) g_object_unref(stream);
+    stream = nullptr;
+  }
+
+  [[nodiscard]] bool has(const char* feature) const {
+    const KeepFloatingPointFlags flags;
+    GError* error = nullptr;
+    const bool present =
+        arv_camera_is_feature_available(camera, feature, &error) != FALSE && error == nullptr;
+    g_clear_error(&error);
+    return present;
+  }
+
+  Result<void> set_trigger(Trigger trigger);
+  Result<void> set_rate(double rate_hz);
+  Result<void> set_region(const geometry::Region& region);
+  Result<geometry::Region> region() const;
+  void read_counts();
+  void read_ptp();
+  void read_temperature();
+};
+
+}  // namespace biteline::hal
