@@ -27,6 +27,7 @@ struct Context {
 void add_method_option(CLI::App& command, groove::Method& method);
 
 void add_calibrate(CLI::App& app, Context& context);
+void add_demo(CLI::App& app, Context& context);
 void add_doctor(CLI::App& app, Context& context);
 void add_evaluate(CLI::App& app, Context& context);
 void add_extract(CLI::App& app, Context& context);

@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
   app.add_flag("--json", context.options.json, "Results on stdout as JSON");
   add_target(app, context);
   add_transfer(app, context);
+  add_demo(app, context);
   add_doctor(app, context);
   add_evaluate(app, context);
   add_extract(app, context);
