@@ -158,6 +158,10 @@ Result<void> AravisCamera::start() {
     // A burst of whole frames fits the socket, so that a receiver that is late by a frame loses none.
     g_object_set(device.stream, "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size",
                  static_cast<int>(std::min<std::uint64_t>(16ULL * payload_bytes, 64ULL << 20U)), nullptr);
+    // A frame that waits for missing packets holds back all after it.  Aravis' own 200 ms would count as a camera that
+    // gives no frames (the laser's guard allows 75 ms): give such a frame up, flagged, well before that.
+    constexpr guint k_frame_retention_us = 40'000, k_packet_timeout_us = 15'000;
+    g_object_set(device.stream, "frame-retention", k_frame_retention_us, "packet-timeout", k_packet_timeout_us, nullptr);
   }
   for (int i = 0; i < device.config.buffers; ++i) {
     ArvBuffer* buffer = arv_buffer_new_allocate(payload_bytes);
