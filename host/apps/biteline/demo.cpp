@@ -102,11 +102,29 @@ std::string millimetres(const ordered_json& json, const char* group, const char*
   return report::value_text(json[group][name].get<double>(), "mm");
 }
 
-Result<void> write_page(const Options& options, const std::string& verdict, bool good, const std::optional<measure::LineError>& error) {
+/// The newest of the host's result folders, or nothing.
+std::optional<fs::path> newest_scan(const fs::path& out) {
+  std::optional<fs::path> newest;
+  std::error_code error;
+  for (fs::directory_iterator it{out, error}, end; !error && it != end; it.increment(error)) {
+    const fs::path name = it->path().filename();
+    if (name.string().starts_with("scan-") && (!newest || name > newest->filename())) newest = it->path();
+  }
+  return newest;
+}
+
+/// The host refused a scan that did not reach its end, whatever the shoe looks like.
+bool scan_was_cut_short(const std::optional<fs::path>& scan) {
+  if (!scan) return false;
+  const ordered_json report = read_json(*scan / "report.json");
+  return report.contains("reason") && report["reason"].get<std::string>().starts_with("the scan is not complete");
+}
+
+Result<void> write_page(const Options& options, const fs::path& scan, const std::string& verdict, bool good, const std::optional<measure::LineError>& error) {
   using report::Page;
-  const fs::path scan = "scan-0001";
-  const ordered_json line = read_json(options.out / scan / "report.json"), plan = read_json(options.out / scan / "path/report.json"),
-                     followed = read_json(options.out / scan / "followed.json");
+  const ordered_json line = read_json(scan / "report.json"), plan = read_json(scan / "path/report.json"),
+                     followed = read_json(scan / "followed.json");
+  const std::string folder = scan.filename();
   Page page{"Biteline demo", verdict, good ? Page::Mood::Good : Page::Mood::Refused};
   page.paragraph("Simulated: the shoe (class " + options.shoe + ", seed " + std::to_string(options.seed) +
                  "), the pictures, the arm and its controller. Real: the sensor program, the host service, and the protocols between all of them.");
@@ -134,21 +152,19 @@ Result<void> write_page(const Options& options, const std::string& verdict, bool
     for (const auto& [name, seconds] : line["extraction_s"].items()) stages.emplace_back("extract: " + name, seconds.get<double>());
   }
   page.durations(stages);
-  if (fs::exists(options.out / scan / "path/tracking.html")) {
+  if (fs::exists(scan / "path/tracking.html")) {
     page.heading("The arm following the line");
-    page.frame("scan-0001/path/tracking.html", 760);
+    page.frame(folder + "/path/tracking.html", 760);
   }
   page.heading("What each stage saw");
-  for (const auto& [file, caption] : stages::pictures(options.out / scan / "stages")) page.picture("scan-0001/stages/" + file, caption);
-  page.link("scan-0001/index.html", "the scan's own page");
+  for (const auto& [file, caption] : stages::pictures(scan / "stages")) page.picture(folder + "/stages/" + file, caption);
+  page.link(folder + "/index.html", "the scan's own page");
   return page.write(options.out / "index.html");
 }
 
 Result<ExitStatus> demo(const Options& options, const GlobalOptions& global) {
   BITELINE_TRY(report::prepare_folder(options.out));
-  std::error_code ignored;
-  fs::remove_all(options.out / "scan-0001", ignored);
-  fs::remove(options.out / "index.html", ignored);
+  const std::optional<fs::path> earlier = newest_scan(options.out);  // of an earlier demo: kept
   const fs::path cell_folder = fs::absolute(options.out) / "cell";
   const auto say = [&](const char* words) {
     if (!global.quiet) std::printf("%s\n", words), std::fflush(stdout);
@@ -164,19 +180,30 @@ Result<ExitStatus> demo(const Options& options, const GlobalOptions& global) {
   BITELINE_ASSIGN(const std::string script, endpoint(cell, "script"));
   BITELINE_ASSIGN(Server sensor, start_server("biteline-sensor", {"--source", "cell:" + wires, "--sensor", calibration, "--rt", "ignore"}));
   BITELINE_ASSIGN(const std::string stream, endpoint(sensor, "endpoint"));
-  BITELINE_ASSIGN(ChildProcess host,
-                  ChildProcess::start({.program = process::program_folder() / "biteline-host",
-                                       .arguments = {"--sensor", stream, "--out", options.out.string(), "--robot", options.arm, "--process",
-                                                     options.process.string(), "--table-z", std::to_string(table_z_mm(cell_folder / "truth")),
-                                                     "--rtde", rtde, "--script", script, "--send", "--once", "--exit-with-parent"},
-                                       .pass_stderr = true}));
-  BITELINE_ASSIGN(const int host_status, attend(host, global.quiet));
+  const std::vector<std::string> host_arguments{
+      "--sensor", stream, "--out", options.out.string(), "--robot", options.arm, "--process", options.process.string(), "--table-z",
+      std::to_string(table_z_mm(cell_folder / "truth")), "--rtde", rtde, "--script", script, "--send", "--once", "--exit-with-parent"};
+  // On a machine that is busy with other things frames may come too late, and the laser's guard then, rightly, ends the scan.
+  constexpr int k_most_scans = 3;
+  int host_status = 0;
+  std::string last_words;
+  for (int scans = 1; scans <= k_most_scans; ++scans) {
+    BITELINE_ASSIGN(ChildProcess host, ChildProcess::start({.program = process::program_folder() / "biteline-host",
+                                                            .arguments = host_arguments, .pass_stderr = true}));
+    BITELINE_ASSIGN(host_status, attend(host, global.quiet));
+    last_words = host.last_words();
+    if (!scan_was_cut_short(newest_scan(options.out))) break;
+    if (scans < k_most_scans) say("the scan was cut short: scanning again");
+  }
   sensor.child.stop();
   cell.child.stop();  // writes its record of the arm's track
 
-  const fs::path scan = options.out / "scan-0001";
+  const std::optional<fs::path> newest = newest_scan(options.out);
+  if (!newest || newest == earlier) return fail(Errc::ProcessDied, "biteline-host left no result (status %d): %s", host_status, last_words.c_str());
+  const fs::path& scan = *newest;
   std::optional<measure::LineError> error;
-  std::string verdict = "the host service ended with status " + std::to_string(host_status) + ": " + host.last_words();
+  std::string verdict = "the host service ended with status " + std::to_string(host_status) + ": " + last_words;
+  if (const ordered_json plan = read_json(scan / "path/report.json"); plan.contains("reason")) verdict = "no path: " + plan["reason"].get<std::string>();
   if (fs::exists(scan / "line.csv")) {
     BITELINE_ASSIGN(error, measure_line(scan, cell_folder / "truth"));
     char text[200];
@@ -185,7 +212,7 @@ Result<ExitStatus> demo(const Options& options, const GlobalOptions& global) {
   } else if (const ordered_json refused = read_json(scan / "report.json"); refused.contains("reason")) {
     verdict = "refused: " + refused["reason"].get<std::string>();
   }
-  BITELINE_TRY(write_page(options, verdict, host_status == 0, error));
+  BITELINE_TRY(write_page(options, scan, verdict, host_status == 0, error));
   if (!global.quiet) {
     std::printf("%s\n", verdict.c_str());
     const ordered_json followed = read_json(scan / "followed.json");
