@@ -106,13 +106,18 @@ Crease describe(const SideField& field, std::span<const float> evidence, const s
   crease.step_share = steps.empty() ? 0 : stepped / static_cast<double>(steps.size());
   crease.median_step_mm = median(std::move(steps));
   crease.restless_rows = std::sqrt(bend2 / grid.cols);
-  int gap = 0;
-  int longest = 0;
-  for (int c = 0; c < 2 * grid.cols; ++c) {
-    gap = crease.visible[static_cast<std::size_t>(c % grid.cols)] != 0 ? 0 : gap + 1;
-    longest = std::max(longest, std::min(gap, grid.cols));
-  }
-  crease.longest_gap_mm = longest * grid.col_mm;
+  const auto longest_run_mm = [&](auto&& missing) {
+    int run = 0;
+    int longest = 0;
+    for (int c = 0; c < 2 * grid.cols; ++c) {  // twice round: a run may cross the seam
+      run = missing(static_cast<std::size_t>(c % grid.cols)) ? run + 1 : 0;
+      longest = std::max(longest, std::min(run, grid.cols));
+    }
+    return longest * grid.col_mm;
+  };
+  crease.longest_gap_mm = longest_run_mm([&](std::size_t c) { return crease.visible[c] == 0; });
+  crease.longest_unseen_mm =
+      longest_run_mm([&](std::size_t c) { return field.seen[grid.at(path[c], static_cast<int>(c))] == 0; });
   return crease;
 }
 

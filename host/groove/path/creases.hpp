@@ -18,6 +18,7 @@ struct Crease {
   double seen_share{0};               ///< of the columns: surface was seen at the path
   double visible_share{0};            ///< of the columns: visible
   double longest_gap_mm{0};           ///< longest stretch without a visible crease
+  double longest_unseen_mm{0};        ///< longest stretch without any surface at the path
   double median_turn_rad{0};          ///< over the seen columns
   double median_step_mm{
       0};                ///< how far the surface below stands out beyond the one above; sole over upper > 0

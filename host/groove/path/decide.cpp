@@ -11,6 +11,9 @@ namespace biteline::groove {
 
 namespace {
 
+// A missing sector of 40 mm may be bridged; along the outline it is a little longer.  A shoe of which more is
+// missing may as well be half a shoe.
+constexpr double k_longest_unseen_mm = 60.0;
 constexpr double k_deg = 3.14159265358979 / 180.0;
 
 /// Smooth yes or no: 0.5 at `middle`, 0.88 two `width`s above it.
@@ -20,9 +23,10 @@ double sure(double value, double middle, double width) {
 
 /// That this crease, looked at alone, goes all the way round.
 double alone(const Crease& crease) {
+  const double seen = sure(-crease.longest_unseen_mm, -k_longest_unseen_mm, 3.0);
   // Gaps: a missing sector of 40 mm and a filled stretch as long again may be bridged, not much more.
-  return sure(crease.visible_share, 0.70, 0.035) * sure(crease.median_turn_rad, 5.0 * k_deg, 0.8 * k_deg) *
-         sure(-crease.longest_gap_mm, -100.0, 8.0);
+  return seen * sure(crease.visible_share, 0.70, 0.035) *
+         sure(crease.median_turn_rad, 5.0 * k_deg, 0.8 * k_deg) * sure(-crease.longest_gap_mm, -100.0, 8.0);
 }
 
 /// For comparing rivals.
@@ -70,7 +74,13 @@ Decision decide(const std::vector<Crease>& creases, double min_confidence) {
   decision.confidence = decision.confidence_of[decision.best];
   const Crease& best = creases[decision.best];
   const auto percent = [](double share) { return 100.0 * share; };
-  if (best.seen_share < 0.75 && best.visible_share > 0.7 * best.seen_share && best.evidence > 0.1) {
+  if (best.longest_unseen_mm > k_longest_unseen_mm && best.evidence > 0.1) {
+    decision.reason =
+        FixedText<200>::format(
+            "too much is missing: no surface was seen over %.0f mm of the best path round the shoe",
+            best.longest_unseen_mm)
+            .c_str();
+  } else if (best.seen_share < 0.75 && best.visible_share > 0.7 * best.seen_share && best.evidence > 0.1) {
     decision.reason =
         FixedText<200>::format(
             "too much is missing: the surface was seen on %.0f %% of the best path round the shoe",

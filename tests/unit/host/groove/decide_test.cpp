@@ -79,6 +79,18 @@ TEST(Decide, MostOfTheSideUnseenIsToldAsSuch) {
   STRCMP_CONTAINS("too much is missing", sut.reason.c_str());
 }
 
+TEST(Decide, HalfAShoeIsNotClosedAcrossItsOpening) {
+  Crease half = crease(26, 60, 3.0);
+  half.seen_share = 0.77;
+  half.visible_share = 0.77;
+  half.longest_gap_mm = 91;
+  half.longest_unseen_mm = 91;
+  const Decision sut = decide({half}, 0.5);
+  CHECK_FALSE(sut.accepted);
+  STRCMP_CONTAINS("too much is missing", sut.reason.c_str());
+  STRCMP_CONTAINS("91 mm", sut.reason.c_str());
+}
+
 TEST(Decide, NothingIsNothing) {
   const Decision sut = decide({}, 0.5);
   CHECK_FALSE(sut.accepted);
