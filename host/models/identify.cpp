@@ -69,6 +69,9 @@ Result<Identification> identify(const Library& library, const cloud::PointCloud&
                                           found.matches[0].probability).c_str();
   } else {
     found.reason = FixedText<300>::format("the upper is none of the %zu models in the library", found.matches.size()).c_str();
+    if (!found.damaged.empty()) {
+      found.reason += FixedText<300>::format("; %zu more are damaged, %s first", found.damaged.size(), found.damaged.front().name.c_str()).c_str();
+    }
   }
   return found;
 }

@@ -114,6 +114,14 @@ void say(const models::Transfer& transfer, const report::Report& report, const G
   }
 }
 
+/// A cloud without a shoe in it is readable input without a result: told in the report.  Any other failure goes on.
+Result<ExitStatus> refuse(const Error& error, const Options& options, const GlobalOptions& global, report::Report& report) {
+  if (error.code != Errc::Refused) return tl::unexpected<Error>(error);
+  report.refuse(std::string{error.where.view()});
+  say({}, report, global);
+  return finish(options, report);
+}
+
 Result<ExitStatus> transfer(const Options& options, const GlobalOptions& global) {
   report::Report report;
   const models::Library library{options.library};
@@ -126,24 +134,26 @@ Result<ExitStatus> transfer(const Options& options, const GlobalOptions& global)
   report.fields["points"] = upper.size();
   std::string sample_name = options.sample;
   if (sample_name.empty()) {
-    BITELINE_ASSIGN(const models::Identification found, report.timed("identify", [&] { return models::identify(library, upper, options.transfer.align); }));
-    report.fields["identified"] = json_of(found);
-    if (found.name.empty()) {
-      report.refuse(found.reason);
+    const Result<models::Identification> found = report.timed("identify", [&] { return models::identify(library, upper, options.transfer.align); });
+    if (!found) return refuse(found.error(), options, global, report);
+    report.fields["identified"] = json_of(*found);
+    if (found->name.empty()) {
+      report.refuse(found->reason);
       say({}, report, global);
       return finish(options, report);
     }
-    sample_name = found.name;
+    sample_name = found->name;
   }
   report.fields["sample"] = sample_name;
   BITELINE_ASSIGN(const models::SampleFiles sample, report.timed("read_sample", [&] { return read_sample(sample_name, library); }));
-  BITELINE_ASSIGN(const models::Transfer result, report.timed("transfer", [&] { return models::transfer_line(sample, upper, options.transfer); }));
-  fill(result, report);
-  if (result.found) {
-    BITELINE_TRY(report.timed("write", [&] { return line::write_line(options.out / "line.csv", result.carried.line); }));
+  const Result<models::Transfer> result = report.timed("transfer", [&] { return models::transfer_line(sample, upper, options.transfer); });
+  if (!result) return refuse(result.error(), options, global, report);
+  fill(*result, report);
+  if (result->found) {
+    BITELINE_TRY(report.timed("write", [&] { return line::write_line(options.out / "line.csv", result->carried.line); }));
   }
   report.stop_clock();
-  say(result, report, global);
+  say(*result, report, global);
   return finish(options, report);
 }
 

@@ -40,10 +40,15 @@ double normal_rms_deg(const line::ClosedLine& line, const line::ClosedLine& trut
   return std::sqrt(sum / static_cast<double>(line.points.size()));
 }
 
+const test::MadePair& the_pair() {
+  static const test::MadePair pair = test::made_pair({.seed = 6, .scan = k_scan});
+  return pair;
+}
+
 }  // namespace
 
 TEST_GROUP(Transfer) {
-  test::MadePair pair = test::made_pair({.seed = 6, .scan = k_scan});
+  const test::MadePair& pair = the_pair();
   SampleFiles sample() const { return {.cloud = pair.sample_cloud, .line = pair.sample_line}; }
 };
 
