@@ -12,8 +12,6 @@ namespace biteline::registration {
 namespace {
 
 constexpr int k_slices = 20;
-// Midline offset of the forefoot from the heel's line, as a share of the length; made and scanned shoes have 0.01 to 0.05.
-constexpr double k_clear_bend_ratio = 0.004;
 
 /// Extent of the plan across, in slices along its length.
 struct Plan {
@@ -89,13 +87,6 @@ Vec3 longest_horizontal_direction(const Surfels& surfels, Vec3& mean) {
   return {solver.eigenvectors()(0, 1), solver.eigenvectors()(1, 1), 0};
 }
 
-Side side_of(const Plan& plan, double length_mm) {
-  // Heel from 5 % to 35 %, forefoot from 65 % to 90 %.  With y to the left, a right foot bends to the left.
-  const double bend_mm = plan.mean_middle_mm(13, 18) - plan.mean_middle_mm(1, 7);
-  if (std::abs(bend_mm) < k_clear_bend_ratio * length_mm) return Side::Unclear;
-  return bend_mm > 0 ? Side::Right : Side::Left;
-}
-
 }  // namespace
 
 ShoeAxes shoe_axes(const Surfels& surfels) {
@@ -116,7 +107,7 @@ ShoeAxes shoe_axes(const Surfels& surfels) {
   const Range across = range_of(surfels, [&](const Vec3& p) { return (p - mean).dot(y); });
   const Range up = range_of(surfels, [](const Vec3& p) { return p.z(); });
 
-  ShoeAxes axes{.length_mm = length_mm, .width_mm = across.high - across.low, .side = side_of(plan, length_mm)};
+  ShoeAxes axes{.length_mm = length_mm, .width_mm = across.high - across.low};
   Vec3 origin = mean + along.low * x + plan.mean_middle_mm(0, 4) * y;
   origin.z() = up.low;
   axes.T_base_shoe.linear().col(0) = x;
