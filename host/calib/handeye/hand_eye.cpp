@@ -24,9 +24,6 @@ constexpr double k_least_share = 0.6;
 constexpr double k_scale_tolerance_ratio = 0.01;
 /// A stop is odd when the others predict it this many times worse than they predict each other, and it matters.
 constexpr double k_odd_ratio = 5, k_odd_mm = 0.3, k_odd_rad = 0.1 * k_degree;
-/// Beyond, it is no calibration.
-constexpr double k_most_sigma_mm = 1.0, k_most_sigma_rad = 0.3 * k_degree;
-constexpr double k_most_left_out_mm = 5.0;
 
 std::vector<StopReadings> all_readings(const std::vector<HandEyeView>& views) {
   std::vector<StopReadings> stops;
@@ -201,11 +198,11 @@ Result<HandEyeCalibration> calibrate_hand_eye(const std::vector<HandEyeView>& vi
   result.pose_sigma_rad = adjusted.noise.sigma_rad;
   const double sigma_mm = std::sqrt(result.covariance.topLeftCorner<3, 3>().trace());
   const double sigma_rad = std::sqrt(result.covariance.bottomRightCorner<3, 3>().trace());
-  if (sigma_mm > k_most_sigma_mm || sigma_rad > k_most_sigma_rad) {
-    return fail(Errc::Degenerate, "hand-eye: the views leave the camera's place uncertain by %.2f mm and %.3f degrees: more and larger turns are needed",
-                sigma_mm, sigma_rad / k_degree);
+  if (sigma_mm > options.most_sigma_mm || sigma_rad > options.most_sigma_rad) {
+    return fail(Errc::Degenerate, "hand-eye: %d views leave the camera's place uncertain by %.2f mm and %.3f degrees (noise per pose %.2f mm, %.3f degrees): more and larger turns are needed",
+                static_cast<int>(stops.size()), sigma_mm, sigma_rad / k_degree, result.pose_sigma_mm, result.pose_sigma_rad / k_degree);
   }
-  if (result.left_out_rms_mm > k_most_left_out_mm) {
+  if (result.left_out_rms_mm > options.most_left_out_mm) {
     return fail(Errc::Refused, "hand-eye: robot and camera disagree: left-out views are predicted %.1f mm off", result.left_out_rms_mm);
   }
   return result;

@@ -45,6 +45,9 @@ struct HandEyeCalibration {
 struct HandEyeOptions {
   double centre_sigma_px{0.05};        ///< noise of one coordinate of a ring's centre
   Vec3 middle_target{Vec3::Zero()};    ///< where left-out errors are told
+  double most_sigma_mm{1.0};           ///< a mounting less certain than that is refused
+  double most_sigma_rad{5e-3};
+  double most_left_out_mm{5.0};        ///< a robot and a camera that agree no better are refused
 };
 
 /// A X = X B in two linear steps (rotation, then translation with a common scale to find wrong units), over the largest set
