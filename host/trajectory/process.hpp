@@ -19,9 +19,9 @@ struct Tool {
   double free_turn_rad{0};       ///< how far it may be turned about its axis, either way; pi: it is round
 };
 
-/// What "outwards" is: level, at right angles to the line, or the upper's own normal.  Level is the default: an upper's
-/// wall leans out over the crease on one shoe and in on the next (by 20 degrees either way), and the tool's room above
-/// the table and beside the last must not depend on that.
+/// What "outwards" is: level, at right angles to the line, or the upper's own normal.  Level is the default:
+/// an upper's wall leans out over the crease on one shoe and in on the next (by 20 degrees either way), and
+/// the tool's room above the table and beside the last must not depend on that.
 enum class Outwards { Level, Normal };
 
 /// Where the tip stands relative to the line; up: at right angles to outwards and the line.
