@@ -3,11 +3,13 @@
 #include <cstdio>
 #include <numbers>
 
+#include "common/config/sensor_yaml.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/cloud/ply.hpp"
 #include "host/kinematics/calibration.hpp"
 #include "host/kinematics/tool_touch.hpp"
 #include "host/result/plan_result.hpp"
+#include "host/trajectory/scan_process.hpp"
 
 namespace biteline::app {
 namespace {
@@ -17,11 +19,21 @@ namespace fs = std::filesystem;
 constexpr double k_rad_per_deg = std::numbers::pi / 180;
 
 struct Options {
-  fs::path line, process, out, kinematics, cloud, touches;
+  fs::path line, process, scan, out, kinematics, cloud, touches;
   std::string robot;
   std::vector<double> base_at{0, 0, 0, 0};  // x y z [mm], yaw [deg]
   double table_z_mm{0};
+  double spacing_mm{1};
 };
+
+/// The process file, or the scan by the head of --scan.
+Result<trajectory::Process> read_process(const Options& options, bool turned) {
+  if (options.scan.empty()) return trajectory::read_process(options.process);
+  BITELINE_ASSIGN(const geometry::SensorModel sensor, config::read_sensor_yaml(options.scan));
+  trajectory::ScanSettings settings{.spacing_mm = options.spacing_mm, .turned = turned};
+  if (sensor.rate_hz) settings.rate_hz = *sensor.rate_hz;
+  return trajectory::scan_process(sensor, settings);
+}
 
 Result<trajectory::PlanRequest> read_request(const Options& options, report::Report& report) {
   trajectory::PlanRequest request;
@@ -29,7 +41,7 @@ Result<trajectory::PlanRequest> read_request(const Options& options, report::Rep
   if (!options.kinematics.empty()) {
     BITELINE_ASSIGN(request.arm, kinematics::with_calibration(request.arm, options.kinematics));
   }
-  BITELINE_ASSIGN(request.process, trajectory::read_process(options.process));
+  BITELINE_ASSIGN(request.process, read_process(options, false));
   if (!options.touches.empty()) {
     BITELINE_ASSIGN(const std::vector<SE3> touches, kinematics::read_touches(options.touches));
     BITELINE_ASSIGN(const kinematics::ToolTouch fit, kinematics::fit_tool_touch(touches, {}));
@@ -53,10 +65,16 @@ Result<trajectory::PlanRequest> read_request(const Options& options, report::Rep
 
 Result<ExitStatus> run_plan(const Options& options, const GlobalOptions& global) {
   report::Report report;
-  BITELINE_ASSIGN(const trajectory::PlanRequest request,
+  BITELINE_ASSIGN(trajectory::PlanRequest request,
                   report.timed("read", [&] { return read_request(options, report); }));
   BITELINE_TRY(result::prepare_plan_folder(options.out));
-  const trajectory::PlanOutcome outcome = report.timed("plan", [&] { return trajectory::plan(request); });
+  trajectory::PlanOutcome outcome = report.timed("plan", [&] { return trajectory::plan(request); });
+  if (!outcome.path && !options.scan.empty()) {
+    // A head scans either way round; what the arm cannot do one way it may do the other.
+    BITELINE_ASSIGN(request.process, read_process(options, true));
+    trajectory::PlanOutcome turned = report.timed("plan", [&] { return trajectory::plan(request); });
+    if (turned.path) outcome = std::move(turned);
+  }
   BITELINE_ASSIGN(const ExitStatus status, result::write_plan_result(options.out, request, outcome, report));
 
   if (global.json) {
@@ -79,7 +97,12 @@ void add_plan(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("plan", "Plan a checked tool path along a line");
   command->add_option("LINE", options->line, "line.csv")->required();
   command->add_option("--robot", options->robot, "UR3e, UR5e, UR10e, UR3, UR5 or UR10")->required();
-  command->add_option("--process", options->process, "Process YAML: tool, placement, motion")->required();
+  CLI::Option_group* work = command->add_option_group("work", "What is done along the line");
+  work->add_option("--process", options->process, "Process YAML: tool, placement, motion");
+  work->add_option("--scan", options->scan, "sensor.yaml: the path of a scan by this head");
+  work->require_option(1);
+  command->add_option("--spacing", options->spacing_mm, "With --scan: distance between profiles [mm]")
+      ->check(CLI::Range(0.05, 5.0));
   command->add_option("--out", options->out, "Folder for path.csv, path.script, report.json")->required();
   command->add_option("--kinematics", options->kinematics,
                       "The arm's factory calibration (YAML of the ROS extractor)");
