@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # boot.sh plain|rt BUILD COMMAND PROGRAM... [-- FILE...]: boots Debian's arm64 kernel with the test devices in QEMU, runs
 # COMMAND in it, and leaves with its status.  PROGRAMs (of the arm64 build folder BUILD) and FILEs stand in /test.
-# Exit 77 and the reason when this machine lacks a tool.  BITELINE_VM_SECONDS limits the run (180).
+# Exit 77 and the reason when this machine lacks a tool.  BITELINE_VM_SECONDS limits the run (420).
 # BITELINE_VM_QEMU adds arguments for QEMU, e.g. a forwarded port.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
@@ -89,7 +89,7 @@ dtc -q -@ -I dts -O dtb -o "$work/overlay.dtbo" "$root/boards/qemu-virt/dts/bite
 fdtoverlay -i "$work/virt.dtb" -o "$work/board.dtb" "$work/overlay.dtbo"
 
 # QEMU leaves with 0 whatever happened inside: only the guest's own line counts.
-timeout --foreground -k 5 "${BITELINE_VM_SECONDS:-180}" qemu-system-aarch64 "${machine[@]}" -nographic -no-reboot -nodefaults \
+timeout --foreground -k 5 "${BITELINE_VM_SECONDS:-420}" qemu-system-aarch64 "${machine[@]}" -nographic -no-reboot -nodefaults \
   -serial stdio -kernel "$kernel/vmlinuz" -initrd "$work/initrd" -dtb "$work/board.dtb" \
   -append "console=ttyAMA0 panic=-1 quiet" ${BITELINE_VM_QEMU:-} </dev/null | tee "$work/console"
 status=$(tr -d '\r' < "$work/console" | sed -n 's/^BITELINE-VM status //p' | tail -1)

@@ -139,12 +139,19 @@ Result<CameraSettings> V4l2Camera::configure(const CameraSettings& wanted) {
     // Some drivers take the rectangle and give it up again for the format.
     cropped = set_format({.width_px = wanted.region.width_px, .height_px = wanted.region.height_px}).has_value() &&
               crop_is(wanted.region);
-    if (!cropped) reset_crop();
   }
   window_ = cropped ? PictureWindow{.width_px = wanted.region.width_px, .height_px = wanted.region.height_px}
                     : PictureWindow{wanted.region.offset_u_px, wanted.region.offset_v_px, wanted.region.width_px,
                                     wanted.region.height_px};
-  if (!cropped) BITELINE_TRY(set_format({.width_px = sensor_width_px_, .height_px = sensor_height_px_}));
+  if (!cropped) {
+    // A rectangle that an earlier user left would be scaled, or fill a part of the picture, in silence.
+    reset_rectangle(V4L2_SEL_TGT_CROP);
+    BITELINE_TRY(set_format({.width_px = sensor_width_px_, .height_px = sensor_height_px_}));
+    reset_rectangle(V4L2_SEL_TGT_COMPOSE);
+    if (has_crop() && !crop_is({.width_px = sensor_width_px_, .height_px = sensor_height_px_})) {
+      return fail(Errc::DeviceError, "%.100s keeps an old crop", config_.device.c_str());
+    }
+  }
   copies_ = format_ != PixelFormat::Grey8 || window_.width_px != picture_width_px_ ||
             window_.height_px != picture_height_px_;
 
@@ -164,9 +171,12 @@ bool V4l2Camera::crop_in_driver(const geometry::Region& region) {
   v4l2_selection crop = selection(V4L2_SEL_TGT_CROP);
   crop.r = rectangle(region);
   if (retrying_ioctl(device_.number(), VIDIOC_S_SELECTION, &crop) == 0 && crop_is(region)) return true;
-  // Another rectangle than the one asked would move every pixel: take the whole sensor and cut here.
-  reset_crop();
-  return false;
+  return false;  // another rectangle than the one asked would move every pixel
+}
+
+bool V4l2Camera::has_crop() const {
+  v4l2_selection crop = selection(V4L2_SEL_TGT_CROP);
+  return retrying_ioctl(device_.number(), VIDIOC_G_SELECTION, &crop) == 0;
 }
 
 bool V4l2Camera::crop_is(const geometry::Region& region) const {
@@ -176,10 +186,11 @@ bool V4l2Camera::crop_is(const geometry::Region& region) const {
          crop.r.top == wanted.top && crop.r.width == wanted.width && crop.r.height == wanted.height;
 }
 
-void V4l2Camera::reset_crop() {
-  v4l2_selection crop = selection(V4L2_SEL_TGT_CROP);
-  crop.r = rectangle({.width_px = sensor_width_px_, .height_px = sensor_height_px_});
-  static_cast<void>(retrying_ioctl(device_.number(), VIDIOC_S_SELECTION, &crop));
+void V4l2Camera::reset_rectangle(std::uint32_t target) {
+  v4l2_selection whole = selection(target);
+  whole.r = rectangle({.width_px = sensor_width_px_, .height_px = sensor_height_px_});
+  // Drivers without it have nothing to reset.
+  static_cast<void>(retrying_ioctl(device_.number(), VIDIOC_S_SELECTION, &whole));
 }
 
 Result<void> V4l2Camera::set_format(PictureWindow size) {
@@ -287,12 +298,12 @@ Result<FrameView> V4l2Camera::to_frame(const v4l2_buffer& buffer) {
   FrameView frame;
   frame.width_px = window_.width_px;
   frame.height_px = window_.height_px;
-  const std::uint32_t steps = last_sequence_ ? buffer.sequence - *last_sequence_ : buffer.sequence + 1;
+  const std::uint32_t counted = last_sequence_ ? buffer.sequence - *last_sequence_ : buffer.sequence + 1;
+  const std::uint32_t steps = std::max(counted, 1U);  // a driver that repeats a number still gave another frame
   last_sequence_ = buffer.sequence;
   if (steps != 1) {
     frame.flags |= k_frame_gap_before;
-    // 0 steps: a driver that repeats a number; nothing is missing then.
-    counters_.frames_lost.fetch_add(steps == 0 ? 0 : steps - 1);
+    counters_.frames_lost.fetch_add(steps - 1);
   }
   sequence_ += steps;
   frame.sequence = sequence_;

@@ -64,8 +64,10 @@ class V4l2Camera final : public LineCamera {
   Result<void> set_format(PictureWindow size);
   /// true: the driver crops.
   [[nodiscard]] bool crop_in_driver(const geometry::Region& region);
+  [[nodiscard]] bool has_crop() const;
   [[nodiscard]] bool crop_is(const geometry::Region& region) const;
-  void reset_crop();
+  /// Crop or compose: the whole sensor.
+  void reset_rectangle(std::uint32_t target);
   double set_rate(double rate_hz);
   Result<v4l2_buffer> dequeue();
   Result<FrameView> to_frame(const v4l2_buffer& buffer);

@@ -33,6 +33,9 @@ constexpr int k_height_px = 480;
 constexpr std::uint32_t k_pictures = 97;  // different ones, then again from the first
 constexpr std::uint64_t k_frames = 1000;
 constexpr double k_speed_mm_s = 250;
+// The arm reads its clock, then the kernel stamps its SYNC.  On an emulated machine a stall may lie between, so only most of
+// the poses are held to a tenth of a second; what time really costs is measured by the simulated cell.
+constexpr double k_stalled_arm_mm = 0.1 * k_speed_mm_s;
 // An emulated processor stands still for longer than the 50 ms that the guard allows on a unit.
 constexpr Nanoseconds k_stall = 10s;
 
@@ -173,7 +176,7 @@ TEST(KernelScan, ThousandFramesEveryOneAccountedFor) {
   CHECK(scanner->start().has_value());
   laser.ask_for_light(true);
 
-  std::uint64_t taken = 0, wrong = 0, unusable = 0, gaps = 0;
+  std::uint64_t taken = 0, wrong = 0, unusable = 0, gaps = 0, far_off = 0;
   bool door_opened = false;
   Nanoseconds dark_after{0};
   double worst_x_mm = 0;
@@ -201,7 +204,9 @@ TEST(KernelScan, ThousandFramesEveryOneAccountedFor) {
     if ((header.flags & (profile::k_profile_not_usable | profile::k_profile_pose_extrapolated)) != 0) {
       ++unusable;
     } else {
-      worst_x_mm = std::max(worst_x_mm, std::abs(header.T_base_flange.translation().x() - arm.x_mm(header.exposure_mid)));
+      const double off_mm = std::abs(header.T_base_flange.translation().x() - arm.x_mm(header.exposure_mid));
+      worst_x_mm = std::max(worst_x_mm, off_mm);
+      far_off += off_mm > k_stalled_arm_mm;
     }
     scanner->give_back();
     if (door_opened) {
@@ -232,9 +237,7 @@ TEST(KernelScan, ThousandFramesEveryOneAccountedFor) {
   // both counters also hold what came before the first and after the last.
   CHECK(gaps <= counts.frames_lost + counts.profiles_dropped);
   CHECK(unusable < k_frames);  // a stalled arm is flagged, profile by profile, which is right; all of them is no scan
-  // The arm reads its clock, then the kernel stamps its SYNC: on an emulated machine anything up to a stall may lie between,
-  // so the figure is told and only another second's pose is an error.  What time costs is measured by the simulated cell.
-  CHECK(worst_x_mm < k_speed_mm_s);
+  CHECK(far_off < k_frames / 2);
   std::feclearexcept(FE_ALL_EXCEPT);  // the stripes' tails underflow by design
   std::filesystem::remove(sensor_file);
 }
