@@ -2,6 +2,7 @@
 #include "host/result/line_result.hpp"
 
 #include <cstdio>
+#include <optional>
 
 #include "host/cloud/ply.hpp"
 #include "host/report/page.hpp"
@@ -66,8 +67,12 @@ Result<void> prepare_result_folder(const std::filesystem::path& folder) {
   return {};
 }
 
+groove::Extraction find_line(const cloud::PointCloud& cloud, groove::Method method, report::Report& report) {
+  return report.timed("extract", [&] { return groove::extract(cloud, {.method = method, .keep_products = false}); });
+}
+
 Result<ExitStatus> write_line_result(const std::filesystem::path& folder, const cloud::PointCloud& cloud,
-                                     const groove::Extraction& extraction, report::Report& report) {
+                                     const groove::Extraction& extraction, groove::Method method, report::Report& report) {
   report.fields["points"] = cloud.size();
   if (extraction.found) {
     report.fields["length_mm"] = extraction.length_mm;
@@ -89,7 +94,9 @@ Result<ExitStatus> write_line_result(const std::filesystem::path& folder, const 
   }));
   report.stop_clock();
   BITELINE_TRY(report.timed_aside("pictures", [&]() -> Result<void> {
-    BITELINE_TRY(stages::write_stages(folder / "stages", extraction));
+    std::optional<groove::Extraction> again;
+    if (extraction.products.surface.points.empty()) again = groove::extract(cloud, {.method = method});
+    BITELINE_TRY(stages::write_stages(folder / "stages", again ? *again : extraction));
     return write_page(folder, extraction, report);
   }));
   BITELINE_TRY(report.write(folder));

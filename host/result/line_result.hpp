@@ -13,9 +13,14 @@ namespace biteline::result {
 /// Removes what an earlier run left in `folder` that a refusal must not leave there (line.csv), and makes the folder.
 [[nodiscard]] Result<void> prepare_result_folder(const std::filesystem::path& folder);
 
+/// Looks for the line, timed as the stage "extract", without what only pictures need.
+[[nodiscard]] groove::Extraction find_line(const cloud::PointCloud& cloud, groove::Method method, report::Report& report);
+
 /// Writes cloud.ply, line.csv (unless refused), stages/ and report.json; fills the report's fields.  Done or Refused.
+/// What the pictures show is computed here when the extraction does not carry it, after the clock was stopped: nobody
+/// waits for pictures.
 [[nodiscard]] Result<ExitStatus> write_line_result(const std::filesystem::path& folder, const cloud::PointCloud& cloud,
-                                                   const groove::Extraction& extraction, report::Report& report);
+                                                   const groove::Extraction& extraction, groove::Method method, report::Report& report);
 
 /// One line for a person: what was found or why not.
 [[nodiscard]] std::string summary(const groove::Extraction& extraction);

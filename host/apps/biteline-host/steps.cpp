@@ -97,8 +97,8 @@ Result<LineStep> find_line(const fs::path& folder, const ingest::ScanOutcome& sc
   report.fields["scan"] = ingest::account_of(scan.counts, scan.sensor_counters, scan.sensor_stages);
   report.fields["messages_lost"] = scan.messages_lost;
   if (scan.failure) return keep_unfinished(folder, scan, report);
-  groove::Extraction extraction = report.timed("extract", [&] { return groove::extract(scan.cloud, {}); });
-  BITELINE_ASSIGN(const ExitStatus status, result::write_line_result(folder, scan.cloud, extraction, report));
+  groove::Extraction extraction = result::find_line(scan.cloud, groove::Method::Ours, report);
+  BITELINE_ASSIGN(const ExitStatus status, result::write_line_result(folder, scan.cloud, extraction, groove::Method::Ours, report));
   say_step("%s", result::summary(extraction).c_str());
   LineStep step{.status = status, .extraction = {}};
   if (status == ExitStatus::Done) step.extraction = std::move(extraction);

@@ -20,12 +20,10 @@ Result<ExitStatus> extract(const Options& options, const GlobalOptions& global) 
   std::size_t dropped = 0;
   BITELINE_ASSIGN(const cloud::PointCloud cloud, report.timed("read", [&] { return cloud::read_cloud(options.cloud, &dropped); }));
   BITELINE_TRY(result::prepare_result_folder(options.out));
-  groove::ExtractConfig config;
-  config.method = options.method;
-  const groove::Extraction extraction = report.timed("extract", [&] { return groove::extract(cloud, config); });
+  const groove::Extraction extraction = result::find_line(cloud, options.method, report);
   report.fields["input"] = options.cloud.filename().string();
   report.fields["points_not_finite"] = dropped;
-  BITELINE_ASSIGN(const ExitStatus status, result::write_line_result(options.out, cloud, extraction, report));
+  BITELINE_ASSIGN(const ExitStatus status, result::write_line_result(options.out, cloud, extraction, options.method, report));
   if (!global.quiet) std::fprintf(status == ExitStatus::Done ? stdout : stderr, "%s\n", result::summary(extraction).c_str());
   return status;
 }

@@ -32,14 +32,12 @@ Result<ExitStatus> replay(const Options& options, const GlobalOptions& global) {
   BITELINE_ASSIGN(const ingest::SessionRun run, report.timed("scan", [&] { return ingest::run_sensor_on_session(run_options); }));
   progress.reset();
 
-  groove::ExtractConfig config;
-  config.method = options.method;
-  const groove::Extraction extraction = report.timed("extract", [&] { return groove::extract(run.cloud, config); });
+  const groove::Extraction extraction = result::find_line(run.cloud, options.method, report);
 
   report.fields["input"] = options.session.filename().string();
   report.fields["scan"] = ingest::account_of(run.counts, run.sensor_counters, run.sensor_stages);
   report.fields["frames_per_s"] = run.stream_s > 0 ? static_cast<double>(run.counts.profiles) / run.stream_s : 0.0;
-  BITELINE_ASSIGN(const ExitStatus status, result::write_line_result(options.out, run.cloud, extraction, report));
+  BITELINE_ASSIGN(const ExitStatus status, result::write_line_result(options.out, run.cloud, extraction, options.method, report));
   if (!global.quiet) std::fprintf(status == ExitStatus::Done ? stdout : stderr, "%s\n", result::summary(extraction).c_str());
   return status;
 }

@@ -51,7 +51,7 @@ TEST_GROUP(LineResult) {
   ExitStatus write(const groove::Extraction& extraction) {
     report::Report report;
     SUCCEEDS(prepare_result_folder(folder.path()));
-    const auto status = write_line_result(folder.path(), extraction.products.surface, extraction, report);
+    const auto status = write_line_result(folder.path(), extraction.products.surface, extraction, groove::Method::Ours, report);
     SUCCEEDS(status);
     return *status;
   }
