@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+// biteline calibrate and biteline target as a script sees them: files, exit status, one line on stderr.
+#include <CppUTest/TestHarness.h>
+
+#include <nlohmann/json.hpp>
+
+#include "common/config/yaml_reader.hpp"
+#include "common/image/grey_image.hpp"
+#include "host/process/child_process.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/ring_scene.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace biteline {
+
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+
+TEST_GROUP(CalibrateTool) {
+  test::TemporaryFolder folder;
+  test::RingScene scene;
+  std::mt19937_64 random{3};
+
+  void setup() override {
+    scene.camera = {.fu_px = 1000, .fv_px = 995, .cu_px = 250, .cv_px = 190, .k1 = -0.1, .k2 = 0.1};
+    scene.size = {.width_px = 500, .height_px = 380};
+    scene.target.rows = 4;
+    scene.target.cols = 5;
+  }
+
+  void write_target(const char* extra) const {
+    folder.write("target.yaml", std::string("rows: 4\ncols: 5\npitch: 14\nouter_diameter: 12\ninner_diameter: 6\n") + extra);
+  }
+
+  void write_views(int count) {
+    fs::create_directories(folder.path() / "camera");
+    int number = 0;
+    for (const test::ViewPlace& place : test::varied_places(count, random)) {
+      const image::GreyImage picture = test::draw_rings(scene, {test::T_cam_target_of(scene.target, place)}, {.noise_grey = 1.5, .blur_px = 0.8, .samples = 2, .light = {}, .covered = {}}, random);
+      SUCCEEDS(image::write_png(folder.path() / "camera" / (std::to_string(number++) + ".png"), picture));
+    }
+  }
+
+  [[nodiscard]] fs::path out() const { return folder.path() / "out"; }
+
+  int run(std::vector<std::string> arguments, const std::string& expected_words) const {
+    auto child = process::ChildProcess::start({.program = BITELINE_TOOL, .arguments = std::move(arguments)});
+    SUCCEEDS(child);
+    const auto status = child->wait(120s);
+    SUCCEEDS(status);
+    STRCMP_CONTAINS(expected_words.c_str(), child->last_words().c_str());
+    return *status;
+  }
+
+  [[nodiscard]] nlohmann::json report() const {
+    std::ifstream in(out() / "report.json");
+    return nlohmann::json::parse(in);
+  }
+};
+
+TEST(CalibrateTool, CameraAloneGivesItsLinesAndNoMadeUpOnes) {
+  write_target("");
+  write_views(6);
+  LONGS_EQUAL(0, run({"calibrate", "camera", folder.path().string(), "--out", out().string()}, ""));
+  auto reader = config::YamlReader::open(out() / "sensor.yaml");
+  SUCCEEDS(reader);
+  DOUBLES_EQUAL(scene.camera.fu_px, reader->numbers("intrinsics", 4)[0], 1.0);
+  CHECK_FALSE(reader->has("laser_plane"));
+  CHECK_FALSE(reader->has("T_flange_cam"));
+  STRCMP_EQUAL("ok", report()["status"].get<std::string>().c_str());
+  CHECK(report()["camera"]["fu_px"]["sigma"].get<double>() > 0);
+  CHECK(fs::exists(out() / "stages/coverage.png"));
+}
+
+TEST(CalibrateTool, TwoViewsAreRefusedAndAnOlderResultIsGone) {
+  write_target("");
+  write_views(2);
+  folder.write("out/sensor.yaml", "of an earlier run\n");
+  LONGS_EQUAL(3, run({"calibrate", folder.path().string(), "--out", out().string(), "--only", "camera"}, "refused: camera: 2 usable views"));
+  STRCMP_EQUAL("refused", report()["status"].get<std::string>().c_str());
+  STRCMP_CONTAINS("at least 3", report()["reason"].get<std::string>().c_str());
+  CHECK_FALSE(fs::exists(out() / "sensor.yaml"));
+}
+
+TEST(CalibrateTool, BadInputIsNamed) {
+  LONGS_EQUAL(2, run({"calibrate", (folder.path() / "none").string(), "--out", out().string()}, "a calibration folder expected"));
+  LONGS_EQUAL(2, run({"calibrate", folder.path().string(), "--out", out().string()}, "target.yaml"));
+  write_target("colour: black\n");
+  LONGS_EQUAL(2, run({"calibrate", folder.path().string(), "--out", out().string()}, "colour: not a key of this file"));
+  write_target("");
+  LONGS_EQUAL(2, run({"calibrate", folder.path().string(), "--out", out().string()}, "camera"));
+}
+
+TEST(CalibrateTool, TargetIsDrawnToScale) {
+  const fs::path file = folder.path() / "target.svg";
+  LONGS_EQUAL(0, run({"target", "--out", file.string(), "--rows", "3", "--cols", "4", "--pitch", "20", "--outer-diameter", "15", "--inner-diameter", "7"}, ""));
+  std::ifstream in(file);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  int circles = 0;
+  for (auto at = text.find("<circle"); at != std::string::npos; at = text.find("<circle", at + 1)) ++circles;
+  LONGS_EQUAL(12, circles);
+  STRCMP_CONTAINS("width=\"100.000mm\"", text.c_str());  // three pitches and a margin of one on either side
+}
+
+}  // namespace biteline
