@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "hal/sim/gvcamera/gv_camera.hpp"
 
+#include <arpa/inet.h>
 #include <arv.h>
+#include <netinet/in.h>
 #include <sys/mman.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <thread>
@@ -38,12 +42,31 @@ Result<int> memory_file(const std::string& content) {
   return descriptor;
 }
 
+/// A GVCP READREG command for the version register (address 0): answered at once, changes nothing.
+constexpr std::array<std::uint8_t, 12> k_read_register{0x42, 0x01, 0x00, 0x80, 0x00, 0x04, 0xff, 0xff, 0, 0, 0, 0};
+
+Result<int> waking_socket(const std::string& address) {
+  constexpr std::uint16_t k_gvcp_port = 3956;
+  sockaddr_in camera{};
+  camera.sin_family = AF_INET;
+  camera.sin_port = htons(k_gvcp_port);
+  const int descriptor = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (descriptor < 0 || inet_pton(AF_INET, address.c_str(), &camera.sin_addr) != 1 ||
+      connect(descriptor, reinterpret_cast<const sockaddr*>(&camera), sizeof camera) != 0) {
+    const int number = errno;
+    if (descriptor >= 0) close(descriptor);
+    return fail_errno(Errc::ConnectFailed, number, "simulated camera: %s", address.c_str());
+  }
+  return descriptor;
+}
+
 }  // namespace
 
 struct GvCamera::Device {
   ArvGvFakeCamera* server{nullptr};
   ArvFakeCamera* registers{nullptr};  ///< owned by the server
   int description{-1};
+  int waker{-1};                      ///< see wake()
 
   Device() = default;
   Device(const Device&) = delete;
@@ -51,6 +74,15 @@ struct GvCamera::Device {
   ~Device() {
     end();
     if (description >= 0) close(description);
+    if (waker >= 0) close(waker);
+  }
+  /// Aravis 0.8.26 computes the time to its next look for a trigger without a sign: when its thread comes back after
+  /// that moment, as on a busy machine, it sleeps 100 ms on its socket instead.  A packet ends that sleep.
+  void wake() const {
+    std::array<std::uint8_t, 64> answer{};
+    while (recv(waker, answer.data(), answer.size(), MSG_DONTWAIT) > 0) {
+    }
+    (void)send(waker, k_read_register.data(), k_read_register.size(), MSG_DONTWAIT);  // the next trigger tries again
   }
   /// Joins the server's thread and gives the port back.
   void end() {
@@ -87,6 +119,7 @@ Result<std::unique_ptr<GvCamera>> GvCamera::open(const Config& config, Painter p
   }
   g_object_set(device.server, "gvsp-lost-ratio", config.lost_packet_ratio, nullptr);
   device.registers = arv_gv_fake_camera_get_fake_camera(device.server);
+  BITELINE_ASSIGN(device.waker, waking_socket(config.address));
   using namespace gv_register;
   device.write(k_sensor_width, static_cast<std::uint32_t>(config.sensor_width_px));
   device.write(k_sensor_height, static_cast<std::uint32_t>(config.sensor_height_px));
@@ -126,6 +159,7 @@ void GvCamera::trigger(SensorClock::time_point edge) {
   }
   edges_.push_back(edge);
   device_->write(gv_register::k_trigger_fire, 1);
+  device_->wake();
 }
 
 void GvCamera::paint(void* buffer_pointer) {
