@@ -164,12 +164,12 @@ Result<ExitStatus> Service::work_out(Scan scan) {
   if (!line.extraction || !robot_) return line.status;
   const PlanStepRequest request{.arm = robot_->arm, .process = robot_->process, .table_z_mm = robot_->options.table_z_mm};
   BITELINE_ASSIGN(const PlanStep plan, plan_path(scan.folder / "path", request, outcome, *line.extraction));
-  if (!plan.path || !robot_->options.send) return plan.status;
+  if (!plan.outcome.path || !robot_->options.send) return plan.status;
   if (outcome.messages_lost > 0) {
     return fail(Errc::Refused, "%llu profiles of the scan are lost: the path is not sent",
                 static_cast<unsigned long long>(outcome.messages_lost));
   }
-  return follow_path(scan.folder, *plan.path, {.rtde = robot_->options.rtde, .script = robot_->options.script});
+  return follow_path(scan.folder, plan, {.rtde = robot_->options.rtde, .script = robot_->options.script});
 }
 
 }  // namespace biteline::service

@@ -122,17 +122,17 @@ Result<PlanStep> plan_path(const fs::path& folder, const PlanStepRequest& reques
   } else {
     say_step("refused: no path: %s", outcome.reason.c_str());
   }
-  return PlanStep{.status = status, .path = std::move(outcome.path)};
+  return PlanStep{.status = status, .request = std::move(plan_request), .outcome = std::move(outcome)};
 }
 
-Result<ExitStatus> follow_path(const fs::path& folder, const trajectory::CheckedPath& path,
-                               const ControllerAddress& controller) {
+Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, const ControllerAddress& controller) {
   BITELINE_ASSIGN(const std::unique_ptr<robot::ur::UrLink> link, open_robot(controller));
   say_step("sends the path to %s", controller.script.c_str());
   robot::FollowReport followed;
-  const Result<void> done = robot::follow(*link, path, {}, followed);
+  const Result<void> done = robot::follow(*link, *plan.outcome.path, {}, followed);
   // As far as it went, also when it was stopped.
   BITELINE_TRY(write_followed(folder, followed));
+  BITELINE_TRY(result::write_tracking(folder / "path", plan.request, plan.outcome, followed.track));
   if (!done) return tl::unexpected<Error>{done.error()};
   say_step("the arm followed the line in %.1f s: %.3f mm from it on average, %.3f mm at most; %.1f %% of it covered",
            followed.duration_s, followed.deviation.line_mean_mm, followed.deviation.line_max_mm,

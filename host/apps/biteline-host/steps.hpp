@@ -10,7 +10,7 @@
 #include "host/groove/extract.hpp"
 #include "host/ingest/scan_intake.hpp"
 #include "host/kinematics/arm_model.hpp"
-#include "host/trajectory/checked_path.hpp"
+#include "host/trajectory/plan.hpp"
 #include "host/trajectory/process.hpp"
 
 namespace biteline::service {
@@ -34,7 +34,8 @@ struct PlanStepRequest {
 
 struct PlanStep {
   ExitStatus status{ExitStatus::Refused};
-  std::optional<trajectory::CheckedPath> path;  ///< when every check passed
+  trajectory::PlanRequest request;
+  trajectory::PlanOutcome outcome;  ///< with a path when every check passed
 };
 
 /// path.csv, path.script, report.json.  The arm that scanned is the arm that follows: its base is the cloud's frame.
@@ -46,8 +47,9 @@ struct ControllerAddress {
   std::string script;  ///< HOST:PORT
 };
 
-/// Sends the path, watches the arm follow it: followed.json, track.csv.
-[[nodiscard]] Result<ExitStatus> follow_path(const std::filesystem::path& folder, const trajectory::CheckedPath& path,
+/// Sends the path, watches the arm follow it: followed.json, track.csv, and the track in path/tracking.html.
+/// Pre: the plan has a path.
+[[nodiscard]] Result<ExitStatus> follow_path(const std::filesystem::path& folder, const PlanStep& plan,
                                              const ControllerAddress& controller);
 
 }  // namespace biteline::service
