@@ -154,7 +154,7 @@ Result<void> write_page(const Options& options, const fs::path& scan, const std:
   page.durations(stages);
   if (fs::exists(scan / "path/tracking.html")) {
     page.heading("The arm following the line");
-    page.frame(folder + "/path/tracking.html", 760);
+    page.frame(folder + "/path/tracking.html", 1010);
   }
   page.heading("What each stage saw");
   for (const auto& [file, caption] : stages::pictures(scan / "stages")) page.picture(folder + "/stages/" + file, caption);
