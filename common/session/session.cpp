@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "common/session/session.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <memory>
@@ -91,12 +92,15 @@ Result<void> write_rows(const fs::path& file, const std::string& text) {
 
 }  // namespace
 
-Result<std::vector<StampedPose>> read_pose_table(const fs::path& file) {
+Result<std::vector<StampedPose>> read_pose_table(const fs::path& file, RowOrder order) {
   std::vector<StampedPose> poses;
   BITELINE_TRY(csv::read_table(file, 8, 8, [&](const csv::Row& row) -> Result<void> {
     BITELINE_ASSIGN(const StampedPose pose, parse_pose(row, file));
-    if (!poses.empty() && pose.stamp <= poses.back().stamp) {
+    if (order == RowOrder::Rising && !poses.empty() && pose.stamp <= poses.back().stamp) {
       return fail(Errc::BadValue, "%s row %d, field 1: rising stamps expected", file.c_str(), row.number());
+    }
+    if (order == RowOrder::Any && std::any_of(poses.begin(), poses.end(), [&](const StampedPose& p) { return p.stamp == pose.stamp; })) {
+      return fail(Errc::BadValue, "%s row %d, field 1: a number not yet used expected", file.c_str(), row.number());
     }
     poses.push_back(pose);
     return {};

@@ -33,7 +33,11 @@ struct Session {
 [[nodiscard]] Result<Session> read_session(const std::filesystem::path& root);
 
 /// `#timestamp [ns],p_x [mm],...` rows; also handeye/poses.csv, whose first column is the view's number.
-[[nodiscard]] Result<std::vector<StampedPose>> read_pose_table(const std::filesystem::path& file);
+enum class RowOrder {
+  Rising,  ///< by stamp; anything else is a fault
+  Any,     ///< rows are found by their first column; only one of a kind
+};
+[[nodiscard]] Result<std::vector<StampedPose>> read_pose_table(const std::filesystem::path& file, RowOrder order = RowOrder::Rising);
 
 [[nodiscard]] Result<void> write_pose_table(const std::filesystem::path& file, const std::vector<StampedPose>& poses);
 [[nodiscard]] Result<void> write_frame_table(const std::filesystem::path& file, const std::vector<FrameEntry>& frames);

@@ -118,7 +118,7 @@ Result<HandEyeFolder> read_hand_eye_folder(const fs::path& calib) {
   BITELINE_ASSIGN(folder.target, read_target(calib / "target.yaml"));
   BITELINE_ASSIGN(const auto files, numbered_pictures(calib / "handeye", ".png"));
   const fs::path table = calib / "handeye/poses.csv";
-  BITELINE_ASSIGN(const auto poses, session::read_pose_table(table));
+  BITELINE_ASSIGN(const auto poses, session::read_pose_table(table, session::RowOrder::Any));
   const std::vector<GridPicture> pictures = search_pictures(files, folder.target);
   BITELINE_TRY(first_error(pictures));
   const PictureSize size = common_size(pictures);

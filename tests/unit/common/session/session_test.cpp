@@ -83,4 +83,13 @@ TEST(Session, PoseTableSurvivesWriting) {
   for (std::size_t i = 0; i < 2; ++i) TRANSFORMS_EQUAL(written[i].T_base_flange, (*sut)[i].T_base_flange, 1e-6, 1e-9);
 }
 
+TEST(Session, NumberedPosesMayComeInAnyOrderButOnlyOnce) {
+  folder.write("poses.csv", "#timestamp [ns],p_x [mm],p_y [mm],p_z [mm],q_w [],q_x [],q_y [],q_z []\n4,1,2,3,1,0,0,0\n2,4,5,6,1,0,0,0\n");
+  const auto sut = read_pose_table(folder.path() / "poses.csv", RowOrder::Any);
+  SUCCEEDS(sut);
+  LONGS_EQUAL(2, (*sut)[1].stamp.time_since_epoch().count());
+  folder.write("poses.csv", "#timestamp [ns],p_x [mm],p_y [mm],p_z [mm],q_w [],q_x [],q_y [],q_z []\n4,1,2,3,1,0,0,0\n4,4,5,6,1,0,0,0\n");
+  FAILS_NAMING(Errc::BadValue, "field 1: a number not yet used", read_pose_table(folder.path() / "poses.csv", RowOrder::Any));
+}
+
 }  // namespace biteline::session
