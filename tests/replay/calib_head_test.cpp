@@ -140,6 +140,19 @@ TEST(CalibHead, MirroredArmPicturesAreRefused) {
   check_refused(input, "mirror");
 }
 
+TEST(CalibHead, MirroredLaserPicturesAreRefused) {
+  // Consistent among themselves; only the principal point, 10 px off the middle, tells them from the camera's.
+  BITELINE_SHARED_DATA_OR_SKIP(folder, "calib/head21");
+  HeadInput input = head21(folder);
+  for (LaserPictures& place : input.laser->places) {
+    const image::GreyImage picture = flipped(*read_picture(folder / place.name));
+    place.planes.clear();
+    for (const GridView& grid : find_grids(picture, input.laser->target, 2)) place.planes.push_back(make_plane_view(place.name, grid, input.laser->target));
+    for (StripePoint& p : place.stripe) p.pixel_px.x() = picture.width_px - 1 - p.pixel_px.x();
+  }
+  check_refused(input, "contradict");
+}
+
 TEST(CalibHead, PictureOfAnotherCameraIsNamed) {
   BITELINE_SHARED_DATA_OR_SKIP(folder, "calib/head21");
   HeadInput input = head21(folder);

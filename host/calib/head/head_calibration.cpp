@@ -2,6 +2,7 @@
 #include "host/calib/head/head_calibration.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace biteline::calib {
@@ -10,6 +11,8 @@ namespace {
 
 /// An arm's view under the camera's calibration: more, and it is another camera's or another target's.
 constexpr double k_most_view_rms_px = 0.2, k_most_view_ratio = 5;
+/// All pictures are one camera's: together they fit about as well as its own do.  Blur and light differ by less than that.
+constexpr double k_most_joint_ratio = 1.7, k_least_joint_rms_px = 0.06, k_most_change_sigmas = 4;
 /// The ring target's print may differ from what target.yaml says by this much before it is another target.
 constexpr double k_diameter_tolerance_ratio = 0.15;
 
@@ -117,6 +120,24 @@ class Calibrator {
     seen_.camera_known = !input_.camera;
     result_.fit = solve_head(seen_, start_);
     if (!result_.fit.converged) return fail(Errc::NotConverged, "the adjustment of everything together did not converge");
+    return check_agreement();
+  }
+
+  /// The folders show one camera: together they fit about as well as camera/ alone, and tell the same lens.
+  Result<void> check_agreement() const {
+    if (!result_.camera) return {};
+    if (result_.fit.rms_px > std::max(k_least_joint_rms_px, k_most_joint_ratio * result_.camera->rms_px)) {
+      return fail(Errc::Refused, "the folders contradict each other: rings to %.3f px together, camera/ alone to %.3f px (one folder mirrored, or of another camera?)",
+                  result_.fit.rms_px, result_.camera->rms_px);
+    }
+    const CameraVector sigma = result_.camera->sigma();
+    const geometry::Camera &alone = result_.camera->camera, &all = result_.fit.state.camera;
+    const std::array<double, 4> change{all.fu_px - alone.fu_px, all.fv_px - alone.fv_px, all.cu_px - alone.cu_px, all.cv_px - alone.cv_px};
+    for (int i = 0; i < 4; ++i) {
+      if (std::abs(change[static_cast<std::size_t>(i)]) <= k_most_change_sigmas * sigma[i]) continue;
+      return fail(Errc::Refused, "the folders contradict each other: camera/ alone puts the principal point to (%.1f, %.1f), all pictures to (%.1f, %.1f) (one folder mirrored?)",
+                  alone.cu_px, alone.cv_px, all.cu_px, all.cv_px);
+    }
     return {};
   }
 
