@@ -29,19 +29,24 @@ TEST_GROUP(CalibrateTool) {
   }
 
   void write_target(const char* extra) const {
-    folder.write("target.yaml", std::string("rows: 4\ncols: 5\npitch: 14\nouter_diameter: 12\ninner_diameter: 6\n") + extra);
+    folder.write("target.yaml",
+                 std::string("rows: 4\ncols: 5\npitch: 14\nouter_diameter: 12\ninner_diameter: 6\n") + extra);
   }
 
   void write_views(int count) {
     fs::create_directories(folder.path() / "camera");
     int number = 0;
     for (const test::ViewPlace& place : test::varied_places(count, random)) {
-      const image::GreyImage picture = test::draw_rings(scene, {test::T_cam_target_of(scene.target, place)}, {.noise_grey = 1.5, .blur_px = 0.8, .samples = 2, .light = {}, .covered = {}}, random);
+      const image::GreyImage picture = test::draw_rings(
+          scene, {test::T_cam_target_of(scene.target, place)},
+          {.noise_grey = 1.5, .blur_px = 0.8, .samples = 2, .light = {}, .covered = {}}, random);
       SUCCEEDS(image::write_png(folder.path() / "camera" / (std::to_string(number++) + ".png"), picture));
     }
   }
 
-  [[nodiscard]] fs::path out() const { return folder.path() / "out"; }
+  [[nodiscard]] fs::path out() const {
+    return folder.path() / "out";
+  }
 
   int run(std::vector<std::string> arguments, const std::string& expected_words) const {
     auto child = process::ChildProcess::start({.program = BITELINE_TOOL, .arguments = std::move(arguments)});
@@ -76,24 +81,29 @@ TEST(CalibrateTool, TwoViewsAreRefusedAndAnOlderResultIsGone) {
   write_target("");
   write_views(2);
   folder.write("out/sensor.yaml", "of an earlier run\n");
-  LONGS_EQUAL(3, run({"calibrate", folder.path().string(), "--out", out().string(), "--only", "camera"}, "refused: camera: 2 usable views"));
+  LONGS_EQUAL(3, run({"calibrate", folder.path().string(), "--out", out().string(), "--only", "camera"},
+                     "refused: camera: 2 usable views"));
   STRCMP_EQUAL("refused", report()["status"].get<std::string>().c_str());
   STRCMP_CONTAINS("at least 3", report()["reason"].get<std::string>().c_str());
   CHECK_FALSE(fs::exists(out() / "sensor.yaml"));
 }
 
 TEST(CalibrateTool, BadInputIsNamed) {
-  LONGS_EQUAL(2, run({"calibrate", (folder.path() / "none").string(), "--out", out().string()}, "a calibration folder expected"));
+  LONGS_EQUAL(2, run({"calibrate", (folder.path() / "none").string(), "--out", out().string()},
+                     "a calibration folder expected"));
   LONGS_EQUAL(2, run({"calibrate", folder.path().string(), "--out", out().string()}, "target.yaml"));
   write_target("colour: black\n");
-  LONGS_EQUAL(2, run({"calibrate", folder.path().string(), "--out", out().string()}, "colour: not a key of this file"));
+  LONGS_EQUAL(2, run({"calibrate", folder.path().string(), "--out", out().string()},
+                     "colour: not a key of this file"));
   write_target("");
   LONGS_EQUAL(2, run({"calibrate", folder.path().string(), "--out", out().string()}, "camera"));
 }
 
 TEST(CalibrateTool, TargetIsDrawnToScale) {
   const fs::path file = folder.path() / "target.svg";
-  LONGS_EQUAL(0, run({"target", "--out", file.string(), "--rows", "3", "--cols", "4", "--pitch", "20", "--outer-diameter", "15", "--inner-diameter", "7"}, ""));
+  LONGS_EQUAL(0, run({"target", "--out", file.string(), "--rows", "3", "--cols", "4", "--pitch", "20",
+                      "--outer-diameter", "15", "--inner-diameter", "7"},
+                     ""));
   std::ifstream in(file);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   int circles = 0;

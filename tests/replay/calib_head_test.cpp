@@ -41,20 +41,20 @@ image::GreyImage flipped(const image::GreyImage& picture) {
 
 }  // namespace
 
-TEST_GROUP(CalibHead) {
-  void check_refused(const HeadInput& input, const char* word) {
+TEST_GROUP(CalibHead){void check_refused(const HeadInput& input, const char* word){
     const HeadCalibration result = calibrate_head(input);
-    CHECK(result.refused.has_value());
-    CHECK(error_row(result.refused->code).exit_status == ExitStatus::Refused);
-    STRCMP_CONTAINS(word, result.refused->where.c_str());
-  }
-  void check_named(const HeadInput& input, const char* name) {
-    const HeadCalibration result = calibrate_head(input);
-    CHECK_TRUE_TEXT(!result.refused, result.refused ? to_line(*result.refused).c_str() : "");
-    LONGS_EQUAL(1, result.set_aside.size());
-    STRCMP_EQUAL(name, result.set_aside[0].name.c_str());
-  }
-};
+CHECK(result.refused.has_value());
+CHECK(error_row(result.refused->code).exit_status == ExitStatus::Refused);
+STRCMP_CONTAINS(word, result.refused->where.c_str());
+}  // namespace biteline::calib
+void check_named(const HeadInput& input, const char* name) {
+  const HeadCalibration result = calibrate_head(input);
+  CHECK_TRUE_TEXT(!result.refused, result.refused ? to_line(*result.refused).c_str() : "");
+  LONGS_EQUAL(1, result.set_aside.size());
+  STRCMP_EQUAL(name, result.set_aside[0].name.c_str());
+}
+}
+;
 
 TEST(CalibHead, MeetsItsBarsAgainstTheTruth) {
   BITELINE_SHARED_DATA_OR_SKIP(folder, "calib/head21");
@@ -74,7 +74,8 @@ TEST(CalibHead, MeetsItsBarsAgainstTheTruth) {
   CHECK(error.head<3>().cwiseAbs().maxCoeff() < 0.08);
   CHECK(error.tail<3>().norm() < 0.010 * k_degree);
 
-  // The shape of what is scanned: a point anywhere in the working region, the head's own small turn and shift taken off.
+  // The shape of what is scanned: a point anywhere in the working region, the head's own small turn and shift
+  // taken off.
   Eigen::Matrix3Xd ours(3, 0), theirs(3, 0);
   for (int u = 50; u < 1600; u += 50) {
     for (int v = 470; v < 780; v += 20) {
@@ -85,7 +86,11 @@ TEST(CalibHead, MeetsItsBarsAgainstTheTruth) {
     }
   }
   const Eigen::Matrix4d T = Eigen::umeyama(ours, theirs, false);
-  const double rms_mm = std::sqrt((((T.topLeftCorner<3, 3>() * ours).colwise() + Vec3(T.topRightCorner<3, 1>())) - theirs).colwise().squaredNorm().mean());
+  const double rms_mm =
+      std::sqrt((((T.topLeftCorner<3, 3>() * ours).colwise() + Vec3(T.topRightCorner<3, 1>())) - theirs)
+                    .colwise()
+                    .squaredNorm()
+                    .mean());
   CHECK_TRUE_TEXT(rms_mm <= 0.010, StringFromFormat("%.4f mm", rms_mm).asCharString());
 }
 
@@ -133,7 +138,8 @@ TEST(CalibHead, MirroredArmPicturesAreRefused) {
   HeadInput input = head21(folder);
   input.laser.reset();
   for (ArmPicture& picture : input.hand_eye->views) {
-    const auto grids = find_grids(flipped(*read_picture(folder / picture.view.name)), input.hand_eye->target, 1);
+    const auto grids =
+        find_grids(flipped(*read_picture(folder / picture.view.name)), input.hand_eye->target, 1);
     LONGS_EQUAL(1, grids.size());
     picture.view = make_plane_view(picture.view.name, grids[0], input.hand_eye->target);
   }
@@ -141,13 +147,15 @@ TEST(CalibHead, MirroredArmPicturesAreRefused) {
 }
 
 TEST(CalibHead, MirroredLaserPicturesAreRefused) {
-  // Consistent among themselves; only the principal point, 10 px off the middle, tells them from the camera's.
+  // Consistent among themselves; only the principal point, 10 px off the middle, tells them from the
+  // camera's.
   BITELINE_SHARED_DATA_OR_SKIP(folder, "calib/head21");
   HeadInput input = head21(folder);
   for (LaserPictures& place : input.laser->places) {
     const image::GreyImage picture = flipped(*read_picture(folder / place.name));
     place.planes.clear();
-    for (const GridView& grid : find_grids(picture, input.laser->target, 2)) place.planes.push_back(make_plane_view(place.name, grid, input.laser->target));
+    for (const GridView& grid : find_grids(picture, input.laser->target, 2))
+      place.planes.push_back(make_plane_view(place.name, grid, input.laser->target));
     for (StripePoint& p : place.stripe) p.pixel_px.x() = picture.width_px - 1 - p.pixel_px.x();
   }
   check_refused(input, "contradict");

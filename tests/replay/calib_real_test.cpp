@@ -27,7 +27,8 @@ namespace {
 constexpr double k_mm_per_m = 1000;
 
 /// A view of a plain grid of points, row by row.
-PlaneView grid_view(const std::string& name, const std::vector<cv::Point2f>& points, const RingTarget& target) {
+PlaneView grid_view(const std::string& name, const std::vector<cv::Point2f>& points,
+                    const RingTarget& target) {
   GridView grid;
   for (int row = 0; row < target.rows; ++row) {
     for (int col = 0; col < target.cols; ++col) {
@@ -41,14 +42,16 @@ PlaneView grid_view(const std::string& name, const std::vector<cv::Point2f>& poi
   for (int k = 0; k < turns; ++k) {
     const SE3 turn(Eigen::AngleAxisd(2 * std::numbers::pi * k / turns, Vec3::UnitZ()));
     const Vec3 middle = target.middle_target();
-    grid.readings.push_back({.T_this_other = SE3(Eigen::Translation3d(middle)) * turn * Eigen::Translation3d(-middle)});
+    grid.readings.push_back(
+        {.T_this_other = SE3(Eigen::Translation3d(middle)) * turn * Eigen::Translation3d(-middle)});
   }
   return make_plane_view(name, grid, target);
 }
 
 /// OpenCV may number a grid mirrored; ours runs rows to columns as u to v.
 void unmirror(std::vector<cv::Point2f>& points, const RingTarget& target) {
-  const cv::Point2f along = points[1] - points[0], down = points[static_cast<std::size_t>(target.cols)] - points[0];
+  const cv::Point2f along = points[1] - points[0],
+                    down = points[static_cast<std::size_t>(target.cols)] - points[0];
   if (along.x * down.y - along.y * down.x > 0) return;
   for (int row = 0; row < target.rows; ++row) {
     const auto first = points.begin() + row * target.cols;
@@ -61,12 +64,16 @@ struct RealView {
   SE3 T_base_flange{SE3::Identity()};
 };
 
-Result<HandEyeCalibration> hand_eye_of(const std::vector<RealView>& views, const CameraCalibration& camera, HandEyeOptions options = {}) {
+Result<HandEyeCalibration> hand_eye_of(const std::vector<RealView>& views, const CameraCalibration& camera,
+                                       HandEyeOptions options = {}) {
   std::vector<HandEyeView> stops;
   for (const RealView& one : views) {
     const auto pose = fit_plane_pose(camera.camera, one.view.centres);
     if (!pose) continue;
-    stops.push_back({.name = one.view.name, .T_base_flange = one.T_base_flange, .pose = *pose, .readings = one.view.grid.readings});
+    stops.push_back({.name = one.view.name,
+                     .T_base_flange = one.T_base_flange,
+                     .pose = *pose,
+                     .readings = one.view.grid.readings});
   }
   options.centre_sigma_px = camera.sigma_px;
   options.middle_target = views[0].view.target.middle_target();
@@ -80,16 +87,19 @@ Result<CameraCalibration> camera_of(const std::vector<RealView>& views, PictureS
 }
 
 /// Standard deviation per axis of the target's origin in base, as each stop places it.
-Vec3 origin_scatter_mm(const HandEyeCalibration& hand_eye, const std::vector<HandEyeStop>& stops, const std::vector<SE3>& T_base_flanges) {
+Vec3 origin_scatter_mm(const HandEyeCalibration& hand_eye, const std::vector<HandEyeStop>& stops,
+                       const std::vector<SE3>& T_base_flanges) {
   Eigen::Matrix3Xd origins(3, static_cast<Eigen::Index>(stops.size()));
   for (std::size_t i = 0; i < stops.size(); ++i) {
-    origins.col(static_cast<Eigen::Index>(i)) = (T_base_flanges[stops[i].view] * hand_eye.T_flange_cam * stops[i].T_cam_target).translation();
+    origins.col(static_cast<Eigen::Index>(i)) =
+        (T_base_flanges[stops[i].view] * hand_eye.T_flange_cam * stops[i].T_cam_target).translation();
   }
   const Eigen::Matrix3Xd off = origins.colwise() - Vec3(origins.rowwise().mean());
   return (off.rowwise().squaredNorm() / static_cast<double>(stops.size() - 1)).cwiseSqrt();
 }
 
-/// The pictures are dark, and some show no board: the first of several enhancements in which OpenCV finds the board.
+/// The pictures are dark, and some show no board: the first of several enhancements in which OpenCV finds the
+/// board.
 std::vector<cv::Point2f> chessboard_corners(const cv::Mat& colour, const cv::Mat& green) {
   cv::Mat grey, smooth_green, level_green, level_grey;
   cv::cvtColor(colour, grey, cv::COLOR_BGR2GRAY);
@@ -99,27 +109,33 @@ std::vector<cv::Point2f> chessboard_corners(const cv::Mat& colour, const cv::Mat
   level->apply(grey, level_grey);
   std::vector<cv::Point2f> corners;
   for (const cv::Mat& picture : {green, grey, level_green, level_grey}) {
-    for (const int flags : {int{cv::CALIB_CB_ADAPTIVE_THRESH} | int{cv::CALIB_CB_NORMALIZE_IMAGE}, int{cv::CALIB_CB_ADAPTIVE_THRESH}, 0}) {
+    for (const int flags : {int{cv::CALIB_CB_ADAPTIVE_THRESH} | int{cv::CALIB_CB_NORMALIZE_IMAGE},
+                            int{cv::CALIB_CB_ADAPTIVE_THRESH}, 0}) {
       if (cv::findChessboardCorners(picture, cv::Size(9, 6), corners, flags)) return corners;
     }
-    if (cv::findChessboardCornersSB(picture, cv::Size(9, 6), corners, cv::CALIB_CB_NORMALIZE_IMAGE)) return corners;
+    if (cv::findChessboardCornersSB(picture, cv::Size(9, 6), corners, cv::CALIB_CB_NORMALIZE_IMAGE))
+      return corners;
   }
   return {};
 }
 
 std::string words_of(const HandEyeCalibration& h) {
   char text[300];
-  std::snprintf(text, sizeof text, "%zu stops, %zu set aside, left out %.3f mm %.4f deg, robot noise %.3f mm %.4f deg", h.stops.size(), h.set_aside.size(),
-                h.left_out_rms_mm, h.left_out_rms_rad * 180 / std::numbers::pi, h.pose_sigma_mm, h.pose_sigma_rad * 180 / std::numbers::pi);
+  std::snprintf(
+      text, sizeof text, "%zu stops, %zu set aside, left out %.3f mm %.4f deg, robot noise %.3f mm %.4f deg",
+      h.stops.size(), h.set_aside.size(), h.left_out_rms_mm, h.left_out_rms_rad * 180 / std::numbers::pi,
+      h.pose_sigma_mm, h.pose_sigma_rad * 180 / std::numbers::pi);
   return text;
 }
 
 }  // namespace
 
-TEST_GROUP(CalibReal) {
-  // OpenCV's detectors divide by zero and go on; that is theirs, and not what the runner's check is for.
-  void teardown() override { std::feclearexcept(FE_ALL_EXCEPT); }
-};
+TEST_GROUP(CalibReal){
+    // OpenCV's detectors divide by zero and go on; that is theirs, and not what the runner's check is for.
+    void teardown() override{std::feclearexcept(FE_ALL_EXCEPT);
+}  // namespace biteline::calib
+}
+;
 
 TEST(CalibReal, MoveitPosePairsAreConsistent) {
   BITELINE_SHARED_DATA_OR_SKIP(file, "real-calib/moveit_calibration/pose_samples.json");
@@ -128,7 +144,8 @@ TEST(CalibReal, MoveitPosePairsAreConsistent) {
   const auto matrix = [](const nlohmann::json& rows) {
     Eigen::Matrix4d m;
     for (int i = 0; i < 4; ++i) {
-      for (int j = 0; j < 4; ++j) m(i, j) = rows[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)].get<double>();
+      for (int j = 0; j < 4; ++j)
+        m(i, j) = rows[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)].get<double>();
     }
     SE3 T(m);
     T.translation() *= k_mm_per_m;
@@ -137,13 +154,18 @@ TEST(CalibReal, MoveitPosePairsAreConsistent) {
   // A fixed camera that watches a target on the flange: base and flange change parts.
   std::vector<HandEyeView> views;
   for (const auto& sample : json) {
-    HandEyeView view{.name = "sample " + std::to_string(views.size()), .T_base_flange = matrix(sample[0]).inverse(), .pose = {}, .readings = {Reading{}}};
+    HandEyeView view{.name = "sample " + std::to_string(views.size()),
+                     .T_base_flange = matrix(sample[0]).inverse(),
+                     .pose = {},
+                     .readings = {Reading{}}};
     view.pose.T_cam_target = matrix(sample[1]);
-    // Seen poses come without a covariance: all of the noise is put on the robot's side, where it is estimated.
+    // Seen poses come without a covariance: all of the noise is put on the robot's side, where it is
+    // estimated.
     view.pose.covariance_per_px2.diagonal() << 1e-2, 1e-2, 1e-2, 1e-8, 1e-8, 1e-8;
     views.push_back(view);
   }
-  const auto result = calibrate_hand_eye(views, {.centre_sigma_px = 1, .middle_target = Vec3::Zero(), .most_sigma_mm = 3});
+  const auto result =
+      calibrate_hand_eye(views, {.centre_sigma_px = 1, .middle_target = Vec3::Zero(), .most_sigma_mm = 3});
   CHECK_TRUE_TEXT(result.has_value(), result ? "" : to_line(result.error()).c_str());
   std::printf("moveit: %s\n", words_of(*result).c_str());
   CHECK(result->left_out_rms_mm < 5);
@@ -151,12 +173,14 @@ TEST(CalibReal, MoveitPosePairsAreConsistent) {
 
 TEST(CalibReal, RosIndustrialDotsGiveAConsistentMounting) {
   BITELINE_SHARED_DATA_OR_SKIP(folder, "real-calib/ros_industrial/test_set_10x10");
-  RingTarget target{.rows = 10, .cols = 10, .pitch_mm = 25.4, .outer_diameter_mm = 12, .inner_diameter_mm = 5};
+  RingTarget target{
+      .rows = 10, .cols = 10, .pitch_mm = 25.4, .outer_diameter_mm = 12, .inner_diameter_mm = 5};
   std::vector<RealView> views;
   PictureSize size;
   for (int i = 0; i < 15; ++i) {
     const std::string number = std::to_string(i);
-    const cv::Mat picture = cv::imread((folder / "images" / (number + ".png")).string(), cv::IMREAD_GRAYSCALE);
+    const cv::Mat picture =
+        cv::imread((folder / "images" / (number + ".png")).string(), cv::IMREAD_GRAYSCALE);
     size = {.width_px = picture.cols, .height_px = picture.rows};
     std::vector<cv::Point2f> points;
     if (!cv::findCirclesGrid(picture, cv::Size(10, 10), points, cv::CALIB_CB_SYMMETRIC_GRID)) continue;
@@ -165,7 +189,8 @@ TEST(CalibReal, RosIndustrialDotsGiveAConsistentMounting) {
     const auto get = [&](const char* key) { return reader.number(key, {}); };
     const Vec3 position(get("x"), get("y"), get("z"));
     const Eigen::Quaterniond q(get("qw"), get("qx"), get("qy"), get("qz"));
-    views.push_back({.view = grid_view(number, points, target), .T_base_flange = geometry::make_se3(q.normalized(), position * k_mm_per_m)});
+    views.push_back({.view = grid_view(number, points, target),
+                     .T_base_flange = geometry::make_se3(q.normalized(), position * k_mm_per_m)});
   }
   CHECK(views.size() >= 10);
   const auto camera = camera_of(views, size);
@@ -180,18 +205,21 @@ TEST(CalibReal, RosIndustrialDotsGiveAConsistentMounting) {
     for (CentreObservation& c : view.view.centres) c.point_target *= k_print_ratio;
     for (Reading& reading : view.view.grid.readings) reading.T_this_other.translation() *= k_print_ratio;
   }
-  // Arm and camera disagree by millimetres and half a degree from stop to stop: no mounting for a scanner, which is said;
-  // with an installation's own limits the answer comes with its left-out error.
+  // Arm and camera disagree by millimetres and half a degree from stop to stop: no mounting for a scanner,
+  // which is said; with an installation's own limits the answer comes with its left-out error.
   CHECK_FALSE(hand_eye_of(views, *camera).has_value());
-  const auto result = hand_eye_of(views, *camera, {.most_sigma_mm = 20, .most_sigma_rad = 0.02, .most_left_out_mm = 20});
+  const auto result =
+      hand_eye_of(views, *camera, {.most_sigma_mm = 20, .most_sigma_rad = 0.02, .most_left_out_mm = 20});
   CHECK_TRUE_TEXT(result.has_value(), result ? "" : to_line(result.error()).c_str());
-  std::printf("ros_industrial: axes %.1f turn %.1f; camera RMS %.3f px, %s\n", result->axes_spread_rad * 57.3, result->largest_turn_rad * 57.3, camera->rms_px, words_of(*result).c_str());
+  std::printf("ros_industrial: axes %.1f turn %.1f; camera RMS %.3f px, %s\n", result->axes_spread_rad * 57.3,
+              result->largest_turn_rad * 57.3, camera->rms_px, words_of(*result).c_str());
   CHECK(result->left_out_rms_mm < 10);
 }
 
 TEST(CalibReal, BlaserWholeChain) {
   BITELINE_SHARED_DATA_OR_SKIP(folder, "stripes/blaser_ur5e_640");
-  const RingTarget target{.rows = 6, .cols = 9, .pitch_mm = 5, .outer_diameter_mm = 4, .inner_diameter_mm = 2};
+  const RingTarget target{
+      .rows = 6, .cols = 9, .pitch_mm = 5, .outer_diameter_mm = 4, .inner_diameter_mm = 2};
   std::vector<RealView> views;
   std::vector<LaserPictures> places;
   PictureSize size;
@@ -210,16 +238,21 @@ TEST(CalibReal, BlaserWholeChain) {
     const std::vector<cv::Point2f> found = chessboard_corners(colour, channels[1]);
     if (found.empty()) continue;
     std::vector<cv::Point2f> corners = found;
-    cv::cornerSubPix(channels[1], corners, cv::Size(5, 5), cv::Size(-1, -1), cv::TermCriteria(cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 40, 1e-3));
+    cv::cornerSubPix(channels[1], corners, cv::Size(5, 5), cv::Size(-1, -1),
+                     cv::TermCriteria(cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 40, 1e-3));
     unmirror(corners, target);
-    views.push_back({.view = grid_view(name, corners, target),
-                     .T_base_flange = geometry::make_se3(Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized(), Vec3(p[0], p[1], p[2]) * k_mm_per_m)});
+    views.push_back(
+        {.view = grid_view(name, corners, target),
+         .T_base_flange = geometry::make_se3(Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized(),
+                                             Vec3(p[0], p[1], p[2]) * k_mm_per_m)});
     // Red less green: the line without the board.
     cv::Mat line;
     cv::subtract(channels[2], channels[1], line);
     image::GreyImage picture{.width_px = line.cols, .height_px = line.rows, .pixels = {}};
-    for (int v = 0; v < line.rows; ++v) picture.pixels.insert(picture.pixels.end(), line.ptr(v), line.ptr(v) + line.cols);
-    LaserPictures place{.name = name, .planes = {views.back().view}, .stripe = thin_stripe(*find_stripe(picture), 12)};
+    for (int v = 0; v < line.rows; ++v)
+      picture.pixels.insert(picture.pixels.end(), line.ptr(v), line.ptr(v) + line.cols);
+    LaserPictures place{
+        .name = name, .planes = {views.back().view}, .stripe = thin_stripe(*find_stripe(picture), 12)};
     places.push_back(std::move(place));
   }
   std::printf("blaser: board found in %zu pictures\n", views.size());
@@ -231,12 +264,14 @@ TEST(CalibReal, BlaserWholeChain) {
   std::vector<SE3> flanges;
   for (const RealView& view : views) flanges.push_back(view.T_base_flange);
   const Vec3 scatter = origin_scatter_mm(*hand_eye, hand_eye->stops, flanges);
-  std::printf("blaser: camera RMS %.3f px, %zu views, %zu set aside; %s; origin scatter %.3f %.3f %.3f mm\n", camera->rms_px, camera->views.size(), camera->set_aside.size(),
-              words_of(*hand_eye).c_str(), scatter.x(), scatter.y(), scatter.z());
+  std::printf("blaser: camera RMS %.3f px, %zu views, %zu set aside; %s; origin scatter %.3f %.3f %.3f mm\n",
+              camera->rms_px, camera->views.size(), camera->set_aside.size(), words_of(*hand_eye).c_str(),
+              scatter.x(), scatter.y(), scatter.z());
   CHECK(scatter.maxCoeff() <= 0.4);
   const auto laser = calibrate_laser(camera->camera, places);
   CHECK_TRUE_TEXT(laser.has_value(), laser ? "" : to_line(laser.error()).c_str());
-  std::printf("blaser: laser plane RMS %.3f mm, %d points, %d off, %zu of %zu places\n", laser->rms_mm, laser->points, laser->points_set_aside, laser->views.size(), places.size());
+  std::printf("blaser: laser plane RMS %.3f mm, %d points, %d off, %zu of %zu places\n", laser->rms_mm,
+              laser->points, laser->points_set_aside, laser->views.size(), places.size());
   CHECK(laser->rms_mm <= 0.15);
 }
 

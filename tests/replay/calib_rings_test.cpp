@@ -13,7 +13,8 @@ TEST_GROUP(CalibRings){};
 TEST(CalibRings, AllTwelveRingsInEveryPhotograph) {
   BITELINE_SHARED_DATA_OR_SKIP(folder, "real-calib/rings_joshjo");
   // Not told with the pictures: pitch to diameters as measured in them.
-  const RingTarget target{.rows = 4, .cols = 3, .pitch_mm = 30, .outer_diameter_mm = 20, .inner_diameter_mm = 10};
+  const RingTarget target{
+      .rows = 4, .cols = 3, .pitch_mm = 30, .outer_diameter_mm = 20, .inner_diameter_mm = 10};
   int pictures = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() != ".png") continue;

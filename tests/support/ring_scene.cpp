@@ -22,7 +22,8 @@ double target_level(const RingScene& scene, const Vec2& place, const PictureOpti
   const double col = std::clamp(std::round(place.x() / t.pitch_mm), 0.0, t.cols - 1.0);
   const double row = std::clamp(std::round(place.y() / t.pitch_mm), 0.0, t.rows - 1.0);
   const double radius_mm = (place - Vec2(col, row) * t.pitch_mm).norm();
-  return radius_mm < t.outer_diameter_mm / 2 && radius_mm > t.inner_diameter_mm / 2 ? k_dark_grey : k_bright_grey;
+  return radius_mm < t.outer_diameter_mm / 2 && radius_mm > t.inner_diameter_mm / 2 ? k_dark_grey
+                                                                                    : k_bright_grey;
 }
 
 void blur(std::vector<double>& levels, int width, int height, double sigma_px) {
@@ -30,15 +31,18 @@ void blur(std::vector<double>& levels, int width, int height, double sigma_px) {
   const int reach = static_cast<int>(std::ceil(3 * sigma_px));
   std::vector<double> kernel;
   double sum = 0;
-  for (int i = -reach; i <= reach; ++i) sum += kernel.emplace_back(std::exp(-0.5 * i * i / (sigma_px * sigma_px)));
+  for (int i = -reach; i <= reach; ++i)
+    sum += kernel.emplace_back(std::exp(-0.5 * i * i / (sigma_px * sigma_px)));
   for (const bool along_u : {true, false}) {
     const std::vector<double> source = levels;
     for (int v = 0; v < height; ++v) {
       for (int u = 0; u < width; ++u) {
         double level = 0;
         for (int i = -reach; i <= reach; ++i) {
-          const int uu = along_u ? std::clamp(u + i, 0, width - 1) : u, vv = along_u ? v : std::clamp(v + i, 0, height - 1);
-          level += kernel[static_cast<std::size_t>(i + reach)] * source[static_cast<std::size_t>(vv * width + uu)];
+          const int uu = along_u ? std::clamp(u + i, 0, width - 1) : u,
+                    vv = along_u ? v : std::clamp(v + i, 0, height - 1);
+          level +=
+              kernel[static_cast<std::size_t>(i + reach)] * source[static_cast<std::size_t>(vv * width + uu)];
         }
         levels[static_cast<std::size_t>(v * width + u)] = level / sum;
       }
@@ -53,12 +57,13 @@ SE3 T_cam_target_of(const calib::RingTarget& target, const ViewPlace& place) {
   T_cam_middle.translation() = Vec3(place.shift_mm.x(), place.shift_mm.y(), place.distance_mm);
   const Vec3 axis(std::cos(place.tilt_axis_rad), std::sin(place.tilt_axis_rad), 0);
   T_cam_middle.linear() =
-      (Eigen::AngleAxisd(place.tilt_rad, axis) * Eigen::AngleAxisd(place.roll_rad, Vec3::UnitZ())).toRotationMatrix();
+      (Eigen::AngleAxisd(place.tilt_rad, axis) * Eigen::AngleAxisd(place.roll_rad, Vec3::UnitZ()))
+          .toRotationMatrix();
   return T_cam_middle * Eigen::Translation3d(-target.middle_target());
 }
 
-image::GreyImage draw_rings(const RingScene& scene, const std::vector<SE3>& T_cam_targets, const PictureOptions& options,
-                            std::mt19937_64& random) {
+image::GreyImage draw_rings(const RingScene& scene, const std::vector<SE3>& T_cam_targets,
+                            const PictureOptions& options, std::mt19937_64& random) {
   const int width = scene.size.width_px, height = scene.size.height_px;
   std::vector<Mat3> H_target_ideal;
   for (const SE3& T : T_cam_targets) {
@@ -75,7 +80,8 @@ image::GreyImage draw_rings(const RingScene& scene, const std::vector<SE3>& T_ca
       const Vec3 dv = scene.camera.ray(Vec2(u, v + 0.5)) - scene.camera.ray(Vec2(u, v - 0.5));
       double sum = 0;
       for (int i = 0; i < options.samples * options.samples; ++i) {
-        const double su = (i % options.samples + 0.5) / options.samples - 0.5, sv = (i / options.samples + 0.5) / options.samples - 0.5;
+        const double su = (i % options.samples + 0.5) / options.samples - 0.5,
+                     sv = (i / options.samples + 0.5) / options.samples - 0.5;
         double level = -1;
         for (std::size_t k = 0; k < H_target_ideal.size() && level < 0; ++k) {
           const Vec3 place = H_target_ideal[k] * (ray + su * du + sv * dv);
@@ -83,7 +89,9 @@ image::GreyImage draw_rings(const RingScene& scene, const std::vector<SE3>& T_ca
         }
         sum += level < 0 ? k_background_grey : level;
       }
-      const double light = options.light ? options.light(static_cast<double>(u) / width, static_cast<double>(v) / height) : 1.0;
+      const double light =
+          options.light ? options.light(static_cast<double>(u) / width, static_cast<double>(v) / height)
+                        : 1.0;
       levels[static_cast<std::size_t>(v * width + u)] = light * sum / (options.samples * options.samples);
     }
   }
@@ -97,8 +105,8 @@ image::GreyImage draw_rings(const RingScene& scene, const std::vector<SE3>& T_ca
   return picture;
 }
 
-calib::PlaneView exact_view(const RingScene& scene, const SE3& T_cam_target, const std::string& name, double noise_px,
-                            std::mt19937_64& random) {
+calib::PlaneView exact_view(const RingScene& scene, const SE3& T_cam_target, const std::string& name,
+                            double noise_px, std::mt19937_64& random) {
   std::normal_distribution<double> noise(0, 1);
   calib::GridView grid;
   for (int row = 0; row < scene.target.rows; ++row) {
@@ -109,7 +117,8 @@ calib::PlaneView exact_view(const RingScene& scene, const SE3& T_cam_target, con
       grid.rings.push_back(ring);
     }
   }
-  const SE3 half_turn = SE3(Eigen::Translation3d(2 * scene.target.middle_target())) * Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitZ());
+  const SE3 half_turn = SE3(Eigen::Translation3d(2 * scene.target.middle_target())) *
+                        Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitZ());
   grid.readings = {calib::Reading{}, calib::Reading{.T_this_other = half_turn}};
   return calib::make_plane_view(name, grid, scene.target);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Made pictures of ring targets with known camera and poses, for the calibration's tests and benchmarks.
+/// \file Made pictures of ring targets with known camera and poses, for the calibration's tests and
+/// benchmarks.
 
 #include <functional>
 #include <random>
@@ -12,21 +13,29 @@
 namespace biteline::test {
 
 struct RingScene {
-  geometry::Camera camera{.fu_px = 1400, .fv_px = 1390, .cu_px = 405, .cv_px = 292, .k1 = -0.11, .k2 = 0.14, .p1 = 3e-4, .p2 = -2e-4};
+  geometry::Camera camera{.fu_px = 1400,
+                          .fv_px = 1390,
+                          .cu_px = 405,
+                          .cv_px = 292,
+                          .k1 = -0.11,
+                          .k2 = 0.14,
+                          .p1 = 3e-4,
+                          .p2 = -2e-4};
   calib::PictureSize size{.width_px = 800, .height_px = 600};
-  calib::RingTarget target{.rows = 4, .cols = 7, .pitch_mm = 14, .outer_diameter_mm = 12, .inner_diameter_mm = 6};
+  calib::RingTarget target{
+      .rows = 4, .cols = 7, .pitch_mm = 14, .outer_diameter_mm = 12, .inner_diameter_mm = 6};
 };
 
 struct PictureOptions {
   double noise_grey{2};
   double blur_px{0.7};
-  int samples{4};                                        ///< per pixel and direction
-  std::function<double(double, double)> light;           ///< factor at (u / width, v / height); 1 when empty
-  std::function<bool(const Vec2&)> covered;              ///< target places (mm) hidden by something dark
+  int samples{4};                               ///< per pixel and direction
+  std::function<double(double, double)> light;  ///< factor at (u / width, v / height); 1 when empty
+  std::function<bool(const Vec2&)> covered;     ///< target places (mm) hidden by something dark
 };
 
-/// Target in cam: its middle at `distance_mm` on the axis, moved by `shift_mm` across it, turned by `roll_rad` about its
-/// normal and then tilted by `tilt_rad` about `tilt_axis_rad` in the picture.
+/// Target in cam: its middle at `distance_mm` on the axis, moved by `shift_mm` across it, turned by
+/// `roll_rad` about its normal and then tilted by `tilt_rad` about `tilt_axis_rad` in the picture.
 struct ViewPlace {
   double distance_mm{260};
   Vec2 shift_mm{Vec2::Zero()};
@@ -37,12 +46,12 @@ struct ViewPlace {
 [[nodiscard]] SE3 T_cam_target_of(const calib::RingTarget& target, const ViewPlace& place);
 
 /// A picture of one or more grids (one pose each), ray by ray.
-[[nodiscard]] image::GreyImage draw_rings(const RingScene& scene, const std::vector<SE3>& T_cam_targets, const PictureOptions& options,
-                                          std::mt19937_64& random);
+[[nodiscard]] image::GreyImage draw_rings(const RingScene& scene, const std::vector<SE3>& T_cam_targets,
+                                          const PictureOptions& options, std::mt19937_64& random);
 
 /// As find_grids() would give it, but with exact centres plus noise and no edges.
-[[nodiscard]] calib::PlaneView exact_view(const RingScene& scene, const SE3& T_cam_target, const std::string& name, double noise_px,
-                                          std::mt19937_64& random);
+[[nodiscard]] calib::PlaneView exact_view(const RingScene& scene, const SE3& T_cam_target,
+                                          const std::string& name, double noise_px, std::mt19937_64& random);
 
 /// `count` places that determine a camera: tilts of 10 to 35 degrees about all axes.
 [[nodiscard]] std::vector<ViewPlace> varied_places(int count, std::mt19937_64& random);

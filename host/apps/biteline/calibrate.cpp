@@ -28,11 +28,14 @@ struct Options {
   std::vector<std::string> only;
 };
 
-const char* folder_of(const std::string& part) { return part == "hand-eye" ? "handeye" : part.c_str(); }
+const char* folder_of(const std::string& part) {
+  return part == "hand-eye" ? "handeye" : part.c_str();
+}
 
 /// What is asked for, or everything that the folder holds.
 Result<std::set<std::string>> parts_of(const Options& options) {
-  if (!fs::is_directory(options.calib)) return fail(Errc::FileNotFound, "%s: a calibration folder expected", options.calib.c_str());
+  if (!fs::is_directory(options.calib))
+    return fail(Errc::FileNotFound, "%s: a calibration folder expected", options.calib.c_str());
   if (!options.only.empty()) {
     std::set<std::string> parts(options.only.begin(), options.only.end());
     // The clock's scan is seen through the whole head; what is not given is calibrated.
@@ -41,13 +44,15 @@ Result<std::set<std::string>> parts_of(const Options& options) {
   }
   std::set<std::string> parts{"camera", "laser", "hand-eye"};
   if (!options.sensor.empty()) {
-    std::erase_if(parts, [&](const std::string& part) { return !fs::is_directory(options.calib / folder_of(part)); });
+    std::erase_if(
+        parts, [&](const std::string& part) { return !fs::is_directory(options.calib / folder_of(part)); });
   }
   if (fs::is_directory(options.calib / "clock")) parts.insert("clock");
   return parts;
 }
 
-/// sensor.yaml without the lines of parts that were not calibrated: a reader refuses it by name instead of using a made-up value.
+/// sensor.yaml without the lines of parts that were not calibrated: a reader refuses it by name instead of
+/// using a made-up value.
 std::string without_unknown(std::string text, const std::set<std::string>& known) {
   const auto cut = [&](const std::string& key, int lines) {
     const std::size_t from = text.find("\n" + key + ":") + 1;
@@ -86,7 +91,10 @@ Result<calib::HeadInput> read_input(const Options& options, const std::set<std::
 
 /// What turns pixels into points: calibrated just now, or as the given sensor.yaml says.
 calib::ScanModel scan_model(const geometry::SensorModel& sensor) {
-  return {.camera = sensor.camera, .plane = sensor.laser_plane, .T_flange_cam = sensor.T_flange_cam, .pose_clock_offset = sensor.pose_clock_offset};
+  return {.camera = sensor.camera,
+          .plane = sensor.laser_plane,
+          .T_flange_cam = sensor.T_flange_cam,
+          .pose_clock_offset = sensor.pose_clock_offset};
 }
 
 /// Every eighth column: over a surface seen twice still thousands of points.
@@ -94,13 +102,23 @@ constexpr int k_scan_column_step = 8;
 /// Two controllers' clocks, set by the same operator's network time, or a fieldbus cycle or two of delay.
 constexpr double k_clock_search_ms = 20;
 
-double ms_of(Nanoseconds duration) { return 1e-6 * static_cast<double>(duration.count()); }
+double ms_of(Nanoseconds duration) {
+  return 1e-6 * static_cast<double>(duration.count());
+}
 
-Result<calib::ClockOffset> clock_part(const Options& options, const geometry::SensorModel& sensor, report::Report& report) {
-  BITELINE_ASSIGN(const calib::Scan scan, report.timed("read", [&] { return calib::read_scan(options.calib / "clock", k_scan_column_step); }));
-  BITELINE_ASSIGN(const calib::ClockOffset clock, report.timed("clock", [&] { return calib::find_clock_offset(scan, scan_model(sensor), k_clock_search_ms); }));
-  report.fields["clock"] = {{"offset_ms", ms_of(clock.offset)}, {"sigma_ms", ms_of(clock.sigma)}, {"rms_before_mm", clock.rms_before_mm},
-                            {"rms_mm", clock.rms_mm}, {"pairs", clock.pairs}};
+Result<calib::ClockOffset> clock_part(const Options& options, const geometry::SensorModel& sensor,
+                                      report::Report& report) {
+  BITELINE_ASSIGN(const calib::Scan scan, report.timed("read", [&] {
+    return calib::read_scan(options.calib / "clock", k_scan_column_step);
+  }));
+  BITELINE_ASSIGN(const calib::ClockOffset clock, report.timed("clock", [&] {
+    return calib::find_clock_offset(scan, scan_model(sensor), k_clock_search_ms);
+  }));
+  report.fields["clock"] = {{"offset_ms", ms_of(clock.offset)},
+                            {"sigma_ms", ms_of(clock.sigma)},
+                            {"rms_before_mm", clock.rms_before_mm},
+                            {"rms_mm", clock.rms_mm},
+                            {"pairs", clock.pairs}};
   return clock;
 }
 
@@ -112,33 +130,45 @@ calib::RefineMatrix prior_of(const calib::HeadFit& fit, Nanoseconds clock_sigma)
   return prior;
 }
 
-Result<void> refine_part(const Options& options, const calib::HeadFit& fit, Nanoseconds clock_sigma, geometry::SensorModel& sensor, report::Report& report) {
-  BITELINE_ASSIGN(const calib::Scan scan, report.timed("read", [&] { return calib::read_scan(options.refine, k_scan_column_step); }));
+Result<void> refine_part(const Options& options, const calib::HeadFit& fit, Nanoseconds clock_sigma,
+                         geometry::SensorModel& sensor, report::Report& report) {
+  BITELINE_ASSIGN(const calib::Scan scan,
+                  report.timed("read", [&] { return calib::read_scan(options.refine, k_scan_column_step); }));
   BITELINE_ASSIGN(const calib::ScanRefinement refined, report.timed("refine", [&] {
     return calib::refine_from_scan(scan, scan_model(sensor), prior_of(fit, clock_sigma), fit.plane_axes);
   }));
   sensor.laser_plane = refined.model.plane;
   sensor.T_flange_cam = refined.model.T_flange_cam;
   sensor.pose_clock_offset = refined.model.pose_clock_offset;
-  report.fields["refine"] = {{"rms_before_mm", refined.rms_before_mm}, {"rms_after_mm", refined.rms_after_mm}, {"pairs", refined.pairs}};
-  std::fprintf(stderr, "biteline: refined from %s: surfaces seen twice agree to %.4f mm, before %.4f mm\n", options.refine.filename().c_str(),
-               refined.rms_after_mm, refined.rms_before_mm);
+  report.fields["refine"] = {{"rms_before_mm", refined.rms_before_mm},
+                             {"rms_after_mm", refined.rms_after_mm},
+                             {"pairs", refined.pairs}};
+  std::fprintf(stderr, "biteline: refined from %s: surfaces seen twice agree to %.4f mm, before %.4f mm\n",
+               options.refine.filename().c_str(), refined.rms_after_mm, refined.rms_before_mm);
   return {};
 }
 
-Result<void> compare_part(const Options& options, const calib::HeadFit& fit, int width_px, report::Report& report) {
+Result<void> compare_part(const Options& options, const calib::HeadFit& fit, int width_px,
+                          report::Report& report) {
   BITELINE_ASSIGN(const geometry::SensorModel before, config::read_sensor_yaml(options.compare));
   const calib::Comparison c = calib::compare_heads(fit, before, width_px);
-  report.fields["compared"] = {{"moved", c.moved}, {"rms_mm", c.rms_mm}, {"largest_mm", c.largest_mm}, {"turn_deg", c.turn_rad * 180 / std::numbers::pi},
-                               {"shift_flange_mm", {c.shift_flange_mm.x(), c.shift_flange_mm.y(), c.shift_flange_mm.z()}}, {"sigma_mm", c.sigma_mm}};
-  std::fprintf(stderr, "biteline: against %s the head %s: %.3f mm at the working distance, known to %.3f mm\n", options.compare.filename().c_str(),
-               c.moved ? "moved" : "did not move", c.rms_mm, c.sigma_mm);
+  report.fields["compared"] = {
+      {"moved", c.moved},
+      {"rms_mm", c.rms_mm},
+      {"largest_mm", c.largest_mm},
+      {"turn_deg", c.turn_rad * 180 / std::numbers::pi},
+      {"shift_flange_mm", {c.shift_flange_mm.x(), c.shift_flange_mm.y(), c.shift_flange_mm.z()}},
+      {"sigma_mm", c.sigma_mm}};
+  std::fprintf(stderr,
+               "biteline: against %s the head %s: %.3f mm at the working distance, known to %.3f mm\n",
+               options.compare.filename().c_str(), c.moved ? "moved" : "did not move", c.rms_mm, c.sigma_mm);
   return {};
 }
 
 void say(const calib::HeadCalibration& result, const GlobalOptions& global) {
   if (global.quiet) return;
-  for (const calib::SetAside& one : result.set_aside) std::fprintf(stderr, "biteline: set aside %s: %s\n", one.name.c_str(), one.reason.c_str());
+  for (const calib::SetAside& one : result.set_aside)
+    std::fprintf(stderr, "biteline: set aside %s: %s\n", one.name.c_str(), one.reason.c_str());
 }
 
 Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global) {
@@ -148,19 +178,23 @@ Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global
   if (!options.sensor.empty()) {
     BITELINE_ASSIGN(known, config::read_sensor_yaml(options.sensor));
   }
-  BITELINE_ASSIGN(const calib::HeadInput input, report.timed("read", [&] { return read_input(options, parts, known); }));
+  BITELINE_ASSIGN(const calib::HeadInput input,
+                  report.timed("read", [&] { return read_input(options, parts, known); }));
   BITELINE_TRY(report::prepare_folder(options.out / "stages"));
   std::error_code ignored;
   fs::remove(options.out / "sensor.yaml", ignored);  // an older result must not outlive a refusal
 
-  const calib::HeadCalibration result = report.timed("calibrate", [&] { return calib::calibrate_head(input); });
+  const calib::HeadCalibration result =
+      report.timed("calibrate", [&] { return calib::calibrate_head(input); });
   report.fields["input"] = options.calib.filename().string();
   report.fields["parts"] = parts;
   report.fields.update(calib::report_fields(result));
   say(result, global);
-  BITELINE_TRY(report.timed_aside("pictures", [&] { return calib::draw_calibration(result, options.calib, options.out / "stages"); }));
+  BITELINE_TRY(report.timed_aside(
+      "pictures", [&] { return calib::draw_calibration(result, options.calib, options.out / "stages"); }));
   if (result.refused) {
-    if (error_row(result.refused->code).exit_status != ExitStatus::Refused) return tl::unexpected<Error>(*result.refused);
+    if (error_row(result.refused->code).exit_status != ExitStatus::Refused)
+      return tl::unexpected<Error>(*result.refused);
     return refuse(report, std::string(result.refused->where.view()), options);
   }
 
@@ -168,28 +202,40 @@ Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global
   std::set<std::string> told = parts;
   if (known) told.insert(k_parts.begin(), k_parts.end());
   sensor.camera = result.fit.state.camera;
-  if (result.camera) sensor.region = {.offset_u_px = 0, .offset_v_px = 0, .width_px = result.camera->size.width_px, .height_px = result.camera->size.height_px};
+  if (result.camera)
+    sensor.region = {.offset_u_px = 0,
+                     .offset_v_px = 0,
+                     .width_px = result.camera->size.width_px,
+                     .height_px = result.camera->size.height_px};
   if (result.laser) sensor.laser_plane = result.fit.state.plane;
   if (result.hand_eye) sensor.T_flange_cam = result.fit.state.T_flange_cam;
-  const auto refused_by = [](const Error& error) { return error_row(error.code).exit_status == ExitStatus::Refused; };
+  const auto refused_by = [](const Error& error) {
+    return error_row(error.code).exit_status == ExitStatus::Refused;
+  };
   Nanoseconds clock_sigma{100'000};  // not calibrated here: what a session's own offset is trusted to
   if (parts.contains("clock")) {
     const Result<calib::ClockOffset> clock = clock_part(options, sensor, report);
-    if (!clock && refused_by(clock.error())) return refuse(report, std::string(clock.error().where.view()), options);
+    if (!clock && refused_by(clock.error()))
+      return refuse(report, std::string(clock.error().where.view()), options);
     BITELINE_TRY(clock);
     sensor.pose_clock_offset = clock->offset;
     clock_sigma = clock->sigma;
   }
   if (!options.compare.empty() || !options.refine.empty()) {
-    if (!result.laser || !result.hand_eye) return fail(Errc::InvalidArgument, "--compare, --refine: laser and hand-eye must be calibrated with them");
+    if (!result.laser || !result.hand_eye)
+      return fail(Errc::InvalidArgument,
+                  "--compare, --refine: laser and hand-eye must be calibrated with them");
   }
   if (!options.refine.empty()) {
     const Result<void> refined = refine_part(options, result.fit, clock_sigma, sensor, report);
-    if (!refined && refused_by(refined.error())) return refuse(report, std::string(refined.error().where.view()), options);
+    if (!refined && refused_by(refined.error()))
+      return refuse(report, std::string(refined.error().where.view()), options);
     BITELINE_TRY(refined);
   }
-  if (!options.compare.empty()) BITELINE_TRY(compare_part(options, result.fit, sensor.region.width_px, report));
-  const std::string text = without_unknown(config::sensor_yaml_text(sensor, "calibrated by biteline; report.json beside it tells how well"), told);
+  if (!options.compare.empty())
+    BITELINE_TRY(compare_part(options, result.fit, sensor.region.width_px, report));
+  const std::string text = without_unknown(
+      config::sensor_yaml_text(sensor, "calibrated by biteline; report.json beside it tells how well"), told);
   BITELINE_TRY(report::write_file_atomically(options.out / "sensor.yaml", text));
   BITELINE_TRY(report.write(options.out));
   if (global.json) std::printf("%s\n", report.fields.dump(2).c_str());
@@ -200,17 +246,22 @@ void add_options(CLI::App* command, const std::shared_ptr<Options>& options, boo
   command->add_option("CALIB", options->calib, "The calibration folder")->required(!whole);
   command->add_option("--out", options->out, "Where the results go")->required(!whole);
   command->add_option("--sensor", options->sensor, "A sensor.yaml to take from what is not calibrated here");
-  command->add_option("--compare", options->compare, "An earlier sensor.yaml of this head: did it move, and by how much?");
-  command->add_option("--refine", options->refine, "A scan (session folder) that sees some surface more than once, for the last word");
+  command->add_option("--compare", options->compare,
+                      "An earlier sensor.yaml of this head: did it move, and by how much?");
+  command->add_option("--refine", options->refine,
+                      "A scan (session folder) that sees some surface more than once, for the last word");
 }
 
 }  // namespace
 
 void add_calibrate(CLI::App& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("calibrate", "Calibrates a head: camera, laser plane, mounting, clock");
+  CLI::App* command =
+      app.add_subcommand("calibrate", "Calibrates a head: camera, laser plane, mounting, clock");
   add_options(command, options, true);
-  command->add_option("--only", options->only, "Some of the parts: camera,laser,hand-eye,clock")->delimiter(',')->check(CLI::IsMember(k_parts));
+  command->add_option("--only", options->only, "Some of the parts: camera,laser,hand-eye,clock")
+      ->delimiter(',')
+      ->check(CLI::IsMember(k_parts));
   command->callback([command, options, &context] {
     if (context.run) return;  // a part's own subcommand was given
     if (options->calib.empty()) throw CLI::RequiredError("CALIB");
@@ -222,7 +273,8 @@ void add_calibrate(CLI::App& app, Context& context) {
     CLI::App* sub = command->add_subcommand(part, "Only this part, and what it stands on");
     add_options(sub, own, false);
     own->only = {part};
-    sub->callback([own, &context] { context.run = [own, &context] { return calibrate(*own, context.options); }; });
+    sub->callback(
+        [own, &context] { context.run = [own, &context] { return calibrate(*own, context.options); }; });
   }
 }
 

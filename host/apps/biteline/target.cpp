@@ -12,14 +12,18 @@ namespace {
 
 struct Options {
   std::filesystem::path out;
-  calib::RingTarget target{.rows = 4, .cols = 7, .pitch_mm = 14, .outer_diameter_mm = 12, .inner_diameter_mm = 6};
+  calib::RingTarget target{
+      .rows = 4, .cols = 7, .pitch_mm = 14, .outer_diameter_mm = 12, .inner_diameter_mm = 6};
 };
 
 Result<ExitStatus> draw(const Options& options) {
   const calib::RingTarget& t = options.target;
-  if (t.outer_diameter_mm >= t.pitch_mm) return fail(Errc::InvalidArgument, "--outer-diameter: less than the pitch expected");
-  if (t.inner_diameter_mm >= t.outer_diameter_mm) return fail(Errc::InvalidArgument, "--inner-diameter: less than the outer diameter expected");
-  if (options.out.extension() != ".svg") return fail(Errc::InvalidArgument, "--out %s: a name ending in .svg expected", options.out.c_str());
+  if (t.outer_diameter_mm >= t.pitch_mm)
+    return fail(Errc::InvalidArgument, "--outer-diameter: less than the pitch expected");
+  if (t.inner_diameter_mm >= t.outer_diameter_mm)
+    return fail(Errc::InvalidArgument, "--inner-diameter: less than the outer diameter expected");
+  if (options.out.extension() != ".svg")
+    return fail(Errc::InvalidArgument, "--out %s: a name ending in .svg expected", options.out.c_str());
   BITELINE_TRY(report::write_file_atomically(options.out, calib::target_svg(t)));
   return ExitStatus::Done;
 }
@@ -30,11 +34,21 @@ void add_target(CLI::App& app, Context& context) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("target", "Draws a ring target to print to scale (SVG)");
   command->add_option("--out", options->out, "The drawing, FILE.svg")->required();
-  command->add_option("--rows", options->target.rows, "Rows of rings")->check(CLI::Range(2, 100))->capture_default_str();
-  command->add_option("--cols", options->target.cols, "Rings in a row")->check(CLI::Range(2, 100))->capture_default_str();
-  command->add_option("--pitch", options->target.pitch_mm, "From ring to ring [mm]")->check(CLI::Range(1.0, 500.0))->capture_default_str();
-  command->add_option("--outer-diameter", options->target.outer_diameter_mm, "[mm]")->check(CLI::Range(0.5, 500.0))->capture_default_str();
-  command->add_option("--inner-diameter", options->target.inner_diameter_mm, "[mm]")->check(CLI::Range(0.1, 500.0))->capture_default_str();
+  command->add_option("--rows", options->target.rows, "Rows of rings")
+      ->check(CLI::Range(2, 100))
+      ->capture_default_str();
+  command->add_option("--cols", options->target.cols, "Rings in a row")
+      ->check(CLI::Range(2, 100))
+      ->capture_default_str();
+  command->add_option("--pitch", options->target.pitch_mm, "From ring to ring [mm]")
+      ->check(CLI::Range(1.0, 500.0))
+      ->capture_default_str();
+  command->add_option("--outer-diameter", options->target.outer_diameter_mm, "[mm]")
+      ->check(CLI::Range(0.5, 500.0))
+      ->capture_default_str();
+  command->add_option("--inner-diameter", options->target.inner_diameter_mm, "[mm]")
+      ->check(CLI::Range(0.1, 500.0))
+      ->capture_default_str();
   command->callback([options, &context] { context.run = [options] { return draw(*options); }; });
 }
 

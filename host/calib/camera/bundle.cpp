@@ -19,7 +19,8 @@ struct Reprojection {
 
   template <class T>
   bool operator()(const T* camera, const T* xi, T* residual) const {
-    const Eigen::Matrix<T, 3, 1> point_cam = moved(T_cam_target, xi, Eigen::Matrix<T, 3, 1>(seen.point_target.cast<T>()));
+    const Eigen::Matrix<T, 3, 1> point_cam =
+        moved(T_cam_target, xi, Eigen::Matrix<T, 3, 1>(seen.point_target.cast<T>()));
     if (!(point_cam[2] > T(0))) return false;
     const Eigen::Matrix<T, 2, 1> pixel = project(camera, point_cam);
     residual[0] = pixel[0] - seen.pixel_px.x();
@@ -30,9 +31,13 @@ struct Reprojection {
 
 }  // namespace
 
-double BundleFit::sigma_px() const { return residuals > unknowns ? std::sqrt(sum_px2 / (residuals - unknowns)) : 0.0; }
+double BundleFit::sigma_px() const {
+  return residuals > unknowns ? std::sqrt(sum_px2 / (residuals - unknowns)) : 0.0;
+}
 
-double BundleFit::rms_px() const { return residuals > 0 ? std::sqrt(2 * sum_px2 / residuals) : 0.0; }
+double BundleFit::rms_px() const {
+  return residuals > 0 ? std::sqrt(2 * sum_px2 / residuals) : 0.0;
+}
 
 BundleFit solve_bundle(std::span<const PlaneView* const> views, const BundleStart& start) {
   CameraVector camera = to_parameters(start.camera);
@@ -66,7 +71,8 @@ BundleFit solve_bundle(std::span<const PlaneView* const> views, const BundleStar
 
   BundleFit fit;
   fit.camera = to_camera(camera);
-  for (std::size_t v = 0; v < views.size(); ++v) fit.T_cam_target.push_back(start.T_cam_target[v] * perturbation(xi[v].data()));
+  for (std::size_t v = 0; v < views.size(); ++v)
+    fit.T_cam_target.push_back(start.T_cam_target[v] * perturbation(xi[v].data()));
   fit.sum_px2 = 2 * summary.final_cost;
   fit.residuals = summary.num_residuals;
   fit.unknowns = summary.num_effective_parameters;

@@ -19,9 +19,10 @@ using DistortionChoice = std::array<bool, 5>;
 
 struct BundleFit {
   geometry::Camera camera;
-  std::vector<SE3> T_cam_target;                           ///< per view
-  CameraMatrix covariance_per_px2{CameraMatrix::Zero()};   ///< for 1 px of noise per coordinate; 0 where not estimated
-  double sum_px2{0};                                       ///< of the squared residuals
+  std::vector<SE3> T_cam_target;  ///< per view
+  CameraMatrix covariance_per_px2{
+      CameraMatrix::Zero()};  ///< for 1 px of noise per coordinate; 0 where not estimated
+  double sum_px2{0};          ///< of the squared residuals
   int residuals{0};
   int unknowns{0};
   int iterations{0};

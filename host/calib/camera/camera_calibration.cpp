@@ -13,9 +13,10 @@ namespace biteline::calib {
 
 namespace {
 
-constexpr int k_least_views = 3;  ///< two views give as many equations as unknowns: nothing would show a bad one
-/// Removing a view that agrees lowers the sum of squares as its share of the noise would, ratio 1; 4 means twice the
-/// noise of the others, beyond 3 standard deviations for any view of 6 rings or more.
+constexpr int k_least_views =
+    3;  ///< two views give as many equations as unknowns: nothing would show a bad one
+/// Removing a view that agrees lowers the sum of squares as its share of the noise would, ratio 1; 4 means
+/// twice the noise of the others, beyond 3 standard deviations for any view of 6 rings or more.
 constexpr double k_harm_ratio = 4;
 /// A harmful view must also matter: below, it is the noise that differs, not the camera.
 constexpr double k_harm_rms_px = 0.08;
@@ -25,7 +26,8 @@ constexpr double k_ring_outlier_sigmas = 6;
 constexpr double k_most_rms_px = 1.0;
 /// Beyond, a stripe at working distance would be off by more than its own noise.
 constexpr double k_most_focal_sigma_ratio = 5e-3;
-/// |value| / sigma below which a coefficient is left out.  k3 needs more: outside of the rings it extrapolates wildly.
+/// |value| / sigma below which a coefficient is left out.  k3 needs more: outside of the rings it
+/// extrapolates wildly.
 constexpr double k_significant_sigmas = 2, k_significant_sigmas_k3 = 3;
 
 struct State {
@@ -45,8 +47,12 @@ std::vector<const PlaneView*> pointers(const State& state, std::size_t without) 
 
 constexpr std::size_t k_none = static_cast<std::size_t>(-1);
 
-BundleFit fit(const State& state, std::size_t without, const DistortionChoice& distortion, bool with_covariance) {
-  BundleStart start{.camera = state.camera, .T_cam_target = {}, .distortion = distortion, .with_covariance = with_covariance};
+BundleFit fit(const State& state, std::size_t without, const DistortionChoice& distortion,
+              bool with_covariance) {
+  BundleStart start{.camera = state.camera,
+                    .T_cam_target = {},
+                    .distortion = distortion,
+                    .with_covariance = with_covariance};
   for (std::size_t i = 0; i < state.views.size(); ++i) {
     if (i != without) start.T_cam_target.push_back(state.T_cam_target[i]);
   }
@@ -70,7 +76,8 @@ bool start_from_closed_form(State& state, PictureSize size) {
   std::vector<Mat3> all;
   for (const PlaneView& view : state.views) {
     std::vector<PlanePoint> points;
-    for (const CentreObservation& c : view.centres) points.push_back({.plane = c.point_target.head<2>(), .image = c.pixel_px});
+    for (const CentreObservation& c : view.centres)
+      points.push_back({.plane = c.point_target.head<2>(), .image = c.pixel_px});
     const std::optional<Mat3> H = fit_homography(points);
     if (!H) return false;
     all.push_back(*H);
@@ -122,22 +129,24 @@ Harm most_harmful(const State& state, const BundleFit& all, const DistortionChoi
   return worst;
 }
 
-/// Takes out single rings; true when there were any.  Measured by the spread within their own view: in a view that disagrees
-/// as a whole nothing stands out, and it is left to the comparison between views.
+/// Takes out single rings; true when there were any.  Measured by the spread within their own view: in a view
+/// that disagrees as a whole nothing stands out, and it is left to the comparison between views.
 bool set_rings_aside(State& state) {
   bool any = false;
   for (std::size_t v = 0; v < state.views.size(); ++v) {
     PlaneView& view = state.views[v];
     std::vector<double> distances_px;
     for (const CentreObservation& c : view.centres) {
-      distances_px.push_back((state.camera.project(state.T_cam_target[v] * c.point_target) - c.pixel_px).norm());
+      distances_px.push_back(
+          (state.camera.project(state.T_cam_target[v] * c.point_target) - c.pixel_px).norm());
     }
     std::vector<double> sorted = distances_px;
     std::sort(sorted.begin(), sorted.end());
     // 1.1774: median distance of a two-dimensional normal law to its standard deviation per coordinate.
     const double limit_px = std::max(0.1, k_ring_outlier_sigmas * sorted[sorted.size() / 2] / 1.1774);
     for (std::size_t i = view.centres.size(); i-- > 0;) {
-      if (distances_px[i] < limit_px || view.centres.size() <= static_cast<std::size_t>(k_least_grid_rings)) continue;
+      if (distances_px[i] < limit_px || view.centres.size() <= static_cast<std::size_t>(k_least_grid_rings))
+        continue;
       view.centres.erase(view.centres.begin() + static_cast<std::ptrdiff_t>(i));
       view.grid.rings.erase(view.grid.rings.begin() + static_cast<std::ptrdiff_t>(i));
       ++state.rings_set_aside[v];
@@ -147,17 +156,20 @@ bool set_rings_aside(State& state) {
   return any;
 }
 
-/// Leaves out what the data cannot tell from 0: k3 before k2 before k1, since they stand in for each other; p1 and p2
-/// together, since they are one tilt.
+/// Leaves out what the data cannot tell from 0: k3 before k2 before k1, since they stand in for each other;
+/// p1 and p2 together, since they are one tilt.
 BundleFit choose_distortion(State& state, DistortionChoice& distortion) {
   BundleFit solved = fit(state, k_none, distortion, true);
   const auto chi2 = [&](std::initializer_list<int> which) {
     const double variance_px2 = std::pow(solved.sigma_px(), 2);
-    const std::array<double, 5> values{solved.camera.k1, solved.camera.k2, solved.camera.p1, solved.camera.p2, solved.camera.k3};
+    const std::array<double, 5> values{solved.camera.k1, solved.camera.k2, solved.camera.p1, solved.camera.p2,
+                                       solved.camera.k3};
     double sum = 0;
     for (const int i : which) {
       const double variance = variance_px2 * solved.covariance_per_px2(4 + i, 4 + i);
-      sum += variance > 0 ? values[static_cast<std::size_t>(i)] * values[static_cast<std::size_t>(i)] / variance : 0.0;
+      sum += variance > 0
+                 ? values[static_cast<std::size_t>(i)] * values[static_cast<std::size_t>(i)] / variance
+                 : 0.0;
     }
     return sum / static_cast<double>(which.size());
   };
@@ -169,7 +181,8 @@ BundleFit choose_distortion(State& state, DistortionChoice& distortion) {
     return true;
   };
   leave_out({2, 3}, k_significant_sigmas);
-  if (leave_out({4}, k_significant_sigmas_k3) && leave_out({1}, k_significant_sigmas)) leave_out({0}, k_significant_sigmas);
+  if (leave_out({4}, k_significant_sigmas_k3) && leave_out({1}, k_significant_sigmas))
+    leave_out({0}, k_significant_sigmas);
   keep(state, solved);
   return solved;
 }
@@ -187,12 +200,14 @@ double coverage(const State& state, PictureSize size) {
 }
 
 /// Solves and sets harmful views aside until the rest agree.
-Result<BundleFit> solve_consistently(State& state, const DistortionChoice& distortion, std::vector<SetAside>& set_aside) {
+Result<BundleFit> solve_consistently(State& state, const DistortionChoice& distortion,
+                                     std::vector<SetAside>& set_aside) {
   const std::size_t most_removed = state.views.size() / 3;
   for (std::size_t removed = 0;; ++removed) {
     for (int round = 0; round < 2; ++round) {
       keep(state, fit(state, k_none, distortion, false));
-      for (std::size_t i = 0; i < state.views.size(); ++i) improve_centres(state.views[i], state.camera, state.T_cam_target[i]);
+      for (std::size_t i = 0; i < state.views.size(); ++i)
+        improve_centres(state.views[i], state.camera, state.T_cam_target[i]);
       set_rings_aside(state);
     }
     BundleFit solved = fit(state, k_none, distortion, false);
@@ -202,12 +217,15 @@ Result<BundleFit> solve_consistently(State& state, const DistortionChoice& disto
     if (harm.view == k_none || harm.ratio < k_harm_ratio || harm.rms_px < k_harm_rms_px) return solved;
     const std::string& name = state.views[harm.view].name;
     if (removed == most_removed) {
-      return fail(Errc::Refused, "camera: %d of %d views contradict the others, the next would be %s: one camera, one target?",
-                  static_cast<int>(removed), static_cast<int>(state.views.size() + removed), name.c_str());
+      return fail(
+          Errc::Refused,
+          "camera: %d of %d views contradict the others, the next would be %s: one camera, one target?",
+          static_cast<int>(removed), static_cast<int>(state.views.size() + removed), name.c_str());
     }
     char reason[200];
     std::snprintf(reason, sizeof reason,
-                  "contradicts the other views: %.2f px under their camera, %.2f px among themselves (another camera, lens or target?)",
+                  "contradicts the other views: %.2f px under their camera, %.2f px among themselves "
+                  "(another camera, lens or target?)",
                   harm.rms_px, fit(state, harm.view, distortion, false).rms_px());
     set_aside.push_back({.name = name, .reason = reason});
     remove_view(state, harm.view);
@@ -218,12 +236,14 @@ Result<BundleFit> solve_consistently(State& state, const DistortionChoice& disto
 
 Result<CameraCalibration> calibrate_camera(std::vector<PlaneView> views, PictureSize size) {
   if (views.size() < static_cast<std::size_t>(k_least_views)) {
-    return fail(Errc::Refused, "camera: %d usable views, at least %d are needed", static_cast<int>(views.size()), k_least_views);
+    return fail(Errc::Refused, "camera: %d usable views, at least %d are needed",
+                static_cast<int>(views.size()), k_least_views);
   }
   State state{.views = std::move(views), .rings_set_aside = {}, .camera = {}, .T_cam_target = {}};
   state.rings_set_aside.assign(state.views.size(), 0);
   if (!start_from_closed_form(state, size)) {
-    return fail(Errc::Degenerate, "camera: the views do not determine the focal length (all of them parallel to the sensor?)");
+    return fail(Errc::Degenerate,
+                "camera: the views do not determine the focal length (all of them parallel to the sensor?)");
   }
   CameraCalibration result;
   result.size = size;
@@ -237,7 +257,9 @@ Result<CameraCalibration> calibrate_camera(std::vector<PlaneView> views, Picture
   }
   if (!solved.converged) return fail(Errc::NotConverged, "camera: the refinement did not converge");
   if (solved.rms_px() > k_most_rms_px) {
-    return fail(Errc::Refused, "camera: reprojection RMS %.2f px, at most %.1f px is a calibration (target.yaml right? flat target?)",
+    return fail(Errc::Refused,
+                "camera: reprojection RMS %.2f px, at most %.1f px is a calibration (target.yaml right? flat "
+                "target?)",
                 solved.rms_px(), k_most_rms_px);
   }
   result.camera = solved.camera;
@@ -246,15 +268,20 @@ Result<CameraCalibration> calibrate_camera(std::vector<PlaneView> views, Picture
   result.covariance = solved.covariance_per_px2 * result.sigma_px * result.sigma_px;
   result.iterations = solved.iterations;
   result.coverage_ratio = coverage(state, size);
-  const double focal_sigma_ratio = std::max(result.sigma()[0] / solved.camera.fu_px, result.sigma()[1] / solved.camera.fv_px);
+  const double focal_sigma_ratio =
+      std::max(result.sigma()[0] / solved.camera.fu_px, result.sigma()[1] / solved.camera.fv_px);
   if (!(focal_sigma_ratio < k_most_focal_sigma_ratio)) {
-    return fail(Errc::Degenerate, "camera: focal length uncertain by %.2f %%: tilt the target by 20 to 45 degrees in more views",
-                100 * focal_sigma_ratio);
+    return fail(
+        Errc::Degenerate,
+        "camera: focal length uncertain by %.2f %%: tilt the target by 20 to 45 degrees in more views",
+        100 * focal_sigma_ratio);
   }
   for (std::size_t i = 0; i < state.views.size(); ++i) {
     const double cos_tilt = std::abs(state.T_cam_target[i].linear()(2, 2));
     result.largest_tilt_rad = std::max(result.largest_tilt_rad, std::acos(std::min(1.0, cos_tilt)));
-    result.views.push_back({.view = state.views[i], .T_cam_target = state.T_cam_target[i], .rms_px = view_rms_px(state, i),
+    result.views.push_back({.view = state.views[i],
+                            .T_cam_target = state.T_cam_target[i],
+                            .rms_px = view_rms_px(state, i),
                             .rings_set_aside = state.rings_set_aside[i]});
   }
   return result;

@@ -33,13 +33,15 @@ SE3 pose_from_homography(const Mat3& H_ideal_target) {
   R << H.col(0), H.col(1), H.col(0).cross(H.col(1));
   const Eigen::JacobiSVD<Mat3> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
   SE3 T_cam_target = SE3::Identity();
-  T_cam_target.linear() = svd.matrixU() * Vec3(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant()).asDiagonal() *
+  T_cam_target.linear() = svd.matrixU() *
+                          Vec3(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant()).asDiagonal() *
                           svd.matrixV().transpose();
   T_cam_target.translation() = H.col(2);
   return T_cam_target;
 }
 
-std::optional<PlanePose> fit_plane_pose(const geometry::Camera& camera, std::span<const CentreObservation> centres) {
+std::optional<PlanePose> fit_plane_pose(const geometry::Camera& camera,
+                                        std::span<const CentreObservation> centres) {
   std::vector<PlanePoint> ideal;
   for (const CentreObservation& centre : centres) {
     ideal.push_back({.plane = centre.point_target.head<2>(), .image = camera.ray(centre.pixel_px).head<2>()});
@@ -59,7 +61,8 @@ std::optional<PlanePose> fit_plane_pose(const geometry::Camera& camera, std::spa
       Eigen::Matrix<double, 2, 3> J_ideal_point;
       J_ideal_point << 1 / p.z(), 0, -place.x() / p.z(), 0, 1 / p.z(), -place.y() / p.z();
       Eigen::Matrix<double, 3, 6> J_point_xi;  // T exp(xi) p = R (p + rho + theta x p) + t
-      J_point_xi << pose.T_cam_target.linear(), -pose.T_cam_target.linear() * geometry::hat(centre.point_target);
+      J_point_xi << pose.T_cam_target.linear(),
+          -pose.T_cam_target.linear() * geometry::hat(centre.point_target);
       const Eigen::Matrix<double, 2, 6> J = J_pixel_ideal(camera, place) * J_ideal_point * J_point_xi;
       information += J.transpose() * J;
       gradient += J.transpose() * residual_px;

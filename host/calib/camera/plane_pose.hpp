@@ -13,14 +13,17 @@ using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 struct PlanePose {
   SE3 T_cam_target{SE3::Identity()};
-  Mat6 covariance_per_px2{Mat6::Zero()};  ///< of the perturbation [rho; theta] on the right, for 1 px of centre noise
-  double rms_px{0};                       ///< sqrt of the mean squared distance, over points
+  Mat6 covariance_per_px2{
+      Mat6::Zero()};  ///< of the perturbation [rho; theta] on the right, for 1 px of centre noise
+  double rms_px{0};   ///< sqrt of the mean squared distance, over points
 };
 
 /// Pose from a homography to ideal coordinates.
 [[nodiscard]] SE3 pose_from_homography(const Mat3& H_ideal_target);
 
-/// Closed form, then Gauss-Newton on the reprojections.  Nothing when the points are too few or lie on a line.
-[[nodiscard]] std::optional<PlanePose> fit_plane_pose(const geometry::Camera& camera, std::span<const CentreObservation> centres);
+/// Closed form, then Gauss-Newton on the reprojections.  Nothing when the points are too few or lie on a
+/// line.
+[[nodiscard]] std::optional<PlanePose> fit_plane_pose(const geometry::Camera& camera,
+                                                      std::span<const CentreObservation> centres);
 
 }  // namespace biteline::calib

@@ -8,8 +8,8 @@ namespace biteline::calib {
 namespace {
 
 /// Centre of one edge, in ideal coordinates, less the bias that a circle of this radius has under this pose.
-std::optional<Vec2> unbiased_centre(std::span<const Vec2> edge_px, const geometry::Camera& camera, const Mat3& H_ideal_target,
-                                    const Vec3& ring_target, double radius_mm) {
+std::optional<Vec2> unbiased_centre(std::span<const Vec2> edge_px, const geometry::Camera& camera,
+                                    const Mat3& H_ideal_target, const Vec3& ring_target, double radius_mm) {
   std::vector<Vec2> ideal;
   ideal.reserve(edge_px.size());
   for (const Vec2& pixel_px : edge_px) ideal.emplace_back(camera.ray(pixel_px).head<2>());
@@ -25,7 +25,8 @@ std::optional<Vec2> unbiased_centre(std::span<const Vec2> edge_px, const geometr
 PlaneView make_plane_view(std::string name, const GridView& grid, const RingTarget& target) {
   PlaneView view{.name = std::move(name), .grid = grid, .target = target, .centres = {}};
   for (const GridRing& ring : grid.rings) {
-    view.centres.push_back({.point_target = target.ring_target(ring.row, ring.col), .pixel_px = ring.ring.centre_px});
+    view.centres.push_back(
+        {.point_target = target.ring_target(ring.row, ring.col), .pixel_px = ring.ring.centre_px});
   }
   return view;
 }
@@ -36,11 +37,14 @@ void improve_centres(PlaneView& view, const geometry::Camera& camera, const SE3&
   for (std::size_t i = 0; i < view.centres.size(); ++i) {
     const Ring& ring = view.grid.rings[i].ring;
     const Vec3& place = view.centres[i].point_target;
-    const auto outer = unbiased_centre(ring.outer_edge, camera, H_ideal_target, place, view.target.outer_diameter_mm / 2);
-    const auto inner = unbiased_centre(ring.inner_edge, camera, H_ideal_target, place, view.target.inner_diameter_mm / 2);
+    const auto outer =
+        unbiased_centre(ring.outer_edge, camera, H_ideal_target, place, view.target.outer_diameter_mm / 2);
+    const auto inner =
+        unbiased_centre(ring.inner_edge, camera, H_ideal_target, place, view.target.inner_diameter_mm / 2);
     if (!outer || !inner) continue;
     // Noise of a centre falls with the number of edge points.
-    const double w_outer = static_cast<double>(ring.outer_edge.size()), w_inner = static_cast<double>(ring.inner_edge.size());
+    const double w_outer = static_cast<double>(ring.outer_edge.size()),
+                 w_inner = static_cast<double>(ring.inner_edge.size());
     const Vec2 ideal = (w_outer * *outer + w_inner * *inner) / (w_outer + w_inner);
     view.centres[i].pixel_px = camera.project(Vec3(ideal.x(), ideal.y(), 1));
   }
@@ -49,7 +53,8 @@ void improve_centres(PlaneView& view, const geometry::Camera& camera, const SE3&
 double seen_diameter_ratio(const PlaneView& view) {
   std::vector<double> ratios;
   for (const GridRing& ring : view.grid.rings) ratios.push_back(ring.ring.diameter_ratio);
-  std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2), ratios.end());
+  std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2),
+                   ratios.end());
   return ratios[ratios.size() / 2];
 }
 

@@ -16,7 +16,7 @@ struct CentreObservation {
 };
 
 struct PlaneView {
-  std::string name;                     ///< the picture's, for words about it
+  std::string name;  ///< the picture's, for words about it
   GridView grid;
   RingTarget target;
   std::vector<CentreObservation> centres;  ///< one per ring of `grid`, of its first reading
@@ -25,12 +25,14 @@ struct PlaneView {
 /// Centres from each ring's pair of ellipses: free of perspective bias with nothing known about the camera.
 [[nodiscard]] PlaneView make_plane_view(std::string name, const GridView& grid, const RingTarget& target);
 
-/// Centres again, now with camera and pose nearly known.  The edges are freed of the lens distortion, each edge's ellipse
-/// gives a centre whose perspective bias follows from pose and diameter, and the mean of both edges has less than half the
-/// pair's noise: the pair extrapolates from the outer to the inner centre by a factor 4/3, this averages.
+/// Centres again, now with camera and pose nearly known.  The edges are freed of the lens distortion, each
+/// edge's ellipse gives a centre whose perspective bias follows from pose and diameter, and the mean of both
+/// edges has less than half the pair's noise: the pair extrapolates from the outer to the inner centre by a
+/// factor 4/3, this averages.
 void improve_centres(PlaneView& view, const geometry::Camera& camera, const SE3& T_cam_target);
 
-/// Median over the rings of seen inner to outer diameter; far from the target's own: another print than target.yaml says.
+/// Median over the rings of seen inner to outer diameter; far from the target's own: another print than
+/// target.yaml says.
 [[nodiscard]] double seen_diameter_ratio(const PlaneView& view);
 
 }  // namespace biteline::calib

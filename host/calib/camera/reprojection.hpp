@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file The camera model and rigid perturbations for automatic differentiation.  Only for files that include Ceres anyway.
+/// \file The camera model and rigid perturbations for automatic differentiation.  Only for files that include
+/// Ceres anyway.
 
 #include <ceres/rotation.h>
 
@@ -24,7 +25,8 @@ Eigen::Matrix<T, 2, 1> project(const T* camera, const Eigen::Matrix<T, 3, 1>& po
           camera[k_fv] * (y * radial + p1 * (r2 + T(2) * y * y) + T(2) * p2 * x * y) + camera[k_cv]};
 }
 
-/// T_start * (xi applied to point): rotation by theta, then shift by rho; to first order T_start * exp(xi) * point.
+/// T_start * (xi applied to point): rotation by theta, then shift by rho; to first order T_start * exp(xi) *
+/// point.
 template <class T>
 Eigen::Matrix<T, 3, 1> moved(const SE3& T_start, const T* xi, const Eigen::Matrix<T, 3, 1>& point) {
   Eigen::Matrix<T, 3, 1> turned;
@@ -48,8 +50,15 @@ Eigen::Matrix<T, 3, 1> moved(const SE3& T_start, const T* xi, const Eigen::Matri
 }
 
 [[nodiscard]] inline geometry::Camera to_camera(const Eigen::Matrix<double, k_camera_parameters, 1>& p) {
-  return {.fu_px = p[k_fu], .fv_px = p[k_fv], .cu_px = p[k_cu], .cv_px = p[k_cv], .k1 = p[k_k1], .k2 = p[k_k2],
-          .p1 = p[k_p1], .p2 = p[k_p2], .k3 = p[k_k3]};
+  return {.fu_px = p[k_fu],
+          .fv_px = p[k_fv],
+          .cu_px = p[k_cu],
+          .cv_px = p[k_cv],
+          .k1 = p[k_k1],
+          .k2 = p[k_k2],
+          .p1 = p[k_p1],
+          .p2 = p[k_p2],
+          .k3 = p[k_k3]};
 }
 
 }  // namespace biteline::calib

@@ -15,14 +15,16 @@ using Row5 = Eigen::Matrix<double, 1, 5>;
 Row5 v_row(const Mat3& H, int i, int j) {
   const Vec3 h_i = H.col(i), h_j = H.col(j);
   Row5 v;
-  v << h_i[0] * h_j[0], h_i[1] * h_j[1], h_i[2] * h_j[0] + h_i[0] * h_j[2], h_i[2] * h_j[1] + h_i[1] * h_j[2], h_i[2] * h_j[2];
+  v << h_i[0] * h_j[0], h_i[1] * h_j[1], h_i[2] * h_j[0] + h_i[0] * h_j[2], h_i[2] * h_j[1] + h_i[1] * h_j[2],
+      h_i[2] * h_j[2];
   return v;
 }
 
 std::optional<geometry::Camera> solve_all(std::span<const Mat3> homographies) {
   Eigen::Matrix<double, 5, 5> scatter = Eigen::Matrix<double, 5, 5>::Zero();
   for (const Mat3& H : homographies) {
-    for (const Row5& row : {Row5(v_row(H, 0, 1)), Row5(v_row(H, 0, 0) - v_row(H, 1, 1))}) scatter += row.transpose() * row;
+    for (const Row5& row : {Row5(v_row(H, 0, 1)), Row5(v_row(H, 0, 0) - v_row(H, 1, 1))})
+      scatter += row.transpose() * row;
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 5, 5>> solver(scatter);
   Eigen::Matrix<double, 5, 1> b = solver.eigenvectors().col(0);
@@ -31,7 +33,8 @@ std::optional<geometry::Camera> solve_all(std::span<const Mat3> homographies) {
   const double cu = -b[2] / b[0], cv = -b[3] / b[1];
   const double lambda = b[4] - b[2] * b[2] / b[0] - b[3] * b[3] / b[1];
   if (!(lambda > 0)) return std::nullopt;
-  return geometry::Camera{.fu_px = std::sqrt(lambda / b[0]), .fv_px = std::sqrt(lambda / b[1]), .cu_px = cu, .cv_px = cv};
+  return geometry::Camera{
+      .fu_px = std::sqrt(lambda / b[0]), .fv_px = std::sqrt(lambda / b[1]), .cu_px = cu, .cv_px = cv};
 }
 
 /// Principal point known (0, 0): B = diag(1 / fu^2, 1 / fv^2, 1).
@@ -68,10 +71,11 @@ std::optional<geometry::Camera> closed_form_camera(std::span<const Mat3> homogra
     scaled.push_back(NH / NH.norm());
   }
   std::optional<geometry::Camera> camera = solve_all(scaled);
-  // A principal point outside of the picture or a focal length of another order is a failed solution, not a lens.
+  // A principal point outside of the picture or a focal length of another order is a failed solution, not a
+  // lens.
   const auto sensible = [](const geometry::Camera& c) {
-    return std::abs(c.cu_px) < 0.5 && std::abs(c.cv_px) < 0.5 && c.fu_px > 0.2 && c.fu_px < 50 && c.fv_px / c.fu_px > 0.5 &&
-           c.fv_px / c.fu_px < 2;
+    return std::abs(c.cu_px) < 0.5 && std::abs(c.cv_px) < 0.5 && c.fu_px > 0.2 && c.fu_px < 50 &&
+           c.fv_px / c.fu_px > 0.5 && c.fv_px / c.fu_px < 2;
   };
   if (!camera || !sensible(*camera)) camera = solve_focal(scaled);
   if (!camera || !sensible(*camera)) return std::nullopt;

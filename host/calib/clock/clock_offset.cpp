@@ -16,19 +16,22 @@ constexpr double k_most_sigma_s = 0.5e-3;
 
 Vec3 other_velocity(const std::vector<ScanPoint>& points, const OverlapPair& pair) {
   Vec3 sum = Vec3::Zero();
-  for (std::size_t i = 0; i < pair.others.size(); ++i) sum += pair.weights[i] * points[pair.others[i]].velocity_base_mm_s;
+  for (std::size_t i = 0; i < pair.others.size(); ++i)
+    sum += pair.weights[i] * points[pair.others[i]].velocity_base_mm_s;
   return sum;
 }
 
 double median_abs(const std::vector<OverlapPair>& pairs) {
   std::vector<double> values;
   for (const OverlapPair& pair : pairs) values.push_back(std::abs(pair.distance_mm));
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
   return values[values.size() / 2];
 }
 
-/// Share of the passes' disagreement that is the same all over a pass: a mounting off by hundredths of a millimetre, stripes
-/// read differently under another angle.  It does not average out; measured on scans that hardly determine the offset.
+/// Share of the passes' disagreement that is the same all over a pass: a mounting off by hundredths of a
+/// millimetre, stripes read differently under another angle.  It does not average out; measured on scans that
+/// hardly determine the offset.
 constexpr double k_common_share = 0.3;
 
 struct Step {
@@ -61,11 +64,17 @@ std::optional<Step> one_step(const std::vector<ScanPoint>& points, const std::ve
     terms.push_back({points[pair.point].frame, J, weight, pair.distance_mm});
   }
   if (!(information > 0)) return std::nullopt;
-  Step step{.step_s = -gradient / information, .sigma_s = 0, .common_sigma_s = 0, .rms_mm = std::sqrt(square_sum / weight_sum), .pairs = terms.size()};
-  // Cluster-robust variance (White 1980; clusters are blocks of frames, which share pose errors and neighbours).
+  Step step{.step_s = -gradient / information,
+            .sigma_s = 0,
+            .common_sigma_s = 0,
+            .rms_mm = std::sqrt(square_sum / weight_sum),
+            .pairs = terms.size()};
+  // Cluster-robust variance (White 1980; clusters are blocks of frames, which share pose errors and
+  // neighbours).
   constexpr std::uint32_t k_block_frames = 8;
   std::map<std::uint32_t, double> clusters;
-  for (const Term& t : terms) clusters[t.frame / k_block_frames] += t.weight * t.J * (t.residual + t.J * step.step_s);
+  for (const Term& t : terms)
+    clusters[t.frame / k_block_frames] += t.weight * t.J * (t.residual + t.J * step.step_s);
   double scatter = 0;
   for (const auto& [block, sum] : clusters) scatter += sum * sum;
   const double count = static_cast<double>(clusters.size());
@@ -108,13 +117,16 @@ double coarse_offset_s(const Scan& scan, const ScanModel& model, double search_m
 
 Result<ClockOffset> find_clock_offset(const Scan& scan, const ScanModel& model, double search_ms) {
   ClockOffset result;
-  double offset_s = search_ms > 0 ? coarse_offset_s(scan, model, search_ms) : std::chrono::duration<double>(model.pose_clock_offset).count();
+  double offset_s = search_ms > 0 ? coarse_offset_s(scan, model, search_ms)
+                                  : std::chrono::duration<double>(model.pose_clock_offset).count();
   std::optional<Step> step;
   for (result.iterations = 0; result.iterations < 15; ++result.iterations) {
     const std::vector<ScanPoint> points = place_points(scan, at(model, offset_s));
     step = one_step(points, find_overlaps(scan, points, {}));
     if (!step) {
-      return fail(Errc::Degenerate, "clock: hardly any surface is seen twice: let the arm come back over the same place with another motion");
+      return fail(Errc::Degenerate,
+                  "clock: hardly any surface is seen twice: let the arm come back over the same place with "
+                  "another motion");
     }
     offset_s += std::clamp(step->step_s, -2e-3, 2e-3);
     if (std::abs(step->step_s) < 1e-7) break;
@@ -126,12 +138,17 @@ Result<ClockOffset> find_clock_offset(const Scan& scan, const ScanModel& model, 
   const double scatter_sigma_s = step->sigma_s;
   step->sigma_s = std::hypot(scatter_sigma_s, step->common_sigma_s, closer ? closer->step_s : 0.0);
   if (step->sigma_s > k_most_sigma_s) {
-    return fail(Errc::Degenerate, "clock: the scan leaves the offset uncertain by %.2f ms: the same surface must be seen under different velocities",
+    return fail(Errc::Degenerate,
+                "clock: the scan leaves the offset uncertain by %.2f ms: the same surface must be seen under "
+                "different velocities",
                 1e3 * step->sigma_s);
   }
-  if (std::abs(step->step_s) > scatter_sigma_s) return fail(Errc::NotConverged, "clock: the search for the offset did not settle (%.3f ms left)", 1e3 * step->step_s);
+  if (std::abs(step->step_s) > scatter_sigma_s)
+    return fail(Errc::NotConverged, "clock: the search for the offset did not settle (%.3f ms left)",
+                1e3 * step->step_s);
   const std::vector<ScanPoint> before = place_points(scan, at(model, 0));
-  if (const auto first = one_step(before, find_overlaps(scan, before, {}))) result.rms_before_mm = first->rms_mm;
+  if (const auto first = one_step(before, find_overlaps(scan, before, {})))
+    result.rms_before_mm = first->rms_mm;
   result.offset = Nanoseconds{std::llround(offset_s * 1e9)};
   result.sigma = Nanoseconds{std::llround(step->sigma_s * 1e9)};
   result.rms_mm = step->rms_mm;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file The offset between the pose stream's clock and the camera's, from a scan that sees some surface more than once.
+/// \file The offset between the pose stream's clock and the camera's, from a scan that sees some surface more
+/// than once.
 
 #include "common/core/result.hpp"
 #include "host/calib/clock/overlap.hpp"
@@ -16,10 +17,12 @@ struct ClockOffset {
   int iterations{0};
 };
 
-/// Under a wrong offset a point is put where the head was too early or too late, off by velocity times offset; where a surface
-/// is seen again under another velocity the two do not agree.  A coarse search over +-`search_ms`, then Gauss-Newton on the
-/// point-to-plane distances; the standard deviation from the scatter between frames (errors of one frame go together).
-/// Refuses when nothing is seen twice, or only under equal motion.
-[[nodiscard]] Result<ClockOffset> find_clock_offset(const Scan& scan, const ScanModel& model, double search_ms);
+/// Under a wrong offset a point is put where the head was too early or too late, off by velocity times
+/// offset; where a surface is seen again under another velocity the two do not agree.  A coarse search over
+/// +-`search_ms`, then Gauss-Newton on the point-to-plane distances; the standard deviation from the scatter
+/// between frames (errors of one frame go together). Refuses when nothing is seen twice, or only under equal
+/// motion.
+[[nodiscard]] Result<ClockOffset> find_clock_offset(const Scan& scan, const ScanModel& model,
+                                                    double search_ms);
 
 }  // namespace biteline::calib

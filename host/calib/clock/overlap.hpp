@@ -20,13 +20,15 @@ struct ScanModel {
 struct ScanPoint {
   Vec3 point_base{Vec3::Zero()};
   Vec3 point_cam{Vec3::Zero()};
-  Vec3 velocity_base_mm_s{Vec3::Zero()};  ///< of the head's frame at the point: d(point_base) / d(pose clock offset)
+  Vec3 velocity_base_mm_s{
+      Vec3::Zero()};  ///< of the head's frame at the point: d(point_base) / d(pose clock offset)
   std::uint32_t frame{0};
-  std::uint32_t pixel{0};                 ///< index in the frame's stripe
+  std::uint32_t pixel{0};  ///< index in the frame's stripe
 };
 
-/// One point against the surface of another pass: a quadratic through its neighbours there, since over a few millimetres a
-/// shoe bends by more than the stripe's noise.  distance = normal . (point - sum of weight * other).
+/// One point against the surface of another pass: a quadratic through its neighbours there, since over a few
+/// millimetres a shoe bends by more than the stripe's noise.  distance = normal . (point - sum of weight *
+/// other).
 struct OverlapPair {
   std::size_t point{0};
   std::vector<std::size_t> others;  ///< points of the other pass
@@ -39,11 +41,12 @@ struct OverlapPair {
 [[nodiscard]] std::vector<ScanPoint> place_points(const Scan& scan, const ScanModel& model);
 
 struct OverlapSearch {
-  double reach_mm{2.0};       ///< neighbours of the other pass within it
-  double least_gap_s{0.05};   ///< passes are this far apart in time
+  double reach_mm{2.0};      ///< neighbours of the other pass within it
+  double least_gap_s{0.05};  ///< passes are this far apart in time
 };
 
 /// Pairs between passes.
-[[nodiscard]] std::vector<OverlapPair> find_overlaps(const Scan& scan, const std::vector<ScanPoint>& points, const OverlapSearch& search);
+[[nodiscard]] std::vector<OverlapPair> find_overlaps(const Scan& scan, const std::vector<ScanPoint>& points,
+                                                     const OverlapSearch& search);
 
 }  // namespace biteline::calib

@@ -11,7 +11,9 @@ namespace biteline::calib {
 
 Result<Scan> read_scan(const std::filesystem::path& session_folder, int column_step) {
   BITELINE_ASSIGN(session::Session session, session::read_session(session_folder));
-  Scan scan{.frames = std::vector<ScanFrame>(session.frames.size()), .poses = std::move(session.poses), .sensor = session.sensor};
+  Scan scan{.frames = std::vector<ScanFrame>(session.frames.size()),
+            .poses = std::move(session.poses),
+            .sensor = session.sensor};
   std::vector<std::optional<Error>> errors(session.frames.size());
   tbb::parallel_for(std::size_t{0}, session.frames.size(), [&](std::size_t i) {
     const session::FrameEntry& entry = session.frames[i];
@@ -28,7 +30,8 @@ Result<Scan> read_scan(const std::filesystem::path& session_folder, int column_s
     }
     const Vec2 offset_px(session.sensor.region.offset_u_px, session.sensor.region.offset_v_px);
     for (const StripePoint& p : *points) {
-      if (static_cast<int>(p.pixel_px.x()) % column_step == 0) scan.frames[i].stripe_px.push_back(p.pixel_px + offset_px);
+      if (static_cast<int>(p.pixel_px.x()) % column_step == 0)
+        scan.frames[i].stripe_px.push_back(p.pixel_px + offset_px);
     }
   });
   for (const auto& error : errors) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file A recorded scan as the calibration needs it: some points of each stripe in pixels, and the robot's poses.
+/// \file A recorded scan as the calibration needs it: some points of each stripe in pixels, and the robot's
+/// poses.
 
 #include <filesystem>
 #include <vector>

@@ -20,7 +20,9 @@ constexpr double k_agree_rad = 1.5 * std::numbers::pi / 180;
 constexpr double k_same_turn_rad = 2 * k_agree_rad;
 constexpr double k_least_turn_rad = 4 * std::numbers::pi / 180;
 
-double turn_rad(const Mat3& R_a, const Mat3& R_b) { return geometry::angle_between_rad(R_a, R_b); }
+double turn_rad(const Mat3& R_a, const Mat3& R_b) {
+  return geometry::angle_between_rad(R_a, R_b);
+}
 
 /// Each stop's best reading under one hypothesis, where it agrees.
 Consensus agreeing(std::span<const StopReadings> stops, const Mat3& R_flange_cam, const Mat3& R_base_target) {
@@ -56,13 +58,16 @@ Consensus settled(std::span<const StopReadings> stops, Consensus consensus) {
     std::vector<Stop> used;
     for (std::size_t i = 0; i < consensus.stops.size(); ++i) {
       const StopReadings& stop = stops[consensus.stops[i]];
-      used.push_back({.T_base_flange = stop.T_base_flange, .T_cam_target = stop.T_cam_target[consensus.readings[i]]});
+      used.push_back(
+          {.T_base_flange = stop.T_base_flange, .T_cam_target = stop.T_cam_target[consensus.readings[i]]});
     }
     const std::optional<Mat3> R_flange_cam = rotation_of_x(used);
     if (!R_flange_cam) break;
     Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();  // mean of the target's rotation in base: Markley 2007
     for (const Stop& stop : used) {
-      const Eigen::Vector4d q = Eigen::Quaterniond(Mat3(stop.T_base_flange.linear() * *R_flange_cam * stop.T_cam_target.linear())).coeffs();
+      const Eigen::Vector4d q =
+          Eigen::Quaterniond(Mat3(stop.T_base_flange.linear() * *R_flange_cam * stop.T_cam_target.linear()))
+              .coeffs();
       sum += q * q.transpose();
     }
     const Eigen::Vector4d q = Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(sum).eigenvectors().col(3);
@@ -79,8 +84,8 @@ std::vector<StopReadings> changed(std::span<const StopReadings> stops, auto chan
   return result;
 }
 
-/// 0: these stops do not agree; else higher, the better.  Rotations alone cannot tell an inverted pose from a quaternion in
-/// another order (both are q -> a conj(q) b), translations can.
+/// 0: these stops do not agree; else higher, the better.  Rotations alone cannot tell an inverted pose from a
+/// quaternion in another order (both are q -> a conj(q) b), translations can.
 double agreement(std::span<const StopReadings> stops, std::size_t enough) {
   const Consensus consensus = rotation_consensus(stops);
   if (consensus.stops.size() < enough) return 0;
@@ -88,13 +93,16 @@ double agreement(std::span<const StopReadings> stops, std::size_t enough) {
   double square_sum = 0, count = 0;
   for (std::size_t i = 0; i < consensus.stops.size(); ++i) {
     const StopReadings& stop = stops[consensus.stops[i]];
-    used.push_back({.T_base_flange = stop.T_base_flange, .T_cam_target = stop.T_cam_target[consensus.readings[i]]});
-    square_sum += (used.back().T_cam_target.translation() - used.front().T_cam_target.translation()).squaredNorm();
+    used.push_back(
+        {.T_base_flange = stop.T_base_flange, .T_cam_target = stop.T_cam_target[consensus.readings[i]]});
+    square_sum +=
+        (used.back().T_cam_target.translation() - used.front().T_cam_target.translation()).squaredNorm();
     count += 1;
   }
   const std::optional<TranslationFit> fit = translation_of_x(used, consensus.R_flange_cam);
   const double motion_mm = std::sqrt(square_sum / count);
-  constexpr double k_most_miss_ratio = 0.1;  // of the target's motion; the wrong hypothesis misses by all of it
+  constexpr double k_most_miss_ratio =
+      0.1;  // of the target's motion; the wrong hypothesis misses by all of it
   if (!fit || fit->rms_mm > k_most_miss_ratio * motion_mm) return 0;
   return 1 / (1e-6 + fit->rms_mm / std::max(1e-9, motion_mm));
 }
@@ -117,13 +125,19 @@ Consensus rotation_consensus(std::span<const StopReadings> stops) {
     if (turn_j < k_least_turn_rad || turn_k < k_least_turn_rad) continue;
     const SE3& first = stops[i].T_cam_target[0];
     for (const SE3& T_j : stops[j].T_cam_target) {
-      if (std::abs(turn_rad(T_j.linear() * first.linear().transpose(), Mat3::Identity()) - turn_j) > k_same_turn_rad) continue;
+      if (std::abs(turn_rad(T_j.linear() * first.linear().transpose(), Mat3::Identity()) - turn_j) >
+          k_same_turn_rad)
+        continue;
       for (const SE3& T_k : stops[k].T_cam_target) {
-        if (std::abs(turn_rad(T_k.linear() * first.linear().transpose(), Mat3::Identity()) - turn_k) > k_same_turn_rad) continue;
-        const std::vector<Stop> triple{{stops[i].T_base_flange, first}, {stops[j].T_base_flange, T_j}, {stops[k].T_base_flange, T_k}};
+        if (std::abs(turn_rad(T_k.linear() * first.linear().transpose(), Mat3::Identity()) - turn_k) >
+            k_same_turn_rad)
+          continue;
+        const std::vector<Stop> triple{
+            {stops[i].T_base_flange, first}, {stops[j].T_base_flange, T_j}, {stops[k].T_base_flange, T_k}};
         const std::optional<Mat3> R_flange_cam = rotation_of_x(triple);
         if (!R_flange_cam) continue;
-        Consensus here = agreeing(stops, *R_flange_cam, stops[i].T_base_flange.linear() * *R_flange_cam * first.linear());
+        Consensus here =
+            agreeing(stops, *R_flange_cam, stops[i].T_base_flange.linear() * *R_flange_cam * first.linear());
         if (better(here, best)) best = std::move(here);
       }
     }
@@ -146,17 +160,22 @@ std::string explain_disagreement(std::span<const StopReadings> stops, std::size_
       {"the poses are inverted: they give base in flange, meant is T_base_flange, flange in base",
        changed(stops, [](StopReadings& stop) { stop.T_base_flange = stop.T_base_flange.inverse(); })},
       {"the quaternions are in the order x y z w, meant is w x y z",
-       changed(stops, [](StopReadings& stop) {
-         const Eigen::Quaterniond q(stop.T_base_flange.linear());  // read as w x y z
-         stop.T_base_flange.linear() = Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()).toRotationMatrix();
-       })},
-      {"poses and pictures are off by one against each other", reordered([n](std::size_t i) { return (i + 1) % n; })},
-      {"poses and pictures are off by one against each other", reordered([n](std::size_t i) { return (i + n - 1) % n; })},
+       changed(stops,
+               [](StopReadings& stop) {
+                 const Eigen::Quaterniond q(stop.T_base_flange.linear());  // read as w x y z
+                 stop.T_base_flange.linear() =
+                     Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()).toRotationMatrix();
+               })},
+      {"poses and pictures are off by one against each other",
+       reordered([n](std::size_t i) { return (i + 1) % n; })},
+      {"poses and pictures are off by one against each other",
+       reordered([n](std::size_t i) { return (i + n - 1) % n; })},
       {"poses and pictures are in opposite order", reordered([n](std::size_t i) { return n - 1 - i; })},
   }};
-  const auto best = std::max_element(hypotheses.begin(), hypotheses.end(), [&](const Hypothesis& a, const Hypothesis& b) {
-    return agreement(a.stops, enough) < agreement(b.stops, enough);
-  });
+  const auto best =
+      std::max_element(hypotheses.begin(), hypotheses.end(), [&](const Hypothesis& a, const Hypothesis& b) {
+        return agreement(a.stops, enough) < agreement(b.stops, enough);
+      });
   return agreement(best->stops, enough) > 0 ? best->words : "";
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file The largest set of stops that one rotation of the camera on the flange explains, over the grid's readings.
+/// \file The largest set of stops that one rotation of the camera on the flange explains, over the grid's
+/// readings.
 
 #include <span>
 #include <vector>

@@ -71,12 +71,14 @@ std::optional<TranslationFit> translation_of_x(std::span<const Stop> stops, cons
   const double rest = std::max(0.0, square_sum - solution.dot(right));
   const double freedom = std::max<double>(1, 3.0 * static_cast<double>(stops.size() - 1) - 4);
   // Pairs share stops: of n (n - 1) / 2 only n - 1 are independent.
-  const double variance = rest / static_cast<double>(motions.size()) * static_cast<double>(stops.size() - 1) / freedom;
+  const double variance =
+      rest / static_cast<double>(motions.size()) * static_cast<double>(stops.size() - 1) / freedom;
   const double share = static_cast<double>(motions.size()) / static_cast<double>(stops.size() - 1);
   TranslationFit fit;
   fit.translation_mm = solution.head<3>();
   fit.pose_scale = solution[3] / length;
-  fit.pose_scale_sigma = std::sqrt(std::max(0.0, solver.solve(Eigen::Vector4d::Unit(3))[3]) * share * variance) / length;
+  fit.pose_scale_sigma =
+      std::sqrt(std::max(0.0, solver.solve(Eigen::Vector4d::Unit(3))[3]) * share * variance) / length;
   fit.rms_mm = std::sqrt(rest / (3.0 * static_cast<double>(motions.size())));
   return fit;
 }

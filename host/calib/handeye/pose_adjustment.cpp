@@ -16,8 +16,8 @@ constexpr double k_least_sigma_mm = 5e-4, k_least_sigma_rad = 1e-6;
 
 struct Linearised {
   Twist residual;
-  Mat6x12 J;        ///< to [T_flange_cam; T_base_target] perturbed on the right
-  Mat6 J_robot;     ///< to the flange's perturbation
+  Mat6x12 J;     ///< to [T_flange_cam; T_base_target] perturbed on the right
+  Mat6 J_robot;  ///< to the flange's perturbation
 };
 
 Linearised linearise(const Stop& stop, const PoseAdjustment& at) {
@@ -32,7 +32,8 @@ Linearised linearise(const Stop& stop, const PoseAdjustment& at) {
 
 Mat6 covariance_of(const WeightedStop& stop, const Linearised& l, const PoseNoise& noise) {
   Twist variances;
-  variances << Vec3::Constant(noise.sigma_mm * noise.sigma_mm), Vec3::Constant(noise.sigma_rad * noise.sigma_rad);
+  variances << Vec3::Constant(noise.sigma_mm * noise.sigma_mm),
+      Vec3::Constant(noise.sigma_rad * noise.sigma_rad);
   return stop.covariance_seen + l.J_robot * variances.asDiagonal() * l.J_robot.transpose();
 }
 
@@ -74,7 +75,8 @@ Mat6 adjoint(const SE3& T) {
 }
 
 SE3 T_seen_predicted(const Stop& stop, const PoseAdjustment& adjustment) {
-  return stop.T_cam_target.inverse() * (stop.T_base_flange * adjustment.T_flange_cam).inverse() * adjustment.T_base_target;
+  return stop.T_cam_target.inverse() * (stop.T_base_flange * adjustment.T_flange_cam).inverse() *
+         adjustment.T_base_target;
 }
 
 PoseAdjustment adjust_poses(std::span<const WeightedStop> stops, const PoseAdjustment& start) {
@@ -104,7 +106,8 @@ PoseAdjustment adjust_poses_and_noise(std::span<const WeightedStop> stops, const
   PoseAdjustment at = adjust_poses(stops, start);
   for (int round = 0; round < 40; ++round) {
     const PoseNoise noise = improved_noise(stops, at);
-    const double change = std::abs(std::log(noise.sigma_mm / at.noise.sigma_mm)) + std::abs(std::log(noise.sigma_rad / at.noise.sigma_rad));
+    const double change = std::abs(std::log(noise.sigma_mm / at.noise.sigma_mm)) +
+                          std::abs(std::log(noise.sigma_rad / at.noise.sigma_rad));
     at.noise = noise;
     at = adjust_poses(stops, at);
     if (change < 1e-3) break;

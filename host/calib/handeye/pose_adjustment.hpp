@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Weighted least squares over whole poses: T_flange_cam, the target's place, and how noisy the robot is.
+/// \file Weighted least squares over whole poses: T_flange_cam, the target's place, and how noisy the robot
+/// is.
 
 #include <span>
 #include <vector>
@@ -29,13 +30,14 @@ struct PoseAdjustment {
   bool converged{false};
 };
 
-/// Gauss-Newton on e_k = log(T_cam_target_k^-1 (T_base_flange_k T_flange_cam)^-1 T_base_target), weighted by the seen pose's
-/// covariance plus the robot's noise carried there.
+/// Gauss-Newton on e_k = log(T_cam_target_k^-1 (T_base_flange_k T_flange_cam)^-1 T_base_target), weighted by
+/// the seen pose's covariance plus the robot's noise carried there.
 [[nodiscard]] PoseAdjustment adjust_poses(std::span<const WeightedStop> stops, const PoseAdjustment& start);
 
-/// As adjust_poses(), and the noise itself by restricted maximum likelihood (Patterson and Thompson 1971), position and
-/// rotation apart: what the residuals of one position and rotation mean is not known beforehand.
-[[nodiscard]] PoseAdjustment adjust_poses_and_noise(std::span<const WeightedStop> stops, const PoseAdjustment& start);
+/// As adjust_poses(), and the noise itself by restricted maximum likelihood (Patterson and Thompson 1971),
+/// position and rotation apart: what the residuals of one position and rotation mean is not known beforehand.
+[[nodiscard]] PoseAdjustment adjust_poses_and_noise(std::span<const WeightedStop> stops,
+                                                    const PoseAdjustment& start);
 
 /// Residual of one stop under an adjustment: the target as predicted, in the target as seen.
 [[nodiscard]] SE3 T_seen_predicted(const Stop& stop, const PoseAdjustment& adjustment);

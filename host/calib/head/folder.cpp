@@ -22,7 +22,8 @@ struct GridPicture {
   std::optional<Error> error;
 };
 
-std::vector<GridPicture> search_pictures(const std::vector<NumberedPicture>& pictures, const RingTarget& target) {
+std::vector<GridPicture> search_pictures(const std::vector<NumberedPicture>& pictures,
+                                         const RingTarget& target) {
   std::vector<GridPicture> found(pictures.size());
   tbb::parallel_for(std::size_t{0}, pictures.size(), [&](std::size_t i) {
     const fs::path& file = pictures[i].file;
@@ -53,15 +54,17 @@ Result<void> first_error(const std::vector<GridPicture>& pictures) {
 PictureSize common_size(const std::vector<GridPicture>& pictures) {
   std::map<std::pair<int, int>, int> counts;
   for (const GridPicture& picture : pictures) ++counts[{picture.size.width_px, picture.size.height_px}];
-  const auto most = std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto most = std::max_element(counts.begin(), counts.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
   return {.width_px = most->first.first, .height_px = most->first.second};
 }
 
 /// Why a picture cannot be used at all; "" when it can.
 std::string fault_of(const GridPicture& picture, PictureSize size) {
   if (picture.size.width_px != size.width_px || picture.size.height_px != size.height_px) {
-    return std::to_string(picture.size.width_px) + " x " + std::to_string(picture.size.height_px) + " px where the others have " +
-           std::to_string(size.width_px) + " x " + std::to_string(size.height_px) + " (another camera?)";
+    return std::to_string(picture.size.width_px) + " x " + std::to_string(picture.size.height_px) +
+           " px where the others have " + std::to_string(size.width_px) + " x " +
+           std::to_string(size.height_px) + " (another camera?)";
   }
   return picture.grids.empty() ? "no ring grid of target.yaml's shape found" : "";
 }
@@ -96,14 +99,17 @@ Result<LaserFolder> read_laser_folder(const fs::path& calib) {
   const PictureSize size = common_size(pictures);
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     LaserPictures place{.name = pictures[i].name, .planes = {}, .stripe = {}};
-    const auto laser = std::find_if(dark.begin(), dark.end(), [&](const NumberedPicture& p) { return p.number == lit[i].number; });
+    const auto laser = std::find_if(dark.begin(), dark.end(),
+                                    [&](const NumberedPicture& p) { return p.number == lit[i].number; });
     if (laser == dark.end()) {
-      return fail(Errc::FileNotFound, "%s: a picture with the laser on expected beside %s", (calib / "laser").c_str(), pictures[i].name.c_str());
+      return fail(Errc::FileNotFound, "%s: a picture with the laser on expected beside %s",
+                  (calib / "laser").c_str(), pictures[i].name.c_str());
     }
     BITELINE_ASSIGN(const image::GreyImage picture, read_picture(laser->file));
     const bool same_size = picture.width_px == size.width_px && picture.height_px == size.height_px;
     if (same_size && fault_of(pictures[i], size).empty()) {
-      for (const GridView& grid : pictures[i].grids) place.planes.push_back(make_plane_view(place.name, grid, folder.target));
+      for (const GridView& grid : pictures[i].grids)
+        place.planes.push_back(make_plane_view(place.name, grid, folder.target));
       constexpr int k_thinned_columns = 16;  // a tenth of a ring's width: straight, whatever the lens
       BITELINE_ASSIGN(const auto stripe, find_stripe(picture));
       place.stripe = thin_stripe(stripe, k_thinned_columns);
@@ -129,7 +135,8 @@ Result<HandEyeFolder> read_hand_eye_folder(const fs::path& calib) {
     std::string fault = fault_of(pictures[i], size);
     if (fault.empty() && pose == poses.end()) fault = "no row with its number in handeye/poses.csv";
     if (fault.empty()) {
-      folder.views.push_back({.view = make_plane_view(pictures[i].name, pictures[i].grids[0], folder.target), .T_base_flange = pose->T_base_flange});
+      folder.views.push_back({.view = make_plane_view(pictures[i].name, pictures[i].grids[0], folder.target),
+                              .T_base_flange = pose->T_base_flange});
     } else {
       folder.set_aside.push_back({.name = pictures[i].name, .reason = fault});
     }

@@ -17,7 +17,7 @@ struct CameraFolder {
   RingTarget target;
   PictureSize size;
   std::vector<PlaneView> views;
-  std::vector<SetAside> set_aside;   ///< pictures without a grid, of another size
+  std::vector<SetAside> set_aside;  ///< pictures without a grid, of another size
 };
 
 struct LaserFolder {
@@ -36,8 +36,8 @@ struct HandEyeFolder {
   std::vector<SetAside> set_aside;
 };
 
-/// Pictures are searched in parallel.  Faults of files are errors; a picture in which nothing is found, or of another size
-/// than most, is set aside by name.
+/// Pictures are searched in parallel.  Faults of files are errors; a picture in which nothing is found, or of
+/// another size than most, is set aside by name.
 [[nodiscard]] Result<CameraFolder> read_camera_folder(const std::filesystem::path& calib);
 [[nodiscard]] Result<LaserFolder> read_laser_folder(const std::filesystem::path& calib);
 [[nodiscard]] Result<HandEyeFolder> read_hand_eye_folder(const std::filesystem::path& calib);

@@ -11,18 +11,24 @@ namespace {
 
 /// An arm's view under the camera's calibration: more, and it is another camera's or another target's.
 constexpr double k_most_view_rms_px = 0.2, k_most_view_ratio = 5;
-/// All pictures are one camera's: together they fit about as well as its own do.  Blur and light differ by less than that.
+/// All pictures are one camera's: together they fit about as well as its own do.  Blur and light differ by
+/// less than that.
 constexpr double k_most_joint_ratio = 1.7, k_least_joint_rms_px = 0.06, k_most_change_sigmas = 4;
 /// The ring target's print may differ from what target.yaml says by this much before it is another target.
 constexpr double k_diameter_tolerance_ratio = 0.15;
 
-void append(std::vector<SetAside>& all, const std::vector<SetAside>& more) { all.insert(all.end(), more.begin(), more.end()); }
+void append(std::vector<SetAside>& all, const std::vector<SetAside>& more) {
+  all.insert(all.end(), more.begin(), more.end());
+}
 
 Result<void> check_print(const std::vector<PlaneView>& views) {
   for (const PlaneView& view : views) {
-    const double told = view.target.inner_diameter_mm / view.target.outer_diameter_mm, seen = seen_diameter_ratio(view);
+    const double told = view.target.inner_diameter_mm / view.target.outer_diameter_mm,
+                 seen = seen_diameter_ratio(view);
     if (seen > 0 && std::abs(seen / told - 1) > k_diameter_tolerance_ratio) {
-      return fail(Errc::Refused, "%s: rings with inner to outer diameter %.2f, target.yaml says %.2f: another target?", view.name.c_str(), seen, told);
+      return fail(Errc::Refused,
+                  "%s: rings with inner to outer diameter %.2f, target.yaml says %.2f: another target?",
+                  view.name.c_str(), seen, told);
     }
   }
   return {};
@@ -48,7 +54,9 @@ class Calibrator {
 
   Result<void> camera_part() {
     if (!input_.camera) {
-      if (!input_.known_camera) return fail(Errc::InvalidArgument, "camera: neither pictures in camera/ nor a known camera (--sensor)");
+      if (!input_.known_camera)
+        return fail(Errc::InvalidArgument,
+                    "camera: neither pictures in camera/ nor a known camera (--sensor)");
       camera_ = *input_.known_camera;
       return {};
     }
@@ -58,7 +66,8 @@ class Calibrator {
     append(result_.set_aside, result_.camera->set_aside);
     camera_ = result_.camera->camera;
     centre_sigma_px_ = result_.camera->sigma_px;
-    for (const CameraView& view : result_.camera->views) seen_.free.push_back({.view = view.view, .T_cam_target = view.T_cam_target});
+    for (const CameraView& view : result_.camera->views)
+      seen_.free.push_back({.view = view.view, .T_cam_target = view.T_cam_target});
     start_.distortion = result_.camera->distortion;
     return {};
   }
@@ -69,7 +78,10 @@ class Calibrator {
     start_.plane = result_.laser->plane;
     start_.T_plane1_plane2 = result_.laser->T_plane1_plane2;
     for (const LaserView& view : result_.laser->views) {
-      seen_.stripe.push_back({.planes = view.pictures.planes, .T_cam_plane = view.T_cam_plane, .rigid = view.rigid, .points = view.points});
+      seen_.stripe.push_back({.planes = view.pictures.planes,
+                              .T_cam_plane = view.T_cam_plane,
+                              .rigid = view.rigid,
+                              .points = view.points});
     }
     return {};
   }
@@ -86,20 +98,27 @@ class Calibrator {
         improve_centres(view, camera_, pose->T_cam_target);
         pose = fit_plane_pose(camera_, view.centres);
       }
-      const double limit_px = std::max(k_most_view_rms_px, k_most_view_ratio * std::sqrt(2.0) * centre_sigma_px_);
+      const double limit_px =
+          std::max(k_most_view_rms_px, k_most_view_ratio * std::sqrt(2.0) * centre_sigma_px_);
       if (!pose || pose->rms_px > limit_px) {
         char reason[160];
-        std::snprintf(reason, sizeof reason, "rings off by %.2f px under the camera's calibration, at most %.2f expected (another camera?)",
-                      pose ? pose->rms_px : 0.0, limit_px);
+        std::snprintf(
+            reason, sizeof reason,
+            "rings off by %.2f px under the camera's calibration, at most %.2f expected (another camera?)",
+            pose ? pose->rms_px : 0.0, limit_px);
         result_.set_aside.push_back({.name = view.name, .reason = reason});
         continue;
       }
-      views.push_back({.name = view.name, .T_base_flange = picture.T_base_flange, .pose = *pose, .readings = view.grid.readings});
+      views.push_back({.name = view.name,
+                       .T_base_flange = picture.T_base_flange,
+                       .pose = *pose,
+                       .readings = view.grid.readings});
       pictures.push_back(&picture);
       improved.push_back(std::move(view));
     }
-    BITELINE_ASSIGN(result_.hand_eye, calibrate_hand_eye(views, {.centre_sigma_px = centre_sigma_px_,
-                                                                .middle_target = input_.hand_eye->target.middle_target()}));
+    BITELINE_ASSIGN(result_.hand_eye,
+                    calibrate_hand_eye(views, {.centre_sigma_px = centre_sigma_px_,
+                                               .middle_target = input_.hand_eye->target.middle_target()}));
     append(result_.set_aside, result_.hand_eye->set_aside);
     for (const HandEyeStop& stop : result_.hand_eye->stops) {
       ArmPicture arm{.view = improved[stop.view], .T_base_flange = pictures[stop.view]->T_base_flange};
@@ -110,7 +129,8 @@ class Calibrator {
     }
     start_.T_flange_cam = result_.hand_eye->T_flange_cam;
     start_.T_base_target = result_.hand_eye->T_base_target;
-    seen_.pose_noise = {.sigma_mm = result_.hand_eye->pose_sigma_mm, .sigma_rad = result_.hand_eye->pose_sigma_rad};
+    seen_.pose_noise = {.sigma_mm = result_.hand_eye->pose_sigma_mm,
+                        .sigma_rad = result_.hand_eye->pose_sigma_rad};
     return {};
   }
 
@@ -119,7 +139,8 @@ class Calibrator {
     seen_.centre_sigma_px = centre_sigma_px_;
     seen_.camera_known = !input_.camera;
     result_.fit = solve_head(seen_, start_);
-    if (!result_.fit.converged) return fail(Errc::NotConverged, "the adjustment of everything together did not converge");
+    if (!result_.fit.converged)
+      return fail(Errc::NotConverged, "the adjustment of everything together did not converge");
     return check_agreement();
   }
 
@@ -127,15 +148,20 @@ class Calibrator {
   Result<void> check_agreement() const {
     if (!result_.camera) return {};
     if (result_.fit.rms_px > std::max(k_least_joint_rms_px, k_most_joint_ratio * result_.camera->rms_px)) {
-      return fail(Errc::Refused, "the folders contradict each other: rings to %.3f px together, camera/ alone to %.3f px (one folder mirrored, or of another camera?)",
+      return fail(Errc::Refused,
+                  "the folders contradict each other: rings to %.3f px together, camera/ alone to %.3f px "
+                  "(one folder mirrored, or of another camera?)",
                   result_.fit.rms_px, result_.camera->rms_px);
     }
     const CameraVector sigma = result_.camera->sigma();
     const geometry::Camera &alone = result_.camera->camera, &all = result_.fit.state.camera;
-    const std::array<double, 4> change{all.fu_px - alone.fu_px, all.fv_px - alone.fv_px, all.cu_px - alone.cu_px, all.cv_px - alone.cv_px};
+    const std::array<double, 4> change{all.fu_px - alone.fu_px, all.fv_px - alone.fv_px,
+                                       all.cu_px - alone.cu_px, all.cv_px - alone.cv_px};
     for (int i = 0; i < 4; ++i) {
       if (std::abs(change[static_cast<std::size_t>(i)]) <= k_most_change_sigmas * sigma[i]) continue;
-      return fail(Errc::Refused, "the folders contradict each other: camera/ alone puts the principal point to (%.1f, %.1f), all pictures to (%.1f, %.1f) (one folder mirrored?)",
+      return fail(Errc::Refused,
+                  "the folders contradict each other: camera/ alone puts the principal point to (%.1f, "
+                  "%.1f), all pictures to (%.1f, %.1f) (one folder mirrored?)",
                   alone.cu_px, alone.cv_px, all.cu_px, all.cv_px);
     }
     return {};
@@ -152,6 +178,8 @@ class Calibrator {
 
 }  // namespace
 
-HeadCalibration calibrate_head(const HeadInput& input) { return Calibrator(input).run(); }
+HeadCalibration calibrate_head(const HeadInput& input) {
+  return Calibrator(input).run();
+}
 
 }  // namespace biteline::calib

@@ -16,14 +16,15 @@ struct HeadInput {
   std::optional<geometry::Camera> known_camera;  ///< used, and not changed, when `camera` is not there
 };
 
-/// What came out.  `refused` names the part that gives no trustworthy answer; what was found before it is there.
+/// What came out.  `refused` names the part that gives no trustworthy answer; what was found before it is
+/// there.
 struct HeadCalibration {
   std::optional<CameraCalibration> camera;
   std::optional<LaserCalibration> laser;
   std::optional<HandEyeCalibration> hand_eye;
-  std::vector<ArmPicture> arm_views;   ///< of hand_eye's stops, in their common reading
-  HeadFit fit;                         ///< everything together
-  std::vector<SetAside> set_aside;     ///< of all parts
+  std::vector<ArmPicture> arm_views;  ///< of hand_eye's stops, in their common reading
+  HeadFit fit;                        ///< everything together
+  std::vector<SetAside> set_aside;    ///< of all parts
   std::optional<Error> refused;
 };
 

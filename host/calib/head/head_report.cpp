@@ -28,8 +28,15 @@ Json camera_json(const HeadCalibration& all) {
   const CameraCalibration& camera = *all.camera;
   const geometry::Camera& c = all.fit.state.camera;
   const CameraVector sigma = all.fit.camera_sigma();
-  const std::array<std::pair<const char*, double>, 9> values{{{"fu_px", c.fu_px}, {"fv_px", c.fv_px}, {"cu_px", c.cu_px}, {"cv_px", c.cv_px},
-                                                               {"k1", c.k1}, {"k2", c.k2}, {"p1", c.p1}, {"p2", c.p2}, {"k3", c.k3}}};
+  const std::array<std::pair<const char*, double>, 9> values{{{"fu_px", c.fu_px},
+                                                              {"fv_px", c.fv_px},
+                                                              {"cu_px", c.cu_px},
+                                                              {"cv_px", c.cv_px},
+                                                              {"k1", c.k1},
+                                                              {"k2", c.k2},
+                                                              {"p1", c.p1},
+                                                              {"p2", c.p2},
+                                                              {"k3", c.k3}}};
   Json json;
   json["rms_px"] = all.fit.rms_px;
   json["rms_alone_px"] = camera.rms_px;
@@ -37,14 +44,18 @@ Json camera_json(const HeadCalibration& all) {
   for (int i = 0; i < 9; ++i) {
     const auto& [name, value] = values[static_cast<std::size_t>(i)];
     json[name] = {{"value", value}, {"sigma", sigma[i]}};
-    if (i >= 4 && !camera.distortion[static_cast<std::size_t>(i - 4)]) json[name]["left_out"] = "not to be told from 0";
+    if (i >= 4 && !camera.distortion[static_cast<std::size_t>(i - 4)])
+      json[name]["left_out"] = "not to be told from 0";
   }
   json["coverage_ratio"] = camera.coverage_ratio;
   json["largest_tilt_deg"] = camera.largest_tilt_rad * k_degrees_per_rad;
   json["views"] = Json::array();
   for (const CameraView& view : camera.views) {
-    json["views"].push_back({{"name", view.view.name}, {"rms_px", view.rms_px}, {"rings", view.view.centres.size()},
-                             {"rings_missing", view.view.grid.missing}, {"rings_set_aside", view.rings_set_aside}});
+    json["views"].push_back({{"name", view.view.name},
+                             {"rms_px", view.rms_px},
+                             {"rings", view.view.centres.size()},
+                             {"rings_missing", view.view.grid.missing},
+                             {"rings_set_aside", view.rings_set_aside}});
   }
   return json;
 }
@@ -70,7 +81,10 @@ Json laser_json(const HeadCalibration& all) {
   }
   json["views"] = Json::array();
   for (const LaserView& view : laser.views) {
-    json["views"].push_back({{"name", view.pictures.name}, {"grids", view.pictures.planes.size()}, {"points", view.points.size()}, {"rms_mm", view.rms_mm}});
+    json["views"].push_back({{"name", view.pictures.name},
+                             {"grids", view.pictures.planes.size()},
+                             {"points", view.points.size()},
+                             {"rms_mm", view.rms_mm}});
   }
   return json;
 }
@@ -84,7 +98,8 @@ Json hand_eye_json(const HeadCalibration& all) {
   json["sigma_mm"] = vector_json(Vec3(sigma.head<3>()));
   json["sigma_deg"] = vector_json(Vec3(sigma.tail<3>() * k_degrees_per_rad));
   json["rms_px"] = all.fit.arm_rms_px;
-  json["robot_noise"] = {{"sigma_mm", hand_eye.pose_sigma_mm}, {"sigma_deg", hand_eye.pose_sigma_rad * k_degrees_per_rad}};
+  json["robot_noise"] = {{"sigma_mm", hand_eye.pose_sigma_mm},
+                         {"sigma_deg", hand_eye.pose_sigma_rad * k_degrees_per_rad}};
   json["left_out_rms_mm"] = hand_eye.left_out_rms_mm;
   json["left_out_rms_deg"] = hand_eye.left_out_rms_rad * k_degrees_per_rad;
   json["axes_spread_deg"] = hand_eye.axes_spread_rad * k_degrees_per_rad;
@@ -92,7 +107,9 @@ Json hand_eye_json(const HeadCalibration& all) {
   json["views"] = Json::array();
   for (std::size_t i = 0; i < hand_eye.stops.size(); ++i) {
     const HandEyeStop& stop = hand_eye.stops[i];
-    json["views"].push_back({{"name", all.arm_views[i].view.name}, {"left_out_mm", stop.left_out_mm}, {"left_out_deg", stop.left_out_rad * k_degrees_per_rad}});
+    json["views"].push_back({{"name", all.arm_views[i].view.name},
+                             {"left_out_mm", stop.left_out_mm},
+                             {"left_out_deg", stop.left_out_rad * k_degrees_per_rad}});
   }
   return json;
 }
@@ -106,7 +123,8 @@ Json report_fields(const HeadCalibration& calibration) {
   if (calibration.laser && together) fields["laser"] = laser_json(calibration);
   if (calibration.hand_eye && together) fields["hand_eye"] = hand_eye_json(calibration);
   fields["set_aside"] = Json::array();
-  for (const SetAside& one : calibration.set_aside) fields["set_aside"].push_back({{"name", one.name}, {"reason", one.reason}});
+  for (const SetAside& one : calibration.set_aside)
+    fields["set_aside"].push_back({{"name", one.name}, {"reason", one.reason}});
   return fields;
 }
 

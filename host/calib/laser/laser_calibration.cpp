@@ -14,9 +14,10 @@ namespace biteline::calib {
 
 namespace {
 
-constexpr int k_least_views = 3;         ///< two cannot show that one of them is wrong
-constexpr int k_least_stripe_points = 5; ///< thinned, on one view
-/// The stripe's points are good to some 0.01 mm; 0.3 mm is a fault and not noise on any head of working distance 0.1 to 0.5 m.
+constexpr int k_least_views = 3;          ///< two cannot show that one of them is wrong
+constexpr int k_least_stripe_points = 5;  ///< thinned, on one view
+/// The stripe's points are good to some 0.01 mm; 0.3 mm is a fault and not noise on any head of working
+/// distance 0.1 to 0.5 m.
 constexpr double k_ransac_reach_mm = 0.3;
 constexpr double k_most_rms_mm = 0.3;
 /// A view this far off (as pixels at its distance), and 5 times as far as the others, saw something else.
@@ -71,7 +72,8 @@ std::vector<Located> locate(const geometry::Camera& camera, const std::vector<La
   for (std::size_t v = 0; v < views.size(); ++v) {
     for (std::size_t i = 0; i < views[v].points.size(); ++i) {
       const PlaneStripePoint& p = views[v].points[i];
-      const auto cut = cut_plane(camera, views[v].T_cam_plane[static_cast<std::size_t>(p.plane)], p.seen.pixel_px);
+      const auto cut =
+          cut_plane(camera, views[v].T_cam_plane[static_cast<std::size_t>(p.plane)], p.seen.pixel_px);
       if (cut) points.push_back({.view = v, .point = i, .point_cam = cut->point_cam});
     }
   }
@@ -86,12 +88,16 @@ geometry::LaserPlane consensus_plane(const std::vector<Located>& points) {
   double best_cost = std::numeric_limits<double>::max();
   constexpr int k_draws = 400;  // half of the points bad: 1 - (1 - 0.125)^400, certain
   for (int draw = 0; draw < k_draws; ++draw) {
-    const Vec3 a = points[any(random)].point_cam, b = points[any(random)].point_cam, c = points[any(random)].point_cam;
+    const Vec3 a = points[any(random)].point_cam, b = points[any(random)].point_cam,
+               c = points[any(random)].point_cam;
     const Vec3 normal = (b - a).cross(c - a);
     if (normal.norm() < 1e-2 * (b - a).norm() * (c - a).norm() || normal.norm() < 1e-9) continue;
-    const geometry::LaserPlane plane{.normal_cam = normal.normalized(), .distance_mm = normal.normalized().dot(a)};
+    const geometry::LaserPlane plane{.normal_cam = normal.normalized(),
+                                     .distance_mm = normal.normalized().dot(a)};
     double cost = 0;
-    for (const Located& p : points) cost += std::min(std::pow(plane.signed_distance_mm(p.point_cam), 2), k_ransac_reach_mm * k_ransac_reach_mm);
+    for (const Located& p : points)
+      cost +=
+          std::min(std::pow(plane.signed_distance_mm(p.point_cam), 2), k_ransac_reach_mm * k_ransac_reach_mm);
     if (cost >= best_cost) continue;
     best_cost = cost;
     best = plane;
@@ -99,7 +105,8 @@ geometry::LaserPlane consensus_plane(const std::vector<Located>& points) {
   return best;
 }
 
-std::vector<Vec3> near_points(const std::vector<Located>& points, const geometry::LaserPlane& plane, double reach_mm) {
+std::vector<Vec3> near_points(const std::vector<Located>& points, const geometry::LaserPlane& plane,
+                              double reach_mm) {
   std::vector<Vec3> result;
   for (const Located& p : points) {
     if (std::abs(plane.signed_distance_mm(p.point_cam)) <= reach_mm) result.push_back(p.point_cam);
@@ -114,7 +121,8 @@ PlaneFit robust_plane(const std::vector<Located>& points, double& reach_mm) {
   for (int round = 0; round < 10; ++round) {
     std::vector<double> distances;
     for (const Located& p : points) distances.push_back(std::abs(plane.signed_distance_mm(p.point_cam)));
-    std::nth_element(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2), distances.end());
+    std::nth_element(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2),
+                     distances.end());
     reach_mm = std::max(0.01, 4 * 1.4826 * distances[distances.size() / 2]);
     fit = fit_plane(near_points(points, plane, reach_mm));
     const double turn = fit.plane.normal_cam.cross(plane.normal_cam).norm();
@@ -140,7 +148,8 @@ double rms_to(const geometry::LaserPlane& plane, const std::vector<Located>& poi
 
 double gap_mm(const SE3& T_a, const SE3& T_b) {
   constexpr double k_arm_mm = 50;  // a target's half size: turns an angle into what it moves
-  return (T_a.translation() - T_b.translation()).norm() + k_arm_mm * geometry::angle_between_rad(T_a.linear(), T_b.linear());
+  return (T_a.translation() - T_b.translation()).norm() +
+         k_arm_mm * geometry::angle_between_rad(T_a.linear(), T_b.linear());
 }
 
 /// Another reading of a grid: same picture, other numbers.
@@ -164,7 +173,8 @@ bool relate_planes(std::vector<LaserView>& views, SE3& T_plane1_plane2) {
       const std::size_t a = swap ? 1 : 0, b = 1 - a;
       for (const Reading& reading_a : view.pictures.planes[a].grid.readings) {
         for (const Reading& reading_b : view.pictures.planes[b].grid.readings) {
-          const SE3 T_12 = (view.T_cam_plane[a] * reading_a.T_this_other).inverse() * view.T_cam_plane[b] * reading_b.T_this_other;
+          const SE3 T_12 = (view.T_cam_plane[a] * reading_a.T_this_other).inverse() * view.T_cam_plane[b] *
+                           reading_b.T_this_other;
           const double mm = gap_mm(T_12, T_plane1_plane2);
           if (mm >= best_mm) continue;
           best_mm = mm;
@@ -200,13 +210,15 @@ std::optional<std::string> prepare(const geometry::Camera& camera, LaserView& vi
     if (!pose) return "the pose of a grid cannot be found";
     if (pose->rms_px > k_most_ring_rms_px) {
       char reason[160];
-      std::snprintf(reason, sizeof reason, "rings off by %.2f px under the camera's calibration (another camera?)", pose->rms_px);
+      std::snprintf(reason, sizeof reason,
+                    "rings off by %.2f px under the camera's calibration (another camera?)", pose->rms_px);
       return reason;
     }
     view.T_cam_plane.push_back(pose->T_cam_target);
   }
   assign_points(camera, view);
-  if (view.points.size() < static_cast<std::size_t>(k_least_stripe_points)) return "the stripe does not cross a grid";
+  if (view.points.size() < static_cast<std::size_t>(k_least_stripe_points))
+    return "the stripe does not cross a grid";
   return std::nullopt;
 }
 
@@ -228,7 +240,8 @@ PlaneFit fit_plane(const std::vector<Vec3>& points) {
   return fit;
 }
 
-Result<LaserCalibration> calibrate_laser(const geometry::Camera& camera, std::vector<LaserPictures> pictures) {
+Result<LaserCalibration> calibrate_laser(const geometry::Camera& camera,
+                                         std::vector<LaserPictures> pictures) {
   LaserCalibration result;
   const auto total = pictures.size();
   for (LaserPictures& one : pictures) {
@@ -246,8 +259,9 @@ Result<LaserCalibration> calibrate_laser(const geometry::Camera& camera, std::ve
   for (;;) {
     if (result.views.size() < static_cast<std::size_t>(k_least_views)) {
       const char* why = result.set_aside.empty() ? "" : result.set_aside.front().reason.c_str();
-      return fail(Errc::Refused, "laser: %d of %d places usable, at least %d are needed%s%.120s", static_cast<int>(result.views.size()),
-                  static_cast<int>(total), k_least_views, *why != '\0' ? "; first fault: " : "", why);
+      return fail(Errc::Refused, "laser: %d of %d places usable, at least %d are needed%s%.120s",
+                  static_cast<int>(result.views.size()), static_cast<int>(total), k_least_views,
+                  *why != '\0' ? "; first fault: " : "", why);
     }
     points = locate(camera, result.views);
     fit = robust_plane(points, reach_mm);
@@ -255,21 +269,30 @@ Result<LaserCalibration> calibrate_laser(const geometry::Camera& camera, std::ve
     for (std::size_t v = 0; v < result.views.size(); ++v) rms_mm.push_back(rms_to(fit.plane, points, v));
     std::vector<double> sorted = rms_mm;
     std::sort(sorted.begin(), sorted.end());
-    const auto worst = static_cast<std::size_t>(std::max_element(rms_mm.begin(), rms_mm.end()) - rms_mm.begin());
-    if (rms_mm[worst] < std::max(k_view_outlier_px * fit.middle.z() / camera.fv_px, k_view_outlier_ratio * sorted[sorted.size() / 2])) break;
+    const auto worst =
+        static_cast<std::size_t>(std::max_element(rms_mm.begin(), rms_mm.end()) - rms_mm.begin());
+    if (rms_mm[worst] < std::max(k_view_outlier_px * fit.middle.z() / camera.fv_px,
+                                 k_view_outlier_ratio * sorted[sorted.size() / 2]))
+      break;
     char reason[160];
-    std::snprintf(reason, sizeof reason, "its stripe lies %.2f mm off the plane of the others, they %.3f mm (target moved between the pictures?)",
+    std::snprintf(reason, sizeof reason,
+                  "its stripe lies %.2f mm off the plane of the others, they %.3f mm (target moved between "
+                  "the pictures?)",
                   rms_mm[worst], sorted[sorted.size() / 2]);
     result.set_aside.push_back({.name = result.views[worst].pictures.name, .reason = reason});
     result.views.erase(result.views.begin() + static_cast<std::ptrdiff_t>(worst));
   }
   // Two nearly parallel stripes still span a plane; one line does not.
   if (fit.spread_mm[1] < 0.02 * fit.spread_mm[0] || fit.spread_mm[1] < 10 * fit.spread_mm[2]) {
-    return fail(Errc::Degenerate, "laser: all stripe points lie on one line (%.1f x %.2f mm): move the target nearer and farther",
-                fit.spread_mm[0], fit.spread_mm[1]);
+    return fail(
+        Errc::Degenerate,
+        "laser: all stripe points lie on one line (%.1f x %.2f mm): move the target nearer and farther",
+        fit.spread_mm[0], fit.spread_mm[1]);
   }
   if (fit.spread_mm[2] > k_most_rms_mm) {
-    return fail(Errc::Refused, "laser: stripe points scatter %.2f mm about the plane, at most %.1f mm is a calibration", fit.spread_mm[2], k_most_rms_mm);
+    return fail(Errc::Refused,
+                "laser: stripe points scatter %.2f mm about the plane, at most %.1f mm is a calibration",
+                fit.spread_mm[2], k_most_rms_mm);
   }
   result.plane = fit.plane;
   result.middle_cam = fit.middle;

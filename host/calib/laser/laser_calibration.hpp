@@ -27,10 +27,10 @@ struct PlaneStripePoint {
 
 struct LaserView {
   LaserPictures pictures;
-  std::vector<SE3> T_cam_plane;            ///< of each grid
-  std::vector<PlaneStripePoint> points;    ///< used
-  bool rigid{false};                       ///< both grids seen, numbered and ordered so that their relation is the common one
-  double rms_mm{0};                        ///< of its points' distances from the laser plane
+  std::vector<SE3> T_cam_plane;          ///< of each grid
+  std::vector<PlaneStripePoint> points;  ///< used
+  bool rigid{false};  ///< both grids seen, numbered and ordered so that their relation is the common one
+  double rms_mm{0};   ///< of its points' distances from the laser plane
 };
 
 struct LaserCalibration {
@@ -38,18 +38,19 @@ struct LaserCalibration {
   double rms_mm{0};
   int points{0};
   int points_set_aside{0};
-  SE3 T_plane1_plane2{SE3::Identity()};    ///< of the two-plane target, where both were seen
+  SE3 T_plane1_plane2{SE3::Identity()};  ///< of the two-plane target, where both were seen
   bool two_planes{false};
-  Vec3 middle_cam{Vec3::Zero()};           ///< of the stripe points: the middle of the working region
+  Vec3 middle_cam{Vec3::Zero()};  ///< of the stripe points: the middle of the working region
   std::vector<LaserView> views;
   std::vector<SetAside> set_aside;
 };
 
-/// Stripe points are put onto their plane's rings and half a pitch beyond, and a plane is fitted robustly to all of them by
-/// total least squares.  Views that lie off the others' plane are set aside and named.  Refuses with the reason: fewer than
-/// 3 good views, all points on one line, residuals too large.
-/// The normal points to the camera's side, d < 0.
-[[nodiscard]] Result<LaserCalibration> calibrate_laser(const geometry::Camera& camera, std::vector<LaserPictures> pictures);
+/// Stripe points are put onto their plane's rings and half a pitch beyond, and a plane is fitted robustly to
+/// all of them by total least squares.  Views that lie off the others' plane are set aside and named. Refuses
+/// with the reason: fewer than 3 good views, all points on one line, residuals too large. The normal points
+/// to the camera's side, d < 0.
+[[nodiscard]] Result<LaserCalibration> calibrate_laser(const geometry::Camera& camera,
+                                                       std::vector<LaserPictures> pictures);
 
 /// Plane of least squared distances; the points' standard deviations along its axes, largest first.
 struct PlaneFit {

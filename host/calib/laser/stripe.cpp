@@ -24,12 +24,14 @@ std::vector<StripePoint> run_mean(const std::vector<StripePoint>& run) {
     }
   }
   if (slopes.empty()) return {};
-  std::nth_element(slopes.begin(), slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2), slopes.end());
+  std::nth_element(slopes.begin(), slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2),
+                   slopes.end());
   const double slope = slopes[slopes.size() / 2];
   std::vector<double> offsets;
   for (const StripePoint& p : run) offsets.push_back(p.pixel_px.y() - slope * p.pixel_px.x());
   std::vector<double> sorted = offsets;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
+                   sorted.end());
   const double offset = sorted[sorted.size() / 2];
   Vec2 sum = Vec2::Zero();
   double weight_sum = 0, count = 0;
@@ -49,7 +51,8 @@ std::vector<StripePoint> run_mean(const std::vector<StripePoint>& run) {
 Result<std::vector<StripePoint>> find_stripe(const image::GreyImage& picture) {
   BITELINE_ASSIGN(auto extractor, stripe::PeakExtractor::create({}, picture.width_px, picture.height_px));
   const auto peaks = std::make_unique<stripe::Peaks>();
-  extractor.rt_extract({.pixels = picture.pixels.data(), .stride_bytes = static_cast<std::size_t>(picture.width_px)}, *peaks);
+  extractor.rt_extract(
+      {.pixels = picture.pixels.data(), .stride_bytes = static_cast<std::size_t>(picture.width_px)}, *peaks);
   std::vector<StripePoint> points;
   for (int u = 0; u < peaks->column_count; ++u) {
     const stripe::ColumnPeaks& column = peaks->columns[static_cast<std::size_t>(u)];

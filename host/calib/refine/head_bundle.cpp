@@ -1,165 +1,27 @@
 // SPDX-License-Identifier: MIT
 #include "host/calib/refine/head_bundle.hpp"
 
-#include <ceres/ceres.h>
-
 #include <cmath>
 
-#include "host/calib/camera/reprojection.hpp"
+#include "host/calib/refine/head_residuals.hpp"
 
 namespace biteline::calib {
 
 namespace {
 
-template <class T>
-using V3 = Eigen::Matrix<T, 3, 1>;
-
-inline double value_of(double x) { return x; }
-template <class T, int N>
-double value_of(const ceres::Jet<T, N>& x) {
-  return x.a;
-}
-
-/// Viewing ray of a pixel with derivatives by the camera's parameters: the exact inverse as a number, then one Newton step in
-/// T, which leaves the value and adds the derivatives of the implicit function.
-template <class T>
-V3<T> ray_of(const T* camera, const Vec2& pixel_px) {
-  CameraVector now;
-  for (int i = 0; i < k_camera_parameters; ++i) now[i] = value_of(camera[i]);
-  const Vec3 ray = to_camera(now).ray(pixel_px);
-  constexpr double k_step = 1e-6;
-  Eigen::Matrix2d J;
-  for (int i = 0; i < 2; ++i) {
-    const Vec3 step = k_step * Vec3::Unit(i);
-    J.col(i) = (project<double>(now.data(), ray + step) - project<double>(now.data(), ray - step)) / (2 * k_step);
-  }
-  const Eigen::Matrix<T, 2, 1> miss = project<T>(camera, ray.cast<T>()) - pixel_px.cast<T>();
-  const Eigen::Matrix<T, 2, 1> ideal = ray.head<2>().cast<T>() - J.inverse().cast<T>() * miss;
-  return {ideal[0], ideal[1], T(1)};
-}
-
-/// A ring seen by a camera, the target's pose T_cam_target * xi.
-struct FreeRing {
-  CentreObservation seen;
-  SE3 T_cam_target;
-  double sigma_px;
-
-  template <class T>
-  bool operator()(const T* camera, const T* xi, T* residual) const {
-    const V3<T> p = moved<T>(T_cam_target, xi, seen.point_target.cast<T>());
-    if (!(p[2] > T(0))) return false;
-    const Eigen::Matrix<T, 2, 1> pixel = project(camera, p);
-    residual[0] = (pixel[0] - seen.pixel_px.x()) / sigma_px;
-    residual[1] = (pixel[1] - seen.pixel_px.y()) / sigma_px;
-    return true;
-  }
-};
-
-/// A ring of the second plane of a rigid pair: T_cam_plane1 * xi, then T_plane1_plane2 * xi_12.
-struct SecondPlaneRing {
-  CentreObservation seen;
-  SE3 T_cam_plane1, T_plane1_plane2;
-  double sigma_px;
-
-  template <class T>
-  bool operator()(const T* camera, const T* xi, const T* xi_12, T* residual) const {
-    const V3<T> p1 = moved<T>(T_plane1_plane2, xi_12, seen.point_target.cast<T>());
-    const V3<T> p = moved<T>(T_cam_plane1, xi, p1);
-    if (!(p[2] > T(0))) return false;
-    const Eigen::Matrix<T, 2, 1> pixel = project(camera, p);
-    residual[0] = (pixel[0] - seen.pixel_px.x()) / sigma_px;
-    residual[1] = (pixel[1] - seen.pixel_px.y()) / sigma_px;
-    return true;
-  }
-};
-
-/// The laser plane as n . (X - middle) = shift with n = n0 + a e1 + b e2, |n| = 1.
-struct PlaneModel {
-  Vec3 normal, middle;
-  Eigen::Matrix<double, 3, 2> axes;
-
-  template <class T>
-  T distance(const T* delta, const V3<T>& point) const {
-    V3<T> n = normal.cast<T>() + axes.col(0).cast<T>() * delta[0] + axes.col(1).cast<T>() * delta[1];
-    n /= n.norm();
-    return n.dot(point - middle.cast<T>()) - delta[2];
-  }
-};
-
-/// Distance from the laser plane of a stripe point, put onto the target's plane through its viewing ray; in standard
-/// deviations of its row.
-struct Stripe {
-  StripePoint seen;
-  SE3 T_cam_plane1, T_plane1_plane2;  ///< the second is the identity on the first plane
-  PlaneModel plane;
-  double mm_per_px;                   ///< of the distance along the rows
-  double factor;                      ///< on the stated noise
-
-  template <class T>
-  bool operator()(const T* camera, const T* delta, const T* xi, const T* xi_12, T* residual) const {
-    const V3<T> zero = V3<T>::Zero(), unit(T(0), T(0), T(1));
-    const V3<T> origin = moved<T>(T_cam_plane1, xi, moved<T>(T_plane1_plane2, xi_12, zero));
-    const V3<T> tip = moved<T>(T_cam_plane1, xi, moved<T>(T_plane1_plane2, xi_12, unit));
-    const V3<T> normal = tip - origin, ray = ray_of(camera, seen.pixel_px);
-    const V3<T> point = ray * (normal.dot(origin) / normal.dot(ray));
-    residual[0] = plane.distance(delta, point) / (mm_per_px * seen.sigma_px * factor);
-    return true;
-  }
-};
-
-/// As FreeRing through the arm: the flange's true pose is T_base_flange * xi_flange.
-struct ArmRing {
-  CentreObservation seen;
-  SE3 T_base_flange, T_flange_cam, T_base_target;
-  double sigma_px;
-
-  template <class T>
-  bool operator()(const T* camera, const T* xi_flange, const T* xi_mount, const T* xi_target, T* residual) const {
-    const V3<T> p_base = moved<T>(T_base_target, xi_target, seen.point_target.cast<T>());
-    const V3<T> p_flange = moved_back<T>(T_base_flange, xi_flange, p_base);
-    const V3<T> p = moved_back<T>(T_flange_cam, xi_mount, p_flange);
-    if (!(p[2] > T(0))) return false;
-    const Eigen::Matrix<T, 2, 1> pixel = project(camera, p);
-    residual[0] = (pixel[0] - seen.pixel_px.x()) / sigma_px;
-    residual[1] = (pixel[1] - seen.pixel_px.y()) / sigma_px;
-    return true;
-  }
-
-  /// Inverse of moved().
-  template <class T>
-  static V3<T> moved_back(const SE3& T_start, const T* xi, const V3<T>& point) {
-    V3<T> p = T_start.linear().transpose().cast<T>() * (point - T_start.translation().cast<T>());
-    p -= Eigen::Map<const V3<T>>(xi);
-    const T back[3] = {-xi[3], -xi[4], -xi[5]};
-    V3<T> turned;
-    ceres::AngleAxisRotatePoint(back, p.data(), turned.data());
-    return turned;
-  }
-};
-
-struct RobotPrior {
-  PoseNoise noise;
-  template <class T>
-  bool operator()(const T* xi, T* residual) const {
-    for (int i = 0; i < 3; ++i) {
-      residual[i] = xi[i] / noise.sigma_mm;
-      residual[i + 3] = xi[i + 3] / noise.sigma_rad;
-    }
-    return true;
-  }
-};
-
 /// The problem with its parameter blocks.
 class HeadProblem {
  public:
-  HeadProblem(const HeadObservations& seen, const HeadState& start, double stripe_factor) : seen_{seen}, start_{start} {
+  HeadProblem(const HeadObservations& seen, const HeadState& start, double stripe_factor)
+      : seen_{seen}, start_{start} {
     camera_ = to_parameters(start.camera);
     problem_.AddParameterBlock(camera_.data(), k_camera_parameters);
     std::vector<int> held;
     for (int i = 0; i < 5; ++i) {
       if (!start.distortion[static_cast<std::size_t>(i)]) held.push_back(k_k1 + i);
     }
-    if (!held.empty()) problem_.SetManifold(camera_.data(), new ceres::SubsetManifold(k_camera_parameters, held));
+    if (!held.empty())
+      problem_.SetManifold(camera_.data(), new ceres::SubsetManifold(k_camera_parameters, held));
     add_free();
     add_stripe(stripe_factor);
     add_arm();
@@ -244,7 +106,8 @@ class HeadProblem {
   void add_free() {
     xi_free_.assign(seen_.free.size(), Twist::Zero());
     for (std::size_t v = 0; v < seen_.free.size(); ++v) {
-      for (const CentreObservation& c : seen_.free[v].view.centres) add_ring(c, seen_.free[v].T_cam_target, xi_free_[v]);
+      for (const CentreObservation& c : seen_.free[v].view.centres)
+        add_ring(c, seen_.free[v].T_cam_target, xi_free_[v]);
     }
   }
 
@@ -258,7 +121,8 @@ class HeadProblem {
   void add_stripe(double factor) {
     if (seen_.stripe.empty()) return;
     set_up_plane();
-    // One block per view, and a second one where the planes are not related; a constant one stands in for the identity.
+    // One block per view, and a second one where the planes are not related; a constant one stands in for the
+    // identity.
     xi_stripe_.assign(2 * seen_.stripe.size(), Twist::Zero());
     problem_.AddParameterBlock(delta_.data(), 3);
     problem_.AddParameterBlock(fixed_.data(), 6);
@@ -270,7 +134,9 @@ class HeadProblem {
           if (k == 1 && view.rigid) {
             ring_residuals_.push_back(problem_.AddResidualBlock(
                 new ceres::AutoDiffCostFunction<SecondPlaneRing, 2, k_camera_parameters, 6, 6>(
-                    new SecondPlaneRing{.seen = c, .T_cam_plane1 = view.T_cam_plane[0], .T_plane1_plane2 = start_.T_plane1_plane2,
+                    new SecondPlaneRing{.seen = c,
+                                        .T_cam_plane1 = view.T_cam_plane[0],
+                                        .T_plane1_plane2 = start_.T_plane1_plane2,
                                         .sigma_px = seen_.centre_sigma_px}),
                 nullptr, camera_.data(), xi_stripe_[2 * v].data(), xi_12_.data()));
           } else {
@@ -286,14 +152,18 @@ class HeadProblem {
     const StripeView& view = seen_.stripe[v];
     const bool second_rigid = p.plane == 1 && view.rigid;
     const auto k = static_cast<std::size_t>(p.plane);
-    Stripe cost{.seen = p.seen, .T_cam_plane1 = second_rigid ? view.T_cam_plane[0] : view.T_cam_plane[k],
-                .T_plane1_plane2 = second_rigid ? start_.T_plane1_plane2 : SE3::Identity(), .plane = plane_, .mm_per_px = 1, .factor = factor};
+    Stripe cost{.seen = p.seen,
+                .T_cam_plane1 = second_rigid ? view.T_cam_plane[0] : view.T_cam_plane[k],
+                .T_plane1_plane2 = second_rigid ? start_.T_plane1_plane2 : SE3::Identity(),
+                .plane = plane_,
+                .mm_per_px = 1,
+                .factor = factor};
     cost.mm_per_px = mm_per_px(cost);
     Twist& xi = second_rigid ? xi_stripe_[2 * v] : xi_stripe_[2 * v + k];
     stripe_mm_.push_back(cost.mm_per_px * p.seen.sigma_px * factor);
     stripe_residuals_.push_back(problem_.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<Stripe, 1, k_camera_parameters, 3, 6, 6>(new Stripe(cost)), nullptr, camera_.data(), delta_.data(),
-        xi.data(), second_rigid ? xi_12_.data() : fixed_.data()));
+        new ceres::AutoDiffCostFunction<Stripe, 1, k_camera_parameters, 3, 6, 6>(new Stripe(cost)), nullptr,
+        camera_.data(), delta_.data(), xi.data(), second_rigid ? xi_12_.data() : fixed_.data()));
   }
 
   /// How far the point moves off the laser plane when the stripe moves by one row.
@@ -334,12 +204,16 @@ class HeadProblem {
       for (const CentreObservation& c : seen_.arm[v].view.centres) {
         arm_residuals_.push_back(problem_.AddResidualBlock(
             new ceres::AutoDiffCostFunction<ArmRing, 2, k_camera_parameters, 6, 6, 6>(
-                new ArmRing{.seen = c, .T_base_flange = seen_.arm[v].T_base_flange, .T_flange_cam = start_.T_flange_cam,
-                            .T_base_target = start_.T_base_target, .sigma_px = seen_.centre_sigma_px}),
+                new ArmRing{.seen = c,
+                            .T_base_flange = seen_.arm[v].T_base_flange,
+                            .T_flange_cam = start_.T_flange_cam,
+                            .T_base_target = start_.T_base_target,
+                            .sigma_px = seen_.centre_sigma_px}),
             nullptr, camera_.data(), xi_flange_[v].data(), xi_mount_.data(), xi_target_.data()));
       }
-      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<RobotPrior, 6, 6>(new RobotPrior{.noise = seen_.pose_noise}), nullptr,
-                                xi_flange_[v].data());
+      problem_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<RobotPrior, 6, 6>(new RobotPrior{.noise = seen_.pose_noise}),
+          nullptr, xi_flange_[v].data());
     }
   }
 
@@ -363,9 +237,11 @@ class HeadProblem {
     double sum_mm2 = 0;
     for (std::size_t i = 0; i < stripe_residuals_.size(); ++i) {
       double cost = 0, residual = 0;
-      if (problem_.EvaluateResidualBlock(stripe_residuals_[i], false, &cost, &residual, nullptr)) sum_mm2 += std::pow(residual * stripe_mm_[i], 2);
+      if (problem_.EvaluateResidualBlock(stripe_residuals_[i], false, &cost, &residual, nullptr))
+        sum_mm2 += std::pow(residual * stripe_mm_[i], 2);
     }
-    fit.stripe_rms_mm = stripe_residuals_.empty() ? 0 : std::sqrt(sum_mm2 / static_cast<double>(stripe_residuals_.size()));
+    fit.stripe_rms_mm =
+        stripe_residuals_.empty() ? 0 : std::sqrt(sum_mm2 / static_cast<double>(stripe_residuals_.size()));
     double sum_pose_mm2 = 0, sum_pose_rad2 = 0;
     for (const Twist& xi : xi_flange_) {
       sum_pose_mm2 += xi.head<3>().squaredNorm();
@@ -379,7 +255,8 @@ class HeadProblem {
 
   const HeadObservations& seen_;
   const HeadState& start_;
-  PlaneModel plane_{.normal = Vec3::UnitZ(), .middle = Vec3::Zero(), .axes = Eigen::Matrix<double, 3, 2>::Zero()};
+  PlaneModel plane_{
+      .normal = Vec3::UnitZ(), .middle = Vec3::Zero(), .axes = Eigen::Matrix<double, 3, 2>::Zero()};
   CameraVector camera_{CameraVector::Zero()};
   Vec3 delta_{Vec3::Zero()};
   Twist xi_12_{Twist::Zero()}, xi_mount_{Twist::Zero()}, xi_target_{Twist::Zero()}, fixed_{Twist::Zero()};
@@ -398,8 +275,10 @@ Vec3 HeadFit::triangulation_sigma_mm(const Vec2& pixel_px) const {
     if (parameter < 9) camera[parameter] += step;
     if (parameter >= 9) delta[parameter - 9] += step;
     const Vec3 normal = (state.plane.normal_cam + plane_axes * delta.head<2>()).normalized();
-    const Vec3 middle = plane_middle_cam - state.plane.signed_distance_mm(plane_middle_cam) * state.plane.normal_cam;
-    return geometry::triangulate(to_camera(camera), {.normal_cam = normal, .distance_mm = normal.dot(middle) + delta[2]}, pixel_px);
+    const Vec3 middle =
+        plane_middle_cam - state.plane.signed_distance_mm(plane_middle_cam) * state.plane.normal_cam;
+    return geometry::triangulate(
+        to_camera(camera), {.normal_cam = normal, .distance_mm = normal.dot(middle) + delta[2]}, pixel_px);
   };
   Eigen::Matrix<double, 3, 12> J;
   for (int i = 0; i < 12; ++i) {

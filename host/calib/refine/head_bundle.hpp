@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file One least-squares problem over the whole head: camera, laser plane, mounting, and everything that was in view.
+/// \file One least-squares problem over the whole head: camera, laser plane, mounting, and everything that
+/// was in view.
 ///
-/// Every ring of every picture, every stripe point and every robot pose is one observation with its own noise.  Camera,
-/// plane and mounting come out together with one covariance, in which the errors that cancel (a focal length too long puts
-/// the laser plane farther too) are seen to cancel.
+/// Every ring of every picture, every stripe point and every robot pose is one observation with its own
+/// noise.  Camera, plane and mounting come out together with one covariance, in which the errors that cancel
+/// (a focal length too long puts the laser plane farther too) are seen to cancel.
 
 #include <string>
 #include <vector>
@@ -24,15 +25,15 @@ struct FreeView {
 
 /// A place of the laser target.
 struct StripeView {
-  std::vector<PlaneView> planes;   ///< one, or two
+  std::vector<PlaneView> planes;  ///< one, or two
   std::vector<SE3> T_cam_plane;
-  bool rigid{false};               ///< both planes related by HeadState::T_plane1_plane2
+  bool rigid{false};  ///< both planes related by HeadState::T_plane1_plane2
   std::vector<PlaneStripePoint> points;
 };
 
 /// A stop of the arm.
 struct ArmView {
-  PlaneView view;                  ///< numbered as all others
+  PlaneView view;                      ///< numbered as all others
   SE3 T_base_flange{SE3::Identity()};  ///< as the robot says
 };
 
@@ -42,7 +43,7 @@ struct HeadObservations {
   std::vector<ArmView> arm;
   double centre_sigma_px{0.05};
   PoseNoise pose_noise;
-  bool camera_known{false};        ///< the camera stays as it is
+  bool camera_known{false};  ///< the camera stays as it is
 };
 
 struct HeadState {
@@ -54,8 +55,8 @@ struct HeadState {
   SE3 T_base_target{SE3::Identity()};
 };
 
-/// Order of the joint covariance: 9 of the camera, 3 of the plane (normal's turn about two axes across it, distance at the
-/// points' middle), 6 of T_flange_cam (perturbation on the right).
+/// Order of the joint covariance: 9 of the camera, 3 of the plane (normal's turn about two axes across it,
+/// distance at the points' middle), 6 of T_flange_cam (perturbation on the right).
 inline constexpr int k_head_parameters = 18;
 using HeadMatrix = Eigen::Matrix<double, k_head_parameters, k_head_parameters>;
 
@@ -64,11 +65,11 @@ struct HeadFit {
   HeadMatrix covariance{HeadMatrix::Zero()};  ///< rows of parts without observations are 0
   Eigen::Matrix<double, 3, 2> plane_axes{Eigen::Matrix<double, 3, 2>::Zero()};
   Vec3 plane_middle_cam{Vec3::Zero()};
-  double rms_px{0};            ///< of all rings, distances
-  double arm_rms_px{0};        ///< of the arm's views alone
+  double rms_px{0};      ///< of all rings, distances
+  double arm_rms_px{0};  ///< of the arm's views alone
   double stripe_rms_mm{0};
   double stripe_sigma_factor{1};  ///< real noise of stripe points over the stated one
-  double pose_rms_mm{0};       ///< robot positions as corrected, against as told
+  double pose_rms_mm{0};          ///< robot positions as corrected, against as told
   double pose_rms_rad{0};
   bool converged{false};
   int iterations{0};

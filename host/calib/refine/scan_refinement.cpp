@@ -13,10 +13,12 @@ namespace {
 constexpr std::size_t k_least_pairs = 200;
 constexpr int k_rounds = 8;
 
-ScanModel changed(const ScanModel& model, const RefineVector& x, const Eigen::Matrix<double, 3, 2>& axes, const Vec3& middle_cam) {
+ScanModel changed(const ScanModel& model, const RefineVector& x, const Eigen::Matrix<double, 3, 2>& axes,
+                  const Vec3& middle_cam) {
   ScanModel next = model;
   const Vec3 normal = (model.plane.normal_cam + axes * x.head<2>()).normalized();
-  // Turned about the points' middle: about the origin a turn would also be a shift of a quarter metre's lever.
+  // Turned about the points' middle: about the origin a turn would also be a shift of a quarter metre's
+  // lever.
   const Vec3 on_plane = middle_cam - model.plane.signed_distance_mm(middle_cam) * model.plane.normal_cam;
   next.plane = {.normal_cam = normal, .distance_mm = normal.dot(on_plane) + x[2]};
   next.T_flange_cam = geometry::orthonormalised(model.T_flange_cam * geometry::exp_se3(x.segment<6>(3)));
@@ -34,12 +36,14 @@ struct System {
 double limit_of(const std::vector<OverlapPair>& pairs) {
   std::vector<double> values;
   for (const OverlapPair& pair : pairs) values.push_back(std::abs(pair.distance_mm));
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
   return std::max(0.02, 4.685 * 1.4826 * values[values.size() / 2]);
 }
 
 /// Distances' derivatives by moving the whole scan a little in each direction.
-std::optional<System> linearise(const Scan& scan, const ScanModel& model, const Eigen::Matrix<double, 3, 2>& axes, const Vec3& middle_cam) {
+std::optional<System> linearise(const Scan& scan, const ScanModel& model,
+                                const Eigen::Matrix<double, 3, 2>& axes, const Vec3& middle_cam) {
   const std::vector<ScanPoint> points = place_points(scan, model);
   const std::vector<OverlapPair> pairs = find_overlaps(scan, points, {});
   if (pairs.size() < k_least_pairs) return std::nullopt;
@@ -100,11 +104,18 @@ Vec3 middle_of(const Scan& scan, const ScanModel& model) {
 Result<ScanRefinement> refine_from_scan(const Scan& scan, const ScanModel& start, const RefineMatrix& prior,
                                         const Eigen::Matrix<double, 3, 2>& plane_axes) {
   const auto nothing_seen_twice = [] {
-    return fail(Errc::Degenerate, "refine: hardly any surface is seen twice: let the arm come back over the same place from another direction");
+    return fail(Errc::Degenerate,
+                "refine: hardly any surface is seen twice: let the arm come back over the same place from "
+                "another direction");
   };
   const RefineMatrix prior_information = prior.ldlt().solve(RefineMatrix::Identity());
   const Vec3 middle_cam = middle_of(scan, start);
-  ScanRefinement result{.model = start, .change = RefineVector::Zero(), .sigma = RefineVector::Zero(), .rms_before_mm = 0, .rms_after_mm = 0, .pairs = 0};
+  ScanRefinement result{.model = start,
+                        .change = RefineVector::Zero(),
+                        .sigma = RefineVector::Zero(),
+                        .rms_before_mm = 0,
+                        .rms_after_mm = 0,
+                        .pairs = 0};
   for (int round = 0; round < k_rounds; ++round) {
     const std::optional<System> system = linearise(scan, result.model, plane_axes, middle_cam);
     if (!system) return nothing_seen_twice();
@@ -119,7 +130,9 @@ Result<ScanRefinement> refine_from_scan(const Scan& scan, const ScanModel& start
     result.model = changed(start, result.change, plane_axes, middle_cam);
   }
   if (result.rms_after_mm > 1.05 * result.rms_before_mm) {
-    return fail(Errc::NotConverged, "refine: the passes agree no better afterwards (%.4f mm before, %.4f mm after)", result.rms_before_mm, result.rms_after_mm);
+    return fail(Errc::NotConverged,
+                "refine: the passes agree no better afterwards (%.4f mm before, %.4f mm after)",
+                result.rms_before_mm, result.rms_after_mm);
   }
   return result;
 }

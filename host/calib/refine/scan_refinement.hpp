@@ -7,8 +7,8 @@
 
 namespace biteline::calib {
 
-/// Order: normal's turns about two axes across it (rad), distance (mm); T_flange_cam's perturbation [rho; theta] on the right;
-/// clock offset (s).
+/// Order: normal's turns about two axes across it (rad), distance (mm); T_flange_cam's perturbation [rho;
+/// theta] on the right; clock offset (s).
 inline constexpr int k_refined = 10;
 using RefineVector = Eigen::Matrix<double, k_refined, 1>;
 using RefineMatrix = Eigen::Matrix<double, k_refined, k_refined>;
@@ -17,16 +17,17 @@ struct ScanRefinement {
   ScanModel model;
   RefineVector change{RefineVector::Zero()};
   RefineVector sigma{RefineVector::Zero()};
-  double rms_before_mm{0};   ///< of surfaces seen more than once
+  double rms_before_mm{0};  ///< of surfaces seen more than once
   double rms_after_mm{0};
   std::size_t pairs{0};
 };
 
-/// Gauss-Newton on the point-to-plane distances between passes, with what the calibration knows as prior: a direction that
-/// the scan does not determine stays where it was.  `prior` is the covariance of the ten quantities before; plane_axes are
-/// the axes that it tells the normal's turns about.  Refuses when hardly anything is seen twice, or when the passes agree
-/// worse afterwards.
-[[nodiscard]] Result<ScanRefinement> refine_from_scan(const Scan& scan, const ScanModel& start, const RefineMatrix& prior,
+/// Gauss-Newton on the point-to-plane distances between passes, with what the calibration knows as prior: a
+/// direction that the scan does not determine stays where it was.  `prior` is the covariance of the ten
+/// quantities before; plane_axes are the axes that it tells the normal's turns about.  Refuses when hardly
+/// anything is seen twice, or when the passes agree worse afterwards.
+[[nodiscard]] Result<ScanRefinement> refine_from_scan(const Scan& scan, const ScanModel& start,
+                                                      const RefineMatrix& prior,
                                                       const Eigen::Matrix<double, 3, 2>& plane_axes);
 
 }  // namespace biteline::calib

@@ -42,7 +42,8 @@ std::optional<Ellipse> contour_ellipse(const std::vector<cv::Point>& contour, bo
   }
   // A contour that runs on into something else: most of the points must still agree.
   const std::optional<RobustEllipse> robust = fit_ellipse_robustly(points, 0.8);
-  if (!robust || robust->coverage_ratio < 0.75 || robust->rms > 0.7 + 0.03 * robust->ellipse.minor_semi) return std::nullopt;
+  if (!robust || robust->coverage_ratio < 0.75 || robust->rms > 0.7 + 0.03 * robust->ellipse.minor_semi)
+    return std::nullopt;
   return robust->ellipse;
 }
 
@@ -52,7 +53,8 @@ bool plausible_pair(const Ellipse& outer, const Ellipse& inner) {
   if (ratio < k_least_diameter_ratio || ratio > k_most_diameter_ratio) return false;
   // Perspective moves the centres apart by a few percent at most, and hardly changes the shapes.
   if ((outer.centre - inner.centre).norm() > 0.15 * outer.minor_semi + 1) return false;
-  const double outer_shape = outer.minor_semi / outer.major_semi, inner_shape = inner.minor_semi / inner.major_semi;
+  const double outer_shape = outer.minor_semi / outer.major_semi,
+               inner_shape = inner.minor_semi / inner.major_semi;
   return std::abs(outer_shape - inner_shape) < 0.12 + 1.0 / inner.minor_semi;
 }
 
@@ -85,7 +87,8 @@ std::optional<Ring> refine_ring(const image::GreyImage& picture, const Ellipse& 
   Ellipse near_outer = outer, near_inner = inner;
   std::optional<RobustEllipse> outer_fit, inner_fit;
   std::vector<Vec2> outer_points, inner_points;
-  // The second pass starts from the first one's sub-pixel ellipse, so that the half-way levels are taken symmetrically.
+  // The second pass starts from the first one's sub-pixel ellipse, so that the half-way levels are taken
+  // symmetrically.
   for (int pass = 0; pass < 2; ++pass) {
     const double thickness_px = near_outer.minor_semi - near_inner.minor_semi;
     const double outer_reach_px = std::max(1.5, 0.42 * thickness_px);
@@ -99,12 +102,21 @@ std::optional<Ring> refine_ring(const image::GreyImage& picture, const Ellipse& 
     near_inner = inner_fit->ellipse;
     if (!plausible_pair(near_outer, near_inner)) return std::nullopt;
   }
-  if (outer_fit->coverage_ratio < k_least_coverage_ratio || inner_fit->coverage_ratio < k_least_coverage_ratio) return std::nullopt;
-  if (outer_fit->rms > 0.5 + 0.02 * near_outer.minor_semi || inner_fit->rms > 0.5 + 0.02 * near_inner.minor_semi) return std::nullopt;
+  if (outer_fit->coverage_ratio < k_least_coverage_ratio ||
+      inner_fit->coverage_ratio < k_least_coverage_ratio)
+    return std::nullopt;
+  if (outer_fit->rms > 0.5 + 0.02 * near_outer.minor_semi ||
+      inner_fit->rms > 0.5 + 0.02 * near_inner.minor_semi)
+    return std::nullopt;
   const std::optional<ConcentricCentre> centre = concentric_centre(near_outer, near_inner);
   if (!centre) return std::nullopt;
-  Ring ring{.outer = near_outer, .inner = near_inner, .outer_edge = {}, .inner_edge = {}, .centre_px = centre->centre,
-            .diameter_ratio = centre->diameter_ratio, .edge_rms_px = std::hypot(outer_fit->rms, inner_fit->rms) / std::sqrt(2.0)};
+  Ring ring{.outer = near_outer,
+            .inner = near_inner,
+            .outer_edge = {},
+            .inner_edge = {},
+            .centre_px = centre->centre,
+            .diameter_ratio = centre->diameter_ratio,
+            .edge_rms_px = std::hypot(outer_fit->rms, inner_fit->rms) / std::sqrt(2.0)};
   for (std::size_t i = 0; i < outer_points.size(); ++i) {
     if (outer_fit->kept[i]) ring.outer_edge.push_back(outer_points[i]);
   }
@@ -120,9 +132,9 @@ std::vector<Ring> find_rings(const image::GreyImage& picture) {
   // From windows that hold one small ring to the whole picture.
   for (const int divisor : {16, 8, 4, 1}) {
     for (const auto& [outer, inner] : rough_rings(picture, std::max(24, side_px / divisor))) {
-      const bool known = std::any_of(rings.begin(), rings.end(), [&, middle = outer.centre](const Ring& ring) {
-        return ring.outer.distance(middle) < 0;
-      });
+      const bool known = std::any_of(
+          rings.begin(), rings.end(),
+          [&, middle = outer.centre](const Ring& ring) { return ring.outer.distance(middle) < 0; });
       if (known) continue;
       if (std::optional<Ring> ring = refine_ring(picture, outer, inner)) rings.push_back(std::move(*ring));
     }

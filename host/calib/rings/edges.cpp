@@ -18,12 +18,14 @@ constexpr double k_sample_step_px = 0.25;
 double level_at(const image::GreyImage& picture, double u_px, double v_px) {
   const int u = static_cast<int>(u_px), v = static_cast<int>(v_px);
   const double fu = u_px - u, fv = v_px - v;
-  const std::uint8_t* p = picture.pixels.data() + static_cast<std::size_t>(v) * static_cast<std::size_t>(picture.width_px) + u;
+  const std::uint8_t* p =
+      picture.pixels.data() + static_cast<std::size_t>(v) * static_cast<std::size_t>(picture.width_px) + u;
   const std::uint8_t* q = p + picture.width_px;
   return (1 - fv) * ((1 - fu) * p[0] + fu * p[1]) + fv * ((1 - fu) * q[0] + fu * q[1]);
 }
 
-/// Place of the half-way crossing in a rising profile, in samples; nothing when it does not rise clearly once.
+/// Place of the half-way crossing in a rising profile, in samples; nothing when it does not rise clearly
+/// once.
 std::optional<double> half_way(const std::vector<double>& profile) {
   const std::size_t n = profile.size(), end = std::max<std::size_t>(2, n / 5);
   double low = 0, high = 0;
@@ -73,11 +75,13 @@ std::vector<Vec2> edge_points(const image::GreyImage& picture, const Ellipse& el
   for (int i = 0; i < places; ++i) {
     const double phase_rad = 2 * std::numbers::pi * i / places;
     const Vec2 on = ellipse.at(phase_rad);
-    const Vec2 towards_bright = search.dark_outside ? Vec2(-ellipse.normal_at(phase_rad)) : ellipse.normal_at(phase_rad);
+    const Vec2 towards_bright =
+        search.dark_outside ? Vec2(-ellipse.normal_at(phase_rad)) : ellipse.normal_at(phase_rad);
     bool inside = true;
     for (int k = -half_count; k <= half_count && inside; ++k) {
       const Vec2 place = on + towards_bright * (k * k_sample_step_px);
-      inside = place.x() >= 0 && place.y() >= 0 && place.x() < picture.width_px - 1 && place.y() < picture.height_px - 1;
+      inside = place.x() >= 0 && place.y() >= 0 && place.x() < picture.width_px - 1 &&
+               place.y() < picture.height_px - 1;
       if (inside) profile[static_cast<std::size_t>(k + half_count)] = level_at(picture, place.x(), place.y());
     }
     if (!inside) continue;

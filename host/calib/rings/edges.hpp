@@ -14,9 +14,10 @@ struct EdgeSearch {
   bool dark_outside{false};  ///< the ring's inner edge: dark outside; its outer edge: bright outside
 };
 
-/// Where the grey level crosses half way between both sides' levels, along the ellipse's normals, one point per
-/// pixel of circumference (72 at least).  Half way is where a step blurred by any symmetric kernel has its edge.  Places without a clear
-/// step (glare, cover, the picture's border) give no point.
-[[nodiscard]] std::vector<Vec2> edge_points(const image::GreyImage& picture, const Ellipse& ellipse, EdgeSearch search);
+/// Where the grey level crosses half way between both sides' levels, along the ellipse's normals, one point
+/// per pixel of circumference (72 at least).  Half way is where a step blurred by any symmetric kernel has
+/// its edge.  Places without a clear step (glare, cover, the picture's border) give no point.
+[[nodiscard]] std::vector<Vec2> edge_points(const image::GreyImage& picture, const Ellipse& ellipse,
+                                            EdgeSearch search);
 
 }  // namespace biteline::calib

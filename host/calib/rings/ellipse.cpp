@@ -69,7 +69,8 @@ Ellipse from_parameters(const Eigen::Matrix<double, 5, 1>& p) {
   return ellipse;
 }
 
-/// Gauss-Newton on the first-order distances; the algebraic fit is pulled towards small ellipses when points are missing.
+/// Gauss-Newton on the first-order distances; the algebraic fit is pulled towards small ellipses when points
+/// are missing.
 Ellipse refine(Ellipse ellipse, std::span<const Vec2> points) {
   for (int iteration = 0; iteration < 4; ++iteration) {
     Eigen::Matrix<double, 5, 5> information = Eigen::Matrix<double, 5, 5>::Zero();
@@ -85,7 +86,8 @@ Ellipse refine(Ellipse ellipse, std::span<const Vec2> points) {
       const double gx = x / (a * a), gy = y / (b * b);
       const double slope = std::hypot(gx, gy) / rho;
       const double residual = (rho - 1) / slope;
-      // On the curve the distance changes with the parameters as rho does, over the slope; off it, to first order.
+      // On the curve the distance changes with the parameters as rho does, over the slope; off it, to first
+      // order.
       Eigen::Matrix<double, 5, 1> J;
       J[0] = -(gx * c - gy * s) / rho / slope;
       J[1] = -(gx * s + gy * c) / rho / slope;
@@ -119,7 +121,8 @@ double coverage(const Ellipse& ellipse, std::span<const Vec2> points, const std:
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!kept[i]) continue;
     const Vec2 d = Eigen::Rotation2Dd(-ellipse.angle_rad) * (points[i] - ellipse.centre);
-    const double phase_rad = std::atan2(d.y() / ellipse.minor_semi, d.x() / ellipse.major_semi) + std::numbers::pi;
+    const double phase_rad =
+        std::atan2(d.y() / ellipse.minor_semi, d.x() / ellipse.major_semi) + std::numbers::pi;
     seen[static_cast<std::size_t>(phase_rad / (2 * std::numbers::pi) * 35.999)] = true;
   }
   return static_cast<double>(std::count(seen.begin(), seen.end(), true)) / 36.0;
@@ -128,11 +131,14 @@ double coverage(const Ellipse& ellipse, std::span<const Vec2> points, const std:
 }  // namespace
 
 Vec2 Ellipse::at(double phase_rad) const {
-  return centre + Eigen::Rotation2Dd(angle_rad) * Vec2(major_semi * std::cos(phase_rad), minor_semi * std::sin(phase_rad));
+  return centre + Eigen::Rotation2Dd(angle_rad) *
+                      Vec2(major_semi * std::cos(phase_rad), minor_semi * std::sin(phase_rad));
 }
 
 Vec2 Ellipse::normal_at(double phase_rad) const {
-  return (Eigen::Rotation2Dd(angle_rad) * Vec2(std::cos(phase_rad) / major_semi, std::sin(phase_rad) / minor_semi)).normalized();
+  return (Eigen::Rotation2Dd(angle_rad) *
+          Vec2(std::cos(phase_rad) / major_semi, std::sin(phase_rad) / minor_semi))
+      .normalized();
 }
 
 double Ellipse::distance(const Vec2& point) const {
@@ -147,7 +153,8 @@ Mat3 Ellipse::conic() const {
   const double c = std::cos(angle_rad), s = std::sin(angle_rad);
   Mat3 T;  // image -> the ellipse's own axes
   T << c, s, -c * centre.x() - s * centre.y(), -s, c, s * centre.x() - c * centre.y(), 0, 0, 1;
-  return T.transpose() * Vec3(1 / (major_semi * major_semi), 1 / (minor_semi * minor_semi), -1).asDiagonal() * T;
+  return T.transpose() * Vec3(1 / (major_semi * major_semi), 1 / (minor_semi * minor_semi), -1).asDiagonal() *
+         T;
 }
 
 std::optional<Ellipse> Ellipse::from_conic(const Mat3& conic) {
@@ -171,15 +178,18 @@ std::optional<Ellipse> fit_ellipse(std::span<const Vec2> points) {
   const Normaliser normaliser(points);
   if (!(normaliser.scale > 0)) return std::nullopt;
   std::vector<Vec2> scaled(points.size());
-  std::transform(points.begin(), points.end(), scaled.begin(), [&](const Vec2& p) { return normaliser.apply(p); });
+  std::transform(points.begin(), points.end(), scaled.begin(),
+                 [&](const Vec2& p) { return normaliser.apply(p); });
   const std::optional<Ellipse> direct = fit_directly(scaled);
   // An axis ratio of 30 is a plane seen within 2 degrees of its edge, or points on a line.
-  if (!direct || direct->major_semi > 30 * direct->minor_semi || direct->major_semi > 100) return std::nullopt;
+  if (!direct || direct->major_semi > 30 * direct->minor_semi || direct->major_semi > 100)
+    return std::nullopt;
   return normaliser.undo(refine(*direct, scaled));
 }
 
 std::optional<RobustEllipse> fit_ellipse_robustly(std::span<const Vec2> points, double floor) {
-  RobustEllipse result{.ellipse = {}, .kept = std::vector<char>(points.size(), 1), .rms = 0, .coverage_ratio = 0};
+  RobustEllipse result{
+      .ellipse = {}, .kept = std::vector<char>(points.size(), 1), .rms = 0, .coverage_ratio = 0};
   std::vector<Vec2> used(points.begin(), points.end());
   for (int round = 0; round < 10; ++round) {
     const std::optional<Ellipse> ellipse = fit_ellipse(used);
@@ -217,7 +227,8 @@ std::optional<ConcentricCentre> concentric_centre(const Ellipse& outer, const El
   const Mat3 C_outer = T.transpose() * outer.conic() * T, C_inner = T.transpose() * inner.conic() * T;
   const Eigen::EigenSolver<Mat3> solver(C_outer.inverse() * C_inner);
   const Vec3 values = solver.eigenvalues().real();
-  // Noise splits the double eigenvalue, in a complex pair maybe; the third is the one farther from the others.
+  // Noise splits the double eigenvalue, in a complex pair maybe; the third is the one farther from the
+  // others.
   int single = 0;
   double farthest = -1;
   for (int i = 0; i < 3; ++i) {
@@ -240,7 +251,8 @@ std::optional<ConcentricCentre> concentric_centre(const Ellipse& outer, const El
 
 std::optional<Ellipse> project_circle(const Mat3& H, const Vec2& centre_mm, double radius_mm) {
   const Mat3 H_inverse = H.inverse();
-  const Mat3 circle = Ellipse{.centre = centre_mm, .major_semi = radius_mm, .minor_semi = radius_mm, .angle_rad = 0}.conic();
+  const Mat3 circle =
+      Ellipse{.centre = centre_mm, .major_semi = radius_mm, .minor_semi = radius_mm, .angle_rad = 0}.conic();
   return Ellipse::from_conic(H_inverse.transpose() * circle * H_inverse);
 }
 

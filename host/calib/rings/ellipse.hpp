@@ -27,15 +27,15 @@ struct Ellipse {
   [[nodiscard]] static std::optional<Ellipse> from_conic(const Mat3& conic);
 };
 
-/// Direct least-squares fit (Halir and Flusser 1998), then Gauss-Newton on the first-order distances.  Nothing for fewer
-/// than 6 points or when they lie on no ellipse.
+/// Direct least-squares fit (Halir and Flusser 1998), then Gauss-Newton on the first-order distances. Nothing
+/// for fewer than 6 points or when they lie on no ellipse.
 [[nodiscard]] std::optional<Ellipse> fit_ellipse(std::span<const Vec2> points);
 
 struct RobustEllipse {
   Ellipse ellipse;
-  std::vector<char> kept;   ///< per point
-  double rms{0};            ///< of the kept points' distances
-  double coverage_ratio{0}; ///< share of 36 equal sectors that hold a kept point
+  std::vector<char> kept;    ///< per point
+  double rms{0};             ///< of the kept points' distances
+  double coverage_ratio{0};  ///< share of 36 equal sectors that hold a kept point
 };
 
 /// As fit_ellipse(), leaving out points farther than 3 robust standard deviations, until nothing changes.
@@ -43,14 +43,14 @@ struct RobustEllipse {
 [[nodiscard]] std::optional<RobustEllipse> fit_ellipse_robustly(std::span<const Vec2> points, double floor);
 
 struct ConcentricCentre {
-  Vec2 centre{Vec2::Zero()};   ///< image of the circles' common centre
-  double diameter_ratio{0};    ///< inner to outer diameter, as seen
+  Vec2 centre{Vec2::Zero()};  ///< image of the circles' common centre
+  double diameter_ratio{0};   ///< inner to outer diameter, as seen
 };
 
-/// Image of the common centre of two concentric circles from their two ellipses.  C_outer^-1 C_inner has the eigenvalues
-/// (1, 1, r_inner^2 / r_outer^2 up to scale); the single one's eigenvector is the centre (Kim, Gurdjos, Kweon 2005,
-/// "Geometric and algebraic constraints of projected concentric circles").  Exact under perspective, where the ellipses'
-/// own centres are not.
+/// Image of the common centre of two concentric circles from their two ellipses.  C_outer^-1 C_inner has the
+/// eigenvalues (1, 1, r_inner^2 / r_outer^2 up to scale); the single one's eigenvector is the centre (Kim,
+/// Gurdjos, Kweon 2005, "Geometric and algebraic constraints of projected concentric circles").  Exact under
+/// perspective, where the ellipses' own centres are not.
 [[nodiscard]] std::optional<ConcentricCentre> concentric_centre(const Ellipse& outer, const Ellipse& inner);
 
 /// Ellipse of a circle in the target's plane z = 0.  `H` maps (x, y, 1) of that plane to image coordinates.

@@ -14,16 +14,18 @@ namespace biteline::calib {
 
 namespace {
 
-using Cell = std::pair<int, int>;        ///< (row, col) in a lattice of its own origin and orientation
+using Cell = std::pair<int, int>;             ///< (row, col) in a lattice of its own origin and orientation
 using Lattice = std::map<Cell, std::size_t>;  ///< to the ring's index
 
-/// A ring may lie this far from its prediction, in pitches: lens distortion and the first cell's noise, well below the
-/// half pitch at which the neighbour would be meant.
+/// A ring may lie this far from its prediction, in pitches: lens distortion and the first cell's noise, well
+/// below the half pitch at which the neighbour would be meant.
 constexpr double k_reach_pitch = 0.22;
 /// And its size may differ from its prediction by this factor.
 constexpr double k_size_tolerance_ratio = 0.25;
 
-double size_of(const Ellipse& ellipse) { return std::sqrt(ellipse.major_semi * ellipse.minor_semi); }
+double size_of(const Ellipse& ellipse) {
+  return std::sqrt(ellipse.major_semi * ellipse.minor_semi);
+}
 
 /// Fit in units of the pitch, to the rings' centres.
 std::optional<Mat3> lattice_homography(const Lattice& lattice, const std::vector<Ring>& rings) {
@@ -35,18 +37,22 @@ std::optional<Mat3> lattice_homography(const Lattice& lattice, const std::vector
   return fit_homography(points);
 }
 
-/// As lattice_homography(), but of the rings within `reach` cells: there lens distortion hardly bends the lattice.
-std::optional<Mat3> local_homography(const Lattice& lattice, const std::vector<Ring>& rings, Cell about, int reach) {
+/// As lattice_homography(), but of the rings within `reach` cells: there lens distortion hardly bends the
+/// lattice.
+std::optional<Mat3> local_homography(const Lattice& lattice, const std::vector<Ring>& rings, Cell about,
+                                     int reach) {
   Lattice near;
   for (const auto& [cell, index] : lattice) {
-    if (std::abs(cell.first - about.first) <= reach && std::abs(cell.second - about.second) <= reach) near[cell] = index;
+    if (std::abs(cell.first - about.first) <= reach && std::abs(cell.second - about.second) <= reach)
+      near[cell] = index;
   }
   return near.size() >= 4 ? lattice_homography(near, rings) : std::nullopt;
 }
 
 /// Whether the ring looks as a ring of the target does at that place of the plane.
 bool agrees(const Ring& ring, const Mat3& H, Cell cell, double outer_radius_pitch) {
-  const std::optional<Ellipse> expected = project_circle(H, Vec2(cell.second, cell.first), outer_radius_pitch);
+  const std::optional<Ellipse> expected =
+      project_circle(H, Vec2(cell.second, cell.first), outer_radius_pitch);
   if (!expected) return false;
   const Vec2 place = apply_homography(H, Vec2(cell.second, cell.first));
   // One pitch in the picture, across the ellipse's narrow side.
@@ -54,8 +60,10 @@ bool agrees(const Ring& ring, const Mat3& H, Cell cell, double outer_radius_pitc
   if ((ring.centre_px - place).norm() > k_reach_pitch * pitch_px + 1.0) return false;
   if (std::abs(std::log(size_of(ring.outer) / size_of(*expected))) > k_size_tolerance_ratio) return false;
   // The long axis sees the tilt's direction: the other plane of a corner fails here.
-  const double major_ratio = ring.outer.major_semi / expected->major_semi, minor_ratio = ring.outer.minor_semi / expected->minor_semi;
-  return std::abs(std::log(major_ratio)) < k_size_tolerance_ratio && std::abs(std::log(minor_ratio)) < k_size_tolerance_ratio;
+  const double major_ratio = ring.outer.major_semi / expected->major_semi,
+               minor_ratio = ring.outer.minor_semi / expected->minor_semi;
+  return std::abs(std::log(major_ratio)) < k_size_tolerance_ratio &&
+         std::abs(std::log(minor_ratio)) < k_size_tolerance_ratio;
 }
 
 struct Extent {
@@ -71,7 +79,8 @@ struct Extent {
   [[nodiscard]] int rows() const { return max_row - min_row + 1; }
   [[nodiscard]] int cols() const { return max_col - min_col + 1; }
   [[nodiscard]] bool fits(const RingTarget& target) const {
-    return (rows() <= target.rows && cols() <= target.cols) || (rows() <= target.cols && cols() <= target.rows);
+    return (rows() <= target.rows && cols() <= target.cols) ||
+           (rows() <= target.cols && cols() <= target.rows);
   }
 };
 
@@ -84,7 +93,10 @@ Extent extent_of(const Lattice& lattice) {
 class Grower {
  public:
   Grower(const std::vector<Ring>& rings, const std::vector<char>& taken, const RingTarget& target)
-      : rings_{rings}, taken_{taken}, target_{target}, outer_radius_pitch_{target.outer_diameter_mm / 2 / target.pitch_mm} {}
+      : rings_{rings},
+        taken_{taken},
+        target_{target},
+        outer_radius_pitch_{target.outer_diameter_mm / 2 / target.pitch_mm} {}
 
   /// The largest lattice that can be grown from any cell of neighbours.
   [[nodiscard]] Lattice best() const {
@@ -107,7 +119,8 @@ class Grower {
   }
 
  private:
-  /// Cells of four rings with `seed` as a corner.  The seed's ellipse gives the plane's local scale, free of a rotation.
+  /// Cells of four rings with `seed` as a corner.  The seed's ellipse gives the plane's local scale, free of
+  /// a rotation.
   [[nodiscard]] std::vector<Lattice> first_cells(std::size_t seed) const {
     const Ring& ring = rings_[seed];
     struct Neighbour {
@@ -119,7 +132,8 @@ class Grower {
     for (std::size_t i = 0; i < rings_.size(); ++i) {
       if (i == seed || taken_[i]) continue;
       const Vec2 d = to_axes * (rings_[i].centre_px - ring.centre_px);
-      const Vec2 place_pitch = Vec2(d.x() / ring.outer.major_semi, d.y() / ring.outer.minor_semi) * outer_radius_pitch_;
+      const Vec2 place_pitch =
+          Vec2(d.x() / ring.outer.major_semi, d.y() / ring.outer.minor_semi) * outer_radius_pitch_;
       // Perspective over one pitch changes the scale by a quarter at most.
       if (place_pitch.norm() > 0.7 && place_pitch.norm() < 1.35) neighbours.push_back({i, place_pitch});
     }
@@ -130,7 +144,8 @@ class Grower {
         // Columns to rows in the picture's own sense (u to the right, v down): never a mirrored reading.
         if (cross < 0.8 * a.place_pitch.norm() * b.place_pitch.norm()) continue;
         const Vec2 corner_px = rings_[a.index].centre_px + rings_[b.index].centre_px - ring.centre_px;
-        const std::optional<std::size_t> diagonal = nearest(corner_px, 0.35 * size_of(ring.outer) / outer_radius_pitch_);
+        const std::optional<std::size_t> diagonal =
+            nearest(corner_px, 0.35 * size_of(ring.outer) / outer_radius_pitch_);
         if (!diagonal || *diagonal == a.index || *diagonal == b.index || *diagonal == seed) continue;
         cells.push_back({{{0, 0}, seed}, {{0, 1}, a.index}, {{1, 0}, b.index}, {{1, 1}, *diagonal}});
       }
@@ -176,7 +191,8 @@ class Grower {
           double found_px = std::numeric_limits<double>::max();
           for (std::size_t i = 0; i < rings_.size(); ++i) {
             const double distance_px = (rings_[i].centre_px - place_px).norm();
-            if (used[i] || distance_px >= found_px || !agrees(rings_[i], *H, next, outer_radius_pitch_)) continue;
+            if (used[i] || distance_px >= found_px || !agrees(rings_[i], *H, next, outer_radius_pitch_))
+              continue;
             found_px = distance_px;
             found = i;
           }
@@ -227,7 +243,8 @@ std::vector<Numbering> numberings(const Lattice& lattice, const RingTarget& targ
     for (const auto& [cell, index] : lattice) extent.include(Numbering{.quarter_turns = turns}.apply(cell));
     for (int row = 0; row + extent.rows() <= target.rows; ++row) {
       for (int col = 0; col + extent.cols() <= target.cols; ++col) {
-        result.push_back({.quarter_turns = turns, .row_shift = row - extent.min_row, .col_shift = col - extent.min_col});
+        result.push_back(
+            {.quarter_turns = turns, .row_shift = row - extent.min_row, .col_shift = col - extent.min_col});
       }
     }
   }
@@ -250,7 +267,8 @@ SE3 between(const Numbering& first, const Numbering& other, double pitch_mm) {
   return T_first_other;
 }
 
-std::optional<GridView> numbered(const Lattice& lattice, const std::vector<Ring>& rings, const RingTarget& target) {
+std::optional<GridView> numbered(const Lattice& lattice, const std::vector<Ring>& rings,
+                                 const RingTarget& target) {
   const int least = std::max(k_least_grid_rings, static_cast<int>(std::ceil(0.4 * target.rings())));
   if (static_cast<int>(lattice.size()) < std::min(least, target.rings())) return std::nullopt;
   const std::vector<Numbering> all = numberings(lattice, target);
@@ -260,20 +278,24 @@ std::optional<GridView> numbered(const Lattice& lattice, const std::vector<Ring>
     const Cell place = all.front().apply(cell);
     view.rings.push_back({.ring = rings[index], .row = place.first, .col = place.second});
   }
-  std::sort(view.rings.begin(), view.rings.end(),
-            [](const GridRing& a, const GridRing& b) { return std::pair(a.row, a.col) < std::pair(b.row, b.col); });
+  std::sort(view.rings.begin(), view.rings.end(), [](const GridRing& a, const GridRing& b) {
+    return std::pair(a.row, a.col) < std::pair(b.row, b.col);
+  });
   view.missing = target.rings() - static_cast<int>(view.rings.size());
-  for (const Numbering& numbering : all) view.readings.push_back({.T_this_other = between(all.front(), numbering, target.pitch_mm)});
+  for (const Numbering& numbering : all)
+    view.readings.push_back({.T_this_other = between(all.front(), numbering, target.pitch_mm)});
   return view;
 }
 
-/// Looks again where the homography expects a ring that is not there: a shadow or a thumb may have hidden it from the
-/// threshold while most of its edges can be seen.
-std::vector<Ring> second_look(const image::GreyImage& picture, const GridView& view, const RingTarget& target) {
+/// Looks again where the homography expects a ring that is not there: a shadow or a thumb may have hidden it
+/// from the threshold while most of its edges can be seen.
+std::vector<Ring> second_look(const image::GreyImage& picture, const GridView& view,
+                              const RingTarget& target) {
   std::vector<PlanePoint> points;
   std::vector<char> present(static_cast<std::size_t>(target.rings()), 0);
   for (const GridRing& ring : view.rings) {
-    points.push_back({.plane = target.ring_target(ring.row, ring.col).head<2>(), .image = ring.ring.centre_px});
+    points.push_back(
+        {.plane = target.ring_target(ring.row, ring.col).head<2>(), .image = ring.ring.centre_px});
     present[static_cast<std::size_t>(ring.row * target.cols + ring.col)] = 1;
   }
   const std::optional<Mat3> H = fit_homography(points);

@@ -15,8 +15,8 @@ struct PlanePoint {
   Vec2 image;
 };
 
-/// Direct linear transformation with normalised coordinates (Hartley and Zisserman, algorithm 4.2), then Gauss-Newton on
-/// the distances in the image.  Nothing for fewer than 4 points or for points on a line.
+/// Direct linear transformation with normalised coordinates (Hartley and Zisserman, algorithm 4.2), then
+/// Gauss-Newton on the distances in the image.  Nothing for fewer than 4 points or for points on a line.
 [[nodiscard]] std::optional<Mat3> fit_homography(std::span<const PlanePoint> points);
 
 [[nodiscard]] Vec2 apply_homography(const Mat3& H, const Vec2& plane);

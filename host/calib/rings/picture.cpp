@@ -21,7 +21,8 @@ Result<image::GreyImage> read_picture(const fs::path& file) {
   if (grey.empty()) return fail(Errc::BadFormat, "%s: a readable picture (PNG) expected", file.c_str());
   image::GreyImage picture{.width_px = grey.cols, .height_px = grey.rows, .pixels = {}};
   picture.pixels.reserve(grey.total());
-  for (int v = 0; v < grey.rows; ++v) picture.pixels.insert(picture.pixels.end(), grey.ptr(v), grey.ptr(v) + grey.cols);
+  for (int v = 0; v < grey.rows; ++v)
+    picture.pixels.insert(picture.pixels.end(), grey.ptr(v), grey.ptr(v) + grey.cols);
   return picture;
 }
 
@@ -37,9 +38,12 @@ Result<std::vector<NumberedPicture>> numbered_pictures(const fs::path& folder, c
     if (parsed.ec != std::errc{} || parsed.ptr != end) continue;
     pictures.push_back(std::move(picture));
   }
-  if (error) return fail_errno(Errc::FileNotFound, error.value(), "%s: a folder of pictures expected", folder.c_str());
-  if (pictures.empty()) return fail(Errc::FileNotFound, "%s: pictures NN%s expected", folder.c_str(), suffix.c_str());
-  std::sort(pictures.begin(), pictures.end(), [](const auto& a, const auto& b) { return a.number < b.number; });
+  if (error)
+    return fail_errno(Errc::FileNotFound, error.value(), "%s: a folder of pictures expected", folder.c_str());
+  if (pictures.empty())
+    return fail(Errc::FileNotFound, "%s: pictures NN%s expected", folder.c_str(), suffix.c_str());
+  std::sort(pictures.begin(), pictures.end(),
+            [](const auto& a, const auto& b) { return a.number < b.number; });
   return pictures;
 }
 

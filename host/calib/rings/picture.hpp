@@ -11,7 +11,8 @@
 
 namespace biteline::calib {
 
-/// Any 8-bit picture that OpenCV reads, as grey: calibration photographs may come from elsewhere and be in colour.
+/// Any 8-bit picture that OpenCV reads, as grey: calibration photographs may come from elsewhere and be in
+/// colour.
 [[nodiscard]] Result<image::GreyImage> read_picture(const std::filesystem::path& file);
 
 /// `NN<suffix>` files of a folder with their numbers, in numeric order.  Fails when there is none.
@@ -19,6 +20,7 @@ struct NumberedPicture {
   int number{0};
   std::filesystem::path file;
 };
-[[nodiscard]] Result<std::vector<NumberedPicture>> numbered_pictures(const std::filesystem::path& folder, const std::string& suffix);
+[[nodiscard]] Result<std::vector<NumberedPicture>> numbered_pictures(const std::filesystem::path& folder,
+                                                                     const std::string& suffix);
 
 }  // namespace biteline::calib

@@ -50,11 +50,15 @@ std::string target_svg(const RingTarget& target) {
   const double ruler_y_mm = (target.rows - 1) * target.pitch_mm + 2 * margin_mm;
   const double height_mm = ruler_y_mm + 12;
   std::string svg;
-  append(svg, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.3fmm\" height=\"%.3fmm\" viewBox=\"0 0 %.3f %.3f\">\n",
+  append(svg,
+         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.3fmm\" height=\"%.3fmm\" viewBox=\"0 0 %.3f "
+         "%.3f\">\n",
          width_mm, height_mm, width_mm, height_mm);
-  append(svg, "<title>Ring target %d x %d, pitch %g mm, diameters %g and %g mm</title>\n", target.rows, target.cols,
-         target.pitch_mm, target.outer_diameter_mm, target.inner_diameter_mm);
-  append(svg, "<rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n<g fill=\"none\" stroke=\"black\" stroke-width=\"%.4f\">\n",
+  append(svg, "<title>Ring target %d x %d, pitch %g mm, diameters %g and %g mm</title>\n", target.rows,
+         target.cols, target.pitch_mm, target.outer_diameter_mm, target.inner_diameter_mm);
+  append(svg,
+         "<rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n<g fill=\"none\" stroke=\"black\" "
+         "stroke-width=\"%.4f\">\n",
          (target.outer_diameter_mm - target.inner_diameter_mm) / 2);
   const double radius_mm = (target.outer_diameter_mm + target.inner_diameter_mm) / 4;
   for (int row = 0; row < target.rows; ++row) {
@@ -64,11 +68,16 @@ std::string target_svg(const RingTarget& target) {
     }
   }
   svg += "</g>\n";
-  append(svg, "<path d=\"M%.3f %.3f h%g m0 -2 v4 m-%g 0 v-4\" fill=\"none\" stroke=\"black\" stroke-width=\"0.2\"/>\n", margin_mm,
-         ruler_y_mm, k_ruler_mm, k_ruler_mm);
-  append(svg, "<text x=\"%.3f\" y=\"%.3f\" font-family=\"sans-serif\" font-size=\"3\">", margin_mm, ruler_y_mm + 6);
-  append(svg, "must measure 50 mm; rows: %d, cols: %d, pitch: %g, ", target.rows, target.cols, target.pitch_mm);
-  append(svg, "outer_diameter: %g, inner_diameter: %g</text>\n</svg>\n", target.outer_diameter_mm, target.inner_diameter_mm);
+  append(svg,
+         "<path d=\"M%.3f %.3f h%g m0 -2 v4 m-%g 0 v-4\" fill=\"none\" stroke=\"black\" "
+         "stroke-width=\"0.2\"/>\n",
+         margin_mm, ruler_y_mm, k_ruler_mm, k_ruler_mm);
+  append(svg, "<text x=\"%.3f\" y=\"%.3f\" font-family=\"sans-serif\" font-size=\"3\">", margin_mm,
+         ruler_y_mm + 6);
+  append(svg, "must measure 50 mm; rows: %d, cols: %d, pitch: %g, ", target.rows, target.cols,
+         target.pitch_mm);
+  append(svg, "outer_diameter: %g, inner_diameter: %g</text>\n</svg>\n", target.outer_diameter_mm,
+         target.inner_diameter_mm);
   return svg;
 }
 

@@ -10,8 +10,8 @@
 
 namespace biteline::calib {
 
-/// Dark rings on a bright plane.  Target frame: origin at the first ring's centre, x along a row, y along a column, z into
-/// the plane, away from a camera that looks at its printed side.
+/// Dark rings on a bright plane.  Target frame: origin at the first ring's centre, x along a row, y along a
+/// column, z into the plane, away from a camera that looks at its printed side.
 struct RingTarget {
   int rows{0};
   int cols{0};
@@ -23,7 +23,9 @@ struct RingTarget {
   [[nodiscard]] int rings() const { return rows * cols; }
   [[nodiscard]] Vec3 ring_target(int row, int col) const { return {col * pitch_mm, row * pitch_mm, 0}; }
   /// Middle of the grid.
-  [[nodiscard]] Vec3 middle_target() const { return {(cols - 1) * pitch_mm / 2, (rows - 1) * pitch_mm / 2, 0}; }
+  [[nodiscard]] Vec3 middle_target() const {
+    return {(cols - 1) * pitch_mm / 2, (rows - 1) * pitch_mm / 2, 0};
+  }
 };
 
 /// Faults name the file, the key and what was expected.

@@ -46,14 +46,16 @@ std::optional<float> valley(const Histogram& histogram) {
     low_sum += histogram[static_cast<std::size_t>(i)] * i;
     if (low_count < 1 || count - low_count < 1) continue;
     const double m_low = low_sum / low_count, m_high = (sum - low_sum) / (count - low_count);
-    const double between = low_count * (count - low_count) / (count * count) * (m_high - m_low) * (m_high - m_low);
+    const double between =
+        low_count * (count - low_count) / (count * count) * (m_high - m_low) * (m_high - m_low);
     if (between > best) {
       best = between;
       low_mean = m_low;
       high_mean = m_high;
     }
   }
-  if (high_mean - low_mean < k_least_contrast_grey || best / variance < k_least_separability) return std::nullopt;
+  if (high_mean - low_mean < k_least_contrast_grey || best / variance < k_least_separability)
+    return std::nullopt;
   const Histogram smooth = smoothed(histogram);
   // Only the middle half between the peaks: a valley hard at a peak would be noise of that peak.
   const int from = static_cast<int>(low_mean + 0.25 * (high_mean - low_mean));
@@ -91,7 +93,8 @@ Grid window_thresholds(const image::GreyImage& picture, int window_px) {
       Histogram histogram{};
       const int u0 = std::max(0, column * grid.step_px + grid.step_px / 2 - window_px / 2);
       const int v0 = std::max(0, row * grid.step_px + grid.step_px / 2 - window_px / 2);
-      const int u1 = std::min(picture.width_px, u0 + window_px), v1 = std::min(picture.height_px, v0 + window_px);
+      const int u1 = std::min(picture.width_px, u0 + window_px),
+                v1 = std::min(picture.height_px, v0 + window_px);
       for (int v = v0; v < v1; v += stride) {
         for (int u = u0; u < u1; u += stride) histogram[picture.at(u, v)] += 1;
       }
@@ -103,7 +106,9 @@ Grid window_thresholds(const image::GreyImage& picture, int window_px) {
 
 /// Gives windows without a threshold the mean of their neighbours', outwards from those that have one.
 bool fill_gaps(Grid& grid) {
-  if (std::none_of(grid.thresholds.begin(), grid.thresholds.end(), [](const auto& t) { return t.has_value(); })) return false;
+  if (std::none_of(grid.thresholds.begin(), grid.thresholds.end(),
+                   [](const auto& t) { return t.has_value(); }))
+    return false;
   for (bool gap = true; gap;) {
     gap = false;
     Grid next = grid;
@@ -137,15 +142,17 @@ std::vector<std::uint8_t> dark_mask(const image::GreyImage& picture, int window_
   std::vector<int> left(static_cast<std::size_t>(picture.width_px));
   std::vector<float> share(left.size());
   for (std::size_t u = 0; u < left.size(); ++u) {
-    const float place = std::clamp((static_cast<float>(u) - static_cast<float>(grid.step_px) / 2) / static_cast<float>(grid.step_px),
-                                   0.0F, static_cast<float>(grid.columns - 1));
+    const float place = std::clamp(
+        (static_cast<float>(u) - static_cast<float>(grid.step_px) / 2) / static_cast<float>(grid.step_px),
+        0.0F, static_cast<float>(grid.columns - 1));
     left[u] = std::min(static_cast<int>(place), std::max(0, grid.columns - 2));
     share[u] = place - static_cast<float>(left[u]);
   }
   std::vector<float> line(static_cast<std::size_t>(grid.columns));
   for (int v = 0; v < picture.height_px; ++v) {
-    const float place = std::clamp((static_cast<float>(v) - static_cast<float>(grid.step_px) / 2) / static_cast<float>(grid.step_px),
-                                   0.0F, static_cast<float>(grid.rows - 1));
+    const float place = std::clamp(
+        (static_cast<float>(v) - static_cast<float>(grid.step_px) / 2) / static_cast<float>(grid.step_px),
+        0.0F, static_cast<float>(grid.rows - 1));
     const int above = std::min(static_cast<int>(place), std::max(0, grid.rows - 2));
     const float below_share = place - static_cast<float>(above);
     for (int c = 0; c < grid.columns; ++c) {
@@ -153,7 +160,8 @@ std::vector<std::uint8_t> dark_mask(const image::GreyImage& picture, int window_
       line[static_cast<std::size_t>(c)] = a + (b - a) * below_share;
     }
     const auto pixels = picture.row(v);
-    std::uint8_t* out = mask.data() + static_cast<std::size_t>(v) * static_cast<std::size_t>(picture.width_px);
+    std::uint8_t* out =
+        mask.data() + static_cast<std::size_t>(v) * static_cast<std::size_t>(picture.width_px);
     for (std::size_t u = 0; u < left.size(); ++u) {
       const float a = line[static_cast<std::size_t>(left[u])];
       const float b = line[static_cast<std::size_t>(std::min(left[u] + 1, grid.columns - 1))];

@@ -28,13 +28,17 @@ struct Row {
 };
 
 void print(const Row& row) {
-  std::printf("{\"bench\":\"calib.%s\",\"what\":\"%s\",\"ours\":%.5g,\"peer\":\"%s\",\"peer_value\":%.5g,\"unit\":\"%s\",\"ratio\":%.4g,\"target\":%g}\n",
-              row.bench, row.what.c_str(), row.ours, row.peer, row.peer_value, row.unit, row.ours / row.peer_value, row.target);
+  std::printf(
+      "{\"bench\":\"calib.%s\",\"what\":\"%s\",\"ours\":%.5g,\"peer\":\"%s\",\"peer_value\":%.5g,\"unit\":\"%"
+      "s\",\"ratio\":%.4g,\"target\":%g}\n",
+      row.bench, row.what.c_str(), row.ours, row.peer, row.peer_value, row.unit, row.ours / row.peer_value,
+      row.target);
   std::fflush(stdout);
 }
 
 /// Squared errors of centres against the projected truth, in the better of the two numberings.
-double centre_error_px2(const test::RingScene& scene, const SE3& T_cam_target, const std::vector<Vec2>& centres) {
+double centre_error_px2(const test::RingScene& scene, const SE3& T_cam_target,
+                        const std::vector<Vec2>& centres) {
   const auto sum = [&](bool turned) {
     double error = 0;
     for (std::size_t i = 0; i < centres.size(); ++i) {
@@ -53,12 +57,15 @@ std::vector<Vec2> centres_of(const calib::PlaneView& view) {
   return centres;
 }
 
-/// Why: the image of a circle's centre is not the centre of its image.  Without noise, all of the error is bias.
+/// Why: the image of a circle's centre is not the centre of its image.  Without noise, all of the error is
+/// bias.
 void bench_centre_bias(std::mt19937_64& random) {
   test::RingScene scene;
   for (const double tilt_deg : {0.0, 20.0, 45.0}) {
-    const SE3 T = test::T_cam_target_of(scene.target, {.distance_mm = 190, .tilt_rad = tilt_deg * k_degree, .tilt_axis_rad = 0.9});
-    const image::GreyImage picture = test::draw_rings(scene, {T}, {.noise_grey = 0, .blur_px = 0.7, .samples = 6, .light = {}, .covered = {}}, random);
+    const SE3 T = test::T_cam_target_of(
+        scene.target, {.distance_mm = 190, .tilt_rad = tilt_deg * k_degree, .tilt_axis_rad = 0.9});
+    const image::GreyImage picture = test::draw_rings(
+        scene, {T}, {.noise_grey = 0, .blur_px = 0.7, .samples = 6, .light = {}, .covered = {}}, random);
     const auto grids = calib::find_grids(picture, scene.target, 1);
     const auto peer = opencv_grid(picture, scene.target);
     if (grids.empty() || !peer) continue;
@@ -66,8 +73,10 @@ void bench_centre_bias(std::mt19937_64& random) {
     const auto pose = calib::fit_plane_pose(scene.camera, view.centres);
     calib::improve_centres(view, scene.camera, pose->T_cam_target);
     const double n = scene.target.rings();
-    print({"centre_bias", "ring centres without noise, tilt " + std::to_string(static_cast<int>(tilt_deg)) + " deg, RMS",
-           std::sqrt(centre_error_px2(scene, T, centres_of(view)) / n), "OpenCV findCirclesGrid", std::sqrt(centre_error_px2(scene, T, *peer) / n), "px"});
+    print({"centre_bias",
+           "ring centres without noise, tilt " + std::to_string(static_cast<int>(tilt_deg)) + " deg, RMS",
+           std::sqrt(centre_error_px2(scene, T, centres_of(view)) / n), "OpenCV findCirclesGrid",
+           std::sqrt(centre_error_px2(scene, T, *peer) / n), "px"});
   }
 }
 
@@ -81,10 +90,16 @@ void bench_camera(std::mt19937_64& random) {
     std::vector<calib::PlaneView> ours;
     std::vector<std::vector<Vec2>> theirs;
     for (const test::ViewPlace& place : test::varied_places(k_views, random)) {
-      const test::PictureOptions options{.noise_grey = 2, .blur_px = 1, .samples = 2, .light = [](double u, double v) { return 0.6 + 0.4 * u - 0.2 * v; }, .covered = {}};
-      const image::GreyImage picture = test::draw_rings(scene, {test::T_cam_target_of(scene.target, place)}, options, random);
+      const test::PictureOptions options{.noise_grey = 2,
+                                         .blur_px = 1,
+                                         .samples = 2,
+                                         .light = [](double u, double v) { return 0.6 + 0.4 * u - 0.2 * v; },
+                                         .covered = {}};
+      const image::GreyImage picture =
+          test::draw_rings(scene, {test::T_cam_target_of(scene.target, place)}, options, random);
       const auto grids = calib::find_grids(picture, scene.target, 1);
-      if (!grids.empty()) ours.push_back(calib::make_plane_view(std::to_string(ours.size()), grids[0], scene.target));
+      if (!grids.empty())
+        ours.push_back(calib::make_plane_view(std::to_string(ours.size()), grids[0], scene.target));
       if (const auto peer = opencv_grid(picture, scene.target)) theirs.push_back(*peer);
     }
     found[0] += static_cast<int>(ours.size());
@@ -95,14 +110,20 @@ void bench_camera(std::mt19937_64& random) {
     const geometry::Camera cameras[2] = {own->camera, peer.camera};
     for (int i = 0; i < 2; ++i) {
       focal[i] += std::pow(100 * (cameras[i].fu_px / scene.camera.fu_px - 1), 2) / k_draws;
-      middle[i] += (Vec2(cameras[i].cu_px, cameras[i].cv_px) - Vec2(scene.camera.cu_px, scene.camera.cv_px)).squaredNorm() / k_draws;
+      middle[i] += (Vec2(cameras[i].cu_px, cameras[i].cv_px) - Vec2(scene.camera.cu_px, scene.camera.cv_px))
+                       .squaredNorm() /
+                   k_draws;
     }
     rms[0] += own->rms_px / k_draws;
     rms[1] += peer.rms_px / k_draws;
   }
-  print({"camera", "pictures in which the grid is not found, of 30, and 1", 1.0 + k_draws * k_views - found[0], "OpenCV findCirclesGrid", 1.0 + k_draws * k_views - found[1], ""});
-  print({"camera", "focal length, RMS error", std::sqrt(focal[0]), "OpenCV calibrateCamera", std::sqrt(focal[1]), "%"});
-  print({"camera", "principal point, RMS error", std::sqrt(middle[0]), "OpenCV calibrateCamera", std::sqrt(middle[1]), "px"});
+  print({"camera", "pictures in which the grid is not found, of 30, and 1",
+         1.0 + k_draws * k_views - found[0], "OpenCV findCirclesGrid", 1.0 + k_draws * k_views - found[1],
+         ""});
+  print({"camera", "focal length, RMS error", std::sqrt(focal[0]), "OpenCV calibrateCamera",
+         std::sqrt(focal[1]), "%"});
+  print({"camera", "principal point, RMS error", std::sqrt(middle[0]), "OpenCV calibrateCamera",
+         std::sqrt(middle[1]), "px"});
   print({"camera", "reprojection RMS", rms[0], "OpenCV calibrateCamera", rms[1], "px"});
 }
 
@@ -112,13 +133,16 @@ void bench_hand_eye(std::mt19937_64& random) {
   constexpr double k_pose_mm = 0.02, k_pose_rad = 1e-4, k_centre_px = 0.036;
   test::RingScene scene;
   std::normal_distribution<double> normal(0, 1);
-  const auto noise = [&](double sigma) { return Vec3(sigma * Vec3(normal(random), normal(random), normal(random))); };
+  const auto noise = [&](double sigma) {
+    return Vec3(sigma * Vec3(normal(random), normal(random), normal(random)));
+  };
   SE3 T_flange_cam = SE3::Identity(), T_base_target = SE3::Identity();
   T_flange_cam.linear() = Eigen::AngleAxisd(0.77, Vec3::UnitX()).toRotationMatrix();
   T_flange_cam.translation() = Vec3(10, 153, 251);
   T_base_target.linear() = Eigen::AngleAxisd(3.0, Vec3(1, 0.05, 0.02).normalized()).toRotationMatrix();
   T_base_target.translation() = Vec3(400, 100, 20);
-  double own_mm2 = 0, own_rad2 = 0, bound_mm2 = 0, bound_rad2 = 0, peer_mm2[k_hand_eye_methods] = {}, peer_rad2[k_hand_eye_methods] = {};
+  double own_mm2 = 0, own_rad2 = 0, bound_mm2 = 0, bound_rad2 = 0, peer_mm2[k_hand_eye_methods] = {},
+         peer_rad2[k_hand_eye_methods] = {};
   for (int draw = 0; draw < k_draws; ++draw) {
     std::vector<calib::HandEyeView> views;
     std::vector<calib::Stop> stops;
@@ -127,11 +151,14 @@ void bench_hand_eye(std::mt19937_64& random) {
       SE3 T_base_flange = T_base_target * (T_flange_cam * T_cam_target).inverse();
       T_base_flange.translation() += noise(k_pose_mm);
       T_base_flange.linear() = T_base_flange.linear() * geometry::exp_so3(noise(k_pose_rad));
-      const auto pose = calib::fit_plane_pose(scene.camera, test::exact_view(scene, T_cam_target, "", k_centre_px, random).centres);
-      views.push_back({.name = "", .T_base_flange = T_base_flange, .pose = *pose, .readings = {calib::Reading{}}});
+      const auto pose = calib::fit_plane_pose(
+          scene.camera, test::exact_view(scene, T_cam_target, "", k_centre_px, random).centres);
+      views.push_back(
+          {.name = "", .T_base_flange = T_base_flange, .pose = *pose, .readings = {calib::Reading{}}});
       stops.push_back({.T_base_flange = T_base_flange, .T_cam_target = pose->T_cam_target});
     }
-    const auto own = calib::calibrate_hand_eye(views, {.centre_sigma_px = k_centre_px, .middle_target = scene.target.middle_target()});
+    const auto own = calib::calibrate_hand_eye(
+        views, {.centre_sigma_px = k_centre_px, .middle_target = scene.target.middle_target()});
     if (!own) continue;
     const auto add = [&](const SE3& T, double& mm2, double& rad2) {
       mm2 += (T.translation() - T_flange_cam.translation()).squaredNorm() / k_draws;
@@ -143,11 +170,15 @@ void bench_hand_eye(std::mt19937_64& random) {
     for (int m = 0; m < k_hand_eye_methods; ++m) add(opencv_hand_eye(stops, m), peer_mm2[m], peer_rad2[m]);
   }
   for (int m = 0; m < k_hand_eye_methods; ++m) {
-    print({"hand_eye", "T_flange_cam, 50 noise draws, RMS", std::sqrt(own_mm2), hand_eye_name(m), std::sqrt(peer_mm2[m]), "mm"});
-    print({"hand_eye", "T_flange_cam, 50 noise draws, RMS", std::sqrt(own_rad2) / k_degree, hand_eye_name(m), std::sqrt(peer_rad2[m]) / k_degree, "deg"});
+    print({"hand_eye", "T_flange_cam, 50 noise draws, RMS", std::sqrt(own_mm2), hand_eye_name(m),
+           std::sqrt(peer_mm2[m]), "mm"});
+    print({"hand_eye", "T_flange_cam, 50 noise draws, RMS", std::sqrt(own_rad2) / k_degree, hand_eye_name(m),
+           std::sqrt(peer_rad2[m]) / k_degree, "deg"});
   }
-  print({"hand_eye", "T_flange_cam, 50 noise draws, RMS", std::sqrt(own_mm2), "Cramer-Rao bound", std::sqrt(bound_mm2), "mm", 1.3});
-  print({"hand_eye", "T_flange_cam, 50 noise draws, RMS", std::sqrt(own_rad2) / k_degree, "Cramer-Rao bound", std::sqrt(bound_rad2) / k_degree, "deg", 1.3});
+  print({"hand_eye", "T_flange_cam, 50 noise draws, RMS", std::sqrt(own_mm2), "Cramer-Rao bound",
+         std::sqrt(bound_mm2), "mm", 1.3});
+  print({"hand_eye", "T_flange_cam, 50 noise draws, RMS", std::sqrt(own_rad2) / k_degree, "Cramer-Rao bound",
+         std::sqrt(bound_rad2) / k_degree, "deg", 1.3});
 }
 
 }  // namespace

@@ -7,8 +7,10 @@
 
 namespace biteline::bench {
 
-std::optional<std::vector<Vec2>> opencv_grid(const image::GreyImage& picture, const calib::RingTarget& target) {
-  const cv::Mat grey(picture.height_px, picture.width_px, CV_8UC1, const_cast<std::uint8_t*>(picture.pixels.data()));
+std::optional<std::vector<Vec2>> opencv_grid(const image::GreyImage& picture,
+                                             const calib::RingTarget& target) {
+  const cv::Mat grey(picture.height_px, picture.width_px, CV_8UC1,
+                     const_cast<std::uint8_t*>(picture.pixels.data()));
   cv::Mat inverted;
   cv::bitwise_not(grey, inverted);
   cv::SimpleBlobDetector::Params params;
@@ -16,13 +18,16 @@ std::optional<std::vector<Vec2>> opencv_grid(const image::GreyImage& picture, co
   params.maxArea = 20000;
   const auto detector = cv::SimpleBlobDetector::create(params);
   std::vector<cv::Point2f> centres;
-  if (!cv::findCirclesGrid(inverted, cv::Size(target.cols, target.rows), centres, cv::CALIB_CB_SYMMETRIC_GRID, detector)) return std::nullopt;
+  if (!cv::findCirclesGrid(inverted, cv::Size(target.cols, target.rows), centres, cv::CALIB_CB_SYMMETRIC_GRID,
+                           detector))
+    return std::nullopt;
   std::vector<Vec2> result;
   for (const cv::Point2f& c : centres) result.emplace_back(c.x, c.y);
   return result;
 }
 
-OpencvCamera opencv_camera(const std::vector<std::vector<Vec2>>& views, const calib::RingTarget& target, calib::PictureSize size) {
+OpencvCamera opencv_camera(const std::vector<std::vector<Vec2>>& views, const calib::RingTarget& target,
+                           calib::PictureSize size) {
   std::vector<std::vector<cv::Point3f>> objects;
   std::vector<std::vector<cv::Point2f>> pictures;
   for (const std::vector<Vec2>& view : views) {
@@ -34,20 +39,29 @@ OpencvCamera opencv_camera(const std::vector<std::vector<Vec2>>& views, const ca
         objects.back().emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()), 0.0F);
       }
     }
-    for (const Vec2& c : view) pictures.back().emplace_back(static_cast<float>(c.x()), static_cast<float>(c.y()));
+    for (const Vec2& c : view)
+      pictures.back().emplace_back(static_cast<float>(c.x()), static_cast<float>(c.y()));
   }
   cv::Mat K, distortion;
   std::vector<cv::Mat> rotations, translations;
   OpencvCamera result;
-  result.rms_px = cv::calibrateCamera(objects, pictures, cv::Size(size.width_px, size.height_px), K, distortion, rotations, translations);
-  result.camera = {.fu_px = K.at<double>(0, 0), .fv_px = K.at<double>(1, 1), .cu_px = K.at<double>(0, 2), .cv_px = K.at<double>(1, 2),
-                   .k1 = distortion.at<double>(0), .k2 = distortion.at<double>(1), .p1 = distortion.at<double>(2),
-                   .p2 = distortion.at<double>(3), .k3 = distortion.at<double>(4)};
+  result.rms_px = cv::calibrateCamera(objects, pictures, cv::Size(size.width_px, size.height_px), K,
+                                      distortion, rotations, translations);
+  result.camera = {.fu_px = K.at<double>(0, 0),
+                   .fv_px = K.at<double>(1, 1),
+                   .cu_px = K.at<double>(0, 2),
+                   .cv_px = K.at<double>(1, 2),
+                   .k1 = distortion.at<double>(0),
+                   .k2 = distortion.at<double>(1),
+                   .p1 = distortion.at<double>(2),
+                   .p2 = distortion.at<double>(3),
+                   .k3 = distortion.at<double>(4)};
   return result;
 }
 
 const char* hand_eye_name(int method) {
-  constexpr std::array<const char*, k_hand_eye_methods> k_names{"OpenCV Tsai", "OpenCV Park", "OpenCV Horaud", "OpenCV Andreff", "OpenCV Daniilidis"};
+  constexpr std::array<const char*, k_hand_eye_methods> k_names{"OpenCV Tsai", "OpenCV Park", "OpenCV Horaud",
+                                                                "OpenCV Andreff", "OpenCV Daniilidis"};
   return k_names[static_cast<std::size_t>(method)];
 }
 
@@ -67,7 +81,8 @@ SE3 opencv_hand_eye(const std::vector<calib::Stop>& stops, int method) {
     put(stop.T_cam_target, R_cam_target, t_cam_target);
   }
   cv::Mat R, t;
-  cv::calibrateHandEye(R_base_flange, t_base_flange, R_cam_target, t_cam_target, R, t, static_cast<cv::HandEyeCalibrationMethod>(method));
+  cv::calibrateHandEye(R_base_flange, t_base_flange, R_cam_target, t_cam_target, R, t,
+                       static_cast<cv::HandEyeCalibrationMethod>(method));
   SE3 T = SE3::Identity();
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) T.linear()(i, j) = R.at<double>(i, j);

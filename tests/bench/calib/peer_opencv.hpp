@@ -14,15 +14,17 @@
 
 namespace biteline::bench {
 
-/// Centres row by row, numbered from either end; nothing when the grid is not found.  The blob detector looks for dark blobs
-/// and finds the rings' middles in the inverted picture.
-[[nodiscard]] std::optional<std::vector<Vec2>> opencv_grid(const image::GreyImage& picture, const calib::RingTarget& target);
+/// Centres row by row, numbered from either end; nothing when the grid is not found.  The blob detector looks
+/// for dark blobs and finds the rings' middles in the inverted picture.
+[[nodiscard]] std::optional<std::vector<Vec2>> opencv_grid(const image::GreyImage& picture,
+                                                           const calib::RingTarget& target);
 
 struct OpencvCamera {
   geometry::Camera camera;
   double rms_px{0};
 };
-[[nodiscard]] OpencvCamera opencv_camera(const std::vector<std::vector<Vec2>>& views, const calib::RingTarget& target, calib::PictureSize size);
+[[nodiscard]] OpencvCamera opencv_camera(const std::vector<std::vector<Vec2>>& views,
+                                         const calib::RingTarget& target, calib::PictureSize size);
 
 inline constexpr int k_hand_eye_methods = 5;
 [[nodiscard]] const char* hand_eye_name(int method);

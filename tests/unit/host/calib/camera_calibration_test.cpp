@@ -32,7 +32,8 @@ TEST(CameraCalibration, ClosedFormIsExactWithoutDistortionAndNoise) {
   std::vector<Mat3> homographies;
   for (const test::ViewPlace& place : test::varied_places(5, random)) {
     std::vector<PlanePoint> points;
-    for (const auto& c : test::exact_view(scene, test::T_cam_target_of(scene.target, place), "", 0, random).centres) {
+    for (const auto& c :
+         test::exact_view(scene, test::T_cam_target_of(scene.target, place), "", 0, random).centres) {
       points.push_back({.plane = c.point_target.head<2>(), .image = c.pixel_px});
     }
     homographies.push_back(*fit_homography(points));
@@ -65,8 +66,11 @@ TEST(CameraCalibration, PictureOfAnotherCameraIsNamed) {
   other.camera.fu_px *= 1.15;
   other.camera.fv_px *= 1.15;
   other.camera.cu_px += 25;
-  all.insert(all.begin() + 4, test::exact_view(other, test::T_cam_target_of(scene.target, {.distance_mm = 280, .tilt_rad = 0.5, .tilt_axis_rad = 1}),
-                                               "the stranger", k_noise_px, random));
+  all.insert(all.begin() + 4,
+             test::exact_view(other,
+                              test::T_cam_target_of(
+                                  scene.target, {.distance_mm = 280, .tilt_rad = 0.5, .tilt_axis_rad = 1}),
+                              "the stranger", k_noise_px, random));
   const auto result = calibrate_camera(all, scene.size);
   CHECK_TRUE_TEXT(result.has_value(), result ? "" : to_line(result.error()).c_str());
   LONGS_EQUAL(1, result->set_aside.size());
@@ -92,8 +96,9 @@ TEST(CameraCalibration, TwoViewsAreRefused) {
 TEST(CameraCalibration, ViewsParallelToTheSensorAreRefused) {
   std::vector<PlaneView> all;
   for (int i = 0; i < 6; ++i) {
-    all.push_back(test::exact_view(scene, test::T_cam_target_of(scene.target, {.distance_mm = 240.0 + 10 * i, .roll_rad = 0.2 * i}), "flat",
-                                   k_noise_px, random));
+    all.push_back(test::exact_view(
+        scene, test::T_cam_target_of(scene.target, {.distance_mm = 240.0 + 10 * i, .roll_rad = 0.2 * i}),
+        "flat", k_noise_px, random));
   }
   const auto result = calibrate_camera(all, scene.size);
   CHECK_FALSE(result.has_value());
@@ -101,17 +106,21 @@ TEST(CameraCalibration, ViewsParallelToTheSensorAreRefused) {
 }
 
 TEST(CameraCalibration, PoseOfAPlaneIsExactAndItsCovarianceHonest) {
-  const SE3 T = test::T_cam_target_of(scene.target, {.distance_mm = 260, .shift_mm = Vec2(5, -8), .roll_rad = 0.4, .tilt_rad = 0.5, .tilt_axis_rad = 1.2});
+  const SE3 T = test::T_cam_target_of(
+      scene.target,
+      {.distance_mm = 260, .shift_mm = Vec2(5, -8), .roll_rad = 0.4, .tilt_rad = 0.5, .tilt_axis_rad = 1.2});
   const auto exact = fit_plane_pose(scene.camera, test::exact_view(scene, T, "", 0, random).centres);
   TRANSFORMS_EQUAL(T, exact->T_cam_target, 1e-6, 1e-8);
   double sum = 0;
   constexpr int k_draws = 100;
   for (int i = 0; i < k_draws; ++i) {
-    const auto noisy = fit_plane_pose(scene.camera, test::exact_view(scene, T, "", k_noise_px, random).centres);
+    const auto noisy =
+        fit_plane_pose(scene.camera, test::exact_view(scene, T, "", k_noise_px, random).centres);
     const Twist error = geometry::log_se3(T.inverse() * noisy->T_cam_target);
     sum += error.dot(noisy->covariance_per_px2.ldlt().solve(error)) / (k_noise_px * k_noise_px);
   }
-  DOUBLES_EQUAL(6.0, sum / k_draws, 4 * std::sqrt(2 * 6.0 / k_draws));  // chi-squared with 6 degrees of freedom
+  DOUBLES_EQUAL(6.0, sum / k_draws,
+                4 * std::sqrt(2 * 6.0 / k_draws));  // chi-squared with 6 degrees of freedom
 }
 
 }  // namespace biteline::calib

@@ -58,7 +58,8 @@ TEST(Ellipse, PointsOnALineAreNoEllipse) {
 
 TEST(Ellipse, RobustFitShedsACoveredPart) {
   std::vector<Vec2> all = points(100, 0.05);
-  for (int i = 0; i < 20; ++i) all[static_cast<std::size_t>(i)] -= (2.0 + 0.3 * i) * sut.normal_at(2 * std::numbers::pi * i / 100);
+  for (int i = 0; i < 20; ++i)
+    all[static_cast<std::size_t>(i)] -= (2.0 + 0.3 * i) * sut.normal_at(2 * std::numbers::pi * i / 100);
   const auto fitted = fit_ellipse_robustly(all, 0.1);
   CHECK(fitted.has_value());
   DOUBLES_EQUAL(0.0, (fitted->ellipse.centre - sut.centre).norm(), 0.05);

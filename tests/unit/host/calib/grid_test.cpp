@@ -49,18 +49,23 @@ TEST_GROUP(Grid) {
       double worst_px = 0;
       for (const GridRing& ring : view.rings) {
         const Vec3 place = reading.T_this_other.inverse() * scene.target.ring_target(ring.row, ring.col);
-        worst_px = std::max(worst_px, (scene.camera.project(T_cam_target * place) - ring.ring.centre_px).norm());
+        worst_px =
+            std::max(worst_px, (scene.camera.project(T_cam_target * place) - ring.ring.centre_px).norm());
       }
       best_px = std::min(best_px, worst_px);
     }
-    CHECK_TRUE_TEXT(best_px < tolerance_px, StringFromFormat("worst ring %.3f px off in the best reading", best_px).asCharString());
+    CHECK_TRUE_TEXT(best_px < tolerance_px,
+                    StringFromFormat("worst ring %.3f px off in the best reading", best_px).asCharString());
   }
 };
 
 TEST(Grid, EveryRotationAndTiltIsSorted) {
   for (int roll = 0; roll < 360; roll += 17) {
     for (const int tilt : {0, 25, 45}) {
-      const SE3 T = test::T_cam_target_of(scene.target, {.distance_mm = 300, .roll_rad = roll * k_degree, .tilt_rad = tilt * k_degree, .tilt_axis_rad = 0.7});
+      const SE3 T = test::T_cam_target_of(scene.target, {.distance_mm = 300,
+                                                         .roll_rad = roll * k_degree,
+                                                         .tilt_rad = tilt * k_degree,
+                                                         .tilt_axis_rad = 0.7});
       const auto views = find_grids(rings_of(T), scene.target, 1);
       LONGS_EQUAL(1, views.size());
       LONGS_EQUAL(0, views[0].missing);
@@ -103,7 +108,8 @@ TEST(Grid, MissingOuterRowAddsReadings) {
 
 TEST(Grid, TwoPlanesOfACornerAreKeptApart) {
   scene.target = {.rows = 4, .cols = 3, .pitch_mm = 14, .outer_diameter_mm = 12, .inner_diameter_mm = 6};
-  // An edge towards the camera, grids one pitch apart along it: in the picture the eight columns look like one lattice.
+  // An edge towards the camera, grids one pitch apart along it: in the picture the eight columns look like
+  // one lattice.
   SE3 T_left = SE3::Identity(), T_right = SE3::Identity();
   T_left.linear() = Eigen::AngleAxisd(0.8, Vec3::UnitY()).toRotationMatrix();
   T_right.linear() = Eigen::AngleAxisd(-0.77, Vec3::UnitY()).toRotationMatrix();
@@ -115,14 +121,16 @@ TEST(Grid, TwoPlanesOfACornerAreKeptApart) {
   const auto views = find_grids(rings, scene.target, 2);
   LONGS_EQUAL(2, views.size());
   LONGS_EQUAL(0, views[0].missing + views[1].missing);
-  const bool left_first = std::abs(views[0].rings[0].ring.centre_px.x() - scene.camera.project(T_left.translation()).x()) < 100 &&
-                          views[0].rings[0].ring.centre_px.x() < scene.camera.cu_px;
+  const bool left_first =
+      std::abs(views[0].rings[0].ring.centre_px.x() - scene.camera.project(T_left.translation()).x()) < 100 &&
+      views[0].rings[0].ring.centre_px.x() < scene.camera.cu_px;
   check_numbering(views[0], left_first ? T_left : T_right, 1e-6);
   check_numbering(views[1], left_first ? T_right : T_left, 1e-6);
 }
 
 TEST(Grid, PictureWithUnevenLightBlurAndACoveredRing) {
-  const SE3 T = test::T_cam_target_of(scene.target, {.distance_mm = 250, .roll_rad = 0.5, .tilt_rad = 45 * k_degree, .tilt_axis_rad = 0.4});
+  const SE3 T = test::T_cam_target_of(
+      scene.target, {.distance_mm = 250, .roll_rad = 0.5, .tilt_rad = 45 * k_degree, .tilt_axis_rad = 0.4});
   options.light = [](double u, double v) { return 0.35 + 0.9 * u * (1 - 0.4 * v); };
   options.blur_px = 1.5;
   options.samples = 3;
@@ -131,12 +139,14 @@ TEST(Grid, PictureWithUnevenLightBlurAndACoveredRing) {
   const auto views = find_grids(test::draw_rings(scene, {T}, options, random), scene.target, 1);
   LONGS_EQUAL(1, views.size());
   LONGS_EQUAL(1, views[0].missing);
-  // Blur 1.5 px, noise 2 of 140 grey levels over some 60 edge points: 0.01 px; the pair amplifies by 2.4; three of these.
+  // Blur 1.5 px, noise 2 of 140 grey levels over some 60 edge points: 0.01 px; the pair amplifies by 2.4;
+  // three of these.
   check_numbering(views[0], T, 0.1);
 }
 
 TEST(Grid, NoRingsNoGrid) {
-  const image::GreyImage grey{.width_px = 640, .height_px = 480, .pixels = std::vector<std::uint8_t>(640 * 480, 90)};
+  const image::GreyImage grey{
+      .width_px = 640, .height_px = 480, .pixels = std::vector<std::uint8_t>(640 * 480, 90)};
   LONGS_EQUAL(0, find_grids(grey, scene.target, 1).size());
 }
 

@@ -24,21 +24,28 @@ TEST_GROUP(HandEye) {
   SE3 T_base_target = SE3::Identity();
 
   void setup() override {
-    T_flange_cam.linear() = (Eigen::AngleAxisd(0.7, Vec3::UnitX()) * Eigen::AngleAxisd(0.1, Vec3::UnitZ())).toRotationMatrix();
+    T_flange_cam.linear() =
+        (Eigen::AngleAxisd(0.7, Vec3::UnitX()) * Eigen::AngleAxisd(0.1, Vec3::UnitZ())).toRotationMatrix();
     T_flange_cam.translation() = Vec3(10, 150, 250);
     T_base_target.linear() = Eigen::AngleAxisd(3.0, Vec3(1, 0.05, 0.02).normalized()).toRotationMatrix();
     T_base_target.translation() = Vec3(400, 100, 20);
   }
 
-  Vec3 noise(double sigma) { return sigma * Vec3(normal(random), normal(random), normal(random)); }
+  Vec3 noise(double sigma) {
+    return sigma * Vec3(normal(random), normal(random), normal(random));
+  }
 
   /// A stop that looks at the target from a given place; the grid is read in a random one of its two ways.
   HandEyeView view_from(const test::ViewPlace& place, int number) {
     const SE3 T_cam_target = test::T_cam_target_of(scene.target, place);
-    HandEyeView view{.name = "handeye/" + std::to_string(number), .T_base_flange = T_base_target * (T_flange_cam * T_cam_target).inverse(), .pose = {}, .readings = {}};
+    HandEyeView view{.name = "handeye/" + std::to_string(number),
+                     .T_base_flange = T_base_target * (T_flange_cam * T_cam_target).inverse(),
+                     .pose = {},
+                     .readings = {}};
     PlaneView plane = test::exact_view(scene, T_cam_target, view.name, centre_noise_px, random);
     if (random() % 2 == 0) {
-      for (CentreObservation& c : plane.centres) c.point_target = 2 * scene.target.middle_target() - c.point_target;
+      for (CentreObservation& c : plane.centres)
+        c.point_target = 2 * scene.target.middle_target() - c.point_target;
     }
     view.pose = *fit_plane_pose(scene.camera, plane.centres);
     view.readings = plane.grid.readings;
@@ -49,11 +56,14 @@ TEST_GROUP(HandEye) {
 
   std::vector<HandEyeView> views(int count) {
     std::vector<HandEyeView> result;
-    for (const test::ViewPlace& place : test::varied_places(count, random)) result.push_back(view_from(place, static_cast<int>(result.size())));
+    for (const test::ViewPlace& place : test::varied_places(count, random))
+      result.push_back(view_from(place, static_cast<int>(result.size())));
     return result;
   }
 
-  HandEyeOptions options() { return {.centre_sigma_px = centre_noise_px, .middle_target = scene.target.middle_target()}; }
+  HandEyeOptions options() {
+    return {.centre_sigma_px = centre_noise_px, .middle_target = scene.target.middle_target()};
+  }
 
   void check_refused(const std::vector<HandEyeView>& spoiled, const char* word) {
     const auto result = calibrate_hand_eye(spoiled, options());
@@ -66,22 +76,25 @@ TEST_GROUP(HandEye) {
     const auto result = calibrate_hand_eye(spoiled, options());
     CHECK_TRUE_TEXT(result.has_value(), result ? "" : to_line(result.error()).c_str());
     LONGS_EQUAL(odd.size(), result->set_aside.size());
-    for (std::size_t i = 0; i < odd.size(); ++i) STRCMP_EQUAL(spoiled[static_cast<std::size_t>(odd[i])].name.c_str(), result->set_aside[i].name.c_str());
+    for (std::size_t i = 0; i < odd.size(); ++i)
+      STRCMP_EQUAL(spoiled[static_cast<std::size_t>(odd[i])].name.c_str(), result->set_aside[i].name.c_str());
     TRANSFORMS_EQUAL(T_flange_cam, result->T_flange_cam, 0.2, 0.03 * k_degree);
   }
 };
 
 TEST(HandEye, ExactWithoutNoiseWhateverTheReadings) {
   centre_noise_px = pose_noise_mm = pose_noise_rad = 0;
-  const auto result = calibrate_hand_eye(views(8), {.centre_sigma_px = 0.03, .middle_target = scene.target.middle_target()});
+  const auto result =
+      calibrate_hand_eye(views(8), {.centre_sigma_px = 0.03, .middle_target = scene.target.middle_target()});
   CHECK_TRUE_TEXT(result.has_value(), result ? "" : to_line(result.error()).c_str());
   TRANSFORMS_EQUAL(T_flange_cam, result->T_flange_cam, 1e-4, 1e-6);
   LONGS_EQUAL(8, result->stops.size());
 }
 
 TEST(HandEye, ErrorsAreAsSmallAsTheNoiseAllowsAndStatedHonestly) {
-  // The stated covariance is the Cramer-Rao bound of the true noise, which the estimate must come near to: the mean of the
-  // normalised square over 50 draws is 6 when both are right; the noise being estimated from 13 views adds some.
+  // The stated covariance is the Cramer-Rao bound of the true noise, which the estimate must come near to:
+  // the mean of the normalised square over 50 draws is 6 when both are right; the noise being estimated from
+  // 13 views adds some.
   constexpr int k_draws = 50;
   double square = 0, error_mm2 = 0, bound_mm2 = 0, sigma_mm = 0, sigma_rad = 0;
   for (int draw = 0; draw < k_draws; ++draw) {
@@ -124,7 +137,8 @@ TEST(HandEye, AllRowsShuffledIsRefused) {
 
 TEST(HandEye, RowsInOppositeOrderIsSaid) {
   std::vector<HandEyeView> spoiled = views(12), order = spoiled;
-  for (std::size_t i = 0; i < spoiled.size(); ++i) spoiled[i].T_base_flange = order[order.size() - 1 - i].T_base_flange;
+  for (std::size_t i = 0; i < spoiled.size(); ++i)
+    spoiled[i].T_base_flange = order[order.size() - 1 - i].T_base_flange;
   check_refused(spoiled, "opposite order");
 }
 
@@ -162,28 +176,37 @@ TEST(HandEye, MirroredPicturesAreSaid) {
   std::vector<HandEyeView> spoiled = views(13);
   const Mat3 M = Vec3(-1, 1, 1).asDiagonal();
   for (HandEyeView& view : spoiled) {
-    // Seen flipped left to right, the plain grid reads as one of its own kind, mirrored about its middle column.
+    // Seen flipped left to right, the plain grid reads as one of its own kind, mirrored about its middle
+    // column.
     const SE3 T = view.pose.T_cam_target;
     view.pose.T_cam_target.linear() = M * T.linear() * M;
-    view.pose.T_cam_target.translation() =
-        M * (T * Vec3(2 * scene.target.middle_target().x(), 0, 0));
+    view.pose.T_cam_target.translation() = M * (T * Vec3(2 * scene.target.middle_target().x(), 0, 0));
   }
   check_refused(spoiled, "mirror");
 }
 
 TEST(HandEye, OneAxisOnlyIsRefused) {
   std::vector<HandEyeView> all;
-  for (int i = 0; i < 10; ++i) all.push_back(view_from({.distance_mm = 230.0 + 8 * i, .shift_mm = Vec2(3.0 * i - 12, 5), .roll_rad = 0.2, .tilt_rad = -0.5 + 0.1 * i, .tilt_axis_rad = 0.3}, i));
+  for (int i = 0; i < 10; ++i)
+    all.push_back(view_from({.distance_mm = 230.0 + 8 * i,
+                             .shift_mm = Vec2(3.0 * i - 12, 5),
+                             .roll_rad = 0.2,
+                             .tilt_rad = -0.5 + 0.1 * i,
+                             .tilt_axis_rad = 0.3},
+                            i));
   check_refused(all, "parallel");
 }
 
 TEST(HandEye, TooLittleTurningIsRefused) {
   std::vector<HandEyeView> all;
-  for (int i = 0; i < 10; ++i) all.push_back(view_from({.distance_mm = 240, .tilt_rad = 0.03, .tilt_axis_rad = 0.6 * i}, i));
+  for (int i = 0; i < 10; ++i)
+    all.push_back(view_from({.distance_mm = 240, .tilt_rad = 0.03, .tilt_axis_rad = 0.6 * i}, i));
   check_refused(all, "turned");
 }
 
-TEST(HandEye, ThreeViewsAreRefused) { check_refused(views(3), "at least 3"); }
+TEST(HandEye, ThreeViewsAreRefused) {
+  check_refused(views(3), "at least 3");
+}
 
 TEST(HandEye, ShiftedReadingsAreResolved) {
   // A grid that lost a column may be read one pitch off: only the motions tell.
@@ -193,7 +216,8 @@ TEST(HandEye, ShiftedReadingsAreResolved) {
     const SE3 shift(Eigen::Translation3d(scene.target.pitch_mm, 0, 0));
     view.pose.T_cam_target = view.pose.T_cam_target * shift;
     std::vector<Reading> readings = view.readings;
-    for (const Reading& reading : readings) view.readings.push_back({.T_this_other = shift.inverse() * reading.T_this_other});
+    for (const Reading& reading : readings)
+      view.readings.push_back({.T_this_other = shift.inverse() * reading.T_this_other});
   }
   const auto result = calibrate_hand_eye(all, options());
   CHECK_TRUE_TEXT(result.has_value(), result ? "" : to_line(result.error()).c_str());
@@ -206,7 +230,8 @@ TEST(HandEye, LinearStepsSolveAKnownCase) {
   std::vector<Stop> stops;
   for (const test::ViewPlace& place : test::varied_places(5, random)) {
     const SE3 T_cam_target = test::T_cam_target_of(scene.target, place);
-    stops.push_back({.T_base_flange = T_base_target * (T_flange_cam * T_cam_target).inverse(), .T_cam_target = T_cam_target});
+    stops.push_back({.T_base_flange = T_base_target * (T_flange_cam * T_cam_target).inverse(),
+                     .T_cam_target = T_cam_target});
   }
   const auto R = rotation_of_x(stops);
   DOUBLES_EQUAL(0.0, (*R - T_flange_cam.linear()).norm(), 1e-9);

@@ -21,9 +21,11 @@ TEST_GROUP(Laser) {
   SE3 T_plane1_plane2 = SE3::Identity();
 
   void setup() override {
-    scene.target = {.rows = 4, .cols = 3, .pitch_mm = 14, .outer_diameter_mm = 12, .inner_diameter_mm = 6, .planes = 2};
+    scene.target = {
+        .rows = 4, .cols = 3, .pitch_mm = 14, .outer_diameter_mm = 12, .inner_diameter_mm = 6, .planes = 2};
     // 88 degrees, told to nobody.
-    T_plane1_plane2.linear() = Eigen::AngleAxisd(-88 * std::numbers::pi / 180, Vec3::UnitY()).toRotationMatrix();
+    T_plane1_plane2.linear() =
+        Eigen::AngleAxisd(-88 * std::numbers::pi / 180, Vec3::UnitY()).toRotationMatrix();
     T_plane1_plane2.translation() = Vec3(38, 0, 10);
   }
 
@@ -35,7 +37,8 @@ TEST_GROUP(Laser) {
       const double y_mm = -truth.signed_distance_mm(at) / truth.normal_cam.dot(T_cam_plane.linear().col(1));
       if (y_mm < -5 || y_mm > 47) continue;
       const Vec2 pixel_px = scene.camera.project(T_cam_plane * Vec3(x_mm, y_mm, 0));
-      stripe.push_back({.pixel_px = pixel_px + Vec2(0, stripe_noise_px * normal(random)), .sigma_px = stripe_noise_px});
+      stripe.push_back(
+          {.pixel_px = pixel_px + Vec2(0, stripe_noise_px * normal(random)), .sigma_px = stripe_noise_px});
     }
   }
 
@@ -43,7 +46,9 @@ TEST_GROUP(Laser) {
     std::vector<LaserPictures> result;
     for (int i = 0; i < count; ++i) {
       SE3 T_cam_plane1 = SE3::Identity();
-      T_cam_plane1.linear() = (Eigen::AngleAxisd(0.05 * i, Vec3::UnitX()) * Eigen::AngleAxisd(0.8 - 0.06 * i, Vec3::UnitY())).toRotationMatrix();
+      T_cam_plane1.linear() =
+          (Eigen::AngleAxisd(0.05 * i, Vec3::UnitX()) * Eigen::AngleAxisd(0.8 - 0.06 * i, Vec3::UnitY()))
+              .toRotationMatrix();
       T_cam_plane1.translation() = Vec3(-25 + 2.0 * i, -22, 216 + 2.0 * i);
       LaserPictures place{.name = "laser/" + std::to_string(i), .planes = {}, .stripe = {}};
       for (const SE3& T : {T_cam_plane1, SE3(T_cam_plane1 * T_plane1_plane2)}) {
@@ -82,7 +87,8 @@ TEST(Laser, ExactWithoutNoise) {
 TEST(Laser, NoiseGivesHundredthsOfAMillimetre) {
   const auto result = calibrate_laser(scene.camera, places(6));
   CHECK_TRUE_TEXT(result.has_value(), result ? "" : to_line(result.error()).c_str());
-  LONGS_EQUAL_TEXT(0, result->set_aside.size(), result->set_aside.empty() ? "" : result->set_aside[0].reason.c_str());
+  LONGS_EQUAL_TEXT(0, result->set_aside.size(),
+                   result->set_aside.empty() ? "" : result->set_aside[0].reason.c_str());
   check_plane(result->plane, result->middle_cam, 0.05);
 }
 
@@ -94,7 +100,10 @@ TEST(Laser, AdjustmentStatesItsUncertaintyHonestly) {
     CHECK(alone.has_value());
     HeadObservations seen;
     for (const LaserView& view : alone->views) {
-      seen.stripe.push_back({.planes = view.pictures.planes, .T_cam_plane = view.T_cam_plane, .rigid = view.rigid, .points = view.points});
+      seen.stripe.push_back({.planes = view.pictures.planes,
+                             .T_cam_plane = view.T_cam_plane,
+                             .rigid = view.rigid,
+                             .points = view.points});
     }
     seen.centre_sigma_px = centre_noise_px;
     seen.camera_known = true;
@@ -106,10 +115,12 @@ TEST(Laser, AdjustmentStatesItsUncertaintyHonestly) {
     CHECK(fit.converged);
     check_plane(fit.state.plane, fit.plane_middle_cam, 0.03);
     const Vec2 pixel_px = scene.camera.project(fit.plane_middle_cam);
-    const Vec3 error = geometry::triangulate(scene.camera, fit.state.plane, pixel_px) - geometry::triangulate(scene.camera, truth, pixel_px);
+    const Vec3 error = geometry::triangulate(scene.camera, fit.state.plane, pixel_px) -
+                       geometry::triangulate(scene.camera, truth, pixel_px);
     square += std::pow(error.z() / fit.triangulation_sigma_mm(pixel_px).z(), 2) / k_draws;
   }
-  CHECK_TRUE_TEXT(square < 1 + 4 * std::sqrt(2.0 / k_draws), StringFromFormat("normalised square %.2f", square).asCharString());
+  CHECK_TRUE_TEXT(square < 1 + 4 * std::sqrt(2.0 / k_draws),
+                  StringFromFormat("normalised square %.2f", square).asCharString());
 }
 
 TEST(Laser, PictureWithoutStripeIsNamed) {
