@@ -82,7 +82,10 @@ Result<geometry::SensorModel> read_sensor_yaml(const std::filesystem::path& path
 
   // An offset of more than an hour is two unrelated clocks, which nobody may interpolate across by mistake.
   constexpr double k_hour_ns = 3.6e12;
-  sensor.pose_clock_offset = Nanoseconds{reader.integer_or("pose_clock_offset_ns", 0, {.minimum = -k_hour_ns, .maximum = k_hour_ns})};
+  // A session recorded for the clock's own calibration says that it does not know.
+  if (reader.text_or("pose_clock_offset_ns", "unknown") != "unknown") {
+    sensor.pose_clock_offset = Nanoseconds{reader.integer_or("pose_clock_offset_ns", 0, {.minimum = -k_hour_ns, .maximum = k_hour_ns})};
+  }
   if (reader.has("rate_hz")) sensor.rate_hz = reader.number("rate_hz", {.minimum = 1e-3, .maximum = 1e5});
   if (reader.has("exposure_ns")) sensor.exposure = Nanoseconds{reader.integer("exposure_ns", {.minimum = 1, .maximum = 1e10})};
   static_cast<void>(reader.text_or("rate_hz", ""));

@@ -53,6 +53,12 @@ TEST(SensorYaml, RateAndExposureMayBeMissing) {
   CHECK(!sut->rate_hz && !sut->exposure);
 }
 
+TEST(SensorYaml, UnknownClockOffsetReadsAsAMissingOne) {
+  const auto sut = read(changed("pose_clock_offset_ns: 3700000", "pose_clock_offset_ns: unknown"));
+  SUCCEEDS(sut);
+  LONGS_EQUAL(0, sut->pose_clock_offset.count());
+}
+
 TEST(SensorYaml, FaultsNameTheKey) {
   FAILS_NAMING(Errc::UnknownKey, "focal", read(changed("intrinsics:", "focal: 3\nintrinsics:")));
   FAILS_NAMING(Errc::BadFormat, "laser_plane: missing", read(changed("laser_plane:", "comment2:")));
