@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <vector>
 
 namespace biteline::calib {
@@ -80,7 +81,13 @@ std::optional<Step> one_step(const std::vector<ScanPoint>& points, const std::ve
   const double count = static_cast<double>(clusters.size());
   // Each pair is there from both its sides: half as many are independent.
   step.sigma_s = count > 1 ? std::sqrt(2 * scatter * count / (count - 1)) / information : 1.0;
-  step.common_sigma_s = k_common_share * step.rms_mm / std::sqrt(information / weight_sum);
+  // What a pass has in common holds over one place; a pair touches two, and separate places are independent.
+  constexpr std::uint32_t k_place_frames = 20;
+  std::set<std::uint32_t> places;
+  for (const Term& t : terms) places.insert(t.frame / k_place_frames);
+  const double pairs_of_places = std::max(1.0, 0.5 * static_cast<double>(places.size()));
+  step.common_sigma_s =
+      k_common_share * step.rms_mm / std::sqrt(information / weight_sum) / std::sqrt(pairs_of_places);
   return step;
 }
 
