@@ -225,4 +225,12 @@ Result<void> Library::remove(const std::string& name) const {
   return put_in_place(path_of(name), beside.path() / name);
 }
 
+Result<SampleFiles> find_sample(const std::string& sample, const Library& library) {
+  if (fs::is_directory(sample)) return read_sample(sample);
+  if (sample.find('/') != std::string::npos) {
+    return fail(Errc::FileNotFound, "%s: expected the folder of a finished sample", sample.c_str());
+  }
+  return library.load(sample);
+}
+
 }  // namespace biteline::models

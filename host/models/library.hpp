@@ -51,4 +51,7 @@ class Library {
   std::filesystem::path folder_;
 };
 
+/// `sample` is the folder of a finished sample, else the name of a saved model.
+[[nodiscard]] Result<SampleFiles> find_sample(const std::string& sample, const Library& library);
+
 }  // namespace biteline::models

@@ -91,12 +91,16 @@ class StageClock {
 
 }  // namespace
 
-Result<Transfer> transfer_line(const SampleFiles& sample, const cloud::PointCloud& upper, const TransferOptions& options) {
+Transfer transfer_line(const SampleFiles& sample, const cloud::PointCloud& upper, const TransferOptions& options) {
   Transfer transfer;
   StageClock clock{transfer.stages};
   const Prepared prepared = prepare(sample, upper);
-  BITELINE_TRY(*prepared.sample);
-  BITELINE_TRY(*prepared.upper);
+  for (const Error* error : {prepared.sample->has_value() ? nullptr : &prepared.sample->error(),
+                             prepared.upper->has_value() ? nullptr : &prepared.upper->error()}) {
+    if (error == nullptr) continue;
+    transfer.reason = error->where.view();  // a cloud that holds no surface of a shoe's size
+    return transfer;
+  }
   transfer.from_mesh = prepared.mesh && prepared.mesh->has_value();
   clock.lap("prepare");
 
@@ -109,7 +113,8 @@ Result<Transfer> transfer_line(const SampleFiles& sample, const cloud::PointClou
   }
 
   const Vec3 up = transfer.alignment.placement.T_target_source.linear().col(2);
-  transfer.carried = carry(upper, prepared, placed_line(sample.line, **prepared.sample, transfer.alignment),
+  transfer.placed = placed_line(sample.line, **prepared.sample, transfer.alignment);
+  transfer.carried = carry(upper, prepared, transfer.placed,
                            {.direction = options.direction, .up = up, .max_gap_mm = options.max_gap_mm, .line_sigma_mm = transfer.bound_mm / 2});
   clock.lap("rays");
   transfer.reason = transfer.carried.reason;

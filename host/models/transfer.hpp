@@ -23,15 +23,15 @@ struct Transfer {
   bool found{false};
   std::string reason;               ///< one plain sentence when not found
   registration::Alignment alignment;
+  std::vector<surface::PlacedPoint> placed;  ///< the sample's line where the alignment has put it; empty when refused before
   surface::CarriedLine carried;     ///< its line is empty when not found
   double bound_mm{0};               ///< 19 of 20 points of the line are nearer than this to the bite line, as far as the scans tell
   double confidence{0};             ///< mean over the points
   bool from_mesh{false};            ///< the upper's scan was organised
-  std::vector<Stage> stages;        ///< in order, wall time
+  std::vector<Stage> stages;        ///< in order, wall time; empty when a cloud holds no shoe
 };
 
-/// A refusal is a Transfer with its reason; fails only where a cloud holds no surface at all.
-[[nodiscard]] Result<Transfer> transfer_line(const SampleFiles& sample, const cloud::PointCloud& upper,
-                                             const TransferOptions& options);
+/// A refusal is a Transfer with its reason.
+[[nodiscard]] Transfer transfer_line(const SampleFiles& sample, const cloud::PointCloud& upper, const TransferOptions& options);
 
 }  // namespace biteline::models

@@ -255,7 +255,13 @@ Alignment describe(const Sample& sample, const Upper& upper, const NearestTable&
                       .residual_rms_mm = icp.rms_mm,
                       .rim_used = fit.rim_used,
                       .rim_mm = icp.rim_mm};
-  alignment.shape_rms_mm = shape_rms_mm(surfaces, find_pairs(surfaces, icp.placement, fine_options(freedom)));
+  const std::vector<Pair> pairs = find_pairs(surfaces, icp.placement, fine_options(freedom));
+  alignment.shape_rms_mm = shape_rms_mm(surfaces, pairs);
+  alignment.compared.reserve(pairs.size());
+  for (const Pair& pair : pairs) {
+    alignment.compared.push_back({.point = icp.placement.place(pair.point, pair.foot).cast<float>(),
+                                  .difference_mm = static_cast<float>(pair.residual_mm)});
+  }
   alignment.upper_overlap_ratio = upper_overlap_ratio(sample, upper, icp.placement);
   tell_uncertainty(sample, fit, alignment);
   return alignment;

@@ -58,6 +58,12 @@ struct WeakDirection {
   std::string words{};  ///< "up and down", "along the shoe", ...
 };
 
+/// A place where the two surfaces were compared.
+struct Compared {
+  Eigen::Vector3f point;   ///< of the placed sample, in the upper's frame
+  float difference_mm{0};  ///< > 0: the sample lies outside the upper
+};
+
 struct Alignment {
   Verdict verdict{Verdict::NotConverged};
   std::string reason{};              ///< one plain sentence when refused
@@ -77,6 +83,7 @@ struct Alignment {
   WeakDirection weakest{};
   double line_sigma_mm{0};         ///< RMS over the line of how far the alignment may be off
   double runner_up_ratio{0};       ///< cost of the best to that of the next different start: 1 = a toss-up
+  std::vector<Compared> compared{};  ///< one per 2 mm of the common surface
 
   [[nodiscard]] bool accepted() const { return verdict == Verdict::Aligned; }
 

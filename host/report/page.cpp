@@ -29,7 +29,7 @@ constexpr const char* k_style =
     "h1{margin:0 0 .5rem;font-size:1.6rem}h2{margin:2rem 0 .5rem;font-size:1.2rem;border-bottom:1px solid #ccc}"
     ".verdict{padding:.8rem 1rem;border-radius:.4rem;font-size:1.15rem;background:#e4e4e0}"
     ".good{background:#d8efd8}.refused{background:#f6dcd6}"
-    "table{border-collapse:collapse}td{padding:.15rem 1.2rem .15rem 0;vertical-align:top}td:last-child{font-variant-numeric:tabular-nums}"
+    "table{border-collapse:collapse}th{text-align:left;padding:.15rem 1.2rem .15rem 0}td{padding:.15rem 1.2rem .15rem 0;vertical-align:top}td:last-child{font-variant-numeric:tabular-nums}"
     ".bar{display:inline-block;height:.7em;background:#5b8db8;margin-right:.5em}"
     "figure{margin:1rem 0;background:#fff;padding:.6rem;border:1px solid #ddd}figure img{max-width:100%;display:block}"
     "figcaption{color:#555;font-size:.9rem;margin-top:.3rem}iframe{width:100%;border:1px solid #ddd;background:#fff}";
@@ -64,6 +64,18 @@ void Page::paragraph(const std::string& text) { body_ += "<p>" + escaped(text) +
 void Page::figures(const std::vector<std::pair<std::string, std::string>>& rows) {
   body_ += "<table>\n";
   for (const auto& [name, value] : rows) body_ += "<tr><td>" + escaped(name) + "</td><td>" + escaped(value) + "</td></tr>\n";
+  body_ += "</table>\n";
+}
+
+void Page::table(const std::vector<std::string>& headings, const std::vector<std::vector<std::string>>& rows) {
+  body_ += "<table>\n<tr>";
+  for (const std::string& heading : headings) body_ += "<th>" + escaped(heading) + "</th>";
+  body_ += "</tr>\n";
+  for (const std::vector<std::string>& row : rows) {
+    body_ += "<tr>";
+    for (const std::string& cell : row) body_ += "<td>" + escaped(cell) + "</td>";
+    body_ += "</tr>\n";
+  }
   body_ += "</table>\n";
 }
 

@@ -23,6 +23,8 @@ class Page {
   void paragraph(const std::string& text);
   /// Name and value, a row each.
   void figures(const std::vector<std::pair<std::string, std::string>>& rows);
+  /// A table with a heading for each column; rows as wide as the heading.
+  void table(const std::vector<std::string>& headings, const std::vector<std::vector<std::string>>& rows);
   /// Bars of the stages' seconds.
   void durations(const std::vector<std::pair<std::string, double>>& stages_s);
   /// `file` relative to the page.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace biteline::stages {
@@ -132,8 +133,32 @@ void ShoeView::draw_normals(std::span<const Vec3> points_base, std::span<const V
   }
 }
 
+void ShoeView::draw_discs(std::span<const Vec3> points_base, std::span<const cv::Vec3b> colours, double radius_mm) {
+  const int radius_px = std::max(1, static_cast<int>(std::lround(radius_mm * px_per_mm_)));
+  for (std::size_t i = 0; i < points_base.size(); ++i) {
+    const Vec3 p = T_shoe_base_ * points_base[i];
+    for (const Panel& panel : panels_) {
+      if (!is_hidden(panel, p)) cv::circle(picture_, place(panel, p), radius_px, cv::Scalar(colours[i]), cv::FILLED);
+    }
+  }
+}
+
 void ShoeView::caption(const std::string& text) {
   cv::putText(picture_, text, {12, 24}, cv::FONT_HERSHEY_SIMPLEX, 0.6, k_ink, 1, cv::LINE_AA);
+}
+
+Result<void> write_picture(const std::filesystem::path& file, const cv::Mat& picture) {
+  const std::filesystem::path beside = file.parent_path() / (".part." + file.filename().string());
+  bool written = false;
+  try {
+    written = cv::imwrite(beside.string(), picture, {cv::IMWRITE_PNG_COMPRESSION, 3});
+  } catch (const cv::Exception&) {
+    written = false;  // told below, as every failure to write
+  }
+  std::error_code error;
+  if (written) std::filesystem::rename(beside, file, error);
+  if (!written || error) return fail(Errc::WriteFailed, "%s", file.c_str());
+  return {};
 }
 
 }  // namespace biteline::stages

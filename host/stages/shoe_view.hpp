@@ -2,11 +2,13 @@
 #pragma once
 /// \file Pictures of points and lines on a shoe: from its left side and from above, to one scale.
 
+#include <filesystem>
 #include <opencv2/core.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "common/core/result.hpp"
 #include "common/geometry/se3.hpp"
 #include "host/cloud/point_cloud.hpp"
 
@@ -24,6 +26,8 @@ class ShoeView {
   void draw_cloud(std::span<const cv::Vec3b> colours);
   /// Some points of the cloud, larger, over everything drawn so far.
   void draw_points(std::span<const std::uint32_t> indices, const cv::Vec3b& colour);
+  /// Discs of `radius_mm` in base, over everything drawn so far.  `colours`: one per point.
+  void draw_discs(std::span<const Vec3> points_base, std::span<const cv::Vec3b> colours, double radius_mm);
   /// A closed line in base; what the shoe hides is drawn thin.  `colours`: one per point.
   void draw_line(std::span<const Vec3> points_base, std::span<const cv::Vec3b> colours);
   /// A short stroke of `length_mm` from each `stride`-th point.
@@ -56,5 +60,8 @@ class ShoeView {
 
 /// Red (0) over yellow to green (1).
 [[nodiscard]] cv::Vec3b confidence_colour(double confidence);
+
+/// As PNG, beside and renamed.
+[[nodiscard]] Result<void> write_picture(const std::filesystem::path& file, const cv::Mat& picture);
 
 }  // namespace biteline::stages

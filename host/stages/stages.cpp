@@ -3,7 +3,6 @@
 
 #include <array>
 #include <functional>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 
@@ -21,20 +20,6 @@ constexpr float k_full_colour_per_mm = 0.4F;
 
 const cv::Vec3b k_feature_colour{190, 60, 20};
 const cv::Vec3b k_line_colour{40, 40, 220};
-
-Result<void> write_picture(const fs::path& file, const cv::Mat& picture) {
-  const fs::path beside = file.parent_path() / (".part." + file.filename().string());
-  bool written = false;
-  try {
-    written = cv::imwrite(beside.string(), picture, {cv::IMWRITE_PNG_COMPRESSION, 3});
-  } catch (const cv::Exception&) {
-    written = false;  // told below, as every failure to write
-  }
-  std::error_code error;
-  if (written) fs::rename(beside, file, error);
-  if (!written || error) return fail(Errc::WriteFailed, "%s", file.c_str());
-  return {};
-}
 
 cloud::PointCloud subset(const cloud::PointCloud& cloud, const std::vector<std::uint32_t>& indices) {
   cloud::PointCloud out;
@@ -90,7 +75,6 @@ struct Sheet {
     return cloud::write_cloud(folder / (std::string(stage.file) + ".ply"), points);
   }
 };
-
 
 }  // namespace
 

@@ -66,6 +66,13 @@ Vec3 work_in_tcp(const PlannedPath& path, const Place& place, const SE3& T_base_
   return T_base_tcp_planned.inverse() * Vec3((1 - place.fraction) * a + place.fraction * b);
 }
 
+/// The value that a share of 0.95 of them does not exceed.  Pre: not empty.
+double p95(std::vector<double>& values) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
 }  // namespace
 
 TrackDeviation deviation(const PlannedPath& path, std::span<const TrackSample> track) {
@@ -73,6 +80,7 @@ TrackDeviation deviation(const PlannedPath& path, std::span<const TrackSample> t
   const double end_mm = path.waypoints.back().arc_mm;
   double here_mm = -1;
   double sum_mm = 0, sum_mm2 = 0, line_sum_mm = 0;
+  std::vector<double> from_path_mm, from_line_mm;
   std::vector<bool> passed(path.waypoints.size(), false);
   for (const TrackSample& sample : track) {
     const Vec3 tip = sample.T_base_tcp.translation();
@@ -95,6 +103,7 @@ TrackDeviation deviation(const PlannedPath& path, std::span<const TrackSample> t
     ++out.samples;
     sum_mm += place.distance_mm;
     sum_mm2 += place.distance_mm * place.distance_mm;
+    from_path_mm.push_back(place.distance_mm);
     if (place.distance_mm > out.max_mm) {
       out.max_mm = place.distance_mm;
       out.max_at_mm = arc_at(path, place);
@@ -104,6 +113,7 @@ TrackDeviation deviation(const PlannedPath& path, std::span<const TrackSample> t
     const double line_mm =
         to_line_mm(path, place.segment, sample.T_base_tcp * work_in_tcp(path, place, T_planned));
     line_sum_mm += line_mm;
+    from_line_mm.push_back(line_mm);
     out.line_max_mm = std::max(out.line_max_mm, line_mm);
   }
   std::size_t waypoints = 0, reached = 0;
@@ -117,6 +127,8 @@ TrackDeviation deviation(const PlannedPath& path, std::span<const TrackSample> t
     out.mean_mm = sum_mm / n;
     out.rms_mm = std::sqrt(sum_mm2 / n);
     out.line_mean_mm = line_sum_mm / n;
+    out.p95_mm = p95(from_path_mm);
+    out.line_p95_mm = p95(from_line_mm);
   }
   out.covered = waypoints > 0 ? static_cast<double>(reached) / static_cast<double>(waypoints) : 0;
   out.completed = here_mm >= end_mm - k_passed_mm;

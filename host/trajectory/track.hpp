@@ -17,11 +17,13 @@ struct TrackDeviation {
   std::size_t samples{0};  ///< on the line, approach and retreat left out
   double mean_mm{0};       ///< of the tip from the planned way
   double rms_mm{0};
+  double p95_mm{0};        ///< 95 of 100 samples are no farther from it
   double max_mm{0};
   double max_at_mm{0};  ///< along the path
   double max_rad{0};    ///< of the tool's direction and turn
   double line_mean_mm{
       0};  ///< of the place the tool works at from the bite line (the process's offset taken off)
+  double line_p95_mm{0};
   double line_max_mm{0};
   double covered{0};      ///< share of the line's waypoints that were passed within 0.5 mm
   bool completed{false};  ///< reached the path's end

@@ -21,21 +21,37 @@ TEST_GROUP(MainJob) {
   static int run(const char* program, const std::vector<std::string>& arguments) {
     auto child = process::ChildProcess::start({.program = program, .arguments = arguments, .pass_stderr = true});
     SUCCEEDS(child);
-    const auto status = child->wait(150s);
+    const auto status = child->wait(400s);
     SUCCEEDS(status);
     return *status;
   }
 
+  struct Bars {
+    double mean_mm, p95_mm;
+  };
   /// What the product promises for such shoes (issue of the bite line): a twentieth of a millimetre on average.
-  static void line_is_right(const fs::path& line, const fs::path& truth) {
+  static constexpr Bars k_groove_bars{.mean_mm = 0.05, .p95_mm = 0.12};
+  /// The same for an upper whose last differs from the sample's by 0.15 mm.
+  static constexpr Bars k_transfer_bars{.mean_mm = 0.15, .p95_mm = 0.35};
+
+  static void line_is_right(const fs::path& line, const fs::path& truth, const Bars& bars = k_groove_bars) {
     const auto found = line::read_line(line);
     SUCCEEDS(found);
     const auto known = line::read_positions(truth);
     SUCCEEDS(known);
     const measure::LineError error = measure::line_error(*found, *known);
-    CHECK_COMPARE(error.mean_mm, <=, 0.05);
-    CHECK_COMPARE(error.p95_mm, <=, 0.12);
+    CHECK_COMPARE(error.mean_mm, <=, bars.mean_mm);
+    CHECK_COMPARE(error.p95_mm, <=, bars.p95_mm);
     CHECK_COMPARE(error.complete, >=, 0.99);
+  }
+
+  /// The last one counts: a busy machine may have cut an earlier one short.
+  static fs::path last_scan(const fs::path& folder) {
+    fs::path scan;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      if (entry.path().filename().string().starts_with("scan-")) scan = std::max(scan, entry.path());
+    }
+    return scan;
   }
 
   static nlohmann::json read_json(const fs::path& file) {
@@ -59,21 +75,24 @@ TEST(MainJob, RecordedMadeUpperIsRefused) {
   CHECK(read_json(out / "report.json")["reason"].get<std::string>().starts_with("no crease"));
 }
 
-TEST(MainJob, DemoScansPlansAndFollows) {
+TEST(MainJob, DemoScansASampleAndTheUppersAfterItPlansAndFollows) {
   const fs::path out = folder.path() / "demo";
   LONGS_EQUAL(0, run(BITELINE_TOOL, {"demo", "--out", out.string(), "--quiet"}));
   CHECK(fs::exists(out / "index.html"));
-  fs::path scan;  // the last one counts: a busy machine may have cut an earlier one short
-  for (const auto& entry : fs::directory_iterator(out)) {
-    if (entry.path().filename().string().starts_with("scan-")) scan = std::max(scan, entry.path());
+  for (const char* shoe : {"sample", "upper-1", "upper-2"}) {
+    const fs::path scan = last_scan(out / shoe);
+    const Bars bars = std::string{"sample"} == shoe ? k_groove_bars : k_transfer_bars;
+    line_is_right(scan / "line.csv", out / shoe / "cell/truth/groove.csv", bars);
+    for (const char* file : {"index.html", "path/path.csv", "path/path.script", "path/tracking.html", "track.csv"}) {
+      CHECK_TEXT(fs::exists(scan / file), (scan / file).c_str());
+    }
+    const auto followed = read_json(scan / "followed.json");
+    CHECK(followed["completed"].get<bool>());
+    // The simulated controller blends corners by at most the path's own tolerance of 0.05 mm; the line's waypoints are chords.
+    CHECK_COMPARE(followed["from_path_mm"]["max"].get<double>(), <=, 0.1);
+    CHECK_COMPARE(followed["from_path_mm"]["p95"].get<double>(), <=, followed["from_path_mm"]["max"].get<double>());
+    CHECK_COMPARE(followed["covered"].get<double>(), >=, 0.99);
   }
-  line_is_right(scan / "line.csv", out / "cell/truth/groove.csv");
-  for (const char* file : {"path/path.csv", "path/path.script", "path/tracking.html", "track.csv"}) CHECK_TEXT(fs::exists(scan / file), file);
-  const auto followed = read_json(scan / "followed.json");
-  CHECK(followed["completed"].get<bool>());
-  // The simulated controller blends corners by at most the path's own tolerance of 0.05 mm; the line's waypoints are chords.
-  CHECK_COMPARE(followed["from_path_mm"]["max"].get<double>(), <=, 0.1);
-  CHECK_COMPARE(followed["covered"].get<double>(), >=, 0.99);
 }
 
 }  // namespace biteline

@@ -4,6 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "host/models/library.hpp"
+
 namespace biteline::service {
 namespace {
 
@@ -18,12 +20,19 @@ ParsedOptions parse_options(int argc, char** argv) {
   ParsedOptions parsed;
   Options& options = parsed.options;
   RobotOptions robot;
+  SampleOptions carry{.sample = {}, .library = models::Library::default_folder(), .transfer = {}};
   std::string sensor;
   CLI::App app{"Biteline's service: takes scans in, finds the bite line, plans the path, lets the arm follow it.", "biteline-host"};
   app.set_version_flag("--version", BITELINE_VERSION);
   app.add_option("--sensor", sensor, "Where the sensor listens: tcp://HOST:PORT")->required();
   app.add_option("--keys", options.keys, "Folder of keys; compulsory beyond loopback");
   app.add_option("--out", options.out, "Folder of the results: scan-0001, scan-0002, ...")->required();
+  auto* sample = app.add_option("--sample", carry.sample,
+                                "The scans are uppers without a sole: carry the line over from this sample (the folder of a finished scan, or "
+                                "a saved model's name)");
+  app.add_option("--library", carry.library, "Folder of the saved models")->needs(sample)->capture_default_str();
+  app.add_flag("--mirror", carry.transfer.align.mirror, "The sample is of the other foot")->needs(sample);
+  app.add_flag("--grade", carry.transfer.align.grade, "The sample is of another size")->needs(sample);
   auto* arm = app.add_option("--robot", robot.arm, "UR3e, UR5e, UR10e, UR3, UR5 or UR10: plan its path along the line");
   app.add_option("--process", robot.process, "Process YAML: tool, placement, motion")->needs(arm);
   app.add_option("--table-z", robot.table_z_mm, "Height of the table in the robot's base [mm]")->needs(arm);
@@ -45,6 +54,7 @@ ParsedOptions parse_options(int argc, char** argv) {
     return parsed;
   }
   options.sensor = *endpoint;
+  if (!carry.sample.empty()) options.sample = carry;
   if (!robot.arm.empty()) {
     if (robot.process.empty()) {
       parsed.leave_with = complain("--robot needs --process (see --help)");

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/wire/endpoint.hpp"
+#include "host/models/transfer.hpp"
 
 namespace biteline::service {
 
@@ -19,10 +20,18 @@ struct RobotOptions {
   bool send{false};
 };
 
+/// Scans are uppers without a sole: their line comes from a sample.
+struct SampleOptions {
+  std::string sample;  ///< folder of a finished sample, or a saved model's name
+  std::filesystem::path library;
+  models::TransferOptions transfer;
+};
+
 struct Options {
   wire::Endpoint sensor;
   std::optional<std::filesystem::path> keys;
   std::filesystem::path out;
+  std::optional<SampleOptions> sample;  ///< without: the line is looked for in the scan
   std::optional<RobotOptions> robot;  ///< without: the line is the result
   bool once{false};
   bool keep_recording{false};

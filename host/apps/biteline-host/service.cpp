@@ -6,7 +6,7 @@
 #include <thread>
 #include <utility>
 
-#include "host/apps/biteline-host/steps.hpp"
+#include "host/models/library.hpp"
 #include "host/report/report.hpp"
 
 namespace biteline::service {
@@ -43,12 +43,17 @@ Result<Service> Service::create(const Options& options) {
     BITELINE_ASSIGN(robot->arm, kinematics::arm_model(options.robot->arm));
     BITELINE_ASSIGN(robot->process, trajectory::read_process(options.robot->process));
   }
+  std::optional<Carrier> carrier;
+  if (options.sample) {
+    carrier.emplace(Carrier{.name = options.sample->sample, .sample = {}, .options = options.sample->transfer});
+    BITELINE_ASSIGN(carrier->sample, models::find_sample(options.sample->sample, models::Library{options.sample->library}));
+  }
   BITELINE_TRY(report::prepare_folder(options.out));
-  return Service{options, std::move(keys), std::move(robot)};
+  return Service{options, std::move(keys), std::move(robot), std::move(carrier)};
 }
 
-Service::Service(Options options, std::optional<wire::HostKeys> keys, std::optional<Robot> robot)
-    : options_{std::move(options)}, keys_{std::move(keys)}, robot_{std::move(robot)} {}
+Service::Service(Options options, std::optional<wire::HostKeys> keys, std::optional<Robot> robot, std::optional<Carrier> carrier)
+    : options_{std::move(options)}, keys_{std::move(keys)}, robot_{std::move(robot)}, carrier_{std::move(carrier)} {}
 
 Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
   BITELINE_TRY(find_unfinished());
@@ -159,11 +164,11 @@ fs::path Service::next_folder() const {
 
 Result<ExitStatus> Service::work_out(Scan scan) {
   const ingest::ScanOutcome outcome = scan.intake.finish();
-  BITELINE_ASSIGN(const LineStep line, find_line(scan.folder, outcome));
+  BITELINE_ASSIGN(const LineStep line, carrier_ ? carry_line(scan.folder, *carrier_, outcome) : find_line(scan.folder, outcome));
   if (!options_.keep_recording) scan.intake.forget();
-  if (!line.extraction || !robot_) return line.status;
+  if (!line.line || !robot_) return line.status;
   const PlanStepRequest request{.arm = robot_->arm, .process = robot_->process, .table_z_mm = robot_->options.table_z_mm};
-  BITELINE_ASSIGN(const PlanStep plan, plan_path(scan.folder / "path", request, outcome, *line.extraction));
+  BITELINE_ASSIGN(const PlanStep plan, plan_path(scan.folder / "path", request, outcome, *line.line));
   if (!plan.outcome.path || !robot_->options.send) return plan.status;
   if (outcome.messages_lost > 0) {
     return fail(Errc::Refused, "%llu profiles of the scan are lost: the path is not sent",

@@ -8,6 +8,7 @@
 
 #include "common/core/result.hpp"
 #include "host/apps/biteline-host/options.hpp"
+#include "host/apps/biteline-host/steps.hpp"
 #include "host/ingest/scan_intake.hpp"
 #include "host/kinematics/arm_model.hpp"
 #include "host/trajectory/process.hpp"
@@ -17,7 +18,7 @@ namespace biteline::service {
 /// Everything on one thread: while a result is worked out the sensor keeps what it has for us.
 class Service {
  public:
-  /// Reads keys, process and arm first: a fault there is told before anything moves.
+  /// Reads keys, process, arm and sample first: a fault there is told before anything moves.
   [[nodiscard]] static Result<Service> create(const Options& options);
 
   /// Until `stop`; with `once` until the first scan's result.  A link or a robot that fails is one plain line and, without
@@ -36,7 +37,7 @@ class Service {
     ingest::ScanIntake intake;
   };
 
-  Service(Options options, std::optional<wire::HostKeys> keys, std::optional<Robot> robot);
+  Service(Options options, std::optional<wire::HostKeys> keys, std::optional<Robot> robot, std::optional<Carrier> carrier);
 
   /// Connects (goes on with `scan_` if there is one) and returns once it is complete.
   [[nodiscard]] Result<void> take_in_scan(const std::atomic<bool>& stop);
@@ -51,6 +52,7 @@ class Service {
   Options options_;
   std::optional<wire::HostKeys> keys_;
   std::optional<Robot> robot_;
+  std::optional<Carrier> carrier_;
   std::unique_ptr<ingest::SensorLink> link_;
   std::optional<Scan> scan_;
 };

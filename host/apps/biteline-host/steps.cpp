@@ -11,6 +11,7 @@
 #include "host/report/report.hpp"
 #include "host/result/line_result.hpp"
 #include "host/result/plan_result.hpp"
+#include "host/result/transfer_result.hpp"
 #include "host/robot/follow.hpp"
 #include "host/robot/ur/ur_link.hpp"
 
@@ -26,7 +27,15 @@ Result<LineStep> keep_unfinished(const fs::path& folder, const ingest::ScanOutco
   BITELINE_TRY(cloud::write_cloud(folder / "cloud.ply", scan.cloud));
   BITELINE_TRY(report.write(folder));
   say_step("refused: the scan is not complete after %llu profiles: %s", profiles, reason.c_str());
-  return LineStep{.status = ExitStatus::Refused, .extraction = {}};
+  return LineStep{.status = ExitStatus::Refused, .line = {}};
+}
+
+void fill_scan(const ingest::ScanOutcome& scan, report::Report& report) {
+  report.fields["input"] = scan.sensor.scan_name;
+  report.fields["sensor"] = scan.sensor.name;
+  report.fields["simulated"] = scan.sensor.simulated;
+  report.fields["scan"] = ingest::account_of(scan.counts, scan.sensor_counters, scan.sensor_stages);
+  report.fields["messages_lost"] = scan.messages_lost;
 }
 
 struct HostPort {
@@ -68,10 +77,12 @@ Result<void> write_followed(const fs::path& folder, const robot::FollowReport& f
                                     {"from_path_mm",
                                      {{"mean", deviation.mean_mm},
                                       {"rms", deviation.rms_mm},
+                                      {"p95", deviation.p95_mm},
                                       {"max", deviation.max_mm},
                                       {"max_at_mm", deviation.max_at_mm}}},
                                     {"from_path_rad", {{"max", deviation.max_rad}}},
-                                    {"from_line_mm", {{"mean", deviation.line_mean_mm}, {"max", deviation.line_max_mm}}},
+                                    {"from_line_mm",
+                                     {{"mean", deviation.line_mean_mm}, {"p95", deviation.line_p95_mm}, {"max", deviation.line_max_mm}}},
                                     {"covered", deviation.covered}};
   BITELINE_TRY(robot::write_track(folder / "track.csv", followed.track));
   return report::write_file_atomically(folder / "followed.json", json.dump(2) + "\n");
@@ -91,26 +102,37 @@ void say_step(const char* pattern, ...) {
 Result<LineStep> find_line(const fs::path& folder, const ingest::ScanOutcome& scan) {
   report::Report report;
   BITELINE_TRY(result::prepare_result_folder(folder));
-  report.fields["input"] = scan.sensor.scan_name;
-  report.fields["sensor"] = scan.sensor.name;
-  report.fields["simulated"] = scan.sensor.simulated;
-  report.fields["scan"] = ingest::account_of(scan.counts, scan.sensor_counters, scan.sensor_stages);
-  report.fields["messages_lost"] = scan.messages_lost;
+  fill_scan(scan, report);
   if (scan.failure) return keep_unfinished(folder, scan, report);
   groove::Extraction extraction = result::find_line(scan.cloud, groove::Method::Ours, report);
   BITELINE_ASSIGN(const ExitStatus status, result::write_line_result(folder, scan.cloud, extraction, groove::Method::Ours, report));
   say_step("%s", result::summary(extraction).c_str());
-  LineStep step{.status = status, .extraction = {}};
-  if (status == ExitStatus::Done) step.extraction = std::move(extraction);
+  LineStep step{.status = status, .line = {}};
+  if (status == ExitStatus::Done) step.line = std::move(extraction.line);
+  return step;
+}
+
+Result<LineStep> carry_line(const fs::path& folder, const Carrier& carrier, const ingest::ScanOutcome& scan) {
+  report::Report report;
+  BITELINE_TRY(result::prepare_result_folder(folder));
+  fill_scan(scan, report);
+  report.fields["sample"] = carrier.name;
+  if (scan.failure) return keep_unfinished(folder, scan, report);
+  models::Transfer transfer = report.timed("transfer", [&] { return models::transfer_line(carrier.sample, scan.cloud, carrier.options); });
+  BITELINE_TRY(report.timed("write", [&] { return cloud::write_cloud(folder / "cloud.ply", scan.cloud); }));
+  BITELINE_ASSIGN(const ExitStatus status, result::write_transfer_result(folder, scan.cloud, transfer, report));
+  say_step("%s", result::summary(transfer).c_str());
+  LineStep step{.status = status, .line = {}};
+  if (status == ExitStatus::Done) step.line = std::move(transfer.carried.line);
   return step;
 }
 
 Result<PlanStep> plan_path(const fs::path& folder, const PlanStepRequest& request, const ingest::ScanOutcome& scan,
-                           const groove::Extraction& extraction) {
+                           const line::ClosedLine& line) {
   report::Report report;
   BITELINE_TRY(result::prepare_plan_folder(folder));
   trajectory::PlanRequest plan_request;
-  plan_request.line = extraction.line;
+  plan_request.line = line;
   plan_request.process = request.process;
   plan_request.arm = request.arm;
   plan_request.table_z_mm = request.table_z_mm;

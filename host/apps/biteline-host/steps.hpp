@@ -7,9 +7,10 @@
 #include <string>
 
 #include "common/core/result.hpp"
-#include "host/groove/extract.hpp"
 #include "host/ingest/scan_intake.hpp"
 #include "host/kinematics/arm_model.hpp"
+#include "host/line/closed_line.hpp"
+#include "host/models/transfer.hpp"
 #include "host/trajectory/plan.hpp"
 #include "host/trajectory/process.hpp"
 
@@ -20,11 +21,21 @@ namespace biteline::service {
 
 struct LineStep {
   ExitStatus status{ExitStatus::Refused};
-  std::optional<groove::Extraction> extraction;  ///< when a line was found
+  std::optional<line::ClosedLine> line;  ///< when one was found
 };
 
 /// cloud.ply, line.csv, stages/, report.json.  A scan that did not come to its own end is refused: the cloud is kept.
 [[nodiscard]] Result<LineStep> find_line(const std::filesystem::path& folder, const ingest::ScanOutcome& scan);
+
+/// A sample, read and ready.
+struct Carrier {
+  std::string name;
+  models::SampleFiles sample;
+  models::TransferOptions options;
+};
+
+/// The same of an upper without a sole: its line is the sample's, carried over.
+[[nodiscard]] Result<LineStep> carry_line(const std::filesystem::path& folder, const Carrier& carrier, const ingest::ScanOutcome& scan);
 
 struct PlanStepRequest {
   kinematics::ArmModel arm;
@@ -40,7 +51,7 @@ struct PlanStep {
 
 /// path.csv, path.script, report.json.  The arm that scanned is the arm that follows: its base is the cloud's frame.
 [[nodiscard]] Result<PlanStep> plan_path(const std::filesystem::path& folder, const PlanStepRequest& request,
-                                         const ingest::ScanOutcome& scan, const groove::Extraction& extraction);
+                                         const ingest::ScanOutcome& scan, const line::ClosedLine& line);
 
 struct ControllerAddress {
   std::string rtde;    ///< HOST:PORT

@@ -145,7 +145,7 @@ void surface_rows() {
 
   const models::SampleFiles sample{.cloud = pair.sample_cloud, .line = pair.sample_line};
   bool found = false;
-  const double transfer_s = seconds(false, [&] { found = models::transfer_line(sample, pair.upper_cloud, {})->found; });
+  const double transfer_s = seconds(false, [&] { found = models::transfer_line(sample, pair.upper_cloud, {}).found; });
   row("transfer.whole", "sample of " + std::to_string(sample.cloud.size()) + ", upper of " + std::to_string(points) + " points, clouds to line" + (found ? "" : ", REFUSED"),
       transfer_s, "s", "bar", 0.5, 1);
 }

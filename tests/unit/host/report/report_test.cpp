@@ -68,11 +68,13 @@ TEST(Report, FileThatCannotBeWrittenLeavesTheOldOne) {
 TEST(Report, PageEscapesWhatItShows) {
   Page sut{"<script>", "a & b", Page::Mood::Good};
   sut.figures({{"\"x\"", "1 < 2"}});
+  sut.table({"", "<left>"}, {{"mean", "2 > 1"}});
   SUCCEEDS(sut.write(folder.path() / "index.html"));
   const std::string html = content("index.html");
   STRCMP_CONTAINS("&lt;script&gt;", html.c_str());
   STRCMP_CONTAINS("a &amp; b", html.c_str());
   STRCMP_CONTAINS("1 &lt; 2", html.c_str());
+  STRCMP_CONTAINS("<th>&lt;left&gt;</th></tr>\n<tr><td>mean</td><td>2 &gt; 1</td></tr>", html.c_str());
   CHECK(html.find("<script>") == std::string::npos);
 }
 

@@ -43,6 +43,8 @@ TEST(Track, OffsetAcrossTheAxisShowsInBothMeasures) {
   const TrackDeviation d = deviation(path, track(change));
   DOUBLES_EQUAL(0.3, d.mean_mm, 0.02);
   DOUBLES_EQUAL(0.3, d.line_mean_mm, 0.05);
+  DOUBLES_EQUAL(0.3, d.p95_mm, 0.02);
+  CHECK(d.line_p95_mm >= d.line_mean_mm - 0.05 && d.line_p95_mm <= d.line_max_mm);
   DOUBLES_EQUAL(0.0, d.max_rad, 1e-3);
 }
 

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+#include "host/apps/biteline/demo/cell_run.hpp"
+
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "host/process/child_process.hpp"
+#include "host/report/report.hpp"
+
+namespace biteline::app::demo {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+using process::ChildProcess;
+using namespace std::chrono_literals;
+
+/// Starts a program that says in one line of JSON where it listens.
+struct Server {
+  ChildProcess child;
+  ordered_json endpoints;
+};
+
+Result<Server> start_server(const std::string& name, std::vector<std::string> arguments) {
+  arguments.emplace_back("--exit-with-parent");
+  // Making a shoe and its search tree takes the cell some seconds, more on a busy machine.
+  constexpr auto k_patience = 60s;
+  BITELINE_ASSIGN(ChildProcess child, ChildProcess::start({.program = process::program_folder() / name,
+                                                           .arguments = std::move(arguments),
+                                                           .pass_stderr = true}));
+  BITELINE_ASSIGN(const std::string line, child.next_line(k_patience));
+  ordered_json endpoints = ordered_json::parse(line, nullptr, false);
+  if (!endpoints.is_object()) return fail(Errc::ProtocolError, "%s: a line of JSON expected", name.c_str());
+  return Server{.child = std::move(child), .endpoints = std::move(endpoints)};
+}
+
+Result<std::string> endpoint(const Server& server, const char* name) {
+  if (!server.endpoints.contains(name) || !server.endpoints[name].is_string()) {
+    return fail(Errc::ProtocolError, "no '%s' among the endpoints of a started program", name);
+  }
+  return server.endpoints[name].get<std::string>();
+}
+
+/// Shows what the host says; its exit status.
+Result<int> attend(ChildProcess& host, bool quiet) {
+  // Scan, extraction, plan and following take about a minute; a host that is silent for longer than that hangs.
+  constexpr auto k_patience = 180s;
+  for (;;) {
+    const Result<std::string> line = host.next_line(k_patience);
+    if (line) {
+      if (!quiet) std::printf("  host: %s\n", line->c_str());
+      std::fflush(stdout);
+      continue;
+    }
+    if (line.error().code != Errc::ProcessDied) return tl::unexpected<Error>(line.error());
+    return host.wait(10s);  // its stdout ended: it is leaving
+  }
+}
+
+ordered_json read_json(const fs::path& file) {
+  std::ifstream stream(file);
+  ordered_json json = ordered_json::parse(stream, nullptr, false);
+  return json.is_object() ? json : ordered_json::object();
+}
+
+/// z of the table that the shoe stands on, which an integrator knows of his cell: here the cell's own.
+double table_z_mm(const fs::path& truth) {
+  std::ifstream file(truth / "T_base_shoe.txt");
+  double entry = 0, z_mm = 0;
+  for (int i = 0; i < 12 && file >> entry; ++i) {
+    if (i == 11) z_mm = entry;
+  }
+  return z_mm;
+}
+
+Result<measure::LineError> measure_line(const fs::path& scan, const fs::path& truth) {
+  BITELINE_ASSIGN(const line::ClosedLine found, line::read_line(scan / "line.csv"));
+  BITELINE_ASSIGN(const line::ClosedLine known, line::read_positions(truth / "groove.csv"));
+  return measure::line_error(found, known);
+}
+
+/// The newest of the host's result folders, or nothing.
+std::optional<fs::path> newest_scan(const fs::path& out) {
+  std::optional<fs::path> newest;
+  std::error_code error;
+  for (fs::directory_iterator it{out, error}, end; !error && it != end; it.increment(error)) {
+    const fs::path name = it->path().filename();
+    if (name.string().starts_with("scan-") && (!newest || name > newest->filename())) newest = it->path();
+  }
+  return newest;
+}
+
+/// The host refused a scan that did not reach its end, whatever the shoe looks like.
+bool scan_was_cut_short(const std::optional<fs::path>& scan) {
+  if (!scan) return false;
+  const ordered_json report = read_json(*scan / "report.json");
+  return report.contains("reason") && report["reason"].get<std::string>().starts_with("the scan is not complete");
+}
+
+std::vector<std::string> cell_arguments(const CellOptions& options, const Shoe& shoe, const fs::path& out) {
+  std::vector<std::string> arguments{"serve", "--seed", std::to_string(options.seed), "--shoe", options.shoe,
+                                     "--arm", options.arm, "--place", std::to_string(shoe.place), "--out", out.string()};
+  if (shoe.sample) arguments.emplace_back("--upper");
+  return arguments;
+}
+
+std::vector<std::string> host_arguments(const CellOptions& options, const Shoe& shoe, const Server& cell, const std::string& stream) {
+  const fs::path folder = options.out / shoe.name;
+  std::vector<std::string> arguments{"--sensor", stream, "--out", folder.string(), "--robot", options.arm, "--process", options.process.string(),
+                                     "--table-z", std::to_string(table_z_mm(folder / "cell/truth")),
+                                     "--rtde", cell.endpoints.value("rtde", ""), "--script", cell.endpoints.value("script", ""),
+                                     "--send", "--once", "--exit-with-parent"};
+  if (shoe.sample) arguments.insert(arguments.end(), {"--sample", shoe.sample->string()});
+  return arguments;
+}
+
+/// What became of it, in one line.
+std::string verdict_of(const ShoeResult& result, const std::string& last_words) {
+  const ordered_json line = read_json(result.scan / "report.json"), plan = read_json(result.scan / "path/report.json");
+  if (!result.error) {
+    if (line.contains("reason")) return "refused: " + line["reason"].get<std::string>();
+    return "the host service ended with status " + std::to_string(result.host_status) + ": " + last_words;
+  }
+  char text[200];
+  std::snprintf(text, sizeof text, "line within %.3f mm of the cell's own on average, %.3f mm at most", result.error->mean_mm, result.error->max_mm);
+  if (result.good()) return text;
+  if (plan.contains("reason")) return std::string{text} + "; no path: " + plan["reason"].get<std::string>();
+  return std::string{text} + "; the host service ended with status " + std::to_string(result.host_status) + ": " + last_words;
+}
+
+}  // namespace
+
+Result<ShoeResult> run_shoe(const CellOptions& options, const Shoe& shoe) {
+  const auto begin = std::chrono::steady_clock::now();
+  const fs::path folder = options.out / shoe.name, cell_folder = fs::absolute(folder) / "cell";
+  BITELINE_TRY(report::prepare_folder(folder));
+  const std::optional<fs::path> earlier = newest_scan(folder);  // of an earlier demo: kept
+  // Each program dies with this one, and each Server stops its program when it goes, whatever happens below.
+  BITELINE_ASSIGN(Server cell, start_server("biteline-cell", cell_arguments(options, shoe, cell_folder)));
+  BITELINE_ASSIGN(const std::string wires, endpoint(cell, "wires"));
+  BITELINE_ASSIGN(const std::string calibration, endpoint(cell, "sensor"));
+  BITELINE_ASSIGN(Server sensor, start_server("biteline-sensor", {"--source", "cell:" + wires, "--sensor", calibration, "--rt", "ignore"}));
+  BITELINE_ASSIGN(const std::string stream, endpoint(sensor, "endpoint"));
+
+  ShoeResult result{.shoe = shoe, .scan = {}, .verdict = {}, .error = {}};
+  std::string last_words;
+  // On a machine that is busy with other things frames may come too late, and the laser's guard then, rightly, ends the scan.
+  constexpr int k_most_scans = 3;
+  for (int scans = 1; scans <= k_most_scans; ++scans) {
+    BITELINE_ASSIGN(ChildProcess host, ChildProcess::start({.program = process::program_folder() / "biteline-host",
+                                                            .arguments = host_arguments(options, shoe, cell, stream), .pass_stderr = true}));
+    BITELINE_ASSIGN(result.host_status, attend(host, options.quiet));
+    last_words = host.last_words();
+    if (!scan_was_cut_short(newest_scan(folder))) break;
+    if (scans < k_most_scans && !options.quiet) std::printf("  the scan was cut short: scanning again\n");
+  }
+  sensor.child.stop();
+  cell.child.stop();  // writes its record of the arm's track
+
+  const std::optional<fs::path> newest = newest_scan(folder);
+  if (!newest || newest == earlier) {
+    return fail(Errc::ProcessDied, "biteline-host left no result (status %d): %s", result.host_status, last_words.c_str());
+  }
+  result.scan = *newest;
+  if (fs::exists(result.scan / "line.csv")) {
+    BITELINE_ASSIGN(result.error, measure_line(result.scan, cell_folder / "truth"));
+  }
+  result.verdict = verdict_of(result, last_words);
+  result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return result;
+}
+
+}  // namespace biteline::app::demo
