@@ -45,19 +45,28 @@ Result<int> memory_file(const std::string& content) {
 /// A GVCP READREG command for the version register (address 0): answered at once, changes nothing.
 constexpr std::array<std::uint8_t, 12> k_read_register{0x42, 0x01, 0x00, 0x80, 0x00, 0x04, 0xff, 0xff, 0, 0, 0, 0};
 
-Result<int> waking_socket(const std::string& address) {
+/// A UDP socket that `use` (connect or bind) has tied to the camera's address and port.
+Result<int> socket_at_camera(const std::string& address, decltype(&connect) use) {
   constexpr std::uint16_t k_gvcp_port = 3956;
   sockaddr_in camera{};
   camera.sin_family = AF_INET;
   camera.sin_port = htons(k_gvcp_port);
   const int descriptor = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (descriptor < 0 || inet_pton(AF_INET, address.c_str(), &camera.sin_addr) != 1 ||
-      connect(descriptor, reinterpret_cast<const sockaddr*>(&camera), sizeof camera) != 0) {
+      use(descriptor, reinterpret_cast<const sockaddr*>(&camera), sizeof camera) != 0) {
     const int number = errno;
     if (descriptor >= 0) close(descriptor);
-    return fail_errno(Errc::ConnectFailed, number, "simulated camera: %s", address.c_str());
+    return fail_errno(Errc::ConnectFailed, number, "simulated camera: %s port %d", address.c_str(), k_gvcp_port);
   }
   return descriptor;
+}
+
+/// Aravis shares its port with whoever else serves a camera there, and then each gets some of the other's packets:
+/// only a socket that does not share finds out.
+Result<void> expect_free_port(const std::string& address) {
+  BITELINE_ASSIGN(const int descriptor, socket_at_camera(address, &bind));
+  close(descriptor);
+  return {};
 }
 
 }  // namespace
@@ -109,17 +118,18 @@ GvCamera::~GvCamera() {
 Result<std::unique_ptr<GvCamera>> GvCamera::open(const Config& config, Painter painter) {
   std::unique_ptr<GvCamera> camera(new GvCamera(config, std::move(painter)));
   Device& device = *camera->device_;
+  BITELINE_TRY(expect_free_port(config.address));
   BITELINE_ASSIGN(device.description, memory_file(genicam_description()));
   const std::string path = "/proc/self/fd/" + std::to_string(device.description);
   device.server = arv_gv_fake_camera_new_full(config.address.c_str(), config.serial.c_str(), path.c_str());
   if (device.server == nullptr || arv_gv_fake_camera_is_running(device.server) == FALSE) {
     return fail(Errc::ConnectFailed,
-                "simulated camera: %s port 3956 is not free, or no address of this machine",
+                "simulated camera: %s is no interface's address of this machine",
                 config.address.c_str());
   }
   g_object_set(device.server, "gvsp-lost-ratio", config.lost_packet_ratio, nullptr);
   device.registers = arv_gv_fake_camera_get_fake_camera(device.server);
-  BITELINE_ASSIGN(device.waker, waking_socket(config.address));
+  BITELINE_ASSIGN(device.waker, socket_at_camera(config.address, &connect));
   using namespace gv_register;
   device.write(k_sensor_width, static_cast<std::uint32_t>(config.sensor_width_px));
   device.write(k_sensor_height, static_cast<std::uint32_t>(config.sensor_height_px));

@@ -67,6 +67,14 @@ CameraSettings settings(double rate_hz) {
 
 TEST_GROUP(AravisCamera){};
 
+// Two servers at one port would each get some of the other's packets.
+TEST(AravisCamera, ASecondServerAtTheSameAddressIsRefused) {
+  SERVER_OR_SKIP(server, small_camera());
+  const auto second = GvCamera::open(small_camera(), paint_number);
+  CHECK_FALSE(second.has_value());
+  CHECK_EQUAL(static_cast<int>(Errc::ConnectFailed), static_cast<int>(second.error().code));
+}
+
 TEST(AravisCamera, RefusesCallsOutOfOrder) {
   SERVER_OR_SKIP(server, small_camera());
   auto sut = *AravisCamera::open({});
