@@ -20,13 +20,14 @@ namespace hn = hwy::HWY_NAMESPACE;
 // the pair's minimum does not see it.
 constexpr int k_pairs = 8;
 
-/// Mean over the pairs of the pairs' minima, and the threshold above it.
-void quiet_level(const FrameRows& frame, int threshold_grey, CoarseScratch& scratch) {
+/// Mean over the pairs of the pairs' minima, and the thresholds above it.
+void quiet_level(const FrameRows& frame, const SearchPlan& plan, CoarseScratch& scratch) {
   const hn::ScalableTag<std::uint8_t> d;
   const std::size_t lanes = hn::Lanes(d);
   const auto height = static_cast<std::size_t>(frame.height_px),
              width = static_cast<std::size_t>(frame.width_px);
-  const auto threshold = hn::Set(d, static_cast<std::uint8_t>(threshold_grey));
+  const auto threshold = hn::Set(d, static_cast<std::uint8_t>(plan.threshold_grey)),
+             suspect = hn::Set(d, static_cast<std::uint8_t>(plan.suspect_grey));
   const auto pair_row = [&](int pair) {
     return (2 * static_cast<std::size_t>(pair) + 1) * height / (4 * k_pairs);
   };
@@ -43,6 +44,7 @@ void quiet_level(const FrameRows& frame, int threshold_grey, CoarseScratch& scra
     const auto level = hn::AverageRound(hn::AverageRound(a, b), hn::AverageRound(c, e));
     hn::StoreU(level, d, scratch.background.data() + column);
     hn::StoreU(hn::SaturatedAdd(level, threshold), d, scratch.threshold.data() + column);
+    hn::StoreU(hn::SaturatedAdd(level, suspect), d, scratch.suspect.data() + column);
   }
   for (std::size_t column = width - width % lanes; column < width; ++column) {
     int sum = 0;
@@ -50,86 +52,240 @@ void quiet_level(const FrameRows& frame, int threshold_grey, CoarseScratch& scra
       const std::uint8_t* upper = frame.pixels + pair_row(pair) * frame.stride_bytes + column;
       sum += std::min(*upper, upper[(height / 2) * frame.stride_bytes]);
     }
-    scratch.background[column] = static_cast<std::uint8_t>((sum + k_pairs / 2) / k_pairs);
-    scratch.threshold[column] =
-        static_cast<std::uint8_t>(std::min(255, scratch.background[column] + threshold_grey));
+    const int level = (sum + k_pairs / 2) / k_pairs;
+    scratch.background[column] = static_cast<std::uint8_t>(level);
+    scratch.threshold[column] = static_cast<std::uint8_t>(std::min(255, level + plan.threshold_grey));
+    scratch.suspect[column] = static_cast<std::uint8_t>(std::min(255, level + plan.suspect_grey));
   }
+}
+
+/// Lanes are as wide as a cache line; the last one is moved back to end with the row.  Columns that it shares
+/// with the one before come out the same from both.
+struct LaneGrid {
+  std::size_t width;
+  std::size_t count;
+
+  explicit LaneGrid(const FrameRows& frame)
+      : width{static_cast<std::size_t>(frame.width_px)},
+        count{(width + k_lane_columns - 1) / k_lane_columns} {}
+  [[nodiscard]] std::size_t first_column(std::size_t lane) const {
+    return std::min(lane * k_lane_columns, width - std::min<std::size_t>(width, k_lane_columns));
+  }
+  /// Less than k_lane_columns in frames that are narrower than that.
+  [[nodiscard]] std::size_t columns() const { return std::min<std::size_t>(width, k_lane_columns); }
+};
+
+/// The rows of one block; a short last block repeats its last row.
+struct BlockRows {
+  std::array<const std::uint8_t*, k_block_rows> row;
+
+  BlockRows(const FrameRows& frame, int block) {
+    const int first = block * k_block_rows;
+    for (int i = 0; i < k_block_rows; ++i) {
+      row[static_cast<std::size_t>(i)] =
+          frame.pixels +
+          static_cast<std::size_t>(std::min(first + i, frame.height_px - 1)) * frame.stride_bytes;
+    }
+  }
+};
+
+/// The rows read in every block: in the middle of what each stands for, so that none is farther than half a
+/// stride from one of them.
+template <int kStride>
+constexpr std::size_t sampled_row(std::size_t i) {
+  return i * kStride + kStride / 4;
+}
+
+template <int kStride, class D>
+HWY_INLINE hn::Vec<D> sampled_maximum(D d, const BlockRows& block, std::size_t at) {
+  auto maximum = hn::LoadU(d, block.row[sampled_row<kStride>(0)] + at);
+  for (std::size_t i = 1; i < k_block_rows / kStride; ++i)
+    maximum = hn::Max(maximum, hn::LoadU(d, block.row[sampled_row<kStride>(i)] + at));
+  return maximum;
+}
+
+/// Notes a lane's maxima over all rows of the block when one is above the threshold.
+void note_block(const BlockRows& block, int block_number, const LaneGrid& grid, std::size_t lane,
+                CoarseScratch& scratch) {
+  const hn::CappedTag<std::uint8_t, k_lane_columns> d;
+  const std::size_t step = hn::Lanes(d), column = grid.first_column(lane);
+  const std::size_t blocks_per_lane = scratch.active_blocks.size() / grid.count;
+  const std::size_t entry = lane * blocks_per_lane + scratch.active_counts[lane];
+  std::uint8_t* values = scratch.active_values.data() + entry * k_lane_columns;
+  bool active = false;
+  if (grid.columns() == k_lane_columns) {
+    for (std::size_t part = 0; part < k_lane_columns; part += step) {
+      const auto maximum = sampled_maximum<1>(d, block, column + part);
+      hn::StoreU(maximum, d, values + part);
+      const auto above = hn::Gt(maximum, hn::LoadU(d, scratch.threshold.data() + column + part));
+      active = active || !hn::AllFalse(d, above);
+    }
+  } else {
+    for (std::size_t i = 0; i < grid.columns(); ++i) {
+      std::uint8_t maximum = 0;
+      for (const std::uint8_t* row : block.row) maximum = std::max(maximum, row[i]);
+      values[i] = maximum;
+      active = active || maximum > scratch.threshold[i];
+    }
+  }
+  if (!active) return;
+  scratch.active_blocks[entry] = static_cast<std::uint8_t>(block_number);
+  ++scratch.active_counts[lane];
 }
 
 /// Notes the block maxima of each lane of columns in which one is above the threshold.
+template <int kStride>
 void block_maxima(const FrameRows& frame, CoarseScratch& scratch) {
   const hn::CappedTag<std::uint8_t, k_lane_columns> d;
   const std::size_t step = hn::Lanes(d);
-  const auto width = static_cast<std::size_t>(frame.width_px);
-  const std::size_t whole_lanes = width / k_lane_columns;
-  const std::size_t lane_count = scratch.active_counts.size();
+  const LaneGrid grid{frame};
   const int block_count = (frame.height_px + k_block_rows - 1) / k_block_rows;
   std::fill(scratch.active_counts.begin(), scratch.active_counts.end(), std::uint16_t{0});
+  // Some 26 kB ahead, whatever the stride: far enough to hide memory, near enough to be still there.
+  constexpr int k_blocks_ahead = 2 * kStride;
 
-  for (int block = 0; block < block_count; ++block) {
-    const std::size_t first_row = static_cast<std::size_t>(block) * k_block_rows;
-    const std::size_t rows =
-        std::min<std::size_t>(k_block_rows, static_cast<std::size_t>(frame.height_px) - first_row);
-    const std::uint8_t* top = frame.pixels + first_row * frame.stride_bytes;
-    // A short last block repeats its last row.
-    const std::uint8_t* row[k_block_rows];
-    for (std::size_t i = 0; i < k_block_rows; ++i) row[i] = top + std::min(i, rows - 1) * frame.stride_bytes;
-    // Two blocks ahead: far enough to hide memory, near enough to be still there.
-    const std::size_t ahead_rows =
-        static_cast<std::size_t>(block) + 2 < static_cast<std::size_t>(block_count) ? 2 * k_block_rows : 0;
-
-    for (std::size_t lane = 0; lane < whole_lanes; ++lane) {
-      const std::size_t column = lane * k_lane_columns;
-      std::uint8_t* values =
-          scratch.active_values.data() +
-          (lane * static_cast<std::size_t>(block_count) + scratch.active_counts[lane]) * k_lane_columns;
-      bool active = false;
-      if (ahead_rows != 0) {
-        for (std::size_t i = 0; i < k_block_rows; ++i)
-          hwy::Prefetch(row[i] + ahead_rows * frame.stride_bytes + column);
+  for (int number = 0; number < block_count; ++number) {
+    const BlockRows block{frame, number};
+    const std::size_t ahead_bytes =
+        number + k_blocks_ahead < block_count ? k_blocks_ahead * k_block_rows * frame.stride_bytes : 0;
+    std::size_t suspects = 0;
+    for (std::size_t lane = 0; lane < grid.count; ++lane) {
+      const std::size_t column = grid.first_column(lane);
+      for (std::size_t i = 0; i < k_block_rows / kStride; ++i)
+        hwy::Prefetch(block.row[sampled_row<kStride>(i)] + ahead_bytes + column);
+      bool suspicious = grid.columns() < k_lane_columns;
+      if (!suspicious) {
+        for (std::size_t part = 0; part < k_lane_columns; part += step) {
+          const std::size_t at = column + part;
+          const auto above =
+              hn::Gt(sampled_maximum<kStride>(d, block, at), hn::LoadU(d, scratch.suspect.data() + at));
+          suspicious = suspicious || !hn::AllFalse(d, above);
+        }
       }
-      for (std::size_t part = 0; part < k_lane_columns; part += step) {
-        const std::size_t at = column + part;
-        const auto a = hn::Max(hn::LoadU(d, row[0] + at), hn::LoadU(d, row[1] + at));
-        const auto b = hn::Max(hn::LoadU(d, row[2] + at), hn::LoadU(d, row[3] + at));
-        const auto c = hn::Max(hn::LoadU(d, row[4] + at), hn::LoadU(d, row[5] + at));
-        const auto e = hn::Max(hn::LoadU(d, row[6] + at), hn::LoadU(d, row[7] + at));
-        const auto maximum = hn::Max(hn::Max(a, b), hn::Max(c, e));
-        hn::StoreU(maximum, d, values + part);
-        const auto above = hn::Gt(maximum, hn::LoadU(d, scratch.threshold.data() + at));
-        active = active || !hn::AllFalse(d, above);
-      }
-      if (active) {
-        scratch.active_blocks[lane * static_cast<std::size_t>(block_count) + scratch.active_counts[lane]] =
-            static_cast<std::uint8_t>(block);
-        ++scratch.active_counts[lane];
+      if (!suspicious) continue;
+      scratch.suspect_lanes[suspects++] = static_cast<std::uint16_t>(lane);
+      if constexpr (kStride > 1) {
+        for (const std::uint8_t* row : block.row) hwy::Prefetch(row + column);
       }
     }
-    for (std::size_t lane = whole_lanes; lane < lane_count;
-         ++lane) {  // the rest of the width: one lane at most
-      const std::size_t column = lane * k_lane_columns, columns = width - column;
-      std::uint8_t* values =
-          scratch.active_values.data() +
-          (lane * static_cast<std::size_t>(block_count) + scratch.active_counts[lane]) * k_lane_columns;
-      bool active = false;
-      for (std::size_t i = 0; i < columns; ++i) {
-        std::uint8_t maximum = 0;
-        for (const std::uint8_t* pixels : row) maximum = std::max(maximum, pixels[column + i]);
-        values[i] = maximum;
-        active = active || maximum > scratch.threshold[column + i];
+    for (std::size_t i = 0; i < suspects; ++i)
+      note_block(block, number, grid, scratch.suspect_lanes[i], scratch);
+  }
+}
+
+/// Peaks of each column's block maxima.  A peak ends where the maxima fall below half its height, and the
+/// next begins where they have doubled again: speckle does not reach that, two stripes do.
+template <class D>
+class PeakSplitter {
+ public:
+  using V = hn::Vec<D>;
+  using M = hn::Mask<D>;
+
+  PeakSplitter(D d, const std::uint8_t* background, const std::uint8_t* threshold)
+      : d_{d},
+        background_{hn::LoadU(d, background)},
+        threshold_{hn::LoadU(d, threshold)},
+        valley_{hn::Zero(d)},
+        rising_{hn::Zero(d)},
+        peak_value_{hn::Zero(d)},
+        peak_block_{hn::Zero(d)},
+        value_{hn::Zero(d), hn::Zero(d)},
+        block_{hn::Zero(d), hn::Zero(d)},
+        seen_{hn::Zero(d)} {}
+
+  /// The next block's maxima; `gap`: blocks without any were left out before it.
+  HWY_INLINE void add(V value, std::uint8_t block, bool gap) {
+    if (gap) {
+      end_peaks(is_rising());
+      valley_ = hn::Zero(d_);
+    }
+    const V height = hn::SaturatedSub(value, background_);
+    const M high = hn::Gt(value, threshold_);
+    end_peaks(hn::AndNot(high, is_rising()));
+    const M rising = is_rising();  // those end no more, except by falling to half
+    const M higher = hn::And(rising, hn::Gt(value, peak_value_));
+    const M halved = hn::AndNot(higher, hn::And(rising, hn::Lt(hn::SaturatedAdd(height, height),
+                                                               hn::SaturatedSub(peak_value_, background_))));
+    const M waiting = hn::AndNot(rising, high);
+    const M begins = hn::And(waiting, hn::Gt(height, hn::SaturatedAdd(valley_, valley_)));
+    end_peaks(halved);
+    valley_ = hn::IfThenElse(halved, height, hn::IfThenElse(waiting, hn::Min(valley_, height), valley_));
+    valley_ = hn::IfThenElse(high, valley_, hn::Zero(d_));
+    rising_ = hn::IfThenElse(begins, hn::Set(d_, 255), rising_);
+    const M now = hn::Or(higher, begins);
+    peak_value_ = hn::IfThenElse(now, value, peak_value_);
+    peak_block_ = hn::IfThenElse(now, hn::Set(d_, block), peak_block_);
+  }
+
+  HWY_INLINE void store(Candidates& out, std::size_t column) {
+    end_peaks(is_rising());
+    for (std::size_t rank = 0; rank < k_kept_peaks; ++rank) {
+      hn::StoreU(value_[rank], d_, out.value[rank].data() + column);
+      hn::StoreU(block_[rank], d_, out.block[rank].data() + column);
+    }
+    hn::StoreU(seen_, d_, out.seen_count.data() + column);
+  }
+
+ private:
+  HWY_INLINE M is_rising() const { return hn::Gt(rising_, hn::Zero(d_)); }
+
+  /// Keeps the peaks of these columns, if they are among the two highest.
+  HWY_INLINE void end_peaks(M columns) {
+    const M first = hn::And(columns, hn::Gt(peak_value_, value_[0]));
+    const M second = hn::AndNot(first, hn::And(columns, hn::Gt(peak_value_, value_[1])));
+    value_[1] = hn::IfThenElse(first, value_[0], hn::IfThenElse(second, peak_value_, value_[1]));
+    block_[1] = hn::IfThenElse(first, block_[0], hn::IfThenElse(second, peak_block_, block_[1]));
+    value_[0] = hn::IfThenElse(first, peak_value_, value_[0]);
+    block_[0] = hn::IfThenElse(first, peak_block_, block_[0]);
+    seen_ = hn::SaturatedAdd(seen_, hn::IfThenElseZero(columns, hn::Set(d_, 1)));
+    rising_ = hn::IfThenElse(columns, hn::Zero(d_), rising_);
+  }
+
+  D d_;
+  V background_, threshold_;
+  V valley_;  ///< lowest height since the last peak ended
+  V rising_;  ///< not 0: inside a peak that has not ended
+  V peak_value_, peak_block_;
+  V value_[k_kept_peaks], block_[k_kept_peaks];
+  V seen_;
+};
+
+void split_peaks(const FrameRows& frame, CoarseScratch& scratch) {
+  const hn::CappedTag<std::uint8_t, k_lane_columns> d;
+  const LaneGrid grid{frame};
+  const std::size_t blocks_per_lane = scratch.active_blocks.size() / grid.count;
+  for (std::size_t lane = 0; lane < grid.count; ++lane) {
+    // In a frame narrower than a lane the work space is a whole lane all the same.
+    for (std::size_t part = 0; part < k_lane_columns; part += hn::Lanes(d)) {
+      const std::size_t column = grid.first_column(lane) + part;
+      PeakSplitter splitter{d, scratch.background.data() + column, scratch.threshold.data() + column};
+      int last_block = -2;
+      for (std::size_t i = 0; i < scratch.active_counts[lane]; ++i) {
+        const std::size_t entry = lane * blocks_per_lane + i;
+        const std::uint8_t block = scratch.active_blocks[entry];
+        splitter.add(hn::LoadU(d, scratch.active_values.data() + entry * k_lane_columns + part), block,
+                     block != last_block + 1);
+        last_block = block;
       }
-      if (active) {
-        scratch.active_blocks[lane * static_cast<std::size_t>(block_count) + scratch.active_counts[lane]] =
-            static_cast<std::uint8_t>(block);
-        ++scratch.active_counts[lane];
-      }
+      splitter.store(scratch.candidates, column);
     }
   }
 }
 
-void coarse(const FrameRows& frame, int threshold_grey, CoarseScratch& scratch) {
-  quiet_level(frame, threshold_grey, scratch);
-  block_maxima(frame, scratch);
+void find(const FrameRows& frame, const SearchPlan& plan, CoarseScratch& scratch) {
+  quiet_level(frame, plan, scratch);
+  switch (plan.row_stride) {
+    case 4:
+      block_maxima<4>(frame, scratch);
+      break;
+    case 2:
+      block_maxima<2>(frame, scratch);
+      break;
+    default:
+      block_maxima<1>(frame, scratch);
+      break;
+  }
+  split_peaks(frame, scratch);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -140,76 +296,13 @@ HWY_AFTER_NAMESPACE();
 namespace biteline::stripe {
 namespace {
 
-HWY_EXPORT(coarse);
-
-/// Keeps `found` among the two highest.
-void keep(ColumnCandidates& column, Candidate found) {
-  if (column.seen_count < 255) ++column.seen_count;
-  if (column.kept_count > 0 && found.value > column.kept[0].value) std::swap(found, column.kept[0]);
-  if (column.kept_count == 0 || column.kept_count == 1 || found.value > column.kept[1].value) {
-    column.kept[std::min<std::size_t>(column.kept_count, 1)] = found;
-    column.kept_count = static_cast<std::uint8_t>(std::min(2, column.kept_count + 1));
-  }
-}
-
-/// Peaks of one column's block maxima.  A peak ends where the maxima fall below half its height, and the next
-/// begins where they have doubled again: speckle does not reach that, two stripes do.
-void split_peaks(const CoarseScratch& scratch, std::size_t lane, std::size_t blocks_per_lane,
-                 std::size_t part, ColumnCandidates& column, std::uint8_t threshold,
-                 std::uint8_t background) {
-  column.kept_count = 0;
-  column.seen_count = 0;
-  Candidate peak{};
-  int valley = 255;     // height above background
-  bool rising = false;  // inside a peak that has not ended
-  int last_block = -2;
-  const auto end_peak = [&] {
-    if (rising) keep(column, peak);
-    rising = false;
-    valley = 255;
-  };
-  for (std::size_t i = 0; i < scratch.active_counts[lane]; ++i) {
-    const std::size_t entry = lane * blocks_per_lane + i;
-    const int block = scratch.active_blocks[entry];
-    const std::uint8_t value = scratch.active_values[entry * k_lane_columns + part];
-    const int height = value - background;
-    if (block != last_block + 1) {
-      end_peak();
-      valley = 0;
-    }
-    last_block = block;
-    if (value <= threshold) {
-      end_peak();
-      valley = 0;
-    } else if (rising) {
-      if (value > peak.value) {
-        peak = {static_cast<std::uint8_t>(block), value};
-      } else if (2 * height < peak.value - background) {
-        keep(column, peak);
-        rising = false;
-        valley = height;
-      }
-    } else if (height > 2 * valley) {
-      rising = true;
-      peak = {static_cast<std::uint8_t>(block), value};
-    } else {
-      valley = std::min(valley, height);
-    }
-  }
-  end_peak();
-}
+HWY_EXPORT(find);
 
 }  // namespace
 
-void rt_find_candidates(const FrameRows& frame, float threshold_grey,
+void rt_find_candidates(const FrameRows& frame, const SearchPlan& plan,
                         CoarseScratch& scratch) noexcept BITELINE_RT {
-  HWY_DYNAMIC_DISPATCH(coarse)(frame, static_cast<int>(threshold_grey), scratch);
-  const std::size_t lanes = scratch.active_counts.size();
-  const std::size_t blocks_per_lane = scratch.active_blocks.size() / lanes;
-  for (std::size_t column = 0; column < static_cast<std::size_t>(frame.width_px); ++column) {
-    split_peaks(scratch, column / k_lane_columns, blocks_per_lane, column % k_lane_columns,
-                scratch.candidates[column], scratch.threshold[column], scratch.background[column]);
-  }
+  HWY_DYNAMIC_DISPATCH(find)(frame, plan, scratch);
 }
 
 }  // namespace biteline::stripe

@@ -3,6 +3,9 @@
 
 #include <hwy/targets.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "common/core/contracts.hpp"
 #include "common/stripe/peak_extractor_state.hpp"
 
@@ -12,6 +15,31 @@ PeakExtractor::PeakExtractor(std::unique_ptr<State> state) : state_{std::move(st
 PeakExtractor::PeakExtractor(PeakExtractor&&) noexcept = default;
 PeakExtractor& PeakExtractor::operator=(PeakExtractor&&) noexcept = default;
 PeakExtractor::~PeakExtractor() = default;
+
+/// A block is of interest when its brightest pixel, at row r, stands above the quiet level by more than the
+/// threshold t.  The stripe's centre c lies within half a row of r.  With every S-th row read, S = 2 or 4,
+/// one of those is no farther from c than S / 2 (the rows read lie 1 or 2 rows from the blocks' borders, so
+/// no two are farther apart than S across them either); blurred by a Gaussian of standard deviation s or more
+/// it shows at least exp(-(S / 2)^2 / (2 s^2)) of the top.  With s = width_min_px / 2.3548 a block that shows
+/// no more than t times that on every row read therefore has no permitted stripe above t between them.  This
+/// is so to within the noise, as is passing t itself; where the lowered threshold would come down into the
+/// noise, and for narrower stripes than that, there is the next smaller stride, down to every row.  A stripe
+/// whose centre is beyond the region's border may stay unseen: it could not be measured.
+SearchPlan plan_search(const PeakConfig& config) {
+  constexpr float k_noise_sigma = 4;  // of read noise: one false suspicion in 30 000 pixels costs nothing
+  const float sigma_min_px = config.width_min_px / 2.3548F;
+  SearchPlan plan{.threshold_grey = static_cast<int>(config.threshold_grey)};
+  plan.suspect_grey = plan.threshold_grey;
+  for (const int stride : {2, 4}) {
+    const float reach =
+        std::min(0.5F * static_cast<float>(stride) / sigma_min_px, 6.0F);  // exp(-18): nothing left
+    const float lowered_grey = config.threshold_grey * std::exp(-0.5F * reach * reach);
+    if (lowered_grey < k_noise_sigma * config.noise.read_noise_grey || lowered_grey < 1) break;
+    plan.row_stride = stride;
+    plan.suspect_grey = static_cast<int>(lowered_grey);
+  }
+  return plan;
+}
 
 Result<PeakExtractor> PeakExtractor::create(const PeakConfig& config, int width_px, int height_px) {
   if (width_px < static_cast<int>(k_max_lanes) || width_px > static_cast<int>(k_max_columns)) {
@@ -38,6 +66,7 @@ Result<PeakExtractor> PeakExtractor::create(const PeakConfig& config, int width_
 
   auto state = std::make_unique<State>();
   state->config = config;
+  state->plan = plan_search(config);
   state->width_px = width_px;
   state->height_px = height_px;
   const std::size_t lanes = (static_cast<std::size_t>(width_px) + k_lane_columns - 1) / k_lane_columns;
@@ -48,7 +77,13 @@ Result<PeakExtractor> PeakExtractor::create(const PeakConfig& config, int width_
   state->scratch.active_values.assign(columns * blocks, 0);
   state->scratch.active_blocks.assign(lanes * blocks, 0);
   state->scratch.active_counts.assign(lanes, 0);
-  state->scratch.candidates.assign(columns, {});
+  state->scratch.suspect.assign(columns, 0);
+  state->scratch.suspect_lanes.assign(lanes, 0);
+  for (std::size_t rank = 0; rank < k_kept_peaks; ++rank) {
+    state->scratch.candidates.block[rank].assign(columns, 0);
+    state->scratch.candidates.value[rank].assign(columns, 0);
+  }
+  state->scratch.candidates.seen_count.assign(columns, 0);
   // The instruction set is chosen here and not at the first frame.
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());
   return PeakExtractor{std::move(state)};

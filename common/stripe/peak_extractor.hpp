@@ -32,7 +32,7 @@ struct NoiseModel {
 struct PeakConfig {
   PeakMode mode{PeakMode::Matched};
   float threshold_grey{12.0F};  ///< a peak is at least this high above its background
-  float width_min_px{1.5F};     ///< full width at half maximum
+  float width_min_px{1.5F};     ///< full width at half maximum; narrower ones may be missed, or are flagged
   float width_max_px{24.0F};
   NoiseModel noise{};
 };
@@ -59,9 +59,13 @@ void rt_subtract_ambient(const AmbientPair& pair, std::uint8_t* out) noexcept BI
 
 /// Finds the stripe's peaks in each column of 8-bit frames.
 ///
-/// One row-major pass makes the maximum of every eight rows (vectors of columns, instruction set chosen at
-/// run time); candidates are searched in that small map, and only their surroundings are read again. Thread:
-/// one at a time.  RT: rt_extract.  Memory: all sized in create().
+/// One row-major pass (vectors of columns, instruction set chosen at run time) looks for blocks of eight rows
+/// with light in them; it reads only as many rows as a stripe of PeakConfig::width_min_px cannot hide
+/// between: every second one by default, every one where narrower stripes are permitted (plan_search()).  The
+/// maxima of such blocks are a small map in which candidates are searched, and only these are read closely.
+/// Two stripes in one column less than some 20 rows apart are one peak, its shape then flagged
+/// k_peak_poor_fit unless they are so near that their sum looks like one.
+/// Thread: one at a time.  RT: rt_extract.  Memory: all sized in create().
 class PeakExtractor {
  public:
   /// Fails on more than k_max_columns columns, fewer than 16 columns or rows, or a config out of range.

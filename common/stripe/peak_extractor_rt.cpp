@@ -9,13 +9,14 @@ void PeakExtractor::rt_extract(const PixelView& frame, Peaks& out) noexcept BITE
                        .stride_bytes = frame.stride_bytes,
                        .width_px = state.width_px,
                        .height_px = state.height_px};
-  rt_find_candidates(rows, state.config.threshold_grey, state.scratch);
+  rt_find_candidates(rows, state.plan, state.scratch);
 
   out.column_count = state.width_px;
   for (std::size_t column = 0; column < static_cast<std::size_t>(state.width_px); ++column) {
-    if (!state.column_mask.empty() && state.column_mask[column] == 0) state.scratch.candidates[column] = {};
+    std::uint8_t& seen_count = state.scratch.candidates.seen_count[column];
+    if (!state.column_mask.empty() && state.column_mask[column] == 0) seen_count = 0;
     out.columns[column].kept_count = 0;
-    out.columns[column].seen_count = state.scratch.candidates[column].seen_count;
+    out.columns[column].seen_count = seen_count;
   }
   rt_fit_candidates(rows, state.config, state.scratch, out);
 

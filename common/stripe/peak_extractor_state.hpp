@@ -23,17 +23,19 @@ inline constexpr int k_lane_columns = 64;
 /// Blocks are counted in a byte.
 inline constexpr int k_max_rows = 255 * k_block_rows;
 
-/// A place to look at closely: the brightest of its surroundings, to within a block.
-struct Candidate {
-  std::uint8_t block{0};
-  std::uint8_t value{0};
+/// How the frame is searched.
+struct SearchPlan {
+  int threshold_grey{0};  ///< a block is of interest above the column's quiet level by more than this
+  /// Of the rows, one in so many is read for every column: 1, 2 or 4.
+  int row_stride{1};
+  /// Only where a row that is read rises above the quiet level by more than this are the rows between read
+  /// too.
+  int suspect_grey{0};
 };
 
-struct ColumnCandidates {
-  std::array<Candidate, k_kept_peaks> kept;  ///< the highest first
-  std::uint8_t kept_count{0};
-  std::uint8_t seen_count{0};
-};
+/// The widest stride at which no stripe of the permitted width slips between the rows (proof at its
+/// definition).
+[[nodiscard]] SearchPlan plan_search(const PeakConfig& config);
 
 /// The frame, with what the coarse pass needs to know about it.
 struct FrameRows {
@@ -43,41 +45,34 @@ struct FrameRows {
   int height_px;
 };
 
+/// Places to look at closely: the brightest of their surroundings, to within a block.  One entry per column.
+struct Candidates {
+  std::array<std::vector<std::uint8_t>, k_kept_peaks> block;  ///< the highest first
+  std::array<std::vector<std::uint8_t>, k_kept_peaks> value;  ///< the block's maximum
+  std::vector<std::uint8_t> seen_count;                       ///< saturates at 255; the highest two are kept
+};
+
 /// Work space of the coarse pass.
 struct CoarseScratch {
   /// Per column, a quiet level: what the column shows away from any stripe.
   std::vector<std::uint8_t> background;
-  std::vector<std::uint8_t> threshold;  ///< background + PeakConfig::threshold_grey, saturated
+  std::vector<std::uint8_t> threshold;  ///< background + SearchPlan::threshold_grey, saturated
+  std::vector<std::uint8_t> suspect;    ///< background + SearchPlan::suspect_grey, saturated
   /// Block maxima of the lanes that rose above the threshold, in scan order within a lane, `k_lane_columns`
   /// each.
   std::vector<std::uint8_t> active_values;
   std::vector<std::uint8_t> active_blocks;   ///< block number of each entry
   std::vector<std::uint16_t> active_counts;  ///< entries per lane
-  std::vector<ColumnCandidates> candidates;  ///< per column
+  std::vector<std::uint16_t> suspect_lanes;  ///< of the present block
+  Candidates candidates;
 };
 
-/// Fills scratch.candidates.  `threshold_grey` above the column's own quiet level.
-void rt_find_candidates(const FrameRows& frame, float threshold_grey,
+/// Fills scratch.candidates.
+void rt_find_candidates(const FrameRows& frame, const SearchPlan& plan,
                         CoarseScratch& scratch) noexcept BITELINE_RT;
 
 /// At most this many columns in one vector of floats.
 inline constexpr std::size_t k_max_lanes = 16;
-
-/// Neighbouring columns whose candidates are fitted together.
-struct FitGroup {
-  std::size_t first_column{0};
-  std::array<bool, k_max_lanes> used{};
-  std::array<float, k_max_lanes> in_use{};      ///< the same as a number
-  std::array<float, k_max_lanes> block_row{};   ///< first row of the candidate's block
-  std::array<float, k_max_lanes> top{};         ///< the block's maximum
-  std::array<float, k_max_lanes> background{};  ///< the column's quiet level
-  int lowest_row{0};                            ///< of block_row over the used lanes
-  int highest_row{0};
-};
-
-struct FittedLanes {
-  std::array<float, k_max_lanes> centre, sigma, amplitude, background, sigma_centre, misfit, saturated;
-};
 
 /// Fits every candidate by the stripe's shape; those whose amplitude is too low are dropped.  Pre: out's
 /// counts are 0.
@@ -89,6 +84,7 @@ void rt_apply_mode(const FrameRows& frame, int column, PeakMode mode, Peak& peak
 
 struct PeakExtractor::State {
   PeakConfig config;
+  SearchPlan plan;
   int width_px{0};
   int height_px{0};
   std::vector<std::uint8_t> column_mask;  ///< empty: all

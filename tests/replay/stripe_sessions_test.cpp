@@ -107,4 +107,37 @@ TEST(StripeSessions, ScannedShoeWithHolesAndSteepSidesToo) {
   check_quality(quality);
 }
 
+TEST(StripeSessions, ReadingEverySecondRowMissesNothing) {
+  for (const char* name : {"sessions/sport3", "sessions/airjordan1"}) {
+    BITELINE_SHARED_DATA_OR_SKIP(root, name);
+    const auto recorded = session::read_session(root);
+    CHECK(recorded.has_value());
+    const geometry::Region& region = recorded->sensor.region;
+    const auto width = static_cast<std::size_t>(region.width_px);
+    auto every_second = stripe::PeakExtractor::create({}, region.width_px, region.height_px);
+    // No stripe is too narrow: nothing between the rows may be left out.
+    auto every_one = stripe::PeakExtractor::create({.width_min_px = 0.1F}, region.width_px, region.height_px);
+    CHECK(every_second.has_value() && every_one.has_value());
+    std::vector<std::uint8_t> pixels(width * static_cast<std::size_t>(region.height_px));
+    const auto expected = std::make_unique<stripe::Peaks>(), got = std::make_unique<stripe::Peaks>();
+    std::size_t peaks = 0;
+    for (std::size_t i = 0; i < recorded->frames.size(); i += 40) {
+      CHECK(image::read_png_into(recorded->frames[i].file, region.width_px, region.height_px, pixels)
+                .has_value());
+      every_one->rt_extract({.pixels = pixels.data(), .stride_bytes = width}, *expected);
+      every_second->rt_extract({.pixels = pixels.data(), .stride_bytes = width}, *got);
+      for (std::size_t u = 0; u < width; ++u) {
+        const stripe::ColumnPeaks &one = expected->columns[u], &other = got->columns[u];
+        LONGS_EQUAL(one.kept_count, other.kept_count);
+        LONGS_EQUAL(one.seen_count, other.seen_count);
+        for (std::size_t k = 0; k < one.kept_count; ++k) {
+          DOUBLES_EQUAL(one.kept[k].row_px, other.kept[k].row_px, 0.05 * one.kept[k].sigma_row_px);
+          ++peaks;
+        }
+      }
+    }
+    CHECK(peaks > 10000);
+  }
+}
+
 }  // namespace biteline::pipeline
