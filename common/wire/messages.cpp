@@ -53,15 +53,17 @@ PackedBody pack_body(FlatBufferBuilder& fbb, const Health& health) {
   const auto counters = pack_counters(fbb, health.counters);
   const auto stages = pack_stages(fbb, health.stages);
   const auto reason = text(fbb, health.laser_reason);
+  const auto devices = pack_devices(fbb, health.devices);
   return packed(fb::Body_Health, fb::CreateHealth(fbb, counters, stages, static_cast<fb::LaserState>(health.laser),
-                                                  reason, health.scanning));
+                                                  reason, health.scanning, devices));
 }
 
 PackedBody pack_body(FlatBufferBuilder& fbb, const EndOfScan& end) {
   const auto where = text(fbb, end.where);
   const auto counters = pack_counters(fbb, end.counters);
   const auto stages = pack_stages(fbb, end.stages);
-  return packed(fb::Body_EndOfScan, fb::CreateEndOfScan(fbb, end.errc, where, counters, stages));
+  const auto devices = pack_devices(fbb, end.devices);
+  return packed(fb::Body_EndOfScan, fb::CreateEndOfScan(fbb, end.errc, where, counters, stages, devices));
 }
 
 PackedBody pack_body(FlatBufferBuilder& fbb, const Ack& ack) {
@@ -127,18 +129,22 @@ Result<Body> read_body(const fb::Profile& table) {
 
 Result<Body> read_body(const fb::Health& table) {
   if (table.laser() > fb::LaserState_MAX) return fail(Errc::ProtocolError, "health: unknown laser state");
+  BITELINE_ASSIGN(Devices devices, read_devices(table.devices()));
   return Health{.counters = read_counters(table.counters()),
                 .stages = read_stages(table.stages()),
                 .laser = static_cast<LaserState>(table.laser()),
                 .laser_reason = to_string(table.laser_reason()),
-                .scanning = table.scanning()};
+                .scanning = table.scanning(),
+                .devices = std::move(devices)};
 }
 
 Result<Body> read_body(const fb::EndOfScan& table) {
+  BITELINE_ASSIGN(Devices devices, read_devices(table.devices()));
   return EndOfScan{.errc = table.errc(),
                    .where = to_string(table.where()),
                    .counters = read_counters(table.counters()),
-                   .stages = read_stages(table.stages())};
+                   .stages = read_stages(table.stages()),
+                   .devices = std::move(devices)};
 }
 
 Result<Body> read_body(const fb::Ack& table) {

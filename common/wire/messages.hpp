@@ -3,6 +3,7 @@
 /// \file The messages between sensor and host as plain structs, and their bytes (PROTOCOL.md).
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -67,6 +68,47 @@ struct Counters {
   std::uint64_t overruns{0};
 };
 
+/// How another device's clock lies on the sensor's.
+struct ClockState {
+  std::string name;
+  bool known{false};
+  Nanoseconds offset{0};  ///< sensor clock minus the other
+  Nanoseconds uncertainty{0};
+  double drift_ppm{0};
+  std::uint64_t steps{0};
+};
+
+/// Frames against the edges of the camera's strobe echo.
+struct TriggerState {
+  std::uint64_t edges{0};
+  std::uint64_t edges_missed{0};
+  std::uint64_t edges_doubled{0};
+  std::uint64_t edges_late{0};
+  std::uint64_t edges_lost{0};
+  std::uint64_t frames_paired{0};
+  std::uint64_t frames_without_edge{0};
+  std::uint64_t frames_with_two_edges{0};
+  std::uint64_t edges_without_frame{0};
+};
+
+/// The state of what hangs on the sensor, beyond the counters.
+struct Devices {
+  std::vector<ClockState> clocks;
+  std::optional<TriggerState> trigger;  ///< nothing: no strobe echo ties frames to edges
+  bool trigger_by_software{false};
+  bool camera_connected{false};
+  std::uint64_t camera_underruns{0};
+  std::uint64_t packets_resent{0};
+  std::optional<float> temperature_degc;
+  bool poses_flow{false};
+  std::uint64_t pose_reconnects{0};
+  std::uint64_t poses_unlatched{0};  ///< no SYNC seen: placed by their own stamps
+  std::uint64_t bus_errors{0};
+  std::uint64_t bus_restarts{0};
+  std::uint64_t watchdog_feeds_failed{0};
+  bool realtime{false};  ///< the thread table was enforced
+};
+
 enum class LaserState : std::uint8_t { Off, On, Fault };
 
 /// A few times a second; the newest replaces the older.
@@ -76,6 +118,7 @@ struct Health {
   LaserState laser{LaserState::Off};
   std::string laser_reason;
   bool scanning{false};
+  Devices devices;
 };
 
 /// The scan's last message, in sequence with its profiles.
@@ -84,6 +127,7 @@ struct EndOfScan {
   std::string where;
   Counters counters;
   std::vector<StageTime> stages;
+  Devices devices;
 };
 
 /// Host to sensor: everything below is safe with the host.

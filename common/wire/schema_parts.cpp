@@ -139,4 +139,66 @@ std::vector<StageTime> read_stages(const StageTimeVector* tables) {
   return stages;
 }
 
+flatbuffers::Offset<fb::Devices> pack_devices(flatbuffers::FlatBufferBuilder& fbb, const Devices& devices) {
+  std::vector<flatbuffers::Offset<fb::ClockState>> clocks;
+  for (const ClockState& clock : devices.clocks) {
+    clocks.push_back(fb::CreateClockState(fbb, text(fbb, clock.name), clock.known, clock.offset.count(),
+                                          clock.uncertainty.count(), clock.drift_ppm, clock.steps));
+  }
+  const auto clock_vector = fbb.CreateVector(clocks);
+  flatbuffers::Offset<fb::TriggerState> trigger;
+  if (const std::optional<TriggerState>& t = devices.trigger) {
+    trigger = fb::CreateTriggerState(fbb, t->edges, t->edges_missed, t->edges_doubled, t->edges_late, t->edges_lost,
+                                     t->frames_paired, t->frames_without_edge, t->frames_with_two_edges,
+                                     t->edges_without_frame);
+  }
+  return fb::CreateDevices(fbb, clock_vector, trigger, devices.trigger_by_software, devices.camera_connected,
+                           devices.camera_underruns, devices.packets_resent, devices.temperature_degc.has_value(),
+                           devices.temperature_degc.value_or(0), devices.poses_flow, devices.pose_reconnects,
+                           devices.poses_unlatched, devices.bus_errors, devices.bus_restarts, devices.watchdog_feeds_failed, devices.realtime);
+}
+
+Result<Devices> read_devices(const fb::Devices* table) {
+  Devices devices;
+  if (table == nullptr) return devices;
+  if (table->clocks() != nullptr) {
+    for (const fb::ClockState* clock : *table->clocks()) {
+      if (!std::isfinite(clock->drift_ppm())) return fail(Errc::ProtocolError, "clock with a drift that is not finite");
+      devices.clocks.push_back({.name = to_string(clock->name()),
+                                .known = clock->known(),
+                                .offset = Nanoseconds{clock->offset_ns()},
+                                .uncertainty = Nanoseconds{clock->uncertainty_ns()},
+                                .drift_ppm = clock->drift_ppm(),
+                                .steps = clock->steps()});
+    }
+  }
+  if (const fb::TriggerState* trigger = table->trigger()) {
+    devices.trigger = TriggerState{.edges = trigger->edges(),
+                                   .edges_missed = trigger->edges_missed(),
+                                   .edges_doubled = trigger->edges_doubled(),
+                                   .edges_late = trigger->edges_late(),
+                                   .edges_lost = trigger->edges_lost(),
+                                   .frames_paired = trigger->frames_paired(),
+                                   .frames_without_edge = trigger->frames_without_edge(),
+                                   .frames_with_two_edges = trigger->frames_with_two_edges(),
+                                   .edges_without_frame = trigger->edges_without_frame()};
+  }
+  if (table->temperature_known()) {
+    if (!std::isfinite(table->temperature_degc())) return fail(Errc::ProtocolError, "temperature that is not finite");
+    devices.temperature_degc = table->temperature_degc();
+  }
+  devices.trigger_by_software = table->trigger_by_software();
+  devices.camera_connected = table->camera_connected();
+  devices.camera_underruns = table->camera_underruns();
+  devices.packets_resent = table->packets_resent();
+  devices.poses_flow = table->poses_flow();
+  devices.pose_reconnects = table->pose_reconnects();
+  devices.poses_unlatched = table->poses_unlatched();
+  devices.bus_errors = table->bus_errors();
+  devices.bus_restarts = table->bus_restarts();
+  devices.watchdog_feeds_failed = table->watchdog_feeds_failed();
+  devices.realtime = table->realtime();
+  return devices;
+}
+
 }  // namespace biteline::wire

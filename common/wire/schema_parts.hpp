@@ -32,4 +32,8 @@ using StageTimeVector = flatbuffers::Vector<flatbuffers::Offset<fb::StageTime>>;
                                                                const std::vector<StageTime>& stages);
 [[nodiscard]] std::vector<StageTime> read_stages(const StageTimeVector* tables);
 
+[[nodiscard]] flatbuffers::Offset<fb::Devices> pack_devices(flatbuffers::FlatBufferBuilder& fbb, const Devices& devices);
+/// All unknown when absent: an older sensor.
+[[nodiscard]] Result<Devices> read_devices(const fb::Devices* table);
+
 }  // namespace biteline::wire

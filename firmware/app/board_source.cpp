@@ -73,16 +73,17 @@ Result<std::unique_ptr<hal::LineCamera>> open_v4l2([[maybe_unused]] const hal::B
 #endif
 }
 
-Result<std::unique_ptr<hal::LineCamera>> open_gige([[maybe_unused]] const hal::Board& board) {
+Result<std::unique_ptr<hal::LineCamera>> open_gige([[maybe_unused]] const hal::Board& board, [[maybe_unused]] bool realtime) {
 #ifdef BITELINE_WITH_ARAVIS
   hal::AravisCamera::Config config;
   config.address = board.camera.address;
   config.packet_bytes = board.camera.packet_bytes;
   config.packet_socket = board.camera.packet_socket;
+  config.receive_priority = realtime ? runtime::threads::k_receive.priority : 0;
   if (!board.ptp.empty()) {
-    BITELINE_ASSIGN(const hal::Phc clock, hal::Phc::open(board.ptp));
-    BITELINE_ASSIGN(const hal::PhcOffset offset, clock.measure());
-    config.ptp_minus_sensor = offset.offset;
+    BITELINE_ASSIGN(hal::Phc clock, hal::Phc::open(board.ptp));
+    BITELINE_TRY(clock.measure());
+    config.ptp_clock = std::make_shared<hal::Phc>(std::move(clock));
   }
   return hal::AravisCamera::open(config);
 #else
@@ -135,7 +136,7 @@ class BoardDevices final : public SourceKind {
   Result<std::unique_ptr<hal::LineCamera>> open_camera() const {
     BITELINE_ASSIGN(std::unique_ptr<hal::LineCamera> camera, board_.camera.kind == hal::BoardCamera::Kind::V4l2
                                                                  ? open_v4l2(board_.camera)
-                                                                 : open_gige(board_));
+                                                                 : open_gige(board_, realtime));
     if (!board_.strobe_echo || board_.camera.edge_to_mid_max == Nanoseconds{0}) return camera;
     BITELINE_ASSIGN(std::unique_ptr<hal::EdgeIn> strobe_echo, open_edges(*board_.strobe_echo));
     const hal::TriggerPairing::Config pairing{.latency_min = board_.camera.edge_to_mid_min,

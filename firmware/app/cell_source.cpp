@@ -5,15 +5,22 @@
 #include <utility>
 
 #include "firmware/app/live_head.hpp"
+#include "firmware/runtime/thread_table.hpp"
 #include "hal/linux/aravis/aravis_camera.hpp"
 #include "hal/linux/socketcan/can_pose_source.hpp"
 #include "hal/sim/bus/bus_devices.hpp"
+#include "hal/timing/triggered_camera.hpp"
 
 namespace biteline::sensor {
 namespace {
 
 /// Loopback takes packets of this size (its MTU is 65536); the camera's default would cost ten times the interrupts.
 constexpr int k_loopback_packet_bytes = 16000;
+
+/// The cell's camera stamps the edge itself (its clock is this machine's): edge to mid-exposure is half an exposure, of at
+/// most 10 ms.
+constexpr hal::TriggeredCamera::Config k_pairing{
+    .pairing = {.latency_min = std::chrono::microseconds{-100}, .latency_max = std::chrono::microseconds{5100}}};
 
 class Cell final : public SourceKind {
  public:
@@ -26,7 +33,12 @@ class Cell final : public SourceKind {
   Result<Source> open() override {
     Source source;
     source.scan_name = "cell";
-    BITELINE_ASSIGN(source.camera, hal::AravisCamera::open({.address = camera_address_, .packet_bytes = k_loopback_packet_bytes}));
+    BITELINE_ASSIGN(std::unique_ptr<hal::LineCamera> camera,
+                    hal::AravisCamera::open({.address = camera_address_,
+                                             .packet_bytes = k_loopback_packet_bytes,
+                                             .receive_priority = realtime ? runtime::threads::k_receive.priority : 0}));
+    BITELINE_ASSIGN(std::unique_ptr<hal::EdgeIn> strobe_echo, sim::SimEdgeIn::open(wires_, sim::Line::StrobeEcho));
+    source.camera = std::make_unique<hal::TriggeredCamera>(std::move(camera), std::move(strobe_echo), k_pairing);
     BITELINE_TRY(configure_as_head(*source.camera, model, hal::Trigger::Hardware));
     BITELINE_ASSIGN(std::unique_ptr<hal::CanBus> bus, sim::SimCanBus::open(wires_));
     source.poses = std::make_unique<hal::CanPoseSource>(std::move(bus), clock_, hal::CanPoseSource::Config{});

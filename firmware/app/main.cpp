@@ -64,6 +64,7 @@ Result<void> run(const sensor::Options& options, const sigset_t& signals) {
   BITELINE_ASSIGN(const std::unique_ptr<sensor::SourceKind> kind, sensor::choose_source(options.source));
   const runtime::RealtimeDemand demand = options.realtime.value_or(
       kind->recording ? runtime::RealtimeDemand::Ignored : runtime::RealtimeDemand::Required);
+  kind->realtime = demand == runtime::RealtimeDemand::Required;
   BITELINE_TRY(runtime::prepare_process(demand));
   BITELINE_ASSIGN(stream::StreamSocket::Config network, network_of(options));
   BITELINE_ASSIGN(const std::unique_ptr<stream::StreamSocket> socket, stream::StreamSocket::open(std::move(network)));

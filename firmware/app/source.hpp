@@ -52,6 +52,7 @@ class SourceKind {
 
   geometry::SensorModel model;
   bool recording{false};  ///< may be made to wait; played once, from the start of the program
+  bool realtime{false};   ///< threads of the devices' own run as the thread table says
   bool simulated{false};  ///< frames and poses are made, not measured
 };
 

@@ -29,6 +29,8 @@ using std::chrono::microseconds;
 inline constexpr ThreadSpec k_safety{"bl-safety", Policy::Fifo, 70, 0, milliseconds{10}, milliseconds{1}};
 /// Poses are short and must not age behind a frame.
 inline constexpr ThreadSpec k_pose{"bl-pose", Policy::Fifo, 60, 0, milliseconds{0}, microseconds{200}};
+/// Packets of a network camera, taken out of the socket: what waits there too long is lost.  Made by Aravis.
+inline constexpr ThreadSpec k_receive{"bl-receive", Policy::Fifo, 55, -1, milliseconds{0}, milliseconds{1}};
 /// One frame's way, ARCHITECTURE "Time budget of one frame": 10 ms between frames at 100 Hz, half of it at most.
 inline constexpr ThreadSpec k_acquisition{"bl-acq", Policy::Fifo, 50, 1, milliseconds{0}, milliseconds{5}};
 /// Encodes and sends; what it does late nobody misses before the store is full.
@@ -36,7 +38,7 @@ inline constexpr ThreadSpec k_stream{"bl-stream", Policy::Normal, 0, -1, millise
 
 }  // namespace threads
 
-inline constexpr std::array<ThreadSpec, 4> k_thread_table{threads::k_safety, threads::k_pose, threads::k_acquisition,
-                                                          threads::k_stream};
+inline constexpr std::array<ThreadSpec, 5> k_thread_table{threads::k_safety, threads::k_pose, threads::k_receive,
+                                                          threads::k_acquisition, threads::k_stream};
 
 }  // namespace biteline::runtime

@@ -4,6 +4,7 @@
 
 #include "common/core/result.hpp"
 #include "common/geometry/sensor_model.hpp"
+#include "hal/api/clock_health.hpp"
 #include "hal/api/frame.hpp"
 
 namespace biteline::hal {
@@ -32,6 +33,20 @@ struct CameraLimits {
   bool bracketing{false};
 };
 
+/// What a camera's strobe echo shows of its trigger; counts since start().
+struct TriggerHealth {
+  bool watched{false};                     ///< there is a strobe echo, and frames are tied to its edges
+  std::uint64_t edges{0};                  ///< slots of the train with an edge
+  std::uint64_t edges_missed{0};           ///< slots without
+  std::uint64_t edges_doubled{0};          ///< second edges in a slot
+  std::uint64_t edges_late{0};             ///< off the train's grid
+  std::uint64_t edges_lost{0};             ///< by the kernel or the wire, known by their number
+  std::uint64_t frames_paired{0};
+  std::uint64_t frames_without_edge{0};
+  std::uint64_t frames_with_two_edges{0};
+  std::uint64_t edges_without_frame{0};
+};
+
 /// Counts since start(), except `finished`.
 struct CameraHealth {
   std::uint64_t frames{0};         ///< given out whole
@@ -43,6 +58,8 @@ struct CameraHealth {
   bool temperature_known{false};
   bool connected{true};
   bool finished{false};            ///< a finite source (a recording) has no further frame, now and for ever
+  ClockHealth clock{};             ///< the camera's own clock, where stamps are mapped from one
+  TriggerHealth trigger{};
 };
 
 /// Made by the backend's `static Result<std::unique_ptr<...>> open(config)`; destroyed in any state (stops first).

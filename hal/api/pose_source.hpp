@@ -8,6 +8,7 @@
 #include "common/core/result.hpp"
 #include "common/geometry/se3.hpp"
 #include "common/time/clocks.hpp"
+#include "hal/api/clock_health.hpp"
 
 namespace biteline::hal {
 
@@ -44,6 +45,10 @@ struct PoseHealth {
   std::uint64_t poses_lost{0};      ///< gaps in the source's own count
   std::uint64_t poses_rejected{0};  ///< not finite, no rotation, stamp not rising
   std::uint64_t reconnects{0};
+  std::uint64_t poses_unlatched{0}; ///< no SYNC seen: placed by their own stamps and the clock's map
+  std::uint64_t bus_errors{0};      ///< of a pose bus
+  std::uint64_t bus_restarts{0};    ///< its returns from bus-off
+  ClockHealth clock{};              ///< the controller's
 };
 
 /// | state                | start      | next_pose          | stop |

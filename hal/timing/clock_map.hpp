@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "common/time/clocks.hpp"
+#include "hal/api/clock_health.hpp"
 
 namespace biteline::hal {
 
@@ -22,6 +23,15 @@ struct ClockMapHealth {
   double drift_ppm{0};
   bool ready{false};
 };
+
+/// The part that goes into a device's health.
+[[nodiscard]] inline ClockHealth clock_health(const ClockMapHealth& map) {
+  return {.known = map.ready,
+          .offset = map.offset,
+          .uncertainty = map.uncertainty,
+          .drift_ppm = map.drift_ppm,
+          .steps = map.steps};
+}
 
 /// Works on plain counts; ClockMap below adds the clock's type.
 /// Thread: one owner.  RT: no allocation, a fit over at most k_buckets points when a bucket closes.

@@ -20,7 +20,7 @@ Result<void> TriggeredCamera::start() {
     grid_ = EdgeGrid{{.period = period, .tolerance = period / 8}};
   }
   pairing_ = TriggerPairing{config_.pairing};
-  edge_failures_ = 0;
+  publish();
   while (strobe_echo_->next_edge(Nanoseconds{0})) {
     // Edges from before the start belong to no frame.
   }
@@ -37,16 +37,14 @@ Result<FrameView> TriggeredCamera::next_frame(Nanoseconds timeout) {
   } else {
     frame.flags |= k_frame_trigger_mismatch;
   }
+  publish();
   return frame;
 }
 
 void TriggeredCamera::take_edges() {
   while (true) {
     const Result<Edge> edge = strobe_echo_->next_edge(Nanoseconds{0});
-    if (!edge) {
-      if (edge.error().code != Errc::Timeout) ++edge_failures_;
-      return;
-    }
+    if (!edge) return;  // none waits, or the line cannot be read: then frames come without edges, and are counted
     if (!edge->rising) continue;
     // A second edge in a slot is no exposure: it must not make the first one's pairing ambiguous for a wide window.
     if (grid_.on_edge(edge->stamp) != EdgeVerdict::Doubled || settings_.rate_hz <= 0) pairing_.on_edge(edge->stamp);
@@ -58,11 +56,25 @@ Result<Nanoseconds> TriggeredCamera::adjust_exposure(Nanoseconds exposure) {
   return settings_.exposure;
 }
 
-TriggerHealth TriggeredCamera::trigger_health() const {
-  return {.pairing = pairing_.health(),
-          .grid = grid_.health(),
-          .edges_lost = strobe_echo_->health().edges_lost,
-          .edge_failures = edge_failures_};
+void TriggeredCamera::publish() {
+  const EdgeGridHealth& grid = grid_.health();
+  const PairingHealth& pairing = pairing_.health();
+  published_.rt_store({.watched = true,
+                       .edges = grid.slots,
+                       .edges_missed = grid.missed,
+                       .edges_doubled = grid.doubled,
+                       .edges_late = grid.late,
+                       .edges_lost = strobe_echo_->health().edges_lost,
+                       .frames_paired = pairing.paired,
+                       .frames_without_edge = pairing.frames_without_edge,
+                       .frames_with_two_edges = pairing.frames_with_two_edges,
+                       .edges_without_frame = pairing.edges_without_frame + pairing.edges_overrun});
+}
+
+CameraHealth TriggeredCamera::health() const noexcept {
+  CameraHealth health = camera_->health();
+  health.trigger = published_.rt_load().value_or(TriggerHealth{.watched = true});
+  return health;
 }
 
 }  // namespace biteline::hal

@@ -2,23 +2,15 @@
 #pragma once
 /// \file A camera whose exposures are timed by the edges of its strobe echo, whatever its own stamps are worth.
 
-#include <atomic>
 #include <memory>
 
+#include "common/rt/latest_value.hpp"
 #include "hal/api/edge_in.hpp"
 #include "hal/api/line_camera.hpp"
 #include "hal/timing/edge_grid.hpp"
 #include "hal/timing/trigger_pairing.hpp"
 
 namespace biteline::hal {
-
-/// Counts since start(), from the owner's thread.
-struct TriggerHealth {
-  PairingHealth pairing;
-  EdgeGridHealth grid;
-  std::uint64_t edges_lost{0};     ///< by the kernel
-  std::uint64_t edge_failures{0};  ///< the line could not be read
-};
 
 /// A LineCamera round another one.  A frame that pairs with one rising edge gets its mid-exposure from it and loses the
 /// flag of an uncertain stamp; one that pairs with none or two keeps its own stamp and is flagged k_frame_trigger_mismatch.
@@ -38,12 +30,11 @@ class TriggeredCamera final : public LineCamera {
   void release(const FrameView& frame) noexcept override { camera_->release(frame); }
   [[nodiscard]] Result<Nanoseconds> adjust_exposure(Nanoseconds exposure) override;
   [[nodiscard]] Result<void> stop() override { return camera_->stop(); }
-  [[nodiscard]] CameraHealth health() const noexcept override { return camera_->health(); }
-
-  [[nodiscard]] TriggerHealth trigger_health() const;
+  [[nodiscard]] CameraHealth health() const noexcept override;
 
  private:
   void take_edges();
+  void publish();
 
   std::unique_ptr<LineCamera> camera_;
   std::unique_ptr<EdgeIn> strobe_echo_;
@@ -51,7 +42,7 @@ class TriggeredCamera final : public LineCamera {
   CameraSettings settings_;
   TriggerPairing pairing_{config_.pairing};
   EdgeGrid grid_{{.period = Nanoseconds{1}, .tolerance = Nanoseconds{0}}};
-  std::uint64_t edge_failures_{0};
+  rt::LatestValue<TriggerHealth> published_;
 };
 
 }  // namespace biteline::hal

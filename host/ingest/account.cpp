@@ -32,4 +32,40 @@ nlohmann::ordered_json account_of(const IngestCounts& counts, const wire::Counte
   return account;
 }
 
+nlohmann::ordered_json account_of(const wire::Devices& devices) {
+  nlohmann::ordered_json account{{"realtime", devices.realtime},
+                                 {"camera_underruns", devices.camera_underruns},
+                                 {"packets_resent", devices.packets_resent},
+                                 {"pose_reconnects", devices.pose_reconnects},
+                                 {"poses_unlatched", devices.poses_unlatched},
+                                 {"bus_errors", devices.bus_errors},
+                                 {"bus_restarts", devices.bus_restarts},
+                                 {"watchdog_feeds_failed", devices.watchdog_feeds_failed}};
+  if (devices.temperature_degc) account["temperature_degc"] = *devices.temperature_degc;
+  for (const wire::ClockState& clock : devices.clocks) {
+    if (!clock.known) {
+      account["clocks"][clock.name] = nullptr;
+      continue;
+    }
+    constexpr double k_us_per_ns = 1e-3;
+    account["clocks"][clock.name] = {{"offset_ns", clock.offset.count()},
+                                     {"uncertainty_us", k_us_per_ns * static_cast<double>(clock.uncertainty.count())},
+                                     {"drift_ppm", clock.drift_ppm},
+                                     {"steps", clock.steps}};
+  }
+  if (const std::optional<wire::TriggerState>& trigger = devices.trigger) {
+    account["trigger"] = {{"timed_by", devices.trigger_by_software ? "software" : "hardware"},
+                          {"edges", trigger->edges},
+                          {"edges_missed", trigger->edges_missed},
+                          {"edges_doubled", trigger->edges_doubled},
+                          {"edges_late", trigger->edges_late},
+                          {"edges_lost", trigger->edges_lost},
+                          {"frames_paired", trigger->frames_paired},
+                          {"frames_without_edge", trigger->frames_without_edge},
+                          {"frames_with_two_edges", trigger->frames_with_two_edges},
+                          {"edges_without_frame", trigger->edges_without_frame}};
+  }
+  return account;
+}
+
 }  // namespace biteline::ingest

@@ -13,4 +13,7 @@ namespace biteline::ingest {
 [[nodiscard]] nlohmann::ordered_json account_of(const IngestCounts& counts, const wire::Counters& sensor,
                                                 const std::vector<wire::StageTime>& sensor_stages);
 
+/// Clocks with their uncertainty, trigger and links, as the sensor left them at the scan's end.
+[[nodiscard]] nlohmann::ordered_json account_of(const wire::Devices& devices);
+
 }  // namespace biteline::ingest

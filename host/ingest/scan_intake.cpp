@@ -92,6 +92,7 @@ ScanOutcome ScanIntake::finish() {
   outcome.sensor = sensor_;
   outcome.sensor_counters = end_.counters;
   outcome.sensor_stages = end_.stages;
+  outcome.sensor_devices = end_.devices;
   outcome.messages_lost = messages_lost_;
   if (!ended_) {
     outcome.failure = fail(Errc::ConnectionLost, "the sensor no longer has the scan's end").value();

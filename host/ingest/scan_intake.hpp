@@ -20,6 +20,7 @@ struct ScanOutcome {
   wire::SensorHello sensor;
   wire::Counters sensor_counters;
   std::vector<wire::StageTime> sensor_stages;
+  wire::Devices sensor_devices;
   std::uint64_t messages_lost{0};  ///< that the sensor could not keep for us
   std::optional<Error> failure;    ///< why the scan did not end by itself, or that its end never came
 };

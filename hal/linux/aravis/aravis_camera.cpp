@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "hal/linux/aravis/aravis_camera.hpp"
 
+#include <pthread.h>
+#include <sched.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -29,6 +32,15 @@ Nanoseconds from_microseconds(double time_us) {
 
 int rounded_down(int value, int step) {
   return value - value % std::max(1, step);
+}
+
+/// Called by the receiving thread; frames themselves are popped and not taken here.
+void on_receive_thread(void* priority, ArvStreamCallbackType what, ArvBuffer*) {
+  if (what != ARV_STREAM_CALLBACK_TYPE_INIT) return;
+  pthread_setname_np(pthread_self(), "bl-receive");
+  const sched_param wanted{.sched_priority = *static_cast<const int*>(priority)};
+  // Refused without the rights, which those who start the other threads have asked for already.
+  if (wanted.sched_priority > 0) pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
 }
 
 }  // namespace
@@ -150,7 +162,7 @@ Result<void> AravisCamera::start() {
   if (device.state != Device::State::Configured)
     return fail(Errc::WrongState, "camera %s: start before configure", device.config.address.c_str());
   Call call(device.config.address, "start");
-  device.stream = arv_camera_create_stream(device.camera, nullptr, nullptr, call);
+  device.stream = arv_camera_create_stream(device.camera, on_receive_thread, &device.config.receive_priority, call);
   if (call.failed()) return call.failure();
   const guint payload_bytes = arv_camera_get_payload(device.camera, call);
   if (call.failed()) return call.failure();
@@ -172,11 +184,13 @@ Result<void> AravisCamera::start() {
   }
   device.borrowed.reserve(static_cast<std::size_t>(device.config.buffers));
   device.arrival.reset();
+  device.arrival_line = ClockMapCore{ClockMapCore::Config{}};
   device.counter = {};
   device.first_frame = true;
   device.next_sequence = 0;
   device.frames = device.frames_lost = device.frames_damaged = device.underruns = device.packets_resent = 0;
   device.read_ptp();
+  device.measure_ptp();
   device.read_temperature();
   arv_camera_start_acquisition(device.camera, call);
   if (call.failed()) {
@@ -229,11 +243,9 @@ Result<FrameView> AravisCamera::next_frame(Nanoseconds timeout) {
     if (stamp.count() == 0) {
       frame.exposure_mid = arrival;  // leader lost
       frame.flags |= k_frame_stamp_uncertain;
-    } else if (device.ptp) {
-      frame.exposure_mid = SensorClock::time_point{stamp - device.config.ptp_minus_sensor + half_exposure};
     } else {
-      frame.exposure_mid = device.arrival.map(stamp, arrival) + half_exposure;
-      frame.flags |= k_frame_stamp_uncertain;
+      frame.exposure_mid = device.to_sensor(stamp, arrival) + half_exposure;
+      if (!device.ptp) frame.flags |= k_frame_stamp_uncertain;
     }
     if (!device.first_frame && frame.sequence > device.next_sequence) {
       frame.flags |= k_frame_gap_before;
@@ -246,7 +258,10 @@ Result<FrameView> AravisCamera::next_frame(Nanoseconds timeout) {
     } else {
       ++device.frames_damaged;
     }
-    if (frame.sequence % k_frames_between_counts == 0) device.read_counts();
+    if (frame.sequence % k_frames_between_counts == 0) {
+      device.read_counts();
+      device.measure_ptp();
+    }
     device.borrowed.push_back(buffer);
     return frame;
   }
@@ -298,7 +313,8 @@ CameraHealth AravisCamera::health() const noexcept {
           .temperature_degc = device.temperature_degc,
           .temperature_known = device.temperature_known,
           .connected = !device.lost,
-          .finished = false};
+          .finished = false,
+          .clock = device.clock_health.rt_load().value_or(ClockHealth{})};
 }
 
 bool AravisCamera::clock_follows_ptp() const noexcept {

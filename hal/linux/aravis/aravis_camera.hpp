@@ -17,8 +17,8 @@ namespace biteline::hal {
 /// missing (the stream), frames missing (gaps in the camera's own count), frames without a free buffer.
 ///
 /// Stamps are the middle of the exposure: the camera's stamp of its begin plus half the exposure time.  With
-/// a camera that follows PTP, `ptp_minus_sensor` maps it; without, the stamp is mapped by arrival
-/// (ArrivalClock) and flagged k_frame_stamp_uncertain.
+/// a camera that follows PTP, `ptp_clock` maps it, measured anew several times a second; without, the stamp is
+/// mapped by arrival (ArrivalClock, then a line through the least delays) and flagged k_frame_stamp_uncertain.
 ///
 /// A camera that is gone stays gone for this object (see LineCamera); opening it again makes a new one.
 /// Thread: as LineCamera; Aravis has a receiving thread of its own.  Memory: all buffers made by start().
@@ -30,8 +30,10 @@ class AravisCamera final : public LineCamera {
         0};  ///< 0: leave what the camera has; jumbo frames need it set (9000 for an MTU of 9000)
     bool packet_socket{false};  ///< receive below the IP stack; needs rights, and gives nothing on loopback
     int buffers{24};            ///< frames that may wait
+    int receive_priority{0};            ///< SCHED_FIFO of Aravis' receiving thread; 0: as any other
     std::string trigger_line{"Line0"};  ///< of Trigger::Hardware
-    Nanoseconds ptp_minus_sensor{0};    ///< PTP time minus sensor clock (hal/linux/ptp measures it)
+    /// The PTP time as it can be read here (hal/linux/ptp); none: it is this machine's own monotonic clock.
+    std::shared_ptr<const ReferenceClock> ptp_clock{};
   };
 
   [[nodiscard]] static Result<std::unique_ptr<AravisCamera>> open(const Config& config);

@@ -60,6 +60,23 @@ void AravisCamera::Device::read_ptp() {
   g_clear_error(&error);
 }
 
+void AravisCamera::Device::measure_ptp() {
+  if (!ptp) return;
+  if (config.ptp_clock) {
+    if (const auto reading = config.ptp_clock->measure()) ptp_reading = *reading;
+  }
+  clock_health.rt_store({.known = true, .offset = -ptp_reading.offset, .uncertainty = ptp_reading.uncertainty});
+}
+
+SensorClock::time_point AravisCamera::Device::to_sensor(Nanoseconds stamp, SensorClock::time_point arrived) {
+  if (ptp) return SensorClock::time_point{stamp - ptp_reading.offset};
+  const SensorClock::time_point by_least_delay = arrival.map(stamp, arrived);
+  arrival_line.add({.stamp_ns = stamp.count(), .received_ns = arrived.time_since_epoch().count()});
+  clock_health.rt_store(hal::clock_health(arrival_line.health()));
+  const std::optional<std::int64_t> on_line_ns = arrival_line.to_sensor_ns(stamp.count());
+  return on_line_ns ? SensorClock::time_point{Nanoseconds{*on_line_ns}} : by_least_delay;
+}
+
 void AravisCamera::Device::read_temperature() {
   if (!has("DeviceTemperature")) return;
   GError* error = nullptr;

@@ -8,9 +8,11 @@
 #include <cfenv>
 #include <vector>
 
+#include "common/rt/latest_value.hpp"
 #include "hal/linux/aravis/aravis_camera.hpp"
 #include "hal/linux/aravis/arrival_clock.hpp"
 #include "hal/linux/aravis/frame_counter.hpp"
+#include "hal/timing/clock_map.hpp"
 
 namespace biteline::hal {
 
@@ -65,6 +67,9 @@ struct AravisCamera::Device {
   bool ptp{false};
   std::vector<ArvBuffer*> borrowed;
   ArrivalClock arrival;
+  ClockMapCore arrival_line{ClockMapCore::Config{}};
+  ReferenceClock::Reading ptp_reading;  ///< offset 0 without a clock to read
+  rt::LatestValue<ClockHealth> clock_health;
   FrameCounter counter;
   std::uint64_t next_sequence{0};
   bool first_frame{true};
@@ -107,6 +112,10 @@ struct AravisCamera::Device {
   Result<geometry::Region> region() const;
   void read_counts();
   void read_ptp();
+  /// How the PTP time lies on our clock now; the former reading stays when it cannot be read.
+  void measure_ptp();
+  /// The instant of the camera's own stamp on the sensor's clock.
+  SensorClock::time_point to_sensor(Nanoseconds stamp, SensorClock::time_point arrived);
   void read_temperature();
 };
 

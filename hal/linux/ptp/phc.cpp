@@ -26,8 +26,8 @@ Result<Phc> Phc::open(const std::string& path) {
   return Phc{std::move(device), path};
 }
 
-Result<PhcOffset> Phc::measure() const {
-  PhcOffset best{.offset = {}, .uncertainty = Nanoseconds::max(), .at = {}};
+Result<ReferenceClock::Reading> Phc::measure() const {
+  Reading best{.offset = {}, .uncertainty = Nanoseconds::max(), .at = {}};
   for (int i = 0; i < k_readings; ++i) {
     std::timespec hardware{};
     const SensorClock::time_point before = monotonic_now();

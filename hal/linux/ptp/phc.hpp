@@ -8,26 +8,20 @@
 #include <memory>
 #include <string>
 
-#include "common/core/result.hpp"
-#include "common/time/clocks.hpp"
+#include "hal/api/clock_health.hpp"
 #include "hal/linux/posix/descriptor.hpp"
 
 namespace biteline::hal {
 
-struct PhcOffset {
-  Nanoseconds offset{0};       ///< hardware clock minus sensor clock
-  Nanoseconds uncertainty{0};  ///< half the time that the tightest reading took: the truth lies within
-  SensorClock::time_point at;
-};
-
 /// Thread: one owner.
-class Phc {
+class Phc final : public ReferenceClock {
  public:
   [[nodiscard]] static Result<Phc> open(const std::string& path);
 
-  /// Reads the hardware clock between two readings of CLOCK_MONOTONIC, several times, and keeps the tightest.
+  /// Reads the hardware clock between two readings of CLOCK_MONOTONIC, several times, and keeps the tightest; half the
+  /// time that one took is its uncertainty.
   /// Not PTP_SYS_OFFSET: its system stamps are CLOCK_REALTIME, which may step.
-  [[nodiscard]] Result<PhcOffset> measure() const;
+  [[nodiscard]] Result<Reading> measure() const override;
 
  private:
   Phc(Descriptor device, std::string path) : device_{std::move(device)}, path_{std::move(path)} {}

@@ -112,6 +112,7 @@ void RtdePoseSource::publish_counts() {
   poses_ = counts.poses;
   poses_lost_ = counts.poses_lost;
   poses_rejected_ = counts.poses_rejected;
+  clock_health_.rt_store(hal::clock_health(samples_.clock_health()));
 }
 
 PoseHealth RtdePoseSource::health() const noexcept {
@@ -119,7 +120,8 @@ PoseHealth RtdePoseSource::health() const noexcept {
           .poses = poses_.load(),
           .poses_lost = poses_lost_.load(),
           .poses_rejected = poses_rejected_.load(),
-          .reconnects = reconnects_.load()};
+          .reconnects = reconnects_.load(),
+          .clock = clock_health_.rt_load().value_or(ClockHealth{})};
 }
 
 }  // namespace biteline::hal

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "common/rt/latest_value.hpp"
 #include "common/rtde/client_session.hpp"
 #include "hal/api/clock.hpp"
 #include "hal/api/pose_source.hpp"
@@ -65,6 +66,7 @@ class RtdePoseSource final : public PoseSource {
   std::atomic<std::uint64_t> poses_lost_{0};
   std::atomic<std::uint64_t> poses_rejected_{0};
   std::atomic<std::uint64_t> reconnects_{0};
+  rt::LatestValue<ClockHealth> clock_health_;
 };
 
 }  // namespace biteline::hal

@@ -30,6 +30,7 @@ Result<void> CanPoseSource::start() {
   }
   BITELINE_TRY(bus_->set_filters(filters));
   assembler_ = canpose::Assembler{config_.base_id};
+  clock_map_ = ClockMap<RobotClock>{};
   last_stamp_.reset();
   last_sequence_.reset();
   last_pose_at_ = clock_.now();
@@ -64,6 +65,12 @@ std::optional<PoseSample> CanPoseSource::accept(const canpose::AssembledPose& po
                                                 SensorClock::time_point received) {
   if (last_sequence_) poses_lost_.fetch_add(pose.sequence - *last_sequence_ - 1);
   last_sequence_ = pose.sequence;
+  if (pose.latched) {
+    clock_map_.add(pose.stamp, *pose.latched);
+    clock_health_.rt_store(clock_health(clock_map_.health()));
+  } else {
+    poses_unlatched_.fetch_add(1);
+  }
   const bool rises = !last_stamp_ || pose.stamp > *last_stamp_;
   if ((pose.message.status & canpose::k_pose_invalid) != 0 || !rises) {
     poses_rejected_.fetch_add(1);
@@ -78,7 +85,7 @@ std::optional<PoseSample> CanPoseSource::accept(const canpose::AssembledPose& po
   state_ = PoseState::Streaming;
   poses_.fetch_add(1);
   return PoseSample{.stamp = pose.stamp,
-                    .stamp_sensor = pose.latched,
+                    .stamp_sensor = pose.latched ? pose.latched : clock_map_.to_sensor(pose.stamp),
                     .received = received,
                     .T_base_flange = pose.message.T_base_flange,
                     .sequence = pose.sequence,
@@ -95,11 +102,16 @@ Result<void> CanPoseSource::stop() {
 }
 
 PoseHealth CanPoseSource::health() const noexcept {
+  const CanHealth bus = bus_->health();
   return {.state = state_.load(),
           .poses = poses_.load(),
           .poses_lost = poses_lost_.load(),
           .poses_rejected = poses_rejected_.load(),
-          .reconnects = reconnects_.load()};
+          .reconnects = reconnects_.load(),
+          .poses_unlatched = poses_unlatched_.load(),
+          .bus_errors = bus.bus_errors,
+          .bus_restarts = bus.restarts,
+          .clock = clock_health_.rt_load().value_or(ClockHealth{})};
 }
 
 }  // namespace biteline::hal

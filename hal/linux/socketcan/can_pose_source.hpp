@@ -8,13 +8,16 @@
 #include <memory>
 
 #include "common/canpose/assembler.hpp"
+#include "common/rt/latest_value.hpp"
 #include "hal/api/can_bus.hpp"
 #include "hal/api/clock.hpp"
 #include "hal/api/pose_source.hpp"
+#include "hal/timing/clock_map.hpp"
 
 namespace biteline::hal {
 
-/// Over any CanBus, so it runs on the simulated one too.
+/// Over any CanBus, so it runs on the simulated one too.  Poses whose SYNC was not seen are placed by their own stamps,
+/// through a map of the controller's clock that the SYNCs before them made.
 class CanPoseSource final : public PoseSource {
  public:
   struct Config {
@@ -41,6 +44,8 @@ class CanPoseSource final : public PoseSource {
   const Clock& clock_;
   Config config_;
   canpose::Assembler assembler_;
+  ClockMap<RobotClock> clock_map_;
+  rt::LatestValue<ClockHealth> clock_health_;
   std::optional<RobotClock::time_point> last_stamp_;
   std::optional<std::uint64_t> last_sequence_;
   SensorClock::time_point last_pose_at_;
@@ -49,6 +54,7 @@ class CanPoseSource final : public PoseSource {
   std::atomic<std::uint64_t> poses_lost_{0};
   std::atomic<std::uint64_t> poses_rejected_{0};
   std::atomic<std::uint64_t> reconnects_{0};
+  std::atomic<std::uint64_t> poses_unlatched_{0};
 };
 
 }  // namespace biteline::hal

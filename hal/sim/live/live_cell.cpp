@@ -92,9 +92,10 @@ Result<std::unique_ptr<LiveCell>> LiveCell::open(const LiveSettings& settings) {
   LiveCell* self = cell.get();
 
   cell->trigger_ = std::make_unique<TriggerTimer>([self](SensorClock::time_point edge, Nanoseconds pulse) {
-    self->camera_->trigger(edge);
+    // The echo first: the camera's packets must not overtake it on a busy machine.
     self->bus_->drive(Line::StrobeEcho, true, edge);
     self->bus_->drive(Line::StrobeEcho, false, edge + pulse);
+    self->camera_->trigger(edge);
   });
   BusServer::Callbacks callbacks;
   callbacks.on_line = [self](Line line, bool active, SensorClock::time_point stamp) {

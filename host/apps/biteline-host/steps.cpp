@@ -35,6 +35,7 @@ void fill_scan(const ingest::ScanOutcome& scan, report::Report& report) {
   report.fields["sensor"] = scan.sensor.name;
   report.fields["simulated"] = scan.sensor.simulated;
   report.fields["scan"] = ingest::account_of(scan.counts, scan.sensor_counters, scan.sensor_stages);
+  report.fields["devices"] = ingest::account_of(scan.sensor_devices);
   report.fields["messages_lost"] = scan.messages_lost;
 }
 

@@ -23,10 +23,10 @@ TEST_GROUP(ClocksKernel){};
 TEST(ClocksKernel, OffsetOfThePtpClockIsSteadyWithinItsUncertainty) {
   BITELINE_DEVICE_OR_SKIP(k_ptp);
   const Phc sut = Phc::open(k_ptp).value();
-  const PhcOffset first = sut.measure().value();
+  const ReferenceClock::Reading first = sut.measure().value();
   CHECK(first.uncertainty > 0ns);
   for (int i = 0; i < 20; ++i) {
-    const PhcOffset next = sut.measure().value();
+    const ReferenceClock::Reading next = sut.measure().value();
     CHECK(next.at > first.at);
     // The mock runs on CLOCK_MONOTONIC_RAW, which the discipline of CLOCK_MONOTONIC leaves by less than 500 ppm.
     const Nanoseconds drift = (next.at - first.at) / 2000;

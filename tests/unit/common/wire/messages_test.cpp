@@ -152,6 +152,39 @@ TEST(Messages, HealthAndEndCarryCountersAndStages) {
   CHECK(ended.errc == 202 && ended.where == "frame 5" && ended.counters.messages_lost == 9);
 }
 
+TEST(Messages, DevicesComeBackWithClocksAndTrigger) {
+  Devices devices;
+  devices.clocks = {{.name = "camera", .known = true, .offset = Nanoseconds{-7}, .uncertainty = Nanoseconds{9}, .drift_ppm = -3.5, .steps = 2},
+                    {.name = "poses", .drift_ppm = 0}};
+  devices.trigger = TriggerState{.edges = 1, .edges_missed = 2, .edges_doubled = 3, .edges_late = 4, .edges_lost = 5,
+                                 .frames_paired = 6, .frames_without_edge = 7, .frames_with_two_edges = 8, .edges_without_frame = 9};
+  devices.trigger_by_software = devices.camera_connected = devices.poses_flow = devices.realtime = true;
+  devices.camera_underruns = 10;
+  devices.packets_resent = 11;
+  devices.temperature_degc = 41.5F;
+  devices.pose_reconnects = 12;
+  devices.poses_unlatched = 13;
+  devices.bus_errors = 14;
+  devices.bus_restarts = 15;
+  devices.watchdog_feeds_failed = 16;
+  Health health;
+  health.devices = devices;
+  EndOfScan end;
+  end.devices = devices;
+  for (const Devices& got : {round_trip(health).devices, round_trip(end).devices}) {
+    const ClockState& clock = got.clocks.at(0);
+    CHECK(clock.name == "camera" && clock.known && clock.offset.count() == -7 && clock.uncertainty.count() == 9);
+    CHECK(clock.drift_ppm == -3.5 && clock.steps == 2 && !got.clocks.at(1).known);
+    const TriggerState& t = got.trigger.value();
+    CHECK(t.edges == 1 && t.edges_missed == 2 && t.edges_doubled == 3 && t.edges_late == 4 && t.edges_lost == 5);
+    CHECK(t.frames_paired == 6 && t.frames_without_edge == 7 && t.frames_with_two_edges == 8 && t.edges_without_frame == 9);
+    CHECK(got.trigger_by_software && got.camera_connected && got.poses_flow && got.realtime && got.temperature_degc == 41.5F);
+    CHECK(got.camera_underruns == 10 && got.packets_resent == 11 && got.pose_reconnects == 12 && got.poses_unlatched == 13);
+    CHECK(got.bus_errors == 14 && got.bus_restarts == 15 && got.watchdog_feeds_failed == 16);
+  }
+  CHECK(!round_trip(Health{}).devices.trigger && !round_trip(Health{}).devices.temperature_degc);
+}
+
 TEST(Messages, OtherProtocolIsToldApartFromRubbish) {
   FAILS_NAMING(Errc::NotSupported, "protocol 9", decode(bytes_of({.protocol = 9, .body = Ack{}})));
   SUCCEEDS(decode(bytes_of({.protocol = 9, .body = Bye{}})));
@@ -198,6 +231,8 @@ TEST(Messages, EveryChangedBitIsNoticed) {
 TEST(Messages, GarbledBytesNeverHarm) {
   Health health;
   health.stages = {{.name = "a"}, {.name = "b"}};
+  health.devices.clocks = {{.name = "c"}};
+  health.devices.trigger.emplace();
   const Bytes packets[] = {bytes_of({.body = test::made_profile(3, 20)}), bytes_of({.body = made_hello()}),
                            bytes_of({.body = health}),
                            bytes_of({.body = HostHello{.name = "x"}}), bytes_of({.body = Control{}})};

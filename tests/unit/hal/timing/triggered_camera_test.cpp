@@ -79,8 +79,8 @@ TEST(TriggeredCamera, MidExposureComesFromTheEdge) {
     CHECK(got->exposure_mid == at(i * k_period + 1ms));
     CHECK_EQUAL(0, got->flags);
   }
-  CHECK_EQUAL(5, sut.trigger_health().pairing.paired);
-  CHECK_EQUAL(0, sut.trigger_health().pairing.edges_without_frame);
+  CHECK_EQUAL(5, sut.health().trigger.frames_paired);
+  CHECK_EQUAL(0, sut.health().trigger.edges_without_frame);
 }
 
 TEST(TriggeredCamera, LostEdgeFlagsItsFrameAndNoOther) {
@@ -90,8 +90,8 @@ TEST(TriggeredCamera, LostEdgeFlagsItsFrameAndNoOther) {
     const Result<FrameView> got = sut.next_frame(0ns);
     CHECK_EQUAL(i == 2 ? k_frame_trigger_mismatch | k_frame_stamp_uncertain : 0, got->flags);
   }
-  CHECK_EQUAL(1, sut.trigger_health().pairing.frames_without_edge);
-  CHECK_EQUAL(1, sut.trigger_health().grid.missed);
+  CHECK_EQUAL(1, sut.health().trigger.frames_without_edge);
+  CHECK_EQUAL(1, sut.health().trigger.edges_missed);
 }
 
 TEST(TriggeredCamera, DoubledEdgeIsCountedAndDoesNotSpoilTheFrame) {
@@ -101,7 +101,7 @@ TEST(TriggeredCamera, DoubledEdgeIsCountedAndDoesNotSpoilTheFrame) {
     frame(i * k_period);
     CHECK(sut.next_frame(0ns)->exposure_mid == at(i * k_period + 1ms));
   }
-  CHECK_EQUAL(1, sut.trigger_health().grid.doubled);
+  CHECK_EQUAL(1, sut.health().trigger.edges_doubled);
 }
 
 TEST(TriggeredCamera, LostFrameLeavesItsEdgeCounted) {
@@ -111,7 +111,7 @@ TEST(TriggeredCamera, LostFrameLeavesItsEdgeCounted) {
     frame(i * k_period);
     CHECK(sut.next_frame(0ns)->exposure_mid == at(i * k_period + 1ms));
   }
-  CHECK_EQUAL(1, sut.trigger_health().pairing.edges_without_frame);
+  CHECK_EQUAL(1, sut.health().trigger.edges_without_frame);
 }
 
 TEST(TriggeredCamera, BrokenStrobeLineCostsThePairingAndNotTheFrames) {
@@ -120,7 +120,7 @@ TEST(TriggeredCamera, BrokenStrobeLineCostsThePairingAndNotTheFrames) {
   const Result<FrameView> got = sut.next_frame(0ns);
   CHECK(got.has_value());
   CHECK((got->flags & k_frame_trigger_mismatch) != 0);
-  CHECK_EQUAL(1, sut.trigger_health().edge_failures);
+  CHECK_EQUAL(1, sut.health().trigger.frames_without_edge);
 }
 
 }  // namespace
