@@ -23,6 +23,10 @@ constexpr Nanoseconds k_pose_lead = milliseconds{100};
 /// controller (8 ms) and as much for the network.
 constexpr Nanoseconds k_pose_patience = geometry::PoseSmoothing{}.reach + milliseconds{16 + 10};
 
+/// A live pose stamped later than that from now is no measurement: it would outlive all true ones in the history.  The
+/// clock maps err by less than a millisecond; the rest is room for a reading thread that is preempted meanwhile.
+constexpr Nanoseconds k_pose_ahead_max = milliseconds{5};
+
 constexpr std::int64_t k_never_ns = std::numeric_limits<std::int64_t>::min();
 
 std::int64_t to_ns(SensorClock::time_point instant) { return instant.time_since_epoch().count(); }
@@ -131,7 +135,8 @@ void Scanner::read_poses() {
     if (pose) {
       const SensorClock::time_point stamp =
           pose->stamp_sensor.value_or(to_sensor_clock(pose->stamp, config_.model.pose_clock_offset));
-      if (!poses_.rt_push({.stamp = stamp, .T_base_flange = pose->T_base_flange})) {
+      const bool ahead = !config_.lossless && stamp > clock_.now() + k_pose_ahead_max;
+      if (ahead || !poses_.rt_push({.stamp = stamp, .T_base_flange = pose->T_base_flange})) {
         rejected_poses_.fetch_add(1, std::memory_order_relaxed);
       }
     } else if (pose.error().code != Errc::Timeout) {

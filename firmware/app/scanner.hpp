@@ -34,7 +34,7 @@ struct ScanCounts {
 /// A source that may wait (lossless) is made to: acquisition pauses while the ring is full, and poses are read only as far
 /// ahead as the next profile needs, so that the history cannot run over.  Any other source is never waited for: the
 /// oldest profile in the ring is dropped and counted.
-/// Thread: take() and give_back() from the stream thread only; the rest from the thread that made it.
+/// Thread: take() and give_back() from the stream thread only; the rest from the thread that made it, the end from any.
 class Scanner {
  public:
   struct Config {

@@ -22,12 +22,20 @@ constexpr Nanoseconds k_last_word = milliseconds{100};
 /// From the start of a scan to its light: the first frames of a network camera take some tenths of a second.
 constexpr Nanoseconds k_light_patience = milliseconds{5000};
 
+/// A host that was killed comes back and goes on within that time; the laser does not shine on for nobody.  Begins when the
+/// server counts the last one as absent (2 s).
+constexpr Nanoseconds k_host_patience = milliseconds{5000};
+
+/// The last scan's devices are closed before they are opened again; below the hosts' patience.
+constexpr Nanoseconds k_close_patience = milliseconds{1500};
+
 Errc code_of(runtime::LaserOff reason) {
   switch (reason) {
     case runtime::LaserOff::InterlockOpen:
     case runtime::LaserOff::KeyOff: return Errc::InterlockOpen;
     case runtime::LaserOff::FramesStopped: return Errc::Timeout;
-    case runtime::LaserOff::WatchdogStarved: return Errc::Overrun;
+    case runtime::LaserOff::WatchdogStarved:
+    case runtime::LaserOff::SafetyHung: return Errc::Overrun;
     case runtime::LaserOff::DriverFailed:
     case runtime::LaserOff::NotAsked:
     case runtime::LaserOff::Stopped: break;
@@ -51,6 +59,27 @@ wire::SensorHello identity_of(const StreamerConfig& config, const SourceKind& ki
   return hello;
 }
 
+wire::ClockState clock_state(const char* name, const hal::ClockHealth& clock) {
+  return {.name = name,
+          .known = clock.known,
+          .offset = clock.offset,
+          .uncertainty = clock.uncertainty,
+          .drift_ppm = clock.drift_ppm,
+          .steps = clock.steps};
+}
+
+wire::TriggerState trigger_state(const hal::TriggerHealth& trigger) {
+  return {.edges = trigger.edges,
+          .edges_missed = trigger.edges_missed,
+          .edges_doubled = trigger.edges_doubled,
+          .edges_late = trigger.edges_late,
+          .edges_lost = trigger.edges_lost,
+          .frames_paired = trigger.frames_paired,
+          .frames_without_edge = trigger.frames_without_edge,
+          .frames_with_two_edges = trigger.frames_with_two_edges,
+          .edges_without_frame = trigger.edges_without_frame};
+}
+
 wire::StageTime stage_time(const char* name, const runtime::StageMeter& meter) {
   const runtime::StageMeter::Summary summary = meter.summary();
   return {.name = name, .count = summary.count, .min = summary.min, .mean = summary.mean, .max = summary.max};
@@ -70,7 +99,10 @@ Streamer::Streamer(const StreamerConfig& config, SourceKind& kind, stream::Strea
 
 Result<void> Streamer::start_scan() {
   if (state_ != State::Idle) return fail(Errc::WrongState, "a scan is on");
-  scanner_.reset();  // lets go of the last scan's devices before they are opened again
+  if (closing_.valid() && closing_.wait_for(k_close_patience) != std::future_status::ready) {
+    return fail(Errc::WrongState, "the camera or another device of the last scan does not answer yet");
+  }
+  scanner_.reset();  // one that could not start
   BITELINE_ASSIGN(Source source, kind_.open());
   const std::string scan_name = source.scan_name;
   const std::uint64_t frames_expected = source.frames_expected;
@@ -86,7 +118,7 @@ Result<void> Streamer::start_scan() {
   robot_was_active_ = false;
   state_ = State::Scanning;
   lit_ = false;
-  light_asked_at_ = clock_.now();
+  light_asked_at_ = host_seen_at_ = clock_.now();
   if (laser_ != nullptr) laser_->ask_for_light(true);
   return {};
 }
@@ -102,6 +134,7 @@ void Streamer::run(const std::atomic<bool>& stop) {
     if (state_ != State::Idle) {
       follow_robot();
       watch_light();
+      watch_hosts();
       take_profiles();
       if (scanner_->finished()) announce_end();
     }
@@ -132,6 +165,14 @@ void Streamer::watch_light() {
   if (!went_off && clock_.now() - light_asked_at_ < k_light_patience) return;
   fail_scan(fail(code_of(laser.reason), "the laser %s: %s", went_off ? "went off" : "stays off", runtime::text(laser.reason))
                 .value());
+}
+
+void Streamer::watch_hosts() {
+  if (state_ != State::Scanning || laser_ == nullptr) return;
+  const SensorClock::time_point now = clock_.now();
+  if (server_.hosts_present() > 0) host_seen_at_ = now;
+  if (now - host_seen_at_ <= k_host_patience) return;
+  fail_scan(fail(Errc::ConnectionLost, "no host for %lld s", static_cast<long long>(k_host_patience.count() / 1'000'000'000)).value());
 }
 
 void Streamer::fail_scan(const Error& why) {
@@ -168,9 +209,11 @@ void Streamer::announce_end() {
   }
   end.counters = counters();
   end.stages = stages();
+  end.devices = devices();
+  last_end_ = end;
   server_.add_end(std::move(end));
   // Only now: the devices' own counts are part of the above.
-  scanner_->stop();
+  closing_ = std::async(std::launch::async, [scanner = std::move(scanner_)]() mutable { scanner.reset(); });
   state_ = State::Idle;
   ended_once_ = true;
 }
@@ -183,8 +226,8 @@ bool Streamer::delivered() {
 }
 
 wire::Counters Streamer::counters() const {
+  if (!scanner_) return last_end_.counters;
   wire::Counters counters;
-  if (!scanner_) return counters;
   const ScanCounts counts = scanner_->counts();
   counters.frames = counts.frames;
   counters.frames_lost = counts.frames_lost;
@@ -199,9 +242,32 @@ wire::Counters Streamer::counters() const {
 }
 
 std::vector<wire::StageTime> Streamer::stages() const {
-  if (!scanner_) return {};
+  if (!scanner_) return last_end_.stages;
   return {stage_time("wait_for_frame", scanner_->wait_meter), stage_time("frame_to_profile", scanner_->process_meter),
           stage_time("stamp_pose", scanner_->stamp_meter), stage_time("encode", encode_meter_)};
+}
+
+wire::Devices Streamer::devices() const {
+  wire::Devices devices = scanner_ ? wire::Devices{} : last_end_.devices;
+  devices.realtime = config_.realtime == runtime::RealtimeDemand::Required;
+  if (laser_ != nullptr) devices.watchdog_feeds_failed = laser_->status().feeds_failed;
+  if (!scanner_) return devices;
+  const Source& source = scanner_->source();
+  const hal::CameraHealth camera = source.camera->health();
+  const hal::PoseHealth poses = source.poses->health();
+  devices.clocks = {clock_state("camera", camera.clock), clock_state("poses", poses.clock)};
+  if (camera.trigger.watched) devices.trigger = trigger_state(camera.trigger);
+  devices.trigger_by_software = source.trigger != nullptr && !source.trigger->hardware_timed();
+  devices.camera_connected = camera.connected;
+  devices.camera_underruns = camera.underruns;
+  devices.packets_resent = camera.packets_resent;
+  if (camera.temperature_known) devices.temperature_degc = camera.temperature_degc;
+  devices.poses_flow = poses.state == hal::PoseState::Streaming;
+  devices.pose_reconnects = poses.reconnects;
+  devices.poses_unlatched = poses.poses_unlatched;
+  devices.bus_errors = poses.bus_errors;
+  devices.bus_restarts = poses.bus_restarts;
+  return devices;
 }
 
 wire::Health Streamer::health() const {
@@ -209,6 +275,7 @@ wire::Health Streamer::health() const {
   health.counters = counters();
   health.stages = stages();
   health.scanning = state_ != State::Idle;
+  health.devices = devices();
   if (laser_ == nullptr) {
     health.laser_reason = "there is no laser";
     return health;

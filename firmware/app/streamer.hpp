@@ -3,6 +3,7 @@
 /// \file The stream thread: begins and ends scans, and carries their profiles into the store and out to the hosts.
 
 #include <atomic>
+#include <future>
 #include <memory>
 #include <optional>
 
@@ -27,9 +28,10 @@ struct StreamerConfig {
 /// | Ending   | refused   | Ending   | Ending                  | Ending; Idle when the last profile is stored |
 ///
 /// refused: Errc::WrongState, to the host that asked.  Light is asked for in Scanning only (the laser's guard decides); a
-/// laser that goes off meanwhile, or never comes on, ends the scan as failed, with the guard's reason.
+/// laser that goes off meanwhile, or never comes on, ends the scan as failed, with the guard's reason.  So does the absence
+/// of every host: what was scanned stays in the store for the one that comes back.
 /// Runs on its caller's thread, which also opens the devices of a scan (some hundred ms on a network camera: the hosts'
-/// patience is 2 s).
+/// patience is 2 s).  They are closed on a thread of their own.
 class Streamer {
  public:
   Streamer(const StreamerConfig& config, SourceKind& kind, stream::StreamSocket& socket, const hal::Clock& clock,
@@ -49,6 +51,7 @@ class Streamer {
 
   void follow_robot();
   void watch_light();
+  void watch_hosts();
   void fail_scan(const Error& why);
   void take_profiles();
   void end_scan();
@@ -56,6 +59,7 @@ class Streamer {
   [[nodiscard]] bool delivered();
   [[nodiscard]] wire::Counters counters() const;
   [[nodiscard]] std::vector<wire::StageTime> stages() const;
+  [[nodiscard]] wire::Devices devices() const;
   [[nodiscard]] wire::Health health() const;
   [[nodiscard]] Result<void> obey(wire::Command command);
 
@@ -66,10 +70,13 @@ class Streamer {
   runtime::LaserWatch* laser_;
   stream::StreamServer server_;
   State state_{State::Idle};
-  std::unique_ptr<Scanner> scanner_;  ///< of the present scan, or of the last one
+  std::unique_ptr<Scanner> scanner_;  ///< of the present scan; nothing while Idle
+  wire::EndOfScan last_end_;          ///< the last scan's counts, told on while Idle
+  std::future<void> closing_;         ///< the last scan's devices: one that is gone takes seconds to be let go of
   runtime::StageMeter encode_meter_;
   std::optional<Error> failure_;
   SensorClock::time_point light_asked_at_;
+  SensorClock::time_point host_seen_at_;
   bool lit_{false};
   bool robot_was_active_{false};
   bool ended_once_{false};

@@ -11,6 +11,7 @@ const char* text(LaserOff reason) {
     case LaserOff::FramesStopped: return "the camera gives no frames";
     case LaserOff::WatchdogStarved: return "the frame processing hangs";
     case LaserOff::DriverFailed: return "the laser's output does not do as told";
+    case LaserOff::SafetyHung: return "the safety thread hung";
     case LaserOff::Stopped: return "the sensor stops";
   }
   return "for an unknown reason";
@@ -21,6 +22,8 @@ bool LaserGuard::forbidden(const LaserInputs& inputs, LaserOff& why) const {
     why = reason;
     return true;
   };
+  // First: the thread that found the looks missing has changed the output, so the driver must seem to have failed.
+  if (inputs.looks_missed) return found(LaserOff::SafetyHung);
   if (inputs.driver_failed) return found(LaserOff::DriverFailed);
   if (!inputs.interlock_closed) return found(LaserOff::InterlockOpen);
   if (!inputs.key_on) return found(LaserOff::KeyOff);
@@ -42,7 +45,7 @@ bool LaserGuard::look(const LaserInputs& inputs) {
   LaserOff why = LaserOff::NotAsked;
   if (forbidden(inputs, why)) {
     // Before the first light an open interlock or a camera that has just started is no fault: not yet.
-    if (state_ == State::On || why == LaserOff::DriverFailed) state_ = State::Latched;
+    if (state_ == State::On || why == LaserOff::DriverFailed || why == LaserOff::SafetyHung) state_ = State::Latched;
     reason_ = why;
     return false;
   }

@@ -16,6 +16,7 @@ enum class LaserOff : std::uint8_t {
   FramesStopped,     ///< the camera gives no frames: nobody would see what the laser does
   WatchdogStarved,   ///< the software that processes frames does not report
   DriverFailed,      ///< the output did not do as told
+  SafetyHung,        ///< the safety thread itself did not look in time; another thread turned the laser off
   Stopped,           ///< end of program, signal, broken contract: for good
 };
 
@@ -30,6 +31,7 @@ struct LaserInputs {
   SensorClock::time_point last_frame;     ///< newest frame that was processed
   SensorClock::time_point watchdog_fed;   ///< newest sign of life of the processing
   bool driver_failed{false};              ///< last write or read-back of the output went wrong
+  bool looks_missed{false};               ///< since the last look another thread found the looks missing
 };
 
 /// State machine.  Off by default; On only while everything in LaserInputs allows it; any fault leads to Latched, and
@@ -37,7 +39,7 @@ struct LaserInputs {
 ///
 /// | state   | scan off | scan on, all well | scan on, a fault             | stop()  |
 /// |---------|----------|-------------------|------------------------------|---------|
-/// | Off     | Off      | On                | Off: not yet (driver: Latched) | Stopped |
+/// | Off     | Off      | On                | Off: not yet (driver, looks missed: Latched) | Stopped |
 /// | On      | Off      | On                | Latched                      | Stopped |
 /// | Latched | Off      | Latched           | Latched                      | Stopped |
 /// | Stopped | Stopped  | Stopped           | Stopped                      | Stopped |

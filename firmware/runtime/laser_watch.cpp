@@ -8,6 +8,9 @@
 namespace biteline::runtime {
 namespace {
 
+/// Six looks in a row.  The frame thread notices within its 20 ms turn and a frame's 5 ms: dark after 85 ms at most.
+constexpr Nanoseconds k_looks_within = std::chrono::milliseconds{60};
+
 /// What a broken contract must switch off; there is one laser in a process.
 std::atomic<hal::GpioOut*> g_laser{nullptr};
 
@@ -67,16 +70,26 @@ void LaserWatch::run(RealtimeDemand demand) {
   }
 }
 
+void LaserWatch::note_alive(SensorClock::time_point now) {
+  store(alive_ns_, now);
+  if (!on_ || load(looked_ns_) >= now - k_looks_within) return;
+  looks_missed_ = true;
+  // A failure here leaves the watchdog, which that thread does not feed either.
+  (void)laser_->set(false);
+}
+
 void LaserWatch::step() {
   const Result<hal::SafetyInputs> safety = safety_->read();
   LaserInputs inputs;
   inputs.now = clock_.now();
-  inputs.scan_on = scan_on_.load(std::memory_order_relaxed);
+  inputs.scan_on = scan_on_.load(std::memory_order_acquire);
   inputs.interlock_closed = safety && safety->interlock_closed;
   inputs.key_on = safety && safety->key_on;
   inputs.last_frame = load(last_frame_ns_);
   inputs.watchdog_fed = load(alive_ns_);
   inputs.driver_failed = driver_failed_;
+  inputs.looks_missed = looks_missed_.exchange(false);
+  store(looked_ns_, inputs.now);
   const bool light = guard_.look(inputs);
   drive(light);
   on_ = light && !driver_failed_;

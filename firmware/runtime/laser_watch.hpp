@@ -37,10 +37,15 @@ class LaserWatch {
   /// Dark for good.
   void stop();
 
-  /// A scan wants light, or no longer does.
-  void ask_for_light(bool scan_on) { scan_on_.store(scan_on, std::memory_order_relaxed); }
+  /// A scan wants light, or no longer does.  Frames of the scan before do not count for the next.
+  void ask_for_light(bool scan_on) {
+    if (scan_on) store(last_frame_ns_, SensorClock::time_point::min());
+    scan_on_.store(scan_on, std::memory_order_release);
+  }
   void note_frame(SensorClock::time_point processed) { store(last_frame_ns_, processed); }
-  void note_alive(SensorClock::time_point now) { store(alive_ns_, now); }
+  /// The frame thread lives.  It looks after this one in turn: when the looks of the safety thread stay out while the laser
+  /// is on, it turns the laser off itself.
+  void note_alive(SensorClock::time_point now);
 
   struct Status {
     bool on{false};
@@ -82,6 +87,8 @@ class LaserWatch {
   std::atomic<LaserOff> reason_{LaserOff::NotAsked};
   std::atomic<bool> output_lost_{false};
   std::atomic<std::uint64_t> feeds_failed_{0};
+  std::atomic<std::int64_t> looked_ns_{SensorClock::time_point::min().time_since_epoch().count()};
+  std::atomic<bool> looks_missed_{false};
   std::atomic<int> start_error_{-1};
 };
 

@@ -81,6 +81,41 @@ TEST(LaserWatch, LightsWhileAScanAsksAndDarkensWhenItNoLongerDoes) {
   CHECK(!wires.laser);
 }
 
+TEST(LaserWatch, LooksThatStayOutAreFoundByTheFrameThreadWithinTheLimit) {
+  light_up();
+  const SensorClock::time_point last_look = clock.now();
+  // The safety thread hangs; frames come on.
+  while (wires.laser) {
+    clock.advance(std::chrono::milliseconds{20});
+    sut->note_alive(clock.now());
+    sut->note_frame(clock.now());
+  }
+  CHECK(clock.now() - last_look <= std::chrono::milliseconds{100});
+  CHECK(clock.now() - last_look > std::chrono::milliseconds{50});
+  // It comes back: the light does not.
+  for (int i = 0; i < 10; ++i) {
+    step();
+    CHECK(!wires.laser);
+  }
+  CHECK(sut->status().reason == LaserOff::SafetyHung);
+  CHECK(sut->status().state == LaserGuard::State::Latched);
+  sut->ask_for_light(false);
+  step();
+  light_up();
+}
+
+TEST(LaserWatch, FramesOfTheScanBeforeLightNothing) {
+  light_up();
+  sut->ask_for_light(false);
+  step();
+  sut->ask_for_light(true);
+  step(false);
+  CHECK(!wires.laser);
+  CHECK(sut->status().state == LaserGuard::State::Off);
+  step();
+  CHECK(wires.laser);
+}
+
 TEST(LaserWatch, OpenInterlockDarkensAtTheNextLook) {
   light_up();
   wires.interlock = false;
