@@ -162,6 +162,28 @@ TEST(SensorAndHosts, ServiceKilledInTheMiddleOfAScanGoesOnWhereItStood) {
   CHECK(!fs::exists(results() / "scan-0001" / "line.csv"));
 }
 
+TEST(SensorAndHosts, FullDiskEndsTheServiceAndItsSuccessorLosesNothing) {
+  auto sensor = start_sensor({"--stay"});
+  SUCCEEDS(sensor);
+  // A limit on files instead of a full disk: 64 blocks of 512 bytes, some eight profiles.
+  auto host = ChildProcess::start({.program = "/bin/sh",
+                                   .arguments = {"-c", "trap '' XFSZ; ulimit -f 64; exec \"$@\"", "sh",
+                                                 program("biteline-host").string(), "--sensor", sensor->endpoint().text(),
+                                                 "--out", results().string(), "--once"}});
+  SUCCEEDS(host);
+  const auto full = host->wait(k_patience);
+  SUCCEEDS(full);
+  LONGS_EQUAL(static_cast<int>(error_row(Errc::DiskFull).exit_status), *full);
+  STRCMP_CONTAINS("scan.btln", host->last_words().c_str());
+
+  ChildProcess successor = start_host(sensor->endpoint());
+  SUCCEEDS(successor.wait(k_patience));
+  const nlohmann::json told = report();
+  LONGS_EQUAL(made.frames, told["scan"].value("profiles", 0));
+  LONGS_EQUAL(0, told["scan"].value("profiles_lost", -1));
+  LONGS_EQUAL(0, told.value("messages_lost", -1));
+}
+
 TEST(SensorAndHosts, KilledSensorIsToldAtOnceToWhoStartedIt) {
   // A sensor whose process number the test learns.
   SessionRunOptions options;

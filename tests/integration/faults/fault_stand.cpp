@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include "tests/integration/faults/fault_stand.hpp"
+
+#include <CppUTest/TestHarness.h>
+#include <sys/ptrace.h>
+#include <sys/wait.h>
+
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "tests/support/errors.hpp"
+#include "tests/support/shared_data.hpp"
+
+namespace biteline::test {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr seconds k_patience{30};  // of a loaded machine
+
+}  // namespace
+
+std::unique_ptr<FaultStand> FaultStand::set_up(const PictureCellConfig& config) {
+  auto cell = PictureCell::open_urgent(config);
+  if (!cell) {
+    note_skipped(to_line(cell.error()));
+    return nullptr;
+  }
+  note_ran();
+  std::unique_ptr<FaultStand> stand{new FaultStand};
+  stand->cell_ = std::move(*cell);
+  stand->account_.emplace(*stand->cell_);
+  const std::string sensor_file = stand->folder_.write("sensor.yaml", stand->cell_->sensor_file_text());
+  for (const char* const rights : {"--rt=required", "--rt=ignore"}) {
+    auto sensor = ingest::SensorProcess::start(
+        *ingest::find_sensor_program(), {"--source", stand->cell_->source(), "--sensor", sensor_file, rights}, k_patience);
+    if (!sensor && sensor.error().where.view().find("--rt=ignore") != std::string_view::npos) continue;
+    SUCCEEDS(sensor);
+    stand->sensor_.emplace(std::move(*sensor));
+    break;
+  }
+  stand->return_();
+  return stand;
+}
+
+void FaultStand::leave() { link_.reset(); }
+
+void FaultStand::return_() {
+  ingest::SensorLinkConfig config;
+  config.sensor = sensor_->endpoint();
+  auto link = ingest::SensorLink::open(config);
+  SUCCEEDS(link);
+  link_ = std::move(*link);
+  account_->clear();
+  known_ = false;
+  CHECK(take_until([this] { return known_; }));
+}
+
+void FaultStand::command(wire::Command command) { link_->command({.id = ++command_id_, .command = command}); }
+
+std::optional<std::string> FaultStand::start_scan(std::uint64_t profiles) {
+  account_->clear();
+  reply_.reset();
+  command(wire::Command::StartScan);
+  const bool answered = take_until([this] { return reply_.has_value(); });
+  if (!answered) return "no answer";
+  if (reply_->errc != 0) return reply_->where;
+  take_until([&] { return (cell_->laser_on() && account_->profiles >= profiles) || account_->end; });
+  if (account_->end) return account_->end->where;
+  return std::nullopt;
+}
+
+bool FaultStand::take_until(const std::function<bool()>& done) {
+  const auto deadline = std::chrono::steady_clock::now() + k_patience;
+  while (!done()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    const auto event = link_->next(milliseconds{5});
+    if (!event) return false;
+    if (*event) take(**event);
+  }
+  return true;
+}
+
+bool FaultStand::take_profiles(std::uint64_t more) {
+  const std::uint64_t wanted = account_->profiles + more;
+  return take_until([&] { return account_->profiles >= wanted; });
+}
+
+bool FaultStand::take_health() {
+  const std::uint64_t seen = account_->healths;
+  return take_until([&] { return account_->healths >= seen + 2; });  // the first may have been under way already
+}
+
+void FaultStand::take(const ingest::LinkEvent& event) {
+  if (std::holds_alternative<ingest::Hello>(event)) known_ = true;
+  if (const auto* reply = std::get_if<wire::ControlReply>(&event)) reply_ = *reply;
+  account_->take(event);
+}
+
+std::optional<double> FaultStand::dark_after_ms(SensorClock::time_point begin) {
+  const auto deadline = std::chrono::steady_clock::now() + k_patience;
+  while (cell_->laser_on() && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
+  if (cell_->laser_on()) return std::nullopt;
+  return std::chrono::duration<double, std::milli>(cell_->dark_since() - begin).count();
+}
+
+StalledThread::StalledThread(int pid, const std::string& name) {
+  const std::filesystem::path tasks = std::filesystem::path{"/proc"} / std::to_string(pid) / "task";
+  for (const auto& task : std::filesystem::directory_iterator{tasks}) {
+    std::string comm;
+    std::ifstream{task.path() / "comm"} >> comm;
+    if (comm != name) continue;
+    const int tid = std::stoi(task.path().filename());
+    if (ptrace(PTRACE_SEIZE, tid, nullptr, nullptr) != 0) return;
+    tid_ = tid;
+    ptrace(PTRACE_INTERRUPT, tid, nullptr, nullptr);
+    waitpid(tid, nullptr, __WALL);
+    return;
+  }
+}
+
+StalledThread::~StalledThread() {
+  if (tid_ > 0) ptrace(PTRACE_DETACH, tid_, nullptr, nullptr);
+}
+
+}  // namespace biteline::test

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The sensor program before a cell that can be made to fail, and a host that keeps account.
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "host/ingest/sensor_link.hpp"
+#include "host/ingest/sensor_process.hpp"
+#include "tests/support/picture_cell/picture_cell.hpp"
+#include "tests/support/picture_cell/scan_account.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace biteline::test {
+
+/// Real-time rights are used where there are any, as on a unit: the laser's guard means its 50 ms.
+class FaultStand {
+ public:
+  /// Nothing, noted as skipped: the camera's port is taken.
+  [[nodiscard]] static std::unique_ptr<FaultStand> set_up(const PictureCellConfig& config = {});
+
+  PictureCell& cell() { return *cell_; }
+  ingest::SensorProcess& sensor() { return *sensor_; }
+  [[nodiscard]] const ScanAccount& account() const { return *account_; }
+
+  /// As a host asks for one; until the laser shines and `profiles` have come.  The refusal, if it comes to that.
+  [[nodiscard]] std::optional<std::string> start_scan(std::uint64_t profiles = 20);
+  void command(wire::Command command);
+
+  /// Takes in what comes until `done` says so; false: it never did.
+  bool take_until(const std::function<bool()>& done);
+  bool take_profiles(std::uint64_t more);
+  bool take_end() {
+    return take_until([this] { return account_->end.has_value(); });
+  }
+  /// The next health message that was made after this call.
+  bool take_health();
+
+  void leave();   ///< the host is gone
+  void return_(); ///< and comes back, knowing nothing
+
+  /// Milliseconds from `begin` until the laser's line fell; nothing: it shines.
+  [[nodiscard]] std::optional<double> dark_after_ms(SensorClock::time_point begin);
+
+ private:
+  FaultStand() = default;
+  void take(const ingest::LinkEvent& event);
+
+  TemporaryFolder folder_;
+  std::unique_ptr<PictureCell> cell_;
+  std::optional<ingest::SensorProcess> sensor_;
+  std::unique_ptr<ingest::SensorLink> link_;
+  std::optional<ScanAccount> account_;
+  std::optional<wire::ControlReply> reply_;
+  bool known_{false};  ///< the sensor has answered this host
+  std::uint32_t command_id_{0};
+};
+
+/// One thread of another process made to stand still (ptrace), as a driver that never returns would.
+class StalledThread {
+ public:
+  /// `name` as the thread table has it.
+  StalledThread(int pid, const std::string& name);
+  ~StalledThread();
+  StalledThread(const StalledThread&) = delete;
+  StalledThread& operator=(const StalledThread&) = delete;
+  [[nodiscard]] bool stalled() const { return tid_ > 0; }
+
+ private:
+  int tid_{0};
+};
+
+}  // namespace biteline::test

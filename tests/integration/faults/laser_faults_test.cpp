@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT
+// Faults that must turn the laser off, made to the real program before the cell (README.md, fault table).
+#include <CppUTest/TestHarness.h>
+#include <csignal>
+
+#include <cstdio>
+#include <limits>
+
+#include "tests/integration/faults/fault_stand.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/shared_data.hpp"
+
+namespace biteline::test {
+namespace {
+
+constexpr double k_limit_ms = 100;
+/// The limit is the sensor's, not the machine's on which tests run beside compilers: one of so many tries shall keep it.
+constexpr int k_tries = 4;
+
+SensorClock::time_point now() { return hal::monotonic_now(); }
+
+void check_ended(const FaultStand& stand, Errc code, const char* words) {
+  CHECK(stand.account().end.has_value());
+  STRCMP_CONTAINS(words, stand.account().end->where.c_str());
+  LONGS_EQUAL(static_cast<int>(code), stand.account().end->errc);
+}
+
+}  // namespace
+
+TEST_GROUP(LaserFaults) {
+  std::unique_ptr<FaultStand> stand;
+
+  bool set_up() {
+    stand = FaultStand::set_up();
+    return stand != nullptr;
+  }
+  /// Scans, has the fault made, measures the darkness, has it repaired; the last scan after that must run again.
+  void check_dark(const char* row, const std::function<void()>& fault, const std::function<void()>& after) {
+    double best_ms = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < k_tries && best_ms > k_limit_ms; ++i) {
+      const auto refused = stand->start_scan();
+      CHECK_TEXT(!refused, refused.value_or("").c_str());
+      CHECK(stand->cell().laser_on());
+      const SensorClock::time_point begin = now();
+      fault();
+      const std::optional<double> dark_ms = stand->dark_after_ms(begin);
+      CHECK_TEXT(dark_ms.has_value(), "the laser shines on");
+      best_ms = std::min(best_ms, *dark_ms);
+      after();
+      LONGS_EQUAL(0, stand->account().wrong);
+    }
+    std::printf("%s: dark after %.1f ms\n", row, best_ms);
+    CHECK(best_ms <= k_limit_ms);
+    const auto refused = stand->start_scan();
+    CHECK_TEXT(!refused, refused.value_or("").c_str());
+  }
+};
+
+TEST(LaserFaults, KilledSensorLetsGoOfTheLaser) {
+  double best_ms = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < k_tries && best_ms > k_limit_ms; ++i) {
+    stand.reset();
+    if (!set_up()) return;
+    const auto refused = stand->start_scan();
+    CHECK_TEXT(!refused, refused.value_or("").c_str());
+    const SensorClock::time_point begin = now();
+    ::kill(stand->sensor().child().pid(), SIGKILL);
+    const std::optional<double> dark_ms = stand->dark_after_ms(begin);
+    CHECK_TEXT(dark_ms.has_value(), "the laser shines on");
+    best_ms = std::min(best_ms, *dark_ms);
+  }
+  std::printf("sensor killed: dark after %.1f ms\n", best_ms);
+  CHECK(best_ms <= k_limit_ms);
+}
+
+TEST(LaserFaults, HangingFrameThreadIsFoundByTheSafetyThread) {
+  if (!set_up()) return;
+  std::optional<StalledThread> stalled;
+  check_dark(
+      "frame thread stalled", [&] { stalled.emplace(stand->sensor().child().pid(), "bl-acq"); },
+      [&] {
+        CHECK_TEXT(stalled->stalled(), "ptrace is not allowed here");
+        stalled.reset();
+        CHECK(stand->take_end());
+        check_ended(*stand, Errc::Overrun, "the frame processing hangs");
+      });
+}
+
+TEST(LaserFaults, HangingSafetyThreadIsFoundByTheFrameThread) {
+  if (!set_up()) return;
+  std::optional<StalledThread> stalled;
+  check_dark(
+      "safety thread stalled", [&] { stalled.emplace(stand->sensor().child().pid(), "bl-safety"); },
+      [&] {
+        CHECK_TEXT(stalled->stalled(), "ptrace is not allowed here");
+        stalled.reset();
+        CHECK(stand->take_end());
+        check_ended(*stand, Errc::Overrun, "the safety thread hung");
+      });
+}
+
+TEST(LaserFaults, OpenDoorEndsTheScanAndAClosedOneAllowsTheNext) {
+  if (!set_up()) return;
+  check_dark(
+      "door opened", [&] { stand->cell().set_door(false); },
+      [&] {
+        CHECK(stand->take_end());
+        check_ended(*stand, Errc::InterlockOpen, "the interlock is open");
+        stand->cell().set_door(true);
+      });
+}
+
+TEST(LaserFaults, SilentCameraEndsTheScan) {
+  if (!set_up()) return;
+  check_dark(
+      "camera silent", [&] { stand->cell().faults.camera_silent = true; },
+      [&] {
+        CHECK(stand->take_end());
+        check_ended(*stand, Errc::Timeout, "the camera gives no frames");
+        stand->cell().faults.camera_silent = false;
+      });
+}
+
+TEST(LaserFaults, UnpluggedCameraIsFoundAgainByTheNextScan) {
+  if (!set_up()) return;
+  check_dark(
+      "camera unplugged", [&] { stand->cell().unplug_camera(); },
+      [&] {
+        CHECK(stand->take_end());
+        CHECK(stand->account().end->errc != 0);
+        // While it is away a scan is refused, and says what is missing.
+        const auto refused = stand->start_scan();
+        CHECK(refused.has_value());
+        STRCMP_CONTAINS("camera", refused->c_str());
+        stand->cell().plug_camera();
+        // A camera that went away without a word is let go of after some seconds; until then scans are refused.
+        CHECK(stand->take_until([&] { return !stand->start_scan(); }));
+        stand->command(wire::Command::StopScan);
+        CHECK(stand->take_end());
+      });
+}
+
+TEST(LaserFaults, HostThatAsksForDarknessGetsIt) {
+  if (!set_up()) return;
+  check_dark(
+      "host asked",
+      [&] {
+        stand->command(wire::Command::LaserOff);
+        stand->take_until([&] { return !stand->cell().laser_on(); });
+      },
+      [&] {
+        CHECK(stand->take_end());
+        check_ended(*stand, Errc::PeerRefused, "a host asked for it");
+      });
+}
+
+TEST(LaserFaults, LaserDoesNotShineOnForAbsentHostsAndNothingOfTheScanIsLost) {
+  if (!set_up()) return;
+  const auto refused = stand->start_scan();
+  CHECK_TEXT(!refused, refused.value_or("").c_str());
+  stand->leave();
+  CHECK_TEXT(stand->dark_after_ms(now()).has_value(), "the laser shines on");
+  stand->return_();
+  CHECK(stand->take_end());
+  check_ended(*stand, Errc::ConnectionLost, "no host");
+  LONGS_EQUAL(0, stand->account().lost);
+  LONGS_EQUAL(0, stand->account().wrong);
+  const wire::Counters& counters = stand->account().end->counters;
+  LONGS_EQUAL(counters.profiles - counters.profiles_dropped, stand->account().profiles);
+  CHECK(!stand->start_scan());
+}
+
+}  // namespace biteline::test

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file A cell of ready-made pictures for biteline-sensor (--source cell:NAME), with a hand on every wire.
+///
+/// hal/sim/live renders a shoe; this one only copies, so that the camera's full rate is the camera's, and it can be made to
+/// fail: each fault is one that the fault table in tests/integration/faults names.
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/profile/profile.hpp"
+#include "hal/sim/bus/bus_server.hpp"
+#include "hal/sim/gvcamera/gv_camera.hpp"
+#include "hal/sim/live/trigger_timer.hpp"
+
+namespace biteline::test {
+
+struct PictureCellConfig {
+  int width_px{640}, height_px{120};  ///< region, of a sensor of 1626 x 1236 pixels
+  double rate_hz{100};
+  double pose_rate_hz{250};
+  double lost_packet_ratio{0};
+  /// Different ones, then again from the first.  A prime, so that no loss of a round number hides.
+  std::uint32_t pictures{13};
+};
+
+/// What a test may do to the running cell.  Any thread.
+struct CellFaults {
+  std::atomic<int> edges_to_lose{0};     ///< the train skips so many pulses: neither frame nor echo
+  std::atomic<int> edges_to_double{0};   ///< a second pulse 0.3 ms after the first
+  std::atomic<int> echoes_to_lose{0};    ///< the frame comes, its echo does not
+  std::atomic<bool> camera_silent{false};  ///< triggers do not reach the camera
+  std::atomic<bool> bus_off{false};      ///< nothing gets through on the pose bus
+  std::atomic<bool> sync_stopped{false};
+  std::atomic<bool> poses_silent{false};
+  std::atomic<std::int64_t> robot_clock_step_ns{0};
+  std::atomic<int> poses_from_future{0}; ///< so many SYNCs stamped an hour ahead
+};
+
+/// Threads: camera, wires, trigger and poses; public methods from any.
+class PictureCell {
+ public:
+  [[nodiscard]] static Result<std::unique_ptr<PictureCell>> open(const PictureCellConfig& config);
+  /// As open(), its threads above all ordinary ones where this process may: the cell stands for hardware, which no compiler
+  /// beside it holds up.
+  [[nodiscard]] static Result<std::unique_ptr<PictureCell>> open_urgent(const PictureCellConfig& config);
+  ~PictureCell();
+  PictureCell(const PictureCell&) = delete;
+  PictureCell& operator=(const PictureCell&) = delete;
+
+  [[nodiscard]] const geometry::SensorModel& head() const { return head_; }
+  /// For --source and --sensor.
+  [[nodiscard]] std::string source() const { return "cell:" + name_; }
+  [[nodiscard]] std::string sensor_file_text() const;
+
+  CellFaults faults;
+  void unplug_camera();
+  void plug_camera();
+  void set_door(bool closed) { bus_->drive(sim::Line::Interlock, closed, now()); }
+
+  [[nodiscard]] bool laser_on() const { return bus_->level(sim::Line::LaserEnable); }
+  /// The last time that the laser's line fell.
+  [[nodiscard]] SensorClock::time_point dark_since() const { return SensorClock::time_point{Nanoseconds{dark_since_ns_}}; }
+  [[nodiscard]] std::uint64_t edges() const { return trigger_->edges(); }
+
+  /// Round a circle at 250 mm/s.
+  [[nodiscard]] SE3 T_base_flange_at(SensorClock::time_point instant) const;
+  static constexpr double k_speed_mm_s = 250;
+  static constexpr double k_radius_mm = 100;
+
+  /// The stripe's row in picture `number` (taken modulo their count), in the region.
+  [[nodiscard]] double stripe_row_px(std::uint64_t number, int column) const;
+  [[nodiscard]] std::span<const std::uint8_t> picture(std::uint64_t number) const {
+    return pictures_[number % config_.pictures];
+  }
+  /// What the firmware's pipeline makes of each picture, without any device.
+  [[nodiscard]] std::vector<std::vector<profile::ProfilePoint>> expected_profiles() const;
+  /// Which picture these points are of; nothing when they are of none.
+  [[nodiscard]] std::optional<std::size_t> picture_of(std::span<const profile::ProfilePoint> points) const;
+
+ private:
+  explicit PictureCell(const PictureCellConfig& config);
+  [[nodiscard]] static SensorClock::time_point now();
+  Result<void> open_camera();
+  void paint(const sim::GvExposure& exposure, std::span<std::uint8_t> pixels) const;
+  void on_edge(SensorClock::time_point edge, Nanoseconds pulse);
+  void fire(SensorClock::time_point edge, Nanoseconds pulse);
+  void send_poses(const std::stop_token& stop);
+
+  PictureCellConfig config_;
+  geometry::SensorModel head_;
+  std::string name_;
+  SensorClock::time_point start_;
+  std::vector<std::vector<std::uint8_t>> pictures_;
+  std::atomic<std::int64_t> dark_since_ns_{0};
+  std::mutex camera_mutex_;
+  std::unique_ptr<sim::BusServer> bus_;
+  std::unique_ptr<sim::GvCamera> camera_;
+  std::unique_ptr<sim::TriggerTimer> trigger_;
+  std::jthread poses_;
+};
+
+/// All of a point that no clock enters, bit by bit; sigma_mm also holds the pose's scatter.
+[[nodiscard]] bool same_bits(const profile::ProfilePoint& a, const profile::ProfilePoint& b);
+
+}  // namespace biteline::test
