@@ -66,7 +66,8 @@ class PictureCell {
   [[nodiscard]] bool laser_on() const { return bus_->level(sim::Line::LaserEnable); }
   /// The last time that the laser's line fell.
   [[nodiscard]] SensorClock::time_point dark_since() const { return SensorClock::time_point{Nanoseconds{dark_since_ns_}}; }
-  [[nodiscard]] std::uint64_t edges() const { return trigger_->edges(); }
+  /// Edges that came while the camera was busy, as on a real one: no frame, and none lost.
+  [[nodiscard]] std::uint64_t triggers_missed() const { return camera_->triggers_missed(); }
 
   /// Round a circle at 250 mm/s.
   [[nodiscard]] SE3 T_base_flange_at(SensorClock::time_point instant) const;

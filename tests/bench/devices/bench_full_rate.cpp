@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+// bench_full_rate [SECONDS]: the sensor program on whole frames over GigE Vision's loopback, for as long as asked: the rate,
+// what was lost, and whether its memory grows.  Without an argument 30 s, so that ./run bench stays short; the soak of
+// issue and release is 600.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "host/ingest/sensor_link.hpp"
+#include "host/ingest/sensor_process.hpp"
+#include "tests/support/picture_cell/picture_cell.hpp"
+#include "tests/support/picture_cell/scan_account.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace {
+
+using namespace biteline;
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr seconds k_patience{30};
+/// Buffers, rings and the store's first pages are in use by then.
+constexpr seconds k_warm_up{10};
+
+/// Resident memory of a process (proc(5), VmRSS).
+double resident_megabytes(int pid) {
+  std::ifstream status{"/proc/" + std::to_string(pid) + "/status"};
+  for (std::string key; status >> key;) {
+    double kilobytes = 0;
+    if (key == "VmRSS:" && status >> kilobytes) return kilobytes / 1024;
+  }
+  return 0;
+}
+
+void row(const char* what, double ours, const char* unit, const char* target) {
+  std::printf("{\"bench\":\"devices.full_rate\",\"what\":\"%s\",\"ours\":%.6g,\"unit\":\"%s\",\"target\":%s}\n", what, ours, unit,
+              target);
+}
+
+class Run {
+ public:
+  Run(test::PictureCell& cell, ingest::SensorProcess& sensor, ingest::SensorLink& link)
+      : sensor_{sensor}, link_{link}, account_{cell} {}
+
+  Result<void> run(seconds duration) {
+    bool known = false;
+    while (!known) {
+      BITELINE_ASSIGN(const auto event, link_.next(milliseconds{100}));
+      known = event && std::holds_alternative<ingest::Hello>(*event);
+    }
+    link_.command({.id = 1, .command = wire::Command::StartScan});
+    const Clock::time_point give_up = Clock::now() + k_patience;
+    while (account_.profiles == 0 && Clock::now() < give_up) BITELINE_TRY(step());
+    const Clock::time_point begin = Clock::now();
+    while (Clock::now() - begin < duration && !account_.end) {
+      BITELINE_TRY(step());
+      measure_memory(Clock::now() - begin);
+    }
+    duration_s_ = std::chrono::duration<double>(Clock::now() - begin).count();
+    if (!account_.end) link_.command({.id = 2, .command = wire::Command::StopScan});
+    const Clock::time_point stop_by = Clock::now() + k_patience;
+    while (!account_.end && Clock::now() < stop_by) BITELINE_TRY(step());
+    if (!account_.end) return fail(Errc::Timeout, "the scan's end never came");
+    if (account_.end->errc != 0) return fail(Errc::DeviceError, "%s", account_.end->where.c_str());
+    return {};
+  }
+
+  /// True: nothing is lost, doubled or wrong.
+  bool tell(std::uint64_t triggers_missed) const {
+    const wire::Counters& counters = account_.end->counters;
+    const std::uint64_t lost = counters.frames_lost + counters.frames_damaged + counters.profiles_dropped +
+                               counters.messages_lost + account_.lost + account_.frames_missing;
+    row("duration", duration_s_, "s", "null");
+    row("frames of 1626 x 1236", static_cast<double>(counters.frames), "1", "null");
+    row("rate", static_cast<double>(counters.frames) / duration_s_, "1/s", "100");
+    row("frames and profiles lost", static_cast<double>(lost), "1", "0");
+    row("profiles doubled or out of order", static_cast<double>(account_.disordered), "1", "0");
+    row("profiles of other bits", static_cast<double>(account_.wrong), "1", "0");
+    row("triggers that the simulated camera missed", static_cast<double>(triggers_missed), "1", "null");
+    row("sensor's memory", newest_megabytes_, "MB", "null");
+    row("sensor's memory growth after warm-up", newest_megabytes_ - warm_megabytes_, "MB", "null");
+    return lost == 0 && account_.disordered == 0 && account_.wrong == 0 && account_.profiles == counters.profiles;
+  }
+
+ private:
+  Result<void> step() {
+    BITELINE_ASSIGN(const auto event, link_.next(milliseconds{20}));
+    if (event) account_.take(*event);
+    return {};
+  }
+  void measure_memory(Clock::duration since_begin) {
+    if (since_begin < next_measure_) return;
+    next_measure_ = since_begin + seconds{5};
+    newest_megabytes_ = resident_megabytes(sensor_.child().pid());
+    if (since_begin < k_warm_up) warm_megabytes_ = newest_megabytes_;
+    std::fprintf(stderr, "%6.0f s  %8llu profiles  %.1f MB\n", std::chrono::duration<double>(since_begin).count(),
+                 static_cast<unsigned long long>(account_.profiles), newest_megabytes_);
+  }
+
+  ingest::SensorProcess& sensor_;
+  ingest::SensorLink& link_;
+  test::ScanAccount account_;
+  Clock::duration next_measure_{0};
+  double warm_megabytes_{0}, newest_megabytes_{0};
+  double duration_s_{0};
+};
+
+Result<bool> bench(seconds duration) {
+  const test::TemporaryFolder folder;
+  BITELINE_ASSIGN(const auto cell, test::PictureCell::open_urgent({.width_px = 1626, .height_px = 1236, .rate_hz = 101}));
+  const std::string sensor_file = folder.write("sensor.yaml", cell->sensor_file_text());
+  BITELINE_ASSIGN(const auto program, ingest::find_sensor_program());
+  // A store that is full after the warm-up: from then on every profile takes the room of an old one.
+  std::vector<std::string> arguments{"--source", cell->source(), "--sensor", sensor_file, "--store-mb", "16", "--rt=required"};
+  auto sensor = ingest::SensorProcess::start(program, arguments, k_patience);
+  if (!sensor) {
+    std::fprintf(stderr, "%s; as any program then\n", to_line(sensor.error()).c_str());
+    arguments.back() = "--rt=ignore";
+    sensor = ingest::SensorProcess::start(program, arguments, k_patience);
+  }
+  if (!sensor) return tl::unexpected<Error>{sensor.error()};
+  ingest::SensorLinkConfig config;
+  config.sensor = sensor->endpoint();
+  BITELINE_ASSIGN(const auto link, ingest::SensorLink::open(config));
+  Run run{*cell, *sensor, *link};
+  BITELINE_TRY(run.run(duration));
+  return run.tell(cell->triggers_missed());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const Result<bool> done = bench(seconds{argc > 1 ? std::atoi(argv[1]) : 30});
+  if (!done) {
+    std::fprintf(stderr, "bench_full_rate: %s\n", to_line(done.error()).c_str());
+    return done.error().code == Errc::ConnectFailed ? 77 : 1;
+  }
+  return *done ? 0 : 1;
+}
