@@ -81,21 +81,4 @@ using StageCallback = std::function<void(const char* stage)>;
 [[nodiscard]] Extraction extract(const cloud::PointCloud& cloud, const ExtractConfig& config,
                                  const StageCallback& on_stage = {});
 
-/// The same while the scan runs: profiles are reduced as they come, so that only the closing steps remain
-/// when the last one is in.  The result differs from that of the finished cloud by the reduction's rounding
-/// only. Thread: one at a time.  Memory: 22 bytes per point.
-class LiveScan {
- public:
-  /// Points of one profile in base, in the order of the stripe.
-  void add_profile(std::span<const Eigen::Vector3f> points);
-  [[nodiscard]] std::size_t points() const { return raw_.size(); }
-  /// May be called at any time, also more than once: the line as far as seen, or why there is none yet.
-  [[nodiscard]] Extraction finish(const ExtractConfig& config, const StageCallback& on_stage = {}) const;
-
- private:
-  std::vector<Eigen::Vector3f> raw_;
-  cloud::PointCloud thinned_;             ///< means of runs of neighbours
-  std::vector<std::uint32_t> first_raw_;  ///< of each run
-};
-
 }  // namespace biteline::groove

@@ -2,12 +2,12 @@
 #include "host/groove/path/closed_path.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
+#include <utility>
 
 #include "common/core/contracts.hpp"
+#include "host/groove/lanes.hpp"
 
 namespace biteline::groove {
 
@@ -41,28 +41,19 @@ Sweep sweep(std::span<const float> by_column, int rows, int cols, int count, con
   const int reach = config.max_step_rows;
   // Blocked rows beyond both ends spare the inner loop its bounds.
   std::vector<float> before(height + 2 * static_cast<std::size_t>(reach), k_blocked);
-  std::vector<float> best(height);
-  std::vector<float> from(height);  // as floats, so that comparing and choosing go through vectors
+  std::vector<float> after = before;
+  std::vector<float> penalty;
+  for (int d = -reach; d <= reach; ++d) penalty.push_back(static_cast<float>(config.step_cost * d * d));
   for (std::size_t r = 0; r < height; ++r)
     before[r + static_cast<std::size_t>(reach)] = start[r] + by_column[r];
   for (int column = 1; column < count; ++column) {
-    std::fill(best.begin(), best.end(), k_blocked);
-    for (int d = -reach; d <= reach; ++d) {
-      const auto penalty = static_cast<float>(config.step_cost * d * d);
-      const float* previous = before.data() + reach + d;
-      for (std::size_t r = 0; r < height; ++r) {
-        const float candidate = previous[r] + penalty;
-        const bool better = candidate < best[r];
-        best[r] = better ? candidate : best[r];
-        from[r] = better ? static_cast<float>(d) : from[r];
-      }
-    }
-    const float* own = by_column.data() + static_cast<std::size_t>(column % cols) * height;
-    std::int8_t* steps = result.step.data() + static_cast<std::size_t>(column) * height;
-    for (std::size_t r = 0; r < height; ++r) {
-      before[r + static_cast<std::size_t>(reach)] = std::min(k_blocked, best[r] + own[r]);
-      steps[r] = static_cast<std::int8_t>(from[r]);
-    }
+    step_column({.before = before.data() + reach,
+                 .penalty = penalty,
+                 .own = by_column.data() + static_cast<std::size_t>(column % cols) * height,
+                 .most = k_blocked},
+                {after.data() + reach, height},
+                result.step.data() + static_cast<std::size_t>(column) * height);
+    std::swap(before, after);
   }
   result.total.assign(before.begin() + reach, before.end() - reach);
   return result;

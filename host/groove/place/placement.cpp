@@ -121,8 +121,9 @@ std::optional<Vec3> normal_above(const Sections& sections, const Outline& outlin
 }  // namespace
 
 std::vector<std::uint32_t> near_path(const SideField& field, const Crease& crease) {
-  // The sections' own 6.6 mm and what the path may lie off by.
-  constexpr double k_reach_mm = 8.0;
+  // The sections' own reach and the millimetre that the smoothed path may lie off its columns.
+  const double below_mm = SectionConfig{}.below_mm + 1.0;
+  const double above_mm = SectionConfig{}.above_mm + 1.0;
   std::vector<std::uint32_t> near;
   near.reserve(field.places.size() / 3);
   const SideGrid& grid = field.grid;
@@ -131,7 +132,8 @@ std::vector<std::uint32_t> near_path(const SideField& field, const Crease& creas
     if (place.s_mm < 0) continue;
     const int col = std::min(grid.cols - 1, static_cast<int>(static_cast<double>(place.s_mm) / grid.col_mm));
     const double path_z_mm = grid.z_mm(crease.row[static_cast<std::size_t>(col)]);
-    if (std::abs(static_cast<double>(place.z_mm) - path_z_mm) < k_reach_mm)
+    const double above_path_mm = static_cast<double>(place.z_mm) - path_z_mm;
+    if (above_path_mm > -below_mm && above_path_mm < above_mm)
       near.push_back(static_cast<std::uint32_t>(i));
   }
   return near;

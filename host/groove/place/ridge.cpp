@@ -7,6 +7,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "host/groove/lanes.hpp"
 #include "host/groove/path/closed_path.hpp"
 
 namespace biteline::groove {
@@ -83,9 +84,7 @@ std::vector<float> section_curvature(const Sections& sections, double sigma_mm) 
           padded[i] = o[r];
       }
       std::fill(smooth.begin(), smooth.end(), 0.0F);
-      for (std::size_t j = 0; j < g0.size(); ++j) {
-        for (std::size_t r = 0; r < rows; ++r) smooth[r] += g0[j] * padded[r + j];
-      }
+      for (std::size_t j = 0; j < g0.size(); ++j) add_scaled(smooth, padded.data() + j, g0[j]);
       float* out = k.data() + sections.at(station, 0);
       const auto inverse_h = static_cast<float>(1.0 / h);
       for (std::size_t r = std::max<std::size_t>(begin, 1); r + 1 < std::min(end, rows); ++r) {

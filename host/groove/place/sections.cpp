@@ -2,23 +2,23 @@
 #include "host/groove/place/sections.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+
+#include "host/groove/lanes.hpp"
 
 namespace biteline::groove {
 
 namespace {
 
 constexpr double k_longest_filled_mm = 1.5;  // a shadow longer than this hides the groove
-constexpr double k_reach_o_mm = 14.0;
+constexpr float k_reach_o_mm = 14.0F;
 
-/// Sums of weight, s, s^2, o, s o of the points in one bin; s from the bin's middle.
-struct Bin {
-  float w{0}, s{0}, ss{0}, o{0}, so{0};
-};
+/// Per station, one after the other, for each row the sums of weight, s, s^2, o and s o; s from the bin's
+/// middle.
+enum Sum : std::size_t { k_w, k_s, k_ss, k_o, k_so, k_sums };
 
 std::vector<float> gaussian(double sigma, double step) {
   const int reach = static_cast<int>(std::ceil(3.5 * sigma / step));
@@ -30,46 +30,125 @@ std::vector<float> gaussian(double sigma, double step) {
 
 /// Where one point falls.
 struct Landing {
-  std::int32_t cell{-1};
+  std::int32_t station{-1};
+  std::int32_t row{0};
   float s_mm{0};
   float o_mm{0};
 };
 
-Landing land(const SectionInput& input, const SectionConfig& config, const Sections& sections,
-             const Eigen::Vector3f& p) {
-  const Outline::Foot foot = input.outline.locate(p.x(), p.y());
-  if (!foot.valid || std::abs(static_cast<double>(foot.o_mm)) > k_reach_o_mm) return {};
-  const double at = static_cast<double>(foot.s_mm) * sections.stations / input.outline.length_mm();
-  const auto nearest = static_cast<int>(at + 0.5);
-  // The path's height at the point's own s, so that a sloping path leaves the sections level.
-  const int before = static_cast<int>(at);
-  const double z0 = input.path_z_mm[static_cast<std::size_t>(before % sections.stations)];
-  const double z1 = input.path_z_mm[static_cast<std::size_t>((before + 1) % sections.stations)];
-  const double z = static_cast<double>(p.z()) - (z0 + (at - before) * (z1 - z0));
-  const int row = static_cast<int>(std::floor(z / config.row_mm + 0.5)) + sections.zero_row;
-  if (row < 0 || row >= sections.rows) return {};
-  return {static_cast<std::int32_t>(sections.at(nearest % sections.stations, row)),
-          static_cast<float>((at - nearest) * sections.station_mm), foot.o_mm};
+/// The path's height at a station and at the next one, so that a sloping path leaves the sections level.
+struct Step {
+  float z_mm{0};
+  float rise_mm{0};
+};
+
+std::vector<Step> steps_of(std::span<const double> path_z_mm) {
+  std::vector<Step> steps(path_z_mm.size());
+  for (std::size_t i = 0; i < steps.size(); ++i)
+    steps[i] = {static_cast<float>(path_z_mm[i]),
+                static_cast<float>(path_z_mm[(i + 1) % steps.size()] - path_z_mm[i])};
+  return steps;
 }
 
-std::vector<Bin> collect(const SectionInput& input, const SectionConfig& config, const Sections& sections) {
+/// Coordinates of a point, stations and rows instead of millimetres.
+class Lander {
+ public:
+  Lander(const SectionInput& input, const SectionConfig& config, const Sections& sections)
+      : outline_{input.outline},
+        steps_{steps_of(input.path_z_mm)},
+        stations_{sections.stations},
+        rows_{static_cast<float>(sections.rows)},
+        zero_row_{static_cast<float>(sections.zero_row)},
+        station_mm_{static_cast<float>(sections.station_mm)},
+        per_station_{1.0F / station_mm_},
+        per_row_{static_cast<float>(1.0 / config.row_mm)} {}
+
+  [[nodiscard]] Landing land(const Eigen::Vector3f& p) const {
+    const Outline::Foot foot = outline_.locate(p.x(), p.y());
+    if (!foot.valid || std::abs(foot.o_mm) > k_reach_o_mm) return {};
+    const float at = foot.s_mm * per_station_;
+    const auto nearest = static_cast<int>(at + 0.5F);
+    const int before = static_cast<int>(at);
+    const Step& step = steps_[static_cast<std::size_t>(before < stations_ ? before : 0)];
+    const float z = p.z() - (step.z_mm + (at - static_cast<float>(before)) * step.rise_mm);
+    const float row = z * per_row_ + zero_row_ + 0.5F;
+    if (row < 0 || row >= rows_) return {};
+    return {nearest < stations_ ? nearest : 0, static_cast<std::int32_t>(row),
+            (at - static_cast<float>(nearest)) * station_mm_, foot.o_mm};
+  }
+
+ private:
+  const Outline& outline_;
+  std::vector<Step> steps_;
+  int stations_;
+  float rows_, zero_row_, station_mm_, per_station_, per_row_;
+};
+
+std::vector<float> collect(const SectionInput& input, const SectionConfig& config, const Sections& sections) {
   std::vector<Landing> landings(input.points.size());
+  const Lander lander{input, config, sections};
   tbb::parallel_for(tbb::blocked_range<std::size_t>{0, input.points.size(), 4096}, [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i)
-      landings[i] = land(input, config, sections, input.points[i]);
+      landings[i] = lander.land(input.points[i]);
   });
-  std::vector<Bin> bins(static_cast<std::size_t>(sections.stations) *
-                        static_cast<std::size_t>(sections.rows));
+  const auto rows = static_cast<std::size_t>(sections.rows);
+  std::vector<float> bins(static_cast<std::size_t>(sections.stations) * k_sums * rows, 0.0F);
   for (const Landing& landing : landings) {
-    if (landing.cell < 0) continue;
-    Bin& bin = bins[static_cast<std::size_t>(landing.cell)];
-    bin.w += 1.0F;
-    bin.s += landing.s_mm;
-    bin.ss += landing.s_mm * landing.s_mm;
-    bin.o += landing.o_mm;
-    bin.so += landing.s_mm * landing.o_mm;
+    if (landing.station < 0) continue;
+    float* bin =
+        bins.data() + static_cast<std::size_t>(landing.station) * k_sums * rows + static_cast<std::size_t>(landing.row);
+    bin[k_w * rows] += 1.0F;
+    bin[k_s * rows] += landing.s_mm;
+    bin[k_ss * rows] += landing.s_mm * landing.s_mm;
+    bin[k_o * rows] += landing.o_mm;
+    bin[k_so * rows] += landing.s_mm * landing.o_mm;
   }
   return bins;
+}
+
+/// Weighted sums over the stations around one, s counted from that station; `reach` empty rows at both ends of
+/// each sum.
+void sum_along(std::span<const float> bins, std::span<const float> weights, const Sections& sections, int station,
+               std::size_t reach, std::vector<float>& sums) {
+  const auto rows = static_cast<std::size_t>(sections.rows);
+  const auto half = static_cast<int>(weights.size() / 2);
+  std::fill(sums.begin(), sums.end(), 0.0F);
+  const auto to = [&](Sum sum) { return std::span{sums.data() + sum * (rows + 2 * reach) + reach, rows}; };
+  for (int j = -half; j <= half; ++j) {
+    const int other = ((station + j) % sections.stations + sections.stations) % sections.stations;
+    const float* block = bins.data() + static_cast<std::size_t>(other) * k_sums * rows;
+    const auto from = [&](Sum sum) { return block + sum * rows; };
+    const float g = weights[static_cast<std::size_t>(j + half)];
+    const auto shift = static_cast<float>(j * sections.station_mm);
+    for (const Sum sum : {k_w, k_s, k_ss, k_o, k_so}) add_scaled(to(sum), from(sum), g);
+    add_scaled(to(k_s), from(k_w), g * shift);
+    add_scaled(to(k_ss), from(k_s), 2 * g * shift);
+    add_scaled(to(k_ss), from(k_w), g * shift * shift);
+    add_scaled(to(k_so), from(k_o), g * shift);
+  }
+}
+
+/// Straight line in s through the weighted points of each row, taken at the station; where all lie on one
+/// profile, their mean.
+void fit_station(std::span<const float> sums, Sections& sections, int station) {
+  constexpr float k_least_weight = 0.05F;
+  constexpr float k_least_spread_mm2 = 0.04F;
+  const auto rows = static_cast<std::size_t>(sections.rows);
+  const float* w = sums.data() + k_w * rows;
+  const float* s = sums.data() + k_s * rows;
+  const float* ss = sums.data() + k_ss * rows;
+  const float* o = sums.data() + k_o * rows;
+  const float* so = sums.data() + k_so * rows;
+  float* out = sections.o_mm.data() + sections.at(station, 0);
+  std::uint8_t* known = sections.known.data() + sections.at(station, 0);
+  for (std::size_t r = 0; r < rows; ++r) {
+    const float det = w[r] * ss[r] - s[r] * s[r];
+    const bool spread = det > k_least_spread_mm2 * w[r] * w[r];
+    const float above = spread ? o[r] * ss[r] - so[r] * s[r] : o[r];
+    const float below = spread ? det : w[r];
+    out[r] = above / std::max(below, 1e-6F);  // rows of less weight are not known: their value is not read
+    known[r] = w[r] < k_least_weight ? 0 : 1;
+  }
 }
 
 /// Straight lines across gaps within the section; beyond its ends nothing.
@@ -105,54 +184,22 @@ Sections cut_sections(const SectionInput& input, const SectionConfig& config) {
                        0.0F);
   sections.known.assign(sections.o_mm.size(), 0);
 
-  const std::vector<Bin> bins = collect(input, config, sections);
+  const std::vector<float> bins = collect(input, config, sections);
   const std::vector<float> along = gaussian(input.sigma_s_mm, sections.station_mm);
   const std::vector<float> up = gaussian(config.sigma_z_mm, config.row_mm);
-  const auto reach_s = static_cast<int>(along.size() / 2);
-  const auto reach_z = static_cast<int>(up.size() / 2);
+  const std::size_t reach = up.size() / 2;
   const auto rows = static_cast<std::size_t>(sections.rows);
-  constexpr float k_least_weight = 0.05F;
   tbb::parallel_for(tbb::blocked_range<int>{0, sections.stations, 16}, [&](const auto& range) {
-    std::vector<Bin> column(rows);
+    std::vector<float> column(k_sums * (rows + 2 * reach));
+    std::vector<float> sums(k_sums * rows);
     for (int station = range.begin(); station != range.end(); ++station) {
-      std::fill(column.begin(), column.end(), Bin{});
-      for (int j = -reach_s; j <= reach_s; ++j) {
-        const int other = ((station + j) % sections.stations + sections.stations) % sections.stations;
-        const Bin* source = bins.data() + sections.at(other, 0);
-        const float g = along[static_cast<std::size_t>(j + reach_s)];
-        const auto shift = static_cast<float>(j * sections.station_mm);
-        for (std::size_t r = 0; r < rows; ++r) {
-          const Bin& b = source[r];
-          if (b.w == 0.0F) continue;
-          column[r].w += g * b.w;
-          column[r].s += g * (b.s + shift * b.w);
-          column[r].ss += g * (b.ss + 2 * shift * b.s + shift * shift * b.w);
-          column[r].o += g * b.o;
-          column[r].so += g * (b.so + shift * b.o);
-        }
+      sum_along(bins, along, sections, station, reach, column);
+      std::fill(sums.begin(), sums.end(), 0.0F);
+      for (std::size_t sum = 0; sum < k_sums; ++sum) {
+        for (std::size_t j = 0; j < up.size(); ++j)
+          add_scaled({sums.data() + sum * rows, rows}, column.data() + sum * (rows + 2 * reach) + j, up[j]);
       }
-      for (int row = 0; row < sections.rows; ++row) {
-        Bin sum;
-        for (int j = -reach_z; j <= reach_z; ++j) {
-          const int other = row + j;
-          if (other < 0 || other >= sections.rows) continue;
-          const float g = up[static_cast<std::size_t>(j + reach_z)];
-          const Bin& b = column[static_cast<std::size_t>(other)];
-          sum.w += g * b.w;
-          sum.s += g * b.s;
-          sum.ss += g * b.ss;
-          sum.o += g * b.o;
-          sum.so += g * b.so;
-        }
-        if (sum.w < k_least_weight) continue;
-        // Straight line in s through the weighted points, taken at the station; where all lie on one profile,
-        // their mean.
-        const float det = sum.w * sum.ss - sum.s * sum.s;
-        const float spread = det / (sum.w * sum.w);
-        const std::size_t cell = sections.at(station, row);
-        sections.o_mm[cell] = spread > 0.04F ? (sum.o * sum.ss - sum.so * sum.s) / det : sum.o / sum.w;
-        sections.known[cell] = 1;
-      }
+      fit_station(sums, sections, station);
       fill_gaps(sections, station);
     }
   });

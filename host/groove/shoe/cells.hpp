@@ -33,6 +33,10 @@ class Cells {
 
   /// Cells with points, ascending.
   [[nodiscard]] const std::vector<std::int32_t>& occupied() const { return occupied_; }
+  /// Index into occupied() of an occupied cell.
+  [[nodiscard]] std::size_t slot(std::int32_t cell) const {
+    return static_cast<std::size_t>(slot_[static_cast<std::size_t>(cell)]);
+  }
   [[nodiscard]] std::uint32_t count(std::int32_t cell) const {
     return count_[static_cast<std::size_t>(cell)];
   }

@@ -96,13 +96,13 @@ std::vector<double> smooth_closed(std::span<const double> values, double sigma_s
     sum += kernel.back();
   }
   std::vector<double> smooth(values.size(), 0.0);
-  for (std::ptrdiff_t i = 0; i < count; ++i) {
-    double value = 0;
-    for (std::ptrdiff_t j = -reach; j <= reach; ++j) {
-      value += kernel[static_cast<std::size_t>(j + reach)] *
-               values[static_cast<std::size_t>(((i + j) % count + count) % count)];
-    }
-    smooth[static_cast<std::size_t>(i)] = value / sum;
+  if (values.empty()) return smooth;
+  std::vector<double> round(values.size() + 2 * static_cast<std::size_t>(reach));
+  for (std::ptrdiff_t i = 0; i < count + 2 * reach; ++i)
+    round[static_cast<std::size_t>(i)] = values[static_cast<std::size_t>(((i - reach) % count + count) % count)];
+  for (std::size_t j = 0; j < kernel.size(); ++j) {
+    const double share = kernel[j] / sum;
+    for (std::size_t i = 0; i < smooth.size(); ++i) smooth[i] += share * round[i + j];
   }
   return smooth;
 }
@@ -140,6 +140,12 @@ Outline::Outline(std::span<const Vec2> curve, const Config& config) {
     bend[i] = cross(normals_[(i + count - 1) % count], normals_[(i + 1) % count]) / (2.0 * spacing_mm());
   }
   bend_per_mm_ = smooth_closed(bend, 2.0);
+  samples_.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector2f p = points_[i].cast<float>();
+    const Eigen::Vector2f n = normals_[i].cast<float>();
+    samples_.push_back({p.x(), p.y(), n.x(), n.y(), static_cast<float>(bend_per_mm_[i])});
+  }
   build_lookup(config.reach_mm);
 }
 
@@ -189,27 +195,30 @@ Outline::Foot Outline::locate(float x_mm, float y_mm) const {
       nearest_[static_cast<std::size_t>(line) * static_cast<std::size_t>(lookup_cols_) +
                static_cast<std::size_t>(column)];
   if (start < 0) return {};
-  const Vec2 p{x_mm, y_mm};
-  const double spacing = spacing_mm();
-  auto i = static_cast<std::ptrdiff_t>(start);
-  const auto count = static_cast<std::ptrdiff_t>(points_.size());
-  double along = 0;
-  double outwards = 0;
+  const auto spacing = static_cast<float>(spacing_mm());
+  const float per_spacing = 1.0F / spacing;
+  const auto count = static_cast<int>(samples_.size());
+  int i = start;
+  float along = 0;
+  float outwards = 0;
   // Newton steps to the foot of the perpendicular: an offset curve at o is (1 + bend o) times as long.
   for (int step = 0; step < 3; ++step) {
-    const auto k = static_cast<std::size_t>(i);
-    const Vec2 r = p - points_[k];
-    outwards = r.dot(normals_[k]);
-    const double stretch = std::max(0.2, 1.0 + bend_per_mm_[k] * outwards);
-    along = (r.y() * normals_[k].x() - r.x() * normals_[k].y()) / stretch;
-    const auto jump = static_cast<std::ptrdiff_t>(std::lround(along / spacing));
-    if (jump == 0) break;
-    i = ((i + jump) % count + count) % count;
+    const Sample& k = samples_[static_cast<std::size_t>(i)];
+    const float rx = x_mm - k.x_mm;
+    const float ry = y_mm - k.y_mm;
+    outwards = rx * k.normal_x + ry * k.normal_y;
+    const float stretch = std::max(0.2F, 1.0F + k.bend_per_mm * outwards);
+    along = (ry * k.normal_x - rx * k.normal_y) / stretch;
+    const float jump = along * per_spacing;
+    const int whole = static_cast<int>(jump + (jump < 0 ? -0.5F : 0.5F));
+    if (whole == 0) break;
+    i = ((i + whole) % count + count) % count;
   }
-  double s = static_cast<double>(i) * spacing + along;
-  if (s < 0) s += length_mm_;
-  if (s >= length_mm_) s -= length_mm_;
-  return {.s_mm = static_cast<float>(s), .o_mm = static_cast<float>(outwards), .valid = true};
+  const auto length = static_cast<float>(length_mm_);
+  float s = static_cast<float>(i) * spacing + along;
+  if (s < 0) s += length;
+  if (s >= length) s -= length;
+  return {.s_mm = s, .o_mm = outwards, .valid = true};
 }
 
 Outline::Between Outline::between(double s_mm) const {

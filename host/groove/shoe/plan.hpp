@@ -58,6 +58,12 @@ class Outline {
 
  private:
   void build_lookup(double reach_mm);
+  /// What locate() needs of one sample, side by side: it is called once for each point of a cloud.
+  struct Sample {
+    float x_mm, y_mm;
+    float normal_x, normal_y;
+    float bend_per_mm;
+  };
   struct Between {
     std::size_t first, second;
     double fraction;
@@ -68,6 +74,7 @@ class Outline {
   std::vector<Vec2> normals_;
   std::vector<double> bend_per_mm_;
   double length_mm_{0};
+  std::vector<Sample> samples_;  ///< the three above in single precision
 
   Eigen::Vector2f lookup_origin_{Eigen::Vector2f::Zero()};
   int lookup_cols_{0};

@@ -281,22 +281,11 @@ Shoe find_shoe(std::span<const Eigen::Vector3f> points_base) {
   }
 
   const Eigen::Isometry3f T_shoe_base = shoe.T_base_shoe.inverse().cast<float>();
-  // Occupied cells are sorted, so a flag per dense cell would cost more memory than a look-up by bisection
-  // per run of points; neighbouring points share their cell, so remember the last one.
-  std::int32_t last_cell = -2;
-  bool last_chosen = false;
-  const auto& occupied = cells.occupied();
   shoe.points.reserve(points_base.size());
   shoe.index.reserve(points_base.size());
   for (std::size_t i = 0; i < points_base.size(); ++i) {
     const std::int32_t cell = cells.cell_of(points_base[i]);
-    if (cell < 0) continue;
-    if (cell != last_cell) {
-      last_cell = cell;
-      const auto found = std::lower_bound(occupied.begin(), occupied.end(), cell);
-      last_chosen = cell_chosen[static_cast<std::size_t>(found - occupied.begin())];
-    }
-    if (!last_chosen) continue;
+    if (cell < 0 || !cell_chosen[cells.slot(cell)]) continue;
     if (table && table->height_mm(points_base[i].cast<double>()) < 1.0) continue;
     shoe.points.push_back(T_shoe_base * points_base[i]);
     shoe.index.push_back(static_cast<std::uint32_t>(i));

@@ -7,6 +7,9 @@
 #include <cstdint>
 #include <span>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 namespace biteline::groove {
 
 namespace {
@@ -36,7 +39,7 @@ class Layers {
       const std::int32_t cell = cell_of(place);
       if (cell < 0) continue;
       auto& count = counts_[static_cast<std::size_t>(cell) * k_layer_bins + bin_of(place.o_mm)];
-      if (count < 65535) ++count;
+      if (count < k_full) ++count;
     }
     limit_.assign(static_cast<std::size_t>(cols_ * rows_), -k_inner_mm);
     const int gap_bins =
@@ -63,7 +66,7 @@ class Layers {
  private:
   /// Hardly any company at its own depth, in a cell with many points.
   [[nodiscard]] bool stray(std::size_t cell, float o_mm) const {
-    const std::uint16_t* counts = counts_.data() + cell * k_layer_bins;
+    const std::uint8_t* counts = counts_.data() + cell * k_layer_bins;
     const std::size_t bin = bin_of(o_mm);
     std::uint32_t near = counts[bin];
     if (near > 2) return false;
@@ -91,9 +94,9 @@ class Layers {
 
   /// Goes inwards from the outermost bin and stops at the first gap behind a cluster that is more than a
   /// stray point.
-  static Cluster outermost_cluster(std::span<const std::uint16_t> counts, int gap_bins) {
+  static Cluster outermost_cluster(std::span<const std::uint8_t> counts, int gap_bins) {
     std::uint32_t total = 0;
-    for (const std::uint16_t count : counts) total += count;
+    for (const std::uint8_t count : counts) total += count;
     if (total == 0) return {};
     const std::uint32_t enough = std::clamp<std::uint32_t>(total / 12, 1, 4);
     std::uint32_t cluster = 0;
@@ -101,7 +104,7 @@ class Layers {
     int lowest = 0;
     int highest = 0;
     for (int bin = k_layer_bins - 1; bin >= 0; --bin) {
-      const std::uint16_t count = counts[static_cast<std::size_t>(bin)];
+      const std::uint8_t count = counts[static_cast<std::size_t>(bin)];
       if (count > 0) {
         if (cluster == 0) highest = bin;
         cluster += count;
@@ -140,6 +143,7 @@ class Layers {
     }
   }
 
+  static constexpr std::uint8_t k_full = 255;  // nothing here asks for more
   static constexpr float k_nothing_mm = -1000.0F;
   float row_mm_{0};
   int cols_{0};
@@ -147,7 +151,7 @@ class Layers {
   float per_s_{0};
   float z_low_{0};
   std::vector<float> limit_;
-  std::vector<std::uint16_t> counts_;
+  std::vector<std::uint8_t> counts_;
   std::vector<std::uint32_t> totals_;
 };
 
@@ -220,9 +224,11 @@ class Envelope {
 
 template <class Layer>
 void drop_behind(std::vector<Place>& places, const Layer& layer) {
-  for (Place& place : places) {
-    if (!layer.contains(place)) place.s_mm = -1.0F;
-  }
+  tbb::parallel_for(tbb::blocked_range<std::size_t>{0, places.size(), 8192}, [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      if (!layer.contains(places[i])) places[i].s_mm = -1.0F;
+    }
+  });
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "host/groove/lanes.hpp"
 #include "host/groove/side/outer_layer.hpp"
 
 namespace biteline::groove {
@@ -46,9 +47,8 @@ void blur_along(std::vector<float>& field, const SideGrid& grid, double sigma_co
       for (int c = 0; c < grid.cols + 2 * reach; ++c)
         padded[static_cast<std::size_t>(c)] = line[((c - reach) % grid.cols + grid.cols) % grid.cols];
       std::fill(line, line + grid.cols, 0.0F);
-      for (std::size_t j = 0; j < kernel.size(); ++j) {
-        for (int c = 0; c < grid.cols; ++c) line[c] += kernel[j] * padded[static_cast<std::size_t>(c) + j];
-      }
+      for (std::size_t j = 0; j < kernel.size(); ++j)
+        add_scaled({line, static_cast<std::size_t>(grid.cols)}, padded.data() + j, kernel[j]);
     }
   });
 }
@@ -69,18 +69,18 @@ void fit_rows(const Moments& m, const SideGrid& grid, double sigma_rows, double 
         const auto g = static_cast<float>(std::exp(-0.5 * std::pow(j / sigma_rows, 2)));
         const auto d = static_cast<float>(j);
         const std::size_t base = grid.at(other, 0);
-        std::vector<float>& side = j < 0 ? down : up;
-        for (std::size_t c = 0; c < cols; ++c) {
-          const float w = g * m.w[base + c];
-          const float wz = g * m.wz[base + c];
-          const float o = g * m.o[base + c];
-          s0[c] += w;
-          s1[c] += d * w + wz;
-          s2[c] += d * d * w + 2 * d * wz;
-          t0[c] += o;
-          t1[c] += d * o + g * m.oz[base + c];
-          if (j != 0) side[c] += w;
-        }
+        const float* w = m.w.data() + base;
+        const float* wz = m.wz.data() + base;
+        const float* o = m.o.data() + base;
+        add_scaled(s0, w, g);
+        add_scaled(s1, w, g * d);
+        add_scaled(s1, wz, g);
+        add_scaled(s2, w, g * d * d);
+        add_scaled(s2, wz, 2 * g * d);
+        add_scaled(t0, o, g);
+        add_scaled(t1, o, g * d);
+        add_scaled(t1, m.oz.data() + base, g);
+        if (j != 0) add_scaled(j < 0 ? down : up, w, g);
       }
       for (std::size_t c = 0; c < cols; ++c) {
         const std::size_t cell = grid.at(row, 0) + c;

@@ -15,6 +15,7 @@
 #include "hal/sim/shoe/made_shoe.hpp"
 #include "hal/sim/shoe/scanned_cloud.hpp"
 #include "host/groove/extract.hpp"
+#include "host/groove/live_scan.hpp"
 
 namespace biteline::bench {
 namespace {
@@ -84,7 +85,7 @@ void live() {
     std::size_t end = first;
     while (end < scan.points.size() && scan.profile[end] == scan.profile[first]) ++end;
     const auto begin = std::chrono::steady_clock::now();
-    live_scan.add_profile({scan.points.data() + first, end - first});
+    live_scan.add_profile(scan.profile[first], {scan.points.data() + first, end - first});
     longest_s =
         std::max(longest_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
     first = end;

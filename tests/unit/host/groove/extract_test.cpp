@@ -9,6 +9,7 @@
 #include "hal/sim/shoe/scanned_cloud.hpp"
 #include "hal/sim/shoe/true_line.hpp"
 #include "host/groove/extract.hpp"
+#include "host/groove/live_scan.hpp"
 
 namespace biteline::groove {
 namespace {
@@ -156,7 +157,7 @@ TEST(Extract, TheLineWhileScanningIsThatOfTheFinishedCloud) {
   for (std::size_t first = 0; first < profile.size();) {
     std::size_t end = first;
     while (end < profile.size() && profile[end] == profile[first]) ++end;
-    sut.add_profile({made.cloud.points.data() + first, end - first});
+    sut.add_profile(profile[first], {made.cloud.points.data() + first, end - first});
     first = end;
   }
   LONGS_EQUAL(made.cloud.size(), sut.points());
@@ -173,7 +174,7 @@ TEST(Extract, HalfAScanIsNotYetALine) {
   const Made made = make(sim::ShoeClass::Deep, 48, somewhere());
   LiveScan sut;
   CHECK_FALSE(sut.finish({}).found);
-  sut.add_profile({made.cloud.points.data(), made.cloud.size() / 2});
+  sut.add_profile(0, {made.cloud.points.data(), made.cloud.size() / 2});
   const Extraction half = sut.finish({.keep_products = false});
   CHECK_FALSE(half.found);
   CHECK_FALSE(half.reason.empty());
