@@ -61,7 +61,7 @@ std::vector<std::pair<std::string, std::uint64_t>> point_flag_counts(const Inges
   return named(k_point_flags, counts.points_by_flag);
 }
 
-void CloudBuilder::add(const profile::Profile& profile) {
+std::span<const Eigen::Vector3f> CloudBuilder::add(const profile::Profile& profile) {
   const profile::ProfileHeader& header = profile.header;
   ++counts_.profiles;
   counts_.points += profile.points.size();
@@ -72,9 +72,10 @@ void CloudBuilder::add(const profile::Profile& profile) {
 
   if ((header.flags & profile::k_profile_not_usable) != 0) {
     counts_.points_of_unusable_profiles += profile.points.size();
-    return;
+    return {};
   }
   ++counts_.profiles_used;
+  const std::size_t before = cloud_.size();
   const SE3 T_base_cam = header.T_base_flange * T_flange_cam_;
   for (const profile::ProfilePoint& point : profile.points) {
     if ((point.flags & profile::k_point_not_surface) != 0) {
@@ -83,6 +84,7 @@ void CloudBuilder::add(const profile::Profile& profile) {
       append(T_base_cam, header.sequence, point);
     }
   }
+  return std::span{cloud_.points}.subspan(before);
 }
 
 void CloudBuilder::append(const SE3& T_base_cam, std::uint64_t sequence, const profile::ProfilePoint& point) {

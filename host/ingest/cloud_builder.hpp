@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,7 +37,8 @@ class CloudBuilder {
  public:
   explicit CloudBuilder(const geometry::SensorModel& sensor) : T_flange_cam_{sensor.T_flange_cam} {}
 
-  void add(const profile::Profile& profile);
+  /// The points that came in, in base; valid until the next call.
+  std::span<const Eigen::Vector3f> add(const profile::Profile& profile);
 
   [[nodiscard]] const IngestCounts& counts() const { return counts_; }
   [[nodiscard]] const cloud::PointCloud& cloud() const { return cloud_; }

@@ -42,6 +42,7 @@ class ScanIntake {
 
   [[nodiscard]] ScanPosition position() const { return position_; }
   [[nodiscard]] bool ended() const { return ended_; }
+  [[nodiscard]] const cloud::PointCloud& cloud() const { return builder_.cloud(); }  ///< as far as it came
   [[nodiscard]] std::uint64_t profiles() const { return builder_.counts().profiles; }
   [[nodiscard]] std::uint64_t profiles_expected() const { return sensor_.frames_expected; }
 

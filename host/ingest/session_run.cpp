@@ -95,8 +95,8 @@ class Intake {
       run_.sensor = hello->sensor;
       builder_.emplace(hello->sensor.model);
     } else if (const auto* profile = std::get_if<ProfileEvent>(&event)) {
-      builder_->add(profile->profile);
-      if (options_.on_profile) options_.on_profile(profile->profile);
+      const std::span<const Eigen::Vector3f> points = builder_->add(profile->profile);
+      if (options_.on_profile) options_.on_profile(profile->profile, points);
       if (options_.progress) options_.progress(builder_->counts().profiles, run_.sensor.frames_expected);
     } else if (const auto* end = std::get_if<wire::EndOfScan>(&event)) {
       if (end->errc != 0) return tl::unexpected<Error>{error_of(*end)};

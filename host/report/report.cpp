@@ -13,9 +13,12 @@ namespace fs = std::filesystem;
 Report::Report() : begin_{Clock::now()} {}
 
 Report::StageTimer::~StageTimer() {
-  const double elapsed_s = std::chrono::duration<double>(Clock::now() - begin_).count();
-  auto& entry = report_.stages_[stage_];
-  entry = (entry.is_null() ? 0.0 : entry.get<double>()) + elapsed_s;
+  report_.add_stage(stage_, std::chrono::duration<double>(Clock::now() - begin_).count());
+}
+
+void Report::add_stage(const std::string& stage, double seconds) {
+  auto& entry = stages_[stage];
+  entry = (entry.is_null() ? 0.0 : entry.get<double>()) + seconds;
 }
 
 void Report::refuse(const std::string& reason) {

@@ -28,6 +28,9 @@ class Report {
     return work();
   }
 
+  /// A stage that was timed elsewhere: work that ran beside this thread's.
+  void add_stage(const std::string& stage, double seconds);
+
   /// As timed(), but left out of total_s: the pictures in stages/.
   template <class Work>
   auto timed_aside(const std::string& stage, Work&& work) {

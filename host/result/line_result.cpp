@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <optional>
+#include <utility>
 
 #include "host/cloud/ply.hpp"
 #include "host/report/page.hpp"
@@ -69,6 +70,13 @@ Result<void> prepare_result_folder(const std::filesystem::path& folder) {
 
 groove::Extraction find_line(const cloud::PointCloud& cloud, groove::Method method, report::Report& report) {
   return report.timed("extract", [&] { return groove::extract(cloud, {.method = method, .keep_products = false}); });
+}
+
+groove::Extraction finish_line(live::LiveLine& line, report::Report& report) {
+  line.close();
+  live::LiveLine::Outcome outcome = line.wait();
+  report.add_stage("last profile to line", outcome.last_profile_to_line_s);
+  return std::move(outcome.extraction);
 }
 
 Result<ExitStatus> write_line_result(const std::filesystem::path& folder, const cloud::PointCloud& cloud,

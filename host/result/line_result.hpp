@@ -6,6 +6,7 @@
 
 #include "common/core/result.hpp"
 #include "host/groove/extract.hpp"
+#include "host/live/live_line.hpp"
 #include "host/report/report.hpp"
 
 namespace biteline::result {
@@ -13,8 +14,14 @@ namespace biteline::result {
 /// Removes what an earlier run left in `folder` that a refusal must not leave there (line.csv), and makes the folder.
 [[nodiscard]] Result<void> prepare_result_folder(const std::filesystem::path& folder);
 
+/// Without what only pictures need: write_line_result() computes that once the clock has stopped.
+inline const groove::ExtractConfig k_line_only{.keep_products = false};
+
 /// Looks for the line, timed as the stage "extract", without what only pictures need.
 [[nodiscard]] groove::Extraction find_line(const cloud::PointCloud& cloud, groove::Method method, report::Report& report);
+
+/// The line of a scan that is in; its time from the last profile on is the stage "last profile to line".
+[[nodiscard]] groove::Extraction finish_line(live::LiveLine& line, report::Report& report);
 
 /// Writes cloud.ply, line.csv (unless refused), stages/ and report.json; fills the report's fields.  Done or Refused.
 /// What the pictures show is computed here when the extraction does not carry it, after the clock was stopped: nobody

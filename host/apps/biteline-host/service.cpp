@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "host/apps/biteline-host/service.hpp"
 
+#include <pthread.h>
+
 #include <chrono>
 #include <cstdio>
 #include <thread>
@@ -8,6 +10,7 @@
 
 #include "host/models/library.hpp"
 #include "host/report/report.hpp"
+#include "host/result/line_result.hpp"
 
 namespace biteline::service {
 namespace {
@@ -16,6 +19,8 @@ namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 
 constexpr Nanoseconds k_turn = milliseconds{100};
+/// While a result is being worked out: nobody shall wait for it longer than this after it is done.
+constexpr Nanoseconds k_wait = milliseconds{5};
 constexpr milliseconds k_before_retry{1000};
 /// Any number will do: one command is under way at a time.
 constexpr std::uint32_t k_start_id = 1;
@@ -58,25 +63,28 @@ Service::Service(Options options, std::optional<wire::HostKeys> keys, std::optio
 Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
   BITELINE_TRY(find_unfinished());
   while (!stop) {
-    const Result<void> scanned = take_in_scan(stop);
-    if (stop) break;
-    if (!scanned) {
+    const Result<void> heard = hear_sensor();
+    if (!heard) {
       link_.reset();
-      if (options_.once) return tl::unexpected<Error>{scanned.error()};
-      complain(scanned.error());
+      // With the scan in, nobody waits for the sensor any more.
+      if (options_.once && !result_.valid()) return tl::unexpected<Error>{heard.error()};
+      complain(heard.error());
       wait_before_retry(stop);
-      continue;
     }
-    Scan scan = std::move(*scan_);
-    scan_.reset();
-    const Result<ExitStatus> status = work_out(std::move(scan));
-    if (options_.once) return status;
-    if (!status) complain(status.error());
+    start_result();
+    if (const std::optional<Result<ExitStatus>> status = result_done()) {
+      if (options_.once) return *status;
+      if (!*status) complain(status->error());
+    }
   }
   return ExitStatus::Done;
 }
 
-Result<void> Service::take_in_scan(const std::atomic<bool>& stop) {
+Result<void> Service::hear_sensor() {
+  if (!link_ && options_.once && result_.valid()) {
+    result_.wait_for(k_wait);
+    return {};
+  }
   if (!link_) {
     ingest::SensorLinkConfig config;
     config.sensor = options_.sensor;
@@ -84,16 +92,31 @@ Result<void> Service::take_in_scan(const std::atomic<bool>& stop) {
     config.protocol.acknowledge_by_itself = false;
     if (scan_) config.protocol.resume = scan_->intake.position();
     BITELINE_ASSIGN(link_, ingest::SensorLink::open(config));
-  } else {
-    // The sensor is known and idle: the next scan.
+    sensor_idle_ = false;
+  }
+  // The next scan only once the arm is out of its way.
+  if (sensor_idle_ && !scan_ && !result_.valid()) {
+    sensor_idle_ = false;
     link_->command({.id = k_start_id, .command = wire::Command::StartScan});
   }
-  while (!stop) {
-    if (scan_ && scan_->intake.ended()) return {};
-    BITELINE_ASSIGN(const std::optional<ingest::LinkEvent> event, link_->next(k_turn));
-    if (event) BITELINE_TRY(on_event(*event));
-  }
+  BITELINE_ASSIGN(const std::optional<ingest::LinkEvent> event, link_->next(result_.valid() ? k_wait : k_turn));
+  if (event) BITELINE_TRY(on_event(*event));
   return {};
+}
+
+void Service::start_result() {
+  if (!scan_ || !scan_->intake.ended() || result_.valid()) return;
+  result_ = std::async(std::launch::async, [this, scan = std::move(*scan_)]() mutable {
+    pthread_setname_np(pthread_self(), "bl-result");
+    return work_out(std::move(scan));
+  });
+  scan_.reset();
+  sensor_idle_ = true;
+}
+
+std::optional<Result<ExitStatus>> Service::result_done() {
+  if (!result_.valid() || result_.wait_for(Nanoseconds{0}) != std::future_status::ready) return std::nullopt;
+  return result_.get();
 }
 
 Result<void> Service::on_event(const ingest::LinkEvent& event) {
@@ -103,8 +126,13 @@ Result<void> Service::on_event(const ingest::LinkEvent& event) {
     return fail(Errc::PeerRefused, "the sensor does not begin a scan: %s", reply->where.c_str());
   }
   if (!scan_) return {};  // the rest of a scan that was over before this host came
+  const std::size_t before = scan_->intake.cloud().size();
   BITELINE_TRY(scan_->intake.take(event, link_->packet()));
   link_->acknowledge();
+  if (const auto* profile = std::get_if<ingest::ProfileEvent>(&event); profile && scan_->line) {
+    scan_->line->add_profile(profile->profile.header.sequence,
+                             std::span{scan_->intake.cloud().points}.subspan(before));
+  }
   return {};
 }
 
@@ -124,16 +152,23 @@ Result<void> Service::on_hello(const ingest::Hello& hello) {
   const bool has_scan = hello.scan_id != 0 && (hello.sensor.scanning || hello.sensor.lossless);
   if (!has_scan) {
     say_step("connected to %s%s; asks for a scan", hello.sensor.name.c_str(), hello.sensor.simulated ? " (simulated)" : "");
-    link_->command({.id = k_start_id, .command = wire::Command::StartScan});
+    sensor_idle_ = true;
     return {};
   }
   const fs::path folder = next_folder();
   BITELINE_TRY(report::prepare_folder(folder));
   BITELINE_ASSIGN(ingest::ScanIntake intake, ingest::ScanIntake::begin(folder, hello, link_->packet()));
-  scan_.emplace(Scan{.folder = folder, .intake = std::move(intake)});
+  hold_scan(folder, std::move(intake));
   say_step("takes in scan '%s' of %s%s into %s", hello.sensor.scan_name.c_str(), hello.sensor.name.c_str(),
            hello.sensor.simulated ? " (simulated)" : "", folder.c_str());
   return {};
+}
+
+void Service::hold_scan(const fs::path& folder, ingest::ScanIntake intake) {
+  scan_.emplace(Scan{.folder = folder, .intake = std::move(intake), .line = {}});
+  if (carrier_) return;
+  scan_->line = std::make_unique<live::LiveLine>(result::k_line_only);
+  scan_->line->add_profiles(scan_->intake.cloud());
 }
 
 Result<void> Service::find_unfinished() {
@@ -147,7 +182,7 @@ Result<void> Service::find_unfinished() {
     }
     say_step("found %s unfinished, with %llu profiles", entry.path().filename().c_str(),
              static_cast<unsigned long long>(intake->profiles()));
-    scan_.emplace(Scan{.folder = entry.path(), .intake = std::move(*intake)});
+    hold_scan(entry.path(), std::move(*intake));
     return {};
   }
   return {};
@@ -162,9 +197,10 @@ fs::path Service::next_folder() const {
   }
 }
 
-Result<ExitStatus> Service::work_out(Scan scan) {
+Result<ExitStatus> Service::work_out(Scan scan) const {
   const ingest::ScanOutcome outcome = scan.intake.finish();
-  BITELINE_ASSIGN(const LineStep line, carrier_ ? carry_line(scan.folder, *carrier_, outcome) : find_line(scan.folder, outcome));
+  BITELINE_ASSIGN(const LineStep line, carrier_ ? carry_line(scan.folder, *carrier_, outcome)
+                                                : find_line(scan.folder, outcome, *scan.line));
   if (!options_.keep_recording) scan.intake.forget();
   if (!line.line || !robot_) return line.status;
   const PlanStepRequest request{.arm = robot_->arm, .process = robot_->process, .table_z_mm = robot_->options.table_z_mm};

@@ -3,6 +3,7 @@
 /// \file The service's life: scan after scan from the sensor to the arm.
 
 #include <atomic>
+#include <future>
 #include <memory>
 #include <optional>
 
@@ -11,11 +12,13 @@
 #include "host/apps/biteline-host/steps.hpp"
 #include "host/ingest/scan_intake.hpp"
 #include "host/kinematics/arm_model.hpp"
+#include "host/live/live_line.hpp"
 #include "host/trajectory/process.hpp"
 
 namespace biteline::service {
 
-/// Everything on one thread: while a result is worked out the sensor keeps what it has for us.
+/// Threads: the caller's owns the link and hears the sensor at least every 100 ms whatever else goes on; each scan has
+/// one that works on its line (host/live); a result is written, planned and followed on one more, one scan at a time.
 class Service {
  public:
   /// Reads keys, process, arm and sample first: a fault there is told before anything moves.
@@ -35,26 +38,35 @@ class Service {
   struct Scan {
     std::filesystem::path folder;
     ingest::ScanIntake intake;
+    std::unique_ptr<live::LiveLine> line;  ///< none where a sample's line is carried over
   };
 
   Service(Options options, std::optional<wire::HostKeys> keys, std::optional<Robot> robot, std::optional<Carrier> carrier);
 
-  /// Connects (goes on with `scan_` if there is one) and returns once it is complete.
-  [[nodiscard]] Result<void> take_in_scan(const std::atomic<bool>& stop);
+  /// What the sensor has to say; connects (and goes on with `scan_`, if there is one) where there is no link.
+  [[nodiscard]] Result<void> hear_sensor();
   [[nodiscard]] Result<void> on_event(const ingest::LinkEvent& event);
   [[nodiscard]] Result<void> on_hello(const ingest::Hello& hello);
+  /// Goes on with a scan as far as it has come.
+  void hold_scan(const std::filesystem::path& folder, ingest::ScanIntake intake);
   /// The scan that a predecessor of this process did not finish.
   [[nodiscard]] Result<void> find_unfinished();
   [[nodiscard]] std::filesystem::path next_folder() const;
 
-  [[nodiscard]] Result<ExitStatus> work_out(Scan scan);
+  /// Begins to work out a scan that is complete, once the result before it is done.
+  void start_result();
+  /// The status of a result that has just been done.
+  [[nodiscard]] std::optional<Result<ExitStatus>> result_done();
+  [[nodiscard]] Result<ExitStatus> work_out(Scan scan) const;
 
   Options options_;
   std::optional<wire::HostKeys> keys_;
   std::optional<Robot> robot_;
   std::optional<Carrier> carrier_;
   std::unique_ptr<ingest::SensorLink> link_;
-  std::optional<Scan> scan_;
+  std::optional<Scan> scan_;  ///< coming in
+  bool sensor_idle_{false};   ///< it waits to be asked for a scan
+  std::future<Result<ExitStatus>> result_;  ///< being worked out; last: its thread uses the rest
 };
 
 }  // namespace biteline::service

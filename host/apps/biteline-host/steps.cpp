@@ -92,20 +92,22 @@ Result<void> write_followed(const fs::path& folder, const robot::FollowReport& f
 }  // namespace
 
 void say_step(const char* pattern, ...) {
+  char text[1024];
   std::va_list arguments;
   va_start(arguments, pattern);
-  std::vprintf(pattern, arguments);
+  std::vsnprintf(text, sizeof text, pattern, arguments);
   va_end(arguments);
-  std::printf("\n");
+  // One call: the link's thread and the result's both have something to say.
+  std::printf("%s\n", text);
   std::fflush(stdout);
 }
 
-Result<LineStep> find_line(const fs::path& folder, const ingest::ScanOutcome& scan) {
+Result<LineStep> find_line(const fs::path& folder, const ingest::ScanOutcome& scan, live::LiveLine& line) {
   report::Report report;
   BITELINE_TRY(result::prepare_result_folder(folder));
   fill_scan(scan, report);
   if (scan.failure) return keep_unfinished(folder, scan, report);
-  groove::Extraction extraction = result::find_line(scan.cloud, groove::Method::Ours, report);
+  groove::Extraction extraction = result::finish_line(line, report);
   BITELINE_ASSIGN(const ExitStatus status, result::write_line_result(folder, scan.cloud, extraction, groove::Method::Ours, report));
   say_step("%s", result::summary(extraction).c_str());
   LineStep step{.status = status, .line = {}};

@@ -10,13 +10,14 @@
 #include "host/ingest/scan_intake.hpp"
 #include "host/kinematics/arm_model.hpp"
 #include "host/line/closed_line.hpp"
+#include "host/live/live_line.hpp"
 #include "host/models/transfer.hpp"
 #include "host/trajectory/plan.hpp"
 #include "host/trajectory/process.hpp"
 
 namespace biteline::service {
 
-/// One line on stdout, at once.
+/// One line on stdout, at once; from any thread.
 [[gnu::format(printf, 1, 2)]] void say_step(const char* pattern, ...);
 
 struct LineStep {
@@ -25,7 +26,9 @@ struct LineStep {
 };
 
 /// cloud.ply, line.csv, stages/, report.json.  A scan that did not come to its own end is refused: the cloud is kept.
-[[nodiscard]] Result<LineStep> find_line(const std::filesystem::path& folder, const ingest::ScanOutcome& scan);
+/// `line` has had every profile of the scan.
+[[nodiscard]] Result<LineStep> find_line(const std::filesystem::path& folder, const ingest::ScanOutcome& scan,
+                                         live::LiveLine& line);
 
 /// A sample, read and ready.
 struct Carrier {

@@ -29,10 +29,17 @@ Result<ExitStatus> replay(const Options& options, const GlobalOptions& global) {
     if (!progress) progress.emplace("profiles", total, global.quiet);
     progress->set(done);
   };
+  // The article's way wants the whole cloud; ours works along with the scan.
+  std::optional<live::LiveLine> line;
+  if (options.method == groove::Method::Ours) line.emplace(result::k_line_only);
+  run_options.on_profile = [&](const profile::Profile& profile, std::span<const Eigen::Vector3f> points_base) {
+    if (line) line->add_profile(profile.header.sequence, points_base);
+  };
   BITELINE_ASSIGN(const ingest::SessionRun run, report.timed("scan", [&] { return ingest::run_sensor_on_session(run_options); }));
   progress.reset();
 
-  const groove::Extraction extraction = result::find_line(run.cloud, options.method, report);
+  const groove::Extraction extraction =
+      line ? result::finish_line(*line, report) : result::find_line(run.cloud, options.method, report);
 
   report.fields["input"] = options.session.filename().string();
   report.fields["scan"] = ingest::account_of(run.counts, run.sensor_counters, run.sensor_stages);
