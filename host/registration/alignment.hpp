@@ -5,37 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "common/core/result.hpp"
-#include "host/cloud/point_cloud.hpp"
-#include "host/line/closed_line.hpp"
 #include "host/registration/icp.hpp"
-#include "host/registration/shoe_axes.hpp"
+#include "host/registration/prepared.hpp"
 
 namespace biteline::registration {
-
-/// A finished sample made ready: what of it an upper has too, in the sample's own axes.
-struct Sample {
-  SE3 T_base_shoe{SE3::Identity()};  ///< of the sample, where it was scanned
-  ShoeAxes axes{};
-  Surfels common{};                    ///< above the line, in the shoe frame
-  Surfels common_coarse{};
-  Rim rim{};                           ///< in the shoe frame
-  std::vector<Vec3> line_shoe{};
-};
-
-/// Pre: a line of at least 3 points.  Fails (Refused) when next to nothing lies above the line.
-[[nodiscard]] Result<Sample> prepare_sample(const cloud::PointCloud& cloud, const line::ClosedLine& line);
-
-/// The current upper, made ready.
-struct Upper {
-  ShoeAxes axes{};
-  Surfels surfels{};
-  Surfels surfels_coarse{};
-  Rim rim{};
-};
-
-/// Fails (Refused) when the cloud holds no surface of a shoe's size.
-[[nodiscard]] Result<Upper> prepare_upper(const cloud::PointCloud& cloud);
 
 struct AlignOptions {
   bool mirror{false};  ///< the sample is of the other foot
@@ -79,6 +52,7 @@ struct Alignment {
   double shape_rms_mm{0};          ///< of the mean residuals of patches: the difference of the two shapes
   bool rim_used{false};
   double rim_mm{0};
+  double rival_mm{0};              ///< graded: how far another reading of the sizes would move the line, RMS
   Information information{};         ///< independent pieces / mm²; see IcpResult
   WeakDirection weakest{};
   double line_sigma_mm{0};         ///< RMS over the line of how far the alignment may be off

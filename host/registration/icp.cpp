@@ -9,6 +9,8 @@
 namespace biteline::registration {
 namespace {
 
+/// Places of the grade's parameters behind the six of the motion.
+enum Parameter : std::uint8_t { k_length = 6, k_width, k_section, k_height, k_offset };
 using Step = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, k_most_parameters, 1>;
 
 // Steps below these move nothing on a shoe by more than 3 um.  Pairs change in whole surfels, so the last steps may go to
@@ -16,12 +18,15 @@ using Step = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, k_most_parameters, 1>;
 constexpr double k_done_mm = 2e-3;
 constexpr double k_done_rad = 1e-5;
 constexpr double k_done_ratio = 1e-5;
+constexpr double k_no_size = 0.6;  // no shoe is graded so far: the fit has run away
+constexpr int k_full_steps = 20;
 constexpr double k_facing_pitches = 1.5;
 // Geman-McClure: residuals of this many robust standard deviations weigh a quarter.
 constexpr double k_kernel_sigmas = 3.0;
 constexpr std::size_t k_min_pairs = 20;
 // A shoe's height is fixed a hundredth as well as its width: it takes 3 % longer.
 constexpr double k_damping_ratio = 3e-4;
+constexpr double k_free_damping_ratio = 1e-6;
 // Lasts and stretched leather differ smoothly: 40 mm is half a shoe's height or width.
 constexpr double k_surface_correlation_mm = 40;
 // A collar is cut in one piece: as many independent places as it has sides and ends, twice.
@@ -39,37 +44,62 @@ double robust_sigma_mm(const std::vector<Pair>& pairs) {
   return 1.4826 * *middle;  // of a normal distribution: the standard deviation
 }
 
-/// Derivative of the residual by the parameters, in the source's frame: n . R [I, -hat(s)] xi with s = grade(p).
-Step jacobian(const Placement& placement, const Pair& pair, Freedom freedom) {
-  const Vec3 s = placement.grade.apply(pair.point, pair.foot);
-  const Vec3 n = placement.T_target_source.linear().transpose() * pair.direction;
-  Step J(parameter_count(freedom));
-  J.head<3>() = n;
-  J.segment<3>(3) = s.cross(n);
-  if (freedom == Freedom::UniformScale) J[6] = n.dot(s);
-  if (freedom == Freedom::Graded) {
-    const double offset = n.x() * pair.foot.outward.x() + n.y() * pair.foot.outward.y();
-    J[6] = n.x() * placement.grade.length * pair.foot.place.x();
-    J[7] = n.y() * placement.grade.width * pair.foot.place.y();
-    J[8] = n.dot(s) - J[6] - J[7] - placement.grade.offset_mm * offset;
-    J[9] = offset;
-  }
+/// How a point beside the line moves with the parameters, in the source's frame: [I, -hat(s), the grade's], s = grade(p).
+/// A tied factor has no column of its own: what it does is the length's doing.
+LineJacobian point_jacobian(const Grade& grade, const Vec3& point, const Foot& foot, const GradeTie& tie, Eigen::Index parameters) {
+  const Vec3 s = grade.apply(point, foot);
+  LineJacobian J = LineJacobian::Zero(3, parameters);
+  J.leftCols<3>().setIdentity();
+  J.middleCols<3>(3) = -geometry::hat(s);
+  if (parameters == parameter_count(Freedom::UniformScale)) J.col(6) = s;
+  if (parameters != parameter_count(Freedom::Graded)) return J;
+  J(0, k_length) = grade.length * foot.place.x();
+  J(1, k_width) = grade.width * foot.place.y();
+  J.col(k_section).head<2>() = grade.section * (point.head<2>() - foot.place.cast<double>());
+  J(2, k_height) = grade.height * point.z();
+  J.col(k_offset).head<2>() = foot.outward.cast<double>();
+  const auto tied = [&](int parameter, const std::optional<double>& share, double factor) {
+    if (!share) return;
+    J.col(k_length) += *share * grade.length / factor * J.col(parameter);
+    J.col(parameter).setZero();
+  };
+  tied(k_section, tie.section_share, grade.section);
+  tied(k_height, tie.height_share, grade.height);
   return J;
 }
 
-void apply(const Step& step, Freedom freedom, Placement& placement) {
+/// Derivative of the residual by the parameters: direction . R point_jacobian.
+Step jacobian(const Placement& placement, const Pair& pair, Freedom freedom, const GradeTie& tie) {
+  const Vec3 n = placement.T_target_source.linear().transpose() * pair.direction;
+  if (freedom == Freedom::Rigid) {  // the usual one, without detours
+    Step J(6);
+    J << n, placement.grade.apply(pair.point, pair.foot).cross(n);
+    return J;
+  }
+  return point_jacobian(placement.grade, pair.point, pair.foot, tie, parameter_count(freedom)).transpose() * n;
+}
+
+void apply(const Step& step, const IcpOptions& options, Placement& placement) {
   placement.T_target_source = placement.T_target_source * geometry::exp_se3(step.head<6>());
-  if (freedom == Freedom::Rigid) return;
-  placement.grade.length *= 1 + step[6];
-  placement.grade.width *= 1 + (freedom == Freedom::Graded ? step[7] : step[6]);
-  placement.grade.section *= 1 + (freedom == Freedom::Graded ? step[8] : step[6]);
-  if (freedom == Freedom::Graded) placement.grade.offset_mm += step[9];
+  Grade& grade = placement.grade;
+  if (options.freedom == Freedom::UniformScale) {
+    for (double* factor : {&grade.length, &grade.width, &grade.section, &grade.height}) *factor *= 1 + step[6];
+  }
+  if (options.freedom != Freedom::Graded) return;
+  grade.length *= 1 + step[k_length];
+  grade.width *= 1 + step[k_width];
+  grade.offset_mm += step[k_offset];
+  const auto follow = [&](const std::optional<double>& share, double change, double& factor) {
+    factor = share ? 1 + *share * (grade.length - 1) : factor * (1 + change);
+  };
+  follow(options.tie.section_share, step[k_section], grade.section);
+  follow(options.tie.height_share, step[k_height], grade.height);
 }
 
 bool settled(const Step& step) {
   if (step.head<3>().norm() > k_done_mm || step.segment<3>(3).norm() > k_done_rad) return false;
   for (Eigen::Index i = 6; i < step.size(); ++i) {
-    if (std::abs(step[i]) > (i < 9 ? k_done_ratio : k_done_mm)) return false;
+    if (std::abs(step[i]) > (i == k_offset ? k_done_mm : k_done_ratio)) return false;
   }
   return true;
 }
@@ -77,10 +107,11 @@ bool settled(const Step& step) {
 /// Normal equations of one iteration.
 struct NormalEquations {
   Freedom freedom;
+  GradeTie tie;
   Information H;
   Step b;
 
-  explicit NormalEquations(Freedom which) : freedom{which} {
+  explicit NormalEquations(const IcpOptions& options) : freedom{options.freedom}, tie{options.tie} {
     H = Information::Zero(parameter_count(freedom), parameter_count(freedom));
     b = Step::Zero(parameter_count(freedom));
   }
@@ -88,7 +119,7 @@ struct NormalEquations {
   /// `kernel_mm` 0: no robust weights.
   void add(const std::vector<Pair>& pairs, const Placement& placement, double kernel_mm, double weight_of_each) {
     for (const Pair& pair : pairs) {
-      const Step J = jacobian(placement, pair, freedom);
+      const Step J = jacobian(placement, pair, freedom, tie);
       double weight = weight_of_each;
       if (kernel_mm > 0) {
         const double ratio = pair.residual_mm / kernel_mm;
@@ -106,14 +137,14 @@ struct NormalEquations {
     for (Eigen::Index first = 0; first < H.rows(); first += 3) {
       const Eigen::Index count = std::min<Eigen::Index>(3, H.rows() - first);
       const double mean = H.diagonal().segment(first, count).mean();
-      damped.diagonal().segment(first, count).array() += k_damping_ratio * mean + std::numeric_limits<double>::min();
+      damped.diagonal().segment(first, count).array() += (freedom == Freedom::Graded && tie.free_count() == 2 ? k_free_damping_ratio : k_damping_ratio) * mean + std::numeric_limits<double>::min();
     }
     return damped.ldlt().solve(b);
   }
 };
 
-Information information_of(const std::vector<Pair>& pairs, const Placement& placement, Freedom freedom) {
-  NormalEquations equations{freedom};
+Information information_of(const std::vector<Pair>& pairs, const Placement& placement, const IcpOptions& options) {
+  NormalEquations equations{options};
   equations.add(pairs, placement, 0, 1);
   return equations.H;
 }
@@ -144,8 +175,8 @@ void summarise(const AllPairs& pairs, const Surfaces& surfaces, const IcpOptions
   result.robust_mm = robust_sigma_mm(pairs.surface);
   result.overlap_ratio = count / all;
   result.cost_mm2 = (sum + (all - count) * square(options.reach_mm)) / all;
-  result.information = information_of(pairs.surface, result.placement, options.freedom);
-  result.rim_information = information_of(pairs.rim, result.placement, options.freedom);
+  result.information = information_of(pairs.surface, result.placement, options);
+  result.rim_information = information_of(pairs.rim, result.placement, options);
   if (surfaces.source_rim != nullptr && surfaces.source_rim->size() > 0) {
     result.rim_overlap_ratio =
         static_cast<double>(pairs.rim.size()) / static_cast<double>(surfaces.source_rim->size());
@@ -154,6 +185,10 @@ void summarise(const AllPairs& pairs, const Surfaces& surfaces, const IcpOptions
 }
 
 }  // namespace
+
+LineJacobian line_jacobian(const Grade& grade, const Vec3& point, const GradeTie& tie, Eigen::Index parameters) {
+  return point_jacobian(grade, point, Foot{.place = point.head<2>().cast<float>()}, tie, parameters);
+}
 
 std::vector<Pair> find_pairs(const Surfaces& surfaces, const Placement& placement, const IcpOptions& options) {
   const auto& [source, target, table, source_rim, target_rim] = surfaces;
@@ -203,7 +238,7 @@ IcpResult run_icp(const Surfaces& surfaces, const Placement& start, const IcpOpt
   AllPairs pairs{surfaces, start, options};
   for (; result.iterations < options.max_iterations && !result.converged && pairs.surface.size() >= k_min_pairs;
        ++result.iterations) {
-    NormalEquations equations{options.freedom};
+    NormalEquations equations{options};
     const double sigma_mm = std::max(options.least_scale_mm, robust_sigma_mm(pairs.surface));
     equations.add(pairs.surface, result.placement, k_kernel_sigmas * sigma_mm, 1);
     const double rim_sigma_mm = std::max(options.least_scale_mm, robust_sigma_mm(pairs.rim));
@@ -213,7 +248,10 @@ IcpResult run_icp(const Surfaces& surfaces, const Placement& start, const IcpOpt
     // Pairs are only known within reach: a longer step is a guess.
     const double length_mm = step.head<3>().norm();
     if (length_mm > options.reach_mm) step *= options.reach_mm / length_mm;
-    apply(step, options.freedom, result.placement);
+    // Pairs that change to and fro push the estimate to and fro: later steps count less, so that it comes to rest between.
+    if (result.iterations > k_full_steps) step *= static_cast<double>(k_full_steps) / result.iterations;
+    apply(step, options, result.placement);
+    if (result.placement.grade.largest_change() > k_no_size) break;
     result.converged = settled(step);
     pairs = AllPairs{surfaces, result.placement, options};
   }

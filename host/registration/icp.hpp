@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "common/geometry/se3.hpp"
@@ -18,24 +19,26 @@ namespace biteline::registration {
 /// (the line lies inside the outline that is graded, by the depth of the groove); its upright sections as a whole.  A last
 /// graded by length only keeps its sections (section 1), an enlarged one has all three alike and no offset.
 struct Grade {
-  double length{1}, width{1}, section{1};
+  double length{1}, width{1};
+  double section{1};    ///< of the wall's way in and out beside the outline
+  double height{1};
   double offset_mm{0};
 
   /// A point of the shoe frame and the line's place beside it.
   [[nodiscard]] Vec3 apply(const Vec3& point, const Foot& foot) const {
     const double x = foot.place.x(), y = foot.place.y();
     return {length * x + section * (point.x() - x) + offset_mm * foot.outward.x(),
-            width * y + section * (point.y() - y) + offset_mm * foot.outward.y(), section * point.z()};
+            width * y + section * (point.y() - y) + offset_mm * foot.outward.y(), height * point.z()};
   }
-  /// The outline's normal turns with the outline; its rise, of the section, stays.
+  /// The outline's normal turns with the outline; its rise is the section's.
   [[nodiscard]] Vec3 apply_normal(const Vec3& normal) const {
     const Vec2 level{normal.x() / length, normal.y() / width};
     const double before = normal.head<2>().norm(), after = level.norm();
     if (after <= 0) return normal;
-    return {level.x() * before / after, level.y() * before / after, normal.z()};
+    return Vec3{level.x() * before / after, level.y() * before / after, normal.z() * section / height}.normalized();
   }
   [[nodiscard]] double largest_change() const {
-    return std::max({std::abs(length - 1), std::abs(width - 1), std::abs(section - 1)});
+    return std::max({std::abs(length - 1), std::abs(width - 1), std::abs(section - 1), std::abs(height - 1)});
   }
 };
 
@@ -48,10 +51,19 @@ struct Placement {
   [[nodiscard]] Vec3 place_normal(const Vec3& normal) const { return T_target_source.linear() * grade.apply_normal(normal); }
 };
 
-/// What may change.  Graded: length, width, section and offset, each for itself.
+/// What may change.  Graded: length, width, section, height and offset, each for itself or tied.
 enum class Freedom { Rigid, UniformScale, Graded };
 
-inline constexpr int k_most_parameters = 10;
+/// How the sections follow the length: factor = 1 + share * (length - 1); 0: they stay, 1: they grow as it does.
+/// Without a share it is free.
+struct GradeTie {
+  std::optional<double> section_share{};
+  std::optional<double> height_share{};
+
+  [[nodiscard]] int free_count() const { return (section_share ? 0 : 1) + (height_share ? 0 : 1); }
+};
+
+inline constexpr int k_most_parameters = 11;
 [[nodiscard]] constexpr int parameter_count(Freedom freedom) {
   return freedom == Freedom::Rigid ? 6 : freedom == Freedom::UniformScale ? 7 : k_most_parameters;
 }
@@ -62,13 +74,18 @@ struct IcpOptions {
   double least_scale_mm{0.05};   ///< the robust kernel is never tighter: the roughness of a surface
   int max_iterations{30};
   Freedom freedom{Freedom::Rigid};
+  GradeTie tie{};                ///< of Freedom::Graded
   double rim_reach_mm{1};        ///< rims farther apart do not count
 };
 
 /// Information of the estimate's parameters: right perturbation [rho; theta] of T_target_source (mm, rad), then relative
-/// changes of the grade (uniform: 1, graded: length, width, section) and its offset (mm).  Unit weight: divide by the
+/// changes of the grade (uniform: 1, graded: length, width, section, height) and its offset (mm).  Unit weight: divide by the
 /// variance of a residual.
 using Information = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, k_most_parameters, k_most_parameters>;
+
+/// How a point of the sample's line moves with the parameters, source's frame.
+using LineJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, k_most_parameters>;
+[[nodiscard]] LineJacobian line_jacobian(const Grade& grade, const Vec3& point, const GradeTie& tie, Eigen::Index parameters);
 
 struct IcpResult {
   Placement placement{};

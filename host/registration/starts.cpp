@@ -15,6 +15,7 @@ constexpr double k_rad_per_deg = std::numbers::pi / 180;
 // Wide enough for the difference of a sample's part above the line and a whole upper, and for 10 degrees at half a shoe.
 constexpr double k_coarse_reach_mm = 30;
 constexpr double k_middle_reach_mm = 12;
+constexpr double k_start_share = 0.5;  // of another size: sections grow as the length, or stay
 constexpr double k_same_mm = 5;
 constexpr double k_same_rad = 5 * k_rad_per_deg;
 
@@ -67,12 +68,13 @@ Surfels graded(const Surfels& surfels, const Grade& grade) {
   return out;
 }
 
-/// By length alone; the sections at first as they are.
+/// By length alone; the sections at first half as much.
 Grade start_grade(const Sample& sample, const Upper& upper, Freedom freedom) {
   if (freedom == Freedom::Rigid) return {};
   // The common part's own length, not the sample's: its sole is longer than its upper.
   const double factor = std::clamp(upper.axes.length_mm / shoe_axes(sample.common).length_mm, 0.7, 1.4);
-  return {.length = factor, .width = factor, .section = freedom == Freedom::UniformScale ? factor : 1};
+  const double section = 1 + (freedom == Freedom::UniformScale ? 1 : k_start_share) * (factor - 1);
+  return {.length = factor, .width = factor, .section = section, .height = section};
 }
 
 std::vector<Placement> starts(const Sample& sample, const Upper& upper, const Grade& grade) {
@@ -117,7 +119,11 @@ std::vector<IcpResult> coarse_fits(const Sample& sample, const Upper& upper, Fre
         run_icp(surfaces, placements[i],
                 {.reach_mm = k_coarse_reach_mm, .min_normal_cosine = 0.5, .least_scale_mm = 2, .max_iterations = 20});
     fits[i] = run_icp(surfaces, rough.placement,
-                      {.reach_mm = k_middle_reach_mm, .least_scale_mm = 0.5, .max_iterations = 20, .freedom = freedom});
+                      {.reach_mm = k_middle_reach_mm,
+                       .least_scale_mm = 0.5,
+                       .max_iterations = 20,
+                       .freedom = freedom,
+                       .tie = {.section_share = k_start_share, .height_share = k_start_share}});
   });
   std::sort(fits.begin(), fits.end(), [](const IcpResult& a, const IcpResult& b) { return a.cost_mm2 < b.cost_mm2; });
 

@@ -113,6 +113,7 @@ TEST(Alignment, AnotherSizeIsRefusedAndGradingTakesIt) {
     CHECK(graded.accepted());
     DOUBLES_EQUAL(factor, graded.placement.grade.length, 0.004);
     DOUBLES_EQUAL(factor, graded.placement.grade.section, 0.01);
+    DOUBLES_EQUAL(factor, graded.placement.grade.height, 0.01);
   }
 }
 
