@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "host/groove/path/closed_path.hpp"
 
@@ -65,6 +66,50 @@ bool step_at(const SideField& field, int row, int col, double& step_mm) {
   return below > -1e8 && above > -1e8;
 }
 
+/// A straight line o = middle + slope z through rows from `low` to `high`, z from the row `zero`.
+struct Flank {
+  bool known{false};
+  double at_zero_mm{0};
+  double slope{0};
+};
+
+Flank flank_of(const SideField& field, int col, int zero, int low, int high) {
+  const SideGrid& grid = field.grid;
+  double n = 0, sz = 0, szz = 0, so = 0, szo = 0;
+  for (int r = std::max(0, low); r <= std::min(grid.rows - 1, high); ++r) {
+    const std::size_t cell = grid.at(r, col);
+    if (field.seen[cell] == 0) continue;
+    const double z = (r - zero) * grid.row_mm;
+    const auto o = static_cast<double>(field.o_mm[cell]);
+    n += 1;
+    sz += z;
+    szz += z * z;
+    so += o;
+    szo += z * o;
+  }
+  const double det = n * szz - sz * sz;
+  if (n < 0.6 * (high - low + 1) || det < 1e-6) return {};
+  const double slope = (n * szo - sz * so) / det;
+  return {.known = true, .at_zero_mm = (so - slope * sz) / n, .slope = slope};
+}
+
+/// Turn and step between the surfaces on both sides of a place.
+struct TwoFlanks {
+  double turn_rad;
+  double step_mm;
+};
+
+std::optional<TwoFlanks> flanks_at(const SideField& field, int row, int col) {
+  constexpr double k_from_mm = 2.0;
+  constexpr double k_to_mm = 6.0;
+  const auto rows_of = [&](double mm) { return static_cast<int>(std::lround(mm / field.grid.row_mm)); };
+  const Flank above = flank_of(field, col, row, row + rows_of(k_from_mm), row + rows_of(k_to_mm));
+  const Flank below = flank_of(field, col, row, row - rows_of(k_to_mm), row - rows_of(k_from_mm));
+  if (!above.known || !below.known) return std::nullopt;
+  return TwoFlanks{.turn_rad = std::atan(above.slope) - std::atan(below.slope),
+                   .step_mm = below.at_zero_mm - above.at_zero_mm};
+}
+
 Crease describe(const SideField& field, std::span<const float> evidence, const std::vector<int>& path,
                 const CreaseConfig& config) {
   const SideGrid& grid = field.grid;
@@ -77,6 +122,8 @@ Crease describe(const SideField& field, std::span<const float> evidence, const s
 
   std::vector<double> turns;
   std::vector<double> steps;
+  std::vector<double> flank_turns;
+  std::vector<double> flank_steps;
   std::size_t seen = 0;
   double bend2 = 0;
   for (int c = 0; c < grid.cols; ++c) {
@@ -94,8 +141,13 @@ Crease describe(const SideField& field, std::span<const float> evidence, const s
     turns.push_back(turn);
     if (turn > std::max(config.least_turn_rad, 3.0 * surrounding_turn(field, row, c)))
       crease.visible[col] = 1;
+    if (crease.visible[col] == 0) continue;
+    if (const std::optional<TwoFlanks> flanks = flanks_at(field, row, c)) {
+      flank_turns.push_back(flanks->turn_rad);
+      flank_steps.push_back(flanks->step_mm);
+    }
     double step = 0;
-    if (crease.visible[col] != 0 && step_at(field, row, c, step)) steps.push_back(step);
+    if (step_at(field, row, c, step)) steps.push_back(step);
   }
   const auto visible = static_cast<double>(std::count(crease.visible.begin(), crease.visible.end(), 1));
   crease.seen_share = static_cast<double>(seen) / grid.cols;
@@ -105,6 +157,9 @@ Crease describe(const SideField& field, std::span<const float> evidence, const s
       static_cast<double>(std::count_if(steps.begin(), steps.end(), [](double step) { return step > 0.15; }));
   crease.step_share = steps.empty() ? 0 : stepped / static_cast<double>(steps.size());
   crease.median_step_mm = median(std::move(steps));
+  crease.flanks_seen = static_cast<double>(flank_turns.size()) > visible / 3;
+  crease.flank_turn_rad = median(std::move(flank_turns));
+  crease.flank_step_mm = median(std::move(flank_steps));
   crease.restless_rows = std::sqrt(bend2 / grid.cols);
   const auto longest_run_mm = [&](auto&& missing) {
     int run = 0;

@@ -22,6 +22,12 @@ struct Crease {
   double median_turn_rad{0};          ///< over the seen columns
   double median_step_mm{
       0};                ///< how far the surface below stands out beyond the one above; sole over upper > 0
+  /// The surfaces 2 to 6 mm above and below as straight lines: how much they turn against each other (concave > 0),
+  /// and how far the lower one lies outside the upper one where they meet.  What is sewn into one surface leaves
+  /// both at 0, or below: a wall is convex.
+  bool flanks_seen{false};  ///< on at least a third of the visible columns
+  double flank_turn_rad{0};
+  double flank_step_mm{0};
   double step_share{0};  ///< share of the visible columns with such a step
   double mean_height_mm{0};
   double evidence{0};       ///< mean over the columns, 0 to 1

@@ -45,6 +45,26 @@ TEST(Decide, TwoThatLookTheSameAreNamedAndNotChosen) {
   CHECK(sut.confidence < 0.5);
 }
 
+TEST(Decide, ASeamAllTheWayRoundOneSurfaceIsNoBiteLine) {
+  // 12 degrees deep and above all else, but the wall goes on below it as above.
+  Crease seam = crease(38, 12, 0.4);
+  seam.flanks_seen = true;
+  seam.flank_turn_rad = -7 * 3.14159265 / 180;
+  seam.flank_step_mm = 0.02;
+  const Decision alone = decide({seam}, 0.5);
+  CHECK_FALSE(alone.accepted);
+  STRCMP_CONTAINS("within one surface", alone.reason.c_str());
+  CHECK(alone.confidence < 0.5);
+  // Nor does it take the place of a flush sole's line, which is no deeper.
+  Crease flush = crease(26, 12, 0.3);
+  flush.flanks_seen = true;
+  flush.flank_turn_rad = 6 * 3.14159265 / 180;
+  flush.flank_step_mm = 0.1;
+  const Decision both = decide({seam, flush}, 0.5);
+  CHECK_TEXT(both.accepted, both.reason.c_str());
+  LONGS_EQUAL(1, both.best);
+}
+
 TEST(Decide, HalfACreaseIsNone) {
   Crease half = crease(26, 60, 3.0);
   half.visible_share = 0.55;

@@ -19,8 +19,8 @@ struct Made {
   std::vector<Vec3> truth;  ///< base
 };
 
-Made make(sim::ShoeClass shoe_class, std::uint64_t seed, const SE3& T_base_shoe) {
-  const sim::MadeShoe shoe{sim::draw_shoe(shoe_class, seed)};
+Made make(const sim::ShoeParameters& parameters, const SE3& T_base_shoe) {
+  const sim::MadeShoe shoe{parameters};
   // A coarse scan keeps the test fast: the line's place depends little on it.
   const sim::ScannedCloud scan =
       sim::scan_quickly(shoe, {.profile_step_mm = 1.3, .column_step_mm = 0.15}, T_base_shoe);
@@ -29,6 +29,10 @@ Made make(sim::ShoeClass shoe_class, std::uint64_t seed, const SE3& T_base_shoe)
   made.cloud.profile = scan.profile;
   for (const auto& point : sim::true_line(shoe, 0.5)) made.truth.push_back(T_base_shoe * point.point_shoe);
   return made;
+}
+
+Made make(sim::ShoeClass shoe_class, std::uint64_t seed, const SE3& T_base_shoe) {
+  return make(sim::draw_shoe(shoe_class, seed), T_base_shoe);
 }
 
 double distance_mm(const Vec3& p, const std::vector<Vec3>& closed) {
@@ -104,6 +108,18 @@ TEST(Extract, ABareUpperIsRefusedWithAReason) {
   STRCMP_CONTAINS("no crease", sut.reason.c_str());
   CHECK(sut.line.points.empty());
   CHECK(sut.confidence < 0.5);
+}
+
+TEST(Extract, AnUpperWithASeamAllTheWayRoundIsRefusedAndTheSameShoeWithASoleIsNot) {
+  sim::ShoeParameters shoe = sim::draw_shoe(sim::ShoeClass::Shallow, 62);
+  shoe.upper.parallel_seams = {{.u_mm = 11, .depth_mm = 0.4, .width_mm = 0.5}};
+  const Extraction with_sole = extract(make(shoe, somewhere()).cloud, {.keep_products = false});
+  CHECK_TEXT(with_sole.found, with_sole.reason.c_str());
+  DOUBLES_EQUAL(shoe.groove.line_height_mm, with_sole.candidates.front().mean_height_mm, 5.0);
+  const Extraction upper = extract(make(sim::bare_upper_of(shoe, 0.15, 3), somewhere()).cloud, {.keep_products = false});
+  CHECK_FALSE(upper.found);
+  STRCMP_CONTAINS("within one surface", upper.reason.c_str());
+  CHECK(upper.confidence < 0.5);
 }
 
 TEST(Extract, WhatIsNoShoeIsRefused) {
