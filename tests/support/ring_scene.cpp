@@ -75,9 +75,11 @@ image::GreyImage draw_rings(const RingScene& scene, const std::vector<SE3>& T_ca
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) {
       // Within one pixel the ray moves linearly: 1e-6 px of the distortion's curvature is left out.
-      const Vec3 ray = scene.camera.ray(Vec2(u, v));
-      const Vec3 du = scene.camera.ray(Vec2(u + 0.5, v)) - scene.camera.ray(Vec2(u - 0.5, v));
-      const Vec3 dv = scene.camera.ray(Vec2(u, v + 0.5)) - scene.camera.ray(Vec2(u, v - 0.5));
+      const Vec2 place_px = options.sampled_at ? options.sampled_at(Vec2(u, v)) : Vec2(u, v);
+      const Vec3 ray = scene.camera.ray(place_px);
+      const Vec2 half_u(0.5, 0), half_v(0, 0.5);
+      const Vec3 du = scene.camera.ray(place_px + half_u) - scene.camera.ray(place_px - half_u);
+      const Vec3 dv = scene.camera.ray(place_px + half_v) - scene.camera.ray(place_px - half_v);
       double sum = 0;
       for (int i = 0; i < options.samples * options.samples; ++i) {
         const double su = (i % options.samples + 0.5) / options.samples - 0.5,

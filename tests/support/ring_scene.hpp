@@ -29,7 +29,9 @@ struct RingScene {
 struct PictureOptions {
   double noise_grey{2};
   double blur_px{0.7};
-  int samples{4};                               ///< per pixel and direction
+  int samples{4};  ///< per pixel and direction
+  /// Seen at another place than where it is shown: as a scaler that takes the nearest pixel, say.
+  std::function<Vec2(const Vec2&)> sampled_at{};
   std::function<double(double, double)> light;  ///< factor at (u / width, v / height); 1 when empty
   std::function<bool(const Vec2&)> covered;     ///< target places (mm) hidden by something dark
 };

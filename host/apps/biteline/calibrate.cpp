@@ -167,6 +167,13 @@ Result<void> compare_part(const Options& options, const calib::HeadFit& fit, int
 
 void say(const calib::HeadCalibration& result, const GlobalOptions& global) {
   if (global.quiet) return;
+  if (result.pixel_grid.uneven()) {
+    std::fprintf(
+        stderr,
+        "biteline: the pictures' columns and rows lie %.2f px off an even grid (scaled in the camera or "
+        "its driver?); evened out for the rings, scans are taken as they are\n",
+        result.pixel_grid.rms_px());
+  }
   for (const calib::SetAside& one : result.set_aside)
     std::fprintf(stderr, "biteline: set aside %s: %s\n", one.name.c_str(), one.reason.c_str());
 }

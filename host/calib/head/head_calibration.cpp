@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 namespace biteline::calib {
 
@@ -34,9 +35,48 @@ Result<void> check_print(const std::vector<PlaneView>& views) {
   return {};
 }
 
+std::vector<Ring> rings_of(std::span<const PlaneView> grids) {
+  std::vector<Ring> rings;
+  for (const PlaneView& view : grids) {
+    for (const GridRing& ring : view.grid.rings) rings.push_back(ring.ring);
+  }
+  return rings;
+}
+
+PixelGrid pixel_grid_of(const HeadInput& input) {
+  std::vector<std::vector<Ring>> pictures;
+  if (input.camera) {
+    for (const PlaneView& view : input.camera->views) pictures.push_back(rings_of({&view, 1}));
+  }
+  if (input.hand_eye) {
+    for (const ArmPicture& picture : input.hand_eye->views) pictures.push_back(rings_of({&picture.view, 1}));
+  }
+  if (input.laser) {
+    for (const LaserPictures& place : input.laser->places) pictures.push_back(rings_of(place.planes));
+  }
+  return find_pixel_grid(pictures);
+}
+
+/// The views as a camera with an even grid would have given them.
+HeadInput evened_out(HeadInput input, const PixelGrid& grid) {
+  const auto even_out = [&](PlaneView& view) {
+    for (GridRing& ring : view.grid.rings) ring.ring = grid.corrected(ring.ring);
+    view = make_plane_view(view.name, view.grid, view.target);
+  };
+  if (input.camera) std::for_each(input.camera->views.begin(), input.camera->views.end(), even_out);
+  if (input.hand_eye) {
+    for (ArmPicture& picture : input.hand_eye->views) even_out(picture.view);
+  }
+  if (input.laser) {
+    for (LaserPictures& place : input.laser->places)
+      std::for_each(place.planes.begin(), place.planes.end(), even_out);
+  }
+  return input;
+}
+
 class Calibrator {
  public:
-  explicit Calibrator(const HeadInput& input) : input_{input} {}
+  Calibrator(const HeadInput& input, const PixelGrid& grid) : input_{input} { result_.pixel_grid = grid; }
 
   HeadCalibration run() {
     const Result<void> done = all_parts();
@@ -179,7 +219,10 @@ class Calibrator {
 }  // namespace
 
 HeadCalibration calibrate_head(const HeadInput& input) {
-  return Calibrator(input).run();
+  const PixelGrid grid = pixel_grid_of(input);
+  if (!grid.uneven()) return Calibrator(input, grid).run();
+  const HeadInput even = evened_out(input, grid);
+  return Calibrator(even, grid).run();
 }
 
 }  // namespace biteline::calib

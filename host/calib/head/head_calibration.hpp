@@ -6,6 +6,7 @@
 
 #include "host/calib/head/folder.hpp"
 #include "host/calib/refine/head_bundle.hpp"
+#include "host/calib/rings/pixel_grid.hpp"
 
 namespace biteline::calib {
 
@@ -24,6 +25,7 @@ struct HeadCalibration {
   std::optional<HandEyeCalibration> hand_eye;
   std::vector<ArmPicture> arm_views;  ///< of hand_eye's stops, in their common reading
   HeadFit fit;                        ///< everything together
+  PixelGrid pixel_grid;               ///< of the pictures; what was uneven is evened out in all views here
   std::vector<SetAside> set_aside;    ///< of all parts
   std::optional<Error> refused;
 };

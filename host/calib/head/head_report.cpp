@@ -47,6 +47,10 @@ Json camera_json(const HeadCalibration& all) {
     if (i >= 4 && !camera.distortion[static_cast<std::size_t>(i - 4)])
       json[name]["left_out"] = "not to be told from 0";
   }
+  const PixelGrid& grid = all.pixel_grid;
+  json["pixel_grid"] = {{"uneven", grid.uneven()},
+                        {"shift_rms_px", grid.rms_px()},
+                        {"explained_ratio", grid.explained_ratio()}};
   json["coverage_ratio"] = camera.coverage_ratio;
   json["largest_tilt_deg"] = camera.largest_tilt_rad * k_degrees_per_rad;
   json["views"] = Json::array();
