@@ -8,6 +8,7 @@
 #include "common/image/grey_image.hpp"
 #include "host/process/child_process.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/made_session.hpp"
 #include "tests/support/ring_scene.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -85,6 +86,24 @@ TEST(CalibrateTool, TwoViewsAreRefusedAndAnOlderResultIsGone) {
                      "refused: camera: 2 usable views"));
   STRCMP_EQUAL("refused", report()["status"].get<std::string>().c_str());
   STRCMP_CONTAINS("at least 3", report()["reason"].get<std::string>().c_str());
+  CHECK_FALSE(fs::exists(out() / "sensor.yaml"));
+}
+
+TEST(CalibrateTool, ScanThatCannotTellTheClockCostsTheClockOnly) {
+  write_target("");
+  write_views(6);
+  test::write_made_session({}, folder.path() / "clock");  // one way only, nothing is seen twice
+  const std::string sensor = (folder.path() / "clock/cam0/sensor.yaml").string();
+  LONGS_EQUAL(0, run({"calibrate", folder.path().string(), "--out", out().string(), "--sensor", sensor},
+                     "clock offset not determined"));
+  STRCMP_EQUAL("ok", report()["status"].get<std::string>().c_str());
+  CHECK_FALSE(report()["clock"]["determined"].get<bool>());
+  STRCMP_CONTAINS("seen twice", report()["clock"]["reason"].get<std::string>().c_str());
+  CHECK(fs::exists(out() / "sensor.yaml"));
+  // Asked for by name it is the answer, and there is none.
+  LONGS_EQUAL(3,
+              run({"calibrate", "clock", folder.path().string(), "--out", out().string(), "--sensor", sensor},
+                  "refused: clock"));
   CHECK_FALSE(fs::exists(out() / "sensor.yaml"));
 }
 

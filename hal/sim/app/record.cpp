@@ -79,6 +79,11 @@ void add_record_calibration(CLI::App& app, Context& context) {
   command->add_option("--pose-noise-rad", settings.pose_noise_rad)
       ->capture_default_str()
       ->check(CLI::Range(0.0, 0.1));
+  command
+      ->add_option("--scaled-ratio", settings.scaled_ratio,
+                   "Fills the lit pictures from ones of this size, nearest pixel, as a scaler does")
+      ->capture_default_str()
+      ->check(CLI::Range(0.5, 1.0));
   CLI::Option* clock = command
                            ->add_option("--clock-offset-ms", options->clock_offset_ms,
                                         "Adds clock/, a scan with this offset between the clocks")

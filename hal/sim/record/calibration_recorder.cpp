@@ -87,7 +87,8 @@ class Recorder {
   LampLight draw_lamp() {
     return {.white_grey = views_.uniform({170, 225}),
             .slope_ratio = views_.uniform({0.1, 0.5}),
-            .slope_rad = views_.uniform({-3, 3})};
+            .slope_rad = views_.uniform({-3, 3}),
+            .scaled_ratio = settings_.scaled_ratio};
   }
 
   /// A sheet somewhere in the field, tilted up to `tilt_rad`, every ring in the picture.

@@ -18,7 +18,8 @@ struct CalibrationSettings {
   double pose_noise_mm{0.020};
   double pose_noise_rad{1e-4};
   double plane_angle_error_rad{
-      0.03};  ///< how far the two-plane target is from 90 degrees, standard deviation
+      0.03};               ///< how far the two-plane target is from 90 degrees, standard deviation
+  double scaled_ratio{1};  ///< lit pictures are filled from ones of this size, nearest pixel
   /// With it a clock/ session is added: robot clock minus camera clock, not told in its sensor.yaml.
   std::optional<Nanoseconds> clock_offset;
 };

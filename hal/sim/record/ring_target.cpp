@@ -128,9 +128,18 @@ image::GreyImage render_rings(const MadeHead& head, std::span<const PlacedGrid> 
     return shade == Shade::White ? 1.0 : shade == Shade::Black ? light.black_ratio : light.background_ratio;
   };
 
+  // How far from a column or row the one lies that it is filled from.
+  const auto shift = [&](int place) {
+    return std::round(light.scaled_ratio * place) / light.scaled_ratio - place;
+  };
+  const auto seen_from = [&](int u, int v, double du, double dv) {
+    return ratio_of(sheets.seen_along(rays.at(u, v, shift(u) + du, shift(v) + dv)));
+  };
+
   std::vector<Shade> middles(index(0, height));
   for (int v = 0; v < height; ++v) {
-    for (int u = 0; u < width; ++u) middles[index(u, v)] = sheets.seen_along(rays.at(u, v, 0, 0));
+    for (int u = 0; u < width; ++u)
+      middles[index(u, v)] = sheets.seen_along(rays.at(u, v, shift(u), shift(v)));
   }
   const auto crossed = [&](int u, int v) {
     for (int dv = -1; dv <= 1; ++dv) {
@@ -150,8 +159,7 @@ image::GreyImage render_rings(const MadeHead& head, std::span<const PlacedGrid> 
         ratio = 0;
         for (int i = 0; i < k_edge_samples; ++i) {
           for (int k = 0; k < k_edge_samples; ++k) {
-            ratio += ratio_of(sheets.seen_along(
-                rays.at(u, v, (i + 0.5) / k_edge_samples - 0.5, (k + 0.5) / k_edge_samples - 0.5)));
+            ratio += seen_from(u, v, (i + 0.5) / k_edge_samples - 0.5, (k + 0.5) / k_edge_samples - 0.5);
           }
         }
         ratio /= k_edge_samples * k_edge_samples;

@@ -40,6 +40,8 @@ struct LampLight {
   double background_ratio{0.27};
   double slope_ratio{0.25};  ///< light changes by this much across the picture
   double slope_rad{0.6};     ///< in this direction
+  /// The picture is filled from one of this size, nearest pixel, as a camera's or a driver's scaler does.
+  double scaled_ratio{1};
 };
 
 /// The full sensor's picture of the sheets; where several lie on one ray the nearest is seen.

@@ -114,11 +114,9 @@ Result<calib::ClockOffset> clock_part(const Options& options, const geometry::Se
   BITELINE_ASSIGN(const calib::ClockOffset clock, report.timed("clock", [&] {
     return calib::find_clock_offset(scan, scan_model(sensor), k_clock_search_ms);
   }));
-  report.fields["clock"] = {{"offset_ms", ms_of(clock.offset)},
-                            {"sigma_ms", ms_of(clock.sigma)},
-                            {"rms_before_mm", clock.rms_before_mm},
-                            {"rms_mm", clock.rms_mm},
-                            {"pairs", clock.pairs}};
+  report.fields["clock"] = {{"determined", clock.determined()}, {"offset_ms", ms_of(clock.offset)},
+                            {"sigma_ms", ms_of(clock.sigma)},   {"rms_before_mm", clock.rms_before_mm},
+                            {"rms_mm", clock.rms_mm},           {"pairs", clock.pairs}};
   return clock;
 }
 
@@ -222,11 +220,20 @@ Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global
   Nanoseconds clock_sigma{100'000};  // not calibrated here: what a session's own offset is trusted to
   if (parts.contains("clock")) {
     const Result<calib::ClockOffset> clock = clock_part(options, sensor, report);
-    if (!clock && refused_by(clock.error()))
-      return refuse(report, std::string(clock.error().where.view()), options);
-    BITELINE_TRY(clock);
-    sensor.pose_clock_offset = clock->offset;
-    clock_sigma = clock->sigma;
+    if (!clock && !refused_by(clock.error())) return tl::unexpected<Error>(clock.error());
+    const std::string reason = clock ? clock->reason : std::string(clock.error().where.view());
+    if (reason.empty()) {
+      sensor.pose_clock_offset = clock->offset;
+      clock_sigma = clock->sigma;
+    } else if (!options.only.empty() || parts.size() == 1) {
+      return refuse(report, reason, options);
+    } else {
+      // The head's geometry stands on pictures at rest and is as good without the scan.
+      report.fields["clock"]["reason"] = reason;
+      report.fields["clock"]["determined"] = false;
+      std::fprintf(stderr, "biteline: clock offset not determined, %lld ns written: %s\n",
+                   static_cast<long long>(sensor.pose_clock_offset.count()), reason.c_str());
+    }
   }
   if (!options.compare.empty() || !options.refine.empty()) {
     if (!result.laser || !result.hand_eye)

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <set>
 #include <vector>
@@ -145,14 +146,17 @@ Result<ClockOffset> find_clock_offset(const Scan& scan, const ScanModel& model, 
   const double scatter_sigma_s = step->sigma_s;
   step->sigma_s = std::hypot(scatter_sigma_s, step->common_sigma_s, closer ? closer->step_s : 0.0);
   if (step->sigma_s > k_most_sigma_s) {
-    return fail(Errc::Degenerate,
-                "clock: the scan leaves the offset uncertain by %.2f ms: the same surface must be seen under "
-                "different velocities",
-                1e3 * step->sigma_s);
-  }
-  if (std::abs(step->step_s) > scatter_sigma_s)
+    char words[160];
+    std::snprintf(
+        words, sizeof words,
+        "clock: the scan leaves the offset uncertain by %.2f ms: the same surface must be seen under "
+        "different velocities",
+        1e3 * step->sigma_s);
+    result.reason = words;
+  } else if (std::abs(step->step_s) > scatter_sigma_s) {
     return fail(Errc::NotConverged, "clock: the search for the offset did not settle (%.3f ms left)",
                 1e3 * step->step_s);
+  }
   const std::vector<ScanPoint> before = place_points(scan, at(model, 0));
   if (const auto first = one_step(before, find_overlaps(scan, before, {})))
     result.rms_before_mm = first->rms_mm;

@@ -142,6 +142,17 @@ TEST(HandEye, RowsInOppositeOrderIsSaid) {
   check_refused(spoiled, "opposite order");
 }
 
+TEST(HandEye, RowsOffByOneAreSaid) {
+  for (const bool forward : {true, false}) {
+    std::vector<HandEyeView> all = views(10);
+    std::vector<SE3> poses;
+    for (const HandEyeView& view : all) poses.push_back(view.T_base_flange);
+    std::rotate(poses.begin(), forward ? poses.begin() + 1 : poses.end() - 1, poses.end());
+    for (std::size_t i = 0; i < all.size(); ++i) all[i].T_base_flange = poses[i];
+    check_refused(all, "off by one");
+  }
+}
+
 TEST(HandEye, MetresForMillimetresIsSaid) {
   std::vector<HandEyeView> spoiled = views(13);
   for (HandEyeView& view : spoiled) view.T_base_flange.translation() /= 1000;

@@ -91,6 +91,7 @@ TEST(ScanSelfConsistency, ClockOffsetIsFoundAndItsUncertaintyHonest) {
   const double offset_s = 3.7e-3;
   const auto found = find_clock_offset(scan_of(offset_s), truth, 6);
   CHECK_TRUE_TEXT(found.has_value(), found ? "" : to_line(found.error()).c_str());
+  CHECK(found->determined());
   const double error_s = std::abs(std::chrono::duration<double>(found->offset).count() - offset_s);
   const double sigma_s = std::chrono::duration<double>(found->sigma).count();
   CHECK_TRUE_TEXT(
@@ -114,6 +115,30 @@ TEST(ScanSelfConsistency, NothingSeenTwiceIsRefused) {
   const auto found = find_clock_offset(scan, truth, 4);
   CHECK_FALSE(found.has_value());
   CHECK(error_row(found.error().code).exit_status == ExitStatus::Refused);
+}
+
+TEST(ScanSelfConsistency, SeenTwiceUnderEqualMotionIsNotDetermined) {
+  // The same way twice: a point comes out at one and the same wrong place both times.
+  Scan scan = scan_of(0);
+  const std::size_t once = scan.frames.size() / 3, poses_once = scan.poses.size() / 3;
+  scan.frames.resize(once);
+  scan.poses.resize(poses_once);
+  const Nanoseconds later{20'000'000'000};
+  for (std::size_t i = 0; i < once; ++i) {
+    scan.frames.push_back(scan.frames[i]);
+    scan.frames.back().exposure_mid += later;
+  }
+  for (std::size_t i = 0; i < poses_once; ++i) {
+    scan.poses.push_back(scan.poses[i]);
+    scan.poses.back().stamp += later;
+    scan.poses.back().T_base_flange.translation() +=
+        0.005 * Vec3(normal(random), normal(random), normal(random));
+  }
+  const auto found = find_clock_offset(scan, truth, 4);
+  CHECK_TRUE_TEXT(found.has_value(), found ? "" : to_line(found.error()).c_str());
+  CHECK_FALSE(found->determined());
+  STRCMP_CONTAINS("different velocities", found->reason.c_str());
+  CHECK(std::chrono::duration<double>(found->sigma).count() > 0.5e-3);
 }
 
 TEST(ScanSelfConsistency, RefinementBringsPlaneAndMountingNearer) {
