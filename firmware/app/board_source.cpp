@@ -11,6 +11,7 @@
 #include "hal/linux/pwm/software_pwm.hpp"
 #include "hal/linux/pwm/sysfs_pwm.hpp"
 #include "hal/linux/rtde/rtde_pose_source.hpp"
+#include "hal/linux/thermal/thermal_safety_in.hpp"
 #include "hal/linux/watchdog/kernel_watchdog.hpp"
 #include "hal/linux/watchdog/systemd_watchdog.hpp"
 #include "hal/timing/triggered_camera.hpp"
@@ -55,7 +56,10 @@ Result<std::unique_ptr<hal::EdgeIn>> open_edges([[maybe_unused]] const hal::Gpio
 
 Result<std::unique_ptr<hal::SafetyIn>> open_safety([[maybe_unused]] const hal::BoardLaser& laser) {
 #ifdef BITELINE_WITH_GPIOD
-  return hal::GpiodSafetyIn::open({.interlock = laser.interlock, .key = laser.key});
+  BITELINE_ASSIGN(std::unique_ptr<hal::SafetyIn> lines,
+                  hal::GpiodSafetyIn::open({.interlock = laser.interlock, .key = laser.key}));
+  if (laser.temperature.empty()) return lines;
+  return hal::ThermalSafetyIn::open(std::move(lines), {.file = laser.temperature, .max_degc = laser.temperature_max_degc});
 #else
   return built_without("GPIO");
 #endif
@@ -129,6 +133,9 @@ class BoardDevices final : public SourceKind {
     BITELINE_ASSIGN(devices.laser, open_output(board_.laser->enable));
     BITELINE_ASSIGN(devices.safety, open_safety(*board_.laser));
     BITELINE_TRY(arm_watchdogs(devices.watchdogs));
+    if (const std::optional<Nanoseconds>& patience = board_.laser->patience) {
+      devices.guard = {.frames_within = *patience, .watchdog_within = *patience, .looks_within = *patience};
+    }
     return std::optional<LaserDevices>{std::move(devices)};
   }
 

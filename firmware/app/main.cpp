@@ -53,7 +53,7 @@ Result<std::unique_ptr<runtime::LaserWatch>> start_laser_watch(sensor::SourceKin
   BITELINE_ASSIGN(std::optional<sensor::LaserDevices> devices, kind.open_laser());
   if (!devices) return std::unique_ptr<runtime::LaserWatch>{};
   auto watch = std::make_unique<runtime::LaserWatch>(std::move(devices->laser), std::move(devices->safety), clock,
-                                                     runtime::LaserGuard::Config{});
+                                                     devices->guard);
   for (std::unique_ptr<hal::Watchdog>& watchdog : devices->watchdogs) watch->feed(std::move(watchdog));
   BITELINE_TRY(watch->start(demand));
   return watch;

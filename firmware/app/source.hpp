@@ -10,6 +10,7 @@
 
 #include "common/core/result.hpp"
 #include "common/geometry/sensor_model.hpp"
+#include "firmware/runtime/laser_guard.hpp"
 #include "hal/api/edge_in.hpp"
 #include "hal/api/gpio_out.hpp"
 #include "hal/api/line_camera.hpp"
@@ -35,6 +36,7 @@ struct LaserDevices {
   std::unique_ptr<hal::GpioOut> laser;
   std::unique_ptr<hal::SafetyIn> safety;
   std::vector<std::unique_ptr<hal::Watchdog>> watchdogs;  ///< armed
+  runtime::LaserGuard::Config guard;
 };
 
 /// One way to get a scan.

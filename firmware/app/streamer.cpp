@@ -36,6 +36,7 @@ Errc code_of(runtime::LaserOff reason) {
     case runtime::LaserOff::FramesStopped: return Errc::Timeout;
     case runtime::LaserOff::WatchdogStarved:
     case runtime::LaserOff::SafetyHung: return Errc::Overrun;
+    case runtime::LaserOff::TooHot:
     case runtime::LaserOff::DriverFailed:
     case runtime::LaserOff::NotAsked:
     case runtime::LaserOff::Stopped: break;

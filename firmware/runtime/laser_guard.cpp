@@ -8,6 +8,7 @@ const char* text(LaserOff reason) {
     case LaserOff::NotAsked: return "no scan is on";
     case LaserOff::InterlockOpen: return "the interlock is open";
     case LaserOff::KeyOff: return "the key switch is off";
+    case LaserOff::TooHot: return "the head is too hot";
     case LaserOff::FramesStopped: return "the camera gives no frames";
     case LaserOff::WatchdogStarved: return "the frame processing hangs";
     case LaserOff::DriverFailed: return "the laser's output does not do as told";
@@ -27,6 +28,7 @@ bool LaserGuard::forbidden(const LaserInputs& inputs, LaserOff& why) const {
   if (inputs.driver_failed) return found(LaserOff::DriverFailed);
   if (!inputs.interlock_closed) return found(LaserOff::InterlockOpen);
   if (!inputs.key_on) return found(LaserOff::KeyOff);
+  if (inputs.too_hot) return found(LaserOff::TooHot);
   // Compared with an instant and not by a difference: "never" is the smallest time point there is.
   if (inputs.watchdog_fed < inputs.now - config_.watchdog_within) return found(LaserOff::WatchdogStarved);
   if (inputs.last_frame < inputs.now - config_.frames_within) return found(LaserOff::FramesStopped);

@@ -13,6 +13,7 @@ enum class LaserOff : std::uint8_t {
   NotAsked,          ///< no scan is on
   InterlockOpen,     ///< or unknown
   KeyOff,
+  TooHot,            ///< the head is beyond its limit
   FramesStopped,     ///< the camera gives no frames: nobody would see what the laser does
   WatchdogStarved,   ///< the software that processes frames does not report
   DriverFailed,      ///< the output did not do as told
@@ -28,6 +29,7 @@ struct LaserInputs {
   bool scan_on{false};
   bool interlock_closed{false};           ///< unknown counts as open
   bool key_on{false};
+  bool too_hot{false};
   SensorClock::time_point last_frame;     ///< newest frame that was processed
   SensorClock::time_point watchdog_fed;   ///< newest sign of life of the processing
   bool driver_failed{false};              ///< last write or read-back of the output went wrong
@@ -54,6 +56,9 @@ class LaserGuard {
   struct Config {
     Nanoseconds frames_within{std::chrono::milliseconds{75}};
     Nanoseconds watchdog_within{std::chrono::milliseconds{50}};
+    /// Six looks of the safety thread in a row (laser_watch).  The frame thread notices within its 20 ms turn and a frame's
+    /// 5 ms: dark after 85 ms at most.
+    Nanoseconds looks_within{std::chrono::milliseconds{60}};
   };
   enum class State : std::uint8_t { Off, On, Latched, Stopped };
 

@@ -8,9 +8,6 @@
 namespace biteline::runtime {
 namespace {
 
-/// Six looks in a row.  The frame thread notices within its 20 ms turn and a frame's 5 ms: dark after 85 ms at most.
-constexpr Nanoseconds k_looks_within = std::chrono::milliseconds{60};
-
 /// What a broken contract must switch off; there is one laser in a process.
 std::atomic<hal::GpioOut*> g_laser{nullptr};
 
@@ -23,7 +20,7 @@ void darken(const char*, const char*, int) noexcept {
 
 LaserWatch::LaserWatch(std::unique_ptr<hal::GpioOut> laser, std::unique_ptr<hal::SafetyIn> safety,
                        const hal::Clock& clock, const LaserGuard::Config& config)
-    : laser_{std::move(laser)}, safety_{std::move(safety)}, clock_{clock}, guard_{config} {
+    : laser_{std::move(laser)}, safety_{std::move(safety)}, clock_{clock}, looks_within_{config.looks_within}, guard_{config} {
   BITELINE_EXPECTS(laser_ != nullptr && safety_ != nullptr);
   g_laser = laser_.get();
   set_contract_handler(darken);
@@ -72,7 +69,7 @@ void LaserWatch::run(RealtimeDemand demand) {
 
 void LaserWatch::note_alive(SensorClock::time_point now) {
   store(alive_ns_, now);
-  if (!on_ || load(looked_ns_) >= now - k_looks_within) return;
+  if (!on_ || load(looked_ns_) >= now - looks_within_) return;
   looks_missed_ = true;
   // A failure here leaves the watchdog, which that thread does not feed either.
   (void)laser_->set(false);
@@ -85,6 +82,7 @@ void LaserWatch::step() {
   inputs.scan_on = scan_on_.load(std::memory_order_acquire);
   inputs.interlock_closed = safety && safety->interlock_closed;
   inputs.key_on = safety && safety->key_on;
+  inputs.too_hot = !safety || safety->too_hot;
   inputs.last_frame = load(last_frame_ns_);
   inputs.watchdog_fed = load(alive_ns_);
   inputs.driver_failed = driver_failed_;

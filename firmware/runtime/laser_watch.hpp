@@ -73,6 +73,7 @@ class LaserWatch {
   std::unique_ptr<hal::GpioOut> laser_;
   std::unique_ptr<hal::SafetyIn> safety_;
   const hal::Clock& clock_;
+  Nanoseconds looks_within_;
   LaserGuard guard_;
   std::vector<std::unique_ptr<hal::Watchdog>> watchdogs_;
   std::thread thread_;

@@ -41,6 +41,10 @@ struct BoardLaser {
   GpioLineAddress enable;
   GpioLineAddress interlock;
   std::optional<GpioLineAddress> key;
+  std::string temperature;       ///< a file of thousandths of a degree (thermal zone, hwmon); empty: none
+  double temperature_max_degc{0};
+  /// In place of all limits of the laser's guard, where no laser is: an emulated processor stands still for seconds.
+  std::optional<Nanoseconds> patience;
 };
 
 struct BoardPoses {

@@ -97,6 +97,12 @@ std::optional<BoardLaser> read_laser(YamlReader& parent) {
   laser.enable = read_line(reader, "enable");
   laser.interlock = read_line(reader, "interlock");
   laser.key = read_optional_line(reader, "key");
+  if (reader.has("temperature")) {
+    YamlReader limit = reader.child("temperature", true);
+    laser.temperature = limit.text("file");
+    laser.temperature_max_degc = limit.number("max_degc", {-20, 120});
+  }
+  if (reader.has("patience_ms")) laser.patience = microseconds(1000 * reader.number("patience_ms", {50, 60'000}));
   return laser;
 }
 
@@ -147,6 +153,9 @@ Result<Board> read_board_yaml(const std::filesystem::path& path) {
   }
   if (board.camera.edge_to_mid_max > Nanoseconds{0} && !board.strobe_echo) {
     reader.fault(Errc::BadValue, "camera", "strobe_echo expected beside edge_to_mid_us");
+  }
+  if (board.laser && board.laser->patience && !board.simulated) {
+    reader.fault(Errc::BadValue, "laser", "patience_ms only beside simulated: true");
   }
   BITELINE_TRY(reader.finish());
   return board;

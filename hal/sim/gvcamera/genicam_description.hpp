@@ -28,7 +28,11 @@ inline constexpr std::uint32_t k_line_source = 0x410;  ///< and + 4 for Line1
 inline constexpr std::uint32_t k_ptp_enable = 0x420;
 inline constexpr std::uint32_t k_ptp_status = 0x424;
 inline constexpr std::uint32_t k_temperature_millidegc_register = 0x428;
+inline constexpr std::uint32_t k_gvcp_capability = 0x934;  ///< a bootstrap register of the standard's own
 }  // namespace gv_register
+
+/// Bit of k_gvcp_capability: PACKETRESEND is answered.
+inline constexpr std::uint32_t k_can_resend = 1U << 2U;
 
 /// Values of PtpStatus.
 inline constexpr std::uint32_t k_ptp_disabled = 0;

@@ -141,6 +141,7 @@ Result<std::unique_ptr<GvCamera>> GvCamera::open(const Config& config, Painter p
   device.write(k_frame_period_us, static_cast<std::uint32_t>(1e6 / config.rate_hz));
   device.write(k_trigger_source, 1);
   device.write(k_temperature_millidegc_register, k_temperature_millidegc);
+  if (config.resends) device.write(k_gvcp_capability, device.read(k_gvcp_capability) | k_can_resend);
   device.write(k_ptp_enable, config.ptp ? 1 : 0);
   device.write(k_ptp_status, config.ptp ? k_ptp_slave : k_ptp_disabled);
   arv_fake_camera_set_trigger_frequency(device.registers, k_trigger_poll_hz);

@@ -44,6 +44,7 @@ class GvCamera {
     Nanoseconds clock_offset{0};  ///< camera clock minus this machine's monotonic clock
     bool ptp{true};  ///< says that its clock follows PTP (clock_offset is then that of the PTP time)
     double lost_packet_ratio{0};  ///< of the packets of the stream, thrown away before sending
+    bool resends{false};          ///< says that it can send packets again: a LossyLine stands before it, which does
   };
   /// Fills region.width * region.height pixels.
   using Painter = std::function<void(const GvExposure&, std::span<std::uint8_t>)>;

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "hal/sim/gvcamera/gv_camera.hpp"
+#include "hal/sim/gvcamera/lossy_line.hpp"
 #include "tests/support/shared_data.hpp"
 
 namespace biteline::hal {
@@ -205,6 +206,33 @@ TEST(AravisCamera, LostPacketsGiveDamagedFramesAndGapsThatAreCounted) {
   LONGS_EQUAL(whole, health.frames);
   // Every frame of the camera's own count is accounted for.
   LONGS_EQUAL(last_sequence + 1, health.frames + health.frames_damaged + health.frames_lost);
+}
+
+TEST(AravisCamera, LostPacketsAreAskedForAgainAndTheFrameIsWhole) {
+  GvCamera::Config config = small_camera();
+  config.resends = true;
+  SERVER_OR_SKIP(server, config);
+  const auto line = *sim::LossyLine::open({.lost_ratio = 0.01});
+  auto sut = *AravisCamera::open({.address = "127.0.0.2", .packet_bytes = 1400});
+  CHECK(sut->configure(settings(50)).has_value());
+  CHECK(sut->start().has_value());
+  std::uint64_t whole = 0;
+  for (int i = 0; i < 60; ++i) {
+    const auto frame = sut->next_frame(2 * k_second);
+    CHECK(frame.has_value());
+    if ((frame->flags & k_frame_damaged) == 0) {
+      ++whole;
+      LONGS_EQUAL(77, frame->pixels[640 * 120 - 1]);
+      LONGS_EQUAL(frame->pixels[0], frame->pixels[640 * 60]);
+    }
+    sut->release(*frame);
+  }
+  CHECK(sut->stop().has_value());
+  // 57 packets in a frame: every second one lost a packet at first.
+  CHECK(line->packets_lost() > 15);
+  CHECK(line->packets_sent_again() > 0);
+  CHECK(sut->health().packets_resent > 0);
+  CHECK(whole > 50);
 }
 
 TEST(AravisCamera, ALostCameraIsSaidAndCanBeOpenedAgain) {

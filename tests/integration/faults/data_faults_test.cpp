@@ -177,6 +177,15 @@ TEST(DataFaults, LostPacketsCostTheirFramesAndEveryOneIsAccountedFor) {
   check_recovered();
 }
 
+TEST(DataFaults, PacketsLostOnTheWayAreSentAgain) {
+  if (!scanning({.lossy_line_ratio = 0.01})) return;
+  CHECK(stand->take_until([&] { return devices().packets_resent >= 3; }));
+  check_recovered();
+  std::printf("%llu packets sent again, %llu frames damaged\n",
+              static_cast<unsigned long long>(stand->account().end->devices.packets_resent),
+              static_cast<unsigned long long>(stand->account().end->counters.frames_damaged));
+}
+
 /// The pose of each profile against where the arm was, at 250 mm/s on a circle: what all stamps together cost.
 TEST(DataFaults, PosesErrByLessThanTwoHundredthsOfAMillimetreFromTimeAlone) {
   if (!scanning({.rate_hz = 97})) return;

@@ -83,6 +83,9 @@ Result<std::unique_ptr<PictureCell>> PictureCell::open(const PictureCellConfig& 
   callbacks.on_trigger = [self](Nanoseconds period, Nanoseconds pulse) { self->trigger_->configure(period, pulse); };
   BITELINE_ASSIGN(cell->bus_, sim::BusServer::open(cell->name_, std::move(callbacks)));
   BITELINE_TRY(cell->open_camera());
+  if (config.lossy_line_ratio > 0) {
+    BITELINE_ASSIGN(cell->line_, sim::LossyLine::open({.lost_ratio = config.lossy_line_ratio}));
+  }
   cell->bus_->drive(sim::Line::Interlock, true, now());
   cell->bus_->drive(sim::Line::Key, true, now());
   cell->poses_ = std::jthread{[self](const std::stop_token& stop) { self->send_poses(stop); }};
@@ -104,6 +107,7 @@ Result<void> PictureCell::open_camera() {
   camera.exposure = *head_.exposure;
   camera.rate_hz = config_.rate_hz;
   camera.lost_packet_ratio = config_.lost_packet_ratio;
+  camera.resends = config_.lossy_line_ratio > 0;
   for (int attempt = 1;; ++attempt) {
     auto opened = sim::GvCamera::open(
         camera, [this](const sim::GvExposure& exposure, std::span<std::uint8_t> pixels) { paint(exposure, pixels); });

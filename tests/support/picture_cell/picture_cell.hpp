@@ -16,6 +16,7 @@
 #include "common/profile/profile.hpp"
 #include "hal/sim/bus/bus_server.hpp"
 #include "hal/sim/gvcamera/gv_camera.hpp"
+#include "hal/sim/gvcamera/lossy_line.hpp"
 #include "hal/sim/live/trigger_timer.hpp"
 
 namespace biteline::test {
@@ -24,7 +25,8 @@ struct PictureCellConfig {
   int width_px{640}, height_px{120};  ///< region, of a sensor of 1626 x 1236 pixels
   double rate_hz{100};
   double pose_rate_hz{250};
-  double lost_packet_ratio{0};
+  double lost_packet_ratio{0};     ///< by the camera, which cannot send them again
+  double lossy_line_ratio{0};      ///< by a line before the camera, which can
   /// Different ones, then again from the first.  A prime, so that no loss of a round number hides.
   std::uint32_t pictures{13};
 };
@@ -55,7 +57,7 @@ class PictureCell {
 
   [[nodiscard]] const geometry::SensorModel& head() const { return head_; }
   /// For --source and --sensor.
-  [[nodiscard]] std::string source() const { return "cell:" + name_; }
+  [[nodiscard]] std::string source() const { return "cell:" + name_ + (line_ ? ",camera=127.0.0.2" : ""); }
   [[nodiscard]] std::string sensor_file_text() const;
 
   CellFaults faults;
@@ -102,6 +104,7 @@ class PictureCell {
   std::mutex camera_mutex_;
   std::unique_ptr<sim::BusServer> bus_;
   std::unique_ptr<sim::GvCamera> camera_;
+  std::unique_ptr<sim::LossyLine> line_;
   std::unique_ptr<sim::TriggerTimer> trigger_;
   std::jthread poses_;
 };

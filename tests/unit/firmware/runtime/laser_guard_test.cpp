@@ -87,6 +87,7 @@ TEST(LaserGuard, EveryFaultLatchesUntilTheScanIsAskedForAnew) {
   const Row rows[] = {
       {LaserOff::InterlockOpen, [](LaserInputs& in) { in.interlock_closed = false; }, Nanoseconds{0}},
       {LaserOff::KeyOff, [](LaserInputs& in) { in.key_on = false; }, Nanoseconds{0}},
+      {LaserOff::TooHot, [](LaserInputs& in) { in.too_hot = true; }, Nanoseconds{0}},
       {LaserOff::DriverFailed, [](LaserInputs& in) { in.driver_failed = true; }, Nanoseconds{0}},
       {LaserOff::SafetyHung, [](LaserInputs& in) { in.looks_missed = in.driver_failed = true; }, Nanoseconds{0}},
       {LaserOff::FramesStopped, [](LaserInputs& in) { in.last_frame = SensorClock::time_point{}; }, config.frames_within},
@@ -119,7 +120,7 @@ TEST(LaserGuard, EveryFaultLatchesUntilTheScanIsAskedForAnew) {
     is(LaserGuard::State::Latched, row.reason);
     // The fault goes away; the light does not come back by itself.
     inputs.interlock_closed = inputs.key_on = true;
-    inputs.driver_failed = inputs.looks_missed = false;
+    inputs.driver_failed = inputs.looks_missed = inputs.too_hot = false;
     for (int i = 0; i < 50; ++i) CHECK(!step());
     is(LaserGuard::State::Latched, row.reason);
     inputs.scan_on = false;

@@ -72,6 +72,8 @@ TEST(BoardYaml, FaultsAreRefusedEach) {
                        "watchdog: {timeout_ms: 500}\n", Errc::BadValue},
       {"missing camera", "board: a\nposes: {kind: rtde, address: a}\nwatchdog: {timeout_ms: 500}\n", Errc::BadFormat},
       {"wild bias", with("scan_active: {chip: a, line: '1', bias: up}"), Errc::BadValue},
+      {"a patient guard of a real laser",
+       with("laser: {enable: {chip: a, line: '1'}, interlock: {chip: a, line: '2'}, patience_ms: 5000}"), Errc::BadValue},
       {"trigger on a camera that takes none", with("trigger: {kind: pwm, chip: a, channel: 0}"), Errc::BadValue},
       {"base id off the grid", "board: a\ncamera: {kind: v4l2, device: b}\nposes: {kind: can, interface: c, base_id: 3}\n"
                                "watchdog: {timeout_ms: 500}\n", Errc::BadValue},

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+#include "hal/sim/gvcamera/lossy_line.hpp"
+
+#include <arpa/inet.h>
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+namespace biteline::sim {
+namespace {
+
+constexpr std::uint16_t k_gvcp_port = 3956;
+// GigE Vision 1.x, 16: command codes, and the register of stream channel 0 that holds the client's port.
+constexpr std::uint16_t k_write_register = 0x0082;
+constexpr std::uint16_t k_packet_resend = 0x0040;
+constexpr std::uint32_t k_stream_port_register = 0x0d00;
+constexpr std::size_t k_command_header_bytes = 8;
+constexpr std::size_t k_stream_header_bytes = 8;
+constexpr int k_stream_buffer_bytes = 8 << 20;
+
+template <class Number>
+Number big_endian(const std::uint8_t* bytes) {
+  Number number = 0;
+  for (std::size_t i = 0; i < sizeof(Number); ++i) number = static_cast<Number>(number << 8U | bytes[i]);
+  return number;
+}
+
+sockaddr_in address_of(const std::string& address, std::uint16_t port) {
+  sockaddr_in found{};
+  found.sin_family = AF_INET;
+  found.sin_port = htons(port);
+  inet_pton(AF_INET, address.c_str(), &found.sin_addr);
+  return found;
+}
+
+Result<hal::Descriptor> bound_socket(const std::string& address, std::uint16_t port) {
+  hal::Descriptor socket{::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
+  const sockaddr_in local = address_of(address, port);
+  if (!socket.is_open() || bind(socket.number(), reinterpret_cast<const sockaddr*>(&local), sizeof local) != 0) {
+    return fail_errno(Errc::ConnectFailed, errno, "lossy line: %s port %d", address.c_str(), int{port});
+  }
+  return socket;
+}
+
+void send_to(const hal::Descriptor& socket, std::span<const std::uint8_t> bytes, const sockaddr_in& to) {
+  // A datagram that does not get through is lost: nobody here promised more.
+  (void)sendto(socket.number(), bytes.data(), bytes.size(), MSG_DONTWAIT, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+}
+
+}  // namespace
+
+LossyLine::LossyLine(const Config& config, hal::Descriptor client_side, hal::Descriptor camera_side, hal::Descriptor stream)
+    : config_{config},
+      client_side_{std::move(client_side)},
+      camera_side_{std::move(camera_side)},
+      stream_{std::move(stream)},
+      random_{config.seed} {
+  sockaddr_in local{};
+  socklen_t size = sizeof local;
+  getsockname(stream_.number(), reinterpret_cast<sockaddr*>(&local), &size);
+  stream_port_ = ntohs(local.sin_port);
+  thread_ = std::thread{[this] { run(); }};
+}
+
+LossyLine::~LossyLine() {
+  stopping_ = true;
+  thread_.join();
+}
+
+Result<std::unique_ptr<LossyLine>> LossyLine::open(const Config& config) {
+  BITELINE_ASSIGN(hal::Descriptor client_side, bound_socket(config.address, k_gvcp_port));
+  BITELINE_ASSIGN(hal::Descriptor camera_side, bound_socket(config.camera, 0));
+  BITELINE_ASSIGN(hal::Descriptor stream, bound_socket(config.camera, 0));
+  // As far as the kernel lets it: what overflows here is lost like the rest.
+  setsockopt(stream.number(), SOL_SOCKET, SO_RCVBUF, &k_stream_buffer_bytes, sizeof k_stream_buffer_bytes);
+  setsockopt(stream.number(), SOL_SOCKET, SO_RCVBUFFORCE, &k_stream_buffer_bytes, sizeof k_stream_buffer_bytes);
+  return std::unique_ptr<LossyLine>{
+      new LossyLine{config, std::move(client_side), std::move(camera_side), std::move(stream)}};
+}
+
+void LossyLine::run() {
+  constexpr int k_look_ms = 20;
+  std::array<pollfd, 3> waits{{{client_side_.number(), POLLIN, 0}, {camera_side_.number(), POLLIN, 0}, {stream_.number(), POLLIN, 0}}};
+  while (!stopping_) {
+    if (poll(waits.data(), waits.size(), k_look_ms) <= 0) continue;
+    if ((waits[0].revents & POLLIN) != 0) from_client();
+    if ((waits[1].revents & POLLIN) != 0) from_camera();
+    if ((waits[2].revents & POLLIN) != 0) from_stream();
+  }
+}
+
+void LossyLine::from_client() {
+  sockaddr_in from{};
+  socklen_t from_size = sizeof from;
+  const ssize_t size = recvfrom(client_side_.number(), buffer_.data(), buffer_.size(), MSG_DONTWAIT,
+                                reinterpret_cast<sockaddr*>(&from), &from_size);
+  if (size < static_cast<ssize_t>(k_command_header_bytes)) return;
+  const std::span<std::uint8_t> command{buffer_.data(), static_cast<std::size_t>(size)};
+  const auto code = big_endian<std::uint16_t>(command.data() + 2);
+  if (code == k_packet_resend) return send_again(command);
+  client_ = from;
+  // The stream is to come here first.
+  constexpr std::size_t k_pair_bytes = 8;
+  for (std::size_t at = k_command_header_bytes; code == k_write_register && at + k_pair_bytes <= command.size(); at += k_pair_bytes) {
+    const auto value = big_endian<std::uint32_t>(command.data() + at + 4);
+    if (big_endian<std::uint32_t>(command.data() + at) != k_stream_port_register || value == 0) continue;
+    stream_client_ = from;
+    stream_client_.sin_port = htons(static_cast<std::uint16_t>(value));
+    command[at + 6] = static_cast<std::uint8_t>(stream_port_ >> 8U);
+    command[at + 7] = static_cast<std::uint8_t>(stream_port_ & 0xFFU);
+  }
+  send_to(camera_side_, command, address_of(config_.camera, k_gvcp_port));
+}
+
+void LossyLine::from_camera() {
+  const ssize_t size = recv(camera_side_.number(), buffer_.data(), buffer_.size(), MSG_DONTWAIT);
+  if (size > 0) send_to(client_side_, std::span{buffer_}.first(static_cast<std::size_t>(size)), client_);
+}
+
+void LossyLine::from_stream() {
+  while (true) {
+    const ssize_t size = recv(stream_.number(), buffer_.data(), buffer_.size(), MSG_DONTWAIT);
+    if (size < static_cast<ssize_t>(k_stream_header_bytes)) return;
+    const std::span<const std::uint8_t> packet = std::span{buffer_}.first(static_cast<std::size_t>(size));
+    // GVSP header: status, block, format and 24 bits of packet number.
+    Kept& kept = kept_[next_kept_++ % k_kept];
+    kept.block = big_endian<std::uint16_t>(packet.data() + 2);
+    kept.packet = big_endian<std::uint32_t>(packet.data() + 4) & 0xFFFFFFU;
+    kept.bytes.assign(packet.begin(), packet.end());
+    if (std::uniform_real_distribution<double>{0, 1}(random_) < config_.lost_ratio) {
+      ++lost_;
+      continue;
+    }
+    send_to(stream_, packet, stream_client_);
+  }
+}
+
+void LossyLine::send_again(std::span<const std::uint8_t> command) {
+  // Channel and block, first packet, last packet.
+  if (command.size() < k_command_header_bytes + 12) return;
+  const auto block = big_endian<std::uint16_t>(command.data() + k_command_header_bytes + 2);
+  const std::uint32_t first = big_endian<std::uint32_t>(command.data() + k_command_header_bytes + 4) & 0xFFFFFFU;
+  const std::uint32_t last = big_endian<std::uint32_t>(command.data() + k_command_header_bytes + 8) & 0xFFFFFFU;
+  for (const Kept& kept : kept_) {
+    if (kept.block != block || kept.packet < first || kept.packet > last || kept.bytes.empty()) continue;
+    send_to(stream_, kept.bytes, stream_client_);
+    ++sent_again_;
+  }
+}
+
+}  // namespace biteline::sim
