@@ -19,6 +19,7 @@ class GpioSim {
   static constexpr int k_lines = 8;
   static constexpr const char* k_label = "biteline-test";
   static constexpr int k_laser_enable = 2;  // named as in boards/qemu-virt/board.yaml
+  static constexpr int k_strobe_echo = 4;
   static constexpr int k_interlock = 6;
 
   GpioSim() {
@@ -50,7 +51,7 @@ class GpioSim {
     const char* folder;
     const char* name;
   };
-  static constexpr Name k_names[] = {{"line2", "laser-enable"}, {"line6", "interlock"}};
+  static constexpr Name k_names[] = {{"line2", "laser-enable"}, {"line4", "strobe-echo"}, {"line6", "interlock"}};
 
   static std::filesystem::path device() { return std::filesystem::path{k_gpio_sim_config} / "biteline"; }
   static std::filesystem::path bank() { return device() / "bank0"; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A whole scan with the devices of boards/qemu-virt: made stripe pictures through V4L2, poses through CAN, the laser's line
-// and interlock through GPIO, profiles out; compared bit for bit with the pictures processed directly.
+// and interlock and the camera's trigger through PWM and GPIO, profiles out; compared bit for bit with the pictures processed directly.
 #include <CppUTest/TestHarness.h>
 #include <unistd.h>
 
@@ -13,14 +13,13 @@
 #include <fstream>
 #include <thread>
 
-#include "common/canpose/pose_frames.hpp"
 #include "common/config/sensor_yaml.hpp"
 #include "firmware/app/scanner.hpp"
 #include "firmware/app/source.hpp"
-#include "hal/linux/socketcan/socketcan_bus.hpp"
 #include "tests/hal/kernel/gpio_sim.hpp"
 #include "tests/hal/kernel/skip.hpp"
 #include "tests/hal/kernel/vivid.hpp"
+#include "tests/hal/kernel/world.hpp"
 
 namespace biteline {
 namespace {
@@ -32,12 +31,9 @@ constexpr int k_width_px = 640;
 constexpr int k_height_px = 480;
 constexpr std::uint32_t k_pictures = 97;  // different ones, then again from the first
 constexpr std::uint64_t k_frames = 1000;
-constexpr double k_speed_mm_s = 250;
 // The arm reads its clock, then the kernel stamps its SYNC.  On an emulated machine a stall may lie between, so only most of
 // the poses are held to a tenth of a second; what time really costs is measured by the simulated cell.
-constexpr double k_stalled_arm_mm = 0.1 * k_speed_mm_s;
-// An emulated processor stands still for longer than the 50 ms that the guard allows on a unit.
-constexpr Nanoseconds k_stall = 10s;
+constexpr double k_stalled_arm_mm = 0.1 * test::MovingArm::k_speed_mm_s;
 
 /// Each picture's stripe stands half a pixel lower than the one before, so its middle tells which it is.
 double stripe_row_px(std::uint32_t picture, int u_px) {
@@ -98,42 +94,6 @@ bool same_bits(const profile::ProfilePoint& a, const profile::ProfilePoint& b) {
          a.peak_count == b.peak_count;
 }
 
-/// The arm on the bus: SYNC and one FD frame every 8 ms, moving at 250 mm/s.
-class MovingArm {
- public:
-  [[nodiscard]] double x_mm(SensorClock::time_point instant) const {
-    return k_speed_mm_s * std::chrono::duration<double>(instant - start_).count();
-  }
-  void stop() { stop_ = true; }
-  ~MovingArm() {
-    stop();
-    thread_.join();
-  }
-
- private:
-  void run() {
-    const auto bus = hal::SocketcanBus::open({.interface = "vcan0"}).value();
-    canpose::PoseMessage pose{.sync_counter = 0};
-    while (!stop_) {
-      pose.sync_counter = static_cast<std::uint8_t>(pose.sync_counter % canpose::k_sync_counter_last + 1);
-      hal::CanFrame frame{.id = canpose::k_sync_id, .size_bytes = 1, .data = {pose.sync_counter}, .received = {}};
-      const SensorClock::time_point now = hal::monotonic_now();
-      static_cast<void>(bus->send(frame));
-      pose.stamp_us = static_cast<std::uint64_t>((now - start_).count() / 1000);
-      pose.T_base_flange.translation().x() = x_mm(now);
-      const canpose::FdFrame coded = canpose::encode_fd(pose).value();
-      frame = {.id = canpose::k_default_base_id + canpose::k_fd_id_offset, .fd = true, .size_bytes = canpose::k_fd_size_bytes, .received = {}};
-      std::copy(coded.begin(), coded.end(), frame.data.begin());
-      static_cast<void>(bus->send(frame));
-      std::this_thread::sleep_for(8ms);
-    }
-  }
-
-  SensorClock::time_point start_{hal::monotonic_now()};
-  std::atomic<bool> stop_{false};
-  std::thread thread_{[this] { run(); }};
-};
-
 /// Until the laser's line is low; told, not judged: an emulated machine's times are no times.
 Nanoseconds open_door(const GpioSim& gpio) {
   const SensorClock::time_point opened = hal::monotonic_now();
@@ -152,8 +112,9 @@ TEST(KernelScan, ThousandFramesEveryOneAccountedFor) {
   const GpioSim gpio;
   const test::VividNodes nodes = test::find_vivid().value();
   test::loop_vivid(nodes, k_width_px, k_height_px);
-  const test::PictureFeeder feeder{nodes, k_width_px, k_height_px, paint};
-  MovingArm arm;
+  test::TriggerWire trigger{gpio};
+  const test::PictureFeeder feeder{nodes, k_width_px, k_height_px, paint, [&] { trigger.on_frame(); }};
+  test::MovingArm arm;
 
   const std::filesystem::path sensor_file = std::filesystem::temp_directory_path() / "biteline-scan-sensor.yaml";
   std::ofstream{sensor_file} << config::sensor_yaml_text(made_head(), "made");
@@ -166,7 +127,7 @@ TEST(KernelScan, ThousandFramesEveryOneAccountedFor) {
   const hal::MonotonicClock clock;
   std::optional<sensor::LaserDevices> devices = kind->open_laser().value();
   runtime::LaserWatch laser{std::move(devices->laser), std::move(devices->safety), clock,
-                            {.frames_within = k_stall, .watchdog_within = k_stall}};
+                            devices->guard};
   for (std::unique_ptr<hal::Watchdog>& watchdog : devices->watchdogs) laser.feed(std::move(watchdog));
   CHECK(laser.start(config.realtime).has_value());
   CHECK_FALSE(gpio.value(GpioSim::k_laser_enable));
@@ -226,11 +187,21 @@ TEST(KernelScan, ThousandFramesEveryOneAccountedFor) {
 
   scanner->stop();
   const sensor::ScanCounts counts = scanner->counts();
+  const hal::TriggerHealth edges = scanner->source().camera->health().trigger;
   std::printf("scan: %llu profiles, %llu of other bits, %llu without a good pose, %llu frames lost, %llu dropped, pose off by %.3f mm, dark %.1f ms after the door\n",
               static_cast<unsigned long long>(taken), static_cast<unsigned long long>(wrong),
               static_cast<unsigned long long>(unusable), static_cast<unsigned long long>(counts.frames_lost),
               static_cast<unsigned long long>(counts.profiles_dropped), worst_x_mm,
               std::chrono::duration<double, std::milli>(dark_after).count());
+  std::printf("trigger: %llu frames with their edge, %llu without, %llu with two; %llu edges, %llu missed, %llu doubled, %llu late\n",
+              static_cast<unsigned long long>(edges.frames_paired), static_cast<unsigned long long>(edges.frames_without_edge),
+              static_cast<unsigned long long>(edges.frames_with_two_edges), static_cast<unsigned long long>(edges.edges),
+              static_cast<unsigned long long>(edges.edges_missed), static_cast<unsigned long long>(edges.edges_doubled),
+              static_cast<unsigned long long>(edges.edges_late));
+  // Each frame has one verdict; how many find their edge is a matter of how much processor an emulated machine gets.
+  CHECK_EQUAL(counts.frames, edges.frames_paired + edges.frames_without_edge + edges.frames_with_two_edges);
+  CHECK(edges.frames_paired > 0);
+  CHECK(edges.edges + edges.edges_doubled <= trigger.pulses());
   CHECK_EQUAL(0, wrong);
   CHECK_EQUAL(0, counts.frames_damaged);
   // Every number between the first profile taken and the last is a frame lost by the driver or a profile dropped by us;

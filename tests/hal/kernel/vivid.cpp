@@ -4,6 +4,7 @@
 #include <CppUTest/TestHarness.h>
 #include <fcntl.h>
 #include <linux/videodev2.h>
+#include <poll.h>
 #include <sys/mman.h>
 
 #include <cstring>
@@ -72,8 +73,9 @@ void loop_vivid(const VividNodes& nodes, int width_px, int height_px) {
   static_cast<void>(set_control(nodes.capture, "Percentage of Dropped Buffers", 0));
 }
 
-PictureFeeder::PictureFeeder(const VividNodes& nodes, int width_px, int height_px, Painter painter)
-    : device_{open_node(nodes.output)}, painter_{std::move(painter)} {
+PictureFeeder::PictureFeeder(const VividNodes& nodes, int width_px, int height_px, Painter painter,
+                             std::function<void()> on_frame)
+    : device_{open_node(nodes.output)}, painter_{std::move(painter)}, on_frame_{std::move(on_frame)} {
   v4l2_format format{};
   format.type = V4L2_BUF_TYPE_VIDEO_OUTPUT;
   format.fmt.pix.width = static_cast<std::uint32_t>(width_px);
@@ -124,14 +126,18 @@ void PictureFeeder::queue(std::uint32_t index) {
 }
 
 void PictureFeeder::run() {
+  constexpr int k_wait_ms = 20;
   while (!stop_) {
+    pollfd shown{.fd = device_.number(), .events = POLLOUT, .revents = 0};
+    if (::poll(&shown, 1, k_wait_ms) <= 0) continue;
     v4l2_buffer buffer{};
     buffer.type = V4L2_BUF_TYPE_VIDEO_OUTPUT;
     buffer.memory = V4L2_MEMORY_MMAP;
     if (retrying_ioctl(device_.number(), VIDIOC_DQBUF, &buffer) == 0) {
+      on_frame_();
       queue(buffer.index);
     } else {
-      std::this_thread::sleep_for(std::chrono::milliseconds{2});
+      std::this_thread::sleep_for(std::chrono::milliseconds{2});  // poll also wakes for a stream that is in error
     }
   }
 }

@@ -35,7 +35,9 @@ void loop_vivid(const VividNodes& nodes, int width_px, int height_px);
 class PictureFeeder {
  public:
   using Painter = std::function<void(std::uint32_t number, std::span<std::uint8_t> pixels)>;
-  PictureFeeder(const VividNodes& nodes, int width_px, int height_px, Painter painter);
+  /// `on_frame` is told when the driver has shown a picture: its frame clock, in step with the capturing side's.
+  PictureFeeder(const VividNodes& nodes, int width_px, int height_px, Painter painter,
+                std::function<void()> on_frame = [] {});
   ~PictureFeeder();
 
  private:
@@ -44,6 +46,7 @@ class PictureFeeder {
 
   hal::Descriptor device_;
   Painter painter_;
+  std::function<void()> on_frame_;
   std::vector<std::span<std::uint8_t>> buffers_;
   std::uint32_t next_number_{0};
   std::jthread thread_;
