@@ -101,7 +101,9 @@ void FaultStand::take(const ingest::LinkEvent& event) {
 
 std::optional<double> FaultStand::dark_after_ms(SensorClock::time_point begin) {
   const auto deadline = std::chrono::steady_clock::now() + k_patience;
-  while (cell_->laser_on() && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
+  // The line's level changes a moment before its instant is noted.
+  const auto dark = [&] { return !cell_->laser_on() && cell_->dark_since() >= begin; };
+  while (!dark() && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
   if (cell_->laser_on()) return std::nullopt;
   return std::chrono::duration<double, std::milli>(cell_->dark_since() - begin).count();
 }
