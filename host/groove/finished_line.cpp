@@ -10,8 +10,7 @@ namespace {
 
 /// That a point lies within 0.3 mm of the true line.
 double point_confidence(const PlacedPoint& point, double of_line) {
-  // A bridged stretch is a straight guess between its ends: worth half after 8 mm.
-  const double seen = std::exp2(-point.to_visible_mm / 8.0);
+  const double seen = 1.0 / (1.0 + point.doubt);
   // The section's own place against the mean over its neighbours: a groove that jumps by more than 0.3 mm is
   // unsure.
   const double calm = 1.0 / (1.0 + std::pow(point.scatter_mm / 0.6, 2));

@@ -4,20 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/groove/place/bridge.hpp"
+
 namespace biteline::groove {
-
-namespace {
-
-/// Cubic between two points with given derivatives per step (Hermite), at `t` of `span` steps.
-Vec3 hermite(const Vec3& p0, const Vec3& d0, const Vec3& p1, const Vec3& d1, double t, double span) {
-  const double u = t / span;
-  const double u2 = u * u;
-  const double u3 = u2 * u;
-  return (2 * u3 - 3 * u2 + 1) * p0 + (u3 - 2 * u2 + u) * span * d0 + (3 * u2 - 2 * u3) * p1 +
-         (u3 - u2) * span * d1;
-}
-
-}  // namespace
 
 PathCurve curve_of(const SideField& field, const Outline& outline, const Crease& crease) {
   const SideGrid& grid = field.grid;
@@ -54,17 +43,9 @@ PathCurve curve_of(const SideField& field, const Outline& outline, const Crease&
       const Vec3 far = points[wrap(at + away * lever / 2)] - points[wrap(at + away * lever)];
       return Vec3{(1.5 * near - 0.5 * far) / (0.5 * static_cast<double>(lever))};
     };
-    const Vec3& p0 = points[wrap(c)];
-    const Vec3& p1 = points[wrap(end)];
-    Vec3 d0 = direction(c, -1);
-    Vec3 d1 = -direction(end, +1);
-    // Steps across the gap are as long as its chord asks for, not as those outside.
-    const auto span = static_cast<double>(end - c);
-    const double step = 1.05 * (p1 - p0).norm() / span;
-    if (d0.norm() > 1e-9) d0 *= step / d0.norm();
-    if (d1.norm() > 1e-9) d1 *= step / d1.norm();
+    const Arc arc{.p0 = points[wrap(c)], .d0 = direction(c, -1), .p1 = points[wrap(end)], .d1 = -direction(end, +1)};
     for (std::ptrdiff_t j = c + 1; j < end; ++j)
-      points[wrap(j)] = hermite(p0, d0, p1, d1, static_cast<double>(j - c), span);
+      points[wrap(j)] = arc.at(static_cast<double>(j - c) / static_cast<double>(end - c));
     c = end - 1;
   }
   PathCurve curve;

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "host/groove/path/creases.hpp"
+#include "host/groove/place/normals.hpp"
 #include "host/groove/shoe/plan.hpp"
 #include "host/groove/side/side_field.hpp"
 
@@ -19,8 +20,7 @@ struct PlacementConfig {
   double smoothing_mm{0.4};    ///< standard deviation in height: the definition's
   double search_mm{2.5};       ///< from the path: the definition's
   double mean_mm{8.5};         ///< running mean along the line: the definition says 7 to 10
-  double normal_from_mm{2.0};  ///< normals are averaged over this height above the line ...
-  double normal_to_mm{6.0};    ///< ... to this
+  NormalConfig normals{};
 };
 
 /// One point of the placed line, in shoe.
@@ -31,6 +31,8 @@ struct PlacedPoint {
   double scatter_mm{0};        ///< how far the section's own place lies from the running mean
   double to_visible_mm{
       0};  ///< distance along the line to the nearest place where the crease was seen; 0 there
+  /// Expected error over 0.3 mm where the crease, or the surface at its own depth, was not seen; 0 elsewhere.
+  double doubt{0};
 };
 
 struct Placement {

@@ -33,6 +33,16 @@ double curvature_noise(const Sections& sections, std::span<const float> k, doubl
   return values[values.size() / 2];
 }
 
+/// The surface is known at a crease and a millimetre either way: where a section ends, its curvature is that of
+/// nothing.
+bool seen_both_sides(const Sections& sections, int station, int row) {
+  const int reach = static_cast<int>(std::lround(1.0 / sections.row_mm));
+  for (const int r : {row - reach, row - reach / 2, row, row + reach / 2, row + reach}) {
+    if (r < 0 || r >= sections.rows || sections.known[sections.at(station, r)] == 0) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::vector<float> section_curvature(const Sections& sections, double sigma_mm) {
@@ -150,8 +160,7 @@ Ridge follow_ridge(const Sections& sections, std::span<const float> k, double se
     ridge.row[i] =
         row + (bow < -1e-9 ? std::clamp(0.5 * (value(row - 1) - value(row + 1)) / bow, -0.5, 0.5) : 0.0);
     ridge.k_per_mm[i] = top;
-    ridge.visible[i] = top > std::max(k_least_curvature_per_mm, 2 * noise) &&
-                               sections.known[sections.at(static_cast<int>(i), row)] != 0
+    ridge.visible[i] = top > std::max(k_least_curvature_per_mm, 2 * noise) && seen_both_sides(sections, static_cast<int>(i), row)
                            ? 1
                            : 0;
   }

@@ -163,7 +163,7 @@ void fill_gaps(Sections& sections, int station) {
       const float slope = (sections.o_mm[cell] - o0) / static_cast<float>(row - last);
       for (int r = last + 1; r < row; ++r) {
         sections.o_mm[sections.at(station, r)] = o0 + slope * static_cast<float>(r - last);
-        sections.known[sections.at(station, r)] = 1;
+        sections.known[sections.at(station, r)] = Sections::k_filled;
       }
     }
     last = row;
@@ -172,28 +172,50 @@ void fill_gaps(Sections& sections, int station) {
 
 }  // namespace
 
-Sections cut_sections(const SectionInput& input, const SectionConfig& config) {
-  Sections sections;
-  sections.stations = static_cast<int>(input.path_z_mm.size());
-  sections.station_mm = input.outline.length_mm() / sections.stations;
-  sections.row_mm = config.row_mm;
-  sections.zero_row = static_cast<int>(std::lround(config.below_mm / config.row_mm));
-  sections.rows = sections.zero_row + static_cast<int>(std::lround(config.above_mm / config.row_mm)) + 1;
-  sections.path_z_mm.assign(input.path_z_mm.begin(), input.path_z_mm.end());
+SectionPoints::SectionPoints(const SectionInput& input, const SectionConfig& config) : config_{config} {
+  frame_.stations = static_cast<int>(input.path_z_mm.size());
+  frame_.station_mm = input.outline.length_mm() / frame_.stations;
+  frame_.row_mm = config.row_mm;
+  frame_.zero_row = static_cast<int>(std::lround(config.below_mm / config.row_mm));
+  frame_.rows = frame_.zero_row + static_cast<int>(std::lround(config.above_mm / config.row_mm)) + 1;
+  frame_.path_z_mm.assign(input.path_z_mm.begin(), input.path_z_mm.end());
+  bins_ = collect(input, config, frame_);
+}
+
+SectionPoints::Patch SectionPoints::patch(int station, int low_row, int end_row) const {
+  const auto rows = static_cast<std::size_t>(frame_.rows);
+  const float* block = bins_.data() + static_cast<std::size_t>(station) * k_sums * rows;
+  Patch patch;
+  for (int r = std::max(0, low_row); r < std::min(frame_.rows, end_row); ++r) {
+    const auto row = static_cast<std::size_t>(r);
+    const auto w = static_cast<double>(block[k_w * rows + row]);
+    if (w == 0) continue;
+    patch.points += w;
+    patch.s_mm += static_cast<double>(block[k_s * rows + row]);
+    patch.o_mm += static_cast<double>(block[k_o * rows + row]);
+    patch.row += w * r;
+  }
+  if (patch.points == 0) return patch;
+  patch.s_mm /= patch.points;
+  patch.o_mm /= patch.points;
+  patch.row /= patch.points;
+  return patch;
+}
+
+Sections SectionPoints::cut(double sigma_s_mm) const {
+  Sections sections = frame_;
   sections.o_mm.assign(static_cast<std::size_t>(sections.stations) * static_cast<std::size_t>(sections.rows),
                        0.0F);
   sections.known.assign(sections.o_mm.size(), 0);
-
-  const std::vector<float> bins = collect(input, config, sections);
-  const std::vector<float> along = gaussian(input.sigma_s_mm, sections.station_mm);
-  const std::vector<float> up = gaussian(config.sigma_z_mm, config.row_mm);
+  const std::vector<float> along = gaussian(sigma_s_mm, sections.station_mm);
+  const std::vector<float> up = gaussian(config_.sigma_z_mm, config_.row_mm);
   const std::size_t reach = up.size() / 2;
   const auto rows = static_cast<std::size_t>(sections.rows);
   tbb::parallel_for(tbb::blocked_range<int>{0, sections.stations, 16}, [&](const auto& range) {
     std::vector<float> column(k_sums * (rows + 2 * reach));
     std::vector<float> sums(k_sums * rows);
     for (int station = range.begin(); station != range.end(); ++station) {
-      sum_along(bins, along, sections, station, reach, column);
+      sum_along(bins_, along, sections, station, reach, column);
       std::fill(sums.begin(), sums.end(), 0.0F);
       for (std::size_t sum = 0; sum < k_sums; ++sum) {
         for (std::size_t j = 0; j < up.size(); ++j)

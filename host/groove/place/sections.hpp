@@ -31,6 +31,7 @@ struct Sections {
   double station_mm{0};
   std::vector<double> path_z_mm;  ///< per station, in shoe
   std::vector<float> o_mm;        ///< stations x rows; gaps up to 1.5 mm are filled by straight lines
+  enum Known : std::uint8_t { k_nothing = 0, k_seen = 1, k_filled = 2 };
   std::vector<std::uint8_t> known;
 
   [[nodiscard]] std::size_t at(int station, int row) const {
@@ -39,14 +40,32 @@ struct Sections {
   [[nodiscard]] double z_mm(double row) const { return (row - zero_row) * row_mm; }
 };
 
-/// `sigma_s_mm`: weights along the line.  `path_z_mm`: height of the path per sample of `outline`.
 struct SectionInput {
   std::span<const Eigen::Vector3f> points;  ///< in shoe, those near the path
   const Outline& outline;
   std::span<const double> path_z_mm;  ///< per station
-  double sigma_s_mm;
 };
 
-[[nodiscard]] Sections cut_sections(const SectionInput& input, const SectionConfig& config);
+/// The points sorted into stations and rows; sections are cut out of them as finely along the line as is asked for.
+class SectionPoints {
+ public:
+  SectionPoints(const SectionInput& input, const SectionConfig& config);
+  /// `sigma_s_mm`: weights along the line.
+  [[nodiscard]] Sections cut(double sigma_s_mm) const;
+
+  /// What lies in some rows of one station, unsmoothed.
+  struct Patch {
+    double points{0};
+    double s_mm{0};  ///< mean, from the station's middle
+    double row{0};   ///< mean
+    double o_mm{0};  ///< mean
+  };
+  [[nodiscard]] Patch patch(int station, int low_row, int end_row) const;
+
+ private:
+  SectionConfig config_;
+  Sections frame_;           ///< without values
+  std::vector<float> bins_;  ///< per station, one sum after the other, each over all rows
+};
 
 }  // namespace biteline::groove

@@ -26,6 +26,8 @@ namespace {
 constexpr double k_right_mm = 0.08;  // mean error of a right line
 // A line that misses this mean by little is imprecise; beyond it, it follows something else.
 constexpr double k_wrong_mm = 0.5;
+// Confidence of a point: that it lies within 0.3 mm.  Whoever wants a tenth of that takes points this sure.
+constexpr double k_sure_ratio = 0.8;
 
 struct Case {
   cloud::PointCloud cloud;
@@ -233,7 +235,7 @@ void judge(const Case& made, const groove::Extraction& found, bool bare, Tally& 
     double sum = 0;
     double count = 0;
     for (const line::LinePoint& point : found.line.points) {
-      if (point.confidence < 0.5) continue;
+      if (point.confidence < k_sure_ratio) continue;
       sum += to_truth(point, made.truth).distance_mm;
       count += 1;
     }
