@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Registration of two clouds of 100 000 points, of which one lacks a part, beside PCL and Open3D: speed on one thread and
-// error; mesh and rays beside Embree; the whole transfer of an upper.
+// Registration of two clouds of 100 000 points, of which one lacks a part, beside PCL, Open3D and small_gicp: speed on one thread and
+// error; mesh and rays beside Embree; the whole transfer of an upper, to the line and to the path.
 #include <tbb/global_control.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <random>
 #include <string>
 
@@ -14,6 +15,7 @@
 #include "host/models/transfer.hpp"
 #include "host/registration/icp.hpp"
 #include "host/surface/scan_mesh.hpp"
+#include "host/trajectory/plan.hpp"
 #include "tests/bench/transfer/peers.hpp"
 #include "tests/support/made_pair.hpp"
 
@@ -109,15 +111,46 @@ void registration_rows() {
     const double open3d_s = seconds(true, [&] { T_peer = peers::open3d_align(problem); });
     beside("Open3D", open3d_s);
   }
-  if (!peers::has_pcl() && !peers::has_open3d()) {
-    row("registration.speed", "2 x 100 000 points, a part missing, one thread; PCL and Open3D are not installed", ours_s, "s", nullptr, 0, 0);
-    row("registration.translation", "same, error at the centre", ours.mm, "mm", nullptr, 0, 0);
-    row("registration.rotation", "same", ours.deg, "deg", nullptr, 0, 0);
+  if (peers::has_small_gicp()) {
+    const double small_gicp_s = seconds(true, [&] { T_peer = peers::small_gicp_align(problem); });
+    beside("small_gicp", small_gicp_s);
   }
+  const auto alone = [&](const char* peer) {
+    row("registration.speed", std::string{"2 x 100 000 points, a part missing, one thread; not in this build: "} + peer, ours_s, "s", nullptr, 0, 0);
+  };
+  if (!peers::has_pcl()) alone("PCL");
+  if (!peers::has_open3d()) alone("Open3D");
+  if (!peers::has_small_gicp()) alone("small_gicp (configure with BITELINE_SMALL_GICP, the path of its checkout)");
+}
+
+/// As many points as the bar names: those beyond are left out, the scan's last ones.
+void cut(cloud::PointCloud& cloud) {
+  constexpr std::size_t k_points = 600'000;
+  const std::size_t size = std::min(k_points, cloud.size());
+  cloud.points.resize(size);
+  cloud.profile.resize(size);
+  cloud.column.resize(size);
+}
+
+/// From the two clouds to a path that passed every check.
+bool transfer_and_plan(const models::SampleFiles& sample, const cloud::PointCloud& upper, const kinematics::ArmModel& arm,
+                       const trajectory::Process& process) {
+  const models::Transfer transfer = models::transfer_line(sample, upper, {});
+  if (!transfer.found) return false;
+  trajectory::PlanRequest request;
+  request.line = transfer.carried.line;
+  request.process = process;
+  request.arm = arm;
+  request.cloud = upper.points;
+  return trajectory::plan(request).path.has_value();
 }
 
 void surface_rows() {
-  const test::MadePair pair = test::made_pair({.seed = 5, .scan = {.profile_step_mm = 0.75, .column_step_mm = 0.06}});
+  // Where a UR5e gets its tool all the way round.
+  const SE3 T_base_upper = geometry::make_se3(Eigen::Quaterniond{Eigen::AngleAxisd{1.5708, Vec3::UnitZ()}}, {450, -85, 30});
+  test::MadePair pair = test::made_pair(
+      {.seed = 5, .T_base_upper = T_base_upper, .scan = {.profile_step_mm = 0.57, .column_step_mm = 0.06}});
+  cut(pair.upper_cloud);
   const std::size_t points = pair.upper_cloud.size();
   std::vector<surface::Ray> rays;
   for (std::size_t i = 0; i < 2000; ++i) {
@@ -146,8 +179,13 @@ void surface_rows() {
   const models::SampleFiles sample{.cloud = pair.sample_cloud, .line = pair.sample_line};
   bool found = false;
   const double transfer_s = seconds(false, [&] { found = models::transfer_line(sample, pair.upper_cloud, {}).found; });
-  row("transfer.whole", "sample of " + std::to_string(sample.cloud.size()) + ", upper of " + std::to_string(points) + " points, clouds to line" + (found ? "" : ", REFUSED"),
-      transfer_s, "s", "bar", 0.5, 1);
+  const std::string what = "sample of " + std::to_string(sample.cloud.size()) + ", upper of " + std::to_string(points) + " points, clouds to ";
+  row("transfer.whole", what + "line" + (found ? "" : ", REFUSED"), transfer_s, "s", "bar", 0.5, 1);
+  const auto arm = kinematics::arm_model("UR5e");
+  const auto process = trajectory::read_process(std::filesystem::path{BITELINE_PROCESSES} / "grind.yaml");
+  bool planned = false;
+  const double path_s = seconds(false, [&] { planned = transfer_and_plan(sample, pair.upper_cloud, *arm, *process); });
+  row("transfer.to_path", what + "checked path" + (planned ? "" : ", REFUSED"), path_s, "s", "bar", 0.5, 1);
 }
 
 }  // namespace

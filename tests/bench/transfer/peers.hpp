@@ -24,4 +24,8 @@ struct Problem {
 /// VoxelDownSample, EstimateNormals with 20 neighbours, RegistrationICP point to plane.
 [[nodiscard]] Eigen::Isometry3d open3d_align(const Problem& problem);
 
+[[nodiscard]] bool has_small_gicp();
+/// voxelgrid_sampling, estimate_covariances with 10 neighbours, Registration of GICPFactor; its serial functions.
+[[nodiscard]] Eigen::Isometry3d small_gicp_align(const Problem& problem);
+
 }  // namespace biteline::bench::peers
