@@ -19,7 +19,7 @@ constexpr double k_spike_window_mm = 6;   // a wall does not jump within so shor
 constexpr double k_spike_mm = 1.5;
 constexpr double k_normal_window_mm = 1.5;  // along the line, to both sides: stitches are 3 mm apart
 constexpr double k_min_patch_mm = 0.6;      // hits of a patch scatter at least so much across its short side (4 mm high: 1.4)
-constexpr int k_normal_heights = 5;
+constexpr int k_normal_heights = 10;  // 0.5 mm apart: a thread or a stitch is not stepped over
 constexpr double k_right_mm = 0.3;        // confidence is the chance to be within it (host/line)
 constexpr double k_bridge_sigma_per_mm = 0.04;  // how far a wall leaves the straight way over a gap, per mm of it
 
@@ -156,7 +156,9 @@ std::vector<Column> cast_above(const RaySurface& surface, const std::vector<Vec3
   std::vector<Column> columns(origins.size());
   tbb::parallel_for(std::size_t{0}, origins.size(), [&](std::size_t i) {
     for (int k = 0; k < k_normal_heights; ++k) {
-      const double height_mm = options.normal_low_mm + (options.normal_high_mm - options.normal_low_mm) * k / (k_normal_heights - 1);
+      // Half a step beyond both ends, so that each end lies between two.
+      const double step_mm = (options.normal_high_mm - options.normal_low_mm) / (k_normal_heights - 2);
+      const double height_mm = options.normal_low_mm + step_mm * (k - 0.5);
       const std::optional<Hit> hit =
           surface.cast({.origin = origins[i] + height_mm * options.up, .direction = directions[i], .reach_mm = options.reach_mm / 2});
       if (hit) columns[i][static_cast<std::size_t>(k)] = hit->position;
@@ -185,6 +187,24 @@ std::optional<Vec3> plane_normal(const std::vector<Column>& columns, std::size_t
   solver.computeDirect(covariance / static_cast<double>(found.size()));
   if (solver.eigenvalues()[1] < k_min_patch_mm * k_min_patch_mm) return std::nullopt;
   const Vec3 normal = solver.eigenvectors().col(0).normalized();
+  if (std::abs(normal.dot(outward)) < k_min_facing_cosine) return std::nullopt;
+  return normal.dot(outward) >= 0 ? normal : Vec3{-normal};
+}
+
+/// The mean of the surface's normals between the two heights, where its section and those beside it are seen: slopes add
+/// up to the difference of the ends, so that a stitch counts with just what it adds.  None where something is missing.
+std::optional<Vec3> section_normal(const std::vector<Column>& columns, std::size_t at, const Vec3& outward) {
+  const Column &before = columns[(at + columns.size() - 1) % columns.size()], &here = columns[at], &after = columns[(at + 1) % columns.size()];
+  for (const std::size_t k : {0, 1, k_normal_heights - 2, k_normal_heights - 1}) {
+    if (!here[k]) return std::nullopt;
+  }
+  Vec3 along = Vec3::Zero();
+  for (std::size_t k = 0; k < here.size(); ++k) {
+    if (!before[k] || !after[k]) return std::nullopt;
+    along += *after[k] - *before[k];
+  }
+  const Vec3 rise = *here[k_normal_heights - 1] + *here[k_normal_heights - 2] - *here[0] - *here[1];
+  const Vec3 normal = along.cross(rise).normalized();
   if (std::abs(normal.dot(outward)) < k_min_facing_cosine) return std::nullopt;
   return normal.dot(outward) >= 0 ? normal : Vec3{-normal};
 }
@@ -241,7 +261,10 @@ void resample(const RaySurface& surface, const std::vector<Cast>& casts, double 
   const std::vector<Column> columns = cast_above(surface, origins, directions, options);
   const auto half = std::max<std::ptrdiff_t>(1, std::lround(k_normal_window_mm / even_mm));
   std::vector<std::optional<Vec3>> normals(count);
-  for (std::size_t i = 0; i < count; ++i) normals[i] = plane_normal(columns, i, half, directions[i]);
+  for (std::size_t i = 0; i < count; ++i) {
+    normals[i] = section_normal(columns, i, directions[i]);
+    if (!normals[i]) normals[i] = plane_normal(columns, i, half, directions[i]);
+  }
   const std::vector<Vec3> all_normals = filled(normals, directions);
   for (std::size_t i = 0; i < count; ++i) {
     line::LinePoint& point = carried.line.points[i];
