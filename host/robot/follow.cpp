@@ -55,6 +55,22 @@ void fill(FollowReport& report, const std::vector<RobotState>& states, const tra
 
 }  // namespace
 
+Result<RobotState> wait_until_still(const RobotLink& link, const StillOptions& options) {
+  BITELINE_ASSIGN(RobotState state, link.wait_newer(0, k_state_patience));
+  const RobotState first = state;
+  RobotState still_since = state;
+  while (seconds(state.received - still_since.received) < options.still_s) {
+    if (seconds(state.received - first.received) > options.patience_s) {
+      return fail(Errc::Timeout, "robot: it still moves after %.0f s", options.patience_s);
+    }
+    BITELINE_ASSIGN(state, link.wait_newer(state.sequence, k_state_patience));
+    const bool turned = (state.q_rad - still_since.q_rad).cwiseAbs().maxCoeff() > options.turn_rad;
+    const bool moved = (state.T_base_tcp.translation() - still_since.T_base_tcp.translation()).norm() > options.move_mm;
+    if (turned || moved) still_since = state;
+  }
+  return state;
+}
+
 Result<void> follow(RobotLink& link, const trajectory::CheckedPath& path, const FollowOptions& options,
                     FollowReport& report) {
   link.start_recording();

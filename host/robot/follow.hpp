@@ -20,6 +20,16 @@ struct FollowReport {
   double slowest_speed_ratio{1};  ///< that the controller reported meanwhile
 };
 
+struct StillOptions {
+  double patience_s{20};          ///< for what moves it to end
+  double still_s{0.2};    ///< neither joints nor tip move for so long
+  double turn_rad{1e-4};  ///< less is noise of the encoders
+  double move_mm{0.1};
+};
+
+/// Where the arm stands, once it stands.  Errc::Timeout when it goes on moving.
+[[nodiscard]] Result<RobotState> wait_until_still(const RobotLink& link, const StillOptions& options);
+
 /// Blocks until the program ends.  On a stop by the safety system, a lost connection or too long a wait the
 /// arm is told to stop and the reason returned.  `report` is filled as far as it went, also then.
 [[nodiscard]] Result<void> follow(RobotLink& link, const trajectory::CheckedPath& path,

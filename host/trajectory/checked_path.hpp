@@ -28,11 +28,12 @@ struct PlannedPath {
   SE3 T_flange_tcp;
   Motion motion;
   int digital_output{-1};
+  std::vector<kinematics::Joints> via_rad{};  ///< postures on the arm's way to the first waypoint (way_there)
   std::vector<Waypoint> waypoints;
 };
 
 /// A path that passed every check.  What moves a robot takes this type and no other; only check_path() makes
-/// one.
+/// one, and find_way_there() adds the checked way to its beginning.
 class CheckedPath {
  public:
   [[nodiscard]] const PlannedPath& path() const { return path_; }
@@ -40,6 +41,7 @@ class CheckedPath {
 
  private:
   friend struct PathChecker;
+  friend struct WayFinder;
   explicit CheckedPath(PlannedPath path) : path_{std::move(path)} {}
   PlannedPath path_;
 };

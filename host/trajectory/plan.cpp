@@ -6,6 +6,8 @@
 #include <numbers>
 
 #include "common/core/fixed_text.hpp"
+#include "host/trajectory/sight.hpp"
+#include "host/trajectory/way_there.hpp"
 
 namespace biteline::trajectory {
 namespace {
@@ -20,23 +22,36 @@ line::ClosedLine moved(const line::ClosedLine& line, const SE3& T_to_from) {
   return out;
 }
 
+// Profiles of a scan lie closer than this.
+constexpr double k_scan_spacing_mm = 1.5;
+
 /// The request's geometry in the arm's own base.
 struct Scene {
   line::ClosedLine line;
   Surroundings surroundings;
+  Occupancy seen{{}, 0};  ///< the shoe as sight lines meet it; of a scan only
 };
+
+Occupancy guessed(const Surroundings& surroundings) {
+  std::vector<Eigen::Vector3f> points;
+  for (const Vec3& p : surroundings.shoe_points) points.push_back(p.cast<float>());
+  return Occupancy{points, surroundings.shoe_spacing_mm};
+}
 
 Scene scene_of(const PlanRequest& request) {
   const SE3 T_base_line = request.T_line_base.inverse();
   const double table_z_mm = request.table_z_mm + T_base_line.translation().z();
   Scene scene{.line = moved(request.line, T_base_line), .surroundings = {}};
+  std::vector<Eigen::Vector3f> surface;
   scene.surroundings = surroundings_of_line(scene.line, request.shoe, table_z_mm);
   if (!request.cloud.empty()) {
     std::vector<Eigen::Vector3f> cloud = request.cloud;
     const Eigen::Isometry3f T = T_base_line.cast<float>();
     for (Eigen::Vector3f& p : cloud) p = T * p;
     replace_shoe(scene.surroundings, cloud);
+    surface = std::move(cloud);
   }
+  if (request.process.sight) scene.seen = request.cloud.empty() ? guessed(scene.surroundings) : Occupancy{surface, k_scan_spacing_mm};
   return scene;
 }
 
@@ -143,6 +158,10 @@ Attempt try_seam(const PlanRequest& request, const Scene& scene, const Collision
   const Timing timing = time_path(request.arm, attempt.tool_path, *joints.path, request.process.motion);
   attempt.outcome =
       check_path(assembled(request, attempt.tool_path, *joints.path, timing), request.arm, collisions, {});
+  if (request.process.sight && attempt.outcome.path) {
+    attempt.outcome.checks.push_back(sight_check(attempt.outcome.path->path(), *request.process.sight, scene.seen));
+    if (!attempt.outcome.checks.back().passed) attempt.outcome.path.reset();
+  }
   return attempt;
 }
 
@@ -202,6 +221,11 @@ PlanOutcome plan(const PlanRequest& request) {
     if (out.path || !depends_on_seam(out.blockage)) break;
   }
   out.checks.insert(out.checks.end(), path_checks.begin(), path_checks.end());
+  if (out.path && request.from_rad) {
+    WayThere way = find_way_there(*request.from_rad, *out.path, request.arm, collisions);
+    out.checks.push_back(std::move(way.check));
+    out.path = std::move(way.path);
+  }
   if (out.path) return out;
   if (out.blockage.what == Obstacle::None) {
     out.reason = failures(out.checks);

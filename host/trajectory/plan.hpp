@@ -13,6 +13,7 @@ struct PlanRequest {
   SE3 T_line_base{SE3::Identity()};  ///< the planning arm's base in that frame
   double table_z_mm{0};              ///< in the line's frame
   ShoeGuess shoe;
+  std::optional<kinematics::Joints> from_rad{};  ///< where the arm stands before; then its way there is found and checked
   std::vector<Eigen::Vector3f> cloud;  ///< of the shoe, in the line's frame; empty: guessed from the line
 };
 

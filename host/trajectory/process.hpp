@@ -3,6 +3,7 @@
 /// \file What is done along the line, and with which tool: the process YAML.
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "common/core/result.hpp"
@@ -62,9 +63,16 @@ enum class Start {
   Farthest,
 };
 
+/// A scanning head's two eyes, in tcp.
+struct Sight {
+  Vec3 camera_tcp{Vec3::Zero()};
+  Vec3 laser_tcp{Vec3::Zero()};  ///< where its light comes from
+};
+
 struct Process {
   std::string name;
   Tool tool;
+  std::optional<Sight> sight{};  ///< of a scan: what it works on must be seen
   Placement placement;
   Coverage coverage;
   Motion motion;

@@ -28,6 +28,8 @@ Result<Process> scan_process(const geometry::SensorModel& sensor, const ScanSett
                   .body_radius_mm = settings.head_radius_mm,
                   .contact_length_mm = settings.emitter_clearance_mm,
                   .free_turn_rad = 0};
+  const SE3 T_tcp_cam = T_cam_tcp.inverse();
+  process.sight = Sight{.camera_tcp = T_tcp_cam.translation(), .laser_tcp = {0, 0, -settings.emitter_clearance_mm}};
   process.placement = {.outwards = Outwards::Level,
                        .outward_mm = 0,
                        .up_mm = settings.above_line_mm,

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include "common/canpose/pose_frames.hpp"
 #include "hal/sim/shoe/random.hpp"
@@ -17,6 +18,11 @@ namespace {
 constexpr double k_ramp_s = 0.5;
 /// From wherever it is to the scan's begin, before the ramp.
 constexpr double k_approach_s = 2;
+/// From the scan's end to where the arm waits for scripts.
+constexpr double k_park_s = 1.5;
+/// There: upright, the flange over the middle of the table and looking down at it.
+constexpr double k_degree = std::numbers::pi / 180;
+const JointVector k_park_rad = k_degree * (JointVector() << 180, -90, 60, 100, 90, 160).finished();
 /// A pose's frame follows its SYNC by about its own length on a 1 Mbit/s bus with a 4 Mbit/s data phase.
 constexpr Nanoseconds k_frame_time{250'000};
 /// The track is for one cell's life; a row each 2 ms for an hour.
@@ -147,6 +153,7 @@ void LiveCell::paint(const GvExposure& exposure, std::span<std::uint8_t> pixels)
 void LiveCell::on_line(Line line, bool active, SensorClock::time_point stamp) {
   if (line != Line::LaserEnable) return;
   scan_at_ns_ = active ? (stamp + settings_.scan_after_laser).time_since_epoch().count() : 0;
+  if (!active) scan_full_until_ns_ = 0;  // a scan without light is over, wherever the arm still goes
 }
 
 FlangeMotion LiveCell::scan_motion(const SE3& T_base_flange_from) const {
@@ -154,13 +161,20 @@ FlangeMotion LiveCell::scan_motion(const SE3& T_base_flange_from) const {
   const SE3 T_begin = T_base_flange_on_path(way.at_mm(0));
   const bool there = (T_base_flange_from.inverse(Eigen::Isometry) * T_begin).isApprox(SE3::Identity(), 1e-9);
   const double approach_s = there ? 0 : k_approach_s;
+  const double scanned_s = approach_s + way.duration_s();
+  const SE3 T_end = T_base_flange_on_path(way.at_mm(way.duration_s()));
+  const SE3 T_park = arm_.kinematics().T_base_flange(k_park_rad);
   return {.name = "scan",
-          .duration_s = approach_s + way.duration_s(),
-          .T_base_flange_at = [=, this](double time_s) {
-            if (time_s < approach_s)
-              return geometry::interpolate(T_base_flange_from, T_begin, eased(time_s / approach_s));
-            return T_base_flange_on_path(way.at_mm(time_s - approach_s));
-          }};
+          .duration_s = scanned_s + k_park_s,
+          .T_base_flange_at =
+              [=, this](double time_s) {
+                if (time_s < approach_s)
+                  return geometry::interpolate(T_base_flange_from, T_begin, eased(time_s / approach_s));
+                if (time_s > scanned_s)
+                  return geometry::interpolate(T_end, T_park, eased((time_s - scanned_s) / k_park_s));
+                return T_base_flange_on_path(way.at_mm(time_s - approach_s));
+              },
+          .q_end_rad = k_park_rad};
 }
 
 void LiveCell::on_cycle(SensorClock::time_point instant, const ArmState& state) {
@@ -168,7 +182,7 @@ void LiveCell::on_cycle(SensorClock::time_point instant, const ArmState& state) 
   std::int64_t asked_ns = scan_at_ns_;
   if (asked_ns != 0 && now_ns >= asked_ns && scan_at_ns_.compare_exchange_strong(asked_ns, 0)) {
     const FlangeMotion motion = scan_motion(state.T_base_flange);
-    const auto end = instant + nanoseconds(motion.duration_s - k_ramp_s);
+    const auto end = instant + nanoseconds(motion.duration_s - k_park_s - k_ramp_s);
     scan_full_until_ns_ = end.time_since_epoch().count();
     scan_full_from_ns_ = (end - nanoseconds(scene_->path.duration_s())).time_since_epoch().count();
     arm_.run(motion, instant);

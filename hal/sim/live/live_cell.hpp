@@ -39,8 +39,8 @@ struct LiveCounts {
 };
 
 /// The laser shines while LaserEnable, Interlock and Key are active.  When it goes on, the arm takes the head
-/// once round the shoe; ScanActive is high while the head is on its way at full speed.  After that the arm
-/// waits for scripts.
+/// once round the shoe; ScanActive is high while the head is on its way at full speed.  After that it goes to
+/// an upright posture above the table and waits for scripts.
 ///
 /// Threads: the camera's (renders), the robot's (cycle, pose bus), the wires', the trigger's.  Public
 /// methods: any.

@@ -24,6 +24,7 @@ ArmState Arm::at(SensorClock::time_point instant) const {
     state.moving = time_s >= 0 && time_s < motion_->duration_s;
     state.T_base_flange = motion_->T_base_flange_at(std::clamp(time_s, 0.0, motion_->duration_s));
     state.program_name = motion_->name;
+    if (time_s >= motion_->duration_s) state.q_rad = motion_->q_end_rad;
   } else if (program_) {
     state.moving = state.program_running = time_s >= 0 && time_s < program_->duration_s();
     state.T_base_flange = program_->T_base_flange_at(std::max(0.0, time_s));

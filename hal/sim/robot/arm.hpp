@@ -19,12 +19,14 @@ struct FlangeMotion {
   std::string name;
   double duration_s{0};
   std::function<SE3(double time_s)> T_base_flange_at;  ///< for 0 <= time <= duration
+  std::optional<JointVector> q_end_rad{};              ///< at its end, where the links reach so far
 };
 
 /// What the arm does at one instant.
 struct ArmState {
   SE3 T_base_flange{SE3::Identity()};
   SE3 T_flange_tcp{SE3::Identity()};
+  std::optional<JointVector> q_rad{};  ///< where known; elsewhere they are followed from pose to pose
   bool moving{false};  ///< a motion or program is on
   bool program_running{false};
   std::string program_name{};

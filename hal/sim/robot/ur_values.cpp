@@ -41,7 +41,10 @@ void UrValues::advance(const ArmState& state, double timestamp_s) {
   tcp_offset_ = ur_pose(state.T_flange_tcp);
 
   const bool still = !first && state_.T_base_flange.matrix() == state.T_base_flange.matrix();
-  if (still) {
+  if (state.q_rad) {
+    q_rad_ = state.q_rad;
+    q_rad_s_.setZero();
+  } else if (still) {
     q_rad_s_.setZero();
   } else {
     const auto followed = q_rad_ ? kinematics_.joints_near(state.T_base_flange, *q_rad_)

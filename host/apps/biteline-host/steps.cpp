@@ -14,6 +14,7 @@
 #include "host/result/transfer_result.hpp"
 #include "host/robot/follow.hpp"
 #include "host/robot/ur/ur_link.hpp"
+#include "host/trajectory/way_there.hpp"
 
 namespace biteline::service {
 namespace {
@@ -152,9 +153,16 @@ Result<PlanStep> plan_path(const fs::path& folder, const PlanStepRequest& reques
 
 Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, const ControllerAddress& controller) {
   BITELINE_ASSIGN(const std::unique_ptr<robot::ur::UrLink> link, open_robot(controller));
+  BITELINE_ASSIGN(const robot::RobotState state, robot::wait_until_still(*link, {}));
+  const trajectory::CollisionModel collisions{plan.request.arm, plan.request.process.tool, plan.outcome.surroundings};
+  const trajectory::WayThere way = trajectory::find_way_there(state.q_rad, *plan.outcome.path, plan.request.arm, collisions);
+  if (!way.path) {
+    say_step("refused: %s comes as near as %.1f mm: the path is not sent", way.check.detail.c_str(), way.check.value);
+    return ExitStatus::Refused;
+  }
   say_step("sends the path to %s", controller.script.c_str());
   robot::FollowReport followed;
-  const Result<void> done = robot::follow(*link, *plan.outcome.path, {}, followed);
+  const Result<void> done = robot::follow(*link, *way.path, {}, followed);
   // As far as it went, also when it was stopped.
   BITELINE_TRY(write_followed(folder, followed));
   BITELINE_TRY(result::write_tracking(folder / "path", plan.request, plan.outcome, followed.track));

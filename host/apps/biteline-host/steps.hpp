@@ -61,8 +61,8 @@ struct ControllerAddress {
   std::string script;  ///< HOST:PORT
 };
 
-/// Sends the path, watches the arm follow it: followed.json, track.csv, and the track in path/tracking.html.
-/// Pre: the plan has a path.
+/// Checks the arm's way to the path from where it stands, sends both, watches the arm follow: followed.json, track.csv,
+/// and the track in path/tracking.html.  Pre: the plan has a path.
 [[nodiscard]] Result<ExitStatus> follow_path(const std::filesystem::path& folder, const PlanStep& plan,
                                              const ControllerAddress& controller);
 

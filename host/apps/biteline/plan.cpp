@@ -22,6 +22,7 @@ struct Options {
   fs::path line, process, scan, out, kinematics, cloud, touches;
   std::string robot;
   std::vector<double> base_at{0, 0, 0, 0};  // x y z [mm], yaw [deg]
+  std::vector<double> from_deg;
   double table_z_mm{0};
   double spacing_mm{1};
 };
@@ -60,6 +61,7 @@ Result<trajectory::PlanRequest> read_request(const Options& options, report::Rep
       Eigen::Quaterniond{Eigen::AngleAxisd(options.base_at[3] * k_rad_per_deg, Vec3::UnitZ())},
       Vec3{options.base_at[0], options.base_at[1], options.base_at[2]});
   request.table_z_mm = options.table_z_mm;
+  if (!options.from_deg.empty()) request.from_rad = k_rad_per_deg * Eigen::Map<const kinematics::Joints>(options.from_deg.data());
   return request;
 }
 
@@ -110,6 +112,10 @@ void add_plan(CLI::App& app, Context& context) {
       ->add_option("--base-at", options->base_at,
                    "Place of the arm's base in the line's frame: x y z [mm] yaw [deg]")
       ->expected(4);
+  command
+      ->add_option("--from", options->from_deg,
+                   "Joints where the arm stands before [deg]: its way to the path's beginning is checked too")
+      ->expected(6);
   command->add_option("--touches", options->touches,
                       "The tool's tip from touching one point: poses of the flange (number, mm, quaternion)");
   command->add_option("--table-z", options->table_z_mm, "Height of the table in the line's frame [mm]");

@@ -33,6 +33,11 @@ Line move_text(const char* command, const Waypoint& to, const PlannedPath& path,
                       std::max(speed_mm_s, k_least_speed_mm_s) / k_mm_per_m, blend_mm / k_mm_per_m);
 }
 
+Line joint_move_text(const kinematics::Joints& q) {
+  return Line::format("  movej([%.8f,%.8f,%.8f,%.8f,%.8f,%.8f], a=%.3f, v=%.3f)\n", q[0], q[1], q[2], q[3], q[4], q[5],
+                      k_home_acceleration_rad_s2, k_home_speed_rad_s);
+}
+
 /// The fastest speed of a straight way, which the controller ramps up to and down from by itself.
 double fastest_mm_s(const PlannedPath& path, std::size_t first, std::size_t last) {
   double fastest = 0;
@@ -64,10 +69,8 @@ std::string urscript(const trajectory::CheckedPath& checked) {
 
   std::string text = std::string{"def "} + k_program_name + "():\n";
   text += Line::format("  set_tcp(%s)\n", pose_text(path.T_flange_tcp).c_str()).view();
-  const kinematics::Joints& q = w.front().q_rad;
-  text += Line::format("  movej([%.8f,%.8f,%.8f,%.8f,%.8f,%.8f], a=%.3f, v=%.3f)\n", q[0], q[1], q[2], q[3],
-                       q[4], q[5], k_home_acceleration_rad_s2, k_home_speed_rad_s)
-              .view();
+  for (const kinematics::Joints& via : path.via_rad) text += joint_move_text(via).view();
+  text += joint_move_text(w.front().q_rad).view();
   text += straight_moves(path, 0, first);
   if (path.digital_output >= 0)
     text += Line::format("  set_digital_out(%d, True)\n", path.digital_output).view();

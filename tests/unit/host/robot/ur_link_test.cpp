@@ -53,6 +53,14 @@ TEST(UrLink, StatesArriveInOurUnits) {
   CHECK(state->sampled.time_since_epoch() > Nanoseconds{10'000'000'000});
 }
 
+TEST(UrLink, AnArmThatStandsIsToldWithItsJoints) {
+  const auto link = UrLink::open(config());
+  CHECK(link.has_value());
+  const auto state = wait_until_still(**link, {.still_s = 0.02});
+  CHECK(state.has_value());
+  CHECK(state->sequence > 1);  // not the first that came
+}
+
 TEST(UrLink, BrokenConnectionComesBackWithTheRecipe) {
   const auto link = UrLink::open(config());
   CHECK(link.has_value());

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#include "host/trajectory/way_there.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "host/kinematics/chain.hpp"
+#include "host/trajectory/plan.hpp"
+#include "tests/unit/host/trajectory/made_line.hpp"
+
+namespace biteline::trajectory {
+
+TEST_GROUP(WayThere) {
+  PlanRequest request{.line = test::made_line({.half_length_mm = 85, .half_width_mm = 40, .middle = {450, 0, 60}}),
+                      .process = *read_process(std::filesystem::path{BITELINE_PROCESSES} / "grind.yaml"),
+                      .arm = *kinematics::arm_model("UR5e"),
+                      .T_line_base = SE3::Identity(),
+                      .table_z_mm = 20,
+                      .shoe = {.height_mm = 40},
+                      .cloud = {}};
+  PlanOutcome planned;
+
+  void setup() override {
+    planned = plan(request);
+    CHECK_TEXT(planned.path.has_value(), planned.reason.c_str());
+  }
+  CollisionModel collisions() const { return {request.arm, request.process.tool, planned.surroundings}; }
+  kinematics::Joints first() const { return planned.path->path().waypoints.front().q_rad; }
+  double least_mm(const std::vector<kinematics::Joints>& stops) const {
+    double least = 1e9;
+    for (std::size_t leg = 0; leg + 1 < stops.size(); ++leg) {
+      for (int i = 0; i <= 1000; ++i) {
+        const kinematics::Joints q = stops[leg] + (stops[leg + 1] - stops[leg]) * (i / 1000.0);
+        least = std::min(least, collisions().clearance(kinematics::joint_frames(request.arm, q), 50).mm);
+      }
+    }
+    return least;
+  }
+};
+
+TEST(WayThere, AFreeWayIsDirect) {
+  kinematics::Joints from = first();
+  from[0] += 0.3;
+  const WayThere sut = find_way_there(from, *planned.path, request.arm, collisions());
+  CHECK_TEXT(sut.check.passed, sut.check.detail.c_str());
+  CHECK(sut.path.has_value());
+  LONGS_EQUAL(0, sut.path->path().via_rad.size());
+}
+
+TEST(WayThere, AnArmBesideTheShoeGoesOverIt) {
+  // At the path's other side, down at the line: straight through the shoe is the shortest way.
+  const auto& waypoints = planned.path->path().waypoints;
+  std::size_t other = 0;
+  for (std::size_t i = 0; i < waypoints.size(); ++i) {
+    const auto away = [&](std::size_t k) { return (waypoints[k].T_base_tcp.translation() - waypoints.front().T_base_tcp.translation()).norm(); };
+    if (waypoints[i].segment == Segment::Line && away(i) > away(other)) other = i;
+  }
+  kinematics::Joints from = waypoints[other].q_rad;
+  const WayThere sut = find_way_there(from, *planned.path, request.arm, collisions());
+  CHECK_TEXT(sut.check.passed, sut.check.detail.c_str());
+  std::vector<kinematics::Joints> stops{from};
+  for (const auto& via : sut.path->path().via_rad) stops.push_back(via);
+  stops.push_back(first());
+  // It leaves from the line, where the tool is as near as the work needs; nearer it does not come.
+  CHECK(least_mm(stops) > std::min(5.0, collisions().clearance(kinematics::joint_frames(request.arm, from), 50).mm) - 1);
+  if (least_mm({from, first()}) < 0) CHECK(!sut.path->path().via_rad.empty());
+}
+
+TEST(WayThere, WithoutAFreeWayThereIsNone) {
+  // An upright screen from the table to above the arm, between where it stands and where it is to go.
+  kinematics::Joints from = first();
+  from[0] += 1.4;
+  const Vec3 tool_base = kinematics::forward(request.arm, first()).translation();
+  const double bearing_rad = std::atan2(tool_base.y(), tool_base.x()) + 0.7;
+  Surroundings screened = planned.surroundings;
+  for (double radius_mm = 250; radius_mm <= 1200; radius_mm += 10) {
+    for (double z_mm = 20; z_mm <= 1500; z_mm += 10) {
+      screened.shoe_points.emplace_back(radius_mm * std::cos(bearing_rad), radius_mm * std::sin(bearing_rad), z_mm);
+    }
+  }
+  const WayThere sut = find_way_there(from, *planned.path, request.arm, CollisionModel{request.arm, request.process.tool, screened});
+  CHECK_FALSE(sut.check.passed);
+  CHECK_FALSE(sut.path.has_value());
+  STRCMP_CONTAINS("from where the arm stands", sut.check.detail.c_str());
+}
+
+}  // namespace biteline::trajectory
