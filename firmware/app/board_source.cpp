@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/app/board_source.hpp"
 
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <thread>
 #include <utility>
 
 #include "firmware/app/live_head.hpp"
+#include "firmware/runtime/realtime.hpp"
 #include "firmware/runtime/thread_table.hpp"
 #include "hal/api/clock.hpp"
 #include "hal/board/board.hpp"
+#include "hal/linux/posix/descriptor.hpp"
 #include "hal/linux/ptp/phc.hpp"
 #include "hal/linux/pwm/software_pwm.hpp"
 #include "hal/linux/pwm/sysfs_pwm.hpp"
@@ -127,6 +134,9 @@ class BoardDevices final : public SourceKind {
     return source;
   }
 
+  /// One row for each device that the board names; see check_board().
+  std::vector<DeviceFinding> examine() const;
+
   Result<std::optional<LaserDevices>> open_laser() override {
     if (!board_.laser) return std::optional<LaserDevices>{};
     LaserDevices devices;
@@ -196,7 +206,86 @@ class BoardDevices final : public SourceKind {
   hal::MonotonicClock clock_;
 };
 
+template <class T>
+DeviceFinding finding(std::string what, const Result<T>& opened, const char* step) {
+  if (opened) return {.what = std::move(what), .ready = true, .seen = "answers", .step = {}};
+  return {.what = std::move(what), .ready = false, .seen = to_line(opened.error()), .step = step};
+}
+
+std::string name_of(const char* what, const hal::GpioLineAddress& line) {
+  return std::string{what} + " (" + line.chip + " " + line.line + ")";
+}
+
+Result<hal::PoseSample> first_pose(Result<std::unique_ptr<hal::PoseSource>> poses) {
+  constexpr Nanoseconds k_patience = std::chrono::seconds{1};
+  if (!poses) return tl::unexpected<Error>{poses.error()};
+  BITELINE_TRY((*poses)->start());
+  return (*poses)->next_pose(k_patience);
+}
+
+/// The rights, tried out on a thread that ends at once.
+Result<void> try_realtime() {
+  BITELINE_TRY(runtime::prepare_process(runtime::RealtimeDemand::Required));
+  Result<void> entered;
+  std::thread{[&] { entered = runtime::enter_thread(runtime::threads::k_safety, runtime::RealtimeDemand::Required); }}.join();
+  return entered;
+}
+
+std::vector<DeviceFinding> BoardDevices::examine() const {
+  constexpr const char* k_line_step = "load the board's overlay, stop biteline-sensor, and compare chip and line with gpioinfo";
+  std::vector<DeviceFinding> found;
+  const Result<std::int64_t> preempt_rt = hal::read_integer("/sys/kernel/realtime");
+  const bool is_realtime = preempt_rt && *preempt_rt == 1;
+  found.push_back({.what = "real-time kernel",
+                   .ready = is_realtime,
+                   .seen = is_realtime ? "PREEMPT_RT" : "a plain kernel",
+                   .step = is_realtime ? "" : "apt-get install linux-image-rt-arm64, and boot it"});
+  found.push_back(finding("real-time rights and locked memory", try_realtime(),
+                          "start it by its systemd unit, or set LimitRTPRIO and LimitMEMLOCK; --rt=ignore runs without"));
+  const bool is_gige = board_.camera.kind == hal::BoardCamera::Kind::GigE;
+  found.push_back(finding("camera (" + (is_gige ? board_.camera.address : board_.camera.device) + ")", open_camera(),
+                          is_gige ? "check the camera's cable, power and address, and that its port has an address in the same net"
+                                  : "load the board's overlay and check the camera's cable; join the group video"));
+  if (board_.trigger.kind != hal::BoardTrigger::Kind::None) {
+    found.push_back(finding("trigger (" + board_.trigger.chip + board_.trigger.line.chip + ")", open_trigger(),
+                            "load the board's overlay and install its udev rules for the group biteline"));
+  }
+  if (board_.laser) {
+    found.push_back(finding(name_of("laser enable", board_.laser->enable), open_output(board_.laser->enable), k_line_step));
+    found.push_back(finding(name_of("interlock", board_.laser->interlock), open_safety(*board_.laser), k_line_step));
+  }
+  if (board_.strobe_echo && board_.camera.edge_to_mid_max == Nanoseconds{0}) {
+    found.push_back(finding(name_of("strobe echo", *board_.strobe_echo), open_edges(*board_.strobe_echo), k_line_step));
+  }
+  if (board_.scan_active) {
+    found.push_back(finding(name_of("scan active", *board_.scan_active), open_edges(*board_.scan_active), k_line_step));
+  }
+  const bool is_can = board_.poses.kind == hal::BoardPoses::Kind::Can;
+  const std::string can_step = "ip link set " + board_.poses.interface +
+                               " up type can bitrate 1000000 dbitrate 4000000 fd on restart-ms 100, and start the robot's pose frames";
+  found.push_back(finding("poses (" + (is_can ? board_.poses.interface : board_.poses.address) + ")", first_pose(open_poses()),
+                          is_can ? can_step.c_str() : "switch the controller on, check the cable, and allow RTDE in its settings"));
+  if (!board_.ptp.empty()) {
+    const Result<hal::Phc> clock = hal::Phc::open(board_.ptp);
+    found.push_back(finding("PTP clock (" + board_.ptp + ")", clock ? clock->measure().map([](const auto&) {}) : tl::unexpected<Error>{clock.error()},
+                            "enable the network port's hardware clock and start ptp4l on it"));
+  }
+  if (!board_.watchdog.device.empty()) {
+    const bool writable = ::access(board_.watchdog.device.c_str(), W_OK) == 0;
+    found.push_back({.what = "watchdog (" + board_.watchdog.device + ")",
+                     .ready = writable,
+                     .seen = writable ? "writable" : std::strerror(errno),
+                     .step = writable ? "" : "enable the board's watchdog and install its udev rules for the group biteline"});
+  }
+  return found;
+}
+
 }  // namespace
+
+Result<std::vector<DeviceFinding>> check_board(const std::filesystem::path& board_file) {
+  BITELINE_ASSIGN(hal::Board board, hal::read_board_yaml(board_file));
+  return BoardDevices{std::move(board), {}}.examine();
+}
 
 Result<std::unique_ptr<SourceKind>> open_board(const std::filesystem::path& board_file,
                                                const std::filesystem::path& sensor_file) {

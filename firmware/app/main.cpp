@@ -7,9 +7,11 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <string_view>
 #include <thread>
 
 #include "common/wire/keys.hpp"
+#include "firmware/app/board_source.hpp"
 #include "firmware/app/options.hpp"
 #include "firmware/app/streamer.hpp"
 #include "firmware/stream/stream_socket.hpp"
@@ -57,6 +59,23 @@ Result<std::unique_ptr<runtime::LaserWatch>> start_laser_watch(sensor::SourceKin
   for (std::unique_ptr<hal::Watchdog>& watchdog : devices->watchdogs) watch->feed(std::move(watchdog));
   BITELINE_TRY(watch->start(demand));
   return watch;
+}
+
+/// One line for each device: ready or missing, what, what was seen, and the one step; tabs between.
+Result<void> check(const sensor::Options& options) {
+  constexpr std::string_view k_board = "board:";
+  if (!options.source.source.starts_with(k_board)) {
+    return fail(Errc::InvalidArgument, "--check: --source board:FILE expected");
+  }
+  BITELINE_ASSIGN(const std::vector<sensor::DeviceFinding> found,
+                  sensor::check_board(options.source.source.substr(k_board.size())));
+  int missing = 0;
+  for (const sensor::DeviceFinding& device : found) {
+    std::printf("%s\t%s\t%s\t%s\n", device.ready ? "ready" : "missing", device.what.c_str(), device.seen.c_str(), device.step.c_str());
+    missing += device.ready ? 0 : 1;
+  }
+  if (missing > 0) return fail(Errc::DeviceNotFound, "%d of %zu devices and rights are missing", missing, found.size());
+  return {};
 }
 
 Result<void> run(const sensor::Options& options, const sigset_t& signals) {
@@ -107,6 +126,7 @@ int main(int argc, char** argv) {
   if (parsed.leave_with) return *parsed.leave_with;
   try {
     const Result<void> done = parsed.options.make_keys ? wire::make_keys(*parsed.options.make_keys)
+                              : parsed.options.check   ? check(parsed.options)
                                                        : run(parsed.options, signals);
     if (done) return static_cast<int>(ExitStatus::Done);
     std::fprintf(stderr, "biteline-sensor: %s\n", to_line(done.error()).c_str());

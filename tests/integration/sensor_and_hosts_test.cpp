@@ -271,6 +271,39 @@ TEST(SensorAndHosts, BeyondLoopbackNothingGoesWithoutKeys) {
   FAILS_NAMING(Errc::AuthenticationFailed, "keys are compulsory", link);
 }
 
+TEST(SensorAndHosts, RealTimeIsRefusedWithoutTheRightsAndSaysHowToGoOn) {
+  // Root without its capabilities has the rights of anybody.
+  const std::string script = R"sh(ulimit -r 0; [ "$(id -u)" = 0 ] && drop="setpriv --bounding-set=-all --inh-caps=-all"; exec $drop "$@")sh";
+  auto sensor = ChildProcess::start({.program = "/bin/bash",
+                                     .arguments = {"-c", script, "sh", program("biteline-sensor").string(), "--source",
+                                                   "replay:" + session().string(), "--rt=required"}});
+  SUCCEEDS(sensor);
+  const auto status = sensor->wait(k_patience);
+  SUCCEEDS(status);
+  LONGS_EQUAL(static_cast<int>(ExitStatus::Connection), *status);
+  STRCMP_CONTAINS("--rt=ignore", sensor->last_words().c_str());
+}
+
+TEST(SensorAndHosts, CheckOfABoardHasOneStepForEachThingThatIsMissing) {
+  const fs::path board = folder.write("board.yaml",
+                                      "board: a\ncamera: {kind: v4l2, device: /dev/none}\n"
+                                      "laser: {enable: {chip: none, line: '1', bias: pull-down}, interlock: {chip: none, line: '2'}}\n"
+                                      "poses: {kind: can, interface: none0}\nptp: /dev/none\nwatchdog: {device: /dev/none, timeout_ms: 500}\n");
+  auto sensor = ChildProcess::start({.program = program("biteline-sensor"), .arguments = {"--check", "--source", "board:" + board.string()}});
+  SUCCEEDS(sensor);
+  int missing = 0;
+  while (const auto line = sensor->next_line(k_patience)) {
+    const bool is_missing = line->starts_with("missing\t");
+    CHECK(is_missing || line->starts_with("ready\t"));
+    CHECK_EQUAL(is_missing, line->back() != '\t');
+    missing += is_missing ? 1 : 0;
+  }
+  CHECK(missing >= 6);  // camera, laser enable, interlock, poses, PTP clock, watchdog; rights and kernel as they are here
+  const auto status = sensor->wait(k_patience);
+  SUCCEEDS(status);
+  LONGS_EQUAL(static_cast<int>(ExitStatus::Connection), *status);
+}
+
 TEST(SensorAndHosts, RubbishAndOtherVersionsDisturbNobody) {
   auto sensor = start_sensor({"--stay"});
   SUCCEEDS(sensor);

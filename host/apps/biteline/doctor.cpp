@@ -11,12 +11,16 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "host/apps/biteline/command.hpp"
+#include "host/ingest/sensor_process.hpp"
+#include "host/process/child_process.hpp"
 
 namespace biteline::app {
 namespace {
@@ -131,13 +135,45 @@ std::vector<Finding> examine() {
   };
 }
 
+/// The sensor program's own look at each device that the board names.
+Result<std::vector<Finding>> examine_board(const std::string& board_file) {
+  constexpr std::chrono::seconds k_patience{30};  // a camera that does not answer takes some seconds
+  BITELINE_ASSIGN(const fs::path program, ingest::find_sensor_program());
+  BITELINE_ASSIGN(process::ChildProcess sensor,
+                  process::ChildProcess::start({.program = program, .arguments = {"--check", "--source", "board:" + board_file}}));
+  std::vector<Finding> findings;
+  while (const Result<std::string> line = sensor.next_line(k_patience)) {
+    std::istringstream row{*line};
+    std::string ready;
+    Finding finding;
+    std::getline(row, ready, '\t');
+    std::getline(row, finding.what, '\t');
+    std::getline(row, finding.seen, '\t');
+    std::getline(row, finding.step);
+    finding.ready = ready == "ready";
+    finding.what = "board: " + finding.what;
+    findings.push_back(std::move(finding));
+  }
+  BITELINE_TRY(sensor.wait(k_patience));
+  if (findings.empty()) return fail(Errc::BadFormat, "%s", sensor.last_words().c_str());
+  return findings;
+}
+
 }  // namespace
 
 void add_doctor(CLI::App& app, Context& context) {
+  static constexpr const char* k_unit_board = "/etc/biteline/board.yaml";
   CLI::App* command = app.add_subcommand("doctor", "Say what of this machine and board is ready, and the one step for what is not");
-  command->callback([&context] {
-    context.run = [&context]() -> Result<ExitStatus> {
-      const std::vector<Finding> findings = examine();
+  auto board = std::make_shared<std::string>(fs::exists(k_unit_board) ? k_unit_board : "");
+  command->add_option("--board", *board, "Open each device of this board.yaml too; a unit's own is looked at anyway")
+      ->check(CLI::ExistingFile);
+  command->callback([board, &context] {
+    context.run = [board, &context]() -> Result<ExitStatus> {
+      std::vector<Finding> findings = examine();
+      if (!board->empty()) {
+        BITELINE_ASSIGN(std::vector<Finding> devices, examine_board(*board));
+        findings.insert(findings.end(), std::make_move_iterator(devices.begin()), std::make_move_iterator(devices.end()));
+      }
       if (context.options.json) {
         nlohmann::ordered_json list = nlohmann::ordered_json::array();
         for (const Finding& f : findings) list.push_back({{"what", f.what}, {"ready", f.ready}, {"seen", f.seen}, {"step", f.step}});
@@ -145,8 +181,8 @@ void add_doctor(CLI::App& app, Context& context) {
         return ExitStatus::Done;
       }
       for (const Finding& f : findings) {
-        std::printf("%-7s %-32s %s\n", f.ready ? "ready" : "missing", f.what.c_str(), f.seen.c_str());
-        if (!f.ready) std::printf("        %-32s -> %s\n", "", f.step.c_str());
+        std::printf("%-7s %-44s %s\n", f.ready ? "ready" : "missing", f.what.c_str(), f.seen.c_str());
+        if (!f.ready) std::printf("        %-44s -> %s\n", "", f.step.c_str());
       }
       return ExitStatus::Done;
     };

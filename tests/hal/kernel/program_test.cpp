@@ -44,6 +44,12 @@ pid_t start(std::vector<std::string> arguments) {
   return pid;
 }
 
+int wait_for(pid_t pid) {
+  int raw = 0;
+  waitpid(pid, &raw, 0);
+  return WIFEXITED(raw) ? WEXITSTATUS(raw) : 128 + WTERMSIG(raw);
+}
+
 /// Nothing: it runs.
 std::optional<int> status_of(pid_t pid) {
   int raw = 0;
@@ -70,6 +76,11 @@ TEST(KernelProgram, ServesAScanToAHostOutside) {
   };
   const test::PictureFeeder feeder{nodes, pictures[0].width_px, pictures[0].height_px, paint, [&] { trigger.on_frame(); }};
   const test::MovingArm arm;
+
+  // Everything that the board names answers; only the plain kernel is not what a unit should have.
+  const pid_t check = start({from_environment("BITELINE_SENSOR"), "--check", "--source", "board:" + from_environment("BITELINE_BOARD")});
+  const bool realtime = hal::read_integer("/sys/kernel/realtime").value_or(0) == 1;
+  CHECK_EQUAL(static_cast<int>(realtime ? ExitStatus::Done : ExitStatus::Connection), wait_for(check));
 
   const pid_t sensor = start({from_environment("BITELINE_SENSOR"), "--source", "board:" + from_environment("BITELINE_BOARD"),
                               "--sensor", folder + "/cam0/sensor.yaml", "--listen", "tcp://0.0.0.0:5555", "--keys",
