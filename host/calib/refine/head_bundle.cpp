@@ -52,6 +52,7 @@ class HeadProblem {
       fit.state.plane = {.normal_cam = normal, .distance_mm = normal.dot(plane_.middle) + delta_[2]};
       fit.state.T_plane1_plane2 = start_.T_plane1_plane2 * perturbation(xi_12_.data());
     }
+    for (std::size_t v = 0; v < seen_.stripe.size(); ++v) fit.T_cam_plane.push_back(planes_of(v, fit.state));
     if (!seen_.arm.empty()) {
       fit.state.T_flange_cam = start_.T_flange_cam * perturbation(xi_mount_.data());
       fit.state.T_base_target = start_.T_base_target * perturbation(xi_target_.data());
@@ -103,6 +104,18 @@ class HeadProblem {
   [[nodiscard]] double stripe_level() const { return rms(stripe_residuals_, 1); }
 
  private:
+  [[nodiscard]] std::vector<SE3> planes_of(std::size_t v, const HeadState& state) const {
+    const StripeView& view = seen_.stripe[v];
+    std::vector<SE3> T_cam_plane;
+    for (std::size_t k = 0; k < view.planes.size(); ++k) {
+      const bool second_rigid = k == 1 && view.rigid;
+      T_cam_plane.push_back(second_rigid
+                                ? SE3(T_cam_plane[0] * state.T_plane1_plane2)
+                                : SE3(view.T_cam_plane[k] * perturbation(xi_stripe_[2 * v + k].data())));
+    }
+    return T_cam_plane;
+  }
+
   void add_free() {
     xi_free_.assign(seen_.free.size(), Twist::Zero());
     for (std::size_t v = 0; v < seen_.free.size(); ++v) {

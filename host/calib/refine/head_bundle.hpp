@@ -65,8 +65,9 @@ struct HeadFit {
   HeadMatrix covariance{HeadMatrix::Zero()};  ///< rows of parts without observations are 0
   Eigen::Matrix<double, 3, 2> plane_axes{Eigen::Matrix<double, 3, 2>::Zero()};
   Vec3 plane_middle_cam{Vec3::Zero()};
-  double rms_px{0};      ///< of all rings, distances
-  double arm_rms_px{0};  ///< of the arm's views alone
+  std::vector<std::vector<SE3>> T_cam_plane;  ///< per stripe view and grid, as adjusted
+  double rms_px{0};                           ///< of all rings, distances
+  double arm_rms_px{0};                       ///< of the arm's views alone
   double stripe_rms_mm{0};
   double stripe_sigma_factor{1};  ///< real noise of stripe points over the stated one
   double pose_rms_mm{0};          ///< robot positions as corrected, against as told
