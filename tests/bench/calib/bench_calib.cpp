@@ -6,11 +6,15 @@
 #include <cstdio>
 #include <numbers>
 
+#include "common/config/sensor_yaml.hpp"
 #include "host/calib/camera/camera_calibration.hpp"
 #include "host/calib/camera/plane_pose.hpp"
 #include "host/calib/handeye/hand_eye.hpp"
+#include "host/calib/head/head_calibration.hpp"
+#include "host/calib/rings/picture.hpp"
 #include "tests/bench/calib/peer_opencv.hpp"
 #include "tests/support/ring_scene.hpp"
+#include "tests/support/shared_data.hpp"
 
 namespace biteline::bench {
 namespace {
@@ -181,6 +185,65 @@ void bench_hand_eye(std::mt19937_64& random) {
          std::sqrt(bound_rad2) / k_degree, "deg", 1.3});
 }
 
+/// Centres the other way round: the same grid, read from its other end.
+std::vector<Vec2> turned(std::vector<Vec2> centres) {
+  std::reverse(centres.begin(), centres.end());
+  return centres;
+}
+
+/// The reference head's own pictures and truth, where they are at hand.
+void bench_reference_head() {
+  const auto folder = test::shared_data("calib/head21");
+  if (!folder) return;
+  const auto truth = config::read_sensor_yaml(*folder / "truth/sensor.yaml");
+  calib::HeadInput input;
+  input.camera = *calib::read_camera_folder(*folder);
+  input.laser = *calib::read_laser_folder(*folder);
+  input.hand_eye = *calib::read_hand_eye_folder(*folder);
+  const calib::HeadCalibration ours = calib::calibrate_head(input);
+  if (!truth || ours.refused) return;
+  const calib::RingTarget& target = input.camera->target;
+
+  std::vector<std::vector<Vec2>> views;
+  for (const calib::PlaneView& view : input.camera->views) {
+    if (const auto centres = opencv_grid(*calib::read_picture(*folder / view.name), target))
+      views.push_back(*centres);
+  }
+  const OpencvCamera peer = opencv_camera(views, target, input.camera->size);
+  const geometry::Camera &own = ours.fit.state.camera, &exact = truth->camera;
+  const auto focal = [&](const geometry::Camera& c) { return 100 * std::abs(c.fu_px / exact.fu_px - 1); };
+  const auto middle = [&](const geometry::Camera& c) {
+    return std::hypot(c.cu_px - exact.cu_px, c.cv_px - exact.cv_px);
+  };
+  const char* name = "OpenCV calibrateCamera";
+  print({"head21", "focal length, error", focal(own), name, focal(peer.camera), "%"});
+  print({"head21", "principal point, error", middle(own), name, middle(peer.camera), "px"});
+  print({"head21", "reprojection RMS", ours.fit.rms_px, name, peer.rms_px, "px"});
+
+  // OpenCV numbers a grid from either end; it is given the end that fits.
+  std::vector<calib::Stop> stops;
+  for (std::size_t i = 0; i < ours.arm_views.size(); ++i) {
+    const calib::ArmPicture& picture = ours.arm_views[i];
+    const auto centres = opencv_grid(*calib::read_picture(*folder / picture.view.name), target);
+    if (!centres) continue;
+    const SE3& seen = ours.hand_eye->stops[i].T_cam_target;
+    SE3 T_cam_target = opencv_pose(peer.camera, *centres, target);
+    if (geometry::angle_between_rad(T_cam_target.linear(), seen.linear()) > 1)
+      T_cam_target = opencv_pose(peer.camera, turned(*centres), target);
+    stops.push_back({.T_base_flange = picture.T_base_flange, .T_cam_target = T_cam_target});
+  }
+  const auto mm = [&](const SE3& T) { return (T.translation() - truth->T_flange_cam.translation()).norm(); };
+  const auto deg = [&](const SE3& T) {
+    return geometry::angle_between_rad(T.linear(), truth->T_flange_cam.linear()) / k_degree;
+  };
+  const SE3& T_own = ours.fit.state.T_flange_cam;
+  for (int m = 0; m < k_hand_eye_methods; ++m) {
+    const SE3 T = opencv_hand_eye(stops, m);
+    print({"head21", "T_flange_cam, error", mm(T_own), hand_eye_name(m), mm(T), "mm"});
+    print({"head21", "T_flange_cam, error", deg(T_own), hand_eye_name(m), deg(T), "deg"});
+  }
+}
+
 }  // namespace
 }  // namespace biteline::bench
 
@@ -189,4 +252,5 @@ int main() {
   biteline::bench::bench_centre_bias(random);
   biteline::bench::bench_camera(random);
   biteline::bench::bench_hand_eye(random);
+  biteline::bench::bench_reference_head();
 }

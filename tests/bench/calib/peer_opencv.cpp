@@ -59,6 +59,26 @@ OpencvCamera opencv_camera(const std::vector<std::vector<Vec2>>& views, const ca
   return result;
 }
 
+SE3 opencv_pose(const geometry::Camera& camera, const std::vector<Vec2>& centres,
+                const calib::RingTarget& target) {
+  std::vector<cv::Point3f> object;
+  std::vector<cv::Point2f> picture;
+  for (int i = 0; i < target.rings(); ++i) {
+    const Vec3 p = target.ring_target(i / target.cols, i % target.cols);
+    object.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()), 0.0F);
+    const Vec2& c = centres[static_cast<std::size_t>(i)];
+    picture.emplace_back(static_cast<float>(c.x()), static_cast<float>(c.y()));
+  }
+  const cv::Matx33d K(camera.fu_px, 0, camera.cu_px, 0, camera.fv_px, camera.cv_px, 0, 0, 1);
+  const cv::Vec<double, 5> distortion(camera.k1, camera.k2, camera.p1, camera.p2, camera.k3);
+  cv::Vec3d rotation, translation;
+  cv::solvePnP(object, picture, K, distortion, rotation, translation);
+  SE3 T = SE3::Identity();
+  T.linear() = geometry::exp_so3(Vec3(rotation[0], rotation[1], rotation[2]));
+  T.translation() = Vec3(translation[0], translation[1], translation[2]);
+  return T;
+}
+
 const char* hand_eye_name(int method) {
   constexpr std::array<const char*, k_hand_eye_methods> k_names{"OpenCV Tsai", "OpenCV Park", "OpenCV Horaud",
                                                                 "OpenCV Andreff", "OpenCV Daniilidis"};

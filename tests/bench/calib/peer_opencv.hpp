@@ -26,6 +26,10 @@ struct OpencvCamera {
 [[nodiscard]] OpencvCamera opencv_camera(const std::vector<std::vector<Vec2>>& views,
                                          const calib::RingTarget& target, calib::PictureSize size);
 
+/// Of a plane target, by solvePnP.
+[[nodiscard]] SE3 opencv_pose(const geometry::Camera& camera, const std::vector<Vec2>& centres,
+                              const calib::RingTarget& target);
+
 inline constexpr int k_hand_eye_methods = 5;
 [[nodiscard]] const char* hand_eye_name(int method);
 [[nodiscard]] SE3 opencv_hand_eye(const std::vector<calib::Stop>& stops, int method);
