@@ -55,8 +55,46 @@ std::vector<Gap> gaps_of(std::span<const std::uint8_t> known) {
   return gaps;
 }
 
+void drop_islands(std::vector<std::uint8_t>& known, double station_mm, double longest_mm) {
+  const std::vector<Gap> gaps = gaps_of(known);
+  const std::size_t count = known.size();
+  for (std::size_t k = 0; k < gaps.size() && gaps.size() > 1; ++k) {
+    const Gap& before = gaps[k];
+    const Gap& behind = gaps[(k + 1) % gaps.size()];
+    const std::size_t begin = (before.first + before.steps) % count;
+    const std::size_t length = (behind.first + count - begin) % count + 1;
+    if (static_cast<double>(length) * station_mm >= longest_mm || length >= std::min(before.steps, behind.steps))
+      continue;
+    for (std::size_t i = 0; i < length; ++i) known[(begin + i) % count] = 0;
+  }
+}
+
 void bridge_straight(std::vector<double>& values, std::span<const std::uint8_t> known, double station_mm) {
   bridge_smooth(values, known, station_mm, 0.0);
+}
+
+void bridge_means(std::vector<double>& values, std::span<const std::uint8_t> known, double station_mm, double ends_mm) {
+  const std::size_t count = values.size();
+  const auto reach = static_cast<std::size_t>(ends_mm / station_mm);
+  const std::vector<double> before = values;
+  const auto mean_from = [&](std::size_t at, bool ahead) {
+    double sum = 0;
+    double n = 0;
+    for (std::size_t k = 0; k <= reach; ++k) {
+      const std::size_t i = ahead ? (at + k) % count : (at + count - k % count) % count;
+      if (known[i] == 0) break;
+      sum += before[i];
+      n += 1;
+    }
+    return sum / n;  // the gap's own end is known
+  };
+  for (const Gap& gap : gaps_of(known)) {
+    const double first = mean_from(gap.first, false);
+    const double last = mean_from((gap.first + gap.steps) % count, true);
+    for (std::size_t k = 1; k < gap.steps; ++k)
+      values[(gap.first + k) % count] =
+          first + (last - first) * static_cast<double>(k) / static_cast<double>(gap.steps);
+  }
 }
 
 void bridge_smooth(std::vector<double>& values, std::span<const std::uint8_t> known, double station_mm,

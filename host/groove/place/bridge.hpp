@@ -20,8 +20,16 @@ struct Gap {
 /// None when nothing is known at all.
 [[nodiscard]] std::vector<Gap> gaps_of(std::span<const std::uint8_t> known);
 
+/// What is known over less than `longest_mm`, between gaps that are both longer, is a stray and not a sight of the
+/// surface.
+void drop_islands(std::vector<std::uint8_t>& known, double station_mm, double longest_mm);
+
 /// Straight lines across the gaps.
 void bridge_straight(std::vector<double>& values, std::span<const std::uint8_t> known, double station_mm);
+
+/// Straight lines between the means of the last `ends_mm` on either side: for values that scatter from station to
+/// station.
+void bridge_means(std::vector<double>& values, std::span<const std::uint8_t> known, double station_mm, double ends_mm);
 
 /// Cubics that leave both ends with the slope of the last `lever_mm` before them.
 void bridge_smooth(std::vector<double>& values, std::span<const std::uint8_t> known, double station_mm,

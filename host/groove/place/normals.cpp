@@ -15,6 +15,8 @@ namespace biteline::groove {
 namespace {
 
 constexpr double k_strip_mm = 0.25;
+/// A stitch and its gap: what a slope at the edge of a hole is averaged over before it is carried across.
+constexpr double k_ends_mm = 3.0;
 /// Farther from the smooth surface than a stitch or a seam stands out: a stray point.
 constexpr double k_stray_mm = 0.8;
 
@@ -122,6 +124,24 @@ Strip strip_of(const NormalInput& input, double above_line_mm) {
   return strip;
 }
 
+/// How fast the line itself moves outwards, over a few millimetres.
+std::vector<double> slopes_of_line(const NormalInput& input) {
+  constexpr double k_reach_mm = 2.0;
+  const std::size_t stations = input.line_plan.size();
+  const double station_mm = input.sections.station_mm;
+  std::vector<double> o(stations);
+  for (std::size_t i = 0; i < stations; ++i) {
+    const double s = static_cast<double>(i) * station_mm;
+    o[i] = (input.line_plan[i] - input.outline.point(s)).dot(input.outline.normal(s));
+  }
+  const auto reach = static_cast<std::size_t>(std::max(1.0, std::round(k_reach_mm / station_mm)));
+  std::vector<double> slope(stations);
+  for (std::size_t i = 0; i < stations; ++i)
+    slope[i] = (o[(i + reach) % stations] - o[(i + stations - reach) % stations]) /
+               (2 * static_cast<double>(reach) * station_mm);
+  return slope;
+}
+
 bool seen(const Track& track) { return std::find(track.known.begin(), track.known.end(), 1) != track.known.end(); }
 
 /// Mean over the tracks that were seen anywhere, gaps bridged.
@@ -130,7 +150,7 @@ std::vector<double> mean_of(std::vector<Track>& tracks, std::size_t stations, do
   double count = 0;
   for (Track& track : tracks) {
     if (!seen(track)) continue;
-    bridge_straight(track.value, track.known, station_mm);
+    bridge_means(track.value, track.known, station_mm, k_ends_mm);
     for (std::size_t i = 0; i < stations; ++i) mean[i] += track.value[i];
     count += 1;
   }
@@ -162,6 +182,10 @@ std::vector<Vec3> normals_above(const NormalInput& input, const NormalConfig& co
     o.push_back(strips[k].o);
     along.push_back(std::move(strips[k].slope_along));
   }
+  const std::vector<double> line_slope = slopes_of_line(input);
+  for (Track& track : along) {
+    for (std::size_t i = 0; i < stations; ++i) track.value[i] -= line_slope[i];
+  }
   const std::vector<double> mean_o = mean_of(o, stations, sections.station_mm);
   const std::vector<double> slope_up = mean_of(up, stations, sections.station_mm);
   const std::vector<double> slope_strip = mean_of(along, stations, sections.station_mm);
@@ -175,7 +199,7 @@ std::vector<Vec3> normals_above(const NormalInput& input, const NormalConfig& co
                          (2 * sections.station_mm);
     // At o outside the outline a step along it is (1 + bend o) as long.
     const double stretch = std::max(0.3, 1.0 + input.outline.bend_per_mm(s) * mean_o[i]);
-    const double slope_along = (slope_strip[i] - slope_up[i] * climb) / stretch;
+    const double slope_along = (slope_strip[i] + line_slope[i] - slope_up[i] * climb) / stretch;
     Vec3 normal{0, 0, -slope_up[i]};
     normal.head<2>() = out - slope_along * Vec2{-out.y(), out.x()};
     normals[i] = normal.normalized();

@@ -20,6 +20,7 @@ struct NormalInput {
   const Sections& sections;  ///< of these points, smooth: what lies far from them is a stray
   const Outline& outline;
   std::span<const double> line_z_mm;  ///< per station, in shoe
+  std::span<const Vec2> line_plan;    ///< the same, also across what was not seen
 };
 
 /// One per station.
@@ -27,7 +28,8 @@ struct NormalInput {
 /// In strips of a quarter of a millimetre, each a spline round the shoe through the profiles' own points: stitches, 3 mm
 /// apart and scanned once a millimetre, tilt the surface and count as they should.  The mean of the slope up over the
 /// height is the difference between its ends, so noise hardly counts.  A strip that was not seen somewhere has the slopes
-/// of its own ends there: a hole in half of the height does not tilt the normal of a wall that bends.
+/// of its own ends there, against the line's own direction: a hole in half of the height does not tilt the normal of a
+/// wall that bends.
 [[nodiscard]] std::vector<Vec3> normals_above(const NormalInput& input, const NormalConfig& config);
 
 }  // namespace biteline::groove

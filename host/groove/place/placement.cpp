@@ -18,6 +18,8 @@ namespace {
 
 /// Over this length beside a gap its slope in height is taken.
 constexpr double k_height_lever_mm = 10.0;
+/// Three profiles of a usual scan: less, with nothing around, may be strays.
+constexpr double k_island_mm = 3.0;
 
 /// Mean over `window_mm`, closed; fractional at the ends so that the window is exact.
 std::vector<double> running_mean(std::span<const double> values, double window_mm, double step_mm) {
@@ -211,8 +213,9 @@ Placement place_line(const PlacementInput& input, const PlacementConfig& config)
   const double sigma_s = std::clamp(6.0 / (2.5 * std::max(input.points_per_mm2, 0.1)), 0.7, 2.0);
   const SectionPoints points{{.points = input.near, .outline = path_outline, .path_z_mm = path_z}, {}};
   const Sections sections = points.cut(sigma_s);
-  const Ridge ridge = follow_ridge(sections, section_curvature(sections, config.smoothing_mm), config.search_mm);
+  Ridge ridge = follow_ridge(sections, section_curvature(sections, config.smoothing_mm), config.search_mm);
 
+  drop_islands(ridge.visible, sections.station_mm, k_island_mm);
   std::vector<double> seen_z(stations);
   for (std::size_t i = 0; i < stations; ++i) seen_z[i] = path_z[i] + sections.z_mm(ridge.row[i]);
   std::vector<double> whole_z = seen_z;
@@ -223,13 +226,14 @@ Placement place_line(const PlacementInput& input, const PlacementConfig& config)
   for (std::size_t i = 0; i < stations; ++i)
     row[i] = sections.zero_row + (z[i] - path_z[i]) / sections.row_mm;
   Outwards outwards = outwards_of(sections, row);
+  drop_islands(outwards.known, sections.station_mm, k_island_mm);
   shrink_beside_gaps(outwards.known, sections.station_mm);
   bridge_straight(outwards.o_mm, outwards.known, sections.station_mm);
   const std::vector<Vec2> plan = plan_of(path_outline, outwards.o_mm, outwards.known, sections.station_mm);
   const std::vector<GapPlace> gap = gap_places(ridge.visible, path_outline, sections.station_mm);
   const std::vector<GapPlace> shadow = gap_places(outwards.known, path_outline, sections.station_mm);
   const std::vector<Vec3> normals = normals_above(
-      {.points = points, .sections = sections, .outline = path_outline, .line_z_mm = z}, config.normals);
+      {.points = points, .sections = sections, .outline = path_outline, .line_z_mm = z, .line_plan = plan}, config.normals);
 
   placement.points.resize(stations);
   for (std::size_t i = 0; i < stations; ++i) {

@@ -24,6 +24,14 @@ TEST(Bridge, GapsAreFoundAcrossTheSeamToo) {
   CHECK(gaps_of(std::vector<std::uint8_t>(5, 1)).empty());
 }
 
+TEST(Bridge, IslandsInAGapAreDroppedAndShoresStay) {
+  std::vector<std::uint8_t> known{1, 1, 1, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 1, 1, 0, 1};
+  std::vector<std::uint8_t> expected = known;
+  expected[6] = 0;
+  drop_islands(known, 0.5, 1.6);
+  CHECK(expected == known);
+}
+
 TEST(Bridge, SmoothBridgeFollowsAParabolaAndAStraightOneItsChord) {
   constexpr double k_station_mm = 0.5;
   std::vector<std::uint8_t> known(100, 1);
@@ -36,6 +44,15 @@ TEST(Bridge, SmoothBridgeFollowsAParabolaAndAStraightOneItsChord) {
   // Slopes are those of the last 5 mm, so a little steeper than at the gap's very ends.
   DOUBLES_EQUAL(parabola(50), smooth[50], 0.06);
   DOUBLES_EQUAL(parabola(39), straight[50], 0.03);
+}
+
+TEST(Bridge, MeansOfTheEndsCarryAScatteringValueAcross) {
+  std::vector<std::uint8_t> known(40, 1);
+  std::vector<double> values(40);
+  for (std::size_t i = 0; i < 40; ++i) values[i] = (i < 20 ? 1.0 : 3.0) + (i % 2 == 0 ? 0.5 : -0.5);
+  for (std::size_t i = 15; i < 25; ++i) known[i] = 0;
+  bridge_means(values, known, 0.5, 3.6);  // eight stations
+  DOUBLES_EQUAL(1.0 + 2.0 * 5 / 11, values[19], 1e-9);
 }
 
 TEST(Bridge, ArcBetweenTangentsOfACircleLiesOnTheCircle) {

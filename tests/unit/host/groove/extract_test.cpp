@@ -151,6 +151,33 @@ TEST(Extract, TurningTheShoeTurnsTheLine) {
   CHECK(mean_error_mm(a.line, back) < 0.02);
 }
 
+TEST(Extract, NormalsFollowStitchesAndKeepTheirDirectionAcrossAHole) {
+  // What the product promises; without the splines stitches alone make 1.2 to 1.6 degrees.
+  constexpr double k_normal_deg = 1.0;
+  for (const bool hole : {false, true}) {
+    const sim::MadeShoe shoe{sim::draw_shoe(hole ? sim::ShoeClass::Deep : sim::ShoeClass::Stitched, 4)};
+    const auto truth = sim::true_line(shoe, 0.1);
+    cloud::PointCloud cloud;
+    const sim::ScannedCloud scan = sim::scan_quickly(shoe, {}, SE3::Identity());
+    const Vec3 centre = truth[truth.size() / 2].point_shoe;  // the toe, where the outline turns
+    for (std::size_t i = 0; i < scan.points.size(); ++i) {
+      if (hole && (scan.points[i].cast<double>() - centre).head<2>().norm() < 10) continue;
+      cloud.points.push_back(scan.points[i]);
+      cloud.profile.push_back(scan.profile[i]);
+    }
+    const Extraction sut = extract(cloud, {.keep_products = false});
+    CHECK_TEXT(sut.found, sut.reason.c_str());
+    double squares = 0;
+    for (const line::LinePoint& point : sut.line.points) {
+      const auto& near = *std::min_element(truth.begin(), truth.end(), [&](const auto& a, const auto& b) {
+        return (a.point_shoe - point.position).squaredNorm() < (b.point_shoe - point.position).squaredNorm();
+      });
+      squares += (point.normal - near.normal_shoe).squaredNorm() / static_cast<double>(sut.line.points.size());
+    }
+    CHECK_COMPARE(std::sqrt(squares) * 180 / M_PI, <=, k_normal_deg);
+  }
+}
+
 TEST(Extract, AMissingSectorIsBridgedAndMarked) {
   Made made = make(sim::ShoeClass::Deep, 45, somewhere());
   const Vec3 centre = made.truth[made.truth.size() / 4];  // a long side
