@@ -15,6 +15,7 @@
 #include "hal/board/board.hpp"
 #include "hal/linux/posix/descriptor.hpp"
 #include "hal/linux/ptp/phc.hpp"
+#include "hal/linux/pwm/encoder_trigger.hpp"
 #include "hal/linux/pwm/software_pwm.hpp"
 #include "hal/linux/pwm/sysfs_pwm.hpp"
 #include "hal/linux/rtde/rtde_pose_source.hpp"
@@ -31,7 +32,9 @@
 #include "hal/linux/gpiod/gpiod_safety_in.hpp"
 #endif
 #ifdef BITELINE_WITH_SOCKETCAN
+#include "hal/linux/socketcan/can_encoder.hpp"
 #include "hal/linux/socketcan/can_pose_source.hpp"
+#include "hal/linux/socketcan/encoder_pose_source.hpp"
 #include "hal/linux/socketcan/socketcan_bus.hpp"
 #endif
 #ifdef BITELINE_WITH_V4L2
@@ -112,6 +115,26 @@ Result<std::unique_ptr<hal::PoseSource>> open_can([[maybe_unused]] const hal::Bo
 #endif
 }
 
+Result<std::unique_ptr<hal::EncoderIn>> open_encoder([[maybe_unused]] const hal::BoardEncoder& encoder) {
+#ifdef BITELINE_WITH_SOCKETCAN
+  BITELINE_ASSIGN(std::unique_ptr<hal::CanBus> bus, hal::SocketcanBus::open({.interface = encoder.interface}));
+  return hal::CanEncoder::open(std::move(bus), {.node = encoder.node, .range_ticks = encoder.range_ticks});
+#else
+  return built_without("SocketCAN");
+#endif
+}
+
+Result<std::unique_ptr<hal::PoseSource>> open_encoder_poses([[maybe_unused]] const hal::BoardPoses& poses,
+                                                            [[maybe_unused]] const hal::Clock& clock) {
+#ifdef BITELINE_WITH_SOCKETCAN
+  BITELINE_ASSIGN(std::unique_ptr<hal::EncoderIn> encoder, open_encoder(poses.encoder));
+  return std::make_unique<hal::EncoderPoseSource>(std::move(encoder), clock,
+                                                  hal::EncoderPoseSource::Config{.per_tick = poses.per_tick});
+#else
+  return built_without("SocketCAN");
+#endif
+}
+
 class BoardDevices final : public SourceKind {
  public:
   BoardDevices(hal::Board board, geometry::SensorModel head) : board_{std::move(board)} {
@@ -159,11 +182,13 @@ class BoardDevices final : public SourceKind {
     const hal::TriggerPairing::Config pairing{.latency_min = board_.camera.edge_to_mid_min,
                                               .latency_max = board_.camera.edge_to_mid_max};
     return std::make_unique<hal::TriggeredCamera>(std::move(camera), std::move(strobe_echo),
-                                                  hal::TriggeredCamera::Config{.pairing = pairing});
+                                                  hal::TriggeredCamera::Config{.pairing = pairing,
+                                                                               .even_train = board_.trigger.kind != hal::BoardTrigger::Kind::Encoder});
   }
 
   Result<std::unique_ptr<hal::PoseSource>> open_poses() const {
     if (board_.poses.kind == hal::BoardPoses::Kind::Can) return open_can(board_.poses, clock_);
+    if (board_.poses.kind == hal::BoardPoses::Kind::Encoder) return open_encoder_poses(board_.poses, clock_);
     hal::RtdePoseSource::Config config;
     config.controller = {.address = board_.poses.address, .port = board_.poses.port};
     config.samples.rate_hz = board_.poses.rate_hz;
@@ -179,6 +204,13 @@ class BoardDevices final : public SourceKind {
         // Between the safety thread, which nothing may keep from looking, and the poses: an edge has a time of its own.
         return std::make_unique<hal::SoftwarePwm>(
             std::move(line), hal::SoftwarePwm::Config{.priority = runtime::threads::k_pose.priority + 5});
+      }
+      case hal::BoardTrigger::Kind::Encoder: {
+        BITELINE_ASSIGN(std::unique_ptr<hal::EncoderIn> encoder, open_encoder(board_.trigger.encoder));
+        BITELINE_ASSIGN(std::unique_ptr<hal::GpioOut> line, open_output(board_.trigger.line));
+        return hal::EncoderTrigger::open(std::move(encoder), std::move(line),
+                                         {.pitch_ticks = board_.trigger.pitch_ticks,
+                                          .priority = realtime ? runtime::threads::k_pose.priority + 5 : 0});
       }
       case hal::BoardTrigger::Kind::None:
         break;
@@ -260,10 +292,12 @@ std::vector<DeviceFinding> BoardDevices::examine() const {
   if (board_.scan_active) {
     found.push_back(finding(name_of("scan active", *board_.scan_active), open_edges(*board_.scan_active), k_line_step));
   }
-  const bool is_can = board_.poses.kind == hal::BoardPoses::Kind::Can;
-  const std::string can_step = "ip link set " + board_.poses.interface +
-                               " up type can bitrate 1000000 dbitrate 4000000 fd on restart-ms 100, and start the robot's pose frames";
-  found.push_back(finding("poses (" + (is_can ? board_.poses.interface : board_.poses.address) + ")", first_pose(open_poses()),
+  const bool is_can = board_.poses.kind != hal::BoardPoses::Kind::Rtde;
+  const std::string& interface =
+      board_.poses.kind == hal::BoardPoses::Kind::Encoder ? board_.poses.encoder.interface : board_.poses.interface;
+  const std::string can_step = "ip link set " + interface +
+                               " up type can bitrate 1000000 dbitrate 4000000 fd on restart-ms 100, and start what sends on it";
+  found.push_back(finding("poses (" + (is_can ? interface : board_.poses.address) + ")", first_pose(open_poses()),
                           is_can ? can_step.c_str() : "switch the controller on, check the cable, and allow RTDE in its settings"));
   if (!board_.ptp.empty()) {
     const Result<hal::Phc> clock = hal::Phc::open(board_.ptp);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/core/result.hpp"
+#include "common/geometry/se3.hpp"
 #include "common/time/clocks.hpp"
 #include "hal/linux/gpiod/line_request.hpp"
 
@@ -30,11 +31,20 @@ struct BoardCamera {
   Nanoseconds edge_to_mid_min{0}, edge_to_mid_max{0};
 };
 
+/// A CANopen encoder (CiA 406).
+struct BoardEncoder {
+  std::string interface;
+  std::uint8_t node{1};
+  std::uint32_t range_ticks{0};  ///< object 6002h; 0: 32 bits
+};
+
 struct BoardTrigger {
-  enum class Kind { None, HardwareTimer, Software } kind{Kind::None};
+  enum class Kind { None, HardwareTimer, Software, Encoder } kind{Kind::None};
   std::string chip;  ///< HardwareTimer
   int channel{0};
-  GpioLineAddress line;  ///< Software
+  GpioLineAddress line;  ///< Software, Encoder
+  BoardEncoder encoder;  ///< Encoder: a pulse for each pitch
+  std::int64_t pitch_ticks{0};
 };
 
 struct BoardLaser {
@@ -48,12 +58,14 @@ struct BoardLaser {
 };
 
 struct BoardPoses {
-  enum class Kind { Rtde, Can } kind{Kind::Rtde};
+  enum class Kind { Rtde, Can, Encoder } kind{Kind::Rtde};
   std::string address;  ///< Rtde
   std::uint16_t port{30004};
   double rate_hz{500};
   std::string interface;  ///< Can
   std::uint32_t base_id{0};
+  BoardEncoder encoder;                ///< Encoder: the shoe moves, and its way is the pose
+  Twist per_tick{Twist::Zero()};       ///< in base, [mm; rad]
 };
 
 struct BoardWatchdog {

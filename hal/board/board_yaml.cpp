@@ -75,17 +75,33 @@ BoardCamera read_camera(YamlReader& parent) {
   return camera;
 }
 
+BoardEncoder read_encoder(YamlReader& reader) {
+  BoardEncoder encoder;
+  encoder.interface = reader.text("interface");
+  encoder.node = static_cast<std::uint8_t>(reader.integer("node", {1, 127}));
+  encoder.range_ticks = static_cast<std::uint32_t>(reader.integer_or("range_ticks", 0, {0, 0xFFFFFFFF}));
+  return encoder;
+}
+
 BoardTrigger read_trigger(YamlReader& parent) {
   YamlReader reader = parent.child("trigger", false);
   if (!parent.has("trigger")) return {};
   BoardTrigger trigger;
-  if (choice<2>(reader, "kind", {"pwm", "software"}) == 0) {
-    trigger.kind = BoardTrigger::Kind::HardwareTimer;
-    trigger.chip = reader.text("chip");
-    trigger.channel = static_cast<int>(reader.integer("channel", {0, 63}));
-  } else {
-    trigger.kind = BoardTrigger::Kind::Software;
-    trigger.line = read_line(reader, "line");
+  switch (choice<3>(reader, "kind", {"pwm", "software", "encoder"})) {
+    case 0:
+      trigger.kind = BoardTrigger::Kind::HardwareTimer;
+      trigger.chip = reader.text("chip");
+      trigger.channel = static_cast<int>(reader.integer("channel", {0, 63}));
+      break;
+    case 1:
+      trigger.kind = BoardTrigger::Kind::Software;
+      trigger.line = read_line(reader, "line");
+      break;
+    default:
+      trigger.kind = BoardTrigger::Kind::Encoder;
+      trigger.line = read_line(reader, "line");
+      trigger.encoder = read_encoder(reader);
+      trigger.pitch_ticks = reader.integer("pitch_ticks", {1, 1'000'000'000});
   }
   return trigger;
 }
@@ -109,7 +125,16 @@ std::optional<BoardLaser> read_laser(YamlReader& parent) {
 BoardPoses read_poses(YamlReader& parent) {
   YamlReader reader = parent.child("poses", true);
   BoardPoses poses;
-  if (choice<2>(reader, "kind", {"rtde", "can"}) == 0) {
+  const std::size_t kind = choice<3>(reader, "kind", {"rtde", "can", "encoder"});
+  if (kind == 2) {
+    poses.kind = BoardPoses::Kind::Encoder;
+    poses.encoder = read_encoder(reader);
+    const std::vector<double> mm = reader.numbers("per_tick_mm", 3), rad = reader.numbers("per_tick_rad", 3);
+    for (int i = 0; i < 3; ++i) {
+      poses.per_tick[i] = mm[static_cast<std::size_t>(i)];
+      poses.per_tick[i + 3] = rad[static_cast<std::size_t>(i)];
+    }
+  } else if (kind == 0) {
     poses.kind = BoardPoses::Kind::Rtde;
     poses.address = reader.text("address");
     poses.port = static_cast<std::uint16_t>(reader.integer_or("port", 30004, {1, 65535}));

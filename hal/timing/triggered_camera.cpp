@@ -14,7 +14,7 @@ Result<CameraSettings> TriggeredCamera::configure(const CameraSettings& wanted) 
 }
 
 Result<void> TriggeredCamera::start() {
-  if (settings_.rate_hz > 0) {
+  if (on_grid()) {
     const Nanoseconds period{std::llround(1e9 / settings_.rate_hz)};
     // An eighth: what a rolling count could take for the neighbour is four times as far.
     grid_ = EdgeGrid{{.period = period, .tolerance = period / 8}};
@@ -47,7 +47,7 @@ void TriggeredCamera::take_edges() {
     if (!edge) return;  // none waits, or the line cannot be read: then frames come without edges, and are counted
     if (!edge->rising) continue;
     // A second edge in a slot is no exposure: it must not make the first one's pairing ambiguous for a wide window.
-    if (grid_.on_edge(edge->stamp) != EdgeVerdict::Doubled || settings_.rate_hz <= 0) pairing_.on_edge(edge->stamp);
+    if (!on_grid() || grid_.on_edge(edge->stamp) != EdgeVerdict::Doubled) pairing_.on_edge(edge->stamp);
   }
 }
 

@@ -19,6 +19,7 @@ class TriggeredCamera final : public LineCamera {
  public:
   struct Config {
     TriggerPairing::Config pairing;  ///< edge to mid-exposure as the camera tells it
+    bool even_train{true};           ///< false: an encoder's pulses, which no grid of time fits
   };
   TriggeredCamera(std::unique_ptr<LineCamera> camera, std::unique_ptr<EdgeIn> strobe_echo, const Config& config)
       : camera_{std::move(camera)}, strobe_echo_{std::move(strobe_echo)}, config_{config} {}
@@ -33,6 +34,8 @@ class TriggeredCamera final : public LineCamera {
   [[nodiscard]] CameraHealth health() const noexcept override;
 
  private:
+  /// Edges have their places in time.
+  [[nodiscard]] bool on_grid() const { return settings_.rate_hz > 0 && config_.even_train; }
   void take_edges();
   void publish();
 

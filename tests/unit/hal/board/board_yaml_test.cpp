@@ -55,6 +55,21 @@ TEST(BoardYaml, LeastBoardHasItsDefaults) {
   CHECK(board->watchdog.timeout == 500ms);
 }
 
+TEST(BoardYaml, EncoderIsATriggerAndAPoseSource) {
+  const Result<Board> board = read("board: a\ncamera: {kind: v4l2, device: b, hardware_trigger: true}\n"
+                                   "trigger: {kind: encoder, line: {chip: c, line: '3'}, interface: can0, node: 5, pitch_ticks: 40}\n"
+                                   "poses: {kind: encoder, interface: can1, node: 6, range_ticks: 65536, per_tick_mm: [0.01, 0, 0], "
+                                   "per_tick_rad: [0, 0, 0.002]}\nwatchdog: {timeout_ms: 500}\n");
+  CHECK(board.has_value());
+  CHECK(board->trigger.kind == BoardTrigger::Kind::Encoder);
+  CHECK_EQUAL(40, board->trigger.pitch_ticks);
+  CHECK_EQUAL(5, board->trigger.encoder.node);
+  CHECK(board->poses.kind == BoardPoses::Kind::Encoder);
+  CHECK_EQUAL(65536U, board->poses.encoder.range_ticks);
+  DOUBLES_EQUAL(0.01, board->poses.per_tick[0], 0);
+  DOUBLES_EQUAL(0.002, board->poses.per_tick[5], 0);
+}
+
 TEST(BoardYaml, FaultsAreRefusedEach) {
   struct Row {
     const char* name;
