@@ -138,7 +138,8 @@ Result<void> refine_part(const Options& options, const calib::HeadFit& fit, Nano
   sensor.laser_plane = refined.model.plane;
   sensor.T_flange_cam = refined.model.T_flange_cam;
   sensor.pose_clock_offset = refined.model.pose_clock_offset;
-  report.fields["refine"] = {{"rms_before_mm", refined.rms_before_mm},
+  report.fields["refine"] = {{"refined", true},
+                             {"rms_before_mm", refined.rms_before_mm},
                              {"rms_after_mm", refined.rms_after_mm},
                              {"pairs", refined.pairs}};
   std::fprintf(stderr, "biteline: refined from %s: surfaces seen twice agree to %.4f mm, before %.4f mm\n",
@@ -242,9 +243,12 @@ Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global
   }
   if (!options.refine.empty()) {
     const Result<void> refined = refine_part(options, result.fit, clock_sigma, sensor, report);
-    if (!refined && refused_by(refined.error()))
-      return refuse(report, std::string(refined.error().where.view()), options);
-    BITELINE_TRY(refined);
+    if (!refined && !refused_by(refined.error())) return tl::unexpected<Error>(refined.error());
+    if (!refined) {
+      const std::string reason(refined.error().where.view());
+      report.fields["refine"] = {{"refined", false}, {"reason", reason}};
+      std::fprintf(stderr, "biteline: not refined, the pictures' calibration stays: %s\n", reason.c_str());
+    }
   }
   if (!options.compare.empty())
     BITELINE_TRY(compare_part(options, result.fit, sensor.region.width_px, report));

@@ -129,10 +129,11 @@ Result<ScanRefinement> refine_from_scan(const Scan& scan, const ScanModel& start
     result.change += step;
     result.model = changed(start, result.change, plane_axes, middle_cam);
   }
-  if (result.rms_after_mm > 1.05 * result.rms_before_mm) {
-    return fail(Errc::NotConverged,
-                "refine: the passes agree no better afterwards (%.4f mm before, %.4f mm after)",
-                result.rms_before_mm, result.rms_after_mm);
+  // The last word is none where the passes agree no better for it.
+  if (result.rms_after_mm > result.rms_before_mm) {
+    result.model = start;
+    result.change.setZero();
+    result.rms_after_mm = result.rms_before_mm;
   }
   return result;
 }

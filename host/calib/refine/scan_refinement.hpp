@@ -24,8 +24,8 @@ struct ScanRefinement {
 
 /// Gauss-Newton on the point-to-plane distances between passes, with what the calibration knows as prior: a
 /// direction that the scan does not determine stays where it was.  `prior` is the covariance of the ten
-/// quantities before; plane_axes are the axes that it tells the normal's turns about.  Refuses when hardly
-/// anything is seen twice, or when the passes agree worse afterwards.
+/// quantities before; plane_axes are the axes that it tells the normal's turns about.  The start is kept
+/// where the passes agree no better afterwards; fails when hardly anything is seen twice.
 [[nodiscard]] Result<ScanRefinement> refine_from_scan(const Scan& scan, const ScanModel& start,
                                                       const RefineMatrix& prior,
                                                       const Eigen::Matrix<double, 3, 2>& plane_axes);
