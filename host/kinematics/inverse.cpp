@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "host/kinematics/inverse.hpp"
 
+#include <Eigen/SVD>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -16,7 +17,7 @@ constexpr double k_pi = std::numbers::pi;
 constexpr double k_rounding = 1e-9;
 // How far beyond the nominal reach a calibrated arm may still go: its links differ by up to a few
 // millimetres.
-constexpr double k_calibrated_slack = 0.06;
+constexpr double k_calibrated_slack = 0.1;
 // Below this |sin q5| the wrist counts as singular for the nominal closed form: q6 would lose more than 7
 // digits.
 constexpr double k_wrist_singular = 1e-8;
@@ -112,8 +113,14 @@ Twist residual(const ArmModel& arm, const Joints& q_rad, const SE3& T_base_flang
   return left;
 }
 
-/// Levenberg-Marquardt from the nominal solution; nothing when the pose is not met.
-std::optional<Joints> refined(const ArmModel& arm, Joints q_rad, const SE3& T_base_flange) {
+/// Where the steps below ended, and whether the pose is met there.
+struct Refined {
+  Joints q_rad;
+  bool met{false};
+};
+
+/// Levenberg-Marquardt from the nominal solution.
+Refined refined(const ArmModel& arm, Joints q_rad, const SE3& T_base_flange) {
   constexpr int k_max_steps = 40;
   constexpr double k_met = 1e-12;  // 1e-9 mm, 1e-12 rad
   Twist left = residual(arm, q_rad, T_base_flange);
@@ -135,9 +142,31 @@ std::optional<Joints> refined(const ArmModel& arm, Joints q_rad, const SE3& T_ba
     }
   }
   constexpr double k_accepted = 1e-10;  // 1e-7 mm, 1e-10 rad: what a doubled root near a singularity leaves
-  if (left.norm() > k_accepted) return std::nullopt;
   for (double& angle_rad : q_rad) angle_rad = wrapped(angle_rad);
-  return q_rad;
+  return {.q_rad = q_rad, .met = left.norm() <= k_accepted};
+}
+
+/// The joints on both sides of a fold near `q_rad`.  Along the direction in which the arm hardly moves the flange (the
+/// least singular value's) what is left of the pose is a parabola; its two roots are where the branches that meet in the
+/// fold cross the pose.  No step of first order leads there from the fold itself, nor from one branch to the other.
+Solutions across_fold(const ArmModel& arm, const Joints& q_rad, const SE3& T_base_flange, int which) {
+  constexpr double k_step_rad = 1e-3;    // second differences: 1e-16 / 1e-6 of rounding
+  constexpr double k_farthest_rad = 0.7; // beyond it the parabola is none
+  Jacobian J = jacobian(arm, q_rad, forward(arm, q_rad).translation());
+  J.topRows<3>() /= k_length_mm;
+  const Eigen::JacobiSVD<Jacobian> svd{J, Eigen::ComputeFullU | Eigen::ComputeFullV};
+  const Twist u = svd.matrixU().col(which);
+  const Joints v = svd.matrixV().col(which);
+  const auto along = [&](double step_rad) { return u.dot(residual(arm, q_rad + step_rad * v, T_base_flange)); };
+  const double c = along(0), plus = along(k_step_rad), minus = along(-k_step_rad);
+  const double a = (plus + minus - 2 * c) / (2 * k_step_rad * k_step_rad), b = (plus - minus) / (2 * k_step_rad);
+  Solutions starts;
+  if (std::abs(a) < 1e-6) return starts;
+  const double root = std::sqrt(std::max(0.0, b * b - 4 * a * c));
+  for (const double t : {(-b + root) / (2 * a), (-b - root) / (2 * a)}) {
+    if (std::abs(t) < k_farthest_rad) starts.add({.q_rad = q_rad + t * v});
+  }
+  return starts;
 }
 
 bool is_among(const Solutions& solutions, const Joints& q_rad) {
@@ -168,7 +197,7 @@ bool near_a_fold(const DhLengths& arm, const SE3& T_base_flange) {
 /// Poses around the target: where a branch begins or two meet, the nominal arm has the calibrated arm's
 /// branches only some millimetres or a degree away, in a direction that nobody knows.  Halton points over the
 /// twists, near ones denser.
-std::array<SE3, 48> around(const SE3& T_base_flange) {
+std::array<SE3, 32> around(const SE3& T_base_flange) {
   constexpr std::array<unsigned, 7> k_bases{2, 3, 5, 7, 11, 13, 17};
   const auto halton = [](unsigned index, unsigned base) {
     double fraction = 1, value = 0;
@@ -178,7 +207,7 @@ std::array<SE3, 48> around(const SE3& T_base_flange) {
     }
     return value;
   };
-  std::array<SE3, 48> out;
+  std::array<SE3, 32> out;
   for (unsigned i = 0; i < out.size(); ++i) {
     const double scale = std::pow(10.0, 1.5 * halton(i + 1, k_bases[6]));  // 1 to 30
     Twist xi;
@@ -192,21 +221,59 @@ std::array<SE3, 48> around(const SE3& T_base_flange) {
   return out;
 }
 
-Solutions inverse_calibrated(const ArmModel& arm, const SE3& T_base_flange, const InverseOptions& options) {
-  Solutions solutions;
-  const auto refine_all = [&](const SE3& T_seed) {
-    for (const Solution& seed : inverse_nominal(
-             arm.nominal, T_seed, {.slack = k_calibrated_slack, .q6_hint_rad = options.q6_hint_rad})) {
-      const std::optional<Joints> q_rad = refined(arm, seed.q_rad, T_base_flange);
-      if (solutions.full()) return;
-      if (q_rad && !is_among(solutions, *q_rad)) solutions.add({.q_rad = *q_rad, .branch = seed.branch});
-    }
-  };
-  refine_all(T_base_flange);
-  if (options.search_folds && near_a_fold(arm.nominal, T_base_flange)) {
-    for (const SE3& T_seed : around(T_base_flange)) refine_all(T_seed);
+/// Collects the solutions of one pose.
+class Search {
+ public:
+  Search(const ArmModel& arm, const SE3& T_base_flange) : arm_{arm}, T_base_flange_{T_base_flange} {}
+
+  /// From the seed, and where that does not arrive from both sides of the folds beside it and beside where it ended.
+  void from(const Solution& seed) {
+    const Refined end = refined(arm_, seed.q_rad, T_base_flange_);
+    if (end.met) return add(end, seed.branch);
+    for (const Joints& beside_rad : {seed.q_rad, end.q_rad}) from_fold(beside_rad, k_least, seed.branch);
   }
-  return solutions;
+
+  /// The twins of all solutions so far, and of these, across the folds beside them.
+  void add_twins() {
+    for (std::size_t i = 0; i < solutions_.size(); ++i) {
+      const Solution known = solutions_[i];
+      for (const int which : {k_least, k_least - 1}) from_fold(known.q_rad, which, known.branch);  // two may be near
+    }
+  }
+
+  [[nodiscard]] const Solutions& solutions() const { return solutions_; }
+
+ private:
+  static constexpr int k_least = 5;  // singular values come largest first
+
+  void from_fold(const Joints& beside_rad, int which, Branch branch) {
+    for (const Solution& start : across_fold(arm_, beside_rad, T_base_flange_, which)) {
+      const Refined found = refined(arm_, start.q_rad, T_base_flange_);
+      if (found.met) add(found, branch);
+    }
+  }
+
+  void add(const Refined& found, Branch branch) {
+    if (!solutions_.full() && !is_among(solutions_, found.q_rad)) solutions_.add({.q_rad = found.q_rad, .branch = branch});
+  }
+
+  const ArmModel& arm_;
+  const SE3& T_base_flange_;
+  Solutions solutions_;
+};
+
+Solutions inverse_calibrated(const ArmModel& arm, const SE3& T_base_flange, const InverseOptions& options) {
+  Search search{arm, T_base_flange};
+  const auto from_nominal = [&](const SE3& T_seed) {
+    const ClosedFormOptions closed{.slack = k_calibrated_slack, .q6_hint_rad = options.q6_hint_rad};
+    for (const Solution& seed : inverse_nominal(arm.nominal, T_seed, closed)) search.from(seed);
+  };
+  from_nominal(T_base_flange);
+  if (options.search_folds && near_a_fold(arm.nominal, T_base_flange)) {
+    for (const SE3& T_seed : around(T_base_flange)) from_nominal(T_seed);
+    search.add_twins();
+  }
+  return search.solutions();
 }
 
 }  // namespace

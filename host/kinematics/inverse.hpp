@@ -36,15 +36,15 @@ class Solutions {
 
 struct InverseOptions {
   double q6_hint_rad{0};    ///< q6 in the wrist singularity, where q4 and q6 share one angle
-  bool search_folds{true};  ///< calibrated arms: look for more solutions where two branches meet (1 ms there)
+  bool search_folds{true};  ///< calibrated arms: look for more solutions where two branches meet (3 ms there)
 };
 
 /// Every solution of the pose.
 ///
 /// Closed form on the nominal lengths; for a calibrated arm each branch is then refined by damped Newton
-/// steps on the calibrated chain until the pose is met to 1e-7 mm and 1e-10 rad; branches that do not meet it
-/// are left out. Near a singularity of a calibrated arm, where two branches meet, one of the two may be
-/// missed (fewer than 1 of 1000 random poses, see the benchmark); a path has no business there.
+/// steps on the calibrated chain until the pose is met to 1e-7 mm and 1e-10 rad.  Where two branches meet in a
+/// fold, steps start on both sides of it.  Of calibrated arms a solution within 0.001 of a singularity may
+/// still be missed (1 to 2 of 10 000 random poses, see the benchmark); a path has no business there.
 [[nodiscard]] Solutions inverse(const ArmModel& arm, const SE3& T_base_flange,
                                 const InverseOptions& options = {});
 
