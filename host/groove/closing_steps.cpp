@@ -47,8 +47,10 @@ void extract_published(const Side& side, const cloud::PointCloud& cloud, const E
     extraction.reason =
         traced.reason.empty() ? "no crease: too few points along the traced line" : traced.reason;
   }
-  if (config.keep_products)
+  if (config.keep_products) {
+    extraction.products.plain_svd_features = clock.run("plain SVD", [&] { return plain_svd_features(side, config); });
     hand_on(std::move(stages), extraction.products, cloud, extraction.T_base_shoe, traced.path_row);
+  }
 }
 
 void extract_ours(const Side& side, const cloud::PointCloud& cloud, const ExtractConfig& config,

@@ -104,7 +104,11 @@ Result<ExitStatus> write_line_result(const std::filesystem::path& folder, const 
   BITELINE_TRY(report.timed_aside("pictures", [&]() -> Result<void> {
     std::optional<groove::Extraction> again;
     if (extraction.products.surface.points.empty()) again = groove::extract(cloud, {.method = method});
-    BITELINE_TRY(stages::write_stages(folder / "stages", again ? *again : extraction));
+    const groove::Extraction& shown = again ? *again : extraction;
+    report.fields["feature_points"] = shown.products.feature_points.size();
+    if (method == groove::Method::Published)
+      report.fields["feature_points_plain_svd"] = shown.products.plain_svd_features.size();
+    BITELINE_TRY(stages::write_stages(folder / "stages", shown));
     return write_page(folder, extraction, report);
   }));
   BITELINE_TRY(report.write(folder));

@@ -54,6 +54,7 @@ struct StageName {
 constexpr std::array k_stages{
     StageName{"1_point_cloud", "point cloud, colour: mean curvature (blue concave, red convex)"},
     StageName{"2_feature_points", "feature points: strongly concave"},
+    StageName{"2_feature_points_plain_svd", "the same by plain SVD instead of weighted PCA (the article's Figure 12)"},
     StageName{"3_denoised", "feature points without specks"},
     StageName{"4_coarse_line", "coarse line: points around the path"},
     StageName{"5_thinned_line", "thinned line"},
@@ -127,11 +128,13 @@ Result<void> write_stages(const fs::path& folder, const groove::Extraction& extr
                            [&](ShoeView& view) { view.draw_cloud(curvature); }));
   BITELINE_TRY(sheet.write(k_stages[1], subset(products.surface, products.feature_points),
                            with_points(products.feature_points)));
-  BITELINE_TRY(sheet.write(k_stages[2], subset(products.surface, products.denoised_points),
+  BITELINE_TRY(sheet.write(k_stages[2], subset(products.surface, products.plain_svd_features),
+                           with_points(products.plain_svd_features)));
+  BITELINE_TRY(sheet.write(k_stages[3], subset(products.surface, products.denoised_points),
                            with_points(products.denoised_points)));
-  BITELINE_TRY(sheet.write(k_stages[3], subset(products.surface, products.coarse_line),
+  BITELINE_TRY(sheet.write(k_stages[4], subset(products.surface, products.coarse_line),
                            with_points(products.coarse_line)));
-  BITELINE_TRY(sheet.write(k_stages[4], as_cloud(products.thinned_line), [&](ShoeView& view) {
+  BITELINE_TRY(sheet.write(k_stages[5], as_cloud(products.thinned_line), [&](ShoeView& view) {
     view.draw_cloud({});
     view.draw_line(products.thinned_line, std::vector<cv::Vec3b>(products.thinned_line.size(), k_line_colour));
   }));
@@ -143,13 +146,13 @@ Result<void> write_stages(const fs::path& folder, const groove::Extraction& extr
     normals.push_back(point.normal);
     colours.push_back(confidence_colour(point.confidence));
   }
-  BITELINE_TRY(sheet.write(k_stages[5],
+  BITELINE_TRY(sheet.write(k_stages[6],
                            as_cloud(positions), [&](ShoeView& view) {
                              view.draw_cloud({});
                              view.draw_line(positions, colours);
                              view.draw_normals(positions, normals, std::max<std::size_t>(1, positions.size() / 60));
                            }));
-  return write_unrolled(folder / (std::string(k_stages[6].file) + ".png"), extraction);
+  return write_unrolled(folder / (std::string(k_stages[7].file) + ".png"), extraction);
 }
 
 std::vector<std::pair<std::string, std::string>> pictures(const fs::path& folder) {

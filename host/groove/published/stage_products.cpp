@@ -31,6 +31,14 @@ Stages run_stages(const Side& side, const ExtractConfig& config, StageClock& clo
   return {std::move(surface), std::move(features), std::move(kept), sections, std::move(picture)};
 }
 
+std::vector<std::uint32_t> plain_svd_features(const Side& side, const ExtractConfig& config) {
+  return feature_points(curve_surface(side.shoe, side.field, side.outline, config.surface_point_limit,
+                                      {.solver = curvature::Solver::PlainSvd,
+                                       .radius_mm = static_cast<float>(config.curvature_radius_mm),
+                                       .weight_ratio = 0}),
+                        {});
+}
+
 std::vector<Vec3> thin_line(const Stages& stages, std::span<const float> path_row,
                             std::vector<std::uint32_t>& coarse) {
   constexpr double k_reach_mm = 1.5;

@@ -22,6 +22,10 @@ struct Stages {
 
 [[nodiscard]] Stages run_stages(const Side& side, const ExtractConfig& config, StageClock& clock);
 
+/// The article's Figure 12: the feature points that its plain SVD (no levels, no weights) finds at the
+/// surface that run_stages() chooses.
+[[nodiscard]] std::vector<std::uint32_t> plain_svd_features(const Side& side, const ExtractConfig& config);
+
 /// The article's last steps: back to 3-D, thinning, sequence.  Thick points wander across the groove, so the
 /// line through each must be fitted over several millimetres: lambda grows with the points per millimetre.
 [[nodiscard]] std::vector<Vec3> thin_line(const Stages& stages, std::span<const float> path_row,
