@@ -41,6 +41,7 @@ struct PeakConfig {
 struct PixelView {
   const std::uint8_t* pixels{nullptr};
   std::size_t stride_bytes{0};
+  int height_px{0};  ///< 0: as given to create(); fewer where a camera's region follows the stripe
 };
 
 /// A lit frame without the room's own light: lit - dark + k_ambient_pedestal, saturated pixels kept at full
@@ -78,8 +79,8 @@ class PeakExtractor {
   /// Columns with mask 0 are skipped and show no peak.  Pre: one byte per column, or empty for all.
   void set_column_mask(std::span<const std::uint8_t> mask);
 
-  /// Fills every column of `out`; a column without stripe has no peaks.  Pre: the view has the size given to
-  /// create().
+  /// Fills every column of `out`; a column without stripe has no peaks.  Pre: the view is as wide as given to
+  /// create() and no taller, 16 rows at least.
   void rt_extract(const PixelView& frame, Peaks& out) noexcept BITELINE_RT;
 
  private:

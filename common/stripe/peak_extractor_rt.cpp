@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT
+#include "common/core/contracts.hpp"
 #include "common/stripe/peak_extractor_state.hpp"
 
 namespace biteline::stripe {
 
 void PeakExtractor::rt_extract(const PixelView& frame, Peaks& out) noexcept BITELINE_RT {
   State& state = *state_;
+  const int height_px = frame.height_px == 0 ? state.height_px : frame.height_px;
+  BITELINE_EXPECTS(height_px >= 2 * k_block_rows && height_px <= state.height_px);
   const FrameRows rows{.pixels = frame.pixels,
                        .stride_bytes = frame.stride_bytes,
                        .width_px = state.width_px,
-                       .height_px = state.height_px};
+                       .height_px = height_px};
   rt_find_candidates(rows, state.plan, state.scratch);
 
   out.column_count = state.width_px;

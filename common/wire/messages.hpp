@@ -91,6 +91,17 @@ struct TriggerState {
   std::uint64_t edges_without_frame{0};
 };
 
+/// Of a camera whose exposure or rows change while it runs.
+struct CaptureState {
+  Nanoseconds exposure{0};
+  std::uint64_t exposure_changes{0};
+  int first_row_px{0};  ///< of the head's region
+  int rows_px{0};
+  std::uint64_t row_changes{0};
+  double rate_max_hz{0};  ///< that these rows' read-out allows; 0: rows are not followed
+  bool searching{false};  ///< stripe lost, all rows shown
+};
+
 /// The state of what hangs on the sensor, beyond the counters.
 struct Devices {
   std::vector<ClockState> clocks;
@@ -107,6 +118,7 @@ struct Devices {
   std::uint64_t bus_restarts{0};
   std::uint64_t watchdog_feeds_failed{0};
   bool realtime{false};  ///< the thread table was enforced
+  std::optional<CaptureState> capture;  ///< nothing: the head's own settings stand
 };
 
 enum class LaserState : std::uint8_t { Off, On, Fault };

@@ -152,10 +152,16 @@ flatbuffers::Offset<fb::Devices> pack_devices(flatbuffers::FlatBufferBuilder& fb
                                      t->frames_paired, t->frames_without_edge, t->frames_with_two_edges,
                                      t->edges_without_frame);
   }
+  flatbuffers::Offset<fb::CaptureState> capture;
+  if (const std::optional<CaptureState>& c = devices.capture) {
+    capture = fb::CreateCaptureState(fbb, c->exposure.count(), c->exposure_changes, c->first_row_px, c->rows_px,
+                                     c->row_changes, c->rate_max_hz, c->searching);
+  }
   return fb::CreateDevices(fbb, clock_vector, trigger, devices.trigger_by_software, devices.camera_connected,
                            devices.camera_underruns, devices.packets_resent, devices.temperature_degc.has_value(),
                            devices.temperature_degc.value_or(0), devices.poses_flow, devices.pose_reconnects,
-                           devices.poses_unlatched, devices.bus_errors, devices.bus_restarts, devices.watchdog_feeds_failed, devices.realtime);
+                           devices.poses_unlatched, devices.bus_errors, devices.bus_restarts, devices.watchdog_feeds_failed, devices.realtime,
+                           capture);
 }
 
 Result<Devices> read_devices(const fb::Devices* table) {
@@ -198,6 +204,16 @@ Result<Devices> read_devices(const fb::Devices* table) {
   devices.bus_restarts = table->bus_restarts();
   devices.watchdog_feeds_failed = table->watchdog_feeds_failed();
   devices.realtime = table->realtime();
+  if (const fb::CaptureState* capture = table->capture()) {
+    if (!std::isfinite(capture->rate_max_hz())) return fail(Errc::ProtocolError, "frame rate that is not finite");
+    devices.capture = CaptureState{.exposure = Nanoseconds{capture->exposure_ns()},
+                                   .exposure_changes = capture->exposure_changes(),
+                                   .first_row_px = capture->first_row_px(),
+                                   .rows_px = capture->rows_px(),
+                                   .row_changes = capture->row_changes(),
+                                   .rate_max_hz = capture->rate_max_hz(),
+                                   .searching = capture->searching()};
+  }
   return devices;
 }
 

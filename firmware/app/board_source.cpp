@@ -146,11 +146,10 @@ class BoardDevices final : public SourceKind {
     Source source;
     source.scan_name = board_.name;
     BITELINE_ASSIGN(source.camera, open_camera());
-    BITELINE_TRY(configure_as_head(*source.camera, model,
-                                   board_.camera.hardware_trigger ? hal::Trigger::Hardware : hal::Trigger::FreeRun));
+    BITELINE_TRY(configure_as_head(*source.camera, model, capture, board_.camera.hardware_trigger ? hal::Trigger::Hardware : hal::Trigger::FreeRun));
     BITELINE_ASSIGN(source.poses, open_poses());
     BITELINE_ASSIGN(source.trigger, open_trigger());
-    if (source.trigger) BITELINE_TRY(source.trigger->configure(train_of(model)));
+    if (source.trigger) BITELINE_TRY(source.trigger->configure(train_of(model, capture)));
     if (board_.scan_active) {
       BITELINE_ASSIGN(source.scan_active, open_edges(*board_.scan_active));
     }

@@ -39,11 +39,11 @@ class Cell final : public SourceKind {
                                              .receive_priority = realtime ? runtime::threads::k_receive.priority : 0}));
     BITELINE_ASSIGN(std::unique_ptr<hal::EdgeIn> strobe_echo, sim::SimEdgeIn::open(wires_, sim::Line::StrobeEcho));
     source.camera = std::make_unique<hal::TriggeredCamera>(std::move(camera), std::move(strobe_echo), k_pairing);
-    BITELINE_TRY(configure_as_head(*source.camera, model, hal::Trigger::Hardware));
+    BITELINE_TRY(configure_as_head(*source.camera, model, capture, hal::Trigger::Hardware));
     BITELINE_ASSIGN(std::unique_ptr<hal::CanBus> bus, sim::SimCanBus::open(wires_));
     source.poses = std::make_unique<hal::CanPoseSource>(std::move(bus), clock_, hal::CanPoseSource::Config{});
     BITELINE_ASSIGN(source.trigger, sim::SimPwmOut::open(wires_));
-    BITELINE_TRY(source.trigger->configure(train_of(model)));
+    BITELINE_TRY(source.trigger->configure(train_of(model, capture)));
     BITELINE_ASSIGN(source.scan_active, sim::SimEdgeIn::open(wires_, sim::Line::ScanActive));
     return source;
   }

@@ -13,11 +13,14 @@ Result<geometry::SensorModel> read_live_head(const std::filesystem::path& sensor
   return head;
 }
 
-Result<void> configure_as_head(hal::LineCamera& camera, const geometry::SensorModel& head, hal::Trigger trigger) {
+Result<void> configure_as_head(hal::LineCamera& camera, const geometry::SensorModel& head, const Capture& capture,
+                               hal::Trigger trigger) {
   BITELINE_ASSIGN(const hal::CameraSettings got, camera.configure({.region = head.region,
                                                                    .exposure = *head.exposure,
                                                                    .rate_hz = *head.rate_hz,
-                                                                   .trigger = trigger}));
+                                                                   .trigger = trigger,
+                                                                   .second_exposure = capture.second_exposure,
+                                                                   .laser_off_frames = capture.laser_off_frames}));
   const geometry::Region& region = got.region;
   if (region.offset_u_px == head.region.offset_u_px && region.offset_v_px == head.region.offset_v_px &&
       region.width_px == head.region.width_px && region.height_px == head.region.height_px) {
@@ -27,8 +30,8 @@ Result<void> configure_as_head(hal::LineCamera& camera, const geometry::SensorMo
               region.height_px, region.offset_u_px, region.offset_v_px);
 }
 
-hal::PwmSettings train_of(const geometry::SensorModel& head) {
-  return {.period = Nanoseconds{static_cast<std::int64_t>(1e9 / *head.rate_hz)}, .pulse = *head.exposure};
+hal::PwmSettings train_of(const geometry::SensorModel& head, const Capture& capture) {
+  return {.period = Nanoseconds{static_cast<std::int64_t>(1e9 / *head.rate_hz)}, .pulse = longest_exposure(capture, head)};
 }
 
 }  // namespace biteline::sensor

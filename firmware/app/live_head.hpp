@@ -6,6 +6,7 @@
 
 #include "common/core/result.hpp"
 #include "common/geometry/sensor_model.hpp"
+#include "firmware/app/capture.hpp"
 #include "hal/api/line_camera.hpp"
 #include "hal/api/pwm_out.hpp"
 
@@ -17,9 +18,9 @@ namespace biteline::sensor {
 /// The camera as the head was calibrated: Errc::DeviceError when it takes another region.
 /// Pre: `head` is from read_live_head().
 [[nodiscard]] Result<void> configure_as_head(hal::LineCamera& camera, const geometry::SensorModel& head,
-                                             hal::Trigger trigger);
+                                             const Capture& capture, hal::Trigger trigger);
 
-/// One pulse of the exposure's length for each frame.
-[[nodiscard]] hal::PwmSettings train_of(const geometry::SensorModel& head);
+/// One pulse for each frame, as long as the longest exposure that may occur.
+[[nodiscard]] hal::PwmSettings train_of(const geometry::SensorModel& head, const Capture& capture);
 
 }  // namespace biteline::sensor

@@ -2,6 +2,7 @@
 #include "firmware/app/options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 
 namespace biteline::sensor {
@@ -32,6 +33,13 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_option("--store-mb", options.store_megabytes, "Room for what hosts have not fetched yet, in MB")
       ->check(CLI::Range(1, 16384))
       ->capture_default_str();
+  Capture& capture = options.source.capture;
+  double second_exposure_us = 0;
+  app.add_flag("--auto-exposure", capture.auto_exposure, "The exposure follows the surface: share of valid and of saturated columns");
+  app.add_flag("--follow-stripe", capture.follow_stripe, "The camera shows only the rows about the stripe, all of the head's region when it is lost");
+  app.add_flag("--laser-off-frames", capture.laser_off_frames, "Every second frame without laser, taken off the next: against the room's light");
+  app.add_option("--second-exposure-us", second_exposure_us, "Every second frame so long, merged per column: black beside white")
+      ->check(CLI::PositiveNumber);
   app.add_flag("--exit-with-parent", options.exit_with_parent, "Stop when the program that started this one ends");
   app.add_flag("--stay", options.stay_after_scan, "Keep serving a recording after it was delivered");
   app.add_flag("--check", options.check, "Open and close each device of --source board:FILE, say what is missing, and leave");
@@ -51,6 +59,7 @@ ParsedOptions parse_options(int argc, char** argv) {
     return parsed;
   }
   options.listen = *endpoint;
+  capture.second_exposure = Nanoseconds{std::llround(1e3 * second_exposure_us)};
   if (realtime == "required") options.realtime = runtime::RealtimeDemand::Required;
   if (realtime == "ignore") options.realtime = runtime::RealtimeDemand::Ignored;
   return parsed;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/app/scanner.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <limits>
 #include <utility>
@@ -35,15 +36,26 @@ std::int64_t to_ns(SensorClock::time_point instant) { return instant.time_since_
 
 Result<std::unique_ptr<Scanner>> Scanner::create(Source source, const Config& config, const hal::Clock& clock,
                                                  runtime::LaserWatch* laser) {
-  BITELINE_ASSIGN(pipeline::ProfilePipeline pipeline, pipeline::ProfilePipeline::create(config.pipeline, config.model));
-  return std::unique_ptr<Scanner>{new Scanner{std::move(source), config, std::move(pipeline), clock, laser}};
+  pipeline::ProfilePipeline::Config stages = config.pipeline;
+  stages.bracketing = config.capture.second_exposure.count() != 0;
+  // The laser-off frame just before is one period old, whatever the rate.
+  if (config.capture.laser_off_frames) {
+    constexpr double k_periods = 1.5;
+    stages.ambient_max_age = std::max(
+        stages.ambient_max_age, Nanoseconds{static_cast<std::int64_t>(k_periods * 1e9 / *config.model.rate_hz)});
+  }
+  BITELINE_ASSIGN(pipeline::ProfilePipeline pipeline, pipeline::ProfilePipeline::create(stages, config.model));
+  BITELINE_ASSIGN(auto capture, CaptureControl::create(config.capture, config.model, *source.camera));
+  return std::unique_ptr<Scanner>{
+      new Scanner{std::move(source), config, std::move(pipeline), std::move(capture), clock, laser}};
 }
 
-Scanner::Scanner(Source source, const Config& config, pipeline::ProfilePipeline pipeline, const hal::Clock& clock,
-                 runtime::LaserWatch* laser)
+Scanner::Scanner(Source source, const Config& config, pipeline::ProfilePipeline pipeline,
+                 std::unique_ptr<CaptureControl> capture, const hal::Clock& clock, runtime::LaserWatch* laser)
     : source_{std::move(source)},
       config_{config},
       pipeline_{std::move(pipeline)},
+      capture_{std::move(capture)},
       clock_{clock},
       laser_{laser},
       poses_wanted_until_ns_{k_never_ns} {}
@@ -84,7 +96,10 @@ void Scanner::acquire() {
       const Result<hal::FrameView> frame = source_.camera->next_frame(k_device_wait);
       if (frame) {
         wait_meter.rt_add(clock_.now() - begin);
-        process(*frame);
+        if (const Result<void> done = process(*frame); !done) {
+          record_failure(done.error());
+          break;
+        }
       } else if (frame.error().code != Errc::Timeout) {
         record_failure(frame.error());
         break;
@@ -96,7 +111,7 @@ void Scanner::acquire() {
   acquisition_over_.store(true, std::memory_order_release);
 }
 
-void Scanner::process(const hal::FrameView& frame) {
+Result<void> Scanner::process(const hal::FrameView& frame) {
   const SensorClock::time_point begin = clock_.now();
   const std::optional<rt::BufferIndex> buffer = pool_.rt_acquire();
   BITELINE_EXPECTS(buffer.has_value());  // k_pool_profiles leaves one
@@ -104,8 +119,12 @@ void Scanner::process(const hal::FrameView& frame) {
   source_.camera->release(frame);
   if (!made) {  // an ambient picture, or the first half of a bracket
     pool_.rt_release(*buffer);
-    return;
+    if (laser_ != nullptr) laser_->note_frame(clock_.now());
+    return {};
   }
+  // In the dark before the laser comes on nothing is to be learned.
+  const bool lit = laser_ == nullptr || laser_->status().on;
+  const CaptureControl::Wish wish = lit ? capture_->rt_consider(pool_[*buffer]) : CaptureControl::Wish{};
   const SensorClock::time_point end = clock_.now();
   if (end - begin > runtime::threads::k_acquisition.budget && !config_.lossless) {
     pool_[*buffer].header.flags |= profile::k_profile_overrun;
@@ -118,6 +137,14 @@ void Scanner::process(const hal::FrameView& frame) {
   process_meter.rt_add(end - begin);
   profiles_.fetch_add(1, std::memory_order_relaxed);
   if (laser_ != nullptr) laser_->note_frame(end);
+  if (!wish.exposure && !wish.rows) return {};
+  const SensorClock::time_point asked = clock_.now();
+  BITELINE_TRY(capture_->apply(wish, *source_.camera));
+  const SensorClock::time_point answered = clock_.now();
+  adjust_meter.rt_add(answered - asked);
+  // Its answer is a sign of life as good as a frame, and new rows cost it a frame or two.
+  if (laser_ != nullptr) laser_->note_frame(answered);
+  return {};
 }
 
 void Scanner::read_poses() {

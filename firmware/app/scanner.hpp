@@ -10,6 +10,7 @@
 
 #include "common/rt/buffer_pool.hpp"
 #include "common/rt/spsc_ring.hpp"
+#include "firmware/app/capture.hpp"
 #include "firmware/app/source.hpp"
 #include "firmware/pipeline/profile_pipeline.hpp"
 #include "firmware/runtime/laser_watch.hpp"
@@ -40,6 +41,7 @@ class Scanner {
   struct Config {
     pipeline::ProfilePipeline::Config pipeline;
     geometry::SensorModel model;
+    Capture capture{};
     bool lossless{false};  ///< the source may be made to wait
     runtime::RealtimeDemand realtime{runtime::RealtimeDemand::Required};
   };
@@ -68,27 +70,30 @@ class Scanner {
   [[nodiscard]] std::optional<Error> failure() const;
 
   [[nodiscard]] ScanCounts counts() const;
+  [[nodiscard]] CaptureState capture_state() const { return capture_->state(); }
   [[nodiscard]] Source& source() { return source_; }
   [[nodiscard]] const Config& config() const { return config_; }
 
   runtime::StageMeter wait_meter, process_meter, stamp_meter;
+  runtime::StageMeter adjust_meter;  ///< changes of exposure or rows
 
  private:
   /// Ring plus the one being filled plus the one being sent: a buffer is always free for the next frame.
   static constexpr std::size_t k_ring_profiles = 32;
   static constexpr std::size_t k_pool_profiles = k_ring_profiles + 2;
 
-  Scanner(Source source, const Config& config, pipeline::ProfilePipeline pipeline, const hal::Clock& clock,
-          runtime::LaserWatch* laser);
+  Scanner(Source source, const Config& config, pipeline::ProfilePipeline pipeline,
+          std::unique_ptr<CaptureControl> capture, const hal::Clock& clock, runtime::LaserWatch* laser);
   void acquire();
   void read_poses();
-  void process(const hal::FrameView& frame);
+  [[nodiscard]] Result<void> process(const hal::FrameView& frame);
   [[nodiscard]] bool pose_settled();
   void record_failure(const Error& error);
 
   Source source_;
   Config config_;
   pipeline::ProfilePipeline pipeline_;
+  std::unique_ptr<CaptureControl> capture_;
   const hal::Clock& clock_;
   runtime::LaserWatch* laser_;
   pipeline::PoseHistory poses_;

@@ -10,6 +10,7 @@
 
 #include "common/core/result.hpp"
 #include "common/geometry/sensor_model.hpp"
+#include "firmware/app/capture.hpp"
 #include "firmware/runtime/laser_guard.hpp"
 #include "hal/api/edge_in.hpp"
 #include "hal/api/gpio_out.hpp"
@@ -53,6 +54,7 @@ class SourceKind {
   [[nodiscard]] virtual Result<std::optional<LaserDevices>> open_laser() = 0;
 
   geometry::SensorModel model;
+  Capture capture;        ///< checked against the model
   bool recording{false};  ///< may be made to wait; played once, from the start of the program
   bool realtime{false};   ///< threads of the devices' own run as the thread table says
   bool simulated{false};  ///< frames and poses are made, not measured
@@ -61,6 +63,7 @@ class SourceKind {
 struct SourceOptions {
   std::string source;                                ///< "replay:SESSION", "cell:NAME" or "board:FILE"
   std::optional<std::filesystem::path> sensor_file;  ///< the head's calibration; replaces a recording's own
+  Capture capture;
 };
 
 [[nodiscard]] Result<std::unique_ptr<SourceKind>> choose_source(const SourceOptions& options);

@@ -110,6 +110,7 @@ Result<void> Streamer::start_scan() {
   BITELINE_ASSIGN(scanner_, Scanner::create(std::move(source),
                                             {.pipeline = config_.pipeline,
                                              .model = kind_.model,
+                                             .capture = kind_.capture,
                                              .lossless = kind_.recording,
                                              .realtime = config_.realtime},
                                             clock_, laser_));
@@ -245,7 +246,7 @@ wire::Counters Streamer::counters() const {
 std::vector<wire::StageTime> Streamer::stages() const {
   if (!scanner_) return last_end_.stages;
   return {stage_time("wait_for_frame", scanner_->wait_meter), stage_time("frame_to_profile", scanner_->process_meter),
-          stage_time("stamp_pose", scanner_->stamp_meter), stage_time("encode", encode_meter_)};
+          stage_time("adjust_camera", scanner_->adjust_meter), stage_time("stamp_pose", scanner_->stamp_meter), stage_time("encode", encode_meter_)};
 }
 
 wire::Devices Streamer::devices() const {
@@ -262,6 +263,16 @@ wire::Devices Streamer::devices() const {
   devices.camera_connected = camera.connected;
   devices.camera_underruns = camera.underruns;
   devices.packets_resent = camera.packets_resent;
+  if (kind_.capture.any()) {
+    const CaptureState capture = scanner_->capture_state();
+    devices.capture = wire::CaptureState{.exposure = capture.exposure,
+                                         .exposure_changes = capture.exposure_changes,
+                                         .first_row_px = capture.rows.first_px,
+                                         .rows_px = capture.rows.height_px,
+                                         .row_changes = capture.row_changes,
+                                         .rate_max_hz = capture.rate_max_hz,
+                                         .searching = capture.searching};
+  }
   if (camera.temperature_known) devices.temperature_degc = camera.temperature_degc;
   devices.poses_flow = poses.state == hal::PoseState::Streaming;
   devices.pose_reconnects = poses.reconnects;

@@ -44,6 +44,13 @@ const stripe::Peak& chosen_peak(const ExposedStripe& stripe, std::size_t column)
       .kept[static_cast<std::size_t>(stripe.selection.columns[column].kept_index)];
 }
 
+/// From rows of the frame to rows of the region.
+void rt_shift_rows(stripe::Peaks& peaks, float rows_px) noexcept BITELINE_RT {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(peaks.column_count); ++i) {
+    for (std::size_t k = 0; k < peaks.columns[i].kept_count; ++k) peaks.columns[i].kept[k].row_px += rows_px;
+  }
+}
+
 /// The chosen peaks as a line, averaged along itself.  A peak that mixes surfaces or is none joins nothing.
 void rt_average_along_line(const stripe::LineAverage& average, ExposedStripe& stripe,
                            std::span<stripe::LinePoint> work) noexcept BITELINE_RT {
@@ -111,20 +118,24 @@ bool prefers_second(const ExposedStripe& first, const ExposedStripe& second, std
 
 bool ProfilePipeline::rt_process(const hal::FrameView& frame, ProfileBuffer& out) noexcept BITELINE_RT {
   State& state = *state_;
-  BITELINE_EXPECTS(frame.width_px == state.region.width_px && frame.height_px == state.region.height_px);
+  BITELINE_EXPECTS(frame.width_px == state.region.width_px && frame.first_row_px >= 0 &&
+                   frame.first_row_px + frame.height_px <= state.region.height_px);
   if (frame.flags & hal::k_frame_laser_off) {
     const auto width = static_cast<std::size_t>(frame.width_px);
     for (std::size_t row = 0; row < static_cast<std::size_t>(frame.height_px); ++row) {
       std::copy_n(frame.pixels.data() + row * frame.stride_bytes, width, state.ambient.data() + row * width);
     }
     state.ambient_mid = frame.exposure_mid;
+    state.ambient_rows = {.first_px = frame.first_row_px, .height_px = frame.height_px};
     return false;
   }
 
   // From one frame to one exposure's line.
   const auto expose = [&](ExposedStripe& stripe) {
-    stripe::PixelView view{.pixels = frame.pixels.data(), .stride_bytes = frame.stride_bytes};
-    if (state.ambient_mid &&
+    stripe::PixelView view{
+        .pixels = frame.pixels.data(), .stride_bytes = frame.stride_bytes, .height_px = frame.height_px};
+    if (state.ambient_mid && state.ambient_rows.first_px == frame.first_row_px &&
+        state.ambient_rows.height_px == frame.height_px &&
         std::chrono::abs(frame.exposure_mid - *state.ambient_mid) <= state.config.ambient_max_age) {
       const auto width = static_cast<std::size_t>(frame.width_px);
       stripe::rt_subtract_ambient({.lit = view,
@@ -132,12 +143,13 @@ bool ProfilePipeline::rt_process(const hal::FrameView& frame, ProfileBuffer& out
                                    .width_px = frame.width_px,
                                    .height_px = frame.height_px},
                                   state.difference.data());
-      view = {.pixels = state.difference.data(), .stride_bytes = width};
+      view = {.pixels = state.difference.data(), .stride_bytes = width, .height_px = frame.height_px};
     }
     stripe.exposure_mid = frame.exposure_mid;
     stripe.frame_sequence = frame.sequence;
     stripe.frame_flags = frame.flags;
     state.extractor.rt_extract(view, stripe.peaks);
+    if (frame.first_row_px != 0) rt_shift_rows(stripe.peaks, static_cast<float>(frame.first_row_px));
     stripe.selector.rt_select(stripe.peaks, stripe.selection);
     rt_average_along_line(state.line_average, stripe, state.line_work);
   };

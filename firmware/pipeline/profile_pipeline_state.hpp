@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "firmware/pipeline/profile_pipeline.hpp"
+#include "hal/api/line_camera.hpp"
 
 namespace biteline::pipeline {
 
@@ -44,6 +45,7 @@ struct ProfilePipeline::State {
   std::vector<std::uint8_t> ambient;     ///< the last laser-off frame, without padding
   std::vector<std::uint8_t> difference;  ///< lit frame less ambient
   std::optional<SensorClock::time_point> ambient_mid;
+  hal::RowRange ambient_rows;
   std::uint64_t next_sequence{0};
 };
 

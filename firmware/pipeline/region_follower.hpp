@@ -18,7 +18,8 @@ namespace biteline::pipeline {
 class RegionFollower {
  public:
   struct Config {
-    int sensor_height_px{1236};
+    int first_row_px{0};    ///< of the sensor: the region stays between these
+    int end_row_px{1236};
     int step_px{4};  ///< offsets and heights are multiples of it
     int least_height_px{64};
     int margin_px{40};           ///< at 0.16 mm a row 6 mm of surface
@@ -38,7 +39,7 @@ class RegionFollower {
     double rate_max_hz{0};  ///< highest frame rate for this region
   };
 
-  /// Starts with the whole height.
+  /// Starts with the whole height.  Pre: the rows in between are least_height_px at least.
   explicit RegionFollower(const Config& config);
 
   [[nodiscard]] Proposal rt_update(const profile::ProfileBuffer& profile) noexcept BITELINE_RT;
@@ -46,9 +47,8 @@ class RegionFollower {
  private:
   [[nodiscard]] Proposal rt_propose(int first_row_px, int end_row_px, bool searching) noexcept BITELINE_RT;
   Config config_;
-  int first_row_px_{0};  ///< the region now
-  int end_row_px_;
-  int seen_first_px_, seen_end_px_{0};  ///< rows taken since the count began
+  int first_row_px_, end_row_px_;  ///< the region now
+  int seen_first_px_, seen_end_px_;  ///< rows taken since the count began
   int profiles_too_large_{0};
   int profiles_lost_{0};
   bool searching_{true};

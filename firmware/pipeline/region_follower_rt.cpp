@@ -13,26 +13,32 @@ constexpr double k_worth_ratio = 1.25;
 }  // namespace
 
 RegionFollower::RegionFollower(const Config& config)
-    : config_{config}, end_row_px_{config.sensor_height_px}, seen_first_px_{config.sensor_height_px} {}
+    : config_{config},
+      first_row_px_{config.first_row_px},
+      end_row_px_{config.end_row_px},
+      seen_first_px_{config.end_row_px},
+      seen_end_px_{config.first_row_px} {}
 
 RegionFollower::Proposal RegionFollower::rt_propose(int first_row_px, int end_row_px,
                                                     bool searching) noexcept BITELINE_RT {
-  const int step = config_.step_px;
-  int first = std::max(0, first_row_px) / step * step;
-  int end = std::min(config_.sensor_height_px, (end_row_px + step - 1) / step * step);
+  // In steps from the first row that it may show.
+  const int step = config_.step_px, whole = config_.end_row_px - config_.first_row_px;
+  int first = std::max(0, first_row_px - config_.first_row_px) / step * step;
+  int end = std::min(whole, (end_row_px - config_.first_row_px + step - 1) / step * step);
   if (end - first < config_.least_height_px) {
     const int middle = (first + end) / 2;
-    first = std::clamp(middle - config_.least_height_px / 2, 0,
-                       std::max(0, config_.sensor_height_px - config_.least_height_px)) /
+    first = std::clamp(middle - config_.least_height_px / 2, 0, std::max(0, whole - config_.least_height_px)) /
             step * step;
-    end = std::min(config_.sensor_height_px, first + config_.least_height_px);
+    end = std::min(whole, first + config_.least_height_px);
   }
+  first += config_.first_row_px;
+  end += config_.first_row_px;
   const bool changed = first != first_row_px_ || end != end_row_px_;
   if (changed) {
     first_row_px_ = first;
     end_row_px_ = end;
-    seen_first_px_ = config_.sensor_height_px;
-    seen_end_px_ = 0;
+    seen_first_px_ = config_.end_row_px;
+    seen_end_px_ = config_.first_row_px;
     profiles_too_large_ = 0;
   }
   searching_ = searching;
@@ -47,11 +53,11 @@ RegionFollower::Proposal RegionFollower::rt_propose(int first_row_px, int end_ro
 RegionFollower::Proposal RegionFollower::rt_update(const profile::ProfileBuffer& profile) noexcept
     BITELINE_RT {
   if (profile.header.flags & profile::k_profile_stripe_lost) {
-    if (++profiles_lost_ >= config_.profiles_to_lose) return rt_propose(0, config_.sensor_height_px, true);
+    if (++profiles_lost_ >= config_.profiles_to_lose) return rt_propose(config_.first_row_px, config_.end_row_px, true);
     return rt_propose(first_row_px_, end_row_px_, searching_);
   }
   profiles_lost_ = 0;
-  int first = config_.sensor_height_px, end = 0;
+  int first = config_.end_row_px, end = config_.first_row_px;
   bool clipped = false;
   for (const profile::ProfilePoint& point : profile.view()) {
     if (point.flags & profile::k_point_reflection) continue;
@@ -66,8 +72,8 @@ RegionFollower::Proposal RegionFollower::rt_update(const profile::ProfileBuffer&
 
   const int wanted_first = seen_first_px_ - config_.margin_px, wanted_end = seen_end_px_ + config_.margin_px;
   // The stripe nears an edge: room on that side at once.  Half of the margin is what it may use up.
-  const bool near_first = first_row_px_ > 0 && first < first_row_px_ + config_.margin_px / 2;
-  const bool near_end = end_row_px_ < config_.sensor_height_px && end > end_row_px_ - config_.margin_px / 2;
+  const bool near_first = first_row_px_ > config_.first_row_px && first < first_row_px_ + config_.margin_px / 2;
+  const bool near_end = end_row_px_ < config_.end_row_px && end > end_row_px_ - config_.margin_px / 2;
   if (clipped || near_first || near_end) {
     return rt_propose(std::min(first_row_px_, wanted_first), std::max(end_row_px_, wanted_end), false);
   }

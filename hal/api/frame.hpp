@@ -24,6 +24,7 @@ struct FrameView {
   std::span<const std::uint8_t> pixels;  ///< stride_bytes * height_px
   int width_px{0};
   int height_px{0};
+  int first_row_px{0};                   ///< of the configured region that it shows
   std::size_t stride_bytes{0};
   std::uint64_t sequence{0};             ///< the camera's own count; gaps are losses
   SensorClock::time_point exposure_mid;

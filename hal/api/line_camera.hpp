@@ -22,6 +22,15 @@ struct CameraSettings {
   Trigger trigger{Trigger::FreeRun};
   /// Every second frame with this exposure instead (bracketing; flagged k_frame_second_exposure); 0: off.
   Nanoseconds second_exposure{0};
+  /// Every second frame without the laser (the camera's strobe output, on which the laser's modulation hangs, stays
+  /// off; flagged k_frame_laser_off).  Not beside second_exposure.
+  bool laser_off_frames{false};
+};
+
+/// Rows of the configured region.
+struct RowRange {
+  int first_px{0};
+  int height_px{0};
 };
 
 struct CameraLimits {
@@ -30,7 +39,8 @@ struct CameraLimits {
   Nanoseconds exposure_min{0}, exposure_max{0};
   double rate_max_hz{0};  ///< at the region and exposure now configured (full sensor before that)
   bool hardware_trigger{false};
-  bool bracketing{false};
+  bool bracketing{false};  ///< second_exposure and laser_off_frames: two sets of settings in turn
+  bool rows_adjustable{false};
 };
 
 /// What a camera's strobe echo shows of its trigger; counts since start().
@@ -64,7 +74,7 @@ struct CameraHealth {
 
 /// Made by the backend's `static Result<std::unique_ptr<...>> open(config)`; destroyed in any state (stops first).
 ///
-/// | state      | configure  | start    | next_frame | release | adjust_exposure | stop     |
+/// | state      | configure  | start    | next_frame | release | adjust_*        | stop     |
 /// |------------|------------|----------|------------|---------|-----------------|----------|
 /// | Open       | Configured | refused  | refused    | -       | refused         | ok, Open |
 /// | Configured | Configured | Running  | refused    | -       | refused         | ok       |
@@ -98,6 +108,13 @@ class LineCamera {
 
   /// For the frames from the next but two on at the latest.
   [[nodiscard]] virtual Result<Nanoseconds> adjust_exposure(Nanoseconds exposure) = 0;
+
+  /// Frames from now on show only these rows of the configured region (FrameView::first_row_px), to within the
+  /// camera's steps; gives back what it took.  May cost a few frames, counted as lost.  Pre: no frame is borrowed.
+  [[nodiscard]] virtual Result<RowRange> adjust_rows(const RowRange& rows) {
+    (void)rows;
+    return fail(Errc::NotSupported, "this camera's region stands while it runs");
+  }
 
   [[nodiscard]] virtual Result<void> stop() = 0;
 

@@ -113,6 +113,8 @@ Result<CameraSettings> ReplayCamera::configure(const CameraSettings& wanted) {
       wanted.region.width_px != region.width_px || wanted.region.height_px != region.height_px) {
     return fail(Errc::BadValue, "%s: recorded with another region than asked for", state_->session->root.c_str());
   }
+  if (wanted.second_exposure.count() != 0 || wanted.laser_off_frames)
+    return fail(Errc::NotSupported, "%s: a recording is exposed already", state_->session->root.c_str());
   state_->phase = Phase::Configured;
   return CameraSettings{.region = region,
                         .exposure = sensor.exposure.value_or(Nanoseconds{0}),

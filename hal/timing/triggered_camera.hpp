@@ -30,6 +30,7 @@ class TriggeredCamera final : public LineCamera {
   [[nodiscard]] Result<FrameView> next_frame(Nanoseconds timeout) override;
   void release(const FrameView& frame) noexcept override { camera_->release(frame); }
   [[nodiscard]] Result<Nanoseconds> adjust_exposure(Nanoseconds exposure) override;
+  [[nodiscard]] Result<RowRange> adjust_rows(const RowRange& rows) override { return camera_->adjust_rows(rows); }
   [[nodiscard]] Result<void> stop() override { return camera_->stop(); }
   [[nodiscard]] CameraHealth health() const noexcept override;
 

@@ -41,6 +41,16 @@ nlohmann::ordered_json account_of(const wire::Devices& devices) {
                                  {"bus_errors", devices.bus_errors},
                                  {"bus_restarts", devices.bus_restarts},
                                  {"watchdog_feeds_failed", devices.watchdog_feeds_failed}};
+  if (devices.capture) {
+    constexpr double k_us_per_ns = 1e-3;
+    account["capture"] = {{"exposure_us", k_us_per_ns * static_cast<double>(devices.capture->exposure.count())},
+                          {"exposure_changes", devices.capture->exposure_changes},
+                          {"first_row_px", devices.capture->first_row_px},
+                          {"rows_px", devices.capture->rows_px},
+                          {"row_changes", devices.capture->row_changes},
+                          {"rate_max_hz", devices.capture->rate_max_hz},
+                          {"searching", devices.capture->searching}};
+  }
   if (devices.temperature_degc) account["temperature_degc"] = *devices.temperature_degc;
   for (const wire::ClockState& clock : devices.clocks) {
     if (!clock.known) {

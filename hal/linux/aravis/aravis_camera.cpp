@@ -109,6 +109,8 @@ Result<CameraLimits> AravisCamera::limits() {
     if (call.failed()) return call.failure();
   }
   limits.hardware_trigger = device_->has("TriggerMode");
+  limits.bracketing = device_->has("SequencerMode");
+  limits.rows_adjustable = true;
   return limits;
 }
 
@@ -116,8 +118,9 @@ Result<CameraSettings> AravisCamera::configure(const CameraSettings& wanted) {
   Device& device = *device_;
   if (device.state == Device::State::Running)
     return fail(Errc::WrongState, "camera %s: configure while running", device.config.address.c_str());
-  if (wanted.second_exposure.count() != 0) {
-    return fail(Errc::NotSupported, "camera %s: no bracketing (SFNC leaves the sequencer to the vendor)",
+  const bool bracket = wanted.second_exposure.count() != 0;
+  if (bracket && wanted.laser_off_frames) {
+    return fail(Errc::InvalidArgument, "camera %s: a second exposure and laser-off frames exclude each other",
                 device.config.address.c_str());
   }
   BITELINE_ASSIGN(const CameraLimits limit, limits());
@@ -129,23 +132,26 @@ Result<CameraSettings> AravisCamera::configure(const CameraSettings& wanted) {
                 device.config.address.c_str(), r.width_px, r.height_px, r.offset_u_px, r.offset_v_px,
                 limit.sensor_width_px, limit.sensor_height_px);
   }
-  if (wanted.exposure < limit.exposure_min || wanted.exposure > limit.exposure_max) {
-    return fail(Errc::BadValue, "camera %s: exposure %.1f us outside %.1f to %.1f us",
-                device.config.address.c_str(), microseconds(wanted.exposure),
-                microseconds(limit.exposure_min), microseconds(limit.exposure_max));
+  for (const Nanoseconds exposure : {wanted.exposure, bracket ? wanted.second_exposure : wanted.exposure}) {
+    if (exposure < limit.exposure_min || exposure > limit.exposure_max) {
+      return fail(Errc::BadValue, "camera %s: exposure %.1f us outside %.1f to %.1f us",
+                  device.config.address.c_str(), microseconds(exposure), microseconds(limit.exposure_min),
+                  microseconds(limit.exposure_max));
+    }
   }
   const geometry::Region stepped{.offset_u_px = rounded_down(r.offset_u_px, limit.region_step_u_px),
                                  .offset_v_px = rounded_down(r.offset_v_px, limit.region_step_v_px),
                                  .width_px = rounded_down(r.width_px, limit.region_step_u_px),
                                  .height_px = rounded_down(r.height_px, limit.region_step_v_px)};
   BITELINE_TRY(device.set_region(stepped));
+  device.settings = wanted;
+  BITELINE_TRY(device.set_sequence());
   Call call(device.config.address, "exposure");
   arv_camera_set_exposure_time(device.camera, microseconds(wanted.exposure), call);
   if (call.failed()) return call.failure();
   if (wanted.trigger == Trigger::FreeRun) BITELINE_TRY(device.set_rate(wanted.rate_hz));
   BITELINE_TRY(device.set_trigger(wanted.trigger));
 
-  device.settings = wanted;
   BITELINE_ASSIGN(device.settings.region, device.region());
   device.settings.exposure = from_microseconds(arv_camera_get_exposure_time(device.camera, call));
   if (call.failed()) return call.failure();
@@ -161,6 +167,26 @@ Result<void> AravisCamera::start() {
   Device& device = *device_;
   if (device.state != Device::State::Configured)
     return fail(Errc::WrongState, "camera %s: start before configure", device.config.address.c_str());
+  device.rows = device.rows_before = {.first_px = 0, .height_px = device.settings.region.height_px};
+  BITELINE_ASSIGN(const CameraLimits limit, limits());
+  device.row_step_px = limit.region_step_v_px;
+  device.first_frame = true;
+  device.next_sequence = device.base_sequence = 0;
+  device.last_mid = SensorClock::time_point::min();
+  device.arrival.reset();
+  device.arrival_line = ClockMapCore{ClockMapCore::Config{}};
+  device.frames = device.frames_lost = device.frames_damaged = device.underruns = device.packets_resent = 0;
+  device.change_from = device.change_until = SensorClock::time_point::min();
+  device.read_ptp();
+  device.measure_ptp();
+  device.read_temperature();
+  BITELINE_TRY(begin_stream());
+  device.state = Device::State::Running;
+  return {};
+}
+
+Result<void> AravisCamera::begin_stream() {
+  Device& device = *device_;
   Call call(device.config.address, "start");
   device.stream = arv_camera_create_stream(device.camera, on_receive_thread, &device.config.receive_priority, call);
   if (call.failed()) return call.failure();
@@ -183,21 +209,16 @@ Result<void> AravisCamera::start() {
     arv_stream_push_buffer(device.stream, buffer);
   }
   device.borrowed.reserve(static_cast<std::size_t>(device.config.buffers));
-  device.arrival.reset();
-  device.arrival_line = ClockMapCore{ClockMapCore::Config{}};
   device.counter = {};
-  device.first_frame = true;
-  device.next_sequence = 0;
-  device.frames = device.frames_lost = device.frames_damaged = device.underruns = device.packets_resent = 0;
-  device.read_ptp();
-  device.measure_ptp();
-  device.read_temperature();
+  if (const Result<void> begun = device.begin_sequence(); !begun) {
+    device.drop_stream();
+    return begun;
+  }
   arv_camera_start_acquisition(device.camera, call);
   if (call.failed()) {
     device.drop_stream();
     return call.failure();
   }
-  device.state = Device::State::Running;
   return {};
 }
 
@@ -222,7 +243,9 @@ Result<FrameView> AravisCamera::next_frame(Nanoseconds timeout) {
     std::size_t size_bytes = 0;
     const auto* pixels = static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &size_bytes));
     // The size of a frame whose leader was lost is not known: that of the settings counts.
-    const int width_px = device.settings.region.width_px, height_px = device.settings.region.height_px;
+    const int width_px = device.settings.region.width_px;
+    const RowRange rows = device.rows_of(whole ? arv_buffer_get_image_height(buffer) : device.rows.height_px);
+    const int height_px = rows.height_px;
     const std::size_t wanted_bytes = static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
     const bool foreign = whole && (arv_buffer_get_image_width(buffer) != width_px ||
                                    arv_buffer_get_image_height(buffer) != height_px);
@@ -234,19 +257,29 @@ Result<FrameView> AravisCamera::next_frame(Nanoseconds timeout) {
     FrameView frame{.pixels = {pixels, wanted_bytes},
                     .width_px = width_px,
                     .height_px = height_px,
+                    .first_row_px = rows.first_px,
                     .stride_bytes = static_cast<std::size_t>(width_px),
                     .sequence = device.counter.count(arv_buffer_get_frame_id(buffer)),
                     .exposure_mid = {},
                     .flags = whole ? 0U : static_cast<std::uint32_t>(k_frame_damaged)};
-    const Nanoseconds half_exposure = device.settings.exposure / 2;
     const Nanoseconds stamp{static_cast<std::int64_t>(arv_buffer_get_timestamp(buffer))};
-    if (stamp.count() == 0) {
-      frame.exposure_mid = arrival;  // leader lost
-      frame.flags |= k_frame_stamp_uncertain;
-    } else {
-      frame.exposure_mid = device.to_sensor(stamp, arrival) + half_exposure;
-      if (!device.ptp) frame.flags |= k_frame_stamp_uncertain;
+    const SensorClock::time_point begin = stamp.count() == 0 ? arrival : device.to_sensor(stamp, arrival);
+    bool unsure = !device.ptp || stamp.count() == 0;  // 0: the leader was lost
+    Nanoseconds exposure = device.exposure_of(begin, unsure);
+    if (device.sequenced() && (device.counter.first_block() - 1 + frame.sequence) % 2 == 1) {
+      frame.flags |= device.settings.laser_off_frames ? k_frame_laser_off : k_frame_second_exposure;
+      if (!device.settings.laser_off_frames) exposure = device.settings.second_exposure;
     }
+    frame.exposure_mid = begin + exposure / 2;
+    if (unsure) frame.flags |= k_frame_stamp_uncertain;
+    if (device.last_mid != SensorClock::time_point::min() && device.counter.fresh()) {
+      // First of a new stream: nobody numbered the frames that were not taken meanwhile, but they came at a rate.
+      const double away_s = 1e-9 * static_cast<double>((frame.exposure_mid - device.last_mid).count());
+      device.base_sequence += static_cast<std::uint64_t>(
+          std::max<long long>(0, std::llround(away_s * device.settings.rate_hz) - 1));
+    }
+    device.last_mid = frame.exposure_mid;
+    frame.sequence += device.base_sequence;
     if (!device.first_frame && frame.sequence > device.next_sequence) {
       frame.flags |= k_frame_gap_before;
       device.frames_lost += frame.sequence - device.next_sequence;
@@ -283,12 +316,53 @@ Result<Nanoseconds> AravisCamera::adjust_exposure(Nanoseconds exposure) {
   Device& device = *device_;
   if (device.state != Device::State::Running)
     return fail(Errc::WrongState, "camera %s: not running", device.config.address.c_str());
+  if (device.sequenced())
+    return fail(Errc::NotSupported, "camera %s: its sequencer's exposures stand while it runs",
+                device.config.address.c_str());
   Call call(device.config.address, "exposure");
+  const auto from = monotonic_now();
   arv_camera_set_exposure_time(device.camera, microseconds(exposure), call);
+  const auto until = monotonic_now();
   if (call.failed()) return call.failure();
-  device.settings.exposure = from_microseconds(arv_camera_get_exposure_time(device.camera, call));
+  const Nanoseconds got = from_microseconds(arv_camera_get_exposure_time(device.camera, call));
   if (call.failed()) return call.failure();
-  return device.settings.exposure;
+  device.exposure_before = device.settings.exposure;
+  device.settings.exposure = got;
+  device.change_from = from;
+  device.change_until = until;
+  return got;
+}
+
+Result<RowRange> AravisCamera::adjust_rows(const RowRange& rows) {
+  Device& device = *device_;
+  if (device.state != Device::State::Running)
+    return fail(Errc::WrongState, "camera %s: not running", device.config.address.c_str());
+  const geometry::Region& whole = device.settings.region;
+  if (rows.first_px < 0 || rows.height_px < 1 || rows.first_px + rows.height_px > whole.height_px) {
+    return fail(Errc::BadValue, "camera %s: %d rows from row %d on of %d", device.config.address.c_str(),
+                rows.height_px, rows.first_px, whole.height_px);
+  }
+  const RowRange wanted{.first_px = rounded_down(rows.first_px, device.row_step_px),
+                        .height_px = rounded_down(rows.height_px, device.row_step_px)};
+  if (wanted.first_px == device.rows.first_px && wanted.height_px == device.rows.height_px) return device.rows;
+  if (device.change_rows(wanted)) return device.rows;
+  // Sizes stand while it runs: a new acquisition.
+  device.read_counts();
+  {
+    Call call(device.config.address, "stop");
+    arv_camera_stop_acquisition(device.camera, call);
+    if (call.failed()) return call.failure();
+  }
+  device.drop_stream();
+  BITELINE_TRY(device.set_region({.offset_u_px = whole.offset_u_px,
+                                  .offset_v_px = whole.offset_v_px + wanted.first_px,
+                                  .width_px = whole.width_px,
+                                  .height_px = wanted.height_px}));
+  BITELINE_ASSIGN(const geometry::Region got, device.region());
+  device.rows = device.rows_before = {.first_px = got.offset_v_px - whole.offset_v_px, .height_px = got.height_px};
+  device.base_sequence = device.next_sequence;
+  BITELINE_TRY(begin_stream());
+  return device.rows;
 }
 
 Result<void> AravisCamera::stop() {

@@ -20,6 +20,11 @@ namespace biteline::hal {
 /// a camera that follows PTP, `ptp_clock` maps it, measured anew several times a second; without, the stamp is
 /// mapped by arrival (ArrivalClock, then a line through the least delays) and flagged k_frame_stamp_uncertain.
 ///
+/// Bracketing and laser-off frames are SFNC's sequencer with two sets; which set a frame is of follows from its
+/// number since the acquisition began.  The sets stand while frames come: adjust_exposure() is refused then.
+/// Otherwise it knows the exposure of each frame from the stamps, and flags the frame whose exposure began in mid
+/// change.
+///
 /// A camera that is gone stays gone for this object (see LineCamera); opening it again makes a new one.
 /// Thread: as LineCamera; Aravis has a receiving thread of its own.  Memory: all buffers made by start().
 class AravisCamera final : public LineCamera {
@@ -32,6 +37,7 @@ class AravisCamera final : public LineCamera {
     int buffers{24};            ///< frames that may wait
     int receive_priority{0};            ///< SCHED_FIFO of Aravis' receiving thread; 0: as any other
     std::string trigger_line{"Line0"};  ///< of Trigger::Hardware
+    std::string strobe_line{"Line1"};   ///< output that follows the exposure: the laser's modulation hangs on it
     /// The PTP time as it can be read here (hal/linux/ptp); none: it is this machine's own monotonic clock.
     std::shared_ptr<const ReferenceClock> ptp_clock{};
   };
@@ -45,6 +51,7 @@ class AravisCamera final : public LineCamera {
   [[nodiscard]] Result<FrameView> next_frame(Nanoseconds timeout) override;
   void release(const FrameView& frame) noexcept override;
   [[nodiscard]] Result<Nanoseconds> adjust_exposure(Nanoseconds exposure) override;
+  [[nodiscard]] Result<RowRange> adjust_rows(const RowRange& rows) override;
   [[nodiscard]] Result<void> stop() override;
   [[nodiscard]] CameraHealth health() const noexcept override;
 
@@ -53,6 +60,7 @@ class AravisCamera final : public LineCamera {
 
  private:
   struct Device;
+  [[nodiscard]] Result<void> begin_stream();
   explicit AravisCamera(std::unique_ptr<Device> device);
   std::unique_ptr<Device> device_;
 };

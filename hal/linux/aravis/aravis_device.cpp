@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "hal/linux/aravis/aravis_device.hpp"
 
+#include <algorithm>
 #include <cstring>
 
 namespace biteline::hal {
@@ -14,6 +15,27 @@ Result<void> AravisCamera::Device::set_region(const geometry::Region& region) {
                         call);
   if (call.failed()) return call.failure();
   return {};
+}
+
+/// A frame does not tell its place, but its height: rows in between differ from both in height and are thrown away.
+bool AravisCamera::Device::change_rows(const RowRange& wanted) {
+  RowRange next = wanted;
+  if (next.height_px == rows.height_px) {
+    // One step more or less, so that the height tells old from new.
+    const bool room = next.first_px + next.height_px + row_step_px <= settings.region.height_px;
+    next.height_px += room ? row_step_px : -row_step_px;
+  }
+  const int between_px = std::min(next.height_px, rows.height_px) - row_step_px;
+  if (between_px < 1) return false;
+  Call call(config.address, "rows");
+  arv_camera_set_integer(camera, "Height", between_px, call);
+  if (call.failed()) return false;
+  arv_camera_set_integer(camera, "OffsetY", settings.region.offset_v_px + next.first_px, call);
+  if (!call.failed()) arv_camera_set_integer(camera, "Height", next.height_px, call);
+  if (call.failed()) return false;
+  rows_before = rows;
+  rows = next;
+  return true;
 }
 
 Result<geometry::Region> AravisCamera::Device::region() const {
@@ -46,6 +68,54 @@ Result<void> AravisCamera::Device::set_rate(double rate_hz) {
   if (has("AcquisitionFrameRateEnable"))
     arv_camera_set_boolean(camera, "AcquisitionFrameRateEnable", TRUE, call);
   if (!call.failed()) arv_camera_set_float(camera, "AcquisitionFrameRate", rate_hz, call);
+  if (call.failed()) return call.failure();
+  return {};
+}
+
+/// SFNC's sequencer with two sets, the second with another exposure or with the strobe output off.
+Result<void> AravisCamera::Device::set_sequence() {
+  if (!has("SequencerMode")) {
+    if (!sequenced()) return {};
+    return fail(Errc::NotSupported, "camera %s: no bracketing and no laser-off frames, it has no SequencerMode",
+                config.address.c_str());
+  }
+  Call call(config.address, "sequencer");
+  const auto choose = [&](const char* feature, const char* value) {
+    if (!call.failed()) arv_camera_set_string(camera, feature, value, call);
+  };
+  const auto number = [&](const char* feature, int value) {
+    if (!call.failed()) arv_camera_set_integer(camera, feature, value, call);
+  };
+  choose("SequencerMode", "Off");
+  if (sequenced()) {
+    choose("SequencerConfigurationMode", "On");
+    for (const int set : {0, 1}) {
+      const bool second = set == 1 && settings.second_exposure.count() != 0;
+      number("SequencerSetSelector", set);
+      if (!call.failed()) {
+        const Nanoseconds exposure = second ? settings.second_exposure : settings.exposure;
+        arv_camera_set_exposure_time(camera, static_cast<double>(exposure.count()) * 1e-3, call);
+      }
+      choose("LineSelector", config.strobe_line.c_str());
+      choose("LineSource", set == 1 && settings.laser_off_frames ? "Off" : "ExposureActive");
+      number("SequencerPathSelector", 0);
+      number("SequencerSetNext", 1 - set);
+      choose("SequencerTriggerSource", "ExposureEnd");
+      if (!call.failed()) arv_camera_execute_command(camera, "SequencerSetSave", call);
+    }
+    number("SequencerSetSelector", 0);
+    choose("SequencerConfigurationMode", "Off");
+  }
+  if (call.failed()) return call.failure();
+  return {};
+}
+
+/// The first frame from now on is of set 0.
+Result<void> AravisCamera::Device::begin_sequence() {
+  if (!sequenced()) return {};
+  Call call(config.address, "sequencer");
+  arv_camera_set_integer(camera, "SequencerSetStart", 0, call);
+  if (!call.failed()) arv_camera_set_string(camera, "SequencerMode", "On", call);
   if (call.failed()) return call.failure();
   return {};
 }

@@ -65,6 +65,9 @@ struct AravisCamera::Device {
   State state{State::Open};
   CameraSettings settings;
   bool ptp{false};
+  /// The last adjust_exposure(): what held before, and between which instants the camera took the new one.
+  Nanoseconds exposure_before{0};
+  SensorClock::time_point change_from{SensorClock::time_point::min()}, change_until{SensorClock::time_point::min()};
   std::vector<ArvBuffer*> borrowed;
   ArrivalClock arrival;
   ClockMapCore arrival_line{ClockMapCore::Config{}};
@@ -73,6 +76,12 @@ struct AravisCamera::Device {
   FrameCounter counter;
   std::uint64_t next_sequence{0};
   bool first_frame{true};
+  RowRange rows;         ///< of settings.region that frames show now
+  RowRange rows_before;  ///< what they showed before the last change: of another height
+  int row_step_px{1};
+  /// Frames before the present stream's first (adjust_rows() makes a new one), and when the last of them was.
+  std::uint64_t base_sequence{0};
+  SensorClock::time_point last_mid{SensorClock::time_point::min()};
   std::atomic<bool> lost{false};
   std::atomic<std::uint64_t> frames{0}, frames_lost{0}, frames_damaged{0};
   std::atomic<std::uint64_t> underruns{0}, packets_resent{0};
@@ -108,6 +117,22 @@ struct AravisCamera::Device {
 
   Result<void> set_trigger(Trigger trigger);
   Result<void> set_rate(double rate_hz);
+  /// Rows of a frame by its height; height 0: of no known rows, taken in mid change.
+  [[nodiscard]] RowRange rows_of(int height_px) const {
+    if (height_px == rows.height_px) return rows;
+    return height_px == rows_before.height_px ? rows_before : RowRange{};
+  }
+  /// While it runs, if the camera lets.
+  bool change_rows(const RowRange& wanted);
+  Result<void> set_sequence();
+  Result<void> begin_sequence();
+  /// Of `settings`: two sets in turn.
+  [[nodiscard]] bool sequenced() const { return settings.second_exposure.count() != 0 || settings.laser_off_frames; }
+  /// Exposure of the frame that began then; sets `unsure` when that lies within a change of the exposure.
+  [[nodiscard]] Nanoseconds exposure_of(SensorClock::time_point begin, bool& unsure) const {
+    unsure = unsure || (begin > change_from && begin < change_until);
+    return begin <= change_from ? exposure_before : settings.exposure;
+  }
   Result<void> set_region(const geometry::Region& region);
   Result<geometry::Region> region() const;
   void read_counts();

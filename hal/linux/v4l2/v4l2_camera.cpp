@@ -129,6 +129,7 @@ Result<CameraSettings> V4l2Camera::configure(const CameraSettings& wanted) {
   if (wanted.trigger == Trigger::Hardware && !config_.hardware_trigger) {
     return fail(Errc::NotSupported, "%.100s is not wired for a trigger", config_.device.c_str());
   }
+  if (wanted.laser_off_frames) return fail(Errc::NotSupported, "V4L2 switches no strobe output: no laser-off frames");
   if (wanted.second_exposure != Nanoseconds{0}) {
     return fail(Errc::NotSupported, "V4L2 applies exposures some frames late: no bracketing");
   }

@@ -26,6 +26,7 @@ struct SceneOptions {
   double last_difference_mm{0.15};
   double speed_mm_s{100};
   double rate_hz{100};
+  double ambient_grey{0};
 };
 
 void add_scene_options(CLI::App& command, SceneOptions& options);

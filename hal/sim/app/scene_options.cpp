@@ -24,6 +24,9 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("--speed-mm-s", options.speed_mm_s, "Of the stripe along the outline")
       ->capture_default_str()
       ->check(CLI::Range(1.0, 1000.0));
+  command.add_option("--ambient-grey", options.ambient_grey, "Grey levels of the room's light in the pictures")
+      ->check(CLI::Range(0.0, 200.0))
+      ->capture_default_str();
   command.add_option("--rate-hz", options.rate_hz, "Pictures a second")
       ->capture_default_str()
       ->check(CLI::Range(1.0, 1000.0));
@@ -37,7 +40,8 @@ Result<sim::SceneSettings> scene_settings(const SceneOptions& options) {
                               .place_seed = options.place == 0 ? options.seed : options.place,
                               .head_seed = options.head,
                               .scan_speed_mm_s = options.speed_mm_s,
-                              .rate_hz = options.rate_hz};
+                              .rate_hz = options.rate_hz,
+                              .ambient_grey = options.ambient_grey};
   if (options.upper) {
     settings.shoe = sim::bare_upper_of(settings.shoe, options.last_difference_mm, settings.place_seed);
   }

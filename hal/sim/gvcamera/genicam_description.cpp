@@ -29,18 +29,18 @@ class Description {
   }
   /// `limit`: a feature's name or a number, empty for none.
   void integer(const char* name, std::uint32_t address, const char* access, int minimum,
-               const std::string& limit) {
+               const std::string& limit, const std::string& index = {}) {
     feature(name);
     const std::string tag = limit.empty()                          ? ""
                             : (limit[0] >= '0' && limit[0] <= '9') ? "<Max>" + limit + "</Max>"
                                                                    : "<pMax>" + limit + "</pMax>";
     add("<Integer Name=\"%s\" NameSpace=\"Standard\"><pValue>%sRegister</pValue><Min>%d</Min>%s</Integer>\n",
         name, name, minimum, tag.c_str());
-    raw_register(name, address, access);
+    raw_register(name, address, access, index);
   }
   /// value = register / per_unit
   void real(const char* name, std::uint32_t address, const char* access, int per_unit, double minimum,
-            double maximum) {
+            double maximum, const std::string& index = {}) {
     feature(name);
     add("<Float Name=\"%s\" "
         "NameSpace=\"Standard\"><pValue>%sConverter</pValue><Min>%g</Min><Max>%g</Max></Float>\n",
@@ -48,7 +48,7 @@ class Description {
     add("<Converter Name=\"%sConverter\"><FormulaTo>FROM * %d</FormulaTo><FormulaFrom>TO / "
         "%d.0</FormulaFrom><pValue>%sRegister</pValue></Converter>\n",
         name, per_unit, per_unit, name);
-    raw_register(name, address, access);
+    raw_register(name, address, access, index);
   }
   /// value = 1e6 / register: a rate kept as a period in microseconds
   void rate(const char* name, std::uint32_t address, double minimum, double maximum) {
@@ -70,7 +70,7 @@ class Description {
     raw_register(name, address, "RW");
   }
   void choices(const char* name, std::uint32_t address, const char* access,
-               const std::vector<Choice>& entries, const char* selector = nullptr) {
+               const std::vector<Choice>& entries, const std::string& index = {}) {
     feature(name);
     add("<Enumeration Name=\"%s\" NameSpace=\"Standard\">", name);
     for (const auto& entry : entries) {
@@ -78,7 +78,7 @@ class Description {
           entry.value);
     }
     add("<pValue>%sRegister</pValue></Enumeration>\n", name);
-    raw_register(name, address, access, selector);
+    raw_register(name, address, access, index);
   }
   void command(const char* name, std::uint32_t address, int value) {
     feature(name);
@@ -89,6 +89,10 @@ class Description {
   }
   void line(const std::string& text) { body_ += text + "\n"; }
   void listed(const char* name) { feature(name); }
+  /// One register for each value of the selector, `stride` bytes apart.
+  [[nodiscard]] static std::string per(const char* selector, std::uint32_t stride) {
+    return "<pIndex Offset=\"" + std::to_string(stride) + "\">" + selector + "Register</pIndex>";
+  }
 
   [[nodiscard]] std::string whole() const {
     return "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n"
@@ -119,10 +123,7 @@ class Description {
   void feature(const char* name) {
     features_ += std::string("<pFeature>") + name + "</pFeature>";
   }
-  void raw_register(const char* name, std::uint32_t address, const char* access,
-                    const char* selector = nullptr) {
-    const std::string index =
-        selector == nullptr ? "" : std::string("<pIndex Offset=\"4\">") + selector + "</pIndex>";
+  void raw_register(const char* name, std::uint32_t address, const char* access, const std::string& index = {}) {
     add("<IntReg Name=\"%sRegister\" "
         "NameSpace=\"Custom\"><Address>0x%x</Address>%s<Length>4</Length><AccessMode>%s</AccessMode>"
         "<pPort>Device</pPort><Sign>Unsigned</Sign><Endianess>BigEndian</Endianess></IntReg>\n",
@@ -158,7 +159,8 @@ std::string genicam_description() {
   xml.command("AcquisitionStop", k_acquisition, 0);
   xml.boolean("AcquisitionFrameRateEnable", k_frame_rate_enable);
   xml.rate("AcquisitionFrameRate", k_frame_period_us, 0.1, 1000);
-  xml.real("ExposureTime", k_exposure_us, "RW", 1, 10, 1e6);
+  const std::string per_set = Description::per("SequencerSetSelector", k_set_stride);
+  xml.real("ExposureTime", k_exposure_us, "RW", 1, 10, 1e6, per_set);
 
   xml.listed("TriggerSelector");
   xml.line(
@@ -172,7 +174,17 @@ std::string genicam_description() {
   xml.choices("TriggerActivation", k_trigger_activation, "RW", {{"RisingEdge", 0}});
 
   xml.choices("LineSelector", k_line_selector, "RW", {{"Line0", 0}, {"Line1", 1}});
-  xml.choices("LineSource", k_line_source, "RW", {{"Off", 0}, {"ExposureActive", 1}}, "LineSelectorRegister");
+  xml.choices("LineSource", k_line_source, "RW", {{"Off", k_line_off}, {"ExposureActive", k_line_exposure_active}},
+              Description::per("LineSelector", 4) + per_set);
+  // Two sets in turn.  Each set's registers are its own, so that there is nothing to save.
+  xml.choices("SequencerMode", k_sequencer_mode, "RW", {{"Off", 0}, {"On", 1}});
+  xml.choices("SequencerConfigurationMode", k_sequencer_configuration, "RW", {{"Off", 0}, {"On", 1}});
+  xml.integer("SequencerSetSelector", k_sequencer_selector, "RW", 0, "1");
+  xml.command("SequencerSetSave", k_sequencer_save, 1);
+  xml.integer("SequencerPathSelector", k_sequencer_path, "RW", 0, "0");
+  xml.choices("SequencerTriggerSource", k_sequencer_trigger, "RW", {{"ExposureEnd", 0}});
+  xml.integer("SequencerSetNext", k_sequencer_next, "RW", 0, "1", Description::per("SequencerSetSelector", 4));
+  xml.integer("SequencerSetStart", k_sequencer_start, "RW", 0, "1");
   xml.boolean("PtpEnable", k_ptp_enable);
   xml.choices("PtpStatus", k_ptp_status, "RO", {{"Disabled", k_ptp_disabled}, {"Slave", k_ptp_slave}});
 

@@ -22,6 +22,7 @@ inline constexpr std::uint32_t k_frame_period_us = 0x138;
 inline constexpr std::uint32_t k_trigger_mode = 0x300;
 inline constexpr std::uint32_t k_trigger_source = 0x304;
 inline constexpr std::uint32_t k_trigger_fire = 0x30c;
+inline constexpr std::uint32_t k_stream_port = 0xd00;  ///< GigE Vision bootstrap: where frames go
 inline constexpr std::uint32_t k_frame_rate_enable = 0x400;
 inline constexpr std::uint32_t k_line_selector = 0x404;
 inline constexpr std::uint32_t k_line_source = 0x410;  ///< and + 4 for Line1
@@ -29,10 +30,26 @@ inline constexpr std::uint32_t k_ptp_enable = 0x420;
 inline constexpr std::uint32_t k_ptp_status = 0x424;
 inline constexpr std::uint32_t k_temperature_millidegc_register = 0x428;
 inline constexpr std::uint32_t k_gvcp_capability = 0x934;  ///< a bootstrap register of the standard's own
+inline constexpr std::uint32_t k_sequencer_mode = 0x430;
+inline constexpr std::uint32_t k_sequencer_configuration = 0x434;
+inline constexpr std::uint32_t k_sequencer_selector = 0x438;
+inline constexpr std::uint32_t k_sequencer_save = 0x43c;
+inline constexpr std::uint32_t k_sequencer_path = 0x440;
+inline constexpr std::uint32_t k_sequencer_trigger = 0x444;
+inline constexpr std::uint32_t k_sequencer_start = 0x448;
+inline constexpr std::uint32_t k_sequencer_next = 0x450;  ///< and + 4 for set 1
+/// What set 1 has of its own (exposure, line sources) stands so far behind what set 0 has.
+inline constexpr std::uint32_t k_set_stride = 0x350;
 }  // namespace gv_register
 
 /// Bit of k_gvcp_capability: PACKETRESEND is answered.
 inline constexpr std::uint32_t k_can_resend = 1U << 2U;
+
+/// The camera has taken up the set to start with; what is written next to k_sequencer_start is a new start.
+inline constexpr std::uint32_t k_sequencer_started = 0xff;
+/// Values of LineSource.
+inline constexpr std::uint32_t k_line_off = 0;
+inline constexpr std::uint32_t k_line_exposure_active = 1;
 
 /// Values of PtpStatus.
 inline constexpr std::uint32_t k_ptp_disabled = 0;

@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <chrono>
 #include <thread>
+#include <utility>
 
 #include "hal/sim/gvcamera/genicam_description.hpp"
 
@@ -24,6 +25,8 @@ constexpr double k_trigger_poll_hz = 1000;
 /// Edges that wait while one frame is being made.
 constexpr std::size_t k_edges_kept = 1;
 constexpr std::uint32_t k_temperature_millidegc = 41'500;
+/// GVSP numbers frames in 16 bits and leaves out 0.
+constexpr std::uint64_t k_frame_numbers = 65535;
 
 SensorClock::time_point monotonic_now() {
   return SensorClock::time_point{
@@ -103,6 +106,9 @@ struct GvCamera::Device {
     arv_fake_camera_read_register(registers, address, &value);
     return value;
   }
+  [[nodiscard]] Nanoseconds exposure(std::uint32_t set) const {
+    return Nanoseconds{static_cast<std::int64_t>(read(gv_register::k_exposure_us + set)) * 1000};
+  }
   void write(std::uint32_t address, std::uint32_t value) const {
     arv_fake_camera_write_register(registers, address, value);
   }
@@ -140,6 +146,8 @@ Result<std::unique_ptr<GvCamera>> GvCamera::open(const Config& config, Painter p
   device.write(k_exposure_us, static_cast<std::uint32_t>(config.exposure.count() / 1000));
   device.write(k_frame_period_us, static_cast<std::uint32_t>(1e6 / config.rate_hz));
   device.write(k_trigger_source, 1);
+  for (const std::uint32_t set : {0U, k_set_stride}) device.write(k_line_source + 4 + set, k_line_exposure_active);
+  device.write(k_sequencer_start, k_sequencer_started);
   device.write(k_temperature_millidegc_register, k_temperature_millidegc);
   if (config.resends) device.write(k_gvcp_capability, device.read(k_gvcp_capability) | k_can_resend);
   device.write(k_ptp_enable, config.ptp ? 1 : 0);
@@ -164,25 +172,40 @@ void GvCamera::trigger(SensorClock::time_point edge) {
     return;
   }
   const std::lock_guard lock(edges_mutex_);
+  // A new stream has a port of its own: edges that waited when the last one was stopped wait for nothing.
+  const std::uint32_t port = device_->read(gv_register::k_stream_port);
+  if (std::exchange(stream_port_, port) != port) {
+    triggers_missed_ += edges_.size();
+    edges_.clear();
+  }
   if (edges_.size() > k_edges_kept) {
     ++triggers_missed_;
     return;
   }
-  edges_.push_back(edge);
+  edges_.push_back({.begin = edge, .exposure = device_->exposure(0)});
   device_->write(gv_register::k_trigger_fire, 1);
   device_->wake();
 }
 
 void GvCamera::paint(void* buffer_pointer) {
   auto* buffer = static_cast<ArvBuffer*>(buffer_pointer);
+  // A sequencer that was set up anew begins with set 0, and its frames are numbered from 1 again.
+  if (device_->read(gv_register::k_sequencer_start) != k_sequencer_started) {
+    device_->write(gv_register::k_sequencer_start, k_sequencer_started);
+    frames_of_sequence_ = 0;
+  }
+  const bool sequenced = device_->read(gv_register::k_sequencer_mode) != 0;
+  const std::uint32_t set = sequenced && frames_of_sequence_ % 2 == 1 ? gv_register::k_set_stride : 0;
+  const std::uint64_t number = 1 + frames_of_sequence_++ % k_frame_numbers;
   GvExposure exposure{
       .region = {.offset_u_px = static_cast<int>(device_->read(gv_register::k_offset_x)),
                  .offset_v_px = static_cast<int>(device_->read(gv_register::k_offset_y)),
                  .width_px = arv_buffer_get_image_width(buffer),
                  .height_px = arv_buffer_get_image_height(buffer)},
-      .exposure = Nanoseconds{static_cast<std::int64_t>(device_->read(gv_register::k_exposure_us)) * 1000},
+      .exposure = device_->exposure(set),
       .begin = {},
       .triggered = false,
+      .strobe = device_->read(gv_register::k_line_source + 4 + set) == k_line_exposure_active,
       .sequence = exposures_.fetch_add(1)};
   exposure.begin = monotonic_now() - exposure.exposure;  // free run: a frame comes when its exposure is over
   {
@@ -190,7 +213,8 @@ void GvCamera::paint(void* buffer_pointer) {
     if (device_->read(gv_register::k_trigger_mode) == 0) {
       edges_.clear();
     } else if (!edges_.empty()) {
-      exposure.begin = edges_.front();
+      exposure.begin = edges_.front().begin;
+      if (set == 0) exposure.exposure = edges_.front().exposure;
       exposure.triggered = true;
       edges_.pop_front();
       if (!edges_.empty()) device_->write(gv_register::k_trigger_fire, 1);
@@ -205,6 +229,7 @@ void GvCamera::paint(void* buffer_pointer) {
                                   static_cast<std::size_t>(exposure.region.height_px)});
   const Nanoseconds stamp = exposure.begin.time_since_epoch() + config_.clock_offset;
   arv_buffer_set_timestamp(buffer, static_cast<guint64>(stamp.count()));
+  arv_buffer_set_frame_id(buffer, number);
 }
 
 }  // namespace biteline::sim

@@ -22,6 +22,7 @@ struct GvExposure {
   Nanoseconds exposure{0};
   SensorClock::time_point begin;  ///< start of the exposure, on this machine's monotonic clock
   bool triggered{false};          ///< by an edge on Line0
+  bool strobe{true};              ///< Line1 follows the exposure
   std::uint64_t sequence{0};      ///< since open()
 };
 
@@ -65,6 +66,10 @@ class GvCamera {
 
  private:
   struct Device;
+  struct Edge {
+    SensorClock::time_point begin;
+    Nanoseconds exposure{0};  ///< as set when the edge came
+  };
   explicit GvCamera(const Config& config, Painter painter);
   void paint(void* buffer);
 
@@ -72,7 +77,9 @@ class GvCamera {
   Painter painter_;
   std::unique_ptr<Device> device_;
   std::mutex edges_mutex_;
-  std::deque<SensorClock::time_point> edges_;
+  std::deque<Edge> edges_;
+  std::uint32_t stream_port_{0};
+  std::uint64_t frames_of_sequence_{0};  ///< since power-up, or since the sequencer began; camera's own thread
   std::atomic<std::uint64_t> exposures_{0};
   std::atomic<std::uint64_t> triggers_missed_{0};
 };

@@ -140,7 +140,7 @@ void LiveCell::paint(const GvExposure& exposure, std::span<std::uint8_t> pixels)
   const ArmState state = arm_.at(exposure.begin + exposure.exposure / 2);
   const SE3 T_shoe_cam =
       scene_->T_base_shoe.inverse(Eigen::Isometry) * state.T_base_flange * scene_->head.model.T_flange_cam;
-  const bool lit = laser_shines();
+  const bool lit = laser_shines() && exposure.strobe;
   if (lit) ++lit_;
   renderer_.render({.T_scene_cam = T_shoe_cam,
                     .region = exposure.region,

@@ -68,6 +68,7 @@ Result<std::unique_ptr<MadeScene>> make_scene(const SceneSettings& settings) {
   MadeShoe shoe(settings.shoe);
   MadeHead head = draw_head(settings.head_seed);
   head.model.rate_hz = settings.rate_hz;
+  head.faults.ambient_grey = settings.ambient_grey;
   SurfaceMesh mesh = mesh_of(shoe, settings.fineness);
   BITELINE_ASSIGN(Scene scene, Scene::build(mesh));
   const ScanPathSettings path{.target_z_mm = 0.55 * settings.shoe.upper.top_z_mm,

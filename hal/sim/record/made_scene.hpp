@@ -35,6 +35,7 @@ struct SceneSettings {
   std::uint64_t head_seed{21};
   double scan_speed_mm_s{100};
   double rate_hz{100};
+  double ambient_grey{0};  ///< of the room's light, at the head's own exposure
   MeshFineness fineness{};
 };
 

@@ -5,6 +5,7 @@
 #include <CppUTest/TestHarness.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <cstring>
 #include <thread>
 
@@ -60,6 +61,39 @@ CameraSettings settings(double rate_hz) {
           .rate_hz = rate_hz};
 }
 
+/// What the camera was set to when it exposed: 10 us units of exposure, strobe, first row.
+void paint_settings(const GvExposure& exposure, std::span<std::uint8_t> pixels) {
+  pixels[0] = static_cast<std::uint8_t>(exposure.exposure.count() / 10'000);
+  pixels[1] = exposure.strobe ? 1 : 0;
+  pixels[2] = static_cast<std::uint8_t>(exposure.region.offset_v_px);
+  pixels[pixels.size() - 1] = 77;
+}
+
+/// Triggered, so that the middle of each exposure is known: edge + half of what the picture says of it.
+struct TriggeredFrame {
+  FrameView frame;
+  int exposure_10us{0};
+  bool strobe{false};
+  int offset_v_px{0};
+};
+TriggeredFrame triggered_frame(GvCamera& server, AravisCamera& camera) {
+  const auto edge = now();
+  server.trigger(edge);
+  const auto frame = camera.next_frame(k_second);
+  CHECK(frame.has_value());
+  const TriggeredFrame out{*frame, frame->pixels[0], frame->pixels[1] != 0, frame->pixels[2]};
+  LONGS_EQUAL((edge + Nanoseconds{out.exposure_10us * 5'000}).time_since_epoch().count(),
+              frame->exposure_mid.time_since_epoch().count());
+  LONGS_EQUAL(77, frame->pixels.back());
+  camera.release(*frame);
+  return out;
+}
+CameraSettings triggered_settings() {
+  CameraSettings triggered = settings(100);
+  triggered.trigger = Trigger::Hardware;
+  return triggered;
+}
+
 }  // namespace
 
 #define SERVER_OR_SKIP(name, ...)             \
@@ -99,13 +133,14 @@ TEST(AravisCamera, TellsWhatTheCameraIsAndRefusesWhatItCannot) {
   LONGS_EQUAL(1626, limits.sensor_width_px);
   LONGS_EQUAL(1236, limits.sensor_height_px);
   CHECK(limits.hardware_trigger);
-  CHECK_FALSE(limits.bracketing);
+  CHECK(limits.bracketing);
   CameraSettings outside = settings(50);
   outside.region.offset_v_px = 1200;
   CHECK_EQUAL(static_cast<int>(Errc::BadValue), static_cast<int>(sut->configure(outside).error().code));
-  CameraSettings bracketed = settings(50);
-  bracketed.second_exposure = Nanoseconds{1'000'000};
-  CHECK_EQUAL(static_cast<int>(Errc::NotSupported), static_cast<int>(sut->configure(bracketed).error().code));
+  CameraSettings both = settings(50);
+  both.second_exposure = Nanoseconds{1'000'000};
+  both.laser_off_frames = true;
+  CHECK_EQUAL(static_cast<int>(Errc::InvalidArgument), static_cast<int>(sut->configure(both).error().code));
   DOUBLES_EQUAL(41.5, sut->health().temperature_degc, 0.01);
 }
 
@@ -142,6 +177,89 @@ TEST(AravisCamera, FreeRunGivesEveryFrameOfTheRegionInOrder) {
   LONGS_EQUAL(60 - damaged, sut->health().frames);
   LONGS_EQUAL(damaged, sut->health().frames_damaged);
   LONGS_EQUAL(0, sut->health().frames_lost);
+}
+
+TEST(AravisCamera, BracketTakesBothExposuresInTurnAndTellsThemApartAlsoAfterARestart) {
+  SERVER_OR_SKIP(server, small_camera(), paint_settings);
+  auto sut = *AravisCamera::open({});
+  CameraSettings bracket = triggered_settings();
+  bracket.second_exposure = Nanoseconds{2'000'000};
+  for (int restart = 0; restart < 2; ++restart) {
+    CHECK(sut->configure(bracket).has_value());
+    CHECK(sut->start().has_value());
+    for (int i = 0; i < 7; ++i) {
+      const TriggeredFrame got = triggered_frame(*server, *sut);
+      LONGS_EQUAL(i % 2 == 0 ? 50 : 200, got.exposure_10us);
+      LONGS_EQUAL(i % 2 == 0 ? 0U : std::uint32_t{k_frame_second_exposure}, got.frame.flags);
+      CHECK(got.strobe);
+    }
+    CHECK_EQUAL(static_cast<int>(Errc::NotSupported),
+                static_cast<int>(sut->adjust_exposure(Nanoseconds{100'000}).error().code));
+    CHECK(sut->stop().has_value());
+  }
+}
+
+TEST(AravisCamera, LaserOffFramesComeInTurnWithoutStrobe) {
+  SERVER_OR_SKIP(server, small_camera(), paint_settings);
+  auto sut = *AravisCamera::open({});
+  CameraSettings pairs = triggered_settings();
+  pairs.laser_off_frames = true;
+  CHECK(sut->configure(pairs).has_value());
+  CHECK(sut->start().has_value());
+  for (int i = 0; i < 6; ++i) {
+    const TriggeredFrame got = triggered_frame(*server, *sut);
+    LONGS_EQUAL(50, got.exposure_10us);
+    CHECK_EQUAL(i % 2 == 0, got.strobe);
+    LONGS_EQUAL(i % 2 == 0 ? 0U : std::uint32_t{k_frame_laser_off}, got.frame.flags);
+  }
+  CHECK(sut->stop().has_value());
+  // And without them every frame is lit again.
+  CHECK(sut->configure(triggered_settings()).has_value());
+  CHECK(sut->start().has_value());
+  for (int i = 0; i < 3; ++i) CHECK(triggered_frame(*server, *sut).strobe);
+}
+
+TEST(AravisCamera, ChangedExposureHoldsFromTheNextFrameOnAndStampsStayTheMiddle) {
+  SERVER_OR_SKIP(server, small_camera(), paint_settings);
+  auto sut = *AravisCamera::open({});
+  CHECK(sut->configure(triggered_settings()).has_value());
+  CHECK(sut->start().has_value());
+  for (const int exposure_10us : {50, 30, 120}) {
+    CHECK(sut->adjust_exposure(Nanoseconds{exposure_10us * 10'000}).has_value());
+    for (int i = 0; i < 3; ++i) LONGS_EQUAL(exposure_10us, triggered_frame(*server, *sut).exposure_10us);
+  }
+  // An edge from before the change is exposed as it was then, however late its picture comes.
+  const auto edge = now();
+  server->trigger(edge);
+  CHECK(sut->adjust_exposure(Nanoseconds{2'000'000}).has_value());
+  const auto frame = sut->next_frame(k_second);
+  CHECK(frame.has_value());
+  LONGS_EQUAL(120, frame->pixels[0]);
+  LONGS_EQUAL((edge + Nanoseconds{600'000}).time_since_epoch().count(), frame->exposure_mid.time_since_epoch().count());
+}
+
+TEST(AravisCamera, ChangedRowsTellTheirPlaceInTheRegion) {
+  SERVER_OR_SKIP(server, small_camera(), paint_settings);
+  auto sut = *AravisCamera::open({});
+  CHECK(sut->configure(triggered_settings()).has_value());
+  CHECK(sut->start().has_value());
+  // Aravis' fake camera sends pictures as large as the first one at most.
+  LONGS_EQUAL(120, triggered_frame(*server, *sut).frame.height_px);
+  std::uint64_t expected = 1;
+  for (const RowRange& rows : {RowRange{40, 60}, RowRange{20, 60}, RowRange{0, 120}, RowRange{100, 20}}) {
+    const auto got = sut->adjust_rows(rows);
+    CHECK(got.has_value());
+    // To within a step: equal heights could not be told apart.
+    CHECK(std::abs(got->height_px - rows.height_px) <= 4 && got->first_px == rows.first_px);
+    for (int i = 0; i < 3; ++i) {
+      const TriggeredFrame frame = triggered_frame(*server, *sut);
+      LONGS_EQUAL(got->first_px, frame.frame.first_row_px);
+      LONGS_EQUAL(got->height_px, frame.frame.height_px);
+      LONGS_EQUAL(100 + got->first_px, frame.offset_v_px);
+      LONGS_EQUAL(expected++, frame.frame.sequence);
+    }
+  }
+  CHECK_EQUAL(static_cast<int>(Errc::BadValue), static_cast<int>(sut->adjust_rows({100, 60}).error().code));
 }
 
 TEST(AravisCamera, HardwareTriggerGivesOneFrameForEachEdgeStampedWithIt) {
