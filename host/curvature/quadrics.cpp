@@ -230,6 +230,104 @@ HWY_INLINE Quadric solve_least_squares(Symmetric<k_columns>& gram, const V (&gra
   return quadric;
 }
 
+/// What the rows of one lane group stand for.
+struct Levels {
+  bool used;             ///< three rows per neighbour, at 0, +c and -c; else one
+  V c;                   ///< offset, in radii
+  V mean_nx, mean_ny, mean_nz;
+  [[nodiscard]] std::size_t rows_each() const { return used ? 3 : 1; }
+};
+
+/// The quadric through weighted rows of monomials.
+HWY_INLINE Quadric fit_quadric(const float* m, std::size_t rows, const Levels& levels, Solver solver) {
+  const D d;
+  const std::size_t stride = hn::Lanes(d);
+  Symmetric<k_columns> gram;
+  gram_tile<0, 0>(m, rows, stride, gram);
+  gram_tile<3, 0>(m, rows, stride, gram);
+  gram_tile<3, 3>(m, rows, stride, gram);
+  gram_tile<6, 0>(m, rows, stride, gram);
+  gram_tile<6, 3>(m, rows, stride, gram);
+  gram_tile<6, 6>(m, rows, stride, gram);
+  V constant[k_columns];
+  V gram_b[k_columns];
+  for (std::size_t i = 0; i < k_columns; ++i) constant[i] = gram_b[i] = hn::Zero(d);
+  for (std::size_t r = 0; r < rows; ++r) {
+    const float* row = m + r * k_columns * stride;
+    const V one = hn::Load(d, row + 9 * stride);
+    for (std::size_t i = 0; i < k_columns; ++i)
+      constant[i] = hn::MulAdd(one, hn::Load(d, row + i * stride), constant[i]);
+  }
+  V outer_weight = hn::Zero(d);
+  for (std::size_t j = 0; levels.used && j < rows / 3; ++j) {
+    const float* above = m + (3 * j + 1) * k_columns * stride;
+    const float* below = above + k_columns * stride;
+    const V one = hn::Mul(levels.c, hn::Load(d, above + 9 * stride));
+    outer_weight = hn::MulAdd(hn::Add(one, one), one, outer_weight);
+    for (std::size_t i = 0; i < k_columns; ++i) {
+      gram_b[i] = hn::MulAdd(one, hn::Sub(hn::Load(d, above + i * stride), hn::Load(d, below + i * stride)),
+                             gram_b[i]);
+    }
+  }
+  for (std::size_t i = 0; i < k_columns; ++i) gram.at(9, i) = constant[i];
+  // Weights sum to one from here on, so that the thresholds of the solvers mean the same for any number of
+  // neighbours.
+  const V share = hn::Div(set(static_cast<float>(levels.rows_each())), hn::Max(constant[9], set(1e-6F)));
+  for (V& entry : gram.entry) entry = hn::Mul(entry, share);
+  for (V& entry : gram_b) entry = hn::Mul(entry, share);
+  outer_weight = hn::Mul(outer_weight, share);
+
+  Quadric q;
+  switch (solver) {
+    case Solver::PlainSvd:
+      q = solve_homogeneous(gram, levels.mean_nx, levels.mean_ny, levels.mean_nz);
+      break;
+    case Solver::WeightedPca:
+      q = solve_pca(gram, gram_b, outer_weight);
+      break;
+    case Solver::Mixed:
+      q = solve_mixed(gram, gram_b, outer_weight);
+      break;
+    case Solver::LeastSquares:
+      q = solve_least_squares(gram, gram_b);
+      break;
+  }
+  return q;
+}
+
+/// method.md 7: weights fall with the neighbour's residual too.  f at each neighbour against twice its root mean square
+/// (Cauchy), in place: all three rows of a neighbour are scaled by the root of its new weight.
+HWY_INLINE void weigh_by_residual(float* m, std::size_t rows, const Quadric& quadric) {
+  constexpr float k_scale2 = 4.0F;
+  const D d;
+  const std::size_t stride = hn::Lanes(d);
+  const auto residual = [&](std::size_t r) {
+    const float* row = m + r * k_columns * stride;
+    V sum = hn::Zero(d);
+    for (std::size_t i = 0; i < k_columns; ++i) sum = hn::MulAdd(quadric.a[i], hn::Load(d, row + i * stride), sum);
+    return sum;
+  };
+  V squares = hn::Zero(d);
+  V weights = set(1e-6F);
+  for (std::size_t r = 0; r < rows; r += 3) {
+    const V root_weight = hn::Load(d, m + (r * k_columns + 9) * stride);
+    const V f = residual(r);
+    squares = hn::MulAdd(f, f, squares);
+    weights = hn::MulAdd(root_weight, root_weight, weights);
+  }
+  // A thousandth of the radius is as good as a perfect fit.
+  const V scale2 = hn::Max(hn::Mul(set(k_scale2), hn::Div(squares, weights)), set(1e-6F));
+  for (std::size_t r = 0; r < rows; r += 3) {
+    const V root_weight = hn::Max(hn::Load(d, m + (r * k_columns + 9) * stride), set(1e-6F));
+    const V f = hn::Div(residual(r), root_weight);
+    const V scale = hn::Sqrt(hn::Div(scale2, hn::MulAdd(f, f, scale2)));
+    for (std::size_t i = 0; i < 3 * k_columns; ++i) {
+      float* entry = m + (r * k_columns + i) * stride;
+      hn::Store(hn::Mul(scale, hn::Load(d, entry)), d, entry);
+    }
+  }
+}
+
 void FitLevelSets(Batch& batch, Solver solver, float offset) {
   const D d;
   const std::size_t stride = hn::Lanes(d);
@@ -263,55 +361,11 @@ void FitLevelSets(Batch& batch, Solver solver, float offset) {
       monomials(hn::Sub(x, ox), hn::Sub(y, oy), hn::Sub(z, oz), r, row + 2 * k_columns * stride, stride);
     }
     const std::size_t rows = rows_each * batch.rows;
-    Symmetric<k_columns> gram;
-    gram_tile<0, 0>(m, rows, stride, gram);
-    gram_tile<3, 0>(m, rows, stride, gram);
-    gram_tile<3, 3>(m, rows, stride, gram);
-    gram_tile<6, 0>(m, rows, stride, gram);
-    gram_tile<6, 3>(m, rows, stride, gram);
-    gram_tile<6, 6>(m, rows, stride, gram);
-    V constant[k_columns];
-    V gram_b[k_columns];
-    for (std::size_t i = 0; i < k_columns; ++i) constant[i] = gram_b[i] = hn::Zero(d);
-    for (std::size_t r = 0; r < rows; ++r) {
-      const float* row = m + r * k_columns * stride;
-      const V one = hn::Load(d, row + 9 * stride);
-      for (std::size_t i = 0; i < k_columns; ++i)
-        constant[i] = hn::MulAdd(one, hn::Load(d, row + i * stride), constant[i]);
-    }
-    V outer_weight = hn::Zero(d);
-    for (std::size_t j = 0; levels && j < batch.rows; ++j) {
-      const float* above = m + (3 * j + 1) * k_columns * stride;
-      const float* below = above + k_columns * stride;
-      const V one = hn::Mul(c, hn::Load(d, above + 9 * stride));
-      outer_weight = hn::MulAdd(hn::Add(one, one), one, outer_weight);
-      for (std::size_t i = 0; i < k_columns; ++i) {
-        gram_b[i] = hn::MulAdd(one, hn::Sub(hn::Load(d, above + i * stride), hn::Load(d, below + i * stride)),
-                               gram_b[i]);
-      }
-    }
-    for (std::size_t i = 0; i < k_columns; ++i) gram.at(9, i) = constant[i];
-    // Weights sum to one from here on, so that the thresholds of the solvers mean the same for any number of
-    // neighbours.
-    const V share = hn::Div(set(static_cast<float>(rows_each)), hn::Max(constant[9], set(1e-6F)));
-    for (V& entry : gram.entry) entry = hn::Mul(entry, share);
-    for (V& entry : gram_b) entry = hn::Mul(entry, share);
-    outer_weight = hn::Mul(outer_weight, share);
-
-    Quadric q;
-    switch (solver) {
-      case Solver::PlainSvd:
-        q = solve_homogeneous(gram, mean_nx, mean_ny, mean_nz);
-        break;
-      case Solver::WeightedPca:
-        q = solve_pca(gram, gram_b, outer_weight);
-        break;
-      case Solver::Mixed:
-        q = solve_mixed(gram, gram_b, outer_weight);
-        break;
-      case Solver::LeastSquares:
-        q = solve_least_squares(gram, gram_b);
-        break;
+    const Levels with{.used = levels, .c = c, .mean_nx = mean_nx, .mean_ny = mean_ny, .mean_nz = mean_nz};
+    Quadric q = fit_quadric(m, rows, with, solver);
+    if (solver == Solver::WeightedPca) {
+      weigh_by_residual(m, rows, q);
+      q = fit_quadric(m, rows, with, solver);
     }
     const V gx = q.a[6], gy = q.a[7], gz = q.a[8];
     const V fxx = hn::Add(q.a[0], q.a[0]), fyy = hn::Add(q.a[1], q.a[1]), fzz = hn::Add(q.a[2], q.a[2]);
