@@ -8,7 +8,7 @@
 
 #include "common/core/result.hpp"
 #include "common/time/clocks.hpp"
-#include "host/trajectory/checked_path.hpp"
+#include "host/trajectory/checks/checked_path.hpp"
 
 namespace biteline::robot {
 

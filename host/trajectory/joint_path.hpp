@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/kinematics/arm_model.hpp"
-#include "host/trajectory/obstacles.hpp"
+#include "host/trajectory/checks/obstacles.hpp"
 #include "host/trajectory/tool_path.hpp"
 
 namespace biteline::trajectory {

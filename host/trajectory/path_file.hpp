@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "common/core/result.hpp"
-#include "host/trajectory/checked_path.hpp"
+#include "host/trajectory/checks/checked_path.hpp"
 
 namespace biteline::trajectory {
 

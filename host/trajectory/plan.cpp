@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "common/core/fixed_text.hpp"
-#include "host/trajectory/sight.hpp"
-#include "host/trajectory/way_there.hpp"
+#include "host/trajectory/checks/sight.hpp"
+#include "host/trajectory/checks/way_there.hpp"
 
 namespace biteline::trajectory {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 /// \file Line, process and arm in; a checked path or a reason and a way out.
 
-#include "host/trajectory/checked_path.hpp"
+#include "host/trajectory/checks/checked_path.hpp"
 
 namespace biteline::trajectory {
 

@@ -14,7 +14,7 @@
 #include "host/result/transfer_result.hpp"
 #include "host/robot/follow.hpp"
 #include "host/robot/ur/ur_link.hpp"
-#include "host/trajectory/way_there.hpp"
+#include "host/trajectory/checks/way_there.hpp"
 
 namespace biteline::service {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "host/trajectory/checked_path.hpp"
+#include "host/trajectory/checks/checked_path.hpp"
 
 namespace biteline::robot::ur {
 

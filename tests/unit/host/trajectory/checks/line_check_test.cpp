@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/trajectory/line_check.hpp"
+#include "host/trajectory/checks/line_check.hpp"
 
 #include <CppUTest/TestHarness.h>
 

@@ -2,7 +2,7 @@
 #pragma once
 /// \file The arm's way from where it stands to a path's beginning.
 
-#include "host/trajectory/checked_path.hpp"
+#include "host/trajectory/checks/checked_path.hpp"
 
 namespace biteline::trajectory {
 

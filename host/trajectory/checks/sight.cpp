@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/trajectory/sight.hpp"
+#include "host/trajectory/checks/sight.hpp"
 
 #include <algorithm>
 #include <array>

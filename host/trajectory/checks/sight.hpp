@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "host/trajectory/checked_path.hpp"
+#include "host/trajectory/checks/checked_path.hpp"
 
 namespace biteline::trajectory {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/trajectory/obstacles.hpp"
+#include "host/trajectory/checks/obstacles.hpp"
 
 #include <algorithm>
 #include <cmath>

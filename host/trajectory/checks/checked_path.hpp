@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "host/trajectory/line_check.hpp"
-#include "host/trajectory/obstacles.hpp"
+#include "host/trajectory/checks/line_check.hpp"
+#include "host/trajectory/checks/obstacles.hpp"
 #include "host/trajectory/timing.hpp"
 
 namespace biteline::trajectory {

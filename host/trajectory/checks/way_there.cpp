@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/trajectory/way_there.hpp"
+#include "host/trajectory/checks/way_there.hpp"
 
 #include <algorithm>
 #include <array>

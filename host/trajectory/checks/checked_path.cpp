@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/trajectory/checked_path.hpp"
+#include "host/trajectory/checks/checked_path.hpp"
 
 #include <algorithm>
 #include <cmath>
