@@ -191,17 +191,18 @@ std::optional<Vec3> plane_normal(const std::vector<Column>& columns, std::size_t
   return normal.dot(outward) >= 0 ? normal : Vec3{-normal};
 }
 
-/// The mean of the surface's normals between the two heights, where its section and those beside it are seen: slopes add
-/// up to the difference of the ends, so that a stitch counts with just what it adds.  None where something is missing.
+/// The mean of the surface's normals between the two heights, where its section and those beside it are seen.  Up the
+/// section slopes add up to the difference of the ends, so that a stitch counts with just what it adds.  Along the line the
+/// difference (12, -3) / 12 steps undoes, to fourth order, its own blur and that of a mesh whose profiles lie two steps of
+/// the line apart: of a stitch 0.5 mm wide the usual one loses a third.  None where something is missing.
 std::optional<Vec3> section_normal(const std::vector<Column>& columns, std::size_t at, const Vec3& outward) {
-  const Column &before = columns[(at + columns.size() - 1) % columns.size()], &here = columns[at], &after = columns[(at + 1) % columns.size()];
-  for (const std::size_t k : {0, 1, k_normal_heights - 2, k_normal_heights - 1}) {
-    if (!here[k]) return std::nullopt;
-  }
+  const std::size_t n = columns.size();
+  const auto beside = [&](std::size_t steps) -> const Column& { return columns[(at + n + steps) % n]; };
+  const Column &here = columns[at], &before = beside(n - 1), &after = beside(1), &far_before = beside(n - 2), &far_after = beside(2);
   Vec3 along = Vec3::Zero();
   for (std::size_t k = 0; k < here.size(); ++k) {
-    if (!before[k] || !after[k]) return std::nullopt;
-    along += *after[k] - *before[k];
+    if (!far_before[k] || !before[k] || !here[k] || !after[k] || !far_after[k]) return std::nullopt;
+    along += 12 * (*after[k] - *before[k]) - 3 * (*far_after[k] - *far_before[k]);
   }
   const Vec3 rise = *here[k_normal_heights - 1] + *here[k_normal_heights - 2] - *here[0] - *here[1];
   const Vec3 normal = along.cross(rise).normalized();
