@@ -28,7 +28,7 @@ struct SelectorConfig {
   int min_stretch_columns{4};
   /// A stretch with less than this share of the longest one's light, in another place than the last profile
   /// and than the well supported stretches beside it, is taken for a reflection.
-  float min_support_ratio{0.05F};
+  float min_light_ratio{0.05F};
   /// Beside: within so many columns (a hole in the upper), and no more rows away per column than this.
   int beside_columns{60};
   float beside_slope_px{0.75F};
@@ -53,7 +53,8 @@ struct Selection {
 
 /// Chooses one peak per column.
 ///
-/// Peaks of neighbouring columns are linked to stretches; a stretch's support is its light, half as much
+/// Peaks of neighbouring columns are linked to stretches; a stretch's support is the number of its columns
+/// (less for doubtful peaks; brightness beyond that says nothing: mirror images are bright), half as much
 /// again where it lies where the previous profile was.  Each column takes the peak of its best supported
 /// stretch.  What is on no stretch worth the name is chosen too, where there is nothing better, but flagged.
 /// Thread: one at a time (keeps the previous profile).  RT: rt_select.  Memory: inside the object (100 kB).
@@ -68,7 +69,8 @@ class PeakSelector {
 
  private:
   struct Stretch {
-    float support{0};
+    float support{0};  ///< columns, those with little light less
+    float light{0};    ///< sum of the amplitudes
     float first_row_px{0};
     float last_row_px{0};
     float slope_px{0};  ///< rows per column at its end
@@ -88,9 +90,11 @@ class PeakSelector {
   void rt_choose(const Peaks& peaks, Selection& out) noexcept BITELINE_RT;
   void rt_judge(const Peaks& peaks, Selection& out) noexcept BITELINE_RT;
   [[nodiscard]] bool rt_goes_on(const Stretch& stretch, const Peaks& peaks, const Selection& chosen,
-                                float least_support) const noexcept BITELINE_RT;
+                                float least_light) const noexcept BITELINE_RT;
   void rt_flag_ends(const Peaks& peaks, Selection& out) noexcept BITELINE_RT;
+  [[nodiscard]] float rt_same_place_ratio(Index stretch) const noexcept BITELINE_RT;
   [[nodiscard]] float rt_support(Index stretch) const noexcept BITELINE_RT;
+  [[nodiscard]] float rt_light(Index stretch) const noexcept BITELINE_RT;
 
   SelectorConfig config_;
   std::array<Stretch, k_max_columns * k_kept_peaks> stretches_;

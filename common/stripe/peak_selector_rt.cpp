@@ -10,6 +10,9 @@ namespace {
 
 /// A stripe that moved farther than this between profiles is another one: 2 mm of surface at 0.16 mm a row.
 constexpr float k_same_place_px = 12.0F;
+/// Three times the usual threshold: a peak is certain then, and more light is no more evidence of a surface.
+/// A mirror image on matt material is often brighter than the glossy surface that threw it.
+constexpr float k_certain_grey = 36.0F;
 /// What lying in the same place adds to the support.
 constexpr float k_same_place_bonus = 0.5F;
 /// Share of the last step that a stretch's slope takes over.
@@ -81,7 +84,8 @@ void PeakSelector::rt_link(const Peaks& peaks) noexcept BITELINE_RT {
       Stretch& stretch = stretches_[static_cast<std::size_t>(index)];
       stretch.last_row_px = peak.row_px;
       stretch.last_column = static_cast<int>(i);
-      stretch.support += peak.amplitude;
+      stretch.support += std::min(peak.amplitude, k_certain_grey);
+      stretch.light += peak.amplitude;
       ++stretch.columns;
       if (has_previous && same_place(peak.row_px, previous_row_px_[i])) ++stretch.seen_before;
       stretch_of_[i][k] = index;
@@ -131,10 +135,18 @@ PeakSelector::Index PeakSelector::rt_continue(std::size_t column, const Peak& pe
   return best;
 }
 
-float PeakSelector::rt_support(Index index) const noexcept BITELINE_RT {
+float PeakSelector::rt_same_place_ratio(Index index) const noexcept BITELINE_RT {
   const Stretch& stretch = stretches_[static_cast<std::size_t>(index)];
   const float share_seen = static_cast<float>(stretch.seen_before) / static_cast<float>(stretch.columns);
-  return stretch.support * (1 + k_same_place_bonus * share_seen);
+  return 1 + k_same_place_bonus * share_seen;
+}
+
+float PeakSelector::rt_support(Index index) const noexcept BITELINE_RT {
+  return stretches_[static_cast<std::size_t>(index)].support * rt_same_place_ratio(index);
+}
+
+float PeakSelector::rt_light(Index index) const noexcept BITELINE_RT {
+  return stretches_[static_cast<std::size_t>(index)].light * rt_same_place_ratio(index);
 }
 
 /// Each column's peak, and whether it goes on from the column before.
@@ -160,10 +172,9 @@ void PeakSelector::rt_choose(const Peaks& peaks, Selection& out) noexcept BITELI
 
 /// Flags the chosen peaks whose stretch is no surface's.
 void PeakSelector::rt_judge(const Peaks& peaks, Selection& out) noexcept BITELINE_RT {
-  float best_support = 0;
-  for (int s = 0; s < stretch_count_; ++s)
-    best_support = std::max(best_support, rt_support(static_cast<Index>(s)));
-  const float least_support = config_.min_support_ratio * best_support;
+  float best_light = 0;
+  for (int s = 0; s < stretch_count_; ++s) best_light = std::max(best_light, rt_light(static_cast<Index>(s)));
+  const float least_light = config_.min_light_ratio * best_light;
 
   Index judged = k_none;
   std::uint8_t verdict = 0;
@@ -174,8 +185,8 @@ void PeakSelector::rt_judge(const Peaks& peaks, Selection& out) noexcept BITELIN
     if (index != judged) {
       const Stretch& stretch = stretches_[static_cast<std::size_t>(index)];
       const bool alone = stretch.columns < config_.min_stretch_columns;
-      const bool faint = rt_support(index) < least_support && 2 * stretch.seen_before < stretch.columns &&
-                         !rt_goes_on(stretch, peaks, out, least_support);
+      const bool faint = rt_light(index) < least_light && 2 * stretch.seen_before < stretch.columns &&
+                         !rt_goes_on(stretch, peaks, out, least_light);
       judged = index;
       verdict = alone   ? k_selection_discontinuous | k_selection_reflection
                 : faint ? k_selection_reflection
@@ -188,7 +199,7 @@ void PeakSelector::rt_judge(const Peaks& peaks, Selection& out) noexcept BITELIN
 /// True when a well supported stretch ends or begins beside `stretch` at a height that the surface between
 /// may have.
 bool PeakSelector::rt_goes_on(const Stretch& stretch, const Peaks& peaks, const Selection& chosen,
-                              float least_support) const noexcept BITELINE_RT {
+                              float least_light) const noexcept BITELINE_RT {
   const auto meets = [&](int from_column, float from_row_px, int step) {
     for (int gap = 1; gap <= config_.beside_columns; ++gap) {
       const int column = from_column + step * gap;
@@ -196,7 +207,7 @@ bool PeakSelector::rt_goes_on(const Stretch& stretch, const Peaks& peaks, const 
       const auto i = static_cast<std::size_t>(column);
       if (chosen.columns[i].kept_index < 0) continue;
       const auto kept = static_cast<std::size_t>(chosen.columns[i].kept_index);
-      if (rt_support(stretch_of_[i][kept]) < least_support) continue;
+      if (rt_light(stretch_of_[i][kept]) < least_light) continue;
       // The nearest one decides.
       const float allowed_px = config_.max_step_px + config_.beside_slope_px * static_cast<float>(gap);
       return std::fabs(peaks.columns[i].kept[kept].row_px - from_row_px) <= allowed_px;

@@ -60,6 +60,14 @@ TEST(PeakSelector, LongDimStripeWinsOverShortBrightGlare) {
   }
 }
 
+TEST(PeakSelector, AMirrorImageAlongHalfOfTheStripeDoesNotWinByItsLight) {
+  // Black beside patent leather: both halves' stripe dim, the patent leather's mirror image ten times as bright.
+  add({.first = 0, .end = k_columns, .row_px = 200, .slope_px = 0, .amplitude = 60});
+  add({.first = 180, .end = k_columns, .row_px = 120, .slope_px = 0, .amplitude = 600});
+  sut->rt_select(*peaks, *selection);
+  for (int u = 0; u < k_columns; ++u) DOUBLES_EQUAL(200, static_cast<double>(chosen_row(u)), 1e-3);
+}
+
 TEST(PeakSelector, PreviousProfileDecidesBetweenEquals) {
   // Two stripes, nearly as long and bright; the last profile showed one of them.
   add({.first = 0, .end = k_columns, .row_px = 150, .slope_px = 0, .amplitude = 100});
