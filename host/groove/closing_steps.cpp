@@ -48,7 +48,8 @@ void extract_published(const Side& side, const cloud::PointCloud& cloud, const E
         traced.reason.empty() ? "no crease: too few points along the traced line" : traced.reason;
   }
   if (config.keep_products) {
-    extraction.products.plain_svd_features = clock.run("plain SVD", [&] { return plain_svd_features(side, config); });
+    extraction.products.plain_svd_features =
+        clock.run("plain SVD", [&] { return plain_svd_features(side, config); });
     hand_on(std::move(stages), extraction.products, cloud, extraction.T_base_shoe, traced.path_row);
   }
 }
@@ -93,8 +94,8 @@ void extract_ours(const Side& side, const cloud::PointCloud& cloud, const Extrac
 
 }  // namespace
 
-void find_line(const Side& side, const cloud::PointCloud& cloud, const ExtractConfig& config, const RawNear& raw_near,
-               StageClock& clock, Extraction& extraction) {
+void find_line(const Side& side, const cloud::PointCloud& cloud, const ExtractConfig& config,
+               const RawNear& raw_near, StageClock& clock, Extraction& extraction) {
   if (config.method == Method::Published) {
     extract_published(side, cloud, config, clock, extraction);
   } else {

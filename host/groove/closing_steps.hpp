@@ -21,7 +21,7 @@ struct RawPoints {
 using RawNear = std::function<RawPoints(const std::vector<std::uint32_t>&)>;
 
 /// Fills `extraction`, whose T_base_shoe is set.  `cloud`: what the side was made of.
-void find_line(const Side& side, const cloud::PointCloud& cloud, const ExtractConfig& config, const RawNear& raw_near,
-               StageClock& clock, Extraction& extraction);
+void find_line(const Side& side, const cloud::PointCloud& cloud, const ExtractConfig& config,
+               const RawNear& raw_near, StageClock& clock, Extraction& extraction);
 
 }  // namespace biteline::groove

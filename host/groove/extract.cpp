@@ -11,8 +11,8 @@ namespace biteline::groove {
 
 namespace {
 
-/// The profiles' points lie together and rise: scan order as it is written.  A cloud may carry the numbers and yet be
-/// in another order.
+/// The profiles' points lie together and rise: scan order as it is written.  A cloud may carry the numbers
+/// and yet be in another order.
 bool in_scan_order(const cloud::PointCloud& cloud) {
   return !cloud.points.empty() && cloud.profile.size() == cloud.size() &&
          std::is_sorted(cloud.profile.begin(), cloud.profile.end());

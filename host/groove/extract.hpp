@@ -51,8 +51,9 @@ struct Products {
   cloud::PointCloud surface;  ///< the shoe's points (table and outliers left out), with normals
   std::vector<float> mean_curvature_per_mm;  ///< convex > 0
   std::vector<float> gaussian_curvature_per_mm2;
-  std::vector<std::uint32_t> feature_points;   ///< strongly concave
-  /// The published method only: the same by the article's plain SVD, which its weighted PCA is measured against.
+  std::vector<std::uint32_t> feature_points;  ///< strongly concave
+  /// The published method only: the same by the article's plain SVD, which its weighted PCA is measured
+  /// against.
   std::vector<std::uint32_t> plain_svd_features;
   std::vector<std::uint32_t> denoised_points;  ///< without specks
   std::vector<std::uint32_t> coarse_line;      ///< thick: those around the path

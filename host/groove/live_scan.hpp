@@ -11,14 +11,14 @@
 
 namespace biteline::groove {
 
-/// Profiles are reduced as they come, so that only the closing steps remain when the last one is in: axes, height
-/// field and path from the reduced points, the line's place from the raw ones.  extract() takes an organised cloud the
-/// same way, so the line is that of the finished cloud, whatever the order in which profiles came.
-/// Thread: one at a time.  Memory: 22 bytes per point.
+/// Profiles are reduced as they come, so that only the closing steps remain when the last one is in: axes,
+/// height field and path from the reduced points, the line's place from the raw ones.  extract() takes an
+/// organised cloud the same way, so the line is that of the finished cloud, whatever the order in which
+/// profiles came. Thread: one at a time.  Memory: 22 bytes per point.
 class LiveScan {
  public:
-  /// Points of one profile in base, in the order of the stripe.  One that is here already, by its sequence number, is
-  /// left out: after a broken connection profiles may come twice.
+  /// Points of one profile in base, in the order of the stripe.  One that is here already, by its sequence
+  /// number, is left out: after a broken connection profiles may come twice.
   void add_profile(std::uint64_t sequence, std::span<const Eigen::Vector3f> points);
   /// All profiles of a cloud that has scan order.
   void add_profiles(const cloud::PointCloud& cloud);

@@ -67,12 +67,14 @@ std::optional<LiveLine::Profile> LiveLine::next() {
 
 void LiveLine::work() {
   groove::LiveScan scan;
-  while (const std::optional<Profile> profile = next()) scan.add_profile(profile->sequence, profile->points_base);
+  while (const std::optional<Profile> profile = next())
+    scan.add_profile(profile->sequence, profile->points_base);
   {
     const std::lock_guard lock{mutex_};
     if (dropped_) return;
   }
-  Outcome outcome{.extraction = scan.finish(config_), .profiles = scan.profiles(), .last_profile_to_line_s = 0};
+  Outcome outcome{
+      .extraction = scan.finish(config_), .profiles = scan.profiles(), .last_profile_to_line_s = 0};
   {
     const std::lock_guard lock{mutex_};
     outcome.last_profile_to_line_s = std::chrono::duration<double>(Clock::now() - last_profile_).count();

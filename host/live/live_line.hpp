@@ -2,8 +2,8 @@
 #pragma once
 /// \file The line of a scan that is coming in, worked on beside the thread that takes it in.
 
-#include <condition_variable>
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <mutex>
@@ -17,16 +17,16 @@
 
 namespace biteline::live {
 
-/// One scan, one thread of its own (`bl-line`): who takes the scan in only hands points over and never waits for
-/// geometry, so that the sensor hears from the host all the time.
+/// One scan, one thread of its own (`bl-line`): who takes the scan in only hands points over and never waits
+/// for geometry, so that the sensor hears from the host all the time.
 ///
 ///     LiveLine line{{}};
 ///     line.add_profile(sequence, points_base);   // as they come
 ///     line.close();                              // the last one is in
 ///     line.wait();                               // on any other thread
 ///
-/// Threads: add_profile() and close() from one thread, wait() from any one.  The queue is not bounded: it holds at most
-/// the scan, which the caller keeps anyway.
+/// Threads: add_profile() and close() from one thread, wait() from any one.  The queue is not bounded: it
+/// holds at most the scan, which the caller keeps anyway.
 class LiveLine {
  public:
   explicit LiveLine(const groove::ExtractConfig& config);

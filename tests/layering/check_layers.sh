@@ -22,7 +22,7 @@ forbid common '(hal|firmware|host|tests)/' 'common knows no other layer'
 forbid hal '(firmware|host|tests)/' 'hal knows common only'
 forbid firmware '(host|tests)/' 'firmware knows common and hal'
 forbid host '(hal|firmware|tests)/' 'host knows common only: sensor and robot are network peers'
-for algorithm in cloud line measure curvature groove calib surface registration kinematics trajectory; do
+for algorithm in cloud line measure curvature groove live calib surface registration kinematics trajectory; do
   forbid "host/$algorithm" 'host/(ingest|robot|apps)/' 'algorithms know neither the network nor the programs'
 done
 forbid hal/api '(linux|gpiod|arv|aravis|embree)' 'no vendor header in hal/api'

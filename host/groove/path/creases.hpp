@@ -21,10 +21,10 @@ struct Crease {
   double longest_unseen_mm{0};        ///< longest stretch without any surface at the path
   double median_turn_rad{0};          ///< over the seen columns
   double median_step_mm{
-      0};                ///< how far the surface below stands out beyond the one above; sole over upper > 0
-  /// The surfaces 2 to 6 mm above and below as straight lines: how much they turn against each other (concave > 0),
-  /// and how far the lower one lies outside the upper one where they meet.  What is sewn into one surface leaves
-  /// both at 0, or below: a wall is convex.
+      0};  ///< how far the surface below stands out beyond the one above; sole over upper > 0
+  /// The surfaces 2 to 6 mm above and below as straight lines: how much they turn against each other (concave
+  /// > 0), and how far the lower one lies outside the upper one where they meet.  What is sewn into one
+  /// surface leaves both at 0, or below: a wall is convex.
   bool flanks_seen{false};  ///< on at least a third of the visible columns
   double flank_turn_rad{0};
   double flank_step_mm{0};

@@ -21,9 +21,10 @@ double sure(double value, double middle, double width) {
   return 1.0 / (1.0 + std::exp(-(value - middle) / width));
 }
 
-/// That the crease lies between two surfaces, sole and upper, and is not sewn or cut into one.  One wall is convex:
-/// its flanks turn by -5 to -9 degrees against each other and meet within 0.1 mm.  A flush sole's (0.1 to 0.4 mm) turn
-/// by +5 degrees and more (seeds of bench_line_class); a millimetre that the sole stands out says as much as 20 degrees.
+/// That the crease lies between two surfaces, sole and upper, and is not sewn or cut into one.  One wall is
+/// convex: its flanks turn by -5 to -9 degrees against each other and meet within 0.1 mm.  A flush sole's
+/// (0.1 to 0.4 mm) turn by +5 degrees and more (seeds of bench_line_class); a millimetre that the sole stands
+/// out says as much as 20 degrees.
 double two_surfaces(const Crease& crease) {
   constexpr double k_per_step = 20.0 * k_deg;
   if (!crease.flanks_seen) return 1.0;
@@ -34,8 +35,8 @@ double two_surfaces(const Crease& crease) {
 double alone(const Crease& crease) {
   const double seen = sure(-crease.longest_unseen_mm, -k_longest_unseen_mm, 3.0);
   // Gaps: a missing sector of 40 mm and a filled stretch as long again may be bridged, not much more.
-  return seen * sure(crease.visible_share, 0.70, 0.035) *
-         two_surfaces(crease) * sure(crease.median_turn_rad, 5.0 * k_deg, 0.8 * k_deg) * sure(-crease.longest_gap_mm, -100.0, 8.0);
+  return seen * sure(crease.visible_share, 0.70, 0.035) * two_surfaces(crease) *
+         sure(crease.median_turn_rad, 5.0 * k_deg, 0.8 * k_deg) * sure(-crease.longest_gap_mm, -100.0, 8.0);
 }
 
 /// For comparing rivals.
@@ -103,12 +104,12 @@ Decision decide(const std::vector<Crease>& creases, double min_confidence) {
                           percent(best.visible_share), best.longest_gap_mm, best.median_turn_rad / k_deg)
                           .c_str();
   } else if (two_surfaces(best) < 0.5) {
-    decision.reason =
-        FixedText<200>::format(
-            "no bite line: the crease at a mean height of %.1f mm lies within one surface, which goes on below it as "
-            "above, and not between a sole and an upper",
-            best.mean_height_mm)
-            .c_str();
+    decision.reason = FixedText<200>::format(
+                          "no bite line: the crease at a mean height of %.1f mm lies within one surface, "
+                          "which goes on below it as "
+                          "above, and not between a sole and an upper",
+                          best.mean_height_mm)
+                          .c_str();
   } else if (best.closure_mm > 6.0) {
     decision.reason = FixedText<200>::format(
                           "the crease does not close: its ends lie %.1f mm apart in height", best.closure_mm)

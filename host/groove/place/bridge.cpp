@@ -63,7 +63,8 @@ void drop_islands(std::vector<std::uint8_t>& known, double station_mm, double lo
     const Gap& behind = gaps[(k + 1) % gaps.size()];
     const std::size_t begin = (before.first + before.steps) % count;
     const std::size_t length = (behind.first + count - begin) % count + 1;
-    if (static_cast<double>(length) * station_mm >= longest_mm || length >= std::min(before.steps, behind.steps))
+    if (static_cast<double>(length) * station_mm >= longest_mm ||
+        length >= std::min(before.steps, behind.steps))
       continue;
     for (std::size_t i = 0; i < length; ++i) known[(begin + i) % count] = 0;
   }
@@ -73,7 +74,8 @@ void bridge_straight(std::vector<double>& values, std::span<const std::uint8_t> 
   bridge_smooth(values, known, station_mm, 0.0);
 }
 
-void bridge_means(std::vector<double>& values, std::span<const std::uint8_t> known, double station_mm, double ends_mm) {
+void bridge_means(std::vector<double>& values, std::span<const std::uint8_t> known, double station_mm,
+                  double ends_mm) {
   const std::size_t count = values.size();
   const auto reach = static_cast<std::size_t>(ends_mm / station_mm);
   const std::vector<double> before = values;

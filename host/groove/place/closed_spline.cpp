@@ -11,12 +11,13 @@ namespace biteline::groove {
 
 namespace {
 
-/// Solves a x = d for a cyclic tridiagonal, diagonally dominant matrix (Sherman and Morrison on Thomas' algorithm).
+/// Solves a x = d for a cyclic tridiagonal, diagonally dominant matrix (Sherman and Morrison on Thomas'
+/// algorithm).
 std::vector<double> solve_cyclic(const std::vector<double>& lower, std::vector<double> diagonal,
                                  const std::vector<double>& upper, std::vector<double> right) {
   const std::size_t n = diagonal.size();
-  const double corner_low = upper[n - 1];   // row n - 1, column 0
-  const double corner_high = lower[0];      // row 0, column n - 1
+  const double corner_low = upper[n - 1];  // row n - 1, column 0
+  const double corner_high = lower[0];     // row 0, column n - 1
   const double gamma = -diagonal[0];
   std::vector<double> u(n, 0.0);
   u[0] = gamma;
@@ -36,18 +37,21 @@ std::vector<double> solve_cyclic(const std::vector<double>& lower, std::vector<d
     right[i] = (right[i] - upper[i] * right[i + 1]) / diagonal[i];
     u[i] = (u[i] - (std::abs(u[i + 1]) > 1e-100 ? upper[i] * u[i + 1] : 0.0)) / diagonal[i];
   }
-  const double share = (right[0] + right[n - 1] * corner_high / gamma) / (1 + u[0] + u[n - 1] * corner_high / gamma);
+  const double share =
+      (right[0] + right[n - 1] * corner_high / gamma) / (1 + u[0] + u[n - 1] * corner_high / gamma);
   for (std::size_t i = 0; i < n; ++i) right[i] -= share * u[i];
   return right;
 }
 
 }  // namespace
 
-ClosedSpline::ClosedSpline(std::vector<Knot> knots, double turn_mm) : knots_{std::move(knots)}, turn_mm_{turn_mm} {
+ClosedSpline::ClosedSpline(std::vector<Knot> knots, double turn_mm)
+    : knots_{std::move(knots)}, turn_mm_{turn_mm} {
   const std::size_t n = knots_.size();
   BITELINE_EXPECTS(n >= 3);
   const auto step = [&](std::size_t i) {
-    return i + 1 < n ? knots_[i + 1].at_mm - knots_[i].at_mm : knots_[0].at_mm + turn_mm_ - knots_[n - 1].at_mm;
+    return i + 1 < n ? knots_[i + 1].at_mm - knots_[i].at_mm
+                     : knots_[0].at_mm + turn_mm_ - knots_[n - 1].at_mm;
   };
   const auto rise = [&](std::size_t i) { return (knots_[(i + 1) % n].value - knots_[i].value) / step(i); };
   std::vector<double> lower(n), diagonal(n), upper(n), right(n);

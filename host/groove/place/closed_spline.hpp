@@ -7,8 +7,8 @@
 
 namespace biteline::groove {
 
-/// Interpolating cubic spline on a circle: twice continuously differentiable.  At three samples to a period it still
-/// has nine tenths of a wave's slope, where straight lines have half.
+/// Interpolating cubic spline on a circle: twice continuously differentiable.  At three samples to a period
+/// it still has nine tenths of a wave's slope, where straight lines have half.
 class ClosedSpline {
  public:
   struct Knot {

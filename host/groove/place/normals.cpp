@@ -58,7 +58,8 @@ std::optional<Smooth> smooth_at(const Sections& sections, int station, double ro
                          (2 * k_reach * sections.row_mm)};
 }
 
-/// What one strip's points say, by place along the line; those of one profile that fall on two stations are joined.
+/// What one strip's points say, by place along the line; those of one profile that fall on two stations are
+/// joined.
 std::vector<ClosedSpline::Knot> knots_of(const NormalInput& input, double above_line_mm) {
   const Sections& sections = input.sections;
   const double turn_mm = sections.stations * sections.station_mm;
@@ -100,12 +101,13 @@ std::vector<ClosedSpline::Knot> knots_of(const NormalInput& input, double above_
     knots.push_back(next.knot);
     points = next.points;
   }
-  if (knots.size() > 1 && knots.front().at_mm + turn_mm - knots.back().at_mm < 0.5 * usual_mm) knots.pop_back();
+  if (knots.size() > 1 && knots.front().at_mm + turn_mm - knots.back().at_mm < 0.5 * usual_mm)
+    knots.pop_back();
   return knots;
 }
 
 Strip strip_of(const NormalInput& input, double above_line_mm) {
-  constexpr double k_longest_mm = 3.0;    // between profiles that belong together; more is a hole
+  constexpr double k_longest_mm = 3.0;     // between profiles that belong together; more is a hole
   constexpr double k_longest_usual = 3.0;  // the same in sparse clouds
   const Sections& sections = input.sections;
   const auto stations = static_cast<std::size_t>(sections.stations);
@@ -113,7 +115,8 @@ Strip strip_of(const NormalInput& input, double above_line_mm) {
   std::vector<ClosedSpline::Knot> knots = knots_of(input, above_line_mm);
   if (knots.size() < 8) return strip;
   const double turn_mm = sections.stations * sections.station_mm;
-  const double longest = std::max(k_longest_mm, k_longest_usual * turn_mm / static_cast<double>(knots.size()));
+  const double longest =
+      std::max(k_longest_mm, k_longest_usual * turn_mm / static_cast<double>(knots.size()));
   const ClosedSpline spline{std::move(knots), turn_mm};
   for (std::size_t i = 0; i < stations; ++i) {
     const ClosedSpline::Sample sample = spline.at(static_cast<double>(i) * sections.station_mm);
@@ -142,7 +145,9 @@ std::vector<double> slopes_of_line(const NormalInput& input) {
   return slope;
 }
 
-bool seen(const Track& track) { return std::find(track.known.begin(), track.known.end(), 1) != track.known.end(); }
+bool seen(const Track& track) {
+  return std::find(track.known.begin(), track.known.end(), 1) != track.known.end();
+}
 
 /// Mean over the tracks that were seen anywhere, gaps bridged.
 std::vector<double> mean_of(std::vector<Track>& tracks, std::size_t stations, double station_mm) {
@@ -175,7 +180,8 @@ std::vector<Vec3> normals_above(const NormalInput& input, const NormalConfig& co
       const Track& low = strips[k - 1].o;
       const Track& high = strips[k].o;
       for (std::size_t i = 0; i < stations; ++i) {
-        if (low.known[i] != 0 && high.known[i] != 0) slope.set(i, (high.value[i] - low.value[i]) / k_strip_mm);
+        if (low.known[i] != 0 && high.known[i] != 0)
+          slope.set(i, (high.value[i] - low.value[i]) / k_strip_mm);
       }
       up.push_back(std::move(slope));
     }
@@ -195,8 +201,9 @@ std::vector<Vec3> normals_above(const NormalInput& input, const NormalConfig& co
     const double s = static_cast<double>(i) * sections.station_mm;
     const Vec2 out = input.outline.normal(s);
     // The strips climb with the line; what they climb is not a slope along it.
-    const double climb = (input.line_z_mm[(i + 1) % stations] - input.line_z_mm[(i + stations - 1) % stations]) /
-                         (2 * sections.station_mm);
+    const double climb =
+        (input.line_z_mm[(i + 1) % stations] - input.line_z_mm[(i + stations - 1) % stations]) /
+        (2 * sections.station_mm);
     // At o outside the outline a step along it is (1 + bend o) as long.
     const double stretch = std::max(0.3, 1.0 + input.outline.bend_per_mm(s) * mean_o[i]);
     const double slope_along = (slope_strip[i] + line_slope[i] - slope_up[i] * climb) / stretch;

@@ -25,11 +25,11 @@ struct NormalInput {
 
 /// One per station.
 ///
-/// In strips of a quarter of a millimetre, each a spline round the shoe through the profiles' own points: stitches, 3 mm
-/// apart and scanned once a millimetre, tilt the surface and count as they should.  The mean of the slope up over the
-/// height is the difference between its ends, so noise hardly counts.  A strip that was not seen somewhere has the slopes
-/// of its own ends there, against the line's own direction: a hole in half of the height does not tilt the normal of a
-/// wall that bends.
+/// In strips of a quarter of a millimetre, each a spline round the shoe through the profiles' own points:
+/// stitches, 3 mm apart and scanned once a millimetre, tilt the surface and count as they should.  The mean
+/// of the slope up over the height is the difference between its ends, so noise hardly counts.  A strip that
+/// was not seen somewhere has the slopes of its own ends there, against the line's own direction: a hole in
+/// half of the height does not tilt the normal of a wall that bends.
 [[nodiscard]] std::vector<Vec3> normals_above(const NormalInput& input, const NormalConfig& config);
 
 }  // namespace biteline::groove

@@ -43,7 +43,8 @@ PathCurve curve_of(const SideField& field, const Outline& outline, const Crease&
       const Vec3 far = points[wrap(at + away * lever / 2)] - points[wrap(at + away * lever)];
       return Vec3{(1.5 * near - 0.5 * far) / (0.5 * static_cast<double>(lever))};
     };
-    const Arc arc{.p0 = points[wrap(c)], .d0 = direction(c, -1), .p1 = points[wrap(end)], .d1 = -direction(end, +1)};
+    const Arc arc{
+        .p0 = points[wrap(c)], .d0 = direction(c, -1), .p1 = points[wrap(end)], .d1 = -direction(end, +1)};
     for (std::ptrdiff_t j = c + 1; j < end; ++j)
       points[wrap(j)] = arc.at(static_cast<double>(j - c) / static_cast<double>(end - c));
     c = end - 1;

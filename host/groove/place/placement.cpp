@@ -72,7 +72,8 @@ struct Outwards {
 };
 
 Outwards outwards_of(const Sections& sections, std::span<const double> row) {
-  // Over longer stretches a groove in shadow is better guessed by the straight line across it than from its ends.
+  // Over longer stretches a groove in shadow is better guessed by the straight line across it than from its
+  // ends.
   constexpr double k_longest_shadow_mm = 12.0;
   Outwards out{std::vector<double>(row.size(), 0.0), std::vector<std::uint8_t>(row.size(), 0)};
   std::vector<std::uint8_t> filled(row.size(), 0);
@@ -100,14 +101,16 @@ struct GapPlace {
   double doubt{0};
 };
 
-/// Expected error of a place in a gap, over 0.3 mm: `to_known` from its nearer end, in a gap so long and over which the
-/// line turns so far.  Fitted to some 6000 bridged points of made shoes of all classes with sectors of 8 to 40 mm
-/// missing, so that 1 / (1 + doubt) is the share of the points within 0.3 mm (bench_line_class shows it).
+/// Expected error of a place in a gap, over 0.3 mm: `to_known` from its nearer end, in a gap so long and over
+/// which the line turns so far.  Fitted to some 6000 bridged points of made shoes of all classes with sectors
+/// of 8 to 40 mm missing, so that 1 / (1 + doubt) is the share of the points within 0.3 mm (bench_line_class
+/// shows it).
 double gap_doubt(double to_known_mm, double length_mm, double turn_rad) {
   return to_known_mm / 60.0 * (0.8 + turn_rad) * std::pow(length_mm / 20.0, 1.5);
 }
 
-std::vector<GapPlace> gap_places(std::span<const std::uint8_t> known, const Outline& outline, double station_mm) {
+std::vector<GapPlace> gap_places(std::span<const std::uint8_t> known, const Outline& outline,
+                                 double station_mm) {
   std::vector<GapPlace> places(known.size());
   const std::vector<Gap> gaps = gaps_of(known);
   if (gaps.empty() && (known.empty() || known.front() == 0))
@@ -141,10 +144,10 @@ void shrink_beside_gaps(std::vector<std::uint8_t>& known, double station_mm) {
   }
 }
 
-/// Places in plan: o along the outline's normal where the section is known; elsewhere on arcs that leave both ends in
-/// their own directions.
-std::vector<Vec2> plan_of(const Outline& outline, std::span<const double> o, std::span<const std::uint8_t> known,
-                          double station_mm) {
+/// Places in plan: o along the outline's normal where the section is known; elsewhere on arcs that leave both
+/// ends in their own directions.
+std::vector<Vec2> plan_of(const Outline& outline, std::span<const double> o,
+                          std::span<const std::uint8_t> known, double station_mm) {
   constexpr double k_lever_mm = 6.0;
   const std::size_t count = o.size();
   std::vector<Vec2> plan(count);
@@ -159,7 +162,8 @@ std::vector<Vec2> plan_of(const Outline& outline, std::span<const double> o, std
     const auto ahead = [&](std::size_t k) { return (end + k) % count; };
     bool firm = true;  // both ends are known over the whole lever
     for (std::size_t k = 0; k <= 2 * lever; ++k) firm = firm && known[back(k)] != 0 && known[ahead(k)] != 0;
-    // Direction at the very end: over the lever beside it, turned on by half of what it turns to the one behind.
+    // Direction at the very end: over the lever beside it, turned on by half of what it turns to the one
+    // behind.
     const auto direction = [&](auto&& place) {
       const Vec2 near = plan[place(0)] - plan[place(lever)];
       const Vec2 far = plan[place(lever)] - plan[place(2 * lever)];
@@ -194,8 +198,7 @@ std::vector<std::uint32_t> near_path(const SideField& field, const Crease& creas
     const int col = std::min(grid.cols - 1, static_cast<int>(static_cast<double>(place.s_mm) / grid.col_mm));
     const double path_z_mm = grid.z_mm(crease.row[static_cast<std::size_t>(col)]);
     const double above_path_mm = static_cast<double>(place.z_mm) - path_z_mm;
-    if (above_path_mm > -below_mm && above_path_mm < above_mm)
-      near.push_back(static_cast<std::uint32_t>(i));
+    if (above_path_mm > -below_mm && above_path_mm < above_mm) near.push_back(static_cast<std::uint32_t>(i));
   }
   return near;
 }
@@ -233,7 +236,8 @@ Placement place_line(const PlacementInput& input, const PlacementConfig& config)
   const std::vector<GapPlace> gap = gap_places(ridge.visible, path_outline, sections.station_mm);
   const std::vector<GapPlace> shadow = gap_places(outwards.known, path_outline, sections.station_mm);
   const std::vector<Vec3> normals = normals_above(
-      {.points = points, .sections = sections, .outline = path_outline, .line_z_mm = z, .line_plan = plan}, config.normals);
+      {.points = points, .sections = sections, .outline = path_outline, .line_z_mm = z, .line_plan = plan},
+      config.normals);
 
   placement.points.resize(stations);
   for (std::size_t i = 0; i < stations; ++i) {

@@ -17,9 +17,9 @@ namespace biteline::groove {
 
 struct PlacementConfig {
   double spacing_mm{0.5};
-  double smoothing_mm{0.4};    ///< standard deviation in height: the definition's
-  double search_mm{2.5};       ///< from the path: the definition's
-  double mean_mm{8.5};         ///< running mean along the line: the definition says 7 to 10
+  double smoothing_mm{0.4};  ///< standard deviation in height: the definition's
+  double search_mm{2.5};     ///< from the path: the definition's
+  double mean_mm{8.5};       ///< running mean along the line: the definition says 7 to 10
   NormalConfig normals{};
 };
 

@@ -33,8 +33,8 @@ double curvature_noise(const Sections& sections, std::span<const float> k, doubl
   return values[values.size() / 2];
 }
 
-/// The surface is known at a crease and a millimetre either way: where a section ends, its curvature is that of
-/// nothing.
+/// The surface is known at a crease and a millimetre either way: where a section ends, its curvature is that
+/// of nothing.
 bool seen_both_sides(const Sections& sections, int station, int row) {
   const int reach = static_cast<int>(std::lround(1.0 / sections.row_mm));
   for (const int r : {row - reach, row - reach / 2, row, row + reach / 2, row + reach}) {
@@ -160,7 +160,8 @@ Ridge follow_ridge(const Sections& sections, std::span<const float> k, double se
     ridge.row[i] =
         row + (bow < -1e-9 ? std::clamp(0.5 * (value(row - 1) - value(row + 1)) / bow, -0.5, 0.5) : 0.0);
     ridge.k_per_mm[i] = top;
-    ridge.visible[i] = top > std::max(k_least_curvature_per_mm, 2 * noise) && seen_both_sides(sections, static_cast<int>(i), row)
+    ridge.visible[i] = top > std::max(k_least_curvature_per_mm, 2 * noise) &&
+                               seen_both_sides(sections, static_cast<int>(i), row)
                            ? 1
                            : 0;
   }

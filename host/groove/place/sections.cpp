@@ -88,15 +88,14 @@ std::vector<float> collect(const SectionInput& input, const SectionConfig& confi
   std::vector<Landing> landings(input.points.size());
   const Lander lander{input, config, sections};
   tbb::parallel_for(tbb::blocked_range<std::size_t>{0, input.points.size(), 4096}, [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i)
-      landings[i] = lander.land(input.points[i]);
+    for (std::size_t i = range.begin(); i != range.end(); ++i) landings[i] = lander.land(input.points[i]);
   });
   const auto rows = static_cast<std::size_t>(sections.rows);
   std::vector<float> bins(static_cast<std::size_t>(sections.stations) * k_sums * rows, 0.0F);
   for (const Landing& landing : landings) {
     if (landing.station < 0) continue;
-    float* bin =
-        bins.data() + static_cast<std::size_t>(landing.station) * k_sums * rows + static_cast<std::size_t>(landing.row);
+    float* bin = bins.data() + static_cast<std::size_t>(landing.station) * k_sums * rows +
+                 static_cast<std::size_t>(landing.row);
     bin[k_w * rows] += 1.0F;
     bin[k_s * rows] += landing.s_mm;
     bin[k_ss * rows] += landing.s_mm * landing.s_mm;
@@ -106,10 +105,10 @@ std::vector<float> collect(const SectionInput& input, const SectionConfig& confi
   return bins;
 }
 
-/// Weighted sums over the stations around one, s counted from that station; `reach` empty rows at both ends of
-/// each sum.
-void sum_along(std::span<const float> bins, std::span<const float> weights, const Sections& sections, int station,
-               std::size_t reach, std::vector<float>& sums) {
+/// Weighted sums over the stations around one, s counted from that station; `reach` empty rows at both ends
+/// of each sum.
+void sum_along(std::span<const float> bins, std::span<const float> weights, const Sections& sections,
+               int station, std::size_t reach, std::vector<float>& sums) {
   const auto rows = static_cast<std::size_t>(sections.rows);
   const auto half = static_cast<int>(weights.size() / 2);
   std::fill(sums.begin(), sums.end(), 0.0F);

@@ -46,7 +46,8 @@ struct SectionInput {
   std::span<const double> path_z_mm;  ///< per station
 };
 
-/// The points sorted into stations and rows; sections are cut out of them as finely along the line as is asked for.
+/// The points sorted into stations and rows; sections are cut out of them as finely along the line as is
+/// asked for.
 class SectionPoints {
  public:
   SectionPoints(const SectionInput& input, const SectionConfig& config);

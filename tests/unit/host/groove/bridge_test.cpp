@@ -58,11 +58,15 @@ TEST(Bridge, MeansOfTheEndsCarryAScatteringValueAcross) {
 TEST(Bridge, ArcBetweenTangentsOfACircleLiesOnTheCircle) {
   constexpr double k_radius_mm = 25;
   for (const double half_rad : {0.1, 0.4, 0.8, 1.2}) {
-    const auto point = [&](double a) { return Vec3{k_radius_mm * std::cos(a), k_radius_mm * std::sin(a), 3}; };
+    const auto point = [&](double a) {
+      return Vec3{k_radius_mm * std::cos(a), k_radius_mm * std::sin(a), 3};
+    };
     const auto way = [](double a) { return Vec3{-std::sin(a), std::cos(a), 0}; };
-    const Arc sut{.p0 = point(-half_rad), .d0 = 7 * way(-half_rad), .p1 = point(half_rad), .d1 = 0.1 * way(half_rad)};
+    const Arc sut{
+        .p0 = point(-half_rad), .d0 = 7 * way(-half_rad), .p1 = point(half_rad), .d1 = 0.1 * way(half_rad)};
     DOUBLES_EQUAL(2 * half_rad, sut.turn_rad(), 1e-9);
-    // The classic error of such a cubic grows with the sixth power of the angle: 0.5 % of the radius at 2.4 rad.
+    // The classic error of such a cubic grows with the sixth power of the angle: 0.5 % of the radius at 2.4
+    // rad.
     for (const double share : {0.1, 0.3, 0.5, 0.8})
       DOUBLES_EQUAL(k_radius_mm, sut.at(share).head<2>().norm(), 0.005 * k_radius_mm);
   }
@@ -81,7 +85,8 @@ TEST(Bridge, SplineThroughThreeSamplesToAWaveHasMostOfItsSlope) {
   const ClosedSpline sut{knots, k_turn_mm};
   double along = 0, power = 0;
   for (double s = 0; s < k_turn_mm; s += 0.05) {
-    const double slope = 2 * std::numbers::pi / k_period_mm * std::cos(2 * std::numbers::pi * s / k_period_mm);
+    const double slope =
+        2 * std::numbers::pi / k_period_mm * std::cos(2 * std::numbers::pi * s / k_period_mm);
     along += sut.at(s).slope * slope;
     power += slope * slope;
   }

@@ -116,7 +116,8 @@ TEST(Extract, AnUpperWithASeamAllTheWayRoundIsRefusedAndTheSameShoeWithASoleIsNo
   const Extraction with_sole = extract(make(shoe, somewhere()).cloud, {.keep_products = false});
   CHECK_TEXT(with_sole.found, with_sole.reason.c_str());
   DOUBLES_EQUAL(shoe.groove.line_height_mm, with_sole.candidates.front().mean_height_mm, 5.0);
-  const Extraction upper = extract(make(sim::bare_upper_of(shoe, 0.15, 3), somewhere()).cloud, {.keep_products = false});
+  const Extraction upper =
+      extract(make(sim::bare_upper_of(shoe, 0.15, 3), somewhere()).cloud, {.keep_products = false});
   CHECK_FALSE(upper.found);
   STRCMP_CONTAINS("within one surface", upper.reason.c_str());
   CHECK(upper.confidence < 0.5);
@@ -172,7 +173,8 @@ TEST(Extract, NormalsFollowStitchesAndKeepTheirDirectionAcrossAHole) {
       const auto& near = *std::min_element(truth.begin(), truth.end(), [&](const auto& a, const auto& b) {
         return (a.point_shoe - point.position).squaredNorm() < (b.point_shoe - point.position).squaredNorm();
       });
-      squares += (point.normal - near.normal_shoe).squaredNorm() / static_cast<double>(sut.line.points.size());
+      squares +=
+          (point.normal - near.normal_shoe).squaredNorm() / static_cast<double>(sut.line.points.size());
     }
     CHECK_COMPARE(std::sqrt(squares) * 180 / M_PI, <=, k_normal_deg);
   }

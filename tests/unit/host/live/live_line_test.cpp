@@ -63,7 +63,8 @@ void check_same(const groove::Extraction& finished, const groove::Extraction& li
 TEST_GROUP(LiveLine){};
 
 TEST(LiveLine, LineOfEachClassIsThatOfTheFinishedCloud) {
-  for (const auto shoe_class : {sim::ShoeClass::Deep, sim::ShoeClass::Shallow, sim::ShoeClass::Step, sim::ShoeClass::Stitched}) {
+  for (const auto shoe_class :
+       {sim::ShoeClass::Deep, sim::ShoeClass::Shallow, sim::ShoeClass::Step, sim::ShoeClass::Stitched}) {
     const cloud::PointCloud cloud = scan_of(shoe_class);
     LiveLine sut{k_line_only};
     sut.add_profiles(cloud);
