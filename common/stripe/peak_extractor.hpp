@@ -64,8 +64,9 @@ void rt_subtract_ambient(const AmbientPair& pair, std::uint8_t* out) noexcept BI
 /// with light in them; it reads only as many rows as a stripe of PeakConfig::width_min_px cannot hide
 /// between: every second one by default, every one where narrower stripes are permitted (plan_search()).  The
 /// maxima of such blocks are a small map in which candidates are searched, and only these are read closely.
-/// Two stripes in one column less than some 20 rows apart are one peak, its shape then flagged
-/// k_peak_poor_fit unless they are so near that their sum looks like one.
+/// Two stripes in one column are two peaks from 24 rows apart on, and mostly from 20 on.  Nearer ones are one
+/// peak: at three to five of their standard deviations its shape is flagged k_peak_poor_fit; farther apart
+/// one of the two is measured and the other not seen; nearer, their sum looks like one stripe between them.
 /// Thread: one at a time.  RT: rt_extract.  Memory: all sized in create().
 class PeakExtractor {
  public:

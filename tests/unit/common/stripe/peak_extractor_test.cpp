@@ -103,6 +103,29 @@ TEST(PeakExtractor, KeepsTheTwoStrongestOfThreeAndCountsAll) {
   }
 }
 
+TEST(PeakExtractor, TwoNearStripesAreFlaggedAndFartherOnesAreTwo) {
+  for (const double apart_px : {8.0, 10.0, 24.0}) {
+    MadeStripe made;
+    made.noise.speckle_contrast = 0.1F;
+    for (int offset = 0; offset < 8; ++offset) {  // against the blocks of rows
+      std::vector<double> mean(static_cast<std::size_t>(made.width_px * made.height_px), 0.0);
+      for (const double row_px : {50.3 + offset, 50.3 + offset + apart_px}) {
+        made.row_px = [row_px](int) { return row_px; };
+        test::add_stripe(made, mean);
+      }
+      extract(test::expose(made, mean, random), made.width_px, made.height_px);
+      for (int u = 0; u < made.width_px; ++u) {
+        const ColumnPeaks& column = peaks->columns[static_cast<std::size_t>(u)];
+        if (apart_px > 20) {
+          LONGS_EQUAL(2, column.kept_count);
+        } else {
+          CHECK(column.kept[0].flags & k_peak_poor_fit);
+        }
+      }
+    }
+  }
+}
+
 TEST(PeakExtractor, WidthAndAmplitudeAreTheStripes) {
   for (const double sigma_px : {1.0, 2.1, 5.0, 8.0}) {
     MadeStripe made;
