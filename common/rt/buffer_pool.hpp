@@ -24,23 +24,26 @@ using BufferIndex = std::uint32_t;
 /// received its number through a ring.  RT: rt_ members.  Memory: one array on the heap, at start-up.
 template <class T, std::size_t MaxCount = 64>
 class BufferPool {
-  static_assert(MaxCount <= 64, "the free set is one word");
+  static constexpr std::size_t k_word_bits = 64;
+  static constexpr std::size_t k_words = (MaxCount + k_word_bits - 1) / k_word_bits;
 
  public:
   explicit BufferPool(std::size_t count) : count_{count}, buffers_{std::make_unique<T[]>(count)} {
     BITELINE_EXPECTS(count >= 1 && count <= MaxCount);
-    free_.store(count == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1, std::memory_order_release);
+    for (std::size_t index = 0; index < count; ++index) word_of(index).fetch_or(bit_of(index), std::memory_order_release);
   }
 
-  /// Nothing: all are in use.  The caller counts that as an overrun.
+  /// Nothing: all are in use.  The caller counts that as an overrun.  With several acquirers it may also miss a buffer that
+  /// came free behind its search.
   [[nodiscard]] std::optional<BufferIndex> rt_acquire() noexcept BITELINE_RT {
-    std::uint64_t free = free_.load(std::memory_order_relaxed);
-    while (free != 0) {
-      const std::uint64_t lowest = free & (~free + 1);
-      // acquire: pairs with the release of the buffer's last user.
-      if (free_.compare_exchange_weak(free, free & ~lowest, std::memory_order_acquire,
-                                      std::memory_order_relaxed)) {
-        return static_cast<BufferIndex>(std::countr_zero(lowest));
+    for (std::size_t word = 0; word < k_words; ++word) {
+      std::uint64_t free = free_[word].load(std::memory_order_relaxed);
+      while (free != 0) {
+        const std::uint64_t lowest = free & (~free + 1);
+        // acquire: pairs with the release of the buffer's last user.
+        if (free_[word].compare_exchange_weak(free, free & ~lowest, std::memory_order_acquire, std::memory_order_relaxed)) {
+          return static_cast<BufferIndex>(word * k_word_bits + static_cast<std::size_t>(std::countr_zero(lowest)));
+        }
       }
     }
     return std::nullopt;
@@ -49,9 +52,8 @@ class BufferPool {
   /// Pre: `index` is acquired.
   void rt_release(BufferIndex index) noexcept BITELINE_RT {
     BITELINE_EXPECTS(index < count_);
-    const std::uint64_t bit = std::uint64_t{1} << index;
-    const std::uint64_t before = free_.fetch_or(bit, std::memory_order_release);
-    BITELINE_EXPECTS((before & bit) == 0);
+    const std::uint64_t before = word_of(index).fetch_or(bit_of(index), std::memory_order_release);
+    BITELINE_EXPECTS((before & bit_of(index)) == 0);
   }
 
   [[nodiscard]] T& operator[](BufferIndex index) noexcept { return buffers_[index]; }
@@ -59,13 +61,20 @@ class BufferPool {
 
   [[nodiscard]] std::size_t count() const { return count_; }
   [[nodiscard]] std::size_t rt_free_count() const noexcept BITELINE_RT {
-    return static_cast<std::size_t>(std::popcount(free_.load(std::memory_order_relaxed)));
+    std::size_t count = 0;
+    for (const std::atomic<std::uint64_t>& word : free_) {
+      count += static_cast<std::size_t>(std::popcount(word.load(std::memory_order_relaxed)));
+    }
+    return count;
   }
 
  private:
+  [[nodiscard]] std::atomic<std::uint64_t>& word_of(std::size_t index) { return free_[index / k_word_bits]; }
+  [[nodiscard]] static std::uint64_t bit_of(std::size_t index) { return std::uint64_t{1} << (index % k_word_bits); }
+
   std::size_t count_;
   std::unique_ptr<T[]> buffers_;
-  std::atomic<std::uint64_t> free_{0};
+  std::array<std::atomic<std::uint64_t>, k_words> free_{};
 };
 
 }  // namespace biteline::rt

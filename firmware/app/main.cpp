@@ -106,7 +106,7 @@ Result<void> run(const sensor::Options& options, const sigset_t& signals) {
   std::atomic<bool> stream_over{false};
   std::thread stream_thread{[&] {
     // Its table entry is an ordinary thread: nothing here can be refused.
-    (void)runtime::enter_thread(runtime::threads::k_stream, runtime::RealtimeDemand::Ignored);
+    (void)runtime::enter_thread(runtime::threads::k_stream, demand);
     streamer.run(stop);
     stream_over = true;
   }};

@@ -78,8 +78,9 @@ class Scanner {
   runtime::StageMeter adjust_meter;  ///< changes of exposure or rows
 
  private:
-  /// Ring plus the one being filled plus the one being sent: a buffer is always free for the next frame.
-  static constexpr std::size_t k_ring_profiles = 32;
+  /// 1.2 s at 100 Hz, for a stream thread that gets no processor meanwhile: it has no real-time priority.  Some 20 MB.
+  static constexpr std::size_t k_ring_profiles = 128;
+  /// Plus the one being filled plus the one being sent: a buffer is always free for the next frame.
   static constexpr std::size_t k_pool_profiles = k_ring_profiles + 2;
 
   Scanner(Source source, const Config& config, pipeline::ProfilePipeline pipeline,
@@ -97,7 +98,7 @@ class Scanner {
   const hal::Clock& clock_;
   runtime::LaserWatch* laser_;
   pipeline::PoseHistory poses_;
-  rt::BufferPool<profile::ProfileBuffer> pool_{k_pool_profiles};
+  rt::BufferPool<profile::ProfileBuffer, k_pool_profiles> pool_{k_pool_profiles};
   rt::DropOldestRing<rt::BufferIndex, k_ring_profiles> ring_;
 
   std::thread acquisition_thread_, pose_thread_;

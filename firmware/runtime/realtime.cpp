@@ -5,6 +5,7 @@
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -68,6 +69,8 @@ Result<void> enter_thread(const ThreadSpec& spec, RealtimeDemand demand) {
   if (demand == RealtimeDemand::Ignored) return {};
   BITELINE_TRY(pin(spec));
   BITELINE_TRY(schedule(spec));
+  // Linux gives each thread a nice value of its own (sched(7)).  Without the right to it the thread is as any other.
+  if (spec.nice != 0) (void)setpriority(PRIO_PROCESS, 0, spec.nice);
   prefault_stack();
   return {};
 }

@@ -14,7 +14,7 @@ struct ClockHealth {
   Nanoseconds offset{0};       ///< sensor clock minus the other
   Nanoseconds uncertainty{0};  ///< of the offset; a constant delay that nobody can see from here is not in it
   double drift_ppm{0};
-  std::uint64_t steps{0};      ///< times that the other clock jumped
+  std::uint64_t steps{0};  ///< times that the other clock jumped
 };
 
 /// A clock that others are disciplined to and that can be read here, such as a network card's.

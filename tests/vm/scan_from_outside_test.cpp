@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-// A host outside the virtual machine: profiles of the sensor program in it, made of a recorded session's pictures through
-// real kernel interfaces, come over the network with keys, and are those of the same session replayed, bit for bit.
+// A host outside the virtual machine: profiles of the sensor program in it, made of a recorded session's
+// pictures through real kernel interfaces, come over the network with keys, and are those of the same session
+// replayed, bit for bit.
 //
-// What the kernel allows: its video driver runs by itself, so the camera's trigger cannot start an exposure; the PWM is
-// switched on by the sensor, and each frame of the driver then makes the edge that it is paired with.
+// What the kernel allows: its video driver runs by itself, so the camera's trigger cannot start an exposure;
+// the PWM is switched on by the sensor, and each frame of the driver then makes the edge that it is paired
+// with.
 #include <CppUTest/TestHarness.h>
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -60,7 +62,8 @@ image::GreyImage paint(int number) {
 geometry::SensorModel made_head() {
   geometry::SensorModel head;
   head.camera = {.fu_px = 900, .fv_px = 900, .cu_px = 320, .cv_px = 240};
-  head.laser_plane = {.normal_cam = Vec3{0, std::numbers::sqrt2 / 2, std::numbers::sqrt2 / 2}, .distance_mm = 150};
+  head.laser_plane = {.normal_cam = Vec3{0, std::numbers::sqrt2 / 2, std::numbers::sqrt2 / 2},
+                      .distance_mm = 150};
   head.region = {.width_px = k_width_px, .height_px = k_height_px};
   head.rate_hz = 60;
   head.exposure = milliseconds{1};
@@ -80,7 +83,8 @@ void write_session(const fs::path& folder) {
     frames.push_back({.exposure_mid = SensorClock::time_point{stamp}, .file = file});
   }
   std::vector<session::StampedPose> poses;
-  for (Nanoseconds t = k_first - k_lead; t <= k_first + k_pictures * k_period + k_lead; t += milliseconds{8}) {
+  for (Nanoseconds t = k_first - k_lead; t <= k_first + k_pictures * k_period + k_lead;
+       t += milliseconds{8}) {
     SE3 T = SE3::Identity();
     T.translation().x() = 0.25e-6 * static_cast<double>(t.count());  // 250 mm/s
     poses.push_back({.stamp = RobotClock::time_point{t}, .T_base_flange = T});
@@ -94,7 +98,8 @@ std::vector<std::uint32_t> clockless_bits(const std::vector<profile::ProfilePoin
   std::vector<std::uint32_t> bits;
   bits.reserve(9 * points.size());
   for (const profile::ProfilePoint& p : points) {
-    for (const float value : {p.point_cam.x(), p.point_cam.y(), p.point_cam.z(), p.row_px, p.sigma_row_px, p.amplitude, p.width_px}) {
+    for (const float value : {p.point_cam.x(), p.point_cam.y(), p.point_cam.z(), p.row_px, p.sigma_row_px,
+                              p.amplitude, p.width_px}) {
       bits.push_back(std::bit_cast<std::uint32_t>(value));
     }
     bits.push_back(p.column | std::uint32_t{p.peak_count} << 16U);
@@ -131,20 +136,26 @@ TEST_GROUP(ScanFromOutside) {
   std::optional<wire::ControlReply> reply;
   bool known{false};
 
-  fs::path session() const { return folder.path() / "session"; }
-  fs::path keys() const { return folder.path() / "keys"; }
+  fs::path session() const {
+    return folder.path() / "session";
+  }
+  fs::path keys() const {
+    return folder.path() / "keys";
+  }
 
   void boot(int port) {
     const std::string build = environment("BITELINE_ARM64_BUILD");
     const std::string guest =
         "BITELINE_BOARD=/test/board.yaml BITELINE_SESSION=/test/session BITELINE_KEYS=/test/keys "
         "BITELINE_SENSOR=/test/biteline-sensor /test/kernel_program_test";
-    const std::string command = "BITELINE_VM_QEMU='-netdev user,id=net,restrict=on,hostfwd=tcp:127.0.0.1:" + std::to_string(port) +
-                                "-:5555 -device virtio-net-pci,netdev=net,romfile=' exec '" + environment("BITELINE_VM_BOOT") + "' " +
-                                environment("BITELINE_VM_KERNEL") + " '" + build + "' '" + guest +
-                                "' bin/biteline-sensor tests/kernel_program_test -- '" + environment("BITELINE_VM_BOARD") + "' '" +
-                                session().string() + "' '" + keys().string() + "'";
-    auto started = process::ChildProcess::start({.program = "/bin/bash", .arguments = {"-c", command}, .pass_stderr = true});
+    const std::string command =
+        "BITELINE_VM_QEMU='-netdev user,id=net,restrict=on,hostfwd=tcp:127.0.0.1:" + std::to_string(port) +
+        "-:5555 -device virtio-net-pci,netdev=net,romfile=' exec '" + environment("BITELINE_VM_BOOT") + "' " +
+        environment("BITELINE_VM_KERNEL") + " '" + build + "' '" + guest +
+        "' bin/biteline-sensor tests/kernel_program_test -- '" + environment("BITELINE_VM_BOARD") + "' '" +
+        session().string() + "' '" + keys().string() + "'";
+    auto started = process::ChildProcess::start(
+        {.program = "/bin/bash", .arguments = {"-c", command}, .pass_stderr = true});
     SUCCEEDS(started);
     machine.emplace(std::move(*started));
   }
@@ -179,7 +190,8 @@ TEST_GROUP(ScanFromOutside) {
     return true;
   }
   void take(ingest::LinkEvent event) {
-    if (auto* profile = std::get_if<ingest::ProfileEvent>(&event)) profiles.push_back(std::move(profile->profile));
+    if (auto* profile = std::get_if<ingest::ProfileEvent>(&event))
+      profiles.push_back(std::move(profile->profile));
     if (const auto* loss = std::get_if<ingest::LossEvent>(&event)) lost += loss->messages;
     if (const auto* over = std::get_if<wire::EndOfScan>(&event)) end = *over;
     if (const auto* answer = std::get_if<wire::ControlReply>(&event)) reply = *answer;
@@ -189,19 +201,24 @@ TEST_GROUP(ScanFromOutside) {
   std::vector<std::vector<std::uint32_t>> replayed() {
     ingest::SessionRunOptions options;
     options.session = session();
-    options.program = folder.write("sensor.sh", "#!/bin/sh\nexec " + environment("BITELINE_ARM64_EMULATOR") + " '" +
-                                                    environment("BITELINE_ARM64_BUILD") + "/bin/biteline-sensor' \"$@\"\n");
+    options.program =
+        folder.write("sensor.sh", "#!/bin/sh\nexec " + environment("BITELINE_ARM64_EMULATOR") + " '" +
+                                      environment("BITELINE_ARM64_BUILD") + "/bin/biteline-sensor' \"$@\"\n");
     fs::permissions(*options.program, fs::perms::owner_all);
     std::vector<std::vector<std::uint32_t>> found;
-    options.on_profile = [&](const profile::Profile& profile, auto &&...) { found.push_back(clockless_bits(profile.points)); };
+    options.on_profile = [&](const profile::Profile& profile, auto&&...) {
+      found.push_back(clockless_bits(profile.points));
+    };
     SUCCEEDS(ingest::run_sensor_on_session(options));
     return found;
   }
 };
 
 TEST(ScanFromOutside, ThousandProfilesAreThoseOfTheReplayAndEveryCountIsRight) {
-  if (environment("BITELINE_ARM64_BUILD").empty()) return test::note_skipped("started by ctest, which names kernel and build");
-  if (!fs::exists(environment("BITELINE_ARM64_BUILD") + "/bin/biteline-sensor")) return test::note_skipped("no arm64 build");
+  if (environment("BITELINE_ARM64_BUILD").empty())
+    return test::note_skipped("started by ctest, which names kernel and build");
+  if (!fs::exists(environment("BITELINE_ARM64_BUILD") + "/bin/biteline-sensor"))
+    return test::note_skipped("no arm64 build");
   test::note_ran();
   write_session(session());
   SUCCEEDS(wire::make_keys(keys()));
@@ -238,17 +255,20 @@ TEST(ScanFromOutside, ThousandProfilesAreThoseOfTheReplayAndEveryCountIsRight) {
     wrong += std::find(expected.begin(), expected.end(), bits) == expected.end() ? 1 : 0;
   }
   const auto number = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };
-  std::printf("%llu profiles over the network, %llu of other bits; %llu frames, %llu lost by the driver, %llu profiles dropped; "
-              "%llu edges, %llu frames with theirs, %llu without; %llu poses\n",
-              number(profiles.size()), number(wrong), number(counters.frames), number(counters.frames_lost),
-              number(counters.profiles_dropped), number(trigger.edges), number(trigger.frames_paired),
-              number(trigger.frames_without_edge), number(counters.poses));
+  std::printf(
+      "%llu profiles over the network, %llu of other bits; %llu frames, %llu lost by the driver, %llu "
+      "profiles dropped; "
+      "%llu edges, %llu frames with theirs, %llu without; %llu poses\n",
+      number(profiles.size()), number(wrong), number(counters.frames), number(counters.frames_lost),
+      number(counters.profiles_dropped), number(trigger.edges), number(trigger.frames_paired),
+      number(trigger.frames_without_edge), number(counters.poses));
   LONGS_EQUAL(0, wrong);
   LONGS_EQUAL(0, lost);
   CHECK(profiles.size() >= k_frames);
   LONGS_EQUAL(counters.profiles, profiles.size() + counters.profiles_dropped);
   LONGS_EQUAL(counters.frames + counters.frames_damaged, counters.profiles);
-  // What was lost or dropped before the first profile that came and after the last leaves no hole between profiles.
+  // What was lost or dropped before the first profile that came and after the last leaves no hole between
+  // profiles.
   CHECK(holes <= counters.frames_lost + counters.profiles_dropped);
   LONGS_EQUAL(counters.frames + counters.frames_damaged,
               trigger.frames_paired + trigger.frames_without_edge + trigger.frames_with_two_edges);

@@ -14,14 +14,18 @@ constexpr std::chrono::microseconds k_look{500};
 }  // namespace
 
 Result<std::unique_ptr<EncoderTrigger>> EncoderTrigger::open(std::unique_ptr<EncoderIn> encoder,
-                                                             std::unique_ptr<GpioOut> line, const Config& config) {
+                                                             std::unique_ptr<GpioOut> line,
+                                                             const Config& config) {
   if (config.pitch_ticks <= 0) {
-    return fail(Errc::BadValue, "encoder trigger: pitch of %lld ticks", static_cast<long long>(config.pitch_ticks));
+    return fail(Errc::BadValue, "encoder trigger: pitch of %lld ticks",
+                static_cast<long long>(config.pitch_ticks));
   }
   return std::unique_ptr<EncoderTrigger>{new EncoderTrigger{std::move(encoder), std::move(line), config}};
 }
 
-EncoderTrigger::~EncoderTrigger() { static_cast<void>(stop()); }
+EncoderTrigger::~EncoderTrigger() {
+  static_cast<void>(stop());
+}
 
 Result<PwmSettings> EncoderTrigger::configure(const PwmSettings& wanted) {
   if (wanted.period <= Nanoseconds{0} || wanted.pulse <= Nanoseconds{0} || wanted.pulse >= wanted.period) {
@@ -42,7 +46,8 @@ Result<void> EncoderTrigger::start() {
   thread_ = std::thread{[this] { run(); }};
   ::pthread_setname_np(thread_.native_handle(), "enc-trigger");
   const sched_param parameters{.sched_priority = config_.priority};
-  if (config_.priority > 0) static_cast<void>(::pthread_setschedparam(thread_.native_handle(), SCHED_FIFO, &parameters));
+  if (config_.priority > 0)
+    static_cast<void>(::pthread_setschedparam(thread_.native_handle(), SCHED_FIFO, &parameters));
   return {};
 }
 

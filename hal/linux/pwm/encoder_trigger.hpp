@@ -14,15 +14,16 @@ namespace biteline::hal {
 
 struct EncoderTriggerHealth {
   std::uint64_t pulses{0};
-  std::uint64_t pitches_missed{0};  ///< reached within one object of the encoder, or before the camera was ready again
-  std::uint64_t read_failures{0};   ///< of the encoder, after its first position
+  std::uint64_t pitches_missed{
+      0};  ///< reached within one object of the encoder, or before the camera was ready again
+  std::uint64_t read_failures{0};  ///< of the encoder, after its first position
   std::uint64_t line_faults{0};
 };
 
-/// A SCHED_FIFO thread reads the encoder twice a millisecond, twice as often as one sends, and toggles a line.  The pulse
-/// follows its pitch by up to the encoder's own period, so exposures are tied to the strobe echo and to the path coordinate
-/// (EncoderPoseSource), never to the pitch itself.
-/// As a PwmOut: `period` is the shortest between two pulses, which is what the camera can follow.
+/// A SCHED_FIFO thread reads the encoder twice a millisecond, twice as often as one sends, and toggles a
+/// line.  The pulse follows its pitch by up to the encoder's own period, so exposures are tied to the strobe
+/// echo and to the path coordinate (EncoderPoseSource), never to the pitch itself. As a PwmOut: `period` is
+/// the shortest between two pulses, which is what the camera can follow.
 class EncoderTrigger final : public PwmOut {
  public:
   struct Config {
@@ -31,7 +32,8 @@ class EncoderTrigger final : public PwmOut {
   };
   /// Errc::BadValue: no pitch.
   [[nodiscard]] static Result<std::unique_ptr<EncoderTrigger>> open(std::unique_ptr<EncoderIn> encoder,
-                                                                    std::unique_ptr<GpioOut> line, const Config& config);
+                                                                    std::unique_ptr<GpioOut> line,
+                                                                    const Config& config);
   ~EncoderTrigger() override;
 
   [[nodiscard]] Result<PwmSettings> configure(const PwmSettings& wanted) override;
@@ -41,7 +43,10 @@ class EncoderTrigger final : public PwmOut {
   [[nodiscard]] bool hardware_timed() const noexcept override { return false; }
 
   [[nodiscard]] EncoderTriggerHealth trigger_health() const {
-    return {.pulses = pulses_, .pitches_missed = missed_, .read_failures = read_failures_, .line_faults = line_faults_};
+    return {.pulses = pulses_,
+            .pitches_missed = missed_,
+            .read_failures = read_failures_,
+            .line_faults = line_faults_};
   }
 
  private:

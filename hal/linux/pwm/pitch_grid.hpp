@@ -8,9 +8,9 @@
 
 namespace biteline::hal {
 
-/// A pitch is a distance from where the last one was reached, so that an axis that trembles about a border makes no pulse
-/// after the first, and one that goes back makes them on the way back too.
-/// Pure; thread: one owner.
+/// A pitch is a distance from where the last one was reached, so that an axis that trembles about a border
+/// makes no pulse after the first, and one that goes back makes them on the way back too. Pure; thread: one
+/// owner.
 class PitchGrid {
  public:
   /// Pre: pitch_ticks > 0.

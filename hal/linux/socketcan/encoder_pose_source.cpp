@@ -49,7 +49,10 @@ Result<void> EncoderPoseSource::stop() {
 }
 
 PoseHealth EncoderPoseSource::health() const noexcept {
-  return {.state = state_.load(), .poses = poses_.load(), .poses_rejected = rejected_.load(), .reconnects = reconnects_.load()};
+  return {.state = state_.load(),
+          .poses = poses_.load(),
+          .poses_rejected = rejected_.load(),
+          .reconnects = reconnects_.load()};
 }
 
 }  // namespace biteline::hal

@@ -11,9 +11,9 @@
 
 namespace biteline::hal {
 
-/// The shoe moves and the head stands; told as the head's motion round the shoe, so that everything after it is as with an
-/// arm: T_base_flange = exp(position * twist per tick) * T at the start, `base` travelling with the shoe.
-/// A position older than `lost_after` is no pose: the encoder is silent.
+/// The shoe moves and the head stands; told as the head's motion round the shoe, so that everything after it
+/// is as with an arm: T_base_flange = exp(position * twist per tick) * T at the start, `base` travelling with
+/// the shoe. A position older than `lost_after` is no pose: the encoder is silent.
 class EncoderPoseSource final : public PoseSource {
  public:
   struct Config {

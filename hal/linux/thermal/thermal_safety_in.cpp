@@ -5,7 +5,8 @@
 
 namespace biteline::hal {
 
-Result<std::unique_ptr<SafetyIn>> ThermalSafetyIn::open(std::unique_ptr<SafetyIn> inner, const Config& config) {
+Result<std::unique_ptr<SafetyIn>> ThermalSafetyIn::open(std::unique_ptr<SafetyIn> inner,
+                                                        const Config& config) {
   BITELINE_TRY(read_integer(config.file.c_str()));
   return std::unique_ptr<SafetyIn>{new ThermalSafetyIn{std::move(inner), config}};
 }

@@ -39,7 +39,8 @@ sockaddr_in address_of(const std::string& address, std::uint16_t port) {
 Result<hal::Descriptor> bound_socket(const std::string& address, std::uint16_t port) {
   hal::Descriptor socket{::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
   const sockaddr_in local = address_of(address, port);
-  if (!socket.is_open() || bind(socket.number(), reinterpret_cast<const sockaddr*>(&local), sizeof local) != 0) {
+  if (!socket.is_open() ||
+      bind(socket.number(), reinterpret_cast<const sockaddr*>(&local), sizeof local) != 0) {
     return fail_errno(Errc::ConnectFailed, errno, "lossy line: %s port %d", address.c_str(), int{port});
   }
   return socket;
@@ -47,12 +48,14 @@ Result<hal::Descriptor> bound_socket(const std::string& address, std::uint16_t p
 
 void send_to(const hal::Descriptor& socket, std::span<const std::uint8_t> bytes, const sockaddr_in& to) {
   // A datagram that does not get through is lost: nobody here promised more.
-  (void)sendto(socket.number(), bytes.data(), bytes.size(), MSG_DONTWAIT, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+  (void)sendto(socket.number(), bytes.data(), bytes.size(), MSG_DONTWAIT,
+               reinterpret_cast<const sockaddr*>(&to), sizeof to);
 }
 
 }  // namespace
 
-LossyLine::LossyLine(const Config& config, hal::Descriptor client_side, hal::Descriptor camera_side, hal::Descriptor stream)
+LossyLine::LossyLine(const Config& config, hal::Descriptor client_side, hal::Descriptor camera_side,
+                     hal::Descriptor stream)
     : config_{config},
       client_side_{std::move(client_side)},
       camera_side_{std::move(camera_side)},
@@ -76,14 +79,17 @@ Result<std::unique_ptr<LossyLine>> LossyLine::open(const Config& config) {
   BITELINE_ASSIGN(hal::Descriptor stream, bound_socket(config.camera, 0));
   // As far as the kernel lets it: what overflows here is lost like the rest.
   setsockopt(stream.number(), SOL_SOCKET, SO_RCVBUF, &k_stream_buffer_bytes, sizeof k_stream_buffer_bytes);
-  setsockopt(stream.number(), SOL_SOCKET, SO_RCVBUFFORCE, &k_stream_buffer_bytes, sizeof k_stream_buffer_bytes);
+  setsockopt(stream.number(), SOL_SOCKET, SO_RCVBUFFORCE, &k_stream_buffer_bytes,
+             sizeof k_stream_buffer_bytes);
   return std::unique_ptr<LossyLine>{
       new LossyLine{config, std::move(client_side), std::move(camera_side), std::move(stream)}};
 }
 
 void LossyLine::run() {
   constexpr int k_look_ms = 20;
-  std::array<pollfd, 3> waits{{{client_side_.number(), POLLIN, 0}, {camera_side_.number(), POLLIN, 0}, {stream_.number(), POLLIN, 0}}};
+  std::array<pollfd, 3> waits{{{client_side_.number(), POLLIN, 0},
+                               {camera_side_.number(), POLLIN, 0},
+                               {stream_.number(), POLLIN, 0}}};
   while (!stopping_) {
     if (poll(waits.data(), waits.size(), k_look_ms) <= 0) continue;
     if ((waits[0].revents & POLLIN) != 0) from_client();
@@ -104,7 +110,8 @@ void LossyLine::from_client() {
   client_ = from;
   // The stream is to come here first.
   constexpr std::size_t k_pair_bytes = 8;
-  for (std::size_t at = k_command_header_bytes; code == k_write_register && at + k_pair_bytes <= command.size(); at += k_pair_bytes) {
+  for (std::size_t at = k_command_header_bytes;
+       code == k_write_register && at + k_pair_bytes <= command.size(); at += k_pair_bytes) {
     const auto value = big_endian<std::uint32_t>(command.data() + at + 4);
     if (big_endian<std::uint32_t>(command.data() + at) != k_stream_port_register || value == 0) continue;
     stream_client_ = from;
@@ -142,8 +149,10 @@ void LossyLine::send_again(std::span<const std::uint8_t> command) {
   // Channel and block, first packet, last packet.
   if (command.size() < k_command_header_bytes + 12) return;
   const auto block = big_endian<std::uint16_t>(command.data() + k_command_header_bytes + 2);
-  const std::uint32_t first = big_endian<std::uint32_t>(command.data() + k_command_header_bytes + 4) & 0xFFFFFFU;
-  const std::uint32_t last = big_endian<std::uint32_t>(command.data() + k_command_header_bytes + 8) & 0xFFFFFFU;
+  const std::uint32_t first =
+      big_endian<std::uint32_t>(command.data() + k_command_header_bytes + 4) & 0xFFFFFFU;
+  const std::uint32_t last =
+      big_endian<std::uint32_t>(command.data() + k_command_header_bytes + 8) & 0xFFFFFFU;
   for (const Kept& kept : kept_) {
     if (kept.block != block || kept.packet < first || kept.packet > last || kept.bytes.empty()) continue;
     send_to(stream_, kept.bytes, stream_client_);

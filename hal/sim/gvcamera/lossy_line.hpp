@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file A network between a client and the simulated camera that loses packets of the stream and sends them again when asked.
+/// \file A network between a client and the simulated camera that loses packets of the stream and sends them
+/// again when asked.
 
 #include <netinet/in.h>
 
@@ -19,10 +20,10 @@
 
 namespace biteline::sim {
 
-/// Aravis' fake camera cannot resend.  This stands before it at an address of its own (any of 127.0.0.0/8): commands go
-/// through to the camera but PACKETRESEND, which is answered from the packets kept here (GigE Vision 1.x, 16.6); the stream
-/// comes through with losses.  Only the first sending is lost, as on a cable with bursts of noise.
-/// Thread: one of its own; the counts from any.
+/// Aravis' fake camera cannot resend.  This stands before it at an address of its own (any of 127.0.0.0/8):
+/// commands go through to the camera but PACKETRESEND, which is answered from the packets kept here (GigE
+/// Vision 1.x, 16.6); the stream comes through with losses.  Only the first sending is lost, as on a cable
+/// with bursts of noise. Thread: one of its own; the counts from any.
 class LossyLine {
  public:
   struct Config {
@@ -48,7 +49,8 @@ class LossyLine {
   /// Some frames' worth; a packet asked for later is gone, as in a camera's own memory.
   static constexpr std::size_t k_kept = 1024;
 
-  LossyLine(const Config& config, hal::Descriptor client_side, hal::Descriptor camera_side, hal::Descriptor stream);
+  LossyLine(const Config& config, hal::Descriptor client_side, hal::Descriptor camera_side,
+            hal::Descriptor stream);
   void run();
   void from_client();
   void from_camera();

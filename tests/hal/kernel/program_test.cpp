@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// biteline-sensor itself on the devices of boards/qemu-virt, for a host on the network: a recorded session's pictures through
-// V4L2, an arm on the pose bus, trigger and laser on their lines.  The host's half: tests/vm/scan_from_outside_test.cpp.
+// biteline-sensor itself on the devices of boards/qemu-virt, for a host on the network: a recorded session's
+// pictures through V4L2, an arm on the pose bus, trigger and laser on their lines.  The host's half:
+// tests/vm/scan_from_outside_test.cpp.
 #include <CppUTest/TestHarness.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -31,7 +32,8 @@ std::string from_environment(const char* name) {
 
 std::vector<image::GreyImage> pictures_of(const session::Session& session) {
   std::vector<image::GreyImage> pictures;
-  for (const session::FrameEntry& frame : session.frames) pictures.push_back(image::read_png(frame.file).value());
+  for (const session::FrameEntry& frame : session.frames)
+    pictures.push_back(image::read_png(frame.file).value());
   return pictures;
 }
 
@@ -74,17 +76,20 @@ TEST(KernelProgram, ServesAScanToAHostOutside) {
     const std::vector<std::uint8_t>& picture = pictures[number % pictures.size()].pixels;
     std::copy(picture.begin(), picture.end(), pixels.begin());
   };
-  const test::PictureFeeder feeder{nodes, pictures[0].width_px, pictures[0].height_px, paint, [&] { trigger.on_frame(); }};
+  const test::PictureFeeder feeder{nodes, pictures[0].width_px, pictures[0].height_px, paint,
+                                   [&] { trigger.on_frame(); }};
   const test::MovingArm arm;
 
   // Everything that the board names answers; only the plain kernel is not what a unit should have.
-  const pid_t check = start({from_environment("BITELINE_SENSOR"), "--check", "--source", "board:" + from_environment("BITELINE_BOARD")});
+  const pid_t check = start({from_environment("BITELINE_SENSOR"), "--check", "--source",
+                             "board:" + from_environment("BITELINE_BOARD")});
   const bool realtime = hal::read_integer("/sys/kernel/realtime").value_or(0) == 1;
   CHECK_EQUAL(static_cast<int>(realtime ? ExitStatus::Done : ExitStatus::Connection), wait_for(check));
 
-  const pid_t sensor = start({from_environment("BITELINE_SENSOR"), "--source", "board:" + from_environment("BITELINE_BOARD"),
-                              "--sensor", folder + "/cam0/sensor.yaml", "--listen", "tcp://0.0.0.0:5555", "--keys",
-                              from_environment("BITELINE_KEYS"), "--rt=required"});
+  const pid_t sensor =
+      start({from_environment("BITELINE_SENSOR"), "--source", "board:" + from_environment("BITELINE_BOARD"),
+             "--sensor", folder + "/cam0/sensor.yaml", "--listen", "tcp://0.0.0.0:5555", "--keys",
+             from_environment("BITELINE_KEYS"), "--rt=required"});
   // The door is closed for good; a request of the line sets its bias, so it is pulled again and again.
   bool lit = false;
   auto dark_since = std::chrono::steady_clock::now();

@@ -15,13 +15,17 @@ void MovingArm::run() {
   canpose::PoseMessage pose{.sync_counter = 0};
   while (!stop_) {
     pose.sync_counter = static_cast<std::uint8_t>(pose.sync_counter % canpose::k_sync_counter_last + 1);
-    hal::CanFrame frame{.id = canpose::k_sync_id, .size_bytes = 1, .data = {pose.sync_counter}, .received = {}};
+    hal::CanFrame frame{
+        .id = canpose::k_sync_id, .size_bytes = 1, .data = {pose.sync_counter}, .received = {}};
     const SensorClock::time_point now = hal::monotonic_now();
     static_cast<void>(bus->send(frame));
     pose.stamp_us = static_cast<std::uint64_t>((now - start_).count() / 1000);
     pose.T_base_flange.translation().x() = x_mm(now);
     const canpose::FdFrame coded = canpose::encode_fd(pose).value();
-    frame = {.id = canpose::k_default_base_id + canpose::k_fd_id_offset, .fd = true, .size_bytes = canpose::k_fd_size_bytes, .received = {}};
+    frame = {.id = canpose::k_default_base_id + canpose::k_fd_id_offset,
+             .fd = true,
+             .size_bytes = canpose::k_fd_size_bytes,
+             .received = {}};
     std::copy(coded.begin(), coded.end(), frame.data.begin());
     static_cast<void>(bus->send(frame));
     std::this_thread::sleep_for(8ms);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file What stands round a unit of boards/qemu-virt: the arm on its bus, and the wire from the trigger to the camera.
+/// \file What stands round a unit of boards/qemu-virt: the arm on its bus, and the wire from the trigger to
+/// the camera.
 
 #include <atomic>
 #include <cstdint>
@@ -33,8 +34,9 @@ class MovingArm {
   std::thread thread_{[this] { run(); }};
 };
 
-/// The kernel's PWM has registers and no pin, and its video driver runs by itself: while the sensor has the PWM on, each
-/// frame of the driver makes an edge on the line of the strobe echo, as the pulse that asked for it would.
+/// The kernel's PWM has registers and no pin, and its video driver runs by itself: while the sensor has the
+/// PWM on, each frame of the driver makes an edge on the line of the strobe echo, as the pulse that asked for
+/// it would.
 class TriggerWire {
  public:
   explicit TriggerWire(const GpioSim& gpio) : gpio_{gpio} {}

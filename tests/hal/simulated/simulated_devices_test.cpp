@@ -4,7 +4,9 @@
 #include <unistd.h>
 
 #include "hal/linux/rtde/rtde_pose_source.hpp"
+#include "hal/linux/socketcan/can_encoder.hpp"
 #include "hal/linux/socketcan/can_pose_source.hpp"
+#include "hal/linux/socketcan/encoder_pose_source.hpp"
 #include "hal/replay/recording.hpp"
 #include "hal/replay/replay_camera.hpp"
 #include "hal/replay/replay_poses.hpp"
@@ -13,6 +15,7 @@
 #include "hal/sim/robot/ur_controller.hpp"
 #include "tests/hal/conformance/camera.hpp"
 #include "tests/hal/conformance/can_bus.hpp"
+#include "tests/hal/conformance/encoder_in.hpp"
 #include "tests/hal/conformance/lines.hpp"
 #include "tests/hal/conformance/pose_source.hpp"
 #include "tests/hal/conformance/pwm_out.hpp"
@@ -79,6 +82,28 @@ TEST(SimulatedWires, PosesOnTheBusConform) {
     std::copy(coded.begin(), coded.end(), frame.data.begin());
     cell->send(frame);
   });
+}
+
+hal::CanFrame encoder_frame(std::uint8_t node, std::uint32_t place_ticks, SensorClock::time_point stamp) {
+  hal::CanFrame frame{.id = canpose::tpdo1_id(node), .size_bytes = 4, .received = stamp};
+  for (std::size_t i = 0; i < 4; ++i) frame.data[i] = static_cast<std::uint8_t>(place_ticks >> (8 * i));
+  return frame;
+}
+
+TEST(SimulatedWires, EncoderConforms) {
+  const auto sut = hal::CanEncoder::open(sim::SimCanBus::open(name).value(), {.node = 3}).value();
+  conformance::check_encoder_in(
+      *sut, [&](std::uint32_t place_ticks) { cell->send(encoder_frame(3, place_ticks, clock.now())); });
+}
+
+TEST(SimulatedWires, PosesOfAnEncoderConform) {
+  Twist per_tick = Twist::Zero();
+  per_tick[0] = 0.01;
+  hal::EncoderPoseSource sut{hal::CanEncoder::open(sim::SimCanBus::open(name).value(), {.node = 3}).value(),
+                             clock,
+                             {.per_tick = per_tick}};
+  std::uint32_t place_ticks = 0;
+  conformance::check_pose_source(sut, [&] { cell->send(encoder_frame(3, place_ticks += 10, clock.now())); });
 }
 
 TEST_GROUP(SimulatedController){};

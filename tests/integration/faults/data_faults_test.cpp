@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Faults that cost measurements and nothing else: told, counted, and over when they are over (README.md, fault table).
+// Faults that cost measurements and nothing else: told, counted, and over when they are over (README.md,
+// fault table).
 #include <CppUTest/TestHarness.h>
 
 #include <cstdio>
@@ -27,8 +28,11 @@ TEST_GROUP(DataFaults) {
     CHECK_TEXT(!refused, refused.value_or("").c_str());
     return true;
   }
-  const wire::Devices& devices() const { return stand->account().health.devices; }
-  /// The fault is over: profiles are good again, the same scan goes on, and at its end every frame is accounted for.
+  const wire::Devices& devices() const {
+    return stand->account().health.devices;
+  }
+  /// The fault is over: profiles are good again, the same scan goes on, and at its end every frame is
+  /// accounted for.
   void check_recovered() {
     const std::uint64_t usable = stand->account().usable;
     CHECK(stand->take_until([&] { return stand->account().usable >= usable + 30; }));
@@ -58,7 +62,8 @@ TEST(DataFaults, NothingWrongNothingTold) {
   CHECK(devices().poses_flow);
   LONGS_EQUAL(2, devices().clocks.size());
   for (const wire::ClockState& clock : devices().clocks) CHECK(clock.known);
-  LONGS_EQUAL(0, devices().trigger->edges_missed + devices().trigger->edges_doubled + devices().trigger->edges_late);
+  LONGS_EQUAL(
+      0, devices().trigger->edges_missed + devices().trigger->edges_doubled + devices().trigger->edges_late);
   check_recovered();
 }
 
@@ -66,7 +71,8 @@ TEST(DataFaults, LostEdgesAreCountedAndCostTheirFramesAlone) {
   if (!scanning()) return;
   const std::uint64_t without = stand->account().with(profile::k_profile_trigger_mismatch);
   stand->cell().faults.edges_to_lose = 3;
-  CHECK(stand->take_until([&] { return stand->account().health.devices.trigger && devices().trigger->edges_missed >= 3; }));
+  CHECK(stand->take_until(
+      [&] { return stand->account().health.devices.trigger && devices().trigger->edges_missed >= 3; }));
   LONGS_EQUAL(3, devices().trigger->edges_missed);
   LONGS_EQUAL(without, stand->account().with(profile::k_profile_trigger_mismatch));
   check_recovered();
@@ -75,7 +81,8 @@ TEST(DataFaults, LostEdgesAreCountedAndCostTheirFramesAlone) {
 TEST(DataFaults, DoubledEdgesAreCountedAndTheirFramesAreNotUsed) {
   if (!scanning()) return;
   stand->cell().faults.edges_to_double = 2;
-  CHECK(stand->take_until([&] { return stand->account().health.devices.trigger && devices().trigger->edges_doubled >= 2; }));
+  CHECK(stand->take_until(
+      [&] { return stand->account().health.devices.trigger && devices().trigger->edges_doubled >= 2; }));
   LONGS_EQUAL(2, devices().trigger->edges_doubled);
   // A camera that takes the second pulse gives a frame whose exposure no slot of the train began.
   CHECK(stand->account().with(profile::k_profile_trigger_mismatch) <= 2);
@@ -86,8 +93,9 @@ TEST(DataFaults, FramesWithoutTheirEchoAreNotUsed) {
   if (!scanning()) return;
   const std::uint64_t without = stand->account().with(profile::k_profile_trigger_mismatch);
   stand->cell().faults.echoes_to_lose = 2;
-  CHECK(stand->take_until(
-      [&] { return stand->account().health.devices.trigger && devices().trigger->frames_without_edge >= without + 2; }));
+  CHECK(stand->take_until([&] {
+    return stand->account().health.devices.trigger && devices().trigger->frames_without_edge >= without + 2;
+  }));
   CHECK(stand->take_until(
       [&] { return stand->account().with(profile::k_profile_trigger_mismatch) >= without + 2; }));
   check_recovered();
@@ -186,13 +194,14 @@ TEST(DataFaults, PacketsLostOnTheWayAreSentAgain) {
               static_cast<unsigned long long>(stand->account().end->counters.frames_damaged));
 }
 
-/// The pose of each profile against where the arm was, at 250 mm/s on a circle: what all stamps together cost.
+/// The pose of each profile against where the arm was, at 250 mm/s on a circle: what all stamps together
+/// cost.
 TEST(DataFaults, PosesErrByLessThanTwoHundredthsOfAMillimetreFromTimeAlone) {
   if (!scanning({.rate_hz = 97})) return;
   CHECK(stand->take_profiles(300));
   check_recovered();
-  // 0.02 mm are 80 us at 250 mm/s.  Of these the pose message's own resolution takes 0.002 mm, the fit's polynomial on a
-  // radius of 100 mm within its window of 100 ms less than that.
+  // 0.02 mm are 80 us at 250 mm/s.  Of these the pose message's own resolution takes 0.002 mm, the fit's
+  // polynomial on a radius of 100 mm within its window of 100 ms less than that.
   constexpr double k_time_alone_mm = 0.02;
   std::printf("pose off by %.6f mm at most, clock known to %.1f us\n", stand->account().pose_off_max_mm,
               1e-3 * static_cast<double>(stand->account().end->devices.clocks.at(1).uncertainty.count()));

@@ -35,7 +35,8 @@ std::unique_ptr<FaultStand> FaultStand::set_up(const PictureCellConfig& config) 
   const std::string sensor_file = stand->folder_.write("sensor.yaml", stand->cell_->sensor_file_text());
   for (const char* const rights : {"--rt=required", "--rt=ignore"}) {
     auto sensor = ingest::SensorProcess::start(
-        *ingest::find_sensor_program(), {"--source", stand->cell_->source(), "--sensor", sensor_file, rights}, k_patience);
+        *ingest::find_sensor_program(), {"--source", stand->cell_->source(), "--sensor", sensor_file, rights},
+        k_patience);
     if (!sensor && sensor.error().where.view().find("--rt=ignore") != std::string_view::npos) continue;
     SUCCEEDS(sensor);
     stand->sensor_.emplace(std::move(*sensor));
@@ -45,7 +46,9 @@ std::unique_ptr<FaultStand> FaultStand::set_up(const PictureCellConfig& config) 
   return stand;
 }
 
-void FaultStand::leave() { link_.reset(); }
+void FaultStand::leave() {
+  link_.reset();
+}
 
 void FaultStand::return_() {
   ingest::SensorLinkConfig config;
@@ -58,7 +61,9 @@ void FaultStand::return_() {
   CHECK(take_until([this] { return known_; }));
 }
 
-void FaultStand::command(wire::Command command) { link_->command({.id = ++command_id_, .command = command}); }
+void FaultStand::command(wire::Command command) {
+  link_->command({.id = ++command_id_, .command = command});
+}
 
 std::optional<std::string> FaultStand::start_scan(std::uint64_t profiles) {
   account_->clear();
@@ -90,7 +95,8 @@ bool FaultStand::take_profiles(std::uint64_t more) {
 
 bool FaultStand::take_health() {
   const std::uint64_t seen = account_->healths;
-  return take_until([&] { return account_->healths >= seen + 2; });  // the first may have been under way already
+  return take_until(
+      [&] { return account_->healths >= seen + 2; });  // the first may have been under way already
 }
 
 void FaultStand::take(const ingest::LinkEvent& event) {

@@ -26,7 +26,8 @@ class FaultStand {
   ingest::SensorProcess& sensor() { return *sensor_; }
   [[nodiscard]] const ScanAccount& account() const { return *account_; }
 
-  /// As a host asks for one; until the laser shines and `profiles` have come.  The refusal, if it comes to that.
+  /// As a host asks for one; until the laser shines and `profiles` have come.  The refusal, if it comes to
+  /// that.
   [[nodiscard]] std::optional<std::string> start_scan(std::uint64_t profiles = 20);
   void command(wire::Command command);
 
@@ -39,8 +40,8 @@ class FaultStand {
   /// The next health message that was made after this call.
   bool take_health();
 
-  void leave();   ///< the host is gone
-  void return_(); ///< and comes back, knowing nothing
+  void leave();    ///< the host is gone
+  void return_();  ///< and comes back, knowing nothing
 
   /// Milliseconds from `begin` until the laser's line fell; nothing: it shines.
   [[nodiscard]] std::optional<double> dark_after_ms(SensorClock::time_point begin);

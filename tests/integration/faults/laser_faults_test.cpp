@@ -14,10 +14,13 @@ namespace biteline::test {
 namespace {
 
 constexpr double k_limit_ms = 100;
-/// The limit is the sensor's, not the machine's on which tests run beside compilers: one of so many tries shall keep it.
+/// The limit is the sensor's, not the machine's on which tests run beside compilers: one of so many tries
+/// shall keep it.
 constexpr int k_tries = 4;
 
-SensorClock::time_point now() { return hal::monotonic_now(); }
+SensorClock::time_point now() {
+  return hal::monotonic_now();
+}
 
 void check_ended(const FaultStand& stand, Errc code, const char* words) {
   CHECK(stand.account().end.has_value());
@@ -34,7 +37,8 @@ TEST_GROUP(LaserFaults) {
     stand = FaultStand::set_up();
     return stand != nullptr;
   }
-  /// Scans, has the fault made, measures the darkness, has it repaired; the last scan after that must run again.
+  /// Scans, has the fault made, measures the darkness, has it repaired; the last scan after that must run
+  /// again.
   void check_dark(const char* row, const std::function<void()>& fault, const std::function<void()>& after) {
     double best_ms = std::numeric_limits<double>::infinity();
     for (int i = 0; i < k_tries && best_ms > k_limit_ms; ++i) {
@@ -133,7 +137,8 @@ TEST(LaserFaults, UnpluggedCameraIsFoundAgainByTheNextScan) {
         CHECK(refused.has_value());
         STRCMP_CONTAINS("camera", refused->c_str());
         stand->cell().plug_camera();
-        // A camera that went away without a word is let go of after some seconds; until then scans are refused.
+        // A camera that went away without a word is let go of after some seconds; until then scans are
+        // refused.
         CHECK(stand->take_until([&] { return !stand->start_scan(); }));
         stand->command(wire::Command::StopScan);
         CHECK(stand->take_end());

@@ -40,10 +40,14 @@ geometry::SensorModel head_of(const PictureCellConfig& config) {
 }  // namespace
 
 PictureCell::PictureCell(const PictureCellConfig& config)
-    : config_{config}, head_{head_of(config)}, name_{"biteline-picture-cell-" + std::to_string(getpid())}, start_{now()} {
+    : config_{config},
+      head_{head_of(config)},
+      name_{"biteline-picture-cell-" + std::to_string(getpid())},
+      start_{now()} {
   const int width_px = config.width_px, height_px = config.height_px;
   for (std::uint32_t number = 0; number < config.pictures; ++number) {
-    std::vector<std::uint8_t> pixels(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px), 10);
+    std::vector<std::uint8_t> pixels(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px),
+                                     10);
     for (int u = 0; u < width_px; ++u) {
       const double centre_px = stripe_row_px(number, u);
       for (int v = static_cast<int>(centre_px) - 7; v <= static_cast<int>(centre_px) + 8; ++v) {
@@ -64,11 +68,14 @@ PictureCell::~PictureCell() {
   camera_.reset();
 }
 
-SensorClock::time_point PictureCell::now() { return hal::monotonic_now(); }
+SensorClock::time_point PictureCell::now() {
+  return hal::monotonic_now();
+}
 
 double PictureCell::stripe_row_px(std::uint64_t number, int column) const {
   const double ripple_px = 0.1 * config_.height_px;
-  return 0.4 * config_.height_px + 0.5 * static_cast<double>(number % config_.pictures) + ripple_px * std::sin(column * 0.01);
+  return 0.4 * config_.height_px + 0.5 * static_cast<double>(number % config_.pictures) +
+         ripple_px * std::sin(column * 0.01);
 }
 
 Result<std::unique_ptr<PictureCell>> PictureCell::open(const PictureCellConfig& config) {
@@ -80,7 +87,9 @@ Result<std::unique_ptr<PictureCell>> PictureCell::open(const PictureCellConfig& 
   callbacks.on_line = [self](sim::Line line, bool active, SensorClock::time_point stamp) {
     if (line == sim::Line::LaserEnable && !active) self->dark_since_ns_ = stamp.time_since_epoch().count();
   };
-  callbacks.on_trigger = [self](Nanoseconds period, Nanoseconds pulse) { self->trigger_->configure(period, pulse); };
+  callbacks.on_trigger = [self](Nanoseconds period, Nanoseconds pulse) {
+    self->trigger_->configure(period, pulse);
+  };
   BITELINE_ASSIGN(cell->bus_, sim::BusServer::open(cell->name_, std::move(callbacks)));
   BITELINE_TRY(cell->open_camera());
   if (config.lossy_line_ratio > 0) {
@@ -110,7 +119,8 @@ Result<void> PictureCell::open_camera() {
   camera.resends = config_.lossy_line_ratio > 0;
   for (int attempt = 1;; ++attempt) {
     auto opened = sim::GvCamera::open(
-        camera, [this](const sim::GvExposure& exposure, std::span<std::uint8_t> pixels) { paint(exposure, pixels); });
+        camera,
+        [this](const sim::GvExposure& exposure, std::span<std::uint8_t> pixels) { paint(exposure, pixels); });
     if (opened) {
       const std::lock_guard lock{camera_mutex_};
       camera_ = std::move(*opened);
@@ -131,7 +141,9 @@ void PictureCell::plug_camera() {
   if (!open_camera()) std::abort();  // the port was this process's own a moment ago
 }
 
-std::string PictureCell::sensor_file_text() const { return config::sensor_yaml_text(head_, "made for a test"); }
+std::string PictureCell::sensor_file_text() const {
+  return config::sensor_yaml_text(head_, "made for a test");
+}
 
 void PictureCell::paint(const sim::GvExposure& exposure, std::span<std::uint8_t> pixels) const {
   const std::span<const std::uint8_t> source = picture(exposure.sequence);
@@ -157,7 +169,8 @@ void PictureCell::fire(SensorClock::time_point edge, Nanoseconds pulse) {
 }
 
 SE3 PictureCell::T_base_flange_at(SensorClock::time_point instant) const {
-  const double angle_rad = k_speed_mm_s / k_radius_mm * std::chrono::duration<double>(instant - start_).count();
+  const double angle_rad =
+      k_speed_mm_s / k_radius_mm * std::chrono::duration<double>(instant - start_).count();
   SE3 T = SE3::Identity();
   T.linear() = Eigen::AngleAxisd{angle_rad, Vec3::UnitZ()}.toRotationMatrix();
   T.translation() = k_radius_mm * Vec3{std::cos(angle_rad), std::sin(angle_rad), 0};
@@ -172,7 +185,8 @@ void PictureCell::send_poses(const std::stop_token& stop) {
     std::this_thread::sleep_until(std::chrono::steady_clock::time_point{due.time_since_epoch()});
     counter = static_cast<std::uint8_t>(counter % canpose::k_sync_counter_last + 1);
     if (faults.bus_off) continue;
-    // The instant is the grid's and not this thread's: a real controller's SYNC does not wait for our scheduler.
+    // The instant is the grid's and not this thread's: a real controller's SYNC does not wait for our
+    // scheduler.
     const bool ahead = faults.poses_from_future > 0 && faults.poses_from_future.fetch_sub(1) > 0;
     hal::CanFrame sync{.id = canpose::k_sync_id, .size_bytes = 1, .received = ahead ? due + k_hour : due};
     sync.data[0] = counter;

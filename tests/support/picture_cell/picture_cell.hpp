@@ -2,8 +2,8 @@
 #pragma once
 /// \file A cell of ready-made pictures for biteline-sensor (--source cell:NAME), with a hand on every wire.
 ///
-/// hal/sim/live renders a shoe; this one only copies, so that the camera's full rate is the camera's, and it can be made to
-/// fail: each fault is one that the fault table in tests/integration/faults names.
+/// hal/sim/live renders a shoe; this one only copies, so that the camera's full rate is the camera's, and it
+/// can be made to fail: each fault is one that the fault table in tests/integration/faults names.
 
 #include <atomic>
 #include <filesystem>
@@ -25,31 +25,31 @@ struct PictureCellConfig {
   int width_px{640}, height_px{120};  ///< region, of a sensor of 1626 x 1236 pixels
   double rate_hz{100};
   double pose_rate_hz{250};
-  double lost_packet_ratio{0};     ///< by the camera, which cannot send them again
-  double lossy_line_ratio{0};      ///< by a line before the camera, which can
+  double lost_packet_ratio{0};  ///< by the camera, which cannot send them again
+  double lossy_line_ratio{0};   ///< by a line before the camera, which can
   /// Different ones, then again from the first.  A prime, so that no loss of a round number hides.
   std::uint32_t pictures{13};
 };
 
 /// What a test may do to the running cell.  Any thread.
 struct CellFaults {
-  std::atomic<int> edges_to_lose{0};     ///< the train skips so many pulses: neither frame nor echo
-  std::atomic<int> edges_to_double{0};   ///< a second pulse 0.3 ms after the first
-  std::atomic<int> echoes_to_lose{0};    ///< the frame comes, its echo does not
+  std::atomic<int> edges_to_lose{0};       ///< the train skips so many pulses: neither frame nor echo
+  std::atomic<int> edges_to_double{0};     ///< a second pulse 0.3 ms after the first
+  std::atomic<int> echoes_to_lose{0};      ///< the frame comes, its echo does not
   std::atomic<bool> camera_silent{false};  ///< triggers do not reach the camera
-  std::atomic<bool> bus_off{false};      ///< nothing gets through on the pose bus
+  std::atomic<bool> bus_off{false};        ///< nothing gets through on the pose bus
   std::atomic<bool> sync_stopped{false};
   std::atomic<bool> poses_silent{false};
   std::atomic<std::int64_t> robot_clock_step_ns{0};
-  std::atomic<int> poses_from_future{0}; ///< so many SYNCs stamped an hour ahead
+  std::atomic<int> poses_from_future{0};  ///< so many SYNCs stamped an hour ahead
 };
 
 /// Threads: camera, wires, trigger and poses; public methods from any.
 class PictureCell {
  public:
   [[nodiscard]] static Result<std::unique_ptr<PictureCell>> open(const PictureCellConfig& config);
-  /// As open(), its threads above all ordinary ones where this process may: the cell stands for hardware, which no compiler
-  /// beside it holds up.
+  /// As open(), its threads above all ordinary ones where this process may: the cell stands for hardware,
+  /// which no compiler beside it holds up.
   [[nodiscard]] static Result<std::unique_ptr<PictureCell>> open_urgent(const PictureCellConfig& config);
   ~PictureCell();
   PictureCell(const PictureCell&) = delete;
@@ -67,7 +67,9 @@ class PictureCell {
 
   [[nodiscard]] bool laser_on() const { return bus_->level(sim::Line::LaserEnable); }
   /// The last time that the laser's line fell.
-  [[nodiscard]] SensorClock::time_point dark_since() const { return SensorClock::time_point{Nanoseconds{dark_since_ns_}}; }
+  [[nodiscard]] SensorClock::time_point dark_since() const {
+    return SensorClock::time_point{Nanoseconds{dark_since_ns_}};
+  }
   /// Edges that came while the camera was busy, as on a real one: no frame, and none lost.
   [[nodiscard]] std::uint64_t triggers_missed() const { return camera_->triggers_missed(); }
 

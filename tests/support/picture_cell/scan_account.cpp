@@ -28,7 +28,8 @@ void ScanAccount::take(const ingest::LinkEvent& event) {
 void ScanAccount::take_profile(const profile::Profile& profile) {
   const profile::ProfileHeader& header = profile.header;
   ++profiles;
-  const bool rises = (!last_profile || header.sequence > *last_profile) && (!last_frame || header.frame_sequence > *last_frame);
+  const bool rises = (!last_profile || header.sequence > *last_profile) &&
+                     (!last_frame || header.frame_sequence > *last_frame);
   disordered += rises ? 0 : 1;
   if (rises && last_frame) frames_missing += header.frame_sequence - *last_frame - 1;
   last_profile = header.sequence;
@@ -38,13 +39,14 @@ void ScanAccount::take_profile(const profile::Profile& profile) {
   }
   if ((header.flags & profile::k_profile_frame_damaged) == 0) {
     const std::optional<std::size_t> picture = cell_->picture_of(profile.points);
-    const bool right = picture && std::equal(expected_[*picture].begin(), expected_[*picture].end(), profile.points.begin(),
-                                             profile.points.end(), same_bits);
+    const bool right = picture && std::equal(expected_[*picture].begin(), expected_[*picture].end(),
+                                             profile.points.begin(), profile.points.end(), same_bits);
     wrong += right ? 0 : 1;
   }
   if ((header.flags & profile::k_profile_not_usable) != 0) return;
   ++usable;
-  const SE3 error = cell_->T_base_flange_at(header.exposure_mid).inverse(Eigen::Isometry) * header.T_base_flange;
+  const SE3 error =
+      cell_->T_base_flange_at(header.exposure_mid).inverse(Eigen::Isometry) * header.T_base_flange;
   pose_off_max_mm = std::max(pose_off_max_mm, error.translation().norm());
 }
 

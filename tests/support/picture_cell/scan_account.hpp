@@ -22,14 +22,14 @@ class ScanAccount {
 
   std::uint64_t profiles{0};
   std::uint64_t usable{0};
-  std::uint64_t wrong{0};           ///< points of no picture of the cell, bit for bit
-  std::uint64_t disordered{0};      ///< profiles that came twice or out of order
-  std::uint64_t frames_missing{0};  ///< holes in the frames' numbers between the profiles
-  std::uint64_t lost{0};            ///< messages that the sensor no longer had
+  std::uint64_t wrong{0};                          ///< points of no picture of the cell, bit for bit
+  std::uint64_t disordered{0};                     ///< profiles that came twice or out of order
+  std::uint64_t frames_missing{0};                 ///< holes in the frames' numbers between the profiles
+  std::uint64_t lost{0};                           ///< messages that the sensor no longer had
   std::map<std::uint32_t, std::uint64_t> flagged;  ///< by profile::ProfileFlag
-  double pose_off_max_mm{0};        ///< of usable profiles, against the cell's truth
+  double pose_off_max_mm{0};                       ///< of usable profiles, against the cell's truth
   std::optional<std::uint64_t> last_profile, last_frame;
-  wire::Health health;              ///< the newest
+  wire::Health health;  ///< the newest
   std::uint64_t healths{0};
   std::optional<wire::EndOfScan> end;
 

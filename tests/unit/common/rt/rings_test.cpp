@@ -194,6 +194,21 @@ TEST(BufferPool, GivesEachBufferToOneHolderAndNothingWhenAllAreOut) {
   LONGS_EQUAL(*b, *sut.rt_acquire());
 }
 
+TEST(BufferPool, MoreBuffersThanAWordHoldsAreAllGivenAndTakenBack) {
+  BufferPool<int, 130> sut{130};
+  std::vector<bool> given(130);
+  for (int i = 0; i < 130; ++i) {
+    const auto index = sut.rt_acquire();
+    CHECK(index && *index < 130 && !given[*index]);
+    given[*index] = true;
+  }
+  CHECK(!sut.rt_acquire());
+  for (const BufferIndex index : {0U, 63U, 64U, 127U, 128U, 129U}) sut.rt_release(index);
+  LONGS_EQUAL(6, sut.rt_free_count());
+  for (int i = 0; i < 6; ++i) CHECK(sut.rt_acquire().has_value());
+  CHECK(!sut.rt_acquire());
+}
+
 TEST(BufferPool, TwoThreadsNeverHoldTheSameBuffer) {
   BufferPool<std::atomic<int>> sut{3};
   std::atomic<int> clashes{0};

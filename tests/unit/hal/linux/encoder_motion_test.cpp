@@ -50,7 +50,9 @@ TEST_GROUP(EncoderMotion) {
   std::atomic<int> rises{0};
 
   std::unique_ptr<EncoderTrigger> trigger() {
-    return EncoderTrigger::open(std::make_unique<FakeEncoder>(position), std::make_unique<CountedLine>(rises), {.pitch_ticks = 100}).value();
+    return EncoderTrigger::open(std::make_unique<FakeEncoder>(position), std::make_unique<CountedLine>(rises),
+                                {.pitch_ticks = 100})
+        .value();
   }
 };
 
@@ -59,24 +61,29 @@ TEST(EncoderMotion, PitchesAreCountedBothWaysAndTremblingIsNone) {
   LONGS_EQUAL(0, sut.on_position(1234));
   LONGS_EQUAL(0, sut.on_position(1333));
   LONGS_EQUAL(1, sut.on_position(1334));
-  for (const std::int64_t trembling : {1333, 1334, 1335, 1330, 1334}) LONGS_EQUAL(0, sut.on_position(trembling));
+  for (const std::int64_t trembling : {1333, 1334, 1335, 1330, 1334})
+    LONGS_EQUAL(0, sut.on_position(trembling));
   LONGS_EQUAL(3, sut.on_position(1634));
   LONGS_EQUAL(1, sut.on_position(1530));
   LONGS_EQUAL(0, sut.on_position(1500));
 }
 
-TEST(EncoderMotion, TriggerConforms) { conformance::check_pwm_out(*trigger()); }
+TEST(EncoderMotion, TriggerConforms) {
+  conformance::check_pwm_out(*trigger());
+}
 
 TEST(EncoderMotion, EachPitchMakesOnePulseAndStandingStillNone) {
   const auto sut = trigger();
-  SUCCEEDS(sut->configure({.period = std::chrono::microseconds{600}, .pulse = std::chrono::microseconds{100}}));
+  SUCCEEDS(
+      sut->configure({.period = std::chrono::microseconds{600}, .pulse = std::chrono::microseconds{100}}));
   SUCCEEDS(sut->start());
   for (int pitch = 1; pitch <= 10; ++pitch) {
     // The first look fixes where the way begins: it may come after the first step.
     const std::uint64_t before = sut->trigger_health().pulses;
     position += 100;
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{5};
-    while (pitch > 1 && sut->trigger_health().pulses == before && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
+    while (pitch > 1 && sut->trigger_health().pulses == before && std::chrono::steady_clock::now() < deadline)
+      std::this_thread::yield();
     if (pitch == 1) std::this_thread::sleep_for(std::chrono::milliseconds{20});
   }
   std::this_thread::sleep_for(std::chrono::milliseconds{10});
@@ -94,7 +101,8 @@ TEST(EncoderMotion, PitchesFasterThanTheCameraAreCountedAsMissed) {
   std::this_thread::sleep_for(std::chrono::milliseconds{20});  // the way begins
   position += 700;
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{5};
-  while (sut->trigger_health().pitches_missed < 6 && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
+  while (sut->trigger_health().pitches_missed < 6 && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::yield();
   SUCCEEDS(sut->stop());
   LONGS_EQUAL(1, sut->trigger_health().pulses);
   LONGS_EQUAL(6, sut->trigger_health().pitches_missed);
@@ -106,7 +114,9 @@ TEST(EncoderMotion, PoseIsTheWayAlongTheAxis) {
   turntable[5] = 1e-3;  // a milliradian about base's z for each tick
   SE3 T_start = SE3::Identity();
   T_start.translation() = Vec3{200, 0, 50};
-  EncoderPoseSource sut{std::make_unique<FakeEncoder>(position), clock, {.per_tick = turntable, .T_base_flange_start = T_start}};
+  EncoderPoseSource sut{std::make_unique<FakeEncoder>(position),
+                        clock,
+                        {.per_tick = turntable, .T_base_flange_start = T_start}};
   CHECK(sut.next_pose(Nanoseconds{0}).error().code == Errc::WrongState);
   SUCCEEDS(sut.start());
   position = 500;

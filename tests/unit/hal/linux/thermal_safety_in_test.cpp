@@ -11,7 +11,9 @@ namespace {
 
 class ClosedLoop final : public SafetyIn {
  public:
-  Result<SafetyInputs> read() noexcept override { return SafetyInputs{.interlock_closed = true, .key_on = true, .read_at = {}}; }
+  Result<SafetyInputs> read() noexcept override {
+    return SafetyInputs{.interlock_closed = true, .key_on = true, .read_at = {}};
+  }
 };
 
 }  // namespace
@@ -19,9 +21,11 @@ class ClosedLoop final : public SafetyIn {
 TEST_GROUP(ThermalSafetyIn) {
   test::TemporaryFolder folder;
 
-  std::string file(const char* millidegrees) const { return folder.write("temp", std::string{millidegrees} + "\n"); }
+  std::string file(const char* millidegrees) const {
+    return folder.write("temp", std::string{millidegrees} + "\n");
+  }
   /// Six looks: one of them reads.
-  static Result<SafetyInputs> look(SafetyIn& sut) {
+  static Result<SafetyInputs> look(SafetyIn & sut) {
     for (int i = 0; i < 5; ++i) {
       if (auto inputs = sut.read(); !inputs || inputs->too_hot) return inputs;
     }
@@ -31,7 +35,8 @@ TEST_GROUP(ThermalSafetyIn) {
 
 TEST(ThermalSafetyIn, HeadBeyondItsLimitIsTooHotAndCoolsDown) {
   const std::string path = file("59999");
-  const auto sut = ThermalSafetyIn::open(std::make_unique<ClosedLoop>(), {.file = path, .max_degc = 60}).value();
+  const auto sut =
+      ThermalSafetyIn::open(std::make_unique<ClosedLoop>(), {.file = path, .max_degc = 60}).value();
   CHECK(!sut->read()->too_hot);
   CHECK(sut->read()->interlock_closed && sut->read()->key_on);
   file("60001");
@@ -43,7 +48,8 @@ TEST(ThermalSafetyIn, HeadBeyondItsLimitIsTooHotAndCoolsDown) {
 
 TEST(ThermalSafetyIn, SensorThatCannotBeReadIsUnknownAndNoPermission) {
   const std::string path = file("20000");
-  const auto sut = ThermalSafetyIn::open(std::make_unique<ClosedLoop>(), {.file = path, .max_degc = 60}).value();
+  const auto sut =
+      ThermalSafetyIn::open(std::make_unique<ClosedLoop>(), {.file = path, .max_degc = 60}).value();
   std::filesystem::remove(path);
   CHECK(!look(*sut).has_value());
   CHECK(!ThermalSafetyIn::open(std::make_unique<ClosedLoop>(), {.file = path, .max_degc = 60}).has_value());
