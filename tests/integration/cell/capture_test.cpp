@@ -85,12 +85,18 @@ TEST_GROUP(Capture) {
     return out;
   }
 
+  static constexpr int k_attempts = 8;
+  /// The whole way round, which is five seconds: where the laser went off the arm's line falls too, and may
+  /// be first.
+  static bool complete(const Outcome& outcome) {
+    return outcome.ended && outcome.end.errc == 0 && outcome.profiles.size() > 50;
+  }
+
   /// One scan by the sensor program, from the host's word to the arm's end.  A scan that a busy machine ended
   /// (the laser's guard wants frames) is tried again.
   Outcome scan(const Trial& trial) {
     Outcome outcome;
-    for (int attempt = 0; attempt < 4 && !(outcome.ended && outcome.end.errc == 0); ++attempt)
-      outcome = scan_once(trial);
+    for (int attempt = 0; attempt < k_attempts && !complete(outcome); ++attempt) outcome = scan_once(trial);
     return outcome;
   }
   Outcome scan_once(const Trial& trial) {
