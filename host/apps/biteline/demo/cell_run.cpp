@@ -92,11 +92,11 @@ std::optional<fs::path> newest_scan(const fs::path& out) {
   return newest;
 }
 
-/// The host refused a scan that did not reach its end, whatever the shoe looks like.
-bool scan_was_cut_short(const std::optional<fs::path>& scan) {
+/// The scan is at fault, not the shoe: it did not reach its end, or part of the way round is missing.
+bool worth_another_scan(const std::optional<fs::path>& scan) {
   if (!scan) return false;
-  const ordered_json report = read_json(*scan / "report.json");
-  return report.contains("reason") && report["reason"].get<std::string>().starts_with("the scan is not complete");
+  const std::string reason = read_json(*scan / "report.json").value("reason", "");
+  return reason.starts_with("the scan is not complete") || reason.find("scan has a gap") != std::string::npos;
 }
 
 std::vector<std::string> cell_arguments(const CellOptions& options, const Shoe& shoe, const fs::path& out) {
@@ -153,8 +153,8 @@ Result<ShoeResult> run_shoe(const CellOptions& options, const Shoe& shoe) {
                                                             .arguments = host_arguments(options, shoe, cell, stream), .pass_stderr = true}));
     BITELINE_ASSIGN(result.host_status, attend(host, options.quiet));
     last_words = host.last_words();
-    if (!scan_was_cut_short(newest_scan(folder))) break;
-    if (scans < k_most_scans && !options.quiet) std::printf("  the scan was cut short: scanning again\n");
+    if (!worth_another_scan(newest_scan(folder))) break;
+    if (scans < k_most_scans && !options.quiet) std::printf("  the scan has not come all the way round: scanning again\n");
   }
   sensor.child.stop();
   cell.child.stop();  // writes its record of the arm's track

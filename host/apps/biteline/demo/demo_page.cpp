@@ -65,7 +65,7 @@ void compare(Page& page, const std::vector<ShoeResult>& results, const std::vect
   add("arm's recorded track from the line (process offset taken off), mean", [](const ShoeResult&, const Reports& r) { return number(r.followed, "/from_line_mm/mean", "mm"); });
   add("largest", [](const ShoeResult&, const Reports& r) { return number(r.followed, "/from_line_mm/max", "mm"); });
   add("share of the line that the arm passed", [](const ShoeResult&, const Reports& r) { return number(r.followed, "/covered", ""); });
-  add("from the last profile to the line", [](const ShoeResult& result, const Reports& r) { return seconds(r.line, result.shoe.sample ? "/stages/transfer" : "/stages/extract"); });
+  add("from the last profile to the line", [](const ShoeResult& result, const Reports& r) { return seconds(r.line, result.shoe.sample ? "/stages/transfer" : "/stages/last profile to line"); });
   add("line to checked path", [](const ShoeResult&, const Reports& r) { return seconds(r.plan, "/stages/plan"); });
   add("following", [](const ShoeResult&, const Reports& r) { return number(r.followed, "/duration_s", "s"); });
   add("the whole shoe, starting the programs included", [](const ShoeResult& result, const Reports&) { return report::seconds_text(result.wall_s); });
