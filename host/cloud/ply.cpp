@@ -44,12 +44,12 @@ Result<void> skip_element(PlyBody& body, const PlyElement& element) {
 
 /// Where the properties of a cloud stand in a row; -1: not there.
 struct CloudColumns {
-  int x, y, z, nx, ny, nz, profile, column, sigma_mm, flags;
+  int x, y, z, nx, ny, nz, profile, column, sigma_mm, flags, mean_curvature;
 
   explicit CloudColumns(const PlyElement& vertex)
       : x{vertex.find("x")}, y{vertex.find("y")}, z{vertex.find("z")}, nx{vertex.find("nx")}, ny{vertex.find("ny")},
         nz{vertex.find("nz")}, profile{vertex.find("profile")}, column{vertex.find("column")},
-        sigma_mm{vertex.find("sigma_mm")}, flags{vertex.find("flags")} {}
+        sigma_mm{vertex.find("sigma_mm")}, flags{vertex.find("flags")}, mean_curvature{vertex.find("mean_curvature")} {}
 
   [[nodiscard]] bool has_normals() const { return nx >= 0 && ny >= 0 && nz >= 0; }
   [[nodiscard]] bool has_order() const { return profile >= 0 && column >= 0; }
@@ -77,6 +77,7 @@ void append(PointCloud& cloud, const CloudColumns& at, const std::vector<double>
   }
   if (at.sigma_mm >= 0) cloud.sigma_mm.push_back(std::isfinite(value(at.sigma_mm)) ? static_cast<float>(value(at.sigma_mm)) : 0.F);
   if (at.flags >= 0) cloud.flags.push_back(clamp_to<std::uint16_t>(value(at.flags)));
+  if (at.mean_curvature >= 0) cloud.mean_per_mm.push_back(static_cast<float>(value(at.mean_curvature)));
 }
 
 Result<const PlyElement*> find_vertices(const PlyHeader& header, const std::string& name) {
@@ -174,13 +175,15 @@ Result<PointCloud> read_cloud(const std::filesystem::path& file, std::size_t* dr
 
 Result<void> write_cloud(const std::filesystem::path& file, const PointCloud& cloud) {
   BITELINE_ASSIGN(BinaryWriter writer, BinaryWriter::open(file));
-  const bool normals = !cloud.normals.empty(), order = cloud.organised(), sigma = !cloud.sigma_mm.empty(), flags = !cloud.flags.empty();
+  const bool normals = !cloud.normals.empty(), order = cloud.organised(), sigma = !cloud.sigma_mm.empty(), flags = !cloud.flags.empty(),
+             curvature = !cloud.mean_per_mm.empty();
   std::string header = "ply\nformat binary_little_endian 1.0\ncomment lengths in mm, robot base frame\nelement vertex " +
                        std::to_string(cloud.size()) + "\nproperty float x\nproperty float y\nproperty float z\n";
   if (normals) header += "property float nx\nproperty float ny\nproperty float nz\n";
   if (order) header += "property uint profile\nproperty ushort column\n";
   if (sigma) header += "property float sigma_mm\n";
   if (flags) header += "property ushort flags\n";
+  if (curvature) header += "property float mean_curvature\n";
   writer.put(header + "end_header\n");
   std::string row;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -193,6 +196,7 @@ Result<void> write_cloud(const std::filesystem::path& file, const PointCloud& cl
     }
     if (sigma) put_field(row, cloud.sigma_mm[i]);
     if (flags) put_field(row, cloud.flags[i]);
+    if (curvature) put_field(row, cloud.mean_per_mm[i]);
     writer.put(row);
   }
   return writer.close();

@@ -13,6 +13,7 @@ namespace biteline::cloud {
 struct PointCloud {
   std::vector<Eigen::Vector3f> points;
   std::vector<Eigen::Vector3f> normals;   ///< outward, unit length
+  std::vector<float> mean_per_mm;         ///< mean curvature, convex > 0; NaN where it could not be told
   std::vector<std::uint32_t> profile;     ///< profile's sequence number
   std::vector<std::uint16_t> column;      ///< image column
   std::vector<float> sigma_mm;            ///< standard deviation along the ray

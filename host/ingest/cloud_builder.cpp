@@ -84,7 +84,16 @@ std::span<const Eigen::Vector3f> CloudBuilder::add(const profile::Profile& profi
       append(T_base_cam, header.sequence, point);
     }
   }
-  return std::span{cloud_.points}.subspan(before);
+  const std::span points = std::span{cloud_.points}.subspan(before);
+  surface_.add_profile(points, std::span{cloud_.column}.subspan(before), T_base_cam.translation().cast<float>());
+  return points;
+}
+
+cloud::PointCloud CloudBuilder::take() {
+  surface_.finish();
+  cloud_.normals = surface_.take_normals();
+  cloud_.mean_per_mm = surface_.take_mean_per_mm();
+  return std::move(cloud_);
 }
 
 void CloudBuilder::append(const SE3& T_base_cam, std::uint64_t sequence, const profile::ProfilePoint& point) {

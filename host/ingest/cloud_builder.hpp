@@ -12,6 +12,7 @@
 #include "common/geometry/sensor_model.hpp"
 #include "common/profile/profile.hpp"
 #include "host/cloud/point_cloud.hpp"
+#include "host/curvature/scan_surface.hpp"
 
 namespace biteline::ingest {
 
@@ -32,7 +33,8 @@ struct IngestCounts {
 [[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> profile_flag_counts(const IngestCounts& counts);
 [[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> point_flag_counts(const IngestCounts& counts);
 
-/// Leaves out profiles with k_profile_not_usable and points with k_point_not_surface.  Not thread-safe.
+/// Leaves out profiles with k_profile_not_usable and points with k_point_not_surface; normals and curvature are worked out
+/// as profiles come.  Not thread-safe.
 class CloudBuilder {
  public:
   explicit CloudBuilder(const geometry::SensorModel& sensor) : T_flange_cam_{sensor.T_flange_cam} {}
@@ -41,14 +43,17 @@ class CloudBuilder {
   std::span<const Eigen::Vector3f> add(const profile::Profile& profile);
 
   [[nodiscard]] const IngestCounts& counts() const { return counts_; }
+  /// As far as it came; without normals and curvature.
   [[nodiscard]] const cloud::PointCloud& cloud() const { return cloud_; }
-  [[nodiscard]] cloud::PointCloud take() { return std::move(cloud_); }
+  /// The finished cloud; no profile may come after it.
+  [[nodiscard]] cloud::PointCloud take();
 
  private:
   void append(const SE3& T_base_cam, std::uint64_t sequence, const profile::ProfilePoint& point);
 
   SE3 T_flange_cam_;
   cloud::PointCloud cloud_;
+  curvature::ScanSurface surface_;
   IngestCounts counts_;
   std::uint64_t next_sequence_{0};
 };

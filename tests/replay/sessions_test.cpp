@@ -4,8 +4,11 @@
 #include <CppUTest/TestHarness.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <random>
 
+#include "host/curvature/level_set.hpp"
 #include "host/groove/extract.hpp"
 #include "host/ingest/session_run.hpp"
 #include "host/measure/cloud_error.hpp"
@@ -36,6 +39,18 @@ TEST_GROUP(Sessions) {
     SUCCEEDS(line);
     return *line;
   }
+  /// Angles between the points' normals and those of the surface below them, sorted.
+  static std::vector<double> normal_errors_deg(const cloud::PointCloud& cloud, const measure::ReferenceSurface& surface) {
+    std::vector<double> errors;
+    for (std::size_t i = 0; i < cloud.size(); i += 10) {
+      const auto nearest = surface.nearest(cloud.points[i].cast<double>(), 1.0);
+      if (!nearest) continue;
+      const double cosine = std::min(1.0, nearest->normal.dot(cloud.normals[i].cast<double>()));
+      errors.push_back(std::acos(cosine) * 180 / std::numbers::pi);
+    }
+    std::sort(errors.begin(), errors.end());
+    return errors;
+  }
   static cloud::PointCloud shuffled(const cloud::PointCloud& cloud) {
     cloud::PointCloud out;
     out.points = cloud.points;
@@ -53,6 +68,15 @@ TEST(Sessions, MadeSportShoeIsMeasuredAndItsLineFound) {
   CHECK_COMPARE(cloud_error.rms_mm, <=, 0.0105);
   CHECK_COMPARE(cloud_error.q999_mm, <=, 0.040);
   CHECK_COMPARE(std::max(cloud_error.max_mm, -cloud_error.min_mm), <=, 0.10);
+
+  // Normals that came with the profiles are as good as those of a search through the finished cloud: both smooth the fabric's
+  // texture, by some 3 degrees.  A tenth for the neighbourhoods, which are rows and not discs.
+  cloud::PointCloud searched = cloud;
+  searched.normals = curvature::estimate_curvature(cloud.points, cloud.normals, {}).normal;
+  const std::vector<double> live_deg = normal_errors_deg(cloud, reference);
+  const std::vector<double> searched_deg = normal_errors_deg(searched, reference);
+  for (const std::size_t tenth : {5, 9})
+    CHECK_COMPARE(live_deg[live_deg.size() * tenth / 10], <=, 1.1 * searched_deg[searched_deg.size() * tenth / 10]);
 
   const groove::Extraction sut = groove::extract(cloud, {});
   CHECK_TEXT(sut.found, sut.reason.c_str());

@@ -3,6 +3,8 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "tests/support/errors.hpp"
@@ -25,6 +27,7 @@ TEST(Ply, CloudSurvivesWriting) {
     cloud.column.push_back(static_cast<std::uint16_t>(1600 + i));
     cloud.sigma_mm.push_back(0.01F);
     cloud.flags.push_back(3);
+    cloud.mean_per_mm.push_back(i == 7 ? std::numeric_limits<float>::quiet_NaN() : 0.01F * static_cast<float>(i));
   }
   SUCCEEDS(write_cloud(folder.path() / "c.ply", cloud));
   const auto sut = read_cloud(folder.path() / "c.ply");
@@ -35,6 +38,8 @@ TEST(Ply, CloudSurvivesWriting) {
   CHECK(cloud.flags == sut->flags);
   CHECK(cloud.sigma_mm == sut->sigma_mm);
   DOUBLES_EQUAL(0, (cloud.normals[7] - sut->normals[7]).norm(), 1e-6);
+  DOUBLES_EQUAL(0.08, sut->mean_per_mm[8], 1e-6);
+  CHECK(std::isnan(sut->mean_per_mm[7]));
 }
 
 TEST(Ply, AsciiWithForeignPropertiesAndElementsIsRead) {

@@ -83,6 +83,37 @@ TEST(CloudBuilder, EveryPointIsAccountedFor) {
   LONGS_EQUAL(counts.points_used, sut.cloud().size());
 }
 
+TEST(CloudBuilder, FinishedCloudHasANormalTowardsTheCameraForEachPoint) {
+  // A stripe across a plane of the camera's, seen from 10 mm further at each profile.
+  CloudBuilder sut{sensor};
+  const Vec3 normal_cam = Vec3{0.2, -0.1, -1}.normalized();
+  profile::Profile plane = test::made_profile(0, 200);
+  for (std::uint64_t k = 0; k < 6; ++k) {
+    plane.header.sequence = k;
+    plane.header.flags = 0;
+    plane.header.T_base_flange = SE3::Identity();
+    plane.header.T_base_flange.translation().y() = 0.5 * static_cast<double>(k);
+    for (std::size_t i = 0; i < plane.points.size(); ++i) {
+      const double x = 0.1 * static_cast<double>(i);
+      const double z = 250 - (normal_cam.x() * x) / normal_cam.z();
+      plane.points[i].point_cam = Vec3{x, 0, z}.cast<float>();
+      plane.points[i].flags = 0;
+    }
+    sut.add(plane);
+  }
+  const cloud::PointCloud cloud = sut.take();
+  LONGS_EQUAL(6 * 200, cloud.normals.size());
+  LONGS_EQUAL(6 * 200, cloud.mean_per_mm.size());
+  // What the plane is: the stripe's direction and the flange's way span it.
+  const Vec3 along = sensor.T_flange_cam.linear() * Vec3{-normal_cam.z(), 0, normal_cam.x()}.normalized();
+  const Vec3 truth = along.cross(Vec3::UnitY()).normalized();
+  for (const Eigen::Vector3f& normal : cloud.normals) {
+    // Coordinates of some 300 mm in single precision are 0.00003 mm apart, over a millimetre.
+    DOUBLES_EQUAL(1.0, std::abs(normal.cast<double>().dot(truth)), 1e-5);
+    CHECK_COMPARE(normal.cast<double>().dot(sensor.T_flange_cam.linear() * Vec3{0, 0, -1}), >, 0.0);
+  }
+}
+
 TEST(CloudBuilder, MissingProfilesAreCounted) {
   CloudBuilder sut{sensor};
   for (const std::uint64_t sequence : {2, 3, 6}) {
