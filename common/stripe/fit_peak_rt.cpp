@@ -122,8 +122,8 @@ void prefetch_lane(const FrameRows& frame, const CoarseScratch& scratch, std::si
       scratch.candidates.seen_count[last_column] <= rank)
     return;
   // As the walks go: a block more on either side, and no farther than columns are walked together.
-  const auto [low, high] = std::minmax(int{scratch.candidates.block[rank][first_column]},
-                                       int{scratch.candidates.block[rank][last_column]});
+  const auto [low, high] = std::minmax(
+      {int{scratch.candidates.block[rank][first_column]}, int{scratch.candidates.block[rank][last_column]}});
   const int first_row = std::max(0, (low - 1) * k_block_rows);
   const int end_row =
       std::min({frame.height_px, (high + 2) * k_block_rows, first_row + 2 * k_max_spread_rows});
