@@ -1,123 +1,26 @@
 // SPDX-License-Identifier: MIT
-// The peaks on real photographs: a stripe on a chessboard, whose plane the chessboard itself tells.
+// The peaks on real photographs: a stripe on a plane, and on steel joints.  On a chessboard, whose plane the
+// chessboard itself tells: calib_real_test.
 #include <CppUTest/TestHarness.h>
 
 #include <Eigen/Dense>
 #include <cfenv>
 #include <cmath>
 #include <filesystem>
-#include <memory>
-#include <opencv2/calib3d.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <random>
 #include <vector>
 
-#include "common/geometry/sensor_model.hpp"
-#include "common/stripe/peak_extractor.hpp"
-#include "common/stripe/peak_selector.hpp"
+#include "tests/support/photographed_stripe.hpp"
 #include "tests/support/shared_data.hpp"
 
 namespace biteline::stripe {
 namespace {
 
-const cv::Size k_board{9, 6};
-constexpr float k_pitch_mm = 5;
-
-/// What a red bandpass filter before a monochrome camera would leave: red less the lamp's light, which green
-/// shows. The laser shows in green too where it saturates; an opening taller than the stripe takes that away.
-cv::Mat filtered(const cv::Mat& colour) {
-  std::vector<cv::Mat> channels;
-  cv::split(colour, channels);
-  cv::Mat lamp, picture;
-  cv::morphologyEx(channels[1], lamp, cv::MORPH_OPEN, cv::Mat::ones(11, 1, CV_8U));
-  cv::subtract(channels[2], lamp, picture);
-  return picture;
-}
-
-struct View {
-  cv::Mat picture;  ///< filtered
-  std::vector<cv::Point2f> corners;
-  cv::Mat R_cam_board, t_cam_board_mm;
-  std::vector<Vec2> stripe_px;  ///< unflagged peaks
-  [[nodiscard]] Vec3 normal() const {
-    return {R_cam_board.at<double>(0, 2), R_cam_board.at<double>(1, 2), R_cam_board.at<double>(2, 2)};
-  }
-  [[nodiscard]] double distance_mm() const {
-    return normal().dot(
-        Vec3{t_cam_board_mm.at<double>(0), t_cam_board_mm.at<double>(1), t_cam_board_mm.at<double>(2)});
-  }
-};
-
 std::vector<Vec2> find_stripe(const cv::Mat& picture) {
-  const auto peaks = std::make_unique<Peaks>();
-  const auto selection = std::make_unique<Selection>();
-  auto extractor =
-      PeakExtractor::create({.threshold_grey = 20, .width_max_px = 40, .noise = {.speckle_contrast = 0.3F}},
-                            picture.cols, picture.rows);
-  CHECK(extractor.has_value());
-  const auto selector = std::make_unique<PeakSelector>(SelectorConfig{});
-  extractor->rt_extract({.pixels = picture.data, .stride_bytes = picture.step}, *peaks);
-  selector->rt_select(*peaks, *selection);
   std::vector<Vec2> found;
-  for (std::size_t u = 0; u < static_cast<std::size_t>(picture.cols); ++u) {
-    const Selected& selected = selection->columns[u];
-    if (selected.kept_index < 0 || selected.flags != 0) continue;
-    const Peak& peak = peaks->columns[u].kept[static_cast<std::size_t>(selected.kept_index)];
-    if (peak.flags & (k_peak_clipped | k_peak_poor_fit | k_peak_wide | k_peak_narrow)) continue;
-    found.push_back({static_cast<double>(u), static_cast<double>(peak.row_px)});
-  }
+  for (const test::SeenPoint& seen : test::seen_stripe(picture)) found.push_back(seen.pixel_px);
   return found;
-}
-
-bool find_corners(const cv::Mat& colour, std::vector<cv::Point2f>& corners) {
-  cv::Mat green, even;
-  cv::extractChannel(colour, green, 1);
-  if (cv::mean(green)[0] < 10) return false;  // taken in the dark, for the stripe alone
-  cv::equalizeHist(green, even);
-  if (!cv::findChessboardCorners(even, k_board, corners,
-                                 cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE) &&
-      !cv::findChessboardCornersSB(green, k_board, corners, cv::CALIB_CB_NORMALIZE_IMAGE)) {
-    return false;
-  }
-  cv::cornerSubPix(green, corners, {5, 5}, {-1, -1},
-                   {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 50, 1e-3});
-  return true;
-}
-
-geometry::LaserPlane least_squares_plane(const std::vector<Vec3>& points) {
-  Vec3 mean = Vec3::Zero();
-  for (const Vec3& p : points) mean += p / static_cast<double>(points.size());
-  Mat3 scatter = Mat3::Zero();
-  for (const Vec3& p : points) scatter += (p - mean) * (p - mean).transpose();
-  const Vec3 normal = Eigen::SelfAdjointEigenSolver<Mat3>{scatter}.eigenvectors().col(0);
-  return {.normal_cam = normal, .distance_mm = normal.dot(mean)};
-}
-
-/// The plane that most points lie near (random sampling, Fischler and Bolles 1981), then least squares over
-/// those.
-geometry::LaserPlane fit_plane(const std::vector<Vec3>& points) {
-  constexpr double k_near_mm = 0.4;
-  std::mt19937_64 random{3};
-  std::uniform_int_distribution<std::size_t> any{0, points.size() - 1};
-  std::vector<Vec3> near_best;
-  const auto near_points = [&](const geometry::LaserPlane& plane) {
-    std::vector<Vec3> near_plane;
-    for (const Vec3& p : points) {
-      if (std::fabs(plane.signed_distance_mm(p)) < k_near_mm) near_plane.push_back(p);
-    }
-    return near_plane;
-  };
-  for (int i = 0; i < 600; ++i) {
-    const Vec3 &a = points[any(random)], &b = points[any(random)], &c = points[any(random)];
-    const Vec3 cross = (b - a).cross(c - a);
-    if (cross.norm() < 10) continue;  // nearly in line
-    const Vec3 normal = cross.normalized();
-    auto near_plane = near_points({.normal_cam = normal, .distance_mm = normal.dot(a)});
-    if (near_plane.size() > near_best.size()) near_best = std::move(near_plane);
-  }
-  for (int i = 0; i < 3; ++i) near_best = near_points(least_squares_plane(near_best));
-  return least_squares_plane(near_best);
 }
 
 }  // namespace
@@ -129,102 +32,6 @@ TEST_GROUP(StripePhotographs) {
   void teardown() override { std::feclearexcept(FE_UNDERFLOW); }
 };
 // clang-format on
-
-TEST(StripePhotographs, StripeOnAChessboardLiesInTheBoardsPlane) {
-  BITELINE_SHARED_DATA_OR_SKIP(root, "stripes/blaser_ur5e_640");
-  std::vector<View> views;
-  std::vector<std::vector<cv::Point2f>> corners;
-  cv::Size size;
-  for (int i = 0; i < 25; ++i) {
-    const cv::Mat colour =
-        cv::imread((root / ("im" + std::to_string(i) + ".png")).string(), cv::IMREAD_COLOR);
-    CHECK(!colour.empty());
-    size = colour.size();
-    View view;
-    if (!find_corners(colour, view.corners)) continue;  // too dark for the chessboard
-    view.picture = filtered(colour);
-    view.stripe_px = find_stripe(view.picture);
-    corners.push_back(view.corners);
-    views.push_back(view);
-  }
-  CHECK(views.size() >= 10);
-  std::vector<cv::Point3f> board;
-  for (int k = 0; k < k_board.area(); ++k)
-    board.push_back({k_pitch_mm * static_cast<float>(k % k_board.width),
-                     k_pitch_mm * static_cast<float>(k / k_board.width), 0});
-  cv::Mat K, D;
-  std::vector<cv::Mat> rotations, translations;
-  cv::calibrateCamera(std::vector<std::vector<cv::Point3f>>(views.size(), board), corners, size, K, D,
-                      rotations, translations, cv::CALIB_FIX_K3 | cv::CALIB_ZERO_TANGENT_DIST);
-  geometry::Camera camera{.fu_px = K.at<double>(0, 0),
-                          .fv_px = K.at<double>(1, 1),
-                          .cu_px = K.at<double>(0, 2),
-                          .cv_px = K.at<double>(1, 2),
-                          .k1 = D.at<double>(0),
-                          .k2 = D.at<double>(1),
-                          .p1 = D.at<double>(2),
-                          .p2 = D.at<double>(3),
-                          .k3 = D.at<double>(4)};
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    cv::Rodrigues(rotations[i], views[i].R_cam_board);
-    views[i].t_cam_board_mm = translations[i];
-  }
-
-  // Each view against the laser plane of all the others.
-  double sum_mm2 = 0;
-  std::size_t count = 0, visible = 0, found = 0;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    std::vector<Vec3> others;
-    for (std::size_t k = 0; k < views.size(); ++k) {
-      if (k == i) continue;
-      for (const Vec2& pixel : views[k].stripe_px) {
-        const Vec3 ray = camera.ray(pixel);
-        others.push_back(ray * (views[k].distance_mm() / views[k].normal().dot(ray)));
-      }
-    }
-    const geometry::LaserPlane plane = fit_plane(others);
-    const View& view = views[i];
-    std::vector<bool> has_point(static_cast<std::size_t>(size.width), false);
-    double view_mm2 = 0;
-    for (const Vec2& pixel : view.stripe_px) {
-      const double distance_mm =
-          view.normal().dot(geometry::triangulate(camera, plane, pixel)) - view.distance_mm();
-      view_mm2 += distance_mm * distance_mm;
-      has_point[static_cast<std::size_t>(pixel.x())] = true;
-    }
-    sum_mm2 += view_mm2;
-    count += view.stripe_px.size();
-    // Where both planes meet the stripe must be; it is visible where the picture is brighter there than the
-    // threshold.
-    std::size_t view_visible = 0, view_found = 0;
-    for (int u = 0; u < size.width; ++u) {
-      int row = -1;
-      double least_mm = 1e9;
-      for (int v = 3; v < size.height - 3; ++v) {
-        const Vec3 point =
-            geometry::triangulate(camera, plane, {static_cast<double>(u), static_cast<double>(v)});
-        const double distance_mm = std::fabs(view.normal().dot(point) - view.distance_mm());
-        if (point.z() > 0 && distance_mm < least_mm) least_mm = distance_mm, row = v;
-      }
-      if (row < 0) continue;
-      int brightest = 0;
-      for (int v = row - 3; v <= row + 3; ++v)
-        brightest = std::max<int>(brightest, view.picture.at<std::uint8_t>(v, u));
-      if (brightest < 60) continue;
-      ++view_visible;
-      view_found += has_point[static_cast<std::size_t>(u)] ? 1U : 0U;
-    }
-    visible += view_visible;
-    found += view_found;
-  }
-  const double rms_mm = std::sqrt(sum_mm2 / static_cast<double>(count));
-  const double share = static_cast<double>(found) / static_cast<double>(visible);
-  // What is left is not the peaks': one pixel is 0.3 to 0.5 mm of distance here, twelve small chessboards fix
-  // the camera to 0.34 px, and beside black squares the paper's own scatter shifts the light by a pixel or
-  // two.
-  CHECK_TEXT(rms_mm < 0.8, StringFromFormat("rms %.3f mm", rms_mm).asCharString());
-  CHECK_TEXT(share > 0.95, StringFromFormat("share %.3f", share).asCharString());
-}
 
 TEST(StripePhotographs, StripeOnAPlaneInTheDarkIsStraight) {
   // The board's plane meets the laser's in a straight line, whatever the camera's pose; its distortion is
