@@ -3,6 +3,7 @@
 // the plan says.
 #include <CppUTest/TestHarness.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <numbers>
 
@@ -39,6 +40,16 @@ SE3 T_base_flange_home(const sim::ArmKinematics& arm) {
   return arm.T_base_flange(q_rad);
 }
 
+/// Where the program has the tip, each of the controller's cycles.
+std::vector<trajectory::TrackSample> track_of(const sim::Program& program) {
+  constexpr double k_cycle_s = 0.002;
+  std::vector<trajectory::TrackSample> track;
+  for (double time_s = 0; time_s <= program.duration_s() + k_cycle_s; time_s += k_cycle_s) {
+    track.push_back({.time_s = time_s, .T_base_tcp = program.T_base_flange_at(time_s) * program.T_flange_tcp_at(time_s)});
+  }
+  return track;
+}
+
 }  // namespace
 
 TEST_GROUP(FollowPath) {
@@ -52,13 +63,25 @@ TEST(FollowPath, EveryProcessRunsAndStaysOnThePlan) {
     CHECK_TEXT(script.has_value(), name);
     const sim::Program program =
         sim::Program::plan(*script, kinematics, T_base_flange_home(kinematics), SE3::Identity());
-    std::vector<trajectory::TrackSample> track;
-    for (double time_s = 0; time_s <= program.duration_s() + 0.002;
-         time_s += 0.002) {  // the controller's cycle
-      track.push_back({.time_s = time_s,
-                       .T_base_tcp = program.T_base_flange_at(time_s) * program.T_flange_tcp_at(time_s)});
-    }
-    check(name, trajectory::deviation(path.path(), track));
+    check(name, trajectory::deviation(path.path(), track_of(program)));
+  }
+}
+
+TEST(FollowPath, FromBehindTheShoeOverRaisedPostures) {
+  const test::FromBehind behind = test::from_behind("grind.yaml");
+  CHECK_TEXT(behind.way.path.has_value(), behind.way.check.detail.c_str());
+  const trajectory::PlannedPath& path = behind.way.path->path();
+  CHECK(!path.via_rad.empty());
+  const auto script = sim::parse_script(ur::urscript(*behind.way.path));
+  CHECK(script.has_value());
+  const std::vector<trajectory::TrackSample> track =
+      track_of(sim::Program::plan(*script, kinematics, kinematics.T_base_flange(behind.from_rad), SE3::Identity()));
+  check("from behind", trajectory::deviation(path, track));
+  auto from = track.begin();
+  for (const kinematics::Joints& via_rad : path.via_rad) {  // it stops at each, in their order
+    const Vec3 tip = (kinematics.T_base_flange(via_rad) * path.T_flange_tcp).translation();
+    from = std::find_if(from, track.end(), [&](const auto& sample) { return (sample.T_base_tcp.translation() - tip).norm() < 0.5; });
+    CHECK(from != track.end());
   }
 }
 

@@ -39,11 +39,12 @@ struct Values : rtde::ValueSource {
       const double x = of.not_a_number ? std::numeric_limits<double>::quiet_NaN() : 0.5;
       return rtde::Vector6{x, -0.25, 0.125, 0, 3.0, 0};
     }
+    if (name == "actual_q") return rtde::Vector6{turned_rad, 0, 0, 0, 0, 0};
     if (name == "tcp_offset") return rtde::Vector6{0, 0, 0.15, 0, 0, 0};
     return rtde::zero_of(*rtde::output_type(name));
   }
   const FakeController& of;
-  double time_s{10};
+  double time_s{10}, turned_rad{0};
 };
 
 struct Deaf : rtde::ControllerListener {
@@ -114,6 +115,7 @@ void FakeController::serve() {
       static_cast<void>(
           session.consume({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, deaf));
       values.time_s += 0.002;
+      if (turning) values.turned_rad += 0.01;
       if (!silent) session.append_outputs(cycle, values);
       const auto& out = session.outgoing();
       static_cast<void>(send(rtde, out.data(), out.size(), MSG_NOSIGNAL));

@@ -27,6 +27,7 @@ class FakeController {
   std::atomic<std::uint32_t> runtime_state{1};
   std::atomic<bool> silent{false};  ///< keeps connections but sends no data
   std::atomic<bool> not_a_number{false};
+  std::atomic<bool> turning{false};  ///< its first joint, by 0.01 rad each state
   std::atomic<bool> drop{false};  ///< set to drop the RTDE connection once; cleared when done
   std::atomic<int> rtde_connections{0};
 

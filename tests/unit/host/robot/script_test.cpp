@@ -36,6 +36,27 @@ TEST(UrScript, IsOneProgramThatBeginsWithToolAndJoints) {
   CHECK_EQUAL(1U, count("movej"));
 }
 
+TEST(UrScript, PosturesOnTheWayThereComeFirstInTheirOrder) {
+  const test::FromBehind behind = test::from_behind("grind.yaml");
+  CHECK_TEXT(behind.way.path.has_value(), behind.way.check.detail.c_str());
+  const auto& via_rad = behind.way.path->path().via_rad;
+  CHECK(!via_rad.empty());
+  std::istringstream text{urscript(*behind.way.path)};
+  std::string line;
+  std::getline(text, line);  // def
+  std::getline(text, line);  // set_tcp
+  std::vector<kinematics::Joints> stops = via_rad;
+  stops.push_back(path.path().waypoints.front().q_rad);
+  for (const kinematics::Joints& stop : stops) {
+    std::getline(text, line);
+    kinematics::Joints q_rad;
+    LONGS_EQUAL(6, std::sscanf(line.c_str(), "  movej([%lf,%lf,%lf,%lf,%lf,%lf]", &q_rad[0], &q_rad[1], &q_rad[2], &q_rad[3], &q_rad[4], &q_rad[5]));
+    DOUBLES_EQUAL(0, (stop - q_rad).norm(), 1e-6);
+  }
+  std::getline(text, line);
+  CHECK(line.find("movej") == std::string::npos);
+}
+
 TEST(UrScript, EveryLineWaypointIsOneProcessMoveBetweenToolOnAndOff) {
   const auto& waypoints = path.path().waypoints;
   const auto on_line =

@@ -61,6 +61,30 @@ TEST(UrLink, AnArmThatStandsIsToldWithItsJoints) {
   CHECK(state->sequence > 1);  // not the first that came
 }
 
+TEST(UrLink, AnArmThatMovesIsWaitedForUntilItStands) {
+  controller.turning = true;
+  const auto link = UrLink::open(config());
+  CHECK(link.has_value());
+  std::thread operation{[&] {
+    static_cast<void>(wait_until(**link, [](const RobotState& s) { return s.q_rad[0] > 0.5; }));
+    controller.turning = false;
+  }};
+  const auto state = wait_until_still(**link, {.still_s = 0.05});
+  operation.join();
+  CHECK(state.has_value());
+  CHECK(state->q_rad[0] > 0.5);
+  DOUBLES_EQUAL((*link)->latest()->q_rad[0], state->q_rad[0], 1e-12);
+}
+
+TEST(UrLink, AnArmThatNeverStandsIsGivenUp) {
+  controller.turning = true;
+  const auto link = UrLink::open(config());
+  CHECK(link.has_value());
+  const auto state = wait_until_still(**link, {.patience_s = 0.3, .still_s = 0.1});
+  CHECK_FALSE(state.has_value());
+  CHECK(state.error().code == Errc::Timeout);
+}
+
 TEST(UrLink, BrokenConnectionComesBackWithTheRecipe) {
   const auto link = UrLink::open(config());
   CHECK(link.has_value());
