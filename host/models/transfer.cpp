@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "host/models/transfer.hpp"
 
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <optional>
@@ -35,6 +37,8 @@ Prepared prepare(const SampleFiles& sample, const cloud::PointCloud& upper) {
   return prepared;
 }
 
+bool has_mesh(const Prepared& prepared) { return prepared.mesh && prepared.mesh->has_value(); }
+
 std::vector<PlacedPoint> placed_line(const line::ClosedLine& line, const Sample& sample, const Alignment& alignment) {
   const SE3 T_shoe_base = sample.T_base_shoe.inverse();
   std::vector<PlacedPoint> placed;
@@ -47,16 +51,69 @@ std::vector<PlacedPoint> placed_line(const line::ClosedLine& line, const Sample&
   return placed;
 }
 
-/// Mesh where there is one; scattered points where not, and where the mesh leaves gaps.
-surface::CarriedLine carry(const cloud::PointCloud& upper, const Prepared& prepared, const std::vector<PlacedPoint>& placed,
-                           const surface::CarryOptions& options) {
-  const bool has_mesh = prepared.mesh && prepared.mesh->has_value();
-  if (!has_mesh) return surface::carry_line(surface::PointSurface{upper.points}, placed, options);
-  const surface::ScanMesh& mesh = **prepared.mesh;
-  surface::CarriedLine carried = surface::carry_line(mesh, placed, options);
-  if (carried.hits == carried.rays) return carried;
+/// Where the sample's wall was not seen its line is bridged, too, and keeps its distance.
+void interpolate_walls(std::vector<PlacedPoint>& placed) {
+  const std::size_t size = placed.size();
+  const std::vector<PlacedPoint> seen = placed;
+  for (std::size_t i = 0; i < size; ++i) {
+    if (seen[i].wall_mm) continue;
+    std::size_t behind = 1, before = 1;
+    while (behind < size && !seen[(i + size - behind) % size].wall_mm) ++behind;
+    while (before < size && !seen[(i + before) % size].wall_mm) ++before;
+    if (behind == size) return;
+    const double share = static_cast<double>(behind) / static_cast<double>(behind + before);
+    placed[i].wall_mm = (1 - share) * *seen[(i + size - behind) % size].wall_mm + share * *seen[(i + before) % size].wall_mm;
+  }
+}
+
+/// Along each ray to the sample's wall above the line: the mean over some heights above its groove and over a few mm along
+/// the line, so that stitches do not count.
+void find_walls(const surface::RaySurface& sample, const line::ClosedLine& line, const Vec3& up, std::vector<PlacedPoint>& placed) {
+  constexpr std::array k_heights_mm{5.0, 6.0, 7.0, 8.0};
+  constexpr double k_reach_mm = 15, k_half_window_mm = 3;
+  std::vector<double> sums_mm(placed.size(), 0), counts(placed.size(), 0);
+  tbb::parallel_for(std::size_t{0}, placed.size(), [&](std::size_t i) {
+    const line::LinePoint& p = line.points[i];
+    const Vec3 level = (p.normal - p.normal.dot(up) * up).normalized();
+    for (const double height_mm : k_heights_mm) {
+      const auto hit = sample.cast({.origin = p.position + height_mm * up, .direction = level, .reach_mm = k_reach_mm});
+      if (!hit) continue;
+      sums_mm[i] += hit->distance_mm;
+      counts[i] += 1;
+    }
+  });
+  const std::size_t size = placed.size();
+  const auto half = static_cast<std::size_t>(k_half_window_mm * static_cast<double>(size) / line::length_mm(line));
+  const auto windowed = [&](std::size_t i) -> std::optional<double> {
+    double sum_mm = 0, count = 0;
+    for (std::size_t k = 0; k <= 2 * half; ++k) {
+      sum_mm += sums_mm[(i + size + k - half) % size];
+      count += counts[(i + size + k - half) % size];
+    }
+    return count > 0 ? std::optional{sum_mm / count} : std::nullopt;
+  };
+  for (std::size_t i = 0; i < size; ++i) placed[i].wall_mm = windowed(i);
+  interpolate_walls(placed);
+}
+
+/// Mesh where there is one; scattered points where not, and where the mesh leaves gaps.  Gaps of both are bridged as the
+/// sample's wall runs.
+surface::CarriedLine carry(const SampleFiles& sample, const Vec3& sample_up, const cloud::PointCloud& upper, const Prepared& prepared,
+                           std::vector<PlacedPoint> placed, const surface::CarryOptions& options) {
+  const surface::ScanMesh* mesh = has_mesh(prepared) ? &**prepared.mesh : nullptr;
+  if (mesh != nullptr) {
+    surface::CarriedLine carried = surface::carry_line(*mesh, placed, options);
+    if (carried.hits == carried.rays) return carried;
+  }
+  const auto sample_mesh = surface::ScanMesh::create(sample.cloud);
+  if (sample_mesh) {
+    find_walls(*sample_mesh, sample.line, sample_up, placed);
+  } else {
+    find_walls(surface::PointSurface{sample.cloud.points}, sample.line, sample_up, placed);
+  }
   const surface::PointSurface points{upper.points};
-  return surface::carry_line(surface::FirstOf{mesh, points}, placed, options);
+  if (mesh == nullptr) return surface::carry_line(points, placed, options);
+  return surface::carry_line(surface::FirstOf{*mesh, points}, placed, options);
 }
 
 /// Twice the standard deviation of the alignment.  Graded, also what the fit of two shapes leaves, and how far another
@@ -98,7 +155,7 @@ Transfer transfer_line(const SampleFiles& sample, const cloud::PointCloud& upper
     transfer.reason = error->where.view();  // a cloud that holds no surface of a shoe's size
     return transfer;
   }
-  transfer.from_mesh = prepared.mesh && prepared.mesh->has_value();
+  transfer.from_mesh = has_mesh(prepared);
   clock.lap("prepare");
 
   transfer.alignment = registration::align(**prepared.sample, **prepared.upper, options.align);
@@ -111,7 +168,8 @@ Transfer transfer_line(const SampleFiles& sample, const cloud::PointCloud& upper
 
   const Vec3 up = transfer.alignment.placement.T_target_source.linear().col(2);
   transfer.placed = placed_line(sample.line, **prepared.sample, transfer.alignment);
-  transfer.carried = carry(upper, prepared, transfer.placed,
+  const Vec3 sample_up = (*prepared.sample)->T_base_shoe.linear().col(2);
+  transfer.carried = carry(sample, sample_up, upper, prepared, transfer.placed,
                            {.direction = options.direction, .up = up, .max_gap_mm = options.max_gap_mm, .line_sigma_mm = transfer.bound_mm / 2});
   clock.lap("rays");
   transfer.reason = transfer.carried.reason;

@@ -11,7 +11,7 @@ namespace biteline::models {
 struct TransferOptions {
   registration::AlignOptions align{};
   surface::RayDirection direction{surface::RayDirection::Level};
-  double max_gap_mm{15};
+  double max_gap_mm{45};  ///< in the upper's scan, bridged as the sample's wall runs: off by 0.1 to 0.2 mm, made shoes
 };
 
 struct Stage {

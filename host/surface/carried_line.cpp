@@ -21,15 +21,19 @@ constexpr double k_normal_window_mm = 1.5;  // along the line, to both sides: st
 constexpr double k_min_patch_mm = 0.6;      // hits of a patch scatter at least so much across its short side (4 mm high: 1.4)
 constexpr int k_normal_heights = 10;  // 0.5 mm apart: a thread or a stitch is not stepped over
 constexpr double k_right_mm = 0.3;        // confidence is the chance to be within it (host/line)
-constexpr double k_bridge_sigma_per_mm = 0.04;  // how far a wall leaves the straight way over a gap, per mm of it
+// How far a bridged place is off, per mm of its gap: along the sample's wall; on a straight way where that was not seen.
+constexpr double k_bridge_sigma_per_mm = 0.005, k_straight_sigma_per_mm = 0.04;
+
+constexpr double k_min_hit_ratio = 0.6;  // with less, what is bridged was not seen on the upper at all
 
 /// One place of the line and what its ray met.
 struct Cast {
   Vec3 origin, direction;
   std::optional<double> distance_mm;
   bool bridged{false};
-  double bridge_mm{0};  ///< length of the gap that it lies in
+  double bridge_sigma_mm{0};
   double confidence{1};
+  std::optional<double> wall_mm;
 
   [[nodiscard]] Vec3 position() const { return origin + *distance_mm * direction; }
 };
@@ -43,7 +47,8 @@ std::vector<Cast> cast_all(const RaySurface& surface, const std::vector<PlacedPo
   std::vector<Cast> casts(placed.size());
   tbb::parallel_for(std::size_t{0}, placed.size(), [&](std::size_t i) {
     Cast& cast = casts[i];
-    cast = {.origin = placed[i].position, .direction = ray_direction(placed[i], options), .distance_mm = std::nullopt, .confidence = placed[i].confidence};
+    cast = {.origin = placed[i].position, .direction = ray_direction(placed[i], options), .distance_mm = std::nullopt,
+            .confidence = placed[i].confidence, .wall_mm = placed[i].wall_mm};
     const std::optional<Hit> hit =
         surface.cast({.origin = cast.origin, .direction = cast.direction, .reach_mm = options.reach_mm});
     if (hit) cast.distance_mm = hit->distance_mm;
@@ -79,33 +84,78 @@ void drop_spikes(std::vector<Cast>& casts, double step_mm) {
   for (const std::size_t i : spikes) casts[i].distance_mm.reset();
 }
 
-/// Fills gaps between two hits by the straight way along the rays.  Returns the longest gap in mm.
-double bridge_gaps(std::vector<Cast>& casts, const CarryOptions& options) {
+/// A way between two hits, round the line.
+struct Gap {
+  std::size_t from;   ///< the last hit before it
+  std::size_t count;  ///< of steps to the next hit
+  double way_mm;
+};
+
+std::vector<Gap> gaps_of(const std::vector<Cast>& casts) {
+  std::vector<Gap> gaps;
   const std::size_t size = casts.size();
-  const auto first_hit = std::find_if(casts.begin(), casts.end(), [](const Cast& c) { return c.distance_mm.has_value(); });
-  if (first_hit == casts.end()) return std::numeric_limits<double>::max();
-  const auto start = static_cast<std::size_t>(first_hit - casts.begin());
+  const auto hit = [&](std::size_t i) { return casts[i % size].distance_mm.has_value(); };
+  for (std::size_t from = 0; from < size; ++from) {
+    if (!hit(from) || hit(from + 1)) continue;
+    Gap gap{.from = from, .count = 0, .way_mm = 0};
+    do {
+      gap.way_mm += (casts[(from + gap.count + 1) % size].origin - casts[(from + gap.count) % size].origin).norm();
+      ++gap.count;
+    } while (!hit(from + gap.count));
+    gaps.push_back(gap);
+  }
+  return gaps;
+}
+
+/// What is interpolated over a gap: the distance to the wall beyond that of the sample's own wall, which runs beside it on
+/// both shoes, or the bare distance where the sample's wall was not seen either.
+class Bridge {
+ public:
+  Bridge(const std::vector<Cast>& casts, const Gap& gap) : casts_{casts} {
+    for (std::size_t j = 0; j <= gap.count; ++j) guided_ = guided_ && at(gap.from + j).wall_mm.has_value();
+    before_mm_ = end_mm(gap.from, casts.size() - 1);
+    after_mm_ = end_mm(gap.from + gap.count, 1);
+  }
+
+  [[nodiscard]] bool guided() const { return guided_; }
+  [[nodiscard]] double distance_mm(const Cast& cast, double share) const {
+    return (1 - share) * before_mm_ + share * after_mm_ + (guided_ ? *cast.wall_mm : 0);
+  }
+
+ private:
+  [[nodiscard]] const Cast& at(std::size_t i) const { return casts_[i % casts_.size()]; }
+
+  /// Mean of the hits next to the gap: a stitch or a speck at its edge is not carried across.
+  [[nodiscard]] double end_mm(std::size_t from, std::size_t step) const {
+    constexpr std::size_t k_hits = 6;
+    double sum = 0, count = 0;
+    for (std::size_t k = 0; k < k_hits; ++k) {
+      const Cast& cast = at(from + k * step);
+      if (!cast.distance_mm || cast.bridged || (guided_ && !cast.wall_mm)) break;
+      sum += *cast.distance_mm - (guided_ ? *cast.wall_mm : 0);
+      count += 1;
+    }
+    return sum / count;  // the gap's own end is always among them
+  }
+
+  const std::vector<Cast>& casts_;
+  bool guided_{true};
+  double before_mm_{0}, after_mm_{0};
+};
+
+/// Fills gaps between two hits.  Returns the longest in mm.
+double bridge_gaps(std::vector<Cast>& casts, const CarryOptions& options) {
   double longest_mm = 0;
-  for (std::size_t k = 0; k < size;) {
-    const std::size_t from = (start + k) % size;
-    std::size_t count = 1;
-    double way_mm = (casts[(from + 1) % size].origin - casts[from].origin).norm();
-    while (!casts[(from + count) % size].distance_mm) {
-      way_mm += (casts[(from + count + 1) % size].origin - casts[(from + count) % size].origin).norm();
-      ++count;
+  for (const Gap& gap : gaps_of(casts)) {
+    longest_mm = std::max(longest_mm, gap.way_mm);
+    if (gap.way_mm > options.max_gap_mm) continue;
+    const Bridge bridge{casts, gap};
+    for (std::size_t j = 1; j < gap.count; ++j) {
+      Cast& cast = casts[(gap.from + j) % casts.size()];
+      cast.distance_mm = bridge.distance_mm(cast, static_cast<double>(j) / static_cast<double>(gap.count));
+      cast.bridged = true;
+      cast.bridge_sigma_mm = gap.way_mm * (bridge.guided() ? k_bridge_sigma_per_mm : k_straight_sigma_per_mm);
     }
-    if (count > 1) {
-      longest_mm = std::max(longest_mm, way_mm);
-      const double before = *casts[from].distance_mm, after = *casts[(from + count) % size].distance_mm;
-      for (std::size_t j = 1; j < count && way_mm <= options.max_gap_mm; ++j) {
-        Cast& cast = casts[(from + j) % size];
-        const double share = static_cast<double>(j) / static_cast<double>(count);
-        cast.distance_mm = (1 - share) * before + share * after;
-        cast.bridged = true;
-        cast.bridge_mm = way_mm;
-      }
-    }
-    k += count;
   }
   return longest_mm;
 }
@@ -210,8 +260,18 @@ std::optional<Vec3> section_normal(const std::vector<Column>& columns, std::size
   return normal.dot(outward) >= 0 ? normal : Vec3{-normal};
 }
 
-/// Where there is no normal, that of the nearest places before and behind, weighted by nearness; `outward` if none has.
-std::vector<Vec3> filled(const std::vector<std::optional<Vec3>>& normals, const std::vector<Vec3>& outward) {
+/// The ray's own directions: outward, along the line, upwards.
+Mat3 ray_frame(const Vec3& outward, const Vec3& up) {
+  Mat3 frame;
+  frame.col(0) = outward;
+  frame.col(1) = up.cross(outward).normalized();
+  frame.col(2) = frame.col(0).cross(frame.col(1));
+  return frame;
+}
+
+/// Where there is no normal, that of the nearest places before and behind, weighted by nearness and turned as the rays
+/// turn; `outward` if none has.
+std::vector<Vec3> filled(const std::vector<std::optional<Vec3>>& normals, const std::vector<Vec3>& outward, const Vec3& up) {
   const std::size_t size = normals.size();
   std::vector<Vec3> out(size);
   for (std::size_t i = 0; i < size; ++i) {
@@ -226,8 +286,9 @@ std::vector<Vec3> filled(const std::vector<std::optional<Vec3>>& normals, const 
       out[i] = outward[i];
       continue;
     }
-    out[i] = (static_cast<double>(before) * *normals[(i + size - behind) % size] +
-              static_cast<double>(behind) * *normals[(i + before) % size]).normalized();
+    const auto in_rays = [&](std::size_t at) { return Vec3{ray_frame(outward[at], up).transpose() * *normals[at]}; };
+    const Vec3 blended = static_cast<double>(before) * in_rays((i + size - behind) % size) + static_cast<double>(behind) * in_rays((i + before) % size);
+    out[i] = (ray_frame(outward[i], up) * blended).normalized();
   }
   return out;
 }
@@ -235,8 +296,7 @@ std::vector<Vec3> filled(const std::vector<std::optional<Vec3>>& normals, const 
 double chance_within(double distance_mm, double sigma_mm) { return std::erf(distance_mm / (std::sqrt(2.0) * sigma_mm)); }
 
 double confidence_of(const Cast& cast, const CarryOptions& options) {
-  const double bridge_sigma_mm = k_bridge_sigma_per_mm * cast.bridge_mm;
-  return cast.confidence * chance_within(k_right_mm, std::hypot(options.line_sigma_mm, bridge_sigma_mm));
+  return cast.confidence * chance_within(k_right_mm, std::hypot(options.line_sigma_mm, cast.bridge_sigma_mm));
 }
 
 /// The hits as an evenly spaced closed line with normals and tangents.
@@ -266,7 +326,7 @@ void resample(const RaySurface& surface, const std::vector<Cast>& casts, double 
     normals[i] = section_normal(columns, i, directions[i]);
     if (!normals[i]) normals[i] = plane_normal(columns, i, half, directions[i]);
   }
-  const std::vector<Vec3> all_normals = filled(normals, directions);
+  const std::vector<Vec3> all_normals = filled(normals, directions, options.up);
   for (std::size_t i = 0; i < count; ++i) {
     line::LinePoint& point = carried.line.points[i];
     point.normal = all_normals[i];
@@ -291,6 +351,11 @@ CarriedLine carry_line(const RaySurface& surface, const std::vector<PlacedPoint>
   }
   if (carried.hits == 0) {
     carried.reason = "no ray from the sample's line meets the upper";
+    return carried;
+  }
+  const double hit_ratio = static_cast<double>(carried.hits) / static_cast<double>(carried.rays);
+  if (hit_ratio < k_min_hit_ratio) {
+    carried.reason = FixedText<200>::format("the upper's scan shows only %.0f %% of the line (at least %.0f %%)", 100 * hit_ratio, 100 * k_min_hit_ratio).c_str();
     return carried;
   }
   carried.mean_distance_mm = sum_mm / static_cast<double>(carried.hits);

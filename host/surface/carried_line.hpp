@@ -2,6 +2,7 @@
 #pragma once
 /// \file A sample's line carried onto another surface by rays.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,8 @@ struct PlacedPoint {
   Vec3 position{Vec3::Zero()};
   Vec3 normal{Vec3::UnitX()};  ///< outward, unit
   double confidence{1};
+  /// Along the ray to the sample's own wall above the line, where that is seen: gaps are bridged as it runs.
+  std::optional<double> wall_mm{};
 };
 
 enum class RayDirection {

@@ -97,6 +97,21 @@ TEST(CarriedLine, AGapIsBridgedAndMarked) {
   CHECK(marked >= 8);
 }
 
+TEST(CarriedLine, AGapIsBridgedAsTheSamplesWallRuns) {
+  // Where the upper is not seen the sample's groove is filled: its line lies 2 mm farther out.
+  scan.missing = [](double turn_rad, double z_mm) { return turn_rad > 2 && turn_rad < 2.2 && z_mm < 20; };
+  std::vector<PlacedPoint> placed = placed_circle();
+  for (PlacedPoint& p : placed) {
+    const double turn_rad = std::atan2(p.position.y(), p.position.x());
+    if (turn_rad > 2.05 && turn_rad < 2.15) p.position.head<2>() *= 49.5 / 47.5;
+    p.wall_mm = 50.3 - p.position.head<2>().norm();
+  }
+  const CarriedLine sut = carry_line(*ScanMesh::create(scan.scan()), placed, {});
+  CHECK_TEXT(sut.reason.empty(), sut.reason.c_str());
+  CHECK(sut.bridged_mm > 8);
+  for (const line::LinePoint& p : sut.line.points) DOUBLES_EQUAL(50.0, p.position.head<2>().norm(), 0.1);
+}
+
 TEST(CarriedLine, ATooLongGapIsRefusedWithItsPlace) {
   scan.missing = [](double turn_rad, double z_mm) { return turn_rad > 3 && turn_rad < 3.4 && z_mm < 20; };  // 20 mm
   const CarriedLine sut = carried();
