@@ -169,33 +169,45 @@ std::string sentence(const char* pattern, Arguments... arguments) {
   return FixedText<400>::format(pattern, arguments...).c_str();
 }
 
-/// Why the shapes differ: the other foot, another size, or another model.
+std::string words_of(const Grade& grade) {
+  return sentence("%.3f of the sample's length, %.3f of its width, %.3f of its height (grading is off)", grade.length, grade.width,
+                  grade.height);
+}
+
+bool is_other_size(const Alignment& graded) { return graded.accepted() && graded.placement.grade.largest_change() < k_max_size_change; }
+
+/// Why the shapes differ: the other foot, another size, both, upside down, or another model.
 void explain_difference(const FitTask& task, Freedom freedom, Alignment& alignment) {
+  const auto explained = [&](Verdict verdict, std::string reason) {
+    alignment.verdict = verdict;
+    alignment.reason = std::move(reason);
+  };
   const Sample other = mirrored(task.sample);
-  const Alignment other_foot = best_alignment({.sample = other, .upper = task.upper, .upper_table = task.upper_table}, freedom);
+  const FitTask mirrored_task{.sample = other, .upper = task.upper, .upper_table = task.upper_table};
+  const Alignment other_foot = best_alignment(mirrored_task, freedom);
   if (other_foot.accepted()) {
-    alignment.verdict = Verdict::OtherFoot;
-    alignment.reason = sentence(
-        "the upper is of the other foot: mirrored, the sample fits to %.2f mm RMS, as it is only to %.2f mm",
-        other_foot.shape_rms_mm, alignment.shape_rms_mm);
-    return;
+    return explained(Verdict::OtherFoot,
+                     sentence("the upper is of the other foot: mirrored, the sample fits to %.2f mm RMS, as it is only to %.2f mm",
+                              other_foot.shape_rms_mm, alignment.shape_rms_mm));
   }
   if (freedom == Freedom::Rigid) {
     const Alignment graded = best_alignment(task, Freedom::Graded);
-    const Grade& grade = graded.placement.grade;
-    if (graded.accepted() && grade.largest_change() < k_max_size_change) {
-      alignment.verdict = Verdict::OtherSize;
-      alignment.reason = sentence(
-          "the upper is of another size: %.3f of the sample's length, %.3f of its width, %.3f of its height (grading is off)",
-          grade.length, grade.width, grade.height);
-      return;
+    if (is_other_size(graded)) return explained(Verdict::OtherSize, "the upper is of another size: " + words_of(graded.placement.grade));
+    const Alignment both = best_alignment(mirrored_task, Freedom::Graded);
+    if (is_other_size(both)) {
+      return explained(Verdict::OtherFoot, "the upper is of the other foot and of another size: " + words_of(both.placement.grade));
     }
   }
-  alignment.verdict = Verdict::OtherModel;
-  alignment.reason = sentence(
-      "the upper is another model: its surface differs from the sample's by %.2f mm RMS (at most %.2f mm) over %.0f %% of "
-      "it, and neither mirroring nor another size explains it",
-      alignment.shape_rms_mm, k_max_shape_rms_mm, 100 * alignment.overlap_ratio);
+  const Upper turned = turned_over(task.upper);
+  const NearestTable turned_table{turned.surfels, static_cast<float>(k_fine_reach_mm)};
+  const Verdict over = best_alignment({.sample = task.sample, .upper = turned, .upper_table = turned_table}, freedom).verdict;
+  if (over == Verdict::Aligned || over == Verdict::DirectionNotFixed) {  // its collar, which fixes the height, is not looked for
+    return explained(Verdict::UpsideDown, "the upper is upside down: turned over, it fits the sample");
+  }
+  explained(Verdict::OtherModel,
+            sentence("the upper is another model: its surface differs from the sample's by %.2f mm RMS (at most %.2f mm) over "
+                     "%.0f %% of it, and neither mirroring nor another size explains it",
+                     alignment.shape_rms_mm, k_max_shape_rms_mm, 100 * alignment.overlap_ratio));
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ enum class Verdict {
   DirectionNotFixed,
   OtherFoot,
   OtherSize,
+  UpsideDown,
   OtherModel,
   NotConverged,
 };

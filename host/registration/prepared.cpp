@@ -41,6 +41,16 @@ Sample mirrored(const Sample& sample) {
   return other;
 }
 
+Upper turned_over(const Upper& upper) {
+  Upper turned{.surfels = upper.surfels};
+  for (auto* vectors : {&turned.surfels.positions, &turned.surfels.normals}) {
+    for (Eigen::Vector3f& v : *vectors) v = {v.x(), -v.y(), -v.z()};
+  }
+  turned.axes = shoe_axes(turned.surfels);
+  turned.surfels_coarse = coarsened(turned.surfels, k_coarse_pitch_mm);
+  return turned;
+}
+
 Result<Sample> prepare_sample(const cloud::PointCloud& cloud, const line::ClosedLine& line) {
   BITELINE_EXPECTS(line.points.size() >= 3);
   const Surfels surfels = surfels_of(cloud.points, k_pitch_mm);

@@ -40,6 +40,9 @@ struct Upper {
 /// Fails (Refused) when the cloud holds no surface of a shoe's size.
 [[nodiscard]] Result<Upper> prepare_upper(const cloud::PointCloud& cloud);
 
+/// Turned by half a turn about base's x.
+[[nodiscard]] Upper turned_over(const Upper& upper);
+
 /// The sample as of the other foot: its shoe frame's y turned round.
 [[nodiscard]] Sample mirrored(const Sample& sample);
 

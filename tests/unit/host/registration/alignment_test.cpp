@@ -117,6 +117,22 @@ TEST(Alignment, AnotherSizeIsRefusedAndGradingTakesIt) {
   }
 }
 
+TEST(Alignment, OtherFootAndOtherSizeAtOnceIsToldAsBoth) {
+  Eigen::Affine3d both = Eigen::Affine3d::Identity();
+  both.linear() = Vec3{1.05, -1.05, 1.05}.asDiagonal();
+  const Alignment sut = aligned(moved(pair.upper_cloud, both));
+  CHECK(sut.verdict == Verdict::OtherFoot);
+  STRCMP_CONTAINS("other foot and of another size", sut.reason.c_str());
+}
+
+TEST(Alignment, AnUpperUpsideDownIsToldAsThat) {
+  Eigen::Affine3d over = Eigen::Affine3d::Identity();
+  over.linear() = Vec3{1, -1, -1}.asDiagonal();
+  const Alignment sut = aligned(moved(pair.upper_cloud, over));
+  CHECK_TEXT(sut.verdict == Verdict::UpsideDown, sut.reason.c_str());
+  STRCMP_CONTAINS("upside down", sut.reason.c_str());
+}
+
 TEST(Alignment, AThirdOfTheUpperIsTooLittle) {
   cloud::PointCloud part;
   const std::uint32_t last = pair.upper_cloud.profile.back();
