@@ -92,6 +92,7 @@ Result<void> run(const sensor::Options& options, const sigset_t& signals) {
 
   sensor::StreamerConfig config;
   config.server.store_bytes = options.store_megabytes * 1024 * 1024;
+  config.pipeline = options.pipeline;
   config.realtime = demand;
   config.name = options.name;
   config.version = BITELINE_VERSION;

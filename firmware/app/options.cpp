@@ -5,12 +5,34 @@
 #include <cmath>
 #include <cstdio>
 
+#include "common/stripe/peak_names.hpp"
+
 namespace biteline::sensor {
 namespace {
 
 int complain(const std::string& line) {
   std::fprintf(stderr, "biteline-sensor: %s\n", line.c_str());
   return static_cast<int>(ExitStatus::BadInput);
+}
+
+/// How a stripe is found, under the names that profile sensors give it.
+void add_peak_options(CLI::App& app, pipeline::ProfilePipeline::Config& pipeline) {
+  stripe::PeakConfig& peaks = pipeline.peaks;
+  app.add_option_function<std::string>("--peak-mode", [&](const std::string& name) { peaks.mode = stripe::k_peak_modes.at(name); },
+                                       "Where in a column the stripe is: by its whole shape (matched, the default), or as other sensors do")
+      ->check(CLI::IsMember(stripe::k_peak_modes).description(""))
+      ->type_name("matched|maximum|threshold|centre-of-gravity|fir");
+  app.add_option_function<std::string>("--peak", [&](const std::string& name) { pipeline.selector.choice = stripe::k_peak_choices.at(name); },
+                                       "Which of several peaks in a column: the one that goes on from its neighbours, or by strength or place")
+      ->check(CLI::IsMember(stripe::k_peak_choices).description(""))
+      ->type_name("continuity|strongest|first|last");
+  app.add_option("--peak-threshold", peaks.threshold_grey, "A peak is at least so many grey levels above its background")
+      ->check(CLI::Range(1.0, 254.0))
+      ->capture_default_str();
+  app.add_option("--peak-width-min", peaks.width_min_px, "Narrower peaks are no stripe, in pixels at half height")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--peak-width-max", peaks.width_max_px, "Wider peaks are no stripe")->check(CLI::PositiveNumber)->capture_default_str();
 }
 
 }  // namespace
@@ -40,6 +62,7 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_flag("--laser-off-frames", capture.laser_off_frames, "Every second frame without laser, taken off the next: against the room's light");
   app.add_option("--second-exposure-us", second_exposure_us, "Every second frame so long, merged per column: black beside white")
       ->check(CLI::PositiveNumber);
+  add_peak_options(app, options.pipeline);
   app.add_flag("--exit-with-parent", options.exit_with_parent, "Stop when the program that started this one ends");
   app.add_flag("--stay", options.stay_after_scan, "Keep serving a recording after it was delivered");
   app.add_flag("--check", options.check, "Open and close each device of --source board:FILE, say what is missing, and leave");

@@ -9,12 +9,14 @@
 #include "common/core/result.hpp"
 #include "common/wire/endpoint.hpp"
 #include "firmware/app/source.hpp"
+#include "firmware/pipeline/profile_pipeline.hpp"
 #include "firmware/runtime/realtime.hpp"
 
 namespace biteline::sensor {
 
 struct Options {
   SourceOptions source;
+  pipeline::ProfilePipeline::Config pipeline;
   wire::Endpoint listen;
   std::optional<std::filesystem::path> keys;
   std::optional<std::filesystem::path> make_keys;

@@ -43,6 +43,7 @@ Result<SensorProcess> start_sensor(const SessionRunOptions& options) {
     arguments.emplace_back("--sensor");
     arguments.push_back(options.sensor_file->string());
   }
+  arguments.insert(arguments.end(), options.sensor_options.begin(), options.sensor_options.end());
   return SensorProcess::start(program, arguments, k_start_limit);
 }
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/core/result.hpp"
@@ -17,6 +18,7 @@ namespace biteline::ingest {
 struct SessionRunOptions {
   std::filesystem::path session;
   std::optional<std::filesystem::path> sensor_file;  ///< replaces the head's calibration (biteline-sensor --sensor)
+  std::vector<std::string> sensor_options;           ///< more of biteline-sensor's own, as {"--peak-mode", "fir"}
   std::optional<std::filesystem::path> program;      ///< biteline-sensor; default: beside the running program
   /// Told after every profile: how many came, how many are expected.
   std::function<void(std::size_t done, std::size_t total)> progress;

@@ -22,6 +22,21 @@ TEST_GROUP(SessionRun) {
     options.session = folder.path() / "made";
     test::write_made_session(made, options.session);
   }
+
+  double rms_off_truth_mm(const SessionRun& run) const {
+    const geometry::SensorModel sensor = test::made_sensor(made);
+    double squares_mm2 = 0;
+    for (std::size_t i = 0; i < run.cloud.size(); ++i) {
+      const int frame = static_cast<int>(run.cloud.profile[i]);
+      const int column = run.cloud.column[i];
+      const Vec2 pixel_px{column + sensor.region.offset_u_px,
+                          test::made_row_px(made, frame, column) + sensor.region.offset_v_px};
+      const Vec3 point_cam = geometry::triangulate(sensor.camera, sensor.laser_plane, pixel_px);
+      const Vec3 truth_base = test::made_pose(frame) * sensor.T_flange_cam * point_cam;
+      squares_mm2 += (run.cloud.points[i].cast<double>() - truth_base).squaredNorm();
+    }
+    return std::sqrt(squares_mm2 / static_cast<double>(run.cloud.size()));
+  }
 };
 
 TEST(SessionRun, EveryFrameArrivesAndEveryPointLiesWhereTheStripeWas) {
@@ -33,21 +48,11 @@ TEST(SessionRun, EveryFrameArrivesAndEveryPointLiesWhereTheStripeWas) {
   // The stripe is in every column; at the region's sides a few may be left out as uncertain.
   CHECK(run->cloud.size() > static_cast<std::size_t>(made.frames * made.width_px * 95 / 100));
 
-  const geometry::SensorModel sensor = test::made_sensor(made);
-  double squares_mm2 = 0;
-  for (std::size_t i = 0; i < run->cloud.size(); ++i) {
-    const int frame = static_cast<int>(run->cloud.profile[i]);
-    const int column = run->cloud.column[i];
-    const Vec2 pixel_px{column + sensor.region.offset_u_px,
-                        test::made_row_px(made, frame, column) + sensor.region.offset_v_px};
-    const Vec3 point_cam = geometry::triangulate(sensor.camera, sensor.laser_plane, pixel_px);
-    const Vec3 truth_base = test::made_pose(frame) * sensor.T_flange_cam * point_cam;
-    squares_mm2 += (run->cloud.points[i].cast<double>() - truth_base).squaredNorm();
-  }
+  const double rms_mm = rms_off_truth_mm(*run);
   // Peaks of amplitude 180 in noise of 1.5 are good to about 0.03 px (Cramer-Rao with 2.5 px width: 0.02); one pixel is
   // some 0.4 mm along the plane here.  Four times that still is far from any swapped frame or shifted stamp (1 mm).
   constexpr double k_tolerance_mm = 4 * 0.03 * 0.4;
-  CHECK_TEXT(std::sqrt(squares_mm2 / static_cast<double>(run->cloud.size())) < k_tolerance_mm, "points off");
+  CHECK_TEXT(rms_mm < k_tolerance_mm, "points off");
 }
 
 TEST(SessionRun, AnotherCalibrationReplacesTheHeadsOwnAndNotTheRecordings) {
@@ -61,6 +66,19 @@ TEST(SessionRun, AnotherCalibrationReplacesTheHeadsOwnAndNotTheRecordings) {
   DOUBLES_EQUAL(other.T_flange_cam.translation().x(), run->sensor.model.T_flange_cam.translation().x(), 1e-9);
   LONGS_EQUAL(80, run->sensor.model.region.offset_v_px);
   LONGS_EQUAL(7'000'000, run->sensor.model.pose_clock_offset.count());
+}
+
+TEST(SessionRun, PeaksAreFoundAsTheSensorIsTold) {
+  const Result<SessionRun> matched = run_sensor_on_session(options);
+  SUCCEEDS(matched);
+  options.sensor_options = {"--peak-mode", "maximum", "--peak", "strongest", "--peak-threshold", "20"};
+  const Result<SessionRun> maximum = run_sensor_on_session(options);
+  SUCCEEDS(maximum);
+  // The brightest pixel and its neighbours know less than the whole shape.
+  CHECK(rms_off_truth_mm(*maximum) > 1.2 * rms_off_truth_mm(*matched));
+  CHECK(rms_off_truth_mm(*maximum) < 0.2);
+  options.sensor_options = {"--peak-mode", "guess"};
+  FAILS_NAMING(Errc::BadFormat, "--peak-mode", run_sensor_on_session(options));
 }
 
 TEST(SessionRun, FaultOfTheSessionIsToldAsItself) {

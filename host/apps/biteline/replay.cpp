@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "common/stripe/peak_names.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/ingest/account.hpp"
 #include "host/ingest/session_run.hpp"
@@ -14,6 +15,7 @@ namespace {
 
 struct Options {
   std::filesystem::path session, out, sensor;
+  std::string peak_mode;
   groove::Method method{groove::Method::Ours};
 };
 
@@ -24,6 +26,7 @@ Result<ExitStatus> replay(const Options& options, const GlobalOptions& global) {
   ingest::SessionRunOptions run_options;
   run_options.session = options.session;
   if (!options.sensor.empty()) run_options.sensor_file = options.sensor;
+  if (!options.peak_mode.empty()) run_options.sensor_options = {"--peak-mode", options.peak_mode};
   std::optional<report::Progress> progress;
   run_options.progress = [&](std::size_t done, std::size_t total) {
     if (!progress) progress.emplace("profiles", total, global.quiet);
@@ -58,6 +61,9 @@ void add_replay(CLI::App& app, Context& context) {
   command->add_option("--out", options->out, "Folder for cloud.ply, line.csv, report.json, stages/")->required();
   command->add_option("--sensor", options->sensor,
                       "A sensor.yaml whose intrinsics, distortion, laser plane and T_flange_cam replace the session's");
+  command->add_option("--peak-mode", options->peak_mode, "Where in a column the stripe is: by its whole shape (matched, the default), or as other sensors do")
+      ->check(CLI::IsMember(stripe::k_peak_modes).description(""))
+      ->type_name("matched|maximum|threshold|centre-of-gravity|fir");
   add_method_option(*command, options->method);
   command->callback([options, &context] { context.run = [options, &context] { return replay(*options, context.options); }; });
 }
