@@ -166,7 +166,10 @@ class BoardDevices final : public SourceKind {
     BITELINE_ASSIGN(devices.safety, open_safety(*board_.laser));
     BITELINE_TRY(arm_watchdogs(devices.watchdogs));
     if (const std::optional<Nanoseconds>& patience = board_.laser->patience) {
-      devices.guard = {.frames_within = *patience, .watchdog_within = *patience, .looks_within = *patience};
+      devices.guard = {.frames_within = *patience,
+                       .watchdog_within = *patience,
+                       .stream_within = *patience,
+                       .looks_within = *patience};
     }
     return std::optional<LaserDevices>{std::move(devices)};
   }

@@ -35,6 +35,7 @@ Errc code_of(runtime::LaserOff reason) {
     case runtime::LaserOff::KeyOff: return Errc::InterlockOpen;
     case runtime::LaserOff::FramesStopped: return Errc::Timeout;
     case runtime::LaserOff::WatchdogStarved:
+    case runtime::LaserOff::StreamStarved:
     case runtime::LaserOff::SafetyHung: return Errc::Overrun;
     case runtime::LaserOff::TooHot:
     case runtime::LaserOff::DriverFailed:
@@ -130,6 +131,7 @@ void Streamer::run(const std::atomic<bool>& stop) {
     server_.on_packet(peer, packet, clock_.now());
   };
   while (!stop && !delivered()) {
+    if (laser_ != nullptr) laser_->note_stream(clock_.now());
     const bool busy = state_ != State::Idle && scanner_->waiting();
     const int refused = socket_.receive(busy ? Nanoseconds{0} : k_idle_wait, on_packet);
     for (int i = 0; i < refused; ++i) server_.count_refused_peer();

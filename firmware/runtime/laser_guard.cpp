@@ -11,6 +11,7 @@ const char* text(LaserOff reason) {
     case LaserOff::TooHot: return "the head is too hot";
     case LaserOff::FramesStopped: return "the camera gives no frames";
     case LaserOff::WatchdogStarved: return "the frame processing hangs";
+    case LaserOff::StreamStarved: return "the stream thread hangs";
     case LaserOff::DriverFailed: return "the laser's output does not do as told";
     case LaserOff::SafetyHung: return "the safety thread hung";
     case LaserOff::Stopped: return "the sensor stops";
@@ -31,6 +32,7 @@ bool LaserGuard::forbidden(const LaserInputs& inputs, LaserOff& why) const {
   if (inputs.too_hot) return found(LaserOff::TooHot);
   // Compared with an instant and not by a difference: "never" is the smallest time point there is.
   if (inputs.watchdog_fed < inputs.now - config_.watchdog_within) return found(LaserOff::WatchdogStarved);
+  if (inputs.stream_alive < inputs.now - config_.stream_within) return found(LaserOff::StreamStarved);
   if (inputs.last_frame < inputs.now - config_.frames_within) return found(LaserOff::FramesStopped);
   return false;
 }

@@ -16,6 +16,7 @@ enum class LaserOff : std::uint8_t {
   TooHot,            ///< the head is beyond its limit
   FramesStopped,     ///< the camera gives no frames: nobody would see what the laser does
   WatchdogStarved,   ///< the software that processes frames does not report
+  StreamStarved,     ///< the thread that hears the hosts does not report: nobody could ask for darkness
   DriverFailed,      ///< the output did not do as told
   SafetyHung,        ///< the safety thread itself did not look in time; another thread turned the laser off
   Stopped,           ///< end of program, signal, broken contract: for good
@@ -32,6 +33,7 @@ struct LaserInputs {
   bool too_hot{false};
   SensorClock::time_point last_frame;     ///< newest frame that was processed
   SensorClock::time_point watchdog_fed;   ///< newest sign of life of the processing
+  SensorClock::time_point stream_alive;   ///< newest sign of life of the thread that hears the hosts
   bool driver_failed{false};              ///< last write or read-back of the output went wrong
   bool looks_missed{false};               ///< since the last look another thread found the looks missing
 };
@@ -56,6 +58,7 @@ class LaserGuard {
   struct Config {
     Nanoseconds frames_within{std::chrono::milliseconds{75}};
     Nanoseconds watchdog_within{std::chrono::milliseconds{50}};
+    Nanoseconds stream_within{std::chrono::milliseconds{75}};
     /// Six looks of the safety thread in a row (laser_watch).  The frame thread notices within its 20 ms turn and a frame's
     /// 5 ms: dark after 85 ms at most.
     Nanoseconds looks_within{std::chrono::milliseconds{60}};

@@ -69,7 +69,7 @@ void LaserWatch::run(RealtimeDemand demand) {
 
 void LaserWatch::note_alive(SensorClock::time_point now) {
   store(alive_ns_, now);
-  if (!on_ || load(looked_ns_) >= now - looks_within_) return;
+  if (!may_shine_ || load(looked_ns_) >= now - looks_within_) return;
   looks_missed_ = true;
   // A failure here leaves the watchdog, which that thread does not feed either.
   (void)laser_->set(false);
@@ -85,12 +85,18 @@ void LaserWatch::step() {
   inputs.too_hot = !safety || safety->too_hot;
   inputs.last_frame = load(last_frame_ns_);
   inputs.watchdog_fed = load(alive_ns_);
+  inputs.stream_alive = load(stream_ns_);
   inputs.driver_failed = driver_failed_;
   inputs.looks_missed = looks_missed_.exchange(false);
   store(looked_ns_, inputs.now);
   const bool light = guard_.look(inputs);
+  if (light) may_shine_ = true;
   drive(light);
-  on_ = light && !driver_failed_;
+  // This thread stood still since it looked, and the frame thread darkened the output meanwhile: so it stays, and the next
+  // look says why.
+  if (light && looks_missed_) drive(false);
+  on_ = light && !driver_failed_ && !looks_missed_;
+  if (!light && !driver_failed_) may_shine_ = false;
   state_ = guard_.state();
   reason_ = guard_.reason();
 }
@@ -103,6 +109,7 @@ void LaserWatch::drive(bool on) {
 }
 
 void LaserWatch::feed_watchdogs() {
+  if (driver_failed_) return;
   for (const std::unique_ptr<hal::Watchdog>& watchdog : watchdogs_) {
     if (!watchdog->feed()) feeds_failed_.fetch_add(1, std::memory_order_relaxed);
   }

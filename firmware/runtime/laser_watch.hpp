@@ -30,7 +30,7 @@ class LaserWatch {
   ~LaserWatch();
 
   /// An armed watchdog, fed at every look from start() on and disarmed by stop(): what it does when this thread hangs or
-  /// the process dies darkens the laser too.  Before start() only.
+  /// the process dies darkens the laser too, and so it is not fed while the output does not do as told.  Before start() only.
   void feed(std::unique_ptr<hal::Watchdog> watchdog) { watchdogs_.push_back(std::move(watchdog)); }
 
   [[nodiscard]] Result<void> start(RealtimeDemand demand);
@@ -43,6 +43,8 @@ class LaserWatch {
     scan_on_.store(scan_on, std::memory_order_release);
   }
   void note_frame(SensorClock::time_point processed) { store(last_frame_ns_, processed); }
+  /// The thread that hears the hosts lives.
+  void note_stream(SensorClock::time_point now) { store(stream_ns_, now); }
   /// The frame thread lives.  It looks after this one in turn: when the looks of the safety thread stay out while the laser
   /// is on, it turns the laser off itself.
   void note_alive(SensorClock::time_point now);
@@ -81,7 +83,9 @@ class LaserWatch {
   std::atomic<bool> stopping_{false};
   std::atomic<bool> scan_on_{false};
   std::atomic<std::int64_t> last_frame_ns_{SensorClock::time_point::min().time_since_epoch().count()};
+  std::atomic<std::int64_t> stream_ns_{SensorClock::time_point::min().time_since_epoch().count()};
   std::atomic<std::int64_t> alive_ns_{SensorClock::time_point::min().time_since_epoch().count()};
+  std::atomic<bool> may_shine_{false};  ///< from before the output is told to shine until it is known to be dark
   // Published for the others.
   std::atomic<bool> on_{false};
   std::atomic<LaserGuard::State> state_{LaserGuard::State::Off};

@@ -25,7 +25,7 @@ namespace threads {
 using std::chrono::milliseconds;
 using std::chrono::microseconds;
 
-/// The laser goes off within 100 ms of a fault (safety.hpp): ten looks in that time leave room for a missed one.
+/// The laser goes off within 100 ms of a fault (laser_guard.hpp): ten looks in that time leave room for a missed one.
 /// Above everything else, because nothing else may keep it from looking.
 inline constexpr ThreadSpec k_safety{"bl-safety", Policy::Fifo, 70, 0, milliseconds{10}, milliseconds{1}};
 /// Poses are short and must not age behind a frame.

@@ -109,7 +109,10 @@ Result<hal::SafetyInputs> SimSafetyIn::read() noexcept {
   BITELINE_ASSIGN(const bool closed,
                   connection_.ask({.kind = BusMessage::Kind::Query, .line = Line::Interlock}));
   BITELINE_ASSIGN(const bool key_on, connection_.ask({.kind = BusMessage::Kind::Query, .line = Line::Key}));
-  return hal::SafetyInputs{.interlock_closed = closed, .key_on = key_on, .read_at = hal::monotonic_now()};
+  BITELINE_ASSIGN(const bool too_hot,
+                  connection_.ask({.kind = BusMessage::Kind::Query, .line = Line::TooHot}));
+  return hal::SafetyInputs{
+      .interlock_closed = closed, .key_on = key_on, .too_hot = too_hot, .read_at = hal::monotonic_now()};
 }
 
 Result<std::unique_ptr<SimPwmOut>> SimPwmOut::open(const std::string& name) {

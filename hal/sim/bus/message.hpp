@@ -18,6 +18,7 @@ enum class Line : std::uint32_t {
   ScanActive,   ///< robot -> sensor: the arm is on its way round the shoe
   Interlock,    ///< door -> sensor and laser: closed
   Key,          ///< key switch -> sensor and laser: on
+  TooHot,       ///< the head's thermal contact -> sensor
   Count,
 };
 

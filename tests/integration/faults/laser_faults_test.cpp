@@ -58,6 +58,18 @@ TEST_GROUP(LaserFaults) {
     const auto refused = stand->start_scan();
     CHECK_TEXT(!refused, refused.value_or("").c_str());
   }
+  void check_stalled(const char* row, const char* thread, const char* words) {
+    if (!set_up()) return;
+    std::optional<StalledThread> stalled;
+    check_dark(
+        row, [&] { stalled.emplace(stand->sensor().child().pid(), thread); },
+        [&] {
+          CHECK_TEXT(stalled->stalled(), "ptrace is not allowed here");
+          stalled.reset();
+          CHECK(stand->take_end());
+          check_ended(*stand, Errc::Overrun, words);
+        });
+  }
 };
 
 TEST(LaserFaults, KilledSensorLetsGoOfTheLaser) {
@@ -78,28 +90,25 @@ TEST(LaserFaults, KilledSensorLetsGoOfTheLaser) {
 }
 
 TEST(LaserFaults, HangingFrameThreadIsFoundByTheSafetyThread) {
-  if (!set_up()) return;
-  std::optional<StalledThread> stalled;
-  check_dark(
-      "frame thread stalled", [&] { stalled.emplace(stand->sensor().child().pid(), "bl-acq"); },
-      [&] {
-        CHECK_TEXT(stalled->stalled(), "ptrace is not allowed here");
-        stalled.reset();
-        CHECK(stand->take_end());
-        check_ended(*stand, Errc::Overrun, "the frame processing hangs");
-      });
+  check_stalled("frame thread stalled", "bl-acq", "the frame processing hangs");
 }
 
 TEST(LaserFaults, HangingSafetyThreadIsFoundByTheFrameThread) {
+  check_stalled("safety thread stalled", "bl-safety", "the safety thread hung");
+}
+
+TEST(LaserFaults, HangingStreamThreadIsFoundByTheSafetyThread) {
+  check_stalled("stream thread stalled", "bl-stream", "the stream thread hangs");
+}
+
+TEST(LaserFaults, HotHeadEndsTheScanAndACooledOneAllowsTheNext) {
   if (!set_up()) return;
-  std::optional<StalledThread> stalled;
   check_dark(
-      "safety thread stalled", [&] { stalled.emplace(stand->sensor().child().pid(), "bl-safety"); },
+      "head too hot", [&] { stand->cell().set_too_hot(true); },
       [&] {
-        CHECK_TEXT(stalled->stalled(), "ptrace is not allowed here");
-        stalled.reset();
         CHECK(stand->take_end());
-        check_ended(*stand, Errc::Overrun, "the safety thread hung");
+        check_ended(*stand, Errc::DeviceError, "the head is too hot");
+        stand->cell().set_too_hot(false);
       });
 }
 

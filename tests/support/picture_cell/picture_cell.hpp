@@ -34,7 +34,7 @@ struct PictureCellConfig {
 /// What a test may do to the running cell.  Any thread.
 struct CellFaults {
   std::atomic<int> edges_to_lose{0};       ///< the train skips so many pulses: neither frame nor echo
-  std::atomic<int> edges_to_double{0};     ///< a second pulse 0.3 ms after the first
+  std::atomic<int> edges_to_double{0};     ///< a second pulse 0.8 ms after the first
   std::atomic<int> echoes_to_lose{0};      ///< the frame comes, its echo does not
   std::atomic<bool> camera_silent{false};  ///< triggers do not reach the camera
   std::atomic<bool> bus_off{false};        ///< nothing gets through on the pose bus
@@ -64,6 +64,7 @@ class PictureCell {
   void unplug_camera();
   void plug_camera();
   void set_door(bool closed) { bus_->drive(sim::Line::Interlock, closed, now()); }
+  void set_too_hot(bool hot) { bus_->drive(sim::Line::TooHot, hot, now()); }
 
   [[nodiscard]] bool laser_on() const { return bus_->level(sim::Line::LaserEnable); }
   /// The last time that the laser's line fell.

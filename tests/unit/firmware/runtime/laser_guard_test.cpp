@@ -3,6 +3,7 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <algorithm>
 #include <functional>
 
 #include "firmware/runtime/thread_table.hpp"
@@ -26,7 +27,7 @@ TEST_GROUP(LaserGuard) {
     inputs.key_on = true;
     fresh();
   }
-  void fresh() { inputs.last_frame = inputs.watchdog_fed = inputs.now; }
+  void fresh() { inputs.last_frame = inputs.watchdog_fed = inputs.stream_alive = inputs.now; }
   /// One period of the safety thread, everything well.
   bool step() {
     inputs.now += threads::k_safety.period;
@@ -73,6 +74,10 @@ TEST(LaserGuard, WaitsForFramesToFlowAndForTheWatchdog) {
   CHECK(!sut.look(inputs));
   is(LaserGuard::State::Off, LaserOff::WatchdogStarved);
   inputs.watchdog_fed = inputs.now;
+  inputs.stream_alive = SensorClock::time_point::min();
+  CHECK(!sut.look(inputs));
+  is(LaserGuard::State::Off, LaserOff::StreamStarved);
+  inputs.stream_alive = inputs.now;
   CHECK(sut.look(inputs));
 }
 
@@ -92,6 +97,7 @@ TEST(LaserGuard, EveryFaultLatchesUntilTheScanIsAskedForAnew) {
       {LaserOff::SafetyHung, [](LaserInputs& in) { in.looks_missed = in.driver_failed = true; }, Nanoseconds{0}},
       {LaserOff::FramesStopped, [](LaserInputs& in) { in.last_frame = SensorClock::time_point{}; }, config.frames_within},
       {LaserOff::WatchdogStarved, [](LaserInputs& in) { in.watchdog_fed = SensorClock::time_point{}; }, config.watchdog_within},
+      {LaserOff::StreamStarved, [](LaserInputs& in) { in.stream_alive = SensorClock::time_point{}; }, config.stream_within},
   };
   for (const Row& row : rows) {
     sut = LaserGuard{config};
@@ -108,6 +114,7 @@ TEST(LaserGuard, EveryFaultLatchesUntilTheScanIsAskedForAnew) {
         dark_after += threads::k_safety.period;
         silent.last_frame = row.reason == LaserOff::FramesStopped ? inputs.last_frame : silent.now;
         silent.watchdog_fed = row.reason == LaserOff::WatchdogStarved ? inputs.watchdog_fed : silent.now;
+        silent.stream_alive = row.reason == LaserOff::StreamStarved ? inputs.stream_alive : silent.now;
         on = sut.look(silent);
       }
       CHECK(dark_after <= milliseconds{100});
@@ -150,7 +157,7 @@ TEST(LaserGuard, StopIsForGood) {
 
 TEST(LaserGuard, WorstDarknessDelayStaysBelowTheLimit) {
   // Patience, plus a look that has just passed, plus one missed look.
-  const Nanoseconds worst = std::max(config.frames_within, config.watchdog_within) + 2 * threads::k_safety.period;
+  const Nanoseconds worst = std::max({config.frames_within, config.watchdog_within, config.stream_within}) + 2 * threads::k_safety.period;
   CHECK(worst < milliseconds{100});
 }
 

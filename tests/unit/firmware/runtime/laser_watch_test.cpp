@@ -3,6 +3,9 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <functional>
+#include <utility>
+
 #include "hal/api/virtual_clock.hpp"
 #include "tests/support/errors.hpp"
 
@@ -11,9 +14,11 @@ namespace {
 
 /// What the test sees of the wires.
 struct Wires {
-  bool laser{true};  // as left by whoever was here before
+  std::atomic<bool> laser{true};  // as left by whoever was here before
   bool set_fails{false};
-  bool stuck_on{false};
+  std::atomic<bool> stuck_on{false};
+  // What happens, once, while the safety thread is about to light up, or waits for the level.
+  std::function<void()> before_light{}, on_read_back{};
   bool interlock{true};
   bool safety_fails{false};
 };
@@ -24,13 +29,33 @@ class FakeLaser final : public hal::GpioOut {
   ~FakeLaser() override { wires_.laser = false; }  // the kernel lets go of the line
   Result<void> set(bool active) noexcept override {
     if (wires_.set_fails) return fail(Errc::DeviceError, "laser");
+    if (active) {
+      if (const auto meanwhile = std::exchange(wires_.before_light, {})) meanwhile();
+    }
     wires_.laser = active || wires_.stuck_on;
     return {};
   }
-  Result<bool> read_back() noexcept override { return wires_.laser; }
+  Result<bool> read_back() noexcept override {
+    if (const auto meanwhile = std::exchange(wires_.on_read_back, {})) meanwhile();
+    return wires_.laser.load();
+  }
 
  private:
   Wires& wires_;
+};
+
+class FakeWatchdog final : public hal::Watchdog {
+ public:
+  explicit FakeWatchdog(std::atomic<int>& feeds) : feeds_{feeds} {}
+  Result<Nanoseconds> arm(Nanoseconds timeout) override { return timeout; }
+  Result<void> feed() noexcept override {
+    ++feeds_;
+    return {};
+  }
+  Result<void> disarm() override { return {}; }
+
+ private:
+  std::atomic<int>& feeds_;
 };
 
 class FakeSafety final : public hal::SafetyIn {
@@ -60,7 +85,17 @@ TEST_GROUP(LaserWatch) {
     clock.advance(threads::k_safety.period);
     if (frames) sut->note_frame(clock.now());
     sut->note_alive(clock.now());
+    sut->note_stream(clock.now());
     sut->step();
+  }
+  /// The safety thread stands still for so long; the frame thread goes on.
+  void hang(Nanoseconds duration) {
+    for (Nanoseconds past{0}; past < duration; past += std::chrono::milliseconds{20}) {
+      clock.advance(std::chrono::milliseconds{20});
+      sut->note_alive(clock.now());
+      sut->note_stream(clock.now());
+      sut->note_frame(clock.now());
+    }
   }
   void light_up() {
     sut->ask_for_light(true);
@@ -85,10 +120,8 @@ TEST(LaserWatch, LooksThatStayOutAreFoundByTheFrameThreadWithinTheLimit) {
   light_up();
   const SensorClock::time_point last_look = clock.now();
   // The safety thread hangs; frames come on.
-  while (wires.laser) {
-    clock.advance(std::chrono::milliseconds{20});
-    sut->note_alive(clock.now());
-    sut->note_frame(clock.now());
+  while (wires.laser && clock.now() - last_look < std::chrono::seconds{1}) {
+    hang(std::chrono::milliseconds{20});
   }
   CHECK(clock.now() - last_look <= std::chrono::milliseconds{100});
   CHECK(clock.now() - last_look > std::chrono::milliseconds{50});
@@ -102,6 +135,46 @@ TEST(LaserWatch, LooksThatStayOutAreFoundByTheFrameThreadWithinTheLimit) {
   sut->ask_for_light(false);
   step();
   light_up();
+}
+
+TEST(LaserWatch, OutputThatHangsInTheFirstLightIsDarkenedByTheFrameThread) {
+  sut->ask_for_light(true);
+  bool dark = false;
+  wires.on_read_back = [&] {
+    CHECK(wires.laser);
+    hang(std::chrono::milliseconds{100});
+    dark = !wires.laser;
+  };
+  step();
+  CHECK(dark);
+  CHECK(!sut->status().on);
+  step();
+  CHECK(!wires.laser);
+  CHECK(sut->status().reason == LaserOff::SafetyHung);
+}
+
+TEST(LaserWatch, LookThatStoodStillDoesNotUndoTheFrameThreadsDarkness) {
+  light_up();
+  wires.before_light = [&] { hang(std::chrono::milliseconds{100}); };
+  step();
+  CHECK(!wires.laser);
+  step();
+  CHECK(!wires.laser);
+  CHECK(sut->status().reason == LaserOff::SafetyHung);
+}
+
+TEST(LaserWatch, SilentStreamThreadDarkensWithinTheLimit) {
+  light_up();
+  Nanoseconds lit{0};
+  while (wires.laser && lit < std::chrono::seconds{1}) {
+    clock.advance(threads::k_safety.period);
+    lit += threads::k_safety.period;
+    sut->note_frame(clock.now());
+    sut->note_alive(clock.now());
+    sut->step();
+  }
+  CHECK(lit <= std::chrono::milliseconds{100});
+  CHECK(sut->status().reason == LaserOff::StreamStarved);
 }
 
 TEST(LaserWatch, FramesOfTheScanBeforeLightNothing) {
@@ -134,7 +207,7 @@ TEST(LaserWatch, InterlockThatCannotBeReadIsOpen) {
 TEST(LaserWatch, SilentCameraDarkensWithinTheLimit) {
   light_up();
   Nanoseconds lit{0};
-  while (wires.laser) {
+  while (wires.laser && lit < std::chrono::seconds{1}) {
     step(false);
     lit += threads::k_safety.period;
   }
@@ -180,10 +253,31 @@ TEST(LaserWatch, ItsThreadLooksByItself) {
   // The clock of this test stands still, so one frame stays fresh for ever.
   sut->note_frame(clock.now());
   sut->note_alive(clock.now());
+  sut->note_stream(clock.now());
   for (int i = 0; i < 1000 && !sut->status().on; ++i) std::this_thread::sleep_for(std::chrono::milliseconds{1});
   CHECK(sut->status().on);
   sut->stop();
   CHECK(!wires.laser);
+}
+
+TEST(LaserWatch, WatchdogsStarveWhileTheOutputDoesNotObey) {
+  std::atomic<int> feeds{0};
+  sut->feed(std::make_unique<FakeWatchdog>(feeds));
+  SUCCEEDS(sut->start(RealtimeDemand::Ignored));
+  const auto wait_for = [](const std::function<bool()>& done) {
+    for (int i = 0; i < 1000 && !done(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds{1});
+    return done();
+  };
+  CHECK(wait_for([&] { return feeds > 3; }));
+  wires.stuck_on = true;  // lit by nobody, and not to be darkened: only the board can
+  CHECK(wait_for([&] { return sut->status().output_lost; }));
+  std::this_thread::sleep_for(2 * threads::k_safety.period);
+  const int fed = feeds;
+  std::this_thread::sleep_for(5 * threads::k_safety.period);
+  LONGS_EQUAL(fed, feeds);
+  wires.stuck_on = false;
+  CHECK(wait_for([&] { return feeds > fed; }));
+  sut->stop();
 }
 
 }  // namespace biteline::runtime
