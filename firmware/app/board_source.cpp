@@ -21,6 +21,7 @@
 #include "hal/linux/rtde/rtde_pose_source.hpp"
 #include "hal/linux/thermal/thermal_safety_in.hpp"
 #include "hal/linux/watchdog/kernel_watchdog.hpp"
+#include "hal/linux/watchdog/line_watchdog.hpp"
 #include "hal/linux/watchdog/systemd_watchdog.hpp"
 #include "hal/timing/triggered_camera.hpp"
 #ifdef BITELINE_WITH_ARAVIS
@@ -221,6 +222,11 @@ class BoardDevices final : public SourceKind {
   }
 
   Result<void> arm_watchdogs(std::vector<std::unique_ptr<hal::Watchdog>>& armed) const {
+    if (board_.laser->heartbeat) {
+      BITELINE_ASSIGN(std::unique_ptr<hal::GpioOut> line, open_output(*board_.laser->heartbeat));
+      armed.push_back(std::make_unique<hal::LineWatchdog>(std::move(line)));
+      BITELINE_TRY(armed.back()->arm(board_.watchdog.timeout));
+    }
     if (!board_.watchdog.device.empty()) {
       BITELINE_ASSIGN(std::unique_ptr<hal::Watchdog> device, hal::KernelWatchdog::open(board_.watchdog.device));
       BITELINE_TRY(device->arm(board_.watchdog.timeout));
@@ -286,6 +292,9 @@ std::vector<DeviceFinding> BoardDevices::examine() const {
   }
   if (board_.laser) {
     found.push_back(finding(name_of("laser enable", board_.laser->enable), open_output(board_.laser->enable), k_line_step));
+    if (board_.laser->heartbeat) {
+      found.push_back(finding(name_of("heartbeat", *board_.laser->heartbeat), open_output(*board_.laser->heartbeat), k_line_step));
+    }
     found.push_back(finding(name_of("interlock", board_.laser->interlock), open_safety(*board_.laser), k_line_step));
   }
   if (board_.strobe_echo && board_.camera.edge_to_mid_max == Nanoseconds{0}) {
@@ -298,7 +307,7 @@ std::vector<DeviceFinding> BoardDevices::examine() const {
   const std::string& interface =
       board_.poses.kind == hal::BoardPoses::Kind::Encoder ? board_.poses.encoder.interface : board_.poses.interface;
   const std::string can_step = "ip link set " + interface +
-                               " up type can bitrate 1000000 dbitrate 4000000 fd on restart-ms 100, and start what sends on it";
+                               " up type can bitrate 500000 dbitrate 2000000 fd on restart-ms 100, and start what sends on it";
   found.push_back(finding("poses (" + (is_can ? interface : board_.poses.address) + ")", first_pose(open_poses()),
                           is_can ? can_step.c_str() : "switch the controller on, check the cable, and allow RTDE in its settings"));
   if (!board_.ptp.empty()) {

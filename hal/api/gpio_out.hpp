@@ -7,7 +7,8 @@
 namespace biteline::hal {
 
 /// Made by the backend's open(); the line starts inactive and falls back to inactive when the object goes, when the
-/// process dies (the kernel releases the line to its pull), and by the board's pull before start-up.
+/// process dies (where the kernel's driver gives the line back to its pull: boards/README.md), and by the board's pull
+/// before start-up.
 /// Active-low wiring is the backend's affair: `true` is always the named function on.
 ///
 /// | state    | set(true) | set(false) | destroyed |

@@ -51,6 +51,7 @@ struct BoardLaser {
   GpioLineAddress enable;
   GpioLineAddress interlock;
   std::optional<GpioLineAddress> key;
+  std::optional<GpioLineAddress> heartbeat;  ///< feeds the monostable before the laser; none: only its enable line's pull
   std::string temperature;       ///< a file of thousandths of a degree (thermal zone, hwmon); empty: none
   double temperature_max_degc{0};
   /// In place of all limits of the laser's guard, where no laser is: an emulated processor stands still for seconds.

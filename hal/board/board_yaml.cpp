@@ -113,6 +113,7 @@ std::optional<BoardLaser> read_laser(YamlReader& parent) {
   laser.enable = read_line(reader, "enable");
   laser.interlock = read_line(reader, "interlock");
   laser.key = read_optional_line(reader, "key");
+  laser.heartbeat = read_optional_line(reader, "heartbeat");
   if (reader.has("temperature")) {
     YamlReader limit = reader.child("temperature", true);
     laser.temperature = limit.text("file");

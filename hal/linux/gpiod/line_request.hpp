@@ -26,7 +26,7 @@ enum class GpioDirection { Output, Input, InputEdges };
 /// Events that the kernel keeps for us at most; the largest that it takes for one line.
 inline constexpr std::uint32_t k_gpio_event_queue = 1024;
 
-/// Outputs start inactive.  The line is ours until the descriptor closes, then falls back to its pull.
+/// Outputs start inactive.  The line is ours until the descriptor closes, then the driver's affair.
 /// Errc::DeviceNotFound: no such chip or line; Errc::DeviceError with EBUSY: another process holds it.
 [[nodiscard]] Result<Descriptor> request_line(const GpioLineAddress& address, GpioDirection direction);
 

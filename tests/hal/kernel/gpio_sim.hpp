@@ -20,6 +20,7 @@ class GpioSim {
   static constexpr const char* k_label = "biteline-test";
   static constexpr int k_laser_enable = 2;  // named as in boards/qemu-virt/board.yaml
   static constexpr int k_strobe_echo = 4;
+  static constexpr int k_heartbeat = 5;
   static constexpr int k_interlock = 6;
 
   GpioSim() {
@@ -51,7 +52,8 @@ class GpioSim {
     const char* folder;
     const char* name;
   };
-  static constexpr Name k_names[] = {{"line2", "laser-enable"}, {"line4", "strobe-echo"}, {"line6", "interlock"}};
+  static constexpr Name k_names[] = {
+      {"line2", "laser-enable"}, {"line4", "strobe-echo"}, {"line5", "heartbeat"}, {"line6", "interlock"}};
 
   static std::filesystem::path device() { return std::filesystem::path{k_gpio_sim_config} / "biteline"; }
   static std::filesystem::path bank() { return device() / "bank0"; }

@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <fstream>
 #include <thread>
+#include <utility>
 
 #include "common/config/sensor_yaml.hpp"
 #include "firmware/app/scanner.hpp"
@@ -137,12 +138,16 @@ TEST(KernelScan, ThousandFramesEveryOneAccountedFor) {
   CHECK(scanner->start().has_value());
   laser.ask_for_light(true);
 
-  std::uint64_t taken = 0, wrong = 0, unusable = 0, gaps = 0, far_off = 0;
+  std::uint64_t taken = 0, wrong = 0, unusable = 0, gaps = 0, far_off = 0, heartbeats = 0;
+  bool heart_level = false;
   bool door_opened = false;
   Nanoseconds dark_after{0};
   double worst_x_mm = 0;
   std::optional<std::uint64_t> last_frame, last_sequence;
   while (taken < k_frames) {
+    laser.note_stream(clock.now());
+    const bool heart_was = std::exchange(heart_level, gpio.value(GpioSim::k_heartbeat));
+    heartbeats += heart_level != heart_was;
     const profile::ProfileBuffer* const profile = scanner->take();
     if (profile == nullptr) {
       if (scanner->finished()) FAIL("the scan ended early");
@@ -193,6 +198,7 @@ TEST(KernelScan, ThousandFramesEveryOneAccountedFor) {
               static_cast<unsigned long long>(unusable), static_cast<unsigned long long>(counts.frames_lost),
               static_cast<unsigned long long>(counts.profiles_dropped), worst_x_mm,
               std::chrono::duration<double, std::milli>(dark_after).count());
+  CHECK(heartbeats > 0);
   std::printf("trigger: %llu frames with their edge, %llu without, %llu with two; %llu edges, %llu missed, %llu doubled, %llu late\n",
               static_cast<unsigned long long>(edges.frames_paired), static_cast<unsigned long long>(edges.frames_without_edge),
               static_cast<unsigned long long>(edges.frames_with_two_edges), static_cast<unsigned long long>(edges.edges),

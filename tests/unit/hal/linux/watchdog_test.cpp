@@ -11,7 +11,9 @@
 
 #include "hal/linux/ptp/phc.hpp"
 #include "hal/linux/watchdog/kernel_watchdog.hpp"
+#include "hal/linux/watchdog/line_watchdog.hpp"
 #include "hal/linux/watchdog/systemd_watchdog.hpp"
+#include "tests/hal/conformance/watchdog.hpp"
 
 namespace biteline::hal {
 namespace {
@@ -78,6 +80,32 @@ TEST(KernelDevices, MissingNodeIsDeviceNotFound) {
 TEST(KernelDevices, PlainFileIsNoDevice) {
   CHECK(KernelWatchdog::open("/etc/passwd").error().code == Errc::DeviceNotFound);
   CHECK(Phc::open("/etc/passwd").error().code == Errc::NotSupported);
+}
+
+class NotedLine final : public GpioOut {
+ public:
+  explicit NotedLine(std::string& levels) : levels_{levels} {}
+  Result<void> set(bool active) noexcept override {
+    levels_ += active ? '1' : '0';
+    return {};
+  }
+  Result<bool> read_back() noexcept override { return levels_.ends_with('1'); }
+
+ private:
+  std::string& levels_;
+};
+
+TEST_GROUP(LineWatchdog){};
+
+TEST(LineWatchdog, EveryMealIsAnEdgeAndTheLastLevelIsLow) {
+  std::string levels;
+  LineWatchdog sut{std::make_unique<NotedLine>(levels)};
+  conformance::check_watchdog(sut);
+  levels.clear();
+  CHECK(sut.arm(1s).has_value());
+  for (int i = 0; i < 4; ++i) CHECK(sut.feed().has_value());
+  CHECK(sut.disarm().has_value());
+  STRCMP_EQUAL("101010", levels.c_str());
 }
 
 }  // namespace
