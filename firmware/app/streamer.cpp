@@ -104,18 +104,21 @@ Result<void> Streamer::start_scan() {
   if (closing_.valid() && closing_.wait_for(k_close_patience) != std::future_status::ready) {
     return fail(Errc::WrongState, "the camera or another device of the last scan does not answer yet");
   }
-  scanner_.reset();  // one that could not start
   BITELINE_ASSIGN(Source source, kind_.open());
   const std::string scan_name = source.scan_name;
   const std::uint64_t frames_expected = source.frames_expected;
-  BITELINE_ASSIGN(scanner_, Scanner::create(std::move(source),
-                                            {.pipeline = config_.pipeline,
-                                             .model = kind_.model,
-                                             .capture = kind_.capture,
-                                             .lossless = kind_.recording,
-                                             .realtime = config_.realtime},
-                                            clock_, laser_));
-  BITELINE_TRY(scanner_->start());
+  BITELINE_ASSIGN(std::unique_ptr<Scanner> scanner, Scanner::create(std::move(source),
+                                                                    {.pipeline = config_.pipeline,
+                                                                     .model = kind_.model,
+                                                                     .capture = kind_.capture,
+                                                                     .lossless = kind_.recording,
+                                                                     .realtime = config_.realtime},
+                                                                    clock_, laser_));
+  if (Result<void> started = scanner->start(); !started) {
+    close(std::move(scanner));
+    return started;
+  }
+  scanner_ = std::move(scanner);
   server_.begin_scan(random_scan_id(), scan_name, frames_expected);
   failure_.reset();
   robot_was_active_ = false;
@@ -217,9 +220,13 @@ void Streamer::announce_end() {
   last_end_ = end;
   server_.add_end(std::move(end));
   // Only now: the devices' own counts are part of the above.
-  closing_ = std::async(std::launch::async, [scanner = std::move(scanner_)]() mutable { scanner.reset(); });
+  close(std::move(scanner_));
   state_ = State::Idle;
   ended_once_ = true;
+}
+
+void Streamer::close(std::unique_ptr<Scanner> scanner) {
+  closing_ = std::async(std::launch::async, [scanner = std::move(scanner)]() mutable { scanner.reset(); });
 }
 
 bool Streamer::delivered() {

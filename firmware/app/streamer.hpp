@@ -56,6 +56,7 @@ class Streamer {
   void take_profiles();
   void end_scan();
   void announce_end();
+  void close(std::unique_ptr<Scanner> scanner);
   [[nodiscard]] bool delivered();
   [[nodiscard]] wire::Counters counters() const;
   [[nodiscard]] std::vector<wire::StageTime> stages() const;
