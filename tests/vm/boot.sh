@@ -44,7 +44,7 @@ add_module() {
     fi
   done
 }
-for module in configfs virtio_pci virtio_mmio virtio_net vcan can-raw pwm-bcm2835 softdog vivid biteline-gpio-sim biteline-ptp-mock; do
+for module in configfs virtio_pci virtio_mmio virtio_net vcan can-raw pwm-bcm2835 softdog vivid biteline-gpio-sim biteline-ptp-mock biteline-dma-heap; do
   add_module "$module"
 done
 

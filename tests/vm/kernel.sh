@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # kernel.sh plain|rt: Debian's arm64 kernel with the test modules that Debian does not build, fetched and built once;
 # prints its folder: vmlinuz, version, modules/ (a tree for modprobe -d).
-# gpio-sim, irq_sim and ptp_mock are the kernel's own sources, taken from Debian's packages and never kept here.
+# gpio-sim, irq_sim, the DMA heap and ptp_mock are the kernel's own sources, taken from Debian's packages and never kept here.
 set -euo pipefail
 . "$(dirname "$0")/../../toolchains/arm64_apt.sh"
 
@@ -39,7 +39,7 @@ kernel_source() {
   rm -f "$work"/packages/linux-source-"$series"_*.deb
 }
 
-# build_modules VERSION FOLDER: our two wrappers round the kernel's own drivers.
+# build_modules VERSION FOLDER: our wrappers round the kernel's own drivers.
 build_modules() {
   local version=$1 folder=$2 headers="$work/headers-$1"
   rm -rf "$folder" "$headers"
@@ -56,7 +56,8 @@ build_modules() {
   sed -i "s#include /usr/src#include $headers/usr/src#" "$headers/usr/src/linux-headers-$version/Makefile"
 
   cp "$work"/sources/6.1/drivers/gpio/gpio-sim.c "$work"/sources/6.1/drivers/gpio/gpiolib.h \
-    "$work"/sources/6.1/kernel/irq/irq_sim.c "$work"/sources/6.12/drivers/ptp/ptp_mock.c "$folder/"
+    "$work"/sources/6.1/kernel/irq/irq_sim.c "$work"/sources/6.1/drivers/dma-buf/dma-heap.c \
+    "$work"/sources/6.1/drivers/dma-buf/heaps/system_heap.c "$work"/sources/6.12/drivers/ptp/ptp_mock.c "$folder/"
   cp "$work"/sources/6.12/include/linux/ptp_mock.h "$folder/linux/"
   cp "$(dirname "$0")"/modules/* "$folder/"
   make -s -C "$headers/usr/src/linux-headers-$version" M="$folder" ARCH=arm64 CROSS_COMPILE=aarch64-linux-gnu- \
@@ -66,13 +67,15 @@ build_modules() {
 arm64_update >&2
 image=$(arm64_apt_cache depends "$metapackage" | sed -n 's/^ *Depends: //p' | grep '^linux-image-' | head -1)
 version=${image#linux-image-}
-ready=$work/ready-$version
+# Anew when what is built, or how, changed.
+ready=$work/ready-$version-$(cat "$0" "$(dirname "$0")"/modules/* | md5sum | cut -c 1-8)
 if [ ! -e "$ready/done" ]; then
   rm -rf "$ready" "$work/image"
   mkdir -p "$ready/modules"
   fetch "$image"
   dpkg-deb -x "$work"/packages/"$image"_*.deb "$work/image"
-  kernel_source 6.1 drivers/gpio/gpio-sim.c drivers/gpio/gpiolib.h kernel/irq/irq_sim.c
+  kernel_source 6.1 drivers/gpio/gpio-sim.c drivers/gpio/gpiolib.h kernel/irq/irq_sim.c drivers/dma-buf/dma-heap.c \
+    drivers/dma-buf/heaps/system_heap.c
   kernel_source 6.12 drivers/ptp/ptp_mock.c include/linux/ptp_mock.h
   build_modules "$version" "$work/build-$version"
   cp "$work/image/boot/vmlinuz-$version" "$ready/vmlinuz"

@@ -19,6 +19,7 @@ using test::VividNodes;
 constexpr int k_width_px = 640;
 constexpr int k_height_px = 480;
 constexpr int k_header_bytes = 4;
+constexpr const char* k_heap = "/dev/dma_heap/system";
 
 /// Picture `number`: its number in the first bytes of every row, then a texture of its own.
 std::uint8_t texture(std::uint32_t number, int u_px, int v_px) {
@@ -61,6 +62,28 @@ TEST_GROUP(VideoKernel) {
     CHECK(camera->start().has_value());
     return camera;
   }
+
+  void check_pictures(const VividNodes& nodes, BufferMemory memory) {
+    const geometry::Region part{.offset_v_px = 112, .width_px = 640, .height_px = 128};
+    // The whole once more after a part: a crop left in the driver must not be scaled up to it.
+    for (const geometry::Region& region : {whole(), part, whole()}) {
+      const PictureFeeder feeder{nodes, k_width_px, k_height_px, paint};
+      const auto sut = V4l2Camera::open({.device = nodes.capture, .memory = memory}).value();
+      CHECK(sut->configure({.region = region}).has_value());
+      CHECK(sut->start().has_value());
+      std::uint32_t last_number = 0;
+      for (int i = 0; i < 60; ++i) {
+        const Result<FrameView> frame = sut->next_frame(5s);
+        CHECK(frame.has_value());
+        std::uint32_t number = 0;
+        CHECK_EQUAL(0, wrong_pixels(*frame, region, number));
+        CHECK(number >= last_number);
+        CHECK_EQUAL(0, frame->flags & k_frame_damaged);
+        last_number = number;
+        sut->release(*frame);
+      }
+    }
+  }
 };
 
 TEST(VideoKernel, CameraConforms) {
@@ -77,25 +100,23 @@ TEST(VideoKernel, StarvedCameraSaysSoAndGoesOn) {
 
 TEST(VideoKernel, PicturesComeThroughBitForBit) {
   VIVID_OR_SKIP(nodes);
-  const geometry::Region part{.offset_v_px = 112, .width_px = 640, .height_px = 128};
-  // The whole once more after a part: a crop left in the driver must not be scaled up to it.
-  for (const geometry::Region& region : {whole(), part, whole()}) {
-    const PictureFeeder feeder{nodes, k_width_px, k_height_px, paint};
-    const auto sut = open(nodes);
-    CHECK(sut->configure({.region = region}).has_value());
-    CHECK(sut->start().has_value());
-    std::uint32_t last_number = 0;
-    for (int i = 0; i < 60; ++i) {
-      const Result<FrameView> frame = sut->next_frame(5s);
-      CHECK(frame.has_value());
-      std::uint32_t number = 0;
-      CHECK_EQUAL(0, wrong_pixels(*frame, region, number));
-      CHECK(number >= last_number);
-      CHECK_EQUAL(0, frame->flags & k_frame_damaged);
-      last_number = number;
-      sut->release(*frame);
-    }
-  }
+  check_pictures(nodes, BufferMemory::Mapped);
+}
+
+TEST(VideoKernel, PicturesComeThroughDmaBufBitForBit) {
+  VIVID_OR_SKIP(nodes);
+  BITELINE_DEVICE_OR_SKIP(k_heap);
+  conformance::check_camera(*V4l2Camera::open({.device = nodes.capture, .memory = BufferMemory::DmaBuf}).value(),
+                            {.settings = {.region = whole()}});
+  check_pictures(nodes, BufferMemory::DmaBuf);
+}
+
+TEST(VideoKernel, HeapThatIsNotThereIsSaid) {
+  VIVID_OR_SKIP(nodes);
+  const auto sut =
+      V4l2Camera::open({.device = nodes.capture, .memory = BufferMemory::DmaBuf, .heap = "/dev/dma_heap/none"}).value();
+  CHECK(sut->configure({.region = whole()}).has_value());
+  CHECK(sut->start().error().code == Errc::DeviceNotFound);
 }
 
 TEST(VideoKernel, StampsAreOnTheMonotonicClockAndSure) {
