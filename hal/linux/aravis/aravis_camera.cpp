@@ -247,8 +247,9 @@ Result<FrameView> AravisCamera::next_frame(Nanoseconds timeout) {
     const RowRange rows = device.rows_of(whole ? arv_buffer_get_image_height(buffer) : device.rows.height_px);
     const int height_px = rows.height_px;
     const std::size_t wanted_bytes = static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
-    const bool foreign = whole && (arv_buffer_get_image_width(buffer) != width_px ||
-                                   arv_buffer_get_image_height(buffer) != height_px);
+    const bool foreign = (whole && (arv_buffer_get_image_width(buffer) != width_px ||
+                                    arv_buffer_get_image_height(buffer) != height_px)) ||
+                         size_bytes < wanted_bytes;
     if ((!whole && !holed) || foreign || pixels == nullptr) {
       // Aborted, of another size or without data: nothing to show; its gap shows in the count.
       arv_stream_push_buffer(device.stream, buffer);
@@ -262,9 +263,13 @@ Result<FrameView> AravisCamera::next_frame(Nanoseconds timeout) {
                     .sequence = device.counter.count(arv_buffer_get_frame_id(buffer)),
                     .exposure_mid = {},
                     .flags = whole ? 0U : static_cast<std::uint32_t>(k_frame_damaged)};
-    const Nanoseconds stamp{static_cast<std::int64_t>(arv_buffer_get_timestamp(buffer))};
-    const SensorClock::time_point begin = stamp.count() == 0 ? arrival : device.to_sensor(stamp, arrival);
-    bool unsure = !device.ptp || stamp.count() == 0;  // 0: the leader was lost
+    // 0: the leader was lost.  146 years: no clock's, and its difference to ours might not fit.
+    constexpr std::uint64_t k_last_stamp_ns = std::uint64_t{1} << 62U;
+    const std::uint64_t stamp_ns = arv_buffer_get_timestamp(buffer);
+    const bool stamped = stamp_ns != 0 && stamp_ns < k_last_stamp_ns;
+    const SensorClock::time_point begin =
+        stamped ? device.to_sensor(Nanoseconds{static_cast<std::int64_t>(stamp_ns)}, arrival) : arrival;
+    bool unsure = !device.ptp || !stamped;
     Nanoseconds exposure = device.exposure_of(begin, unsure);
     if (device.sequenced() && (device.counter.first_block() - 1 + frame.sequence) % 2 == 1) {
       frame.flags |= device.settings.laser_off_frames ? k_frame_laser_off : k_frame_second_exposure;

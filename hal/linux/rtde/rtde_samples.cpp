@@ -43,9 +43,9 @@ void RtdeSamples::on_data(std::size_t, std::span<const rtde::Value> values) {
   const auto* const tcp_offset = std::get_if<rtde::Vector6>(&values[k_tcp_offset]);
   const auto* const runtime_state = std::get_if<std::uint32_t>(&values[k_runtime_state]);
   const auto* const safety_bits = std::get_if<std::uint32_t>(&values[k_safety_bits]);
-  constexpr double k_time_max_s = 9e9;  // 285 years, what nanoseconds in 63 bits hold
-  if (!time_s || !tcp_pose || !tcp_offset || !runtime_state || !safety_bits || !std::isfinite(*time_s) ||
-      std::abs(*time_s) > k_time_max_s) {
+  constexpr double k_time_max_s = 4e9;  // 127 years: nanoseconds in 63 bits hold twice that, and so any difference to ours
+  if (!time_s || !tcp_pose || !tcp_offset || !runtime_state || !safety_bits ||
+      !std::isfinite(*time_s) || *time_s < 0 || *time_s > k_time_max_s) {
     ++counts_.poses_rejected;
     return;
   }

@@ -131,7 +131,7 @@ void LossyLine::from_stream() {
   while (true) {
     const ssize_t size = recv(stream_.number(), buffer_.data(), buffer_.size(), MSG_DONTWAIT);
     if (size < static_cast<ssize_t>(k_stream_header_bytes)) return;
-    const std::span<const std::uint8_t> packet = std::span{buffer_}.first(static_cast<std::size_t>(size));
+    const std::span<std::uint8_t> packet = std::span{buffer_}.first(static_cast<std::size_t>(size));
     // GVSP header: status, block, format and 24 bits of packet number.
     Kept& kept = kept_[next_kept_++ % k_kept];
     kept.block = big_endian<std::uint16_t>(packet.data() + 2);
@@ -141,7 +141,16 @@ void LossyLine::from_stream() {
       ++lost_;
       continue;
     }
+    if (std::uniform_real_distribution<double>{0, 1}(random_) < config_.garbled_ratio) garble(packet);
     send_to(stream_, packet, stream_client_);
+  }
+}
+
+void LossyLine::garble(std::span<std::uint8_t> packet) {
+  constexpr std::size_t k_leader_bytes = 44;  // GVSP header and the longest leader (image)
+  const std::size_t reach = random_() % 4 == 0 ? packet.size() : std::min(packet.size(), k_leader_bytes);
+  for (std::uint32_t changes = 1 + random_() % 3; changes > 0; --changes) {
+    packet[random_() % reach] = static_cast<std::uint8_t>(random_() % 3 == 0 ? 0xFF : random_());
   }
 }
 

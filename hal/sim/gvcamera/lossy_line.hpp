@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file A network between a client and the simulated camera that loses packets of the stream and sends them
-/// again when asked.
+/// \file A network between a client and the simulated camera that loses or garbles packets of the stream and
+/// sends them again when asked.
 
 #include <netinet/in.h>
 
@@ -30,6 +30,8 @@ class LossyLine {
     std::string address{"127.0.0.2"};  ///< where the client finds the camera
     std::string camera{"127.0.0.1"};
     double lost_ratio{0.01};
+    double garbled_ratio{
+        0};  ///< of the packets that come through: some bytes changed, mostly of their headers
     std::uint32_t seed{1};
   };
   [[nodiscard]] static Result<std::unique_ptr<LossyLine>> open(const Config& config);
@@ -55,6 +57,7 @@ class LossyLine {
   void from_client();
   void from_camera();
   void from_stream();
+  void garble(std::span<std::uint8_t> packet);
   void send_again(std::span<const std::uint8_t> command);
 
   Config config_;

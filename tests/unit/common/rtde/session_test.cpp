@@ -6,6 +6,7 @@
 
 #include "common/rtde/client_session.hpp"
 #include "common/rtde/controller_session.hpp"
+#include "tests/support/fuzz.hpp"
 
 namespace biteline::rtde {
 namespace {
@@ -197,6 +198,43 @@ TEST(RtdeSessions, PausedControllerIsSilent) {
   controller.outgoing().clear();
   controller.append_outputs(0, arm);
   CHECK(controller.outgoing().empty());
+}
+
+/// Whatever a peer sends, of the protocol's own form or not: each end refuses or goes on, and never harms
+/// (address and undefined-behaviour sanitizers), and a fresh connection works.
+TEST(RtdeSessions, GarbledStreamsNeverHarmEitherEnd) {
+  int refused = 0;
+  for (int round = 0; round < 3000 * test::fuzz_factor(); ++round) {
+    ClientSession client{two_recipes()};
+    ControllerSession controller{{}};
+    client.start();
+    controller.start();
+    const auto spoil = [&](Bytes& bytes) {
+      if (random() % 4 == 0) test::garble(bytes, random);
+    };
+    bool alive = true;
+    for (std::uint64_t turn = 0; turn < 12 && alive; ++turn) {
+      Bytes to_controller, to_client;
+      to_controller.swap(client.outgoing());
+      spoil(to_controller);
+      alive = controller.consume(to_controller, taken).has_value();
+      controller.append_outputs(turn, arm);
+      to_client.swap(controller.outgoing());
+      spoil(to_client);
+      alive = client.consume(to_client, heard).has_value() && alive;
+    }
+    refused += alive ? 0 : 1;
+    for (const auto& [recipe, values] : heard.data) CHECK_EQUAL(2U, values.size());
+    heard.data.clear();
+    taken.inputs.clear();
+    client.start();
+    controller.start();
+    CHECK(talk(client, controller).has_value());
+    CHECK(client.running());
+    heard.texts.clear();
+    taken.texts.clear();
+  }
+  CHECK(refused > 100);
 }
 
 }  // namespace biteline::rtde

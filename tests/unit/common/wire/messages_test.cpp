@@ -10,6 +10,7 @@
 
 #include "common/wire/checksum.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/fuzz.hpp"
 #include "tests/support/made_profile.hpp"
 #include "tests/support/transforms.hpp"
 
@@ -250,7 +251,7 @@ TEST(Messages, GarbledBytesNeverHarm) {
         if (!decode(sealed(garbled))) ++refused;
       }
     }
-    for (int round = 0; round < 2000; ++round) {
+    for (int round = 0; round < 2000 * test::fuzz_factor(); ++round) {
       Bytes garbled = packet;
       for (int i = 0; i < 4; ++i) garbled[random() % garbled.size()] = static_cast<std::uint8_t>(random());
       if (!decode(sealed(garbled))) ++refused;

@@ -3,6 +3,10 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <optional>
+#include <random>
+
+#include "tests/support/fuzz.hpp"
 #include "tests/unit/hal/linux/fake_can_bus.hpp"
 
 namespace biteline::hal {
@@ -15,7 +19,9 @@ TEST_GROUP(CanPoseSource) {
   FakeCanBus* bus = new FakeCanBus{clock};
   CanPoseSource sut{std::unique_ptr<CanBus>{bus}, clock, {.lost_after = 100ms}};
 
-  void send_sync(std::uint8_t counter) { bus->put(canpose::k_sync_id, std::array{counter}); }
+  void send_sync(std::uint8_t counter) {
+    bus->put(canpose::k_sync_id, std::array{counter});
+  }
   void send_pose(std::uint8_t counter, std::uint64_t stamp_us, std::uint8_t status = 0) {
     canpose::PoseMessage pose{.sync_counter = counter, .status = status, .stamp_us = stamp_us};
     pose.T_base_flange.translation().y() = counter;
@@ -113,6 +119,64 @@ TEST(CanPoseSource, ForeignTrafficNeitherBlocksNorHidesSilence) {
   send_sync(2);  // passes the filter, is no pose
   CHECK(sut.next_pose(0ms).error().code == Errc::Timeout);
   CHECK(sut.health().state == PoseState::Lost);
+}
+
+/// Frames of every kind in any order, also with true check sums: what is given out is a pose, later than the
+/// one before.
+TEST(CanPoseSource, WhateverIsOnTheBusOnlyPosesComeOut) {
+  std::mt19937_64 random{3};
+  CHECK(sut.start().has_value());
+  std::uint64_t given = 0;
+  std::optional<RobotClock::time_point> last;
+  for (int round = 0; round < 20000 * test::fuzz_factor(); ++round) {
+    std::array<std::uint8_t, canpose::k_fd_size_bytes> data{};
+    const auto fill = [&](std::size_t size) {
+      for (std::size_t i = 0; i < size; ++i)
+        data[i] = static_cast<std::uint8_t>(random() % 3 == 0 ? 0xFF * (random() % 2) : random());
+      return std::span{data}.first(size);
+    };
+    const auto counter = static_cast<std::uint8_t>(1 + round % 4 == 0 ? random() : random() % 241);
+    switch (random() % 5) {
+      case 0:
+        bus->put(canpose::k_sync_id, fill(random() % 3));
+        break;
+      case 1:
+        send_sync(counter);
+        break;
+      case 2:
+        bus->put(canpose::k_default_base_id + static_cast<std::uint32_t>(random() % 9), fill(random() % 9));
+        break;
+      case 3: {
+        // Every number wild, the check sum right.
+        fill(data.size());
+        data[0] = canpose::k_fd_layout_version;
+        data[1] = counter;
+        if (random() % 2 == 0) {
+          std::fill(data.begin() + 24, data.begin() + 40, std::uint8_t{0});
+          data[27 - 4 * (random() % 1)] = 0x40;  // w = 1
+        }
+        const std::uint16_t crc = canpose::crc16(std::span{data}.first(46));
+        data[46] = static_cast<std::uint8_t>(crc & 0xFFU);
+        data[47] = static_cast<std::uint8_t>(crc >> 8U);
+        bus->put(canpose::k_default_base_id + canpose::k_fd_id_offset, data);
+        break;
+      }
+      default:
+        send_pose(static_cast<std::uint8_t>(1 + random() % 240),
+                  random() % 2 == 0 ? random() : static_cast<std::uint64_t>(round) * 1000);
+        break;
+    }
+    const Result<PoseSample> pose =
+        sut.next_pose(Nanoseconds{static_cast<std::int64_t>(random() % 2'000'000)});
+    if (!pose) continue;
+    ++given;
+    CHECK(pose->T_base_flange.matrix().allFinite());
+    DOUBLES_EQUAL(1, pose->T_base_flange.linear().determinant(), 1e-6);
+    // Only a source that was lost may begin anew.
+    if (last && pose->stamp <= *last) CHECK(sut.health().reconnects > 0);
+    last = pose->stamp;
+  }
+  CHECK(given > 100);
 }
 
 }  // namespace

@@ -8,7 +8,13 @@
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 
+#include <cfenv>
+#include <iterator>
+#include <limits>
+#include <random>
+
 #include "common/rtde/controller_session.hpp"
+#include "tests/support/fuzz.hpp"
 #include "tests/support/transforms.hpp"
 
 namespace biteline::hal {
@@ -79,7 +85,8 @@ struct Controller final : rtde::ControllerListener {
     std::array<std::uint8_t, 4096> bytes{};
     const ssize_t size = ::recv(peer.number(), bytes.data(), bytes.size(), 0);
     if (size == 0) return peer.close();
-    if (size > 0 && !session.consume(std::span{bytes}.first(static_cast<std::size_t>(size)), *this)) peer.close();
+    if (size > 0 && !session.consume(std::span{bytes}.first(static_cast<std::size_t>(size)), *this))
+      peer.close();
     arm.time_s += 0.002;
     session.append_outputs(cycle++, arm);
     if (!speaks || session.outgoing().empty()) return;
@@ -186,7 +193,8 @@ TEST_GROUP(RtdeSamples) {
   SensorClock::time_point now{50s};
 
   void feed(double time_s, const rtde::Vector6& pose = {}) {
-    const std::array<rtde::Value, 5> values{time_s, pose, rtde::Vector6{}, std::uint32_t{0}, std::uint32_t{0}};
+    const std::array<rtde::Value, 5> values{time_s, pose, rtde::Vector6{}, std::uint32_t{0},
+                                            std::uint32_t{0}};
     now += 2ms;
     sut.set_received(now);
     sut.on_data(0, values);
@@ -230,6 +238,41 @@ TEST(RtdeSamples, ControllerThatStartedAnewIsBelievedOnItsNewConnection) {
   feed(1);
   CHECK(sut.take().has_value());
   CHECK(sut.take().has_value());
+}
+
+/// A controller may say any number: what is given out is a pose on a rising stamp, and no arithmetic
+/// overflows.
+TEST(RtdePoseSource, NumbersOfAnySizeAreRejectedOrPoses) {
+  std::mt19937_64 random{9};
+  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double k_infinite = std::numeric_limits<double>::infinity();
+  const double wild[] = {k_nan, k_infinite, -k_infinite, 0,  -0.0, 1e-320, 1e308, -1e308,
+                         9e9,   -9e9,       8.9e9,       -1, 1e5,  3,      -3};
+  RtdeSamples sut{{}};
+  SensorClock::time_point received{10s};
+  double time_s = 50;
+  std::uint64_t given = 0;
+  for (int round = 0; round < 20000 * test::fuzz_factor(); ++round) {
+    const auto number = [&](double usual) {
+      return random() % 40 == 0 ? wild[random() % std::size(wild)] : usual;
+    };
+    time_s += 0.002;
+    received += 2ms;
+    const std::array<rtde::Value, 5> values{
+        number(time_s), rtde::Vector6{number(0.1), number(0.2), 0.3, number(3.1), 0, number(0)},
+        rtde::Vector6{0, 0, number(0.15), 0, 0, number(0.3)}, std::uint32_t{2},
+        static_cast<std::uint32_t>(random())};
+    if (random() % 500 == 0) sut.begin_connection();
+    sut.set_received(received);
+    sut.on_data(0, values);
+    while (const std::optional<PoseSample> sample = sut.take()) {
+      ++given;
+      CHECK(sample->T_base_flange.matrix().allFinite());
+    }
+  }
+  CHECK(given > 1000);
+  CHECK(sut.counts().poses_rejected > 100);
+  std::feclearexcept(FE_UNDERFLOW);  // of numbers next to nothing
 }
 
 }  // namespace
