@@ -8,6 +8,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <random>
 
 #include "common/canpose/pose_frames.hpp"
 #include "common/config/sensor_yaml.hpp"
@@ -179,6 +180,9 @@ SE3 PictureCell::T_base_flange_at(SensorClock::time_point instant) const {
 
 void PictureCell::send_poses(const std::stop_token& stop) {
   constexpr Nanoseconds k_hour = std::chrono::hours{1};
+  // A controller without hardware stamps: its interrupt comes when it comes.
+  constexpr std::uint32_t k_stamp_late_max_ns = 10'000;
+  std::mt19937 random{7};
   const Nanoseconds period{std::llround(1e9 / config_.pose_rate_hz)};
   std::uint8_t counter = 0;
   for (SensorClock::time_point due = now(); !stop.stop_requested(); due += period) {
@@ -188,7 +192,10 @@ void PictureCell::send_poses(const std::stop_token& stop) {
     // The instant is the grid's and not this thread's: a real controller's SYNC does not wait for our
     // scheduler.
     const bool ahead = faults.poses_from_future > 0 && faults.poses_from_future.fetch_sub(1) > 0;
-    hal::CanFrame sync{.id = canpose::k_sync_id, .size_bytes = 1, .received = ahead ? due + k_hour : due};
+    hal::CanFrame sync{
+        .id = canpose::k_sync_id,
+        .size_bytes = 1,
+        .received = due + Nanoseconds{random() % k_stamp_late_max_ns} + (ahead ? k_hour : Nanoseconds{0})};
     sync.data[0] = counter;
     if (!faults.sync_stopped) bus_->send(sync);
     if (faults.poses_silent) continue;

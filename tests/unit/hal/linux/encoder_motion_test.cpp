@@ -19,13 +19,17 @@ namespace {
 /// Stands where it is put.
 class FakeEncoder final : public EncoderIn {
  public:
-  explicit FakeEncoder(std::atomic<std::int64_t>& position) : position_{position} {}
+  FakeEncoder(std::atomic<std::int64_t>& position, std::atomic<int>& reads)
+      : position_{position}, reads_{reads} {}
   Result<EncoderReading> read() noexcept override {
-    return EncoderReading{.position_ticks = position_, .stamp = monotonic_now(), .errors = 0};
+    const EncoderReading reading{.position_ticks = position_, .stamp = monotonic_now(), .errors = 0};
+    ++reads_;
+    return reading;
   }
 
  private:
   std::atomic<std::int64_t>& position_;
+  std::atomic<int>& reads_;
 };
 
 class CountedLine final : public GpioOut {
@@ -47,11 +51,16 @@ class CountedLine final : public GpioOut {
 
 TEST_GROUP(EncoderMotion) {
   std::atomic<std::int64_t> position{0};
-  std::atomic<int> rises{0};
+  std::atomic<int> rises{0}, reads{0};
+
+  /// The first look fixes where the way begins.
+  void await_first_look() {
+    while (reads == 0) std::this_thread::yield();
+  }
 
   std::unique_ptr<EncoderTrigger> trigger() {
-    return EncoderTrigger::open(std::make_unique<FakeEncoder>(position), std::make_unique<CountedLine>(rises),
-                                {.pitch_ticks = 100})
+    return EncoderTrigger::open(std::make_unique<FakeEncoder>(position, reads),
+                                std::make_unique<CountedLine>(rises), {.pitch_ticks = 100})
         .value();
   }
 };
@@ -77,20 +86,19 @@ TEST(EncoderMotion, EachPitchMakesOnePulseAndStandingStillNone) {
   SUCCEEDS(
       sut->configure({.period = std::chrono::microseconds{600}, .pulse = std::chrono::microseconds{100}}));
   SUCCEEDS(sut->start());
+  await_first_look();
   for (int pitch = 1; pitch <= 10; ++pitch) {
-    // The first look fixes where the way begins: it may come after the first step.
     const std::uint64_t before = sut->trigger_health().pulses;
     position += 100;
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{5};
-    while (pitch > 1 && sut->trigger_health().pulses == before && std::chrono::steady_clock::now() < deadline)
+    while (sut->trigger_health().pulses == before && std::chrono::steady_clock::now() < deadline)
       std::this_thread::yield();
-    if (pitch == 1) std::this_thread::sleep_for(std::chrono::milliseconds{20});
   }
   std::this_thread::sleep_for(std::chrono::milliseconds{10});
   SUCCEEDS(sut->stop());
   const EncoderTriggerHealth health = sut->trigger_health();
   LONGS_EQUAL(rises.load(), health.pulses);
-  CHECK(health.pulses >= 9 && health.pulses <= 10);
+  LONGS_EQUAL(10, health.pulses);
   LONGS_EQUAL(0, health.pitches_missed + health.line_faults + health.read_failures);
 }
 
@@ -98,7 +106,7 @@ TEST(EncoderMotion, PitchesFasterThanTheCameraAreCountedAsMissed) {
   const auto sut = trigger();
   SUCCEEDS(sut->configure({.period = std::chrono::seconds{10}, .pulse = std::chrono::microseconds{100}}));
   SUCCEEDS(sut->start());
-  std::this_thread::sleep_for(std::chrono::milliseconds{20});  // the way begins
+  await_first_look();
   position += 700;
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{5};
   while (sut->trigger_health().pitches_missed < 6 && std::chrono::steady_clock::now() < deadline)
@@ -114,7 +122,7 @@ TEST(EncoderMotion, PoseIsTheWayAlongTheAxis) {
   turntable[5] = 1e-3;  // a milliradian about base's z for each tick
   SE3 T_start = SE3::Identity();
   T_start.translation() = Vec3{200, 0, 50};
-  EncoderPoseSource sut{std::make_unique<FakeEncoder>(position),
+  EncoderPoseSource sut{std::make_unique<FakeEncoder>(position, reads),
                         clock,
                         {.per_tick = turntable, .T_base_flange_start = T_start}};
   CHECK(sut.next_pose(Nanoseconds{0}).error().code == Errc::WrongState);
