@@ -4,8 +4,10 @@ set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 
 set(CMAKE_TRY_COMPILE_PLATFORM_VARIABLES BITELINE_ARM64_SYSROOT)
-# Kept, so that a build that configures itself again needs no environment.
-set(BITELINE_ARM64_SYSROOT "$ENV{BITELINE_ARM64_SYSROOT}" CACHE PATH "Where toolchains/arm64_sysroot.sh put the sysroot")
+# Kept, so that a build that configures itself again needs no environment; an empty one is not.
+if(NOT BITELINE_ARM64_SYSROOT)
+  set(BITELINE_ARM64_SYSROOT "$ENV{BITELINE_ARM64_SYSROOT}" CACHE PATH "Where toolchains/arm64_sysroot.sh put the sysroot" FORCE)
+endif()
 if(NOT BITELINE_ARM64_SYSROOT OR NOT EXISTS "${BITELINE_ARM64_SYSROOT}/usr/include")
   message(FATAL_ERROR "BITELINE_ARM64_SYSROOT names no sysroot: "
                       "export BITELINE_ARM64_SYSROOT=$(toolchains/arm64_sysroot.sh)")
