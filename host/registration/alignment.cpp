@@ -26,6 +26,7 @@ constexpr double k_rim_sigma_mm = 0.1;     // a collar's edge, as cut and scanne
 constexpr double k_rim_pieces = 12;
 constexpr double k_max_direction_sigma_mm = 0.5;  // beyond it the line misses its 0.35 mm at the 95th percentile
 constexpr double k_max_size_change = 0.3;
+constexpr double k_min_length_change = 0.01;  // the next half size is 4 mm longer; less is a dent that grading takes up
 
 double square(double value) { return value * value; }
 
@@ -138,9 +139,9 @@ Verdict judge(const Alignment& alignment, Freedom freedom) {
   if (alignment.shape_rms_mm >= max_shape_rms_mm || (alignment.overlap_ratio < k_min_overlap_ratio && !upper_is_on_sample)) {
     return Verdict::OtherModel;
   }
+  if (alignment.overlap_ratio < k_min_overlap_ratio) return Verdict::TooLittleOverlap;
   if (alignment.weakest.sigma_mm > k_max_direction_sigma_mm) return Verdict::DirectionNotFixed;
   if (!alignment.converged) return Verdict::NotConverged;
-  if (alignment.overlap_ratio < k_min_overlap_ratio) return Verdict::TooLittleOverlap;
   return Verdict::Aligned;
 }
 
@@ -174,7 +175,10 @@ std::string words_of(const Grade& grade) {
                   grade.height);
 }
 
-bool is_other_size(const Alignment& graded) { return graded.accepted() && graded.placement.grade.largest_change() < k_max_size_change; }
+bool is_other_size(const Alignment& graded) {
+  const Grade& grade = graded.placement.grade;
+  return graded.accepted() && grade.largest_change() < k_max_size_change && std::abs(grade.length - 1) >= k_min_length_change;
+}
 
 /// Why the shapes differ: the other foot, another size, both, upside down, or another model.
 void explain_difference(const FitTask& task, Freedom freedom, Alignment& alignment) {

@@ -14,6 +14,7 @@ constexpr float k_clear_above_mm = 15;    // a seam or a glossy patch is no coll
 constexpr float k_min_upright = 0.4F;     // a surface flatter than 66 degrees has no upper end
 constexpr float k_half_slab_mm = 1;       // along the rim: one profile at 2 mm always falls into it
 constexpr float k_off_surface_mm = 1;
+constexpr float k_below_mm = 2;
 constexpr float k_neighbour_mm = 6;       // rim's direction from points within it
 constexpr std::size_t k_min_neighbours = 4;
 constexpr std::size_t k_min_points = 20;       // 4 cm
@@ -23,14 +24,21 @@ struct Border {
   Eigen::Vector3f position, normal;
   Eigen::Vector3f up;                        ///< unit, in the surface
   float highest_mm{-std::numeric_limits<float>::max()};  ///< of all points in line with it, along `up`
+  float count{0};                                        ///< of those from k_below_mm under it upwards
 
   void offer(const Eigen::Vector3f& point) {
     const Eigen::Vector3f d = point - position;
     if (std::abs(d.dot(normal)) > k_off_surface_mm || std::abs(d.dot(normal.cross(up))) > k_half_slab_mm) return;
-    highest_mm = std::max(highest_mm, d.dot(up));
+    const float above_mm = d.dot(up);
+    highest_mm = std::max(highest_mm, above_mm);
+    if (above_mm > -k_below_mm) count += 1;
   }
   [[nodiscard]] bool seen() const { return highest_mm > -k_clear_above_mm; }
-  [[nodiscard]] Eigen::Vector3f end() const { return position + highest_mm * up; }
+  /// The highest of some points strewn up to an edge lies as far below it as they are apart.
+  [[nodiscard]] Eigen::Vector3f end() const {
+    const float apart_mm = count > 0 && highest_mm > -k_below_mm ? (highest_mm + k_below_mm) / count : 0;
+    return position + (highest_mm + apart_mm) * up;
+  }
 };
 
 template <class Visit>

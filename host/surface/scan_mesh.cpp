@@ -59,7 +59,7 @@ class BoxTest {
 Result<ScanMesh> ScanMesh::create(const cloud::PointCloud& cloud, const Limits& limits) {
   if (!cloud.organised()) return fail(Errc::InvalidArgument, "a mesh of a scan needs each point's profile and column");
   ScanMesh mesh;
-  mesh.lay_out(cloud, limits.max_column_gap);
+  mesh.lay_out(cloud, limits);
   if (mesh.rows_ < 2) return fail(Errc::Refused, "a surface needs at least 2 profiles");
   mesh.measure(limits);
   mesh.bound();
@@ -68,13 +68,15 @@ Result<ScanMesh> ScanMesh::create(const cloud::PointCloud& cloud, const Limits& 
 }
 
 /// Points into rows and columns; a gap of up to `max_column_gap` columns is closed by repeating the point beside it, which
-/// makes triangles without area there and one wide one over the gap.
-void ScanMesh::lay_out(const cloud::PointCloud& cloud, int max_column_gap) {
+/// makes triangles without area there and one wide one over the gap.  What lies away from both its neighbours in the
+/// profile is left out: no triangle holds it, but a box that it stretched across the scene would meet every ray.
+void ScanMesh::lay_out(const cloud::PointCloud& cloud, const Limits& limits) {
   points_ = cloud.points;
   const auto [first, last] = std::minmax_element(cloud.column.begin(), cloud.column.end());
   if (cloud.size() == 0) return;
   const std::size_t first_column = *first;
   width_ = std::size_t{*last} - first_column + 1;
+  step_squared_ = static_cast<float>(limits.max_step_mm * limits.max_step_mm);
   std::vector<std::size_t> begins;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (i == 0 || cloud.profile[i] != cloud.profile[i - 1]) begins.push_back(i);
@@ -84,12 +86,17 @@ void ScanMesh::lay_out(const cloud::PointCloud& cloud, int max_column_gap) {
   cells_.assign(rows_ * width_, k_empty);
   tbb::parallel_for(std::size_t{0}, rows_, [&](std::size_t row) {
     std::uint32_t* cells = cells_.data() + row * width_;
+    std::size_t filled = 0;  // columns before it are done
+    bool near_last = false;
     for (std::size_t i = begins[row]; i < begins[row + 1]; ++i) {
+      const bool near_next = i + 1 < begins[row + 1] && joined_in_profile(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i + 1));
+      const bool stray = !near_last && !near_next;
+      near_last = near_next;
+      if (stray) continue;
       const std::size_t column = cloud.column[i] - first_column;
-      cells[column] = static_cast<std::uint32_t>(i);
-      if (i == begins[row]) continue;
-      const int missing = int{cloud.column[i]} - int{cloud.column[i - 1]} - 1;
-      for (int k = 1; k <= missing && missing <= max_column_gap; ++k) cells[column - static_cast<std::size_t>(k)] = static_cast<std::uint32_t>(i);
+      const bool fill = filled > 0 && column <= filled + static_cast<std::size_t>(limits.max_column_gap);
+      for (std::size_t at = fill ? filled : column; at <= column; ++at) cells[at] = static_cast<std::uint32_t>(i);
+      filled = column + 1;
     }
   });
 }
@@ -116,7 +123,6 @@ void ScanMesh::measure(const Limits& limits) {
   }
   const float usual_mm = all.empty() ? 0 : median(all);
   const float gap_mm = static_cast<float>(limits.max_profile_gap_ratio) * usual_mm;
-  step_squared_ = static_cast<float>(limits.max_step_mm * limits.max_step_mm);
   gap_squared_ = gap_mm * gap_mm;
   std::vector<float> seam = distances(rows_ - 1, 0, 4);
   closed_ = rows_ > 2 && !seam.empty() && median(seam) < gap_mm;
