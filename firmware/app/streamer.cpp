@@ -159,7 +159,10 @@ void Streamer::follow_robot() {
   const Result<bool> active = scanner_->source().scan_active->level();
   // A line that cannot be read ends nothing: the host still can, and the poses show whether the arm moves.
   if (!active) return;
-  if (robot_was_active_ && !*active) end_scan();
+  if (robot_was_active_ && !*active) {
+    watch_light();  // a robot that stops for want of light has not come to its scan's end
+    if (state_ == State::Scanning) end_scan();
+  }
   robot_was_active_ = *active;
 }
 

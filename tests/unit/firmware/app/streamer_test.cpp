@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Scans that cannot begin.  What hosts see of those that do: tests/integration.
+// Scans that cannot begin, or end early.  What hosts see of those that do: tests/integration.
 #include "firmware/app/streamer.hpp"
 
 #include <CppUTest/TestHarness.h>
@@ -19,6 +19,37 @@ using std::chrono::milliseconds;
 struct Bench {
   std::atomic<int> cameras{0};  ///< open ones
   bool camera_starts{true};
+  std::atomic<bool> laser{false};
+};
+
+class BenchLaser final : public hal::GpioOut {
+ public:
+  explicit BenchLaser(Bench& bench) : bench_{bench} {}
+  Result<void> set(bool active) noexcept override {
+    bench_.laser = active;
+    return {};
+  }
+  Result<bool> read_back() noexcept override { return bench_.laser.load(); }
+
+ private:
+  Bench& bench_;
+};
+
+class ShutDoor final : public hal::SafetyIn {
+ public:
+  Result<hal::SafetyInputs> read() noexcept override { return hal::SafetyInputs{.interlock_closed = true, .key_on = true, .read_at = {}}; }
+};
+
+/// A robot's program that goes its way while there is light.
+class RobotInTheLight final : public hal::EdgeIn {
+ public:
+  explicit RobotInTheLight(Bench& bench) : bench_{bench} {}
+  Result<hal::Edge> next_edge(Nanoseconds) override { return fail(Errc::Timeout, "no edge"); }
+  Result<bool> level() noexcept override { return bench_.laser.load(); }
+  hal::EdgeHealth health() const noexcept override { return {}; }
+
+ private:
+  Bench& bench_;
 };
 
 class BenchCamera final : public hal::LineCamera {
@@ -64,6 +95,7 @@ class BenchKind final : public SourceKind {
     Source source;
     source.camera = std::make_unique<BenchCamera>(bench_);
     source.poses = std::make_unique<NoPoses>();
+    source.scan_active = std::make_unique<RobotInTheLight>(bench_);
     return source;
   }
   Result<std::optional<LaserDevices>> open_laser() override { return std::optional<LaserDevices>{}; }
@@ -93,6 +125,33 @@ TEST(Streamer, ScanThatCannotStartLeavesNoDeviceOpenAndTheNextOneWorks) {
   SUCCEEDS(sut.start_scan());
   LONGS_EQUAL(1, bench.cameras);
   CHECK(sut.start_scan().error().code == Errc::WrongState);
+}
+
+TEST(Streamer, RobotThatStopsForWantOfLightHasNotEndedTheScan) {
+  Bench bench;
+  BenchKind kind{bench};
+  const hal::MonotonicClock clock;
+  auto socket = stream::StreamSocket::open({});
+  SUCCEEDS(socket);
+  runtime::LaserWatch laser{std::make_unique<BenchLaser>(bench), std::make_unique<ShutDoor>(), clock, {}};
+  SUCCEEDS(laser.start(runtime::RealtimeDemand::Ignored));
+  StreamerConfig config;
+  config.realtime = runtime::RealtimeDemand::Ignored;
+  Streamer sut{config, kind, **socket, clock, &laser};
+  SUCCEEDS(sut.start_scan());
+  std::atomic<bool> stop{false};
+  std::thread run{[&] { sut.run(stop); }};
+  // Frames while it is dark, and then none: the guard turns the light off again.
+  for (int i = 0; i < 5000 && !bench.laser; ++i) {
+    laser.note_frame(clock.now());
+    std::this_thread::sleep_for(milliseconds{1});
+  }
+  for (int i = 0; i < 5000 && bench.laser; ++i) std::this_thread::sleep_for(milliseconds{1});
+  std::this_thread::sleep_for(milliseconds{100});
+  stop = true;
+  run.join();
+  CHECK(sut.failure().has_value());
+  STRCMP_CONTAINS("the laser went off", sut.failure()->where.c_str());
 }
 
 }  // namespace biteline::sensor
