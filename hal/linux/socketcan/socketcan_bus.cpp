@@ -22,6 +22,29 @@ Nanoseconds to_nanoseconds(const std::timespec& time) {
   return Nanoseconds{std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec};
 }
 
+struct BothClocks {
+  Nanoseconds wall;
+  SensorClock::time_point monotonic;
+};
+
+/// Read again while something came between: a thread that is preempted there would shift every stamp by as much.
+BothClocks read_both_clocks() {
+  constexpr int k_tries = 5;
+  constexpr Nanoseconds k_together{5'000};  // 0.001 mm at 250 mm/s
+  BothClocks best{};
+  Nanoseconds narrowest = Nanoseconds::max();
+  for (int i = 0; i < k_tries && narrowest > k_together; ++i) {
+    std::timespec wall{};
+    const SensorClock::time_point before = monotonic_now();
+    ::clock_gettime(CLOCK_REALTIME, &wall);
+    const Nanoseconds apart = monotonic_now() - before;
+    if (apart >= narrowest) continue;
+    narrowest = apart;
+    best = {.wall = to_nanoseconds(wall), .monotonic = before + apart / 2};
+  }
+  return best;
+}
+
 template <class Value>
 bool set_option(int socket, int level, int name, const Value& value) {
   return ::setsockopt(socket, level, name, &value, sizeof value) == 0;
@@ -141,15 +164,13 @@ SensorClock::time_point SocketcanBus::receive_stamp(const ::msghdr& message) {
       dropped_.store(drops, std::memory_order_relaxed);
     }
   }
-  std::timespec wall{};
-  ::clock_gettime(CLOCK_REALTIME, &wall);
-  const SensorClock::time_point now = monotonic_now();
-  const Nanoseconds age = to_nanoseconds(wall) - to_nanoseconds(stamp);
+  const BothClocks now = read_both_clocks();
+  const Nanoseconds age = now.wall - to_nanoseconds(stamp);
   // The queue holds well below a second; an age outside is a wall clock that was stepped since the interrupt.
   constexpr Nanoseconds k_age_max{1'000'000'000};
-  if (stamped && age >= Nanoseconds{0} && age <= k_age_max) return now - age;
+  if (stamped && age >= Nanoseconds{0} && age <= k_age_max) return now.monotonic - age;
   stamps_estimated_.fetch_add(1, std::memory_order_relaxed);
-  return now;
+  return now.monotonic;
 }
 
 void SocketcanBus::on_error_frame(std::uint32_t error_class, std::uint8_t controller_state) {

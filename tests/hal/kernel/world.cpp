@@ -2,6 +2,7 @@
 #include "tests/hal/kernel/world.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "common/canpose/pose_frames.hpp"
 #include "hal/linux/socketcan/socketcan_bus.hpp"
@@ -12,15 +13,20 @@ using namespace std::chrono_literals;
 
 void MovingArm::run() {
   const auto bus = hal::SocketcanBus::open({.interface = "vcan0"}).value();
+  const auto ear = hal::SocketcanBus::open({.interface = "vcan0"}).value();
+  if (!ear->set_filters(std::array{hal::CanFilter{.id = canpose::k_sync_id, .mask = 0x7FF, .extended = false}})) return;
   canpose::PoseMessage pose{.sync_counter = 0};
   while (!stop_) {
     pose.sync_counter = static_cast<std::uint8_t>(pose.sync_counter % canpose::k_sync_counter_last + 1);
     hal::CanFrame frame{
         .id = canpose::k_sync_id, .size_bytes = 1, .data = {pose.sync_counter}, .received = {}};
-    const SensorClock::time_point now = hal::monotonic_now();
     static_cast<void>(bus->send(frame));
-    pose.stamp_us = static_cast<std::uint64_t>((now - start_).count() / 1000);
-    pose.T_base_flange.translation().x() = x_mm(now);
+    // Where it is when the SYNC stands on the bus, as every node there hears it: nothing of this thread's own delays.
+    Result<hal::CanFrame> heard = ear->receive(1s);
+    while (heard && heard->data[0] != pose.sync_counter) heard = ear->receive(1s);
+    if (!heard) continue;
+    pose.stamp_us = static_cast<std::uint64_t>((heard->received - start_).count() / 1000);
+    pose.T_base_flange.translation().x() = x_mm(heard->received);
     const canpose::FdFrame coded = canpose::encode_fd(pose).value();
     frame = {.id = canpose::k_default_base_id + canpose::k_fd_id_offset,
              .fd = true,
@@ -37,6 +43,7 @@ void TriggerWire::on_frame() {
   if (!enabled || *enabled != 1) return;
   ++pulses_;
   gpio_.pull(GpioSim::k_strobe_echo, true);
+  std::this_thread::sleep_for(1ms);  // the exposure: edges nearer than the kernel's interrupt thread merge
   gpio_.pull(GpioSim::k_strobe_echo, false);
 }
 
