@@ -20,8 +20,6 @@ constexpr int k_least_views =
 constexpr double k_harm_ratio = 4;
 /// A harmful view must also matter: below, it is the noise that differs, not the camera.
 constexpr double k_harm_rms_px = 0.08;
-/// A ring farther than this many standard deviations is damaged print or a shadow's edge.
-constexpr double k_ring_outlier_sigmas = 6;
 /// Whole-pixel blunders remain: wrong target, wrong order, moving target.
 constexpr double k_most_rms_px = 1.0;
 /// Beyond, a stripe at working distance would be off by more than its own noise.
@@ -129,29 +127,13 @@ Harm most_harmful(const State& state, const BundleFit& all, const DistortionChoi
   return worst;
 }
 
-/// Takes out single rings; true when there were any.  Measured by the spread within their own view: in a view
-/// that disagrees as a whole nothing stands out, and it is left to the comparison between views.
+/// Takes out single rings; true when there were any.
 bool set_rings_aside(State& state) {
   bool any = false;
   for (std::size_t v = 0; v < state.views.size(); ++v) {
-    PlaneView& view = state.views[v];
-    std::vector<double> distances_px;
-    for (const CentreObservation& c : view.centres) {
-      distances_px.push_back(
-          (state.camera.project(state.T_cam_target[v] * c.point_target) - c.pixel_px).norm());
-    }
-    std::vector<double> sorted = distances_px;
-    std::sort(sorted.begin(), sorted.end());
-    // 1.1774: median distance of a two-dimensional normal law to its standard deviation per coordinate.
-    const double limit_px = std::max(0.1, k_ring_outlier_sigmas * sorted[sorted.size() / 2] / 1.1774);
-    for (std::size_t i = view.centres.size(); i-- > 0;) {
-      if (distances_px[i] < limit_px || view.centres.size() <= static_cast<std::size_t>(k_least_grid_rings))
-        continue;
-      view.centres.erase(view.centres.begin() + static_cast<std::ptrdiff_t>(i));
-      view.grid.rings.erase(view.grid.rings.begin() + static_cast<std::ptrdiff_t>(i));
-      ++state.rings_set_aside[v];
-      any = true;
-    }
+    const int count = set_rings_aside(state.views[v], state.camera, state.T_cam_target[v]);
+    state.rings_set_aside[v] += count;
+    any = any || count > 0;
   }
   return any;
 }

@@ -2,7 +2,9 @@
 #include "host/calib/camera/plane_pose.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "host/calib/rings/homography.hpp"
 
@@ -23,6 +25,24 @@ Eigen::Matrix2d J_pixel_ideal(const geometry::Camera& camera, const Vec2& ideal)
   return J;
 }
 
+/// Least absolute deviations (iteratively reweighted): a third of the rings elsewhere hardly moves it.
+std::optional<PlanePose> fit_least_deviations(const geometry::Camera& camera,
+                                              std::span<const CentreObservation> centres) {
+  constexpr int k_rounds = 10;
+  constexpr double k_least_px = 1e-3;
+  std::vector<double> weights(centres.size(), 1.0);
+  std::optional<PlanePose> pose;
+  for (int round = 0; round < k_rounds; ++round) {
+    pose = fit_plane_pose(camera, centres, weights);
+    if (!pose) break;
+    for (std::size_t i = 0; i < centres.size(); ++i) {
+      const Vec2 expected_px = camera.project(pose->T_cam_target * centres[i].point_target);
+      weights[i] = 1 / std::max(k_least_px, (expected_px - centres[i].pixel_px).norm());
+    }
+  }
+  return pose;
+}
+
 }  // namespace
 
 SE3 pose_from_homography(const Mat3& H_ideal_target) {
@@ -41,7 +61,8 @@ SE3 pose_from_homography(const Mat3& H_ideal_target) {
 }
 
 std::optional<PlanePose> fit_plane_pose(const geometry::Camera& camera,
-                                        std::span<const CentreObservation> centres) {
+                                        std::span<const CentreObservation> centres,
+                                        std::span<const double> weights) {
   std::vector<PlanePoint> ideal;
   for (const CentreObservation& centre : centres) {
     ideal.push_back({.plane = centre.point_target.head<2>(), .image = camera.ray(centre.pixel_px).head<2>()});
@@ -53,7 +74,9 @@ std::optional<PlanePose> fit_plane_pose(const geometry::Camera& camera,
     Mat6 information = Mat6::Zero();
     Twist gradient = Twist::Zero();
     double sum_px2 = 0;
-    for (const CentreObservation& centre : centres) {
+    for (std::size_t i = 0; i < centres.size(); ++i) {
+      const CentreObservation& centre = centres[i];
+      const double weight = weights.empty() ? 1 : weights[i];
       const Vec3 p = pose.T_cam_target * centre.point_target;
       if (!(p.z() > 0)) return std::nullopt;
       const Vec2 place(p.x() / p.z(), p.y() / p.z());
@@ -64,8 +87,8 @@ std::optional<PlanePose> fit_plane_pose(const geometry::Camera& camera,
       J_point_xi << pose.T_cam_target.linear(),
           -pose.T_cam_target.linear() * geometry::hat(centre.point_target);
       const Eigen::Matrix<double, 2, 6> J = J_pixel_ideal(camera, place) * J_ideal_point * J_point_xi;
-      information += J.transpose() * J;
-      gradient += J.transpose() * residual_px;
+      information += weight * J.transpose() * J;
+      gradient += weight * J.transpose() * residual_px;
       sum_px2 += residual_px.squaredNorm();
     }
     const Eigen::LDLT<Mat6> solver(information);
@@ -77,6 +100,17 @@ std::optional<PlanePose> fit_plane_pose(const geometry::Camera& camera,
     pose.T_cam_target = pose.T_cam_target * geometry::exp_se3(step);
   }
   return pose;
+}
+
+std::optional<PlanePose> fit_view_pose(const geometry::Camera& camera, PlaneView& view) {
+  constexpr int k_rounds = 3;
+  std::optional<PlanePose> pose = fit_plane_pose(camera, view.centres);
+  for (int round = 0; pose && round < k_rounds; ++round) {
+    improve_centres(view, camera, pose->T_cam_target);
+    pose = fit_least_deviations(camera, view.centres);
+    if (pose && set_rings_aside(view, camera, pose->T_cam_target) == 0 && round > 0) break;
+  }
+  return fit_plane_pose(camera, view.centres);
 }
 
 }  // namespace biteline::calib

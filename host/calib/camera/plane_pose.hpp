@@ -21,9 +21,13 @@ struct PlanePose {
 /// Pose from a homography to ideal coordinates.
 [[nodiscard]] SE3 pose_from_homography(const Mat3& H_ideal_target);
 
-/// Closed form, then Gauss-Newton on the reprojections.  Nothing when the points are too few or lie on a
-/// line.
+/// Closed form, then Gauss-Newton on the reprojections, each with its weight (empty: all alike).  Nothing
+/// when the points are too few or lie on a line.
 [[nodiscard]] std::optional<PlanePose> fit_plane_pose(const geometry::Camera& camera,
-                                                      std::span<const CentreObservation> centres);
+                                                      std::span<const CentreObservation> centres,
+                                                      std::span<const double> weights = {});
+
+/// The same with the view's centres improved under its pose, and damaged rings set aside.
+[[nodiscard]] std::optional<PlanePose> fit_view_pose(const geometry::Camera& camera, PlaneView& view);
 
 }  // namespace biteline::calib

@@ -7,6 +7,10 @@ namespace biteline::calib {
 
 namespace {
 
+/// A ring farther than this many standard deviations is not seen as it is; below the floor, what is odd about
+/// it is noise.
+constexpr double k_ring_outlier_sigmas = 6, k_ring_outlier_floor_px = 0.03;
+
 /// Centre of one edge, in ideal coordinates, less the bias that a circle of this radius has under this pose.
 std::optional<Vec2> unbiased_centre(std::span<const Vec2> edge_px, const geometry::Camera& camera,
                                     const Mat3& H_ideal_target, const Vec3& ring_target, double radius_mm) {
@@ -48,6 +52,26 @@ void improve_centres(PlaneView& view, const geometry::Camera& camera, const SE3&
     const Vec2 ideal = (w_outer * *outer + w_inner * *inner) / (w_outer + w_inner);
     view.centres[i].pixel_px = camera.project(Vec3(ideal.x(), ideal.y(), 1));
   }
+}
+
+int set_rings_aside(PlaneView& view, const geometry::Camera& camera, const SE3& T_cam_target) {
+  std::vector<double> distances_px;
+  for (const CentreObservation& c : view.centres)
+    distances_px.push_back((camera.project(T_cam_target * c.point_target) - c.pixel_px).norm());
+  std::vector<double> sorted = distances_px;
+  std::sort(sorted.begin(), sorted.end());
+  // 1.1774: median distance of a two-dimensional normal law to its standard deviation per coordinate.
+  const double limit_px =
+      std::max(k_ring_outlier_floor_px, k_ring_outlier_sigmas * sorted[sorted.size() / 2] / 1.1774);
+  int count = 0;
+  for (std::size_t i = view.centres.size(); i-- > 0;) {
+    if (distances_px[i] < limit_px || view.centres.size() <= static_cast<std::size_t>(k_least_grid_rings))
+      continue;
+    view.centres.erase(view.centres.begin() + static_cast<std::ptrdiff_t>(i));
+    view.grid.rings.erase(view.grid.rings.begin() + static_cast<std::ptrdiff_t>(i));
+    ++count;
+  }
+  return count;
 }
 
 double seen_diameter_ratio(const PlaneView& view) {

@@ -31,6 +31,11 @@ struct PlaneView {
 /// factor 4/3, this averages.
 void improve_centres(PlaneView& view, const geometry::Camera& camera, const SE3& T_cam_target);
 
+/// Takes out rings that lie much farther from where camera and pose put them than their view's others do:
+/// damaged print, a shadow's or a glare's edge.  Measured by the spread within the view: in one that disagrees
+/// as a whole nothing stands out.  How many.
+int set_rings_aside(PlaneView& view, const geometry::Camera& camera, const SE3& T_cam_target);
+
 /// Median over the rings of seen inner to outer diameter; far from the target's own: another print than
 /// target.yaml says.
 [[nodiscard]] double seen_diameter_ratio(const PlaneView& view);

@@ -133,11 +133,7 @@ class Calibrator {
     std::vector<PlaneView> improved;
     for (const ArmPicture& picture : input_.hand_eye->views) {
       PlaneView view = picture.view;
-      auto pose = fit_plane_pose(camera_, view.centres);
-      for (int round = 0; pose && round < 2; ++round) {
-        improve_centres(view, camera_, pose->T_cam_target);
-        pose = fit_plane_pose(camera_, view.centres);
-      }
+      const auto pose = fit_view_pose(camera_, view);
       const double limit_px =
           std::max(k_most_view_rms_px, k_most_view_ratio * std::sqrt(2.0) * centre_sigma_px_);
       if (!pose || pose->rms_px > limit_px) {

@@ -85,8 +85,11 @@ Json laser_json(const HeadCalibration& all) {
   }
   json["views"] = Json::array();
   for (const LaserView& view : laser.views) {
+    std::size_t rings = 0;
+    for (const PlaneView& grid : view.pictures.planes) rings += grid.centres.size();
     json["views"].push_back({{"name", view.pictures.name},
                              {"grids", view.pictures.planes.size()},
+                             {"rings", rings},
                              {"points", view.points.size()},
                              {"rms_mm", view.rms_mm}});
   }
@@ -112,6 +115,7 @@ Json hand_eye_json(const HeadCalibration& all) {
   for (std::size_t i = 0; i < hand_eye.stops.size(); ++i) {
     const HandEyeStop& stop = hand_eye.stops[i];
     json["views"].push_back({{"name", all.arm_views[i].view.name},
+                             {"rings", all.arm_views[i].view.centres.size()},
                              {"left_out_mm", stop.left_out_mm},
                              {"left_out_deg", stop.left_out_rad * k_degrees_per_rad}});
   }

@@ -202,11 +202,7 @@ std::optional<std::string> prepare(const geometry::Camera& camera, LaserView& vi
   if (view.pictures.planes.empty()) return "no ring grid found in the lit picture";
   if (view.pictures.stripe.empty()) return "no stripe in its laser picture";
   for (PlaneView& plane : view.pictures.planes) {
-    auto pose = fit_plane_pose(camera, plane.centres);
-    for (int round = 0; pose && round < 2; ++round) {
-      improve_centres(plane, camera, pose->T_cam_target);
-      pose = fit_plane_pose(camera, plane.centres);
-    }
+    const auto pose = fit_view_pose(camera, plane);
     if (!pose) return "the pose of a grid cannot be found";
     if (pose->rms_px > k_most_ring_rms_px) {
       char reason[160];

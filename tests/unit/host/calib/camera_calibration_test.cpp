@@ -123,4 +123,31 @@ TEST(CameraCalibration, PoseOfAPlaneIsExactAndItsCovarianceHonest) {
                 4 * std::sqrt(2 * 6.0 / k_draws));  // chi-squared with 6 degrees of freedom
 }
 
+TEST(CameraCalibration, RingsSeenWronglyCostOnlyThemselves) {
+  const SE3 T = test::T_cam_target_of(
+      scene.target,
+      {.distance_mm = 260, .shift_mm = Vec2(5, -8), .roll_rad = 0.4, .tilt_rad = 0.5, .tilt_axis_rad = 1.2});
+  PlaneView view = test::exact_view(scene, T, "", k_noise_px, random);
+  // A glare over one corner of the target.
+  const std::size_t rings = view.centres.size();
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < rings; ++i) {
+    if (view.grid.rings[i].row > 1 || view.grid.rings[i].col > 2) continue;
+    view.centres[i].pixel_px += Vec2(0.8, -0.5);
+    ++wrong;
+  }
+  LONGS_EQUAL(6, wrong);
+  const auto chi2 = [&](const PlanePose& pose) {
+    const Twist error = geometry::log_se3(T.inverse() * pose.T_cam_target);
+    return error.dot(pose.covariance_per_px2.ldlt().solve(error)) / (k_noise_px * k_noise_px);
+  };
+  const auto all = fit_plane_pose(scene.camera, view.centres);
+  CHECK(chi2(*all) > 100);
+  const auto pose = fit_view_pose(scene.camera, view);
+  CHECK(pose.has_value());
+  LONGS_EQUAL(rings - wrong, view.centres.size());
+  LONGS_EQUAL(view.centres.size(), view.grid.rings.size());
+  CHECK(chi2(*pose) < 22.5);  // 6 degrees of freedom: one in a thousand lies beyond
+}
+
 }  // namespace biteline::calib

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "host/calib/refine/head_bundle.hpp"
+#include "tests/support/made_stripe.hpp"
 #include "tests/support/ring_scene.hpp"
 #include "tests/support/transforms.hpp"
 
@@ -150,6 +151,31 @@ TEST(Laser, SpecksDoNotCount) {
   CHECK(result.has_value());
   CHECK(result->points_set_aside >= 5);
   check_plane(result->plane, result->middle_cam, 0.05);
+}
+
+TEST(Laser, StripeStandsOutOfItsPicturesOwnNoise) {
+  for (const float read_noise_grey : {0.8F, 8.0F}) {
+    stripe::test::MadeStripe made;
+    made.width_px = 400;
+    made.height_px = 600;
+    made.amplitude = 150;
+    made.noise.read_noise_grey = read_noise_grey;
+    made.row_px = [](int u) { return 280.3 + 0.1 * u; };
+    const auto points = find_stripe({.width_px = made.width_px,
+                                     .height_px = made.height_px,
+                                     .pixels = stripe::test::picture(made, random)});
+    CHECK(points.has_value());
+    CHECK(points->size() > 0.95 * made.width_px);
+    double sum_normalised = 0;
+    for (const StripePoint& p : *points) {
+      const double error_px = p.pixel_px.y() - made.row_px(static_cast<int>(p.pixel_px.x()));
+      CHECK(std::abs(error_px) < 2);
+      sum_normalised += std::pow(error_px / p.sigma_px, 2);
+    }
+    // Below 1: speckle is reckoned with, and there is none here.
+    const double level = std::sqrt(sum_normalised / static_cast<double>(points->size()));
+    CHECK_TEXT(level > 0.15 && level < 1.5, StringFromFormat("level %g", level).asCharString());
+  }
 }
 
 TEST(Laser, TwoPlacesAreRefused) {
