@@ -106,7 +106,8 @@ void tell_uncertainty(const Sample& sample, const Fit& fit, Alignment& alignment
   const Eigen::Matrix<double, 6, 1> variances = solver.eigenvalues().cwiseMax(1e-12).cwiseInverse();
   alignment.weakest = {.sigma_mm = std::sqrt(variances[0]),
                        .words = words_of(unit.asDiagonal() * solver.eigenvectors().col(0), arm_mm)};
-  alignment.line_sigma_mm = line_sigma_mm(sample, fit, H);
+  // Rims that move the line may be right or not: half of what they move it by stays in doubt.
+  alignment.line_sigma_mm = std::hypot(line_sigma_mm(sample, fit, H), fit.rim_shift_mm / 2);
 }
 
 Alignment describe(const FitTask& task, const Fit& fit) {

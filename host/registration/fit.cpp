@@ -14,13 +14,14 @@ namespace {
 
 constexpr float k_patch_mm = 6;            // several stitches and threads: texture averages out, shape stays
 constexpr std::size_t k_min_patch_surfels = 3;
-constexpr double k_max_rim_mm = 0.25;      // rims that scatter more are not the same edge
+constexpr double k_max_rim_mm = 0.12;      // rims that scatter more are not the same edge
 constexpr double k_min_rim_overlap_ratio = 0.5;
 constexpr double k_rim_reach_mm = 1.5;
 // A freer fit must be better by this, in independent pieces of the surface, or else move the line farther than it is
 // usually off itself (made shoes, 230 to 310 mm from 270: 0.35 mm at most), to be taken for another rule.
 constexpr double k_worth = 1.5;
 constexpr double k_likely_mm = 0.4;
+constexpr double k_contradiction = 9;  // in the same units: three standard deviations
 constexpr std::array k_rules{GradeTie{.section_share = 0, .height_share = 0}, GradeTie{.section_share = 1, .height_share = 1},
                              GradeTie{.section_share = 1, .height_share = 0}};
 
@@ -78,25 +79,6 @@ Fit described(const FitTask& task, Fit fit, const IcpOptions& options) {
   return fit;
 }
 
-Fit refine(const FitTask& task, const Placement& start, const IcpOptions& options) {
-  Fit fit{.icp = run_icp(surfaces_of(task), start, options), .tie = options.tie};
-  if (task.sample.rim.size() > 0 && task.upper.rim.size() > 0) {
-    const IcpResult with_rim = run_icp(with_rims(task), fit.icp.placement, options);
-    if (rims_agree(with_rim) && with_rim.overlap_ratio >= 0.98 * fit.icp.overlap_ratio) {
-      fit.icp = with_rim;
-      fit.rim_used = true;
-    }
-  }
-  return described(task, std::move(fit), options);
-}
-
-/// Section and height let go from where the rule has brought them; the rims, once found, are kept.
-Fit let_go(const FitTask& task, const Fit& tied) {
-  const IcpOptions options = fine_options(Freedom::Graded, {});
-  const Fit fit{.icp = run_icp(tied.rim_used ? with_rims(task) : surfaces_of(task), tied.icp.placement, options), .rim_used = tied.rim_used};
-  return described(task, fit, options);
-}
-
 /// How much better the freer fit is, in units of what chance gives: independent pieces of the surface that differ from
 /// last to last.
 double gain(const Surfels& source, const Fit& tied, const Fit& free) {
@@ -112,6 +94,26 @@ double line_between_mm(const Sample& sample, const Fit& a, const Fit& b) {
     sum += (a.icp.placement.place(p, foot) - b.icp.placement.place(p, foot)).squaredNorm();
   }
   return std::sqrt(sum / static_cast<double>(sample.line_shoe.size()));
+}
+
+/// By the surface alone, then by the rims, too, where they are the same edge and the surface bears with them: a view that ends
+/// elsewhere, or a collar cut elsewhere, makes rims that agree with each other and not with the shoe.
+Fit refine(const FitTask& task, const Placement& start, const IcpOptions& options) {
+  const Fit free = described(task, {.icp = run_icp(surfaces_of(task), start, options), .tie = options.tie}, options);
+  if (task.sample.rim.size() == 0 || task.upper.rim.size() == 0) return free;
+  const Fit with_rim = described(task, {.icp = run_icp(with_rims(task), free.icp.placement, options), .rim_used = true, .tie = options.tie}, options);
+  const bool borne = with_rim.icp.overlap_ratio >= 0.98 * free.icp.overlap_ratio && gain(task.sample.common, with_rim, free) < k_contradiction;
+  if (!rims_agree(with_rim.icp) || !borne) return free;
+  Fit fit = with_rim;
+  fit.rim_shift_mm = line_between_mm(task.sample, with_rim, free);
+  return fit;
+}
+
+/// Section and height let go from where the rule has brought them; the rims, once found, are kept.
+Fit let_go(const FitTask& task, const Fit& tied) {
+  const IcpOptions options = fine_options(Freedom::Graded, {});
+  const Fit fit{.icp = run_icp(tied.rim_used ? with_rims(task) : surfaces_of(task), tied.icp.placement, options), .rim_used = tied.rim_used, .rim_shift_mm = tied.rim_shift_mm};
+  return described(task, fit, options);
 }
 
 }  // namespace

@@ -18,6 +18,7 @@ struct FitTask {
 struct Fit {
   IcpResult icp{};
   bool rim_used{false};
+  double rim_shift_mm{0};  ///< how far the rims have moved the line, RMS
   GradeTie tie{};              ///< as chosen, when graded
   std::vector<Pair> pairs{};   ///< of the surface
   double shape_rms_mm{0};      ///< of the mean residuals of patches: noise and texture average out, the difference of two shapes does not
@@ -26,7 +27,7 @@ struct Fit {
 
 inline constexpr double k_fine_reach_mm = 5;
 
-/// Surface first; then with the rims, if those agree where the surface has put them.
+/// Surface first; then with the rims, if those agree where the surface has put them, and the surface bears it.
 [[nodiscard]] Fit fit_rigid(const FitTask& task, const Placement& start);
 
 /// The wall's shape tells only weakly how much higher a shoe of another size is (a hundredth: 0.4 mm at the line), and the

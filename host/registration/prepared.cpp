@@ -72,7 +72,7 @@ Result<Sample> prepare_sample(const cloud::PointCloud& cloud, const line::Closed
   }
   if (sample.common.size() < k_min_surfels) return fail(Errc::Refused, "next to nothing of the sample lies above its line");
   sample.common_coarse = coarsened(sample.common, k_coarse_pitch_mm);
-  sample.rim = moved(rim_of(cloud.points, surfels), T_shoe_base);
+  sample.rim = moved(rim_of(cloud, surfels), T_shoe_base);
   for (const Eigen::Vector3f& p : sample.rim.positions) {
     sample.rim.feet.push_back(line_beside.at(p.cast<double>()).foot);
   }
@@ -84,7 +84,7 @@ Result<Upper> prepare_upper(const cloud::PointCloud& cloud) {
   if (upper.surfels.size() < k_min_surfels) return fail(Errc::Refused, "the upper's cloud holds no surface of a shoe's size");
   upper.axes = shoe_axes(upper.surfels);
   upper.surfels_coarse = coarsened(upper.surfels, k_coarse_pitch_mm);
-  upper.rim = rim_of(cloud.points, upper.surfels);
+  upper.rim = rim_of(cloud, upper.surfels);
   return upper;
 }
 

@@ -25,15 +25,19 @@ struct Border {
   Eigen::Vector3f up;                        ///< unit, in the surface
   float highest_mm{-std::numeric_limits<float>::max()};  ///< of all points in line with it, along `up`
   float count{0};                                        ///< of those from k_below_mm under it upwards
+  bool cut_by_view{false};                               ///< the highest is the last one that the camera could see
 
-  void offer(const Eigen::Vector3f& point) {
+  void offer(const Eigen::Vector3f& point, bool at_edge) {
     const Eigen::Vector3f d = point - position;
     if (std::abs(d.dot(normal)) > k_off_surface_mm || std::abs(d.dot(normal.cross(up))) > k_half_slab_mm) return;
     const float above_mm = d.dot(up);
-    highest_mm = std::max(highest_mm, above_mm);
+    if (above_mm > highest_mm) {
+      highest_mm = above_mm;
+      cut_by_view = at_edge;
+    }
     if (above_mm > -k_below_mm) count += 1;
   }
-  [[nodiscard]] bool seen() const { return highest_mm > -k_clear_above_mm; }
+  [[nodiscard]] bool seen() const { return highest_mm > -k_clear_above_mm && !cut_by_view; }
   /// The highest of some points strewn up to an edge lies as far below it as they are apart.
   [[nodiscard]] Eigen::Vector3f end() const {
     const float apart_mm = count > 0 && highest_mm > -k_below_mm ? (highest_mm + k_below_mm) / count : 0;
@@ -82,8 +86,27 @@ std::vector<Border> borders_of(const Surfels& surfels) {
   return borders;
 }
 
+/// The camera's outermost columns with anything in them.
+class ViewEdges {
+ public:
+  explicit ViewEdges(const cloud::PointCloud& cloud) : column_{cloud.organised() ? &cloud.column : nullptr} {
+    if (column_ == nullptr || column_->empty()) return;
+    const auto [first, last] = std::minmax_element(column_->begin(), column_->end());
+    first_ = *first;
+    last_ = *last;
+  }
+  [[nodiscard]] bool at(std::size_t point) const {
+    constexpr int k_columns = 2;
+    return column_ != nullptr && ((*column_)[point] <= first_ + k_columns || (*column_)[point] >= last_ - k_columns);
+  }
+
+ private:
+  const std::vector<std::uint16_t>* column_;
+  int first_{0}, last_{0};
+};
+
 /// Lets every point near a border take part in where that border ends.
-void find_ends(std::span<const Eigen::Vector3f> points, float pitch_mm, std::vector<Border>& borders) {
+void find_ends(const cloud::PointCloud& cloud, float pitch_mm, std::vector<Border>& borders) {
   const VoxelGrid grid{pitch_mm};
   VoxelMap voxels;
   std::vector<std::vector<std::uint32_t>> near;
@@ -94,16 +117,18 @@ void find_ends(std::span<const Eigen::Vector3f> points, float pitch_mm, std::vec
       near[at].push_back(i);
     });
   }
+  const ViewEdges edges{cloud};
   VoxelKey last_key = 0;
   std::int64_t last_at = -1;
-  for (const Eigen::Vector3f& point : points) {
+  for (std::size_t k = 0; k < cloud.size(); ++k) {
+    const Eigen::Vector3f& point = cloud.points[k];
     const VoxelKey key = grid.key(point);
     if (key != last_key) {
       last_key = key;
       last_at = voxels.find(key);
     }
     if (last_at < 0) continue;
-    for (const std::uint32_t i : near[static_cast<std::size_t>(last_at)]) borders[i].offer(point);
+    for (const std::uint32_t i : near[static_cast<std::size_t>(last_at)]) borders[i].offer(point, edges.at(k));
   }
 }
 
@@ -125,9 +150,9 @@ float median_along(const std::vector<Eigen::Vector3f>& ways, const Eigen::Vector
 
 }  // namespace
 
-Rim rim_of(std::span<const Eigen::Vector3f> points, const Surfels& surfels) {
+Rim rim_of(const cloud::PointCloud& cloud, const Surfels& surfels) {
   std::vector<Border> borders = borders_of(surfels);
-  find_ends(points, surfels.pitch_mm, borders);
+  find_ends(cloud, surfels.pitch_mm, borders);
   std::erase_if(borders, [](const Border& border) { return !border.seen(); });
   std::vector<Eigen::Vector3f> ends;
   for (const Border& border : borders) ends.push_back(border.end());

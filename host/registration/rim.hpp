@@ -4,9 +4,9 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <span>
 #include <vector>
 
+#include "host/cloud/point_cloud.hpp"
 #include "host/registration/surfels.hpp"
 
 namespace biteline::registration {
@@ -25,8 +25,9 @@ struct Rim {
 };
 
 /// Where the surface ends upwards and nothing lies above within 15 mm: the highest points, to a point's spacing, not to a
-/// surfel's.  `surfels` are those of `points`; the points may come in any order.
-[[nodiscard]] Rim rim_of(std::span<const Eigen::Vector3f> points, const Surfels& surfels);
+/// surfel's.  What ends in the camera's first or last columns ends with its view and is left out, where columns are known.
+/// `surfels` are those of `cloud`; its points may come in any order.
+[[nodiscard]] Rim rim_of(const cloud::PointCloud& cloud, const Surfels& surfels);
 
 /// Index of the rim's point nearest to `point`.  Pre: the rim is not empty.
 [[nodiscard]] std::uint32_t nearest_on(const Rim& rim, const Eigen::Vector3f& point);

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 cloud::PointCloud scan(const fs::path& session) {
   auto run = ingest::run_sensor_on_session(
-      {.session = session, .sensor_file = {}, .program = fs::path{BITELINE_SENSOR}, .progress = {}, .on_profile = {}});
+      {.session = session, .sensor_file = {}, .sensor_options = {}, .program = fs::path{BITELINE_SENSOR}, .progress = {}, .on_profile = {}});
   SUCCEEDS(run);
   return std::move(run->cloud);
 }

@@ -76,7 +76,7 @@ void show(Page& page, const ShoeResult& result, const Reports& reports) {
   const std::string folder = result.shoe.name + "/" + result.scan.filename().string();
   page.heading(result.shoe.name);
   page.paragraph(result.verdict);
-  if (fs::exists(result.scan / "path/tracking.html")) page.frame(folder + "/path/tracking.html", 1010);
+  if (fs::exists(result.scan / "path/tracking.html")) page.frame(folder + "/path/tracking.html", 1280);
   std::vector<std::pair<std::string, double>> stages;
   for (const char* parts : {"extraction_s", "transfer_s"}) {
     if (!reports.line.contains(parts)) continue;

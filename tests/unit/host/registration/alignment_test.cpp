@@ -133,6 +133,29 @@ TEST(Alignment, AnUpperUpsideDownIsToldAsThat) {
   STRCMP_CONTAINS("upside down", sut.reason.c_str());
 }
 
+TEST(Alignment, CollarsThatAreCutElsewhereDoNotLiftTheLine) {
+  // Both are cut below their top, aslant: the upper 0.6 mm higher than the sample.
+  const auto cut = [](cloud::PointCloud cloud, const SE3& T_base_shoe, double top_mm) {
+    cloud::PointCloud kept;
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const Vec3 p = T_base_shoe.inverse() * cloud.points[i].cast<double>();
+      if (p.z() > top_mm - 0.02 * p.x()) continue;
+      kept.points.push_back(cloud.points[i]);
+      kept.profile.push_back(cloud.profile[i]);
+      kept.column.push_back(cloud.column[i]);
+    }
+    return kept;
+  };
+  const double top_mm = sim::draw_shoe(sim::ShoeClass::Deep, 3).upper.top_z_mm - 1;
+  for (const double higher_mm : {0.0, 0.6}) {
+    const Sample sample = *prepare_sample(cut(pair.sample_cloud, pair.T_base_sample, top_mm), pair.sample_line);
+    const Alignment sut = align(sample, *prepare_upper(cut(pair.upper_cloud, pair.T_base_upper, top_mm + higher_mm)), {});
+    CHECK_EQUAL(higher_mm == 0, sut.rim_used);
+    CHECK_TEXT(sut.accepted() || higher_mm > 0, sut.reason.c_str());  // without its collar too little may be left
+    if (sut.accepted()) CHECK(line_error_mm(pair, sample, sut, pair.T_base_upper) < k_tol_mm);
+  }
+}
+
 TEST(Alignment, AThirdOfTheUpperIsTooLittle) {
   cloud::PointCloud part;
   const std::uint32_t last = pair.upper_cloud.profile.back();

@@ -24,7 +24,12 @@ TEST_GROUP(Rim) {
     std::shuffle(points.begin(), points.end(), random);
     return points;
   }
-  static Rim rim(const std::vector<Eigen::Vector3f>& points) { return rim_of(points, surfels_of(points, 2)); }
+  static Rim rim(const cloud::PointCloud& cloud) { return rim_of(cloud, surfels_of(cloud.points, 2)); }
+  static Rim rim(const std::vector<Eigen::Vector3f>& points) {
+    cloud::PointCloud cloud;
+    cloud.points = points;
+    return rim(cloud);
+  }
 };
 
 // The highest of points 0.1 mm apart, of one or two profiles up to 1 mm aside on a slope of 0.1.
@@ -58,6 +63,25 @@ TEST(Rim, StrayPointsAboveDoNotMoveIt) {
     points.emplace_back(x, 0.0F, 27.0F + 0.1F * x);
   }
   for (const Eigen::Vector3f& p : rim(points).positions) CHECK(p.z() < 25 + 0.1F * p.x() + k_high_mm);
+}
+
+TEST(Rim, WhatEndsWithTheCamerasViewIsNone) {
+  std::normal_distribution<float> noise_mm{0, 0.01F};
+  cloud::PointCloud scan;
+  for (std::uint32_t profile = 0; profile < 55; ++profile) {
+    for (std::uint16_t column = 0; column < 250; ++column) {
+      scan.points.emplace_back(1.1F * static_cast<float>(profile), noise_mm(random), 0.1F * static_cast<float>(column));
+      scan.profile.push_back(profile);
+      scan.column.push_back(column);
+    }
+  }
+  CHECK(rim(scan.points).size() > 0);
+  LONGS_EQUAL(0, rim(scan).size());
+  // A few profiles that see farther: the others end where the surface does.
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (scan.profile[i] >= 50) scan.column[i] = static_cast<std::uint16_t>(scan.column[i] + 40);
+  }
+  CHECK(rim(scan).size() > 0);
 }
 
 TEST(Rim, TooShortARimIsNone) {
