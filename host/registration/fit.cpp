@@ -100,7 +100,7 @@ double line_between_mm(const Sample& sample, const Fit& a, const Fit& b) {
 /// elsewhere, or a collar cut elsewhere, makes rims that agree with each other and not with the shoe.
 Fit refine(const FitTask& task, const Placement& start, const IcpOptions& options) {
   const Fit free = described(task, {.icp = run_icp(surfaces_of(task), start, options), .tie = options.tie}, options);
-  if (task.sample.rim.size() == 0 || task.upper.rim.size() == 0) return free;
+  if (task.sample.rim.size() == 0 || task.upper.rim.size() == 0 || free.shape_rms_mm <= 0) return free;
   const Fit with_rim = described(task, {.icp = run_icp(with_rims(task), free.icp.placement, options), .rim_used = true, .tie = options.tie}, options);
   const bool borne = with_rim.icp.overlap_ratio >= 0.98 * free.icp.overlap_ratio && gain(task.sample.common, with_rim, free) < k_contradiction;
   if (!rims_agree(with_rim.icp) || !borne) return free;
