@@ -137,20 +137,26 @@ Result<CameraSettings> V4l2Camera::configure(const CameraSettings& wanted) {
   const bool whole = wanted.region.width_px == sensor_width_px_ && wanted.region.height_px == sensor_height_px_;
   bool cropped = !whole && crop_in_driver(wanted.region);
   if (cropped) {
-    // Some drivers take the rectangle and give it up again for the format.
-    cropped = set_format({.width_px = wanted.region.width_px, .height_px = wanted.region.height_px}).has_value() &&
-              crop_is(wanted.region);
+    // Some drivers take the rectangle and give it up again for the format, or scale it into one that an earlier user left.
+    const geometry::Region picture{.width_px = wanted.region.width_px, .height_px = wanted.region.height_px};
+    cropped = set_format({.width_px = picture.width_px, .height_px = picture.height_px}).has_value();
+    set_rectangle(V4L2_SEL_TGT_COMPOSE, picture);
+    cropped = cropped && rectangle_is(V4L2_SEL_TGT_CROP, wanted.region) &&
+              (!has(V4L2_SEL_TGT_COMPOSE) || rectangle_is(V4L2_SEL_TGT_COMPOSE, picture));
   }
   window_ = cropped ? PictureWindow{.width_px = wanted.region.width_px, .height_px = wanted.region.height_px}
                     : PictureWindow{wanted.region.offset_u_px, wanted.region.offset_v_px, wanted.region.width_px,
                                     wanted.region.height_px};
   if (!cropped) {
     // A rectangle that an earlier user left would be scaled, or fill a part of the picture, in silence.
-    reset_rectangle(V4L2_SEL_TGT_CROP);
+    const geometry::Region sensor{.width_px = sensor_width_px_, .height_px = sensor_height_px_};
+    set_rectangle(V4L2_SEL_TGT_CROP, sensor);
     BITELINE_TRY(set_format({.width_px = sensor_width_px_, .height_px = sensor_height_px_}));
-    reset_rectangle(V4L2_SEL_TGT_COMPOSE);
-    if (has_crop() && !crop_is({.width_px = sensor_width_px_, .height_px = sensor_height_px_})) {
-      return fail(Errc::DeviceError, "%.100s keeps an old crop", config_.device.c_str());
+    set_rectangle(V4L2_SEL_TGT_COMPOSE, sensor);
+    for (const std::uint32_t target : {V4L2_SEL_TGT_CROP, V4L2_SEL_TGT_COMPOSE}) {
+      if (has(target) && !rectangle_is(target, sensor)) {
+        return fail(Errc::DeviceError, "%.100s keeps an old crop", config_.device.c_str());
+      }
     }
   }
   copies_ = format_ != PixelFormat::Grey8 || window_.width_px != picture_width_px_ ||
@@ -171,27 +177,27 @@ Result<CameraSettings> V4l2Camera::configure(const CameraSettings& wanted) {
 bool V4l2Camera::crop_in_driver(const geometry::Region& region) {
   v4l2_selection crop = selection(V4L2_SEL_TGT_CROP);
   crop.r = rectangle(region);
-  if (retrying_ioctl(device_.number(), VIDIOC_S_SELECTION, &crop) == 0 && crop_is(region)) return true;
+  if (retrying_ioctl(device_.number(), VIDIOC_S_SELECTION, &crop) == 0 && rectangle_is(V4L2_SEL_TGT_CROP, region)) return true;
   return false;  // another rectangle than the one asked would move every pixel
 }
 
-bool V4l2Camera::has_crop() const {
-  v4l2_selection crop = selection(V4L2_SEL_TGT_CROP);
-  return retrying_ioctl(device_.number(), VIDIOC_G_SELECTION, &crop) == 0;
+bool V4l2Camera::has(std::uint32_t target) const {
+  v4l2_selection found = selection(target);
+  return retrying_ioctl(device_.number(), VIDIOC_G_SELECTION, &found) == 0;
 }
 
-bool V4l2Camera::crop_is(const geometry::Region& region) const {
-  v4l2_selection crop = selection(V4L2_SEL_TGT_CROP);
+bool V4l2Camera::rectangle_is(std::uint32_t target, const geometry::Region& region) const {
+  v4l2_selection found = selection(target);
   const v4l2_rect wanted = rectangle(region);
-  return retrying_ioctl(device_.number(), VIDIOC_G_SELECTION, &crop) == 0 && crop.r.left == wanted.left &&
-         crop.r.top == wanted.top && crop.r.width == wanted.width && crop.r.height == wanted.height;
+  return retrying_ioctl(device_.number(), VIDIOC_G_SELECTION, &found) == 0 && found.r.left == wanted.left &&
+         found.r.top == wanted.top && found.r.width == wanted.width && found.r.height == wanted.height;
 }
 
-void V4l2Camera::reset_rectangle(std::uint32_t target) {
-  v4l2_selection whole = selection(target);
-  whole.r = rectangle({.width_px = sensor_width_px_, .height_px = sensor_height_px_});
-  // Drivers without it have nothing to reset.
-  static_cast<void>(retrying_ioctl(device_.number(), VIDIOC_S_SELECTION, &whole));
+void V4l2Camera::set_rectangle(std::uint32_t target, const geometry::Region& region) {
+  v4l2_selection wanted = selection(target);
+  wanted.r = rectangle(region);
+  // Drivers without it have nothing to set.
+  static_cast<void>(retrying_ioctl(device_.number(), VIDIOC_S_SELECTION, &wanted));
 }
 
 Result<void> V4l2Camera::set_format(PictureWindow size) {

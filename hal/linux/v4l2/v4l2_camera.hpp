@@ -64,10 +64,10 @@ class V4l2Camera final : public LineCamera {
   Result<void> set_format(PictureWindow size);
   /// true: the driver crops.
   [[nodiscard]] bool crop_in_driver(const geometry::Region& region);
-  [[nodiscard]] bool has_crop() const;
-  [[nodiscard]] bool crop_is(const geometry::Region& region) const;
-  /// Crop or compose: the whole sensor.
-  void reset_rectangle(std::uint32_t target);
+  // `target`: crop (what of the sensor) or compose (where in the picture).
+  [[nodiscard]] bool has(std::uint32_t target) const;
+  [[nodiscard]] bool rectangle_is(std::uint32_t target, const geometry::Region& region) const;
+  void set_rectangle(std::uint32_t target, const geometry::Region& region);
   double set_rate(double rate_hz);
   Result<v4l2_buffer> dequeue();
   Result<FrameView> to_frame(const v4l2_buffer& buffer);

@@ -65,8 +65,9 @@ TEST_GROUP(VideoKernel) {
 
   void check_pictures(const VividNodes& nodes, BufferMemory memory) {
     const geometry::Region part{.offset_v_px = 112, .width_px = 640, .height_px = 128};
-    // The whole once more after a part: a crop left in the driver must not be scaled up to it.
-    for (const geometry::Region& region : {whole(), part, whole()}) {
+    const geometry::Region larger{.offset_v_px = 96, .width_px = 640, .height_px = 160};
+    // Rectangles left in the driver must not be scaled into those after them.
+    for (const geometry::Region& region : {whole(), part, larger, whole()}) {
       const PictureFeeder feeder{nodes, k_width_px, k_height_px, paint};
       const auto sut = V4l2Camera::open({.device = nodes.capture, .memory = memory}).value();
       CHECK(sut->configure({.region = region}).has_value());
