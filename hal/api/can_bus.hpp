@@ -19,6 +19,7 @@ struct CanFrame {
   std::uint8_t size_bytes{0};
   std::array<std::uint8_t, 64> data{};
   SensorClock::time_point received;      ///< by the controller or its interrupt; unset when sending
+  bool stamp_estimated{false};           ///< the kernel's stamp was unusable: `received` is the time of reading
 };
 
 /// Frames with (id & mask) == (filter id & mask) pass.

@@ -47,6 +47,8 @@ Result<PoseSample> CanPoseSource::next_pose(Nanoseconds timeout) {
       note_silence();
       return tl::unexpected<Error>{frame.error()};
     }
+    // A SYNC whose instant is a guess latches nothing: its pose is placed by its own stamp.
+    if (frame->stamp_estimated && frame->id == canpose::k_sync_id) continue;
     const std::optional<canpose::AssembledPose> pose = assembler_.feed(
         frame->id, std::span{frame->data}.first(frame->size_bytes), frame->received);
     if (!pose) {

@@ -129,7 +129,7 @@ Result<CanFrame> SocketcanBus::read_one() {
     }
     return device_failure(errno, interface_.c_str(), "receive");
   }
-  const SensorClock::time_point received = receive_stamp(message);
+  const Stamp received = receive_stamp(message);
   if ((raw.can_id & CAN_ERR_FLAG) != 0) {
     on_error_frame(raw.can_id & CAN_ERR_MASK, raw.data[1]);
     return fail(Errc::Timeout, "%.60s", interface_.c_str());
@@ -144,12 +144,13 @@ Result<CanFrame> SocketcanBus::read_one() {
                  .bit_rate_switch = size == CANFD_MTU && (raw.flags & CANFD_BRS) != 0,
                  .size_bytes = std::min<std::uint8_t>(raw.len, sizeof raw.data),
                  .data = {},
-                 .received = received};
+                 .received = received.instant,
+                 .stamp_estimated = received.estimated};
   std::copy_n(raw.data, frame.size_bytes, frame.data.begin());
   return frame;
 }
 
-SensorClock::time_point SocketcanBus::receive_stamp(const ::msghdr& message) {
+SocketcanBus::Stamp SocketcanBus::receive_stamp(const ::msghdr& message) {
   std::timespec stamp{};
   bool stamped = false;
   for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr;
@@ -166,11 +167,17 @@ SensorClock::time_point SocketcanBus::receive_stamp(const ::msghdr& message) {
   }
   const BothClocks now = read_both_clocks();
   const Nanoseconds age = now.wall - to_nanoseconds(stamp);
-  // The queue holds well below a second; an age outside is a wall clock that was stepped since the interrupt.
-  constexpr Nanoseconds k_age_max{1'000'000'000};
-  if (stamped && age >= Nanoseconds{0} && age <= k_age_max) return now.monotonic - age;
+  // The queue holds well below a second; an age outside is a wall clock that was stepped since the interrupt.  A smaller
+  // step shows in the distance between both clocks, which otherwise changes by 500 parts per million at most (adjtimex(2)).
+  constexpr Nanoseconds k_age_max{1'000'000'000}, k_reading_error{100'000};
+  const Nanoseconds apart = now.wall - now.monotonic.time_since_epoch();
+  const Nanoseconds changed = std::chrono::abs(apart - clocks_apart_.value_or(apart));
+  const bool stepped = changed > k_reading_error + (now.monotonic - clocks_read_) / 2000;
+  clocks_apart_ = apart;
+  clocks_read_ = now.monotonic;
+  if (stamped && !stepped && age >= Nanoseconds{0} && age <= k_age_max) return {.instant = now.monotonic - age};
   stamps_estimated_.fetch_add(1, std::memory_order_relaxed);
-  return now.monotonic;
+  return {.instant = now.monotonic, .estimated = true};
 }
 
 void SocketcanBus::on_error_frame(std::uint32_t error_class, std::uint8_t controller_state) {

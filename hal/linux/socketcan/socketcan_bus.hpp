@@ -3,6 +3,7 @@
 /// \file CanBus on a SocketCAN raw socket.
 
 #include <atomic>
+#include <optional>
 #include <memory>
 #include <string>
 
@@ -35,11 +36,17 @@ class SocketcanBus final : public CanBus {
   /// A data frame; Errc::Timeout for what was read and is none (error frames, a link that went down).
   Result<CanFrame> read_one();
   void on_error_frame(std::uint32_t error_class, std::uint8_t controller_state);
-  SensorClock::time_point receive_stamp(const ::msghdr& message);
+  struct Stamp {
+    SensorClock::time_point instant;
+    bool estimated{false};
+  };
+  Stamp receive_stamp(const ::msghdr& message);
   void set_state(CanState state) { state_.store(state, std::memory_order_relaxed); }
 
   Descriptor socket_;
   std::string interface_;
+  std::optional<Nanoseconds> clocks_apart_;  ///< wall clock less monotonic, at the last frame
+  SensorClock::time_point clocks_read_;
   std::atomic<CanState> state_{CanState::ErrorActive};
   std::atomic<std::uint64_t> received_{0};
   std::atomic<std::uint64_t> sent_{0};

@@ -98,16 +98,25 @@ TEST(CanKernel, SteppedWallClockIsNoticed) {
   const auto sut = open_bus();
   const auto peer = open_bus();
   CHECK(peer->send(conformance::numbered_frame(0x10, 1, false)).has_value());
-  timeval wall{};
-  ::gettimeofday(&wall, nullptr);
-  wall.tv_sec += 3600;
-  CHECK_EQUAL(0, ::settimeofday(&wall, nullptr));
-  const Result<CanFrame> frame = sut->receive(1s);
-  wall.tv_sec -= 3600;
-  ::settimeofday(&wall, nullptr);
-  CHECK(frame.has_value());
-  CHECK_EQUAL(1, sut->health().stamps_estimated);
-  CHECK(std::chrono::abs(monotonic_now() - frame->received) < 1s);
+  CHECK_FALSE(sut->receive(1s)->stamp_estimated);
+  // An hour is more than any frame waits; a fifth of a second looks like a frame that waited so long.
+  for (const std::int64_t step_us : {3'600'000'000LL, -3'600'000'000LL, 200'000LL, -200'000LL}) {
+    const std::uint64_t estimated = sut->health().stamps_estimated;
+    CHECK(peer->send(conformance::numbered_frame(0x10, 1, false)).has_value());
+    timeval wall{};
+    ::gettimeofday(&wall, nullptr);
+    const std::int64_t set_us = wall.tv_sec * 1'000'000LL + wall.tv_usec + step_us;
+    wall = {.tv_sec = set_us / 1'000'000, .tv_usec = set_us % 1'000'000};
+    CHECK_EQUAL(0, ::settimeofday(&wall, nullptr));
+    const Result<CanFrame> frame = sut->receive(1s);
+    CHECK(frame.has_value());
+    CHECK(frame->stamp_estimated);
+    CHECK_EQUAL(estimated + 1, sut->health().stamps_estimated);
+    CHECK(std::chrono::abs(monotonic_now() - frame->received) < 1s);
+    // From then on the clock is as good as before.
+    CHECK(peer->send(conformance::numbered_frame(0x10, 2, false)).has_value());
+    CHECK_FALSE(sut->receive(1s)->stamp_estimated);
+  }
 }
 
 TEST(CanKernel, FramesBeyondTheQueueAreCountedAsDropped) {

@@ -45,6 +45,17 @@ TEST(CanPoseSource, GivesThePoseWithTheInstantOfItsSync) {
   CHECK(sut.health().state == PoseState::Streaming);
 }
 
+TEST(CanPoseSource, SyncWhoseInstantIsAGuessLatchesNothing) {
+  CHECK(sut.start().has_value());
+  send_sync(3);
+  bus->queue.back().stamp_estimated = true;
+  send_pose(3, 500);
+  const Result<PoseSample> pose = sut.next_pose(10ms);
+  CHECK(pose.has_value());
+  CHECK_FALSE(pose->stamp_sensor.has_value());  // no clock map yet either
+  CHECK_EQUAL(1, sut.health().poses_unlatched);
+}
+
 TEST(CanPoseSource, FollowsItsStateTable) {
   CHECK(sut.next_pose(1ms).error().code == Errc::WrongState);
   CHECK(sut.stop().has_value());
