@@ -105,15 +105,16 @@ Result<void> run(const sensor::Options& options, const sigset_t& signals) {
 
   std::atomic<bool> stop{false};
   std::atomic<bool> stream_over{false};
+  Result<void> entered;
   std::thread stream_thread{[&] {
-    // Its table entry is an ordinary thread: nothing here can be refused.
-    (void)runtime::enter_thread(runtime::threads::k_stream, demand);
-    streamer.run(stop);
+    entered = runtime::enter_thread(runtime::threads::k_stream, demand);
+    if (entered) streamer.run(stop);
     stream_over = true;
   }};
   wait_for_signal(signals, stream_over, stop);
   stream_thread.join();
   if (laser) laser->stop();
+  BITELINE_TRY(entered);
   // Of a live sensor the hosts were told; a recording that cannot be played is this run's own failure.
   if (kind->recording && streamer.failure()) return tl::unexpected<Error>{*streamer.failure()};
   return {};

@@ -5,7 +5,6 @@
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -33,7 +32,8 @@ Result<void> pin(const ThreadSpec& spec) {
 }
 
 Result<void> schedule(const ThreadSpec& spec) {
-  const int policy = spec.policy == Policy::Fifo ? SCHED_FIFO : SCHED_OTHER;
+  // Threads that a device's library starts from this one are ordinary ones unless the table says otherwise.
+  const int policy = spec.policy == Policy::Fifo ? SCHED_FIFO | SCHED_RESET_ON_FORK : SCHED_OTHER;
   sched_param wanted{};
   wanted.sched_priority = spec.priority;
   const int error = pthread_setschedparam(pthread_self(), policy, &wanted);
@@ -69,8 +69,6 @@ Result<void> enter_thread(const ThreadSpec& spec, RealtimeDemand demand) {
   if (demand == RealtimeDemand::Ignored) return {};
   BITELINE_TRY(pin(spec));
   BITELINE_TRY(schedule(spec));
-  // Linux gives each thread a nice value of its own (sched(7)).  Without the right to it the thread is as any other.
-  if (spec.nice != 0) (void)setpriority(PRIO_PROCESS, 0, spec.nice);
   prefault_stack();
   return {};
 }

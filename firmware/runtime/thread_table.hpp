@@ -17,7 +17,6 @@ struct ThreadSpec {
   int cpu;              ///< pinned there; -1: anywhere
   Nanoseconds period;   ///< 0: driven by what arrives
   Nanoseconds budget;   ///< of one turn; more is a counted overrun
-  int nice{0};          ///< of Normal; taken where the rights allow it
 };
 
 namespace threads {
@@ -34,8 +33,9 @@ inline constexpr ThreadSpec k_pose{"bl-pose", Policy::Fifo, 60, 0, milliseconds{
 inline constexpr ThreadSpec k_receive{"bl-receive", Policy::Fifo, 55, -1, milliseconds{0}, milliseconds{1}};
 /// One frame's way, ARCHITECTURE "Time budget of one frame": 10 ms between frames at 100 Hz, half of it at most.
 inline constexpr ThreadSpec k_acquisition{"bl-acq", Policy::Fifo, 50, 1, milliseconds{0}, milliseconds{5}};
-/// Encodes and sends; what it does late nobody misses before the ring of profiles is full (1.2 s), so it goes before programs.
-inline constexpr ThreadSpec k_stream{"bl-stream", Policy::Normal, 0, -1, milliseconds{0}, milliseconds{5}, -10};
+/// Encodes and sends, below all that measures; and hears the hosts: one that asks for darkness gets it within 100 ms, whatever
+/// programs run beside.
+inline constexpr ThreadSpec k_stream{"bl-stream", Policy::Fifo, 40, -1, milliseconds{0}, milliseconds{5}};
 
 }  // namespace threads
 

@@ -2,10 +2,12 @@
 #include "firmware/runtime/thread_table.hpp"
 
 #include <CppUTest/TestHarness.h>
+#include <sched.h>
 
 #include <cstring>
 #include <set>
 #include <string>
+#include <thread>
 
 #include "firmware/runtime/realtime.hpp"
 #include "tests/support/errors.hpp"
@@ -26,6 +28,26 @@ TEST(ThreadTable, EveryRowIsSound) {
 
 TEST(ThreadTable, NothingStandsAboveTheThreadThatWatchesTheLaser) {
   for (const ThreadSpec& row : k_thread_table) CHECK(row.priority <= threads::k_safety.priority);
+}
+
+TEST(ThreadTable, WhatTheLaserNeedsWaitsForNoProgram) {
+  for (const ThreadSpec& row : k_thread_table) CHECK(row.policy == Policy::Fifo);
+}
+
+TEST(ThreadTable, ThreadRunsAsTheTableSaysAndWhatItStartsDoesNot) {
+  Result<void> entered;
+  int policy = -1, child_policy = -1;
+  std::thread{[&] {
+    entered = enter_thread(threads::k_stream, RealtimeDemand::Required);
+    policy = sched_getscheduler(0);
+    std::thread{[&] { child_policy = sched_getscheduler(0); }}.join();
+  }}.join();
+  if (!entered) {
+    CHECK(entered.error().code == Errc::NoRights);
+    return;
+  }
+  LONGS_EQUAL(SCHED_FIFO | SCHED_RESET_ON_FORK, policy);
+  LONGS_EQUAL(SCHED_OTHER, child_policy);
 }
 
 TEST(ThreadTable, IgnoredDemandIsNeverRefused) {
