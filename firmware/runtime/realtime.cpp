@@ -33,7 +33,7 @@ Result<void> pin(const ThreadSpec& spec) {
 
 Result<void> schedule(const ThreadSpec& spec) {
   // Threads that a device's library starts from this one are ordinary ones unless the table says otherwise.
-  const int policy = spec.policy == Policy::Fifo ? SCHED_FIFO | SCHED_RESET_ON_FORK : SCHED_OTHER;
+  constexpr int policy = SCHED_FIFO | SCHED_RESET_ON_FORK;
   sched_param wanted{};
   wanted.sched_priority = spec.priority;
   const int error = pthread_setschedparam(pthread_self(), policy, &wanted);

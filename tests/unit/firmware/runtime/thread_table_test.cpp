@@ -21,17 +21,13 @@ TEST(ThreadTable, EveryRowIsSound) {
   for (const ThreadSpec& row : k_thread_table) {
     CHECK(std::strlen(row.name) <= 15);  // the kernel's limit
     CHECK(names.insert(row.name).second);
-    CHECK(row.policy == Policy::Fifo ? row.priority >= 1 && row.priority <= 99 : row.priority == 0);
+    CHECK(row.priority >= 1 && row.priority <= 99);
     CHECK(row.budget > Nanoseconds{0});
   }
 }
 
 TEST(ThreadTable, NothingStandsAboveTheThreadThatWatchesTheLaser) {
   for (const ThreadSpec& row : k_thread_table) CHECK(row.priority <= threads::k_safety.priority);
-}
-
-TEST(ThreadTable, WhatTheLaserNeedsWaitsForNoProgram) {
-  for (const ThreadSpec& row : k_thread_table) CHECK(row.policy == Policy::Fifo);
 }
 
 TEST(ThreadTable, ThreadRunsAsTheTableSaysAndWhatItStartsDoesNot) {
