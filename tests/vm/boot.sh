@@ -44,7 +44,12 @@ add_module() {
     fi
   done
 }
-for module in configfs virtio_pci virtio_mmio virtio_net vcan can-raw pwm-bcm2835 softdog vivid biteline-gpio-sim biteline-ptp-mock biteline-dma-heap; do
+ptp=biteline-ptp-mock
+if [ ! -e "$kernel/modules/lib/modules/$version/extra/$ptp.ko" ]; then
+  ptp=
+  command="export BITELINE_WITHOUT_PTP=1; $command"
+fi
+for module in configfs virtio_pci virtio_mmio virtio_net vcan can-raw pwm-bcm2835 softdog vivid biteline-gpio-sim $ptp biteline-dma-heap; do
   add_module "$module"
 done
 
@@ -79,6 +84,7 @@ while [ $# -gt 0 ]; do
   shift
 done
 cp -L "$(library ld-linux-aarch64.so.1)" "$fs/lib/"
+if [ -z "$ptp" ] && [ -e "$fs/test/board.yaml" ]; then sed -i '/^ptp:/d' "$fs/test/board.yaml"; fi
 echo "$command" > "$fs/test/command"
 chmod +x "$fs/init"
 (cd "$fs" && find . | cpio --quiet -o -H newc | gzip -1) > "$work/initrd"

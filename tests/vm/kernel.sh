@@ -39,6 +39,8 @@ kernel_source() {
   rm -f "$work"/packages/linux-source-"$series"_*.deb
 }
 
+has_ptp_mock() { [ -s "$work/sources/6.12/drivers/ptp/ptp_mock.c" ]; }
+
 # build_modules VERSION FOLDER: our wrappers round the kernel's own drivers.
 build_modules() {
   local version=$1 folder=$2 headers="$work/headers-$1"
@@ -57,8 +59,11 @@ build_modules() {
 
   cp "$work"/sources/6.1/drivers/gpio/gpio-sim.c "$work"/sources/6.1/drivers/gpio/gpiolib.h \
     "$work"/sources/6.1/kernel/irq/irq_sim.c "$work"/sources/6.1/drivers/dma-buf/dma-heap.c \
-    "$work"/sources/6.1/drivers/dma-buf/heaps/system_heap.c "$work"/sources/6.12/drivers/ptp/ptp_mock.c "$folder/"
-  cp "$work"/sources/6.12/include/linux/ptp_mock.h "$folder/linux/"
+    "$work"/sources/6.1/drivers/dma-buf/heaps/system_heap.c "$folder/"
+  if has_ptp_mock; then
+    cp "$work"/sources/6.12/drivers/ptp/ptp_mock.c "$folder/"
+    cp "$work"/sources/6.12/include/linux/ptp_mock.h "$folder/linux/"
+  fi
   cp "$(dirname "$0")"/modules/* "$folder/"
   make -s -C "$headers/usr/src/linux-headers-$version" M="$folder" ARCH=arm64 CROSS_COMPILE=aarch64-linux-gnu- \
     CONFIG_DEBUG_INFO_BTF_MODULES= modules >"$folder.log" 2>&1 || { cat "$folder.log" >&2; exit 1; }
@@ -76,7 +81,9 @@ if [ ! -e "$ready/done" ]; then
   dpkg-deb -x "$work"/packages/"$image"_*.deb "$work/image"
   kernel_source 6.1 drivers/gpio/gpio-sim.c drivers/gpio/gpiolib.h kernel/irq/irq_sim.c drivers/dma-buf/dma-heap.c \
     drivers/dma-buf/heaps/system_heap.c
-  kernel_source 6.12 drivers/ptp/ptp_mock.c include/linux/ptp_mock.h
+  # Newer than Debian 12's first kernel: only where the archive of its security updates is among the sources.
+  (kernel_source 6.12 drivers/ptp/ptp_mock.c include/linux/ptp_mock.h 2>/dev/null) || has_ptp_mock \
+    || echo "kernel.sh: no linux-source-6.12: without the mock PTP clock" >&2
   build_modules "$version" "$work/build-$version"
   cp "$work/image/boot/vmlinuz-$version" "$ready/vmlinuz"
   mkdir -p "$ready/modules/lib"
