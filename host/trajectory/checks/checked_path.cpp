@@ -33,9 +33,8 @@ struct Worst {
   }
 };
 
-Check at_most(std::string name, const Worst& worst, double limit, std::string unit,
+Check checked(std::string name, const Worst& worst, bool passed, double limit, std::string unit,
               const std::string& failure) {
-  const bool passed = worst.value <= limit;
   return {.name = std::move(name),
           .passed = passed,
           .value = worst.value,
@@ -44,16 +43,15 @@ Check at_most(std::string name, const Worst& worst, double limit, std::string un
           .arc_mm = worst.arc_mm,
           .detail = passed ? "" : failure + (worst.detail.empty() ? "" : ": " + worst.detail)};
 }
+
+Check at_most(std::string name, const Worst& worst, double limit, std::string unit,
+              const std::string& failure) {
+  return checked(std::move(name), worst, worst.value <= limit, limit, std::move(unit), failure);
+}
+
 Check at_least(std::string name, const Worst& worst, double limit, std::string unit,
                const std::string& failure) {
-  const bool passed = worst.value >= limit;
-  return {.name = std::move(name),
-          .passed = passed,
-          .value = worst.value,
-          .limit = limit,
-          .unit = std::move(unit),
-          .arc_mm = worst.arc_mm,
-          .detail = passed ? "" : failure + (worst.detail.empty() ? "" : ": " + worst.detail)};
+  return checked(std::move(name), worst, worst.value >= limit, limit, std::move(unit), failure);
 }
 
 std::string joint_name(int joint) {

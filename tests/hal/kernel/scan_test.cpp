@@ -4,7 +4,6 @@
 #include <CppUTest/TestHarness.h>
 #include <unistd.h>
 
-#include <bit>
 #include <cfenv>
 #include <cmath>
 #include <cstdio>
@@ -21,6 +20,7 @@
 #include "tests/hal/kernel/skip.hpp"
 #include "tests/hal/kernel/vivid.hpp"
 #include "tests/hal/kernel/world.hpp"
+#include "tests/support/same_bits.hpp"
 
 namespace biteline {
 namespace {
@@ -93,15 +93,6 @@ Profiles expected_profiles(const pipeline::ProfilePipeline::Config& config, cons
 }
 
 /// All that no clock enters; sigma_mm also holds the pose's scatter.
-bool same_bits(const profile::ProfilePoint& a, const profile::ProfilePoint& b) {
-  const auto bits = [](float value) { return std::bit_cast<std::uint32_t>(value); };
-  return bits(a.point_cam.x()) == bits(b.point_cam.x()) && bits(a.point_cam.y()) == bits(b.point_cam.y()) &&
-         bits(a.point_cam.z()) == bits(b.point_cam.z()) && bits(a.row_px) == bits(b.row_px) &&
-         bits(a.sigma_row_px) == bits(b.sigma_row_px) && bits(a.amplitude) == bits(b.amplitude) &&
-         bits(a.width_px) == bits(b.width_px) && a.column == b.column && a.flags == b.flags &&
-         a.peak_count == b.peak_count;
-}
-
 /// Until the laser's line is low; told, not judged: an emulated machine's times are no times.
 Nanoseconds open_door(const GpioSim& gpio) {
   const SensorClock::time_point opened = hal::monotonic_now();
@@ -177,7 +168,7 @@ TEST(KernelScan, ThousandFramesEveryOneAccountedFor) {
     const auto picture = static_cast<std::size_t>(std::lround(2 * (middle.row_px - row_px)));
     const bool known = profile->count > 0 && picture < k_pictures;
     wrong += !known || !std::equal(expected[picture].begin(), expected[picture].end(), profile->view().begin(),
-                                   profile->view().end(), same_bits);
+                                   profile->view().end(), test::same_bits);
     if ((header.flags & (profile::k_profile_not_usable | profile::k_profile_pose_extrapolated)) != 0) {
       ++unusable;
     } else {

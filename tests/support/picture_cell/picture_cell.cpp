@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -238,15 +237,6 @@ std::optional<std::size_t> PictureCell::picture_of(std::span<const profile::Prof
   const auto number = std::lround(2 * above_first_px);
   if (number < 0 || number >= static_cast<long>(config_.pictures)) return std::nullopt;
   return static_cast<std::size_t>(number);
-}
-
-bool same_bits(const profile::ProfilePoint& a, const profile::ProfilePoint& b) {
-  const auto bits = [](float value) { return std::bit_cast<std::uint32_t>(value); };
-  return bits(a.point_cam.x()) == bits(b.point_cam.x()) && bits(a.point_cam.y()) == bits(b.point_cam.y()) &&
-         bits(a.point_cam.z()) == bits(b.point_cam.z()) && bits(a.row_px) == bits(b.row_px) &&
-         bits(a.sigma_row_px) == bits(b.sigma_row_px) && bits(a.amplitude) == bits(b.amplitude) &&
-         bits(a.width_px) == bits(b.width_px) && a.column == b.column && a.flags == b.flags &&
-         a.peak_count == b.peak_count;
 }
 
 }  // namespace biteline::test

@@ -112,7 +112,4 @@ class PictureCell {
   std::jthread poses_;
 };
 
-/// All of a point that no clock enters, bit by bit; sigma_mm also holds the pose's scatter.
-[[nodiscard]] bool same_bits(const profile::ProfilePoint& a, const profile::ProfilePoint& b);
-
 }  // namespace biteline::test

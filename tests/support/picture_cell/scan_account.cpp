@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "tests/support/same_bits.hpp"
+
 namespace biteline::test {
 
 void ScanAccount::clear() {

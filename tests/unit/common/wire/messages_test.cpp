@@ -3,8 +3,9 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <bit>
 #include <cfenv>
-#include <cstring>
+#include <cstdint>
 #include <limits>
 #include <random>
 
@@ -12,6 +13,7 @@
 #include "tests/support/errors.hpp"
 #include "tests/support/fuzz.hpp"
 #include "tests/support/made_profile.hpp"
+#include "tests/support/same_bits.hpp"
 #include "tests/support/transforms.hpp"
 
 namespace biteline::wire {
@@ -39,8 +41,6 @@ Bytes sealed(Bytes content) {
   content.insert(content.end(), bytes, bytes + sizeof checksum);
   return content;
 }
-
-bool same_bits(float a, float b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 SensorHello made_hello() {
   SensorHello hello;
@@ -78,13 +78,9 @@ TEST(Messages, ProfileComesBackBitForBit) {
     LONGS_EQUAL(12345, got.header.pose_age.count());
     LONGS_EQUAL(sent.header.flags, got.header.flags);
     for (std::size_t i = 0; i < sent.points.size(); ++i) {
-      const profile::ProfilePoint& a = sent.points[i];
-      const profile::ProfilePoint& b = got.points[i];
-      CHECK(same_bits(a.point_cam.x(), b.point_cam.x()) && same_bits(a.point_cam.y(), b.point_cam.y()) &&
-            same_bits(a.point_cam.z(), b.point_cam.z()) && same_bits(a.sigma_mm, b.sigma_mm) &&
-            same_bits(a.row_px, b.row_px) && same_bits(a.sigma_row_px, b.sigma_row_px) &&
-            same_bits(a.amplitude, b.amplitude) && same_bits(a.width_px, b.width_px));
-      CHECK(a.column == b.column && a.flags == b.flags && a.peak_count == b.peak_count);
+      CHECK(test::same_bits(sent.points[i], got.points[i]));
+      CHECK(std::bit_cast<std::uint32_t>(sent.points[i].sigma_mm) ==
+            std::bit_cast<std::uint32_t>(got.points[i].sigma_mm));
     }
   }
 }
