@@ -48,8 +48,7 @@ NeighbourGrid::NeighbourGrid(std::span<const Eigen::Vector3f> points, const Conf
   std::vector<std::uint32_t> cell_of(points.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>{0, points.size(), 16384}, [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      const Eigen::Vector3i cell =
-          ((points[i] - origin_) * inverse_mm_).cast<int>().cwiseMin(size_ - Eigen::Vector3i::Ones());
+      const Eigen::Vector3i cell = cell_at(points[i]);
       cell_of[i] = static_cast<std::uint32_t>((cell.z() * size_.y() + cell.y()) * size_.x() + cell.x());
     }
   });
@@ -71,60 +70,6 @@ NeighbourGrid::NeighbourGrid(std::span<const Eigen::Vector3f> points, const Conf
       z_[i] = p.z();
     }
   });
-}
-
-void NeighbourGrid::within(std::uint32_t index, float radius_mm, std::vector<Hit>& hits) const {
-  const float px = x_[index];
-  const float py = y_[index];
-  const float pz = z_[index];
-  const auto low = [&](float p, int axis) {
-    return std::max(0, static_cast<int>((p - radius_mm - origin_[axis]) * inverse_mm_));
-  };
-  const auto high = [&](float p, int axis) {
-    return std::min(size_[axis] - 1, static_cast<int>((p + radius_mm - origin_[axis]) * inverse_mm_));
-  };
-  const int x0 = low(px, 0);
-  const int x1 = high(px, 0);
-  const float r2 = radius_mm * radius_mm;
-  for (int cz = low(pz, 2); cz <= high(pz, 2); ++cz) {
-    for (int cy = low(py, 1); cy <= high(py, 1); ++cy) {
-      const auto row = static_cast<std::size_t>((cz * size_.y() + cy) * size_.x());
-      const std::uint32_t begin = start_[row + static_cast<std::size_t>(x0)];
-      const std::uint32_t end = start_[row + static_cast<std::size_t>(x1) + 1];
-      // Written without a branch: a neighbour or not is a coin toss.
-      std::size_t count = hits.size();
-      hits.resize(count + (end - begin));
-      Hit* out = hits.data();
-      for (std::uint32_t i = begin; i < end; ++i) {
-        const float dx = x_[i] - px;
-        const float dy = y_[i] - py;
-        const float dz = z_[i] - pz;
-        const float d2 = dx * dx + dy * dy + dz * dz;
-        out[count] = {d2, i};
-        count += d2 <= r2 ? 1U : 0U;
-      }
-      hits.resize(count);
-    }
-  }
-}
-
-float NeighbourGrid::nearest(std::uint32_t index, std::size_t count, std::vector<Hit>& hits) const {
-  count = std::min(count, size());
-  float radius_mm = cell_mm_;
-  for (int widen = 0; widen < 24; ++widen) {
-    hits.clear();
-    within(index, radius_mm, hits);
-    if (hits.size() >= count) break;
-    radius_mm *= 1.6F;
-  }
-  const auto nearer = [](const Hit& a, const Hit& b) { return a.distance2_mm2 < b.distance2_mm2; };
-  if (hits.size() > count) {
-    std::nth_element(hits.begin(), hits.begin() + static_cast<std::ptrdiff_t>(count - 1), hits.end(), nearer);
-    hits.resize(count);
-  }
-  float farthest = 0;
-  for (const Hit& hit : hits) farthest = std::max(farthest, hit.distance2_mm2);
-  return std::sqrt(farthest);
 }
 
 float cell_for_count(std::span<const Eigen::Vector3f> points, double count) {

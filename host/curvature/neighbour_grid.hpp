@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Neighbourhoods from a voxel grid: points sorted by cell, so that a search reads nine short runs of
+/// \file Points sorted by the cells of a voxel grid, so that a cell's surroundings are a few short runs of
 /// memory.
 
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace biteline::curvature {
 class NeighbourGrid {
  public:
   struct Config {
-    float cell_mm{1.5F};  ///< radius searches up to this; larger ones look at more cells
+    float cell_mm{1.5F};  ///< best the radius of the searches; larger ones look at more cells
     std::size_t max_cells{48'000'000};
   };
   NeighbourGrid(std::span<const Eigen::Vector3f> points, const Config& config);
@@ -30,16 +30,24 @@ class NeighbourGrid {
   /// Where each stood in the cloud.
   [[nodiscard]] const std::vector<std::uint32_t>& order() const { return order_; }
 
-  struct Hit {
-    float distance2_mm2;
-    std::uint32_t index;  ///< in grid order
-  };
-  /// All within the radius of the point `index` (in grid order), itself included, appended to `hits` in grid
-  /// order.
-  void within(std::uint32_t index, float radius_mm, std::vector<Hit>& hits) const;
-
-  /// The `count` nearest (itself included), in no order; returns the distance of the farthest, mm.
-  float nearest(std::uint32_t index, std::size_t count, std::vector<Hit>& hits) const;
+  /// The cell of a place within the cloud's box.
+  [[nodiscard]] Eigen::Vector3i cell_at(const Eigen::Vector3f& place) const {
+    return ((place - origin_) * inverse_mm_).cast<int>().cwiseMin(size_ - Eigen::Vector3i::Ones());
+  }
+  /// The points of a cell and of `ring` cells on every side of it: runs [begin, end) in grid order.
+  template <class Run>
+  void for_each_run(const Eigen::Vector3i& cell, int ring, Run&& run) const {
+    const Eigen::Vector3i low = (cell.array() - ring).max(0);
+    const Eigen::Vector3i high = (cell.array() + ring).min(size_.array() - 1);
+    for (int z = low.z(); z <= high.z(); ++z) {
+      for (int y = low.y(); y <= high.y(); ++y) {
+        const auto row = static_cast<std::size_t>(z * size_.y() + y) * static_cast<std::size_t>(size_.x());
+        const std::uint32_t begin = start_[row + static_cast<std::size_t>(low.x())];
+        const std::uint32_t end = start_[row + static_cast<std::size_t>(high.x()) + 1];
+        if (begin < end) run(begin, end);
+      }
+    }
+  }
 
  private:
   float cell_mm_;

@@ -7,6 +7,8 @@
 #include <queue>
 #include <vector>
 
+#include "host/curvature/neighbour_search.hpp"
+
 namespace biteline::curvature {
 
 namespace {
@@ -37,24 +39,19 @@ void orient_consistently(const NeighbourGrid& grid, std::span<Eigen::Vector3f> n
 
   std::vector<bool> done(count, false);
   std::priority_queue<Link> links;
-  std::vector<NeighbourGrid::Hit> hits;
+  NeighbourSearch search{grid};
   const auto spread_from = [&](std::uint32_t i) {
-    hits.clear();
-    grid.nearest(i, k_links, hits);
-    for (const NeighbourGrid::Hit& hit : hits) {
-      if (done[hit.index]) continue;
-      links.push({1.0F - std::abs(normals[i].dot(normals[hit.index])), i, hit.index});
+    for (const std::uint32_t to : search.nearest(i, k_links).index) {
+      if (!done[to]) links.push({1.0F - std::abs(normals[i].dot(normals[to])), i, to});
     }
   };
   for (const std::uint32_t seed : seeds) {
     if (done[seed]) continue;
     // Nearest neighbours are not mutual: a part that nobody counted among theirs may still have oriented ones
     // of its own.
-    hits.clear();
-    grid.nearest(seed, k_links, hits);
     float flattest = 0;
-    for (const NeighbourGrid::Hit& hit : hits) {
-      const float agreement = done[hit.index] ? normals[seed].dot(normals[hit.index]) : 0.0F;
+    for (const std::uint32_t other : search.nearest(seed, k_links).index) {
+      const float agreement = done[other] ? normals[seed].dot(normals[other]) : 0.0F;
       if (std::abs(agreement) > std::abs(flattest)) flattest = agreement;
     }
     if (flattest < 0 || (flattest == 0 && normals[seed].dot(at(seed) - centre) < 0))

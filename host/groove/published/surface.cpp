@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "host/curvature/neighbour_grid.hpp"
+#include "host/curvature/neighbour_search.hpp"
 
 namespace biteline::groove {
 
@@ -52,11 +52,9 @@ std::vector<std::uint32_t> denoised(const CurvedSurface& surface, const std::vec
   if (points.empty()) return kept;
   const auto radius = static_cast<float>(config.speck_radius_mm);
   const curvature::NeighbourGrid grid{points, {.cell_mm = radius}};
-  std::vector<curvature::NeighbourGrid::Hit> hits;
+  curvature::NeighbourSearch search{grid};
   for (std::uint32_t i = 0; i < points.size(); ++i) {
-    hits.clear();
-    grid.within(i, radius, hits);
-    if (hits.size() >= config.speck_points) kept.push_back(features[grid.order()[i]]);
+    if (search.within(i, radius).size() >= config.speck_points) kept.push_back(features[grid.order()[i]]);
   }
   std::sort(kept.begin(), kept.end());
   return kept;
