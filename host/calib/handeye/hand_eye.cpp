@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "host/calib/handeye/consensus.hpp"
@@ -149,6 +150,19 @@ std::vector<Stop> chosen(const std::vector<StopReadings>& all, const Consensus& 
   return stops;
 }
 
+/// Those stops whose grid lost no row or column, so that no shift can be taken for another; all, where these
+/// alone do not give three motions.
+std::vector<Stop> surest(const std::vector<StopReadings>& all, const Consensus& consensus,
+                         const std::vector<Stop>& stops) {
+  std::size_t fewest = std::numeric_limits<std::size_t>::max();
+  for (const StopReadings& stop : all) fewest = std::min(fewest, stop.T_cam_target.size());
+  std::vector<Stop> sure;
+  for (std::size_t i = 0; i < stops.size(); ++i) {
+    if (all[consensus.stops[i]].T_cam_target.size() == fewest) sure.push_back(stops[i]);
+  }
+  return sure.size() < static_cast<std::size_t>(k_least_stops) ? stops : sure;
+}
+
 }  // namespace
 
 Result<HandEyeCalibration> calibrate_hand_eye(const std::vector<HandEyeView>& views,
@@ -174,9 +188,10 @@ Result<HandEyeCalibration> calibrate_hand_eye(const std::vector<HandEyeView>& vi
          .reason = "its pose and its picture turn differently from all others (row of another view?)"});
   }
   std::vector<Stop> stops = chosen(all, consensus);
+  const std::vector<Stop> sure = surest(all, consensus, stops);
   SE3 T_flange_cam = SE3::Identity();
-  BITELINE_TRY(check_scale(stops, consensus.R_flange_cam, T_flange_cam));
-  PoseAdjustment adjusted = start_of(T_flange_cam, stops.front());
+  BITELINE_TRY(check_scale(sure, consensus.R_flange_cam, T_flange_cam));
+  PoseAdjustment adjusted = start_of(T_flange_cam, sure.front());
   for (;;) {
     choose_shifts(all, adjusted.T_flange_cam, adjusted.T_base_target, consensus);
     stops = chosen(all, consensus);

@@ -16,7 +16,9 @@ struct EdgeSearch {
 
 /// Where the grey level crosses half way between both sides' levels, along the ellipse's normals, one point
 /// per pixel of circumference (72 at least).  Half way is where a step blurred by any symmetric kernel has
-/// its edge.  Places without a clear step (glare, cover, the picture's border) give no point.
+/// its edge, in light that falls off over the ring too: each side's slope is taken off.  Places without a clear
+/// step (cover, the picture's border) give no point, nor do those whose bright side glare has cut, unless the
+/// rest of the edge is too little.
 [[nodiscard]] std::vector<Vec2> edge_points(const image::GreyImage& picture, const Ellipse& ellipse,
                                             EdgeSearch search);
 
