@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 TEST_GROUP(Sessions) {
   static cloud::PointCloud scan(const fs::path& session) {
     auto run = ingest::run_sensor_on_session(
-        {.session = session, .sensor_file = {}, .program = fs::path{BITELINE_SENSOR}, .progress = {}, .on_profile = {}});
+        {.session = session, .sensor_file = {}, .sensor_options = {}, .program = fs::path{BITELINE_SENSOR}, .progress = {}, .on_profile = {}});
     SUCCEEDS(run);
     LONGS_EQUAL(0, run->counts.profiles_lost);
     LONGS_EQUAL(run->sensor_counters.frames, run->counts.profiles);
