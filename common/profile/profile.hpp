@@ -23,10 +23,12 @@ enum PointFlag : std::uint16_t {
   k_point_discontinuous = 1U << 6U,  ///< far from both neighbours
   k_point_second_exposure = 1U << 7U,///< from the longer exposure of a bracket
   k_point_edge_mixed = 1U << 8U,     ///< stripe broken here: the peak mixes two surfaces
+  k_point_brightness_step = 1U << 9U,///< stripe cut on one side by print or another step of brightness: its place is shifted
 };
 
 /// Points with one of these are evidence, not surface: they stay out of the cloud.
-inline constexpr std::uint16_t k_point_not_surface = k_point_clipped | k_point_reflection | k_point_edge_mixed;
+inline constexpr std::uint16_t k_point_not_surface =
+    k_point_clipped | k_point_reflection | k_point_edge_mixed | k_point_brightness_step;
 
 /// What is known about the whole profile.  0: an ordinary good profile.
 enum ProfileFlag : std::uint32_t {

@@ -89,13 +89,15 @@ HWY_INLINE hn::Vec<hn::RebindToSigned<D>> flags_of(const Fit& fit, const Group& 
 /// Adds the group's peaks to their columns; those whose amplitude is too low are dropped.
 void write_peaks(const Fit& fit, const Group& group, const PeakConfig& config, int height_px, Peaks& out) {
   const hn::RebindToSigned<D> di;
-  alignas(64) std::array<float, k_max_lanes> row_px, sigma_row_px, amplitude, width_px, background, kept;
+  alignas(64) std::array<float, k_max_lanes> row_px, sigma_row_px, amplitude, width_px, background, skew,
+      kept;
   alignas(64) std::array<std::int32_t, k_max_lanes> flags;
   hn::Store(fit.stripe.centre, d, row_px.data());
   hn::Store(hn::Sqrt(fit.last.variance_centre), d, sigma_row_px.data());
   hn::Store(fit.stripe.amplitude, d, amplitude.data());
   hn::Store(hn::Mul(fit.stripe.sigma, hn::Set(d, k_fwhm_per_sigma)), d, width_px.data());
   hn::Store(fit.stripe.background, d, background.data());
+  hn::Store(fit.last.skew, d, skew.data());
   hn::Store(flags_of(fit, group, config, height_px), di, flags.data());
   const M high = hn::And(group.used, hn::Ge(fit.stripe.amplitude, hn::Set(d, config.threshold_grey)));
   hn::Store(hn::IfThenElseZero(high, hn::Set(d, 1.0F)), d, kept.data());
@@ -107,6 +109,7 @@ void write_peaks(const Fit& fit, const Group& group, const PeakConfig& config, i
                                         .amplitude = amplitude[lane],
                                         .width_px = width_px[lane],
                                         .background = background[lane],
+                                        .skew = skew[lane],
                                         .flags = static_cast<std::uint8_t>(flags[lane])};
   }
 }

@@ -165,6 +165,7 @@ HWY_INLINE void set_background(const SideLevel& side_before, const SideLevel& si
 struct Round {
   V variance_centre;  ///< of the new centre, by the noise model: all of the speckle
   V misfit;           ///< residual's share of the model's energy, before the step
+  V skew;             ///< of the shape, before the step: Peak::skew
   M settled;          ///< a further round would change little
 };
 
@@ -183,7 +184,7 @@ HWY_INLINE Round improve(const Walk& walk, const NoiseModel& noise, Stripe& stri
 
   // Sums over the rows with g = exp(-u^2 / 2), weight w and residual r: of w g^2 u^k, and of w g r u^k.
   V gg0 = zero, gg2 = zero, gg4 = zero, gr0 = zero, gr1 = zero, gr2 = zero;
-  V speckled = zero, energy = zero, residual_energy = zero;
+  V speckled = zero, energy = zero, residual_energy = zero, gg6 = zero, gr3 = zero;
   V x = walk.first_from(stripe.centre);
   for (int i = 0; i < walk.row_count; ++i) {
     const V grey = walk.row(i);
@@ -200,7 +201,8 @@ HWY_INLINE Round improve(const Walk& walk, const NoiseModel& noise, Stripe& stri
             gru = hn::Mul(gr, u);
     gg0 = hn::Add(gg0, gg);
     gg2 = hn::Add(gg2, ggu2);
-    gg4 = hn::MulAdd(ggu2, u2, gg4);
+    const V ggu4 = hn::Mul(ggu2, u2);
+    gg4 = hn::Add(gg4, ggu4);
     gr0 = hn::Add(gr0, gr);
     gr1 = hn::Add(gr1, gru);
     gr2 = hn::MulAdd(gru, u, gr2);
@@ -209,6 +211,8 @@ HWY_INLINE Round improve(const Walk& walk, const NoiseModel& noise, Stripe& stri
       energy = hn::MulAdd(mean, mean, energy);
       const V counted_residual = hn::IfThenElseZero(used, residual);
       residual_energy = hn::MulAdd(counted_residual, counted_residual, residual_energy);
+      gg6 = hn::MulAdd(ggu4, u2, gg6);
+      gr3 = hn::MulAdd(gru, u2, gr3);
     }
     x = hn::Add(x, one);
   }
@@ -228,6 +232,11 @@ HWY_INLINE Round improve(const Walk& walk, const NoiseModel& noise, Stripe& stri
                                       hn::Div(hn::Abs(step_amplitude), hn::Max(stripe.amplitude, one))),
                            least);
   const V left = hn::Mul(hn::Max(hn::Min(hn::Abs(step), stripe.sigma), least), hn::Min(change, one));
+  // Least squares of (u^3 - cubic u) g, which neither place nor height nor width can take up.
+  const V cubic = hn::Div(gg4, gg2);
+  const V skew =
+      hn::Div(hn::NegMulAdd(cubic, gr1, gr3),
+              hn::Mul(hn::Max(hn::NegMulAdd(cubic, gg4, gg6), tiny), hn::Max(stripe.amplitude, one)));
   const auto within = [](V value, V low, V high) { return hn::Max(low, hn::Min(value, high)); };
   stripe.centre = hn::Add(stripe.centre, within(step, hn::Neg(stripe.sigma), stripe.sigma));
   stripe.amplitude =
@@ -249,6 +258,7 @@ HWY_INLINE Round improve(const Walk& walk, const NoiseModel& noise, Stripe& stri
   return {.variance_centre =
               hn::Mul(hn::Div(hn::Add(one, hn::Div(extra, information)), information), second_order),
           .misfit = hn::Sqrt(hn::Div(residual_energy, hn::Max(energy, one))),
+          .skew = skew,
           .settled = hn::And(hn::Lt(hn::Mul(hn::Mul(left, left), information), hn::Set(d, k_settled_ratio)),
                              hn::Lt(change, hn::Set(d, k_settled_change)))};
 }

@@ -35,9 +35,10 @@ struct SelectorConfig {
 };
 
 enum SelectionFlag : std::uint8_t {
-  k_selection_reflection = 1U << 0U,     ///< not on a plausible stretch of stripe
-  k_selection_discontinuous = 1U << 1U,  ///< far from both neighbours
-  k_selection_edge_mixed = 1U << 2U,     ///< at the end of a stretch, and not of its brightness or width
+  k_selection_reflection = 1U << 0U,       ///< not on a plausible stretch of stripe
+  k_selection_discontinuous = 1U << 1U,    ///< far from both neighbours
+  k_selection_edge_mixed = 1U << 2U,       ///< at the end of a stretch, and not of its brightness or width
+  k_selection_brightness_step = 1U << 3U,  ///< cut on one side by print or another step of brightness
 };
 
 /// The choice of one column.
@@ -45,6 +46,8 @@ struct Selected {
   std::int8_t kept_index{-1};  ///< into ColumnPeaks::kept; -1: no peak
   std::uint8_t flags{0};       ///< SelectionFlag, of the chosen peak
   bool joined{false};          ///< on one stretch with the previous column's chosen peak
+  /// Standard deviation that the shape's skew adds to the row's, common to neighbours; 0: not skewed.
+  float skew_sigma_px{0};
 };
 
 struct Selection {
@@ -56,8 +59,9 @@ struct Selection {
 /// Peaks of neighbouring columns are linked to stretches; a stretch's support is the number of its columns
 /// (less for doubtful peaks; brightness beyond that says nothing: mirror images are bright), half as much
 /// again where it lies where the previous profile was.  Each column takes the peak of its best supported
-/// stretch.  What is on no stretch worth the name is chosen too, where there is nothing better, but flagged.
-/// Thread: one at a time (keeps the previous profile).  RT: rt_select.  Memory: inside the object (100 kB).
+/// stretch.  What is on no stretch worth the name is chosen too, where there is nothing better, but flagged;
+/// so is what an edge of the surface, or of print on it, has cut. Thread: one at a time (keeps the previous
+/// profile).  RT: rt_select.  Memory: inside the object (100 kB).
 class PeakSelector {
  public:
   explicit PeakSelector(const SelectorConfig& config) : config_{config} {}
@@ -92,6 +96,7 @@ class PeakSelector {
   [[nodiscard]] bool rt_goes_on(const Stretch& stretch, const Peaks& peaks, const Selection& chosen,
                                 float least_light) const noexcept BITELINE_RT;
   void rt_flag_ends(const Peaks& peaks, Selection& out) noexcept BITELINE_RT;
+  static void rt_judge_skew(const Peaks& peaks, Selection& out) noexcept BITELINE_RT;
   [[nodiscard]] float rt_same_place_ratio(Index stretch) const noexcept BITELINE_RT;
   [[nodiscard]] float rt_support(Index stretch) const noexcept BITELINE_RT;
   [[nodiscard]] float rt_light(Index stretch) const noexcept BITELINE_RT;

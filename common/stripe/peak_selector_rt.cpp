@@ -48,6 +48,7 @@ void PeakSelector::rt_select(const Peaks& peaks, Selection& out) noexcept BITELI
   rt_choose(peaks, out);
   rt_judge(peaks, out);
   rt_flag_ends(peaks, out);
+  rt_judge_skew(peaks, out);
 
   const auto columns = static_cast<std::size_t>(peaks.column_count);
   for (std::size_t i = 0; i < columns; ++i) {

@@ -25,6 +25,10 @@ struct Peak {
   float amplitude{0};     ///< height above background, grey levels
   float width_px{0};      ///< full width at half maximum
   float background{0};    ///< grey levels
+  /// Share of (u^3 - 3/2 u) g(u) in the shape A g(u), u in standard deviations: 0 for a symmetric one, about
+  /// -0.09 where the stripe is dark beyond a standard deviation from its centre, on the side of the higher
+  /// rows.
+  float skew{0};
   std::uint8_t flags{0};  ///< PeakFlag
 };
 

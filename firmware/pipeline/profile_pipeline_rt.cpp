@@ -32,6 +32,7 @@ std::uint16_t point_flags(const stripe::Peak& peak, const stripe::ColumnPeaks& c
   if (selection_flags & stripe::k_selection_reflection) flags |= profile::k_point_reflection;
   if (selection_flags & stripe::k_selection_discontinuous) flags |= profile::k_point_discontinuous;
   if (selection_flags & stripe::k_selection_edge_mixed) flags |= profile::k_point_edge_mixed;
+  if (selection_flags & stripe::k_selection_brightness_step) flags |= profile::k_point_brightness_step;
   return flags;
 }
 
@@ -51,7 +52,8 @@ void rt_shift_rows(stripe::Peaks& peaks, float rows_px) noexcept BITELINE_RT {
   }
 }
 
-/// The chosen peaks as a line, averaged along itself.  A peak that mixes surfaces or is none joins nothing.
+/// The chosen peaks as a line, averaged along itself.  A peak that mixes surfaces or is none joins nothing;
+/// what skew shifts it shifts its neighbours, too, and no average takes off.
 void rt_average_along_line(const stripe::LineAverage& average, ExposedStripe& stripe,
                            std::span<stripe::LinePoint> work) noexcept BITELINE_RT {
   const auto columns = static_cast<std::size_t>(stripe.peaks.column_count);
@@ -73,6 +75,11 @@ void rt_average_along_line(const stripe::LineAverage& average, ExposedStripe& st
     previous_sound = sound;
   }
   average.rt_average(std::span{stripe.line}.subspan(0, columns), work);
+  for (std::size_t i = 0; i < columns; ++i) {
+    const float skew_sigma_px = stripe.selection.columns[i].skew_sigma_px;
+    if (skew_sigma_px > 0)
+      stripe.line[i].sigma_row_px = std::hypot(stripe.line[i].sigma_row_px, skew_sigma_px);
+  }
 }
 
 /// Puts points into a profile as long as there is room.
@@ -107,7 +114,8 @@ class PointWriter {
 bool prefers_second(const ExposedStripe& first, const ExposedStripe& second, std::size_t column) {
   if (!is_present(second, column)) return false;
   if (!is_present(first, column)) return true;
-  constexpr std::uint8_t k_bad = stripe::k_selection_reflection | stripe::k_selection_edge_mixed;
+  constexpr std::uint8_t k_bad =
+      stripe::k_selection_reflection | stripe::k_selection_edge_mixed | stripe::k_selection_brightness_step;
   const bool first_bad = first.selection.columns[column].flags & k_bad,
              second_bad = second.selection.columns[column].flags & k_bad;
   if (first_bad != second_bad) return first_bad;

@@ -29,7 +29,8 @@ constexpr std::array k_point_flags{FlagName{profile::k_point_saturated, "saturat
                                    FlagName{profile::k_point_reflection, "reflection"},
                                    FlagName{profile::k_point_discontinuous, "discontinuous"},
                                    FlagName{profile::k_point_second_exposure, "second_exposure"},
-                                   FlagName{profile::k_point_edge_mixed, "edge_mixed"}};
+                                   FlagName{profile::k_point_edge_mixed, "edge_mixed"},
+                                   FlagName{profile::k_point_brightness_step, "brightness_step"}};
 
 template <std::size_t Bits>
 void count_flags(std::uint32_t flags, std::array<std::uint64_t, Bits>& counts) {

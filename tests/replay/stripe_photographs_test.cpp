@@ -19,7 +19,9 @@ namespace {
 
 std::vector<Vec2> find_stripe(const cv::Mat& picture) {
   std::vector<Vec2> found;
-  for (const test::SeenPoint& seen : test::seen_stripe(picture)) found.push_back(seen.pixel_px);
+  for (const test::SeenPoint& seen : test::seen_stripe(picture)) {
+    if (seen.surface) found.push_back(seen.pixel_px);
+  }
   return found;
 }
 

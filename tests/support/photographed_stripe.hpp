@@ -18,6 +18,7 @@ namespace biteline::stripe::test {
 struct SeenPoint {
   Vec2 pixel_px{Vec2::Zero()};
   double sigma_px{0};  ///< along the rows
+  bool surface{true};  ///< false: reported with its place, but as cut by a step of brightness
 };
 
 /// About what a red bandpass filter before a monochrome camera would leave: red less what is as bright over
@@ -32,22 +33,8 @@ inline cv::Mat red_above_lamp(const cv::Mat& colour) {
   return picture;
 }
 
-/// Does the print change from paper to black, under the lamp, within the light that the stripe spreads in the
-/// paper?  There this light is cut on one side.
-inline bool beside_print(const cv::Mat& colour, const Vec2& pixel_px) {
-  constexpr int k_first_row = 9, k_rows = 3;
-  constexpr double k_dark_grey = 30, k_most_ratio = 0.4;
-  const int u = static_cast<int>(pixel_px.x()), v = static_cast<int>(std::lround(pixel_px.y()));
-  double above = 0, below = 0;
-  for (int k = k_first_row; k < k_first_row + k_rows; ++k) {
-    above += colour.at<cv::Vec3b>(std::max(0, v - k), u)[1] / double{k_rows};
-    below += colour.at<cv::Vec3b>(std::min(colour.rows - 1, v + k), u)[1] / double{k_rows};
-  }
-  return std::fabs(above - below) > k_most_ratio * std::max({k_dark_grey, above, below});
-}
-
 /// Peaks, the choice among them, the average along the line: the sensor's own, for light that is wider and
-/// speckled more than a scanner's.  Flagged points are left out.
+/// speckled more than a scanner's.  Points flagged for anything else than a step of brightness are left out.
 inline std::vector<SeenPoint> seen_stripe(const cv::Mat& picture) {
   const auto peaks = std::make_unique<Peaks>();
   const auto selection = std::make_unique<Selection>();
@@ -60,22 +47,24 @@ inline std::vector<SeenPoint> seen_stripe(const cv::Mat& picture) {
   selector->rt_select(*peaks, *selection);
   const auto columns = static_cast<std::size_t>(picture.cols);
   std::vector<LinePoint> line(columns), work(columns);
+  const auto is_surface = [&](std::size_t u) { return line[u].present && selection->columns[u].flags == 0; };
   for (std::size_t u = 0; u < columns; ++u) {
     const Selected& selected = selection->columns[u];
-    if (selected.kept_index < 0 || selected.flags != 0) continue;
+    if (selected.kept_index < 0 || (selected.flags & ~k_selection_brightness_step) != 0) continue;
     const Peak& peak = peaks->columns[u].kept[static_cast<std::size_t>(selected.kept_index)];
-    if (peak.flags & (k_peak_clipped | k_peak_poor_fit | k_peak_wide | k_peak_narrow)) continue;
+    if (peak.flags & (k_peak_clipped | k_peak_poor_fit)) continue;
     line[u] = {.row_px = peak.row_px,
                .sigma_row_px = peak.sigma_row_px,
                .present = true,
-               .joined = selected.joined && u > 0 && line[u - 1].present};
+               .joined = selected.joined && selected.flags == 0 && u > 0 && is_surface(u - 1)};
   }
   LineAverage({}).rt_average(line, work);
   std::vector<SeenPoint> seen;
   for (std::size_t u = 0; u < columns; ++u) {
     if (!line[u].present) continue;
     seen.push_back({.pixel_px = {static_cast<double>(u), static_cast<double>(line[u].row_px)},
-                    .sigma_px = line[u].sigma_row_px});
+                    .sigma_px = std::hypot(line[u].sigma_row_px, selection->columns[u].skew_sigma_px),
+                    .surface = is_surface(u)});
   }
   return seen;
 }

@@ -63,6 +63,7 @@ TEST(InstructionSets, EachOneFindsTheSamePeaks) {
                            static_cast<double>(got.kept[0].row_px), static_cast<double>(want.kept[0].row_px))
               .asCharString());
       LONGS_EQUAL(want.kept[0].flags, got.kept[0].flags);
+      DOUBLES_EQUAL(static_cast<double>(want.kept[0].skew), static_cast<double>(got.kept[0].skew), 0.01);
     }
   }
   CHECK(sets >= 1);

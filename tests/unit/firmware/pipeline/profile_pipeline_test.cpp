@@ -112,6 +112,54 @@ TEST(ProfilePipeline, MirrorImageOverHalfTheStripeIsFlagged) {
   CHECK(mirrored >= 80);
 }
 
+TEST(ProfilePipeline, WhatPrintCutsIsFlaggedAndMovesNoNeighbour) {
+  // Black print whose edge rises one row in three columns across the stripe.
+  MadeStripe stripe = made();
+  auto mean = dark();
+  stripe::test::add_stripe(stripe, mean);
+  for (int u = 0; u < k_width_px; ++u) {
+    for (int v = 0; v < k_height_px; ++v) {
+      const double beyond_px = v - 70 + (u - 150) / 3.0;
+      mean[static_cast<std::size_t>(v * k_width_px + u)] *= 1 - 0.95 * std::clamp(beyond_px + 0.5, 0.0, 1.0);
+    }
+  }
+  ProfilePipeline sut = create({.peaks = {.noise = stripe.noise}});
+  CHECK(process(sut, stripe::test::expose(stripe, mean, random)));
+  int cut = 0;
+  double worst_px = 0, worst_cut_px = 0;
+  for (const profile::ProfilePoint& point : out->view()) {
+    const double error_px = std::fabs(row_in_region(point) - 60);
+    const bool is_cut = (point.flags & profile::k_point_brightness_step) != 0;
+    cut += is_cut ? 1 : 0;
+    if (is_cut) worst_cut_px = std::max(worst_cut_px, error_px);
+    if ((point.flags & profile::k_point_not_surface) == 0) worst_px = std::max(worst_px, error_px);
+  }
+  CHECK(cut >= 15);
+  CHECK(worst_cut_px > 1.5);
+  CHECK_TEXT(worst_px < 0.15, StringFromFormat("%.3f px", worst_px).asCharString());
+}
+
+TEST(ProfilePipeline, LightScatteredToOneSideAddsDoubt) {
+  MadeStripe stripe = made(), halo = made();
+  halo.amplitude = 0.2 * stripe.amplitude;
+  halo.sigma_px = 2 * stripe.sigma_px;
+  halo.row_px = [&](int u) { return u < 200 ? -1000.0 : 60 + 2 * stripe.sigma_px; };
+  auto mean = dark();
+  stripe::test::add_stripe(stripe, mean);
+  stripe::test::add_stripe(halo, mean);
+  ProfilePipeline sut = create({.peaks = {.noise = stripe.noise}});
+  CHECK(process(sut, stripe::test::expose(stripe, mean, random)));
+  for (const profile::ProfilePoint& point : out->view()) {
+    LONGS_EQUAL(0, point.flags & profile::k_point_not_surface);
+    if (point.column > 210) {
+      CHECK(std::fabs(row_in_region(point) - 60) < 3.5 * static_cast<double>(point.sigma_row_px));
+      CHECK(point.sigma_row_px > 0.2F);
+    } else if (point.column < 190) {
+      CHECK(point.sigma_row_px < 0.05F);
+    }
+  }
+}
+
 TEST(ProfilePipeline, SpatterAndHotPixelsDoNotPassForSurface) {
   MadeStripe stripe = made();
   auto mean = dark();
