@@ -35,9 +35,10 @@ struct SelectorConfig {
 };
 
 enum SelectionFlag : std::uint8_t {
-  k_selection_reflection = 1U << 0U,       ///< not on a plausible stretch of stripe
-  k_selection_discontinuous = 1U << 1U,    ///< far from both neighbours
-  k_selection_edge_mixed = 1U << 2U,       ///< at the end of a stretch, and not of its brightness or width
+  k_selection_reflection = 1U << 0U,     ///< not on a plausible stretch of stripe
+  k_selection_discontinuous = 1U << 1U,  ///< far from both neighbours
+  /// At the end of a stretch, and not of its brightness or width; or a poor fit off its neighbours' line.
+  k_selection_edge_mixed = 1U << 2U,
   k_selection_brightness_step = 1U << 3U,  ///< cut on one side by print or another step of brightness
 };
 
@@ -97,6 +98,7 @@ class PeakSelector {
                                 float least_light) const noexcept BITELINE_RT;
   void rt_flag_ends(const Peaks& peaks, Selection& out) noexcept BITELINE_RT;
   static void rt_judge_skew(const Peaks& peaks, Selection& out) noexcept BITELINE_RT;
+  static void rt_flag_poor_fits(const Peaks& peaks, Selection& out) noexcept BITELINE_RT;
   [[nodiscard]] float rt_same_place_ratio(Index stretch) const noexcept BITELINE_RT;
   [[nodiscard]] float rt_support(Index stretch) const noexcept BITELINE_RT;
   [[nodiscard]] float rt_light(Index stretch) const noexcept BITELINE_RT;

@@ -28,6 +28,11 @@ constexpr float k_wide_ratio = 1.4F;
 constexpr std::size_t k_inner_columns = 5;
 constexpr std::size_t k_end_columns = 2;
 
+/// Columns on either side that confirm a poor fit's place, the farthest of them this far away, by so many
+/// standard deviations of its row: the line through three neighbours has an error of one and a half at it.
+constexpr std::size_t k_confirming_columns = 3, k_confirming_reach = 8;
+constexpr float k_confirming_sigma = 5.0F;
+
 std::int8_t choose_alone(const ColumnPeaks& column, PeakChoice choice) {
   if (column.kept_count == 0) return -1;
   if (column.kept_count == 1 || choice == PeakChoice::Strongest) {
@@ -49,6 +54,7 @@ void PeakSelector::rt_select(const Peaks& peaks, Selection& out) noexcept BITELI
   rt_judge(peaks, out);
   rt_flag_ends(peaks, out);
   rt_judge_skew(peaks, out);
+  rt_flag_poor_fits(peaks, out);
 
   const auto columns = static_cast<std::size_t>(peaks.column_count);
   for (std::size_t i = 0; i < columns; ++i) {
@@ -250,6 +256,41 @@ void PeakSelector::rt_flag_ends(const Peaks& peaks, Selection& out) noexcept BIT
       flag_end(i - 1, -1);
     }
     first = i;
+  }
+}
+
+/// A peak of another shape than the stripe's mixes two surfaces or is speckle.  Where surfaces mix, the
+/// columns on either side go on to somewhere else.
+void PeakSelector::rt_flag_poor_fits(const Peaks& peaks, Selection& out) noexcept BITELINE_RT {
+  const auto columns = static_cast<std::size_t>(peaks.column_count);
+  const auto chosen = [&](std::size_t i) -> const Peak& {
+    return peaks.columns[i].kept[static_cast<std::size_t>(out.columns[i].kept_index)];
+  };
+  // Does the line through the nearest columns of surface on one side, on the same stretch, go through column
+  // `i`?
+  const auto confirmed = [&](std::size_t i, int step) {
+    float row_px = 0, offset = 0, nearest_row_px = 0, nearest_offset = 0;
+    std::size_t count = 0, at = i;
+    for (std::size_t k = 1; k <= k_confirming_reach; ++k) {
+      if (step < 0 ? at == 0 || !out.columns[at].joined : at + 1 == columns || !out.columns[at + 1].joined)
+        return false;
+      at = step < 0 ? at - 1 : at + 1;
+      const Peak& peak = chosen(at);
+      if (out.columns[at].flags != 0 || (peak.flags & (k_peak_poor_fit | k_peak_clipped)) != 0) continue;
+      const auto distance = static_cast<float>(k);
+      if (count == 0) nearest_row_px = peak.row_px, nearest_offset = distance;
+      row_px += peak.row_px / static_cast<float>(k_confirming_columns);
+      offset += distance / static_cast<float>(k_confirming_columns);
+      if (++count < k_confirming_columns) continue;
+      const float slope_px = (peak.row_px - nearest_row_px) / (distance - nearest_offset);
+      return std::fabs(chosen(i).row_px - (row_px - slope_px * offset)) <
+             k_confirming_sigma * chosen(i).sigma_row_px;
+    }
+    return false;
+  };
+  for (std::size_t i = 0; i < columns; ++i) {
+    if (out.columns[i].kept_index < 0 || (chosen(i).flags & k_peak_poor_fit) == 0) continue;
+    if (!confirmed(i, -1) || !confirmed(i, +1)) out.columns[i].flags |= k_selection_edge_mixed;
   }
 }
 

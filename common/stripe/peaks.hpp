@@ -16,7 +16,8 @@ enum PeakFlag : std::uint8_t {
   k_peak_clipped = 1U << 1U,    ///< the stripe runs over the region's edge
   k_peak_wide = 1U << 2U,       ///< wider than PeakConfig::width_max_px
   k_peak_narrow = 1U << 3U,     ///< narrower than PeakConfig::width_min_px: a hot pixel, spatter
-  k_peak_poor_fit = 1U << 4U,   ///< not of the stripe's shape: two stripes run together, or a broken one
+  k_peak_poor_fit =
+      1U << 4U,  ///< not of the stripe's shape: two stripes run together, a broken one, or speckle
 };
 
 struct Peak {

@@ -27,7 +27,6 @@ std::uint16_t point_flags(const stripe::Peak& peak, const stripe::ColumnPeaks& c
   if (peak.flags & stripe::k_peak_clipped) flags |= profile::k_point_clipped;
   if (peak.flags & stripe::k_peak_wide) flags |= profile::k_point_wide;
   if (peak.flags & stripe::k_peak_narrow) flags |= profile::k_point_narrow;
-  if (peak.flags & stripe::k_peak_poor_fit) flags |= profile::k_point_edge_mixed;
   if (column.seen_count > 1) flags |= profile::k_point_other_peaks;
   if (selection_flags & stripe::k_selection_reflection) flags |= profile::k_point_reflection;
   if (selection_flags & stripe::k_selection_discontinuous) flags |= profile::k_point_discontinuous;
@@ -66,8 +65,7 @@ void rt_average_along_line(const stripe::LineAverage& average, ExposedStripe& st
       continue;
     }
     const stripe::Peak& peak = chosen_peak(stripe, i);
-    const bool sound =
-        selected.flags == 0 && (peak.flags & (stripe::k_peak_clipped | stripe::k_peak_poor_fit)) == 0;
+    const bool sound = selected.flags == 0 && (peak.flags & stripe::k_peak_clipped) == 0;
     stripe.line[i] = {.row_px = peak.row_px,
                       .sigma_row_px = peak.sigma_row_px,
                       .present = true,

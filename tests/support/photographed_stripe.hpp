@@ -52,7 +52,7 @@ inline std::vector<SeenPoint> seen_stripe(const cv::Mat& picture) {
     const Selected& selected = selection->columns[u];
     if (selected.kept_index < 0 || (selected.flags & ~k_selection_brightness_step) != 0) continue;
     const Peak& peak = peaks->columns[u].kept[static_cast<std::size_t>(selected.kept_index)];
-    if (peak.flags & (k_peak_clipped | k_peak_poor_fit)) continue;
+    if (peak.flags & k_peak_clipped) continue;
     line[u] = {.row_px = peak.row_px,
                .sigma_row_px = peak.sigma_row_px,
                .present = true,

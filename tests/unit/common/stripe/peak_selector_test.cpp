@@ -61,7 +61,8 @@ TEST(PeakSelector, LongDimStripeWinsOverShortBrightGlare) {
 }
 
 TEST(PeakSelector, AMirrorImageAlongHalfOfTheStripeDoesNotWinByItsLight) {
-  // Black beside patent leather: both halves' stripe dim, the patent leather's mirror image ten times as bright.
+  // Black beside patent leather: both halves' stripe dim, the patent leather's mirror image ten times as
+  // bright.
   add({.first = 0, .end = k_columns, .row_px = 200, .slope_px = 0, .amplitude = 60});
   add({.first = 180, .end = k_columns, .row_px = 120, .slope_px = 0, .amplitude = 600});
   sut->rt_select(*peaks, *selection);
@@ -123,6 +124,22 @@ TEST(PeakSelector, DimEndOfAStretchIsMixed) {
   sut->rt_select(*peaks, *selection);
   CHECK(flags(199) & k_selection_edge_mixed);
   LONGS_EQUAL(0, flags(198));
+}
+
+TEST(PeakSelector, APoorFitIsSurfaceOnlyWhereBothSidesGoOnToIt) {
+  // Speckle on a slope; between two levels three rows to either side; at the end, where one side tells
+  // nothing.
+  add({.first = 0, .end = 150, .row_px = 100, .slope_px = 0.5, .amplitude = 150});
+  add({.first = 150, .end = 250, .row_px = 178, .slope_px = 0, .amplitude = 150});
+  for (const std::size_t u : {60U, 61U, 150U, 248U}) peaks->columns[u].kept[0].flags = k_peak_poor_fit;
+  peaks->columns[150].kept[0].row_px = 176.2F;
+  sut->rt_select(*peaks, *selection);
+  LONGS_EQUAL(0, flags(60));
+  LONGS_EQUAL(0, flags(61));
+  CHECK(flags(150) & k_selection_edge_mixed);
+  CHECK(flags(248) & k_selection_edge_mixed);
+  LONGS_EQUAL(0, flags(149));
+  LONGS_EQUAL(0, flags(151));
 }
 
 TEST(PeakSelector, FirstLastAndStrongestAreWhatTheySay) {

@@ -179,7 +179,7 @@ TEST(ProfilePipeline, SpatterAndHotPixelsDoNotPassForSurface) {
 }
 
 TEST(ProfilePipeline, StepsMixNoSurfaces) {
-  for (const double step_px : {10.0, 14.0, 25.0, 50.0}) {
+  for (const double step_px : {8.0, 10.0, 14.0, 25.0, 50.0}) {
     MadeStripe stripe = made();
     const auto upper = [](int u) { return 50 + 0.03 * u; };
     auto mean = dark();
