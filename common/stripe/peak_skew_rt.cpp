@@ -102,6 +102,7 @@ struct Piece {
   }
   [[nodiscard]] std::size_t after(std::size_t i) const { return std::min(i + k_side_columns + 1, size); }
 
+  /// About the i-th the stripe is as narrow as what print leaves of it.
   [[nodiscard]] bool is_rest(std::size_t i) const {
     return mean(before(i), after(i), width_of) < k_rest_width_ratio * usual_width_px;
   }
@@ -163,9 +164,10 @@ struct Piece {
   }
 };
 
-bool is_sound(const Peaks& peaks, const Selected& selected, std::size_t i) {
+/// A peak of the stripe's own shape, and not flagged.
+bool is_sound(const ColumnPeaks& peaks, const Selected& selected) {
   return selected.kept_index >= 0 && selected.flags == 0 &&
-         (peaks.columns[i].kept[static_cast<std::size_t>(selected.kept_index)].flags &
+         (peaks.kept[static_cast<std::size_t>(selected.kept_index)].flags &
           (k_peak_clipped | k_peak_poor_fit)) == 0;
 }
 
@@ -223,7 +225,7 @@ void PeakSelector::rt_judge_skew(const Peaks& peaks, Selection& out) noexcept BI
   std::array<bool, k_max_columns> sound;
   for (std::size_t i = 0; i < columns; ++i) {
     const Selected& selected = out.columns[i];
-    sound[i] = is_sound(peaks, selected, i);
+    sound[i] = is_sound(peaks.columns[i], selected);
     if (!sound[i]) continue;
     const Peak& peak = peaks.columns[i].kept[static_cast<std::size_t>(selected.kept_index)];
     skew.add(peak.skew);
