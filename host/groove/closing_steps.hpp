@@ -4,9 +4,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "host/groove/extract.hpp"
+#include "host/groove/large.hpp"
 #include "host/groove/side/side.hpp"
 #include "host/groove/stage_clock.hpp"
 
@@ -14,11 +16,11 @@ namespace biteline::groove {
 
 /// Points for the line's place, in shoe; how many there are for each point of the side.
 struct RawPoints {
-  std::vector<Eigen::Vector3f> points;
+  Large<Eigen::Vector3f> points;
   double per_side_point{1};
 };
 /// The raw points behind points of the side, given by their indices.
-using RawNear = std::function<RawPoints(const std::vector<std::uint32_t>&)>;
+using RawNear = std::function<RawPoints(std::span<const std::uint32_t>)>;
 
 /// Fills `extraction`, whose T_base_shoe is set.  `cloud`: what the side was made of.
 void find_line(const Side& side, const cloud::PointCloud& cloud, const ExtractConfig& config,

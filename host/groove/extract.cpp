@@ -31,7 +31,7 @@ Extraction extract(const cloud::PointCloud& cloud, const ExtractConfig& config,
   StageClock clock{extraction.stages, on_stage};
   const std::optional<Side> side = make_side(cloud.points, clock, extraction);
   if (!side) return extraction;
-  const RawNear raw_near = [&](const std::vector<std::uint32_t>& near) {
+  const RawNear raw_near = [&](std::span<const std::uint32_t> near) {
     RawPoints raw;
     raw.points.reserve(near.size());
     for (const std::uint32_t i : near) raw.points.push_back(side->shoe.points[i]);

@@ -5,11 +5,48 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace biteline::groove {
 
-/// to[i] += scale * from[i].  Pre: `from` has as many values as `to` and does not overlap it.
-void add_scaled(std::span<float> to, const float* from, float scale);
+/// Weights exp(-j^2 / 2 sigma^2) for j from -reach to reach, reach being `sigmas` standard deviations.
+[[nodiscard]] std::vector<float> gaussian(double sigma_steps, double sigmas);
+
+/// A row of values that goes into a sum, and how much it counts.
+struct Tap {
+  const float* from;
+  float weight;
+};
+/// to[i] = sum of weight * from[i] over the taps.  Pre: each `from` has as many values as `to` and does not
+/// overlap it.
+void sum_taps(std::span<float> to, std::span<const Tap> taps);
+
+/// The same for a kernel that slides along one row: to[i] = sum over j of kernel[j] * from[i + j].
+void convolve(std::span<float> to, const float* from, std::span<const float> kernel);
+
+/// Sums over weighted points: weight, place x, x^2, value, x value.
+struct LineSums {
+  const float *w, *x, *xx, *value, *x_value;
+};
+/// The straight line through the points of each i, taken at x = 0, and their plain mean where their variance
+/// in x is below `least_spread`; 0 where they weigh less than `least_weight`, and not known.
+struct LineFit {
+  float least_weight, least_spread;
+};
+void fit_lines(const LineSums& sums, const LineFit& fit, std::span<float> to, std::uint8_t* known);
+
+/// A grid's row at a distance of `x` rows: per cell the number of its points, the sum of their places from
+/// its middle, of their values, and of both times each other.
+struct RowOfSums {
+  const float *w, *x, *value, *x_value;
+  float weight;
+  float at;
+};
+/// The lines through the points of all rows, at x = 0.  Known where they weigh enough and lie on both sides.
+void fit_rows(std::span<const RowOfSums> rows, const LineFit& fit, std::span<float> to, std::uint8_t* known);
+
+/// to[i] = atan((high[i] - low[i]) * per_span) to 1e-5 rad.
+void slope_angles(std::span<float> to, const float* low, const float* high, float per_span);
 
 /// One column of a path's dynamic programming.
 struct ColumnStep {

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <optional>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include "common/core/contracts.hpp"
 #include "host/groove/closing_steps.hpp"
 
@@ -64,16 +67,24 @@ Extraction LiveScan::finish(const ExtractConfig& config, const StageCallback& on
   StageClock clock{extraction.stages, on_stage};
   const std::optional<Side> side = make_side(thinned_.points, clock, extraction);
   if (!side) return extraction;
-  const RawNear raw_near = [&](const std::vector<std::uint32_t>& near) {
+  const RawNear raw_near = [&](std::span<const std::uint32_t> near) {
     RawPoints raw;
     raw.per_side_point = static_cast<double>(raw_.size()) / static_cast<double>(thinned_.size());
-    raw.points.reserve(static_cast<std::size_t>(1.2 * raw.per_side_point * static_cast<double>(near.size())));
-    const Eigen::Isometry3f T_shoe_base = side->shoe.T_base_shoe.inverse().cast<float>();
-    for (const std::uint32_t i : near) {
-      const std::uint32_t run = side->shoe.index[i];
+    const auto run_of = [&](std::size_t i) {
+      const std::size_t run = side->shoe.index[near[i]];
       const std::size_t end = run + 1 < first_raw_.size() ? first_raw_[run + 1] : raw_.size();
-      for (std::size_t k = first_raw_[run]; k < end; ++k) raw.points.push_back(T_shoe_base * raw_[k]);
-    }
+      return std::span{raw_.data() + first_raw_[run], end - first_raw_[run]};
+    };
+    Large<std::size_t> first(near.size() + 1, 0);
+    for (std::size_t i = 0; i < near.size(); ++i) first[i + 1] = first[i] + run_of(i).size();
+    raw.points.resize(first.back());
+    const Eigen::Isometry3f T_shoe_base = side->shoe.T_base_shoe.inverse().cast<float>();
+    tbb::parallel_for(tbb::blocked_range<std::size_t>{0, near.size(), 4096}, [&](const auto& range) {
+      for (std::size_t i = range.begin(); i != range.end(); ++i) {
+        Eigen::Vector3f* to = raw.points.data() + first[i];
+        for (const Eigen::Vector3f& p : run_of(i)) *to++ = T_shoe_base * p;
+      }
+    });
     return raw;
   };
   find_line(*side, thinned_, config, raw_near, clock, extraction);

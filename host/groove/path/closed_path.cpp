@@ -8,6 +8,7 @@
 
 #include "common/core/contracts.hpp"
 #include "host/groove/lanes.hpp"
+#include "host/groove/large.hpp"
 
 namespace biteline::groove {
 
@@ -17,23 +18,12 @@ constexpr float k_blocked = 1e30F;
 
 struct Sweep {
   std::vector<float> total;       ///< per row after the last column
-  std::vector<std::int8_t> step;  ///< per column and row: row of the previous column minus this row
+  Large<std::int8_t> step;  ///< per column and row: row of the previous column minus this row
 };
 
-/// Cost column after column, the order in which the sweep reads it.
-std::vector<float> transposed(std::span<const float> cost, int rows, int cols) {
-  std::vector<float> by_column(cost.size());
-  for (int r = 0; r < rows; ++r) {
-    for (int c = 0; c < cols; ++c)
-      by_column[static_cast<std::size_t>(c) * static_cast<std::size_t>(rows) + static_cast<std::size_t>(r)] =
-          cost[static_cast<std::size_t>(r) * static_cast<std::size_t>(cols) + static_cast<std::size_t>(c)];
-  }
-  return by_column;
-}
-
-/// Dynamic programming over `count` columns from column 0 (taken modulo cols) of costs kept column after
-/// column; `start` gives the cost of each first row.
-Sweep sweep(std::span<const float> by_column, int rows, int cols, int count, const std::vector<float>& start,
+/// Dynamic programming over `count` columns from column 0 (taken modulo cols); `start` gives the cost of each
+/// first row.
+Sweep sweep(std::span<const float> cost, int rows, int cols, int count, const std::vector<float>& start,
             const PathConfig& config) {
   Sweep result;
   result.step.assign(static_cast<std::size_t>(rows) * static_cast<std::size_t>(count), 0);
@@ -45,11 +35,11 @@ Sweep sweep(std::span<const float> by_column, int rows, int cols, int count, con
   std::vector<float> penalty;
   for (int d = -reach; d <= reach; ++d) penalty.push_back(static_cast<float>(config.step_cost * d * d));
   for (std::size_t r = 0; r < height; ++r)
-    before[r + static_cast<std::size_t>(reach)] = start[r] + by_column[r];
+    before[r + static_cast<std::size_t>(reach)] = start[r] + cost[r];
   for (int column = 1; column < count; ++column) {
     step_column({.before = before.data() + reach,
                  .penalty = penalty,
-                 .own = by_column.data() + static_cast<std::size_t>(column % cols) * height,
+                 .own = cost.data() + static_cast<std::size_t>(column % cols) * height,
                  .most = k_blocked},
                 {after.data() + reach, height},
                 result.step.data() + static_cast<std::size_t>(column) * height);
@@ -77,8 +67,7 @@ ClosedPath shortest_closed_path(std::span<const float> cost, int rows, int cols,
   BITELINE_EXPECTS(rows > 0 && cols > 1 &&
                    cost.size() == static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols));
   const std::vector<float> free_start(static_cast<std::size_t>(rows), 0.0F);
-  const std::vector<float> by_column = transposed(cost, rows, cols);
-  const Sweep twice = sweep(by_column, rows, cols, 2 * cols, free_start, config);
+  const Sweep twice = sweep(cost, rows, cols, 2 * cols, free_start, config);
   const auto end =
       static_cast<int>(std::min_element(twice.total.begin(), twice.total.end()) - twice.total.begin());
   const int seam_row = trace_back(twice, rows, 2 * cols, end)[static_cast<std::size_t>(cols)];
@@ -86,19 +75,19 @@ ClosedPath shortest_closed_path(std::span<const float> cost, int rows, int cols,
   // Once round from the seam's row back to the same row: cols + 1 columns, the last being the first again.
   std::vector<float> start(static_cast<std::size_t>(rows), k_blocked);
   start[static_cast<std::size_t>(seam_row)] = 0;
-  const Sweep once = sweep(by_column, rows, cols, cols + 1, start, config);
+  const Sweep once = sweep(cost, rows, cols, cols + 1, start, config);
   ClosedPath path;
   path.row = trace_back(once, rows, cols + 1, seam_row);
   path.row.pop_back();
   path.cost = static_cast<double>(once.total[static_cast<std::size_t>(seam_row)]) -
-              static_cast<double>(cost[static_cast<std::size_t>(seam_row) * static_cast<std::size_t>(cols)]);
+              static_cast<double>(cost[static_cast<std::size_t>(seam_row)]);
   return path;
 }
 
 ClosedPath shortest_open_path(std::span<const float> cost, int rows, int cols, const PathConfig& config) {
   BITELINE_EXPECTS(rows > 0 && cols > 1 &&
                    cost.size() == static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols));
-  const Sweep once = sweep(transposed(cost, rows, cols), rows, cols, cols,
+  const Sweep once = sweep(cost, rows, cols, cols,
                            std::vector<float>(static_cast<std::size_t>(rows), 0.0F), config);
   const auto end =
       static_cast<int>(std::min_element(once.total.begin(), once.total.end()) - once.total.begin());

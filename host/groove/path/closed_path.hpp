@@ -17,8 +17,8 @@ struct PathConfig {
   double step_cost{0.02};  ///< per squared row of a step
 };
 
-/// Path of least total cost through `cost` (row-major, rows x cols), one row per column, whose end joins its
-/// start.
+/// Path of least total cost through `cost` (rows x cols, column after column), one row per column, whose end
+/// joins its start.
 ///
 /// Dynamic programming twice round finds where the best path crosses the seam; once more from there closes
 /// it.  Exact whenever the path twice round repeats itself at the seam, which it does unless two paths tie;

@@ -5,6 +5,11 @@
 #include <cmath>
 #include <optional>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+#include <tbb/task_group.h>
+
 #include "host/groove/path/closed_path.hpp"
 
 namespace biteline::groove {
@@ -16,11 +21,12 @@ constexpr double k_least_evidence = 0.1;  // weaker paths, and all that would co
 constexpr double k_worth_a_look_share = 0.5;  // less visible ones are refused whether they close or not
 constexpr double k_deg = 3.14159265358979 / 180.0;
 
-double median(std::vector<double> values) {
+template <class Value>
+double median(std::vector<Value> values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return static_cast<double>(*middle);
 }
 
 float turn_at(const SideField& field, std::size_t cell) {
@@ -32,7 +38,7 @@ float turn_at(const SideField& field, std::size_t cell) {
 /// Typical turn of the surroundings, 4 to 12 mm above and below the path: texture, noise.
 double surrounding_turn(const SideField& field, int row, int col) {
   const SideGrid& grid = field.grid;
-  std::vector<double> around;
+  std::vector<float> around;
   const int near = static_cast<int>(4.0 / grid.row_mm);
   const int far = static_cast<int>(12.0 / grid.row_mm);
   around.reserve(128);
@@ -42,7 +48,7 @@ double surrounding_turn(const SideField& field, int row, int col) {
     if (r < 0 || r >= grid.rows) continue;
     for (int c = col - 2; c <= col + 2; c += 2) {
       const std::size_t cell = grid.at(r, (c + grid.cols) % grid.cols);
-      if (field.seen[cell] != 0) around.push_back(std::abs(static_cast<double>(field.turn_rad[cell])));
+      if (field.seen[cell] != 0) around.push_back(std::abs(field.turn_rad[cell]));
     }
   }
   return median(std::move(around));
@@ -178,46 +184,57 @@ Crease describe(const SideField& field, std::span<const float> evidence, const s
 
 }  // namespace
 
-std::vector<float> crease_evidence(const SideField& field) {
+Large<float> crease_evidence(const SideField& field) {
   // Saturates: beyond 40 degrees a deeper crease is not a better one.  Below 1.5 degrees lies the noise of
   // any scan.
   constexpr float k_noise_rad = static_cast<float>(1.5 * k_deg);
   constexpr float k_scale_rad = static_cast<float>(12.0 * k_deg);
-  std::vector<float> evidence(field.grid.size(), 0.0F);
-  for (std::size_t cell = 0; cell < evidence.size(); ++cell) {
-    const float turn = turn_at(field, cell);
-    if (field.seen[cell] != 0 && turn > k_noise_rad)
-      evidence[cell] = 1.0F - std::exp(-(turn - k_noise_rad) / k_scale_rad);
-  }
+  Large<float> evidence(field.grid.size(), 0.0F);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>{0, evidence.size(), 8192}, [&](const auto& range) {
+    for (std::size_t cell = range.begin(); cell != range.end(); ++cell) {
+      const float turn = turn_at(field, cell);
+      if (field.seen[cell] != 0 && turn > k_noise_rad)
+        evidence[cell] = 1.0F - std::exp(-(turn - k_noise_rad) / k_scale_rad);
+    }
+  });
   return evidence;
 }
 
 std::vector<Crease> find_creases(const SideField& field, const CreaseConfig& config) {
   const SideGrid& grid = field.grid;
-  const std::vector<float> evidence = crease_evidence(field);
-  std::vector<float> cost(evidence.size());
+  const Large<float> evidence = crease_evidence(field);
+  Large<float> cost(evidence.size());
   std::transform(evidence.begin(), evidence.end(), cost.begin(), [](float e) { return 1.0F - e; });
-  std::vector<Crease> creases;
   const int apart = static_cast<int>(std::lround(config.apart_mm / grid.row_mm));
-  for (int k = 0; k < config.most; ++k) {
-    const ClosedPath path = shortest_closed_path(cost, grid.rows, grid.cols, {});
-    creases.push_back(describe(field, evidence, path.row, config));
-    Crease& crease = creases.back();
-    crease.closure_mm = std::abs(path.row.front() - path.row.back()) * grid.row_mm;
-    if (crease.evidence < k_least_evidence) break;
-    if (crease.visible_share > k_worth_a_look_share) {
-      // Where closing costs less than a few columns without a crease, the closed path is the line; the open
-      // one may only have found another end for a column or two.
-      const ClosedPath open = shortest_open_path(cost, grid.rows, grid.cols, {});
-      if (path.cost - open.cost > k_spiral_cost)
-        crease.closure_mm = std::abs(open.row.front() - open.row.back()) * grid.row_mm;
-    }
+  std::vector<Crease> creases(static_cast<std::size_t>(config.most));
+  std::size_t found = 0;
+  tbb::task_group describing;  // while the next path is searched
+  for (double along = 1; found < creases.size() && along >= k_least_evidence;) {
+    ClosedPath path;
+    ClosedPath open;
+    tbb::parallel_invoke([&] { path = shortest_closed_path(cost, grid.rows, grid.cols, {}); },
+                         [&] { open = shortest_open_path(cost, grid.rows, grid.cols, {}); });
+    along = 0;
     for (int c = 0; c < grid.cols; ++c) {
       const int row = path.row[static_cast<std::size_t>(c)];
-      for (int r = std::max(0, row - apart); r <= std::min(grid.rows - 1, row + apart); ++r)
-        cost[grid.at(r, c)] = 1.0F;
+      along += static_cast<double>(evidence[grid.at(row, c)]) / grid.cols;
+      const int low = std::max(0, row - apart);
+      std::fill_n(cost.begin() + static_cast<std::ptrdiff_t>(grid.at(low, c)),
+                  std::min(grid.rows, row + apart + 1) - low, 1.0F);
     }
+    describing.run([&field, &evidence, &config, &crease = creases[found], path, open] {
+      crease = describe(field, evidence, path.row, config);
+      // Where closing costs less than a few columns without a crease, the closed path is the line; the open
+      // one may only have found another end for a column or two.
+      const bool spiral =
+          crease.visible_share > k_worth_a_look_share && path.cost - open.cost > k_spiral_cost;
+      const std::vector<int>& ends = spiral ? open.row : path.row;
+      crease.closure_mm = std::abs(ends.front() - ends.back()) * field.grid.row_mm;
+    });
+    ++found;
   }
+  describing.wait();
+  creases.resize(found);
   return creases;
 }
 

@@ -42,7 +42,7 @@ struct CreaseConfig {
 };
 
 /// Evidence of a crease at each place, 0 to 1.
-[[nodiscard]] std::vector<float> crease_evidence(const SideField& field);
+[[nodiscard]] Large<float> crease_evidence(const SideField& field);
 
 /// The best closed paths, best first by evidence alone.
 [[nodiscard]] std::vector<Crease> find_creases(const SideField& field, const CreaseConfig& config);

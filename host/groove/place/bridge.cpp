@@ -45,10 +45,9 @@ std::vector<Gap> gaps_of(std::span<const std::uint8_t> known) {
   if (first == count) return gaps;
   std::size_t last = first;
   for (std::size_t k = 1; k <= count; ++k) {
-    const std::size_t i = (first + k) % count;
+    const std::size_t i = first + k < count ? first + k : first + k - count;
     if (known[i] == 0) continue;
-    std::size_t steps = (i + count - last) % count;
-    if (steps == 0) steps = count;
+    const std::size_t steps = i > last ? i - last : i + count - last;
     if (steps > 1) gaps.push_back({.first = last, .steps = steps});
     last = i;
   }

@@ -64,9 +64,9 @@ std::vector<double> heights_at_stations(const PathCurve& curve, const Outline& p
   };
   std::vector<Sample> samples;
   for (std::size_t i = 0; i < curve.plan.size(); ++i) {
-    const auto foot =
-        path_outline.locate(static_cast<float>(curve.plan[i].x()), static_cast<float>(curve.plan[i].y()));
-    if (foot.valid) samples.push_back({static_cast<double>(foot.s_mm), curve.z_mm[i]});
+    const Place foot = path_outline.locate(
+        {static_cast<float>(curve.plan[i].x()), static_cast<float>(curve.plan[i].y()), 0.0F});
+    if (foot.s_mm >= 0) samples.push_back({static_cast<double>(foot.s_mm), curve.z_mm[i]});
   }
   std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) { return a.s < b.s; });
   const double length = path_outline.length_mm();

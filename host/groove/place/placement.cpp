@@ -7,6 +7,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "host/groove/buckets.hpp"
 #include "host/groove/place/bridge.hpp"
 #include "host/groove/place/path_curve.hpp"
 #include "host/groove/place/ridge.hpp"
@@ -185,22 +186,21 @@ std::vector<Vec2> plan_of(const Outline& outline, std::span<const double> o,
 
 }  // namespace
 
-std::vector<std::uint32_t> near_path(const SideField& field, const Crease& crease) {
+Large<std::uint32_t> near_path(const SideField& field, const Crease& crease) {
   // The sections' own reach and the millimetre that the smoothed path may lie off its columns.
-  const double below_mm = SectionConfig{}.below_mm + 1.0;
-  const double above_mm = SectionConfig{}.above_mm + 1.0;
-  std::vector<std::uint32_t> near;
-  near.reserve(field.places.size() / 3);
+  const auto below_mm = static_cast<float>(SectionConfig{}.below_mm + 1.0);
+  const auto above_mm = static_cast<float>(SectionConfig{}.above_mm + 1.0);
   const SideGrid& grid = field.grid;
-  for (std::size_t i = 0; i < field.places.size(); ++i) {
+  std::vector<float> path_z_mm;
+  for (const double row : crease.row) path_z_mm.push_back(static_cast<float>(grid.z_mm(row)));
+  const auto per_col = static_cast<float>(1 / grid.col_mm);
+  return items_where(field.places.size(), [&](std::size_t i) {
     const Place& place = field.places[i];
-    if (place.s_mm < 0) continue;
-    const int col = std::min(grid.cols - 1, static_cast<int>(static_cast<double>(place.s_mm) / grid.col_mm));
-    const double path_z_mm = grid.z_mm(crease.row[static_cast<std::size_t>(col)]);
-    const double above_path_mm = static_cast<double>(place.z_mm) - path_z_mm;
-    if (above_path_mm > -below_mm && above_path_mm < above_mm) near.push_back(static_cast<std::uint32_t>(i));
-  }
-  return near;
+    if (place.s_mm < 0) return false;
+    const auto col = std::min(path_z_mm.size() - 1, static_cast<std::size_t>(place.s_mm * per_col));
+    const float above_path_mm = place.z_mm - path_z_mm[col];
+    return above_path_mm > -below_mm && above_path_mm < above_mm;
+  });
 }
 
 Placement place_line(const PlacementInput& input, const PlacementConfig& config) {

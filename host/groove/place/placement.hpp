@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "host/groove/large.hpp"
 #include "host/groove/path/creases.hpp"
 #include "host/groove/place/normals.hpp"
 #include "host/groove/shoe/plan.hpp"
@@ -42,7 +43,7 @@ struct Placement {
 };
 
 /// Points of the outermost layer within reach of the path's height, in shoe: what place_line() works on.
-[[nodiscard]] std::vector<std::uint32_t> near_path(const SideField& field, const Crease& crease);
+[[nodiscard]] Large<std::uint32_t> near_path(const SideField& field, const Crease& crease);
 
 /// `near` in shoe: all raw points round the path, `points_per_mm2` of the surface.
 ///

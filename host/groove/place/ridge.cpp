@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -45,17 +46,13 @@ bool seen_both_sides(const Sections& sections, int station, int row) {
 
 }  // namespace
 
-std::vector<float> section_curvature(const Sections& sections, double sigma_mm) {
-  std::vector<float> k(sections.o_mm.size(), 0.0F);
+Large<float> section_curvature(const Sections& sections, double sigma_mm) {
+  Large<float> k(sections.o_mm.size(), 0.0F);
   const double h = sections.row_mm;
-  const int reach = static_cast<int>(std::ceil(4 * sigma_mm / h));
-  std::vector<float> g0;
-  double sum = 0;
-  for (int j = -reach; j <= reach; ++j) {
-    g0.push_back(static_cast<float>(std::exp(-0.5 * std::pow(j * h / sigma_mm, 2))));
-    sum += static_cast<double>(g0.back());
-  }
-  for (float& g : g0) g /= static_cast<float>(sum);
+  std::vector<float> kernel = gaussian(sigma_mm / h, 4);
+  const auto reach = static_cast<int>(kernel.size() / 2);
+  const float sum = std::accumulate(kernel.begin(), kernel.end(), 0.0F);
+  for (float& weight : kernel) weight /= sum;
   const auto rows = static_cast<std::size_t>(sections.rows);
   tbb::parallel_for(tbb::blocked_range<int>{0, sections.stations, 16}, [&](const auto& range) {
     std::vector<float> padded(rows + 2 * static_cast<std::size_t>(reach));
@@ -93,8 +90,7 @@ std::vector<float> section_curvature(const Sections& sections, double sigma_mm) 
         else
           padded[i] = o[r];
       }
-      std::fill(smooth.begin(), smooth.end(), 0.0F);
-      for (std::size_t j = 0; j < g0.size(); ++j) add_scaled(smooth, padded.data() + j, g0[j]);
+      convolve(smooth, padded.data(), kernel);
       float* out = k.data() + sections.at(station, 0);
       const auto inverse_h = static_cast<float>(1.0 / h);
       for (std::size_t r = std::max<std::size_t>(begin, 1); r + 1 < std::min(end, rows); ++r) {
@@ -127,13 +123,12 @@ Ridge follow_ridge(const Sections& sections, std::span<const float> k, double se
   // Each station counts by its own peak, so that a filled stretch's weak fillet is followed too; where
   // nothing but noise is left, continuity decides.
   const double floor = std::max({k_least_curvature_per_mm, 0.02 * usual, 2 * noise});
-  std::vector<float> cost(static_cast<std::size_t>(rows) * stations);
-  for (int r = 0; r < rows; ++r) {
-    for (std::size_t i = 0; i < stations; ++i) {
-      const double value =
-          static_cast<double>(k[sections.at(static_cast<int>(i), low + r)]) / std::max(peaks[i], floor);
-      cost[static_cast<std::size_t>(r) * stations + i] = static_cast<float>(1.0 - std::max(value, 0.0));
-    }
+  Large<float> cost(static_cast<std::size_t>(rows) * stations);
+  for (std::size_t i = 0; i < stations; ++i) {
+    const auto per_peak = static_cast<float>(1 / std::max(peaks[i], floor));
+    const float* line = k.data() + sections.at(static_cast<int>(i), low);
+    std::transform(line, line + rows, cost.begin() + static_cast<std::ptrdiff_t>(i) * rows,
+                   [&](float value) { return 1.0F - std::max(value * per_peak, 0.0F); });
   }
   const ClosedPath path =
       shortest_closed_path(cost, rows, sections.stations, {.max_step_rows = 3, .step_cost = 0.03});

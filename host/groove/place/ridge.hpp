@@ -12,7 +12,7 @@ namespace biteline::groove {
 
 /// Curvature of every section at every row: o smoothed by the definition's Gaussian, then k = o'' / (1 +
 /// o'^2)^1.5. Gaussian and its derivatives are folded into one pass; unknown rows leave k at 0.
-[[nodiscard]] std::vector<float> section_curvature(const Sections& sections, double sigma_mm);
+[[nodiscard]] Large<float> section_curvature(const Sections& sections, double sigma_mm);
 
 struct Ridge {
   std::vector<double> row;       ///< per station, sub-row

@@ -2,11 +2,13 @@
 #include "host/groove/place/sections.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "host/groove/buckets.hpp"
 #include "host/groove/lanes.hpp"
 
 namespace biteline::groove {
@@ -20,20 +22,12 @@ constexpr float k_reach_o_mm = 14.0F;
 /// middle.
 enum Sum : std::size_t { k_w, k_s, k_ss, k_o, k_so, k_sums };
 
-std::vector<float> gaussian(double sigma, double step) {
-  const int reach = static_cast<int>(std::ceil(3.5 * sigma / step));
-  std::vector<float> kernel;
-  for (int j = -reach; j <= reach; ++j)
-    kernel.push_back(static_cast<float>(std::exp(-0.5 * std::pow(j * step / sigma, 2))));
-  return kernel;
-}
-
 /// Where one point falls.
 struct Landing {
-  std::int32_t station{-1};
-  std::int32_t row{0};
-  float s_mm{0};
-  float o_mm{0};
+  std::int32_t station;  ///< negative: on none
+  std::int32_t row;
+  float s_mm;
+  float o_mm;
 };
 
 /// The path's height at a station and at the next one, so that a sloping path leaves the sections level.
@@ -54,8 +48,7 @@ std::vector<Step> steps_of(std::span<const double> path_z_mm) {
 class Lander {
  public:
   Lander(const SectionInput& input, const SectionConfig& config, const Sections& sections)
-      : outline_{input.outline},
-        steps_{steps_of(input.path_z_mm)},
+      : steps_{steps_of(input.path_z_mm)},
         stations_{sections.stations},
         rows_{static_cast<float>(sections.rows)},
         zero_row_{static_cast<float>(sections.zero_row)},
@@ -63,91 +56,91 @@ class Lander {
         per_station_{1.0F / station_mm_},
         per_row_{static_cast<float>(1.0 / config.row_mm)} {}
 
-  [[nodiscard]] Landing land(const Eigen::Vector3f& p) const {
-    const Outline::Foot foot = outline_.locate(p.x(), p.y());
-    if (!foot.valid || std::abs(foot.o_mm) > k_reach_o_mm) return {};
-    const float at = foot.s_mm * per_station_;
+  [[nodiscard]] Landing land(const Place& place) const {
+    constexpr Landing k_nowhere{-1, 0, 0, 0};
+    if (place.s_mm < 0 || std::abs(place.o_mm) > k_reach_o_mm) return k_nowhere;
+    const float at = place.s_mm * per_station_;
     const auto nearest = static_cast<int>(at + 0.5F);
     const int before = static_cast<int>(at);
     const Step& step = steps_[static_cast<std::size_t>(before < stations_ ? before : 0)];
-    const float z = p.z() - (step.z_mm + (at - static_cast<float>(before)) * step.rise_mm);
+    const float z = place.z_mm - (step.z_mm + (at - static_cast<float>(before)) * step.rise_mm);
     const float row = z * per_row_ + zero_row_ + 0.5F;
-    if (row < 0 || row >= rows_) return {};
+    if (row < 0 || row >= rows_) return k_nowhere;
     return {nearest < stations_ ? nearest : 0, static_cast<std::int32_t>(row),
-            (at - static_cast<float>(nearest)) * station_mm_, foot.o_mm};
+            (at - static_cast<float>(nearest)) * station_mm_, place.o_mm};
   }
 
  private:
-  const Outline& outline_;
   std::vector<Step> steps_;
   int stations_;
   float rows_, zero_row_, station_mm_, per_station_, per_row_;
 };
 
-std::vector<float> collect(const SectionInput& input, const SectionConfig& config, const Sections& sections) {
-  std::vector<Landing> landings(input.points.size());
+Large<float> collect(const SectionInput& input, const SectionConfig& config, const Sections& sections) {
+  Large<Landing> landings(input.points.size());
   const Lander lander{input, config, sections};
   tbb::parallel_for(tbb::blocked_range<std::size_t>{0, input.points.size(), 4096}, [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) landings[i] = lander.land(input.points[i]);
+    std::vector<Place> places(range.size());
+    input.outline.locate(input.points.subspan(range.begin(), range.size()), places);
+    for (std::size_t i = 0; i < places.size(); ++i) landings[range.begin() + i] = lander.land(places[i]);
   });
+  const auto stations = static_cast<std::size_t>(sections.stations);
+  const Buckets at_station{landings.size(), stations, [&](std::size_t i) { return landings[i].station; }};
   const auto rows = static_cast<std::size_t>(sections.rows);
-  std::vector<float> bins(static_cast<std::size_t>(sections.stations) * k_sums * rows, 0.0F);
-  for (const Landing& landing : landings) {
-    if (landing.station < 0) continue;
-    float* bin = bins.data() + static_cast<std::size_t>(landing.station) * k_sums * rows +
-                 static_cast<std::size_t>(landing.row);
-    bin[k_w * rows] += 1.0F;
-    bin[k_s * rows] += landing.s_mm;
-    bin[k_ss * rows] += landing.s_mm * landing.s_mm;
-    bin[k_o * rows] += landing.o_mm;
-    bin[k_so * rows] += landing.s_mm * landing.o_mm;
-  }
+  Large<float> bins(stations * k_sums * rows);
+  tbb::parallel_for(std::size_t{0}, stations, [&](std::size_t station) {
+    const std::span block{bins.data() + station * k_sums * rows, k_sums * rows};
+    std::fill(block.begin(), block.end(), 0.0F);
+    for (const std::uint32_t i : at_station[station]) {
+      const Landing& landing = landings[i];
+      float* bin = block.data() + landing.row;
+      bin[k_w * rows] += 1.0F;
+      bin[k_s * rows] += landing.s_mm;
+      bin[k_ss * rows] += landing.s_mm * landing.s_mm;
+      bin[k_o * rows] += landing.o_mm;
+      bin[k_so * rows] += landing.s_mm * landing.o_mm;
+    }
+  });
   return bins;
 }
+
+/// Per sum, what goes into it.
+using Taps = std::array<std::vector<Tap>, k_sums>;
 
 /// Weighted sums over the stations around one, s counted from that station; `reach` empty rows at both ends
 /// of each sum.
 void sum_along(std::span<const float> bins, std::span<const float> weights, const Sections& sections,
-               int station, std::size_t reach, std::vector<float>& sums) {
+               int station, std::size_t reach, Taps& taps, std::vector<float>& sums) {
   const auto rows = static_cast<std::size_t>(sections.rows);
   const auto half = static_cast<int>(weights.size() / 2);
-  std::fill(sums.begin(), sums.end(), 0.0F);
-  const auto to = [&](Sum sum) { return std::span{sums.data() + sum * (rows + 2 * reach) + reach, rows}; };
+  for (std::vector<Tap>& of_sum : taps) of_sum.clear();
   for (int j = -half; j <= half; ++j) {
     const int other = ((station + j) % sections.stations + sections.stations) % sections.stations;
     const float* block = bins.data() + static_cast<std::size_t>(other) * k_sums * rows;
-    const auto from = [&](Sum sum) { return block + sum * rows; };
     const float g = weights[static_cast<std::size_t>(j + half)];
     const auto shift = static_cast<float>(j * sections.station_mm);
-    for (const Sum sum : {k_w, k_s, k_ss, k_o, k_so}) add_scaled(to(sum), from(sum), g);
-    add_scaled(to(k_s), from(k_w), g * shift);
-    add_scaled(to(k_ss), from(k_s), 2 * g * shift);
-    add_scaled(to(k_ss), from(k_w), g * shift * shift);
-    add_scaled(to(k_so), from(k_o), g * shift);
+    const auto add = [&](Sum to, Sum from, float weight) {
+      taps[to].push_back({block + from * rows, weight});
+    };
+    for (const Sum sum : {k_w, k_s, k_ss, k_o, k_so}) add(sum, sum, g);
+    add(k_s, k_w, g * shift);
+    add(k_ss, k_s, 2 * g * shift);
+    add(k_ss, k_w, g * shift * shift);
+    add(k_so, k_o, g * shift);
   }
+  for (std::size_t sum = 0; sum < k_sums; ++sum)
+    sum_taps({sums.data() + sum * (rows + 2 * reach) + reach, rows}, taps[sum]);
 }
 
 /// Straight line in s through the weighted points of each row, taken at the station; where all lie on one
 /// profile, their mean.
 void fit_station(std::span<const float> sums, Sections& sections, int station) {
-  constexpr float k_least_weight = 0.05F;
-  constexpr float k_least_spread_mm2 = 0.04F;
+  constexpr LineFit k_fit{.least_weight = 0.05F, .least_spread = 0.04F};
   const auto rows = static_cast<std::size_t>(sections.rows);
-  const float* w = sums.data() + k_w * rows;
-  const float* s = sums.data() + k_s * rows;
-  const float* ss = sums.data() + k_ss * rows;
-  const float* o = sums.data() + k_o * rows;
-  const float* so = sums.data() + k_so * rows;
-  float* out = sections.o_mm.data() + sections.at(station, 0);
-  std::uint8_t* known = sections.known.data() + sections.at(station, 0);
-  for (std::size_t r = 0; r < rows; ++r) {
-    const float det = w[r] * ss[r] - s[r] * s[r];
-    const bool spread = det > k_least_spread_mm2 * w[r] * w[r];
-    const float above = spread ? o[r] * ss[r] - so[r] * s[r] : o[r];
-    const float below = spread ? det : w[r];
-    out[r] = above / std::max(below, 1e-6F);  // rows of less weight are not known: their value is not read
-    known[r] = w[r] < k_least_weight ? 0 : 1;
-  }
+  const auto of = [&](Sum sum) { return sums.data() + sum * rows; };
+  fit_lines({of(k_w), of(k_s), of(k_ss), of(k_o), of(k_so)}, k_fit,
+            {sections.o_mm.data() + sections.at(station, 0), rows},
+            sections.known.data() + sections.at(station, 0));
 }
 
 /// Straight lines across gaps within the section; beyond its ends nothing.
@@ -203,23 +196,20 @@ SectionPoints::Patch SectionPoints::patch(int station, int low_row, int end_row)
 
 Sections SectionPoints::cut(double sigma_s_mm) const {
   Sections sections = frame_;
-  sections.o_mm.assign(static_cast<std::size_t>(sections.stations) * static_cast<std::size_t>(sections.rows),
-                       0.0F);
-  sections.known.assign(sections.o_mm.size(), 0);
-  const std::vector<float> along = gaussian(sigma_s_mm, sections.station_mm);
-  const std::vector<float> up = gaussian(config_.sigma_z_mm, config_.row_mm);
+  sections.o_mm.resize(static_cast<std::size_t>(sections.stations) * static_cast<std::size_t>(sections.rows));
+  sections.known.resize(sections.o_mm.size());
+  const std::vector<float> along = gaussian(sigma_s_mm / sections.station_mm, 3.5);
+  const std::vector<float> up = gaussian(config_.sigma_z_mm / config_.row_mm, 3.5);
   const std::size_t reach = up.size() / 2;
   const auto rows = static_cast<std::size_t>(sections.rows);
   tbb::parallel_for(tbb::blocked_range<int>{0, sections.stations, 16}, [&](const auto& range) {
+    Taps taps;
     std::vector<float> column(k_sums * (rows + 2 * reach));
     std::vector<float> sums(k_sums * rows);
     for (int station = range.begin(); station != range.end(); ++station) {
-      sum_along(bins_, along, sections, station, reach, column);
-      std::fill(sums.begin(), sums.end(), 0.0F);
-      for (std::size_t sum = 0; sum < k_sums; ++sum) {
-        for (std::size_t j = 0; j < up.size(); ++j)
-          add_scaled({sums.data() + sum * rows, rows}, column.data() + sum * (rows + 2 * reach) + j, up[j]);
-      }
+      sum_along(bins_, along, sections, station, reach, taps, column);
+      for (std::size_t sum = 0; sum < k_sums; ++sum)
+        convolve({sums.data() + sum * rows, rows}, column.data() + sum * (rows + 2 * reach), up);
       fit_station(sums, sections, station);
       fill_gaps(sections, station);
     }

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "host/groove/large.hpp"
 #include "host/groove/shoe/plan.hpp"
 
 namespace biteline::groove {
@@ -30,9 +31,9 @@ struct Sections {
   double row_mm{0};
   double station_mm{0};
   std::vector<double> path_z_mm;  ///< per station, in shoe
-  std::vector<float> o_mm;        ///< stations x rows; gaps up to 1.5 mm are filled by straight lines
+  Large<float> o_mm;  ///< stations x rows; gaps up to 1.5 mm are filled by straight lines
   enum Known : std::uint8_t { k_nothing = 0, k_seen = 1, k_filled = 2 };
-  std::vector<std::uint8_t> known;
+  Large<std::uint8_t> known;
 
   [[nodiscard]] std::size_t at(int station, int row) const {
     return static_cast<std::size_t>(station) * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row);
@@ -66,7 +67,7 @@ class SectionPoints {
  private:
   SectionConfig config_;
   Sections frame_;           ///< without values
-  std::vector<float> bins_;  ///< per station, one sum after the other, each over all rows
+  Large<float> bins_;  ///< per station, one sum after the other, each over all rows
 };
 
 }  // namespace biteline::groove

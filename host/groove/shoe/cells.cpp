@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <tbb/parallel_for.h>
+
 namespace biteline::groove {
 
 namespace {
@@ -15,11 +17,11 @@ std::pair<Eigen::Vector3f, Eigen::Vector3f> robust_bounds(std::span<const Eigen:
   constexpr float k_margin_mm =
       40.0F;  // one missing sector: what lies farther from everything else is no shoe
   const std::size_t step = std::max<std::size_t>(1, points.size() / k_sample);
-  std::vector<float> values;
   Eigen::Vector3f low;
   Eigen::Vector3f high;
-  for (int axis = 0; axis < 3; ++axis) {
-    values.clear();
+  tbb::parallel_for(0, 3, [&](int axis) {
+    std::vector<float> values;
+    values.reserve(points.size() / step + 1);
     for (std::size_t i = 0; i < points.size(); i += step) values.push_back(points[i][axis]);
     const auto cut = static_cast<std::ptrdiff_t>(values.size() / 2000);
     std::nth_element(values.begin(), values.begin() + cut, values.end());
@@ -27,7 +29,7 @@ std::pair<Eigen::Vector3f, Eigen::Vector3f> robust_bounds(std::span<const Eigen:
     const auto top = static_cast<std::ptrdiff_t>(values.size()) - 1 - cut;
     std::nth_element(values.begin(), values.begin() + top, values.end());
     high[axis] = values[static_cast<std::size_t>(top)] + k_margin_mm;
-  }
+  });
   return {low, high};
 }
 
@@ -47,9 +49,29 @@ Cells::Cells(std::span<const Eigen::Vector3f> points, const Config& config) : ce
 
   const auto total = static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()) *
                      static_cast<std::size_t>(size_.z());
+  // Neighbours in the cloud are mostly of one cell: summed up run by run first.
+  struct Run {
+    std::size_t cell;
+    std::uint32_t points;
+    Eigen::Vector3f sum;
+  };
+  constexpr std::size_t k_chunk = 8192;
+  std::vector<Large<Run>> runs((points.size() + k_chunk - 1) / k_chunk);
+  cell_of_.resize(points.size());
+  tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t chunk) {
+    std::int32_t last = -1;
+    for (std::size_t i = chunk * k_chunk; i < std::min(points.size(), (chunk + 1) * k_chunk); ++i) {
+      const std::int32_t cell = cell_of_[i] = cell_at(points[i]);
+      if (cell < 0) continue;
+      if (cell != last) runs[chunk].push_back({static_cast<std::size_t>(cell), 0, Eigen::Vector3f::Zero()});
+      last = cell;
+      ++runs[chunk].back().points;
+      runs[chunk].back().sum += points[i] - origin_;
+    }
+  });
   count_.assign(total, 0);
-  for (const Eigen::Vector3f& point : points) {
-    if (const std::int32_t cell = cell_of(point); cell >= 0) ++count_[static_cast<std::size_t>(cell)];
+  for (const Large<Run>& chunk : runs) {
+    for (const Run& run : chunk) count_[run.cell] += run.points;
   }
   slot_.assign(total, -1);
   for (std::size_t cell = 0; cell < total; ++cell) {
@@ -58,14 +80,22 @@ Cells::Cells(std::span<const Eigen::Vector3f> points, const Config& config) : ce
     occupied_.push_back(static_cast<std::int32_t>(cell));
   }
   mean_.assign(occupied_.size(), Eigen::Vector3f::Zero());
-  for (const Eigen::Vector3f& point : points) {
-    if (const std::int32_t cell = cell_of(point); cell >= 0) {
-      mean_[static_cast<std::size_t>(slot_[static_cast<std::size_t>(cell)])] += point - origin_;
-    }
+  for (const Large<Run>& chunk : runs) {
+    for (const Run& run : chunk) mean_[static_cast<std::size_t>(slot_[run.cell])] += run.sum;
   }
   for (std::size_t slot = 0; slot < occupied_.size(); ++slot) {
     mean_[slot] = origin_ + mean_[slot] / static_cast<float>(count(occupied_[slot]));
   }
+}
+
+std::int32_t Cells::cell_at(const Eigen::Vector3f& point) const {
+  const Eigen::Vector3f offset = (point - origin_) * inverse_mm_;
+  if (offset.minCoeff() < 0.0F) return -1;
+  const int x = static_cast<int>(offset.x());
+  const int y = static_cast<int>(offset.y());
+  const int z = static_cast<int>(offset.z());
+  if (x >= size_.x() || y >= size_.y() || z >= size_.z()) return -1;
+  return (z * size_.y() + y) * size_.x() + x;
 }
 
 Eigen::Vector3f Cells::mean(std::int32_t cell) const {

@@ -8,6 +8,8 @@
 
 #include <Eigen/Core>
 
+#include "host/groove/large.hpp"
+
 namespace biteline::groove {
 
 /// Dense grid; a cell keeps the number of its points and the sum of their offsets from its corner.
@@ -20,17 +22,8 @@ class Cells {
 
   Cells(std::span<const Eigen::Vector3f> points, const Config& config);
 
-  /// Cell of a point, or -1 outside the grid (far outliers).
-  [[nodiscard]] std::int32_t cell_of(const Eigen::Vector3f& point) const {
-    const Eigen::Vector3f offset = (point - origin_) * inverse_mm_;
-    if (offset.minCoeff() < 0.0F) return -1;
-    const int x = static_cast<int>(offset.x());
-    const int y = static_cast<int>(offset.y());
-    const int z = static_cast<int>(offset.z());
-    if (x >= size_.x() || y >= size_.y() || z >= size_.z()) return -1;
-    return (z * size_.y() + y) * size_.x() + x;
-  }
-
+  /// Cell of the i-th point, or -1 outside the grid (far outliers).
+  [[nodiscard]] std::int32_t cell_of(std::size_t i) const { return cell_of_[i]; }
   /// Cells with points, ascending.
   [[nodiscard]] const std::vector<std::int32_t>& occupied() const { return occupied_; }
   /// Index into occupied() of an occupied cell.
@@ -49,14 +42,17 @@ class Cells {
   int label(const std::vector<bool>& keep, std::vector<std::int32_t>& labels) const;
 
  private:
+  [[nodiscard]] std::int32_t cell_at(const Eigen::Vector3f& point) const;
+
   float cell_mm_;
   float inverse_mm_{0};
   Eigen::Vector3f origin_{Eigen::Vector3f::Zero()};
   Eigen::Vector3i size_{Eigen::Vector3i::Zero()};
-  std::vector<std::uint32_t> count_;
+  Large<std::int32_t> cell_of_;  ///< per point
+  Large<std::uint32_t> count_;
   std::vector<std::int32_t> occupied_;
-  std::vector<std::int32_t> slot_;     ///< cell -> index into occupied_, -1 when empty
-  std::vector<Eigen::Vector3f> mean_;  ///< per occupied cell
+  Large<std::int32_t> slot_;     ///< cell -> index into occupied_, -1 when empty
+  Large<Eigen::Vector3f> mean_;  ///< per occupied cell
 };
 
 }  // namespace biteline::groove

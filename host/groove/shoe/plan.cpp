@@ -2,14 +2,14 @@
 #include "host/groove/shoe/plan.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace biteline::groove {
 
 namespace {
-
-constexpr float k_lookup_mm = 2.0F;
 
 double cross(const Vec2& a, const Vec2& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -33,9 +33,37 @@ double respace(std::vector<Vec2>& curve, std::size_t count) {
   return length;
 }
 
+/// Drops what lies within the octagon of the outermost points in eight directions: most of a cloud, and never a
+/// corner of its hull (Akl and Toussaint 1978).
+void drop_inner(std::vector<Vec2>& points) {
+  if (points.size() < 100) return;
+  std::array<Vec2, 8> corner;
+  std::array<double, 8> reach;
+  reach.fill(-std::numeric_limits<double>::max());
+  for (const Vec2& p : points) {
+    const double sum = p.x() + p.y();
+    const double difference = p.x() - p.y();
+    const std::array<double, 8> along{p.x(), sum, p.y(), -difference, -p.x(), -sum, -p.y(), difference};
+    for (std::size_t k = 0; k < corner.size(); ++k) {
+      if (along[k] <= reach[k]) continue;
+      reach[k] = along[k];
+      corner[k] = p;
+    }
+  }
+  std::erase_if(points, [&](const Vec2& p) {
+    for (std::size_t k = 0; k < corner.size(); ++k) {
+      const Vec2& a = corner[k];
+      const Vec2& b = corner[(k + 1) % corner.size()];
+      if (a != b && cross(b - a, p - a) <= 0) return false;
+    }
+    return true;
+  });
+}
+
 }  // namespace
 
 std::vector<Vec2> convex_hull(std::vector<Vec2> points) {
+  drop_inner(points);
   std::sort(points.begin(), points.end(),
             [](const Vec2& a, const Vec2& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); });
   if (points.size() < 3) return points;
@@ -140,85 +168,20 @@ Outline::Outline(std::span<const Vec2> curve, const Config& config) {
     bend[i] = cross(normals_[(i + count - 1) % count], normals_[(i + 1) % count]) / (2.0 * spacing_mm());
   }
   bend_per_mm_ = smooth_closed(bend, 2.0);
-  samples_.reserve(count);
+  std::vector<OutlineLookup::Sample> samples;
+  samples.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     const Eigen::Vector2f p = points_[i].cast<float>();
     const Eigen::Vector2f n = normals_[i].cast<float>();
-    samples_.push_back({p.x(), p.y(), n.x(), n.y(), static_cast<float>(bend_per_mm_[i])});
+    samples.push_back({p.x(), p.y(), n.x(), n.y(), static_cast<float>(bend_per_mm_[i])});
   }
-  build_lookup(config.reach_mm);
+  lookup_ = {std::move(samples), static_cast<float>(length_mm_), static_cast<float>(config.reach_mm)};
 }
 
-void Outline::build_lookup(double reach_mm) {
-  Vec2 low = points_.front();
-  Vec2 high = low;
-  for (const Vec2& p : points_) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  lookup_origin_ = (low - Vec2::Constant(reach_mm)).cast<float>();
-  const Vec2 size = (high - low) + Vec2::Constant(2 * reach_mm);
-  lookup_cols_ = static_cast<int>(size.x() / k_lookup_mm) + 1;
-  lookup_rows_ = static_cast<int>(size.y() / k_lookup_mm) + 1;
-  const auto cells = static_cast<std::size_t>(lookup_cols_) * static_cast<std::size_t>(lookup_rows_);
-  nearest_.assign(cells, -1);
-  std::vector<float> distance2(cells, static_cast<float>(reach_mm * reach_mm));
-  const int reach = static_cast<int>(reach_mm / k_lookup_mm) + 1;
-  // A sample every 2 mm is enough to start from: locate() takes the Newton step to the foot.
-  const auto stride = static_cast<std::size_t>(std::max(1.0, std::floor(2.0 / spacing_mm())));
-  for (std::size_t i = 0; i < points_.size(); i += stride) {
-    const Eigen::Vector2f p = points_[i].cast<float>();
-    const int col = static_cast<int>((p.x() - lookup_origin_.x()) / k_lookup_mm);
-    const int row = static_cast<int>((p.y() - lookup_origin_.y()) / k_lookup_mm);
-    for (int r = std::max(0, row - reach); r <= std::min(lookup_rows_ - 1, row + reach); ++r) {
-      const float dy = lookup_origin_.y() + (static_cast<float>(r) + 0.5F) * k_lookup_mm - p.y();
-      for (int c = std::max(0, col - reach); c <= std::min(lookup_cols_ - 1, col + reach); ++c) {
-        const float dx = lookup_origin_.x() + (static_cast<float>(c) + 0.5F) * k_lookup_mm - p.x();
-        const float d2 = dx * dx + dy * dy;
-        const auto cell = static_cast<std::size_t>(r) * static_cast<std::size_t>(lookup_cols_) +
-                          static_cast<std::size_t>(c);
-        if (d2 >= distance2[cell]) continue;
-        distance2[cell] = d2;
-        nearest_[cell] = static_cast<std::int16_t>(i);
-      }
-    }
-  }
-}
-
-Outline::Foot Outline::locate(float x_mm, float y_mm) const {
-  const float column = (x_mm - lookup_origin_.x()) / k_lookup_mm;
-  const float line = (y_mm - lookup_origin_.y()) / k_lookup_mm;
-  if (!(column >= 0 && line >= 0) || column >= static_cast<float>(lookup_cols_) ||
-      line >= static_cast<float>(lookup_rows_))
-    return {};
-  const std::int16_t start =
-      nearest_[static_cast<std::size_t>(line) * static_cast<std::size_t>(lookup_cols_) +
-               static_cast<std::size_t>(column)];
-  if (start < 0) return {};
-  const auto spacing = static_cast<float>(spacing_mm());
-  const float per_spacing = 1.0F / spacing;
-  const auto count = static_cast<int>(samples_.size());
-  int i = start;
-  float along = 0;
-  float outwards = 0;
-  // Newton steps to the foot of the perpendicular: an offset curve at o is (1 + bend o) times as long.
-  for (int step = 0; step < 3; ++step) {
-    const Sample& k = samples_[static_cast<std::size_t>(i)];
-    const float rx = x_mm - k.x_mm;
-    const float ry = y_mm - k.y_mm;
-    outwards = rx * k.normal_x + ry * k.normal_y;
-    const float stretch = std::max(0.2F, 1.0F + k.bend_per_mm * outwards);
-    along = (ry * k.normal_x - rx * k.normal_y) / stretch;
-    const float jump = along * per_spacing;
-    const int whole = static_cast<int>(jump + (jump < 0 ? -0.5F : 0.5F));
-    if (whole == 0) break;
-    i = ((i + whole) % count + count) % count;
-  }
-  const auto length = static_cast<float>(length_mm_);
-  float s = static_cast<float>(i) * spacing + along;
-  if (s < 0) s += length;
-  if (s >= length) s -= length;
-  return {.s_mm = s, .o_mm = outwards, .valid = true};
+Place Outline::locate(const Eigen::Vector3f& point) const {
+  Place place;
+  locate({&point, 1}, {&place, 1});
+  return place;
 }
 
 Outline::Between Outline::between(double s_mm) const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/geometry/se3.hpp"
+#include "host/groove/shoe/outline_lookup.hpp"
 
 namespace biteline::groove {
 
@@ -41,12 +42,11 @@ class Outline {
   /// `curve` closed, anticlockwise, any spacing.
   Outline(std::span<const Vec2> curve, const Config& config);
 
-  struct Foot {
-    float s_mm{0};
-    float o_mm{0};
-    bool valid{false};
-  };
-  [[nodiscard]] Foot locate(float x_mm, float y_mm) const;
+  /// `places` of as many points in shoe.
+  void locate(std::span<const Eigen::Vector3f> points, std::span<Place> places) const {
+    lookup_.locate(points, places);
+  }
+  [[nodiscard]] Place locate(const Eigen::Vector3f& point) const;
 
   [[nodiscard]] Vec2 point(double s_mm) const;
   [[nodiscard]] Vec2 normal(double s_mm) const;  ///< outward unit normal
@@ -57,13 +57,6 @@ class Outline {
   [[nodiscard]] double spacing_mm() const { return length_mm_ / static_cast<double>(points_.size()); }
 
  private:
-  void build_lookup(double reach_mm);
-  /// What locate() needs of one sample, side by side: it is called once for each point of a cloud.
-  struct Sample {
-    float x_mm, y_mm;
-    float normal_x, normal_y;
-    float bend_per_mm;
-  };
   struct Between {
     std::size_t first, second;
     double fraction;
@@ -74,12 +67,7 @@ class Outline {
   std::vector<Vec2> normals_;
   std::vector<double> bend_per_mm_;
   double length_mm_{0};
-  std::vector<Sample> samples_;  ///< the three above in single precision
-
-  Eigen::Vector2f lookup_origin_{Eigen::Vector2f::Zero()};
-  int lookup_cols_{0};
-  int lookup_rows_{0};
-  std::vector<std::int16_t> nearest_;  ///< sample nearest to each cell of the plan, -1 out of reach
+  OutlineLookup lookup_;
 };
 
 /// Gaussian smoothing of closed data.

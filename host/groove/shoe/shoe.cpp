@@ -7,7 +7,11 @@
 #include <optional>
 #include <random>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
 #include "common/core/fixed_text.hpp"
+#include "host/groove/buckets.hpp"
 #include "host/groove/shoe/cells.hpp"
 #include "host/groove/shoe/plan.hpp"
 
@@ -281,15 +285,22 @@ Shoe find_shoe(std::span<const Eigen::Vector3f> points_base) {
   }
 
   const Eigen::Isometry3f T_shoe_base = shoe.T_base_shoe.inverse().cast<float>();
-  shoe.points.reserve(points_base.size());
-  shoe.index.reserve(points_base.size());
-  for (std::size_t i = 0; i < points_base.size(); ++i) {
-    const std::int32_t cell = cells.cell_of(points_base[i]);
-    if (cell < 0 || !cell_chosen[cells.slot(cell)]) continue;
-    if (table && table->height_mm(points_base[i].cast<double>()) < 1.0) continue;
-    shoe.points.push_back(T_shoe_base * points_base[i]);
-    shoe.index.push_back(static_cast<std::uint32_t>(i));
-  }
+  shoe.index = items_where(points_base.size(), [&](std::size_t i) {
+    const std::int32_t cell = cells.cell_of(i);
+    return cell >= 0 && cell_chosen[cells.slot(cell)] &&
+           !(table && table->height_mm(points_base[i].cast<double>()) < 1.0);
+  });
+  shoe.points.resize(shoe.index.size());
+  shoe.box = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>{0, shoe.index.size(), 8192}, Eigen::AlignedBox3f{},
+      [&](const auto& range, Eigen::AlignedBox3f box_seen) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+          shoe.points[i] = T_shoe_base * points_base[shoe.index[i]];
+          box_seen.extend(shoe.points[i]);
+        }
+        return box_seen;
+      },
+      [](const Eigen::AlignedBox3f& a, const Eigen::AlignedBox3f& b) { return a.merged(b); });
   shoe.found = true;
   return shoe;
 }

@@ -3,16 +3,12 @@
 /// \file The outermost layer of a shoe's side: linings, insoles and far walls seen through the opening lie
 /// behind it.
 
-#include <vector>
+#include <span>
+
+#include "host/groove/buckets.hpp"
+#include "host/groove/shoe/outline_lookup.hpp"
 
 namespace biteline::groove {
-
-/// A point of the cloud in the coordinates of an outline.
-struct Place {
-  float s_mm{-1};  ///< negative: not on the outermost layer, or out of reach
-  float o_mm{0};
-  float z_mm{0};
-};
 
 struct OuterLayerConfig {
   double length_mm{0};  ///< of the outline
@@ -29,6 +25,8 @@ struct OuterLayerConfig {
 /// Twice: a clear gap behind the outermost cluster of a coarse cell separates a lining; then whatever is
 /// deeper than the outermost points at its own height and at those just above and below lies behind the
 /// surface (an insole at the height of the bite line has no gap).
-void keep_outer_layer(std::vector<Place>& places, const OuterLayerConfig& config);
+///
+/// Returns the points that had a place, by column of at least 2 mm along the outline.
+Buckets keep_outer_layer(std::span<Place> places, const OuterLayerConfig& config);
 
 }  // namespace biteline::groove

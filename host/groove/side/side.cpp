@@ -3,36 +3,47 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
 
 namespace biteline::groove {
 
 namespace {
 
 /// Plan of the lower side: hull of the points up to 45 mm above the lowest, which is where bite lines are.
-Outline side_outline(const std::vector<Eigen::Vector3f>& points) {
+Outline side_outline(const Shoe& shoe) {
   constexpr float k_band_mm = 45.0F;
   constexpr float k_cell_mm = 1.0F;
-  float lowest = 1e9F;
-  float reach = 0;
-  for (const Eigen::Vector3f& p : points) {
-    lowest = std::min(lowest, p.z());
-    reach = std::max({reach, std::abs(p.x()), std::abs(p.y())});
-  }
   // Only the outermost point of each row of the plan can lie on the hull.
-  const auto half = static_cast<std::size_t>(reach / k_cell_mm) + 1;
-  std::vector<std::pair<Vec2, Vec2>> ends(2 * half + 1, {Vec2{1e9, 0}, Vec2{-1e9, 0}});
-  for (const Eigen::Vector3f& p : points) {
-    if (p.z() > lowest + k_band_mm) continue;
-    auto& [low, high] =
-        ends[static_cast<std::size_t>(std::floor(p.y() / k_cell_mm) + static_cast<float>(half))];
-    if (static_cast<double>(p.x()) < low.x()) low = p.head<2>().cast<double>();
-    if (static_cast<double>(p.x()) > high.x()) high = p.head<2>().cast<double>();
-  }
+  using Ends = std::vector<std::pair<Eigen::Vector2f, Eigen::Vector2f>>;
+  const auto rows = static_cast<std::size_t>(shoe.box.sizes().y() / k_cell_mm) + 1;
+  const auto widen = [](Ends::value_type& row, const Ends::value_type& by) {
+    if (by.first.x() < row.first.x()) row.first = by.first;
+    if (by.second.x() > row.second.x()) row.second = by.second;
+  };
+  const Ends ends = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>{0, shoe.points.size(), 8192}, Ends(rows, {{1e9F, 0}, {-1e9F, 0}}),
+      [&](const auto& range, Ends seen) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+          const Eigen::Vector3f& p = shoe.points[i];
+          if (p.z() > shoe.box.min().z() + k_band_mm) continue;
+          const auto row = static_cast<std::size_t>((p.y() - shoe.box.min().y()) / k_cell_mm);
+          widen(seen[row], {p.head<2>(), p.head<2>()});
+        }
+        return seen;
+      },
+      [&](Ends a, const Ends& b) {
+        for (std::size_t row = 0; row < a.size(); ++row) widen(a[row], b[row]);
+        return a;
+      });
   std::vector<Vec2> plan;
   for (const auto& [low, high] : ends) {
-    if (low.x() > 1e8) continue;
-    plan.push_back(low);
-    plan.push_back(high);
+    if (low.x() > 1e8F) continue;
+    plan.push_back(low.cast<double>());
+    plan.push_back(high.cast<double>());
   }
   return Outline{convex_hull(std::move(plan)), {}};
 }
@@ -47,14 +58,14 @@ std::optional<Side> make_side(std::span<const Eigen::Vector3f> points, StageCloc
     extraction.reason = shoe.reason;
     return std::nullopt;
   }
-  Outline outline = clock.run("outline", [&] { return side_outline(shoe.points); });
-  SideField field = clock.run("unroll", [&] { return SideField::build(shoe.points, outline, {}); });
+  Outline outline = clock.run("outline", [&] { return side_outline(shoe); });
+  SideField field = clock.run("unroll", [&] { return SideField::build(shoe, outline, {}); });
   return Side{std::move(shoe), std::move(outline), std::move(field)};
 }
 
 Vec3 normal_from_field(const Side& side, const Vec3& p) {
   const SideGrid& grid = side.field.grid;
-  const auto foot = side.outline.locate(static_cast<float>(p.x()), static_cast<float>(p.y()));
+  const auto foot = side.outline.locate(Eigen::Vector3f{p.cast<float>()});
   const Vec2 out = side.outline.normal(static_cast<double>(foot.s_mm));
   const Vec2 along{-out.y(), out.x()};
   const int col = static_cast<int>(static_cast<double>(foot.s_mm) / grid.col_mm) % grid.cols;

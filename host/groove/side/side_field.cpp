@@ -2,7 +2,9 @@
 #include "host/groove/side/side_field.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <utility>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -17,175 +19,147 @@ namespace {
 constexpr float k_inner_mm = 44.0F;  // how far inside the outline a surface may lie: a toe's top does
 constexpr float k_outer_mm = 16.0F;
 
-std::vector<Place> locate_all(std::span<const Eigen::Vector3f> points, const Outline& outline) {
-  std::vector<Place> places(points.size());
+Large<Place> locate_all(std::span<const Eigen::Vector3f> points, const Outline& outline) {
+  Large<Place> places(points.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>{0, points.size(), 8192}, [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      const Outline::Foot foot = outline.locate(points[i].x(), points[i].y());
-      const bool usable = foot.valid && foot.o_mm > -k_inner_mm && foot.o_mm < k_outer_mm;
-      places[i] = {usable ? foot.s_mm : -1.0F, foot.o_mm, points[i].z()};
+    const std::span located{places.data() + range.begin(), range.size()};
+    outline.locate(points.subspan(range.begin(), range.size()), located);
+    for (Place& place : located) {
+      if (place.o_mm <= -k_inner_mm || place.o_mm >= k_outer_mm) place.s_mm = -1.0F;
     }
   });
   return places;
 }
 
-/// Per cell: weight, sum of z offsets from the cell's middle, sum of o, sum of o times offset.
-struct Moments {
-  std::vector<float> w, wz, o, oz;
-  explicit Moments(std::size_t size) : w(size, 0), wz(size, 0), o(size, 0), oz(size, 0) {}
+/// Sums over the points of each cell, column after column: of 1, of their z offsets from its middle in rows,
+/// of o, of both times each other.  Each sum of a column lies between `margin` rows without points.
+struct Sums {
+  enum Sum : std::size_t { k_w, k_z, k_o, k_zo, k_sums };
+  std::size_t rows, margin;
+  Large<float> values;
+  std::size_t points{0};
+
+  [[nodiscard]] std::size_t height() const { return rows + 2 * margin; }
+  [[nodiscard]] float* of(std::size_t col, std::size_t sum = 0) {
+    return values.data() + (col * k_sums + sum) * height();
+  }
 };
 
-void blur_along(std::vector<float>& field, const SideGrid& grid, double sigma_cols) {
-  const int reach = static_cast<int>(std::ceil(3 * sigma_cols));
-  std::vector<float> kernel;
-  for (int j = -reach; j <= reach; ++j)
-    kernel.push_back(static_cast<float>(std::exp(-0.5 * std::pow(j / sigma_cols, 2))));
-  tbb::parallel_for(tbb::blocked_range<int>{0, grid.rows, 16}, [&](const auto& range) {
-    std::vector<float> padded(static_cast<std::size_t>(grid.cols + 2 * reach));
-    for (int row = range.begin(); row != range.end(); ++row) {
-      float* line = field.data() + grid.at(row, 0);
-      for (int c = 0; c < grid.cols + 2 * reach; ++c)
-        padded[static_cast<std::size_t>(c)] = line[((c - reach) % grid.cols + grid.cols) % grid.cols];
-      std::fill(line, line + grid.cols, 0.0F);
-      for (std::size_t j = 0; j < kernel.size(); ++j)
-        add_scaled({line, static_cast<std::size_t>(grid.cols)}, padded.data() + j, kernel[j]);
+/// `columns` are wider than the grid's, so two that are not neighbours share no cell of it.
+Sums collect(std::span<const Place> places, const Buckets& columns, const SideGrid& grid,
+             std::size_t margin) {
+  const auto cols = static_cast<std::size_t>(grid.cols);
+  Sums sums{.rows = static_cast<std::size_t>(grid.rows), .margin = margin, .values = {}};
+  sums.values.resize(cols * Sums::k_sums * sums.height());
+  tbb::parallel_for(std::size_t{0}, cols,
+                    [&](std::size_t col) { std::fill_n(sums.of(col), Sums::k_sums * sums.height(), 0.0F); });
+  const auto z_low_mm = static_cast<float>(grid.z_low_mm);
+  const auto per_row = static_cast<float>(1 / grid.row_mm);
+  const auto per_col = static_cast<float>(1 / grid.col_mm);
+  std::atomic<std::size_t> points{0};
+  const auto add_column = [&](std::size_t column) {
+    std::size_t used = 0;
+    for (const std::uint32_t i : columns[column]) {
+      const Place& place = places[i];
+      if (place.s_mm < 0) continue;
+      const float z = (place.z_mm - z_low_mm) * per_row;
+      const auto row = static_cast<std::size_t>(z);
+      if (row >= sums.rows) continue;
+      const float dz = z - static_cast<float>(row) - 0.5F;
+      float* cell =
+          sums.of(std::min(cols - 1, static_cast<std::size_t>(place.s_mm * per_col))) + margin + row;
+      cell[Sums::k_w * sums.height()] += 1.0F;
+      cell[Sums::k_z * sums.height()] += dz;
+      cell[Sums::k_o * sums.height()] += place.o_mm;
+      cell[Sums::k_zo * sums.height()] += place.o_mm * dz;
+      ++used;
     }
-  });
-}
-
-/// Local straight line in z through Gaussian weights, evaluated at each cell's middle: unlike a plain
-/// weighted mean it is right on slopes with uneven density and at borders.
-void fit_rows(const Moments& m, const SideGrid& grid, double sigma_rows, double min_weight,
-              SideField& field) {
-  const int reach = static_cast<int>(std::ceil(3 * sigma_rows));
-  tbb::parallel_for(tbb::blocked_range<int>{0, grid.rows, 8}, [&](const auto& range) {
-    const auto cols = static_cast<std::size_t>(grid.cols);
-    std::vector<float> s0(cols), s1(cols), s2(cols), t0(cols), t1(cols), up(cols), down(cols);
-    for (int row = range.begin(); row != range.end(); ++row) {
-      for (auto* sums : {&s0, &s1, &s2, &t0, &t1, &up, &down}) std::fill(sums->begin(), sums->end(), 0.0F);
-      for (int j = -reach; j <= reach; ++j) {
-        const int other = row + j;
-        if (other < 0 || other >= grid.rows) continue;
-        const auto g = static_cast<float>(std::exp(-0.5 * std::pow(j / sigma_rows, 2)));
-        const auto d = static_cast<float>(j);
-        const std::size_t base = grid.at(other, 0);
-        const float* w = m.w.data() + base;
-        const float* wz = m.wz.data() + base;
-        const float* o = m.o.data() + base;
-        add_scaled(s0, w, g);
-        add_scaled(s1, w, g * d);
-        add_scaled(s1, wz, g);
-        add_scaled(s2, w, g * d * d);
-        add_scaled(s2, wz, 2 * g * d);
-        add_scaled(t0, o, g);
-        add_scaled(t1, o, g * d);
-        add_scaled(t1, m.oz.data() + base, g);
-        if (j != 0) add_scaled(j < 0 ? down : up, w, g);
-      }
-      for (std::size_t c = 0; c < cols; ++c) {
-        const std::size_t cell = grid.at(row, 0) + c;
-        if (s0[c] < static_cast<float>(min_weight)) continue;
-        const float det = s0[c] * s2[c] - s1[c] * s1[c];
-        field.o_mm[cell] =
-            det > 0.02F * s0[c] * s0[c] ? (t0[c] * s2[c] - t1[c] * s1[c]) / det : t0[c] / s0[c];
-        field.seen[cell] = std::min(up[c], down[c]) > 0.12F * s0[c] ? 1 : 0;
-      }
-    }
-  });
-}
-
-/// atan to 1e-5 rad (Abramowitz and Stegun 4.4.49), without a branch, so that it goes through vectors.
-inline float arc_tangent(float x) {
-  const float size = std::abs(x);
-  const float t = size > 1.0F ? 1.0F / size : size;
-  const float t2 = t * t;
-  const float small =
-      t * (0.9998660F + t2 * (-0.3302995F + t2 * (0.1801410F + t2 * (-0.0851330F + t2 * 0.0208351F))));
-  const float angle = size > 1.0F ? 1.57079633F - small : small;
-  return x < 0.0F ? -angle : angle;
+    points += used;
+  };
+  for (const std::size_t first : {0U, 1U})
+    tbb::parallel_for(first, columns.size(), std::size_t{2}, add_column);
+  sums.points = points;
+  return sums;
 }
 
 /// Change of the angle of the section's tangent against upright, from `reach` rows below to as many above.
-void turns(SideField& field, double reach_mm, std::vector<float>& turn) {
+void turn_of_column(std::span<const float> o, const std::uint8_t* seen, double reach_mm, double row_mm,
+                    std::vector<float>& angle, float* turn) {
+  const auto reach = static_cast<std::size_t>(std::max(1L, std::lround(reach_mm / row_mm)));
+  std::fill_n(turn, o.size(), 0.0F);
+  if (2 * reach >= o.size()) return;
+  angle.resize(o.size() - reach);  // from each row to the one `reach` above
+  slope_angles(angle, o.data(), o.data() + reach,
+               static_cast<float>(1.0 / (static_cast<double>(reach) * row_mm)));
+  for (std::size_t r = reach; r < angle.size(); ++r)
+    turn[r] = (seen[r - reach] & seen[r] & seen[r + reach]) != 0 ? angle[r] - angle[r - reach] : 0.0F;
+}
+
+/// o(s, z) by Gaussian weights along the closed rows and a local straight line in z, evaluated at each cell's
+/// middle (`up`: its weights): unlike a plain weighted mean it is right on slopes with uneven density and at
+/// borders.  Then its turns.
+void fit_columns(Sums& sums, std::span<const float> up, const SideField::Config& config, SideField& field) {
+  constexpr float k_least_spread_rows2 = 0.02F;
   const SideGrid& grid = field.grid;
-  const int reach = std::max(1, static_cast<int>(std::lround(reach_mm / grid.row_mm)));
-  turn.assign(grid.size(), 0.0F);
-  tbb::parallel_for(
-      tbb::blocked_range<int>{reach, std::max(reach, grid.rows - reach), 8}, [&](const auto& range) {
-        const auto per_span = static_cast<float>(1.0 / (reach * grid.row_mm));
-        for (int row = range.begin(); row != range.end(); ++row) {
-          const float* low = field.o_mm.data() + grid.at(row - reach, 0);
-          const float* mid = field.o_mm.data() + grid.at(row, 0);
-          const float* high = field.o_mm.data() + grid.at(row + reach, 0);
-          const std::uint8_t* seen_low = field.seen.data() + grid.at(row - reach, 0);
-          const std::uint8_t* seen_mid = field.seen.data() + grid.at(row, 0);
-          const std::uint8_t* seen_high = field.seen.data() + grid.at(row + reach, 0);
-          float* out = turn.data() + grid.at(row, 0);
-          for (int c = 0; c < grid.cols; ++c) {
-            const float angle =
-                arc_tangent((high[c] - mid[c]) * per_span) - arc_tangent((mid[c] - low[c]) * per_span);
-            out[c] = (seen_low[c] & seen_mid[c] & seen_high[c]) != 0 ? angle : 0.0F;
-          }
-        }
-      });
+  const auto cols = static_cast<std::size_t>(grid.cols);
+  const double sigma_cols = config.sigma_s_mm / grid.col_mm;
+  const double sigma_rows = config.sigma_z_mm / grid.row_mm;
+  const std::vector<float> along = gaussian(sigma_cols, 3);
+  // A place counts as seen with at least two points' worth of weight, and a twentieth of what is usual in
+  // this cloud.
+  const double usual = static_cast<double>(sums.points) / static_cast<double>(grid.size()) * 2 * 3.14159 *
+                       sigma_cols * sigma_rows;
+  const LineFit fit{static_cast<float>(std::max(1.5, 0.05 * usual)), k_least_spread_rows2};
+  tbb::parallel_for(tbb::blocked_range<std::size_t>{0, cols, 8}, [&](const auto& range) {
+    std::vector<float> blurred(Sums::k_sums * sums.height());
+    std::vector<float> angle;
+    std::vector<Tap> taps(along.size());
+    std::vector<RowOfSums> rows;
+    for (std::size_t j = 0; j < up.size(); ++j) {
+      const auto of = [&](Sums::Sum sum) { return blurred.data() + sum * sums.height() + j; };
+      rows.push_back({of(Sums::k_w), of(Sums::k_z), of(Sums::k_o), of(Sums::k_zo), up[j],
+                      static_cast<float>(j) - static_cast<float>(sums.margin)});
+    }
+    for (std::size_t col = range.begin(); col != range.end(); ++col) {
+      for (std::size_t j = 0; j < taps.size(); ++j)
+        taps[j] = {sums.of((col + j + along.size() * cols - along.size() / 2) % cols), along[j]};
+      sum_taps(blurred, taps);
+      const std::size_t first = grid.at(0, static_cast<int>(col));
+      const std::span o{field.o_mm.data() + first, sums.rows};
+      std::uint8_t* seen = field.seen.data() + first;
+      fit_rows(rows, fit, o, seen);
+      turn_of_column(o, seen, 0.75, grid.row_mm, angle, field.turn_rad.data() + first);
+      turn_of_column(o, seen, 1.5, grid.row_mm, angle, field.wide_turn_rad.data() + first);
+    }
+  });
 }
 
 }  // namespace
 
-SideField SideField::build(std::span<const Eigen::Vector3f> points, const Outline& outline,
-                           const Config& config) {
+SideField SideField::build(const Shoe& shoe, const Outline& outline, const Config& config) {
   SideField field;
-  float lowest = 1e9F;
-  float highest = -1e9F;
-  for (const Eigen::Vector3f& p : points) {
-    lowest = std::min(lowest, p.z());
-    highest = std::max(highest, p.z());
-  }
   SideGrid& grid = field.grid;
   grid.row_mm = config.row_mm;
-  grid.z_low_mm = static_cast<double>(lowest);
-  grid.rows = std::max(
-      16,
-      static_cast<int>(std::min(config.top_mm, static_cast<double>(highest - lowest)) / config.row_mm) + 1);
+  grid.z_low_mm = static_cast<double>(shoe.box.min().z());
+  const double height_mm = std::min(config.top_mm, static_cast<double>(shoe.box.sizes().z()));
+  grid.rows = std::max(16, static_cast<int>(height_mm / config.row_mm) + 1);
   grid.cols = static_cast<int>(outline.length_mm() / config.col_mm);
   grid.col_mm = outline.length_mm() / grid.cols;
 
-  field.places = locate_all(points, outline);
-  keep_outer_layer(field.places, {.length_mm = outline.length_mm(),
-                                  .z_low_mm = grid.z_low_mm,
-                                  .height_mm = grid.rows * grid.row_mm,
-                                  .gap_mm = config.lining_gap_mm,
-                                  .inner_mm = static_cast<double>(k_inner_mm)});
-  Moments moments{grid.size()};
-  std::size_t used = 0;
-  for (const Place& place : field.places) {
-    if (place.s_mm < 0) continue;
-    const auto z = static_cast<float>((static_cast<double>(place.z_mm) - grid.z_low_mm) / grid.row_mm);
-    const int row = static_cast<int>(z);
-    if (row >= grid.rows) continue;
-    const int col = static_cast<int>(static_cast<double>(place.s_mm) / grid.col_mm) % grid.cols;
-    const std::size_t cell = grid.at(row, col);
-    const float dz = z - static_cast<float>(row) - 0.5F;
-    moments.w[cell] += 1.0F;
-    moments.wz[cell] += dz;
-    moments.o[cell] += place.o_mm;
-    moments.oz[cell] += place.o_mm * dz;
-    ++used;
-  }
-  for (auto* sums : {&moments.w, &moments.wz, &moments.o, &moments.oz})
-    blur_along(*sums, grid, config.sigma_s_mm / grid.col_mm);
-
-  field.o_mm.assign(grid.size(), 0.0F);
-  field.seen.assign(grid.size(), 0);
-  // A place counts as seen with at least two points' worth of weight, and a twentieth of what is usual in
-  // this cloud.
-  const double usual = static_cast<double>(used) / static_cast<double>(grid.size()) * 2 * 3.14159 *
-                       (config.sigma_s_mm / grid.col_mm) * (config.sigma_z_mm / grid.row_mm);
-  fit_rows(moments, grid, config.sigma_z_mm / grid.row_mm, std::max(1.5, 0.05 * usual), field);
+  field.places = locate_all(shoe.points, outline);
+  const Buckets columns = keep_outer_layer(field.places, {.length_mm = outline.length_mm(),
+                                                          .z_low_mm = grid.z_low_mm,
+                                                          .height_mm = grid.rows * grid.row_mm,
+                                                          .gap_mm = config.lining_gap_mm,
+                                                          .inner_mm = static_cast<double>(k_inner_mm)});
+  const std::vector<float> up = gaussian(config.sigma_z_mm / grid.row_mm, 3);
+  Sums sums = collect(field.places, columns, grid, up.size() / 2);
+  for (Large<float>* values : {&field.o_mm, &field.turn_rad, &field.wide_turn_rad})
+    values->resize(grid.size());
+  field.seen.resize(grid.size());
+  fit_columns(sums, up, config, field);
   const auto seen = static_cast<double>(std::count(field.seen.begin(), field.seen.end(), 1));
-  field.points_per_mm2 = static_cast<double>(used) / std::max(1.0, seen * grid.row_mm * grid.col_mm);
-  turns(field, 0.75, field.turn_rad);
-  turns(field, 1.5, field.wide_turn_rad);
+  field.points_per_mm2 = static_cast<double>(sums.points) / std::max(1.0, seen * grid.row_mm * grid.col_mm);
   return field;
 }
 

@@ -9,12 +9,14 @@
 
 #include <Eigen/Core>
 
+#include "host/groove/large.hpp"
 #include "host/groove/shoe/plan.hpp"
+#include "host/groove/shoe/shoe.hpp"
 #include "host/groove/side/outer_layer.hpp"
 
 namespace biteline::groove {
 
-/// Row 0 is the lowest.  Columns go anticlockwise and close.
+/// Row 0 is the lowest.  Columns go anticlockwise and close; they lie one after the other in memory.
 struct SideGrid {
   int rows{0};
   int cols{0};
@@ -23,7 +25,7 @@ struct SideGrid {
   double col_mm{0};
 
   [[nodiscard]] std::size_t at(int row, int col) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(cols) + static_cast<std::size_t>(col);
+    return static_cast<std::size_t>(col) * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row);
   }
   [[nodiscard]] std::size_t size() const {
     return static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols);
@@ -42,16 +44,14 @@ struct SideField {
   };
 
   SideGrid grid;
-  std::vector<float> o_mm;           ///< smoothed
-  std::vector<float> turn_rad;       ///< turn of the surface within 1.5 mm of height, concave > 0
-  std::vector<float> wide_turn_rad;  ///< the same within 3 mm
-  std::vector<std::uint8_t> seen;    ///< 1 where points support the place on all sides
-  std::vector<Place> places;         ///< of every point
-  double points_per_mm2{0};          ///< of the outermost layer, where it was seen
+  Large<float> o_mm;           ///< smoothed
+  Large<float> turn_rad;       ///< turn of the surface within 1.5 mm of height, concave > 0
+  Large<float> wide_turn_rad;  ///< the same within 3 mm
+  Large<std::uint8_t> seen;    ///< 1 where points support the place on all sides
+  Large<Place> places;         ///< of every point; s also negative behind the outermost layer
+  double points_per_mm2{0};    ///< of the outermost layer, where it was seen
 
-  /// `points` in shoe.
-  static SideField build(std::span<const Eigen::Vector3f> points, const Outline& outline,
-                         const Config& config);
+  static SideField build(const Shoe& shoe, const Outline& outline, const Config& config);
 };
 
 }  // namespace biteline::groove

@@ -19,14 +19,14 @@ double brute_force(const std::vector<float>& cost, int rows, int cols, int reach
   for (int start = 0; start < rows; ++start) {
     std::vector<double> total(static_cast<std::size_t>(rows), 1e18);
     total[static_cast<std::size_t>(start)] =
-        static_cast<double>(cost[static_cast<std::size_t>(start * cols)]);
+        static_cast<double>(cost[static_cast<std::size_t>(start)]);
     for (int c = 1; c <= cols; ++c) {
       std::vector<double> next(static_cast<std::size_t>(rows), 1e18);
       for (int r = 0; r < rows; ++r) {
         for (int d = -reach; d <= reach; ++d) {
           if (r + d < 0 || r + d >= rows) continue;
           const double own =
-              c == cols ? 0.0 : static_cast<double>(cost[static_cast<std::size_t>(r * cols + c)]);
+              c == cols ? 0.0 : static_cast<double>(cost[static_cast<std::size_t>(c * rows + r)]);
           next[static_cast<std::size_t>(r)] =
               std::min(next[static_cast<std::size_t>(r)],
                        total[static_cast<std::size_t>(r + d)] + k_step_cost * d * d + own);
@@ -70,7 +70,7 @@ TEST(ClosedPath, FollowsAGrooveAcrossTheSeam) {
   const auto groove = [&](int c) {
     return 15 + ((c + 10) % cols < cols / 2 ? (c + 10) % cols : cols - (c + 10) % cols) / 4;
   };
-  for (int c = 0; c < cols; ++c) cost[static_cast<std::size_t>(groove(c) * cols + c)] = 0.0F;
+  for (int c = 0; c < cols; ++c) cost[static_cast<std::size_t>(c * rows + groove(c))] = 0.0F;
   const ClosedPath sut = shortest_closed_path(cost, rows, cols, {});
   for (int c = 0; c < cols; ++c) LONGS_EQUAL(groove(c), sut.row[static_cast<std::size_t>(c)]);
 }
@@ -79,7 +79,7 @@ TEST(ClosedPath, ASpiralIsCheapOnlyWhenItNeedNotClose) {
   const int rows = 40;
   const int cols = 80;
   std::vector<float> cost(static_cast<std::size_t>(rows * cols), 1.0F);
-  for (int c = 0; c < cols; ++c) cost[static_cast<std::size_t>((10 + c / 4) * cols + c)] = 0.0F;
+  for (int c = 0; c < cols; ++c) cost[static_cast<std::size_t>(c * rows + 10 + c / 4)] = 0.0F;
   const ClosedPath closed = shortest_closed_path(cost, rows, cols, {});
   const ClosedPath sut = shortest_open_path(cost, rows, cols, {});
   LONGS_EQUAL(19, sut.row.back() - sut.row.front());

@@ -52,17 +52,25 @@ TEST(Plan, LocateUndoesPointPlusOffset) {
   std::mt19937 random{9};
   std::uniform_real_distribution<double> s_any{0, sut.length_mm()};
   std::uniform_real_distribution<double> o_any{-8, 12};  // the ellipse's tightest bend has a radius of 18 mm
+  std::vector<Place> truth;
+  std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < 500; ++i) {
     const double s = s_any(random);
     const double o = o_any(random);
     const Vec2 p = sut.point(s) + o * sut.normal(s);
-    const Outline::Foot foot = sut.locate(static_cast<float>(p.x()), static_cast<float>(p.y()));
-    CHECK(foot.valid);
-    double ds = std::abs(static_cast<double>(foot.s_mm) - s);
-    ds = std::min(ds, sut.length_mm() - ds);
+    truth.push_back({static_cast<float>(s), static_cast<float>(o), static_cast<float>(i)});
+    points.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(i));
+  }
+  std::vector<Place> places(points.size());
+  sut.locate(points, places);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const double ds = std::abs(static_cast<double>(places[i].s_mm - truth[i].s_mm));
     // One Newton step from a sample at most half a millimetre away.
-    DOUBLES_EQUAL(0.0, ds, 0.02);
-    DOUBLES_EQUAL(o, static_cast<double>(foot.o_mm), 0.02);
+    DOUBLES_EQUAL(0.0, std::min(ds, sut.length_mm() - ds), 0.02);
+    DOUBLES_EQUAL(truth[i].o_mm, places[i].o_mm, 0.02);
+    LONGS_EQUAL(i, std::lround(places[i].z_mm));
+    // One point alone, and those that fill no vector, have the same place.
+    DOUBLES_EQUAL(places[i].s_mm, sut.locate(points[i]).s_mm, 1e-4);
   }
 }
 
@@ -75,8 +83,8 @@ TEST(Plan, NormalsPointOutwardsAndTheLengthIsTheEllipses) {
 
 TEST(Plan, FarPlacesHaveNoFoot) {
   const Outline sut{ellipse(140, 50, {0, 0}), {}};
-  CHECK_FALSE(sut.locate(500, 0).valid);
-  CHECK_FALSE(sut.locate(0, -200).valid);
+  CHECK(sut.locate({500, 0, 0}).s_mm < 0);
+  CHECK(sut.locate({0, -200, 0}).s_mm < 0);
 }
 
 }  // namespace biteline::groove
