@@ -28,21 +28,21 @@ void convolve(std::span<float> to, const float* from, std::span<const float> ker
 struct LineSums {
   const float *w, *x, *xx, *value, *x_value;
 };
-/// The straight line through the points of each i, taken at x = 0, and their plain mean where their variance
-/// in x is below `least_spread`; 0 where they weigh less than `least_weight`, and not known.
 struct LineFit {
-  float least_weight, least_spread;
+  float least_weight;  ///< lighter: 0, and not known
+  float least_spread;  ///< points whose variance in x is smaller have their plain mean
 };
+/// The straight line through the points of each i, taken at x = 0.
 void fit_lines(const LineSums& sums, const LineFit& fit, std::span<float> to, std::uint8_t* known);
 
-/// A grid's row at a distance of `x` rows: per cell the number of its points, the sum of their places from
-/// its middle, of their values, and of both times each other.
+/// A row of a grid: per cell the number of its points, the sums of their places from its middle, of their
+/// values, and of both times each other.
 struct RowOfSums {
   const float *w, *x, *value, *x_value;
   float weight;
-  float at;
+  float at;  ///< its middle
 };
-/// The lines through the points of all rows, at x = 0.  Known where they weigh enough and lie on both sides.
+/// The same through the points of all rows.  Known where they weigh enough and lie on both sides of 0.
 void fit_rows(std::span<const RowOfSums> rows, const LineFit& fit, std::span<float> to, std::uint8_t* known);
 
 /// to[i] = atan((high[i] - low[i]) * per_span) to 1e-5 rad.

@@ -19,10 +19,9 @@ constexpr double k_layer_z_mm = 1.0;
 constexpr double k_layer_points = 20.0;
 constexpr double k_fine_z_mm = 0.33;  // of the envelope
 constexpr float k_layer_o_mm = 0.75F;
-constexpr float k_inner_mm = 44.0F;  // how far inside the outline a surface may lie: a toe's top does
 constexpr int k_layer_bins = 80;
 
-/// Columns of points and rows of one height.
+/// Rows of one height.
 struct Raster {
   std::size_t rows;
   float z_low_mm;

@@ -10,12 +10,14 @@
 
 namespace biteline::groove {
 
+/// How far inside the outline a surface may lie: a toe's top does.
+inline constexpr float k_inner_mm = 44.0F;
+
 struct OuterLayerConfig {
   double length_mm{0};  ///< of the outline
   double z_low_mm{0};
   double height_mm{0};
-  double gap_mm{1.5};     ///< what lies this far behind the outermost surface is another layer
-  double inner_mm{44.0};  ///< how far inside the outline a surface may lie
+  double gap_mm{1.5};    ///< what lies this far behind the outermost surface is another layer
   double depth_mm{0.6};  ///< below the envelope of its neighbourhood a point is behind the surface: six times
                          ///< a scan's worst noise
 };

@@ -16,8 +16,7 @@ namespace biteline::groove {
 
 namespace {
 
-constexpr float k_inner_mm = 44.0F;  // how far inside the outline a surface may lie: a toe's top does
-constexpr float k_outer_mm = 16.0F;
+constexpr float k_outer_mm = 16.0F;  // and how far outside
 
 Large<Place> locate_all(std::span<const Eigen::Vector3f> points, const Outline& outline) {
   Large<Place> places(points.size());
@@ -150,8 +149,7 @@ SideField SideField::build(const Shoe& shoe, const Outline& outline, const Confi
   const Buckets columns = keep_outer_layer(field.places, {.length_mm = outline.length_mm(),
                                                           .z_low_mm = grid.z_low_mm,
                                                           .height_mm = grid.rows * grid.row_mm,
-                                                          .gap_mm = config.lining_gap_mm,
-                                                          .inner_mm = static_cast<double>(k_inner_mm)});
+                                                          .gap_mm = config.lining_gap_mm});
   const std::vector<float> up = gaussian(config.sigma_z_mm / grid.row_mm, 3);
   Sums sums = collect(field.places, columns, grid, up.size() / 2);
   for (Large<float>* values : {&field.o_mm, &field.turn_rad, &field.wide_turn_rad})
