@@ -11,8 +11,8 @@ namespace biteline::groove {
 
 namespace {
 
-// A missing sector of 40 mm may be bridged (it reads 27 to 39 mm over the seeds of bench_line_class); where 60
-// mm of a heel are gone, what is put in their place is off by up to 9 mm.
+// A missing sector of 40 mm may be bridged (it reads 27 to 39 mm over the seeds of bench_line_class); where
+// 60 mm of a heel are gone, what is put in their place is off by up to 9 mm.
 constexpr double k_longest_unseen_mm = 45.0;
 constexpr double k_deg = 3.14159265358979 / 180.0;
 
@@ -39,6 +39,22 @@ double alone(const Crease& crease) {
          sure(crease.median_turn_rad, 5.0 * k_deg, 0.8 * k_deg) * sure(-crease.longest_gap_mm, -100.0, 8.0);
 }
 
+/// That what lies below the crease stands out beyond what lies above it, as a sole's edge does.
+double stands_out(const Crease& crease) {
+  return sure(crease.median_step_mm, 0.3, 0.05) * sure(crease.step_share, 0.7, 0.05);
+}
+
+/// That the crease is cut into the sole: the sole's edge, seen on more than half of the way round, lies
+/// above.
+double below_the_soles_edge(const Crease& crease, const std::vector<Crease>& all) {
+  double most = 0;
+  for (const Crease& other : all) {
+    if (other.mean_height_mm <= crease.mean_height_mm) continue;
+    most = std::max(most, sure(other.visible_share, 0.5, 0.03) * two_surfaces(other) * stands_out(other));
+  }
+  return most * (1 - stands_out(crease));
+}
+
 /// For comparing rivals.
 double score(const Crease& crease, bool topmost) {
   const double step = 0.4 * std::tanh(crease.median_step_mm / 1.5) +
@@ -63,9 +79,11 @@ Decision decide(const std::vector<Crease>& creases, double min_confidence) {
     if (alone(creases[i]) < 0.5 || creases[i].evidence < 0.5 * strongest) continue;
     if (topmost == creases.size() || creases[i].mean_height_mm > creases[topmost].mean_height_mm) topmost = i;
   }
-  std::vector<double> scores(creases.size());
-  for (std::size_t i = 0; i < creases.size(); ++i)
-    scores[i] = score(creases[i], i == topmost) * alone(creases[i]);
+  std::vector<double> alone_of(creases.size()), scores(creases.size());
+  for (std::size_t i = 0; i < creases.size(); ++i) {
+    alone_of[i] = alone(creases[i]) * (1 - below_the_soles_edge(creases[i], creases));
+    scores[i] = score(creases[i], i == topmost) * alone_of[i];
+  }
   decision.order.resize(creases.size());
   std::iota(decision.order.begin(), decision.order.end(), std::size_t{0});
   std::stable_sort(decision.order.begin(), decision.order.end(), [&](std::size_t a, std::size_t b) {
@@ -79,7 +97,7 @@ Decision decide(const std::vector<Crease>& creases, double min_confidence) {
     for (std::size_t j = 0; j < creases.size(); ++j) {
       if (j != i) rival = std::max(rival, scores[j]);
     }
-    decision.confidence_of[i] = alone(creases[i]) * sure(scores[i] - rival, 0.06, 0.03);
+    decision.confidence_of[i] = alone_of[i] * sure(scores[i] - rival, 0.06, 0.03);
   }
   decision.confidence = decision.confidence_of[decision.best];
   const Crease& best = creases[decision.best];

@@ -22,7 +22,9 @@ struct Decision {
 
 /// What a bite line is: a crease all the way round; below it the sole stands out, or at least does not lie
 /// back; and of several such creases the highest one, since decoration that runs all the way round sits on
-/// the sole (parallel grooves, foxing stripes, treads) while what decorates the upper ends somewhere.
+/// the sole (parallel grooves, foxing stripes, treads) while what decorates the upper ends somewhere.  A
+/// groove below a sole's edge is none, even where that edge is filled too far to be the line: then there is
+/// none.
 [[nodiscard]] Decision decide(const std::vector<Crease>& creases, double min_confidence);
 
 }  // namespace biteline::groove

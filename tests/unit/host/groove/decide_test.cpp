@@ -29,6 +29,29 @@ TEST(Decide, AGrooveInTheSoleBelowTheSolesEdgeIsDecoration) {
   LONGS_EQUAL(1, sut.order.front());
 }
 
+TEST(Decide, AGrooveBelowASolesEdgeThatIsFilledTooFarIsNotTakenForIt) {
+  // As read on a made shoe whose sole has three deep grooves and whose bite line is filled over a third.
+  const Crease groove = crease(15, 36, -0.2);
+  CHECK(decide({groove}, 0.5).accepted);
+  Crease edge = crease(26, 18, 1.3);
+  edge.evidence = 0.67;
+  edge.visible_share = 0.66;
+  edge.longest_gap_mm = 43;
+  const Decision sut = decide({groove, edge}, 0.5);
+  CHECK_FALSE(sut.accepted);
+  STRCMP_CONTAINS("on 66 % of its length", sut.reason.c_str());
+}
+
+TEST(Decide, AnUppersOverlayIsNoSolesEdge) {
+  // A toe cap's edge stands out as a sole's does, but below it the sole's own edge does, too.
+  Crease overlay = crease(38, 18, 1.3);
+  overlay.visible_share = 0.55;
+  overlay.longest_gap_mm = 200;
+  const Decision sut = decide({crease(26, 50, 1.5), overlay}, 0.5);
+  CHECK_TEXT(sut.accepted, sut.reason.c_str());
+  LONGS_EQUAL(0, sut.best);
+}
+
 TEST(Decide, AWeakStitchLineAboveIsNotTheBiteLine) {
   const Decision sut = decide({crease(26, 70, 3.0), crease(38, 8, 0.0)}, 0.5);
   CHECK_TEXT(sut.accepted, sut.reason.c_str());
