@@ -104,30 +104,20 @@ Eigen::Vector3f Cells::mean(std::int32_t cell) const {
 
 int Cells::label(const std::vector<bool>& keep, std::vector<std::int32_t>& labels) const {
   labels.assign(occupied_.size(), -1);
-  std::vector<std::int32_t> stack;
+  std::vector<std::size_t> stack;
   int components = 0;
   for (std::size_t seed = 0; seed < occupied_.size(); ++seed) {
     if (!keep[seed] || labels[seed] >= 0) continue;
     labels[seed] = components;
-    stack.push_back(static_cast<std::int32_t>(seed));
+    stack.push_back(seed);
     while (!stack.empty()) {
-      const std::int32_t cell = occupied_[static_cast<std::size_t>(stack.back())];
+      const std::size_t slot = stack.back();
       stack.pop_back();
-      const int x = cell % size_.x();
-      const int y = (cell / size_.x()) % size_.y();
-      const int z = cell / (size_.x() * size_.y());
-      for (int dz = std::max(0, z - 1); dz <= std::min(size_.z() - 1, z + 1); ++dz) {
-        for (int dy = std::max(0, y - 1); dy <= std::min(size_.y() - 1, y + 1); ++dy) {
-          for (int dx = std::max(0, x - 1); dx <= std::min(size_.x() - 1, x + 1); ++dx) {
-            const std::int32_t slot = slot_[static_cast<std::size_t>((dz * size_.y() + dy) * size_.x() + dx)];
-            if (slot < 0 || !keep[static_cast<std::size_t>(slot)] ||
-                labels[static_cast<std::size_t>(slot)] >= 0)
-              continue;
-            labels[static_cast<std::size_t>(slot)] = components;
-            stack.push_back(slot);
-          }
-        }
-      }
+      around(slot, [&](std::size_t other) {
+        if (!keep[other] || labels[other] >= 0) return;
+        labels[other] = components;
+        stack.push_back(other);
+      });
     }
     ++components;
   }

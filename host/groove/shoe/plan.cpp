@@ -33,8 +33,8 @@ double respace(std::vector<Vec2>& curve, std::size_t count) {
   return length;
 }
 
-/// Drops what lies within the octagon of the outermost points in eight directions: most of a cloud, and never a
-/// corner of its hull (Akl and Toussaint 1978).
+/// Drops what lies within the octagon of the outermost points in eight directions: most of a cloud, and never
+/// a corner of its hull (Akl and Toussaint 1978).
 void drop_inner(std::vector<Vec2>& points) {
   if (points.size() < 100) return;
   std::array<Vec2, 8> corner;
@@ -127,7 +127,8 @@ std::vector<double> smooth_closed(std::span<const double> values, double sigma_s
   if (values.empty()) return smooth;
   std::vector<double> round(values.size() + 2 * static_cast<std::size_t>(reach));
   for (std::ptrdiff_t i = 0; i < count + 2 * reach; ++i)
-    round[static_cast<std::size_t>(i)] = values[static_cast<std::size_t>(((i - reach) % count + count) % count)];
+    round[static_cast<std::size_t>(i)] =
+        values[static_cast<std::size_t>(((i - reach) % count + count) % count)];
   for (std::size_t j = 0; j < kernel.size(); ++j) {
     const double share = kernel[j] / sum;
     for (std::size_t i = 0; i < smooth.size(); ++i) smooth[i] += share * round[i + j];

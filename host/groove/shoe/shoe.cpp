@@ -101,6 +101,24 @@ std::optional<Plane> find_table(const Cells& cells) {
   return best;
 }
 
+/// Cells with fewer points tell nothing of the shoe's size, nor of what is connected: strays that lie in a
+/// row would lengthen it, and in a cloud of many points join it to everything around.  A twentieth of the
+/// points of the cell in which the median point lies, but surface that is seen with one point on 2 mm^2
+/// counts.
+double fewest_points(const Cells& cells, std::size_t points) {
+  constexpr double k_share = 0.05;
+  constexpr double k_points_per_mm2 = 0.5;
+  std::vector<std::uint32_t> counts;
+  for (const std::int32_t cell : cells.occupied()) counts.push_back(cells.count(cell));
+  if (counts.empty()) return 0;
+  std::sort(counts.begin(), counts.end());
+  std::size_t median = 0;
+  for (std::size_t so_far = counts[0]; 2 * so_far < points && median + 1 < counts.size();)
+    so_far += counts[++median];
+  const auto cell_mm = static_cast<double>(cells.cell_mm());
+  return std::min(k_share * static_cast<double>(counts[median]), k_points_per_mm2 * cell_mm * cell_mm);
+}
+
 /// What one connected component looks like from above.
 struct Part {
   std::vector<Vec2> hull;
@@ -240,11 +258,15 @@ Shoe find_shoe(std::span<const Eigen::Vector3f> points_base) {
 
   const Cells cells{points_base, {}};
   const std::optional<Plane> table = find_table(cells);
-  std::vector<bool> keep(cells.occupied().size(), true);
+  const double fewest = fewest_points(cells, points_base.size());
+  std::vector<bool> keep(cells.occupied().size()), few(keep.size());
   for (std::size_t slot = 0; slot < keep.size(); ++slot) {
+    const std::int32_t cell = cells.occupied()[slot];
     // A cell's mean may be above the table although points of it are on it; those are dropped one by one
     // below.
-    if (table) keep[slot] = table->height_mm(cells.mean(cells.occupied()[slot]).cast<double>()) > 1.5;
+    keep[slot] = !table || table->height_mm(cells.mean(cell).cast<double>()) > 1.5;
+    few[slot] = keep[slot] && static_cast<double>(cells.count(cell)) < fewest;
+    keep[slot] = keep[slot] && !few[slot];
   }
   std::vector<std::int32_t> labels;
   const int components = cells.label(keep, labels);
@@ -253,8 +275,15 @@ Shoe find_shoe(std::span<const Eigen::Vector3f> points_base) {
   std::vector<Vec3> means;
   for (std::size_t slot = 0; slot < labels.size(); ++slot) {
     if (labels[slot] < 0 || !chosen[static_cast<std::size_t>(labels[slot])]) continue;
-    cell_chosen[slot] = true;
     means.push_back(cells.mean(cells.occupied()[slot]).cast<double>());
+    // A cell whose corner alone the surface cuts has few points, too.
+    cells.around(slot, [&](std::size_t other) {
+      if (other == slot || few[other]) cell_chosen[other] = true;
+    });
+  }
+  std::vector<Vec3> means_to_the_rim;
+  for (std::size_t slot = 0; slot < labels.size(); ++slot) {
+    if (cell_chosen[slot]) means_to_the_rim.push_back(cells.mean(cells.occupied()[slot]).cast<double>());
   }
   if (means.size() < 200) return refuse("not a shoe: nothing connected of a shoe's size");
 
@@ -266,7 +295,7 @@ Shoe find_shoe(std::span<const Eigen::Vector3f> points_base) {
     for (Vec3& p : up) p = R_base_up.transpose() * p;
     shoe.T_base_shoe = axes_from_plan(up, R_base_up, box);
     if (!shoe_sized(box)) break;
-    std::vector<Vec3> in_shoe = means;
+    std::vector<Vec3> in_shoe = means_to_the_rim;
     const SE3 T_shoe_base = shoe.T_base_shoe.inverse();
     for (Vec3& p : in_shoe) p = T_shoe_base * p;
     const std::optional<Plane> rim = find_rim(in_shoe, box.length_mm);
@@ -291,11 +320,13 @@ Shoe find_shoe(std::span<const Eigen::Vector3f> points_base) {
            !(table && table->height_mm(points_base[i].cast<double>()) < 1.0);
   });
   shoe.points.resize(shoe.index.size());
+  shoe.alone.resize(shoe.index.size());
   shoe.box = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>{0, shoe.index.size(), 8192}, Eigen::AlignedBox3f{},
       [&](const auto& range, Eigen::AlignedBox3f box_seen) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
           shoe.points[i] = T_shoe_base * points_base[shoe.index[i]];
+          shoe.alone[i] = few[cells.slot(cells.cell_of(shoe.index[i]))] ? 1 : 0;
           box_seen.extend(shoe.points[i]);
         }
         return box_seen;

@@ -29,7 +29,7 @@ Outline side_outline(const Shoe& shoe) {
       [&](const auto& range, Ends seen) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
           const Eigen::Vector3f& p = shoe.points[i];
-          if (p.z() > shoe.box.min().z() + k_band_mm) continue;
+          if (shoe.alone[i] != 0 || p.z() > shoe.box.min().z() + k_band_mm) continue;
           const auto row = static_cast<std::size_t>((p.y() - shoe.box.min().y()) / k_cell_mm);
           widen(seen[row], {p.head<2>(), p.head<2>()});
         }

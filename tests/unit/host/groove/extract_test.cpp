@@ -2,6 +2,7 @@
 // Made shoes with an exactly known line, from the cloud to the line.
 #include <CppUTest/TestHarness.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -193,6 +194,23 @@ TEST(Extract, AMissingSectorIsBridgedAndMarked) {
     if (away < 6) CHECK(p.confidence < 0.75);  // nearly straight there, so the guess is a good one
     if (away > 30) CHECK(p.confidence > 0.8);
   }
+}
+
+TEST(Extract, StraysInARowDoNotDrawTheLineOutwards) {
+  Made made = make(sim::ShoeClass::Deep, 46, somewhere());
+  // From the line's farthest place 20 mm outwards, a point every 2 mm.
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& p : made.truth) middle += p / static_cast<double>(made.truth.size());
+  const Vec3 tip = *std::max_element(made.truth.begin(), made.truth.end(), [&](const Vec3& a, const Vec3& b) {
+    return (a - middle).norm() < (b - middle).norm();
+  });
+  for (double out_mm = 2; out_mm <= 20; out_mm += 2)
+    made.cloud.points.push_back((tip + out_mm * (tip - middle).normalized()).cast<float>());
+  made.cloud.profile.clear();
+  made.cloud.column.clear();
+  const Extraction sut = extract(made.cloud, {.keep_products = false});
+  CHECK_TEXT(sut.found, sut.reason.c_str());
+  for (const line::LinePoint& point : sut.line.points) CHECK(distance_mm(point.position, made.truth) < 0.5);
 }
 
 TEST(Extract, TheLineWhileScanningIsThatOfTheFinishedCloud) {
