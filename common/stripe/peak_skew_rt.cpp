@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Where print, or another step of the surface's brightness, cuts the stripe's light on one side: its shape is
 // skewed there, narrower than elsewhere, and its place shifted towards the brighter side.  The surface's own
-// shape leaves it symmetric: on the shoes of ../shared/data/sessions no four columns together have a skew of
+// shape leaves it symmetric: on recorded shoes no four columns together have a skew of
 // more than 0.05.
 #include <algorithm>
 #include <array>
