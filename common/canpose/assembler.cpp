@@ -12,7 +12,9 @@ unsigned steps_between(std::uint8_t from, std::uint8_t to) {
   return (to + k_sync_counter_last - from) % k_sync_counter_last;
 }
 
-bool is_counter(std::uint8_t counter) { return counter >= 1 && counter <= k_sync_counter_last; }
+bool is_counter(std::uint8_t counter) {
+  return counter >= 1 && counter <= k_sync_counter_last;
+}
 
 }  // namespace
 

@@ -14,9 +14,10 @@ namespace biteline::canpose {
 /// A pose with its place in time.
 struct AssembledPose {
   PoseMessage message;
-  RobotClock::time_point stamp;                  ///< message.stamp_us, unwrapped
-  std::optional<SensorClock::time_point> latched;  ///< arrival of its SYNC; nothing when that SYNC was not seen
-  std::uint64_t sequence{0};                     ///< counts SYNCs, so that a lost pose is a gap
+  RobotClock::time_point stamp;  ///< message.stamp_us, unwrapped
+  std::optional<SensorClock::time_point>
+      latched;                ///< arrival of its SYNC; nothing when that SYNC was not seen
+  std::uint64_t sequence{0};  ///< counts SYNCs, so that a lost pose is a gap
 };
 
 struct AssemblerHealth {
@@ -24,7 +25,7 @@ struct AssemblerHealth {
   std::uint64_t poses_incomplete{0};  ///< a frame of the set is missing, doubled or of another pose
   std::uint64_t frames_refused{0};    ///< wrong size, check sum, version or numbers
   std::uint64_t syncs{0};
-  std::uint64_t syncs_missed{0};      ///< gaps in the SYNC counter
+  std::uint64_t syncs_missed{0};  ///< gaps in the SYNC counter
   std::uint64_t poses_without_sync{0};
 };
 

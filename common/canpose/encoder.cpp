@@ -6,7 +6,8 @@
 namespace biteline::canpose {
 
 Result<std::uint32_t> decode_position(std::span<const std::uint8_t> data) {
-  if (data.size() < 4) return fail(Errc::ProtocolError, "CiA 406 position: %zu bytes, 4 expected", data.size());
+  if (data.size() < 4)
+    return fail(Errc::ProtocolError, "CiA 406 position: %zu bytes, 4 expected", data.size());
   return static_cast<std::uint32_t>(data[0]) | static_cast<std::uint32_t>(data[1]) << 8U |
          static_cast<std::uint32_t>(data[2]) << 16U | static_cast<std::uint32_t>(data[3]) << 24U;
 }

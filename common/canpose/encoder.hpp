@@ -11,9 +11,12 @@
 namespace biteline::canpose {
 
 /// TPDO1 of node n, CiA 301 predefined connection set.
-[[nodiscard]] constexpr std::uint32_t tpdo1_id(std::uint8_t node) { return 0x180U + node; }
+[[nodiscard]] constexpr std::uint32_t tpdo1_id(std::uint8_t node) {
+  return 0x180U + node;
+}
 
-/// The position value: 4 bytes little endian first in the object; more may follow (speed, alarms) and is left alone.
+/// The position value: 4 bytes little endian first in the object; more may follow (speed, alarms) and is left
+/// alone.
 [[nodiscard]] Result<std::uint32_t> decode_position(std::span<const std::uint8_t> data);
 
 /// Makes one long count of a position that wraps at the encoder's measuring range.
@@ -23,8 +26,9 @@ class PositionUnwrapper {
   /// `range_ticks`: object 6002h, the total measuring range; 0: all 32 bits.
   explicit PositionUnwrapper(std::uint32_t range_ticks) : range_ticks_{range_ticks} {}
 
-  /// Ticks since the first call.  A value outside the range, or a step of more than a quarter of it, which no machine
-  /// makes between two objects, is refused and counted; the second such value in a row is believed as a new place.
+  /// Ticks since the first call.  A value outside the range, or a step of more than a quarter of it, which no
+  /// machine makes between two objects, is refused and counted; the second such value in a row is believed as
+  /// a new place.
   std::optional<std::int64_t> feed(std::uint32_t position_ticks);
 
   [[nodiscard]] std::int64_t position_ticks() const { return total_ticks_; }

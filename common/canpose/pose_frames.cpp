@@ -7,10 +7,11 @@
 namespace biteline::canpose {
 namespace {
 
-constexpr double k_position_step_mm = 1e-4;             // 0.1 um; int32 reaches 214 m
+constexpr double k_position_step_mm = 1e-4;              // 0.1 um; int32 reaches 214 m
 constexpr double k_rotation_step_rad = 1.0 / (1 << 21);  // 0.48 urad; int24 reaches +-4 rad, and pi is needed
 constexpr double k_quaternion_step = 1.0 / (1 << 30);
-// Four components rounded to their step are off the unit length by no more than this; what is further was never a rotation.
+// Four components rounded to their step are off the unit length by no more than this; what is further was
+// never a rotation.
 constexpr double k_unit_length_tolerance = 1e-6;
 // 142 years: a sender's clock beyond it does not fit nanoseconds in 63 bits twice over.
 constexpr std::uint64_t k_stamp_last_us = std::uint64_t{1} << 52U;
@@ -44,7 +45,8 @@ Result<void> put_translation(std::span<std::uint8_t, k_translation_bytes> field,
   for (int axis = 0; axis < 3; ++axis) {
     const double steps = p_base[axis] / k_position_step_mm;
     if (!(std::abs(steps) < 2147483647.0)) {
-      return fail(Errc::BadValue, "CAN pose: axis %d at %g mm is beyond what the frame holds", axis, p_base[axis]);
+      return fail(Errc::BadValue, "CAN pose: axis %d at %g mm is beyond what the frame holds", axis,
+                  p_base[axis]);
     }
     put(field.subspan(4 * static_cast<std::size_t>(axis), 4),
         static_cast<std::uint64_t>(std::llround(steps)));
@@ -68,7 +70,9 @@ std::uint16_t classic_crc(const ClassicFrames& frames, const PoseBlock& block) {
   return crc16(covered);
 }
 
-bool is_counter(std::uint8_t counter) { return counter >= 1 && counter <= k_sync_counter_last; }
+bool is_counter(std::uint8_t counter) {
+  return counter >= 1 && counter <= k_sync_counter_last;
+}
 
 }  // namespace
 
@@ -83,7 +87,8 @@ std::uint16_t crc16(std::span<const std::uint8_t> bytes) noexcept {
 
 Result<ClassicFrames> encode_classic(const PoseMessage& pose) {
   PoseBlock block{};
-  BITELINE_TRY(put_translation(std::span{block}.first<k_translation_bytes>(), pose.T_base_flange.translation()));
+  BITELINE_TRY(
+      put_translation(std::span{block}.first<k_translation_bytes>(), pose.T_base_flange.translation()));
   const Vec3 rotation_rad = geometry::log_so3(pose.T_base_flange.linear());
   for (int axis = 0; axis < 3; ++axis) {
     const std::size_t at = k_translation_bytes + 3 * static_cast<std::size_t>(axis);
@@ -94,7 +99,8 @@ Result<ClassicFrames> encode_classic(const PoseMessage& pose) {
   ClassicFrames frames{};
   for (std::size_t i = 0; i < 3; ++i) {
     frames[i][0] = pose.sync_counter;
-    std::copy_n(block.begin() + static_cast<std::ptrdiff_t>(i * k_chunk_bytes), k_chunk_bytes, frames[i].begin() + 1);
+    std::copy_n(block.begin() + static_cast<std::ptrdiff_t>(i * k_chunk_bytes), k_chunk_bytes,
+                frames[i].begin() + 1);
   }
   ClassicData& last = frames[3];
   last[0] = pose.sync_counter;
@@ -109,21 +115,25 @@ Result<PoseMessage> decode_classic(const ClassicFrames& frames) {
   PoseBlock block{};
   for (std::size_t i = 0; i < 3; ++i) {
     if (frames[i][0] != counter) return fail(Errc::ProtocolError, "CAN pose: frames of two poses");
-    std::copy_n(frames[i].begin() + 1, k_chunk_bytes, block.begin() + static_cast<std::ptrdiff_t>(i * k_chunk_bytes));
+    std::copy_n(frames[i].begin() + 1, k_chunk_bytes,
+                block.begin() + static_cast<std::ptrdiff_t>(i * k_chunk_bytes));
   }
   if (get(std::span{frames[3]}.subspan(6, 2)) != classic_crc(frames, block)) {
     return fail(Errc::ProtocolError, "CAN pose %d: wrong check sum", int{counter});
   }
   if (!is_counter(counter)) return fail(Errc::ProtocolError, "CAN pose: SYNC counter %d", int{counter});
 
-  PoseMessage pose{.sync_counter = counter, .status = frames[3][1], .stamp_us = get(std::span{frames[3]}.subspan(2, 4))};
+  PoseMessage pose{
+      .sync_counter = counter, .status = frames[3][1], .stamp_us = get(std::span{frames[3]}.subspan(2, 4))};
   Vec3 rotation_rad;
   for (int axis = 0; axis < 3; ++axis) {
     const std::size_t at = k_translation_bytes + 3 * static_cast<std::size_t>(axis);
-    rotation_rad[axis] = get_signed(std::span<const std::uint8_t>{block}.subspan(at, 3)) * k_rotation_step_rad;
+    rotation_rad[axis] =
+        get_signed(std::span<const std::uint8_t>{block}.subspan(at, 3)) * k_rotation_step_rad;
   }
   pose.T_base_flange.linear() = geometry::exp_so3(rotation_rad);
-  pose.T_base_flange.translation() = get_translation(std::span<const std::uint8_t>{block}.first<k_translation_bytes>());
+  pose.T_base_flange.translation() =
+      get_translation(std::span<const std::uint8_t>{block}.first<k_translation_bytes>());
   return pose;
 }
 
@@ -135,11 +145,13 @@ Result<FdFrame> encode_fd(const PoseMessage& pose) {
   frame[1] = pose.sync_counter;
   frame[2] = pose.status;
   put(std::span{frame}.subspan(4, 8), pose.stamp_us);
-  BITELINE_TRY(put_translation(std::span{frame}.subspan<12, k_translation_bytes>(), pose.T_base_flange.translation()));
+  BITELINE_TRY(
+      put_translation(std::span{frame}.subspan<12, k_translation_bytes>(), pose.T_base_flange.translation()));
   const Eigen::Quaterniond rotation{pose.T_base_flange.linear()};
   const std::array parts{rotation.w(), rotation.x(), rotation.y(), rotation.z()};
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    put(std::span{frame}.subspan(24 + 4 * i, 4), static_cast<std::uint64_t>(std::llround(parts[i] / k_quaternion_step)));
+    put(std::span{frame}.subspan(24 + 4 * i, 4),
+        static_cast<std::uint64_t>(std::llround(parts[i] / k_quaternion_step)));
   }
   put(std::span{frame}.subspan(46, 2), crc16(std::span{frame}.first(46)));
   return frame;
@@ -149,14 +161,17 @@ Result<PoseMessage> decode_fd(std::span<const std::uint8_t> data) {
   if (data.size() != k_fd_size_bytes) {
     return fail(Errc::ProtocolError, "CAN FD pose: %zu bytes, %zu expected", data.size(), k_fd_size_bytes);
   }
-  if (get(data.subspan(46, 2)) != crc16(data.first(46))) return fail(Errc::ProtocolError, "CAN FD pose: wrong check sum");
-  if (data[0] != k_fd_layout_version) return fail(Errc::ProtocolError, "CAN FD pose: layout version %d", int{data[0]});
+  if (get(data.subspan(46, 2)) != crc16(data.first(46)))
+    return fail(Errc::ProtocolError, "CAN FD pose: wrong check sum");
+  if (data[0] != k_fd_layout_version)
+    return fail(Errc::ProtocolError, "CAN FD pose: layout version %d", int{data[0]});
   if (!is_counter(data[1])) return fail(Errc::ProtocolError, "CAN FD pose: SYNC counter %d", int{data[1]});
   const std::uint64_t stamp_us = get(data.subspan(4, 8));
   if (stamp_us > k_stamp_last_us) return fail(Errc::ProtocolError, "CAN FD pose: stamp beyond any clock");
 
   std::array<double, 4> parts{};
-  for (std::size_t i = 0; i < parts.size(); ++i) parts[i] = get_signed(data.subspan(24 + 4 * i, 4)) * k_quaternion_step;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    parts[i] = get_signed(data.subspan(24 + 4 * i, 4)) * k_quaternion_step;
   const Eigen::Quaterniond rotation{parts[0], parts[1], parts[2], parts[3]};
   if (std::abs(rotation.squaredNorm() - 1) > 2 * k_unit_length_tolerance) {
     return fail(Errc::ProtocolError, "CAN FD pose: rotation of length %g", std::sqrt(rotation.squaredNorm()));
@@ -164,8 +179,8 @@ Result<PoseMessage> decode_fd(std::span<const std::uint8_t> data) {
   return PoseMessage{.sync_counter = data[1],
                      .status = data[2],
                      .stamp_us = stamp_us,
-                     .T_base_flange = geometry::make_se3(rotation.normalized(),
-                                                         get_translation(data.subspan<12, k_translation_bytes>()))};
+                     .T_base_flange = geometry::make_se3(
+                         rotation.normalized(), get_translation(data.subspan<12, k_translation_bytes>()))};
 }
 
 }  // namespace biteline::canpose

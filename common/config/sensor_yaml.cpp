@@ -9,18 +9,22 @@
 namespace biteline::config {
 namespace {
 
-// A file written with nine decimals is off by 1e-9 per entry; 1e-4 still catches any matrix that is no rotation.
+// A file written with nine decimals is off by 1e-9 per entry; 1e-4 still catches any matrix that is no
+// rotation.
 constexpr double k_rigid_tolerance = 1e-4;
 
 SE3 read_rigid_motion(YamlReader& reader, const std::string& key) {
   const std::vector<double> values = reader.matrix(key, 4, 4);
-  const Eigen::Matrix4d matrix = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(values.data());
+  const Eigen::Matrix4d matrix =
+      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(values.data());
   const Mat3 R = matrix.topLeftCorner<3, 3>();
-  const bool rigid = (R * R.transpose() - Mat3::Identity()).cwiseAbs().maxCoeff() < k_rigid_tolerance &&
-                     R.determinant() > 0 &&
-                     (matrix.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() < k_rigid_tolerance;
+  const bool rigid =
+      (R * R.transpose() - Mat3::Identity()).cwiseAbs().maxCoeff() < k_rigid_tolerance &&
+      R.determinant() > 0 &&
+      (matrix.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() < k_rigid_tolerance;
   if (!rigid) {
-    if (matrix != Eigen::Matrix4d::Zero()) reader.fault(Errc::BadValue, key, "a rotation and a translation expected");
+    if (matrix != Eigen::Matrix4d::Zero())
+      reader.fault(Errc::BadValue, key, "a rotation and a translation expected");
     return SE3::Identity();
   }
   SE3 T = SE3::Identity();
@@ -41,14 +45,19 @@ Result<geometry::SensorModel> read_sensor_yaml(const std::filesystem::path& path
   BITELINE_ASSIGN(YamlReader reader, YamlReader::open(path));
   geometry::SensorModel sensor;
 
-  for (const char* descriptive : {"sensor_type", "comment"}) static_cast<void>(reader.text_or(descriptive, ""));
-  if (reader.text_or("camera_model", "pinhole") != "pinhole") reader.fault(Errc::NotSupported, "camera_model", "pinhole expected");
+  for (const char* descriptive : {"sensor_type", "comment"})
+    static_cast<void>(reader.text_or(descriptive, ""));
+  if (reader.text_or("camera_model", "pinhole") != "pinhole")
+    reader.fault(Errc::NotSupported, "camera_model", "pinhole expected");
   if (reader.text_or("distortion_model", "radial-tangential") != "radial-tangential") {
     reader.fault(Errc::NotSupported, "distortion_model", "radial-tangential expected");
   }
 
   const std::vector<double> resolution = reader.numbers("resolution", 2);
-  const std::vector<double> offset = reader.has("roi_offset") ? reader.numbers("roi_offset", 2) : (static_cast<void>(reader.text_or("roi_offset", "")), std::vector<double>{0, 0});
+  const std::vector<double> offset =
+      reader.has("roi_offset")
+          ? reader.numbers("roi_offset", 2)
+          : (static_cast<void>(reader.text_or("roi_offset", "")), std::vector<double>{0, 0});
   for (const double size_px : resolution) {
     // 16384: the largest line of any camera here, and far below what overflows a product of two.
     if (size_px != std::floor(size_px) || size_px < 1 || size_px > 16384) {
@@ -62,14 +71,24 @@ Result<geometry::SensorModel> read_sensor_yaml(const std::filesystem::path& path
       break;
     }
   }
-  sensor.region = {.offset_u_px = static_cast<int>(offset[0]), .offset_v_px = static_cast<int>(offset[1]),
-                   .width_px = static_cast<int>(resolution[0]), .height_px = static_cast<int>(resolution[1])};
+  sensor.region = {.offset_u_px = static_cast<int>(offset[0]),
+                   .offset_v_px = static_cast<int>(offset[1]),
+                   .width_px = static_cast<int>(resolution[0]),
+                   .height_px = static_cast<int>(resolution[1])};
 
   const std::vector<double> intrinsics = reader.numbers("intrinsics", 4);
   const std::vector<double> k = reader.numbers("distortion_coefficients", 5);
-  if (intrinsics[0] <= 0 || intrinsics[1] <= 0) reader.fault(Errc::BadValue, "intrinsics", "positive focal lengths expected");
-  sensor.camera = {.fu_px = intrinsics[0], .fv_px = intrinsics[1], .cu_px = intrinsics[2], .cv_px = intrinsics[3],
-                   .k1 = k[0], .k2 = k[1], .p1 = k[2], .p2 = k[3], .k3 = k[4]};
+  if (intrinsics[0] <= 0 || intrinsics[1] <= 0)
+    reader.fault(Errc::BadValue, "intrinsics", "positive focal lengths expected");
+  sensor.camera = {.fu_px = intrinsics[0],
+                   .fv_px = intrinsics[1],
+                   .cu_px = intrinsics[2],
+                   .cv_px = intrinsics[3],
+                   .k1 = k[0],
+                   .k2 = k[1],
+                   .p1 = k[2],
+                   .p2 = k[3],
+                   .k3 = k[4]};
 
   const std::vector<double> plane = reader.numbers("laser_plane", 4);
   const Vec3 normal_cam(plane[0], plane[1], plane[2]);
@@ -84,10 +103,12 @@ Result<geometry::SensorModel> read_sensor_yaml(const std::filesystem::path& path
   constexpr double k_hour_ns = 3.6e12;
   // A session recorded for the clock's own calibration says that it does not know.
   if (reader.text_or("pose_clock_offset_ns", "unknown") != "unknown") {
-    sensor.pose_clock_offset = Nanoseconds{reader.integer_or("pose_clock_offset_ns", 0, {.minimum = -k_hour_ns, .maximum = k_hour_ns})};
+    sensor.pose_clock_offset = Nanoseconds{
+        reader.integer_or("pose_clock_offset_ns", 0, {.minimum = -k_hour_ns, .maximum = k_hour_ns})};
   }
   if (reader.has("rate_hz")) sensor.rate_hz = reader.number("rate_hz", {.minimum = 1e-3, .maximum = 1e5});
-  if (reader.has("exposure_ns")) sensor.exposure = Nanoseconds{reader.integer("exposure_ns", {.minimum = 1, .maximum = 1e10})};
+  if (reader.has("exposure_ns"))
+    sensor.exposure = Nanoseconds{reader.integer("exposure_ns", {.minimum = 1, .maximum = 1e10})};
   static_cast<void>(reader.text_or("rate_hz", ""));
   static_cast<void>(reader.text_or("exposure_ns", ""));
   BITELINE_TRY(reader.finish());
@@ -108,9 +129,11 @@ std::string sensor_yaml_text(const geometry::SensorModel& sensor, const std::str
   text += "roi_offset: " + list({double(sensor.region.offset_u_px), double(sensor.region.offset_v_px)}) +
           "            # of this region in the full sensor; intrinsics below are for the full sensor\n";
   text += "camera_model: pinhole\n";
-  text += "intrinsics: " + list({camera.fu_px, camera.fv_px, camera.cu_px, camera.cv_px}) + "   # fu, fv, cu, cv  [px]\n";
+  text += "intrinsics: " + list({camera.fu_px, camera.fv_px, camera.cu_px, camera.cv_px}) +
+          "   # fu, fv, cu, cv  [px]\n";
   text += "distortion_model: radial-tangential\n";
-  text += "distortion_coefficients: " + list({camera.k1, camera.k2, camera.p1, camera.p2, camera.k3}) + "   # k1, k2, p1, p2, k3\n";
+  text += "distortion_coefficients: " + list({camera.k1, camera.k2, camera.p1, camera.p2, camera.k3}) +
+          "   # k1, k2, p1, p2, k3\n";
   const Vec3& n = sensor.laser_plane.normal_cam;
   text += "laser_plane: " + list({n.x(), n.y(), n.z(), sensor.laser_plane.distance_mm}) +
           "     # n_x, n_y, n_z, d with n.X = d, camera frame, |n| = 1\n";
@@ -119,7 +142,8 @@ std::string sensor_yaml_text(const geometry::SensorModel& sensor, const std::str
     const Eigen::Matrix4d& m = sensor.T_flange_cam.matrix();
     text += "  - " + list({m(i, 0), m(i, 1), m(i, 2), m(i, 3)}) + "\n";
   }
-  text += "pose_clock_offset_ns: " + std::to_string(sensor.pose_clock_offset.count()) + "      # pose clock minus camera clock\n";
+  text += "pose_clock_offset_ns: " + std::to_string(sensor.pose_clock_offset.count()) +
+          "      # pose clock minus camera clock\n";
   if (sensor.rate_hz) text += "rate_hz: " + number(*sensor.rate_hz) + "\n";
   if (sensor.exposure) text += "exposure_ns: " + std::to_string(sensor.exposure->count()) + "\n";
   return text;

@@ -10,8 +10,8 @@
 
 namespace biteline::config {
 
-/// Fails with the file, the key and what was expected; T_flange_cam must be a rigid motion, |n| must be 1 (both to 1e-4,
-/// then made exact).
+/// Fails with the file, the key and what was expected; T_flange_cam must be a rigid motion, |n| must be 1
+/// (both to 1e-4, then made exact).
 [[nodiscard]] Result<geometry::SensorModel> read_sensor_yaml(const std::filesystem::path& path);
 
 /// The file's text, numbers with all their digits.  `comment` must be one line.

@@ -21,14 +21,17 @@ struct Faults {
     if (first) return;
     first = Error{.code = code, .sys_errno = 0, .more_faults = 0, .where = {}};
     if (line > 0) {
-      first->where = FixedText<256>::format("%s line %d, %s: %s", file.c_str(), line, key.c_str(), expected.c_str());
+      first->where =
+          FixedText<256>::format("%s line %d, %s: %s", file.c_str(), line, key.c_str(), expected.c_str());
     } else {
       first->where = FixedText<256>::format("%s, %s: %s", file.c_str(), key.c_str(), expected.c_str());
     }
   }
 };
 
-int line_of(const YAML::Node& node) { return node.Mark().line >= 0 ? node.Mark().line + 1 : 0; }
+int line_of(const YAML::Node& node) {
+  return node.Mark().line >= 0 ? node.Mark().line + 1 : 0;
+}
 
 std::string describe(YamlReader::Range range) {
   std::ostringstream text;
@@ -67,7 +70,8 @@ struct YamlReader::Node {
     if (!yaml.IsMap()) return;
     for (const auto& entry : yaml) {
       const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
-      if (!asked.contains(key)) faults->add(Errc::UnknownKey, line_of(entry.first), prefix + key, "not a key of this file");
+      if (!asked.contains(key))
+        faults->add(Errc::UnknownKey, line_of(entry.first), prefix + key, "not a key of this file");
     }
   }
 };
@@ -98,8 +102,8 @@ Result<YamlReader> YamlReader::parse(const std::string& text, const std::string&
   try {
     node->yaml = YAML::Load(text);
   } catch (const YAML::Exception& fault) {
-    return fail(Errc::BadFormat, "%s line %d, column %d: %s", name.c_str(), fault.mark.line + 1, fault.mark.column + 1,
-                fault.msg.c_str());
+    return fail(Errc::BadFormat, "%s line %d, column %d: %s", name.c_str(), fault.mark.line + 1,
+                fault.mark.column + 1, fault.msg.c_str());
   }
   if (!node->yaml.IsMap()) return fail(Errc::BadFormat, "%s: a mapping of keys expected", name.c_str());
   std::set<std::string> keys;
@@ -176,7 +180,8 @@ std::vector<double> YamlReader::matrix(const std::string& key, std::size_t rows,
     for (std::size_t j = 0; good && j < columns; ++j) good = to_number(row[j], {}, values[i * columns + j]);
   }
   if (!good) {
-    fault(Errc::BadValue, key, std::to_string(rows) + " rows of " + std::to_string(columns) + " finite numbers expected");
+    fault(Errc::BadValue, key,
+          std::to_string(rows) + " rows of " + std::to_string(columns) + " finite numbers expected");
     values.assign(rows * columns, 0.0);
   }
   return values;

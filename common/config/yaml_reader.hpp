@@ -14,8 +14,8 @@
 
 namespace biteline::config {
 
-/// Reads one mapping.  Calls never fail one by one: faults are collected, and finish() tells the first of them
-/// and how many more there are.  A key that was never asked for is unknown.
+/// Reads one mapping.  Calls never fail one by one: faults are collected, and finish() tells the first of
+/// them and how many more there are.  A key that was never asked for is unknown.
 ///
 ///     auto reader = YamlReader::open(path);          // Result
 ///     settings.speed_mm_s = reader->number("speed_mm_s", {.minimum = 0.1, .maximum = 500});
@@ -53,8 +53,9 @@ class YamlReader {
   bool boolean_or(const std::string& key, bool fallback);
   std::string text_or(const std::string& key, const std::string& fallback);
 
-  /// The nested mapping under `key`; an absent one reads as empty and is a fault when `required`.  Its faults join this
-  /// reader's; unknown keys in it are found when the child is destroyed, so destroy it before finish().
+  /// The nested mapping under `key`; an absent one reads as empty and is a fault when `required`.  Its faults
+  /// join this reader's; unknown keys in it are found when the child is destroyed, so destroy it before
+  /// finish().
   YamlReader child(const std::string& key, bool required);
 
   /// Records a fault of the caller's own, e.g. a matrix that is no rotation.

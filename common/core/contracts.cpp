@@ -12,7 +12,9 @@ std::atomic<ContractHandler> g_handler{nullptr};
 
 }  // namespace
 
-void set_contract_handler(ContractHandler handler) noexcept { g_handler.store(handler); }
+void set_contract_handler(ContractHandler handler) noexcept {
+  g_handler.store(handler);
+}
 
 void contract_broken(const char* condition, const char* file, int line) noexcept {
   if (ContractHandler handler = g_handler.exchange(nullptr)) handler(condition, file, line);

@@ -21,7 +21,8 @@ constexpr std::array k_rows{
     ErrorRow{Errc::BadValue, "has an impossible value", "repair or record the file again", BadInput},
     ErrorRow{Errc::UnknownKey, "has an unknown key", "remove or correct the key", BadInput},
     ErrorRow{Errc::Truncated, "ends too early", "copy or record the file again", BadInput},
-    ErrorRow{Errc::SizeMismatch, "has another size than announced", "check that the files belong together", BadInput},
+    ErrorRow{Errc::SizeMismatch, "has another size than announced", "check that the files belong together",
+             BadInput},
     ErrorRow{Errc::WriteFailed, "cannot be written", "check the folder and its permissions", BadInput},
     ErrorRow{Errc::DiskFull, "disk full", "free space and repeat", BadInput},
     ErrorRow{Errc::Refused, "refused", "see report.json for the reason", Refused},
@@ -39,7 +40,8 @@ constexpr std::array k_rows{
     ErrorRow{Errc::AuthenticationFailed, "peer is not authenticated", "exchange the keys", Connection},
     ErrorRow{Errc::PeerRefused, "peer refused", "see the peer's log", Connection},
     ErrorRow{Errc::ProcessDied, "a process ended unexpectedly", "see its last line above", Connection},
-    ErrorRow{Errc::NoRights, "rights for real time are missing", "run biteline doctor, or pass --rt=ignore", Connection},
+    ErrorRow{Errc::NoRights, "rights for real time are missing", "run biteline doctor, or pass --rt=ignore",
+             Connection},
     ErrorRow{Errc::Overrun, "deadline missed", "run biteline doctor", Connection},
     ErrorRow{Errc::PoseStale, "robot pose too old", "check the pose source", Connection},
     ErrorRow{Errc::InterlockOpen, "interlock open", "close the guard", Connection},
@@ -48,7 +50,9 @@ constexpr std::array k_rows{
 
 }  // namespace
 
-std::span<const ErrorRow> error_table() { return k_rows; }
+std::span<const ErrorRow> error_table() {
+  return k_rows;
+}
 
 const ErrorRow& error_row(Errc code) {
   for (const ErrorRow& row : k_rows) {

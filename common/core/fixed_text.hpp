@@ -3,8 +3,8 @@
 /// \file Text of bounded length that lives inside its owner: no heap, trivially copyable.
 
 #include <array>
-#include <cstddef>
 #include <cstdarg>
+#include <cstddef>
 #include <cstdio>
 #include <string_view>
 

@@ -44,17 +44,17 @@ template <class... Arguments>
 
 /// Returns the Error of `expression` (a Result) from the enclosing function, if it has one.
 #define BITELINE_TRY(expression) BITELINE_TRY_(BITELINE_CONCAT(biteline_result_, __COUNTER__), expression)
-#define BITELINE_TRY_(name, expression)                                               \
-  do {                                                                                \
-    if (auto&& name = (expression); !name) {                                          \
-      return tl::unexpected<::biteline::Error>(name.error());                         \
-    }                                                                                 \
+#define BITELINE_TRY_(name, expression)                       \
+  do {                                                        \
+    if (auto&& name = (expression); !name) {                  \
+      return tl::unexpected<::biteline::Error>(name.error()); \
+    }                                                         \
   } while (false)
 
 /// `BITELINE_ASSIGN(auto image, read_png(path));` declares `image`, or returns the Error.
 #define BITELINE_ASSIGN(declaration, expression) \
   BITELINE_ASSIGN_(BITELINE_CONCAT(biteline_result_, __COUNTER__), declaration, expression)
-#define BITELINE_ASSIGN_(name, declaration, expression)                        \
-  auto name = (expression);                                                    \
+#define BITELINE_ASSIGN_(name, declaration, expression)                         \
+  auto name = (expression);                                                     \
   if (!name) return tl::unexpected<::biteline::Error>(std::move(name).error()); \
   declaration = std::move(*name)

@@ -37,8 +37,8 @@ bool parse(std::string_view text, Number& value) {
 Result<double> Row::number(std::size_t field) const {
   double value = 0;
   if (!parse(fields_[field], value) || !std::isfinite(value)) {
-    return fail(Errc::BadValue, "%s row %d, field %zu: a finite number expected, found '%.20s'", file_.c_str(), number_,
-                field + 1, std::string(fields_[field]).c_str());
+    return fail(Errc::BadValue, "%s row %d, field %zu: a finite number expected, found '%.20s'",
+                file_.c_str(), number_, field + 1, std::string(fields_[field]).c_str());
   }
   return value;
 }
@@ -46,8 +46,8 @@ Result<double> Row::number(std::size_t field) const {
 Result<std::int64_t> Row::integer(std::size_t field) const {
   std::int64_t value = 0;
   if (!parse(fields_[field], value)) {
-    return fail(Errc::BadValue, "%s row %d, field %zu: a whole number expected, found '%.20s'", file_.c_str(), number_,
-                field + 1, std::string(fields_[field]).c_str());
+    return fail(Errc::BadValue, "%s row %d, field %zu: a whole number expected, found '%.20s'", file_.c_str(),
+                number_, field + 1, std::string(fields_[field]).c_str());
   }
   return value;
 }
@@ -57,14 +57,15 @@ Result<std::string> read_text(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file, error)) return fail(Errc::FileNotFound, "%s", file.c_str());
   std::ifstream stream(file, std::ios::binary);
   std::ostringstream text;
-  if (!std::filesystem::is_regular_file(file, error) || !stream) return fail(Errc::FileUnreadable, "%s", file.c_str());
+  if (!std::filesystem::is_regular_file(file, error) || !stream)
+    return fail(Errc::FileUnreadable, "%s", file.c_str());
   text << stream.rdbuf();
   if (stream.bad()) return fail(Errc::FileUnreadable, "%s", file.c_str());
   return std::move(text).str();
 }
 
-Result<void> read_table(const std::filesystem::path& file, std::size_t minimum_fields, std::size_t maximum_fields,
-                        const std::function<Result<void>(const Row&)>& take) {
+Result<void> read_table(const std::filesystem::path& file, std::size_t minimum_fields,
+                        std::size_t maximum_fields, const std::function<Result<void>(const Row&)>& take) {
   BITELINE_ASSIGN(const std::string text, read_text(file));
   const std::string name = file.string();
   std::optional<Error> first;
@@ -82,7 +83,8 @@ Result<void> read_table(const std::filesystem::path& file, std::size_t minimum_f
     if (line.empty() || line.front() == '#') continue;
     const Row row{name, row_number, split(line)};
     if (row.size() < minimum_fields || row.size() > maximum_fields) {
-      note(fail(Errc::BadFormat, "%s row %d: %zu fields expected, found %zu", name.c_str(), row_number, minimum_fields, row.size())
+      note(fail(Errc::BadFormat, "%s row %d: %zu fields expected, found %zu", name.c_str(), row_number,
+                minimum_fields, row.size())
                .value());
     } else if (const Result<void> taken = take(row); !taken) {
       note(taken.error());

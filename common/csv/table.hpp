@@ -33,9 +33,11 @@ class Row {
 };
 
 /// Calls `take` for each row that is neither empty nor a comment; each must have between `minimum_fields` and
-/// `maximum_fields` fields.  The first fault ends up in the Error, the number of further faulty rows beside it.
+/// `maximum_fields` fields.  The first fault ends up in the Error, the number of further faulty rows beside
+/// it.
 [[nodiscard]] Result<void> read_table(const std::filesystem::path& file, std::size_t minimum_fields,
-                                      std::size_t maximum_fields, const std::function<Result<void>(const Row&)>& take);
+                                      std::size_t maximum_fields,
+                                      const std::function<Result<void>(const Row&)>& take);
 
 /// The file's whole text.
 [[nodiscard]] Result<std::string> read_text(const std::filesystem::path& file);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Pinhole camera with radial-tangential distortion, as OpenCV defines it.  Pixel centres at whole numbers.
+/// \file Pinhole camera with radial-tangential distortion, as OpenCV defines it.  Pixel centres at whole
+/// numbers.
 
 #include "common/geometry/se3.hpp"
 

@@ -76,6 +76,8 @@ SE3 make_se3(const Eigen::Quaterniond& rotation, const Vec3& translation_mm) {
   return T;
 }
 
-double angle_between_rad(const Mat3& R_a, const Mat3& R_b) { return log_so3(R_a.transpose() * R_b).norm(); }
+double angle_between_rad(const Mat3& R_a, const Mat3& R_b) {
+  return log_so3(R_a.transpose() * R_b).norm();
+}
 
 }  // namespace biteline::geometry

@@ -23,12 +23,13 @@ namespace geometry {
 [[nodiscard]] Mat3 exp_so3(const Vec3& theta);
 [[nodiscard]] Vec3 log_so3(const Mat3& R);
 
-/// Exponential of SE(3) and its inverse; Sola, Deray, Atchuthan 2018 "A micro Lie theory", eq. (172) to (174).
+/// Exponential of SE(3) and its inverse; Sola, Deray, Atchuthan 2018 "A micro Lie theory", eq. (172) to
+/// (174).
 [[nodiscard]] SE3 exp_se3(const Twist& xi);
 [[nodiscard]] Twist log_se3(const SE3& T);
 
-/// The motion a fraction of the way from `T_from` to `T_to` along the geodesic T_from * exp(fraction * log(T_from^-1 T_to)).
-/// Fractions outside [0, 1] extrapolate.
+/// The motion a fraction of the way from `T_from` to `T_to` along the geodesic T_from * exp(fraction *
+/// log(T_from^-1 T_to)). Fractions outside [0, 1] extrapolate.
 [[nodiscard]] SE3 interpolate(const SE3& T_from, const SE3& T_to, double fraction);
 
 /// Rotation part made exactly orthonormal again (by its quaternion).

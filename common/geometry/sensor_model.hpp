@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file One scanning head: camera, laser plane, mounting.  The calibrated truth about it, as sensor.yaml holds it.
+/// \file One scanning head: camera, laser plane, mounting.  The calibrated truth about it, as sensor.yaml
+/// holds it.
 
 #include <optional>
 
@@ -14,7 +15,9 @@ struct LaserPlane {
   Vec3 normal_cam{Vec3::UnitZ()};
   double distance_mm{0};
 
-  [[nodiscard]] double signed_distance_mm(const Vec3& point_cam) const { return normal_cam.dot(point_cam) - distance_mm; }
+  [[nodiscard]] double signed_distance_mm(const Vec3& point_cam) const {
+    return normal_cam.dot(point_cam) - distance_mm;
+  }
 };
 
 /// Part of the full sensor that frames show.
@@ -33,8 +36,9 @@ struct SensorModel {
   std::optional<Nanoseconds> exposure;  ///< where told
 };
 
-/// Point of the laser plane seen at a full-sensor pixel: X = r * d / (n . r) with the viewing ray r (method: stage 5).
-/// The direct formula; the firmware's table is tested against it.  A ray parallel to the plane gives z <= 0 or huge.
+/// Point of the laser plane seen at a full-sensor pixel: X = r * d / (n . r) with the viewing ray r (method:
+/// stage 5). The direct formula; the firmware's table is tested against it.  A ray parallel to the plane
+/// gives z <= 0 or huge.
 [[nodiscard]] Vec3 triangulate(const Camera& camera, const LaserPlane& plane, const Vec2& pixel_px);
 
 }  // namespace biteline::geometry

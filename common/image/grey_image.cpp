@@ -41,8 +41,8 @@ Result<OpenPng> open_png(const std::filesystem::path& path) {
   spng_set_png_file(png.context.get(), png.file.get());
   spng_ihdr header{};
   if (const int status = spng_get_ihdr(png.context.get(), &header); status != SPNG_OK) {
-    return fail(status == SPNG_IO_EOF ? Errc::Truncated : Errc::BadFormat, "%s: a PNG picture expected (%s)", path.c_str(),
-                spng_strerror(status));
+    return fail(status == SPNG_IO_EOF ? Errc::Truncated : Errc::BadFormat, "%s: a PNG picture expected (%s)",
+                path.c_str(), spng_strerror(status));
   }
   if (header.color_type != SPNG_COLOR_TYPE_GRAYSCALE || header.bit_depth != 8) {
     return fail(Errc::BadFormat, "%s: 8-bit grey expected, found colour type %d with %d bits", path.c_str(),
@@ -54,9 +54,10 @@ Result<OpenPng> open_png(const std::filesystem::path& path) {
 }
 
 Result<void> decode(OpenPng& png, const std::filesystem::path& path, std::span<std::uint8_t> pixels) {
-  if (const int status = spng_decode_image(png.context.get(), pixels.data(), pixels.size(), SPNG_FMT_G8, 0); status != SPNG_OK) {
-    return fail(status == SPNG_IO_EOF ? Errc::Truncated : Errc::BadFormat, "%s: picture data damaged (%s)", path.c_str(),
-                spng_strerror(status));
+  if (const int status = spng_decode_image(png.context.get(), pixels.data(), pixels.size(), SPNG_FMT_G8, 0);
+      status != SPNG_OK) {
+    return fail(status == SPNG_IO_EOF ? Errc::Truncated : Errc::BadFormat, "%s: picture data damaged (%s)",
+                path.c_str(), spng_strerror(status));
   }
   return {};
 }
@@ -71,11 +72,12 @@ Result<GreyImage> read_png(const std::filesystem::path& path) {
   return image;
 }
 
-Result<void> read_png_into(const std::filesystem::path& path, int width_px, int height_px, std::span<std::uint8_t> pixels) {
+Result<void> read_png_into(const std::filesystem::path& path, int width_px, int height_px,
+                           std::span<std::uint8_t> pixels) {
   BITELINE_ASSIGN(OpenPng png, open_png(path));
   if (png.width_px != width_px || png.height_px != height_px) {
-    return fail(Errc::SizeMismatch, "%s: %d x %d px expected, found %d x %d", path.c_str(), width_px, height_px, png.width_px,
-                png.height_px);
+    return fail(Errc::SizeMismatch, "%s: %d x %d px expected, found %d x %d", path.c_str(), width_px,
+                height_px, png.width_px, png.height_px);
   }
   return decode(png, path, pixels);
 }
@@ -93,7 +95,8 @@ Result<void> write_png(const std::filesystem::path& path, const GreyImage& image
   spng_set_ihdr(context.get(), &header);
   // Stripe pictures are mostly noise: the fastest setting costs a few per cent of size.
   spng_set_option(context.get(), SPNG_IMG_COMPRESSION_LEVEL, 1);
-  const int status = spng_encode_image(context.get(), image.pixels.data(), image.pixels.size(), SPNG_FMT_PNG, SPNG_ENCODE_FINALIZE);
+  const int status = spng_encode_image(context.get(), image.pixels.data(), image.pixels.size(), SPNG_FMT_PNG,
+                                       SPNG_ENCODE_FINALIZE);
   if (status != SPNG_OK || std::fflush(file.get()) != 0) {
     return fail_errno(errno == ENOSPC ? Errc::DiskFull : Errc::WriteFailed, errno, "%s", path.c_str());
   }

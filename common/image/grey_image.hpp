@@ -21,14 +21,17 @@ struct GreyImage {
                                      static_cast<std::size_t>(width_px));
   }
   [[nodiscard]] std::uint8_t at(int u_px, int v_px) const {
-    return pixels[static_cast<std::size_t>(v_px) * static_cast<std::size_t>(width_px) + static_cast<std::size_t>(u_px)];
+    return pixels[static_cast<std::size_t>(v_px) * static_cast<std::size_t>(width_px) +
+                  static_cast<std::size_t>(u_px)];
   }
 };
 
-/// Reads an 8-bit grey PNG; anything else (colour, 16 bit, truncated, not a PNG) fails with the file and the reason.
+/// Reads an 8-bit grey PNG; anything else (colour, 16 bit, truncated, not a PNG) fails with the file and the
+/// reason.
 [[nodiscard]] Result<GreyImage> read_png(const std::filesystem::path& path);
 
-/// As read_png() into a buffer of the caller's; fails with SizeMismatch when the picture is not width x height.
+/// As read_png() into a buffer of the caller's; fails with SizeMismatch when the picture is not width x
+/// height.
 [[nodiscard]] Result<void> read_png_into(const std::filesystem::path& path, int width_px, int height_px,
                                          std::span<std::uint8_t> pixels);
 

@@ -21,9 +21,10 @@ enum PointFlag : std::uint16_t {
   k_point_other_peaks = 1U << 4U,    ///< the column holds further peaks
   k_point_reflection = 1U << 5U,     ///< taken for a mirror image: kept as evidence, not part of the surface
   k_point_discontinuous = 1U << 6U,  ///< far from both neighbours
-  k_point_second_exposure = 1U << 7U,///< from the longer exposure of a bracket
-  k_point_edge_mixed = 1U << 8U,     ///< stripe broken here: the peak mixes two surfaces
-  k_point_brightness_step = 1U << 9U,///< stripe cut on one side by print or another step of brightness: its place is shifted
+  k_point_second_exposure = 1U << 7U,  ///< from the longer exposure of a bracket
+  k_point_edge_mixed = 1U << 8U,       ///< stripe broken here: the peak mixes two surfaces
+  k_point_brightness_step =
+      1U << 9U,  ///< stripe cut on one side by print or another step of brightness: its place is shifted
 };
 
 /// Points with one of these are evidence, not surface: they stay out of the cloud.
@@ -44,13 +45,14 @@ enum ProfileFlag : std::uint32_t {
 };
 
 /// Profiles with one of these never enter a cloud.
-inline constexpr std::uint32_t k_profile_not_usable =
-    k_profile_pose_missing | k_profile_pose_stale | k_profile_trigger_mismatch | k_profile_clock_unsure |
-    k_profile_frame_damaged;
+inline constexpr std::uint32_t k_profile_not_usable = k_profile_pose_missing | k_profile_pose_stale |
+                                                      k_profile_trigger_mismatch | k_profile_clock_unsure |
+                                                      k_profile_frame_damaged;
 
 struct ProfilePoint {
   Eigen::Vector3f point_cam{Eigen::Vector3f::Zero()};  ///< mm
-  float sigma_mm{0};        ///< standard deviation of its place, along the way it moves in the laser plane when its row errs
+  float sigma_mm{
+      0};  ///< standard deviation of its place, along the way it moves in the laser plane when its row errs
   float row_px{0};          ///< sub-pixel row in the full sensor
   float sigma_row_px{0};    ///< its standard deviation
   float amplitude{0};       ///< stripe height above background, grey levels
@@ -65,9 +67,10 @@ struct ProfileHeader {
   std::uint64_t frame_sequence{0};       ///< the camera's own count
   SensorClock::time_point exposure_mid;  ///< middle of the exposure
   SE3 T_base_flange{SE3::Identity()};    ///< at exposure_mid
-  Nanoseconds second_exposure_after{0};  ///< of a bracket: from exposure_mid to the longer exposure's middle; 0: none
-  Nanoseconds pose_age{0};               ///< distance in time from exposure_mid to the nearest pose sample
-  std::uint32_t flags{0};                ///< ProfileFlag
+  Nanoseconds second_exposure_after{
+      0};                   ///< of a bracket: from exposure_mid to the longer exposure's middle; 0: none
+  Nanoseconds pose_age{0};  ///< distance in time from exposure_mid to the nearest pose sample
+  std::uint32_t flags{0};   ///< ProfileFlag
 };
 
 /// A profile on the host: as long as it has points.

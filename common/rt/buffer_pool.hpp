@@ -30,19 +30,22 @@ class BufferPool {
  public:
   explicit BufferPool(std::size_t count) : count_{count}, buffers_{std::make_unique<T[]>(count)} {
     BITELINE_EXPECTS(count >= 1 && count <= MaxCount);
-    for (std::size_t index = 0; index < count; ++index) word_of(index).fetch_or(bit_of(index), std::memory_order_release);
+    for (std::size_t index = 0; index < count; ++index)
+      word_of(index).fetch_or(bit_of(index), std::memory_order_release);
   }
 
-  /// Nothing: all are in use.  The caller counts that as an overrun.  With several acquirers it may also miss a buffer that
-  /// came free behind its search.
+  /// Nothing: all are in use.  The caller counts that as an overrun.  With several acquirers it may also miss
+  /// a buffer that came free behind its search.
   [[nodiscard]] std::optional<BufferIndex> rt_acquire() noexcept BITELINE_RT {
     for (std::size_t word = 0; word < k_words; ++word) {
       std::uint64_t free = free_[word].load(std::memory_order_relaxed);
       while (free != 0) {
         const std::uint64_t lowest = free & (~free + 1);
         // acquire: pairs with the release of the buffer's last user.
-        if (free_[word].compare_exchange_weak(free, free & ~lowest, std::memory_order_acquire, std::memory_order_relaxed)) {
-          return static_cast<BufferIndex>(word * k_word_bits + static_cast<std::size_t>(std::countr_zero(lowest)));
+        if (free_[word].compare_exchange_weak(free, free & ~lowest, std::memory_order_acquire,
+                                              std::memory_order_relaxed)) {
+          return static_cast<BufferIndex>(word * k_word_bits +
+                                          static_cast<std::size_t>(std::countr_zero(lowest)));
         }
       }
     }
@@ -70,7 +73,9 @@ class BufferPool {
 
  private:
   [[nodiscard]] std::atomic<std::uint64_t>& word_of(std::size_t index) { return free_[index / k_word_bits]; }
-  [[nodiscard]] static std::uint64_t bit_of(std::size_t index) { return std::uint64_t{1} << (index % k_word_bits); }
+  [[nodiscard]] static std::uint64_t bit_of(std::size_t index) {
+    return std::uint64_t{1} << (index % k_word_bits);
+  }
 
   std::size_t count_;
   std::unique_ptr<T[]> buffers_;

@@ -25,8 +25,8 @@ Result<StampedPose> parse_pose(const csv::Row& row, const fs::path& file) {
   }
   const Eigen::Quaterniond rotation(v[3], v[4], v[5], v[6]);
   if (std::abs(rotation.norm() - 1) > k_unit_tolerance) {
-    return fail(Errc::BadValue, "%s row %d, fields 5 to 8: a unit quaternion expected, found length %.4f", file.c_str(),
-                row.number(), rotation.norm());
+    return fail(Errc::BadValue, "%s row %d, fields 5 to 8: a unit quaternion expected, found length %.4f",
+                file.c_str(), row.number(), rotation.norm());
   }
   return StampedPose{.stamp = RobotClock::time_point{Nanoseconds{stamp_ns}},
                      .T_base_flange = geometry::make_se3(rotation, {v[0], v[1], v[2]})};
@@ -37,17 +37,20 @@ Result<std::vector<FrameEntry>> read_frame_table(const fs::path& file) {
   const fs::path folder = file.parent_path() / "data";
   BITELINE_TRY(csv::read_table(file, 2, 2, [&](const csv::Row& row) -> Result<void> {
     BITELINE_ASSIGN(const std::int64_t stamp_ns, row.integer(0));
-    const FrameEntry frame{.exposure_mid = SensorClock::time_point{Nanoseconds{stamp_ns}}, .file = folder / row.text(1)};
+    const FrameEntry frame{.exposure_mid = SensorClock::time_point{Nanoseconds{stamp_ns}},
+                           .file = folder / row.text(1)};
     // A name with a folder in it could lead out of the session.
     if (fs::path{row.text(1)}.filename() != fs::path{row.text(1)} || row.text(1).empty()) {
-      return fail(Errc::BadValue, "%s row %d, field 2: a plain file name expected", file.c_str(), row.number());
+      return fail(Errc::BadValue, "%s row %d, field 2: a plain file name expected", file.c_str(),
+                  row.number());
     }
     if (!frames.empty() && frame.exposure_mid <= frames.back().exposure_mid) {
       return fail(Errc::BadValue, "%s row %d, field 1: rising stamps expected", file.c_str(), row.number());
     }
     std::error_code ignored;
     if (!fs::is_regular_file(frame.file, ignored)) {
-      return fail(Errc::FileNotFound, "%s (named in %s row %d)", frame.file.c_str(), file.filename().c_str(), row.number());
+      return fail(Errc::FileNotFound, "%s (named in %s row %d)", frame.file.c_str(), file.filename().c_str(),
+                  row.number());
     }
     frames.push_back(frame);
     return {};
@@ -99,8 +102,10 @@ Result<std::vector<StampedPose>> read_pose_table(const fs::path& file, RowOrder 
     if (order == RowOrder::Rising && !poses.empty() && pose.stamp <= poses.back().stamp) {
       return fail(Errc::BadValue, "%s row %d, field 1: rising stamps expected", file.c_str(), row.number());
     }
-    if (order == RowOrder::Any && std::any_of(poses.begin(), poses.end(), [&](const StampedPose& p) { return p.stamp == pose.stamp; })) {
-      return fail(Errc::BadValue, "%s row %d, field 1: a number not yet used expected", file.c_str(), row.number());
+    if (order == RowOrder::Any && std::any_of(poses.begin(), poses.end(),
+                                              [&](const StampedPose& p) { return p.stamp == pose.stamp; })) {
+      return fail(Errc::BadValue, "%s row %d, field 1: a number not yet used expected", file.c_str(),
+                  row.number());
     }
     poses.push_back(pose);
     return {};
@@ -111,7 +116,8 @@ Result<std::vector<StampedPose>> read_pose_table(const fs::path& file, RowOrder 
 
 Result<Session> read_session(const fs::path& root) {
   std::error_code ignored;
-  if (!fs::is_directory(root, ignored)) return fail(Errc::FileNotFound, "%s: a session folder expected", root.c_str());
+  if (!fs::is_directory(root, ignored))
+    return fail(Errc::FileNotFound, "%s: a session folder expected", root.c_str());
   Session session{.root = root, .sensor = {}, .frames = {}, .poses = {}};
   BITELINE_ASSIGN(session.sensor, config::read_sensor_yaml(root / "cam0/sensor.yaml"));
   BITELINE_ASSIGN(session.frames, read_frame_table(root / "cam0/data.csv"));
@@ -127,7 +133,8 @@ Result<void> write_pose_table(const fs::path& file, const std::vector<StampedPos
     const Vec3 p = pose.T_base_flange.translation();
     const Eigen::Quaterniond q(pose.T_base_flange.linear());
     std::snprintf(line, sizeof line, "%lld,%.6f,%.6f,%.6f,%.10f,%.10f,%.10f,%.10f\n",
-                  static_cast<long long>(pose.stamp.time_since_epoch().count()), p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z());
+                  static_cast<long long>(pose.stamp.time_since_epoch().count()), p.x(), p.y(), p.z(), q.w(),
+                  q.x(), q.y(), q.z());
     text += line;
   }
   return write_rows(file, text);
@@ -136,7 +143,8 @@ Result<void> write_pose_table(const fs::path& file, const std::vector<StampedPos
 Result<void> write_frame_table(const fs::path& file, const std::vector<FrameEntry>& frames) {
   std::string text = "#timestamp [ns],filename\n";
   for (const FrameEntry& frame : frames) {
-    text += std::to_string(frame.exposure_mid.time_since_epoch().count()) + "," + frame.file.filename().string() + "\n";
+    text += std::to_string(frame.exposure_mid.time_since_epoch().count()) + "," +
+            frame.file.filename().string() + "\n";
   }
   return write_rows(file, text);
 }

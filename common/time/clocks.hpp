@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Clock tags.  Time points of different clocks neither compare nor subtract: mixing them does not compile.
+/// \file Clock tags.  Time points of different clocks neither compare nor subtract: mixing them does not
+/// compile.
 
 #include <chrono>
 #include <cstdint>
@@ -9,8 +10,8 @@ namespace biteline {
 
 using Nanoseconds = std::chrono::duration<std::int64_t, std::nano>;
 
-/// The sensor's one clock: every stamp in a profile is on it (CLOCK_MONOTONIC on a unit, the camera clock in a
-/// recorded session).
+/// The sensor's one clock: every stamp in a profile is on it (CLOCK_MONOTONIC on a unit, the camera clock in
+/// a recorded session).
 struct SensorClock {
   using duration = Nanoseconds;
   using rep = duration::rep;

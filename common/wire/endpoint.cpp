@@ -28,9 +28,13 @@ bool is_loopback_ipv4(std::string_view host) {
 
 }  // namespace
 
-bool Endpoint::loopback() const { return host == "localhost" || host == "[::1]" || is_loopback_ipv4(host); }
+bool Endpoint::loopback() const {
+  return host == "localhost" || host == "[::1]" || is_loopback_ipv4(host);
+}
 
-std::string Endpoint::text() const { return std::string{k_scheme} + host + ":" + std::to_string(port); }
+std::string Endpoint::text() const {
+  return std::string{k_scheme} + host + ":" + std::to_string(port);
+}
 
 Result<Endpoint> parse_endpoint(const std::string& text) {
   const auto bad = [&] {
@@ -38,16 +42,19 @@ Result<Endpoint> parse_endpoint(const std::string& text) {
   };
   const std::string_view whole{text};
   const std::size_t colon = whole.rfind(':');
-  if (!whole.starts_with(k_scheme) || colon == std::string_view::npos || colon <= k_scheme.size()) return bad();
+  if (!whole.starts_with(k_scheme) || colon == std::string_view::npos || colon <= k_scheme.size())
+    return bad();
   const std::string_view host = whole.substr(k_scheme.size(), colon - k_scheme.size());
   const std::string_view port_text = whole.substr(colon + 1);
   Endpoint endpoint{.host = std::string{host}, .port = 0};
-  const auto [end, error] = std::from_chars(port_text.data(), port_text.data() + port_text.size(), endpoint.port);
+  const auto [end, error] =
+      std::from_chars(port_text.data(), port_text.data() + port_text.size(), endpoint.port);
   if (error != std::errc{} || end != port_text.data() + port_text.size()) return bad();
   const bool bracketed = host.front() == '[' && host.back() == ']';
   const bool plain = std::all_of(host.begin(), host.end(), [](char letter) {
-    return (letter >= '0' && letter <= '9') || (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') ||
-           letter == '.' || letter == '-' || letter == '_' || letter == '*';
+    return (letter >= '0' && letter <= '9') || (letter >= 'a' && letter <= 'z') ||
+           (letter >= 'A' && letter <= 'Z') || letter == '.' || letter == '-' || letter == '_' ||
+           letter == '*';
   });
   if (!bracketed && !plain) return bad();
   return endpoint;

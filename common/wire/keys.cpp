@@ -51,7 +51,8 @@ Result<std::string> read_key(const fs::path& file) {
   if (!stream) return fail_errno(Errc::FileNotFound, errno, "%s", file.c_str());
   std::string line;
   std::getline(stream, line);
-  if (!is_key(line)) return fail(Errc::BadFormat, "%s line 1: a key of 40 Z85 characters expected", file.c_str());
+  if (!is_key(line))
+    return fail(Errc::BadFormat, "%s line 1: a key of 40 Z85 characters expected", file.c_str());
   return line;
 }
 
@@ -81,7 +82,8 @@ Result<std::vector<std::string>> read_allow_list(const fs::path& file) {
     // '#' is itself a Z85 letter: only in front of a line, or instead of a key, is it a comment.
     const std::string key = line.substr(0, line.find_first_of(" \t\r"));
     if (key.empty() || (line.front() == '#' && !is_key(key))) continue;
-    if (!is_key(key)) return fail(Errc::BadFormat, "%s line %d: a key of 40 Z85 characters expected", file.c_str(), row);
+    if (!is_key(key))
+      return fail(Errc::BadFormat, "%s line %d: a key of 40 Z85 characters expected", file.c_str(), row);
     keys.push_back(key);
   }
   return keys;

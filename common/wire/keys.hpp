@@ -28,9 +28,10 @@ struct HostKeys {
   std::string sensor_public_key;
 };
 
-/// Makes a pair for the sensor and one for a host in `folder`: sensor.public, sensor.secret, host.public, host.secret, and
-/// hosts.allowed with the host's public key.  Secret files are 0600.  Existing keys are never overwritten: Errc::WrongState.
-/// The host needs sensor.public, host.public and host.secret; the sensor the others; neither needs the other's secret.
+/// Makes a pair for the sensor and one for a host in `folder`: sensor.public, sensor.secret, host.public,
+/// host.secret, and hosts.allowed with the host's public key.  Secret files are 0600.  Existing keys are
+/// never overwritten: Errc::WrongState. The host needs sensor.public, host.public and host.secret; the sensor
+/// the others; neither needs the other's secret.
 [[nodiscard]] Result<void> make_keys(const std::filesystem::path& folder);
 
 /// A secret file that others may read is refused: Errc::AuthenticationFailed.

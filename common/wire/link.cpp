@@ -16,8 +16,8 @@ namespace {
 constexpr const char* k_zap_address = "inproc://zeromq.zap.01";  // fixed by RFC 27
 constexpr const char* k_zap_domain = "biteline";
 
-/// Queue per peer.  The protocol's window (64 messages) stays below it, so that a full queue means a peer that does not
-/// read.
+/// Queue per peer.  The protocol's window (64 messages) stays below it, so that a full queue means a peer
+/// that does not read.
 constexpr int k_queue_messages = 256;
 /// A dead connection (cable, power) is noticed within these; both sides' own silence rules are slower.
 constexpr int k_heartbeat_ms = 500;
@@ -45,7 +45,9 @@ Result<void> demand_keys_beyond_loopback(const Endpoint& endpoint, bool has_keys
               endpoint.text().c_str());
 }
 
-std::string_view view(const Bytes& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+std::string_view view(const Bytes& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
 
 std::span<const std::uint8_t> bytes_of(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
@@ -60,8 +62,8 @@ bool is_allowed(const Bytes& key, const std::vector<std::string>& allowed) {
 
 }  // namespace
 
-Result<Socket> open_listener(const SocketContext& context, const Endpoint& endpoint, const std::optional<KeyPair>& own,
-                             const Socket* gatekeeper) {
+Result<Socket> open_listener(const SocketContext& context, const Endpoint& endpoint,
+                             const std::optional<KeyPair>& own, const Socket* gatekeeper) {
   // libzmq lets every CURVE key in when nobody is there to be asked.
   BITELINE_EXPECTS(!own || gatekeeper != nullptr);
   BITELINE_TRY(demand_keys_beyond_loopback(endpoint, own.has_value()));
@@ -95,20 +97,26 @@ int serve_gatekeeper(Socket& gatekeeper, const std::vector<std::string>& allowed
                          is_allowed(parts[6], allowed);
     if (!welcome) ++refused;
     const Bytes id = parts.size() > 1 ? parts[1] : Bytes{};
-    const bool answered = gatekeeper.send({bytes_of("1.0"), id, bytes_of(welcome ? "200" : "400"),
-                                           bytes_of(welcome ? "OK" : "key not in hosts.allowed"), {}, {}});
+    const bool answered = gatekeeper.send({bytes_of("1.0"),
+                                           id,
+                                           bytes_of(welcome ? "200" : "400"),
+                                           bytes_of(welcome ? "OK" : "key not in hosts.allowed"),
+                                           {},
+                                           {}});
     if (!answered) break;
   }
   return refused;
 }
 
-Result<Socket> open_caller(const SocketContext& context, const Endpoint& endpoint, const std::optional<HostKeys>& keys) {
+Result<Socket> open_caller(const SocketContext& context, const Endpoint& endpoint,
+                           const std::optional<HostKeys>& keys) {
   BITELINE_TRY(demand_keys_beyond_loopback(endpoint, keys.has_value()));
   BITELINE_ASSIGN(Socket socket, Socket::open(context, SocketKind::Caller));
   BITELINE_TRY(set_common_options(socket, endpoint));
   BITELINE_TRY(socket.set(ZMQ_RECONNECT_IVL, k_reconnect_ms));
   BITELINE_TRY(socket.set(ZMQ_RECONNECT_IVL_MAX, k_reconnect_max_ms));
-  // Not ZMQ_IMMEDIATE: it would throw away what has arrived and was not read yet when the peer hangs up, farewells above all.
+  // Not ZMQ_IMMEDIATE: it would throw away what has arrived and was not read yet when the peer hangs up,
+  // farewells above all.
   if (keys) {
     BITELINE_TRY(socket.set(ZMQ_CURVE_SERVERKEY, keys->sensor_public_key));
     BITELINE_TRY(socket.set(ZMQ_CURVE_PUBLICKEY, keys->own.public_key));
@@ -118,9 +126,9 @@ Result<Socket> open_caller(const SocketContext& context, const Endpoint& endpoin
 }
 
 Result<Socket> open_watcher(const SocketContext& context, const Socket& caller) {
-  constexpr int k_events = ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH |
-                           ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
-                           ZMQ_EVENT_CONNECT_RETRIED;
+  constexpr int k_events = ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED |
+                           ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
+                           ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_CONNECT_RETRIED;
   char address[64];
   std::snprintf(address, sizeof address, "inproc://watch-%p", caller.handle());
   if (zmq_socket_monitor(caller.handle(), address, k_events) != 0) {
@@ -138,13 +146,19 @@ std::optional<LinkEvent> next_event(Socket& watcher) {
     std::uint16_t kind = 0;
     std::memcpy(&kind, event->parts.front().data(), sizeof kind);
     switch (kind) {
-      case ZMQ_EVENT_HANDSHAKE_SUCCEEDED: return LinkEvent::Connected;
-      case ZMQ_EVENT_DISCONNECTED: return LinkEvent::Disconnected;
-      case ZMQ_EVENT_HANDSHAKE_FAILED_AUTH: return LinkEvent::AuthenticationFailed;
+      case ZMQ_EVENT_HANDSHAKE_SUCCEEDED:
+        return LinkEvent::Connected;
+      case ZMQ_EVENT_DISCONNECTED:
+        return LinkEvent::Disconnected;
+      case ZMQ_EVENT_HANDSHAKE_FAILED_AUTH:
+        return LinkEvent::AuthenticationFailed;
       case ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL:
-      case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL: return LinkEvent::HandshakeFailed;
-      case ZMQ_EVENT_CONNECT_RETRIED: return LinkEvent::ConnectFailed;
-      default: break;
+      case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL:
+        return LinkEvent::HandshakeFailed;
+      case ZMQ_EVENT_CONNECT_RETRIED:
+        return LinkEvent::ConnectFailed;
+      default:
+        break;
     }
   }
   return std::nullopt;

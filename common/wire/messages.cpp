@@ -18,7 +18,8 @@ using flatbuffers::Offset;
 constexpr flatbuffers::uoffset_t k_max_depth = 8;
 constexpr flatbuffers::uoffset_t k_max_tables = 256;
 
-constexpr std::size_t k_checksum_bytes = sizeof(std::uint32_t);  ///< CRC-32C of all before, little-endian, at the end
+constexpr std::size_t k_checksum_bytes =
+    sizeof(std::uint32_t);  ///< CRC-32C of all before, little-endian, at the end
 
 struct PackedBody {
   fb::Body type{fb::Body_NONE};
@@ -31,8 +32,9 @@ PackedBody packed(fb::Body type, Offset<Table> table) {
 }
 
 PackedBody pack_body(FlatBufferBuilder& fbb, const HostHello& hello) {
-  return packed(fb::Body_HostHello, fb::CreateHostHello(fbb, text(fbb, hello.name), hello.resume, hello.resume_scan_id,
-                                                        hello.next_sequence, hello.safe_sequence));
+  return packed(fb::Body_HostHello,
+                fb::CreateHostHello(fbb, text(fbb, hello.name), hello.resume, hello.resume_scan_id,
+                                    hello.next_sequence, hello.safe_sequence));
 }
 
 PackedBody pack_body(FlatBufferBuilder& fbb, const SensorHello& hello) {
@@ -40,9 +42,10 @@ PackedBody pack_body(FlatBufferBuilder& fbb, const SensorHello& hello) {
   const auto version = text(fbb, hello.version);
   const auto scan_name = text(fbb, hello.scan_name);
   const auto model = pack_model(fbb, hello.model);
-  return packed(fb::Body_SensorHello,
-                fb::CreateSensorHello(fbb, name, version, scan_name, hello.frames_expected, hello.lossless,
-                                      hello.simulated, hello.scanning, hello.held_from, hello.held_to, model));
+  return packed(
+      fb::Body_SensorHello,
+      fb::CreateSensorHello(fbb, name, version, scan_name, hello.frames_expected, hello.lossless,
+                            hello.simulated, hello.scanning, hello.held_from, hello.held_to, model));
 }
 
 PackedBody pack_body(FlatBufferBuilder& fbb, const profile::Profile& profile) {
@@ -54,8 +57,9 @@ PackedBody pack_body(FlatBufferBuilder& fbb, const Health& health) {
   const auto stages = pack_stages(fbb, health.stages);
   const auto reason = text(fbb, health.laser_reason);
   const auto devices = pack_devices(fbb, health.devices);
-  return packed(fb::Body_Health, fb::CreateHealth(fbb, counters, stages, static_cast<fb::LaserState>(health.laser),
-                                                  reason, health.scanning, devices));
+  return packed(fb::Body_Health,
+                fb::CreateHealth(fbb, counters, stages, static_cast<fb::LaserState>(health.laser), reason,
+                                 health.scanning, devices));
 }
 
 PackedBody pack_body(FlatBufferBuilder& fbb, const EndOfScan& end) {
@@ -71,11 +75,13 @@ PackedBody pack_body(FlatBufferBuilder& fbb, const Ack& ack) {
 }
 
 PackedBody pack_body(FlatBufferBuilder& fbb, const Control& control) {
-  return packed(fb::Body_Control, fb::CreateControl(fbb, control.id, static_cast<fb::Command>(control.command)));
+  return packed(fb::Body_Control,
+                fb::CreateControl(fbb, control.id, static_cast<fb::Command>(control.command)));
 }
 
 PackedBody pack_body(FlatBufferBuilder& fbb, const ControlReply& reply) {
-  return packed(fb::Body_ControlReply, fb::CreateControlReply(fbb, reply.id, reply.errc, text(fbb, reply.where)));
+  return packed(fb::Body_ControlReply,
+                fb::CreateControlReply(fbb, reply.id, reply.errc, text(fbb, reply.where)));
 }
 
 PackedBody pack_body(FlatBufferBuilder& fbb, const Gap& gap) {
@@ -83,8 +89,8 @@ PackedBody pack_body(FlatBufferBuilder& fbb, const Gap& gap) {
 }
 
 PackedBody pack_body(FlatBufferBuilder& fbb, const Bye& bye) {
-  return packed(fb::Body_Bye,
-                fb::CreateBye(fbb, static_cast<fb::ByeReason>(bye.reason), text(fbb, bye.text), bye.protocol));
+  return packed(fb::Body_Bye, fb::CreateBye(fbb, static_cast<fb::ByeReason>(bye.reason), text(fbb, bye.text),
+                                            bye.protocol));
 }
 
 void finish(FlatBufferBuilder& fbb, const Message& address, PackedBody body, Bytes& out) {
@@ -109,7 +115,8 @@ Result<Body> read_body(const fb::HostHello& table) {
 Result<Body> read_body(const fb::SensorHello& table) {
   if (table.model() == nullptr) return fail(Errc::ProtocolError, "hello without a sensor model");
   BITELINE_ASSIGN(const geometry::SensorModel model, read_model(*table.model()));
-  if (table.held_to() < table.held_from()) return fail(Errc::ProtocolError, "hello with a reversed range of messages");
+  if (table.held_to() < table.held_from())
+    return fail(Errc::ProtocolError, "hello with a reversed range of messages");
   return SensorHello{.name = to_string(table.name()),
                      .version = to_string(table.version()),
                      .scan_name = to_string(table.scan_name()),
@@ -167,12 +174,15 @@ Result<Body> read_body(const fb::Gap& table) {
 
 Result<Body> read_body(const fb::Bye& table) {
   if (table.reason() > fb::ByeReason_MAX) return fail(Errc::ProtocolError, "bye: unknown reason");
-  return Bye{.reason = static_cast<ByeReason>(table.reason()), .text = to_string(table.text()), .protocol = table.protocol()};
+  return Bye{.reason = static_cast<ByeReason>(table.reason()),
+             .text = to_string(table.text()),
+             .protocol = table.protocol()};
 }
 
 /// The message without its checksum.
 Result<std::span<const std::uint8_t>> unsealed(std::span<const std::uint8_t> bytes) {
-  if (bytes.size() > k_max_message_bytes) return fail(Errc::ProtocolError, "message of %zu bytes", bytes.size());
+  if (bytes.size() > k_max_message_bytes)
+    return fail(Errc::ProtocolError, "message of %zu bytes", bytes.size());
   // An offset and the identifier come first; the identifier is read before anything is verified.
   if (bytes.size() < 2 * sizeof(flatbuffers::uoffset_t) + k_checksum_bytes ||
       !fb::EnvelopeBufferHasIdentifier(bytes.data())) {
@@ -188,17 +198,28 @@ Result<std::span<const std::uint8_t>> unsealed(std::span<const std::uint8_t> byt
 Result<Body> read_union(const fb::Envelope& envelope) {
   // The verifier has checked that a known type comes with a table of that type.
   switch (envelope.body_type()) {
-    case fb::Body_HostHello: return read_body(*envelope.body_as_HostHello());
-    case fb::Body_SensorHello: return read_body(*envelope.body_as_SensorHello());
-    case fb::Body_Profile: return read_body(*envelope.body_as_Profile());
-    case fb::Body_Health: return read_body(*envelope.body_as_Health());
-    case fb::Body_EndOfScan: return read_body(*envelope.body_as_EndOfScan());
-    case fb::Body_Ack: return read_body(*envelope.body_as_Ack());
-    case fb::Body_Control: return read_body(*envelope.body_as_Control());
-    case fb::Body_ControlReply: return read_body(*envelope.body_as_ControlReply());
-    case fb::Body_Gap: return read_body(*envelope.body_as_Gap());
-    case fb::Body_Bye: return read_body(*envelope.body_as_Bye());
-    case fb::Body_NONE: break;
+    case fb::Body_HostHello:
+      return read_body(*envelope.body_as_HostHello());
+    case fb::Body_SensorHello:
+      return read_body(*envelope.body_as_SensorHello());
+    case fb::Body_Profile:
+      return read_body(*envelope.body_as_Profile());
+    case fb::Body_Health:
+      return read_body(*envelope.body_as_Health());
+    case fb::Body_EndOfScan:
+      return read_body(*envelope.body_as_EndOfScan());
+    case fb::Body_Ack:
+      return read_body(*envelope.body_as_Ack());
+    case fb::Body_Control:
+      return read_body(*envelope.body_as_Control());
+    case fb::Body_ControlReply:
+      return read_body(*envelope.body_as_ControlReply());
+    case fb::Body_Gap:
+      return read_body(*envelope.body_as_Gap());
+    case fb::Body_Bye:
+      return read_body(*envelope.body_as_Bye());
+    case fb::Body_NONE:
+      break;
   }
   return fail(Errc::ProtocolError, "message of unknown kind %d", static_cast<int>(envelope.body_type()));
 }
@@ -208,16 +229,20 @@ Result<Body> read_union(const fb::Envelope& envelope) {
 Result<Message> decode(std::span<const std::uint8_t> bytes) {
   BITELINE_ASSIGN(const std::span<const std::uint8_t> content, unsealed(bytes));
   flatbuffers::Verifier verifier{content.data(), content.size(), k_max_depth, k_max_tables};
-  if (!fb::VerifyEnvelopeBuffer(verifier)) return fail(Errc::ProtocolError, "message with a broken structure");
+  if (!fb::VerifyEnvelopeBuffer(verifier))
+    return fail(Errc::ProtocolError, "message with a broken structure");
   const fb::Envelope& envelope = *fb::GetEnvelope(content.data());
   // A farewell is readable in every version: it says why the other side does not go on.
   const bool farewell = envelope.body_type() == fb::Body_Bye;
   if (envelope.protocol() != k_protocol && !farewell) {
-    return fail(Errc::NotSupported, "the peer speaks protocol %d, this program %d", static_cast<int>(envelope.protocol()),
-                static_cast<int>(k_protocol));
+    return fail(Errc::NotSupported, "the peer speaks protocol %d, this program %d",
+                static_cast<int>(envelope.protocol()), static_cast<int>(k_protocol));
   }
   if (envelope.body() == nullptr) return fail(Errc::ProtocolError, "message without a body");
-  Message message{.protocol = envelope.protocol(), .scan_id = envelope.scan_id(), .sequence = envelope.sequence(), .body = {}};
+  Message message{.protocol = envelope.protocol(),
+                  .scan_id = envelope.scan_id(),
+                  .sequence = envelope.sequence(),
+                  .body = {}};
   BITELINE_ASSIGN(message.body, read_union(envelope));
   return message;
 }

@@ -27,10 +27,10 @@ using Bytes = std::vector<std::uint8_t>;
 /// Host to sensor, first on every connection and again whenever the host doubts it.
 struct HostHello {
   std::string name;
-  bool resume{false};              ///< false: from the oldest message still held
-  std::uint64_t resume_scan_id{0}; ///< the scan that the host holds the beginning of
-  std::uint64_t next_sequence{0};  ///< first message it lacks: sent from there on
-  std::uint64_t safe_sequence{0};  ///< everything below is safe with it, as in Ack
+  bool resume{false};               ///< false: from the oldest message still held
+  std::uint64_t resume_scan_id{0};  ///< the scan that the host holds the beginning of
+  std::uint64_t next_sequence{0};   ///< first message it lacks: sent from there on
+  std::uint64_t safe_sequence{0};   ///< everything below is safe with it, as in Ack
 };
 
 /// The sensor's answer.
@@ -41,9 +41,9 @@ struct SensorHello {
   std::uint64_t frames_expected{0};  ///< 0: not known
   bool lossless{false};              ///< the source waits for the host
   bool simulated{false};
-  bool scanning{false};              ///< the scan goes on; false: it has ended, or there was none yet (scan 0)
-  std::uint64_t held_from{0};        ///< oldest message still held
-  std::uint64_t held_to{0};          ///< one past the newest
+  bool scanning{false};        ///< the scan goes on; false: it has ended, or there was none yet (scan 0)
+  std::uint64_t held_from{0};  ///< oldest message still held
+  std::uint64_t held_to{0};    ///< one past the newest
   geometry::SensorModel model;
 };
 
@@ -117,7 +117,7 @@ struct Devices {
   std::uint64_t bus_errors{0};
   std::uint64_t bus_restarts{0};
   std::uint64_t watchdog_feeds_failed{0};
-  bool realtime{false};  ///< the thread table was enforced
+  bool realtime{false};                 ///< the thread table was enforced
   std::optional<CaptureState> capture;  ///< nothing: the head's own settings stand
 };
 
@@ -174,7 +174,8 @@ struct Bye {
   std::uint16_t protocol{k_protocol};  ///< the sender's
 };
 
-using Body = std::variant<HostHello, SensorHello, profile::Profile, Health, EndOfScan, Ack, Control, ControlReply, Gap, Bye>;
+using Body = std::variant<HostHello, SensorHello, profile::Profile, Health, EndOfScan, Ack, Control,
+                          ControlReply, Gap, Bye>;
 
 struct Message {
   std::uint16_t protocol{k_protocol};
@@ -183,8 +184,9 @@ struct Message {
   Body body;
 };
 
-/// Verified and checked: structure (FlatBuffers verifier), sizes, enumerators, finite numbers, rotations.  The bytes may
-/// come from anyone.  Errc::ProtocolError; a message of another protocol version is Errc::NotSupported.
+/// Verified and checked: structure (FlatBuffers verifier), sizes, enumerators, finite numbers, rotations. The
+/// bytes may come from anyone.  Errc::ProtocolError; a message of another protocol version is
+/// Errc::NotSupported.
 [[nodiscard]] Result<Message> decode(std::span<const std::uint8_t> bytes);
 
 /// Replaces `out`.  Texts are cut at 500 bytes.  For a profile see also encode_profile().

@@ -18,7 +18,9 @@ constexpr std::uint32_t zigzag(std::uint32_t difference) {
   return (difference << 1U) ^ (0U - (difference >> 31U));
 }
 
-constexpr std::uint32_t unzigzag(std::uint32_t coded) { return (coded >> 1U) ^ (0U - (coded & 1U)); }
+constexpr std::uint32_t unzigzag(std::uint32_t coded) {
+  return (coded >> 1U) ^ (0U - (coded & 1U));
+}
 
 std::uint32_t length_code(std::uint32_t coded, Lengths lengths) {
   const auto bytes = static_cast<std::uint32_t>(std::bit_width(coded) + 7) / 8;  // 0 .. 4
@@ -26,7 +28,9 @@ std::uint32_t length_code(std::uint32_t coded, Lengths lengths) {
   return bytes == 4 ? 3 : (bytes == 3 ? 3 : bytes);
 }
 
-std::size_t code_bytes(std::size_t count) { return (count + k_codes_per_byte - 1) / k_codes_per_byte; }
+std::size_t code_bytes(std::size_t count) {
+  return (count + k_codes_per_byte - 1) / k_codes_per_byte;
+}
 
 }  // namespace
 

@@ -8,14 +8,21 @@ namespace biteline::wire {
 namespace {
 
 constexpr std::size_t k_max_text_bytes = 500;
-constexpr double k_rotation_tolerance = 1e-6;  // far above the rounding of any rotation, far below any real fault
-constexpr int k_max_sensor_px = 65536;         // columns travel as 16 bit
+constexpr double k_rotation_tolerance =
+    1e-6;                               // far above the rounding of any rotation, far below any real fault
+constexpr int k_max_sensor_px = 65536;  // columns travel as 16 bit
 
-bool finite(const fb::Vec3& v) { return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z()); }
+bool finite(const fb::Vec3& v) {
+  return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z());
+}
 
-Vec3 to_vec3(const fb::Vec3& v) { return {v.x(), v.y(), v.z()}; }
+Vec3 to_vec3(const fb::Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
 
-fb::Vec3 from_vec3(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+fb::Vec3 from_vec3(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
 
 bool plausible(const geometry::Region& region) {
   const auto in_range = [](int value, int minimum) { return value >= minimum && value <= k_max_sensor_px; };
@@ -25,7 +32,8 @@ bool plausible(const geometry::Region& region) {
 
 }  // namespace
 
-flatbuffers::Offset<flatbuffers::String> text(flatbuffers::FlatBufferBuilder& fbb, const std::string& source) {
+flatbuffers::Offset<flatbuffers::String> text(flatbuffers::FlatBufferBuilder& fbb,
+                                              const std::string& source) {
   return fbb.CreateString(source.data(), std::min(source.size(), k_max_text_bytes));
 }
 
@@ -41,17 +49,20 @@ std::string to_string(const flatbuffers::String* source) {
 
 fb::Motion pack_motion(const SE3& T) {
   const Mat3 R = T.linear();
-  return {R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2), from_vec3(T.translation())};
+  return {R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1),
+          R(1, 2), R(2, 0), R(2, 1), R(2, 2), from_vec3(T.translation())};
 }
 
 Result<SE3> read_motion(const fb::Motion& motion) {
   Mat3 R;
-  R << motion.r00(), motion.r01(), motion.r02(), motion.r10(), motion.r11(), motion.r12(), motion.r20(), motion.r21(),
-      motion.r22();
-  if (!R.allFinite() || !finite(motion.t())) return fail(Errc::ProtocolError, "pose with a number that is not finite");
+  R << motion.r00(), motion.r01(), motion.r02(), motion.r10(), motion.r11(), motion.r12(), motion.r20(),
+      motion.r21(), motion.r22();
+  if (!R.allFinite() || !finite(motion.t()))
+    return fail(Errc::ProtocolError, "pose with a number that is not finite");
   // A rotation's entries are at most 1; checked first, so that the product below cannot overflow.
   if (R.cwiseAbs().maxCoeff() > 1 + k_rotation_tolerance ||
-      (R.transpose() * R - Mat3::Identity()).cwiseAbs().maxCoeff() > k_rotation_tolerance || R.determinant() < 0) {
+      (R.transpose() * R - Mat3::Identity()).cwiseAbs().maxCoeff() > k_rotation_tolerance ||
+      R.determinant() < 0) {
     return fail(Errc::ProtocolError, "pose whose rotation is none");
   }
   SE3 T = SE3::Identity();
@@ -60,34 +71,49 @@ Result<SE3> read_motion(const fb::Motion& motion) {
   return T;
 }
 
-flatbuffers::Offset<fb::SensorModel> pack_model(flatbuffers::FlatBufferBuilder& fbb, const geometry::SensorModel& model) {
+flatbuffers::Offset<fb::SensorModel> pack_model(flatbuffers::FlatBufferBuilder& fbb,
+                                                const geometry::SensorModel& model) {
   const geometry::Camera& camera = model.camera;
   const fb::Vec3 normal = from_vec3(model.laser_plane.normal_cam);
   const fb::Motion mounting = pack_motion(model.T_flange_cam);
-  return fb::CreateSensorModel(fbb, camera.fu_px, camera.fv_px, camera.cu_px, camera.cv_px, camera.k1, camera.k2,
-                               camera.p1, camera.p2, camera.k3, &normal, model.laser_plane.distance_mm, &mounting,
-                               model.region.offset_u_px, model.region.offset_v_px, model.region.width_px,
-                               model.region.height_px, model.pose_clock_offset.count(), model.rate_hz.value_or(0),
+  return fb::CreateSensorModel(fbb, camera.fu_px, camera.fv_px, camera.cu_px, camera.cv_px, camera.k1,
+                               camera.k2, camera.p1, camera.p2, camera.k3, &normal,
+                               model.laser_plane.distance_mm, &mounting, model.region.offset_u_px,
+                               model.region.offset_v_px, model.region.width_px, model.region.height_px,
+                               model.pose_clock_offset.count(), model.rate_hz.value_or(0),
                                model.exposure.value_or(Nanoseconds{0}).count());
 }
 
 Result<geometry::SensorModel> read_model(const fb::SensorModel& table) {
-  const double numbers[] = {table.fu_px(), table.fv_px(), table.cu_px(), table.cv_px(), table.k1(),
-                            table.k2(),    table.p1(),    table.p2(),    table.k3(),    table.plane_distance_mm(),
-                            table.rate_hz()};
+  const double numbers[] = {
+      table.fu_px(),  table.fv_px(), table.cu_px(), table.cv_px(), table.k1(),
+      table.k2(),     table.p1(),    table.p2(),    table.k3(),    table.plane_distance_mm(),
+      table.rate_hz()};
   for (const double number : numbers) {
-    if (!std::isfinite(number)) return fail(Errc::ProtocolError, "sensor model with a number that is not finite");
+    if (!std::isfinite(number))
+      return fail(Errc::ProtocolError, "sensor model with a number that is not finite");
   }
-  if (table.plane_normal_cam() == nullptr || table.mounting() == nullptr || !finite(*table.plane_normal_cam())) {
+  if (table.plane_normal_cam() == nullptr || table.mounting() == nullptr ||
+      !finite(*table.plane_normal_cam())) {
     return fail(Errc::ProtocolError, "sensor model without laser plane or mounting");
   }
   geometry::SensorModel model;
-  model.camera = {.fu_px = table.fu_px(), .fv_px = table.fv_px(), .cu_px = table.cu_px(), .cv_px = table.cv_px(),
-                  .k1 = table.k1(), .k2 = table.k2(), .p1 = table.p1(), .p2 = table.p2(), .k3 = table.k3()};
-  model.laser_plane = {.normal_cam = to_vec3(*table.plane_normal_cam()), .distance_mm = table.plane_distance_mm()};
+  model.camera = {.fu_px = table.fu_px(),
+                  .fv_px = table.fv_px(),
+                  .cu_px = table.cu_px(),
+                  .cv_px = table.cv_px(),
+                  .k1 = table.k1(),
+                  .k2 = table.k2(),
+                  .p1 = table.p1(),
+                  .p2 = table.p2(),
+                  .k3 = table.k3()};
+  model.laser_plane = {.normal_cam = to_vec3(*table.plane_normal_cam()),
+                       .distance_mm = table.plane_distance_mm()};
   BITELINE_ASSIGN(model.T_flange_cam, read_motion(*table.mounting()));
-  model.region = {.offset_u_px = table.offset_u_px(), .offset_v_px = table.offset_v_px(),
-                  .width_px = table.width_px(), .height_px = table.height_px()};
+  model.region = {.offset_u_px = table.offset_u_px(),
+                  .offset_v_px = table.offset_v_px(),
+                  .width_px = table.width_px(),
+                  .height_px = table.height_px()};
   if (!plausible(model.region)) return fail(Errc::ProtocolError, "sensor model with an impossible region");
   model.pose_clock_offset = Nanoseconds{table.pose_clock_offset_ns()};
   if (table.rate_hz() > 0) model.rate_hz = table.rate_hz();
@@ -95,10 +121,12 @@ Result<geometry::SensorModel> read_model(const fb::SensorModel& table) {
   return model;
 }
 
-flatbuffers::Offset<fb::Counters> pack_counters(flatbuffers::FlatBufferBuilder& fbb, const Counters& counters) {
-  return fb::CreateCounters(fbb, counters.frames, counters.frames_lost, counters.frames_damaged, counters.poses,
-                            counters.poses_lost, counters.poses_rejected, counters.profiles, counters.profiles_dropped,
-                            counters.messages_lost, counters.packets_rejected, counters.peers_refused, counters.overruns);
+flatbuffers::Offset<fb::Counters> pack_counters(flatbuffers::FlatBufferBuilder& fbb,
+                                                const Counters& counters) {
+  return fb::CreateCounters(fbb, counters.frames, counters.frames_lost, counters.frames_damaged,
+                            counters.poses, counters.poses_lost, counters.poses_rejected, counters.profiles,
+                            counters.profiles_dropped, counters.messages_lost, counters.packets_rejected,
+                            counters.peers_refused, counters.overruns);
 }
 
 Counters read_counters(const fb::Counters* table) {
@@ -117,11 +145,12 @@ Counters read_counters(const fb::Counters* table) {
           .overruns = table->overruns()};
 }
 
-flatbuffers::Offset<StageTimeVector> pack_stages(flatbuffers::FlatBufferBuilder& fbb, const std::vector<StageTime>& stages) {
+flatbuffers::Offset<StageTimeVector> pack_stages(flatbuffers::FlatBufferBuilder& fbb,
+                                                 const std::vector<StageTime>& stages) {
   std::vector<flatbuffers::Offset<fb::StageTime>> tables;
   for (const StageTime& stage : stages) {
-    tables.push_back(fb::CreateStageTime(fbb, text(fbb, stage.name), stage.count, stage.min.count(), stage.mean.count(),
-                                         stage.max.count()));
+    tables.push_back(fb::CreateStageTime(fbb, text(fbb, stage.name), stage.count, stage.min.count(),
+                                         stage.mean.count(), stage.max.count()));
   }
   return fbb.CreateVector(tables);
 }
@@ -148,20 +177,21 @@ flatbuffers::Offset<fb::Devices> pack_devices(flatbuffers::FlatBufferBuilder& fb
   const auto clock_vector = fbb.CreateVector(clocks);
   flatbuffers::Offset<fb::TriggerState> trigger;
   if (const std::optional<TriggerState>& t = devices.trigger) {
-    trigger = fb::CreateTriggerState(fbb, t->edges, t->edges_missed, t->edges_doubled, t->edges_late, t->edges_lost,
-                                     t->frames_paired, t->frames_without_edge, t->frames_with_two_edges,
-                                     t->edges_without_frame);
+    trigger = fb::CreateTriggerState(fbb, t->edges, t->edges_missed, t->edges_doubled, t->edges_late,
+                                     t->edges_lost, t->frames_paired, t->frames_without_edge,
+                                     t->frames_with_two_edges, t->edges_without_frame);
   }
   flatbuffers::Offset<fb::CaptureState> capture;
   if (const std::optional<CaptureState>& c = devices.capture) {
-    capture = fb::CreateCaptureState(fbb, c->exposure.count(), c->exposure_changes, c->first_row_px, c->rows_px,
-                                     c->row_changes, c->rate_max_hz, c->searching);
+    capture = fb::CreateCaptureState(fbb, c->exposure.count(), c->exposure_changes, c->first_row_px,
+                                     c->rows_px, c->row_changes, c->rate_max_hz, c->searching);
   }
   return fb::CreateDevices(fbb, clock_vector, trigger, devices.trigger_by_software, devices.camera_connected,
-                           devices.camera_underruns, devices.packets_resent, devices.temperature_degc.has_value(),
-                           devices.temperature_degc.value_or(0), devices.poses_flow, devices.pose_reconnects,
-                           devices.poses_unlatched, devices.bus_errors, devices.bus_restarts, devices.watchdog_feeds_failed, devices.realtime,
-                           capture);
+                           devices.camera_underruns, devices.packets_resent,
+                           devices.temperature_degc.has_value(), devices.temperature_degc.value_or(0),
+                           devices.poses_flow, devices.pose_reconnects, devices.poses_unlatched,
+                           devices.bus_errors, devices.bus_restarts, devices.watchdog_feeds_failed,
+                           devices.realtime, capture);
 }
 
 Result<Devices> read_devices(const fb::Devices* table) {
@@ -169,7 +199,8 @@ Result<Devices> read_devices(const fb::Devices* table) {
   if (table == nullptr) return devices;
   if (table->clocks() != nullptr) {
     for (const fb::ClockState* clock : *table->clocks()) {
-      if (!std::isfinite(clock->drift_ppm())) return fail(Errc::ProtocolError, "clock with a drift that is not finite");
+      if (!std::isfinite(clock->drift_ppm()))
+        return fail(Errc::ProtocolError, "clock with a drift that is not finite");
       devices.clocks.push_back({.name = to_string(clock->name()),
                                 .known = clock->known(),
                                 .offset = Nanoseconds{clock->offset_ns()},
@@ -190,7 +221,8 @@ Result<Devices> read_devices(const fb::Devices* table) {
                                    .edges_without_frame = trigger->edges_without_frame()};
   }
   if (table->temperature_known()) {
-    if (!std::isfinite(table->temperature_degc())) return fail(Errc::ProtocolError, "temperature that is not finite");
+    if (!std::isfinite(table->temperature_degc()))
+      return fail(Errc::ProtocolError, "temperature that is not finite");
     devices.temperature_degc = table->temperature_degc();
   }
   devices.trigger_by_software = table->trigger_by_software();
@@ -205,7 +237,8 @@ Result<Devices> read_devices(const fb::Devices* table) {
   devices.watchdog_feeds_failed = table->watchdog_feeds_failed();
   devices.realtime = table->realtime();
   if (const fb::CaptureState* capture = table->capture()) {
-    if (!std::isfinite(capture->rate_max_hz())) return fail(Errc::ProtocolError, "frame rate that is not finite");
+    if (!std::isfinite(capture->rate_max_hz()))
+      return fail(Errc::ProtocolError, "frame rate that is not finite");
     devices.capture = CaptureState{.exposure = Nanoseconds{capture->exposure_ns()},
                                    .exposure_changes = capture->exposure_changes(),
                                    .first_row_px = capture->first_row_px(),

@@ -11,7 +11,8 @@
 namespace biteline::wire {
 
 /// Cut at 500 bytes.
-[[nodiscard]] flatbuffers::Offset<flatbuffers::String> text(flatbuffers::FlatBufferBuilder& fbb, const std::string& source);
+[[nodiscard]] flatbuffers::Offset<flatbuffers::String> text(flatbuffers::FlatBufferBuilder& fbb,
+                                                            const std::string& source);
 /// Empty when absent; cut at 500 bytes; control characters become '?', since it may end on a terminal.
 [[nodiscard]] std::string to_string(const flatbuffers::String* source);
 
@@ -23,7 +24,8 @@ namespace biteline::wire {
                                                               const geometry::SensorModel& model);
 [[nodiscard]] Result<geometry::SensorModel> read_model(const fb::SensorModel& table);
 
-[[nodiscard]] flatbuffers::Offset<fb::Counters> pack_counters(flatbuffers::FlatBufferBuilder& fbb, const Counters& counters);
+[[nodiscard]] flatbuffers::Offset<fb::Counters> pack_counters(flatbuffers::FlatBufferBuilder& fbb,
+                                                              const Counters& counters);
 /// All zero when absent.
 [[nodiscard]] Counters read_counters(const fb::Counters* table);
 
@@ -32,7 +34,8 @@ using StageTimeVector = flatbuffers::Vector<flatbuffers::Offset<fb::StageTime>>;
                                                                const std::vector<StageTime>& stages);
 [[nodiscard]] std::vector<StageTime> read_stages(const StageTimeVector* tables);
 
-[[nodiscard]] flatbuffers::Offset<fb::Devices> pack_devices(flatbuffers::FlatBufferBuilder& fbb, const Devices& devices);
+[[nodiscard]] flatbuffers::Offset<fb::Devices> pack_devices(flatbuffers::FlatBufferBuilder& fbb,
+                                                            const Devices& devices);
 /// All unknown when absent: an older sensor.
 [[nodiscard]] Result<Devices> read_devices(const fb::Devices* table);
 

@@ -16,10 +16,14 @@ constexpr int k_linger_ms = 300;
 
 int native_kind(SocketKind kind) {
   switch (kind) {
-    case SocketKind::Listener: return ZMQ_ROUTER;
-    case SocketKind::Caller: return ZMQ_DEALER;
-    case SocketKind::Gatekeeper: return ZMQ_REP;
-    case SocketKind::Watcher: return ZMQ_PAIR;
+    case SocketKind::Listener:
+      return ZMQ_ROUTER;
+    case SocketKind::Caller:
+      return ZMQ_DEALER;
+    case SocketKind::Gatekeeper:
+      return ZMQ_REP;
+    case SocketKind::Watcher:
+      return ZMQ_PAIR;
   }
   return ZMQ_PAIR;
 }
@@ -32,7 +36,8 @@ Result<SocketContext> SocketContext::create() {
   return SocketContext{handle};
 }
 
-SocketContext::SocketContext(SocketContext&& other) noexcept : handle_{std::exchange(other.handle_, nullptr)} {}
+SocketContext::SocketContext(SocketContext&& other) noexcept
+    : handle_{std::exchange(other.handle_, nullptr)} {}
 
 SocketContext::~SocketContext() {
   if (handle_ == nullptr) return;
@@ -130,7 +135,8 @@ std::optional<Socket::Parts> Socket::receive() {
 
 void wait_readable(std::initializer_list<const Socket*> sockets, Nanoseconds timeout) {
   std::vector<zmq_pollitem_t> items;
-  for (const Socket* socket : sockets) items.push_back({.socket = socket->handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0});
+  for (const Socket* socket : sockets)
+    items.push_back({.socket = socket->handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0});
   const auto timeout_ms = std::chrono::ceil<std::chrono::milliseconds>(timeout).count();
   // A signal ends the wait early, which is what the caller's loop wants.
   zmq_poll(items.data(), static_cast<int>(items.size()), static_cast<long>(timeout_ms));

@@ -34,10 +34,10 @@ class SocketContext {
 };
 
 enum class SocketKind {
-  Listener,     ///< ROUTER: many peers, each packet with its peer's address in front
-  Caller,       ///< DEALER: one peer
-  Gatekeeper,   ///< answers libzmq's own questions whom to let in (ZAP, RFC 27)
-  Watcher,      ///< hears a caller's connection events
+  Listener,    ///< ROUTER: many peers, each packet with its peer's address in front
+  Caller,      ///< DEALER: one peer
+  Gatekeeper,  ///< answers libzmq's own questions whom to let in (ZAP, RFC 27)
+  Watcher,     ///< hears a caller's connection events
 };
 
 /// Thread: one owner.
@@ -58,7 +58,8 @@ class Socket {
   /// All parts or none; false when that would block or nobody is there.
   bool send(std::initializer_list<std::span<const std::uint8_t>> parts);
 
-  /// One whole message, if there is one.  Parts beyond the eighth are swallowed and counted in `surplus_parts`.
+  /// One whole message, if there is one.  Parts beyond the eighth are swallowed and counted in
+  /// `surplus_parts`.
   struct Parts {
     std::vector<Bytes> parts;
     int surplus_parts{0};
@@ -76,14 +77,16 @@ class Socket {
 void wait_readable(std::initializer_list<const Socket*> sockets, Nanoseconds timeout);
 
 /// A listener at `endpoint`, with encryption when there are keys.  Beyond loopback keys are compulsory:
-/// Errc::AuthenticationFailed without them.  Pre: with keys there is a gatekeeper, opened before and served by the caller.
+/// Errc::AuthenticationFailed without them.  Pre: with keys there is a gatekeeper, opened before and served
+/// by the caller.
 [[nodiscard]] Result<Socket> open_listener(const SocketContext& context, const Endpoint& endpoint,
                                            const std::optional<KeyPair>& own, const Socket* gatekeeper);
 
 /// The gatekeeper, bound where libzmq looks for it.
 [[nodiscard]] Result<Socket> open_gatekeeper(const SocketContext& context);
 
-/// Answers what is waiting.  Only CURVE peers whose key is in `allowed` (Z85) come in.  Returns how many were refused.
+/// Answers what is waiting.  Only CURVE peers whose key is in `allowed` (Z85) come in.  Returns how many were
+/// refused.
 [[nodiscard]] int serve_gatekeeper(Socket& gatekeeper, const std::vector<std::string>& allowed);
 
 /// A caller, connecting in the background and again for ever.  The same rule about keys.
@@ -91,11 +94,11 @@ void wait_readable(std::initializer_list<const Socket*> sockets, Nanoseconds tim
                                          const std::optional<HostKeys>& keys);
 
 enum class LinkEvent {
-  Connected,           ///< handshake done
+  Connected,  ///< handshake done
   Disconnected,
-  AuthenticationFailed,///< refused by the other side's gatekeeper
-  HandshakeFailed,     ///< wrong keys, no keys where keys are wanted, or not our protocol at all
-  ConnectFailed,       ///< nobody listens there (tried again by itself)
+  AuthenticationFailed,  ///< refused by the other side's gatekeeper
+  HandshakeFailed,       ///< wrong keys, no keys where keys are wanted, or not our protocol at all
+  ConnectFailed,         ///< nobody listens there (tried again by itself)
 };
 
 /// Watches a caller's connection; must be opened before the caller sends.

@@ -70,7 +70,8 @@ Result<std::unique_ptr<hal::SafetyIn>> open_safety([[maybe_unused]] const hal::B
   BITELINE_ASSIGN(std::unique_ptr<hal::SafetyIn> lines,
                   hal::GpiodSafetyIn::open({.interlock = laser.interlock, .key = laser.key}));
   if (laser.temperature.empty()) return lines;
-  return hal::ThermalSafetyIn::open(std::move(lines), {.file = laser.temperature, .max_degc = laser.temperature_max_degc});
+  return hal::ThermalSafetyIn::open(std::move(lines),
+                                    {.file = laser.temperature, .max_degc = laser.temperature_max_degc});
 #else
   return built_without("GPIO");
 #endif
@@ -88,7 +89,8 @@ Result<std::unique_ptr<hal::LineCamera>> open_v4l2([[maybe_unused]] const hal::B
 #endif
 }
 
-Result<std::unique_ptr<hal::LineCamera>> open_gige([[maybe_unused]] const hal::Board& board, [[maybe_unused]] bool realtime) {
+Result<std::unique_ptr<hal::LineCamera>> open_gige([[maybe_unused]] const hal::Board& board,
+                                                   [[maybe_unused]] bool realtime) {
 #ifdef BITELINE_WITH_ARAVIS
   hal::AravisCamera::Config config;
   config.address = board.camera.address;
@@ -110,7 +112,8 @@ Result<std::unique_ptr<hal::PoseSource>> open_can([[maybe_unused]] const hal::Bo
                                                   [[maybe_unused]] const hal::Clock& clock) {
 #ifdef BITELINE_WITH_SOCKETCAN
   BITELINE_ASSIGN(std::unique_ptr<hal::CanBus> bus, hal::SocketcanBus::open({.interface = poses.interface}));
-  return std::make_unique<hal::CanPoseSource>(std::move(bus), clock, hal::CanPoseSource::Config{.base_id = poses.base_id});
+  return std::make_unique<hal::CanPoseSource>(std::move(bus), clock,
+                                              hal::CanPoseSource::Config{.base_id = poses.base_id});
 #else
   return built_without("SocketCAN");
 #endif
@@ -118,7 +121,8 @@ Result<std::unique_ptr<hal::PoseSource>> open_can([[maybe_unused]] const hal::Bo
 
 Result<std::unique_ptr<hal::EncoderIn>> open_encoder([[maybe_unused]] const hal::BoardEncoder& encoder) {
 #ifdef BITELINE_WITH_SOCKETCAN
-  BITELINE_ASSIGN(std::unique_ptr<hal::CanBus> bus, hal::SocketcanBus::open({.interface = encoder.interface}));
+  BITELINE_ASSIGN(std::unique_ptr<hal::CanBus> bus,
+                  hal::SocketcanBus::open({.interface = encoder.interface}));
   return hal::CanEncoder::open(std::move(bus), {.node = encoder.node, .range_ticks = encoder.range_ticks});
 #else
   return built_without("SocketCAN");
@@ -147,7 +151,9 @@ class BoardDevices final : public SourceKind {
     Source source;
     source.scan_name = board_.name;
     BITELINE_ASSIGN(source.camera, open_camera());
-    BITELINE_TRY(configure_as_head(*source.camera, model, capture, board_.camera.hardware_trigger ? hal::Trigger::Hardware : hal::Trigger::FreeRun));
+    BITELINE_TRY(
+        configure_as_head(*source.camera, model, capture,
+                          board_.camera.hardware_trigger ? hal::Trigger::Hardware : hal::Trigger::FreeRun));
     BITELINE_ASSIGN(source.poses, open_poses());
     BITELINE_ASSIGN(source.trigger, open_trigger());
     if (source.trigger) BITELINE_TRY(source.trigger->configure(train_of(model, capture)));
@@ -177,16 +183,17 @@ class BoardDevices final : public SourceKind {
 
  private:
   Result<std::unique_ptr<hal::LineCamera>> open_camera() const {
-    BITELINE_ASSIGN(std::unique_ptr<hal::LineCamera> camera, board_.camera.kind == hal::BoardCamera::Kind::V4l2
-                                                                 ? open_v4l2(board_.camera)
-                                                                 : open_gige(board_, realtime));
+    BITELINE_ASSIGN(std::unique_ptr<hal::LineCamera> camera,
+                    board_.camera.kind == hal::BoardCamera::Kind::V4l2 ? open_v4l2(board_.camera)
+                                                                       : open_gige(board_, realtime));
     if (!board_.strobe_echo || board_.camera.edge_to_mid_max == Nanoseconds{0}) return camera;
     BITELINE_ASSIGN(std::unique_ptr<hal::EdgeIn> strobe_echo, open_edges(*board_.strobe_echo));
     const hal::TriggerPairing::Config pairing{.latency_min = board_.camera.edge_to_mid_min,
                                               .latency_max = board_.camera.edge_to_mid_max};
-    return std::make_unique<hal::TriggeredCamera>(std::move(camera), std::move(strobe_echo),
-                                                  hal::TriggeredCamera::Config{.pairing = pairing,
-                                                                               .even_train = board_.trigger.kind != hal::BoardTrigger::Kind::Encoder});
+    return std::make_unique<hal::TriggeredCamera>(
+        std::move(camera), std::move(strobe_echo),
+        hal::TriggeredCamera::Config{.pairing = pairing,
+                                     .even_train = board_.trigger.kind != hal::BoardTrigger::Kind::Encoder});
   }
 
   Result<std::unique_ptr<hal::PoseSource>> open_poses() const {
@@ -204,7 +211,8 @@ class BoardDevices final : public SourceKind {
         return hal::SysfsPwm::open({.chip = board_.trigger.chip, .channel = board_.trigger.channel});
       case hal::BoardTrigger::Kind::Software: {
         BITELINE_ASSIGN(std::unique_ptr<hal::GpioOut> line, open_output(board_.trigger.line));
-        // Between the safety thread, which nothing may keep from looking, and the poses: an edge has a time of its own.
+        // Between the safety thread, which nothing may keep from looking, and the poses: an edge has a time
+        // of its own.
         return std::make_unique<hal::SoftwarePwm>(
             std::move(line), hal::SoftwarePwm::Config{.priority = runtime::threads::k_pose.priority + 5});
       }
@@ -228,7 +236,8 @@ class BoardDevices final : public SourceKind {
       BITELINE_TRY(armed.back()->arm(board_.watchdog.timeout));
     }
     if (!board_.watchdog.device.empty()) {
-      BITELINE_ASSIGN(std::unique_ptr<hal::Watchdog> device, hal::KernelWatchdog::open(board_.watchdog.device));
+      BITELINE_ASSIGN(std::unique_ptr<hal::Watchdog> device,
+                      hal::KernelWatchdog::open(board_.watchdog.device));
       BITELINE_TRY(device->arm(board_.watchdog.timeout));
       armed.push_back(std::move(device));
     }
@@ -267,12 +276,15 @@ Result<hal::PoseSample> first_pose(Result<std::unique_ptr<hal::PoseSource>> pose
 Result<void> try_realtime() {
   BITELINE_TRY(runtime::prepare_process(runtime::RealtimeDemand::Required));
   Result<void> entered;
-  std::thread{[&] { entered = runtime::enter_thread(runtime::threads::k_safety, runtime::RealtimeDemand::Required); }}.join();
+  std::thread{[&] {
+    entered = runtime::enter_thread(runtime::threads::k_safety, runtime::RealtimeDemand::Required);
+  }}.join();
   return entered;
 }
 
 std::vector<DeviceFinding> BoardDevices::examine() const {
-  constexpr const char* k_line_step = "load the board's overlay, stop biteline-sensor, and compare chip and line with gpioinfo";
+  constexpr const char* k_line_step =
+      "load the board's overlay, stop biteline-sensor, and compare chip and line with gpioinfo";
   std::vector<DeviceFinding> found;
   const Result<std::int64_t> preempt_rt = hal::read_integer("/sys/kernel/realtime");
   const bool is_realtime = preempt_rt && *preempt_rt == 1;
@@ -280,47 +292,63 @@ std::vector<DeviceFinding> BoardDevices::examine() const {
                    .ready = is_realtime,
                    .seen = is_realtime ? "PREEMPT_RT" : "a plain kernel",
                    .step = is_realtime ? "" : "apt-get install linux-image-rt-arm64, and boot it"});
-  found.push_back(finding("real-time rights and locked memory", try_realtime(),
-                          "start it by its systemd unit, or set LimitRTPRIO and LimitMEMLOCK; --rt=ignore runs without"));
+  found.push_back(
+      finding("real-time rights and locked memory", try_realtime(),
+              "start it by its systemd unit, or set LimitRTPRIO and LimitMEMLOCK; --rt=ignore runs without"));
   const bool is_gige = board_.camera.kind == hal::BoardCamera::Kind::GigE;
-  found.push_back(finding("camera (" + (is_gige ? board_.camera.address : board_.camera.device) + ")", open_camera(),
-                          is_gige ? "check the camera's cable, power and address, and that its port has an address in the same net"
-                                  : "load the board's overlay and check the camera's cable; join the group video"));
+  found.push_back(finding(
+      "camera (" + (is_gige ? board_.camera.address : board_.camera.device) + ")", open_camera(),
+      is_gige
+          ? "check the camera's cable, power and address, and that its port has an address in the same net"
+          : "load the board's overlay and check the camera's cable; join the group video"));
   if (board_.trigger.kind != hal::BoardTrigger::Kind::None) {
-    found.push_back(finding("trigger (" + board_.trigger.chip + board_.trigger.line.chip + ")", open_trigger(),
+    found.push_back(finding("trigger (" + board_.trigger.chip + board_.trigger.line.chip + ")",
+                            open_trigger(),
                             "load the board's overlay and install its udev rules for the group biteline"));
   }
   if (board_.laser) {
-    found.push_back(finding(name_of("laser enable", board_.laser->enable), open_output(board_.laser->enable), k_line_step));
+    found.push_back(finding(name_of("laser enable", board_.laser->enable), open_output(board_.laser->enable),
+                            k_line_step));
     if (board_.laser->heartbeat) {
-      found.push_back(finding(name_of("heartbeat", *board_.laser->heartbeat), open_output(*board_.laser->heartbeat), k_line_step));
+      found.push_back(finding(name_of("heartbeat", *board_.laser->heartbeat),
+                              open_output(*board_.laser->heartbeat), k_line_step));
     }
-    found.push_back(finding(name_of("interlock", board_.laser->interlock), open_safety(*board_.laser), k_line_step));
+    found.push_back(
+        finding(name_of("interlock", board_.laser->interlock), open_safety(*board_.laser), k_line_step));
   }
   if (board_.strobe_echo && board_.camera.edge_to_mid_max == Nanoseconds{0}) {
-    found.push_back(finding(name_of("strobe echo", *board_.strobe_echo), open_edges(*board_.strobe_echo), k_line_step));
+    found.push_back(
+        finding(name_of("strobe echo", *board_.strobe_echo), open_edges(*board_.strobe_echo), k_line_step));
   }
   if (board_.scan_active) {
-    found.push_back(finding(name_of("scan active", *board_.scan_active), open_edges(*board_.scan_active), k_line_step));
+    found.push_back(
+        finding(name_of("scan active", *board_.scan_active), open_edges(*board_.scan_active), k_line_step));
   }
   const bool is_can = board_.poses.kind != hal::BoardPoses::Kind::Rtde;
   const std::string& interface =
       board_.poses.kind == hal::BoardPoses::Kind::Encoder ? board_.poses.encoder.interface : board_.poses.interface;
-  const std::string can_step = "ip link set " + interface +
-                               " up type can bitrate 500000 dbitrate 2000000 fd on restart-ms 100, and start what sends on it";
-  found.push_back(finding("poses (" + (is_can ? interface : board_.poses.address) + ")", first_pose(open_poses()),
-                          is_can ? can_step.c_str() : "switch the controller on, check the cable, and allow RTDE in its settings"));
+  const std::string can_step =
+      "ip link set " + interface +
+      " up type can bitrate 500000 dbitrate 2000000 fd on restart-ms 100, and start what sends on it";
+  found.push_back(
+      finding("poses (" + (is_can ? interface : board_.poses.address) + ")", first_pose(open_poses()),
+              is_can ? can_step.c_str()
+                     : "switch the controller on, check the cable, and allow RTDE in its settings"));
   if (!board_.ptp.empty()) {
     const Result<hal::Phc> clock = hal::Phc::open(board_.ptp);
-    found.push_back(finding("PTP clock (" + board_.ptp + ")", clock ? clock->measure().map([](const auto&) {}) : tl::unexpected<Error>{clock.error()},
-                            "enable the network port's hardware clock and start ptp4l on it"));
+    found.push_back(
+        finding("PTP clock (" + board_.ptp + ")",
+                clock ? clock->measure().map([](const auto&) {}) : tl::unexpected<Error>{clock.error()},
+                "enable the network port's hardware clock and start ptp4l on it"));
   }
   if (!board_.watchdog.device.empty()) {
     const bool writable = ::access(board_.watchdog.device.c_str(), W_OK) == 0;
-    found.push_back({.what = "watchdog (" + board_.watchdog.device + ")",
-                     .ready = writable,
-                     .seen = writable ? "writable" : std::strerror(errno),
-                     .step = writable ? "" : "enable the board's watchdog and install its udev rules for the group biteline"});
+    found.push_back(
+        {.what = "watchdog (" + board_.watchdog.device + ")",
+         .ready = writable,
+         .seen = writable ? "writable" : std::strerror(errno),
+         .step = writable ? ""
+                          : "enable the board's watchdog and install its udev rules for the group biteline"});
   }
   return found;
 }

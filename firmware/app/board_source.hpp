@@ -23,8 +23,8 @@ struct DeviceFinding {
   std::string step;  ///< empty when ready
 };
 
-/// Every device that the board names, and the rights that the threads need; the board's sensor program must not be running.
-/// The watchdog is only looked at: opened, it would have to be fed.
+/// Every device that the board names, and the rights that the threads need; the board's sensor program must
+/// not be running. The watchdog is only looked at: opened, it would have to be fed.
 [[nodiscard]] Result<std::vector<DeviceFinding>> check_board(const std::filesystem::path& board_file);
 
 }  // namespace biteline::sensor

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file The simulated cell as a source: a GigE Vision camera on the network, lines and pose bus over simulated wires.
+/// \file The simulated cell as a source: a GigE Vision camera on the network, lines and pose bus over
+/// simulated wires.
 
 #include <filesystem>
 #include <memory>

@@ -20,7 +20,8 @@ namespace {
 
 using namespace biteline;
 
-/// SIGTERM and SIGINT arrive at wait_for_signal() and nowhere else; a broken pipe is an error code, not a death.
+/// SIGTERM and SIGINT arrive at wait_for_signal() and nowhere else; a broken pipe is an error code, not a
+/// death.
 sigset_t block_stop_signals() {
   sigset_t signals;
   sigemptyset(&signals);
@@ -32,7 +33,9 @@ sigset_t block_stop_signals() {
 }
 
 /// The kernel then tells us by SIGTERM when our parent dies.
-void tie_to_parent() { prctl(PR_SET_PDEATHSIG, SIGTERM); }
+void tie_to_parent() {
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+}
 
 void wait_for_signal(const sigset_t& signals, const std::atomic<bool>& stream_over, std::atomic<bool>& stop) {
   constexpr timespec k_look{.tv_sec = 0, .tv_nsec = 20'000'000};
@@ -50,12 +53,13 @@ Result<stream::StreamSocket::Config> network_of(const sensor::Options& options) 
 }
 
 /// Dark from here on until a scan asks for light; nothing where there is no laser.
-Result<std::unique_ptr<runtime::LaserWatch>> start_laser_watch(sensor::SourceKind& kind, const hal::Clock& clock,
+Result<std::unique_ptr<runtime::LaserWatch>> start_laser_watch(sensor::SourceKind& kind,
+                                                               const hal::Clock& clock,
                                                                runtime::RealtimeDemand demand) {
   BITELINE_ASSIGN(std::optional<sensor::LaserDevices> devices, kind.open_laser());
   if (!devices) return std::unique_ptr<runtime::LaserWatch>{};
-  auto watch = std::make_unique<runtime::LaserWatch>(std::move(devices->laser), std::move(devices->safety), clock,
-                                                     devices->guard);
+  auto watch = std::make_unique<runtime::LaserWatch>(std::move(devices->laser), std::move(devices->safety),
+                                                     clock, devices->guard);
   for (std::unique_ptr<hal::Watchdog>& watchdog : devices->watchdogs) watch->feed(std::move(watchdog));
   BITELINE_TRY(watch->start(demand));
   return watch;
@@ -71,10 +75,12 @@ Result<void> check(const sensor::Options& options) {
                   sensor::check_board(options.source.source.substr(k_board.size())));
   int missing = 0;
   for (const sensor::DeviceFinding& device : found) {
-    std::printf("%s\t%s\t%s\t%s\n", device.ready ? "ready" : "missing", device.what.c_str(), device.seen.c_str(), device.step.c_str());
+    std::printf("%s\t%s\t%s\t%s\n", device.ready ? "ready" : "missing", device.what.c_str(),
+                device.seen.c_str(), device.step.c_str());
     missing += device.ready ? 0 : 1;
   }
-  if (missing > 0) return fail(Errc::DeviceNotFound, "%d of %zu devices and rights are missing", missing, found.size());
+  if (missing > 0)
+    return fail(Errc::DeviceNotFound, "%d of %zu devices and rights are missing", missing, found.size());
   return {};
 }
 
@@ -86,7 +92,8 @@ Result<void> run(const sensor::Options& options, const sigset_t& signals) {
   kind->realtime = demand == runtime::RealtimeDemand::Required;
   BITELINE_TRY(runtime::prepare_process(demand));
   BITELINE_ASSIGN(stream::StreamSocket::Config network, network_of(options));
-  BITELINE_ASSIGN(const std::unique_ptr<stream::StreamSocket> socket, stream::StreamSocket::open(std::move(network)));
+  BITELINE_ASSIGN(const std::unique_ptr<stream::StreamSocket> socket,
+                  stream::StreamSocket::open(std::move(network)));
   const hal::MonotonicClock clock;
   BITELINE_ASSIGN(const std::unique_ptr<runtime::LaserWatch> laser, start_laser_watch(*kind, clock, demand));
 
@@ -100,7 +107,8 @@ Result<void> run(const sensor::Options& options, const sigset_t& signals) {
   sensor::Streamer streamer{config, *kind, *socket, clock, laser.get()};
   if (kind->recording) BITELINE_TRY(streamer.start_scan());
   // For whoever started this program: one line, then nothing more on stdout.
-  std::printf("{\"endpoint\":\"%s\",\"protocol\":%d}\n", socket->address().c_str(), static_cast<int>(wire::k_protocol));
+  std::printf("{\"endpoint\":\"%s\",\"protocol\":%d}\n", socket->address().c_str(),
+              static_cast<int>(wire::k_protocol));
   std::fflush(stdout);
 
   std::atomic<bool> stop{false};

@@ -18,21 +18,29 @@ int complain(const std::string& line) {
 /// How a stripe is found, under the names that profile sensors give it.
 void add_peak_options(CLI::App& app, pipeline::ProfilePipeline::Config& pipeline) {
   stripe::PeakConfig& peaks = pipeline.peaks;
-  app.add_option_function<std::string>("--peak-mode", [&](const std::string& name) { peaks.mode = stripe::k_peak_modes.at(name); },
-                                       "Where in a column the stripe is: by its whole shape (matched, the default), or as other sensors do")
+  app.add_option_function<std::string>(
+         "--peak-mode", [&](const std::string& name) { peaks.mode = stripe::k_peak_modes.at(name); },
+         "Where in a column the stripe is: by its whole shape (matched, the default), or as other sensors do")
       ->check(CLI::IsMember(stripe::k_peak_modes).description(""))
       ->type_name("matched|maximum|threshold|centre-of-gravity|fir");
-  app.add_option_function<std::string>("--peak", [&](const std::string& name) { pipeline.selector.choice = stripe::k_peak_choices.at(name); },
-                                       "Which of several peaks in a column: the one that goes on from its neighbours, or by strength or place")
+  app.add_option_function<std::string>(
+         "--peak",
+         [&](const std::string& name) { pipeline.selector.choice = stripe::k_peak_choices.at(name); },
+         "Which of several peaks in a column: the one that goes on from its neighbours, or by strength or "
+         "place")
       ->check(CLI::IsMember(stripe::k_peak_choices).description(""))
       ->type_name("continuity|strongest|first|last");
-  app.add_option("--peak-threshold", peaks.threshold_grey, "A peak is at least so many grey levels above its background")
+  app.add_option("--peak-threshold", peaks.threshold_grey,
+                 "A peak is at least so many grey levels above its background")
       ->check(CLI::Range(1.0, 254.0))
       ->capture_default_str();
-  app.add_option("--peak-width-min", peaks.width_min_px, "Narrower peaks are no stripe, in pixels at half height")
+  app.add_option("--peak-width-min", peaks.width_min_px,
+                 "Narrower peaks are no stripe, in pixels at half height")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--peak-width-max", peaks.width_max_px, "Wider peaks are no stripe")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--peak-width-max", peaks.width_max_px, "Wider peaks are no stripe")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
 }
 
 }  // namespace
@@ -42,34 +50,47 @@ ParsedOptions parse_options(int argc, char** argv) {
   Options& options = parsed.options;
   std::string listen = "tcp://127.0.0.1:0";
   std::string realtime;
-  CLI::App app{"Biteline's sensor program: camera frames in, 3-D profiles out to the host.", "biteline-sensor"};
+  CLI::App app{"Biteline's sensor program: camera frames in, 3-D profiles out to the host.",
+               "biteline-sensor"};
   app.set_version_flag("--version", BITELINE_VERSION);
-  app.add_option("--source", options.source.source, "replay:SESSION, a recorded session's folder; cell:NAME, the simulated cell of that name; board:FILE, the devices of a board.yaml");
-  app.add_option("--sensor", options.source.sensor_file, "Calibration that replaces the head's own (sensor.yaml)");
+  app.add_option("--source", options.source.source,
+                 "replay:SESSION, a recorded session's folder; cell:NAME, the simulated cell of that name; "
+                 "board:FILE, the devices of a board.yaml");
+  app.add_option("--sensor", options.source.sensor_file,
+                 "Calibration that replaces the head's own (sensor.yaml)");
   app.add_option("--listen", listen, "Where hosts connect; port 0: any free one")->capture_default_str();
   app.add_option("--keys", options.keys, "Folder of keys; compulsory beyond loopback");
-  app.add_option("--make-keys", options.make_keys, "Make keys for this sensor and one host in a folder, and leave");
+  app.add_option("--make-keys", options.make_keys,
+                 "Make keys for this sensor and one host in a folder, and leave");
   app.add_option("--name", options.name, "What the sensor calls itself");
-  app.add_option("--rt", realtime, "required: refuse to run without real-time rights; ignore: run as any program")
+  app.add_option("--rt", realtime,
+                 "required: refuse to run without real-time rights; ignore: run as any program")
       ->check(CLI::IsMember({"required", "ignore"}));
   app.add_option("--store-mb", options.store_megabytes, "Room for what hosts have not fetched yet, in MB")
       ->check(CLI::Range(1, 16384))
       ->capture_default_str();
   Capture& capture = options.source.capture;
   double second_exposure_us = 0;
-  app.add_flag("--auto-exposure", capture.auto_exposure, "The exposure follows the surface: share of valid and of saturated columns");
-  app.add_flag("--follow-stripe", capture.follow_stripe, "The camera shows only the rows about the stripe, all of the head's region when it is lost");
-  app.add_flag("--laser-off-frames", capture.laser_off_frames, "Every second frame without laser, taken off the next: against the room's light");
-  app.add_option("--second-exposure-us", second_exposure_us, "Every second frame so long, merged per column: black beside white")
+  app.add_flag("--auto-exposure", capture.auto_exposure,
+               "The exposure follows the surface: share of valid and of saturated columns");
+  app.add_flag("--follow-stripe", capture.follow_stripe,
+               "The camera shows only the rows about the stripe, all of the head's region when it is lost");
+  app.add_flag("--laser-off-frames", capture.laser_off_frames,
+               "Every second frame without laser, taken off the next: against the room's light");
+  app.add_option("--second-exposure-us", second_exposure_us,
+                 "Every second frame so long, merged per column: black beside white")
       ->check(CLI::PositiveNumber);
   add_peak_options(app, options.pipeline);
-  app.add_flag("--exit-with-parent", options.exit_with_parent, "Stop when the program that started this one ends");
+  app.add_flag("--exit-with-parent", options.exit_with_parent,
+               "Stop when the program that started this one ends");
   app.add_flag("--stay", options.stay_after_scan, "Keep serving a recording after it was delivered");
-  app.add_flag("--check", options.check, "Open and close each device of --source board:FILE, say what is missing, and leave");
+  app.add_flag("--check", options.check,
+               "Open and close each device of --source board:FILE, say what is missing, and leave");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    parsed.leave_with = error.get_exit_code() == 0 ? app.exit(error) : complain(std::string{error.what()} + " (see --help)");
+    parsed.leave_with =
+        error.get_exit_code() == 0 ? app.exit(error) : complain(std::string{error.what()} + " (see --help)");
     return parsed;
   }
   if (options.source.source.empty() && !options.make_keys) {

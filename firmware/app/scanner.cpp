@@ -12,25 +12,28 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-/// How long a thread sleeps in its device before it looks whether it shall stop, and says that it lives: well below the
-/// laser guard's patience with it (50 ms).
+/// How long a thread sleeps in its device before it looks whether it shall stop, and says that it lives: well
+/// below the laser guard's patience with it (50 ms).
 constexpr Nanoseconds k_device_wait = milliseconds{20};
 /// A paused lossless source looks again so often: far less than a frame takes to process.
 constexpr Nanoseconds k_pause = microseconds{200};
-/// Poses are read this far beyond the profile that waits for them: twice the smoothing's reach (50 ms), and at
-/// 8 kHz, beyond any controller, still a fifth of the history.
+/// Poses are read this far beyond the profile that waits for them: twice the smoothing's reach (50 ms), and
+/// at 8 kHz, beyond any controller, still a fifth of the history.
 constexpr Nanoseconds k_pose_lead = milliseconds{100};
-/// A live profile waits so long for poses after its exposure: the smoothing's reach plus two periods of the slowest
-/// controller (8 ms) and as much for the network.
+/// A live profile waits so long for poses after its exposure: the smoothing's reach plus two periods of the
+/// slowest controller (8 ms) and as much for the network.
 constexpr Nanoseconds k_pose_patience = geometry::PoseSmoothing{}.reach + milliseconds{16 + 10};
 
-/// A live pose stamped later than that from now is no measurement: it would outlive all true ones in the history.  The
-/// clock maps err by less than a millisecond; the rest is room for a reading thread that is preempted meanwhile.
+/// A live pose stamped later than that from now is no measurement: it would outlive all true ones in the
+/// history.  The clock maps err by less than a millisecond; the rest is room for a reading thread that is
+/// preempted meanwhile.
 constexpr Nanoseconds k_pose_ahead_max = milliseconds{5};
 
 constexpr std::int64_t k_never_ns = std::numeric_limits<std::int64_t>::min();
 
-std::int64_t to_ns(SensorClock::time_point instant) { return instant.time_since_epoch().count(); }
+std::int64_t to_ns(SensorClock::time_point instant) {
+  return instant.time_since_epoch().count();
+}
 
 }  // namespace
 
@@ -41,10 +44,12 @@ Result<std::unique_ptr<Scanner>> Scanner::create(Source source, const Config& co
   // The laser-off frame just before is one period old, whatever the rate.
   if (config.capture.laser_off_frames) {
     constexpr double k_periods = 1.5;
-    stages.ambient_max_age = std::max(
-        stages.ambient_max_age, Nanoseconds{static_cast<std::int64_t>(k_periods * 1e9 / *config.model.rate_hz)});
+    stages.ambient_max_age =
+        std::max(stages.ambient_max_age,
+                 Nanoseconds{static_cast<std::int64_t>(k_periods * 1e9 / *config.model.rate_hz)});
   }
-  BITELINE_ASSIGN(pipeline::ProfilePipeline pipeline, pipeline::ProfilePipeline::create(stages, config.model));
+  BITELINE_ASSIGN(pipeline::ProfilePipeline pipeline,
+                  pipeline::ProfilePipeline::create(stages, config.model));
   BITELINE_ASSIGN(auto capture, CaptureControl::create(config.capture, config.model, *source.camera));
   return std::unique_ptr<Scanner>{
       new Scanner{std::move(source), config, std::move(pipeline), std::move(capture), clock, laser}};
@@ -60,7 +65,9 @@ Scanner::Scanner(Source source, const Config& config, pipeline::ProfilePipeline 
       laser_{laser},
       poses_wanted_until_ns_{k_never_ns} {}
 
-Scanner::~Scanner() { stop(); }
+Scanner::~Scanner() {
+  stop();
+}
 
 Result<void> Scanner::start() {
   BITELINE_TRY(source_.poses->start());
@@ -82,7 +89,8 @@ void Scanner::stop() {
 }
 
 void Scanner::acquire() {
-  if (const Result<void> entered = runtime::enter_thread(runtime::threads::k_acquisition, config_.realtime); !entered) {
+  if (const Result<void> entered = runtime::enter_thread(runtime::threads::k_acquisition, config_.realtime);
+      !entered) {
     record_failure(entered.error());
   } else {
     while (!stopping_) {
@@ -148,13 +156,15 @@ Result<void> Scanner::process(const hal::FrameView& frame) {
 }
 
 void Scanner::read_poses() {
-  if (const Result<void> entered = runtime::enter_thread(runtime::threads::k_pose, config_.realtime); !entered) {
+  if (const Result<void> entered = runtime::enter_thread(runtime::threads::k_pose, config_.realtime);
+      !entered) {
     record_failure(entered.error());
     poses_over_ = true;
     return;
   }
   while (!stopping_) {
-    if (config_.lossless && to_ns(poses_.rt_newest()) > poses_wanted_until_ns_.load(std::memory_order_relaxed)) {
+    if (config_.lossless &&
+        to_ns(poses_.rt_newest()) > poses_wanted_until_ns_.load(std::memory_order_relaxed)) {
       std::this_thread::sleep_for(k_pause);
       continue;
     }
@@ -182,7 +192,8 @@ const profile::ProfileBuffer* Scanner::take() {
     if (!taken_) return nullptr;
     stamped_ = false;
     taken_at_ = clock_.now();
-    poses_wanted_until_ns_.store(to_ns(pool_[*taken_].header.exposure_mid + k_pose_lead), std::memory_order_relaxed);
+    poses_wanted_until_ns_.store(to_ns(pool_[*taken_].header.exposure_mid + k_pose_lead),
+                                 std::memory_order_relaxed);
   }
   if (!stamped_) {
     if (!pose_settled()) return nullptr;
@@ -208,7 +219,8 @@ void Scanner::give_back() {
 }
 
 bool Scanner::finished() const {
-  return acquisition_over_.load(std::memory_order_acquire) && !taken_ && pool_.rt_free_count() == k_pool_profiles;
+  return acquisition_over_.load(std::memory_order_acquire) && !taken_ &&
+         pool_.rt_free_count() == k_pool_profiles;
 }
 
 void Scanner::record_failure(const Error& error) {

@@ -32,10 +32,10 @@ struct ScanCounts {
 ///     camera -> [acquisition] rt_process -> ring of profiles -> [stream] take(), give_back()
 ///     poses  -> [pose] history ------------------------------------^ stamps them
 ///
-/// A source that may wait (lossless) is made to: acquisition pauses while the ring is full, and poses are read only as far
-/// ahead as the next profile needs, so that the history cannot run over.  Any other source is never waited for: the
-/// oldest profile in the ring is dropped and counted.
-/// Thread: take() and give_back() from the stream thread only; the rest from the thread that made it, the end from any.
+/// A source that may wait (lossless) is made to: acquisition pauses while the ring is full, and poses are
+/// read only as far ahead as the next profile needs, so that the history cannot run over.  Any other source
+/// is never waited for: the oldest profile in the ring is dropped and counted. Thread: take() and give_back()
+/// from the stream thread only; the rest from the thread that made it, the end from any.
 class Scanner {
  public:
   struct Config {
@@ -47,7 +47,8 @@ class Scanner {
   };
   /// `laser` is told of every frame and every sign of life; null where there is none.
   [[nodiscard]] static Result<std::unique_ptr<Scanner>> create(Source source, const Config& config,
-                                                               const hal::Clock& clock, runtime::LaserWatch* laser);
+                                                               const hal::Clock& clock,
+                                                               runtime::LaserWatch* laser);
   ~Scanner();  ///< stops first
   Scanner(const Scanner&) = delete;
   Scanner& operator=(const Scanner&) = delete;
@@ -58,7 +59,8 @@ class Scanner {
   /// As stop(), without waiting for them.  Any thread.
   void request_stop() { stopping_ = true; }
 
-  /// The next profile in order, stamped with its pose; nothing when there is none yet.  Valid until give_back().
+  /// The next profile in order, stamped with its pose; nothing when there is none yet.  Valid until
+  /// give_back().
   [[nodiscard]] const profile::ProfileBuffer* take();
   void give_back();
   /// Something is in the ring: take() is worth calling again soon.
@@ -78,7 +80,8 @@ class Scanner {
   runtime::StageMeter adjust_meter;  ///< changes of exposure or rows
 
  private:
-  /// 1.2 s at 100 Hz, for a stream thread that gets no processor meanwhile: it has no real-time priority.  Some 20 MB.
+  /// 1.2 s at 100 Hz, for a stream thread that gets no processor meanwhile: it has no real-time priority.
+  /// Some 20 MB.
   static constexpr std::size_t k_ring_profiles = 128;
   /// Plus the one being filled plus the one being sent: a buffer is always free for the next frame.
   static constexpr std::size_t k_pool_profiles = k_ring_profiles + 2;

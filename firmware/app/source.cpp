@@ -38,7 +38,8 @@ class Recording final : public SourceKind {
   std::shared_ptr<const session::Session> session_;
 };
 
-Result<std::unique_ptr<SourceKind>> with_capture(Result<std::unique_ptr<SourceKind>> kind, const Capture& capture) {
+Result<std::unique_ptr<SourceKind>> with_capture(Result<std::unique_ptr<SourceKind>> kind,
+                                                 const Capture& capture) {
   if (!kind) return kind;
   BITELINE_TRY(check(capture, (*kind)->model));
   (*kind)->capture = capture;
@@ -54,24 +55,29 @@ Result<std::unique_ptr<SourceKind>> choose_source(const SourceOptions& options) 
   const std::string_view rest = colon == std::string_view::npos ? std::string_view{} : text.substr(colon + 1);
   if (kind == "replay" && !rest.empty()) {
     if (options.capture.any()) {
-      return fail(Errc::InvalidArgument, "source '%s': a recording is exposed already; --auto-exposure, --follow-stripe, "
-                                         "--laser-off-frames and --second-exposure-us need a camera", options.source.c_str());
+      return fail(Errc::InvalidArgument,
+                  "source '%s': a recording is exposed already; --auto-exposure, --follow-stripe, "
+                  "--laser-off-frames and --second-exposure-us need a camera",
+                  options.source.c_str());
     }
     BITELINE_ASSIGN(std::shared_ptr<const session::Session> session,
                     hal::replay::open_recording(std::filesystem::path{rest}, options.sensor_file));
     return std::make_unique<Recording>(std::move(session));
   }
   if (kind == "board" && !rest.empty()) {
-    if (!options.sensor_file) return fail(Errc::InvalidArgument, "source '%s': --sensor FILE is needed", options.source.c_str());
+    if (!options.sensor_file)
+      return fail(Errc::InvalidArgument, "source '%s': --sensor FILE is needed", options.source.c_str());
     return with_capture(open_board(std::filesystem::path{rest}, *options.sensor_file), options.capture);
   }
 #ifdef BITELINE_SENSOR_HAS_CELL
   if (kind == "cell" && !rest.empty()) {
-    if (!options.sensor_file) return fail(Errc::InvalidArgument, "source '%s': --sensor FILE is needed", options.source.c_str());
+    if (!options.sensor_file)
+      return fail(Errc::InvalidArgument, "source '%s': --sensor FILE is needed", options.source.c_str());
     return with_capture(open_cell(std::string{rest}, *options.sensor_file), options.capture);
   }
 #endif
-  return fail(Errc::InvalidArgument, "source '%s': replay:SESSION, cell:NAME or board:FILE expected", options.source.c_str());
+  return fail(Errc::InvalidArgument, "source '%s': replay:SESSION, cell:NAME or board:FILE expected",
+              options.source.c_str());
 }
 
 }  // namespace biteline::sensor

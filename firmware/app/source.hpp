@@ -26,10 +26,11 @@ namespace biteline::sensor {
 struct Source {
   std::unique_ptr<hal::LineCamera> camera;
   std::unique_ptr<hal::PoseSource> poses;
-  std::unique_ptr<hal::PwmOut> trigger;      ///< configured; none: the camera runs by itself
-  std::unique_ptr<hal::EdgeIn> scan_active;  ///< the robot's word that it is on its way; none: the host alone decides
+  std::unique_ptr<hal::PwmOut> trigger;  ///< configured; none: the camera runs by itself
+  std::unique_ptr<hal::EdgeIn>
+      scan_active;  ///< the robot's word that it is on its way; none: the host alone decides
   std::string scan_name;
-  std::uint64_t frames_expected{0};          ///< 0: not known
+  std::uint64_t frames_expected{0};  ///< 0: not known
 };
 
 /// The light and what allows it; outlives the scans.

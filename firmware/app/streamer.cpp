@@ -22,8 +22,8 @@ constexpr Nanoseconds k_last_word = milliseconds{100};
 /// From the start of a scan to its light: the first frames of a network camera take some tenths of a second.
 constexpr Nanoseconds k_light_patience = milliseconds{5000};
 
-/// A host that was killed comes back and goes on within that time; the laser does not shine on for nobody.  Begins when the
-/// server counts the last one as absent (2 s).
+/// A host that was killed comes back and goes on within that time; the laser does not shine on for nobody.
+/// Begins when the server counts the last one as absent (2 s).
 constexpr Nanoseconds k_host_patience = milliseconds{5000};
 
 /// The last scan's devices are closed before they are opened again; below the hosts' patience.
@@ -32,15 +32,19 @@ constexpr Nanoseconds k_close_patience = milliseconds{1500};
 Errc code_of(runtime::LaserOff reason) {
   switch (reason) {
     case runtime::LaserOff::InterlockOpen:
-    case runtime::LaserOff::KeyOff: return Errc::InterlockOpen;
-    case runtime::LaserOff::FramesStopped: return Errc::Timeout;
+    case runtime::LaserOff::KeyOff:
+      return Errc::InterlockOpen;
+    case runtime::LaserOff::FramesStopped:
+      return Errc::Timeout;
     case runtime::LaserOff::WatchdogStarved:
     case runtime::LaserOff::StreamStarved:
-    case runtime::LaserOff::SafetyHung: return Errc::Overrun;
+    case runtime::LaserOff::SafetyHung:
+      return Errc::Overrun;
     case runtime::LaserOff::TooHot:
     case runtime::LaserOff::DriverFailed:
     case runtime::LaserOff::NotAsked:
-    case runtime::LaserOff::Stopped: break;
+    case runtime::LaserOff::Stopped:
+      break;
   }
   return Errc::DeviceError;
 }
@@ -89,8 +93,8 @@ wire::StageTime stage_time(const char* name, const runtime::StageMeter& meter) {
 
 }  // namespace
 
-Streamer::Streamer(const StreamerConfig& config, SourceKind& kind, stream::StreamSocket& socket, const hal::Clock& clock,
-                   runtime::LaserWatch* laser)
+Streamer::Streamer(const StreamerConfig& config, SourceKind& kind, stream::StreamSocket& socket,
+                   const hal::Clock& clock, runtime::LaserWatch* laser)
     : config_{config},
       kind_{kind},
       socket_{socket},
@@ -130,7 +134,8 @@ Result<void> Streamer::start_scan() {
 }
 
 void Streamer::run(const std::atomic<bool>& stop) {
-  const stream::StreamSocket::Sink on_packet = [&](const stream::PeerId& peer, std::span<const std::uint8_t> packet) {
+  const stream::StreamSocket::Sink on_packet = [&](const stream::PeerId& peer,
+                                                   std::span<const std::uint8_t> packet) {
     server_.on_packet(peer, packet, clock_.now());
   };
   while (!stop && !delivered()) {
@@ -151,7 +156,8 @@ void Streamer::run(const std::atomic<bool>& stop) {
   server_.say_bye(stop ? "the sensor was told to stop" : "the scan is over");
   // A socket closed on unread packets resets its connection, and the farewell would be lost with it.
   const SensorClock::time_point last_word = clock_.now() + k_last_word;
-  while (server_.hosts_present() > 0 && clock_.now() < last_word) (void)socket_.receive(k_idle_wait, on_packet);
+  while (server_.hosts_present() > 0 && clock_.now() < last_word)
+    (void)socket_.receive(k_idle_wait, on_packet);
 }
 
 void Streamer::follow_robot() {
@@ -173,7 +179,8 @@ void Streamer::watch_light() {
   if (laser.on) return;
   const bool went_off = lit_ || laser.state == runtime::LaserGuard::State::Latched;
   if (!went_off && clock_.now() - light_asked_at_ < k_light_patience) return;
-  fail_scan(fail(code_of(laser.reason), "the laser %s: %s", went_off ? "went off" : "stays off", runtime::text(laser.reason))
+  fail_scan(fail(code_of(laser.reason), "the laser %s: %s", went_off ? "went off" : "stays off",
+                 runtime::text(laser.reason))
                 .value());
 }
 
@@ -182,7 +189,9 @@ void Streamer::watch_hosts() {
   const SensorClock::time_point now = clock_.now();
   if (server_.hosts_present() > 0) host_seen_at_ = now;
   if (now - host_seen_at_ <= k_host_patience) return;
-  fail_scan(fail(Errc::ConnectionLost, "no host for %lld s", static_cast<long long>(k_host_patience.count() / 1'000'000'000)).value());
+  fail_scan(fail(Errc::ConnectionLost, "no host for %lld s",
+                 static_cast<long long>(k_host_patience.count() / 1'000'000'000))
+                .value());
 }
 
 void Streamer::fail_scan(const Error& why) {
@@ -257,8 +266,10 @@ wire::Counters Streamer::counters() const {
 
 std::vector<wire::StageTime> Streamer::stages() const {
   if (!scanner_) return last_end_.stages;
-  return {stage_time("wait_for_frame", scanner_->wait_meter), stage_time("frame_to_profile", scanner_->process_meter),
-          stage_time("adjust_camera", scanner_->adjust_meter), stage_time("stamp_pose", scanner_->stamp_meter), stage_time("encode", encode_meter_)};
+  return {stage_time("wait_for_frame", scanner_->wait_meter),
+          stage_time("frame_to_profile", scanner_->process_meter),
+          stage_time("adjust_camera", scanner_->adjust_meter),
+          stage_time("stamp_pose", scanner_->stamp_meter), stage_time("encode", encode_meter_)};
 }
 
 wire::Devices Streamer::devices() const {
@@ -306,8 +317,9 @@ wire::Health Streamer::health() const {
   }
   const runtime::LaserWatch::Status laser = laser_->status();
   health.laser = laser.on ? wire::LaserState::On
-                 : laser.state == runtime::LaserGuard::State::Latched || laser.output_lost ? wire::LaserState::Fault
-                                                                                          : wire::LaserState::Off;
+                 : laser.state == runtime::LaserGuard::State::Latched || laser.output_lost
+                     ? wire::LaserState::Fault
+                     : wire::LaserState::Off;
   if (!laser.on) health.laser_reason = runtime::text(laser.reason);
   return health;
 }
@@ -320,9 +332,11 @@ Result<void> Streamer::obey(wire::Command command) {
     case wire::Command::LaserOff:
       if (laser_ == nullptr) return fail(Errc::NotSupported, "there is no laser");
       laser_->ask_for_light(false);
-      if (state_ == State::Scanning) fail_scan(fail(Errc::PeerRefused, "the laser went off: a host asked for it").value());
+      if (state_ == State::Scanning)
+        fail_scan(fail(Errc::PeerRefused, "the laser went off: a host asked for it").value());
       return {};
-    case wire::Command::StopScan: break;
+    case wire::Command::StopScan:
+      break;
   }
   if (state_ == State::Idle) return fail(Errc::WrongState, "no scan is on");
   end_scan();

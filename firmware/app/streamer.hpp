@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file The stream thread: begins and ends scans, and carries their profiles into the store and out to the hosts.
+/// \file The stream thread: begins and ends scans, and carries their profiles into the store and out to the
+/// hosts.
 
 #include <atomic>
 #include <future>
@@ -25,17 +26,18 @@ struct StreamerConfig {
 /// |----------|-----------|----------|-------------------------|----------------------|
 /// | Idle     | Scanning  | refused  | Idle                    | -                    |
 /// | Scanning | refused   | Ending   | Ending                  | Ending               |
-/// | Ending   | refused   | Ending   | Ending                  | Ending; Idle when the last profile is stored |
+/// | Ending   | refused   | Ending   | Ending                  | Ending; Idle when the last profile is stored
+/// |
 ///
-/// refused: Errc::WrongState, to the host that asked.  Light is asked for in Scanning only (the laser's guard decides); a
-/// laser that goes off meanwhile, or never comes on, ends the scan as failed, with the guard's reason.  So does the absence
-/// of every host: what was scanned stays in the store for the one that comes back.
-/// Runs on its caller's thread, which also opens the devices of a scan (some hundred ms on a network camera: the hosts'
-/// patience is 2 s).  They are closed on a thread of their own.
+/// refused: Errc::WrongState, to the host that asked.  Light is asked for in Scanning only (the laser's guard
+/// decides); a laser that goes off meanwhile, or never comes on, ends the scan as failed, with the guard's
+/// reason.  So does the absence of every host: what was scanned stays in the store for the one that comes
+/// back. Runs on its caller's thread, which also opens the devices of a scan (some hundred ms on a network
+/// camera: the hosts' patience is 2 s).  They are closed on a thread of their own.
 class Streamer {
  public:
-  Streamer(const StreamerConfig& config, SourceKind& kind, stream::StreamSocket& socket, const hal::Clock& clock,
-           runtime::LaserWatch* laser);
+  Streamer(const StreamerConfig& config, SourceKind& kind, stream::StreamSocket& socket,
+           const hal::Clock& clock, runtime::LaserWatch* laser);
 
   /// As a host's StartScan.
   [[nodiscard]] Result<void> start_scan();
@@ -73,7 +75,7 @@ class Streamer {
   State state_{State::Idle};
   std::unique_ptr<Scanner> scanner_;  ///< of the present scan; nothing while Idle
   wire::EndOfScan last_end_;          ///< the last scan's counts, told on while Idle
-  std::future<void> closing_;         ///< the last scan's devices: one that is gone takes seconds to be let go of
+  std::future<void> closing_;  ///< the last scan's devices: one that is gone takes seconds to be let go of
   runtime::StageMeter encode_meter_;
   std::optional<Error> failure_;
   SensorClock::time_point light_asked_at_;

@@ -63,7 +63,8 @@ class ProfilePipeline {
   ~ProfilePipeline();
 
   /// Fills `out` but for the pose; header.sequence counts the profiles from 0.  False: no profile yet (a
-  /// laser-off frame, or the first of a bracket).  Pre: the frame is as wide as the region and shows rows of it.
+  /// laser-off frame, or the first of a bracket).  Pre: the frame is as wide as the region and shows rows of
+  /// it.
   bool rt_process(const hal::FrameView& frame, profile::ProfileBuffer& out) noexcept BITELINE_RT;
 
   /// True when later poses would not change the stamp any more.

@@ -18,7 +18,7 @@ namespace biteline::pipeline {
 class RegionFollower {
  public:
   struct Config {
-    int first_row_px{0};    ///< of the sensor: the region stays between these
+    int first_row_px{0};  ///< of the sensor: the region stays between these
     int end_row_px{1236};
     int step_px{4};  ///< offsets and heights are multiples of it
     int least_height_px{64};
@@ -47,7 +47,7 @@ class RegionFollower {
  private:
   [[nodiscard]] Proposal rt_propose(int first_row_px, int end_row_px, bool searching) noexcept BITELINE_RT;
   Config config_;
-  int first_row_px_, end_row_px_;  ///< the region now
+  int first_row_px_, end_row_px_;    ///< the region now
   int seen_first_px_, seen_end_px_;  ///< rows taken since the count began
   int profiles_too_large_{0};
   int profiles_lost_{0};

@@ -27,8 +27,9 @@ RegionFollower::Proposal RegionFollower::rt_propose(int first_row_px, int end_ro
   int end = std::min(whole, (end_row_px - config_.first_row_px + step - 1) / step * step);
   if (end - first < config_.least_height_px) {
     const int middle = (first + end) / 2;
-    first = std::clamp(middle - config_.least_height_px / 2, 0, std::max(0, whole - config_.least_height_px)) /
-            step * step;
+    first =
+        std::clamp(middle - config_.least_height_px / 2, 0, std::max(0, whole - config_.least_height_px)) /
+        step * step;
     end = std::min(whole, first + config_.least_height_px);
   }
   first += config_.first_row_px;
@@ -53,7 +54,8 @@ RegionFollower::Proposal RegionFollower::rt_propose(int first_row_px, int end_ro
 RegionFollower::Proposal RegionFollower::rt_update(const profile::ProfileBuffer& profile) noexcept
     BITELINE_RT {
   if (profile.header.flags & profile::k_profile_stripe_lost) {
-    if (++profiles_lost_ >= config_.profiles_to_lose) return rt_propose(config_.first_row_px, config_.end_row_px, true);
+    if (++profiles_lost_ >= config_.profiles_to_lose)
+      return rt_propose(config_.first_row_px, config_.end_row_px, true);
     return rt_propose(first_row_px_, end_row_px_, searching_);
   }
   profiles_lost_ = 0;
@@ -72,7 +74,8 @@ RegionFollower::Proposal RegionFollower::rt_update(const profile::ProfileBuffer&
 
   const int wanted_first = seen_first_px_ - config_.margin_px, wanted_end = seen_end_px_ + config_.margin_px;
   // The stripe nears an edge: room on that side at once.  Half of the margin is what it may use up.
-  const bool near_first = first_row_px_ > config_.first_row_px && first < first_row_px_ + config_.margin_px / 2;
+  const bool near_first =
+      first_row_px_ > config_.first_row_px && first < first_row_px_ + config_.margin_px / 2;
   const bool near_end = end_row_px_ < config_.end_row_px && end > end_row_px_ - config_.margin_px / 2;
   if (clipped || near_first || near_end) {
     return rt_propose(std::min(first_row_px_, wanted_first), std::max(end_row_px_, wanted_end), false);

@@ -5,16 +5,26 @@ namespace biteline::runtime {
 
 const char* text(LaserOff reason) {
   switch (reason) {
-    case LaserOff::NotAsked: return "no scan is on";
-    case LaserOff::InterlockOpen: return "the interlock is open";
-    case LaserOff::KeyOff: return "the key switch is off";
-    case LaserOff::TooHot: return "the head is too hot";
-    case LaserOff::FramesStopped: return "the camera gives no frames";
-    case LaserOff::WatchdogStarved: return "the frame processing hangs";
-    case LaserOff::StreamStarved: return "the stream thread hangs";
-    case LaserOff::DriverFailed: return "the laser's output does not do as told";
-    case LaserOff::SafetyHung: return "the safety thread hung";
-    case LaserOff::Stopped: return "the sensor stops";
+    case LaserOff::NotAsked:
+      return "no scan is on";
+    case LaserOff::InterlockOpen:
+      return "the interlock is open";
+    case LaserOff::KeyOff:
+      return "the key switch is off";
+    case LaserOff::TooHot:
+      return "the head is too hot";
+    case LaserOff::FramesStopped:
+      return "the camera gives no frames";
+    case LaserOff::WatchdogStarved:
+      return "the frame processing hangs";
+    case LaserOff::StreamStarved:
+      return "the stream thread hangs";
+    case LaserOff::DriverFailed:
+      return "the laser's output does not do as told";
+    case LaserOff::SafetyHung:
+      return "the safety thread hung";
+    case LaserOff::Stopped:
+      return "the sensor stops";
   }
   return "for an unknown reason";
 }
@@ -24,7 +34,8 @@ bool LaserGuard::forbidden(const LaserInputs& inputs, LaserOff& why) const {
     why = reason;
     return true;
   };
-  // First: the thread that found the looks missing has changed the output, so the driver must seem to have failed.
+  // First: the thread that found the looks missing has changed the output, so the driver must seem to have
+  // failed.
   if (inputs.looks_missed) return found(LaserOff::SafetyHung);
   if (inputs.driver_failed) return found(LaserOff::DriverFailed);
   if (!inputs.interlock_closed) return found(LaserOff::InterlockOpen);
@@ -49,7 +60,8 @@ bool LaserGuard::look(const LaserInputs& inputs) {
   LaserOff why = LaserOff::NotAsked;
   if (forbidden(inputs, why)) {
     // Before the first light an open interlock or a camera that has just started is no fault: not yet.
-    if (state_ == State::On || why == LaserOff::DriverFailed || why == LaserOff::SafetyHung) state_ = State::Latched;
+    if (state_ == State::On || why == LaserOff::DriverFailed || why == LaserOff::SafetyHung)
+      state_ = State::Latched;
     reason_ = why;
     return false;
   }

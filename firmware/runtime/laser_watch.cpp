@@ -20,7 +20,11 @@ void darken(const char*, const char*, int) noexcept {
 
 LaserWatch::LaserWatch(std::unique_ptr<hal::GpioOut> laser, std::unique_ptr<hal::SafetyIn> safety,
                        const hal::Clock& clock, const LaserGuard::Config& config)
-    : laser_{std::move(laser)}, safety_{std::move(safety)}, clock_{clock}, looks_within_{config.looks_within}, guard_{config} {
+    : laser_{std::move(laser)},
+      safety_{std::move(safety)},
+      clock_{clock},
+      looks_within_{config.looks_within},
+      guard_{config} {
   BITELINE_EXPECTS(laser_ != nullptr && safety_ != nullptr);
   g_laser = laser_.get();
   set_contract_handler(darken);
@@ -39,7 +43,8 @@ Result<void> LaserWatch::start(RealtimeDemand demand) {
   start_error_.wait(-1);
   if (start_error_ == 0) return {};
   thread_.join();
-  return fail(static_cast<Errc>(start_error_.load()), "thread %s (LimitRTPRIO, or --rt=ignore)", threads::k_safety.name);
+  return fail(static_cast<Errc>(start_error_.load()), "thread %s (LimitRTPRIO, or --rt=ignore)",
+              threads::k_safety.name);
 }
 
 void LaserWatch::stop() {
@@ -92,8 +97,8 @@ void LaserWatch::step() {
   const bool light = guard_.look(inputs);
   if (light) may_shine_ = true;
   drive(light);
-  // This thread stood still since it looked, and the frame thread darkened the output meanwhile: so it stays, and the next
-  // look says why.
+  // This thread stood still since it looked, and the frame thread darkened the output meanwhile: so it stays,
+  // and the next look says why.
   if (light && looks_missed_) drive(false);
   on_ = light && !driver_failed_ && !looks_missed_;
   if (!light && !driver_failed_) may_shine_ = false;
@@ -116,7 +121,11 @@ void LaserWatch::feed_watchdogs() {
 }
 
 LaserWatch::Status LaserWatch::status() const {
-  return {.on = on_, .state = state_, .reason = reason_, .output_lost = output_lost_, .feeds_failed = feeds_failed_};
+  return {.on = on_,
+          .state = state_,
+          .reason = reason_,
+          .output_lost = output_lost_,
+          .feeds_failed = feeds_failed_};
 }
 
 }  // namespace biteline::runtime

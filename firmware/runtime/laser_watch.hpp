@@ -18,19 +18,20 @@
 
 namespace biteline::runtime {
 
-/// Owns the laser's output.  Off before start(), after stop(), when the object goes, and on a broken contract anywhere in
-/// the process; when the process dies the kernel lets go of the line, whose pull is off (hal/api/gpio_out.hpp).
-/// Thread: note_* and ask_* from any thread; start() and stop() from one.
+/// Owns the laser's output.  Off before start(), after stop(), when the object goes, and on a broken contract
+/// anywhere in the process; when the process dies the kernel lets go of the line, whose pull is off
+/// (hal/api/gpio_out.hpp). Thread: note_* and ask_* from any thread; start() and stop() from one.
 class LaserWatch {
  public:
-  LaserWatch(std::unique_ptr<hal::GpioOut> laser, std::unique_ptr<hal::SafetyIn> safety, const hal::Clock& clock,
-             const LaserGuard::Config& config);
+  LaserWatch(std::unique_ptr<hal::GpioOut> laser, std::unique_ptr<hal::SafetyIn> safety,
+             const hal::Clock& clock, const LaserGuard::Config& config);
   LaserWatch(const LaserWatch&) = delete;
   LaserWatch& operator=(const LaserWatch&) = delete;
   ~LaserWatch();
 
-  /// An armed watchdog, fed at every look from start() on and disarmed by stop(): what it does when this thread hangs or
-  /// the process dies darkens the laser too, and so it is not fed while the output does not do as told.  Before start() only.
+  /// An armed watchdog, fed at every look from start() on and disarmed by stop(): what it does when this
+  /// thread hangs or the process dies darkens the laser too, and so it is not fed while the output does not
+  /// do as told.  Before start() only.
   void feed(std::unique_ptr<hal::Watchdog> watchdog) { watchdogs_.push_back(std::move(watchdog)); }
 
   [[nodiscard]] Result<void> start(RealtimeDemand demand);
@@ -45,15 +46,15 @@ class LaserWatch {
   void note_frame(SensorClock::time_point processed) { store(last_frame_ns_, processed); }
   /// The thread that hears the hosts lives.
   void note_stream(SensorClock::time_point now) { store(stream_ns_, now); }
-  /// The frame thread lives.  It looks after this one in turn: when the looks of the safety thread stay out while the laser
-  /// is on, it turns the laser off itself.
+  /// The frame thread lives.  It looks after this one in turn: when the looks of the safety thread stay out
+  /// while the laser is on, it turns the laser off itself.
   void note_alive(SensorClock::time_point now);
 
   struct Status {
     bool on{false};
     LaserGuard::State state{LaserGuard::State::Off};
     LaserOff reason{LaserOff::NotAsked};
-    bool output_lost{false};  ///< the output could not be told or read back: its level is unknown
+    bool output_lost{false};        ///< the output could not be told or read back: its level is unknown
     std::uint64_t feeds_failed{0};  ///< a watchdog did not take its food: it will bite
   };
   [[nodiscard]] Status status() const;
@@ -85,7 +86,8 @@ class LaserWatch {
   std::atomic<std::int64_t> last_frame_ns_{SensorClock::time_point::min().time_since_epoch().count()};
   std::atomic<std::int64_t> stream_ns_{SensorClock::time_point::min().time_since_epoch().count()};
   std::atomic<std::int64_t> alive_ns_{SensorClock::time_point::min().time_since_epoch().count()};
-  std::atomic<bool> may_shine_{false};  ///< from before the output is told to shine until it is known to be dark
+  std::atomic<bool> may_shine_{
+      false};  ///< from before the output is told to shine until it is known to be dark
   // Published for the others.
   std::atomic<bool> on_{false};
   std::atomic<LaserGuard::State> state_{LaserGuard::State::Off};

@@ -38,15 +38,15 @@ Result<void> schedule(const ThreadSpec& spec) {
   wanted.sched_priority = spec.priority;
   const int error = pthread_setschedparam(pthread_self(), policy, &wanted);
   if (error != 0) {
-    return fail_errno(Errc::NoRights, error, "thread %s: SCHED_FIFO %d (LimitRTPRIO, or --rt=ignore)", spec.name,
-                      spec.priority);
+    return fail_errno(Errc::NoRights, error, "thread %s: SCHED_FIFO %d (LimitRTPRIO, or --rt=ignore)",
+                      spec.name, spec.priority);
   }
   int got_policy = -1;
   sched_param got{};
   pthread_getschedparam(pthread_self(), &got_policy, &got);
   if (got_policy != policy || got.sched_priority != spec.priority) {
-    return fail(Errc::NoRights, "thread %s: the kernel set priority %d instead of %d", spec.name, got.sched_priority,
-                spec.priority);
+    return fail(Errc::NoRights, "thread %s: the kernel set priority %d instead of %d", spec.name,
+                got.sched_priority, spec.priority);
   }
   return {};
 }

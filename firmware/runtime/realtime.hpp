@@ -12,12 +12,12 @@ enum class RealtimeDemand {
   Ignored,   ///< run as any other program does
 };
 
-/// Before any thread starts: memory locked and never given back to the system, stack touched.  Errc::NoRights names the
-/// limit to raise.
+/// Before any thread starts: memory locked and never given back to the system, stack touched.  Errc::NoRights
+/// names the limit to raise.
 [[nodiscard]] Result<void> prepare_process(RealtimeDemand demand);
 
-/// On the thread itself, first thing: name, scheduling policy, processor; then reads back what the kernel really set.
-/// A processor that this machine lacks is left to the kernel (the table is for the target).
+/// On the thread itself, first thing: name, scheduling policy, processor; then reads back what the kernel
+/// really set. A processor that this machine lacks is left to the kernel (the table is for the target).
 [[nodiscard]] Result<void> enter_thread(const ThreadSpec& spec, RealtimeDemand demand);
 
 }  // namespace biteline::runtime

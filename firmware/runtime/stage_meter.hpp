@@ -12,7 +12,8 @@
 
 namespace biteline::runtime {
 
-/// Thread: one writer, any reader (a reader may see a count one ahead of its sum: telemetry).  RT: rt_ members.
+/// Thread: one writer, any reader (a reader may see a count one ahead of its sum: telemetry).  RT: rt_
+/// members.
 class StageMeter {
  public:
   struct Summary {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Store and forward: the encoded messages of a scan, kept until their room is needed and they are acknowledged.
+/// \file Store and forward: the encoded messages of a scan, kept until their room is needed and they are
+/// acknowledged.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,9 +12,9 @@
 
 namespace biteline::stream {
 
-/// Messages are numbered from 0 without gaps.  Acknowledged ones stay too, as long as there is room: a second host that
-/// starts in the middle of a scan gets its beginning from here.
-/// Thread: one owner (the stream thread).
+/// Messages are numbered from 0 without gaps.  Acknowledged ones stay too, as long as there is room: a second
+/// host that starts in the middle of a scan gets its beginning from here. Thread: one owner (the stream
+/// thread).
 class MessageStore {
  public:
   explicit MessageStore(std::size_t capacity_bytes) : capacity_bytes_{capacity_bytes} {}
@@ -24,8 +25,8 @@ class MessageStore {
   /// True when `size_bytes` more fit without losing a message that is not acknowledged.
   [[nodiscard]] bool has_room(std::size_t size_bytes) const;
 
-  /// Always takes the message; the oldest go when it does not fit.  Returns how many of those were not acknowledged:
-  /// losses, for the caller to count.
+  /// Always takes the message; the oldest go when it does not fit.  Returns how many of those were not
+  /// acknowledged: losses, for the caller to count.
   std::uint64_t push(wire::Bytes message);
 
   /// Every message below `sequence` has arrived where it should.  May move back (another host lacks more).

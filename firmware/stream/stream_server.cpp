@@ -14,8 +14,8 @@ constexpr std::size_t k_large_profile_bytes = 200 * 1024;
 
 }  // namespace
 
-StreamServer::StreamServer(ServerConfig config, wire::SensorHello identity, Outbox& outbox, CommandHandler on_command,
-                           HealthProvider health)
+StreamServer::StreamServer(ServerConfig config, wire::SensorHello identity, Outbox& outbox,
+                           CommandHandler on_command, HealthProvider health)
     : config_{config},
       identity_{std::move(identity)},
       outbox_{outbox},
@@ -23,7 +23,8 @@ StreamServer::StreamServer(ServerConfig config, wire::SensorHello identity, Outb
       health_{std::move(health)},
       store_{config.store_bytes} {}
 
-void StreamServer::begin_scan(std::uint64_t scan_id, const std::string& scan_name, std::uint64_t frames_expected) {
+void StreamServer::begin_scan(std::uint64_t scan_id, const std::string& scan_name,
+                              std::uint64_t frames_expected) {
   messages_lost_ += store_.clear();
   scan_id_ = scan_id;
   ended_ = false;
@@ -39,9 +40,12 @@ void StreamServer::begin_scan(std::uint64_t scan_id, const std::string& scan_nam
   }
 }
 
-bool StreamServer::has_room() const { return store_.has_room(k_large_profile_bytes); }
+bool StreamServer::has_room() const {
+  return store_.has_room(k_large_profile_bytes);
+}
 
-void StreamServer::add_profile(const profile::ProfileHeader& header, std::span<const profile::ProfilePoint> points) {
+void StreamServer::add_profile(const profile::ProfileHeader& header,
+                               std::span<const profile::ProfilePoint> points) {
   wire::Bytes packet;
   wire::encode_profile({.scan_id = scan_id_, .sequence = store_.held_to()}, header, points, packet);
   messages_lost_ += store_.push(std::move(packet));
@@ -56,7 +60,8 @@ void StreamServer::add_end(wire::EndOfScan end) {
   identity_.scanning = false;
 }
 
-void StreamServer::on_packet(const PeerId& peer, std::span<const std::uint8_t> packet, SensorClock::time_point now) {
+void StreamServer::on_packet(const PeerId& peer, std::span<const std::uint8_t> packet,
+                             SensorClock::time_point now) {
   const Result<wire::Message> message = wire::decode(packet);
   if (!message) {
     ++packets_rejected_;
@@ -69,8 +74,8 @@ void StreamServer::on_packet(const PeerId& peer, std::span<const std::uint8_t> p
 
   const auto known = hosts_.find(peer);
   if (known == hosts_.end()) {
-    // A host whose connection was renewed, or a stranger: whoever it is, hello comes first.  Hosts say it again by
-    // themselves when they hear nothing.
+    // A host whose connection was renewed, or a stranger: whoever it is, hello comes first.  Hosts say it
+    // again by themselves when they hear nothing.
     ++packets_rejected_;
     return;
   }
@@ -94,7 +99,8 @@ void StreamServer::on_hello(const PeerId& peer, const wire::HostHello& hello, Se
     // A host that connects anew leaves its old address behind: the absent go first.
     std::erase_if(hosts_, [](const auto& entry) { return !entry.second.present; });
     if (hosts_.size() >= config_.max_hosts) {
-      refuse(peer, wire::ByeReason::Refused, "the sensor already serves " + std::to_string(hosts_.size()) + " hosts");
+      refuse(peer, wire::ByeReason::Refused,
+             "the sensor already serves " + std::to_string(hosts_.size()) + " hosts");
       return;
     }
   }
@@ -102,7 +108,8 @@ void StreamServer::on_hello(const PeerId& peer, const wire::HostHello& hello, Se
   host.name = hello.name;
   host.heard = now;
   host.present = true;
-  // A host that holds the beginning of another scan starts with this one's first message; it learns that from the hello.
+  // A host that holds the beginning of another scan starts with this one's first message; it learns that from
+  // the hello.
   const bool resumes = hello.resume && hello.resume_scan_id == scan_id_;
   host.next = resumes ? std::min(hello.next_sequence, store_.held_to()) : 0;
   host.acknowledged = resumes ? std::min(hello.safe_sequence, host.next) : 0;
@@ -112,7 +119,7 @@ void StreamServer::on_hello(const PeerId& peer, const wire::HostHello& hello, Se
 }
 
 void StreamServer::on_ack(Host& host, std::uint64_t scan_id, const wire::Ack& ack) {
-  if (scan_id != scan_id_) return;  // on its way when the scan changed
+  if (scan_id != scan_id_) return;      // on its way when the scan changed
   if (ack.safe_sequence > host.next) {  // what was never sent cannot be safe
     ++packets_rejected_;
     return;
@@ -187,7 +194,8 @@ void StreamServer::drop_silent_hosts(SensorClock::time_point now) {
   for (auto& [peer, host] : hosts_) {
     if (now - host.heard > config_.absent_after) host.present = false;
   }
-  std::erase_if(hosts_, [&](const auto& entry) { return now - entry.second.heard > config_.forgotten_after; });
+  std::erase_if(hosts_,
+                [&](const auto& entry) { return now - entry.second.heard > config_.forgotten_after; });
   update_acknowledged();
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file The sensor's side of the protocol, without sockets: hosts, their place in the stream, what is due to whom.
+/// \file The sensor's side of the protocol, without sockets: hosts, their place in the stream, what is due to
+/// whom.
 
 #include <cstdint>
 #include <functional>
@@ -31,7 +32,8 @@ class Outbox {
 struct ServerConfig {
   std::size_t store_bytes{256 * 1024 * 1024};  ///< some 8000 full profiles: 80 s at 100 Hz
   std::uint64_t window_messages{64};           ///< sent and not yet acknowledged, per host
-  /// Hosts say something at least four times a second (PROTOCOL.md); eight silent intervals and one is absent.
+  /// Hosts say something at least four times a second (PROTOCOL.md); eight silent intervals and one is
+  /// absent.
   Nanoseconds absent_after{2'000'000'000};
   /// Known again for that long, so that its place is not lost by a pause.
   Nanoseconds forgotten_after{60'000'000'000};
@@ -79,11 +81,11 @@ class StreamServer {
  private:
   struct Host {
     std::string name;
-    std::uint64_t next{0};          ///< next message to send
+    std::uint64_t next{0};  ///< next message to send
     std::uint64_t acknowledged{0};
     SensorClock::time_point heard;
     bool present{true};
-    bool has_end{false};            ///< acknowledged the end of a scan that is over
+    bool has_end{false};  ///< acknowledged the end of a scan that is over
   };
   void send(const PeerId& peer, const wire::Message& message);
   void send_hello(const PeerId& peer);

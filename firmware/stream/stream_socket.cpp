@@ -18,12 +18,13 @@ Result<std::unique_ptr<StreamSocket>> StreamSocket::open(Config config) {
   BITELINE_ASSIGN(wire::Socket listener,
                   wire::open_listener(context, config.listen, own, gatekeeper ? &*gatekeeper : nullptr));
   BITELINE_ASSIGN(std::string address, listener.bound_address());
-  return std::unique_ptr<StreamSocket>{new StreamSocket{std::move(context), std::move(gatekeeper), std::move(listener),
-                                                        std::move(address), std::move(allowed_hosts)}};
+  return std::unique_ptr<StreamSocket>{new StreamSocket{std::move(context), std::move(gatekeeper),
+                                                        std::move(listener), std::move(address),
+                                                        std::move(allowed_hosts)}};
 }
 
-StreamSocket::StreamSocket(wire::SocketContext context, std::optional<wire::Socket> gatekeeper, wire::Socket listener,
-                           std::string address, std::vector<std::string> allowed_hosts)
+StreamSocket::StreamSocket(wire::SocketContext context, std::optional<wire::Socket> gatekeeper,
+                           wire::Socket listener, std::string address, std::vector<std::string> allowed_hosts)
     : context_{std::move(context)},
       gatekeeper_{std::move(gatekeeper)},
       listener_{std::move(listener)},

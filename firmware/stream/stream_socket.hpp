@@ -29,8 +29,8 @@ class StreamSocket final : public Outbox {
 
   bool send(const PeerId& peer, std::span<const std::uint8_t> packet) override;
 
-  /// Waits at most `timeout` for something to arrive, gives the sink what is there (at most `k_batch` packets), and
-  /// returns how many strangers were turned away.
+  /// Waits at most `timeout` for something to arrive, gives the sink what is there (at most `k_batch`
+  /// packets), and returns how many strangers were turned away.
   int receive(Nanoseconds timeout, const Sink& sink);
 
   /// Bounds one call's work whatever arrives: some four windows of acknowledgements.

@@ -19,7 +19,8 @@ class Clock {
   [[nodiscard]] virtual SensorClock::time_point now() const noexcept = 0;
 };
 
-/// CLOCK_MONOTONIC (what std::chrono::steady_clock reads on Linux, and what V4L2, libgpiod and SocketCAN stamp with).
+/// CLOCK_MONOTONIC (what std::chrono::steady_clock reads on Linux, and what V4L2, libgpiod and SocketCAN
+/// stamp with).
 class MonotonicClock final : public Clock {
  public:
   [[nodiscard]] SensorClock::time_point now() const noexcept override {

@@ -21,7 +21,8 @@ struct EdgeHealth {
 };
 
 /// Watching from open() to the end of the object; no further states.
-/// Thread: next_edge() from one thread; level() and health() from any.  RT: waits in the kernel, allocates nothing.
+/// Thread: next_edge() from one thread; level() and health() from any.  RT: waits in the kernel, allocates
+/// nothing.
 class EdgeIn {
  public:
   EdgeIn() = default;

@@ -10,9 +10,9 @@
 namespace biteline::hal {
 
 struct EncoderReading {
-  std::int64_t position_ticks{0};     ///< since open(), does not wrap
-  SensorClock::time_point stamp;      ///< when it was latched
-  std::uint64_t errors{0};            ///< illegal transitions so far: the position is off by as many ticks at most
+  std::int64_t position_ticks{0};  ///< since open(), does not wrap
+  SensorClock::time_point stamp;   ///< when it was latched
+  std::uint64_t errors{0};  ///< illegal transitions so far: the position is off by as many ticks at most
 };
 
 /// Counting from open() to the end of the object.  Thread: any.  RT: one read, no allocation.

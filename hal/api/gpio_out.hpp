@@ -6,10 +6,10 @@
 
 namespace biteline::hal {
 
-/// Made by the backend's open(); the line starts inactive and falls back to inactive when the object goes, when the
-/// process dies (where the kernel's driver gives the line back to its pull: boards/README.md), and by the board's pull
-/// before start-up.
-/// Active-low wiring is the backend's affair: `true` is always the named function on.
+/// Made by the backend's open(); the line starts inactive and falls back to inactive when the object goes,
+/// when the process dies (where the kernel's driver gives the line back to its pull: boards/README.md), and
+/// by the board's pull before start-up. Active-low wiring is the backend's affair: `true` is always the named
+/// function on.
 ///
 /// | state    | set(true) | set(false) | destroyed |
 /// |----------|-----------|------------|-----------|

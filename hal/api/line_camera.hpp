@@ -22,8 +22,8 @@ struct CameraSettings {
   Trigger trigger{Trigger::FreeRun};
   /// Every second frame with this exposure instead (bracketing; flagged k_frame_second_exposure); 0: off.
   Nanoseconds second_exposure{0};
-  /// Every second frame without the laser (the camera's strobe output, on which the laser's modulation hangs, stays
-  /// off; flagged k_frame_laser_off).  Not beside second_exposure.
+  /// Every second frame without the laser (the camera's strobe output, on which the laser's modulation hangs,
+  /// stays off; flagged k_frame_laser_off).  Not beside second_exposure.
   bool laser_off_frames{false};
 };
 
@@ -45,12 +45,12 @@ struct CameraLimits {
 
 /// What a camera's strobe echo shows of its trigger; counts since start().
 struct TriggerHealth {
-  bool watched{false};                     ///< there is a strobe echo, and frames are tied to its edges
-  std::uint64_t edges{0};                  ///< slots of the train with an edge
-  std::uint64_t edges_missed{0};           ///< slots without
-  std::uint64_t edges_doubled{0};          ///< second edges in a slot
-  std::uint64_t edges_late{0};             ///< off the train's grid
-  std::uint64_t edges_lost{0};             ///< by the kernel or the wire, known by their number
+  bool watched{false};             ///< there is a strobe echo, and frames are tied to its edges
+  std::uint64_t edges{0};          ///< slots of the train with an edge
+  std::uint64_t edges_missed{0};   ///< slots without
+  std::uint64_t edges_doubled{0};  ///< second edges in a slot
+  std::uint64_t edges_late{0};     ///< off the train's grid
+  std::uint64_t edges_lost{0};     ///< by the kernel or the wire, known by their number
   std::uint64_t frames_paired{0};
   std::uint64_t frames_without_edge{0};
   std::uint64_t frames_with_two_edges{0};
@@ -59,20 +59,21 @@ struct TriggerHealth {
 
 /// Counts since start(), except `finished`.
 struct CameraHealth {
-  std::uint64_t frames{0};         ///< given out whole
-  std::uint64_t frames_lost{0};    ///< gaps in the camera's own count
-  std::uint64_t frames_damaged{0}; ///< given out with k_frame_damaged
-  std::uint64_t underruns{0};      ///< no free buffer when a frame came
-  std::uint64_t packets_resent{0}; ///< GigE Vision
+  std::uint64_t frames{0};          ///< given out whole
+  std::uint64_t frames_lost{0};     ///< gaps in the camera's own count
+  std::uint64_t frames_damaged{0};  ///< given out with k_frame_damaged
+  std::uint64_t underruns{0};       ///< no free buffer when a frame came
+  std::uint64_t packets_resent{0};  ///< GigE Vision
   float temperature_degc{0};
   bool temperature_known{false};
   bool connected{true};
-  bool finished{false};            ///< a finite source (a recording) has no further frame, now and for ever
-  ClockHealth clock{};             ///< the camera's own clock, where stamps are mapped from one
+  bool finished{false};  ///< a finite source (a recording) has no further frame, now and for ever
+  ClockHealth clock{};   ///< the camera's own clock, where stamps are mapped from one
   TriggerHealth trigger{};
 };
 
-/// Made by the backend's `static Result<std::unique_ptr<...>> open(config)`; destroyed in any state (stops first).
+/// Made by the backend's `static Result<std::unique_ptr<...>> open(config)`; destroyed in any state (stops
+/// first).
 ///
 /// | state      | configure  | start    | next_frame | release | adjust_*        | stop     |
 /// |------------|------------|----------|------------|---------|-----------------|----------|
@@ -80,10 +81,10 @@ struct CameraHealth {
 /// | Configured | Configured | Running  | refused    | -       | refused         | ok       |
 /// | Running    | refused    | refused  | Running    | Running | Running         | Configured |
 ///
-/// refused: Errc::WrongState, nothing changes.  stop() in any state is harmless and invalidates every borrowed frame.
-/// When the device is lost next_frame() says Errc::DeviceLost once and for ever; only stop() is of use then.
-/// Thread: one owner at a time; health() from any thread.
-/// RT: next_frame() waits in the kernel and is otherwise free of allocation after start(); release() never blocks.
+/// refused: Errc::WrongState, nothing changes.  stop() in any state is harmless and invalidates every
+/// borrowed frame. When the device is lost next_frame() says Errc::DeviceLost once and for ever; only stop()
+/// is of use then. Thread: one owner at a time; health() from any thread. RT: next_frame() waits in the
+/// kernel and is otherwise free of allocation after start(); release() never blocks.
 class LineCamera {
  public:
   LineCamera() = default;
@@ -93,8 +94,8 @@ class LineCamera {
 
   [[nodiscard]] virtual Result<CameraLimits> limits() = 0;
 
-  /// Gives back what the device really took (steps, rate limits); refuses with Errc::BadValue what it cannot come near
-  /// (region outside the sensor, exposure beyond its range).
+  /// Gives back what the device really took (steps, rate limits); refuses with Errc::BadValue what it cannot
+  /// come near (region outside the sensor, exposure beyond its range).
   [[nodiscard]] virtual Result<CameraSettings> configure(const CameraSettings& wanted) = 0;
 
   [[nodiscard]] virtual Result<void> start() = 0;
@@ -109,8 +110,9 @@ class LineCamera {
   /// For the frames from the next but two on at the latest.
   [[nodiscard]] virtual Result<Nanoseconds> adjust_exposure(Nanoseconds exposure) = 0;
 
-  /// Frames from now on show only these rows of the configured region (FrameView::first_row_px), to within the
-  /// camera's steps; gives back what it took.  May cost a few frames, counted as lost.  Pre: no frame is borrowed.
+  /// Frames from now on show only these rows of the configured region (FrameView::first_row_px), to within
+  /// the camera's steps; gives back what it took.  May cost a few frames, counted as lost.  Pre: no frame is
+  /// borrowed.
   [[nodiscard]] virtual Result<RowRange> adjust_rows(const RowRange& rows) {
     (void)rows;
     return fail(Errc::NotSupported, "this camera's region stands while it runs");

@@ -22,8 +22,8 @@ enum PoseStatus : std::uint32_t {
 
 struct PoseSample {
   RobotClock::time_point stamp;  ///< the controller's own instant of the pose
-  /// The same instant on the sensor's clock, where the backend knows it (bus stamped by our own controller, PTP);
-  /// otherwise the user maps `stamp` with the calibrated offset.
+  /// The same instant on the sensor's clock, where the backend knows it (bus stamped by our own controller,
+  /// PTP); otherwise the user maps `stamp` with the calibrated offset.
   std::optional<SensorClock::time_point> stamp_sensor;
   SensorClock::time_point received;  ///< when it arrived here
   SE3 T_base_flange{SE3::Identity()};
@@ -35,8 +35,8 @@ enum class PoseState {
   Idle,        ///< not started
   Connecting,  ///< started, no pose yet
   Streaming,
-  Lost,        ///< was streaming; connecting again by itself
-  Finished,    ///< a finite source (a recording) has no further pose
+  Lost,      ///< was streaming; connecting again by itself
+  Finished,  ///< a finite source (a recording) has no further pose
 };
 
 struct PoseHealth {
@@ -45,10 +45,10 @@ struct PoseHealth {
   std::uint64_t poses_lost{0};      ///< gaps in the source's own count
   std::uint64_t poses_rejected{0};  ///< not finite, no rotation, stamp not rising
   std::uint64_t reconnects{0};
-  std::uint64_t poses_unlatched{0}; ///< no SYNC seen: placed by their own stamps and the clock's map
-  std::uint64_t bus_errors{0};      ///< of a pose bus
-  std::uint64_t bus_restarts{0};    ///< its returns from bus-off
-  ClockHealth clock{};              ///< the controller's
+  std::uint64_t poses_unlatched{0};  ///< no SYNC seen: placed by their own stamps and the clock's map
+  std::uint64_t bus_errors{0};       ///< of a pose bus
+  std::uint64_t bus_restarts{0};     ///< its returns from bus-off
+  ClockHealth clock{};               ///< the controller's
 };
 
 /// | state                | start      | next_pose          | stop |

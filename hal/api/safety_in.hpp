@@ -8,9 +8,9 @@
 namespace biteline::hal {
 
 struct SafetyInputs {
-  bool interlock_closed{false};       ///< guard door, remote interlock connector (IEC 60825-1)
-  bool key_on{false};                 ///< true on heads without a key switch
-  bool too_hot{false};                ///< the laser's or the head's limit; false on heads without a sensor for it
+  bool interlock_closed{false};  ///< guard door, remote interlock connector (IEC 60825-1)
+  bool key_on{false};            ///< true on heads without a key switch
+  bool too_hot{false};           ///< the laser's or the head's limit; false on heads without a sensor for it
   SensorClock::time_point read_at;
 };
 

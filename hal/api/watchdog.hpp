@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file What restarts or stops the sensor when its own software hangs: /dev/watchdog, systemd, or a circuit of the board.
+/// \file What restarts or stops the sensor when its own software hangs: /dev/watchdog, systemd, or a circuit
+/// of the board.
 
 #include "common/core/result.hpp"
 #include "common/time/clocks.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file What a board has and where: boards/<board>/board.yaml as a struct.  Data only; nothing is opened here.
+/// \file What a board has and where: boards/<board>/board.yaml as a struct.  Data only; nothing is opened
+/// here.
 
 #include <cstdint>
 #include <filesystem>
@@ -18,7 +19,7 @@ struct BoardCamera {
   enum class Kind { V4l2, GigE } kind{Kind::V4l2};
   // V4l2
   std::string device;
-  std::string control_device;          ///< the sensor's sub-device; empty: the same as `device`
+  std::string control_device;  ///< the sensor's sub-device; empty: the same as `device`
   std::optional<int> gain;
   std::optional<Nanoseconds> readout;  ///< end of exposure to the end of frame, from the data sheet
   // GigE
@@ -27,7 +28,8 @@ struct BoardCamera {
   bool packet_socket{false};
 
   bool hardware_trigger{false};
-  /// Strobe echo's edge to mid-exposure as the camera tells it, bounds; both 0: frames are not paired with edges.
+  /// Strobe echo's edge to mid-exposure as the camera tells it, bounds; both 0: frames are not paired with
+  /// edges.
   Nanoseconds edge_to_mid_min{0}, edge_to_mid_max{0};
 };
 
@@ -51,10 +53,12 @@ struct BoardLaser {
   GpioLineAddress enable;
   GpioLineAddress interlock;
   std::optional<GpioLineAddress> key;
-  std::optional<GpioLineAddress> heartbeat;  ///< feeds the monostable before the laser; none: only its enable line's pull
-  std::string temperature;       ///< a file of thousandths of a degree (thermal zone, hwmon); empty: none
+  std::optional<GpioLineAddress>
+      heartbeat;            ///< feeds the monostable before the laser; none: only its enable line's pull
+  std::string temperature;  ///< a file of thousandths of a degree (thermal zone, hwmon); empty: none
   double temperature_max_degc{0};
-  /// In place of all limits of the laser's guard, where no laser is: an emulated processor stands still for seconds.
+  /// In place of all limits of the laser's guard, where no laser is: an emulated processor stands still for
+  /// seconds.
   std::optional<Nanoseconds> patience;
 };
 
@@ -65,8 +69,8 @@ struct BoardPoses {
   double rate_hz{500};
   std::string interface;  ///< Can
   std::uint32_t base_id{0};
-  BoardEncoder encoder;                ///< Encoder: the shoe moves, and its way is the pose
-  Twist per_tick{Twist::Zero()};       ///< in base, [mm; rad]
+  BoardEncoder encoder;           ///< Encoder: the shoe moves, and its way is the pose
+  Twist per_tick{Twist::Zero()};  ///< in base, [mm; rad]
 };
 
 struct BoardWatchdog {

@@ -12,7 +12,8 @@ using config::YamlReader;
 
 /// The place of the text under `key` among `names`; a fault and 0 when it is none of them.
 template <std::size_t Count>
-std::size_t choice(YamlReader& reader, const std::string& key, const std::array<std::string_view, Count>& names) {
+std::size_t choice(YamlReader& reader, const std::string& key,
+                   const std::array<std::string_view, Count>& names) {
   const std::string text = reader.text(key);
   std::string expected;
   for (std::size_t i = 0; i < Count; ++i) {
@@ -23,7 +24,9 @@ std::size_t choice(YamlReader& reader, const std::string& key, const std::array<
   return 0;
 }
 
-Nanoseconds microseconds(double us) { return Nanoseconds{static_cast<std::int64_t>(us * 1000)}; }
+Nanoseconds microseconds(double us) {
+  return Nanoseconds{static_cast<std::int64_t>(us * 1000)};
+}
 
 GpioLineAddress read_line(YamlReader& parent, const std::string& key) {
   YamlReader reader = parent.child(key, true);
@@ -119,7 +122,8 @@ std::optional<BoardLaser> read_laser(YamlReader& parent) {
     laser.temperature = limit.text("file");
     laser.temperature_max_degc = limit.number("max_degc", {-20, 120});
   }
-  if (reader.has("patience_ms")) laser.patience = microseconds(1000 * reader.number("patience_ms", {50, 60'000}));
+  if (reader.has("patience_ms"))
+    laser.patience = microseconds(1000 * reader.number("patience_ms", {50, 60'000}));
   return laser;
 }
 

@@ -5,8 +5,8 @@
 
 namespace biteline::hal::replay {
 
-Result<std::shared_ptr<const session::Session>> open_recording(const std::filesystem::path& folder,
-                                                               const std::optional<std::filesystem::path>& sensor_file) {
+Result<std::shared_ptr<const session::Session>> open_recording(
+    const std::filesystem::path& folder, const std::optional<std::filesystem::path>& sensor_file) {
   BITELINE_ASSIGN(session::Session session, session::read_session(folder));
   if (sensor_file) {
     BITELINE_ASSIGN(const geometry::SensorModel calibrated, config::read_sensor_yaml(*sensor_file));

@@ -10,8 +10,8 @@
 
 namespace biteline::hal::replay {
 
-/// With `sensor_file` its intrinsics, distortion, laser plane and T_flange_cam replace the session's; region, rate,
-/// exposure and clock offset stay the session's, since they describe the recording and not the head.
+/// With `sensor_file` its intrinsics, distortion, laser plane and T_flange_cam replace the session's; region,
+/// rate, exposure and clock offset stay the session's, since they describe the recording and not the head.
 [[nodiscard]] Result<std::shared_ptr<const session::Session>> open_recording(
     const std::filesystem::path& folder, const std::optional<std::filesystem::path>& sensor_file);
 

@@ -27,7 +27,8 @@ struct Slot {
 }  // namespace
 
 struct ReplayCamera::State {
-  State(std::shared_ptr<const session::Session> recorded, int threads) : session{std::move(recorded)}, decode_threads{threads} {}
+  State(std::shared_ptr<const session::Session> recorded, int threads)
+      : session{std::move(recorded)}, decode_threads{threads} {}
 
   std::shared_ptr<const session::Session> session;
   int decode_threads;
@@ -54,14 +55,16 @@ struct ReplayCamera::State {
     std::unique_lock lock{mutex};
     while (true) {
       changed.wait(lock, [&] {
-        return stopping || next_to_decode == frame_count() || slot_of(next_to_decode).state == Slot::State::Free;
+        return stopping || next_to_decode == frame_count() ||
+               slot_of(next_to_decode).state == Slot::State::Free;
       });
       if (stopping || next_to_decode == frame_count()) return;
       const std::size_t frame = next_to_decode++;
       Slot& slot = slot_of(frame);
       slot.state = Slot::State::Decoding;
       lock.unlock();
-      const Result<void> read = image::read_png_into(session->frames[frame].file, width_px(), height_px(), slot.pixels);
+      const Result<void> read =
+          image::read_png_into(session->frames[frame].file, width_px(), height_px(), slot.pixels);
       lock.lock();
       slot.error = read ? std::optional<Error>{} : read.error();
       slot.state = Slot::State::Ready;
@@ -85,14 +88,17 @@ Result<std::unique_ptr<ReplayCamera>> ReplayCamera::open(std::shared_ptr<const s
   BITELINE_EXPECTS(session != nullptr && config.buffers >= 2 && config.decode_threads >= 1);
   auto state = std::make_unique<State>(std::move(session), config.decode_threads);
   state->slots.resize(static_cast<std::size_t>(config.buffers));
-  const auto size_px = static_cast<std::size_t>(state->width_px()) * static_cast<std::size_t>(state->height_px());
+  const auto size_px =
+      static_cast<std::size_t>(state->width_px()) * static_cast<std::size_t>(state->height_px());
   for (Slot& slot : state->slots) slot.pixels.resize(size_px);
   return std::unique_ptr<ReplayCamera>{new ReplayCamera{std::move(state)}};
 }
 
 ReplayCamera::ReplayCamera(std::unique_ptr<State> state) : state_{std::move(state)} {}
 
-ReplayCamera::~ReplayCamera() { state_->stop_decoders(); }
+ReplayCamera::~ReplayCamera() {
+  state_->stop_decoders();
+}
 
 Result<CameraLimits> ReplayCamera::limits() {
   const geometry::SensorModel& sensor = state_->session->sensor;
@@ -111,7 +117,8 @@ Result<CameraSettings> ReplayCamera::configure(const CameraSettings& wanted) {
   const geometry::Region& region = sensor.region;
   if (wanted.region.offset_u_px != region.offset_u_px || wanted.region.offset_v_px != region.offset_v_px ||
       wanted.region.width_px != region.width_px || wanted.region.height_px != region.height_px) {
-    return fail(Errc::BadValue, "%s: recorded with another region than asked for", state_->session->root.c_str());
+    return fail(Errc::BadValue, "%s: recorded with another region than asked for",
+                state_->session->root.c_str());
   }
   if (wanted.second_exposure.count() != 0 || wanted.laser_off_frames)
     return fail(Errc::NotSupported, "%s: a recording is exposed already", state_->session->root.c_str());
@@ -172,7 +179,8 @@ void ReplayCamera::release(const FrameView& frame) noexcept {
 }
 
 Result<Nanoseconds> ReplayCamera::adjust_exposure(Nanoseconds) {
-  if (state_->phase != Phase::Running) return fail(Errc::WrongState, "recording: adjust_exposure before start");
+  if (state_->phase != Phase::Running)
+    return fail(Errc::WrongState, "recording: adjust_exposure before start");
   return state_->session->sensor.exposure.value_or(Nanoseconds{0});
 }
 

@@ -10,17 +10,17 @@
 namespace biteline::hal::replay {
 
 struct ReplayCameraConfig {
-  int buffers{16};         ///< pictures decoded ahead, or lent, at any time
-  int decode_threads{2};   ///< a picture takes about as long to decode as to process
+  int buffers{16};        ///< pictures decoded ahead, or lent, at any time
+  int decode_threads{2};  ///< a picture takes about as long to decode as to process
 };
 
-/// Gives every picture in order, as fast as they can be decoded; never skips one.  A picture that cannot be read ends
-/// the recording: next_frame() gives that Error from then on.
-/// configure() takes only what was recorded: region, exposure and rate are the session's.
+/// Gives every picture in order, as fast as they can be decoded; never skips one.  A picture that cannot be
+/// read ends the recording: next_frame() gives that Error from then on. configure() takes only what was
+/// recorded: region, exposure and rate are the session's.
 class ReplayCamera final : public LineCamera {
  public:
-  [[nodiscard]] static Result<std::unique_ptr<ReplayCamera>> open(std::shared_ptr<const session::Session> session,
-                                                                  const ReplayCameraConfig& config);
+  [[nodiscard]] static Result<std::unique_ptr<ReplayCamera>> open(
+      std::shared_ptr<const session::Session> session, const ReplayCameraConfig& config);
   ~ReplayCamera() override;
 
   [[nodiscard]] Result<CameraLimits> limits() override;

@@ -16,7 +16,8 @@ Result<PoseSample> ReplayPoses::next_pose(Nanoseconds) {
   if (index == session_->poses.size()) return fail(Errc::Timeout, "recorded poses are at their end");
   next_ = index + 1;
   const session::StampedPose& pose = session_->poses[index];
-  const SensorClock::time_point stamp_sensor = to_sensor_clock(pose.stamp, session_->sensor.pose_clock_offset);
+  const SensorClock::time_point stamp_sensor =
+      to_sensor_clock(pose.stamp, session_->sensor.pose_clock_offset);
   return PoseSample{.stamp = pose.stamp,
                     .stamp_sensor = stamp_sensor,
                     .received = stamp_sensor,

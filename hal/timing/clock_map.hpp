@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Another device's clock on the sensor's clock, from stamps that arrive late by an unknown, varying delay.
+/// \file Another device's clock on the sensor's clock, from stamps that arrive late by an unknown, varying
+/// delay.
 ///
-/// Each arrival says: offset <= received - stamp.  The least of them in a stretch of time came with the least delay, so a
-/// line through such minima follows the offset and the drift, and how far the minima scatter about it says how sure it is.
+/// Each arrival says: offset <= received - stamp.  The least of them in a stretch of time came with the least
+/// delay, so a line through such minima follows the offset and the drift, and how far the minima scatter
+/// about it says how sure it is.
 
 #include <array>
 #include <cstdint>
@@ -16,10 +18,10 @@ namespace biteline::hal {
 
 struct ClockMapHealth {
   std::uint64_t samples{0};
-  std::uint64_t late{0};          ///< arrived later than step_threshold: not used
-  std::uint64_t steps{0};         ///< times that the other clock jumped and the map began anew
-  Nanoseconds offset{0};          ///< sensor clock minus the other, now
-  Nanoseconds uncertainty{0};     ///< of the offset
+  std::uint64_t late{0};       ///< arrived later than step_threshold: not used
+  std::uint64_t steps{0};      ///< times that the other clock jumped and the map began anew
+  Nanoseconds offset{0};       ///< sensor clock minus the other, now
+  Nanoseconds uncertainty{0};  ///< of the offset
   double drift_ppm{0};
   bool ready{false};
 };
@@ -38,12 +40,12 @@ struct ClockMapHealth {
 class ClockMapCore {
  public:
   struct Config {
-    Nanoseconds bucket{250'000'000};          ///< at 125 arrivals a second 31 of them: one is near the least delay
-    Nanoseconds step_threshold{20'000'000};   ///< further off than any delay of a working network
-    int late_run{25};                         ///< so many late arrivals in a row are a clock that was set back
-    double drift_max_ppm{200};                ///< twice the worst crystal
-    Nanoseconds delay_min{0};                 ///< least delay of the path, where known
-    Nanoseconds delay_uncertainty{0};         ///< of delay_min; joins the uncertainty
+    Nanoseconds bucket{250'000'000};  ///< at 125 arrivals a second 31 of them: one is near the least delay
+    Nanoseconds step_threshold{20'000'000};  ///< further off than any delay of a working network
+    int late_run{25};                        ///< so many late arrivals in a row are a clock that was set back
+    double drift_max_ppm{200};               ///< twice the worst crystal
+    Nanoseconds delay_min{0};                ///< least delay of the path, where known
+    Nanoseconds delay_uncertainty{0};        ///< of delay_min; joins the uncertainty
   };
   explicit ClockMapCore(const Config& config) : config_{config} {}
 
@@ -92,7 +94,8 @@ class ClockMap {
   explicit ClockMap(const ClockMapCore::Config& config = {}) : core_{config} {}
 
   ClockMapCore::Verdict add(typename Remote::time_point stamp, SensorClock::time_point received) {
-    return core_.add({.stamp_ns = stamp.time_since_epoch().count(), .received_ns = received.time_since_epoch().count()});
+    return core_.add(
+        {.stamp_ns = stamp.time_since_epoch().count(), .received_ns = received.time_since_epoch().count()});
   }
   [[nodiscard]] std::optional<SensorClock::time_point> to_sensor(typename Remote::time_point stamp) const {
     const std::optional<std::int64_t> sensor_ns = core_.to_sensor_ns(stamp.time_since_epoch().count());

@@ -28,7 +28,8 @@ EdgeVerdict EdgeGrid::on_edge(SensorClock::time_point stamp) {
     return EdgeVerdict::Late;
   }
   health_.deviation_max = std::max(health_.deviation_max, std::chrono::abs(deviation));
-  // A sixteenth: 100 ppm between the clocks are followed with a lag of 0.2 % of a period, one edge's jitter hardly at all.
+  // A sixteenth: 100 ppm between the clocks are followed with a lag of 0.2 % of a period, one edge's jitter
+  // hardly at all.
   *slot_time_ += deviation / 16;
   return steps > 1 ? EdgeVerdict::AfterMissed : EdgeVerdict::OnTime;
 }

@@ -11,8 +11,8 @@ namespace biteline::hal {
 
 enum class EdgeVerdict {
   OnTime,
-  Late,         ///< or early: off the grid by more than the tolerance, nearer to its own slot than to any other
-  Doubled,      ///< a second edge in a slot: no pulse of the train
+  Late,     ///< or early: off the grid by more than the tolerance, nearer to its own slot than to any other
+  Doubled,  ///< a second edge in a slot: no pulse of the train
   AfterMissed,  ///< on time, with empty slots before it
 };
 
@@ -24,8 +24,8 @@ struct EdgeGridHealth {
   Nanoseconds deviation_max{0};  ///< of edges on time
 };
 
-/// The grid is the train's period, its phase follows the edges on time slowly, so that two clocks' drift never counts.
-/// Thread: one owner.  RT: arithmetic only.
+/// The grid is the train's period, its phase follows the edges on time slowly, so that two clocks' drift
+/// never counts. Thread: one owner.  RT: arithmetic only.
 class EdgeGrid {
  public:
   struct Config {

@@ -18,10 +18,10 @@ struct PairingHealth {
   std::uint64_t edges_overrun{0};  ///< given up because the ring was full: frames stopped coming
 };
 
-/// A frame's own stamp follows its edge by a latency between two known bounds (exposure, readout, transfer): an edge that
-/// stands in that window is the frame's.  No count is needed, so nothing slips after a loss; a window narrower than the
-/// trigger's period makes the answer unique.
-/// Thread: one owner.  RT: no allocation; looks at no more than k_edges edges.
+/// A frame's own stamp follows its edge by a latency between two known bounds (exposure, readout, transfer):
+/// an edge that stands in that window is the frame's.  No count is needed, so nothing slips after a loss; a
+/// window narrower than the trigger's period makes the answer unique. Thread: one owner.  RT: no allocation;
+/// looks at no more than k_edges edges.
 class TriggerPairing {
  public:
   struct Config {

@@ -7,7 +7,8 @@ namespace biteline::hal {
 
 Result<CameraSettings> TriggeredCamera::configure(const CameraSettings& wanted) {
   BITELINE_ASSIGN(settings_, camera_->configure(wanted));
-  // A camera that cannot say its exposure has the one that was asked, by the width of the trigger or its own settings.
+  // A camera that cannot say its exposure has the one that was asked, by the width of the trigger or its own
+  // settings.
   if (settings_.exposure == Nanoseconds{0}) settings_.exposure = wanted.exposure;
   if (wanted.rate_hz > 0) settings_.rate_hz = wanted.rate_hz;
   return settings_;
@@ -44,9 +45,11 @@ Result<FrameView> TriggeredCamera::next_frame(Nanoseconds timeout) {
 void TriggeredCamera::take_edges() {
   while (true) {
     const Result<Edge> edge = strobe_echo_->next_edge(Nanoseconds{0});
-    if (!edge) return;  // none waits, or the line cannot be read: then frames come without edges, and are counted
+    if (!edge)
+      return;  // none waits, or the line cannot be read: then frames come without edges, and are counted
     if (!edge->rising) continue;
-    // A second edge in a slot is no exposure: it must not make the first one's pairing ambiguous for a wide window.
+    // A second edge in a slot is no exposure: it must not make the first one's pairing ambiguous for a wide
+    // window.
     if (!on_grid() || grid_.on_edge(edge->stamp) != EdgeVerdict::Doubled) pairing_.on_edge(edge->stamp);
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file A camera whose exposures are timed by the edges of its strobe echo, whatever its own stamps are worth.
+/// \file A camera whose exposures are timed by the edges of its strobe echo, whatever its own stamps are
+/// worth.
 
 #include <memory>
 
@@ -12,16 +13,17 @@
 
 namespace biteline::hal {
 
-/// A LineCamera round another one.  A frame that pairs with one rising edge gets its mid-exposure from it and loses the
-/// flag of an uncertain stamp; one that pairs with none or two keeps its own stamp and is flagged k_frame_trigger_mismatch.
-/// A strobe line that fails costs the pairing, never the frames.
+/// A LineCamera round another one.  A frame that pairs with one rising edge gets its mid-exposure from it and
+/// loses the flag of an uncertain stamp; one that pairs with none or two keeps its own stamp and is flagged
+/// k_frame_trigger_mismatch. A strobe line that fails costs the pairing, never the frames.
 class TriggeredCamera final : public LineCamera {
  public:
   struct Config {
     TriggerPairing::Config pairing;  ///< edge to mid-exposure as the camera tells it
     bool even_train{true};           ///< false: an encoder's pulses, which no grid of time fits
   };
-  TriggeredCamera(std::unique_ptr<LineCamera> camera, std::unique_ptr<EdgeIn> strobe_echo, const Config& config)
+  TriggeredCamera(std::unique_ptr<LineCamera> camera, std::unique_ptr<EdgeIn> strobe_echo,
+                  const Config& config)
       : camera_{std::move(camera)}, strobe_echo_{std::move(strobe_echo)}, config_{config} {}
 
   [[nodiscard]] Result<CameraLimits> limits() override { return camera_->limits(); }
@@ -30,7 +32,9 @@ class TriggeredCamera final : public LineCamera {
   [[nodiscard]] Result<FrameView> next_frame(Nanoseconds timeout) override;
   void release(const FrameView& frame) noexcept override { camera_->release(frame); }
   [[nodiscard]] Result<Nanoseconds> adjust_exposure(Nanoseconds exposure) override;
-  [[nodiscard]] Result<RowRange> adjust_rows(const RowRange& rows) override { return camera_->adjust_rows(rows); }
+  [[nodiscard]] Result<RowRange> adjust_rows(const RowRange& rows) override {
+    return camera_->adjust_rows(rows);
+  }
   [[nodiscard]] Result<void> stop() override { return camera_->stop(); }
   [[nodiscard]] CameraHealth health() const noexcept override;
 

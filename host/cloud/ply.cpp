@@ -47,9 +47,17 @@ struct CloudColumns {
   int x, y, z, nx, ny, nz, profile, column, sigma_mm, flags, mean_curvature;
 
   explicit CloudColumns(const PlyElement& vertex)
-      : x{vertex.find("x")}, y{vertex.find("y")}, z{vertex.find("z")}, nx{vertex.find("nx")}, ny{vertex.find("ny")},
-        nz{vertex.find("nz")}, profile{vertex.find("profile")}, column{vertex.find("column")},
-        sigma_mm{vertex.find("sigma_mm")}, flags{vertex.find("flags")}, mean_curvature{vertex.find("mean_curvature")} {}
+      : x{vertex.find("x")},
+        y{vertex.find("y")},
+        z{vertex.find("z")},
+        nx{vertex.find("nx")},
+        ny{vertex.find("ny")},
+        nz{vertex.find("nz")},
+        profile{vertex.find("profile")},
+        column{vertex.find("column")},
+        sigma_mm{vertex.find("sigma_mm")},
+        flags{vertex.find("flags")},
+        mean_curvature{vertex.find("mean_curvature")} {}
 
   [[nodiscard]] bool has_normals() const { return nx >= 0 && ny >= 0 && nz >= 0; }
   [[nodiscard]] bool has_order() const { return profile >= 0 && column >= 0; }
@@ -58,24 +66,29 @@ struct CloudColumns {
 template <class Integer>
 Integer clamp_to(double value) {
   if (!(value >= 0)) return 0;  // NaN too
-  return value >= static_cast<double>(std::numeric_limits<Integer>::max()) ? std::numeric_limits<Integer>::max()
-                                                                           : static_cast<Integer>(value);
+  return value >= static_cast<double>(std::numeric_limits<Integer>::max())
+             ? std::numeric_limits<Integer>::max()
+             : static_cast<Integer>(value);
 }
 
 void append(PointCloud& cloud, const CloudColumns& at, const std::vector<double>& row) {
   const auto value = [&](int index) { return row[static_cast<std::size_t>(index)]; };
-  cloud.points.push_back({static_cast<float>(value(at.x)), static_cast<float>(value(at.y)), static_cast<float>(value(at.z))});
+  cloud.points.push_back(
+      {static_cast<float>(value(at.x)), static_cast<float>(value(at.y)), static_cast<float>(value(at.z))});
   if (at.has_normals()) {
     Eigen::Vector3d normal(value(at.nx), value(at.ny), value(at.nz));
     const double length = normal.norm();
-    cloud.normals.push_back(std::isfinite(length) && length > 0.5 ? Eigen::Vector3f((normal / length).cast<float>())
-                                                                   : Eigen::Vector3f::Zero());
+    cloud.normals.push_back(std::isfinite(length) && length > 0.5
+                                ? Eigen::Vector3f((normal / length).cast<float>())
+                                : Eigen::Vector3f::Zero());
   }
   if (at.has_order()) {
     cloud.profile.push_back(clamp_to<std::uint32_t>(value(at.profile)));
     cloud.column.push_back(clamp_to<std::uint16_t>(value(at.column)));
   }
-  if (at.sigma_mm >= 0) cloud.sigma_mm.push_back(std::isfinite(value(at.sigma_mm)) ? static_cast<float>(value(at.sigma_mm)) : 0.F);
+  if (at.sigma_mm >= 0)
+    cloud.sigma_mm.push_back(std::isfinite(value(at.sigma_mm)) ? static_cast<float>(value(at.sigma_mm))
+                                                               : 0.F);
   if (at.flags >= 0) cloud.flags.push_back(clamp_to<std::uint16_t>(value(at.flags)));
   if (at.mean_curvature >= 0) cloud.mean_per_mm.push_back(static_cast<float>(value(at.mean_curvature)));
 }
@@ -89,14 +102,18 @@ Result<const PlyElement*> find_vertices(const PlyHeader& header, const std::stri
         return fail(Errc::BadFormat, "%s, element vertex: property %s expected", name.c_str(), axis);
       }
     }
-    if (element.count == 0) return fail(Errc::BadFormat, "%s, element vertex: at least one point expected", name.c_str());
+    if (element.count == 0)
+      return fail(Errc::BadFormat, "%s, element vertex: at least one point expected", name.c_str());
     return &element;
   }
   return fail(Errc::BadFormat, "%s: element vertex expected", name.c_str());
 }
 
-/// A row of a binary file costs at least one byte: a count beyond that is a damaged header, not a reason to ask for memory.
-std::size_t plausible_count(const PlyElement& element, std::size_t file_bytes) { return std::min(element.count, file_bytes); }
+/// A row of a binary file costs at least one byte: a count beyond that is a damaged header, not a reason to
+/// ask for memory.
+std::size_t plausible_count(const PlyElement& element, std::size_t file_bytes) {
+  return std::min(element.count, file_bytes);
+}
 
 class BinaryWriter {
  public:
@@ -124,7 +141,8 @@ class BinaryWriter {
       std::filesystem::remove(beside_, ignored);
       return fail_errno(errno_ == ENOSPC ? Errc::DiskFull : Errc::WriteFailed, errno_, "%s", file_.c_str());
     }
-    if (std::rename(beside_.c_str(), file_.c_str()) != 0) return fail_errno(Errc::WriteFailed, errno, "%s", file_.c_str());
+    if (std::rename(beside_.c_str(), file_.c_str()) != 0)
+      return fail_errno(Errc::WriteFailed, errno, "%s", file_.c_str());
     return {};
   }
 
@@ -152,7 +170,8 @@ Result<PointCloud> read_cloud(const std::filesystem::path& file, std::size_t* dr
   BITELINE_ASSIGN(const PlyHeader header, parse_ply_header(bytes, name));
   BITELINE_ASSIGN(const PlyElement* vertices, find_vertices(header, name));
   PlyBody body{bytes, header, name};
-  for (const PlyElement* element = header.elements.data(); element != vertices; ++element) BITELINE_TRY(skip_element(body, *element));
+  for (const PlyElement* element = header.elements.data(); element != vertices; ++element)
+    BITELINE_TRY(skip_element(body, *element));
 
   const CloudColumns at{*vertices};
   PointCloud cloud;
@@ -168,17 +187,19 @@ Result<PointCloud> read_cloud(const std::filesystem::path& file, std::size_t* dr
       ++left_out;
     }
   }
-  if (cloud.points.empty()) return fail(Errc::BadValue, "%s: no finite point among %zu", name.c_str(), vertices->count);
+  if (cloud.points.empty())
+    return fail(Errc::BadValue, "%s: no finite point among %zu", name.c_str(), vertices->count);
   if (dropped != nullptr) *dropped = left_out;
   return cloud;
 }
 
 Result<void> write_cloud(const std::filesystem::path& file, const PointCloud& cloud) {
   BITELINE_ASSIGN(BinaryWriter writer, BinaryWriter::open(file));
-  const bool normals = !cloud.normals.empty(), order = cloud.organised(), sigma = !cloud.sigma_mm.empty(), flags = !cloud.flags.empty(),
-             curvature = !cloud.mean_per_mm.empty();
-  std::string header = "ply\nformat binary_little_endian 1.0\ncomment lengths in mm, robot base frame\nelement vertex " +
-                       std::to_string(cloud.size()) + "\nproperty float x\nproperty float y\nproperty float z\n";
+  const bool normals = !cloud.normals.empty(), order = cloud.organised(), sigma = !cloud.sigma_mm.empty(),
+             flags = !cloud.flags.empty(), curvature = !cloud.mean_per_mm.empty();
+  std::string header =
+      "ply\nformat binary_little_endian 1.0\ncomment lengths in mm, robot base frame\nelement vertex " +
+      std::to_string(cloud.size()) + "\nproperty float x\nproperty float y\nproperty float z\n";
   if (normals) header += "property float nx\nproperty float ny\nproperty float nz\n";
   if (order) header += "property uint profile\nproperty ushort column\n";
   if (sigma) header += "property float sigma_mm\n";
@@ -219,7 +240,8 @@ Result<TriangleMesh> read_mesh(const std::filesystem::path& file) {
         BITELINE_TRY(read_row(body, element, row));
         const Eigen::Vector3d vertex(row[static_cast<std::size_t>(at.x)], row[static_cast<std::size_t>(at.y)],
                                      row[static_cast<std::size_t>(at.z)]);
-        if (!vertex.allFinite()) return fail(Errc::BadValue, "%s, vertex %zu: finite numbers expected", name.c_str(), i);
+        if (!vertex.allFinite())
+          return fail(Errc::BadValue, "%s, vertex %zu: finite numbers expected", name.c_str(), i);
         mesh.vertices.push_back(vertex.cast<float>());
       }
     } else if (element.name == "face") {
@@ -236,7 +258,8 @@ Result<TriangleMesh> read_mesh(const std::filesystem::path& file) {
             BITELINE_ASSIGN(const double index, body.next(property.type));
             if (!is_face) continue;
             if (!(index >= 0 && index < static_cast<double>(mesh.vertices.size()))) {
-              return fail(Errc::BadValue, "%s, face %zu: a vertex number below %zu expected", name.c_str(), i, mesh.vertices.size());
+              return fail(Errc::BadValue, "%s, face %zu: a vertex number below %zu expected", name.c_str(), i,
+                          mesh.vertices.size());
             }
             const auto vertex = static_cast<std::uint32_t>(index);
             if (k == 0) face[0] = vertex;
@@ -255,15 +278,16 @@ Result<TriangleMesh> read_mesh(const std::filesystem::path& file) {
       BITELINE_TRY(skip_element(body, element));
     }
   }
-  if (mesh.faces.empty()) return fail(Errc::BadFormat, "%s: element face with at least one triangle expected", name.c_str());
+  if (mesh.faces.empty())
+    return fail(Errc::BadFormat, "%s: element face with at least one triangle expected", name.c_str());
   return mesh;
 }
 
 Result<void> write_mesh(const std::filesystem::path& file, const TriangleMesh& mesh) {
   BITELINE_ASSIGN(BinaryWriter writer, BinaryWriter::open(file));
   writer.put("ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.vertices.size()) +
-             "\nproperty float x\nproperty float y\nproperty float z\nelement face " + std::to_string(mesh.faces.size()) +
-             "\nproperty list uchar uint vertex_indices\nend_header\n");
+             "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+             std::to_string(mesh.faces.size()) + "\nproperty list uchar uint vertex_indices\nend_header\n");
   for (const Eigen::Vector3f& vertex : mesh.vertices) writer.put(vertex.data(), 3 * sizeof(float));
   std::string row;
   for (const auto& face : mesh.faces) {

@@ -11,14 +11,16 @@
 namespace biteline::cloud {
 
 struct TriangleMesh {
-  std::vector<Eigen::Vector3f> vertices;              ///< mm
-  std::vector<std::array<std::uint32_t, 3>> faces;    ///< anticlockwise seen from outside
+  std::vector<Eigen::Vector3f> vertices;            ///< mm
+  std::vector<std::array<std::uint32_t, 3>> faces;  ///< anticlockwise seen from outside
 };
 
-/// Reads ascii or binary PLY of either byte order: x y z of any numeric type, optional nx ny nz profile column sigma_mm
-/// flags mean_curvature; other properties and elements are skipped.  Non-finite points are left out and counted in `dropped` when given.
-/// Fails naming the file and the line or byte: no x, truncated, no finite point.
-[[nodiscard]] Result<PointCloud> read_cloud(const std::filesystem::path& file, std::size_t* dropped = nullptr);
+/// Reads ascii or binary PLY of either byte order: x y z of any numeric type, optional nx ny nz profile
+/// column sigma_mm flags mean_curvature; other properties and elements are skipped.  Non-finite points are
+/// left out and counted in `dropped` when given. Fails naming the file and the line or byte: no x, truncated,
+/// no finite point.
+[[nodiscard]] Result<PointCloud> read_cloud(const std::filesystem::path& file,
+                                            std::size_t* dropped = nullptr);
 
 /// Binary little-endian; writes beside and renames, so that a reader never sees half a file.
 [[nodiscard]] Result<void> write_cloud(const std::filesystem::path& file, const PointCloud& cloud);

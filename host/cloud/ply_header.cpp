@@ -16,15 +16,18 @@ struct TypeName {
 };
 // Both spellings are in use.
 constexpr std::array k_type_names{
-    TypeName{"char", PlyScalar::Int8},     TypeName{"int8", PlyScalar::Int8},       TypeName{"uchar", PlyScalar::Uint8},
-    TypeName{"uint8", PlyScalar::Uint8},   TypeName{"short", PlyScalar::Int16},     TypeName{"int16", PlyScalar::Int16},
-    TypeName{"ushort", PlyScalar::Uint16}, TypeName{"uint16", PlyScalar::Uint16},   TypeName{"int", PlyScalar::Int32},
-    TypeName{"int32", PlyScalar::Int32},   TypeName{"uint", PlyScalar::Uint32},     TypeName{"uint32", PlyScalar::Uint32},
-    TypeName{"float", PlyScalar::Float32}, TypeName{"float32", PlyScalar::Float32}, TypeName{"double", PlyScalar::Float64},
-    TypeName{"float64", PlyScalar::Float64}};
+    TypeName{"char", PlyScalar::Int8},      TypeName{"int8", PlyScalar::Int8},
+    TypeName{"uchar", PlyScalar::Uint8},    TypeName{"uint8", PlyScalar::Uint8},
+    TypeName{"short", PlyScalar::Int16},    TypeName{"int16", PlyScalar::Int16},
+    TypeName{"ushort", PlyScalar::Uint16},  TypeName{"uint16", PlyScalar::Uint16},
+    TypeName{"int", PlyScalar::Int32},      TypeName{"int32", PlyScalar::Int32},
+    TypeName{"uint", PlyScalar::Uint32},    TypeName{"uint32", PlyScalar::Uint32},
+    TypeName{"float", PlyScalar::Float32},  TypeName{"float32", PlyScalar::Float32},
+    TypeName{"double", PlyScalar::Float64}, TypeName{"float64", PlyScalar::Float64}};
 
 std::optional<PlyScalar> to_type(std::string_view name) {
-  const auto found = std::find_if(k_type_names.begin(), k_type_names.end(), [&](const TypeName& t) { return t.name == name; });
+  const auto found = std::find_if(k_type_names.begin(), k_type_names.end(),
+                                  [&](const TypeName& t) { return t.name == name; });
   if (found == k_type_names.end()) return std::nullopt;
   return found->type;
 }
@@ -55,27 +58,39 @@ T load(const char* bytes, bool big_endian) {
 std::size_t size_bytes(PlyScalar type) {
   switch (type) {
     case PlyScalar::Int8:
-    case PlyScalar::Uint8: return 1;
+    case PlyScalar::Uint8:
+      return 1;
     case PlyScalar::Int16:
-    case PlyScalar::Uint16: return 2;
+    case PlyScalar::Uint16:
+      return 2;
     case PlyScalar::Int32:
     case PlyScalar::Uint32:
-    case PlyScalar::Float32: return 4;
-    case PlyScalar::Float64: return 8;
+    case PlyScalar::Float32:
+      return 4;
+    case PlyScalar::Float64:
+      return 8;
   }
   return 0;
 }
 
 double decode_scalar(const char* bytes, PlyScalar type, bool big_endian) {
   switch (type) {
-    case PlyScalar::Int8: return load<std::int8_t>(bytes, big_endian);
-    case PlyScalar::Uint8: return load<std::uint8_t>(bytes, big_endian);
-    case PlyScalar::Int16: return load<std::int16_t>(bytes, big_endian);
-    case PlyScalar::Uint16: return load<std::uint16_t>(bytes, big_endian);
-    case PlyScalar::Int32: return load<std::int32_t>(bytes, big_endian);
-    case PlyScalar::Uint32: return load<std::uint32_t>(bytes, big_endian);
-    case PlyScalar::Float32: return static_cast<double>(load<float>(bytes, big_endian));
-    case PlyScalar::Float64: return load<double>(bytes, big_endian);
+    case PlyScalar::Int8:
+      return load<std::int8_t>(bytes, big_endian);
+    case PlyScalar::Uint8:
+      return load<std::uint8_t>(bytes, big_endian);
+    case PlyScalar::Int16:
+      return load<std::int16_t>(bytes, big_endian);
+    case PlyScalar::Uint16:
+      return load<std::uint16_t>(bytes, big_endian);
+    case PlyScalar::Int32:
+      return load<std::int32_t>(bytes, big_endian);
+    case PlyScalar::Uint32:
+      return load<std::uint32_t>(bytes, big_endian);
+    case PlyScalar::Float32:
+      return static_cast<double>(load<float>(bytes, big_endian));
+    case PlyScalar::Float64:
+      return load<double>(bytes, big_endian);
   }
   return 0;
 }
@@ -111,7 +126,8 @@ Result<PlyHeader> parse_ply_header(std::string_view bytes, const std::string& na
     begin = end + 1;
     ++line_number;
     if (line_number == 1) {
-      if (words.empty() || words[0] != "ply") return fail(Errc::BadFormat, "%s: a PLY file expected", name.c_str());
+      if (words.empty() || words[0] != "ply")
+        return fail(Errc::BadFormat, "%s: a PLY file expected", name.c_str());
       continue;
     }
     if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
@@ -119,14 +135,19 @@ Result<PlyHeader> parse_ply_header(std::string_view bytes, const std::string& na
       return fail(Errc::BadFormat, "%s line %d: %s expected", name.c_str(), line_number, expected);
     };
     if (words[0] == "format" && words.size() >= 2) {
-      if (words[1] == "ascii") header.encoding = PlyEncoding::Ascii;
-      else if (words[1] == "binary_little_endian") header.encoding = PlyEncoding::LittleEndian;
-      else if (words[1] == "binary_big_endian") header.encoding = PlyEncoding::BigEndian;
-      else return bad("ascii, binary_little_endian or binary_big_endian");
+      if (words[1] == "ascii")
+        header.encoding = PlyEncoding::Ascii;
+      else if (words[1] == "binary_little_endian")
+        header.encoding = PlyEncoding::LittleEndian;
+      else if (words[1] == "binary_big_endian")
+        header.encoding = PlyEncoding::BigEndian;
+      else
+        return bad("ascii, binary_little_endian or binary_big_endian");
       has_format = true;
     } else if (words[0] == "element" && words.size() == 3) {
       PlyElement element{.name = std::string(words[1]), .count = 0, .properties = {}};
-      const auto [stop, status] = std::from_chars(words[2].data(), words[2].data() + words[2].size(), element.count);
+      const auto [stop, status] =
+          std::from_chars(words[2].data(), words[2].data() + words[2].size(), element.count);
       if (status != std::errc{} || stop != words[2].data() + words[2].size()) return bad("a number of rows");
       header.elements.push_back(std::move(element));
     } else if (words[0] == "property" && !header.elements.empty()) {
@@ -152,7 +173,11 @@ Result<PlyHeader> parse_ply_header(std::string_view bytes, const std::string& na
 }
 
 PlyBody::PlyBody(std::string_view bytes, const PlyHeader& header, const std::string& name)
-    : bytes_{bytes}, at_{header.body_begin}, encoding_{header.encoding}, line_{header.body_first_line}, name_{name} {}
+    : bytes_{bytes},
+      at_{header.body_begin},
+      encoding_{header.encoding},
+      line_{header.body_first_line},
+      name_{name} {}
 
 tl::unexpected<Error> PlyBody::truncated() const {
   if (ascii()) return fail(Errc::Truncated, "%s line %d: more values expected", name_.c_str(), line_);
@@ -169,7 +194,8 @@ Result<double> PlyBody::next(PlyScalar type) {
     at_ = bytes_.size();
     return truncated();
   }
-  if (bytes_[at_] == '\n') return fail(Errc::BadFormat, "%s line %d: more fields expected", name_.c_str(), line_);
+  if (bytes_[at_] == '\n')
+    return fail(Errc::BadFormat, "%s line %d: more fields expected", name_.c_str(), line_);
   const std::size_t end = std::min(bytes_.find_first_of(" \t\r\n", at_), bytes_.size());
   double value = 0;
   const auto [stop, status] = std::from_chars(bytes_.data() + at_, bytes_.data() + end, value);

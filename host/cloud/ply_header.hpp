@@ -38,14 +38,15 @@ struct PlyElement {
 struct PlyHeader {
   PlyEncoding encoding{PlyEncoding::Ascii};
   std::vector<PlyElement> elements;
-  std::size_t body_begin{0};   ///< byte after end_header's line
-  int body_first_line{0};      ///< its line number, for ascii
+  std::size_t body_begin{0};  ///< byte after end_header's line
+  int body_first_line{0};     ///< its line number, for ascii
 };
 
 /// `name` stands for the file in faults.
 [[nodiscard]] Result<PlyHeader> parse_ply_header(std::string_view bytes, const std::string& name);
 
-/// Reads a file's body value by value, element by element, in the header's order.  Every read is checked against the end.
+/// Reads a file's body value by value, element by element, in the header's order.  Every read is checked
+/// against the end.
 class PlyBody {
  public:
   PlyBody(std::string_view bytes, const PlyHeader& header, const std::string& name);

@@ -10,7 +10,8 @@ namespace biteline::curvature {
 
 /// How f = a1 x^2 + ... + a10 is fitted to the three levels (method.md 7, M a = b).
 enum class Solver : std::uint8_t {
-  WeightedPca,   ///< the article's: eigenvector of the least eigenvalue of [M | -b]^T W [M | -b]; W twice: distance, then residual too
+  WeightedPca,   ///< the article's: eigenvector of the least eigenvalue of [M | -b]^T W [M | -b]; W twice:
+                 ///< distance, then residual too
   PlainSvd,      ///< the article's comparison: f = 0 on the points alone, no levels, all weights 1
   Mixed,         ///< total least squares on the nine noisy columns only; the constant column and b are exact
   LeastSquares,  ///< all columns taken as exact: least variance when the noise is small against the radius

@@ -232,8 +232,8 @@ HWY_INLINE Quadric solve_least_squares(Symmetric<k_columns>& gram, const V (&gra
 
 /// What the rows of one lane group stand for.
 struct Levels {
-  bool used;             ///< three rows per neighbour, at 0, +c and -c; else one
-  V c;                   ///< offset, in radii
+  bool used;  ///< three rows per neighbour, at 0, +c and -c; else one
+  V c;        ///< offset, in radii
   V mean_nx, mean_ny, mean_nz;
   [[nodiscard]] std::size_t rows_each() const { return used ? 3 : 1; }
 };
@@ -295,8 +295,8 @@ HWY_INLINE Quadric fit_quadric(const float* m, std::size_t rows, const Levels& l
   return q;
 }
 
-/// method.md 7: weights fall with the neighbour's residual too.  f at each neighbour against twice its root mean square
-/// (Cauchy), in place: all three rows of a neighbour are scaled by the root of its new weight.
+/// method.md 7: weights fall with the neighbour's residual too.  f at each neighbour against twice its root
+/// mean square (Cauchy), in place: all three rows of a neighbour are scaled by the root of its new weight.
 HWY_INLINE void weigh_by_residual(float* m, std::size_t rows, const Quadric& quadric) {
   constexpr float k_scale2 = 4.0F;
   const D d;
@@ -304,7 +304,8 @@ HWY_INLINE void weigh_by_residual(float* m, std::size_t rows, const Quadric& qua
   const auto residual = [&](std::size_t r) {
     const float* row = m + r * k_columns * stride;
     V sum = hn::Zero(d);
-    for (std::size_t i = 0; i < k_columns; ++i) sum = hn::MulAdd(quadric.a[i], hn::Load(d, row + i * stride), sum);
+    for (std::size_t i = 0; i < k_columns; ++i)
+      sum = hn::MulAdd(quadric.a[i], hn::Load(d, row + i * stride), sum);
     return sum;
   };
   V squares = hn::Zero(d);

@@ -29,7 +29,8 @@ constexpr float k_offset_ratio = 1.0F / 3.0F;
 
 template <class Runs>
 std::ptrdiff_t at_column(const Runs& runs, float column) {
-  return std::lower_bound(runs.begin(), runs.end(), column, [](const auto& run, float c) { return run.column < c; }) -
+  return std::lower_bound(runs.begin(), runs.end(), column,
+                          [](const auto& run, float c) { return run.column < c; }) -
          runs.begin();
 }
 
@@ -49,8 +50,9 @@ float spacing_mm(const Runs& now, const Runs& before) {
   const std::size_t step = std::max<std::size_t>(1, now.size() / 24);
   for (std::size_t i = 0; i < now.size(); i += step) {
     float least = std::numeric_limits<float>::max();
-    for_each_near(before, now[i].column, 1,
-                  [&](const auto& run) { least = std::min(least, (run.place_mm - now[i].place_mm).squaredNorm()); });
+    for_each_near(before, now[i].column, 1, [&](const auto& run) {
+      least = std::min(least, (run.place_mm - now[i].place_mm).squaredNorm());
+    });
     nearest.push_back(least);
   }
   if (nearest.empty()) return std::numeric_limits<float>::infinity();
@@ -60,10 +62,12 @@ float spacing_mm(const Runs& now, const Runs& before) {
 
 }  // namespace
 
-ScanSurface::ScanSurface() : batch_{std::make_unique<Batch>()} { batch_->fall = 0.5F; }
+ScanSurface::ScanSurface() : batch_{std::make_unique<Batch>()} {
+  batch_->fall = 0.5F;
+}
 
-void ScanSurface::add_profile(std::span<const Eigen::Vector3f> points_base, std::span<const std::uint16_t> columns,
-                              const Eigen::Vector3f& eye_base) {
+void ScanSurface::add_profile(std::span<const Eigen::Vector3f> points_base,
+                              std::span<const std::uint16_t> columns, const Eigen::Vector3f& eye_base) {
   BITELINE_EXPECTS(points_base.size() == columns.size());
   Row next{.eye = eye_base, .way_mm = 0, .runs = {}, .columns = {columns.begin(), columns.end()}};
   for (std::size_t i = 0; i < points_base.size();) {
@@ -87,7 +91,9 @@ void ScanSurface::add_profile(std::span<const Eigen::Vector3f> points_base, std:
   settle(false);
 }
 
-void ScanSurface::finish() { settle(true); }
+void ScanSurface::finish() {
+  settle(true);
+}
 
 void ScanSurface::settle(bool all) {
   const bool crowded = rows_.size() > k_most_rows;
@@ -129,7 +135,9 @@ void ScanSurface::choose_neighbours(std::size_t number) {
   of.beside[of.beside_count++] = number;
   const auto take = [&](std::ptrdiff_t direction) {
     std::ptrdiff_t farthest = 0;
-    const auto there = [&](std::ptrdiff_t steps) { return static_cast<std::ptrdiff_t>(number) + direction * steps; };
+    const auto there = [&](std::ptrdiff_t steps) {
+      return static_cast<std::ptrdiff_t>(number) + direction * steps;
+    };
     while (there(farthest + 1) >= static_cast<std::ptrdiff_t>(first_row_) &&
            there(farthest + 1) < static_cast<std::ptrdiff_t>(end_row()) &&
            std::abs(row(static_cast<std::size_t>(there(farthest + 1))).way_mm - of.way_mm) <= of.radius_mm)
@@ -190,7 +198,8 @@ void ScanSurface::fit_normals(Row& of) {
         run.normal = normal.dot(to_eye) < 0 ? Eigen::Vector3f(-normal) : normal;
       } else {
         const Eigen::Vector3f along =
-            (of.runs[std::min(i + 1, of.runs.size() - 1)].place_mm - of.runs[i == 0 ? 0 : i - 1].place_mm).normalized();
+            (of.runs[std::min(i + 1, of.runs.size() - 1)].place_mm - of.runs[i == 0 ? 0 : i - 1].place_mm)
+                .normalized();
         const Eigen::Vector3f across = to_eye - along.dot(to_eye) * along;
         run.normal = across.norm() > 0.1F ? across.normalized() : to_eye;
       }
@@ -202,7 +211,8 @@ void ScanSurface::fit_curvature(Row& of) {
   for_each_batch(of, true, [&](std::size_t first, std::size_t lanes, const auto& other_rows) {
     fit_level_sets(*batch_, Solver::LeastSquares, k_offset_ratio);
     for (std::size_t lane = 0; lane < lanes; ++lane) {
-      if (other_rows[lane] && batch_->count[lane] >= static_cast<float>(2 * k_least_neighbours) && batch_->trust[lane] != 0.0F)
+      if (other_rows[lane] && batch_->count[lane] >= static_cast<float>(2 * k_least_neighbours) &&
+          batch_->trust[lane] != 0.0F)
         of.runs[first + lane].mean_per_mm = batch_->mean[lane] / of.radius_mm;
     }
   });

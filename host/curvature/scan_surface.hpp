@@ -18,17 +18,17 @@
 namespace biteline::curvature {
 
 /// The neighbours of a point stand in its own profile and in those beside it, at about its column: no tree is
-/// needed, and a profile is done with as soon as the scan has gone on by the radius.  Along each profile, runs
-/// of 0.25 mm are averaged; normals are PCA planes and curvature the level-set quadric (method.md 6 and 7)
-/// through the runs within the radius, as in estimate_curvature().
+/// needed, and a profile is done with as soon as the scan has gone on by the radius.  Along each profile,
+/// runs of 0.25 mm are averaged; normals are PCA planes and curvature the level-set quadric (method.md 6 and
+/// 7) through the runs within the radius, as in estimate_curvature().
 ///
 /// Threads: one at a time.  Memory: 16 bytes per point for the results, and the last profiles.
 class ScanSurface {
  public:
   ScanSurface();
 
-  /// The points of the next profile in base, finite, in rising order of their columns; `eye_base`: the camera's
-  /// centre, which is outside.
+  /// The points of the next profile in base, finite, in rising order of their columns; `eye_base`: the
+  /// camera's centre, which is outside.
   void add_profile(std::span<const Eigen::Vector3f> points_base, std::span<const std::uint16_t> columns,
                    const Eigen::Vector3f& eye_base);
   /// No more profiles come: what still waited for its neighbours is done with those there are.
@@ -52,9 +52,9 @@ class ScanSurface {
   };
   struct Row {
     Eigen::Vector3f eye;
-    float way_mm;                       ///< how far the scan has gone over the surface
+    float way_mm;  ///< how far the scan has gone over the surface
     std::vector<Run> runs;
-    std::vector<std::uint16_t> columns; ///< of its points
+    std::vector<std::uint16_t> columns;  ///< of its points
     float radius_mm{0};
     /// Rows that have its neighbours, its own first: numbers since the scan's beginning.
     std::array<std::size_t, 5> beside{};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file index.html of a result folder: what was found, how good, how long it took, with the pictures beside it.
+/// \file index.html of a result folder: what was found, how good, how long it took, with the pictures beside
+/// it.
 
 #include <filesystem>
 #include <string>
@@ -11,7 +12,8 @@
 
 namespace biteline::report {
 
-/// Builds one page of headings, figures, pictures and links; needs no network and no script.  Texts are escaped.
+/// Builds one page of headings, figures, pictures and links; needs no network and no script.  Texts are
+/// escaped.
 class Page {
  public:
   enum class Mood { Good, Refused, Plain };

@@ -45,15 +45,17 @@ Result<void> write_file_atomically(const fs::path& file, const std::string& text
   const fs::path beside = file.string() + ".part";
   std::FILE* out = std::fopen(beside.c_str(), "wb");
   if (out == nullptr) return fail_errno(Errc::WriteFailed, errno, "%s", beside.c_str());
-  const bool written = std::fwrite(text.data(), 1, text.size(), out) == text.size() && std::fflush(out) == 0 &&
-                       ::fsync(::fileno(out)) == 0;
+  const bool written = std::fwrite(text.data(), 1, text.size(), out) == text.size() &&
+                       std::fflush(out) == 0 && ::fsync(::fileno(out)) == 0;
   const int write_errno = written ? 0 : errno;
   if (std::fclose(out) != 0 || !written) {
     std::error_code ignored;
     fs::remove(beside, ignored);
-    return fail_errno(write_errno == ENOSPC ? Errc::DiskFull : Errc::WriteFailed, write_errno, "%s", file.c_str());
+    return fail_errno(write_errno == ENOSPC ? Errc::DiskFull : Errc::WriteFailed, write_errno, "%s",
+                      file.c_str());
   }
-  if (std::rename(beside.c_str(), file.c_str()) != 0) return fail_errno(Errc::WriteFailed, errno, "%s", file.c_str());
+  if (std::rename(beside.c_str(), file.c_str()) != 0)
+    return fail_errno(Errc::WriteFailed, errno, "%s", file.c_str());
   return {};
 }
 
@@ -61,7 +63,8 @@ Result<void> prepare_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return fail_errno(Errc::WriteFailed, error.value(), "%s", folder.c_str());
-  if (::access(folder.c_str(), W_OK | X_OK) != 0) return fail_errno(Errc::WriteFailed, errno, "%s", folder.c_str());
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    return fail_errno(Errc::WriteFailed, errno, "%s", folder.c_str());
   return {};
 }
 

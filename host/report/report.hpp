@@ -81,7 +81,8 @@ class Report {
   std::string reason_;
 };
 
-/// Writes `text` to a file beside and renames it: a reader sees the old file or the new one, never half of one.
+/// Writes `text` to a file beside and renames it: a reader sees the old file or the new one, never half of
+/// one.
 [[nodiscard]] Result<void> write_file_atomically(const std::filesystem::path& file, const std::string& text);
 
 /// Creates the folder and proves that it can be written to.

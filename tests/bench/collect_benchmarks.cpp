@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// collect_benchmarks FOLDER OUT.json: runs every bench_* program in FOLDER, one after the other, shows their rows as one
-// table and writes them to OUT.json.  A row is a line of JSON on a program's stdout:
+// collect_benchmarks FOLDER OUT.json: runs every bench_* program in FOLDER, one after the other, shows their
+// rows as one table and writes them to OUT.json.  A row is a line of JSON on a program's stdout:
 //   {"bench":"stripe.extract","what":"...","ours":1.0,"peer":"OpenCV","peer_value":2.0,"unit":"s","ratio":0.5,"target":0.1}
 #include <sys/wait.h>
 
@@ -67,7 +67,8 @@ void print_table(const std::vector<Json>& rows) {
     for (std::size_t i = 0; i < columns.size(); ++i) width[i] = std::max(width[i], cells[i].size());
   }
   for (const auto& cells : table) {
-    for (std::size_t i = 0; i < columns.size(); ++i) std::printf("%-*s  ", static_cast<int>(width[i]), cells[i].c_str());
+    for (std::size_t i = 0; i < columns.size(); ++i)
+      std::printf("%-*s  ", static_cast<int>(width[i]), cells[i].c_str());
     std::printf("\n");
   }
 }
@@ -81,7 +82,8 @@ int main(int argc, char** argv) {
   }
   std::vector<fs::path> programs;
   for (const auto& entry : fs::directory_iterator(argv[1])) {
-    if (entry.is_regular_file() && entry.path().filename().string().starts_with("bench_")) programs.push_back(entry.path());
+    if (entry.is_regular_file() && entry.path().filename().string().starts_with("bench_"))
+      programs.push_back(entry.path());
   }
   std::sort(programs.begin(), programs.end());
   std::vector<Json> rows;

@@ -6,7 +6,7 @@
 
 #include "common/config/sensor_yaml.hpp"
 #include "common/image/grey_image.hpp"
-#include "host/process/child_process.hpp"
+#include "host/intake/child_process.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -36,9 +36,11 @@ TEST_GROUP(BadInput) {
   }
 
   void picture(const char* name, int width_px, int height_px) const {
-    SUCCEEDS(image::write_png(folder.path() / "cam0/data" / name,
-                              {.width_px = width_px, .height_px = height_px,
-                               .pixels = std::vector<std::uint8_t>(static_cast<std::size_t>(width_px * height_px))}));
+    SUCCEEDS(image::write_png(
+        folder.path() / "cam0/data" / name,
+        {.width_px = width_px,
+         .height_px = height_px,
+         .pixels = std::vector<std::uint8_t>(static_cast<std::size_t>(width_px * height_px))}));
   }
 
   void replace(const char* file, const std::string& from, const std::string& to) const {
@@ -49,8 +51,9 @@ TEST_GROUP(BadInput) {
     folder.write(file, text.replace(at, from.size(), to));
   }
 
-  void ends_with(int expected_status, const std::vector<std::string>& arguments, const std::string& expected_words) const {
-    auto child = process::ChildProcess::start({.program = BITELINE_TOOL, .arguments = arguments});
+  void ends_with(int expected_status, const std::vector<std::string>& arguments,
+                 const std::string& expected_words) const {
+    auto child = intake::ChildProcess::start({.program = BITELINE_TOOL, .arguments = arguments});
     SUCCEEDS(child);
     const auto status = child->wait(60s);
     SUCCEEDS(status);
@@ -75,7 +78,8 @@ TEST(BadInput, UnspoiledSessionIsReadableButRefused) {
 }
 
 TEST(BadInput, MissingSession) {
-  ends_with(2, {"replay", (folder.path() / "none").string(), "--out", (folder.path() / "out").string()}, "none: a session folder expected");
+  ends_with(2, {"replay", (folder.path() / "none").string(), "--out", (folder.path() / "out").string()},
+            "none: a session folder expected");
 }
 
 TEST(BadInput, PoseRowCutOff) {
@@ -122,16 +126,21 @@ TEST(BadInput, CloudsThatAreNone) {
   const std::string head = "ply\nformat ascii 1.0\nelement vertex ";
   const std::string xyz = "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
   extract_ends_with(2, head + "0" + xyz, "at least one point expected");
-  extract_ends_with(2, head + "1\nproperty float y\nproperty float z\nend_header\n1 2\n", "property x expected");
+  extract_ends_with(2, head + "1\nproperty float y\nproperty float z\nend_header\n1 2\n",
+                    "property x expected");
   extract_ends_with(2, head + "3" + xyz + "1 2 3\n", "cloud.ply line 9: more values expected");
   extract_ends_with(2, "solid shoe\n", "a PLY file expected");
-  ends_with(2, {"extract", "/nowhere.ply", "--out", (folder.path() / "out").string()}, "/nowhere.ply: not found");
+  ends_with(2, {"extract", "/nowhere.ply", "--out", (folder.path() / "out").string()},
+            "/nowhere.ply: not found");
 }
 
 TEST(BadInput, ReadableCloudWithoutShoeIsRefused) {
   std::string points;
   for (int i = 0; i < 300; ++i) points += std::to_string(i % 20) + " " + std::to_string(i / 20) + " 0\n";
-  extract_ends_with(3, "ply\nformat ascii 1.0\nelement vertex 300\nproperty float x\nproperty float y\nproperty float z\nend_header\n" + points,
+  extract_ends_with(3,
+                    "ply\nformat ascii 1.0\nelement vertex 300\nproperty float x\nproperty float y\nproperty "
+                    "float z\nend_header\n" +
+                        points,
                     "refused");
 }
 

@@ -6,7 +6,7 @@
 
 #include "common/config/yaml_reader.hpp"
 #include "common/image/grey_image.hpp"
-#include "host/process/child_process.hpp"
+#include "host/intake/child_process.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/made_session.hpp"
 #include "tests/support/ring_scene.hpp"
@@ -50,7 +50,7 @@ TEST_GROUP(CalibrateTool) {
   }
 
   int run(std::vector<std::string> arguments, const std::string& expected_words) const {
-    auto child = process::ChildProcess::start({.program = BITELINE_TOOL, .arguments = std::move(arguments)});
+    auto child = intake::ChildProcess::start({.program = BITELINE_TOOL, .arguments = std::move(arguments)});
     SUCCEEDS(child);
     const auto status = child->wait(120s);
     SUCCEEDS(status);

@@ -9,10 +9,10 @@
 
 #include "hal/sim/robot/program.hpp"
 #include "hal/sim/robot/ur_controller.hpp"
-#include "host/robot/follow.hpp"
-#include "host/robot/ur/script.hpp"
-#include "host/robot/ur/ur_link.hpp"
-#include "tests/unit/host/robot/planned.hpp"
+#include "host/robot/link/follow.hpp"
+#include "host/robot/link/ur/script.hpp"
+#include "host/robot/link/ur/ur_link.hpp"
+#include "tests/unit/host/robot/link/planned.hpp"
 
 namespace biteline::robot {
 namespace {
@@ -21,7 +21,7 @@ namespace {
 constexpr double k_max_mm = 0.05;
 constexpr double k_max_rad = 0.1 * std::numbers::pi / 180;
 
-void check(const char* name, const trajectory::TrackDeviation& d) {
+void check(const char* name, const path::TrackDeviation& d) {
   std::printf(
       "%-12s %zu samples, tip mean %.4f mm, max %.4f mm at %.0f mm, %.4f degrees; line mean %.4f mm, max "
       "%.4f mm\n",
@@ -41,11 +41,12 @@ SE3 T_base_flange_home(const sim::ArmKinematics& arm) {
 }
 
 /// Where the program has the tip, each of the controller's cycles.
-std::vector<trajectory::TrackSample> track_of(const sim::Program& program) {
+std::vector<path::TrackSample> track_of(const sim::Program& program) {
   constexpr double k_cycle_s = 0.002;
-  std::vector<trajectory::TrackSample> track;
+  std::vector<path::TrackSample> track;
   for (double time_s = 0; time_s <= program.duration_s() + k_cycle_s; time_s += k_cycle_s) {
-    track.push_back({.time_s = time_s, .T_base_tcp = program.T_base_flange_at(time_s) * program.T_flange_tcp_at(time_s)});
+    track.push_back(
+        {.time_s = time_s, .T_base_tcp = program.T_base_flange_at(time_s) * program.T_flange_tcp_at(time_s)});
   }
   return track;
 }
@@ -58,29 +59,31 @@ TEST_GROUP(FollowPath) {
 
 TEST(FollowPath, EveryProcessRunsAndStaysOnThePlan) {
   for (const char* name : {"grind.yaml", "rough.yaml", "cement.yaml", "spray.yaml"}) {
-    const trajectory::CheckedPath path = test::planned_path(name);
+    const path::CheckedPath path = test::planned_path(name);
     const auto script = sim::parse_script(ur::urscript(path));
     CHECK_TEXT(script.has_value(), name);
     const sim::Program program =
         sim::Program::plan(*script, kinematics, T_base_flange_home(kinematics), SE3::Identity());
-    check(name, trajectory::deviation(path.path(), track_of(program)));
+    check(name, path::deviation(path.path(), track_of(program)));
   }
 }
 
 TEST(FollowPath, FromBehindTheShoeOverRaisedPostures) {
   const test::FromBehind behind = test::from_behind("grind.yaml");
   CHECK_TEXT(behind.way.path.has_value(), behind.way.check.detail.c_str());
-  const trajectory::PlannedPath& path = behind.way.path->path();
+  const path::PlannedPath& path = behind.way.path->path();
   CHECK(!path.via_rad.empty());
   const auto script = sim::parse_script(ur::urscript(*behind.way.path));
   CHECK(script.has_value());
-  const std::vector<trajectory::TrackSample> track =
-      track_of(sim::Program::plan(*script, kinematics, kinematics.T_base_flange(behind.from_rad), SE3::Identity()));
-  check("from behind", trajectory::deviation(path, track));
+  const std::vector<path::TrackSample> track = track_of(
+      sim::Program::plan(*script, kinematics, kinematics.T_base_flange(behind.from_rad), SE3::Identity()));
+  check("from behind", path::deviation(path, track));
   auto from = track.begin();
   for (const kinematics::Joints& via_rad : path.via_rad) {  // it stops at each, in their order
     const Vec3 tip = (kinematics.T_base_flange(via_rad) * path.T_flange_tcp).translation();
-    from = std::find_if(from, track.end(), [&](const auto& sample) { return (sample.T_base_tcp.translation() - tip).norm() < 0.5; });
+    from = std::find_if(from, track.end(), [&](const auto& sample) {
+      return (sample.T_base_tcp.translation() - tip).norm() < 0.5;
+    });
     CHECK(from != track.end());
   }
 }
@@ -98,7 +101,7 @@ TEST(FollowPath, SentOverTheNetworkAndFollowedInRealTime) {
                                       .rate_hz = 0,
                                       .connect_patience_s = 20});
   CHECK(link.has_value());
-  const trajectory::CheckedPath path = test::planned_path("spray.yaml");
+  const path::CheckedPath path = test::planned_path("spray.yaml");
   FollowReport report;
   const auto followed = follow(**link, path, {}, report);
   CHECK_TEXT(followed.has_value(), followed ? "" : to_line(followed.error()).c_str());

@@ -4,9 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/line/closed_line.hpp"
-#include "host/measure/line_error.hpp"
-#include "host/process/child_process.hpp"
+#include "host/cloud/closed_line.hpp"
+#include "host/evaluation/line_error.hpp"
+#include "host/intake/child_process.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -19,7 +19,8 @@ TEST_GROUP(MainJob) {
   test::TemporaryFolder folder;
 
   static int run(const char* program, const std::vector<std::string>& arguments) {
-    auto child = process::ChildProcess::start({.program = program, .arguments = arguments, .pass_stderr = true});
+    auto child =
+        intake::ChildProcess::start({.program = program, .arguments = arguments, .pass_stderr = true});
     SUCCEEDS(child);
     const auto status = child->wait(400s);
     SUCCEEDS(status);
@@ -29,17 +30,18 @@ TEST_GROUP(MainJob) {
   struct Bars {
     double mean_mm, p95_mm;
   };
-  /// What the product promises for such shoes (issue of the bite line): a twentieth of a millimetre on average.
+  /// What the product promises for such shoes (issue of the bite line): a twentieth of a millimetre on
+  /// average.
   static constexpr Bars k_groove_bars{.mean_mm = 0.05, .p95_mm = 0.12};
   /// The same for an upper whose last differs from the sample's by 0.15 mm.
   static constexpr Bars k_transfer_bars{.mean_mm = 0.15, .p95_mm = 0.35};
 
   static void line_is_right(const fs::path& line, const fs::path& truth, const Bars& bars = k_groove_bars) {
-    const auto found = line::read_line(line);
+    const auto found = cloud::read_line(line);
     SUCCEEDS(found);
-    const auto known = line::read_positions(truth);
+    const auto known = cloud::read_positions(truth);
     SUCCEEDS(known);
-    const measure::LineError error = measure::line_error(*found, *known);
+    const evaluation::LineError error = evaluation::line_error(*found, *known);
     CHECK_COMPARE(error.mean_mm, <=, bars.mean_mm);
     CHECK_COMPARE(error.p95_mm, <=, bars.p95_mm);
     CHECK_COMPARE(error.complete, >=, 0.99);
@@ -83,14 +85,17 @@ TEST(MainJob, DemoScansASampleAndTheUppersAfterItPlansAndFollows) {
     const fs::path scan = last_scan(out / shoe);
     const Bars bars = std::string{"sample"} == shoe ? k_groove_bars : k_transfer_bars;
     line_is_right(scan / "line.csv", out / shoe / "cell/truth/groove.csv", bars);
-    for (const char* file : {"index.html", "path/path.csv", "path/path.script", "path/tracking.html", "track.csv"}) {
+    for (const char* file :
+         {"index.html", "path/path.csv", "path/path.script", "path/tracking.html", "track.csv"}) {
       CHECK_TEXT(fs::exists(scan / file), (scan / file).c_str());
     }
     const auto followed = read_json(scan / "followed.json");
     CHECK(followed["completed"].get<bool>());
-    // The simulated controller blends corners by at most the path's own tolerance of 0.05 mm; the line's waypoints are chords.
+    // The simulated controller blends corners by at most the path's own tolerance of 0.05 mm; the line's
+    // waypoints are chords.
     CHECK_COMPARE(followed["from_path_mm"]["max"].get<double>(), <=, 0.1);
-    CHECK_COMPARE(followed["from_path_mm"]["p95"].get<double>(), <=, followed["from_path_mm"]["max"].get<double>());
+    CHECK_COMPARE(followed["from_path_mm"]["p95"].get<double>(), <=,
+                  followed["from_path_mm"]["max"].get<double>());
     CHECK_COMPARE(followed["covered"].get<double>(), >=, 0.99);
   }
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The real programs against each other, killed, locked out, fed rubbish: what each of them says, and that nothing is lost.
+// The real programs against each other, killed, locked out, fed rubbish: what each of them says, and that
+// nothing is lost.
 #include <CppUTest/TestHarness.h>
 
 #include <chrono>
@@ -9,25 +10,27 @@
 #include <thread>
 
 #include "common/wire/socket.hpp"
-#include "host/ingest/cloud_builder.hpp"
-#include "host/ingest/sensor_link.hpp"
-#include "host/ingest/sensor_process.hpp"
-#include "host/ingest/session_run.hpp"
+#include "host/intake/cloud_builder.hpp"
+#include "host/intake/sensor_link.hpp"
+#include "host/intake/sensor_process.hpp"
+#include "host/intake/session_run.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/made_session.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-namespace biteline::ingest {
+namespace biteline::intake {
 namespace {
 
 namespace fs = std::filesystem;
-using process::ChildProcess;
+using intake::ChildProcess;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr seconds k_patience{30};  // of a loaded machine; nothing here takes a second by itself
 
-fs::path program(const char* name) { return find_sensor_program()->parent_path() / name; }
+fs::path program(const char* name) {
+  return find_sensor_program()->parent_path() / name;
+}
 
 /// Collects one scan; steps from outside, so that several can run side by side.
 struct Collector {
@@ -67,8 +70,12 @@ TEST_GROUP(SensorAndHosts) {
   test::TemporaryFolder folder;
   test::MadeSession made{.frames = 150, .width_px = 160, .height_px = 96};
 
-  void setup() override { test::write_made_session(made, session()); }
-  fs::path session() const { return folder.path() / "made"; }
+  void setup() override {
+    test::write_made_session(made, session());
+  }
+  fs::path session() const {
+    return folder.path() / "made";
+  }
 
   Result<SensorProcess> start_sensor(std::vector<std::string> more = {}) const {
     std::vector<std::string> arguments{"--source", "replay:" + session().string()};
@@ -88,12 +95,15 @@ TEST_GROUP(SensorAndHosts) {
     return {.link = std::move(*link), .end = {}, .error = {}};
   }
   ChildProcess start_host(const wire::Endpoint& sensor) const {
-    auto host = ChildProcess::start({.program = program("biteline-host"),
-                                     .arguments = {"--sensor", sensor.text(), "--out", results().string(), "--once"}});
+    auto host = ChildProcess::start(
+        {.program = program("biteline-host"),
+         .arguments = {"--sensor", sensor.text(), "--out", results().string(), "--once"}});
     SUCCEEDS(host);
     return std::move(*host);
   }
-  fs::path results() const { return folder.path() / "results"; }
+  fs::path results() const {
+    return folder.path() / "results";
+  }
   nlohmann::json report() const {
     std::ifstream stream{results() / "scan-0001" / "report.json"};
     return nlohmann::json::parse(stream, nullptr, false);
@@ -140,7 +150,8 @@ TEST(SensorAndHosts, ServiceKilledInTheMiddleOfAScanGoesOnWhereItStood) {
     const fs::path journal = results() / "scan-0001" / "scan.btln";
     std::error_code error;
     // Some forty profiles of 4 KB.
-    while (host.running() && !(fs::exists(journal, error) && fs::file_size(journal, error) > 160'000)) std::this_thread::yield();
+    while (host.running() && !(fs::exists(journal, error) && fs::file_size(journal, error) > 160'000))
+      std::this_thread::yield();
     ::kill(host.pid(), SIGKILL);
     (void)host.wait(k_patience);
   }
@@ -166,10 +177,10 @@ TEST(SensorAndHosts, FullDiskEndsTheServiceAndItsSuccessorLosesNothing) {
   auto sensor = start_sensor({"--stay"});
   SUCCEEDS(sensor);
   // A limit on files instead of a full disk: 64 blocks of 512 bytes, some eight profiles.
-  auto host = ChildProcess::start({.program = "/bin/sh",
-                                   .arguments = {"-c", "trap '' XFSZ; ulimit -f 64; exec \"$@\"", "sh",
-                                                 program("biteline-host").string(), "--sensor", sensor->endpoint().text(),
-                                                 "--out", results().string(), "--once"}});
+  auto host = ChildProcess::start(
+      {.program = "/bin/sh",
+       .arguments = {"-c", "trap '' XFSZ; ulimit -f 64; exec \"$@\"", "sh", program("biteline-host").string(),
+                     "--sensor", sensor->endpoint().text(), "--out", results().string(), "--once"}});
   SUCCEEDS(host);
   const auto full = host->wait(k_patience);
   SUCCEEDS(full);
@@ -248,7 +259,8 @@ TEST(SensorAndHosts, KeysLetTheRightHostInAndKeepOthersOut) {
   LONGS_EQUAL(static_cast<int>(Errc::AuthenticationFailed), static_cast<int>(refused.error->code));
   LONGS_EQUAL(0, refused.profiles);
 
-  for (const std::optional<wire::HostKeys>& keys : {std::optional<wire::HostKeys>{wrong_sensor}, std::optional<wire::HostKeys>{}}) {
+  for (const std::optional<wire::HostKeys>& keys :
+       {std::optional<wire::HostKeys>{wrong_sensor}, std::optional<wire::HostKeys>{}}) {
     SensorLinkConfig config = config_for(sensor->endpoint(), keys);
     config.silence_limit = milliseconds{700};
     Collector locked_out = collector(config);
@@ -273,10 +285,12 @@ TEST(SensorAndHosts, BeyondLoopbackNothingGoesWithoutKeys) {
 
 TEST(SensorAndHosts, RealTimeIsRefusedWithoutTheRightsAndSaysHowToGoOn) {
   // Root without its capabilities has the rights of anybody.
-  const std::string script = R"sh(ulimit -r 0; [ "$(id -u)" = 0 ] && drop="setpriv --bounding-set=-all --inh-caps=-all"; exec $drop "$@")sh";
-  auto sensor = ChildProcess::start({.program = "/bin/bash",
-                                     .arguments = {"-c", script, "sh", program("biteline-sensor").string(), "--source",
-                                                   "replay:" + session().string(), "--rt=required"}});
+  const std::string script =
+      R"sh(ulimit -r 0; [ "$(id -u)" = 0 ] && drop="setpriv --bounding-set=-all --inh-caps=-all"; exec $drop "$@")sh";
+  auto sensor =
+      ChildProcess::start({.program = "/bin/bash",
+                           .arguments = {"-c", script, "sh", program("biteline-sensor").string(), "--source",
+                                         "replay:" + session().string(), "--rt=required"}});
   SUCCEEDS(sensor);
   const auto status = sensor->wait(k_patience);
   SUCCEEDS(status);
@@ -285,11 +299,14 @@ TEST(SensorAndHosts, RealTimeIsRefusedWithoutTheRightsAndSaysHowToGoOn) {
 }
 
 TEST(SensorAndHosts, CheckOfABoardHasOneStepForEachThingThatIsMissing) {
-  const fs::path board = folder.write("board.yaml",
-                                      "board: a\ncamera: {kind: v4l2, device: /dev/none}\n"
-                                      "laser: {enable: {chip: none, line: '1', bias: pull-down}, interlock: {chip: none, line: '2'}}\n"
-                                      "poses: {kind: can, interface: none0}\nptp: /dev/none\nwatchdog: {device: /dev/none, timeout_ms: 500}\n");
-  auto sensor = ChildProcess::start({.program = program("biteline-sensor"), .arguments = {"--check", "--source", "board:" + board.string()}});
+  const fs::path board = folder.write(
+      "board.yaml",
+      "board: a\ncamera: {kind: v4l2, device: /dev/none}\n"
+      "laser: {enable: {chip: none, line: '1', bias: pull-down}, interlock: {chip: none, line: '2'}}\n"
+      "poses: {kind: can, interface: none0}\nptp: /dev/none\nwatchdog: {device: /dev/none, timeout_ms: "
+      "500}\n");
+  auto sensor = ChildProcess::start({.program = program("biteline-sensor"),
+                                     .arguments = {"--check", "--source", "board:" + board.string()}});
   SUCCEEDS(sensor);
   int missing = 0;
   while (const auto line = sensor->next_line(k_patience)) {
@@ -298,7 +315,9 @@ TEST(SensorAndHosts, CheckOfABoardHasOneStepForEachThingThatIsMissing) {
     CHECK_EQUAL(is_missing, line->back() != '\t');
     missing += is_missing ? 1 : 0;
   }
-  CHECK(missing >= 6);  // camera, laser enable, interlock, poses, PTP clock, watchdog; rights and kernel as they are here
+  CHECK(
+      missing >=
+      6);  // camera, laser enable, interlock, poses, PTP clock, watchdog; rights and kernel as they are here
   const auto status = sensor->wait(k_patience);
   SUCCEEDS(status);
   LONGS_EQUAL(static_cast<int>(ExitStatus::Connection), *status);
@@ -343,9 +362,10 @@ TEST(SensorAndHosts, RubbishAndOtherVersionsDisturbNobody) {
     const auto event = host.link->next(milliseconds{20});
     SUCCEEDS(event);
     if (!*event) continue;
-    if (const auto* health = std::get_if<wire::Health>(&**event)) rejected = health->counters.packets_rejected;
+    if (const auto* health = std::get_if<wire::Health>(&**event))
+      rejected = health->counters.packets_rejected;
   }
   CHECK(rejected >= 20);
 }
 
-}  // namespace biteline::ingest
+}  // namespace biteline::intake

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The real sensor program on small made sessions, taken in over the network.
-#include "host/ingest/session_run.hpp"
+#include "host/intake/session_run.hpp"
 
 #include <CppUTest/TestHarness.h>
 
@@ -11,7 +11,7 @@
 #include "tests/support/made_session.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-namespace biteline::ingest {
+namespace biteline::intake {
 
 TEST_GROUP(SessionRun) {
   test::TemporaryFolder folder;
@@ -49,8 +49,9 @@ TEST(SessionRun, EveryFrameArrivesAndEveryPointLiesWhereTheStripeWas) {
   CHECK(run->cloud.size() > static_cast<std::size_t>(made.frames * made.width_px * 95 / 100));
 
   const double rms_mm = rms_off_truth_mm(*run);
-  // Peaks of amplitude 180 in noise of 1.5 are good to about 0.03 px (Cramer-Rao with 2.5 px width: 0.02); one pixel is
-  // some 0.4 mm along the plane here.  Four times that still is far from any swapped frame or shifted stamp (1 mm).
+  // Peaks of amplitude 180 in noise of 1.5 are good to about 0.03 px (Cramer-Rao with 2.5 px width: 0.02);
+  // one pixel is some 0.4 mm along the plane here.  Four times that still is far from any swapped frame or
+  // shifted stamp (1 mm).
   constexpr double k_tolerance_mm = 4 * 0.03 * 0.4;
   CHECK_TEXT(rms_mm < k_tolerance_mm, "points off");
 }
@@ -93,7 +94,8 @@ TEST(SessionRun, BrokenPictureIsNamed) {
   const Result<SessionRun> run = run_sensor_on_session(options);
   CHECK(!run);
   STRCMP_CONTAINS(session->frames[5].file.filename().c_str(), to_line(run.error()).c_str());
-  LONGS_EQUAL(static_cast<int>(ExitStatus::BadInput), static_cast<int>(error_row(run.error().code).exit_status));
+  LONGS_EQUAL(static_cast<int>(ExitStatus::BadInput),
+              static_cast<int>(error_row(run.error().code).exit_status));
 }
 
 TEST(SessionRun, MissingSensorProgramIsNamed) {
@@ -107,4 +109,4 @@ TEST(SessionRun, ProgramThatDiesIsToldWithItsLastWords) {
   FAILS_NAMING(Errc::ProcessDied, "something is very wrong", run_sensor_on_session(options));
 }
 
-}  // namespace biteline::ingest
+}  // namespace biteline::intake

@@ -4,10 +4,10 @@
 set -u
 tree=$(mktemp -d)
 trap 'rm -rf "$tree"' EXIT
-mkdir -p "$tree"/{common/core,hal/api,firmware/app,host/groove}
-echo '#include "common/core/result.hpp"' >"$tree/host/groove/good.cpp"
+mkdir -p "$tree"/{common/core,hal/api,firmware/app,host/bite_line}
+echo '#include "common/core/result.hpp"' >"$tree/host/bite_line/good.cpp"
 "$1" "$tree" >/dev/null || { echo "red on a clean tree"; exit 1; }
-for seed in 'common/core/a.hpp hal/api/frame.hpp' 'host/groove/b.cpp hal/api/frame.hpp' 'host/groove/c.cpp host/robot/link.hpp' \
+for seed in 'common/core/a.hpp hal/api/frame.hpp' 'host/bite_line/b.cpp hal/api/frame.hpp' 'host/bite_line/c.cpp host/robot/link/link.hpp' \
   'hal/api/d.hpp firmware/app/x.hpp'; do
   set -- "$1" $seed
   echo "#include \"$3\"" >"$tree/$2"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # check_layers.sh ROOT: every #include "layer/..." stays within what its layer may know.
-#   common <- hal <- firmware, common <- host; inside host the algorithms know neither ingest, robot nor apps;
+#   common <- hal <- firmware, common <- host; inside host the algorithms know neither intake, robot/link, results nor apps;
 #   vendor headers stay out of hal/api and of common (but for common/config and common/image).
 set -u
 root=$1
@@ -22,8 +22,8 @@ forbid common '(hal|firmware|host|tests)/' 'common knows no other layer'
 forbid hal '(firmware|host|tests)/' 'hal knows common only'
 forbid firmware '(host|tests)/' 'firmware knows common and hal'
 forbid host '(hal|firmware|tests)/' 'host knows common only: sensor and robot are network peers'
-for algorithm in cloud line measure curvature groove live calib surface registration kinematics trajectory; do
-  forbid "host/$algorithm" 'host/(ingest|robot|apps)/' 'algorithms know neither the network nor the programs'
+for algorithm in cloud evaluation curvature bite_line calibration transfer robot/kinematics robot/path; do
+  forbid "host/$algorithm" 'host/(intake|robot/link|results|apps)/' 'algorithms know neither the network nor results nor the programs'
 done
 forbid hal/api '(linux|gpiod|arv|aravis|embree)' 'no vendor header in hal/api'
 forbid 'common/core common/time common/geometry common/profile common/rt common/stripe' '(yaml-cpp|spng|opencv2|zmq|sys/|linux/)' \

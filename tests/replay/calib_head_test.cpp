@@ -7,11 +7,11 @@
 #include <numbers>
 
 #include "common/config/sensor_yaml.hpp"
-#include "host/calib/head/head_calibration.hpp"
-#include "host/calib/rings/picture.hpp"
+#include "host/calibration/head/head_calibration.hpp"
+#include "host/calibration/rings/picture.hpp"
 #include "tests/support/shared_data.hpp"
 
-namespace biteline::calib {
+namespace biteline::calibration {
 
 namespace {
 
@@ -45,7 +45,7 @@ TEST_GROUP(CalibHead){void check_refused(const HeadInput& input, const char* wor
 CHECK(result.refused.has_value());
 CHECK(error_row(result.refused->code).exit_status == ExitStatus::Refused);
 STRCMP_CONTAINS(word, result.refused->where.c_str());
-}  // namespace biteline::calib
+}  // namespace biteline::calibration
 void check_named(const HeadInput& input, const char* name) {
   const HeadCalibration result = calibrate_head(input);
   CHECK_TRUE_TEXT(!result.refused, result.refused ? to_line(*result.refused).c_str() : "");
@@ -177,4 +177,4 @@ TEST(CalibHead, PictureOfAnotherCameraIsNamed) {
   check_named(input, "handeye/05.png");
 }
 
-}  // namespace biteline::calib
+}  // namespace biteline::calibration

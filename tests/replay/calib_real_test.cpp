@@ -15,13 +15,13 @@
 #include <sstream>
 
 #include "common/config/yaml_reader.hpp"
-#include "host/calib/handeye/hand_eye.hpp"
-#include "host/calib/laser/laser_calibration.hpp"
-#include "host/calib/refine/head_bundle.hpp"
+#include "host/calibration/handeye/hand_eye.hpp"
+#include "host/calibration/laser/laser_calibration.hpp"
+#include "host/calibration/refine/head_bundle.hpp"
 #include "tests/support/photographed_stripe.hpp"
 #include "tests/support/shared_data.hpp"
 
-namespace biteline::calib {
+namespace biteline::calibration {
 
 namespace {
 
@@ -211,7 +211,7 @@ std::string words_of(const HandEyeCalibration& h) {
 TEST_GROUP(CalibReal){
     // OpenCV's detectors divide by zero and go on; that is theirs, and not what the runner's check is for.
     void teardown() override{std::feclearexcept(FE_ALL_EXCEPT);
-}  // namespace biteline::calib
+}  // namespace biteline::calibration
 }
 ;
 
@@ -408,4 +408,4 @@ TEST(CalibReal, BlaserWholeChain) {
   CHECK(all.surface >= 0.95 * all.visible);
 }
 
-}  // namespace biteline::calib
+}  // namespace biteline::calibration

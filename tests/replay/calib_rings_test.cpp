@@ -2,11 +2,11 @@
 // Real photographs of a ring target: hand-held, glare, blur, rings of 9 to 30 px.
 #include <CppUTest/TestHarness.h>
 
-#include "host/calib/rings/grid.hpp"
-#include "host/calib/rings/picture.hpp"
+#include "host/calibration/rings/grid.hpp"
+#include "host/calibration/rings/picture.hpp"
 #include "tests/support/shared_data.hpp"
 
-namespace biteline::calib {
+namespace biteline::calibration {
 
 TEST_GROUP(CalibRings){};
 
@@ -28,4 +28,4 @@ TEST(CalibRings, AllTwelveRingsInEveryPhotograph) {
   CHECK(pictures >= 10);
 }
 
-}  // namespace biteline::calib
+}  // namespace biteline::calibration

@@ -28,11 +28,14 @@ std::vector<Vec2> find_stripe(const cv::Mat& picture) {
 }  // namespace
 
 // clang-format off: it takes the macro for a namespace
-TEST_GROUP(StripePhotographs) {
-  void setup() override { cv::setNumThreads(1); }
-  // OpenCV's own solvers underflow on their way.
-  void teardown() override { std::feclearexcept(FE_UNDERFLOW); }
-};
+TEST_GROUP(StripePhotographs){void setup() override{cv::setNumThreads(1);
+}  // namespace biteline::stripe
+// OpenCV's own solvers underflow on their way.
+void teardown() override {
+  std::feclearexcept(FE_UNDERFLOW);
+}
+}
+;
 // clang-format on
 
 TEST(StripePhotographs, StripeOnAPlaneInTheDarkIsStraight) {

@@ -11,7 +11,7 @@
 #include "common/session/session.hpp"
 #include "firmware/pipeline/profile_pipeline.hpp"
 #include "host/cloud/ply.hpp"
-#include "host/measure/reference_surface.hpp"
+#include "host/evaluation/reference_surface.hpp"
 #include "tests/support/shared_data.hpp"
 
 namespace biteline::pipeline {
@@ -30,7 +30,7 @@ CloudQuality replay(const std::filesystem::path& root, std::size_t step) {
   CHECK(recorded.has_value());
   const auto mesh = cloud::read_mesh(root / "truth/reference.ply");
   CHECK(mesh.has_value());
-  const measure::ReferenceSurface truth{*mesh};
+  const evaluation::ReferenceSurface truth{*mesh};
   auto sut = ProfilePipeline::create({}, recorded->sensor);
   CHECK(sut.has_value());
   const auto poses = std::make_unique<PoseHistory>();

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
-// The next upper of a scanned sample, from recorded stripe pictures to its line.  Bounds: the product's own promises.
+// The next upper of a scanned sample, from recorded stripe pictures to its line.  Bounds: the product's own
+// promises.
 #include <CppUTest/TestHarness.h>
 
 #include <algorithm>
 #include <numbers>
 #include <random>
 
-#include "host/groove/extract.hpp"
-#include "host/ingest/session_run.hpp"
-#include "host/measure/line_error.hpp"
-#include "host/models/transfer.hpp"
+#include "host/bite_line/extract.hpp"
+#include "host/evaluation/line_error.hpp"
+#include "host/intake/session_run.hpp"
+#include "host/transfer/transfer.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/shared_data.hpp"
 
@@ -19,8 +20,12 @@ namespace {
 namespace fs = std::filesystem;
 
 cloud::PointCloud scan(const fs::path& session) {
-  auto run = ingest::run_sensor_on_session(
-      {.session = session, .sensor_file = {}, .sensor_options = {}, .program = fs::path{BITELINE_SENSOR}, .progress = {}, .on_profile = {}});
+  auto run = intake::run_sensor_on_session({.session = session,
+                                            .sensor_file = {},
+                                            .sensor_options = {},
+                                            .program = fs::path{BITELINE_SENSOR},
+                                            .progress = {},
+                                            .on_profile = {}});
   SUCCEEDS(run);
   return std::move(run->cloud);
 }
@@ -31,12 +36,12 @@ cloud::PointCloud moved(cloud::PointCloud cloud, const Eigen::Affine3d& motion) 
 }
 
 /// Scanned and extracted once for all tests of this file.
-const models::SampleFiles& sample_of(const fs::path& session) {
-  static const models::SampleFiles sample = [&] {
+const transfer::SampleFiles& sample_of(const fs::path& session) {
+  static const transfer::SampleFiles sample = [&] {
     cloud::PointCloud cloud = scan(session);
-    const groove::Extraction extraction = groove::extract(cloud, {});
+    const bite_line::Extraction extraction = bite_line::extract(cloud, {});
     CHECK_TEXT(extraction.found, extraction.reason.c_str());
-    return models::SampleFiles{.cloud = std::move(cloud), .line = extraction.line};
+    return transfer::SampleFiles{.cloud = std::move(cloud), .line = extraction.line};
   }();
   return sample;
 }
@@ -46,28 +51,29 @@ const cloud::PointCloud& upper_of(const fs::path& session) {
   return cloud;
 }
 
-line::ClosedLine truth_of(const fs::path& session) {
-  auto truth = line::read_positions(session / "truth/groove.csv");
+cloud::ClosedLine truth_of(const fs::path& session) {
+  auto truth = cloud::read_positions(session / "truth/groove.csv");
   SUCCEEDS(truth);
   return *truth;
 }
 
 }  // namespace
 
-TEST_GROUP(TransferOfSessions) {};
+TEST_GROUP(TransferOfSessions){};
 
 TEST(TransferOfSessions, TheUpperOfTheSportShoeGetsItsLine) {
   BITELINE_SHARED_DATA_OR_SKIP(sample, "sessions/sport3");
   BITELINE_SHARED_DATA_OR_SKIP(upper, "sessions/upper3");
-  const models::Transfer sut = models::transfer_line(sample_of(sample), upper_of(upper), {});
+  const transfer::Transfer sut = transfer::transfer_line(sample_of(sample), upper_of(upper), {});
   CHECK_TEXT(sut.found, sut.reason.c_str());
-  const measure::LineError error = measure::line_error(sut.carried.line, truth_of(upper));
+  const evaluation::LineError error = evaluation::line_error(sut.carried.line, truth_of(upper));
   CHECK_COMPARE(error.mean_mm, <=, 0.15);
   CHECK_COMPARE(error.p95_mm, <=, 0.35);
   CHECK_COMPARE(error.p95_mm, <=, sut.bound_mm);
   const auto mesh = cloud::read_mesh(upper / "truth/reference.ply");
   SUCCEEDS(mesh);
-  const auto normals = measure::normal_error_deg(sut.carried.line, measure::ReferenceSurface{*mesh}, Vec3::UnitZ());
+  const auto normals =
+      evaluation::normal_error_deg(sut.carried.line, evaluation::ReferenceSurface{*mesh}, Vec3::UnitZ());
   CHECK(normals.has_value());
   CHECK_COMPARE(*normals, <=, 1.5);
 }
@@ -75,19 +81,21 @@ TEST(TransferOfSessions, TheUpperOfTheSportShoeGetsItsLine) {
 TEST(TransferOfSessions, EveryOneOfTwoHundredStartPosesEndsRight) {
   BITELINE_SHARED_DATA_OR_SKIP(sample_session, "sessions/sport3");
   BITELINE_SHARED_DATA_OR_SKIP(upper_session, "sessions/upper3");
-  const models::SampleFiles& files = sample_of(sample_session);
-  const registration::Sample sample = *registration::prepare_sample(files.cloud, files.line);
+  const transfer::SampleFiles& files = sample_of(sample_session);
+  const transfer::Sample sample = *transfer::prepare_sample(files.cloud, files.line);
   const cloud::PointCloud& upper = upper_of(upper_session);
-  const registration::Alignment home = registration::align(sample, *registration::prepare_upper(upper), {});
+  const transfer::Alignment home = transfer::align(sample, *transfer::prepare_upper(upper), {});
   std::mt19937_64 random{41};
   std::uniform_real_distribution<double> unit{-1, 1};
   for (int i = 0; i < 200; ++i) {
-    const double tilt_rad = 10 * std::numbers::pi / 180 * unit(random), yaw_rad = std::numbers::pi * unit(random);
-    const SE3 T = geometry::make_se3(Eigen::AngleAxisd{tilt_rad, Vec3{unit(random), unit(random), 0}.normalized()} *
-                                         Eigen::Quaterniond{Eigen::AngleAxisd{yaw_rad, Vec3::UnitZ()}},
-                                     {400 * unit(random), 400 * unit(random), 100 * unit(random)});
-    const registration::Alignment sut =
-        registration::align(sample, *registration::prepare_upper(moved(upper, Eigen::Affine3d{T.matrix()})), {});
+    const double tilt_rad = 10 * std::numbers::pi / 180 * unit(random),
+                 yaw_rad = std::numbers::pi * unit(random);
+    const SE3 T =
+        geometry::make_se3(Eigen::AngleAxisd{tilt_rad, Vec3{unit(random), unit(random), 0}.normalized()} *
+                               Eigen::Quaterniond{Eigen::AngleAxisd{yaw_rad, Vec3::UnitZ()}},
+                           {400 * unit(random), 400 * unit(random), 100 * unit(random)});
+    const transfer::Alignment sut =
+        transfer::align(sample, *transfer::prepare_upper(moved(upper, Eigen::Affine3d{T.matrix()})), {});
     CHECK(sut.accepted());
     const SE3 difference = home.T_upper_sample.inverse() * T.inverse() * sut.T_upper_sample;
     // Other voxels, other surfels: what is left is their grain.
@@ -107,8 +115,9 @@ TEST(TransferOfSessions, WhatIsNotTheNextUpperIsRefusedEachWithItsOwnReason) {
     cloud::PointCloud cloud;
     const char* words;
   };
-  for (const Row& row : {Row{scan(bare), "another model"}, Row{moved(upper_of(upper), mirror), "other foot"}, Row{moved(upper_of(upper), larger), "another size"}}) {
-    const models::Transfer sut = models::transfer_line(sample_of(sample), row.cloud, {});
+  for (const Row& row : {Row{scan(bare), "another model"}, Row{moved(upper_of(upper), mirror), "other foot"},
+                         Row{moved(upper_of(upper), larger), "another size"}}) {
+    const transfer::Transfer sut = transfer::transfer_line(sample_of(sample), row.cloud, {});
     CHECK_FALSE(sut.found);
     STRCMP_CONTAINS(row.words, sut.reason.c_str());
   }

@@ -39,16 +39,18 @@ std::vector<Boundary> read_boundary(const fs::path& file) {
   BITELINE_EXPECTS(!rows.empty());
   const double length =
       std::max_element(rows.begin(), rows.end(), [](auto& a, auto& b) { return a.x_mm < b.x_mm; })->x_mm;
-  std::erase_if(rows, [&](const Boundary& row) { return row.x_mm < k_from * length || row.x_mm > k_to * length; });
+  std::erase_if(rows,
+                [&](const Boundary& row) { return row.x_mm < k_from * length || row.x_mm > k_to * length; });
   return rows;
 }
 
-/// Mean difference in height at equal x on one side of the shoe; the meshes' x runs from heel to toe, y to the left.
-double height_error_mm(const line::ClosedLine& line, const std::vector<Boundary>& boundary, bool left) {
+/// Mean difference in height at equal x on one side of the shoe; the meshes' x runs from heel to toe, y to
+/// the left.
+double height_error_mm(const cloud::ClosedLine& line, const std::vector<Boundary>& boundary, bool left) {
   double sum = 0;
   for (const Boundary& row : boundary) {
     double nearest = 1e9, z = 0;
-    for (const line::LinePoint& point : line.points) {
+    for (const cloud::LinePoint& point : line.points) {
       // The normal tells the sides apart where the outline is not symmetric about y = 0.
       if ((point.normal.y() > 0) != left || std::abs(point.position.x() - row.x_mm) >= nearest) continue;
       nearest = std::abs(point.position.x() - row.x_mm);
@@ -59,7 +61,7 @@ double height_error_mm(const line::ClosedLine& line, const std::vector<Boundary>
   return sum;
 }
 
-ShoeVerdict judge_boundary(const std::string& name, const line::ClosedLine& line) {
+ShoeVerdict judge_boundary(const std::string& name, const cloud::ClosedLine& line) {
   double worse_mm = 0;
   for (const bool left : {true, false}) {
     const auto file = shared_data("shoes/truth/" + name + (left ? "_left.csv" : "_right.csv"));
@@ -69,10 +71,11 @@ ShoeVerdict judge_boundary(const std::string& name, const line::ClosedLine& line
   return {worse_mm <= k_boundary_mm, worse_mm, "off the sole's edge"};
 }
 
-/// Along the sides the line runs between 22 and 38 mm, lowest at the forefoot, and the groove 8 to 12 mm below it: a line that
-/// leaves the upper one by more than 3 mm anywhere, measured against its own course over 60 mm, has gone astray.
-ShoeVerdict judge_course(const line::ClosedLine& line) {
-  const std::vector<line::LinePoint>& points = line.points;
+/// Along the sides the line runs between 22 and 38 mm, lowest at the forefoot, and the groove 8 to 12 mm
+/// below it: a line that leaves the upper one by more than 3 mm anywhere, measured against its own course
+/// over 60 mm, has gone astray.
+ShoeVerdict judge_course(const cloud::ClosedLine& line) {
+  const std::vector<cloud::LinePoint>& points = line.points;
   const auto by_x = [](const auto& a, const auto& b) { return a.position.x() < b.position.x(); };
   const double heel = std::min_element(points.begin(), points.end(), by_x)->position.x();
   const double length = std::max_element(points.begin(), points.end(), by_x)->position.x() - heel;
@@ -87,7 +90,8 @@ ShoeVerdict judge_course(const line::ClosedLine& line) {
       course.push_back(points[(i + points.size() + k - reach) % points.size()].position.z());
     std::nth_element(course.begin(), course.begin() + std::ssize(course) / 2, course.end());
     verdict.off_mm = std::max(verdict.off_mm, std::abs(at.z() - course[course.size() / 2]));
-    if (at.z() < (at.x() < 120 ? 32.0 : 19.0) || at.z() > 41.0) return {false, verdict.off_mm, "on the groove below, or above"};
+    if (at.z() < (at.x() < 120 ? 32.0 : 19.0) || at.z() > 41.0)
+      return {false, verdict.off_mm, "on the groove below, or above"};
   }
   if (verdict.off_mm > k_course_mm) return {false, verdict.off_mm, "leaves its course"};
   return verdict;
@@ -103,11 +107,12 @@ std::optional<cloud::PointCloud> scan_of(const KnownShoe& shoe) {
   return scan_mesh(*mesh, {});
 }
 
-ShoeVerdict judge(const KnownShoe& shoe, const groove::Extraction& extraction) {
+ShoeVerdict judge(const KnownShoe& shoe, const bite_line::Extraction& extraction) {
   if (shoe.truth == KnownShoe::Truth::NoLine)
     return {!extraction.found && extraction.confidence < 0.5, 0, "a line where there is none"};
   if (!extraction.found) return {false, 0, "refused: " + extraction.reason};
-  return shoe.truth == KnownShoe::Truth::Boundary ? judge_boundary(shoe.name, extraction.line) : judge_course(extraction.line);
+  return shoe.truth == KnownShoe::Truth::Boundary ? judge_boundary(shoe.name, extraction.line)
+                                                  : judge_course(extraction.line);
 }
 
 }  // namespace biteline::test

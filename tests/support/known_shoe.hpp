@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "host/groove/extract.hpp"
+#include "host/bite_line/extract.hpp"
 
 namespace biteline::test {
 
@@ -30,10 +30,11 @@ inline constexpr KnownShoe k_known_shoes[] = {
 
 struct ShoeVerdict {
   bool right;
-  double off_mm;    ///< mean height error of the worse side, or the farthest that the line leaves its course; 0: not measured
+  double off_mm;    ///< mean height error of the worse side, or the farthest that the line leaves its course;
+                    ///< 0: not measured
   std::string why;  ///< when it is not right
 };
 /// Pre: scan_of() the shoe had a value.
-[[nodiscard]] ShoeVerdict judge(const KnownShoe& shoe, const groove::Extraction& extraction);
+[[nodiscard]] ShoeVerdict judge(const KnownShoe& shoe, const bite_line::Extraction& extraction);
 
 }  // namespace biteline::test

@@ -33,7 +33,8 @@ struct DrumScan {
         const double z_mm = height_mm * column / (columns - 1);
         if (missing(turn_rad, z_mm)) continue;
         const double r_mm = radius_mm + bulge_mm(turn_rad, z_mm) + noise_mm * noise(random);
-        cloud.points.push_back(Vec3{r_mm * std::cos(turn_rad), r_mm * std::sin(turn_rad), z_mm}.cast<float>());
+        cloud.points.push_back(
+            Vec3{r_mm * std::cos(turn_rad), r_mm * std::sin(turn_rad), z_mm}.cast<float>());
         cloud.profile.push_back(static_cast<std::uint32_t>(profile));
         cloud.column.push_back(static_cast<std::uint16_t>(100 + column));
       }

@@ -14,9 +14,12 @@ inline profile::Profile made_profile(std::uint64_t sequence, std::size_t points)
   profile::Profile profile;
   profile.header.sequence = sequence;
   profile.header.frame_sequence = sequence + 7;
-  profile.header.exposure_mid = SensorClock::time_point{Nanoseconds{1'700'000'000'000'000'000 + static_cast<std::int64_t>(sequence)}};
-  profile.header.T_base_flange = geometry::make_se3(
-      Eigen::Quaterniond{Eigen::AngleAxisd{0.1 * static_cast<double>(sequence % 30), Vec3{1, 2, 3}.normalized()}}, {1, 2, 3});
+  profile.header.exposure_mid =
+      SensorClock::time_point{Nanoseconds{1'700'000'000'000'000'000 + static_cast<std::int64_t>(sequence)}};
+  profile.header.T_base_flange =
+      geometry::make_se3(Eigen::Quaterniond{Eigen::AngleAxisd{0.1 * static_cast<double>(sequence % 30),
+                                                              Vec3{1, 2, 3}.normalized()}},
+                         {1, 2, 3});
   profile.header.pose_age = Nanoseconds{12345};
   profile.header.flags = profile::k_profile_overrun;
   for (std::size_t i = 0; i < points; ++i) {

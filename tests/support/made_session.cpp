@@ -53,18 +53,28 @@ double made_row_px(const MadeSession& made, int frame, int column) {
 
 geometry::SensorModel made_sensor(const MadeSession& made) {
   geometry::SensorModel sensor;
-  sensor.camera = {.fu_px = 900, .fv_px = 890, .cu_px = 100, .cv_px = 130, .k1 = -0.1, .k2 = 0.05, .p1 = 0.0004, .p2 = -0.0003};
+  sensor.camera = {.fu_px = 900,
+                   .fv_px = 890,
+                   .cu_px = 100,
+                   .cv_px = 130,
+                   .k1 = -0.1,
+                   .k2 = 0.05,
+                   .p1 = 0.0004,
+                   .p2 = -0.0003};
   sensor.laser_plane = {.normal_cam = Vec3{0.01, 0.7, -0.71}.normalized(), .distance_mm = -142};
   sensor.T_flange_cam = geometry::make_se3(
       Eigen::Quaterniond{Eigen::AngleAxisd{0.8, Vec3{0.9, -0.3, 0.2}.normalized()}}, {9, 150, 250});
-  sensor.region = {.offset_u_px = 20, .offset_v_px = 80, .width_px = made.width_px, .height_px = made.height_px};
+  sensor.region = {
+      .offset_u_px = 20, .offset_v_px = 80, .width_px = made.width_px, .height_px = made.height_px};
   sensor.rate_hz = 100;
   sensor.exposure = Nanoseconds{400'000};
   sensor.pose_clock_offset = Nanoseconds{7'000'000};
   return sensor;
 }
 
-SE3 made_pose(int frame) { return pose_at(static_cast<double>(frame * k_frame_period_ns) * 1e-9); }
+SE3 made_pose(int frame) {
+  return pose_at(static_cast<double>(frame * k_frame_period_ns) * 1e-9);
+}
 
 void write_made_session(const MadeSession& made, const std::filesystem::path& folder) {
   namespace fs = std::filesystem;
@@ -83,8 +93,9 @@ void write_made_session(const MadeSession& made, const std::filesystem::path& fo
   std::vector<session::StampedPose> poses;
   const std::int64_t last_ns = (made.frames - 1) * k_frame_period_ns + k_lead_ns;
   for (std::int64_t time_ns = -k_lead_ns; time_ns <= last_ns; time_ns += k_pose_period_ns) {
-    poses.push_back({.stamp = RobotClock::time_point{Nanoseconds{k_first_ns + time_ns} + sensor.pose_clock_offset},
-                     .T_base_flange = pose_at(static_cast<double>(time_ns) * 1e-9)});
+    poses.push_back(
+        {.stamp = RobotClock::time_point{Nanoseconds{k_first_ns + time_ns} + sensor.pose_clock_offset},
+         .T_base_flange = pose_at(static_cast<double>(time_ns) * 1e-9)});
   }
   (void)session::write_frame_table(folder / "cam0" / "data.csv", frames);
   (void)session::write_pose_table(folder / "pose0" / "data.csv", poses);

@@ -19,7 +19,8 @@ struct MadeSession {
 /// Row of the stripe's centre in the region, for a frame and a column.
 [[nodiscard]] double made_row_px(const MadeSession& made, int frame, int column);
 
-/// The head: lens distortion, a tilted laser plane and a mounting without symmetry, so that a swapped frame shows.
+/// The head: lens distortion, a tilted laser plane and a mounting without symmetry, so that a swapped frame
+/// shows.
 [[nodiscard]] geometry::SensorModel made_sensor(const MadeSession& made);
 
 /// T_base_flange at a frame's exposure; the stored poses lie on the same smooth motion.

@@ -12,7 +12,7 @@ namespace {
 constexpr double k_dark_grey = 30, k_bright_grey = 170, k_background_grey = 60, k_cover_grey = 45;
 
 double target_level(const RingScene& scene, const Vec2& place, const PictureOptions& options) {
-  const calib::RingTarget& t = scene.target;
+  const calibration::RingTarget& t = scene.target;
   const double margin_mm = t.pitch_mm;
   if (place.x() < -margin_mm || place.y() < -margin_mm || place.x() > (t.cols - 1) * t.pitch_mm + margin_mm ||
       place.y() > (t.rows - 1) * t.pitch_mm + margin_mm) {
@@ -52,7 +52,7 @@ void blur(std::vector<double>& levels, int width, int height, double sigma_px) {
 
 }  // namespace
 
-SE3 T_cam_target_of(const calib::RingTarget& target, const ViewPlace& place) {
+SE3 T_cam_target_of(const calibration::RingTarget& target, const ViewPlace& place) {
   SE3 T_cam_middle = SE3::Identity();
   T_cam_middle.translation() = Vec3(place.shift_mm.x(), place.shift_mm.y(), place.distance_mm);
   const Vec3 axis(std::cos(place.tilt_axis_rad), std::sin(place.tilt_axis_rad), 0);
@@ -107,13 +107,13 @@ image::GreyImage draw_rings(const RingScene& scene, const std::vector<SE3>& T_ca
   return picture;
 }
 
-calib::PlaneView exact_view(const RingScene& scene, const SE3& T_cam_target, const std::string& name,
-                            double noise_px, std::mt19937_64& random) {
+calibration::PlaneView exact_view(const RingScene& scene, const SE3& T_cam_target, const std::string& name,
+                                  double noise_px, std::mt19937_64& random) {
   std::normal_distribution<double> noise(0, 1);
-  calib::GridView grid;
+  calibration::GridView grid;
   for (int row = 0; row < scene.target.rows; ++row) {
     for (int col = 0; col < scene.target.cols; ++col) {
-      calib::GridRing ring{.ring = {}, .row = row, .col = col};
+      calibration::GridRing ring{.ring = {}, .row = row, .col = col};
       ring.ring.centre_px = scene.camera.project(T_cam_target * scene.target.ring_target(row, col)) +
                             noise_px * Vec2(noise(random), noise(random));
       grid.rings.push_back(ring);
@@ -121,8 +121,8 @@ calib::PlaneView exact_view(const RingScene& scene, const SE3& T_cam_target, con
   }
   const SE3 half_turn = SE3(Eigen::Translation3d(2 * scene.target.middle_target())) *
                         Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitZ());
-  grid.readings = {calib::Reading{}, calib::Reading{.T_this_other = half_turn}};
-  return calib::make_plane_view(name, grid, scene.target);
+  grid.readings = {calibration::Reading{}, calibration::Reading{.T_this_other = half_turn}};
+  return calibration::make_plane_view(name, grid, scene.target);
 }
 
 std::vector<ViewPlace> varied_places(int count, std::mt19937_64& random) {

@@ -7,8 +7,8 @@
 #include <random>
 
 #include "common/image/grey_image.hpp"
-#include "host/calib/camera/plane_view.hpp"
-#include "host/calib/camera/zhang.hpp"
+#include "host/calibration/camera/plane_view.hpp"
+#include "host/calibration/camera/zhang.hpp"
 
 namespace biteline::test {
 
@@ -21,8 +21,8 @@ struct RingScene {
                           .k2 = 0.14,
                           .p1 = 3e-4,
                           .p2 = -2e-4};
-  calib::PictureSize size{.width_px = 800, .height_px = 600};
-  calib::RingTarget target{
+  calibration::PictureSize size{.width_px = 800, .height_px = 600};
+  calibration::RingTarget target{
       .rows = 4, .cols = 7, .pitch_mm = 14, .outer_diameter_mm = 12, .inner_diameter_mm = 6};
 };
 
@@ -45,15 +45,16 @@ struct ViewPlace {
   double tilt_rad{0};
   double tilt_axis_rad{0};
 };
-[[nodiscard]] SE3 T_cam_target_of(const calib::RingTarget& target, const ViewPlace& place);
+[[nodiscard]] SE3 T_cam_target_of(const calibration::RingTarget& target, const ViewPlace& place);
 
 /// A picture of one or more grids (one pose each), ray by ray.
 [[nodiscard]] image::GreyImage draw_rings(const RingScene& scene, const std::vector<SE3>& T_cam_targets,
                                           const PictureOptions& options, std::mt19937_64& random);
 
 /// As find_grids() would give it, but with exact centres plus noise and no edges.
-[[nodiscard]] calib::PlaneView exact_view(const RingScene& scene, const SE3& T_cam_target,
-                                          const std::string& name, double noise_px, std::mt19937_64& random);
+[[nodiscard]] calibration::PlaneView exact_view(const RingScene& scene, const SE3& T_cam_target,
+                                                const std::string& name, double noise_px,
+                                                std::mt19937_64& random);
 
 /// `count` places that determine a camera: tilts of 10 to 35 degrees about all axes.
 [[nodiscard]] std::vector<ViewPlace> varied_places(int count, std::mt19937_64& random);

@@ -31,8 +31,12 @@ void note_skipped(const std::string& reason) {
   std::fprintf(stderr, "skipped: %s\n", reason.c_str());
 }
 
-void note_ran() { ++g_ran; }
+void note_ran() {
+  ++g_ran;
+}
 
-bool everything_was_skipped() { return g_skipped > 0 && g_ran == 0; }
+bool everything_was_skipped() {
+  return g_skipped > 0 && g_ran == 0;
+}
 
 }  // namespace biteline::test

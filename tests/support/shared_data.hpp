@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Where the recorded and made data sets are.  They are no part of the repository; tests skip without them.
+/// \file Where the recorded and made data sets are.  They are no part of the repository; tests skip without
+/// them.
 
 #include <filesystem>
 #include <optional>
@@ -23,7 +24,7 @@ void note_ran();
 }  // namespace biteline::test
 
 /// Declares `name`, a path in the shared data, or leaves the test as skipped.
-#define BITELINE_SHARED_DATA_OR_SKIP(name, relative)                   \
-  const auto name##_found = ::biteline::test::shared_data(relative);   \
-  if (!name##_found) return;                                           \
+#define BITELINE_SHARED_DATA_OR_SKIP(name, relative)                 \
+  const auto name##_found = ::biteline::test::shared_data(relative); \
+  if (!name##_found) return;                                         \
   const std::filesystem::path name = *name##_found

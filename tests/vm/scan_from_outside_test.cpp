@@ -22,9 +22,9 @@
 #include "common/image/grey_image.hpp"
 #include "common/session/session.hpp"
 #include "hal/linux/posix/descriptor.hpp"
-#include "host/ingest/sensor_link.hpp"
-#include "host/ingest/session_run.hpp"
-#include "host/process/child_process.hpp"
+#include "host/intake/child_process.hpp"
+#include "host/intake/sensor_link.hpp"
+#include "host/intake/session_run.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -128,8 +128,8 @@ std::string environment(const char* name) {
 
 TEST_GROUP(ScanFromOutside) {
   test::TemporaryFolder folder;
-  std::optional<process::ChildProcess> machine;
-  std::unique_ptr<ingest::SensorLink> link;
+  std::optional<intake::ChildProcess> machine;
+  std::unique_ptr<intake::SensorLink> link;
   std::vector<profile::Profile> profiles;
   std::uint64_t lost{0};
   std::optional<wire::EndOfScan> end;
@@ -154,7 +154,7 @@ TEST_GROUP(ScanFromOutside) {
         environment("BITELINE_VM_KERNEL") + " '" + build + "' '" + guest +
         "' bin/biteline-sensor tests/kernel_program_test -- '" + environment("BITELINE_VM_BOARD") + "' '" +
         session().string() + "' '" + keys().string() + "'";
-    auto started = process::ChildProcess::start(
+    auto started = intake::ChildProcess::start(
         {.program = "/bin/bash", .arguments = {"-c", command}, .pass_stderr = true});
     SUCCEEDS(started);
     machine.emplace(std::move(*started));
@@ -189,17 +189,17 @@ TEST_GROUP(ScanFromOutside) {
     }
     return true;
   }
-  void take(ingest::LinkEvent event) {
-    if (auto* profile = std::get_if<ingest::ProfileEvent>(&event))
+  void take(intake::LinkEvent event) {
+    if (auto* profile = std::get_if<intake::ProfileEvent>(&event))
       profiles.push_back(std::move(profile->profile));
-    if (const auto* loss = std::get_if<ingest::LossEvent>(&event)) lost += loss->messages;
+    if (const auto* loss = std::get_if<intake::LossEvent>(&event)) lost += loss->messages;
     if (const auto* over = std::get_if<wire::EndOfScan>(&event)) end = *over;
     if (const auto* answer = std::get_if<wire::ControlReply>(&event)) reply = *answer;
-    known = known || std::holds_alternative<ingest::Hello>(event);
+    known = known || std::holds_alternative<intake::Hello>(event);
   }
   /// The same firmware on the same session, outside the machine under user emulation.
   std::vector<std::vector<std::uint32_t>> replayed() {
-    ingest::SessionRunOptions options;
+    intake::SessionRunOptions options;
     options.session = session();
     options.program =
         folder.write("sensor.sh", "#!/bin/sh\nexec " + environment("BITELINE_ARM64_EMULATOR") + " '" +
@@ -209,7 +209,7 @@ TEST_GROUP(ScanFromOutside) {
     options.on_profile = [&](const profile::Profile& profile, auto&&...) {
       found.push_back(clockless_bits(profile.points));
     };
-    SUCCEEDS(ingest::run_sensor_on_session(options));
+    SUCCEEDS(intake::run_sensor_on_session(options));
     return found;
   }
 };
@@ -224,17 +224,18 @@ TEST(ScanFromOutside, ThousandProfilesAreThoseOfTheReplayAndEveryCountIsRight) {
   const int port = free_port();
   boot(port);
   const bool up = wait_for_sensor();
-  if (!up && machine->wait(seconds{5}) == 77) return test::note_skipped("boot.sh lacks something here, see above");
+  if (!up && machine->wait(seconds{5}) == 77)
+    return test::note_skipped("boot.sh lacks something here, see above");
   test::note_ran();
   CHECK_TEXT(up, "the sensor in the machine does not come up");
 
-  ingest::SensorLinkConfig config;
+  intake::SensorLinkConfig config;
   config.sensor = {.host = "127.0.0.1", .port = static_cast<std::uint16_t>(port)};
   auto host_keys = wire::read_host_keys(keys());
   SUCCEEDS(host_keys);
   config.keys = *host_keys;
   config.silence_limit = k_boot_patience;
-  auto opened = ingest::SensorLink::open(config);
+  auto opened = intake::SensorLink::open(config);
   SUCCEEDS(opened);
   link = std::move(*opened);
   CHECK_TEXT(take_until(k_boot_patience, [&] { return known; }), "the sensor in the machine never answered");

@@ -188,7 +188,8 @@ Result<void> AravisCamera::start() {
 Result<void> AravisCamera::begin_stream() {
   Device& device = *device_;
   Call call(device.config.address, "start");
-  device.stream = arv_camera_create_stream(device.camera, on_receive_thread, &device.config.receive_priority, call);
+  device.stream =
+      arv_camera_create_stream(device.camera, on_receive_thread, &device.config.receive_priority, call);
   if (call.failed()) return call.failure();
   const guint payload_bytes = arv_camera_get_payload(device.camera, call);
   if (call.failed()) return call.failure();
@@ -196,10 +197,12 @@ Result<void> AravisCamera::begin_stream() {
     // A burst of whole frames fits the socket, so that a receiver that is late by a frame loses none.
     g_object_set(device.stream, "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size",
                  static_cast<int>(std::min<std::uint64_t>(16ULL * payload_bytes, 64ULL << 20U)), nullptr);
-    // A frame that waits for missing packets holds back all after it.  Aravis' own 200 ms would count as a camera that
-    // gives no frames (the laser's guard allows 75 ms): give such a frame up, flagged, well before that.
+    // A frame that waits for missing packets holds back all after it.  Aravis' own 200 ms would count as a
+    // camera that gives no frames (the laser's guard allows 75 ms): give such a frame up, flagged, well
+    // before that.
     constexpr guint k_frame_retention_us = 40'000, k_packet_timeout_us = 15'000;
-    g_object_set(device.stream, "frame-retention", k_frame_retention_us, "packet-timeout", k_packet_timeout_us, nullptr);
+    g_object_set(device.stream, "frame-retention", k_frame_retention_us, "packet-timeout",
+                 k_packet_timeout_us, nullptr);
   }
   for (int i = 0; i < device.config.buffers; ++i) {
     ArvBuffer* buffer = arv_buffer_new_allocate(payload_bytes);
@@ -278,7 +281,8 @@ Result<FrameView> AravisCamera::next_frame(Nanoseconds timeout) {
     frame.exposure_mid = begin + exposure / 2;
     if (unsure) frame.flags |= k_frame_stamp_uncertain;
     if (device.last_mid != SensorClock::time_point::min() && device.counter.fresh()) {
-      // First of a new stream: nobody numbered the frames that were not taken meanwhile, but they came at a rate.
+      // First of a new stream: nobody numbered the frames that were not taken meanwhile, but they came at a
+      // rate.
       const double away_s = 1e-9 * static_cast<double>((frame.exposure_mid - device.last_mid).count());
       device.base_sequence += static_cast<std::uint64_t>(
           std::max<long long>(0, std::llround(away_s * device.settings.rate_hz) - 1));
@@ -349,7 +353,8 @@ Result<RowRange> AravisCamera::adjust_rows(const RowRange& rows) {
   }
   const RowRange wanted{.first_px = rounded_down(rows.first_px, device.row_step_px),
                         .height_px = rounded_down(rows.height_px, device.row_step_px)};
-  if (wanted.first_px == device.rows.first_px && wanted.height_px == device.rows.height_px) return device.rows;
+  if (wanted.first_px == device.rows.first_px && wanted.height_px == device.rows.height_px)
+    return device.rows;
   if (device.change_rows(wanted)) return device.rows;
   // Sizes stand while it runs: a new acquisition.
   device.read_counts();
@@ -364,7 +369,8 @@ Result<RowRange> AravisCamera::adjust_rows(const RowRange& rows) {
                                   .width_px = whole.width_px,
                                   .height_px = wanted.height_px}));
   BITELINE_ASSIGN(const geometry::Region got, device.region());
-  device.rows = device.rows_before = {.first_px = got.offset_v_px - whole.offset_v_px, .height_px = got.height_px};
+  device.rows =
+      device.rows_before = {.first_px = got.offset_v_px - whole.offset_v_px, .height_px = got.height_px};
   device.base_sequence = device.next_sequence;
   BITELINE_TRY(begin_stream());
   return device.rows;

@@ -17,13 +17,14 @@ namespace biteline::hal {
 /// missing (the stream), frames missing (gaps in the camera's own count), frames without a free buffer.
 ///
 /// Stamps are the middle of the exposure: the camera's stamp of its begin plus half the exposure time.  With
-/// a camera that follows PTP, `ptp_clock` maps it, measured anew several times a second; without, the stamp is
-/// mapped by arrival (ArrivalClock, then a line through the least delays) and flagged k_frame_stamp_uncertain.
+/// a camera that follows PTP, `ptp_clock` maps it, measured anew several times a second; without, the stamp
+/// is mapped by arrival (ArrivalClock, then a line through the least delays) and flagged
+/// k_frame_stamp_uncertain.
 ///
-/// Bracketing and laser-off frames are SFNC's sequencer with two sets; which set a frame is of follows from its
-/// number since the acquisition began.  The sets stand while frames come: adjust_exposure() is refused then.
-/// Otherwise it knows the exposure of each frame from the stamps, and flags the frame whose exposure began in mid
-/// change.
+/// Bracketing and laser-off frames are SFNC's sequencer with two sets; which set a frame is of follows from
+/// its number since the acquisition began.  The sets stand while frames come: adjust_exposure() is refused
+/// then. Otherwise it knows the exposure of each frame from the stamps, and flags the frame whose exposure
+/// began in mid change.
 ///
 /// A camera that is gone stays gone for this object (see LineCamera); opening it again makes a new one.
 /// Thread: as LineCamera; Aravis has a receiving thread of its own.  Memory: all buffers made by start().
@@ -35,9 +36,10 @@ class AravisCamera final : public LineCamera {
         0};  ///< 0: leave what the camera has; jumbo frames need it set (9000 for an MTU of 9000)
     bool packet_socket{false};  ///< receive below the IP stack; needs rights, and gives nothing on loopback
     int buffers{24};            ///< frames that may wait
-    int receive_priority{0};            ///< SCHED_FIFO of Aravis' receiving thread; 0: as any other
+    int receive_priority{0};    ///< SCHED_FIFO of Aravis' receiving thread; 0: as any other
     std::string trigger_line{"Line0"};  ///< of Trigger::Hardware
-    std::string strobe_line{"Line1"};   ///< output that follows the exposure: the laser's modulation hangs on it
+    std::string strobe_line{
+        "Line1"};  ///< output that follows the exposure: the laser's modulation hangs on it
     /// The PTP time as it can be read here (hal/linux/ptp); none: it is this machine's own monotonic clock.
     std::shared_ptr<const ReferenceClock> ptp_clock{};
   };

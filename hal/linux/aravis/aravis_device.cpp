@@ -17,7 +17,8 @@ Result<void> AravisCamera::Device::set_region(const geometry::Region& region) {
   return {};
 }
 
-/// A frame does not tell its place, but its height: rows in between differ from both in height and are thrown away.
+/// A frame does not tell its place, but its height: rows in between differ from both in height and are thrown
+/// away.
 bool AravisCamera::Device::change_rows(const RowRange& wanted) {
   RowRange next = wanted;
   if (next.height_px == rows.height_px) {
@@ -76,7 +77,8 @@ Result<void> AravisCamera::Device::set_rate(double rate_hz) {
 Result<void> AravisCamera::Device::set_sequence() {
   if (!has("SequencerMode")) {
     if (!sequenced()) return {};
-    return fail(Errc::NotSupported, "camera %s: no bracketing and no laser-off frames, it has no SequencerMode",
+    return fail(Errc::NotSupported,
+                "camera %s: no bracketing and no laser-off frames, it has no SequencerMode",
                 config.address.c_str());
   }
   Call call(config.address, "sequencer");
@@ -135,7 +137,8 @@ void AravisCamera::Device::measure_ptp() {
   if (config.ptp_clock) {
     if (const auto reading = config.ptp_clock->measure()) ptp_reading = *reading;
   }
-  clock_health.rt_store({.known = true, .offset = -ptp_reading.offset, .uncertainty = ptp_reading.uncertainty});
+  clock_health.rt_store(
+      {.known = true, .offset = -ptp_reading.offset, .uncertainty = ptp_reading.uncertainty});
 }
 
 SensorClock::time_point AravisCamera::Device::to_sensor(Nanoseconds stamp, SensorClock::time_point arrived) {

@@ -67,7 +67,8 @@ struct AravisCamera::Device {
   bool ptp{false};
   /// The last adjust_exposure(): what held before, and between which instants the camera took the new one.
   Nanoseconds exposure_before{0};
-  SensorClock::time_point change_from{SensorClock::time_point::min()}, change_until{SensorClock::time_point::min()};
+  SensorClock::time_point change_from{SensorClock::time_point::min()},
+      change_until{SensorClock::time_point::min()};
   std::vector<ArvBuffer*> borrowed;
   ArrivalClock arrival;
   ClockMapCore arrival_line{ClockMapCore::Config{}};
@@ -127,7 +128,9 @@ struct AravisCamera::Device {
   Result<void> set_sequence();
   Result<void> begin_sequence();
   /// Of `settings`: two sets in turn.
-  [[nodiscard]] bool sequenced() const { return settings.second_exposure.count() != 0 || settings.laser_off_frames; }
+  [[nodiscard]] bool sequenced() const {
+    return settings.second_exposure.count() != 0 || settings.laser_off_frames;
+  }
   /// Exposure of the frame that began then; sets `unsure` when that lies within a change of the exposure.
   [[nodiscard]] Nanoseconds exposure_of(SensorClock::time_point begin, bool& unsure) const {
     unsure = unsure || (begin > change_from && begin < change_until);

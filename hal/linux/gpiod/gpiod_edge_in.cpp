@@ -20,8 +20,9 @@ Result<Edge> GpiodEdgeIn::next_edge(Nanoseconds timeout) {
   if (size < 0) return device_failure(errno, name_.c_str(), "read edge");
   if (size != sizeof event) return fail(Errc::DeviceError, "%.60s: short edge event", name_.c_str());
 
-  // The kernel drops the oldest events when the queue is full and goes on counting, from 1, modulo 2^32.  Edges that come
-  // faster than its interrupt thread runs are merged before they are counted: then the same way comes twice.
+  // The kernel drops the oldest events when the queue is full and goes on counting, from 1, modulo 2^32.
+  // Edges that come faster than its interrupt thread runs are merged before they are counted: then the same
+  // way comes twice.
   const bool rising = event.id == GPIO_V2_LINE_EVENT_RISING_EDGE;
   const std::uint32_t steps = event.line_seqno - last_sequence_;
   const std::uint64_t merged = steps == 1 && last_rising_ == rising ? 1 : 0;
@@ -35,10 +36,13 @@ Result<Edge> GpiodEdgeIn::next_edge(Nanoseconds timeout) {
               .sequence = sequence_};
 }
 
-Result<bool> GpiodEdgeIn::level() noexcept { return read_line(request_.number(), name_.c_str()); }
+Result<bool> GpiodEdgeIn::level() noexcept {
+  return read_line(request_.number(), name_.c_str());
+}
 
 EdgeHealth GpiodEdgeIn::health() const noexcept {
-  return {.edges = edges_.load(std::memory_order_relaxed), .edges_lost = edges_lost_.load(std::memory_order_relaxed)};
+  return {.edges = edges_.load(std::memory_order_relaxed),
+          .edges_lost = edges_lost_.load(std::memory_order_relaxed)};
 }
 
 }  // namespace biteline::hal

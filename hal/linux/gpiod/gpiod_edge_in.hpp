@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file EdgeIn on the kernel's GPIO character device: stamps taken in the interrupt, edges counted by the kernel.
+/// \file EdgeIn on the kernel's GPIO character device: stamps taken in the interrupt, edges counted by the
+/// kernel.
 
 #include <atomic>
 #include <memory>

@@ -13,7 +13,8 @@ Result<std::unique_ptr<GpiodOut>> GpiodOut::open(const GpioLineAddress& address)
 }
 
 GpiodOut::~GpiodOut() {
-  // Released lines keep their last level on some chips; the level that is left behind must be the inactive one.
+  // Released lines keep their last level on some chips; the level that is left behind must be the inactive
+  // one.
   static_cast<void>(set(false));
 }
 
@@ -25,6 +26,8 @@ Result<void> GpiodOut::set(bool active) noexcept {
   return {};
 }
 
-Result<bool> GpiodOut::read_back() noexcept { return read_line(request_.number(), name_.c_str()); }
+Result<bool> GpiodOut::read_back() noexcept {
+  return read_line(request_.number(), name_.c_str());
+}
 
 }  // namespace biteline::hal

@@ -9,8 +9,8 @@
 
 namespace biteline::hal {
 
-/// When the process ends in any way, SIGKILL included, most kernels give the line back to its pull; i.MX's and Raspberry
-/// Pi's leave it as it was (boards/README.md, heartbeat).
+/// When the process ends in any way, SIGKILL included, most kernels give the line back to its pull; i.MX's
+/// and Raspberry Pi's leave it as it was (boards/README.md, heartbeat).
 class GpiodOut final : public GpioOut {
  public:
   [[nodiscard]] static Result<std::unique_ptr<GpiodOut>> open(const GpioLineAddress& address);

@@ -22,7 +22,8 @@ class GpiodSafetyIn final : public SafetyIn {
   [[nodiscard]] Result<SafetyInputs> read() noexcept override;
 
  private:
-  GpiodSafetyIn(Descriptor interlock, Descriptor key) : interlock_{std::move(interlock)}, key_{std::move(key)} {}
+  GpiodSafetyIn(Descriptor interlock, Descriptor key)
+      : interlock_{std::move(interlock)}, key_{std::move(key)} {}
 
   Descriptor interlock_;
   Descriptor key_;  ///< closed on a head without key switch

@@ -102,7 +102,8 @@ Result<Descriptor> request_line(const GpioLineAddress& address, GpioDirection di
   request.config.flags = flags_of(address, direction);
   std::snprintf(request.consumer, sizeof request.consumer, "biteline");
   if (retrying_ioctl(chip.device.number(), GPIO_V2_GET_LINE_IOCTL, &request) < 0) {
-    return device_failure(errno, address.line.c_str(), errno == EBUSY ? "held by another process" : "request line");
+    return device_failure(errno, address.line.c_str(),
+                          errno == EBUSY ? "held by another process" : "request line");
   }
   return Descriptor{request.fd};
 }

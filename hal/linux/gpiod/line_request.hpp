@@ -2,8 +2,8 @@
 #pragma once
 /// \file One GPIO line asked from the kernel, through its character device (interface version 2, Linux 5.10).
 ///
-/// Not through libgpiod: Debian 12 has 1.6, which speaks version 1 of the interface, and that numbers no events, so a
-/// queue that ran over would lose edges in silence.  Version 2 counts them.
+/// Not through libgpiod: Debian 12 has 1.6, which speaks version 1 of the interface, and that numbers no
+/// events, so a queue that ran over would lose edges in silence.  Version 2 counts them.
 
 #include <cstdint>
 #include <string>
@@ -13,7 +13,8 @@
 
 namespace biteline::hal {
 
-/// A line by the chip's device ("/dev/gpiochip0") or label ("9030000.pl061", "gpio-sim"), and by its number or name.
+/// A line by the chip's device ("/dev/gpiochip0") or label ("9030000.pl061", "gpio-sim"), and by its number
+/// or name.
 struct GpioLineAddress {
   std::string chip;
   std::string line;

@@ -58,7 +58,8 @@ Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
 }
 
 void Descriptor::close() noexcept {
-  // Linux frees the number even when close() reports EINTR; a second close could hit another thread's new file.
+  // Linux frees the number even when close() reports EINTR; a second close could hit another thread's new
+  // file.
   if (number_ >= 0) ::close(std::exchange(number_, -1));
 }
 
@@ -103,7 +104,8 @@ Result<void> write_text(const char* path, std::string_view text) {
   BITELINE_ASSIGN(const Descriptor file, open_device(path, O_WRONLY));
   const ssize_t written = ::write(file.number(), text.data(), text.size());
   if (written < 0) return device_failure(errno, path, "write");
-  if (written != static_cast<ssize_t>(text.size())) return fail(Errc::DeviceError, "%.120s: short write", path);
+  if (written != static_cast<ssize_t>(text.size()))
+    return fail(Errc::DeviceError, "%.120s: short write", path);
   return {};
 }
 

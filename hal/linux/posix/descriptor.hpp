@@ -29,8 +29,8 @@ class Descriptor {
   int number_{-1};
 };
 
-/// The funnel for errno: `call` failed on `device`.  What a missing node, a pulled plug, a lack of rights, a busy device
-/// and a request that the driver does not know become is decided here and nowhere else.
+/// The funnel for errno: `call` failed on `device`.  What a missing node, a pulled plug, a lack of rights, a
+/// busy device and a request that the driver does not know become is decided here and nowhere else.
 [[nodiscard]] tl::unexpected<Error> device_failure(int sys_errno, const char* device, const char* call);
 
 [[nodiscard]] Result<Descriptor> open_device(const char* path, int flags);

@@ -11,9 +11,12 @@ namespace biteline::hal {
 namespace {
 
 /// clock_gettime(2), "Dynamic clocks": FD_TO_CLOCKID.
-clockid_t clock_of(int descriptor) { return static_cast<clockid_t>((~static_cast<unsigned>(descriptor) << 3U) | 3U); }
+clockid_t clock_of(int descriptor) {
+  return static_cast<clockid_t>((~static_cast<unsigned>(descriptor) << 3U) | 3U);
+}
 
-constexpr int k_readings = 10;  // a preemption inside one of them is near certain on a busy unit, inside all ten is not
+constexpr int k_readings =
+    10;  // a preemption inside one of them is near certain on a busy unit, inside all ten is not
 
 }  // namespace
 

@@ -24,7 +24,9 @@ void sleep_until(SensorClock::time_point instant) {
 SoftwarePwm::SoftwarePwm(std::unique_ptr<GpioOut> line, const Config& config)
     : line_{std::move(line)}, config_{config} {}
 
-SoftwarePwm::~SoftwarePwm() { static_cast<void>(stop()); }
+SoftwarePwm::~SoftwarePwm() {
+  static_cast<void>(stop());
+}
 
 Result<PwmSettings> SoftwarePwm::configure(const PwmSettings& wanted) {
   // 100 us: below it the two system calls of a pulse are no longer small against the period.
@@ -44,7 +46,8 @@ Result<void> SoftwarePwm::start() {
   PwmSettings settings;
   {
     const std::lock_guard lock{mutex_};
-    if (settings_.period == Nanoseconds{0}) return fail(Errc::WrongState, "PWM started before it was configured");
+    if (settings_.period == Nanoseconds{0})
+      return fail(Errc::WrongState, "PWM started before it was configured");
     settings = settings_;
     changed_ = false;
     health_ = {};

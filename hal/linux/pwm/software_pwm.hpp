@@ -13,13 +13,15 @@
 
 namespace biteline::hal {
 
-/// Absolute sleeps on CLOCK_MONOTONIC in a SCHED_FIFO thread.  Its edges carry the scheduler's latency (tens of
-/// microseconds on PREEMPT_RT, milliseconds without), so tie exposures to the strobe echo, never to the grid.
+/// Absolute sleeps on CLOCK_MONOTONIC in a SCHED_FIFO thread.  Its edges carry the scheduler's latency (tens
+/// of microseconds on PREEMPT_RT, milliseconds without), so tie exposures to the strobe echo, never to the
+/// grid.
 class SoftwarePwm final : public PwmOut {
  public:
   struct Config {
-    int priority{0};               ///< SCHED_FIFO 1..99; 0: the scheduler of the caller
-    bool require_real_time{true};  ///< without the right to SCHED_FIFO: true: start() refuses; false: runs without
+    int priority{0};  ///< SCHED_FIFO 1..99; 0: the scheduler of the caller
+    bool require_real_time{
+        true};  ///< without the right to SCHED_FIFO: true: start() refuses; false: runs without
   };
   SoftwarePwm(std::unique_ptr<GpioOut> line, const Config& config);
   ~SoftwarePwm() override;

@@ -49,12 +49,14 @@ Result<std::unique_ptr<SysfsPwm>> SysfsPwm::open(const Config& config) {
   return pwm;
 }
 
-SysfsPwm::~SysfsPwm() { static_cast<void>(stop()); }
+SysfsPwm::~SysfsPwm() {
+  static_cast<void>(stop());
+}
 
 Result<PwmSettings> SysfsPwm::configure(const PwmSettings& wanted) {
   if (wanted.period <= Nanoseconds{0} || wanted.pulse < Nanoseconds{0} || wanted.pulse > wanted.period) {
-    return fail(Errc::BadValue, "PWM period %lld ns, pulse %lld ns", static_cast<long long>(wanted.period.count()),
-                static_cast<long long>(wanted.pulse.count()));
+    return fail(Errc::BadValue, "PWM period %lld ns, pulse %lld ns",
+                static_cast<long long>(wanted.period.count()), static_cast<long long>(wanted.pulse.count()));
   }
   // The kernel refuses a pulse longer than the period at every single write: shorten first, lengthen last.
   BITELINE_ASSIGN(const std::int64_t pulse_now_ns, read("duty_cycle"));

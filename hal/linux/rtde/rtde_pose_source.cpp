@@ -12,7 +12,8 @@ namespace {
 /// Until the socket has something (a negative number: until the time is over).
 void wait_for(int number, short events, Nanoseconds timeout) {
   const Nanoseconds bounded = std::max(timeout, Nanoseconds{0});
-  const std::timespec limit{.tv_sec = bounded.count() / 1'000'000'000, .tv_nsec = bounded.count() % 1'000'000'000};
+  const std::timespec limit{.tv_sec = bounded.count() / 1'000'000'000,
+                            .tv_nsec = bounded.count() % 1'000'000'000};
   pollfd watched{.fd = number, .events = events, .revents = 0};
   static_cast<void>(::ppoll(&watched, 1, &limit, nullptr));
 }
@@ -22,7 +23,8 @@ void wait_for(int number, short events, Nanoseconds timeout) {
 RtdePoseSource::RtdePoseSource(const Config& config)
     : config_{config},
       samples_{config.samples},
-      session_{rtde::ClientSession::Config{.outputs = {RtdeSamples::recipe(config.samples.rate_hz)}, .inputs = {}}} {}
+      session_{rtde::ClientSession::Config{.outputs = {RtdeSamples::recipe(config.samples.rate_hz)},
+                                           .inputs = {}}} {}
 
 Result<std::unique_ptr<RtdePoseSource>> RtdePoseSource::open(const Config& config) {
   if (!(config.samples.rate_hz > 0 && config.samples.rate_hz <= 1000)) {

@@ -17,10 +17,10 @@
 
 namespace biteline::hal {
 
-/// Everything happens within next_pose(): no thread.  A connection that fails, ends, says what it should not or falls silent
-/// is given up and made anew, with the whole hand-shake, until stop().
-/// stamp_sensor is the controller's stamp through the measured clock map; what stays is the constant part of the delay,
-/// which the calibrated pose_clock_offset takes up.
+/// Everything happens within next_pose(): no thread.  A connection that fails, ends, says what it should not
+/// or falls silent is given up and made anew, with the whole hand-shake, until stop(). stamp_sensor is the
+/// controller's stamp through the measured clock map; what stays is the constant part of the delay, which the
+/// calibrated pose_clock_offset takes up.
 class RtdePoseSource final : public PoseSource {
  public:
   struct Config {
@@ -28,7 +28,7 @@ class RtdePoseSource final : public PoseSource {
     RtdeSamples::Config samples{};
     Nanoseconds connect_timeout{2'000'000'000};  ///< hand-shake included
     Nanoseconds retry_after{250'000'000};
-    Nanoseconds lost_after{100'000'000};         ///< 12 poses at 125 Hz
+    Nanoseconds lost_after{100'000'000};  ///< 12 poses at 125 Hz
   };
   [[nodiscard]] static Result<std::unique_ptr<RtdePoseSource>> open(const Config& config);
 

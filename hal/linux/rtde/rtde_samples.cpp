@@ -10,8 +10,8 @@ namespace {
 // Places in the recipe.
 enum Field : std::size_t { k_timestamp, k_tcp_pose, k_tcp_offset, k_runtime_state, k_safety_bits };
 
-// Universal Robots, RTDE Guide: runtime_state 2 = playing; safety_status_bits 2 protective stop, 5 system, 6 robot and
-// 7 any emergency stop.
+// Universal Robots, RTDE Guide: runtime_state 2 = playing; safety_status_bits 2 protective stop, 5 system, 6
+// robot and 7 any emergency stop.
 constexpr std::uint32_t k_runtime_playing = 2;
 constexpr std::uint32_t k_safety_protective = 1U << 2U;
 constexpr std::uint32_t k_safety_emergency = 1U << 5U | 1U << 6U | 1U << 7U;
@@ -20,8 +20,9 @@ constexpr std::uint32_t k_safety_emergency = 1U << 5U | 1U << 6U | 1U << 7U;
 std::optional<SE3> to_motion(const rtde::Vector6& pose) {
   constexpr double k_mm_per_m = 1000;
   constexpr double k_reach_max_m = 100;  // no arm; what is beyond is no pose
-  const bool sane = std::all_of(pose.begin(), pose.end(),
-                                [](double part) { return std::isfinite(part) && std::abs(part) < k_reach_max_m; });
+  const bool sane = std::all_of(pose.begin(), pose.end(), [](double part) {
+    return std::isfinite(part) && std::abs(part) < k_reach_max_m;
+  });
   if (!sane) return std::nullopt;
   SE3 T = SE3::Identity();
   T.translation() = k_mm_per_m * Vec3{pose[0], pose[1], pose[2]};
@@ -43,9 +44,10 @@ void RtdeSamples::on_data(std::size_t, std::span<const rtde::Value> values) {
   const auto* const tcp_offset = std::get_if<rtde::Vector6>(&values[k_tcp_offset]);
   const auto* const runtime_state = std::get_if<std::uint32_t>(&values[k_runtime_state]);
   const auto* const safety_bits = std::get_if<std::uint32_t>(&values[k_safety_bits]);
-  constexpr double k_time_max_s = 4e9;  // 127 years: nanoseconds in 63 bits hold twice that, and so any difference to ours
-  if (!time_s || !tcp_pose || !tcp_offset || !runtime_state || !safety_bits ||
-      !std::isfinite(*time_s) || *time_s < 0 || *time_s > k_time_max_s) {
+  constexpr double k_time_max_s =
+      4e9;  // 127 years: nanoseconds in 63 bits hold twice that, and so any difference to ours
+  if (!time_s || !tcp_pose || !tcp_offset || !runtime_state || !safety_bits || !std::isfinite(*time_s) ||
+      *time_s < 0 || *time_s > k_time_max_s) {
     ++counts_.poses_rejected;
     return;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file From RTDE data packages to pose samples: units, TCP offset, status, sequence, and the controller's clock on ours.
+/// \file From RTDE data packages to pose samples: units, TCP offset, status, sequence, and the controller's
+/// clock on ours.
 
 #include <array>
 #include <cstdint>
@@ -14,7 +15,7 @@ namespace biteline::hal {
 
 struct RtdeSampleCounts {
   std::uint64_t poses{0};
-  std::uint64_t poses_lost{0};      ///< gaps in the controller's stamps, and samples nobody fetched
+  std::uint64_t poses_lost{0};  ///< gaps in the controller's stamps, and samples nobody fetched
   std::uint64_t poses_rejected{0};
 };
 
@@ -22,7 +23,7 @@ struct RtdeSampleCounts {
 class RtdeSamples final : public rtde::ClientListener {
  public:
   struct Config {
-    double rate_hz{500};                ///< of the recipe; 125 on CB3
+    double rate_hz{500};  ///< of the recipe; 125 on CB3
     ClockMapCore::Config clock{};
   };
   explicit RtdeSamples(const Config& config) : config_{config}, clock_{config.clock} {}
@@ -30,7 +31,8 @@ class RtdeSamples final : public rtde::ClientListener {
   /// The recipe whose data packages are read here.
   [[nodiscard]] static rtde::ClientSession::OutputRecipe recipe(double rate_hz);
 
-  /// A new connection: the sequence goes on; stamps go on too, with a gap, or begin anew with a controller that did.
+  /// A new connection: the sequence goes on; stamps go on too, with a gap, or begin anew with a controller
+  /// that did.
   void begin_connection() { first_of_connection_ = true; }
   /// When the bytes about to be consumed arrived.
   void set_received(SensorClock::time_point received) { received_ = received; }

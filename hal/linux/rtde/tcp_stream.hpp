@@ -29,7 +29,8 @@ class TcpStream {
   /// Sends what the kernel takes and removes it from the front of `bytes`.
   [[nodiscard]] Result<void> send(std::vector<std::uint8_t>& bytes);
 
-  /// What arrived, at most the whole of `buffer`; nothing when nothing did.  Errc::ConnectionLost at the peer's end.
+  /// What arrived, at most the whole of `buffer`; nothing when nothing did.  Errc::ConnectionLost at the
+  /// peer's end.
   [[nodiscard]] Result<std::span<const std::uint8_t>> receive(std::span<std::uint8_t> buffer);
 
   [[nodiscard]] int number() const { return socket_.number(); }

@@ -13,7 +13,8 @@ Result<std::unique_ptr<CanEncoder>> CanEncoder::open(std::unique_ptr<CanBus> bus
 }
 
 Result<EncoderReading> CanEncoder::read() noexcept {
-  // Bounded: an encoder sends at most once a millisecond, so more than this is a bus gone wild and waits for the next call.
+  // Bounded: an encoder sends at most once a millisecond, so more than this is a bus gone wild and waits for
+  // the next call.
   constexpr int k_frames_max = 256;
   for (int i = 0; i < k_frames_max; ++i) {
     const Result<CanFrame> frame = bus_->receive(Nanoseconds{0});

@@ -15,10 +15,11 @@ namespace biteline::hal {
 class CanEncoder final : public EncoderIn {
  public:
   struct Config {
-    std::uint8_t node{1};           ///< CANopen node 1..127
-    std::uint32_t range_ticks{0};   ///< object 6002h; 0: 32 bits
+    std::uint8_t node{1};          ///< CANopen node 1..127
+    std::uint32_t range_ticks{0};  ///< object 6002h; 0: 32 bits
   };
-  [[nodiscard]] static Result<std::unique_ptr<CanEncoder>> open(std::unique_ptr<CanBus> bus, const Config& config);
+  [[nodiscard]] static Result<std::unique_ptr<CanEncoder>> open(std::unique_ptr<CanBus> bus,
+                                                                const Config& config);
 
   /// The last position; Errc::Timeout before the first one came.
   [[nodiscard]] Result<EncoderReading> read() noexcept override;

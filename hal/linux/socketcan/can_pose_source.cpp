@@ -26,7 +26,8 @@ Result<void> CanPoseSource::start() {
       CanFilter{.id = config_.base_id, .mask = 0x7FC, .extended = false},
       CanFilter{.id = config_.base_id + canpose::k_fd_id_offset, .mask = 0x7FF, .extended = false}};
   if (config_.base_id % canpose::k_classic_frames != 0 || config_.base_id + canpose::k_fd_id_offset > 0x7FF) {
-    return fail(Errc::BadValue, "CAN pose base id 0x%x: a multiple of 4 below 0x7F8 expected", config_.base_id);
+    return fail(Errc::BadValue, "CAN pose base id 0x%x: a multiple of 4 below 0x7F8 expected",
+                config_.base_id);
   }
   BITELINE_TRY(bus_->set_filters(filters));
   assembler_ = canpose::Assembler{config_.base_id};
@@ -49,8 +50,8 @@ Result<PoseSample> CanPoseSource::next_pose(Nanoseconds timeout) {
     }
     // A SYNC whose instant is a guess latches nothing: its pose is placed by its own stamp.
     if (frame->stamp_estimated && frame->id == canpose::k_sync_id) continue;
-    const std::optional<canpose::AssembledPose> pose = assembler_.feed(
-        frame->id, std::span{frame->data}.first(frame->size_bytes), frame->received);
+    const std::optional<canpose::AssembledPose> pose =
+        assembler_.feed(frame->id, std::span{frame->data}.first(frame->size_bytes), frame->received);
     if (!pose) {
       // A bus full of other frames must not keep us here.
       if (clock_.now() >= deadline) {
@@ -95,7 +96,8 @@ std::optional<PoseSample> CanPoseSource::accept(const canpose::AssembledPose& po
 }
 
 void CanPoseSource::note_silence() {
-  if (state_ == PoseState::Streaming && clock_.now() - last_pose_at_ > config_.lost_after) state_ = PoseState::Lost;
+  if (state_ == PoseState::Streaming && clock_.now() - last_pose_at_ > config_.lost_after)
+    state_ = PoseState::Lost;
 }
 
 Result<void> CanPoseSource::stop() {

@@ -16,8 +16,8 @@
 
 namespace biteline::hal {
 
-/// Over any CanBus, so it runs on the simulated one too.  Poses whose SYNC was not seen are placed by their own stamps,
-/// through a map of the controller's clock that the SYNCs before them made.
+/// Over any CanBus, so it runs on the simulated one too.  Poses whose SYNC was not seen are placed by their
+/// own stamps, through a map of the controller's clock that the SYNCs before them made.
 class CanPoseSource final : public PoseSource {
  public:
   struct Config {
@@ -33,7 +33,9 @@ class CanPoseSource final : public PoseSource {
 
   /// What the bus and the assembler count; from the owner's thread.
   [[nodiscard]] CanHealth bus_health() const noexcept { return bus_->health(); }
-  [[nodiscard]] const canpose::AssemblerHealth& assembler_health() const noexcept { return assembler_.health(); }
+  [[nodiscard]] const canpose::AssemblerHealth& assembler_health() const noexcept {
+    return assembler_.health();
+  }
 
  private:
   /// Checks, counts and converts; nothing: rejected.

@@ -27,7 +27,8 @@ struct BothClocks {
   SensorClock::time_point monotonic;
 };
 
-/// Read again while something came between: a thread that is preempted there would shift every stamp by as much.
+/// Read again while something came between: a thread that is preempted there would shift every stamp by as
+/// much.
 BothClocks read_both_clocks() {
   constexpr int k_tries = 5;
   constexpr Nanoseconds k_together{5'000};  // 0.001 mm at 250 mm/s
@@ -53,7 +54,8 @@ bool set_option(int socket, int level, int name, const Value& value) {
 /// The sizes that a CAN FD frame can have; others are padded by the caller, not here.
 bool is_fd_size(std::uint8_t size_bytes) {
   constexpr std::array<std::uint8_t, 7> k_long_sizes{12, 16, 20, 24, 32, 48, 64};
-  return size_bytes <= 8 || std::find(k_long_sizes.begin(), k_long_sizes.end(), size_bytes) != k_long_sizes.end();
+  return size_bytes <= 8 ||
+         std::find(k_long_sizes.begin(), k_long_sizes.end(), size_bytes) != k_long_sizes.end();
 }
 
 }  // namespace
@@ -74,7 +76,8 @@ Result<std::unique_ptr<SocketcanBus>> SocketcanBus::open(const Config& config) {
       !set_option(socket.number(), SOL_SOCKET, SO_TIMESTAMPNS, on)) {
     return device_failure(errno, name, "CAN socket option");
   }
-  // The limit of an unprivileged socket (net.core.rmem_max) may keep it smaller; drops are counted in any case.
+  // The limit of an unprivileged socket (net.core.rmem_max) may keep it smaller; drops are counted in any
+  // case.
   if (!set_option(socket.number(), SOL_SOCKET, SO_RCVBUFFORCE, config.receive_buffer_bytes)) {
     set_option(socket.number(), SOL_SOCKET, SO_RCVBUF, config.receive_buffer_bytes);
   }
@@ -114,7 +117,8 @@ Result<CanFrame> SocketcanBus::receive(Nanoseconds timeout) {
 Result<CanFrame> SocketcanBus::read_one() {
   canfd_frame raw{};
   iovec part{.iov_base = &raw, .iov_len = sizeof raw};
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(std::timespec)) + CMSG_SPACE(sizeof(std::uint32_t))> control{};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(std::timespec)) + CMSG_SPACE(sizeof(std::uint32_t))>
+      control{};
   ::msghdr message{};
   message.msg_iov = &part;
   message.msg_iovlen = 1;
@@ -167,15 +171,17 @@ SocketcanBus::Stamp SocketcanBus::receive_stamp(const ::msghdr& message) {
   }
   const BothClocks now = read_both_clocks();
   const Nanoseconds age = now.wall - to_nanoseconds(stamp);
-  // The queue holds well below a second; an age outside is a wall clock that was stepped since the interrupt.  A smaller
-  // step shows in the distance between both clocks, which otherwise changes by 500 parts per million at most (adjtimex(2)).
+  // The queue holds well below a second; an age outside is a wall clock that was stepped since the interrupt.
+  // A smaller step shows in the distance between both clocks, which otherwise changes by 500 parts per
+  // million at most (adjtimex(2)).
   constexpr Nanoseconds k_age_max{1'000'000'000}, k_reading_error{100'000};
   const Nanoseconds apart = now.wall - now.monotonic.time_since_epoch();
   const Nanoseconds changed = std::chrono::abs(apart - clocks_apart_.value_or(apart));
   const bool stepped = changed > k_reading_error + (now.monotonic - clocks_read_) / 2000;
   clocks_apart_ = apart;
   clocks_read_ = now.monotonic;
-  if (stamped && !stepped && age >= Nanoseconds{0} && age <= k_age_max) return {.instant = now.monotonic - age};
+  if (stamped && !stepped && age >= Nanoseconds{0} && age <= k_age_max)
+    return {.instant = now.monotonic - age};
   stamps_estimated_.fetch_add(1, std::memory_order_relaxed);
   return {.instant = now.monotonic, .estimated = true};
 }
@@ -213,7 +219,8 @@ Result<void> SocketcanBus::send(const CanFrame& frame) {
   std::copy_n(frame.data.begin(), frame.size_bytes, raw.data);
   const std::size_t size = frame.fd ? CANFD_MTU : CAN_MTU;
   if (::send(socket_.number(), &raw, size, MSG_DONTWAIT) < 0) {
-    if (errno == EAGAIN) return fail_errno(Errc::Overrun, errno, "%.60s: transmit queue full", interface_.c_str());
+    if (errno == EAGAIN)
+      return fail_errno(Errc::Overrun, errno, "%.60s: transmit queue full", interface_.c_str());
     if (errno == ENETDOWN) set_state(CanState::Down);
     return device_failure(errno, interface_.c_str(), "send");
   }

@@ -3,8 +3,8 @@
 /// \file CanBus on a SocketCAN raw socket.
 
 #include <atomic>
-#include <optional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "hal/api/can_bus.hpp"
@@ -14,8 +14,9 @@ struct msghdr;
 
 namespace biteline::hal {
 
-/// Receive stamps are the kernel's (taken in the driver's interrupt) on CLOCK_REALTIME, carried over to CLOCK_MONOTONIC
-/// at the moment of reading; a step of the wall clock in between is noticed and counted (CanHealth::stamps_estimated).
+/// Receive stamps are the kernel's (taken in the driver's interrupt) on CLOCK_REALTIME, carried over to
+/// CLOCK_MONOTONIC at the moment of reading; a step of the wall clock in between is noticed and counted
+/// (CanHealth::stamps_estimated).
 class SocketcanBus final : public CanBus {
  public:
   struct Config {
@@ -31,7 +32,8 @@ class SocketcanBus final : public CanBus {
   [[nodiscard]] CanHealth health() const noexcept override;
 
  private:
-  SocketcanBus(Descriptor socket, const std::string& interface) : socket_{std::move(socket)}, interface_{interface} {}
+  SocketcanBus(Descriptor socket, const std::string& interface)
+      : socket_{std::move(socket)}, interface_{interface} {}
 
   /// A data frame; Errc::Timeout for what was read and is none (error frames, a link that went down).
   Result<CanFrame> read_one();

@@ -12,8 +12,10 @@
 namespace biteline::hal {
 namespace {
 
-Result<std::span<std::uint8_t>> map_shared(int descriptor, std::size_t size_bytes, std::int64_t offset_bytes) {
-  void* const address = ::mmap(nullptr, size_bytes, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, offset_bytes);
+Result<std::span<std::uint8_t>> map_shared(int descriptor, std::size_t size_bytes,
+                                           std::int64_t offset_bytes) {
+  void* const address =
+      ::mmap(nullptr, size_bytes, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, offset_bytes);
   if (address == MAP_FAILED) return device_failure(errno, "camera", "map buffer");
   return std::span{static_cast<std::uint8_t*>(address), size_bytes};
 }
@@ -47,7 +49,8 @@ Result<BufferSet> BufferSet::create(int device, const BufferRequest& request) {
   wanted.count = request.count;
   wanted.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   wanted.memory = set.v4l2_memory();
-  if (retrying_ioctl(device, VIDIOC_REQBUFS, &wanted) < 0) return device_failure(errno, "camera", "request buffers");
+  if (retrying_ioctl(device, VIDIOC_REQBUFS, &wanted) < 0)
+    return device_failure(errno, "camera", "request buffers");
   for (std::uint32_t i = 0; i < wanted.count; ++i) {
     BITELINE_TRY(heap.is_open() ? set.take_from_heap(heap, request) : set.map_drivers_own(i));
   }
@@ -59,7 +62,8 @@ Result<void> BufferSet::map_drivers_own(std::uint32_t index) {
   buffer.index = index;
   buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   buffer.memory = V4L2_MEMORY_MMAP;
-  if (retrying_ioctl(device_, VIDIOC_QUERYBUF, &buffer) < 0) return device_failure(errno, "camera", "query buffer");
+  if (retrying_ioctl(device_, VIDIOC_QUERYBUF, &buffer) < 0)
+    return device_failure(errno, "camera", "query buffer");
   BITELINE_ASSIGN(const std::span<std::uint8_t> bytes, map_shared(device_, buffer.length, buffer.m.offset));
   buffers_.push_back({.bytes = bytes, .dma_buf = {}});
   return {};
@@ -85,7 +89,8 @@ Result<void> BufferSet::queue(std::size_t index) const {
   buffer.memory = v4l2_memory();
   buffer.length = static_cast<std::uint32_t>(buffers_[index].bytes.size());
   if (memory_ == BufferMemory::DmaBuf) buffer.m.fd = buffers_[index].dma_buf.number();
-  if (retrying_ioctl(device_, VIDIOC_QBUF, &buffer) < 0) return device_failure(errno, "camera", "queue buffer");
+  if (retrying_ioctl(device_, VIDIOC_QBUF, &buffer) < 0)
+    return device_failure(errno, "camera", "queue buffer");
   return {};
 }
 

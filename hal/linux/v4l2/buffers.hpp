@@ -18,7 +18,7 @@ enum class BufferMemory {
 
 struct BufferRequest {
   BufferMemory memory{BufferMemory::Mapped};
-  std::string heap;          ///< "/dev/dma_heap/system"; of DmaBuf only
+  std::string heap;  ///< "/dev/dma_heap/system"; of DmaBuf only
   std::uint32_t count{6};
   std::size_t size_bytes{0};  ///< of one picture, from the format; of DmaBuf only
 };

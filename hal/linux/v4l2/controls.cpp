@@ -50,7 +50,8 @@ Result<std::int64_t> ExposureControl::steps_for(Nanoseconds exposure) const {
   const std::int64_t wanted = (exposure + unit / 2) / unit;
   if (wanted < minimum || wanted > maximum) {
     return fail(Errc::BadValue, "exposure %lld us, the camera takes %lld to %lld us",
-                static_cast<long long>(exposure.count() / 1000), static_cast<long long>(shortest().count() / 1000),
+                static_cast<long long>(exposure.count() / 1000),
+                static_cast<long long>(shortest().count() / 1000),
                 static_cast<long long>(longest().count() / 1000));
   }
   const std::int64_t in_steps = minimum + (wanted - minimum + step / 2) / step * step;
@@ -77,7 +78,8 @@ Result<Nanoseconds> set_exposure(int device, const ExposureControl& control, Nan
   BITELINE_ASSIGN(const std::int64_t steps, control.steps_for(exposure));
   BITELINE_TRY(set(device, control.id, static_cast<std::int32_t>(steps), "set exposure"));
   v4l2_control taken{.id = control.id, .value = 0};
-  if (retrying_ioctl(device, VIDIOC_G_CTRL, &taken) < 0) return device_failure(errno, "camera", "read exposure");
+  if (retrying_ioctl(device, VIDIOC_G_CTRL, &taken) < 0)
+    return device_failure(errno, "camera", "read exposure");
   return taken.value * control.unit;
 }
 
@@ -86,7 +88,8 @@ Result<void> set_gain(int device, std::int32_t gain) {
   const std::optional<v4l2_queryctrl> control = query(device, id);
   if (!control) return fail(Errc::NotSupported, "camera has no gain control");
   if (gain < control->minimum || gain > control->maximum) {
-    return fail(Errc::BadValue, "gain %d, the camera takes %d to %d", gain, control->minimum, control->maximum);
+    return fail(Errc::BadValue, "gain %d, the camera takes %d to %d", gain, control->minimum,
+                control->maximum);
   }
   return set(device, id, gain, "set gain");
 }

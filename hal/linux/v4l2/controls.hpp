@@ -10,8 +10,8 @@
 
 namespace biteline::hal {
 
-/// How a driver counts exposure: USB cameras in steps of 100 us (EXPOSURE_ABSOLUTE), raw sensors in lines, whose length
-/// follows from the pixel rate and the blanking.
+/// How a driver counts exposure: USB cameras in steps of 100 us (EXPOSURE_ABSOLUTE), raw sensors in lines,
+/// whose length follows from the pixel rate and the blanking.
 struct ExposureControl {
   std::uint32_t id{0};
   Nanoseconds unit{0};
@@ -27,7 +27,8 @@ struct ExposureControl {
 [[nodiscard]] std::optional<ExposureControl> find_exposure(int device, int width_px);
 
 /// Gives back what the driver made of it.
-[[nodiscard]] Result<Nanoseconds> set_exposure(int device, const ExposureControl& control, Nanoseconds exposure);
+[[nodiscard]] Result<Nanoseconds> set_exposure(int device, const ExposureControl& control,
+                                               Nanoseconds exposure);
 
 /// Analogue gain in the driver's steps.
 [[nodiscard]] Result<void> set_gain(int device, std::int32_t gain);

@@ -10,7 +10,8 @@
 namespace biteline::hal {
 namespace {
 
-// Not in the headers of Linux 6.1; the code is fixed by the kernel's documentation (Packed greyscale formats).
+// Not in the headers of Linux 6.1; the code is fixed by the kernel's documentation (Packed greyscale
+// formats).
 constexpr std::uint32_t k_fourcc_y12p = v4l2_fourcc('Y', '1', '2', 'P');
 
 /// Pixels of a group that shares bytes, and those bytes: every group starts on a byte.

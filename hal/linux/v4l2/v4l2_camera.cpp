@@ -42,7 +42,8 @@ v4l2_rect rectangle(const geometry::Region& region) {
 
 bool fits(const geometry::Region& region, int width_px, int height_px) {
   return region.offset_u_px >= 0 && region.offset_v_px >= 0 && region.width_px > 0 && region.height_px > 0 &&
-         region.offset_u_px + region.width_px <= width_px && region.offset_v_px + region.height_px <= height_px;
+         region.offset_u_px + region.width_px <= width_px &&
+         region.offset_v_px + region.height_px <= height_px;
 }
 
 }  // namespace
@@ -50,7 +51,9 @@ bool fits(const geometry::Region& region, int width_px, int height_px) {
 V4l2Camera::V4l2Camera(Config config, Descriptor device, Descriptor control)
     : config_{std::move(config)}, device_{std::move(device)}, control_{std::move(control)} {}
 
-V4l2Camera::~V4l2Camera() { static_cast<void>(stop()); }
+V4l2Camera::~V4l2Camera() {
+  static_cast<void>(stop());
+}
 
 Result<std::unique_ptr<V4l2Camera>> V4l2Camera::open(const Config& config) {
   BITELINE_ASSIGN(Descriptor device, open_device(config.device.c_str(), O_RDWR | O_NONBLOCK));
@@ -69,7 +72,8 @@ Result<std::unique_ptr<V4l2Camera>> V4l2Camera::open(const Config& config) {
   std::unique_ptr<V4l2Camera> camera{new V4l2Camera{config, std::move(device), std::move(control)}};
   const auto has = [&](PixelFormat format) { return has_format(camera->device_.number(), format); };
   if (config.format) {
-    if (!has(*config.format)) return fail(Errc::NotSupported, "%.100s lacks the format asked", config.device.c_str());
+    if (!has(*config.format))
+      return fail(Errc::NotSupported, "%.100s lacks the format asked", config.device.c_str());
     camera->format_ = *config.format;
   } else {
     const auto found = std::find_if(k_pixel_formats.begin(), k_pixel_formats.end(), has);
@@ -114,7 +118,8 @@ Result<CameraLimits> V4l2Camera::limits() {
   parameters.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   if (retrying_ioctl(device_.number(), VIDIOC_G_PARM, &parameters) == 0) {
     const v4l2_fract& interval = parameters.parm.capture.timeperframe;
-    if (interval.numerator > 0) limits.rate_max_hz = static_cast<double>(interval.denominator) / interval.numerator;
+    if (interval.numerator > 0)
+      limits.rate_max_hz = static_cast<double>(interval.denominator) / interval.numerator;
   }
   return limits;
 }
@@ -123,21 +128,24 @@ Result<CameraSettings> V4l2Camera::configure(const CameraSettings& wanted) {
   if (state_ == State::Running) return fail(Errc::WrongState, "camera configured while running");
   if (!fits(wanted.region, sensor_width_px_, sensor_height_px_)) {
     return fail(Errc::BadValue, "region %d x %d at %d, %d on a sensor of %d x %d", wanted.region.width_px,
-                wanted.region.height_px, wanted.region.offset_u_px, wanted.region.offset_v_px, sensor_width_px_,
-                sensor_height_px_);
+                wanted.region.height_px, wanted.region.offset_u_px, wanted.region.offset_v_px,
+                sensor_width_px_, sensor_height_px_);
   }
   if (wanted.trigger == Trigger::Hardware && !config_.hardware_trigger) {
     return fail(Errc::NotSupported, "%.100s is not wired for a trigger", config_.device.c_str());
   }
-  if (wanted.laser_off_frames) return fail(Errc::NotSupported, "V4L2 switches no strobe output: no laser-off frames");
+  if (wanted.laser_off_frames)
+    return fail(Errc::NotSupported, "V4L2 switches no strobe output: no laser-off frames");
   if (wanted.second_exposure != Nanoseconds{0}) {
     return fail(Errc::NotSupported, "V4L2 applies exposures some frames late: no bracketing");
   }
 
-  const bool whole = wanted.region.width_px == sensor_width_px_ && wanted.region.height_px == sensor_height_px_;
+  const bool whole =
+      wanted.region.width_px == sensor_width_px_ && wanted.region.height_px == sensor_height_px_;
   bool cropped = !whole && crop_in_driver(wanted.region);
   if (cropped) {
-    // Some drivers take the rectangle and give it up again for the format, or scale it into one that an earlier user left.
+    // Some drivers take the rectangle and give it up again for the format, or scale it into one that an
+    // earlier user left.
     const geometry::Region picture{.width_px = wanted.region.width_px, .height_px = wanted.region.height_px};
     cropped = set_format({.width_px = picture.width_px, .height_px = picture.height_px}).has_value();
     set_rectangle(V4L2_SEL_TGT_COMPOSE, picture);
@@ -145,8 +153,8 @@ Result<CameraSettings> V4l2Camera::configure(const CameraSettings& wanted) {
               (!has(V4L2_SEL_TGT_COMPOSE) || rectangle_is(V4L2_SEL_TGT_COMPOSE, picture));
   }
   window_ = cropped ? PictureWindow{.width_px = wanted.region.width_px, .height_px = wanted.region.height_px}
-                    : PictureWindow{wanted.region.offset_u_px, wanted.region.offset_v_px, wanted.region.width_px,
-                                    wanted.region.height_px};
+                    : PictureWindow{wanted.region.offset_u_px, wanted.region.offset_v_px,
+                                    wanted.region.width_px, wanted.region.height_px};
   if (!cropped) {
     // A rectangle that an earlier user left would be scaled, or fill a part of the picture, in silence.
     const geometry::Region sensor{.width_px = sensor_width_px_, .height_px = sensor_height_px_};
@@ -177,7 +185,9 @@ Result<CameraSettings> V4l2Camera::configure(const CameraSettings& wanted) {
 bool V4l2Camera::crop_in_driver(const geometry::Region& region) {
   v4l2_selection crop = selection(V4L2_SEL_TGT_CROP);
   crop.r = rectangle(region);
-  if (retrying_ioctl(device_.number(), VIDIOC_S_SELECTION, &crop) == 0 && rectangle_is(V4L2_SEL_TGT_CROP, region)) return true;
+  if (retrying_ioctl(device_.number(), VIDIOC_S_SELECTION, &crop) == 0 &&
+      rectangle_is(V4L2_SEL_TGT_CROP, region))
+    return true;
   return false;  // another rectangle than the one asked would move every pixel
 }
 
@@ -215,8 +225,8 @@ Result<void> V4l2Camera::set_format(PictureWindow size) {
   // A driver that scales instead of refusing would change the geometry in silence.
   if (format.fmt.pix.pixelformat != fourcc_of(format_) || picture_width_px_ != size.width_px ||
       picture_height_px_ != size.height_px) {
-    return fail(Errc::BadValue, "%.60s gives %d x %d instead of %d x %d", config_.device.c_str(), picture_width_px_,
-                picture_height_px_, size.width_px, size.height_px);
+    return fail(Errc::BadValue, "%.60s gives %d x %d instead of %d x %d", config_.device.c_str(),
+                picture_width_px_, picture_height_px_, size.width_px, size.height_px);
   }
   stride_bytes_ = std::max<std::size_t>(format.fmt.pix.bytesperline, row_bytes(format_, picture_width_px_));
   picture_bytes_ = format.fmt.pix.sizeimage;
@@ -252,7 +262,8 @@ Result<void> V4l2Camera::start() {
   lent_ = 0;
   last_sequence_.reset();
   sequence_ = 0;
-  for (auto* counter : {&counters_.frames, &counters_.frames_lost, &counters_.frames_damaged, &counters_.underruns}) {
+  for (auto* counter :
+       {&counters_.frames, &counters_.frames_lost, &counters_.frames_damaged, &counters_.underruns}) {
     *counter = 0;
   }
   int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
@@ -274,8 +285,8 @@ Result<FrameView> V4l2Camera::next_frame(Nanoseconds timeout) {
     Result<v4l2_buffer> buffer = dequeue();
     if (buffer) return to_frame(*buffer);
     if (buffer.error().code != Errc::Timeout) return lost(buffer.error());
-    // Readable without a buffer is an error state that poll reports at once, again and again; dequeue() tells it apart
-    // from a buffer another wake-up took, which cannot happen with one owner.
+    // Readable without a buffer is an error state that poll reports at once, again and again; dequeue() tells
+    // it apart from a buffer another wake-up took, which cannot happen with one owner.
     if (monotonic_now() >= deadline) return fail(Errc::Timeout, "%.100s", config_.device.c_str());
   }
 }
@@ -306,7 +317,8 @@ Result<FrameView> V4l2Camera::to_frame(const v4l2_buffer& buffer) {
   frame.width_px = window_.width_px;
   frame.height_px = window_.height_px;
   const std::uint32_t counted = last_sequence_ ? buffer.sequence - *last_sequence_ : buffer.sequence + 1;
-  const std::uint32_t steps = std::max(counted, 1U);  // a driver that repeats a number still gave another frame
+  const std::uint32_t steps =
+      std::max(counted, 1U);  // a driver that repeats a number still gave another frame
   last_sequence_ = buffer.sequence;
   if (steps != 1) {
     frame.flags |= k_frame_gap_before;
@@ -321,7 +333,8 @@ Result<FrameView> V4l2Camera::to_frame(const v4l2_buffer& buffer) {
   if (copies_) {
     frame.pixels = narrowed_[index];
     frame.stride_bytes = static_cast<std::size_t>(window_.width_px);
-    damaged |= !to_grey8({.bytes = bytes, .stride_bytes = stride_bytes_, .format = format_}, window_, narrowed_[index]);
+    damaged |= !to_grey8({.bytes = bytes, .stride_bytes = stride_bytes_, .format = format_}, window_,
+                         narrowed_[index]);
   } else {
     frame.stride_bytes = stride_bytes_;
     frame.pixels = bytes.first(stride_bytes_ * static_cast<std::size_t>(window_.height_px));
@@ -366,7 +379,8 @@ void V4l2Camera::release(const FrameView& frame) noexcept {
 
 Result<Nanoseconds> V4l2Camera::adjust_exposure(Nanoseconds exposure) {
   if (state_ != State::Running) return fail(Errc::WrongState, "camera is not running");
-  if (!exposure_control_) return fail(Errc::NotSupported, "%.100s: no exposure control", config_.device.c_str());
+  if (!exposure_control_)
+    return fail(Errc::NotSupported, "%.100s: no exposure control", config_.device.c_str());
   BITELINE_ASSIGN(settings_.exposure, set_exposure(controls(), *exposure_control_, exposure));
   return settings_.exposure;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file LineCamera on Video4Linux2: MIPI sensors behind a plain bridge, USB cameras, and the kernel's test driver.
+/// \file LineCamera on Video4Linux2: MIPI sensors behind a plain bridge, USB cameras, and the kernel's test
+/// driver.
 
 #include <atomic>
 #include <memory>
@@ -17,8 +18,8 @@ struct v4l2_buffer;
 
 namespace biteline::hal {
 
-/// A region is set in the driver where it can crop and cut out here where it cannot.  GREY frames that need no cutting are
-/// lent as the driver wrote them; all others are brought to 8 bits in buffers made at start().
+/// A region is set in the driver where it can crop and cut out here where it cannot.  GREY frames that need
+/// no cutting are lent as the driver wrote them; all others are brought to 8 bits in buffers made at start().
 ///
 /// Mid-exposure: with a start-of-exposure stamp, stamp + exposure / 2; with the usual end-of-frame stamp,
 /// stamp - readout - exposure / 2 when the readout is known (Config), else flagged k_frame_stamp_uncertain.
@@ -33,7 +34,7 @@ class V4l2Camera final : public LineCamera {
     std::optional<PixelFormat> format{};  ///< nothing: the first of k_pixel_formats that the driver has
     std::optional<std::int32_t> gain{};
     std::optional<Nanoseconds> readout{};  ///< end of exposure to the end of frame, from the data sheet
-    bool hardware_trigger{false};        ///< the sensor is wired and set up (device tree) to wait for edges
+    bool hardware_trigger{false};          ///< the sensor is wired and set up (device tree) to wait for edges
   };
 
   [[nodiscard]] static Result<std::unique_ptr<V4l2Camera>> open(const Config& config);

@@ -13,7 +13,8 @@ namespace biteline::hal {
 
 Result<std::unique_ptr<SystemdWatchdog>> SystemdWatchdog::open_from_environment() {
   const char* address = std::getenv("NOTIFY_SOCKET");
-  if (address == nullptr) return fail(Errc::DeviceNotFound, "NOTIFY_SOCKET: not started by systemd (Type=notify)");
+  if (address == nullptr)
+    return fail(Errc::DeviceNotFound, "NOTIFY_SOCKET: not started by systemd (Type=notify)");
   return open(address);
 }
 
@@ -62,7 +63,8 @@ Result<void> SystemdWatchdog::tell_status(std::string_view text) {
 Result<void> SystemdWatchdog::tell(std::string_view text) noexcept {
   if (::send(socket_.number(), text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT) < 0) {
     if (errno == EAGAIN) return fail_errno(Errc::Overrun, errno, "systemd does not read its notifications");
-    if (errno == ECONNREFUSED || errno == ENOENT) return fail_errno(Errc::DeviceLost, errno, "systemd's socket");
+    if (errno == ECONNREFUSED || errno == ENOENT)
+      return fail_errno(Errc::DeviceLost, errno, "systemd's socket");
     return device_failure(errno, "systemd", "notify");
   }
   return {};

@@ -2,8 +2,9 @@
 #pragma once
 /// \file Watchdog kept by systemd (WatchdogSec= of the unit), which kills and restarts the process.
 ///
-/// The protocol of sd_notify(3): one datagram on the socket that $NOTIFY_SOCKET names.  Spoken here and not by
-/// libsystemd, because sd_notify() allocates and connects anew at every call and feed() runs beside the frame loop.
+/// The protocol of sd_notify(3): one datagram on the socket that $NOTIFY_SOCKET names.  Spoken here and not
+/// by libsystemd, because sd_notify() allocates and connects anew at every call and feed() runs beside the
+/// frame loop.
 
 #include <memory>
 #include <string>

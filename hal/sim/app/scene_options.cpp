@@ -24,7 +24,8 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("--speed-mm-s", options.speed_mm_s, "Of the stripe along the outline")
       ->capture_default_str()
       ->check(CLI::Range(1.0, 1000.0));
-  command.add_option("--ambient-grey", options.ambient_grey, "Grey levels of the room's light in the pictures")
+  command
+      .add_option("--ambient-grey", options.ambient_grey, "Grey levels of the room's light in the pictures")
       ->check(CLI::Range(0.0, 200.0))
       ->capture_default_str();
   command.add_option("--rate-hz", options.rate_hz, "Pictures a second")

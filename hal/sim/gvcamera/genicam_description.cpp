@@ -123,7 +123,8 @@ class Description {
   void feature(const char* name) {
     features_ += std::string("<pFeature>") + name + "</pFeature>";
   }
-  void raw_register(const char* name, std::uint32_t address, const char* access, const std::string& index = {}) {
+  void raw_register(const char* name, std::uint32_t address, const char* access,
+                    const std::string& index = {}) {
     add("<IntReg Name=\"%sRegister\" "
         "NameSpace=\"Custom\"><Address>0x%x</Address>%s<Length>4</Length><AccessMode>%s</AccessMode>"
         "<pPort>Device</pPort><Sign>Unsigned</Sign><Endianess>BigEndian</Endianess></IntReg>\n",
@@ -174,7 +175,8 @@ std::string genicam_description() {
   xml.choices("TriggerActivation", k_trigger_activation, "RW", {{"RisingEdge", 0}});
 
   xml.choices("LineSelector", k_line_selector, "RW", {{"Line0", 0}, {"Line1", 1}});
-  xml.choices("LineSource", k_line_source, "RW", {{"Off", k_line_off}, {"ExposureActive", k_line_exposure_active}},
+  xml.choices("LineSource", k_line_source, "RW",
+              {{"Off", k_line_off}, {"ExposureActive", k_line_exposure_active}},
               Description::per("LineSelector", 4) + per_set);
   // Two sets in turn.  Each set's registers are its own, so that there is nothing to save.
   xml.choices("SequencerMode", k_sequencer_mode, "RW", {{"Off", 0}, {"On", 1}});
@@ -183,7 +185,8 @@ std::string genicam_description() {
   xml.command("SequencerSetSave", k_sequencer_save, 1);
   xml.integer("SequencerPathSelector", k_sequencer_path, "RW", 0, "0");
   xml.choices("SequencerTriggerSource", k_sequencer_trigger, "RW", {{"ExposureEnd", 0}});
-  xml.integer("SequencerSetNext", k_sequencer_next, "RW", 0, "1", Description::per("SequencerSetSelector", 4));
+  xml.integer("SequencerSetNext", k_sequencer_next, "RW", 0, "1",
+              Description::per("SequencerSetSelector", 4));
   xml.integer("SequencerSetStart", k_sequencer_start, "RW", 0, "1");
   xml.boolean("PtpEnable", k_ptp_enable);
   xml.choices("PtpStatus", k_ptp_status, "RO", {{"Disabled", k_ptp_disabled}, {"Slave", k_ptp_slave}});

@@ -46,7 +46,8 @@ Result<int> memory_file(const std::string& content) {
 }
 
 /// A GVCP READREG command for the version register (address 0): answered at once, changes nothing.
-constexpr std::array<std::uint8_t, 12> k_read_register{0x42, 0x01, 0x00, 0x80, 0x00, 0x04, 0xff, 0xff, 0, 0, 0, 0};
+constexpr std::array<std::uint8_t, 12> k_read_register{0x42, 0x01, 0x00, 0x80, 0x00, 0x04,
+                                                       0xff, 0xff, 0,    0,    0,    0};
 
 /// A UDP socket that `use` (connect or bind) has tied to the camera's address and port.
 Result<int> socket_at_camera(const std::string& address, decltype(&connect) use) {
@@ -59,13 +60,14 @@ Result<int> socket_at_camera(const std::string& address, decltype(&connect) use)
       use(descriptor, reinterpret_cast<const sockaddr*>(&camera), sizeof camera) != 0) {
     const int number = errno;
     if (descriptor >= 0) close(descriptor);
-    return fail_errno(Errc::ConnectFailed, number, "simulated camera: %s port %d", address.c_str(), k_gvcp_port);
+    return fail_errno(Errc::ConnectFailed, number, "simulated camera: %s port %d", address.c_str(),
+                      k_gvcp_port);
   }
   return descriptor;
 }
 
-/// Aravis shares its port with whoever else serves a camera there, and then each gets some of the other's packets:
-/// only a socket that does not share finds out.
+/// Aravis shares its port with whoever else serves a camera there, and then each gets some of the other's
+/// packets: only a socket that does not share finds out.
 Result<void> expect_free_port(const std::string& address) {
   BITELINE_ASSIGN(const int descriptor, socket_at_camera(address, &bind));
   close(descriptor);
@@ -78,7 +80,7 @@ struct GvCamera::Device {
   ArvGvFakeCamera* server{nullptr};
   ArvFakeCamera* registers{nullptr};  ///< owned by the server
   int description{-1};
-  int waker{-1};                      ///< see wake()
+  int waker{-1};  ///< see wake()
 
   Device() = default;
   Device(const Device&) = delete;
@@ -88,13 +90,15 @@ struct GvCamera::Device {
     if (description >= 0) close(description);
     if (waker >= 0) close(waker);
   }
-  /// Aravis 0.8.26 computes the time to its next look for a trigger without a sign: when its thread comes back after
-  /// that moment, as on a busy machine, it sleeps 100 ms on its socket instead.  A packet ends that sleep.
+  /// Aravis 0.8.26 computes the time to its next look for a trigger without a sign: when its thread comes
+  /// back after that moment, as on a busy machine, it sleeps 100 ms on its socket instead.  A packet ends
+  /// that sleep.
   void wake() const {
     std::array<std::uint8_t, 64> answer{};
     while (recv(waker, answer.data(), answer.size(), MSG_DONTWAIT) > 0) {
     }
-    (void)send(waker, k_read_register.data(), k_read_register.size(), MSG_DONTWAIT);  // the next trigger tries again
+    (void)send(waker, k_read_register.data(), k_read_register.size(),
+               MSG_DONTWAIT);  // the next trigger tries again
   }
   /// Joins the server's thread and gives the port back.
   void end() {
@@ -129,8 +133,7 @@ Result<std::unique_ptr<GvCamera>> GvCamera::open(const Config& config, Painter p
   const std::string path = "/proc/self/fd/" + std::to_string(device.description);
   device.server = arv_gv_fake_camera_new_full(config.address.c_str(), config.serial.c_str(), path.c_str());
   if (device.server == nullptr || arv_gv_fake_camera_is_running(device.server) == FALSE) {
-    return fail(Errc::ConnectFailed,
-                "simulated camera: %s is no interface's address of this machine",
+    return fail(Errc::ConnectFailed, "simulated camera: %s is no interface's address of this machine",
                 config.address.c_str());
   }
   g_object_set(device.server, "gvsp-lost-ratio", config.lost_packet_ratio, nullptr);
@@ -146,7 +149,8 @@ Result<std::unique_ptr<GvCamera>> GvCamera::open(const Config& config, Painter p
   device.write(k_exposure_us, static_cast<std::uint32_t>(config.exposure.count() / 1000));
   device.write(k_frame_period_us, static_cast<std::uint32_t>(1e6 / config.rate_hz));
   device.write(k_trigger_source, 1);
-  for (const std::uint32_t set : {0U, k_set_stride}) device.write(k_line_source + 4 + set, k_line_exposure_active);
+  for (const std::uint32_t set : {0U, k_set_stride})
+    device.write(k_line_source + 4 + set, k_line_exposure_active);
   device.write(k_sequencer_start, k_sequencer_started);
   device.write(k_temperature_millidegc_register, k_temperature_millidegc);
   if (config.resends) device.write(k_gvcp_capability, device.read(k_gvcp_capability) | k_can_resend);
@@ -197,16 +201,15 @@ void GvCamera::paint(void* buffer_pointer) {
   const bool sequenced = device_->read(gv_register::k_sequencer_mode) != 0;
   const std::uint32_t set = sequenced && frames_of_sequence_ % 2 == 1 ? gv_register::k_set_stride : 0;
   const std::uint64_t number = 1 + frames_of_sequence_++ % k_frame_numbers;
-  GvExposure exposure{
-      .region = {.offset_u_px = static_cast<int>(device_->read(gv_register::k_offset_x)),
-                 .offset_v_px = static_cast<int>(device_->read(gv_register::k_offset_y)),
-                 .width_px = arv_buffer_get_image_width(buffer),
-                 .height_px = arv_buffer_get_image_height(buffer)},
-      .exposure = device_->exposure(set),
-      .begin = {},
-      .triggered = false,
-      .strobe = device_->read(gv_register::k_line_source + 4 + set) == k_line_exposure_active,
-      .sequence = exposures_.fetch_add(1)};
+  GvExposure exposure{.region = {.offset_u_px = static_cast<int>(device_->read(gv_register::k_offset_x)),
+                                 .offset_v_px = static_cast<int>(device_->read(gv_register::k_offset_y)),
+                                 .width_px = arv_buffer_get_image_width(buffer),
+                                 .height_px = arv_buffer_get_image_height(buffer)},
+                      .exposure = device_->exposure(set),
+                      .begin = {},
+                      .triggered = false,
+                      .strobe = device_->read(gv_register::k_line_source + 4 + set) == k_line_exposure_active,
+                      .sequence = exposures_.fetch_add(1)};
   exposure.begin = monotonic_now() - exposure.exposure;  // free run: a frame comes when its exposure is over
   {
     const std::lock_guard lock(edges_mutex_);

@@ -45,7 +45,7 @@ class GvCamera {
     Nanoseconds clock_offset{0};  ///< camera clock minus this machine's monotonic clock
     bool ptp{true};  ///< says that its clock follows PTP (clock_offset is then that of the PTP time)
     double lost_packet_ratio{0};  ///< of the packets of the stream, thrown away before sending
-    bool resends{false};          ///< says that it can send packets again: a LossyLine stands before it, which does
+    bool resends{false};  ///< says that it can send packets again: a LossyLine stands before it, which does
   };
   /// Fills region.width * region.height pixels.
   using Painter = std::function<void(const GvExposure&, std::span<std::uint8_t>)>;
@@ -79,7 +79,8 @@ class GvCamera {
   std::mutex edges_mutex_;
   std::deque<Edge> edges_;
   std::uint32_t stream_port_{0};
-  std::uint64_t frames_of_sequence_{0};  ///< since power-up, or since the sequencer began; camera's own thread
+  std::uint64_t frames_of_sequence_{
+      0};  ///< since power-up, or since the sequencer began; camera's own thread
   std::atomic<std::uint64_t> exposures_{0};
   std::atomic<std::uint64_t> triggers_missed_{0};
 };

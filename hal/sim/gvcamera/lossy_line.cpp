@@ -148,8 +148,8 @@ void LossyLine::from_stream() {
 
 void LossyLine::garble(std::span<std::uint8_t> packet) {
   constexpr std::size_t k_leader_bytes = 44;  // GVSP header and the longest leader (image)
-  // Aravis 0.8.26 takes a packet of another format for the first of a stream of extended numbers, and ends the process over
-  // the room that it asks for.
+  // Aravis 0.8.26 takes a packet of another format for the first of a stream of extended numbers, and ends
+  // the process over the room that it asks for.
   constexpr std::size_t k_format_byte = 4;
   const std::size_t reach = random_() % 4 == 0 ? packet.size() : std::min(packet.size(), k_leader_bytes);
   for (std::uint32_t changes = 1 + random_() % 3; changes > 0; --changes) {

@@ -27,7 +27,7 @@ struct ArmState {
   SE3 T_base_flange{SE3::Identity()};
   SE3 T_flange_tcp{SE3::Identity()};
   std::optional<JointVector> q_rad{};  ///< where known; elsewhere they are followed from pose to pose
-  bool moving{false};  ///< a motion or program is on
+  bool moving{false};                  ///< a motion or program is on
   bool program_running{false};
   std::string program_name{};
   std::uint8_t outputs{0};  ///< digital outputs

@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
-#include "host/models/library.hpp"
+#include "host/transfer/library.hpp"
 
 namespace biteline::service {
 namespace {
@@ -20,32 +20,41 @@ ParsedOptions parse_options(int argc, char** argv) {
   ParsedOptions parsed;
   Options& options = parsed.options;
   RobotOptions robot;
-  SampleOptions carry{.sample = {}, .library = models::Library::default_folder(), .transfer = {}};
+  SampleOptions carry{.sample = {}, .library = transfer::Library::default_folder(), .transfer = {}};
   std::string sensor;
-  CLI::App app{"Biteline's service: takes scans in, finds the bite line, plans the path, lets the arm follow it.", "biteline-host"};
+  CLI::App app{
+      "Biteline's service: takes scans in, finds the bite line, plans the path, lets the arm follow it.",
+      "biteline-host"};
   app.set_version_flag("--version", BITELINE_VERSION);
   app.add_option("--sensor", sensor, "Where the sensor listens: tcp://HOST:PORT")->required();
   app.add_option("--keys", options.keys, "Folder of keys; compulsory beyond loopback");
   app.add_option("--out", options.out, "Folder of the results: scan-0001, scan-0002, ...")->required();
   auto* sample = app.add_option("--sample", carry.sample,
-                                "The scans are uppers without a sole: carry the line over from this sample (the folder of a finished scan, or "
+                                "The scans are uppers without a sole: carry the line over from this sample "
+                                "(the folder of a finished scan, or "
                                 "a saved model's name)");
-  app.add_option("--library", carry.library, "Folder of the saved models")->needs(sample)->capture_default_str();
+  app.add_option("--library", carry.library, "Folder of the saved models")
+      ->needs(sample)
+      ->capture_default_str();
   app.add_flag("--mirror", carry.transfer.align.mirror, "The sample is of the other foot")->needs(sample);
   app.add_flag("--grade", carry.transfer.align.grade, "The sample is of another size")->needs(sample);
-  auto* arm = app.add_option("--robot", robot.arm, "UR3e, UR5e, UR10e, UR3, UR5 or UR10: plan its path along the line");
+  auto* arm = app.add_option("--robot", robot.arm,
+                             "UR3e, UR5e, UR10e, UR3, UR5 or UR10: plan its path along the line");
   app.add_option("--process", robot.process, "Process YAML: tool, placement, motion")->needs(arm);
   app.add_option("--table-z", robot.table_z_mm, "Height of the table in the robot's base [mm]")->needs(arm);
   app.add_option("--rtde", robot.rtde, "The controller's real-time port, HOST:PORT")->capture_default_str();
   app.add_option("--script", robot.script, "The controller's script port, HOST:PORT")->capture_default_str();
-  app.add_flag("--send", robot.send, "Send a path that passed every check, and watch the arm follow it")->needs(arm);
+  app.add_flag("--send", robot.send, "Send a path that passed every check, and watch the arm follow it")
+      ->needs(arm);
   app.add_flag("--once", options.once, "One scan, then leave");
   app.add_flag("--keep-recording", options.keep_recording, "Keep the scan's messages beside its result");
-  app.add_flag("--exit-with-parent", options.exit_with_parent, "Stop when the program that started this one ends");
+  app.add_flag("--exit-with-parent", options.exit_with_parent,
+               "Stop when the program that started this one ends");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    parsed.leave_with = error.get_exit_code() == 0 ? app.exit(error) : complain(std::string{error.what()} + " (see --help)");
+    parsed.leave_with =
+        error.get_exit_code() == 0 ? app.exit(error) : complain(std::string{error.what()} + " (see --help)");
     return parsed;
   }
   const Result<wire::Endpoint> endpoint = wire::parse_endpoint(sensor);

@@ -7,13 +7,13 @@
 #include <string>
 
 #include "common/wire/endpoint.hpp"
-#include "host/models/transfer.hpp"
+#include "host/transfer/transfer.hpp"
 
 namespace biteline::service {
 
 struct RobotOptions {
-  std::string arm;                 ///< UR5e, ...
-  std::filesystem::path process;   ///< process YAML
+  std::string arm;                ///< UR5e, ...
+  std::filesystem::path process;  ///< process YAML
   std::string rtde{"127.0.0.1:30004"};
   std::string script{"127.0.0.1:30002"};
   double table_z_mm{0};
@@ -24,7 +24,7 @@ struct RobotOptions {
 struct SampleOptions {
   std::string sample;  ///< folder of a finished sample, or a saved model's name
   std::filesystem::path library;
-  models::TransferOptions transfer;
+  transfer::TransferOptions transfer;
 };
 
 struct Options {
@@ -32,7 +32,7 @@ struct Options {
   std::optional<std::filesystem::path> keys;
   std::filesystem::path out;
   std::optional<SampleOptions> sample;  ///< without: the line is looked for in the scan
-  std::optional<RobotOptions> robot;  ///< without: the line is the result
+  std::optional<RobotOptions> robot;    ///< without: the line is the result
   bool once{false};
   bool keep_recording{false};
   bool exit_with_parent{false};

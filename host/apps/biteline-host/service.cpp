@@ -8,9 +8,9 @@
 #include <thread>
 #include <utility>
 
-#include "host/models/library.hpp"
 #include "host/report/report.hpp"
-#include "host/result/line_result.hpp"
+#include "host/results/line_result.hpp"
+#include "host/transfer/library.hpp"
 
 namespace biteline::service {
 namespace {
@@ -25,7 +25,9 @@ constexpr milliseconds k_before_retry{1000};
 /// Any number will do: one command is under way at a time.
 constexpr std::uint32_t k_start_id = 1;
 
-void complain(const Error& error) { std::fprintf(stderr, "biteline-host: %s\n", to_line(error).c_str()); }
+void complain(const Error& error) {
+  std::fprintf(stderr, "biteline-host: %s\n", to_line(error).c_str());
+}
 
 /// In small steps, so that a stop is heeded.
 void wait_before_retry(const std::atomic<bool>& stop) {
@@ -46,19 +48,25 @@ Result<Service> Service::create(const Options& options) {
     robot.emplace();
     robot->options = *options.robot;
     BITELINE_ASSIGN(robot->arm, kinematics::arm_model(options.robot->arm));
-    BITELINE_ASSIGN(robot->process, trajectory::read_process(options.robot->process));
+    BITELINE_ASSIGN(robot->process, path::read_process(options.robot->process));
   }
   std::optional<Carrier> carrier;
   if (options.sample) {
-    carrier.emplace(Carrier{.name = options.sample->sample, .sample = {}, .options = options.sample->transfer});
-    BITELINE_ASSIGN(carrier->sample, models::find_sample(options.sample->sample, models::Library{options.sample->library}));
+    carrier.emplace(
+        Carrier{.name = options.sample->sample, .sample = {}, .options = options.sample->transfer});
+    BITELINE_ASSIGN(carrier->sample, transfer::find_sample(options.sample->sample,
+                                                           transfer::Library{options.sample->library}));
   }
   BITELINE_TRY(report::prepare_folder(options.out));
   return Service{options, std::move(keys), std::move(robot), std::move(carrier)};
 }
 
-Service::Service(Options options, std::optional<wire::HostKeys> keys, std::optional<Robot> robot, std::optional<Carrier> carrier)
-    : options_{std::move(options)}, keys_{std::move(keys)}, robot_{std::move(robot)}, carrier_{std::move(carrier)} {}
+Service::Service(Options options, std::optional<wire::HostKeys> keys, std::optional<Robot> robot,
+                 std::optional<Carrier> carrier)
+    : options_{std::move(options)},
+      keys_{std::move(keys)},
+      robot_{std::move(robot)},
+      carrier_{std::move(carrier)} {}
 
 Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
   BITELINE_TRY(find_unfinished());
@@ -86,12 +94,12 @@ Result<void> Service::hear_sensor() {
     return {};
   }
   if (!link_) {
-    ingest::SensorLinkConfig config;
+    intake::SensorLinkConfig config;
     config.sensor = options_.sensor;
     config.keys = keys_;
     config.protocol.acknowledge_by_itself = false;
     if (scan_) config.protocol.resume = scan_->intake.position();
-    BITELINE_ASSIGN(link_, ingest::SensorLink::open(config));
+    BITELINE_ASSIGN(link_, intake::SensorLink::open(config));
     sensor_idle_ = false;
   }
   // The next scan only once the arm is out of its way.
@@ -99,7 +107,8 @@ Result<void> Service::hear_sensor() {
     sensor_idle_ = false;
     link_->command({.id = k_start_id, .command = wire::Command::StartScan});
   }
-  BITELINE_ASSIGN(const std::optional<ingest::LinkEvent> event, link_->next(result_.valid() ? k_wait : k_turn));
+  BITELINE_ASSIGN(const std::optional<intake::LinkEvent> event,
+                  link_->next(result_.valid() ? k_wait : k_turn));
   if (event) BITELINE_TRY(on_event(*event));
   return {};
 }
@@ -119,8 +128,8 @@ std::optional<Result<ExitStatus>> Service::result_done() {
   return result_.get();
 }
 
-Result<void> Service::on_event(const ingest::LinkEvent& event) {
-  if (const auto* hello = std::get_if<ingest::Hello>(&event)) return on_hello(*hello);
+Result<void> Service::on_event(const intake::LinkEvent& event) {
+  if (const auto* hello = std::get_if<intake::Hello>(&event)) return on_hello(*hello);
   if (const auto* reply = std::get_if<wire::ControlReply>(&event)) {
     if (reply->errc == 0) return {};
     return fail(Errc::PeerRefused, "the sensor does not begin a scan: %s", reply->where.c_str());
@@ -129,14 +138,14 @@ Result<void> Service::on_event(const ingest::LinkEvent& event) {
   const std::size_t before = scan_->intake.cloud().size();
   BITELINE_TRY(scan_->intake.take(event, link_->packet()));
   link_->acknowledge();
-  if (const auto* profile = std::get_if<ingest::ProfileEvent>(&event); profile && scan_->line) {
+  if (const auto* profile = std::get_if<intake::ProfileEvent>(&event); profile && scan_->line) {
     scan_->line->add_profile(profile->profile.header.sequence,
                              std::span{scan_->intake.cloud().points}.subspan(before));
   }
   return {};
 }
 
-Result<void> Service::on_hello(const ingest::Hello& hello) {
+Result<void> Service::on_hello(const intake::Hello& hello) {
   if (scan_ && !hello.resumed) {
     // What there is of it is kept and told; it is not a result.
     say_step("the sensor no longer has the rest of %s", scan_->folder.filename().c_str());
@@ -151,31 +160,32 @@ Result<void> Service::on_hello(const ingest::Hello& hello) {
   }
   const bool has_scan = hello.scan_id != 0 && (hello.sensor.scanning || hello.sensor.lossless);
   if (!has_scan) {
-    say_step("connected to %s%s; asks for a scan", hello.sensor.name.c_str(), hello.sensor.simulated ? " (simulated)" : "");
+    say_step("connected to %s%s; asks for a scan", hello.sensor.name.c_str(),
+             hello.sensor.simulated ? " (simulated)" : "");
     sensor_idle_ = true;
     return {};
   }
   const fs::path folder = next_folder();
   BITELINE_TRY(report::prepare_folder(folder));
-  BITELINE_ASSIGN(ingest::ScanIntake intake, ingest::ScanIntake::begin(folder, hello, link_->packet()));
+  BITELINE_ASSIGN(intake::ScanIntake intake, intake::ScanIntake::begin(folder, hello, link_->packet()));
   hold_scan(folder, std::move(intake));
   say_step("takes in scan '%s' of %s%s into %s", hello.sensor.scan_name.c_str(), hello.sensor.name.c_str(),
            hello.sensor.simulated ? " (simulated)" : "", folder.c_str());
   return {};
 }
 
-void Service::hold_scan(const fs::path& folder, ingest::ScanIntake intake) {
+void Service::hold_scan(const fs::path& folder, intake::ScanIntake intake) {
   scan_.emplace(Scan{.folder = folder, .intake = std::move(intake), .line = {}});
   if (carrier_) return;
-  scan_->line = std::make_unique<live::LiveLine>(result::k_line_only);
+  scan_->line = std::make_unique<intake::LiveLine>(results::k_line_only);
   scan_->line->add_profiles(scan_->intake.cloud());
 }
 
 Result<void> Service::find_unfinished() {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator{options_.out, error}) {
-    if (!ingest::ScanIntake::is_in(entry.path()) || fs::exists(entry.path() / "report.json", error)) continue;
-    Result<ingest::ScanIntake> intake = ingest::ScanIntake::recover(entry.path());
+    if (!intake::ScanIntake::is_in(entry.path()) || fs::exists(entry.path() / "report.json", error)) continue;
+    Result<intake::ScanIntake> intake = intake::ScanIntake::recover(entry.path());
     if (!intake) {
       complain(intake.error());
       continue;
@@ -198,12 +208,13 @@ fs::path Service::next_folder() const {
 }
 
 Result<ExitStatus> Service::work_out(Scan scan) const {
-  const ingest::ScanOutcome outcome = scan.intake.finish();
+  const intake::ScanOutcome outcome = scan.intake.finish();
   BITELINE_ASSIGN(const LineStep line, carrier_ ? carry_line(scan.folder, *carrier_, outcome)
                                                 : find_line(scan.folder, outcome, *scan.line));
   if (!options_.keep_recording) scan.intake.forget();
   if (!line.line || !robot_) return line.status;
-  const PlanStepRequest request{.arm = robot_->arm, .process = robot_->process, .table_z_mm = robot_->options.table_z_mm};
+  const PlanStepRequest request{
+      .arm = robot_->arm, .process = robot_->process, .table_z_mm = robot_->options.table_z_mm};
   BITELINE_ASSIGN(const PlanStep plan, plan_path(scan.folder / "path", request, outcome, *line.line));
   if (!plan.outcome.path || !robot_->options.send) return plan.status;
   if (outcome.messages_lost > 0) {

@@ -10,45 +10,47 @@
 #include "common/core/result.hpp"
 #include "host/apps/biteline-host/options.hpp"
 #include "host/apps/biteline-host/steps.hpp"
-#include "host/ingest/scan_intake.hpp"
-#include "host/kinematics/arm_model.hpp"
-#include "host/live/live_line.hpp"
-#include "host/trajectory/process.hpp"
+#include "host/intake/live_line.hpp"
+#include "host/intake/scan_intake.hpp"
+#include "host/robot/kinematics/arm_model.hpp"
+#include "host/robot/path/process.hpp"
 
 namespace biteline::service {
 
-/// Threads: the caller's owns the link and hears the sensor at least every 100 ms whatever else goes on; each scan has
-/// one that works on its line (host/live); a result is written, planned and followed on one more, one scan at a time.
+/// Threads: the caller's owns the link and hears the sensor at least every 100 ms whatever else goes on; each
+/// scan has one that works on its line (host/intake); a result is written, planned and followed on one more,
+/// one scan at a time.
 class Service {
  public:
   /// Reads keys, process, arm and sample first: a fault there is told before anything moves.
   [[nodiscard]] static Result<Service> create(const Options& options);
 
-  /// Until `stop`; with `once` until the first scan's result.  A link or a robot that fails is one plain line and, without
-  /// `once`, tried again: a scan that was cut off goes on where it stood.
+  /// Until `stop`; with `once` until the first scan's result.  A link or a robot that fails is one plain line
+  /// and, without `once`, tried again: a scan that was cut off goes on where it stood.
   [[nodiscard]] Result<ExitStatus> run(const std::atomic<bool>& stop);
 
  private:
   struct Robot {
     kinematics::ArmModel arm;
-    trajectory::Process process;
+    path::Process process;
     RobotOptions options;
   };
   /// A scan and the folder it belongs to.
   struct Scan {
     std::filesystem::path folder;
-    ingest::ScanIntake intake;
-    std::unique_ptr<live::LiveLine> line;  ///< none where a sample's line is carried over
+    intake::ScanIntake intake;
+    std::unique_ptr<intake::LiveLine> line;  ///< none where a sample's line is carried over
   };
 
-  Service(Options options, std::optional<wire::HostKeys> keys, std::optional<Robot> robot, std::optional<Carrier> carrier);
+  Service(Options options, std::optional<wire::HostKeys> keys, std::optional<Robot> robot,
+          std::optional<Carrier> carrier);
 
   /// What the sensor has to say; connects (and goes on with `scan_`, if there is one) where there is no link.
   [[nodiscard]] Result<void> hear_sensor();
-  [[nodiscard]] Result<void> on_event(const ingest::LinkEvent& event);
-  [[nodiscard]] Result<void> on_hello(const ingest::Hello& hello);
+  [[nodiscard]] Result<void> on_event(const intake::LinkEvent& event);
+  [[nodiscard]] Result<void> on_hello(const intake::Hello& hello);
   /// Goes on with a scan as far as it has come.
-  void hold_scan(const std::filesystem::path& folder, ingest::ScanIntake intake);
+  void hold_scan(const std::filesystem::path& folder, intake::ScanIntake intake);
   /// The scan that a predecessor of this process did not finish.
   [[nodiscard]] Result<void> find_unfinished();
   [[nodiscard]] std::filesystem::path next_folder() const;
@@ -63,9 +65,9 @@ class Service {
   std::optional<wire::HostKeys> keys_;
   std::optional<Robot> robot_;
   std::optional<Carrier> carrier_;
-  std::unique_ptr<ingest::SensorLink> link_;
-  std::optional<Scan> scan_;  ///< coming in
-  bool sensor_idle_{false};   ///< it waits to be asked for a scan
+  std::unique_ptr<intake::SensorLink> link_;
+  std::optional<Scan> scan_;                ///< coming in
+  bool sensor_idle_{false};                 ///< it waits to be asked for a scan
   std::future<Result<ExitStatus>> result_;  ///< being worked out; last: its thread uses the rest
 };
 

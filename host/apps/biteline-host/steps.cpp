@@ -7,21 +7,22 @@
 #include <memory>
 
 #include "host/cloud/ply.hpp"
-#include "host/ingest/account.hpp"
+#include "host/intake/account.hpp"
 #include "host/report/report.hpp"
-#include "host/result/line_result.hpp"
-#include "host/result/plan_result.hpp"
-#include "host/result/transfer_result.hpp"
-#include "host/robot/follow.hpp"
-#include "host/robot/ur/ur_link.hpp"
-#include "host/trajectory/checks/way_there.hpp"
+#include "host/results/line_result.hpp"
+#include "host/results/plan_result.hpp"
+#include "host/results/transfer_result.hpp"
+#include "host/robot/link/follow.hpp"
+#include "host/robot/link/ur/ur_link.hpp"
+#include "host/robot/path/checks/way_there.hpp"
 
 namespace biteline::service {
 namespace {
 
 namespace fs = std::filesystem;
 
-Result<LineStep> keep_unfinished(const fs::path& folder, const ingest::ScanOutcome& scan, report::Report& report) {
+Result<LineStep> keep_unfinished(const fs::path& folder, const intake::ScanOutcome& scan,
+                                 report::Report& report) {
   const std::string reason = to_line(*scan.failure);
   const auto profiles = static_cast<unsigned long long>(scan.counts.profiles);
   report.refuse("the scan is not complete after " + std::to_string(profiles) + " profiles: " + reason);
@@ -31,12 +32,12 @@ Result<LineStep> keep_unfinished(const fs::path& folder, const ingest::ScanOutco
   return LineStep{.status = ExitStatus::Refused, .line = {}};
 }
 
-void fill_scan(const ingest::ScanOutcome& scan, report::Report& report) {
+void fill_scan(const intake::ScanOutcome& scan, report::Report& report) {
   report.fields["input"] = scan.sensor.scan_name;
   report.fields["sensor"] = scan.sensor.name;
   report.fields["simulated"] = scan.sensor.simulated;
-  report.fields["scan"] = ingest::account_of(scan.counts, scan.sensor_counters, scan.sensor_stages);
-  report.fields["devices"] = ingest::account_of(scan.sensor_devices);
+  report.fields["scan"] = intake::account_of(scan.counts, scan.sensor_counters, scan.sensor_stages);
+  report.fields["devices"] = intake::account_of(scan.sensor_devices);
   report.fields["messages_lost"] = scan.messages_lost;
 }
 
@@ -71,21 +72,22 @@ Result<std::unique_ptr<robot::ur::UrLink>> open_robot(const ControllerAddress& c
 }
 
 Result<void> write_followed(const fs::path& folder, const robot::FollowReport& followed) {
-  const trajectory::TrackDeviation& deviation = followed.deviation;
-  const nlohmann::ordered_json json{{"completed", deviation.completed},
-                                    {"samples", deviation.samples},
-                                    {"duration_s", followed.duration_s},
-                                    {"slowest_speed_ratio", followed.slowest_speed_ratio},
-                                    {"from_path_mm",
-                                     {{"mean", deviation.mean_mm},
-                                      {"rms", deviation.rms_mm},
-                                      {"p95", deviation.p95_mm},
-                                      {"max", deviation.max_mm},
-                                      {"max_at_mm", deviation.max_at_mm}}},
-                                    {"from_path_rad", {{"max", deviation.max_rad}}},
-                                    {"from_line_mm",
-                                     {{"mean", deviation.line_mean_mm}, {"p95", deviation.line_p95_mm}, {"max", deviation.line_max_mm}}},
-                                    {"covered", deviation.covered}};
+  const path::TrackDeviation& deviation = followed.deviation;
+  const nlohmann::ordered_json json{
+      {"completed", deviation.completed},
+      {"samples", deviation.samples},
+      {"duration_s", followed.duration_s},
+      {"slowest_speed_ratio", followed.slowest_speed_ratio},
+      {"from_path_mm",
+       {{"mean", deviation.mean_mm},
+        {"rms", deviation.rms_mm},
+        {"p95", deviation.p95_mm},
+        {"max", deviation.max_mm},
+        {"max_at_mm", deviation.max_at_mm}}},
+      {"from_path_rad", {{"max", deviation.max_rad}}},
+      {"from_line_mm",
+       {{"mean", deviation.line_mean_mm}, {"p95", deviation.line_p95_mm}, {"max", deviation.line_max_mm}}},
+      {"covered", deviation.covered}};
   BITELINE_TRY(robot::write_track(folder / "track.csv", followed.track));
   return report::write_file_atomically(folder / "followed.json", json.dump(2) + "\n");
 }
@@ -103,61 +105,69 @@ void say_step(const char* pattern, ...) {
   std::fflush(stdout);
 }
 
-Result<LineStep> find_line(const fs::path& folder, const ingest::ScanOutcome& scan, live::LiveLine& line) {
+Result<LineStep> find_line(const fs::path& folder, const intake::ScanOutcome& scan, intake::LiveLine& line) {
   report::Report report;
-  BITELINE_TRY(result::prepare_result_folder(folder));
+  BITELINE_TRY(results::prepare_result_folder(folder));
   fill_scan(scan, report);
   if (scan.failure) return keep_unfinished(folder, scan, report);
-  groove::Extraction extraction = result::finish_line(line, report);
-  BITELINE_ASSIGN(const ExitStatus status, result::write_line_result(folder, scan.cloud, extraction, groove::Method::Ours, report));
-  say_step("%s", result::summary(extraction).c_str());
+  bite_line::Extraction extraction = results::finish_line(line, report);
+  BITELINE_ASSIGN(const ExitStatus status, results::write_line_result(folder, scan.cloud, extraction,
+                                                                      bite_line::Method::Ours, report));
+  say_step("%s", results::summary(extraction).c_str());
   LineStep step{.status = status, .line = {}};
   if (status == ExitStatus::Done) step.line = std::move(extraction.line);
   return step;
 }
 
-Result<LineStep> carry_line(const fs::path& folder, const Carrier& carrier, const ingest::ScanOutcome& scan) {
+Result<LineStep> carry_line(const fs::path& folder, const Carrier& carrier, const intake::ScanOutcome& scan) {
   report::Report report;
-  BITELINE_TRY(result::prepare_result_folder(folder));
+  BITELINE_TRY(results::prepare_result_folder(folder));
   fill_scan(scan, report);
   report.fields["sample"] = carrier.name;
   if (scan.failure) return keep_unfinished(folder, scan, report);
-  models::Transfer transfer = report.timed("transfer", [&] { return models::transfer_line(carrier.sample, scan.cloud, carrier.options); });
+  transfer::Transfer transfer = report.timed(
+      "transfer", [&] { return transfer::transfer_line(carrier.sample, scan.cloud, carrier.options); });
   BITELINE_TRY(report.timed("write", [&] { return cloud::write_cloud(folder / "cloud.ply", scan.cloud); }));
-  BITELINE_ASSIGN(const ExitStatus status, result::write_transfer_result(folder, scan.cloud, transfer, report));
-  say_step("%s", result::summary(transfer).c_str());
+  BITELINE_ASSIGN(const ExitStatus status,
+                  results::write_transfer_result(folder, scan.cloud, transfer, report));
+  say_step("%s", results::summary(transfer).c_str());
   LineStep step{.status = status, .line = {}};
   if (status == ExitStatus::Done) step.line = std::move(transfer.carried.line);
   return step;
 }
 
-Result<PlanStep> plan_path(const fs::path& folder, const PlanStepRequest& request, const ingest::ScanOutcome& scan,
-                           const line::ClosedLine& line) {
+Result<PlanStep> plan_path(const fs::path& folder, const PlanStepRequest& request,
+                           const intake::ScanOutcome& scan, const cloud::ClosedLine& line) {
   report::Report report;
-  BITELINE_TRY(result::prepare_plan_folder(folder));
-  trajectory::PlanRequest plan_request;
+  BITELINE_TRY(results::prepare_plan_folder(folder));
+  path::PlanRequest plan_request;
   plan_request.line = line;
   plan_request.process = request.process;
   plan_request.arm = request.arm;
   plan_request.table_z_mm = request.table_z_mm;
   plan_request.cloud = scan.cloud.points;
-  trajectory::PlanOutcome outcome = report.timed("plan", [&] { return trajectory::plan(plan_request); });
-  BITELINE_ASSIGN(const ExitStatus status, result::write_plan_result(folder, plan_request, outcome, report));
+  path::PlanOutcome outcome = report.timed("plan", [&] { return path::plan(plan_request); });
+  BITELINE_ASSIGN(const ExitStatus status, results::write_plan_result(folder, plan_request, outcome, report));
   if (outcome.path) {
-    say_step("%s follows the line in %.1f s: every check passed", request.arm.name.c_str(), outcome.path->duration_s());
+    say_step("%s follows the line in %.1f s: every check passed", request.arm.name.c_str(),
+             outcome.path->duration_s());
   } else {
     say_step("refused: no path: %s", outcome.reason.c_str());
   }
   return PlanStep{.status = status, .request = std::move(plan_request), .outcome = std::move(outcome)};
 }
 
-Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, const ControllerAddress& controller) {
+Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan,
+                               const ControllerAddress& controller) {
   BITELINE_ASSIGN(const std::unique_ptr<robot::ur::UrLink> link, open_robot(controller));
   BITELINE_ASSIGN(const robot::RobotState state, robot::wait_until_still(*link, {}));
-  const trajectory::CollisionModel collisions{plan.request.arm, plan.request.process.tool, plan.outcome.surroundings};
-  const trajectory::WayThere way = trajectory::find_way_there(state.q_rad, *plan.outcome.path, plan.request.arm, collisions);
+  const path::CollisionModel collisions{plan.request.arm, plan.request.process.tool,
+                                        plan.outcome.surroundings};
+  const path::WayThere way =
+      path::find_way_there(state.q_rad, *plan.outcome.path, plan.request.arm, collisions);
   if (!way.path) {
-    say_step("refused: %s comes as near as %.1f mm: the path is not sent", way.check.detail.c_str(), way.check.value);
+    say_step("refused: %s comes as near as %.1f mm: the path is not sent", way.check.detail.c_str(),
+             way.check.value);
     return ExitStatus::Refused;
   }
   say_step("sends the path to %s", controller.script.c_str());
@@ -165,11 +175,13 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
   const Result<void> done = robot::follow(*link, *way.path, {}, followed);
   // As far as it went, also when it was stopped.
   BITELINE_TRY(write_followed(folder, followed));
-  BITELINE_TRY(result::write_tracking(folder / "path", plan.request, plan.outcome, followed.track));
+  BITELINE_TRY(results::write_tracking(folder / "path", plan.request, plan.outcome, followed.track));
   if (!done) return tl::unexpected<Error>{done.error()};
-  say_step("the arm followed the line in %.1f s: %.3f mm from it on average, %.3f mm at most; %.1f %% of it covered",
-           followed.duration_s, followed.deviation.line_mean_mm, followed.deviation.line_max_mm,
-           100 * followed.deviation.covered);
+  say_step(
+      "the arm followed the line in %.1f s: %.3f mm from it on average, %.3f mm at most; %.1f %% of it "
+      "covered",
+      followed.duration_s, followed.deviation.line_mean_mm, followed.deviation.line_max_mm,
+      100 * followed.deviation.covered);
   return followed.deviation.completed ? ExitStatus::Done : ExitStatus::Refused;
 }
 

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file What is done with a scan, step by step.  Each step writes its own result and tells it in one line on stdout.
+/// \file What is done with a scan, step by step.  Each step writes its own result and tells it in one line on
+/// stdout.
 
 #include <filesystem>
 #include <optional>
 #include <string>
 
 #include "common/core/result.hpp"
-#include "host/ingest/scan_intake.hpp"
-#include "host/kinematics/arm_model.hpp"
-#include "host/line/closed_line.hpp"
-#include "host/live/live_line.hpp"
-#include "host/models/transfer.hpp"
-#include "host/trajectory/plan.hpp"
-#include "host/trajectory/process.hpp"
+#include "host/cloud/closed_line.hpp"
+#include "host/intake/live_line.hpp"
+#include "host/intake/scan_intake.hpp"
+#include "host/robot/kinematics/arm_model.hpp"
+#include "host/robot/path/plan.hpp"
+#include "host/robot/path/process.hpp"
+#include "host/transfer/transfer.hpp"
 
 namespace biteline::service {
 
@@ -22,47 +23,49 @@ namespace biteline::service {
 
 struct LineStep {
   ExitStatus status{ExitStatus::Refused};
-  std::optional<line::ClosedLine> line;  ///< when one was found
+  std::optional<cloud::ClosedLine> line;  ///< when one was found
 };
 
-/// cloud.ply, line.csv, stages/, report.json.  A scan that did not come to its own end is refused: the cloud is kept.
-/// `line` has had every profile of the scan.
-[[nodiscard]] Result<LineStep> find_line(const std::filesystem::path& folder, const ingest::ScanOutcome& scan,
-                                         live::LiveLine& line);
+/// cloud.ply, line.csv, stages/, report.json.  A scan that did not come to its own end is refused: the cloud
+/// is kept. `line` has had every profile of the scan.
+[[nodiscard]] Result<LineStep> find_line(const std::filesystem::path& folder, const intake::ScanOutcome& scan,
+                                         intake::LiveLine& line);
 
 /// A sample, read and ready.
 struct Carrier {
   std::string name;
-  models::SampleFiles sample;
-  models::TransferOptions options;
+  transfer::SampleFiles sample;
+  transfer::TransferOptions options;
 };
 
 /// The same of an upper without a sole: its line is the sample's, carried over.
-[[nodiscard]] Result<LineStep> carry_line(const std::filesystem::path& folder, const Carrier& carrier, const ingest::ScanOutcome& scan);
+[[nodiscard]] Result<LineStep> carry_line(const std::filesystem::path& folder, const Carrier& carrier,
+                                          const intake::ScanOutcome& scan);
 
 struct PlanStepRequest {
   kinematics::ArmModel arm;
-  trajectory::Process process;
+  path::Process process;
   double table_z_mm{0};
 };
 
 struct PlanStep {
   ExitStatus status{ExitStatus::Refused};
-  trajectory::PlanRequest request;
-  trajectory::PlanOutcome outcome;  ///< with a path when every check passed
+  path::PlanRequest request;
+  path::PlanOutcome outcome;  ///< with a path when every check passed
 };
 
-/// path.csv, path.script, report.json.  The arm that scanned is the arm that follows: its base is the cloud's frame.
+/// path.csv, path.script, report.json.  The arm that scanned is the arm that follows: its base is the cloud's
+/// frame.
 [[nodiscard]] Result<PlanStep> plan_path(const std::filesystem::path& folder, const PlanStepRequest& request,
-                                         const ingest::ScanOutcome& scan, const line::ClosedLine& line);
+                                         const intake::ScanOutcome& scan, const cloud::ClosedLine& line);
 
 struct ControllerAddress {
   std::string rtde;    ///< HOST:PORT
   std::string script;  ///< HOST:PORT
 };
 
-/// Checks the arm's way to the path from where it stands, sends both, watches the arm follow: followed.json, track.csv,
-/// and the track in path/tracking.html.  Pre: the plan has a path.
+/// Checks the arm's way to the path from where it stands, sends both, watches the arm follow: followed.json,
+/// track.csv, and the track in path/tracking.html.  Pre: the plan has a path.
 [[nodiscard]] Result<ExitStatus> follow_path(const std::filesystem::path& folder, const PlanStep& plan,
                                              const ControllerAddress& controller);
 

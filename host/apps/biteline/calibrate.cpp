@@ -8,12 +8,12 @@
 
 #include "common/config/sensor_yaml.hpp"
 #include "host/apps/biteline/command.hpp"
-#include "host/calib/clock/clock_offset.hpp"
-#include "host/calib/head/comparison.hpp"
-#include "host/calib/head/head_calibration.hpp"
-#include "host/calib/head/head_pictures.hpp"
-#include "host/calib/head/head_report.hpp"
-#include "host/calib/refine/scan_refinement.hpp"
+#include "host/calibration/clock/clock_offset.hpp"
+#include "host/calibration/head/comparison.hpp"
+#include "host/calibration/head/head_calibration.hpp"
+#include "host/calibration/head/head_pictures.hpp"
+#include "host/calibration/head/head_report.hpp"
+#include "host/calibration/refine/scan_refinement.hpp"
 #include "host/report/report.hpp"
 
 namespace biteline::app {
@@ -72,25 +72,25 @@ Result<ExitStatus> refuse(report::Report& report, const std::string& reason, con
   return ExitStatus::Refused;
 }
 
-Result<calib::HeadInput> read_input(const Options& options, const std::set<std::string>& parts,
-                                    const std::optional<geometry::SensorModel>& known) {
-  calib::HeadInput input;
+Result<calibration::HeadInput> read_input(const Options& options, const std::set<std::string>& parts,
+                                          const std::optional<geometry::SensorModel>& known) {
+  calibration::HeadInput input;
   if (known) input.known_camera = known->camera;
   // The camera is under everything; its pictures are taken also when only a later part is asked for.
   if (parts.contains("camera") || !known) {
-    BITELINE_ASSIGN(input.camera, calib::read_camera_folder(options.calib));
+    BITELINE_ASSIGN(input.camera, calibration::read_camera_folder(options.calib));
   }
   if (parts.contains("laser")) {
-    BITELINE_ASSIGN(input.laser, calib::read_laser_folder(options.calib));
+    BITELINE_ASSIGN(input.laser, calibration::read_laser_folder(options.calib));
   }
   if (parts.contains("hand-eye")) {
-    BITELINE_ASSIGN(input.hand_eye, calib::read_hand_eye_folder(options.calib));
+    BITELINE_ASSIGN(input.hand_eye, calibration::read_hand_eye_folder(options.calib));
   }
   return input;
 }
 
 /// What turns pixels into points: calibrated just now, or as the given sensor.yaml says.
-calib::ScanModel scan_model(const geometry::SensorModel& sensor) {
+calibration::ScanModel scan_model(const geometry::SensorModel& sensor) {
   return {.camera = sensor.camera,
           .plane = sensor.laser_plane,
           .T_flange_cam = sensor.T_flange_cam,
@@ -106,13 +106,13 @@ double ms_of(Nanoseconds duration) {
   return 1e-6 * static_cast<double>(duration.count());
 }
 
-Result<calib::ClockOffset> clock_part(const Options& options, const geometry::SensorModel& sensor,
-                                      report::Report& report) {
-  BITELINE_ASSIGN(const calib::Scan scan, report.timed("read", [&] {
-    return calib::read_scan(options.calib / "clock", k_scan_column_step);
+Result<calibration::ClockOffset> clock_part(const Options& options, const geometry::SensorModel& sensor,
+                                            report::Report& report) {
+  BITELINE_ASSIGN(const calibration::Scan scan, report.timed("read", [&] {
+    return calibration::read_scan(options.calib / "clock", k_scan_column_step);
   }));
-  BITELINE_ASSIGN(const calib::ClockOffset clock, report.timed("clock", [&] {
-    return calib::find_clock_offset(scan, scan_model(sensor), k_clock_search_ms);
+  BITELINE_ASSIGN(const calibration::ClockOffset clock, report.timed("clock", [&] {
+    return calibration::find_clock_offset(scan, scan_model(sensor), k_clock_search_ms);
   }));
   report.fields["clock"] = {{"determined", clock.determined()}, {"offset_ms", ms_of(clock.offset)},
                             {"sigma_ms", ms_of(clock.sigma)},   {"rms_before_mm", clock.rms_before_mm},
@@ -121,19 +121,21 @@ Result<calib::ClockOffset> clock_part(const Options& options, const geometry::Se
 }
 
 /// The joint covariance of plane, mounting and clock as refine_from_scan() orders them.
-calib::RefineMatrix prior_of(const calib::HeadFit& fit, Nanoseconds clock_sigma) {
-  calib::RefineMatrix prior = calib::RefineMatrix::Zero();
+calibration::RefineMatrix prior_of(const calibration::HeadFit& fit, Nanoseconds clock_sigma) {
+  calibration::RefineMatrix prior = calibration::RefineMatrix::Zero();
   prior.topLeftCorner<9, 9>() = fit.covariance.bottomRightCorner<9, 9>();
   prior(9, 9) = std::pow(1e-9 * static_cast<double>(clock_sigma.count()), 2);
   return prior;
 }
 
-Result<void> refine_part(const Options& options, const calib::HeadFit& fit, Nanoseconds clock_sigma,
+Result<void> refine_part(const Options& options, const calibration::HeadFit& fit, Nanoseconds clock_sigma,
                          geometry::SensorModel& sensor, report::Report& report) {
-  BITELINE_ASSIGN(const calib::Scan scan,
-                  report.timed("read", [&] { return calib::read_scan(options.refine, k_scan_column_step); }));
-  BITELINE_ASSIGN(const calib::ScanRefinement refined, report.timed("refine", [&] {
-    return calib::refine_from_scan(scan, scan_model(sensor), prior_of(fit, clock_sigma), fit.plane_axes);
+  BITELINE_ASSIGN(const calibration::Scan scan, report.timed("read", [&] {
+    return calibration::read_scan(options.refine, k_scan_column_step);
+  }));
+  BITELINE_ASSIGN(const calibration::ScanRefinement refined, report.timed("refine", [&] {
+    return calibration::refine_from_scan(scan, scan_model(sensor), prior_of(fit, clock_sigma),
+                                         fit.plane_axes);
   }));
   sensor.laser_plane = refined.model.plane;
   sensor.T_flange_cam = refined.model.T_flange_cam;
@@ -147,10 +149,10 @@ Result<void> refine_part(const Options& options, const calib::HeadFit& fit, Nano
   return {};
 }
 
-Result<void> compare_part(const Options& options, const calib::HeadFit& fit, int width_px,
+Result<void> compare_part(const Options& options, const calibration::HeadFit& fit, int width_px,
                           report::Report& report) {
   BITELINE_ASSIGN(const geometry::SensorModel before, config::read_sensor_yaml(options.compare));
-  const calib::Comparison c = calib::compare_heads(fit, before, width_px);
+  const calibration::Comparison c = calibration::compare_heads(fit, before, width_px);
   report.fields["compared"] = {
       {"moved", c.moved},
       {"rms_mm", c.rms_mm},
@@ -164,7 +166,7 @@ Result<void> compare_part(const Options& options, const calib::HeadFit& fit, int
   return {};
 }
 
-void say(const calib::HeadCalibration& result, const GlobalOptions& global) {
+void say(const calibration::HeadCalibration& result, const GlobalOptions& global) {
   if (global.quiet) return;
   if (result.pixel_grid.uneven()) {
     std::fprintf(
@@ -173,7 +175,7 @@ void say(const calib::HeadCalibration& result, const GlobalOptions& global) {
         "its driver?); evened out for the rings, scans are taken as they are\n",
         result.pixel_grid.rms_px());
   }
-  for (const calib::SetAside& one : result.set_aside)
+  for (const calibration::SetAside& one : result.set_aside)
     std::fprintf(stderr, "biteline: set aside %s: %s\n", one.name.c_str(), one.reason.c_str());
 }
 
@@ -184,20 +186,21 @@ Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global
   if (!options.sensor.empty()) {
     BITELINE_ASSIGN(known, config::read_sensor_yaml(options.sensor));
   }
-  BITELINE_ASSIGN(const calib::HeadInput input,
+  BITELINE_ASSIGN(const calibration::HeadInput input,
                   report.timed("read", [&] { return read_input(options, parts, known); }));
   BITELINE_TRY(report::prepare_folder(options.out / "stages"));
   std::error_code ignored;
   fs::remove(options.out / "sensor.yaml", ignored);  // an older result must not outlive a refusal
 
-  const calib::HeadCalibration result =
-      report.timed("calibrate", [&] { return calib::calibrate_head(input); });
+  const calibration::HeadCalibration result =
+      report.timed("calibrate", [&] { return calibration::calibrate_head(input); });
   report.fields["input"] = options.calib.filename().string();
   report.fields["parts"] = parts;
-  report.fields.update(calib::report_fields(result));
+  report.fields.update(calibration::report_fields(result));
   say(result, global);
-  BITELINE_TRY(report.timed_aside(
-      "pictures", [&] { return calib::draw_calibration(result, options.calib, options.out / "stages"); }));
+  BITELINE_TRY(report.timed_aside("pictures", [&] {
+    return calibration::draw_calibration(result, options.calib, options.out / "stages");
+  }));
   if (result.refused) {
     if (error_row(result.refused->code).exit_status != ExitStatus::Refused)
       return tl::unexpected<Error>(*result.refused);
@@ -220,7 +223,7 @@ Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global
   };
   Nanoseconds clock_sigma{100'000};  // not calibrated here: what a session's own offset is trusted to
   if (parts.contains("clock")) {
-    const Result<calib::ClockOffset> clock = clock_part(options, sensor, report);
+    const Result<calibration::ClockOffset> clock = clock_part(options, sensor, report);
     if (!clock && !refused_by(clock.error())) return tl::unexpected<Error>(clock.error());
     const std::string reason = clock ? clock->reason : std::string(clock.error().where.view());
     if (reason.empty()) {

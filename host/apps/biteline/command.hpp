@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "common/core/result.hpp"
-#include "host/groove/extract.hpp"
+#include "host/bite_line/extract.hpp"
 
 namespace biteline::app {
 
@@ -16,15 +16,15 @@ struct GlobalOptions {
   bool json{false};
 };
 
-/// What main() runs after parsing: the chosen subcommand sets it from its callback.  An Error becomes one line on stderr
-/// and its row's exit status.
+/// What main() runs after parsing: the chosen subcommand sets it from its callback.  An Error becomes one
+/// line on stderr and its row's exit status.
 struct Context {
   GlobalOptions options;
   std::function<Result<ExitStatus>()> run;
 };
 
 /// --method, the same for every command that extracts a line.
-void add_method_option(CLI::App& command, groove::Method& method);
+void add_method_option(CLI::App& command, bite_line::Method& method);
 
 void add_calibrate(CLI::App& app, Context& context);
 void add_demo(CLI::App& app, Context& context);

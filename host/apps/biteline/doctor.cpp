@@ -19,8 +19,8 @@
 #include <vector>
 
 #include "host/apps/biteline/command.hpp"
-#include "host/ingest/sensor_process.hpp"
-#include "host/process/child_process.hpp"
+#include "host/intake/child_process.hpp"
+#include "host/intake/sensor_process.hpp"
 
 namespace biteline::app {
 namespace {
@@ -56,38 +56,48 @@ Finding check_program(const std::string& name) {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path() / name;
   const bool there = ::access(program.c_str(), X_OK) == 0;
-  return {"program " + name, there, there ? program.string() : "not beside this program", there ? "" : "run ./run build"};
+  return {"program " + name, there, there ? program.string() : "not beside this program",
+          there ? "" : "run ./run build"};
 }
 
 Finding check_processors() {
   const unsigned count = std::thread::hardware_concurrency();
-  return {"processors", count >= 2, std::to_string(count), count >= 2 ? "" : "use a machine with two cores or more: scan and host share them"};
+  return {"processors", count >= 2, std::to_string(count),
+          count >= 2 ? "" : "use a machine with two cores or more: scan and host share them"};
 }
 
 Finding check_realtime_kernel() {
   const bool rt = first_line("/sys/kernel/realtime") == "1";
   utsname name{};
   ::uname(&name);
-  return {"real-time kernel", rt, name.release, rt ? "" : "on the sensor: apt-get install linux-image-rt-$(dpkg --print-architecture); elsewhere start biteline-sensor with --rt=ignore"};
+  return {"real-time kernel", rt, name.release,
+          rt ? ""
+             : "on the sensor: apt-get install linux-image-rt-$(dpkg --print-architecture); elsewhere start "
+               "biteline-sensor with --rt=ignore"};
 }
 
-Finding check_limit(const std::string& what, __rlimit_resource resource, rlim_t wanted, const std::string& systemd_name) {
+Finding check_limit(const std::string& what, __rlimit_resource resource, rlim_t wanted,
+                    const std::string& systemd_name) {
   rlimit limit{};
   ::getrlimit(resource, &limit);
   const bool ready = ::geteuid() == 0 || limit.rlim_cur == RLIM_INFINITY || limit.rlim_cur >= wanted;
   const std::string seen = limit.rlim_cur == RLIM_INFINITY ? "unlimited" : std::to_string(limit.rlim_cur);
   return {what, ready, ::geteuid() == 0 ? seen + " (root)" : seen,
-          ready ? "" : "set " + systemd_name + " in the unit, or the limit in /etc/security/limits.d/biteline.conf"};
+          ready
+              ? ""
+              : "set " + systemd_name + " in the unit, or the limit in /etc/security/limits.d/biteline.conf"};
 }
 
 /// Device files of one kind, and whether this user may open them.
-Finding check_device(const std::string& what, const fs::path& folder, const std::string& prefix, const std::string& step) {
+Finding check_device(const std::string& what, const fs::path& folder, const std::string& prefix,
+                     const std::string& step) {
   const auto found = entries(folder, prefix);
   if (found.empty()) return {what, false, "none", step};
   for (const fs::path& device : found) {
     if (::access(device.c_str(), R_OK | W_OK) == 0) return {what, true, device.string(), ""};
   }
-  return {what, false, found.front().string() + ": no permission", "install the board's udev rules and join the group biteline"};
+  return {what, false, found.front().string() + ": no permission",
+          "install the board's udev rules and join the group biteline"};
 }
 
 Finding check_can() {
@@ -96,17 +106,20 @@ Finding check_can() {
     if (first_line(interface / "type") != "280") continue;
     const std::string name = interface.filename();
     const bool up = first_line(interface / "operstate") != "down";
-    return {"CAN interface", up, name + (up ? "" : " is down"), up ? "" : "ip link set " + name + " up type can bitrate 500000 restart-ms 100"};
+    return {"CAN interface", up, name + (up ? "" : " is down"),
+            up ? "" : "ip link set " + name + " up type can bitrate 500000 restart-ms 100"};
   }
   return {"CAN interface", false, "none", "enable the board's overlay, or take poses over RTDE"};
 }
 
 Finding check_receive_buffer() {
-  // Two frames of 1626 x 1236 in packets with their headers; below that GigE Vision loses packets at the first hiccup.
+  // Two frames of 1626 x 1236 in packets with their headers; below that GigE Vision loses packets at the
+  // first hiccup.
   constexpr long k_wanted_bytes = 5'000'000;
   const std::string seen = first_line("/proc/sys/net/core/rmem_max");
   const bool ready = std::strtol(seen.c_str(), nullptr, 10) >= k_wanted_bytes;
-  return {"network receive buffer", ready, seen + " bytes", ready ? "" : "sysctl -w net.core.rmem_max=8388608 (GigE Vision)"};
+  return {"network receive buffer", ready, seen + " bytes",
+          ready ? "" : "sysctl -w net.core.rmem_max=8388608 (GigE Vision)"};
 }
 
 Finding check_clock_source() {
@@ -126,11 +139,15 @@ std::vector<Finding> examine() {
       check_realtime_kernel(),
       check_limit("real-time priority", RLIMIT_RTPRIO, 80, "LimitRTPRIO=80"),
       check_limit("locked memory", RLIMIT_MEMLOCK, RLIM_INFINITY, "LimitMEMLOCK=infinity"),
-      check_device("V4L2 camera", "/dev", "video", "connect the camera and enable the board's overlay, or use a GigE camera"),
+      check_device("V4L2 camera", "/dev", "video",
+                   "connect the camera and enable the board's overlay, or use a GigE camera"),
       check_device("GPIO (laser enable, interlock)", "/dev", "gpiochip", "enable the board's overlay"),
-      check_device("PWM (hardware trigger)", "/sys/class/pwm", "pwmchip", "enable the board's overlay; without it the trigger is timed by software"),
+      check_device("PWM (hardware trigger)", "/sys/class/pwm", "pwmchip",
+                   "enable the board's overlay; without it the trigger is timed by software"),
       check_can(),
-      check_device("PTP clock", "/dev", "ptp", "use a network controller with a hardware clock; without one the camera's clock is fitted"),
+      check_device(
+          "PTP clock", "/dev", "ptp",
+          "use a network controller with a hardware clock; without one the camera's clock is fitted"),
       check_device("watchdog", "/dev", "watchdog", "enable the board's watchdog; systemd's own still works"),
   };
 }
@@ -138,9 +155,10 @@ std::vector<Finding> examine() {
 /// The sensor program's own look at each device that the board names.
 Result<std::vector<Finding>> examine_board(const std::string& board_file) {
   constexpr std::chrono::seconds k_patience{30};  // a camera that does not answer takes some seconds
-  BITELINE_ASSIGN(const fs::path program, ingest::find_sensor_program());
-  BITELINE_ASSIGN(process::ChildProcess sensor,
-                  process::ChildProcess::start({.program = program, .arguments = {"--check", "--source", "board:" + board_file}}));
+  BITELINE_ASSIGN(const fs::path program, intake::find_sensor_program());
+  BITELINE_ASSIGN(intake::ChildProcess sensor,
+                  intake::ChildProcess::start(
+                      {.program = program, .arguments = {"--check", "--source", "board:" + board_file}}));
   std::vector<Finding> findings;
   while (const Result<std::string> line = sensor.next_line(k_patience)) {
     std::istringstream row{*line};
@@ -163,20 +181,25 @@ Result<std::vector<Finding>> examine_board(const std::string& board_file) {
 
 void add_doctor(CLI::App& app, Context& context) {
   static constexpr const char* k_unit_board = "/etc/biteline/board.yaml";
-  CLI::App* command = app.add_subcommand("doctor", "Say what of this machine and board is ready, and the one step for what is not");
+  CLI::App* command = app.add_subcommand(
+      "doctor", "Say what of this machine and board is ready, and the one step for what is not");
   auto board = std::make_shared<std::string>(fs::exists(k_unit_board) ? k_unit_board : "");
-  command->add_option("--board", *board, "Open each device of this board.yaml too; a unit's own is looked at anyway")
+  command
+      ->add_option("--board", *board,
+                   "Open each device of this board.yaml too; a unit's own is looked at anyway")
       ->check(CLI::ExistingFile);
   command->callback([board, &context] {
     context.run = [board, &context]() -> Result<ExitStatus> {
       std::vector<Finding> findings = examine();
       if (!board->empty()) {
         BITELINE_ASSIGN(std::vector<Finding> devices, examine_board(*board));
-        findings.insert(findings.end(), std::make_move_iterator(devices.begin()), std::make_move_iterator(devices.end()));
+        findings.insert(findings.end(), std::make_move_iterator(devices.begin()),
+                        std::make_move_iterator(devices.end()));
       }
       if (context.options.json) {
         nlohmann::ordered_json list = nlohmann::ordered_json::array();
-        for (const Finding& f : findings) list.push_back({{"what", f.what}, {"ready", f.ready}, {"seen", f.seen}, {"step", f.step}});
+        for (const Finding& f : findings)
+          list.push_back({{"what", f.what}, {"ready", f.ready}, {"seen", f.seen}, {"step", f.step}});
         std::printf("%s\n", list.dump(2).c_str());
         return ExitStatus::Done;
       }

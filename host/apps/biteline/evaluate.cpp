@@ -6,8 +6,8 @@
 
 #include "common/csv/table.hpp"
 #include "host/apps/biteline/command.hpp"
-#include "host/measure/cloud_error.hpp"
-#include "host/measure/line_error.hpp"
+#include "host/evaluation/cloud_error.hpp"
+#include "host/evaluation/line_error.hpp"
 
 namespace biteline::app {
 namespace {
@@ -19,7 +19,8 @@ struct Options {
   bool align{false};
 };
 
-/// The shoe's z in base, from T_base_shoe.txt beside the truth; base z without one (the shoe stands on a level table).
+/// The shoe's z in base, from T_base_shoe.txt beside the truth; base z without one (the shoe stands on a
+/// level table).
 Vec3 up_beside(const fs::path& truth) {
   std::ifstream file(truth.parent_path() / "T_base_shoe.txt");
   Eigen::Matrix4d T = Eigen::Matrix4d::Identity();
@@ -41,21 +42,27 @@ void print(const nlohmann::ordered_json& figures, bool as_json) {
 }
 
 Result<ExitStatus> evaluate_line(const Options& options, bool as_json) {
-  BITELINE_ASSIGN(const line::ClosedLine result, line::read_line(options.line));
-  BITELINE_ASSIGN(const line::ClosedLine truth, line::read_positions(options.truth));
-  const measure::LineError error = options.align ? measure::line_error_aligned(result, truth) : measure::line_error(result, truth);
-  nlohmann::ordered_json figures{{"mean", error.mean_mm}, {"p95", error.p95_mm}, {"max", error.max_mm}, {"complete", error.complete},
+  BITELINE_ASSIGN(const cloud::ClosedLine result, cloud::read_line(options.line));
+  BITELINE_ASSIGN(const cloud::ClosedLine truth, cloud::read_positions(options.truth));
+  const evaluation::LineError error =
+      options.align ? evaluation::line_error_aligned(result, truth) : evaluation::line_error(result, truth);
+  nlohmann::ordered_json figures{{"mean", error.mean_mm},
+                                 {"p95", error.p95_mm},
+                                 {"max", error.max_mm},
+                                 {"complete", error.complete},
                                  {"points", result.points.size()}};
   const fs::path beside = options.truth.parent_path() / "reference.ply";
-  const fs::path surface = !options.surface.empty() ? options.surface : (fs::exists(beside) ? beside : fs::path{});
+  const fs::path surface =
+      !options.surface.empty() ? options.surface : (fs::exists(beside) ? beside : fs::path{});
   if (!surface.empty()) {
     BITELINE_ASSIGN(const cloud::TriangleMesh mesh, cloud::read_mesh(surface));
-    line::ClosedLine placed = result;
+    cloud::ClosedLine placed = result;
     for (auto& p : placed.points) {
       p.position = error.T_truth_line * p.position;
       p.normal = error.T_truth_line.linear() * p.normal;
     }
-    if (const auto angle_deg = measure::normal_error_deg(placed, measure::ReferenceSurface{mesh}, up_beside(options.truth))) {
+    if (const auto angle_deg = evaluation::normal_error_deg(placed, evaluation::ReferenceSurface{mesh},
+                                                            up_beside(options.truth))) {
       figures["normal_deg"] = *angle_deg;
     }
   }
@@ -66,15 +73,23 @@ Result<ExitStatus> evaluate_line(const Options& options, bool as_json) {
 Result<ExitStatus> evaluate_cloud(const Options& options, bool as_json) {
   BITELINE_ASSIGN(const cloud::PointCloud cloud, cloud::read_cloud(options.cloud));
   BITELINE_ASSIGN(const cloud::TriangleMesh mesh, cloud::read_mesh(options.surface));
-  const measure::ReferenceSurface surface{mesh};
-  const measure::CloudError error = options.align ? measure::cloud_error_aligned(cloud, surface) : measure::cloud_error(cloud, surface);
+  const evaluation::ReferenceSurface surface{mesh};
+  const evaluation::CloudError error = options.align ? evaluation::cloud_error_aligned(cloud, surface)
+                                                     : evaluation::cloud_error(cloud, surface);
   if (error.points == 0) {
     return fail(Errc::BadValue, "%s: no point within %.0f mm of %s (another frame?)", options.cloud.c_str(),
-                measure::k_surface_reach_mm, options.surface.c_str());
+                evaluation::k_surface_reach_mm, options.surface.c_str());
   }
-  print({{"mean", error.mean_mm}, {"rms", error.rms_mm}, {"pos", error.mean_positive_mm}, {"neg", error.mean_negative_mm},
-         {"q001", error.q001_mm}, {"q999", error.q999_mm}, {"min", error.min_mm}, {"max", error.max_mm},
-         {"points", error.points}, {"points_far", error.points_far}},
+  print({{"mean", error.mean_mm},
+         {"rms", error.rms_mm},
+         {"pos", error.mean_positive_mm},
+         {"neg", error.mean_negative_mm},
+         {"q001", error.q001_mm},
+         {"q999", error.q999_mm},
+         {"min", error.min_mm},
+         {"max", error.max_mm},
+         {"points", error.points},
+         {"points_far", error.points_far}},
         as_json);
   return ExitStatus::Done;
 }
@@ -87,7 +102,8 @@ void add_evaluate(CLI::App& app, Context& context) {
   auto* line = command->add_option("--line", options->line, "A line.csv to measure");
   auto* truth = command->add_option("--truth", options->truth, "The true line: rows that begin with x, y, z");
   auto* cloud = command->add_option("--cloud", options->cloud, "A cloud to measure");
-  command->add_option("--surface", options->surface, "The true surface, a PLY mesh; with --line it serves the normals' error");
+  command->add_option("--surface", options->surface,
+                      "The true surface, a PLY mesh; with --line it serves the normals' error");
   command->add_flag("--align", options->align, "Measure after the best rigid alignment");
   line->needs(truth);
   truth->needs(line);
@@ -95,7 +111,8 @@ void add_evaluate(CLI::App& app, Context& context) {
   command->callback([options, &context] {
     context.run = [options, &context]() -> Result<ExitStatus> {
       if (!options->line.empty()) return evaluate_line(*options, context.options.json);
-      if (options->cloud.empty()) return fail(Errc::InvalidArgument, "evaluate: --line with --truth, or --cloud with --surface");
+      if (options->cloud.empty())
+        return fail(Errc::InvalidArgument, "evaluate: --line with --truth, or --cloud with --surface");
       if (options->surface.empty()) return fail(Errc::InvalidArgument, "evaluate: --cloud needs --surface");
       return evaluate_cloud(*options, context.options.json);
     };

@@ -4,35 +4,40 @@
 #include <map>
 
 #include "host/apps/biteline/command.hpp"
-#include "host/result/line_result.hpp"
 #include "host/cloud/ply.hpp"
+#include "host/results/line_result.hpp"
 
 namespace biteline::app {
 namespace {
 
 struct Options {
   std::filesystem::path cloud, out;
-  groove::Method method{groove::Method::Ours};
+  bite_line::Method method{bite_line::Method::Ours};
 };
 
 Result<ExitStatus> extract(const Options& options, const GlobalOptions& global) {
   report::Report report;
   std::size_t dropped = 0;
-  BITELINE_ASSIGN(const cloud::PointCloud cloud, report.timed("read", [&] { return cloud::read_cloud(options.cloud, &dropped); }));
-  BITELINE_TRY(result::prepare_result_folder(options.out));
-  const groove::Extraction extraction = result::find_line(cloud, options.method, report);
+  BITELINE_ASSIGN(const cloud::PointCloud cloud,
+                  report.timed("read", [&] { return cloud::read_cloud(options.cloud, &dropped); }));
+  BITELINE_TRY(results::prepare_result_folder(options.out));
+  const bite_line::Extraction extraction = results::find_line(cloud, options.method, report);
   report.fields["input"] = options.cloud.filename().string();
   report.fields["points_not_finite"] = dropped;
-  BITELINE_ASSIGN(const ExitStatus status, result::write_line_result(options.out, cloud, extraction, options.method, report));
-  if (!global.quiet) std::fprintf(status == ExitStatus::Done ? stdout : stderr, "%s\n", result::summary(extraction).c_str());
+  BITELINE_ASSIGN(const ExitStatus status,
+                  results::write_line_result(options.out, cloud, extraction, options.method, report));
+  if (!global.quiet)
+    std::fprintf(status == ExitStatus::Done ? stdout : stderr, "%s\n", results::summary(extraction).c_str());
   return status;
 }
 
 }  // namespace
 
-void add_method_option(CLI::App& command, groove::Method& method) {
-  const std::map<std::string, groove::Method> methods{{"ours", groove::Method::Ours}, {"published", groove::Method::Published}};
-  command.add_option("--method", method, "ours, or the article's: published")->transform(CLI::CheckedTransformer(methods));
+void add_method_option(CLI::App& command, bite_line::Method& method) {
+  const std::map<std::string, bite_line::Method> methods{{"ours", bite_line::Method::Ours},
+                                                         {"published", bite_line::Method::Published}};
+  command.add_option("--method", method, "ours, or the article's: published")
+      ->transform(CLI::CheckedTransformer(methods));
 }
 
 void add_extract(CLI::App& app, Context& context) {
@@ -41,7 +46,9 @@ void add_extract(CLI::App& app, Context& context) {
   command->add_option("cloud", options->cloud, "The cloud: PLY, properties x y z in mm")->required();
   command->add_option("--out", options->out, "Folder for line.csv, report.json, stages/")->required();
   add_method_option(*command, options->method);
-  command->callback([options, &context] { context.run = [options, &context] { return extract(*options, context.options); }; });
+  command->callback([options, &context] {
+    context.run = [options, &context] { return extract(*options, context.options); };
+  });
 }
 
 }  // namespace biteline::app

@@ -16,7 +16,8 @@ int report_failure(const biteline::Error& error) {
 
 int main(int argc, char** argv) {
   using namespace biteline::app;
-  CLI::App app{"Biteline: finds a shoe's bite line in laser scans and plans a tool path along it.", "biteline"};
+  CLI::App app{"Biteline: finds a shoe's bite line in laser scans and plans a tool path along it.",
+               "biteline"};
   Context context;
   app.require_subcommand(1);
   app.fallthrough();

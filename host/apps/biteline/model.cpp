@@ -4,17 +4,17 @@
 #include <nlohmann/json.hpp>
 
 #include "host/apps/biteline/command.hpp"
-#include "host/models/library.hpp"
+#include "host/transfer/library.hpp"
 
 namespace biteline::app {
 namespace {
 
 struct Options {
   std::string name;
-  std::filesystem::path sample, process, library{models::Library::default_folder()};
+  std::filesystem::path sample, process, library{transfer::Library::default_folder()};
 };
 
-nlohmann::ordered_json json_of(const models::ModelInfo& model) {
+nlohmann::ordered_json json_of(const transfer::ModelInfo& model) {
   nlohmann::ordered_json json{{"name", model.name}, {"sound", !model.damage.has_value()}};
   if (model.damage) {
     json["damage"] = to_line(*model.damage);
@@ -26,16 +26,18 @@ nlohmann::ordered_json json_of(const models::ModelInfo& model) {
   return json;
 }
 
-void say(const models::ModelInfo& model) {
+void say(const transfer::ModelInfo& model) {
   if (model.damage) {
     std::printf("%-20s damaged: %s\n", model.name.c_str(), to_line(*model.damage).c_str());
   } else {
-    std::printf("%-20s line %.1f mm, %zu points%s\n", model.name.c_str(), model.line_length_mm, model.points, model.has_process ? ", with process" : "");
+    std::printf("%-20s line %.1f mm, %zu points%s\n", model.name.c_str(), model.line_length_mm, model.points,
+                model.has_process ? ", with process" : "");
   }
 }
 
 Result<ExitStatus> save(const Options& options, const GlobalOptions& global) {
-  BITELINE_ASSIGN(const models::ModelInfo model, models::Library{options.library}.save(options.name, options.sample, options.process));
+  BITELINE_ASSIGN(const transfer::ModelInfo model,
+                  transfer::Library{options.library}.save(options.name, options.sample, options.process));
   if (global.json) {
     std::printf("%s\n", json_of(model).dump(2).c_str());
   } else if (!global.quiet) {
@@ -45,9 +47,9 @@ Result<ExitStatus> save(const Options& options, const GlobalOptions& global) {
 }
 
 Result<ExitStatus> list(const Options& options, const GlobalOptions& global) {
-  BITELINE_ASSIGN(const std::vector<models::ModelInfo> models, models::Library{options.library}.list());
+  BITELINE_ASSIGN(const std::vector<transfer::ModelInfo> models, transfer::Library{options.library}.list());
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
-  for (const models::ModelInfo& model : models) {
+  for (const transfer::ModelInfo& model : models) {
     all.push_back(json_of(model));
     if (!global.json) say(model);
   }
@@ -56,7 +58,7 @@ Result<ExitStatus> list(const Options& options, const GlobalOptions& global) {
 }
 
 Result<ExitStatus> remove(const Options& options) {
-  BITELINE_TRY(models::Library{options.library}.remove(options.name));
+  BITELINE_TRY(transfer::Library{options.library}.remove(options.name));
   return ExitStatus::Done;
 }
 
@@ -68,14 +70,17 @@ void add_model(CLI::App& app, Context& context) {
   command->require_subcommand(1);
   command->add_option("--library", options->library, "Folder of the saved models")->capture_default_str();
 
-  CLI::App* save_command = command->add_subcommand("save", "Save a finished sample under a name; an older one of that name is replaced");
+  CLI::App* save_command = command->add_subcommand(
+      "save", "Save a finished sample under a name; an older one of that name is replaced");
   save_command->add_option("name", options->name, "The model's name")->required();
   save_command->add_option("sample", options->sample, "Folder with cloud.ply and line.csv")->required();
   save_command->add_option("--process", options->process, "YAML of the process, kept with the model");
-  save_command->callback([options, &context] { context.run = [options, &context] { return save(*options, context.options); }; });
+  save_command->callback(
+      [options, &context] { context.run = [options, &context] { return save(*options, context.options); }; });
 
   CLI::App* list_command = command->add_subcommand("list", "What is saved, and whether it is sound");
-  list_command->callback([options, &context] { context.run = [options, &context] { return list(*options, context.options); }; });
+  list_command->callback(
+      [options, &context] { context.run = [options, &context] { return list(*options, context.options); }; });
 
   CLI::App* remove_command = command->add_subcommand("remove", "Forget a model");
   remove_command->add_option("name", options->name, "The model's name")->required();

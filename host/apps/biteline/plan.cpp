@@ -6,10 +6,10 @@
 #include "common/config/sensor_yaml.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/cloud/ply.hpp"
-#include "host/kinematics/calibration.hpp"
-#include "host/kinematics/tool_touch.hpp"
-#include "host/result/plan_result.hpp"
-#include "host/trajectory/scan_process.hpp"
+#include "host/results/plan_result.hpp"
+#include "host/robot/kinematics/calibration.hpp"
+#include "host/robot/kinematics/tool_touch.hpp"
+#include "host/robot/path/scan_process.hpp"
 
 namespace biteline::app {
 namespace {
@@ -28,16 +28,16 @@ struct Options {
 };
 
 /// The process file, or the scan by the head of --scan.
-Result<trajectory::Process> read_process(const Options& options, bool turned) {
-  if (options.scan.empty()) return trajectory::read_process(options.process);
+Result<path::Process> read_process(const Options& options, bool turned) {
+  if (options.scan.empty()) return path::read_process(options.process);
   BITELINE_ASSIGN(const geometry::SensorModel sensor, config::read_sensor_yaml(options.scan));
-  trajectory::ScanSettings settings{.spacing_mm = options.spacing_mm, .turned = turned};
+  path::ScanSettings settings{.spacing_mm = options.spacing_mm, .turned = turned};
   if (sensor.rate_hz) settings.rate_hz = *sensor.rate_hz;
-  return trajectory::scan_process(sensor, settings);
+  return path::scan_process(sensor, settings);
 }
 
-Result<trajectory::PlanRequest> read_request(const Options& options, report::Report& report) {
-  trajectory::PlanRequest request;
+Result<path::PlanRequest> read_request(const Options& options, report::Report& report) {
+  path::PlanRequest request;
   BITELINE_ASSIGN(request.arm, kinematics::arm_model(options.robot));
   if (!options.kinematics.empty()) {
     BITELINE_ASSIGN(request.arm, kinematics::with_calibration(request.arm, options.kinematics));
@@ -52,7 +52,7 @@ Result<trajectory::PlanRequest> read_request(const Options& options, report::Rep
                                    {"sigma_mm", fit.sigma_mm.norm()},
                                    {"tip_mm", {fit.tip_flange.x(), fit.tip_flange.y(), fit.tip_flange.z()}}};
   }
-  BITELINE_ASSIGN(request.line, line::read_line(options.line));
+  BITELINE_ASSIGN(request.line, cloud::read_line(options.line));
   if (!options.cloud.empty()) {
     BITELINE_ASSIGN(cloud::PointCloud cloud, cloud::read_cloud(options.cloud));
     request.cloud = std::move(cloud.points);
@@ -61,23 +61,24 @@ Result<trajectory::PlanRequest> read_request(const Options& options, report::Rep
       Eigen::Quaterniond{Eigen::AngleAxisd(options.base_at[3] * k_rad_per_deg, Vec3::UnitZ())},
       Vec3{options.base_at[0], options.base_at[1], options.base_at[2]});
   request.table_z_mm = options.table_z_mm;
-  if (!options.from_deg.empty()) request.from_rad = k_rad_per_deg * Eigen::Map<const kinematics::Joints>(options.from_deg.data());
+  if (!options.from_deg.empty())
+    request.from_rad = k_rad_per_deg * Eigen::Map<const kinematics::Joints>(options.from_deg.data());
   return request;
 }
 
 Result<ExitStatus> run_plan(const Options& options, const GlobalOptions& global) {
   report::Report report;
-  BITELINE_ASSIGN(trajectory::PlanRequest request,
+  BITELINE_ASSIGN(path::PlanRequest request,
                   report.timed("read", [&] { return read_request(options, report); }));
-  BITELINE_TRY(result::prepare_plan_folder(options.out));
-  trajectory::PlanOutcome outcome = report.timed("plan", [&] { return trajectory::plan(request); });
+  BITELINE_TRY(results::prepare_plan_folder(options.out));
+  path::PlanOutcome outcome = report.timed("plan", [&] { return path::plan(request); });
   if (!outcome.path && !options.scan.empty()) {
     // A head scans either way round; what the arm cannot do one way it may do the other.
     BITELINE_ASSIGN(request.process, read_process(options, true));
-    trajectory::PlanOutcome turned = report.timed("plan", [&] { return trajectory::plan(request); });
+    path::PlanOutcome turned = report.timed("plan", [&] { return path::plan(request); });
     if (turned.path) outcome = std::move(turned);
   }
-  BITELINE_ASSIGN(const ExitStatus status, result::write_plan_result(options.out, request, outcome, report));
+  BITELINE_ASSIGN(const ExitStatus status, results::write_plan_result(options.out, request, outcome, report));
 
   if (global.json) {
     std::printf("%s\n", report.fields.dump(2).c_str());

@@ -5,10 +5,10 @@
 
 #include "common/stripe/peak_names.hpp"
 #include "host/apps/biteline/command.hpp"
-#include "host/ingest/account.hpp"
-#include "host/ingest/session_run.hpp"
+#include "host/intake/account.hpp"
+#include "host/intake/session_run.hpp"
 #include "host/report/progress.hpp"
-#include "host/result/line_result.hpp"
+#include "host/results/line_result.hpp"
 
 namespace biteline::app {
 namespace {
@@ -16,14 +16,14 @@ namespace {
 struct Options {
   std::filesystem::path session, out, sensor;
   std::string peak_mode;
-  groove::Method method{groove::Method::Ours};
+  bite_line::Method method{bite_line::Method::Ours};
 };
 
 Result<ExitStatus> replay(const Options& options, const GlobalOptions& global) {
   report::Report report;
-  BITELINE_TRY(result::prepare_result_folder(options.out));
+  BITELINE_TRY(results::prepare_result_folder(options.out));
 
-  ingest::SessionRunOptions run_options;
+  intake::SessionRunOptions run_options;
   run_options.session = options.session;
   if (!options.sensor.empty()) run_options.sensor_file = options.sensor;
   if (!options.peak_mode.empty()) run_options.sensor_options = {"--peak-mode", options.peak_mode};
@@ -33,22 +33,27 @@ Result<ExitStatus> replay(const Options& options, const GlobalOptions& global) {
     progress->set(done);
   };
   // The article's way wants the whole cloud; ours works along with the scan.
-  std::optional<live::LiveLine> line;
-  if (options.method == groove::Method::Ours) line.emplace(result::k_line_only);
-  run_options.on_profile = [&](const profile::Profile& profile, std::span<const Eigen::Vector3f> points_base) {
+  std::optional<intake::LiveLine> line;
+  if (options.method == bite_line::Method::Ours) line.emplace(results::k_line_only);
+  run_options.on_profile = [&](const profile::Profile& profile,
+                               std::span<const Eigen::Vector3f> points_base) {
     if (line) line->add_profile(profile.header.sequence, points_base);
   };
-  BITELINE_ASSIGN(const ingest::SessionRun run, report.timed("scan", [&] { return ingest::run_sensor_on_session(run_options); }));
+  BITELINE_ASSIGN(const intake::SessionRun run,
+                  report.timed("scan", [&] { return intake::run_sensor_on_session(run_options); }));
   progress.reset();
 
-  const groove::Extraction extraction =
-      line ? result::finish_line(*line, report) : result::find_line(run.cloud, options.method, report);
+  const bite_line::Extraction extraction =
+      line ? results::finish_line(*line, report) : results::find_line(run.cloud, options.method, report);
 
   report.fields["input"] = options.session.filename().string();
-  report.fields["scan"] = ingest::account_of(run.counts, run.sensor_counters, run.sensor_stages);
-  report.fields["frames_per_s"] = run.stream_s > 0 ? static_cast<double>(run.counts.profiles) / run.stream_s : 0.0;
-  BITELINE_ASSIGN(const ExitStatus status, result::write_line_result(options.out, run.cloud, extraction, options.method, report));
-  if (!global.quiet) std::fprintf(status == ExitStatus::Done ? stdout : stderr, "%s\n", result::summary(extraction).c_str());
+  report.fields["scan"] = intake::account_of(run.counts, run.sensor_counters, run.sensor_stages);
+  report.fields["frames_per_s"] =
+      run.stream_s > 0 ? static_cast<double>(run.counts.profiles) / run.stream_s : 0.0;
+  BITELINE_ASSIGN(const ExitStatus status,
+                  results::write_line_result(options.out, run.cloud, extraction, options.method, report));
+  if (!global.quiet)
+    std::fprintf(status == ExitStatus::Done ? stdout : stderr, "%s\n", results::summary(extraction).c_str());
   return status;
 }
 
@@ -56,16 +61,24 @@ Result<ExitStatus> replay(const Options& options, const GlobalOptions& global) {
 
 void add_replay(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("replay", "Run a recorded session through the sensor's pipeline and the host's");
+  CLI::App* command =
+      app.add_subcommand("replay", "Run a recorded session through the sensor's pipeline and the host's");
   command->add_option("session", options->session, "The session's folder")->required();
-  command->add_option("--out", options->out, "Folder for cloud.ply, line.csv, report.json, stages/")->required();
-  command->add_option("--sensor", options->sensor,
-                      "A sensor.yaml whose intrinsics, distortion, laser plane and T_flange_cam replace the session's");
-  command->add_option("--peak-mode", options->peak_mode, "Where in a column the stripe is: by its whole shape (matched, the default), or as other sensors do")
+  command->add_option("--out", options->out, "Folder for cloud.ply, line.csv, report.json, stages/")
+      ->required();
+  command->add_option(
+      "--sensor", options->sensor,
+      "A sensor.yaml whose intrinsics, distortion, laser plane and T_flange_cam replace the session's");
+  command
+      ->add_option("--peak-mode", options->peak_mode,
+                   "Where in a column the stripe is: by its whole shape (matched, the default), or as other "
+                   "sensors do")
       ->check(CLI::IsMember(stripe::k_peak_modes).description(""))
       ->type_name("matched|maximum|threshold|centre-of-gravity|fir");
   add_method_option(*command, options->method);
-  command->callback([options, &context] { context.run = [options, &context] { return replay(*options, context.options); }; });
+  command->callback([options, &context] {
+    context.run = [options, &context] { return replay(*options, context.options); };
+  });
 }
 
 }  // namespace biteline::app

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "host/apps/biteline/command.hpp"
-#include "host/calib/rings/target.hpp"
+#include "host/calibration/rings/target.hpp"
 #include "host/report/report.hpp"
 
 namespace biteline::app {
@@ -12,19 +12,19 @@ namespace {
 
 struct Options {
   std::filesystem::path out;
-  calib::RingTarget target{
+  calibration::RingTarget target{
       .rows = 4, .cols = 7, .pitch_mm = 14, .outer_diameter_mm = 12, .inner_diameter_mm = 6};
 };
 
 Result<ExitStatus> draw(const Options& options) {
-  const calib::RingTarget& t = options.target;
+  const calibration::RingTarget& t = options.target;
   if (t.outer_diameter_mm >= t.pitch_mm)
     return fail(Errc::InvalidArgument, "--outer-diameter: less than the pitch expected");
   if (t.inner_diameter_mm >= t.outer_diameter_mm)
     return fail(Errc::InvalidArgument, "--inner-diameter: less than the outer diameter expected");
   if (options.out.extension() != ".svg")
     return fail(Errc::InvalidArgument, "--out %s: a name ending in .svg expected", options.out.c_str());
-  BITELINE_TRY(report::write_file_atomically(options.out, calib::target_svg(t)));
+  BITELINE_TRY(report::write_file_atomically(options.out, calibration::target_svg(t)));
   return ExitStatus::Done;
 }
 

@@ -5,71 +5,76 @@
 
 #include "host/apps/biteline/command.hpp"
 #include "host/cloud/ply.hpp"
-#include "host/models/identify.hpp"
-#include "host/models/transfer.hpp"
 #include "host/report/report.hpp"
-#include "host/result/line_result.hpp"
-#include "host/result/transfer_result.hpp"
+#include "host/results/line_result.hpp"
+#include "host/results/transfer_result.hpp"
+#include "host/transfer/identify.hpp"
+#include "host/transfer/transfer.hpp"
 
 namespace biteline::app {
 namespace {
 
 struct Options {
   std::string sample;  ///< folder, or a model's name; empty: find the model
-  std::filesystem::path upper, out, library{models::Library::default_folder()};
-  models::TransferOptions transfer;
+  std::filesystem::path upper, out, library{transfer::Library::default_folder()};
+  transfer::TransferOptions transfer;
 };
 
-nlohmann::ordered_json json_of(const models::Identification& found) {
+nlohmann::ordered_json json_of(const transfer::Identification& found) {
   nlohmann::ordered_json json{{"name", found.name}, {"matches", nlohmann::ordered_json::array()}};
-  for (const models::Match& match : found.matches) {
+  for (const transfer::Match& match : found.matches) {
     json["matches"].push_back({{"name", match.name},
                                {"probability", match.probability},
                                {"fits", match.alignment.accepted()},
                                {"shape_rms_mm", match.alignment.shape_rms_mm},
                                {"reason", match.alignment.reason}});
   }
-  for (const models::ModelInfo& model : found.damaged) {
+  for (const transfer::ModelInfo& model : found.damaged) {
     json["damaged"].push_back({{"name", model.name}, {"why", to_line(*model.damage)}});
   }
   return json;
 }
 
-models::Transfer refused(const std::string& reason) {
-  models::Transfer transfer;
+transfer::Transfer refused(const std::string& reason) {
+  transfer::Transfer transfer;
   transfer.reason = reason;
   return transfer;
 }
 
 /// The sample that was named, or the model that the upper is found to be.
-Result<models::Transfer> carry_over(const Options& options, const cloud::PointCloud& upper, report::Report& report) {
-  const models::Library library{options.library};
+Result<transfer::Transfer> carry_over(const Options& options, const cloud::PointCloud& upper,
+                                      report::Report& report) {
+  const transfer::Library library{options.library};
   std::string sample_name = options.sample;
   if (sample_name.empty()) {
-    const Result<models::Identification> found =
-        report.timed("identify", [&] { return models::identify(library, upper, options.transfer.align); });
-    if (!found && found.error().code == Errc::Refused) return refused(std::string{found.error().where.view()});
+    const Result<transfer::Identification> found =
+        report.timed("identify", [&] { return transfer::identify(library, upper, options.transfer.align); });
+    if (!found && found.error().code == Errc::Refused)
+      return refused(std::string{found.error().where.view()});
     BITELINE_TRY(found);
     report.fields["identified"] = json_of(*found);
     if (found->name.empty()) return refused(found->reason);
     sample_name = found->name;
   }
   report.fields["sample"] = sample_name;
-  BITELINE_ASSIGN(const models::SampleFiles sample, report.timed("read_sample", [&] { return models::find_sample(sample_name, library); }));
-  return report.timed("transfer", [&] { return models::transfer_line(sample, upper, options.transfer); });
+  BITELINE_ASSIGN(const transfer::SampleFiles sample,
+                  report.timed("read_sample", [&] { return transfer::find_sample(sample_name, library); }));
+  return report.timed("transfer", [&] { return transfer::transfer_line(sample, upper, options.transfer); });
 }
 
 Result<ExitStatus> transfer(const Options& options, const GlobalOptions& global) {
   report::Report report;
-  BITELINE_TRY(result::prepare_result_folder(options.out));
-  BITELINE_ASSIGN(const cloud::PointCloud upper, report.timed("read", [&] { return cloud::read_cloud(options.upper); }));
+  BITELINE_TRY(results::prepare_result_folder(options.out));
+  BITELINE_ASSIGN(const cloud::PointCloud upper,
+                  report.timed("read", [&] { return cloud::read_cloud(options.upper); }));
   report.fields["upper"] = options.upper.filename().string();
-  BITELINE_ASSIGN(const models::Transfer result, carry_over(options, upper, report));
-  BITELINE_ASSIGN(const ExitStatus status, result::write_transfer_result(options.out, upper, result, report));
+  BITELINE_ASSIGN(const transfer::Transfer result, carry_over(options, upper, report));
+  BITELINE_ASSIGN(const ExitStatus status,
+                  results::write_transfer_result(options.out, upper, result, report));
   if (global.json) {
     std::printf("%s\n", report.fields.dump(2).c_str());
   } else if (!global.quiet) {
-    std::fprintf(result.found ? stdout : stderr, "%s\n", result::summary(result).c_str());
+    std::fprintf(result.found ? stdout : stderr, "%s\n", results::summary(result).c_str());
   }
   return status;
 }
@@ -78,17 +83,28 @@ Result<ExitStatus> transfer(const Options& options, const GlobalOptions& global)
 
 void add_transfer(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("transfer", "Carry a sample's bite line over to the next upper of its model");
-  command->add_option("--sample", options->sample, "Folder of a finished sample, or a saved model's name; left out: find the model");
+  CLI::App* command =
+      app.add_subcommand("transfer", "Carry a sample's bite line over to the next upper of its model");
+  command->add_option("--sample", options->sample,
+                      "Folder of a finished sample, or a saved model's name; left out: find the model");
   command->add_option("--upper", options->upper, "The upper's cloud: PLY, mm")->required();
   command->add_option("--out", options->out, "Folder for line.csv, report.json, stages/")->required();
   command->add_option("--library", options->library, "Folder of the saved models")->capture_default_str();
   command->add_flag("--mirror", options->transfer.align.mirror, "The sample is of the other foot");
-  command->add_flag("--grade", options->transfer.align.grade, "The sample is of another size: grade by length, width and height");
-  const std::map<std::string, surface::RayDirection> directions{{"level", surface::RayDirection::Level}, {"normal", surface::RayDirection::Normal}};
-  command->add_option("--rays", options->transfer.direction, "level, or along the normals: normal")->transform(CLI::CheckedTransformer(directions));
-  command->add_option("--max-gap", options->transfer.max_gap_mm, "Longest gap in the upper's scan that is bridged, mm")->check(CLI::Range(0.0, 100.0))->capture_default_str();
-  command->callback([options, &context] { context.run = [options, &context] { return transfer(*options, context.options); }; });
+  command->add_flag("--grade", options->transfer.align.grade,
+                    "The sample is of another size: grade by length, width and height");
+  const std::map<std::string, transfer::RayDirection> directions{{"level", transfer::RayDirection::Level},
+                                                                 {"normal", transfer::RayDirection::Normal}};
+  command->add_option("--rays", options->transfer.direction, "level, or along the normals: normal")
+      ->transform(CLI::CheckedTransformer(directions));
+  command
+      ->add_option("--max-gap", options->transfer.max_gap_mm,
+                   "Longest gap in the upper's scan that is bridged, mm")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+  command->callback([options, &context] {
+    context.run = [options, &context] { return transfer(*options, context.options); };
+  });
 }
 
 }  // namespace biteline::app

@@ -7,11 +7,11 @@
 #include <numbers>
 
 #include "common/config/sensor_yaml.hpp"
-#include "host/calib/camera/camera_calibration.hpp"
-#include "host/calib/camera/plane_pose.hpp"
-#include "host/calib/handeye/hand_eye.hpp"
-#include "host/calib/head/head_calibration.hpp"
-#include "host/calib/rings/picture.hpp"
+#include "host/calibration/camera/camera_calibration.hpp"
+#include "host/calibration/camera/plane_pose.hpp"
+#include "host/calibration/handeye/hand_eye.hpp"
+#include "host/calibration/head/head_calibration.hpp"
+#include "host/calibration/rings/picture.hpp"
 #include "tests/bench/calib/peer_opencv.hpp"
 #include "tests/support/ring_scene.hpp"
 #include "tests/support/shared_data.hpp"
@@ -55,9 +55,9 @@ double centre_error_px2(const test::RingScene& scene, const SE3& T_cam_target,
   return std::min(sum(false), sum(true));
 }
 
-std::vector<Vec2> centres_of(const calib::PlaneView& view) {
+std::vector<Vec2> centres_of(const calibration::PlaneView& view) {
   std::vector<Vec2> centres;
-  for (const calib::CentreObservation& c : view.centres) centres.push_back(c.pixel_px);
+  for (const calibration::CentreObservation& c : view.centres) centres.push_back(c.pixel_px);
   return centres;
 }
 
@@ -70,12 +70,12 @@ void bench_centre_bias(std::mt19937_64& random) {
         scene.target, {.distance_mm = 190, .tilt_rad = tilt_deg * k_degree, .tilt_axis_rad = 0.9});
     const image::GreyImage picture = test::draw_rings(
         scene, {T}, {.noise_grey = 0, .blur_px = 0.7, .samples = 6, .light = {}, .covered = {}}, random);
-    const auto grids = calib::find_grids(picture, scene.target, 1);
+    const auto grids = calibration::find_grids(picture, scene.target, 1);
     const auto peer = opencv_grid(picture, scene.target);
     if (grids.empty() || !peer) continue;
-    calib::PlaneView view = calib::make_plane_view("", grids[0], scene.target);
-    const auto pose = calib::fit_plane_pose(scene.camera, view.centres);
-    calib::improve_centres(view, scene.camera, pose->T_cam_target);
+    calibration::PlaneView view = calibration::make_plane_view("", grids[0], scene.target);
+    const auto pose = calibration::fit_plane_pose(scene.camera, view.centres);
+    calibration::improve_centres(view, scene.camera, pose->T_cam_target);
     const double n = scene.target.rings();
     print({"centre_bias",
            "ring centres without noise, tilt " + std::to_string(static_cast<int>(tilt_deg)) + " deg, RMS",
@@ -91,7 +91,7 @@ void bench_camera(std::mt19937_64& random) {
   double focal[2] = {0, 0}, middle[2] = {0, 0}, rms[2] = {0, 0};
   int found[2] = {0, 0};
   for (int draw = 0; draw < k_draws; ++draw) {
-    std::vector<calib::PlaneView> ours;
+    std::vector<calibration::PlaneView> ours;
     std::vector<std::vector<Vec2>> theirs;
     for (const test::ViewPlace& place : test::varied_places(k_views, random)) {
       const test::PictureOptions options{.noise_grey = 2,
@@ -101,14 +101,14 @@ void bench_camera(std::mt19937_64& random) {
                                          .covered = {}};
       const image::GreyImage picture =
           test::draw_rings(scene, {test::T_cam_target_of(scene.target, place)}, options, random);
-      const auto grids = calib::find_grids(picture, scene.target, 1);
+      const auto grids = calibration::find_grids(picture, scene.target, 1);
       if (!grids.empty())
-        ours.push_back(calib::make_plane_view(std::to_string(ours.size()), grids[0], scene.target));
+        ours.push_back(calibration::make_plane_view(std::to_string(ours.size()), grids[0], scene.target));
       if (const auto peer = opencv_grid(picture, scene.target)) theirs.push_back(*peer);
     }
     found[0] += static_cast<int>(ours.size());
     found[1] += static_cast<int>(theirs.size());
-    const auto own = calib::calibrate_camera(ours, scene.size);
+    const auto own = calibration::calibrate_camera(ours, scene.size);
     if (!own || theirs.size() < 3) continue;
     const OpencvCamera peer = opencv_camera(theirs, scene.target, scene.size);
     const geometry::Camera cameras[2] = {own->camera, peer.camera};
@@ -148,20 +148,20 @@ void bench_hand_eye(std::mt19937_64& random) {
   double own_mm2 = 0, own_rad2 = 0, bound_mm2 = 0, bound_rad2 = 0, peer_mm2[k_hand_eye_methods] = {},
          peer_rad2[k_hand_eye_methods] = {};
   for (int draw = 0; draw < k_draws; ++draw) {
-    std::vector<calib::HandEyeView> views;
-    std::vector<calib::Stop> stops;
+    std::vector<calibration::HandEyeView> views;
+    std::vector<calibration::Stop> stops;
     for (const test::ViewPlace& place : test::varied_places(k_stops, random)) {
       const SE3 T_cam_target = test::T_cam_target_of(scene.target, place);
       SE3 T_base_flange = T_base_target * (T_flange_cam * T_cam_target).inverse();
       T_base_flange.translation() += noise(k_pose_mm);
       T_base_flange.linear() = T_base_flange.linear() * geometry::exp_so3(noise(k_pose_rad));
-      const auto pose = calib::fit_plane_pose(
+      const auto pose = calibration::fit_plane_pose(
           scene.camera, test::exact_view(scene, T_cam_target, "", k_centre_px, random).centres);
       views.push_back(
-          {.name = "", .T_base_flange = T_base_flange, .pose = *pose, .readings = {calib::Reading{}}});
+          {.name = "", .T_base_flange = T_base_flange, .pose = *pose, .readings = {calibration::Reading{}}});
       stops.push_back({.T_base_flange = T_base_flange, .T_cam_target = pose->T_cam_target});
     }
-    const auto own = calib::calibrate_hand_eye(
+    const auto own = calibration::calibrate_hand_eye(
         views, {.centre_sigma_px = k_centre_px, .middle_target = scene.target.middle_target()});
     if (!own) continue;
     const auto add = [&](const SE3& T, double& mm2, double& rad2) {
@@ -196,17 +196,17 @@ void bench_reference_head() {
   const auto folder = test::shared_data("calib/head21");
   if (!folder) return;
   const auto truth = config::read_sensor_yaml(*folder / "truth/sensor.yaml");
-  calib::HeadInput input;
-  input.camera = *calib::read_camera_folder(*folder);
-  input.laser = *calib::read_laser_folder(*folder);
-  input.hand_eye = *calib::read_hand_eye_folder(*folder);
-  const calib::HeadCalibration ours = calib::calibrate_head(input);
+  calibration::HeadInput input;
+  input.camera = *calibration::read_camera_folder(*folder);
+  input.laser = *calibration::read_laser_folder(*folder);
+  input.hand_eye = *calibration::read_hand_eye_folder(*folder);
+  const calibration::HeadCalibration ours = calibration::calibrate_head(input);
   if (!truth || ours.refused) return;
-  const calib::RingTarget& target = input.camera->target;
+  const calibration::RingTarget& target = input.camera->target;
 
   std::vector<std::vector<Vec2>> views;
-  for (const calib::PlaneView& view : input.camera->views) {
-    if (const auto centres = opencv_grid(*calib::read_picture(*folder / view.name), target))
+  for (const calibration::PlaneView& view : input.camera->views) {
+    if (const auto centres = opencv_grid(*calibration::read_picture(*folder / view.name), target))
       views.push_back(*centres);
   }
   const OpencvCamera peer = opencv_camera(views, target, input.camera->size);
@@ -221,10 +221,10 @@ void bench_reference_head() {
   print({"head21", "reprojection RMS", ours.fit.rms_px, name, peer.rms_px, "px"});
 
   // OpenCV numbers a grid from either end; it is given the end that fits.
-  std::vector<calib::Stop> stops;
+  std::vector<calibration::Stop> stops;
   for (std::size_t i = 0; i < ours.arm_views.size(); ++i) {
-    const calib::ArmPicture& picture = ours.arm_views[i];
-    const auto centres = opencv_grid(*calib::read_picture(*folder / picture.view.name), target);
+    const calibration::ArmPicture& picture = ours.arm_views[i];
+    const auto centres = opencv_grid(*calibration::read_picture(*folder / picture.view.name), target);
     if (!centres) continue;
     const SE3& seen = ours.hand_eye->stops[i].T_cam_target;
     SE3 T_cam_target = opencv_pose(peer.camera, *centres, target);

@@ -8,7 +8,7 @@
 namespace biteline::bench {
 
 std::optional<std::vector<Vec2>> opencv_grid(const image::GreyImage& picture,
-                                             const calib::RingTarget& target) {
+                                             const calibration::RingTarget& target) {
   const cv::Mat grey(picture.height_px, picture.width_px, CV_8UC1,
                      const_cast<std::uint8_t*>(picture.pixels.data()));
   cv::Mat inverted;
@@ -26,8 +26,8 @@ std::optional<std::vector<Vec2>> opencv_grid(const image::GreyImage& picture,
   return result;
 }
 
-OpencvCamera opencv_camera(const std::vector<std::vector<Vec2>>& views, const calib::RingTarget& target,
-                           calib::PictureSize size) {
+OpencvCamera opencv_camera(const std::vector<std::vector<Vec2>>& views, const calibration::RingTarget& target,
+                           calibration::PictureSize size) {
   std::vector<std::vector<cv::Point3f>> objects;
   std::vector<std::vector<cv::Point2f>> pictures;
   for (const std::vector<Vec2>& view : views) {
@@ -60,7 +60,7 @@ OpencvCamera opencv_camera(const std::vector<std::vector<Vec2>>& views, const ca
 }
 
 SE3 opencv_pose(const geometry::Camera& camera, const std::vector<Vec2>& centres,
-                const calib::RingTarget& target) {
+                const calibration::RingTarget& target) {
   std::vector<cv::Point3f> object;
   std::vector<cv::Point2f> picture;
   for (int i = 0; i < target.rings(); ++i) {
@@ -85,7 +85,7 @@ const char* hand_eye_name(int method) {
   return k_names[static_cast<std::size_t>(method)];
 }
 
-SE3 opencv_hand_eye(const std::vector<calib::Stop>& stops, int method) {
+SE3 opencv_hand_eye(const std::vector<calibration::Stop>& stops, int method) {
   std::vector<cv::Mat> R_base_flange, t_base_flange, R_cam_target, t_cam_target;
   const auto put = [](const SE3& T, std::vector<cv::Mat>& R, std::vector<cv::Mat>& t) {
     cv::Mat rotation(3, 3, CV_64F), translation(3, 1, CV_64F);
@@ -96,7 +96,7 @@ SE3 opencv_hand_eye(const std::vector<calib::Stop>& stops, int method) {
     R.push_back(rotation);
     t.push_back(translation);
   };
-  for (const calib::Stop& stop : stops) {
+  for (const calibration::Stop& stop : stops) {
     put(stop.T_base_flange, R_base_flange, t_base_flange);
     put(stop.T_cam_target, R_cam_target, t_cam_target);
   }

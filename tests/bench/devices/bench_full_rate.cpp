@@ -9,8 +9,8 @@
 #include <fstream>
 #include <string>
 
-#include "host/ingest/sensor_link.hpp"
-#include "host/ingest/sensor_process.hpp"
+#include "host/intake/sensor_link.hpp"
+#include "host/intake/sensor_process.hpp"
 #include "tests/support/picture_cell/picture_cell.hpp"
 #include "tests/support/picture_cell/scan_account.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -44,14 +44,14 @@ void row(const char* what, double ours, const char* unit, const char* target) {
 
 class Run {
  public:
-  Run(test::PictureCell& cell, ingest::SensorProcess& sensor, ingest::SensorLink& link)
+  Run(test::PictureCell& cell, intake::SensorProcess& sensor, intake::SensorLink& link)
       : sensor_{sensor}, link_{link}, account_{cell} {}
 
   Result<void> run(seconds duration) {
     bool known = false;
     while (!known) {
       BITELINE_ASSIGN(const auto event, link_.next(milliseconds{100}));
-      known = event && std::holds_alternative<ingest::Hello>(*event);
+      known = event && std::holds_alternative<intake::Hello>(*event);
     }
     link_.command({.id = 1, .command = wire::Command::StartScan});
     const Clock::time_point give_up = Clock::now() + k_patience;
@@ -107,8 +107,8 @@ class Run {
                  static_cast<unsigned long long>(account_.profiles), newest_megabytes_);
   }
 
-  ingest::SensorProcess& sensor_;
-  ingest::SensorLink& link_;
+  intake::SensorProcess& sensor_;
+  intake::SensorLink& link_;
   test::ScanAccount account_;
   Clock::duration next_measure_{0};
   double warm_megabytes_{0}, newest_megabytes_{0};
@@ -120,20 +120,20 @@ Result<bool> bench(seconds duration) {
   BITELINE_ASSIGN(const auto cell,
                   test::PictureCell::open_urgent({.width_px = 1626, .height_px = 1236, .rate_hz = 101}));
   const std::string sensor_file = folder.write("sensor.yaml", cell->sensor_file_text());
-  BITELINE_ASSIGN(const auto program, ingest::find_sensor_program());
+  BITELINE_ASSIGN(const auto program, intake::find_sensor_program());
   // A store that is full after the warm-up: from then on every profile takes the room of an old one.
   std::vector<std::string> arguments{"--source",   cell->source(), "--sensor",     sensor_file,
                                      "--store-mb", "16",           "--rt=required"};
-  auto sensor = ingest::SensorProcess::start(program, arguments, k_patience);
+  auto sensor = intake::SensorProcess::start(program, arguments, k_patience);
   if (!sensor) {
     std::fprintf(stderr, "%s; as any program then\n", to_line(sensor.error()).c_str());
     arguments.back() = "--rt=ignore";
-    sensor = ingest::SensorProcess::start(program, arguments, k_patience);
+    sensor = intake::SensorProcess::start(program, arguments, k_patience);
   }
   if (!sensor) return tl::unexpected<Error>{sensor.error()};
-  ingest::SensorLinkConfig config;
+  intake::SensorLinkConfig config;
   config.sensor = sensor->endpoint();
-  BITELINE_ASSIGN(const auto link, ingest::SensorLink::open(config));
+  BITELINE_ASSIGN(const auto link, intake::SensorLink::open(config));
   Run run{*cell, *sensor, *link};
   BITELINE_TRY(run.run(duration));
   return run.tell(cell->triggers_missed());

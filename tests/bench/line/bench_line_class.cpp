@@ -17,8 +17,8 @@
 #include "hal/sim/shoe/random.hpp"
 #include "hal/sim/shoe/scanned_cloud.hpp"
 #include "hal/sim/shoe/true_line.hpp"
-#include "host/groove/extract.hpp"
-#include "host/measure/line_error.hpp"
+#include "host/bite_line/extract.hpp"
+#include "host/evaluation/line_error.hpp"
 
 namespace biteline::bench {
 namespace {
@@ -31,7 +31,7 @@ constexpr double k_sure_ratio = 0.8;
 
 struct Case {
   cloud::PointCloud cloud;
-  line::ClosedLine truth;
+  cloud::ClosedLine truth;
 };
 
 /// `upper`: the shoe's upper before it gets a sole, which has no bite line whatever is sewn on it.
@@ -97,7 +97,7 @@ void disturb(Case& made, Disturbance disturbance, std::uint64_t seed) {
           Eigen::AngleAxisd(angle, Vec3{std::cos(direction), std::sin(direction), 0}).toRotationMatrix();
       const Vec3 centre = middle.cast<double>();
       for (Eigen::Vector3f& p : points) p = (R * (p.cast<double>() - centre) + centre).cast<float>();
-      for (line::LinePoint& p : made.truth.points) {
+      for (cloud::LinePoint& p : made.truth.points) {
         p.position = R * (p.position - centre) + centre;
         p.normal = R * p.normal;
       }
@@ -136,8 +136,7 @@ void disturb(Case& made, Disturbance disturbance, std::uint64_t seed) {
       }
       break;
     case Disturbance::Sector: {
-      auto at =
-          static_cast<std::size_t>(random.integer(0, static_cast<int>(made.truth.points.size()) - 1));
+      auto at = static_cast<std::size_t>(random.integer(0, static_cast<int>(made.truth.points.size()) - 1));
       if (seed % 2 == 0) {
         // At one of the narrow ends, where the line bends most: the truth begins at the heel.
         const std::size_t end = seed % 4 == 0 ? 0 : made.truth.points.size() / 2;
@@ -183,7 +182,7 @@ struct ToTruth {
   double normal_deg{0};
 };
 
-ToTruth to_truth(const line::LinePoint& point, const line::ClosedLine& truth) {
+ToTruth to_truth(const cloud::LinePoint& point, const cloud::ClosedLine& truth) {
   std::size_t near = 0;
   double best = 1e18;
   for (std::size_t i = 0; i < truth.points.size(); ++i) {
@@ -203,7 +202,7 @@ ToTruth to_truth(const line::LinePoint& point, const line::ClosedLine& truth) {
   return {(offset - offset.dot(along) * along).norm(), std::acos(cosine) * 180 / std::numbers::pi};
 }
 
-void judge(const Case& made, const groove::Extraction& found, bool bare, Tally& tally,
+void judge(const Case& made, const bite_line::Extraction& found, bool bare, Tally& tally,
            Calibration* calibration, std::string& row, bool only_sure = false) {
   ++tally.shoes;
   char text[300];
@@ -219,9 +218,9 @@ void judge(const Case& made, const groove::Extraction& found, bool bare, Tally& 
     row = "WRONG: a line on a bare upper";
     return;
   }
-  measure::LineError error = measure::line_error(found.line, made.truth);
+  evaluation::LineError error = evaluation::line_error(found.line, made.truth);
   double normal2_deg2 = 0;
-  for (const line::LinePoint& point : found.line.points) {
+  for (const cloud::LinePoint& point : found.line.points) {
     const ToTruth truth = to_truth(point, made.truth);
     normal2_deg2 += truth.normal_deg * truth.normal_deg / static_cast<double>(found.line.points.size());
     if (calibration == nullptr) continue;
@@ -234,7 +233,7 @@ void judge(const Case& made, const groove::Extraction& found, bool bare, Tally& 
     // What was not seen is a guess and says so: judged where the line claims to be sure.
     double sum = 0;
     double count = 0;
-    for (const line::LinePoint& point : found.line.points) {
+    for (const cloud::LinePoint& point : found.line.points) {
       if (point.confidence < k_sure_ratio) continue;
       sum += to_truth(point, made.truth).distance_mm;
       count += 1;
@@ -319,12 +318,13 @@ int run(int argc, char** argv) {
       const Case made = make_case(static_cast<sim::ShoeClass>(c), seed);
       const bool bare = made.truth.points.empty();
       std::string row;
-      judge(made, groove::extract(made.cloud, {.keep_products = false}), bare, ours, &calibration, row);
+      judge(made, bite_line::extract(made.cloud, {.keep_products = false}), bare, ours, &calibration, row);
       if (rows)
         std::fprintf(stderr, "%-9s %3llu ours      %s\n", name.c_str(), static_cast<unsigned long long>(seed),
                      row.c_str());
       if (!published) continue;
-      judge(made, groove::extract(made.cloud, {.method = groove::Method::Published, .keep_products = false}),
+      judge(made,
+            bite_line::extract(made.cloud, {.method = bite_line::Method::Published, .keep_products = false}),
             bare, theirs, nullptr, row);
       if (rows)
         std::fprintf(stderr, "%-9s %3llu published %s\n", name.c_str(), static_cast<unsigned long long>(seed),
@@ -342,7 +342,7 @@ int run(int argc, char** argv) {
       const std::size_t c = seed % 2 == 0 ? seed / 2 % 9 : static_cast<std::size_t>(sim::ShoeClass::Stitched);
       const Case made = make_case(static_cast<sim::ShoeClass>(c), seed, true);
       std::string row;
-      judge(made, groove::extract(made.cloud, {.keep_products = false}), true, ours, nullptr, row);
+      judge(made, bite_line::extract(made.cloud, {.keep_products = false}), true, ours, nullptr, row);
       if (rows)
         std::fprintf(stderr, "%-9s %3llu %-9s %s\n", "upper", static_cast<unsigned long long>(seed),
                      std::string{sim::k_shoe_class_names[c]}.c_str(), row.c_str());
@@ -358,7 +358,7 @@ int run(int argc, char** argv) {
       Case made = make_case(static_cast<sim::ShoeClass>(seed % 9), seed + 1000);
       disturb(made, static_cast<Disturbance>(d), seed);
       std::string row;
-      judge(made, groove::extract(made.cloud, {.keep_products = false}), false, ours, &calibration, row,
+      judge(made, bite_line::extract(made.cloud, {.keep_products = false}), false, ours, &calibration, row,
             static_cast<Disturbance>(d) == Disturbance::Sector);
       if (rows)
         std::fprintf(stderr, "%-9s %3llu %-9s %s\n", name.c_str(), static_cast<unsigned long long>(seed),

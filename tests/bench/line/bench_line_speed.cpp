@@ -14,8 +14,8 @@
 
 #include "hal/sim/shoe/made_shoe.hpp"
 #include "hal/sim/shoe/scanned_cloud.hpp"
-#include "host/groove/extract.hpp"
-#include "host/groove/live_scan.hpp"
+#include "host/bite_line/extract.hpp"
+#include "host/bite_line/live_scan.hpp"
 
 namespace biteline::bench {
 namespace {
@@ -79,7 +79,7 @@ cloud::PointCloud scan(double points) {
 void live() {
   const sim::MadeShoe shoe{sim::draw_shoe(sim::ShoeClass::Deep, 7)};
   const sim::ScannedCloud scan = sim::scan_quickly(shoe, {}, SE3::Identity());
-  groove::LiveScan live_scan;
+  bite_line::LiveScan live_scan;
   double longest_s = 0;
   for (std::size_t first = 0; first < scan.points.size();) {
     std::size_t end = first;
@@ -110,7 +110,7 @@ int run() {
     malloc_trim(0);  // what the scanner used and freed must not hide what the extraction takes
     const PeakMemory peak;
     const Timed timed =
-        best_of(size.rounds, [&] { return groove::extract(cloud, {.keep_products = false}).found; });
+        best_of(size.rounds, [&] { return bite_line::extract(cloud, {.keep_products = false}).found; });
     const auto points = static_cast<double>(cloud.size());
     std::printf(
         "{\"bench\":\"line.speed\",\"what\":\"cloud to line, %.0f "

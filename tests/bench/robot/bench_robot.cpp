@@ -6,12 +6,12 @@
 #include <cstdio>
 #include <string>
 
-#include "host/kinematics/inverse.hpp"
-#include "host/robot/ur/script.hpp"
-#include "host/trajectory/plan.hpp"
+#include "host/robot/kinematics/inverse.hpp"
+#include "host/robot/link/ur/script.hpp"
+#include "host/robot/path/plan.hpp"
 #include "tests/bench/robot/peers.hpp"
-#include "tests/unit/host/kinematics/arms.hpp"
-#include "tests/unit/host/trajectory/made_line.hpp"
+#include "tests/unit/host/robot/kinematics/arms.hpp"
+#include "tests/unit/host/robot/path/made_line.hpp"
 
 namespace biteline::bench {
 namespace {
@@ -133,19 +133,18 @@ void inverse_rows() {
 
 void plan_rows() {
   for (const char* process : {"grind", "spray"}) {
-    const trajectory::PlanRequest request{
-        .line = trajectory::test::made_line(),
-        .process = *trajectory::read_process(std::filesystem::path{BITELINE_PROCESSES} /
-                                             (std::string{process} + ".yaml")),
-        .arm = *kinematics::arm_model("UR5e"),
-        .T_line_base = SE3::Identity(),
-        .table_z_mm = 40,
-        .shoe = {},
-        .cloud = {}};
+    const path::PlanRequest request{.line = path::test::made_line(),
+                                    .process = *path::read_process(std::filesystem::path{BITELINE_PROCESSES} /
+                                                                   (std::string{process} + ".yaml")),
+                                    .arm = *kinematics::arm_model("UR5e"),
+                                    .T_line_base = SE3::Identity(),
+                                    .table_z_mm = 40,
+                                    .shoe = {},
+                                    .cloud = {}};
     double best_s = 1e9;
     for (int round = 0; round < 3; ++round) {
       const auto begin = Clock::now();
-      const trajectory::PlanOutcome outcome = trajectory::plan(request);
+      const path::PlanOutcome outcome = path::plan(request);
       if (!outcome.path) {
         std::fprintf(stderr, "  plan refused: %s\n", outcome.reason.c_str());
         return;

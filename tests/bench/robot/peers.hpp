@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "host/kinematics/arm_model.hpp"
+#include "host/robot/kinematics/arm_model.hpp"
 
 namespace biteline::bench::peers {
 

@@ -127,8 +127,8 @@ int latency() {
                          *profile);
     pipeline->rt_stamp(*profile, *poses);
     latency_us[i] = 1e6 * seconds_since(start);
-    // A camera's thread waits for its next frame now and then; one that never does (under chrt -f, as the sensor's)
-    // the kernel would hold up for 50 ms in every second.
+    // A camera's thread waits for its next frame now and then; one that never does (under chrt -f, as the
+    // sensor's) the kernel would hold up for 50 ms in every second.
     if (i % 16 == 0) std::this_thread::sleep_for(std::chrono::microseconds{400});
   }
   std::sort(latency_us.begin(), latency_us.end());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Registration of two clouds of 100 000 points, of which one lacks a part, beside PCL, Open3D and small_gicp: speed on one thread and
-// error; mesh and rays beside Embree; the whole transfer of an upper, to the line and to the path.
+// Registration of two clouds of 100 000 points, of which one lacks a part, beside PCL, Open3D and small_gicp:
+// speed on one thread and error; mesh and rays beside Embree; the whole transfer of an upper, to the line and
+// to the path.
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -11,11 +12,11 @@
 #include <random>
 #include <string>
 
-#include "host/measure/reference_surface.hpp"
-#include "host/models/transfer.hpp"
-#include "host/registration/icp.hpp"
-#include "host/surface/scan_mesh.hpp"
-#include "host/trajectory/plan.hpp"
+#include "host/evaluation/reference_surface.hpp"
+#include "host/robot/path/plan.hpp"
+#include "host/transfer/align/icp.hpp"
+#include "host/transfer/carry/scan_mesh.hpp"
+#include "host/transfer/transfer.hpp"
 #include "tests/bench/transfer/peers.hpp"
 #include "tests/support/made_pair.hpp"
 
@@ -25,14 +26,18 @@ namespace {
 constexpr int k_rounds = 5;
 constexpr float k_pitch_mm = 1.5F;  // the peers' voxels are 2 mm, as in their published figures
 
-void row(const char* bench, const std::string& what, double ours, const char* unit, const char* peer, double peer_value, double target) {
-  std::printf("{\"bench\":\"%s\",\"what\":\"%s\",\"ours\":%.4g,\"unit\":\"%s\"", bench, what.c_str(), ours, unit);
-  if (peer != nullptr) std::printf(",\"peer\":\"%s\",\"peer_value\":%.4g,\"ratio\":%.4g", peer, peer_value, ours / peer_value);
+void row(const char* bench, const std::string& what, double ours, const char* unit, const char* peer,
+         double peer_value, double target) {
+  std::printf("{\"bench\":\"%s\",\"what\":\"%s\",\"ours\":%.4g,\"unit\":\"%s\"", bench, what.c_str(), ours,
+              unit);
+  if (peer != nullptr)
+    std::printf(",\"peer\":\"%s\",\"peer_value\":%.4g,\"ratio\":%.4g", peer, peer_value, ours / peer_value);
   if (target > 0) std::printf(",\"target\":%g", target);
   std::printf("}\n");
 }
 
-/// Least of some rounds.  One thread's own time where `thread_only`: what else runs on the machine does not count.
+/// Least of some rounds.  One thread's own time where `thread_only`: what else runs on the machine does not
+/// count.
 template <class Work>
 double seconds(bool thread_only, Work&& work) {
   const auto now = [&] {
@@ -49,7 +54,8 @@ double seconds(bool thread_only, Work&& work) {
   return best;
 }
 
-std::vector<Eigen::Vector3f> subset(std::vector<Eigen::Vector3f> points, std::size_t count, std::uint64_t seed) {
+std::vector<Eigen::Vector3f> subset(std::vector<Eigen::Vector3f> points, std::size_t count,
+                                    std::uint64_t seed) {
   std::mt19937_64 random{seed};
   std::shuffle(points.begin(), points.end(), random);
   points.resize(std::min(count, points.size()));
@@ -65,20 +71,26 @@ Error error_of(const SE3& T_found, const SE3& T_true, const Vec3& centre) {
           .deg = geometry::angle_between_rad(T_found.linear(), T_true.linear()) * 57.29577951308232};
 }
 
-SE3 our_align(std::span<const Eigen::Vector3f> source_points, std::span<const Eigen::Vector3f> target_points) {
+SE3 our_align(std::span<const Eigen::Vector3f> source_points,
+              std::span<const Eigen::Vector3f> target_points) {
   using namespace registration;
-  const Surfels source = surfels_of(source_points, k_pitch_mm), target = surfels_of(target_points, k_pitch_mm);
+  const Surfels source = surfels_of(source_points, k_pitch_mm),
+                target = surfels_of(target_points, k_pitch_mm);
   const Surfels source_coarse = coarsened(source, 8), target_coarse = coarsened(target, 8);
   const NearestTable coarse_table{target_coarse, 30}, table{target, 5};
-  const IcpResult coarse = run_icp({.source = source_coarse, .target = target_coarse, .target_table = coarse_table}, {},
-                                   {.reach_mm = 30, .least_scale_mm = 0.5, .max_iterations = 20});
-  return run_icp({.source = source, .target = target, .target_table = table}, coarse.placement, {.reach_mm = 5}).placement.T_target_source;
+  const IcpResult coarse =
+      run_icp({.source = source_coarse, .target = target_coarse, .target_table = coarse_table}, {},
+              {.reach_mm = 30, .least_scale_mm = 0.5, .max_iterations = 20});
+  return run_icp({.source = source, .target = target, .target_table = table}, coarse.placement,
+                 {.reach_mm = 5})
+      .placement.T_target_source;
 }
 
 void registration_rows() {
   const sim::ShoeParameters shoe = sim::draw_shoe(sim::ShoeClass::Stitched, 5);
   const sim::ScanSettings first{.seed = 1}, second{.profile_step_mm = 0.9, .seed = 2};
-  std::vector<Eigen::Vector3f> target = subset(test::scanned(shoe, SE3::Identity(), first).points, 100'000, 1);
+  std::vector<Eigen::Vector3f> target =
+      subset(test::scanned(shoe, SE3::Identity(), first).points, 100'000, 1);
   // The source lacks its heel, lies 8 mm and 6 degrees off.
   Twist xi;
   xi << 5, -5, 3, 0.03, -0.02, 0.09;
@@ -98,7 +110,9 @@ void registration_rows() {
   const Error ours = error_of(T_ours, T_target_source, centre);
   const auto beside = [&](const char* peer, double peer_s) {
     const Error error = error_of(T_peer, T_target_source, centre);
-    row("registration.speed", "2 x 100 000 points, a part missing, one thread; surfels of 1.5 mm, the peer's voxels of 2 mm", ours_s, "s", peer, peer_s, 0.5);
+    row("registration.speed",
+        "2 x 100 000 points, a part missing, one thread; surfels of 1.5 mm, the peer's voxels of 2 mm",
+        ours_s, "s", peer, peer_s, 0.5);
     row("registration.translation", "same, error at the centre", ours.mm, "mm", peer, error.mm, 1);
     row("registration.rotation", "same", ours.deg, "deg", peer, error.deg, 1);
   };
@@ -116,11 +130,14 @@ void registration_rows() {
     beside("small_gicp", small_gicp_s);
   }
   const auto alone = [&](const char* peer) {
-    row("registration.speed", std::string{"2 x 100 000 points, a part missing, one thread; not in this build: "} + peer, ours_s, "s", nullptr, 0, 0);
+    row("registration.speed",
+        std::string{"2 x 100 000 points, a part missing, one thread; not in this build: "} + peer, ours_s,
+        "s", nullptr, 0, 0);
   };
   if (!peers::has_pcl()) alone("PCL");
   if (!peers::has_open3d()) alone("Open3D");
-  if (!peers::has_small_gicp()) alone("small_gicp (configure with BITELINE_SMALL_GICP, the path of its checkout)");
+  if (!peers::has_small_gicp())
+    alone("small_gicp (configure with BITELINE_SMALL_GICP, the path of its checkout)");
 }
 
 /// As many points as the bar names: those beyond are left out, the scan's last ones.
@@ -133,58 +150,70 @@ void cut(cloud::PointCloud& cloud) {
 }
 
 /// From the two clouds to a path that passed every check.
-bool transfer_and_plan(const models::SampleFiles& sample, const cloud::PointCloud& upper, const kinematics::ArmModel& arm,
-                       const trajectory::Process& process) {
-  const models::Transfer transfer = models::transfer_line(sample, upper, {});
+bool transfer_and_plan(const transfer::SampleFiles& sample, const cloud::PointCloud& upper,
+                       const kinematics::ArmModel& arm, const path::Process& process) {
+  const transfer::Transfer transfer = transfer::transfer_line(sample, upper, {});
   if (!transfer.found) return false;
-  trajectory::PlanRequest request;
+  path::PlanRequest request;
   request.line = transfer.carried.line;
   request.process = process;
   request.arm = arm;
   request.cloud = upper.points;
-  return trajectory::plan(request).path.has_value();
+  return path::plan(request).path.has_value();
 }
 
 void surface_rows() {
   // Where a UR5e gets its tool all the way round.
-  const SE3 T_base_upper = geometry::make_se3(Eigen::Quaterniond{Eigen::AngleAxisd{1.5708, Vec3::UnitZ()}}, {450, -85, 30});
+  const SE3 T_base_upper =
+      geometry::make_se3(Eigen::Quaterniond{Eigen::AngleAxisd{1.5708, Vec3::UnitZ()}}, {450, -85, 30});
   test::MadePair pair = test::made_pair(
       {.seed = 5, .T_base_upper = T_base_upper, .scan = {.profile_step_mm = 0.57, .column_step_mm = 0.06}});
   cut(pair.upper_cloud);
   const std::size_t points = pair.upper_cloud.size();
-  std::vector<surface::Ray> rays;
+  std::vector<transfer::Ray> rays;
   for (std::size_t i = 0; i < 2000; ++i) {
-    const line::LinePoint& p = pair.upper_line.points[i % pair.upper_line.points.size()];
+    const cloud::LinePoint& p = pair.upper_line.points[i % pair.upper_line.points.size()];
     const Vec3 direction = Vec3{p.normal.x(), p.normal.y(), 0}.normalized();
-    rays.push_back({.origin = p.position - 2 * direction + 0.01 * static_cast<double>(i) * Vec3::UnitZ(), .direction = direction, .reach_mm = 15});
+    rays.push_back({.origin = p.position - 2 * direction + 0.01 * static_cast<double>(i) * Vec3::UnitZ(),
+                    .direction = direction,
+                    .reach_mm = 15});
   }
   std::size_t hits = 0, peer_hits = 0;
   const double ours_s = seconds(false, [&] {
-    const surface::ScanMesh mesh = *surface::ScanMesh::create(pair.upper_cloud);
+    const transfer::ScanMesh mesh = *transfer::ScanMesh::create(pair.upper_cloud);
     hits = 0;
-    for (const surface::Ray& ray : rays) hits += mesh.cast(ray) ? 1 : 0;
+    for (const transfer::Ray& ray : rays) hits += mesh.cast(ray) ? 1 : 0;
   });
-  const surface::ScanMesh mesh = *surface::ScanMesh::create(pair.upper_cloud);
+  const transfer::ScanMesh mesh = *transfer::ScanMesh::create(pair.upper_cloud);
   const double embree_s = seconds(false, [&] {
-    const measure::ReferenceSurface embree{{.vertices = mesh.points(), .faces = mesh.triangles()}};
+    const evaluation::ReferenceSurface embree{{.vertices = mesh.points(), .faces = mesh.triangles()}};
     peer_hits = 0;
-    for (const surface::Ray& ray : rays) {
-      peer_hits += embree.first_hit({.origin = ray.origin - 15 * ray.direction, .direction = ray.direction, .length_mm = 30}) ? 1 : 0;
+    for (const transfer::Ray& ray : rays) {
+      peer_hits +=
+          embree.first_hit(
+              {.origin = ray.origin - 15 * ray.direction, .direction = ray.direction, .length_mm = 30})
+              ? 1
+              : 0;
     }
   });
-  row("surface.mesh_rays", "mesh of " + std::to_string(points) + " points and 2000 rays (" + std::to_string(hits) + " and " + std::to_string(peer_hits) + " hits)",
+  row("surface.mesh_rays",
+      "mesh of " + std::to_string(points) + " points and 2000 rays (" + std::to_string(hits) + " and " +
+          std::to_string(peer_hits) + " hits)",
       ours_s, "s", "Embree", embree_s, 1);
   row("surface.mesh_rays.bar", "same", ours_s, "s", "bar", 0.06, 1);
 
-  const models::SampleFiles sample{.cloud = pair.sample_cloud, .line = pair.sample_line};
+  const transfer::SampleFiles sample{.cloud = pair.sample_cloud, .line = pair.sample_line};
   bool found = false;
-  const double transfer_s = seconds(false, [&] { found = models::transfer_line(sample, pair.upper_cloud, {}).found; });
-  const std::string what = "sample of " + std::to_string(sample.cloud.size()) + ", upper of " + std::to_string(points) + " points, clouds to ";
+  const double transfer_s =
+      seconds(false, [&] { found = transfer::transfer_line(sample, pair.upper_cloud, {}).found; });
+  const std::string what = "sample of " + std::to_string(sample.cloud.size()) + ", upper of " +
+                           std::to_string(points) + " points, clouds to ";
   row("transfer.whole", what + "line" + (found ? "" : ", REFUSED"), transfer_s, "s", "bar", 0.5, 1);
   const auto arm = kinematics::arm_model("UR5e");
-  const auto process = trajectory::read_process(std::filesystem::path{BITELINE_PROCESSES} / "grind.yaml");
+  const auto process = path::read_process(std::filesystem::path{BITELINE_PROCESSES} / "grind.yaml");
   bool planned = false;
-  const double path_s = seconds(false, [&] { planned = transfer_and_plan(sample, pair.upper_cloud, *arm, *process); });
+  const double path_s =
+      seconds(false, [&] { planned = transfer_and_plan(sample, pair.upper_cloud, *arm, *process); });
   row("transfer.to_path", what + "checked path" + (planned ? "" : ", REFUSED"), path_s, "s", "bar", 0.5, 1);
 }
 

@@ -12,7 +12,8 @@ namespace {
 using Cloud = pcl::PointCloud<pcl::PointNormal>;
 
 Cloud::Ptr prepared(std::span<const Eigen::Vector3f> points, float voxel_mm) {
-  pcl::PointCloud<pcl::PointXYZ>::Ptr all{new pcl::PointCloud<pcl::PointXYZ>}, thin{new pcl::PointCloud<pcl::PointXYZ>};
+  pcl::PointCloud<pcl::PointXYZ>::Ptr all{new pcl::PointCloud<pcl::PointXYZ>},
+      thin{new pcl::PointCloud<pcl::PointXYZ>};
   all->reserve(points.size());
   for (const Eigen::Vector3f& p : points) all->push_back({p.x(), p.y(), p.z()});
   pcl::VoxelGrid<pcl::PointXYZ> grid;
@@ -31,7 +32,9 @@ Cloud::Ptr prepared(std::span<const Eigen::Vector3f> points, float voxel_mm) {
 
 }  // namespace
 
-bool has_pcl() { return true; }
+bool has_pcl() {
+  return true;
+}
 
 Eigen::Isometry3d pcl_align(const Problem& problem) {
   pcl::IterativeClosestPointWithNormals<pcl::PointNormal, pcl::PointNormal> icp;

@@ -3,7 +3,11 @@
 
 namespace biteline::bench::peers {
 
-bool has_pcl() { return false; }
-Eigen::Isometry3d pcl_align(const Problem&) { return Eigen::Isometry3d::Identity(); }
+bool has_pcl() {
+  return false;
+}
+Eigen::Isometry3d pcl_align(const Problem&) {
+  return Eigen::Isometry3d::Identity();
+}
 
 }  // namespace biteline::bench::peers

@@ -36,17 +36,21 @@ Prepared prepared(std::span<const Eigen::Vector3f> points, float voxel_mm) {
 
 }  // namespace
 
-bool has_small_gicp() { return true; }
+bool has_small_gicp() {
+  return true;
+}
 
 Eigen::Isometry3d small_gicp_align(const Problem& problem) {
-  const Prepared source = prepared(problem.source, problem.voxel_mm), target = prepared(problem.target, problem.voxel_mm);
+  const Prepared source = prepared(problem.source, problem.voxel_mm),
+                 target = prepared(problem.target, problem.voxel_mm);
   small_gicp::Registration<small_gicp::GICPFactor, small_gicp::SerialReduction> registration;
   registration.rejector.max_dist_sq = problem.reach_mm * problem.reach_mm;
   // Its defaults are for metres and vehicles: a micrometre and a hundred-thousandth of a degree.
   registration.criteria.translation_eps = 1e-3;
   registration.criteria.rotation_eps = 2e-7;
   registration.optimizer.max_iterations = problem.max_iterations;
-  return registration.align(*target.cloud, *source.cloud, *target.tree, Eigen::Isometry3d::Identity()).T_target_source;
+  return registration.align(*target.cloud, *source.cloud, *target.tree, Eigen::Isometry3d::Identity())
+      .T_target_source;
 }
 
 }  // namespace biteline::bench::peers

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file The public libraries that registration is compared with.  Each may be missing from a build; the bench says so.
+/// \file The public libraries that registration is compared with.  Each may be missing from a build; the
+/// bench says so.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -25,7 +26,8 @@ struct Problem {
 [[nodiscard]] Eigen::Isometry3d open3d_align(const Problem& problem);
 
 [[nodiscard]] bool has_small_gicp();
-/// voxelgrid_sampling, estimate_covariances with 10 neighbours, Registration of GICPFactor; its serial functions.
+/// voxelgrid_sampling, estimate_covariances with 10 neighbours, Registration of GICPFactor; its serial
+/// functions.
 [[nodiscard]] Eigen::Isometry3d small_gicp_align(const Problem& problem);
 
 }  // namespace biteline::bench::peers

@@ -11,7 +11,7 @@ namespace biteline::conformance {
 using namespace std::chrono_literals;
 
 struct CameraCase {
-  hal::CameraSettings settings;      ///< that the device can take, free-running
+  hal::CameraSettings settings;  ///< that the device can take, free-running
   Nanoseconds frame_within{5s};
   std::uint64_t frames{20};
 };
@@ -70,7 +70,8 @@ inline void check_camera_starved(hal::LineCamera& sut, const CameraCase& wanted)
   CHECK(sut.start().has_value());
   std::vector<hal::FrameView> held;
   while (true) {
-    const Result<hal::FrameView> frame = sut.next_frame(held.empty() ? wanted.frame_within : Nanoseconds{500ms});
+    const Result<hal::FrameView> frame =
+        sut.next_frame(held.empty() ? wanted.frame_within : Nanoseconds{500ms});
     if (!frame) {
       CHECK(frame.error().code == Errc::Timeout);
       break;

@@ -13,7 +13,12 @@ namespace biteline::conformance {
 using namespace std::chrono_literals;
 
 inline hal::CanFrame numbered_frame(std::uint32_t id, std::uint8_t size_bytes, bool fd) {
-  hal::CanFrame frame{.id = id, .extended = id > 0x7FF, .fd = fd, .bit_rate_switch = fd, .size_bytes = size_bytes, .received = {}};
+  hal::CanFrame frame{.id = id,
+                      .extended = id > 0x7FF,
+                      .fd = fd,
+                      .bit_rate_switch = fd,
+                      .size_bytes = size_bytes,
+                      .received = {}};
   for (std::uint8_t i = 0; i < size_bytes; ++i) frame.data[i] = static_cast<std::uint8_t>(id + i);
   return frame;
 }
@@ -49,7 +54,8 @@ inline void check_can_bus(hal::CanBus& sut, hal::CanBus& peer, const CanAbilitie
 
   const std::array filters{hal::CanFilter{.id = 0x1A0, .mask = 0x7FC}};
   CHECK(sut.set_filters(filters).has_value());
-  for (std::uint32_t id = 0x19F; id <= 0x1A4; ++id) CHECK(peer.send(numbered_frame(id, 1, false)).has_value());
+  for (std::uint32_t id = 0x19F; id <= 0x1A4; ++id)
+    CHECK(peer.send(numbered_frame(id, 1, false)).has_value());
   for (std::uint32_t id = 0x1A0; id <= 0x1A3; ++id) CHECK_EQUAL(id, sut.receive(2s).value().id);
   CHECK(sut.receive(1ms).error().code == Errc::Timeout);
   CHECK(sut.set_filters({}).has_value());

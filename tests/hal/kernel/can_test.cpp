@@ -27,7 +27,9 @@ using namespace std::chrono_literals;
 
 constexpr const char* k_vcan = "/sys/class/net/vcan0";
 
-std::unique_ptr<SocketcanBus> open_bus() { return SocketcanBus::open({.interface = "vcan0"}).value(); }
+std::unique_ptr<SocketcanBus> open_bus() {
+  return SocketcanBus::open({.interface = "vcan0"}).value();
+}
 
 void set_link(bool up) {
   const Descriptor socket{::socket(AF_INET, SOCK_DGRAM, 0)};
@@ -55,7 +57,8 @@ struct Arm {
     pose.T_base_flange.translation().x() += 1;
     CHECK(bus->send(frame_of(canpose::k_sync_id, std::array{pose.sync_counter})).has_value());
     if (pose.sync_counter % 2 == 0) {
-      CHECK(bus->send(frame_of(canpose::k_default_base_id + canpose::k_fd_id_offset, canpose::encode_fd(pose).value(), true))
+      CHECK(bus->send(frame_of(canpose::k_default_base_id + canpose::k_fd_id_offset,
+                               canpose::encode_fd(pose).value(), true))
                 .has_value());
       return;
     }

@@ -22,7 +22,8 @@ constexpr const char* k_watchdog = "/dev/watchdog0";
 TEST_GROUP(ClocksKernel){};
 
 TEST(ClocksKernel, OffsetOfThePtpClockIsSteadyWithinItsUncertainty) {
-  if (std::getenv("BITELINE_WITHOUT_PTP") != nullptr) return test::note_skipped("this kernel has no mock PTP clock");
+  if (std::getenv("BITELINE_WITHOUT_PTP") != nullptr)
+    return test::note_skipped("this kernel has no mock PTP clock");
   BITELINE_DEVICE_OR_SKIP(k_ptp);
   const Phc sut = Phc::open(k_ptp).value();
   const ReferenceClock::Reading first = sut.measure().value();
@@ -30,7 +31,8 @@ TEST(ClocksKernel, OffsetOfThePtpClockIsSteadyWithinItsUncertainty) {
   for (int i = 0; i < 20; ++i) {
     const ReferenceClock::Reading next = sut.measure().value();
     CHECK(next.at > first.at);
-    // The mock runs on CLOCK_MONOTONIC_RAW, which the discipline of CLOCK_MONOTONIC leaves by less than 500 ppm.
+    // The mock runs on CLOCK_MONOTONIC_RAW, which the discipline of CLOCK_MONOTONIC leaves by less than 500
+    // ppm.
     const Nanoseconds drift = (next.at - first.at) / 2000;
     CHECK(std::chrono::abs(next.offset - first.offset) <= first.uncertainty + next.uncertainty + drift);
   }

@@ -32,7 +32,8 @@ class GpioSim {
       put(bank() / name.folder / "name", name.name);
     }
     put(device() / "live", "1");
-    lines_ = std::filesystem::path{"/sys/devices/platform"} / get(device() / "dev_name") / get(bank() / "chip_name");
+    lines_ = std::filesystem::path{"/sys/devices/platform"} / get(device() / "dev_name") /
+             get(bank() / "chip_name");
   }
   ~GpioSim() {
     put(device() / "live", "0");
@@ -57,7 +58,9 @@ class GpioSim {
 
   static std::filesystem::path device() { return std::filesystem::path{k_gpio_sim_config} / "biteline"; }
   static std::filesystem::path bank() { return device() / "bank0"; }
-  [[nodiscard]] std::filesystem::path line_folder(int line) const { return lines_ / ("sim_gpio" + std::to_string(line)); }
+  [[nodiscard]] std::filesystem::path line_folder(int line) const {
+    return lines_ / ("sim_gpio" + std::to_string(line));
+  }
   static void put(const std::filesystem::path& path, const std::string& text) { std::ofstream{path} << text; }
   static std::string get(const std::filesystem::path& path) {
     std::string text;

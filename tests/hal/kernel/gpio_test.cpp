@@ -69,7 +69,8 @@ TEST(GpioKernel, WrongAddressAndBusyLineAreSaid) {
   BITELINE_DEVICE_OR_SKIP(test::k_gpio_sim_config);
   const GpioSim sim;
   CHECK(GpiodOut::open({.chip = "no-such-chip", .line = "0"}).error().code == Errc::DeviceNotFound);
-  CHECK(GpiodOut::open({.chip = GpioSim::k_label, .line = "no-such-line"}).error().code == Errc::DeviceNotFound);
+  CHECK(GpiodOut::open({.chip = GpioSim::k_label, .line = "no-such-line"}).error().code ==
+        Errc::DeviceNotFound);
   CHECK(GpiodOut::open(line(GpioSim::k_lines)).error().code == Errc::DeviceNotFound);
   const auto holder = GpiodOut::open(line(0)).value();
   CHECK_EQUAL(EBUSY, GpiodOut::open(line(0)).error().sys_errno);

@@ -25,7 +25,8 @@ TEST(PwmKernel, HardwareTrainConforms) {
 
 TEST(PwmKernel, TrainLeftRunningIsStoppedByTheNextOpen) {
   BITELINE_DEVICE_OR_SKIP(k_chip);
-  const auto killed = SysfsPwm::open({.chip = "pwmchip0", .channel = 1}).value().release();  // as if by SIGKILL
+  const auto killed =
+      SysfsPwm::open({.chip = "pwmchip0", .channel = 1}).value().release();  // as if by SIGKILL
   CHECK(killed->configure({.period = 10ms, .pulse = 1ms}).has_value());
   CHECK(killed->start().has_value());
   CHECK_EQUAL(1, read_integer("/sys/class/pwm/pwmchip0/pwm1/enable").value());

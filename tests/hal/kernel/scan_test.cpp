@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A whole scan with the devices of boards/qemu-virt: made stripe pictures through V4L2, poses through CAN, the laser's line
-// and interlock and the camera's trigger through PWM and GPIO, profiles out; compared bit for bit with the pictures processed directly.
+// A whole scan with the devices of boards/qemu-virt: made stripe pictures through V4L2, poses through CAN,
+// the laser's line and interlock and the camera's trigger through PWM and GPIO, profiles out; compared bit
+// for bit with the pictures processed directly.
 #include <CppUTest/TestHarness.h>
 #include <unistd.h>
 
@@ -65,7 +66,8 @@ geometry::SensorModel made_head() {
   geometry::SensorModel head;
   head.camera = {.fu_px = 900, .fv_px = 900, .cu_px = 320, .cv_px = 240};
   head.laser_plane = {.normal_cam = Vec3{0, std::sqrt(0.5), std::sqrt(0.5)}, .distance_mm = 150};
-  head.region = {.offset_v_px = 136, .width_px = k_width_px, .height_px = 144};  // all that the stripe reaches
+  head.region = {
+      .offset_v_px = 136, .width_px = k_width_px, .height_px = 144};  // all that the stripe reaches
   head.rate_hz = 60;
   head.exposure = 1ms;
   return head;
@@ -81,7 +83,8 @@ Profiles expected_profiles(const pipeline::ProfilePipeline::Config& config, cons
   Profiles profiles;
   for (std::uint32_t picture = 0; picture < k_pictures; ++picture) {
     hal::FrameView frame;
-    frame.pixels = std::span{pictures[picture]}.subspan(static_cast<std::size_t>(head.region.offset_v_px) * k_width_px);
+    frame.pixels =
+        std::span{pictures[picture]}.subspan(static_cast<std::size_t>(head.region.offset_v_px) * k_width_px);
     frame.width_px = k_width_px;
     frame.height_px = head.region.height_px;
     frame.stride_bytes = k_width_px;
@@ -119,18 +122,21 @@ TEST(KernelScan, ThousandFramesEveryOneAccountedFor) {
   const test::PictureFeeder feeder{nodes, k_width_px, k_height_px, show, [&] { trigger.on_frame(); }};
   test::MovingArm arm;
 
-  const std::filesystem::path sensor_file = std::filesystem::temp_directory_path() / "biteline-scan-sensor.yaml";
+  const std::filesystem::path sensor_file =
+      std::filesystem::temp_directory_path() / "biteline-scan-sensor.yaml";
   std::ofstream{sensor_file} << config::sensor_yaml_text(made_head(), "made");
-  const auto kind = sensor::choose_source({.source = std::string{"board:"} + board, .sensor_file = sensor_file, .capture = {}}).value();
+  const auto kind = sensor::choose_source(
+                        {.source = std::string{"board:"} + board, .sensor_file = sensor_file, .capture = {}})
+                        .value();
   CHECK(kind->simulated);
-  const sensor::Scanner::Config config{.pipeline = {}, .model = kind->model, .realtime = runtime::RealtimeDemand::Required};
+  const sensor::Scanner::Config config{
+      .pipeline = {}, .model = kind->model, .realtime = runtime::RealtimeDemand::Required};
   const Profiles expected = expected_profiles(config.pipeline, kind->model, pictures);
 
   CHECK(runtime::prepare_process(config.realtime).has_value());
   const hal::MonotonicClock clock;
   std::optional<sensor::LaserDevices> devices = kind->open_laser().value();
-  runtime::LaserWatch laser{std::move(devices->laser), std::move(devices->safety), clock,
-                            devices->guard};
+  runtime::LaserWatch laser{std::move(devices->laser), std::move(devices->safety), clock, devices->guard};
   for (std::unique_ptr<hal::Watchdog>& watchdog : devices->watchdogs) laser.feed(std::move(watchdog));
   CHECK(laser.start(config.realtime).has_value());
   CHECK_FALSE(gpio.value(GpioSim::k_laser_enable));
@@ -167,12 +173,13 @@ TEST(KernelScan, ThousandFramesEveryOneAccountedFor) {
     const double row_px = stripe_row_px(0, middle.column);
     const auto picture = static_cast<std::size_t>(std::lround(2 * (middle.row_px - row_px)));
     const bool known = profile->count > 0 && picture < k_pictures;
-    wrong += !known || !std::equal(expected[picture].begin(), expected[picture].end(), profile->view().begin(),
-                                   profile->view().end(), test::same_bits);
+    wrong += !known || !std::equal(expected[picture].begin(), expected[picture].end(),
+                                   profile->view().begin(), profile->view().end(), test::same_bits);
     if ((header.flags & (profile::k_profile_not_usable | profile::k_profile_pose_extrapolated)) != 0) {
       ++unusable;
     } else {
-      worst_x_mm = std::max(worst_x_mm, std::abs(header.T_base_flange.translation().x() - arm.x_mm(header.exposure_mid)));
+      worst_x_mm = std::max(worst_x_mm,
+                            std::abs(header.T_base_flange.translation().x() - arm.x_mm(header.exposure_mid)));
     }
     scanner->give_back();
     if (door_opened) {
@@ -193,27 +200,35 @@ TEST(KernelScan, ThousandFramesEveryOneAccountedFor) {
   scanner->stop();
   const sensor::ScanCounts counts = scanner->counts();
   const hal::TriggerHealth edges = scanner->source().camera->health().trigger;
-  std::printf("scan: %llu profiles, %llu of other bits, %llu without a good pose, %llu frames lost, %llu dropped, pose off by %.3f mm, dark %.1f ms after the door\n",
-              static_cast<unsigned long long>(taken), static_cast<unsigned long long>(wrong),
-              static_cast<unsigned long long>(unusable), static_cast<unsigned long long>(counts.frames_lost),
-              static_cast<unsigned long long>(counts.profiles_dropped), worst_x_mm,
-              std::chrono::duration<double, std::milli>(dark_after).count());
+  std::printf(
+      "scan: %llu profiles, %llu of other bits, %llu without a good pose, %llu frames lost, %llu dropped, "
+      "pose off by %.3f mm, dark %.1f ms after the door\n",
+      static_cast<unsigned long long>(taken), static_cast<unsigned long long>(wrong),
+      static_cast<unsigned long long>(unusable), static_cast<unsigned long long>(counts.frames_lost),
+      static_cast<unsigned long long>(counts.profiles_dropped), worst_x_mm,
+      std::chrono::duration<double, std::milli>(dark_after).count());
   CHECK(heartbeats > 0);
-  std::printf("trigger: %llu frames with their edge, %llu without, %llu with two; %llu edges, %llu missed, %llu doubled, %llu late\n",
-              static_cast<unsigned long long>(edges.frames_paired), static_cast<unsigned long long>(edges.frames_without_edge),
-              static_cast<unsigned long long>(edges.frames_with_two_edges), static_cast<unsigned long long>(edges.edges),
-              static_cast<unsigned long long>(edges.edges_missed), static_cast<unsigned long long>(edges.edges_doubled),
-              static_cast<unsigned long long>(edges.edges_late));
-  // Each frame has one verdict; how many find their edge is a matter of how much processor an emulated machine gets.
+  std::printf(
+      "trigger: %llu frames with their edge, %llu without, %llu with two; %llu edges, %llu missed, %llu "
+      "doubled, %llu late\n",
+      static_cast<unsigned long long>(edges.frames_paired),
+      static_cast<unsigned long long>(edges.frames_without_edge),
+      static_cast<unsigned long long>(edges.frames_with_two_edges),
+      static_cast<unsigned long long>(edges.edges), static_cast<unsigned long long>(edges.edges_missed),
+      static_cast<unsigned long long>(edges.edges_doubled),
+      static_cast<unsigned long long>(edges.edges_late));
+  // Each frame has one verdict; how many find their edge is a matter of how much processor an emulated
+  // machine gets.
   CHECK_EQUAL(counts.frames, edges.frames_paired + edges.frames_without_edge + edges.frames_with_two_edges);
   CHECK(edges.frames_paired > 0);
   CHECK(edges.edges + edges.edges_doubled <= trigger.pulses());
   CHECK_EQUAL(0, wrong);
   CHECK_EQUAL(0, counts.frames_damaged);
-  // Every number between the first profile taken and the last is a frame lost by the driver or a profile dropped by us;
-  // both counters also hold what came before the first and after the last.
+  // Every number between the first profile taken and the last is a frame lost by the driver or a profile
+  // dropped by us; both counters also hold what came before the first and after the last.
   CHECK(gaps <= counts.frames_lost + counts.profiles_dropped);
-  CHECK(unusable < k_frames);  // a stalled arm is flagged, profile by profile, which is right; all of them is no scan
+  CHECK(unusable <
+        k_frames);  // a stalled arm is flagged, profile by profile, which is right; all of them is no scan
   CHECK(worst_x_mm < k_time_alone_mm);
   std::feclearexcept(FE_ALL_EXCEPT);  // the stripes' tails underflow by design
   std::filesystem::remove(sensor_file);

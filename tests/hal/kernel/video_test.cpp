@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The V4L2 camera on vivid: conformance, pictures bit for bit through its loop, and the faults that it can make.
+// The V4L2 camera on vivid: conformance, pictures bit for bit through its loop, and the faults that it can
+// make.
 #include <CppUTest/TestHarness.h>
 
 #include <cstring>
@@ -23,7 +24,8 @@ constexpr const char* k_heap = "/dev/dma_heap/system";
 
 /// Picture `number`: its number in the first bytes of every row, then a texture of its own.
 std::uint8_t texture(std::uint32_t number, int u_px, int v_px) {
-  return static_cast<std::uint8_t>(number * 7U + static_cast<unsigned>(u_px) * 3U + static_cast<unsigned>(v_px) * 5U);
+  return static_cast<std::uint8_t>(number * 7U + static_cast<unsigned>(u_px) * 3U +
+                                   static_cast<unsigned>(v_px) * 5U);
 }
 
 void paint(std::uint32_t number, std::span<std::uint8_t> pixels) {
@@ -34,64 +36,70 @@ void paint(std::uint32_t number, std::span<std::uint8_t> pixels) {
   }
 }
 
-/// Pixels of the frame that are not those of the picture that its first bytes name, which is given in `number`.
+/// Pixels of the frame that are not those of the picture that its first bytes name, which is given in
+/// `number`.
 int wrong_pixels(const FrameView& frame, const geometry::Region& region, std::uint32_t& number) {
   std::memcpy(&number, frame.pixels.data(), k_header_bytes);
   int wrong = 0;
   for (int v = 0; v < frame.height_px; ++v) {
     const std::uint8_t* const row = frame.pixels.data() + static_cast<std::size_t>(v) * frame.stride_bytes;
-    for (int u = k_header_bytes; u < frame.width_px; ++u) wrong += row[u] != texture(number, u, v + region.offset_v_px);
+    for (int u = k_header_bytes; u < frame.width_px; ++u)
+      wrong += row[u] != texture(number, u, v + region.offset_v_px);
   }
   return wrong;
 }
 
-#define VIVID_OR_SKIP(name)                                                 \
-  const std::optional<VividNodes> name##_found = test::find_vivid();        \
-  BITELINE_DEVICE_OR_SKIP(name##_found ? "/" : "/dev/video0 (vivid)");      \
-  const VividNodes& name = *name##_found;                                   \
+#define VIVID_OR_SKIP(name)                                            \
+  const std::optional<VividNodes> name##_found = test::find_vivid();   \
+  BITELINE_DEVICE_OR_SKIP(name##_found ? "/" : "/dev/video0 (vivid)"); \
+  const VividNodes& name = *name##_found;                              \
   test::loop_vivid(name, k_width_px, k_height_px)
 
-geometry::Region whole() { return {.width_px = k_width_px, .height_px = k_height_px}; }
+geometry::Region whole() {
+  return {.width_px = k_width_px, .height_px = k_height_px};
+}
 
-TEST_GROUP(VideoKernel) {
-  std::unique_ptr<V4l2Camera> open(const VividNodes& nodes) { return V4l2Camera::open({.device = nodes.capture}).value(); }
+TEST_GROUP(VideoKernel){std::unique_ptr<V4l2Camera> open(const VividNodes& nodes){
+    return V4l2Camera::open({.device = nodes.capture}).value();
+}  // namespace
 
-  std::unique_ptr<V4l2Camera> running(const VividNodes& nodes) {
-    auto camera = open(nodes);
-    CHECK(camera->configure({.region = whole()}).has_value());
-    CHECK(camera->start().has_value());
-    return camera;
-  }
+std::unique_ptr<V4l2Camera> running(const VividNodes& nodes) {
+  auto camera = open(nodes);
+  CHECK(camera->configure({.region = whole()}).has_value());
+  CHECK(camera->start().has_value());
+  return camera;
+}
 
-  void check_pictures(const VividNodes& nodes, BufferMemory memory) {
-    const geometry::Region part{.offset_v_px = 112, .width_px = 640, .height_px = 128};
-    const geometry::Region larger{.offset_v_px = 96, .width_px = 640, .height_px = 160};
-    // Rectangles left in the driver must not be scaled into those after them.
-    for (const geometry::Region& region : {whole(), part, larger, whole()}) {
-      const PictureFeeder feeder{nodes, k_width_px, k_height_px, paint};
-      const auto sut = V4l2Camera::open({.device = nodes.capture, .memory = memory}).value();
-      CHECK(sut->configure({.region = region}).has_value());
-      CHECK(sut->start().has_value());
-      std::uint32_t last_number = 0;
-      for (int i = 0; i < 60; ++i) {
-        const Result<FrameView> frame = sut->next_frame(5s);
-        CHECK(frame.has_value());
-        std::uint32_t number = 0;
-        CHECK_EQUAL(0, wrong_pixels(*frame, region, number));
-        CHECK(number >= last_number);
-        CHECK_EQUAL(0, frame->flags & k_frame_damaged);
-        last_number = number;
-        sut->release(*frame);
-      }
+void check_pictures(const VividNodes& nodes, BufferMemory memory) {
+  const geometry::Region part{.offset_v_px = 112, .width_px = 640, .height_px = 128};
+  const geometry::Region larger{.offset_v_px = 96, .width_px = 640, .height_px = 160};
+  // Rectangles left in the driver must not be scaled into those after them.
+  for (const geometry::Region& region : {whole(), part, larger, whole()}) {
+    const PictureFeeder feeder{nodes, k_width_px, k_height_px, paint};
+    const auto sut = V4l2Camera::open({.device = nodes.capture, .memory = memory}).value();
+    CHECK(sut->configure({.region = region}).has_value());
+    CHECK(sut->start().has_value());
+    std::uint32_t last_number = 0;
+    for (int i = 0; i < 60; ++i) {
+      const Result<FrameView> frame = sut->next_frame(5s);
+      CHECK(frame.has_value());
+      std::uint32_t number = 0;
+      CHECK_EQUAL(0, wrong_pixels(*frame, region, number));
+      CHECK(number >= last_number);
+      CHECK_EQUAL(0, frame->flags & k_frame_damaged);
+      last_number = number;
+      sut->release(*frame);
     }
   }
-};
+}
+};  // namespace biteline::hal
 
 TEST(VideoKernel, CameraConforms) {
   VIVID_OR_SKIP(nodes);
   conformance::check_camera(*open(nodes), {.settings = {.region = whole()}});
-  conformance::check_camera(*open(nodes),
-                            {.settings = {.region = {.offset_u_px = 0, .offset_v_px = 100, .width_px = 640, .height_px = 96}}});
+  conformance::check_camera(
+      *open(nodes),
+      {.settings = {.region = {.offset_u_px = 0, .offset_v_px = 100, .width_px = 640, .height_px = 96}}});
 }
 
 TEST(VideoKernel, StarvedCameraSaysSoAndGoesOn) {
@@ -107,15 +115,18 @@ TEST(VideoKernel, PicturesComeThroughBitForBit) {
 TEST(VideoKernel, PicturesComeThroughDmaBufBitForBit) {
   VIVID_OR_SKIP(nodes);
   BITELINE_DEVICE_OR_SKIP(k_heap);
-  conformance::check_camera(*V4l2Camera::open({.device = nodes.capture, .memory = BufferMemory::DmaBuf}).value(),
-                            {.settings = {.region = whole()}});
+  conformance::check_camera(
+      *V4l2Camera::open({.device = nodes.capture, .memory = BufferMemory::DmaBuf}).value(),
+      {.settings = {.region = whole()}});
   check_pictures(nodes, BufferMemory::DmaBuf);
 }
 
 TEST(VideoKernel, HeapThatIsNotThereIsSaid) {
   VIVID_OR_SKIP(nodes);
   const auto sut =
-      V4l2Camera::open({.device = nodes.capture, .memory = BufferMemory::DmaBuf, .heap = "/dev/dma_heap/none"}).value();
+      V4l2Camera::open(
+          {.device = nodes.capture, .memory = BufferMemory::DmaBuf, .heap = "/dev/dma_heap/none"})
+          .value();
   CHECK(sut->configure({.region = whole()}).has_value());
   CHECK(sut->start().error().code == Errc::DeviceNotFound);
 }
@@ -136,7 +147,8 @@ TEST(VideoKernel, StampsAreOnTheMonotonicClockAndSure) {
 TEST(VideoKernel, EndOfFrameStampIsUncertainUntilTheReadoutIsTold) {
   VIVID_OR_SKIP(nodes);
   CHECK(test::set_control(nodes.capture, "Timestamp Source", 0));
-  for (const std::optional<Nanoseconds> readout : {std::optional<Nanoseconds>{}, std::optional<Nanoseconds>{5ms}}) {
+  for (const std::optional<Nanoseconds> readout :
+       {std::optional<Nanoseconds>{}, std::optional<Nanoseconds>{5ms}}) {
     const auto sut = V4l2Camera::open({.device = nodes.capture, .readout = readout}).value();
     CHECK(sut->configure({.region = whole()}).has_value());
     CHECK(sut->start().has_value());
@@ -188,7 +200,8 @@ TEST(VideoKernel, DroppedBuffersAreGapsAndCounted) {
   }
   static_cast<void>(test::set_control(nodes.capture, "Percentage of Dropped Buffers", 0));
   CHECK(flagged > 0);
-  CHECK_EQUAL(last - k_frames, sut->health().frames_lost);  // numbered from 1, so those before the first one count too
+  CHECK_EQUAL(last - k_frames,
+              sut->health().frames_lost);  // numbered from 1, so those before the first one count too
 }
 
 TEST(VideoKernel, BufferWithErrorFlagIsGivenOutFlagged) {
@@ -239,8 +252,10 @@ TEST(VideoKernel, UnpluggedCameraIsLostAndWorksAgainWhenBack) {
 
 TEST(VideoKernel, RegionBeyondTheSensorIsRefused) {
   VIVID_OR_SKIP(nodes);
-  CHECK(open(nodes)->configure({.region = {.offset_u_px = 1, .width_px = k_width_px, .height_px = 8}}).error().code ==
-        Errc::BadValue);
+  CHECK(open(nodes)
+            ->configure({.region = {.offset_u_px = 1, .width_px = k_width_px, .height_px = 8}})
+            .error()
+            .code == Errc::BadValue);
 }
 
 }  // namespace

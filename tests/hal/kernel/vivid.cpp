@@ -16,7 +16,9 @@ namespace {
 using hal::Descriptor;
 using hal::retrying_ioctl;
 
-Descriptor open_node(const std::string& path) { return hal::open_device(path.c_str(), O_RDWR | O_NONBLOCK).value(); }
+Descriptor open_node(const std::string& path) {
+  return hal::open_device(path.c_str(), O_RDWR | O_NONBLOCK).value();
+}
 
 void set_timings(const std::string& node, int width_px, int height_px) {
   const Descriptor device = open_node(node);
@@ -67,8 +69,9 @@ bool set_control(const std::string& node, const std::string& name, int value) {
 void loop_vivid(const VividNodes& nodes, int width_px, int height_px) {
   set_timings(nodes.capture, width_px, height_px);
   set_timings(nodes.output, width_px, height_px);
-  CHECK(set_control(nodes.capture, "OSD Text Mode", 2));      // none
-  CHECK(set_control(nodes.capture, "Timestamp Source", 1));   // start of exposure; the other one lies in the future
+  CHECK(set_control(nodes.capture, "OSD Text Mode", 2));  // none
+  CHECK(set_control(nodes.capture, "Timestamp Source",
+                    1));  // start of exposure; the other one lies in the future
   CHECK(set_control(nodes.capture, "Loop Video", 1));
   static_cast<void>(set_control(nodes.capture, "Percentage of Dropped Buffers", 0));
 }
@@ -137,7 +140,8 @@ void PictureFeeder::run() {
       on_frame_();
       queue(buffer.index);
     } else {
-      std::this_thread::sleep_for(std::chrono::milliseconds{2});  // poll also wakes for a stream that is in error
+      std::this_thread::sleep_for(
+          std::chrono::milliseconds{2});  // poll also wakes for a stream that is in error
     }
   }
 }

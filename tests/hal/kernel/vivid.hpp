@@ -2,8 +2,8 @@
 #pragma once
 /// \file The kernel's test video driver, its output looped to its input, with hands on its fault controls.
 ///
-/// Documentation/admin-guide/media/vivid.rst.  Loaded with: n_devs=1 node_types=0x101 num_inputs=2 input_types=0x3
-/// num_outputs=1 output_types=0x1 (one HDMI capture looped from one HDMI output).
+/// Documentation/admin-guide/media/vivid.rst.  Loaded with: n_devs=1 node_types=0x101 num_inputs=2
+/// input_types=0x3 num_outputs=1 output_types=0x1 (one HDMI capture looped from one HDMI output).
 
 #include <atomic>
 #include <cstdint>
@@ -35,9 +35,11 @@ void loop_vivid(const VividNodes& nodes, int width_px, int height_px);
 class PictureFeeder {
  public:
   using Painter = std::function<void(std::uint32_t number, std::span<std::uint8_t> pixels)>;
-  /// `on_frame` is told when the driver has shown a picture: its frame clock, in step with the capturing side's.
-  PictureFeeder(const VividNodes& nodes, int width_px, int height_px, Painter painter,
-                std::function<void()> on_frame = [] {});
+  /// `on_frame` is told when the driver has shown a picture: its frame clock, in step with the capturing
+  /// side's.
+  PictureFeeder(
+      const VividNodes& nodes, int width_px, int height_px, Painter painter,
+      std::function<void()> on_frame = [] {});
   ~PictureFeeder();
 
  private:

@@ -14,14 +14,17 @@ using namespace std::chrono_literals;
 void MovingArm::run() {
   const auto bus = hal::SocketcanBus::open({.interface = "vcan0"}).value();
   const auto ear = hal::SocketcanBus::open({.interface = "vcan0"}).value();
-  if (!ear->set_filters(std::array{hal::CanFilter{.id = canpose::k_sync_id, .mask = 0x7FF, .extended = false}})) return;
+  if (!ear->set_filters(
+          std::array{hal::CanFilter{.id = canpose::k_sync_id, .mask = 0x7FF, .extended = false}}))
+    return;
   canpose::PoseMessage pose{.sync_counter = 0};
   while (!stop_) {
     pose.sync_counter = static_cast<std::uint8_t>(pose.sync_counter % canpose::k_sync_counter_last + 1);
     hal::CanFrame frame{
         .id = canpose::k_sync_id, .size_bytes = 1, .data = {pose.sync_counter}, .received = {}};
     static_cast<void>(bus->send(frame));
-    // Where it is when the SYNC stands on the bus, as every node there hears it: nothing of this thread's own delays.
+    // Where it is when the SYNC stands on the bus, as every node there hears it: nothing of this thread's own
+    // delays.
     Result<hal::CanFrame> heard = ear->receive(1s);
     while (heard && heard->data[0] != pose.sync_counter) heard = ear->receive(1s);
     if (!heard) continue;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What every backend must do, asked of those without a device: wires and controller of the simulated cell, a recording.
+// What every backend must do, asked of those without a device: wires and controller of the simulated cell, a
+// recording.
 #include <CppUTest/TestHarness.h>
 #include <unistd.h>
 
@@ -34,15 +35,19 @@ TEST_GROUP(SimulatedWires) {
   void setup() override {
     test::note_ran();
     // A bus: what one node sends all others hear; the suite's peer does not listen to itself.
-    cell = *sim::BusServer::open(name, {.on_line = {}, .on_trigger = {}, .on_can = [this](const hal::CanFrame& frame) {
-                                          hal::CanFrame heard = frame;
-                                          heard.received = clock.now();
-                                          cell->send(heard);
-                                        }});
+    cell = *sim::BusServer::open(
+        name, {.on_line = {}, .on_trigger = {}, .on_can = [this](const hal::CanFrame& frame) {
+                 hal::CanFrame heard = frame;
+                 heard.received = clock.now();
+                 cell->send(heard);
+               }});
   }
-  void teardown() override { cell.reset(); }
+  void teardown() override {
+    cell.reset();
+  }
 
-  /// A question that is answered after all that was sent before, and after the end of a connection was noticed.
+  /// A question that is answered after all that was sent before, and after the end of a connection was
+  /// noticed.
   [[nodiscard]] bool level_outside() const {
     CHECK((*sim::SimSafetyIn::open(name))->read().has_value());
     return cell->level(sim::Line::LaserEnable);
@@ -56,10 +61,13 @@ TEST(SimulatedWires, OutputConforms) {
 
 TEST(SimulatedWires, EdgesConform) {
   const auto sut = sim::SimEdgeIn::open(name, sim::Line::StrobeEcho).value();
-  conformance::check_edge_in(*sut, [this](bool level) { cell->drive(sim::Line::StrobeEcho, level, clock.now()); });
+  conformance::check_edge_in(*sut,
+                             [this](bool level) { cell->drive(sim::Line::StrobeEcho, level, clock.now()); });
 }
 
-TEST(SimulatedWires, TriggerConforms) { conformance::check_pwm_out(*sim::SimPwmOut::open(name).value()); }
+TEST(SimulatedWires, TriggerConforms) {
+  conformance::check_pwm_out(*sim::SimPwmOut::open(name).value());
+}
 
 TEST(SimulatedWires, BusConforms) {
   const auto sut = sim::SimCanBus::open(name).value();
@@ -73,7 +81,8 @@ TEST(SimulatedWires, PosesOnTheBusConform) {
   conformance::check_pose_source(sut, [&] {
     pose.sync_counter = static_cast<std::uint8_t>(pose.sync_counter % canpose::k_sync_counter_last + 1);
     pose.stamp_us += 8000;
-    hal::CanFrame frame{.id = canpose::k_sync_id, .size_bytes = 1, .data = {pose.sync_counter}, .received = clock.now()};
+    hal::CanFrame frame{
+        .id = canpose::k_sync_id, .size_bytes = 1, .data = {pose.sync_counter}, .received = clock.now()};
     cell->send(frame);
     const canpose::FdFrame coded = canpose::encode_fd(pose).value();
     frame.id = canpose::k_default_base_id + canpose::k_fd_id_offset;

@@ -15,8 +15,8 @@
 #include "common/profile/profile.hpp"
 #include "hal/sim/live/live_cell.hpp"
 #include "hal/sim/shoe/surface_distance.hpp"
-#include "host/ingest/sensor_link.hpp"
-#include "host/ingest/sensor_process.hpp"
+#include "host/intake/sensor_link.hpp"
+#include "host/intake/sensor_process.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -104,11 +104,11 @@ TEST_GROUP(Capture) {
     cell.reset();
     cell = open_cell(settings_of(trial));
     if (!cell) return outcome;
-    auto sensor = ingest::SensorProcess::start(*ingest::find_sensor_program(), arguments(trial), seconds{30});
+    auto sensor = intake::SensorProcess::start(*intake::find_sensor_program(), arguments(trial), seconds{30});
     SUCCEEDS(sensor);
-    ingest::SensorLinkConfig config;
+    intake::SensorLinkConfig config;
     config.sensor = sensor->endpoint();
-    auto link = ingest::SensorLink::open(config);
+    auto link = intake::SensorLink::open(config);
     SUCCEEDS(link);
     bool asked = false;
     const auto patience_ends = hal::monotonic_now() + seconds{20};
@@ -117,11 +117,11 @@ TEST_GROUP(Capture) {
       SUCCEEDS(event);
       if (!*event) continue;
       // Each scan begins with a hello as well: the first one only is this host's own.
-      if (std::holds_alternative<ingest::Hello>(**event) && !std::exchange(asked, true))
+      if (std::holds_alternative<intake::Hello>(**event) && !std::exchange(asked, true))
         (*link)->command({.id = 1, .command = wire::Command::StartScan});
       if (const auto* reply = std::get_if<wire::ControlReply>(&**event))
         CHECK_EQUAL_TEXT(0, reply->errc, reply->where.c_str());
-      if (auto* profile = std::get_if<ingest::ProfileEvent>(&**event))
+      if (auto* profile = std::get_if<intake::ProfileEvent>(&**event))
         outcome.profiles.push_back(std::move(profile->profile));
       if (auto* end = std::get_if<wire::EndOfScan>(&**event)) {
         outcome.end = std::move(*end);
@@ -248,7 +248,7 @@ TEST(Capture, WhatExcludesEachOtherIsRefusedInPlainWords) {
        {std::vector<std::string>{"--second-exposure-us", "2000", "--laser-off-frames"},
         {"--auto-exposure", "--laser-off-frames"},
         {"--second-exposure-us", "10"}}) {
-    const auto sensor = ingest::SensorProcess::start(*ingest::find_sensor_program(),
+    const auto sensor = intake::SensorProcess::start(*intake::find_sensor_program(),
                                                      arguments({.options = options}), seconds{30});
     CHECK(!sensor.has_value());
     LONGS_EQUAL(static_cast<int>(ExitStatus::BadInput),

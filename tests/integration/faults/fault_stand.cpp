@@ -34,8 +34,8 @@ std::unique_ptr<FaultStand> FaultStand::set_up(const PictureCellConfig& config) 
   stand->account_.emplace(*stand->cell_);
   const std::string sensor_file = stand->folder_.write("sensor.yaml", stand->cell_->sensor_file_text());
   for (const char* const rights : {"--rt=required", "--rt=ignore"}) {
-    auto sensor = ingest::SensorProcess::start(
-        *ingest::find_sensor_program(), {"--source", stand->cell_->source(), "--sensor", sensor_file, rights},
+    auto sensor = intake::SensorProcess::start(
+        *intake::find_sensor_program(), {"--source", stand->cell_->source(), "--sensor", sensor_file, rights},
         k_patience);
     if (!sensor && sensor.error().where.view().find("--rt=ignore") != std::string_view::npos) continue;
     SUCCEEDS(sensor);
@@ -51,9 +51,9 @@ void FaultStand::leave() {
 }
 
 void FaultStand::return_() {
-  ingest::SensorLinkConfig config;
+  intake::SensorLinkConfig config;
   config.sensor = sensor_->endpoint();
-  auto link = ingest::SensorLink::open(config);
+  auto link = intake::SensorLink::open(config);
   SUCCEEDS(link);
   link_ = std::move(*link);
   account_->clear();
@@ -99,8 +99,8 @@ bool FaultStand::take_health() {
       [&] { return account_->healths >= seen + 2; });  // the first may have been under way already
 }
 
-void FaultStand::take(const ingest::LinkEvent& event) {
-  if (std::holds_alternative<ingest::Hello>(event)) known_ = true;
+void FaultStand::take(const intake::LinkEvent& event) {
+  if (std::holds_alternative<intake::Hello>(event)) known_ = true;
   if (const auto* reply = std::get_if<wire::ControlReply>(&event)) reply_ = *reply;
   account_->take(event);
 }

@@ -8,8 +8,8 @@
 #include <optional>
 #include <string>
 
-#include "host/ingest/sensor_link.hpp"
-#include "host/ingest/sensor_process.hpp"
+#include "host/intake/sensor_link.hpp"
+#include "host/intake/sensor_process.hpp"
 #include "tests/support/picture_cell/picture_cell.hpp"
 #include "tests/support/picture_cell/scan_account.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -23,7 +23,7 @@ class FaultStand {
   [[nodiscard]] static std::unique_ptr<FaultStand> set_up(const PictureCellConfig& config = {});
 
   PictureCell& cell() { return *cell_; }
-  ingest::SensorProcess& sensor() { return *sensor_; }
+  intake::SensorProcess& sensor() { return *sensor_; }
   [[nodiscard]] const ScanAccount& account() const { return *account_; }
 
   /// As a host asks for one; until the laser shines and `profiles` have come.  The refusal, if it comes to
@@ -48,12 +48,12 @@ class FaultStand {
 
  private:
   FaultStand() = default;
-  void take(const ingest::LinkEvent& event);
+  void take(const intake::LinkEvent& event);
 
   TemporaryFolder folder_;
   std::unique_ptr<PictureCell> cell_;
-  std::optional<ingest::SensorProcess> sensor_;
-  std::unique_ptr<ingest::SensorLink> link_;
+  std::optional<intake::SensorProcess> sensor_;
+  std::unique_ptr<intake::SensorLink> link_;
   std::optional<ScanAccount> account_;
   std::optional<wire::ControlReply> reply_;
   bool known_{false};  ///< the sensor has answered this host

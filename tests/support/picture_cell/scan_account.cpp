@@ -17,9 +17,9 @@ void ScanAccount::clear() {
   end.reset();
 }
 
-void ScanAccount::take(const ingest::LinkEvent& event) {
-  if (const auto* profile = std::get_if<ingest::ProfileEvent>(&event)) take_profile(profile->profile);
-  if (const auto* loss = std::get_if<ingest::LossEvent>(&event)) lost += loss->messages;
+void ScanAccount::take(const intake::LinkEvent& event) {
+  if (const auto* profile = std::get_if<intake::ProfileEvent>(&event)) take_profile(profile->profile);
+  if (const auto* loss = std::get_if<intake::LossEvent>(&event)) lost += loss->messages;
   if (const auto* over = std::get_if<wire::EndOfScan>(&event)) end = *over;
   if (const auto* newest = std::get_if<wire::Health>(&event)) {
     health = *newest;

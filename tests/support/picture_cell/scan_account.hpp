@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "host/ingest/host_protocol.hpp"
+#include "host/intake/host_protocol.hpp"
 #include "tests/support/picture_cell/picture_cell.hpp"
 
 namespace biteline::test {
@@ -18,7 +18,7 @@ class ScanAccount {
 
   /// A new scan.
   void clear();
-  void take(const ingest::LinkEvent& event);
+  void take(const intake::LinkEvent& event);
 
   std::uint64_t profiles{0};
   std::uint64_t usable{0};

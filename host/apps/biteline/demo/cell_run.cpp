@@ -6,15 +6,15 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "host/process/child_process.hpp"
+#include "host/intake/child_process.hpp"
 #include "host/report/report.hpp"
 
 namespace biteline::app::demo {
 namespace {
 
 namespace fs = std::filesystem;
+using intake::ChildProcess;
 using nlohmann::ordered_json;
-using process::ChildProcess;
 using namespace std::chrono_literals;
 
 /// Starts a program that says in one line of JSON where it listens.
@@ -27,7 +27,7 @@ Result<Server> start_server(const std::string& name, std::vector<std::string> ar
   arguments.emplace_back("--exit-with-parent");
   // Making a shoe and its search tree takes the cell some seconds, more on a busy machine.
   constexpr auto k_patience = 60s;
-  BITELINE_ASSIGN(ChildProcess child, ChildProcess::start({.program = process::program_folder() / name,
+  BITELINE_ASSIGN(ChildProcess child, ChildProcess::start({.program = intake::program_folder() / name,
                                                            .arguments = std::move(arguments),
                                                            .pass_stderr = true}));
   BITELINE_ASSIGN(const std::string line, child.next_line(k_patience));
@@ -45,7 +45,8 @@ Result<std::string> endpoint(const Server& server, const char* name) {
 
 /// Shows what the host says; its exit status.
 Result<int> attend(ChildProcess& host, bool quiet) {
-  // Scan, extraction, plan and following take about a minute; a host that is silent for longer than that hangs.
+  // Scan, extraction, plan and following take about a minute; a host that is silent for longer than that
+  // hangs.
   constexpr auto k_patience = 180s;
   for (;;) {
     const Result<std::string> line = host.next_line(k_patience);
@@ -75,10 +76,10 @@ double table_z_mm(const fs::path& truth) {
   return z_mm;
 }
 
-Result<measure::LineError> measure_line(const fs::path& scan, const fs::path& truth) {
-  BITELINE_ASSIGN(const line::ClosedLine found, line::read_line(scan / "line.csv"));
-  BITELINE_ASSIGN(const line::ClosedLine known, line::read_positions(truth / "groove.csv"));
-  return measure::line_error(found, known);
+Result<evaluation::LineError> measure_line(const fs::path& scan, const fs::path& truth) {
+  BITELINE_ASSIGN(const cloud::ClosedLine found, cloud::read_line(scan / "line.csv"));
+  BITELINE_ASSIGN(const cloud::ClosedLine known, cloud::read_positions(truth / "groove.csv"));
+  return evaluation::line_error(found, known);
 }
 
 /// The newest of the host's result folders, or nothing.
@@ -100,34 +101,52 @@ bool worth_another_scan(const std::optional<fs::path>& scan) {
 }
 
 std::vector<std::string> cell_arguments(const CellOptions& options, const Shoe& shoe, const fs::path& out) {
-  std::vector<std::string> arguments{"serve", "--seed", std::to_string(options.seed), "--shoe", options.shoe,
-                                     "--arm", options.arm, "--place", std::to_string(shoe.place), "--out", out.string()};
+  std::vector<std::string> arguments{
+      "serve",     "--seed",  std::to_string(options.seed), "--shoe", options.shoe, "--arm",
+      options.arm, "--place", std::to_string(shoe.place),   "--out",  out.string()};
   if (shoe.sample) arguments.emplace_back("--upper");
   return arguments;
 }
 
-std::vector<std::string> host_arguments(const CellOptions& options, const Shoe& shoe, const Server& cell, const std::string& stream) {
+std::vector<std::string> host_arguments(const CellOptions& options, const Shoe& shoe, const Server& cell,
+                                        const std::string& stream) {
   const fs::path folder = options.out / shoe.name;
-  std::vector<std::string> arguments{"--sensor", stream, "--out", folder.string(), "--robot", options.arm, "--process", options.process.string(),
-                                     "--table-z", std::to_string(table_z_mm(folder / "cell/truth")),
-                                     "--rtde", cell.endpoints.value("rtde", ""), "--script", cell.endpoints.value("script", ""),
-                                     "--send", "--once", "--exit-with-parent"};
+  std::vector<std::string> arguments{"--sensor",
+                                     stream,
+                                     "--out",
+                                     folder.string(),
+                                     "--robot",
+                                     options.arm,
+                                     "--process",
+                                     options.process.string(),
+                                     "--table-z",
+                                     std::to_string(table_z_mm(folder / "cell/truth")),
+                                     "--rtde",
+                                     cell.endpoints.value("rtde", ""),
+                                     "--script",
+                                     cell.endpoints.value("script", ""),
+                                     "--send",
+                                     "--once",
+                                     "--exit-with-parent"};
   if (shoe.sample) arguments.insert(arguments.end(), {"--sample", shoe.sample->string()});
   return arguments;
 }
 
 /// What became of it, in one line.
 std::string verdict_of(const ShoeResult& result, const std::string& last_words) {
-  const ordered_json line = read_json(result.scan / "report.json"), plan = read_json(result.scan / "path/report.json");
+  const ordered_json line = read_json(result.scan / "report.json"),
+                     plan = read_json(result.scan / "path/report.json");
   if (!result.error) {
     if (line.contains("reason")) return "refused: " + line["reason"].get<std::string>();
     return "the host service ended with status " + std::to_string(result.host_status) + ": " + last_words;
   }
   char text[200];
-  std::snprintf(text, sizeof text, "line within %.3f mm of the cell's own on average, %.3f mm at most", result.error->mean_mm, result.error->max_mm);
+  std::snprintf(text, sizeof text, "line within %.3f mm of the cell's own on average, %.3f mm at most",
+                result.error->mean_mm, result.error->max_mm);
   if (result.good()) return text;
   if (plan.contains("reason")) return std::string{text} + "; no path: " + plan["reason"].get<std::string>();
-  return std::string{text} + "; the host service ended with status " + std::to_string(result.host_status) + ": " + last_words;
+  return std::string{text} + "; the host service ended with status " + std::to_string(result.host_status) +
+         ": " + last_words;
 }
 
 }  // namespace
@@ -141,27 +160,33 @@ Result<ShoeResult> run_shoe(const CellOptions& options, const Shoe& shoe) {
   BITELINE_ASSIGN(Server cell, start_server("biteline-cell", cell_arguments(options, shoe, cell_folder)));
   BITELINE_ASSIGN(const std::string wires, endpoint(cell, "wires"));
   BITELINE_ASSIGN(const std::string calibration, endpoint(cell, "sensor"));
-  BITELINE_ASSIGN(Server sensor, start_server("biteline-sensor", {"--source", "cell:" + wires, "--sensor", calibration, "--rt", "ignore"}));
+  BITELINE_ASSIGN(Server sensor, start_server("biteline-sensor", {"--source", "cell:" + wires, "--sensor",
+                                                                  calibration, "--rt", "ignore"}));
   BITELINE_ASSIGN(const std::string stream, endpoint(sensor, "endpoint"));
 
   ShoeResult result{.shoe = shoe, .scan = {}, .verdict = {}, .error = {}};
   std::string last_words;
-  // On a machine that is busy with other things frames may come too late, and the laser's guard then, rightly, ends the scan.
+  // On a machine that is busy with other things frames may come too late, and the laser's guard then,
+  // rightly, ends the scan.
   constexpr int k_most_scans = 3;
   for (int scans = 1; scans <= k_most_scans; ++scans) {
-    BITELINE_ASSIGN(ChildProcess host, ChildProcess::start({.program = process::program_folder() / "biteline-host",
-                                                            .arguments = host_arguments(options, shoe, cell, stream), .pass_stderr = true}));
+    BITELINE_ASSIGN(ChildProcess host,
+                    ChildProcess::start({.program = intake::program_folder() / "biteline-host",
+                                         .arguments = host_arguments(options, shoe, cell, stream),
+                                         .pass_stderr = true}));
     BITELINE_ASSIGN(result.host_status, attend(host, options.quiet));
     last_words = host.last_words();
     if (!worth_another_scan(newest_scan(folder))) break;
-    if (scans < k_most_scans && !options.quiet) std::printf("  the scan has not come all the way round: scanning again\n");
+    if (scans < k_most_scans && !options.quiet)
+      std::printf("  the scan has not come all the way round: scanning again\n");
   }
   sensor.child.stop();
   cell.child.stop();  // writes its record of the arm's track
 
   const std::optional<fs::path> newest = newest_scan(folder);
   if (!newest || newest == earlier) {
-    return fail(Errc::ProcessDied, "biteline-host left no result (status %d): %s", result.host_status, last_words.c_str());
+    return fail(Errc::ProcessDied, "biteline-host left no result (status %d): %s", result.host_status,
+                last_words.c_str());
   }
   result.scan = *newest;
   if (fs::exists(result.scan / "line.csv")) {

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file One shoe through the simulated cell: cell, sensor and host as processes, from the scan to the arm that follows.
+/// \file One shoe through the simulated cell: cell, sensor and host as processes, from the scan to the arm
+/// that follows.
 
 #include <filesystem>
 #include <optional>
 #include <string>
 
 #include "common/core/result.hpp"
-#include "host/measure/line_error.hpp"
+#include "host/evaluation/line_error.hpp"
 
 namespace biteline::app::demo {
 
@@ -23,9 +24,10 @@ struct CellOptions {
 
 /// What stands in the cell.
 struct Shoe {
-  std::string name;                              ///< also the folder of its results
-  std::uint64_t place{0};                        ///< where it stands, by seed; 0: as the shoe's seed
-  std::optional<std::filesystem::path> sample{}; ///< an upper without a sole: the folder of its finished sample
+  std::string name;        ///< also the folder of its results
+  std::uint64_t place{0};  ///< where it stands, by seed; 0: as the shoe's seed
+  std::optional<std::filesystem::path>
+      sample{};  ///< an upper without a sole: the folder of its finished sample
 };
 
 struct ShoeResult {
@@ -33,14 +35,14 @@ struct ShoeResult {
   std::filesystem::path scan;  ///< the host's result folder
   int host_status{0};
   std::string verdict;
-  std::optional<measure::LineError> error;  ///< against the cell's own truth; none without a line
+  std::optional<evaluation::LineError> error;  ///< against the cell's own truth; none without a line
   double wall_s{0};
 
   [[nodiscard]] bool good() const { return host_status == 0; }
 };
 
-/// Starts the three programs, waits until the host has done its work, and stops them, whatever happens.  Fails when one
-/// cannot be started or leaves no result; a refusal is a result.
+/// Starts the three programs, waits until the host has done its work, and stops them, whatever happens. Fails
+/// when one cannot be started or leaves no result; a refusal is a result.
 [[nodiscard]] Result<ShoeResult> run_shoe(const CellOptions& options, const Shoe& shoe);
 
 }  // namespace biteline::app::demo

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "host/report/page.hpp"
-#include "host/stages/stages.hpp"
-#include "host/stages/transfer_stages.hpp"
+#include "host/results/pictures/stages.hpp"
+#include "host/results/pictures/transfer_stages.hpp"
 
 namespace biteline::app::demo {
 namespace {
@@ -29,7 +29,8 @@ json read_json(const fs::path& file) {
 /// A number at /group/name, or a dash.
 std::string number(const json& value, const char* pointer, const char* unit) {
   const json::json_pointer at{pointer};
-  return value.contains(at) && value[at].is_number() ? report::value_text(value[at].get<double>(), unit) : "-";
+  return value.contains(at) && value[at].is_number() ? report::value_text(value[at].get<double>(), unit)
+                                                     : "-";
 }
 
 std::string seconds(const json& value, const char* pointer) {
@@ -46,29 +47,46 @@ void compare(Page& page, const std::vector<ShoeResult>& results, const std::vect
     rows.push_back({name});
     for (std::size_t i = 0; i < results.size(); ++i) rows.back().push_back(value(results[i], reports[i]));
   };
-  const auto of_error = [&](double measure::LineError::* member) {
+  const auto of_error = [&](double evaluation::LineError::*member) {
     return [member](const ShoeResult& result, const Reports&) {
       return result.error ? report::value_text((*result.error).*member, "mm") : std::string{"-"};
     };
   };
-  add("its line comes from", [](const ShoeResult& result, const Reports&) { return result.shoe.sample ? "the sample" : "its own groove"; });
-  add("length of the line", [](const ShoeResult&, const Reports& r) { return number(r.line, "/length_mm", "mm"); });
-  add("line from the cell's own, mean", of_error(&measure::LineError::mean_mm));
-  add("95 % of it within", of_error(&measure::LineError::p95_mm));
-  add("largest", of_error(&measure::LineError::max_mm));
-  add("the host's own bound for 95 %", [](const ShoeResult&, const Reports& r) { return number(r.line, "/bound_mm", "mm"); });
-  add("the host's own confidence", [](const ShoeResult&, const Reports& r) { return number(r.line, "/confidence", ""); });
-  add("difference of the two shapes, RMS", [](const ShoeResult&, const Reports& r) { return number(r.line, "/alignment/shape_rms_mm", "mm"); });
-  add("arm's recorded track from the planned path, mean", [](const ShoeResult&, const Reports& r) { return number(r.followed, "/from_path_mm/mean", "mm"); });
-  add("95 % of it within", [](const ShoeResult&, const Reports& r) { return number(r.followed, "/from_path_mm/p95", "mm"); });
-  add("largest", [](const ShoeResult&, const Reports& r) { return number(r.followed, "/from_path_mm/max", "mm"); });
-  add("arm's recorded track from the line (process offset taken off), mean", [](const ShoeResult&, const Reports& r) { return number(r.followed, "/from_line_mm/mean", "mm"); });
-  add("largest", [](const ShoeResult&, const Reports& r) { return number(r.followed, "/from_line_mm/max", "mm"); });
-  add("share of the line that the arm passed", [](const ShoeResult&, const Reports& r) { return number(r.followed, "/covered", ""); });
-  add("from the last profile to the line", [](const ShoeResult& result, const Reports& r) { return seconds(r.line, result.shoe.sample ? "/stages/transfer" : "/stages/last profile to line"); });
-  add("line to checked path", [](const ShoeResult&, const Reports& r) { return seconds(r.plan, "/stages/plan"); });
-  add("following", [](const ShoeResult&, const Reports& r) { return number(r.followed, "/duration_s", "s"); });
-  add("the whole shoe, starting the programs included", [](const ShoeResult& result, const Reports&) { return report::seconds_text(result.wall_s); });
+  add("its line comes from", [](const ShoeResult& result, const Reports&) {
+    return result.shoe.sample ? "the sample" : "its own groove";
+  });
+  add("length of the line",
+      [](const ShoeResult&, const Reports& r) { return number(r.line, "/length_mm", "mm"); });
+  add("line from the cell's own, mean", of_error(&evaluation::LineError::mean_mm));
+  add("95 % of it within", of_error(&evaluation::LineError::p95_mm));
+  add("largest", of_error(&evaluation::LineError::max_mm));
+  add("the host's own bound for 95 %",
+      [](const ShoeResult&, const Reports& r) { return number(r.line, "/bound_mm", "mm"); });
+  add("the host's own confidence",
+      [](const ShoeResult&, const Reports& r) { return number(r.line, "/confidence", ""); });
+  add("difference of the two shapes, RMS",
+      [](const ShoeResult&, const Reports& r) { return number(r.line, "/alignment/shape_rms_mm", "mm"); });
+  add("arm's recorded track from the planned path, mean",
+      [](const ShoeResult&, const Reports& r) { return number(r.followed, "/from_path_mm/mean", "mm"); });
+  add("95 % of it within",
+      [](const ShoeResult&, const Reports& r) { return number(r.followed, "/from_path_mm/p95", "mm"); });
+  add("largest",
+      [](const ShoeResult&, const Reports& r) { return number(r.followed, "/from_path_mm/max", "mm"); });
+  add("arm's recorded track from the line (process offset taken off), mean",
+      [](const ShoeResult&, const Reports& r) { return number(r.followed, "/from_line_mm/mean", "mm"); });
+  add("largest",
+      [](const ShoeResult&, const Reports& r) { return number(r.followed, "/from_line_mm/max", "mm"); });
+  add("share of the line that the arm passed",
+      [](const ShoeResult&, const Reports& r) { return number(r.followed, "/covered", ""); });
+  add("from the last profile to the line", [](const ShoeResult& result, const Reports& r) {
+    return seconds(r.line, result.shoe.sample ? "/stages/transfer" : "/stages/last profile to line");
+  });
+  add("line to checked path",
+      [](const ShoeResult&, const Reports& r) { return seconds(r.plan, "/stages/plan"); });
+  add("following",
+      [](const ShoeResult&, const Reports& r) { return number(r.followed, "/duration_s", "s"); });
+  add("the whole shoe, starting the programs included",
+      [](const ShoeResult& result, const Reports&) { return report::seconds_text(result.wall_s); });
   page.table(headings, rows);
 }
 
@@ -80,18 +98,22 @@ void show(Page& page, const ShoeResult& result, const Reports& reports) {
   std::vector<std::pair<std::string, double>> stages;
   for (const char* parts : {"extraction_s", "transfer_s"}) {
     if (!reports.line.contains(parts)) continue;
-    for (const auto& [name, value] : reports.line[parts].items()) stages.emplace_back(name, value.get<double>());
+    for (const auto& [name, value] : reports.line[parts].items())
+      stages.emplace_back(name, value.get<double>());
   }
-  if (reports.plan.contains("/stages/plan"_json_pointer)) stages.emplace_back("plan the path", reports.plan["stages"]["plan"].get<double>());
+  if (reports.plan.contains("/stages/plan"_json_pointer))
+    stages.emplace_back("plan the path", reports.plan["stages"]["plan"].get<double>());
   page.durations(stages);
-  const auto pictures = result.shoe.sample ? stages::transfer_pictures(result.scan / "stages") : stages::pictures(result.scan / "stages");
+  const auto pictures = result.shoe.sample ? results::transfer_pictures(result.scan / "stages")
+                                           : results::pictures(result.scan / "stages");
   for (const auto& [file, caption] : pictures) page.picture(folder + "/stages/" + file, caption);
   page.link(folder + "/index.html", "this scan's own page");
 }
 
 }  // namespace
 
-Result<void> write_demo_page(const CellOptions& options, const std::vector<ShoeResult>& results, const std::string& verdict, bool good) {
+Result<void> write_demo_page(const CellOptions& options, const std::vector<ShoeResult>& results,
+                             const std::string& verdict, bool good) {
   std::vector<Reports> reports;
   for (const ShoeResult& result : results) {
     reports.push_back({.line = read_json(result.scan / "report.json"),
@@ -100,9 +122,13 @@ Result<void> write_demo_page(const CellOptions& options, const std::vector<ShoeR
   }
   Page page{"Biteline demo", verdict, good ? Page::Mood::Good : Page::Mood::Refused};
   page.paragraph("Simulated: the shoes (class " + options.shoe + ", seed " + std::to_string(options.seed) +
-                 "), the pictures, the arm and its controller. Real: the sensor program, the host service, and the protocols between all of them.");
-  page.paragraph("A sample with its sole is scanned once; its line is the groove. The uppers that follow have no sole, stand in other places and "
-                 "differ from the sample as one last differs from the next: each is aligned with the sample, takes its line over, and is followed by the arm.");
+                 "), the pictures, the arm and its controller. Real: the sensor program, the host service, "
+                 "and the protocols between all of them.");
+  page.paragraph(
+      "A sample with its sole is scanned once; its line is the groove. The uppers that follow have no sole, "
+      "stand in other places and "
+      "differ from the sample as one last differs from the next: each is aligned with the sample, takes its "
+      "line over, and is followed by the arm.");
   page.heading("How good, how long");
   compare(page, results, reports);
   for (std::size_t i = 0; i < results.size(); ++i) show(page, results[i], reports[i]);

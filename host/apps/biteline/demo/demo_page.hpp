@@ -8,7 +8,7 @@
 
 namespace biteline::app::demo {
 
-[[nodiscard]] Result<void> write_demo_page(const CellOptions& options, const std::vector<ShoeResult>& results, const std::string& verdict,
-                                           bool good);
+[[nodiscard]] Result<void> write_demo_page(const CellOptions& options, const std::vector<ShoeResult>& results,
+                                           const std::string& verdict, bool good);
 
 }  // namespace biteline::app::demo

@@ -8,7 +8,9 @@
 namespace biteline::canpose {
 namespace {
 
-SensorClock::time_point at_us(std::int64_t us) { return SensorClock::time_point{Nanoseconds{us * 1000}}; }
+SensorClock::time_point at_us(std::int64_t us) {
+  return SensorClock::time_point{Nanoseconds{us * 1000}};
+}
 
 struct Sender {
   Assembler& sut;
@@ -19,8 +21,8 @@ struct Sender {
     CHECK_FALSE(sut.feed(k_sync_id, data, at_us(now_us)).has_value());
   }
   std::optional<AssembledPose> frame(const PoseMessage& pose, std::size_t index) {
-    return sut.feed(k_default_base_id + static_cast<std::uint32_t>(index), encode_classic(pose).value()[index],
-                    at_us(now_us + 100));
+    return sut.feed(k_default_base_id + static_cast<std::uint32_t>(index),
+                    encode_classic(pose).value()[index], at_us(now_us + 100));
   }
   std::optional<AssembledPose> classic(const PoseMessage& pose) {
     std::optional<AssembledPose> last;
@@ -94,7 +96,8 @@ TEST(Assembler, ThirtyTwoBitStampGoesOnPastItsTurn) {
 }
 
 TEST(Assembler, MissedSyncsAreCountedRoundTheTurn) {
-  for (const std::uint8_t counter : {std::uint8_t{238}, std::uint8_t{239}, std::uint8_t{2}}) sender.sync(counter);
+  for (const std::uint8_t counter : {std::uint8_t{238}, std::uint8_t{239}, std::uint8_t{2}})
+    sender.sync(counter);
   CHECK_EQUAL(3, sut.health().syncs);
   CHECK_EQUAL(2, sut.health().syncs_missed);
 }

@@ -12,7 +12,15 @@ namespace biteline::config {
 TEST_GROUP(SensorYaml) {
   test::TemporaryFolder folder;
   geometry::SensorModel sensor{
-      .camera = {.fu_px = 2730.5, .fv_px = 2712.25, .cu_px = 822, .cv_px = 628, .k1 = -0.11, .k2 = 0.14, .p1 = 3e-4, .p2 = -2e-4, .k3 = 0},
+      .camera = {.fu_px = 2730.5,
+                 .fv_px = 2712.25,
+                 .cu_px = 822,
+                 .cv_px = 628,
+                 .k1 = -0.11,
+                 .k2 = 0.14,
+                 .p1 = 3e-4,
+                 .p2 = -2e-4,
+                 .k3 = 0},
       .laser_plane = {.normal_cam = Vec3(0.01, 0.704, -0.71).normalized(), .distance_mm = -142.0625},
       .T_flange_cam = geometry::exp_se3((Twist() << 9, 153, 250, 0.8, 0.1, -0.02).finished()),
       .region = {.offset_u_px = 0, .offset_v_px = 460, .width_px = 1626, .height_px = 320},
@@ -20,7 +28,9 @@ TEST_GROUP(SensorYaml) {
       .rate_hz = 100.0,
       .exposure = Nanoseconds{400'000}};
 
-  Result<geometry::SensorModel> read(const std::string& text) { return read_sensor_yaml(folder.write("sensor.yaml", text)); }
+  Result<geometry::SensorModel> read(const std::string& text) {
+    return read_sensor_yaml(folder.write("sensor.yaml", text));
+  }
   std::string changed(const std::string& from, const std::string& to) const {
     std::string text = sensor_yaml_text(sensor, "made");
     const auto at = text.find(from);

@@ -7,13 +7,13 @@
 
 namespace biteline::config {
 
-TEST_GROUP(YamlReader) {
-  static YamlReader reading(const std::string& text) {
-    auto reader = YamlReader::parse(text, "settings.yaml");
-    CHECK(reader.has_value());
-    return std::move(*reader);
-  }
-};
+TEST_GROUP(YamlReader){
+    static YamlReader reading(const std::string& text){auto reader = YamlReader::parse(text, "settings.yaml");
+CHECK(reader.has_value());
+return std::move(*reader);
+}  // namespace biteline::config
+}
+;
 
 TEST(YamlReader, TypedValuesAreRead) {
   YamlReader sut = reading("a: 1.5\nb: true\nc: word\nd: [1, 2]\ne: [[1, 2], [3, 4]]\nf: {g: 7}\n");
@@ -57,8 +57,10 @@ TEST(YamlReader, NanAndWrongCountAreFaults) {
 }
 
 TEST(YamlReader, BrokenSyntaxNamesTheLine) {
-  FAILS_NAMING(Errc::BadFormat, "settings.yaml line 3", YamlReader::parse("a: 1\nb: [1, 2\n", "settings.yaml"));
-  FAILS_NAMING(Errc::BadFormat, "a mapping of keys expected", YamlReader::parse("just words", "settings.yaml"));
+  FAILS_NAMING(Errc::BadFormat, "settings.yaml line 3",
+               YamlReader::parse("a: 1\nb: [1, 2\n", "settings.yaml"));
+  FAILS_NAMING(Errc::BadFormat, "a mapping of keys expected",
+               YamlReader::parse("just words", "settings.yaml"));
 }
 
 TEST(YamlReader, KeyThatStandsTwiceIsAFault) {

@@ -8,7 +8,15 @@
 namespace biteline::geometry {
 
 TEST_GROUP(Camera) {
-  Camera sut{.fu_px = 2730, .fv_px = 2712, .cu_px = 822, .cv_px = 628, .k1 = -0.11, .k2 = 0.14, .p1 = 3e-4, .p2 = -2e-4, .k3 = 0.01};
+  Camera sut{.fu_px = 2730,
+             .fv_px = 2712,
+             .cu_px = 822,
+             .cv_px = 628,
+             .k1 = -0.11,
+             .k2 = 0.14,
+             .p1 = 3e-4,
+             .p2 = -2e-4,
+             .k3 = 0.01};
 };
 
 TEST(Camera, RayInvertsProjectOverTheWholeSensor) {

@@ -56,7 +56,8 @@ TEST(Se3, InterpolationHitsItsEndsAndKeepsConstantTwist) {
 
 TEST(Se3, InterpolationIsEquivariantOnTheLeft) {
   // Asymmetric: swapping base and flange in interpolate() would break it.
-  const SE3 T = exp_se3(random_twist(100, 0.8)), T_from = exp_se3(random_twist(500, 1.0)), T_to = exp_se3(random_twist(500, 1.2));
+  const SE3 T = exp_se3(random_twist(100, 0.8)), T_from = exp_se3(random_twist(500, 1.0)),
+            T_to = exp_se3(random_twist(500, 1.2));
   TRANSFORMS_EQUAL(T * interpolate(T_from, T_to, 0.3), interpolate(T * T_from, T * T_to, 0.3), k_tol, k_tol);
 }
 

@@ -31,7 +31,8 @@ TEST(GreyImage, PngKeepsEveryPixel) {
 
 TEST(GreyImage, OtherSizeThanExpectedIsRefused) {
   std::vector<std::uint8_t> pixels(37 * 12);
-  FAILS_NAMING(Errc::SizeMismatch, "37 x 12 px expected, found 37 x 11", read_png_into(folder.path() / "a.png", 37, 12, pixels));
+  FAILS_NAMING(Errc::SizeMismatch, "37 x 12 px expected, found 37 x 11",
+               read_png_into(folder.path() / "a.png", 37, 12, pixels));
 }
 
 TEST(GreyImage, TruncatedAndForeignFilesAreRefused) {
@@ -41,7 +42,8 @@ TEST(GreyImage, TruncatedAndForeignFilesAreRefused) {
   for (const std::size_t kept : {0UL, 10UL, 40UL, bytes.str().size() / 2}) {
     CHECK(!read_png(folder.write("cut.png", bytes.str().substr(0, kept))));
   }
-  FAILS_NAMING(Errc::BadFormat, "words.png", read_png(folder.write("words.png", "these are words and no picture at all")));
+  FAILS_NAMING(Errc::BadFormat, "words.png",
+               read_png(folder.write("words.png", "these are words and no picture at all")));
   FAILS_NAMING(Errc::FileNotFound, "none.png", read_png(folder.path() / "none.png"));
 }
 

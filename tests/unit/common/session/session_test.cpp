@@ -27,7 +27,8 @@ TEST_GROUP(Session) {
     folder.write("pose0/data.csv", poses);
     std::filesystem::create_directories(folder.path() / "cam0/data");
     for (const char* name : {"1000.png", "2000.png"}) {
-      SUCCEEDS(image::write_png(folder.path() / "cam0/data" / name, {.width_px = 4, .height_px = 3, .pixels = std::vector<std::uint8_t>(12)}));
+      SUCCEEDS(image::write_png(folder.path() / "cam0/data" / name,
+                                {.width_px = 4, .height_px = 3, .pixels = std::vector<std::uint8_t>(12)}));
     }
     return read_session(folder.path());
   }
@@ -74,22 +75,30 @@ TEST(Session, MissingFolderIsToldOnce) {
 
 TEST(Session, PoseTableSurvivesWriting) {
   const std::vector<StampedPose> written{
-      {.stamp = RobotClock::time_point{Nanoseconds{5}}, .T_base_flange = geometry::exp_se3((Twist() << 1, -2, 3, 0.3, 0.2, -0.9).finished())},
-      {.stamp = RobotClock::time_point{Nanoseconds{9}}, .T_base_flange = geometry::exp_se3((Twist() << 5, 2, 3, 0.1, 1.2, 0.9).finished())}};
+      {.stamp = RobotClock::time_point{Nanoseconds{5}},
+       .T_base_flange = geometry::exp_se3((Twist() << 1, -2, 3, 0.3, 0.2, -0.9).finished())},
+      {.stamp = RobotClock::time_point{Nanoseconds{9}},
+       .T_base_flange = geometry::exp_se3((Twist() << 5, 2, 3, 0.1, 1.2, 0.9).finished())}};
   SUCCEEDS(write_pose_table(folder.path() / "poses.csv", written));
   const auto sut = read_pose_table(folder.path() / "poses.csv");
   SUCCEEDS(sut);
   // Six decimals of a millimetre, ten of a quaternion.
-  for (std::size_t i = 0; i < 2; ++i) TRANSFORMS_EQUAL(written[i].T_base_flange, (*sut)[i].T_base_flange, 1e-6, 1e-9);
+  for (std::size_t i = 0; i < 2; ++i)
+    TRANSFORMS_EQUAL(written[i].T_base_flange, (*sut)[i].T_base_flange, 1e-6, 1e-9);
 }
 
 TEST(Session, NumberedPosesMayComeInAnyOrderButOnlyOnce) {
-  folder.write("poses.csv", "#timestamp [ns],p_x [mm],p_y [mm],p_z [mm],q_w [],q_x [],q_y [],q_z []\n4,1,2,3,1,0,0,0\n2,4,5,6,1,0,0,0\n");
+  folder.write("poses.csv",
+               "#timestamp [ns],p_x [mm],p_y [mm],p_z [mm],q_w [],q_x [],q_y [],q_z "
+               "[]\n4,1,2,3,1,0,0,0\n2,4,5,6,1,0,0,0\n");
   const auto sut = read_pose_table(folder.path() / "poses.csv", RowOrder::Any);
   SUCCEEDS(sut);
   LONGS_EQUAL(2, (*sut)[1].stamp.time_since_epoch().count());
-  folder.write("poses.csv", "#timestamp [ns],p_x [mm],p_y [mm],p_z [mm],q_w [],q_x [],q_y [],q_z []\n4,1,2,3,1,0,0,0\n4,4,5,6,1,0,0,0\n");
-  FAILS_NAMING(Errc::BadValue, "field 1: a number not yet used", read_pose_table(folder.path() / "poses.csv", RowOrder::Any));
+  folder.write("poses.csv",
+               "#timestamp [ns],p_x [mm],p_y [mm],p_z [mm],q_w [],q_x [],q_y [],q_z "
+               "[]\n4,1,2,3,1,0,0,0\n4,4,5,6,1,0,0,0\n");
+  FAILS_NAMING(Errc::BadValue, "field 1: a number not yet used",
+               read_pose_table(folder.path() / "poses.csv", RowOrder::Any));
 }
 
 }  // namespace biteline::session

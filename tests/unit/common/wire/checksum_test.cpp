@@ -8,7 +8,7 @@
 
 namespace biteline::wire {
 
-TEST_GROUP(Checksum) {};
+TEST_GROUP(Checksum){};
 
 TEST(Checksum, AgreesWithTheStandardsExamples) {
   // RFC 3720, appendix B.4: 32 bytes of zeros, of ones, rising.

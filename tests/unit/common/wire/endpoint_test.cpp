@@ -7,7 +7,7 @@
 
 namespace biteline::wire {
 
-TEST_GROUP(Endpoint) {};
+TEST_GROUP(Endpoint){};
 
 TEST(Endpoint, PartsAreRead) {
   const Result<Endpoint> sut = parse_endpoint("tcp://127.0.0.1:5555");
@@ -22,11 +22,12 @@ TEST(Endpoint, OnlyWhatStaysOnThisMachineIsLoopback) {
   const struct {
     const char* text;
     bool loopback;
-  } rows[] = {{"tcp://127.0.0.1:1", true},   {"tcp://127.9.8.7:1", true},       {"tcp://localhost:1", true},
-              {"tcp://[::1]:1", true},       {"tcp://0.0.0.0:1", false},        {"tcp://*:1", false},
-              {"tcp://10.0.0.1:1", false},   {"tcp://[::]:1", false},           {"tcp://127.evil.example:1", false},
-              {"tcp://127.0.0.1.x:1", false}, {"tcp://127.0.0:1", false},       {"tcp://localhost.x:1", false},
-              {"tcp://127.0.0.256:1", false}, {"tcp://128.0.0.1:1", false}};
+  } rows[] = {
+      {"tcp://127.0.0.1:1", true},    {"tcp://127.9.8.7:1", true}, {"tcp://localhost:1", true},
+      {"tcp://[::1]:1", true},        {"tcp://0.0.0.0:1", false},  {"tcp://*:1", false},
+      {"tcp://10.0.0.1:1", false},    {"tcp://[::]:1", false},     {"tcp://127.evil.example:1", false},
+      {"tcp://127.0.0.1.x:1", false}, {"tcp://127.0.0:1", false},  {"tcp://localhost.x:1", false},
+      {"tcp://127.0.0.256:1", false}, {"tcp://128.0.0.1:1", false}};
   for (const auto& row : rows) {
     const Result<Endpoint> sut = parse_endpoint(row.text);
     CHECK_TEXT(sut.has_value(), row.text);
@@ -35,8 +36,9 @@ TEST(Endpoint, OnlyWhatStaysOnThisMachineIsLoopback) {
 }
 
 TEST(Endpoint, AnythingElseIsRefused) {
-  for (const char* text : {"", "tcp://", "127.0.0.1:5", "tcp://127.0.0.1", "tcp://127.0.0.1:", "tcp://127.0.0.1:x",
-                           "tcp://127.0.0.1:70000", "tcp://a b:1", "ipc:///tmp/x:1", "tcp://h;tcp://x:1", "tcp://:5"}) {
+  for (const char* text :
+       {"", "tcp://", "127.0.0.1:5", "tcp://127.0.0.1", "tcp://127.0.0.1:", "tcp://127.0.0.1:x",
+        "tcp://127.0.0.1:70000", "tcp://a b:1", "ipc:///tmp/x:1", "tcp://h;tcp://x:1", "tcp://:5"}) {
     CHECK_TEXT(!parse_endpoint(text), text);
   }
 }

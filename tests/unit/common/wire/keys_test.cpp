@@ -11,8 +11,12 @@ namespace biteline::wire {
 TEST_GROUP(Keys) {
   test::TemporaryFolder folder;
 
-  void setup() override { SUCCEEDS(make_keys(folder.path() / "keys")); }
-  std::filesystem::path keys() const { return folder.path() / "keys"; }
+  void setup() override {
+    SUCCEEDS(make_keys(folder.path() / "keys"));
+  }
+  std::filesystem::path keys() const {
+    return folder.path() / "keys";
+  }
 };
 
 TEST(Keys, BothSidesFindWhatTheyNeed) {
@@ -33,7 +37,8 @@ TEST(Keys, ExistingKeysAreNeverOverwritten) {
 }
 
 TEST(Keys, SecretThatOthersMayReadIsRefused) {
-  std::filesystem::permissions(keys() / "sensor.secret", std::filesystem::perms::group_read, std::filesystem::perm_options::add);
+  std::filesystem::permissions(keys() / "sensor.secret", std::filesystem::perms::group_read,
+                               std::filesystem::perm_options::add);
   FAILS_NAMING(Errc::AuthenticationFailed, "sensor.secret", read_sensor_keys(keys()));
 }
 

@@ -53,7 +53,8 @@ SensorHello made_hello() {
   hello.scanning = true;
   hello.held_from = 3;
   hello.held_to = 9;
-  hello.model.camera = {.fu_px = 1, .fv_px = 2, .cu_px = 3, .cv_px = 4, .k1 = 5, .k2 = 6, .p1 = 7, .p2 = 8, .k3 = 9};
+  hello.model.camera = {
+      .fu_px = 1, .fv_px = 2, .cu_px = 3, .cv_px = 4, .k1 = 5, .k2 = 6, .p1 = 7, .p2 = 8, .k3 = 9};
   hello.model.laser_plane = {.normal_cam = {0, 0.6, -0.8}, .distance_mm = -142};
   hello.model.T_flange_cam = geometry::make_se3(Eigen::Quaterniond{0.5, 0.5, 0.5, 0.5}, {10, 20, 30});
   hello.model.region = {.offset_u_px = 1, .offset_v_px = 460, .width_px = 1626, .height_px = 320};
@@ -64,10 +65,11 @@ SensorHello made_hello() {
 
 }  // namespace
 
-TEST_GROUP(Messages) {};
+TEST_GROUP(Messages){};
 
 TEST(Messages, ProfileComesBackBitForBit) {
-  for (const std::size_t points : {std::size_t{0}, std::size_t{1}, std::size_t{1626}, profile::k_max_profile_points}) {
+  for (const std::size_t points :
+       {std::size_t{0}, std::size_t{1}, std::size_t{1626}, profile::k_max_profile_points}) {
     const profile::Profile sent = test::made_profile(12, points);
     const profile::Profile got = round_trip(sent);
     LONGS_EQUAL(sent.points.size(), got.points.size());
@@ -93,7 +95,8 @@ TEST(Messages, BothWaysToEncodeAProfileAgree) {
 }
 
 TEST(Messages, LargestProfileFitsTheLimit) {
-  CHECK(bytes_of({.body = test::made_profile(1, profile::k_max_profile_points)}).size() < k_max_message_bytes / 2);
+  CHECK(bytes_of({.body = test::made_profile(1, profile::k_max_profile_points)}).size() <
+        k_max_message_bytes / 2);
 }
 
 TEST(Messages, HelloCarriesTheWholeHead) {
@@ -116,7 +119,8 @@ TEST(Messages, HelloCarriesTheWholeHead) {
 }
 
 TEST(Messages, SmallMessagesComeBack) {
-  const HostHello hello = round_trip(HostHello{.name = "h", .resume = true, .resume_scan_id = 1, .next_sequence = 2, .safe_sequence = 3});
+  const HostHello hello = round_trip(
+      HostHello{.name = "h", .resume = true, .resume_scan_id = 1, .next_sequence = 2, .safe_sequence = 3});
   CHECK(hello.resume && hello.resume_scan_id == 1 && hello.next_sequence == 2 && hello.safe_sequence == 3);
   LONGS_EQUAL(11, round_trip(Ack{.safe_sequence = 11}).safe_sequence);
   const Gap gap = round_trip(Gap{.first = 4, .count = 6});
@@ -133,12 +137,14 @@ TEST(Messages, HealthAndEndCarryCountersAndStages) {
   Health health;
   health.counters.frames = 1;
   health.counters.overruns = 12;
-  health.stages = {{.name = "encode", .count = 3, .min = Nanoseconds{1}, .mean = Nanoseconds{2}, .max = Nanoseconds{4}}};
+  health.stages = {
+      {.name = "encode", .count = 3, .min = Nanoseconds{1}, .mean = Nanoseconds{2}, .max = Nanoseconds{4}}};
   health.laser = LaserState::Fault;
   health.laser_reason = "door";
   health.scanning = true;
   const Health got = round_trip(health);
-  CHECK(got.counters.frames == 1 && got.counters.overruns == 12 && got.laser == LaserState::Fault && got.scanning);
+  CHECK(got.counters.frames == 1 && got.counters.overruns == 12 && got.laser == LaserState::Fault &&
+        got.scanning);
   STRCMP_EQUAL("encode", got.stages.at(0).name.c_str());
   LONGS_EQUAL(4, got.stages.at(0).max.count());
   EndOfScan end;
@@ -151,10 +157,22 @@ TEST(Messages, HealthAndEndCarryCountersAndStages) {
 
 TEST(Messages, DevicesComeBackWithClocksAndTrigger) {
   Devices devices;
-  devices.clocks = {{.name = "camera", .known = true, .offset = Nanoseconds{-7}, .uncertainty = Nanoseconds{9}, .drift_ppm = -3.5, .steps = 2},
+  devices.clocks = {{.name = "camera",
+                     .known = true,
+                     .offset = Nanoseconds{-7},
+                     .uncertainty = Nanoseconds{9},
+                     .drift_ppm = -3.5,
+                     .steps = 2},
                     {.name = "poses", .drift_ppm = 0}};
-  devices.trigger = TriggerState{.edges = 1, .edges_missed = 2, .edges_doubled = 3, .edges_late = 4, .edges_lost = 5,
-                                 .frames_paired = 6, .frames_without_edge = 7, .frames_with_two_edges = 8, .edges_without_frame = 9};
+  devices.trigger = TriggerState{.edges = 1,
+                                 .edges_missed = 2,
+                                 .edges_doubled = 3,
+                                 .edges_late = 4,
+                                 .edges_lost = 5,
+                                 .frames_paired = 6,
+                                 .frames_without_edge = 7,
+                                 .frames_with_two_edges = 8,
+                                 .edges_without_frame = 9};
   devices.trigger_by_software = devices.camera_connected = devices.poses_flow = devices.realtime = true;
   devices.camera_underruns = 10;
   devices.packets_resent = 11;
@@ -170,13 +188,18 @@ TEST(Messages, DevicesComeBackWithClocksAndTrigger) {
   end.devices = devices;
   for (const Devices& got : {round_trip(health).devices, round_trip(end).devices}) {
     const ClockState& clock = got.clocks.at(0);
-    CHECK(clock.name == "camera" && clock.known && clock.offset.count() == -7 && clock.uncertainty.count() == 9);
+    CHECK(clock.name == "camera" && clock.known && clock.offset.count() == -7 &&
+          clock.uncertainty.count() == 9);
     CHECK(clock.drift_ppm == -3.5 && clock.steps == 2 && !got.clocks.at(1).known);
     const TriggerState& t = got.trigger.value();
-    CHECK(t.edges == 1 && t.edges_missed == 2 && t.edges_doubled == 3 && t.edges_late == 4 && t.edges_lost == 5);
-    CHECK(t.frames_paired == 6 && t.frames_without_edge == 7 && t.frames_with_two_edges == 8 && t.edges_without_frame == 9);
-    CHECK(got.trigger_by_software && got.camera_connected && got.poses_flow && got.realtime && got.temperature_degc == 41.5F);
-    CHECK(got.camera_underruns == 10 && got.packets_resent == 11 && got.pose_reconnects == 12 && got.poses_unlatched == 13);
+    CHECK(t.edges == 1 && t.edges_missed == 2 && t.edges_doubled == 3 && t.edges_late == 4 &&
+          t.edges_lost == 5);
+    CHECK(t.frames_paired == 6 && t.frames_without_edge == 7 && t.frames_with_two_edges == 8 &&
+          t.edges_without_frame == 9);
+    CHECK(got.trigger_by_software && got.camera_connected && got.poses_flow && got.realtime &&
+          got.temperature_degc == 41.5F);
+    CHECK(got.camera_underruns == 10 && got.packets_resent == 11 && got.pose_reconnects == 12 &&
+          got.poses_unlatched == 13);
     CHECK(got.bus_errors == 14 && got.bus_restarts == 15 && got.watchdog_feeds_failed == 16);
   }
   CHECK(!round_trip(Health{}).devices.trigger && !round_trip(Health{}).devices.temperature_degc);
@@ -222,17 +245,17 @@ TEST(Messages, EveryChangedBitIsNoticed) {
   }
 }
 
-/// Every byte of every message set to every kind of wrong value, and every message cut, with a checksum that fits, as from
-/// someone who means it: decode() may refuse or accept, but it must return.  Under the address sanitizer this proves that
-/// it never reads beyond.
+/// Every byte of every message set to every kind of wrong value, and every message cut, with a checksum that
+/// fits, as from someone who means it: decode() may refuse or accept, but it must return.  Under the address
+/// sanitizer this proves that it never reads beyond.
 TEST(Messages, GarbledBytesNeverHarm) {
   Health health;
   health.stages = {{.name = "a"}, {.name = "b"}};
   health.devices.clocks = {{.name = "c"}};
   health.devices.trigger.emplace();
   const Bytes packets[] = {bytes_of({.body = test::made_profile(3, 20)}), bytes_of({.body = made_hello()}),
-                           bytes_of({.body = health}),
-                           bytes_of({.body = HostHello{.name = "x"}}), bytes_of({.body = Control{}})};
+                           bytes_of({.body = health}), bytes_of({.body = HostHello{.name = "x"}}),
+                           bytes_of({.body = Control{}})};
   std::mt19937 random{5};
   int refused = 0;
   for (Bytes packet : packets) {
@@ -254,7 +277,8 @@ TEST(Messages, GarbledBytesNeverHarm) {
     }
   }
   CHECK(refused > 1000);
-  // Checking garbled numbers underflows on tiny ones and looks at signalling NaNs; both only lead to a refusal.
+  // Checking garbled numbers underflows on tiny ones and looks at signalling NaNs; both only lead to a
+  // refusal.
   std::feclearexcept(FE_UNDERFLOW | FE_INVALID);
 }
 

@@ -10,7 +10,8 @@
 namespace biteline::wire {
 namespace {
 
-std::vector<std::uint32_t> round_trip(const std::vector<std::uint32_t>& values, Lengths lengths, std::uint32_t step) {
+std::vector<std::uint32_t> round_trip(const std::vector<std::uint32_t>& values, Lengths lengths,
+                                      std::uint32_t step) {
   std::vector<std::uint8_t> packed{0xAB};  // packing appends
   pack(values, lengths, step, packed);
   std::vector<std::uint32_t> result(values.size());
@@ -21,20 +22,23 @@ std::vector<std::uint32_t> round_trip(const std::vector<std::uint32_t>& values, 
 
 }  // namespace
 
-TEST_GROUP(Packing) {};
+TEST_GROUP(Packing){};
 
 TEST(Packing, EveryBitPatternComesBack) {
   std::mt19937 random{3};
   for (const Lengths lengths : {Lengths::Dense, Lengths::Sparse}) {
     for (const std::uint32_t step : {0U, 1U}) {
-      std::vector<std::uint32_t> values{0, 0xFFFFFFFF, 0x80000000, 0x7FFFFFFF, 1, 0x7FC00000, 0, 255, 256, 65535, 65536};
+      std::vector<std::uint32_t> values{0, 0xFFFFFFFF, 0x80000000, 0x7FFFFFFF, 1,    0x7FC00000,
+                                        0, 255,        256,        65535,      65536};
       for (int i = 0; i < 1000; ++i) values.push_back(random() >> (random() % 32));
       CHECK(values == round_trip(values, lengths, step));
     }
   }
 }
 
-TEST(Packing, NothingPacksToNothing) { CHECK(round_trip({}, Lengths::Dense, 0).empty()); }
+TEST(Packing, NothingPacksToNothing) {
+  CHECK(round_trip({}, Lengths::Dense, 0).empty());
+}
 
 TEST(Packing, CountingNumbersCostTwoBitsEach) {
   std::vector<std::uint32_t> columns(1000);

@@ -87,7 +87,7 @@ TEST_GROUP(CaptureControl) {
     SUCCEEDS(made);
     return std::move(*made);
   }
-  void take_profiles(CaptureControl& sut, int count) {
+  void take_profiles(CaptureControl & sut, int count) {
     auto pipeline = pipeline::ProfilePipeline::create({}, head);
     SUCCEEDS(pipeline);
     for (int i = 0; i < count; ++i) {
@@ -95,7 +95,9 @@ TEST_GROUP(CaptureControl) {
       SUCCEEDS(sut.apply(sut.rt_consider(*profile), camera));
     }
   }
-  float amplitude() const { return profile->points[160].amplitude; }
+  float amplitude() const {
+    return profile->points[160].amplitude;
+  }
 };
 
 TEST(CaptureControl, ExposureRisesOnBlackLeatherAndFallsOnWhiteFoam) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The hand-over between the threads of a scan, with a camera and poses as fast as they can be asked for.  Also to be run
-// under the thread sanitizer (preset tsan).
+// The hand-over between the threads of a scan, with a camera and poses as fast as they can be asked for. Also
+// to be run under the thread sanitizer (preset tsan).
 #include "firmware/app/scanner.hpp"
 
 #include <CppUTest/TestHarness.h>
@@ -26,7 +26,8 @@ class FastCamera final : public hal::LineCamera {
   FastCamera(const geometry::SensorModel& sensor, std::uint64_t frames) : sensor_{sensor}, frames_{frames} {
     pixels_.assign(static_cast<std::size_t>(sensor.region.width_px * sensor.region.height_px), 5);
     for (int column = 0; column < sensor.region.width_px; ++column) {
-      for (int row = 18; row < 23; ++row) pixels_[static_cast<std::size_t>(row * sensor.region.width_px + column)] = row == 20 ? 200 : 90;
+      for (int row = 18; row < 23; ++row)
+        pixels_[static_cast<std::size_t>(row * sensor.region.width_px + column)] = row == 20 ? 200 : 90;
     }
   }
   Result<hal::CameraLimits> limits() override { return hal::CameraLimits{}; }
@@ -44,7 +45,8 @@ class FastCamera final : public hal::LineCamera {
                           .height_px = sensor_.region.height_px,
                           .stride_bytes = static_cast<std::size_t>(sensor_.region.width_px),
                           .sequence = frame,
-                          .exposure_mid = SensorClock::time_point{Nanoseconds{k_first_ns + static_cast<std::int64_t>(frame) * k_frame_period_ns}},
+                          .exposure_mid = SensorClock::time_point{Nanoseconds{
+                              k_first_ns + static_cast<std::int64_t>(frame) * k_frame_period_ns}},
                           .flags = 0};
   }
   void release(const hal::FrameView&) noexcept override { ++released; }
@@ -70,7 +72,8 @@ class FastCamera final : public hal::LineCamera {
 /// A steady motion sampled at 500 Hz, from a little before the first frame to a little after the last.
 class FastPoses final : public hal::PoseSource {
  public:
-  explicit FastPoses(std::uint64_t frames) : count_{(frames * k_frame_period_ns + 200'000'000) / k_period_ns} {}
+  explicit FastPoses(std::uint64_t frames)
+      : count_{(frames * k_frame_period_ns + 200'000'000) / k_period_ns} {}
   Result<void> start() override { return {}; }
   Result<hal::PoseSample> next_pose(Nanoseconds) override {
     if (given_ == count_) {
@@ -136,7 +139,8 @@ TEST(Scanner, LosslessSourceWaitsAndEveryProfileArrivesWithItsPose) {
     CHECK_EQUAL(taken, profile->header.frame_sequence);
     CHECK_EQUAL(0U, profile->header.flags & profile::k_profile_not_usable);
     // The pose is linear in time, so smoothing must leave it where it is: 1 mm/s, good to a nanometre.
-    const double expected_mm = 1e-9 * static_cast<double>(profile->header.exposure_mid.time_since_epoch().count());
+    const double expected_mm =
+        1e-9 * static_cast<double>(profile->header.exposure_mid.time_since_epoch().count());
     DOUBLES_EQUAL(expected_mm, profile->header.T_base_flange.translation().x(), 1e-6);
     CHECK(profile->count > 0);
     sut->give_back();

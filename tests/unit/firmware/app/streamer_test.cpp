@@ -37,7 +37,9 @@ class BenchLaser final : public hal::GpioOut {
 
 class ShutDoor final : public hal::SafetyIn {
  public:
-  Result<hal::SafetyInputs> read() noexcept override { return hal::SafetyInputs{.interlock_closed = true, .key_on = true, .read_at = {}}; }
+  Result<hal::SafetyInputs> read() noexcept override {
+    return hal::SafetyInputs{.interlock_closed = true, .key_on = true, .read_at = {}};
+  }
 };
 
 /// A robot's program that goes its way while there is light.

@@ -27,7 +27,9 @@ TEST_GROUP(LaserGuard) {
     inputs.key_on = true;
     fresh();
   }
-  void fresh() { inputs.last_frame = inputs.watchdog_fed = inputs.stream_alive = inputs.now; }
+  void fresh() {
+    inputs.last_frame = inputs.watchdog_fed = inputs.stream_alive = inputs.now;
+  }
   /// One period of the safety thread, everything well.
   bool step() {
     inputs.now += threads::k_safety.period;
@@ -40,7 +42,9 @@ TEST_GROUP(LaserGuard) {
   }
 };
 
-TEST(LaserGuard, IsOffByDefault) { is(LaserGuard::State::Off, LaserOff::NotAsked); }
+TEST(LaserGuard, IsOffByDefault) {
+  is(LaserGuard::State::Off, LaserOff::NotAsked);
+}
 
 TEST(LaserGuard, IsOnWhileAllIsWellAndAScanIsOn) {
   CHECK(sut.look(inputs));
@@ -81,8 +85,8 @@ TEST(LaserGuard, WaitsForFramesToFlowAndForTheWatchdog) {
   CHECK(sut.look(inputs));
 }
 
-/// Every fault: dark at the next look (or within its patience), latched though the fault goes away, and free again only
-/// after the scan was switched off.
+/// Every fault: dark at the next look (or within its patience), latched though the fault goes away, and free
+/// again only after the scan was switched off.
 TEST(LaserGuard, EveryFaultLatchesUntilTheScanIsAskedForAnew) {
   struct Row {
     LaserOff reason;
@@ -94,10 +98,14 @@ TEST(LaserGuard, EveryFaultLatchesUntilTheScanIsAskedForAnew) {
       {LaserOff::KeyOff, [](LaserInputs& in) { in.key_on = false; }, Nanoseconds{0}},
       {LaserOff::TooHot, [](LaserInputs& in) { in.too_hot = true; }, Nanoseconds{0}},
       {LaserOff::DriverFailed, [](LaserInputs& in) { in.driver_failed = true; }, Nanoseconds{0}},
-      {LaserOff::SafetyHung, [](LaserInputs& in) { in.looks_missed = in.driver_failed = true; }, Nanoseconds{0}},
-      {LaserOff::FramesStopped, [](LaserInputs& in) { in.last_frame = SensorClock::time_point{}; }, config.frames_within},
-      {LaserOff::WatchdogStarved, [](LaserInputs& in) { in.watchdog_fed = SensorClock::time_point{}; }, config.watchdog_within},
-      {LaserOff::StreamStarved, [](LaserInputs& in) { in.stream_alive = SensorClock::time_point{}; }, config.stream_within},
+      {LaserOff::SafetyHung, [](LaserInputs& in) { in.looks_missed = in.driver_failed = true; },
+       Nanoseconds{0}},
+      {LaserOff::FramesStopped, [](LaserInputs& in) { in.last_frame = SensorClock::time_point{}; },
+       config.frames_within},
+      {LaserOff::WatchdogStarved, [](LaserInputs& in) { in.watchdog_fed = SensorClock::time_point{}; },
+       config.watchdog_within},
+      {LaserOff::StreamStarved, [](LaserInputs& in) { in.stream_alive = SensorClock::time_point{}; },
+       config.stream_within},
   };
   for (const Row& row : rows) {
     sut = LaserGuard{config};
@@ -157,7 +165,8 @@ TEST(LaserGuard, StopIsForGood) {
 
 TEST(LaserGuard, WorstDarknessDelayStaysBelowTheLimit) {
   // Patience, plus a look that has just passed, plus one missed look.
-  const Nanoseconds worst = std::max({config.frames_within, config.watchdog_within, config.stream_within}) + 2 * threads::k_safety.period;
+  const Nanoseconds worst = std::max({config.frames_within, config.watchdog_within, config.stream_within}) +
+                            2 * threads::k_safety.period;
   CHECK(worst < milliseconds{100});
 }
 

@@ -78,8 +78,8 @@ TEST_GROUP(LaserWatch) {
   std::unique_ptr<LaserWatch> sut;
 
   void setup() override {
-    sut = std::make_unique<LaserWatch>(std::make_unique<FakeLaser>(wires), std::make_unique<FakeSafety>(wires), clock,
-                                       LaserGuard::Config{});
+    sut = std::make_unique<LaserWatch>(std::make_unique<FakeLaser>(wires),
+                                       std::make_unique<FakeSafety>(wires), clock, LaserGuard::Config{});
   }
   void step(bool frames = true) {
     clock.advance(threads::k_safety.period);
@@ -105,7 +105,9 @@ TEST_GROUP(LaserWatch) {
   }
 };
 
-TEST(LaserWatch, DarkensTheLineBeforeAnythingElse) { CHECK(!wires.laser); }
+TEST(LaserWatch, DarkensTheLineBeforeAnythingElse) {
+  CHECK(!wires.laser);
+}
 
 TEST(LaserWatch, LightsWhileAScanAsksAndDarkensWhenItNoLongerDoes) {
   step();
@@ -254,7 +256,8 @@ TEST(LaserWatch, ItsThreadLooksByItself) {
   sut->note_frame(clock.now());
   sut->note_alive(clock.now());
   sut->note_stream(clock.now());
-  for (int i = 0; i < 1000 && !sut->status().on; ++i) std::this_thread::sleep_for(std::chrono::milliseconds{1});
+  for (int i = 0; i < 1000 && !sut->status().on; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds{1});
   CHECK(sut->status().on);
   sut->stop();
   CHECK(!wires.laser);

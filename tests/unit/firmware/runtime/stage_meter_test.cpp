@@ -5,7 +5,7 @@
 
 namespace biteline::runtime {
 
-TEST_GROUP(StageMeter) {};
+TEST_GROUP(StageMeter){};
 
 TEST(StageMeter, NothingMeasuredIsZero) {
   const StageMeter sut;

@@ -14,7 +14,7 @@
 
 namespace biteline::runtime {
 
-TEST_GROUP(ThreadTable) {};
+TEST_GROUP(ThreadTable){};
 
 TEST(ThreadTable, EveryRowIsSound) {
   std::set<std::string> names;

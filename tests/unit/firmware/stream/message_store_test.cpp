@@ -8,7 +8,9 @@ namespace biteline::stream {
 TEST_GROUP(MessageStore) {
   MessageStore sut{100};
 
-  static wire::Bytes message(std::size_t size_bytes, std::uint8_t mark) { return wire::Bytes(size_bytes, mark); }
+  static wire::Bytes message(std::size_t size_bytes, std::uint8_t mark) {
+    return wire::Bytes(size_bytes, mark);
+  }
 };
 
 TEST(MessageStore, HoldsMessagesInOrder) {

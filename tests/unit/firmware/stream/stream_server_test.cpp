@@ -48,7 +48,9 @@ TEST_GROUP(StreamServer) {
   ServerConfig config{.store_bytes = 1024 * 1024, .window_messages = 4, .max_hosts = 2};
   std::unique_ptr<StreamServer> sut;
 
-  void setup() override { make(); }
+  void setup() override {
+    make();
+  }
 
   void make() {
     sut = std::make_unique<StreamServer>(
@@ -79,7 +81,9 @@ TEST_GROUP(StreamServer) {
       sut->add_profile(profile.header, profile.points);
     }
   }
-  std::size_t profiles_sent(const PeerId& peer) { return outbox.of<profile::Profile>(peer).size(); }
+  std::size_t profiles_sent(const PeerId& peer) {
+    return outbox.of<profile::Profile>(peer).size();
+  }
   wire::Counters counters() {
     wire::Counters result;
     sut->fill(result);
@@ -127,7 +131,10 @@ TEST(StreamServer, FullPeerGetsTheRestLater) {
 
 TEST(StreamServer, ResumingHostGetsWhatItLacksAndASecondOneEverything) {
   add(4);
-  receive("a", wire::HostHello{.name = {}, .resume = true, .resume_scan_id = k_scan_id, .next_sequence = 3, .safe_sequence = 3});
+  receive(
+      "a",
+      wire::HostHello{
+          .name = {}, .resume = true, .resume_scan_id = k_scan_id, .next_sequence = 3, .safe_sequence = 3});
   receive("b", wire::HostHello{});
   sut->tick(now);
   LONGS_EQUAL(1, profiles_sent("a"));
@@ -137,7 +144,8 @@ TEST(StreamServer, ResumingHostGetsWhatItLacksAndASecondOneEverything) {
 
 TEST(StreamServer, HostOfAnotherScanStartsAnew) {
   add(4);
-  receive("a", wire::HostHello{.name = {}, .resume = true, .resume_scan_id = 1, .next_sequence = 3, .safe_sequence = 3});
+  receive("a", wire::HostHello{
+                   .name = {}, .resume = true, .resume_scan_id = 1, .next_sequence = 3, .safe_sequence = 3});
   sut->tick(now);
   LONGS_EQUAL(4, profiles_sent("a"));
 }

@@ -22,7 +22,9 @@ watchdog: {timeout_ms: 500}
 TEST_GROUP(BoardYaml) {
   fs::path file{fs::temp_directory_path() / ("biteline-board-" + std::to_string(::getpid()) + ".yaml")};
 
-  void teardown() override { fs::remove(file); }
+  void teardown() override {
+    fs::remove(file);
+  }
   Result<Board> read(const std::string& text) {
     std::ofstream{file} << text;
     return read_board_yaml(file);
@@ -39,8 +41,8 @@ TEST(BoardYaml, EveryBoardOfTheTreeReads) {
     CHECK(board->name == folder.path().filename().string());
     CHECK(board->laser.has_value());
     // A laser whose enable line floats, or is pulled the wrong way, is on before we are.
-    CHECK(board->laser->enable.bias ==
-          (board->laser->enable.active_low ? GpioLineAddress::Bias::PullUp : GpioLineAddress::Bias::PullDown));
+    CHECK(board->laser->enable.bias == (board->laser->enable.active_low ? GpioLineAddress::Bias::PullUp
+                                                                        : GpioLineAddress::Bias::PullDown));
     // Some kernels leave a released output as it was: a real laser needs edges as well.
     CHECK(board->simulated || board->laser->heartbeat.has_value());
     ++boards;
@@ -58,10 +60,11 @@ TEST(BoardYaml, LeastBoardHasItsDefaults) {
 }
 
 TEST(BoardYaml, EncoderIsATriggerAndAPoseSource) {
-  const Result<Board> board = read("board: a\ncamera: {kind: v4l2, device: b, hardware_trigger: true}\n"
-                                   "trigger: {kind: encoder, line: {chip: c, line: '3'}, interface: can0, node: 5, pitch_ticks: 40}\n"
-                                   "poses: {kind: encoder, interface: can1, node: 6, range_ticks: 65536, per_tick_mm: [0.01, 0, 0], "
-                                   "per_tick_rad: [0, 0, 0.002]}\nwatchdog: {timeout_ms: 500}\n");
+  const Result<Board> board = read(
+      "board: a\ncamera: {kind: v4l2, device: b, hardware_trigger: true}\n"
+      "trigger: {kind: encoder, line: {chip: c, line: '3'}, interface: can0, node: 5, pitch_ticks: 40}\n"
+      "poses: {kind: encoder, interface: can1, node: 6, range_ticks: 65536, per_tick_mm: [0.01, 0, 0], "
+      "per_tick_rad: [0, 0, 0.002]}\nwatchdog: {timeout_ms: 500}\n");
   CHECK(board.has_value());
   CHECK(board->trigger.kind == BoardTrigger::Kind::Encoder);
   CHECK_EQUAL(40, board->trigger.pitch_ticks);
@@ -81,26 +84,39 @@ TEST(BoardYaml, FaultsAreRefusedEach) {
   const auto with = [](const char* line) { return k_small + line + "\n"; };
   const Row rows[] = {
       {"unknown key", with("colour: red"), Errc::UnknownKey},
-      {"unknown key inside", with("laser: {enable: {chip: a, line: '1', volts: 5}, interlock: {chip: a, line: '2'}}"),
+      {"unknown key inside",
+       with("laser: {enable: {chip: a, line: '1', volts: 5}, interlock: {chip: a, line: '2'}}"),
        Errc::UnknownKey},
-      {"another kind's key", "board: a\ncamera: {kind: gige, address: a, device: b}\nposes: {kind: rtde, address: a}\n"
-                             "watchdog: {timeout_ms: 500}\n", Errc::UnknownKey},
-      {"unknown kind", "board: a\ncamera: {kind: usb, device: b}\nposes: {kind: rtde, address: a}\n"
-                       "watchdog: {timeout_ms: 500}\n", Errc::BadValue},
-      {"missing camera", "board: a\nposes: {kind: rtde, address: a}\nwatchdog: {timeout_ms: 500}\n", Errc::BadFormat},
+      {"another kind's key",
+       "board: a\ncamera: {kind: gige, address: a, device: b}\nposes: {kind: rtde, address: a}\n"
+       "watchdog: {timeout_ms: 500}\n",
+       Errc::UnknownKey},
+      {"unknown kind",
+       "board: a\ncamera: {kind: usb, device: b}\nposes: {kind: rtde, address: a}\n"
+       "watchdog: {timeout_ms: 500}\n",
+       Errc::BadValue},
+      {"missing camera", "board: a\nposes: {kind: rtde, address: a}\nwatchdog: {timeout_ms: 500}\n",
+       Errc::BadFormat},
       {"wild bias", with("scan_active: {chip: a, line: '1', bias: up}"), Errc::BadValue},
       {"a patient guard of a real laser",
-       with("laser: {enable: {chip: a, line: '1'}, interlock: {chip: a, line: '2'}, patience_ms: 5000}"), Errc::BadValue},
-      {"trigger on a camera that takes none", with("trigger: {kind: pwm, chip: a, channel: 0}"), Errc::BadValue},
-      {"base id off the grid", "board: a\ncamera: {kind: v4l2, device: b}\nposes: {kind: can, interface: c, base_id: 3}\n"
-                               "watchdog: {timeout_ms: 500}\n", Errc::BadValue},
-      {"watchdog too short", "board: a\ncamera: {kind: v4l2, device: b}\nposes: {kind: rtde, address: a}\n"
-                             "watchdog: {timeout_ms: 1}\n", Errc::BadValue},
+       with("laser: {enable: {chip: a, line: '1'}, interlock: {chip: a, line: '2'}, patience_ms: 5000}"),
+       Errc::BadValue},
+      {"trigger on a camera that takes none", with("trigger: {kind: pwm, chip: a, channel: 0}"),
+       Errc::BadValue},
+      {"base id off the grid",
+       "board: a\ncamera: {kind: v4l2, device: b}\nposes: {kind: can, interface: c, base_id: 3}\n"
+       "watchdog: {timeout_ms: 500}\n",
+       Errc::BadValue},
+      {"watchdog too short",
+       "board: a\ncamera: {kind: v4l2, device: b}\nposes: {kind: rtde, address: a}\n"
+       "watchdog: {timeout_ms: 1}\n",
+       Errc::BadValue},
   };
   for (const Row& row : rows) {
     const Result<Board> board = read(row.text);
     if (board) FAIL(row.name);
-    if (board.error().code != row.expected && row.expected != Errc::BadFormat) FAIL((row.name + (": " + to_line(board.error()))).c_str());
+    if (board.error().code != row.expected && row.expected != Errc::BadFormat)
+      FAIL((row.name + (": " + to_line(board.error()))).c_str());
   }
 }
 

@@ -26,7 +26,9 @@ std::vector<std::uint8_t> packed(PixelFormat format, const std::vector<std::uint
       case PixelFormat::Grey10In16:
       case PixelFormat::Grey12In16:
       case PixelFormat::Grey16: {
-        const unsigned shift = format == PixelFormat::Grey10In16 ? 6 : format == PixelFormat::Grey12In16 ? 4 : 0;
+        const unsigned shift = format == PixelFormat::Grey10In16   ? 6
+                               : format == PixelFormat::Grey12In16 ? 4
+                                                                   : 0;
         bytes.push_back(low_byte(pixels[i] >> shift));
         bytes.push_back(low_byte(pixels[i] >> shift >> 8U));
         break;
@@ -62,7 +64,8 @@ TEST(ToGrey8, EveryFormatGivesTheUpperBitsOfTheWindow) {
   for (const PixelFormat format : k_pixel_formats) {
     const std::vector<std::uint8_t> bytes = packed(format, pixels);
     std::vector<std::uint8_t> out(13 * 3);
-    CHECK(to_grey8({.bytes = bytes, .stride_bytes = row_bytes(format, k_width_px), .format = format}, k_window, out)
+    CHECK(to_grey8({.bytes = bytes, .stride_bytes = row_bytes(format, k_width_px), .format = format},
+                   k_window, out)
               .has_value());
     for (int v = 0; v < 3; ++v) {
       for (int u = 0; u < 13; ++u) {

@@ -27,13 +27,19 @@ TEST_GROUP(SysfsPwm) {
     for (const char* attribute : {"period", "duty_cycle"}) write(attribute, 0);
     write("enable", 1);  // left running by a killed process
   }
-  void teardown() override { fs::remove_all(root); }
+  void teardown() override {
+    fs::remove_all(root);
+  }
 
   [[nodiscard]] std::string path(const char* attribute) const {
     return (root / "pwm/pwmchip0/pwm1" / attribute).string();
   }
-  void write(const char* attribute, int value) const { std::ofstream{path(attribute)} << value << "\n"; }
-  [[nodiscard]] std::int64_t read(const char* attribute) const { return read_integer(path(attribute).c_str()).value(); }
+  void write(const char* attribute, int value) const {
+    std::ofstream{path(attribute)} << value << "\n";
+  }
+  [[nodiscard]] std::int64_t read(const char* attribute) const {
+    return read_integer(path(attribute).c_str()).value();
+  }
   [[nodiscard]] Result<std::unique_ptr<SysfsPwm>> open(const char* chip = "3f20c000.pwm") const {
     return SysfsPwm::open({.chip = chip, .channel = 1, .root = (root / "pwm").string()});
   }

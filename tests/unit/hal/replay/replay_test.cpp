@@ -51,7 +51,8 @@ TEST(Replay, EveryPictureComesOnceInOrderWithItsStamp) {
     LONGS_EQUAL(i, frame->sequence);
     CHECK(session->frames[i].exposure_mid == frame->exposure_mid);
     const auto expected = image::read_png(session->frames[i].file);
-    CHECK(std::equal(expected->pixels.begin(), expected->pixels.end(), frame->pixels.begin(), frame->pixels.end()));
+    CHECK(std::equal(expected->pixels.begin(), expected->pixels.end(), frame->pixels.begin(),
+                     frame->pixels.end()));
     sut->release(*frame);
   }
   FAILS_NAMING(Errc::Timeout, "at its end", sut->next_frame(seconds{5}));

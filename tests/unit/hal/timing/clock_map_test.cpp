@@ -26,15 +26,18 @@ struct Controller {
   ClockMapCore::Verdict send(Nanoseconds held_up = 0ns) {
     now_ns += 8'000'000;
     const auto delay_ns = static_cast<std::int64_t>(extra_delay_s(random) * 1e9);
-    return sut.add(RobotClock::time_point{Nanoseconds{now_ns}},
-                   SensorClock::time_point{Nanoseconds{truth_ns(now_ns) + delay_min_ns + delay_ns} + held_up});
+    return sut.add(
+        RobotClock::time_point{Nanoseconds{now_ns}},
+        SensorClock::time_point{Nanoseconds{truth_ns(now_ns) + delay_min_ns + delay_ns} + held_up});
   }
   [[nodiscard]] std::int64_t error_ns() const {
-    return sut.to_sensor(RobotClock::time_point{Nanoseconds{now_ns}})->time_since_epoch().count() - truth_ns(now_ns);
+    return sut.to_sensor(RobotClock::time_point{Nanoseconds{now_ns}})->time_since_epoch().count() -
+           truth_ns(now_ns);
   }
 };
 
-// The least of 31 delays with a mean of 300 us is 10 us on average, and seldom above 50 us; 0.02 mm at 250 mm/s are 80 us.
+// The least of 31 delays with a mean of 300 us is 10 us on average, and seldom above 50 us; 0.02 mm at 250
+// mm/s are 80 us.
 constexpr std::int64_t k_tol_ns = 50'000;
 
 TEST_GROUP(ClockMap) {

@@ -10,7 +10,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-SensorClock::time_point at(Nanoseconds since_start) { return SensorClock::time_point{5s} + since_start; }
+SensorClock::time_point at(Nanoseconds since_start) {
+  return SensorClock::time_point{5s} + since_start;
+}
 
 TEST_GROUP(EdgeGrid) {
   EdgeGrid sut{{.period = 10ms, .tolerance = 1ms}};
@@ -61,7 +63,8 @@ TEST(EdgeGrid, CountsExactlyWhatARandomTrainLostAndDoubled) {
 }
 
 TEST(EdgeGrid, DriftBetweenTheClocksIsFollowed) {
-  for (int slot = 0; slot < 100'000; ++slot) sut.on_edge(at(slot * 10'001'000ns));  // 100 ppm: 10 periods in all
+  for (int slot = 0; slot < 100'000; ++slot)
+    sut.on_edge(at(slot * 10'001'000ns));  // 100 ppm: 10 periods in all
   CHECK_EQUAL(0, sut.health().late + sut.health().missed + sut.health().doubled);
 }
 

@@ -10,7 +10,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-SensorClock::time_point at(Nanoseconds since_start) { return SensorClock::time_point{5s} + since_start; }
+SensorClock::time_point at(Nanoseconds since_start) {
+  return SensorClock::time_point{5s} + since_start;
+}
 
 TEST_GROUP(TriggerPairing) {
   TriggerPairing sut{{.latency_min = 3ms, .latency_max = 7ms}};

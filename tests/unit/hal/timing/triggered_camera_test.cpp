@@ -13,7 +13,9 @@ using namespace std::chrono_literals;
 constexpr Nanoseconds k_period = 10ms;
 constexpr Nanoseconds k_exposure = 2ms;
 
-SensorClock::time_point at(Nanoseconds since_start) { return SensorClock::time_point{5s} + since_start; }
+SensorClock::time_point at(Nanoseconds since_start) {
+  return SensorClock::time_point{5s} + since_start;
+}
 
 struct FakeCamera final : LineCamera {
   std::deque<FrameView> frames;
@@ -55,7 +57,8 @@ TEST_GROUP(TriggeredCamera) {
 
   void setup() override {
     strobe->edges.push_back({.stamp = at(-20ms), .rising = true});  // from before the start
-    CHECK(sut.configure({.region = {}, .exposure = k_exposure, .rate_hz = 100, .trigger = Trigger::Hardware}).has_value());
+    CHECK(sut.configure({.region = {}, .exposure = k_exposure, .rate_hz = 100, .trigger = Trigger::Hardware})
+              .has_value());
     CHECK(sut.start().has_value());
   }
   void edge(Nanoseconds stamp) {

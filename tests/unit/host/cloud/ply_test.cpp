@@ -15,7 +15,9 @@ namespace biteline::cloud {
 TEST_GROUP(Ply) {
   test::TemporaryFolder folder;
 
-  Result<PointCloud> read(const std::string& text) { return read_cloud(folder.write("c.ply", text)); }
+  Result<PointCloud> read(const std::string& text) {
+    return read_cloud(folder.write("c.ply", text));
+  }
 };
 
 TEST(Ply, CloudSurvivesWriting) {
@@ -27,7 +29,8 @@ TEST(Ply, CloudSurvivesWriting) {
     cloud.column.push_back(static_cast<std::uint16_t>(1600 + i));
     cloud.sigma_mm.push_back(0.01F);
     cloud.flags.push_back(3);
-    cloud.mean_per_mm.push_back(i == 7 ? std::numeric_limits<float>::quiet_NaN() : 0.01F * static_cast<float>(i));
+    cloud.mean_per_mm.push_back(i == 7 ? std::numeric_limits<float>::quiet_NaN()
+                                       : 0.01F * static_cast<float>(i));
   }
   SUCCEEDS(write_cloud(folder.path() / "c.ply", cloud));
   const auto sut = read_cloud(folder.path() / "c.ply");
@@ -44,8 +47,10 @@ TEST(Ply, CloudSurvivesWriting) {
 
 TEST(Ply, AsciiWithForeignPropertiesAndElementsIsRead) {
   const auto sut = read(
-      "ply\nformat ascii 1.0\ncomment made\nelement camera 1\nproperty list uchar int views\nelement vertex 2\n"
-      "property uchar red\nproperty double z\nproperty double y\nproperty double x\nend_header\n2 5 6\n9 3 2 1\n9 6 5 4\n");
+      "ply\nformat ascii 1.0\ncomment made\nelement camera 1\nproperty list uchar int views\nelement vertex "
+      "2\n"
+      "property uchar red\nproperty double z\nproperty double y\nproperty double x\nend_header\n2 5 6\n9 3 2 "
+      "1\n9 6 5 4\n");
   SUCCEEDS(sut);
   LONGS_EQUAL(2, sut->size());
   DOUBLES_EQUAL(4, sut->points[1].x(), 0);
@@ -54,7 +59,9 @@ TEST(Ply, AsciiWithForeignPropertiesAndElementsIsRead) {
 }
 
 TEST(Ply, BigEndianIsRead) {
-  std::string text = "ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty short z\nend_header\n";
+  std::string text =
+      "ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty "
+      "short z\nend_header\n";
   text += std::string("\x3f\x80\x00\x00\xc0\x00\x00\x00\xff\xfe", 10);
   const auto sut = read(text);
   SUCCEEDS(sut);
@@ -65,32 +72,38 @@ TEST(Ply, BigEndianIsRead) {
 
 TEST(Ply, PointsThatAreNotFiniteAreLeftOutAndCounted) {
   std::size_t dropped = 0;
-  const auto sut = read_cloud(folder.write("n.ply",
-                                           "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-                                           "property float z\nend_header\n1 2 3\nnan 2 3\n4 5 inf\n"),
-                              &dropped);
+  const auto sut =
+      read_cloud(folder.write("n.ply",
+                              "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                              "property float z\nend_header\n1 2 3\nnan 2 3\n4 5 inf\n"),
+                 &dropped);
   SUCCEEDS(sut);
   LONGS_EQUAL(1, sut->size());
   LONGS_EQUAL(2, dropped);
 }
 
 TEST(Ply, FaultsNameThePlace) {
-  const std::string head = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float "
+      "z\nend_header\n";
   FAILS_NAMING(Errc::Truncated, "line 9: more values expected", read(head + "1 2 3\n"));
   FAILS_NAMING(Errc::BadFormat, "line 8: more fields expected", read(head + "1 2\n3 4 5\n"));
   FAILS_NAMING(Errc::BadFormat, "line 8: fewer fields expected", read(head + "1 2 3 4\n3 4 5\n"));
   FAILS_NAMING(Errc::BadFormat, "line 9: a number expected, found 'x'", read(head + "1 2 3\nx 4 5\n"));
-  FAILS_NAMING(Errc::BadFormat, "property x expected",
-               read("ply\nformat ascii 1.0\nelement vertex 1\nproperty float y\nproperty float z\nend_header\n1 2\n"));
+  FAILS_NAMING(
+      Errc::BadFormat, "property x expected",
+      read("ply\nformat ascii 1.0\nelement vertex 1\nproperty float y\nproperty float z\nend_header\n1 2\n"));
   FAILS_NAMING(Errc::BadFormat, "at least one point expected",
-               read("ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n"));
+               read("ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty "
+                    "float z\nend_header\n"));
   FAILS_NAMING(Errc::BadFormat, "a PLY file expected", read("solid\nnot a ply\n"));
   FAILS_NAMING(Errc::Truncated, "end_header expected", read("ply\nformat ascii 1.0\n"));
 }
 
 TEST(Ply, HugeCountInADamagedHeaderAsksForNoMemory) {
   FAILS_NAMING(Errc::Truncated, "more values expected",
-               read("ply\nformat binary_little_endian 1.0\nelement vertex 18446744073709551615\nproperty float x\nproperty float y\n"
+               read("ply\nformat binary_little_endian 1.0\nelement vertex 18446744073709551615\nproperty "
+                    "float x\nproperty float y\n"
                     "property float z\nend_header\n1234"));
 }
 
@@ -110,9 +123,11 @@ TEST(Ply, MeshSurvivesWritingAndPolygonsAreCutIntoFans) {
   const auto sut = read_mesh(folder.path() / "m.ply");
   SUCCEEDS(sut);
   CHECK(sut->faces == mesh.faces);
-  const auto quad = read_mesh(folder.write("q.ply",
-                                           "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-                                           "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n"));
+  const auto quad = read_mesh(folder.write(
+      "q.ply",
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 "
+      "2 3\n"));
   SUCCEEDS(quad);
   LONGS_EQUAL(2, quad->faces.size());
   CHECK((quad->faces[0] == std::array<std::uint32_t, 3>{0, 1, 2}));
@@ -120,10 +135,12 @@ TEST(Ply, MeshSurvivesWritingAndPolygonsAreCutIntoFans) {
 }
 
 TEST(Ply, FaceWithAVertexThatIsNotThereIsRefused) {
-  FAILS_NAMING(Errc::BadValue, "face 0: a vertex number below 1 expected",
-               read_mesh(folder.write("b.ply",
-                                      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
-                                      "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n3 0 1 2\n")));
+  FAILS_NAMING(
+      Errc::BadValue, "face 0: a vertex number below 1 expected",
+      read_mesh(folder.write(
+          "b.ply",
+          "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+          "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n3 0 1 2\n")));
 }
 
 }  // namespace biteline::cloud

@@ -62,13 +62,15 @@ TEST(NeighbourGrid, NearestEqualsBruteForceEvenFarBeyondOneCell) {
     std::sort(all.begin(), all.end());
     LONGS_EQUAL(20, std::set(nearest.index.begin(), nearest.index.end()).size());
     DOUBLES_EQUAL(std::sqrt(all[19]), nearest.farthest_mm, 1e-5);
-    for (const std::uint32_t k : nearest.index) CHECK((at(sut, k) - at(sut, i)).squaredNorm() < all[19] + 1e-5F);
+    for (const std::uint32_t k : nearest.index)
+      CHECK((at(sut, k) - at(sut, i)).squaredNorm() < all[19] + 1e-5F);
   }
 }
 
 TEST(NeighbourGrid, EquallyFarNeighboursFillUpWhatNearerOnesLeave) {
   std::vector<Eigen::Vector3f> points;
-  for (int i = 0; i < 900; ++i) points.emplace_back(static_cast<float>(i % 30), static_cast<float>(i / 30), 0.0F);
+  for (int i = 0; i < 900; ++i)
+    points.emplace_back(static_cast<float>(i % 30), static_cast<float>(i / 30), 0.0F);
   const NeighbourGrid sut{points, {.cell_mm = 2.0F}};
   NeighbourSearch search{sut};
   const auto middle = static_cast<std::uint32_t>(

@@ -14,8 +14,8 @@ namespace {
 constexpr float k_noise_mm = 0.015F;
 constexpr float k_column_mm = 0.07F;
 
-/// One profile of a tube about z, radius R, at an azimuth: the stripe runs along z over a valley of 1.5 mm radius
-/// about z = 0 (its rim at z = +-1.3), as a groove round a shoe.
+/// One profile of a tube about z, radius R, at an azimuth: the stripe runs along z over a valley of 1.5 mm
+/// radius about z = 0 (its rim at z = +-1.3), as a groove round a shoe.
 struct Tube {
   float radius_mm{20};
   bool grooved{false};
@@ -30,7 +30,10 @@ struct Tube {
     constexpr float k_groove_mm = 1.5F, k_rim_mm = 1.3F;
     std::normal_distribution<float> noise{0, k_noise_mm};
     const Eigen::Vector3f out{std::cos(azimuth_rad), std::sin(azimuth_rad), 0};
-    Profile profile{.points = {}, .normals = {}, .columns = {}, .eye = (radius_mm + 200) * out + Eigen::Vector3f{0, 0, 40}};
+    Profile profile{.points = {},
+                    .normals = {},
+                    .columns = {},
+                    .eye = (radius_mm + 200) * out + Eigen::Vector3f{0, 0, 40}};
     for (std::uint16_t column = 0; column < 200; ++column) {
       const float z = k_column_mm * (column - 100);
       float r = radius_mm;
@@ -97,8 +100,9 @@ TEST_GROUP(ScanSurface){};
 TEST(ScanSurface, TubeHasItsNormalsAndItsCurvatureAtEachSpacingOfProfiles) {
   for (const float step : k_steps_mm) {
     const Scan sut = scan_of({}, step, 40);
-    // At a scan's ends, a neighbourhood of radius r has one side only and leans by r / 2 / 20 mm: 2.1 degrees at r = 1.5 mm. At
-    // 0.1 mm that is 30 of 40 profiles, by half of it in the mean; at 2.2 mm (r = 2.9) two of 40.  The noise adds 0.3 degrees.
+    // At a scan's ends, a neighbourhood of radius r has one side only and leans by r / 2 / 20 mm: 2.1 degrees
+    // at r = 1.5 mm. At 0.1 mm that is 30 of 40 profiles, by half of it in the mean; at 2.2 mm (r = 2.9) two
+    // of 40.  The noise adds 0.3 degrees.
     CHECK_COMPARE(sut.normal_rms_deg(), <, 1.1);
     DOUBLES_EQUAL(1.0 / 40, sut.mean_curvature_at(0), 0.004);
   }
@@ -107,7 +111,8 @@ TEST(ScanSurface, TubeHasItsNormalsAndItsCurvatureAtEachSpacingOfProfiles) {
 TEST(ScanSurface, GrooveRoundATubeIsConcave) {
   for (const float step : {0.5F, 1.1F}) {
     const Scan sut = scan_of({.grooved = true}, step, 40);
-    // Half of the groove's -1/1.5 and the tube's 1/19: the quadric over the whole groove reads its floor to a tenth.
+    // Half of the groove's -1/1.5 and the tube's 1/19: the quadric over the whole groove reads its floor to a
+    // tenth.
     DOUBLES_EQUAL(0.5 * (-1 / 1.5 + 1 / 19.3), sut.mean_curvature_at(0), 0.035);
     DOUBLES_EQUAL(1.0 / 40, sut.mean_curvature_at(5), 0.006);
   }

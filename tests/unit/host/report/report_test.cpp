@@ -20,7 +20,7 @@ TEST_GROUP(Report) {
     text << file.rdbuf();
     return text.str();
   }
-  nlohmann::json written(Report& report) const {
+  nlohmann::json written(Report & report) const {
     SUCCEEDS(report.write(folder.path()));
     return nlohmann::json::parse(content("report.json"));
   }

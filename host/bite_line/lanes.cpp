@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/lanes.hpp"
+
+#include <cmath>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "host/bite_line/lanes.cpp"
+#include <hwy/foreach_target.h>
+
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace biteline::bite_line {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// K vectors from `i` on: sums stay in registers over all terms.  `term(j)` is the j-th row and its weight.
+template <std::size_t K, class D, class Term>
+HWY_INLINE void sum_rows(D d, float* to, std::size_t terms, std::size_t i, Term&& term) {
+  const std::size_t lanes = hn::Lanes(d);
+  hn::Vec<D> sum[K];
+  for (auto& s : sum) s = hn::Zero(d);
+  for (std::size_t j = 0; j < terms; ++j) {
+    const Tap tap = term(j);
+    const auto weight = hn::Set(d, tap.weight);
+    for (std::size_t k = 0; k < K; ++k)
+      sum[k] = hn::MulAdd(weight, hn::LoadU(d, tap.from + i + k * lanes), sum[k]);
+  }
+  for (std::size_t k = 0; k < K; ++k) hn::StoreU(sum[k], d, to + i + k * lanes);
+}
+
+template <class Term>
+HWY_INLINE void sum_terms(std::span<float> to, std::size_t terms, Term&& term) {
+  const hn::ScalableTag<float> d;
+  const hn::CappedTag<float, 1> one;
+  const std::size_t lanes = hn::Lanes(d);
+  std::size_t i = 0;
+  for (; i + 4 * lanes <= to.size(); i += 4 * lanes) sum_rows<4>(d, to.data(), terms, i, term);
+  for (; i + lanes <= to.size(); i += lanes) sum_rows<1>(d, to.data(), terms, i, term);
+  for (; i < to.size(); ++i) sum_rows<1>(one, to.data(), terms, i, term);
+}
+
+void SumTaps(std::span<float> to, std::span<const Tap> taps) {
+  sum_terms(to, taps.size(), [&](std::size_t j) { return taps[j]; });
+}
+
+void Convolve(std::span<float> to, const float* from, std::span<const float> kernel) {
+  sum_terms(to, kernel.size(), [&](std::size_t j) { return Tap{from + j, kernel[j]}; });
+}
+
+/// Calls `work(d, i)` for whole vectors, then for what remains value by value.
+template <class Work>
+HWY_INLINE void for_lanes(std::size_t size, Work&& work) {
+  const hn::ScalableTag<float> d;
+  const hn::CappedTag<float, 1> one;
+  std::size_t i = 0;
+  for (; i + hn::Lanes(d) <= size; i += hn::Lanes(d)) work(d, i);
+  for (; i < size; ++i) work(one, i);
+}
+
+template <class D, class M>
+HWY_INLINE void store_flags(D, M flags, std::uint8_t* to) {
+  const hn::Rebind<std::int32_t, D> whole;
+  const hn::Rebind<std::uint8_t, D> narrow;
+  hn::StoreU(hn::DemoteTo(narrow, hn::IfThenElseZero(hn::RebindMask(whole, flags), hn::Set(whole, 1))),
+             narrow, to);
+}
+
+template <class D, class V>
+HWY_INLINE V line_at_zero(D d, V w, V x, V xx, V value, V x_value, float least_spread) {
+  const V det = hn::Sub(hn::Mul(w, xx), hn::Mul(x, x));
+  const auto spread = hn::Gt(det, hn::Mul(hn::Set(d, least_spread), hn::Mul(w, w)));
+  const V above = hn::IfThenElse(spread, hn::Sub(hn::Mul(value, xx), hn::Mul(x_value, x)), value);
+  return hn::Div(above, hn::Max(hn::IfThenElse(spread, det, w), hn::Set(d, 1e-6F)));
+}
+
+void FitLines(const LineSums& sums, const LineFit& fit, std::span<float> to, std::uint8_t* known) {
+  for_lanes(to.size(), [&](auto d, std::size_t i) {
+    const auto w = hn::LoadU(d, sums.w + i);
+    const auto line =
+        line_at_zero(d, w, hn::LoadU(d, sums.x + i), hn::LoadU(d, sums.xx + i), hn::LoadU(d, sums.value + i),
+                     hn::LoadU(d, sums.x_value + i), fit.least_spread);
+    const auto enough = hn::Ge(w, hn::Set(d, fit.least_weight));
+    hn::StoreU(hn::IfThenElseZero(enough, line), d, to.data() + i);
+    store_flags(d, enough, known + i);
+  });
+}
+
+void FitRows(std::span<const RowOfSums> rows, const LineFit& fit, std::span<float> to, std::uint8_t* known) {
+  constexpr float k_least_share = 0.12F;  // of the weight, on either side
+  for_lanes(to.size(), [&](auto d, std::size_t i) {
+    const auto zero = hn::Zero(d);
+    auto w = zero, x = zero, xx = zero, value = zero, x_value = zero, low = zero, high = zero;
+    for (const RowOfSums& row : rows) {
+      // Weighted sums of the row's points, x counted from row 0: x + at, and its square.
+      const auto weight = hn::Set(d, row.weight);
+      const auto at = hn::Set(d, row.at);
+      const auto n = hn::Mul(weight, hn::LoadU(d, row.w + i));
+      const auto nx = hn::Mul(weight, hn::LoadU(d, row.x + i));
+      const auto nv = hn::Mul(weight, hn::LoadU(d, row.value + i));
+      w = hn::Add(w, n);
+      x = hn::Add(x, hn::MulAdd(at, n, nx));
+      xx = hn::MulAdd(at, hn::MulAdd(at, n, hn::Add(nx, nx)), xx);
+      value = hn::Add(value, nv);
+      x_value = hn::Add(x_value, hn::MulAdd(weight, hn::LoadU(d, row.x_value + i), hn::Mul(at, nv)));
+      if (row.at < 0) low = hn::Add(low, n);
+      if (row.at > 0) high = hn::Add(high, n);
+    }
+    const auto enough = hn::Ge(w, hn::Set(d, fit.least_weight));
+    const auto both = hn::Gt(hn::Min(low, high), hn::Mul(hn::Set(d, k_least_share), w));
+    hn::StoreU(hn::IfThenElseZero(enough, line_at_zero(d, w, x, xx, value, x_value, fit.least_spread)), d,
+               to.data() + i);
+    store_flags(d, hn::And(enough, both), known + i);
+  });
+}
+
+/// Abramowitz and Stegun 4.4.49.
+void SlopeAngles(std::span<float> to, const float* low, const float* high, float per_span) {
+  for_lanes(to.size(), [&](auto d, std::size_t i) {
+    const auto set = [&](float value) { return hn::Set(d, value); };
+    const auto slope = hn::Mul(hn::Sub(hn::LoadU(d, high + i), hn::LoadU(d, low + i)), set(per_span));
+    const auto size = hn::Abs(slope);
+    const auto steep = hn::Gt(size, set(1.0F));
+    const auto t = hn::IfThenElse(steep, hn::Div(set(1.0F), hn::Max(size, set(1.0F))), size);
+    const auto t2 = hn::Mul(t, t);
+    auto series = hn::MulAdd(t2, set(0.0208351F), set(-0.0851330F));
+    series = hn::MulAdd(t2, series, set(0.1801410F));
+    series = hn::MulAdd(t2, series, set(-0.3302995F));
+    const auto small = hn::Mul(t, hn::MulAdd(t2, series, set(0.9998660F)));
+    const auto angle = hn::IfThenElse(steep, hn::Sub(set(1.57079633F), small), small);
+    hn::StoreU(hn::CopySign(angle, slope), d, to.data() + i);
+  });
+}
+
+/// Rows `r` to `r + lanes` at once.
+template <class D>
+HWY_INLINE void step_rows(D d, const ColumnStep& column, std::size_t r, float* total, std::int8_t* step) {
+  const auto reach = static_cast<std::ptrdiff_t>(column.penalty.size() / 2);
+  const float* before = column.before + r;
+  auto best = hn::Add(hn::LoadU(d, before - reach), hn::Set(d, column.penalty[0]));
+  auto from = hn::Set(d, static_cast<float>(-reach));
+  for (std::ptrdiff_t k = 1 - reach; k <= reach; ++k) {
+    const auto candidate =
+        hn::Add(hn::LoadU(d, before + k), hn::Set(d, column.penalty[static_cast<std::size_t>(k + reach)]));
+    from = hn::IfThenElse(hn::Lt(candidate, best), hn::Set(d, static_cast<float>(k)), from);
+    best = hn::Min(candidate, best);
+  }
+  hn::StoreU(hn::Min(hn::Set(d, column.most), hn::Add(best, hn::LoadU(d, column.own + r))), d, total + r);
+  const hn::Rebind<std::int32_t, D> whole;
+  const hn::Rebind<std::int8_t, D> narrow;
+  hn::StoreU(hn::DemoteTo(narrow, hn::ConvertTo(whole, from)), narrow, step + r);
+}
+
+void StepColumn(const ColumnStep& column, std::span<float> total, std::int8_t* step) {
+  for_lanes(total.size(), [&](auto d, std::size_t r) { step_rows(d, column, r, total.data(), step); });
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace biteline::bite_line
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace biteline::bite_line {
+
+HWY_EXPORT(Convolve);
+HWY_EXPORT(FitLines);
+HWY_EXPORT(FitRows);
+HWY_EXPORT(SlopeAngles);
+HWY_EXPORT(StepColumn);
+HWY_EXPORT(SumTaps);
+
+std::vector<float> gaussian(double sigma_steps, double sigmas) {
+  const int reach = static_cast<int>(std::ceil(sigmas * sigma_steps));
+  std::vector<float> weights;
+  for (int j = -reach; j <= reach; ++j)
+    weights.push_back(static_cast<float>(std::exp(-0.5 * std::pow(j / sigma_steps, 2))));
+  return weights;
+}
+
+void sum_taps(std::span<float> to, std::span<const Tap> taps) {
+  HWY_DYNAMIC_DISPATCH(SumTaps)(to, taps);
+}
+void convolve(std::span<float> to, const float* from, std::span<const float> kernel) {
+  HWY_DYNAMIC_DISPATCH(Convolve)(to, from, kernel);
+}
+void fit_lines(const LineSums& sums, const LineFit& fit, std::span<float> to, std::uint8_t* known) {
+  HWY_DYNAMIC_DISPATCH(FitLines)(sums, fit, to, known);
+}
+void fit_rows(std::span<const RowOfSums> rows, const LineFit& fit, std::span<float> to, std::uint8_t* known) {
+  HWY_DYNAMIC_DISPATCH(FitRows)(rows, fit, to, known);
+}
+void slope_angles(std::span<float> to, const float* low, const float* high, float per_span) {
+  HWY_DYNAMIC_DISPATCH(SlopeAngles)(to, low, high, per_span);
+}
+void step_column(const ColumnStep& column, std::span<float> total, std::int8_t* step) {
+  HWY_DYNAMIC_DISPATCH(StepColumn)(column, total, step);
+}
+
+}  // namespace biteline::bite_line
+#endif  // HWY_ONCE

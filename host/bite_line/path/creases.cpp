@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/path/creases.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+#include <tbb/task_group.h>
+
+#include "host/bite_line/path/closed_path.hpp"
+
+namespace biteline::bite_line {
+
+namespace {
+
+constexpr double k_spiral_cost = 8.0;     // columns without any crease
+constexpr double k_least_evidence = 0.1;  // weaker paths, and all that would come after them, are no rivals
+constexpr double k_worth_a_look_share = 0.5;  // less visible ones are refused whether they close or not
+constexpr double k_deg = 3.14159265358979 / 180.0;
+
+template <class Value>
+double median(std::vector<Value> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return static_cast<double>(*middle);
+}
+
+float turn_at(const SideField& field, std::size_t cell) {
+  // The wider turn sees rounded creases (a scanned shoe's), the narrower one fine grooves; the wider one also
+  // turns with the shoe's own shape, hence the discount.
+  return std::max(field.turn_rad[cell], 0.8F * field.wide_turn_rad[cell]);
+}
+
+/// Typical turn of the surroundings, 4 to 12 mm above and below the path: texture, noise.
+double surrounding_turn(const SideField& field, int row, int col) {
+  const SideGrid& grid = field.grid;
+  std::vector<float> around;
+  const int near = static_cast<int>(4.0 / grid.row_mm);
+  const int far = static_cast<int>(12.0 / grid.row_mm);
+  around.reserve(128);
+  for (int d = -far; d <= far; d += 2) {
+    if (std::abs(d) < near) continue;
+    const int r = row + d;
+    if (r < 0 || r >= grid.rows) continue;
+    for (int c = col - 2; c <= col + 2; c += 2) {
+      const std::size_t cell = grid.at(r, (c + grid.cols) % grid.cols);
+      if (field.seen[cell] != 0) around.push_back(std::abs(field.turn_rad[cell]));
+    }
+  }
+  return median(std::move(around));
+}
+
+/// How far the surface below the path stands out beyond the surface above it.
+bool step_at(const SideField& field, int row, int col, double& step_mm) {
+  const SideGrid& grid = field.grid;
+  const auto rows_of = [&](double mm) { return static_cast<int>(std::lround(mm / grid.row_mm)); };
+  double below = -1e9;
+  double above = -1e9;
+  for (int r = std::max(0, row - rows_of(6.0)); r <= row - rows_of(0.75); ++r) {
+    const std::size_t cell = grid.at(r, col);
+    if (field.seen[cell] != 0) below = std::max(below, static_cast<double>(field.o_mm[cell]));
+  }
+  for (int r = row + rows_of(0.75); r <= std::min(grid.rows - 1, row + rows_of(6.0)); ++r) {
+    const std::size_t cell = grid.at(r, col);
+    if (field.seen[cell] != 0) above = std::max(above, static_cast<double>(field.o_mm[cell]));
+  }
+  step_mm = below - above;
+  return below > -1e8 && above > -1e8;
+}
+
+/// A straight line o = middle + slope z through rows from `low` to `high`, z from the row `zero`.
+struct Flank {
+  bool known{false};
+  double at_zero_mm{0};
+  double slope{0};
+};
+
+Flank flank_of(const SideField& field, int col, int zero, int low, int high) {
+  const SideGrid& grid = field.grid;
+  double n = 0, sz = 0, szz = 0, so = 0, szo = 0;
+  for (int r = std::max(0, low); r <= std::min(grid.rows - 1, high); ++r) {
+    const std::size_t cell = grid.at(r, col);
+    if (field.seen[cell] == 0) continue;
+    const double z = (r - zero) * grid.row_mm;
+    const auto o = static_cast<double>(field.o_mm[cell]);
+    n += 1;
+    sz += z;
+    szz += z * z;
+    so += o;
+    szo += z * o;
+  }
+  const double det = n * szz - sz * sz;
+  if (n < 0.6 * (high - low + 1) || det < 1e-6) return {};
+  const double slope = (n * szo - sz * so) / det;
+  return {.known = true, .at_zero_mm = (so - slope * sz) / n, .slope = slope};
+}
+
+/// Turn and step between the surfaces on both sides of a place.
+struct TwoFlanks {
+  double turn_rad;
+  double step_mm;
+};
+
+std::optional<TwoFlanks> flanks_at(const SideField& field, int row, int col) {
+  constexpr double k_from_mm = 2.0;
+  constexpr double k_to_mm = 6.0;
+  const auto rows_of = [&](double mm) { return static_cast<int>(std::lround(mm / field.grid.row_mm)); };
+  const Flank above = flank_of(field, col, row, row + rows_of(k_from_mm), row + rows_of(k_to_mm));
+  const Flank below = flank_of(field, col, row, row - rows_of(k_to_mm), row - rows_of(k_from_mm));
+  if (!above.known || !below.known) return std::nullopt;
+  return TwoFlanks{.turn_rad = std::atan(above.slope) - std::atan(below.slope),
+                   .step_mm = below.at_zero_mm - above.at_zero_mm};
+}
+
+Crease describe(const SideField& field, std::span<const float> evidence, const std::vector<int>& path,
+                const CreaseConfig& config) {
+  const SideGrid& grid = field.grid;
+  Crease crease;
+  const auto cols = static_cast<std::size_t>(grid.cols);
+  crease.turn_rad.assign(cols, 0.0F);
+  crease.visible.assign(cols, 0);
+  std::vector<double> rows(path.begin(), path.end());
+  crease.row = smooth_closed(rows, 2.0 / grid.col_mm);
+
+  std::vector<double> turns;
+  std::vector<double> steps;
+  std::vector<double> flank_turns;
+  std::vector<double> flank_steps;
+  std::size_t seen = 0;
+  double bend2 = 0;
+  for (int c = 0; c < grid.cols; ++c) {
+    const auto col = static_cast<std::size_t>(c);
+    const int row = path[col];
+    const std::size_t cell = grid.at(row, c);
+    crease.mean_height_mm += grid.z_mm(row) / grid.cols;
+    crease.evidence += static_cast<double>(evidence[cell]) / grid.cols;
+    const double second = rows[(col + 1) % cols] - 2 * rows[col] + rows[(col + cols - 1) % cols];
+    bend2 += second * second;
+    if (field.seen[cell] == 0) continue;
+    ++seen;
+    const double turn = static_cast<double>(turn_at(field, cell));
+    crease.turn_rad[col] = static_cast<float>(turn);
+    turns.push_back(turn);
+    if (turn > std::max(config.least_turn_rad, 3.0 * surrounding_turn(field, row, c)))
+      crease.visible[col] = 1;
+    if (crease.visible[col] == 0) continue;
+    if (const std::optional<TwoFlanks> flanks = flanks_at(field, row, c)) {
+      flank_turns.push_back(flanks->turn_rad);
+      flank_steps.push_back(flanks->step_mm);
+    }
+    double step = 0;
+    if (step_at(field, row, c, step)) steps.push_back(step);
+  }
+  const auto visible = static_cast<double>(std::count(crease.visible.begin(), crease.visible.end(), 1));
+  crease.seen_share = static_cast<double>(seen) / grid.cols;
+  crease.visible_share = visible / grid.cols;
+  crease.median_turn_rad = median(std::move(turns));
+  const auto stepped =
+      static_cast<double>(std::count_if(steps.begin(), steps.end(), [](double step) { return step > 0.15; }));
+  crease.step_share = steps.empty() ? 0 : stepped / static_cast<double>(steps.size());
+  crease.median_step_mm = median(std::move(steps));
+  crease.flanks_seen = static_cast<double>(flank_turns.size()) > visible / 3;
+  crease.flank_turn_rad = median(std::move(flank_turns));
+  crease.flank_step_mm = median(std::move(flank_steps));
+  crease.restless_rows = std::sqrt(bend2 / grid.cols);
+  const auto longest_run_mm = [&](auto&& missing) {
+    int run = 0;
+    int longest = 0;
+    for (int c = 0; c < 2 * grid.cols; ++c) {  // twice round: a run may cross the seam
+      run = missing(static_cast<std::size_t>(c % grid.cols)) ? run + 1 : 0;
+      longest = std::max(longest, std::min(run, grid.cols));
+    }
+    return longest * grid.col_mm;
+  };
+  crease.longest_gap_mm = longest_run_mm([&](std::size_t c) { return crease.visible[c] == 0; });
+  crease.longest_unseen_mm =
+      longest_run_mm([&](std::size_t c) { return field.seen[grid.at(path[c], static_cast<int>(c))] == 0; });
+  return crease;
+}
+
+}  // namespace
+
+Large<float> crease_evidence(const SideField& field) {
+  // Saturates: beyond 40 degrees a deeper crease is not a better one.  Below 1.5 degrees lies the noise of
+  // any scan.
+  constexpr float k_noise_rad = static_cast<float>(1.5 * k_deg);
+  constexpr float k_scale_rad = static_cast<float>(12.0 * k_deg);
+  Large<float> evidence(field.grid.size(), 0.0F);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>{0, evidence.size(), 8192}, [&](const auto& range) {
+    for (std::size_t cell = range.begin(); cell != range.end(); ++cell) {
+      const float turn = turn_at(field, cell);
+      if (field.seen[cell] != 0 && turn > k_noise_rad)
+        evidence[cell] = 1.0F - std::exp(-(turn - k_noise_rad) / k_scale_rad);
+    }
+  });
+  return evidence;
+}
+
+std::vector<Crease> find_creases(const SideField& field, const CreaseConfig& config) {
+  const SideGrid& grid = field.grid;
+  const Large<float> evidence = crease_evidence(field);
+  Large<float> cost(evidence.size());
+  std::transform(evidence.begin(), evidence.end(), cost.begin(), [](float e) { return 1.0F - e; });
+  const int apart = static_cast<int>(std::lround(config.apart_mm / grid.row_mm));
+  std::vector<Crease> creases(static_cast<std::size_t>(config.most));
+  std::size_t found = 0;
+  tbb::task_group describing;  // while the next path is searched
+  for (double along = 1; found < creases.size() && along >= k_least_evidence;) {
+    ClosedPath path;
+    ClosedPath open;
+    tbb::parallel_invoke([&] { path = shortest_closed_path(cost, grid.rows, grid.cols, {}); },
+                         [&] { open = shortest_open_path(cost, grid.rows, grid.cols, {}); });
+    along = 0;
+    for (int c = 0; c < grid.cols; ++c) {
+      const int row = path.row[static_cast<std::size_t>(c)];
+      along += static_cast<double>(evidence[grid.at(row, c)]) / grid.cols;
+      const int low = std::max(0, row - apart);
+      std::fill_n(cost.begin() + static_cast<std::ptrdiff_t>(grid.at(low, c)),
+                  std::min(grid.rows, row + apart + 1) - low, 1.0F);
+    }
+    describing.run([&field, &evidence, &config, &crease = creases[found], path, open] {
+      crease = describe(field, evidence, path.row, config);
+      // Where closing costs less than a few columns without a crease, the closed path is the line; the open
+      // one may only have found another end for a column or two.
+      const bool spiral =
+          crease.visible_share > k_worth_a_look_share && path.cost - open.cost > k_spiral_cost;
+      const std::vector<int>& ends = spiral ? open.row : path.row;
+      crease.closure_mm = std::abs(ends.front() - ends.back()) * field.grid.row_mm;
+    });
+    ++found;
+  }
+  describing.wait();
+  creases.resize(found);
+  return creases;
+}
+
+}  // namespace biteline::bite_line

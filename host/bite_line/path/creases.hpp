@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Closed creases of the shoe's side: paths round it, what each looks like, and which one is the bite
+/// line.
+
+#include <string>
+#include <vector>
+
+#include "host/bite_line/side/side_field.hpp"
+
+namespace biteline::bite_line {
+
+/// One closed path and what the surface does along it.  Angles rad, lengths mm.
+struct Crease {
+  std::vector<double> row;            ///< per column, smooth, in rows of the grid
+  std::vector<float> turn_rad;        ///< per column: turn of the surface across the path, concave > 0
+  std::vector<std::uint8_t> visible;  ///< per column: a crease stands out of its surroundings here
+  double seen_share{0};               ///< of the columns: surface was seen at the path
+  double visible_share{0};            ///< of the columns: visible
+  double longest_gap_mm{0};           ///< longest stretch without a visible crease
+  double longest_unseen_mm{0};        ///< longest stretch without any surface at the path
+  double median_turn_rad{0};          ///< over the seen columns
+  double median_step_mm{
+      0};  ///< how far the surface below stands out beyond the one above; sole over upper > 0
+  /// The surfaces 2 to 6 mm above and below as straight lines: how much they turn against each other (concave
+  /// > 0), and how far the lower one lies outside the upper one where they meet.  What is sewn into one
+  /// surface leaves both at 0, or below: a wall is convex.
+  bool flanks_seen{false};  ///< on at least a third of the visible columns
+  double flank_turn_rad{0};
+  double flank_step_mm{0};
+  double step_share{0};  ///< share of the visible columns with such a step
+  double mean_height_mm{0};
+  double evidence{0};       ///< mean over the columns, 0 to 1
+  double restless_rows{0};  ///< RMS second difference of the raw path: high where it follows noise
+  double closure_mm{0};     ///< height between the ends of the best path that need not close
+};
+
+struct CreaseConfig {
+  int most{6};                  ///< paths looked at
+  double least_turn_rad{0.06};  ///< 3.5 degrees: less is a fold of cloth, not a crease
+  double apart_mm{2.0};         ///< rivals are at least so far from one another
+};
+
+/// Evidence of a crease at each place, 0 to 1.
+[[nodiscard]] Large<float> crease_evidence(const SideField& field);
+
+/// The best closed paths, best first by evidence alone.
+[[nodiscard]] std::vector<Crease> find_creases(const SideField& field, const CreaseConfig& config);
+
+}  // namespace biteline::bite_line

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/place/bridge.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace biteline::bite_line {
+
+namespace {
+
+/// Cubic with values and derivatives per unit of its parameter at both ends (Hermite).
+template <class Value>
+Value hermite(const Value& p0, const Value& d0, const Value& p1, const Value& d1, double u) {
+  const double u2 = u * u;
+  const double u3 = u2 * u;
+  return (2 * u3 - 3 * u2 + 1) * p0 + (u3 - 2 * u2 + u) * d0 + (3 * u2 - 2 * u3) * p1 + (u3 - u2) * d1;
+}
+
+/// Slope per station, by least squares over the known stations from `at` on in steps of `away` (+1 or -1).
+double slope_at(std::span<const double> values, std::span<const std::uint8_t> known, std::size_t at, int away,
+                std::size_t lever) {
+  const auto count = static_cast<std::ptrdiff_t>(values.size());
+  double n = 0, sx = 0, sxx = 0, sv = 0, sxv = 0;
+  for (std::size_t k = 0; k <= lever; ++k) {
+    const auto x = static_cast<std::ptrdiff_t>(k) * away;
+    const auto i = static_cast<std::size_t>(((static_cast<std::ptrdiff_t>(at) + x) % count + count) % count);
+    if (known[i] == 0) break;
+    const auto dx = static_cast<double>(x);
+    n += 1;
+    sx += dx;
+    sxx += dx * dx;
+    sv += values[i];
+    sxv += dx * values[i];
+  }
+  const double det = n * sxx - sx * sx;
+  return n < 4 || det < 1e-9 ? 0.0 : (n * sxv - sx * sv) / det;
+}
+
+}  // namespace
+
+std::vector<Gap> gaps_of(std::span<const std::uint8_t> known) {
+  std::vector<Gap> gaps;
+  const std::size_t count = known.size();
+  const auto first = static_cast<std::size_t>(std::find(known.begin(), known.end(), 1) - known.begin());
+  if (first == count) return gaps;
+  std::size_t last = first;
+  for (std::size_t k = 1; k <= count; ++k) {
+    const std::size_t i = first + k < count ? first + k : first + k - count;
+    if (known[i] == 0) continue;
+    const std::size_t steps = i > last ? i - last : i + count - last;
+    if (steps > 1) gaps.push_back({.first = last, .steps = steps});
+    last = i;
+  }
+  return gaps;
+}
+
+void drop_islands(std::vector<std::uint8_t>& known, double station_mm, double longest_mm) {
+  const std::vector<Gap> gaps = gaps_of(known);
+  const std::size_t count = known.size();
+  for (std::size_t k = 0; k < gaps.size() && gaps.size() > 1; ++k) {
+    const Gap& before = gaps[k];
+    const Gap& behind = gaps[(k + 1) % gaps.size()];
+    const std::size_t begin = (before.first + before.steps) % count;
+    const std::size_t length = (behind.first + count - begin) % count + 1;
+    if (static_cast<double>(length) * station_mm >= longest_mm ||
+        length >= std::min(before.steps, behind.steps))
+      continue;
+    for (std::size_t i = 0; i < length; ++i) known[(begin + i) % count] = 0;
+  }
+}
+
+void bridge_straight(std::vector<double>& values, std::span<const std::uint8_t> known, double station_mm) {
+  bridge_smooth(values, known, station_mm, 0.0);
+}
+
+void bridge_means(std::vector<double>& values, std::span<const std::uint8_t> known, double station_mm,
+                  double ends_mm) {
+  const std::size_t count = values.size();
+  const auto reach = static_cast<std::size_t>(ends_mm / station_mm);
+  const std::vector<double> before = values;
+  const auto mean_from = [&](std::size_t at, bool ahead) {
+    double sum = 0;
+    double n = 0;
+    for (std::size_t k = 0; k <= reach; ++k) {
+      const std::size_t i = ahead ? (at + k) % count : (at + count - k % count) % count;
+      if (known[i] == 0) break;
+      sum += before[i];
+      n += 1;
+    }
+    return sum / n;  // the gap's own end is known
+  };
+  for (const Gap& gap : gaps_of(known)) {
+    const double first = mean_from(gap.first, false);
+    const double last = mean_from((gap.first + gap.steps) % count, true);
+    for (std::size_t k = 1; k < gap.steps; ++k)
+      values[(gap.first + k) % count] =
+          first + (last - first) * static_cast<double>(k) / static_cast<double>(gap.steps);
+  }
+}
+
+void bridge_smooth(std::vector<double>& values, std::span<const std::uint8_t> known, double station_mm,
+                   double lever_mm) {
+  const std::size_t count = values.size();
+  const auto lever = static_cast<std::size_t>(lever_mm / station_mm);
+  const std::vector<double> before = values;
+  for (const Gap& gap : gaps_of(known)) {
+    const std::size_t end = (gap.first + gap.steps) % count;
+    const auto span = static_cast<double>(gap.steps);
+    const double chord = before[end] - before[gap.first];
+    const double d0 = lever == 0 ? chord : span * slope_at(before, known, gap.first, -1, lever);
+    const double d1 = lever == 0 ? chord : span * slope_at(before, known, end, +1, lever);
+    for (std::size_t k = 1; k < gap.steps; ++k)
+      values[(gap.first + k) % count] =
+          hermite(before[gap.first], d0, before[end], d1, static_cast<double>(k) / span);
+  }
+}
+
+double Arc::turn_rad() const {
+  return std::acos(std::clamp(d0.normalized().dot(d1.normalized()), -0.942, 1.0));
+}
+
+Vec3 Arc::at(double share) const {
+  const double theta = turn_rad();
+  const double stretch = theta < 0.01 ? 1.0 : 2.0 * std::tan(0.25 * theta) / std::sin(0.5 * theta);
+  const double length = stretch * (p1 - p0).norm();
+  return hermite<Vec3>(p0, length * d0.normalized(), p1, length * d1.normalized(), share);
+}
+
+}  // namespace biteline::bite_line

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Across stretches of a closed line that were not seen.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/geometry/se3.hpp"
+
+namespace biteline::bite_line {
+
+/// Stations between two known ones: `first` is the last known one before them, `first + steps` (round the
+/// line) the first known one behind.
+struct Gap {
+  std::size_t first{0};
+  std::size_t steps{0};
+};
+/// None when nothing is known at all.
+[[nodiscard]] std::vector<Gap> gaps_of(std::span<const std::uint8_t> known);
+
+/// What is known over less than `longest_mm`, between gaps that are both longer, is a stray and not a sight
+/// of the surface.
+void drop_islands(std::vector<std::uint8_t>& known, double station_mm, double longest_mm);
+
+/// Straight lines across the gaps.
+void bridge_straight(std::vector<double>& values, std::span<const std::uint8_t> known, double station_mm);
+
+/// Straight lines between the means of the last `ends_mm` on either side: for values that scatter from
+/// station to station.
+void bridge_means(std::vector<double>& values, std::span<const std::uint8_t> known, double station_mm,
+                  double ends_mm);
+
+/// Cubics that leave both ends with the slope of the last `lever_mm` before them.
+void bridge_smooth(std::vector<double>& values, std::span<const std::uint8_t> known, double station_mm,
+                   double lever_mm);
+
+/// The cubic from p0 to p1 with these directions (any length) that is nearest to a circle: where they turn by
+/// theta, its derivatives are 4 tan(theta / 4) radii long, and the chord is 2 sin(theta / 2) radii.  Place at
+/// `share` of it.
+struct Arc {
+  Vec3 p0, d0;
+  Vec3 p1, d1;
+  [[nodiscard]] Vec3 at(double share) const;
+  [[nodiscard]] double turn_rad() const;  ///< theta, at most 2.8: beyond it a cubic is no circle
+};
+
+}  // namespace biteline::bite_line

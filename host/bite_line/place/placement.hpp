@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The line's exact place: where the section curves most, found in the raw points around a path.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "host/bite_line/large.hpp"
+#include "host/bite_line/path/creases.hpp"
+#include "host/bite_line/place/normals.hpp"
+#include "host/bite_line/shoe/plan.hpp"
+#include "host/bite_line/side/side_field.hpp"
+
+namespace biteline::bite_line {
+
+struct PlacementConfig {
+  double spacing_mm{0.5};
+  double smoothing_mm{0.4};  ///< standard deviation in height: the definition's
+  double search_mm{2.5};     ///< from the path: the definition's
+  double mean_mm{8.5};       ///< running mean along the line: the definition says 7 to 10
+  NormalConfig normals{};
+};
+
+/// One point of the placed line, in shoe.
+struct PlacedPoint {
+  Vec3 position{Vec3::Zero()};
+  Vec3 normal{Vec3::UnitX()};
+  double curvature_per_mm{0};  ///< largest curvature of the section, concave > 0
+  double scatter_mm{0};        ///< how far the section's own place lies from the running mean
+  double to_visible_mm{
+      0};  ///< distance along the line to the nearest place where the crease was seen; 0 there
+  /// Expected error over 0.3 mm where the crease, or the surface at its own depth, was not seen; 0 elsewhere.
+  double doubt{0};
+};
+
+struct Placement {
+  std::vector<PlacedPoint> points;  ///< closed, evenly spaced, anticlockwise
+  double length_mm{0};
+  double bridged_mm{0};
+};
+
+/// Points of the outermost layer within reach of the path's height, in shoe: what place_line() works on.
+[[nodiscard]] Large<std::uint32_t> near_path(const SideField& field, const Crease& crease);
+
+/// `near` in shoe: all raw points round the path, `points_per_mm2` of the surface.
+///
+/// method.md "place of the line": section by the upright plane along the outline's normal; o(z) smoothed by a
+/// Gaussian; k = o'' / (1 + o'^2)^1.5; z of largest k near the path; running mean along the line; the point
+/// on the unsmoothed surface at that z.  The outline is the path's own, so that the sections are square to
+/// the line.
+struct PlacementInput {
+  std::span<const Eigen::Vector3f> near;
+  double points_per_mm2;
+  const SideField& field;
+  const Outline& outline;
+  const Crease& crease;
+};
+[[nodiscard]] Placement place_line(const PlacementInput& input, const PlacementConfig& config);
+
+}  // namespace biteline::bite_line

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/place/ridge.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "host/bite_line/lanes.hpp"
+#include "host/bite_line/path/closed_path.hpp"
+
+namespace biteline::bite_line {
+
+namespace {
+
+// Flatter than a radius of 12 mm is the shape of the shoe, not a crease.
+constexpr double k_least_curvature_per_mm = 0.08;
+
+/// Typical size of the sections' curvature outside the search range: texture and noise.
+double curvature_noise(const Sections& sections, std::span<const float> k, double search_mm) {
+  std::vector<double> values;
+  const int reach = static_cast<int>(std::lround(search_mm / sections.row_mm));
+  for (int station = 0; station < sections.stations; station += 7) {
+    for (int row = sections.zero_row + reach + 10; row < sections.rows - 10; row += 5) {
+      const std::size_t cell = sections.at(station, row);
+      if (sections.known[cell] != 0) values.push_back(std::abs(static_cast<double>(k[cell])));
+    }
+  }
+  if (values.empty()) return 0;
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
+  return values[values.size() / 2];
+}
+
+/// The surface is known at a crease and a millimetre either way: where a section ends, its curvature is that
+/// of nothing.
+bool seen_both_sides(const Sections& sections, int station, int row) {
+  const int reach = static_cast<int>(std::lround(1.0 / sections.row_mm));
+  for (const int r : {row - reach, row - reach / 2, row, row + reach / 2, row + reach}) {
+    if (r < 0 || r >= sections.rows || sections.known[sections.at(station, r)] == 0) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Large<float> section_curvature(const Sections& sections, double sigma_mm) {
+  Large<float> k(sections.o_mm.size(), 0.0F);
+  const double h = sections.row_mm;
+  std::vector<float> kernel = gaussian(sigma_mm / h, 4);
+  const auto reach = static_cast<int>(kernel.size() / 2);
+  const float sum = std::accumulate(kernel.begin(), kernel.end(), 0.0F);
+  for (float& weight : kernel) weight /= sum;
+  const auto rows = static_cast<std::size_t>(sections.rows);
+  tbb::parallel_for(tbb::blocked_range<int>{0, sections.stations, 16}, [&](const auto& range) {
+    std::vector<float> padded(rows + 2 * static_cast<std::size_t>(reach));
+    std::vector<float> smooth(rows);
+    for (int station = range.begin(); station != range.end(); ++station) {
+      const float* o = sections.o_mm.data() + sections.at(station, 0);
+      const std::uint8_t* known = sections.known.data() + sections.at(station, 0);
+      // The longest known run; outside it the end values go on.
+      std::size_t begin = 0;
+      std::size_t end = 0;
+      for (std::size_t r = 0; r < rows;) {
+        if (known[r] == 0) {
+          ++r;
+          continue;
+        }
+        std::size_t stop = r;
+        while (stop < rows && known[stop] != 0) ++stop;
+        if (stop - r > end - begin) {
+          begin = r;
+          end = stop;
+        }
+        r = stop;
+      }
+      if (end - begin < 2 * static_cast<std::size_t>(reach) / 2) continue;
+      // Beyond the run's ends it goes on straight, with the slope of its last millimetre.
+      const std::size_t lever = std::min<std::size_t>(end - begin - 1, static_cast<std::size_t>(1.0 / h));
+      const float slope_low = (o[begin + lever] - o[begin]) / static_cast<float>(lever);
+      const float slope_high = (o[end - 1] - o[end - 1 - lever]) / static_cast<float>(lever);
+      for (std::size_t i = 0; i < padded.size(); ++i) {
+        const auto r = static_cast<std::ptrdiff_t>(i) - reach;
+        if (r < static_cast<std::ptrdiff_t>(begin))
+          padded[i] = o[begin] + slope_low * static_cast<float>(r - static_cast<std::ptrdiff_t>(begin));
+        else if (r >= static_cast<std::ptrdiff_t>(end))
+          padded[i] = o[end - 1] + slope_high * static_cast<float>(r - static_cast<std::ptrdiff_t>(end - 1));
+        else
+          padded[i] = o[r];
+      }
+      convolve(smooth, padded.data(), kernel);
+      float* out = k.data() + sections.at(station, 0);
+      const auto inverse_h = static_cast<float>(1.0 / h);
+      for (std::size_t r = std::max<std::size_t>(begin, 1); r + 1 < std::min(end, rows); ++r) {
+        const float d1 = 0.5F * inverse_h * (smooth[r + 1] - smooth[r - 1]);
+        const float d2 = inverse_h * inverse_h * (smooth[r + 1] - 2 * smooth[r] + smooth[r - 1]);
+        const float q = 1 + d1 * d1;
+        out[r] = d2 / (q * std::sqrt(q));
+      }
+    }
+  });
+  return k;
+}
+
+Ridge follow_ridge(const Sections& sections, std::span<const float> k, double search_mm) {
+  const int reach = static_cast<int>(std::lround(search_mm / sections.row_mm));
+  const int low = sections.zero_row - reach;
+  const int rows = 2 * reach + 1;
+  const auto stations = static_cast<std::size_t>(sections.stations);
+  std::vector<double> peaks(stations);
+  for (std::size_t i = 0; i < stations; ++i) {
+    const float* line = k.data() + sections.at(static_cast<int>(i), low);
+    peaks[i] = static_cast<double>(*std::max_element(line, line + rows));
+  }
+  std::vector<double> sorted = peaks;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
+                   sorted.end());
+  const double usual = sorted[sorted.size() / 2];
+  const double noise = curvature_noise(sections, k, search_mm);
+
+  // Each station counts by its own peak, so that a filled stretch's weak fillet is followed too; where
+  // nothing but noise is left, continuity decides.
+  const double floor = std::max({k_least_curvature_per_mm, 0.02 * usual, 2 * noise});
+  Large<float> cost(static_cast<std::size_t>(rows) * stations);
+  for (std::size_t i = 0; i < stations; ++i) {
+    const auto per_peak = static_cast<float>(1 / std::max(peaks[i], floor));
+    const float* line = k.data() + sections.at(static_cast<int>(i), low);
+    std::transform(line, line + rows, cost.begin() + static_cast<std::ptrdiff_t>(i) * rows,
+                   [&](float value) { return 1.0F - std::max(value * per_peak, 0.0F); });
+  }
+  const ClosedPath path =
+      shortest_closed_path(cost, rows, sections.stations, {.max_step_rows = 3, .step_cost = 0.03});
+
+  Ridge ridge;
+  ridge.row.resize(stations);
+  ridge.k_per_mm.resize(stations);
+  ridge.visible.assign(stations, 0);
+  for (std::size_t i = 0; i < stations; ++i) {
+    // The path may cut a corner of the ridge: climb to the top next to it.
+    int row = low + path.row[i];
+    const auto value = [&](int r) { return static_cast<double>(k[sections.at(static_cast<int>(i), r)]); };
+    const int most = static_cast<int>(0.4 / sections.row_mm);
+    for (int step = 0; step < most; ++step) {
+      if (row > low && value(row - 1) > value(row))
+        --row;
+      else if (row < low + rows - 1 && value(row + 1) > value(row))
+        ++row;
+      else
+        break;
+    }
+    const double top = value(row);
+    const double bow = value(row - 1) - 2 * top + value(row + 1);
+    ridge.row[i] =
+        row + (bow < -1e-9 ? std::clamp(0.5 * (value(row - 1) - value(row + 1)) / bow, -0.5, 0.5) : 0.0);
+    ridge.k_per_mm[i] = top;
+    ridge.visible[i] = top > std::max(k_least_curvature_per_mm, 2 * noise) &&
+                               seen_both_sides(sections, static_cast<int>(i), row)
+                           ? 1
+                           : 0;
+  }
+  return ridge;
+}
+
+}  // namespace biteline::bite_line

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Curvature of the sections, and the ridge of largest curvature along them: the crease itself.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "host/bite_line/place/sections.hpp"
+
+namespace biteline::bite_line {
+
+/// Curvature of every section at every row: o smoothed by the definition's Gaussian, then k = o'' / (1 +
+/// o'^2)^1.5. Gaussian and its derivatives are folded into one pass; unknown rows leave k at 0.
+[[nodiscard]] Large<float> section_curvature(const Sections& sections, double sigma_mm);
+
+struct Ridge {
+  std::vector<double> row;       ///< per station, sub-row
+  std::vector<double> k_per_mm;  ///< there
+  std::vector<std::uint8_t> visible;
+};
+
+/// Follows the largest curvature within the search range; continuity keeps it from hopping to a stitch or a
+/// speck.
+[[nodiscard]] Ridge follow_ridge(const Sections& sections, std::span<const float> k, double search_mm);
+
+}  // namespace biteline::bite_line

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/place/sections.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "host/bite_line/buckets.hpp"
+#include "host/bite_line/lanes.hpp"
+
+namespace biteline::bite_line {
+
+namespace {
+
+constexpr double k_longest_filled_mm = 1.5;  // a shadow longer than this hides the groove
+constexpr float k_reach_o_mm = 14.0F;
+
+/// Per station, one after the other, for each row the sums of weight, s, s^2, o and s o; s from the bin's
+/// middle.
+enum Sum : std::size_t { k_w, k_s, k_ss, k_o, k_so, k_sums };
+
+/// Where one point falls.
+struct Landing {
+  std::int32_t station;  ///< negative: on none
+  std::int32_t row;
+  float s_mm;
+  float o_mm;
+};
+
+/// The path's height at a station and at the next one, so that a sloping path leaves the sections level.
+struct Step {
+  float z_mm{0};
+  float rise_mm{0};
+};
+
+std::vector<Step> steps_of(std::span<const double> path_z_mm) {
+  std::vector<Step> steps(path_z_mm.size());
+  for (std::size_t i = 0; i < steps.size(); ++i)
+    steps[i] = {static_cast<float>(path_z_mm[i]),
+                static_cast<float>(path_z_mm[(i + 1) % steps.size()] - path_z_mm[i])};
+  return steps;
+}
+
+/// Coordinates of a point, stations and rows instead of millimetres.
+class Lander {
+ public:
+  Lander(const SectionInput& input, const SectionConfig& config, const Sections& sections)
+      : steps_{steps_of(input.path_z_mm)},
+        stations_{sections.stations},
+        rows_{static_cast<float>(sections.rows)},
+        zero_row_{static_cast<float>(sections.zero_row)},
+        station_mm_{static_cast<float>(sections.station_mm)},
+        per_station_{1.0F / station_mm_},
+        per_row_{static_cast<float>(1.0 / config.row_mm)} {}
+
+  [[nodiscard]] Landing land(const Place& place) const {
+    constexpr Landing k_nowhere{-1, 0, 0, 0};
+    if (place.s_mm < 0 || std::abs(place.o_mm) > k_reach_o_mm) return k_nowhere;
+    const float at = place.s_mm * per_station_;
+    const auto nearest = static_cast<int>(at + 0.5F);
+    const int before = static_cast<int>(at);
+    const Step& step = steps_[static_cast<std::size_t>(before < stations_ ? before : 0)];
+    const float z = place.z_mm - (step.z_mm + (at - static_cast<float>(before)) * step.rise_mm);
+    const float row = z * per_row_ + zero_row_ + 0.5F;
+    if (row < 0 || row >= rows_) return k_nowhere;
+    return {nearest < stations_ ? nearest : 0, static_cast<std::int32_t>(row),
+            (at - static_cast<float>(nearest)) * station_mm_, place.o_mm};
+  }
+
+ private:
+  std::vector<Step> steps_;
+  int stations_;
+  float rows_, zero_row_, station_mm_, per_station_, per_row_;
+};
+
+Large<float> collect(const SectionInput& input, const SectionConfig& config, const Sections& sections) {
+  Large<Landing> landings(input.points.size());
+  const Lander lander{input, config, sections};
+  tbb::parallel_for(tbb::blocked_range<std::size_t>{0, input.points.size(), 4096}, [&](const auto& range) {
+    std::vector<Place> places(range.size());
+    input.outline.locate(input.points.subspan(range.begin(), range.size()), places);
+    for (std::size_t i = 0; i < places.size(); ++i) landings[range.begin() + i] = lander.land(places[i]);
+  });
+  const auto stations = static_cast<std::size_t>(sections.stations);
+  const Buckets at_station{landings.size(), stations, [&](std::size_t i) { return landings[i].station; }};
+  const auto rows = static_cast<std::size_t>(sections.rows);
+  Large<float> bins(stations * k_sums * rows);
+  tbb::parallel_for(std::size_t{0}, stations, [&](std::size_t station) {
+    const std::span block{bins.data() + station * k_sums * rows, k_sums * rows};
+    std::fill(block.begin(), block.end(), 0.0F);
+    for (const std::uint32_t i : at_station[station]) {
+      const Landing& landing = landings[i];
+      float* bin = block.data() + landing.row;
+      bin[k_w * rows] += 1.0F;
+      bin[k_s * rows] += landing.s_mm;
+      bin[k_ss * rows] += landing.s_mm * landing.s_mm;
+      bin[k_o * rows] += landing.o_mm;
+      bin[k_so * rows] += landing.s_mm * landing.o_mm;
+    }
+  });
+  return bins;
+}
+
+/// Per sum, what goes into it.
+using Taps = std::array<std::vector<Tap>, k_sums>;
+
+/// Weighted sums over the stations around one, s counted from that station; `reach` empty rows at both ends
+/// of each sum.
+void sum_along(std::span<const float> bins, std::span<const float> weights, const Sections& sections,
+               int station, std::size_t reach, Taps& taps, std::vector<float>& sums) {
+  const auto rows = static_cast<std::size_t>(sections.rows);
+  const auto half = static_cast<int>(weights.size() / 2);
+  for (std::vector<Tap>& of_sum : taps) of_sum.clear();
+  for (int j = -half; j <= half; ++j) {
+    const int other = ((station + j) % sections.stations + sections.stations) % sections.stations;
+    const float* block = bins.data() + static_cast<std::size_t>(other) * k_sums * rows;
+    const float g = weights[static_cast<std::size_t>(j + half)];
+    const auto shift = static_cast<float>(j * sections.station_mm);
+    const auto add = [&](Sum to, Sum from, float weight) {
+      taps[to].push_back({block + from * rows, weight});
+    };
+    for (const Sum sum : {k_w, k_s, k_ss, k_o, k_so}) add(sum, sum, g);
+    add(k_s, k_w, g * shift);
+    add(k_ss, k_s, 2 * g * shift);
+    add(k_ss, k_w, g * shift * shift);
+    add(k_so, k_o, g * shift);
+  }
+  for (std::size_t sum = 0; sum < k_sums; ++sum)
+    sum_taps({sums.data() + sum * (rows + 2 * reach) + reach, rows}, taps[sum]);
+}
+
+/// Straight line in s through the weighted points of each row, taken at the station; where all lie on one
+/// profile, their mean.
+void fit_station(std::span<const float> sums, Sections& sections, int station) {
+  constexpr LineFit k_fit{.least_weight = 0.05F, .least_spread = 0.04F};
+  const auto rows = static_cast<std::size_t>(sections.rows);
+  const auto of = [&](Sum sum) { return sums.data() + sum * rows; };
+  fit_lines({of(k_w), of(k_s), of(k_ss), of(k_o), of(k_so)}, k_fit,
+            {sections.o_mm.data() + sections.at(station, 0), rows},
+            sections.known.data() + sections.at(station, 0));
+}
+
+/// Straight lines across gaps within the section; beyond its ends nothing.
+void fill_gaps(Sections& sections, int station) {
+  const int longest = static_cast<int>(k_longest_filled_mm / sections.row_mm);
+  int last = -1;
+  for (int row = 0; row < sections.rows; ++row) {
+    const std::size_t cell = sections.at(station, row);
+    if (sections.known[cell] == 0) continue;
+    if (last >= 0 && row - last > 1 && row - last <= longest) {
+      const float o0 = sections.o_mm[sections.at(station, last)];
+      const float slope = (sections.o_mm[cell] - o0) / static_cast<float>(row - last);
+      for (int r = last + 1; r < row; ++r) {
+        sections.o_mm[sections.at(station, r)] = o0 + slope * static_cast<float>(r - last);
+        sections.known[sections.at(station, r)] = Sections::k_filled;
+      }
+    }
+    last = row;
+  }
+}
+
+}  // namespace
+
+SectionPoints::SectionPoints(const SectionInput& input, const SectionConfig& config) : config_{config} {
+  frame_.stations = static_cast<int>(input.path_z_mm.size());
+  frame_.station_mm = input.outline.length_mm() / frame_.stations;
+  frame_.row_mm = config.row_mm;
+  frame_.zero_row = static_cast<int>(std::lround(config.below_mm / config.row_mm));
+  frame_.rows = frame_.zero_row + static_cast<int>(std::lround(config.above_mm / config.row_mm)) + 1;
+  frame_.path_z_mm.assign(input.path_z_mm.begin(), input.path_z_mm.end());
+  bins_ = collect(input, config, frame_);
+}
+
+SectionPoints::Patch SectionPoints::patch(int station, int low_row, int end_row) const {
+  const auto rows = static_cast<std::size_t>(frame_.rows);
+  const float* block = bins_.data() + static_cast<std::size_t>(station) * k_sums * rows;
+  Patch patch;
+  for (int r = std::max(0, low_row); r < std::min(frame_.rows, end_row); ++r) {
+    const auto row = static_cast<std::size_t>(r);
+    const auto w = static_cast<double>(block[k_w * rows + row]);
+    if (w == 0) continue;
+    patch.points += w;
+    patch.s_mm += static_cast<double>(block[k_s * rows + row]);
+    patch.o_mm += static_cast<double>(block[k_o * rows + row]);
+    patch.row += w * r;
+  }
+  if (patch.points == 0) return patch;
+  patch.s_mm /= patch.points;
+  patch.o_mm /= patch.points;
+  patch.row /= patch.points;
+  return patch;
+}
+
+Sections SectionPoints::cut(double sigma_s_mm) const {
+  Sections sections = frame_;
+  sections.o_mm.resize(static_cast<std::size_t>(sections.stations) * static_cast<std::size_t>(sections.rows));
+  sections.known.resize(sections.o_mm.size());
+  const std::vector<float> along = gaussian(sigma_s_mm / sections.station_mm, 3.5);
+  const std::vector<float> up = gaussian(config_.sigma_z_mm / config_.row_mm, 3.5);
+  const std::size_t reach = up.size() / 2;
+  const auto rows = static_cast<std::size_t>(sections.rows);
+  tbb::parallel_for(tbb::blocked_range<int>{0, sections.stations, 16}, [&](const auto& range) {
+    Taps taps;
+    std::vector<float> column(k_sums * (rows + 2 * reach));
+    std::vector<float> sums(k_sums * rows);
+    for (int station = range.begin(); station != range.end(); ++station) {
+      sum_along(bins_, along, sections, station, reach, taps, column);
+      for (std::size_t sum = 0; sum < k_sums; ++sum)
+        convolve({sums.data() + sum * rows, rows}, column.data() + sum * (rows + 2 * reach), up);
+      fit_station(sums, sections, station);
+      fill_gaps(sections, station);
+    }
+  });
+  return sections;
+}
+
+}  // namespace biteline::bite_line

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The shoe's surface with curvature, its feature points and their picture: method.md 6 to 8, for
+/// either method.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "host/bite_line/shoe/shoe.hpp"
+#include "host/bite_line/side/side_field.hpp"
+#include "host/bite_line/unrolled.hpp"
+#include "host/curvature/level_set.hpp"
+
+namespace biteline::bite_line {
+
+struct CurvedSurface {
+  std::vector<std::uint32_t> index;     ///< in the cloud
+  std::vector<Eigen::Vector3f> points;  ///< in shoe
+  curvature::Curvature curvature;       ///< normals in shoe
+};
+
+/// The points of the outermost layer, every n-th when there are more than `limit`, with normals and
+/// curvature.
+[[nodiscard]] CurvedSurface curve_surface(const Shoe& shoe, const SideField& field, const Outline& outline,
+                                          std::size_t limit, const curvature::CurvatureConfig& config);
+
+struct FeatureConfig {
+  float strong_per_mm{0.06F};  ///< mean curvature below minus this is concave: an edge rounded with 8 mm
+  double speck_radius_mm{2.0};
+  std::size_t speck_points{12};  ///< fewer feature points within the radius than this is a speck
+};
+
+[[nodiscard]] std::vector<std::uint32_t> feature_points(const CurvedSurface& surface,
+                                                        const FeatureConfig& config);
+/// Without specks.
+[[nodiscard]] std::vector<std::uint32_t> denoised(const CurvedSurface& surface,
+                                                  const std::vector<std::uint32_t>& features,
+                                                  const FeatureConfig& config);
+
+/// Picture of the denoised features' mean curvature; `known` tells where there is surface at all.
+[[nodiscard]] Unrolled unroll_features(const CurvedSurface& surface,
+                                       const std::vector<std::uint32_t>& features,
+                                       const EightSections& sections);
+
+}  // namespace biteline::bite_line

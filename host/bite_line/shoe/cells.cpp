@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/shoe/cells.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <tbb/parallel_for.h>
+
+namespace biteline::bite_line {
+
+namespace {
+
+/// Bounds that leave out the far 0.05 % on either side of each axis, then a margin: a single point a metre
+/// away must not blow up the grid.
+std::pair<Eigen::Vector3f, Eigen::Vector3f> robust_bounds(std::span<const Eigen::Vector3f> points) {
+  constexpr std::size_t k_sample = 20'000;
+  constexpr float k_margin_mm =
+      40.0F;  // one missing sector: what lies farther from everything else is no shoe
+  const std::size_t step = std::max<std::size_t>(1, points.size() / k_sample);
+  Eigen::Vector3f low;
+  Eigen::Vector3f high;
+  tbb::parallel_for(0, 3, [&](int axis) {
+    std::vector<float> values;
+    values.reserve(points.size() / step + 1);
+    for (std::size_t i = 0; i < points.size(); i += step) values.push_back(points[i][axis]);
+    const auto cut = static_cast<std::ptrdiff_t>(values.size() / 2000);
+    std::nth_element(values.begin(), values.begin() + cut, values.end());
+    low[axis] = values[static_cast<std::size_t>(cut)] - k_margin_mm;
+    const auto top = static_cast<std::ptrdiff_t>(values.size()) - 1 - cut;
+    std::nth_element(values.begin(), values.begin() + top, values.end());
+    high[axis] = values[static_cast<std::size_t>(top)] + k_margin_mm;
+  });
+  return {low, high};
+}
+
+}  // namespace
+
+Cells::Cells(std::span<const Eigen::Vector3f> points, const Config& config) : cell_mm_{config.cell_mm} {
+  if (points.empty()) return;
+  const auto [low, high] = robust_bounds(points);
+  origin_ = low;
+  const Eigen::Vector3f extent = high - low;
+  const auto cells_at = [&](float cell_mm) {
+    return static_cast<double>((extent / cell_mm).array().ceil().prod());
+  };
+  while (cells_at(cell_mm_) > static_cast<double>(config.max_cells)) cell_mm_ *= 1.25F;
+  inverse_mm_ = 1.0F / cell_mm_;
+  size_ = (extent * inverse_mm_).array().ceil().cast<int>().max(1);
+
+  const auto total = static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()) *
+                     static_cast<std::size_t>(size_.z());
+  // Neighbours in the cloud are mostly of one cell: summed up run by run first.
+  struct Run {
+    std::size_t cell;
+    std::uint32_t points;
+    Eigen::Vector3f sum;
+  };
+  constexpr std::size_t k_chunk = 8192;
+  std::vector<Large<Run>> runs((points.size() + k_chunk - 1) / k_chunk);
+  cell_of_.resize(points.size());
+  tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t chunk) {
+    std::int32_t last = -1;
+    for (std::size_t i = chunk * k_chunk; i < std::min(points.size(), (chunk + 1) * k_chunk); ++i) {
+      const std::int32_t cell = cell_of_[i] = cell_at(points[i]);
+      if (cell < 0) continue;
+      if (cell != last) runs[chunk].push_back({static_cast<std::size_t>(cell), 0, Eigen::Vector3f::Zero()});
+      last = cell;
+      ++runs[chunk].back().points;
+      runs[chunk].back().sum += points[i] - origin_;
+    }
+  });
+  count_.assign(total, 0);
+  for (const Large<Run>& chunk : runs) {
+    for (const Run& run : chunk) count_[run.cell] += run.points;
+  }
+  slot_.assign(total, -1);
+  for (std::size_t cell = 0; cell < total; ++cell) {
+    if (count_[cell] == 0) continue;
+    slot_[cell] = static_cast<std::int32_t>(occupied_.size());
+    occupied_.push_back(static_cast<std::int32_t>(cell));
+  }
+  mean_.assign(occupied_.size(), Eigen::Vector3f::Zero());
+  for (const Large<Run>& chunk : runs) {
+    for (const Run& run : chunk) mean_[static_cast<std::size_t>(slot_[run.cell])] += run.sum;
+  }
+  for (std::size_t slot = 0; slot < occupied_.size(); ++slot) {
+    mean_[slot] = origin_ + mean_[slot] / static_cast<float>(count(occupied_[slot]));
+  }
+}
+
+std::int32_t Cells::cell_at(const Eigen::Vector3f& point) const {
+  const Eigen::Vector3f offset = (point - origin_) * inverse_mm_;
+  if (offset.minCoeff() < 0.0F) return -1;
+  const int x = static_cast<int>(offset.x());
+  const int y = static_cast<int>(offset.y());
+  const int z = static_cast<int>(offset.z());
+  if (x >= size_.x() || y >= size_.y() || z >= size_.z()) return -1;
+  return (z * size_.y() + y) * size_.x() + x;
+}
+
+Eigen::Vector3f Cells::mean(std::int32_t cell) const {
+  return mean_[static_cast<std::size_t>(slot_[static_cast<std::size_t>(cell)])];
+}
+
+int Cells::label(const std::vector<bool>& keep, std::vector<std::int32_t>& labels) const {
+  labels.assign(occupied_.size(), -1);
+  std::vector<std::size_t> stack;
+  int components = 0;
+  for (std::size_t seed = 0; seed < occupied_.size(); ++seed) {
+    if (!keep[seed] || labels[seed] >= 0) continue;
+    labels[seed] = components;
+    stack.push_back(seed);
+    while (!stack.empty()) {
+      const std::size_t slot = stack.back();
+      stack.pop_back();
+      around(slot, [&](std::size_t other) {
+        if (!keep[other] || labels[other] >= 0) return;
+        labels[other] = components;
+        stack.push_back(other);
+      });
+    }
+    ++components;
+  }
+  return components;
+}
+
+}  // namespace biteline::bite_line

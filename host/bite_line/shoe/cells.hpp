@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file A coarse grid of cells over a cloud: what is connected, what is flat, what lies alone.
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "host/bite_line/large.hpp"
+
+namespace biteline::bite_line {
+
+/// Dense grid; a cell keeps the number of its points and the sum of their offsets from its corner.
+class Cells {
+ public:
+  struct Config {
+    float cell_mm{4.0F};
+    std::size_t max_cells{24'000'000};  ///< the cell grows until the grid fits
+  };
+
+  Cells(std::span<const Eigen::Vector3f> points, const Config& config);
+
+  /// Cell of the i-th point, or -1 outside the grid (far outliers).
+  [[nodiscard]] std::int32_t cell_of(std::size_t i) const { return cell_of_[i]; }
+  /// Cells with points, ascending.
+  [[nodiscard]] const std::vector<std::int32_t>& occupied() const { return occupied_; }
+  /// Index into occupied() of an occupied cell.
+  [[nodiscard]] std::size_t slot(std::int32_t cell) const {
+    return static_cast<std::size_t>(slot_[static_cast<std::size_t>(cell)]);
+  }
+  [[nodiscard]] std::uint32_t count(std::int32_t cell) const {
+    return count_[static_cast<std::size_t>(cell)];
+  }
+  /// Mean of the cell's points.
+  [[nodiscard]] Eigen::Vector3f mean(std::int32_t cell) const;
+  [[nodiscard]] float cell_mm() const { return cell_mm_; }
+
+  /// Labels the occupied cells that `keep` marks by 26-connected component, from 0; -1 for all others.
+  /// Returns the number of components.
+  int label(const std::vector<bool>& keep, std::vector<std::int32_t>& labels) const;
+  /// Calls `visit` with the slot of each occupied cell among the 26 around an occupied cell, and of itself.
+  template <class Visit>
+  void around(std::size_t slot, Visit&& visit) const;
+
+ private:
+  [[nodiscard]] std::int32_t cell_at(const Eigen::Vector3f& point) const;
+
+  float cell_mm_;
+  float inverse_mm_{0};
+  Eigen::Vector3f origin_{Eigen::Vector3f::Zero()};
+  Eigen::Vector3i size_{Eigen::Vector3i::Zero()};
+  Large<std::int32_t> cell_of_;  ///< per point
+  Large<std::uint32_t> count_;
+  std::vector<std::int32_t> occupied_;
+  Large<std::int32_t> slot_;     ///< cell -> index into occupied_, -1 when empty
+  Large<Eigen::Vector3f> mean_;  ///< per occupied cell
+};
+
+template <class Visit>
+void Cells::around(std::size_t slot, Visit&& visit) const {
+  const std::int32_t cell = occupied_[slot];
+  const int x = cell % size_.x();
+  const int y = (cell / size_.x()) % size_.y();
+  const int z = cell / (size_.x() * size_.y());
+  for (int cz = std::max(0, z - 1); cz <= std::min(size_.z() - 1, z + 1); ++cz) {
+    for (int cy = std::max(0, y - 1); cy <= std::min(size_.y() - 1, y + 1); ++cy) {
+      for (int cx = std::max(0, x - 1); cx <= std::min(size_.x() - 1, x + 1); ++cx) {
+        const std::int32_t other = slot_[static_cast<std::size_t>((cz * size_.y() + cy) * size_.x() + cx)];
+        if (other >= 0) visit(static_cast<std::size_t>(other));
+      }
+    }
+  }
+}
+
+}  // namespace biteline::bite_line

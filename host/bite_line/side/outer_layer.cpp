@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/side/outer_layer.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <span>
+
+#include <tbb/parallel_for.h>
+
+namespace biteline::bite_line {
+
+namespace {
+
+// Coarse cells in which layers are told apart: 2 mm along and 1 mm up, or larger where points are few.
+constexpr double k_layer_s_mm = 2.0;
+constexpr double k_layer_z_mm = 1.0;
+constexpr double k_layer_points = 20.0;
+constexpr double k_fine_z_mm = 0.33;  // of the envelope
+constexpr float k_layer_o_mm = 0.75F;
+constexpr int k_layer_bins = 80;
+
+/// Rows of one height.
+struct Raster {
+  std::size_t rows;
+  float z_low_mm;
+  float per_row;
+
+  Raster(const OuterLayerConfig& config, double height_mm)
+      : rows{static_cast<std::size_t>(config.height_mm / height_mm) + 1},
+        z_low_mm{static_cast<float>(config.z_low_mm)},
+        per_row{static_cast<float>(1 / height_mm)} {}
+  /// rows: outside.
+  [[nodiscard]] std::size_t row_of(const Place& place) const {
+    if (place.z_mm < z_low_mm) return rows;
+    return std::min(rows, static_cast<std::size_t>((place.z_mm - z_low_mm) * per_row));
+  }
+};
+
+/// The innermost o that still belongs to the outermost layer, per coarse cell, column after column.
+class Layers {
+ public:
+  Layers(std::span<const Place> places, const Buckets& columns, const OuterLayerConfig& config, double grow)
+      : raster_{config, k_layer_z_mm * grow}, cols_{columns.size()} {
+    const std::size_t cells = cols_ * raster_.rows;
+    counts_.assign(cells * k_layer_bins, 0);
+    limit_.assign(cells, -k_inner_mm);
+    totals_.assign(cells, 0);
+    Large<float> top(cells, k_nothing_mm);
+    const int gap_bins =
+        std::max(1, static_cast<int>(std::lround(config.gap_mm / static_cast<double>(k_layer_o_mm))));
+    tbb::parallel_for(std::size_t{0}, cols_, [&](std::size_t col) {
+      for (const std::uint32_t i : columns[col]) {
+        const std::size_t row = raster_.row_of(places[i]);
+        if (row == raster_.rows) continue;
+        auto& count = counts_[(col * raster_.rows + row) * k_layer_bins + bin_of(places[i].o_mm)];
+        if (count < k_full) ++count;
+      }
+      for (std::size_t cell = col * raster_.rows; cell < (col + 1) * raster_.rows; ++cell) {
+        const std::span<const std::uint8_t> counts{counts_.data() + cell * k_layer_bins, k_layer_bins};
+        for (const std::uint8_t count : counts) totals_[cell] += count;
+        const Cluster cluster = outermost_cluster(counts, totals_[cell], gap_bins);
+        limit_[cell] = cluster.low_mm;
+        top[cell] = cluster.high_mm;
+      }
+    });
+    follow_neighbours(top, static_cast<float>(config.gap_mm));
+  }
+
+  [[nodiscard]] bool contains(std::size_t col, const Place& place) const {
+    const std::size_t row = raster_.row_of(place);
+    if (row == raster_.rows) return false;
+    const std::size_t cell = col * raster_.rows + row;
+    return place.o_mm >= limit_[cell] && !stray(cell, place.o_mm);
+  }
+
+ private:
+  /// Hardly any company at its own depth, in a cell with many points.
+  [[nodiscard]] bool stray(std::size_t cell, float o_mm) const {
+    const std::uint8_t* counts = counts_.data() + cell * k_layer_bins;
+    const std::size_t bin = bin_of(o_mm);
+    std::uint32_t near = counts[bin];
+    if (near > 2) return false;
+    if (bin > 0) near += counts[bin - 1];
+    if (bin + 1 < k_layer_bins) near += counts[bin + 1];
+    return near <= 2 && totals_[cell] >= 15;
+  }
+
+  static std::size_t bin_of(float o_mm) {
+    return static_cast<std::size_t>(
+        std::clamp((o_mm + k_inner_mm) / k_layer_o_mm, 0.0F, k_layer_bins - 1.0F));
+  }
+
+  struct Cluster {
+    float low_mm{-k_inner_mm};
+    float high_mm{k_nothing_mm};
+  };
+
+  /// Goes inwards from the outermost bin and stops at the first gap behind a cluster that is more than a
+  /// stray point.
+  static Cluster outermost_cluster(std::span<const std::uint8_t> counts, std::uint32_t total, int gap_bins) {
+    if (total == 0) return {};
+    const std::uint32_t enough = std::clamp<std::uint32_t>(total / 12, 1, 4);
+    std::uint32_t cluster = 0;
+    int empty = 0;
+    int lowest = 0;
+    int highest = 0;
+    for (int bin = k_layer_bins - 1; bin >= 0; --bin) {
+      const std::uint8_t count = counts[static_cast<std::size_t>(bin)];
+      if (count > 0) {
+        if (cluster == 0) highest = bin;
+        cluster += count;
+        lowest = bin;
+        empty = 0;
+      } else if (cluster > 0 && ++empty >= gap_bins) {
+        if (cluster >= enough) break;
+        cluster = 0;
+      }
+    }
+    const auto edge = [](int bin) { return static_cast<float>(bin) * k_layer_o_mm - k_inner_mm; };
+    return {edge(lowest) - 0.01F, edge(highest + 1)};
+  }
+
+  /// A cell whose outermost points lie a layer behind those of most cells around it has seen only the inner
+  /// layer.
+  void follow_neighbours(std::span<const float> top, float gap_mm) {
+    const Large<float> limit = limit_;
+    tbb::parallel_for(std::size_t{0}, cols_, [&](std::size_t col) {
+      std::array<std::pair<float, float>, 15> around;
+      for (std::size_t row = 0; row < raster_.rows; ++row) {
+        const std::size_t cell = col * raster_.rows + row;
+        if (top[cell] <= k_nothing_mm) continue;
+        const float clear_mm = top[cell] + gap_mm + k_layer_o_mm;
+        std::size_t count = 0;
+        std::size_t clear = 0;
+        for (std::size_t c = col + cols_ - 2; c <= col + cols_ + 2; ++c) {
+          for (std::size_t r = std::max<std::size_t>(row, 1) - 1; r <= std::min(raster_.rows - 1, row + 1);
+               ++r) {
+            const std::size_t other = c % cols_ * raster_.rows + r;
+            if (top[other] <= k_nothing_mm) continue;
+            around[count++] = {top[other], limit[other]};
+            clear += top[other] > clear_mm ? 1U : 0U;
+          }
+        }
+        if (count < 3 || clear < count - count / 2) continue;
+        const auto middle = around.begin() + static_cast<std::ptrdiff_t>(count / 2);
+        std::nth_element(around.begin(), middle, around.begin() + static_cast<std::ptrdiff_t>(count));
+        limit_[cell] = std::max(limit_[cell], middle->second);
+      }
+    });
+  }
+
+  static constexpr std::uint8_t k_full = 255;  // nothing here asks for more
+  static constexpr float k_nothing_mm = -1000.0F;
+  Raster raster_;
+  std::size_t cols_;
+  Large<float> limit_;
+  Large<std::uint8_t> counts_;
+  Large<std::uint32_t> totals_;
+};
+
+/// Drops from a column what lies behind the outermost layer, then what is deeper than the outermost o of the
+/// fine rows about it, which leave out a twentieth of their points as strays.
+void keep_outer_layer_of(std::size_t col, std::span<const std::uint32_t> column, std::span<Place> places,
+                         const Layers& layers, const Raster& fine, float depth_mm) {
+  constexpr float k_nothing = -1.0e6F;
+  constexpr std::uint32_t k_many = 20;
+  // The two largest per row; with many points in a row the second one stands for it.
+  struct Outermost {
+    float first{k_nothing};
+    float second{k_nothing};
+    std::uint32_t points{0};
+    [[nodiscard]] float top() const { return points >= k_many ? second : first; }
+  };
+  struct Kept {
+    std::uint32_t index;
+    std::uint32_t row;
+    float o_mm;
+  };
+  std::vector<Outermost> outermost(fine.rows);
+  std::vector<Kept> kept;
+  kept.reserve(column.size());
+  for (const std::uint32_t i : column) {
+    Place& place = places[i];
+    const std::size_t at = fine.row_of(place);
+    if (at == fine.rows || !layers.contains(col, place)) {
+      place.s_mm = -1.0F;
+      continue;
+    }
+    kept.push_back({i, static_cast<std::uint32_t>(at), place.o_mm});
+    Outermost& row = outermost[at];
+    ++row.points;
+    row.second = std::max(row.second, std::min(row.first, place.o_mm));
+    row.first = std::max(row.first, place.o_mm);
+  }
+  std::vector<float> floor(fine.rows);
+  for (std::size_t row = 0; row < fine.rows; ++row) {
+    float lowest = -k_nothing;
+    for (std::size_t r = std::max<std::size_t>(row, 1) - 1; r <= std::min(fine.rows - 1, row + 1); ++r) {
+      if (outermost[r].points > 0) lowest = std::min(lowest, outermost[r].top());
+    }
+    floor[row] = lowest - depth_mm;
+  }
+  for (const Kept& point : kept) {
+    if (point.o_mm < floor[point.row]) places[point.index].s_mm = -1.0F;
+  }
+}
+
+}  // namespace
+
+Buckets keep_outer_layer(std::span<Place> places, const OuterLayerConfig& config) {
+  const auto reachable = static_cast<double>(
+      std::count_if(places.begin(), places.end(), [](const Place& p) { return p.s_mm >= 0; }));
+  const double points_per_mm2 = std::max(reachable / (config.length_mm * config.height_mm), 1e-3);
+  const double grow =
+      std::clamp(std::sqrt(k_layer_points / (k_layer_s_mm * k_layer_z_mm * points_per_mm2)), 1.0, 3.0);
+  const int cols = std::max(3, static_cast<int>(config.length_mm / (k_layer_s_mm * grow)));
+  const auto per_s = static_cast<float>(cols / config.length_mm);
+  Buckets columns{places.size(), static_cast<std::size_t>(cols), [&](std::size_t i) {
+                    const float s_mm = places[i].s_mm;
+                    return s_mm < 0 ? -1 : std::min(cols - 1, static_cast<int>(s_mm * per_s));
+                  }};
+  const Layers layers{places, columns, config, grow};
+  const Raster fine{config, k_fine_z_mm * grow};
+  tbb::parallel_for(std::size_t{0}, columns.size(), [&](std::size_t col) {
+    keep_outer_layer_of(col, columns[col], places, layers, fine, static_cast<float>(config.depth_mm));
+  });
+  return columns;
+}
+
+}  // namespace biteline::bite_line

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The stripe in a calibration picture: the sensor's own peak finder, thinned to well-determined
+/// points.
+
+#include <vector>
+
+#include "common/core/result.hpp"
+#include "common/geometry/se3.hpp"
+#include "common/image/grey_image.hpp"
+
+namespace biteline::calibration {
+
+/// A place on the stripe, full-sensor pixels; `sigma_px` is along the rows.
+struct StripePoint {
+  Vec2 pixel_px{Vec2::Zero()};
+  double sigma_px{0};
+};
+
+/// One point per column that shows exactly one sound peak.  Empty: no stripe.
+[[nodiscard]] Result<std::vector<StripePoint>> find_stripe(const image::GreyImage& picture);
+
+/// Runs of up to `columns` neighbouring points replaced by their mean (a line over so few columns), single
+/// ones off their run's line left out: a tenth of the equations with all of the information.
+[[nodiscard]] std::vector<StripePoint> thin_stripe(const std::vector<StripePoint>& points, int columns);
+
+}  // namespace biteline::calibration

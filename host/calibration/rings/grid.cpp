@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: MIT
+#include "host/calibration/rings/grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <optional>
+
+#include "host/calibration/rings/homography.hpp"
+
+namespace biteline::calibration {
+
+namespace {
+
+using Cell = std::pair<int, int>;             ///< (row, col) in a lattice of its own origin and orientation
+using Lattice = std::map<Cell, std::size_t>;  ///< to the ring's index
+
+/// A ring may lie this far from its prediction, in pitches: lens distortion and the first cell's noise, well
+/// below the half pitch at which the neighbour would be meant.
+constexpr double k_reach_pitch = 0.22;
+/// And its size may differ from its prediction by this factor.
+constexpr double k_size_tolerance_ratio = 0.25;
+
+double size_of(const Ellipse& ellipse) {
+  return std::sqrt(ellipse.major_semi * ellipse.minor_semi);
+}
+
+/// Fit in units of the pitch, to the rings' centres.
+std::optional<Mat3> lattice_homography(const Lattice& lattice, const std::vector<Ring>& rings) {
+  std::vector<PlanePoint> points;
+  points.reserve(lattice.size());
+  for (const auto& [cell, index] : lattice) {
+    points.push_back({.plane = Vec2(cell.second, cell.first), .image = rings[index].centre_px});
+  }
+  return fit_homography(points);
+}
+
+/// As lattice_homography(), but of the rings within `reach` cells: there lens distortion hardly bends the
+/// lattice.
+std::optional<Mat3> local_homography(const Lattice& lattice, const std::vector<Ring>& rings, Cell about,
+                                     int reach) {
+  Lattice near;
+  for (const auto& [cell, index] : lattice) {
+    if (std::abs(cell.first - about.first) <= reach && std::abs(cell.second - about.second) <= reach)
+      near[cell] = index;
+  }
+  return near.size() >= 4 ? lattice_homography(near, rings) : std::nullopt;
+}
+
+/// Whether the ring looks as a ring of the target does at that place of the plane.
+bool agrees(const Ring& ring, const Mat3& H, Cell cell, double outer_radius_pitch) {
+  const std::optional<Ellipse> expected =
+      project_circle(H, Vec2(cell.second, cell.first), outer_radius_pitch);
+  if (!expected) return false;
+  const Vec2 place = apply_homography(H, Vec2(cell.second, cell.first));
+  // One pitch in the picture, across the ellipse's narrow side.
+  const double pitch_px = expected->minor_semi / outer_radius_pitch;
+  if ((ring.centre_px - place).norm() > k_reach_pitch * pitch_px + 1.0) return false;
+  if (std::abs(std::log(size_of(ring.outer) / size_of(*expected))) > k_size_tolerance_ratio) return false;
+  // The long axis sees the tilt's direction: the other plane of a corner fails here.
+  const double major_ratio = ring.outer.major_semi / expected->major_semi,
+               minor_ratio = ring.outer.minor_semi / expected->minor_semi;
+  return std::abs(std::log(major_ratio)) < k_size_tolerance_ratio &&
+         std::abs(std::log(minor_ratio)) < k_size_tolerance_ratio;
+}
+
+struct Extent {
+  int min_row{std::numeric_limits<int>::max()}, max_row{std::numeric_limits<int>::min()};
+  int min_col{std::numeric_limits<int>::max()}, max_col{std::numeric_limits<int>::min()};
+
+  void include(Cell cell) {
+    min_row = std::min(min_row, cell.first);
+    max_row = std::max(max_row, cell.first);
+    min_col = std::min(min_col, cell.second);
+    max_col = std::max(max_col, cell.second);
+  }
+  [[nodiscard]] int rows() const { return max_row - min_row + 1; }
+  [[nodiscard]] int cols() const { return max_col - min_col + 1; }
+  [[nodiscard]] bool fits(const RingTarget& target) const {
+    return (rows() <= target.rows && cols() <= target.cols) ||
+           (rows() <= target.cols && cols() <= target.rows);
+  }
+};
+
+Extent extent_of(const Lattice& lattice) {
+  Extent extent;
+  for (const auto& [cell, index] : lattice) extent.include(cell);
+  return extent;
+}
+
+class Grower {
+ public:
+  Grower(const std::vector<Ring>& rings, const std::vector<char>& taken, const RingTarget& target)
+      : rings_{rings},
+        taken_{taken},
+        target_{target},
+        outer_radius_pitch_{target.outer_diameter_mm / 2 / target.pitch_mm} {}
+
+  /// The largest lattice that can be grown from any cell of neighbours.
+  [[nodiscard]] Lattice best() const {
+    Lattice best;
+    double best_error = std::numeric_limits<double>::max();
+    for (std::size_t seed = 0; seed < rings_.size(); ++seed) {
+      if (taken_[seed]) continue;
+      for (const Lattice& first : first_cells(seed)) {
+        const Lattice grown = grow(first);
+        if (grown.size() < best.size() || grown.size() < 4) continue;
+        const double error = residual(grown);
+        if (grown.size() > best.size() || error < best_error) {
+          best = grown;
+          best_error = error;
+        }
+      }
+      if (best.size() == static_cast<std::size_t>(target_.rings()) && best_error < 0.02) break;
+    }
+    return best;
+  }
+
+ private:
+  /// Cells of four rings with `seed` as a corner.  The seed's ellipse gives the plane's local scale, free of
+  /// a rotation.
+  [[nodiscard]] std::vector<Lattice> first_cells(std::size_t seed) const {
+    const Ring& ring = rings_[seed];
+    struct Neighbour {
+      std::size_t index;
+      Vec2 place_pitch;
+    };
+    std::vector<Neighbour> neighbours;
+    const Eigen::Rotation2Dd to_axes(-ring.outer.angle_rad);
+    for (std::size_t i = 0; i < rings_.size(); ++i) {
+      if (i == seed || taken_[i]) continue;
+      const Vec2 d = to_axes * (rings_[i].centre_px - ring.centre_px);
+      const Vec2 place_pitch =
+          Vec2(d.x() / ring.outer.major_semi, d.y() / ring.outer.minor_semi) * outer_radius_pitch_;
+      // Perspective over one pitch changes the scale by a quarter at most.
+      if (place_pitch.norm() > 0.7 && place_pitch.norm() < 1.35) neighbours.push_back({i, place_pitch});
+    }
+    std::vector<Lattice> cells;
+    for (const Neighbour& a : neighbours) {
+      for (const Neighbour& b : neighbours) {
+        const double cross = a.place_pitch.x() * b.place_pitch.y() - a.place_pitch.y() * b.place_pitch.x();
+        // Columns to rows in the picture's own sense (u to the right, v down): never a mirrored reading.
+        if (cross < 0.8 * a.place_pitch.norm() * b.place_pitch.norm()) continue;
+        const Vec2 corner_px = rings_[a.index].centre_px + rings_[b.index].centre_px - ring.centre_px;
+        const std::optional<std::size_t> diagonal =
+            nearest(corner_px, 0.35 * size_of(ring.outer) / outer_radius_pitch_);
+        if (!diagonal || *diagonal == a.index || *diagonal == b.index || *diagonal == seed) continue;
+        cells.push_back({{{0, 0}, seed}, {{0, 1}, a.index}, {{1, 0}, b.index}, {{1, 1}, *diagonal}});
+      }
+    }
+    return cells;
+  }
+
+  [[nodiscard]] std::optional<std::size_t> nearest(const Vec2& place_px, double reach_px) const {
+    std::optional<std::size_t> best;
+    double best_px = reach_px;
+    for (std::size_t i = 0; i < rings_.size(); ++i) {
+      const double distance_px = (rings_[i].centre_px - place_px).norm();
+      if (!taken_[i] && distance_px < best_px) {
+        best_px = distance_px;
+        best = i;
+      }
+    }
+    return best;
+  }
+
+  [[nodiscard]] Lattice grow(Lattice lattice) const {
+    const std::optional<Mat3> first = lattice_homography(lattice, rings_);
+    if (!first || homography_orientation(*first, Vec2(0.5, 0.5)) <= 0) return {};
+    for (const auto& [cell, index] : lattice) {
+      if (!agrees(rings_[index], *first, cell, outer_radius_pitch_)) return {};
+    }
+    std::vector<char> used = taken_;
+    for (const auto& [cell, index] : lattice) used[index] = 1;
+    for (bool grew = true; grew;) {
+      grew = false;
+      const Lattice before = lattice;
+      for (const auto& [cell, index] : before) {
+        for (const Cell& step : {Cell{0, 1}, Cell{0, -1}, Cell{1, 0}, Cell{-1, 0}}) {
+          const Cell next{cell.first + step.first, cell.second + step.second};
+          if (lattice.contains(next)) continue;
+          Extent extent = extent_of(lattice);
+          extent.include(next);
+          if (!extent.fits(target_)) continue;
+          const std::optional<Mat3> H = local_homography(lattice, rings_, next, 3);
+          if (!H) continue;
+          const Vec2 place_px = apply_homography(*H, Vec2(next.second, next.first));
+          std::optional<std::size_t> found;
+          double found_px = std::numeric_limits<double>::max();
+          for (std::size_t i = 0; i < rings_.size(); ++i) {
+            const double distance_px = (rings_[i].centre_px - place_px).norm();
+            if (used[i] || distance_px >= found_px || !agrees(rings_[i], *H, next, outer_radius_pitch_))
+              continue;
+            found_px = distance_px;
+            found = i;
+          }
+          if (!found) continue;
+          lattice[next] = *found;
+          used[*found] = 1;
+          grew = true;
+        }
+      }
+    }
+    return lattice;
+  }
+
+  /// RMS distance from the common homography, in pitches: lens distortion and no more.
+  [[nodiscard]] double residual(const Lattice& lattice) const {
+    const std::optional<Mat3> H = lattice_homography(lattice, rings_);
+    if (!H) return std::numeric_limits<double>::max();
+    double sum = 0;
+    for (const auto& [cell, index] : lattice) {
+      const Vec2 place_px = apply_homography(*H, Vec2(cell.second, cell.first));
+      const double pitch_px = size_of(rings_[index].outer) / outer_radius_pitch_;
+      sum += (rings_[index].centre_px - place_px).squaredNorm() / (pitch_px * pitch_px);
+    }
+    return std::sqrt(sum / static_cast<double>(lattice.size()));
+  }
+
+  const std::vector<Ring>& rings_;
+  const std::vector<char>& taken_;
+  const RingTarget& target_;
+  double outer_radius_pitch_;
+};
+
+/// A reading of a lattice: quarter turns, then a shift that puts it on the target.
+struct Numbering {
+  int quarter_turns{0};
+  int row_shift{0}, col_shift{0};
+
+  [[nodiscard]] Cell apply(Cell cell) const {
+    for (int i = 0; i < quarter_turns; ++i) cell = {cell.second, -cell.first};
+    return {cell.first + row_shift, cell.second + col_shift};
+  }
+};
+
+std::vector<Numbering> numberings(const Lattice& lattice, const RingTarget& target) {
+  std::vector<Numbering> result;
+  for (int turns = 0; turns < 4; ++turns) {
+    Extent extent;
+    for (const auto& [cell, index] : lattice) extent.include(Numbering{.quarter_turns = turns}.apply(cell));
+    for (int row = 0; row + extent.rows() <= target.rows; ++row) {
+      for (int col = 0; col + extent.cols() <= target.cols; ++col) {
+        result.push_back(
+            {.quarter_turns = turns, .row_shift = row - extent.min_row, .col_shift = col - extent.min_col});
+      }
+    }
+  }
+  return result;
+}
+
+/// Target frame of reading `other` in that of reading `first`, both of one lattice.
+SE3 between(const Numbering& first, const Numbering& other, double pitch_mm) {
+  const auto place = [&](const Numbering& numbering, Cell cell) {
+    const Cell target_cell = numbering.apply(cell);
+    return Vec2(target_cell.second * pitch_mm, target_cell.first * pitch_mm);
+  };
+  const Vec2 o_first = place(first, {0, 0}), x_first = place(first, {0, 1}) - o_first;
+  const Vec2 o_other = place(other, {0, 0}), x_other = place(other, {0, 1}) - o_other;
+  const double turn_rad = std::atan2(x_first.y(), x_first.x()) - std::atan2(x_other.y(), x_other.x());
+  SE3 T_first_other = SE3::Identity();
+  T_first_other.linear() = Eigen::AngleAxisd(turn_rad, Vec3::UnitZ()).toRotationMatrix();
+  const Vec2 shift = o_first - T_first_other.linear().topLeftCorner<2, 2>() * o_other;
+  T_first_other.translation() = Vec3(shift.x(), shift.y(), 0);
+  return T_first_other;
+}
+
+std::optional<GridView> numbered(const Lattice& lattice, const std::vector<Ring>& rings,
+                                 const RingTarget& target) {
+  const int least = std::max(k_least_grid_rings, static_cast<int>(std::ceil(0.4 * target.rings())));
+  if (static_cast<int>(lattice.size()) < std::min(least, target.rings())) return std::nullopt;
+  const std::vector<Numbering> all = numberings(lattice, target);
+  if (all.empty()) return std::nullopt;
+  GridView view;
+  for (const auto& [cell, index] : lattice) {
+    const Cell place = all.front().apply(cell);
+    view.rings.push_back({.ring = rings[index], .row = place.first, .col = place.second});
+  }
+  std::sort(view.rings.begin(), view.rings.end(), [](const GridRing& a, const GridRing& b) {
+    return std::pair(a.row, a.col) < std::pair(b.row, b.col);
+  });
+  view.missing = target.rings() - static_cast<int>(view.rings.size());
+  for (const Numbering& numbering : all)
+    view.readings.push_back({.T_this_other = between(all.front(), numbering, target.pitch_mm)});
+  return view;
+}
+
+/// Looks again where the homography expects a ring that is not there: a shadow or a thumb may have hidden it
+/// from the threshold while most of its edges can be seen.
+std::vector<Ring> second_look(const image::GreyImage& picture, const GridView& view,
+                              const RingTarget& target) {
+  std::vector<PlanePoint> points;
+  std::vector<char> present(static_cast<std::size_t>(target.rings()), 0);
+  for (const GridRing& ring : view.rings) {
+    points.push_back(
+        {.plane = target.ring_target(ring.row, ring.col).head<2>(), .image = ring.ring.centre_px});
+    present[static_cast<std::size_t>(ring.row * target.cols + ring.col)] = 1;
+  }
+  const std::optional<Mat3> H = fit_homography(points);
+  std::vector<Ring> found;
+  if (!H) return found;
+  for (int row = 0; row < target.rows; ++row) {
+    for (int col = 0; col < target.cols; ++col) {
+      if (present[static_cast<std::size_t>(row * target.cols + col)]) continue;
+      const Vec2 place = target.ring_target(row, col).head<2>();
+      const std::optional<Ellipse> outer = project_circle(*H, place, target.outer_diameter_mm / 2);
+      const std::optional<Ellipse> inner = project_circle(*H, place, target.inner_diameter_mm / 2);
+      if (!outer || !inner) continue;
+      if (std::optional<Ring> ring = refine_ring(picture, *outer, *inner)) found.push_back(std::move(*ring));
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+std::vector<GridView> find_grids(const std::vector<Ring>& rings, const RingTarget& target, int count) {
+  std::vector<GridView> views;
+  std::vector<char> taken(rings.size(), 0);
+  for (int i = 0; i < count; ++i) {
+    const Lattice lattice = Grower(rings, taken, target).best();
+    std::optional<GridView> view = numbered(lattice, rings, target);
+    if (!view) break;
+    for (const auto& [cell, index] : lattice) taken[index] = 1;
+    views.push_back(std::move(*view));
+  }
+  return views;
+}
+
+std::vector<GridView> find_grids(const image::GreyImage& picture, const RingTarget& target, int count) {
+  std::vector<Ring> rings = find_rings(picture);
+  std::vector<GridView> views = find_grids(rings, target, count);
+  const std::size_t before = rings.size();
+  for (const GridView& view : views) {
+    if (view.missing == 0) continue;
+    for (Ring& ring : second_look(picture, view, target)) rings.push_back(std::move(ring));
+  }
+  return rings.size() > before ? find_grids(rings, target, count) : views;
+}
+
+}  // namespace biteline::calibration

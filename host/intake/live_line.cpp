@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#include "host/intake/live_line.hpp"
+
+#include <pthread.h>
+
+#include <utility>
+
+#include "common/core/contracts.hpp"
+
+namespace biteline::intake {
+
+LiveLine::LiveLine(const bite_line::ExtractConfig& config) : config_{config}, thread_{[this] { work(); }} {
+  pthread_setname_np(thread_.native_handle(), "bl-line");
+}
+
+LiveLine::~LiveLine() {
+  {
+    const std::lock_guard lock{mutex_};
+    dropped_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void LiveLine::add_profile(std::uint64_t sequence, std::span<const Eigen::Vector3f> points_base) {
+  {
+    const std::lock_guard lock{mutex_};
+    BITELINE_EXPECTS(!closed_);
+    waiting_.push_back({sequence, {points_base.begin(), points_base.end()}});
+    last_profile_ = Clock::now();
+  }
+  changed_.notify_all();
+}
+
+void LiveLine::add_profiles(const cloud::PointCloud& cloud) {
+  BITELINE_EXPECTS(cloud.profile.size() == cloud.points.size());
+  for (std::size_t first = 0; first < cloud.size();) {
+    std::size_t end = first;
+    while (end < cloud.size() && cloud.profile[end] == cloud.profile[first]) ++end;
+    add_profile(cloud.profile[first], {cloud.points.data() + first, end - first});
+    first = end;
+  }
+}
+
+void LiveLine::close() {
+  {
+    const std::lock_guard lock{mutex_};
+    closed_ = true;
+  }
+  changed_.notify_all();
+}
+
+LiveLine::Outcome LiveLine::wait() {
+  std::unique_lock lock{mutex_};
+  changed_.wait(lock, [this] { return outcome_.has_value(); });
+  return std::move(*outcome_);
+}
+
+std::optional<LiveLine::Profile> LiveLine::next() {
+  std::unique_lock lock{mutex_};
+  changed_.wait(lock, [this] { return dropped_ || closed_ || !waiting_.empty(); });
+  if (dropped_ || waiting_.empty()) return std::nullopt;
+  Profile profile = std::move(waiting_.front());
+  waiting_.pop_front();
+  return profile;
+}
+
+void LiveLine::work() {
+  bite_line::LiveScan scan;
+  while (const std::optional<Profile> profile = next())
+    scan.add_profile(profile->sequence, profile->points_base);
+  {
+    const std::lock_guard lock{mutex_};
+    if (dropped_) return;
+  }
+  Outcome outcome{
+      .extraction = scan.finish(config_), .profiles = scan.profiles(), .last_profile_to_line_s = 0};
+  {
+    const std::lock_guard lock{mutex_};
+    outcome.last_profile_to_line_s = std::chrono::duration<double>(Clock::now() - last_profile_).count();
+    outcome_ = std::move(outcome);
+  }
+  changed_.notify_all();
+}
+
+}  // namespace biteline::intake

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The line of a scan that is coming in, worked on beside the thread that takes it in.
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <thread>
+#include <vector>
+
+#include "host/bite_line/live_scan.hpp"
+#include "host/cloud/point_cloud.hpp"
+
+namespace biteline::intake {
+
+/// One scan, one thread of its own (`bl-line`): who takes the scan in only hands points over and never waits
+/// for geometry, so that the sensor hears from the host all the time.
+///
+///     LiveLine line{{}};
+///     line.add_profile(sequence, points_base);   // as they come
+///     line.close();                              // the last one is in
+///     line.wait();                               // on any other thread
+///
+/// Threads: add_profile() and close() from one thread, wait() from any one.  The queue is not bounded: it
+/// holds at most the scan, which the caller keeps anyway.
+class LiveLine {
+ public:
+  explicit LiveLine(const bite_line::ExtractConfig& config);
+  /// What is still to do is dropped.
+  ~LiveLine();
+  LiveLine(const LiveLine&) = delete;
+  LiveLine& operator=(const LiveLine&) = delete;
+
+  void add_profile(std::uint64_t sequence, std::span<const Eigen::Vector3f> points_base);
+  /// The profiles of a cloud that has scan order, for a scan that goes on after a restart.
+  void add_profiles(const cloud::PointCloud& cloud);
+  /// No more profiles: the closing steps begin.
+  void close();
+
+  struct Outcome {
+    bite_line::Extraction extraction;
+    std::size_t profiles{0};
+    double last_profile_to_line_s{0};  ///< from the last add_profile() to the line, what was waiting included
+  };
+  /// Pre: close() has been called or will be.  Call once.
+  [[nodiscard]] Outcome wait();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Profile {
+    std::uint64_t sequence{0};
+    std::vector<Eigen::Vector3f> points_base;
+  };
+
+  void work();
+  /// The next profile; nothing once all are done and no more will come, or when everything is to be dropped.
+  [[nodiscard]] std::optional<Profile> next();
+
+  bite_line::ExtractConfig config_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Profile> waiting_;
+  Clock::time_point last_profile_{Clock::now()};
+  bool closed_{false};
+  bool dropped_{false};
+  std::optional<Outcome> outcome_;
+  std::thread thread_;  ///< last: it uses all of the above
+};
+
+}  // namespace biteline::intake

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+#include "host/results/plan_result.hpp"
+
+#include <numbers>
+
+#include "host/results/tracking_page/tracking_page.hpp"
+#include "host/robot/link/ur/script.hpp"
+#include "host/robot/path/path_file.hpp"
+
+namespace biteline::results {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+constexpr double k_rad_per_deg = std::numbers::pi / 180;
+
+ordered_json as_json(const path::Check& check) {
+  ordered_json out{{"name", check.name},
+                   {"passed", check.passed},
+                   {"value", check.value},
+                   {"limit", check.limit},
+                   {"unit", check.unit}};
+  if (check.arc_mm >= 0) out["at_mm"] = check.arc_mm;
+  if (!check.detail.empty()) out["detail"] = check.detail;
+  return out;
+}
+
+ordered_json as_json(const path::Remedy& remedy) {
+  ordered_json out = ordered_json::object();
+  if (remedy.move_shoe_base)
+    out["move_shoe_mm"] = {remedy.move_shoe_base->x(), remedy.move_shoe_base->y(),
+                           remedy.move_shoe_base->z()};
+  if (remedy.tilt_rad) out["tilt_deg"] = *remedy.tilt_rad / k_rad_per_deg;
+  return out;
+}
+
+void fill_report(report::Report& report, const path::PlanRequest& request, const path::PlanOutcome& outcome) {
+  ordered_json& fields = report.fields;
+  fields["robot"] = request.arm.name;
+  fields["calibrated"] = request.arm.calibrated;
+  fields["process"] = request.process.name;
+  fields["covered_width_mm"] = path::covered_width_mm(request.process);
+  fields["line_length_mm"] = cloud::length_mm(request.line);
+  fields["seam_at_mm"] = outcome.tool_path.seam_arc_mm;
+  fields["checks"] = ordered_json::array();
+  for (const path::Check& check : outcome.checks) fields["checks"].push_back(as_json(check));
+  if (outcome.path) {
+    fields["points"] = outcome.path->path().waypoints.size();
+    fields["duration_s"] = outcome.path->duration_s();
+    return;
+  }
+  report.refuse(outcome.reason);
+  if (outcome.blockage.what != path::Obstacle::None) {
+    fields["blocked_at_mm"] = outcome.blockage.arc_mm;
+    fields["blocked_by"] = outcome.blockage.detail;
+    fields["what_would_help"] = as_json(outcome.remedy);
+  }
+}
+
+}  // namespace
+
+Result<void> prepare_plan_folder(const fs::path& folder) {
+  BITELINE_TRY(report::prepare_folder(folder));
+  for (const char* name : {"path.csv", "path.script", "tracking.html"}) {
+    std::error_code ignored;  // nothing there is what is wanted
+    fs::remove(folder / name, ignored);
+  }
+  return {};
+}
+
+Result<void> write_tracking(const fs::path& folder, const path::PlanRequest& request,
+                            const path::PlanOutcome& outcome, const std::vector<path::TrackSample>& track) {
+  std::vector<Vec3> shoe = outcome.surroundings.shoe_points;
+  if (!request.cloud.empty()) {
+    shoe.clear();
+    const SE3 T_base_line = request.T_line_base.inverse();
+    const std::size_t step = 1 + request.cloud.size() / results::k_most_points;
+    for (std::size_t i = 0; i < request.cloud.size(); i += step)
+      shoe.push_back(T_base_line * request.cloud[i].cast<double>());
+  }
+  return results::write_tracking_page(folder / "tracking.html",
+                                      {.path = outcome.path->path(),
+                                       .arm = request.arm,
+                                       .tool = request.process.tool,
+                                       .shoe_points_base = std::move(shoe),
+                                       .shoe_is_guessed = request.cloud.empty(),
+                                       .table_z_mm = outcome.surroundings.table_z_mm,
+                                       .track = track});
+}
+
+Result<ExitStatus> write_plan_result(const fs::path& folder, const path::PlanRequest& request,
+                                     const path::PlanOutcome& outcome, report::Report& report) {
+  fill_report(report, request, outcome);
+  if (outcome.path) {
+    BITELINE_TRY(report.timed("write", [&]() -> Result<void> {
+      BITELINE_TRY(path::write_path(folder / "path.csv", *outcome.path));
+      return report::write_file_atomically(folder / "path.script", robot::ur::urscript(*outcome.path));
+    }));
+  }
+  if (outcome.path)
+    BITELINE_TRY(report.timed_aside("page", [&] { return write_tracking(folder, request, outcome, {}); }));
+  BITELINE_TRY(report.write(folder));
+  return outcome.path ? ExitStatus::Done : ExitStatus::Refused;
+}
+
+}  // namespace biteline::results

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The robot as the host sees it: where it is, and "follow this checked path".
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/core/result.hpp"
+#include "common/time/clocks.hpp"
+#include "host/robot/path/checks/checked_path.hpp"
+
+namespace biteline::robot {
+
+enum class Safety {
+  Normal,
+  Reduced,
+  Stopped
+};  ///< Stopped: protective, safeguard or emergency stop, or a fault
+
+struct RobotState {
+  std::uint64_t sequence{0};         ///< counts up by one per state since the link was opened
+  RobotClock::time_point sampled{};  ///< by the controller
+  HostClock::time_point received{};
+  kinematics::Joints q_rad{kinematics::Joints::Zero()};
+  SE3 T_base_tcp{SE3::Identity()};
+  SE3 T_flange_tcp{SE3::Identity()};
+  bool powered{false};  ///< brakes off, ready to move
+  bool program_running{false};
+  Safety safety{Safety::Stopped};
+  double speed_ratio{0};  ///< of the programmed speed: the slider, or a safety limit
+};
+
+struct LinkStatus {
+  bool connected{false};
+  std::uint64_t connections{0};  ///< 1 after the first; more: reconnects
+  std::uint64_t states{0};
+  std::string last_error;  ///< of the last connection that failed
+  std::string last_text;   ///< the controller's own last warning or error
+};
+
+/// Order of calls: open (factory), then any; send() only while the state is fresh, powered, safe and no
+/// program runs. Thread: any; one program at a time.
+class RobotLink {
+ public:
+  virtual ~RobotLink() = default;
+
+  /// The newest state.  Errc::PoseStale when none came for 200 ms, Errc::ConnectionLost without a connection.
+  [[nodiscard]] virtual Result<RobotState> latest() const = 0;
+  /// Waits for a state newer than `sequence`; Errc::Timeout.
+  [[nodiscard]] virtual Result<RobotState> wait_newer(std::uint64_t sequence, Nanoseconds patience) const = 0;
+
+  /// Starts the path's program.  Takes nothing but a path that passed its checks.
+  [[nodiscard]] virtual Result<void> send(const path::CheckedPath& path) = 0;
+  /// Ends the running program; the arm brakes.
+  [[nodiscard]] virtual Result<void> stop() = 0;
+
+  /// Keeps every state from now on, up to ten minutes' worth; the recording is handed out once.
+  virtual void start_recording() = 0;
+  [[nodiscard]] virtual std::vector<RobotState> take_recording() = 0;
+
+  [[nodiscard]] virtual LinkStatus status() const = 0;
+};
+
+}  // namespace biteline::robot

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#include "host/robot/link/ur/script.hpp"
+
+#include <algorithm>
+
+#include "common/core/fixed_text.hpp"
+#include "host/robot/link/ur/units.hpp"
+
+namespace biteline::robot::ur {
+namespace {
+
+using path::PlannedPath;
+using path::Segment;
+using path::Waypoint;
+
+// Towards the first waypoint from wherever the arm stands: slow, a person may be near.
+constexpr double k_home_speed_rad_s = 0.5;
+constexpr double k_home_acceleration_rad_s2 = 0.8;
+// movep and movel need a speed above zero; a waypoint where the tip stops takes the next one's.
+constexpr double k_least_speed_mm_s = 1;
+
+using Line = FixedText<400>;
+
+Line pose_text(const SE3& T) {
+  const std::array<double, 6> p = to_ur_pose(T);
+  return Line::format("p[%.7f,%.7f,%.7f,%.8f,%.8f,%.8f]", p[0], p[1], p[2], p[3], p[4], p[5]);
+}
+
+Line move_text(const char* command, const Waypoint& to, const PlannedPath& path, double speed_mm_s,
+               double blend_mm) {
+  return Line::format("  %s(%s, a=%.4f, v=%.5f, r=%.5f)\n", command, pose_text(to.T_base_tcp).c_str(),
+                      path.motion.acceleration_mm_s2 / k_mm_per_m,
+                      std::max(speed_mm_s, k_least_speed_mm_s) / k_mm_per_m, blend_mm / k_mm_per_m);
+}
+
+Line joint_move_text(const kinematics::Joints& q) {
+  return Line::format("  movej([%.8f,%.8f,%.8f,%.8f,%.8f,%.8f], a=%.3f, v=%.3f)\n", q[0], q[1], q[2], q[3],
+                      q[4], q[5], k_home_acceleration_rad_s2, k_home_speed_rad_s);
+}
+
+/// The fastest speed of a straight way, which the controller ramps up to and down from by itself.
+double fastest_mm_s(const PlannedPath& path, std::size_t first, std::size_t last) {
+  double fastest = 0;
+  for (std::size_t i = first; i <= last; ++i) fastest = std::max(fastest, path.waypoints[i].speed_mm_s);
+  return fastest;
+}
+
+/// Straight ways between the waypoints where the tip stops.
+std::string straight_moves(const PlannedPath& path, std::size_t from, std::size_t to) {
+  std::string text;
+  std::size_t begin = from;
+  for (std::size_t i = from + 1; i <= to; ++i) {
+    if (path.waypoints[i].speed_mm_s > 0 && i != to) continue;
+    text += move_text("movel", path.waypoints[i], path, fastest_mm_s(path, begin, i), 0).view();
+    begin = i;
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string urscript(const path::CheckedPath& checked) {
+  const PlannedPath& path = checked.path();
+  const auto& w = path.waypoints;
+  const auto on_line = [](const Waypoint& waypoint) { return waypoint.segment == Segment::Line; };
+  const auto first = static_cast<std::size_t>(std::ranges::find_if(w, on_line) - w.begin());
+  std::size_t last = first;
+  while (last + 1 < w.size() && on_line(w[last + 1])) ++last;
+
+  std::string text = std::string{"def "} + k_program_name + "():\n";
+  text += Line::format("  set_tcp(%s)\n", pose_text(path.T_flange_tcp).c_str()).view();
+  for (const kinematics::Joints& via : path.via_rad) text += joint_move_text(via).view();
+  text += joint_move_text(w.front().q_rad).view();
+  text += straight_moves(path, 0, first);
+  if (path.digital_output >= 0)
+    text += Line::format("  set_digital_out(%d, True)\n", path.digital_output).view();
+  for (std::size_t i = first + 1; i <= last; ++i) {
+    const bool stops = i == last;
+    const double speed_mm_s = std::max(w[i].speed_mm_s, w[i - 1].speed_mm_s);
+    text += move_text("movep", w[i], path, speed_mm_s, stops ? 0 : path.motion.blend_mm).view();
+  }
+  if (path.digital_output >= 0)
+    text += Line::format("  set_digital_out(%d, False)\n", path.digital_output).view();
+  text += straight_moves(path, last, w.size() - 1);
+  text += "end\n";
+  return text;
+}
+
+}  // namespace biteline::robot::ur

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file A checked path as a URScript program.
+
+#include <string>
+
+#include "host/robot/path/checks/checked_path.hpp"
+
+namespace biteline::robot::ur {
+
+/// movej to the first waypoint's joints (that fixes the configuration), movel down, movep along the line with
+/// blends, movel away.  Universal Robots, "The URScript Programming Language": p[] in m and rad, a in m/s^2,
+/// v in m/s, r in m.
+[[nodiscard]] std::string urscript(const path::CheckedPath& path);
+
+/// The program's name, as the controller reports it.
+constexpr const char* k_program_name = "biteline_path";
+
+}  // namespace biteline::robot::ur

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: MIT
+#include "host/robot/link/ur/ur_link.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/rtde/client_session.hpp"
+#include "host/robot/link/ur/script.hpp"
+#include "host/robot/link/ur/units.hpp"
+
+namespace biteline::robot::ur {
+namespace {
+
+constexpr Nanoseconds k_fresh{200'000'000};     // 25 states at 125 Hz
+constexpr Nanoseconds k_poll{50'000'000};       // how soon the thread notices that it should end
+constexpr Nanoseconds k_silent{1'000'000'000};  // a connection that says nothing for so long is lost
+constexpr Nanoseconds k_retry{300'000'000};
+constexpr Nanoseconds k_send_patience{2'000'000'000};
+constexpr std::size_t k_most_recorded = 10 * 60 * 500;
+
+/// In the order of k_names.
+enum Field : std::size_t {
+  Timestamp,
+  Joints,
+  TcpPose,
+  TcpOffset,
+  RobotMode,
+  SafetyMode,
+  RuntimeStatus,
+  SpeedScaling
+};
+const std::vector<std::string>& names() {
+  static const std::vector<std::string> k_names{"timestamp",     "actual_q",     "actual_TCP_pose",
+                                                "tcp_offset",    "robot_mode",   "safety_mode",
+                                                "runtime_state", "speed_scaling"};
+  return k_names;
+}
+
+// Universal Robots, RTDE guide, tables of robot_mode, safety_mode and runtime_state.
+constexpr std::int32_t k_mode_running = 7;
+constexpr std::int32_t k_safety_normal = 1;
+constexpr std::int32_t k_safety_reduced = 2;
+constexpr std::uint32_t k_runtime_stopped = 1;
+
+HostClock::time_point now() {
+  return HostClock::time_point{
+      std::chrono::duration_cast<Nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())};
+}
+
+Nanoseconds from_seconds(double seconds) {
+  return Nanoseconds{static_cast<std::int64_t>(std::llround(seconds * 1e9))};
+}
+
+bool all_finite(const rtde::Vector6& values) {
+  return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
+}
+
+/// Our units; nothing when the controller sent no numbers.
+std::optional<RobotState> to_state(std::span<const rtde::Value> values) {
+  const double stamp_s = std::get<double>(values[Timestamp]);
+  const auto& joints = std::get<rtde::Vector6>(values[Joints]);
+  const auto& pose = std::get<rtde::Vector6>(values[TcpPose]);
+  const auto& offset = std::get<rtde::Vector6>(values[TcpOffset]);
+  // 1e9 s: 30 years; beyond it nanoseconds overflow.
+  if (!std::isfinite(stamp_s) || std::abs(stamp_s) > 1e9 || !all_finite(joints) || !all_finite(pose) ||
+      !all_finite(offset))
+    return std::nullopt;
+  RobotState state;
+  state.sampled = RobotClock::time_point{from_seconds(stamp_s)};
+  state.received = now();
+  for (std::size_t i = 0; i < joints.size(); ++i) state.q_rad[static_cast<Eigen::Index>(i)] = joints[i];
+  state.T_base_tcp = from_ur_pose(pose);
+  state.T_flange_tcp = from_ur_pose(offset);
+  state.powered = std::get<std::int32_t>(values[RobotMode]) == k_mode_running;
+  const std::int32_t safety = std::get<std::int32_t>(values[SafetyMode]);
+  state.safety = safety == k_safety_normal    ? Safety::Normal
+                 : safety == k_safety_reduced ? Safety::Reduced
+                                              : Safety::Stopped;
+  state.program_running = std::get<std::uint32_t>(values[RuntimeStatus]) != k_runtime_stopped;
+  const double speed = std::get<double>(values[SpeedScaling]);
+  state.speed_ratio = std::isfinite(speed) ? speed : 0;
+  return state;
+}
+
+}  // namespace
+
+/// Hands what the session hears to the link.
+class UrLink::Reader final : public rtde::ClientListener {
+ public:
+  explicit Reader(UrLink& link) : link_{link} {}
+  void on_data(std::size_t, std::span<const rtde::Value> values) override {
+    if (std::optional<RobotState> state = to_state(values)) link_.publish(*state);
+  }
+  void on_text(const rtde::TextMessage& message) override {
+    if (message.level == rtde::TextLevel::Info) return;
+    const std::lock_guard lock{link_.mutex_};
+    link_.status_.last_text = message.text;
+  }
+
+ private:
+  UrLink& link_;
+};
+
+Result<std::unique_ptr<UrLink>> UrLink::open(const Config& config) {
+  // The first connection is tried here, so that a wrong address is told at once.
+  BITELINE_TRY(TcpStream::connect({config.host, config.rtde_port}, from_seconds(config.connect_patience_s)));
+  std::unique_ptr<UrLink> link{new UrLink{config}};
+  link->thread_ = std::thread{[raw = link.get()] { raw->run(); }};
+  const Result<RobotState> first = link->wait_newer(0, from_seconds(config.connect_patience_s));
+  if (first) return link;
+  const std::string reason = link->status().last_error;
+  return fail(first.error().code, "%.60s:%u: no state%s%.150s", config.host.c_str(),
+              static_cast<unsigned>(config.rtde_port), reason.empty() ? "" : ": ", reason.c_str());
+}
+
+UrLink::~UrLink() {
+  stopping_ = true;
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+void UrLink::run() {
+  while (!stopping_) {
+    const Result<void> ended = serve_connection();
+    if (!ended) note_disconnected(ended.error());
+    std::unique_lock lock{mutex_};
+    changed_.wait_for(lock, k_retry, [this] { return stopping_.load(); });
+  }
+}
+
+Result<void> UrLink::serve_connection() {
+  BITELINE_ASSIGN(TcpStream stream, TcpStream::connect({config_.host, config_.rtde_port},
+                                                       from_seconds(config_.connect_patience_s)));
+  rtde::ClientSession session{
+      {.outputs = {{.names = names(), .frequency_hz = config_.rate_hz}}, .inputs = {}}};
+  session.start();
+  Reader reader{*this};
+  std::vector<std::uint8_t> bytes;
+  HostClock::time_point heard = now();
+  while (!stopping_) {
+    BITELINE_TRY(stream.write_all(session.outgoing(), k_send_patience));
+    session.outgoing().clear();
+    BITELINE_TRY(stream.read_some(bytes, k_poll));
+    if (!bytes.empty()) heard = now();
+    if (now() - heard > k_silent) return fail(Errc::ConnectionLost, "%.60s: silent", config_.host.c_str());
+    BITELINE_TRY(session.consume(bytes, reader));
+  }
+  return {};
+}
+
+void UrLink::publish(RobotState state) {
+  {
+    const std::lock_guard lock{mutex_};
+    state.sequence = state_.sequence + 1;
+    ++status_.states;
+    if (!std::exchange(status_.connected, true)) ++status_.connections;
+    state_ = state;
+    if (recording_ && recorded_.size() < k_most_recorded) recorded_.push_back(state);
+  }
+  changed_.notify_all();
+}
+
+void UrLink::note_disconnected(const Error& error) {
+  {
+    const std::lock_guard lock{mutex_};
+    status_.connected = false;
+    status_.last_error = to_line(error);
+  }
+  changed_.notify_all();
+}
+
+Result<RobotState> UrLink::latest() const {
+  const std::lock_guard lock{mutex_};
+  if (!status_.connected) return fail(Errc::ConnectionLost, "robot %.60s", config_.host.c_str());
+  if (now() - state_.received > k_fresh) return fail(Errc::PoseStale, "robot %.60s", config_.host.c_str());
+  return state_;
+}
+
+Result<RobotState> UrLink::wait_newer(std::uint64_t sequence, Nanoseconds patience) const {
+  std::unique_lock lock{mutex_};
+  const bool newer =
+      changed_.wait_for(lock, patience, [&] { return state_.sequence > sequence || stopping_; });
+  if (newer && !stopping_) return state_;
+  return fail(status_.connected ? Errc::Timeout : Errc::ConnectionLost, "robot %.60s: no new state",
+              config_.host.c_str());
+}
+
+Result<void> UrLink::send(const path::CheckedPath& path) {
+  BITELINE_ASSIGN(const RobotState state, latest());
+  if (state.safety == Safety::Stopped) return fail(Errc::InterlockOpen, "robot: its safety system holds it");
+  if (!state.powered) return fail(Errc::PeerRefused, "robot: not powered or brakes on");
+  if (state.program_running) return fail(Errc::PeerRefused, "robot: another program runs");
+  {
+    const std::lock_guard lock{mutex_};
+    status_.last_text.clear();
+  }
+  BITELINE_ASSIGN(script_, TcpStream::connect({config_.host, config_.script_port},
+                                              from_seconds(config_.connect_patience_s)));
+  return script_.write_all(urscript(path), k_send_patience);
+}
+
+Result<void> UrLink::stop() {
+  BITELINE_ASSIGN(TcpStream dashboard, TcpStream::connect({config_.host, config_.dashboard_port},
+                                                          from_seconds(config_.connect_patience_s)));
+  BITELINE_TRY(dashboard.write_all(std::string_view{"stop\n"}, k_send_patience));
+  // The answer is waited for, so that the connection is not closed on the command; its words differ from
+  // version to version.
+  std::vector<std::uint8_t> answer;
+  return dashboard.read_some(answer, k_send_patience);
+}
+
+void UrLink::start_recording() {
+  const std::lock_guard lock{mutex_};
+  recording_ = true;
+  recorded_.clear();
+}
+
+std::vector<RobotState> UrLink::take_recording() {
+  const std::lock_guard lock{mutex_};
+  recording_ = false;
+  return std::exchange(recorded_, {});
+}
+
+LinkStatus UrLink::status() const {
+  const std::lock_guard lock{mutex_};
+  return status_;
+}
+
+}  // namespace biteline::robot::ur

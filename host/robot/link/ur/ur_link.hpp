@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file A UR controller: states over RTDE, programs over the script port, stop over the dashboard.
+
+#include <atomic>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "host/robot/link/robot_link.hpp"
+#include "host/robot/link/ur/tcp_stream.hpp"
+
+namespace biteline::robot::ur {
+
+/// Reads states at the controller's own rate on one thread; when the connection breaks it comes back by
+/// itself and sends the recipe again.  A path is turned into URScript and sent only while the newest state
+/// allows it. Memory: a recording grows to ten minutes at 500 Hz (about 120 MB) and then stops growing.
+class UrLink final : public RobotLink {
+ public:
+  struct Config {
+    std::string host{"127.0.0.1"};
+    std::uint16_t rtde_port{30004};
+    std::uint16_t script_port{30002};
+    std::uint16_t dashboard_port{29999};
+    double rate_hz{0};  ///< 0: the controller's own
+    double connect_patience_s{2};
+  };
+
+  /// Fails when the first connection does; later ones are tried again and again.
+  [[nodiscard]] static Result<std::unique_ptr<UrLink>> open(const Config& config);
+  ~UrLink() override;
+  UrLink(const UrLink&) = delete;
+  UrLink& operator=(const UrLink&) = delete;
+
+  [[nodiscard]] Result<RobotState> latest() const override;
+  [[nodiscard]] Result<RobotState> wait_newer(std::uint64_t sequence, Nanoseconds patience) const override;
+  [[nodiscard]] Result<void> send(const path::CheckedPath& path) override;
+  [[nodiscard]] Result<void> stop() override;
+  void start_recording() override;
+  [[nodiscard]] std::vector<RobotState> take_recording() override;
+  [[nodiscard]] LinkStatus status() const override;
+
+ private:
+  class Reader;
+  explicit UrLink(const Config& config) : config_{config} {}
+  void run();
+  [[nodiscard]] Result<void> serve_connection();
+  void publish(RobotState state);
+  void note_disconnected(const Error& error);
+
+  Config config_;
+  std::atomic<bool> stopping_{false};
+
+  mutable std::mutex mutex_;                 ///< guards everything below
+  mutable std::condition_variable changed_;  ///< a new state, a lost connection, the end
+  RobotState state_;
+  LinkStatus status_;
+  bool recording_{false};
+  std::vector<RobotState> recorded_;
+
+  TcpStream script_;  ///< only send(); kept open, as the controller ends a program with its sender
+  std::thread thread_;
+};
+
+}  // namespace biteline::robot::ur

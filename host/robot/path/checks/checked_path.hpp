@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file A complete path, the checks on it, and the type that only a path which passed them can have.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/robot/path/checks/line_check.hpp"
+#include "host/robot/path/checks/obstacles.hpp"
+#include "host/robot/path/timing.hpp"
+
+namespace biteline::path {
+
+struct Waypoint {
+  SE3 T_base_tcp;
+  kinematics::Joints q_rad;
+  Segment segment{Segment::Line};
+  double speed_mm_s{0};
+  double time_s{0};
+  double arc_mm{0};
+  Vec3 line_base;  ///< the point of the bite line it belongs to
+};
+
+struct PlannedPath {
+  std::string robot;
+  std::string process;
+  SE3 T_flange_tcp;
+  Motion motion;
+  int digital_output{-1};
+  std::vector<kinematics::Joints> via_rad{};  ///< postures on the arm's way to the first waypoint (way_there)
+  std::vector<Waypoint> waypoints;
+};
+
+/// A path that passed every check.  What moves a robot takes this type and no other; only check_path() makes
+/// one, and find_way_there() adds the checked way to its beginning.
+class CheckedPath {
+ public:
+  [[nodiscard]] const PlannedPath& path() const { return path_; }
+  [[nodiscard]] double duration_s() const { return path_.waypoints.back().time_s; }
+
+ private:
+  friend struct PathChecker;
+  friend struct WayFinder;
+  explicit CheckedPath(PlannedPath path) : path_{std::move(path)} {}
+  PlannedPath path_;
+};
+
+struct CheckOutcome {
+  std::vector<Check> checks;
+  std::optional<CheckedPath> path;  ///< present when all passed
+};
+
+/// What a path must keep to beyond the arm's and the process's own limits.
+struct CheckLimits {
+  double least_singularity{0.04};
+  double least_clearance_mm{2};
+};
+
+/// Everything anew from joints and poses, trusting nothing of how they were made: pose and joints agree,
+/// reach, joint limits, speed and acceleration of tip and joints, singularity, jumps of the wrist,
+/// collisions.
+[[nodiscard]] CheckOutcome check_path(PlannedPath path, const kinematics::ArmModel& arm,
+                                      const CollisionModel& collisions, const CheckLimits& limits);
+
+}  // namespace biteline::path

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The arm's way from where it stands to a path's beginning.
+
+#include "host/robot/path/checks/checked_path.hpp"
+
+namespace biteline::path {
+
+struct WayThere {
+  Check check;  ///< nearest distance along the way, or of the direct one when none is free
+  std::optional<CheckedPath> path;  ///< entered by that way; present when it is free
+};
+
+/// Joint moves, straight in joint space as movej makes them: directly, or over postures raised above both
+/// ends, whichever first keeps clear of table, shoe and arm.  An arm that stands closer to something than the
+/// limit may leave, and comes no nearer.  Cost: some milliseconds.
+[[nodiscard]] WayThere find_way_there(const kinematics::Joints& from_rad, const CheckedPath& path,
+                                      const kinematics::ArmModel& arm, const CollisionModel& collisions);
+
+}  // namespace biteline::path

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Line, process and arm in; a checked path or a reason and a way out.
+
+#include "host/robot/path/checks/checked_path.hpp"
+
+namespace biteline::path {
+
+struct PlanRequest {
+  cloud::ClosedLine line;  ///< in the frame it was measured in
+  Process process;
+  kinematics::ArmModel arm;
+  SE3 T_line_base{SE3::Identity()};  ///< the planning arm's base in that frame
+  double table_z_mm{0};              ///< in the line's frame
+  ShoeGuess shoe;
+  std::optional<kinematics::Joints>
+      from_rad{};  ///< where the arm stands before; then its way there is found and checked
+  std::vector<Eigen::Vector3f> cloud;  ///< of the shoe, in the line's frame; empty: guessed from the line
+};
+
+/// What would make a refused path possible; found by trying.
+struct Remedy {
+  std::optional<Vec3> move_shoe_base;  ///< mm, in the arm's base
+  std::optional<double> tilt_rad;      ///< the process's tilt instead
+};
+
+struct PlanOutcome {
+  std::vector<Check> checks;        ///< of the line, then of the path
+  std::optional<CheckedPath> path;  ///< present when everything passed
+  std::string reason;               ///< one plain sentence when not
+  Blockage blockage;
+  Remedy remedy;
+  ToolPath tool_path;         ///< of `path`; when refused, of the first try
+  Surroundings surroundings;  ///< in the arm's base: what collisions were checked against
+};
+
+/// Check the line; then for each place to enter it, the least harmful first: tool frames, joints along the
+/// whole path at once, speeds, check of the path; the first that passes is taken.
+[[nodiscard]] PlanOutcome plan(const PlanRequest& request);
+
+/// The checks' failures as one sentence; empty when all passed.
+[[nodiscard]] std::string failures(const std::vector<Check>& checks);
+
+}  // namespace biteline::path

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#include "host/robot/path/process.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "common/config/yaml_reader.hpp"
+
+namespace biteline::path {
+namespace {
+
+using config::YamlReader;
+
+constexpr double k_rad_per_deg = std::numbers::pi / 180;
+
+Tool read_tool(YamlReader reader) {
+  Tool tool;
+  const std::vector<double> position_mm = reader.numbers("tcp_position_mm", 3);
+  const std::vector<double> rotation_deg = reader.numbers("tcp_rotation_deg", 3);
+  tool.T_flange_tcp.translation() = Vec3{position_mm[0], position_mm[1], position_mm[2]};
+  tool.T_flange_tcp.linear() =
+      geometry::exp_so3(Vec3{rotation_deg[0], rotation_deg[1], rotation_deg[2]} * k_rad_per_deg);
+  tool.body_radius_mm = reader.number("body_radius_mm", {.minimum = 1, .maximum = 200});
+  tool.contact_length_mm = reader.number("contact_length_mm", {.minimum = 0, .maximum = 300});
+  tool.free_turn_rad = reader.number("free_turn_deg", {.minimum = 0, .maximum = 180}) * k_rad_per_deg;
+  if (tool.T_flange_tcp.translation().norm() > 1000) {
+    reader.fault(Errc::BadValue, "tcp_position_mm", "a tip within 1000 mm of the flange");
+  }
+  return tool;
+}
+
+Outwards read_outwards(YamlReader& reader) {
+  const std::string word = reader.text_or("outwards", "level");
+  if (word == "normal") return Outwards::Normal;
+  if (word != "level") reader.fault(Errc::BadValue, "outwards", "level or normal");
+  return Outwards::Level;
+}
+
+Placement read_placement(YamlReader reader) {
+  return {.outwards = read_outwards(reader),
+          .outward_mm = reader.number("outward_mm", {.minimum = -50, .maximum = 200}),
+          .up_mm = reader.number("up_mm", {.minimum = -50, .maximum = 200}),
+          .standoff_mm = reader.number_or("standoff_mm", 0, {.minimum = 0, .maximum = 500}),
+          .tilt_rad = reader.number("tilt_deg", {.minimum = -45, .maximum = 90}) * k_rad_per_deg,
+          .lead_rad = reader.number("lead_deg", {.minimum = -60, .maximum = 60}) * k_rad_per_deg};
+}
+
+Coverage read_coverage(YamlReader reader) {
+  return {.contact_width_mm = reader.number_or("contact_width_mm", 0, {.minimum = 0, .maximum = 200}),
+          .cone_rad = reader.number_or("cone_deg", 0, {.minimum = 0, .maximum = 120}) * k_rad_per_deg};
+}
+
+Motion read_motion(YamlReader reader) {
+  const Motion d;
+  Motion m;
+  m.speed_mm_s = reader.number("speed_mm_s", {.minimum = 0.1, .maximum = 1000});
+  m.minimum_speed_mm_s =
+      reader.number_or("minimum_speed_mm_s", std::min(d.minimum_speed_mm_s, m.speed_mm_s / 10),
+                       {.minimum = 0.01, .maximum = 1000});
+  m.acceleration_mm_s2 =
+      reader.number_or("acceleration_mm_s2", d.acceleration_mm_s2, {.minimum = 1, .maximum = 10000});
+  m.cross_acceleration_mm_s2 = reader.number_or("cross_acceleration_mm_s2", d.cross_acceleration_mm_s2,
+                                                {.minimum = 1, .maximum = 10000});
+  m.joint_speed_ratio =
+      reader.number_or("joint_speed_ratio", d.joint_speed_ratio, {.minimum = 0.01, .maximum = 1});
+  m.spacing_mm = reader.number_or("spacing_mm", d.spacing_mm, {.minimum = 0.5, .maximum = 10});
+  m.blend_mm = reader.number_or("blend_mm", d.blend_mm, {.minimum = 0, .maximum = 5});
+  m.overlap_mm = reader.number_or("overlap_mm", d.overlap_mm, {.minimum = 0, .maximum = 100});
+  m.approach_mm = reader.number_or("approach_mm", d.approach_mm, {.minimum = 1, .maximum = 300});
+  m.approach_speed_mm_s =
+      reader.number_or("approach_speed_mm_s", d.approach_speed_mm_s, {.minimum = 1, .maximum = 500});
+  m.lift_mm = reader.number_or("lift_mm", d.lift_mm, {.minimum = 0, .maximum = 500});
+  m.transfer_speed_mm_s =
+      reader.number_or("transfer_speed_mm_s", d.transfer_speed_mm_s, {.minimum = 1, .maximum = 1000});
+  // Neighbouring blends must not meet, or the controller refuses the program.
+  if (2 * m.blend_mm > m.spacing_mm) reader.fault(Errc::BadValue, "blend_mm", "at most half of spacing_mm");
+  if (m.minimum_speed_mm_s > m.speed_mm_s)
+    reader.fault(Errc::BadValue, "minimum_speed_mm_s", "at most speed_mm_s");
+  return m;
+}
+
+Start read_start(YamlReader& reader) {
+  const std::string word = reader.text_or("start", "auto");
+  if (word == "nearest") return Start::Nearest;
+  if (word == "farthest") return Start::Farthest;
+  if (word != "auto") reader.fault(Errc::BadValue, "start", "auto, nearest or farthest");
+  return Start::Auto;
+}
+
+}  // namespace
+
+double covered_width_mm(const Process& process) {
+  const Coverage& coverage = process.coverage;
+  if (coverage.cone_rad > 0) return 2 * process.placement.standoff_mm * std::tan(coverage.cone_rad / 2);
+  return coverage.contact_width_mm;
+}
+
+Result<Process> read_process(const std::filesystem::path& file) {
+  BITELINE_ASSIGN(YamlReader reader, YamlReader::open(file));
+  Process process;
+  process.name = reader.text("name");
+  process.tool = read_tool(reader.child("tool", true));
+  process.placement = read_placement(reader.child("placement", true));
+  process.coverage = read_coverage(reader.child("coverage", true));
+  process.motion = read_motion(reader.child("motion", true));
+  process.start = read_start(reader);
+  process.digital_output =
+      static_cast<int>(reader.integer_or("digital_output", -1, {.minimum = -1, .maximum = 7}));
+  BITELINE_TRY(reader.finish());
+  return process;
+}
+
+}  // namespace biteline::path

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file What is done along the line, and with which tool: the process YAML.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "common/core/result.hpp"
+#include "common/geometry/se3.hpp"
+
+namespace biteline::path {
+
+/// The tool: z of its frame is its axis, out of the flange; its tip is the origin.
+struct Tool {
+  SE3 T_flange_tcp{SE3::Identity()};
+  double body_radius_mm{
+      20};  ///< of a cylinder round the axis, from the flange down to `contact_length_mm` from the tip
+  double contact_length_mm{15};  ///< what of the tip may come close to the shoe
+  double free_turn_rad{0};       ///< how far it may be turned about its axis, either way; pi: it is round
+};
+
+/// What "outwards" is: level, at right angles to the line, or the upper's own normal.  Level is the default:
+/// an upper's wall leans out over the crease on one shoe and in on the next (by 20 degrees either way), and
+/// the tool's room above the table and beside the last must not depend on that.
+enum class Outwards { Level, Normal };
+
+/// Where the tip stands relative to the line; up: at right angles to outwards and the line.
+struct Placement {
+  Outwards outwards{Outwards::Level};
+  double outward_mm{0};
+  double up_mm{0};
+  double standoff_mm{0};  ///< of the tip, back along the tool's axis (spray)
+  double tilt_rad{0};     ///< 0: the tool points straight against outwards; pi/2: straight down
+  double lead_rad{0};     ///< > 0: the tool's body leans back, the tip goes ahead
+};
+
+/// What the tool covers at once: a contact width, or the cone of a spray at its standoff.
+struct Coverage {
+  double contact_width_mm{0};
+  double cone_rad{0};
+};
+
+struct Motion {
+  double speed_mm_s{50};           ///< along the line
+  double minimum_speed_mm_s{5};    ///< slower than this the process burns or floods; the path is refused
+  double acceleration_mm_s2{500};  ///< along the path
+  double cross_acceleration_mm_s2{500};  ///< in curves: limits the speed to sqrt(a / curvature)
+  double joint_speed_ratio{0.5};         ///< of the arm's own limits
+  double spacing_mm{2};
+  double blend_mm{0.8};
+  double overlap_mm{10};   ///< beyond the starting point, so that the seam is covered
+  double approach_mm{30};  ///< back along the tool's axis
+  double approach_speed_mm_s{30};
+  double lift_mm{80};  ///< from there straight up, before and after
+  double transfer_speed_mm_s{150};
+};
+
+/// Where the closed line is entered.
+enum class Start {
+  Auto,     ///< where a seam harms least: straight and away from toe and heel
+  Nearest,  ///< nearest to the robot's base
+  Farthest,
+};
+
+/// A scanning head's two eyes, in tcp.
+struct Sight {
+  Vec3 camera_tcp{Vec3::Zero()};
+  Vec3 laser_tcp{Vec3::Zero()};  ///< where its light comes from
+};
+
+struct Process {
+  std::string name;
+  Tool tool;
+  std::optional<Sight> sight{};  ///< of a scan: what it works on must be seen
+  Placement placement;
+  Coverage coverage;
+  Motion motion;
+  Start start{Start::Auto};
+  int digital_output{-1};  ///< switched on along the line; -1: none
+};
+
+/// Width worked at once, mm: the contact's, or the cone's at the standoff.
+[[nodiscard]] double covered_width_mm(const Process& process);
+
+/// Strict: every fault names file, key and line.  Angles in the file are degrees.
+[[nodiscard]] Result<Process> read_process(const std::filesystem::path& file);
+
+}  // namespace biteline::path

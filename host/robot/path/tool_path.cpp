@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: MIT
+#include "host/robot/path/tool_path.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/core/contracts.hpp"
+
+namespace biteline::path {
+namespace {
+
+// Standard deviations of the smoothing along the line.  A tool's contact is 8 mm wide or more: what turns
+// within that it cannot follow anyway.  A standoff is a lever: a degree moves a tip 60 mm away by a
+// millimetre.
+constexpr double k_direction_sigma_mm = 8;
+constexpr double k_direction_sigma_per_standoff = 0.2;
+constexpr double k_tangent_sigma_mm = 3;
+constexpr double k_approach_spacing_mm = 10;
+// The line is sampled this much finer than the path, whose points are then picked evenly along the tip's own
+// way.
+constexpr double k_finer = 4;
+constexpr std::size_t k_seam_sectors = 8;
+constexpr double k_seam_apart_mm = 20;
+// So that a length of a whole number of steps is not cut into one more by its last digit.
+constexpr double k_rounding = 1e-6;
+
+struct Sample {
+  Vec3 position;
+  Vec3 normal;
+  Vec3 tangent;
+};
+
+/// A closed sequence at even arc lengths.
+std::vector<Sample> resampled(const cloud::ClosedLine& line, std::size_t count) {
+  const std::size_t n = line.points.size();
+  std::vector<double> arc_mm(n + 1, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    arc_mm[i + 1] = arc_mm[i] + (line.points[(i + 1) % n].position - line.points[i].position).norm();
+  }
+  const double length_mm = arc_mm[n];
+  std::vector<Sample> samples(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const double s_mm = length_mm * static_cast<double>(k) / static_cast<double>(count);
+    const auto after = std::upper_bound(arc_mm.begin() + 1, arc_mm.end() - 1, s_mm);
+    const auto i = static_cast<std::size_t>(after - arc_mm.begin()) - 1;
+    const double step_mm = arc_mm[i + 1] - arc_mm[i];
+    const double t = step_mm > 0 ? (s_mm - arc_mm[i]) / step_mm : 0.0;
+    const cloud::LinePoint& a = line.points[i];
+    const cloud::LinePoint& b = line.points[(i + 1) % n];
+    samples[k] = {.position = (1 - t) * a.position + t * b.position,
+                  .normal = (1 - t) * a.normal + t * b.normal,
+                  .tangent = Vec3::Zero()};
+  }
+  return samples;
+}
+
+/// Gaussian mean of one member round the closed sequence.
+std::vector<Vec3> smoothed(const std::vector<Sample>& samples, Vec3 Sample::*member, double sigma_mm,
+                           double spacing_mm) {
+  const auto n = static_cast<std::ptrdiff_t>(samples.size());
+  const auto reach =
+      std::min<std::ptrdiff_t>(n / 2, static_cast<std::ptrdiff_t>(std::ceil(3 * sigma_mm / spacing_mm)));
+  std::vector<Vec3> out(samples.size());
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    Vec3 sum = Vec3::Zero();
+    double weights = 0;
+    for (std::ptrdiff_t k = -reach; k <= reach; ++k) {
+      const double d = static_cast<double>(k) * spacing_mm / sigma_mm;
+      const double weight = std::exp(-0.5 * d * d);
+      sum += weight * (samples[static_cast<std::size_t>((i + k + n) % n)].*member);
+      weights += weight;
+    }
+    out[static_cast<std::size_t>(i)] = sum / weights;
+  }
+  return out;
+}
+
+std::vector<Sample> with_directions(std::vector<Sample> samples, double spacing_mm, double sigma_mm) {
+  const std::size_t n = samples.size();
+  const std::vector<Vec3> positions = smoothed(samples, &Sample::position, k_tangent_sigma_mm, spacing_mm);
+  for (std::size_t i = 0; i < n; ++i) {
+    samples[i].tangent = (positions[(i + 1) % n] - positions[(i + n - 1) % n]).normalized();
+  }
+  const std::vector<Vec3> tangents = smoothed(samples, &Sample::tangent, sigma_mm, spacing_mm);
+  const std::vector<Vec3> normals = smoothed(samples, &Sample::normal, sigma_mm, spacing_mm);
+  for (std::size_t i = 0; i < n; ++i) {
+    samples[i].tangent = tangents[i].normalized();
+    samples[i].normal = (normals[i] - normals[i].dot(samples[i].tangent) * samples[i].tangent).normalized();
+  }
+  return samples;
+}
+
+/// Turning per length, from the tangents on either side.
+double curvature_per_mm(const std::vector<Sample>& samples, std::size_t i, double spacing_mm) {
+  const std::size_t n = samples.size();
+  const Vec3& before = samples[(i + n - 1) % n].tangent;
+  const Vec3& after = samples[(i + 1) % n].tangent;
+  return std::atan2(before.cross(after).norm(), before.dot(after)) / (2 * spacing_mm);
+}
+
+/// How much a seam at each sample harms: turning over the overlap, and nearness to the two ends of the
+/// outline, where toe and heel show and the sole bends.
+std::vector<double> harm(const std::vector<Sample>& samples, double spacing_mm) {
+  const std::size_t n = samples.size();
+  Vec3 middle = Vec3::Zero();
+  for (const Sample& sample : samples) middle += sample.position / static_cast<double>(n);
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  for (const Sample& sample : samples) {
+    const Eigen::Vector2d d = (sample.position - middle).head<2>();
+    spread += d * d.transpose();
+  }
+  const double angle_rad =
+      0.5 * std::atan2(2 * spread(0, 1), spread(0, 0) - spread(1, 1));  // principal axis of 2 x 2
+  const Vec3 axis{std::cos(angle_rad), std::sin(angle_rad), 0};
+  double half_mm = 0;
+  for (const Sample& sample : samples)
+    half_mm = std::max(half_mm, std::abs(axis.dot(sample.position - middle)));
+
+  std::vector<double> out(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    double turning_rad = 0;  // over 20 mm
+    for (std::size_t k = 0; k <= static_cast<std::size_t>(20 / spacing_mm); ++k) {
+      turning_rad += curvature_per_mm(samples, (i + k) % n, spacing_mm) * spacing_mm;
+    }
+    const double along = std::abs(axis.dot(samples[i].position - middle)) / half_mm;
+    out[i] = turning_rad + along * along;
+  }
+  return out;
+}
+
+/// Sampling of the line that path and seams share.
+struct Sampling {
+  std::vector<Sample> samples;
+  double fine_mm;
+};
+Sampling sampled(const cloud::ClosedLine& line, const Process& process) {
+  const double length_mm = cloud::length_mm(line);
+  const auto count =
+      static_cast<std::size_t>(std::max(64.0, std::round(k_finer * length_mm / process.motion.spacing_mm)));
+  const double fine_mm = length_mm / static_cast<double>(count);
+  const double sigma_mm =
+      k_direction_sigma_mm + k_direction_sigma_per_standoff * process.placement.standoff_mm;
+  return {.samples = with_directions(resampled(line, count), fine_mm, sigma_mm), .fine_mm = fine_mm};
+}
+
+SE3 tool_frame(const Sample& sample, const Placement& placement) {
+  const Vec3& t = sample.tangent;
+  // Outwards of an anticlockwise line is to its right.
+  const Vec3 n =
+      placement.outwards == Outwards::Normal ? sample.normal : Vec3(t.cross(Vec3::UnitZ()).normalized());
+  const Vec3 up = n.cross(t);
+  const Vec3 upright_body = std::cos(placement.tilt_rad) * n + std::sin(placement.tilt_rad) * up;
+  const Vec3 body =
+      (std::cos(placement.lead_rad) * upright_body - std::sin(placement.lead_rad) * t).normalized();
+  const Vec3 z = -body;
+  const Vec3 x = (t - t.dot(z) * z).normalized();
+  SE3 T = SE3::Identity();
+  T.linear().col(0) = x;
+  T.linear().col(1) = z.cross(x);
+  T.linear().col(2) = z;
+  T.translation() =
+      sample.position + placement.outward_mm * n + placement.up_mm * up + placement.standoff_mm * body;
+  return T;
+}
+
+/// Poses from `T_from` (left out) to `T_to` (taken) in a straight line.
+void append_straight(std::vector<ToolPoint>& points, const SE3& T_from, const SE3& T_to, Segment segment,
+                     const Vec3& line_base) {
+  const double length_mm = (T_to.translation() - T_from.translation()).norm();
+  const int count = std::max(1, static_cast<int>(std::ceil(length_mm / k_approach_spacing_mm - k_rounding)));
+  for (int i = 1; i <= count; ++i) {
+    points.push_back({.T_base_tcp = geometry::interpolate(T_from, T_to, static_cast<double>(i) / count),
+                      .segment = segment,
+                      .arc_mm = 0,
+                      .curvature_per_mm = 0,
+                      .line_base = line_base});
+  }
+}
+
+SE3 shifted(const SE3& T, const Vec3& by_mm) {
+  SE3 out = T;
+  out.translation() += by_mm;
+  return out;
+}
+
+/// Of the tip's way: 1 / radius of the circle through the points 6 mm before and after, wide against the
+/// points' spacing.
+void set_curvature(std::vector<ToolPoint>& points) {
+  constexpr double k_arm_mm = 6;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3 p = points[i].T_base_tcp.translation();
+    const auto far = [&](std::size_t k) {
+      return (points[k].T_base_tcp.translation() - p).norm() >= k_arm_mm;
+    };
+    std::size_t a = i, b = i;
+    while (a > 0 && !far(a)) --a;
+    while (b + 1 < points.size() && !far(b)) ++b;
+    const Vec3 in = p - points[a].T_base_tcp.translation(), out = points[b].T_base_tcp.translation() - p;
+    const double sides = in.norm() * out.norm() * (in + out).norm();
+    if (sides > 1e-9) points[i].curvature_per_mm = 2 * in.cross(out).norm() / sides;
+  }
+}
+
+/// The line once round from its entry and on over the overlap, points even along the way of the tip.
+std::vector<ToolPoint> along_line(const cloud::ClosedLine& line, const Process& process, double seam_arc_mm) {
+  const Motion& motion = process.motion;
+  const auto [samples, fine_mm] = sampled(line, process);
+  const std::size_t count = samples.size();
+  const std::size_t first = static_cast<std::size_t>(std::round(seam_arc_mm / fine_mm)) % count;
+  const std::size_t last = count + static_cast<std::size_t>(std::ceil(motion.overlap_mm / fine_mm));
+  std::vector<SE3> frames;
+  std::vector<double> way_mm{0.0};
+  for (std::size_t k = 0; k <= last; ++k) {
+    frames.push_back(tool_frame(samples[(first + k) % count], process.placement));
+    if (k > 0)
+      way_mm.push_back(way_mm.back() + (frames[k].translation() - frames[k - 1].translation()).norm());
+  }
+  const double spacing_mm = way_mm.back() / std::ceil(way_mm.back() / motion.spacing_mm - k_rounding);
+  std::vector<ToolPoint> points;
+  double next_mm = 0;
+  for (std::size_t k = 0; k <= last; ++k) {
+    // The nearest fine sample: uneven by an eighth of the spacing at most, and on the line without
+    // interpolating frames.
+    if (way_mm[k] < next_mm - 0.5 * fine_mm && k != last) continue;
+    const std::size_t i = (first + k) % count;
+    points.push_back({.T_base_tcp = frames[k],
+                      .segment = Segment::Line,
+                      .arc_mm = 0,
+                      .curvature_per_mm = 0,
+                      .line_base = samples[i].position});
+    next_mm += spacing_mm;
+  }
+  set_curvature(points);
+  return points;
+}
+
+}  // namespace
+
+const char* name_of(Segment segment) {
+  switch (segment) {
+    case Segment::Approach:
+      return "approach";
+    case Segment::Line:
+      return "line";
+    case Segment::Retreat:
+      return "retreat";
+  }
+  return "";
+}
+
+std::vector<double> seam_candidates(const cloud::ClosedLine& line, const Process& process) {
+  const auto [samples, fine_mm] = sampled(line, process);
+  std::vector<double> cost(samples.size());
+  if (process.start == Start::Auto) {
+    cost = harm(samples, fine_mm);
+  } else {
+    const double sign = process.start == Start::Nearest ? 1 : -1;
+    for (std::size_t i = 0; i < cost.size(); ++i) cost[i] = sign * samples[i].position.head<2>().norm();
+  }
+  // The best of each sector round the line: neighbours of the best one would fail for the same reason.
+  const std::size_t sectors = process.start == Start::Auto ? k_seam_sectors : 1;
+  std::vector<std::size_t> best;
+  for (std::size_t sector = 0; sector < sectors; ++sector) {
+    const auto from = cost.begin() + static_cast<std::ptrdiff_t>(sector * cost.size() / sectors);
+    const auto to = cost.begin() + static_cast<std::ptrdiff_t>((sector + 1) * cost.size() / sectors);
+    best.push_back(static_cast<std::size_t>(std::min_element(from, to) - cost.begin()));
+  }
+  std::ranges::sort(best, {}, [&](std::size_t i) { return cost[i]; });
+  std::vector<double> out;
+  for (const std::size_t i : best) {
+    const double here_mm = fine_mm * static_cast<double>(i);
+    // Two sectors may share one good place at their border.
+    const bool taken = std::ranges::any_of(
+        out, [&](double other_mm) { return std::abs(other_mm - here_mm) < k_seam_apart_mm; });
+    if (!taken) out.push_back(here_mm);
+  }
+  return out;
+}
+
+ToolPath make_tool_path(const cloud::ClosedLine& line, const Process& process, double seam_arc_mm) {
+  const Motion& motion = process.motion;
+  ToolPath path{.points = {}, .seam_arc_mm = seam_arc_mm};
+  const std::vector<ToolPoint> along = along_line(line, process, seam_arc_mm);
+
+  const SE3& T_in = along.front().T_base_tcp;
+  const SE3& T_out = along.back().T_base_tcp;
+  const SE3 T_before = shifted(T_in, -motion.approach_mm * T_in.linear().col(2));
+  const SE3 T_after = shifted(T_out, -motion.approach_mm * T_out.linear().col(2));
+  const SE3 T_high = shifted(T_before, motion.lift_mm * Vec3::UnitZ());
+
+  path.points.push_back({.T_base_tcp = T_high,
+                         .segment = Segment::Approach,
+                         .arc_mm = 0,
+                         .curvature_per_mm = 0,
+                         .line_base = along.front().line_base});
+  if (motion.lift_mm > 0)
+    append_straight(path.points, T_high, T_before, Segment::Approach, along.front().line_base);
+  append_straight(path.points, T_before, T_in, Segment::Approach, along.front().line_base);
+  path.points.back() = along.front();
+  path.points.insert(path.points.end(), along.begin() + 1, along.end());
+  append_straight(path.points, T_out, T_after, Segment::Retreat, along.back().line_base);
+  if (motion.lift_mm > 0)
+    append_straight(path.points, T_after, shifted(T_after, motion.lift_mm * Vec3::UnitZ()), Segment::Retreat,
+                    along.back().line_base);
+  for (std::size_t i = 1; i < path.points.size(); ++i) {
+    path.points[i].arc_mm =
+        path.points[i - 1].arc_mm +
+        (path.points[i].T_base_tcp.translation() - path.points[i - 1].T_base_tcp.translation()).norm();
+  }
+  return path;
+}
+
+}  // namespace biteline::path

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file From the line to tool frames: where the tip goes, and how the tool stands.
+
+#include <vector>
+
+#include "host/cloud/closed_line.hpp"
+#include "host/robot/path/process.hpp"
+
+namespace biteline::path {
+
+enum class Segment { Approach, Line, Retreat };
+[[nodiscard]] const char* name_of(Segment segment);
+
+struct ToolPoint {
+  SE3 T_base_tcp;  ///< z along the tool's axis towards the shoe, x along the travel, before any free turn
+  Segment segment{Segment::Line};
+  double arc_mm{0};            ///< along the tip's path, from its beginning
+  double curvature_per_mm{0};  ///< of the tip's path
+  Vec3 line_base;              ///< the point of the bite line it belongs to
+};
+
+struct ToolPath {
+  std::vector<ToolPoint> points;
+  double seam_arc_mm{0};  ///< along the line as given: where it is entered
+};
+
+/// Lift, approach, the whole line once and its overlap, and away again.  Tool directions are smoothed along
+/// the line (8 mm), so that noise of a normal does not shake the wrist; positions are not.  Pre: the line
+/// passed check_line().
+[[nodiscard]] ToolPath make_tool_path(const cloud::ClosedLine& line, const Process& process,
+                                      double seam_arc_mm);
+
+/// Where the line may be entered, along the line as given, the least harmful first: one place for a start
+/// that the process fixes, else the best of eight sectors.  Pre: the line passed check_line().
+[[nodiscard]] std::vector<double> seam_candidates(const cloud::ClosedLine& line, const Process& process);
+
+}  // namespace biteline::path

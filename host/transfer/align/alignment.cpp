@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: MIT
+#include "host/transfer/align/alignment.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "common/core/fixed_text.hpp"
+#include "host/transfer/align/fit.hpp"
+#include "host/transfer/align/line_beside.hpp"
+#include "host/transfer/align/starts.hpp"
+
+namespace biteline::transfer {
+namespace {
+
+// Another model: the bound on the RMS difference of the common surface.
+constexpr double k_max_shape_rms_mm = 0.2;
+constexpr double k_max_graded_rms_mm = 0.3;  // sizes of one model differ besides by what grading describes
+constexpr double k_min_overlap_ratio = 0.6;
+constexpr double k_hopeless_overlap_ratio =
+    0.4;  // so small a part fits in many places: nothing else can be said of it
+constexpr double k_min_upper_overlap_ratio =
+    0.85;                                // a partial scan of the right shoe lies wholly on the sample
+constexpr double k_correlation_mm = 40;  // as in icp.cpp: lasts differ smoothly
+constexpr double k_last_sigma_mm = 0.1;  // a last that seems to differ less from the next does so by chance
+constexpr double k_rim_sigma_mm = 0.1;   // a collar's edge, as cut and scanned
+constexpr double k_rim_pieces = 12;
+constexpr double k_max_direction_sigma_mm =
+    0.5;  // beyond it the line misses its 0.35 mm at the 95th percentile
+constexpr double k_max_size_change = 0.3;
+constexpr double k_min_length_change =
+    0.01;  // the next half size is 4 mm longer; less is a dent that grading takes up
+
+double square(double value) {
+  return value * value;
+}
+
+/// Share of the upper's surfels, beside and above the line, that lie on the placed sample.
+double upper_overlap_ratio(const Sample& sample, const Upper& upper, const Placement& placement) {
+  Surfels graded = sample.common;
+  for (std::size_t i = 0; i < graded.size(); ++i) {
+    graded.positions[i] =
+        placement.grade.apply(graded.positions[i].cast<double>(), graded.foot(i)).cast<float>();
+  }
+  const NearestTable table{graded, static_cast<float>(k_fine_reach_mm)};
+  std::vector<Vec3> graded_line = sample.line_shoe;
+  for (Vec3& p : graded_line) p = placement.grade.apply(p, Foot{.place = p.head<2>().cast<float>()});
+  const LineBeside line{graded_line};
+  const SE3 T_source_target = placement.T_target_source.inverse();
+  std::size_t above = 0, paired = 0;
+  for (const Eigen::Vector3f& position : upper.surfels_coarse.positions) {
+    const Vec3 p = T_source_target * position.cast<double>();
+    if (p.z() < line.at(p).height_mm + k_groove_margin_mm) continue;
+    ++above;
+    if (table.near(p.cast<float>()) != NearestTable::k_none) ++paired;
+  }
+  return above > 0 ? static_cast<double>(paired) / static_cast<double>(above) : 0;
+}
+
+const char* words_of(const Twist& direction, double arm_mm) {
+  // The largest of six displacements at the shoe's end, each a thing that an operator can picture.
+  static constexpr std::array<const char*, 6> k_words{"along the shoe",
+                                                      "across the shoe",
+                                                      "up and down",
+                                                      "in roll (about its length)",
+                                                      "in pitch (heel against toe)",
+                                                      "in yaw (about the vertical)"};
+  Twist scaled = direction.cwiseAbs();
+  scaled.tail<3>() *= arm_mm;
+  Eigen::Index largest = 0;
+  scaled.maxCoeff(&largest);
+  return k_words[static_cast<std::size_t>(largest)];
+}
+
+/// RMS over the line of how far it may be off, grading included: J covariance J^T with J of each of its
+/// points.
+double line_sigma_mm(const Sample& sample, const Fit& fit, Information H) {
+  for (Eigen::Index i = 0; i < H.rows(); ++i) {
+    if (H(i, i) <= 0) H(i, i) = 1;  // a tied factor: no column anywhere
+  }
+  const Information covariance = H.ldlt().solve(Information::Identity(H.rows(), H.cols()));
+  double sum = 0;
+  for (const Vec3& p : sample.line_shoe) {
+    const LineJacobian J = line_jacobian(fit.icp.placement.grade, p, fit.tie, H.rows());
+    sum += (J * covariance * J.transpose()).trace();
+  }
+  return std::sqrt(std::max(0.0, sum) / static_cast<double>(sample.line_shoe.size()));
+}
+
+/// From the information of independent pieces: covariance, the line's own uncertainty, the weakest direction.
+void tell_uncertainty(const Sample& sample, const Fit& fit, Alignment& alignment) {
+  const double piece_per_surfel = square(sample.common.pitch_mm / k_correlation_mm);
+  const double sigma_mm = std::max(k_last_sigma_mm, alignment.shape_rms_mm);
+  Information H = fit.icp.information * (piece_per_surfel / square(sigma_mm));
+  if (fit.rim_used) {
+    const double pairs = fit.icp.rim_overlap_ratio * static_cast<double>(sample.rim.size());
+    H += fit.icp.rim_information * (k_rim_pieces / pairs / square(k_rim_sigma_mm));
+  }
+  alignment.information = H;
+
+  // The weakest direction is told of the rigid part only.  About the line's centre, where turning and
+  // shifting part.
+  Vec3 centre = Vec3::Zero();
+  for (const Vec3& p : sample.line_shoe) centre += p;
+  centre /= static_cast<double>(sample.line_shoe.size());
+  const Vec3 pivot = fit.icp.placement.grade.apply(centre, Foot{.place = centre.head<2>().cast<float>()});
+  Eigen::Matrix<double, 6, 6> shift = Eigen::Matrix<double, 6, 6>::Identity();
+  shift.topRightCorner<3, 3>() =
+      geometry::hat(pivot);  // twist about the pivot -> twist about the frame's origin
+  const Eigen::Matrix<double, 6, 6> about_pivot = shift.transpose() * H.topLeftCorner<6, 6>() * shift;
+
+  double arm_squared = 0;
+  for (const Vec3& p : sample.line_shoe) arm_squared += (p - centre).squaredNorm();
+  const double arm_mm = std::sqrt(arm_squared / static_cast<double>(sample.line_shoe.size()));
+  Eigen::Matrix<double, 6, 1> unit;
+  unit << 1, 1, 1, 1 / arm_mm, 1 / arm_mm, 1 / arm_mm;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver{unit.asDiagonal() * about_pivot *
+                                                                          unit.asDiagonal()};
+  const Eigen::Matrix<double, 6, 1> variances = solver.eigenvalues().cwiseMax(1e-12).cwiseInverse();
+  alignment.weakest = {.sigma_mm = std::sqrt(variances[0]),
+                       .words = words_of(unit.asDiagonal() * solver.eigenvectors().col(0), arm_mm)};
+  // Rims that move the line may be right or not: half of what they move it by stays in doubt.
+  alignment.line_sigma_mm = std::hypot(line_sigma_mm(sample, fit, H), fit.rim_shift_mm / 2);
+}
+
+Alignment describe(const FitTask& task, const Fit& fit) {
+  const IcpResult& icp = fit.icp;
+  Alignment alignment{.placement = icp.placement,
+                      .T_upper_sample = icp.placement.T_target_source * task.sample.T_base_shoe.inverse(),
+                      .converged = icp.converged,
+                      .iterations = icp.iterations,
+                      .overlap_ratio = icp.overlap_ratio,
+                      .residual_rms_mm = icp.rms_mm,
+                      .shape_rms_mm = fit.shape_rms_mm,
+                      .rim_used = fit.rim_used,
+                      .rim_mm = icp.rim_mm,
+                      .rival_mm = fit.rival_mm};
+  alignment.compared.reserve(fit.pairs.size());
+  for (const Pair& pair : fit.pairs) {
+    alignment.compared.push_back({.point = icp.placement.place(pair.point, pair.foot).cast<float>(),
+                                  .difference_mm = static_cast<float>(pair.residual_mm)});
+  }
+  alignment.upper_overlap_ratio = upper_overlap_ratio(task.sample, task.upper, icp.placement);
+  tell_uncertainty(task.sample, fit, alignment);
+  return alignment;
+}
+
+/// Aligned, or what of the common surface itself forbids it; OtherModel stands for every difference of shape.
+Verdict judge(const Alignment& alignment, Freedom freedom) {
+  const double max_shape_rms_mm = freedom == Freedom::Rigid ? k_max_shape_rms_mm : k_max_graded_rms_mm;
+  const bool upper_is_on_sample = alignment.upper_overlap_ratio >= k_min_upper_overlap_ratio;
+  if (alignment.overlap_ratio < k_hopeless_overlap_ratio && upper_is_on_sample)
+    return Verdict::TooLittleOverlap;
+  if (alignment.shape_rms_mm >= max_shape_rms_mm ||
+      (alignment.overlap_ratio < k_min_overlap_ratio && !upper_is_on_sample)) {
+    return Verdict::OtherModel;
+  }
+  if (alignment.overlap_ratio < k_min_overlap_ratio) return Verdict::TooLittleOverlap;
+  if (alignment.weakest.sigma_mm > k_max_direction_sigma_mm) return Verdict::DirectionNotFixed;
+  if (!alignment.converged) return Verdict::NotConverged;
+  return Verdict::Aligned;
+}
+
+/// The best of the two best starts, refined.
+Alignment best_alignment(const FitTask& task, Freedom freedom) {
+  constexpr std::size_t k_refined = 2;
+  constexpr double k_hopeless_cost_ratio =
+      10;  // the right start is at most a few times worse than another at the coarse pitch
+  const std::vector<IcpResult> coarse = coarse_fits(task.sample, task.upper, freedom);
+  std::vector<Fit> fits;
+  for (std::size_t i = 0; i < std::min(k_refined, coarse.size()); ++i) {
+    if (coarse[i].cost_mm2 > k_hopeless_cost_ratio * coarse.front().cost_mm2) break;
+    const Placement& start = coarse[i].placement;
+    fits.push_back(freedom == Freedom::Graded ? fit_graded(task, start) : fit_rigid(task, start));
+  }
+  std::sort(fits.begin(), fits.end(),
+            [](const Fit& a, const Fit& b) { return a.icp.cost_mm2 < b.icp.cost_mm2; });
+  Alignment alignment = describe(task, fits.front());
+  if (fits.size() > 1 && fits[1].icp.cost_mm2 > 0) {
+    alignment.runner_up_ratio = fits[0].icp.cost_mm2 / fits[1].icp.cost_mm2;
+  }
+  alignment.verdict = judge(alignment, freedom);
+  return alignment;
+}
+
+template <class... Arguments>
+std::string sentence(const char* pattern, Arguments... arguments) {
+  return FixedText<400>::format(pattern, arguments...).c_str();
+}
+
+std::string words_of(const Grade& grade) {
+  return sentence("%.3f of the sample's length, %.3f of its width, %.3f of its height (grading is off)",
+                  grade.length, grade.width, grade.height);
+}
+
+bool is_other_size(const Alignment& graded) {
+  const Grade& grade = graded.placement.grade;
+  return graded.accepted() && grade.largest_change() < k_max_size_change &&
+         std::abs(grade.length - 1) >= k_min_length_change;
+}
+
+/// Why the shapes differ: the other foot, another size, both, upside down, or another model.
+void explain_difference(const FitTask& task, Freedom freedom, Alignment& alignment) {
+  const auto explained = [&](Verdict verdict, std::string reason) {
+    alignment.verdict = verdict;
+    alignment.reason = std::move(reason);
+  };
+  const Sample other = mirrored(task.sample);
+  const FitTask mirrored_task{.sample = other, .upper = task.upper, .upper_table = task.upper_table};
+  const Alignment other_foot = best_alignment(mirrored_task, freedom);
+  if (other_foot.accepted()) {
+    return explained(Verdict::OtherFoot, sentence("the upper is of the other foot: mirrored, the sample fits "
+                                                  "to %.2f mm RMS, as it is only to %.2f mm",
+                                                  other_foot.shape_rms_mm, alignment.shape_rms_mm));
+  }
+  if (freedom == Freedom::Rigid) {
+    const Alignment graded = best_alignment(task, Freedom::Graded);
+    if (is_other_size(graded))
+      return explained(Verdict::OtherSize,
+                       "the upper is of another size: " + words_of(graded.placement.grade));
+    const Alignment both = best_alignment(mirrored_task, Freedom::Graded);
+    if (is_other_size(both)) {
+      return explained(Verdict::OtherFoot, "the upper is of the other foot and of another size: " +
+                                               words_of(both.placement.grade));
+    }
+  }
+  const Upper turned = turned_over(task.upper);
+  const NearestTable turned_table{turned.surfels, static_cast<float>(k_fine_reach_mm)};
+  const Verdict over =
+      best_alignment({.sample = task.sample, .upper = turned, .upper_table = turned_table}, freedom).verdict;
+  if (over == Verdict::Aligned ||
+      over == Verdict::DirectionNotFixed) {  // its collar, which fixes the height, is not looked for
+    return explained(Verdict::UpsideDown, "the upper is upside down: turned over, it fits the sample");
+  }
+  explained(Verdict::OtherModel,
+            sentence("the upper is another model: its surface differs from the sample's by %.2f mm RMS (at "
+                     "most %.2f mm) over "
+                     "%.0f %% of it, and neither mirroring nor another size explains it",
+                     alignment.shape_rms_mm, k_max_shape_rms_mm, 100 * alignment.overlap_ratio));
+}
+
+}  // namespace
+
+Alignment::OnLine Alignment::placed(const OnLine& on_sample) const {
+  const auto as_used = [&](const Vec3& v) { return mirrored ? Vec3{v.x(), -v.y(), v.z()} : v; };
+  const Vec3 point = as_used(on_sample.point), normal = as_used(on_sample.normal);
+  const Foot foot{.place = point.head<2>().cast<float>(),
+                  .outward = normal.head<2>().normalized().cast<float>()};
+  return {.point = placement.place(point, foot), .normal = placement.place_normal(normal)};
+}
+
+Alignment align(const Sample& sample, const Upper& upper, const AlignOptions& options) {
+  const NearestTable table{upper.surfels, static_cast<float>(k_fine_reach_mm)};
+  const Freedom freedom = options.grade ? Freedom::Graded : Freedom::Rigid;
+  const Sample used = options.mirror ? mirrored(sample) : sample;
+  const FitTask task{.sample = used, .upper = upper, .upper_table = table};
+  Alignment alignment = best_alignment(task, freedom);
+  alignment.mirrored = options.mirror;
+  switch (alignment.verdict) {
+    case Verdict::Aligned:
+      break;
+    case Verdict::TooLittleOverlap:
+      alignment.reason = sentence(
+          "too little overlap: the upper's scan shows %.0f %% of the surface above the sample's line (at "
+          "least %.0f %%)",
+          100 * alignment.overlap_ratio, 100 * k_min_overlap_ratio);
+      break;
+    case Verdict::DirectionNotFixed:
+      alignment.reason =
+          sentence("the common surface does not fix the upper %s: it may be off by %.1f mm (at most %.1f mm)",
+                   alignment.weakest.words.c_str(), alignment.weakest.sigma_mm, k_max_direction_sigma_mm);
+      break;
+    case Verdict::NotConverged:
+      alignment.reason = sentence("the alignment did not settle within %d steps", alignment.iterations);
+      break;
+    default:
+      explain_difference(task, freedom, alignment);
+  }
+  return alignment;
+}
+
+}  // namespace biteline::transfer

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The local step of registration from a start: surface, then rims, and for another size how its
+/// sections grew.
+
+#include "host/transfer/align/icp.hpp"
+#include "host/transfer/align/prepared.hpp"
+
+namespace biteline::transfer {
+
+/// What is brought together.  References only for the call.
+struct FitTask {
+  const Sample& sample;
+  const Upper& upper;
+  const NearestTable& upper_table;
+};
+
+/// One way in which the sample lies on the upper.
+struct Fit {
+  IcpResult icp{};
+  bool rim_used{false};
+  double rim_shift_mm{0};     ///< how far the rims have moved the line, RMS
+  GradeTie tie{};             ///< as chosen, when graded
+  std::vector<Pair> pairs{};  ///< of the surface
+  double shape_rms_mm{0};     ///< of the mean residuals of patches: noise and texture average out, the
+                              ///< difference of two shapes does not
+  double rival_mm{0};  ///< graded: RMS over the line of how far another reading of the sizes would move it
+};
+
+inline constexpr double k_fine_reach_mm = 5;
+
+/// Surface first; then with the rims, if those agree where the surface has put them, and the surface bears
+/// it.
+[[nodiscard]] Fit fit_rigid(const FitTask& task, const Placement& start);
+
+/// The wall's shape tells only weakly how much higher a shoe of another size is (a hundredth: 0.4 mm at the
+/// line), and the rim only together with it.  But sizes are graded by a rule: sections stay, or grow as the
+/// length does, in height, in breadth or in both.  Each rule is fitted; the one that fits best is taken when
+/// section and height left free fit no better than chance would have it, else the free fit.
+[[nodiscard]] Fit fit_graded(const FitTask& task, const Placement& start);
+
+}  // namespace biteline::transfer

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#include "host/transfer/align/nearest_table.hpp"
+
+#include <array>
+#include <cmath>
+
+namespace biteline::transfer {
+namespace {
+
+// 32 MB.  A shoe at 2 mm pitch needs a hundredth; a scan with stray points far away gets larger cells
+// instead.
+constexpr double k_max_cells = 8e6;
+
+}  // namespace
+
+NearestTable::NearestTable(const Surfels& surfels, float reach_mm) {
+  if (surfels.size() == 0) return;
+  Eigen::Vector3f low = surfels.positions.front(), high = low;
+  for (const Eigen::Vector3f& p : surfels.positions) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const Eigen::Vector3f margin = Eigen::Vector3f::Constant(reach_mm + surfels.pitch_mm);
+  origin_ = low - margin;
+  const Eigen::Vector3f span = high - low + 2 * margin;
+  const double cells_at_pitch = span.cast<double>().prod() / std::pow(double{surfels.pitch_mm}, 3);
+  const double growth = std::max(1.0, std::cbrt(cells_at_pitch / k_max_cells));
+  per_mm_ = static_cast<float>(1 / (surfels.pitch_mm * growth));
+  size_ = (span.array() * per_mm_).ceil().cast<int>();
+  extent_ = size_.cast<float>();
+  cells_.assign(static_cast<std::size_t>(size_.prod()), k_none);
+  fill(surfels, reach_mm);
+}
+
+/// Breadth first from the surface: each cell hands its surfel to its six neighbours, which keep the nearer
+/// one.
+void NearestTable::fill(const Surfels& surfels, float reach_mm) {
+  const float cell_mm = 1 / per_mm_;
+  const float reach_squared = (reach_mm + cell_mm) * (reach_mm + cell_mm);
+  std::vector<std::uint32_t> wave, next;
+  const auto offer = [&](std::uint32_t cell, const Eigen::Vector3f& centre, std::uint32_t surfel,
+                         std::vector<std::uint32_t>& out) {
+    const float distance = (surfels.positions[surfel] - centre).squaredNorm();
+    if (distance > reach_squared) return;
+    std::uint32_t& holder = cells_[cell];
+    if (holder != k_none && (surfels.positions[holder] - centre).squaredNorm() <= distance) return;
+    holder = surfel;
+    out.push_back(cell);
+  };
+  const auto centre_of = [&](int x, int y, int z) -> Eigen::Vector3f {
+    return origin_ + cell_mm * Eigen::Vector3f(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F,
+                                               static_cast<float>(z) + 0.5F);
+  };
+  for (std::uint32_t i = 0; i < surfels.size(); ++i) {
+    const Eigen::Array3i at = ((surfels.positions[i] - origin_).array() * per_mm_).cast<int>();
+    offer(static_cast<std::uint32_t>(at.x() + size_.x() * (at.y() + size_.y() * at.z())),
+          centre_of(at.x(), at.y(), at.z()), i, wave);
+  }
+  while (!wave.empty()) {
+    next.clear();
+    for (const std::uint32_t cell : wave) {
+      const int x = static_cast<int>(cell) % size_.x(), y = static_cast<int>(cell) / size_.x() % size_.y(),
+                z = static_cast<int>(cell) / (size_.x() * size_.y());
+      const std::uint32_t surfel = cells_[cell];
+      constexpr std::array<std::array<int, 3>, 6> k_sides{
+          {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
+      for (const auto& [dx, dy, dz] : k_sides) {
+        const int nx = x + dx, ny = y + dy, nz = z + dz;
+        if (nx < 0 || ny < 0 || nz < 0 || nx >= size_.x() || ny >= size_.y() || nz >= size_.z()) continue;
+        offer(static_cast<std::uint32_t>(nx + size_.x() * (ny + size_.y() * nz)), centre_of(nx, ny, nz),
+              surfel, next);
+      }
+    }
+    wave.swap(next);
+  }
+}
+
+}  // namespace biteline::transfer

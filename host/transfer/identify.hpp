@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Which of the saved models an upper is, and how sure that is.
+
+#include <string>
+#include <vector>
+
+#include "host/transfer/align/alignment.hpp"
+#include "host/transfer/library.hpp"
+
+namespace biteline::transfer {
+
+struct Match {
+  std::string name;
+  double probability{0};  ///< among all models and none of them
+  transfer::Alignment alignment;
+};
+
+struct Identification {
+  std::string name;                ///< empty when `reason` is not
+  std::string reason;              ///< why no model is named
+  std::vector<Match> matches;      ///< every sound model, most probable first
+  std::vector<ModelInfo> damaged;  ///< left out
+};
+
+/// Aligns every model with the upper.  A model is named when it alone fits; two that both fit are told and
+/// not chosen from.
+[[nodiscard]] Result<Identification> identify(const Library& library, const cloud::PointCloud& upper,
+                                              const transfer::AlignOptions& options);
+
+}  // namespace biteline::transfer

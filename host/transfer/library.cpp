@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: MIT
+#include "host/transfer/library.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "common/wire/checksum.hpp"
+#include "host/cloud/ply.hpp"
+#include "host/report/report.hpp"
+
+namespace biteline::transfer {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* k_manifest_file = "model.json";
+constexpr int k_format = 1;
+
+bool good_name(const std::string& name) {
+  constexpr std::size_t k_longest = 64;
+  return !name.empty() && name.size() <= k_longest && name.front() != '.' &&
+         std::all_of(name.begin(), name.end(), [](unsigned char c) {
+           return std::isalnum(c) != 0 || c == '.' || c == '_' || c == '-';
+         });
+}
+
+Result<void> check_name(const std::string& name) {
+  if (good_name(name)) return {};
+  return fail(Errc::InvalidArgument,
+              "model name '%s': expected letters, digits, '.', '_', '-', at most 64, no '.' in front",
+              name.c_str());
+}
+
+Result<std::string> read_bytes(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return fail_errno(Errc::FileNotFound, errno, "%s", file.c_str());
+  std::ostringstream bytes;
+  bytes << in.rdbuf();
+  if (!in) return fail(Errc::FileUnreadable, "%s", file.c_str());
+  return std::move(bytes).str();
+}
+
+std::string checksum_of(const std::string& bytes) {
+  char text[9];
+  std::snprintf(text, sizeof text, "%08x",
+                wire::crc32c({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}));
+  return text;
+}
+
+/// model.json as read.
+struct Manifest {
+  struct File {
+    std::string name, checksum;
+    std::uint64_t bytes{0};
+  };
+  std::size_t points{0};
+  double line_length_mm{0};
+  std::vector<File> files;
+};
+
+std::string manifest_text(const std::string& name, const Manifest& manifest) {
+  nlohmann::ordered_json json{{"format", k_format},
+                              {"name", name},
+                              {"points", manifest.points},
+                              {"line_length_mm", manifest.line_length_mm}};
+  for (const Manifest::File& file : manifest.files) {
+    json["files"].push_back({{"name", file.name}, {"bytes", file.bytes}, {"crc32c", file.checksum}});
+  }
+  return json.dump(2) + "\n";
+}
+
+Result<Manifest> read_manifest(const std::string& name, const fs::path& folder) {
+  BITELINE_ASSIGN(const std::string text, read_bytes(folder / k_manifest_file));
+  // nlohmann reports by exceptions: caught here, at the one call.
+  try {
+    const nlohmann::json json = nlohmann::json::parse(text);
+    if (json.at("format").get<int>() != k_format) {
+      return fail(Errc::NotSupported, "model %s: format %d, expected %d", name.c_str(),
+                  json.at("format").get<int>(), k_format);
+    }
+    Manifest manifest{.points = json.at("points").get<std::size_t>(),
+                      .line_length_mm = json.at("line_length_mm").get<double>(),
+                      .files = {}};
+    for (const nlohmann::json& file : json.at("files")) {
+      manifest.files.push_back({.name = file.at("name").get<std::string>(),
+                                .checksum = file.at("crc32c").get<std::string>(),
+                                .bytes = file.at("bytes").get<std::uint64_t>()});
+    }
+    return manifest;
+  } catch (const nlohmann::json::exception& error) {
+    return fail(Errc::BadFormat, "model %s is damaged: %s: %s", name.c_str(), k_manifest_file, error.what());
+  }
+}
+
+/// Every file of the manifest is there, whole and unchanged, and the two that make a sample are among them.
+Result<Manifest> check(const std::string& name, const fs::path& folder) {
+  BITELINE_ASSIGN(const Manifest manifest, read_manifest(name, folder));
+  for (const char* needed : {k_cloud_file, k_line_file}) {
+    const bool there = std::any_of(manifest.files.begin(), manifest.files.end(),
+                                   [&](const Manifest::File& file) { return file.name == needed; });
+    if (!there)
+      return fail(Errc::BadFormat, "model %s is damaged: %s does not name %s", name.c_str(), k_manifest_file,
+                  needed);
+  }
+  for (const Manifest::File& file : manifest.files) {
+    const Result<std::string> bytes = read_bytes(folder / file.name);
+    if (!bytes)
+      return fail(Errc::FileNotFound, "model %s is damaged: %s is missing", name.c_str(), file.name.c_str());
+    if (bytes->size() != file.bytes) {
+      return fail(Errc::SizeMismatch, "model %s is damaged: %s has %zu bytes, expected %zu", name.c_str(),
+                  file.name.c_str(), bytes->size(), static_cast<std::size_t>(file.bytes));
+    }
+    if (checksum_of(*bytes) != file.checksum) {
+      return fail(Errc::BadValue, "model %s is damaged: %s does not match its checksum", name.c_str(),
+                  file.name.c_str());
+    }
+  }
+  return manifest;
+}
+
+Result<void> sync_folder(const fs::path& folder) {
+  const int handle = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (handle < 0) return fail_errno(Errc::WriteFailed, errno, "%s", folder.c_str());
+  const bool synced = ::fsync(handle) == 0;
+  const int sync_errno = errno;
+  ::close(handle);
+  if (!synced) return fail_errno(Errc::WriteFailed, sync_errno, "%s", folder.c_str());
+  return {};
+}
+
+/// Puts `beside` in the place of `target` in one step; what stood there ends up at `beside`.
+Result<void> put_in_place(const fs::path& beside, const fs::path& target) {
+  if (::rename(beside.c_str(), target.c_str()) == 0) return {};
+  // A folder with something in it cannot be renamed over: swap the two names.
+  if (errno == ENOTEMPTY || errno == EEXIST) {
+    if (::renameat2(AT_FDCWD, beside.c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) == 0) return {};
+  }
+  return fail_errno(Errc::WriteFailed, errno, "%s", target.c_str());
+}
+
+/// A folder of its own beside the models, removed with its owner.
+class Beside {
+ public:
+  static Result<Beside> create(const fs::path& library) {
+    std::string pattern = (library / ".saving-XXXXXX").string();
+    if (::mkdtemp(pattern.data()) == nullptr)
+      return fail_errno(Errc::WriteFailed, errno, "%s", library.c_str());
+    ::chmod(pattern.c_str(), 0755);  // mkdtemp makes it private; other users may read the library
+    return Beside{pattern};
+  }
+  Beside(Beside&& other) noexcept : path_{std::exchange(other.path_, {})} {}
+  Beside& operator=(Beside&&) = delete;
+  ~Beside() {
+    std::error_code ignored;
+    if (!path_.empty()) fs::remove_all(path_, ignored);
+  }
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  explicit Beside(fs::path path) : path_{std::move(path)} {}
+  fs::path path_;
+};
+
+}  // namespace
+
+fs::path Library::default_folder() {
+  const char* data = std::getenv("XDG_DATA_HOME");
+  if (data != nullptr && *data == '/') return fs::path{data} / "biteline" / "models";
+  const char* home = std::getenv("HOME");
+  return fs::path{home != nullptr ? home : "."} / ".local" / "share" / "biteline" / "models";
+}
+
+Result<ModelInfo> Library::save(const std::string& name, const fs::path& sample_folder,
+                                const fs::path& process_file) const {
+  BITELINE_TRY(check_name(name));
+  BITELINE_ASSIGN(const SampleFiles sample, read_sample(sample_folder));
+  BITELINE_TRY(report::prepare_folder(folder_));
+  BITELINE_ASSIGN(const Beside beside, Beside::create(folder_));
+
+  std::vector<std::pair<const char*, fs::path>> sources{{k_cloud_file, sample_folder / k_cloud_file},
+                                                        {k_line_file, sample_folder / k_line_file}};
+  const fs::path process = process_file.empty() ? sample_folder / k_process_file : process_file;
+  const bool has_process = !process_file.empty() || fs::exists(process);
+  if (has_process) sources.emplace_back(k_process_file, process);
+
+  Manifest manifest{
+      .points = sample.cloud.size(), .line_length_mm = cloud::length_mm(sample.line), .files = {}};
+  for (const auto& [file, source] : sources) {
+    BITELINE_ASSIGN(const std::string bytes, read_bytes(source));
+    BITELINE_TRY(report::write_file_atomically(beside.path() / file, bytes));
+    manifest.files.push_back({.name = file, .checksum = checksum_of(bytes), .bytes = bytes.size()});
+  }
+  BITELINE_TRY(report::write_file_atomically(beside.path() / k_manifest_file, manifest_text(name, manifest)));
+  BITELINE_TRY(sync_folder(beside.path()));
+  BITELINE_TRY(put_in_place(beside.path(), path_of(name)));
+  BITELINE_TRY(sync_folder(folder_));
+  return ModelInfo{.name = name,
+                   .points = manifest.points,
+                   .line_length_mm = manifest.line_length_mm,
+                   .has_process = has_process};
+}
+
+Result<std::vector<ModelInfo>> Library::list() const {
+  std::vector<ModelInfo> models;
+  std::error_code error;
+  if (!fs::exists(folder_, error)) return models;
+  for (fs::directory_iterator at{folder_, error}; !error && at != fs::directory_iterator{};
+       at.increment(error)) {
+    const std::string name = at->path().filename().string();
+    if (!at->is_directory() || !good_name(name)) continue;
+    ModelInfo info{.name = name};
+    if (const Result<Manifest> manifest = check(name, at->path())) {
+      info.points = manifest->points;
+      info.line_length_mm = manifest->line_length_mm;
+      info.has_process = fs::exists(at->path() / k_process_file);
+    } else {
+      info.damage = manifest.error();
+    }
+    models.push_back(std::move(info));
+  }
+  if (error) return fail_errno(Errc::FileUnreadable, error.value(), "%s", folder_.c_str());
+  std::sort(models.begin(), models.end(),
+            [](const ModelInfo& a, const ModelInfo& b) { return a.name < b.name; });
+  return models;
+}
+
+Result<SampleFiles> Library::load(const std::string& name) const {
+  BITELINE_TRY(check_name(name));
+  if (!fs::is_directory(path_of(name))) {
+    return fail(Errc::FileNotFound, "no model %s in %s", name.c_str(), folder_.c_str());
+  }
+  BITELINE_TRY(check(name, path_of(name)));
+  return read_sample(path_of(name));
+}
+
+Result<void> Library::remove(const std::string& name) const {
+  BITELINE_TRY(check_name(name));
+  if (!fs::is_directory(path_of(name))) {
+    return fail(Errc::FileNotFound, "no model %s in %s", name.c_str(), folder_.c_str());
+  }
+  // Out of sight in one step, then taken apart.
+  BITELINE_ASSIGN(const Beside beside, Beside::create(folder_));
+  return put_in_place(path_of(name), beside.path() / name);
+}
+
+Result<SampleFiles> find_sample(const std::string& sample, const Library& library) {
+  if (fs::is_directory(sample)) return read_sample(sample);
+  if (sample.find('/') != std::string::npos) {
+    return fail(Errc::FileNotFound, "%s: expected the folder of a finished sample", sample.c_str());
+  }
+  return library.load(sample);
+}
+
+}  // namespace biteline::transfer

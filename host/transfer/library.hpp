@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The models that were taught: finished samples under a name.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/core/result.hpp"
+#include "host/transfer/sample_folder.hpp"
+
+namespace biteline::transfer {
+
+struct ModelInfo {
+  std::string name;
+  std::size_t points{0};
+  double line_length_mm{0};
+  bool has_process{false};
+  std::optional<Error> damage{};  ///< why it cannot be used
+};
+
+/// One folder per model: the sample's files and model.json with the size and CRC-32C of each.  A model is
+/// written beside and put in place in one step, so that another process sees the old one, the new one or
+/// none, and never half of one; what a reader takes in is checked against model.json. Thread: no state but
+/// the folder's name; several processes may work on one library.
+class Library {
+ public:
+  explicit Library(std::filesystem::path folder) : folder_{std::move(folder)} {}
+
+  /// $XDG_DATA_HOME/biteline/models, or ~/.local/share/biteline/models.
+  [[nodiscard]] static std::filesystem::path default_folder();
+
+  [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+  [[nodiscard]] std::filesystem::path path_of(const std::string& name) const { return folder_ / name; }
+
+  /// Copies cloud, line and, where it exists, the process (`process_file`, else the folder's own).  The
+  /// sample must be readable; one of the same name is replaced.  Names: letters, digits, '.', '_', '-', 64 at
+  /// most, no '.' in front.
+  [[nodiscard]] Result<ModelInfo> save(const std::string& name, const std::filesystem::path& sample_folder,
+                                       const std::filesystem::path& process_file = {}) const;
+
+  /// By name; a damaged one is listed with its damage.  A library that does not exist yet is empty.
+  [[nodiscard]] Result<std::vector<ModelInfo>> list() const;
+
+  /// Fails with the model's name when there is none or when it is damaged.
+  [[nodiscard]] Result<SampleFiles> load(const std::string& name) const;
+
+  [[nodiscard]] Result<void> remove(const std::string& name) const;
+
+ private:
+  std::filesystem::path folder_;
+};
+
+/// `sample` is the folder of a finished sample, else the name of a saved model.
+[[nodiscard]] Result<SampleFiles> find_sample(const std::string& sample, const Library& library);
+
+}  // namespace biteline::transfer

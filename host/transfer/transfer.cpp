@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+#include "host/transfer/transfer.hpp"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include "host/transfer/carry/point_surface.hpp"
+#include "host/transfer/carry/scan_mesh.hpp"
+
+namespace biteline::transfer {
+namespace {
+
+using transfer::Alignment;
+using transfer::PlacedPoint;
+using transfer::Sample;
+using transfer::Upper;
+
+/// What the two scans are made into before anything is compared.
+struct Prepared {
+  std::optional<Result<Sample>> sample;
+  std::optional<Result<Upper>> upper;
+  std::optional<Result<transfer::ScanMesh>> mesh;  ///< only of an organised scan
+};
+
+Prepared prepare(const SampleFiles& sample, const cloud::PointCloud& upper) {
+  Prepared prepared;
+  tbb::parallel_invoke([&] { prepared.sample = transfer::prepare_sample(sample.cloud, sample.line); },
+                       [&] { prepared.upper = transfer::prepare_upper(upper); },
+                       [&] {
+                         if (upper.organised()) prepared.mesh = transfer::ScanMesh::create(upper);
+                       });
+  return prepared;
+}
+
+bool has_mesh(const Prepared& prepared) {
+  return prepared.mesh && prepared.mesh->has_value();
+}
+
+std::vector<PlacedPoint> placed_line(const cloud::ClosedLine& line, const Sample& sample,
+                                     const Alignment& alignment) {
+  const SE3 T_shoe_base = sample.T_base_shoe.inverse();
+  std::vector<PlacedPoint> placed;
+  placed.reserve(line.points.size());
+  for (const cloud::LinePoint& point : line.points) {
+    const Alignment::OnLine on_upper = alignment.placed(
+        {.point = T_shoe_base * point.position, .normal = T_shoe_base.linear() * point.normal});
+    placed.push_back({.position = on_upper.point, .normal = on_upper.normal, .confidence = point.confidence});
+  }
+  return placed;
+}
+
+/// Where the sample's wall was not seen its line is bridged, too, and keeps its distance.
+void interpolate_walls(std::vector<PlacedPoint>& placed) {
+  const std::size_t size = placed.size();
+  const std::vector<PlacedPoint> seen = placed;
+  for (std::size_t i = 0; i < size; ++i) {
+    if (seen[i].wall_mm) continue;
+    std::size_t behind = 1, before = 1;
+    while (behind < size && !seen[(i + size - behind) % size].wall_mm) ++behind;
+    while (before < size && !seen[(i + before) % size].wall_mm) ++before;
+    if (behind == size) return;
+    const double share = static_cast<double>(behind) / static_cast<double>(behind + before);
+    placed[i].wall_mm =
+        (1 - share) * *seen[(i + size - behind) % size].wall_mm + share * *seen[(i + before) % size].wall_mm;
+  }
+}
+
+/// Along each ray to the sample's wall above the line: the mean over some heights above its groove and over a
+/// few mm along the line, so that stitches do not count.
+void find_walls(const transfer::RaySurface& sample, const cloud::ClosedLine& line, const Vec3& up,
+                std::vector<PlacedPoint>& placed) {
+  constexpr std::array k_heights_mm{5.0, 6.0, 7.0, 8.0};
+  constexpr double k_reach_mm = 15, k_half_window_mm = 3;
+  std::vector<double> sums_mm(placed.size(), 0), counts(placed.size(), 0);
+  tbb::parallel_for(std::size_t{0}, placed.size(), [&](std::size_t i) {
+    const cloud::LinePoint& p = line.points[i];
+    const Vec3 level = (p.normal - p.normal.dot(up) * up).normalized();
+    for (const double height_mm : k_heights_mm) {
+      const auto hit =
+          sample.cast({.origin = p.position + height_mm * up, .direction = level, .reach_mm = k_reach_mm});
+      if (!hit) continue;
+      sums_mm[i] += hit->distance_mm;
+      counts[i] += 1;
+    }
+  });
+  const std::size_t size = placed.size();
+  const auto half =
+      static_cast<std::size_t>(k_half_window_mm * static_cast<double>(size) / cloud::length_mm(line));
+  const auto windowed = [&](std::size_t i) -> std::optional<double> {
+    double sum_mm = 0, count = 0;
+    for (std::size_t k = 0; k <= 2 * half; ++k) {
+      sum_mm += sums_mm[(i + size + k - half) % size];
+      count += counts[(i + size + k - half) % size];
+    }
+    return count > 0 ? std::optional{sum_mm / count} : std::nullopt;
+  };
+  for (std::size_t i = 0; i < size; ++i) placed[i].wall_mm = windowed(i);
+  interpolate_walls(placed);
+}
+
+/// Mesh where there is one; scattered points where not, and where the mesh leaves gaps.  Gaps of both are
+/// bridged as the sample's wall runs.
+transfer::CarriedLine carry(const SampleFiles& sample, const Vec3& sample_up, const cloud::PointCloud& upper,
+                            const Prepared& prepared, std::vector<PlacedPoint> placed,
+                            const transfer::CarryOptions& options) {
+  const transfer::ScanMesh* mesh = has_mesh(prepared) ? &**prepared.mesh : nullptr;
+  if (mesh != nullptr) {
+    transfer::CarriedLine carried = transfer::carry_line(*mesh, placed, options);
+    if (carried.hits == carried.rays) return carried;
+  }
+  const auto sample_mesh = transfer::ScanMesh::create(sample.cloud);
+  if (sample_mesh) {
+    find_walls(*sample_mesh, sample.line, sample_up, placed);
+  } else {
+    find_walls(transfer::PointSurface{sample.cloud.points}, sample.line, sample_up, placed);
+  }
+  const transfer::PointSurface points{upper.points};
+  if (mesh == nullptr) return transfer::carry_line(points, placed, options);
+  return transfer::carry_line(transfer::FirstOf{*mesh, points}, placed, options);
+}
+
+/// Twice the standard deviation of the alignment.  Graded, also what the fit of two shapes leaves, and how
+/// far another reading of the sizes would move the line.
+double bound_mm(const Alignment& alignment, bool graded) {
+  if (!graded) return 2 * alignment.line_sigma_mm;
+  return 2 * std::hypot(alignment.line_sigma_mm, alignment.shape_rms_mm) + alignment.rival_mm;
+}
+
+double mean_confidence(const cloud::ClosedLine& line) {
+  double sum = 0;
+  for (const cloud::LinePoint& point : line.points) sum += point.confidence;
+  return line.points.empty() ? 0 : sum / static_cast<double>(line.points.size());
+}
+
+class StageClock {
+ public:
+  explicit StageClock(std::vector<Stage>& stages) : stages_{stages} {}
+  void lap(const char* name) {
+    const auto now = std::chrono::steady_clock::now();
+    stages_.push_back({.name = name, .seconds = std::chrono::duration<double>(now - begin_).count()});
+    begin_ = now;
+  }
+
+ private:
+  std::vector<Stage>& stages_;
+  std::chrono::steady_clock::time_point begin_{std::chrono::steady_clock::now()};
+};
+
+}  // namespace
+
+Transfer transfer_line(const SampleFiles& sample, const cloud::PointCloud& upper,
+                       const TransferOptions& options) {
+  Transfer transfer;
+  StageClock clock{transfer.stages};
+  const Prepared prepared = prepare(sample, upper);
+  for (const Error* error : {prepared.sample->has_value() ? nullptr : &prepared.sample->error(),
+                             prepared.upper->has_value() ? nullptr : &prepared.upper->error()}) {
+    if (error == nullptr) continue;
+    transfer.reason = error->where.view();  // a cloud that holds no surface of a shoe's size
+    return transfer;
+  }
+  transfer.from_mesh = has_mesh(prepared);
+  clock.lap("prepare");
+
+  transfer.alignment = transfer::align(**prepared.sample, **prepared.upper, options.align);
+  clock.lap("align");
+  transfer.bound_mm = bound_mm(transfer.alignment, options.align.grade);
+  if (!transfer.alignment.accepted()) {
+    transfer.reason = transfer.alignment.reason;
+    return transfer;
+  }
+
+  const Vec3 up = transfer.alignment.placement.T_target_source.linear().col(2);
+  transfer.placed = placed_line(sample.line, **prepared.sample, transfer.alignment);
+  const Vec3 sample_up = (*prepared.sample)->T_base_shoe.linear().col(2);
+  transfer.carried = carry(sample, sample_up, upper, prepared, transfer.placed,
+                           {.direction = options.direction,
+                            .up = up,
+                            .max_gap_mm = options.max_gap_mm,
+                            .line_sigma_mm = transfer.bound_mm / 2});
+  clock.lap("rays");
+  transfer.reason = transfer.carried.reason;
+  transfer.found = transfer.reason.empty();
+  transfer.confidence = mean_confidence(transfer.carried.line);
+  return transfer;
+}
+
+}  // namespace biteline::transfer

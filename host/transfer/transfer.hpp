@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file A sample's line on the next upper: align, then carry over by rays.
+
+#include "host/transfer/align/alignment.hpp"
+#include "host/transfer/carry/carried_line.hpp"
+#include "host/transfer/sample_folder.hpp"
+
+namespace biteline::transfer {
+
+struct TransferOptions {
+  transfer::AlignOptions align{};
+  transfer::RayDirection direction{transfer::RayDirection::Level};
+  double max_gap_mm{
+      45};  ///< in the upper's scan, bridged as the sample's wall runs: off by 0.1 to 0.2 mm, made shoes
+};
+
+struct Stage {
+  const char* name;
+  double seconds;
+};
+
+struct Transfer {
+  bool found{false};
+  std::string reason;  ///< one plain sentence when not found
+  transfer::Alignment alignment;
+  std::vector<transfer::PlacedPoint>
+      placed;  ///< the sample's line where the alignment has put it; empty when refused before
+  transfer::CarriedLine carried;  ///< its line is empty when not found
+  double bound_mm{
+      0};  ///< 19 of 20 points of the line are nearer than this to the bite line, as far as the scans tell
+  double confidence{0};       ///< mean over the points
+  bool from_mesh{false};      ///< the upper's scan was organised
+  std::vector<Stage> stages;  ///< in order, wall time; empty when a cloud holds no shoe
+};
+
+/// A refusal is a Transfer with its reason.
+[[nodiscard]] Transfer transfer_line(const SampleFiles& sample, const cloud::PointCloud& upper,
+                                     const TransferOptions& options);
+
+}  // namespace biteline::transfer

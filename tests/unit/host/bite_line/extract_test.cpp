@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: MIT
+// Made shoes with an exactly known line, from the cloud to the line.
+#include <CppUTest/TestHarness.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "hal/sim/shoe/made_shoe.hpp"
+#include "hal/sim/shoe/scanned_cloud.hpp"
+#include "hal/sim/shoe/true_line.hpp"
+#include "host/bite_line/extract.hpp"
+#include "host/bite_line/live_scan.hpp"
+
+namespace biteline::bite_line {
+namespace {
+
+struct Made {
+  cloud::PointCloud cloud;
+  std::vector<Vec3> truth;  ///< base
+};
+
+Made make(const sim::ShoeParameters& parameters, const SE3& T_base_shoe) {
+  const sim::MadeShoe shoe{parameters};
+  // A coarse scan keeps the test fast: the line's place depends little on it.
+  const sim::ScannedCloud scan =
+      sim::scan_quickly(shoe, {.profile_step_mm = 1.3, .column_step_mm = 0.15}, T_base_shoe);
+  Made made;
+  made.cloud.points = scan.points;
+  made.cloud.profile = scan.profile;
+  for (const auto& point : sim::true_line(shoe, 0.5)) made.truth.push_back(T_base_shoe * point.point_shoe);
+  return made;
+}
+
+Made make(sim::ShoeClass shoe_class, std::uint64_t seed, const SE3& T_base_shoe) {
+  return make(sim::draw_shoe(shoe_class, seed), T_base_shoe);
+}
+
+double distance_mm(const Vec3& p, const std::vector<Vec3>& closed) {
+  double best = 1e18;
+  for (std::size_t i = 0; i < closed.size(); ++i) {
+    const Vec3& a = closed[i];
+    const Vec3 edge = closed[(i + 1) % closed.size()] - a;
+    const double t = std::clamp((p - a).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+    best = std::min(best, (a + t * edge - p).squaredNorm());
+  }
+  return std::sqrt(best);
+}
+
+double mean_error_mm(const cloud::ClosedLine& line, const std::vector<Vec3>& truth) {
+  double sum = 0;
+  for (const cloud::LinePoint& point : line.points)
+    sum += distance_mm(point.position, truth) / static_cast<double>(line.points.size());
+  return sum;
+}
+
+SE3 somewhere() {
+  SE3 T = SE3::Identity();
+  T.linear() = Eigen::AngleAxisd(2.1, Vec3::UnitZ()).toRotationMatrix();
+  T.translation() = Vec3{420, -130, 55};
+  return T;
+}
+
+constexpr double k_right_mm = 0.08;
+
+}  // namespace
+
+TEST_GROUP(Extract){};
+
+TEST(Extract, LinesOfMadeShoesAreRight) {
+  for (const auto shoe_class : {sim::ShoeClass::Deep, sim::ShoeClass::Shallow, sim::ShoeClass::Step,
+                                sim::ShoeClass::Decorated, sim::ShoeClass::Stitched}) {
+    const Made made = make(shoe_class, 41, somewhere());
+    const Extraction sut = extract(made.cloud, {.keep_products = false});
+    const std::string name{sim::name_of(shoe_class)};
+    CHECK_TEXT(sut.found, (name + ": " + sut.reason).c_str());
+    CHECK_TEXT(mean_error_mm(sut.line, made.truth) <= k_right_mm, name.c_str());
+    CHECK(sut.confidence > 0.5);
+  }
+}
+
+TEST(Extract, TheLineIsClosedEvenAndRunsAnticlockwiseWithOutwardNormals) {
+  const Made made = make(sim::ShoeClass::Deep, 42, somewhere());
+  const Extraction sut = extract(made.cloud, {.keep_products = false});
+  CHECK(sut.found);
+  const auto& points = sut.line.points;
+  Vec3 middle = Vec3::Zero();
+  for (const auto& p : points) middle += p.position / static_cast<double>(points.size());
+  double area = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto& p = points[i];
+    const auto& next = points[(i + 1) % points.size()];
+    DOUBLES_EQUAL(0.5, (next.position - p.position).norm(), 0.02);
+    DOUBLES_EQUAL(1.0, p.normal.norm(), 1e-9);
+    DOUBLES_EQUAL(1.0, p.tangent.norm(), 1e-9);
+    CHECK(p.confidence >= 0 && p.confidence <= 1);
+    area += 0.5 * ((p.position - middle).x() * (next.position - middle).y() -
+                   (p.position - middle).y() * (next.position - middle).x());
+    // Outwards is to the right of an anticlockwise way.
+    const Vec3 right_of_way{p.tangent.y(), -p.tangent.x(), 0};
+    CHECK(right_of_way.dot(p.normal) > 0.5);
+  }
+  CHECK(area > 0);
+}
+
+TEST(Extract, ABareUpperIsRefusedWithAReason) {
+  const Extraction sut = extract(make(sim::ShoeClass::Bare, 43, somewhere()).cloud, {.keep_products = false});
+  CHECK_FALSE(sut.found);
+  STRCMP_CONTAINS("no crease", sut.reason.c_str());
+  CHECK(sut.line.points.empty());
+  CHECK(sut.confidence < 0.5);
+}
+
+TEST(Extract, AnUpperWithASeamAllTheWayRoundIsRefusedAndTheSameShoeWithASoleIsNot) {
+  sim::ShoeParameters shoe = sim::draw_shoe(sim::ShoeClass::Shallow, 62);
+  shoe.upper.parallel_seams = {{.u_mm = 11, .depth_mm = 0.4, .width_mm = 0.5}};
+  const Extraction with_sole = extract(make(shoe, somewhere()).cloud, {.keep_products = false});
+  CHECK_TEXT(with_sole.found, with_sole.reason.c_str());
+  DOUBLES_EQUAL(shoe.groove.line_height_mm, with_sole.candidates.front().mean_height_mm, 5.0);
+  const Extraction upper =
+      extract(make(sim::bare_upper_of(shoe, 0.15, 3), somewhere()).cloud, {.keep_products = false});
+  CHECK_FALSE(upper.found);
+  STRCMP_CONTAINS("within one surface", upper.reason.c_str());
+  CHECK(upper.confidence < 0.5);
+}
+
+TEST(Extract, WhatIsNoShoeIsRefused) {
+  std::mt19937 random{1};
+  std::normal_distribution<float> normal;
+  cloud::PointCloud ball;
+  for (int i = 0; i < 30000; ++i)
+    ball.points.emplace_back(60 *
+                             Eigen::Vector3f{normal(random), normal(random), normal(random)}.normalized());
+  const Extraction sut = extract(ball, {});
+  CHECK_FALSE(sut.found);
+  STRCMP_CONTAINS("not a shoe", sut.reason.c_str());
+
+  cloud::PointCloud few;
+  few.points.resize(12, Eigen::Vector3f::Zero());
+  CHECK_FALSE(extract(few, {}).found);
+  CHECK_FALSE(extract({}, {}).found);
+}
+
+TEST(Extract, TurningTheShoeTurnsTheLine) {
+  const Made here = make(sim::ShoeClass::Step, 44, SE3::Identity());
+  const Made there = make(sim::ShoeClass::Step, 44, somewhere());
+  const Extraction a = extract(here.cloud, {.keep_products = false});
+  const Extraction b = extract(there.cloud, {.keep_products = false});
+  CHECK(a.found && b.found);
+  const SE3 T_back = somewhere().inverse();
+  std::vector<Vec3> back;
+  for (const auto& p : b.line.points) back.push_back(T_back * p.position);
+  CHECK(mean_error_mm(a.line, back) < 0.02);
+}
+
+TEST(Extract, NormalsFollowStitchesAndKeepTheirDirectionAcrossAHole) {
+  // What the product promises; without the splines stitches alone make 1.2 to 1.6 degrees.
+  constexpr double k_normal_deg = 1.0;
+  for (const bool hole : {false, true}) {
+    const sim::MadeShoe shoe{sim::draw_shoe(hole ? sim::ShoeClass::Deep : sim::ShoeClass::Stitched, 4)};
+    const auto truth = sim::true_line(shoe, 0.1);
+    cloud::PointCloud cloud;
+    const sim::ScannedCloud scan = sim::scan_quickly(shoe, {}, SE3::Identity());
+    const Vec3 centre = truth[truth.size() / 2].point_shoe;  // the toe, where the outline turns
+    for (std::size_t i = 0; i < scan.points.size(); ++i) {
+      if (hole && (scan.points[i].cast<double>() - centre).head<2>().norm() < 10) continue;
+      cloud.points.push_back(scan.points[i]);
+      cloud.profile.push_back(scan.profile[i]);
+    }
+    const Extraction sut = extract(cloud, {.keep_products = false});
+    CHECK_TEXT(sut.found, sut.reason.c_str());
+    double squares = 0;
+    for (const cloud::LinePoint& point : sut.line.points) {
+      const auto& near = *std::min_element(truth.begin(), truth.end(), [&](const auto& a, const auto& b) {
+        return (a.point_shoe - point.position).squaredNorm() < (b.point_shoe - point.position).squaredNorm();
+      });
+      squares +=
+          (point.normal - near.normal_shoe).squaredNorm() / static_cast<double>(sut.line.points.size());
+    }
+    CHECK_COMPARE(std::sqrt(squares) * 180 / M_PI, <=, k_normal_deg);
+  }
+}
+
+TEST(Extract, AMissingSectorIsBridgedAndMarked) {
+  Made made = make(sim::ShoeClass::Deep, 45, somewhere());
+  const Vec3 centre = made.truth[made.truth.size() / 4];  // a long side
+  std::erase_if(made.cloud.points,
+                [&](const Eigen::Vector3f& p) { return (p.cast<double>() - centre).head<2>().norm() < 18; });
+  const Extraction sut = extract(made.cloud, {.keep_products = false});
+  CHECK_TEXT(sut.found, sut.reason.c_str());
+  DOUBLES_EQUAL(36.0, sut.bridged_mm, 6.0);
+  for (const auto& p : sut.line.points) {
+    const double away = (p.position - centre).head<2>().norm();
+    if (away < 6) CHECK(p.confidence < 0.75);  // nearly straight there, so the guess is a good one
+    if (away > 30) CHECK(p.confidence > 0.8);
+  }
+}
+
+TEST(Extract, StraysInARowDoNotDrawTheLineOutwards) {
+  Made made = make(sim::ShoeClass::Deep, 46, somewhere());
+  // From the line's farthest place 20 mm outwards, a point every 2 mm.
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& p : made.truth) middle += p / static_cast<double>(made.truth.size());
+  const Vec3 tip = *std::max_element(made.truth.begin(), made.truth.end(), [&](const Vec3& a, const Vec3& b) {
+    return (a - middle).norm() < (b - middle).norm();
+  });
+  for (double out_mm = 2; out_mm <= 20; out_mm += 2)
+    made.cloud.points.push_back((tip + out_mm * (tip - middle).normalized()).cast<float>());
+  made.cloud.profile.clear();
+  made.cloud.column.clear();
+  const Extraction sut = extract(made.cloud, {.keep_products = false});
+  CHECK_TEXT(sut.found, sut.reason.c_str());
+  for (const cloud::LinePoint& point : sut.line.points) CHECK(distance_mm(point.position, made.truth) < 0.5);
+}
+
+TEST(Extract, TheLineWhileScanningIsThatOfTheFinishedCloud) {
+  const Made made = make(sim::ShoeClass::Faded, 47, somewhere());
+  LiveScan sut;
+  const auto& profile = made.cloud.profile;
+  for (std::size_t first = 0; first < profile.size();) {
+    std::size_t end = first;
+    while (end < profile.size() && profile[end] == profile[first]) ++end;
+    sut.add_profile(profile[first], {made.cloud.points.data() + first, end - first});
+    first = end;
+  }
+  LONGS_EQUAL(made.cloud.size(), sut.points());
+  const Extraction live = sut.finish({.keep_products = false});
+  CHECK_TEXT(live.found, live.reason.c_str());
+  std::vector<Vec3> finished;
+  for (const auto& p : extract(made.cloud, {.keep_products = false}).line.points)
+    finished.push_back(p.position);
+  CHECK_COMPARE(mean_error_mm(live.line, finished), <=, 0.02);
+  CHECK_COMPARE(mean_error_mm(live.line, made.truth), <=, k_right_mm);
+}
+
+TEST(Extract, HalfAScanIsNotYetALine) {
+  const Made made = make(sim::ShoeClass::Deep, 48, somewhere());
+  LiveScan sut;
+  CHECK_FALSE(sut.finish({}).found);
+  sut.add_profile(0, {made.cloud.points.data(), made.cloud.size() / 2});
+  const Extraction half = sut.finish({.keep_products = false});
+  CHECK_FALSE(half.found);
+  CHECK_FALSE(half.reason.empty());
+}
+
+TEST(Extract, ThePublishedMethodFindsAPlainGrooveAndKeepsItsStages) {
+  const Made made = make(sim::ShoeClass::Deep, 46, somewhere());
+  const Extraction sut = extract(made.cloud, {.method = Method::Published});
+  CHECK_TEXT(sut.found, sut.reason.c_str());
+  CHECK(mean_error_mm(sut.line, made.truth) < 0.8);
+  const Products& products = sut.products;
+  LONGS_EQUAL(products.surface.size(), products.mean_curvature_per_mm.size());
+  LONGS_EQUAL(products.surface.size(), products.surface.normals.size());
+  CHECK(products.denoised_points.size() <= products.feature_points.size());
+  CHECK(!products.coarse_line.empty());
+  CHECK(!products.thinned_line.empty());
+  LONGS_EQUAL(products.unrolled.cols, products.path_row.size());
+  for (std::size_t i = 1; i < 8; ++i)
+    CHECK(products.unrolled.section_col[i] > products.unrolled.section_col[i - 1]);
+}
+
+}  // namespace biteline::bite_line

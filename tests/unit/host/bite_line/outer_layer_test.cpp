@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#include <CppUTest/TestHarness.h>
+
+#include <random>
+
+#include "host/bite_line/side/outer_layer.hpp"
+
+namespace biteline::bite_line {
+namespace {
+
+// Cells without a point of the wall, by chance: one in two hundred may go wrong, one in a thousand behind a
+// clear gap.
+constexpr double k_by_chance_ratio = 0.005;
+constexpr double k_by_chance_behind_gap_ratio = 0.001;
+
+constexpr OuterLayerConfig k_config{.length_mm = 600, .z_low_mm = 0, .height_mm = 60};
+
+struct Wall {
+  std::vector<Place> places;
+  std::mt19937 random{4};
+  float any(float low, float high) { return std::uniform_real_distribution<float>{low, high}(random); }
+};
+
+}  // namespace
+
+TEST_GROUP(OuterLayer) {
+  Wall wall;
+};
+
+TEST(OuterLayer, ALiningBehindTheWallGoesAndTheWallStays) {
+  for (int i = 0; i < 150000; ++i)
+    wall.places.push_back({wall.any(0, 600), wall.any(-0.05F, 0.05F), wall.any(0, 60)});
+  const std::size_t outside = wall.places.size();
+  for (int i = 0; i < 150000; ++i)
+    wall.places.push_back({wall.any(0, 600), wall.any(-3.1F, -2.9F), wall.any(0, 60)});
+  keep_outer_layer(wall.places, k_config);
+  std::size_t lost = 0;
+  std::size_t left = 0;
+  for (std::size_t i = 0; i < wall.places.size(); ++i) {
+    if (i < outside && wall.places[i].s_mm < 0) ++lost;
+    if (i >= outside && wall.places[i].s_mm >= 0) ++left;
+  }
+  CHECK_COMPARE(static_cast<double>(lost), <, k_by_chance_behind_gap_ratio * static_cast<double>(outside));
+  CHECK_COMPARE(static_cast<double>(left), <, k_by_chance_behind_gap_ratio * static_cast<double>(outside));
+}
+
+TEST(OuterLayer, ALevelLedgeAndTheUpperBehindItStay) {
+  // Sole to z = 25, its top level from o = 0 to -5, the upper from there.
+  for (int i = 0; i < 100000; ++i)
+    wall.places.push_back({wall.any(0, 600), wall.any(-0.03F, 0.03F), wall.any(0, 25)});
+  for (int i = 0; i < 30000; ++i)
+    wall.places.push_back({wall.any(0, 600), wall.any(-5, 0), 25 + wall.any(-0.03F, 0.03F)});
+  for (int i = 0; i < 100000; ++i)
+    wall.places.push_back({wall.any(0, 600), -5 + wall.any(-0.03F, 0.03F), wall.any(25, 60)});
+  keep_outer_layer(wall.places, k_config);
+  std::size_t lost = 0;
+  for (const Place& place : wall.places) lost += place.s_mm < 0 ? 1 : 0;
+  CHECK_COMPARE(static_cast<double>(lost), <, k_by_chance_ratio * static_cast<double>(wall.places.size()));
+}
+
+TEST(OuterLayer, AnInsoleAtTheHeightOfTheCreaseGoes) {
+  for (int i = 0; i < 200000; ++i)
+    wall.places.push_back({wall.any(0, 600), wall.any(-0.03F, 0.03F), wall.any(0, 60)});
+  const std::size_t outside = wall.places.size();
+  // It reaches the wall's back without a gap.
+  for (int i = 0; i < 80000; ++i)
+    wall.places.push_back({wall.any(0, 600), wall.any(-25, -1.0F), 30 + wall.any(-0.1F, 0.1F)});
+  keep_outer_layer(wall.places, k_config);
+  std::size_t left = 0;
+  for (std::size_t i = outside; i < wall.places.size(); ++i) left += wall.places[i].s_mm >= 0 ? 1 : 0;
+  CHECK_COMPARE(static_cast<double>(left), <,
+                k_by_chance_ratio * static_cast<double>(wall.places.size() - outside));
+}
+
+}  // namespace biteline::bite_line

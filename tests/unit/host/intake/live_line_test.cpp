@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+#include "host/intake/live_line.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <algorithm>
+#include <random>
+
+#include "hal/sim/shoe/made_shoe.hpp"
+#include "hal/sim/shoe/scanned_cloud.hpp"
+#include "host/evaluation/line_error.hpp"
+
+namespace biteline::intake {
+namespace {
+
+constexpr bite_line::ExtractConfig k_line_only{.keep_products = false};
+/// What a running scan may differ from the finished cloud by, at any point.
+constexpr double k_same_mm = 0.02;
+
+/// A coarse scan keeps the test fast.
+cloud::PointCloud scan_of(sim::ShoeClass shoe_class) {
+  const sim::MadeShoe shoe{sim::draw_shoe(shoe_class, 61)};
+  SE3 T_base_shoe = SE3::Identity();
+  T_base_shoe.linear() = Eigen::AngleAxisd(-0.8, Vec3::UnitZ()).toRotationMatrix();
+  T_base_shoe.translation() = Vec3{380, 90, 40};
+  const sim::ScannedCloud scan =
+      sim::scan_quickly(shoe, {.profile_step_mm = 1.3, .column_step_mm = 0.15}, T_base_shoe);
+  cloud::PointCloud cloud;
+  cloud.points = scan.points;
+  cloud.profile = scan.profile;
+  cloud.column = scan.column;
+  return cloud;
+}
+
+/// Index ranges of the profiles, in scan order.
+struct Range {
+  std::size_t first, end;
+};
+std::vector<Range> profiles_of(const cloud::PointCloud& cloud) {
+  std::vector<Range> ranges;
+  for (std::size_t first = 0; first < cloud.size();) {
+    std::size_t end = first;
+    while (end < cloud.size() && cloud.profile[end] == cloud.profile[first]) ++end;
+    ranges.push_back({first, end});
+    first = end;
+  }
+  return ranges;
+}
+
+void add(LiveLine& line, const cloud::PointCloud& cloud, const Range& range) {
+  line.add_profile(cloud.profile[range.first], {cloud.points.data() + range.first, range.end - range.first});
+}
+
+void check_same(const bite_line::Extraction& finished, const bite_line::Extraction& live) {
+  CHECK_TEXT(finished.found, finished.reason.c_str());
+  CHECK_TEXT(live.found, live.reason.c_str());
+  CHECK_COMPARE(evaluation::line_error(live.line, finished.line).max_mm, <=, k_same_mm);
+  DOUBLES_EQUAL(finished.confidence, live.confidence, 0.01);
+}
+
+}  // namespace
+
+TEST_GROUP(LiveLine){};
+
+TEST(LiveLine, LineOfEachClassIsThatOfTheFinishedCloud) {
+  for (const auto shoe_class :
+       {sim::ShoeClass::Deep, sim::ShoeClass::Shallow, sim::ShoeClass::Step, sim::ShoeClass::Stitched}) {
+    const cloud::PointCloud cloud = scan_of(shoe_class);
+    LiveLine sut{k_line_only};
+    sut.add_profiles(cloud);
+    sut.close();
+    const LiveLine::Outcome outcome = sut.wait();
+    LONGS_EQUAL(profiles_of(cloud).size(), outcome.profiles);
+    CHECK(outcome.last_profile_to_line_s > 0);
+    check_same(bite_line::extract(cloud, k_line_only), outcome.extraction);
+  }
+}
+
+TEST(LiveLine, RefusesWhatTheFinishedCloudIsRefusedForAndSaysTheSame) {
+  const cloud::PointCloud bare = scan_of(sim::ShoeClass::Bare);
+  LiveLine sut{k_line_only};
+  sut.add_profiles(bare);
+  sut.close();
+  const bite_line::Extraction finished = bite_line::extract(bare, k_line_only);
+  const bite_line::Extraction live = sut.wait().extraction;
+  CHECK_FALSE(finished.found);
+  CHECK_FALSE(live.found);
+  STRCMP_EQUAL(finished.reason.substr(0, 20).c_str(), live.reason.substr(0, 20).c_str());
+  CHECK(live.line.points.empty());
+}
+
+TEST(LiveLine, ProfilesThatComeTwiceAndOutOfOrderChangeNothing) {
+  const cloud::PointCloud cloud = scan_of(sim::ShoeClass::Faded);
+  std::vector<Range> ranges = profiles_of(cloud);
+  LiveLine sut{k_line_only};
+  std::mt19937 random{3};
+  // A connection that breaks and comes back twice over, and stretches that overtake one another.
+  for (std::size_t first = 0; first < ranges.size(); first += 7)
+    std::shuffle(ranges.begin() + static_cast<std::ptrdiff_t>(first),
+                 ranges.begin() + static_cast<std::ptrdiff_t>(std::min(first + 7, ranges.size())), random);
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    add(sut, cloud, ranges[i]);
+    if (i == 90 || i == 200) {
+      for (std::size_t again = i - 40; again <= i; ++again) add(sut, cloud, ranges[again]);
+    }
+  }
+  sut.close();
+  const LiveLine::Outcome outcome = sut.wait();
+  LONGS_EQUAL(ranges.size(), outcome.profiles);
+  check_same(bite_line::extract(cloud, k_line_only), outcome.extraction);
+}
+
+TEST(LiveLine, ScanThatIsGivenUpIsDroppedWhereItStands) {
+  const cloud::PointCloud cloud = scan_of(sim::ShoeClass::Deep);
+  {
+    LiveLine given_up{k_line_only};
+    for (const Range& range : profiles_of(cloud)) add(given_up, cloud, range);
+  }
+  {
+    LiveLine closed{k_line_only};
+    closed.add_profiles(cloud);
+    closed.close();
+  }
+  LiveLine never_used{k_line_only};
+}
+
+TEST(LiveLine, ScanWithoutAnythingIsRefused) {
+  LiveLine sut{k_line_only};
+  sut.close();
+  const LiveLine::Outcome outcome = sut.wait();
+  LONGS_EQUAL(0, outcome.profiles);
+  CHECK_FALSE(outcome.extraction.found);
+  CHECK_FALSE(outcome.extraction.reason.empty());
+}
+
+}  // namespace biteline::intake

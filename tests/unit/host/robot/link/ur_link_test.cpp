@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT
+#include "host/robot/link/ur/ur_link.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include "host/robot/link/follow.hpp"
+#include "tests/unit/host/robot/link/fake_controller.hpp"
+#include "tests/unit/host/robot/link/planned.hpp"
+
+namespace biteline::robot::ur {
+namespace {
+
+// Generous: a busy machine must not fail the test, and a right answer comes in milliseconds.
+constexpr Nanoseconds k_patience{20'000'000'000};
+
+}  // namespace
+
+TEST_GROUP(UrLink) {
+  test::FakeController controller;
+
+  UrLink::Config config() {
+    return {.host = "127.0.0.1",
+            .rtde_port = controller.rtde_port(),
+            .script_port = controller.script_port(),
+            .dashboard_port = controller.dashboard_port(),
+            .rate_hz = 0,
+            .connect_patience_s = 20};
+  }
+
+  /// Waits for states until `enough` says so.
+  template <class Enough>
+  bool wait_until(const RobotLink& link, Enough enough) {
+    std::uint64_t sequence = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const auto state = link.wait_newer(sequence, k_patience);
+      if (!state) return false;
+      if (enough(*state)) return true;
+      sequence = state->sequence;
+    }
+    return false;
+  }
+};
+
+TEST(UrLink, StatesArriveInOurUnits) {
+  const auto link = UrLink::open(config());
+  CHECK(link.has_value());
+  const auto state = (*link)->wait_newer(0, k_patience);
+  CHECK(state.has_value());
+  DOUBLES_EQUAL(0.0, (state->T_base_tcp.translation() - Vec3{500, -250, 125}).norm(), 1e-9);
+  DOUBLES_EQUAL(150, state->T_flange_tcp.translation().z(), 1e-9);
+  DOUBLES_EQUAL(3.0, geometry::log_so3(state->T_base_tcp.linear()).y(), 1e-9);
+  CHECK(state->powered && !state->program_running && state->safety == Safety::Normal);
+  CHECK(state->sampled.time_since_epoch() > Nanoseconds{10'000'000'000});
+}
+
+TEST(UrLink, AnArmThatStandsIsToldWithItsJoints) {
+  const auto link = UrLink::open(config());
+  CHECK(link.has_value());
+  const auto state = wait_until_still(**link, {.still_s = 0.02});
+  CHECK(state.has_value());
+  CHECK(state->sequence > 1);  // not the first that came
+}
+
+TEST(UrLink, AnArmThatMovesIsWaitedForUntilItStands) {
+  controller.turning = true;
+  const auto link = UrLink::open(config());
+  CHECK(link.has_value());
+  std::thread operation{[&] {
+    static_cast<void>(wait_until(**link, [](const RobotState& s) { return s.q_rad[0] > 0.5; }));
+    controller.turning = false;
+  }};
+  const auto state = wait_until_still(**link, {.still_s = 0.05});
+  operation.join();
+  CHECK(state.has_value());
+  CHECK(state->q_rad[0] > 0.5);
+  DOUBLES_EQUAL((*link)->latest()->q_rad[0], state->q_rad[0], 1e-12);
+}
+
+TEST(UrLink, AnArmThatNeverStandsIsGivenUp) {
+  controller.turning = true;
+  const auto link = UrLink::open(config());
+  CHECK(link.has_value());
+  const auto state = wait_until_still(**link, {.patience_s = 0.3, .still_s = 0.1});
+  CHECK_FALSE(state.has_value());
+  CHECK(state.error().code == Errc::Timeout);
+}
+
+TEST(UrLink, BrokenConnectionComesBackWithTheRecipe) {
+  const auto link = UrLink::open(config());
+  CHECK(link.has_value());
+  const std::uint64_t before = (*link)->status().connections;
+  controller.drop = true;
+  CHECK(wait_until(**link, [&](const RobotState&) { return (*link)->status().connections > before; }));
+  const std::uint64_t states = (*link)->status().states;
+  CHECK(wait_until(**link, [&](const RobotState&) { return (*link)->status().states > states + 5; }));
+  CHECK((*link)->status().connected);
+}
+
+TEST(UrLink, PathIsSentOnlyToASafePoweredIdleArm) {
+  const path::CheckedPath path = test::planned_path("grind.yaml");
+  const auto link = UrLink::open(config());
+  CHECK(link.has_value());
+
+  controller.safety_mode = 3;  // protective stop
+  CHECK(wait_until(**link, [](const RobotState& s) { return s.safety == Safety::Stopped; }));
+  CHECK((*link)->send(path).error().code == Errc::InterlockOpen);
+  controller.safety_mode = 1;
+  controller.robot_mode = 5;  // idle: brakes on
+  CHECK(wait_until(**link, [](const RobotState& s) { return !s.powered && s.safety == Safety::Normal; }));
+  CHECK((*link)->send(path).error().code == Errc::PeerRefused);
+  controller.robot_mode = 7;
+  controller.runtime_state = 2;
+  CHECK(wait_until(**link, [](const RobotState& s) { return s.powered && s.program_running; }));
+  CHECK((*link)->send(path).error().code == Errc::PeerRefused);
+  CHECK(controller.script().empty());
+
+  controller.runtime_state = 1;
+  CHECK(wait_until(**link, [](const RobotState& s) { return !s.program_running; }));
+  CHECK((*link)->send(path).has_value());
+  CHECK(wait_until(**link, [&](const RobotState&) { return controller.script().ends_with("end\n"); }));
+  CHECK(controller.script().starts_with("def biteline_path():"));
+}
+
+TEST(UrLink, StatesWithoutNumbersAreNotHandedOut) {
+  controller.not_a_number = true;
+  UrLink::Config impatient = config();
+  impatient.connect_patience_s = 0.3;
+  CHECK_FALSE(UrLink::open(impatient).has_value());
+}
+
+TEST(UrLink, SilentControllerIsStaleThenLost) {
+  const auto link = UrLink::open(config());
+  CHECK(link.has_value());
+  controller.silent = true;
+  std::uint64_t sequence = 0;
+  for (auto state = (*link)->wait_newer(0, k_patience); state;
+       state = (*link)->wait_newer(sequence, Nanoseconds{400'000'000})) {
+    sequence = state->sequence;
+  }
+  const auto state = (*link)->latest();
+  CHECK_FALSE(state.has_value());
+  CHECK(state.error().code == Errc::PoseStale || state.error().code == Errc::ConnectionLost);
+}
+
+TEST(UrLink, NobodyThereIsToldAtOnce) {
+  UrLink::Config wrong = config();
+  wrong.rtde_port = 1;  // nobody listens on it
+  const auto link = UrLink::open(wrong);
+  CHECK_FALSE(link.has_value());
+  CHECK(link.error().code == Errc::ConnectFailed);
+}
+
+TEST(UrLink, FollowingStopsTheArmWhenSafetyTrips) {
+  const path::CheckedPath path = test::planned_path("grind.yaml");
+  const auto link = UrLink::open(config());
+  CHECK(link.has_value());
+  CHECK((*link)->wait_newer(0, k_patience).has_value());
+  // The trip comes while the program runs: as soon as the script has arrived.
+  std::thread operation{[&] {
+    while (controller.script().empty()) std::this_thread::yield();
+    controller.runtime_state = 2;
+    while (controller.runtime_state != 2) std::this_thread::yield();
+    controller.safety_mode = 7;  // emergency stop
+  }};
+  FollowReport report;
+  const auto result = follow(**link, path, {}, report);
+  operation.join();
+  CHECK_FALSE(result.has_value());
+  CHECK(result.error().code == Errc::InterlockOpen);
+  CHECK(controller.dashboard().find("stop") != std::string::npos);
+}
+
+}  // namespace biteline::robot::ur

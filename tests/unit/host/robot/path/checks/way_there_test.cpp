@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+#include "host/robot/path/checks/way_there.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "host/robot/kinematics/chain.hpp"
+#include "host/robot/path/plan.hpp"
+#include "tests/unit/host/robot/path/made_line.hpp"
+
+namespace biteline::path {
+
+TEST_GROUP(WayThere) {
+  PlanRequest request{
+      .line = test::made_line({.half_length_mm = 85, .half_width_mm = 40, .middle = {450, 0, 60}}),
+      .process = *read_process(std::filesystem::path{BITELINE_PROCESSES} / "grind.yaml"),
+      .arm = *kinematics::arm_model("UR5e"),
+      .T_line_base = SE3::Identity(),
+      .table_z_mm = 20,
+      .shoe = {.height_mm = 40},
+      .cloud = {}};
+  PlanOutcome planned;
+
+  void setup() override {
+    planned = plan(request);
+    CHECK_TEXT(planned.path.has_value(), planned.reason.c_str());
+  }
+  CollisionModel collisions() const {
+    return {request.arm, request.process.tool, planned.surroundings};
+  }
+  kinematics::Joints first() const {
+    return planned.path->path().waypoints.front().q_rad;
+  }
+  /// Where it stands, a screen from the table to above the arm is between it and the path.
+  kinematics::Joints behind_screen() const {
+    kinematics::Joints from = first();
+    from[0] += 2.8;
+    return from;
+  }
+  std::vector<Vec3> screen() const {
+    const Vec3 tool_base = kinematics::forward(request.arm, first()).translation();
+    const double bearing_rad = std::atan2(tool_base.y(), tool_base.x()) + 1.4;
+    std::vector<Vec3> points;
+    for (double radius_mm = 250; radius_mm <= 1200; radius_mm += 10) {
+      for (double z_mm = 20; z_mm <= 1500; z_mm += 10) {
+        points.emplace_back(radius_mm * std::cos(bearing_rad), radius_mm * std::sin(bearing_rad), z_mm);
+      }
+    }
+    return points;
+  }
+  double least_mm(const std::vector<kinematics::Joints>& stops) const {
+    double least = 1e9;
+    for (std::size_t leg = 0; leg + 1 < stops.size(); ++leg) {
+      for (int i = 0; i <= 1000; ++i) {
+        const kinematics::Joints q = stops[leg] + (stops[leg + 1] - stops[leg]) * (i / 1000.0);
+        least = std::min(least, collisions().clearance(kinematics::joint_frames(request.arm, q), 50).mm);
+      }
+    }
+    return least;
+  }
+};
+
+TEST(WayThere, AFreeWayIsDirect) {
+  kinematics::Joints from = first();
+  from[0] += 0.3;
+  const WayThere sut = find_way_there(from, *planned.path, request.arm, collisions());
+  CHECK_TEXT(sut.check.passed, sut.check.detail.c_str());
+  CHECK(sut.path.has_value());
+  LONGS_EQUAL(0, sut.path->path().via_rad.size());
+}
+
+TEST(WayThere, AnArmBesideTheShoeGoesOverIt) {
+  // At the path's other side, down at the line; the direct way leads through a post.
+  const auto& waypoints = planned.path->path().waypoints;
+  std::size_t other = 0;
+  for (std::size_t i = 0; i < waypoints.size(); ++i) {
+    const auto away = [&](std::size_t k) {
+      return (waypoints[k].T_base_tcp.translation() - waypoints.front().T_base_tcp.translation()).norm();
+    };
+    if (waypoints[i].segment == Segment::Line && away(i) > away(other)) other = i;
+  }
+  const kinematics::Joints from = waypoints[other].q_rad;
+  const Vec3 half_way = kinematics::forward(request.arm, (from + first()) / 2) *
+                        request.process.tool.T_flange_tcp.translation();
+  for (double z_mm = 20; z_mm < half_way.z() + 60; z_mm += 5)
+    planned.surroundings.shoe_points.emplace_back(half_way.x(), half_way.y(), z_mm);
+  const WayThere sut = find_way_there(from, *planned.path, request.arm, collisions());
+  CHECK_TEXT(sut.check.passed, sut.check.detail.c_str());
+  std::vector<kinematics::Joints> stops{from};
+  for (const auto& via : sut.path->path().via_rad) stops.push_back(via);
+  stops.push_back(first());
+  // It leaves from the line, where the tool is as near as the work needs; nearer it does not come.
+  CHECK(least_mm(stops) >
+        std::min(5.0, collisions().clearance(kinematics::joint_frames(request.arm, from), 50).mm) - 1);
+  CHECK(least_mm({from, first()}) < 5);
+  CHECK(!sut.path->path().via_rad.empty());
+}
+
+TEST(WayThere, WithoutAFreeWayThereIsNone) {
+  Surroundings screened = planned.surroundings;
+  for (const Vec3& p : screen()) screened.shoe_points.push_back(p);
+  const WayThere sut = find_way_there(behind_screen(), *planned.path, request.arm,
+                                      CollisionModel{request.arm, request.process.tool, screened});
+  CHECK_FALSE(sut.check.passed);
+  CHECK_FALSE(sut.path.has_value());
+  STRCMP_CONTAINS("from where the arm stands", sut.check.detail.c_str());
+}
+
+TEST(WayThere, APlanFromWhereTheArmStandsHasItsWayOrIsRefused) {
+  request.from_rad = behind_screen();
+  const PlanOutcome free = plan(request);
+  CHECK_TEXT(free.path.has_value(), free.reason.c_str());
+  STRCMP_EQUAL("way there", free.checks.back().name.c_str());
+
+  for (const Vec3& p : planned.surroundings.shoe_points) request.cloud.push_back(p.cast<float>());
+  for (const Vec3& p : screen()) request.cloud.push_back(p.cast<float>());
+  const PlanOutcome screened = plan(request);
+  CHECK_FALSE(screened.path.has_value());
+  STRCMP_CONTAINS("from where the arm stands", screened.reason.c_str());
+}
+
+}  // namespace biteline::path

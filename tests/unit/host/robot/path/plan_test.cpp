@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+#include "host/robot/path/plan.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <numbers>
+
+#include "host/robot/kinematics/chain.hpp"
+#include "tests/support/transforms.hpp"
+#include "tests/unit/host/robot/path/made_line.hpp"
+
+namespace biteline::path {
+namespace {
+
+PlanRequest request(const char* robot, const char* process) {
+  return {.line = test::made_line(),
+          .process = *read_process(std::filesystem::path{BITELINE_PROCESSES} / process),
+          .arm = *kinematics::arm_model(robot),
+          .T_line_base = SE3::Identity(),
+          .table_z_mm = 40,
+          .shoe = {},
+          .cloud = {}};
+}
+
+std::string failed(const std::vector<Check>& checks) {
+  std::string names;
+  for (const Check& check : checks) {
+    if (!check.passed) names += check.name + ";";
+  }
+  return names;
+}
+
+}  // namespace
+
+TEST_GROUP(Plan){};
+
+TEST(Plan, EveryShippedProcessIsFollowedByTheUr5eWithEveryCheckPassed) {
+  for (const char* name : {"grind.yaml", "rough.yaml", "cement.yaml", "spray.yaml"}) {
+    const PlanRequest asked = request("UR5e", name);
+    const PlanOutcome outcome = plan(asked);
+    CHECK_TEXT(outcome.path.has_value(), outcome.reason.c_str());
+    CHECK_TEXT(failed(outcome.checks).empty(), name);
+    for (const Waypoint& w : outcome.path->path().waypoints) {
+      TRANSFORMS_EQUAL(w.T_base_tcp,
+                       kinematics::forward(asked.arm, w.q_rad) * asked.process.tool.T_flange_tcp, 1e-3, 1e-5);
+    }
+  }
+}
+
+TEST(Plan, FreeTurnStaysWithinTheToolsFreedom) {
+  const PlanRequest asked = request("UR5e", "cement.yaml");
+  const PlanOutcome outcome = plan(asked);
+  CHECK(outcome.path.has_value());
+  for (std::size_t i = 0; i < outcome.tool_path.points.size(); ++i) {
+    const SE3 turn =
+        outcome.tool_path.points[i].T_base_tcp.inverse() * outcome.path->path().waypoints[i].T_base_tcp;
+    const double turn_rad = geometry::log_so3(turn.linear()).z();
+    CHECK(std::abs(turn_rad) <= asked.process.tool.free_turn_rad + 1e-6);
+  }
+}
+
+TEST(Plan, ShoeOutOfReachIsRefusedWithAMoveThatHelps) {
+  PlanRequest asked = request("UR5e", "grind.yaml");
+  const Vec3 away{200, 50, 0};
+  for (cloud::LinePoint& p : asked.line.points) p.position += away;
+  const PlanOutcome outcome = plan(asked);
+  CHECK_FALSE(outcome.path.has_value());
+  CHECK(outcome.blockage.what == Obstacle::Reach);
+  CHECK(outcome.remedy.move_shoe_base.has_value());
+  for (cloud::LinePoint& p : asked.line.points) p.position += *outcome.remedy.move_shoe_base;
+  CHECK(plan(asked).path.has_value());
+}
+
+TEST(Plan, BaseElsewhereIsTheSameAsShoeElsewhere) {
+  PlanRequest asked = request("UR5e", "grind.yaml");
+  const SE3 T_line_base =
+      geometry::make_se3(Eigen::Quaterniond{Eigen::AngleAxisd{2.0, Vec3::UnitZ()}}, Vec3{200, 900, 30});
+  const PlanOutcome here = plan(asked);
+  for (cloud::LinePoint& p : asked.line.points) {
+    p.position = T_line_base * p.position;
+    p.normal = T_line_base.linear() * p.normal;
+    p.tangent = T_line_base.linear() * p.tangent;
+  }
+  asked.T_line_base = T_line_base;
+  asked.table_z_mm += 30;
+  const PlanOutcome there = plan(asked);
+  CHECK(here.path && there.path);
+  const auto& a = here.path->path().waypoints;
+  const auto& b = there.path->path().waypoints;
+  CHECK_EQUAL(a.size(), b.size());
+  // The tip and the tool's axis; the free turn about it may be another where two cost the same.
+  for (std::size_t i = 0; i < a.size(); i += 25) {
+    DOUBLES_EQUAL(0.0, (a[i].T_base_tcp.translation() - b[i].T_base_tcp.translation()).norm(), 1e-5);
+    DOUBLES_EQUAL(0.0, (a[i].T_base_tcp.linear().col(2) - b[i].T_base_tcp.linear().col(2)).norm(), 1e-7);
+  }
+}
+
+TEST(Plan, OpenLineIsRefusedBeforeAnythingElse) {
+  PlanRequest asked = request("UR5e", "grind.yaml");
+  asked.line.points.resize(300);
+  const PlanOutcome outcome = plan(asked);
+  CHECK_FALSE(outcome.path.has_value());
+  CHECK(outcome.reason.find("closed") != std::string::npos);
+}
+
+TEST_GROUP(CheckPath) {
+  PlanRequest asked = request("UR5e", "grind.yaml");
+  PlanOutcome outcome = plan(asked);
+  PlannedPath path = outcome.path->path();
+  CollisionModel collisions{asked.arm, asked.process.tool,
+                            surroundings_of_line(asked.line, asked.shoe, asked.table_z_mm)};
+
+  std::string failed_checks() {
+    return failed(check_path(path, asked.arm, collisions, {}).checks);
+  }
+};
+
+TEST(CheckPath, PlannedPathPassesAgain) {
+  STRCMP_EQUAL("", failed_checks().c_str());
+}
+
+TEST(CheckPath, EveryTamperedPathIsCaught) {
+  const PlannedPath good = path;
+  const std::size_t middle = path.waypoints.size() / 2;
+
+  path.waypoints[middle].T_base_tcp.translation().x() += 0.1;
+  CHECK(failed_checks().find("joints reach the poses") != std::string::npos);
+
+  path = good;
+  for (Waypoint& w : path.waypoints) w.q_rad[5] += 4 * std::numbers::pi;
+  STRCMP_EQUAL("joint limits;", failed_checks().c_str());
+
+  path = good;
+  for (std::size_t i = middle; i < path.waypoints.size(); ++i)
+    path.waypoints[i].q_rad[5] -= 2 * std::numbers::pi;
+  CHECK(failed_checks().find("no wrist jump") != std::string::npos);
+
+  path = good;
+  for (Waypoint& w : path.waypoints) w.time_s *= 0.5;
+  CHECK(failed_checks().find("speed") != std::string::npos);
+
+  path = good;
+  for (std::size_t i = middle; i < path.waypoints.size(); ++i) path.waypoints[i].time_s -= 1;
+  CHECK(failed_checks().find("time runs forward") != std::string::npos);
+
+  path = good;
+  path.waypoints.erase(path.waypoints.begin() + static_cast<std::ptrdiff_t>(middle),
+                       path.waypoints.begin() + static_cast<std::ptrdiff_t>(middle) + 4);
+  CHECK(failed_checks().find("path spacing") != std::string::npos);
+
+  path = good;
+  Surroundings wall = collisions.surroundings();
+  wall.shoe_points.push_back(path.waypoints[middle].T_base_tcp * Vec3{0, 0, -100});
+  const CollisionModel blocked{asked.arm, asked.process.tool, wall};
+  const CheckOutcome checked = check_path(path, asked.arm, blocked, {});
+  STRCMP_EQUAL("clearance;", failed(checked.checks).c_str());
+  CHECK_FALSE(checked.path.has_value());
+}
+
+}  // namespace biteline::path

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+#include "host/robot/path/timing.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <cmath>
+
+namespace biteline::path {
+namespace {
+
+/// A straight way of `count` points 2 mm apart on the line, joint 1 turning `rad_per_mm`.
+struct Way {
+  ToolPath path;
+  JointPath joints;
+};
+Way straight(std::size_t count, double rad_per_mm) {
+  Way way;
+  for (std::size_t i = 0; i < count; ++i) {
+    ToolPoint p{.T_base_tcp = SE3::Identity(),
+                .segment = Segment::Line,
+                .arc_mm = 2.0 * static_cast<double>(i),
+                .curvature_per_mm = 0,
+                .line_base = Vec3::Zero()};
+    p.T_base_tcp.translation().x() = p.arc_mm;
+    way.path.points.push_back(p);
+    kinematics::Joints q_rad = kinematics::Joints::Zero();
+    q_rad[0] = rad_per_mm * p.arc_mm;
+    way.joints.q_rad.push_back(q_rad);
+    way.joints.turn_rad.push_back(0);
+  }
+  return way;
+}
+
+}  // namespace
+
+TEST_GROUP(Timing) {
+  kinematics::ArmModel arm = *kinematics::arm_model("UR5e");
+  Motion motion{.speed_mm_s = 100, .acceleration_mm_s2 = 500};
+};
+
+TEST(Timing, RampsUpCruisesAndStops) {
+  const Way way = straight(201, 0);
+  const Timing t = time_path(arm, way.path, way.joints, motion);
+  DOUBLES_EQUAL(0, t.speed_mm_s.front(), 0);
+  DOUBLES_EQUAL(0, t.speed_mm_s.back(), 0);
+  DOUBLES_EQUAL(100, t.speed_mm_s[100], 1e-9);
+  // 400 mm: two ramps of 0.2 s over 10 mm each, 380 mm at 100 mm/s.
+  DOUBLES_EQUAL(0.4 + 3.8, t.time_s.back(), 1e-6);
+}
+
+TEST(Timing, CurvesAreTakenAtTheSpeedTheirRadiusAllows) {
+  Way way = straight(201, 0);
+  for (std::size_t i = 90; i < 110; ++i) way.path.points[i].curvature_per_mm = 0.5;
+  motion.cross_acceleration_mm_s2 = 450;
+  const Timing t = time_path(arm, way.path, way.joints, motion);
+  DOUBLES_EQUAL(std::sqrt(450 / 0.5), t.speed_mm_s[100], 1e-9);
+  for (std::size_t i = 0; i + 1 < 201; ++i) {
+    const double a = (std::pow(t.speed_mm_s[i + 1], 2) - std::pow(t.speed_mm_s[i], 2)) / 4;
+    CHECK(std::abs(a) <= motion.acceleration_mm_s2 * 1.0001);
+  }
+}
+
+TEST(Timing, JointsKeepTheirShareOfTheirSpeed) {
+  const Way way = straight(201, 0.05);
+  motion.joint_speed_ratio = 0.5;
+  const Timing t = time_path(arm, way.path, way.joints, motion);
+  DOUBLES_EQUAL(0.5 * arm.limits.speed_rad_s[0] / 0.05, t.speed_mm_s[100], 1e-6);
+  const JointAcceleration worst = worst_acceleration(arm, way.path, way.joints, t);
+  CHECK(worst.ratio <= 1.0);
+}
+
+}  // namespace biteline::path

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#include "host/transfer/identify.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <fstream>
+#include <map>
+
+#include "host/cloud/ply.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/made_pair.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace biteline::transfer {
+namespace {
+
+const sim::ScanSettings k_scan{.profile_step_mm = 1.5, .column_step_mm = 0.2};
+
+/// Made once: the slow part of these tests.
+const test::MadePair& pair_of(std::uint64_t seed) {
+  static std::map<std::uint64_t, test::MadePair> pairs;
+  const auto [at, is_new] = pairs.try_emplace(seed);
+  if (is_new) at->second = test::made_pair({.seed = seed, .scan = k_scan});
+  return at->second;
+}
+
+}  // namespace
+
+TEST_GROUP(Identify) {
+  test::TemporaryFolder folder;
+  Library library{folder.path() / "models"};
+
+  /// Saves the sample of that seed; hands back the next upper of its model.
+  cloud::PointCloud teach(const std::string& name, std::uint64_t seed) const {
+    const test::MadePair& pair = pair_of(seed);
+    const std::filesystem::path path = folder.path() / name;
+    std::filesystem::create_directories(path);
+    SUCCEEDS(cloud::write_cloud(path / k_cloud_file, pair.sample_cloud));
+    SUCCEEDS(cloud::write_line(path / k_line_file, pair.sample_line));
+    SUCCEEDS(library.save(name, path));
+    return pair.upper_cloud;
+  }
+};
+
+TEST(Identify, NamesTheModelAndHowSure) {
+  const cloud::PointCloud upper = teach("first", 1);
+  teach("second", 2);
+  const Result<Identification> sut = identify(library, upper, {});
+  SUCCEEDS(sut);
+  STRCMP_EQUAL("first", sut->name.c_str());
+  LONGS_EQUAL(2, sut->matches.size());
+  CHECK(sut->matches[0].probability > 0.6);
+  DOUBLES_EQUAL(0.0, sut->matches[1].probability, 1e-9);
+}
+
+TEST(Identify, NoneOfThemIsAnAnswer) {
+  const cloud::PointCloud upper = teach("first", 1);
+  SUCCEEDS(library.remove("first"));
+  teach("second", 2);
+  const Result<Identification> sut = identify(library, upper, {});
+  SUCCEEDS(sut);
+  CHECK(sut->name.empty());
+  CHECK(sut->reason.find("none of the 1 models") != std::string::npos);
+}
+
+TEST(Identify, TwoThatBothFitAreToldAndNotChosenFrom) {
+  const cloud::PointCloud upper = teach("first", 1);
+  teach("twin", 1);
+  const Result<Identification> sut = identify(library, upper, {});
+  SUCCEEDS(sut);
+  CHECK(sut->name.empty());
+  CHECK(sut->reason.find("first") != std::string::npos);
+  CHECK(sut->reason.find("twin") != std::string::npos);
+}
+
+TEST(Identify, ADamagedModelIsLeftOutAndTold) {
+  const cloud::PointCloud upper = teach("first", 1);
+  teach("second", 2);
+  std::ofstream(library.path_of("second") / k_line_file) << "x";
+  const Result<Identification> sut = identify(library, upper, {});
+  SUCCEEDS(sut);
+  STRCMP_EQUAL("first", sut->name.c_str());
+  LONGS_EQUAL(1, sut->damaged.size());
+  STRCMP_EQUAL("second", sut->damaged[0].name.c_str());
+  SUCCEEDS(library.remove("first"));
+  CHECK(identify(library, upper, {})->reason.find("second") != std::string::npos);
+}
+
+}  // namespace biteline::transfer

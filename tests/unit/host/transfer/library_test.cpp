@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+#include "host/transfer/library.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <fstream>
+
+#include "host/cloud/ply.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace biteline::transfer {
+
+TEST_GROUP(Library) {
+  test::TemporaryFolder folder;
+  Library sut{folder.path() / "models"};
+
+  /// A sample of `points` points and a triangle as its line.
+  std::filesystem::path sample(std::size_t points) const {
+    const std::filesystem::path path = folder.path() / ("sample" + std::to_string(points));
+    std::filesystem::create_directories(path);
+    cloud::PointCloud cloud;
+    for (std::size_t i = 0; i < points; ++i) cloud.points.emplace_back(static_cast<float>(i), 0.0F, 1.0F);
+    SUCCEEDS(cloud::write_cloud(path / k_cloud_file, cloud));
+    cloud::ClosedLine line;
+    for (const Vec3& position : {Vec3{0, 0, 0}, Vec3{3, 0, 0}, Vec3{0, 4, 0}}) {
+      line.points.push_back(
+          {.position = position, .normal = Vec3::UnitZ(), .tangent = Vec3::UnitX(), .confidence = 1});
+    }
+    SUCCEEDS(cloud::write_line(path / k_line_file, line));
+    return path;
+  }
+
+  void overwrite(const std::string& model, const char* file, const std::string& bytes) const {
+    std::ofstream(sut.path_of(model) / file, std::ios::binary) << bytes;
+  }
+};
+
+TEST(Library, WhatIsSavedIsLoadedAgain) {
+  SUCCEEDS(sut.save("runner-42", sample(7)));
+  const Result<SampleFiles> loaded = sut.load("runner-42");
+  SUCCEEDS(loaded);
+  LONGS_EQUAL(7, loaded->cloud.size());
+  LONGS_EQUAL(3, loaded->line.points.size());
+  const Result<std::vector<ModelInfo>> list = sut.list();
+  SUCCEEDS(list);
+  LONGS_EQUAL(1, list->size());
+  STRCMP_EQUAL("runner-42", list->front().name.c_str());
+  LONGS_EQUAL(7, list->front().points);
+  DOUBLES_EQUAL(12.0, list->front().line_length_mm, 1e-6);
+}
+
+TEST(Library, SavingAgainReplacesAndLeavesNothingBeside) {
+  SUCCEEDS(sut.save("a", sample(7)));
+  SUCCEEDS(sut.save("a", sample(9)));
+  LONGS_EQUAL(9, sut.load("a")->cloud.size());
+  std::size_t entries = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(sut.folder())) ++entries;
+  LONGS_EQUAL(1, entries);
+}
+
+TEST(Library, TheProcessGoesWithTheModel) {
+  const std::filesystem::path process = folder.write("cement.yaml", "tool: spray\n");
+  SUCCEEDS(sut.save("a", sample(7), process));
+  CHECK(sut.list()->front().has_process);
+  CHECK(std::filesystem::exists(sut.path_of("a") / k_process_file));
+}
+
+TEST(Library, ADamagedModelIsRefusedByName) {
+  struct Row {
+    const char* file;
+    std::string bytes;
+    Errc code;
+    const char* words;
+  };
+  const std::filesystem::path source = sample(7);
+  SUCCEEDS(sut.save("good", source));
+  std::ifstream in(sut.path_of("good") / k_cloud_file, std::ios::binary);
+  std::string flipped{std::istreambuf_iterator<char>(in), {}};
+  flipped.back() = static_cast<char>(flipped.back() ^ 1);
+  for (const Row& row : {Row{k_cloud_file, "short", Errc::SizeMismatch, "cloud.ply has 5 bytes"},
+                         Row{k_cloud_file, flipped, Errc::BadValue, "cloud.ply does not match its checksum"},
+                         Row{"model.json", "{", Errc::BadFormat, "model.json"},
+                         Row{"model.json", "{\"format\":1,\"points\":1,\"line_length_mm\":1,\"files\":[]}",
+                             Errc::BadFormat, "does not name cloud.ply"}}) {
+    SUCCEEDS(sut.save("bad", source));
+    overwrite("bad", row.file, row.bytes);
+    FAILS_NAMING(row.code, "model bad is damaged", sut.load("bad"));
+    FAILS_NAMING(row.code, row.words, sut.load("bad"));
+    LONGS_EQUAL(2, sut.list()->size());
+    CHECK(sut.list()->front().damage.has_value());  // "bad" comes before "good"
+    CHECK_FALSE(sut.list()->back().damage.has_value());
+  }
+  SUCCEEDS(sut.save("bad", source));
+  std::filesystem::remove(sut.path_of("bad") / k_line_file);
+  FAILS_NAMING(Errc::FileNotFound, "model bad is damaged: line.csv is missing", sut.load("bad"));
+}
+
+TEST(Library, RemovedIsGone) {
+  SUCCEEDS(sut.save("a", sample(7)));
+  SUCCEEDS(sut.remove("a"));
+  CHECK(sut.list()->empty());
+  FAILS_NAMING(Errc::FileNotFound, "no model a", sut.load("a"));
+  FAILS_NAMING(Errc::FileNotFound, "no model a", sut.remove("a"));
+}
+
+TEST(Library, NamesThatCouldLeaveTheFolderAreRefused) {
+  for (const char* name : {"", "..", "../x", "a/b", ".hidden", "two words"}) {
+    FAILS_NAMING(Errc::InvalidArgument, "model name", sut.save(name, sample(7)));
+    CHECK_FALSE(sut.load(name).has_value());
+    CHECK_FALSE(sut.remove(name).has_value());
+  }
+}
+
+TEST(Library, AScanThatWasRefusedIsNoSample) {
+  const std::filesystem::path path = sample(7);
+  std::filesystem::remove(path / k_line_file);
+  folder.write("sample7/report.json", "{\"status\": \"refused\"}");
+  FAILS_NAMING(Errc::FileNotFound, "this scan has no line", sut.save("a", path));
+  CHECK(sut.list()->empty());
+}
+
+TEST(Library, OneThatDoesNotExistYetIsEmpty) {
+  CHECK(sut.list()->empty());
+}
+
+}  // namespace biteline::transfer
