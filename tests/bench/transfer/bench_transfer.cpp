@@ -73,7 +73,7 @@ Error error_of(const SE3& T_found, const SE3& T_true, const Vec3& centre) {
 
 SE3 our_align(std::span<const Eigen::Vector3f> source_points,
               std::span<const Eigen::Vector3f> target_points) {
-  using namespace registration;
+  using namespace transfer;
   const Surfels source = surfels_of(source_points, k_pitch_mm),
                 target = surfels_of(target_points, k_pitch_mm);
   const Surfels source_coarse = coarsened(source, 8), target_coarse = coarsened(target, 8);
