@@ -21,24 +21,37 @@ void Report::add_stage(const std::string& stage, double seconds) {
   entry = (entry.is_null() ? 0.0 : entry.get<double>()) + seconds;
 }
 
+void Report::refuse(ToldRefusal refusal) {
+  refusal_ = std::move(refusal);
+}
+
 void Report::refuse(const std::string& reason) {
-  refused_ = true;
-  reason_ = reason;
+  refuse(ToldRefusal{.reason_code = {}, .reason = reason, .next_step = {}});
 }
 
 void Report::stop_clock() {
   if (total_s_ < 0) total_s_ = std::chrono::duration<double>(Clock::now() - begin_ - aside_).count();
 }
 
-Result<void> Report::write(const fs::path& folder) {
+std::string Report::text() {
   stop_clock();
   nlohmann::ordered_json all;
-  all["status"] = refused_ ? "refused" : "ok";
-  if (refused_) all["reason"] = reason_;
+  all["schema_version"] = k_schema_version;
+  all["status"] = refusal_ ? "refused" : "ok";
+  if (refusal_) {
+    if (!refusal_->reason_code.empty()) all["reason_code"] = refusal_->reason_code;
+    all["reason"] = refusal_->reason;
+    if (!refusal_->next_step.empty()) all["next_step"] = refusal_->next_step;
+  }
   if (!fields.is_null()) all.update(fields);
   all["stages"] = stages_.is_null() ? nlohmann::ordered_json::object() : stages_;
   all["total_s"] = total_s_;
-  return write_file_atomically(folder / "report.json", all.dump(2) + "\n");
+  // Names of files are bytes: what is no UTF-8 among them is replaced.
+  return all.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+Result<void> Report::write(const fs::path& folder) {
+  return write_file_atomically(folder / "report.json", text());
 }
 
 Result<void> write_file_atomically(const fs::path& file, const std::string& text) {

@@ -5,11 +5,17 @@
 #include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "common/core/result.hpp"
+#include "host/report/refusal.hpp"
 
 namespace biteline::report {
+
+/// `schema_version` of every report.json.  Goes up when a key is renamed or removed, or changes its meaning
+/// or unit; a new key leaves it.
+inline constexpr int k_schema_version = 1;
 
 /// Created when the input is opened; written last.  Not thread-safe.
 ///
@@ -44,18 +50,26 @@ class Report {
     return work();
   }
 
-  /// The result is readable input without a trustworthy answer.  `reason` is one plain sentence.
+  /// The input is readable and gives no trustworthy answer.
+  void refuse(ToldRefusal refusal);
+  /// As a module's own refusal, with the words of its table.
+  template <class Code>
+  void refuse(const Refusal<Code>& refusal) {
+    refuse(told(refusal));
+  }
+  /// A reason that has no code yet.
   void refuse(const std::string& reason);
-  [[nodiscard]] bool refused() const { return refused_; }
-  [[nodiscard]] const std::string& reason() const { return reason_; }
+  [[nodiscard]] bool refused() const { return refusal_.has_value(); }
 
   /// Stops total_s; call when the last result is written.  write() calls it otherwise.
   void stop_clock();
 
+  /// The text of report.json, for --json too; stops the clock.
+  [[nodiscard]] std::string text();
   /// Writes `folder`/report.json (beside and renamed).
   [[nodiscard]] Result<void> write(const std::filesystem::path& folder);
 
-  /// Everything beyond status, reason, stages and total_s.
+  /// Everything beyond schema_version, status, the refusal, stages and total_s.
   nlohmann::ordered_json fields;
 
  private:
@@ -77,8 +91,7 @@ class Report {
   Clock::duration aside_{0};
   double total_s_{-1};
   nlohmann::ordered_json stages_;
-  bool refused_{false};
-  std::string reason_;
+  std::optional<ToldRefusal> refusal_;
 };
 
 /// Writes `text` to a file beside and renames it: a reader sees the old file or the new one, never half of

@@ -8,6 +8,7 @@
 
 #include "host/cloud/ply.hpp"
 #include "host/intake/account.hpp"
+#include "host/intake/refused.hpp"
 #include "host/report/report.hpp"
 #include "host/results/line_result.hpp"
 #include "host/results/plan_result.hpp"
@@ -23,12 +24,14 @@ namespace fs = std::filesystem;
 
 Result<LineStep> keep_unfinished(const fs::path& folder, const intake::ScanOutcome& scan,
                                  report::Report& report) {
-  const std::string reason = to_line(*scan.failure);
-  const auto profiles = static_cast<unsigned long long>(scan.counts.profiles);
-  report.refuse("the scan is not complete after " + std::to_string(profiles) + " profiles: " + reason);
+  const intake::Refusal refusal{.code = intake::Refused::ScanNotComplete,
+                                .reason = "the scan is not complete after " +
+                                          std::to_string(scan.counts.profiles) +
+                                          " profiles: " + to_line(*scan.failure)};
+  report.refuse(refusal);
   BITELINE_TRY(cloud::write_cloud(folder / "cloud.ply", scan.cloud));
   BITELINE_TRY(report.write(folder));
-  say_step("refused: the scan is not complete after %llu profiles: %s", profiles, reason.c_str());
+  say_step("refused: %s", refusal.reason.c_str());
   return LineStep{.status = ExitStatus::Refused, .line = {}};
 }
 

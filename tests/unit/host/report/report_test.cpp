@@ -3,10 +3,12 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <array>
 #include <sstream>
 
 #include "host/report/page.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/refusals.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace biteline::report {
@@ -50,12 +52,37 @@ TEST(Report, TimeForPicturesStaysOutOfTheTotal) {
   CHECK(json["stages"]["pictures"].get<double>() > json["total_s"].get<double>());
 }
 
-TEST(Report, RefusalHasItsReason) {
+namespace {
+enum class Refused { NoShoe, TwoShoes };
+std::span<const RefusalRow<Refused>> refusal_table(Refused) {
+  static constexpr std::array k_rows{
+      RefusalRow<Refused>{Refused::NoShoe, "no_shoe", "put a shoe on the table"},
+      RefusalRow<Refused>{Refused::TwoShoes, "two_shoes", "take one shoe away"},
+  };
+  return k_rows;
+}
+}  // namespace
+
+TEST(Report, RefusalHasItsCodeItsReasonAndTheNextStep) {
+  test::check_refusal_table(Refused::TwoShoes);
   Report sut;
-  sut.refuse("no crease anywhere");
+  CHECK_FALSE(sut.refused());
+  sut.refuse(Refusal<Refused>{.code = Refused::TwoShoes, .reason = "shoes at 40 mm and at 300 mm"});
+  CHECK_TRUE(sut.refused());
   const auto json = written(sut);
   STRCMP_EQUAL("refused", json["status"].get<std::string>().c_str());
-  STRCMP_EQUAL("no crease anywhere", json["reason"].get<std::string>().c_str());
+  STRCMP_EQUAL("two_shoes", json["reason_code"].get<std::string>().c_str());
+  STRCMP_EQUAL("shoes at 40 mm and at 300 mm", json["reason"].get<std::string>().c_str());
+  STRCMP_EQUAL("take one shoe away", json["next_step"].get<std::string>().c_str());
+}
+
+TEST(Report, TextIsWhatTheFileHas) {
+  Report sut;
+  sut.fields["input"] = "not \xff UTF-8";
+  written(sut);
+  const std::string text = sut.text();
+  STRCMP_EQUAL(content("report.json").c_str(), text.c_str());
+  LONGS_EQUAL(k_schema_version, nlohmann::json::parse(text)["schema_version"].get<int>());
 }
 
 TEST(Report, FileThatCannotBeWrittenLeavesTheOldOne) {

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+#include "host/intake/refused.hpp"
+
+#include <array>
+
+namespace biteline::intake {
+
+std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
+  static constexpr std::array k_rows{
+      report::RefusalRow<Refused>{Refused::ScanNotComplete, "scan_not_complete", "scan the shoe again"},
+  };
+  return k_rows;
+}
+
+}  // namespace biteline::intake

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Why a scan that came in is not worked on.
+
+#include "host/report/refusal.hpp"
+
+namespace biteline::intake {
+
+enum class Refused {
+  ScanNotComplete,  ///< it ended before its own end: sensor, poses, light or the link failed
+};
+
+[[nodiscard]] std::span<const report::RefusalRow<Refused>> refusal_table(Refused);
+
+using Refusal = report::Refusal<Refused>;
+
+}  // namespace biteline::intake
