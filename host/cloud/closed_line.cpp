@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "host/cloud/closed_line.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
+#include <string>
+#include <string_view>
 
+#include "common/core/fixed_text.hpp"
 #include "common/csv/table.hpp"
 #include "host/report/report.hpp"
 
@@ -13,7 +19,11 @@ namespace {
 // Written with six decimals a unit vector is off by 1e-6; 1e-3 catches a lost digit or a swapped field.
 constexpr double k_unit_tolerance = 1e-3;
 
-constexpr const char* k_header = "#x [mm],y [mm],z [mm],nx [],ny [],nz [],tx [],ty [],tz [],confidence []\n";
+constexpr const char* k_header = "#x [mm],y [mm],z [mm],nx [],ny [],nz [],tx [],ty [],tz [],confidence []";
+constexpr const char* k_optional_header = ",u95 [mm],flags [],source []";
+constexpr std::size_t k_fields = 10, k_u95 = 10, k_flags = 11, k_source = 12, k_all_fields = 13;
+
+constexpr std::array<std::string_view, 4> k_source_words{"seen", "bridged", "carried", "mended"};
 
 Result<Vec3> read_vector(const csv::Row& row, std::size_t first_field) {
   Vec3 v;
@@ -30,6 +40,56 @@ Result<Vec3> read_direction(const csv::Row& row, std::size_t first_field, const 
                 file.c_str(), row.number(), first_field + 1, first_field + 3, v.norm());
   }
   return Vec3(v.normalized());
+}
+
+Result<std::optional<double>> read_u95(const csv::Row& row, const std::filesystem::path& file) {
+  if (row.text(k_u95).empty()) return std::optional<double>{};
+  BITELINE_ASSIGN(const double u95_mm, row.number(k_u95));
+  if (!(u95_mm >= 0)) {
+    return fail(Errc::BadValue, "%s row %d, field %zu: a U95 of 0 mm or more expected", file.c_str(),
+                row.number(), k_u95 + 1);
+  }
+  return std::optional{u95_mm};
+}
+
+Result<std::uint32_t> read_flags(const csv::Row& row, const std::filesystem::path& file) {
+  BITELINE_ASSIGN(const std::int64_t flags, row.integer(k_flags));
+  if (flags < 0 || flags > std::numeric_limits<std::uint32_t>::max()) {
+    return fail(Errc::BadValue, "%s row %d, field %zu: flags from 0 to 2^32 - 1 expected", file.c_str(),
+                row.number(), k_flags + 1);
+  }
+  return static_cast<std::uint32_t>(flags);
+}
+
+Result<PointSource> read_source(const csv::Row& row, const std::filesystem::path& file) {
+  const std::string_view word = row.text(k_source);
+  const auto at = std::find(k_source_words.begin(), k_source_words.end(), word);
+  if (at == k_source_words.end()) {
+    return fail(Errc::BadValue,
+                "%s row %d, field %zu: seen, bridged, carried or mended expected, found '%.20s'",
+                file.c_str(), row.number(), k_source + 1, std::string(word).c_str());
+  }
+  return static_cast<PointSource>(at - k_source_words.begin());
+}
+
+/// The columns that a file may lack, as far as this row has them.
+Result<void> read_optional(const csv::Row& row, const std::filesystem::path& file, LinePoint& point) {
+  if (row.size() > k_u95) {
+    BITELINE_ASSIGN(point.u95_mm, read_u95(row, file));
+  }
+  if (row.size() > k_flags) {
+    BITELINE_ASSIGN(point.flags, read_flags(row, file));
+  }
+  if (row.size() > k_source) {
+    BITELINE_ASSIGN(point.source, read_source(row, file));
+  }
+  return {};
+}
+
+bool has_optional(const ClosedLine& line) {
+  return std::any_of(line.points.begin(), line.points.end(), [](const LinePoint& p) {
+    return p.u95_mm || p.flags != 0 || p.source != PointSource::Seen;
+  });
 }
 
 Result<ClosedLine> at_least_three(ClosedLine line, const std::filesystem::path& file) {
@@ -52,7 +112,7 @@ double length_mm(const ClosedLine& line) {
 
 Result<ClosedLine> read_line(const std::filesystem::path& file) {
   ClosedLine line;
-  BITELINE_TRY(csv::read_table(file, 10, 10, [&](const csv::Row& row) -> Result<void> {
+  BITELINE_TRY(csv::read_table(file, k_fields, k_all_fields, [&](const csv::Row& row) -> Result<void> {
     LinePoint point;
     BITELINE_ASSIGN(point.position, read_vector(row, 0));
     BITELINE_ASSIGN(point.normal, read_direction(row, 3, file));
@@ -62,6 +122,7 @@ Result<ClosedLine> read_line(const std::filesystem::path& file) {
       return fail(Errc::BadValue, "%s row %d, field 10: a confidence from 0 to 1 expected", file.c_str(),
                   row.number());
     }
+    BITELINE_TRY(read_optional(row, file, point));
     line.points.push_back(point);
     return {};
   }));
@@ -83,13 +144,20 @@ Result<ClosedLine> read_positions(const std::filesystem::path& file) {
 }
 
 Result<void> write_line(const std::filesystem::path& file, const ClosedLine& line) {
-  std::string text = k_header;
+  const bool optional = has_optional(line);
+  std::string text = std::string{k_header} + (optional ? k_optional_header : "") + "\n";
   char row[320];
   for (const LinePoint& p : line.points) {
-    std::snprintf(row, sizeof row, "%.5f,%.5f,%.5f,%.7f,%.7f,%.7f,%.7f,%.7f,%.7f,%.4f\n", p.position.x(),
+    std::snprintf(row, sizeof row, "%.5f,%.5f,%.5f,%.7f,%.7f,%.7f,%.7f,%.7f,%.7f,%.4f", p.position.x(),
                   p.position.y(), p.position.z(), p.normal.x(), p.normal.y(), p.normal.z(), p.tangent.x(),
                   p.tangent.y(), p.tangent.z(), p.confidence);
     text += row;
+    if (optional) {
+      const std::string u95 = p.u95_mm ? FixedText<32>::format("%.4f", *p.u95_mm).c_str() : "";
+      text += "," + u95 + "," + std::to_string(p.flags) + ",";
+      text += k_source_words.at(static_cast<std::size_t>(p.source));
+    }
+    text += '\n';
   }
   return report::write_file_atomically(file, text);
 }

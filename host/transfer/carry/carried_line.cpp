@@ -336,10 +336,12 @@ void resample(const RaySurface& surface, const std::vector<Cast>& casts, double 
     const Cast& nearer = place.share < 0.5 ? before : after;
     origins.push_back(way.point(place));
     directions.push_back(((1 - place.share) * before.direction + place.share * after.direction).normalized());
-    carried.line.points.push_back({.position = origins.back(),
-                                   .normal = directions.back(),
-                                   .tangent = Vec3::Zero(),
-                                   .confidence = confidence_of(nearer, options)});
+    carried.line.points.push_back(
+        {.position = origins.back(),
+         .normal = directions.back(),
+         .tangent = Vec3::Zero(),
+         .confidence = confidence_of(nearer, options),
+         .source = nearer.bridged ? cloud::PointSource::Bridged : cloud::PointSource::Carried});
     carried.bridged.push_back(nearer.bridged);
     if (nearer.bridged) carried.bridged_mm += even_mm;
   }
