@@ -6,17 +6,28 @@
 namespace biteline::rtde {
 namespace {
 
-/// Types as agreed on, or the first variable that the controller does not have or another client holds.
-Result<Recipe> agreed_recipe(std::uint8_t id, const std::vector<std::string>& names,
+std::vector<std::string> names_of(const std::vector<Variable>& variables) {
+  std::vector<std::string> names;
+  for (const Variable& variable : variables) names.push_back(variable.name);
+  return names;
+}
+
+/// Types as asked for, or the first variable that the controller lacks, types otherwise or that another
+/// client holds.
+Result<Recipe> agreed_recipe(std::uint8_t id, const std::vector<Variable>& wanted,
                              const std::vector<std::string>& types) {
-  if (types.size() != names.size()) {
-    return fail(Errc::ProtocolError, "RTDE recipe: %zu types for %zu variables", types.size(), names.size());
+  if (types.size() != wanted.size()) {
+    return fail(Errc::ProtocolError, "RTDE recipe: %zu types for %zu variables", types.size(), wanted.size());
   }
-  Recipe recipe{.id = id, .names = names, .types = {}};
-  for (std::size_t i = 0; i < names.size(); ++i) {
+  Recipe recipe{.id = id, .names = names_of(wanted), .types = {}};
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const char* const name = wanted[i].name.c_str();
     const std::optional<FieldType> type = field_type_of(types[i]);
-    if (!type) {
-      return fail(Errc::PeerRefused, "RTDE variable %.100s: %.40s", names[i].c_str(), types[i].c_str());
+    if (!type) return fail(Errc::PeerRefused, "RTDE variable %.100s: %.40s", name, types[i].c_str());
+    if (*type != wanted[i].type) {
+      const std::string_view expected = wire_name(wanted[i].type);
+      return fail(Errc::PeerRefused, "RTDE variable %.100s: %.40s, %.*s expected", name, types[i].c_str(),
+                  static_cast<int>(expected.size()), expected.data());
     }
     recipe.types.push_back(*type);
   }
@@ -35,7 +46,9 @@ void ClientSession::start() {
   outgoing_.clear();
   output_recipes_.clear();
   input_recipes_.clear();
-  version_ = ProtocolVersion::V2;
+  version_ = ProtocolVersion::V1;
+  refused_ = false;
+  data_packages_ = 0;
   state_ = State::Version2;
   append(outgoing_, ProtocolVersionRequest{.version = 2}, version_);
 }
@@ -56,46 +69,63 @@ Result<void> ClientSession::consume(ByteView bytes, ClientListener& listener) {
     return {};
   };
   Result<void> result = advance();
-  if (!result) state_ = State::Failed;
+  if (!result) {
+    const bool asking = state_ != State::Starting && state_ != State::Running;
+    const Errc code = result.error().code;
+    refused_ = asking && (code == Errc::PeerRefused || code == Errc::NotSupported);
+    state_ = State::Failed;
+  }
   return result;
 }
 
 Result<void> ClientSession::handle(const Package& package, ClientListener& listener) {
+  if (!is_known(package.type)) {
+    ++skipped_.unknown_packages;
+    return {};
+  }
   if (package.type == PackageType::Data) {
     const DataHeader header = output_header(version_);
     BITELINE_ASSIGN(const std::size_t recipe, recipe_of(package, output_recipes_, header));
     BITELINE_TRY(read_data(package, output_recipes_[recipe], header, values_[recipe]));
+    ++data_packages_;
     listener.on_data(recipe, values_[recipe]);
     return {};
   }
-  BITELINE_ASSIGN(const ControllerMessage message, read_controller_message(package, version_));
-  if (const auto* text = std::get_if<TextMessage>(&message)) {
-    listener.on_text(*text);
+  const Result<ControllerMessage> message = read_controller_message(package, version_);
+  if (package.type == PackageType::TextMessage) {
+    // A text is there for people: one that cannot be read costs no connection.
+    if (message) {
+      listener.on_text(std::get<TextMessage>(*message));
+    } else {
+      ++skipped_.unreadable_texts;
+    }
     return {};
   }
-  return handle_reply(message);
+  if (!message) return tl::unexpected<Error>{message.error()};
+  return handle_reply(*message);
+}
+
+Result<void> ClientSession::handle_version(bool accepted) {
+  if (state_ == State::Version2 && !accepted) {
+    state_ = State::Version1;
+    append(outgoing_, ProtocolVersionRequest{.version = 1}, version_);
+    return {};
+  }
+  if (!accepted) return fail(Errc::PeerRefused, "controller takes neither RTDE version 2 nor 1");
+  if (state_ == State::Version2) version_ = ProtocolVersion::V2;
+  if (version_ == ProtocolVersion::V1 && config_.outputs.size() > 1) {
+    return fail(Errc::NotSupported, "controller speaks RTDE version 1, which has one recipe; %zu wanted",
+                config_.outputs.size());
+  }
+  state_ = State::Controller;
+  append(outgoing_, ControllerVersionRequest{}, version_);
+  return {};
 }
 
 Result<void> ClientSession::handle_reply(const ControllerMessage& message) {
-  if (const auto* reply = std::get_if<ProtocolVersionReply>(&message)) {
-    if (state_ == State::Version2 && !reply->accepted) {
-      version_ = ProtocolVersion::V1;
-      state_ = State::Version1;
-      append(outgoing_, ProtocolVersionRequest{.version = 1}, version_);
-      return {};
-    }
-    if (state_ == State::Version1 && !reply->accepted) {
-      return fail(Errc::PeerRefused, "controller takes neither RTDE version 2 nor 1");
-    }
-    if (state_ == State::Version2 || state_ == State::Version1) {
-      if (version_ == ProtocolVersion::V1 && config_.outputs.size() > 1) {
-        return fail(Errc::NotSupported, "controller speaks RTDE version 1, which has one recipe; %zu wanted",
-                    config_.outputs.size());
-      }
-      state_ = State::Controller;
-      append(outgoing_, ControllerVersionRequest{}, version_);
-      return {};
-    }
+  if (const auto* reply = std::get_if<ProtocolVersionReply>(&message);
+      reply && (state_ == State::Version2 || state_ == State::Version1)) {
+    return handle_version(reply->accepted);
   }
   if (const auto* reply = std::get_if<ControllerVersionReply>(&message);
       reply && state_ == State::Controller) {
@@ -121,7 +151,7 @@ Result<void> ClientSession::handle_reply(const ControllerMessage& message) {
 
 Result<void> ClientSession::add_output_recipe(const SetupOutputsReply& reply) {
   const ClientSession::OutputRecipe& wanted = config_.outputs[output_recipes_.size()];
-  BITELINE_ASSIGN(Recipe recipe, agreed_recipe(reply.recipe_id, wanted.names, reply.types));
+  BITELINE_ASSIGN(Recipe recipe, agreed_recipe(reply.recipe_id, wanted.variables, reply.types));
   for (const Recipe& other : output_recipes_) {
     if (other.id == recipe.id)
       return fail(Errc::ProtocolError, "RTDE recipe number %u given twice", recipe.id);
@@ -142,13 +172,14 @@ Result<void> ClientSession::add_input_recipe(const SetupInputsReply& reply) {
 void ClientSession::request_next_recipe() {
   if (output_recipes_.size() < config_.outputs.size()) {
     const OutputRecipe& wanted = config_.outputs[output_recipes_.size()];
-    append(outgoing_, SetupOutputsRequest{.frequency_hz = wanted.frequency_hz, .names = wanted.names},
+    append(outgoing_,
+           SetupOutputsRequest{.frequency_hz = wanted.frequency_hz, .names = names_of(wanted.variables)},
            version_);
     return;
   }
   if (input_recipes_.size() < config_.inputs.size()) {
     state_ = State::Inputs;
-    append(outgoing_, SetupInputsRequest{.names = config_.inputs[input_recipes_.size()]}, version_);
+    append(outgoing_, SetupInputsRequest{.names = names_of(config_.inputs[input_recipes_.size()])}, version_);
     return;
   }
   state_ = State::Starting;

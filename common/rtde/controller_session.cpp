@@ -51,14 +51,19 @@ Result<void> ControllerSession::consume(ByteView bytes, ControllerListener& list
 }
 
 Result<void> ControllerSession::handle(const Package& package, ControllerListener& listener) {
+  if (!is_known(package.type)) return {};
   if (package.type == PackageType::Data) {
     BITELINE_ASSIGN(const std::size_t index, recipe_of(package, inputs_, DataHeader::RecipeId));
     BITELINE_TRY(read_data(package, inputs_[index], DataHeader::RecipeId, values_));
     listener.on_inputs(inputs_[index], values_);
     return {};
   }
-  BITELINE_ASSIGN(const ClientMessage message, read_client_message(package, version_));
-  answer(message, listener);
+  const Result<ClientMessage> message = read_client_message(package, version_);
+  if (message) {
+    answer(*message, listener);
+  } else if (package.type != PackageType::TextMessage) {
+    return tl::unexpected<Error>{message.error()};
+  }
   return {};
 }
 

@@ -39,6 +39,12 @@ enum class FieldType : std::uint8_t {
   Vector6u,
 };
 
+/// What a client asks for: a name, and the type that its code reads under that name.
+struct Variable {
+  std::string name;
+  FieldType type{};
+};
+
 /// The type's name on the wire ("VECTOR6D") and back.
 [[nodiscard]] std::string_view wire_name(FieldType type);
 [[nodiscard]] std::optional<FieldType> field_type_of(std::string_view wire_name);

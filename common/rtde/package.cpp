@@ -6,10 +6,9 @@
 #include "common/core/contracts.hpp"
 
 namespace biteline::rtde {
-namespace {
 
-bool is_known(std::uint8_t type) {
-  switch (static_cast<PackageType>(type)) {
+bool is_known(PackageType type) {
+  switch (type) {
     case PackageType::SetupInputs:
     case PackageType::TextMessage:
     case PackageType::SetupOutputs:
@@ -22,8 +21,6 @@ bool is_known(std::uint8_t type) {
   }
   return false;
 }
-
-}  // namespace
 
 std::size_t PackageSplitter::feed(ByteView bytes) {
   if (begin_ > 0) {
@@ -44,7 +41,7 @@ Result<std::optional<Package>> PackageSplitter::next() {
   if (waiting.size() < k_header_bytes) return std::nullopt;
   const std::size_t size = static_cast<std::size_t>(waiting[0]) << 8U | waiting[1];
   // The first package that makes no sense shows before its body is waited for.
-  if (size < k_header_bytes || !is_known(waiting[2])) {
+  if (size < k_header_bytes) {
     broken_ = true;
     return fail(Errc::ProtocolError, "RTDE header: size %zu, type %u", size,
                 static_cast<unsigned>(waiting[2]));

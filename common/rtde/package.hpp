@@ -25,6 +25,9 @@ enum class PackageType : std::uint8_t {
   ControllerVersion = 'v',
 };
 
+/// Of the guide's kinds; later controllers may have more.
+[[nodiscard]] bool is_known(PackageType type);
+
 enum class ProtocolVersion : std::uint16_t { V1 = 1, V2 = 2 };
 
 constexpr std::size_t k_header_bytes = 3;
@@ -37,8 +40,9 @@ struct Package {
 
 /// Cuts a TCP stream, which may arrive in any pieces, into packages.
 ///
-/// Bounded: holds one largest package.  A stream that breaks the framing has no place to start again, so the
-/// fault latches until reset().  Thread: one owner.  Memory: all in the object.
+/// Kinds that nobody knows come out like all others.  Bounded: holds one largest package.  A stream that
+/// breaks the framing has no place to start again, so the fault latches until reset().  Thread: one owner.
+/// Memory: all in the object.
 class PackageSplitter {
  public:
   /// Takes the front of `bytes` as far as there is room; returns how many.  All of it when next() was drained

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <utility>
 
 namespace biteline::hal {
 namespace {
@@ -52,13 +53,21 @@ Result<PoseSample> RtdePoseSource::next_pose(Nanoseconds timeout) {
   bool looked = false;  // a timeout of 0 still reads what is there
   while (true) {
     if (std::optional<PoseSample> sample = samples_.take()) {
-      if (state_ == PoseState::Lost) reconnects_.fetch_add(1);
+      if (std::exchange(made_anew_, false)) reconnects_.fetch_add(1);
       state_ = PoseState::Streaming;
+      last_fault_.reset();
       publish_counts();
       return *std::move(sample);
     }
-    if (monotonic_now() >= deadline && looked) return fail(Errc::Timeout, "RTDE pose");
-    if (const Result<void> advanced = advance(deadline); !advanced) give_up(advanced.error());
+    if (monotonic_now() >= deadline && looked) {
+      if (!last_fault_) return fail(Errc::Timeout, "RTDE pose");
+      return fail(Errc::Timeout, "RTDE pose: %.180s: %s", last_fault_->where.c_str(),
+                  error_row(last_fault_->code).message);
+    }
+    if (const Result<void> advanced = advance(deadline); !advanced) {
+      give_up(advanced.error());
+      if (session_.refused()) return tl::unexpected<Error>{advanced.error()};
+    }
     publish_counts();
     looked = true;
   }
@@ -75,8 +84,11 @@ Result<void> RtdePoseSource::advance(SensorClock::time_point until) {
     BITELINE_ASSIGN(stream_, TcpStream::connect(config_.controller));
   }
   const SensorClock::time_point patience =
-      handshaking_ ? connection_began_ + config_.connect_timeout : last_heard_ + config_.lost_after;
-  if (now >= patience) return fail(Errc::Timeout, "RTDE controller is silent");
+      handshaking_ ? connection_began_ + config_.connect_timeout : last_data_ + config_.reconnect_after;
+  if (now >= patience) {
+    return fail(Errc::Timeout, handshaking_ ? "RTDE hand-shake not done" : "RTDE controller is silent");
+  }
+  if (state_ == PoseState::Streaming && now >= last_data_ + config_.stale_after) state_ = PoseState::Lost;
   BITELINE_ASSIGN(const bool connected, stream_->connected());
   if (!connected) {
     wait_for(stream_->number(), POLLOUT, std::min(until, patience) - now);
@@ -85,12 +97,16 @@ Result<void> RtdePoseSource::advance(SensorClock::time_point until) {
   BITELINE_TRY(stream_->send(session_.outgoing()));
   const short events = session_.outgoing().empty() ? POLLIN : POLLIN | POLLOUT;
   wait_for(stream_->number(), events, std::min(until, patience) - now);
+  // A piece at a time: a burst beyond the waiting samples stays in the kernel until those are fetched.
   BITELINE_ASSIGN(const std::span<const std::uint8_t> bytes, stream_->receive(received_bytes_));
   if (bytes.empty()) return {};
-  last_heard_ = monotonic_now();
-  samples_.set_received(last_heard_);
+  const SensorClock::time_point received = monotonic_now();
+  samples_.set_received(received);
+  const std::uint64_t data_before = session_.data_packages();
   BITELINE_TRY(session_.consume(bytes, samples_));
-  if (session_.running()) handshaking_ = false;
+  // Only data are a sign of life: texts and what nobody knows may come for ever.
+  const bool shaken = session_.running() && std::exchange(handshaking_, false);
+  if (shaken || session_.data_packages() > data_before) last_data_ = received;
   return {};
 }
 
@@ -99,13 +115,13 @@ void RtdePoseSource::begin_connection(SensorClock::time_point now) {
   samples_.begin_connection();
   handshaking_ = true;
   connection_began_ = now;
-  last_heard_ = now;
 }
 
 void RtdePoseSource::give_up(const Error& fault) {
   last_fault_ = fault;
   stream_.reset();
   retry_at_ = monotonic_now() + config_.retry_after;
+  made_anew_ = state_ != PoseState::Connecting;
   if (state_ == PoseState::Streaming) state_ = PoseState::Lost;
 }
 

@@ -18,7 +18,9 @@
 namespace biteline::hal {
 
 /// Everything happens within next_pose(): no thread.  A connection that fails, ends, says what it should not
-/// or falls silent is given up and made anew, with the whole hand-shake, until stop(). stamp_sensor is the
+/// or falls silent is given up and made anew, with the whole hand-shake, until stop(); Errc::Timeout then
+/// says why.  A controller that lacks a variable or types it otherwise ends it: next_pose() gives its reason.
+/// stamp_sensor is the
 /// controller's stamp through the measured clock map; what stays is the constant part of the delay, which the
 /// calibrated pose_clock_offset takes up.
 class RtdePoseSource final : public PoseSource {
@@ -28,7 +30,8 @@ class RtdePoseSource final : public PoseSource {
     RtdeSamples::Config samples{};
     Nanoseconds connect_timeout{2'000'000'000};  ///< hand-shake included
     Nanoseconds retry_after{250'000'000};
-    Nanoseconds lost_after{100'000'000};  ///< 12 poses at 125 Hz
+    Nanoseconds stale_after{100'000'000};        ///< 12 poses at 125 Hz: Lost, on the same connection
+    Nanoseconds reconnect_after{1'000'000'000};  ///< a stall is waited for so long: a new one costs as much
   };
   [[nodiscard]] static Result<std::unique_ptr<RtdePoseSource>> open(const Config& config);
 
@@ -39,7 +42,7 @@ class RtdePoseSource final : public PoseSource {
 
   /// From the owner's thread.
   [[nodiscard]] ClockMapHealth clock_health() const { return samples_.clock_health(); }
-  /// Why the last connection ended; for the log.
+  /// Why the last connection ended; nothing once poses come again.
   [[nodiscard]] const std::optional<Error>& last_fault() const { return last_fault_; }
 
  private:
@@ -56,11 +59,12 @@ class RtdePoseSource final : public PoseSource {
   rtde::ClientSession session_;
   std::optional<TcpStream> stream_;
   bool handshaking_{false};
+  bool made_anew_{false};  ///< the connection is not the first one with poses
   SensorClock::time_point connection_began_;
   SensorClock::time_point retry_at_;
-  SensorClock::time_point last_heard_;
+  SensorClock::time_point last_data_;
   std::optional<Error> last_fault_;
-  std::array<std::uint8_t, 16384> received_bytes_{};
+  std::array<std::uint8_t, RtdeSamples::k_burst_bytes> received_bytes_{};
   std::atomic<PoseState> state_{PoseState::Idle};
   std::atomic<std::uint64_t> poses_{0};
   std::atomic<std::uint64_t> poses_lost_{0};

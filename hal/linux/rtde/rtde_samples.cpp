@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace biteline::hal {
 namespace {
@@ -33,12 +34,17 @@ std::optional<SE3> to_motion(const rtde::Vector6& pose) {
 }  // namespace
 
 rtde::ClientSession::OutputRecipe RtdeSamples::recipe(double rate_hz) {
-  return {.names = {"timestamp", "actual_TCP_pose", "tcp_offset", "runtime_state", "safety_status_bits"},
+  using enum rtde::FieldType;
+  return {.variables = {{"timestamp", Double},
+                        {"actual_TCP_pose", Vector6d},
+                        {"tcp_offset", Vector6d},
+                        {"runtime_state", Uint32},
+                        {"safety_status_bits", Uint32}},
           .frequency_hz = rate_hz};
 }
 
 void RtdeSamples::on_data(std::size_t, std::span<const rtde::Value> values) {
-  // The session agreed on types by name; a controller that calls them otherwise is no UR.
+  // The session let no other types through; a null pointer is refused all the same.
   const auto* const time_s = std::get_if<double>(&values[k_timestamp]);
   const auto* const tcp_pose = std::get_if<rtde::Vector6>(&values[k_tcp_pose]);
   const auto* const tcp_offset = std::get_if<rtde::Vector6>(&values[k_tcp_offset]);
@@ -63,11 +69,14 @@ void RtdeSamples::on_data(std::size_t, std::span<const rtde::Value> values) {
   }
   std::uint64_t steps = 1;
   if (last_stamp_) {
-    const double cycles = static_cast<double>((stamp - *last_stamp_).count()) * 1e-9 * config_.rate_hz;
+    const Nanoseconds step = stamp - *last_stamp_;
+    // The way over a broken connection says nothing about the period.
+    if (!first_of_connection_) keep_step(step);
+    const double cycles = static_cast<double>(step.count()) / static_cast<double>(period().count());
     steps = static_cast<std::uint64_t>(std::max(1.0, std::min(std::round(cycles), 1e9)));
   }
   last_stamp_ = stamp;
-  first_of_connection_ = false;
+  if (std::exchange(first_of_connection_, false)) steps_ = {};
   sequence_ += steps;
   counts_.poses_lost += steps - 1;
   clock_.add(stamp, received_);
@@ -82,6 +91,20 @@ void RtdeSamples::on_data(std::size_t, std::span<const rtde::Value> values) {
                  .T_base_flange = *T_base_tcp * T_flange_tcp->inverse(),
                  .sequence = sequence_,
                  .status = status});
+}
+
+void RtdeSamples::keep_step(Nanoseconds step) {
+  steps_[next_step_] = step;
+  next_step_ = (next_step_ + 1) % k_steps_kept;
+}
+
+Nanoseconds RtdeSamples::period() const {
+  Nanoseconds least = Nanoseconds::max();
+  for (const Nanoseconds step : steps_) {
+    if (step > Nanoseconds{0}) least = std::min(least, step);
+  }
+  const Nanoseconds wished{std::llround(1e9 / config_.rate_hz)};
+  return least == Nanoseconds::max() ? wished : std::max(least, wished);
 }
 
 void RtdeSamples::put(const PoseSample& sample) {

@@ -23,7 +23,7 @@ struct RtdeSampleCounts {
 class RtdeSamples final : public rtde::ClientListener {
  public:
   struct Config {
-    double rate_hz{500};  ///< of the recipe; 125 on CB3
+    double rate_hz{500};  ///< of the recipe; a CB3 gives its own 125
     ClockMapCore::Config clock{};
   };
   explicit RtdeSamples(const Config& config) : config_{config}, clock_{config.clock} {}
@@ -46,13 +46,26 @@ class RtdeSamples final : public rtde::ClientListener {
 
  private:
   static constexpr std::size_t k_waiting = 64;  // 128 ms at 500 Hz between two calls of the owner
+  static constexpr std::size_t k_steps_kept = 64;
+  /// The recipe's two poses, stamp and words, without their header: no data package is shorter.
+  static constexpr std::size_t k_package_bytes = 2 * 6 * 8 + 8 + 2 * 4;
 
   void put(const PoseSample& sample);
+  void keep_step(Nanoseconds step);
+  /// The controller's own period, the least of the last steps: it may be slower than what was wished.
+  [[nodiscard]] Nanoseconds period() const;
 
+ public:
+  /// What may be read at once without a sample's being lost, one package cut off before included.
+  static constexpr std::size_t k_burst_bytes = (k_waiting - 1) * k_package_bytes;
+
+ private:
   Config config_;
   ClockMap<RobotClock> clock_;
   SensorClock::time_point received_;
   std::optional<RobotClock::time_point> last_stamp_;
+  std::array<Nanoseconds, k_steps_kept> steps_{};  ///< 0: none yet
+  std::size_t next_step_{0};
   bool first_of_connection_{true};
   std::uint64_t sequence_{0};
   std::array<PoseSample, k_waiting> waiting_{};

@@ -35,8 +35,11 @@ struct LinkStatus {
   bool connected{false};
   std::uint64_t connections{0};  ///< 1 after the first; more: reconnects
   std::uint64_t states{0};
-  std::string last_error;  ///< of the last connection that failed
-  std::string last_text;   ///< the controller's own last warning or error
+  std::uint64_t unusable_states{0};   ///< arrived without numbers or with numbers that nobody can mean
+  std::uint64_t unreadable_texts{0};  ///< texts of the controller that its protocol does not explain
+  std::uint64_t unknown_packages{0};  ///< of kinds that its protocol does not have
+  std::string last_error;             ///< of the last connection that failed
+  std::string last_text;              ///< the controller's own last warning or error
 };
 
 /// Order of calls: open (factory), then any; send() only while the state is fresh, powered, safe and no

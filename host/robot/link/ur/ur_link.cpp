@@ -12,14 +12,15 @@
 namespace biteline::robot::ur {
 namespace {
 
-constexpr Nanoseconds k_fresh{200'000'000};     // 25 states at 125 Hz
-constexpr Nanoseconds k_poll{50'000'000};       // how soon the thread notices that it should end
-constexpr Nanoseconds k_silent{1'000'000'000};  // a connection that says nothing for so long is lost
+constexpr Nanoseconds k_fresh{200'000'000};        // 25 states at 125 Hz
+constexpr Nanoseconds k_poll{50'000'000};          // how soon the thread notices that it should end
+constexpr Nanoseconds k_silent{1'000'000'000};     // a connection that says nothing for so long is lost
+constexpr Nanoseconds k_handshake{5'000'000'000};  // a controller that boots answers late, not never
 constexpr Nanoseconds k_retry{300'000'000};
 constexpr Nanoseconds k_send_patience{2'000'000'000};
 constexpr std::size_t k_most_recorded = 10 * 60 * 500;
 
-/// In the order of k_names.
+/// In the order of variables().
 enum Field : std::size_t {
   Timestamp,
   Joints,
@@ -30,11 +31,11 @@ enum Field : std::size_t {
   RuntimeStatus,
   SpeedScaling
 };
-const std::vector<std::string>& names() {
-  static const std::vector<std::string> k_names{"timestamp",     "actual_q",     "actual_TCP_pose",
-                                                "tcp_offset",    "robot_mode",   "safety_mode",
-                                                "runtime_state", "speed_scaling"};
-  return k_names;
+std::vector<rtde::Variable> variables() {
+  using enum rtde::FieldType;
+  return {{"timestamp", Double},     {"actual_q", Vector6d},   {"actual_TCP_pose", Vector6d},
+          {"tcp_offset", Vector6d},  {"robot_mode", Int32},    {"safety_mode", Int32},
+          {"runtime_state", Uint32}, {"speed_scaling", Double}};
 }
 
 // Universal Robots, RTDE guide, tables of robot_mode, safety_mode and runtime_state.
@@ -56,16 +57,17 @@ bool all_finite(const rtde::Vector6& values) {
   return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
 }
 
-/// Our units; nothing when the controller sent no numbers.
-std::optional<RobotState> to_state(std::span<const rtde::Value> values) {
+/// Our units, or what is no number.  Pre: of the types of variables().
+Result<RobotState> to_state(std::span<const rtde::Value> values) {
   const double stamp_s = std::get<double>(values[Timestamp]);
   const auto& joints = std::get<rtde::Vector6>(values[Joints]);
   const auto& pose = std::get<rtde::Vector6>(values[TcpPose]);
   const auto& offset = std::get<rtde::Vector6>(values[TcpOffset]);
   // 1e9 s: 30 years; beyond it nanoseconds overflow.
-  if (!std::isfinite(stamp_s) || std::abs(stamp_s) > 1e9 || !all_finite(joints) || !all_finite(pose) ||
-      !all_finite(offset))
-    return std::nullopt;
+  if (!(std::abs(stamp_s) <= 1e9)) return fail(Errc::BadValue, "timestamp of %g s", stamp_s);
+  if (!all_finite(joints)) return fail(Errc::BadValue, "actual_q without numbers");
+  if (!all_finite(pose)) return fail(Errc::BadValue, "actual_TCP_pose without numbers");
+  if (!all_finite(offset)) return fail(Errc::BadValue, "tcp_offset without numbers");
   RobotState state;
   state.sampled = RobotClock::time_point{from_seconds(stamp_s)};
   state.received = now();
@@ -90,7 +92,11 @@ class UrLink::Reader final : public rtde::ClientListener {
  public:
   explicit Reader(UrLink& link) : link_{link} {}
   void on_data(std::size_t, std::span<const rtde::Value> values) override {
-    if (std::optional<RobotState> state = to_state(values)) link_.publish(*state);
+    if (const Result<RobotState> state = to_state(values)) {
+      link_.publish(*state);
+    } else {
+      link_.note_unusable(state.error());
+    }
   }
   void on_text(const rtde::TextMessage& message) override {
     if (message.level == rtde::TextLevel::Info) return;
@@ -103,15 +109,32 @@ class UrLink::Reader final : public rtde::ClientListener {
 };
 
 Result<std::unique_ptr<UrLink>> UrLink::open(const Config& config) {
-  // The first connection is tried here, so that a wrong address is told at once.
-  BITELINE_TRY(TcpStream::connect({config.host, config.rtde_port}, from_seconds(config.connect_patience_s)));
   std::unique_ptr<UrLink> link{new UrLink{config}};
   link->thread_ = std::thread{[raw = link.get()] { raw->run(); }};
-  const Result<RobotState> first = link->wait_newer(0, from_seconds(config.connect_patience_s));
-  if (first) return link;
-  const std::string reason = link->status().last_error;
-  return fail(first.error().code, "%.60s:%u: no state%s%.150s", config.host.c_str(),
-              static_cast<unsigned>(config.rtde_port), reason.empty() ? "" : ": ", reason.c_str());
+  if (const Result<void> first = link->wait_for_first_state(); !first) {
+    return fail(first.error().code, "%.60s:%u: no state%s%.150s", config.host.c_str(),
+                static_cast<unsigned>(config.rtde_port), first.error().where.empty() ? "" : ": ",
+                first.error().where.c_str());
+  }
+  return link;
+}
+
+Result<void> UrLink::wait_for_first_state() {
+  std::unique_lock lock{mutex_};
+  const auto hopeless = [this] { return refused_ || (fault_ && fault_->code == Errc::ConnectFailed); };
+  changed_.wait_for(lock, from_seconds(config_.connect_patience_s),
+                    [&] { return state_.sequence > 0 || hopeless(); });
+  if (state_.sequence > 0) return {};
+  if (hopeless()) return tl::unexpected<Error>{*fault_};
+  if (unusable_) {
+    return fail(unusable_->code, "%llu came, none of use, the last: %.120s",
+                static_cast<unsigned long long>(status_.unusable_states), unusable_->where.c_str());
+  }
+  if (fault_) return tl::unexpected<Error>{*fault_};
+  return fail(Errc::Timeout,
+              running_ ? "%g s since the first call, hand-shake done, no data"
+                       : "%g s since the first call, hand-shake not done",
+              config_.connect_patience_s);
 }
 
 UrLink::~UrLink() {
@@ -121,19 +144,20 @@ UrLink::~UrLink() {
 }
 
 void UrLink::run() {
+  rtde::ClientSession session{
+      {.outputs = {{.variables = variables(), .frequency_hz = config_.rate_hz}}, .inputs = {}}};
   while (!stopping_) {
-    const Result<void> ended = serve_connection();
+    const Result<void> ended = serve_connection(session);
+    note_session(session);
     if (!ended) note_disconnected(ended.error());
     std::unique_lock lock{mutex_};
     changed_.wait_for(lock, k_retry, [this] { return stopping_.load(); });
   }
 }
 
-Result<void> UrLink::serve_connection() {
+Result<void> UrLink::serve_connection(rtde::ClientSession& session) {
   BITELINE_ASSIGN(TcpStream stream, TcpStream::connect({config_.host, config_.rtde_port},
                                                        from_seconds(config_.connect_patience_s)));
-  rtde::ClientSession session{
-      {.outputs = {{.names = names(), .frequency_hz = config_.rate_hz}}, .inputs = {}}};
   session.start();
   Reader reader{*this};
   std::vector<std::uint8_t> bytes;
@@ -142,9 +166,16 @@ Result<void> UrLink::serve_connection() {
     BITELINE_TRY(stream.write_all(session.outgoing(), k_send_patience));
     session.outgoing().clear();
     BITELINE_TRY(stream.read_some(bytes, k_poll));
-    if (!bytes.empty()) heard = now();
-    if (now() - heard > k_silent) return fail(Errc::ConnectionLost, "%.60s: silent", config_.host.c_str());
+    const std::uint64_t data_before = session.data_packages();
+    const bool handshaking = !session.running();
     BITELINE_TRY(session.consume(bytes, reader));
+    note_session(session);
+    // Only data are a sign of life: texts and what nobody knows may come for ever.
+    if (session.data_packages() > data_before || (handshaking && session.running())) heard = now();
+    if (!session.running() && now() - heard > k_handshake)
+      return fail(Errc::Timeout, "%.60s: hand-shake not done", config_.host.c_str());
+    if (session.running() && now() - heard > k_silent)
+      return fail(Errc::ConnectionLost, "%.60s: silent", config_.host.c_str());
   }
   return {};
 }
@@ -161,10 +192,25 @@ void UrLink::publish(RobotState state) {
   changed_.notify_all();
 }
 
+void UrLink::note_unusable(const Error& why) {
+  const std::lock_guard lock{mutex_};
+  ++status_.unusable_states;
+  unusable_ = why;
+}
+
+void UrLink::note_session(const rtde::ClientSession& session) {
+  const std::lock_guard lock{mutex_};
+  running_ = session.running();
+  refused_ = session.refused();
+  status_.unreadable_texts = session.skipped().unreadable_texts;
+  status_.unknown_packages = session.skipped().unknown_packages;
+}
+
 void UrLink::note_disconnected(const Error& error) {
   {
     const std::lock_guard lock{mutex_};
     status_.connected = false;
+    fault_ = error;
     status_.last_error = to_line(error);
   }
   changed_.notify_all();

@@ -6,10 +6,15 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "host/robot/link/robot_link.hpp"
 #include "host/robot/link/ur/tcp_stream.hpp"
+
+namespace biteline::rtde {
+class ClientSession;
+}
 
 namespace biteline::robot::ur {
 
@@ -27,7 +32,8 @@ class UrLink final : public RobotLink {
     double connect_patience_s{2};
   };
 
-  /// Fails when the first connection does; later ones are tried again and again.
+  /// Fails when the first connection does or is refused for good, and when no usable state comes in time;
+  /// the reason is told.  Later connections are tried again and again.
   [[nodiscard]] static Result<std::unique_ptr<UrLink>> open(const Config& config);
   ~UrLink() override;
   UrLink(const UrLink&) = delete;
@@ -45,8 +51,11 @@ class UrLink final : public RobotLink {
   class Reader;
   explicit UrLink(const Config& config) : config_{config} {}
   void run();
-  [[nodiscard]] Result<void> serve_connection();
+  [[nodiscard]] Result<void> serve_connection(rtde::ClientSession& session);
+  [[nodiscard]] Result<void> wait_for_first_state();
   void publish(RobotState state);
+  void note_unusable(const Error& why);
+  void note_session(const rtde::ClientSession& session);
   void note_disconnected(const Error& error);
 
   Config config_;
@@ -56,6 +65,10 @@ class UrLink final : public RobotLink {
   mutable std::condition_variable changed_;  ///< a new state, a lost connection, the end
   RobotState state_;
   LinkStatus status_;
+  bool running_{false};         ///< the hand-shake is done
+  bool refused_{false};         ///< asking again would be answered the same
+  std::optional<Error> fault_;  ///< why the last connection ended
+  std::optional<Error> unusable_;
   bool recording_{false};
   std::vector<RobotState> recorded_;
 

@@ -53,8 +53,15 @@ TEST(RtdePackage, ComesOutTheSameHoweverTheStreamIsCut) {
   }
 }
 
-TEST(RtdePackage, SizeBelowTheHeaderAndUnknownLetterLatchUntilReset) {
-  for (const Bytes& bad : {Bytes{0, 2, 'U'}, Bytes{0, 0, 'U'}, Bytes{0, 4, 'x', 0}}) {
+TEST(RtdePackage, KindsThatNobodyKnowsComeOutAndTheStreamGoesOn) {
+  const Bytes stream{0, 4, 'x', 9, 0, 4, 'V', 1};
+  CHECK_EQUAL(stream.size(), sut.feed(stream));
+  CHECK_FALSE(is_known((*sut.next())->type));
+  CHECK(is_known((*sut.next())->type));
+}
+
+TEST(RtdePackage, SizeBelowTheHeaderLatchesUntilReset) {
+  for (const Bytes& bad : {Bytes{0, 2, 'U'}, Bytes{0, 0, 'U'}, Bytes{0, 1, 'x', 0}}) {
     sut.reset();
     CHECK_EQUAL(bad.size(), sut.feed(bad));
     CHECK_FALSE(sut.next().has_value());

@@ -39,9 +39,10 @@ struct Arm : ValueSource {
 };
 
 ClientSession::Config two_recipes() {
-  return {.outputs = {{.names = {"timestamp", "actual_q"}, .frequency_hz = 500},
-                      {.names = {"robot_mode", "timestamp"}, .frequency_hz = 10}},
-          .inputs = {{"speed_slider_mask", "speed_slider_fraction"}}};
+  using enum FieldType;
+  return {.outputs = {{.variables = {{"timestamp", Double}, {"actual_q", Vector6d}}, .frequency_hz = 500},
+                      {.variables = {{"robot_mode", Int32}, {"timestamp", Double}}, .frequency_hz = 10}},
+          .inputs = {{{"speed_slider_mask", Uint32}, {"speed_slider_fraction", Double}}}};
 }
 
 }  // namespace
@@ -123,7 +124,8 @@ TEST(RtdeSessions, SeveralRecipesOnVersion1AreRefusedByName) {
 
 TEST(RtdeSessions, VariableThatTheControllerLacksIsNamed) {
   ClientSession client{
-      {.outputs = {{.names = {"timestamp", "warp_factor"}, .frequency_hz = 0}}, .inputs = {}}};
+      {.outputs = {{.variables = {{"timestamp", FieldType::Double}, {"warp_factor", FieldType::Double}}}},
+       .inputs = {}}};
   ControllerSession controller{{}};
   client.start();
   controller.start();
@@ -131,6 +133,105 @@ TEST(RtdeSessions, VariableThatTheControllerLacksIsNamed) {
   CHECK_FALSE(result.has_value());
   CHECK(result.error().where.view().find("warp_factor") != std::string_view::npos);
   CHECK(client.state() == ClientSession::State::Failed);
+  CHECK(client.refused());
+}
+
+/// Each type for each other: named, refused for good, and nothing of another type is ever handed out.
+TEST(RtdeSessions, VariableOfAnotherTypeIsRefusedByItsName) {
+  for (int asked = 0; asked <= static_cast<int>(FieldType::Vector6u); ++asked) {
+    for (int told = 0; told <= static_cast<int>(FieldType::Vector6u); ++told) {
+      const auto wanted = static_cast<FieldType>(asked), given = static_cast<FieldType>(told);
+      ClientSession client{
+          {.outputs = {{.variables = {{"timestamp", FieldType::Double}, {"robot_mode", wanted}}}},
+           .inputs = {}}};
+      client.start();
+      const std::string types = "DOUBLE," + std::string{wire_name(given)};
+      Bytes answers{0, 4, 'V', 1, 0, 19, 'v', 0, 0, 0, 5, 0, 0, 0, 12, 0, 0, 0, 0, 0, 0, 0, 0};
+      append(answers, ControllerMessage{SetupOutputsReply{.recipe_id = 1, .types = split(types)}},
+             ProtocolVersion::V2);
+      const auto result = client.consume(answers, heard);
+      CHECK_EQUAL(wanted == given, result.has_value());
+      if (result) continue;
+      const std::string expected = "RTDE variable robot_mode: " + std::string{wire_name(given)} + ", " +
+                                   std::string{wire_name(wanted)} + " expected";
+      STRCMP_EQUAL(expected.c_str(), result.error().where.c_str());
+      CHECK(result.error().code == Errc::PeerRefused);
+      CHECK(client.refused());
+    }
+  }
+}
+
+/// A PolyScope X that is not switched on sends a text at once, in the form that is in force: version 1.
+TEST(RtdeSessions, TextsBeforeBetweenAndAfterTheHandshakeCostNoConnection) {
+  const auto text = [](const char* words, ProtocolVersion version) {
+    Bytes bytes;
+    append(bytes, ControllerMessage{TextMessage{.level = TextLevel::Warning, .text = words, .source = ""}},
+           version);
+    return bytes;
+  };
+  ClientSession client{two_recipes()};
+  ControllerSession controller{{}};
+  client.start();
+  controller.start();
+  CHECK(client.consume(text("robot is off", ProtocolVersion::V1), heard).has_value());
+  // The answer to the version, then a text of version 2 before each further answer.
+  for (int turn = 0; !client.running() && turn < 20; ++turn) {
+    Bytes asked;
+    asked.swap(client.outgoing());
+    CHECK(controller.consume(asked, taken).has_value());
+    Bytes answers;
+    answers.swap(controller.outgoing());
+    CHECK(client.consume(answers, heard).has_value());
+    CHECK(client.consume(text("between", client.version()), heard).has_value());
+  }
+  CHECK(client.running());
+  CHECK(client.version() == ProtocolVersion::V2);
+  CHECK(heard.texts.size() > 3);
+  STRCMP_EQUAL("robot is off", heard.texts[0].text.c_str());
+  STRCMP_EQUAL("between", heard.texts[1].text.c_str());
+  controller.append_outputs(0, arm);
+  CHECK(talk(client, controller).has_value());
+  CHECK_EQUAL(2U, heard.data.size());
+}
+
+TEST(RtdeSessions, TextsThatCannotBeReadAndUnknownPackagesAreCountedAndLeftOut) {
+  ClientSession client{two_recipes()};
+  ControllerSession controller{{}};
+  client.start();
+  controller.start();
+  const Bytes cut_text{0, 8, 'M', 200, 'c', 'u', 't', '!'};  // announces 200 letters
+  const Bytes no_text{0, 3, 'M'};
+  const Bytes unknown{0, 6, 'Z', 1, 2, 3};
+  // Before the version is agreed on any body but an empty one is a text of version 1.
+  for (const Bytes* stray : {&no_text, &unknown}) CHECK(client.consume(*stray, heard).has_value());
+  CHECK(talk(client, controller).has_value());
+  CHECK(client.running());
+  for (const Bytes* stray : {&cut_text, &no_text, &unknown, &unknown}) {
+    CHECK(client.consume(*stray, heard).has_value());
+    controller.append_outputs(0, arm);
+    CHECK(talk(client, controller).has_value());
+  }
+  CHECK_EQUAL(8U, heard.data.size());
+  CHECK_EQUAL(3U, client.skipped().unreadable_texts);
+  CHECK_EQUAL(3U, client.skipped().unknown_packages);
+  CHECK_EQUAL(8U, client.data_packages());
+  // The controller's side bears the same.
+  for (const Bytes* stray : {&cut_text, &no_text, &unknown}) {
+    CHECK(controller.consume(*stray, taken).has_value());
+  }
+}
+
+TEST(RtdeSessions, OnlyWhatANewQuestionWouldMeetAgainIsRefusedForGood) {
+  const auto refused_by = [&](const Bytes& answers) {
+    ClientSession client{two_recipes()};
+    client.start();
+    CHECK_FALSE(client.consume(answers, heard).has_value());
+    return client.refused();
+  };
+  CHECK(refused_by({0, 4, 'V', 0, 0, 4, 'V', 0}));  // neither version
+  CHECK(refused_by({0, 4, 'V', 0, 0, 4, 'V', 1}));  // version 1, which has one recipe
+  CHECK_FALSE(refused_by({0, 4, 'S', 1}));          // out of turn
+  CHECK_FALSE(refused_by({0, 2, 'V'}));             // no package
 }
 
 TEST(RtdeSessions, ReconnectRepeatsTheWholeHandshake) {

@@ -9,6 +9,7 @@
 #include <sys/socket.h>
 
 #include <cfenv>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <random>
@@ -57,6 +58,7 @@ struct Controller final : rtde::ControllerListener {
   std::uint16_t port{0};
   std::uint64_t cycle{0};
   bool speaks{true};
+  std::function<void(rtde::Bytes&)> spoil{};  ///< changes what is about to be sent
 
   explicit Controller(rtde::ProtocolVersion newest = rtde::ProtocolVersion::V2)
       : session{rtde::ControllerSession::Config{.newest = newest}} {
@@ -90,6 +92,7 @@ struct Controller final : rtde::ControllerListener {
     arm.time_s += 0.002;
     session.append_outputs(cycle++, arm);
     if (!speaks || session.outgoing().empty()) return;
+    if (spoil) spoil(session.outgoing());
     // In two segments, cut where no package ends.
     const std::size_t cut = session.outgoing().size() / 3;
     ::send(peer.number(), session.outgoing().data(), cut, MSG_NOSIGNAL);
@@ -106,7 +109,8 @@ struct Link {
     sut = RtdePoseSource::open({.controller = {.address = "127.0.0.1", .port = served.port},
                                 .connect_timeout = 2s,
                                 .retry_after = 1ms,
-                                .lost_after = 30ms})
+                                .stale_after = 30ms,
+                                .reconnect_after = 300ms})
               .value();
     CHECK(sut->start().has_value());
   }
@@ -164,7 +168,7 @@ TEST(RtdePoseSource, ConnectionCutIsMadeAnewWithItsRecipe) {
   CHECK_EQUAL(1, link.sut->health().reconnects);
 }
 
-TEST(RtdePoseSource, SilentControllerIsGivenUp) {
+TEST(RtdePoseSource, SilentControllerIsStaleThenGivenUp) {
   Controller controller;
   Link link{controller};
   CHECK(link.pose().has_value());
@@ -173,13 +177,71 @@ TEST(RtdePoseSource, SilentControllerIsGivenUp) {
     static_cast<void>(link.sut->next_pose(1ms));
   }
   CHECK(link.sut->health().state == PoseState::Lost);
+  for (int i = 0; i < 2000 && !link.sut->last_fault(); ++i) static_cast<void>(link.sut->next_pose(1ms));
+  STRCMP_EQUAL("RTDE controller is silent", link.sut->last_fault()->where.c_str());
+  STRCMP_CONTAINS("RTDE controller is silent", link.sut->next_pose(0ms).error().where.c_str());
+}
+
+/// A controller that sends its packages in bursts, or stalls for a moment: stale meanwhile, but neither the
+/// connection nor a pose is lost.
+TEST(RtdePoseSource, BurstsAndShortStallsCostNoConnectionAndNoPose) {
+  Controller controller;
+  Link link{controller};
+  for (int i = 0; i < 3; ++i) CHECK(link.pose().has_value());
+  std::uint64_t lost_states = 0;
+  for (int burst = 0; burst < 3; ++burst) {
+    controller.speaks = false;  // 150 cycles pile up: 0.3 s at 500 Hz, more than the waiting samples
+    for (int i = 0; i < 150; ++i) controller.step();
+    while (link.sut->next_pose(1ms)) {
+    }
+    const SensorClock::time_point until = monotonic_now() + 60ms;  // of 300 that end the connection
+    while (monotonic_now() < until) static_cast<void>(link.sut->next_pose(1ms));
+    lost_states += link.sut->health().state == PoseState::Lost ? 1 : 0;
+    controller.speaks = true;
+    for (int i = 0; i < 150; ++i) CHECK(link.pose().has_value());
+  }
+  CHECK_EQUAL(3, lost_states);
+  CHECK(link.sut->health().state == PoseState::Streaming);
+  CHECK_EQUAL(0, link.sut->health().poses_lost);
+  CHECK_EQUAL(0, link.sut->health().reconnects);
+}
+
+TEST(RtdePoseSource, ControllerThatTypesAFieldOtherwiseIsNamed) {
+  Controller controller;
+  controller.spoil = [](rtde::Bytes& bytes) {
+    const std::string_view known = "VECTOR6D,UINT32";
+    const auto at = std::search(bytes.begin(), bytes.end(), known.begin(), known.end());
+    if (at != bytes.end()) std::copy_n("VECTOR6D,UINT64", known.size(), at);
+  };
+  Link link{controller};
+  for (int i = 0; i < 2000; ++i) {
+    controller.step();
+    const Result<PoseSample> pose = link.sut->next_pose(1ms);
+    CHECK_FALSE(pose.has_value());
+    if (pose.error().code == Errc::Timeout) continue;
+    STRCMP_EQUAL("RTDE variable runtime_state: UINT64, UINT32 expected", pose.error().where.c_str());
+    return;
+  }
+  FAIL("never told");
+}
+
+TEST(RtdePoseSource, TextsAndUnknownPackagesAloneAreNoSignOfLife) {
+  Controller controller;
+  Link link{controller};
+  CHECK(link.pose().has_value());
+  controller.spoil = [](rtde::Bytes& bytes) { bytes = {0, 6, 'M', 1, 2, 3, 0, 4, 'Z', 1}; };
+  for (int i = 0; i < 4000 && !link.sut->last_fault(); ++i) {
+    controller.step();
+    static_cast<void>(link.sut->next_pose(1ms));
+  }
+  STRCMP_EQUAL("RTDE controller is silent", link.sut->last_fault()->where.c_str());
 }
 
 TEST(RtdePoseSource, CyclesThatNeverCameAreCounted) {
   Controller controller;
   Link link{controller};
-  CHECK(link.pose().has_value());
-  controller.arm.time_s += 0.010;  // five cycles
+  for (int i = 0; i < 3; ++i) CHECK(link.pose().has_value());  // the period is known from here on
+  controller.arm.time_s += 0.010;                              // five cycles
   std::uint64_t lost = 0;
   for (int i = 0; i < 100 && lost == 0; ++i) {
     CHECK(link.pose().has_value());
@@ -208,6 +270,27 @@ TEST(RtdeSamples, ControllersClockIsMappedOnceItIsKnown) {
   CHECK(last->stamp_sensor.has_value());
   CHECK(std::chrono::abs(*last->stamp_sensor - now) < 1us);
   CHECK(sut.clock_health().ready);
+}
+
+/// A CB3 takes a wish for 500 Hz and gives its 125; version 1 cannot wish at all.
+TEST(RtdeSamples, LossesAreCountedByTheControllersOwnPeriod) {
+  for (const double period_s : {0.002, 0.004, 0.008, 0.1}) {
+    RtdeSamples samples{{.rate_hz = 500}};
+    const auto take = [&](double time_s) {
+      samples.on_data(0, std::array<rtde::Value, 5>{time_s, rtde::Vector6{}, rtde::Vector6{},
+                                                    std::uint32_t{0}, std::uint32_t{0}});
+      return samples.take().has_value();
+    };
+    for (int cycle = 0; cycle < 100; ++cycle) CHECK(take(7 + period_s * cycle));
+    CHECK_EQUAL(0, samples.counts().poses_lost);
+    CHECK(take(7 + period_s * 103));  // three did not come
+    CHECK_EQUAL(3, samples.counts().poses_lost);
+    samples.begin_connection();
+    CHECK(take(7 + period_s * 114));  // ten while nobody was connected
+    CHECK_EQUAL(13, samples.counts().poses_lost);
+    for (int cycle = 115; cycle < 200; ++cycle) CHECK(take(7 + period_s * cycle));
+    CHECK_EQUAL(13, samples.counts().poses_lost);
+  }
 }
 
 TEST(RtdeSamples, WhatNobodyFetchesIsLostAndCounted) {

@@ -61,9 +61,11 @@ class Client {
  public:
   explicit Client(std::uint16_t port)
       : socket_(connect_to(port)),
-        session_(
-            {.outputs = {{.names = {"timestamp", "actual_TCP_pose", "runtime_state"}, .frequency_hz = 500}},
-             .inputs = {}}) {
+        session_({.outputs = {{.variables = {{"timestamp", rtde::FieldType::Double},
+                                             {"actual_TCP_pose", rtde::FieldType::Vector6d},
+                                             {"runtime_state", rtde::FieldType::Uint32}},
+                               .frequency_hz = 500}},
+                  .inputs = {}}) {
     session_.start();
   }
   template <class Enough>
