@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# make.sh [BIN]: makes the pictures of the documents again, with the programs in BIN (default: build/bin).
+# A sample and an upper of the simulated cell are recorded, worked out, and their pictures copied here.
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+bin=${1:-$here/../../build/bin}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+awk -f "$here/section.awk" >"$here/section.svg"
+
+# The rate keeps the profiles some 1.4 mm apart: enough for a picture, and a minute's work.
+"$bin/biteline-cell" record --seed 5 --shoe deep --rate-hz 70 --out "$work/sample-session"
+"$bin/biteline-cell" record --seed 5 --shoe deep --upper --place 6 --rate-hz 70 --out "$work/upper-session"
+"$bin/biteline" replay "$work/sample-session" --out "$work/sample" --quiet
+# An upper has no groove: its cloud is what is wanted, and the refusal (exit status 3) is right.
+"$bin/biteline" replay "$work/upper-session" --out "$work/upper" --quiet || [ $? -eq 3 ]
+"$bin/biteline" transfer --sample "$work/sample" --upper "$work/upper/cloud.ply" --out "$work/carried" --quiet
+
+for picture in 1_point_cloud 2_feature_points unrolled_curvature 6_sequence; do
+  cp "$work/sample/stages/$picture.png" "$here/"
+done
+for picture in 1_alignment 3_carried_line; do cp "$work/carried/stages/$picture.png" "$here/"; done
+ls -l "$here"/*.png
