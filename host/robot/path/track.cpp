@@ -14,25 +14,25 @@ constexpr double k_back_mm = 2;
 constexpr double k_passed_mm = 0.5;
 
 /// A place between two waypoints.
-struct Place {
+struct NearestPlace {
   std::size_t segment{0};
   double fraction{0};
   double distance_mm{1e9};
 };
 
-SE3 pose_at(const PlannedPath& path, const Place& place) {
+SE3 pose_at(const PlannedPath& path, const NearestPlace& place) {
   return geometry::interpolate(path.waypoints[place.segment].T_base_tcp,
                                path.waypoints[place.segment + 1].T_base_tcp, place.fraction);
 }
 
-double arc_at(const PlannedPath& path, const Place& place) {
+double arc_at(const PlannedPath& path, const NearestPlace& place) {
   const double a = path.waypoints[place.segment].arc_mm, b = path.waypoints[place.segment + 1].arc_mm;
   return a + place.fraction * (b - a);
 }
 
 /// The nearest place within [from_mm, to_mm] of the path.
-Place nearest(const PlannedPath& path, const Vec3& tip, double from_mm, double to_mm) {
-  Place best;
+NearestPlace nearest(const PlannedPath& path, const Vec3& tip, double from_mm, double to_mm) {
+  NearestPlace best;
   for (std::size_t i = 0; i + 1 < path.waypoints.size(); ++i) {
     if (path.waypoints[i + 1].arc_mm < from_mm) continue;
     if (path.waypoints[i].arc_mm > to_mm) break;
@@ -61,7 +61,7 @@ double to_line_mm(const PlannedPath& path, std::size_t segment, const Vec3& poin
 }
 
 /// Where the tool works, seen from the tip: the line's point in tcp at that place of the plan.
-Vec3 work_in_tcp(const PlannedPath& path, const Place& place, const SE3& T_base_tcp_planned) {
+Vec3 work_in_tcp(const PlannedPath& path, const NearestPlace& place, const SE3& T_base_tcp_planned) {
   const Vec3 a = path.waypoints[place.segment].line_base, b = path.waypoints[place.segment + 1].line_base;
   return T_base_tcp_planned.inverse() * Vec3((1 - place.fraction) * a + place.fraction * b);
 }
@@ -89,7 +89,7 @@ TrackDeviation deviation(const PlannedPath& path, std::span<const TrackSample> t
       if ((tip - path.waypoints.front().T_base_tcp.translation()).norm() > k_passed_mm) continue;
       here_mm = 0;
     }
-    const Place place = nearest(path, tip, here_mm - k_back_mm, here_mm + k_ahead_mm);
+    const NearestPlace place = nearest(path, tip, here_mm - k_back_mm, here_mm + k_ahead_mm);
     here_mm = std::max(here_mm, arc_at(path, place));
     for (const std::size_t i : {place.segment, place.segment + 1}) {
       if ((tip - path.waypoints[i].T_base_tcp.translation()).norm() <

@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# check_tidy.sh ROOT BUILD --changed | --all | FILE...: the checks of .clang-tidy, with the compile commands of BUILD.
+#   --changed  the sources that differ from the commit BITELINE_STYLE_BASE (default: the one before the last), at
+#              most 10 and within 4 minutes, so that every test run can afford it
+#   --all      the whole tree, some 20 s a file
+# What clang-tidy 14 cannot parse (some of the library's newer templates) is no finding: only named checks count.
+set -u
+root=$(cd "$1" && pwd)
+build=$(cd "$2" 2>/dev/null && pwd) || { echo "skipped: no build folder $2"; exit 77; }
+shift 2
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+. "$here/files.sh"
+most_files=10 most_s=240
+command -v clang-tidy >/dev/null || { echo "skipped: clang-tidy is not installed"; exit 77; }
+[ -f "$build/compile_commands.json" ] || { echo "skipped: $build has no compile_commands.json"; exit 77; }
+cd "$root" || exit 1
+
+case ${1:-} in
+  --changed)
+    base=${BITELINE_STYLE_BASE:-HEAD~1}
+    git rev-parse -q --verify "$base^{commit}" >/dev/null 2>&1 || { echo "skipped: no commit $base here"; exit 77; }
+    changed=$(git diff --name-only --diff-filter=d "$base" -- '*.cpp')
+    files=$(grep -vE '^tests/bench/' <<<"$changed" | head -n "$most_files")
+    echo "tidy: $(grep -c . <<<"$files") of $(grep -c . <<<"$changed") sources changed since $base"
+    ;;
+  --all)
+    files=$(sources . '*.cpp')
+    most_s=14400
+    ;;
+  *) files=$(printf '%s\n' "$@") ;;
+esac
+# Only what this build compiles has a command to check it with.
+files=$(while read -r file; do
+  [ -n "$file" ] && grep -qF "\"file\": \"$root/$file\"" "$build/compile_commands.json" && echo "$file"
+done <<<"$files")
+[ -n "$files" ] || exit 0
+
+said=$(mktemp)
+trap 'rm -f "$said"' EXIT
+timeout "$most_s" xargs -P "$(nproc)" -n 1 clang-tidy --quiet -p "$build" >"$said" 2>/dev/null <<<"$files"
+[ $? -eq 124 ] && echo "tidy: stopped after $most_s s; the rest is for --all"
+found=$(grep -E '(warning|error): .*\[[a-z]+-[a-z0-9,-]+\]$' "$said" | grep -v 'clang-diagnostic' | sort -u)
+if [ -n "$found" ]; then
+  echo "$found"
+  exit 1
+fi
