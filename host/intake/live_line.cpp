@@ -52,7 +52,8 @@ void LiveLine::close() {
 
 LiveLine::Outcome LiveLine::wait() {
   std::unique_lock lock{mutex_};
-  changed_.wait(lock, [this] { return outcome_.has_value(); });
+  changed_.wait(lock, [this] { return outcome_.has_value() || thrown_; });
+  if (thrown_) std::rethrow_exception(thrown_);
   return std::move(*outcome_);
 }
 
@@ -65,7 +66,17 @@ std::optional<LiveLine::Profile> LiveLine::next() {
   return profile;
 }
 
-void LiveLine::work() {
+void LiveLine::work() noexcept {
+  try {
+    find_line();
+  } catch (...) {
+    const std::lock_guard lock{mutex_};
+    thrown_ = std::current_exception();
+  }
+  changed_.notify_all();
+}
+
+void LiveLine::find_line() {
   bite_line::LiveScan scan;
   while (const std::optional<Profile> profile = next())
     scan.add_profile(profile->sequence, profile->points_base);
@@ -80,7 +91,6 @@ void LiveLine::work() {
     outcome.last_profile_to_line_s = std::chrono::duration<double>(Clock::now() - last_profile_).count();
     outcome_ = std::move(outcome);
   }
-  changed_.notify_all();
 }
 
 }  // namespace biteline::intake

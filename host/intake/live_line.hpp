@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <exception>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -46,6 +47,7 @@ class LiveLine {
     std::size_t profiles{0};
     double last_profile_to_line_s{0};  ///< from the last add_profile() to the line, what was waiting included
   };
+  /// Throws what the geometry threw, such as std::bad_alloc: who waits knows which scan it is about.
   /// Pre: close() has been called or will be.  Call once.
   [[nodiscard]] Outcome wait();
 
@@ -56,7 +58,8 @@ class LiveLine {
     std::vector<Eigen::Vector3f> points_base;
   };
 
-  void work();
+  void work() noexcept;
+  void find_line();
   /// The next profile; nothing once all are done and no more will come, or when everything is to be dropped.
   [[nodiscard]] std::optional<Profile> next();
 
@@ -68,6 +71,7 @@ class LiveLine {
   bool closed_{false};
   bool dropped_{false};
   std::optional<Outcome> outcome_;
+  std::exception_ptr thrown_;
   std::thread thread_;  ///< last: it uses all of the above
 };
 

@@ -8,6 +8,7 @@ namespace biteline::intake {
 
 enum class Refused {
   ScanNotComplete,  ///< it ended before its own end: sensor, poses, light or the link failed
+  ScanSetAside,     ///< working it out failed before: it must not end the service again and again
 };
 
 [[nodiscard]] std::span<const report::RefusalRow<Refused>> refusal_table(Refused);

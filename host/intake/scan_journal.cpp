@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "host/report/file_lock.hpp"
+
 namespace biteline::intake {
 namespace {
 
@@ -81,6 +83,7 @@ Result<ScanJournal> ScanJournal::create(const fs::path& file) {
   const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   if (fd < 0) return fail_errno(write_code(errno), errno, "%s", file.c_str());
   ScanJournal journal{file, fd, k_magic.size()};
+  BITELINE_TRY(report::lock_open_file(fd, file.string()));
   BITELINE_TRY(write_all(fd, {reinterpret_cast<const std::uint8_t*>(k_magic.data()), k_magic.size()}, file));
   return journal;
 }
@@ -90,6 +93,7 @@ Result<ScanJournal::Recovered> ScanJournal::recover(const fs::path& file,
   const int fd = ::open(file.c_str(), O_RDWR | O_CLOEXEC);
   if (fd < 0) return fail_errno(Errc::FileUnreadable, errno, "%s", file.c_str());
   Recovered recovered{.journal = ScanJournal{file, fd, k_magic.size()}, .position = {}};
+  BITELINE_TRY(report::lock_open_file(fd, file.string()));
   std::array<std::uint8_t, k_magic.size()> magic{};
   BITELINE_ASSIGN(const std::size_t magic_bytes, read_up_to(fd, magic, file));
   if (magic_bytes < magic.size() || std::memcmp(magic.data(), k_magic.data(), magic.size()) != 0) {

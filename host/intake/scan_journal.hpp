@@ -15,7 +15,8 @@
 
 namespace biteline::intake {
 
-/// Survives the death of the process (not a power cut: the kernel's cache is not forced out).
+/// Survives the death of the process (not a power cut: the kernel's cache is not forced out).  One program at
+/// a time: the file is locked while it is open (Errc::PeerRefused).
 /// Thread: one owner.
 class ScanJournal {
  public:

@@ -44,8 +44,16 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_option("--table-z", robot.table_z_mm, "Height of the table in the robot's base [mm]")->needs(arm);
   app.add_option("--rtde", robot.rtde, "The controller's real-time port, HOST:PORT")->capture_default_str();
   app.add_option("--script", robot.script, "The controller's script port, HOST:PORT")->capture_default_str();
-  app.add_flag("--send", robot.send, "Send a path that passed every check, and watch the arm follow it")
-      ->needs(arm);
+  app.add_option("--dashboard", robot.dashboard,
+                 "The controller's dashboard port, HOST:PORT; without: port 29999 beside --script");
+  auto* send =
+      app.add_flag("--send", robot.send, "Send a path that passed every check, and watch the arm follow it")
+          ->needs(arm);
+  app.add_option(
+         "--confirm", robot.confirm,
+         "A scan's folder, e.g. scan-0007: its path may be sent though the scan was recovered or is of "
+         "a recording; you vouch that the shoe still stands as it was scanned")
+      ->needs(send);
   app.add_flag("--once", options.once, "One scan, then leave");
   app.add_flag("--keep-recording", options.keep_recording, "Keep the scan's messages beside its result");
   app.add_flag("--exit-with-parent", options.exit_with_parent,

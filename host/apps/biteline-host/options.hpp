@@ -16,8 +16,10 @@ struct RobotOptions {
   std::filesystem::path process;  ///< process YAML
   std::string rtde{"127.0.0.1:30004"};
   std::string script{"127.0.0.1:30002"};
+  std::string dashboard;  ///< empty: port 29999 of the script's machine
   double table_z_mm{0};
   bool send{false};
+  std::string confirm;  ///< the one scan that a person lets be sent though nobody saw it come in
 };
 
 /// Scans are uppers without a sole: their line comes from a sample.

@@ -2,12 +2,17 @@
 #include "host/apps/biteline-host/service.hpp"
 
 #include <pthread.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <exception>
 #include <thread>
 #include <utility>
 
+#include "host/apps/biteline-host/arm_lock.hpp"
+#include "host/apps/biteline-host/attempt.hpp"
 #include "host/report/report.hpp"
 #include "host/results/line_result.hpp"
 #include "host/transfer/library.hpp"
@@ -24,9 +29,20 @@ constexpr Nanoseconds k_wait = milliseconds{5};
 constexpr milliseconds k_before_retry{1000};
 /// Any number will do: one command is under way at a time.
 constexpr std::uint32_t k_start_id = 1;
+constexpr const char* k_lock_name = "biteline-host.lock";
 
 void complain(const Error& error) {
   std::fprintf(stderr, "biteline-host: %s\n", to_line(error).c_str());
+}
+
+/// A scan's own exceptions (memory, text that no JSON takes) are the scan's, not the service's.
+template <class Work>
+Result<ExitStatus> without_exceptions(Work&& work) {
+  try {
+    return work();
+  } catch (const std::exception& error) {
+    return fail(Errc::ContractBroken, "%.200s", error.what());
+  }
 }
 
 /// In small steps, so that a stop is heeded.
@@ -58,19 +74,34 @@ Result<Service> Service::create(const Options& options) {
                                                            transfer::Library{options.sample->library}));
   }
   BITELINE_TRY(report::prepare_folder(options.out));
-  return Service{options, std::move(keys), std::move(robot), std::move(carrier)};
+  const std::string holder = "biteline-host " + std::to_string(::getpid()) + " of " + options.out.string();
+  BITELINE_ASSIGN(report::FileLock results, report::FileLock::take(options.out / k_lock_name, holder));
+  Locks locks{.results = std::move(results), .arm = {}};
+  if (options.robot && options.robot->send) {
+    BITELINE_ASSIGN(const HostPort script, parse_host_port(options.robot->script));
+    BITELINE_ASSIGN(locks.arm, hold_arm(script.host, script.port, holder));
+  }
+  return Service{options, std::move(keys), std::move(robot), std::move(carrier), std::move(locks)};
 }
 
 Service::Service(Options options, std::optional<wire::HostKeys> keys, std::optional<Robot> robot,
-                 std::optional<Carrier> carrier)
+                 std::optional<Carrier> carrier, Locks locks)
     : options_{std::move(options)},
       keys_{std::move(keys)},
       robot_{std::move(robot)},
-      carrier_{std::move(carrier)} {}
+      carrier_{std::move(carrier)},
+      locks_{std::move(locks)} {}
 
 Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
-  BITELINE_TRY(find_unfinished());
+  find_unfinished();
   while (!stop) {
+    if (!scan_ && !result_.valid() && !unfinished_.empty()) {
+      const fs::path folder = std::move(unfinished_.front());
+      unfinished_.pop_front();
+      if (const Result<void> taken = take_up(folder); !taken) complain(taken.error());
+      start_result();
+      if (!scan_ && !result_.valid()) continue;
+    }
     const Result<void> heard = hear_sensor();
     if (!heard) {
       link_.reset();
@@ -102,8 +133,8 @@ Result<void> Service::hear_sensor() {
     BITELINE_ASSIGN(link_, intake::SensorLink::open(config));
     sensor_idle_ = false;
   }
-  // The next scan only once the arm is out of its way.
-  if (sensor_idle_ && !scan_ && !result_.valid()) {
+  // The next scan only once the arm is out of its way, and what was left of earlier ones is done.
+  if (sensor_idle_ && !scan_ && !result_.valid() && unfinished_.empty()) {
     sensor_idle_ = false;
     link_->command({.id = k_start_id, .command = wire::Command::StartScan});
   }
@@ -175,27 +206,40 @@ Result<void> Service::on_hello(const intake::Hello& hello) {
 }
 
 void Service::hold_scan(const fs::path& folder, intake::ScanIntake intake) {
-  scan_.emplace(Scan{.folder = folder, .intake = std::move(intake), .line = {}});
+  scan_.emplace(Scan{.folder = folder, .intake = std::move(intake), .line = {}, .recovered = false});
   if (carrier_) return;
   scan_->line = std::make_unique<intake::LiveLine>(results::k_line_only);
   scan_->line->add_profiles(scan_->intake.cloud());
 }
 
-Result<void> Service::find_unfinished() {
+void Service::find_unfinished() {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator{options_.out, error}) {
-    if (!intake::ScanIntake::is_in(entry.path()) || fs::exists(entry.path() / "report.json", error)) continue;
-    Result<intake::ScanIntake> intake = intake::ScanIntake::recover(entry.path());
-    if (!intake) {
-      complain(intake.error());
-      continue;
-    }
-    say_step("found %s unfinished, with %llu profiles", entry.path().filename().c_str(),
-             static_cast<unsigned long long>(intake->profiles()));
-    hold_scan(entry.path(), std::move(*intake));
-    return {};
+    if (!intake::ScanIntake::is_in(entry.path())) continue;
+    const bool done = fs::exists(entry.path() / "report.json", error);
+    if (!done || confirmed(entry.path())) unfinished_.push_back(entry.path());
   }
+  std::ranges::sort(unfinished_);
+}
+
+Result<void> Service::take_up(const fs::path& folder) {
+  if (was_attempted(folder) && !confirmed(folder))
+    return set_aside(folder, "an earlier run of this service died while it worked it out");
+  BITELINE_TRY(mark_attempt(folder));
+  Result<intake::ScanIntake> intake = intake::ScanIntake::recover(folder);
+  clear_attempt(folder);
+  if (!intake) return tl::unexpected<Error>{intake.error()};
+  say_step("found %s unfinished, with %llu profiles", folder.filename().c_str(),
+           static_cast<unsigned long long>(intake->profiles()));
+  hold_scan(folder, std::move(*intake));
+  scan_->recovered = true;
+  // A connection made before would go on with another scan; the next one asks for the rest of this.
+  if (!scan_->intake.ended()) link_.reset();
   return {};
+}
+
+bool Service::confirmed(const fs::path& folder) const {
+  return robot_ && !robot_->options.confirm.empty() && folder.filename() == robot_->options.confirm;
 }
 
 fs::path Service::next_folder() const {
@@ -208,20 +252,59 @@ fs::path Service::next_folder() const {
 }
 
 Result<ExitStatus> Service::work_out(Scan scan) const {
-  const intake::ScanOutcome outcome = scan.intake.finish();
-  BITELINE_ASSIGN(const LineStep line, carrier_ ? carry_line(scan.folder, *carrier_, outcome)
-                                                : find_line(scan.folder, outcome, *scan.line));
-  if (!options_.keep_recording) scan.intake.forget();
-  if (!line.line || !robot_) return line.status;
+  BITELINE_TRY(mark_attempt(scan.folder));
+  intake::ScanOutcome outcome;
+  std::optional<cloud::ClosedLine> line;
+  Result<ExitStatus> status = without_exceptions([&] { return work_out_line(scan, outcome, line); });
+  if (!status) {
+    // A disk that is full or a folder that is gone is not the scan's fault: it is taken up again.
+    const bool own_fault = status.error().code != Errc::DiskFull && status.error().code != Errc::WriteFailed;
+    if (!own_fault) clear_attempt(scan.folder);
+    if (!own_fault || !set_aside(scan.folder, to_line(status.error()))) return status;
+    return ExitStatus::Refused;
+  }
+  clear_attempt(scan.folder);
+  if (!line || !robot_) {
+    if (!options_.keep_recording) scan.intake.forget();
+    return status;
+  }
+  return without_exceptions([&] { return work_out_path(scan, outcome, *line); });
+}
+
+Result<ExitStatus> Service::work_out_line(Scan& scan, intake::ScanOutcome& outcome,
+                                          std::optional<cloud::ClosedLine>& line) const {
+  outcome = scan.intake.finish();
+  BITELINE_ASSIGN(LineStep step, carrier_ ? carry_line(scan.folder, *carrier_, outcome)
+                                          : find_line(scan.folder, outcome, *scan.line));
+  line = std::move(step.line);
+  return step.status;
+}
+
+Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome& outcome,
+                                          const cloud::ClosedLine& line) const {
   const PlanStepRequest request{
       .arm = robot_->arm, .process = robot_->process, .table_z_mm = robot_->options.table_z_mm};
-  BITELINE_ASSIGN(const PlanStep plan, plan_path(scan.folder / "path", request, outcome, *line.line));
-  if (!plan.outcome.path || !robot_->options.send) return plan.status;
+  BITELINE_ASSIGN(const PlanStep plan, plan_path(scan.folder / "path", request, outcome, line));
+  const bool wanted = plan.outcome.path && robot_->options.send;
+  // Only a scan that this process saw come in from a live sensor is known to show what stands there now.
+  const bool seen = !scan.recovered && !outcome.sensor.lossless;
+  const bool waits_for_a_word = wanted && !seen && !confirmed(scan.folder);
+  if (!options_.keep_recording && !waits_for_a_word) scan.intake.forget();
+  if (!wanted) return plan.status;
+  if (waits_for_a_word) {
+    const std::string name = scan.folder.filename().string();
+    say_step("refused: %s %s: the path is not sent; a person who has looked may say --confirm %s",
+             name.c_str(), scan.recovered ? "was not seen coming in" : "is of a recording", name.c_str());
+    return ExitStatus::Refused;
+  }
   if (outcome.messages_lost > 0) {
     return fail(Errc::Refused, "%llu profiles of the scan are lost: the path is not sent",
                 static_cast<unsigned long long>(outcome.messages_lost));
   }
-  return follow_path(scan.folder, plan, {.rtde = robot_->options.rtde, .script = robot_->options.script});
+  return follow_path(scan.folder, plan,
+                     {.rtde = robot_->options.rtde,
+                      .script = robot_->options.script,
+                      .dashboard = robot_->options.dashboard});
 }
 
 }  // namespace biteline::service

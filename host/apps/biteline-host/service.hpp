@@ -3,6 +3,7 @@
 /// \file The service's life: scan after scan from the sensor to the arm.
 
 #include <atomic>
+#include <deque>
 #include <future>
 #include <memory>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "host/apps/biteline-host/steps.hpp"
 #include "host/intake/live_line.hpp"
 #include "host/intake/scan_intake.hpp"
+#include "host/report/file_lock.hpp"
 #include "host/robot/kinematics/arm_model.hpp"
 #include "host/robot/path/process.hpp"
 
@@ -19,10 +21,13 @@ namespace biteline::service {
 
 /// Threads: the caller's owns the link and hears the sensor at least every 100 ms whatever else goes on; each
 /// scan has one that works on its line (host/intake); a result is written, planned and followed on one more,
-/// one scan at a time.
+/// one scan at a time.  A scan whose working-out fails, by an exception or by the end of the process, is set
+/// aside by name and the next one goes on.
 class Service {
  public:
-  /// Reads keys, process, arm and sample first: a fault there is told before anything moves.
+  /// Reads keys, process, arm and sample first: a fault there is told before anything moves.  Holds the
+  /// folder of the results, and the arm when paths are to be sent, for as long as it lives: Errc::PeerRefused
+  /// names who holds them.
   [[nodiscard]] static Result<Service> create(const Options& options);
 
   /// Until `stop`; with `once` until the first scan's result.  A link or a robot that fails is one plain line
@@ -40,10 +45,16 @@ class Service {
     std::filesystem::path folder;
     intake::ScanIntake intake;
     std::unique_ptr<intake::LiveLine> line;  ///< none where a sample's line is carried over
+    bool recovered{false};                   ///< of a process that ended: nobody knows how old it is
+  };
+  /// What the service alone may use while it lives.
+  struct Locks {
+    report::FileLock results;
+    std::optional<report::FileLock> arm;
   };
 
   Service(Options options, std::optional<wire::HostKeys> keys, std::optional<Robot> robot,
-          std::optional<Carrier> carrier);
+          std::optional<Carrier> carrier, Locks locks);
 
   /// What the sensor has to say; connects (and goes on with `scan_`, if there is one) where there is no link.
   [[nodiscard]] Result<void> hear_sensor();
@@ -51,20 +62,30 @@ class Service {
   [[nodiscard]] Result<void> on_hello(const intake::Hello& hello);
   /// Goes on with a scan as far as it has come.
   void hold_scan(const std::filesystem::path& folder, intake::ScanIntake intake);
-  /// The scan that a predecessor of this process did not finish.
-  [[nodiscard]] Result<void> find_unfinished();
+  /// The scans that predecessors of this process did not finish.
+  void find_unfinished();
+  /// Takes up the next of them, or sets it aside when a predecessor died of it.
+  [[nodiscard]] Result<void> take_up(const std::filesystem::path& folder);
   [[nodiscard]] std::filesystem::path next_folder() const;
 
   /// Begins to work out a scan that is complete, once the result before it is done.
   void start_result();
   /// The status of a result that has just been done.
   [[nodiscard]] std::optional<Result<ExitStatus>> result_done();
+  /// Whatever the scan does to it: a result, or a report that says why there is none.
   [[nodiscard]] Result<ExitStatus> work_out(Scan scan) const;
+  [[nodiscard]] Result<ExitStatus> work_out_line(Scan& scan, intake::ScanOutcome& outcome,
+                                                 std::optional<cloud::ClosedLine>& line) const;
+  [[nodiscard]] Result<ExitStatus> work_out_path(Scan& scan, const intake::ScanOutcome& outcome,
+                                                 const cloud::ClosedLine& line) const;
+  [[nodiscard]] bool confirmed(const std::filesystem::path& folder) const;
 
   Options options_;
   std::optional<wire::HostKeys> keys_;
   std::optional<Robot> robot_;
   std::optional<Carrier> carrier_;
+  Locks locks_;
+  std::deque<std::filesystem::path> unfinished_;  ///< folders, still to be taken up
   std::unique_ptr<intake::SensorLink> link_;
   std::optional<Scan> scan_;                ///< coming in
   bool sensor_idle_{false};                 ///< it waits to be asked for a scan

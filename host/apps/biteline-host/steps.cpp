@@ -44,22 +44,6 @@ void fill_scan(const intake::ScanOutcome& scan, report::Report& report) {
   report.fields["messages_lost"] = scan.messages_lost;
 }
 
-struct HostPort {
-  std::string host;
-  std::uint16_t port{0};
-};
-
-Result<HostPort> parse_host_port(const std::string& text) {
-  const std::size_t colon = text.rfind(':');
-  HostPort parsed{.host = text.substr(0, colon), .port = 0};
-  const char* end = text.data() + text.size();
-  if (colon == std::string::npos || colon == 0 ||
-      std::from_chars(text.data() + colon + 1, end, parsed.port).ptr != end || parsed.port == 0) {
-    return fail(Errc::InvalidArgument, "controller '%s': HOST:PORT expected", text.c_str());
-  }
-  return parsed;
-}
-
 Result<std::unique_ptr<robot::ur::UrLink>> open_robot(const ControllerAddress& controller) {
   BITELINE_ASSIGN(const HostPort rtde, parse_host_port(controller.rtde));
   BITELINE_ASSIGN(const HostPort script, parse_host_port(controller.script));
@@ -71,6 +55,14 @@ Result<std::unique_ptr<robot::ur::UrLink>> open_robot(const ControllerAddress& c
   config.host = rtde.host;
   config.rtde_port = rtde.port;
   config.script_port = script.port;
+  if (!controller.dashboard.empty()) {
+    BITELINE_ASSIGN(const HostPort dashboard, parse_host_port(controller.dashboard));
+    if (dashboard.host != script.host) {
+      return fail(Errc::InvalidArgument, "--dashboard %s and --script %s are two machines",
+                  controller.dashboard.c_str(), controller.script.c_str());
+    }
+    config.dashboard_port = dashboard.port;
+  }
   return robot::ur::UrLink::open(config);
 }
 
@@ -96,6 +88,17 @@ Result<void> write_followed(const fs::path& folder, const robot::FollowReport& f
 }
 
 }  // namespace
+
+Result<HostPort> parse_host_port(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  HostPort parsed{.host = text.substr(0, colon), .port = 0};
+  const char* end = text.data() + text.size();
+  if (colon == std::string::npos || colon == 0 ||
+      std::from_chars(text.data() + colon + 1, end, parsed.port).ptr != end || parsed.port == 0) {
+    return fail(Errc::InvalidArgument, "controller '%s': HOST:PORT expected", text.c_str());
+  }
+  return parsed;
+}
 
 void say_step(const char* pattern, ...) {
   char text[1024];

@@ -60,9 +60,18 @@ struct PlanStep {
                                          const intake::ScanOutcome& scan, const cloud::ClosedLine& line);
 
 struct ControllerAddress {
-  std::string rtde;    ///< HOST:PORT
-  std::string script;  ///< HOST:PORT
+  std::string rtde;       ///< HOST:PORT
+  std::string script;     ///< HOST:PORT
+  std::string dashboard;  ///< HOST:PORT; empty: port 29999 of the script's machine
 };
+
+struct HostPort {
+  std::string host;
+  std::uint16_t port{0};
+};
+
+/// "HOST:PORT"; Errc::InvalidArgument.
+[[nodiscard]] Result<HostPort> parse_host_port(const std::string& text);
 
 /// Checks the arm's way to the path from where it stands, sends both, watches the arm follow: followed.json,
 /// track.csv, and the track in path/tracking.html.  Pre: the plan has a path.

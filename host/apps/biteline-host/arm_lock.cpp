@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#include "host/apps/biteline-host/arm_lock.hpp"
+
+#include <arpa/inet.h>
+#include <netdb.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <memory>
+
+namespace biteline::service {
+namespace {
+
+/// The same text for every name of one machine.
+Result<std::string> numeric_address(const std::string& host) {
+  addrinfo hints{};
+  hints.ai_family = AF_UNSPEC;
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (const int code = getaddrinfo(host.c_str(), nullptr, &hints, &found); code != 0)
+    return fail(Errc::ConnectFailed, "robot %.100s: %s", host.c_str(), gai_strerror(code));
+  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> addresses{found, &freeaddrinfo};
+  char text[NI_MAXHOST];
+  if (const int code =
+          getnameinfo(found->ai_addr, found->ai_addrlen, text, sizeof text, nullptr, 0, NI_NUMERICHOST);
+      code != 0)
+    return fail(Errc::ConnectFailed, "robot %.100s: %s", host.c_str(), gai_strerror(code));
+  return std::string{text};
+}
+
+bool is_loopback(const std::string& address) {
+  return address.starts_with("127.") || address == "::1";
+}
+
+std::string network_namespace() {
+  struct stat status {};
+  return ::stat("/proc/self/ns/net", &status) == 0 ? std::to_string(status.st_ino) : "0";
+}
+
+}  // namespace
+
+Result<report::FileLock> hold_arm(const std::string& host, std::uint16_t script_port,
+                                  const std::string& holder) {
+  BITELINE_ASSIGN(std::string name, numeric_address(host));
+  if (is_loopback(name)) name = "loopback-" + network_namespace() + "-" + std::to_string(script_port);
+  for (char& c : name) c = c == ':' || c == '%' ? '-' : c;
+  // Where every user of the machine may hold a lock; /tmp serves systems without it.
+  const char* folder = ::access("/run/lock", W_OK) == 0 ? "/run/lock" : "/tmp";
+  return report::FileLock::take(std::string{folder} + "/biteline-arm-" + name, holder);
+}
+
+}  // namespace biteline::service
