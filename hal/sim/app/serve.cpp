@@ -82,6 +82,8 @@ Result<void> serve(const ServeOptions& options) {
   settings.robot.script_port = options.script_port;
   settings.robot.dashboard_port = options.dashboard_port;
   settings.robot.rate_hz = options.robot_rate_hz;
+  settings.robot.model = options.arm;
+  for (char& c : settings.robot.model) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
   settings.robot.clock_offset = Nanoseconds{std::llround(options.robot_clock_ms * 1e6)};
   BITELINE_ASSIGN(const auto cell, sim::LiveCell::open(settings));
   const std::filesystem::path out(options.out);

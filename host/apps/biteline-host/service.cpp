@@ -93,6 +93,7 @@ Service::Service(Options options, std::optional<wire::HostKeys> keys, std::optio
       locks_{std::move(locks)} {}
 
 Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
+  stop_ = &stop;
   find_unfinished();
   while (!stop) {
     if (!scan_ && !result_.valid() && !unfinished_.empty()) {
@@ -116,6 +117,10 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
       if (!*status) complain(status->error());
     }
   }
+  // An arm that was stopped on the way is no done job, and whoever said stop is told.
+  if (!result_.valid()) return ExitStatus::Done;
+  const Result<ExitStatus> last = result_.get();
+  if (!last || options_.once) return last;
   return ExitStatus::Done;
 }
 
@@ -304,7 +309,8 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
   return follow_path(scan.folder, plan,
                      {.rtde = robot_->options.rtde,
                       .script = robot_->options.script,
-                      .dashboard = robot_->options.dashboard});
+                      .dashboard = robot_->options.dashboard},
+                     *stop_);
 }
 
 }  // namespace biteline::service

@@ -81,6 +81,7 @@ class Service {
   [[nodiscard]] bool confirmed(const std::filesystem::path& folder) const;
 
   Options options_;
+  const std::atomic<bool>* stop_{nullptr};  ///< of run(): an arm that follows is stopped by it, too
   std::optional<wire::HostKeys> keys_;
   std::optional<Robot> robot_;
   std::optional<Carrier> carrier_;

@@ -68,7 +68,7 @@ Result<std::unique_ptr<robot::ur::UrLink>> open_robot(const ControllerAddress& c
 
 Result<void> write_followed(const fs::path& folder, const robot::FollowReport& followed) {
   const path::TrackDeviation& deviation = followed.deviation;
-  const nlohmann::ordered_json json{
+  nlohmann::ordered_json json{
       {"completed", deviation.completed},
       {"samples", deviation.samples},
       {"duration_s", followed.duration_s},
@@ -83,6 +83,13 @@ Result<void> write_followed(const fs::path& folder, const robot::FollowReport& f
       {"from_line_mm",
        {{"mean", deviation.line_mean_mm}, {"p95", deviation.line_p95_mm}, {"max", deviation.line_max_mm}}},
       {"covered", deviation.covered}};
+  if (followed.halt) {
+    const report::ToldRefusal told = report::told(*followed.halt);
+    json["stopped"] = {{"reason_code", told.reason_code},
+                       {"reason", told.reason},
+                       {"next_step", told.next_step},
+                       {"at_rest", followed.at_rest}};
+  }
   BITELINE_TRY(robot::write_track(folder / "track.csv", followed.track));
   return report::write_file_atomically(folder / "followed.json", json.dump(2) + "\n");
 }
@@ -164,9 +171,9 @@ Result<PlanStep> plan_path(const fs::path& folder, const PlanStepRequest& reques
 }
 
 Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan,
-                               const ControllerAddress& controller) {
+                               const ControllerAddress& controller, const std::atomic<bool>& stop) {
   BITELINE_ASSIGN(const std::unique_ptr<robot::ur::UrLink> link, open_robot(controller));
-  BITELINE_ASSIGN(const robot::RobotState state, robot::wait_until_still(*link, {}));
+  BITELINE_ASSIGN(const robot::RobotState state, robot::wait_until_still(*link, {.stop = &stop}));
   const path::CollisionModel collisions{plan.request.arm, plan.request.process.tool,
                                         plan.outcome.surroundings};
   const path::WayThere way =
@@ -178,7 +185,8 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan,
   }
   say_step("sends the path to %s", controller.script.c_str());
   robot::FollowReport followed;
-  const Result<void> done = robot::follow(*link, *way.path, {}, followed);
+  const Result<void> done =
+      robot::follow(*link, *way.path, {.limits = plan.request.process.follow, .stop = &stop}, followed);
   // As far as it went, also when it was stopped.
   BITELINE_TRY(write_followed(folder, followed));
   BITELINE_TRY(results::write_tracking(folder / "path", plan.request, plan.outcome, followed.track));
@@ -188,7 +196,7 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan,
       "covered",
       followed.duration_s, followed.deviation.line_mean_mm, followed.deviation.line_max_mm,
       100 * followed.deviation.covered);
-  return followed.deviation.completed ? ExitStatus::Done : ExitStatus::Refused;
+  return ExitStatus::Done;
 }
 
 }  // namespace biteline::service

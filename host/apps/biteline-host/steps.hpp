@@ -3,6 +3,7 @@
 /// \file What is done with a scan, step by step.  Each step writes its own result and tells it in one line on
 /// stdout.
 
+#include <atomic>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -74,8 +75,10 @@ struct HostPort {
 [[nodiscard]] Result<HostPort> parse_host_port(const std::string& text);
 
 /// Checks the arm's way to the path from where it stands, sends both, watches the arm follow: followed.json,
-/// track.csv, and the track in path/tracking.html.  Pre: the plan has a path.
+/// track.csv, and the track in path/tracking.html.  The arm is stopped when it leaves the process's limits
+/// and when `stop` is set.  Pre: the plan has a path.
 [[nodiscard]] Result<ExitStatus> follow_path(const std::filesystem::path& folder, const PlanStep& plan,
-                                             const ControllerAddress& controller);
+                                             const ControllerAddress& controller,
+                                             const std::atomic<bool>& stop);
 
 }  // namespace biteline::service

@@ -2,47 +2,173 @@
 #include "host/robot/link/follow.hpp"
 
 #include <algorithm>
+#include <chrono>
 
 #include "common/core/fixed_text.hpp"
 #include "host/report/report.hpp"
+#include "host/robot/link/path_watch.hpp"
 
 namespace biteline::robot {
 namespace {
 
-// A controller sends 125 or 500 states a second; a second without one is a lost link.
-constexpr Nanoseconds k_state_patience{1'000'000'000};
+// How soon a stop from outside, a frozen or a senseless state is noticed: a fifth of what the stop may take.
+constexpr Nanoseconds k_look{20'000'000};
+constexpr Nanoseconds k_first_state_patience{1'000'000'000};
 
 double seconds(Nanoseconds duration) {
   return static_cast<double>(duration.count()) * 1e-9;
 }
 
-/// Waits until the program runs, then until it has ended.
-Result<void> watch(RobotLink& link, const path::CheckedPath& path, const FollowOptions& options,
-                   FollowReport& report) {
-  BITELINE_ASSIGN(RobotState state, link.latest());
-  const HostClock::time_point sent = state.received;
-  const double longest_s = options.way_there_s + path.duration_s() / options.slowest_ratio;
-  bool started = false;
-  while (true) {
-    BITELINE_ASSIGN(state, link.wait_newer(state.sequence, k_state_patience));
-    const double waited_s = seconds(state.received - sent);
-    if (state.safety == Safety::Stopped)
-      return fail(Errc::InterlockOpen, "robot: stopped by its safety system");
-    if (!state.powered) return fail(Errc::DeviceLost, "robot: power or brakes went off");
-    started = started || state.program_running;
-    if (started) report.slowest_speed_ratio = std::min(report.slowest_speed_ratio, state.speed_ratio);
-    if (started && !state.program_running) {
-      report.duration_s = waited_s;
-      return {};
-    }
-    if (!started && waited_s > options.start_patience_s) {
-      const std::string text = link.status().last_text;
-      return fail(Errc::PeerRefused, "robot: the program did not start within %.0f s%s%.120s",
-                  options.start_patience_s, text.empty() ? "" : ", it says: ", text.c_str());
-    }
-    if (waited_s > longest_s)
-      return fail(Errc::Timeout, "robot: the program did not end within %.0f s", longest_s);
+double seconds_since(HostClock::time_point instant) {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return seconds(std::chrono::duration_cast<Nanoseconds>(now) - instant.time_since_epoch());
+}
+
+bool is_set(const std::atomic<bool>* flag) {
+  return flag != nullptr && flag->load();
+}
+
+/// The code that tells what kind of thing stopped the arm: the exit status follows from it.
+Errc errc_of(Halt halt) {
+  switch (halt) {
+    case Halt::Silent:
+    case Halt::Unusable:
+      return Errc::ConnectionLost;
+    case Halt::ProtectiveStop:
+      return Errc::InterlockOpen;
+    case Halt::PowerOff:
+      return Errc::DeviceLost;
+    case Halt::NotStarted:
+      return Errc::PeerRefused;
+    case Halt::NotEnded:
+      return Errc::Timeout;
+    case Halt::Person:
+      return Errc::Refused;
+    case Halt::OffPath:
+    case Halt::OffDirection:
+    case Halt::OffWay:
+    case Halt::OtherTool:
+    case Halt::Late:
+    case Halt::Stalled:
+    case Halt::NotCovered:
+      return Errc::CheckFailed;
   }
+  return Errc::CheckFailed;
+}
+
+/// Watches one run, state by state.
+class Run {
+ public:
+  Run(RobotLink& link, const path::CheckedPath& path, const FollowOptions& options, const RobotState& from)
+      : link_{link},
+        options_{options},
+        watch_{path.path(), options.limits, from},
+        longest_s_{options.way_there_s + path.duration_s() / options.slowest_ratio},
+        unusable_{link.status().unusable_states},
+        sent_{from.received},
+        newest_{from} {}
+
+  /// Until the program has ended, or what must stop it.
+  std::optional<HaltReason> watch(FollowReport& report) {
+    while (true) {
+      const Result<RobotState> state = link_.wait_newer(newest_.sequence, k_look);
+      if (is_set(options_.stop)) return HaltReason{Halt::Person, "the service was told to stop"};
+      if (auto deaf = look_at_link(state)) return deaf;
+      if (!state) continue;
+      if (auto halt = look(*state)) return halt;
+      if (started_) report.slowest_speed_ratio = std::min(report.slowest_speed_ratio, state->speed_ratio);
+      if (started_ && !state->program_running) {
+        report.duration_s = seconds(state->received - sent_);
+        return std::nullopt;
+      }
+    }
+  }
+
+ private:
+  std::optional<HaltReason> look_at_link(const Result<RobotState>& state) {
+    if (const LinkStatus status = link_.status(); status.unusable_states > unusable_)
+      return HaltReason{Halt::Unusable, "the controller sent a state without numbers"};
+    // A controller that goes on sending the same instant is as silent as one that sends nothing.
+    if (state && state->sampled > newest_.sampled) newest_ = *state;
+    if (state) newest_.sequence = state->sequence;
+    const double silent_s = seconds_since(newest_.received);
+    if (silent_s <= options_.limits.silence_s) return std::nullopt;
+    return HaltReason{Halt::Silent, std::string{FixedText<100>::format("no new state for %.2f s (limit %.2f)",
+                                                                       silent_s, options_.limits.silence_s)
+                                                    .view()}};
+  }
+
+  std::optional<HaltReason> look(const RobotState& state) {
+    if (state.safety == Safety::Stopped)
+      return HaltReason{Halt::ProtectiveStop, "stopped by its safety system"};
+    if (!state.powered) return HaltReason{Halt::PowerOff, "power or brakes went off"};
+    const double waited_s = seconds(state.received - sent_);
+    started_ = started_ || state.program_running;
+    if (!started_) return waited_s > options_.start_patience_s ? not_started() : std::nullopt;
+    if (waited_s > longest_s_) {
+      return HaltReason{
+          Halt::NotEnded,
+          std::string{FixedText<100>::format("the program did not end within %.0f s", longest_s_).view()}};
+    }
+    return state.program_running ? watch_.look(state) : std::nullopt;
+  }
+
+  std::optional<HaltReason> not_started() const {
+    const std::string text = link_.status().last_text;
+    return HaltReason{Halt::NotStarted,
+                      std::string{FixedText<250>::format("the program did not start within %.0f s%s%.120s",
+                                                         options_.start_patience_s,
+                                                         text.empty() ? "" : ", it says: ", text.c_str())
+                                      .view()}};
+  }
+
+  RobotLink& link_;
+  const FollowOptions& options_;
+  PathWatch watch_;
+  double longest_s_;
+  std::uint64_t unusable_;
+  HostClock::time_point sent_;
+  RobotState newest_;
+  bool started_{false};
+};
+
+/// After a stop: has the program ended, and does the arm stand?
+bool comes_to_rest(const RobotLink& link, double patience_s) {
+  Result<RobotState> state = link.latest();
+  if (!state) return false;
+  const HostClock::time_point begin = state->received;
+  while (seconds(state->received - begin) < patience_s) {
+    if (!state->program_running || !state->powered)
+      return wait_until_still(link, {.patience_s = patience_s, .still_s = 0.1}).has_value();
+    state = link.wait_newer(state->sequence, k_first_state_patience);
+    if (!state) return false;
+  }
+  return false;
+}
+
+/// Twice, since a word may be lost; what then still moves only a person can stop.
+void stop_arm(RobotLink& link, const FollowOptions& options, FollowReport& report) {
+  for (int tries = 0; tries < 2; ++tries) {
+    const Result<void> stopped = link.stop();
+    report.at_rest = comes_to_rest(link, options.rest_patience_s);
+    if (stopped && report.at_rest) return;
+  }
+}
+
+/// The limits again over the whole track: a run is done only where this one agrees, too.
+std::optional<HaltReason> judge(const path::TrackDeviation& deviation, const path::FollowLimits& limits) {
+  if (deviation.completed && deviation.covered >= limits.covered && deviation.max_mm <= limits.off_path_mm &&
+      deviation.max_rad <= limits.off_path_rad)
+    return std::nullopt;
+  const bool off = deviation.max_mm > limits.off_path_mm;
+  return HaltReason{
+      off ? Halt::OffPath : Halt::NotCovered,
+      std::string{FixedText<200>::format(
+                      "the program ended%s with %.1f %% of the line covered (limit %.1f), the "
+                      "tip up to %.1f mm beside the path at %.0f mm (limit %.1f)",
+                      deviation.completed ? "" : " before the path did,", 100 * deviation.covered,
+                      100 * limits.covered, deviation.max_mm, deviation.max_at_mm, limits.off_path_mm)
+                      .view()}};
 }
 
 void fill(FollowReport& report, const std::vector<RobotState>& states, const path::CheckedPath& path) {
@@ -56,17 +182,18 @@ void fill(FollowReport& report, const std::vector<RobotState>& states, const pat
 }  // namespace
 
 Result<RobotState> wait_until_still(const RobotLink& link, const StillOptions& options) {
-  BITELINE_ASSIGN(RobotState state, link.wait_newer(0, k_state_patience));
+  BITELINE_ASSIGN(RobotState state, link.wait_newer(0, k_first_state_patience));
   const RobotState first = state;
   RobotState still_since = state;
   while (seconds(state.received - still_since.received) < options.still_s) {
+    if (is_set(options.stop)) return fail(Errc::Refused, "robot: the service was told to stop");
     if (seconds(state.received - first.received) > options.patience_s) {
       return fail(Errc::Timeout, "robot: it still moves after %.0f s", options.patience_s);
     }
-    BITELINE_ASSIGN(state, link.wait_newer(state.sequence, k_state_patience));
-    const bool turned = (state.q_rad - still_since.q_rad).cwiseAbs().maxCoeff() > options.turn_rad;
+    BITELINE_ASSIGN(state, link.wait_newer(state.sequence, k_first_state_patience));
+    const bool turned = !((state.q_rad - still_since.q_rad).cwiseAbs().maxCoeff() <= options.turn_rad);
     const bool moved =
-        (state.T_base_tcp.translation() - still_since.T_base_tcp.translation()).norm() > options.move_mm;
+        !((state.T_base_tcp.translation() - still_since.T_base_tcp.translation()).norm() <= options.move_mm);
     if (turned || moved) still_since = state;
   }
   return state;
@@ -74,21 +201,20 @@ Result<RobotState> wait_until_still(const RobotLink& link, const StillOptions& o
 
 Result<void> follow(RobotLink& link, const path::CheckedPath& path, const FollowOptions& options,
                     FollowReport& report) {
+  BITELINE_ASSIGN(const RobotState from, link.latest());
   link.start_recording();
-  const Result<void> sent = link.send(path);
-  if (!sent) {
+  Run run{link, path, options, from};
+  if (const Result<void> sent = link.send(path); !sent) {
     static_cast<void>(link.take_recording());
     return sent;
   }
-  const Result<void> watched = watch(link, path, options, report);
+  report.halt = run.watch(report);
+  if (report.halt) stop_arm(link, options, report);
   fill(report, link.take_recording(), path);
-  if (!watched) {
-    static_cast<void>(link.stop());  // the first failure is the one to tell
-    return watched;
-  }
-  if (!report.deviation.completed)
-    return fail(Errc::PeerRefused, "robot: the program ended before the path did");
-  return {};
+  if (!report.halt) report.halt = judge(report.deviation, options.limits);
+  if (!report.halt) return {};
+  return fail(errc_of(report.halt->code), "robot: %.180s%s", report.halt->reason.c_str(),
+              report.at_rest ? "" : "; IT DOES NOT CONFIRM THE STOP: PRESS ITS EMERGENCY STOP");
 }
 
 Result<void> write_track(const std::filesystem::path& file, const std::vector<path::TrackSample>& track) {

@@ -2,22 +2,31 @@
 #pragma once
 /// \file Send a path, watch the arm follow it, and say how well it did.
 
+#include <atomic>
+#include <optional>
+
+#include "host/robot/link/halt.hpp"
 #include "host/robot/link/robot_link.hpp"
 #include "host/robot/path/track.hpp"
 
 namespace biteline::robot {
 
 struct FollowOptions {
-  double start_patience_s{5};  ///< from sending to the program's first motion
-  double way_there_s{60};      ///< for the arm's way to the path's beginning
-  double slowest_ratio{0.1};   ///< of the planned speed: the operator's slider
+  double start_patience_s{5};              ///< from sending to the program's first motion
+  double way_there_s{60};                  ///< for the arm's way to the path's beginning
+  double slowest_ratio{0.1};               ///< of the planned speed: the operator's slider
+  double rest_patience_s{2};               ///< from a stop to the arm at rest
+  path::FollowLimits limits{};             ///< beyond one of them the arm is stopped
+  const std::atomic<bool>* stop{nullptr};  ///< set from outside: the arm is stopped
 };
 
 struct FollowReport {
   std::vector<path::TrackSample> track;  ///< the whole run, time from the program's start
   path::TrackDeviation deviation;
   double duration_s{0};
-  double slowest_speed_ratio{1};  ///< that the controller reported meanwhile
+  double slowest_speed_ratio{1};   ///< that the controller reported meanwhile
+  std::optional<HaltReason> halt;  ///< why it is no done job
+  bool at_rest{true};              ///< after a stop: the program has ended and the arm stands
 };
 
 struct StillOptions {
@@ -25,13 +34,17 @@ struct StillOptions {
   double still_s{0.2};    ///< neither joints nor tip move for so long
   double turn_rad{1e-4};  ///< less is noise of the encoders
   double move_mm{0.1};
+  const std::atomic<bool>* stop{nullptr};  ///< set from outside: waits no longer
 };
 
 /// Where the arm stands, once it stands.  Errc::Timeout when it goes on moving.
 [[nodiscard]] Result<RobotState> wait_until_still(const RobotLink& link, const StillOptions& options);
 
-/// Blocks until the program ends.  On a stop by the safety system, a lost connection or too long a wait the
-/// arm is told to stop and the reason returned.  `report` is filled as far as it went, also then.
+/// Blocks until the program ends.  Each state is compared with the path; at the first one beyond a limit, and
+/// on a stop by the safety system, a lost connection, a frozen or senseless state, too long a wait or
+/// `options.stop`, the arm is told to stop and the reason returned: Errc::CheckFailed where the arm was at
+/// fault, the device's code where the device was.  Success means: every state within the limits and the line
+/// covered.  `report` is filled as far as it went, also on a failure.
 [[nodiscard]] Result<void> follow(RobotLink& link, const path::CheckedPath& path,
                                   const FollowOptions& options, FollowReport& report);
 

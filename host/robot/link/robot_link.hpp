@@ -55,7 +55,7 @@ class RobotLink {
 
   /// Starts the path's program.  Takes nothing but a path that passed its checks.
   [[nodiscard]] virtual Result<void> send(const path::CheckedPath& path) = 0;
-  /// Ends the running program; the arm brakes.
+  /// Ends the running program, the arm brakes, and switches off the output that the sent path switches on.
   [[nodiscard]] virtual Result<void> stop() = 0;
 
   /// Keeps every state from now on, up to ten minutes' worth; the recording is handed out once.

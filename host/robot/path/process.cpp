@@ -79,6 +79,38 @@ Motion read_motion(YamlReader reader) {
   return m;
 }
 
+FollowLimits read_follow(YamlReader reader) {
+  const FollowLimits d;
+  const auto degrees = [&](const char* key, double unless_rad) {
+    return reader.number_or(key, unless_rad / k_rad_per_deg, {.minimum = 0.05, .maximum = 30}) *
+           k_rad_per_deg;
+  };
+  return {.off_path_mm = reader.number_or("off_path_mm", d.off_path_mm, {.minimum = 0.1, .maximum = 50}),
+          .off_path_rad = degrees("off_path_deg", d.off_path_rad),
+          .off_way_rad = degrees("off_way_deg", d.off_way_rad),
+          .late_s = reader.number_or("late_s", d.late_s, {.minimum = 0.1, .maximum = 600}),
+          .stall_s = reader.number_or("stall_s", d.stall_s, {.minimum = 0.1, .maximum = 60}),
+          .silence_s = reader.number_or("silence_s", d.silence_s, {.minimum = 0.05, .maximum = 5}),
+          .covered = reader.number_or("covered", d.covered, {.minimum = 0.5, .maximum = 1})};
+}
+
+GateLimits read_gate(YamlReader reader) {
+  const GateLimits d;
+  GateLimits gate;
+  gate.scan_age_s = reader.number_or("scan_age_s", d.scan_age_s, {.minimum = 1, .maximum = 3600});
+  gate.lost_in_a_row =
+      static_cast<int>(reader.integer_or("lost_in_a_row", d.lost_in_a_row, {.minimum = 0, .maximum = 1000}));
+  gate.start_rad =
+      reader.number_or("start_deg", d.start_rad / k_rad_per_deg, {.minimum = 0.01, .maximum = 5}) *
+      k_rad_per_deg;
+  const std::string approval = reader.text_or("approval", "none");
+  if (approval != "none" && approval != "person") reader.fault(Errc::BadValue, "approval", "none or person");
+  gate.approval = approval == "person";
+  const double tolerance_mm = reader.number_or("tolerance_mm", 0, {.minimum = 0, .maximum = 20});
+  if (tolerance_mm > 0) gate.tolerance_mm = tolerance_mm;
+  return gate;
+}
+
 Start read_start(YamlReader& reader) {
   const std::string word = reader.text_or("start", "auto");
   if (word == "nearest") return Start::Nearest;
@@ -103,6 +135,8 @@ Result<Process> read_process(const std::filesystem::path& file) {
   process.placement = read_placement(reader.child("placement", true));
   process.coverage = read_coverage(reader.child("coverage", true));
   process.motion = read_motion(reader.child("motion", true));
+  process.follow = read_follow(reader.child("follow", false));
+  process.gate = read_gate(reader.child("gate", false));
   process.start = read_start(reader);
   process.digital_output =
       static_cast<int>(reader.integer_or("digital_output", -1, {.minimum = -1, .maximum = 7}));

@@ -56,6 +56,27 @@ struct Motion {
   double transfer_speed_mm_s{150};
 };
 
+/// When an arm that follows is stopped.  Angles in the file are degrees.
+struct FollowLimits {
+  double off_path_mm{2};  ///< of the tip: twice what the widest usual blend (0.8 mm) and the arm's lag take
+  double off_path_rad{0.0524};  ///< of the tool's direction and turn: 3 degrees are 2 mm at the end of 40 mm
+  double off_way_rad{0.0349};   ///< of a joint on the way there: 2 degrees are 35 mm a metre away
+  double late_s{3};             ///< behind or ahead of the plan, and a quarter of the planned time besides
+  double stall_s{2};            ///< without coming on: a tool that dwells burns or floods
+  double silence_s{0.5};        ///< without a new state: 60 of the slowest controller's (125 Hz)
+  double covered{0.99};         ///< share of the line's waypoints, or the job is not done
+};
+
+/// What must hold before a path is sent.
+struct GateLimits {
+  double scan_age_s{120};  ///< from the scan's end: the shoe may be moved later on
+  int lost_in_a_row{2};    ///< frames, profiles or edges: 2 at 1 mm a frame are less than a tool's width
+  double start_rad{
+      0.00349};          ///< of each joint since the way was checked: 0.2 degrees are 3.5 mm a metre away
+  bool approval{false};  ///< a person must have said yes to this scan
+  std::optional<double> tolerance_mm{};  ///< of the line's uncertainty (U95), where the process asks for one
+};
+
 /// Where the closed line is entered.
 enum class Start {
   Auto,     ///< where a seam harms least: straight and away from toe and heel
@@ -76,6 +97,8 @@ struct Process {
   Placement placement;
   Coverage coverage;
   Motion motion;
+  FollowLimits follow{};
+  GateLimits gate{};
   Start start{Start::Auto};
   int digital_output{-1};  ///< switched on along the line; -1: none
 };

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/robot/path/place.hpp"
+
 namespace biteline::path {
 namespace {
 
@@ -12,39 +14,8 @@ namespace {
 constexpr double k_ahead_mm = 25;
 constexpr double k_back_mm = 2;
 constexpr double k_passed_mm = 0.5;
-
-/// A place between two waypoints.
-struct NearestPlace {
-  std::size_t segment{0};
-  double fraction{0};
-  double distance_mm{1e9};
-};
-
-SE3 pose_at(const PlannedPath& path, const NearestPlace& place) {
-  return geometry::interpolate(path.waypoints[place.segment].T_base_tcp,
-                               path.waypoints[place.segment + 1].T_base_tcp, place.fraction);
-}
-
-double arc_at(const PlannedPath& path, const NearestPlace& place) {
-  const double a = path.waypoints[place.segment].arc_mm, b = path.waypoints[place.segment + 1].arc_mm;
-  return a + place.fraction * (b - a);
-}
-
-/// The nearest place within [from_mm, to_mm] of the path.
-NearestPlace nearest(const PlannedPath& path, const Vec3& tip, double from_mm, double to_mm) {
-  NearestPlace best;
-  for (std::size_t i = 0; i + 1 < path.waypoints.size(); ++i) {
-    if (path.waypoints[i + 1].arc_mm < from_mm) continue;
-    if (path.waypoints[i].arc_mm > to_mm) break;
-    const Vec3 a = path.waypoints[i].T_base_tcp.translation(),
-               along = path.waypoints[i + 1].T_base_tcp.translation() - a;
-    const double length2 = along.squaredNorm();
-    const double t = length2 > 0 ? std::clamp((tip - a).dot(along) / length2, 0.0, 1.0) : 0.0;
-    const double distance_mm = (tip - a - t * along).norm();
-    if (distance_mm < best.distance_mm) best = {.segment = i, .fraction = t, .distance_mm = distance_mm};
-  }
-  return best;
-}
+// States that a busy network or host lost: in so short a time no tip leaves the path and comes back to it.
+constexpr double k_unseen_s = 0.1;
 
 /// Distance of a point to the bite line near a place of the path.
 double to_line_mm(const PlannedPath& path, std::size_t segment, const Vec3& point) {
@@ -61,7 +32,7 @@ double to_line_mm(const PlannedPath& path, std::size_t segment, const Vec3& poin
 }
 
 /// Where the tool works, seen from the tip: the line's point in tcp at that place of the plan.
-Vec3 work_in_tcp(const PlannedPath& path, const NearestPlace& place, const SE3& T_base_tcp_planned) {
+Vec3 work_in_tcp(const PlannedPath& path, const PathPlace& place, const SE3& T_base_tcp_planned) {
   const Vec3 a = path.waypoints[place.segment].line_base, b = path.waypoints[place.segment + 1].line_base;
   return T_base_tcp_planned.inverse() * Vec3((1 - place.fraction) * a + place.fraction * b);
 }
@@ -75,27 +46,76 @@ double p95(std::vector<double>& values) {
 
 }  // namespace
 
+namespace {
+
+/// Marks the waypoints that were passed: near which a sample was, and those between two samples that follow
+/// each other closely on the path.
+class Passed {
+ public:
+  explicit Passed(const PlannedPath& path)
+      : path_{path}, within_mm_{std::max(k_passed_mm, 0.6 * path.motion.spacing_mm)} {
+    passed_.resize(path.waypoints.size(), false);
+    for (const Waypoint& w : path.waypoints) fastest_mm_s_ = std::max(fastest_mm_s_, w.speed_mm_s);
+  }
+
+  void add(const PathPlace& place, const TrackSample& sample) {
+    const Vec3 tip = sample.T_base_tcp.translation();
+    for (const std::size_t i : {place.segment, place.segment + 1}) {
+      if ((tip - path_.waypoints[i].T_base_tcp.translation()).norm() < within_mm_) passed_[i] = true;
+    }
+    const bool near = place.distance_mm < within_mm_;
+    const double gap_s = sample.time_s - last_time_s_, arc_mm = arc_at(path_, place);
+    const bool follows = arc_mm - last_arc_mm_ <= fastest_mm_s_ * gap_s + k_passed_mm;
+    if (near && last_near_ && gap_s <= k_unseen_s && follows) {
+      for (std::size_t i = last_segment_ + 1; i <= place.segment; ++i) passed_[i] = true;
+    }
+    last_near_ = near;
+    last_time_s_ = sample.time_s;
+    last_arc_mm_ = arc_mm;
+    last_segment_ = place.segment;
+  }
+
+  /// Of the line's waypoints.
+  [[nodiscard]] double share() const {
+    std::size_t all = 0, reached = 0;
+    for (std::size_t i = 0; i < passed_.size(); ++i) {
+      if (path_.waypoints[i].segment != Segment::Line) continue;
+      ++all;
+      if (passed_[i]) ++reached;
+    }
+    return all > 0 ? static_cast<double>(reached) / static_cast<double>(all) : 0;
+  }
+
+ private:
+  const PlannedPath& path_;
+  double within_mm_;
+  double fastest_mm_s_{0};
+  std::vector<bool> passed_;
+  bool last_near_{false};
+  double last_time_s_{0}, last_arc_mm_{0};
+  std::size_t last_segment_{0};
+};
+
+}  // namespace
+
 TrackDeviation deviation(const PlannedPath& path, std::span<const TrackSample> track) {
   TrackDeviation out;
   const double end_mm = path.waypoints.back().arc_mm;
   double here_mm = -1;
   double sum_mm = 0, sum_mm2 = 0, line_sum_mm = 0;
   std::vector<double> from_path_mm, from_line_mm;
-  std::vector<bool> passed(path.waypoints.size(), false);
+  Passed passed{path};
   for (const TrackSample& sample : track) {
     const Vec3 tip = sample.T_base_tcp.translation();
     if (here_mm < 0) {
-      // The way to the first waypoint is the arm's own.
-      if ((tip - path.waypoints.front().T_base_tcp.translation()).norm() > k_passed_mm) continue;
+      // The way to the first waypoint is the arm's own.  States may be missing just there.
+      if (nearest_place(path, tip, {.from_mm = 0, .to_mm = k_ahead_mm}).distance_mm > k_passed_mm) continue;
       here_mm = 0;
     }
-    const NearestPlace place = nearest(path, tip, here_mm - k_back_mm, here_mm + k_ahead_mm);
+    const PathPlace place =
+        nearest_place(path, tip, {.from_mm = here_mm - k_back_mm, .to_mm = here_mm + k_ahead_mm});
     here_mm = std::max(here_mm, arc_at(path, place));
-    for (const std::size_t i : {place.segment, place.segment + 1}) {
-      if ((tip - path.waypoints[i].T_base_tcp.translation()).norm() <
-          std::max(k_passed_mm, 0.6 * path.motion.spacing_mm))
-        passed[i] = true;
-    }
+    passed.add(place, sample);
     const bool on_line = path.waypoints[place.segment].segment == Segment::Line &&
                          path.waypoints[place.segment + 1].segment == Segment::Line;
     if (!on_line) continue;
@@ -116,12 +136,6 @@ TrackDeviation deviation(const PlannedPath& path, std::span<const TrackSample> t
     from_line_mm.push_back(line_mm);
     out.line_max_mm = std::max(out.line_max_mm, line_mm);
   }
-  std::size_t waypoints = 0, reached = 0;
-  for (std::size_t i = 0; i < passed.size(); ++i) {
-    if (path.waypoints[i].segment != Segment::Line) continue;
-    ++waypoints;
-    if (passed[i]) ++reached;
-  }
   if (out.samples > 0) {
     const auto n = static_cast<double>(out.samples);
     out.mean_mm = sum_mm / n;
@@ -130,7 +144,7 @@ TrackDeviation deviation(const PlannedPath& path, std::span<const TrackSample> t
     out.p95_mm = p95(from_path_mm);
     out.line_p95_mm = p95(from_line_mm);
   }
-  out.covered = waypoints > 0 ? static_cast<double>(reached) / static_cast<double>(waypoints) : 0;
+  out.covered = passed.share();
   out.completed = here_mm >= end_mm - k_passed_mm;
   return out;
 }

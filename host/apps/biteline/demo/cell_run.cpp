@@ -125,6 +125,8 @@ std::vector<std::string> host_arguments(const CellOptions& options, const Shoe& 
                                      cell.endpoints.value("rtde", ""),
                                      "--script",
                                      cell.endpoints.value("script", ""),
+                                     "--dashboard",
+                                     cell.endpoints.value("dashboard", ""),
                                      "--send",
                                      "--once",
                                      "--exit-with-parent"};

@@ -18,6 +18,7 @@ constexpr Nanoseconds k_silent{1'000'000'000};     // a connection that says not
 constexpr Nanoseconds k_handshake{5'000'000'000};  // a controller that boots answers late, not never
 constexpr Nanoseconds k_retry{300'000'000};
 constexpr Nanoseconds k_send_patience{2'000'000'000};
+constexpr Nanoseconds k_stop_patience{300'000'000};  // a controller in the same cell answers in some ms
 constexpr std::size_t k_most_recorded = 10 * 60 * 500;
 
 /// In the order of variables().
@@ -83,6 +84,15 @@ Result<RobotState> to_state(std::span<const rtde::Value> values) {
   const double speed = std::get<double>(values[SpeedScaling]);
   state.speed_ratio = std::isfinite(speed) ? speed : 0;
   return state;
+}
+
+/// Switches the tool off and brakes with all joints.  URScript: set_standard_digital_out(), stopj() with
+/// rad/s^2.
+std::string stop_program(int digital_output) {
+  std::string program = "def biteline_stop():\n";
+  if (digital_output >= 0)
+    program += "  set_standard_digital_out(" + std::to_string(digital_output) + ", False)\n";
+  return program + "  stopj(2.0)\nend\n";
 }
 
 }  // namespace
@@ -241,19 +251,39 @@ Result<void> UrLink::send(const path::CheckedPath& path) {
     const std::lock_guard lock{mutex_};
     status_.last_text.clear();
   }
+  // Without it the arm could not be stopped: before the path, and kept open, so that a stop is one word.
+  BITELINE_ASSIGN(dashboard_, Dashboard::connect({config_.host, config_.dashboard_port},
+                                                 from_seconds(config_.connect_patience_s)));
   BITELINE_ASSIGN(script_, TcpStream::connect({config_.host, config_.script_port},
                                               from_seconds(config_.connect_patience_s)));
+  output_ = path.path().digital_output;
   return script_.write_all(urscript(path), k_send_patience);
 }
 
 Result<void> UrLink::stop() {
-  BITELINE_ASSIGN(TcpStream dashboard, TcpStream::connect({config_.host, config_.dashboard_port},
-                                                          from_seconds(config_.connect_patience_s)));
-  BITELINE_TRY(dashboard.write_all(std::string_view{"stop\n"}, k_send_patience));
-  // The answer is waited for, so that the connection is not closed on the command; its words differ from
-  // version to version.
-  std::vector<std::uint8_t> answer;
-  return dashboard.read_some(answer, k_send_patience);
+  const Result<void> by_word = stop_by_word();
+  // The output stays on when a program is stopped: a program of its own switches it off, and replaces
+  // whatever still runs should the word not have arrived.
+  const Result<void> by_program = stop_by_program();
+  return by_word ? by_program : by_word;
+}
+
+Result<void> UrLink::stop_by_word() {
+  const bool said = dashboard_.is_open() && dashboard_.say("stop");
+  if (!said) {
+    BITELINE_ASSIGN(dashboard_, Dashboard::connect({config_.host, config_.dashboard_port}, k_stop_patience));
+    BITELINE_TRY(dashboard_.say("stop"));
+  }
+  // Its words differ from version to version: an answer is all that counts.
+  BITELINE_TRY(dashboard_.hear(k_stop_patience));
+  return {};
+}
+
+Result<void> UrLink::stop_by_program() {
+  const std::string program = stop_program(output_);
+  if (script_.is_open() && script_.write_all(program, k_stop_patience)) return {};
+  BITELINE_ASSIGN(script_, TcpStream::connect({config_.host, config_.script_port}, k_stop_patience));
+  return script_.write_all(program, k_stop_patience);
 }
 
 void UrLink::start_recording() {

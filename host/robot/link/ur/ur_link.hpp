@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "host/robot/link/robot_link.hpp"
+#include "host/robot/link/ur/dashboard.hpp"
 #include "host/robot/link/ur/tcp_stream.hpp"
 
 namespace biteline::rtde {
@@ -72,7 +73,13 @@ class UrLink final : public RobotLink {
   bool recording_{false};
   std::vector<RobotState> recorded_;
 
-  TcpStream script_;  ///< only send(); kept open, as the controller ends a program with its sender
+  [[nodiscard]] Result<void> stop_by_word();
+  [[nodiscard]] Result<void> stop_by_program();
+
+  // Only send() and stop().
+  TcpStream script_;     ///< kept open: a program that must replace the path's is on its way at once
+  Dashboard dashboard_;  ///< kept open for the word that stops the arm
+  int output_{-1};       ///< that the sent path switches on
   std::thread thread_;
 };
 

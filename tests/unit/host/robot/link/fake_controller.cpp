@@ -28,23 +28,18 @@ int listen_somewhere(std::uint16_t& port) {
 }
 
 struct Values : rtde::ValueSource {
-  explicit Values(const FakeController& controller) : of{controller} {}
   rtde::Value value_of(std::string_view name) const override {
-    if (name == "timestamp") return time_s;
-    if (name == "robot_mode") return of.robot_mode.load();
-    if (name == "safety_mode") return of.safety_mode.load();
-    if (name == "runtime_state") return of.runtime_state.load();
-    if (name == "speed_scaling") return 1.0;
-    if (name == "actual_TCP_pose") {
-      const double x = of.not_a_number ? std::numeric_limits<double>::quiet_NaN() : 0.5;
-      return rtde::Vector6{x, -0.25, 0.125, 0, 3.0, 0};
-    }
-    if (name == "actual_q") return rtde::Vector6{turned_rad, 0, 0, 0, 0, 0};
-    if (name == "tcp_offset") return rtde::Vector6{0, 0, 0.15, 0, 0, 0};
+    if (name == "timestamp") return now.time_s;
+    if (name == "robot_mode") return now.robot_mode;
+    if (name == "safety_mode") return now.safety_mode;
+    if (name == "runtime_state") return now.runtime_state;
+    if (name == "speed_scaling") return now.speed_scaling;
+    if (name == "actual_TCP_pose") return now.tcp_pose;
+    if (name == "actual_q") return now.q;
+    if (name == "tcp_offset") return now.tcp_offset;
     return rtde::zero_of(*rtde::output_type(name));
   }
-  const FakeController& of;
-  double time_s{10}, turned_rad{0};
+  PlayedState now;
 };
 
 struct Deaf : rtde::ControllerListener {
@@ -62,7 +57,7 @@ void read_into(std::string& text, int client) {
 
 }  // namespace
 
-FakeController::FakeController() {
+FakeController::FakeController(Play play, double cycle_s) : play_{std::move(play)}, cycle_s_{cycle_s} {
   rtde_listener_ = listen_somewhere(rtde_port_);
   script_listener_ = listen_somewhere(script_port_);
   dashboard_listener_ = listen_somewhere(dashboard_port_);
@@ -83,11 +78,41 @@ std::string FakeController::dashboard() const {
   const std::lock_guard lock{mutex_};
   return dashboard_;
 }
+FakeController::Times FakeController::times() const {
+  const std::lock_guard lock{mutex_};
+  return times_;
+}
+
+void FakeController::read_script(int client) {
+  const std::lock_guard lock{mutex_};
+  read_into(script_, client);
+  const std::size_t stop = script_.find("def biteline_stop():");
+  if (stop == std::string::npos || !script_.ends_with("end\n")) return;
+  if (!times_.stop) times_.stop = Clock::now();
+  if (!times_.output_off && script_.find("set_standard_digital_out(0, False)", stop) != std::string::npos)
+    times_.output_off = Clock::now();
+}
+
+void FakeController::read_dashboard(int client) {
+  const std::lock_guard lock{mutex_};
+  std::size_t at = dashboard_.size();
+  read_into(dashboard_, client);
+  for (std::size_t end = dashboard_.find('\n', at); end != std::string::npos;
+       end = dashboard_.find('\n', at)) {
+    const std::string command = dashboard_.substr(at, end - at);
+    at = end + 1;
+    if (command == "stop" && !times_.stop) times_.stop = Clock::now();
+    const auto known = answers.find(command);
+    const std::string answer = (known == answers.end() ? "Stopped" : known->second) + "\n";
+    static_cast<void>(send(client, answer.data(), answer.size(), MSG_NOSIGNAL));
+  }
+}
 
 void FakeController::serve() {
   int rtde = -1, script = -1, dashboard = -1;
   rtde::ControllerSession session{{}};
-  Values values{*this};
+  Values values;
+  double time_s = 10, turned_rad = 0, script_at_s = -1;
   Deaf deaf;
   const auto replace = [](int& client, int listener) {
     if (client >= 0) close(client);
@@ -114,20 +139,33 @@ void FakeController::serve() {
       read_into(text, rtde);
       static_cast<void>(
           session.consume({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, deaf));
-      values.time_s += 0.002;
-      if (turning) values.turned_rad += 0.01;
-      if (!silent) session.append_outputs(cycle, values);
+      time_s += cycle_s_;
+      if (turning) turned_rad += 0.01;
+      values.now = {.time_s = time_s,
+                    .q = {turned_rad, 0, 0, 0, 0, 0},
+                    .robot_mode = robot_mode,
+                    .safety_mode = safety_mode,
+                    .runtime_state = runtime_state,
+                    .send = !silent};
+      if (not_a_number) values.now.tcp_pose[0] = std::numeric_limits<double>::quiet_NaN();
+      {
+        const std::lock_guard lock{mutex_};
+        if (script_at_s < 0 && script_.ends_with("end\n")) script_at_s = time_s;
+        values.now.stopped = times_.stop.has_value();
+      }
+      if (script_at_s >= 0) values.now.since_script_s = time_s - script_at_s;
+      if (play_) play_(values.now);
+      if (values.now.lie) {
+        const std::lock_guard lock{mutex_};
+        if (!times_.lie) times_.lie = Clock::now();
+      }
+      if (values.now.send) session.append_outputs(cycle, values);
       const auto& out = session.outgoing();
       static_cast<void>(send(rtde, out.data(), out.size(), MSG_NOSIGNAL));
       session.outgoing().clear();
     }
-    const std::lock_guard lock{mutex_};
-    if (script >= 0) read_into(script_, script);
-    if (dashboard >= 0) {
-      const std::size_t before = dashboard_.size();
-      read_into(dashboard_, dashboard);
-      if (dashboard_.size() > before) static_cast<void>(send(dashboard, "Stopped\n", 8, MSG_NOSIGNAL));
-    }
+    if (script >= 0) read_script(script);
+    if (dashboard >= 0) read_dashboard(dashboard);
   }
   for (const int client : {rtde, script, dashboard}) {
     if (client >= 0) close(client);

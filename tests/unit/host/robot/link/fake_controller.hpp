@@ -1,19 +1,43 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file A UR controller that does nothing but answer: RTDE at about 100 Hz, a script port that keeps what it
-/// gets, a dashboard.
+/// \file A UR controller that does nothing but answer, or what a test plays on it: RTDE, a script port that
+/// keeps what it gets, a dashboard.
 
+#include <array>
 #include <atomic>
+#include <chrono>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 
 namespace biteline::robot::test {
 
+/// One state that is about to be sent, in the controller's units (m, rad).
+struct PlayedState {
+  double since_script_s{-1};  ///< by the controller's clock, since a whole script came; < 0: none yet
+  bool stopped{false};        ///< it was told to stop
+  double time_s{0};           ///< the controller's clock
+  std::array<double, 6> q{}, tcp_pose{0.5, -0.25, 0.125, 0, 3.0, 0}, tcp_offset{0, 0, 0.15, 0, 0, 0};
+  std::int32_t robot_mode{7}, safety_mode{1};
+  std::uint32_t runtime_state{1};
+  double speed_scaling{1};
+  bool send{true};
+  bool lie{false};  ///< the first state that a host must not accept
+};
+
 class FakeController {
  public:
-  FakeController();
+  using Clock = std::chrono::steady_clock;
+  /// Changes what is sent; each cycle, on the controller's thread.
+  using Play = std::function<void(PlayedState&)>;
+
+  FakeController() : FakeController{Play{}, 0.002} {}
+  /// `cycle_s`: how far the controller's own clock goes on each cycle of some 2 ms.
+  FakeController(Play play, double cycle_s);
   ~FakeController();
   FakeController(const FakeController&) = delete;
   FakeController& operator=(const FakeController&) = delete;
@@ -31,16 +55,30 @@ class FakeController {
   std::atomic<bool> drop{false};     ///< set to drop the RTDE connection once; cleared when done
   std::atomic<int> rtde_connections{0};
 
+  /// Answers of the dashboard by command; others: "Stopped".  Set before a link is opened.
+  std::map<std::string, std::string> answers;
+
+  /// When the first lie was sent, and when the words that stop the arm and its tool came.
+  struct Times {
+    std::optional<Clock::time_point> lie, stop, output_off;
+  };
+  [[nodiscard]] Times times() const;
+
   [[nodiscard]] std::string script() const;
   [[nodiscard]] std::string dashboard() const;
 
  private:
   void serve();
+  void read_script(int client);
+  void read_dashboard(int client);
 
   int rtde_listener_{-1}, script_listener_{-1}, dashboard_listener_{-1};
   std::uint16_t rtde_port_{0}, script_port_{0}, dashboard_port_{0};
   mutable std::mutex mutex_;
   std::string script_, dashboard_;
+  Times times_;
+  Play play_;
+  double cycle_s_;
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

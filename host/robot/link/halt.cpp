@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#include "host/robot/link/halt.hpp"
+
+#include <array>
+
+namespace biteline::robot {
+
+std::span<const report::RefusalRow<Halt>> refusal_table(Halt) {
+  using Row = report::RefusalRow<Halt>;
+  static constexpr std::array k_rows{
+      Row{Halt::OffPath, "off_path", "look at tool and shoe, and scan again before the arm moves on"},
+      Row{Halt::OffDirection, "off_direction",
+          "look at tool and shoe, and scan again before the arm moves on"},
+      Row{Halt::OffWay, "off_way", "clear the arm's way, and scan again"},
+      Row{Halt::OtherTool, "other_tool", "end whatever else sets the tool on the controller"},
+      Row{Halt::Late, "late", "set the speed slider, and scan again"},
+      Row{Halt::Stalled, "stalled", "see on the pendant what holds the program, and scan again"},
+      Row{Halt::NotCovered, "not_covered", "work the shoe again, or put it aside"},
+      Row{Halt::Silent, "silent", "check the network and the controller"},
+      Row{Halt::Unusable, "unusable_state", "check the controller: it sends states without numbers"},
+      Row{Halt::ProtectiveStop, "protective_stop", "clear the cause on the pendant, and scan again"},
+      Row{Halt::PowerOff, "power_off", "power the arm up on the pendant, and scan again"},
+      Row{Halt::NotStarted, "not_started", "see on the pendant why the program does not start"},
+      Row{Halt::NotEnded, "not_ended", "see on the pendant what holds the program"},
+      Row{Halt::Person, "stopped_by_a_person", "scan again when the cell is ready"},
+  };
+  return k_rows;
+}
+
+}  // namespace biteline::robot

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#include "host/robot/link/ur/dashboard.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace biteline::robot::ur {
+namespace {
+
+constexpr Nanoseconds k_write_patience{500'000'000};
+constexpr std::size_t k_longest_line = 4096;  // who sends more without a line's end is no dashboard
+constexpr std::size_t k_told = 200;
+
+std::string printable(std::string line) {
+  std::erase_if(line, [](char c) { return c < ' ' || c > '~'; });
+  if (line.size() > k_told) line.resize(k_told);
+  return line;
+}
+
+}  // namespace
+
+Result<Dashboard> Dashboard::connect(const Endpoint& endpoint, Nanoseconds patience) {
+  Dashboard dashboard;
+  BITELINE_ASSIGN(dashboard.stream_, TcpStream::connect(endpoint, patience));
+  return dashboard;
+}
+
+Result<void> Dashboard::say(const std::string& command) {
+  return stream_.write_all(command + "\n", k_write_patience);
+}
+
+Result<std::string> Dashboard::hear(Nanoseconds patience) {
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  std::vector<std::uint8_t> bytes;
+  while (true) {
+    for (std::size_t end = heard_.find('\n'); end != std::string::npos; end = heard_.find('\n')) {
+      const std::string line = printable(heard_.substr(0, end));
+      heard_.erase(0, end + 1);
+      if (!line.starts_with("Connected")) return line;
+    }
+    if (heard_.size() > k_longest_line) return fail(Errc::ProtocolError, "dashboard: a line without an end");
+    const Nanoseconds left = deadline - std::chrono::steady_clock::now();
+    if (left <= Nanoseconds{0}) return fail(Errc::Timeout, "dashboard");
+    BITELINE_TRY(stream_.read_some(bytes, left));
+    heard_.append(bytes.begin(), bytes.end());
+  }
+}
+
+Result<std::string> Dashboard::ask(const std::string& command, Nanoseconds patience) {
+  BITELINE_TRY(say(command));
+  return hear(patience);
+}
+
+}  // namespace biteline::robot::ur

@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: MIT
+// Controllers that lie, freeze and fail while their arm follows: each is a row of
+// tests/integration/faults/ROBOT.md.
+#include <CppUTest/TestHarness.h>
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <numbers>
+
+#include "host/robot/link/follow.hpp"
+#include "host/robot/link/ur/ur_link.hpp"
+#include "tests/unit/host/robot/link/played_path.hpp"
+
+namespace biteline::robot {
+namespace {
+
+using test::FakeController;
+using test::PlayedState;
+
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double k_deg = std::numbers::pi / 180;
+// A CB3's rate by the controller's clock; the cycles themselves take some 2 ms, so that a path is over
+// sooner.
+constexpr double k_cycle_s = 0.008;
+// From the first state beyond a limit to the stop on the wire: a safety reaction.
+constexpr double k_stop_within_s = 0.1;
+
+/// What a controller makes of a good state.  `share`: of the path; below 0 on the way there.
+using Lie = std::function<void(PlayedState&, double share)>;
+
+struct Played {
+  Result<void> followed;
+  FollowReport report;
+  FakeController::Times times;
+  std::string script;
+};
+
+double seconds_between(FakeController::Clock::time_point a, FakeController::Clock::time_point b) {
+  return std::chrono::duration<double>(b - a).count();
+}
+
+/// A lie that begins at a share of the path and stays.
+Lie from(double begin, const std::function<void(PlayedState&)>& change) {
+  return [begin, change](PlayedState& state, double share) {
+    if (share < begin || state.stopped) return;
+    state.lie = true;
+    change(state);
+  };
+}
+
+/// The controller's tip moved by mm.
+void move(PlayedState& state, double x_mm, double y_mm, double z_mm) {
+  state.tcp_pose[0] += x_mm / 1000;
+  state.tcp_pose[1] += y_mm / 1000;
+  state.tcp_pose[2] += z_mm / 1000;
+}
+
+void turn(PlayedState& state, double rad) {
+  SE3 pose = ur::from_ur_pose(state.tcp_pose);
+  pose.linear() = pose.linear() * geometry::exp_so3(Vec3{rad, 0, 0});
+  state.tcp_pose = ur::to_ur_pose(pose);
+}
+
+}  // namespace
+
+TEST_GROUP(FollowFaults) {
+  const path::CheckedPath& path = test::planned_path("grind.yaml");
+  kinematics::Joints home_rad =
+      path.path().waypoints.front().q_rad + (kinematics::Joints() << 0.6, -0.2, 0.1, 0, 0.2, -0.3).finished();
+  std::atomic<bool> stop{false};
+  path::FollowLimits limits{};
+
+  /// The arm follows at the plan's speed times `pace`; what is sent goes through `lie`.
+  Played play(const Lie& lie, double pace = 1) {
+    const test::PlayedPath played{path.path(), home_rad};
+    double last_s = 0;
+    FakeController controller{[&](PlayedState& state) {
+                                const double now_s = std::max(0.0, pace * state.since_script_s);
+                                // Told to stop it stands where it is.
+                                if (!state.stopped) last_s = now_s;
+                                played.fill(last_s, state);
+                                const bool runs = state.since_script_s > 0.1 && !state.stopped &&
+                                                  last_s < played.duration_s() + 0.2;
+                                state.runtime_state = runs ? 2 : 1;
+                                if (state.since_script_s >= 0) lie(state, played.share_at(last_s));
+                              },
+                              k_cycle_s};
+    const auto link = ur::UrLink::open({.host = "127.0.0.1",
+                                        .rtde_port = controller.rtde_port(),
+                                        .script_port = controller.script_port(),
+                                        .dashboard_port = controller.dashboard_port(),
+                                        .rate_hz = 0,
+                                        .connect_patience_s = 20});
+    CHECK_TEXT(link.has_value(), link ? "" : to_line(link.error()).c_str());
+    Played out;
+    out.followed = follow(**link, path, {.limits = limits, .stop = &stop}, out.report);
+    // The stop program is written last, and read a cycle later.
+    for (int i = 0; i < 1000 && out.report.halt && out.report.halt->code != Halt::NotCovered &&
+                    !controller.times().output_off;
+         ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds{1});
+    out.times = controller.times();
+    out.script = controller.script();
+    return out;
+  }
+
+  /// The arm is stopped for `expected`, in time, and its tool with it.
+  Played stops(const char* name, Halt expected, const Lie& lie, double noticed_within_s = 0,
+               double pace = 1) {
+    const Played out = play(lie, pace);
+    CHECK_TEXT(!out.followed.has_value(), name);
+    CHECK_TEXT(out.report.halt.has_value(), name);
+    STRCMP_EQUAL_TEXT(report::refusal_row(expected).name, report::refusal_row(out.report.halt->code).name,
+                      name);
+    CHECK_TEXT(out.times.stop.has_value(), name);
+    CHECK_TEXT(out.times.output_off.has_value(), name);
+    CHECK_TEXT(out.times.lie.has_value(), name);
+    const double delay_s = seconds_between(*out.times.lie, *out.times.stop);
+    std::printf("%-42s %-16s stop %5.1f ms after the first such state; %s\n", name,
+                report::refusal_row(expected).name, 1000 * delay_s, to_line(out.followed.error()).c_str());
+    CHECK_TEXT(delay_s <= noticed_within_s + k_stop_within_s, name);
+    CHECK_TEXT(delay_s >= 0, name);
+    CHECK_TEXT(out.report.at_rest, name);
+    return out;
+  }
+
+  static void has_status_3(const Played& out) {
+    LONGS_EQUAL(static_cast<int>(ExitStatus::Refused),
+                static_cast<int>(error_row(out.followed.error().code).exit_status));
+  }
+};
+
+TEST(FollowFaults, ArmThatKeepsToThePathIsDone) {
+  const Played out = play([](PlayedState&, double) {});
+  CHECK_TEXT(out.followed.has_value(), out.followed ? "" : to_line(out.followed.error()).c_str());
+  CHECK(!out.report.halt);
+  CHECK(!out.times.stop);
+  DOUBLES_EQUAL(1.0, out.report.deviation.covered, 0.01);
+}
+
+TEST(FollowFaults, SmallErrorsOfARealArmAreNoReasonToStop) {
+  int count = 0;
+  const Played out = play([&count](PlayedState& state, double) {
+    // 0.6 mm to and fro and a degree: an arm that lags, blends, shakes.
+    const double wave = std::sin(0.3 * ++count);
+    move(state, 0.4 * wave, 0.4 * wave, 0);
+    turn(state, 1 * k_deg * wave);
+  });
+  CHECK_TEXT(out.followed.has_value(), out.followed ? "" : to_line(out.followed.error()).c_str());
+}
+
+TEST(FollowFaults, TipBesideThePathStopsTheArm) {
+  has_status_3(stops("80 mm below from 20 % on", Halt::OffPath,
+                     from(0.2, [](PlayedState& s) { move(s, 0, 0, -80); })));
+  stops("20 mm aside, both ways", Halt::OffPath, from(0.22, [](PlayedState& s) { move(s, 20, 20, 0); }));
+  stops("3 mm, a little beyond the limit", Halt::OffPath,
+        from(0.22, [](PlayedState& s) { move(s, 0, 0, 3); }));
+  stops("on the approach", Halt::OffPath, from(0.01, [](PlayedState& s) { move(s, 5, 0, 0); }));
+  stops("on the retreat", Halt::OffPath, from(0.98, [](PlayedState& s) { move(s, 0, 5, 0); }));
+}
+
+TEST(FollowFaults, TipThatDriftsOffSlowlyIsStoppedAtTheLimit) {
+  stops("drift of 1 mm in 10 mm", Halt::OffPath, [](PlayedState& state, double share) {
+    if (share < 0.22 || state.stopped) return;
+    const double drift_mm = 60 * (share - 0.22);
+    move(state, 0, 0, drift_mm);
+    state.lie = drift_mm > path::FollowLimits{}.off_path_mm;
+  });
+}
+
+TEST(FollowFaults, JumpOfOneStateStopsTheArm) {
+  bool jumped = false;
+  stops("1.7 m for one state", Halt::OffPath, [&jumped](PlayedState& state, double share) {
+    if (share < 0.22 || std::exchange(jumped, true)) return;
+    state.lie = true;
+    move(state, 1000, 1000, 1000);
+  });
+  // Along the path, where every place is a right one: only the time between the states tells.
+  const test::PlayedPath played{path.path(), home_rad};
+  stops("60 mm ahead along the path", Halt::OffPath, [&](PlayedState& state, double share) {
+    if (share < 0.22 || state.stopped) return;
+    state.lie = true;
+    const std::uint32_t runtime = state.runtime_state;
+    played.fill(played.way_s() + (share + 0.1) * (played.duration_s() - played.way_s()), state);
+    state.runtime_state = runtime;
+  });
+}
+
+TEST(FollowFaults, TurnedToolStopsTheArm) {
+  stops("tool turned by 5 degrees", Halt::OffDirection,
+        from(0.22, [](PlayedState& s) { turn(s, 5 * k_deg); }));
+  stops("tool upside down", Halt::OffDirection, from(0.2, [](PlayedState& s) { turn(s, std::numbers::pi); }));
+}
+
+TEST(FollowFaults, JointBesideTheWayThereStopsTheArm) {
+  const auto on_the_way = [](const std::function<void(PlayedState&)>& change) {
+    return [change](PlayedState& state, double share) {
+      if (share > -0.02 || state.stopped || state.since_script_s < 0.3) return;
+      state.lie = true;
+      change(state);
+    };
+  };
+  stops("elbow 5 degrees beside the way there", Halt::OffWay,
+        on_the_way([](PlayedState& s) { s.q[2] += 5 * k_deg; }));
+  stops("another program on the way there", Halt::OffWay,
+        on_the_way([](PlayedState& s) { s.q = {0, -1.57, 0, -1.57, 0, 0}; }));
+}
+
+TEST(FollowFaults, AnotherProgramStopsTheArm) {
+  double begun_s = -1;
+  stops("another program goes its own way", Halt::OffPath, [&begun_s](PlayedState& state, double share) {
+    if (share < 0.22 || state.stopped) return;
+    if (begun_s < 0) begun_s = state.since_script_s;
+    const double gone_mm = 100 * (state.since_script_s - begun_s);
+    move(state, 0, 0, gone_mm);
+    state.lie = gone_mm > 2.5;
+  });
+}
+
+TEST(FollowFaults, OtherToolStopsTheArm) {
+  stops("controller reckons with another tip", Halt::OtherTool,
+        from(0.22, [](PlayedState& s) { s.tcp_offset[2] += 0.05; }));
+}
+
+TEST(FollowFaults, StatesWithoutNumbersStopTheArm) {
+  stops("tip NaN", Halt::Unusable, from(0.22, [](PlayedState& s) { s.tcp_pose.fill(k_nan); }));
+  stops("one joint NaN", Halt::Unusable, from(0.22, [](PlayedState& s) { s.q[5] = k_nan; }));
+  stops("tool NaN", Halt::Unusable, from(0.22, [](PlayedState& s) { s.tcp_offset[0] = k_nan; }));
+  stops("clock 1e300", Halt::Unusable, from(0.22, [](PlayedState& s) { s.time_s = 1e300; }));
+  stops("tip infinite on the way there", Halt::Unusable, [](PlayedState& state, double share) {
+    if (share > -0.02 || state.stopped || state.since_script_s < 0.3) return;
+    state.lie = true;
+    state.tcp_pose[1] = std::numeric_limits<double>::infinity();
+  });
+}
+
+TEST(FollowFaults, FrozenControllerStopsTheArm) {
+  stops("sends nothing", Halt::Silent, from(0.22, [](PlayedState& s) { s.send = false; }), limits.silence_s);
+  double frozen_s = -1;
+  stops(
+      "sends the same instant for ever", Halt::Silent,
+      [&frozen_s](PlayedState& state, double share) {
+        if (share < 0.22 || state.stopped) return;
+        if (frozen_s < 0) frozen_s = state.time_s;
+        state.lie = true;
+        state.time_s = frozen_s;
+      },
+      limits.silence_s);
+  double backwards_s = -1;
+  stops(
+      "clock runs backwards", Halt::Silent,
+      [&backwards_s](PlayedState& state, double share) {
+        if (share < 0.22 || state.stopped) return;
+        if (backwards_s < 0) backwards_s = state.time_s;
+        state.lie = true;
+        state.time_s = 2 * backwards_s - state.time_s;
+      },
+      limits.silence_s);
+}
+
+TEST(FollowFaults, TipThatStandsWhileTheProgramRunsStopsTheArm) {
+  const test::PlayedPath played{path.path(), home_rad};
+  stops(
+      "tip stands on the shoe", Halt::Stalled,
+      [&](PlayedState& state, double share) {
+        if (share < 0.22 || state.stopped) return;
+        state.lie = true;
+        played.fill(played.way_s() + 0.22 * (played.duration_s() - played.way_s()), state);
+      },
+      limits.stall_s);
+}
+
+TEST(FollowFaults, FarTooSlowOrTooFastStopsTheArm) {
+  limits.late_s = 0.5;
+  const auto whole = [](PlayedState& state, double share) {
+    if (share > 0 && !state.stopped) state.lie = true;
+  };
+  stops("at a third of the speed, slider at 1", Halt::Late, whole, 20, 0.33);
+}
+
+TEST(FollowFaults, SafetyAndPowerStopTheArm) {
+  stops("protective stop", Halt::ProtectiveStop, from(0.22, [](PlayedState& s) { s.safety_mode = 3; }));
+  stops("emergency stop", Halt::ProtectiveStop, from(0.22, [](PlayedState& s) { s.safety_mode = 7; }));
+  stops("fault", Halt::ProtectiveStop, from(0.22, [](PlayedState& s) { s.safety_mode = 9; }));
+  stops("power off", Halt::PowerOff, from(0.22, [](PlayedState& s) { s.robot_mode = 3; }));
+  stops("brakes", Halt::PowerOff, from(0.22, [](PlayedState& s) { s.robot_mode = 5; }));
+  stops("backdrive: hands on the arm", Halt::PowerOff, from(0.22, [](PlayedState& s) { s.robot_mode = 6; }));
+}
+
+TEST(FollowFaults, StopFromOutsideStopsTheArm) {
+  stops("the service is told to stop", Halt::Person, from(0.22, [this](PlayedState&) { stop = true; }));
+}
+
+TEST(FollowFaults, ProgramThatEndsEarlyOrLeavesPartsOutIsNotDone) {
+  const Played half = play([](PlayedState& state, double share) {
+    if (share > 0.5) state.runtime_state = 1;
+  });
+  CHECK(!half.followed.has_value());
+  CHECK(half.report.halt->code == Halt::NotCovered);
+  has_status_3(half);
+  CHECK(half.report.deviation.covered < 0.7);
+
+  const Played at_once = play([](PlayedState& state, double share) {
+    if (state.since_script_s > 0.3) state.runtime_state = 1;
+  });
+  CHECK(!at_once.followed.has_value());
+  CHECK(at_once.report.halt->code == Halt::NotCovered);
+}
+
+TEST(FollowFaults, ProgramThatDoesNotStartIsToldAndStopped) {
+  stops(
+      "program never starts", Halt::NotStarted,
+      [](PlayedState& state, double) {
+        state.runtime_state = 1;
+        state.lie = true;
+      },
+      6);
+}
+
+}  // namespace biteline::robot

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+// The service before an arm: what it must never send, and what must never end it.
+#include <CppUTest/TestHarness.h>
+
+#include <csignal>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "host/intake/sensor_process.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/unit/host/robot/link/fake_controller.hpp"
+
+namespace biteline {
+namespace {
+
+namespace fs = std::filesystem;
+using intake::ChildProcess;
+using robot::test::FakeController;
+using namespace std::chrono_literals;
+
+constexpr auto k_patience = 120s;  // of a loaded machine
+
+int run(const fs::path& program, const std::vector<std::string>& arguments) {
+  auto child = ChildProcess::start({.program = program, .arguments = arguments, .pass_stderr = true});
+  SUCCEEDS(child);
+  const auto status = child->wait(k_patience);
+  SUCCEEDS(status);
+  return *status;
+}
+
+fs::path host_program() {
+  return intake::find_sensor_program()->parent_path() / "biteline-host";
+}
+
+/// A scan with a shoe and a line, as a service that died left it; made once.
+struct RecordedScan {
+  test::TemporaryFolder folder;
+  fs::path session{folder.path() / "session"};
+  fs::path journal{folder.path() / "results/scan-0001/scan.btln"};
+  std::string table_z;
+
+  RecordedScan() {
+    LONGS_EQUAL(0,
+                run(BITELINE_CELL, {"record", "--shoe", "step", "--seed", "8", "--out", session.string()}));
+    auto sensor = sensor_of_it();
+    LONGS_EQUAL(0, run(host_program(), {"--sensor", sensor.endpoint().text(), "--out",
+                                        (folder.path() / "results").string(), "--once", "--keep-recording"}));
+    std::ifstream truth{session / "truth/T_base_shoe.txt"};
+    for (int i = 0; i < 12; ++i) truth >> table_z;
+  }
+
+  [[nodiscard]] intake::SensorProcess sensor_of_it() const {
+    auto sensor = intake::SensorProcess::start(
+        *intake::find_sensor_program(), {"--source", "replay:" + session.string(), "--stay"}, k_patience);
+    SUCCEEDS(sensor);
+    return std::move(*sensor);
+  }
+};
+
+const RecordedScan& recorded() {
+  static const RecordedScan scan;
+  return scan;
+}
+
+}  // namespace
+
+TEST_GROUP(ServiceAndRobot) {
+  test::TemporaryFolder folder;
+  FakeController controller;
+
+  fs::path results() const {
+    return folder.path() / "results";
+  }
+  /// As a service leaves it that dies between the scan's end and its report.
+  fs::path leave_scan(const std::string& name) const {
+    const fs::path scan = results() / name;
+    fs::create_directories(scan);
+    fs::copy_file(recorded().journal, scan / "scan.btln");
+    return scan;
+  }
+  std::vector<std::string> arguments(const std::string& sensor) const {
+    return {"--sensor", sensor, "--out", results().string()};
+  }
+  static constexpr const char* k_no_sensor = "tcp://127.0.0.1:1";
+
+  std::vector<std::string> sending(const std::string& sensor) const {
+    std::vector<std::string> all = arguments(sensor);
+    const auto at = [](std::uint16_t port) { return "127.0.0.1:" + std::to_string(port); };
+    const fs::path process = fs::path{BITELINE_PROCESSES} / "grind.yaml";
+    all.insert(all.end(), {"--robot", "UR5e", "--process", process.string(), "--table-z", recorded().table_z,
+                           "--rtde", at(controller.rtde_port()), "--script", at(controller.script_port()),
+                           "--dashboard", at(controller.dashboard_port()), "--send"});
+    return all;
+  }
+  ChildProcess start(std::vector<std::string> all, const std::vector<std::string>& more) const {
+    all.insert(all.end(), more.begin(), more.end());
+    auto host = ChildProcess::start({.program = host_program(), .arguments = all, .pass_stderr = true});
+    SUCCEEDS(host);
+    return std::move(*host);
+  }
+  /// Its exit status and all that it said on stdout.
+  static std::pair<int, std::string> end_of(ChildProcess & host) {
+    std::string said;
+    while (const auto line = host.next_line(k_patience)) said += *line + "\n";
+    const auto status = host.wait(k_patience);
+    SUCCEEDS(status);
+    return {*status, said};
+  }
+  static nlohmann::json report_of(const fs::path& scan) {
+    std::ifstream stream{scan / "report.json"};
+    return nlohmann::json::parse(stream, nullptr, false);
+  }
+};
+
+TEST(ServiceAndRobot, OldRecordingIsWorkedOutAndNeverSent) {
+  const fs::path scan = leave_scan("scan-0001");
+  ChildProcess host = start(sending(k_no_sensor), {"--once"});
+  const auto [status, said] = end_of(host);
+  LONGS_EQUAL(static_cast<int>(ExitStatus::Refused), status);
+  STRCMP_CONTAINS("--confirm scan-0001", said.c_str());
+  CHECK(fs::exists(scan / "line.csv"));
+  CHECK(fs::exists(scan / "path/path.csv"));
+  CHECK(controller.script().empty());
+  CHECK(fs::exists(scan / "scan.btln"));  // a person may still say so
+}
+
+TEST(ServiceAndRobot, OldRecordingIsSentWhenAPersonSaysItsNameAndNoOther) {
+  leave_scan("scan-0001");
+  ChildProcess other = start(sending(k_no_sensor), {"--once", "--confirm", "scan-0002"});
+  LONGS_EQUAL(static_cast<int>(ExitStatus::Refused), end_of(other).first);
+  CHECK(controller.script().empty());
+  // It has a report by now; the name brings it up again.
+  ChildProcess named = start(sending(k_no_sensor), {"--once", "--confirm", "scan-0001"});
+  static_cast<void>(end_of(named));  // this controller never begins the program
+  STRCMP_CONTAINS("def biteline_path():", controller.script().c_str());
+}
+
+TEST(ServiceAndRobot, ScanOfARecordingIsNotSent) {
+  const auto sensor = recorded().sensor_of_it();
+  ChildProcess host = start(sending(sensor.endpoint().text()), {"--once"});
+  const auto [status, said] = end_of(host);
+  LONGS_EQUAL(static_cast<int>(ExitStatus::Refused), status);
+  STRCMP_CONTAINS("is of a recording", said.c_str());
+  CHECK(controller.script().empty());
+}
+
+TEST(ServiceAndRobot, ScanThatKilledTheServiceIsSetAsideAndTheNextOneGoesOn) {
+  const fs::path deadly = leave_scan("scan-0001"), next = leave_scan("scan-0002");
+  {
+    ChildProcess host = start(arguments(k_no_sensor), {});
+    while (host.running() && !fs::exists(deadly / "scan.attempt")) std::this_thread::yield();
+    ::kill(host.pid(), SIGSEGV);
+    SUCCEEDS(host.wait(k_patience));
+  }
+  CHECK(!fs::exists(deadly / "report.json"));
+  ChildProcess successor = start(arguments(k_no_sensor), {"--once"});
+  const auto [status, said] = end_of(successor);
+  LONGS_EQUAL(static_cast<int>(ExitStatus::Done), status);
+  STRCMP_CONTAINS("scan-0001 is set aside", said.c_str());
+  STRCMP_EQUAL("scan_set_aside", report_of(deadly).value("reason_code", "").c_str());
+  CHECK(fs::exists(deadly / "scan.btln"));
+  CHECK(fs::exists(next / "line.csv"));
+}
+
+TEST(ServiceAndRobot, ScanThatIsSetAsideIsNotTouchedAgain) {
+  const fs::path scan = leave_scan("scan-0001");
+  std::ofstream{scan / "scan.attempt"} << "process 1\n";
+  const auto sensor = recorded().sensor_of_it();
+  for (int restart = 0; restart < 2; ++restart) {
+    ChildProcess host = start(arguments(sensor.endpoint().text()), {"--once"});
+    LONGS_EQUAL(static_cast<int>(ExitStatus::Done), end_of(host).first);
+  }
+  STRCMP_EQUAL("scan_set_aside", report_of(scan).value("reason_code", "").c_str());
+  CHECK(!fs::exists(scan / "line.csv"));
+  CHECK(fs::exists(results() / "scan-0003/line.csv"));
+}
+
+TEST(ServiceAndRobot, FolderThatCannotTakeTheResultCostsOneScanAndNotTheService) {
+  const fs::path broken = leave_scan("scan-0001"), next = leave_scan("scan-0002");
+  fs::create_directories(broken / "line.csv/in-the-way");  // no file can be written over it
+  ChildProcess host = start(arguments(k_no_sensor), {});
+  for (int i = 0; i < 6000 && !fs::exists(next / "line.csv"); ++i) std::this_thread::sleep_for(10ms);
+  CHECK(fs::exists(next / "line.csv"));
+  CHECK(host.running());
+}
+
+TEST(ServiceAndRobot, SecondServiceOnAFolderIsRefusedByTheFirstOnesName) {
+  const auto sensor = recorded().sensor_of_it();
+  ChildProcess first = start(arguments(sensor.endpoint().text()), {});
+  SUCCEEDS(first.next_line(k_patience));
+  ChildProcess second = start(arguments(sensor.endpoint().text()), {"--once"});
+  LONGS_EQUAL(static_cast<int>(ExitStatus::Connection), end_of(second).first);
+  STRCMP_CONTAINS(("held by biteline-host " + std::to_string(first.pid())).c_str(),
+                  second.last_words().c_str());
+}
+
+TEST(ServiceAndRobot, SecondServiceOnAnArmIsRefusedByTheFirstOnesName) {
+  const auto sensor = recorded().sensor_of_it();
+  ChildProcess first = start(sending(sensor.endpoint().text()), {});
+  SUCCEEDS(first.next_line(k_patience));
+  std::vector<std::string> elsewhere = sending(sensor.endpoint().text());
+  elsewhere[3] = (folder.path() / "other-results").string();
+  ChildProcess second = start(elsewhere, {"--once"});
+  LONGS_EQUAL(static_cast<int>(ExitStatus::Connection), end_of(second).first);
+  STRCMP_CONTAINS(("held by biteline-host " + std::to_string(first.pid())).c_str(),
+                  second.last_words().c_str());
+}
+
+}  // namespace biteline
