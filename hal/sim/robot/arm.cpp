@@ -30,6 +30,7 @@ ArmState Arm::at(SensorClock::time_point instant) const {
     state.T_base_flange = program_->T_base_flange_at(std::max(0.0, time_s));
     state.T_flange_tcp = program_->T_flange_tcp_at(std::max(0.0, time_s));
     state.outputs = program_->outputs_at(std::max(0.0, time_s));
+    state.q_rad = program_->q_rad_at(std::max(0.0, time_s));
     state.program_name = program_->name();
   }
   return state;

@@ -64,6 +64,7 @@ Program Program::plan(const Script& script, const ArmKinematics& arm, const SE3&
     const double duration_s = path.duration_s();
     append(duration_s, std::move(path));
   };
+  std::optional<JointVector> q_rad = script.start_rad;
   for (const ScriptStep& step : script.steps) {
     const auto* move = std::get_if<MoveStep>(&step);
     if (move != nullptr && move->kind != MoveStep::Kind::Joint) {
@@ -77,11 +78,16 @@ Program Program::plan(const Script& script, const ArmKinematics& arm, const SE3&
     flush();
     if (move != nullptr) {
       std::optional<JointVector> to_rad = move->q_rad;
-      auto from_rad = to_rad ? arm.joints_near(T_base_flange, *to_rad) : std::nullopt;
+      // An arm does not change its posture between two programs: the goal's is only a guess for one whose
+      // joints nobody knows.
+      auto from_rad = q_rad ? arm.joints_near(T_base_flange, *q_rad) : std::nullopt;
+      const bool known = from_rad.has_value();
+      if (!from_rad && to_rad) from_rad = arm.joints_near(T_base_flange, *to_rad);
       if (!from_rad) from_rad = arm.joints_anywhere(T_base_flange);
       if (!to_rad && from_rad)
         to_rad = arm.joints_near(*move->T_base_tcp * T_flange_tcp.inverse(Eigen::Isometry), *from_rad);
-      if (from_rad && to_rad) from_rad = nearest_turns(*from_rad, *to_rad);
+      if (from_rad && to_rad) from_rad = nearest_turns(*from_rad, known ? *q_rad : *to_rad);
+      if (to_rad) q_rad = to_rad;
       if (from_rad && to_rad) {
         const double way_rad = (*to_rad - *from_rad).cwiseAbs().maxCoeff();
         append(Trapezoid{way_rad, move->speed, move->acceleration}.duration_s(),
@@ -121,12 +127,22 @@ SE3 Program::flange_of(const Piece& piece, double time_s) const {
   if (const auto* path = std::get_if<TimedPath>(&piece.motion)) {
     return path->T_base_tcp_at(inside_s) * piece.T_flange_tcp.inverse(Eigen::Isometry);
   }
-  const auto& move = std::get<JointMove>(piece.motion);
-  const JointVector change_rad = move.to_rad - move.from_rad;
+  return arm_.T_base_flange(std::get<JointMove>(piece.motion).q_rad_at(inside_s));
+}
+
+JointVector Program::JointMove::q_rad_at(double inside_s) const {
+  const JointVector change_rad = to_rad - from_rad;
   const double way_rad = change_rad.cwiseAbs().maxCoeff();
   const double part =
-      way_rad > 0 ? Trapezoid{way_rad, move.speed_rad_s, move.acceleration_rad_s2}.at(inside_s) / way_rad : 1;
-  return arm_.T_base_flange(move.from_rad + part * change_rad);
+      way_rad > 0 ? Trapezoid{way_rad, speed_rad_s, acceleration_rad_s2}.at(inside_s) / way_rad : 1;
+  return from_rad + part * change_rad;
+}
+
+std::optional<JointVector> Program::q_rad_at(double time_s) const {
+  const Piece& piece = piece_at(time_s);
+  const auto* move = std::get_if<JointMove>(&piece.motion);
+  if (move == nullptr) return std::nullopt;
+  return move->q_rad_at(std::min(time_s, duration_s()) - piece.begin_s);
 }
 
 SE3 Program::T_base_flange_at(double time_s) const {

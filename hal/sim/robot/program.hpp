@@ -23,6 +23,8 @@ class Program {
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] double duration_s() const { return pieces_.empty() ? 0 : pieces_.back().end_s; }
   [[nodiscard]] SE3 T_base_flange_at(double time_s) const;
+  /// Within a joint move: the joints.  Elsewhere only the tip is planned, and nothing is known.
+  [[nodiscard]] std::optional<JointVector> q_rad_at(double time_s) const;
   /// The tool frame in force.
   [[nodiscard]] SE3 T_flange_tcp_at(double time_s) const;
   /// Bits of the digital outputs, 0 to 7, as the script has set and cleared them since its begin.
@@ -35,6 +37,7 @@ class Program {
   struct JointMove {
     JointVector from_rad, to_rad;
     double speed_rad_s, acceleration_rad_s2;
+    [[nodiscard]] JointVector q_rad_at(double inside_s) const;
   };
   struct Piece {
     double begin_s{0};

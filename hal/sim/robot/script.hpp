@@ -44,6 +44,7 @@ using ScriptStep = std::variant<MoveStep, SetTcpStep, SleepStep, DigitalOutStep,
 struct Script {
   std::string name{"script"};
   std::vector<ScriptStep> steps;
+  std::optional<JointVector> start_rad{};  ///< where the arm's joints are when it begins, if known
 };
 
 /// `def name(): ... end` or bare lines; movel, movep, movej, set_tcp, set_payload, set_digital_out,

@@ -171,9 +171,10 @@ void UrController::serve_scripts() {
 }
 
 void UrController::run_script(const std::string& text, Client& client) {
-  const auto script = parse_script(text);
+  auto script = parse_script(text);
   if (script) {
     ++scripts_run_;
+    script->start_rad = values_.q_rad();
     arm_.run(*script, hal::monotonic_now());
     return;
   }

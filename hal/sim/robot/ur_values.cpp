@@ -42,8 +42,9 @@ void UrValues::advance(const ArmState& state, double timestamp_s) {
 
   const bool still = !first && state_.T_base_flange.matrix() == state.T_base_flange.matrix();
   if (state.q_rad) {
+    const bool moved = q_rad_ && state.moving && step_s > 0;
+    q_rad_s_ = moved ? JointVector((*state.q_rad - *q_rad_) / step_s) : JointVector(JointVector::Zero());
     q_rad_ = state.q_rad;
-    q_rad_s_.setZero();
   } else if (still) {
     q_rad_s_.setZero();
   } else {

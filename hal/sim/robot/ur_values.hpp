@@ -21,6 +21,8 @@ class UrValues final : public rtde::ValueSource {
   [[nodiscard]] rtde::Value value_of(std::string_view name) const override;
 
   [[nodiscard]] const ArmState& state() const { return state_; }
+  /// As told in actual_q; nothing while nobody knows.
+  [[nodiscard]] const std::optional<JointVector>& q_rad() const { return q_rad_; }
 
  private:
   ArmKinematics kinematics_;
