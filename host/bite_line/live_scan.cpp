@@ -2,13 +2,8 @@
 #include "host/bite_line/live_scan.hpp"
 
 #include <algorithm>
-#include <optional>
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include "common/core/contracts.hpp"
-#include "host/bite_line/closing_steps.hpp"
 
 namespace biteline::bite_line {
 
@@ -29,7 +24,7 @@ void LiveScan::add_profile(std::uint64_t sequence, std::span<const Eigen::Vector
       count += 1;
       raw_.push_back(points[i]);
     }
-    thinned_.points.push_back(start + sum / count);
+    means_.push_back(start + sum / count);
     first_raw_.push_back(first);
   }
 }
@@ -60,35 +55,10 @@ LiveScan LiveScan::ordered() const {
   return scan;
 }
 
-Extraction LiveScan::finish(const ExtractConfig& config, const StageCallback& on_stage) const {
+Extraction LiveScan::finish(const Config& config, std::optional<Workings>* workings) const {
   // Rare, and sums in another order could tip a place that is hardly to be seen.
-  if (!in_order()) return ordered().finish(config, on_stage);
-  Extraction extraction;
-  StageClock clock{extraction.stages, on_stage};
-  const std::optional<Side> side = make_side(thinned_.points, clock, extraction);
-  if (!side) return extraction;
-  const RawNear raw_near = [&](std::span<const std::uint32_t> near) {
-    RawPoints raw;
-    raw.per_side_point = static_cast<double>(raw_.size()) / static_cast<double>(thinned_.size());
-    const auto run_of = [&](std::size_t i) {
-      const std::size_t run = side->shoe.index[near[i]];
-      const std::size_t end = run + 1 < first_raw_.size() ? first_raw_[run + 1] : raw_.size();
-      return std::span{raw_.data() + first_raw_[run], end - first_raw_[run]};
-    };
-    Large<std::size_t> first(near.size() + 1, 0);
-    for (std::size_t i = 0; i < near.size(); ++i) first[i + 1] = first[i] + run_of(i).size();
-    raw.points.resize(first.back());
-    const Eigen::Isometry3f T_shoe_base = side->shoe.T_base_shoe.inverse().cast<float>();
-    tbb::parallel_for(tbb::blocked_range<std::size_t>{0, near.size(), 4096}, [&](const auto& range) {
-      for (std::size_t i = range.begin(); i != range.end(); ++i) {
-        Eigen::Vector3f* to = raw.points.data() + first[i];
-        for (const Eigen::Vector3f& p : run_of(i)) *to++ = T_shoe_base * p;
-      }
-    });
-    return raw;
-  };
-  find_line(*side, thinned_, config, raw_near, clock, extraction);
-  return extraction;
+  if (!in_order()) return ordered().finish(config, workings);
+  return find_bite_line({.means = means_, .points = raw_, .first_point = first_raw_}, config, workings);
 }
 
 }  // namespace biteline::bite_line

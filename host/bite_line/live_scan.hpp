@@ -3,17 +3,18 @@
 /// \file The bite line of a scan that is still running.
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <unordered_set>
 #include <vector>
 
-#include "host/bite_line/extract.hpp"
+#include "host/bite_line/find_bite_line.hpp"
 
 namespace biteline::bite_line {
 
 /// Profiles are reduced as they come, so that only the closing steps remain when the last one is in: axes,
-/// height field and path from the reduced points, the line's place from the raw ones.  extract() takes an
-/// organised cloud the same way, so the line is that of the finished cloud, whatever the order in which
+/// height field and path from the reduced points, the line's place from the raw ones.  find_bite_line() takes
+/// an organised cloud the same way, so the line is that of the finished cloud, whatever the order in which
 /// profiles came. Thread: one at a time.  Memory: 22 bytes per point.
 class LiveScan {
  public:
@@ -25,7 +26,7 @@ class LiveScan {
   [[nodiscard]] std::size_t points() const { return raw_.size(); }
   [[nodiscard]] std::size_t profiles() const { return profiles_.size(); }
   /// May be called at any time, also more than once: the line as far as seen, or why there is none yet.
-  [[nodiscard]] Extraction finish(const ExtractConfig& config, const StageCallback& on_stage = {}) const;
+  [[nodiscard]] Extraction finish(const Config& config, std::optional<Workings>* workings = nullptr) const;
 
  private:
   struct Profile {
@@ -39,7 +40,7 @@ class LiveScan {
   std::unordered_set<std::uint64_t> sequences_;
   std::vector<Profile> profiles_;
   std::vector<Eigen::Vector3f> raw_;
-  cloud::PointCloud thinned_;             ///< means of runs of neighbours
+  std::vector<Eigen::Vector3f> means_;    ///< of runs of neighbours
   std::vector<std::uint32_t> first_raw_;  ///< of each run
 };
 

@@ -9,7 +9,7 @@
 
 namespace biteline::intake {
 
-LiveLine::LiveLine(const bite_line::ExtractConfig& config) : config_{config}, thread_{[this] { work(); }} {
+LiveLine::LiveLine(const bite_line::Config& config) : config_{config}, thread_{[this] { work(); }} {
   pthread_setname_np(thread_.native_handle(), "bl-line");
 }
 
@@ -84,8 +84,9 @@ void LiveLine::find_line() {
     const std::lock_guard lock{mutex_};
     if (dropped_) return;
   }
-  Outcome outcome{
-      .extraction = scan.finish(config_), .profiles = scan.profiles(), .last_profile_to_line_s = 0};
+  Outcome outcome;
+  outcome.extraction = scan.finish(config_, &outcome.workings);
+  outcome.profiles = scan.profiles();
   {
     const std::lock_guard lock{mutex_};
     outcome.last_profile_to_line_s = std::chrono::duration<double>(Clock::now() - last_profile_).count();

@@ -30,7 +30,7 @@ namespace biteline::intake {
 /// holds at most the scan, which the caller keeps anyway.
 class LiveLine {
  public:
-  explicit LiveLine(const bite_line::ExtractConfig& config);
+  explicit LiveLine(const bite_line::Config& config);
   /// What is still to do is dropped.
   ~LiveLine();
   LiveLine(const LiveLine&) = delete;
@@ -44,6 +44,7 @@ class LiveLine {
 
   struct Outcome {
     bite_line::Extraction extraction;
+    std::optional<bite_line::Workings> workings;  ///< what pictures are made of
     std::size_t profiles{0};
     double last_profile_to_line_s{0};  ///< from the last add_profile() to the line, what was waiting included
   };
@@ -63,7 +64,7 @@ class LiveLine {
   /// The next profile; nothing once all are done and no more will come, or when everything is to be dropped.
   [[nodiscard]] std::optional<Profile> next();
 
-  bite_line::ExtractConfig config_;
+  bite_line::Config config_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Profile> waiting_;

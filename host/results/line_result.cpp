@@ -2,7 +2,6 @@
 #include "host/results/line_result.hpp"
 
 #include <cstdio>
-#include <optional>
 #include <utility>
 
 #include "host/cloud/ply.hpp"
@@ -52,7 +51,7 @@ Result<void> write_page(const std::filesystem::path& folder, const bite_line::Ex
   }
   page.heading("Time");
   std::vector<std::pair<std::string, double>> stages;
-  for (const bite_line::Stage& stage : extraction.stages) stages.emplace_back(stage.name, stage.seconds);
+  for (const report::StageTime& stage : extraction.stages) stages.emplace_back(stage.name, stage.seconds);
   page.durations(stages);
   page.heading("Stages");
   for (const auto& [file, caption] : results::pictures(folder / "stages"))
@@ -72,21 +71,8 @@ Result<void> prepare_result_folder(const std::filesystem::path& folder) {
   return {};
 }
 
-bite_line::Extraction find_line(const cloud::PointCloud& cloud, bite_line::Method method,
-                                report::Report& report) {
-  return report.timed("extract",
-                      [&] { return bite_line::extract(cloud, {.method = method, .keep_products = false}); });
-}
-
-bite_line::Extraction finish_line(intake::LiveLine& line, report::Report& report) {
-  line.close();
-  intake::LiveLine::Outcome outcome = line.wait();
-  report.add_stage("last profile to line", outcome.last_profile_to_line_s);
-  return std::move(outcome.extraction);
-}
-
 Result<ExitStatus> write_line_result(const std::filesystem::path& folder, const cloud::PointCloud& cloud,
-                                     const bite_line::Extraction& extraction, bite_line::Method method,
+                                     const bite_line::Extraction& extraction, const StageSource& stages,
                                      report::Report& report) {
   report.fields["points"] = cloud.size();
   if (extraction.found) {
@@ -96,11 +82,11 @@ Result<ExitStatus> write_line_result(const std::filesystem::path& folder, const 
     report.fields["bridged_mm"] = extraction.bridged_mm;
     report.fields["line_points"] = extraction.line.points.size();
   } else {
-    report.refuse(extraction.reason);
+    report.refuse(*extraction.refusal);
     report.fields["confidence"] = extraction.confidence;
   }
   report.fields["candidates"] = candidates_of(extraction);
-  for (const bite_line::Stage& stage : extraction.stages)
+  for (const report::StageTime& stage : extraction.stages)
     report.fields["extraction_s"][stage.name] = stage.seconds;
 
   BITELINE_TRY(report.timed("write", [&]() -> Result<void> {
@@ -110,13 +96,11 @@ Result<ExitStatus> write_line_result(const std::filesystem::path& folder, const 
   }));
   report.stop_clock();
   BITELINE_TRY(report.timed_aside("pictures", [&]() -> Result<void> {
-    std::optional<bite_line::Extraction> again;
-    if (extraction.products.surface.points.empty()) again = bite_line::extract(cloud, {.method = method});
-    const bite_line::Extraction& shown = again ? *again : extraction;
-    report.fields["feature_points"] = shown.products.feature_points.size();
-    if (method == bite_line::Method::Published)
-      report.fields["feature_points_plain_svd"] = shown.products.plain_svd_features.size();
-    BITELINE_TRY(results::write_stages(folder / "stages", shown));
+    const bite_line::LineStages shown = stages();
+    report.fields["feature_points"] = shown.feature_points.size();
+    if (!shown.plain_svd_features.empty())
+      report.fields["feature_points_plain_svd"] = shown.plain_svd_features.size();
+    BITELINE_TRY(results::write_stages(folder / "stages", shown, extraction));
     return write_page(folder, extraction, report);
   }));
   BITELINE_TRY(report.write(folder));
@@ -129,7 +113,7 @@ std::string summary(const bite_line::Extraction& extraction) {
     std::snprintf(text, sizeof text, "bite line found: %.1f mm long, %zu points, confidence %.2f",
                   extraction.length_mm, extraction.line.points.size(), extraction.confidence);
   } else {
-    std::snprintf(text, sizeof text, "refused: %s", extraction.reason.c_str());
+    std::snprintf(text, sizeof text, "refused: %s", extraction.reason().c_str());
   }
   return text;
 }

@@ -3,10 +3,15 @@
 /// \file What every command that looks for a line does with the outcome.
 
 #include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
 
 #include "common/core/result.hpp"
-#include "host/bite_line/extract.hpp"
-#include "host/intake/live_line.hpp"
+#include "host/bite_line/extraction.hpp"
+#include "host/bite_line/line_stages.hpp"
 #include "host/report/report.hpp"
 
 namespace biteline::results {
@@ -15,23 +20,24 @@ namespace biteline::results {
 /// folder.
 [[nodiscard]] Result<void> prepare_result_folder(const std::filesystem::path& folder);
 
-/// Without what only pictures need: write_line_result() computes that once the clock has stopped.
-inline const bite_line::ExtractConfig k_line_only{.keep_products = false};
+/// What stages/ shows; asked for once, after the clock was stopped: nobody waits for pictures.
+using StageSource = std::function<bite_line::LineStages()>;
 
-/// Looks for the line, timed as the stage "extract", without what only pictures need.
-[[nodiscard]] bite_line::Extraction find_line(const cloud::PointCloud& cloud, bite_line::Method method,
-                                              report::Report& report);
-
-/// The line of a scan that is in; its time from the last profile on is the stage "last profile to line".
-[[nodiscard]] bite_line::Extraction finish_line(intake::LiveLine& line, report::Report& report);
+/// The stages of what a way to the line kept (`line_stages()` of its workings); none when it kept nothing.
+template <class Workings>
+[[nodiscard]] StageSource stages_of(std::optional<Workings> workings) {
+  // A std::function is copied; what it holds need not be.
+  return [kept = std::make_shared<const std::optional<Workings>>(std::move(workings))] {
+    return *kept ? line_stages(**kept) : bite_line::LineStages{};
+  };
+}
 
 /// Writes cloud.ply, line.csv (unless refused), stages/ and report.json; fills the report's fields.  Done or
-/// Refused. What the pictures show is computed here when the extraction does not carry it, after the clock
-/// was stopped: nobody waits for pictures.
+/// Refused.
 [[nodiscard]] Result<ExitStatus> write_line_result(const std::filesystem::path& folder,
                                                    const cloud::PointCloud& cloud,
                                                    const bite_line::Extraction& extraction,
-                                                   bite_line::Method method, report::Report& report);
+                                                   const StageSource& stages, report::Report& report);
 
 /// One line for a person: what was found or why not.
 [[nodiscard]] std::string summary(const bite_line::Extraction& extraction);

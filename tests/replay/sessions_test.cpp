@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "host/bite_line/extract.hpp"
+#include "host/bite_line/find_bite_line.hpp"
 #include "host/curvature/level_set.hpp"
 #include "host/evaluation/cloud_error.hpp"
 #include "host/evaluation/line_error.hpp"
@@ -85,8 +85,8 @@ TEST(Sessions, MadeSportShoeIsMeasuredAndItsLineFound) {
     CHECK_COMPARE(live_deg[live_deg.size() * tenth / 10], <=,
                   1.1 * searched_deg[searched_deg.size() * tenth / 10]);
 
-  const bite_line::Extraction sut = bite_line::extract(cloud, {});
-  CHECK_TEXT(sut.found, sut.reason.c_str());
+  const bite_line::Extraction sut = bite_line::find_bite_line(cloud, {});
+  CHECK_TEXT(sut.found, sut.reason().c_str());
   const evaluation::LineError error = evaluation::line_error(sut.line, truth(session));
   CHECK_COMPARE(error.mean_mm, <=, 0.05);
   CHECK_COMPARE(error.p95_mm, <=, 0.12);
@@ -97,15 +97,15 @@ TEST(Sessions, MadeSportShoeIsMeasuredAndItsLineFound) {
   CHECK_COMPARE(*normals_deg, <=, 1.0);
 
   // The same points without their scan order.
-  const bite_line::Extraction scattered = bite_line::extract(shuffled(cloud), {});
-  CHECK_TEXT(scattered.found, scattered.reason.c_str());
+  const bite_line::Extraction scattered = bite_line::find_bite_line(shuffled(cloud), {});
+  CHECK_TEXT(scattered.found, scattered.reason().c_str());
   CHECK_COMPARE(evaluation::line_error(scattered.line, sut.line).max_mm, <=, 0.05);
 }
 
 TEST(Sessions, RealShoeHasItsLine) {
   BITELINE_SHARED_DATA_OR_SKIP(session, "sessions/airjordan1");
-  const bite_line::Extraction sut = bite_line::extract(scan(session), {});
-  CHECK_TEXT(sut.found, sut.reason.c_str());
+  const bite_line::Extraction sut = bite_line::find_bite_line(scan(session), {});
+  CHECK_TEXT(sut.found, sut.reason().c_str());
   const evaluation::LineError error = evaluation::line_error(sut.line, truth(session));
   CHECK_COMPARE(error.mean_mm, <=, 0.30);
   CHECK_COMPARE(error.complete, >=, 0.97);
@@ -114,9 +114,9 @@ TEST(Sessions, RealShoeHasItsLine) {
 TEST(Sessions, UpperWithoutSoleIsRefused) {
   for (const char* name : {"sessions/bare4", "sessions/upper3"}) {
     BITELINE_SHARED_DATA_OR_SKIP(session, name);
-    const bite_line::Extraction sut = bite_line::extract(scan(session), {});
+    const bite_line::Extraction sut = bite_line::find_bite_line(scan(session), {});
     CHECK_TEXT(!sut.found, name);
-    CHECK(!sut.reason.empty());
+    CHECK(!sut.reason().empty());
     CHECK(sut.line.points.empty());
   }
 }

@@ -12,7 +12,7 @@ TEST(Shoes, EachHasItsLineOrARefusal) {
   for (const test::KnownShoe& shoe : test::k_known_shoes) {
     const auto scan = test::scan_of(shoe);
     if (!scan) continue;
-    const test::ShoeVerdict sut = test::judge(shoe, bite_line::extract(*scan, {.keep_products = false}));
+    const test::ShoeVerdict sut = test::judge(shoe, bite_line::find_bite_line(*scan, {}));
     CHECK_TEXT(sut.right, (std::string{shoe.name} + ": " + sut.why).c_str());
   }
 }

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "host/bite_line/extract.hpp"
+#include "host/bite_line/find_bite_line.hpp"
 #include "host/evaluation/line_error.hpp"
 #include "host/intake/session_run.hpp"
 #include "host/transfer/transfer.hpp"
@@ -39,8 +39,8 @@ cloud::PointCloud moved(cloud::PointCloud cloud, const Eigen::Affine3d& motion) 
 const transfer::SampleFiles& sample_of(const fs::path& session) {
   static const transfer::SampleFiles sample = [&] {
     cloud::PointCloud cloud = scan(session);
-    const bite_line::Extraction extraction = bite_line::extract(cloud, {});
-    CHECK_TEXT(extraction.found, extraction.reason.c_str());
+    const bite_line::Extraction extraction = bite_line::find_bite_line(cloud, {});
+    CHECK_TEXT(extraction.found, extraction.reason().c_str());
     return transfer::SampleFiles{.cloud = std::move(cloud), .line = extraction.line};
   }();
   return sample;

@@ -110,7 +110,7 @@ std::optional<cloud::PointCloud> scan_of(const KnownShoe& shoe) {
 ShoeVerdict judge(const KnownShoe& shoe, const bite_line::Extraction& extraction) {
   if (shoe.truth == KnownShoe::Truth::NoLine)
     return {!extraction.found && extraction.confidence < 0.5, 0, "a line where there is none"};
-  if (!extraction.found) return {false, 0, "refused: " + extraction.reason};
+  if (!extraction.found) return {false, 0, "refused: " + extraction.reason()};
   return shoe.truth == KnownShoe::Truth::Boundary ? judge_boundary(shoe.name, extraction.line)
                                                   : judge_course(extraction.line);
 }

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "host/bite_line/extract.hpp"
+#include "host/bite_line/find_bite_line.hpp"
 
 namespace biteline::test {
 

@@ -213,7 +213,7 @@ Result<void> Service::on_hello(const intake::Hello& hello) {
 void Service::hold_scan(const fs::path& folder, intake::ScanIntake intake) {
   scan_.emplace(Scan{.folder = folder, .intake = std::move(intake), .line = {}, .recovered = false});
   if (carrier_) return;
-  scan_->line = std::make_unique<intake::LiveLine>(results::k_line_only);
+  scan_->line = std::make_unique<intake::LiveLine>(bite_line::Config{});
   scan_->line->add_profiles(scan_->intake.cloud());
 }
 

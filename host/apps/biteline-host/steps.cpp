@@ -123,9 +123,13 @@ Result<LineStep> find_line(const fs::path& folder, const intake::ScanOutcome& sc
   BITELINE_TRY(results::prepare_result_folder(folder));
   fill_scan(scan, report);
   if (scan.failure) return keep_unfinished(folder, scan, report);
-  bite_line::Extraction extraction = results::finish_line(line, report);
-  BITELINE_ASSIGN(const ExitStatus status, results::write_line_result(folder, scan.cloud, extraction,
-                                                                      bite_line::Method::Ours, report));
+  line.close();
+  intake::LiveLine::Outcome outcome = line.wait();
+  report.add_stage("last profile to line", outcome.last_profile_to_line_s);
+  bite_line::Extraction& extraction = outcome.extraction;
+  BITELINE_ASSIGN(const ExitStatus status,
+                  results::write_line_result(folder, scan.cloud, extraction,
+                                             results::stages_of(std::move(outcome.workings)), report));
   say_step("%s", results::summary(extraction).c_str());
   LineStep step{.status = status, .line = {}};
   if (status == ExitStatus::Done) step.line = std::move(extraction.line);

@@ -6,7 +6,6 @@
 #include <functional>
 
 #include "common/core/result.hpp"
-#include "host/bite_line/extract.hpp"
 
 namespace biteline::app {
 
@@ -22,9 +21,6 @@ struct Context {
   GlobalOptions options;
   std::function<Result<ExitStatus>()> run;
 };
-
-/// --method, the same for every command that extracts a line.
-void add_method_option(CLI::App& command, bite_line::Method& method);
 
 void add_calibrate(CLI::App& app, Context& context);
 void add_demo(CLI::App& app, Context& context);

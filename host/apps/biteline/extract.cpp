@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // biteline extract: the line in a scattered cloud.
 #include <cstdio>
-#include <map>
 
 #include "host/apps/biteline/command.hpp"
+#include "host/apps/biteline/method.hpp"
 #include "host/cloud/ply.hpp"
 #include "host/results/line_result.hpp"
 
@@ -12,7 +12,7 @@ namespace {
 
 struct Options {
   std::filesystem::path cloud, out;
-  bite_line::Method method{bite_line::Method::Ours};
+  Method method{Method::Default};
 };
 
 Result<ExitStatus> extract(const Options& options, const GlobalOptions& global) {
@@ -21,24 +21,18 @@ Result<ExitStatus> extract(const Options& options, const GlobalOptions& global) 
   BITELINE_ASSIGN(const cloud::PointCloud cloud,
                   report.timed("read", [&] { return cloud::read_cloud(options.cloud, &dropped); }));
   BITELINE_TRY(results::prepare_result_folder(options.out));
-  const bite_line::Extraction extraction = results::find_line(cloud, options.method, report);
+  const FoundLine found = report.timed("extract", [&] { return find_line(cloud, options.method); });
   report.fields["input"] = options.cloud.filename().string();
   report.fields["points_not_finite"] = dropped;
   BITELINE_ASSIGN(const ExitStatus status,
-                  results::write_line_result(options.out, cloud, extraction, options.method, report));
+                  results::write_line_result(options.out, cloud, found.extraction, found.stages, report));
   if (!global.quiet)
-    std::fprintf(status == ExitStatus::Done ? stdout : stderr, "%s\n", results::summary(extraction).c_str());
+    std::fprintf(status == ExitStatus::Done ? stdout : stderr, "%s\n",
+                 results::summary(found.extraction).c_str());
   return status;
 }
 
 }  // namespace
-
-void add_method_option(CLI::App& command, bite_line::Method& method) {
-  const std::map<std::string, bite_line::Method> methods{{"ours", bite_line::Method::Ours},
-                                                         {"published", bite_line::Method::Published}};
-  command.add_option("--method", method, "ours, or the article's: published")
-      ->transform(CLI::CheckedTransformer(methods));
-}
 
 void add_extract(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();

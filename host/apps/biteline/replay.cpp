@@ -5,7 +5,9 @@
 
 #include "common/stripe/peak_names.hpp"
 #include "host/apps/biteline/command.hpp"
+#include "host/apps/biteline/method.hpp"
 #include "host/intake/account.hpp"
+#include "host/intake/live_line.hpp"
 #include "host/intake/session_run.hpp"
 #include "host/report/progress.hpp"
 #include "host/results/line_result.hpp"
@@ -16,8 +18,16 @@ namespace {
 struct Options {
   std::filesystem::path session, out, sensor;
   std::string peak_mode;
-  bite_line::Method method{bite_line::Method::Ours};
+  Method method{Method::Default};
 };
+
+/// The line of a scan that is in; its time from the last profile on is a stage of its own.
+FoundLine finish_line(intake::LiveLine& line, report::Report& report) {
+  line.close();
+  intake::LiveLine::Outcome outcome = line.wait();
+  report.add_stage("last profile to line", outcome.last_profile_to_line_s);
+  return {std::move(outcome.extraction), results::stages_of(std::move(outcome.workings))};
+}
 
 Result<ExitStatus> replay(const Options& options, const GlobalOptions& global) {
   report::Report report;
@@ -32,9 +42,9 @@ Result<ExitStatus> replay(const Options& options, const GlobalOptions& global) {
     if (!progress) progress.emplace("profiles", total, global.quiet);
     progress->set(done);
   };
-  // The article's way wants the whole cloud; ours works along with the scan.
+  // The published way wants the whole cloud; the default works along with the scan.
   std::optional<intake::LiveLine> line;
-  if (options.method == bite_line::Method::Ours) line.emplace(results::k_line_only);
+  if (options.method == Method::Default) line.emplace(bite_line::Config{});
   run_options.on_profile = [&](const profile::Profile& profile,
                                std::span<const Eigen::Vector3f> points_base) {
     if (line) line->add_profile(profile.header.sequence, points_base);
@@ -43,17 +53,19 @@ Result<ExitStatus> replay(const Options& options, const GlobalOptions& global) {
                   report.timed("scan", [&] { return intake::run_sensor_on_session(run_options); }));
   progress.reset();
 
-  const bite_line::Extraction extraction =
-      line ? results::finish_line(*line, report) : results::find_line(run.cloud, options.method, report);
+  const FoundLine found = line
+                              ? finish_line(*line, report)
+                              : report.timed("extract", [&] { return find_line(run.cloud, options.method); });
 
   report.fields["input"] = options.session.filename().string();
   report.fields["scan"] = intake::account_of(run.counts, run.sensor_counters, run.sensor_stages);
   report.fields["frames_per_s"] =
       run.stream_s > 0 ? static_cast<double>(run.counts.profiles) / run.stream_s : 0.0;
   BITELINE_ASSIGN(const ExitStatus status,
-                  results::write_line_result(options.out, run.cloud, extraction, options.method, report));
+                  results::write_line_result(options.out, run.cloud, found.extraction, found.stages, report));
   if (!global.quiet)
-    std::fprintf(status == ExitStatus::Done ? stdout : stderr, "%s\n", results::summary(extraction).c_str());
+    std::fprintf(status == ExitStatus::Done ? stdout : stderr, "%s\n",
+                 results::summary(found.extraction).c_str());
   return status;
 }
 

@@ -62,12 +62,60 @@ double score(const Crease& crease, bool topmost) {
   return crease.evidence + step + (topmost ? 0.35 : 0.0);
 }
 
+/// Why `best` is not the bite line; `second` (optional) is the next best.
+std::optional<Refusal> refusal_of(const Crease& best, const Crease* second, bool sure_enough) {
+  const auto refusal = [](Refused code, const FixedText<200>& text) {
+    return Refusal{.code = code, .reason = text.c_str()};
+  };
+  using Text = FixedText<200>;
+  const auto percent = [](double share) { return 100.0 * share; };
+  if (best.longest_unseen_mm > k_longest_unseen_mm && best.evidence > 0.1) {
+    return refusal(Refused::TooMuchMissing,
+                   Text::format("too much is missing: no surface was seen over %.0f mm of the best path "
+                                "round the shoe",
+                                best.longest_unseen_mm));
+  }
+  if (best.seen_share < 0.75 && best.visible_share > 0.7 * best.seen_share && best.evidence > 0.1) {
+    return refusal(Refused::TooMuchMissing,
+                   Text::format("too much is missing: the surface was seen on %.0f %% of the best path "
+                                "round the shoe",
+                                percent(best.seen_share)));
+  }
+  if (best.median_turn_rad < 5.0 * k_deg || best.visible_share < 0.70 || best.longest_gap_mm > 100.0) {
+    return refusal(
+        Refused::NoCreaseAllRound,
+        Text::format("no crease all the way round: the best path shows one on %.0f %% of its "
+                     "length, its longest gap is %.0f mm, and the surface turns by %.1f degrees "
+                     "across it",
+                     percent(best.visible_share), best.longest_gap_mm, best.median_turn_rad / k_deg));
+  }
+  if (two_surfaces(best) < 0.5) {
+    return refusal(Refused::WithinOneSurface,
+                   Text::format("no bite line: the crease at a mean height of %.1f mm lies within one "
+                                "surface, which goes on below it as above, and not between a sole and an "
+                                "upper",
+                                best.mean_height_mm));
+  }
+  if (best.closure_mm > 6.0) {
+    return refusal(
+        Refused::DoesNotClose,
+        Text::format("the crease does not close: its ends lie %.1f mm apart in height", best.closure_mm));
+  }
+  if (!sure_enough && second != nullptr) {
+    return refusal(Refused::TwoCandidates,
+                   Text::format("two candidates are about equally good, at mean heights of %.1f and %.1f mm",
+                                best.mean_height_mm, second->mean_height_mm));
+  }
+  if (!sure_enough) return refusal(Refused::NotSureEnough, Text::copy("no crease that is sure enough"));
+  return std::nullopt;
+}
+
 }  // namespace
 
 Decision decide(const std::vector<Crease>& creases, double min_confidence) {
   Decision decision;
   if (creases.empty()) {
-    decision.reason = "no crease: nothing concave runs round the side";
+    decision.refusal = Refusal{Refused::NoCrease, "no crease: nothing concave runs round the side"};
     return decision;
   }
   // Topmost among those that go all the way round and are not far weaker than the strongest.
@@ -84,65 +132,27 @@ Decision decide(const std::vector<Crease>& creases, double min_confidence) {
     alone_of[i] = alone(creases[i]) * (1 - below_the_soles_edge(creases[i], creases));
     scores[i] = score(creases[i], i == topmost) * alone_of[i];
   }
-  decision.order.resize(creases.size());
-  std::iota(decision.order.begin(), decision.order.end(), std::size_t{0});
-  std::stable_sort(decision.order.begin(), decision.order.end(), [&](std::size_t a, std::size_t b) {
+  std::vector<std::size_t> order(creases.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return scores[a] != scores[b] ? scores[a] > scores[b] : creases[a].evidence > creases[b].evidence;
   });
-  decision.best = decision.order.front();
-
-  decision.confidence_of.assign(creases.size(), 0.0);
-  for (std::size_t i = 0; i < creases.size(); ++i) {
+  for (const std::size_t i : order) {
     double rival = -1;
     for (std::size_t j = 0; j < creases.size(); ++j) {
       if (j != i) rival = std::max(rival, scores[j]);
     }
-    decision.confidence_of[i] = alone_of[i] * sure(scores[i] - rival, 0.06, 0.03);
+    decision.paths.push_back({.confidence = alone_of[i] * sure(scores[i] - rival, 0.06, 0.03),
+                              .row = creases[i].row,
+                              .mean_height_mm = creases[i].mean_height_mm,
+                              .closure_mm = creases[i].closure_mm,
+                              .turn_rad = creases[i].median_turn_rad,
+                              .seen_share = creases[i].seen_share});
   }
-  decision.confidence = decision.confidence_of[decision.best];
-  const Crease& best = creases[decision.best];
-  const auto percent = [](double share) { return 100.0 * share; };
-  if (best.longest_unseen_mm > k_longest_unseen_mm && best.evidence > 0.1) {
-    decision.reason =
-        FixedText<200>::format(
-            "too much is missing: no surface was seen over %.0f mm of the best path round the shoe",
-            best.longest_unseen_mm)
-            .c_str();
-  } else if (best.seen_share < 0.75 && best.visible_share > 0.7 * best.seen_share && best.evidence > 0.1) {
-    decision.reason =
-        FixedText<200>::format(
-            "too much is missing: the surface was seen on %.0f %% of the best path round the shoe",
-            percent(best.seen_share))
-            .c_str();
-  } else if (best.median_turn_rad < 5.0 * k_deg || best.visible_share < 0.70 || best.longest_gap_mm > 100.0) {
-    decision.reason = FixedText<200>::format(
-                          "no crease all the way round: the best path shows one on %.0f %% of its length, "
-                          "its longest gap is %.0f mm, and the "
-                          "surface turns by %.1f degrees across it",
-                          percent(best.visible_share), best.longest_gap_mm, best.median_turn_rad / k_deg)
-                          .c_str();
-  } else if (two_surfaces(best) < 0.5) {
-    decision.reason = FixedText<200>::format(
-                          "no bite line: the crease at a mean height of %.1f mm lies within one surface, "
-                          "which goes on below it as "
-                          "above, and not between a sole and an upper",
-                          best.mean_height_mm)
-                          .c_str();
-  } else if (best.closure_mm > 6.0) {
-    decision.reason = FixedText<200>::format(
-                          "the crease does not close: its ends lie %.1f mm apart in height", best.closure_mm)
-                          .c_str();
-  } else if (decision.confidence < min_confidence && creases.size() > 1) {
-    const Crease& second = creases[decision.order[1]];
-    decision.reason =
-        FixedText<200>::format("two candidates are about equally good, at mean heights of %.1f and %.1f mm",
-                               best.mean_height_mm, second.mean_height_mm)
-            .c_str();
-  }
-  if (decision.confidence < min_confidence && decision.reason.empty())
-    decision.reason = "no crease that is sure enough";
-  decision.accepted = decision.reason.empty();
-  if (!decision.accepted) decision.confidence = std::min(decision.confidence, 0.49);
+  decision.confidence = decision.paths.front().confidence;
+  decision.refusal = refusal_of(creases[order.front()], order.size() > 1 ? &creases[order[1]] : nullptr,
+                                decision.confidence >= min_confidence);
+  if (decision.refusal) decision.confidence = std::min(decision.confidence, 0.49);
   return decision;
 }
 

@@ -4,20 +4,28 @@
 /// none.
 
 #include <cstddef>
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "host/bite_line/path/creases.hpp"
+#include "host/bite_line/refused.hpp"
 
 namespace biteline::bite_line {
 
+/// A closed path that was judged.
+struct JudgedPath {
+  double confidence{0};     ///< 0 to 1, in comparison with its rivals
+  std::vector<double> row;  ///< per column, in rows of the side's grid
+  double mean_height_mm{0};
+  double closure_mm{0};
+  double turn_rad{0};    ///< median turn of the surface across it
+  double seen_share{0};  ///< of its columns
+};
+
 struct Decision {
-  bool accepted{false};
-  std::string reason;   ///< one plain sentence when not accepted
-  std::size_t best{0};  ///< index of the crease that is the line, or would be
-  double confidence{0};
-  std::vector<std::size_t> order;     ///< creases, best first
-  std::vector<double> confidence_of;  ///< per crease, in the order of the input
+  std::optional<Refusal> refusal;  ///< why none is the bite line
+  double confidence{0};            ///< of the best path, or that it is the line all the same
+  std::vector<JudgedPath> paths;   ///< best first
 };
 
 /// What a bite line is: a crease all the way round; below it the sole stands out, or at least does not lie

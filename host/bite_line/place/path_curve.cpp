@@ -8,7 +8,7 @@
 
 namespace biteline::bite_line {
 
-PathCurve curve_of(const SideField& field, const Outline& outline, const Crease& crease) {
+PathCurve curve_of(const SideField& field, const Outline& outline, std::span<const double> path_row) {
   const SideGrid& grid = field.grid;
   const auto cols = static_cast<std::ptrdiff_t>(grid.cols);
   const auto wrap = [&](std::ptrdiff_t c) { return static_cast<std::size_t>((c % cols + cols) % cols); };
@@ -16,12 +16,12 @@ PathCurve curve_of(const SideField& field, const Outline& outline, const Crease&
   std::vector<bool> seen(static_cast<std::size_t>(cols), false);
   for (std::ptrdiff_t c = 0; c < cols; ++c) {
     const auto i = static_cast<std::size_t>(c);
-    const int row = std::clamp(static_cast<int>(std::lround(crease.row[i])), 0, grid.rows - 1);
+    const int row = std::clamp(static_cast<int>(std::lround(path_row[i])), 0, grid.rows - 1);
     const std::size_t cell = grid.at(row, static_cast<int>(c));
     seen[i] = field.seen[cell] != 0;
     const double s = (static_cast<double>(c) + 0.5) * grid.col_mm;
     const Vec2 plan = outline.point(s) + static_cast<double>(field.o_mm[cell]) * outline.normal(s);
-    points[i] = {plan.x(), plan.y(), grid.z_mm(crease.row[i])};
+    points[i] = {plan.x(), plan.y(), grid.z_mm(path_row[i])};
   }
   // The columns beside a gap lean on points from one side only.
   const auto margin = static_cast<std::ptrdiff_t>(std::ceil(3.0 / grid.col_mm));
@@ -64,7 +64,7 @@ std::vector<double> heights_at_stations(const PathCurve& curve, const Outline& p
   };
   std::vector<Sample> samples;
   for (std::size_t i = 0; i < curve.plan.size(); ++i) {
-    const Place foot = path_outline.locate(
+    const OutlinePlace foot = path_outline.locate(
         {static_cast<float>(curve.plan[i].x()), static_cast<float>(curve.plan[i].y()), 0.0F});
     if (foot.s_mm >= 0) samples.push_back({static_cast<double>(foot.s_mm), curve.z_mm[i]});
   }

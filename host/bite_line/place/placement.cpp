@@ -186,16 +186,16 @@ std::vector<Vec2> plan_of(const Outline& outline, std::span<const double> o,
 
 }  // namespace
 
-Large<std::uint32_t> near_path(const SideField& field, const Crease& crease) {
+Large<std::uint32_t> near_path(const SideField& field, std::span<const double> path_row) {
   // The sections' own reach and the millimetre that the smoothed path may lie off its columns.
   const auto below_mm = static_cast<float>(SectionConfig{}.below_mm + 1.0);
   const auto above_mm = static_cast<float>(SectionConfig{}.above_mm + 1.0);
   const SideGrid& grid = field.grid;
   std::vector<float> path_z_mm;
-  for (const double row : crease.row) path_z_mm.push_back(static_cast<float>(grid.z_mm(row)));
+  for (const double row : path_row) path_z_mm.push_back(static_cast<float>(grid.z_mm(row)));
   const auto per_col = static_cast<float>(1 / grid.col_mm);
   return items_where(field.places.size(), [&](std::size_t i) {
-    const Place& place = field.places[i];
+    const OutlinePlace& place = field.places[i];
     if (place.s_mm < 0) return false;
     const auto col = std::min(path_z_mm.size() - 1, static_cast<std::size_t>(place.s_mm * per_col));
     const float above_path_mm = place.z_mm - path_z_mm[col];
@@ -203,9 +203,9 @@ Large<std::uint32_t> near_path(const SideField& field, const Crease& crease) {
   });
 }
 
-Placement place_line(const PlacementInput& input, const PlacementConfig& config) {
-  Placement placement;
-  const PathCurve curve = curve_of(input.field, input.outline, input.crease);
+PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config) {
+  PlacedLine placement;
+  const PathCurve curve = curve_of(input.field, input.outline, input.path_row);
   const Outline path_outline{curve.plan, {.spacing_mm = 0.5, .smoothing_mm = 4.0, .reach_mm = 18.0}};
   const auto stations =
       static_cast<std::size_t>(std::max(32.0, std::round(path_outline.length_mm() / config.spacing_mm)));
@@ -244,7 +244,7 @@ Placement place_line(const PlacementInput& input, const PlacementConfig& config)
     placement.points[i] = {.position = {plan[i].x(), plan[i].y(), z[i]},
                            .normal = normals[i],
                            .curvature_per_mm = ridge.k_per_mm[i],
-                           .scatter_mm = std::abs(seen_z[i] - z[i]),
+                           .own_z_mm = seen_z[i],
                            .to_visible_mm = gap[i].to_known_mm,
                            .doubt = std::max(gap[i].doubt, shadow[i].doubt)};
   }

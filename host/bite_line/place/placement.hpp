@@ -9,7 +9,6 @@
 #include <Eigen/Core>
 
 #include "host/bite_line/large.hpp"
-#include "host/bite_line/path/creases.hpp"
 #include "host/bite_line/place/normals.hpp"
 #include "host/bite_line/shoe/plan.hpp"
 #include "host/bite_line/side/side_field.hpp"
@@ -25,39 +24,40 @@ struct PlacementConfig {
 };
 
 /// One point of the placed line, in shoe.
-struct PlacedPoint {
+struct PlacedStation {
   Vec3 position{Vec3::Zero()};
   Vec3 normal{Vec3::UnitX()};
   double curvature_per_mm{0};  ///< largest curvature of the section, concave > 0
-  double scatter_mm{0};        ///< how far the section's own place lies from the running mean
+  double own_z_mm{0};          ///< height of the section's own place, before the running mean
   double to_visible_mm{
       0};  ///< distance along the line to the nearest place where the crease was seen; 0 there
   /// Expected error over 0.3 mm where the crease, or the surface at its own depth, was not seen; 0 elsewhere.
   double doubt{0};
 };
 
-struct Placement {
-  std::vector<PlacedPoint> points;  ///< closed, evenly spaced, anticlockwise
+struct PlacedLine {
+  std::vector<PlacedStation> points;  ///< closed, evenly spaced, anticlockwise
   double length_mm{0};
   double bridged_mm{0};
 };
 
-/// Points of the outermost layer within reach of the path's height, in shoe: what place_line() works on.
-[[nodiscard]] Large<std::uint32_t> near_path(const SideField& field, const Crease& crease);
+/// Points of the outermost layer within reach of the path's height (a row of the grid per column): what
+/// place_line() works on.
+[[nodiscard]] Large<std::uint32_t> near_path(const SideField& field, std::span<const double> path_row);
 
 /// `near` in shoe: all raw points round the path, `points_per_mm2` of the surface.
 ///
-/// method.md "place of the line": section by the upright plane along the outline's normal; o(z) smoothed by a
-/// Gaussian; k = o'' / (1 + o'^2)^1.5; z of largest k near the path; running mean along the line; the point
-/// on the unsmoothed surface at that z.  The outline is the path's own, so that the sections are square to
-/// the line.
+/// The place of the line by its definition: section by the upright plane along the outline's normal; o(z)
+/// smoothed by a Gaussian; k = o'' / (1 + o'^2)^1.5; z of largest k near the path; running mean along the
+/// line; the point on the unsmoothed surface at that z.  The outline is the path's own, so that the sections
+/// are square to the line.
 struct PlacementInput {
   std::span<const Eigen::Vector3f> near;
   double points_per_mm2;
   const SideField& field;
   const Outline& outline;
-  const Crease& crease;
+  std::span<const double> path_row;  ///< per column of the field
 };
-[[nodiscard]] Placement place_line(const PlacementInput& input, const PlacementConfig& config);
+[[nodiscard]] PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config);
 
 }  // namespace biteline::bite_line

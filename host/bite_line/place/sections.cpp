@@ -56,7 +56,7 @@ class Lander {
         per_station_{1.0F / station_mm_},
         per_row_{static_cast<float>(1.0 / config.row_mm)} {}
 
-  [[nodiscard]] Landing land(const Place& place) const {
+  [[nodiscard]] Landing land(const OutlinePlace& place) const {
     constexpr Landing k_nowhere{-1, 0, 0, 0};
     if (place.s_mm < 0 || std::abs(place.o_mm) > k_reach_o_mm) return k_nowhere;
     const float at = place.s_mm * per_station_;
@@ -80,7 +80,7 @@ Large<float> collect(const SectionInput& input, const SectionConfig& config, con
   Large<Landing> landings(input.points.size());
   const Lander lander{input, config, sections};
   tbb::parallel_for(tbb::blocked_range<std::size_t>{0, input.points.size(), 4096}, [&](const auto& range) {
-    std::vector<Place> places(range.size());
+    std::vector<OutlinePlace> places(range.size());
     input.outline.locate(input.points.subspan(range.begin(), range.size()), places);
     for (std::size_t i = 0; i < places.size(); ++i) landings[range.begin() + i] = lander.land(places[i]);
   });

@@ -153,9 +153,9 @@ OutlineLookup::OutlineLookup(std::vector<Sample> samples, float length_mm, float
   (table_, reach_mm, static_cast<std::size_t>(std::max(1.0F, 2.0F / per_sample_mm)), distance2);
 }
 
-void OutlineLookup::locate(std::span<const Eigen::Vector3f> points, std::span<Place> places) const {
+void OutlineLookup::locate(std::span<const Eigen::Vector3f> points, std::span<OutlinePlace> places) const {
   BITELINE_EXPECTS(places.size() == points.size());
-  static_assert(sizeof(Place) == 3 * sizeof(float));
+  static_assert(sizeof(OutlinePlace) == 3 * sizeof(float));
   HWY_DYNAMIC_DISPATCH(Locate)(table_, points, reinterpret_cast<float*>(places.data()));
 }
 

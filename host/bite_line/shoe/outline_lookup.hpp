@@ -12,7 +12,7 @@
 namespace biteline::bite_line {
 
 /// A point in the coordinates of an outline.
-struct Place {
+struct OutlinePlace {
   float s_mm;  ///< negative: out of reach
   float o_mm;
   float z_mm;
@@ -42,7 +42,7 @@ class OutlineLookup {
   OutlineLookup(std::vector<Sample> samples, float length_mm, float reach_mm);
 
   /// The nearest cell's sample, then Newton steps to the foot of the perpendicular.
-  void locate(std::span<const Eigen::Vector3f> points, std::span<Place> places) const;
+  void locate(std::span<const Eigen::Vector3f> points, std::span<OutlinePlace> places) const;
 
  private:
   Table table_;

@@ -179,8 +179,8 @@ Outline::Outline(std::span<const Vec2> curve, const Config& config) {
   lookup_ = {std::move(samples), static_cast<float>(length_mm_), static_cast<float>(config.reach_mm)};
 }
 
-Place Outline::locate(const Eigen::Vector3f& point) const {
-  Place place;
+OutlinePlace Outline::locate(const Eigen::Vector3f& point) const {
+  OutlinePlace place;
   locate({&point, 1}, {&place, 1});
   return place;
 }

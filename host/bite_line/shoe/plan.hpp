@@ -43,10 +43,10 @@ class Outline {
   Outline(std::span<const Vec2> curve, const Config& config);
 
   /// `places` of as many points in shoe.
-  void locate(std::span<const Eigen::Vector3f> points, std::span<Place> places) const {
+  void locate(std::span<const Eigen::Vector3f> points, std::span<OutlinePlace> places) const {
     lookup_.locate(points, places);
   }
-  [[nodiscard]] Place locate(const Eigen::Vector3f& point) const;
+  [[nodiscard]] OutlinePlace locate(const Eigen::Vector3f& point) const;
 
   [[nodiscard]] Vec2 point(double s_mm) const;
   [[nodiscard]] Vec2 normal(double s_mm) const;  ///< outward unit normal

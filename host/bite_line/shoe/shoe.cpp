@@ -248,13 +248,9 @@ SE3 axes_from_plan(std::span<const Vec3> points_up, const Mat3& R_base_up, PlanB
 
 }  // namespace
 
-Shoe find_shoe(std::span<const Eigen::Vector3f> points_base) {
+OrRefusal<Shoe> find_shoe(std::span<const Eigen::Vector3f> points_base) {
   Shoe shoe;
-  const auto refuse = [&](const char* reason) {
-    shoe.reason = reason;
-    return shoe;
-  };
-  if (points_base.size() < k_min_points) return refuse("not a shoe: too few points");
+  if (points_base.size() < k_min_points) return refuse(Refused::TooFewPoints, "not a shoe: too few points");
 
   const Cells cells{points_base, {}};
   const std::optional<Plane> table = find_table(cells);
@@ -285,7 +281,8 @@ Shoe find_shoe(std::span<const Eigen::Vector3f> points_base) {
   for (std::size_t slot = 0; slot < labels.size(); ++slot) {
     if (cell_chosen[slot]) means_to_the_rim.push_back(cells.mean(cells.occupied()[slot]).cast<double>());
   }
-  if (means.size() < 200) return refuse("not a shoe: nothing connected of a shoe's size");
+  if (means.size() < 200)
+    return refuse(Refused::NothingConnected, "not a shoe: nothing connected of a shoe's size");
 
   Mat3 R_base_up = Mat3::Identity();
   if (table) R_base_up = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), table->normal).toRotationMatrix();
@@ -307,10 +304,10 @@ Shoe find_shoe(std::span<const Eigen::Vector3f> points_base) {
   shoe.length_mm = box.length_mm;
   shoe.width_mm = box.width_mm;
   if (!shoe_sized(box)) {
-    shoe.reason = FixedText<160>::format("not a shoe: what was seen is %.0f mm long and %.0f mm wide",
+    return refuse(Refused::NotShoeSized,
+                  FixedText<160>::format("not a shoe: what was seen is %.0f mm long and %.0f mm wide",
                                          box.length_mm, box.width_mm)
-                      .c_str();
-    return shoe;
+                      .c_str());
   }
 
   const Eigen::Isometry3f T_shoe_base = shoe.T_base_shoe.inverse().cast<float>();
@@ -332,7 +329,6 @@ Shoe find_shoe(std::span<const Eigen::Vector3f> points_base) {
         return box_seen;
       },
       [](const Eigen::AlignedBox3f& a, const Eigen::AlignedBox3f& b) { return a.merged(b); });
-  shoe.found = true;
   return shoe;
 }
 

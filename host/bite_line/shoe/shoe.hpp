@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -12,12 +11,11 @@
 
 #include "common/geometry/se3.hpp"
 #include "host/bite_line/large.hpp"
+#include "host/bite_line/refused.hpp"
 
 namespace biteline::bite_line {
 
 struct Shoe {
-  bool found{false};
-  std::string reason;  ///< when not found
   SE3 T_base_shoe{
       SE3::Identity()};  ///< x heel to toe, y left, z up; origin at the heel, z = 0 at the lowest point seen
   Large<Eigen::Vector3f> points;  ///< in shoe, in the order of the cloud
@@ -32,6 +30,6 @@ struct Shoe {
 ///
 /// Up is base z to within 12 degrees; the table, or else the rim of the sole, gives it better.  Toe and heel
 /// are told apart by the plan's area, which lies towards the wider forefoot.  Memory: 25 bytes per point.
-[[nodiscard]] Shoe find_shoe(std::span<const Eigen::Vector3f> points_base);
+[[nodiscard]] OrRefusal<Shoe> find_shoe(std::span<const Eigen::Vector3f> points_base);
 
 }  // namespace biteline::bite_line

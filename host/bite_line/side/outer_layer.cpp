@@ -32,7 +32,7 @@ struct Raster {
         z_low_mm{static_cast<float>(config.z_low_mm)},
         per_row{static_cast<float>(1 / height_mm)} {}
   /// rows: outside.
-  [[nodiscard]] std::size_t row_of(const Place& place) const {
+  [[nodiscard]] std::size_t row_of(const OutlinePlace& place) const {
     if (place.z_mm < z_low_mm) return rows;
     return std::min(rows, static_cast<std::size_t>((place.z_mm - z_low_mm) * per_row));
   }
@@ -41,7 +41,8 @@ struct Raster {
 /// The innermost o that still belongs to the outermost layer, per coarse cell, column after column.
 class Layers {
  public:
-  Layers(std::span<const Place> places, const Buckets& columns, const OuterLayerConfig& config, double grow)
+  Layers(std::span<const OutlinePlace> places, const Buckets& columns, const OuterLayerConfig& config,
+         double grow)
       : raster_{config, k_layer_z_mm * grow}, cols_{columns.size()} {
     const std::size_t cells = cols_ * raster_.rows;
     counts_.assign(cells * k_layer_bins, 0);
@@ -68,7 +69,7 @@ class Layers {
     follow_neighbours(top, static_cast<float>(config.gap_mm));
   }
 
-  [[nodiscard]] bool contains(std::size_t col, const Place& place) const {
+  [[nodiscard]] bool contains(std::size_t col, const OutlinePlace& place) const {
     const std::size_t row = raster_.row_of(place);
     if (row == raster_.rows) return false;
     const std::size_t cell = col * raster_.rows + row;
@@ -162,8 +163,9 @@ class Layers {
 
 /// Drops from a column what lies behind the outermost layer, then what is deeper than the outermost o of the
 /// fine rows about it, which leave out a twentieth of their points as strays.
-void keep_outer_layer_of(std::size_t col, std::span<const std::uint32_t> column, std::span<Place> places,
-                         const Layers& layers, const Raster& fine, float depth_mm) {
+void keep_outer_layer_of(std::size_t col, std::span<const std::uint32_t> column,
+                         std::span<OutlinePlace> places, const Layers& layers, const Raster& fine,
+                         float depth_mm) {
   constexpr float k_nothing = -1.0e6F;
   constexpr std::uint32_t k_many = 20;
   // The two largest per row; with many points in a row the second one stands for it.
@@ -182,7 +184,7 @@ void keep_outer_layer_of(std::size_t col, std::span<const std::uint32_t> column,
   std::vector<Kept> kept;
   kept.reserve(column.size());
   for (const std::uint32_t i : column) {
-    Place& place = places[i];
+    OutlinePlace& place = places[i];
     const std::size_t at = fine.row_of(place);
     if (at == fine.rows || !layers.contains(col, place)) {
       place.s_mm = -1.0F;
@@ -209,9 +211,9 @@ void keep_outer_layer_of(std::size_t col, std::span<const std::uint32_t> column,
 
 }  // namespace
 
-Buckets keep_outer_layer(std::span<Place> places, const OuterLayerConfig& config) {
+Buckets keep_outer_layer(std::span<OutlinePlace> places, const OuterLayerConfig& config) {
   const auto reachable = static_cast<double>(
-      std::count_if(places.begin(), places.end(), [](const Place& p) { return p.s_mm >= 0; }));
+      std::count_if(places.begin(), places.end(), [](const OutlinePlace& p) { return p.s_mm >= 0; }));
   const double points_per_mm2 = std::max(reachable / (config.length_mm * config.height_mm), 1e-3);
   const double grow =
       std::clamp(std::sqrt(k_layer_points / (k_layer_s_mm * k_layer_z_mm * points_per_mm2)), 1.0, 3.0);

@@ -29,6 +29,6 @@ struct OuterLayerConfig {
 /// surface (an insole at the height of the bite line has no gap).
 ///
 /// Returns the points that had a place, by column of at least 2 mm along the outline.
-Buckets keep_outer_layer(std::span<Place> places, const OuterLayerConfig& config);
+Buckets keep_outer_layer(std::span<OutlinePlace> places, const OuterLayerConfig& config);
 
 }  // namespace biteline::bite_line

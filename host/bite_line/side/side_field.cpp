@@ -18,12 +18,12 @@ namespace {
 
 constexpr float k_outer_mm = 16.0F;  // and how far outside
 
-Large<Place> locate_all(std::span<const Eigen::Vector3f> points, const Outline& outline) {
-  Large<Place> places(points.size());
+Large<OutlinePlace> locate_all(std::span<const Eigen::Vector3f> points, const Outline& outline) {
+  Large<OutlinePlace> places(points.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>{0, points.size(), 8192}, [&](const auto& range) {
     const std::span located{places.data() + range.begin(), range.size()};
     outline.locate(points.subspan(range.begin(), range.size()), located);
-    for (Place& place : located) {
+    for (OutlinePlace& place : located) {
       if (place.o_mm <= -k_inner_mm || place.o_mm >= k_outer_mm) place.s_mm = -1.0F;
     }
   });
@@ -45,7 +45,7 @@ struct Sums {
 };
 
 /// `columns` are wider than the grid's, so two that are not neighbours share no cell of it.
-Sums collect(std::span<const Place> places, const Buckets& columns, const SideGrid& grid,
+Sums collect(std::span<const OutlinePlace> places, const Buckets& columns, const SideGrid& grid,
              std::size_t margin) {
   const auto cols = static_cast<std::size_t>(grid.cols);
   Sums sums{.rows = static_cast<std::size_t>(grid.rows), .margin = margin, .values = {}};
@@ -59,7 +59,7 @@ Sums collect(std::span<const Place> places, const Buckets& columns, const SideGr
   const auto add_column = [&](std::size_t column) {
     std::size_t used = 0;
     for (const std::uint32_t i : columns[column]) {
-      const Place& place = places[i];
+      const OutlinePlace& place = places[i];
       if (place.s_mm < 0) continue;
       const float z = (place.z_mm - z_low_mm) * per_row;
       const auto row = static_cast<std::size_t>(z);
@@ -127,8 +127,9 @@ void fit_columns(Sums& sums, std::span<const float> up, const SideField::Config&
       const std::span o{field.o_mm.data() + first, sums.rows};
       std::uint8_t* seen = field.seen.data() + first;
       fit_rows(rows, fit, o, seen);
-      turn_of_column(o, seen, 0.75, grid.row_mm, angle, field.turn_rad.data() + first);
-      turn_of_column(o, seen, 1.5, grid.row_mm, angle, field.wide_turn_rad.data() + first);
+      turn_of_column(o, seen, SideField::k_turn_reach_mm, grid.row_mm, angle, field.turn_rad.data() + first);
+      turn_of_column(o, seen, 2 * SideField::k_turn_reach_mm, grid.row_mm, angle,
+                     field.wide_turn_rad.data() + first);
     }
   });
 }

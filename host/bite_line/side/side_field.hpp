@@ -43,12 +43,15 @@ struct SideField {
     double lining_gap_mm{1.5};  ///< what lies this far behind the outermost surface is another layer
   };
 
+  /// Height between the two slopes whose difference is the turn across a place.
+  static constexpr double k_turn_reach_mm = 0.75;
+
   SideGrid grid;
   Large<float> o_mm;           ///< smoothed
-  Large<float> turn_rad;       ///< turn of the surface within 1.5 mm of height, concave > 0
+  Large<float> turn_rad;       ///< turn of the surface within twice that height, concave > 0
   Large<float> wide_turn_rad;  ///< the same within 3 mm
   Large<std::uint8_t> seen;    ///< 1 where points support the place on all sides
-  Large<Place> places;         ///< of every point; s also negative behind the outermost layer
+  Large<OutlinePlace> places;  ///< of every point; s also negative behind the outermost layer
   double points_per_mm2{0};    ///< of the outermost layer, where it was seen
 
   static SideField build(const Shoe& shoe, const Outline& outline, const Config& config);

@@ -52,27 +52,28 @@ struct StageName {
   const char* caption;
 };
 constexpr std::array k_stages{
-    StageName{"1_point_cloud", "point cloud, colour: mean curvature (blue concave, red convex)"},
+    StageName{"1_point_cloud", "point cloud, colour: curvature (blue concave, red convex)"},
     StageName{"2_feature_points", "feature points: strongly concave"},
-    StageName{"2_feature_points_plain_svd",
-              "the same by plain SVD instead of weighted PCA (the article's Figure 12)"},
-    StageName{"3_denoised", "feature points without specks"},
+    StageName{"2_feature_points_plain_svd", "the same by plain SVD instead of weighted PCA"},
+    StageName{"3_denoised", "feature points of which a closed line can be made"},
     StageName{"4_coarse_line", "coarse line: points around the path"},
     StageName{"5_thinned_line", "thinned line"},
     StageName{"6_sequence",
               "the line, colour: confidence (green sure, red unsure); arrows: the upper's normals"},
-    StageName{"unrolled_curvature", "mean curvature unrolled into eight sections; green: the path"},
+    StageName{"unrolled_curvature",
+              "curvature of the side, unrolled; green: the path, grey: what was not taken"},
 };
 
 /// One stage's two files.
 struct Sheet {
   const fs::path& folder;
-  const bite_line::Extraction& extraction;
+  const cloud::PointCloud& surface;
+  const SE3& T_base_shoe;
 
   Result<void> write(const StageName& stage, const cloud::PointCloud& points,
                      const std::function<void(ShoeView&)>& draw) const {
-    if (points.points.empty() || extraction.products.surface.points.empty()) return {};
-    ShoeView view{extraction.products.surface, extraction.T_base_shoe};
+    if (points.points.empty() || surface.points.empty()) return {};
+    ShoeView view{surface, T_base_shoe};
     draw(view);
     view.caption(stage.caption);
     BITELINE_TRY(write_picture(folder / (std::string(stage.file) + ".png"), view.picture()));
@@ -80,69 +81,71 @@ struct Sheet {
   }
 };
 
-}  // namespace
-
-Result<void> write_unrolled(const fs::path& file, const bite_line::Extraction& extraction) {
-  const bite_line::Unrolled& unrolled = extraction.products.unrolled;
+/// The unrolled curvature with its marks; what was taken in green, what was not in grey.
+Result<void> write_unrolled(const fs::path& file, const bite_line::UnrolledSide& unrolled) {
   if (unrolled.rows == 0 || unrolled.cols == 0) return {};
   cv::Mat picture(unrolled.rows, unrolled.cols, CV_8UC3, cv::Scalar(120, 120, 120));
   for (int row = 0; row < unrolled.rows; ++row) {
     for (int col = 0; col < unrolled.cols; ++col) {
       const std::size_t at = unrolled.at(row, col);
       if (unrolled.known[at] != 0)
-        picture.at<cv::Vec3b>(row, col) = curvature_colour(unrolled.value[at], k_full_colour_per_mm);
+        picture.at<cv::Vec3b>(row, col) =
+            curvature_colour(unrolled.curvature_per_mm[at], k_full_colour_per_mm);
     }
   }
   const int scale = std::max(1, (1400 + unrolled.cols - 1) / unrolled.cols);
   cv::resize(picture, picture, {}, scale, scale, cv::INTER_NEAREST);
-  for (std::size_t s = 0; s < unrolled.section_col.size(); ++s) {
-    const int col = unrolled.section_col[s] * scale;
+  for (const bite_line::UnrolledSide::Mark& mark : unrolled.marks) {
+    const int col = mark.col * scale;
     cv::line(picture, {col, 0}, {col, picture.rows - 1}, {90, 140, 90}, 1);
-    const std::string name{static_cast<char>('A' + s), s == 7 ? 'A' : static_cast<char>('B' + s)};
-    cv::putText(picture, name, {col + 4, 16}, cv::FONT_HERSHEY_SIMPLEX, 0.45, {20, 60, 20}, 1, cv::LINE_AA);
+    cv::putText(picture, mark.name, {col + 4, 16}, cv::FONT_HERSHEY_SIMPLEX, 0.45, {20, 60, 20}, 1,
+                cv::LINE_AA);
   }
-  const auto& path_row = extraction.products.path_row;
-  for (std::size_t col = 1; col < path_row.size(); ++col) {
-    if (path_row[col] < 0 || path_row[col - 1] < 0) continue;
+  const auto draw = [&](const std::vector<float>& path_row, const cv::Scalar& colour) {
     const auto at = [&](std::size_t c) {
       return cv::Point{static_cast<int>((static_cast<double>(c) + 0.5) * scale),
                        static_cast<int>((path_row[c] + 0.5F) * static_cast<float>(scale))};
     };
-    cv::line(picture, at(col - 1), at(col), {30, 200, 30}, 1, cv::LINE_AA);
-  }
+    for (std::size_t col = 1; col < path_row.size(); ++col) {
+      if (path_row[col] >= 0 && path_row[col - 1] >= 0)
+        cv::line(picture, at(col - 1), at(col), colour, 1, cv::LINE_AA);
+    }
+  };
+  for (const std::vector<float>& rival : unrolled.rival_rows) draw(rival, {150, 150, 150});
+  draw(unrolled.path_row, {30, 200, 30});
   return write_picture(file, picture);
 }
 
-Result<void> write_stages(const fs::path& folder, const bite_line::Extraction& extraction) {
+}  // namespace
+
+Result<void> write_stages(const fs::path& folder, const bite_line::LineStages& stages,
+                          const bite_line::Extraction& extraction) {
   BITELINE_TRY(report::prepare_folder(folder));
   for (const StageName& stage : k_stages) {
     std::error_code ignored;
     fs::remove(folder / (std::string(stage.file) + ".png"), ignored);
     fs::remove(folder / (std::string(stage.file) + ".ply"), ignored);
   }
-  const bite_line::Products& products = extraction.products;
-  const Sheet sheet{folder, extraction};
-  const std::vector<cv::Vec3b> curvature = curvature_colours(products.mean_curvature_per_mm);
+  const Sheet sheet{folder, stages.surface, extraction.T_base_shoe};
+  const std::vector<cv::Vec3b> curvature = curvature_colours(stages.curvature_per_mm);
   const auto with_points = [&](const std::vector<std::uint32_t>& indices) {
     return [&](ShoeView& view) {
       view.draw_cloud({});
       view.draw_points(indices, k_feature_colour);
     };
   };
+  BITELINE_TRY(sheet.write(k_stages[0], stages.surface, [&](ShoeView& view) { view.draw_cloud(curvature); }));
+  BITELINE_TRY(sheet.write(k_stages[1], subset(stages.surface, stages.feature_points),
+                           with_points(stages.feature_points)));
+  BITELINE_TRY(sheet.write(k_stages[2], subset(stages.surface, stages.plain_svd_features),
+                           with_points(stages.plain_svd_features)));
+  BITELINE_TRY(sheet.write(k_stages[3], subset(stages.surface, stages.denoised_points),
+                           with_points(stages.denoised_points)));
   BITELINE_TRY(
-      sheet.write(k_stages[0], products.surface, [&](ShoeView& view) { view.draw_cloud(curvature); }));
-  BITELINE_TRY(sheet.write(k_stages[1], subset(products.surface, products.feature_points),
-                           with_points(products.feature_points)));
-  BITELINE_TRY(sheet.write(k_stages[2], subset(products.surface, products.plain_svd_features),
-                           with_points(products.plain_svd_features)));
-  BITELINE_TRY(sheet.write(k_stages[3], subset(products.surface, products.denoised_points),
-                           with_points(products.denoised_points)));
-  BITELINE_TRY(sheet.write(k_stages[4], subset(products.surface, products.coarse_line),
-                           with_points(products.coarse_line)));
-  BITELINE_TRY(sheet.write(k_stages[5], as_cloud(products.thinned_line), [&](ShoeView& view) {
+      sheet.write(k_stages[4], subset(stages.surface, stages.coarse_line), with_points(stages.coarse_line)));
+  BITELINE_TRY(sheet.write(k_stages[5], as_cloud(stages.thinned_line), [&](ShoeView& view) {
     view.draw_cloud({});
-    view.draw_line(products.thinned_line,
-                   std::vector<cv::Vec3b>(products.thinned_line.size(), k_line_colour));
+    view.draw_line(stages.thinned_line, std::vector<cv::Vec3b>(stages.thinned_line.size(), k_line_colour));
   }));
 
   std::vector<Vec3> positions, normals;
@@ -157,7 +160,7 @@ Result<void> write_stages(const fs::path& folder, const bite_line::Extraction& e
     view.draw_line(positions, colours);
     view.draw_normals(positions, normals, std::max<std::size_t>(1, positions.size() / 60));
   }));
-  return write_unrolled(folder / (std::string(k_stages[7].file) + ".png"), extraction);
+  return write_unrolled(folder / (std::string(k_stages[7].file) + ".png"), stages.unrolled);
 }
 
 std::vector<std::pair<std::string, std::string>> pictures(const fs::path& folder) {

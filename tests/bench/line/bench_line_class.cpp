@@ -17,8 +17,9 @@
 #include "hal/sim/shoe/random.hpp"
 #include "hal/sim/shoe/scanned_cloud.hpp"
 #include "hal/sim/shoe/true_line.hpp"
-#include "host/bite_line/extract.hpp"
+#include "host/bite_line/find_bite_line.hpp"
 #include "host/evaluation/line_error.hpp"
+#include "host/published/published_line.hpp"
 
 namespace biteline::bench {
 namespace {
@@ -209,7 +210,7 @@ void judge(const Case& made, const bite_line::Extraction& found, bool bare, Tall
   if (!found.found) {
     bare ? ++tally.right : ++tally.refused;
     std::snprintf(text, sizeof text, "%s (%.2f) %s", bare ? "right" : "REFUSED", found.confidence,
-                  found.reason.c_str());
+                  found.reason().c_str());
     row = text;
     return;
   }
@@ -279,7 +280,7 @@ int run(int argc, char** argv) {
   std::uint64_t seeds = 23;
   std::uint64_t from = 1;
   std::string only;
-  bool published = true;
+  bool with_published = true;
   bool rows = false;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
@@ -290,7 +291,7 @@ int run(int argc, char** argv) {
     else if (argument == "--class" && i + 1 < argc)
       only = argv[++i];
     else if (argument == "--no-published")
-      published = false;
+      with_published = false;
     else if (argument == "--rows")
       rows = true;
   }
@@ -318,14 +319,12 @@ int run(int argc, char** argv) {
       const Case made = make_case(static_cast<sim::ShoeClass>(c), seed);
       const bool bare = made.truth.points.empty();
       std::string row;
-      judge(made, bite_line::extract(made.cloud, {.keep_products = false}), bare, ours, &calibration, row);
+      judge(made, bite_line::find_bite_line(made.cloud, {}), bare, ours, &calibration, row);
       if (rows)
         std::fprintf(stderr, "%-9s %3llu ours      %s\n", name.c_str(), static_cast<unsigned long long>(seed),
                      row.c_str());
-      if (!published) continue;
-      judge(made,
-            bite_line::extract(made.cloud, {.method = bite_line::Method::Published, .keep_products = false}),
-            bare, theirs, nullptr, row);
+      if (!with_published) continue;
+      judge(made, published::find_bite_line(made.cloud.points, {}), bare, theirs, nullptr, row);
       if (rows)
         std::fprintf(stderr, "%-9s %3llu published %s\n", name.c_str(), static_cast<unsigned long long>(seed),
                      row.c_str());
@@ -342,7 +341,7 @@ int run(int argc, char** argv) {
       const std::size_t c = seed % 2 == 0 ? seed / 2 % 9 : static_cast<std::size_t>(sim::ShoeClass::Stitched);
       const Case made = make_case(static_cast<sim::ShoeClass>(c), seed, true);
       std::string row;
-      judge(made, bite_line::extract(made.cloud, {.keep_products = false}), true, ours, nullptr, row);
+      judge(made, bite_line::find_bite_line(made.cloud, {}), true, ours, nullptr, row);
       if (rows)
         std::fprintf(stderr, "%-9s %3llu %-9s %s\n", "upper", static_cast<unsigned long long>(seed),
                      std::string{sim::k_shoe_class_names[c]}.c_str(), row.c_str());
@@ -358,7 +357,7 @@ int run(int argc, char** argv) {
       Case made = make_case(static_cast<sim::ShoeClass>(seed % 9), seed + 1000);
       disturb(made, static_cast<Disturbance>(d), seed);
       std::string row;
-      judge(made, bite_line::extract(made.cloud, {.keep_products = false}), false, ours, &calibration, row,
+      judge(made, bite_line::find_bite_line(made.cloud, {}), false, ours, &calibration, row,
             static_cast<Disturbance>(d) == Disturbance::Sector);
       if (rows)
         std::fprintf(stderr, "%-9s %3llu %-9s %s\n", name.c_str(), static_cast<unsigned long long>(seed),

@@ -2,6 +2,7 @@
 // Our line and the published one on meshes of real and drawn shoes.
 #include <cstdio>
 
+#include "host/published/published_line.hpp"
 #include "tests/support/known_shoe.hpp"
 
 int main() {
@@ -9,17 +10,14 @@ int main() {
   for (const test::KnownShoe& shoe : test::k_known_shoes) {
     const auto scan = test::scan_of(shoe);
     if (!scan) continue;
-    const auto judged = [&](bite_line::Method method) {
-      return test::judge(shoe, bite_line::extract(*scan, {.method = method, .keep_products = false}));
-    };
-    const test::ShoeVerdict ours = judged(bite_line::Method::Ours),
-                            published = judged(bite_line::Method::Published);
+    const test::ShoeVerdict ours = test::judge(shoe, bite_line::find_bite_line(*scan, {}));
+    const test::ShoeVerdict peer = test::judge(shoe, published::find_bite_line(scan->points, {}));
     std::printf(
         "{\"bench\":\"line.mesh\",\"what\":\"%s: right (1) or "
         "not\",\"ours\":%d,\"unit\":\"shoes\",\"peer\":\"published\","
         "\"peer_value\":%d,\"off_mm\":%.3f,\"peer_off_mm\":%.3f,\"peer_why\":\"%s\"}\n",
-        shoe.name, ours.right ? 1 : 0, published.right ? 1 : 0, ours.off_mm, published.off_mm,
-        published.right ? "" : published.why.c_str());
+        shoe.name, ours.right ? 1 : 0, peer.right ? 1 : 0, ours.off_mm, peer.off_mm,
+        peer.right ? "" : peer.why.c_str());
     std::fflush(stdout);
   }
   return 0;

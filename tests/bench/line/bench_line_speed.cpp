@@ -14,7 +14,7 @@
 
 #include "hal/sim/shoe/made_shoe.hpp"
 #include "hal/sim/shoe/scanned_cloud.hpp"
-#include "host/bite_line/extract.hpp"
+#include "host/bite_line/find_bite_line.hpp"
 #include "host/bite_line/live_scan.hpp"
 
 namespace biteline::bench {
@@ -90,7 +90,7 @@ void live() {
         std::max(longest_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
     first = end;
   }
-  const Timed timed = best_of(8, [&] { return live_scan.finish({.keep_products = false}).found; });
+  const Timed timed = best_of(8, [&] { return live_scan.finish({}).found; });
   std::printf(
       "{\"bench\":\"line.live\",\"what\":\"last profile to line, %zu "
       "points%s\",\"ours\":%.4f,\"unit\":\"s\",\"target\":0.03,\"processor_s\":%.4f}\n",
@@ -109,8 +109,7 @@ int run() {
     const cloud::PointCloud cloud = scan(size.points);
     malloc_trim(0);  // what the scanner used and freed must not hide what the extraction takes
     const PeakMemory peak;
-    const Timed timed =
-        best_of(size.rounds, [&] { return bite_line::extract(cloud, {.keep_products = false}).found; });
+    const Timed timed = best_of(size.rounds, [&] { return bite_line::find_bite_line(cloud, {}).found; });
     const auto points = static_cast<double>(cloud.size());
     std::printf(
         "{\"bench\":\"line.speed\",\"what\":\"cloud to line, %.0f "

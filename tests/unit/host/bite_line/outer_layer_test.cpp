@@ -16,7 +16,7 @@ constexpr double k_by_chance_behind_gap_ratio = 0.001;
 constexpr OuterLayerConfig k_config{.length_mm = 600, .z_low_mm = 0, .height_mm = 60};
 
 struct Wall {
-  std::vector<Place> places;
+  std::vector<OutlinePlace> places;
   std::mt19937 random{4};
   float any(float low, float high) { return std::uniform_real_distribution<float>{low, high}(random); }
 };
@@ -54,7 +54,7 @@ TEST(OuterLayer, ALevelLedgeAndTheUpperBehindItStay) {
     wall.places.push_back({wall.any(0, 600), -5 + wall.any(-0.03F, 0.03F), wall.any(25, 60)});
   keep_outer_layer(wall.places, k_config);
   std::size_t lost = 0;
-  for (const Place& place : wall.places) lost += place.s_mm < 0 ? 1 : 0;
+  for (const OutlinePlace& place : wall.places) lost += place.s_mm < 0 ? 1 : 0;
   CHECK_COMPARE(static_cast<double>(lost), <, k_by_chance_ratio * static_cast<double>(wall.places.size()));
 }
 

@@ -52,7 +52,7 @@ TEST(Plan, LocateUndoesPointPlusOffset) {
   std::mt19937 random{9};
   std::uniform_real_distribution<double> s_any{0, sut.length_mm()};
   std::uniform_real_distribution<double> o_any{-8, 12};  // the ellipse's tightest bend has a radius of 18 mm
-  std::vector<Place> truth;
+  std::vector<OutlinePlace> truth;
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < 500; ++i) {
     const double s = s_any(random);
@@ -61,7 +61,7 @@ TEST(Plan, LocateUndoesPointPlusOffset) {
     truth.push_back({static_cast<float>(s), static_cast<float>(o), static_cast<float>(i)});
     points.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(i));
   }
-  std::vector<Place> places(points.size());
+  std::vector<OutlinePlace> places(points.size());
   sut.locate(points, places);
   for (std::size_t i = 0; i < places.size(); ++i) {
     const double ds = std::abs(static_cast<double>(places[i].s_mm - truth[i].s_mm));

@@ -13,7 +13,7 @@
 namespace biteline::intake {
 namespace {
 
-constexpr bite_line::ExtractConfig k_line_only{.keep_products = false};
+constexpr bite_line::Config k_line_only{};
 /// What a running scan may differ from the finished cloud by, at any point.
 constexpr double k_same_mm = 0.02;
 
@@ -52,8 +52,8 @@ void add(LiveLine& line, const cloud::PointCloud& cloud, const Range& range) {
 }
 
 void check_same(const bite_line::Extraction& finished, const bite_line::Extraction& live) {
-  CHECK_TEXT(finished.found, finished.reason.c_str());
-  CHECK_TEXT(live.found, live.reason.c_str());
+  CHECK_TEXT(finished.found, finished.reason().c_str());
+  CHECK_TEXT(live.found, live.reason().c_str());
   CHECK_COMPARE(evaluation::line_error(live.line, finished.line).max_mm, <=, k_same_mm);
   DOUBLES_EQUAL(finished.confidence, live.confidence, 0.01);
 }
@@ -72,7 +72,7 @@ TEST(LiveLine, LineOfEachClassIsThatOfTheFinishedCloud) {
     const LiveLine::Outcome outcome = sut.wait();
     LONGS_EQUAL(profiles_of(cloud).size(), outcome.profiles);
     CHECK(outcome.last_profile_to_line_s > 0);
-    check_same(bite_line::extract(cloud, k_line_only), outcome.extraction);
+    check_same(bite_line::find_bite_line(cloud, k_line_only), outcome.extraction);
   }
 }
 
@@ -81,11 +81,11 @@ TEST(LiveLine, RefusesWhatTheFinishedCloudIsRefusedForAndSaysTheSame) {
   LiveLine sut{k_line_only};
   sut.add_profiles(bare);
   sut.close();
-  const bite_line::Extraction finished = bite_line::extract(bare, k_line_only);
+  const bite_line::Extraction finished = bite_line::find_bite_line(bare, k_line_only);
   const bite_line::Extraction live = sut.wait().extraction;
   CHECK_FALSE(finished.found);
   CHECK_FALSE(live.found);
-  STRCMP_EQUAL(finished.reason.substr(0, 20).c_str(), live.reason.substr(0, 20).c_str());
+  STRCMP_EQUAL(finished.reason().substr(0, 20).c_str(), live.reason().substr(0, 20).c_str());
   CHECK(live.line.points.empty());
 }
 
@@ -107,7 +107,7 @@ TEST(LiveLine, ProfilesThatComeTwiceAndOutOfOrderChangeNothing) {
   sut.close();
   const LiveLine::Outcome outcome = sut.wait();
   LONGS_EQUAL(ranges.size(), outcome.profiles);
-  check_same(bite_line::extract(cloud, k_line_only), outcome.extraction);
+  check_same(bite_line::find_bite_line(cloud, k_line_only), outcome.extraction);
 }
 
 TEST(LiveLine, ScanThatIsGivenUpIsDroppedWhereItStands) {
@@ -130,7 +130,7 @@ TEST(LiveLine, ScanWithoutAnythingIsRefused) {
   const LiveLine::Outcome outcome = sut.wait();
   LONGS_EQUAL(0, outcome.profiles);
   CHECK_FALSE(outcome.extraction.found);
-  CHECK_FALSE(outcome.extraction.reason.empty());
+  CHECK_FALSE(outcome.extraction.reason().empty());
 }
 
 }  // namespace biteline::intake

@@ -19,32 +19,39 @@ namespace fs = std::filesystem;
 TEST_GROUP(LineResult) {
   test::TemporaryFolder folder;
 
+  struct Drum {
+    bite_line::Extraction extraction;
+    bite_line::LineStages stages;
+  };
+
   /// An upright drum with a line half way up.
-  static bite_line::Extraction drum(bool found) {
-    bite_line::Extraction e;
+  static Drum drum(bool found) {
+    Drum d;
+    bite_line::Extraction& e = d.extraction;
+    bite_line::LineStages& stages = d.stages;
     e.found = found;
-    e.reason = found ? "" : "no crease all the way round";
+    if (!found)
+      e.refusal = bite_line::Refusal{bite_line::Refused::NoCreaseAllRound, "no crease all the way round"};
     e.confidence = found ? 0.97 : 0.1;
     e.T_base_shoe = geometry::exp_se3((Twist() << 300, 20, 5, 0, 0, 0.7).finished());
     constexpr int k_around = 800, k_up = 40;
     for (int i = 0; i < k_around * k_up; ++i) {
       const double a = 2 * std::numbers::pi * (i % k_around) / k_around;
       const Vec3 n(std::cos(a), std::sin(a), 0);
-      e.products.surface.points.push_back(
+      stages.surface.points.push_back(
           (e.T_base_shoe * Vec3(60 * n + Vec3(0, 0, 0.5 * (i / k_around)))).cast<float>());
-      e.products.surface.normals.push_back((e.T_base_shoe.linear() * n).cast<float>());
+      stages.surface.normals.push_back((e.T_base_shoe.linear() * n).cast<float>());
       const bool on_line = i / k_around == k_up / 2;
-      e.products.mean_curvature_per_mm.push_back(on_line ? -0.5F : 0.01F);
-      if (on_line) e.products.feature_points.push_back(static_cast<std::uint32_t>(i));
+      stages.curvature_per_mm.push_back(on_line ? -0.5F : 0.01F);
+      if (on_line) stages.feature_points.push_back(static_cast<std::uint32_t>(i));
     }
-    e.products.unrolled = {.rows = 2,
-                           .cols = 3,
-                           .row_mm = 1,
-                           .col_mm = 1,
-                           .top_mm = 2,
-                           .section_col = {},
-                           .value = {0, -1, 0, 1, 0, 0},
-                           .known = {1, 1, 1, 1, 0, 1}};
+    stages.unrolled = {.rows = 2,
+                       .cols = 3,
+                       .curvature_per_mm = {0, -1, 0, 1, 0, 0},
+                       .known = {1, 1, 1, 1, 0, 1},
+                       .marks = {{.col = 1, .name = "toe"}},
+                       .path_row = {0, 1, 1},
+                       .rival_rows = {}};
     for (int i = 0; found && i < 90; ++i) {
       const double a = 2 * std::numbers::pi * i / 90;
       const Vec3 n(std::cos(a), std::sin(a), 0), t(-std::sin(a), std::cos(a), 0);
@@ -52,7 +59,7 @@ TEST_GROUP(LineResult) {
                                .normal = e.T_base_shoe.linear() * n,
                                .tangent = e.T_base_shoe.linear() * t,
                                .confidence = 0.9});
-      e.products.thinned_line.push_back(e.line.points.back().position);
+      stages.thinned_line.push_back(e.line.points.back().position);
     }
     e.candidates.push_back({.confidence = 0.97,
                             .mean_height_mm = 10,
@@ -61,14 +68,14 @@ TEST_GROUP(LineResult) {
                             .crease_deg = 30,
                             .seen_share = 1,
                             .points = {}});
-    return e;
+    return d;
   }
 
-  ExitStatus write(const bite_line::Extraction& extraction) {
+  ExitStatus write(const Drum& d) {
     report::Report report;
     SUCCEEDS(prepare_result_folder(folder.path()));
-    const auto status = write_line_result(folder.path(), extraction.products.surface, extraction,
-                                          bite_line::Method::Ours, report);
+    const auto status = write_line_result(
+        folder.path(), d.stages.surface, d.extraction, [&] { return d.stages; }, report);
     SUCCEEDS(status);
     return *status;
   }
@@ -102,12 +109,14 @@ TEST(LineResult, RefusalRemovesTheLineOfAnEarlierRun) {
   CHECK(!has("stages/6_sequence.png"));
   CHECK(has("stages/1_point_cloud.png"));
   STRCMP_EQUAL("no crease all the way round", report_json()["reason"].get<std::string>().c_str());
+  STRCMP_EQUAL("no_crease_all_round", report_json()["reason_code"].get<std::string>().c_str());
 }
 
 TEST(LineResult, FarSideOfTheShoeIsDrawnThin) {
-  const bite_line::Extraction e = drum(true);
+  const Drum d = drum(true);
+  const bite_line::Extraction& e = d.extraction;
   const auto count_red = [&](const std::vector<Vec3>& points) {
-    results::ShoeView view{e.products.surface, e.T_base_shoe};
+    results::ShoeView view{d.stages.surface, e.T_base_shoe};
     view.draw_cloud({});
     const cv::Vec3b red{0, 0, 255};
     view.draw_line(points, std::vector<cv::Vec3b>(points.size(), red));

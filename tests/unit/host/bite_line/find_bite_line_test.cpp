@@ -4,84 +4,42 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 
-#include "hal/sim/shoe/made_shoe.hpp"
-#include "hal/sim/shoe/scanned_cloud.hpp"
-#include "hal/sim/shoe/true_line.hpp"
-#include "host/bite_line/extract.hpp"
+#include "host/bite_line/find_bite_line.hpp"
+#include "host/bite_line/line_stages.hpp"
 #include "host/bite_line/live_scan.hpp"
+#include "tests/support/made_cloud.hpp"
 
 namespace biteline::bite_line {
 namespace {
 
-struct Made {
-  cloud::PointCloud cloud;
-  std::vector<Vec3> truth;  ///< base
-};
-
-Made make(const sim::ShoeParameters& parameters, const SE3& T_base_shoe) {
-  const sim::MadeShoe shoe{parameters};
-  // A coarse scan keeps the test fast: the line's place depends little on it.
-  const sim::ScannedCloud scan =
-      sim::scan_quickly(shoe, {.profile_step_mm = 1.3, .column_step_mm = 0.15}, T_base_shoe);
-  Made made;
-  made.cloud.points = scan.points;
-  made.cloud.profile = scan.profile;
-  for (const auto& point : sim::true_line(shoe, 0.5)) made.truth.push_back(T_base_shoe * point.point_shoe);
-  return made;
-}
-
-Made make(sim::ShoeClass shoe_class, std::uint64_t seed, const SE3& T_base_shoe) {
-  return make(sim::draw_shoe(shoe_class, seed), T_base_shoe);
-}
-
-double distance_mm(const Vec3& p, const std::vector<Vec3>& closed) {
-  double best = 1e18;
-  for (std::size_t i = 0; i < closed.size(); ++i) {
-    const Vec3& a = closed[i];
-    const Vec3 edge = closed[(i + 1) % closed.size()] - a;
-    const double t = std::clamp((p - a).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
-    best = std::min(best, (a + t * edge - p).squaredNorm());
-  }
-  return std::sqrt(best);
-}
-
-double mean_error_mm(const cloud::ClosedLine& line, const std::vector<Vec3>& truth) {
-  double sum = 0;
-  for (const cloud::LinePoint& point : line.points)
-    sum += distance_mm(point.position, truth) / static_cast<double>(line.points.size());
-  return sum;
-}
-
-SE3 somewhere() {
-  SE3 T = SE3::Identity();
-  T.linear() = Eigen::AngleAxisd(2.1, Vec3::UnitZ()).toRotationMatrix();
-  T.translation() = Vec3{420, -130, 55};
-  return T;
-}
+using test::mean_error_mm;
+using test::somewhere;
+using Made = test::MadeCloud;
 
 constexpr double k_right_mm = 0.08;
 
 }  // namespace
 
-TEST_GROUP(Extract){};
+TEST_GROUP(FindBiteLine){};
 
-TEST(Extract, LinesOfMadeShoesAreRight) {
+TEST(FindBiteLine, LinesOfMadeShoesAreRight) {
   for (const auto shoe_class : {sim::ShoeClass::Deep, sim::ShoeClass::Shallow, sim::ShoeClass::Step,
                                 sim::ShoeClass::Decorated, sim::ShoeClass::Stitched}) {
-    const Made made = make(shoe_class, 41, somewhere());
-    const Extraction sut = extract(made.cloud, {.keep_products = false});
+    const Made made = test::made_cloud(shoe_class, 41, somewhere());
+    const Extraction sut = find_bite_line(made.cloud, {});
     const std::string name{sim::name_of(shoe_class)};
-    CHECK_TEXT(sut.found, (name + ": " + sut.reason).c_str());
+    CHECK_TEXT(sut.found, (name + ": " + sut.reason()).c_str());
     CHECK_TEXT(mean_error_mm(sut.line, made.truth) <= k_right_mm, name.c_str());
     CHECK(sut.confidence > 0.5);
   }
 }
 
-TEST(Extract, TheLineIsClosedEvenAndRunsAnticlockwiseWithOutwardNormals) {
-  const Made made = make(sim::ShoeClass::Deep, 42, somewhere());
-  const Extraction sut = extract(made.cloud, {.keep_products = false});
+TEST(FindBiteLine, TheLineIsClosedEvenAndRunsAnticlockwiseWithOutwardNormals) {
+  const Made made = test::made_cloud(sim::ShoeClass::Deep, 42, somewhere());
+  const Extraction sut = find_bite_line(made.cloud, {});
   CHECK(sut.found);
   const auto& points = sut.line.points;
   Vec3 middle = Vec3::Zero();
@@ -103,49 +61,49 @@ TEST(Extract, TheLineIsClosedEvenAndRunsAnticlockwiseWithOutwardNormals) {
   CHECK(area > 0);
 }
 
-TEST(Extract, ABareUpperIsRefusedWithAReason) {
-  const Extraction sut = extract(make(sim::ShoeClass::Bare, 43, somewhere()).cloud, {.keep_products = false});
+TEST(FindBiteLine, ABareUpperIsRefusedWithAReason) {
+  const Extraction sut = find_bite_line(test::made_cloud(sim::ShoeClass::Bare, 43, somewhere()).cloud, {});
   CHECK_FALSE(sut.found);
-  STRCMP_CONTAINS("no crease", sut.reason.c_str());
+  STRCMP_CONTAINS("no crease", sut.reason().c_str());
   CHECK(sut.line.points.empty());
   CHECK(sut.confidence < 0.5);
 }
 
-TEST(Extract, AnUpperWithASeamAllTheWayRoundIsRefusedAndTheSameShoeWithASoleIsNot) {
+TEST(FindBiteLine, AnUpperWithASeamAllTheWayRoundIsRefusedAndTheSameShoeWithASoleIsNot) {
   sim::ShoeParameters shoe = sim::draw_shoe(sim::ShoeClass::Shallow, 62);
   shoe.upper.parallel_seams = {{.u_mm = 11, .depth_mm = 0.4, .width_mm = 0.5}};
-  const Extraction with_sole = extract(make(shoe, somewhere()).cloud, {.keep_products = false});
-  CHECK_TEXT(with_sole.found, with_sole.reason.c_str());
+  const Extraction with_sole = find_bite_line(test::made_cloud(shoe, somewhere()).cloud, {});
+  CHECK_TEXT(with_sole.found, with_sole.reason().c_str());
   DOUBLES_EQUAL(shoe.groove.line_height_mm, with_sole.candidates.front().mean_height_mm, 5.0);
   const Extraction upper =
-      extract(make(sim::bare_upper_of(shoe, 0.15, 3), somewhere()).cloud, {.keep_products = false});
+      find_bite_line(test::made_cloud(sim::bare_upper_of(shoe, 0.15, 3), somewhere()).cloud, {});
   CHECK_FALSE(upper.found);
-  STRCMP_CONTAINS("within one surface", upper.reason.c_str());
+  STRCMP_CONTAINS("within one surface", upper.reason().c_str());
   CHECK(upper.confidence < 0.5);
 }
 
-TEST(Extract, WhatIsNoShoeIsRefused) {
+TEST(FindBiteLine, WhatIsNoShoeIsRefused) {
   std::mt19937 random{1};
   std::normal_distribution<float> normal;
   cloud::PointCloud ball;
   for (int i = 0; i < 30000; ++i)
     ball.points.emplace_back(60 *
                              Eigen::Vector3f{normal(random), normal(random), normal(random)}.normalized());
-  const Extraction sut = extract(ball, {});
+  const Extraction sut = find_bite_line(ball, {});
   CHECK_FALSE(sut.found);
-  STRCMP_CONTAINS("not a shoe", sut.reason.c_str());
+  STRCMP_CONTAINS("not a shoe", sut.reason().c_str());
 
   cloud::PointCloud few;
   few.points.resize(12, Eigen::Vector3f::Zero());
-  CHECK_FALSE(extract(few, {}).found);
-  CHECK_FALSE(extract({}, {}).found);
+  CHECK_FALSE(find_bite_line(few, {}).found);
+  CHECK_FALSE(find_bite_line(cloud::PointCloud{}, {}).found);
 }
 
-TEST(Extract, TurningTheShoeTurnsTheLine) {
-  const Made here = make(sim::ShoeClass::Step, 44, SE3::Identity());
-  const Made there = make(sim::ShoeClass::Step, 44, somewhere());
-  const Extraction a = extract(here.cloud, {.keep_products = false});
-  const Extraction b = extract(there.cloud, {.keep_products = false});
+TEST(FindBiteLine, TurningTheShoeTurnsTheLine) {
+  const Made here = test::made_cloud(sim::ShoeClass::Step, 44, SE3::Identity());
+  const Made there = test::made_cloud(sim::ShoeClass::Step, 44, somewhere());
+  const Extraction a = find_bite_line(here.cloud, {});
+  const Extraction b = find_bite_line(there.cloud, {});
   CHECK(a.found && b.found);
   const SE3 T_back = somewhere().inverse();
   std::vector<Vec3> back;
@@ -153,7 +111,7 @@ TEST(Extract, TurningTheShoeTurnsTheLine) {
   CHECK(mean_error_mm(a.line, back) < 0.02);
 }
 
-TEST(Extract, NormalsFollowStitchesAndKeepTheirDirectionAcrossAHole) {
+TEST(FindBiteLine, NormalsFollowStitchesAndKeepTheirDirectionAcrossAHole) {
   // What the product promises; without the splines stitches alone make 1.2 to 1.6 degrees.
   constexpr double k_normal_deg = 1.0;
   for (const bool hole : {false, true}) {
@@ -167,8 +125,8 @@ TEST(Extract, NormalsFollowStitchesAndKeepTheirDirectionAcrossAHole) {
       cloud.points.push_back(scan.points[i]);
       cloud.profile.push_back(scan.profile[i]);
     }
-    const Extraction sut = extract(cloud, {.keep_products = false});
-    CHECK_TEXT(sut.found, sut.reason.c_str());
+    const Extraction sut = find_bite_line(cloud, {});
+    CHECK_TEXT(sut.found, sut.reason().c_str());
     double squares = 0;
     for (const cloud::LinePoint& point : sut.line.points) {
       const auto& near = *std::min_element(truth.begin(), truth.end(), [&](const auto& a, const auto& b) {
@@ -181,13 +139,13 @@ TEST(Extract, NormalsFollowStitchesAndKeepTheirDirectionAcrossAHole) {
   }
 }
 
-TEST(Extract, AMissingSectorIsBridgedAndMarked) {
-  Made made = make(sim::ShoeClass::Deep, 45, somewhere());
+TEST(FindBiteLine, AMissingSectorIsBridgedAndMarked) {
+  Made made = test::made_cloud(sim::ShoeClass::Deep, 45, somewhere());
   const Vec3 centre = made.truth[made.truth.size() / 4];  // a long side
   std::erase_if(made.cloud.points,
                 [&](const Eigen::Vector3f& p) { return (p.cast<double>() - centre).head<2>().norm() < 18; });
-  const Extraction sut = extract(made.cloud, {.keep_products = false});
-  CHECK_TEXT(sut.found, sut.reason.c_str());
+  const Extraction sut = find_bite_line(made.cloud, {});
+  CHECK_TEXT(sut.found, sut.reason().c_str());
   DOUBLES_EQUAL(36.0, sut.bridged_mm, 6.0);
   for (const auto& p : sut.line.points) {
     const double away = (p.position - centre).head<2>().norm();
@@ -196,8 +154,8 @@ TEST(Extract, AMissingSectorIsBridgedAndMarked) {
   }
 }
 
-TEST(Extract, StraysInARowDoNotDrawTheLineOutwards) {
-  Made made = make(sim::ShoeClass::Deep, 46, somewhere());
+TEST(FindBiteLine, StraysInARowDoNotDrawTheLineOutwards) {
+  Made made = test::made_cloud(sim::ShoeClass::Deep, 46, somewhere());
   // From the line's farthest place 20 mm outwards, a point every 2 mm.
   Vec3 middle = Vec3::Zero();
   for (const Vec3& p : made.truth) middle += p / static_cast<double>(made.truth.size());
@@ -208,13 +166,14 @@ TEST(Extract, StraysInARowDoNotDrawTheLineOutwards) {
     made.cloud.points.push_back((tip + out_mm * (tip - middle).normalized()).cast<float>());
   made.cloud.profile.clear();
   made.cloud.column.clear();
-  const Extraction sut = extract(made.cloud, {.keep_products = false});
-  CHECK_TEXT(sut.found, sut.reason.c_str());
-  for (const cloud::LinePoint& point : sut.line.points) CHECK(distance_mm(point.position, made.truth) < 0.5);
+  const Extraction sut = find_bite_line(made.cloud, {});
+  CHECK_TEXT(sut.found, sut.reason().c_str());
+  for (const cloud::LinePoint& point : sut.line.points)
+    CHECK(test::distance_mm(point.position, made.truth) < 0.5);
 }
 
-TEST(Extract, TheLineWhileScanningIsThatOfTheFinishedCloud) {
-  const Made made = make(sim::ShoeClass::Faded, 47, somewhere());
+TEST(FindBiteLine, TheLineWhileScanningIsThatOfTheFinishedCloud) {
+  const Made made = test::made_cloud(sim::ShoeClass::Faded, 47, somewhere());
   LiveScan sut;
   const auto& profile = made.cloud.profile;
   for (std::size_t first = 0; first < profile.size();) {
@@ -224,39 +183,56 @@ TEST(Extract, TheLineWhileScanningIsThatOfTheFinishedCloud) {
     first = end;
   }
   LONGS_EQUAL(made.cloud.size(), sut.points());
-  const Extraction live = sut.finish({.keep_products = false});
-  CHECK_TEXT(live.found, live.reason.c_str());
+  const Extraction live = sut.finish({});
+  CHECK_TEXT(live.found, live.reason().c_str());
   std::vector<Vec3> finished;
-  for (const auto& p : extract(made.cloud, {.keep_products = false}).line.points)
-    finished.push_back(p.position);
+  for (const auto& p : find_bite_line(made.cloud, {}).line.points) finished.push_back(p.position);
   CHECK_COMPARE(mean_error_mm(live.line, finished), <=, 0.02);
   CHECK_COMPARE(mean_error_mm(live.line, made.truth), <=, k_right_mm);
 }
 
-TEST(Extract, HalfAScanIsNotYetALine) {
-  const Made made = make(sim::ShoeClass::Deep, 48, somewhere());
+TEST(FindBiteLine, HalfAScanIsNotYetALine) {
+  const Made made = test::made_cloud(sim::ShoeClass::Deep, 48, somewhere());
   LiveScan sut;
   CHECK_FALSE(sut.finish({}).found);
   sut.add_profile(0, {made.cloud.points.data(), made.cloud.size() / 2});
-  const Extraction half = sut.finish({.keep_products = false});
+  const Extraction half = sut.finish({});
   CHECK_FALSE(half.found);
-  CHECK_FALSE(half.reason.empty());
+  CHECK_FALSE(half.reason().empty());
 }
 
-TEST(Extract, ThePublishedMethodFindsAPlainGrooveAndKeepsItsStages) {
-  const Made made = make(sim::ShoeClass::Deep, 46, somewhere());
-  const Extraction sut = extract(made.cloud, {.method = Method::Published});
-  CHECK_TEXT(sut.found, sut.reason.c_str());
-  CHECK(mean_error_mm(sut.line, made.truth) < 0.8);
-  const Products& products = sut.products;
-  LONGS_EQUAL(products.surface.size(), products.mean_curvature_per_mm.size());
-  LONGS_EQUAL(products.surface.size(), products.surface.normals.size());
-  CHECK(products.denoised_points.size() <= products.feature_points.size());
-  CHECK(!products.coarse_line.empty());
-  CHECK(!products.thinned_line.empty());
-  LONGS_EQUAL(products.unrolled.cols, products.path_row.size());
-  for (std::size_t i = 1; i < 8; ++i)
-    CHECK(products.unrolled.section_col[i] > products.unrolled.section_col[i - 1]);
+TEST(FindBiteLine, WhatTheStepsHandedOnIsKeptForPictures) {
+  const Made made = test::made_cloud(sim::ShoeClass::Deep, 46, somewhere());
+  std::optional<Workings> workings;
+  const Extraction sut = find_bite_line(made.cloud, {}, &workings);
+  CHECK_TEXT(sut.found, sut.reason().c_str());
+  CHECK(workings.has_value());
+  const LineStages stages = line_stages(*workings);
+  LONGS_EQUAL(stages.surface.size(), stages.curvature_per_mm.size());
+  LONGS_EQUAL(stages.surface.size(), stages.surface.normals.size());
+  CHECK(stages.denoised_points.size() <= stages.feature_points.size());
+  LONGS_EQUAL(stages.unrolled.cols, stages.unrolled.path_row.size());
+  LONGS_EQUAL(4, stages.unrolled.marks.size());
+  // All that was kept lies where the line is.
+  CHECK(!stages.coarse_line.empty());
+  for (const std::uint32_t i : stages.coarse_line)
+    CHECK(test::distance_mm(stages.surface.points[i].cast<double>(), made.truth) < 6.0);
+  CHECK(!stages.thinned_line.empty());
+  for (const Vec3& p : stages.thinned_line) CHECK(test::distance_mm(p, made.truth) < 1.0);
+}
+
+TEST(FindBiteLine, ARefusalKeepsTheStepsItCameTo) {
+  std::optional<Workings> workings;
+  const Extraction sut =
+      find_bite_line(test::made_cloud(sim::ShoeClass::Bare, 43, somewhere()).cloud, {}, &workings);
+  CHECK_FALSE(sut.found);
+  CHECK(workings.has_value());
+  const LineStages stages = line_stages(*workings);
+  CHECK(!stages.surface.points.empty());
+  CHECK(stages.coarse_line.empty());
+  CHECK(stages.thinned_line.empty());
+  CHECK(stages.unrolled.path_row.empty());
+  LONGS_EQUAL(sut.candidates.size(), stages.unrolled.rival_rows.size());
 }
 
 }  // namespace biteline::bite_line

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "host/bite_line/published/thin.hpp"
+#include "host/published/thin.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
 
-namespace biteline::bite_line::published {
+namespace biteline::published {
 
 std::vector<std::uint32_t> back_project(std::span<const Eigen::Vector3f> points,
                                         std::span<const std::uint32_t> candidates, const Unrolled& picture,
@@ -89,4 +89,4 @@ std::vector<Vec3> even_sequence(const std::vector<Vec3>& points, double spacing_
   return even;
 }
 
-}  // namespace biteline::bite_line::published
+}  // namespace biteline::published

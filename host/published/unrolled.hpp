@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file The shoe's side surface as one picture: eight planes side by side, closed left to right (method.md
-/// 8).
+/// \file The shoe's side surface as one picture: eight planes side by side, closed left to right.
 
 #include <array>
 #include <cstddef>
@@ -13,7 +12,7 @@
 
 #include "common/geometry/se3.hpp"
 
-namespace biteline::bite_line {
+namespace biteline::published {
 
 /// Row 0 is the top.  Left and right end are the same place of the shoe.
 struct Unrolled {
@@ -76,4 +75,4 @@ struct UnrollConfig {
 [[nodiscard]] Unrolled unroll(std::span<const Eigen::Vector3f> points, std::span<const float> feature,
                               const EightSections& sections, const UnrollConfig& config);
 
-}  // namespace biteline::bite_line
+}  // namespace biteline::published

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: MIT
-#include "host/bite_line/published/surface.hpp"
+#include "host/published/surface.hpp"
 
 #include <algorithm>
 
 #include "host/curvature/neighbour_search.hpp"
 
-namespace biteline::bite_line {
+namespace biteline::published {
 
-CurvedSurface curve_surface(const Shoe& shoe, const SideField& field, const Outline& outline,
-                            std::size_t limit, const curvature::CurvatureConfig& config) {
-  const auto outer = static_cast<std::size_t>(
-      std::count_if(field.places.begin(), field.places.end(), [](const Place& p) { return p.s_mm >= 0; }));
+CurvedSurface curve_surface(const bite_line::Side& side, std::size_t limit,
+                            const curvature::CurvatureConfig& config) {
+  const bite_line::Shoe& shoe = side.shoe;
+  const bite_line::SideField& field = side.field;
+  const auto outer =
+      static_cast<std::size_t>(std::count_if(field.places.begin(), field.places.end(),
+                                             [](const bite_line::OutlinePlace& p) { return p.s_mm >= 0; }));
   const std::size_t kept = std::min(outer, std::max<std::size_t>(limit, 1));
   CurvedSurface surface;
   surface.index.reserve(kept);
@@ -26,7 +29,7 @@ CurvedSurface curve_surface(const Shoe& shoe, const SideField& field, const Outl
     if (!take) continue;
     surface.index.push_back(shoe.index[i]);
     surface.points.push_back(shoe.points[i]);
-    const Vec2 normal = outline.normal(static_cast<double>(field.places[i].s_mm));
+    const Vec2 normal = side.outline.normal(static_cast<double>(field.places[i].s_mm));
     // A side looks outwards, the top of a toe upwards.
     outward.emplace_back(static_cast<float>(normal.x()), static_cast<float>(normal.y()), 0.5F);
   }
@@ -78,4 +81,4 @@ Unrolled unroll_features(const CurvedSurface& surface, const std::vector<std::ui
   return picture;
 }
 
-}  // namespace biteline::bite_line
+}  // namespace biteline::published

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file The article's line in the unrolled picture: greedy growth, forks, joining, closure (method.md 9).
+/// \file The published line in the unrolled picture: greedy growth, forks, joining, closure.
 
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "common/geometry/se3.hpp"
-#include "host/bite_line/unrolled.hpp"
+#include "host/bite_line/refused.hpp"
+#include "host/published/unrolled.hpp"
 
-namespace biteline::bite_line::published {
+namespace biteline::published {
 
 struct TraceConfig {
   float strong_per_mm{0.06F};   ///< mean curvature below minus this is a feature
@@ -27,8 +28,7 @@ using Segment = std::vector<Vec2>;  ///< (column, row) in pixels, left to right
 [[nodiscard]] std::vector<Segment> trace_segments(const Unrolled& picture, const TraceConfig& config);
 
 struct TracedLine {
-  bool closed{false};
-  std::string reason;           ///< when not
+  std::optional<bite_line::Refusal> refusal;  ///< when it does not close
   std::vector<float> path_row;  ///< per column; negative outside the joined line; straight between segments
   double closure_mm{0};
   double covered_ratio{0};  ///< share of the columns with a traced pixel
@@ -38,4 +38,4 @@ struct TracedLine {
 [[nodiscard]] TracedLine join_segments(const Unrolled& picture, const std::vector<Segment>& segments,
                                        const TraceConfig& config);
 
-}  // namespace biteline::bite_line::published
+}  // namespace biteline::published

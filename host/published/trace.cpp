@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: MIT
-#include "host/bite_line/published/trace.hpp"
+#include "host/published/trace.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "common/core/fixed_text.hpp"
 
-namespace biteline::bite_line::published {
+namespace biteline::published {
 
 namespace {
+
+using bite_line::Refused;
 
 /// Weighted scatter of points in the plane, and what PCA makes of it.
 struct Spread {
@@ -152,7 +154,7 @@ TracedLine join_segments(const Unrolled& picture, const std::vector<Segment>& se
   TracedLine line;
   line.path_row.assign(static_cast<std::size_t>(picture.cols), -1.0F);
   if (segments.empty()) {
-    line.reason = "no crease: no concave line was traced";
+    line.refusal = bite_line::Refusal{Refused::NoCrease, "no crease: no concave line was traced"};
     return line;
   }
   // Longest chain, left to right: the traced length up to and with each segment.
@@ -189,18 +191,20 @@ TracedLine join_segments(const Unrolled& picture, const std::vector<Segment>& se
   const double span = points.back().x() - points.front().x() + 1;
   line.closure_mm = std::abs(points.back().y() - points.front().y()) * picture.row_mm;
   if (span < config.whole_ratio * picture.cols) {
-    line.reason =
+    line.refusal = bite_line::Refusal{
+        Refused::NoCreaseAllRound,
         FixedText<160>::format(
             "no crease all the way round: the longest traced line runs from %.0f to %.0f of %.0f mm",
             points.front().x() * picture.col_mm, points.back().x() * picture.col_mm,
             picture.cols * picture.col_mm)
-            .c_str();
+            .c_str()};
   } else if (line.closure_mm > config.closure_mm) {
-    line.reason = FixedText<160>::format(
-                      "the traced line does not close: its ends lie %.1f mm apart in height", line.closure_mm)
-                      .c_str();
+    line.refusal = bite_line::Refusal{
+        Refused::DoesNotClose,
+        FixedText<160>::format("the traced line does not close: its ends lie %.1f mm apart in height",
+                               line.closure_mm)
+            .c_str()};
   } else {
-    line.closed = true;
     // The ends meet across the seam.
     for (int col = 0; col < static_cast<int>(points.front().x()); ++col)
       line.path_row[static_cast<std::size_t>(col)] = static_cast<float>(points.front().y());
@@ -210,4 +214,4 @@ TracedLine join_segments(const Unrolled& picture, const std::vector<Segment>& se
   return line;
 }
 
-}  // namespace biteline::bite_line::published
+}  // namespace biteline::published

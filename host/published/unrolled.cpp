@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "host/bite_line/unrolled.hpp"
+#include "host/published/unrolled.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace biteline::bite_line {
+namespace biteline::published {
 
 namespace {
 
@@ -94,4 +94,4 @@ Unrolled unroll(std::span<const Eigen::Vector3f> points, std::span<const float> 
   return picture;
 }
 
-}  // namespace biteline::bite_line
+}  // namespace biteline::published

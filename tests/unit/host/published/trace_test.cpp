@@ -5,10 +5,10 @@
 #include <numbers>
 #include <random>
 
-#include "host/bite_line/published/thin.hpp"
-#include "host/bite_line/published/trace.hpp"
+#include "host/published/thin.hpp"
+#include "host/published/trace.hpp"
 
-namespace biteline::bite_line::published {
+namespace biteline::published {
 namespace {
 
 Unrolled blank() {
@@ -42,7 +42,7 @@ TEST(Published, AWavyGrooveIsTracedFromEndToEndAndCloses) {
     for (int d = -1; d <= 1; ++d) draw(picture, wave(c) + d, c);
   }
   const TracedLine sut = join_segments(picture, trace_segments(picture, {}), {});
-  CHECK_TEXT(sut.closed, sut.reason.c_str());
+  CHECK_FALSE(sut.refusal.has_value());
   for (int c = 0; c < 300; ++c) DOUBLES_EQUAL(wave(c), sut.path_row[static_cast<std::size_t>(c)], 1.6);
 }
 
@@ -51,7 +51,7 @@ TEST(Published, AShortGapIsJoined) {
     if (c < 100 || c > 120) draw(picture, wave(c), c);
   }
   const TracedLine sut = join_segments(picture, trace_segments(picture, {}), {});
-  CHECK_TEXT(sut.closed, sut.reason.c_str());
+  CHECK_FALSE(sut.refusal.has_value());
   CHECK(sut.covered_ratio < 0.95);
 }
 
@@ -70,20 +70,20 @@ TEST(Published, AForkEndsASegment) {
 TEST(Published, ALineThatEndsHigherThanItBeganDoesNotClose) {
   for (int c = 0; c < 300; ++c) draw(picture, 20 + c / 20, c);
   const TracedLine sut = join_segments(picture, trace_segments(picture, {}), {});
-  CHECK_FALSE(sut.closed);
-  STRCMP_CONTAINS("does not close", sut.reason.c_str());
+  CHECK(sut.refusal.has_value());
+  STRCMP_CONTAINS("does not close", sut.refusal->reason.c_str());
   DOUBLES_EQUAL(7.0, sut.closure_mm, 0.6);
 }
 
 TEST(Published, HalfALineIsNotTheWholeWay) {
   for (int c = 40; c < 190; ++c) draw(picture, 30, c);
   const TracedLine sut = join_segments(picture, trace_segments(picture, {}), {});
-  CHECK_FALSE(sut.closed);
-  STRCMP_CONTAINS("from 40 to 189", sut.reason.c_str());
+  CHECK(sut.refusal.has_value());
+  STRCMP_CONTAINS("from 40 to 189", sut.refusal->reason.c_str());
 }
 
 TEST(Published, ThinningPullsALevelThickLineOntoItsMiddle) {
-  // Level, where the article's x = m z + x0 has no answer.
+  // Level, where x = m z + x0 has no answer.
   std::mt19937 random{2};
   std::normal_distribution<double> normal;
   std::vector<Vec3> points;
@@ -127,4 +127,4 @@ TEST(Published, SectionsMeetWithoutAJumpAndRunOnceRound) {
   DOUBLES_EQUAL(sut.perimeter_mm(), turned, 2.0);
 }
 
-}  // namespace biteline::bite_line::published
+}  // namespace biteline::published

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file The shoe's surface with curvature, its feature points and their picture: method.md 6 to 8, for
-/// either method.
+/// \file The shoe's surface with curvature, its feature points and their picture.
 
 #include <cstdint>
 #include <span>
@@ -9,12 +8,11 @@
 
 #include <Eigen/Core>
 
-#include "host/bite_line/shoe/shoe.hpp"
-#include "host/bite_line/side/side_field.hpp"
-#include "host/bite_line/unrolled.hpp"
+#include "host/bite_line/side/side.hpp"
 #include "host/curvature/level_set.hpp"
+#include "host/published/unrolled.hpp"
 
-namespace biteline::bite_line {
+namespace biteline::published {
 
 struct CurvedSurface {
   std::vector<std::uint32_t> index;     ///< in the cloud
@@ -24,8 +22,8 @@ struct CurvedSurface {
 
 /// The points of the outermost layer, every n-th when there are more than `limit`, with normals and
 /// curvature.
-[[nodiscard]] CurvedSurface curve_surface(const Shoe& shoe, const SideField& field, const Outline& outline,
-                                          std::size_t limit, const curvature::CurvatureConfig& config);
+[[nodiscard]] CurvedSurface curve_surface(const bite_line::Side& side, std::size_t limit,
+                                          const curvature::CurvatureConfig& config);
 
 struct FeatureConfig {
   float strong_per_mm{0.06F};  ///< mean curvature below minus this is concave: an edge rounded with 8 mm
@@ -45,4 +43,4 @@ struct FeatureConfig {
                                        const std::vector<std::uint32_t>& features,
                                        const EightSections& sections);
 
-}  // namespace biteline::bite_line
+}  // namespace biteline::published

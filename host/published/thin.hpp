@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Back to 3-D, thinning and the sequence (method.md 10).
+/// \file Back to 3-D, thinning and the sequence in the published order.
 
 #include <cstdint>
 #include <span>
@@ -9,9 +9,9 @@
 #include <Eigen/Core>
 
 #include "common/geometry/se3.hpp"
-#include "host/bite_line/unrolled.hpp"
+#include "host/published/unrolled.hpp"
 
-namespace biteline::bite_line::published {
+namespace biteline::published {
 
 /// Points around the 2-D line, ordered along it: the thick 3-D point set.  `candidates` are indices of
 /// feature points.
@@ -26,11 +26,11 @@ struct ThinConfig {
 };
 
 /// Moves each point to its foot on the 3-D line through its neighbours (by principal direction: unlike the
-/// article's x = m z + x0, y = n z + y0 it holds for level lines).  `points` closed and in order.
+/// published x = m z + x0, y = n z + y0 it holds for level lines).  `points` closed and in order.
 [[nodiscard]] std::vector<Vec3> thin(std::vector<Vec3> points, const ThinConfig& config);
 
 /// `count` points evenly spaced along a closed sequence of noisy ones: means over equal stretches of the
 /// order.
 [[nodiscard]] std::vector<Vec3> even_sequence(const std::vector<Vec3>& points, double spacing_mm);
 
-}  // namespace biteline::bite_line::published
+}  // namespace biteline::published

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file What comes out when a bite line is looked for.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/geometry/se3.hpp"
+#include "host/bite_line/refused.hpp"
+#include "host/cloud/closed_line.hpp"
+#include "host/report/stage_clock.hpp"
+
+namespace biteline::bite_line {
+
+struct Config {
+  double point_spacing_mm{0.5};      ///< of the resulting line
+  double min_confidence_ratio{0.5};  ///< a line less sure than this is refused
+};
+
+/// A closed crease that could be the bite line.  The first of a list is the best one.
+struct Candidate {
+  double confidence{0};      ///< 0 to 1, in comparison with its rivals
+  double mean_height_mm{0};  ///< above the sole's bottom, as far as the cloud shows it
+  double length_mm{0};
+  double closure_mm{0};      ///< height between the path's two ends at the seam of the unrolled side
+  double crease_deg{0};      ///< median turn of the surface across it, positive when concave
+  double seen_share{0};      ///< share of its length where the surface was seen
+  std::vector<Vec3> points;  ///< base, mm, in order
+};
+
+struct Extraction {
+  bool found{false};
+  std::optional<Refusal> refusal;  ///< when not found
+  cloud::ClosedLine line;          ///< empty when not found
+  double confidence{0};            ///< that the line as a whole is the bite line
+  double closure_mm{0};
+  double length_mm{0};
+  double bridged_mm{0};               ///< length without a visible crease, bridged from both sides
+  std::vector<Candidate> candidates;  ///< found or not, best first
+  SE3 T_base_shoe{SE3::Identity()};
+  std::vector<report::StageTime> stages;  ///< in order, wall time
+
+  /// One plain sentence when not found.
+  [[nodiscard]] std::string reason() const { return refusal ? refusal->reason : std::string{}; }
+};
+
+}  // namespace biteline::bite_line

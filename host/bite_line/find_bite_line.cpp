@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/find_bite_line.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "host/bite_line/live_scan.hpp"
+#include "host/bite_line/path/creases.hpp"
+#include "host/bite_line/place/finish.hpp"
+#include "host/bite_line/side/side_outline.hpp"
+
+namespace biteline::bite_line {
+
+namespace {
+
+/// The profiles' points lie together and rise: scan order as it is written.  A cloud may carry the numbers
+/// and yet be in another order.
+bool in_scan_order(const cloud::PointCloud& cloud) {
+  return !cloud.points.empty() && cloud.profile.size() == cloud.size() &&
+         std::is_sorted(cloud.profile.begin(), cloud.profile.end());
+}
+
+}  // namespace
+
+Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::optional<Workings>* workings) {
+  report::StageClock clock;
+  OrRefusal<Shoe> shoe = clock.run("shoe", [&] { return find_shoe(scan.means); });
+  if (!shoe) return refused(shoe.error(), clock.take());
+  Outline outline = clock.run("outline", [&] { return side_outline(*shoe); });
+  SideField field = clock.run("side", [&] { return SideField::build(*shoe, outline, {}); });
+  Side side{std::move(*shoe), std::move(outline), std::move(field)};
+  const std::vector<Crease> creases = clock.run("creases", [&] { return find_creases(side.field, {}); });
+  Decision decision = clock.run("decision", [&] { return decide(creases, config.min_confidence_ratio); });
+  PlacedLine placed = clock.run("place", [&] {
+    if (decision.refusal) return PlacedLine{};
+    const std::span<const double> path_row = decision.paths.front().row;
+    return place_line({.near = points_behind(scan, side.shoe, near_path(side.field, path_row)),
+                       .points_per_mm2 = side.field.points_per_mm2 * scan.points_per_run(),
+                       .field = side.field,
+                       .outline = side.outline,
+                       .path_row = path_row},
+                      {.spacing_mm = config.point_spacing_mm});
+  });
+  Extraction extraction = clock.run("finish", [&] { return finish(side, decision, placed, config); });
+  extraction.stages = clock.take();
+  if (workings != nullptr)
+    workings->emplace(Workings{std::move(side), std::move(decision), std::move(placed)});
+  return extraction;
+}
+
+Extraction find_bite_line(const cloud::PointCloud& cloud, const Config& config,
+                          std::optional<Workings>* workings) {
+  if (!in_scan_order(cloud)) return find_bite_line(ScanPoints::scattered(cloud.points), config, workings);
+  LiveScan scan;
+  scan.add_profiles(cloud);
+  return scan.finish(config, workings);
+}
+
+}  // namespace biteline::bite_line

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/place/finish.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "common/core/fixed_text.hpp"
+
+namespace biteline::bite_line {
+
+namespace {
+
+/// That a point lies within 0.3 mm of the true line.
+double point_confidence(const PlacedStation& point, double of_line) {
+  const double seen = 1.0 / (1.0 + point.doubt);
+  // The section's own place against the mean over its neighbours: a groove that jumps by more than 0.3 mm is
+  // unsure.
+  const double scatter_mm = std::abs(point.own_z_mm - point.position.z());
+  const double calm = 1.0 / (1.0 + std::pow(scatter_mm / 0.6, 2));
+  return of_line * seen * calm;
+}
+
+/// Evenly spaced along the placed line, in base, with tangents.
+cloud::ClosedLine even_line(const PlacedLine& placed_line, const SE3& T_base_shoe, double of_line,
+                            double spacing_mm) {
+  const auto& placed = placed_line.points;
+  std::vector<double> at(placed.size() + 1, 0.0);
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    at[i + 1] = at[i] + (placed[(i + 1) % placed.size()].position - placed[i].position).norm();
+  }
+  const auto count = static_cast<std::size_t>(std::max(3.0, std::round(at.back() / spacing_mm)));
+  cloud::ClosedLine line;
+  line.points.reserve(count);
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double target = at.back() * static_cast<double>(i) / static_cast<double>(count);
+    while (k + 1 < placed.size() && at[k + 1] <= target) ++k;
+    const PlacedStation& a = placed[k];
+    const PlacedStation& b = placed[(k + 1) % placed.size()];
+    const double f = (target - at[k]) / std::max(at[k + 1] - at[k], 1e-12);
+    const Vec3 position = (1 - f) * a.position + f * b.position;
+    const Vec3 normal = ((1 - f) * a.normal + f * b.normal).normalized();
+    line.points.push_back(
+        {.position = T_base_shoe * position,
+         .normal = T_base_shoe.linear() * normal,
+         .tangent = Vec3::UnitX(),
+         .confidence = (1 - f) * point_confidence(a, of_line) + f * point_confidence(b, of_line)});
+  }
+  add_tangents(line);
+  return line;
+}
+
+Candidate candidate_of(const JudgedPath& path, const Side& side) {
+  const SideField& field = side.field;
+  const Outline& outline = side.outline;
+  const SideGrid& grid = field.grid;
+  Candidate candidate{.confidence = path.confidence,
+                      .mean_height_mm = path.mean_height_mm,
+                      .length_mm = 0,
+                      .closure_mm = path.closure_mm,
+                      .crease_deg = path.turn_rad * 180.0 / std::numbers::pi,
+                      .seen_share = path.seen_share,
+                      .points = {}};
+  for (int c = 0; c < grid.cols; ++c) {
+    const double path_row = path.row[static_cast<std::size_t>(c)];
+    const int row = std::clamp(static_cast<int>(std::lround(path_row)), 0, grid.rows - 1);
+    const double s = (c + 0.5) * grid.col_mm;
+    const Vec2 plan = outline.point(s) + static_cast<double>(field.o_mm[grid.at(row, c)]) * outline.normal(s);
+    candidate.points.push_back(side.shoe.T_base_shoe * Vec3{plan.x(), plan.y(), grid.z_mm(path_row)});
+  }
+  for (std::size_t i = 0; i < candidate.points.size(); ++i) {
+    candidate.length_mm += (candidate.points[(i + 1) % candidate.points.size()] - candidate.points[i]).norm();
+  }
+  return candidate;
+}
+
+}  // namespace
+
+void add_tangents(cloud::ClosedLine& line) {
+  const std::size_t count = line.points.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 chord = line.points[(i + 1) % count].position - line.points[(i + count - 1) % count].position;
+    if (chord.norm() > 1e-9) line.points[i].tangent = chord.normalized();
+  }
+}
+
+Extraction finish(const Side& side, const Decision& decision, const PlacedLine& placed,
+                  const Config& config) {
+  Extraction out{.confidence = decision.confidence, .T_base_shoe = side.shoe.T_base_shoe};
+  for (const JudgedPath& path : decision.paths) out.candidates.push_back(candidate_of(path, side));
+  out.refusal = decision.refusal;
+  if (out.refusal) return out;
+  const double bridged_share = placed.bridged_mm / std::max(placed.length_mm, 1.0);
+  out.confidence = decision.confidence * (1 - bridged_share);
+  out.closure_mm = decision.paths.front().closure_mm;
+  out.length_mm = placed.length_mm;
+  out.bridged_mm = placed.bridged_mm;
+  if (!(out.confidence >= config.min_confidence_ratio)) {
+    out.refusal = Refusal{Refused::TooMuchBridged,
+                          FixedText<200>::format("too much was not seen: %.0f of %.0f mm are bridged, which "
+                                                 "leaves a confidence of %.2f (at least %.2f)",
+                                                 placed.bridged_mm, placed.length_mm, out.confidence,
+                                                 config.min_confidence_ratio)
+                              .c_str()};
+    return out;
+  }
+  out.line = even_line(placed, side.shoe.T_base_shoe, decision.confidence, config.point_spacing_mm);
+  out.found = true;
+  return out;
+}
+
+Extraction refused(Refusal refusal, std::vector<report::StageTime> stages) {
+  return {.refusal = std::move(refusal), .stages = std::move(stages)};
+}
+
+}  // namespace biteline::bite_line

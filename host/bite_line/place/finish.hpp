@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file From the decision and the placed line to what is handed out, in base.
+
+#include <vector>
+
+#include "host/bite_line/extraction.hpp"
+#include "host/bite_line/path/decide.hpp"
+#include "host/bite_line/place/placement.hpp"
+#include "host/bite_line/side/side.hpp"
+
+namespace biteline::bite_line {
+
+/// `placed` is empty when the decision is a refusal.  What was bridged was not seen to be the bite line: it
+/// lowers the confidence, and a line that is then below the limit is refused.
+[[nodiscard]] Extraction finish(const Side& side, const Decision& decision, const PlacedLine& placed,
+                                const Config& config);
+
+/// A cloud that ended before there was a side.
+[[nodiscard]] Extraction refused(Refusal refusal, std::vector<report::StageTime> stages);
+
+/// Central differences of the closed line's positions.
+void add_tangents(cloud::ClosedLine& line);
+
+}  // namespace biteline::bite_line

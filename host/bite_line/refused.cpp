@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/refused.hpp"
+
+#include <array>
+
+namespace biteline::bite_line {
+
+std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
+  using enum Refused;
+  using Row = report::RefusalRow<Refused>;
+  static constexpr std::array k_rows{
+      Row{TooFewPoints, "too_few_points", "put the shoe into the sensor's sight and scan again"},
+      Row{NothingConnected, "nothing_connected", "put the shoe into the sensor's sight and scan again"},
+      Row{NotShoeSized, "not_shoe_sized", "scan one whole shoe, and nothing that touches it"},
+      Row{NoCrease, "no_crease", "push the sole on, or transfer the line of a sample"},
+      Row{TooMuchMissing, "too_much_missing", "scan the shoe again, all the way round"},
+      Row{NoCreaseAllRound, "no_crease_all_round", "push the sole on, or transfer the line of a sample"},
+      Row{WithinOneSurface, "within_one_surface", "push the sole on, or transfer the line of a sample"},
+      Row{DoesNotClose, "does_not_close", "scan again; the shoe must stand still meanwhile"},
+      Row{TwoCandidates, "two_candidates",
+          "compare the candidates in the report; transfer the line of a sample"},
+      Row{NotSureEnough, "not_sure_enough", "scan the shoe again, more slowly"},
+      Row{TooMuchBridged, "too_much_bridged", "scan the shoe again, all the way round"},
+  };
+  return k_rows;
+}
+
+}  // namespace biteline::bite_line

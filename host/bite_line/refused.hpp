@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Why a cloud has no bite line.
+
+#include <tl/expected.hpp>
+
+#include "host/report/refusal.hpp"
+
+namespace biteline::bite_line {
+
+enum class Refused {
+  TooFewPoints,      ///< the cloud is next to empty
+  NothingConnected,  ///< its points lie apart, nothing of a shoe's size
+  NotShoeSized,      ///< what was seen is too long, too short, too broad or too narrow
+  NoCrease,          ///< nothing concave runs round the side
+  TooMuchMissing,    ///< the surface was not seen over too long a way round
+  NoCreaseAllRound,  ///< the crease fades over too long a way
+  WithinOneSurface,  ///< the crease is sewn or cut into one surface
+  DoesNotClose,      ///< a spiral: its ends lie at different heights
+  TwoCandidates,     ///< two creases are about equally good
+  NotSureEnough,     ///< none of the above alone, all together too little
+  TooMuchBridged,    ///< the line is there, but too much of it was not seen
+};
+
+[[nodiscard]] std::span<const report::RefusalRow<Refused>> refusal_table(Refused);
+
+using Refusal = report::Refusal<Refused>;
+
+/// What a step returns: its value, or why there is none.
+template <class T>
+using OrRefusal = tl::expected<T, Refusal>;
+
+[[nodiscard]] inline tl::unexpected<Refusal> refuse(Refused code, std::string reason) {
+  return tl::unexpected<Refusal>(Refusal{.code = code, .reason = std::move(reason)});
+}
+
+}  // namespace biteline::bite_line
