@@ -8,15 +8,6 @@
 
 namespace biteline::curvature {
 
-/// How f = a1 x^2 + ... + a10 is fitted to the three levels (method.md 7, M a = b).
-enum class Solver : std::uint8_t {
-  WeightedPca,   ///< the article's: eigenvector of the least eigenvalue of [M | -b]^T W [M | -b]; W twice:
-                 ///< distance, then residual too
-  PlainSvd,      ///< the article's comparison: f = 0 on the points alone, no levels, all weights 1
-  Mixed,         ///< total least squares on the nine noisy columns only; the constant column and b are exact
-  LeastSquares,  ///< all columns taken as exact: least variance when the noise is small against the radius
-};
-
 /// Sixteen neighbourhoods.  Row j holds the j-th neighbour of each; beyond a lane's own count its rows are
 /// not read for their values, only multiplied by 0: they must be finite, which the initial zeros see to.
 /// Coordinates are relative to the point and divided by the neighbourhood's radius.  About 150 kB, one per
@@ -44,9 +35,12 @@ struct Batch {
 /// PCA: normal of the weighted plane through each neighbourhood.
 void fit_planes(Batch& batch);
 
-/// Level-set quadric with levels at -offset, 0 and +offset (in radii), then H and K at the point itself:
+/// Level-set quadric f = a1 x^2 + ... + a10 through levels at -offset, 0 and +offset (in radii) of all
+/// neighbours by weighted least squares, then H and K at the point itself:
 ///     K = g^T adj(F) g / |g|^4,    H = (|g|^2 tr F - g^T F g) / (2 |g|^3).
-void fit_level_sets(Batch& batch, Solver solver, float offset);
+/// All columns are taken as exact: least variance when the noise is small against the radius
+/// (tests/bench/line/bench_curvature).
+void fit_level_sets(Batch& batch, float offset);
 
 /// Name of the instruction set in use, for reports.
 [[nodiscard]] const char* vector_target();

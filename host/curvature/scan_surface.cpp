@@ -209,7 +209,7 @@ void ScanSurface::fit_normals(Row& of) {
 
 void ScanSurface::fit_curvature(Row& of) {
   for_each_batch(of, true, [&](std::size_t first, std::size_t lanes, const auto& other_rows) {
-    fit_level_sets(*batch_, Solver::LeastSquares, k_offset_ratio);
+    fit_level_sets(*batch_, k_offset_ratio);
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       if (other_rows[lane] && batch_->count[lane] >= static_cast<float>(2 * k_least_neighbours) &&
           batch_->trust[lane] != 0.0F)

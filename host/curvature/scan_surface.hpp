@@ -19,8 +19,8 @@ namespace biteline::curvature {
 
 /// The neighbours of a point stand in its own profile and in those beside it, at about its column: no tree is
 /// needed, and a profile is done with as soon as the scan has gone on by the radius.  Along each profile,
-/// runs of 0.25 mm are averaged; normals are PCA planes and curvature the level-set quadric (method.md 6 and
-/// 7) through the runs within the radius, as in estimate_curvature().
+/// runs of 0.25 mm are averaged; normals are PCA planes and curvature the level-set quadric
+/// through the runs within the radius.
 ///
 /// Threads: one at a time.  Memory: 16 bytes per point for the results, and the last profiles.
 class ScanSurface {

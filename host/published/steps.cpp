@@ -8,9 +8,9 @@
 namespace biteline::published {
 
 Features find_features(const bite_line::Side& side, const Config& config) {
-  CurvedSurface surface = curve_surface(side, config.surface_point_limit,
-                                        {.solver = curvature::Solver::WeightedPca,
-                                         .radius_mm = static_cast<float>(config.curvature_radius_mm)});
+  CurvedSurface surface = curve_surface(
+      side, config.surface_point_limit,
+      {.solver = Solver::WeightedPca, .radius_mm = static_cast<float>(config.curvature_radius_mm)});
   std::vector<std::uint32_t> strong = feature_points(surface, {});
   std::vector<std::uint32_t> kept = denoised(surface, strong, {});
   const EightSections sections{{.length_mm = side.shoe.length_mm, .half_width_mm = 0.5 * side.shoe.width_mm}};
@@ -20,7 +20,7 @@ Features find_features(const bite_line::Side& side, const Config& config) {
 
 std::vector<std::uint32_t> plain_svd_features(const bite_line::Side& side, const Config& config) {
   return feature_points(curve_surface(side, config.surface_point_limit,
-                                      {.solver = curvature::Solver::PlainSvd,
+                                      {.solver = Solver::PlainSvd,
                                        .radius_mm = static_cast<float>(config.curvature_radius_mm),
                                        .weight_ratio = 0}),
                         {});

@@ -3,12 +3,11 @@
 
 #include <algorithm>
 
-#include "host/curvature/neighbour_search.hpp"
+#include "host/published/neighbour_search.hpp"
 
 namespace biteline::published {
 
-CurvedSurface curve_surface(const bite_line::Side& side, std::size_t limit,
-                            const curvature::CurvatureConfig& config) {
+CurvedSurface curve_surface(const bite_line::Side& side, std::size_t limit, const CurvatureConfig& config) {
   const bite_line::Shoe& shoe = side.shoe;
   const bite_line::SideField& field = side.field;
   const auto outer =
@@ -33,7 +32,7 @@ CurvedSurface curve_surface(const bite_line::Side& side, std::size_t limit,
     // A side looks outwards, the top of a toe upwards.
     outward.emplace_back(static_cast<float>(normal.x()), static_cast<float>(normal.y()), 0.5F);
   }
-  surface.curvature = curvature::estimate_curvature(surface.points, outward, config);
+  surface.curvature = estimate_curvature(surface.points, outward, config);
   return surface;
 }
 
@@ -54,8 +53,8 @@ std::vector<std::uint32_t> denoised(const CurvedSurface& surface, const std::vec
   std::vector<std::uint32_t> kept;
   if (points.empty()) return kept;
   const auto radius = static_cast<float>(config.speck_radius_mm);
-  const curvature::NeighbourGrid grid{points, {.cell_mm = radius}};
-  curvature::NeighbourSearch search{grid};
+  const NeighbourGrid grid{points, {.cell_mm = radius}};
+  NeighbourSearch search{grid};
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     if (search.within(i, radius).size() >= config.speck_points) kept.push_back(features[grid.order()[i]]);
   }

@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 
 #include "host/bite_line/side/side.hpp"
-#include "host/curvature/level_set.hpp"
+#include "host/published/level_set.hpp"
 #include "host/published/unrolled.hpp"
 
 namespace biteline::published {
@@ -17,13 +17,13 @@ namespace biteline::published {
 struct CurvedSurface {
   std::vector<std::uint32_t> index;     ///< in the cloud
   std::vector<Eigen::Vector3f> points;  ///< in shoe
-  curvature::Curvature curvature;       ///< normals in shoe
+  Curvature curvature;                  ///< normals in shoe
 };
 
 /// The points of the outermost layer, every n-th when there are more than `limit`, with normals and
 /// curvature.
 [[nodiscard]] CurvedSurface curve_surface(const bite_line::Side& side, std::size_t limit,
-                                          const curvature::CurvatureConfig& config);
+                                          const CurvatureConfig& config);
 
 struct FeatureConfig {
   float strong_per_mm{0.06F};  ///< mean curvature below minus this is concave: an edge rounded with 8 mm

@@ -9,10 +9,10 @@
 #include <random>
 
 #include "host/bite_line/find_bite_line.hpp"
-#include "host/curvature/level_set.hpp"
 #include "host/evaluation/cloud_error.hpp"
 #include "host/evaluation/line_error.hpp"
 #include "host/intake/session_run.hpp"
+#include "host/published/level_set.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/shared_data.hpp"
 
@@ -78,7 +78,7 @@ TEST(Sessions, MadeSportShoeIsMeasuredAndItsLineFound) {
   // smooth the fabric's texture, by some 3 degrees.  A tenth for the neighbourhoods, which are rows and not
   // discs.
   cloud::PointCloud searched = cloud;
-  searched.normals = curvature::estimate_curvature(cloud.points, cloud.normals, {}).normal;
+  searched.normals = published::estimate_curvature(cloud.points, cloud.normals, {}).normal;
   const std::vector<double> live_deg = normal_errors_deg(cloud, reference);
   const std::vector<double> searched_deg = normal_errors_deg(searched, reference);
   for (const std::size_t tenth : {5, 9})

@@ -14,7 +14,7 @@
 
 #include <tbb/global_control.h>
 
-#include "host/curvature/level_set.hpp"
+#include "host/published/level_set.hpp"
 #include "tests/bench/line/peers.hpp"
 
 namespace biteline::bench {
@@ -127,7 +127,7 @@ double rms(const Shape& shape, const std::vector<float>& value, const std::vecto
 double typical_bend(const Shape& shape, const std::vector<float>& mean, const std::vector<float>& gaussian) {
   std::vector<float> bends;
   for (std::size_t i = 0; i < mean.size(); ++i) {
-    if (shape.judged[i]) bends.push_back(curvature::principal(mean[i], gaussian[i]).smaller_per_mm);
+    if (shape.judged[i]) bends.push_back(published::principal(mean[i], gaussian[i]).smaller_per_mm);
   }
   std::nth_element(bends.begin(), bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2), bends.end());
   return static_cast<double>(bends[bends.size() / 2]);
@@ -196,7 +196,7 @@ void speed() {
     const std::string what =
         std::string{"200 000 points, k = 20, one thread, "} + (scan_order ? "scan order" : "shuffled");
     const double ours =
-        best_of(3, [&] { (void)curvature::estimate_curvature(cloud, hints, {.neighbours = k_neighbours}); });
+        best_of(3, [&] { (void)published::estimate_curvature(cloud, hints, {.neighbours = k_neighbours}); });
     if (peers::has_pcl()) {
       row("curvature.speed", what, ours, "s", "PCL",
           best_of(2, [&] { (void)peers::pcl_curvature(cloud, k_neighbours, 0); }), 0.2);
@@ -216,14 +216,14 @@ void accuracy() {
   for (const Shape& shape : shapes(5.0F)) {
     struct Way {
       const char* name;
-      curvature::CurvatureConfig config;
+      published::CurvatureConfig config;
     };
     // By count: as many as the radius holds here, so that both see the same neighbourhoods.
     const std::size_t held = 35;
     for (const Way& way :
          {Way{"r = 1.5 mm", {.radius_mm = k_radius_mm}}, Way{"k = 35", {.neighbours = held}}}) {
-      const curvature::Curvature ours =
-          curvature::estimate_curvature(shape.points, shape.outward, way.config);
+      const published::Curvature ours =
+          published::estimate_curvature(shape.points, shape.outward, way.config);
       const std::string what = shape.name + ", noise 0.03 mm, " + way.name;
       const double h = rms(shape, ours.mean_per_mm, shape.mean_per_mm);
       const double k = rms(shape, ours.gaussian_per_mm2, shape.gaussian_per_mm2);
@@ -262,18 +262,18 @@ void false_features() {
     wall.emplace_back(make.uniform(0, 100), make.uniform(0, 80), 0.03F * make.normal());
     outward.emplace_back(0, 0, 1);
   }
-  const auto share = [&](curvature::Solver solver, float weight_ratio) {
-    const curvature::Curvature c = curvature::estimate_curvature(
+  const auto share = [&](published::Solver solver, float weight_ratio) {
+    const published::Curvature c = published::estimate_curvature(
         wall, outward, {.solver = solver, .radius_mm = 1.5F, .weight_ratio = weight_ratio});
     double count = 0;
     for (const float mean : c.mean_per_mm) count += mean < -0.06F ? 1 : 0;
     return count / static_cast<double>(wall.size());
   };
-  const double svd = share(curvature::Solver::PlainSvd, 0.0F);
+  const double svd = share(published::Solver::PlainSvd, 0.0F);
   row("curvature.false features", "weighted PCA beside plain SVD, flat wall, noise 0.03 mm",
-      share(curvature::Solver::WeightedPca, 0.6F), "share", "plain SVD", svd, 0);
+      share(published::Solver::WeightedPca, 0.6F), "share", "plain SVD", svd, 0);
   row("curvature.false features", "ours beside plain SVD, flat wall, noise 0.03 mm",
-      share(curvature::Solver::LeastSquares, 0.6F), "share", "plain SVD", svd, 0);
+      share(published::Solver::LeastSquares, 0.6F), "share", "plain SVD", svd, 0);
 }
 
 }  // namespace

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
-#include "host/curvature/neighbour_search.hpp"
+#include "host/published/neighbour_search.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "host/curvature/neighbour_search.cpp"
+#define HWY_TARGET_INCLUDE "host/published/neighbour_search.cpp"
 #include <hwy/foreach_target.h>
 
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace biteline::curvature {
+namespace biteline::published {
 namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -91,11 +91,11 @@ std::size_t VectorSize() {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace biteline::curvature
+}  // namespace biteline::published
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace biteline::curvature {
+namespace biteline::published {
 
 HWY_EXPORT(CollectNear);
 HWY_EXPORT(ChooseNearest);
@@ -148,5 +148,5 @@ NeighbourSearch::Nearest NeighbourSearch::nearest(std::uint32_t index, std::size
   }
 }
 
-}  // namespace biteline::curvature
+}  // namespace biteline::published
 #endif  // HWY_ONCE

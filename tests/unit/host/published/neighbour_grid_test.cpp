@@ -6,16 +6,16 @@
 #include <random>
 #include <set>
 
-#include "host/curvature/neighbour_search.hpp"
+#include "host/published/neighbour_search.hpp"
 
-namespace biteline::curvature {
+namespace biteline::published {
 
 TEST_GROUP(NeighbourGrid){static std::vector<Eigen::Vector3f> cloud(std::size_t count){std::mt19937 random{7};
 std::uniform_real_distribution<float> place{-8.0F, 12.0F};
 std::vector<Eigen::Vector3f> points(count);
 for (Eigen::Vector3f& p : points) p = {place(random), 0.3F * place(random), place(random) + 100.0F};
 return points;
-}  // namespace biteline::curvature
+}  // namespace biteline::published
 static Eigen::Vector3f at(const NeighbourGrid& grid, std::uint32_t i) {
   return {grid.x()[i], grid.y()[i], grid.z()[i]};
 }
@@ -93,4 +93,4 @@ TEST(NeighbourGrid, AskingForMoreThanThereIsGivesAll) {
   LONGS_EQUAL(5, NeighbourSearch{sut}.nearest(0, 20).index.size());
 }
 
-}  // namespace biteline::curvature
+}  // namespace biteline::published

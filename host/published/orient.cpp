@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/curvature/orient.hpp"
+#include "host/published/orient.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <queue>
 #include <vector>
 
-#include "host/curvature/neighbour_search.hpp"
+#include "host/published/neighbour_search.hpp"
 
-namespace biteline::curvature {
+namespace biteline::published {
 
 namespace {
 
@@ -69,4 +69,4 @@ void orient_consistently(const NeighbourGrid& grid, std::span<Eigen::Vector3f> n
   }
 }
 
-}  // namespace biteline::curvature
+}  // namespace biteline::published

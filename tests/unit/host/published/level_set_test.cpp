@@ -8,9 +8,9 @@
 #include <numbers>
 #include <random>
 
-#include "host/curvature/level_set.hpp"
+#include "host/published/level_set.hpp"
 
-namespace biteline::curvature {
+namespace biteline::published {
 namespace {
 
 struct Sample {
@@ -55,7 +55,7 @@ double median(std::vector<float> values) {
   return static_cast<double>(values[values.size() / 2]);
 }
 
-constexpr std::array k_solvers{Solver::WeightedPca, Solver::Mixed, Solver::LeastSquares};
+constexpr std::array k_solvers{Solver::WeightedPca, Solver::LeastSquares};
 
 }  // namespace
 
@@ -91,7 +91,7 @@ TEST(LevelSet, NoisyValleyIsConcaveWithItsRadius) {
 }
 
 TEST(LevelSet, WithoutLevelsAFlatWallIsFullOfFalseFeatures) {
-  // The article's Figure 12.
+  // What the published comparison shows: plain SVD finds many false points.
   std::mt19937 random{3};
   std::normal_distribution<float> normal;
   std::uniform_real_distribution<float> place{0.0F, 40.0F};
@@ -109,7 +109,7 @@ TEST(LevelSet, WithoutLevelsAFlatWallIsFullOfFalseFeatures) {
 }
 
 TEST(LevelSet, LevelsWithinTheNoiseReadTooLittleCurvatureByTotalLeastSquares) {
-  // method.md 7: radius 1.5 mm, noise 0.03 mm, R = 5 mm; c = 0.05 mm gives 0.03 instead of 0.2.
+  // Radius 1.5 mm, noise 0.03 mm, R = 5 mm; c = 0.05 mm gives 0.03 instead of 0.2.
   const Sample sample = ball(5.0F, 6000, 0.03F);
   const Curvature narrow = estimate_curvature(sample.points, sample.outward,
                                               {.solver = Solver::WeightedPca, .offset_ratio = 0.05F / 1.5F});
@@ -179,4 +179,4 @@ TEST(LevelSet, TooFewNeighboursAreNotTrusted) {
   }
 }
 
-}  // namespace biteline::curvature
+}  // namespace biteline::published

@@ -6,9 +6,9 @@
 
 #include <Eigen/Core>
 
-#include "host/curvature/neighbour_grid.hpp"
+#include "host/published/neighbour_grid.hpp"
 
-namespace biteline::curvature {
+namespace biteline::published {
 
 /// Flips normals (in grid order) so that neighbours agree: they spread from the outermost point over the
 /// flattest connections first (Hoppe et al. 1992, "Surface reconstruction from unorganized points", 3.3, with
@@ -16,4 +16,4 @@ namespace biteline::curvature {
 /// normal points away from the cloud's middle. Single thread; about 1 us per point.
 void orient_consistently(const NeighbourGrid& grid, std::span<Eigen::Vector3f> normals);
 
-}  // namespace biteline::curvature
+}  // namespace biteline::published

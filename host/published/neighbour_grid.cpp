@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/curvature/neighbour_grid.hpp"
+#include "host/published/neighbour_grid.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-namespace biteline::curvature {
+namespace biteline::published {
 
 namespace {
 
@@ -93,4 +93,4 @@ float cell_for_count(std::span<const Eigen::Vector3f> points, double count) {
   return static_cast<float>(std::sqrt(count * area_mm2 / static_cast<double>(points.size())));
 }
 
-}  // namespace biteline::curvature
+}  // namespace biteline::published

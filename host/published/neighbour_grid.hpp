@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-namespace biteline::curvature {
+namespace biteline::published {
 
 /// Built once per cloud, then read by any number of threads.  Memory: 16 bytes per point and 4 per cell; the
 /// cells grow until there are at most `max_cells`.
@@ -62,4 +62,4 @@ class NeighbourGrid {
 /// Cell edge at which a cell of a surface holds about `count` points; from the cloud's own density.
 [[nodiscard]] float cell_for_count(std::span<const Eigen::Vector3f> points, double count);
 
-}  // namespace biteline::curvature
+}  // namespace biteline::published

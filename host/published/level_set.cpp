@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/curvature/level_set.hpp"
+#include "host/published/level_set.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,10 +10,10 @@
 #include <tbb/parallel_for.h>
 
 #include "common/core/contracts.hpp"
-#include "host/curvature/neighbour_search.hpp"
-#include "host/curvature/orient.hpp"
+#include "host/published/neighbour_search.hpp"
+#include "host/published/orient.hpp"
 
-namespace biteline::curvature {
+namespace biteline::published {
 
 namespace {
 
@@ -178,4 +178,4 @@ Principal principal(float mean_per_mm, float gaussian_per_mm2) {
   return {mean_per_mm + root, mean_per_mm - root};
 }
 
-}  // namespace biteline::curvature
+}  // namespace biteline::published

@@ -9,9 +9,9 @@
 
 #include <Eigen/Core>
 
-#include "host/curvature/neighbour_grid.hpp"
+#include "host/published/neighbour_grid.hpp"
 
-namespace biteline::curvature {
+namespace biteline::published {
 
 /// Points next to each other in grid order share their cell's surroundings: these are gathered once, and each
 /// point looks through them a vector at a time.  One per thread; what it returns holds until it is asked
@@ -52,4 +52,4 @@ class NeighbourSearch {
   Near near_;
 };
 
-}  // namespace biteline::curvature
+}  // namespace biteline::published

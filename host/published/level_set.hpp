@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Normals, mean and Gaussian curvature of scattered points: PCA and the level-set fit (method.md 6 and
-/// 7).
+/// \file Normals, mean and Gaussian curvature of scattered points: PCA and the level-set fit
+/// (docs/published.md).
 
 #include <cstdint>
 #include <span>
@@ -9,10 +9,12 @@
 
 #include <Eigen/Core>
 
-#include "host/curvature/batch.hpp"
-#include "host/curvature/neighbour_grid.hpp"
+#include "host/published/neighbour_grid.hpp"
+#include "host/published/solvers.hpp"
 
-namespace biteline::curvature {
+namespace biteline::published {
+
+using curvature::Batch;
 
 struct CurvatureConfig {
   Solver solver{Solver::LeastSquares};
@@ -50,4 +52,4 @@ struct Principal {
 };
 [[nodiscard]] Principal principal(float mean_per_mm, float gaussian_per_mm2);
 
-}  // namespace biteline::curvature
+}  // namespace biteline::published
