@@ -63,8 +63,6 @@ class Scanner {
   /// give_back().
   [[nodiscard]] const profile::ProfileBuffer* take();
   void give_back();
-  /// Something is in the ring: take() is worth calling again soon.
-  [[nodiscard]] bool waiting() const { return pool_.rt_free_count() + 2 <= k_pool_profiles; }
 
   /// No profile will come any more: the source is at its end, failed, or was stopped, and the ring is empty.
   [[nodiscard]] bool finished() const;

@@ -138,16 +138,20 @@ void Streamer::run(const std::atomic<bool>& stop) {
                                                    std::span<const std::uint8_t> packet) {
     server_.on_packet(peer, packet, clock_.now());
   };
+  bool more_to_take = false;
   while (!stop && !delivered()) {
     if (laser_ != nullptr) laser_->note_stream(clock_.now());
-    const bool busy = state_ != State::Idle && scanner_->waiting();
-    const int refused = socket_.receive(busy ? Nanoseconds{0} : k_idle_wait, on_packet);
+    // Never again at once while a profile only waits for its poses: a real-time thread that spins leaves the
+    // ordinary ones of its processor nothing, and what the kernel then gives them by force is 50 ms at a
+    // time.
+    const int refused = socket_.receive(more_to_take ? Nanoseconds{0} : k_idle_wait, on_packet);
     for (int i = 0; i < refused; ++i) server_.count_refused_peer();
+    more_to_take = false;
     if (state_ != State::Idle) {
       follow_robot();
       watch_light();
       watch_hosts();
-      take_profiles();
+      more_to_take = take_profiles();
       if (scanner_->finished()) announce_end();
     }
     server_.tick(clock_.now());
@@ -199,16 +203,17 @@ void Streamer::fail_scan(const Error& why) {
   end_scan();
 }
 
-void Streamer::take_profiles() {
+bool Streamer::take_profiles() {
   for (int i = 0; i < k_profiles_per_turn; ++i) {
-    if (kind_.recording && !server_.has_room()) return;
+    if (kind_.recording && !server_.has_room()) return false;
     const profile::ProfileBuffer* profile = scanner_->take();
-    if (profile == nullptr) return;
+    if (profile == nullptr) return false;
     const SensorClock::time_point begin = clock_.now();
     server_.add_profile(profile->header, profile->view());
     encode_meter_.rt_add(clock_.now() - begin);
     scanner_->give_back();
   }
+  return true;
 }
 
 void Streamer::end_scan() {

@@ -55,7 +55,8 @@ class Streamer {
   void watch_light();
   void watch_hosts();
   void fail_scan(const Error& why);
-  void take_profiles();
+  /// True: more may be ready already.
+  [[nodiscard]] bool take_profiles();
   void end_scan();
   void announce_end();
   void close(std::unique_ptr<Scanner> scanner);

@@ -210,7 +210,7 @@ TEST(Scanner, FailingCameraEndsTheScanWithItsReasonAfterWhatCameBefore) {
 TEST(Scanner, StopsWhileTheSourceWaitsForIt) {
   const auto sut = make(true);
   SUCCEEDS(sut->start());
-  while (!sut->waiting()) std::this_thread::yield();
+  while (sut->counts().profiles == 0) std::this_thread::yield();
   sut->stop();
   CHECK(sut->counts().profiles < k_frames);
 }
