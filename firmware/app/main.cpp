@@ -44,12 +44,15 @@ void wait_for_signal(const sigset_t& signals, const std::atomic<bool>& stream_ov
   }
 }
 
-Result<stream::StreamSocket::Config> network_of(const sensor::Options& options) {
+Result<std::unique_ptr<stream::StreamSocket>> open_network(const sensor::Options& options,
+                                                           runtime::RealtimeDemand demand) {
   stream::StreamSocket::Config network{.listen = options.listen, .keys = {}};
   if (options.keys) {
     BITELINE_ASSIGN(network.keys, wire::read_sensor_keys(*options.keys));
   }
-  return network;
+  BITELINE_ASSIGN([[maybe_unused]] const auto lent,
+                  runtime::LentPriority::lend(runtime::threads::k_network, demand));
+  return stream::StreamSocket::open(std::move(network));
 }
 
 /// Dark from here on until a scan asks for light; nothing where there is no laser.
@@ -91,9 +94,7 @@ Result<void> run(const sensor::Options& options, const sigset_t& signals) {
       kind->recording ? runtime::RealtimeDemand::Ignored : runtime::RealtimeDemand::Required);
   kind->realtime = demand == runtime::RealtimeDemand::Required;
   BITELINE_TRY(runtime::prepare_process(demand));
-  BITELINE_ASSIGN(stream::StreamSocket::Config network, network_of(options));
-  BITELINE_ASSIGN(const std::unique_ptr<stream::StreamSocket> socket,
-                  stream::StreamSocket::open(std::move(network)));
+  BITELINE_ASSIGN(const std::unique_ptr<stream::StreamSocket> socket, open_network(options, demand));
   const hal::MonotonicClock clock;
   BITELINE_ASSIGN(const std::unique_ptr<runtime::LaserWatch> laser, start_laser_watch(*kind, clock, demand));
 

@@ -31,9 +31,10 @@ Result<void> pin(const ThreadSpec& spec) {
   return {};
 }
 
-Result<void> schedule(const ThreadSpec& spec) {
-  // Threads that a device's library starts from this one are ordinary ones unless the table says otherwise.
-  constexpr int policy = SCHED_FIFO | SCHED_RESET_ON_FORK;
+/// Threads that a device's library starts from this one are ordinary ones unless the table says otherwise.
+constexpr int k_for_itself_alone = SCHED_FIFO | SCHED_RESET_ON_FORK;
+
+Result<void> schedule(const ThreadSpec& spec, int policy) {
   sched_param wanted{};
   wanted.sched_priority = spec.priority;
   const int error = pthread_setschedparam(pthread_self(), policy, &wanted);
@@ -68,9 +69,20 @@ Result<void> enter_thread(const ThreadSpec& spec, RealtimeDemand demand) {
   pthread_setname_np(pthread_self(), spec.name);
   if (demand == RealtimeDemand::Ignored) return {};
   BITELINE_TRY(pin(spec));
-  BITELINE_TRY(schedule(spec));
+  BITELINE_TRY(schedule(spec, k_for_itself_alone));
   prefault_stack();
   return {};
+}
+
+Result<LentPriority> LentPriority::lend(const ThreadSpec& spec, RealtimeDemand demand) {
+  if (demand == RealtimeDemand::Ignored) return LentPriority{false};
+  BITELINE_TRY(schedule(spec, SCHED_FIFO));
+  return LentPriority{true};
+}
+
+LentPriority::~LentPriority() {
+  const sched_param ordinary{};
+  if (lent_) pthread_setschedparam(pthread_self(), SCHED_OTHER, &ordinary);
 }
 
 }  // namespace biteline::runtime

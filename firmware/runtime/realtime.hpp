@@ -2,6 +2,8 @@
 #pragma once
 /// \file Real-time set-up of the process and of each thread (Linux).
 
+#include <utility>
+
 #include "common/core/result.hpp"
 #include "firmware/runtime/thread_table.hpp"
 
@@ -19,5 +21,19 @@ enum class RealtimeDemand {
 /// On the thread itself, first thing: name, scheduling policy, processor; then reads back what the kernel
 /// really set. A processor that this machine lacks is left to the kernel (the table is for the target).
 [[nodiscard]] Result<void> enter_thread(const ThreadSpec& spec, RealtimeDemand demand);
+
+/// For a library that makes its own threads and does not ask: those that the calling thread makes while it
+/// lends have its priority.
+class LentPriority {
+ public:
+  [[nodiscard]] static Result<LentPriority> lend(const ThreadSpec& spec, RealtimeDemand demand);
+  LentPriority(LentPriority&& other) noexcept : lent_{std::exchange(other.lent_, false)} {}
+  LentPriority& operator=(LentPriority&&) = delete;
+  ~LentPriority();  ///< the calling thread is an ordinary one again
+
+ private:
+  explicit LentPriority(bool lent) : lent_{lent} {}
+  bool lent_;
+};
 
 }  // namespace biteline::runtime

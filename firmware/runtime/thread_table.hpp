@@ -34,10 +34,13 @@ inline constexpr ThreadSpec k_acquisition{"bl-acq", 50, 1, milliseconds{0}, mill
 /// Encodes and sends, below all that measures; and hears the hosts: one that asks for darkness gets it within
 /// 100 ms, whatever programs run beside.
 inline constexpr ThreadSpec k_stream{"bl-stream", 40, -1, milliseconds{0}, milliseconds{5}};
+/// Between the stream thread and the network's sockets, or what that one promises ends here.  Made by ZeroMQ.
+inline constexpr ThreadSpec k_network{"ZMQbg/IO/0", 40, -1, milliseconds{0}, milliseconds{5}};
 
 }  // namespace threads
 
-inline constexpr std::array<ThreadSpec, 5> k_thread_table{
-    threads::k_safety, threads::k_pose, threads::k_receive, threads::k_acquisition, threads::k_stream};
+inline constexpr std::array<ThreadSpec, 6> k_thread_table{threads::k_safety,  threads::k_pose,
+                                                          threads::k_receive, threads::k_acquisition,
+                                                          threads::k_stream,  threads::k_network};
 
 }  // namespace biteline::runtime

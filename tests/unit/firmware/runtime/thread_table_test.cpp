@@ -46,6 +46,23 @@ TEST(ThreadTable, ThreadRunsAsTheTableSaysAndWhatItStartsDoesNot) {
   LONGS_EQUAL(SCHED_OTHER, child_policy);
 }
 
+TEST(ThreadTable, LentPriorityIsThatOfTheThreadsMadeMeanwhile) {
+  int policy_meanwhile = -1, policy_after = -1, own_policy_after = -1;
+  std::thread{[&] {
+    {
+      const auto lent = LentPriority::lend(threads::k_network, RealtimeDemand::Required);
+      if (!lent) return;
+      std::thread{[&] { policy_meanwhile = sched_getscheduler(0); }}.join();
+    }
+    own_policy_after = sched_getscheduler(0);
+    std::thread{[&] { policy_after = sched_getscheduler(0); }}.join();
+  }}.join();
+  if (policy_meanwhile < 0) return;  // no rights
+  LONGS_EQUAL(SCHED_FIFO, policy_meanwhile);
+  LONGS_EQUAL(SCHED_OTHER, own_policy_after);
+  LONGS_EQUAL(SCHED_OTHER, policy_after);
+}
+
 TEST(ThreadTable, IgnoredDemandIsNeverRefused) {
   SUCCEEDS(prepare_process(RealtimeDemand::Ignored));
   SUCCEEDS(enter_thread(threads::k_stream, RealtimeDemand::Ignored));
