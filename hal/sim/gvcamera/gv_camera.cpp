@@ -21,7 +21,9 @@ namespace biteline::sim {
 namespace {
 
 /// How often the fake camera looks for a trigger; its default of 25 Hz would be the highest frame rate.
-constexpr double k_trigger_poll_hz = 1000;
+/// Aravis sleeps whole milliseconds and spins for the rest: at 1000 Hz that is all the time, a processor for
+/// itself.
+constexpr double k_trigger_poll_hz = 250;
 /// Edges that wait while one frame is being made.
 constexpr std::size_t k_edges_kept = 1;
 constexpr std::uint32_t k_temperature_millidegc = 41'500;
