@@ -118,7 +118,7 @@ class Run {
 Result<bool> bench(seconds duration) {
   const test::TemporaryFolder folder;
   BITELINE_ASSIGN(const auto cell,
-                  test::PictureCell::open_urgent({.width_px = 1626, .height_px = 1236, .rate_hz = 101}));
+                  test::PictureCell::open({.width_px = 1626, .height_px = 1236, .rate_hz = 101}));
   const std::string sensor_file = folder.write("sensor.yaml", cell->sensor_file_text());
   BITELINE_ASSIGN(const auto program, intake::find_sensor_program());
   // A store that is full after the warm-up: from then on every profile takes the room of an old one.

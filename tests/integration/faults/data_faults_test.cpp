@@ -62,7 +62,7 @@ TEST_GROUP(DataFaults) {
   }
 };
 
-TEST(DataFaults, NothingWrongNothingTold) {
+TIMED_TEST(DataFaults, NothingWrongNothingTold) {
   if (!scanning()) return;
   CHECK(stand->take_health());
   CHECK(devices().camera_connected);
@@ -74,7 +74,7 @@ TEST(DataFaults, NothingWrongNothingTold) {
   check_recovered();
 }
 
-TEST(DataFaults, LostEdgesAreCountedAndCostTheirFramesAlone) {
+TIMED_TEST(DataFaults, LostEdgesAreCountedAndCostTheirFramesAlone) {
   if (!scanning()) return;
   const std::uint64_t without = stand->account().with(profile::k_profile_trigger_mismatch);
   stand->cell().faults.edges_to_lose = 3;
@@ -85,7 +85,7 @@ TEST(DataFaults, LostEdgesAreCountedAndCostTheirFramesAlone) {
   check_recovered();
 }
 
-TEST(DataFaults, DoubledEdgesAreCountedAndTheirFramesAreNotUsed) {
+TIMED_TEST(DataFaults, DoubledEdgesAreCountedAndTheirFramesAreNotUsed) {
   if (!scanning()) return;
   stand->cell().faults.edges_to_double = 2;
   CHECK(stand->take_until(
@@ -96,7 +96,7 @@ TEST(DataFaults, DoubledEdgesAreCountedAndTheirFramesAreNotUsed) {
   check_recovered();
 }
 
-TEST(DataFaults, FramesWithoutTheirEchoAreNotUsed) {
+TIMED_TEST(DataFaults, FramesWithoutTheirEchoAreNotUsed) {
   if (!scanning()) return;
   const std::uint64_t without = stand->account().with(profile::k_profile_trigger_mismatch);
   stand->cell().faults.echoes_to_lose = 2;
@@ -108,7 +108,7 @@ TEST(DataFaults, FramesWithoutTheirEchoAreNotUsed) {
   check_recovered();
 }
 
-TEST(DataFaults, BusOffFlagsEveryProfileUntilTheBusIsBack) {
+TIMED_TEST(DataFaults, BusOffFlagsEveryProfileUntilTheBusIsBack) {
   if (!scanning()) return;
   stand->cell().faults.bus_off = true;
   CHECK(stand->take_until([&] { return !devices().poses_flow; }));
@@ -123,7 +123,7 @@ TEST(DataFaults, BusOffFlagsEveryProfileUntilTheBusIsBack) {
   check_recovered();
 }
 
-TEST(DataFaults, PoseGapIsCountedAndFlagged) {
+TIMED_TEST(DataFaults, PoseGapIsCountedAndFlagged) {
   if (!scanning()) return;
   const std::uint64_t lost = stand->account().health.counters.poses_lost;
   stand->cell().faults.poses_silent = true;  // their SYNCs go on
@@ -134,7 +134,7 @@ TEST(DataFaults, PoseGapIsCountedAndFlagged) {
   check_recovered();
 }
 
-TEST(DataFaults, PosesFromTheFutureAreRejectedAndPoisonNothing) {
+TIMED_TEST(DataFaults, PosesFromTheFutureAreRejectedAndPoisonNothing) {
   if (!scanning()) return;
   const std::uint64_t rejected = stand->account().health.counters.poses_rejected;
   stand->cell().faults.poses_from_future = 3;
@@ -143,7 +143,7 @@ TEST(DataFaults, PosesFromTheFutureAreRejectedAndPoisonNothing) {
   check_recovered();
 }
 
-TEST(DataFaults, StoppedSyncIsToldAndTheClockMapCarriesOn) {
+TIMED_TEST(DataFaults, StoppedSyncIsToldAndTheClockMapCarriesOn) {
   if (!scanning()) return;
   CHECK(stand->take_health());
   const std::uint64_t unlatched = devices().poses_unlatched;
@@ -156,7 +156,7 @@ TEST(DataFaults, StoppedSyncIsToldAndTheClockMapCarriesOn) {
   check_recovered();
 }
 
-TEST(DataFaults, SteppedRobotClockIsToldAndTheMapBeginsAnew) {
+TIMED_TEST(DataFaults, SteppedRobotClockIsToldAndTheMapBeginsAnew) {
   for (const std::int64_t step_s : {-2, 2}) {
     stand.reset();
     if (!scanning()) return;
@@ -169,7 +169,7 @@ TEST(DataFaults, SteppedRobotClockIsToldAndTheMapBeginsAnew) {
   }
 }
 
-TEST(DataFaults, HangingPoseThreadFlagsProfilesAndEndsNothing) {
+TIMED_TEST(DataFaults, HangingPoseThreadFlagsProfilesAndEndsNothing) {
   if (!scanning()) return;
   {
     const StalledThread stalled{stand->sensor().child().pid(), "bl-pose"};
@@ -183,7 +183,7 @@ TEST(DataFaults, HangingPoseThreadFlagsProfilesAndEndsNothing) {
   check_recovered();
 }
 
-TEST(DataFaults, LostPacketsCostTheirFramesAndEveryOneIsAccountedFor) {
+TIMED_TEST(DataFaults, LostPacketsCostTheirFramesAndEveryOneIsAccountedFor) {
   // 640 x 120 in packets of 16000 bytes: one frame in fifty lacks one.
   if (!scanning({.lost_packet_ratio = 0.004})) return;
   CHECK(stand->take_until([&] {
@@ -192,7 +192,7 @@ TEST(DataFaults, LostPacketsCostTheirFramesAndEveryOneIsAccountedFor) {
   check_recovered();
 }
 
-TEST(DataFaults, PacketsLostOnTheWayAreSentAgain) {
+TIMED_TEST(DataFaults, PacketsLostOnTheWayAreSentAgain) {
   if (!scanning({.lossy_line_ratio = 0.01})) return;
   CHECK(stand->take_until([&] { return devices().packets_resent >= 3; }));
   check_recovered();
@@ -203,7 +203,7 @@ TEST(DataFaults, PacketsLostOnTheWayAreSentAgain) {
 
 /// The pose of each profile against where the arm was, at 250 mm/s on a circle: what all stamps together
 /// cost.
-TEST(DataFaults, PosesErrByLessThanTwoHundredthsOfAMillimetreFromTimeAlone) {
+TIMED_TEST(DataFaults, PosesErrByLessThanTwoHundredthsOfAMillimetreFromTimeAlone) {
   if (!scanning({.rate_hz = 97})) return;
   CHECK(stand->take_profiles(300));
   check_recovered();

@@ -2,9 +2,14 @@
 #include "tests/integration/faults/fault_stand.hpp"
 
 #include <CppUTest/TestHarness.h>
+#include <sched.h>
 #include <sys/ptrace.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 
+#include <algorithm>
+#include <array>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -20,10 +25,37 @@ using std::chrono::seconds;
 
 constexpr seconds k_patience{30};  // of a loaded machine
 
+/// Below the sensor's threads (40 and more) and the cell's (30 and more).
+constexpr int k_host_priority = 20;
+
+void run_as(int policy, int priority) {
+  const sched_param wanted{.sched_priority = priority};
+  // Without the rights the host is as any program.
+  (void)sched_setscheduler(0, policy, &wanted);
+}
+
+WakeupProbe::Clock::time_point on_probe_clock(SensorClock::time_point instant) {
+  return WakeupProbe::Clock::time_point{instant.time_since_epoch()};  // both are CLOCK_MONOTONIC
+}
+
+/// It is about to wait for a device, a message or the time, and holds no lock.
+bool begins_a_wait(int tid) {
+  __ptrace_syscall_info call{};
+  ptrace(PTRACE_GET_SYSCALL_INFO, tid, sizeof call, &call);
+  if (call.op != PTRACE_SYSCALL_INFO_ENTRY) return false;
+  constexpr std::array k_waits{SYS_ppoll, SYS_poll, SYS_clock_nanosleep};
+  const auto number = static_cast<long>(call.entry.nr);
+  // Aravis' queue of frames waits on a condition until some moment; a lock that is taken is waited for
+  // without.
+  constexpr std::uint64_t k_until_some_moment = 9;  // FUTEX_WAIT_BITSET
+  const bool on_condition = number == SYS_futex && (call.entry.args[1] & 0x7FU) == k_until_some_moment;
+  return on_condition || std::find(k_waits.begin(), k_waits.end(), number) != k_waits.end();
+}
+
 }  // namespace
 
 std::unique_ptr<FaultStand> FaultStand::set_up(const PictureCellConfig& config) {
-  auto cell = PictureCell::open_urgent(config);
+  auto cell = PictureCell::open(config);
   if (!cell) {
     note_skipped(to_line(cell.error()));
     return nullptr;
@@ -39,11 +71,17 @@ std::unique_ptr<FaultStand> FaultStand::set_up(const PictureCellConfig& config) 
         k_patience);
     if (!sensor && sensor.error().where.view().find("--rt=ignore") != std::string_view::npos) continue;
     SUCCEEDS(sensor);
+    stand->urgent_ = std::string_view{rights} == "--rt=required";
     stand->sensor_.emplace(std::move(*sensor));
     break;
   }
+  run_as(SCHED_FIFO, k_host_priority);
   stand->return_();
   return stand;
+}
+
+FaultStand::~FaultStand() {
+  run_as(SCHED_OTHER, 0);
 }
 
 void FaultStand::leave() {
@@ -79,7 +117,13 @@ std::optional<std::string> FaultStand::start_scan(std::uint64_t profiles) {
 
 bool FaultStand::take_until(const std::function<bool()>& done) {
   const auto deadline = std::chrono::steady_clock::now() + k_patience;
+  const bool over = account_->end.has_value();
   while (!done()) {
+    // What a scan was to bring does not come after its end.
+    if (!over && account_->end) {
+      std::printf("the scan ended: %s\n", account_->end->where.c_str());
+      return false;
+    }
     if (std::chrono::steady_clock::now() > deadline) return false;
     const auto event = link_->next(milliseconds{5});
     if (!event) return false;
@@ -109,9 +153,10 @@ std::optional<double> FaultStand::dark_after_ms(SensorClock::time_point begin) {
   const auto deadline = std::chrono::steady_clock::now() + k_patience;
   // The line's level changes a moment before its instant is noted.
   const auto dark = [&] { return !cell_->laser_on() && cell_->dark_since() >= begin; };
-  while (!dark() && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
+  while (!dark() && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::microseconds{200});
   if (cell_->laser_on()) return std::nullopt;
-  return std::chrono::duration<double, std::milli>(cell_->dark_since() - begin).count();
+  return reaction_ms(on_probe_clock(begin), on_probe_clock(cell_->dark_since()));
 }
 
 StalledThread::StalledThread(int pid, const std::string& name) {
@@ -121,11 +166,24 @@ StalledThread::StalledThread(int pid, const std::string& name) {
     std::ifstream{task.path() / "comm"} >> comm;
     if (comm != name) continue;
     const int tid = std::stoi(task.path().filename());
-    if (ptrace(PTRACE_SEIZE, tid, nullptr, nullptr) != 0) return;
+    if (ptrace(PTRACE_SEIZE, tid, nullptr, PTRACE_O_TRACESYSGOOD) != 0) return;
     tid_ = tid;
     ptrace(PTRACE_INTERRUPT, tid, nullptr, nullptr);
-    waitpid(tid, nullptr, __WALL);
+    run_into_wait();
     return;
+  }
+}
+
+void StalledThread::run_into_wait() {
+  constexpr int k_at_system_call = SIGTRAP | 0x80;  // PTRACE_O_TRACESYSGOOD
+  while (true) {
+    int status = 0;
+    if (waitpid(tid_, &status, __WALL) != tid_ || !WIFSTOPPED(status)) {
+      tid_ = 0;
+      return;
+    }
+    if (WSTOPSIG(status) == k_at_system_call && begins_a_wait(tid_)) return;
+    ptrace(PTRACE_SYSCALL, tid_, nullptr, nullptr);
   }
 }
 

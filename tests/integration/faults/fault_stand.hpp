@@ -13,16 +13,24 @@
 #include "tests/support/picture_cell/picture_cell.hpp"
 #include "tests/support/picture_cell/scan_account.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/timed_test.hpp"
 
 namespace biteline::test {
 
-/// Real-time rights are used where there are any, as on a unit: the laser's guard means its 50 ms.
+/// Real-time rights are used where there are any, as on a unit: the laser's guard means its 50 ms.  This
+/// thread has them, too, as long as a stand lives: it stands for a host of its own.
 class FaultStand {
  public:
+  ~FaultStand();
+  FaultStand(const FaultStand&) = delete;
+  FaultStand& operator=(const FaultStand&) = delete;
+
   /// Nothing, noted as skipped: the camera's port is taken.
   [[nodiscard]] static std::unique_ptr<FaultStand> set_up(const PictureCellConfig& config = {});
 
   PictureCell& cell() { return *cell_; }
+  /// The sensor has real-time rights.
+  [[nodiscard]] bool urgent() const { return urgent_; }
   intake::SensorProcess& sensor() { return *sensor_; }
   [[nodiscard]] const ScanAccount& account() const { return *account_; }
 
@@ -31,7 +39,7 @@ class FaultStand {
   [[nodiscard]] std::optional<std::string> start_scan(std::uint64_t profiles = 20);
   void command(wire::Command command);
 
-  /// Takes in what comes until `done` says so; false: it never did.
+  /// Takes in what comes until `done` says so; false: it never did, or not until the scan ended.
   bool take_until(const std::function<bool()>& done);
   bool take_profiles(std::uint64_t more);
   bool take_end() {
@@ -43,7 +51,8 @@ class FaultStand {
   void leave();    ///< the host is gone
   void return_();  ///< and comes back, knowing nothing
 
-  /// Milliseconds from `begin` until the laser's line fell; nothing: it shines.
+  /// Milliseconds from `begin` until the laser's line fell, less those in which the machine itself stood
+  /// still; nothing: it shines.
   [[nodiscard]] std::optional<double> dark_after_ms(SensorClock::time_point begin);
 
  private:
@@ -56,11 +65,13 @@ class FaultStand {
   std::unique_ptr<intake::SensorLink> link_;
   std::optional<ScanAccount> account_;
   std::optional<wire::ControlReply> reply_;
+  bool urgent_{false};
   bool known_{false};  ///< the sensor has answered this host
   std::uint32_t command_id_{0};
 };
 
-/// One thread of another process made to stand still (ptrace), as a driver that never returns would.
+/// One thread of another process that goes into its next wait and does not come back (ptrace), as in a driver
+/// that never returns.  There it holds nothing that another thread waits for.
 class StalledThread {
  public:
   /// `name` as the thread table has it.
@@ -71,6 +82,8 @@ class StalledThread {
   [[nodiscard]] bool stalled() const { return tid_ > 0; }
 
  private:
+  void run_into_wait();
+
   int tid_{0};
 };
 

@@ -24,6 +24,29 @@ constexpr Nanoseconds k_frame_time = microseconds{250};
 /// The port is fixed by the standard: until whoever had it has given it back.
 constexpr int k_port_attempts = 150;
 
+/// The cell stands for hardware.  Wires, pulse generator and robot do not wait for the sensor's processor:
+/// they are above the sensor's threads (70 at most), and their turns are short.  The camera's long ones are
+/// below.
+constexpr int k_wires_priority = 90, k_trigger_priority = 89, k_robot_priority = 88, k_camera_priority = 30;
+
+/// Threads made while it lives inherit the priority, where this process may have it.
+class Urgently {
+ public:
+  explicit Urgently(int priority) {
+    sched_getparam(0, &before_);
+    policy_before_ = sched_getscheduler(0);
+    const sched_param wanted{.sched_priority = priority};
+    (void)sched_setscheduler(0, SCHED_FIFO, &wanted);
+  }
+  ~Urgently() { (void)sched_setscheduler(0, policy_before_, &before_); }
+  Urgently(const Urgently&) = delete;
+  Urgently& operator=(const Urgently&) = delete;
+
+ private:
+  sched_param before_{};
+  int policy_before_{SCHED_OTHER};
+};
+
 geometry::SensorModel head_of(const PictureCellConfig& config) {
   geometry::SensorModel head;
   head.camera = {.fu_px = 1800, .fv_px = 1800, .cu_px = 813, .cv_px = 618};
@@ -81,8 +104,11 @@ double PictureCell::stripe_row_px(std::uint64_t number, int column) const {
 Result<std::unique_ptr<PictureCell>> PictureCell::open(const PictureCellConfig& config) {
   std::unique_ptr<PictureCell> cell{new PictureCell{config}};
   PictureCell* const self = cell.get();
-  cell->trigger_ = std::make_unique<sim::TriggerTimer>(
-      [self](SensorClock::time_point edge, Nanoseconds pulse) { self->on_edge(edge, pulse); });
+  {
+    const Urgently urgently{k_trigger_priority};
+    cell->trigger_ = std::make_unique<sim::TriggerTimer>(
+        [self](SensorClock::time_point edge, Nanoseconds pulse) { self->on_edge(edge, pulse); });
+  }
   sim::BusServer::Callbacks callbacks;
   callbacks.on_line = [self](sim::Line line, bool active, SensorClock::time_point stamp) {
     if (line == sim::Line::LaserEnable && !active) self->dark_since_ns_ = stamp.time_since_epoch().count();
@@ -90,27 +116,24 @@ Result<std::unique_ptr<PictureCell>> PictureCell::open(const PictureCellConfig& 
   callbacks.on_trigger = [self](Nanoseconds period, Nanoseconds pulse) {
     self->trigger_->configure(period, pulse);
   };
-  BITELINE_ASSIGN(cell->bus_, sim::BusServer::open(cell->name_, std::move(callbacks)));
+  {
+    const Urgently urgently{k_wires_priority};
+    BITELINE_ASSIGN(cell->bus_, sim::BusServer::open(cell->name_, std::move(callbacks)));
+  }
   BITELINE_TRY(cell->open_camera());
   if (config.lossy_line_ratio > 0) {
+    const Urgently urgently{k_camera_priority};
     BITELINE_ASSIGN(cell->line_, sim::LossyLine::open({.lost_ratio = config.lossy_line_ratio}));
   }
   cell->bus_->drive(sim::Line::Interlock, true, now());
   cell->bus_->drive(sim::Line::Key, true, now());
+  const Urgently urgently{k_robot_priority};
   cell->poses_ = std::jthread{[self](const std::stop_token& stop) { self->send_poses(stop); }};
   return cell;
 }
 
-Result<std::unique_ptr<PictureCell>> PictureCell::open_urgent(const PictureCellConfig& config) {
-  constexpr sched_param k_urgent{.sched_priority = 30}, k_ordinary{.sched_priority = 0};
-  // Threads inherit it.  Without the rights the cell is as any program.
-  (void)sched_setscheduler(0, SCHED_FIFO, &k_urgent);
-  auto cell = open(config);
-  (void)sched_setscheduler(0, SCHED_OTHER, &k_ordinary);
-  return cell;
-}
-
 Result<void> PictureCell::open_camera() {
+  const Urgently urgently{k_camera_priority};
   sim::GvCamera::Config camera;
   camera.region = head_.region;
   camera.exposure = *head_.exposure;

@@ -44,13 +44,11 @@ struct CellFaults {
   std::atomic<int> poses_from_future{0};  ///< so many SYNCs stamped an hour ahead
 };
 
-/// Threads: camera, wires, trigger and poses; public methods from any.
+/// Threads: camera, wires, trigger and poses, real-time ones where this process may: no compiler beside it
+/// holds hardware up.  Public methods from any.
 class PictureCell {
  public:
   [[nodiscard]] static Result<std::unique_ptr<PictureCell>> open(const PictureCellConfig& config);
-  /// As open(), its threads above all ordinary ones where this process may: the cell stands for hardware,
-  /// which no compiler beside it holds up.
-  [[nodiscard]] static Result<std::unique_ptr<PictureCell>> open_urgent(const PictureCellConfig& config);
   ~PictureCell();
   PictureCell(const PictureCell&) = delete;
   PictureCell& operator=(const PictureCell&) = delete;
