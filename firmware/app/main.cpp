@@ -94,6 +94,7 @@ Result<void> run(const sensor::Options& options, const sigset_t& signals) {
       kind->recording ? runtime::RealtimeDemand::Ignored : runtime::RealtimeDemand::Required);
   kind->realtime = demand == runtime::RealtimeDemand::Required;
   BITELINE_TRY(runtime::prepare_process(demand));
+  BITELINE_TRY(runtime::enter_thread(runtime::threads::k_main, demand));
   BITELINE_ASSIGN(const std::unique_ptr<stream::StreamSocket> socket, open_network(options, demand));
   const hal::MonotonicClock clock;
   BITELINE_ASSIGN(const std::unique_ptr<runtime::LaserWatch> laser, start_laser_watch(*kind, clock, demand));

@@ -31,10 +31,11 @@ Result<void> pin(const ThreadSpec& spec) {
   return {};
 }
 
-/// Threads that a device's library starts from this one are ordinary ones unless the table says otherwise.
-constexpr int k_for_itself_alone = SCHED_FIFO | SCHED_RESET_ON_FORK;
-
-Result<void> schedule(const ThreadSpec& spec, int policy) {
+/// Threads that a library starts from this one inherit it.  They have short turns, and a killed process lets
+/// go of its lines only when its last thread is gone: an ordinary one would wait for every program beside
+/// first.
+Result<void> schedule(const ThreadSpec& spec) {
+  constexpr int policy = SCHED_FIFO;
   sched_param wanted{};
   wanted.sched_priority = spec.priority;
   const int error = pthread_setschedparam(pthread_self(), policy, &wanted);
@@ -69,20 +70,21 @@ Result<void> enter_thread(const ThreadSpec& spec, RealtimeDemand demand) {
   pthread_setname_np(pthread_self(), spec.name);
   if (demand == RealtimeDemand::Ignored) return {};
   BITELINE_TRY(pin(spec));
-  BITELINE_TRY(schedule(spec, k_for_itself_alone));
+  BITELINE_TRY(schedule(spec));
   prefault_stack();
   return {};
 }
 
 Result<LentPriority> LentPriority::lend(const ThreadSpec& spec, RealtimeDemand demand) {
-  if (demand == RealtimeDemand::Ignored) return LentPriority{false};
-  BITELINE_TRY(schedule(spec, SCHED_FIFO));
-  return LentPriority{true};
+  if (demand == RealtimeDemand::Ignored) return LentPriority{std::nullopt};
+  Before before;
+  pthread_getschedparam(pthread_self(), &before.policy, &before.parameters);
+  BITELINE_TRY(schedule(spec));
+  return LentPriority{before};
 }
 
 LentPriority::~LentPriority() {
-  const sched_param ordinary{};
-  if (lent_) pthread_setschedparam(pthread_self(), SCHED_OTHER, &ordinary);
+  if (before_) pthread_setschedparam(pthread_self(), before_->policy, &before_->parameters);
 }
 
 }  // namespace biteline::runtime

@@ -2,6 +2,9 @@
 #pragma once
 /// \file Real-time set-up of the process and of each thread (Linux).
 
+#include <sched.h>
+
+#include <optional>
 #include <utility>
 
 #include "common/core/result.hpp"
@@ -27,13 +30,17 @@ enum class RealtimeDemand {
 class LentPriority {
  public:
   [[nodiscard]] static Result<LentPriority> lend(const ThreadSpec& spec, RealtimeDemand demand);
-  LentPriority(LentPriority&& other) noexcept : lent_{std::exchange(other.lent_, false)} {}
+  LentPriority(LentPriority&& other) noexcept : before_{std::exchange(other.before_, std::nullopt)} {}
   LentPriority& operator=(LentPriority&&) = delete;
-  ~LentPriority();  ///< the calling thread is an ordinary one again
+  ~LentPriority();  ///< the calling thread is what it was
 
  private:
-  explicit LentPriority(bool lent) : lent_{lent} {}
-  bool lent_;
+  struct Before {
+    int policy{SCHED_OTHER};
+    sched_param parameters{};
+  };
+  explicit LentPriority(const std::optional<Before>& before) : before_{before} {}
+  std::optional<Before> before_;  ///< nothing: not lent
 };
 
 }  // namespace biteline::runtime

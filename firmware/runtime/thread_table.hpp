@@ -36,11 +36,13 @@ inline constexpr ThreadSpec k_acquisition{"bl-acq", 50, 1, milliseconds{0}, mill
 inline constexpr ThreadSpec k_stream{"bl-stream", 40, -1, milliseconds{0}, milliseconds{5}};
 /// Between the stream thread and the network's sockets, or what that one promises ends here.  Made by ZeroMQ.
 inline constexpr ThreadSpec k_network{"ZMQbg/IO/0", 40, -1, milliseconds{0}, milliseconds{5}};
+/// Waits for signals.  Above ordinary threads only so that a killed process ends at once (realtime.cpp).
+inline constexpr ThreadSpec k_main{"biteline-sensor", 10, -1, milliseconds{20}, milliseconds{1}};
 
 }  // namespace threads
 
-inline constexpr std::array<ThreadSpec, 6> k_thread_table{threads::k_safety,  threads::k_pose,
-                                                          threads::k_receive, threads::k_acquisition,
-                                                          threads::k_stream,  threads::k_network};
+inline constexpr std::array<ThreadSpec, 7> k_thread_table{
+    threads::k_safety, threads::k_pose,    threads::k_receive, threads::k_acquisition,
+    threads::k_stream, threads::k_network, threads::k_main};
 
 }  // namespace biteline::runtime
