@@ -123,6 +123,9 @@ Result<void> Scanner::process(const hal::FrameView& frame) {
   const SensorClock::time_point begin = clock_.now();
   const std::optional<rt::BufferIndex> buffer = pool_.rt_acquire();
   BITELINE_EXPECTS(buffer.has_value());  // k_pool_profiles leaves one
+  // In the dark before the laser comes on nothing is to be learned.
+  const bool lit = laser_ == nullptr || laser_->status().on;
+  if (lit) note_exposure(frame.exposure_mid);
   const bool made = pipeline_.rt_process(frame, pool_[*buffer]);
   source_.camera->release(frame);
   if (!made) {  // an ambient picture, or the first half of a bracket
@@ -130,8 +133,6 @@ Result<void> Scanner::process(const hal::FrameView& frame) {
     if (laser_ != nullptr) laser_->note_frame(clock_.now());
     return {};
   }
-  // In the dark before the laser comes on nothing is to be learned.
-  const bool lit = laser_ == nullptr || laser_->status().on;
   const CaptureControl::Wish wish = lit ? capture_->rt_consider(pool_[*buffer]) : CaptureControl::Wish{};
   const SensorClock::time_point end = clock_.now();
   if (end - begin > runtime::threads::k_acquisition.budget && !config_.lossless) {
@@ -153,6 +154,17 @@ Result<void> Scanner::process(const hal::FrameView& frame) {
   // Its answer is a sign of life as good as a frame, and new rows cost it a frame or two.
   if (laser_ != nullptr) laser_->note_frame(answered);
   return {};
+}
+
+void Scanner::note_exposure(SensorClock::time_point mid) {
+  const std::int64_t last_ns = last_lit_ns_.exchange(to_ns(mid));
+  if (last_ns != 0) longest_pause_ns_ = std::max(longest_pause_ns_.load(), to_ns(mid) - last_ns);
+}
+
+Nanoseconds Scanner::longest_pause(SensorClock::time_point until) const {
+  const std::int64_t last_ns = last_lit_ns_;
+  const std::int64_t open_ns = last_ns == 0 ? 0 : to_ns(until) - last_ns;
+  return Nanoseconds{std::max(longest_pause_ns_.load(), open_ns)};
 }
 
 void Scanner::read_poses() {

@@ -70,6 +70,9 @@ class Scanner {
   [[nodiscard]] std::optional<Error> failure() const;
 
   [[nodiscard]] ScanCounts counts() const;
+  /// The longest time between the exposures of two neighbouring frames under the laser, or from the last one
+  /// to `until`.
+  [[nodiscard]] Nanoseconds longest_pause(SensorClock::time_point until) const;
   [[nodiscard]] CaptureState capture_state() const { return capture_->state(); }
   [[nodiscard]] Source& source() { return source_; }
   [[nodiscard]] const Config& config() const { return config_; }
@@ -91,6 +94,7 @@ class Scanner {
   [[nodiscard]] Result<void> process(const hal::FrameView& frame);
   [[nodiscard]] bool pose_settled();
   void record_failure(const Error& error);
+  void note_exposure(SensorClock::time_point mid);
 
   Source source_;
   Config config_;
@@ -107,6 +111,8 @@ class Scanner {
   std::atomic<bool> acquisition_over_{false};
   std::atomic<bool> poses_over_{false};
   std::atomic<std::int64_t> poses_wanted_until_ns_;
+  std::atomic<std::int64_t> last_lit_ns_{0};  ///< newest exposure under the laser; 0: none yet
+  std::atomic<std::int64_t> longest_pause_ns_{0};
   std::atomic<std::uint64_t> profiles_{0}, dropped_{0}, rejected_poses_{0}, overruns_{0};
 
   // Stream thread's own.

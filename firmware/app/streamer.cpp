@@ -26,6 +26,8 @@ constexpr Nanoseconds k_light_patience = milliseconds{5000};
 /// Begins when the server counts the last one as absent (2 s).
 constexpr Nanoseconds k_host_patience = milliseconds{5000};
 
+/// For the two looks of the laser's guard that follow the robot's end: 20 ms when all is well.
+constexpr Nanoseconds k_looks_patience = milliseconds{1000};
 /// The last scan's devices are closed before they are opened again; below the hosts' patience.
 constexpr Nanoseconds k_close_patience = milliseconds{1500};
 
@@ -126,6 +128,7 @@ Result<void> Streamer::start_scan() {
   server_.begin_scan(random_scan_id(), scan_name, frames_expected);
   failure_.reset();
   robot_was_active_ = false;
+  robots_end_.reset();
   state_ = State::Scanning;
   lit_ = false;
   light_asked_at_ = host_seen_at_ = clock_.now();
@@ -169,11 +172,32 @@ void Streamer::follow_robot() {
   const Result<bool> active = scanner_->source().scan_active->level();
   // A line that cannot be read ends nothing: the host still can, and the poses show whether the arm moves.
   if (!active) return;
-  if (robot_was_active_ && !*active) {
-    watch_light();  // a robot that stops for want of light has not come to its scan's end
-    if (state_ == State::Scanning) end_scan();
+  if (robot_was_active_ && !*active && !robots_end_) {
+    robots_end_ = RobotsEnd{.seen_at = clock_.now(), .looks = laser_ == nullptr ? 0 : laser_->status().looks};
   }
   robot_was_active_ = *active;
+  if (robots_end_) judge_robots_end();
+}
+
+void Streamer::judge_robots_end() {
+  if (laser_ == nullptr) return end_scan();
+  // The look that was going on when the line fell may have read the inputs before.
+  constexpr std::uint64_t k_looks = 2;
+  if (laser_->status().looks < robots_end_->looks + k_looks) {
+    if (clock_.now() - robots_end_->seen_at <= k_looks_patience) return;
+    return fail_scan(fail(Errc::Overrun, "the laser's guard did not look again at the scan's end").value());
+  }
+  watch_light();
+  if (state_ != State::Scanning) return;
+  // The guard ends a scan whose camera is silent.  Where this whole program stood still it saw nothing, and
+  // the time without exposures tells it all the same; twice, for frames that were only processed late.
+  const Nanoseconds pause = scanner_->longest_pause(robots_end_->seen_at);
+  if (pause > 2 * laser_->frames_within()) {
+    return fail_scan(fail(Errc::Timeout, "the camera gave no frames for %lld ms",
+                          static_cast<long long>(pause.count() / 1'000'000))
+                         .value());
+  }
+  end_scan();
 }
 
 void Streamer::watch_light() {

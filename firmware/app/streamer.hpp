@@ -22,18 +22,20 @@ struct StreamerConfig {
   bool leave_after_scan{false};  ///< once the scan's end was acknowledged: a recording is played once
 };
 
-/// | state    | StartScan | StopScan | robot's scan line falls | source ends or fails |
-/// |----------|-----------|----------|-------------------------|----------------------|
-/// | Idle     | Scanning  | refused  | Idle                    | -                    |
-/// | Scanning | refused   | Ending   | Ending                  | Ending               |
+/// | state    | StartScan | StopScan | robot's scan line falls    | source ends or fails |
+/// |----------|-----------|----------|----------------------------|----------------------|
+/// | Idle     | Scanning  | refused  | Idle                       | -                    |
+/// | Scanning | refused   | Ending   | Ending, two looks later    | Ending               |
 /// | Ending   | refused   | Ending   | Ending                  | Ending; Idle when the last profile is stored
 /// |
 ///
 /// refused: Errc::WrongState, to the host that asked.  Light is asked for in Scanning only (the laser's guard
 /// decides); a laser that goes off meanwhile, or never comes on, ends the scan as failed, with the guard's
-/// reason.  So does the absence of every host: what was scanned stays in the store for the one that comes
-/// back. Runs on its caller's thread, which also opens the devices of a scan (some hundred ms on a network
-/// camera: the hosts' patience is 2 s).  They are closed on a thread of their own.
+/// reason.  A robot that stops may do so for want of light or for what darkens the laser next: only after a
+/// look of the laser's guard that began later, and without a pause of the frames, has it come to its scan's
+/// end.  So does the absence of every host: what was scanned stays in the store for the one that comes back.
+/// Runs on its caller's thread, which also opens the devices of a scan (some hundred ms on a network camera:
+/// the hosts' patience is 2 s).  They are closed on a thread of their own.
 class Streamer {
  public:
   Streamer(const StreamerConfig& config, SourceKind& kind, stream::StreamSocket& socket,
@@ -52,6 +54,7 @@ class Streamer {
   enum class State { Idle, Scanning, Ending };
 
   void follow_robot();
+  void judge_robots_end();
   void watch_light();
   void watch_hosts();
   void fail_scan(const Error& why);
@@ -83,6 +86,11 @@ class Streamer {
   SensorClock::time_point host_seen_at_;
   bool lit_{false};
   bool robot_was_active_{false};
+  struct RobotsEnd {
+    SensorClock::time_point seen_at;
+    std::uint64_t looks;  ///< of the laser's guard, by then
+  };
+  std::optional<RobotsEnd> robots_end_;  ///< it stopped; not yet known why
   bool ended_once_{false};
   std::optional<SensorClock::time_point> acknowledged_at_;
 };

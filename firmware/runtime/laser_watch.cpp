@@ -24,6 +24,7 @@ LaserWatch::LaserWatch(std::unique_ptr<hal::GpioOut> laser, std::unique_ptr<hal:
       safety_{std::move(safety)},
       clock_{clock},
       looks_within_{config.looks_within},
+      frames_within_{config.frames_within},
       guard_{config} {
   BITELINE_EXPECTS(laser_ != nullptr && safety_ != nullptr);
   g_laser = laser_.get();
@@ -75,12 +76,13 @@ void LaserWatch::run(RealtimeDemand demand) {
 void LaserWatch::note_alive(SensorClock::time_point now) {
   store(alive_ns_, now);
   if (!may_shine_ || load(looked_ns_) >= now - looks_within_) return;
-  looks_missed_ = true;
+  ++misses_;  // before the line goes dark: who sees that asks for the status next
   // A failure here leaves the watchdog, which that thread does not feed either.
   (void)laser_->set(false);
 }
 
 void LaserWatch::step() {
+  const std::uint64_t misses = misses_;
   const Result<hal::SafetyInputs> safety = safety_->read();
   LaserInputs inputs;
   inputs.now = clock_.now();
@@ -92,18 +94,29 @@ void LaserWatch::step() {
   inputs.watchdog_fed = load(alive_ns_);
   inputs.stream_alive = load(stream_ns_);
   inputs.driver_failed = driver_failed_;
-  inputs.looks_missed = looks_missed_.exchange(false);
+  inputs.looks_missed = misses != misses_published_;
   store(looked_ns_, inputs.now);
   const bool light = guard_.look(inputs);
-  if (light) may_shine_ = true;
-  drive(light);
-  // This thread stood still since it looked, and the frame thread darkened the output meanwhile: so it stays,
-  // and the next look says why.
-  if (light && looks_missed_) drive(false);
-  on_ = light && !driver_failed_ && !looks_missed_;
-  if (!light && !driver_failed_) may_shine_ = false;
+  if (light) {
+    may_shine_ = true;
+    drive(true);
+    // This thread stood still since it looked, and the frame thread darkened the output meanwhile: so it
+    // stays, and the next look says why.
+    if (misses_ != misses) drive(false);
+    publish(!driver_failed_, driver_failed_ ? LaserOff::DriverFailed : guard_.reason());
+  } else {
+    publish(false, guard_.reason());
+    drive(false);
+    if (!driver_failed_) may_shine_ = false;
+  }
+  misses_published_ = misses;
+  ++looks_;
+}
+
+void LaserWatch::publish(bool on, LaserOff reason) {
   state_ = guard_.state();
-  reason_ = guard_.reason();
+  reason_ = reason;
+  on_ = on;
 }
 
 void LaserWatch::drive(bool on) {
@@ -121,11 +134,17 @@ void LaserWatch::feed_watchdogs() {
 }
 
 LaserWatch::Status LaserWatch::status() const {
-  return {.on = on_,
-          .state = state_,
-          .reason = reason_,
-          .output_lost = output_lost_,
-          .feeds_failed = feeds_failed_};
+  // In this order: what is read first is written last.
+  Status status;
+  status.looks = looks_;
+  const std::uint64_t misses_published = misses_published_;
+  const bool missed = misses_ != misses_published;
+  status.on = on_ && !missed;
+  status.state = missed ? LaserGuard::State::Latched : state_.load();
+  status.reason = missed ? LaserOff::SafetyHung : reason_.load();
+  status.output_lost = output_lost_;
+  status.feeds_failed = feeds_failed_;
+  return status;
 }
 
 }  // namespace biteline::runtime

@@ -50,12 +50,19 @@ class LaserWatch {
   /// while the laser is on, it turns the laser off itself.
   void note_alive(SensorClock::time_point now);
 
+  /// So long a camera may be silent.
+  [[nodiscard]] Nanoseconds frames_within() const { return frames_within_; }
+
   struct Status {
+    /// Never while the line is dark: said before it goes dark, whoever darkens it.
     bool on{false};
     LaserGuard::State state{LaserGuard::State::Off};
     LaserOff reason{LaserOff::NotAsked};
     bool output_lost{false};        ///< the output could not be told or read back: its level is unknown
     std::uint64_t feeds_failed{0};  ///< a watchdog did not take its food: it will bite
+    /// Finished looks so far.  Two more than at some moment: the second began after it and saw what was so
+    /// then.
+    std::uint64_t looks{0};
   };
   [[nodiscard]] Status status() const;
 
@@ -71,12 +78,13 @@ class LaserWatch {
   }
   void run(RealtimeDemand demand);
   void drive(bool on);
+  void publish(bool on, LaserOff reason);
   void feed_watchdogs();
 
   std::unique_ptr<hal::GpioOut> laser_;
   std::unique_ptr<hal::SafetyIn> safety_;
   const hal::Clock& clock_;
-  Nanoseconds looks_within_;
+  Nanoseconds looks_within_, frames_within_;
   LaserGuard guard_;
   std::vector<std::unique_ptr<hal::Watchdog>> watchdogs_;
   std::thread thread_;
@@ -95,7 +103,10 @@ class LaserWatch {
   std::atomic<bool> output_lost_{false};
   std::atomic<std::uint64_t> feeds_failed_{0};
   std::atomic<std::int64_t> looked_ns_{SensorClock::time_point::min().time_since_epoch().count()};
-  std::atomic<bool> looks_missed_{false};
+  std::atomic<std::uint64_t> looks_{0};
+  // How often the frame thread darkened the output for want of looks, and how much of that is in the
+  // published status.  They differ: the status is older than the darkness.
+  std::atomic<std::uint64_t> misses_{0}, misses_published_{0};
   std::atomic<int> start_error_{-1};
 };
 

@@ -209,6 +209,7 @@ void PictureCell::send_poses(const std::stop_token& stop) {
   std::uint8_t counter = 0;
   for (SensorClock::time_point due = now(); !stop.stop_requested(); due += period) {
     std::this_thread::sleep_until(std::chrono::steady_clock::time_point{due.time_since_epoch()});
+    if (faults.robot_needs_light && !laser_on()) set_scan_active(false);
     counter = static_cast<std::uint8_t>(counter % canpose::k_sync_counter_last + 1);
     if (faults.bus_off) continue;
     // The instant is the grid's and not this thread's: a real controller's SYNC does not wait for our

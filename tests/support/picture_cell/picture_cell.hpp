@@ -41,7 +41,8 @@ struct CellFaults {
   std::atomic<bool> sync_stopped{false};
   std::atomic<bool> poses_silent{false};
   std::atomic<std::int64_t> robot_clock_step_ns{0};
-  std::atomic<int> poses_from_future{0};  ///< so many SYNCs stamped an hour ahead
+  std::atomic<bool> robot_needs_light{false};  ///< its scan line falls as soon as the laser's does
+  std::atomic<int> poses_from_future{0};       ///< so many SYNCs stamped an hour ahead
 };
 
 /// Threads: camera, wires, trigger and poses, real-time ones where this process may: no compiler beside it
@@ -62,6 +63,7 @@ class PictureCell {
   void unplug_camera();
   void plug_camera();
   void set_door(bool closed) { bus_->drive(sim::Line::Interlock, closed, now()); }
+  void set_scan_active(bool active) { bus_->drive(sim::Line::ScanActive, active, now()); }
   void set_too_hot(bool hot) { bus_->drive(sim::Line::TooHot, hot, now()); }
 
   [[nodiscard]] bool laser_on() const { return bus_->level(sim::Line::LaserEnable); }

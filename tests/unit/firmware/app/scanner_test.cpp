@@ -46,7 +46,8 @@ class FastCamera final : public hal::LineCamera {
                           .stride_bytes = static_cast<std::size_t>(sensor_.region.width_px),
                           .sequence = frame,
                           .exposure_mid = SensorClock::time_point{Nanoseconds{
-                              k_first_ns + static_cast<std::int64_t>(frame) * k_frame_period_ns}},
+                              k_first_ns + static_cast<std::int64_t>(frame) * k_frame_period_ns +
+                              (frame >= pause_before ? pause.count() : 0)}},
                           .flags = 0};
   }
   void release(const hal::FrameView&) noexcept override { ++released; }
@@ -60,6 +61,8 @@ class FastCamera final : public hal::LineCamera {
   }
 
   std::optional<std::uint64_t> fail_at;
+  std::uint64_t pause_before{0};  ///< this frame's exposure is `pause` later, and all after it
+  Nanoseconds pause{0};
   std::atomic<std::uint64_t> released{0};
 
  private:
@@ -205,6 +208,21 @@ TEST(Scanner, FailingCameraEndsTheScanWithItsReasonAfterWhatCameBefore) {
   CHECK_EQUAL(10U, taken);
   CHECK(sut->failure().has_value());
   STRCMP_CONTAINS("camera gone", to_line(*sut->failure()).c_str());
+}
+
+TEST(Scanner, PauseOfTheFramesIsMeasured) {
+  constexpr Nanoseconds k_pause{500'000'000}, k_after_the_last{700'000'000}, k_period{k_frame_period_ns};
+  const auto sut = make(true);
+  camera->pause_before = 10;
+  camera->pause = k_pause;
+  camera->fail_at = 20;
+  SUCCEEDS(sut->start());
+  while (!sut->finished()) {
+    if (sut->take() != nullptr) sut->give_back();
+  }
+  const SensorClock::time_point last{Nanoseconds{k_first_ns} + 19 * k_period + k_pause};
+  CHECK(sut->longest_pause(last) == k_pause + k_period);
+  CHECK(sut->longest_pause(last + k_after_the_last) == k_after_the_last);
 }
 
 TEST(Scanner, StopsWhileTheSourceWaitsForIt) {

@@ -3,7 +3,9 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <algorithm>
 #include <functional>
+#include <string>
 #include <utility>
 
 #include "hal/api/virtual_clock.hpp"
@@ -19,8 +21,24 @@ struct Wires {
   std::atomic<bool> stuck_on{false};
   // What happens, once, while the safety thread is about to light up, or waits for the level.
   std::function<void()> before_light{}, on_read_back{};
+  std::function<void()> at_each_call{};  ///< of any device, before it does anything and after
   bool interlock{true};
   bool safety_fails{false};
+};
+
+/// A device's call begins and ends.
+class Told {
+ public:
+  explicit Told(const Wires& wires) : wires_{wires} { tell(); }
+  ~Told() { tell(); }
+  Told(const Told&) = delete;
+  Told& operator=(const Told&) = delete;
+
+ private:
+  void tell() const {
+    if (wires_.at_each_call) wires_.at_each_call();
+  }
+  const Wires& wires_;
 };
 
 class FakeLaser final : public hal::GpioOut {
@@ -28,6 +46,7 @@ class FakeLaser final : public hal::GpioOut {
   explicit FakeLaser(Wires& wires) : wires_{wires} {}
   ~FakeLaser() override { wires_.laser = false; }  // the kernel lets go of the line
   Result<void> set(bool active) noexcept override {
+    const Told told{wires_};
     if (wires_.set_fails) return fail(Errc::DeviceError, "laser");
     if (active) {
       if (const auto meanwhile = std::exchange(wires_.before_light, {})) meanwhile();
@@ -36,6 +55,7 @@ class FakeLaser final : public hal::GpioOut {
     return {};
   }
   Result<bool> read_back() noexcept override {
+    const Told told{wires_};
     if (const auto meanwhile = std::exchange(wires_.on_read_back, {})) meanwhile();
     return wires_.laser.load();
   }
@@ -62,6 +82,7 @@ class FakeSafety final : public hal::SafetyIn {
  public:
   explicit FakeSafety(Wires& wires) : wires_{wires} {}
   Result<hal::SafetyInputs> read() noexcept override {
+    const Told told{wires_};
     if (wires_.safety_fails) return fail(Errc::DeviceError, "interlock");
     return hal::SafetyInputs{.interlock_closed = wires_.interlock, .key_on = true, .read_at = {}};
   }
@@ -163,6 +184,65 @@ TEST(LaserWatch, LookThatStoodStillDoesNotUndoTheFrameThreadsDarkness) {
   step();
   CHECK(!wires.laser);
   CHECK(sut->status().reason == LaserOff::SafetyHung);
+}
+
+/// An arm that waits for light stops at the moment the line goes dark, and its host asks for the status at
+/// once. The safety thread stands still at each of its calls in turn, before and after: it is never told that
+/// the laser shines on, and always why it does not.
+TEST(LaserWatch, NobodyWhoSeesTheDarkHearsOfLightWhereverTheSafetyThreadStoodStill) {
+  int calls = 1;  // of the devices in one look; known after the first round
+  for (int at = 0; at < calls; ++at) {
+    setup();
+    light_up();
+    int call = 0, wrong = 0;
+    bool inside = false, hung = false;
+    wires.at_each_call = [&] {
+      const auto judge = [&] {
+        const LaserWatch::Status status = sut->status();
+        if (!wires.laser && (status.on || status.reason != LaserOff::SafetyHung)) ++wrong;
+      };
+      judge();
+      if (inside || call++ != at) return;
+      inside = hung = true;  // the frame thread's own calls are no place of the safety thread
+      hang(std::chrono::milliseconds{100});
+      inside = false;
+      judge();
+    };
+    const auto look = [&] {
+      step();
+      if (!wires.laser) CHECK(!sut->status().on);
+    };
+    look();
+    calls = std::max(calls, call);
+    look();
+    wires.at_each_call = {};
+    LONGS_EQUAL_TEXT(0, wrong, std::to_string(at).c_str());
+    CHECK(hung);
+    CHECK(!wires.laser);
+    CHECK(sut->status().state == LaserGuard::State::Latched);
+    CHECK(sut->status().reason == LaserOff::SafetyHung);
+  }
+  CHECK(calls > 3);
+}
+
+/// The same for darkness of the guard's own making: who sees it and asks is told.
+TEST(LaserWatch, DarknessOfTheGuardsOwnIsToldBeforeItIsThere) {
+  light_up();
+  int wrong = 0;
+  wires.at_each_call = [&] {
+    if (!wires.laser && (sut->status().on || sut->status().reason != LaserOff::InterlockOpen)) ++wrong;
+  };
+  wires.interlock = false;
+  step();
+  wires.at_each_call = {};
+  LONGS_EQUAL(0, wrong);
+  CHECK(!wires.laser);
+}
+
+TEST(LaserWatch, EachLookIsCountedWhenItsStatusIsThere) {
+  const std::uint64_t looks = sut->status().looks;
+  light_up();
+  LONGS_EQUAL(looks + 1, sut->status().looks);
 }
 
 TEST(LaserWatch, SilentStreamThreadDarkensWithinTheLimit) {
