@@ -76,7 +76,7 @@ std::unique_ptr<FaultStand> FaultStand::set_up(const PictureCellConfig& config) 
     break;
   }
   run_as(SCHED_FIFO, k_host_priority);
-  stand->return_();
+  stand->come_back();
   return stand;
 }
 
@@ -88,7 +88,7 @@ void FaultStand::leave() {
   link_.reset();
 }
 
-void FaultStand::return_() {
+void FaultStand::come_back() {
   intake::SensorLinkConfig config;
   config.sensor = sensor_->endpoint();
   auto link = intake::SensorLink::open(config);

@@ -48,8 +48,8 @@ class FaultStand {
   /// The next health message that was made after this call.
   bool take_health();
 
-  void leave();    ///< the host is gone
-  void return_();  ///< and comes back, knowing nothing
+  void leave();      ///< the host is gone
+  void come_back();  ///< knowing nothing
 
   /// Milliseconds from `begin` until the laser's line fell, less those in which the machine itself stood
   /// still; nothing: it shines.

@@ -159,7 +159,7 @@ TIMED_TEST(LaserFaults, LaserDoesNotShineOnForAbsentHostsAndNothingOfTheScanIsLo
   CHECK_TEXT(!refused, refused.value_or("").c_str());
   stand->leave();
   CHECK_TEXT(stand->dark_after_ms(now()).has_value(), "the laser shines on");
-  stand->return_();
+  stand->come_back();
   CHECK(stand->take_end());
   check_ended(*stand, Errc::ConnectionLost, "no host");
   LONGS_EQUAL(0, stand->account().lost);
