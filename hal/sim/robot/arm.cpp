@@ -18,7 +18,10 @@ Arm::Arm(const ArmKinematics& kinematics, const SE3& T_base_flange_start)
 
 ArmState Arm::at(SensorClock::time_point instant) const {
   const std::lock_guard lock(mutex_);
-  ArmState state{.T_base_flange = T_base_flange_still_, .T_flange_tcp = T_flange_tcp_, .outputs = outputs_};
+  ArmState state{.T_base_flange = T_base_flange_still_,
+                 .T_flange_tcp = T_flange_tcp_,
+                 .outputs = outputs_,
+                 .payload = payload_};
   const double time_s = seconds(instant - begin_);
   if (motion_) {
     state.moving = time_s >= 0 && time_s < motion_->duration_s;
@@ -31,6 +34,7 @@ ArmState Arm::at(SensorClock::time_point instant) const {
     state.T_flange_tcp = program_->T_flange_tcp_at(std::max(0.0, time_s));
     state.outputs = program_->outputs_at(std::max(0.0, time_s));
     state.q_rad = program_->q_rad_at(std::max(0.0, time_s));
+    state.payload = program_->payload_at(std::max(0.0, time_s));
     state.program_name = program_->name();
   }
   return state;
@@ -42,6 +46,7 @@ void Arm::stand(SensorClock::time_point instant) {
   T_base_flange_still_ = now.T_base_flange;
   T_flange_tcp_ = now.T_flange_tcp;
   outputs_ = now.outputs;
+  payload_ = now.payload;
   motion_.reset();
   program_.reset();
   begin_ = instant;
@@ -61,7 +66,7 @@ void Arm::run(const Script& script, SensorClock::time_point begin) {
   stand(begin);
   const ArmState now = at(begin);
   auto program = std::make_shared<const Program>(
-      Program::plan(script, kinematics_, now.T_base_flange, now.T_flange_tcp));
+      Program::plan(script, kinematics_, now.T_base_flange, now.T_flange_tcp, now.payload));
   const std::lock_guard lock(mutex_);
   program_ = std::move(program);
 }

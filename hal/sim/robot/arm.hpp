@@ -31,6 +31,7 @@ struct ArmState {
   bool program_running{false};
   std::string program_name{};
   std::uint8_t outputs{0};  ///< digital outputs
+  Payload payload{};        ///< as the last program said
 };
 
 /// Ideal: the arm is where its program says, at every instant; links and dynamics are not simulated.
@@ -57,6 +58,7 @@ class Arm {
   SE3 T_base_flange_still_;
   SE3 T_flange_tcp_{SE3::Identity()};
   std::uint8_t outputs_{0};
+  Payload payload_;
   std::shared_ptr<const FlangeMotion> motion_;
   std::shared_ptr<const Program> program_;
   SensorClock::time_point begin_;

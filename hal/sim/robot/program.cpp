@@ -38,17 +38,19 @@ JointVector nearest_turns(JointVector q_rad, const JointVector& reference_rad) {
 }  // namespace
 
 Program Program::plan(const Script& script, const ArmKinematics& arm, const SE3& T_base_flange_start,
-                      const SE3& T_flange_tcp_start) {
+                      const SE3& T_flange_tcp_start, const Payload& payload_start) {
   Program program(arm);
   program.name_ = script.name;
   SE3 T_base_flange = T_base_flange_start;
   SE3 T_flange_tcp = T_flange_tcp_start;
+  Payload payload = payload_start;
   std::uint8_t outputs = 0;
   double time_s = 0;
   const auto append = [&](double duration_s, std::variant<Hold, TimedPath, JointMove> motion) {
     program.pieces_.push_back({.begin_s = time_s,
                                .end_s = time_s + duration_s,
                                .T_flange_tcp = T_flange_tcp,
+                               .payload = payload,
                                .outputs = outputs,
                                .motion = std::move(motion)});
     time_s += duration_s;
@@ -103,6 +105,9 @@ Program Program::plan(const Script& script, const ArmKinematics& arm, const SE3&
     } else if (const auto* tcp = std::get_if<SetTcpStep>(&step)) {
       T_flange_tcp = tcp->T_flange_tcp;
       append(0, Hold{T_base_flange});
+    } else if (const auto* carried = std::get_if<Payload>(&step)) {
+      payload = *carried;
+      append(0, Hold{T_base_flange});
     } else if (const auto* pause = std::get_if<SleepStep>(&step)) {
       append(pause->time_s, Hold{T_base_flange});
     } else if (const auto* output = std::get_if<DigitalOutStep>(&step)) {
@@ -150,6 +155,9 @@ SE3 Program::T_base_flange_at(double time_s) const {
 }
 SE3 Program::T_flange_tcp_at(double time_s) const {
   return piece_at(time_s).T_flange_tcp;
+}
+const Payload& Program::payload_at(double time_s) const {
+  return piece_at(time_s).payload;
 }
 std::uint8_t Program::outputs_at(double time_s) const {
   return piece_at(time_s).outputs;

@@ -18,7 +18,8 @@ class Program {
   /// stops the arm. A joint move from where the arm's own links do not reach (the head's way round the shoe)
   /// is made straight instead.
   [[nodiscard]] static Program plan(const Script& script, const ArmKinematics& arm,
-                                    const SE3& T_base_flange_start, const SE3& T_flange_tcp);
+                                    const SE3& T_base_flange_start, const SE3& T_flange_tcp,
+                                    const Payload& payload = {});
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] double duration_s() const { return pieces_.empty() ? 0 : pieces_.back().end_s; }
@@ -27,6 +28,7 @@ class Program {
   [[nodiscard]] std::optional<JointVector> q_rad_at(double time_s) const;
   /// The tool frame in force.
   [[nodiscard]] SE3 T_flange_tcp_at(double time_s) const;
+  [[nodiscard]] const Payload& payload_at(double time_s) const;
   /// Bits of the digital outputs, 0 to 7, as the script has set and cleared them since its begin.
   [[nodiscard]] std::uint8_t outputs_at(double time_s) const;
 
@@ -43,6 +45,7 @@ class Program {
     double begin_s{0};
     double end_s{0};
     SE3 T_flange_tcp{SE3::Identity()};
+    Payload payload;
     std::uint8_t outputs{0};
     std::variant<Hold, TimedPath, JointMove> motion;
   };

@@ -19,7 +19,8 @@ struct Pose {
   std::array<double, 6> numbers;
 };
 using List = std::array<double, 6>;
-using Literal = std::variant<double, bool, std::string, Pose, List>;
+using Triple = std::array<double, 3>;
+using Literal = std::variant<double, bool, std::string, Pose, List, Triple>;
 
 SE3 to_se3(const Pose& pose) {
   SE3 T = SE3::Identity();
@@ -78,22 +79,29 @@ class LineReader {
     return value;
   }
 
-  Result<List> six_numbers() {
+  /// After the opening bracket, with the closing one: three or six.
+  Result<Literal> numbers() {
     List list{};
-    for (std::size_t i = 0; i < list.size(); ++i) {
-      if (i > 0 && !take(',')) return wrong("','");
-      BITELINE_ASSIGN(list[i], number());
-    }
+    std::size_t count = 0;
+    do {
+      if (count == list.size()) return wrong("at most six numbers");
+      BITELINE_ASSIGN(list[count], number());
+      ++count;
+    } while (take(','));
     if (!take(']')) return wrong("']'");
-    return list;
+    if (count == list.size()) return Literal{list};
+    if (count == 3) return Literal{Triple{list[0], list[1], list[2]}};
+    return wrong("three or six numbers");
+  }
+  Result<List> six_numbers() {
+    BITELINE_ASSIGN(const Literal found, numbers());
+    if (const auto* list = std::get_if<List>(&found)) return *list;
+    return wrong("six numbers");
   }
 
   Result<Literal> literal() {
     skip_spaces();
-    if (take('[')) {
-      BITELINE_ASSIGN(const List list, six_numbers());
-      return Literal{list};
-    }
+    if (take('[')) return numbers();
     if (take('"')) {
       const std::size_t end = text_.find('"');
       if (end == std::string_view::npos) return wrong("a closing quote");
@@ -198,6 +206,17 @@ Result<std::optional<ScriptStep>> step_of(const std::string& function, const std
     if (pose == nullptr) return fail(Errc::BadValue, "script line %d: set_tcp: a pose expected", line);
     return std::optional<ScriptStep>{SetTcpStep{to_se3(*pose)}};
   }
+  if (function == "set_payload") {
+    BITELINE_ASSIGN(const double mass_kg, number_of(arguments, "m", 0, -1, line));
+    const auto* centre = arguments.size() > 1 ? std::get_if<Triple>(&arguments[1].value) : nullptr;
+    if (mass_kg < 0 || (arguments.size() > 1 && centre == nullptr)) {
+      return fail(Errc::BadValue,
+                  "script line %d: set_payload: a mass in kg and a centre [x,y,z] in m expected", line);
+    }
+    Payload payload{.mass_kg = mass_kg};
+    if (centre != nullptr) payload.centre_mm = k_mm_per_m * Vec3((*centre)[0], (*centre)[1], (*centre)[2]);
+    return std::optional<ScriptStep>{payload};
+  }
   if (function == "sleep") {
     BITELINE_ASSIGN(const double time_s, number_of(arguments, "t", 0, 0, line));
     return std::optional<ScriptStep>{SleepStep{std::max(0.0, time_s)}};
@@ -215,8 +234,7 @@ Result<std::optional<ScriptStep>> step_of(const std::string& function, const std
     const auto* text = arguments.empty() ? nullptr : std::get_if<std::string>(&arguments[0].value);
     return std::optional<ScriptStep>{TextStep{text != nullptr ? *text : ""}};
   }
-  if (function == "sync" || function == "set_payload" || function == "stopl" || function == "stopj")
-    return std::optional<ScriptStep>{};
+  if (function == "sync" || function == "stopl" || function == "stopj") return std::optional<ScriptStep>{};
   return fail(Errc::NotSupported, "script line %d: '%s' is not simulated", line, function.c_str());
 }
 

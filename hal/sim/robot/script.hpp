@@ -29,6 +29,11 @@ struct MoveStep {
 struct SetTcpStep {
   SE3 T_flange_tcp{SE3::Identity()};
 };
+/// What the arm carries, and where its centre of mass lies in the flange.
+struct Payload {
+  double mass_kg{0};
+  Vec3 centre_mm{Vec3::Zero()};
+};
 struct SleepStep {
   double time_s{0};
 };
@@ -39,7 +44,7 @@ struct DigitalOutStep {
 struct TextStep {
   std::string text;
 };
-using ScriptStep = std::variant<MoveStep, SetTcpStep, SleepStep, DigitalOutStep, TextStep>;
+using ScriptStep = std::variant<MoveStep, SetTcpStep, Payload, SleepStep, DigitalOutStep, TextStep>;
 
 struct Script {
   std::string name{"script"};

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "hal/sim/robot/blends.hpp"
+
 namespace biteline::sim {
 
 namespace {
@@ -173,16 +175,23 @@ void UrController::serve_scripts() {
 void UrController::run_script(const std::string& text, Client& client) {
   auto script = parse_script(text);
   if (script) {
+    for (const std::string& warning : skip_overlapping_blends(*script)) {
+      ++moves_skipped_;
+      tell(client, rtde::TextLevel::Warning, warning);
+    }
     ++scripts_run_;
     script->start_rad = values_.q_rad();
     arm_.run(*script, hal::monotonic_now());
     return;
   }
   ++scripts_refused_;
-  const std::string reason = to_line(script.error());
-  append(client.outgoing, reason + "\n");
+  tell(client, rtde::TextLevel::Error, to_line(script.error()));
+}
+
+void UrController::tell(Client& client, rtde::TextLevel level, const std::string& text) {
+  append(client.outgoing, text + "\n");
   for (const auto& rtde_client : rtde_clients_) {
-    rtde_client->session.send_text({.level = rtde::TextLevel::Error, .text = reason, .source = "script"});
+    rtde_client->session.send_text({.level = level, .text = text, .source = "script"});
   }
 }
 

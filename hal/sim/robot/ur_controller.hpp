@@ -15,8 +15,8 @@
 namespace biteline::sim {
 
 /// One thread serves all connections and the controller's cycle.  A script replaces the one that runs, as on
-/// the real one; a script that cannot be read is answered on the script port and in an RTDE text, and nothing
-/// moves.
+/// the real one; moves whose blends meet are skipped and warned of; a script that cannot be read is answered
+/// on the script port and in an RTDE text, and nothing moves.
 ///
 /// Dashboard: robotmode, safetystatus, running, programState, stop, "is in remote control", PolyscopeVersion,
 /// "get robot model", quit; other lines get the real one's answer to the unknown.
@@ -48,6 +48,8 @@ class UrController {
   }
   [[nodiscard]] std::uint64_t scripts_run() const { return scripts_run_.load(); }
   [[nodiscard]] std::uint64_t scripts_refused() const { return scripts_refused_.load(); }
+  /// For blends that meet.
+  [[nodiscard]] std::uint64_t moves_skipped() const { return moves_skipped_.load(); }
 
  private:
   struct Client {
@@ -70,6 +72,8 @@ class UrController {
   void serve_scripts();
   void serve_dashboard();
   void run_script(const std::string& text, Client& client);
+  /// On the script port and in an RTDE text.
+  void tell(Client& client, rtde::TextLevel level, const std::string& text);
   [[nodiscard]] std::string dashboard_answer(const std::string& line, Client& client);
   [[nodiscard]] SensorClock::time_point instant_of(std::uint64_t cycle) const;
 
@@ -81,7 +85,7 @@ class UrController {
   std::vector<std::unique_ptr<RtdeClient>> rtde_clients_;
   std::vector<std::unique_ptr<Client>> script_clients_, dashboard_clients_;
   SensorClock::time_point begin_;
-  std::atomic<std::uint64_t> scripts_run_{0}, scripts_refused_{0};
+  std::atomic<std::uint64_t> scripts_run_{0}, scripts_refused_{0}, moves_skipped_{0};
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

@@ -71,6 +71,11 @@ rtde::Value UrValues::value_of(std::string_view name) const {
   if (name == "robot_status_bits") return k_power_on | (state_.program_running ? k_program_running : 0U);
   if (name == "safety_status_bits") return k_safety_normal;
   if (name == "speed_scaling" || name == "target_speed_fraction") return 1.0;
+  if (name == "payload") return state_.payload.mass_kg;
+  if (name == "payload_cog") {
+    const Vec3 centre_m = k_m_per_mm * state_.payload.centre_mm;
+    return rtde::Vector3{centre_m.x(), centre_m.y(), centre_m.z()};
+  }
   if (name == "actual_digital_output_bits") return std::uint64_t{state_.outputs};
   const auto type = rtde::output_type(name);
   return rtde::zero_of(type.value_or(rtde::FieldType::Double));

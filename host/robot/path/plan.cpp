@@ -125,9 +125,11 @@ PlannedPath assembled(const PlanRequest& request, const ToolPath& path, const Jo
   PlannedPath out{.robot = request.arm.name,
                   .process = request.process.name,
                   .T_flange_tcp = request.process.tool.T_flange_tcp,
+                  .payload = request.process.tool.payload,
                   .motion = request.process.motion,
                   .digital_output = request.process.digital_output,
                   .waypoints = {}};
+  out.motion.spacing_mm = path.spacing_mm;
   for (std::size_t i = 0; i < path.points.size(); ++i) {
     const ToolPoint& p = path.points[i];
     out.waypoints.push_back(
@@ -140,6 +142,24 @@ PlannedPath assembled(const PlanRequest& request, const ToolPath& path, const Jo
          .line_base = p.line_base});
   }
   return out;
+}
+
+/// The moves are straight and few: within the process's own accuracy, or there is no path.
+Check chord_check(const ToolPath& path, const Motion& motion) {
+  Check check{.name = "straight moves",
+              .passed = path.chord_error_mm <= motion.chord_error_mm,
+              .value = path.chord_error_mm,
+              .limit = motion.chord_error_mm,
+              .unit = "mm",
+              .arc_mm = path.chord_error_arc_mm,
+              .detail = {}};
+  if (!check.passed)
+    check.detail = FixedText<120>::format(
+                       "targets %.2f mm apart, as blends and their number need it, cut the "
+                       "line's corners",
+                       path.spacing_mm)
+                       .view();
+  return check;
 }
 
 /// The line entered at one place: how far that gets.
@@ -159,6 +179,8 @@ Attempt try_seam(const PlanRequest& request, const Scene& scene, const Collision
   const Timing timing = time_path(request.arm, attempt.tool_path, *joints.path, request.process.motion);
   attempt.outcome =
       check_path(assembled(request, attempt.tool_path, *joints.path, timing), request.arm, collisions, {});
+  attempt.outcome.checks.push_back(chord_check(attempt.tool_path, request.process.motion));
+  if (!attempt.outcome.checks.back().passed) attempt.outcome.path.reset();
   if (request.process.sight && attempt.outcome.path) {
     attempt.outcome.checks.push_back(
         sight_check(attempt.outcome.path->path(), *request.process.sight, scene.seen));

@@ -23,6 +23,12 @@ Tool read_tool(YamlReader reader) {
   tool.body_radius_mm = reader.number("body_radius_mm", {.minimum = 1, .maximum = 200});
   tool.contact_length_mm = reader.number("contact_length_mm", {.minimum = 0, .maximum = 300});
   tool.free_turn_rad = reader.number("free_turn_deg", {.minimum = 0, .maximum = 180}) * k_rad_per_deg;
+  const std::vector<double> centre_mm = reader.numbers("payload_centre_mm", 3);
+  tool.payload = Payload{.mass_kg = reader.number("payload_kg", {.minimum = 0, .maximum = 20}),
+                         .centre_flange_mm = {centre_mm[0], centre_mm[1], centre_mm[2]}};
+  if (!(tool.payload->centre_flange_mm.norm() <= 1000)) {
+    reader.fault(Errc::BadValue, "payload_centre_mm", "a centre of mass within 1000 mm of the flange");
+  }
   if (tool.T_flange_tcp.translation().norm() > 1000) {
     reader.fault(Errc::BadValue, "tcp_position_mm", "a tip within 1000 mm of the flange");
   }
@@ -64,7 +70,8 @@ Motion read_motion(YamlReader reader) {
   m.joint_speed_ratio =
       reader.number_or("joint_speed_ratio", d.joint_speed_ratio, {.minimum = 0.01, .maximum = 1});
   m.spacing_mm = reader.number_or("spacing_mm", d.spacing_mm, {.minimum = 0.5, .maximum = 10});
-  m.blend_mm = reader.number_or("blend_mm", d.blend_mm, {.minimum = 0, .maximum = 5});
+  m.blend_mm = reader.number_or("blend_mm", d.blend_mm, {.minimum = k_least_blend_mm, .maximum = 5});
+  m.chord_error_mm = reader.number_or("chord_error_mm", d.chord_error_mm, {.minimum = 0.01, .maximum = 5});
   m.overlap_mm = reader.number_or("overlap_mm", d.overlap_mm, {.minimum = 0, .maximum = 100});
   m.approach_mm = reader.number_or("approach_mm", d.approach_mm, {.minimum = 1, .maximum = 300});
   m.approach_speed_mm_s =
@@ -72,8 +79,6 @@ Motion read_motion(YamlReader reader) {
   m.lift_mm = reader.number_or("lift_mm", d.lift_mm, {.minimum = 0, .maximum = 500});
   m.transfer_speed_mm_s =
       reader.number_or("transfer_speed_mm_s", d.transfer_speed_mm_s, {.minimum = 1, .maximum = 1000});
-  // Neighbouring blends must not meet, or the controller refuses the program.
-  if (2 * m.blend_mm > m.spacing_mm) reader.fault(Errc::BadValue, "blend_mm", "at most half of spacing_mm");
   if (m.minimum_speed_mm_s > m.speed_mm_s)
     reader.fault(Errc::BadValue, "minimum_speed_mm_s", "at most speed_mm_s");
   return m;

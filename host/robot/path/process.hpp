@@ -11,13 +11,24 @@
 
 namespace biteline::path {
 
+/// movep takes no smaller radius, as users of RoboDK's forum report; 1 mm until a real controller says
+/// otherwise (docs/real-controller.md).
+constexpr double k_least_blend_mm = 1;
+
+/// What the arm carries beyond its flange, for the controller's own model of forces.
+struct Payload {
+  double mass_kg{0};
+  Vec3 centre_flange_mm{Vec3::Zero()};
+};
+
 /// The tool: z of its frame is its axis, out of the flange; its tip is the origin.
 struct Tool {
   SE3 T_flange_tcp{SE3::Identity()};
   double body_radius_mm{
       20};  ///< of a cylinder round the axis, from the flange down to `contact_length_mm` from the tip
-  double contact_length_mm{15};  ///< what of the tip may come close to the shoe
-  double free_turn_rad{0};       ///< how far it may be turned about its axis, either way; pi: it is round
+  double contact_length_mm{15};      ///< what of the tip may come close to the shoe
+  std::optional<Payload> payload{};  ///< nothing: of a head that no program of ours moves
+  double free_turn_rad{0};           ///< how far it may be turned about its axis, either way; pi: it is round
 };
 
 /// What "outwards" is: level, at right angles to the line, or the upper's own normal.  Level is the default:
@@ -47,10 +58,11 @@ struct Motion {
   double acceleration_mm_s2{500};  ///< along the path
   double cross_acceleration_mm_s2{500};  ///< in curves: limits the speed to sqrt(a / curvature)
   double joint_speed_ratio{0.5};         ///< of the arm's own limits
-  double spacing_mm{2};
-  double blend_mm{0.8};
-  double overlap_mm{10};   ///< beyond the starting point, so that the seam is covered
-  double approach_mm{30};  ///< back along the tool's axis
+  double spacing_mm{2};                  ///< of the program's targets; grows where the blends need it
+  double blend_mm{1};                    ///< radius round a target; at least k_least_blend_mm
+  double chord_error_mm{0.2};            ///< how far straight moves and blends may leave the tip's way
+  double overlap_mm{10};                 ///< beyond the starting point, so that the seam is covered
+  double approach_mm{30};                ///< back along the tool's axis
   double approach_speed_mm_s{30};
   double lift_mm{80};  ///< from there straight up, before and after
   double transfer_speed_mm_s{150};

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/core/contracts.hpp"
+#include "host/robot/path/targets.hpp"
 
 namespace biteline::path {
 namespace {
@@ -16,8 +17,7 @@ constexpr double k_direction_sigma_mm = 8;
 constexpr double k_direction_sigma_per_standoff = 0.2;
 constexpr double k_tangent_sigma_mm = 3;
 constexpr double k_approach_spacing_mm = 10;
-// The line is sampled this much finer than the path, whose points are then picked evenly along the tip's own
-// way.
+// The line is sampled this much finer than the path, whose points are then picked along the tip's own way.
 constexpr double k_finer = 4;
 constexpr std::size_t k_seam_sectors = 8;
 constexpr double k_seam_apart_mm = 20;
@@ -202,33 +202,36 @@ void set_curvature(std::vector<ToolPoint>& points) {
 }
 
 /// The line once round from its entry and on over the overlap, points even along the way of the tip.
-std::vector<ToolPoint> along_line(const cloud::ClosedLine& line, const Process& process, double seam_arc_mm) {
+std::vector<ToolPoint> along_line(const cloud::ClosedLine& line, const Process& process, ToolPath& path) {
   const Motion& motion = process.motion;
   const auto [samples, fine_mm] = sampled(line, process);
   const std::size_t count = samples.size();
-  const std::size_t first = static_cast<std::size_t>(std::round(seam_arc_mm / fine_mm)) % count;
+  const std::size_t first = static_cast<std::size_t>(std::round(path.seam_arc_mm / fine_mm)) % count;
   const std::size_t last = count + static_cast<std::size_t>(std::ceil(motion.overlap_mm / fine_mm));
   std::vector<SE3> frames;
-  std::vector<double> way_mm{0.0};
+  std::vector<Vec3> way;
+  double way_mm = 0;
   for (std::size_t k = 0; k <= last; ++k) {
     frames.push_back(tool_frame(samples[(first + k) % count], process.placement));
-    if (k > 0)
-      way_mm.push_back(way_mm.back() + (frames[k].translation() - frames[k - 1].translation()).norm());
+    way.emplace_back(frames[k].translation());
+    if (k > 0) way_mm += (way[k] - way[k - 1]).norm();
   }
-  const double spacing_mm = way_mm.back() / std::ceil(way_mm.back() / motion.spacing_mm - k_rounding);
+  path.spacing_mm = target_spacing_mm(motion, way_mm);
+  const std::vector<FinePlace> places = even_places(way, path.spacing_mm);
+  const ChordError error = chord_error(way, places, motion.blend_mm);
+  path.chord_error_mm = error.mm;
+  path.chord_error_arc_mm = error.arc_mm;
   std::vector<ToolPoint> points;
-  double next_mm = 0;
-  for (std::size_t k = 0; k <= last; ++k) {
-    // The nearest fine sample: uneven by an eighth of the spacing at most, and on the line without
-    // interpolating frames.
-    if (way_mm[k] < next_mm - 0.5 * fine_mm && k != last) continue;
-    const std::size_t i = (first + k) % count;
-    points.push_back({.T_base_tcp = frames[k],
+  for (const FinePlace& place : places) {
+    const std::size_t k = place.sample;
+    const Vec3 &a = samples[(first + k) % count].position, &b = samples[(first + k + 1) % count].position;
+    SE3 T_base_tcp = geometry::interpolate(frames[k], frames[k + 1], place.fraction);
+    T_base_tcp.translation() = place.tip;  // straight between close points, whatever the turn
+    points.push_back({.T_base_tcp = T_base_tcp,
                       .segment = Segment::Line,
                       .arc_mm = 0,
                       .curvature_per_mm = 0,
-                      .line_base = samples[i].position});
-    next_mm += spacing_mm;
+                      .line_base = (1 - place.fraction) * a + place.fraction * b});
   }
   set_curvature(points);
   return points;
@@ -280,7 +283,7 @@ std::vector<double> seam_candidates(const cloud::ClosedLine& line, const Process
 ToolPath make_tool_path(const cloud::ClosedLine& line, const Process& process, double seam_arc_mm) {
   const Motion& motion = process.motion;
   ToolPath path{.points = {}, .seam_arc_mm = seam_arc_mm};
-  const std::vector<ToolPoint> along = along_line(line, process, seam_arc_mm);
+  const std::vector<ToolPoint> along = along_line(line, process, path);
 
   const SE3& T_in = along.front().T_base_tcp;
   const SE3& T_out = along.back().T_base_tcp;

@@ -23,6 +23,10 @@ struct ToolPoint {
 struct ToolPath {
   std::vector<ToolPoint> points;
   double seam_arc_mm{0};  ///< along the line as given: where it is entered
+  double spacing_mm{0};   ///< of the line's points, at least
+  /// How far the straight moves between the line's points, and the blends round them, leave the tip's way.
+  double chord_error_mm{0};
+  double chord_error_arc_mm{0};  ///< where, along the tip's path on the line
 };
 
 /// Lift, approach, the whole line once and its overlap, and away again.  Tool directions are smoothed along

@@ -5,6 +5,8 @@
 
 #include "common/core/fixed_text.hpp"
 #include "host/robot/link/ur/units.hpp"
+#include "host/robot/path/checks/program_check.hpp"
+#include "host/robot/path/targets.hpp"
 
 namespace biteline::robot::ur {
 namespace {
@@ -31,6 +33,16 @@ Line move_text(const char* command, const Waypoint& to, const PlannedPath& path,
   return Line::format("  %s(%s, a=%.4f, v=%.5f, r=%.5f)\n", command, pose_text(to.T_base_tcp).c_str(),
                       path.motion.acceleration_mm_s2 / k_mm_per_m,
                       std::max(speed_mm_s, k_least_speed_mm_s) / k_mm_per_m, blend_mm / k_mm_per_m);
+}
+
+Line output_text(int output, bool active) {
+  return Line::format("  set_standard_digital_out(%d, %s)\n", output, active ? "True" : "False");
+}
+
+Line payload_text(const path::Payload& payload) {
+  const Vec3 centre_m = payload.centre_flange_mm / k_mm_per_m;
+  return Line::format("  set_payload(%.3f, [%.5f,%.5f,%.5f])\n", payload.mass_kg, centre_m.x(), centre_m.y(),
+                      centre_m.z());
 }
 
 Line joint_move_text(const kinematics::Joints& q) {
@@ -69,18 +81,19 @@ std::string urscript(const path::CheckedPath& checked) {
 
   std::string text = std::string{"def "} + k_program_name + "():\n";
   text += Line::format("  set_tcp(%s)\n", pose_text(path.T_flange_tcp).c_str()).view();
+  if (path.payload) text += payload_text(*path.payload).view();
+  // Whatever an earlier program left on, the arm does not travel with it.
+  if (path.digital_output >= 0) text += output_text(path.digital_output, false).view();
   for (const kinematics::Joints& via : path.via_rad) text += joint_move_text(via).view();
   text += joint_move_text(w.front().q_rad).view();
   text += straight_moves(path, 0, first);
-  if (path.digital_output >= 0)
-    text += Line::format("  set_digital_out(%d, True)\n", path.digital_output).view();
+  if (path.digital_output >= 0) text += output_text(path.digital_output, true).view();
+  const std::vector<double> blend_mm = path::blend_radii_mm(path::line_tips(path), path.motion.blend_mm);
   for (std::size_t i = first + 1; i <= last; ++i) {
-    const bool stops = i == last;
     const double speed_mm_s = std::max(w[i].speed_mm_s, w[i - 1].speed_mm_s);
-    text += move_text("movep", w[i], path, speed_mm_s, stops ? 0 : path.motion.blend_mm).view();
+    text += move_text("movep", w[i], path, speed_mm_s, blend_mm[i - first]).view();
   }
-  if (path.digital_output >= 0)
-    text += Line::format("  set_digital_out(%d, False)\n", path.digital_output).view();
+  if (path.digital_output >= 0) text += output_text(path.digital_output, false).view();
   text += straight_moves(path, last, w.size() - 1);
   text += "end\n";
   return text;

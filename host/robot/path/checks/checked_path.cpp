@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "host/robot/kinematics/chain.hpp"
+#include "host/robot/path/checks/program_check.hpp"
 
 namespace biteline::path {
 namespace {
@@ -189,6 +190,7 @@ CheckOutcome check_path(PlannedPath path, const ArmModel& arm, const CollisionMo
   out.checks.push_back(acceleration_check(path, arm));
   out.checks.push_back(singularity_check(path, arm, limits.least_singularity));
   out.checks.push_back(clearance_check(path, arm, collisions, limits.least_clearance_mm));
+  for (Check& check : program_checks(path)) out.checks.push_back(std::move(check));
   if (all_passed(out.checks)) out.path = PathChecker::passed(std::move(path));
   return out;
 }

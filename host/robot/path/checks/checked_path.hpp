@@ -26,7 +26,8 @@ struct PlannedPath {
   std::string robot;
   std::string process;
   SE3 T_flange_tcp;
-  Motion motion;
+  std::optional<Payload> payload{};
+  Motion motion;  ///< as the process has it, but for the spacing, which is what the path was made with
   int digital_output{-1};
   std::vector<kinematics::Joints> via_rad{};  ///< postures on the arm's way to the first waypoint (way_there)
   std::vector<Waypoint> waypoints;
@@ -59,7 +60,7 @@ struct CheckLimits {
 
 /// Everything anew from joints and poses, trusting nothing of how they were made: pose and joints agree,
 /// reach, joint limits, speed and acceleration of tip and joints, singularity, jumps of the wrist,
-/// collisions.
+/// collisions, and what a controller's program asks (program_check).
 [[nodiscard]] CheckOutcome check_path(PlannedPath path, const kinematics::ArmModel& arm,
                                       const CollisionModel& collisions, const CheckLimits& limits);
 

@@ -3,6 +3,7 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include "hal/sim/robot/blends.hpp"
 #include "tests/support/transforms.hpp"
 
 namespace biteline::sim {
@@ -63,6 +64,40 @@ TEST(Program, NeverJumps) {
     CHECK(step.translation().norm() <
           2000 * k_step_s);  // 1.05 rad/s at under a metre's reach, and the tool's turn
     CHECK(geometry::log_so3(step.linear()).norm() < 8 * k_step_s);
+  }
+}
+
+TEST(Program, PayloadIsWhatTheScriptSaid) {
+  const Program sut = planned("set_payload(1.8, [0,0,0.07])\nsleep(1)\nset_payload(0.5)\nsleep(1)\n");
+  DOUBLES_EQUAL(1.8, sut.payload_at(0.5).mass_kg, 1e-12);
+  DOUBLES_EQUAL(70, sut.payload_at(0.5).centre_mm.z(), 1e-9);
+  DOUBLES_EQUAL(0.5, sut.payload_at(1.5).mass_kg, 1e-12);
+}
+
+/// As a real controller: the move is left out, and said.
+TEST(Program, MovesWhoseBlendsMeetAreSkippedAndWarnedOf) {
+  const struct {
+    const char* text;
+    std::size_t kept, warnings;
+  } rows[] = {
+      {"movep(p[0.400,0,0.3,0,0,0], r=0.001)\nmovep(p[0.402,0,0.3,0,0,0], r=0.001)\n", 2, 0},
+      {"movep(p[0.400,0,0.3,0,0,0], r=0.001)\nmovep(p[0.4019,0,0.3,0,0,0], r=0.001)\n", 1, 1},
+      {"movep(p[0.400,0,0.3,0,0,0], r=0.0008)\nmovep(p[0.4015,0,0.3,0,0,0], r=0.0008)\n"
+       "movep(p[0.4030,0,0.3,0,0,0], r=0.0008)\n",
+       2, 1},
+      {"movel(p[0.400,0,0.3,0,0,0], r=0.01)\nmovel(p[0.405,0,0.3,0,0,0])\n", 1, 1},
+      {"movep(p[0.400,0,0.3,0,0,0], r=0.001)\nset_digital_out(0, True)\n"
+       "movep(p[0.4005,0,0.3,0,0,0], r=0.001)\n",
+       2, 1},
+      {"movep(p[0.400,0,0.3,0,0,0], r=0.001)\nsleep(1)\nmovep(p[0.4005,0,0.3,0,0,0], r=0.001)\n", 3, 0},
+      {"movel(p[0.400,0,0.3,0,0,0])\nmovel(p[0.4001,0,0.3,0,0,0])\n", 2, 0},
+  };
+  for (const auto& row : rows) {
+    Script script = *parse_script(row.text);
+    const std::vector<std::string> warnings = skip_overlapping_blends(script);
+    LONGS_EQUAL_TEXT(row.kept, script.steps.size(), row.text);
+    LONGS_EQUAL_TEXT(row.warnings, warnings.size(), row.text);
+    if (!warnings.empty()) STRCMP_CONTAINS("Overlapping Blends", warnings[0].c_str());
   }
 }
 

@@ -128,6 +128,20 @@ TEST(UrController, RunsAScriptToItsEnd) {
   LONGS_EQUAL(1, sut->scripts_run());
 }
 
+TEST(UrController, BlendsThatMeetAreToldOnBothWays) {
+  Client client(sut->ports().rtde);
+  CHECK(client.read_until([](const Recorder& r) { return r.poses.size() >= 2; }));
+  const hal::Descriptor script = connect_to(sut->ports().script);
+  send_text(script,
+            "def close():\n  movep(p[0.4,0,0.3,0,3.1,0], r=0.0008)\n"
+            "  movep(p[0.4015,0,0.3,0,3.1,0], r=0.0008)\nend\n");
+  STRCMP_CONTAINS("Overlapping Blends in a move command: move 2 skipped", read_line(script).c_str());
+  CHECK(client.read_until([](const Recorder& r) { return !r.texts.empty(); }));
+  STRCMP_CONTAINS("Overlapping Blends", client.recorder.texts[0].c_str());
+  LONGS_EQUAL(1, sut->moves_skipped());
+  LONGS_EQUAL(1, sut->scripts_run());
+}
+
 TEST(UrController, AScriptItCannotReadMovesNothingAndIsSaid) {
   Client client(sut->ports().rtde);
   CHECK(client.read_until([](const Recorder& r) { return r.poses.size() >= 2; }));

@@ -32,7 +32,8 @@ TEST(UrScript, IsOneProgramThatBeginsWithToolAndJoints) {
   STRCMP_EQUAL("def biteline_path():", lines.front().c_str());
   STRCMP_EQUAL("end", lines.back().c_str());
   CHECK(lines[1].find("set_tcp(p[0.0000000,0.0000000,0.1800000") != std::string::npos);
-  CHECK(lines[2].find("movej([") != std::string::npos);
+  CHECK(lines[2].find("set_payload(") != std::string::npos);
+  CHECK(lines[4].find("movej([") != std::string::npos);
   CHECK_EQUAL(1U, count("movej"));
 }
 
@@ -43,8 +44,7 @@ TEST(UrScript, PosturesOnTheWayThereComeFirstInTheirOrder) {
   CHECK(!via_rad.empty());
   std::istringstream text{urscript(*behind.way.path)};
   std::string line;
-  std::getline(text, line);  // def
-  std::getline(text, line);  // set_tcp
+  for (int i = 0; i < 4; ++i) std::getline(text, line);  // def, set_tcp, set_payload, the tool off
   std::vector<kinematics::Joints> stops = via_rad;
   stops.push_back(path.path().waypoints.front().q_rad);
   for (const kinematics::Joints& stop : stops) {
@@ -63,10 +63,65 @@ TEST(UrScript, EveryLineWaypointIsOneProcessMoveBetweenToolOnAndOff) {
   const auto on_line =
       std::ranges::count_if(waypoints, [](const auto& w) { return w.segment == path::Segment::Line; });
   CHECK_EQUAL(static_cast<std::size_t>(on_line) - 1, count("movep("));  // the first is reached by movel
-  CHECK_EQUAL(2U, count("set_digital_out(0"));
   const auto first =
       std::ranges::find_if(lines, [](const std::string& l) { return l.find("movep") != std::string::npos; });
   CHECK((first - 1)->find("True") != std::string::npos);
+}
+
+/// On for the line alone: off before the first move, off before the arm leaves; the joint moves and the
+/// straight ones are made without it.
+TEST(UrScript, ToolIsOffOnEveryWayThatIsNotTheLine) {
+  CHECK_EQUAL(3U, count("set_standard_digital_out(0, "));
+  bool on = false, told = false;
+  for (const std::string& line : lines) {
+    if (line.find("set_standard_digital_out(0, ") != std::string::npos) {
+      on = line.find("True") != std::string::npos;
+      told = true;
+    }
+    if (line.find("  move") != 0) continue;
+    CHECK_TEXT(told, line.c_str());
+    CHECK_EQUAL_TEXT(line.find("  movep") == 0, on, line.c_str());
+  }
+  CHECK_FALSE(on);
+}
+
+TEST(UrScript, PayloadOfTheProcessIsSetBeforeTheArmMoves) {
+  STRCMP_EQUAL("  set_payload(1.800, [0.00000,0.00000,0.07000])", lines[2].c_str());
+}
+
+/// What controllers refuse or skip: blends that meet, radii below the least, ends in motion, long programs.
+/// On every shipped process, of the text itself.
+TEST(UrScript, BlendsOfNeighboursNeverMeetAndEndsAreAtRest) {
+  for (const char* process : {"grind.yaml", "rough.yaml", "cement.yaml", "spray.yaml"}) {
+    struct Target {
+      Vec3 tip_m;
+      double r_m;
+      bool process;
+    };
+    std::vector<Target> targets;
+    std::size_t moves = 0;
+    std::istringstream text{urscript(test::planned_path(process))};
+    for (std::string line; std::getline(text, line);) {
+      moves += line.find("  move") == 0 ? 1 : 0;
+      double p[6], a = 0, v = 0, r = 0;
+      char kind = 0;
+      if (std::sscanf(line.c_str(), "  move%c(p[%lf,%lf,%lf,%lf,%lf,%lf], a=%lf, v=%lf, r=%lf)", &kind, p,
+                      p + 1, p + 2, p + 3, p + 4, p + 5, &a, &v, &r) == 10)
+        targets.push_back({.tip_m = {p[0], p[1], p[2]}, .r_m = r, .process = kind == 'p'});
+    }
+    CHECK(moves <= 1000);
+    CHECK(targets.size() > 200);
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+      const bool inside = i + 1 < targets.size() && targets[i].process && targets[i + 1].process;
+      if (!inside) {
+        DOUBLES_EQUAL(0, targets[i].r_m, 0);
+        continue;
+      }
+      CHECK(targets[i].r_m >= 0.001);
+      CHECK(targets[i].r_m + targets[i + 1].r_m < (targets[i + 1].tip_m - targets[i].tip_m).norm());
+      CHECK(targets[i].r_m + targets[i - 1].r_m < (targets[i].tip_m - targets[i - 1].tip_m).norm());
+    }
+  }
 }
 
 TEST(UrScript, MovesAreInMetresAndRotationVectors) {

@@ -47,6 +47,30 @@ TEST(Plan, EveryShippedProcessIsFollowedByTheUr5eWithEveryCheckPassed) {
   }
 }
 
+/// The finer spacing that a process may ask for does not go with the least blend: fewer points, and where
+/// these leave the line too far, no path.
+TEST(Plan, SpacingGrowsForTheBlendsWithinTheChordErrorElseThePlanIsRefused) {
+  PlanRequest asked = request("UR5e", "grind.yaml");
+  asked.process.motion.spacing_mm = 0.5;
+  const PlanOutcome fine = plan(asked);
+  CHECK_TEXT(fine.path.has_value(), fine.reason.c_str());
+  const auto& waypoints = fine.path->path().waypoints;
+  CHECK(waypoints.size() < 400);
+  for (std::size_t i = 0; i + 1 < waypoints.size(); ++i) {
+    if (waypoints[i].segment != Segment::Line || waypoints[i + 1].segment != Segment::Line) continue;
+    const double step_mm =
+        (waypoints[i + 1].T_base_tcp.translation() - waypoints[i].T_base_tcp.translation()).norm();
+    CHECK(step_mm > 2.04 && step_mm < 2.2);
+  }
+
+  asked.process.motion.blend_mm = 3;
+  asked.process.motion.chord_error_mm = 0.02;
+  const PlanOutcome refused = plan(asked);
+  CHECK_FALSE(refused.path.has_value());
+  STRCMP_CONTAINS("straight moves", refused.reason.c_str());
+  STRCMP_CONTAINS("6.12 mm apart", refused.reason.c_str());
+}
+
 TEST(Plan, FreeTurnStaysWithinTheToolsFreedom) {
   const PlanRequest asked = request("UR5e", "cement.yaml");
   const PlanOutcome outcome = plan(asked);
@@ -147,6 +171,28 @@ TEST(CheckPath, EveryTamperedPathIsCaught) {
   path.waypoints.erase(path.waypoints.begin() + static_cast<std::ptrdiff_t>(middle),
                        path.waypoints.begin() + static_cast<std::ptrdiff_t>(middle) + 4);
   CHECK(failed_checks().find("path spacing") != std::string::npos);
+
+  // Two targets 0.3 mm nearer to each other: 1 mm round both no longer fits.
+  path = good;
+  const Vec3 step =
+      path.waypoints[middle + 1].T_base_tcp.translation() - path.waypoints[middle].T_base_tcp.translation();
+  path.waypoints[middle].T_base_tcp.translation() += 0.3 * step.normalized();
+  CHECK(failed_checks().find("blends apart") != std::string::npos);
+
+  for (const std::size_t end : {std::size_t{0}, path.waypoints.size() - 1}) {
+    path = good;
+    path.waypoints[end].speed_mm_s = 1;
+    STRCMP_EQUAL("rest at the ends;", failed_checks().c_str());
+  }
+  path = good;
+  std::ranges::find_if(path.waypoints, [](const Waypoint& w) {
+    return w.segment == Segment::Line;
+  })->speed_mm_s = 1;
+  STRCMP_EQUAL("rest at the ends;", failed_checks().c_str());
+
+  path = good;
+  path.via_rad.resize(1001 - path.waypoints.size(), path.waypoints[0].q_rad);
+  STRCMP_EQUAL("program size;", failed_checks().c_str());
 
   path = good;
   Surroundings wall = collisions.surroundings();

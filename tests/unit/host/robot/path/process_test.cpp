@@ -51,7 +51,10 @@ TEST(ProcessFile, UnknownKeysAndImpossibleValuesAreNamed) {
     const char* named;
   };
   for (const Row& row :
-       {Row{"up_mm", "upp_mm", "up_mm"}, Row{"spacing_mm: 2", "spacing_mm: 1", "blend_mm"},
+       {Row{"up_mm", "upp_mm", "up_mm"}, Row{"blend_mm: 1", "blend_mm: 0.8", "blend_mm"},
+        Row{"payload_kg", "weight_kg", "payload_kg"},
+        Row{"payload_kg: 1.8", "payload_kg: .nan", "payload_kg"},
+        Row{"[0, 0, 70]", "[0, 0, 7000]", "payload_centre_mm"},
         Row{"tilt_deg: 60", "tilt_deg: 600", "tilt_deg"}, Row{"start: auto", "start: heel", "start"},
         Row{"[0, 0, 180]", "[0, 180]", "tcp_position_mm"}}) {
     const auto process = read_changed(row.from, row.to);

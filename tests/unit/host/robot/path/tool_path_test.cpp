@@ -86,7 +86,7 @@ TEST(ToolPath, GoesOnceRoundAndOverlaps) {
   DOUBLES_EQUAL(cloud::length_mm(line) + 25, points.back().arc_mm - points.front().arc_mm, 1.0);
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     const double step_mm = points[i + 1].arc_mm - points[i].arc_mm;
-    CHECK(step_mm > 0.5 * process.motion.spacing_mm && step_mm < 1.3 * process.motion.spacing_mm);
+    CHECK(step_mm > process.motion.blend_mm / 0.49 && step_mm < 1.3 * process.motion.spacing_mm);
   }
   DOUBLES_EQUAL(0.0, (points.front().line_base - line.points[100].position).norm(), 2.0);
 }
