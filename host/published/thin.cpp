@@ -6,6 +6,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "host/geometry/closed_curve.hpp"
+
 namespace biteline::published {
 
 std::vector<std::uint32_t> back_project(std::span<const Eigen::Vector3f> points,
@@ -75,16 +77,11 @@ std::vector<Vec3> even_sequence(const std::vector<Vec3>& points, double spacing_
     const std::size_t to = (b + 1) * points.size() / bins;
     for (std::size_t i = from; i < to; ++i) polyline[b] += points[i] / static_cast<double>(to - from);
   }
-  std::vector<double> at(bins + 1, 0.0);
-  for (std::size_t i = 0; i < bins; ++i) at[i + 1] = at[i] + (polyline[(i + 1) % bins] - polyline[i]).norm();
-  const auto count = static_cast<std::size_t>(std::max(3.0, std::round(at.back() / spacing_mm)));
-  std::vector<Vec3> even(count);
-  std::size_t k = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double target = at.back() * static_cast<double>(i) / static_cast<double>(count);
-    while (k + 1 < bins && at[k + 1] <= target) ++k;
-    even[i] = polyline[k] + (target - at[k]) / std::max(at[k + 1] - at[k], 1e-12) *
-                                (polyline[(k + 1) % bins] - polyline[k]);
+  const geometry::ArcLength along{bins, [&](std::size_t i) { return polyline[i]; }};
+  std::vector<Vec3> even(along.count_for(spacing_mm));
+  for (std::size_t k = 0; k < even.size(); ++k) {
+    const geometry::OnCurve at = along.even(k, even.size());
+    even[k] = at.between<Vec3>(polyline[at.before], polyline[at.after]);
   }
   return even;
 }

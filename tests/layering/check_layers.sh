@@ -22,7 +22,7 @@ forbid common '(hal|firmware|host|tests)/' 'common knows no other layer'
 forbid hal '(firmware|host|tests)/' 'hal knows common only'
 forbid firmware '(host|tests)/' 'firmware knows common and hal'
 forbid host '(hal|firmware|tests)/' 'host knows common only: sensor and robot are network peers'
-for algorithm in cloud evaluation curvature bite_line published calibration transfer robot/kinematics robot/path; do
+for algorithm in geometry cloud evaluation curvature bite_line published calibration transfer robot/kinematics robot/path; do
   forbid "host/$algorithm" 'host/(intake|robot/link|results|apps)/' 'algorithms know neither the network nor results nor the programs'
 done
 forbid 'host/cloud host/bite_line host/intake host/transfer host/results' 'host/published/' 'the product does not stand on the published method'

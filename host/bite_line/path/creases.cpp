@@ -11,6 +11,7 @@
 #include <tbb/task_group.h>
 
 #include "host/bite_line/path/closed_path.hpp"
+#include "host/geometry/closed_curve.hpp"
 
 namespace biteline::bite_line {
 
@@ -124,7 +125,7 @@ Crease describe(const SideField& field, std::span<const float> evidence, const s
   crease.turn_rad.assign(cols, 0.0F);
   crease.visible.assign(cols, 0);
   std::vector<double> rows(path.begin(), path.end());
-  crease.row = smooth_closed(rows, 2.0 / grid.col_mm);
+  crease.row = geometry::smooth_closed(rows, 2.0 / grid.col_mm);
 
   std::vector<double> turns;
   std::vector<double> steps;

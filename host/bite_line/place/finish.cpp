@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/core/fixed_text.hpp"
+#include "host/geometry/closed_curve.hpp"
 
 namespace biteline::bite_line {
 
@@ -26,27 +27,19 @@ double point_confidence(const PlacedStation& point, double of_line) {
 cloud::ClosedLine even_line(const PlacedLine& placed_line, const SE3& T_base_shoe, double of_line,
                             double spacing_mm) {
   const auto& placed = placed_line.points;
-  std::vector<double> at(placed.size() + 1, 0.0);
-  for (std::size_t i = 0; i < placed.size(); ++i) {
-    at[i + 1] = at[i] + (placed[(i + 1) % placed.size()].position - placed[i].position).norm();
-  }
-  const auto count = static_cast<std::size_t>(std::max(3.0, std::round(at.back() / spacing_mm)));
+  const geometry::ArcLength along{placed.size(), [&](std::size_t i) { return placed[i].position; }};
+  const std::size_t count = along.count_for(spacing_mm);
   cloud::ClosedLine line;
   line.points.reserve(count);
-  std::size_t k = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double target = at.back() * static_cast<double>(i) / static_cast<double>(count);
-    while (k + 1 < placed.size() && at[k + 1] <= target) ++k;
-    const PlacedStation& a = placed[k];
-    const PlacedStation& b = placed[(k + 1) % placed.size()];
-    const double f = (target - at[k]) / std::max(at[k + 1] - at[k], 1e-12);
-    const Vec3 position = (1 - f) * a.position + f * b.position;
-    const Vec3 normal = ((1 - f) * a.normal + f * b.normal).normalized();
+  for (std::size_t k = 0; k < count; ++k) {
+    const geometry::OnCurve at = along.even(k, count);
+    const PlacedStation& a = placed[at.before];
+    const PlacedStation& b = placed[at.after];
     line.points.push_back(
-        {.position = T_base_shoe * position,
-         .normal = T_base_shoe.linear() * normal,
+        {.position = T_base_shoe * at.between<Vec3>(a.position, b.position),
+         .normal = T_base_shoe.linear() * at.between<Vec3>(a.normal, b.normal).normalized(),
          .tangent = Vec3::UnitX(),
-         .confidence = (1 - f) * point_confidence(a, of_line) + f * point_confidence(b, of_line)});
+         .confidence = at.between(point_confidence(a, of_line), point_confidence(b, of_line))});
   }
   add_tangents(line);
   return line;
@@ -70,9 +63,10 @@ Candidate candidate_of(const JudgedPath& path, const Side& side) {
     const Vec2 plan = outline.point(s) + static_cast<double>(field.o_mm[grid.at(row, c)]) * outline.normal(s);
     candidate.points.push_back(side.shoe.T_base_shoe * Vec3{plan.x(), plan.y(), grid.z_mm(path_row)});
   }
-  for (std::size_t i = 0; i < candidate.points.size(); ++i) {
-    candidate.length_mm += (candidate.points[(i + 1) % candidate.points.size()] - candidate.points[i]).norm();
-  }
+  candidate.length_mm = geometry::ArcLength{
+      candidate.points.size(), [&](std::size_t i) {
+        return candidate.points[i];
+      }}.total_mm();
   return candidate;
 }
 

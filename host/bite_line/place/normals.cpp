@@ -7,8 +7,8 @@
 
 #include <tbb/parallel_for.h>
 
-#include "host/bite_line/place/bridge.hpp"
-#include "host/bite_line/place/closed_spline.hpp"
+#include "host/geometry/bridge.hpp"
+#include "host/geometry/closed_spline.hpp"
 
 namespace biteline::bite_line {
 
@@ -60,11 +60,11 @@ std::optional<Smooth> smooth_at(const Sections& sections, int station, double ro
 
 /// What one strip's points say, by place along the line; those of one profile that fall on two stations are
 /// joined.
-std::vector<ClosedSpline::Knot> knots_of(const NormalInput& input, double above_line_mm) {
+std::vector<geometry::ClosedSpline::Knot> knots_of(const NormalInput& input, double above_line_mm) {
   const Sections& sections = input.sections;
   const double turn_mm = sections.stations * sections.station_mm;
   struct Weighted {
-    ClosedSpline::Knot knot;
+    geometry::ClosedSpline::Knot knot;
     double points;
   };
   std::vector<Weighted> found;
@@ -88,7 +88,7 @@ std::vector<ClosedSpline::Knot> knots_of(const NormalInput& input, double above_
   std::sort(found.begin(), found.end(),
             [](const Weighted& a, const Weighted& b) { return a.knot.at_mm < b.knot.at_mm; });
   const double usual_mm = turn_mm / static_cast<double>(std::max<std::size_t>(found.size(), 1));
-  std::vector<ClosedSpline::Knot> knots;
+  std::vector<geometry::ClosedSpline::Knot> knots;
   double points = 0;
   for (const Weighted& next : found) {
     if (!knots.empty() && next.knot.at_mm - knots.back().at_mm < 0.5 * usual_mm) {
@@ -112,14 +112,14 @@ Strip strip_of(const NormalInput& input, double above_line_mm) {
   const Sections& sections = input.sections;
   const auto stations = static_cast<std::size_t>(sections.stations);
   Strip strip{Track{stations}, Track{stations}};
-  std::vector<ClosedSpline::Knot> knots = knots_of(input, above_line_mm);
+  std::vector<geometry::ClosedSpline::Knot> knots = knots_of(input, above_line_mm);
   if (knots.size() < 8) return strip;
   const double turn_mm = sections.stations * sections.station_mm;
   const double longest =
       std::max(k_longest_mm, k_longest_usual * turn_mm / static_cast<double>(knots.size()));
-  const ClosedSpline spline{std::move(knots), turn_mm};
+  const geometry::ClosedSpline spline{std::move(knots), turn_mm};
   for (std::size_t i = 0; i < stations; ++i) {
-    const ClosedSpline::Sample sample = spline.at(static_cast<double>(i) * sections.station_mm);
+    const geometry::ClosedSpline::Sample sample = spline.at(static_cast<double>(i) * sections.station_mm);
     if (sample.interval_mm > longest) continue;
     strip.o.set(i, sample.value);
     strip.slope_along.set(i, sample.slope);
@@ -155,7 +155,7 @@ std::vector<double> mean_of(std::vector<Track>& tracks, std::size_t stations, do
   double count = 0;
   for (Track& track : tracks) {
     if (!seen(track)) continue;
-    bridge_means(track.value, track.known, station_mm, k_ends_mm);
+    geometry::bridge_means(track.value, track.known, station_mm, k_ends_mm);
     for (std::size_t i = 0; i < stations; ++i) mean[i] += track.value[i];
     count += 1;
   }

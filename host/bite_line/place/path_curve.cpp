@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/bite_line/place/bridge.hpp"
+#include "host/geometry/bridge.hpp"
+#include "host/geometry/closed_curve.hpp"
 
 namespace biteline::bite_line {
 
@@ -13,41 +14,40 @@ PathCurve curve_of(const SideField& field, const Outline& outline, std::span<con
   const auto cols = static_cast<std::ptrdiff_t>(grid.cols);
   const auto wrap = [&](std::ptrdiff_t c) { return static_cast<std::size_t>((c % cols + cols) % cols); };
   std::vector<Vec3> points(static_cast<std::size_t>(cols), Vec3::Zero());
-  std::vector<bool> seen(static_cast<std::size_t>(cols), false);
+  std::vector<std::uint8_t> seen(static_cast<std::size_t>(cols), 0);
   for (std::ptrdiff_t c = 0; c < cols; ++c) {
     const auto i = static_cast<std::size_t>(c);
     const int row = std::clamp(static_cast<int>(std::lround(path_row[i])), 0, grid.rows - 1);
     const std::size_t cell = grid.at(row, static_cast<int>(c));
-    seen[i] = field.seen[cell] != 0;
+    seen[i] = field.seen[cell];
     const double s = (static_cast<double>(c) + 0.5) * grid.col_mm;
     const Vec2 plan = outline.point(s) + static_cast<double>(field.o_mm[cell]) * outline.normal(s);
     points[i] = {plan.x(), plan.y(), grid.z_mm(path_row[i])};
   }
   // The columns beside a gap lean on points from one side only.
   const auto margin = static_cast<std::ptrdiff_t>(std::ceil(3.0 / grid.col_mm));
-  std::vector<bool> known = seen;
+  std::vector<std::uint8_t> known = seen;
   for (std::ptrdiff_t c = 0; c < cols; ++c) {
-    if (seen[wrap(c)]) continue;
-    for (std::ptrdiff_t j = -margin; j <= margin; ++j) known[wrap(c + j)] = false;
+    if (seen[wrap(c)] != 0) continue;
+    for (std::ptrdiff_t j = -margin; j <= margin; ++j) known[wrap(c + j)] = 0;
   }
-  const auto lever = static_cast<std::ptrdiff_t>(std::ceil(12.0 / grid.col_mm));
-  for (std::ptrdiff_t c = 0; c < cols; ++c) {
-    if (!known[wrap(c)] || known[wrap(c + 1)]) continue;
-    std::ptrdiff_t end = c + 1;
-    while (end < c + cols && !known[wrap(end)]) ++end;
-    if (end >= c + cols) break;
-    // Directions over 12 mm outside the gap, turned on by the bend over those 12 mm to stand at the gap's
-    // edge.
+  const auto lever = static_cast<std::ptrdiff_t>(std::ceil(2 * geometry::k_end_lever_mm / grid.col_mm));
+  for (const geometry::Gap& gap : geometry::gaps_of(known)) {
+    if (gap.steps >= points.size()) break;  // one known column alone has no direction
+    const auto first = static_cast<std::ptrdiff_t>(gap.first);
+    const std::ptrdiff_t last = first + static_cast<std::ptrdiff_t>(gap.steps);
     const auto direction = [&](std::ptrdiff_t at, std::ptrdiff_t away) {
-      const Vec3 near = points[wrap(at)] - points[wrap(at + away * lever / 2)];
-      const Vec3 far = points[wrap(at + away * lever / 2)] - points[wrap(at + away * lever)];
-      return Vec3{(1.5 * near - 0.5 * far) / (0.5 * static_cast<double>(lever))};
+      return geometry::CurveEnd{.end = points[wrap(at)],
+                                .near = points[wrap(at + away * lever / 2)],
+                                .far = points[wrap(at + away * lever)]}
+          .direction();
     };
-    const Arc arc{
-        .p0 = points[wrap(c)], .d0 = direction(c, -1), .p1 = points[wrap(end)], .d1 = -direction(end, +1)};
-    for (std::ptrdiff_t j = c + 1; j < end; ++j)
-      points[wrap(j)] = arc.at(static_cast<double>(j - c) / static_cast<double>(end - c));
-    c = end - 1;
+    const geometry::Arc arc{.p0 = points[wrap(first)],
+                            .d0 = direction(first, -1),
+                            .p1 = points[wrap(last)],
+                            .d1 = -direction(last, +1)};
+    for (std::ptrdiff_t j = first + 1; j < last; ++j)
+      points[wrap(j)] = arc.at(static_cast<double>(j - first) / static_cast<double>(gap.steps));
   }
   PathCurve curve;
   for (const Vec3& p : points) {
@@ -80,7 +80,7 @@ std::vector<double> heights_at_stations(const PathCurve& curve, const Outline& p
     const double span = std::max(samples[k + 1].s - samples[k].s, 1e-9);
     z[i] = samples[k].z + std::clamp((s - samples[k].s) / span, 0.0, 1.0) * (samples[k + 1].z - samples[k].z);
   }
-  return smooth_closed(z, 3.0 / (length / static_cast<double>(stations)));
+  return geometry::smooth_closed(z, 3.0 / (length / static_cast<double>(stations)));
 }
 
 }  // namespace biteline::bite_line

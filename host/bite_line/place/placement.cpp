@@ -8,10 +8,11 @@
 #include <tbb/parallel_for.h>
 
 #include "host/bite_line/buckets.hpp"
-#include "host/bite_line/place/bridge.hpp"
 #include "host/bite_line/place/path_curve.hpp"
 #include "host/bite_line/place/ridge.hpp"
 #include "host/bite_line/place/sections.hpp"
+#include "host/geometry/bridge.hpp"
+#include "host/geometry/closed_curve.hpp"
 
 namespace biteline::bite_line {
 
@@ -21,26 +22,6 @@ namespace {
 constexpr double k_height_lever_mm = 10.0;
 /// Three profiles of a usual scan: less, with nothing around, may be strays.
 constexpr double k_island_mm = 3.0;
-
-/// Mean over `window_mm`, closed; fractional at the ends so that the window is exact.
-std::vector<double> running_mean(std::span<const double> values, double window_mm, double step_mm) {
-  const auto count = static_cast<std::ptrdiff_t>(values.size());
-  const double half = 0.5 * window_mm / step_mm;
-  const auto whole = static_cast<std::ptrdiff_t>(half);
-  const double edge = half - static_cast<double>(whole);
-  std::vector<double> mean(values.size());
-  for (std::ptrdiff_t i = 0; i < count; ++i) {
-    double sum = 0;
-    double weight = 0;
-    for (std::ptrdiff_t j = -whole - 1; j <= whole + 1; ++j) {
-      const double w = std::abs(j) <= whole ? 1.0 : edge;
-      sum += w * values[static_cast<std::size_t>(((i + j) % count + count) % count)];
-      weight += w;
-    }
-    mean[static_cast<std::size_t>(i)] = sum / weight;
-  }
-  return mean;
-}
 
 struct Surface {
   double o_mm;
@@ -86,7 +67,7 @@ Outwards outwards_of(const Sections& sections, std::span<const double> row) {
     filled[i] = surface->seen ? 0 : 1;
   }
   if (std::find(out.known.begin(), out.known.end(), 1) == out.known.end()) out.known = filled;
-  for (const Gap& gap : gaps_of(std::vector<std::uint8_t>{out.known})) {
+  for (const geometry::Gap& gap : geometry::gaps_of(std::vector<std::uint8_t>{out.known})) {
     if (static_cast<double>(gap.steps) * sections.station_mm <= k_longest_shadow_mm) continue;
     for (std::size_t k = 1; k < gap.steps; ++k) {
       const std::size_t i = (gap.first + k) % row.size();
@@ -113,10 +94,10 @@ double gap_doubt(double to_known_mm, double length_mm, double turn_rad) {
 std::vector<GapPlace> gap_places(std::span<const std::uint8_t> known, const Outline& outline,
                                  double station_mm) {
   std::vector<GapPlace> places(known.size());
-  const std::vector<Gap> gaps = gaps_of(known);
+  const std::vector<geometry::Gap> gaps = geometry::gaps_of(known);
   if (gaps.empty() && (known.empty() || known.front() == 0))
     std::fill(places.begin(), places.end(), GapPlace{.to_known_mm = 1e9, .doubt = 1e9});
-  for (const Gap& gap : gaps) {
+  for (const geometry::Gap& gap : gaps) {
     const double length_mm = static_cast<double>(gap.steps) * station_mm;
     const double from_mm = static_cast<double>(gap.first) * station_mm;
     const double turn_rad =
@@ -136,7 +117,7 @@ void shrink_beside_gaps(std::vector<std::uint8_t>& known, double station_mm) {
   constexpr double k_margin_mm = 1.0;
   const auto margin = static_cast<std::size_t>(std::lround(k_margin_mm / station_mm));
   const std::size_t count = known.size();
-  for (const Gap& gap : gaps_of(known)) {
+  for (const geometry::Gap& gap : geometry::gaps_of(known)) {
     if (static_cast<double>(gap.steps) * station_mm < k_long_mm) continue;
     for (std::size_t k = 0; k < margin; ++k) {
       known[(gap.first + count - k) % count] = 0;
@@ -149,34 +130,29 @@ void shrink_beside_gaps(std::vector<std::uint8_t>& known, double station_mm) {
 /// ends in their own directions.
 std::vector<Vec2> plan_of(const Outline& outline, std::span<const double> o,
                           std::span<const std::uint8_t> known, double station_mm) {
-  constexpr double k_lever_mm = 6.0;
   const std::size_t count = o.size();
   std::vector<Vec2> plan(count);
   for (std::size_t i = 0; i < count; ++i) {
     const double s = static_cast<double>(i) * station_mm;
     plan[i] = outline.point(s) + o[i] * outline.normal(s);
   }
-  const auto lever = static_cast<std::size_t>(std::lround(k_lever_mm / station_mm));
-  for (const Gap& gap : gaps_of(known)) {
+  const auto lever = static_cast<std::size_t>(std::lround(geometry::k_end_lever_mm / station_mm));
+  for (const geometry::Gap& gap : geometry::gaps_of(known)) {
     const std::size_t end = (gap.first + gap.steps) % count;
     const auto back = [&](std::size_t k) { return (gap.first + count - k) % count; };
     const auto ahead = [&](std::size_t k) { return (end + k) % count; };
     bool firm = true;  // both ends are known over the whole lever
     for (std::size_t k = 0; k <= 2 * lever; ++k) firm = firm && known[back(k)] != 0 && known[ahead(k)] != 0;
-    // Direction at the very end: over the lever beside it, turned on by half of what it turns to the one
-    // behind.
     const auto direction = [&](auto&& place) {
-      const Vec2 near = plan[place(0)] - plan[place(lever)];
-      const Vec2 far = plan[place(lever)] - plan[place(2 * lever)];
-      const Vec2 d = 1.5 * near - 0.5 * far;
-      return Vec3{d.x(), d.y(), 0};
+      const auto level = [&](std::size_t k) { return Vec3{plan[place(k)].x(), plan[place(k)].y(), 0}; };
+      return geometry::CurveEnd{.end = level(0), .near = level(lever), .far = level(2 * lever)}.direction();
     };
     const Vec2 chord = plan[end] - plan[gap.first];
     const Vec3 straight{chord.x(), chord.y(), 0};
-    const Arc arc{.p0 = {plan[gap.first].x(), plan[gap.first].y(), 0},
-                  .d0 = firm ? direction(back) : straight,
-                  .p1 = {plan[end].x(), plan[end].y(), 0},
-                  .d1 = firm ? Vec3{-direction(ahead)} : straight};
+    const geometry::Arc arc{.p0 = {plan[gap.first].x(), plan[gap.first].y(), 0},
+                            .d0 = firm ? direction(back) : straight,
+                            .p1 = {plan[end].x(), plan[end].y(), 0},
+                            .d1 = firm ? Vec3{-direction(ahead)} : straight};
     for (std::size_t k = 1; k < gap.steps; ++k)
       plan[(gap.first + k) % count] =
           arc.at(static_cast<double>(k) / static_cast<double>(gap.steps)).head<2>();
@@ -218,20 +194,20 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
   const Sections sections = points.cut(sigma_s);
   Ridge ridge = follow_ridge(sections, section_curvature(sections, config.smoothing_mm), config.search_mm);
 
-  drop_islands(ridge.visible, sections.station_mm, k_island_mm);
+  geometry::drop_islands(ridge.visible, sections.station_mm, k_island_mm);
   std::vector<double> seen_z(stations);
   for (std::size_t i = 0; i < stations; ++i) seen_z[i] = path_z[i] + sections.z_mm(ridge.row[i]);
   std::vector<double> whole_z = seen_z;
-  bridge_smooth(whole_z, ridge.visible, sections.station_mm, k_height_lever_mm);
-  const std::vector<double> z = running_mean(whole_z, config.mean_mm, sections.station_mm);
+  geometry::bridge_smooth(whole_z, ridge.visible, sections.station_mm, k_height_lever_mm);
+  const std::vector<double> z = geometry::running_mean(whole_z, config.mean_mm / sections.station_mm);
 
   std::vector<double> row(stations);
   for (std::size_t i = 0; i < stations; ++i)
     row[i] = sections.zero_row + (z[i] - path_z[i]) / sections.row_mm;
   Outwards outwards = outwards_of(sections, row);
-  drop_islands(outwards.known, sections.station_mm, k_island_mm);
+  geometry::drop_islands(outwards.known, sections.station_mm, k_island_mm);
   shrink_beside_gaps(outwards.known, sections.station_mm);
-  bridge_straight(outwards.o_mm, outwards.known, sections.station_mm);
+  geometry::bridge_straight(outwards.o_mm, outwards.known, sections.station_mm);
   const std::vector<Vec2> plan = plan_of(path_outline, outwards.o_mm, outwards.known, sections.station_mm);
   const std::vector<GapPlace> gap = gap_places(ridge.visible, path_outline, sections.station_mm);
   const std::vector<GapPlace> shadow = gap_places(outwards.known, path_outline, sections.station_mm);

@@ -10,6 +10,7 @@
 
 #include "host/bite_line/lanes.hpp"
 #include "host/bite_line/path/closed_path.hpp"
+#include "host/geometry/robust.hpp"
 
 namespace biteline::bite_line {
 
@@ -29,9 +30,7 @@ double curvature_noise(const Sections& sections, std::span<const float> k, doubl
     }
   }
   if (values.empty()) return 0;
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
+  return geometry::median_of(std::span<double>{values});
 }
 
 /// The surface is known at a crease and a millimetre either way: where a section ends, its curvature is that
@@ -114,10 +113,7 @@ Ridge follow_ridge(const Sections& sections, std::span<const float> k, double se
     const float* line = k.data() + sections.at(static_cast<int>(i), low);
     peaks[i] = static_cast<double>(*std::max_element(line, line + rows));
   }
-  std::vector<double> sorted = peaks;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
-                   sorted.end());
-  const double usual = sorted[sorted.size() / 2];
+  const double usual = geometry::median_of(peaks);
   const double noise = curvature_noise(sections, k, search_mm);
 
   // Each station counts by its own peak, so that a filled stretch's weak fillet is followed too; where

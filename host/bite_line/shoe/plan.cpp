@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "host/geometry/closed_curve.hpp"
+
 namespace biteline::bite_line {
 
 namespace {
@@ -17,20 +19,14 @@ double cross(const Vec2& a, const Vec2& b) {
 
 /// `count` points evenly spaced along a closed curve; returns its length.
 double respace(std::vector<Vec2>& curve, std::size_t count) {
-  std::vector<double> at(curve.size() + 1, 0.0);
-  for (std::size_t i = 0; i < curve.size(); ++i)
-    at[i + 1] = at[i] + (curve[(i + 1) % curve.size()] - curve[i]).norm();
-  const double length = at.back();
+  const geometry::ArcLength along{curve.size(), [&](std::size_t i) { return curve[i]; }};
   std::vector<Vec2> even(count);
-  std::size_t edge = 0;
   for (std::size_t k = 0; k < count; ++k) {
-    const double target = length * static_cast<double>(k) / static_cast<double>(count);
-    while (edge + 1 < curve.size() && at[edge + 1] <= target) ++edge;
-    const double span = std::max(at[edge + 1] - at[edge], 1e-12);
-    even[k] = curve[edge] + (target - at[edge]) / span * (curve[(edge + 1) % curve.size()] - curve[edge]);
+    const geometry::OnCurve at = along.even(k, count);
+    even[k] = curve[at.before] + at.share * (curve[at.after] - curve[at.before]);
   }
   curve = std::move(even);
-  return length;
+  return along.total_mm();
 }
 
 /// Drops what lies within the octagon of the outermost points in eight directions: most of a cloud, and never
@@ -114,47 +110,15 @@ PlanBox tightest_box(std::span<const Vec2> hull) {
   return best;
 }
 
-std::vector<double> smooth_closed(std::span<const double> values, double sigma_samples) {
-  const auto count = static_cast<std::ptrdiff_t>(values.size());
-  const auto reach = static_cast<std::ptrdiff_t>(std::ceil(3.5 * sigma_samples));
-  std::vector<double> kernel;
-  double sum = 0;
-  for (std::ptrdiff_t j = -reach; j <= reach; ++j) {
-    kernel.push_back(std::exp(-0.5 * std::pow(static_cast<double>(j) / std::max(sigma_samples, 1e-9), 2)));
-    sum += kernel.back();
-  }
-  std::vector<double> smooth(values.size(), 0.0);
-  if (values.empty()) return smooth;
-  std::vector<double> round(values.size() + 2 * static_cast<std::size_t>(reach));
-  for (std::ptrdiff_t i = 0; i < count + 2 * reach; ++i)
-    round[static_cast<std::size_t>(i)] =
-        values[static_cast<std::size_t>(((i - reach) % count + count) % count)];
-  for (std::size_t j = 0; j < kernel.size(); ++j) {
-    const double share = kernel[j] / sum;
-    for (std::size_t i = 0; i < smooth.size(); ++i) smooth[i] += share * round[i + j];
-  }
-  return smooth;
-}
-
 Outline::Outline(std::span<const Vec2> curve, const Config& config) {
   points_.assign(curve.begin(), curve.end());
-  double length = 0;
-  for (std::size_t i = 0; i < points_.size(); ++i)
-    length += (points_[(i + 1) % points_.size()] - points_[i]).norm();
+  const double length = geometry::ArcLength{curve.size(), [&](std::size_t i) { return curve[i]; }}.total_mm();
   const auto count =
       static_cast<std::size_t>(std::clamp(std::round(length / config.spacing_mm), 16.0, 30000.0));
   respace(points_, count);
   if (config.smoothing_mm > 0) {
-    std::vector<double> x(count);
-    std::vector<double> y(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      x[i] = points_[i].x();
-      y[i] = points_[i].y();
-    }
     const double sigma = config.smoothing_mm * static_cast<double>(count) / length;
-    x = smooth_closed(x, sigma);
-    y = smooth_closed(y, sigma);
-    for (std::size_t i = 0; i < count; ++i) points_[i] = {x[i], y[i]};
+    points_ = geometry::smooth_closed<Vec2>(points_, sigma, Vec2::Zero());
   }
   respace(points_, count);
   length_mm_ = respace(points_, count);
@@ -168,7 +132,7 @@ Outline::Outline(std::span<const Vec2> curve, const Config& config) {
   for (std::size_t i = 0; i < count; ++i) {
     bend[i] = cross(normals_[(i + count - 1) % count], normals_[(i + 1) % count]) / (2.0 * spacing_mm());
   }
-  bend_per_mm_ = smooth_closed(bend, 2.0);
+  bend_per_mm_ = geometry::smooth_closed(bend, 2.0);
   std::vector<OutlineLookup::Sample> samples;
   samples.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {

@@ -70,7 +70,4 @@ class Outline {
   OutlineLookup lookup_;
 };
 
-/// Gaussian smoothing of closed data.
-[[nodiscard]] std::vector<double> smooth_closed(std::span<const double> values, double sigma_samples);
-
 }  // namespace biteline::bite_line

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "host/bite_line/place/bridge.hpp"
+#include "host/geometry/bridge.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace biteline::bite_line {
+#include "host/geometry/closed_curve.hpp"
+#include "host/geometry/fit.hpp"
+
+namespace biteline::geometry {
 
 namespace {
 
@@ -19,21 +22,14 @@ Value hermite(const Value& p0, const Value& d0, const Value& p1, const Value& d1
 /// Slope per station, by least squares over the known stations from `at` on in steps of `away` (+1 or -1).
 double slope_at(std::span<const double> values, std::span<const std::uint8_t> known, std::size_t at, int away,
                 std::size_t lever) {
-  const auto count = static_cast<std::ptrdiff_t>(values.size());
-  double n = 0, sx = 0, sxx = 0, sv = 0, sxv = 0;
+  LineSums sums;
   for (std::size_t k = 0; k <= lever; ++k) {
     const auto x = static_cast<std::ptrdiff_t>(k) * away;
-    const auto i = static_cast<std::size_t>(((static_cast<std::ptrdiff_t>(at) + x) % count + count) % count);
+    const std::size_t i = round_index(at, x, values.size());
     if (known[i] == 0) break;
-    const auto dx = static_cast<double>(x);
-    n += 1;
-    sx += dx;
-    sxx += dx * dx;
-    sv += values[i];
-    sxv += dx * values[i];
+    sums.add(static_cast<double>(x), values[i]);
   }
-  const double det = n * sxx - sx * sx;
-  return n < 4 || det < 1e-9 ? 0.0 : (n * sxv - sx * sv) / det;
+  return sums.count() < 4 ? 0.0 : sums.slope().value_or(0.0);
 }
 
 }  // namespace
@@ -126,4 +122,4 @@ Vec3 Arc::at(double share) const {
   return hermite<Vec3>(p0, length * d0.normalized(), p1, length * d1.normalized(), share);
 }
 
-}  // namespace biteline::bite_line
+}  // namespace biteline::geometry

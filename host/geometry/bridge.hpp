@@ -9,7 +9,7 @@
 
 #include "common/geometry/se3.hpp"
 
-namespace biteline::bite_line {
+namespace biteline::geometry {
 
 /// Stations between two known ones: `first` is the last known one before them, `first + steps` (round the
 /// line) the first known one behind.
@@ -46,4 +46,14 @@ struct Arc {
   [[nodiscard]] double turn_rad() const;  ///< theta, at most 2.8: beyond it a cubic is no circle
 };
 
-}  // namespace biteline::bite_line
+/// Over this length beside a gap the direction of its end is taken, and again over as much behind that.
+inline constexpr double k_end_lever_mm = 6.0;
+
+/// Direction at the very end of a curve, outwards (any length): over the lever beside it, turned on by half
+/// of what it turns to the one behind.  `near` and `far` lie one and two levers back.
+struct CurveEnd {
+  Vec3 end, near, far;
+  [[nodiscard]] Vec3 direction() const { return 1.5 * (end - near) - 0.5 * (near - far); }
+};
+
+}  // namespace biteline::geometry

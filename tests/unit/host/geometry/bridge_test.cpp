@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-#include "host/bite_line/place/bridge.hpp"
+#include "host/geometry/bridge.hpp"
 
 #include <CppUTest/TestHarness.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "host/bite_line/place/closed_spline.hpp"
+#include "host/geometry/closed_spline.hpp"
 
-namespace biteline::bite_line {
+namespace biteline::geometry {
 
 TEST_GROUP(Bridge){};
 
@@ -97,4 +97,4 @@ TEST(Bridge, SplineThroughThreeSamplesToAWaveHasMostOfItsSlope) {
   DOUBLES_EQUAL(sut.at(0.0).slope, sut.at(k_turn_mm - 1e-9).slope, 1e-6);
 }
 
-}  // namespace biteline::bite_line
+}  // namespace biteline::geometry

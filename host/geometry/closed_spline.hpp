@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace biteline::bite_line {
+namespace biteline::geometry {
 
 /// Interpolating cubic spline on a circle: twice continuously differentiable.  At three samples to a period
 /// it still has nine tenths of a wave's slope, where straight lines have half.
@@ -31,4 +31,4 @@ class ClosedSpline {
   double turn_mm_;
 };
 
-}  // namespace biteline::bite_line
+}  // namespace biteline::geometry

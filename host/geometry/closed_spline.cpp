@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/bite_line/place/closed_spline.hpp"
+#include "host/geometry/closed_spline.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "common/core/contracts.hpp"
 
-namespace biteline::bite_line {
+namespace biteline::geometry {
 
 namespace {
 
@@ -84,4 +84,4 @@ ClosedSpline::Sample ClosedSpline::at(double place_mm) const {
           .interval_mm = h};
 }
 
-}  // namespace biteline::bite_line
+}  // namespace biteline::geometry

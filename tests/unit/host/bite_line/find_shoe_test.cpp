@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#include <CppUTest/TestHarness.h>
+
+#include <algorithm>
+#include <random>
+
+#include "tests/support/made_cloud.hpp"
+#include "tests/unit/host/bite_line/drum.hpp"
+
+namespace biteline::bite_line {
+namespace {
+
+using Points = std::vector<Eigen::Vector3f>;
+
+/// The egg's wall at some place and yaw; its lower edge lies 4 mm above the table.
+Points wall_in_base(const SE3& T_base_shoe) {
+  Points points =
+      test::drum_points(test::egg_outline(), [](double, double) { return 0.0; }, {.s_mm = 1.0, .z_mm = 0.5});
+  for (Eigen::Vector3f& p : points) p = (T_base_shoe * (p.cast<double>() + Vec3{0, 0, 4})).cast<float>();
+  return points;
+}
+
+void add_table(Points& points, const SE3& T_base_shoe) {
+  for (double x = -100; x <= 380; x += 1.5) {
+    for (double y = -150; y <= 150; y += 1.5) points.push_back((T_base_shoe * Vec3{x, y, 0}).cast<float>());
+  }
+}
+
+double angle_deg(const SE3& a, const SE3& b) {
+  return Eigen::AngleAxisd{a.linear().transpose() * b.linear()}.angle() * 180 / std::numbers::pi;
+}
+
+}  // namespace
+
+TEST_GROUP(FindShoe){};
+
+TEST(FindShoe, AxesRunFromTheHeelToTheWiderToeWhateverTheYaw) {
+  for (const double yaw_rad : {0.0, 0.4, 2.1, -2.8}) {
+    SE3 T_base_shoe = biteline::test::somewhere();
+    T_base_shoe.linear() = Eigen::AngleAxisd{yaw_rad, Vec3::UnitZ()}.toRotationMatrix();
+    const auto sut = find_shoe(wall_in_base(T_base_shoe));
+    CHECK(sut.has_value());
+    // Half a cell of 4 mm: axes and size come from the cells' means.
+    DOUBLES_EQUAL(280, sut->length_mm, 4);
+    DOUBLES_EQUAL(90, sut->width_mm, 4);
+    CHECK_COMPARE(angle_deg(T_base_shoe, sut->T_base_shoe), <, 1.5);
+    CHECK_COMPARE((sut->T_base_shoe.translation() - T_base_shoe * Vec3{0, 0, 4}).norm(), <, 4.0);
+  }
+}
+
+TEST(FindShoe, TheTableIsLeftOutAndGivesTheTilt) {
+  SE3 T_base_shoe = biteline::test::somewhere();
+  T_base_shoe.linear() = T_base_shoe.linear() * Eigen::AngleAxisd{0.1, Vec3::UnitX()}.toRotationMatrix();
+  Points points = wall_in_base(T_base_shoe);
+  const std::size_t of_wall = points.size();
+  add_table(points, T_base_shoe);
+  const auto sut = find_shoe(points);
+  CHECK(sut.has_value());
+  CHECK_COMPARE(angle_deg(T_base_shoe, sut->T_base_shoe), <, 1.5);
+  CHECK_COMPARE(sut->points.size(), >, of_wall * 95 / 100);
+  for (const std::uint32_t i : sut->index) CHECK(i < of_wall);
+}
+
+TEST(FindShoe, PointsFarAwayAndASecondThingBesideAreNotTheShoe) {
+  Points points = wall_in_base(SE3::Identity());
+  const std::size_t of_wall = points.size();
+  points.emplace_back(2000.0F, 0.0F, 0.0F);
+  for (int i = 0; i < 4000; ++i)  // a tin beside it, 60 mm away
+    points.emplace_back(140 + 15 * std::cos(0.1F * static_cast<float>(i)),
+                        130 + 15 * std::sin(0.1F * static_cast<float>(i)), 0.01F * static_cast<float>(i));
+  const auto sut = find_shoe(points);
+  CHECK(sut.has_value());
+  DOUBLES_EQUAL(90, sut->width_mm, 4);
+  for (const std::uint32_t i : sut->index) CHECK(i < of_wall);
+}
+
+TEST(FindShoe, WhatIsNoShoeIsRefusedByItsOwnCode) {
+  const Points few(12, Eigen::Vector3f::Zero());
+  CHECK(find_shoe(few).error().code == Refused::TooFewPoints);
+
+  std::mt19937 random{3};
+  std::uniform_real_distribution<float> far{-400, 400};
+  Points dust;
+  for (int i = 0; i < 3000; ++i) dust.emplace_back(far(random), far(random), far(random));
+  CHECK(find_shoe(dust).error().code == Refused::NothingConnected);
+
+  Points shaft;
+  for (int i = 0; i < 40000; ++i) {
+    const float a = 0.05F * static_cast<float>(i);
+    shaft.emplace_back(0.02F * static_cast<float>(i), 12 * std::cos(a), 12 * std::sin(a));
+  }
+  CHECK(find_shoe(shaft).error().code == Refused::NotShoeSized);
+}
+
+}  // namespace biteline::bite_line

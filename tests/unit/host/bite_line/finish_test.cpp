@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/place/finish.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include "host/bite_line/scan_points.hpp"
+#include "tests/unit/host/bite_line/drum.hpp"
+
+namespace biteline::bite_line {
+namespace {
+
+/// A level line round the egg, of which `bridged_mm` were not seen.
+PlacedLine level_line(const Outline& outline, double bridged_mm) {
+  PlacedLine line{.points = {}, .length_mm = outline.length_mm(), .bridged_mm = bridged_mm};
+  for (double s = 0; s < outline.length_mm(); s += 0.5) {
+    const Vec2 plan = outline.point(s), normal = outline.normal(s);
+    line.points.push_back(
+        {.position = {plan.x(), plan.y(), 25}, .normal = {normal.x(), normal.y(), 0}, .own_z_mm = 25});
+  }
+  return line;
+}
+
+Decision decided(const Side& side, double confidence) {
+  const auto cols = static_cast<std::size_t>(side.field.grid.cols);
+  return {.refusal = std::nullopt,
+          .confidence = confidence,
+          .paths = {{.confidence = confidence,
+                     .row = std::vector<double>(cols, 60.0),
+                     .mean_height_mm = 25,
+                     .closure_mm = 0,
+                     .turn_rad = 0.5,
+                     .seen_share = 1}}};
+}
+
+}  // namespace
+
+TEST_GROUP(Finish) {
+  const Side side = test::drum_side([](double, double z) { return test::groove_mm(z, 25); },
+                                    {.s_mm = 0.7, .z_mm = 0.1, .z_begin_mm = 10, .z_end_mm = 40});
+  void teardown() override {
+    test::forgive_underflow();
+  }
+};
+
+TEST(Finish, ASeenLineKeepsTheDecisionsConfidenceAndIsEven) {
+  const Extraction sut = finish(side, decided(side, 0.9), level_line(side.outline, 0), {});
+  CHECK(sut.found);
+  DOUBLES_EQUAL(0.9, sut.confidence, 1e-12);
+  for (std::size_t i = 0; i < sut.line.points.size(); ++i) {
+    const auto& p = sut.line.points[i];
+    DOUBLES_EQUAL(0.9, p.confidence, 1e-9);
+    DOUBLES_EQUAL(0.5, (sut.line.points[(i + 1) % sut.line.points.size()].position - p.position).norm(),
+                  0.01);
+  }
+  LONGS_EQUAL(1, sut.candidates.size());
+  DOUBLES_EQUAL(side.outline.length_mm(), sut.candidates.front().length_mm, 5);
+}
+
+TEST(Finish, WhatWasBridgedLowersTheConfidence) {
+  const double length = side.outline.length_mm();
+  const Extraction sut = finish(side, decided(side, 0.9), level_line(side.outline, 0.2 * length), {});
+  CHECK(sut.found);
+  DOUBLES_EQUAL(0.72, sut.confidence, 1e-9);
+}
+
+TEST(Finish, ALineBelowTheLimitIsRefusedWithTheTrueReasonAndNeverHandedOut) {
+  const double length = side.outline.length_mm();
+  const Extraction sut = finish(side, decided(side, 0.6), level_line(side.outline, 0.2 * length), {});
+  CHECK_FALSE(sut.found);
+  CHECK(sut.refusal->code == Refused::TooMuchBridged);
+  STRCMP_CONTAINS("0.48", sut.reason().c_str());
+  CHECK(sut.line.points.empty());
+  DOUBLES_EQUAL(0.48, sut.confidence, 1e-9);
+  LONGS_EQUAL(1, sut.candidates.size());
+}
+
+TEST(Finish, ARefusedDecisionStaysItsOwnRefusal) {
+  Decision decision = decided(side, 0.3);
+  decision.refusal = Refusal{Refused::TwoCandidates, "two"};
+  const Extraction sut = finish(side, decision, {}, {});
+  CHECK_FALSE(sut.found);
+  CHECK(sut.refusal->code == Refused::TwoCandidates);
+  DOUBLES_EQUAL(0.3, sut.confidence, 1e-12);
+}
+
+TEST_GROUP(ScanPoints){};
+
+TEST(ScanPoints, RunsGiveAllTheirPointsAndScatteredOnesThemselves) {
+  Shoe shoe;
+  shoe.T_base_shoe.translation() = Vec3{100, 0, 0};
+  const std::vector<Eigen::Vector3f> raw{{100, 0, 0}, {101, 0, 0}, {102, 0, 0}, {103, 0, 0}};
+  const std::vector<Eigen::Vector3f> means{{100.5F, 0, 0}, {102.5F, 0, 0}};
+  const std::vector<std::uint32_t> first{0, 2};
+  const std::vector<std::uint32_t> of_shoe{0};
+  shoe.index.push_back(1);
+  const auto runs = points_behind({.means = means, .points = raw, .first_point = first}, shoe, of_shoe);
+  LONGS_EQUAL(2, runs.size());
+  DOUBLES_EQUAL(2, runs[0].x(), 1e-5);
+  DOUBLES_EQUAL(3, runs[1].x(), 1e-5);
+  const auto single = points_behind(ScanPoints::scattered(raw), shoe, of_shoe);
+  LONGS_EQUAL(1, single.size());
+  DOUBLES_EQUAL(1, single[0].x(), 1e-5);
+}
+
+}  // namespace biteline::bite_line

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT
+#include <CppUTest/TestHarness.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/bite_line/place/placement.hpp"
+#include "host/bite_line/place/ridge.hpp"
+#include "host/bite_line/place/sections.hpp"
+#include "tests/unit/host/bite_line/drum.hpp"
+
+namespace biteline::bite_line {
+namespace {
+
+constexpr double k_z_mm = 25;
+
+/// Sections of a wall along a level path at k_z_mm.
+template <class O>
+Sections sections_of(O&& o_mm) {
+  const Outline outline = test::egg_outline();
+  const auto points =
+      test::drum_points(outline, o_mm, {.s_mm = 0.5, .z_mm = 0.05, .z_begin_mm = 18, .z_end_mm = 34});
+  const std::vector<double> path_z(static_cast<std::size_t>(outline.length_mm() / 0.5), k_z_mm);
+  return SectionPoints{{.points = points, .outline = outline, .path_z_mm = path_z}, {}}.cut(1.0);
+}
+
+int row_at(const Sections& sections, double above_path_mm) {
+  return sections.zero_row + static_cast<int>(std::lround(above_path_mm / sections.row_mm));
+}
+
+template <class O>
+PlacedLine placed(O&& o_mm) {
+  const Side side = test::drum_side(o_mm, {.s_mm = 0.7, .z_mm = 0.1, .z_begin_mm = 10, .z_end_mm = 40});
+  const SideGrid& grid = side.field.grid;
+  // As a crease's path would be: on the grid's row, up to half of one off.
+  const std::vector<double> path_row(static_cast<std::size_t>(grid.cols),
+                                     std::floor((k_z_mm - grid.z_low_mm) / grid.row_mm));
+  Large<Eigen::Vector3f> near;
+  for (const std::uint32_t i : near_path(side.field, path_row)) near.push_back(side.shoe.points[i]);
+  return place_line({.near = near,
+                     .points_per_mm2 = side.field.points_per_mm2,
+                     .field = side.field,
+                     .outline = side.outline,
+                     .path_row = path_row},
+                    {});
+}
+
+}  // namespace
+
+TEST_GROUP(Sections){void teardown() override{test::forgive_underflow();
+}  // namespace biteline::bite_line
+}
+;
+
+TEST(Sections, TheyAreTheSurfaceWhereItWasSeen) {
+  const auto o_of = [](double, double z) { return 0.2 * (z - k_z_mm) + test::groove_mm(z, k_z_mm); };
+  const Sections sut = sections_of(o_of);
+  for (int station = 0; station < sut.stations; station += 11) {
+    for (double above = -3; above <= 5; above += 0.5) {
+      const std::size_t cell = sut.at(station, row_at(sut, above));
+      CHECK(sut.known[cell] == Sections::k_seen);
+      DOUBLES_EQUAL(o_of(0, k_z_mm + above), sut.o_mm[cell], 0.03);
+    }
+  }
+}
+
+TEST(Sections, AShortShadowIsFilledAndALongOneIsNot) {
+  const auto shadow = [](double z, double above, double length) {
+    return z > k_z_mm + above && z < k_z_mm + above + length;
+  };
+  const Sections sut = sections_of(
+      [&](double, double z) { return shadow(z, -2.5, 1.0) || shadow(z, 1.5, 2.5) ? test::k_no_point : 0.0; });
+  CHECK(sut.known[sut.at(100, row_at(sut, -2.0))] == Sections::k_filled);
+  CHECK(sut.known[sut.at(100, row_at(sut, 2.7))] == Sections::k_nothing);
+  CHECK(sut.known[sut.at(100, row_at(sut, 0.0))] == Sections::k_seen);
+}
+
+TEST(Sections, CurvatureOfAParabolaIsItsOwn) {
+  constexpr double k_per_mm = 0.2;
+  const Sections sections =
+      sections_of([](double, double z) { return 0.5 * k_per_mm * std::pow(z - k_z_mm, 2); });
+  const Large<float> sut = section_curvature(sections, 0.4);
+  for (int station = 0; station < sections.stations; station += 11) {
+    for (const double above : {-1.0, 0.0, 1.0}) {
+      const double slope = k_per_mm * above;
+      DOUBLES_EQUAL(k_per_mm / std::pow(1 + slope * slope, 1.5),
+                    sut[sections.at(station, row_at(sections, above))], 0.1 * k_per_mm);
+    }
+  }
+}
+
+TEST_GROUP(Ridge){void teardown() override{test::forgive_underflow();
+}
+}
+;
+
+TEST(Ridge, AWavyGrooveIsFollowedToATenthOfARow) {
+  const double length_mm = test::egg_outline().length_mm();
+  const auto z_of = [&](double s) { return k_z_mm + 0.8 * std::sin(4 * std::numbers::pi * s / length_mm); };
+  const Sections sections = sections_of([&](double s, double z) { return test::groove_mm(z, z_of(s)); });
+  const Ridge sut = follow_ridge(sections, section_curvature(sections, 0.4), 2.5);
+  for (int station = 0; station < sections.stations; ++station) {
+    const auto i = static_cast<std::size_t>(station);
+    CHECK(sut.visible[i] != 0);
+    DOUBLES_EQUAL(z_of(station * sections.station_mm), k_z_mm + sections.z_mm(sut.row[i]), 0.03);
+  }
+}
+
+TEST(Ridge, ASpeckBesideTheGrooveDoesNotDrawItAway) {
+  // 2 mm above the groove, over 2 mm of its length, as sharp a dent as the groove itself.
+  const Sections sections = sections_of([](double s, double z) {
+    const double speck = s > 200 && s < 202 ? test::groove_mm(z, k_z_mm + 2) : 0.0;
+    return 0.6 * test::groove_mm(z, k_z_mm) + speck;
+  });
+  const Ridge sut = follow_ridge(sections, section_curvature(sections, 0.4), 2.5);
+  for (const double row : sut.row) DOUBLES_EQUAL(0, sections.z_mm(row), 0.1);
+}
+
+TEST(Ridge, NothingIsVisibleOnAPlainWall) {
+  const Sections sections = sections_of([](double, double z) { return 0.2 * (z - k_z_mm); });
+  const Ridge sut = follow_ridge(sections, section_curvature(sections, 0.4), 2.5);
+  LONGS_EQUAL(0, std::count(sut.visible.begin(), sut.visible.end(), 1));
+}
+
+TEST_GROUP(Placement){void teardown() override{test::forgive_underflow();
+}
+}
+;
+
+TEST(Placement, TheLineLiesWhereTheSectionTurnsMost) {
+  const PlacedLine sut = placed([](double, double z) { return test::groove_mm(z, k_z_mm + 0.4); });
+  const Outline outline = test::egg_outline();
+  DOUBLES_EQUAL(0, sut.bridged_mm, 1e-9);
+  for (const PlacedStation& station : sut.points) {
+    DOUBLES_EQUAL(k_z_mm + 0.4, station.position.z(), 0.02);
+    // 0.06 mm of height are merged into one row: the bottom of a groove of 0.6 mm is that much less deep.
+    const OutlinePlace place = outline.locate(station.position.cast<float>());
+    DOUBLES_EQUAL(-1.0, place.o_mm, 0.03);
+    DOUBLES_EQUAL(0, station.doubt, 1e-9);
+  }
+}
+
+TEST(Placement, NormalsAreThoseOfTheWallAboveTheLine) {
+  // The wall leans by a fifth from 1 mm above the line on; 2 to 6 mm above are what counts.
+  const PlacedLine sut = placed(
+      [](double, double z) { return test::groove_mm(z, k_z_mm) - 0.2 * std::max(0.0, z - k_z_mm - 1); });
+  const Outline outline = test::egg_outline();
+  for (const PlacedStation& station : sut.points) {
+    const Vec2 out = outline.normal(static_cast<double>(outline.locate(station.position.cast<float>()).s_mm));
+    const Vec3 truth = Vec3{out.x(), out.y(), 0.2}.normalized();
+    CHECK_COMPARE(truth.dot(station.normal), >, std::cos(1.0 * std::numbers::pi / 180));
+  }
+}
+
+TEST(Placement, AMissingSectorIsBridgedAndDoubted) {
+  constexpr double k_from_mm = 180, k_to_mm = 210;
+  const PlacedLine sut = placed([](double s, double z) {
+    return s > k_from_mm && s < k_to_mm ? test::k_no_point : test::groove_mm(z, k_z_mm);
+  });
+  DOUBLES_EQUAL(k_to_mm - k_from_mm, sut.bridged_mm, 4);
+  const Outline outline = test::egg_outline();
+  const Vec2 middle = outline.point(0.5 * (k_from_mm + k_to_mm));
+  double most_doubt = 0;
+  for (const PlacedStation& station : sut.points) {
+    const double away = (station.position.head<2>() - middle).norm();
+    if (away < 8) most_doubt = std::max(most_doubt, station.doubt);
+    if (away > 30) DOUBLES_EQUAL(0, station.doubt, 1e-9);
+    DOUBLES_EQUAL(k_z_mm, station.position.z(), 0.1);
+  }
+  CHECK_COMPARE(most_doubt, >, 0.05);
+}
+
+}  // namespace biteline::bite_line

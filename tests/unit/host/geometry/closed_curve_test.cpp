@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+#include "host/geometry/closed_curve.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <numbers>
+#include <random>
+
+#include "common/geometry/se3.hpp"
+#include "host/geometry/robust.hpp"
+#include "host/geometry/strays.hpp"
+
+namespace biteline::geometry {
+
+TEST_GROUP(ClosedCurve){};
+
+TEST(ClosedCurve, LengthCountsTheWayBackToTheFirstPoint) {
+  const std::vector<Vec2> square{{0, 0}, {3, 0}, {3, 3}, {0, 3}};
+  const ArcLength sut{square.size(), [&](std::size_t i) { return square[i]; }};
+  DOUBLES_EQUAL(12, sut.total_mm(), 1e-12);
+  const OnCurve last = sut.at(10.5);
+  LONGS_EQUAL(3, last.before);
+  LONGS_EQUAL(0, last.after);
+  const Vec2 p = last.between<Vec2>(square[last.before], square[last.after]);
+  DOUBLES_EQUAL(0, p.x(), 1e-12);
+  DOUBLES_EQUAL(1.5, p.y(), 1e-12);
+}
+
+TEST(ClosedCurve, EvenPlacesAreEvenHoweverUnevenThePointsAre) {
+  std::mt19937 random{4};
+  std::uniform_real_distribution<double> uniform{0, 2 * std::numbers::pi};
+  std::vector<double> angles(4000);
+  for (double& a : angles) a = uniform(random);
+  angles[17] = angles[16];  // two points at one place
+  std::sort(angles.begin(), angles.end());
+  const auto point = [&](std::size_t i) { return Vec2{50 * std::cos(angles[i]), 50 * std::sin(angles[i])}; };
+  const ArcLength sut{angles.size(), point};
+  const std::size_t count = sut.count_for(2.0);
+  LONGS_EQUAL(157, count);  // of 314.16 mm
+  const auto at = [&](std::size_t k) {
+    const OnCurve place = sut.even(k % count, count);
+    return place.between<Vec2>(point(place.before), point(place.after));
+  };
+  for (std::size_t k = 0; k < count; ++k) DOUBLES_EQUAL(2.0, (at(k + 1) - at(k)).norm(), 0.01);
+  LONGS_EQUAL(3, sut.count_for(1e6));
+}
+
+TEST(ClosedCurve, SmoothingKeepsTheMeanAndDampsAWaveAsAGaussianDoes) {
+  constexpr int k_count = 200;
+  std::vector<double> wave(k_count);
+  for (int i = 0; i < k_count; ++i)
+    wave[static_cast<std::size_t>(i)] = 5 + std::sin(2 * std::numbers::pi * 4 * i / k_count);
+  const double sigma = 6;
+  const std::vector<double> sut = smooth_closed(wave, sigma);
+  const double omega = 2 * std::numbers::pi * 4 / k_count;
+  const double left = std::exp(-0.5 * sigma * sigma * omega * omega);
+  for (int i = 0; i < k_count; ++i)
+    DOUBLES_EQUAL(5 + left * std::sin(omega * i), sut[static_cast<std::size_t>(i)], 0.002);
+}
+
+TEST(ClosedCurve, ARunningMeanCountsPartsOfAStep) {
+  const std::vector<double> spike{0, 0, 0, 1, 0, 0, 0, 0};
+  const std::vector<double> sut = running_mean(spike, 3.0);  // 1.5 steps to both sides
+  DOUBLES_EQUAL(1.0 / 4, sut[3], 1e-12);
+  DOUBLES_EQUAL(1.0 / 4, sut[2], 1e-12);
+  DOUBLES_EQUAL(0.5 / 4, sut[1], 1e-12);
+  DOUBLES_EQUAL(0, sut[0], 1e-12);
+}
+
+TEST(ClosedCurve, TangentsOfACircleStandSquareToItsRadius) {
+  std::vector<Vec2> circle;
+  for (int i = 0; i < 60; ++i)
+    circle.push_back({std::cos(std::numbers::pi * i / 30), std::sin(std::numbers::pi * i / 30)});
+  const std::vector<Vec2> sut = tangents_of<Vec2>(circle, Vec2::UnitX());
+  for (std::size_t i = 0; i < circle.size(); ++i) DOUBLES_EQUAL(0, sut[i].dot(circle[i]), 1e-12);
+}
+
+TEST_GROUP(Robust){};
+
+TEST(Robust, TheMedianHoldsAgainstAThirdOfWrongValues) {
+  std::vector<double> values{1, 2, 3, 1e9, 2, 1e9, 2};
+  DOUBLES_EQUAL(2, median_of(values), 1e-12);
+  DOUBLES_EQUAL(1, quantile_of(std::span<double>{values}, 0.0), 1e-12);
+  DOUBLES_EQUAL(1e9, quantile_of(std::span<double>{values}, 1.0), 1e-12);
+}
+
+TEST(Robust, TheDeviationIsThatOfTheNoiseAndNotOfTheOutliers) {
+  std::mt19937 random{5};
+  std::normal_distribution<double> noise{10, 0.3};
+  std::vector<double> values(20000);
+  for (double& value : values) value = noise(random);
+  for (std::size_t i = 0; i < 500; ++i) values[i] = 1e6;
+  DOUBLES_EQUAL(0.3, mad_sigma_of(values), 0.015);
+}
+
+TEST_GROUP(Strays){};
+
+TEST(Strays, ASpikeIsFoundAcrossTheSeamAndAStepIsNot) {
+  std::vector<double> values(100, 1.0);
+  for (std::size_t i = 40; i < 100; ++i) values[i] = 3.0;  // a step stays
+  values[0] = 9.0;
+  std::vector<std::uint8_t> known(100, 1);
+  known[20] = 0;
+  values[20] = 50.0;
+  const std::vector<std::size_t> sut = spikes_of(values, known, {.beside = 5, .most = 2.5});
+  LONGS_EQUAL(1, sut.size());
+  LONGS_EQUAL(0, sut[0]);
+}
+
+}  // namespace biteline::geometry
