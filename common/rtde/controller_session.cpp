@@ -34,6 +34,7 @@ void ControllerSession::start() {
   outgoing_.clear();
   outputs_.clear();
   inputs_.clear();
+  config_.owners->release(this);
   version_ = ProtocolVersion::V1;  // what a client that never asks speaks
   streaming_ = false;
 }
@@ -108,7 +109,13 @@ void ControllerSession::set_up_outputs(const SetupOutputsRequest& request) {
 }
 
 void ControllerSession::set_up_inputs(const SetupInputsRequest& request) {
-  const TypedList list = types_of(request.names, input_type);
+  TypedList list = types_of(request.names, input_type);
+  for (std::size_t i = 0; i < request.names.size() && list.complete; ++i) {
+    if (config_.owners->take(request.names[i], this)) continue;
+    list.wire[i] = "IN_USE";
+    list.complete = false;
+  }
+  if (!list.complete && inputs_.empty()) config_.owners->release(this);
   SetupInputsReply reply{.recipe_id = 0, .types = list.wire};
   if (list.complete && !request.names.empty() && inputs_.size() < k_max_recipes) {
     reply.recipe_id = static_cast<std::uint8_t>(inputs_.size() + 1);
@@ -119,8 +126,10 @@ void ControllerSession::set_up_inputs(const SetupInputsRequest& request) {
 
 void ControllerSession::append_outputs(std::uint64_t cycle, const ValueSource& source) {
   if (!streaming_) return;
-  for (const Output& output : outputs_) {
-    if (cycle % output.every_cycles != 0) continue;
+  for (Output& output : outputs_) {
+    const std::uint64_t period = cycle / output.every_cycles;
+    if (output.period_sent && period <= *output.period_sent) continue;
+    output.period_sent = period;
     values_.clear();
     for (const std::string& name : output.recipe.names) values_.push_back(source.value_of(name));
     append_data(outgoing_, output.recipe, values_, output_header(version_));

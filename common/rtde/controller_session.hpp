@@ -2,6 +2,10 @@
 #pragma once
 /// \file The controller's side of one RTDE connection, without sockets: what a simulated robot answers.
 
+#include <map>
+#include <memory>
+#include <optional>
+
 #include "common/rtde/data.hpp"
 #include "common/rtde/messages.hpp"
 
@@ -23,6 +27,21 @@ class ValueSource {
   [[nodiscard]] virtual Value value_of(std::string_view name) const = 0;
 };
 
+/// Which connection writes which input: a controller lets one client at a time have each.  Thread: one owner.
+class InputOwners {
+ public:
+  /// False: another one has it.
+  [[nodiscard]] bool take(const std::string& name, const void* owner) {
+    return owners_.try_emplace(name, owner).first->second == owner;
+  }
+  void release(const void* owner) {
+    std::erase_if(owners_, [&](const auto& entry) { return entry.second == owner; });
+  }
+
+ private:
+  std::map<std::string, const void*> owners_;
+};
+
 /// Answers the hand-shake and encodes outputs on each controller cycle.  Thread: one owner.
 class ControllerSession {
  public:
@@ -30,9 +49,15 @@ class ControllerSession {
     ControllerVersionReply version{.major = 5, .minor = 12, .bugfix = 0, .build = 0};
     ProtocolVersion newest{ProtocolVersion::V2};  ///< V1: a CB3 of old
     double rate_hz{500};                          ///< 125 on CB3
+    std::shared_ptr<InputOwners> owners{};        ///< of all connections of one controller
   };
 
-  explicit ControllerSession(const Config& config) : config_{config} {}
+  explicit ControllerSession(const Config& config) : config_{config} {
+    if (!config_.owners) config_.owners = std::make_shared<InputOwners>();
+  }
+  ~ControllerSession() { config_.owners->release(this); }
+  ControllerSession(const ControllerSession&) = delete;
+  ControllerSession& operator=(const ControllerSession&) = delete;
 
   /// For a fresh connection.
   void start();
@@ -40,8 +65,8 @@ class ControllerSession {
   /// Answers what arrived.  An error means: close the connection.
   [[nodiscard]] Result<void> consume(ByteView bytes, ControllerListener& listener);
 
-  /// Appends the data packages that are due on controller cycle `cycle` (counted at Config::rate_hz); nothing
-  /// before the client started or while it paused.
+  /// Appends the data packages that are due on controller cycle `cycle` (counted at Config::rate_hz) or were
+  /// on one left out before it; nothing before the client started or while it paused.
   void append_outputs(std::uint64_t cycle, const ValueSource& source);
 
   /// Queues a text for the client.
@@ -56,6 +81,7 @@ class ControllerSession {
   struct Output {
     Recipe recipe;
     std::uint64_t every_cycles{1};
+    std::optional<std::uint64_t> period_sent{};  ///< cycle over every_cycles, of the last package
   };
 
   Result<void> handle(const Package& package, ControllerListener& listener);

@@ -70,6 +70,50 @@ constexpr std::array k_outputs{
     Named{"script_control_line", Uint32},
     Named{"output_bit_registers0_to_31", Uint32},
     Named{"output_bit_registers32_to_63", Uint32},
+    Named{"actual_current_window", Vector6d},
+    Named{"actual_current_as_torque", Vector6d},
+    Named{"actual_TCP_acceleration", Vector6d},
+    Named{"target_TCP_acceleration", Vector6d},
+    Named{"actual_configurable_digital_input_bits", Uint64},
+    Named{"actual_configurable_digital_output_bits", Uint64},
+    Named{"target_execution_time", Double},
+    Named{"analog_io_types", Uint32},
+    Named{"standard_analog_input0", Double},
+    Named{"standard_analog_input1", Double},
+    Named{"standard_analog_output0", Double},
+    Named{"standard_analog_output1", Double},
+    Named{"io_current", Double},
+    Named{"actual_robot_energy_consumed", Double},
+    Named{"actual_robot_braking_energy_dissipated", Double},
+    Named{"encoder0_raw", Int32},
+    Named{"encoder1_raw", Int32},
+    Named{"euromap67_input_bits", Uint32},
+    Named{"euromap67_output_bits", Uint32},
+    Named{"euromap67_24V_voltage", Double},
+    Named{"euromap67_24V_current", Double},
+    Named{"tool_mode", Uint32},
+    Named{"tool_analog_input_types", Uint32},
+    Named{"tool_analog_input0", Double},
+    Named{"tool_analog_input1", Double},
+    Named{"tool_output_voltage", Int32},
+    Named{"tool_output_current", Double},
+    Named{"tool_temperature", Double},
+    Named{"tool_output_mode", Uint8},
+    Named{"tool_digital_output0_mode", Uint8},
+    Named{"tool_digital_output1_mode", Uint8},
+    Named{"tcp_force_scalar", Double},
+    Named{"joint_position_deviation_ratio", Double},
+    Named{"collision_detection_ratio", Double},
+    Named{"ft_raw_wrench", Vector6d},
+    Named{"wrench_calc_from_currents", Vector6d},
+    Named{"payload_inertia", Vector6d},
+    Named{"time_scale_source", Int32},
+    Named{"target_gravity", Vector3d},
+    Named{"target_base_acceleration", Vector6d},
+    Named{"target_base_wrench", Vector6d},
+    Named{"control_step", Uint64},
+    Named{"input_bit_registers0_to_31", Uint32},
+    Named{"input_bit_registers32_to_63", Uint32},
 };
 
 constexpr std::array k_inputs{
@@ -81,12 +125,17 @@ constexpr std::array k_inputs{
     Named{"configurable_digital_output", Uint8},
     Named{"tool_digital_output_mask", Uint8},
     Named{"tool_digital_output", Uint8},
+    Named{"standard_analog_output_mask", Uint8},
+    Named{"standard_analog_output_type", Uint8},
+    Named{"standard_analog_output_0", Double},
+    Named{"standard_analog_output_1", Double},
     Named{"input_bit_registers0_to_31", Uint32},
     Named{"input_bit_registers32_to_63", Uint32},
     Named{"external_force_torque", Vector6d},
 };
 
-/// Numbered registers; the e series has 48 of each kind, 64 to 127 of the bits one by one.
+/// Numbered registers, the inputs' read back as outputs under their own names; the e series has 48 of each
+/// kind, 64 to 127 of the bits one by one.
 struct Family {
   std::string_view prefix;
   int first;
@@ -94,9 +143,9 @@ struct Family {
   FieldType type;
 };
 constexpr std::array k_output_registers{
-    Family{"output_int_register_", 0, 47, Int32},
-    Family{"output_double_register_", 0, 47, Double},
-    Family{"output_bit_register_", 64, 127, Bool},
+    Family{"output_int_register_", 0, 47, Int32},    Family{"output_double_register_", 0, 47, Double},
+    Family{"output_bit_register_", 64, 127, Bool},   Family{"input_int_register_", 0, 47, Int32},
+    Family{"input_double_register_", 0, 47, Double}, Family{"input_bit_register_", 64, 127, Bool},
 };
 constexpr std::array k_input_registers{
     Family{"input_int_register_", 0, 47, Int32},
@@ -118,6 +167,16 @@ std::optional<FieldType> find(std::string_view name, std::span<const Named> tabl
     if (whole && number >= family.first && number <= family.last) return family.type;
   }
   return std::nullopt;
+}
+
+std::vector<std::string> all_names(std::span<const Named> table, std::span<const Family> families) {
+  std::vector<std::string> names;
+  for (const Named& row : table) names.emplace_back(row.name);
+  for (const Family& family : families) {
+    for (int number = family.first; number <= family.last; ++number)
+      names.push_back(std::string{family.prefix} + std::to_string(number));
+  }
+  return names;
 }
 
 }  // namespace
@@ -161,6 +220,13 @@ std::optional<FieldType> output_type(std::string_view name) {
 }
 std::optional<FieldType> input_type(std::string_view name) {
   return find(name, k_inputs, k_input_registers);
+}
+
+std::vector<std::string> output_names() {
+  return all_names(k_outputs, k_output_registers);
+}
+std::vector<std::string> input_names() {
+  return all_names(k_inputs, k_input_registers);
 }
 
 std::string join(const std::vector<std::string>& names) {

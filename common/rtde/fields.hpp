@@ -2,8 +2,10 @@
 #pragma once
 /// \file Names and types of the variables that RTDE exchanges.
 ///
-/// Universal Robots, "RTDE Guide", tables "Robot controller inputs / outputs".  Units are the controller's:
-/// m, rad, s.
+/// Universal Robots, "Real-Time Data Exchange (RTDE)", manual of PolyScope X 10.10, tables of the robot
+/// controller's inputs and outputs (universal-robots.com/manuals/EN/HTML/SW10_10); names and types compared
+/// with those that Universal Robots' own client library knows (Universal_Robots_Client_Library, 2026).
+/// Units are the controller's: m, rad, s.
 
 #include <array>
 #include <cstdint>
@@ -55,6 +57,10 @@ struct Variable {
 /// What a controller of the e series or CB3 sends or takes under that name; nothing for other names.
 [[nodiscard]] std::optional<FieldType> output_type(std::string_view name);
 [[nodiscard]] std::optional<FieldType> input_type(std::string_view name);
+
+/// All of them.
+[[nodiscard]] std::vector<std::string> output_names();
+[[nodiscard]] std::vector<std::string> input_names();
 
 /// Comma-separated lists, as in the set-up packages.
 [[nodiscard]] std::string join(const std::vector<std::string>& names);

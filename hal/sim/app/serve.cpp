@@ -21,7 +21,7 @@ struct ServeOptions {
   std::string wires;
   std::string camera{"127.0.0.1"};
   std::string arm{"ur5e"};
-  std::uint16_t rtde_port{0}, script_port{0}, dashboard_port{0};
+  std::uint16_t rtde_port{0}, script_port{0}, dashboard_port{0}, primary_port{0};
   int robot_rate_hz{500};
   double robot_clock_ms{0};
   double lost_packet_ratio{0};
@@ -81,6 +81,7 @@ Result<void> serve(const ServeOptions& options) {
   settings.robot.rtde_port = options.rtde_port;
   settings.robot.script_port = options.script_port;
   settings.robot.dashboard_port = options.dashboard_port;
+  settings.robot.primary_port = options.primary_port;
   settings.robot.rate_hz = options.robot_rate_hz;
   settings.robot.model = options.arm;
   for (char& c : settings.robot.model) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
@@ -123,6 +124,8 @@ void add_serve(CLI::App& app, Context& context) {
   command
       ->add_option("--dashboard-port", options->dashboard_port, "0: a free one; a real controller has 29999")
       ->capture_default_str();
+  command->add_option("--primary-port", options->primary_port, "0: a free one; a real controller has 30001")
+      ->default_str("0");
   command->add_option("--robot-rate-hz", options->robot_rate_hz, "500: e series, 125: CB3")
       ->capture_default_str()
       ->check(CLI::IsMember({125, 500}));

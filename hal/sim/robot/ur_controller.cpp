@@ -4,7 +4,9 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <utility>
 
+#include "common/rtde/big_endian.hpp"
 #include "hal/sim/robot/blends.hpp"
 
 namespace biteline::sim {
@@ -17,10 +19,16 @@ constexpr std::size_t k_longest_line_bytes = 1000;
 /// A client that reads nothing for so long that this piles up is cut off.
 constexpr std::size_t k_most_waiting_bytes = 4U << 20U;
 
-class IgnoreInputs final : public rtde::ControllerListener {
+class TakeInputs final : public rtde::ControllerListener {
  public:
-  void on_inputs(const rtde::Recipe&, std::span<const rtde::Value>) override {}
+  explicit TakeInputs(UrValues& values) : values_(values) {}
+  void on_inputs(const rtde::Recipe& recipe, std::span<const rtde::Value> values) override {
+    values_.take_inputs(recipe, values);
+  }
   void on_text(const rtde::TextMessage&) override {}
+
+ private:
+  UrValues& values_;
 };
 
 void append(std::vector<std::uint8_t>& bytes, const std::string& text) {
@@ -71,6 +79,7 @@ Result<std::unique_ptr<UrController>> UrController::open(const Config& config, A
   BITELINE_ASSIGN(controller->rtde_listener_, listen_on_loopback(config.rtde_port));
   BITELINE_ASSIGN(controller->script_listener_, listen_on_loopback(config.script_port));
   BITELINE_ASSIGN(controller->dashboard_listener_, listen_on_loopback(config.dashboard_port));
+  BITELINE_ASSIGN(controller->primary_listener_, listen_on_loopback(config.primary_port));
   // Whole microseconds: the pose bus stamps in them.
   controller->begin_ =
       SensorClock::time_point{Nanoseconds{hal::monotonic_now().time_since_epoch().count() / 1000 * 1000}};
@@ -100,7 +109,7 @@ void UrController::serve() {
 
 void UrController::wait_until(SensorClock::time_point instant) {
   std::vector<pollfd> waits;
-  for (const auto* listener : {&rtde_listener_, &script_listener_, &dashboard_listener_})
+  for (const auto* listener : {&rtde_listener_, &script_listener_, &dashboard_listener_, &primary_listener_})
     waits.push_back({listener->socket.number(), POLLIN, 0});
   for (const auto& client : rtde_clients_) waits.push_back({client->socket.number(), POLLIN, 0});
   for (const auto& client : script_clients_) waits.push_back({client->socket.number(), POLLIN, 0});
@@ -114,7 +123,16 @@ void UrController::cycle(std::uint64_t number) {
   const auto instant = instant_of(number);
   const ArmState state = arm_.at(instant);
   const Nanoseconds stamp = instant.time_since_epoch() + config_.clock_offset;
+  if (protective_stop_) arm_.stop(instant);
+  values_.set_protective_stop(protective_stop_);
   values_.advance(state, static_cast<double>(stamp.count()) * 1e-9);
+  const std::uint64_t cycles_per_state = static_cast<std::uint64_t>(std::max(1, config_.rate_hz / 10));
+  if (std::exchange(states_sent_, number / cycles_per_state) != number / cycles_per_state) {
+    const std::vector<std::uint8_t> told = primary_state(state, stamp);
+    for (const auto& client : script_clients_) {
+      if (client->primary) client->outgoing.insert(client->outgoing.end(), told.begin(), told.end());
+    }
+  }
   for (const auto& client : rtde_clients_) {
     client->session.append_outputs(number, values_);
     pass_on(*client);
@@ -132,14 +150,17 @@ void UrController::pass_on(RtdeClient& client) {
 
 void UrController::accept_clients() {
   if (hal::Descriptor socket = accept_from(rtde_listener_); socket.is_open()) {
-    rtde_clients_.push_back(std::make_unique<RtdeClient>(
-        rtde::ControllerSession::Config{.rate_hz = static_cast<double>(config_.rate_hz)}));
+    rtde_clients_.push_back(std::make_unique<RtdeClient>(rtde::ControllerSession::Config{
+        .rate_hz = static_cast<double>(config_.rate_hz), .owners = input_owners_}));
     rtde_clients_.back()->socket = std::move(socket);
     rtde_clients_.back()->session.start();
   }
-  if (hal::Descriptor socket = accept_from(script_listener_); socket.is_open()) {
-    script_clients_.push_back(std::make_unique<Client>());
-    script_clients_.back()->socket = std::move(socket);
+  for (const auto* listener : {&script_listener_, &primary_listener_}) {
+    if (hal::Descriptor socket = accept_from(*listener); socket.is_open()) {
+      script_clients_.push_back(std::make_unique<Client>());
+      script_clients_.back()->socket = std::move(socket);
+      script_clients_.back()->primary = listener == &primary_listener_;
+    }
   }
   if (hal::Descriptor socket = accept_from(dashboard_listener_); socket.is_open()) {
     dashboard_clients_.push_back(std::make_unique<Client>());
@@ -149,7 +170,7 @@ void UrController::accept_clients() {
 }
 
 void UrController::serve_rtde() {
-  IgnoreInputs listener;
+  TakeInputs listener{values_};
   for (const auto& client : rtde_clients_) {
     bool alive = read_available(client->socket, client->incoming);
     alive = client->session.consume(client->incoming, listener).has_value() && alive;
@@ -173,6 +194,11 @@ void UrController::serve_scripts() {
 }
 
 void UrController::run_script(const std::string& text, Client& client) {
+  if (protective_stop_ || !remote_control_) {
+    // As a real one: nothing moves, and the script port says nothing.
+    ++scripts_refused_;
+    return;
+  }
   auto script = parse_script(text);
   if (script) {
     for (const std::string& warning : skip_overlapping_blends(*script)) {
@@ -212,19 +238,50 @@ void UrController::serve_dashboard() {
   drop_dead(dashboard_clients_);
 }
 
+std::vector<std::uint8_t> UrController::primary_state(const ArmState& state, Nanoseconds stamp) const {
+  constexpr std::uint8_t k_robot_state = 16, k_robot_mode_data = 0;
+  constexpr std::uint32_t k_header = 5, k_mode_bytes = 47;
+  std::vector<std::uint8_t> bytes;
+  rtde::Writer writer(bytes);
+  writer.put(k_header + k_mode_bytes);
+  writer.put(k_robot_state);
+  writer.put(k_mode_bytes);
+  writer.put(k_robot_mode_data);
+  writer.put(static_cast<std::uint64_t>(stamp.count() / 1000));
+  const bool stopped = protective_stop_;
+  // Real robot connected, real robot enabled, power on, emergency stop, protective stop, program runs, pause.
+  for (const bool flag : {true, true, true, false, stopped, state.program_running, false})
+    writer.put(static_cast<std::uint8_t>(flag ? 1 : 0));
+  writer.put(std::uint8_t{7});  // robot mode RUNNING
+  writer.put(std::uint8_t{0});  // control mode POSITION
+  writer.put(values_.speed_slider_ratio());
+  writer.put(1.0);              // speed scaling
+  writer.put(1.0);              // limit of the speed slider
+  writer.put(std::uint8_t{0});  // kept free
+  return bytes;
+}
+
 std::string UrController::dashboard_answer(const std::string& line, Client& client) {
   const auto now = hal::monotonic_now();
   const ArmState state = arm_.at(now);
   if (line == "robotmode") return "Robotmode: RUNNING";
-  if (line == "safetystatus") return "Safetystatus: NORMAL";
-  if (line == "safetymode") return "Safetymode: NORMAL";
+  if (line == "safetystatus" || line == "safetymode") {
+    return (line == "safetymode" ? "Safetymode: " : "Safetystatus: ") +
+           std::string(protective_stop_ ? "PROTECTIVE_STOP" : "NORMAL");
+  }
+  if (line == "unlock protective stop") {
+    protective_stop_ = false;
+    return "Protective stop releasing";
+  }
   if (line == "running") return state.program_running ? "Program running: true" : "Program running: false";
   if (line == "programState" || line == "programstate") {
     return (state.program_running ? "PLAYING " : "STOPPED ") +
            (state.program_name.empty() ? "<unnamed>" : state.program_name);
   }
-  if (line == "is in remote control") return "true";
-  if (line == "PolyscopeVersion") return "URSoftware 5.12.0 (simulated by Biteline)";
+  if (line == "is in remote control") return remote_control_ ? "true" : "false";
+  // Four numbers: some clients take nothing else.
+  if (line == "PolyscopeVersion") return "URSoftware 5.12.0.0 (simulated by Biteline)";
+  if (line == "get serial number") return config_.serial;
   if (line == "get robot model") return config_.model;
   if (line == "stop") {
     arm_.stop(now);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file A simulated UR controller on loopback: RTDE, script port, dashboard.
+/// \file A simulated UR controller on loopback: RTDE, script port, primary interface, dashboard.
 
 #include <atomic>
 #include <functional>
@@ -18,21 +18,25 @@ namespace biteline::sim {
 /// the real one; moves whose blends meet are skipped and warned of; a script that cannot be read is answered
 /// on the script port and in an RTDE text, and nothing moves.
 ///
-/// Dashboard: robotmode, safetystatus, running, programState, stop, "is in remote control", PolyscopeVersion,
-/// "get robot model", quit; other lines get the real one's answer to the unknown.
-/// Thread: any for the public methods.
+/// Dashboard: robotmode, safetystatus, safetymode, running, programState, stop, "is in remote control",
+/// "unlock protective stop", PolyscopeVersion, "get robot model", "get serial number", quit; other lines get
+/// the real one's answer to the unknown.  The primary port sends the robot's mode ten times a second
+/// (Universal Robots, "Client interfaces", robot state message with its robot mode data) and takes scripts,
+/// too. Thread: any for the public methods.
 class UrController {
  public:
   struct Config {
     std::uint16_t rtde_port{0};       ///< 0: a free one; the real one has 30004
     std::uint16_t script_port{0};     ///< 30002
     std::uint16_t dashboard_port{0};  ///< 29999
+    std::uint16_t primary_port{0};    ///< 30001
     int rate_hz{500};                 ///< 125: as a CB3
     Nanoseconds clock_offset{0};      ///< controller clock minus this machine's monotonic clock
     std::string model{"UR5e"};
+    std::string serial{"20235500001"};
   };
   struct Ports {
-    std::uint16_t rtde, script, dashboard;
+    std::uint16_t rtde, script, dashboard, primary;
   };
   /// Called on each cycle with the instant on this machine's monotonic clock, on the controller's thread.
   using OnCycle = std::function<void(SensorClock::time_point, const ArmState&)>;
@@ -44,8 +48,12 @@ class UrController {
   UrController& operator=(const UrController&) = delete;
 
   [[nodiscard]] Ports ports() const {
-    return {rtde_listener_.port, script_listener_.port, dashboard_listener_.port};
+    return {rtde_listener_.port, script_listener_.port, dashboard_listener_.port, primary_listener_.port};
   }
+  /// What a person does at the pendant, and what the safety system does: the arm stops where it is and takes
+  /// no program until it is let go.
+  void set_remote_control(bool on) { remote_control_ = on; }
+  void set_protective_stop(bool on) { protective_stop_ = on; }
   [[nodiscard]] std::uint64_t scripts_run() const { return scripts_run_.load(); }
   [[nodiscard]] std::uint64_t scripts_refused() const { return scripts_refused_.load(); }
   /// For blends that meet.
@@ -56,6 +64,7 @@ class UrController {
     hal::Descriptor socket;
     std::vector<std::uint8_t> incoming, outgoing;
     bool closing{false};  ///< as soon as all is sent
+    bool primary{false};  ///< hears states
   };
   struct RtdeClient : Client {
     explicit RtdeClient(const rtde::ControllerSession::Config& config) : session(config) {}
@@ -69,6 +78,7 @@ class UrController {
   static void pass_on(RtdeClient& client);
   void accept_clients();
   void serve_rtde();
+  [[nodiscard]] std::vector<std::uint8_t> primary_state(const ArmState& state, Nanoseconds stamp) const;
   void serve_scripts();
   void serve_dashboard();
   void run_script(const std::string& text, Client& client);
@@ -81,10 +91,13 @@ class UrController {
   Arm& arm_;
   OnCycle on_cycle_;
   UrValues values_;
-  TcpListener rtde_listener_, script_listener_, dashboard_listener_;
+  TcpListener rtde_listener_, script_listener_, dashboard_listener_, primary_listener_;
+  std::shared_ptr<rtde::InputOwners> input_owners_{std::make_shared<rtde::InputOwners>()};
+  std::atomic<bool> remote_control_{true}, protective_stop_{false};
   std::vector<std::unique_ptr<RtdeClient>> rtde_clients_;
   std::vector<std::unique_ptr<Client>> script_clients_, dashboard_clients_;
   SensorClock::time_point begin_;
+  std::uint64_t states_sent_{0};  ///< periods of the primary port
   std::atomic<std::uint64_t> scripts_run_{0}, scripts_refused_{0}, moves_skipped_{0};
   std::atomic<bool> stopping_{false};
   std::thread thread_;

@@ -10,7 +10,10 @@ constexpr double k_m_per_mm = 1e-3;
 constexpr std::int32_t k_running = 7, k_normal = 1;
 constexpr std::uint32_t k_stopped = 1, k_playing = 2;
 constexpr std::uint32_t k_power_on = 1U << 0U, k_program_running = 1U << 1U;
-constexpr std::uint32_t k_safety_normal = 1U << 0U;
+constexpr std::uint32_t k_safety_normal = 1U << 0U, k_safety_protective = 1U << 2U;
+constexpr std::int32_t k_protective_stop = 3;
+/// Joint mode RUNNING, same source.
+constexpr std::int32_t k_joint_running = 253;
 
 rtde::Vector6 ur_pose(const SE3& T) {
   const Vec3 p = k_m_per_mm * T.translation();
@@ -58,6 +61,18 @@ void UrValues::advance(const ArmState& state, double timestamp_s) {
   timestamp_s_ = timestamp_s;
 }
 
+void UrValues::take_inputs(const rtde::Recipe& recipe, std::span<const rtde::Value> values) {
+  std::uint32_t slider_mask = 0;
+  double slider = speed_slider_ratio_;
+  for (std::size_t i = 0; i < values.size() && i < recipe.names.size(); ++i) {
+    const std::string& name = recipe.names[i];
+    if (name == "speed_slider_mask") slider_mask = std::get<std::uint32_t>(values[i]);
+    if (name == "speed_slider_fraction") slider = std::get<double>(values[i]);
+    if (name.starts_with("input_")) inputs_[name] = values[i];
+  }
+  if ((slider_mask & 1U) != 0 && slider >= 0 && slider <= 1) speed_slider_ratio_ = slider;
+}
+
 rtde::Value UrValues::value_of(std::string_view name) const {
   if (name == "timestamp") return timestamp_s_;
   if (name == "actual_q" || name == "target_q") return to_array(q_rad_.value_or(JointVector::Zero()));
@@ -66,11 +81,19 @@ rtde::Value UrValues::value_of(std::string_view name) const {
   if (name == "actual_TCP_speed" || name == "target_TCP_speed") return tcp_speed_;
   if (name == "tcp_offset") return tcp_offset_;
   if (name == "robot_mode") return k_running;
-  if (name == "safety_mode" || name == "safety_status") return k_normal;
+  if (name == "safety_mode" || name == "safety_status")
+    return protective_stop_ ? k_protective_stop : k_normal;
+  if (name == "joint_mode") {
+    rtde::Vector6Int32 modes;
+    modes.fill(k_joint_running);
+    return modes;
+  }
   if (name == "runtime_state") return state_.program_running ? k_playing : k_stopped;
   if (name == "robot_status_bits") return k_power_on | (state_.program_running ? k_program_running : 0U);
-  if (name == "safety_status_bits") return k_safety_normal;
-  if (name == "speed_scaling" || name == "target_speed_fraction") return 1.0;
+  if (name == "safety_status_bits") return protective_stop_ ? k_safety_protective : k_safety_normal;
+  if (name == "speed_scaling") return 1.0;
+  if (name == "target_speed_fraction") return speed_slider_ratio_;
+  if (const auto input = inputs_.find(name); input != inputs_.end()) return input->second;
   if (name == "payload") return state_.payload.mass_kg;
   if (name == "payload_cog") {
     const Vec3 centre_m = k_m_per_mm * state_.payload.centre_mm;

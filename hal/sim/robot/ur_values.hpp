@@ -2,7 +2,9 @@
 #pragma once
 /// \file The simulated arm's state under RTDE's names and units.
 
+#include <map>
 #include <optional>
+#include <string>
 
 #include "common/rtde/controller_session.hpp"
 #include "hal/sim/robot/arm.hpp"
@@ -18,6 +20,12 @@ class UrValues final : public rtde::ValueSource {
 
   void advance(const ArmState& state, double timestamp_s);
 
+  /// What clients wrote: the speed slider, and all that is read back under its own name.
+  void take_inputs(const rtde::Recipe& recipe, std::span<const rtde::Value> values);
+  /// Held by the safety system, as after a collision.
+  void set_protective_stop(bool on) { protective_stop_ = on; }
+  [[nodiscard]] double speed_slider_ratio() const { return speed_slider_ratio_; }
+
   [[nodiscard]] rtde::Value value_of(std::string_view name) const override;
 
   [[nodiscard]] const ArmState& state() const { return state_; }
@@ -28,6 +36,9 @@ class UrValues final : public rtde::ValueSource {
   ArmKinematics kinematics_;
   ArmState state_;
   double timestamp_s_{0};
+  double speed_slider_ratio_{1};
+  bool protective_stop_{false};
+  std::map<std::string, rtde::Value, std::less<>> inputs_;
   std::optional<JointVector> q_rad_;
   JointVector q_rad_s_{JointVector::Zero()};
   rtde::Vector6 tcp_pose_{}, tcp_speed_{}, tcp_offset_{};

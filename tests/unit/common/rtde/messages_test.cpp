@@ -3,6 +3,8 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <set>
+
 #include "common/rtde/fields.hpp"
 
 namespace biteline::rtde {
@@ -103,8 +105,30 @@ TEST(RtdeMessages, RegistersHaveTypesWithinTheirRange) {
   CHECK_FALSE(output_type("output_double_register_48").has_value());
   CHECK_FALSE(output_type("output_double_register_").has_value());
   CHECK_FALSE(output_type("output_double_register_1x").has_value());
-  CHECK_FALSE(output_type("input_int_register_0").has_value());
+  CHECK(output_type("input_int_register_0") == FieldType::Int32);  // read back
+  CHECK_FALSE(input_type("output_int_register_0").has_value());
   CHECK(output_type("actual_TCP_pose") == FieldType::Vector6d);
+}
+
+/// What recorders, drivers and libraries of others ask for by default.
+TEST(RtdeMessages, FieldsOfTheGuideAreKnown) {
+  const std::vector<std::string> outputs = output_names(), inputs = input_names();
+  CHECK(outputs.size() >= 393);
+  CHECK_EQUAL(175U, inputs.size());
+  for (const auto* names : {&outputs, &inputs}) {
+    std::set<std::string> once(names->begin(), names->end());
+    CHECK_EQUAL(names->size(), once.size());
+  }
+  for (const std::string& name : outputs) CHECK_TEXT(output_type(name).has_value(), name.c_str());
+  for (const std::string& name : inputs) CHECK_TEXT(input_type(name).has_value(), name.c_str());
+  CHECK(output_type("joint_position_deviation_ratio") == FieldType::Double);
+  CHECK(output_type("ft_raw_wrench") == FieldType::Vector6d);
+  CHECK(output_type("tool_output_mode") == FieldType::Uint8);
+  CHECK(output_type("tool_output_voltage") == FieldType::Int32);
+  CHECK(output_type("actual_configurable_digital_input_bits") == FieldType::Uint64);
+  CHECK(output_type("target_gravity") == FieldType::Vector3d);
+  CHECK(input_type("standard_analog_output_mask") == FieldType::Uint8);
+  CHECK(input_type("standard_analog_output_0") == FieldType::Double);
 }
 
 TEST(RtdeMessages, TypeNamesAreTheGuides) {

@@ -95,6 +95,71 @@ TEST(RtdeSessions, TwoRecipesRunAtTheirOwnRates) {
   DOUBLES_EQUAL(0.6, std::get<Vector6>(heard.data[0].second[1])[5], 0);
 }
 
+/// A controller that skips late cycles skips no period of a slow recipe.
+TEST(RtdeSessions, SlowRecipesLoseNothingToSkippedCycles) {
+  ClientSession client{two_recipes()};
+  ControllerSession controller{{}};
+  client.start();
+  controller.start();
+  CHECK(talk(client, controller).has_value());
+  for (std::uint64_t cycle = 3; cycle < 1000; cycle += 7) {  // 7 divides no period of 50 cycles
+    controller.append_outputs(cycle, arm);
+    CHECK(talk(client, controller).has_value());
+  }
+  std::size_t slow = 0;
+  for (const auto& [recipe, values] : heard.data) slow += recipe == 1 ? 1 : 0;
+  CHECK_EQUAL(20U, slow);
+}
+
+TEST(RtdeSessions, AnInputBelongsToOneClientUntilItGoes) {
+  const auto owners = std::make_shared<InputOwners>();
+  ControllerSession second{{.owners = owners}};
+  ClientSession later{two_recipes()};
+  {
+    ControllerSession first{{.owners = owners}};
+    ClientSession client{two_recipes()};
+    client.start();
+    first.start();
+    CHECK(talk(client, first).has_value());
+    later.start();
+    second.start();
+    const auto result = talk(later, second);
+    CHECK_FALSE(result.has_value());
+    STRCMP_EQUAL("RTDE variable speed_slider_mask: IN_USE", result.error().where.c_str());
+    CHECK(later.refused());
+  }
+  later.start();
+  second.start();
+  CHECK(talk(later, second).has_value());
+  CHECK(later.running());
+}
+
+/// The exchange of Universal Robots' Python client (record.py) byte by byte, as the guide lays it out.
+TEST(RtdeSessions, GoldenBytesOfAPeersExchange) {
+  const auto bytes = [](std::string_view text) { return Bytes(text.begin(), text.end()); };
+  using namespace std::string_view_literals;
+  ControllerSession controller{{}};
+  controller.start();
+  const struct {
+    std::string_view asked, answered;
+  } rows[] = {
+      {"\x00\x05V\x00\x02"sv, "\x00\x04V\x01"sv},
+      {"\x00\x03v"sv, "\x00\x13v\x00\x00\x00\x05\x00\x00\x00\x0c\x00\x00\x00\x00\x00\x00\x00\x00"sv},
+      {"\x00\x1fO\x40\x5f\x40\x00\x00\x00\x00\x00timestamp,robot_mode"sv,
+       "\x00\x10O\x01"
+       "DOUBLE,INT32"sv},
+      {"\x00\x03S"sv, "\x00\x04S\x01"sv},
+  };
+  for (const auto& row : rows) {
+    CHECK(controller.consume(bytes(row.asked), taken).has_value());
+    CHECK(bytes(row.answered) == controller.outgoing());
+    controller.outgoing().clear();
+  }
+  arm.time_s = 1;
+  controller.append_outputs(0, arm);
+  CHECK(bytes("\x00\x10U\x01\x3f\xf0\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00"sv) == controller.outgoing());
+}
+
 TEST(RtdeSessions, FallsBackToVersion1) {
   ClientSession::Config config = two_recipes();
   config.outputs.resize(1);
@@ -206,9 +271,10 @@ TEST(RtdeSessions, TextsThatCannotBeReadAndUnknownPackagesAreCountedAndLeftOut) 
   for (const Bytes* stray : {&no_text, &unknown}) CHECK(client.consume(*stray, heard).has_value());
   CHECK(talk(client, controller).has_value());
   CHECK(client.running());
+  std::uint64_t cycle = 0;
   for (const Bytes* stray : {&cut_text, &no_text, &unknown, &unknown}) {
     CHECK(client.consume(*stray, heard).has_value());
-    controller.append_outputs(0, arm);
+    controller.append_outputs(cycle += 50, arm);  // both recipes are due
     CHECK(talk(client, controller).has_value());
   }
   CHECK_EQUAL(8U, heard.data.size());

@@ -7,6 +7,8 @@
 #include <poll.h>
 #include <sys/socket.h>
 
+#include <utility>
+
 #include "common/rtde/client_session.hpp"
 
 namespace biteline::sim {
@@ -170,6 +172,90 @@ TEST(UrController, TheDashboardAnswersAndStops) {
   send_text(dashboard, "quit\n");
   STRCMP_EQUAL("Disconnected", read_line(dashboard).c_str());
   STRCMP_EQUAL(" <closed>", read_line(dashboard).c_str());
+}
+
+TEST(UrController, DashboardTellsWhatAGateAsks) {
+  const hal::Descriptor dashboard = connect_to(sut->ports().dashboard);
+  read_line(dashboard);
+  const auto ask = [&](const char* words) {
+    send_text(dashboard, std::string{words} + "\n");
+    return read_line(dashboard);
+  };
+  STRCMP_EQUAL("true", ask("is in remote control").c_str());
+  STRCMP_EQUAL("UR5e", ask("get robot model").c_str());
+  STRCMP_EQUAL("20235500001", ask("get serial number").c_str());
+  STRCMP_EQUAL("Safetystatus: NORMAL", ask("safetystatus").c_str());
+  STRCMP_EQUAL("URSoftware 5.12.0.0 (simulated by Biteline)", ask("PolyscopeVersion").c_str());
+  sut->set_remote_control(false);
+  STRCMP_EQUAL("false", ask("is in remote control").c_str());
+}
+
+TEST(UrController, NoProgramRunsInLocalModeOrInAProtectiveStop) {
+  const hal::Descriptor script = connect_to(sut->ports().script);
+  const auto refused = [&](std::uint64_t count) {
+    send_text(script, "def wait():\n  sleep(100)\nend\n");
+    for (int i = 0; i < k_patience_ms && sut->scripts_refused() < count; ++i) poll(nullptr, 0, 1);
+    return sut->scripts_refused();
+  };
+  sut->set_remote_control(false);
+  LONGS_EQUAL(1, refused(1));
+  sut->set_remote_control(true);
+  sut->set_protective_stop(true);
+  LONGS_EQUAL(2, refused(2));
+  CHECK_FALSE(arm.at(hal::monotonic_now()).program_running);
+  const hal::Descriptor dashboard = connect_to(sut->ports().dashboard);
+  read_line(dashboard);
+  send_text(dashboard, "safetymode\nunlock protective stop\nsafetymode\n");
+  STRCMP_EQUAL("Safetymode: PROTECTIVE_STOP", read_line(dashboard).c_str());
+  STRCMP_EQUAL("Protective stop releasing", read_line(dashboard).c_str());
+  STRCMP_EQUAL("Safetymode: NORMAL", read_line(dashboard).c_str());
+}
+
+/// Clients of the primary port wait for a state before they send anything.
+TEST(UrController, ThePrimaryPortSendsStates) {
+  const hal::Descriptor primary = connect_to(sut->ports().primary);
+  std::vector<std::uint8_t> bytes;
+  for (int i = 0; i < k_patience_ms && bytes.size() < 104; ++i) {
+    pollfd wait{primary.number(), POLLIN, 0};
+    poll(&wait, 1, 1);
+    CHECK(read_available(primary, bytes));
+  }
+  CHECK(bytes.size() >= 104);
+  for (const std::size_t at : {std::size_t{0}, std::size_t{52}}) {
+    const std::vector<std::uint8_t> head(bytes.begin() + static_cast<std::ptrdiff_t>(at),
+                                         bytes.begin() + static_cast<std::ptrdiff_t>(at + 10));
+    const std::vector<std::uint8_t> expected{0, 0, 0, 52, 16, 0, 0, 0, 47, 0};
+    CHECK(expected == head);
+  }
+  LONGS_EQUAL(7, bytes[25]);  // robot mode RUNNING
+}
+
+TEST(UrController, TheSpeedSliderIsTheOneTheClientSets) {
+  const hal::Descriptor socket = connect_to(sut->ports().rtde);
+  using enum rtde::FieldType;
+  rtde::ClientSession client{
+      {.outputs = {{.variables = {{"target_speed_fraction", Double}}}},
+       .inputs = {{{"speed_slider_mask", Uint32}, {"speed_slider_fraction", Double}}}}};
+  struct Slider final : rtde::ClientListener {
+    double ratio{-1};
+    void on_data(std::size_t, std::span<const rtde::Value> values) override {
+      ratio = std::get<double>(values[0]);
+    }
+    void on_text(const rtde::TextMessage&) override {}
+  } slider;
+  client.start();
+  bool sent = false;
+  for (int i = 0; i < k_patience_ms && slider.ratio != 0.25; ++i) {
+    if (client.running() && !std::exchange(sent, true))
+      client.send_inputs(0, std::vector<rtde::Value>{std::uint32_t{1}, 0.25});
+    CHECK(write_available(socket, client.outgoing()));
+    pollfd wait{socket.number(), POLLIN, 0};
+    poll(&wait, 1, 1);
+    std::vector<std::uint8_t> bytes;
+    CHECK(read_available(socket, bytes));
+    CHECK(client.consume(bytes, slider).has_value());
+  }
+  DOUBLES_EQUAL(0.25, slider.ratio, 0);
 }
 
 }  // namespace biteline::sim
