@@ -14,7 +14,7 @@ namespace {
 constexpr double k_rigid_tolerance = 1e-4;
 
 SE3 read_rigid_motion(YamlReader& reader, const std::string& key) {
-  const std::vector<double> values = reader.matrix(key, 4, 4);
+  const std::vector<double> values = reader.matrix(key, 4, 4, k_plausible_mm);
   const Eigen::Matrix4d matrix =
       Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(values.data());
   const Mat3 R = matrix.topLeftCorner<3, 3>();
@@ -58,28 +58,27 @@ Result<geometry::SensorModel> read_sensor_yaml(const std::filesystem::path& path
       reader.has("roi_offset")
           ? reader.numbers("roi_offset", 2)
           : (static_cast<void>(reader.text_or("roi_offset", "")), std::vector<double>{0, 0});
-  for (const double size_px : resolution) {
-    // 16384: the largest line of any camera here, and far below what overflows a product of two.
-    if (size_px != std::floor(size_px) || size_px < 1 || size_px > 16384) {
-      reader.fault(Errc::BadValue, "resolution", "two whole numbers from 1 to 16384 expected");
-      break;
-    }
-  }
-  for (const double offset_px : offset) {
-    if (offset_px != std::floor(offset_px) || offset_px < 0 || offset_px > 16384) {
-      reader.fault(Errc::BadValue, "roi_offset", "two whole numbers from 0 to 16384 expected");
-      break;
-    }
-  }
-  sensor.region = {.offset_u_px = static_cast<int>(offset[0]),
-                   .offset_v_px = static_cast<int>(offset[1]),
-                   .width_px = static_cast<int>(resolution[0]),
-                   .height_px = static_cast<int>(resolution[1])};
+  // 16384: the largest line of any camera here, and far below what overflows a product of two.
+  const auto pixels = [&](const std::vector<double>& pair, const char* key, int least, const char* expected) {
+    const auto good = [&](double px) { return px == std::floor(px) && px >= least && px <= 16384; };
+    if (good(pair[0]) && good(pair[1]))
+      return std::pair{static_cast<int>(pair[0]), static_cast<int>(pair[1])};
+    reader.fault(Errc::BadValue, key, expected);
+    return std::pair{least, least};
+  };
+  const auto [width_px, height_px] =
+      pixels(resolution, "resolution", 1, "two whole numbers from 1 to 16384 expected");
+  const auto [offset_u_px, offset_v_px] =
+      pixels(offset, "roi_offset", 0, "two whole numbers from 0 to 16384 expected");
+  sensor.region = {
+      .offset_u_px = offset_u_px, .offset_v_px = offset_v_px, .width_px = width_px, .height_px = height_px};
 
-  const std::vector<double> intrinsics = reader.numbers("intrinsics", 4);
-  const std::vector<double> k = reader.numbers("distortion_coefficients", 5);
-  if (intrinsics[0] <= 0 || intrinsics[1] <= 0)
-    reader.fault(Errc::BadValue, "intrinsics", "positive focal lengths expected");
+  // A focal length or an image centre beyond this many pixels is no camera's.
+  const std::vector<double> intrinsics = reader.numbers("intrinsics", 4, {.minimum = -1e6, .maximum = 1e6});
+  const std::vector<double> k =
+      reader.numbers("distortion_coefficients", 5, {.minimum = -1e4, .maximum = 1e4});
+  if (!(intrinsics[0] >= 1 && intrinsics[1] >= 1))
+    reader.fault(Errc::BadValue, "intrinsics", "focal lengths of at least 1 px expected");
   sensor.camera = {.fu_px = intrinsics[0],
                    .fv_px = intrinsics[1],
                    .cu_px = intrinsics[2],
@@ -90,9 +89,9 @@ Result<geometry::SensorModel> read_sensor_yaml(const std::filesystem::path& path
                    .p2 = k[3],
                    .k3 = k[4]};
 
-  const std::vector<double> plane = reader.numbers("laser_plane", 4);
+  const std::vector<double> plane = reader.numbers("laser_plane", 4, k_plausible_mm);
   const Vec3 normal_cam(plane[0], plane[1], plane[2]);
-  if (std::abs(normal_cam.norm() - 1) > k_rigid_tolerance) {
+  if (!(std::abs(normal_cam.norm() - 1) <= k_rigid_tolerance)) {
     reader.fault(Errc::BadValue, "laser_plane", "a normal of unit length and a distance expected");
   } else {
     sensor.laser_plane = {.normal_cam = normal_cam.normalized(), .distance_mm = plane[3] / normal_cam.norm()};

@@ -4,12 +4,16 @@
 #include <yaml-cpp/yaml.h>
 
 #include <cmath>
-#include <fstream>
 #include <set>
 #include <sstream>
 
+#include "common/core/text.hpp"
+#include "common/system/file.hpp"
+
 namespace biteline::config {
 namespace {
+
+constexpr std::size_t k_longest_key_bytes = 80;
 
 struct Faults {
   std::string file;
@@ -19,13 +23,12 @@ struct Faults {
   void add(Errc code, int line, const std::string& key, const std::string& expected) {
     ++count;
     if (first) return;
-    first = Error{.code = code, .sys_errno = 0, .more_faults = 0, .where = {}};
-    if (line > 0) {
-      first->where =
-          FixedText<256>::format("%s line %d, %s: %s", file.c_str(), line, key.c_str(), expected.c_str());
-    } else {
-      first->where = FixedText<256>::format("%s, %s: %s", file.c_str(), key.c_str(), expected.c_str());
-    }
+    // A key comes from the file, and may be as long as it.
+    const std::string named = clean_text(key, k_longest_key_bytes);
+    first =
+        line > 0
+            ? fail(code, "%s line %d, %s: %s", file.c_str(), line, named.c_str(), expected.c_str()).value()
+            : fail(code, "%s, %s: %s", file.c_str(), named.c_str(), expected.c_str()).value();
   }
 };
 
@@ -35,16 +38,13 @@ int line_of(const YAML::Node& node) {
 
 std::string describe(YamlReader::Range range) {
   std::ostringstream text;
-  text << "a finite number";
-  if (range.minimum > -1e299) text << " from " << range.minimum;
-  if (range.maximum < 1e299) text << " to " << range.maximum;
+  text << "a finite number from " << range.minimum << " to " << range.maximum;
   return text.str();
 }
 
 /// One number of a scalar node; false when it is none, not finite or out of range.
 bool to_number(const YAML::Node& node, YamlReader::Range range, double& value) {
-  return node.IsScalar() && YAML::convert<double>::decode(node, value) && std::isfinite(value) &&
-         value >= range.minimum && value <= range.maximum;
+  return node.IsScalar() && YAML::convert<double>::decode(node, value) && range.holds(value);
 }
 
 }  // namespace
@@ -85,14 +85,8 @@ YamlReader::~YamlReader() {
 }
 
 Result<YamlReader> YamlReader::open(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) return fail(Errc::FileNotFound, "%s", path.c_str());
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!std::filesystem::is_regular_file(path, error) || !file || !(text << file.rdbuf())) {
-    return fail(Errc::FileUnreadable, "%s", path.c_str());
-  }
-  return parse(text.str(), path.string());
+  BITELINE_ASSIGN(const std::string text, read_regular_file(path, k_most_settings_bytes));
+  return parse(text, path.string());
 }
 
 Result<YamlReader> YamlReader::parse(const std::string& text, const std::string& name) {
@@ -132,7 +126,10 @@ double YamlReader::number(const std::string& key, Range range) {
 }
 
 long YamlReader::integer(const std::string& key, Range range) {
-  const double value = number(key, range);
+  // Beyond 2^53 a double skips whole numbers, and far beyond it fits no integer.
+  constexpr double k_exact = 9007199254740992;
+  const double value = number(
+      key, {.minimum = std::max(range.minimum, -k_exact), .maximum = std::min(range.maximum, k_exact)});
   if (value != std::floor(value)) fault(Errc::BadValue, key, "a whole number expected");
   return static_cast<long>(value);
 }
@@ -156,20 +153,21 @@ std::string YamlReader::text(const std::string& key) {
   return found->Scalar();
 }
 
-std::vector<double> YamlReader::numbers(const std::string& key, std::size_t count) {
+std::vector<double> YamlReader::numbers(const std::string& key, std::size_t count, Range range) {
   std::vector<double> values(count, 0.0);
   const auto found = node_->find(key, true);
   if (!found) return values;
   bool good = found->IsSequence() && found->size() == count;
-  for (std::size_t i = 0; good && i < count; ++i) good = to_number((*found)[i], {}, values[i]);
+  for (std::size_t i = 0; good && i < count; ++i) good = to_number((*found)[i], range, values[i]);
   if (!good) {
-    fault(Errc::BadValue, key, std::to_string(count) + " finite numbers expected");
+    fault(Errc::BadValue, key, std::to_string(count) + " times " + describe(range) + " expected");
     values.assign(count, 0.0);
   }
   return values;
 }
 
-std::vector<double> YamlReader::matrix(const std::string& key, std::size_t rows, std::size_t columns) {
+std::vector<double> YamlReader::matrix(const std::string& key, std::size_t rows, std::size_t columns,
+                                       Range range) {
   std::vector<double> values(rows * columns, 0.0);
   const auto found = node_->find(key, true);
   if (!found) return values;
@@ -177,11 +175,13 @@ std::vector<double> YamlReader::matrix(const std::string& key, std::size_t rows,
   for (std::size_t i = 0; good && i < rows; ++i) {
     const YAML::Node row = (*found)[i];
     good = row.IsSequence() && row.size() == columns;
-    for (std::size_t j = 0; good && j < columns; ++j) good = to_number(row[j], {}, values[i * columns + j]);
+    for (std::size_t j = 0; good && j < columns; ++j)
+      good = to_number(row[j], range, values[i * columns + j]);
   }
   if (!good) {
     fault(Errc::BadValue, key,
-          std::to_string(rows) + " rows of " + std::to_string(columns) + " finite numbers expected");
+          std::to_string(rows) + " rows of " + std::to_string(columns) + " times " + describe(range) +
+              " expected");
     values.assign(rows * columns, 0.0);
   }
   return values;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/core/numbers.hpp"
 #include "common/core/result.hpp"
 
 namespace biteline::config {
@@ -22,10 +23,7 @@ namespace biteline::config {
 ///     BITELINE_TRY(reader->finish());
 class YamlReader {
  public:
-  struct Range {
-    double minimum{-1e300};
-    double maximum{1e300};
-  };
+  using Range = NumberRange;
 
   [[nodiscard]] static Result<YamlReader> open(const std::filesystem::path& path);
   /// `name` stands for the file in faults.
@@ -42,9 +40,9 @@ class YamlReader {
   long integer(const std::string& key, Range range);
   bool boolean(const std::string& key);
   std::string text(const std::string& key);
-  std::vector<double> numbers(const std::string& key, std::size_t count);
+  std::vector<double> numbers(const std::string& key, std::size_t count, Range range = {});
   /// Row-major, `rows` lists of `columns` numbers.
-  std::vector<double> matrix(const std::string& key, std::size_t rows, std::size_t columns);
+  std::vector<double> matrix(const std::string& key, std::size_t rows, std::size_t columns, Range range = {});
   std::vector<std::string> texts(const std::string& key);
 
   /// Optional values.

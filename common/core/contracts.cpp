@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "common/core/make_safe.hpp"
+
 namespace biteline {
 namespace {
 
@@ -16,8 +18,12 @@ void set_contract_handler(ContractHandler handler) noexcept {
   g_handler.store(handler);
 }
 
-void contract_broken(const char* condition, const char* file, int line) noexcept {
+void make_safe(const char* condition, const char* file, int line) noexcept {
   if (ContractHandler handler = g_handler.exchange(nullptr)) handler(condition, file, line);
+}
+
+void contract_broken(const char* condition, const char* file, int line) noexcept {
+  make_safe(condition, file, line);
   std::fprintf(stderr, "%s:%d: contract broken: %s\n", file, line, condition);
   std::abort();
 }

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "common/core/contracts.hpp"
+#include "common/core/text.hpp"
 
 namespace biteline {
 namespace {
@@ -48,6 +49,17 @@ constexpr std::array k_rows{
     ErrorRow{Errc::ContractBroken, "internal contract broken", "report this as a defect", Connection},
 };
 
+/// A text that fills its room may have been cut inside its last letter.
+std::string_view without_torn_letter(std::string_view text) {
+  if (text.size() + 1 < sizeof(Error::where)) return text;
+  std::size_t end = text.size();
+  while (end > 0 && (static_cast<unsigned char>(text[end - 1]) & 0xC0U) == 0x80U) --end;
+  if (end == 0 || static_cast<unsigned char>(text[end - 1]) < 0xC0U) return text;
+  const auto lead = static_cast<unsigned char>(text[end - 1]);
+  const std::size_t bytes = lead >= 0xF0U ? 4 : lead >= 0xE0U ? 3 : 2;
+  return text.size() - (end - 1) < bytes ? text.substr(0, end - 1) : text;
+}
+
 }  // namespace
 
 std::span<const ErrorRow> error_table() {
@@ -63,7 +75,8 @@ const ErrorRow& error_row(Errc code) {
 }
 
 std::string to_line(const Error& error) {
-  std::string line{error.where.view()};
+  // The one way of an error to a terminal or a page; what a file or the other side said stands in it.
+  std::string line = clean_text(without_torn_letter(error.where.view()));
   if (!line.empty()) line += ": ";
   line += error_row(error.code).message;
   if (error.sys_errno != 0) line += std::string{" ("} + std::strerror(error.sys_errno) + ")";

@@ -2,10 +2,9 @@
 #include "common/csv/table.hpp"
 
 #include <charconv>
-#include <cmath>
-#include <fstream>
 #include <optional>
-#include <sstream>
+
+#include "common/system/file.hpp"
 
 namespace biteline::csv {
 namespace {
@@ -34,11 +33,12 @@ bool parse(std::string_view text, Number& value) {
 
 }  // namespace
 
-Result<double> Row::number(std::size_t field) const {
+Result<double> Row::number(std::size_t field, NumberRange range) const {
   double value = 0;
-  if (!parse(fields_[field], value) || !std::isfinite(value)) {
-    return fail(Errc::BadValue, "%s row %d, field %zu: a finite number expected, found '%.20s'",
-                file_.c_str(), number_, field + 1, std::string(fields_[field]).c_str());
+  if (!parse(fields_[field], value) || !range.holds(value)) {
+    return fail(Errc::BadValue, "%s row %d, field %zu: a finite number from %g to %g expected, found '%.20s'",
+                file_.c_str(), number_, field + 1, range.minimum, range.maximum,
+                std::string(fields_[field]).c_str());
   }
   return value;
 }
@@ -52,21 +52,9 @@ Result<std::int64_t> Row::integer(std::size_t field) const {
   return value;
 }
 
-Result<std::string> read_text(const std::filesystem::path& file) {
-  std::error_code error;
-  if (!std::filesystem::exists(file, error)) return fail(Errc::FileNotFound, "%s", file.c_str());
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  if (!std::filesystem::is_regular_file(file, error) || !stream)
-    return fail(Errc::FileUnreadable, "%s", file.c_str());
-  text << stream.rdbuf();
-  if (stream.bad()) return fail(Errc::FileUnreadable, "%s", file.c_str());
-  return std::move(text).str();
-}
-
 Result<void> read_table(const std::filesystem::path& file, std::size_t minimum_fields,
                         std::size_t maximum_fields, const std::function<Result<void>(const Row&)>& take) {
-  BITELINE_ASSIGN(const std::string text, read_text(file));
+  BITELINE_ASSIGN(const std::string text, read_regular_file(file, k_most_table_bytes));
   const std::string name = file.string();
   std::optional<Error> first;
   int faults = 0, row_number = 0;

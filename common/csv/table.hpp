@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/core/numbers.hpp"
 #include "common/core/result.hpp"
 
 namespace biteline::csv {
@@ -22,8 +23,9 @@ class Row {
   [[nodiscard]] std::size_t size() const { return fields_.size(); }
   [[nodiscard]] std::string_view text(std::size_t field) const { return fields_[field]; }
 
-  /// A finite number; fails naming row and field.
-  [[nodiscard]] Result<double> number(std::size_t field) const;
+  /// A finite number in `range`; fails naming row and field.  By default a length in mm, which bounds ratios,
+  /// too.
+  [[nodiscard]] Result<double> number(std::size_t field, NumberRange range = k_plausible_mm) const;
   [[nodiscard]] Result<std::int64_t> integer(std::size_t field) const;
 
  private:
@@ -38,8 +40,5 @@ class Row {
 [[nodiscard]] Result<void> read_table(const std::filesystem::path& file, std::size_t minimum_fields,
                                       std::size_t maximum_fields,
                                       const std::function<Result<void>(const Row&)>& take);
-
-/// The file's whole text.
-[[nodiscard]] Result<std::string> read_text(const std::filesystem::path& file);
 
 }  // namespace biteline::csv

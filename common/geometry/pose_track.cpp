@@ -13,6 +13,9 @@ constexpr int k_max_window = 2 * PoseSmoothing::k_max_each_side;
 /// Samples each side of the narrowest smoothing window: with 500 Hz 24 ms, over which a cubic follows an arm
 /// at its jerk limit.
 constexpr int k_narrow_each_side = 6;
+/// Neighbours farther apart tell nothing of the way between, however near one of them is; and times so
+/// unequal leave the fit no digits.
+constexpr Nanoseconds k_widest_hole = std::chrono::seconds{1};
 /// 99 % point of chi-square with the six degrees of freedom of a pose.
 constexpr double k_agreement = 16.8;
 /// Below these, differences are rounding and not motion.
@@ -140,7 +143,16 @@ bool rt_pose_at(std::span<const PoseSample> samples, SensorClock::time_point ins
   const Nanoseconds before_age = instant - samples[static_cast<std::size_t>(nearest_before)].stamp;
   const Nanoseconds after_age = samples[static_cast<std::size_t>(nearest_after)].stamp - instant;
   out.age = std::min(std::chrono::abs(before_age), std::chrono::abs(after_age));
-  out.stale = out.age > smoothing.stale_after;
+  const Nanoseconds hole = samples[static_cast<std::size_t>(nearest_after)].stamp -
+                           samples[static_cast<std::size_t>(nearest_before)].stamp;
+  out.stale = out.age > smoothing.stale_after || hole > k_widest_hole;
+  if (hole > k_widest_hole) {
+    out.T_base_flange =
+        samples[static_cast<std::size_t>(before_age < after_age ? nearest_before : nearest_after)]
+            .T_base_flange;
+    out.sample_count = 1;
+    return true;
+  }
 
   // At least the two neighbours, which make plain interpolation; more of them within reach.  As many on
   // either side: a lopsided window lags.

@@ -8,6 +8,8 @@
 #include <memory>
 #include <optional>
 
+#include "common/system/file.hpp"
+
 namespace biteline::image {
 namespace {
 
@@ -22,6 +24,11 @@ using Context = std::unique_ptr<spng_ctx, ContextCloser>;
 
 // Larger than any camera here; a damaged header must not ask for gigabytes.
 constexpr std::uint32_t k_max_side_px = 16384;
+// Texts and colour profiles are packed: without a limit some kilobytes of them unpack to gigabytes.
+constexpr std::size_t k_most_chunk_bytes = 1U << 20U;
+constexpr std::size_t k_most_chunks_bytes = 4U << 20U;
+// Unpacked pixels of the largest side both ways, and what a picture that does not pack may need beyond.
+constexpr std::uint64_t k_most_file_bytes = 300ULL << 20U;
 
 struct OpenPng {
   File file;
@@ -31,13 +38,16 @@ struct OpenPng {
 };
 
 Result<OpenPng> open_png(const std::filesystem::path& path) {
+  BITELINE_TRY(check_regular_file(path, k_most_file_bytes));
   OpenPng png;
   png.file.reset(std::fopen(path.c_str(), "rb"));
   if (!png.file) {
     return fail_errno(errno == ENOENT ? Errc::FileNotFound : Errc::FileUnreadable, errno, "%s", path.c_str());
   }
   png.context.reset(spng_ctx_new(0));
+  if (!png.context) return fail(Errc::FileUnreadable, "%s: no memory to read it", path.c_str());
   spng_set_image_limits(png.context.get(), k_max_side_px, k_max_side_px);
+  spng_set_chunk_limits(png.context.get(), k_most_chunk_bytes, k_most_chunks_bytes);
   spng_set_png_file(png.context.get(), png.file.get());
   spng_ihdr header{};
   if (const int status = spng_get_ihdr(png.context.get(), &header); status != SPNG_OK) {

@@ -17,14 +17,26 @@ namespace fs = std::filesystem;
 // Printed with eight decimals a unit quaternion is off by 1e-8; 1e-3 catches a lost digit or a swapped field.
 constexpr double k_unit_tolerance = 1e-3;
 
-Result<StampedPose> parse_pose(const csv::Row& row, const fs::path& file) {
+// 73 years either way: differences of two such stamps, and clock offsets on top, stay within 64 bits.
+constexpr std::int64_t k_farthest_stamp_ns = std::int64_t{1} << 61;
+
+Result<std::int64_t> read_stamp(const csv::Row& row, const fs::path& file) {
   BITELINE_ASSIGN(const std::int64_t stamp_ns, row.integer(0));
+  if (stamp_ns < -k_farthest_stamp_ns || stamp_ns > k_farthest_stamp_ns) {
+    return fail(Errc::BadValue, "%s row %d, field 1: a stamp within 73 years of the clock's zero expected",
+                file.c_str(), row.number());
+  }
+  return stamp_ns;
+}
+
+Result<StampedPose> parse_pose(const csv::Row& row, const fs::path& file) {
+  BITELINE_ASSIGN(const std::int64_t stamp_ns, read_stamp(row, file));
   double v[7];
   for (std::size_t i = 0; i < 7; ++i) {
     BITELINE_ASSIGN(v[i], row.number(i + 1));
   }
   const Eigen::Quaterniond rotation(v[3], v[4], v[5], v[6]);
-  if (std::abs(rotation.norm() - 1) > k_unit_tolerance) {
+  if (!(std::abs(rotation.norm() - 1) <= k_unit_tolerance)) {
     return fail(Errc::BadValue, "%s row %d, fields 5 to 8: a unit quaternion expected, found length %.4f",
                 file.c_str(), row.number(), rotation.norm());
   }
@@ -36,7 +48,7 @@ Result<std::vector<FrameEntry>> read_frame_table(const fs::path& file) {
   std::vector<FrameEntry> frames;
   const fs::path folder = file.parent_path() / "data";
   BITELINE_TRY(csv::read_table(file, 2, 2, [&](const csv::Row& row) -> Result<void> {
-    BITELINE_ASSIGN(const std::int64_t stamp_ns, row.integer(0));
+    BITELINE_ASSIGN(const std::int64_t stamp_ns, read_stamp(row, file));
     const FrameEntry frame{.exposure_mid = SensorClock::time_point{Nanoseconds{stamp_ns}},
                            .file = folder / row.text(1)};
     // A name with a folder in it could lead out of the session.

@@ -8,7 +8,9 @@
 
 #include <array>
 #include <cerrno>
-#include <fstream>
+#include <sstream>
+
+#include "common/system/file.hpp"
 
 namespace biteline::wire {
 namespace {
@@ -16,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t k_key_characters = 40;
+constexpr std::uint64_t k_most_key_bytes = 1U << 20U;  // some ten thousand hosts
 constexpr std::string_view k_z85_letters =
     "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ.-:+=^!/*?&<>()[]{}@%$#";  // ZeroMQ RFC 32
 
@@ -47,10 +50,8 @@ Result<void> write_new(const fs::path& file, const std::string& line, mode_t mod
 }
 
 Result<std::string> read_key(const fs::path& file) {
-  std::ifstream stream{file};
-  if (!stream) return fail_errno(Errc::FileNotFound, errno, "%s", file.c_str());
-  std::string line;
-  std::getline(stream, line);
+  BITELINE_ASSIGN(const std::string text, read_regular_file(file, k_most_key_bytes));
+  const std::string line = text.substr(0, text.find('\n'));
   if (!is_key(line))
     return fail(Errc::BadFormat, "%s line 1: a key of 40 Z85 characters expected", file.c_str());
   return line;
@@ -74,8 +75,8 @@ Result<KeyPair> read_pair(const fs::path& folder, const std::string& name) {
 
 /// One key per line; what follows a blank is its owner's name; # begins a comment.
 Result<std::vector<std::string>> read_allow_list(const fs::path& file) {
-  std::ifstream stream{file};
-  if (!stream) return fail_errno(Errc::FileNotFound, errno, "%s", file.c_str());
+  BITELINE_ASSIGN(std::string text, read_regular_file(file, k_most_key_bytes));
+  std::istringstream stream{std::move(text)};
   std::vector<std::string> keys;
   std::string line;
   for (int row = 1; std::getline(stream, line); ++row) {

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "common/core/numbers.hpp"
 #include "common/wire/packing.hpp"
 #include "common/wire/schema_parts.hpp"
 
@@ -70,7 +71,7 @@ Result<void> unpack_floats(const flatbuffers::Vector<std::uint8_t>* packed, cons
   return unpack_column(packed, k_measured, name, points, [&](ProfilePoint& point, std::uint32_t bits) {
     const auto number = std::bit_cast<float>(bits);
     member(point) = number;
-    return std::isfinite(number);
+    return NumberRange{}.holds(number);
   });
 }
 

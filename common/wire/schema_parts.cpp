@@ -4,6 +4,9 @@
 #include <cmath>
 #include <string_view>
 
+#include "common/core/numbers.hpp"
+#include "common/core/text.hpp"
+
 namespace biteline::wire {
 namespace {
 
@@ -34,17 +37,12 @@ bool plausible(const geometry::Region& region) {
 
 flatbuffers::Offset<flatbuffers::String> text(flatbuffers::FlatBufferBuilder& fbb,
                                               const std::string& source) {
-  return fbb.CreateString(source.data(), std::min(source.size(), k_max_text_bytes));
+  return fbb.CreateString(clean_text(source, k_max_text_bytes));
 }
 
 std::string to_string(const flatbuffers::String* source) {
   if (source == nullptr) return {};
-  std::string text = source->str().substr(0, k_max_text_bytes);
-  for (char& letter : text) {
-    const auto code = static_cast<unsigned char>(letter);
-    if (code < 0x20 || code == 0x7F) letter = '?';
-  }
-  return text;
+  return clean_text(source->string_view(), k_max_text_bytes);
 }
 
 fb::Motion pack_motion(const SE3& T) {
@@ -57,8 +55,8 @@ Result<SE3> read_motion(const fb::Motion& motion) {
   Mat3 R;
   R << motion.r00(), motion.r01(), motion.r02(), motion.r10(), motion.r11(), motion.r12(), motion.r20(),
       motion.r21(), motion.r22();
-  if (!R.allFinite() || !finite(motion.t()))
-    return fail(Errc::ProtocolError, "pose with a number that is not finite");
+  if (!R.allFinite() || !is_plausible_place(motion.t()))
+    return fail(Errc::ProtocolError, "pose with a number that is not finite, or farther than 100 m");
   // A rotation's entries are at most 1; checked first, so that the product below cannot overflow.
   if (R.cwiseAbs().maxCoeff() > 1 + k_rotation_tolerance ||
       (R.transpose() * R - Mat3::Identity()).cwiseAbs().maxCoeff() > k_rotation_tolerance ||

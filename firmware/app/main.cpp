@@ -7,9 +7,11 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <new>
 #include <string_view>
 #include <thread>
 
+#include "common/system/last_words.hpp"
 #include "common/wire/keys.hpp"
 #include "firmware/app/board_source.hpp"
 #include "firmware/app/options.hpp"
@@ -133,16 +135,20 @@ Result<void> run(const sensor::Options& options, const sigset_t& signals) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  biteline::install_last_words("biteline-sensor");
   const sigset_t signals = block_stop_signals();
-  const sensor::ParsedOptions parsed = sensor::parse_options(argc, argv);
-  if (parsed.leave_with) return *parsed.leave_with;
   try {
+    const sensor::ParsedOptions parsed = sensor::parse_options(argc, argv);
+    if (parsed.leave_with) return *parsed.leave_with;
     const Result<void> done = parsed.options.make_keys ? wire::make_keys(*parsed.options.make_keys)
                               : parsed.options.check   ? check(parsed.options)
                                                        : run(parsed.options, signals);
     if (done) return static_cast<int>(ExitStatus::Done);
     std::fprintf(stderr, "biteline-sensor: %s\n", to_line(done.error()).c_str());
     return static_cast<int>(error_row(done.error().code).exit_status);
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "biteline-sensor: out of memory: raise the limit or free some, then start again\n");
+    return static_cast<int>(biteline::ExitStatus::Connection);
   } catch (const std::exception& error) {
     // Out of memory, no thread to be had: nothing else here throws.
     std::fprintf(stderr, "biteline-sensor: internal failure: %s\n", error.what());

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "common/options/number.hpp"
 #include "common/stripe/peak_names.hpp"
 
 namespace biteline::sensor {
@@ -32,14 +33,14 @@ void add_peak_options(CLI::App& app, pipeline::ProfilePipeline::Config& pipeline
       ->type_name("continuity|strongest|first|last");
   app.add_option("--peak-threshold", peaks.threshold_grey,
                  "A peak is at least so many grey levels above its background")
-      ->check(CLI::Range(1.0, 254.0))
+      ->check(options::number({.minimum = 1, .maximum = 254}, "grey levels"))
       ->capture_default_str();
   app.add_option("--peak-width-min", peaks.width_min_px,
                  "Narrower peaks are no stripe, in pixels at half height")
-      ->check(CLI::PositiveNumber)
+      ->check(options::number({.minimum = 0.1, .maximum = 1000}, "px"))
       ->capture_default_str();
   app.add_option("--peak-width-max", peaks.width_max_px, "Wider peaks are no stripe")
-      ->check(CLI::PositiveNumber)
+      ->check(options::number({.minimum = 0.1, .maximum = 1000}, "px"))
       ->capture_default_str();
 }
 
@@ -67,7 +68,7 @@ ParsedOptions parse_options(int argc, char** argv) {
                  "required: refuse to run without real-time rights; ignore: run as any program")
       ->check(CLI::IsMember({"required", "ignore"}));
   app.add_option("--store-mb", options.store_megabytes, "Room for what hosts have not fetched yet, in MB")
-      ->check(CLI::Range(1, 16384))
+      ->check(options::number({.minimum = 1, .maximum = 16384}, "MB"))
       ->capture_default_str();
   Capture& capture = options.source.capture;
   double second_exposure_us = 0;
@@ -79,7 +80,7 @@ ParsedOptions parse_options(int argc, char** argv) {
                "Every second frame without laser, taken off the next: against the room's light");
   app.add_option("--second-exposure-us", second_exposure_us,
                  "Every second frame so long, merged per column: black beside white")
-      ->check(CLI::PositiveNumber);
+      ->check(options::number({.minimum = 1, .maximum = 1e6}, "us"));
   add_peak_options(app, options.pipeline);
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");

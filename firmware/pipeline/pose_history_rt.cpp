@@ -2,9 +2,14 @@
 #include "firmware/pipeline/pose_history.hpp"
 
 #include <algorithm>
+#include <cmath>
+
+#include "common/core/numbers.hpp"
 
 namespace biteline::pipeline {
 namespace {
+
+constexpr double k_unit_tolerance = 1e-3;
 
 SensorClock::time_point at_ns(std::int64_t stamp_ns) {
   return SensorClock::time_point{Nanoseconds{stamp_ns}};
@@ -18,6 +23,8 @@ bool PoseHistory::rt_push(const geometry::PoseSample& sample) noexcept BITELINE_
   if (count > 0 && sample.stamp <= rt_stamp_of(count - 1)) return false;
   const Eigen::Quaterniond rotation{sample.T_base_flange.linear()};
   const Eigen::Vector3d translation = sample.T_base_flange.translation();
+  // Whatever sent it: a place beyond all arms, or no number, is no pose.
+  if (!is_plausible_place(translation) || !(std::abs(rotation.norm() - 1) < k_unit_tolerance)) return false;
   slots_[count % k_capacity].rt_store(
       {.stamp_ns = sample.stamp.time_since_epoch().count(),
        .translation_mm = {translation.x(), translation.y(), translation.z()},

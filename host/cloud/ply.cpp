@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "host/cloud/ply.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 #include <memory>
 
-#include "common/csv/table.hpp"
+#include "common/core/numbers.hpp"
+#include "common/system/file.hpp"
 #include "host/cloud/ply_header.hpp"
 
 namespace biteline::cloud {
@@ -31,6 +34,8 @@ Result<void> read_row(PlyBody& body, const PlyElement& element, std::vector<doub
 }
 
 Result<void> skip_element(PlyBody& body, const PlyElement& element) {
+  // Without properties its rows take no room in the file, however many the header says there are.
+  if (element.properties.empty()) return {};
   if (!body.ascii() && !element.has_list()) {
     // Divided, since count * size may overflow in a damaged header.
     const std::size_t row_bytes = element.row_bytes();
@@ -63,6 +68,11 @@ struct CloudColumns {
   [[nodiscard]] bool has_order() const { return profile >= 0 && column >= 0; }
 };
 
+/// What does not fit a float is unknown.
+float float_or(double value, float unknown) {
+  return NumberRange{}.holds(value) ? static_cast<float>(value) : unknown;
+}
+
 template <class Integer>
 Integer clamp_to(double value) {
   if (!(value >= 0)) return 0;  // NaN too
@@ -86,14 +96,15 @@ void append(PointCloud& cloud, const CloudColumns& at, const std::vector<double>
     cloud.profile.push_back(clamp_to<std::uint32_t>(value(at.profile)));
     cloud.column.push_back(clamp_to<std::uint16_t>(value(at.column)));
   }
-  if (at.sigma_mm >= 0)
-    cloud.sigma_mm.push_back(std::isfinite(value(at.sigma_mm)) ? static_cast<float>(value(at.sigma_mm))
-                                                               : 0.F);
+  if (at.sigma_mm >= 0) cloud.sigma_mm.push_back(float_or(value(at.sigma_mm), 0.F));
   if (at.flags >= 0) cloud.flags.push_back(clamp_to<std::uint16_t>(value(at.flags)));
-  if (at.mean_curvature >= 0) cloud.mean_per_mm.push_back(static_cast<float>(value(at.mean_curvature)));
+  if (at.mean_curvature >= 0)
+    cloud.mean_per_mm.push_back(float_or(value(at.mean_curvature), std::numeric_limits<float>::quiet_NaN()));
 }
 
 Result<const PlyElement*> find_vertices(const PlyHeader& header, const std::string& name) {
+  if (std::ranges::count(header.elements, "vertex", &PlyElement::name) > 1)
+    return fail(Errc::BadFormat, "%s: only one element vertex expected", name.c_str());
   for (const PlyElement& element : header.elements) {
     if (element.name != "vertex") continue;
     for (const char* axis : {"x", "y", "z"}) {
@@ -166,7 +177,7 @@ void put_field(std::string& row, const T& value) {
 
 Result<PointCloud> read_cloud(const std::filesystem::path& file, std::size_t* dropped) {
   const std::string name = file.string();
-  BITELINE_ASSIGN(const std::string bytes, csv::read_text(file));
+  BITELINE_ASSIGN(const std::string bytes, read_regular_file(file, k_most_cloud_bytes));
   BITELINE_ASSIGN(const PlyHeader header, parse_ply_header(bytes, name));
   BITELINE_ASSIGN(const PlyElement* vertices, find_vertices(header, name));
   PlyBody body{bytes, header, name};
@@ -180,15 +191,16 @@ Result<PointCloud> read_cloud(const std::filesystem::path& file, std::size_t* dr
   std::size_t left_out = 0;
   for (std::size_t i = 0; i < vertices->count; ++i) {
     BITELINE_TRY(read_row(body, *vertices, row));
-    const auto finite = [&](int index) { return std::isfinite(row[static_cast<std::size_t>(index)]); };
-    if (finite(at.x) && finite(at.y) && finite(at.z)) {
+    const auto near = [&](int index) { return k_plausible_mm.holds(row[static_cast<std::size_t>(index)]); };
+    if (near(at.x) && near(at.y) && near(at.z)) {
       append(cloud, at, row);
     } else {
       ++left_out;
     }
   }
   if (cloud.points.empty())
-    return fail(Errc::BadValue, "%s: no finite point among %zu", name.c_str(), vertices->count);
+    return fail(Errc::BadValue, "%s: no point with finite numbers below 100 m among %zu", name.c_str(),
+                vertices->count);
   if (dropped != nullptr) *dropped = left_out;
   return cloud;
 }
@@ -225,7 +237,7 @@ Result<void> write_cloud(const std::filesystem::path& file, const PointCloud& cl
 
 Result<TriangleMesh> read_mesh(const std::filesystem::path& file) {
   const std::string name = file.string();
-  BITELINE_ASSIGN(const std::string bytes, csv::read_text(file));
+  BITELINE_ASSIGN(const std::string bytes, read_regular_file(file, k_most_cloud_bytes));
   BITELINE_ASSIGN(const PlyHeader header, parse_ply_header(bytes, name));
   BITELINE_TRY(find_vertices(header, name));
   PlyBody body{bytes, header, name};
@@ -240,12 +252,13 @@ Result<TriangleMesh> read_mesh(const std::filesystem::path& file) {
         BITELINE_TRY(read_row(body, element, row));
         const Eigen::Vector3d vertex(row[static_cast<std::size_t>(at.x)], row[static_cast<std::size_t>(at.y)],
                                      row[static_cast<std::size_t>(at.z)]);
-        if (!vertex.allFinite())
-          return fail(Errc::BadValue, "%s, vertex %zu: finite numbers expected", name.c_str(), i);
+        if (!is_plausible_place(vertex))
+          return fail(Errc::BadValue, "%s, vertex %zu: finite numbers below 100 m expected", name.c_str(), i);
         mesh.vertices.push_back(vertex.cast<float>());
       }
     } else if (element.name == "face") {
-      for (std::size_t i = 0; i < element.count; ++i) {
+      // As in skip_element().
+      for (std::size_t i = 0; i < element.count && !element.properties.empty(); ++i) {
         for (const PlyProperty& property : element.properties) {
           if (!property.is_list) {
             BITELINE_TRY(body.next(property.type));
@@ -254,7 +267,7 @@ Result<TriangleMesh> read_mesh(const std::filesystem::path& file) {
           BITELINE_ASSIGN(const double count, body.next(property.count_type));
           const bool is_face = property.name == "vertex_indices" || property.name == "vertex_index";
           std::array<std::uint32_t, 3> face{};
-          for (int k = 0; k < count; ++k) {
+          for (double k = 0; k < count; ++k) {
             BITELINE_ASSIGN(const double index, body.next(property.type));
             if (!is_face) continue;
             if (!(index >= 0 && index < static_cast<double>(mesh.vertices.size()))) {

@@ -74,8 +74,11 @@ void ScanSurface::add_profile(std::span<const Eigen::Vector3f> points_base,
     const Eigen::Vector3f start = points_base[i];
     const std::size_t first = i;
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-    for (; i < points_base.size() && (points_base[i] - start).squaredNorm() < k_run_mm * k_run_mm; ++i)
+    // A point always belongs to its own run: so the loop goes on even where a difference is no number.
+    do {
       sum += points_base[i] - start;
+      ++i;
+    } while (i < points_base.size() && (points_base[i] - start).squaredNorm() < k_run_mm * k_run_mm);
     const auto count = static_cast<float>(i - first);
     next.runs.push_back({.place_mm = start + sum / count,
                          .normal = Eigen::Vector3f::Zero(),

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 
+#include "common/core/numbers.hpp"
+
 namespace biteline::intake {
 namespace {
 
@@ -99,8 +101,14 @@ cloud::PointCloud CloudBuilder::take() {
 }
 
 void CloudBuilder::append(const SE3& T_base_cam, std::uint64_t sequence, const profile::ProfilePoint& point) {
+  const Vec3 place_base = T_base_cam * point.point_cam.cast<double>();
+  if (!is_plausible_place(place_base)) {
+    // A ray nearly along the laser plane meets it far away; no surface is there.
+    ++counts_.points_not_surface;
+    return;
+  }
   ++counts_.points_used;
-  cloud_.points.emplace_back((T_base_cam * point.point_cam.cast<double>()).cast<float>());
+  cloud_.points.emplace_back(place_base.cast<float>());
   cloud_.profile.push_back(static_cast<std::uint32_t>(sequence));
   cloud_.column.push_back(point.column);
   cloud_.sigma_mm.push_back(point.sigma_mm);

@@ -6,6 +6,8 @@
 #include <cerrno>
 #include <cstdio>
 
+#include "host/report/json_text.hpp"
+
 namespace biteline::report {
 
 namespace fs = std::filesystem;
@@ -46,8 +48,7 @@ std::string Report::text() {
   if (!fields.is_null()) all.update(fields);
   all["stages"] = stages_.is_null() ? nlohmann::ordered_json::object() : stages_;
   all["total_s"] = total_s_;
-  // Names of files are bytes: what is no UTF-8 among them is replaced.
-  return all.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return to_text(all) + "\n";
 }
 
 Result<void> Report::write(const fs::path& folder) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "host/cloud/ply.hpp"
+#include "host/report/json_text.hpp"
 #include "host/report/page.hpp"
 #include "host/results/pictures/stages.hpp"
 
@@ -33,7 +34,7 @@ Result<void> write_page(const std::filesystem::path& folder, const bite_line::Ex
   for (const auto& [name, value] : report.fields.items()) {
     if (value.is_number_float()) figures.emplace_back(name, report::value_text(value.get<double>(), ""));
     if (value.is_number_integer() || value.is_string())
-      figures.emplace_back(name, value.is_string() ? value.get<std::string>() : value.dump());
+      figures.emplace_back(name, value.is_string() ? value.get<std::string>() : report::to_text(value, -1));
   }
   page.heading("Figures");
   page.figures(figures);

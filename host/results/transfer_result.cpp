@@ -3,6 +3,7 @@
 
 #include "common/core/fixed_text.hpp"
 #include "host/cloud/closed_line.hpp"
+#include "host/report/json_text.hpp"
 #include "host/report/page.hpp"
 #include "host/results/line_result.hpp"
 #include "host/results/pictures/transfer_stages.hpp"
@@ -115,7 +116,7 @@ Result<void> write_page(const std::filesystem::path& folder, const transfer::Tra
   std::vector<std::pair<std::string, std::string>> fields;
   for (const auto& [name, value] : report.fields.items()) {
     if (value.is_number() || value.is_string())
-      fields.emplace_back(name, value.is_string() ? value.get<std::string>() : value.dump());
+      fields.emplace_back(name, value.is_string() ? value.get<std::string>() : report::to_text(value, -1));
   }
   page.figures(fields);
   return page.write(folder / "index.html");

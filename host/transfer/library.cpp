@@ -10,12 +10,12 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
+#include "common/system/file.hpp"
 #include "common/wire/checksum.hpp"
 #include "host/cloud/ply.hpp"
+#include "host/report/json_text.hpp"
 #include "host/report/report.hpp"
 
 namespace biteline::transfer {
@@ -41,13 +41,9 @@ Result<void> check_name(const std::string& name) {
               name.c_str());
 }
 
-Result<std::string> read_bytes(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) return fail_errno(Errc::FileNotFound, errno, "%s", file.c_str());
-  std::ostringstream bytes;
-  bytes << in.rdbuf();
-  if (!in) return fail(Errc::FileUnreadable, "%s", file.c_str());
-  return std::move(bytes).str();
+/// A manifest names what save() put there and nothing else: no other folder's file, no device.
+bool is_model_file(const std::string& name) {
+  return name == k_cloud_file || name == k_line_file || name == k_process_file;
 }
 
 std::string checksum_of(const std::string& bytes) {
@@ -76,11 +72,11 @@ std::string manifest_text(const std::string& name, const Manifest& manifest) {
   for (const Manifest::File& file : manifest.files) {
     json["files"].push_back({{"name", file.name}, {"bytes", file.bytes}, {"crc32c", file.checksum}});
   }
-  return json.dump(2) + "\n";
+  return report::to_text(json) + "\n";
 }
 
 Result<Manifest> read_manifest(const std::string& name, const fs::path& folder) {
-  BITELINE_ASSIGN(const std::string text, read_bytes(folder / k_manifest_file));
+  BITELINE_ASSIGN(const std::string text, read_regular_file(folder / k_manifest_file, k_most_settings_bytes));
   // nlohmann reports by exceptions: caught here, at the one call.
   try {
     const nlohmann::json json = nlohmann::json::parse(text);
@@ -113,7 +109,11 @@ Result<Manifest> check(const std::string& name, const fs::path& folder) {
                   needed);
   }
   for (const Manifest::File& file : manifest.files) {
-    const Result<std::string> bytes = read_bytes(folder / file.name);
+    if (!is_model_file(file.name)) {
+      return fail(Errc::BadFormat, "model %s is damaged: %s names %s, which is no file of a model",
+                  name.c_str(), k_manifest_file, file.name.c_str());
+    }
+    const Result<std::string> bytes = read_regular_file(folder / file.name, k_most_cloud_bytes);
     if (!bytes)
       return fail(Errc::FileNotFound, "model %s is damaged: %s is missing", name.c_str(), file.name.c_str());
     if (bytes->size() != file.bytes) {
@@ -196,7 +196,7 @@ Result<ModelInfo> Library::save(const std::string& name, const fs::path& sample_
   Manifest manifest{
       .points = sample.cloud.size(), .line_length_mm = cloud::length_mm(sample.line), .files = {}};
   for (const auto& [file, source] : sources) {
-    BITELINE_ASSIGN(const std::string bytes, read_bytes(source));
+    BITELINE_ASSIGN(const std::string bytes, read_regular_file(source, k_most_cloud_bytes));
     BITELINE_TRY(report::write_file_atomically(beside.path() / file, bytes));
     manifest.files.push_back({.name = file, .checksum = checksum_of(bytes), .bytes = bytes.size()});
   }

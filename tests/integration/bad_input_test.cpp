@@ -89,7 +89,7 @@ TEST(BadInput, PoseRowCutOff) {
 
 TEST(BadInput, PoseThatIsNoNumber) {
   replace("pose0/data.csv", "\n4000000,1,", "\n4000000,nan,");
-  replay_ends_with(2, "pose0/data.csv row 4, field 2: a finite number expected");
+  replay_ends_with(2, "pose0/data.csv row 4, field 2: a finite number from -100000 to 100000 expected");
 }
 
 TEST(BadInput, PosesThatDoNotCoverTheFrames) {

@@ -3,7 +3,9 @@
 // simulated.
 #include <cstdio>
 #include <exception>
+#include <new>
 
+#include "common/system/last_words.hpp"
 #include "hal/sim/app/command.hpp"
 
 namespace {
@@ -16,6 +18,7 @@ int report_failure(const biteline::Error& error) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  biteline::install_last_words("biteline-cell");
   using namespace biteline::cell;
   CLI::App app{
       "Biteline's simulated cell: a made shoe, a scanning head and an arm.  Everything it serves is "
@@ -37,6 +40,9 @@ int main(int argc, char** argv) {
   try {
     const biteline::Result<void> result = context.run();
     return result ? 0 : report_failure(result.error());
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "biteline-cell: out of memory: raise the limit or free some, then start again\n");
+    return static_cast<int>(biteline::ExitStatus::Connection);
   } catch (const std::exception& error) {
     // No exception is meant to arrive here; should one do so, the user still gets one line and no core dump.
     std::fprintf(stderr, "biteline-cell: internal failure: %s\n", error.what());

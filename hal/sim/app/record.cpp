@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "common/options/number.hpp"
 #include "hal/sim/app/command.hpp"
 #include "hal/sim/record/calibration_recorder.hpp"
 #include "hal/sim/record/session_recorder.hpp"
@@ -68,26 +69,28 @@ void add_record_calibration(CLI::App& app, Context& context) {
   command->add_option("--out", options->out, "The calibration folder")->required();
   command->add_option("--camera-views", settings.camera_views)
       ->capture_default_str()
-      ->check(CLI::Range(1, 99));
-  command->add_option("--laser-views", settings.laser_views)->capture_default_str()->check(CLI::Range(1, 99));
+      ->check(options::number({.minimum = 1, .maximum = 99}, ""));
+  command->add_option("--laser-views", settings.laser_views)
+      ->capture_default_str()
+      ->check(options::number({.minimum = 1, .maximum = 99}, ""));
   command->add_option("--handeye-views", settings.handeye_views)
       ->capture_default_str()
-      ->check(CLI::Range(1, 99));
+      ->check(options::number({.minimum = 1, .maximum = 99}, ""));
   command->add_option("--pose-noise-mm", settings.pose_noise_mm, "Of each hand-eye pose")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 5.0));
+      ->check(options::number({.minimum = 0, .maximum = 5}, "mm"));
   command->add_option("--pose-noise-rad", settings.pose_noise_rad)
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 0.1));
+      ->check(options::number({.minimum = 0, .maximum = 0.1}, "rad"));
   command
       ->add_option("--scaled-ratio", settings.scaled_ratio,
                    "Fills the lit pictures from ones of this size, nearest pixel, as a scaler does")
       ->capture_default_str()
-      ->check(CLI::Range(0.5, 1.0));
+      ->check(options::number({.minimum = 0.5, .maximum = 1.0}, ""));
   CLI::Option* clock = command
                            ->add_option("--clock-offset-ms", options->clock_offset_ms,
                                         "Adds clock/, a scan with this offset between the clocks")
-                           ->check(CLI::Range(-1000.0, 1000.0));
+                           ->check(options::number({.minimum = -1000, .maximum = 1000}, "ms"));
   command->callback([options, clock, &context] {
     const bool with_clock = clock->count() > 0;
     context.run = [options, with_clock] { return record_calibration(*options, with_clock); };
@@ -101,7 +104,7 @@ void add_record(CLI::App& app, Context& context) {
   add_scene_options(*command, options->scene);
   command->add_option("--out", options->out, "The session's folder")->required();
   command->add_option("--clock-offset-ms", options->clock_offset_ms, "Pose clock minus camera clock")
-      ->check(CLI::Range(-1000.0, 1000.0));
+      ->check(options::number({.minimum = -1000, .maximum = 1000}, "ms"));
   command->add_flag("--hide-clock-offset", options->hide_clock_offset, "sensor.yaml says 0 instead");
   command->callback([options, &context] { context.run = [options] { return record(*options); }; });
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "common/options/number.hpp"
 #include "hal/sim/app/command.hpp"
 
 namespace biteline::cell {
@@ -20,17 +21,17 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
       .add_option("--last-difference-mm", options.last_difference_mm,
                   "How far that upper's last differs, root mean square")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 2.0));
+      ->check(options::number({.minimum = 0, .maximum = 2}, "mm"));
   command.add_option("--speed-mm-s", options.speed_mm_s, "Of the stripe along the outline")
       ->capture_default_str()
-      ->check(CLI::Range(1.0, 1000.0));
+      ->check(options::number({.minimum = 1, .maximum = 1000}, ""));
   command
       .add_option("--ambient-grey", options.ambient_grey, "Grey levels of the room's light in the pictures")
-      ->check(CLI::Range(0.0, 200.0))
+      ->check(options::number({.minimum = 0.0, .maximum = 200.0}, ""))
       ->capture_default_str();
   command.add_option("--rate-hz", options.rate_hz, "Pictures a second")
       ->capture_default_str()
-      ->check(CLI::Range(1.0, 1000.0));
+      ->check(options::number({.minimum = 1, .maximum = 1000}, ""));
 }
 
 Result<sim::SceneSettings> scene_settings(const SceneOptions& options) {

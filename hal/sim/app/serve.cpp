@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "common/config/sensor_yaml.hpp"
+#include "common/options/number.hpp"
 #include "hal/sim/app/command.hpp"
 #include "hal/sim/live/live_cell.hpp"
 #include "hal/sim/record/files.hpp"
@@ -130,9 +131,9 @@ void add_serve(CLI::App& app, Context& context) {
       ->capture_default_str()
       ->check(CLI::IsMember({125, 500}));
   command->add_option("--robot-clock-ms", options->robot_clock_ms, "Robot clock minus camera clock")
-      ->check(CLI::Range(-1e6, 1e6));
+      ->check(options::number({.minimum = -1e6, .maximum = 1e6}, "ms"));
   command->add_option("--lost-packet-ratio", options->lost_packet_ratio, "Of the camera's packets")
-      ->check(CLI::Range(0.0, 0.5));
+      ->check(options::number({.minimum = 0.0, .maximum = 0.5}, ""));
   command->add_flag("--camera-free-clock", options->camera_free_clock, "The camera's clock follows no PTP");
   command->add_flag("--anywhere", options->anywhere,
                     "The shoe may stand where the arm's tool does not get round it");

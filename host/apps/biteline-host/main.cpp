@@ -6,7 +6,9 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <new>
 
+#include "common/system/last_words.hpp"
 #include "host/apps/biteline-host/options.hpp"
 #include "host/apps/biteline-host/service.hpp"
 
@@ -34,14 +36,18 @@ Result<ExitStatus> run(const service::Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  biteline::install_last_words("biteline-host");
   heed_stop_signals();
-  const service::ParsedOptions parsed = service::parse_options(argc, argv);
-  if (parsed.leave_with) return *parsed.leave_with;
   try {
+    const service::ParsedOptions parsed = service::parse_options(argc, argv);
+    if (parsed.leave_with) return *parsed.leave_with;
     const Result<ExitStatus> status = run(parsed.options);
     if (status) return static_cast<int>(*status);
     std::fprintf(stderr, "biteline-host: %s\n", to_line(status.error()).c_str());
     return static_cast<int>(error_row(status.error().code).exit_status);
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "biteline-host: out of memory: raise the limit or free some, then start again\n");
+    return static_cast<int>(biteline::ExitStatus::Connection);
   } catch (const std::exception& error) {
     // No exception is meant to arrive here; should one do so, the operator still gets one line.
     std::fprintf(stderr, "biteline-host: internal failure: %s\n", error.what());

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "common/options/number.hpp"
 #include "host/transfer/library.hpp"
 
 namespace biteline::service {
@@ -41,7 +42,9 @@ ParsedOptions parse_options(int argc, char** argv) {
   auto* arm = app.add_option("--robot", robot.arm,
                              "UR3e, UR5e, UR10e, UR3, UR5 or UR10: plan its path along the line");
   app.add_option("--process", robot.process, "Process YAML: tool, placement, motion")->needs(arm);
-  app.add_option("--table-z", robot.table_z_mm, "Height of the table in the robot's base [mm]")->needs(arm);
+  app.add_option("--table-z", robot.table_z_mm, "Height of the table in the robot's base [mm]")
+      ->check(options::number(k_plausible_mm, "mm"))
+      ->needs(arm);
   app.add_option("--rtde", robot.rtde, "The controller's real-time port, HOST:PORT")->capture_default_str();
   app.add_option("--script", robot.script, "The controller's script port, HOST:PORT")->capture_default_str();
   app.add_option("--dashboard", robot.dashboard,

@@ -9,6 +9,7 @@
 #include "host/cloud/ply.hpp"
 #include "host/intake/account.hpp"
 #include "host/intake/refused.hpp"
+#include "host/report/json_text.hpp"
 #include "host/report/report.hpp"
 #include "host/results/line_result.hpp"
 #include "host/results/plan_result.hpp"
@@ -91,7 +92,7 @@ Result<void> write_followed(const fs::path& folder, const robot::FollowReport& f
                        {"at_rest", followed.at_rest}};
   }
   BITELINE_TRY(robot::write_track(folder / "track.csv", followed.track));
-  return report::write_file_atomically(folder / "followed.json", json.dump(2) + "\n");
+  return report::write_file_atomically(folder / "followed.json", report::to_text(json) + "\n");
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "host/calibration/head/head_pictures.hpp"
 #include "host/calibration/head/head_report.hpp"
 #include "host/calibration/refine/scan_refinement.hpp"
+#include "host/report/json_text.hpp"
 #include "host/report/report.hpp"
 
 namespace biteline::app {
@@ -259,7 +260,7 @@ Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global
       config::sensor_yaml_text(sensor, "calibrated by biteline; report.json beside it tells how well"), told);
   BITELINE_TRY(report::write_file_atomically(options.out / "sensor.yaml", text));
   BITELINE_TRY(report.write(options.out));
-  if (global.json) std::printf("%s\n", report.fields.dump(2).c_str());
+  if (global.json) std::printf("%s\n", report::to_text(report.fields).c_str());
   return ExitStatus::Done;
 }
 

@@ -21,6 +21,7 @@
 #include "host/apps/biteline/command.hpp"
 #include "host/intake/child_process.hpp"
 #include "host/intake/sensor_process.hpp"
+#include "host/report/json_text.hpp"
 
 namespace biteline::app {
 namespace {
@@ -200,7 +201,7 @@ void add_doctor(CLI::App& app, Context& context) {
         nlohmann::ordered_json list = nlohmann::ordered_json::array();
         for (const Finding& f : findings)
           list.push_back({{"what", f.what}, {"ready", f.ready}, {"seen", f.seen}, {"step", f.step}});
-        std::printf("%s\n", list.dump(2).c_str());
+        std::printf("%s\n", report::to_text(list).c_str());
         return ExitStatus::Done;
       }
       for (const Finding& f : findings) {

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
 // biteline evaluate: a result against a truth.
 #include <cstdio>
-#include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "common/csv/table.hpp"
+#include "common/system/file.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/evaluation/cloud_error.hpp"
 #include "host/evaluation/line_error.hpp"
+#include "host/report/json_text.hpp"
 
 namespace biteline::app {
 namespace {
@@ -22,7 +24,9 @@ struct Options {
 /// The shoe's z in base, from T_base_shoe.txt beside the truth; base z without one (the shoe stands on a
 /// level table).
 Vec3 up_beside(const fs::path& truth) {
-  std::ifstream file(truth.parent_path() / "T_base_shoe.txt");
+  const Result<std::string> text =
+      read_regular_file(truth.parent_path() / "T_base_shoe.txt", k_most_settings_bytes);
+  std::istringstream file{text.value_or("")};
   Eigen::Matrix4d T = Eigen::Matrix4d::Identity();
   for (int i = 0; i < 16; ++i) {
     if (!(file >> T(i / 4, i % 4))) return Vec3::UnitZ();
@@ -33,7 +37,7 @@ Vec3 up_beside(const fs::path& truth) {
 
 void print(const nlohmann::ordered_json& figures, bool as_json) {
   if (as_json) {
-    std::printf("%s\n", figures.dump(2).c_str());
+    std::printf("%s\n", report::to_text(figures).c_str());
     return;
   }
   for (const auto& [name, value] : figures.items()) {

@@ -2,7 +2,9 @@
 // The tool: replay, extract, calibrate, transfer, plan, evaluate, target, model, doctor.
 #include <cstdio>
 #include <exception>
+#include <new>
 
+#include "common/system/last_words.hpp"
 #include "host/apps/biteline/command.hpp"
 
 namespace {
@@ -15,6 +17,7 @@ int report_failure(const biteline::Error& error) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  biteline::install_last_words("biteline");
   using namespace biteline::app;
   CLI::App app{"Biteline: finds a shoe's bite line in laser scans and plans a tool path along it.",
                "biteline"};
@@ -44,6 +47,9 @@ int main(int argc, char** argv) {
   try {
     const biteline::Result<biteline::ExitStatus> status = context.run();
     return status ? static_cast<int>(*status) : report_failure(status.error());
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "biteline: out of memory: raise the limit or free some, then start again\n");
+    return static_cast<int>(biteline::ExitStatus::Connection);
   } catch (const std::exception& error) {
     // No exception is meant to arrive here; should one do so, the user still gets one line and no core dump.
     std::fprintf(stderr, "biteline: internal failure: %s\n", error.what());

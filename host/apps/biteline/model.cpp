@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/apps/biteline/command.hpp"
+#include "host/report/json_text.hpp"
 #include "host/transfer/library.hpp"
 
 namespace biteline::app {
@@ -39,7 +40,7 @@ Result<ExitStatus> save(const Options& options, const GlobalOptions& global) {
   BITELINE_ASSIGN(const transfer::ModelInfo model,
                   transfer::Library{options.library}.save(options.name, options.sample, options.process));
   if (global.json) {
-    std::printf("%s\n", json_of(model).dump(2).c_str());
+    std::printf("%s\n", report::to_text(json_of(model)).c_str());
   } else if (!global.quiet) {
     say(model);
   }
@@ -53,7 +54,7 @@ Result<ExitStatus> list(const Options& options, const GlobalOptions& global) {
     all.push_back(json_of(model));
     if (!global.json) say(model);
   }
-  if (global.json) std::printf("%s\n", all.dump(2).c_str());
+  if (global.json) std::printf("%s\n", report::to_text(all).c_str());
   return ExitStatus::Done;
 }
 

@@ -4,8 +4,10 @@
 #include <numbers>
 
 #include "common/config/sensor_yaml.hpp"
+#include "common/options/number.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/cloud/ply.hpp"
+#include "host/report/json_text.hpp"
 #include "host/results/plan_result.hpp"
 #include "host/robot/kinematics/calibration.hpp"
 #include "host/robot/kinematics/tool_touch.hpp"
@@ -15,6 +17,7 @@ namespace biteline::app {
 namespace {
 
 namespace fs = std::filesystem;
+using options::number;
 
 constexpr double k_rad_per_deg = std::numbers::pi / 180;
 
@@ -81,7 +84,7 @@ Result<ExitStatus> run_plan(const Options& options, const GlobalOptions& global)
   BITELINE_ASSIGN(const ExitStatus status, results::write_plan_result(options.out, request, outcome, report));
 
   if (global.json) {
-    std::printf("%s\n", report.fields.dump(2).c_str());
+    std::printf("%s\n", report::to_text(report.fields).c_str());
   } else if (outcome.path) {
     if (!global.quiet) {
       std::printf("%s follows the line in %.1f s, %zu points: %s\n", request.arm.name.c_str(),
@@ -105,21 +108,24 @@ void add_plan(CLI::App& app, Context& context) {
   work->add_option("--scan", options->scan, "sensor.yaml: the path of a scan by this head");
   work->require_option(1);
   command->add_option("--spacing", options->spacing_mm, "With --scan: distance between profiles [mm]")
-      ->check(CLI::Range(0.05, 5.0));
+      ->check(number({.minimum = 0.05, .maximum = 5}, "mm"));
   command->add_option("--out", options->out, "Folder for path.csv, path.script, report.json")->required();
   command->add_option("--kinematics", options->kinematics,
                       "The arm's factory calibration (YAML of the ROS extractor)");
   command
       ->add_option("--base-at", options->base_at,
                    "Place of the arm's base in the line's frame: x y z [mm] yaw [deg]")
+      ->check(number(k_plausible_mm, "mm, deg"))
       ->expected(4);
   command
       ->add_option("--from", options->from_deg,
                    "Joints where the arm stands before [deg]: its way to the path's beginning is checked too")
+      ->check(number({.minimum = -720, .maximum = 720}, "deg"))
       ->expected(6);
   command->add_option("--touches", options->touches,
                       "The tool's tip from touching one point: poses of the flange (number, mm, quaternion)");
-  command->add_option("--table-z", options->table_z_mm, "Height of the table in the line's frame [mm]");
+  command->add_option("--table-z", options->table_z_mm, "Height of the table in the line's frame [mm]")
+      ->check(number(k_plausible_mm, "mm"));
   command->add_option("--cloud", options->cloud,
                       "The shoe's cloud for collisions; without it the shoe is guessed from the line");
   command->callback([options, &context] {

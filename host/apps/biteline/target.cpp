@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "common/options/number.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/calibration/rings/target.hpp"
 #include "host/report/report.hpp"
@@ -35,19 +36,19 @@ void add_target(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("target", "Draws a ring target to print to scale (SVG)");
   command->add_option("--out", options->out, "The drawing, FILE.svg")->required();
   command->add_option("--rows", options->target.rows, "Rows of rings")
-      ->check(CLI::Range(2, 100))
+      ->check(options::number({.minimum = 2, .maximum = 100}, ""))
       ->capture_default_str();
   command->add_option("--cols", options->target.cols, "Rings in a row")
-      ->check(CLI::Range(2, 100))
+      ->check(options::number({.minimum = 2, .maximum = 100}, ""))
       ->capture_default_str();
   command->add_option("--pitch", options->target.pitch_mm, "From ring to ring [mm]")
-      ->check(CLI::Range(1.0, 500.0))
+      ->check(options::number({.minimum = 1, .maximum = 500}, "mm"))
       ->capture_default_str();
   command->add_option("--outer-diameter", options->target.outer_diameter_mm, "[mm]")
-      ->check(CLI::Range(0.5, 500.0))
+      ->check(options::number({.minimum = 0.5, .maximum = 500}, "mm"))
       ->capture_default_str();
   command->add_option("--inner-diameter", options->target.inner_diameter_mm, "[mm]")
-      ->check(CLI::Range(0.1, 500.0))
+      ->check(options::number({.minimum = 0.1, .maximum = 500}, "mm"))
       ->capture_default_str();
   command->callback([options, &context] { context.run = [options] { return draw(*options); }; });
 }

@@ -3,8 +3,10 @@
 #include <cstdio>
 #include <map>
 
+#include "common/options/number.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/cloud/ply.hpp"
+#include "host/report/json_text.hpp"
 #include "host/report/report.hpp"
 #include "host/results/line_result.hpp"
 #include "host/results/transfer_result.hpp"
@@ -72,7 +74,7 @@ Result<ExitStatus> transfer(const Options& options, const GlobalOptions& global)
   BITELINE_ASSIGN(const ExitStatus status,
                   results::write_transfer_result(options.out, upper, result, report));
   if (global.json) {
-    std::printf("%s\n", report.fields.dump(2).c_str());
+    std::printf("%s\n", report::to_text(report.fields).c_str());
   } else if (!global.quiet) {
     std::fprintf(result.found ? stdout : stderr, "%s\n", results::summary(result).c_str());
   }
@@ -100,7 +102,7 @@ void add_transfer(CLI::App& app, Context& context) {
   command
       ->add_option("--max-gap", options->transfer.max_gap_mm,
                    "Longest gap in the upper's scan that is bridged, mm")
-      ->check(CLI::Range(0.0, 100.0))
+      ->check(options::number({.minimum = 0, .maximum = 100}, "mm"))
       ->capture_default_str();
   command->callback([options, &context] {
     context.run = [options, &context] { return transfer(*options, context.options); };

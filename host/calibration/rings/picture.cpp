@@ -6,15 +6,44 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
+#include <string_view>
+
+#include "common/system/file.hpp"
+
 namespace biteline::calibration {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+constexpr std::uint64_t k_most_file_bytes = 300U << 20U;
+constexpr std::uint32_t k_most_side_px = 16384;  // as in common/image
+
+/// Of a PNG, whose header stands first: width and height at bytes 16 and 20, big-endian.
+Result<void> check_size(const std::string& bytes, const fs::path& file) {
+  constexpr std::string_view k_signature = "\x89PNG\r\n\x1a\n";
+  if (bytes.empty()) return fail(Errc::Truncated, "%s: a readable picture (PNG) expected", file.c_str());
+  if (!bytes.starts_with(k_signature) || bytes.size() < 24) return {};
+  const auto number = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    for (std::size_t i = at; i < at + 4; ++i) value = value << 8U | static_cast<unsigned char>(bytes[i]);
+    return value;
+  };
+  if (number(16) <= k_most_side_px && number(20) <= k_most_side_px) return {};
+  return fail(Errc::BadValue, "%s: a picture of at most %u px a side expected, found %u x %u", file.c_str(),
+              k_most_side_px, number(16), number(20));
+}
+
+}  // namespace
+
 Result<image::GreyImage> read_picture(const fs::path& file) {
-  if (!fs::exists(file)) return fail(Errc::FileNotFound, "%s: a picture expected", file.c_str());
+  // Looked at before it is unpacked: some bytes may say that they are a picture of gigabytes.
+  BITELINE_ASSIGN(const std::string bytes, read_regular_file(file, k_most_file_bytes));
+  BITELINE_TRY(check_size(bytes, file));
   cv::Mat grey;
   try {
-    grey = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+    grey = cv::imdecode(cv::Mat{1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data())},
+                        cv::IMREAD_GRAYSCALE);
   } catch (const cv::Exception&) {
     grey.release();
   }

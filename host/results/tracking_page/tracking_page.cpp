@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "host/report/json_text.hpp"
 #include "host/report/report.hpp"
 #include "host/results/tracking_page/embedded_texts.hpp"
 #include "host/robot/kinematics/arm_shape.hpp"
@@ -108,7 +109,7 @@ Result<void> write_tracking_page(const std::filesystem::path& file, const Scene&
                           {"shoe", shoe_json(scene.shoe_points_base)},
                           {"shoe_is_guessed", scene.shoe_is_guessed},
                           {"track", track_json(scene.track)}};
-  std::string text = data.dump();
+  std::string text = report::to_text(data, -1);
   // A name with "</script>" in it would end the page's script.
   for (std::size_t at = text.find("</"); at != std::string::npos; at = text.find("</", at + 3))
     text.replace(at, 2, "<\\/");

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "common/core/numbers.hpp"
+
 namespace biteline::transfer {
 namespace {
 
@@ -22,13 +24,17 @@ NearestTable::NearestTable(const Surfels& surfels, float reach_mm) {
   }
   const Eigen::Vector3f margin = Eigen::Vector3f::Constant(reach_mm + surfels.pitch_mm);
   origin_ = low - margin;
-  const Eigen::Vector3f span = high - low + 2 * margin;
-  const double cells_at_pitch = span.cast<double>().prod() / std::pow(double{surfels.pitch_mm}, 3);
-  const double growth = std::max(1.0, std::cbrt(cells_at_pitch / k_max_cells));
-  per_mm_ = static_cast<float>(1 / (surfels.pitch_mm * growth));
-  size_ = (span.array() * per_mm_).ceil().cast<int>();
+  const Eigen::Array3d span = (high - low + 2 * margin).cast<double>();
+  // Readers let nothing farther through; without this no table is better than one that overflows.
+  if (!(span < 4 * k_far_mm).all() || !(surfels.pitch_mm > 0)) return;
+  double cell_mm = surfels.pitch_mm;
+  // Rounded up axis by axis, a flat box may need more than its volume says: grow until it fits.
+  const auto cells_of = [&] { return (span / cell_mm).ceil().cwiseMax(1).prod(); };
+  while (cells_of() > k_max_cells) cell_mm *= std::max(1.05, std::cbrt(cells_of() / k_max_cells));
+  per_mm_ = static_cast<float>(1 / cell_mm);
+  size_ = (span / cell_mm).ceil().cwiseMax(1).cast<int>();
   extent_ = size_.cast<float>();
-  cells_.assign(static_cast<std::size_t>(size_.prod()), k_none);
+  cells_.assign(static_cast<std::size_t>(size_.cast<std::int64_t>().prod()), k_none);
   fill(surfels, reach_mm);
 }
 
@@ -52,7 +58,9 @@ void NearestTable::fill(const Surfels& surfels, float reach_mm) {
                                                static_cast<float>(z) + 0.5F);
   };
   for (std::uint32_t i = 0; i < surfels.size(); ++i) {
-    const Eigen::Array3i at = ((surfels.positions[i] - origin_).array() * per_mm_).cast<int>();
+    // Rounding may put a point on the far rim one cell beyond it.
+    const Eigen::Array3i at =
+        ((surfels.positions[i] - origin_).array() * per_mm_).cast<int>().cwiseMin(size_ - 1).cwiseMax(0);
     offer(static_cast<std::uint32_t>(at.x() + size_.x() * (at.y() + size_.y() * at.z())),
           centre_of(at.x(), at.y(), at.z()), i, wave);
   }

@@ -3,6 +3,7 @@
 // host service.
 #include <cstdio>
 
+#include "common/options/number.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/apps/biteline/demo/cell_run.hpp"
 #include "host/apps/biteline/demo/demo_page.hpp"
@@ -85,7 +86,7 @@ void add_demo(CLI::App& app, Context& context) {
   command->add_option("--shoe", options->cell.shoe, "Class of made shoe (biteline-cell serve --help)")
       ->capture_default_str();
   command->add_option("--uppers", options->uppers, "How many uppers follow the sample")
-      ->check(CLI::Range(0, 20))
+      ->check(options::number({.minimum = 0, .maximum = 20}, ""))
       ->capture_default_str();
   command->add_option("--arm", options->cell.arm, "ur3e, ur5e or ur10e")->capture_default_str();
   command->add_option("--process", options->cell.process, "Process YAML; default: grind");

@@ -45,7 +45,7 @@ TEST(YamlReader, FaultsAreCollectedTheFirstIsTold) {
   sut.number("b", {.minimum = 0, .maximum = 10});
   sut.number("c", {});
   const auto outcome = sut.finish();
-  FAILS_NAMING(Errc::BadValue, "line 1, a: a finite number expected", outcome);
+  FAILS_NAMING(Errc::BadValue, "line 1, a: a finite number from -1e+09 to 1e+09 expected", outcome);
   LONGS_EQUAL(2, outcome.error().more_faults);
 }
 
@@ -54,6 +54,33 @@ TEST(YamlReader, NanAndWrongCountAreFaults) {
   sut.number("a", {});
   sut.numbers("b", 4);
   LONGS_EQUAL(1, sut.finish().error().more_faults);
+}
+
+TEST(YamlReader, NumbersThatNoIntegerHoldsAreFaults) {
+  for (const char* huge : {"a: 1e111\n", "a: -1e300\n", "a: .inf\n", "a: 1e16\n"}) {
+    YamlReader sut = reading(huge);
+    LONGS_EQUAL(0, sut.integer("a", {.minimum = -1e300, .maximum = 1e300}));
+    FAILS_NAMING(Errc::BadValue, "settings.yaml line 1, a", sut.finish());
+  }
+}
+
+TEST(YamlReader, FarNumbersOfListsAreFaults) {
+  YamlReader sut = reading("a: [1, 1e12]\nb: [[1e6]]\n");
+  sut.numbers("a", 2);
+  sut.matrix("b", 1, 1, k_plausible_mm);
+  LONGS_EQUAL(1, sut.finish().error().more_faults);
+}
+
+TEST(YamlReader, KeysReachTheTerminalAsOneShortLine) {
+  YamlReader sut = reading("\"\\e[31m\\n\\x9b" + std::string(400, 'k') + "\": 1\n");
+  const auto outcome = sut.finish();
+  FAILS_NAMING(Errc::UnknownKey, "settings.yaml line 1, ?[31m??kk", outcome);
+  STRCMP_CONTAINS("not a key of this file", to_line(outcome.error()).c_str());
+}
+
+TEST(YamlReader, PipesAndDevicesAreNoSettings) {
+  FAILS_NAMING(Errc::FileUnreadable, "a regular file expected", YamlReader::open("/dev/zero"));
+  FAILS_NAMING(Errc::FileUnreadable, "a regular file expected", YamlReader::open("/"));
 }
 
 TEST(YamlReader, BrokenSyntaxNamesTheLine) {

@@ -42,6 +42,16 @@ TEST(Table, WhatIsNoFiniteNumberIsRefused) {
   FAILS_NAMING(Errc::BadValue, "row 1, field 1", read(",1\n"));
 }
 
+TEST(Table, NumbersBeyondAllLengthsAreRefused) {
+  for (const char* far : {"1e9,1\n", "-1e9,1\n", "1e308,1\n", "100000.1,1\n", "1e12,1\n"})
+    FAILS_NAMING(Errc::BadValue, "row 1, field 1: a finite number from -100000 to 100000", read(far));
+  SUCCEEDS(read("100000,-100000\n"));
+}
+
+TEST(Table, WhatWasFoundIsToldWithoutControlCharacters) {
+  FAILS_NAMING(Errc::BadValue, "found '?[31mred?'", read("\x1b[31mred\x07,1\n"));
+}
+
 TEST(Table, MissingFileAndFolderAreTold) {
   const auto take = [](const Row&) -> Result<void> { return {}; };
   FAILS_NAMING(Errc::FileNotFound, "nothing.csv", read_table(folder.path() / "nothing.csv", 1, 1, take));

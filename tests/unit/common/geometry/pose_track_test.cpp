@@ -119,6 +119,21 @@ TEST(PoseTrack, GapIsInterpolatedAndAged) {
   TRANSFORMS_EQUAL(swinging(0.204), sut.T_base_flange, 0.1, 1e-3);
 }
 
+TEST(PoseTrack, HoleOfYearsIsStaleAndItsPoseOneOfTheSamples) {
+  // Three years after five good poses; the exposure stands a millisecond behind the last of them.
+  auto samples = record(0.002, 5, 0, 0);
+  samples.push_back(
+      {.stamp = samples.back().stamp + std::chrono::hours{3 * 8766}, .T_base_flange = swinging(1)});
+  PoseEstimate sut;
+  CHECK(rt_pose_at(samples, at_s(0.009), {}, sut));
+  CHECK(sut.stale);
+  TRANSFORMS_EQUAL(samples[4].T_base_flange, sut.T_base_flange, 1e-9, 1e-9);
+  const auto half_way = samples[4].stamp + std::chrono::hours{13149};
+  CHECK(rt_pose_at(samples, half_way, {}, sut));
+  CHECK(sut.stale);
+  CHECK(sut.T_base_flange.matrix().allFinite() && sut.sigma_mm == 0);
+}
+
 TEST(PoseTrack, IsEquivariantOnTheLeft) {
   // Asymmetric: would fail if base and flange were swapped.
   const SE3 T_world_base =

@@ -230,6 +230,25 @@ TEST(Messages, PoseThatIsNoRotationIsRefused) {
   FAILS_NAMING(Errc::ProtocolError, "finite", decode(bytes_of({.body = profile})));
 }
 
+TEST(Messages, PoseFartherThanAnyArmIsRefused) {
+  profile::Profile profile = test::made_profile(1, 2);
+  for (const double far_mm : {1e308, -1e308, 1e39, 1.0001e5, std::numeric_limits<double>::quiet_NaN()}) {
+    profile.header.T_base_flange.translation() = Vec3{0, 0, far_mm};
+    FAILS_NAMING(Errc::ProtocolError, "farther than 100 m", decode(bytes_of({.body = profile})));
+  }
+  profile.header.T_base_flange.translation() = Vec3{0, 0, 1e5};
+  SUCCEEDS(decode(bytes_of({.body = profile})));
+}
+
+TEST(Messages, TextsAreUtf8WhateverTheOtherSideSays) {
+  STRCMP_EQUAL("M?ller", round_trip(HostHello{.name = "M\xFCller"}).name.c_str());
+  std::string umlauts;
+  for (int i = 0; i < 600; ++i) umlauts += "\xC3\xBC";
+  const HostHello got = round_trip(HostHello{.name = "x" + umlauts});
+  LONGS_EQUAL(499, got.name.size());
+  STRCMP_EQUAL(("x" + umlauts.substr(0, 498)).c_str(), got.name.c_str());
+}
+
 TEST(Messages, PointThatIsNotFiniteIsRefused) {
   profile::Profile profile = test::made_profile(1, 3);
   profile.points[2].sigma_mm = std::numeric_limits<float>::quiet_NaN();

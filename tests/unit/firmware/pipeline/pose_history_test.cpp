@@ -3,6 +3,9 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <cfenv>
+#include <limits>
+
 #include <memory>
 #include <thread>
 
@@ -62,6 +65,21 @@ TEST(PoseHistory, StampThatDoesNotRiseIsDropped) {
   CHECK(!sut->rt_push({.stamp = at_ms(10)}));
   CHECK(!sut->rt_push({.stamp = at_ms(8)}));
   CHECK(at_ms(10) == sut->rt_newest());
+}
+
+TEST(PoseHistory, WhatIsNoPoseOfAnArmIsDropped) {
+  push(0);
+  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double bad : {k_nan, std::numeric_limits<double>::infinity(), 1e308, 1.01e5}) {
+    geometry::PoseSample sample{.stamp = at_ms(2), .T_base_flange = cruising(at_ms(2))};
+    sample.T_base_flange.translation().y() = bad;
+    CHECK(!sut->rt_push(sample));
+    sample.T_base_flange = SE3::Identity();
+    sample.T_base_flange.linear() *= bad;
+    CHECK(!sut->rt_push(sample));
+  }
+  push(2);
+  std::feclearexcept(FE_ALL_EXCEPT);  // raised on purpose
 }
 
 TEST(PoseHistory, ReadersMeetNoHalfWrittenPose) {

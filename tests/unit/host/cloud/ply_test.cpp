@@ -45,6 +45,60 @@ TEST(Ply, CloudSurvivesWriting) {
   CHECK(std::isnan(sut->mean_per_mm[7]));
 }
 
+TEST(Ply, ElementWithoutPropertiesCostsNothingHoweverManyRowsItClaims) {
+  const std::string before = "element nothing 1000000000000000000\n";
+  const auto sut =
+      read("ply\nformat ascii 1.0\n" + before +
+           "element vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3\n");
+  SUCCEEDS(sut);
+  LONGS_EQUAL(1, sut->size());
+  const std::string faces =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1000000000000000000\nend_header\n1 2 3\n4 5 6\n7 8 9\n";
+  FAILS_NAMING(Errc::BadFormat, "at least one triangle", read_mesh(folder.write("m.ply", faces)));
+}
+
+TEST(Ply, SecondElementVertexIsRefused) {
+  const std::string two =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+      "element vertex 1\nproperty float y\nend_header\n1 2 3\n4\n";
+  FAILS_NAMING(Errc::BadFormat, "only one element vertex", read_mesh(folder.write("m.ply", two)));
+  FAILS_NAMING(Errc::BadFormat, "only one element vertex", read(two));
+}
+
+TEST(Ply, FarPointsAreLeftOutAndFarCornersRefused) {
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n";
+  std::size_t dropped = 0;
+  const auto sut =
+      read_cloud(folder.write("c.ply", head + "end_header\n1e39 2 3\n1 2 3\n1 -1e6 3\n"), &dropped);
+  SUCCEEDS(sut);
+  LONGS_EQUAL(1, sut->size());
+  LONGS_EQUAL(2, dropped);
+  FAILS_NAMING(Errc::BadValue, "no point with finite numbers below 100 m",
+               read(head + "end_header\n1e39 2 3\n1e39 2 3\n1e9 2 3\n"));
+  FAILS_NAMING(Errc::BadValue, "vertex 1: finite numbers below 100 m",
+               read_mesh(folder.write(
+                   "m.ply", head + "element face 1\nproperty list uchar int vertex_index\nend_header\n"
+                                   "1 2 3\n1e38 2 3\n1 1 3\n3 0 1 2\n")));
+}
+
+TEST(Ply, CountThatNoBodyBacksEndsWithTheFile) {
+  for (const char* element :
+       {"element vertex 1000000000000000000\n", "element vertex 18446744073709551615\n"}) {
+    const auto sut = read(std::string{"ply\nformat binary_little_endian 1.0\n"} + element +
+                          "property float x\nproperty float y\nproperty float z\nend_header\n0123456789");
+    FAILS_NAMING(Errc::Truncated, "more values expected", sut);
+  }
+}
+
+TEST(Ply, WordsOfTheFileReachTheTerminalClean) {
+  FAILS_NAMING(
+      Errc::BadFormat, "found '?[31mred?'",
+      read("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+           "end_header\n\x1b[31mred\x07 2 3\n"));
+}
+
 TEST(Ply, AsciiWithForeignPropertiesAndElementsIsRead) {
   const auto sut = read(
       "ply\nformat ascii 1.0\ncomment made\nelement camera 1\nproperty list uchar int views\nelement vertex "

@@ -4,7 +4,9 @@
 #include <CppUTest/TestHarness.h>
 
 #include <algorithm>
+#include <cfenv>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -154,6 +156,21 @@ TEST(ScanSurface, HeadThatStandsStillKeepsMemoryBoundedAndAllPoints) {
   for (int i = 1; i < 6; ++i) sut.add(tube.at(static_cast<float>(i) * 0.055F));
   sut.finish();
   for (std::size_t i = 0; i < sut.points.size(); ++i) CHECK(sut.surface.normals()[i].allFinite());
+}
+
+TEST(ScanSurface, PointsAtInfinityEndAsPointsToo) {
+  // Their difference to themselves is no number: a loop that waits for it to be small would never end.
+  Tube tube;
+  Scan sut;
+  for (int i = 0; i < 5; ++i) {
+    Tube::Profile profile = tube.at(static_cast<float>(i) * 0.055F);
+    profile.points[50].x() = std::numeric_limits<float>::infinity();
+    profile.points[120] = Eigen::Vector3f::Constant(3e38F);
+    sut.add(profile);
+  }
+  sut.finish();
+  LONGS_EQUAL(sut.points.size(), sut.surface.normals().size());
+  std::feclearexcept(FE_ALL_EXCEPT);  // raised on purpose
 }
 
 TEST(ScanSurface, EmptyProfileHarmsNoOther) {

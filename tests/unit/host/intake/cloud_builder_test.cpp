@@ -39,6 +39,16 @@ TEST(CloudBuilder, PointsGoFromCameraOverFlangeToBase) {
   CHECK(sut.cloud().organised());
 }
 
+TEST(CloudBuilder, PlacesBeyondAllArmsStayOut) {
+  CloudBuilder sut{sensor};
+  profile.points[1].point_cam.z() = 3e8F;
+  profile.points[3].point_cam.x() = -2e5F;
+  sut.add(profile);
+  LONGS_EQUAL(3, sut.cloud().size());
+  LONGS_EQUAL(3, sut.counts().points_used);
+  LONGS_EQUAL(2, sut.counts().points_not_surface);
+}
+
 TEST(CloudBuilder, EachUnusableProfileStaysOutAndIsCountedUnderItsReason) {
   for (const std::uint32_t flag :
        {profile::k_profile_pose_missing, profile::k_profile_pose_stale, profile::k_profile_trigger_mismatch,

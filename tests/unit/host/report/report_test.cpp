@@ -28,6 +28,16 @@ TEST_GROUP(Report) {
   }
 };
 
+TEST(Report, BytesThatAreNoTextAreWrittenAllTheSame) {
+  Report sut;
+  sut.fields["file"] = "se\xffss";
+  sut.fields["cut"] = std::string{"ab\xC3"};
+  sut.refuse("no line in \xE9\x9E");
+  const auto json = written(sut);
+  STRCMP_EQUAL("se\xEF\xBF\xBDss", json["file"].get<std::string>().c_str());
+  STRCMP_EQUAL("refused", json["status"].get<std::string>().c_str());
+}
+
 TEST(Report, StagesAndFieldsAreWritten) {
   Report sut;
   LONGS_EQUAL(7, sut.timed("read", [] { return 7; }));

@@ -50,6 +50,23 @@ TEST(Library, WhatIsSavedIsLoadedAgain) {
   DOUBLES_EQUAL(12.0, list->front().line_length_mm, 1e-6);
 }
 
+TEST(Library, ManifestThatNamesAnotherFileIsDamagedAndThatFileStaysUnread) {
+  SUCCEEDS(sut.save("a", sample(7)));
+  std::ifstream in(sut.path_of("a") / "model.json");
+  const std::string good{std::istreambuf_iterator<char>(in), {}};
+  for (const char* foreign : {"/dev/zero", "../a/line.csv", "model.json", "..", "", "sub/line.csv"}) {
+    std::string text = good;
+    const std::string extra =
+        std::string{"{\"name\": \""} + foreign + "\", \"bytes\": 1, \"crc32c\": \"0\"}, {";
+    text.replace(text.find('{', text.find("\"files\"")), 1, extra);
+    overwrite("a", "model.json", text);
+    FAILS_NAMING(Errc::BadFormat, "is no file of a model", sut.load("a"));
+  }
+  std::filesystem::remove(sut.path_of("a") / "model.json");
+  std::filesystem::create_symlink("/dev/zero", sut.path_of("a") / "model.json");
+  FAILS_NAMING(Errc::FileUnreadable, "a regular file expected", sut.load("a"));
+}
+
 TEST(Library, SavingAgainReplacesAndLeavesNothingBeside) {
   SUCCEEDS(sut.save("a", sample(7)));
   SUCCEEDS(sut.save("a", sample(9)));

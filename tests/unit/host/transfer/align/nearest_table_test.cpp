@@ -3,6 +3,8 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <cfenv>
+#include <limits>
 #include <random>
 
 namespace biteline::transfer {
@@ -27,6 +29,27 @@ TEST_GROUP(NearestTable) {
     return best;
   }
 };
+
+TEST(NearestTable, FarStrayPointsCostCellsAndNeitherMemoryNorBounds) {
+  for (const Eigen::Vector3f& stray :
+       {Eigen::Vector3f{1e5F, 0, 0}, Eigen::Vector3f{1e5F, -1e5F, 0}, Eigen::Vector3f{-1e5F, 1e5F, 1e5F}}) {
+    setup();
+    surfels.positions.push_back(stray);
+    surfels.normals.emplace_back(Eigen::Vector3f::UnitZ());
+    const NearestTable sut{surfels, 10};
+    CHECK(sut.near(stray) != NearestTable::k_none);
+    CHECK(sut.near({3e38F, 0, 0}) == NearestTable::k_none);
+  }
+}
+
+TEST(NearestTable, PointsThatNoReaderLetsThroughMakeAnEmptyTable) {
+  for (const float far_mm : {1e9F, 1e19F, 3e38F, std::numeric_limits<float>::infinity()}) {
+    surfels.positions.push_back({far_mm, -far_mm, 0});
+    surfels.normals.emplace_back(Eigen::Vector3f::UnitZ());
+    CHECK(NearestTable(surfels, 10).near({0, 0, 0}) == NearestTable::k_none);
+  }
+  std::feclearexcept(FE_ALL_EXCEPT);  // raised on purpose
+}
 
 TEST(NearestTable, AnswerIsAsNearAsTheNearestUpToACell) {
   const NearestTable sut{surfels, 10};
