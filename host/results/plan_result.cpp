@@ -58,14 +58,19 @@ void fill_report(report::Report& report, const path::PlanRequest& request, const
   }
 }
 
+/// A name that cannot be removed is no name of a plan's file, or the next write says why.
+void remove_plan(const fs::path& folder) {
+  for (const char* name : {"path.script", "path.csv", "tracking.html", "report.json"}) {
+    std::error_code ignored;  // nothing there is what is wanted
+    fs::remove(folder / name, ignored);
+  }
+}
+
 }  // namespace
 
 Result<void> prepare_plan_folder(const fs::path& folder) {
   BITELINE_TRY(report::prepare_folder(folder));
-  for (const char* name : {"path.csv", "path.script", "tracking.html"}) {
-    std::error_code ignored;  // nothing there is what is wanted
-    fs::remove(folder / name, ignored);
-  }
+  remove_plan(folder);
   return {};
 }
 
@@ -92,15 +97,21 @@ Result<void> write_tracking(const fs::path& folder, const path::PlanRequest& req
 Result<ExitStatus> write_plan_result(const fs::path& folder, const path::PlanRequest& request,
                                      const path::PlanOutcome& outcome, report::Report& report) {
   fill_report(report, request, outcome);
-  if (outcome.path) {
-    BITELINE_TRY(report.timed("write", [&]() -> Result<void> {
-      BITELINE_TRY(path::write_path(folder / "path.csv", *outcome.path));
-      return report::write_file_atomically(folder / "path.script", robot::ur::urscript(*outcome.path));
-    }));
+  const auto write_all = [&]() -> Result<void> {
+    if (outcome.path) {
+      BITELINE_TRY(
+          report.timed("write", [&] { return path::write_path(folder / "path.csv", *outcome.path); }));
+      BITELINE_TRY(report.timed_aside("page", [&] { return write_tracking(folder, request, outcome, {}); }));
+    }
+    BITELINE_TRY(report.write(folder));
+    if (!outcome.path) return {};
+    // Last: a script stands only where everything that speaks for it does.
+    return report::write_file_atomically(folder / "path.script", robot::ur::urscript(*outcome.path));
+  };
+  if (const Result<void> written = write_all(); !written) {
+    remove_plan(folder);
+    return tl::unexpected<Error>(written.error());
   }
-  if (outcome.path)
-    BITELINE_TRY(report.timed_aside("page", [&] { return write_tracking(folder, request, outcome, {}); }));
-  BITELINE_TRY(report.write(folder));
   return outcome.path ? ExitStatus::Done : ExitStatus::Refused;
 }
 

@@ -6,6 +6,9 @@ install(TARGETS biteline-sensor RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMP
 install(FILES boards/common/systemd/biteline-sensor.service DESTINATION lib/systemd/system COMPONENT firmware)
 install(FILES boards/common/udev/90-biteline.rules DESTINATION lib/udev/rules.d COMPONENT firmware)
 install(FILES boards/common/sysusers/biteline.conf DESTINATION lib/sysusers.d COMPONENT firmware)
+if(BITELINE_BUILD_HOST)
+  install(FILES host/apps/biteline-host/systemd/biteline-host.service DESTINATION lib/systemd/system COMPONENT host)
+endif()
 # Every board's data; the unit's own goes to /etc/biteline by hand, and boards/<board>/board.cmake names it.
 install(DIRECTORY boards/ DESTINATION ${CMAKE_INSTALL_DATADIR}/biteline/boards COMPONENT firmware PATTERN common EXCLUDE)
 set(BITELINE_BOARD "" CACHE STRING "Board whose systemd drop-in the package installs")

@@ -71,9 +71,10 @@ Result<path::PlanRequest> read_request(const Options& options, report::Report& r
 
 Result<ExitStatus> run_plan(const Options& options, const GlobalOptions& global) {
   report::Report report;
+  // Before anything can fail: whatever comes of this run, no path of an earlier one stands for it.
+  BITELINE_TRY(results::prepare_plan_folder(options.out));
   BITELINE_ASSIGN(path::PlanRequest request,
                   report.timed("read", [&] { return read_request(options, report); }));
-  BITELINE_TRY(results::prepare_plan_folder(options.out));
   path::PlanOutcome outcome = report.timed("plan", [&] { return path::plan(request); });
   if (!outcome.path && !options.scan.empty()) {
     // A head scans either way round; what the arm cannot do one way it may do the other.

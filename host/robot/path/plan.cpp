@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "common/core/fixed_text.hpp"
+#include "host/robot/path/checks/cloud_check.hpp"
 #include "host/robot/path/checks/sight.hpp"
 #include "host/robot/path/checks/way_there.hpp"
 
@@ -223,14 +224,17 @@ std::string failures(const std::vector<Check>& checks) {
 
 PlanOutcome plan(const PlanRequest& request) {
   PlanOutcome out;
-  const Scene scene = scene_of(request);
-  out.checks = check_line(scene.line);
-  out.surroundings = scene.surroundings;
+  // First, since what comes after lays grids over the line: how large they get is its matter.
+  out.checks = check_line(moved(request.line, request.T_line_base.inverse()));
+  if (all_passed(out.checks) && !request.cloud.empty())
+    out.checks.push_back(check_on_cloud(request.line, request.cloud));
   std::vector<Check> path_checks;
   if (!all_passed(out.checks)) {
     out.reason = failures(out.checks);
     return out;
   }
+  const Scene scene = scene_of(request);
+  out.surroundings = scene.surroundings;
   const CollisionModel collisions{request.arm, request.process.tool, scene.surroundings};
   bool first = true;
   for (const double seam_mm : seam_candidates(scene.line, request.process)) {

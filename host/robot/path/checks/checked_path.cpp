@@ -20,17 +20,20 @@ constexpr double k_jump_rad = 0.35;
 // Speeds are planned at points and checked over the steps between them.
 constexpr double k_step_tolerance = 1.1;
 
-/// The worst of a figure along the path.
+/// The worst of a figure along the path.  A figure that is no number is the worst there is, and stays it: no
+/// limit holds for it.
 struct Worst {
   double value;
   double arc_mm{-1};
   std::string detail{};
 
   void larger(double other, double where_mm, const std::string& words = {}) {
-    if (other > value) *this = {.value = other, .arc_mm = where_mm, .detail = words};
+    if (!std::isnan(value) && !(other <= value))
+      *this = {.value = other, .arc_mm = where_mm, .detail = words};
   }
   void smaller(double other, double where_mm, const std::string& words = {}) {
-    if (other < value) *this = {.value = other, .arc_mm = where_mm, .detail = words};
+    if (!std::isnan(value) && !(other >= value))
+      *this = {.value = other, .arc_mm = where_mm, .detail = words};
   }
 };
 
@@ -98,7 +101,7 @@ void add_motion_checks(const PlannedPath& path, const ArmModel& arm, std::vector
     const double step_s = b.time_s - a.time_s;
     const double step_mm = (b.T_base_tcp.translation() - a.T_base_tcp.translation()).norm();
     order.smaller(step_s, a.arc_mm);
-    if (step_s <= 0) continue;
+    if (step_s <= 0) continue;  // NaN goes on and fails below
     for (int joint = 0; joint < 6; ++joint) {
       const double turn_rad = std::abs(b.q_rad[joint] - a.q_rad[joint]);
       jump.larger(turn_rad, a.arc_mm, joint_name(joint));
@@ -145,6 +148,15 @@ Check acceleration_check(const PlannedPath& path, const ArmModel& arm) {
                  "of its limit", "accelerates too hard");
 }
 
+/// What may come close to the shoe, the tool's end, is exempt from the body's clearance; nothing is from the
+/// table.
+Check tip_check(const PlannedPath& path, const CollisionModel& collisions, double least_mm) {
+  Worst worst{.value = 1e9};
+  for (const Waypoint& w : path.waypoints)
+    worst.smaller(w.T_base_tcp.translation().z() - collisions.surroundings().table_z_mm, w.arc_mm);
+  return at_least("tip above the table", worst, least_mm, "mm", "the tip comes too near to the table");
+}
+
 Check singularity_check(const PlannedPath& path, const ArmModel& arm, double least) {
   Worst worst{.value = 1e9};
   for (const Waypoint& w : path.waypoints) {
@@ -189,6 +201,7 @@ CheckOutcome check_path(PlannedPath path, const ArmModel& arm, const CollisionMo
   add_motion_checks(path, arm, out.checks);
   out.checks.push_back(acceleration_check(path, arm));
   out.checks.push_back(singularity_check(path, arm, limits.least_singularity));
+  out.checks.push_back(tip_check(path, collisions, limits.least_tip_mm));
   out.checks.push_back(clearance_check(path, arm, collisions, limits.least_clearance_mm));
   for (Check& check : program_checks(path)) out.checks.push_back(std::move(check));
   if (all_passed(out.checks)) out.path = PathChecker::passed(std::move(path));

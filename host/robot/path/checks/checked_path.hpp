@@ -56,6 +56,7 @@ struct CheckOutcome {
 struct CheckLimits {
   double least_singularity{0.04};
   double least_clearance_mm{2};
+  double least_tip_mm{1};  ///< of the tip to the table; less than a thin sole, more than a table is uneven
 };
 
 /// Everything anew from joints and poses, trusting nothing of how they were made: pose and joints agree,

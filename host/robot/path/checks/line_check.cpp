@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+
+#include "common/core/numbers.hpp"
 
 namespace biteline::path {
 namespace {
@@ -14,6 +17,12 @@ constexpr double k_min_length_mm = 100;
 // The line format promises even spacing; a step of twice the median is a hole that a tool would cut across.
 constexpr double k_max_step_ratio = 2.0;
 constexpr double k_max_step_mm = 10;
+// A metre at 0.05 mm; every pair of them is compared.
+constexpr std::size_t k_most_points = 20'000;
+// A normal's part outwards: a wall that leans by 78 degrees is no upper's at its sole.
+constexpr double k_least_outward = 0.2;
+// The file's own tangent may be off by its noise, not by 60 degrees.
+constexpr double k_least_along = 0.5;
 
 std::vector<double> steps_mm(const ClosedLine& line) {
   std::vector<double> steps(line.points.size());
@@ -27,6 +36,46 @@ double median(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
                    values.end());
   return values[values.size() / 2];
+}
+
+/// Direction of the line at a point, from the places some millimetres to either side: the file's own is not
+/// asked.
+Vec3 direction_at(const ClosedLine& line, const std::vector<double>& steps, std::size_t i) {
+  constexpr double k_to_either_side_mm = 3;
+  const std::size_t n = line.points.size();
+  std::size_t before = i, after = i, taken = 0;
+  for (double mm = 0; mm < k_to_either_side_mm && taken + 2 < n; ++taken) {
+    mm += steps[after];
+    after = (after + 1) % n;
+  }
+  for (double mm = 0; mm < k_to_either_side_mm && taken + 2 < n; ++taken) {
+    before = (before + n - 1) % n;
+    mm += steps[before];
+  }
+  const Vec3 along = line.points[after].position - line.points[before].position;
+  const double length_mm = along.norm();
+  return length_mm > 0 ? Vec3(along / length_mm) : Vec3(Vec3::Zero());
+}
+
+/// A line that is none: what is asked further is not asked of it.
+std::optional<Check> plausible_check(const ClosedLine& line) {
+  const std::size_t n = line.points.size();
+  Check check{.name = "points",
+              .passed = false,
+              .value = static_cast<double>(n),
+              .limit = static_cast<double>(k_most_points),
+              .unit = "points",
+              .arc_mm = -1,
+              .detail = "a line of some hundred to some thousand points expected"};
+  if (n < 3 || n > k_most_points) return check;
+  const auto good = [](const cloud::LinePoint& p) {
+    return is_plausible_place(p.position) && p.normal.cwiseAbs().maxCoeff() < 2 && p.normal.allFinite();
+  };
+  check.value = static_cast<double>(std::ranges::count_if(line.points, good));
+  if (check.value == static_cast<double>(n)) return std::nullopt;
+  check.limit = static_cast<double>(n);
+  check.detail = "places and normals that are no numbers, or farther than 100 m";
+  return check;
 }
 
 double cross2(const Vec3& a, const Vec3& b) {
@@ -78,6 +127,7 @@ bool all_passed(const std::vector<Check>& checks) {
 
 std::vector<Check> check_line(const ClosedLine& line) {
   std::vector<Check> checks;
+  if (const std::optional<Check> failed = plausible_check(line)) return {*failed};
   const std::vector<double> steps = steps_mm(line);
   const double middle_mm = median(steps);
   const auto add = [&](Check check) {
@@ -87,7 +137,7 @@ std::vector<Check> check_line(const ClosedLine& line) {
 
   double length_mm = 0, worst_mm = 0, worst_arc_mm = 0;
   for (std::size_t i = 0; i + 1 < steps.size(); ++i) {
-    if (steps[i] > worst_mm) {
+    if (!(steps[i] <= worst_mm)) {
       worst_mm = steps[i];
       worst_arc_mm = length_mm;
     }
@@ -119,13 +169,16 @@ std::vector<Check> check_line(const ClosedLine& line) {
   add(crossing_check(line, steps));
 
   double area_mm2 = 0, worst_square = 0;
-  int inward = 0;
+  int inward = 0, astray = 0;
   for (std::size_t i = 0; i < line.points.size(); ++i) {
     const cloud::LinePoint& p = line.points[i];
     area_mm2 += 0.5 * cross2(p.position, line.points[(i + 1) % line.points.size()].position);
-    worst_square = std::max(worst_square, std::abs(p.normal.dot(p.tangent)));
+    const Vec3 direction = direction_at(line, steps, i);
+    worst_square = std::max(worst_square, std::abs(p.normal.dot(direction)));
     // Outward of an anticlockwise line is to its right, tangent x up.
-    if (p.normal.dot(p.tangent.cross(Vec3::UnitZ())) < 0) ++inward;
+    const Vec3 outward = direction.cross(Vec3::UnitZ());
+    if (!(p.normal.dot(outward) >= k_least_outward * outward.norm()) || !(outward.norm() > 0)) ++inward;
+    if (!(p.tangent.dot(direction) >= k_least_along)) ++astray;
   }
   add({.name = "anticlockwise",
        .passed = area_mm2 > 0,
@@ -140,7 +193,14 @@ std::vector<Check> check_line(const ClosedLine& line) {
        .limit = 0,
        .unit = "points",
        .arc_mm = -1,
-       .detail = "normals point into the shoe"});
+       .detail = "normals point into the shoe, or up and not out of it"});
+  add({.name = "tangents along the line",
+       .passed = astray == 0,
+       .value = static_cast<double>(astray),
+       .limit = 0,
+       .unit = "points",
+       .arc_mm = -1,
+       .detail = "tangents do not follow the places"});
   // 0.5: 30 degrees off a right angle; normals of a good line are within 10.
   add({.name = "normals across the line",
        .passed = worst_square <= 0.5,

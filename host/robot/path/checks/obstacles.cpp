@@ -6,6 +6,8 @@
 #include <map>
 #include <tuple>
 
+#include "common/core/numbers.hpp"
+
 namespace biteline::path {
 namespace {
 
@@ -13,6 +15,8 @@ using kinematics::Capsule;
 
 // Spacing of the points that stand for the shoe.
 constexpr double k_spacing_mm = 8;
+// No arm here reaches farther down than this below the line.
+constexpr double k_most_below_mm = 2000;
 // An upper leans inwards at least this much, mm per mm of height; a line's normals at the crease tell only
 // its beginning.
 constexpr double k_least_lean = 0.15;
@@ -62,7 +66,9 @@ Surroundings surroundings_of_line(const cloud::ClosedLine& line, const ShoeGuess
   std::vector<Vec3> top;
   for (const cloud::LinePoint& p : outline) {
     const Vec3 level = Vec3{p.normal.x(), p.normal.y(), 0}.normalized();
-    for (double z_mm = table_z_mm; z_mm < p.position.z(); z_mm += k_spacing_mm) {
+    // Whatever a shoe may stand on; and bounded, wherever the table is said to be.
+    const double foot_mm = std::max(table_z_mm, p.position.z() - k_most_below_mm);
+    for (double z_mm = foot_mm; z_mm < p.position.z(); z_mm += k_spacing_mm) {
       const Vec3 wall = p.position + guess.overhang_mm * level;
       out.shoe_points.emplace_back(wall.x(), wall.y(), z_mm);
     }
@@ -143,10 +149,14 @@ Clearance CollisionModel::clearance(const std::array<SE3, kinematics::k_joints>&
                      .radius_mm = tool_flange_.radius_mm};
   Clearance best{.mm = enough_mm, .what = ""};
   const auto take = [&](double mm, const char* what) {
-    if (mm < best.mm) best = {.mm = mm, .what = what};
+    // A distance that is no number is none that anyone may rely on.
+    if (!(mm >= best.mm)) best = {.mm = std::isnan(mm) ? -k_far_mm : mm, .what = what};
   };
   const auto to_table_mm = [&](const Capsule& c) {
-    return std::min(c.a.z(), c.b.z()) - c.radius_mm - surroundings_.table_z_mm;
+    // Both ends, since min() may drop the one that is no number.
+    const double a_mm = c.a.z() - c.radius_mm - surroundings_.table_z_mm;
+    const double b_mm = c.b.z() - c.radius_mm - surroundings_.table_z_mm;
+    return std::isnan(a_mm + b_mm) ? a_mm + b_mm : std::min(a_mm, b_mm);
   };
 
   take(to_table_mm(tool), "tool and table");

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "host/robot/kinematics/chain.hpp"
 #include "host/robot/kinematics/inverse.hpp"
@@ -102,6 +103,12 @@ WayThere find_way_there(const Joints& from_rad, const CheckedPath& path, const k
                          .arc_mm = -1,
                          .detail = ""},
                .path = std::nullopt};
+  // A joint turns twice round either way; what is no number or farther leads nowhere.
+  if (!(from_rad.cwiseAbs().array() <= 4 * std::numbers::pi).all()) {
+    out.check.value = -1;
+    out.check.detail = "where the arm stands is not known";
+    return out;
+  }
   bool direct = true;
   for (const std::vector<Joints>& via_rad : detours(from_rad, to_rad, arm)) {
     std::vector<Joints> stops{from_rad};

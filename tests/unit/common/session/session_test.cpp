@@ -54,9 +54,9 @@ TEST(Session, PosesThatDoNotCoverTheFramesAreRefused) {
 TEST(Session, StampsAtTheEndsOfTheirRangeAreRefused) {
   // Their differences would not fit the type that they are counted in.
   poses = "-9223372036854775808,1,2,3,1,0,0,0\n9223372036854775807,7,8,9,1,0,0,0\n";
-  FAILS_NAMING(Errc::BadValue, "pose0/data.csv row 2, field 1: a stamp within 73 years", read());
+  FAILS_NAMING(Errc::BadValue, "pose0/data.csv row 1, field 1: a stamp within 73 years", read());
   poses = "900,1e308,2,3,1,0,0,0\n2100,7,8,9,1,0,0,0\n";
-  FAILS_NAMING(Errc::BadValue, "pose0/data.csv row 2, field 2", read());
+  FAILS_NAMING(Errc::BadValue, "pose0/data.csv row 1, field 2", read());
 }
 
 TEST(Session, BadRowsAreNamed) {

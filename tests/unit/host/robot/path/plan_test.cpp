@@ -3,6 +3,9 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <algorithm>
+#include <cfenv>
+#include <limits>
 #include <numbers>
 
 #include "host/robot/kinematics/chain.hpp"
@@ -69,6 +72,39 @@ TEST(Plan, SpacingGrowsForTheBlendsWithinTheChordErrorElseThePlanIsRefused) {
   CHECK_FALSE(refused.path.has_value());
   STRCMP_CONTAINS("straight moves", refused.reason.c_str());
   STRCMP_CONTAINS("6.12 mm apart", refused.reason.c_str());
+}
+
+TEST(Plan, LineIsJudgedBeforeAnythingIsLaidOverIt) {
+  // A grid of 8 mm over these would take hours and all memory.
+  for (const double far_mm : {1e7, 1e9, 1e12, 1e300}) {
+    PlanRequest asked = request("UR5e", "grind.yaml");
+    asked.line.points[95].position.y() = far_mm;
+    const PlanOutcome outcome = plan(asked);
+    CHECK_FALSE(outcome.path.has_value());
+    CHECK(outcome.surroundings.shoe_points.empty());
+  }
+  PlanRequest asked = request("UR5e", "grind.yaml");
+  asked.line.points[95].position.y() = 9.9e4;
+  CHECK_FALSE(plan(asked).path.has_value());
+}
+
+TEST(Plan, TableFarBelowCostsNoMemory) {
+  for (const double table_z_mm : {-1e5, -1e308, -std::numeric_limits<double>::infinity()}) {
+    const Surroundings sut = surroundings_of_line(test::made_line(), {}, table_z_mm);
+    CHECK(sut.shoe_points.size() < 50'000);
+  }
+}
+
+TEST(Plan, LineOfAnotherScanIsRefused) {
+  PlanRequest asked = request("UR5e", "grind.yaml");
+  for (const cloud::LinePoint& p : asked.line.points) {
+    for (float z = -20; z < 40; z += 1) asked.cloud.push_back((p.position + z * Vec3::UnitZ()).cast<float>());
+  }
+  CHECK_TEXT(plan(asked).path.has_value(), plan(asked).reason.c_str());
+  for (cloud::LinePoint& p : asked.line.points) p.position.x() += 10;
+  const PlanOutcome outcome = plan(asked);
+  CHECK_FALSE(outcome.path.has_value());
+  STRCMP_CONTAINS("on the cloud: the line leaves the surface", outcome.reason.c_str());
 }
 
 TEST(Plan, FreeTurnStaysWithinTheToolsFreedom) {
@@ -141,6 +177,47 @@ TEST_GROUP(CheckPath) {
 
 TEST(CheckPath, PlannedPathPassesAgain) {
   STRCMP_EQUAL("", failed_checks().c_str());
+}
+
+TEST(CheckPath, WhatIsNoNumberPassesNoCheck) {
+  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+  const PlannedPath good = path;
+  const std::size_t middle = path.waypoints.size() / 2;
+  const auto spoiled = [&](auto&& spoil) {
+    path = good;
+    spoil(path.waypoints[middle]);
+    return failed_checks();
+  };
+  CHECK(spoiled([](Waypoint& w) { w.time_s = k_nan; }).find("time runs forward") != std::string::npos);
+  CHECK(spoiled([](Waypoint& w) { w.q_rad[3] = k_nan; }).find("joint limits") != std::string::npos);
+  CHECK(spoiled([](Waypoint& w) { w.speed_mm_s = k_nan; }).find("no dwelling") != std::string::npos);
+  CHECK(spoiled([](Waypoint& w) { w.T_base_tcp.translation().z() = k_nan; }).find("tip above the table") !=
+        std::string::npos);
+  path = good;
+  for (const double table_z_mm : {k_nan, std::numeric_limits<double>::infinity()}) {
+    Surroundings unknown = collisions.surroundings();
+    unknown.table_z_mm = table_z_mm;
+    const CheckOutcome outcome =
+        check_path(path, asked.arm, CollisionModel{asked.arm, asked.process.tool, unknown}, {});
+    CHECK(failed(outcome.checks).find("clearance") != std::string::npos);
+    CHECK(failed(outcome.checks).find("tip above the table") != std::string::npos);
+    CHECK_FALSE(outcome.path.has_value());
+  }
+  std::feclearexcept(FE_ALL_EXCEPT);  // raised on purpose
+}
+
+TEST(CheckPath, TipIsNeverInTheTableHoweverLongItsContact) {
+  Surroundings raised = collisions.surroundings();
+  double lowest_mm = 1e9;
+  for (const Waypoint& w : path.waypoints) lowest_mm = std::min(lowest_mm, w.T_base_tcp.translation().z());
+  Tool all_contact = asked.process.tool;
+  all_contact.contact_length_mm = 300;
+  for (const double above_mm : {-30.0, -0.5, 0.5, 3.0}) {
+    raised.table_z_mm = lowest_mm - above_mm;
+    const CheckOutcome outcome =
+        check_path(path, asked.arm, CollisionModel{asked.arm, all_contact, raised}, {});
+    LONGS_EQUAL(above_mm < 1, failed(outcome.checks).find("tip above the table") != std::string::npos);
+  }
 }
 
 TEST(CheckPath, EveryTamperedPathIsCaught) {

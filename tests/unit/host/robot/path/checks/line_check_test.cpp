@@ -3,6 +3,9 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <cfenv>
+#include <limits>
+
 #include <algorithm>
 
 #include "tests/unit/host/robot/path/made_line.hpp"
@@ -59,6 +62,39 @@ TEST(LineCheck, ClockwiseLineIsRefused) {
 TEST(LineCheck, InwardNormalIsRefused) {
   line.points[7].normal = -line.points[7].normal;
   STRCMP_EQUAL("normals outward;", failed(line).c_str());
+}
+
+TEST(LineCheck, DirectionsOfTheFileAreNotTrusted) {
+  // A circle that carries one normal and one tangent, copied to each point: they agree with each other.
+  cloud::ClosedLine circle = test::made_line({.half_length_mm = 60, .half_width_mm = 60});
+  for (cloud::LinePoint& p : circle.points) {
+    p.normal = circle.points[0].normal;
+    p.tangent = circle.points[0].tangent;
+  }
+  STRCMP_EQUAL("normals outward;tangents along the line;normals across the line;", failed(circle).c_str());
+  cloud::ClosedLine upwards = test::made_line();
+  for (cloud::LinePoint& p : upwards.points) p.normal = Vec3::UnitZ();
+  STRCMP_EQUAL("normals outward;", failed(upwards).c_str());
+  cloud::ClosedLine backwards = test::made_line();
+  for (cloud::LinePoint& p : backwards.points) p.tangent = -p.tangent;
+  STRCMP_EQUAL("tangents along the line;", failed(backwards).c_str());
+}
+
+TEST(LineCheck, NumbersThatAreNoneFailBeforeAnythingIsMadeOfThem) {
+  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double bad : {k_nan, std::numeric_limits<double>::infinity(), 1e9, 1e12, 1e300, -1.1e5}) {
+    cloud::ClosedLine line = test::made_line();
+    line.points[95].position.x() = bad;
+    STRCMP_EQUAL("points;", failed(line).c_str());
+    line = test::made_line();
+    line.points[95].normal.z() = bad;
+    STRCMP_EQUAL("points;", failed(line).c_str());
+  }
+  STRCMP_EQUAL("points;", failed({}).c_str());
+  cloud::ClosedLine endless;
+  endless.points.assign(1'000'000, test::made_line().points[0]);
+  STRCMP_EQUAL("points;", failed(endless).c_str());
+  std::feclearexcept(FE_ALL_EXCEPT);  // raised on purpose
 }
 
 }  // namespace biteline::path

@@ -3,6 +3,9 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <cfenv>
+#include <limits>
+
 #include <cmath>
 #include <filesystem>
 
@@ -108,6 +111,21 @@ TEST(WayThere, WithoutAFreeWayThereIsNone) {
   STRCMP_CONTAINS("from where the arm stands", sut.check.detail.c_str());
 }
 
+TEST(WayThere, FromNowhereThereIsNone) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300, 100.0}) {
+    for (int joint = 0; joint < 6; ++joint) {
+      kinematics::Joints from = behind_screen();
+      from[joint] = bad;
+      const WayThere sut = find_way_there(from, *planned.path, request.arm, collisions());
+      CHECK_FALSE(sut.path.has_value());
+      CHECK_FALSE(sut.check.passed);
+      STRCMP_CONTAINS("is not known", sut.check.detail.c_str());
+    }
+  }
+  std::feclearexcept(FE_ALL_EXCEPT);  // raised on purpose
+}
+
 TEST(WayThere, APlanFromWhereTheArmStandsHasItsWayOrIsRefused) {
   request.from_rad = behind_screen();
   const PlanOutcome free = plan(request);
@@ -115,6 +133,7 @@ TEST(WayThere, APlanFromWhereTheArmStandsHasItsWayOrIsRefused) {
   STRCMP_EQUAL("way there", free.checks.back().name.c_str());
 
   for (const Vec3& p : planned.surroundings.shoe_points) request.cloud.push_back(p.cast<float>());
+  for (const cloud::LinePoint& p : request.line.points) request.cloud.push_back(p.position.cast<float>());
   for (const Vec3& p : screen()) request.cloud.push_back(p.cast<float>());
   const PlanOutcome screened = plan(request);
   CHECK_FALSE(screened.path.has_value());
