@@ -20,8 +20,8 @@ inline constexpr int k_block_rows = 8;
 /// A vector's worth of columns in which some block maximum rose above the threshold.
 inline constexpr int k_lane_columns = 64;
 
-/// Blocks are counted in a byte.
-inline constexpr int k_max_rows = 255 * k_block_rows;
+/// Blocks are numbered in a byte, 0 to 255.
+inline constexpr int k_max_rows = 256 * k_block_rows;
 
 /// How the frame is searched.
 struct SearchPlan {

@@ -76,6 +76,46 @@ TEST(PeakExtractor, SaturatedTopCarriesNoWeight) {
   CHECK(peaks->columns[100].kept[0].flags & k_peak_saturated);
 }
 
+TEST(PeakExtractor, WideSaturatedStripeIsWhereItSaysOrSaysThatItIsDoubtful) {
+  // Close and bright: a flat top of some 6 to 30 rows, flanks of different steepness, at every phase of the
+  // blocks.
+  constexpr int k_width_px = 64, k_height_px = 128;
+  int wide = 0;
+  for (const double top_px : {6.0, 10.0, 14.0, 18.0, 24.0, 30.0}) {
+    for (const double above_px : {0.6, 1.5, 3.0, 6.0}) {
+      for (const double below_px : {0.6, 1.5, 3.0, 6.0}) {
+        std::vector<std::uint8_t> pixels(k_width_px * k_height_px);
+        const auto middle = [](int u) { return 50 + 0.171 * u; };
+        for (int u = 0; u < k_width_px; ++u) {
+          for (int v = 0; v < k_height_px; ++v) {
+            const double d = v - middle(u);
+            const double beyond = std::max(0.0, std::abs(d) - top_px / 2);
+            const double sigma = d < 0 ? above_px : below_px;
+            const double grey = 5 + 270 * std::exp(-std::min(20.0, 0.5 * beyond * beyond / (sigma * sigma)));
+            pixels[static_cast<std::size_t>(v * k_width_px + u)] =
+                static_cast<std::uint8_t>(std::min(255.0, grey));
+          }
+        }
+        extract(pixels, k_width_px, k_height_px);
+        for (int u = 0; u < k_width_px; ++u) {
+          const ColumnPeaks& column = peaks->columns[static_cast<std::size_t>(u)];
+          for (std::size_t i = 0; i < column.kept_count; ++i) {
+            const Peak& peak = column.kept[i];
+            const double off = std::abs(peak.row_px - middle(u));
+            const bool told = (peak.flags & k_peak_poor_fit) != 0 && 2 * peak.sigma_row_px >= off;
+            wide += off > 4.5 ? 1 : 0;
+            CHECK_TEXT(off <= 2.5 + 0.2 * top_px || told,
+                       StringFromFormat("top %g px, flanks %g and %g px: %g px off, sigma %g", top_px,
+                                        above_px, below_px, off, static_cast<double>(peak.sigma_row_px))
+                           .asCharString());
+          }
+        }
+      }
+    }
+  }
+  CHECK(wide > 0);  // else this test met no case that matters
+}
+
 TEST(PeakExtractor, DarkColumnHasNoPeakAndNoiseIsNone) {
   MadeStripe made;
   made.amplitude = 0;
