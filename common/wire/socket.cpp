@@ -78,6 +78,10 @@ Result<void> Socket::bind(const std::string& address) {
   return fail_errno(Errc::ConnectFailed, zmq_errno(), "listening at %s", address.c_str());
 }
 
+void Socket::unbind(const std::string& address) {
+  static_cast<void>(zmq_unbind(handle_, address.c_str()));  // not bound is what is wanted
+}
+
 Result<void> Socket::connect(const std::string& address) {
   if (zmq_connect(handle_, address.c_str()) == 0) return {};
   return fail_errno(Errc::ConnectFailed, zmq_errno(), "connecting to %s", address.c_str());

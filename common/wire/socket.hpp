@@ -51,6 +51,8 @@ class Socket {
   [[nodiscard]] Result<void> set(int option, int value);
   [[nodiscard]] Result<void> set(int option, const std::string& value);
   [[nodiscard]] Result<void> bind(const std::string& address);
+  /// Stops listening there; who is connected stays until the socket is closed.
+  void unbind(const std::string& address);
   [[nodiscard]] Result<void> connect(const std::string& address);
   /// Where a listener that asked for port 0 ended up.
   [[nodiscard]] Result<std::string> bound_address() const;

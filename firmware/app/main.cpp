@@ -140,7 +140,7 @@ int main(int argc, char** argv) {
   try {
     const sensor::ParsedOptions parsed = sensor::parse_options(argc, argv);
     if (parsed.leave_with) return *parsed.leave_with;
-    const Result<void> done = parsed.options.make_keys ? wire::make_keys(*parsed.options.make_keys)
+    const Result<void> done = parsed.options.make_keys ? wire::make_sensor_keys(*parsed.options.make_keys)
                               : parsed.options.check   ? check(parsed.options)
                                                        : run(parsed.options, signals);
     if (done) return static_cast<int>(ExitStatus::Done);

@@ -62,7 +62,7 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_option("--listen", listen, "Where hosts connect; port 0: any free one")->capture_default_str();
   app.add_option("--keys", options.keys, "Folder of keys; compulsory beyond loopback");
   app.add_option("--make-keys", options.make_keys,
-                 "Make keys for this sensor and one host in a folder, and leave");
+                 "Make this sensor's keys and an empty hosts.allowed in a folder, and leave");
   app.add_option("--name", options.name, "What the sensor calls itself");
   app.add_option("--rt", realtime,
                  "required: refuse to run without real-time rights; ignore: run as any program")

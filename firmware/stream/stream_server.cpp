@@ -57,6 +57,7 @@ void StreamServer::add_end(wire::EndOfScan end) {
   wire::encode({.scan_id = scan_id_, .sequence = store_.held_to(), .body = std::move(end)}, packet);
   messages_lost_ += store_.push(std::move(packet));
   ended_ = true;
+  owner_.reset();
   identity_.scanning = false;
 }
 
@@ -129,8 +130,22 @@ void StreamServer::on_ack(Host& host, std::uint64_t scan_id, const wire::Ack& ac
   end_delivered_ = end_delivered_ || host.has_end;
 }
 
+Result<void> StreamServer::obey(const PeerId& peer, wire::Command command) {
+  // Whoever began the scan owns it while it runs and it is there; another host may listen, and no more.
+  if (owner_ && *owner_ != peer && identity_.scanning) {
+    const auto owner = hosts_.find(*owner_);
+    if (owner != hosts_.end() && owner->second.present) {
+      ++packets_rejected_;
+      return fail(Errc::PeerRefused, "the scan belongs to host '%s'", owner->second.name.c_str());
+    }
+  }
+  BITELINE_TRY(on_command_(command));
+  if (command == wire::Command::StartScan) owner_ = peer;
+  return {};
+}
+
 void StreamServer::on_control(const PeerId& peer, const wire::Control& control) {
-  const Result<void> done = on_command_(control.command);
+  const Result<void> done = obey(peer, control.command);
   wire::ControlReply reply{.id = control.id, .errc = 0, .where = {}};
   if (!done) {
     reply.errc = static_cast<std::uint16_t>(done.error().code);

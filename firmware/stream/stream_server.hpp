@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -92,6 +93,7 @@ class StreamServer {
   void send_due(const PeerId& peer, Host& host);
   void on_hello(const PeerId& peer, const wire::HostHello& hello, SensorClock::time_point now);
   void on_ack(Host& host, std::uint64_t scan_id, const wire::Ack& ack);
+  [[nodiscard]] Result<void> obey(const PeerId& peer, wire::Command command);
   void on_control(const PeerId& peer, const wire::Control& control);
   void update_acknowledged();
   void drop_silent_hosts(SensorClock::time_point now);
@@ -104,6 +106,7 @@ class StreamServer {
   HealthProvider health_;
   MessageStore store_;
   std::map<PeerId, Host> hosts_;
+  std::optional<PeerId> owner_;  ///< of the running scan: the host that asked for it
   std::uint64_t scan_id_{0};
   bool ended_{false};
   bool end_delivered_{false};  ///< at least one host has the end, even if it has left since

@@ -2,6 +2,8 @@
 #pragma once
 /// \file The sensor's network end: a listener, and with keys the gatekeeper beside it.
 
+#include <chrono>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -12,6 +14,7 @@
 
 namespace biteline::stream {
 
+/// hosts.allowed is looked at again every second: who is taken out of it is cut off, who is put in may come.
 /// Thread: one owner (the stream thread) after open().
 class StreamSocket final : public Outbox {
  public:
@@ -37,14 +40,19 @@ class StreamSocket final : public Outbox {
   static constexpr int k_batch = 256;
 
  private:
-  StreamSocket(wire::SocketContext context, std::optional<wire::Socket> gatekeeper, wire::Socket listener,
-               std::string address, std::vector<std::string> allowed_hosts);
+  StreamSocket(Config config, wire::SocketContext context, std::optional<wire::Socket> gatekeeper,
+               wire::Socket listener, std::string address);
+  void heed_allow_list();
 
+  Config config_;
   wire::SocketContext context_;
   std::optional<wire::Socket> gatekeeper_;
   wire::Socket listener_;
   std::string address_;
-  std::vector<std::string> allowed_hosts_;
+  std::filesystem::file_time_type list_changed_at_{};
+  std::chrono::steady_clock::time_point look_at_list_{};
+  bool shut_out_{false};  ///< somebody in the old list is not in the new one, and may still be connected
+  bool listening_{true};
 };
 
 }  // namespace biteline::stream

@@ -15,6 +15,7 @@
 #include "host/intake/sensor_process.hpp"
 #include "host/intake/session_run.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/key_set.hpp"
 #include "tests/support/made_session.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -243,8 +244,8 @@ TEST(SensorAndHosts, SensorToldToStopSaysSoAndEndsWell) {
 }
 
 TEST(SensorAndHosts, KeysLetTheRightHostInAndKeepOthersOut) {
-  SUCCEEDS(wire::make_keys(folder.path() / "keys"));
-  SUCCEEDS(wire::make_keys(folder.path() / "other"));
+  SUCCEEDS(test::make_key_set(folder.path() / "keys"));
+  SUCCEEDS(test::make_key_set(folder.path() / "other"));
   const wire::HostKeys right = *wire::read_host_keys(folder.path() / "keys");
   wire::HostKeys stranger = *wire::read_host_keys(folder.path() / "other");
   stranger.sensor_public_key = right.sensor_public_key;

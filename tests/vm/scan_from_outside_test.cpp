@@ -26,6 +26,7 @@
 #include "host/intake/sensor_link.hpp"
 #include "host/intake/session_run.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/key_set.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -220,7 +221,7 @@ TEST(ScanFromOutside, ThousandProfilesAreThoseOfTheReplayAndEveryCountIsRight) {
   if (!fs::exists(environment("BITELINE_ARM64_BUILD") + "/bin/biteline-sensor"))
     return test::note_skipped("no arm64 build");
   write_session(session());
-  SUCCEEDS(wire::make_keys(keys()));
+  SUCCEEDS(test::make_key_set(keys()));
   const int port = free_port();
   boot(port);
   const bool up = wait_for_sensor();

@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
   add_evaluate(app, context);
   add_extract(app, context);
   add_calibrate(app, context);
+  add_keys(app, context);
   add_model(app, context);
   add_replay(app, context);
   add_plan(app, context);

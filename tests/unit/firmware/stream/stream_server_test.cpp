@@ -45,6 +45,7 @@ TEST_GROUP(StreamServer) {
   FakeOutbox outbox;
   SensorClock::time_point now{Nanoseconds{1'000'000'000}};
   std::vector<wire::Command> commands;
+  bool door_open{true};
   ServerConfig config{.store_bytes = 1024 * 1024, .window_messages = 4, .max_hosts = 2};
   std::unique_ptr<StreamServer> sut;
 
@@ -57,7 +58,7 @@ TEST_GROUP(StreamServer) {
         config, wire::SensorHello{.name = "s", .version = {}, .scan_name = {}, .model = model()}, outbox,
         [this](wire::Command command) -> Result<void> {
           commands.push_back(command);
-          if (command == wire::Command::StartScan) return fail(Errc::InterlockOpen, "door");
+          if (command == wire::Command::StartScan && door_open) return fail(Errc::InterlockOpen, "door");
           return {};
         },
         [] { return wire::Health{}; });
@@ -290,6 +291,40 @@ TEST(StreamServer, CommandsOfAKnownHostAreObeyedAndAnswered) {
   LONGS_EQUAL(0, replies.at(0).errc);
   LONGS_EQUAL(static_cast<int>(Errc::InterlockOpen), replies.at(1).errc);
   STRCMP_EQUAL("door", replies.at(1).where.c_str());
+}
+
+TEST(StreamServer, ScanBelongsToTheHostThatBeganItWhileItIsThere) {
+  door_open = false;
+  receive("a", wire::HostHello{.name = "workshop"});
+  receive("b", wire::HostHello{});
+  receive("a", wire::Control{.id = 1, .command = wire::Command::StartScan});
+  sut->begin_scan(101, "mine", 10);
+  for (const wire::Command command :
+       {wire::Command::StopScan, wire::Command::LaserOff, wire::Command::StartScan}) {
+    receive("b", wire::Control{.id = 2, .command = command});
+    const wire::ControlReply reply = outbox.of<wire::ControlReply>("b").back();
+    LONGS_EQUAL(static_cast<int>(Errc::PeerRefused), reply.errc);
+    STRCMP_CONTAINS("belongs to host 'workshop'", reply.where.c_str());
+  }
+  LONGS_EQUAL(1, commands.size());
+  receive("a", wire::Control{.id = 3, .command = wire::Command::StopScan});
+  LONGS_EQUAL(2, commands.size());
+  // Its owner gone, a scan that runs on is anybody's.
+  receive("a", wire::Bye{});
+  receive("b", wire::Control{.id = 4, .command = wire::Command::StopScan});
+  LONGS_EQUAL(3, commands.size());
+}
+
+TEST(StreamServer, OverScanBelongsToNobody) {
+  door_open = false;
+  receive("a", wire::HostHello{});
+  receive("b", wire::HostHello{});
+  receive("a", wire::Control{.id = 1, .command = wire::Command::StartScan});
+  sut->begin_scan(101, "mine", 10);
+  sut->add_end({});
+  sut->begin_scan(102, "the robot's", 10);
+  receive("b", wire::Control{.id = 2, .command = wire::Command::StopScan});
+  LONGS_EQUAL(2, commands.size());
 }
 
 TEST(StreamServer, NewScanIsAnnouncedAndUnfetchedOnesAreCountedLost) {
