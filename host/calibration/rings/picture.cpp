@@ -23,7 +23,7 @@ constexpr std::uint32_t k_most_side_px = 16384;  // as in common/image
 Result<void> check_size(const std::string& bytes, const fs::path& file) {
   constexpr std::string_view k_signature = "\x89PNG\r\n\x1a\n";
   if (bytes.empty()) return fail(Errc::Truncated, "%s: a readable picture (PNG) expected", file.c_str());
-  if (!bytes.starts_with(k_signature) || bytes.size() < 24) return {};
+  if (bytes.size() < 24 || bytes.compare(0, k_signature.size(), k_signature) != 0) return {};
   const auto number = [&](std::size_t at) {
     std::uint32_t value = 0;
     for (std::size_t i = at; i < at + 4; ++i) value = value << 8U | static_cast<unsigned char>(bytes[i]);

@@ -44,13 +44,16 @@ Vec3 direction_at(const ClosedLine& line, const std::vector<double>& steps, std:
   constexpr double k_to_either_side_mm = 3;
   const std::size_t n = line.points.size();
   std::size_t before = i, after = i, taken = 0;
-  for (double mm = 0; mm < k_to_either_side_mm && taken + 2 < n; ++taken) {
+  // Not over a hole, which has its own check.
+  for (double mm = 0; mm < k_to_either_side_mm && taken + 2 < n && steps[after] <= k_max_step_mm; ++taken) {
     mm += steps[after];
     after = (after + 1) % n;
   }
   for (double mm = 0; mm < k_to_either_side_mm && taken + 2 < n; ++taken) {
-    before = (before + n - 1) % n;
-    mm += steps[before];
+    const std::size_t next = (before + n - 1) % n;
+    if (!(steps[next] <= k_max_step_mm)) break;
+    mm += steps[next];
+    before = next;
   }
   const Vec3 along = line.points[after].position - line.points[before].position;
   const double length_mm = along.norm();

@@ -197,11 +197,11 @@ TEST(CheckPath, WhatIsNoNumberPassesNoCheck) {
   for (const double table_z_mm : {k_nan, std::numeric_limits<double>::infinity()}) {
     Surroundings unknown = collisions.surroundings();
     unknown.table_z_mm = table_z_mm;
-    const CheckOutcome outcome =
+    const CheckOutcome checked =
         check_path(path, asked.arm, CollisionModel{asked.arm, asked.process.tool, unknown}, {});
-    CHECK(failed(outcome.checks).find("clearance") != std::string::npos);
-    CHECK(failed(outcome.checks).find("tip above the table") != std::string::npos);
-    CHECK_FALSE(outcome.path.has_value());
+    CHECK(failed(checked.checks).find("clearance") != std::string::npos);
+    CHECK(failed(checked.checks).find("tip above the table") != std::string::npos);
+    CHECK_FALSE(checked.path.has_value());
   }
   std::feclearexcept(FE_ALL_EXCEPT);  // raised on purpose
 }
@@ -214,9 +214,9 @@ TEST(CheckPath, TipIsNeverInTheTableHoweverLongItsContact) {
   all_contact.contact_length_mm = 300;
   for (const double above_mm : {-30.0, -0.5, 0.5, 3.0}) {
     raised.table_z_mm = lowest_mm - above_mm;
-    const CheckOutcome outcome =
+    const CheckOutcome checked =
         check_path(path, asked.arm, CollisionModel{asked.arm, all_contact, raised}, {});
-    LONGS_EQUAL(above_mm < 1, failed(outcome.checks).find("tip above the table") != std::string::npos);
+    LONGS_EQUAL(above_mm < 1, failed(checked.checks).find("tip above the table") != std::string::npos);
   }
 }
 

@@ -83,7 +83,7 @@ TEST(LineCheck, DirectionsOfTheFileAreNotTrusted) {
 TEST(LineCheck, NumbersThatAreNoneFailBeforeAnythingIsMadeOfThem) {
   constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
   for (const double bad : {k_nan, std::numeric_limits<double>::infinity(), 1e9, 1e12, 1e300, -1.1e5}) {
-    cloud::ClosedLine line = test::made_line();
+    line = test::made_line();
     line.points[95].position.x() = bad;
     STRCMP_EQUAL("points;", failed(line).c_str());
     line = test::made_line();

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+// fuzz_seeds DIR: small good inputs for each target, from the writers of the project itself.
+#include <fstream>
+#include <random>
+
+#include "common/config/sensor_yaml.hpp"
+#include "common/image/grey_image.hpp"
+#include "common/session/session.hpp"
+#include "common/wire/messages.hpp"
+#include "host/cloud/closed_line.hpp"
+#include "host/cloud/ply.hpp"
+#include "tests/support/made_profile.hpp"
+
+using namespace biteline;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Seeds {
+  fs::path root;
+  bool good{true};
+
+  fs::path in(const char* target, const char* name) const {
+    const fs::path folder = root / (std::string{"fuzz_"} + target);
+    fs::create_directories(folder);
+    return folder / name;
+  }
+  void keep(const Result<void>& written) { good = good && written.has_value(); }
+  void bytes(const char* target, const char* name, std::string_view text) const {
+    std::ofstream(in(target, name), std::ios::binary) << text;
+  }
+};
+
+void clouds(Seeds& seeds) {
+  cloud::PointCloud cloud;
+  for (int i = 0; i < 6; ++i) {
+    cloud.points.emplace_back(static_cast<float>(i), 2.5F, -1.0F);
+    cloud.normals.emplace_back(Eigen::Vector3f::UnitZ());
+    cloud.profile.push_back(static_cast<std::uint32_t>(i / 3));
+    cloud.column.push_back(static_cast<std::uint16_t>(i));
+    cloud.sigma_mm.push_back(0.02F);
+    cloud.flags.push_back(0);
+  }
+  seeds.keep(cloud::write_cloud(seeds.in("ply", "cloud.ply"), cloud));
+  seeds.keep(cloud::write_mesh(seeds.in("ply", "mesh.ply"),
+                               {.vertices = cloud.points, .faces = {{0, 1, 2}, {1, 2, 4}}}));
+  seeds.bytes(
+      "ply", "ascii.ply",
+      "ply\nformat ascii 1.0\ncomment x\nelement vertex 2\nproperty double x\nproperty float y\nproperty int "
+      "z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n1 2 3\n4 5e1 6\n3 0 1 0\n");
+}
+
+void tables(Seeds& seeds) {
+  cloud::ClosedLine line;
+  std::vector<session::StampedPose> poses;
+  for (int i = 0; i < 40; ++i) {
+    const double angle = 0.157 * i;
+    const Vec3 outward{std::cos(angle), std::sin(angle), 0};
+    line.points.push_back({.position = 40 * outward,
+                           .normal = outward,
+                           .tangent = Vec3::UnitZ().cross(outward),
+                           .confidence = 0.9});
+    poses.push_back(
+        {.stamp = RobotClock::time_point{Nanoseconds{1000 * i}}, .T_base_flange = SE3::Identity()});
+  }
+  seeds.keep(cloud::write_line(seeds.in("tables", "line.csv"), line));
+  poses.resize(4);
+  seeds.keep(session::write_pose_table(seeds.in("tables", "poses.csv"), poses));
+}
+
+void messages(Seeds& seeds) {
+  wire::Health health;
+  health.stages = {{.name = "peaks"}};
+  health.devices.clocks = {{.name = "camera"}};
+  health.devices.trigger.emplace();
+  health.devices.capture.emplace();
+  wire::SensorHello hello{.name = "sensor"};
+  hello.model.region = {.offset_u_px = 0, .offset_v_px = 0, .width_px = 64, .height_px = 64};
+  const wire::Body bodies[] = {wire::HostHello{.name = "host"},
+                               hello,
+                               test::made_profile(1, 3),
+                               health,
+                               wire::EndOfScan{.errc = 208, .where = "disk"},
+                               wire::Ack{},
+                               wire::Control{},
+                               wire::ControlReply{},
+                               wire::Gap{.first = 1, .count = 2},
+                               wire::Bye{}};
+  int number = 0;
+  for (const wire::Body& body : bodies) {
+    wire::Bytes packet;
+    wire::encode({.scan_id = 7, .sequence = 3, .body = body}, packet);
+    seeds.bytes("wire", ("message" + std::to_string(number++)).c_str(),
+                {reinterpret_cast<const char*>(packet.data()), packet.size()});
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) return 2;
+  Seeds seeds{.root = argv[1]};
+  clouds(seeds);
+  tables(seeds);
+  messages(seeds);
+  geometry::SensorModel sensor;
+  sensor.camera = {.fu_px = 1000, .fv_px = 1000, .cu_px = 16, .cv_px = 8};
+  sensor.laser_plane = {.normal_cam = Vec3(0, 0.6, -0.8), .distance_mm = -100};
+  sensor.region = {.offset_u_px = 0, .offset_v_px = 0, .width_px = 32, .height_px = 24};
+  seeds.bytes("settings", "sensor.yaml", config::sensor_yaml_text(sensor, "made"));
+  for (const auto& entry : fs::directory_iterator(BITELINE_PROCESSES))
+    fs::copy_file(entry.path(), seeds.in("settings", entry.path().filename().c_str()),
+                  fs::copy_options::overwrite_existing);
+  std::vector<std::uint8_t> pixels(16 * 12);
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint8_t>(i * 7);
+  seeds.keep(
+      image::write_png(seeds.in("picture", "grey.png"), {.width_px = 16, .height_px = 12, .pixels = pixels}));
+  std::mt19937 random{3};
+  for (const char* target : {"canpose", "controller", "link", "packing", "stripe", "surface", "text"}) {
+    std::string noise(600, '\0');
+    for (char& byte : noise) byte = static_cast<char>(random());
+    seeds.bytes(target, "noise", noise);
+  }
+  return seeds.good ? 0 : 1;
+}
