@@ -69,9 +69,9 @@ TEST(Text, CutsBetweenLetters) {
 }
 
 TEST(Text, LineOfAnErrorHoldsNothingThatATerminalObeys) {
-  STRCMP_EQUAL("found '?[31mred??': is not of the expected form",
+  STRCMP_EQUAL("found '?[31mred?\?': is not of the expected form",
                to_line(fail(Errc::BadFormat, "found '%s'", "\x1b[31mred\n\xFF").value()).c_str());
-  STRCMP_EQUAL("???: is not of the expected form",
+  STRCMP_EQUAL("?\?\?: is not of the expected form",
                to_line(fail(Errc::BadFormat, "\x01\x02\x03").value()).c_str());
 }
 

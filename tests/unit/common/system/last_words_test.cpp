@@ -56,10 +56,12 @@ TEST(LastWords, NoMemoryInAnyThreadIsOneLineAndStatusFour) {
 }
 
 TEST(LastWords, NoThreadAndWhateverElseAreOneLineToo) {
-  const Ending sut = ending_of([]() noexcept { throw std::system_error{EAGAIN, std::generic_category()}; });
+  const Ending sut = ending_of([] {
+    std::thread{[] { throw std::system_error{EAGAIN, std::generic_category()}; }}.join();
+  });
   LONGS_EQUAL(4, sut.status);
   STRCMP_CONTAINS("no more threads or memory", sut.words.c_str());
-  const Ending other = ending_of([]() noexcept { throw std::logic_error{"x"}; });
+  const Ending other = ending_of([] { std::thread{[] { throw std::logic_error{"x"}; }}.join(); });
   LONGS_EQUAL(4, other.status);
   STRCMP_CONTAINS("report this as a defect\n", other.words.c_str());
 }
