@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "host/bite_line/layers/layers.hpp"
 #include "host/bite_line/live_scan.hpp"
-#include "host/bite_line/path/creases.hpp"
+#include "host/bite_line/path/decide.hpp"
 #include "host/bite_line/place/finish.hpp"
 #include "host/bite_line/side/side_outline.hpp"
 
@@ -29,8 +30,9 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
   Outline outline = clock.run("outline", [&] { return side_outline(*shoe); });
   SideField field = clock.run("side", [&] { return SideField::build(*shoe, outline, {}); });
   Side side{std::move(*shoe), std::move(outline), std::move(field)};
-  const std::vector<Crease> creases = clock.run("creases", [&] { return find_creases(side.field, {}); });
-  Decision decision = clock.run("decision", [&] { return decide(creases, config.min_confidence_ratio); });
+  const Layers layers = clock.run("layers", [&] { return find_layers(side.field, {}); });
+  Decision decision = clock.run(
+      "decision", [&] { return decide(layers, plan_shape(side.outline), config.min_confidence_ratio); });
   PlacedLine placed = clock.run("place", [&] {
     if (decision.refusal) return PlacedLine{};
     const std::span<const double> path_row = decision.paths.front().row;
@@ -38,7 +40,8 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
                        .points_per_mm2 = side.field.points_per_mm2 * scan.points_per_run(),
                        .field = side.field,
                        .outline = side.outline,
-                       .path_row = path_row},
+                       .path_row = path_row,
+                       .trust = decision.trust},
                       {.spacing_mm = config.point_spacing_mm});
   });
   Extraction extraction = clock.run("finish", [&] { return finish(side, decision, placed, config); });

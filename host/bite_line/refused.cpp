@@ -17,9 +17,12 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
       Row{NoCreaseAllRound, "no_crease_all_round", "push the sole on, or transfer the line of a sample"},
       Row{WithinOneSurface, "within_one_surface", "push the sole on, or transfer the line of a sample"},
       Row{DoesNotClose, "does_not_close", "scan again; the shoe must stand still meanwhile"},
-      Row{TwoCandidates, "two_candidates",
-          "compare the candidates in the report; transfer the line of a sample"},
-      Row{NotSureEnough, "not_sure_enough", "scan the shoe again, more slowly"},
+      Row{NotAShoe, "not_a_shoe", "scan a shoe with its sole on"},
+      Row{NoUpper, "no_upper", "scan a shoe with a closed upper"},
+      Row{Overhang, "overhang", "scan a shoe with its sole on"},
+      Row{CutIntoSole, "cut_into_sole", "clean the edge of the sole, or transfer the line of a sample"},
+      Row{Rivalled, "rivalled", "compare the candidates in the report; transfer the line of a sample"},
+      Row{TooMuchUnsure, "too_much_unsure", "scan the shoe again, more slowly and all the way round"},
       Row{TooMuchBridged, "too_much_bridged", "scan the shoe again, all the way round"},
   };
   return k_rows;

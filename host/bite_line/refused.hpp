@@ -17,8 +17,12 @@ enum class Refused {
   NoCreaseAllRound,  ///< the crease fades over too long a way
   WithinOneSurface,  ///< the crease is sewn or cut into one surface
   DoesNotClose,      ///< a spiral: its ends lie at different heights
-  TwoCandidates,     ///< two creases are about equally good
-  NotSureEnough,     ///< none of the above alone, all together too little
+  NotAShoe,          ///< outline and height are not a shoe's
+  NoUpper,           ///< no wall goes on above the crease: an open sandal, a rim
+  Overhang,          ///< what lies above stands out beyond what lies below: a lid
+  CutIntoSole,       ///< a groove in the sole, whose edge lies above and is not to be seen all the way round
+  Rivalled,          ///< over too much of its length the line may be another crease
+  TooMuchUnsure,     ///< too many of its points are below the limit
   TooMuchBridged,    ///< the line is there, but too much of it was not seen
 };
 

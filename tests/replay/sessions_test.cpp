@@ -14,6 +14,7 @@
 #include "host/intake/session_run.hpp"
 #include "host/published/level_set.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/shape_truth.hpp"
 #include "tests/support/shared_data.hpp"
 
 namespace biteline {
@@ -109,6 +110,17 @@ TEST(Sessions, RealShoeHasItsLine) {
   const evaluation::LineError error = evaluation::line_error(sut.line, truth(session));
   CHECK_COMPARE(error.mean_mm, <=, 0.30);
   CHECK_COMPARE(error.complete, >=, 0.97);
+}
+
+TEST(Sessions, LedgeInAMidsoleIsNotTakenForTheLine) {
+  BITELINE_SHARED_DATA_OR_SKIP(session, "sessions/ledge32");
+  const bite_line::Extraction sut = bite_line::find_bite_line(scan(session), {});
+  CHECK_TEXT(sut.found, sut.refusal ? sut.refusal->reason.c_str() : "");
+  // The truth is of labels, good to 0.5 mm and 1 mm where the edge is round; the ledge lies 12 to 15 mm
+  // lower.
+  const test::LineOnShape on = test::line_on_shape(sut.line, truth(session));
+  CHECK_COMPARE(on.mean_mm, <=, 0.5);
+  CHECK_COMPARE(on.wrong_mm, <=, 5.0);
 }
 
 TEST(Sessions, UpperWithoutSoleIsRefused) {

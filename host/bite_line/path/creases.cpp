@@ -5,22 +5,11 @@
 #include <cmath>
 #include <optional>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
-#include <tbb/task_group.h>
-
-#include "host/bite_line/path/closed_path.hpp"
 #include "host/geometry/closed_curve.hpp"
 
 namespace biteline::bite_line {
 
 namespace {
-
-constexpr double k_spiral_cost = 8.0;     // columns without any crease
-constexpr double k_least_evidence = 0.1;  // weaker paths, and all that would come after them, are no rivals
-constexpr double k_worth_a_look_share = 0.5;  // less visible ones are refused whether they close or not
-constexpr double k_deg = 3.14159265358979 / 180.0;
 
 template <class Value>
 double median(std::vector<Value> values) {
@@ -117,7 +106,19 @@ std::optional<TwoFlanks> flanks_at(const SideField& field, int row, int col) {
                    .step_mm = below.at_zero_mm - above.at_zero_mm};
 }
 
-Crease describe(const SideField& field, std::span<const float> evidence, const std::vector<int>& path,
+/// Whether a wall goes on above the path: most of what lies up to `upper_mm` above it was seen.
+bool wall_above(const SideField& field, int row, int col, double upper_mm) {
+  const SideGrid& grid = field.grid;
+  const int from = row + static_cast<int>(std::lround(2.0 / grid.row_mm));
+  const int to = row + static_cast<int>(std::lround(upper_mm / grid.row_mm));
+  int seen = 0;
+  for (int r = from; r <= std::min(to, grid.rows - 1); ++r) seen += field.seen[grid.at(r, col)] != 0 ? 1 : 0;
+  return seen > 0.6 * (to - from + 1);
+}
+
+}  // namespace
+
+Crease describe(const SideField& field, std::span<const float> likeness, std::span<const int> path,
                 const CreaseConfig& config) {
   const SideGrid& grid = field.grid;
   Crease crease;
@@ -138,11 +139,12 @@ Crease describe(const SideField& field, std::span<const float> evidence, const s
     const int row = path[col];
     const std::size_t cell = grid.at(row, c);
     crease.mean_height_mm += grid.z_mm(row) / grid.cols;
-    crease.evidence += static_cast<double>(evidence[cell]) / grid.cols;
+    crease.evidence += static_cast<double>(likeness[cell]) / grid.cols;
     const double second = rows[(col + 1) % cols] - 2 * rows[col] + rows[(col + cols - 1) % cols];
     bend2 += second * second;
     if (field.seen[cell] == 0) continue;
     ++seen;
+    if (wall_above(field, row, c, config.upper_mm)) crease.upper_share += 1;
     const double turn = static_cast<double>(turn_at(field, cell));
     crease.turn_rad[col] = static_cast<float>(turn);
     turns.push_back(turn);
@@ -157,6 +159,7 @@ Crease describe(const SideField& field, std::span<const float> evidence, const s
     if (step_at(field, row, c, step)) steps.push_back(step);
   }
   const auto visible = static_cast<double>(std::count(crease.visible.begin(), crease.visible.end(), 1));
+  crease.upper_share /= std::max<double>(static_cast<double>(seen), 1.0);
   crease.seen_share = static_cast<double>(seen) / grid.cols;
   crease.visible_share = visible / grid.cols;
   crease.median_turn_rad = median(std::move(turns));
@@ -181,62 +184,6 @@ Crease describe(const SideField& field, std::span<const float> evidence, const s
   crease.longest_unseen_mm =
       longest_run_mm([&](std::size_t c) { return field.seen[grid.at(path[c], static_cast<int>(c))] == 0; });
   return crease;
-}
-
-}  // namespace
-
-Large<float> crease_evidence(const SideField& field) {
-  // Saturates: beyond 40 degrees a deeper crease is not a better one.  Below 1.5 degrees lies the noise of
-  // any scan.
-  constexpr float k_noise_rad = static_cast<float>(1.5 * k_deg);
-  constexpr float k_scale_rad = static_cast<float>(12.0 * k_deg);
-  Large<float> evidence(field.grid.size(), 0.0F);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>{0, evidence.size(), 8192}, [&](const auto& range) {
-    for (std::size_t cell = range.begin(); cell != range.end(); ++cell) {
-      const float turn = turn_at(field, cell);
-      if (field.seen[cell] != 0 && turn > k_noise_rad)
-        evidence[cell] = 1.0F - std::exp(-(turn - k_noise_rad) / k_scale_rad);
-    }
-  });
-  return evidence;
-}
-
-std::vector<Crease> find_creases(const SideField& field, const CreaseConfig& config) {
-  const SideGrid& grid = field.grid;
-  const Large<float> evidence = crease_evidence(field);
-  Large<float> cost(evidence.size());
-  std::transform(evidence.begin(), evidence.end(), cost.begin(), [](float e) { return 1.0F - e; });
-  const int apart = static_cast<int>(std::lround(config.apart_mm / grid.row_mm));
-  std::vector<Crease> creases(static_cast<std::size_t>(config.most));
-  std::size_t found = 0;
-  tbb::task_group describing;  // while the next path is searched
-  for (double along = 1; found < creases.size() && along >= k_least_evidence;) {
-    ClosedPath path;
-    ClosedPath open;
-    tbb::parallel_invoke([&] { path = shortest_closed_path(cost, grid.rows, grid.cols, {}); },
-                         [&] { open = shortest_open_path(cost, grid.rows, grid.cols, {}); });
-    along = 0;
-    for (int c = 0; c < grid.cols; ++c) {
-      const int row = path.row[static_cast<std::size_t>(c)];
-      along += static_cast<double>(evidence[grid.at(row, c)]) / grid.cols;
-      const int low = std::max(0, row - apart);
-      std::fill_n(cost.begin() + static_cast<std::ptrdiff_t>(grid.at(low, c)),
-                  std::min(grid.rows, row + apart + 1) - low, 1.0F);
-    }
-    describing.run([&field, &evidence, &config, &crease = creases[found], path, open] {
-      crease = describe(field, evidence, path.row, config);
-      // Where closing costs less than a few columns without a crease, the closed path is the line; the open
-      // one may only have found another end for a column or two.
-      const bool spiral =
-          crease.visible_share > k_worth_a_look_share && path.cost - open.cost > k_spiral_cost;
-      const std::vector<int>& ends = spiral ? open.row : path.row;
-      crease.closure_mm = std::abs(ends.front() - ends.back()) * field.grid.row_mm;
-    });
-    ++found;
-  }
-  describing.wait();
-  creases.resize(found);
-  return creases;
 }
 
 }  // namespace biteline::bite_line

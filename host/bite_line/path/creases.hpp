@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Closed creases of the shoe's side: paths round it, what each looks like, and which one is the bite
-/// line.
+/// \file What the surface does along a closed path round the shoe's side.
 
-#include <string>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "host/bite_line/side/side_field.hpp"
@@ -28,23 +28,21 @@ struct Crease {
   bool flanks_seen{false};  ///< on at least a third of the visible columns
   double flank_turn_rad{0};
   double flank_step_mm{0};
-  double step_share{0};  ///< share of the visible columns with such a step
+  double step_share{0};   ///< share of the visible columns with such a step
+  double upper_share{0};  ///< share of the seen columns above which a wall goes on
   double mean_height_mm{0};
-  double evidence{0};       ///< mean over the columns, 0 to 1
+  double evidence{0};       ///< mean likeness over the columns, 0 to 1
   double restless_rows{0};  ///< RMS second difference of the raw path: high where it follows noise
   double closure_mm{0};     ///< height between the ends of the best path that need not close
 };
 
 struct CreaseConfig {
-  int most{6};                  ///< paths looked at
   double least_turn_rad{0.06};  ///< 3.5 degrees: less is a fold of cloth, not a crease
-  double apart_mm{2.0};         ///< rivals are at least so far from one another
+  double upper_mm{8.0};         ///< so far above a bite line there is an upper, on pumps and ballerinas too
 };
 
-/// Evidence of a crease at each place, 0 to 1.
-[[nodiscard]] Large<float> crease_evidence(const SideField& field);
-
-/// The best closed paths, best first by evidence alone.
-[[nodiscard]] std::vector<Crease> find_creases(const SideField& field, const CreaseConfig& config);
+/// What the surface does along a closed path, one row per column.
+[[nodiscard]] Crease describe(const SideField& field, std::span<const float> likeness,
+                              std::span<const int> path, const CreaseConfig& config);
 
 }  // namespace biteline::bite_line

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Which closed crease is the bite line, how sure that is, and when the honest answer is that there is
-/// none.
+/// \file Whether the best course is the bite line, how sure that is, and why it is none.
 
 #include <cstddef>
 #include <optional>
 #include <vector>
 
-#include "host/bite_line/path/creases.hpp"
+#include "host/bite_line/layers/layers.hpp"
 #include "host/bite_line/refused.hpp"
+#include "host/bite_line/shoe/plan_shape.hpp"
 
 namespace biteline::bite_line {
 
 /// A closed path that was judged.
 struct JudgedPath {
-  double confidence{0};     ///< 0 to 1, in comparison with its rivals
+  double confidence{0};     ///< 0 to 1
   std::vector<double> row;  ///< per column, in rows of the side's grid
   double mean_height_mm{0};
   double closure_mm{0};
@@ -24,15 +24,16 @@ struct JudgedPath {
 
 struct Decision {
   std::optional<Refusal> refusal;  ///< why none is the bite line
-  double confidence{0};            ///< of the best path, or that it is the line all the same
-  std::vector<JudgedPath> paths;   ///< best first
+  double confidence{0};      ///< that the best path is the line, times the share of its length that holds
+  double of_line{0};         ///< that it is the line wherever it keeps its layer
+  std::vector<float> trust;  ///< per column: that it keeps its layer there, and has a sharp place
+  std::vector<JudgedPath> paths;  ///< the best, then what else the line could be, the nearest first
 };
 
-/// What a bite line is: a crease all the way round; below it the sole stands out, or at least does not lie
-/// back; and of several such creases the highest one, since decoration that runs all the way round sits on
-/// the sole (parallel grooves, foxing stripes, treads) while what decorates the upper ends somewhere.  A
-/// groove below a sole's edge is none, even where that edge is filled too far to be the line: then there is
-/// none.
-[[nodiscard]] Decision decide(const std::vector<Crease>& creases, double min_confidence);
+/// What a bite line is, on what has a shoe's outline: a crease all the way round; an upper goes on above it;
+/// below it the sole stands out, or at least the two are not one surface; and it keeps to one layer.
+///
+/// One table of gates.  Their product is the confidence, and the first that says no is the reason.
+[[nodiscard]] Decision decide(const Layers& layers, const PlanShape& plan, double min_confidence);
 
 }  // namespace biteline::bite_line

@@ -20,7 +20,7 @@ double point_confidence(const PlacedStation& point, double of_line) {
   // unsure.
   const double scatter_mm = std::abs(point.own_z_mm - point.position.z());
   const double calm = 1.0 / (1.0 + std::pow(scatter_mm / 0.6, 2));
-  return of_line * seen * calm;
+  return of_line * point.trust * seen * calm;
 }
 
 /// Evenly spaced along the placed line, in base, with tangents.
@@ -43,6 +43,16 @@ cloud::ClosedLine even_line(const PlacedLine& placed_line, const SE3& T_base_sho
   }
   add_tangents(line);
   return line;
+}
+
+/// A line with more than this below the limit is none: a tool would work beside the bite line there.
+constexpr double k_most_unsure_share = 0.1;
+
+double unsure_share(const cloud::ClosedLine& line, double min_confidence) {
+  const auto unsure = std::count_if(line.points.begin(), line.points.end(), [&](const cloud::LinePoint& p) {
+    return !(p.confidence >= min_confidence);
+  });
+  return static_cast<double>(unsure) / static_cast<double>(std::max<std::size_t>(line.points.size(), 1));
 }
 
 Candidate candidate_of(const JudgedPath& path, const Side& side) {
@@ -100,7 +110,20 @@ Extraction finish(const Side& side, const Decision& decision, const PlacedLine& 
                               .c_str()};
     return out;
   }
-  out.line = even_line(placed, side.shoe.T_base_shoe, decision.confidence, config.point_spacing_mm);
+  out.line = even_line(placed, side.shoe.T_base_shoe, decision.of_line, config.point_spacing_mm);
+  const double unsure = unsure_share(out.line, config.min_confidence_ratio);
+  out.confidence = std::min(out.confidence, 1 - unsure);
+  if (unsure > k_most_unsure_share) {
+    out.line = {};
+    out.confidence = std::min(out.confidence, 0.99 * config.min_confidence_ratio);
+    out.refusal =
+        Refusal{Refused::TooMuchUnsure,
+                FixedText<200>::format("%.0f %% of the line's length is unsure (at most %.0f %%); %.0f mm "
+                                       "were not seen and are bridged",
+                                       100 * unsure, 100 * k_most_unsure_share, placed.bridged_mm)
+                    .c_str()};
+    return out;
+  }
   out.found = true;
   return out;
 }

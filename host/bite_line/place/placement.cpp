@@ -160,6 +160,14 @@ std::vector<Vec2> plan_of(const Outline& outline, std::span<const double> o,
   return plan;
 }
 
+double trust_at(const PlacementInput& input, const Vec3& position) {
+  if (input.trust.empty()) return 1;
+  const OutlinePlace place = input.outline.locate(Eigen::Vector3f{position.cast<float>()});
+  if (place.s_mm < 0) return 0;
+  const auto col = static_cast<std::size_t>(static_cast<double>(place.s_mm) / input.field.grid.col_mm);
+  return static_cast<double>(input.trust[std::min(col, input.trust.size() - 1)]);
+}
+
 }  // namespace
 
 Large<std::uint32_t> near_path(const SideField& field, std::span<const double> path_row) {
@@ -222,7 +230,8 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
                            .curvature_per_mm = ridge.k_per_mm[i],
                            .own_z_mm = seen_z[i],
                            .to_visible_mm = gap[i].to_known_mm,
-                           .doubt = std::max(gap[i].doubt, shadow[i].doubt)};
+                           .doubt = std::max(gap[i].doubt, shadow[i].doubt),
+                           .trust = trust_at(input, {plan[i].x(), plan[i].y(), z[i]})};
   }
   for (std::size_t i = 0; i < stations; ++i) {
     const double step = (placement.points[(i + 1) % stations].position - placement.points[i].position).norm();

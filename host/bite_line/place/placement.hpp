@@ -33,6 +33,7 @@ struct PlacedStation {
       0};  ///< distance along the line to the nearest place where the crease was seen; 0 there
   /// Expected error over 0.3 mm where the crease, or the surface at its own depth, was not seen; 0 elsewhere.
   double doubt{0};
+  double trust{1};  ///< that the path keeps its layer, and that the layer's place is sharp
 };
 
 struct PlacedLine {
@@ -57,6 +58,7 @@ struct PlacementInput {
   const SideField& field;
   const Outline& outline;
   std::span<const double> path_row;  ///< per column of the field
+  std::span<const float> trust;      ///< of each column, see PlacedStation; empty: everywhere
 };
 [[nodiscard]] PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config);
 

@@ -24,6 +24,7 @@ Decision decided(const Side& side, double confidence) {
   const auto cols = static_cast<std::size_t>(side.field.grid.cols);
   return {.refusal = std::nullopt,
           .confidence = confidence,
+          .of_line = confidence,
           .paths = {{.confidence = confidence,
                      .row = std::vector<double>(cols, 60.0),
                      .mean_height_mm = 25,
@@ -76,10 +77,10 @@ TEST(Finish, ALineBelowTheLimitIsRefusedWithTheTrueReasonAndNeverHandedOut) {
 
 TEST(Finish, ARefusedDecisionStaysItsOwnRefusal) {
   Decision decision = decided(side, 0.3);
-  decision.refusal = Refusal{Refused::TwoCandidates, "two"};
+  decision.refusal = Refusal{Refused::Rivalled, "two"};
   const Extraction sut = finish(side, decision, {}, {});
   CHECK_FALSE(sut.found);
-  CHECK(sut.refusal->code == Refused::TwoCandidates);
+  CHECK(sut.refusal->code == Refused::Rivalled);
   DOUBLES_EQUAL(0.3, sut.confidence, 1e-12);
 }
 

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/layers/layers.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include <tbb/parallel_for.h>
+
+namespace biteline::bite_line {
+
+namespace {
+
+constexpr double k_spiral_cost = 8.0;         // columns without any crease
+constexpr double k_worth_a_look_share = 0.5;  // less visible ones are refused whether they close or not
+constexpr double k_mean_mm = 8.5;             // along the line, of its place
+constexpr std::size_t k_shortest_told = 15;   // columns: a shorter rival is told by the points' confidence
+
+/// Height between the ends of the best course that need not close, where that is much cheaper.
+double closure_mm(const SideField& field, std::span<const float> cost, const Course& course,
+                  double visible_share, const PathConfig& config) {
+  const ClosedPath open = shortest_open_path(cost, field.grid.rows, field.grid.cols, config);
+  const bool spiral = visible_share > k_worth_a_look_share && course.cost - open.cost > k_spiral_cost;
+  return spiral ? std::abs(open.row.front() - open.row.back()) * field.grid.row_mm : 0.0;
+}
+
+/// A weak crease on a surface that lies nearly flat: a little in height is much along the surface.  On drawn
+/// and scanned shoes a crease of 8 degrees where the surface goes in by 3 mm for each one up is off by up to
+/// three.
+float sharpness(const SideField& field, const Crease& line, int col) {
+  constexpr double k_plain_rad = 0.1;
+  constexpr double k_least_rad = 0.02;
+  constexpr int k_reach_rows = 4;
+  const SideGrid& grid = field.grid;
+  const int row = static_cast<int>(std::lround(line.row[static_cast<std::size_t>(col)]));
+  if (row < k_reach_rows || row + k_reach_rows >= grid.rows) return 1;
+  const std::size_t low = grid.at(row - k_reach_rows, col);
+  const std::size_t high = grid.at(row + k_reach_rows, col);
+  if (field.seen[low] == 0 || field.seen[high] == 0) return 1;
+  const double slope =
+      static_cast<double>(field.o_mm[high] - field.o_mm[low]) / (2 * k_reach_rows * grid.row_mm);
+  const double turn =
+      std::max(static_cast<double>(line.turn_rad[static_cast<std::size_t>(col)]), k_least_rad);
+  const double doubt = 0.5 * std::pow(slope * k_plain_rad / turn, 2);
+  return static_cast<float>(1 / (1 + doubt));
+}
+
+std::vector<int> with_branch(const Course& course, const Branch& branch) {
+  std::vector<int> row = course.row;
+  for (std::size_t k = 0; k < branch.row.size(); ++k)
+    row[(static_cast<std::size_t>(branch.first_col) + k) % row.size()] = branch.row[k];
+  return row;
+}
+
+}  // namespace
+
+Layers find_layers(const SideField& field, const LayersConfig& config) {
+  const SideGrid& grid = field.grid;
+  const Evidence evidence = find_evidence(field, config.evidence);
+  const Course course = find_course(evidence.cost, grid.rows, grid.cols, config.course);
+  const auto margin_of = [&](const Branch& branch) {
+    const bool returns = branch.over_cols < grid.cols;
+    return (branch.worse + (returns ? config.kink : 0.0)) / (branch.over_cols + config.margin_cols);
+  };
+
+  Layers layers;
+  layers.hold.assign(static_cast<std::size_t>(grid.cols), 1.0F);
+  std::vector<const Branch*> told;
+  for (const Branch& branch : course.branches) {
+    const double margin = margin_of(branch);
+    const auto hold =
+        static_cast<float>(1.0 / (1.0 + std::exp(-(margin - config.margin) / config.margin_soft)));
+    for (std::size_t k = 0; k < branch.row.size(); ++k) {
+      const std::size_t col = (static_cast<std::size_t>(branch.first_col) + k) % layers.hold.size();
+      // What was not seen is bridged, and told as that.
+      if (field.seen[grid.at(course.row[col], static_cast<int>(col))] == 0) continue;
+      layers.hold[col] = std::min(layers.hold[col], hold);
+    }
+    if (branch.row.size() >= k_shortest_told) told.push_back(&branch);
+  }
+  std::stable_sort(told.begin(), told.end(),
+                   [&](const Branch* a, const Branch* b) { return margin_of(*a) < margin_of(*b); });
+  told.resize(std::min(told.size(), static_cast<std::size_t>(config.most)));
+
+  layers.rivals.resize(told.size());
+  tbb::parallel_for(std::size_t{0}, told.size() + 1, [&](std::size_t i) {
+    if (i == 0) {
+      layers.line = describe(field, evidence.likeness, course.row, config.crease);
+      layers.line.closure_mm =
+          closure_mm(field, evidence.cost, course, layers.line.visible_share, config.course.path);
+      return;
+    }
+    const Branch& branch = *told[i - 1];
+    layers.rivals[i - 1] = {
+        .crease = describe(field, evidence.likeness, with_branch(course, branch), config.crease),
+        .first_col = branch.first_col,
+        .cols = static_cast<int>(branch.row.size()),
+        .above = branch.above,
+        .all_round = branch.over_cols >= grid.cols,
+        .margin = margin_of(branch)};
+  });
+  // A point's place is a mean over its neighbours: the nearer half of them counts.
+  const int reach = static_cast<int>(std::lround(k_mean_mm / 4 / grid.col_mm));
+  std::vector<float> sharp;
+  for (int col = 0; col < grid.cols; ++col) sharp.push_back(sharpness(field, layers.line, col));
+  for (int col = 0; col < grid.cols; ++col) {
+    float least = 1;
+    for (int c = col - reach; c <= col + reach; ++c)
+      least = std::min(least, sharp[static_cast<std::size_t>((c + grid.cols) % grid.cols)]);
+    layers.sharp.push_back(least);
+  }
+  return layers;
+}
+
+}  // namespace biteline::bite_line

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The layers of the side that the bite line could be: the best course, and what parts from it.
+
+#include <vector>
+
+#include "host/bite_line/layers/course.hpp"
+#include "host/bite_line/layers/evidence.hpp"
+#include "host/bite_line/path/creases.hpp"
+
+namespace biteline::bite_line {
+
+struct LayersConfig {
+  EvidenceConfig evidence{};
+  CourseConfig course{};
+  CreaseConfig crease{};
+  /// A rival is as good as the course where it costs no more.  What tells them apart is the same all along a
+  /// rival, so its margin is a mean per column, over `margin_cols` more than it has: what is that short is
+  /// noise.  To leave a line and come back costs `kink`: the edge of a sole is smooth.
+  double margin_cols{15};
+  double kink{2};
+  double margin{0.07};  ///< at which the course is one of two
+  double margin_soft{0.012};
+  int most{6};  ///< rivals described
+};
+
+/// Another layer: it lies beside the line over a part of its length, or all the way round.
+struct Rival {
+  Crease crease;  ///< the line, but for the columns where this one parts from it
+  int first_col{0};
+  int cols{0};
+  bool above{false};
+  bool all_round{false};
+  double margin{0};  ///< cost per column that the line is better by
+};
+
+struct Layers {
+  Crease line;
+  std::vector<float> hold;    ///< per column: that the line is on its layer and on no other, 0 to 1
+  std::vector<float> sharp;   ///< per column: how sharp a place the crease has, 1 but on flat weak ones
+  std::vector<Rival> rivals;  ///< the nearest first
+};
+
+[[nodiscard]] Layers find_layers(const SideField& field, const LayersConfig& config);
+
+}  // namespace biteline::bite_line

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include "tests/support/shape_truth.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+#include "common/core/contracts.hpp"
+#include "host/cloud/ply.hpp"
+#include "tests/support/mesh_cloud.hpp"
+#include "tests/support/shared_data.hpp"
+
+namespace biteline::test {
+
+std::optional<cloud::PointCloud> cloud_of(const Shape& shape) {
+  const auto file =
+      shared_data(std::string{"shoes/"} + shape.name + (shape.mesh ? "/mesh_mm.ply" : "/cloud.ply"));
+  if (!file) return std::nullopt;
+  if (!shape.mesh) {
+    auto cloud = cloud::read_cloud(*file);
+    BITELINE_EXPECTS(cloud.has_value());
+    return std::move(*cloud);
+  }
+  const auto mesh = cloud::read_mesh(*file);
+  BITELINE_EXPECTS(mesh.has_value());
+  return scan_mesh(*mesh, {});
+}
+
+std::optional<ShapeTruth> truth_of(const Shape& shape) {
+  ShapeTruth truth{.line = {}, .has_none = shape.truth == Shape::Truth::NoLine};
+  if (shape.truth != Shape::Truth::Line) return truth;
+  const auto file = shared_data(std::string{"shoes/truth/"} + shape.name + "_line.csv");
+  if (!file) return std::nullopt;
+  auto line = cloud::read_positions(*file);
+  BITELINE_EXPECTS(line.has_value());
+  truth.line = std::move(*line);
+  return truth;
+}
+
+namespace {
+
+double step_at(const cloud::ClosedLine& line, std::size_t i) {
+  const std::size_t count = line.points.size();
+  return (line.points[(i + 1) % count].position - line.points[i % count].position).norm();
+}
+
+}  // namespace
+
+LineOnShape line_on_shape(const cloud::ClosedLine& line, const cloud::ClosedLine& truth, double truth_mm) {
+  constexpr double k_chord_mm = 3.0;
+  constexpr std::size_t k_beside = 8;  // some 4 mm
+  constexpr double k_flagged = 0.5;
+  LineOnShape on;
+  if (line.points.empty()) return on;
+  const auto count = static_cast<double>(line.points.size());
+  for (const cloud::LinePoint& p : line.points) on.flagged += (p.confidence >= k_flagged ? 0 : 1) / count;
+  if (truth.points.empty()) return on;
+  const double step_mm = cloud::length_mm(line) / count;
+  double judged = 0;
+  double unflagged = 0;
+  for (const cloud::LinePoint& p : line.points) {
+    double nearest = std::numeric_limits<double>::max();
+    bool on_chord = false;
+    for (std::size_t i = 0; i < truth.points.size(); ++i) {
+      const Vec3& a = truth.points[i].position;
+      const Vec3 edge = truth.points[(i + 1) % truth.points.size()].position - a;
+      const double along =
+          std::clamp((p.position - a).dot(edge) / std::max(edge.squaredNorm(), 1e-12), 0.0, 1.0);
+      const double distance = (p.position - a - along * edge).norm();
+      if (distance >= nearest) continue;
+      nearest = distance;
+      // Beside its ends, too: there the model's labels stop.
+      on_chord = false;
+      for (std::size_t k = i + truth.points.size() - k_beside; k <= i + truth.points.size() + k_beside; ++k)
+        on_chord = on_chord || step_at(truth, k) > k_chord_mm;
+    }
+    if (on_chord) continue;
+    judged += 1;
+    on.mean_mm += nearest;
+    on.max_mm = std::max(on.max_mm, nearest);
+    if (!(p.confidence >= k_flagged)) continue;
+    unflagged += 1;
+    on.mean_unflagged_mm += nearest;
+    if (nearest > 1.0 + truth_mm) on.wrong_mm += step_mm;
+    if (nearest > 2.0) on.beyond_2mm_unflagged += 1 / count;
+  }
+  on.mean_mm /= std::max(judged, 1.0);
+  on.mean_unflagged_mm /= std::max(unflagged, 1.0);
+  return on;
+}
+
+}  // namespace biteline::test
