@@ -11,7 +11,7 @@
 #include "common/core/result.hpp"
 #include "common/geometry/se3.hpp"
 #include "common/time/clocks.hpp"
-#include "hal/linux/gpiod/line_request.hpp"
+#include "hal/api/gpio_line.hpp"
 
 namespace biteline::hal {
 

@@ -6,21 +6,12 @@
 /// events, so a queue that ran over would lose edges in silence.  Version 2 counts them.
 
 #include <cstdint>
-#include <string>
 
 #include "common/core/result.hpp"
+#include "hal/api/gpio_line.hpp"
 #include "hal/linux/posix/descriptor.hpp"
 
 namespace biteline::hal {
-
-/// A line by the chip's device ("/dev/gpiochip0") or label ("9030000.pl061", "gpio-sim"), and by its number
-/// or name.
-struct GpioLineAddress {
-  std::string chip;
-  std::string line;
-  bool active_low{false};
-  enum class Bias { AsIs, PullUp, PullDown, Disabled } bias{Bias::AsIs};
-};
 
 enum class GpioDirection { Output, Input, InputEdges };
 
