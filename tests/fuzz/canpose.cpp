@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     now_ns += 1'000'000;
     const auto pose = sut.feed(id, frame, SensorClock::time_point{Nanoseconds{now_ns}});
-    if (pose) fuzz::demand(pose->T_base_flange.matrix().allFinite(), "a pose is finite");
+    if (pose) fuzz::demand(pose->message.T_base_flange.matrix().allFinite(), "a pose is finite");
   }
   return 0;
 }
