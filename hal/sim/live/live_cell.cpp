@@ -6,8 +6,10 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <optional>
 
 #include "common/canpose/pose_frames.hpp"
+#include "hal/sim/live/urgency.hpp"
 #include "hal/sim/shoe/random.hpp"
 
 namespace biteline::sim {
@@ -97,12 +99,15 @@ Result<std::unique_ptr<LiveCell>> LiveCell::open(const LiveSettings& settings) {
   std::unique_ptr<LiveCell> cell(new LiveCell(settings, std::move(scene), *kinematics));
   LiveCell* self = cell.get();
 
-  cell->trigger_ = std::make_unique<TriggerTimer>([self](SensorClock::time_point edge, Nanoseconds pulse) {
-    // The echo first: the camera's packets must not overtake it on a busy machine.
-    self->bus_->drive(Line::StrobeEcho, true, edge);
-    self->bus_->drive(Line::StrobeEcho, false, edge + pulse);
-    self->camera_->trigger(edge);
-  });
+  {
+    const Urgently urgently{k_trigger_priority};
+    cell->trigger_ = std::make_unique<TriggerTimer>([self](SensorClock::time_point edge, Nanoseconds pulse) {
+      // The echo first: the camera's packets must not overtake it on a busy machine.
+      self->bus_->drive(Line::StrobeEcho, true, edge);
+      self->bus_->drive(Line::StrobeEcho, false, edge + pulse);
+      self->camera_->trigger(edge);
+    });
+  }
   BusServer::Callbacks callbacks;
   callbacks.on_line = [self](Line line, bool active, SensorClock::time_point stamp) {
     self->on_line(line, active, stamp);
@@ -110,14 +115,20 @@ Result<std::unique_ptr<LiveCell>> LiveCell::open(const LiveSettings& settings) {
   callbacks.on_trigger = [self](Nanoseconds period, Nanoseconds pulse) {
     if (self->ready_) self->trigger_->configure(period, pulse);
   };
-  BITELINE_ASSIGN(cell->bus_, BusServer::open(settings.wires, std::move(callbacks)));
+  {
+    const Urgently urgently{k_wires_priority};
+    BITELINE_ASSIGN(cell->bus_, BusServer::open(settings.wires, std::move(callbacks)));
+  }
+  std::optional<Urgently> urgently{k_camera_priority};
   BITELINE_ASSIGN(cell->camera_,
                   GvCamera::open(camera_config(settings, cell->scene_->head),
                                  [self](const GvExposure& exposure, std::span<std::uint8_t> pixels) {
                                    self->paint(exposure, pixels);
                                  }));
+  urgently.reset();
   cell->bus_->drive(Line::Interlock, true, hal::monotonic_now());
   cell->bus_->drive(Line::Key, true, hal::monotonic_now());
+  urgently.emplace(k_robot_priority);
   BITELINE_ASSIGN(cell->robot_,
                   UrController::open(settings.robot, cell->arm_,
                                      [self](SensorClock::time_point instant, const ArmState& state) {

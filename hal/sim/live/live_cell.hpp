@@ -42,8 +42,8 @@ struct LiveCounts {
 /// once round the shoe; ScanActive is high while the head is on its way at full speed.  After that it goes to
 /// an upright posture above the table and waits for scripts.
 ///
-/// Threads: the camera's (renders), the robot's (cycle, pose bus), the wires', the trigger's.  Public
-/// methods: any.
+/// Threads: the camera's (renders), the robot's (cycle, pose bus), the wires', the trigger's, real-time ones
+/// where this process may (urgency.hpp).  Public methods: any.
 class LiveCell {
  public:
   [[nodiscard]] static Result<std::unique_ptr<LiveCell>> open(const LiveSettings& settings);

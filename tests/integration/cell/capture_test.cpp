@@ -73,14 +73,14 @@ TEST_GROUP(Capture) {
   test::TemporaryFolder folder;
   std::unique_ptr<LiveCell> cell;
 
-  std::vector<std::string> arguments(const Trial& trial) const {
+  std::vector<std::string> arguments(const Trial& trial, const char* rights) const {
     geometry::SensorModel head = cell->scene().head.model;
     head.exposure = Nanoseconds{
         static_cast<std::int64_t>(static_cast<double>(head.exposure->count()) * trial.exposure_ratio)};
     const auto file = folder.path() / "sensor.yaml";
     std::ofstream{file} << config::sensor_yaml_text(head, "made head");
     std::vector<std::string> out{
-        "--source", "cell:" + cell->settings().wires, "--sensor", file.string(), "--rt", "ignore"};
+        "--source", "cell:" + cell->settings().wires, "--sensor", file.string(), "--rt", rights};
     out.insert(out.end(), trial.options.begin(), trial.options.end());
     return out;
   }
@@ -104,7 +104,13 @@ TEST_GROUP(Capture) {
     cell.reset();
     cell = open_cell(settings_of(trial));
     if (!cell) return outcome;
-    auto sensor = intake::SensorProcess::start(*intake::find_sensor_program(), arguments(trial), seconds{30});
+    // With real-time rights where there are any: then no program beside it ends its scan.
+    auto sensor = intake::SensorProcess::start(*intake::find_sensor_program(), arguments(trial, "required"),
+                                               seconds{30});
+    if (!sensor) {
+      sensor = intake::SensorProcess::start(*intake::find_sensor_program(), arguments(trial, "ignore"),
+                                            seconds{30});
+    }
     SUCCEEDS(sensor);
     intake::SensorLinkConfig config;
     config.sensor = sensor->endpoint();
@@ -249,7 +255,7 @@ TEST(Capture, WhatExcludesEachOtherIsRefusedInPlainWords) {
         {"--auto-exposure", "--laser-off-frames"},
         {"--second-exposure-us", "10"}}) {
     const auto sensor = intake::SensorProcess::start(*intake::find_sensor_program(),
-                                                     arguments({.options = options}), seconds{30});
+                                                     arguments({.options = options}, "ignore"), seconds{30});
     CHECK(!sensor.has_value());
     LONGS_EQUAL(static_cast<int>(ExitStatus::BadInput),
                 static_cast<int>(error_row(sensor.error().code).exit_status));

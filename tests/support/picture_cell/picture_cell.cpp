@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "tests/support/picture_cell/picture_cell.hpp"
 
-#include <sched.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include "common/canpose/pose_frames.hpp"
 #include "common/config/sensor_yaml.hpp"
 #include "firmware/pipeline/profile_pipeline.hpp"
+#include "hal/sim/live/urgency.hpp"
 
 namespace biteline::test {
 namespace {
@@ -24,28 +24,8 @@ constexpr Nanoseconds k_frame_time = microseconds{250};
 /// The port is fixed by the standard: until whoever had it has given it back.
 constexpr int k_port_attempts = 150;
 
-/// The cell stands for hardware.  Wires, pulse generator and robot do not wait for the sensor's processor:
-/// they are above the sensor's threads (70 at most), and their turns are short.  The camera's long ones are
-/// below.
-constexpr int k_wires_priority = 90, k_trigger_priority = 89, k_robot_priority = 88, k_camera_priority = 30;
-
-/// Threads made while it lives inherit the priority, where this process may have it.
-class Urgently {
- public:
-  explicit Urgently(int priority) {
-    sched_getparam(0, &before_);
-    policy_before_ = sched_getscheduler(0);
-    const sched_param wanted{.sched_priority = priority};
-    (void)sched_setscheduler(0, SCHED_FIFO, &wanted);
-  }
-  ~Urgently() { (void)sched_setscheduler(0, policy_before_, &before_); }
-  Urgently(const Urgently&) = delete;
-  Urgently& operator=(const Urgently&) = delete;
-
- private:
-  sched_param before_{};
-  int policy_before_{SCHED_OTHER};
-};
+/// Its turns are as short as the wires'.
+constexpr int k_poses_priority = 88;
 
 geometry::SensorModel head_of(const PictureCellConfig& config) {
   geometry::SensorModel head;
@@ -105,7 +85,7 @@ Result<std::unique_ptr<PictureCell>> PictureCell::open(const PictureCellConfig& 
   std::unique_ptr<PictureCell> cell{new PictureCell{config}};
   PictureCell* const self = cell.get();
   {
-    const Urgently urgently{k_trigger_priority};
+    const sim::Urgently urgently{sim::k_trigger_priority};
     cell->trigger_ = std::make_unique<sim::TriggerTimer>(
         [self](SensorClock::time_point edge, Nanoseconds pulse) { self->on_edge(edge, pulse); });
   }
@@ -117,23 +97,23 @@ Result<std::unique_ptr<PictureCell>> PictureCell::open(const PictureCellConfig& 
     self->trigger_->configure(period, pulse);
   };
   {
-    const Urgently urgently{k_wires_priority};
+    const sim::Urgently urgently{sim::k_wires_priority};
     BITELINE_ASSIGN(cell->bus_, sim::BusServer::open(cell->name_, std::move(callbacks)));
   }
   BITELINE_TRY(cell->open_camera());
   if (config.lossy_line_ratio > 0) {
-    const Urgently urgently{k_camera_priority};
+    const sim::Urgently urgently{sim::k_camera_priority};
     BITELINE_ASSIGN(cell->line_, sim::LossyLine::open({.lost_ratio = config.lossy_line_ratio}));
   }
   cell->bus_->drive(sim::Line::Interlock, true, now());
   cell->bus_->drive(sim::Line::Key, true, now());
-  const Urgently urgently{k_robot_priority};
+  const sim::Urgently urgently{k_poses_priority};
   cell->poses_ = std::jthread{[self](const std::stop_token& stop) { self->send_poses(stop); }};
   return cell;
 }
 
 Result<void> PictureCell::open_camera() {
-  const Urgently urgently{k_camera_priority};
+  const sim::Urgently urgently{sim::k_camera_priority};
   sim::GvCamera::Config camera;
   camera.region = head_.region;
   camera.exposure = *head_.exposure;

@@ -23,17 +23,27 @@ struct Server {
   ordered_json endpoints;
 };
 
-Result<Server> start_server(const std::string& name, std::vector<std::string> arguments) {
+Result<Server> start_server(const std::string& name, std::vector<std::string> arguments,
+                            bool pass_stderr = true) {
   arguments.emplace_back("--exit-with-parent");
   // Making a shoe and its search tree takes the cell some seconds, more on a busy machine.
   constexpr auto k_patience = 60s;
   BITELINE_ASSIGN(ChildProcess child, ChildProcess::start({.program = intake::program_folder() / name,
                                                            .arguments = std::move(arguments),
-                                                           .pass_stderr = true}));
+                                                           .pass_stderr = pass_stderr}));
   BITELINE_ASSIGN(const std::string line, child.next_line(k_patience));
   ordered_json endpoints = ordered_json::parse(line, nullptr, false);
   if (!endpoints.is_object()) return fail(Errc::ProtocolError, "%s: a line of JSON expected", name.c_str());
   return Server{.child = std::move(child), .endpoints = std::move(endpoints)};
+}
+
+/// With real-time rights where there are any: then no other program on this machine holds it up.
+Result<Server> start_sensor(const std::string& wires, const std::string& calibration) {
+  std::vector<std::string> arguments{"--source",  "cell:" + wires, "--sensor",
+                                     calibration, "--rt",          "required"};
+  if (Result<Server> urgent = start_server("biteline-sensor", arguments, false)) return urgent;
+  arguments.back() = "ignore";
+  return start_server("biteline-sensor", arguments);
 }
 
 Result<std::string> endpoint(const Server& server, const char* name) {
@@ -162,8 +172,7 @@ Result<ShoeResult> run_shoe(const CellOptions& options, const Shoe& shoe) {
   BITELINE_ASSIGN(Server cell, start_server("biteline-cell", cell_arguments(options, shoe, cell_folder)));
   BITELINE_ASSIGN(const std::string wires, endpoint(cell, "wires"));
   BITELINE_ASSIGN(const std::string calibration, endpoint(cell, "sensor"));
-  BITELINE_ASSIGN(Server sensor, start_server("biteline-sensor", {"--source", "cell:" + wires, "--sensor",
-                                                                  calibration, "--rt", "ignore"}));
+  BITELINE_ASSIGN(Server sensor, start_sensor(wires, calibration));
   BITELINE_ASSIGN(const std::string stream, endpoint(sensor, "endpoint"));
 
   ShoeResult result{.shoe = shoe, .scan = {}, .verdict = {}, .error = {}};
