@@ -186,6 +186,7 @@ void GvCamera::trigger(SensorClock::time_point edge) {
   }
   if (edges_.size() > k_edges_kept) {
     ++triggers_missed_;
+    device_->wake();  // it may sleep on those that wait: else no edge would ever end that sleep
     return;
   }
   edges_.push_back({.begin = edge, .exposure = device_->exposure(0)});
