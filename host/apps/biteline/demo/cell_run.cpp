@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "host/apps/biteline/demo/lateness.hpp"
 #include "host/intake/child_process.hpp"
 #include "host/report/report.hpp"
 
@@ -144,12 +145,24 @@ std::vector<std::string> host_arguments(const CellOptions& options, const Shoe& 
   return arguments;
 }
 
-/// What became of it, in one line.
-std::string verdict_of(const ShoeResult& result, const std::string& last_words) {
+/// Nothing when the machine had time.
+std::string too_busy(const Lateness& lateness) {
+  if (lateness.worst_ms() <= Lateness::k_allowed_ms) return {};
+  char text[200];
+  std::snprintf(
+      text, sizeof text,
+      "this machine is too busy: programs wait up to %.0f ms for it, %.0f allowed (end others, or run as a "
+      "user with real-time rights); ",
+      lateness.worst_ms(), Lateness::k_allowed_ms);
+  return text;
+}
+
+/// What became of it, in one line.  `busy`: what the machine has to do with it.
+std::string verdict_of(const ShoeResult& result, const std::string& last_words, const std::string& busy) {
   const ordered_json line = read_json(result.scan / "report.json"),
                      plan = read_json(result.scan / "path/report.json");
   if (!result.error) {
-    if (line.contains("reason")) return "refused: " + line["reason"].get<std::string>();
+    if (line.contains("reason")) return busy + "refused: " + line["reason"].get<std::string>();
     return "the host service ended with status " + std::to_string(result.host_status) + ": " + last_words;
   }
   char text[200];
@@ -177,6 +190,7 @@ Result<ShoeResult> run_shoe(const CellOptions& options, const Shoe& shoe) {
 
   ShoeResult result{.shoe = shoe, .scan = {}, .verdict = {}, .error = {}};
   std::string last_words;
+  const Lateness lateness;
   // On a machine that is busy with other things frames may come too late, and the laser's guard then,
   // rightly, ends the scan.
   constexpr int k_most_scans = 3;
@@ -189,8 +203,10 @@ Result<ShoeResult> run_shoe(const CellOptions& options, const Shoe& shoe) {
     last_words = host.last_words();
     if (!worth_another_scan(newest_scan(folder))) break;
     if (scans < k_most_scans && !options.quiet)
-      std::printf("  the scan has not come all the way round: scanning again\n");
+      std::printf("  %sthe scan has not come all the way round: scanning again\n",
+                  too_busy(lateness).c_str());
   }
+  const std::string busy = worth_another_scan(newest_scan(folder)) ? too_busy(lateness) : "";
   sensor.child.stop();
   cell.child.stop();  // writes its record of the arm's track
 
@@ -203,7 +219,7 @@ Result<ShoeResult> run_shoe(const CellOptions& options, const Shoe& shoe) {
   if (fs::exists(result.scan / "line.csv")) {
     BITELINE_ASSIGN(result.error, measure_line(result.scan, cell_folder / "truth"));
   }
-  result.verdict = verdict_of(result, last_words);
+  result.verdict = verdict_of(result, last_words, busy);
   result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;
 }
