@@ -22,7 +22,7 @@ TEST_GROUP(MainJob) {
     auto child =
         intake::ChildProcess::start({.program = program, .arguments = arguments, .pass_stderr = true});
     SUCCEEDS(child);
-    const auto status = child->wait(400s);
+    const auto status = child->wait(1500s);
     SUCCEEDS(status);
     return *status;
   }

@@ -35,6 +35,7 @@ function(biteline_add_program name)
 endfunction()
 
 # biteline_add_test(<name> LABEL <unit|integration|replay|rt|kernel-sim|bench> SOURCES ... DEPENDS ... [TIMEOUT s])
+# TIMEOUT guards against hangs alone: no busy machine may meet it.
 # One executable, one ctest entry.  Exit 77 means skipped: the environment lacks what the test needs.
 function(biteline_add_test name)
   cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;DEPENDS" ${ARGN})
@@ -43,7 +44,7 @@ function(biteline_add_test name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   add_test(NAME ${name} COMMAND ${name})
   if(NOT ARG_TIMEOUT)
-    set(ARG_TIMEOUT 300)
+    set(ARG_TIMEOUT 1800)
   endif()
   set_tests_properties(${name} PROPERTIES LABELS ${ARG_LABEL} SKIP_RETURN_CODE 77 TIMEOUT ${ARG_TIMEOUT})
 endfunction()
