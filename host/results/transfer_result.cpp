@@ -43,6 +43,7 @@ nlohmann::ordered_json json_of(const transfer::Alignment& alignment) {
       {"residual_rms_mm", alignment.residual_rms_mm},
       {"shape_rms_mm", alignment.shape_rms_mm},
       {"rim_used", alignment.rim_used},
+      {"same_edge_probability", alignment.same_edge_ratio},
       {"rim_mm", alignment.rim_mm},
       {"rival_mm", alignment.rival_mm},
       {"line_sigma_mm", alignment.line_sigma_mm},
@@ -55,6 +56,7 @@ void fill(const transfer::Transfer& transfer, report::Report& report) {
   if (!transfer.stages.empty()) report.fields["alignment"] = json_of(transfer.alignment);
   report.fields["confidence"] = transfer.confidence;
   report.fields["bound_mm"] = transfer.bound_mm;
+  if (!transfer.alignment.next_step.empty()) report.fields["next_step"] = transfer.alignment.next_step;
   report.fields["surface"] = transfer.from_mesh ? "mesh" : "points";
   for (const transfer::Stage& stage : transfer.stages)
     report.fields["transfer_s"][stage.name] = stage.seconds;

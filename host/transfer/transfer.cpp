@@ -9,8 +9,10 @@
 #include <cmath>
 #include <optional>
 
+#include "host/transfer/align/diagnosis.hpp"
 #include "host/transfer/carry/point_surface.hpp"
 #include "host/transfer/carry/scan_mesh.hpp"
+#include "host/transfer/uncertainty.hpp"
 
 namespace biteline::transfer {
 namespace {
@@ -124,11 +126,29 @@ transfer::CarriedLine carry(const SampleFiles& sample, const Vec3& sample_up, co
   return transfer::carry_line(transfer::FirstOf{*mesh, points}, placed, options);
 }
 
-/// Twice the standard deviation of the alignment.  Graded, also what the fit of two shapes leaves, and how
-/// far another reading of the sizes would move the line.
-double bound_mm(const Alignment& alignment, bool graded) {
-  if (!graded) return 2 * alignment.line_sigma_mm;
-  return 2 * std::hypot(alignment.line_sigma_mm, alignment.shape_rms_mm) + alignment.rival_mm;
+/// Of another size: twice the standard deviation of alignment and of what the fit of two shapes leaves, and
+/// how far another reading of the sizes would move the line.
+double graded_sigma_mm(const Alignment& alignment) {
+  return std::hypot(alignment.line_sigma_mm, alignment.shape_rms_mm) + alignment.rival_mm / 2;
+}
+
+void tell_sigmas(const Alignment& alignment, bool graded, const CarryOptions& options,
+                 std::vector<PlacedPoint>& placed) {
+  if (!graded) return tell_spread(alignment.belief, alignment.placement.T_target_source, options, placed);
+  for (PlacedPoint& point : placed) point.sigma_mm = graded_sigma_mm(alignment);
+}
+
+std::vector<double> sigmas_of(const std::vector<PlacedPoint>& placed) {
+  std::vector<double> sigmas_mm;
+  for (const PlacedPoint& point : placed) sigmas_mm.push_back(point.sigma_mm);
+  return sigmas_mm;
+}
+
+std::vector<double> sigmas_of(const cloud::ClosedLine& line) {
+  constexpr double k_u95_sigmas = 1.96;
+  std::vector<double> sigmas_mm;
+  for (const cloud::LinePoint& point : line.points) sigmas_mm.push_back(*point.u95_mm / k_u95_sigmas);
+  return sigmas_mm;
 }
 
 double mean_confidence(const cloud::ClosedLine& line) {
@@ -167,25 +187,33 @@ Transfer transfer_line(const SampleFiles& sample, const cloud::PointCloud& upper
   transfer.from_mesh = has_mesh(prepared);
   clock.lap("prepare");
 
-  transfer.alignment = transfer::align(**prepared.sample, **prepared.upper, options.align);
+  const Sample& made_sample = **prepared.sample;
+  transfer.alignment = transfer::align(made_sample, **prepared.upper, options.align);
   clock.lap("align");
-  transfer.bound_mm = bound_mm(transfer.alignment, options.align.grade);
-  if (!transfer.alignment.accepted()) {
-    transfer.reason = transfer.alignment.reason;
+  const Alignment& alignment = transfer.alignment;
+  if (alignment.verdict == Verdict::OtherModel) {
+    const Diagnosis diagnosis = diagnose(made_sample, **prepared.upper, options.align, alignment);
+    transfer.alignment.verdict = diagnosis.verdict;
+    transfer.reason = diagnosis.reason;
+    clock.lap("diagnose");
+    return transfer;
+  }
+  const Vec3 up = alignment.placement.T_target_source.linear().col(2);
+  const CarryOptions carrying{.direction = options.direction, .up = up, .max_gap_mm = options.max_gap_mm};
+  transfer.placed = placed_line(sample.line, made_sample, alignment);
+  tell_sigmas(alignment, options.align.grade, carrying, transfer.placed);
+  transfer.bound_mm = bound_mm(sigmas_of(transfer.placed));
+  if (!alignment.accepted()) {
+    transfer.reason = alignment.reason;
     return transfer;
   }
 
-  const Vec3 up = transfer.alignment.placement.T_target_source.linear().col(2);
-  transfer.placed = placed_line(sample.line, **prepared.sample, transfer.alignment);
-  const Vec3 sample_up = (*prepared.sample)->T_base_shoe.linear().col(2);
-  transfer.carried = carry(sample, sample_up, upper, prepared, transfer.placed,
-                           {.direction = options.direction,
-                            .up = up,
-                            .max_gap_mm = options.max_gap_mm,
-                            .line_sigma_mm = transfer.bound_mm / 2});
+  const Vec3 sample_up = made_sample.T_base_shoe.linear().col(2);
+  transfer.carried = carry(sample, sample_up, upper, prepared, transfer.placed, carrying);
   clock.lap("rays");
   transfer.reason = transfer.carried.reason;
   transfer.found = transfer.reason.empty();
+  if (transfer.found) transfer.bound_mm = bound_mm(sigmas_of(transfer.carried.line));
   transfer.confidence = mean_confidence(transfer.carried.line);
   return transfer;
 }

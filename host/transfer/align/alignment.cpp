@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "common/core/fixed_text.hpp"
+#include "host/transfer/align/advice.hpp"
 #include "host/transfer/align/fit.hpp"
 #include "host/transfer/align/line_beside.hpp"
 #include "host/transfer/align/starts.hpp"
@@ -14,7 +15,7 @@
 namespace biteline::transfer {
 namespace {
 
-// Another model: the bound on the RMS difference of the common surface.
+// Lasts of one model differ by about half as much; other models by several times.
 constexpr double k_max_shape_rms_mm = 0.2;
 constexpr double k_max_graded_rms_mm = 0.3;  // sizes of one model differ besides by what grading describes
 constexpr double k_min_overlap_ratio = 0.6;
@@ -28,9 +29,6 @@ constexpr double k_rim_sigma_mm = 0.1;   // a collar's edge, as cut and scanned
 constexpr double k_rim_pieces = 12;
 constexpr double k_max_direction_sigma_mm =
     0.5;  // beyond it the line misses its 0.35 mm at the 95th percentile
-constexpr double k_max_size_change = 0.3;
-constexpr double k_min_length_change =
-    0.01;  // the next half size is 4 mm longer; less is a dent that grading takes up
 
 double square(double value) {
   return value * value;
@@ -58,7 +56,17 @@ double upper_overlap_ratio(const Sample& sample, const Upper& upper, const Place
   return above > 0 ? static_cast<double>(paired) / static_cast<double>(above) : 0;
 }
 
-const char* words_of(const Twist& direction, double arm_mm) {
+/// How far turning about each axis moves the line, RMS, per rad.
+Vec3 arms_mm(const std::vector<Vec3>& line, const Vec3& centre) {
+  Vec3 squares = Vec3::Zero();
+  for (const Vec3& p : line) {
+    const Vec3 d = (p - centre).cwiseAbs2();
+    squares += Vec3{d.y() + d.z(), d.z() + d.x(), d.x() + d.y()};
+  }
+  return (squares / static_cast<double>(line.size())).cwiseSqrt();
+}
+
+const char* words_of(const Twist& scaled_direction) {
   // The largest of six displacements at the shoe's end, each a thing that an operator can picture.
   static constexpr std::array<const char*, 6> k_words{"along the shoe",
                                                       "across the shoe",
@@ -66,10 +74,8 @@ const char* words_of(const Twist& direction, double arm_mm) {
                                                       "in roll (about its length)",
                                                       "in pitch (heel against toe)",
                                                       "in yaw (about the vertical)"};
-  Twist scaled = direction.cwiseAbs();
-  scaled.tail<3>() *= arm_mm;
   Eigen::Index largest = 0;
-  scaled.maxCoeff(&largest);
+  scaled_direction.cwiseAbs().maxCoeff(&largest);
   return k_words[static_cast<std::size_t>(largest)];
 }
 
@@ -88,15 +94,29 @@ double line_sigma_mm(const Sample& sample, const Fit& fit, Information H) {
   return std::sqrt(std::max(0.0, sum) / static_cast<double>(sample.line_shoe.size()));
 }
 
-/// From the information of independent pieces: covariance, the line's own uncertainty, the weakest direction.
-void tell_uncertainty(const Sample& sample, const Fit& fit, Alignment& alignment) {
+/// Of another size: independent pieces of the wall and of the edge, each as uncertain as the next.
+Information graded_information(const Sample& sample, const Fit& fit, double shape_rms_mm) {
   const double piece_per_surfel = square(sample.common.pitch_mm / k_correlation_mm);
-  const double sigma_mm = std::max(k_last_sigma_mm, alignment.shape_rms_mm);
+  const double sigma_mm = std::max(k_last_sigma_mm, shape_rms_mm);
   Information H = fit.icp.information * (piece_per_surfel / square(sigma_mm));
   if (fit.rim_used) {
     const double pairs = fit.icp.rim_overlap_ratio * static_cast<double>(sample.rim.size());
     H += fit.icp.rim_information * (k_rim_pieces / pairs / square(k_rim_sigma_mm));
   }
+  return H;
+}
+
+Information rigid_information(const Belief& belief) {
+  Eigen::Matrix<double, k_motion, k_motion> covariance = Eigen::Matrix<double, k_motion, k_motion>::Zero();
+  for (const BeliefPart& part : belief)
+    covariance += part.weight * (part.covariance + part.mean * part.mean.transpose());
+  return covariance.inverse();
+}
+
+/// From the information: covariance, the line's own uncertainty, the weakest direction.
+void tell_uncertainty(const Sample& sample, const Fit& fit, Alignment& alignment) {
+  const Information H = fit.evidence.belief.empty() ? graded_information(sample, fit, alignment.shape_rms_mm)
+                                                    : rigid_information(fit.evidence.belief);
   alignment.information = H;
 
   // The weakest direction is told of the rigid part only.  About the line's centre, where turning and
@@ -110,16 +130,13 @@ void tell_uncertainty(const Sample& sample, const Fit& fit, Alignment& alignment
       geometry::hat(pivot);  // twist about the pivot -> twist about the frame's origin
   const Eigen::Matrix<double, 6, 6> about_pivot = shift.transpose() * H.topLeftCorner<6, 6>() * shift;
 
-  double arm_squared = 0;
-  for (const Vec3& p : sample.line_shoe) arm_squared += (p - centre).squaredNorm();
-  const double arm_mm = std::sqrt(arm_squared / static_cast<double>(sample.line_shoe.size()));
+  const Vec3 arms = arms_mm(sample.line_shoe, centre);
   Eigen::Matrix<double, 6, 1> unit;
-  unit << 1, 1, 1, 1 / arm_mm, 1 / arm_mm, 1 / arm_mm;
+  unit << 1, 1, 1, 1 / arms.x(), 1 / arms.y(), 1 / arms.z();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver{unit.asDiagonal() * about_pivot *
                                                                           unit.asDiagonal()};
   const Eigen::Matrix<double, 6, 1> variances = solver.eigenvalues().cwiseMax(1e-12).cwiseInverse();
-  alignment.weakest = {.sigma_mm = std::sqrt(variances[0]),
-                       .words = words_of(unit.asDiagonal() * solver.eigenvectors().col(0), arm_mm)};
+  alignment.weakest = {.sigma_mm = std::sqrt(variances[0]), .words = words_of(solver.eigenvectors().col(0))};
   // Rims that move the line may be right or not: half of what they move it by stays in doubt.
   alignment.line_sigma_mm = std::hypot(line_sigma_mm(sample, fit, H), fit.rim_shift_mm / 2);
 }
@@ -134,8 +151,10 @@ Alignment describe(const FitTask& task, const Fit& fit) {
                       .residual_rms_mm = icp.rms_mm,
                       .shape_rms_mm = fit.shape_rms_mm,
                       .rim_used = fit.rim_used,
+                      .same_edge_ratio = fit.evidence.same_edge_ratio,
                       .rim_mm = icp.rim_mm,
-                      .rival_mm = fit.rival_mm};
+                      .rival_mm = fit.rival_mm,
+                      .belief = fit.evidence.belief};
   alignment.compared.reserve(fit.pairs.size());
   for (const Pair& pair : fit.pairs) {
     alignment.compared.push_back({.point = icp.placement.place(pair.point, pair.foot).cast<float>(),
@@ -146,7 +165,7 @@ Alignment describe(const FitTask& task, const Fit& fit) {
   return alignment;
 }
 
-/// Aligned, or what of the common surface itself forbids it; OtherModel stands for every difference of shape.
+/// Aligned, or what of the common surface itself forbids it.
 Verdict judge(const Alignment& alignment, Freedom freedom) {
   const double max_shape_rms_mm = freedom == Freedom::Rigid ? k_max_shape_rms_mm : k_max_graded_rms_mm;
   const bool upper_is_on_sample = alignment.upper_overlap_ratio >= k_min_upper_overlap_ratio;
@@ -176,6 +195,7 @@ Alignment best_alignment(const FitTask& task, Freedom freedom) {
   }
   std::sort(fits.begin(), fits.end(),
             [](const Fit& a, const Fit& b) { return a.icp.cost_mm2 < b.icp.cost_mm2; });
+  if (freedom == Freedom::Rigid) weigh(task, fits.front());
   Alignment alignment = describe(task, fits.front());
   if (fits.size() > 1 && fits[1].icp.cost_mm2 > 0) {
     alignment.runner_up_ratio = fits[0].icp.cost_mm2 / fits[1].icp.cost_mm2;
@@ -187,57 +207,6 @@ Alignment best_alignment(const FitTask& task, Freedom freedom) {
 template <class... Arguments>
 std::string sentence(const char* pattern, Arguments... arguments) {
   return FixedText<400>::format(pattern, arguments...).c_str();
-}
-
-std::string words_of(const Grade& grade) {
-  return sentence("%.3f of the sample's length, %.3f of its width, %.3f of its height (grading is off)",
-                  grade.length, grade.width, grade.height);
-}
-
-bool is_other_size(const Alignment& graded) {
-  const Grade& grade = graded.placement.grade;
-  return graded.accepted() && grade.largest_change() < k_max_size_change &&
-         std::abs(grade.length - 1) >= k_min_length_change;
-}
-
-/// Why the shapes differ: the other foot, another size, both, upside down, or another model.
-void explain_difference(const FitTask& task, Freedom freedom, Alignment& alignment) {
-  const auto explained = [&](Verdict verdict, std::string reason) {
-    alignment.verdict = verdict;
-    alignment.reason = std::move(reason);
-  };
-  const Sample other = mirrored(task.sample);
-  const FitTask mirrored_task{.sample = other, .upper = task.upper, .upper_table = task.upper_table};
-  const Alignment other_foot = best_alignment(mirrored_task, freedom);
-  if (other_foot.accepted()) {
-    return explained(Verdict::OtherFoot, sentence("the upper is of the other foot: mirrored, the sample fits "
-                                                  "to %.2f mm RMS, as it is only to %.2f mm",
-                                                  other_foot.shape_rms_mm, alignment.shape_rms_mm));
-  }
-  if (freedom == Freedom::Rigid) {
-    const Alignment graded = best_alignment(task, Freedom::Graded);
-    if (is_other_size(graded))
-      return explained(Verdict::OtherSize,
-                       "the upper is of another size: " + words_of(graded.placement.grade));
-    const Alignment both = best_alignment(mirrored_task, Freedom::Graded);
-    if (is_other_size(both)) {
-      return explained(Verdict::OtherFoot, "the upper is of the other foot and of another size: " +
-                                               words_of(both.placement.grade));
-    }
-  }
-  const Upper turned = turned_over(task.upper);
-  const NearestTable turned_table{turned.surfels, static_cast<float>(k_fine_reach_mm)};
-  const Verdict over =
-      best_alignment({.sample = task.sample, .upper = turned, .upper_table = turned_table}, freedom).verdict;
-  if (over == Verdict::Aligned ||
-      over == Verdict::DirectionNotFixed) {  // its collar, which fixes the height, is not looked for
-    return explained(Verdict::UpsideDown, "the upper is upside down: turned over, it fits the sample");
-  }
-  explained(Verdict::OtherModel,
-            sentence("the upper is another model: its surface differs from the sample's by %.2f mm RMS (at "
-                     "most %.2f mm) over "
-                     "%.0f %% of it, and neither mirroring nor another size explains it",
-                     alignment.shape_rms_mm, k_max_shape_rms_mm, 100 * alignment.overlap_ratio));
 }
 
 }  // namespace
@@ -257,6 +226,10 @@ Alignment align(const Sample& sample, const Upper& upper, const AlignOptions& op
   const FitTask task{.sample = used, .upper = upper, .upper_table = table};
   Alignment alignment = best_alignment(task, freedom);
   alignment.mirrored = options.mirror;
+  if (!options.grade && alignment.verdict != Verdict::OtherModel) {
+    alignment.next_step =
+        advice_for_upper(used, upper, alignment.placement.T_target_source, alignment.rim_used);
+  }
   switch (alignment.verdict) {
     case Verdict::Aligned:
       break;
@@ -270,12 +243,16 @@ Alignment align(const Sample& sample, const Upper& upper, const AlignOptions& op
       alignment.reason =
           sentence("the common surface does not fix the upper %s: it may be off by %.1f mm (at most %.1f mm)",
                    alignment.weakest.words.c_str(), alignment.weakest.sigma_mm, k_max_direction_sigma_mm);
+      if (!alignment.next_step.empty()) alignment.reason += "; " + alignment.next_step;
       break;
     case Verdict::NotConverged:
       alignment.reason = sentence("the alignment did not settle within %d steps", alignment.iterations);
       break;
     default:
-      explain_difference(task, freedom, alignment);
+      alignment.reason = sentence(
+          "the upper is another model: its surface differs from the sample's by %.2f mm RMS (at most %.2f "
+          "mm) over %.0f %% of it",
+          alignment.shape_rms_mm, k_max_shape_rms_mm, 100 * alignment.overlap_ratio);
   }
   return alignment;
 }

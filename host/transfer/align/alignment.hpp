@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "host/transfer/align/evidence.hpp"
 #include "host/transfer/align/icp.hpp"
 #include "host/transfer/align/prepared.hpp"
 
@@ -22,7 +23,7 @@ enum class Verdict {
   OtherFoot,
   OtherSize,
   UpsideDown,
-  OtherModel,
+  OtherModel,  ///< align(): or anything that diagnose() tells from it
   NotConverged,
 };
 
@@ -40,7 +41,8 @@ struct Compared {
 
 struct Alignment {
   Verdict verdict{Verdict::NotConverged};
-  std::string reason{};  ///< one plain sentence when refused
+  std::string reason{};     ///< one plain sentence when refused
+  std::string next_step{};  ///< what to show so that the height is fixed; empty where it is
 
   bool mirrored{false};   ///< the sample's shoe frame was mirrored (y turned round) before it was placed
   Placement placement{};  ///< sample's shoe frame to the upper's base
@@ -52,10 +54,12 @@ struct Alignment {
   double upper_overlap_ratio{0};  ///< share of the upper's surface above the line that the sample has
   double residual_rms_mm{0};      ///< of all pairs, texture and noise among them
   double shape_rms_mm{0};         ///< of the mean residuals of patches: the difference of the two shapes
-  bool rim_used{false};
+  bool rim_used{false};           ///< the two collars are taken for one edge
+  double same_edge_ratio{0};      ///< probability that they are; 0: not both in view
   double rim_mm{0};
   double rival_mm{0};         ///< graded: how far another reading of the sizes would move the line, RMS
-  Information information{};  ///< independent pieces / mm²; see IcpResult
+  Belief belief{};            ///< rigid: what is left open between the placement and the truth
+  Information information{};  ///< inverse of the covariance; see IcpResult
   WeakDirection weakest{};
   double line_sigma_mm{0};           ///< RMS over the line of how far the alignment may be off
   double runner_up_ratio{0};         ///< cost of the best to that of the next different start: 1 = a toss-up

@@ -135,7 +135,19 @@ Fit let_go(const FitTask& task, const Fit& tied) {
 }  // namespace
 
 Fit fit_rigid(const FitTask& task, const Placement& start) {
-  return refine(task, start, fine_options(Freedom::Rigid, {}));
+  const IcpOptions options = fine_options(Freedom::Rigid, {});
+  return described(task, {.icp = run_icp(surfaces_of(task), start, options)}, options);
+}
+
+void weigh(const FitTask& task, Fit& fit) {
+  fit.evidence = weigh_evidence(task.sample, task.upper, task.upper_table, fit.icp.placement);
+  fit.icp.placement.T_target_source = fit.evidence.T_target_source;
+  fit.icp.converged = fit.evidence.settled;
+  fit.rim_used = fit.evidence.same_edge_ratio > 0.5;
+  fit.icp.rim_mm = fit.evidence.edge_mm;
+  fit.pairs = find_pairs(surfaces_of(task), fit.icp.placement, fine_options(Freedom::Rigid, {}));
+  fit.icp.overlap_ratio =
+      static_cast<double>(fit.pairs.size()) / static_cast<double>(task.sample.common.size());
 }
 
 Fit fit_graded(const FitTask& task, const Placement& start) {

@@ -3,6 +3,7 @@
 /// \file The local step of registration from a start: surface, then rims, and for another size how its
 /// sections grew.
 
+#include "host/transfer/align/evidence.hpp"
 #include "host/transfer/align/icp.hpp"
 #include "host/transfer/align/prepared.hpp"
 
@@ -19,7 +20,8 @@ struct FitTask {
 struct Fit {
   IcpResult icp{};
   bool rim_used{false};
-  double rim_shift_mm{0};     ///< how far the rims have moved the line, RMS
+  double rim_shift_mm{0};     ///< graded: how far the rims have moved the line, RMS
+  Evidence evidence{};        ///< rigid
   GradeTie tie{};             ///< as chosen, when graded
   std::vector<Pair> pairs{};  ///< of the surface
   double shape_rms_mm{0};     ///< of the mean residuals of patches: noise and texture average out, the
@@ -29,9 +31,11 @@ struct Fit {
 
 inline constexpr double k_fine_reach_mm = 5;
 
-/// Surface first; then with the rims, if those agree where the surface has put them, and the surface bears
-/// it.
+/// By the surface, then by all that both scans show.
 [[nodiscard]] Fit fit_rigid(const FitTask& task, const Placement& start);
+
+/// Moves a rigid fit to where wall and collar's edge together have it, and says how sure that is.
+void weigh(const FitTask& task, Fit& fit);
 
 /// The wall's shape tells only weakly how much higher a shoe of another size is (a hundredth: 0.4 mm at the
 /// line), and the rim only together with it.  But sizes are graded by a rule: sections stay, or grow as the

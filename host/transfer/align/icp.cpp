@@ -36,16 +36,6 @@ double square(double value) {
   return value * value;
 }
 
-double robust_sigma_mm(const std::vector<Pair>& pairs) {
-  if (pairs.empty()) return 0;
-  std::vector<double> magnitudes;
-  magnitudes.reserve(pairs.size());
-  for (const Pair& pair : pairs) magnitudes.push_back(std::abs(pair.residual_mm));
-  const auto middle = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2);
-  std::nth_element(magnitudes.begin(), middle, magnitudes.end());
-  return 1.4826 * *middle;  // of a normal distribution: the standard deviation
-}
-
 /// How a point beside the line moves with the parameters, in the source's frame: [I, -hat(s), the grade's], s
 /// = grade(p). A tied factor has no column of its own: what it does is the length's doing.
 LineJacobian point_jacobian(const Grade& grade, const Vec3& point, const Foot& foot, const GradeTie& tie,
@@ -197,6 +187,16 @@ void summarise(const AllPairs& pairs, const Surfaces& surfaces, const IcpOptions
 }
 
 }  // namespace
+
+double robust_sigma_mm(const std::vector<Pair>& pairs) {
+  if (pairs.empty()) return 0;
+  std::vector<double> magnitudes;
+  magnitudes.reserve(pairs.size());
+  for (const Pair& pair : pairs) magnitudes.push_back(std::abs(pair.residual_mm));
+  const auto middle = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2);
+  std::nth_element(magnitudes.begin(), middle, magnitudes.end());
+  return 1.4826 * *middle;
+}
 
 LineJacobian line_jacobian(const Grade& grade, const Vec3& point, const GradeTie& tie,
                            Eigen::Index parameters) {

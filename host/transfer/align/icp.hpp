@@ -136,6 +136,9 @@ struct Pair {
   double residual_mm;  ///< (placed point - target) . direction
 };
 
+/// 1.4826 times the median of |residual|: of a normal distribution, its standard deviation.
+[[nodiscard]] double robust_sigma_mm(const std::vector<Pair>& pairs);
+
 /// The pairs that run_icp() would use.
 [[nodiscard]] std::vector<Pair> find_pairs(const Surfaces& surfaces, const Placement& placement,
                                            const IcpOptions& options);

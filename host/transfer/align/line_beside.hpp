@@ -18,12 +18,18 @@ class LineBeside {
     constexpr std::size_t k_points = 250;  // 3 mm apart on a shoe
     const std::size_t step = std::max<std::size_t>(1, line.size() / k_points);
     for (std::size_t i = 0; i < line.size(); i += step) line_.push_back(line[i]);
+    way_mm_.push_back(0);
+    for (std::size_t i = 0; i < line_.size(); ++i)
+      way_mm_.push_back(way_mm_.back() + (line_[(i + 1) % line_.size()] - line_[i]).norm());
   }
 
   struct Place {
     double height_mm;
     Foot foot;
+    double along_mm;  ///< on the line, from its first point
   };
+
+  [[nodiscard]] double length_mm() const { return way_mm_.back(); }
 
   [[nodiscard]] Place at(const Vec3& point) const {
     std::size_t nearest = 0;
@@ -41,7 +47,9 @@ class LineBeside {
         (on_before - point).head<2>().squaredNorm() < (on_after - point).head<2>().squaredNorm();
     const Vec3& place = is_before ? on_before : on_after;
     return {.height_mm = place.z(),
-            .foot = {.place = place.head<2>().cast<float>(), .outward = outward_at(nearest)}};
+            .foot = {.place = place.head<2>().cast<float>(), .outward = outward_at(nearest)},
+            .along_mm = is_before ? way_mm_[before] + (place - line_[before]).norm()
+                                  : way_mm_[nearest] + (place - line_[nearest]).norm()};
   }
 
  private:
@@ -60,6 +68,7 @@ class LineBeside {
   }
 
   std::vector<Vec3> line_;
+  std::vector<double> way_mm_;  ///< to each point, and all the way round
 };
 
 }  // namespace biteline::transfer

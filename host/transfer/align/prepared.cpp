@@ -2,6 +2,7 @@
 #include "host/transfer/align/prepared.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/core/contracts.hpp"
 #include "host/transfer/align/line_beside.hpp"
@@ -12,6 +13,11 @@ namespace {
 constexpr float k_pitch_mm = 2;
 constexpr float k_coarse_pitch_mm = 8;
 constexpr std::size_t k_min_surfels = 300;  // 12 cm² at the fine pitch
+
+OnWall on_wall(const LineBeside::Place& beside, const Vec3& point) {
+  const double out_mm = (point.head<2>() - beside.foot.place.cast<double>()).norm();
+  return {.along_mm = beside.along_mm, .up_mm = std::hypot(out_mm, point.z() - beside.height_mm)};
+}
 
 Rim moved(const Rim& rim, const SE3& T_to_from) {
   Rim out = rim;
@@ -62,6 +68,7 @@ Result<Sample> prepare_sample(const cloud::PointCloud& cloud, const cloud::Close
   for (const cloud::LinePoint& p : line.points) sample.line_shoe.push_back(T_shoe_base * p.position);
 
   const LineBeside line_beside{sample.line_shoe};
+  sample.line_length_mm = line_beside.length_mm();
   sample.common.pitch_mm = surfels.pitch_mm;
   for (std::size_t i = 0; i < surfels.size(); ++i) {
     const Vec3 p = T_shoe_base * surfels.positions[i].cast<double>();
@@ -69,6 +76,7 @@ Result<Sample> prepare_sample(const cloud::PointCloud& cloud, const cloud::Close
     if (p.z() < beside.height_mm + k_groove_margin_mm) continue;
     sample.common.positions.push_back(p.cast<float>());
     sample.common.feet.push_back(beside.foot);
+    sample.common_on_wall.push_back(on_wall(beside, p));
     sample.common.normals.push_back((T_shoe_base.linear() * surfels.normals[i].cast<double>()).cast<float>());
   }
   if (sample.common.size() < k_min_surfels)
@@ -76,7 +84,9 @@ Result<Sample> prepare_sample(const cloud::PointCloud& cloud, const cloud::Close
   sample.common_coarse = coarsened(sample.common, k_coarse_pitch_mm);
   sample.rim = moved(rim_of(cloud, surfels), T_shoe_base);
   for (const Eigen::Vector3f& p : sample.rim.positions) {
-    sample.rim.feet.push_back(line_beside.at(p.cast<double>()).foot);
+    const LineBeside::Place beside = line_beside.at(p.cast<double>());
+    sample.rim.feet.push_back(beside.foot);
+    sample.rim_on_wall.push_back(on_wall(beside, p.cast<double>()));
   }
   return sample;
 }

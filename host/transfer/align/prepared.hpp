@@ -17,6 +17,11 @@ namespace biteline::transfer {
 // surface.
 inline constexpr double k_groove_margin_mm = 5;
 
+/// A place of the wall unrolled: along the line, and up from it.
+struct OnWall {
+  double along_mm, up_mm;
+};
+
 /// A finished sample made ready: what of it an upper has too, in the sample's own axes.
 struct Sample {
   SE3 T_base_shoe{SE3::Identity()};  ///< of the sample, where it was scanned
@@ -25,6 +30,8 @@ struct Sample {
   Surfels common_coarse{};
   Rim rim{};  ///< in the shoe frame
   std::vector<Vec3> line_shoe{};
+  double line_length_mm{0};
+  std::vector<OnWall> common_on_wall{}, rim_on_wall{};  ///< of each surfel of `common`, each place of `rim`
 };
 
 /// Pre: a line of at least 3 points.  Fails (Refused) when next to nothing lies above the line.

@@ -14,7 +14,7 @@ namespace biteline::transfer {
 /// A shoe's side is nearly upright: its surface alone fixes the height only weakly, and smooth differences of
 /// 0.1 mm between two lasts move it by 0.3 mm.  The collar's edge, where both scans end, fixes it.  Whether
 /// they end there because the shoe does, and not the camera's view, shows in whether the two agree
-/// (alignment.cpp).
+/// (evidence.hpp).
 struct Rim {
   std::vector<Eigen::Vector3f> positions{};
   std::vector<Eigen::Vector3f> across{};  ///< unit, in the surface, at right angles to the rim, upwards

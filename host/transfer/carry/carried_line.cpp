@@ -33,17 +33,12 @@ struct Cast {
   Vec3 origin, direction;
   std::optional<double> distance_mm;
   bool bridged{false};
-  double bridge_sigma_mm{0};
+  double placed_sigma_mm{0}, bridge_sigma_mm{0};
   double confidence{1};
   std::optional<double> wall_mm;
 
   [[nodiscard]] Vec3 position() const { return origin + *distance_mm * direction; }
 };
-
-Vec3 ray_direction(const PlacedPoint& point, const CarryOptions& options) {
-  if (options.direction == RayDirection::Normal) return point.normal;
-  return (point.normal - point.normal.dot(options.up) * options.up).normalized();
-}
 
 std::vector<Cast> cast_all(const RaySurface& surface, const std::vector<PlacedPoint>& placed,
                            const CarryOptions& options) {
@@ -53,6 +48,7 @@ std::vector<Cast> cast_all(const RaySurface& surface, const std::vector<PlacedPo
     cast = {.origin = placed[i].position,
             .direction = ray_direction(placed[i], options),
             .distance_mm = std::nullopt,
+            .placed_sigma_mm = placed[i].sigma_mm,
             .confidence = placed[i].confidence,
             .wall_mm = placed[i].wall_mm};
     const std::optional<Hit> hit =
@@ -315,8 +311,24 @@ double chance_within(double distance_mm, double sigma_mm) {
   return std::erf(distance_mm / (std::sqrt(2.0) * sigma_mm));
 }
 
-double confidence_of(const Cast& cast, const CarryOptions& options) {
-  return cast.confidence * chance_within(k_right_mm, std::hypot(options.line_sigma_mm, cast.bridge_sigma_mm));
+constexpr double k_sure_ratio = 0.5, k_sure_mm = 1;  // less or more is flagged: LineFlag
+
+/// How far a point is off, 19 times of 20, in standard deviations.
+constexpr double k_u95_sigmas = 1.96;
+
+/// Standard deviation of the hits about the wall that they lie on, from second differences: noise and weave.
+double roughness_mm(const std::vector<Cast>& casts) {
+  std::vector<double> bends_mm;
+  const std::size_t size = casts.size();
+  for (std::size_t i = 0; i < size; ++i) {
+    const Cast &before = casts[(i + size - 1) % size], &here = casts[i], &after = casts[(i + 1) % size];
+    if (before.bridged || here.bridged || after.bridged) continue;
+    bends_mm.push_back(std::abs(*before.distance_mm - 2 * *here.distance_mm + *after.distance_mm));
+  }
+  if (bends_mm.empty()) return 0;
+  const auto middle = bends_mm.begin() + static_cast<std::ptrdiff_t>(bends_mm.size() / 2);
+  std::nth_element(bends_mm.begin(), middle, bends_mm.end());
+  return 1.4826 * *middle / std::sqrt(6.0);
 }
 
 /// The hits as an evenly spaced closed line with normals and tangents.
@@ -325,6 +337,7 @@ void resample(const RaySurface& surface, const std::vector<Cast>& casts, double 
   std::vector<Vec3> positions;
   for (const Cast& cast : casts) positions.push_back(cast.position());
   const ArcLength way{positions};
+  const double rough_mm = roughness_mm(casts);
   const auto count =
       std::max<std::size_t>(3, static_cast<std::size_t>(std::lround(way.total_mm() / step_mm)));
   const double even_mm = way.total_mm() / static_cast<double>(count);
@@ -334,14 +347,18 @@ void resample(const RaySurface& surface, const std::vector<Cast>& casts, double 
     const ArcLength::Place place = way.place(even_mm * static_cast<double>(i));
     const Cast &before = casts[place.before], &after = casts[(place.before + 1) % casts.size()];
     const Cast& nearer = place.share < 0.5 ? before : after;
+    const double sigma_mm = std::hypot(nearer.placed_sigma_mm, nearer.bridge_sigma_mm, rough_mm);
     origins.push_back(way.point(place));
     directions.push_back(((1 - place.share) * before.direction + place.share * after.direction).normalized());
     carried.line.points.push_back(
         {.position = origins.back(),
          .normal = directions.back(),
          .tangent = Vec3::Zero(),
-         .confidence = confidence_of(nearer, options),
+         .confidence = nearer.confidence * chance_within(k_right_mm, sigma_mm),
+         .u95_mm = k_u95_sigmas * sigma_mm,
          .source = nearer.bridged ? cloud::PointSource::Bridged : cloud::PointSource::Carried});
+    cloud::LinePoint& made = carried.line.points.back();
+    if (!(made.confidence >= k_sure_ratio && *made.u95_mm <= k_sure_mm)) made.flags |= cloud::k_line_unsure;
     carried.bridged.push_back(nearer.bridged);
     if (nearer.bridged) carried.bridged_mm += even_mm;
   }
@@ -361,6 +378,11 @@ void resample(const RaySurface& surface, const std::vector<Cast>& casts, double 
 }
 
 }  // namespace
+
+Vec3 ray_direction(const PlacedPoint& point, const CarryOptions& options) {
+  if (options.direction == RayDirection::Normal) return point.normal;
+  return (point.normal - point.normal.dot(options.up) * options.up).normalized();
+}
 
 CarriedLine carry_line(const RaySurface& surface, const std::vector<PlacedPoint>& placed,
                        const CarryOptions& options) {

@@ -17,6 +17,7 @@ struct PlacedPoint {
   Vec3 position{Vec3::Zero()};
   Vec3 normal{Vec3::UnitX()};  ///< outward, unit
   double confidence{1};
+  double sigma_mm{0.1};  ///< how far the true line may be off here, across the line
   /// Along the ray to the sample's own wall above the line, where that is seen: gaps are bridged as it runs.
   std::optional<double> wall_mm{};
 };
@@ -28,13 +29,15 @@ enum class RayDirection {
 
 struct CarryOptions {
   RayDirection direction{RayDirection::Level};
-  Vec3 up{Vec3::UnitZ()};     ///< the shoe's z in the surface's frame
-  double reach_mm{15};        ///< a sample's groove and sole lie at most so far from the upper's wall
-  double max_gap_mm{15};      ///< longest way along the line without a hit that is bridged
-  double line_sigma_mm{0.1};  ///< how far the placed line may be off as a whole
-  double normal_low_mm{2};    ///< the normal is that of the surface between these heights above the line
+  Vec3 up{Vec3::UnitZ()};   ///< the shoe's z in the surface's frame
+  double reach_mm{15};      ///< a sample's groove and sole lie at most so far from the upper's wall
+  double max_gap_mm{15};    ///< longest way along the line without a hit that is bridged
+  double normal_low_mm{2};  ///< the normal is that of the surface between these heights above the line
   double normal_high_mm{6};
 };
+
+/// Outward, along which the placed point is looked for on the surface.
+[[nodiscard]] Vec3 ray_direction(const PlacedPoint& point, const CarryOptions& options);
 
 struct CarriedLine {
   cloud::ClosedLine line{};     ///< empty when `reason` is not

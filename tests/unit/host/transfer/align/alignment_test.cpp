@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "host/transfer/align/diagnosis.hpp"
 #include "tests/support/made_pair.hpp"
 
 namespace biteline::transfer {
@@ -49,6 +50,11 @@ TEST_GROUP(Alignment) {
   Alignment aligned(const cloud::PointCloud& upper, const AlignOptions& options = {}) const {
     return align(*prepare_sample(pair.sample_cloud, pair.sample_line), *prepare_upper(upper), options);
   }
+  Diagnosis diagnosed(const cloud::PointCloud& upper) const {
+    const Alignment refused = aligned(upper);
+    CHECK(refused.verdict == Verdict::OtherModel);
+    return diagnose(*prepare_sample(pair.sample_cloud, pair.sample_line), *prepare_upper(upper), {}, refused);
+  }
 };
 
 TEST(Alignment, NextUpperOfTheModelIsFound) {
@@ -83,9 +89,10 @@ TEST(Alignment, AnyPlaceAndYawAndTenDegreesOfTiltEndAlike) {
 TEST(Alignment, AnotherModelIsRefused) {
   // Same size and foot class drawn anew: another outline, another wall.
   const test::MadePair other = test::made_pair({.seed = 9, .scan = k_scan});
-  const Alignment sut = aligned(other.upper_cloud);
+  const Diagnosis sut = diagnosed(other.upper_cloud);
   CHECK(sut.verdict == Verdict::OtherModel);
-  CHECK(sut.reason.find("another model") != std::string::npos);
+  STRCMP_CONTAINS("another model", sut.reason.c_str());
+  STRCMP_CONTAINS("neither mirroring nor another size", sut.reason.c_str());
 }
 
 TEST(Alignment, AnotherModelThatDiffersBySmoothBulgesOnlyIsRefused) {
@@ -99,7 +106,7 @@ TEST(Alignment, TheOtherFootIsRefusedAndMirroringTakesIt) {
   Eigen::Affine3d mirror = Eigen::Affine3d::Identity();
   mirror.linear()(1, 1) = -1;
   const cloud::PointCloud other_foot = moved(pair.upper_cloud, mirror);
-  const Alignment sut = aligned(other_foot);
+  const Diagnosis sut = diagnosed(other_foot);
   CHECK(sut.verdict == Verdict::OtherFoot);
   CHECK(sut.reason.find("other foot") != std::string::npos);
   CHECK(aligned(other_foot, {.mirror = true}).accepted());
@@ -110,7 +117,7 @@ TEST(Alignment, AnotherSizeIsRefusedAndGradingTakesIt) {
     Eigen::Affine3d growth = Eigen::Affine3d::Identity();
     growth.linear() *= factor;
     const cloud::PointCloud other_size = moved(pair.upper_cloud, growth);
-    const Alignment sut = aligned(other_size);
+    const Diagnosis sut = diagnosed(other_size);
     CHECK(sut.verdict == Verdict::OtherSize);
     CHECK(sut.reason.find("another size") != std::string::npos);
     const Alignment graded = aligned(other_size, {.grade = true});
@@ -124,7 +131,7 @@ TEST(Alignment, AnotherSizeIsRefusedAndGradingTakesIt) {
 TEST(Alignment, OtherFootAndOtherSizeAtOnceIsToldAsBoth) {
   Eigen::Affine3d both = Eigen::Affine3d::Identity();
   both.linear() = Vec3{1.05, -1.05, 1.05}.asDiagonal();
-  const Alignment sut = aligned(moved(pair.upper_cloud, both));
+  const Diagnosis sut = diagnosed(moved(pair.upper_cloud, both));
   CHECK(sut.verdict == Verdict::OtherFoot);
   STRCMP_CONTAINS("other foot and of another size", sut.reason.c_str());
 }
@@ -132,7 +139,7 @@ TEST(Alignment, OtherFootAndOtherSizeAtOnceIsToldAsBoth) {
 TEST(Alignment, AnUpperUpsideDownIsToldAsThat) {
   Eigen::Affine3d over = Eigen::Affine3d::Identity();
   over.linear() = Vec3{1, -1, -1}.asDiagonal();
-  const Alignment sut = aligned(moved(pair.upper_cloud, over));
+  const Diagnosis sut = diagnosed(moved(pair.upper_cloud, over));
   CHECK_TEXT(sut.verdict == Verdict::UpsideDown, sut.reason.c_str());
   STRCMP_CONTAINS("upside down", sut.reason.c_str());
 }
@@ -178,7 +185,7 @@ TEST(Alignment, AThirdOfTheUpperIsTooLittle) {
 }
 
 TEST(Alignment, AnUprightTubeDoesNotFixItsHeight) {
-  // An ellipse with upright walls and no rim: it slides up and down.
+  // An ellipse with upright walls, whose upper end is the view's: it slides up and down.
   cloud::PointCloud tube;
   cloud::ClosedLine line;
   std::mt19937_64 random{17};
@@ -186,8 +193,11 @@ TEST(Alignment, AnUprightTubeDoesNotFixItsHeight) {
   for (int i = 0; i < 700; ++i) {
     const double turn_rad = 2 * std::numbers::pi * i / 700;
     const Vec3 outline{130 * std::cos(turn_rad), (45 + 5 * std::cos(turn_rad)) * std::sin(turn_rad), 0};
-    for (int k = 0; k < 200; ++k)
+    for (int k = 0; k < 200; ++k) {
       tube.points.push_back(((1 + noise_mm(random) / 130) * outline + 0.3 * k * Vec3::UnitZ()).cast<float>());
+      tube.profile.push_back(static_cast<std::uint32_t>(i));
+      tube.column.push_back(static_cast<std::uint16_t>(k));
+    }
     line.points.push_back(
         {.position = outline + 10 * Vec3::UnitZ(), .normal = Vec3::UnitX(), .tangent = Vec3::UnitY()});
   }

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include "host/transfer/uncertainty.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace biteline::transfer {
+namespace {
+
+constexpr double k_share = 0.95;
+constexpr double k_share_sigmas = 1.959964;  // of a normal distribution, both sides
+constexpr int k_halvings = 24;               // of an interval some mm wide: below a micrometre
+
+double chance_below(double sigmas) {
+  return 0.5 * std::erfc(-sigmas / std::numbers::sqrt2);
+}
+
+/// The smallest value at which the rising `share_within` reaches the share, below `highest`.
+template <class ShareWithin>
+double reached_at(double highest, ShareWithin&& share_within) {
+  double low = 0, high = highest;
+  for (int i = 0; i < k_halvings; ++i) {
+    const double middle = (low + high) / 2;
+    (share_within(middle) < k_share ? low : high) = middle;
+  }
+  return high;
+}
+
+struct Spread {
+  double weight, mean_mm, sigma_mm;
+};
+
+double u95_mm(const std::vector<Spread>& parts) {
+  double highest = 0;
+  for (const Spread& part : parts)
+    highest = std::max(highest, std::abs(part.mean_mm) + 2 * k_share_sigmas * part.sigma_mm);
+  return reached_at(highest, [&](double within_mm) {
+    double share = 0;
+    for (const Spread& part : parts) {
+      share += part.weight * (chance_below((within_mm - part.mean_mm) / part.sigma_mm) -
+                              chance_below((-within_mm - part.mean_mm) / part.sigma_mm));
+    }
+    return share;
+  });
+}
+
+/// How the carried line moves with the placement: along the wall and across the line, target's frame.
+Vec3 sight(const Vec3& normal, const Vec3& along, const Vec3& ray) {
+  const Vec3 across = normal.cross(along).normalized();
+  const double facing = std::max(k_min_facing_cosine, std::abs(normal.dot(ray)));
+  return across - across.dot(ray) / std::copysign(facing, normal.dot(ray)) * normal;
+}
+
+}  // namespace
+
+void tell_spread(const Belief& belief, const SE3& T_target_source, const CarryOptions& options,
+                 std::vector<PlacedPoint>& placed) {
+  const std::size_t size = placed.size();
+  const SE3 T_source_target = T_target_source.inverse();
+  const Mat3 R_source_target = T_source_target.linear();
+  tbb::parallel_for(std::size_t{0}, size, [&](std::size_t i) {
+    PlacedPoint& point = placed[i];
+    const Vec3 along =
+        (placed[(i + 1) % size].position - placed[(i + size - 1) % size].position).normalized();
+    const Vec3 c = R_source_target * sight(point.normal, along, ray_direction(point, options));
+    MotionRow row;
+    row << c, (T_source_target * point.position).cross(c);
+    std::vector<Spread> parts;
+    for (const BeliefPart& part : belief) {
+      parts.push_back({.weight = part.weight,
+                       .mean_mm = row.dot(part.mean),
+                       .sigma_mm = std::max(1e-6, std::sqrt(std::max(0.0, row.dot(part.covariance * row))))});
+    }
+    point.sigma_mm = u95_mm(parts) / k_share_sigmas;
+  });
+}
+
+double bound_mm(const std::vector<double>& sigmas_mm) {
+  if (sigmas_mm.empty()) return 0;
+  const double largest = *std::max_element(sigmas_mm.begin(), sigmas_mm.end());
+  return reached_at(2 * k_share_sigmas * largest, [&](double within_mm) {
+    double share = 0;
+    for (const double sigma_mm : sigmas_mm)
+      share += std::erf(within_mm / (std::numbers::sqrt2 * std::max(1e-6, sigma_mm)));
+    return share / static_cast<double>(sigmas_mm.size());
+  });
+}
+
+}  // namespace biteline::transfer

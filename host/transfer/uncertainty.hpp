@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file How far a carried line may be off: per point, and as one bound.
+
+#include <vector>
+
+#include "host/transfer/align/evidence.hpp"
+#include "host/transfer/carry/carried_line.hpp"
+
+namespace biteline::transfer {
+
+/// Sets each point's standard deviation: that which, of a normal distribution, would hold as much of the
+/// belief as it does with 95 %.  Only what moves the carried line counts: the ray puts it back on to the
+/// wall, and along itself a line cannot be off.
+void tell_spread(const Belief& belief, const SE3& T_target_source, const CarryOptions& options,
+                 std::vector<PlacedPoint>& placed);
+
+/// Within which 19 of 20 points of such standard deviations are.
+[[nodiscard]] double bound_mm(const std::vector<double>& sigmas_mm);
+
+}  // namespace biteline::transfer
