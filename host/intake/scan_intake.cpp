@@ -33,16 +33,21 @@ Result<ScanIntake> ScanIntake::recover(const fs::path& folder) {
   struct Kept {
     std::optional<wire::SensorHello> sensor;
     std::optional<CloudBuilder> builder;
+    ScanGaps gaps;
     std::optional<wire::EndOfScan> end;
     std::uint64_t lost{0};
     std::uint64_t next{0};
   } kept;
   const auto on_message = [&](wire::Message message) {
     if (auto* hello = std::get_if<wire::SensorHello>(&message.body)) {
-      if (!kept.sensor) kept.builder.emplace(hello->model);
+      if (!kept.sensor) {
+        kept.builder.emplace(hello->model);
+        kept.gaps = ScanGaps{hello->model.rate_hz.value_or(0)};
+      }
       kept.sensor = std::move(*hello);
     } else if (const auto* profile = std::get_if<profile::Profile>(&message.body)) {
       kept.builder->add(*profile);
+      kept.gaps.add(profile->header);
       kept.next = message.sequence + 1;
     } else if (const auto* gap = std::get_if<wire::Gap>(&message.body)) {
       const std::uint64_t end = gap->first + gap->count;
@@ -56,6 +61,7 @@ Result<ScanIntake> ScanIntake::recover(const fs::path& folder) {
                   ScanJournal::recover(folder / k_journal_name, on_message));
   ScanIntake intake{std::move(recovered.journal), std::move(*kept.sensor), recovered.position};
   intake.builder_ = std::move(*kept.builder);
+  intake.gaps_ = std::move(kept.gaps);
   intake.messages_lost_ = kept.lost;
   if (kept.end) intake.account(*kept.end);
   return intake;
@@ -70,6 +76,7 @@ Result<void> ScanIntake::take(const LinkEvent& event, std::span<const std::uint8
   if (const auto* profile = std::get_if<ProfileEvent>(&event)) {
     BITELINE_TRY(journal_.append(packet));
     builder_.add(profile->profile);
+    gaps_.add(profile->profile.header);
     position_.next_sequence = profile->sequence + 1;
   } else if (const auto* loss = std::get_if<LossEvent>(&event)) {
     BITELINE_TRY(journal_.append(packet));
@@ -79,6 +86,9 @@ Result<void> ScanIntake::take(const LinkEvent& event, std::span<const std::uint8
     BITELINE_TRY(journal_.append(packet));
     ++position_.next_sequence;
     account(*end);
+  } else if (const auto* health = std::get_if<wire::Health>(&event)) {
+    light_.add(*health);
+    light_told_ = ended_;
   }
   return {};
 }
@@ -101,7 +111,10 @@ ScanOutcome ScanIntake::finish() {
     outcome.failure = fail(Errc::ConnectionLost, "the sensor no longer has the scan's end").value();
   } else if (end_.errc != 0) {
     outcome.failure = error_of(end_);
+  } else if (const auto why = contradiction(end_, sensor_, outcome.counts, messages_lost_, light_)) {
+    outcome.failure = fail(Errc::Truncated, "%.200s", why->c_str()).value();
   }
+  outcome.lost = gaps_.longest();
   return outcome;
 }
 

@@ -8,6 +8,8 @@
 
 #include "common/core/result.hpp"
 #include "host/intake/cloud_builder.hpp"
+#include "host/intake/completeness.hpp"
+#include "host/intake/scan_gaps.hpp"
 #include "host/intake/scan_journal.hpp"
 #include "host/intake/sensor_link.hpp"
 
@@ -22,7 +24,9 @@ struct ScanOutcome {
   std::vector<wire::StageTime> sensor_stages;
   wire::Devices sensor_devices;
   std::uint64_t messages_lost{0};  ///< that the sensor could not keep for us
-  std::optional<Error> failure;    ///< why the scan did not end by itself, or that its end never came
+  LongestGap lost;                 ///< at the scan's worst place
+  std::optional<Error> failure;  ///< why the scan did not end by itself, that its end never came, or that its
+                                 ///< end says "complete" and the accounts contradict it
 };
 
 /// Lives in a folder, in a file of its own (scan.btln), from the sensor's hello to the scan's end.  Not
@@ -42,7 +46,11 @@ class ScanIntake {
   [[nodiscard]] Result<void> take(const LinkEvent& event, std::span<const std::uint8_t> packet);
 
   [[nodiscard]] ScanPosition position() const { return position_; }
+  [[nodiscard]] const wire::SensorHello& sensor() const { return sensor_; }
+  [[nodiscard]] std::uint64_t scan_id() const { return position_.scan_id; }
   [[nodiscard]] bool ended() const { return ended_; }
+  /// The sensor has said once more how its light is: a light that failed just before the end is known now.
+  [[nodiscard]] bool light_told() const { return light_told_; }
   [[nodiscard]] const cloud::PointCloud& cloud() const { return builder_.cloud(); }  ///< as far as it came
   [[nodiscard]] std::uint64_t profiles() const { return builder_.counts().profiles; }
   [[nodiscard]] std::uint64_t profiles_expected() const { return sensor_.frames_expected; }
@@ -57,13 +65,17 @@ class ScanIntake {
       : journal_{std::move(journal)},
         sensor_{std::move(sensor)},
         position_{position},
-        builder_{sensor_.model} {}
+        builder_{sensor_.model},
+        gaps_{sensor_.model.rate_hz.value_or(0)} {}
   void account(const wire::EndOfScan& end);
 
   ScanJournal journal_;
   wire::SensorHello sensor_;
   ScanPosition position_;
   CloudBuilder builder_;
+  ScanGaps gaps_;
+  LightAccount light_;
+  bool light_told_{false};
   std::uint64_t messages_lost_{0};
   bool ended_{false};
   wire::EndOfScan end_;

@@ -12,6 +12,7 @@
 #include "host/robot/link/follow.hpp"
 #include "host/robot/link/ur/script.hpp"
 #include "host/robot/link/ur/ur_link.hpp"
+#include "tests/unit/host/robot/link/permitted.hpp"
 #include "tests/unit/host/robot/link/planned.hpp"
 
 namespace biteline::robot {
@@ -103,7 +104,7 @@ TEST(FollowPath, SentOverTheNetworkAndFollowedInRealTime) {
   CHECK(link.has_value());
   const path::CheckedPath path = test::planned_path("spray.yaml");
   FollowReport report;
-  const auto followed = follow(**link, path, {}, report);
+  const auto followed = follow(**link, test::permitted(path, (*link)->latest()->q_rad), {}, report);
   CHECK_TEXT(followed.has_value(), followed ? "" : to_line(followed.error()).c_str());
   check("over RTDE", report.deviation);
   CHECK_EQUAL(1U, (*controller)->scripts_run());

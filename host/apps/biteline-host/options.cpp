@@ -49,6 +49,8 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_option("--script", robot.script, "The controller's script port, HOST:PORT")->capture_default_str();
   app.add_option("--dashboard", robot.dashboard,
                  "The controller's dashboard port, HOST:PORT; without: port 29999 beside --script");
+  app.add_option("--serial", robot.serial, "The arm's serial number: no other one is sent a path")
+      ->needs(arm);
   auto* send =
       app.add_flag("--send", robot.send, "Send a path that passed every check, and watch the arm follow it")
           ->needs(arm);

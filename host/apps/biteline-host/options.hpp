@@ -17,6 +17,7 @@ struct RobotOptions {
   std::string rtde{"127.0.0.1:30004"};
   std::string script{"127.0.0.1:30002"};
   std::string dashboard;  ///< empty: port 29999 of the script's machine
+  std::string serial;     ///< of the one arm that may be meant; empty: any of that model
   double table_z_mm{0};
   bool send{false};
   std::string confirm;  ///< the one scan that a person lets be sent though nobody saw it come in

@@ -2,11 +2,13 @@
 #include "host/apps/biteline-host/service.hpp"
 
 #include <pthread.h>
+#include <pwd.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <exception>
 #include <thread>
 #include <utility>
@@ -27,6 +29,8 @@ constexpr Nanoseconds k_turn = milliseconds{100};
 /// While a result is being worked out: nobody shall wait for it longer than this after it is done.
 constexpr Nanoseconds k_wait = milliseconds{5};
 constexpr milliseconds k_before_retry{1000};
+/// A sensor tells its state a few times a second: so long the last word about the light is waited for.
+constexpr Nanoseconds k_last_health = milliseconds{1000};
 /// Any number will do: one command is under way at a time.
 constexpr std::uint32_t k_start_id = 1;
 constexpr const char* k_lock_name = "biteline-host.lock";
@@ -43,6 +47,33 @@ Result<ExitStatus> without_exceptions(Work&& work) {
   } catch (const std::exception& error) {
     return fail(Errc::ContractBroken, "%.200s", error.what());
   }
+}
+
+HostClock::time_point now() {
+  return HostClock::time_point{
+      std::chrono::duration_cast<Nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())};
+}
+
+ControllerAddress controller_of(const RobotOptions& robot) {
+  return {.rtde = robot.rtde, .script = robot.script, .dashboard = robot.dashboard};
+}
+
+/// Who started this service: a person's word is his.
+std::string user_name() {
+  passwd entry{};
+  passwd* found = nullptr;
+  char buffer[1024];
+  if (getpwuid_r(::getuid(), &entry, buffer, sizeof buffer, &found) == 0 && found != nullptr)
+    return found->pw_name;
+  return "user " + std::to_string(::getuid());
+}
+
+std::string utc_now() {
+  const std::time_t seconds = std::time(nullptr);
+  std::tm parts{};
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&seconds, &parts));
+  return text;
 }
 
 /// In small steps, so that a stop is heeded.
@@ -107,7 +138,8 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
     if (!heard) {
       link_.reset();
       // With the scan in, nobody waits for the sensor any more.
-      if (options_.once && !result_.valid()) return tl::unexpected<Error>{heard.error()};
+      const bool scan_in = scan_ && scan_->intake.ended();
+      if (options_.once && !result_.valid() && !scan_in) return tl::unexpected<Error>{heard.error()};
       complain(heard.error());
       wait_before_retry(stop);
     }
@@ -136,11 +168,13 @@ Result<void> Service::hear_sensor() {
     config.protocol.acknowledge_by_itself = false;
     if (scan_) config.protocol.resume = scan_->intake.position();
     BITELINE_ASSIGN(link_, intake::SensorLink::open(config));
+    ++links_;
     sensor_idle_ = false;
   }
   // The next scan only once the arm is out of its way, and what was left of earlier ones is done.
   if (sensor_idle_ && !scan_ && !result_.valid() && unfinished_.empty()) {
     sensor_idle_ = false;
+    if (robot_ && robot_->options.send) tell_controller(controller_of(robot_->options));
     link_->command({.id = k_start_id, .command = wire::Command::StartScan});
   }
   BITELINE_ASSIGN(const std::optional<intake::LinkEvent> event,
@@ -150,7 +184,7 @@ Result<void> Service::hear_sensor() {
 }
 
 void Service::start_result() {
-  if (!scan_ || !scan_->intake.ended() || result_.valid()) return;
+  if (!scan_ || !ready(*scan_) || result_.valid()) return;
   result_ = std::async(std::launch::async, [this, scan = std::move(*scan_)]() mutable {
     pthread_setname_np(pthread_self(), "bl-result");
     return work_out(std::move(scan));
@@ -173,6 +207,10 @@ Result<void> Service::on_event(const intake::LinkEvent& event) {
   if (!scan_) return {};  // the rest of a scan that was over before this host came
   const std::size_t before = scan_->intake.cloud().size();
   BITELINE_TRY(scan_->intake.take(event, link_->packet()));
+  if (scan_->intake.ended() && !scan_->ended) {
+    scan_->ended = now();
+    scan_->one_connection = !scan_->recovered && scan_->connection == connection();
+  }
   link_->acknowledge();
   if (const auto* profile = std::get_if<intake::ProfileEvent>(&event); profile && scan_->line) {
     scan_->line->add_profile(profile->profile.header.sequence,
@@ -211,7 +249,7 @@ Result<void> Service::on_hello(const intake::Hello& hello) {
 }
 
 void Service::hold_scan(const fs::path& folder, intake::ScanIntake intake) {
-  scan_.emplace(Scan{.folder = folder, .intake = std::move(intake), .line = {}, .recovered = false});
+  scan_.emplace(Scan{.folder = folder, .intake = std::move(intake), .line = {}, .connection = connection()});
   if (carrier_) return;
   scan_->line = std::make_unique<intake::LiveLine>(bite_line::Config{});
   scan_->line->add_profiles(scan_->intake.cloud());
@@ -291,26 +329,45 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
       .arm = robot_->arm, .process = robot_->process, .table_z_mm = robot_->options.table_z_mm};
   BITELINE_ASSIGN(const PlanStep plan, plan_path(scan.folder / "path", request, outcome, line));
   const bool wanted = plan.outcome.path && robot_->options.send;
-  // Only a scan that this process saw come in from a live sensor is known to show what stands there now.
-  const bool seen = !scan.recovered && !outcome.sensor.lossless;
-  const bool waits_for_a_word = wanted && !seen && !confirmed(scan.folder);
+  const robot::ScanFacts facts = facts_of(scan, outcome);
+  // What a person may still say yes to stays whole.
+  const bool seen = !facts.recovered && !facts.from_recording && facts.one_connection;
+  const bool waits_for_a_word = wanted && !facts.confirmed && (!seen || robot_->process.gate.approval);
   if (!options_.keep_recording && !waits_for_a_word) scan.intake.forget();
   if (!wanted) return plan.status;
-  if (waits_for_a_word) {
-    const std::string name = scan.folder.filename().string();
-    say_step("refused: %s %s: the path is not sent; a person who has looked may say --confirm %s",
-             name.c_str(), scan.recovered ? "was not seen coming in" : "is of a recording", name.c_str());
-    return ExitStatus::Refused;
-  }
-  if (outcome.messages_lost > 0) {
-    return fail(Errc::Refused, "%llu profiles of the scan are lost: the path is not sent",
-                static_cast<unsigned long long>(outcome.messages_lost));
-  }
   return follow_path(scan.folder, plan,
-                     {.rtde = robot_->options.rtde,
-                      .script = robot_->options.script,
-                      .dashboard = robot_->options.dashboard},
+                     {.controller = controller_of(robot_->options),
+                      .serial = robot_->options.serial,
+                      .holds_arm = locks_.arm.has_value(),
+                      .scan = facts,
+                      .scan_ended = scan.recovered ? std::nullopt : scan.ended},
                      *stop_);
+}
+
+robot::ScanFacts Service::facts_of(const Scan& scan, const intake::ScanOutcome& outcome) const {
+  robot::ScanFacts facts{
+      .name = scan.folder.filename().string(),
+      .scan_id = scan.intake.scan_id(),
+      .recovered = scan.recovered,
+      .from_recording = outcome.sensor.lossless,
+      .one_connection = scan.one_connection,
+      .messages_lost = outcome.messages_lost,
+      .lost = {
+          .frames = outcome.lost.frames, .profiles = outcome.lost.profiles, .edges = outcome.lost.edges}};
+  if (confirmed(scan.folder)) facts.confirmed = robot::Word{.by = user_name(), .at = utc_now()};
+  return facts;
+}
+
+int Service::connection() const {
+  // A link counts its own renewals; no link has had a thousand.
+  return 1000 * links_ + (link_ ? link_->reconnects() : 0);
+}
+
+bool Service::ready(const Scan& scan) {
+  if (!scan.intake.ended()) return false;
+  const bool has_light = !scan.intake.sensor().lossless;
+  if (scan.recovered || scan.intake.light_told() || !has_light || !scan.ended) return true;
+  return now() - *scan.ended > k_last_health;
 }
 
 }  // namespace biteline::service

@@ -46,6 +46,9 @@ class Service {
     intake::ScanIntake intake;
     std::unique_ptr<intake::LiveLine> line;  ///< none where a sample's line is carried over
     bool recovered{false};                   ///< of a process that ended: nobody knows how old it is
+    int connection{0};                       ///< that it began on
+    bool one_connection{false};              ///< it ended on the same
+    std::optional<HostClock::time_point> ended{};
   };
   /// What the service alone may use while it lives.
   struct Locks {
@@ -78,6 +81,11 @@ class Service {
                                                  std::optional<cloud::ClosedLine>& line) const;
   [[nodiscard]] Result<ExitStatus> work_out_path(Scan& scan, const intake::ScanOutcome& outcome,
                                                  const cloud::ClosedLine& line) const;
+  [[nodiscard]] robot::ScanFacts facts_of(const Scan& scan, const intake::ScanOutcome& outcome) const;
+  /// Counts every connection to the sensor, also those that came back by themselves.
+  [[nodiscard]] int connection() const;
+  /// Its end is in, and the sensor has said how its light ended.
+  [[nodiscard]] static bool ready(const Scan& scan);
   [[nodiscard]] bool confirmed(const std::filesystem::path& folder) const;
 
   Options options_;
@@ -89,6 +97,7 @@ class Service {
   std::deque<std::filesystem::path> unfinished_;  ///< folders, still to be taken up
   std::unique_ptr<intake::SensorLink> link_;
   std::optional<Scan> scan_;                ///< coming in
+  int links_{0};                            ///< opened to the sensor so far
   bool sensor_idle_{false};                 ///< it waits to be asked for a scan
   std::future<Result<ExitStatus>> result_;  ///< being worked out; last: its thread uses the rest
 };

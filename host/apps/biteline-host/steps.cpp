@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "host/apps/biteline-host/steps.hpp"
 
+#include <algorithm>
 #include <charconv>
+#include <chrono>
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <memory>
@@ -15,6 +18,8 @@
 #include "host/results/plan_result.hpp"
 #include "host/results/transfer_result.hpp"
 #include "host/robot/link/follow.hpp"
+#include "host/robot/link/gate/gate_file.hpp"
+#include "host/robot/link/ur/controller_words.hpp"
 #include "host/robot/link/ur/ur_link.hpp"
 #include "host/robot/path/checks/way_there.hpp"
 
@@ -22,6 +27,17 @@ namespace biteline::service {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* k_gate_file = "gate.json";
+constexpr Nanoseconds k_dashboard_patience{2'000'000'000};
+
+/// A decision that cannot be read may have been a yes.
+bool sent_before(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(folder / k_gate_file, error)) return false;
+  const Result<robot::GateFile> gate = robot::read_gate(folder / k_gate_file);
+  return !gate || gate->permitted || gate->inputs.scan.sent_before;
+}
 
 Result<LineStep> keep_unfinished(const fs::path& folder, const intake::ScanOutcome& scan,
                                  report::Report& report) {
@@ -45,6 +61,19 @@ void fill_scan(const intake::ScanOutcome& scan, report::Report& report) {
   report.fields["messages_lost"] = scan.messages_lost;
 }
 
+/// The dashboard's place; without being told, the usual port beside the script's.
+Result<robot::ur::Endpoint> dashboard_of(const ControllerAddress& controller) {
+  BITELINE_ASSIGN(const HostPort script, parse_host_port(controller.script));
+  if (controller.dashboard.empty())
+    return robot::ur::Endpoint{.host = script.host, .port = robot::ur::UrLink::Config{}.dashboard_port};
+  BITELINE_ASSIGN(const HostPort dashboard, parse_host_port(controller.dashboard));
+  if (dashboard.host != script.host) {
+    return fail(Errc::InvalidArgument, "--dashboard %s and --script %s are two machines",
+                controller.dashboard.c_str(), controller.script.c_str());
+  }
+  return robot::ur::Endpoint{.host = dashboard.host, .port = dashboard.port};
+}
+
 Result<std::unique_ptr<robot::ur::UrLink>> open_robot(const ControllerAddress& controller) {
   BITELINE_ASSIGN(const HostPort rtde, parse_host_port(controller.rtde));
   BITELINE_ASSIGN(const HostPort script, parse_host_port(controller.script));
@@ -52,19 +81,77 @@ Result<std::unique_ptr<robot::ur::UrLink>> open_robot(const ControllerAddress& c
     return fail(Errc::InvalidArgument, "--rtde %s and --script %s are two machines", controller.rtde.c_str(),
                 controller.script.c_str());
   }
+  BITELINE_ASSIGN(const robot::ur::Endpoint dashboard, dashboard_of(controller));
   robot::ur::UrLink::Config config;
   config.host = rtde.host;
   config.rtde_port = rtde.port;
   config.script_port = script.port;
-  if (!controller.dashboard.empty()) {
-    BITELINE_ASSIGN(const HostPort dashboard, parse_host_port(controller.dashboard));
-    if (dashboard.host != script.host) {
-      return fail(Errc::InvalidArgument, "--dashboard %s and --script %s are two machines",
-                  controller.dashboard.c_str(), controller.script.c_str());
-    }
-    config.dashboard_port = dashboard.port;
-  }
+  config.dashboard_port = dashboard.port;
   return robot::ur::UrLink::open(config);
+}
+
+double seconds_since(HostClock::time_point instant) {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return 1e-9 * static_cast<double>(
+                    (std::chrono::duration_cast<Nanoseconds>(now) - instant.time_since_epoch()).count());
+}
+
+/// Nothing where the process tells none.
+std::optional<bool> same_payload(const std::optional<path::Payload>& sent,
+                                 const std::optional<path::Payload>& told) {
+  if (!told) return std::nullopt;
+  constexpr double k_kg = 1e-6, k_mm = 1e-6;
+  return sent && std::abs(sent->mass_kg - told->mass_kg) <= k_kg &&
+         (sent->centre_flange_mm - told->centre_flange_mm).norm() <= k_mm;
+}
+
+/// What is known before anybody goes near the arm.
+robot::GateInputs gate_inputs(const PlanStep& plan, const SendRequest& request) {
+  robot::GateInputs inputs;
+  const path::Process& process = plan.request.process;
+  inputs.limits = process.gate;
+  inputs.scan = request.scan;
+  if (request.scan_ended) inputs.scan.age_s = seconds_since(*request.scan_ended);
+  const SE3 off = plan.outcome.path->path().T_flange_tcp.inverse() * process.tool.T_flange_tcp;
+  inputs.result = {.line_passed = path::all_passed(path::check_line(plan.request.line)),
+                   .path_passed = false,
+                   .tool_off_mm = off.translation().norm(),
+                   .tool_off_rad = geometry::log_so3(off.linear()).norm(),
+                   .same_payload = same_payload(plan.outcome.path->path().payload, process.tool.payload)};
+  inputs.arm.arm = plan.request.arm.name;
+  inputs.arm.held = request.holds_arm;
+  if (!request.serial.empty()) inputs.arm.serial = request.serial;
+  return inputs;
+}
+
+bool about_the_arm(const robot::GateRow& row) {
+  return row.code == robot::Refused::PathNotPassed || row.code >= robot::Refused::ArmMoved;
+}
+
+/// What is wrong with the scan itself: then the arm is not even asked.
+bool scan_fails(const std::vector<robot::GateRow>& rows) {
+  return std::ranges::any_of(rows, [](const robot::GateRow& row) {
+    return row.state == robot::GateRow::State::Failed && !about_the_arm(row);
+  });
+}
+
+/// A person's word would help.
+bool may_be_confirmed(const robot::GateInputs& inputs) {
+  robot::GateInputs vouched = inputs;
+  vouched.scan.confirmed = robot::Word{};
+  return !inputs.scan.confirmed && !scan_fails(robot::judge(vouched));
+}
+
+Result<ExitStatus> say_refused(const fs::path& folder, const robot::GateInputs& inputs) {
+  BITELINE_TRY(robot::write_gate(folder / k_gate_file, inputs));
+  std::vector<robot::GateRow> rows = robot::judge(inputs);
+  const bool by_scan = scan_fails(rows);
+  if (by_scan) std::erase_if(rows, about_the_arm);
+  const std::string name = folder.filename().string();
+  const bool confirm = by_scan && may_be_confirmed(inputs);
+  say_step("refused: the path of %s is not sent: %s%s%s", name.c_str(), robot::failures(rows).c_str(),
+           confirm ? "; a person who has looked may say --confirm " : "", confirm ? name.c_str() : "");
+  return ExitStatus::Refused;
 }
 
 Result<void> write_followed(const fs::path& folder, const robot::FollowReport& followed) {
@@ -175,23 +262,50 @@ Result<PlanStep> plan_path(const fs::path& folder, const PlanStepRequest& reques
   return PlanStep{.status = status, .request = std::move(plan_request), .outcome = std::move(outcome)};
 }
 
-Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan,
-                               const ControllerAddress& controller, const std::atomic<bool>& stop) {
-  BITELINE_ASSIGN(const std::unique_ptr<robot::ur::UrLink> link, open_robot(controller));
-  BITELINE_ASSIGN(const robot::RobotState state, robot::wait_until_still(*link, {.stop = &stop}));
+void tell_controller(const ControllerAddress& controller) {
+  const Result<robot::ur::Endpoint> dashboard = dashboard_of(controller);
+  const Result<robot::ur::ControllerWords> words =
+      dashboard ? robot::ur::ask_controller(*dashboard, k_dashboard_patience)
+                : Result<robot::ur::ControllerWords>{tl::unexpected<Error>{dashboard.error()}};
+  say_step("robot: %s", words ? robot::ur::summary(*words).c_str() : to_line(words.error()).c_str());
+}
+
+Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, const SendRequest& request,
+                               const std::atomic<bool>& stop) {
+  robot::GateInputs inputs = gate_inputs(plan, request);
+  inputs.scan.sent_before = sent_before(folder);
+  if (scan_fails(robot::judge(inputs))) return say_refused(folder, inputs);
+
+  BITELINE_ASSIGN(const std::unique_ptr<robot::ur::UrLink> link, open_robot(request.controller));
+  BITELINE_ASSIGN(const robot::RobotState still, robot::wait_until_still(*link, {.stop = &stop}));
   const path::CollisionModel collisions{plan.request.arm, plan.request.process.tool,
                                         plan.outcome.surroundings};
   const path::WayThere way =
-      path::find_way_there(state.q_rad, *plan.outcome.path, plan.request.arm, collisions);
-  if (!way.path) {
-    say_step("refused: %s comes as near as %.1f mm: the path is not sent", way.check.detail.c_str(),
-             way.check.value);
-    return ExitStatus::Refused;
-  }
-  say_step("sends the path to %s", controller.script.c_str());
+      path::find_way_there(still.q_rad, *plan.outcome.path, plan.request.arm, collisions);
+  if (!way.path) say_step("%s comes as near as %.1f mm", way.check.detail.c_str(), way.check.value);
+  BITELINE_ASSIGN(const robot::ur::Endpoint dashboard, dashboard_of(request.controller));
+  BITELINE_ASSIGN(const robot::ur::ControllerWords words,
+                  robot::ur::ask_controller(dashboard, k_dashboard_patience));
+  BITELINE_ASSIGN(const robot::RobotState now, link->latest());
+
+  if (request.scan_ended) inputs.scan.age_s = seconds_since(*request.scan_ended);
+  inputs.result.path_passed = way.path.has_value();
+  inputs.result.way_clearance_mm = way.check.value;
+  inputs.arm.told_version = words.version;
+  inputs.arm.told_model = words.model;
+  inputs.arm.told_serial = words.serial;
+  inputs.arm.told_remote = words.remote;
+  inputs.arm.q_checked_rad = still.q_rad;
+  inputs.arm.q_now_rad = now.q_rad;
+  const robot::GateOutcome gate = robot::open_gate(inputs, way.path ? *way.path : *plan.outcome.path);
+  if (!gate.path) return say_refused(folder, inputs);
+  // Before anything moves: a decision that cannot be kept is none.
+  BITELINE_TRY(robot::write_gate(folder / k_gate_file, inputs));
+
+  say_step("sends the path to %s", request.controller.script.c_str());
   robot::FollowReport followed;
   const Result<void> done =
-      robot::follow(*link, *way.path, {.limits = plan.request.process.follow, .stop = &stop}, followed);
+      robot::follow(*link, *gate.path, {.limits = plan.request.process.follow, .stop = &stop}, followed);
   // As far as it went, also when it was stopped.
   BITELINE_TRY(write_followed(folder, followed));
   BITELINE_TRY(results::write_tracking(folder / "path", plan.request, plan.outcome, followed.track));

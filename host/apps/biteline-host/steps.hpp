@@ -9,10 +9,12 @@
 #include <string>
 
 #include "common/core/result.hpp"
+#include "common/time/clocks.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/intake/live_line.hpp"
 #include "host/intake/scan_intake.hpp"
 #include "host/robot/kinematics/arm_model.hpp"
+#include "host/robot/link/gate/gate.hpp"
 #include "host/robot/path/plan.hpp"
 #include "host/robot/path/process.hpp"
 #include "host/transfer/transfer.hpp"
@@ -74,11 +76,23 @@ struct HostPort {
 /// "HOST:PORT"; Errc::InvalidArgument.
 [[nodiscard]] Result<HostPort> parse_host_port(const std::string& text);
 
-/// Checks the arm's way to the path from where it stands, sends both, watches the arm follow: followed.json,
-/// track.csv, and the track in path/tracking.html.  The arm is stopped when it leaves the process's limits
-/// and when `stop` is set.  Pre: the plan has a path.
+/// A path that is to be sent, and what the service knows of its scan.
+struct SendRequest {
+  ControllerAddress controller;
+  std::string serial;  ///< of the arm; empty: not told
+  bool holds_arm{false};
+  robot::ScanFacts scan;  ///< without its age
+  std::optional<HostClock::time_point> scan_ended{};
+};
+
+/// Where the arm stands, checks its way to the path from there, asks the controller about itself, opens the
+/// gate (gate.json), sends the path, watches the arm follow: followed.json, track.csv, and the track in
+/// path/tracking.html.  The arm is stopped when it leaves the process's limits and when `stop` is set.
+/// Pre: the plan has a path.
 [[nodiscard]] Result<ExitStatus> follow_path(const std::filesystem::path& folder, const PlanStep& plan,
-                                             const ControllerAddress& controller,
-                                             const std::atomic<bool>& stop);
+                                             const SendRequest& request, const std::atomic<bool>& stop);
+
+/// Says on stdout what the controller says about itself, before a scan.
+void tell_controller(const ControllerAddress& controller);
 
 }  // namespace biteline::service

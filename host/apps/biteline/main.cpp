@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The tool: replay, extract, calibrate, transfer, plan, evaluate, target, model, doctor.
+// The tool: replay, extract, calibrate, transfer, plan, evaluate, explain, target, model, doctor.
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
   add_demo(app, context);
   add_doctor(app, context);
   add_evaluate(app, context);
+  add_explain(app, context);
   add_extract(app, context);
   add_calibrate(app, context);
   add_keys(app, context);

@@ -134,7 +134,8 @@ class Run {
 
 /// After a stop: has the program ended, and does the arm stand?
 bool comes_to_rest(const RobotLink& link, double patience_s) {
-  Result<RobotState> state = link.latest();
+  // The newest one, however old: after a silence the link may be about to come back.
+  Result<RobotState> state = link.wait_newer(0, k_first_state_patience);
   if (!state) return false;
   const HostClock::time_point begin = state->received;
   while (seconds(state->received - begin) < patience_s) {
@@ -199,12 +200,13 @@ Result<RobotState> wait_until_still(const RobotLink& link, const StillOptions& o
   return state;
 }
 
-Result<void> follow(RobotLink& link, const path::CheckedPath& path, const FollowOptions& options,
+Result<void> follow(RobotLink& link, const PermittedPath& permitted, const FollowOptions& options,
                     FollowReport& report) {
+  const path::CheckedPath& path = permitted.path();
   BITELINE_ASSIGN(const RobotState from, link.latest());
   link.start_recording();
   Run run{link, path, options, from};
-  if (const Result<void> sent = link.send(path); !sent) {
+  if (const Result<void> sent = link.send(permitted); !sent) {
     static_cast<void>(link.take_recording());
     return sent;
   }

@@ -45,7 +45,7 @@ struct StillOptions {
 /// `options.stop`, the arm is told to stop and the reason returned: Errc::CheckFailed where the arm was at
 /// fault, the device's code where the device was.  Success means: every state within the limits and the line
 /// covered.  `report` is filled as far as it went, also on a failure.
-[[nodiscard]] Result<void> follow(RobotLink& link, const path::CheckedPath& path,
+[[nodiscard]] Result<void> follow(RobotLink& link, const PermittedPath& permitted,
                                   const FollowOptions& options, FollowReport& report);
 
 /// One row per sample: time, T_base_tcp.

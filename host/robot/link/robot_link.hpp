@@ -8,7 +8,7 @@
 
 #include "common/core/result.hpp"
 #include "common/time/clocks.hpp"
-#include "host/robot/path/checks/checked_path.hpp"
+#include "host/robot/link/gate/gate.hpp"
 
 namespace biteline::robot {
 
@@ -53,8 +53,9 @@ class RobotLink {
   /// Waits for a state newer than `sequence`; Errc::Timeout.
   [[nodiscard]] virtual Result<RobotState> wait_newer(std::uint64_t sequence, Nanoseconds patience) const = 0;
 
-  /// Starts the path's program.  Takes nothing but a path that passed its checks.
-  [[nodiscard]] virtual Result<void> send(const path::CheckedPath& path) = 0;
+  /// Starts the path's program.  Takes nothing but a path that the gate let through, and only while the arm
+  /// stands where the gate saw it.
+  [[nodiscard]] virtual Result<void> send(const PermittedPath& path) = 0;
   /// Ends the running program, the arm brakes, and switches off the output that the sent path switches on.
   [[nodiscard]] virtual Result<void> stop() = 0;
 

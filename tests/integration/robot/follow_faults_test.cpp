@@ -10,6 +10,7 @@
 
 #include "host/robot/link/follow.hpp"
 #include "host/robot/link/ur/ur_link.hpp"
+#include "tests/unit/host/robot/link/permitted.hpp"
 #include "tests/unit/host/robot/link/played_path.hpp"
 
 namespace biteline::robot {
@@ -94,7 +95,8 @@ TEST_GROUP(FollowFaults) {
                                         .connect_patience_s = 20});
     CHECK_TEXT(link.has_value(), link ? "" : to_line(link.error()).c_str());
     Played out;
-    out.followed = follow(**link, path, {.limits = limits, .stop = &stop}, out.report);
+    out.followed =
+        follow(**link, test::permitted(path, home_rad), {.limits = limits, .stop = &stop}, out.report);
     // The stop program is written last, and read a cycle later.
     for (int i = 0; i < 1000 && out.report.halt && out.report.halt->code != Halt::NotCovered &&
                     !controller.times().output_off;

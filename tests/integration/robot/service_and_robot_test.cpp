@@ -20,7 +20,7 @@ using intake::ChildProcess;
 using robot::test::FakeController;
 using namespace std::chrono_literals;
 
-constexpr auto k_patience = 120s;  // of a loaded machine
+constexpr auto k_patience = 240s;  // of a loaded machine
 
 int run(const fs::path& program, const std::vector<std::string>& arguments) {
   auto child = ChildProcess::start({.program = program, .arguments = arguments, .pass_stderr = true});
@@ -70,6 +70,24 @@ TEST_GROUP(ServiceAndRobot) {
   test::TemporaryFolder folder;
   FakeController controller;
 
+  void setup() override {
+    controller.answers = {{"PolyscopeVersion", "URSoftware 5.12.0.0 (Jan 01 2022)"},
+                          {"get robot model", "UR5"},
+                          {"get serial number", "20215500001"},
+                          {"is in remote control", "true"}};
+  }
+  static nlohmann::json gate_of(const fs::path& scan) {
+    std::ifstream stream{scan / "gate.json"};
+    return nlohmann::json::parse(stream, nullptr, false);
+  }
+  /// The reasons of the gate's rows that failed.
+  static std::string reasons_of(const fs::path& scan) {
+    std::string reasons;
+    const nlohmann::json gate = gate_of(scan);
+    for (const auto& row : gate.value("rows", nlohmann::json::array()))
+      reasons += row.value("reason_code", "") + " ";
+    return reasons;
+  }
   fs::path results() const {
     return folder.path() / "results";
   }
@@ -123,6 +141,7 @@ TEST(ServiceAndRobot, OldRecordingIsWorkedOutAndNeverSent) {
   CHECK(fs::exists(scan / "line.csv"));
   CHECK(fs::exists(scan / "path/path.csv"));
   CHECK(controller.script().empty());
+  STRCMP_CONTAINS("scan_not_seen", reasons_of(scan).c_str());
   CHECK(fs::exists(scan / "scan.btln"));  // a person may still say so
 }
 
@@ -135,6 +154,40 @@ TEST(ServiceAndRobot, OldRecordingIsSentWhenAPersonSaysItsNameAndNoOther) {
   ChildProcess named = start(sending(k_no_sensor), {"--once", "--confirm", "scan-0001"});
   static_cast<void>(end_of(named));  // this controller never begins the program
   STRCMP_CONTAINS("def biteline_path():", controller.script().c_str());
+  const nlohmann::json gate = gate_of(results() / "scan-0001");
+  CHECK(gate.value("permitted", false));
+  CHECK(!gate["inputs"]["scan"]["confirmed"].value("by", "").empty());
+  CHECK(!gate["inputs"]["scan"]["confirmed"].value("at", "").empty());
+}
+
+TEST(ServiceAndRobot, WordCountsForOneSending) {
+  leave_scan("scan-0001");
+  ChildProcess first = start(sending(k_no_sensor), {"--once", "--confirm", "scan-0001", "--keep-recording"});
+  static_cast<void>(end_of(first));
+  const std::string sent = controller.script();
+  CHECK(!sent.empty());
+  for (int again = 0; again < 2; ++again) {
+    ChildProcess second =
+        start(sending(k_no_sensor), {"--once", "--confirm", "scan-0001", "--keep-recording"});
+    LONGS_EQUAL(static_cast<int>(ExitStatus::Refused), end_of(second).first);
+    STRCMP_CONTAINS("sent_before", reasons_of(results() / "scan-0001").c_str());
+  }
+  CHECK_EQUAL(sent, controller.script());
+}
+
+TEST(ServiceAndRobot, ArmInLocalControlOrAnotherArmIsSentNothing) {
+  leave_scan("scan-0001");
+  controller.answers["is in remote control"] = "false";
+  controller.answers["get robot model"] = "UR10";
+  ChildProcess host =
+      start(sending(k_no_sensor), {"--once", "--confirm", "scan-0001", "--serial", "20215500002"});
+  const auto [status, said] = end_of(host);
+  LONGS_EQUAL(static_cast<int>(ExitStatus::Refused), status);
+  const std::string reasons = reasons_of(results() / "scan-0001");
+  for (const char* reason : {"not_remote", "other_arm", "other_serial"})
+    STRCMP_CONTAINS(reason, reasons.c_str());
+  CHECK(reasons.find("scan_") == std::string::npos);
+  CHECK(controller.script().empty());
 }
 
 TEST(ServiceAndRobot, ScanOfARecordingIsNotSent) {
@@ -142,7 +195,7 @@ TEST(ServiceAndRobot, ScanOfARecordingIsNotSent) {
   ChildProcess host = start(sending(sensor.endpoint().text()), {"--once"});
   const auto [status, said] = end_of(host);
   LONGS_EQUAL(static_cast<int>(ExitStatus::Refused), status);
-  STRCMP_CONTAINS("is of a recording", said.c_str());
+  STRCMP_CONTAINS("of a recording", said.c_str());
   CHECK(controller.script().empty());
 }
 

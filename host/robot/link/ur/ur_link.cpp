@@ -242,11 +242,12 @@ Result<RobotState> UrLink::wait_newer(std::uint64_t sequence, Nanoseconds patien
               config_.host.c_str());
 }
 
-Result<void> UrLink::send(const path::CheckedPath& path) {
+Result<void> UrLink::send(const PermittedPath& permitted) {
   BITELINE_ASSIGN(const RobotState state, latest());
   if (state.safety == Safety::Stopped) return fail(Errc::InterlockOpen, "robot: its safety system holds it");
   if (!state.powered) return fail(Errc::PeerRefused, "robot: not powered or brakes on");
   if (state.program_running) return fail(Errc::PeerRefused, "robot: another program runs");
+  if (!permitted.holds_for(state.q_rad)) return fail(Errc::Refused, "robot: it has moved since the gate");
   {
     const std::lock_guard lock{mutex_};
     status_.last_text.clear();
@@ -256,8 +257,8 @@ Result<void> UrLink::send(const path::CheckedPath& path) {
                                                  from_seconds(config_.connect_patience_s)));
   BITELINE_ASSIGN(script_, TcpStream::connect({config_.host, config_.script_port},
                                               from_seconds(config_.connect_patience_s)));
-  output_ = path.path().digital_output;
-  return script_.write_all(urscript(path), k_send_patience);
+  output_ = permitted.path().path().digital_output;
+  return script_.write_all(urscript(permitted.path()), k_send_patience);
 }
 
 Result<void> UrLink::stop() {

@@ -42,7 +42,7 @@ class UrLink final : public RobotLink {
 
   [[nodiscard]] Result<RobotState> latest() const override;
   [[nodiscard]] Result<RobotState> wait_newer(std::uint64_t sequence, Nanoseconds patience) const override;
-  [[nodiscard]] Result<void> send(const path::CheckedPath& path) override;
+  [[nodiscard]] Result<void> send(const PermittedPath& path) override;
   [[nodiscard]] Result<void> stop() override;
   void start_recording() override;
   [[nodiscard]] std::vector<RobotState> take_recording() override;

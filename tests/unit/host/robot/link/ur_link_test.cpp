@@ -5,6 +5,7 @@
 
 #include "host/robot/link/follow.hpp"
 #include "tests/unit/host/robot/link/fake_controller.hpp"
+#include "tests/unit/host/robot/link/permitted.hpp"
 #include "tests/unit/host/robot/link/planned.hpp"
 
 namespace biteline::robot::ur {
@@ -103,20 +104,23 @@ TEST(UrLink, PathIsSentOnlyToASafePoweredIdleArm) {
 
   controller.safety_mode = 3;  // protective stop
   CHECK(wait_until(**link, [](const RobotState& s) { return s.safety == Safety::Stopped; }));
-  CHECK((*link)->send(path).error().code == Errc::InterlockOpen);
+  CHECK((*link)->send(test::permitted(path)).error().code == Errc::InterlockOpen);
   controller.safety_mode = 1;
   controller.robot_mode = 5;  // idle: brakes on
   CHECK(wait_until(**link, [](const RobotState& s) { return !s.powered && s.safety == Safety::Normal; }));
-  CHECK((*link)->send(path).error().code == Errc::PeerRefused);
+  CHECK((*link)->send(test::permitted(path)).error().code == Errc::PeerRefused);
   controller.robot_mode = 7;
   controller.runtime_state = 2;
   CHECK(wait_until(**link, [](const RobotState& s) { return s.powered && s.program_running; }));
-  CHECK((*link)->send(path).error().code == Errc::PeerRefused);
+  CHECK((*link)->send(test::permitted(path)).error().code == Errc::PeerRefused);
   CHECK(controller.script().empty());
 
   controller.runtime_state = 1;
   CHECK(wait_until(**link, [](const RobotState& s) { return !s.program_running; }));
-  CHECK((*link)->send(path).has_value());
+  const PermittedPath elsewhere = test::permitted(path, kinematics::Joints::Constant(0.01));
+  CHECK((*link)->send(elsewhere).error().code == Errc::Refused);
+  CHECK(controller.script().empty());
+  CHECK((*link)->send(test::permitted(path)).has_value());
   CHECK(wait_until(**link, [&](const RobotState&) { return controller.script().ends_with("end\n"); }));
   CHECK(controller.script().starts_with("def biteline_path():"));
 }
@@ -163,7 +167,7 @@ TEST(UrLink, FollowingStopsTheArmWhenSafetyTrips) {
     controller.safety_mode = 7;  // emergency stop
   }};
   FollowReport report;
-  const auto result = follow(**link, path, {}, report);
+  const auto result = follow(**link, test::permitted(path), {}, report);
   operation.join();
   CHECK_FALSE(result.has_value());
   CHECK(result.error().code == Errc::InterlockOpen);

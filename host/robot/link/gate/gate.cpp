@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT
+#include "host/robot/link/gate/gate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "common/core/fixed_text.hpp"
+
+namespace biteline::robot {
+namespace {
+
+using State = GateRow::State;
+
+constexpr double k_deg_per_rad = 180 / std::numbers::pi;
+// The path's tool is the process's, or the plan was made for another one; less is rounding.
+constexpr double k_tool_mm = 0.01, k_tool_rad = 1e-4;
+
+template <class... Values>
+std::string text(const char* pattern, Values... values) {
+  return std::string{FixedText<200>::format(pattern, values...).view()};
+}
+
+State when(bool good) {
+  return good ? State::Passed : State::Failed;
+}
+
+void add_scan_rows(const GateInputs& inputs, std::vector<GateRow>& rows) {
+  const ScanFacts& scan = inputs.scan;
+  const bool seen = !scan.recovered && !scan.from_recording;
+  const bool vouched = scan.confirmed.has_value();
+  const std::string words =
+      vouched ? text(", confirmed by %.60s at %.40s", scan.confirmed->by.c_str(), scan.confirmed->at.c_str())
+              : "";
+  rows.push_back({Refused::ScanNotSeen, "scan seen coming in",
+                  (scan.recovered        ? "recovered"
+                   : scan.from_recording ? "of a recording"
+                                         : "live") +
+                      words,
+                  "live, or confirmed by a person", when(seen || vouched)});
+  const double limit_s = inputs.limits.scan_age_s;
+  const bool fresh = scan.age_s && *scan.age_s >= 0 && *scan.age_s <= limit_s;
+  // A recovered scan has no age that this process could know; its person vouches for the shoe's place.
+  rows.push_back({Refused::ScanTooOld, "scan's age", scan.age_s ? text("%.1f s", *scan.age_s) : "not known",
+                  text("%.0f s, or confirmed by a person", limit_s), when(fresh || vouched)});
+  rows.push_back({Refused::OtherConnection, "connection to the sensor",
+                  scan.one_connection ? "one" : "broken or renewed", "one, or confirmed by a person",
+                  when((scan.one_connection && scan.scan_id != 0) || vouched)});
+  rows.push_back(
+      {Refused::SentBefore, "sent before", scan.sent_before ? "yes" : "no", "no", when(!scan.sent_before)});
+  rows.push_back({Refused::MessagesLost, "messages lost",
+                  text("%llu", static_cast<unsigned long long>(scan.messages_lost)), "0",
+                  when(scan.messages_lost == 0)});
+  const std::uint64_t worst = std::max({scan.lost.frames, scan.lost.profiles, scan.lost.edges});
+  rows.push_back(
+      {Refused::HolesInScan, "lost in a row",
+       text("%llu frames, %llu profiles, %llu edges", static_cast<unsigned long long>(scan.lost.frames),
+            static_cast<unsigned long long>(scan.lost.profiles),
+            static_cast<unsigned long long>(scan.lost.edges)),
+       text("%d", inputs.limits.lost_in_a_row),
+       when(inputs.limits.lost_in_a_row >= 0 &&
+            worst <= static_cast<std::uint64_t>(inputs.limits.lost_in_a_row))});
+}
+
+void add_result_rows(const GateInputs& inputs, std::vector<GateRow>& rows) {
+  const ResultFacts& result = inputs.result;
+  const auto yes = [](bool value) { return value ? "passed" : "not passed"; };
+  rows.push_back(
+      {Refused::LineNotPassed, "line's checks", yes(result.line_passed), "passed", when(result.line_passed)});
+  rows.push_back({Refused::PathNotPassed, "path's checks",
+                  text("%s, way there %.1f mm clear", yes(result.path_passed), result.way_clearance_mm),
+                  "passed", when(result.path_passed)});
+  const std::optional<double>& tolerance_mm = inputs.limits.tolerance_mm;
+  const bool certain =
+      result.u95_mm && (!tolerance_mm || (*result.u95_mm >= 0 && *result.u95_mm <= *tolerance_mm));
+  rows.push_back({Refused::TooUncertain, "uncertainty (U95)",
+                  result.u95_mm ? text("%.2f mm", *result.u95_mm) : "not known",
+                  tolerance_mm ? text("%.2f mm", *tolerance_mm) : "none asked for",
+                  result.u95_mm ? when(certain) : State::NotKnown});
+  // Who confirms a scan by name has looked at it.
+  std::optional<bool> approved = result.approved;
+  if (!approved && inputs.scan.confirmed) approved = true;
+  rows.push_back({Refused::NotApproved, "a person's approval",
+                  approved ? (*approved ? "given" : "refused") : "not known",
+                  inputs.limits.approval ? "asked for by the process" : "not asked for",
+                  approved                 ? when(*approved)
+                  : inputs.limits.approval ? State::Failed
+                                           : State::NotKnown});
+  rows.push_back({Refused::OtherTool, "path's tool from the process's",
+                  text("%.3f mm, %.3f degrees", result.tool_off_mm, result.tool_off_rad * k_deg_per_rad),
+                  text("%.3f mm, %.3f degrees", k_tool_mm, k_tool_rad * k_deg_per_rad),
+                  when(result.tool_off_mm <= k_tool_mm && result.tool_off_rad <= k_tool_rad)});
+  rows.push_back({Refused::OtherPayload, "path's payload",
+                  !result.same_payload   ? "none told: the controller's own setting counts"
+                  : *result.same_payload ? "the process's"
+                                         : "another",
+                  "the process's", result.same_payload ? when(*result.same_payload) : State::NotKnown});
+}
+
+/// e-Series arms have a remote control to switch on; the CB3 before it took programs at any time.
+bool is_cb3(const std::string& version) {
+  return version.find("URSoftware 3.") != std::string::npos ||
+         version.find("URSoftware 1.") != std::string::npos;
+}
+
+/// "UR5" is what the controller of a UR5e says, too: the software's generation tells them apart.
+bool is_arm(const ArmFacts& arm, const std::string& told) {
+  const bool wants_e = arm.arm.ends_with('e') || arm.arm.ends_with('E');
+  if (wants_e != !is_cb3(*arm.told_version)) return false;
+  const auto plain = [](std::string name) {
+    if (name.ends_with('e') || name.ends_with('E')) name.pop_back();
+    std::ranges::transform(name, name.begin(),
+                           [](char c) { return c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c; });
+    return name;
+  };
+  return plain(arm.arm) == plain(told);
+}
+
+void add_arm_rows(const GateInputs& inputs, std::vector<GateRow>& rows) {
+  const ArmFacts& arm = inputs.arm;
+  const double moved_rad = (arm.q_now_rad - arm.q_checked_rad).cwiseAbs().maxCoeff();
+  const bool finite = arm.q_now_rad.allFinite() && arm.q_checked_rad.allFinite();
+  rows.push_back({Refused::ArmMoved, "arm since the check", text("%.3f degrees", moved_rad * k_deg_per_rad),
+                  text("%.3f degrees", inputs.limits.start_rad * k_deg_per_rad),
+                  when(finite && moved_rad <= inputs.limits.start_rad)});
+  const bool cb3 = arm.told_version && is_cb3(*arm.told_version);
+  rows.push_back({Refused::NotRemote, "remote control",
+                  cb3               ? "a CB3 has none: anybody may send"
+                  : arm.told_remote ? (*arm.told_remote ? "on" : "off")
+                                    : "not known",
+                  "on", when(cb3 || arm.told_remote.value_or(false))});
+  // Controllers before 3.12 and 5.6 do not tell their model.
+  const bool knows_model = arm.told_model && arm.told_version;
+  rows.push_back(
+      {Refused::OtherArm, "arm",
+       knows_model ? text("%.60s, %.60s", arm.told_model->c_str(), arm.told_version->c_str()) : "not known",
+       arm.arm, knows_model ? when(is_arm(arm, *arm.told_model)) : State::NotKnown});
+  rows.push_back({Refused::OtherSerial, "arm's serial number", arm.told_serial.value_or("not known"),
+                  arm.serial.value_or("not told"),
+                  arm.serial ? when(arm.told_serial == arm.serial) : State::NotKnown});
+  rows.push_back({Refused::ArmNotHeld, "arm held by this service alone", arm.held ? "yes" : "no", "yes",
+                  when(arm.held)});
+}
+
+}  // namespace
+
+struct Gatekeeper {
+  static PermittedPath permit(const path::CheckedPath& path, const GateInputs& inputs) {
+    return PermittedPath{path, inputs};
+  }
+};
+
+std::vector<GateRow> judge(const GateInputs& inputs) {
+  std::vector<GateRow> rows;
+  add_scan_rows(inputs, rows);
+  add_result_rows(inputs, rows);
+  add_arm_rows(inputs, rows);
+  return rows;
+}
+
+bool passed(const std::vector<GateRow>& rows) {
+  return !rows.empty() &&
+         std::ranges::none_of(rows, [](const GateRow& row) { return row.state == State::Failed; });
+}
+
+std::string failures(const std::vector<GateRow>& rows) {
+  std::string all;
+  for (const GateRow& row : rows) {
+    if (row.state != State::Failed) continue;
+    all += (all.empty() ? "" : "; ") + row.name + ": " + row.value + " (" + row.limit + ")";
+  }
+  return all;
+}
+
+bool PermittedPath::holds_for(const kinematics::Joints& q_rad) const {
+  return q_rad.allFinite() && (q_rad - from_rad_).cwiseAbs().maxCoeff() <= start_rad_;
+}
+
+GateOutcome open_gate(const GateInputs& inputs, const path::CheckedPath& path) {
+  GateOutcome outcome{.rows = judge(inputs), .path = std::nullopt};
+  if (passed(outcome.rows)) outcome.path = Gatekeeper::permit(path, inputs);
+  return outcome;
+}
+
+}  // namespace biteline::robot

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The one gate before an arm: everything that must hold at the moment a path is sent.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/robot/link/gate/refused.hpp"
+#include "host/robot/path/checks/checked_path.hpp"
+
+namespace biteline::robot {
+
+/// A person's word for one scan.
+struct Word {
+  std::string by;  ///< the user's name on this machine
+  std::string at;  ///< date and time, UTC
+};
+
+/// Lost in a row, at the worst place of the scan.
+struct LostInARow {
+  std::uint64_t frames{0};
+  std::uint64_t profiles{0};
+  std::uint64_t edges{0};  ///< exposures that the time between two profiles has room for
+};
+
+struct ScanFacts {
+  std::string name;  ///< of its folder
+  std::uint64_t scan_id{0};
+  bool recovered{false};       ///< of a process that ended: nobody saw it come in
+  bool from_recording{false};  ///< the sensor plays a session
+  bool one_connection{false};  ///< to the sensor, from its first profile to its end
+  std::optional<double>
+      age_s{};  ///< since its end, by this host's monotonic clock; not known of a recovered one
+  std::uint64_t messages_lost{0};
+  LostInARow lost;
+  bool sent_before{false};
+  std::optional<Word> confirmed{};
+};
+
+struct ResultFacts {
+  bool line_passed{false};
+  bool path_passed{false};
+  double way_clearance_mm{0};              ///< of the way to the path's beginning
+  std::optional<double> u95_mm{};          ///< of the line; not known yet
+  std::optional<bool> approved{};          ///< a person's verdict on this result; not known yet
+  double tool_off_mm{0}, tool_off_rad{0};  ///< the path's tool from the process's
+  std::optional<bool> same_payload{};      ///< of path and process; nothing: the process tells none
+};
+
+/// As the controller and this host say.  What an old controller cannot say is not known.
+struct ArmFacts {
+  std::string arm;                      ///< configured: UR5e, ...
+  std::optional<std::string> serial{};  ///< configured
+  std::optional<std::string> told_version{}, told_model{}, told_serial{};
+  std::optional<bool> told_remote{};
+  kinematics::Joints q_checked_rad{kinematics::Joints::Zero()};  ///< where its way was checked from
+  kinematics::Joints q_now_rad{kinematics::Joints::Zero()};
+  bool held{false};  ///< this service holds the arm's lock
+};
+
+struct GateInputs {
+  path::GateLimits limits;
+  ScanFacts scan;
+  ResultFacts result;
+  ArmFacts arm;
+};
+
+struct GateRow {
+  enum class State { Passed, Failed, NotKnown };  ///< NotKnown does not stop the path; Failed does
+  Refused code;
+  std::string name;
+  std::string value;
+  std::string limit;
+  State state{State::Failed};
+};
+
+/// The whole table, from the inputs alone: the same inputs give the same rows at any time.
+[[nodiscard]] std::vector<GateRow> judge(const GateInputs& inputs);
+[[nodiscard]] bool passed(const std::vector<GateRow>& rows);
+/// The failed rows as one sentence.
+[[nodiscard]] std::string failures(const std::vector<GateRow>& rows);
+
+/// A path that the gate let through, to the arm as it stands now.  What sends paths takes this type and no
+/// other; only open_gate() makes one.
+class PermittedPath {
+ public:
+  [[nodiscard]] const path::CheckedPath& path() const { return path_; }
+  /// The arm must not have moved since the check, right up to the sending.
+  [[nodiscard]] bool holds_for(const kinematics::Joints& q_rad) const;
+
+ private:
+  friend struct Gatekeeper;
+  PermittedPath(path::CheckedPath path, const GateInputs& inputs)
+      : path_{std::move(path)}, from_rad_{inputs.arm.q_checked_rad}, start_rad_{inputs.limits.start_rad} {}
+  path::CheckedPath path_;
+  kinematics::Joints from_rad_;
+  double start_rad_;
+};
+
+struct GateOutcome {
+  std::vector<GateRow> rows;
+  std::optional<PermittedPath> path;  ///< present when no row failed
+};
+
+/// `path`: entered by the checked way from where the arm stands.
+[[nodiscard]] GateOutcome open_gate(const GateInputs& inputs, const path::CheckedPath& path);
+
+}  // namespace biteline::robot

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Why the gate lets no path through.
+
+#include "host/report/refusal.hpp"
+
+namespace biteline::robot {
+
+enum class Refused {
+  ScanNotSeen,      ///< recovered or of a recording, and no person vouches for it
+  ScanTooOld,       ///< the shoe may have been moved since
+  OtherConnection,  ///< the sensor was lost in mid-scan
+  SentBefore,       ///< this scan's path was sent already
+  MessagesLost,     ///< profiles never came
+  HolesInScan,      ///< frames, profiles or edges lost in a row
+  LineNotPassed,    ///< no line that passed its checks
+  PathNotPassed,    ///< no path, or no free way to it
+  TooUncertain,     ///< the line's uncertainty is beyond the tolerance
+  NotApproved,      ///< a person has said no, or has not said yes where the process asks
+  ArmMoved,         ///< since its way was checked
+  NotRemote,        ///< the controller is in local control
+  OtherArm,         ///< not the configured model
+  OtherSerial,      ///< not the configured arm
+  OtherTool,        ///< the path is planned for another tool than the process's
+  OtherPayload,     ///< the path carries another payload than the process's
+  ArmNotHeld,       ///< another service may send, too
+};
+
+[[nodiscard]] std::span<const report::RefusalRow<Refused>> refusal_table(Refused);
+
+}  // namespace biteline::robot

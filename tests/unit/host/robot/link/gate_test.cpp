@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: MIT
+#include "host/robot/link/gate/gate.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <algorithm>
+#include <cfenv>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <type_traits>
+
+#include "host/robot/link/gate/gate_file.hpp"
+#include "host/robot/link/robot_link.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/refusals.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/unit/host/robot/link/permitted.hpp"
+#include "tests/unit/host/robot/link/planned.hpp"
+
+namespace biteline::robot {
+namespace {
+
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+
+// Nothing but the gate makes what a robot takes.
+static_assert(!std::is_default_constructible_v<PermittedPath>);
+static_assert(!std::is_constructible_v<PermittedPath, path::CheckedPath>);
+static_assert(!std::is_constructible_v<PermittedPath, path::CheckedPath, GateInputs>);
+static_assert(!std::is_convertible_v<path::CheckedPath, PermittedPath>);
+
+struct Change {
+  const char* name;
+  std::function<void(GateInputs&)> make;
+  Refused refused;
+};
+
+const std::vector<Change>& bad_changes() {
+  static const std::vector<Change> k_changes{
+      {"recovered", [](GateInputs& in) { in.scan.recovered = true; }, Refused::ScanNotSeen},
+      {"of a recording", [](GateInputs& in) { in.scan.from_recording = true; }, Refused::ScanNotSeen},
+      {"120.1 s old", [](GateInputs& in) { in.scan.age_s = 120.1; }, Refused::ScanTooOld},
+      {"of no known age", [](GateInputs& in) { in.scan.age_s.reset(); }, Refused::ScanTooOld},
+      {"of age NaN", [](GateInputs& in) { in.scan.age_s = k_nan; }, Refused::ScanTooOld},
+      {"from the future", [](GateInputs& in) { in.scan.age_s = -1; }, Refused::ScanTooOld},
+      {"limit NaN", [](GateInputs& in) { in.limits.scan_age_s = k_nan; }, Refused::ScanTooOld},
+      {"two connections", [](GateInputs& in) { in.scan.one_connection = false; }, Refused::OtherConnection},
+      {"no scan", [](GateInputs& in) { in.scan.scan_id = 0; }, Refused::OtherConnection},
+      {"sent before", [](GateInputs& in) { in.scan.sent_before = true; }, Refused::SentBefore},
+      {"message lost", [](GateInputs& in) { in.scan.messages_lost = 1; }, Refused::MessagesLost},
+      {"3 frames lost", [](GateInputs& in) { in.scan.lost.frames = 3; }, Refused::HolesInScan},
+      {"3 profiles lost", [](GateInputs& in) { in.scan.lost.profiles = 3; }, Refused::HolesInScan},
+      {"3 edges lost", [](GateInputs& in) { in.scan.lost.edges = 3; }, Refused::HolesInScan},
+      {"most edges lost", [](GateInputs& in) { in.scan.lost.edges = ~std::uint64_t{0}; },
+       Refused::HolesInScan},
+      {"limit below 0", [](GateInputs& in) { in.limits.lost_in_a_row = -1; }, Refused::HolesInScan},
+      {"line not passed", [](GateInputs& in) { in.result.line_passed = false; }, Refused::LineNotPassed},
+      {"path not passed", [](GateInputs& in) { in.result.path_passed = false; }, Refused::PathNotPassed},
+      {"too uncertain", [](GateInputs& in) { in.limits.tolerance_mm = 0.3, in.result.u95_mm = 0.31; },
+       Refused::TooUncertain},
+      {"U95 NaN", [](GateInputs& in) { in.limits.tolerance_mm = 0.3, in.result.u95_mm = k_nan; },
+       Refused::TooUncertain},
+      {"approval refused", [](GateInputs& in) { in.result.approved = false; }, Refused::NotApproved},
+      {"approval refused, scan confirmed",
+       [](GateInputs& in) {
+         in.result.approved = false, in.scan.confirmed = Word{"a", "b"};
+       },
+       Refused::NotApproved},
+      {"approval asked for", [](GateInputs& in) { in.limits.approval = true; }, Refused::NotApproved},
+      {"moved by 0.3 degrees", [](GateInputs& in) { in.arm.q_now_rad[3] += 0.0053; }, Refused::ArmMoved},
+      {"joint NaN", [](GateInputs& in) { in.arm.q_now_rad[5] = k_nan; }, Refused::ArmMoved},
+      {"checked from NaN", [](GateInputs& in) { in.arm.q_checked_rad[0] = k_nan; }, Refused::ArmMoved},
+      {"local control", [](GateInputs& in) { in.arm.told_remote = false; }, Refused::NotRemote},
+      {"remote control not told", [](GateInputs& in) { in.arm.told_remote.reset(); }, Refused::NotRemote},
+      {"silent controller",
+       [](GateInputs& in) {
+         in.arm.told_remote.reset(), in.arm.told_version.reset(), in.arm.told_model.reset();
+       },
+       Refused::NotRemote},
+      {"a UR10", [](GateInputs& in) { in.arm.told_model = "UR10"; }, Refused::OtherArm},
+      {"a UR5 of the CB3", [](GateInputs& in) { in.arm.told_version = "URSoftware 3.15.4.1"; },
+       Refused::OtherArm},
+      {"an e-Series where a CB3 is told", [](GateInputs& in) { in.arm.arm = "UR5"; }, Refused::OtherArm},
+      {"other serial", [](GateInputs& in) { in.arm.serial = "2021", in.arm.told_serial = "2022"; },
+       Refused::OtherSerial},
+      {"serial not told", [](GateInputs& in) { in.arm.serial = "2021"; }, Refused::OtherSerial},
+      {"other tool", [](GateInputs& in) { in.result.tool_off_mm = 5; }, Refused::OtherTool},
+      {"tool turned", [](GateInputs& in) { in.result.tool_off_rad = 0.1; }, Refused::OtherTool},
+      {"tool NaN", [](GateInputs& in) { in.result.tool_off_mm = k_nan; }, Refused::OtherTool},
+      {"other payload", [](GateInputs& in) { in.result.same_payload = false; }, Refused::OtherPayload},
+      {"arm not held", [](GateInputs& in) { in.arm.held = false; }, Refused::ArmNotHeld}};
+  return k_changes;
+}
+
+}  // namespace
+
+TEST_GROUP(Gate) {
+  biteline::test::TemporaryFolder folder;
+  std::filesystem::path file() const {
+    return folder.path() / "gate.json";
+  }
+  /// A comparison with NaN raises the flag that the runner looks for; here NaN is meant.
+  void teardown() override {
+    std::feclearexcept(FE_INVALID);
+  }
+  static bool opens(const GateInputs& inputs) {
+    return open_gate(inputs, test::planned_path("grind.yaml")).path.has_value();
+  }
+};
+
+TEST(Gate, EveryCodeHasItsRow) {
+  biteline::test::check_refusal_table(Refused::ArmNotHeld);
+}
+
+TEST(Gate, OpensWhenEverythingHolds) {
+  CHECK(opens(test::good_inputs()));
+}
+
+TEST(Gate, EachFaultAloneClosesItForItsOwnReason) {
+  for (const Change& change : bad_changes()) {
+    GateInputs inputs = test::good_inputs();
+    change.make(inputs);
+    CHECK_TEXT(!opens(inputs), change.name);
+    int failed = 0;
+    for (const GateRow& row : judge(inputs)) {
+      if (row.state != GateRow::State::Failed) continue;
+      ++failed;
+      STRCMP_EQUAL_TEXT(report::refusal_row(change.refused).name, report::refusal_row(row.code).name,
+                        change.name);
+    }
+    CHECK_EQUAL_TEXT(1, failed, change.name);
+    CHECK_TEXT(!failures(judge(inputs)).empty(), change.name);
+  }
+}
+
+TEST(Gate, EveryReasonIsReachable) {
+  for (int code = 0; code <= static_cast<int>(Refused::ArmNotHeld); ++code) {
+    const bool reached = std::ranges::any_of(
+        bad_changes(), [&](const Change& change) { return static_cast<int>(change.refused) == code; });
+    CHECK_TEXT(reached, report::refusal_row(static_cast<Refused>(code)).name);
+  }
+}
+
+TEST(Gate, PersonVouchesForARecoveredScanAndForNothingElse) {
+  GateInputs inputs = test::good_inputs();
+  inputs.scan.recovered = true;
+  inputs.scan.age_s.reset();
+  inputs.scan.one_connection = false;
+  CHECK(!opens(inputs));
+  inputs.scan.confirmed = Word{.by = "maria", .at = "2026-01-02T03:04:05Z"};
+  CHECK(opens(inputs));
+  for (const Change& change : bad_changes()) {
+    const bool about_the_scan = change.refused == Refused::ScanNotSeen ||
+                                change.refused == Refused::ScanTooOld ||
+                                change.refused == Refused::OtherConnection;
+    const bool vouched = about_the_scan || std::string{"approval asked for"} == change.name;
+    GateInputs worse = inputs;
+    change.make(worse);
+    CHECK_EQUAL_TEXT(vouched, opens(worse), change.name);
+  }
+}
+
+TEST(Gate, Cb3HasNoRemoteControlAndSaysSo) {
+  GateInputs inputs = test::good_inputs();
+  inputs.arm.arm = "UR5";
+  inputs.arm.told_version = "URSoftware 3.15.4.106291 (Apr 16 2021)";
+  inputs.arm.told_remote.reset();
+  CHECK(opens(inputs));
+  bool said = false;
+  for (const GateRow& row : judge(inputs))
+    said = said || row.value.find("a CB3 has none") != std::string::npos;
+  CHECK(said);
+}
+
+TEST(Gate, UncertaintyAndApprovalAreNotKnownAndNotInTheWayUntilAskedFor) {
+  int not_known = 0;
+  for (const GateRow& row : judge(test::good_inputs())) {
+    if (row.code == Refused::TooUncertain || row.code == Refused::NotApproved)
+      not_known += row.state == GateRow::State::NotKnown ? 1 : 0;
+  }
+  LONGS_EQUAL(2, not_known);
+}
+
+TEST(Gate, PermissionEndsWhereTheArmMoves) {
+  kinematics::Joints q_rad = kinematics::Joints::Constant(0.5);
+  const PermittedPath sut = test::permitted(test::planned_path("grind.yaml"), q_rad);
+  CHECK(sut.holds_for(q_rad));
+  q_rad[2] += 0.0034;
+  CHECK(sut.holds_for(q_rad));
+  q_rad[2] += 0.0002;
+  CHECK(!sut.holds_for(q_rad));
+  CHECK(!sut.holds_for(kinematics::Joints::Constant(k_nan)));
+}
+
+TEST(Gate, DecisionIsReadBackFromItsInputs) {
+  for (const Change& change : bad_changes()) {
+    GateInputs inputs = test::good_inputs(kinematics::Joints::Constant(0.1));
+    change.make(inputs);
+    SUCCEEDS(write_gate(file(), inputs));
+    const auto read = read_gate(file());
+    // NaN has no place in the file: such a decision cannot be made again, and is refused.
+    if (!read) continue;
+    CHECK_TEXT(!read->permitted, change.name);
+    CHECK_EQUAL_TEXT(failures(judge(inputs)), failures(judge(read->inputs)), change.name);
+  }
+  GateInputs good = test::good_inputs(kinematics::Joints::Constant(0.1));
+  good.scan.confirmed = Word{.by = "maria", .at = "2026-01-02T03:04:05Z"};
+  SUCCEEDS(write_gate(file(), good));
+  const auto read = read_gate(file());
+  SUCCEEDS(read);
+  CHECK(read->permitted);
+  STRCMP_EQUAL("maria", read->inputs.scan.confirmed->by.c_str());
+  CHECK(read->inputs.arm.q_now_rad == good.arm.q_now_rad);
+}
+
+TEST(Gate, FileThatSaysOtherThanItsInputsIsRefused) {
+  GateInputs inputs = test::good_inputs();
+  inputs.scan.messages_lost = 4;
+  SUCCEEDS(write_gate(file(), inputs));
+  std::ifstream stream{file()};
+  nlohmann::ordered_json json = nlohmann::ordered_json::parse(stream);
+  const auto write = [&](const nlohmann::ordered_json& changed) {
+    folder.write("gate.json", changed.dump());
+  };
+
+  nlohmann::ordered_json permitted = json;
+  permitted["permitted"] = true;
+  write(permitted);
+  FAILS_NAMING(Errc::BadValue, "not what its inputs give", read_gate(file()));
+  nlohmann::ordered_json milder = json;
+  milder["inputs"]["scan"]["messages_lost"] = 0;
+  write(milder);
+  FAILS_NAMING(Errc::BadValue, "not what its inputs give", read_gate(file()));
+  nlohmann::ordered_json row = json;
+  row["rows"].erase(4);
+  write(row);
+  FAILS_NAMING(Errc::BadValue, "not what its inputs give", read_gate(file()));
+}
+
+TEST(Gate, EveryInputMustBeInTheFileAndOfItsType) {
+  SUCCEEDS(write_gate(file(), test::good_inputs()));
+  std::ifstream stream{file()};
+  const nlohmann::ordered_json json = nlohmann::ordered_json::parse(stream);
+  int inputs = 0;
+  for (const auto& [part, facts] : json["inputs"].items()) {
+    for (const auto& [name, value] : facts.items()) {
+      if (name == "confirmed") continue;  // absent is as good as nobody's word
+      for (const nlohmann::ordered_json& other :
+           {nlohmann::ordered_json{}, nlohmann::ordered_json::array({"x"})}) {
+        nlohmann::ordered_json changed = json;
+        if (other.is_null()) {
+          changed["inputs"][part].erase(name);
+        } else {
+          changed["inputs"][part][name] = other;
+        }
+        folder.write("gate.json", changed.dump());
+        CHECK_TEXT(!read_gate(file()).has_value(), (part + "." + name).c_str());
+      }
+      ++inputs;
+    }
+  }
+  CHECK(inputs >= 33);
+}
+
+TEST(Gate, RubbishIsNoGate) {
+  for (const char* text :
+       {"", "{", "[]", "null", "{\"schema\": \"biteline gate 1\"}", "{\"schema\": 1}",
+        "{\"schema\": \"biteline gate 1\", \"permitted\": true, \"inputs\": []}",
+        "{\"schema\": \"biteline gate 1\", \"permitted\": true, \"inputs\": {\"scan\": 7}}"}) {
+    folder.write("gate.json", text);
+    CHECK_TEXT(!read_gate(file()).has_value(), text);
+  }
+  CHECK(read_gate(folder.path() / "none.json").error().code == Errc::FileNotFound);
+}
+
+}  // namespace biteline::robot
