@@ -114,7 +114,8 @@ Result<geometry::SensorModel> read_sensor_yaml(const std::filesystem::path& path
   return sensor;
 }
 
-std::string sensor_yaml_text(const geometry::SensorModel& sensor, const std::string& comment) {
+std::string sensor_yaml_text(const geometry::SensorModel& sensor, const std::string& comment,
+                             KnownParts known) {
   const geometry::Camera& camera = sensor.camera;
   const auto list = [](std::initializer_list<double> values) {
     std::string text = "[";
@@ -134,10 +135,13 @@ std::string sensor_yaml_text(const geometry::SensorModel& sensor, const std::str
   text += "distortion_coefficients: " + list({camera.k1, camera.k2, camera.p1, camera.p2, camera.k3}) +
           "   # k1, k2, p1, p2, k3\n";
   const Vec3& n = sensor.laser_plane.normal_cam;
-  text += "laser_plane: " + list({n.x(), n.y(), n.z(), sensor.laser_plane.distance_mm}) +
-          "     # n_x, n_y, n_z, d with n.X = d, camera frame, |n| = 1\n";
-  text += "T_flange_cam:                      # camera in the robot flange (hand-eye), row-major\n";
-  for (int i = 0; i < 4; ++i) {
+  if (known.laser_plane) {
+    text += "laser_plane: " + list({n.x(), n.y(), n.z(), sensor.laser_plane.distance_mm}) +
+            "     # n_x, n_y, n_z, d with n.X = d, camera frame, |n| = 1\n";
+  }
+  if (known.T_flange_cam)
+    text += "T_flange_cam:                      # camera in the robot flange (hand-eye), row-major\n";
+  for (int i = 0; known.T_flange_cam && i < 4; ++i) {
     const Eigen::Matrix4d& m = sensor.T_flange_cam.matrix();
     text += "  - " + list({m(i, 0), m(i, 1), m(i, 2), m(i, 3)}) + "\n";
   }

@@ -14,7 +14,15 @@ namespace biteline::config {
 /// (both to 1e-4, then made exact).
 [[nodiscard]] Result<geometry::SensorModel> read_sensor_yaml(const std::filesystem::path& path);
 
+/// What of a head is known.  What is not is left out of its file: a reader refuses that by name, instead of
+/// using a made-up value.
+struct KnownParts {
+  bool laser_plane{true};
+  bool T_flange_cam{true};
+};
+
 /// The file's text, numbers with all their digits.  `comment` must be one line.
-[[nodiscard]] std::string sensor_yaml_text(const geometry::SensorModel& sensor, const std::string& comment);
+[[nodiscard]] std::string sensor_yaml_text(const geometry::SensorModel& sensor, const std::string& comment,
+                                           KnownParts known = {});
 
 }  // namespace biteline::config

@@ -50,7 +50,7 @@ void fill_report(report::Report& report, const path::PlanRequest& request, const
     fields["duration_s"] = outcome.path->duration_s();
     return;
   }
-  report.refuse(outcome.reason);
+  report.refuse(*outcome.refusal);
   if (outcome.blockage.what != path::Obstacle::None) {
     fields["blocked_at_mm"] = outcome.blockage.arc_mm;
     fields["blocked_by"] = outcome.blockage.detail;

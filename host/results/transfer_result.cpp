@@ -60,7 +60,7 @@ void fill(const transfer::Transfer& transfer, report::Report& report) {
   report.fields["surface"] = transfer.from_mesh ? "mesh" : "points";
   for (const transfer::Stage& stage : transfer.stages)
     report.fields["transfer_s"][stage.name] = stage.seconds;
-  if (!transfer.found) return report.refuse(transfer.reason);
+  if (transfer.refusal) return report.refuse(*transfer.refusal);
   const transfer::CarriedLine& carried = transfer.carried;
   const cloud::ClosedLine& line = carried.line;
   report.fields["length_mm"] = cloud::length_mm(line);
@@ -145,7 +145,7 @@ Result<ExitStatus> write_transfer_result(const std::filesystem::path& folder, co
 }
 
 std::string summary(const transfer::Transfer& transfer) {
-  if (!transfer.found) return "refused: " + transfer.reason;
+  if (!transfer.found) return "refused: " + transfer.reason();
   const cloud::ClosedLine& line = transfer.carried.line;
   return FixedText<240>::format(
              "line carried over: %.1f mm long, %zu points, surfaces alike to %.2f mm RMS over %.0f %%, line "

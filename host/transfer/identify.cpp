@@ -31,13 +31,47 @@ std::optional<Match> match_of(const Library& library, const std::string& name, c
   return Match{.name = name, .alignment = transfer::align(*sample, upper, options)};
 }
 
+/// Pre: no match is sure; `any`: the best one fits.
+Refusal why_none(const Identification& found, bool any) {
+  using Text = FixedText<300>;
+  const std::vector<Match>& matches = found.matches;
+  if (any && matches.size() > 1 && matches[1].alignment.accepted()) {
+    return {.code = Refused::SeveralModelsFit,
+            .reason = Text::format("the upper may be %s (%.2f) or %s (%.2f): name one with --sample",
+                                   matches[0].name.c_str(), matches[0].probability, matches[1].name.c_str(),
+                                   matches[1].probability)
+                          .c_str()};
+  }
+  if (any) {
+    return {.code = Refused::ModelNotSure,
+            .reason = Text::format(
+                          "the upper looks like %s, but not surely (%.2f): name it with --sample to take it",
+                          matches[0].name.c_str(), matches[0].probability)
+                          .c_str()};
+  }
+  Refusal none{
+      .code = Refused::NoModelFits,
+      .reason = Text::format("the upper is none of the %zu models in the library", matches.size()).c_str()};
+  if (!found.damaged.empty()) {
+    none.reason += Text::format("; %zu more are damaged, %s first", found.damaged.size(),
+                                found.damaged.front().name.c_str())
+                       .c_str();
+  }
+  return none;
+}
+
 }  // namespace
 
 Result<Identification> identify(const Library& library, const cloud::PointCloud& upper_cloud,
                                 const transfer::AlignOptions& options) {
   BITELINE_ASSIGN(const std::vector<ModelInfo> models, library.list());
-  BITELINE_ASSIGN(const transfer::Upper upper, transfer::prepare_upper(upper_cloud));
   Identification found;
+  const Result<transfer::Upper> upper = transfer::prepare_upper(upper_cloud);
+  if (!upper) {
+    found.refusal =
+        Refusal{.code = Refused::UpperWithoutShoe, .reason = std::string{upper.error().where.view()}};
+    return found;
+  }
   std::vector<std::string> names;
   for (const ModelInfo& model : models) {
     if (model.damage) {
@@ -48,7 +82,7 @@ Result<Identification> identify(const Library& library, const cloud::PointCloud&
   }
   std::vector<std::optional<Match>> matches(names.size());
   tbb::parallel_for(std::size_t{0}, names.size(),
-                    [&](std::size_t i) { matches[i] = match_of(library, names[i], upper, options); });
+                    [&](std::size_t i) { matches[i] = match_of(library, names[i], *upper, options); });
 
   double total = likelihood(k_none_rms_mm);
   for (std::optional<Match>& match : matches) {
@@ -66,25 +100,8 @@ Result<Identification> identify(const Library& library, const cloud::PointCloud&
   const bool any = !found.matches.empty() && found.matches.front().alignment.accepted();
   if (any && found.matches.front().probability >= k_sure_probability) {
     found.name = found.matches.front().name;
-  } else if (any && found.matches.size() > 1 && found.matches[1].alignment.accepted()) {
-    found.reason = FixedText<300>::format("the upper may be %s (%.2f) or %s (%.2f): name one with --sample",
-                                          found.matches[0].name.c_str(), found.matches[0].probability,
-                                          found.matches[1].name.c_str(), found.matches[1].probability)
-                       .c_str();
-  } else if (any) {
-    found.reason = FixedText<300>::format(
-                       "the upper looks like %s, but not surely (%.2f): name it with --sample to take it",
-                       found.matches[0].name.c_str(), found.matches[0].probability)
-                       .c_str();
   } else {
-    found.reason =
-        FixedText<300>::format("the upper is none of the %zu models in the library", found.matches.size())
-            .c_str();
-    if (!found.damaged.empty()) {
-      found.reason += FixedText<300>::format("; %zu more are damaged, %s first", found.damaged.size(),
-                                             found.damaged.front().name.c_str())
-                          .c_str();
-    }
+    found.refusal = why_none(found, any);
   }
   return found;
 }

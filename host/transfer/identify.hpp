@@ -2,11 +2,13 @@
 #pragma once
 /// \file Which of the saved models an upper is, and how sure that is.
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/transfer/align/alignment.hpp"
 #include "host/transfer/library.hpp"
+#include "host/transfer/refused.hpp"
 
 namespace biteline::transfer {
 
@@ -17,14 +19,14 @@ struct Match {
 };
 
 struct Identification {
-  std::string name;                ///< empty when `reason` is not
-  std::string reason;              ///< why no model is named
+  std::string name;                ///< empty when refused
+  std::optional<Refusal> refusal;  ///< why no model is named
   std::vector<Match> matches;      ///< every sound model, most probable first
   std::vector<ModelInfo> damaged;  ///< left out
 };
 
-/// Aligns every model with the upper.  A model is named when it alone fits; two that both fit are told and
-/// not chosen from.
+/// Aligns every model with the upper; a cloud without a shoe is refused.  A model is named when it alone
+/// fits; two that both fit are told and not chosen from.
 [[nodiscard]] Result<Identification> identify(const Library& library, const cloud::PointCloud& upper,
                                               const transfer::AlignOptions& options);
 

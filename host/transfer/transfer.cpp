@@ -157,6 +157,31 @@ double mean_confidence(const cloud::ClosedLine& line) {
   return line.points.empty() ? 0 : sum / static_cast<double>(line.points.size());
 }
 
+Refused code_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::TooLittleOverlap:
+      return Refused::TooLittleOverlap;
+    case Verdict::DirectionNotFixed:
+      return Refused::DirectionNotFixed;
+    case Verdict::OtherFoot:
+      return Refused::OtherFoot;
+    case Verdict::OtherSize:
+      return Refused::OtherSize;
+    case Verdict::UpsideDown:
+      return Refused::UpsideDown;
+    case Verdict::OtherModel:
+      return Refused::OtherModel;
+    case Verdict::Aligned:
+    case Verdict::NotConverged:
+      break;
+  }
+  return Refused::AlignmentNotConverged;
+}
+
+Transfer refused(Refused code, const Error& why) {
+  return {.refusal = Refusal{.code = code, .reason = std::string{why.where.view()}}};
+}
+
 class StageClock {
  public:
   explicit StageClock(std::vector<Stage>& stages) : stages_{stages} {}
@@ -178,12 +203,8 @@ Transfer transfer_line(const SampleFiles& sample, const cloud::PointCloud& upper
   Transfer transfer;
   StageClock clock{transfer.stages};
   const Prepared prepared = prepare(sample, upper);
-  for (const Error* error : {prepared.sample->has_value() ? nullptr : &prepared.sample->error(),
-                             prepared.upper->has_value() ? nullptr : &prepared.upper->error()}) {
-    if (error == nullptr) continue;
-    transfer.reason = error->where.view();  // a cloud that holds no surface of a shoe's size
-    return transfer;
-  }
+  if (!*prepared.sample) return refused(Refused::SampleUnusable, prepared.sample->error());
+  if (!*prepared.upper) return refused(Refused::UpperWithoutShoe, prepared.upper->error());
   transfer.from_mesh = has_mesh(prepared);
   clock.lap("prepare");
 
@@ -194,7 +215,7 @@ Transfer transfer_line(const SampleFiles& sample, const cloud::PointCloud& upper
   if (alignment.verdict == Verdict::OtherModel) {
     const Diagnosis diagnosis = diagnose(made_sample, **prepared.upper, options.align, alignment);
     transfer.alignment.verdict = diagnosis.verdict;
-    transfer.reason = diagnosis.reason;
+    transfer.refusal = Refusal{.code = code_of(diagnosis.verdict), .reason = diagnosis.reason};
     clock.lap("diagnose");
     return transfer;
   }
@@ -204,15 +225,15 @@ Transfer transfer_line(const SampleFiles& sample, const cloud::PointCloud& upper
   tell_sigmas(alignment, options.align.grade, carrying, transfer.placed);
   transfer.bound_mm = bound_mm(sigmas_of(transfer.placed));
   if (!alignment.accepted()) {
-    transfer.reason = alignment.reason;
+    transfer.refusal = Refusal{.code = code_of(alignment.verdict), .reason = alignment.reason};
     return transfer;
   }
 
   const Vec3 sample_up = made_sample.T_base_shoe.linear().col(2);
   transfer.carried = carry(sample, sample_up, upper, prepared, transfer.placed, carrying);
   clock.lap("rays");
-  transfer.reason = transfer.carried.reason;
-  transfer.found = transfer.reason.empty();
+  transfer.refusal = transfer.carried.refusal;
+  transfer.found = !transfer.refusal;
   if (transfer.found) transfer.bound_mm = bound_mm(sigmas_of(transfer.carried.line));
   transfer.confidence = mean_confidence(transfer.carried.line);
   return transfer;

@@ -2,8 +2,11 @@
 #pragma once
 /// \file A sample's line on the next upper: align, then carry over by rays.
 
+#include <optional>
+
 #include "host/transfer/align/alignment.hpp"
 #include "host/transfer/carry/carried_line.hpp"
+#include "host/transfer/refused.hpp"
 #include "host/transfer/sample_folder.hpp"
 
 namespace biteline::transfer {
@@ -22,7 +25,7 @@ struct Stage {
 
 struct Transfer {
   bool found{false};
-  std::string reason;  ///< one plain sentence when not found
+  std::optional<Refusal> refusal;  ///< when not found
   transfer::Alignment alignment;
   std::vector<transfer::PlacedPoint>
       placed;  ///< the sample's line where the alignment has put it; empty when refused before
@@ -32,9 +35,12 @@ struct Transfer {
   double confidence{0};       ///< mean over the points
   bool from_mesh{false};      ///< the upper's scan was organised
   std::vector<Stage> stages;  ///< in order, wall time; empty when a cloud holds no shoe
+
+  /// One plain sentence when not found.
+  [[nodiscard]] std::string reason() const { return refusal ? refusal->reason : std::string{}; }
 };
 
-/// A refusal is a Transfer with its reason.
+/// Never fails: without a line the Transfer has its refusal.
 [[nodiscard]] Transfer transfer_line(const SampleFiles& sample, const cloud::PointCloud& upper,
                                      const TransferOptions& options);
 

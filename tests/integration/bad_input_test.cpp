@@ -77,6 +77,11 @@ TEST(BadInput, UnspoiledSessionIsReadableButRefused) {
   replay_ends_with(3, "refused");
 }
 
+TEST(BadInput, MistypedCommandIsToldWithTheOneItMayBeMeantFor) {
+  ends_with(2, {"replya", "--out", "x"}, "no command 'replya'; did you mean replay?");
+  ends_with(2, {"polish"}, "no command 'polish'; there are target, transfer");
+}
+
 TEST(BadInput, MissingSession) {
   ends_with(2, {"replay", (folder.path() / "none").string(), "--out", (folder.path() / "out").string()},
             "none: a session folder expected");

@@ -78,6 +78,23 @@ TEST(CalibrateTool, CameraAloneGivesItsLinesAndNoMadeUpOnes) {
   CHECK(fs::exists(out() / "stages/coverage.png"));
 }
 
+TEST(CalibrateTool, JsonIsExactlyTheReportAlsoOfARefusal) {
+  write_target("");
+  write_views(2);
+  auto child = intake::ChildProcess::start(
+      {.program = BITELINE_TOOL,
+       .arguments = {"calibrate", "camera", folder.path().string(), "--out", out().string(), "--json"}});
+  SUCCEEDS(child);
+  std::string told;
+  while (const auto line = child->next_line(120s)) told += *line + "\n";
+  LONGS_EQUAL(3, *child->wait(10s));
+  std::ifstream file(out() / "report.json");
+  const std::string written{std::istreambuf_iterator<char>(file), {}};
+  STRCMP_EQUAL(written.c_str(), told.c_str());
+  STRCMP_EQUAL("camera_not_trusted", report()["reason_code"].get<std::string>().c_str());
+  LONGS_EQUAL(1, report()["schema_version"].get<int>());
+}
+
 TEST(CalibrateTool, TwoViewsAreRefusedAndAnOlderResultIsGone) {
   write_target("");
   write_views(2);

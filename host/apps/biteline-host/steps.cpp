@@ -257,7 +257,7 @@ Result<PlanStep> plan_path(const fs::path& folder, const PlanStepRequest& reques
     say_step("%s follows the line in %.1f s: every check passed", request.arm.name.c_str(),
              outcome.path->duration_s());
   } else {
-    say_step("refused: no path: %s", outcome.reason.c_str());
+    say_step("refused: no path: %s", outcome.reason().c_str());
   }
   return PlanStep{.status = status, .request = std::move(plan_request), .outcome = std::move(outcome)};
 }

@@ -52,25 +52,11 @@ Result<std::set<std::string>> parts_of(const Options& options) {
   return parts;
 }
 
-/// sensor.yaml without the lines of parts that were not calibrated: a reader refuses it by name instead of
-/// using a made-up value.
-std::string without_unknown(std::string text, const std::set<std::string>& known) {
-  const auto cut = [&](const std::string& key, int lines) {
-    const std::size_t from = text.find("\n" + key + ":") + 1;
-    std::size_t to = from;
-    for (int i = 0; i < lines; ++i) to = text.find('\n', to) + 1;
-    text.erase(from, to - from);
-  };
-  if (!known.contains("laser")) cut("laser_plane", 1);
-  if (!known.contains("hand-eye")) cut("T_flange_cam", 5);
-  return text;
-}
-
-Result<ExitStatus> refuse(report::Report& report, const std::string& reason, const Options& options) {
-  report.refuse(reason);
+Result<ExitStatus> refuse(report::Report& report, const calibration::Refusal& refusal, const Options& options,
+                          const GlobalOptions& global) {
+  report.refuse(refusal);
   BITELINE_TRY(report.write(options.out));
-  std::fprintf(stderr, "biteline: refused: %s\n", reason.c_str());
-  return ExitStatus::Refused;
+  return tell(report, global, "biteline: refused: " + refusal.reason);
 }
 
 Result<calibration::HeadInput> read_input(const Options& options, const std::set<std::string>& parts,
@@ -205,7 +191,7 @@ Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global
   if (result.refused) {
     if (error_row(result.refused->code).exit_status != ExitStatus::Refused)
       return tl::unexpected<Error>(*result.refused);
-    return refuse(report, std::string(result.refused->where.view()), options);
+    return refuse(report, calibration::refusal_of(result.refused_in, *result.refused), options, global);
   }
 
   geometry::SensorModel sensor = known.value_or(geometry::SensorModel{});
@@ -226,18 +212,21 @@ Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global
   if (parts.contains("clock")) {
     const Result<calibration::ClockOffset> clock = clock_part(options, sensor, report);
     if (!clock && !refused_by(clock.error())) return tl::unexpected<Error>(clock.error());
-    const std::string reason = clock ? clock->reason : std::string(clock.error().where.view());
-    if (reason.empty()) {
+    if (clock && clock->determined()) {
       sensor.pose_clock_offset = clock->offset;
       clock_sigma = clock->sigma;
-    } else if (!options.only.empty() || parts.size() == 1) {
-      return refuse(report, reason, options);
     } else {
+      const calibration::Refusal refusal =
+          clock ? calibration::Refusal{.code = calibration::Refused::ClockNotDetermined,
+                                       .reason = clock->reason}
+                : calibration::refusal_of(calibration::Part::Clock, clock.error());
+      if (!options.only.empty() || parts.size() == 1) return refuse(report, refusal, options, global);
       // The head's geometry stands on pictures at rest and is as good without the scan.
-      report.fields["clock"]["reason"] = reason;
+      report.fields["clock"]["reason_code"] = report::refusal_row(refusal.code).name;
+      report.fields["clock"]["reason"] = refusal.reason;
       report.fields["clock"]["determined"] = false;
       std::fprintf(stderr, "biteline: clock offset not determined, %lld ns written: %s\n",
-                   static_cast<long long>(sensor.pose_clock_offset.count()), reason.c_str());
+                   static_cast<long long>(sensor.pose_clock_offset.count()), refusal.reason.c_str());
     }
   }
   if (!options.compare.empty() || !options.refine.empty()) {
@@ -256,12 +245,12 @@ Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global
   }
   if (!options.compare.empty())
     BITELINE_TRY(compare_part(options, result.fit, sensor.region.width_px, report));
-  const std::string text = without_unknown(
-      config::sensor_yaml_text(sensor, "calibrated by biteline; report.json beside it tells how well"), told);
+  const std::string text = config::sensor_yaml_text(
+      sensor, "calibrated by biteline; report.json beside it tells how well",
+      {.laser_plane = told.contains("laser"), .T_flange_cam = told.contains("hand-eye")});
   BITELINE_TRY(report::write_file_atomically(options.out / "sensor.yaml", text));
   BITELINE_TRY(report.write(options.out));
-  if (global.json) std::printf("%s\n", report::to_text(report.fields).c_str());
-  return ExitStatus::Done;
+  return tell(report, global, "");
 }
 
 void add_options(CLI::App* command, const std::shared_ptr<Options>& options, bool whole) {

@@ -4,8 +4,10 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <string>
 
 #include "common/core/result.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::app {
 
@@ -21,6 +23,10 @@ struct Context {
   GlobalOptions options;
   std::function<Result<ExitStatus>()> run;
 };
+
+/// A command's last words.  With --json exactly report.json on stdout, whatever the verdict; else `words` for
+/// a person, on stderr when refused.  Call after the report was written.
+[[nodiscard]] ExitStatus tell(report::Report& report, const GlobalOptions& global, const std::string& words);
 
 void add_calibrate(CLI::App& app, Context& context);
 void add_demo(CLI::App& app, Context& context);

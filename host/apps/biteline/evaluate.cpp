@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // biteline evaluate: a result against a truth.
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "common/core/fixed_text.hpp"
 #include "common/csv/table.hpp"
 #include "common/system/file.hpp"
 #include "host/apps/biteline/command.hpp"
@@ -35,17 +35,20 @@ Vec3 up_beside(const fs::path& truth) {
   return std::abs(up.norm() - 1) < 1e-3 ? Vec3(up.normalized()) : Vec3::UnitZ();
 }
 
-void print(const nlohmann::ordered_json& figures, bool as_json) {
-  if (as_json) {
-    std::printf("%s\n", report::to_text(figures).c_str());
-    return;
-  }
+ExitStatus tell_figures(const nlohmann::ordered_json& figures, const GlobalOptions& global) {
+  report::Report report;
+  report.fields = figures;
+  std::string words;
   for (const auto& [name, value] : figures.items()) {
-    if (value.is_number()) std::printf("%-12s %.5g\n", name.c_str(), value.get<double>());
+    if (!value.is_number()) continue;
+    if (!words.empty()) words += '\n';
+    words += FixedText<80>::format("%-12s %.5g", name.c_str(), value.get<double>()).view();
   }
+  // The figures are the result: --quiet leaves them.
+  return tell(report, {.quiet = false, .json = global.json}, words);
 }
 
-Result<ExitStatus> evaluate_line(const Options& options, bool as_json) {
+Result<ExitStatus> evaluate_line(const Options& options, const GlobalOptions& global) {
   BITELINE_ASSIGN(const cloud::ClosedLine result, cloud::read_line(options.line));
   BITELINE_ASSIGN(const cloud::ClosedLine truth, cloud::read_positions(options.truth));
   const evaluation::LineError error =
@@ -70,11 +73,10 @@ Result<ExitStatus> evaluate_line(const Options& options, bool as_json) {
       figures["normal_deg"] = *angle_deg;
     }
   }
-  print(figures, as_json);
-  return ExitStatus::Done;
+  return tell_figures(figures, global);
 }
 
-Result<ExitStatus> evaluate_cloud(const Options& options, bool as_json) {
+Result<ExitStatus> evaluate_cloud(const Options& options, const GlobalOptions& global) {
   BITELINE_ASSIGN(const cloud::PointCloud cloud, cloud::read_cloud(options.cloud));
   BITELINE_ASSIGN(const cloud::TriangleMesh mesh, cloud::read_mesh(options.surface));
   const evaluation::ReferenceSurface surface{mesh};
@@ -84,18 +86,17 @@ Result<ExitStatus> evaluate_cloud(const Options& options, bool as_json) {
     return fail(Errc::BadValue, "%s: no point within %.0f mm of %s (another frame?)", options.cloud.c_str(),
                 evaluation::k_surface_reach_mm, options.surface.c_str());
   }
-  print({{"mean", error.mean_mm},
-         {"rms", error.rms_mm},
-         {"pos", error.mean_positive_mm},
-         {"neg", error.mean_negative_mm},
-         {"q001", error.q001_mm},
-         {"q999", error.q999_mm},
-         {"min", error.min_mm},
-         {"max", error.max_mm},
-         {"points", error.points},
-         {"points_far", error.points_far}},
-        as_json);
-  return ExitStatus::Done;
+  return tell_figures({{"mean", error.mean_mm},
+                       {"rms", error.rms_mm},
+                       {"pos", error.mean_positive_mm},
+                       {"neg", error.mean_negative_mm},
+                       {"q001", error.q001_mm},
+                       {"q999", error.q999_mm},
+                       {"min", error.min_mm},
+                       {"max", error.max_mm},
+                       {"points", error.points},
+                       {"points_far", error.points_far}},
+                      global);
 }
 
 }  // namespace
@@ -114,11 +115,11 @@ void add_evaluate(CLI::App& app, Context& context) {
   cloud->excludes(line);
   command->callback([options, &context] {
     context.run = [options, &context]() -> Result<ExitStatus> {
-      if (!options->line.empty()) return evaluate_line(*options, context.options.json);
+      if (!options->line.empty()) return evaluate_line(*options, context.options);
       if (options->cloud.empty())
         return fail(Errc::InvalidArgument, "evaluate: --line with --truth, or --cloud with --surface");
       if (options->surface.empty()) return fail(Errc::InvalidArgument, "evaluate: --cloud needs --surface");
-      return evaluate_cloud(*options, context.options.json);
+      return evaluate_cloud(*options, context.options);
     };
   });
 }

@@ -24,12 +24,8 @@ Result<ExitStatus> extract(const Options& options, const GlobalOptions& global) 
   const FoundLine found = report.timed("extract", [&] { return find_line(cloud, options.method); });
   report.fields["input"] = options.cloud.filename().string();
   report.fields["points_not_finite"] = dropped;
-  BITELINE_ASSIGN(const ExitStatus status,
-                  results::write_line_result(options.out, cloud, found.extraction, found.stages, report));
-  if (!global.quiet)
-    std::fprintf(status == ExitStatus::Done ? stdout : stderr, "%s\n",
-                 results::summary(found.extraction).c_str());
-  return status;
+  BITELINE_TRY(results::write_line_result(options.out, cloud, found.extraction, found.stages, report));
+  return tell(report, global, results::summary(found.extraction));
 }
 
 }  // namespace

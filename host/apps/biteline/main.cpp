@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: MIT
-// The tool: replay, extract, calibrate, transfer, plan, evaluate, explain, target, model, doctor.
+// The tool: one subcommand for each thing that a person does with scans, lines and heads.
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "common/system/last_words.hpp"
 #include "host/apps/biteline/command.hpp"
@@ -14,7 +20,57 @@ int report_failure(const biteline::Error& error) {
   return static_cast<int>(biteline::error_row(error.code).exit_status);
 }
 
+/// How many letters must be put in, left out or changed to make `a` of `b`.
+std::size_t difference(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t changed = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({changed, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+/// The first word, where it is no command, and the command it may have been meant for.
+std::optional<std::string> mistyped(const CLI::App& app, int argc, char** argv) {
+  constexpr std::size_t k_longest_name = 40, k_most_letters_wrong = 2;
+  int i = 1;
+  while (i < argc && argv[i][0] == '-') ++i;
+  if (i == argc) return std::nullopt;
+  const std::string_view word = std::string_view{argv[i]}.substr(0, k_longest_name);
+  std::string nearest, all;
+  std::size_t least = k_most_letters_wrong + 1;
+  for (const CLI::App* command : app.get_subcommands({})) {
+    if (command->get_name() == word) return std::nullopt;
+    all += (all.empty() ? "" : ", ") + command->get_name();
+    const std::size_t wrong = difference(word, command->get_name());
+    if (wrong >= least) continue;
+    least = wrong;
+    nearest = command->get_name();
+  }
+  return "no command '" + std::string{word} + "'" +
+         (nearest.empty() ? "; there are " + all : "; did you mean " + nearest + "?");
+}
+
 }  // namespace
+
+namespace biteline::app {
+
+ExitStatus tell(report::Report& report, const GlobalOptions& global, const std::string& words) {
+  if (global.json) {
+    std::fputs(report.text().c_str(), stdout);
+  } else if (!words.empty() && !global.quiet) {
+    std::fprintf(report.refused() ? stderr : stdout, "%s\n", words.c_str());
+  }
+  return report.refused() ? ExitStatus::Refused : ExitStatus::Done;
+}
+
+}  // namespace biteline::app
 
 int main(int argc, char** argv) {
   biteline::install_last_words("biteline");
@@ -25,7 +81,8 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.fallthrough();
   app.add_flag("--quiet", context.options.quiet, "No progress, no words beyond the result");
-  app.add_flag("--json", context.options.json, "Results on stdout as JSON");
+  app.add_flag("--json", context.options.json, "The result's report.json on stdout, and nothing else");
+  app.set_version_flag("--version", "biteline " BITELINE_VERSION);
   add_target(app, context);
   add_transfer(app, context);
   add_demo(app, context);
@@ -43,7 +100,8 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
-    std::fprintf(stderr, "biteline: %s (see --help)\n", error.what());
+    const std::string what = mistyped(app, argc, argv).value_or(error.what());
+    std::fprintf(stderr, "biteline: %s (see --help)\n", what.c_str());
     return static_cast<int>(biteline::ExitStatus::BadInput);
   }
   try {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // biteline model: the library of models that transfer takes its samples from.
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "common/core/fixed_text.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/report/json_text.hpp"
 #include "host/transfer/library.hpp"
@@ -27,40 +27,41 @@ nlohmann::ordered_json json_of(const transfer::ModelInfo& model) {
   return json;
 }
 
-void say(const transfer::ModelInfo& model) {
-  if (model.damage) {
-    std::printf("%-20s damaged: %s\n", model.name.c_str(), to_line(*model.damage).c_str());
-  } else {
-    std::printf("%-20s line %.1f mm, %zu points%s\n", model.name.c_str(), model.line_length_mm, model.points,
-                model.has_process ? ", with process" : "");
-  }
+std::string words_of(const transfer::ModelInfo& model) {
+  using Text = FixedText<400>;
+  if (model.damage)
+    return Text::format("%-20s damaged: %s", model.name.c_str(), to_line(*model.damage).c_str()).c_str();
+  return Text::format("%-20s line %.1f mm, %zu points%s", model.name.c_str(), model.line_length_mm,
+                      model.points, model.has_process ? ", with process" : "")
+      .c_str();
 }
 
 Result<ExitStatus> save(const Options& options, const GlobalOptions& global) {
   BITELINE_ASSIGN(const transfer::ModelInfo model,
                   transfer::Library{options.library}.save(options.name, options.sample, options.process));
-  if (global.json) {
-    std::printf("%s\n", report::to_text(json_of(model)).c_str());
-  } else if (!global.quiet) {
-    say(model);
-  }
-  return ExitStatus::Done;
+  report::Report report;
+  report.fields = json_of(model);
+  return tell(report, global, words_of(model));
 }
 
 Result<ExitStatus> list(const Options& options, const GlobalOptions& global) {
   BITELINE_ASSIGN(const std::vector<transfer::ModelInfo> models, transfer::Library{options.library}.list());
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  report::Report report;
+  report.fields["models"] = nlohmann::ordered_json::array();
+  std::string words;
   for (const transfer::ModelInfo& model : models) {
-    all.push_back(json_of(model));
-    if (!global.json) say(model);
+    report.fields["models"].push_back(json_of(model));
+    words += (words.empty() ? "" : "\n") + words_of(model);
   }
-  if (global.json) std::printf("%s\n", report::to_text(all).c_str());
-  return ExitStatus::Done;
+  // The list is the result: --quiet leaves it.
+  return tell(report, {.quiet = false, .json = global.json}, words);
 }
 
-Result<ExitStatus> remove(const Options& options) {
+Result<ExitStatus> remove(const Options& options, const GlobalOptions& global) {
   BITELINE_TRY(transfer::Library{options.library}.remove(options.name));
-  return ExitStatus::Done;
+  report::Report report;
+  report.fields["removed"] = options.name;
+  return tell(report, global, "");
 }
 
 }  // namespace
@@ -85,7 +86,9 @@ void add_model(CLI::App& app, Context& context) {
 
   CLI::App* remove_command = command->add_subcommand("remove", "Forget a model");
   remove_command->add_option("name", options->name, "The model's name")->required();
-  remove_command->callback([options, &context] { context.run = [options] { return remove(*options); }; });
+  remove_command->callback([options, &context] {
+    context.run = [options, &context] { return remove(*options, context.options); };
+  });
 }
 
 }  // namespace biteline::app

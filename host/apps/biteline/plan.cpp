@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // biteline plan: a line becomes a checked tool path.
-#include <cstdio>
 #include <numbers>
 
 #include "common/config/sensor_yaml.hpp"
+#include "common/core/fixed_text.hpp"
 #include "common/options/number.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/cloud/ply.hpp"
@@ -69,6 +69,14 @@ Result<path::PlanRequest> read_request(const Options& options, report::Report& r
   return request;
 }
 
+std::string summary(const path::PlanRequest& request, const path::PlanOutcome& outcome, const fs::path& out) {
+  if (!outcome.path) return "biteline: refused: " + outcome.reason();
+  return FixedText<400>::format("%s follows the line in %.1f s, %zu points: %s", request.arm.name.c_str(),
+                                outcome.path->duration_s(), outcome.path->path().waypoints.size(),
+                                out.c_str())
+      .c_str();
+}
+
 Result<ExitStatus> run_plan(const Options& options, const GlobalOptions& global) {
   report::Report report;
   // Before anything can fail: whatever comes of this run, no path of an earlier one stands for it.
@@ -82,19 +90,8 @@ Result<ExitStatus> run_plan(const Options& options, const GlobalOptions& global)
     path::PlanOutcome turned = report.timed("plan", [&] { return path::plan(request); });
     if (turned.path) outcome = std::move(turned);
   }
-  BITELINE_ASSIGN(const ExitStatus status, results::write_plan_result(options.out, request, outcome, report));
-
-  if (global.json) {
-    std::printf("%s\n", report::to_text(report.fields).c_str());
-  } else if (outcome.path) {
-    if (!global.quiet) {
-      std::printf("%s follows the line in %.1f s, %zu points: %s\n", request.arm.name.c_str(),
-                  outcome.path->duration_s(), outcome.path->path().waypoints.size(), options.out.c_str());
-    }
-  } else {
-    std::fprintf(stderr, "biteline: refused: %s\n", outcome.reason.c_str());
-  }
-  return status;
+  BITELINE_TRY(results::write_plan_result(options.out, request, outcome, report));
+  return tell(report, global, summary(request, outcome, options.out));
 }
 
 }  // namespace

@@ -61,12 +61,8 @@ Result<ExitStatus> replay(const Options& options, const GlobalOptions& global) {
   report.fields["scan"] = intake::account_of(run.counts, run.sensor_counters, run.sensor_stages);
   report.fields["frames_per_s"] =
       run.stream_s > 0 ? static_cast<double>(run.counts.profiles) / run.stream_s : 0.0;
-  BITELINE_ASSIGN(const ExitStatus status,
-                  results::write_line_result(options.out, run.cloud, found.extraction, found.stages, report));
-  if (!global.quiet)
-    std::fprintf(status == ExitStatus::Done ? stdout : stderr, "%s\n",
-                 results::summary(found.extraction).c_str());
-  return status;
+  BITELINE_TRY(results::write_line_result(options.out, run.cloud, found.extraction, found.stages, report));
+  return tell(report, global, results::summary(found.extraction));
 }
 
 }  // namespace

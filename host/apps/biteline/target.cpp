@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // biteline target: a ring target to print to scale.
-#include <cstdio>
 #include <memory>
 
 #include "common/options/number.hpp"
@@ -17,7 +16,7 @@ struct Options {
       .rows = 4, .cols = 7, .pitch_mm = 14, .outer_diameter_mm = 12, .inner_diameter_mm = 6};
 };
 
-Result<ExitStatus> draw(const Options& options) {
+Result<ExitStatus> draw(const Options& options, const GlobalOptions& global) {
   const calibration::RingTarget& t = options.target;
   if (t.outer_diameter_mm >= t.pitch_mm)
     return fail(Errc::InvalidArgument, "--outer-diameter: less than the pitch expected");
@@ -26,7 +25,14 @@ Result<ExitStatus> draw(const Options& options) {
   if (options.out.extension() != ".svg")
     return fail(Errc::InvalidArgument, "--out %s: a name ending in .svg expected", options.out.c_str());
   BITELINE_TRY(report::write_file_atomically(options.out, calibration::target_svg(t)));
-  return ExitStatus::Done;
+  report::Report report;
+  report.fields["file"] = options.out.filename().string();
+  report.fields["rows"] = t.rows;
+  report.fields["cols"] = t.cols;
+  report.fields["pitch_mm"] = t.pitch_mm;
+  report.fields["outer_diameter_mm"] = t.outer_diameter_mm;
+  report.fields["inner_diameter_mm"] = t.inner_diameter_mm;
+  return tell(report, global, "");
 }
 
 }  // namespace
@@ -50,7 +56,8 @@ void add_target(CLI::App& app, Context& context) {
   command->add_option("--inner-diameter", options->target.inner_diameter_mm, "[mm]")
       ->check(options::number({.minimum = 0.1, .maximum = 500}, "mm"))
       ->capture_default_str();
-  command->callback([options, &context] { context.run = [options] { return draw(*options); }; });
+  command->callback(
+      [options, &context] { context.run = [options, &context] { return draw(*options, context.options); }; });
 }
 
 }  // namespace biteline::app

@@ -37,26 +37,18 @@ nlohmann::ordered_json json_of(const transfer::Identification& found) {
   return json;
 }
 
-transfer::Transfer refused(const std::string& reason) {
-  transfer::Transfer transfer;
-  transfer.reason = reason;
-  return transfer;
-}
-
 /// The sample that was named, or the model that the upper is found to be.
 Result<transfer::Transfer> carry_over(const Options& options, const cloud::PointCloud& upper,
                                       report::Report& report) {
   const transfer::Library library{options.library};
   std::string sample_name = options.sample;
   if (sample_name.empty()) {
-    const Result<transfer::Identification> found =
-        report.timed("identify", [&] { return transfer::identify(library, upper, options.transfer.align); });
-    if (!found && found.error().code == Errc::Refused)
-      return refused(std::string{found.error().where.view()});
-    BITELINE_TRY(found);
-    report.fields["identified"] = json_of(*found);
-    if (found->name.empty()) return refused(found->reason);
-    sample_name = found->name;
+    BITELINE_ASSIGN(const transfer::Identification found, report.timed("identify", [&] {
+      return transfer::identify(library, upper, options.transfer.align);
+    }));
+    report.fields["identified"] = json_of(found);
+    if (found.refusal) return transfer::Transfer{.refusal = found.refusal};
+    sample_name = found.name;
   }
   report.fields["sample"] = sample_name;
   BITELINE_ASSIGN(const transfer::SampleFiles sample,
@@ -71,14 +63,8 @@ Result<ExitStatus> transfer(const Options& options, const GlobalOptions& global)
                   report.timed("read", [&] { return cloud::read_cloud(options.upper); }));
   report.fields["upper"] = options.upper.filename().string();
   BITELINE_ASSIGN(const transfer::Transfer result, carry_over(options, upper, report));
-  BITELINE_ASSIGN(const ExitStatus status,
-                  results::write_transfer_result(options.out, upper, result, report));
-  if (global.json) {
-    std::printf("%s\n", report::to_text(report.fields).c_str());
-  } else if (!global.quiet) {
-    std::fprintf(result.found ? stdout : stderr, "%s\n", results::summary(result).c_str());
-  }
-  return status;
+  BITELINE_TRY(results::write_transfer_result(options.out, upper, result, report));
+  return tell(report, global, results::summary(result));
 }
 
 }  // namespace
@@ -97,8 +83,11 @@ void add_transfer(CLI::App& app, Context& context) {
                     "The sample is of another size: grade by length, width and height");
   const std::map<std::string, transfer::RayDirection> directions{{"level", transfer::RayDirection::Level},
                                                                  {"normal", transfer::RayDirection::Normal}};
-  command->add_option("--rays", options->transfer.direction, "level, or along the normals: normal")
-      ->transform(CLI::CheckedTransformer(directions));
+  command
+      ->add_option("--rays", options->transfer.direction,
+                   "Rays from the sample's line: level, or along its normals")
+      ->transform(CLI::CheckedTransformer(directions).description(""))
+      ->type_name("level|normal");
   command
       ->add_option("--max-gap", options->transfer.max_gap_mm,
                    "Longest gap in the upper's scan that is bridged, mm")

@@ -86,9 +86,13 @@ class Calibrator {
 
  private:
   Result<void> all_parts() {
+    result_.refused_in = Part::Camera;
     BITELINE_TRY(camera_part());
+    result_.refused_in = Part::Laser;
     if (input_.laser) BITELINE_TRY(laser_part());
+    result_.refused_in = Part::HandEye;
     if (input_.hand_eye) BITELINE_TRY(hand_eye_part());
+    result_.refused_in = Part::Together;
     return together();
   }
 

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "host/calibration/head/folder.hpp"
+#include "host/calibration/head/refused.hpp"
 #include "host/calibration/refine/head_bundle.hpp"
 #include "host/calibration/rings/pixel_grid.hpp"
 
@@ -28,6 +29,7 @@ struct HeadCalibration {
   PixelGrid pixel_grid;               ///< of the pictures; what was uneven is evened out in all views here
   std::vector<SetAside> set_aside;    ///< of all parts
   std::optional<Error> refused;
+  Part refused_in{Part::Camera};  ///< of `refused`
 };
 
 /// Each part alone first, which finds what contradicts; then one adjustment of all that is left.

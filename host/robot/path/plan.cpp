@@ -230,7 +230,7 @@ PlanOutcome plan(const PlanRequest& request) {
     out.checks.push_back(check_on_cloud(request.line, request.cloud));
   std::vector<Check> path_checks;
   if (!all_passed(out.checks)) {
-    out.reason = failures(out.checks);
+    out.refusal = Refusal{.code = Refused::LineUnfit, .reason = failures(out.checks)};
     return out;
   }
   const Scene scene = scene_of(request);
@@ -253,18 +253,21 @@ PlanOutcome plan(const PlanRequest& request) {
     WayThere way = find_way_there(*request.from_rad, *out.path, request.arm, collisions);
     out.checks.push_back(std::move(way.check));
     out.path = std::move(way.path);
+    if (!out.path) {
+      out.refusal = Refusal{.code = Refused::NoFreeWayToBegin, .reason = failures(out.checks)};
+      return out;
+    }
   }
   if (out.path) return out;
   if (out.blockage.what == Obstacle::None) {
-    out.reason = failures(out.checks);
+    out.refusal = Refusal{.code = Refused::PathCheckFailed, .reason = failures(out.checks)};
     return out;
   }
   out.remedy = find_remedy(scene, request.process, request.arm);
-  out.reason =
+  const auto stuck =
       FixedText<200>::format("%s cannot follow the line: stuck at %.0f mm of the path, %s",
-                             request.arm.name.c_str(), out.blockage.arc_mm, out.blockage.detail.c_str())
-          .view();
-  out.reason += words(out.remedy);
+                             request.arm.name.c_str(), out.blockage.arc_mm, out.blockage.detail.c_str());
+  out.refusal = Refusal{.code = Refused::CannotFollow, .reason = stuck.c_str() + words(out.remedy)};
   return out;
 }
 

@@ -3,6 +3,7 @@
 /// \file Line, process and arm in; a checked path or a reason and a way out.
 
 #include "host/robot/path/checks/checked_path.hpp"
+#include "host/robot/path/refused.hpp"
 
 namespace biteline::path {
 
@@ -27,11 +28,14 @@ struct Remedy {
 struct PlanOutcome {
   std::vector<Check> checks;        ///< of the line, then of the path
   std::optional<CheckedPath> path;  ///< present when everything passed
-  std::string reason;               ///< one plain sentence when not
+  std::optional<Refusal> refusal;   ///< when not
   Blockage blockage;
   Remedy remedy;
   ToolPath tool_path;         ///< of `path`; when refused, of the first try
   Surroundings surroundings;  ///< in the arm's base: what collisions were checked against
+
+  /// One plain sentence when there is no path.
+  [[nodiscard]] std::string reason() const { return refusal ? refusal->reason : std::string{}; }
 };
 
 /// Check the line; then for each place to enter it, the least harmful first: tool frames, joints along the

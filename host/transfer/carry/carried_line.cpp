@@ -399,15 +399,17 @@ CarriedLine carry_line(const RaySurface& surface, const std::vector<PlacedPoint>
     sum_mm += *cast.distance_mm;
   }
   if (carried.hits == 0) {
-    carried.reason = "no ray from the sample's line meets the upper";
+    carried.refusal =
+        Refusal{.code = Refused::LineNotMet, .reason = "no ray from the sample's line meets the upper"};
     return carried;
   }
   const double hit_ratio = static_cast<double>(carried.hits) / static_cast<double>(carried.rays);
   if (hit_ratio < k_min_hit_ratio) {
-    carried.reason =
-        FixedText<200>::format("the upper's scan shows only %.0f %% of the line (at least %.0f %%)",
-                               100 * hit_ratio, 100 * k_min_hit_ratio)
-            .c_str();
+    carried.refusal = Refusal{
+        .code = Refused::LineHardlySeen,
+        .reason = FixedText<200>::format("the upper's scan shows only %.0f %% of the line (at least %.0f %%)",
+                                         100 * hit_ratio, 100 * k_min_hit_ratio)
+                      .c_str()};
     return carried;
   }
   carried.mean_distance_mm = sum_mm / static_cast<double>(carried.hits);
@@ -415,11 +417,13 @@ CarriedLine carry_line(const RaySurface& surface, const std::vector<PlacedPoint>
   if (carried.longest_gap_mm > options.max_gap_mm) {
     const auto gap = std::find_if(casts.begin(), casts.end(), [](const Cast& c) { return !c.distance_mm; });
     const Vec3 at = gap->origin;
-    carried.reason = FixedText<200>::format(
-                         "the upper's scan has a gap of %.0f mm on the line, at x %.0f y %.0f z %.0f mm (at "
-                         "most %.0f mm are bridged)",
-                         carried.longest_gap_mm, at.x(), at.y(), at.z(), options.max_gap_mm)
-                         .c_str();
+    carried.refusal =
+        Refusal{.code = Refused::ScanHasGap,
+                .reason = FixedText<200>::format(
+                              "the upper's scan has a gap of %.0f mm on the line, at x %.0f y %.0f z %.0f mm "
+                              "(at most %.0f mm are bridged)",
+                              carried.longest_gap_mm, at.x(), at.y(), at.z(), options.max_gap_mm)
+                              .c_str()};
     return carried;
   }
   std::vector<Vec3> positions;

@@ -3,12 +3,12 @@
 /// \file A sample's line carried onto another surface by rays.
 
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "common/core/result.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/transfer/carry/ray.hpp"
+#include "host/transfer/refused.hpp"
 
 namespace biteline::transfer {
 
@@ -40,13 +40,13 @@ struct CarryOptions {
 [[nodiscard]] Vec3 ray_direction(const PlacedPoint& point, const CarryOptions& options);
 
 struct CarriedLine {
-  cloud::ClosedLine line{};     ///< empty when `reason` is not
+  cloud::ClosedLine line{};     ///< empty when refused
   std::vector<bool> bridged{};  ///< per point: over a gap, not on a hit
   std::size_t rays{0}, hits{0};
   double bridged_mm{0};  ///< length of all bridges
   double longest_gap_mm{0};
-  double mean_distance_mm{0};  ///< from the sample's line to this one along the rays
-  std::string reason{};        ///< why there is no line
+  double mean_distance_mm{0};        ///< from the sample's line to this one along the rays
+  std::optional<Refusal> refusal{};  ///< why there is no line
 };
 
 /// Evenly spaced as the placed line was, anticlockwise seen from `up`.  Pre: at least 3 points.

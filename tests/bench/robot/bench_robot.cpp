@@ -146,7 +146,7 @@ void plan_rows() {
       const auto begin = Clock::now();
       const path::PlanOutcome outcome = path::plan(request);
       if (!outcome.path) {
-        std::fprintf(stderr, "  plan refused: %s\n", outcome.reason.c_str());
+        std::fprintf(stderr, "  plan refused: %s\n", outcome.reason().c_str());
         return;
       }
       static_cast<void>(robot::ur::urscript(*outcome.path));

@@ -92,7 +92,7 @@ Tally tally(const test::LastPairSettings& settings, bool tell) {
         test::k_waves_names[static_cast<std::size_t>(settings.waves)].data(), settings.difference_rms_mm,
         settings.feather_seen ? "low" : "cut", tally.mean_mm(), tally.p95_mm(), transfer.bound_mm,
         tally.share(tally.within_bound), tally.share(tally.within_u95), tally.rim_used,
-        alignment.weakest.words.c_str(), transfer.reason.c_str());
+        alignment.weakest.words.c_str(), transfer.reason().c_str());
   }
   return tally;
 }

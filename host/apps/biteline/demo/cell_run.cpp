@@ -8,7 +8,9 @@
 
 #include "host/apps/biteline/demo/lateness.hpp"
 #include "host/intake/child_process.hpp"
+#include "host/intake/refused.hpp"
 #include "host/report/report.hpp"
+#include "host/transfer/refused.hpp"
 
 namespace biteline::app::demo {
 namespace {
@@ -107,8 +109,9 @@ std::optional<fs::path> newest_scan(const fs::path& out) {
 /// The scan is at fault, not the shoe: it did not reach its end, or part of the way round is missing.
 bool worth_another_scan(const std::optional<fs::path>& scan) {
   if (!scan) return false;
-  const std::string reason = read_json(*scan / "report.json").value("reason", "");
-  return reason.starts_with("the scan is not complete") || reason.find("scan has a gap") != std::string::npos;
+  const std::string code = read_json(*scan / "report.json").value("reason_code", "");
+  return code == report::refusal_row(intake::Refused::ScanNotComplete).name ||
+         code == report::refusal_row(transfer::Refused::ScanHasGap).name;
 }
 
 std::vector<std::string> cell_arguments(const CellOptions& options, const Shoe& shoe, const fs::path& out) {

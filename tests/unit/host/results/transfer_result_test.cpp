@@ -36,7 +36,9 @@ TEST_GROUP(TransferResult) {
     out.alignment.weakest.words = "up and down";
     out.bound_mm = 0.2;
     out.found = found;
-    out.reason = found ? "" : "the upper is another model";
+    if (!found)
+      out.refusal =
+          transfer::Refusal{.code = transfer::Refused::OtherModel, .reason = "the upper is another model"};
     for (int i = 0; found && i < 100; ++i) {
       const Vec3 p = on_drum(i, 2).cast<double>(), n{p.x() / 60, p.y() / 60, 0};
       out.placed.push_back({.position = p, .normal = n});
@@ -82,11 +84,13 @@ TEST(TransferResult, ARefusalShowsWhereTheShapesDifferAndLeavesNoEarlierLine) {
   for (const char* file : {"line.csv", "stages/2_placed_line.png", "stages/3_carried_line.png"})
     CHECK_TEXT(!has(file), file);
   STRCMP_EQUAL("the upper is another model", report_json()["reason"].get<std::string>().c_str());
+  STRCMP_EQUAL("other_model", report_json()["reason_code"].get<std::string>().c_str());
 }
 
 TEST(TransferResult, ACloudWithoutShoeIsARefusalWithoutPictures) {
   transfer::Transfer nothing;
-  nothing.reason = "the upper's cloud holds no surface of a shoe's size";
+  nothing.refusal =
+      transfer::Refusal{.code = transfer::Refused::UpperWithoutShoe, .reason = "no surface of a shoe's size"};
   upper.points.clear();
   CHECK(write(nothing) == ExitStatus::Refused);
   CHECK(has("index.html"));

@@ -69,7 +69,7 @@ TEST(Bound, OneEdgeInBothScansFixesTheHeight) {
   for (std::uint64_t seed = 601; seed < 601 + k_pairs; ++seed) {
     const test::MadePair pair = test::last_pair({.seed = seed, .difference_rms_mm = 0.12});
     const Transfer sut = transferred(pair);
-    CHECK_TEXT(sut.found, sut.reason.c_str());
+    CHECK_TEXT(sut.found, sut.reason().c_str());
     if (sut.alignment.rim_used) {
       ++used;
       CHECK(sut.alignment.next_step.empty());
@@ -109,7 +109,7 @@ TEST(Bound, EdgesCutByOneTemplateAtOtherHeightsAreNotOneEdge) {
   pair.upper_cloud = cut;
   const Transfer sut = transferred(pair);
   CHECK_FALSE(sut.alignment.rim_used);
-  CHECK_TEXT(sut.found, sut.reason.c_str());
+  CHECK_TEXT(sut.found, sut.reason().c_str());
   double sum_mm = 0;
   for (const cloud::LinePoint& p : sut.carried.line.points)
     sum_mm += distance_mm(p.position, pair.upper_line);

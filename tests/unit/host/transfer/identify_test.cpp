@@ -60,7 +60,8 @@ TEST(Identify, NoneOfThemIsAnAnswer) {
   const Result<Identification> sut = identify(library, upper, {});
   SUCCEEDS(sut);
   CHECK(sut->name.empty());
-  CHECK(sut->reason.find("none of the 1 models") != std::string::npos);
+  CHECK(sut->refusal->code == Refused::NoModelFits);
+  STRCMP_CONTAINS("none of the 1 models", sut->refusal->reason.c_str());
 }
 
 TEST(Identify, TwoThatBothFitAreToldAndNotChosenFrom) {
@@ -69,8 +70,9 @@ TEST(Identify, TwoThatBothFitAreToldAndNotChosenFrom) {
   const Result<Identification> sut = identify(library, upper, {});
   SUCCEEDS(sut);
   CHECK(sut->name.empty());
-  CHECK(sut->reason.find("first") != std::string::npos);
-  CHECK(sut->reason.find("twin") != std::string::npos);
+  CHECK(sut->refusal->code == Refused::SeveralModelsFit);
+  STRCMP_CONTAINS("first", sut->refusal->reason.c_str());
+  STRCMP_CONTAINS("twin", sut->refusal->reason.c_str());
 }
 
 TEST(Identify, ADamagedModelIsLeftOutAndTold) {
@@ -83,7 +85,7 @@ TEST(Identify, ADamagedModelIsLeftOutAndTold) {
   LONGS_EQUAL(1, sut->damaged.size());
   STRCMP_EQUAL("second", sut->damaged[0].name.c_str());
   SUCCEEDS(library.remove("first"));
-  CHECK(identify(library, upper, {})->reason.find("second") != std::string::npos);
+  STRCMP_CONTAINS("second", identify(library, upper, {})->refusal->reason.c_str());
 }
 
 }  // namespace biteline::transfer

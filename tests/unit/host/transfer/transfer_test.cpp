@@ -8,6 +8,7 @@
 
 #include "tests/support/errors.hpp"
 #include "tests/support/made_pair.hpp"
+#include "tests/support/refusals.hpp"
 
 namespace biteline::transfer {
 namespace {
@@ -77,11 +78,16 @@ TEST(Transfer, ScatteredPointsWillDo) {
   CHECK(mean_error_mm(sut.carried.line, pair.upper_line) < 0.05);
 }
 
+TEST(Transfer, EveryRefusalHasItsRow) {
+  test::check_refusal_table(Refused::NoModelFits);
+}
+
 TEST(Transfer, ARefusalHasItsReasonAndNoLine) {
   const test::MadePair other = test::made_pair({.seed = 8, .scan = k_scan});
   const Transfer sut = transfer_line(sample(), other.upper_cloud, {});
   CHECK_FALSE(sut.found);
-  CHECK(sut.reason.find("another model") != std::string::npos);
+  CHECK(sut.refusal->code == Refused::OtherModel);
+  STRCMP_CONTAINS("another model", sut.reason().c_str());
   CHECK(sut.carried.line.points.empty());
 }
 
@@ -108,7 +114,7 @@ TEST(Transfer, OneSampleServesOtherSizesWithinItsBound) {
     for (cloud::LinePoint& p : truth.points) p.position = placed(p.position);
     CHECK_FALSE(transfer_line(sample(), cloud, {}).found);
     const Transfer sut = transfer_line(sample(), cloud, {.align = {.grade = true}});
-    CHECK_TEXT(sut.found, sut.reason.c_str());
+    CHECK_TEXT(sut.found, sut.reason().c_str());
     const double error_mm = mean_error_mm(sut.carried.line, truth);
     CHECK(error_mm < 0.4);  // the bar
     CHECK(error_mm < sut.bound_mm);

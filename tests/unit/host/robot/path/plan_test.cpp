@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "host/robot/kinematics/chain.hpp"
+#include "tests/support/refusals.hpp"
 #include "tests/support/transforms.hpp"
 #include "tests/unit/host/robot/path/made_line.hpp"
 
@@ -41,7 +42,7 @@ TEST(Plan, EveryShippedProcessIsFollowedByTheUr5eWithEveryCheckPassed) {
   for (const char* name : {"grind.yaml", "rough.yaml", "cement.yaml", "spray.yaml"}) {
     const PlanRequest asked = request("UR5e", name);
     const PlanOutcome outcome = plan(asked);
-    CHECK_TEXT(outcome.path.has_value(), outcome.reason.c_str());
+    CHECK_TEXT(outcome.path.has_value(), outcome.reason().c_str());
     CHECK_TEXT(failed(outcome.checks).empty(), name);
     for (const Waypoint& w : outcome.path->path().waypoints) {
       TRANSFORMS_EQUAL(w.T_base_tcp,
@@ -56,7 +57,7 @@ TEST(Plan, SpacingGrowsForTheBlendsWithinTheChordErrorElseThePlanIsRefused) {
   PlanRequest asked = request("UR5e", "grind.yaml");
   asked.process.motion.spacing_mm = 0.5;
   const PlanOutcome fine = plan(asked);
-  CHECK_TEXT(fine.path.has_value(), fine.reason.c_str());
+  CHECK_TEXT(fine.path.has_value(), fine.reason().c_str());
   const auto& waypoints = fine.path->path().waypoints;
   CHECK(waypoints.size() < 400);
   for (std::size_t i = 0; i + 1 < waypoints.size(); ++i) {
@@ -70,8 +71,8 @@ TEST(Plan, SpacingGrowsForTheBlendsWithinTheChordErrorElseThePlanIsRefused) {
   asked.process.motion.chord_error_mm = 0.02;
   const PlanOutcome refused = plan(asked);
   CHECK_FALSE(refused.path.has_value());
-  STRCMP_CONTAINS("straight moves", refused.reason.c_str());
-  STRCMP_CONTAINS("6.12 mm apart", refused.reason.c_str());
+  STRCMP_CONTAINS("straight moves", refused.reason().c_str());
+  STRCMP_CONTAINS("6.12 mm apart", refused.reason().c_str());
 }
 
 TEST(Plan, LineIsJudgedBeforeAnythingIsLaidOverIt) {
@@ -100,11 +101,11 @@ TEST(Plan, LineOfAnotherScanIsRefused) {
   for (const cloud::LinePoint& p : asked.line.points) {
     for (float z = -20; z < 40; z += 1) asked.cloud.push_back((p.position + z * Vec3::UnitZ()).cast<float>());
   }
-  CHECK_TEXT(plan(asked).path.has_value(), plan(asked).reason.c_str());
+  CHECK_TEXT(plan(asked).path.has_value(), plan(asked).reason().c_str());
   for (cloud::LinePoint& p : asked.line.points) p.position.x() += 10;
   const PlanOutcome outcome = plan(asked);
   CHECK_FALSE(outcome.path.has_value());
-  STRCMP_CONTAINS("on the cloud: the line leaves the surface", outcome.reason.c_str());
+  STRCMP_CONTAINS("on the cloud: the line leaves the surface", outcome.reason().c_str());
 }
 
 TEST(Plan, FreeTurnStaysWithinTheToolsFreedom) {
@@ -160,7 +161,12 @@ TEST(Plan, OpenLineIsRefusedBeforeAnythingElse) {
   asked.line.points.resize(300);
   const PlanOutcome outcome = plan(asked);
   CHECK_FALSE(outcome.path.has_value());
-  CHECK(outcome.reason.find("closed") != std::string::npos);
+  CHECK(outcome.refusal->code == Refused::LineUnfit);
+  STRCMP_CONTAINS("closed", outcome.reason().c_str());
+}
+
+TEST(Plan, EveryRefusalHasItsRow) {
+  biteline::test::check_refusal_table(Refused::NoFreeWayToBegin);
 }
 
 TEST_GROUP(CheckPath) {

@@ -67,7 +67,7 @@ TEST(ScanProcess, AShoeIsScannedInLessThanTenSecondsWithEveryCheckPassed) {
                       .shoe = {},
                       .cloud = {}};
   const PlanOutcome outcome = plan(request);
-  CHECK_TEXT(outcome.path.has_value(), outcome.reason.c_str());
+  CHECK_TEXT(outcome.path.has_value(), outcome.reason().c_str());
   CHECK(outcome.path->duration_s() < 10);
 }
 

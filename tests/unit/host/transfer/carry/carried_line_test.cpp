@@ -80,7 +80,7 @@ TEST(CarriedLine, AGapIsBridgedAndMarked) {
     return turn_rad > 2 && turn_rad < 2.2 && z_mm < 20;
   };  // 10 mm
   const CarriedLine sut = carried();
-  CHECK(sut.reason.empty());
+  CHECK_FALSE(sut.refusal.has_value());
   DOUBLES_EQUAL(10.0, sut.longest_gap_mm, 3);
   std::size_t marked = 0;
   for (std::size_t i = 0; i < sut.line.points.size(); ++i) {
@@ -110,7 +110,7 @@ TEST(CarriedLine, AGapIsBridgedAsTheSamplesWallRuns) {
     p.wall_mm = 50.3 - p.position.head<2>().norm();
   }
   const CarriedLine sut = carry_line(*ScanMesh::create(scan.scan()), placed, {});
-  CHECK_TEXT(sut.reason.empty(), sut.reason.c_str());
+  CHECK_TEXT(!sut.refusal, sut.refusal ? sut.refusal->reason.c_str() : "");
   CHECK(sut.bridged_mm > 8);
   for (const cloud::LinePoint& p : sut.line.points) DOUBLES_EQUAL(50.0, p.position.head<2>().norm(), 0.1);
 }
@@ -121,8 +121,8 @@ TEST(CarriedLine, ATooLongGapIsRefusedWithItsPlace) {
   };  // 20 mm
   const CarriedLine sut = carried();
   CHECK(sut.line.points.empty());
-  CHECK(sut.reason.find("gap of") != std::string::npos);
-  CHECK(sut.reason.find("x -4") != std::string::npos);
+  CHECK(sut.refusal->code == Refused::ScanHasGap);
+  STRCMP_CONTAINS("x -4", sut.refusal->reason.c_str());
 }
 
 TEST(CarriedLine, SomethingThatStandsOutIsNotFollowed) {
@@ -130,7 +130,7 @@ TEST(CarriedLine, SomethingThatStandsOutIsNotFollowed) {
     return turn_rad > 1 && turn_rad < 1.06 && z_mm > 8 ? 6 : 0;
   };
   const CarriedLine sut = carried();
-  CHECK(sut.reason.empty());
+  CHECK_FALSE(sut.refusal.has_value());
   for (const cloud::LinePoint& p : sut.line.points) DOUBLES_EQUAL(50.0, p.position.head<2>().norm(), 0.2);
 }
 
@@ -138,7 +138,7 @@ TEST(CarriedLine, NoHitAtAllIsRefused) {
   std::vector<PlacedPoint> placed = placed_circle();
   for (PlacedPoint& p : placed) p.position.z() += 500;
   const CarriedLine sut = carry_line(*ScanMesh::create(scan.scan()), placed, {});
-  CHECK_FALSE(sut.reason.empty());
+  CHECK(sut.refusal.has_value());
 }
 
 }  // namespace biteline::transfer

@@ -28,7 +28,7 @@ TEST_GROUP(WayThere) {
 
   void setup() override {
     planned = plan(request);
-    CHECK_TEXT(planned.path.has_value(), planned.reason.c_str());
+    CHECK_TEXT(planned.path.has_value(), planned.reason().c_str());
   }
   CollisionModel collisions() const {
     return {request.arm, request.process.tool, planned.surroundings};
@@ -129,7 +129,7 @@ TEST(WayThere, FromNowhereThereIsNone) {
 TEST(WayThere, APlanFromWhereTheArmStandsHasItsWayOrIsRefused) {
   request.from_rad = behind_screen();
   const PlanOutcome free = plan(request);
-  CHECK_TEXT(free.path.has_value(), free.reason.c_str());
+  CHECK_TEXT(free.path.has_value(), free.reason().c_str());
   STRCMP_EQUAL("way there", free.checks.back().name.c_str());
 
   for (const Vec3& p : planned.surroundings.shoe_points) request.cloud.push_back(p.cast<float>());
@@ -137,7 +137,8 @@ TEST(WayThere, APlanFromWhereTheArmStandsHasItsWayOrIsRefused) {
   for (const Vec3& p : screen()) request.cloud.push_back(p.cast<float>());
   const PlanOutcome screened = plan(request);
   CHECK_FALSE(screened.path.has_value());
-  STRCMP_CONTAINS("from where the arm stands", screened.reason.c_str());
+  CHECK(screened.refusal->code == Refused::NoFreeWayToBegin);
+  STRCMP_CONTAINS("from where the arm stands", screened.reason().c_str());
 }
 
 }  // namespace biteline::path

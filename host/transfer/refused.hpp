@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Why an upper does not get a sample's line.
+
+#include "host/report/refusal.hpp"
+
+namespace biteline::transfer {
+
+enum class Refused {
+  SampleUnusable,         ///< its cloud holds no shoe, or next to nothing above its line
+  UpperWithoutShoe,       ///< the upper's cloud holds no surface of a shoe's size
+  TooLittleOverlap,       ///< the two scans share too little surface
+  DirectionNotFixed,      ///< the common surface lets the upper slide in one direction
+  OtherFoot,              ///< mirrored, it fits
+  OtherSize,              ///< graded, it fits
+  UpsideDown,             ///< turned over, it fits
+  OtherModel,             ///< the shapes differ, and nothing above explains it
+  AlignmentNotConverged,  ///< the search for the place did not settle
+  LineNotMet,             ///< no ray from the sample's line meets the upper
+  LineHardlySeen,         ///< the scan shows too small a share of the line
+  ScanHasGap,             ///< a gap on the line is too long to be bridged
+  SeveralModelsFit,       ///< without --sample: two models fit
+  ModelNotSure,           ///< without --sample: one model fits, but not well enough to be named
+  NoModelFits,            ///< without --sample: none fits
+};
+
+[[nodiscard]] std::span<const report::RefusalRow<Refused>> refusal_table(Refused);
+
+using Refusal = report::Refusal<Refused>;
+
+}  // namespace biteline::transfer
