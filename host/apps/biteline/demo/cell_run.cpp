@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "host/apps/biteline/demo/cell_run.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
@@ -10,6 +11,7 @@
 #include "host/intake/child_process.hpp"
 #include "host/intake/refused.hpp"
 #include "host/report/report.hpp"
+#include "host/robot/link/gate/refused.hpp"
 #include "host/transfer/refused.hpp"
 
 namespace biteline::app::demo {
@@ -106,12 +108,24 @@ std::optional<fs::path> newest_scan(const fs::path& out) {
   return newest;
 }
 
+/// The gate before the arm refused this scan since parts of it were lost on the way.
+bool holes_before_gate(const fs::path& scan) {
+  const auto lost = [](const ordered_json& row) {
+    const std::string code = row.value("reason_code", "");
+    return code == report::refusal_row(robot::Refused::HolesInScan).name ||
+           code == report::refusal_row(robot::Refused::MessagesLost).name;
+  };
+  const ordered_json gate = read_json(scan / "gate.json");
+  const ordered_json rows = gate.value("rows", ordered_json::array());
+  return std::any_of(rows.begin(), rows.end(), lost);
+}
+
 /// The scan is at fault, not the shoe: it did not reach its end, or part of the way round is missing.
 bool worth_another_scan(const std::optional<fs::path>& scan) {
   if (!scan) return false;
   const std::string code = read_json(*scan / "report.json").value("reason_code", "");
   return code == report::refusal_row(intake::Refused::ScanNotComplete).name ||
-         code == report::refusal_row(transfer::Refused::ScanHasGap).name;
+         code == report::refusal_row(transfer::Refused::ScanHasGap).name || holes_before_gate(*scan);
 }
 
 std::vector<std::string> cell_arguments(const CellOptions& options, const Shoe& shoe, const fs::path& out) {
@@ -206,8 +220,7 @@ Result<ShoeResult> run_shoe(const CellOptions& options, const Shoe& shoe) {
     last_words = host.last_words();
     if (!worth_another_scan(newest_scan(folder))) break;
     if (scans < k_most_scans && !options.quiet)
-      std::printf("  %sthe scan has not come all the way round: scanning again\n",
-                  too_busy(lateness).c_str());
+      std::printf("  %sthe scan is not whole: scanning again\n", too_busy(lateness).c_str());
   }
   const std::string busy = worth_another_scan(newest_scan(folder)) ? too_busy(lateness) : "";
   sensor.child.stop();
