@@ -35,7 +35,7 @@ struct GridView {
 ///
 /// A cell of four neighbours gives a first homography; it grows ring by ring, each predicted from those
 /// around it and checked by place and by size, so that rings of another plane, print or shadow do not join.
-/// Works under any rotation and tilt, and with rings missing; the article's rule (smallest ellipses are the
+/// Works under any rotation and tilt, and with rings missing; the published rule (smallest ellipses are the
 /// farthest row) needs a tilt and every ring. Of a grid at least `k_least_grid_rings` and 40 % of the rings
 /// must be there.
 [[nodiscard]] std::vector<GridView> find_grids(const std::vector<Ring>& rings, const RingTarget& target,

@@ -24,7 +24,7 @@ struct PlacedPoint {
 
 enum class RayDirection {
   Level,   ///< the horizontal part of the normal: the sole's edge keeps its height when it is pressed on
-  Normal,  ///< the normal itself (the article)
+  Normal,  ///< the normal itself (the published method)
 };
 
 struct CarryOptions {

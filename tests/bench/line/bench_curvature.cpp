@@ -253,7 +253,7 @@ void accuracy() {
   }
 }
 
-/// The article's Figure 12 as a number: feature points (H < -0.06 / mm) on a flat wall that has none.
+/// The published Figure 12 as a number: feature points (H < -0.06 / mm) on a flat wall that has none.
 void false_features() {
   Maker make;
   Points wall;

@@ -60,7 +60,7 @@ TEST(Transfer, TheUpperGetsTheSamplesLineAtItsHeight) {
   const Transfer sut = transfer_line(sample(), pair.upper_cloud, {});
   CHECK(sut.found);
   CHECK(sut.from_mesh);
-  // The bars for a recorded pair; made without the errors of peaks and poses it must be well inside.
+  // The bars for a recorded pair; made without the errors of peaks and poses it must be well inside.
   CHECK(mean_error_mm(sut.carried.line, pair.upper_line) < 0.05);
   CHECK(normal_rms_deg(sut.carried.line, pair.upper_line) < 1.5);
   CHECK(sut.confidence > 0.9);
@@ -116,7 +116,7 @@ TEST(Transfer, OneSampleServesOtherSizesWithinItsBound) {
     const Transfer sut = transfer_line(sample(), cloud, {.align = {.grade = true}});
     CHECK_TEXT(sut.found, sut.reason().c_str());
     const double error_mm = mean_error_mm(sut.carried.line, truth);
-    CHECK(error_mm < 0.4);  // the bar
+    CHECK(error_mm < 0.4);  // the bar
     CHECK(error_mm < sut.bound_mm);
   }
 }
