@@ -9,9 +9,8 @@ namespace biteline::sim {
 namespace {
 
 /// Registers that Aravis lays out by the GigE Vision bootstrap map, and the fake camera's own commands.
-constexpr std::uint32_t k_vendor = 0x48, k_model = 0x68, k_version = 0x88, k_serial = 0xd8;
-constexpr std::uint32_t k_pixel_format = 0x128, k_acquisition = 0x124, k_acquisition_mode = 0x12c,
-                        k_trigger_activation = 0x308;
+constexpr std::uint32_t k_version = 0x88, k_serial = 0xd8;
+constexpr std::uint32_t k_pixel_format = 0x128, k_trigger_activation = 0x308;
 
 struct Choice {
   const char* name;
@@ -96,7 +95,9 @@ class Description {
 
   [[nodiscard]] std::string whole() const {
     return "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n"
-           "<RegisterDescription ModelName=\"SimulatedLineCamera\" VendorName=\"Biteline\" "
+           "<RegisterDescription ModelName=\"" +
+           std::string{k_gv_model} + "\" VendorName=\"" + std::string{k_gv_vendor} +
+           "\" "
            "StandardNameSpace=\"None\" "
            "SchemaMajorVersion=\"1\" SchemaMinorVersion=\"0\" SchemaSubMinorVersion=\"1\" MajorVersion=\"1\" "
            "MinorVersion=\"0\" "
@@ -139,8 +140,8 @@ class Description {
 std::string genicam_description() {
   using namespace gv_register;
   Description xml;
-  xml.text("DeviceVendorName", k_vendor, 32);
-  xml.text("DeviceModelName", k_model, 32);
+  xml.text("DeviceVendorName", k_vendor_name, 32);
+  xml.text("DeviceModelName", k_model_name, 32);
   xml.text("DeviceVersion", k_version, 32);
   xml.text("DeviceID", k_serial, 16);
   xml.text("DeviceSerialNumber", k_serial, 16);
@@ -155,7 +156,7 @@ std::string genicam_description() {
   xml.choices("PixelFormat", k_pixel_format, "RW", {{"Mono8", 0x01080001}});
 
   xml.choices("AcquisitionMode", k_acquisition_mode, "RW",
-              {{"Continuous", 1}, {"SingleFrame", 2}, {"MultiFrame", 3}});
+              {{"Continuous", 1}, {"SingleFrame", k_single_frame}});
   xml.command("AcquisitionStart", k_acquisition, 1);
   xml.command("AcquisitionStop", k_acquisition, 0);
   xml.boolean("AcquisitionFrameRateEnable", k_frame_rate_enable);

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace biteline::sim {
 
@@ -22,6 +23,10 @@ inline constexpr std::uint32_t k_frame_period_us = 0x138;
 inline constexpr std::uint32_t k_trigger_mode = 0x300;
 inline constexpr std::uint32_t k_trigger_source = 0x304;
 inline constexpr std::uint32_t k_trigger_fire = 0x30c;
+inline constexpr std::uint32_t k_acquisition = 0x124;
+inline constexpr std::uint32_t k_acquisition_mode = 0x12c;
+inline constexpr std::uint32_t k_vendor_name = 0x48;   ///< GigE Vision bootstrap: 32 bytes
+inline constexpr std::uint32_t k_model_name = 0x68;    ///< 32 bytes
 inline constexpr std::uint32_t k_stream_port = 0xd00;  ///< GigE Vision bootstrap: where frames go
 inline constexpr std::uint32_t k_frame_rate_enable = 0x400;
 inline constexpr std::uint32_t k_line_selector = 0x404;
@@ -37,7 +42,8 @@ inline constexpr std::uint32_t k_sequencer_save = 0x43c;
 inline constexpr std::uint32_t k_sequencer_path = 0x440;
 inline constexpr std::uint32_t k_sequencer_trigger = 0x444;
 inline constexpr std::uint32_t k_sequencer_start = 0x448;
-inline constexpr std::uint32_t k_sequencer_next = 0x450;  ///< and + 4 for set 1
+inline constexpr std::uint32_t k_sequencer_begun_anew = 0x44c;  ///< a client has written the one before
+inline constexpr std::uint32_t k_sequencer_next = 0x450;        ///< and + 4 for set 1
 /// What set 1 has of its own (exposure, line sources) stands so far behind what set 0 has.
 inline constexpr std::uint32_t k_set_stride = 0x350;
 }  // namespace gv_register
@@ -45,8 +51,8 @@ inline constexpr std::uint32_t k_set_stride = 0x350;
 /// Bit of k_gvcp_capability: PACKETRESEND is answered.
 inline constexpr std::uint32_t k_can_resend = 1U << 2U;
 
-/// The camera has taken up the set to start with; what is written next to k_sequencer_start is a new start.
-inline constexpr std::uint32_t k_sequencer_started = 0xff;
+/// Value of AcquisitionMode.
+inline constexpr std::uint32_t k_single_frame = 2;
 /// Values of LineSource.
 inline constexpr std::uint32_t k_line_off = 0;
 inline constexpr std::uint32_t k_line_exposure_active = 1;
@@ -54,6 +60,9 @@ inline constexpr std::uint32_t k_line_exposure_active = 1;
 /// Values of PtpStatus.
 inline constexpr std::uint32_t k_ptp_disabled = 0;
 inline constexpr std::uint32_t k_ptp_slave = 1;
+
+/// What its registers and its description both say.
+inline constexpr std::string_view k_gv_vendor = "Biteline", k_gv_model = "SimulatedLineCamera";
 
 [[nodiscard]] std::string genicam_description();
 

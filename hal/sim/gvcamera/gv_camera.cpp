@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "hal/sim/gvcamera/genicam_description.hpp"
+#include "hal/sim/gvcamera/register_guard.hpp"
 
 namespace biteline::sim {
 
@@ -24,8 +25,8 @@ namespace {
 /// Aravis sleeps whole milliseconds and spins for the rest: at 1000 Hz that is all the time, a processor for
 /// itself.
 constexpr double k_trigger_poll_hz = 250;
-/// Edges that wait while one frame is being made.
-constexpr std::size_t k_edges_kept = 1;
+/// Edges whose frames are still to be made on a busy machine: half a second at 100 a second.
+constexpr std::size_t k_edges_kept = 50;
 constexpr std::uint32_t k_temperature_millidegc = 41'500;
 /// GVSP numbers frames in 16 bits and leaves out 0.
 constexpr std::uint64_t k_frame_numbers = 65535;
@@ -116,7 +117,15 @@ struct GvCamera::Device {
     return Nanoseconds{static_cast<std::int64_t>(read(gv_register::k_exposure_us + set)) * 1000};
   }
   void write(std::uint32_t address, std::uint32_t value) const {
+    const OwnAccess own;
     arv_fake_camera_write_register(registers, address, value);
+  }
+  /// A bootstrap register for text.
+  void write_text(std::uint32_t address, std::string_view text) const {
+    std::array<char, 32> bytes{};
+    text.copy(bytes.data(), bytes.size() - 1);
+    const OwnAccess own;
+    arv_fake_camera_write_memory(registers, address, bytes.size(), bytes.data());
   }
 };
 
@@ -133,7 +142,10 @@ Result<std::unique_ptr<GvCamera>> GvCamera::open(const Config& config, Painter p
   BITELINE_TRY(expect_free_port(config.address));
   BITELINE_ASSIGN(device.description, memory_file(genicam_description()));
   const std::string path = "/proc/self/fd/" + std::to_string(device.description);
-  device.server = arv_gv_fake_camera_new_full(config.address.c_str(), config.serial.c_str(), path.c_str());
+  {
+    const OwnAccess own;
+    device.server = arv_gv_fake_camera_new_full(config.address.c_str(), config.serial.c_str(), path.c_str());
+  }
   if (device.server == nullptr || arv_gv_fake_camera_is_running(device.server) == FALSE) {
     return fail(Errc::ConnectFailed, "simulated camera: %s is no interface's address of this machine",
                 config.address.c_str());
@@ -153,7 +165,8 @@ Result<std::unique_ptr<GvCamera>> GvCamera::open(const Config& config, Painter p
   device.write(k_trigger_source, 1);
   for (const std::uint32_t set : {0U, k_set_stride})
     device.write(k_line_source + 4 + set, k_line_exposure_active);
-  device.write(k_sequencer_start, k_sequencer_started);
+  device.write_text(k_vendor_name, k_gv_vendor);
+  device.write_text(k_model_name, k_gv_model);
   device.write(k_temperature_millidegc_register, k_temperature_millidegc);
   if (config.resends) device.write(k_gvcp_capability, device.read(k_gvcp_capability) | k_can_resend);
   device.write(k_ptp_enable, config.ptp ? 1 : 0);
@@ -183,13 +196,15 @@ void GvCamera::trigger(SensorClock::time_point edge) {
   if (std::exchange(stream_port_, port) != port) {
     triggers_missed_ += edges_.size();
     edges_.clear();
+    exposed_until_ = {};
   }
-  if (edges_.size() > k_edges_kept) {
+  if (edge < exposed_until_ || edges_.size() >= k_edges_kept) {
     ++triggers_missed_;
     device_->wake();  // it may sleep on those that wait: else no edge would ever end that sleep
     return;
   }
   edges_.push_back({.begin = edge, .exposure = device_->exposure(0)});
+  exposed_until_ = edge + edges_.back().exposure;
   device_->write(gv_register::k_trigger_fire, 1);
   device_->wake();
 }
@@ -197,10 +212,13 @@ void GvCamera::trigger(SensorClock::time_point edge) {
 void GvCamera::paint(void* buffer_pointer) {
   auto* buffer = static_cast<ArvBuffer*>(buffer_pointer);
   // A sequencer that was set up anew begins with set 0, and its frames are numbered from 1 again.
-  if (device_->read(gv_register::k_sequencer_start) != k_sequencer_started) {
-    device_->write(gv_register::k_sequencer_start, k_sequencer_started);
+  if (device_->read(gv_register::k_sequencer_begun_anew) != 0) {
+    device_->write(gv_register::k_sequencer_begun_anew, 0);
     frames_of_sequence_ = 0;
   }
+  // This frame still goes out; the next one waits for another start.
+  if (device_->read(gv_register::k_acquisition_mode) == k_single_frame)
+    device_->write(gv_register::k_acquisition, 0);
   const bool sequenced = device_->read(gv_register::k_sequencer_mode) != 0;
   const std::uint32_t set = sequenced && frames_of_sequence_ % 2 == 1 ? gv_register::k_set_stride : 0;
   const std::uint64_t number = 1 + frames_of_sequence_++ % k_frame_numbers;

@@ -27,8 +27,8 @@ struct GvExposure {
 };
 
 /// Real GVCP and GVSP packets on `address`, port 3956 (fixed by the standard); a GenICam description of our
-/// own with SFNC names.  It lacks what Aravis' fake camera lacks: packet resend and chunk data. Stamps are
-/// the start of the exposure on the camera's clock.
+/// own with SFNC names.  It lacks what Aravis' fake camera lacks: packet resend, chunk data, a word to a
+/// client that writes without control. Stamps are the start of the exposure on the camera's clock.
 ///
 /// Thread: the painter is called on the camera's own thread, one exposure at a time; trigger() from any
 /// thread.
@@ -56,8 +56,9 @@ class GvCamera {
   GvCamera(const GvCamera&) = delete;
   GvCamera& operator=(const GvCamera&) = delete;
 
-  /// An edge on Line0.  As on a real camera, one that comes while TriggerMode is off or faster than frames go
-  /// is lost.
+  /// An edge on Line0.  As on a real camera, one that comes while TriggerMode is off or within the exposure
+  /// before it is lost.  The edges' own times decide that: a machine that is late with its pictures makes
+  /// them later, and loses none.
   void trigger(SensorClock::time_point edge);
 
   [[nodiscard]] bool acquiring() const;
@@ -78,6 +79,7 @@ class GvCamera {
   std::unique_ptr<Device> device_;
   std::mutex edges_mutex_;
   std::deque<Edge> edges_;
+  SensorClock::time_point exposed_until_{};  ///< of the last edge that was taken up
   std::uint32_t stream_port_{0};
   std::uint64_t frames_of_sequence_{
       0};  ///< since power-up, or since the sequencer began; camera's own thread

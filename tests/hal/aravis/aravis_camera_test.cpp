@@ -4,6 +4,7 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
@@ -290,6 +291,36 @@ TEST(AravisCamera, HardwareTriggerGivesOneFrameForEachEdgeStampedWithIt) {
   }
   CHECK_EQUAL(static_cast<int>(Errc::Timeout),
               static_cast<int>(sut->next_frame(Nanoseconds{50'000'000}).error().code));
+}
+
+// A busy machine draws pictures late.  A real camera would have exposed all the same: no edge is lost by
+// that, each frame has its own edge's stamp, and only an edge within the exposure before it makes none.
+TEST(AravisCamera, EdgesWhosePicturesAreDrawnLateAreNotLost) {
+  std::atomic<bool> held{true};
+  SERVER_OR_SKIP(server, small_camera(), [&](const GvExposure& exposure, std::span<std::uint8_t> pixels) {
+    while (held) std::this_thread::sleep_for(std::chrono::milliseconds{1});
+    paint_number(exposure, pixels);
+  });
+  auto sut = *AravisCamera::open({});
+  CHECK(sut->configure(triggered_settings()).has_value());
+  CHECK(sut->start().has_value());
+  constexpr int k_edges = 12;
+  constexpr Nanoseconds k_period{10'000'000};
+  const auto first = now();
+  for (int i = 0; i < k_edges; ++i) {
+    server->trigger(first + i * k_period);
+    server->trigger(first + i * k_period + Nanoseconds{100'000});  // the exposure takes 500 us
+  }
+  held = false;
+  for (int i = 0; i < k_edges; ++i) {
+    const auto frame = sut->next_frame(k_second);
+    CHECK(frame.has_value());
+    LONGS_EQUAL(i, frame->sequence);
+    LONGS_EQUAL((first + i * k_period + Nanoseconds{250'000}).time_since_epoch().count(),
+                frame->exposure_mid.time_since_epoch().count());
+    sut->release(*frame);
+  }
+  LONGS_EQUAL(k_edges, server->triggers_missed());
 }
 
 TEST(AravisCamera, ACameraWithAClockOfItsOwnIsMappedByArrivalAndSaidToBeUnsure) {

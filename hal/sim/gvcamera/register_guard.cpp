@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: MIT
+#include "hal/sim/gvcamera/register_guard.hpp"
+
+#include <arpa/inet.h>
+#include <arv.h>
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <utility>
+
+#include "hal/sim/gvcamera/genicam_description.hpp"
+
+namespace biteline::sim {
+namespace {
+
+constexpr std::uint32_t k_registers_bytes = ARV_FAKE_CAMERA_MEMORY_SIZE;
+constexpr std::uint32_t k_any = 0xffff'ffff;
+
+struct Writable {
+  std::uint32_t first, last;  ///< addresses, both included
+  std::uint32_t minimum, maximum;
+};
+
+/// The bootstrap registers that the standard makes writable, and the features that the description calls RW
+/// or WO, with its ranges.  Sizes and offsets have bounds of their own below.
+constexpr std::array k_writable{
+    Writable{0x014, 0x014, 0, k_any},                  // network configuration
+    Writable{0x64c, 0x67c, 0, k_any},                  // persistent address
+    Writable{0x938, 0x938, 100, 3'600'000},            // heartbeat timeout, ms
+    Writable{0x944, 0x944, 0, 3},                      // timestamp control
+    Writable{0xa00, 0xa00, 0, 3},                      // control channel privilege
+    Writable{0xb00, 0xb18, 0, k_any},                  // message channel
+    Writable{0xd00, 0xd00, 0, 65'535},                 // stream channel: port
+    Writable{0xd08, 0xd24, 0, k_any},                  // delay, destination, source port
+    Writable{0x120, 0x120, 10, 1'000'000},             // ExposureTime, us
+    Writable{0x470, 0x470, 10, 1'000'000},             // of the sequencer's other set
+    Writable{0x124, 0x124, 0, 1},                      // AcquisitionStart, AcquisitionStop
+    Writable{0x128, 0x128, 0x0108'0001, 0x0108'0001},  // PixelFormat: Mono8
+    Writable{0x12c, 0x12c, 1, 2},                      // AcquisitionMode
+    Writable{0x138, 0x138, 1000, 10'000'000},          // period of AcquisitionFrameRate, us
+    Writable{0x300, 0x300, 0, 1},                      // TriggerMode
+    Writable{0x304, 0x304, 1, 1},                      // TriggerSource
+    Writable{0x308, 0x308, 0, 0},                      // TriggerActivation
+    Writable{0x30c, 0x30c, 0, 0},                      // the server's own word: a trigger was taken up
+    Writable{0x400, 0x404, 0, 1},                      // AcquisitionFrameRateEnable, LineSelector
+    Writable{0x410, 0x414, 0, 1},                      // LineSource
+    Writable{0x760, 0x764, 0, 1},                      // of the sequencer's other set
+    Writable{0x420, 0x420, 0, 1},                      // PtpEnable
+    Writable{0x430, 0x43c, 0, 1},                      // SequencerMode to SequencerSetSave
+    Writable{0x440, 0x444, 0, 0},                      // SequencerPathSelector, SequencerTriggerSource
+    Writable{0x448, 0x448, 0, 1},                      // SequencerSetStart
+    Writable{0x450, 0x454, 0, 1},                      // SequencerSetNext
+};
+/// Stream packet size: low half; flags such as "fire a test packet" above it are not kept.
+constexpr std::uint32_t k_packet_size = 0xd04, k_packet_size_mask = 0xffff;
+/// Headers of a packet (IP, UDP, GVSP) and a word; what fits the server's own buffer.
+constexpr std::uint32_t k_packet_least = 64, k_packet_most = 60'000;
+
+GvStatus within(std::uint32_t value, std::uint32_t minimum, std::uint32_t maximum) {
+  return value >= minimum && value <= maximum ? GvStatus::Success : GvStatus::InvalidParameter;
+}
+
+/// Room for a size beside its offset, and the other way round.
+std::uint32_t left_of(std::uint32_t whole, std::uint32_t used) {
+  return whole > used ? whole - used : 0;
+}
+
+thread_local int own_access = 0;
+/// Of the last look of this thread: goes into the answer that it sends next.
+thread_local GvStatus answer = GvStatus::Success;
+
+template <class Function>
+Function* real(const char* name) {
+  void* found = dlsym(RTLD_NEXT, name);
+  if (found == nullptr) {
+    std::fprintf(stderr, "simulated camera: the Aravis library lacks %s\n", name);
+    std::abort();
+  }
+  return reinterpret_cast<Function*>(found);
+}
+
+bool read(ArvFakeCamera* camera, GvRange range, void* out) {
+  static auto* const next = real<decltype(arv_fake_camera_read_memory)>("arv_fake_camera_read_memory");
+  return next(camera, range.address, range.bytes, out) != FALSE;
+}
+
+std::uint32_t read_word(ArvFakeCamera* camera, std::uint32_t address) {
+  std::uint32_t word = 0;
+  return read(camera, {address, sizeof word}, &word) ? ntohl(word) : 0;
+}
+
+/// Told by its own URL, "Local:NAME;ADDRESS;SIZE" in hexadecimal.
+std::uint32_t description_bytes(ArvFakeCamera* camera) {
+  constexpr std::uint32_t k_url = 0x200;
+  std::array<char, 256> url{};
+  if (!read(camera, {k_url, static_cast<std::uint32_t>(url.size() - 1)}, url.data())) return 0;
+  unsigned address = 0, bytes = 0;
+  const char* numbers = std::strchr(url.data(), ';');
+  if (numbers == nullptr || std::sscanf(numbers, ";%x;%x", &address, &bytes) != 2) return 0;
+  return bytes;
+}
+
+GvGeometry geometry_of(ArvFakeCamera* camera) {
+  using namespace gv_register;
+  return {.sensor_width = read_word(camera, k_sensor_width),
+          .sensor_height = read_word(camera, k_sensor_height),
+          .width = read_word(camera, k_width),
+          .height = read_word(camera, k_height),
+          .offset_x = read_word(camera, k_offset_x),
+          .offset_y = read_word(camera, k_offset_y)};
+}
+
+}  // namespace
+
+GvStatus may_read(const GvRange& range, std::uint32_t description_bytes) {
+  if (range.bytes == 0) return GvStatus::InvalidParameter;
+  if (range.address % 4 != 0) return GvStatus::BadAlignment;
+  const std::uint64_t end = std::uint64_t{range.address} + range.bytes;
+  if (end <= k_registers_bytes) return GvStatus::Success;
+  // Whole words are read, also of a description that ends within one.
+  const std::uint64_t end_of_description = k_registers_bytes + (std::uint64_t{description_bytes} + 3) / 4 * 4;
+  return range.address >= k_registers_bytes && end <= end_of_description ? GvStatus::Success
+                                                                         : GvStatus::InvalidAddress;
+}
+
+GvStatus may_write(std::uint32_t address, std::uint32_t value, const GvGeometry& now) {
+  if (address % 4 != 0) return GvStatus::BadAlignment;
+  if (address >= k_registers_bytes) return GvStatus::InvalidAddress;
+  using namespace gv_register;
+  switch (address) {
+    case k_width:
+      return within(value, 16, left_of(now.sensor_width, now.offset_x));
+    case k_height:
+      return within(value, 4, left_of(now.sensor_height, now.offset_y));
+    case k_offset_x:
+      return within(value, 0, left_of(now.sensor_width, now.width));
+    case k_offset_y:
+      return within(value, 0, left_of(now.sensor_height, now.height));
+    case k_packet_size:
+      return within(value & k_packet_size_mask, k_packet_least, k_packet_most);
+    default:
+      break;
+  }
+  const auto* row = std::ranges::find_if(
+      k_writable, [&](const Writable& each) { return address >= each.first && address <= each.last; });
+  return row == k_writable.end() ? GvStatus::WriteProtected : within(value, row->minimum, row->maximum);
+}
+
+OwnAccess::OwnAccess() {
+  ++own_access;
+}
+OwnAccess::~OwnAccess() {
+  --own_access;
+}
+
+namespace {
+
+/// A block is written whole or not at all.
+GvStatus may_write_block(ArvFakeCamera* camera, GvRange range, const void* bytes) {
+  if (range.bytes == 0 || range.bytes % 4 != 0) return GvStatus::InvalidParameter;
+  const GvGeometry now = geometry_of(camera);
+  for (std::uint32_t at = 0; at < range.bytes; at += 4) {
+    if (range.address > k_any - at) return GvStatus::InvalidAddress;
+    std::uint32_t word = 0;
+    std::memcpy(&word, static_cast<const std::uint8_t*>(bytes) + at, sizeof word);
+    const GvStatus status = may_write(range.address + at, ntohl(word), now);
+    if (status != GvStatus::Success) return status;
+  }
+  return GvStatus::Success;
+}
+
+}  // namespace
+}  // namespace biteline::sim
+
+using biteline::sim::GvStatus;
+
+// All that Aravis' server and fake camera do with registers ends in these two.
+gboolean arv_fake_camera_read_memory(ArvFakeCamera* camera, guint32 address, guint32 size, void* buffer) {
+  using namespace biteline::sim;
+  const std::uint32_t description = address < k_registers_bytes ? 0 : description_bytes(camera);
+  answer = may_read({address, size}, description);
+  // What is not there reads as zeros: the last word of the description may end beyond it.
+  std::memset(buffer, 0, size);
+  return answer == GvStatus::Success && read(camera, {address, size}, buffer) ? TRUE : FALSE;
+}
+
+gboolean arv_fake_camera_write_memory(ArvFakeCamera* camera, guint32 address, guint32 size,
+                                      const void* buffer) {
+  using namespace biteline::sim;
+  static auto* const next = real<decltype(arv_fake_camera_write_memory)>("arv_fake_camera_write_memory");
+  answer = GvStatus::Success;
+  if (own_access > 0) return next(camera, address, size, buffer);
+  answer = may_write_block(camera, {address, size}, buffer);
+  if (answer != GvStatus::Success) return FALSE;
+  std::uint32_t word = 0;
+  if (address == k_packet_size && size == sizeof word) {
+    std::memcpy(&word, buffer, sizeof word);
+    word = htonl(ntohl(word) & k_packet_size_mask);
+    return next(camera, address, size, &word);
+  }
+  if (next(camera, address, size, buffer) == FALSE) return FALSE;
+  if (address <= gv_register::k_sequencer_start && gv_register::k_sequencer_start < address + size) {
+    // A client that writes the set to start with starts the sequence anew, also with the set it had.
+    word = htonl(1);
+    return next(camera, gv_register::k_sequencer_begun_anew, sizeof word, &word);
+  }
+  return TRUE;
+}
+
+// The server answers "success" whatever its registers say: the answer to a refused command tells the refusal.
+gssize g_socket_send_to(GSocket* socket, GSocketAddress* address, const gchar* buffer, gsize size,
+                        GCancellable* cancellable, GError** error) {
+  static auto* const next = biteline::sim::real<decltype(g_socket_send_to)>("g_socket_send_to");
+  const GvStatus status = std::exchange(biteline::sim::answer, GvStatus::Success);
+  constexpr std::size_t k_header_bytes = 8;  // status, answer's kind, length of what follows, number
+  if (status == GvStatus::Success || size < k_header_bytes)
+    return next(socket, address, buffer, size, cancellable, error);
+  std::array<char, k_header_bytes> refusal{};
+  std::memcpy(refusal.data(), buffer, refusal.size());
+  refusal[0] = static_cast<char>(static_cast<std::uint16_t>(status) >> 8U);
+  refusal[1] = static_cast<char>(static_cast<std::uint16_t>(status) & 0xffU);
+  refusal[4] = refusal[5] = 0;
+  const gssize sent = next(socket, address, refusal.data(), refusal.size(), cancellable, error);
+  return sent == static_cast<gssize>(refusal.size()) ? static_cast<gssize>(size) : sent;
+}
