@@ -18,6 +18,9 @@ constexpr int k_narrow_each_side = 6;
 constexpr Nanoseconds k_widest_hole = std::chrono::seconds{1};
 /// 99 % point of chi-square with the six degrees of freedom of a pose.
 constexpr double k_agreement = 16.8;
+/// An estimate that scatters more than this many times as much as one sample is no measurement.  Between
+/// samples the factor is at most 1; six samples extrapolated by one period have 3.6, by four periods 31.
+constexpr double k_most_amplified = 4;
 /// Below these, differences are rounding and not motion.
 constexpr double k_rounding_mm = 1e-7, k_rounding_rad = 1e-10;
 
@@ -184,6 +187,9 @@ bool rt_pose_at(std::span<const PoseSample> samples, SensorClock::time_point ins
   out.sigma_mm = fit.sample_sigma_mm * std::sqrt(fit.variance_ratio);
   out.sigma_rad = fit.sample_sigma_rad * std::sqrt(fit.variance_ratio);
   out.sample_count = fit.count;
+  const bool amplified = !(fit.variance_ratio <= k_most_amplified * k_most_amplified);
+  const bool held = fit.count < 2 && out.age.count() != 0;  // one sample tells nothing of its motion
+  out.stale = out.stale || amplified || held;
   return true;
 }
 

@@ -36,9 +36,10 @@ struct PoseEstimate {
   /// Standard deviations of the estimate, from what the samples scatter about the fit: of the flange's place
   /// in one direction, and of its orientation about one axis.  0 where too few samples tell.
   double sigma_mm{0}, sigma_rad{0};
-  Nanoseconds age{0};        ///< distance in time to the nearest sample
-  int sample_count{0};       ///< samples the pose was drawn from
-  bool stale{false};         ///< age above PoseSmoothing::stale_after
+  Nanoseconds age{0};   ///< distance in time to the nearest sample
+  int sample_count{0};  ///< samples the pose was drawn from
+  /// Age above PoseSmoothing::stale_after, or so far beyond the samples that their noise is multiplied.
+  bool stale{false};
   bool extrapolated{false};  ///< no sample on one side of the instant
 };
 

@@ -98,15 +98,53 @@ TEST(PoseTrack, VelocityIsTheBodyTwist) {
 TEST(PoseTrack, SaysHowOldAndOnWhichSide) {
   const auto samples = record(0.002, 100, 0, 0);  // last at 0.198 s
   PoseEstimate sut;
-  CHECK(rt_pose_at(samples, at_s(0.203), {}, sut));
-  LONGS_EQUAL(5'000'000, sut.age.count());
+  CHECK(rt_pose_at(samples, at_s(0.199), {}, sut));
+  LONGS_EQUAL(1'000'000, sut.age.count());
   CHECK(sut.extrapolated);
   CHECK(!sut.stale);
-  // Extrapolated by two and a half periods: still good to a tenth of a millimetre.
-  TRANSFORMS_EQUAL(swinging(0.203), sut.T_base_flange, 0.1, 1e-3);
+  // Extrapolated by half a period: still good to a hundredth of a millimetre.
+  TRANSFORMS_EQUAL(swinging(0.199), sut.T_base_flange, 0.01, 1e-4);
   CHECK(rt_pose_at(samples, at_s(0.3), {}, sut));
   CHECK(sut.stale);
   CHECK(!rt_pose_at({}, at_s(0.3), {}, sut));
+}
+
+// A bus that goes off and comes back, on a way that the fit follows exactly: what is not called stale is as
+// good as four samples' noise (4.5 deviations, 52 000 estimates).
+TEST(PoseTrack, WhatIsNotStaleBesideAGapIsGood) {
+  constexpr double k_noise_mm = 0.001, k_noise_rad = 1e-5;
+  const auto on_circle = [](double time_s) {
+    const double turn_rad = 2.5 * time_s;
+    return make_se3(Eigen::Quaterniond{Eigen::AngleAxisd{turn_rad, Vec3::UnitZ()}},
+                    100 * Vec3{std::cos(turn_rad), std::sin(turn_rad), 0});
+  };
+  int usable = 0;
+  for (int round = 0; round < 1000; ++round) {
+    std::vector<PoseSample> samples;
+    for (int i = 0; i < 150; ++i) {
+      Twist xi;
+      for (int k = 0; k < 6; ++k) xi[k] = normal(random) * (k < 3 ? k_noise_mm : k_noise_rad);
+      const double time_s = 0.004 * i;
+      if (i < 50 || i >= 110)
+        samples.push_back({.stamp = at_s(time_s), .T_base_flange = on_circle(time_s) * exp_se3(xi)});
+    }
+    for (const double begin_s : {0.188, 0.428}) {
+      for (double time_s = begin_s; time_s < begin_s + 0.026; time_s += 0.001) {
+        PoseEstimate sut;
+        CHECK(rt_pose_at(samples, at_s(time_s), {}, sut));
+        if (sut.stale) continue;
+        ++usable;
+        const Vec3 error = sut.T_base_flange.translation() - on_circle(time_s).translation();
+        CHECK_COMPARE(error.norm(), <, 4.5 * 4 * k_noise_mm);
+      }
+    }
+  }
+  // Up to a period beyond the last one, and from the second one after the gap on.
+  CHECK(usable > 15'000);
+  PoseEstimate alone;
+  const PoseSample first{.stamp = at_s(1), .T_base_flange = on_circle(1)};
+  CHECK(rt_pose_at({&first, 1}, at_s(1.002), {}, alone));
+  CHECK(alone.stale);
 }
 
 TEST(PoseTrack, GapIsInterpolatedAndAged) {
