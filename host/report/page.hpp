@@ -12,11 +12,11 @@
 
 namespace biteline::report {
 
-/// Builds one page of headings, figures, pictures and links; needs no network and no script.  Texts are
-/// escaped.
+/// Builds one page of headings, figures, pictures and links; needs no network, and reads without its scripts.
+/// Light and dark.  Texts are escaped.
 class Page {
  public:
-  enum class Mood { Good, Refused, Plain };
+  enum class Mood { Good, Look, Refused, Plain };  ///< Look: found, but a person should look at it
 
   /// `verdict` stands large under the title.
   Page(const std::string& title, const std::string& verdict, Mood mood);
@@ -34,6 +34,11 @@ class Page {
   void link(const std::string& file, const std::string& text);
   /// Another page of the folder shown inside this one.
   void frame(const std::string& file, int height_px);
+
+  /// What a script fills: `otherwise` stands there until then.
+  void place(const std::string& id, const std::string& otherwise);
+  /// A script beside the page, run after everything before it was read.
+  void script(const std::string& file);
 
   [[nodiscard]] Result<void> write(const std::filesystem::path& file) const;
 

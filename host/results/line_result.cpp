@@ -8,6 +8,9 @@
 #include "host/report/json_text.hpp"
 #include "host/report/page.hpp"
 #include "host/results/pictures/stages.hpp"
+#include "host/results/view/page_parts.hpp"
+#include "host/results/view/view_data.hpp"
+#include "host/results/view/weak_stretches.hpp"
 
 namespace biteline::results {
 namespace {
@@ -25,30 +28,29 @@ nlohmann::ordered_json candidates_of(const bite_line::Extraction& extraction) {
   return list;
 }
 
-/// index.html: the verdict, the figures, the time of each stage, the pictures.
+/// index.html: the verdict, the viewer, what to look at, the figures, the time of each stage, the pictures.
 Result<void> write_page(const std::filesystem::path& folder, const bite_line::Extraction& extraction,
-                        const report::Report& report) {
+                        const std::vector<WeakStretch>& weak, const report::Report& report) {
   using report::Page;
-  Page page{"Bite line", summary(extraction), extraction.found ? Page::Mood::Good : Page::Mood::Refused};
-  std::vector<std::pair<std::string, std::string>> figures;
-  for (const auto& [name, value] : report.fields.items()) {
-    if (value.is_number_float()) figures.emplace_back(name, report::value_text(value.get<double>(), ""));
-    if (value.is_number_integer() || value.is_string())
-      figures.emplace_back(name, value.is_string() ? value.get<std::string>() : report::to_text(value, -1));
-  }
+  const Page::Mood mood = !extraction.found ? Page::Mood::Refused
+                          : weak.empty()    ? Page::Mood::Good
+                                            : Page::Mood::Look;
+  Page page{"Bite line", summary(extraction), mood};
+  if (extraction.refusal) add_next_step(page, report::told(*extraction.refusal));
+  add_weak_stretches(page, weak);
+  add_viewer(page, folder);
   page.heading("Figures");
-  page.figures(figures);
+  page.figures(named_figures(report.fields));
   if (extraction.candidates.size() > 1) {
     page.heading("Candidates");
-    std::vector<std::pair<std::string, std::string>> rows;
+    std::vector<std::vector<std::string>> rows;
     for (const bite_line::Candidate& candidate : extraction.candidates) {
-      char text[160];
-      std::snprintf(text, sizeof text, "height %.1f mm, length %.1f mm, crease %.0f degrees, seen %.0f %%",
-                    candidate.mean_height_mm, candidate.length_mm, candidate.crease_deg,
-                    100 * candidate.seen_share);
-      rows.emplace_back(report::value_text(candidate.confidence, ""), text);
+      rows.push_back(
+          {report::value_text(candidate.confidence, ""), report::value_text(candidate.mean_height_mm, "mm"),
+           report::value_text(candidate.length_mm, "mm"), report::value_text(candidate.crease_deg, "degrees"),
+           report::value_text(100 * candidate.seen_share, "%")});
     }
-    page.figures(rows);
+    page.table({"confidence", "mean height", "length", "crease", "seen"}, rows);
   }
   page.heading("Time");
   std::vector<std::pair<std::string, double>> stages;
@@ -87,6 +89,8 @@ Result<ExitStatus> write_line_result(const std::filesystem::path& folder, const 
     report.fields["confidence"] = extraction.confidence;
   }
   report.fields["candidates"] = candidates_of(extraction);
+  const std::vector<WeakStretch> weak = weak_stretches(extraction.line, extraction.T_base_shoe);
+  if (extraction.found) report.fields["weak_stretches"] = as_json(weak);
   for (const report::StageTime& stage : extraction.stages)
     report.fields["extraction_s"][stage.name] = stage.seconds;
 
@@ -102,7 +106,17 @@ Result<ExitStatus> write_line_result(const std::filesystem::path& folder, const 
     if (!shown.plain_svd_features.empty())
       report.fields["feature_points_plain_svd"] = shown.plain_svd_features.size();
     BITELINE_TRY(results::write_stages(folder / "stages", shown, extraction));
-    return write_page(folder, extraction, report);
+    ViewData view{.title = "Bite line",
+                  .summary = summary(extraction),
+                  .found = extraction.found,
+                  .report = report.fields,
+                  .cloud = &cloud,
+                  .line = &extraction.line,
+                  .T_base_shoe = extraction.T_base_shoe,
+                  .path_mm = {}};
+    if (extraction.refusal) add_refusal(view.report, report::told(*extraction.refusal));
+    BITELINE_TRY(write_view(folder, view));
+    return write_page(folder, extraction, weak, report);
   }));
   BITELINE_TRY(report.write(folder));
   return extraction.found ? ExitStatus::Done : ExitStatus::Refused;

@@ -3,7 +3,10 @@
 
 #include <numbers>
 
+#include "host/report/page.hpp"
 #include "host/results/tracking_page/tracking_page.hpp"
+#include "host/results/view/page_parts.hpp"
+#include "host/results/view/view_data.hpp"
 #include "host/robot/link/ur/script.hpp"
 #include "host/robot/path/path_file.hpp"
 
@@ -58,9 +61,50 @@ void fill_report(report::Report& report, const path::PlanRequest& request, const
   }
 }
 
+/// index.html: the verdict, the viewer, every check.
+Result<void> write_page(const fs::path& folder, const path::PlanRequest& request,
+                        const path::PlanOutcome& outcome, const report::Report& report) {
+  using report::Page;
+  const std::string summary = outcome.path ? request.arm.name + " follows the line: every check passed"
+                                           : "refused: " + outcome.reason();
+  cloud::PointCloud cloud;
+  cloud.points = request.cloud;
+  ViewData view{.title = "Path of " + request.process.name,
+                .summary = summary,
+                .found = outcome.path.has_value(),
+                .report = report.fields,
+                .cloud = &cloud,
+                .line = &request.line,
+                .T_base_shoe = std::nullopt,
+                .path_mm = {}};
+  if (outcome.path) {
+    for (const path::Waypoint& waypoint : outcome.path->path().waypoints)
+      view.path_mm.emplace_back(request.T_line_base * waypoint.T_base_tcp.translation());
+  }
+  if (outcome.refusal) add_refusal(view.report, report::told(*outcome.refusal));
+  BITELINE_TRY(write_view(folder, view));
+
+  Page page{"Path of " + request.process.name, summary,
+            outcome.path ? Page::Mood::Good : Page::Mood::Refused};
+  if (outcome.refusal) add_next_step(page, report::told(*outcome.refusal));
+  add_viewer(page, folder);
+  page.heading("Checks");
+  std::vector<std::vector<std::string>> rows;
+  for (const path::Check& check : outcome.checks) {
+    rows.push_back({check.name, check.passed ? "passed" : "NOT passed",
+                    report::value_text(check.value, check.unit), report::value_text(check.limit, check.unit),
+                    check.arc_mm >= 0 ? report::value_text(check.arc_mm, "mm") : "", check.detail});
+  }
+  page.table({"check", "verdict", "value", "limit", "along the line at", "what"}, rows);
+  page.heading("Figures");
+  page.figures(named_figures(report.fields));
+  return page.write(folder / "index.html");
+}
+
 /// A name that cannot be removed is no name of a plan's file, or the next write says why.
 void remove_plan(const fs::path& folder) {
-  for (const char* name : {"path.script", "path.csv", "tracking.html", "report.json"}) {
+  for (const char* name : {"path.script", "path.csv", "tracking.html", "report.json", "index.html",
+                           "view_data.js", "files.js"}) {
     std::error_code ignored;  // nothing there is what is wanted
     fs::remove(folder / name, ignored);
   }
@@ -103,10 +147,12 @@ Result<ExitStatus> write_plan_result(const fs::path& folder, const path::PlanReq
           report.timed("write", [&] { return path::write_path(folder / "path.csv", *outcome.path); }));
       BITELINE_TRY(report.timed_aside("page", [&] { return write_tracking(folder, request, outcome, {}); }));
     }
+    BITELINE_TRY(report.timed_aside("page", [&] { return write_page(folder, request, outcome, report); }));
     BITELINE_TRY(report.write(folder));
     if (!outcome.path) return {};
-    // Last: a script stands only where everything that speaks for it does.
-    return report::write_file_atomically(folder / "path.script", robot::ur::urscript(*outcome.path));
+    // Last but for its mention: a script stands only where everything that speaks for it does.
+    BITELINE_TRY(report::write_file_atomically(folder / "path.script", robot::ur::urscript(*outcome.path)));
+    return write_file_list(folder);
   };
   if (const Result<void> written = write_all(); !written) {
     remove_plan(folder);

@@ -7,6 +7,9 @@
 #include "host/report/page.hpp"
 #include "host/results/line_result.hpp"
 #include "host/results/pictures/transfer_stages.hpp"
+#include "host/results/view/page_parts.hpp"
+#include "host/results/view/view_data.hpp"
+#include "host/results/view/weak_stretches.hpp"
 
 namespace biteline::results {
 namespace {
@@ -80,13 +83,18 @@ void fill(const transfer::Transfer& transfer, report::Report& report) {
   report.fields["bridged_points"] = bridged;
 }
 
-/// index.html: the verdict, the figures, the time of each stage, the pictures.
+/// index.html: the verdict, the viewer, what to look at, the figures, the time of each stage, the pictures.
 Result<void> write_page(const std::filesystem::path& folder, const transfer::Transfer& transfer,
-                        const report::Report& report) {
+                        const std::vector<WeakStretch>& weak, const report::Report& report) {
   using report::Page;
   using report::value_text;
-  Page page{"Bite line from a sample", summary(transfer),
-            transfer.found ? Page::Mood::Good : Page::Mood::Refused};
+  const Page::Mood mood = !transfer.found ? Page::Mood::Refused
+                          : weak.empty()  ? Page::Mood::Good
+                                          : Page::Mood::Look;
+  Page page{"Bite line from a sample", summary(transfer), mood};
+  if (transfer.refusal) add_next_step(page, report::told(*transfer.refusal));
+  add_weak_stretches(page, weak);
+  add_viewer(page, folder);
   if (!transfer.stages.empty()) {
     const transfer::Alignment& alignment = transfer.alignment;
     page.heading("How good");
@@ -115,12 +123,7 @@ Result<void> write_page(const std::filesystem::path& folder, const transfer::Tra
       page.picture("stages/" + file, caption);
   }
   page.heading("All figures");
-  std::vector<std::pair<std::string, std::string>> fields;
-  for (const auto& [name, value] : report.fields.items()) {
-    if (value.is_number() || value.is_string())
-      fields.emplace_back(name, value.is_string() ? value.get<std::string>() : report::to_text(value, -1));
-  }
-  page.figures(fields);
+  page.figures(named_figures(report.fields));
   return page.write(folder / "index.html");
 }
 
@@ -130,6 +133,9 @@ Result<ExitStatus> write_transfer_result(const std::filesystem::path& folder, co
                                          const transfer::Transfer& transfer, report::Report& report) {
   report.fields["points"] = upper.size();
   fill(transfer, report);
+  const SE3& T_base_shoe = transfer.alignment.placement.T_target_source;
+  const std::vector<WeakStretch> weak = weak_stretches(transfer.carried.line, T_base_shoe);
+  if (transfer.found) report.fields["weak_stretches"] = as_json(weak);
   if (transfer.found) {
     BITELINE_TRY(
         report.timed("write", [&] { return cloud::write_line(folder / "line.csv", transfer.carried.line); }));
@@ -138,7 +144,17 @@ Result<ExitStatus> write_transfer_result(const std::filesystem::path& folder, co
   BITELINE_TRY(report.timed_aside("pictures", [&]() -> Result<void> {
     if (!upper.points.empty())
       BITELINE_TRY(results::write_transfer_stages(folder / "stages", upper, transfer));
-    return write_page(folder, transfer, report);
+    ViewData view{.title = "Bite line from a sample",
+                  .summary = summary(transfer),
+                  .found = transfer.found,
+                  .report = report.fields,
+                  .cloud = &upper,
+                  .line = &transfer.carried.line,
+                  .T_base_shoe = T_base_shoe,
+                  .path_mm = {}};
+    if (transfer.refusal) add_refusal(view.report, report::told(*transfer.refusal));
+    BITELINE_TRY(write_view(folder, view));
+    return write_page(folder, transfer, weak, report);
   }));
   BITELINE_TRY(report.write(folder));
   return transfer.found ? ExitStatus::Done : ExitStatus::Refused;

@@ -13,7 +13,7 @@ complain() {
 }
 
 documents() {
-  find . -name '*.md' -not -path './build*' -not -path './.git/*' | sed 's|^\./||' | sort
+  find . -name '*.md' -not -path './build*' -not -path './.git/*' -not -path '*/node_modules/*' | sed 's|^\./||' | sort
 }
 
 # [text](target): a path relative to the document, without its #heading.

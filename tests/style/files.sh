@@ -8,5 +8,5 @@ sources() {
   for folder in common hal firmware host tests; do [ -d "$root/$folder" ] && folders+=("$folder"); done
   local names=() pattern
   for pattern in "$@"; do names+=(-o -name "$pattern"); done
-  (cd "$root" && find "${folders[@]}" -type f \( "${names[@]:1}" \) | sort)
+  (cd "$root" && find "${folders[@]}" -name node_modules -prune -o -type f \( "${names[@]:1}" \) -print | sort)
 }

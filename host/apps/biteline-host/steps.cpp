@@ -17,6 +17,7 @@
 #include "host/results/line_result.hpp"
 #include "host/results/plan_result.hpp"
 #include "host/results/transfer_result.hpp"
+#include "host/results/view/view_data.hpp"
 #include "host/robot/link/follow.hpp"
 #include "host/robot/link/gate/gate_file.hpp"
 #include "host/robot/link/ur/controller_words.hpp"
@@ -253,6 +254,8 @@ Result<PlanStep> plan_path(const fs::path& folder, const PlanStepRequest& reques
   plan_request.cloud = scan.cloud.points;
   path::PlanOutcome outcome = report.timed("plan", [&] { return path::plan(plan_request); });
   BITELINE_ASSIGN(const ExitStatus status, results::write_plan_result(folder, plan_request, outcome, report));
+  // The scan's own page names the path, too.
+  BITELINE_TRY(results::write_file_list(folder.parent_path()));
   if (outcome.path) {
     say_step("%s follows the line in %.1f s: every check passed", request.arm.name.c_str(),
              outcome.path->duration_s());
@@ -309,6 +312,7 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
   // As far as it went, also when it was stopped.
   BITELINE_TRY(write_followed(folder, followed));
   BITELINE_TRY(results::write_tracking(folder / "path", plan.request, plan.outcome, followed.track));
+  BITELINE_TRY(results::write_file_list(folder));
   if (!done) return tl::unexpected<Error>{done.error()};
   say_step(
       "the arm followed the line in %.1f s: %.3f mm from it on average, %.3f mm at most; %.1f %% of it "

@@ -90,9 +90,10 @@ TEST_GROUP(LineResult) {
 
 TEST(LineResult, FoundLineLeavesEveryFile) {
   CHECK(write(drum(true)) == ExitStatus::Done);
-  for (const char* name : {"cloud.ply", "line.csv", "report.json", "index.html", "stages/1_point_cloud.png",
-                           "stages/2_feature_points.ply", "stages/5_thinned_line.png",
-                           "stages/6_sequence.png", "stages/unrolled_curvature.png"}) {
+  for (const char* name :
+       {"cloud.ply", "line.csv", "report.json", "index.html", "view_data.js", "files.js",
+        "stages/1_point_cloud.png", "stages/2_feature_points.ply", "stages/5_thinned_line.png",
+        "stages/6_sequence.png", "stages/unrolled_curvature.png"}) {
     CHECK_TEXT(has(name), name);
   }
   const auto json = report_json();

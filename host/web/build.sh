@@ -1,0 +1,11 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# build.sh ESBUILD FOLDER: the page's files into FOLDER.  The same sources give the same bytes.
+set -euo pipefail
+esbuild=$1 folder=$2
+cd "$(dirname "${BASH_SOURCE[0]}")"
+mkdir -p "$folder"
+options=(--bundle --minify --legal-comments=eof --target=es2021 --charset=utf8 --log-level=warning
+  --jsx=automatic --jsx-import-source=preact --format=iife)
+# A result folder's viewer is one file: its style is a text in it.
+"$esbuild" src/viewer/main.tsx "${options[@]}" --loader:.css=text --outfile="$folder/viewer.js"

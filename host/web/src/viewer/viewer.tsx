@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: MIT
+// The result viewer: used by the page, and by itself in a result folder without any server.
+import type { ComponentChildren, JSX } from 'preact';
+import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
+import { number, t, t_or } from '../words';
+import { gradient } from './colours';
+import { type Label, type Layer, type LineColour, type Overlay, Scene, type ViewName, line_scale } from './scene';
+import { SectionPlot } from './section_plot';
+import { type ResultFile, type View, type ViewData, section, u95_of_confidence_mm, unpack } from './view_data';
+
+const views: ViewName[] = ['fit', 'top', 'left', 'right', 'toe', 'heel'];
+const layers: Layer[] = ['cloud', 'line', 'path', 'weak', 'names'];
+const section_half_mm = 0.6;
+
+/// Heel, toe and sides at the ends of the shoe's box.
+function names_of(view: View): Label[] {
+  if (!view.data.T_base_shoe) return [];
+  const { low, high } = view;
+  const middle_x = (low[0] + high[0]) / 2;
+  const middle_y = (low[1] + high[1]) / 2;
+  const inner = view.data.inner_side;
+  const side = (which: 'left' | 'right') =>
+    t(which) + (inner === 'left' || inner === 'right' ? `, ${t(inner === which ? 'medial' : 'lateral')}` : '');
+  return [
+    { key: 'heel', text: t('heel'), at: [low[0] - 8, middle_y, low[2]] },
+    { key: 'toe', text: t('toe'), at: [high[0] + 8, middle_y, low[2]] },
+    { key: 'left', text: side('left'), at: [middle_x, high[1] + 8, low[2]] },
+    { key: 'right', text: side('right'), at: [middle_x, low[1] - 8, low[2]] },
+  ];
+}
+
+/// 1, 2 or 5 times a power of ten, about `px` long.
+function bar_mm(px_per_mm: number, px: number): number {
+  const wanted = px / Math.max(1e-9, px_per_mm);
+  const power = 10 ** Math.floor(Math.log10(wanted));
+  return ([5, 2, 1].find((n) => n * power <= wanted) ?? 1) * power;
+}
+
+export function Toggle(props: { on: boolean; change: (on: boolean) => void; children: ComponentChildren }): JSX.Element {
+  return (
+    <button type="button" class="toggle" aria-pressed={props.on} onClick={() => props.change(!props.on)}>
+      <span aria-hidden="true">{props.on ? '☑' : '☐'}</span> {props.children}
+    </button>
+  );
+}
+
+function ColourBar({ view, by }: { view: View; by: LineColour }): JSX.Element {
+  if (by === 'source') {
+    return <p class="colour-bar">{t('source_key')}</p>;
+  }
+  const scale = line_scale(view, by);
+  return (
+    <div class="colour-bar" role="img" aria-label={`${t(`colour_${by}`)}: ${number(scale.low, 1)} – ${number(scale.high, 1)} ${scale.unit}`}>
+      <span>
+        {t(`colour_${by}`)} {number(scale.low, 1)}
+      </span>
+      <span class="gradient" style={{ background: gradient }} />
+      <span>
+        {number(scale.high, 1)} {scale.unit}
+      </span>
+    </div>
+  );
+}
+
+/// `told`: the page around it has said already what to look at and what to do.
+export function Viewer(props: { data: ViewData; files: ResultFile[]; file_base?: string; told?: boolean }): JSX.Element {
+  const view = useMemo(() => unpack(props.data), [props.data]);
+  const box = useRef<HTMLDivElement>(null);
+  const scene = useRef<Scene | null>(null);
+  const [without, set_without] = useState('');
+  const [overlay, set_overlay] = useState<Overlay>({ labels: [], px_per_mm: 1 });
+  const [hidden, set_hidden] = useState<Layer[]>([]);
+  const [by, set_by] = useState<LineColour>('confidence');
+  const [cloud_by, set_cloud_by] = useState<'grey' | 'height'>('grey');
+  const [chosen, set_chosen] = useState(0);
+  const [reach_mm, set_reach_mm] = useState(12);
+  const weak = view.data.report.weak_stretches ?? [];
+  const has_line = view.line.length > 2;
+  const names = useMemo(() => names_of(view), [view]);
+
+  useEffect(() => {
+    if (!box.current) return;
+    try {
+      const made = new Scene(box.current, view, names);
+      made.on_overlay = set_overlay;
+      made.on_pick = set_chosen;
+      scene.current = made;
+      if (weak.length > 0) {
+        const middle = weak[0]!.from_mm + weak[0]!.length_mm / 2;
+        set_chosen(index_at(view, middle));
+      }
+    } catch {
+      set_without(t('no_webgl'));
+    }
+    return () => {
+      scene.current?.dispose();
+      scene.current = null;
+    };
+  }, [view, names]);
+  useEffect(() => scene.current?.colour_line(by), [by, view]);
+  useEffect(() => scene.current?.colour_cloud(cloud_by), [cloud_by, view]);
+  useEffect(() => scene.current?.choose(has_line ? chosen : null, reach_mm), [chosen, reach_mm, view, has_line]);
+  const cut = useMemo(
+    () => (has_line ? section(view, Math.min(chosen, view.line.length - 1), section_half_mm, reach_mm) : null),
+    [view, chosen, reach_mm, has_line],
+  );
+
+  const show = (layer: Layer, on: boolean) => {
+    set_hidden(on ? hidden.filter((name) => name !== layer) : [...hidden, layer]);
+    scene.current?.show(layer, on);
+  };
+  const key = (event: KeyboardEvent) => {
+    const turns: Record<string, () => void> = {
+      ArrowLeft: () => scene.current?.turn(0.1, 0),
+      ArrowRight: () => scene.current?.turn(-0.1, 0),
+      ArrowUp: () => scene.current?.turn(0, -0.1),
+      ArrowDown: () => scene.current?.turn(0, 0.1),
+      '+': () => scene.current?.zoom(1.2),
+      '-': () => scene.current?.zoom(1 / 1.2),
+      Home: () => scene.current?.look('fit'),
+    };
+    const turn = turns[event.key];
+    if (!turn) return;
+    event.preventDefault();
+    turn();
+  };
+  const bar = bar_mm(overlay.px_per_mm, 120);
+  const present = layers.filter(
+    (layer) =>
+      (layer !== 'path' || view.path.length > 1) &&
+      (layer !== 'weak' || weak.length > 0) &&
+      (layer !== 'cloud' || view.cloud.length > 0) &&
+      (layer !== 'line' || has_line) &&
+      (layer !== 'names' || names.length > 0),
+  );
+  const at = has_line ? view.line[Math.min(chosen, view.line.length - 1)]! : null;
+
+  return (
+    <div class="viewer">
+      {!props.told && view.data.found && weak.length > 0 && (
+        <p class="notice look">
+          <strong>{t('look')}</strong> {t('weak_total', { count: weak.length, mm: number(weak.reduce((sum, w) => sum + w.length_mm, 0), 1) })}
+        </p>
+      )}
+      {!props.told && !view.data.found && view.data.report.next_step && (
+        <p class="notice refused">
+          <strong>{t('next_step')}</strong> {view.data.report.next_step}
+        </p>
+      )}
+      <div class="tools" role="toolbar" aria-label={t('views')}>
+        {views.map((name) => (
+          <button type="button" key={name} onClick={() => scene.current?.look(name)}>
+            {t(`view_${name}`)}
+          </button>
+        ))}
+        <button type="button" aria-label={t('zoom_in')} onClick={() => scene.current?.zoom(1.4)}>
+          +
+        </button>
+        <button type="button" aria-label={t('zoom_out')} onClick={() => scene.current?.zoom(1 / 1.4)}>
+          −
+        </button>
+      </div>
+      <div class="tools" role="toolbar" aria-label={t('layers')}>
+        {present.map((layer) => (
+          <Toggle key={layer} on={!hidden.includes(layer)} change={(on) => show(layer, on)}>
+            {t(`layer_${layer}`)}
+          </Toggle>
+        ))}
+        {has_line && (
+          <label>
+            {t('line_colour')}{' '}
+            <select value={by} onChange={(e) => set_by(e.currentTarget.value as LineColour)}>
+              {(['confidence', 'u95', 'height', 'source'] as LineColour[]).map((name) => (
+                <option key={name} value={name}>
+                  {t(`colour_${name}`)}
+                </option>
+              ))}
+            </select>
+          </label>
+        )}
+        {view.cloud.length > 0 && (
+          <label>
+            {t('cloud_colour')}{' '}
+            <select value={cloud_by} onChange={(e) => set_cloud_by(e.currentTarget.value as 'grey' | 'height')}>
+              <option value="grey">{t('colour_grey')}</option>
+              <option value="height">{t('colour_height')}</option>
+            </select>
+          </label>
+        )}
+      </div>
+      <div class="stage" ref={box} tabIndex={0} role="application" aria-label={t('stage_words')} onKeyDown={key}>
+        {without && <p class="notice refused">{without}</p>}
+        {!without &&
+          overlay.labels
+            .filter((label) => !label.hidden)
+            .map((label) => (
+              <span key={label.key} class="name" style={{ left: `${label.x}px`, top: `${label.y}px` }}>
+                {label.text}
+              </span>
+            ))}
+        {!without && (
+          <span class="scale-bar" style={{ width: `${(bar * overlay.px_per_mm).toFixed(1)}px` }}>
+            {bar} mm
+          </span>
+        )}
+      </div>
+      {has_line && <ColourBar view={view} by={by} />}
+      {cloud_by === 'height' && view.cloud.length > 0 && (
+        <div class="colour-bar">
+          <span>
+            {t('layer_cloud')}: {t('colour_height')} {number(0, 0)}
+          </span>
+          <span class="gradient" style={{ background: gradient }} />
+          <span>{number(view.high[2] - view.low[2], 0)} mm</span>
+        </div>
+      )}
+      {view.data.cloud && view.data.cloud.every > 1 && (
+        <p class="quiet">{t('thinned', { every: view.data.cloud.every, of: view.data.cloud.of.toLocaleString() })}</p>
+      )}
+      {at && cut && (
+        <section class="two">
+          <div>
+            <h3>{t('section')}</h3>
+            <label class="wide">
+              {t('along_line')} {number(at.at_mm, 1)} mm / {number(view.length_mm, 1)} mm
+              <input
+                type="range"
+                min={0}
+                max={view.line.length - 1}
+                step={1}
+                value={chosen}
+                onInput={(e) => set_chosen(Number(e.currentTarget.value))}
+              />
+            </label>
+            <label>
+              {t('section_reach')}{' '}
+              <select value={reach_mm} onChange={(e) => set_reach_mm(Number(e.currentTarget.value))}>
+                {[4, 8, 12, 20].map((mm) => (
+                  <option key={mm} value={mm}>
+                    ± {mm} mm
+                  </option>
+                ))}
+              </select>
+            </label>{' '}
+            <button type="button" onClick={() => scene.current?.look_at(chosen)}>
+              {t('look_here')}
+            </button>
+            <dl class="figures">
+              <dt>{t('place_base')}</dt>
+              <dd>{at.base.map((v) => number(v, 2)).join(', ')} mm</dd>
+              <dt>{t('colour_confidence')}</dt>
+              <dd>{number(at.confidence, 2)}</dd>
+              <dt>{t('u95_words')}</dt>
+              <dd>
+                {at.u95_mm === null ? `${t('about')} ${number(u95_of_confidence_mm(at.confidence), 2)}` : number(at.u95_mm, 2)} mm
+              </dd>
+              <dt>{t('colour_source')}</dt>
+              <dd>{t_or(`source_${at.source}`, at.source)}</dd>
+            </dl>
+          </div>
+          <SectionPlot cut={cut} reach_mm={reach_mm} />
+        </section>
+      )}
+      {has_line && (
+        <section>
+          <h3>{t('weak_stretches')}</h3>
+          {weak.length === 0 && <p>{t('weak_none')}</p>}
+          {weak.length > 0 && (
+            <ol class="cards">
+              {weak.map((stretch) => (
+                <li key={stretch.from_mm}>
+                  <span>
+                    <strong>{stretch.place}</strong>: {t('weak_row', {
+                      from: number(stretch.from_mm, 1),
+                      length: number(stretch.length_mm, 1),
+                      error: (stretch.u95_is_guessed ? `${t('about')} ` : '') + number(stretch.u95_mm, 2),
+                      confidence: number(stretch.least_confidence, 2),
+                    })}
+                  </span>
+                  <button
+                    type="button"
+                    onClick={() => {
+                      const index = index_at(view, stretch.from_mm + stretch.length_mm / 2);
+                      set_chosen(index);
+                      scene.current?.look_at(index);
+                    }}
+                  >
+                    {t('look_here')}
+                  </button>
+                </li>
+              ))}
+            </ol>
+          )}
+        </section>
+      )}
+      {props.files.length > 0 && (
+        <section>
+          <h3>{t('files')}</h3>
+          <ul class="files">
+            {props.files.map((file) => (
+              <li key={file.file}>
+                <a href={(props.file_base ?? '') + file.file}>
+                  {t_or(`file_${file.file.replace(/\W/g, '_')}`, file.words)}
+                </a>{' '}
+                <span class="quiet">
+                  {file.file}, {bytes(file.bytes)}
+                </span>
+              </li>
+            ))}
+          </ul>
+        </section>
+      )}
+    </div>
+  );
+}
+
+function bytes(count: number): string {
+  return count > 2e6 ? `${number(count / 1e6, 1)} MB` : `${number(count / 1e3, 1)} kB`;
+}
+
+function index_at(view: View, at_mm: number): number {
+  const wanted = ((at_mm % view.length_mm) + view.length_mm) % view.length_mm;
+  const index = view.line.findIndex((p) => p.at_mm >= wanted);
+  return Math.max(0, index);
+}

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// All texts of the page: one file per language in words/.  English is complete; another falls back to it.
+import de from '../words/de.json';
+import en from '../words/en.json';
+
+export type Language = 'en' | 'de';
+export type Word = keyof typeof en;
+
+const languages: Record<Language, Partial<Record<Word, string>>> = { en, de };
+export const language_names: [Language, string][] = [
+  ['en', 'English'],
+  ['de', 'Deutsch'],
+];
+
+let current: Language = 'en';
+
+export function language(): Language {
+  return current;
+}
+
+/// Kept for the next visit where the browser lets us.
+export function set_language(wanted: string | null): void {
+  current = wanted === 'de' ? 'de' : 'en';
+  document.documentElement.lang = current;
+  try {
+    localStorage.setItem('biteline_language', current);
+  } catch {
+    // A page from a disk may have no storage: the choice holds for this visit.
+  }
+}
+
+export function stored_language(): string | null {
+  try {
+    return localStorage.getItem('biteline_language') ?? navigator.language.slice(0, 2);
+  } catch {
+    return null;
+  }
+}
+
+/// The words of `key`, with {name} replaced by `values.name`.
+export function t(key: Word, values: Record<string, string | number> = {}): string {
+  const text = languages[current][key] ?? en[key];
+  return text.replace(/\{(\w+)\}/g, (_, name: string) => String(values[name] ?? ''));
+}
+
+/// As t() for a key that the server names; its own text where the page has no words for it.
+export function t_or(key: string, otherwise: string): string {
+  return key in en ? t(key as Word) : otherwise;
+}
+
+export function number(value: number | null | undefined, digits = 2): string {
+  if (value === null || value === undefined || !Number.isFinite(value)) return '–';
+  return value.toLocaleString(current, { minimumFractionDigits: digits, maximumFractionDigits: digits });
+}

@@ -1,0 +1,56 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# check_page.sh types|lint|words|same_bytes FOLDER: one check of the page's sources in FOLDER.
+set -euo pipefail
+check=$1
+cd "$2"
+
+skip() {
+  echo "skipped: $1"
+  exit 77
+}
+command -v node >/dev/null || skip 'no node; ./run test installs it'
+[ -d node_modules/preact ] || skip 'no packages; run npm ci in host/web'
+
+case "$check" in
+  types) node node_modules/typescript/bin/tsc --noEmit ;;
+  lint)
+    node node_modules/@biomejs/biome/bin/biome --version >/dev/null 2>&1 || skip 'the linter does not run on this machine'
+    node node_modules/@biomejs/biome/bin/biome lint --error-on-warnings src
+    ;;
+  words)
+    # Each language has the keys of English and no others, and the same {places}.
+    node -e '
+      const fs = require("fs");
+      const read = (f) => JSON.parse(fs.readFileSync("words/" + f, "utf8"));
+      const en = read("en.json"), places = (s) => (s.match(/\{\w+\}/g) || []).sort().join();
+      let bad = 0;
+      const say = (text) => { console.log(text); bad = 1; };
+      for (const file of fs.readdirSync("words")) {
+        const words = read(file);
+        for (const key of Object.keys(en)) {
+          if (!words[key]) say(`${file}: ${key} is missing`);
+          else if (places(words[key]) !== places(en[key])) say(`${file}: ${key} has other {places} than en.json`);
+        }
+        for (const key of Object.keys(words)) if (!(key in en)) say(`${file}: ${key} is not in en.json`);
+      }
+      // What the sources ask for by name is there; TypeScript checks the rest.
+      process.exit(bad);'
+    ;;
+  same_bytes)
+    command -v esbuild >/dev/null || skip 'no esbuild; ./run test installs it'
+    folder=$(mktemp -d)
+    trap 'rm -rf "$folder"' EXIT
+    ./build.sh esbuild "$folder/one"
+    ./build.sh esbuild "$folder/two"
+    diff -r "$folder/one" "$folder/two"
+    if grep -rlE "$PWD|/home/|https?://(registry|telemetry)" "$folder/one"; then
+      echo 'the page names this machine or a service'
+      exit 1
+    fi
+    ;;
+  *)
+    echo "check_page.sh: types, lint, words or same_bytes expected, found '$check'" >&2
+    exit 2
+    ;;
+esac
