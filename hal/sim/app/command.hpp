@@ -20,6 +20,8 @@ struct Context {
 struct SceneOptions {
   std::uint64_t seed{1};
   std::string shoe{"deep"};
+  std::string decoy{};  ///< empty: the seed draws one for a designed sole
+  bool one_colour{false};
   std::uint64_t head{21};
   std::uint64_t place{0};  ///< 0: the shoe's seed
   bool upper{false};

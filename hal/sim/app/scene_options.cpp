@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include <utility>
+
 #include "common/options/number.hpp"
 #include "hal/sim/app/command.hpp"
+#include "hal/sim/shoe/designed_shoe.hpp"
 
 namespace biteline::cell {
 
@@ -11,6 +14,12 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("--seed", options.seed, "Which shoe of its class; the same seed makes the same shoe")
       ->capture_default_str();
   command.add_option("--shoe", options.shoe, "Class of shoe: " + classes)->capture_default_str();
+  std::string decoys;
+  for (const auto name : sim::k_decoy_names) decoys += (decoys.empty() ? "" : ", ") + std::string(name);
+  command.add_option("--decoy", options.decoy,
+                     "What else runs round a designed sole (cupsole to wedge): " + decoys +
+                         "; without it the seed draws one");
+  command.add_flag("--one-colour", options.one_colour, "Sole and upper of a designed sole look the same");
   command.add_option("--head", options.head, "Which head: its true calibration is drawn from this seed")
       ->capture_default_str();
   command.add_option("--place", options.place, "Where the shoe stands, by seed; 0: as the shoe's seed")
@@ -34,11 +43,31 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
       ->check(options::number({.minimum = 1, .maximum = 1000}, ""));
 }
 
-Result<sim::SceneSettings> scene_settings(const SceneOptions& options) {
+namespace {
+
+Result<sim::ShoeParameters> shoe_of(const SceneOptions& options) {
   const auto shoe_class = sim::shoe_class_named(options.shoe);
   if (!shoe_class)
     return fail(Errc::InvalidArgument, "--shoe %s: no such class (see --help)", options.shoe.c_str());
-  sim::SceneSettings settings{.shoe = sim::draw_shoe(*shoe_class, options.seed),
+  if (options.decoy.empty() && !options.one_colour) return sim::draw_shoe(*shoe_class, options.seed);
+  if (!sim::is_designed(*shoe_class))
+    return fail(Errc::InvalidArgument, "--shoe %s: only a designed sole takes --decoy and --one-colour",
+                options.shoe.c_str());
+  const auto decoy = sim::decoy_named(options.decoy.empty() ? "none" : options.decoy);
+  if (!decoy)
+    return fail(Errc::InvalidArgument, "--decoy %s: no such decoy (see --help)", options.decoy.c_str());
+  return sim::draw_designed_shoe(
+      {.shoe_class = *shoe_class,
+       .decoy = *decoy,
+       .materials = options.one_colour ? sim::Materials::OneColour : sim::Materials::Contrast},
+      options.seed);
+}
+
+}  // namespace
+
+Result<sim::SceneSettings> scene_settings(const SceneOptions& options) {
+  BITELINE_ASSIGN(sim::ShoeParameters shoe, shoe_of(options));
+  sim::SceneSettings settings{.shoe = std::move(shoe),
                               .place_seed = options.place == 0 ? options.seed : options.place,
                               .head_seed = options.head,
                               .scan_speed_mm_s = options.speed_mm_s,

@@ -112,8 +112,10 @@ StripeRenderer::CurvePoint StripeRenderer::look_at(const Vec3& point_scene, cons
   const Vec3 moved_per_px =
       point_cam.z() * (ray_per_px - ray * (normal_cam.dot(ray_per_px) / normal_cam.dot(ray)));
   const double sheet_mm_per_px = std::abs(head_.model.laser_plane.normal_cam.dot(moved_per_px));
-  const double sheet_px = std::min(k_widest_sigma_px, head_.laser.sigma_mm / std::max(sheet_mm_per_px, 1e-6));
-  seen.sigma_px = std::hypot(sheet_px, head_.faults.blur_px);
+  const double mm_per_px = std::max(sheet_mm_per_px, 1e-6);
+  const double sheet_px = std::min(k_widest_sigma_px, head_.laser.sigma_mm / mm_per_px);
+  const double scattered_px = std::min(k_widest_sigma_px, hit.look.scattering_mm / mm_per_px);
+  seen.sigma_px = std::hypot(std::hypot(sheet_px, head_.faults.blur_px), scattered_px);
 
   const double distance_mm = (point_cam - head_.laser.emitter_cam).norm();
   const double nominal_mm = (Vec3(0, 0, head_.working_distance_mm) - head_.laser.emitter_cam).norm();

@@ -52,6 +52,33 @@ double bare_height_mm(double u_mm) {
   return u_mm >= 0 ? u_mm : k_reach_mm * std::tanh(u_mm / k_reach_mm);
 }
 
+double smooth_step(double x, double low, double high) {
+  const double part = std::clamp((x - low) / (high - low), 0.0, 1.0);
+  return part * part * (3 - 2 * part);
+}
+
+/// 1 at the middle, 0 from half_width on.
+double hump(double x, double middle, double half_width) {
+  return 0.5 * (1 + std::cos(std::numbers::pi * std::min(std::abs(x - middle) / half_width, 1.0)));
+}
+
+/// Standard normal deviate that belongs to a place: grain does not move with the scan.
+double grain(double s_mm, double z_mm) {
+  constexpr double k_grain_mm = 0.5;
+  const auto at = [](double mm) {
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(mm / k_grain_mm));
+  };
+  Random random(at(s_mm) * 0x9E3779B97F4A7C15ULL + at(z_mm));
+  return random.gaussian();
+}
+
+/// Where the line begins to climb to a raised heel, and where it is up, from heel to toe.
+constexpr double k_lift_from_ratio = 0.66, k_lift_to_ratio = 0.2;
+/// How softly a shaft turns upright.
+constexpr double k_shaft_soft_mm = 12;
+/// A sole nearer to the table than this stands on it.
+constexpr double k_off_table_mm = 0.8;
+
 /// What a filled groove keeps: hardly a valley, a wide fillet.
 constexpr double k_filled_depth_ratio = 0.05;
 constexpr double k_filled_lip_width_mm = 1.3;
@@ -105,11 +132,25 @@ Section MadeShoe::section(double s_mm) const {
   section.place_ = outline_.at(s_mm);
   const double along_ratio = section.place_.point.x() / outline_.length_mm();
 
-  section.line_height_mm_ = p.groove.line_height_mm +
-                            p.groove.toe_rise_mm * square(std::max(0.0, along_ratio - 0.3) / 0.7) +
-                            p.groove.heel_rise_mm * square(std::max(0.0, 0.5 - along_ratio) / 0.5) +
-                            p.groove.wave_mm * waves(line_waves_, s_mm);
-  section.top_z_mm_ = p.upper.top_z_mm + (section.line_height_mm_ - p.groove.line_height_mm);
+  section.line_height_mm_ =
+      p.groove.line_height_mm + p.groove.toe_rise_mm * square(std::max(0.0, along_ratio - 0.3) / 0.7) +
+      p.groove.heel_rise_mm * square(std::max(0.0, 0.5 - along_ratio) / 0.5) +
+      p.groove.wave_mm * waves(line_waves_, s_mm) +
+      p.groove.heel_lift_mm * (1 - smooth_step(along_ratio, k_lift_to_ratio, k_lift_from_ratio));
+  section.top_z_mm_ = p.upper.top_z_mm + (section.line_height_mm_ - p.groove.line_height_mm) -
+                      p.upper.waist_drop_mm * hump(along_ratio, 0.5, 0.35) -
+                      p.upper.toe_drop_mm * smooth_step(along_ratio, 0.55, 0.75);
+  if (p.upper.strap_ratio &&
+      (along_ratio < p.upper.strap_ratio->front() || along_ratio > p.upper.strap_ratio->back()))
+    section.top_z_mm_ = section.line_height_mm_;
+  if (p.sole.thickness_mm > 0) {
+    const double under_mm = section.line_height_mm_ - p.sole.thickness_mm;
+    const bool off_table = under_mm > k_off_table_mm;
+    if (off_table && along_ratio < p.sole.heel_block_ratio)
+      section.heel_top_z_mm_ = under_mm;
+    else if (off_table)
+      section.bottom_z_mm_ = under_mm;
+  }
 
   section.strength_ratio_ = 1 + k_strength_variation_ratio * waves(strength_waves_, s_mm);
   for (const auto& stretch : p.filled)
@@ -133,6 +174,20 @@ Section MadeShoe::section(double s_mm) const {
   for (const auto& seam : p.upper.seams) section.seam_way_mm_.push_back(outline_.way_mm(seam.s_mm, s_mm));
   for (const auto& swoosh : p.upper.swooshes)
     section.swoosh_way_mm_.push_back(outline_.way_mm(swoosh.s_mm, s_mm));
+  const auto meet = [&](const std::vector<Relief>& reliefs, std::vector<Section::LocalRelief>& met) {
+    for (const Relief& relief : reliefs) {
+      const double rise_mm = relief.heel_rise_mm * square(std::max(0.0, 0.5 - along_ratio) / 0.5) +
+                             relief.toe_rise_mm * square(std::max(0.0, along_ratio - 0.3) / 0.7);
+      met.push_back(
+          {.relief = &relief,
+           .middle_u_mm = relief.u_mm + rise_mm,
+           .here_ratio =
+               relief.where ? inside(*relief.where, outline_.way_mm(relief.where->s_mm, s_mm)) : 1.0,
+           .pitch_mm = perimeter_mm() / std::max(1.0, std::round(perimeter_mm() / relief.pitch_mm))});
+    }
+  };
+  meet(p.sole.reliefs, section.sole_reliefs_);
+  meet(p.upper.reliefs, section.upper_reliefs_);
   return section;
 }
 
@@ -153,7 +208,10 @@ Vec3 MadeShoe::normal(double s_mm, double z_mm) const {
 
 double Section::sole_mm(double u_mm, double z_mm) const {
   const SoleShape& sole = shoe_->parameters_.sole;
-  double offset_mm = sole.bulge_mm * std::sin(std::numbers::pi * z_mm / line_height_mm_);
+  double offset_mm =
+      sole.bulge_mm * std::sin(std::numbers::pi * (z_mm - bottom_z_mm_) / (line_height_mm_ - bottom_z_mm_)) -
+      sole.flare_ratio * u_mm + reliefs_mm(sole_reliefs_, u_mm);
+  if (z_mm < heel_top_z_mm_) offset_mm -= sole.heel_taper_ratio * (heel_top_z_mm_ - z_mm);
   for (const auto& groove : sole.parallel_grooves) {
     offset_mm -= groove.depth_mm * bell((u_mm - groove.u_mm) / groove.width_mm);
   }
@@ -167,9 +225,38 @@ double Section::sole_mm(double u_mm, double z_mm) const {
   return offset_mm;
 }
 
+double Section::reliefs_mm(const std::vector<LocalRelief>& reliefs, double u_mm) const {
+  double offset_mm = 0;
+  for (const LocalRelief& local : reliefs) {
+    if (local.here_ratio < 1e-9) continue;
+    const Relief& relief = *local.relief;
+    const double from_middle_mm = u_mm - local.middle_u_mm;
+    double across = 0;
+    switch (relief.kind) {
+      case Relief::Kind::Ledge:
+        across = logistic(-from_middle_mm / relief.edge_mm);
+        break;
+      case Relief::Kind::Groove:
+        across = bell(from_middle_mm / relief.half_mm);
+        break;
+      case Relief::Kind::Band:
+      case Relief::Kind::Periodic:
+        across = band(from_middle_mm, -relief.half_mm, relief.half_mm, relief.edge_mm);
+        break;
+    }
+    if (relief.kind == Relief::Kind::Periodic && across > 1e-9) {
+      const double half_piece_mm = 0.5 * relief.duty_ratio * local.pitch_mm;
+      const double way_mm = std::remainder(s_mm_ - relief.slant_ratio * u_mm, local.pitch_mm);
+      across *= band(way_mm, -half_piece_mm, half_piece_mm, relief.edge_mm);
+    }
+    offset_mm += relief.height_mm * local.here_ratio * across;
+  }
+  return offset_mm;
+}
+
 double Section::decoration_of_upper_mm(double u_mm) const {
   const UpperShape& upper = shoe_->parameters_.upper;
-  double offset_mm = 0;
+  double offset_mm = reliefs_mm(upper_reliefs_, u_mm);
   for (std::size_t i = 0; i < upper.stitch_rows.size(); ++i) {
     const auto& row = upper.stitch_rows[i];
     offset_mm += row.height_mm * stitch_ratio_[i] * bell((u_mm - row.u_mm) / 0.3);
@@ -202,7 +289,12 @@ double Section::decoration_of_upper_mm(double u_mm) const {
 
 double Section::upper_mm(double u_mm) const {
   const ShoeParameters& p = shoe_->parameters_;
-  double offset_mm = -p.groove.step_mm + p.upper.lean_per_mm * u_mm * (2 * p.upper.bulge_u_mm - u_mm) +
+  // A shaft goes on as it was where it begins.
+  const double over_mm = u_mm - p.upper.shaft_u_mm;
+  const double wall_u_mm =
+      over_mm > 0 ? p.upper.shaft_u_mm + k_shaft_soft_mm * std::tanh(over_mm / k_shaft_soft_mm) : u_mm;
+  double offset_mm = -p.groove.step_mm +
+                     p.upper.lean_per_mm * wall_u_mm * (2 * p.upper.bulge_u_mm - wall_u_mm) +
                      last_difference_mm_ + decoration_of_upper_mm(u_mm);
   offset_mm += (1 - strength_ratio_) * p.groove.step_mm * bell(u_mm / k_fade_height_mm);
   return offset_mm;
@@ -236,8 +328,11 @@ SurfaceLook Section::look(double z_mm) const {
   const ShoeParameters& p = shoe_->parameters_;
   const double u_mm = z_mm - line_height_mm_;
   const bool on_sole = !p.bare && u_mm < p.groove.lip_u_mm;
-  SurfaceLook look{.diffuse_ratio = on_sole ? p.reflectance.sole_ratio : p.reflectance.upper_ratio,
-                   .glossy = false};
+  const Material& material = on_sole ? p.reflectance.sole : p.reflectance.upper;
+  SurfaceLook look{
+      .diffuse_ratio = material.diffuse_ratio, .glossy = false, .scattering_mm = material.scattering_mm};
+  if (material.grain_ratio > 0)
+    look.diffuse_ratio *= std::max(0.1, 1 + material.grain_ratio * grain(s_mm_, z_mm));
   for (const auto& patch : p.gloss) {
     const double way_mm = shoe_->outline_.way_mm(patch.s_mm, s_mm_);
     if (square(way_mm / patch.half_length_mm) + square((u_mm - patch.u_mm) / patch.half_height_mm) < 1)

@@ -16,6 +16,7 @@ namespace biteline::sim {
 struct SurfaceLook {
   double diffuse_ratio{0.6};
   bool glossy{false};
+  double scattering_mm{0};  ///< light that wanders inside widens the stripe, standard deviation
 };
 
 class MadeShoe;
@@ -31,6 +32,8 @@ class Section {
   [[nodiscard]] const Outline::Place& place() const { return place_; }
   [[nodiscard]] double line_height_mm() const { return line_height_mm_; }  ///< nominal bite line
   [[nodiscard]] double top_z_mm() const { return top_z_mm_; }
+  /// Lowest point: 0, but where a sole is off the table and no heel stands below it.
+  [[nodiscard]] double bottom_z_mm() const { return bottom_z_mm_; }
 
  private:
   friend class MadeShoe;
@@ -39,12 +42,22 @@ class Section {
   [[nodiscard]] double sole_mm(double u_mm, double z_mm) const;
   [[nodiscard]] double upper_mm(double u_mm) const;
   [[nodiscard]] double decoration_of_upper_mm(double u_mm) const;
+  /// A relief as this section meets it.
+  struct LocalRelief {
+    const Relief* relief;
+    double middle_u_mm;
+    double here_ratio;  ///< 1 where it is, 0 where it is not
+    double pitch_mm;    ///< a whole number of times round the outline
+  };
+  [[nodiscard]] double reliefs_mm(const std::vector<LocalRelief>& reliefs, double u_mm) const;
 
   const MadeShoe* shoe_;
   double s_mm_{0};
   Outline::Place place_{};
   double line_height_mm_{0};
   double top_z_mm_{0};
+  double bottom_z_mm_{0};
+  double heel_top_z_mm_{0};   ///< of the heel block, 0 where the sole stands on the table
   double open_ratio_{1};      ///< 1: groove as drawn, 0: filled
   double strength_ratio_{1};  ///< varies about 1, far below where the groove fades
   double lug_ratio_{0};
@@ -53,6 +66,8 @@ class Section {
   std::vector<double> stitch_ratio_;  ///< height of each row's stitch here
   std::vector<double> seam_way_mm_;
   std::vector<double> swoosh_way_mm_;
+  std::vector<LocalRelief> sole_reliefs_;
+  std::vector<LocalRelief> upper_reliefs_;
 };
 
 class MadeShoe {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "common/core/contracts.hpp"
 
@@ -24,13 +25,41 @@ constexpr std::array<std::array<double, 2>, Outline::k_control_points> k_right_f
 /// 1e-6 mm.
 constexpr int k_table_steps = 512;
 
+/// 1 at the middle of a bell of the given half width, 0 from there on.
+double hump(double x, double middle, double half_width) {
+  const double away = std::min(std::abs(x - middle) / half_width, 1.0);
+  return 0.5 * (1 + std::cos(std::numbers::pi * away));
+}
+
+/// The i-th place of a form of length and breadth 1, anticlockwise from behind.
+Vec2 form_point(OutlineForm form, int i) {
+  const double angle = std::numbers::pi + 2 * std::numbers::pi * i / Outline::k_control_points;
+  const Vec2 round{std::cos(angle), std::sin(angle)};
+  if (form == OutlineForm::Box)
+    return 0.5 * (Vec2::Ones() + round / round.cwiseAbs().maxCoeff()) - Vec2{0, 0.5};
+  if (form == OutlineForm::Oval) return {0.5 + 0.5 * round.x(), 0.5 * round.y()};
+  // An iron's sole: broadest behind the middle, pointed in front.
+  const double x = 0.5 + 0.5 * round.x();
+  const double breadth = std::pow(std::max(1 - x, 0.0), 0.6) * std::min(1.0, 0.75 + 2 * x);
+  return {x, 0.5 * breadth * (round.y() > 0 ? 1.0 : -1.0) * std::min(1.0, 3 * std::abs(round.y()))};
+}
+
 std::vector<Vec2> control_points(const OutlineShape& shape) {
   std::vector<Vec2> points;
-  for (std::size_t i = 0; i < k_right_foot.size(); ++i) {
-    const double sideways = shape.width_ratio * (shape.jitter.empty() ? 1.0 : 1.0 + shape.jitter[i]);
-    points.emplace_back(shape.length_mm * k_right_foot[i][0],
-                        shape.length_mm * k_right_foot[i][1] * sideways);
+  for (int i = 0; i < Outline::k_control_points; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const double sideways = shape.width_ratio * (shape.jitter.empty() ? 1.0 : 1.0 + shape.jitter[at]);
+    if (shape.form != OutlineForm::Foot) {
+      const Vec2 point = form_point(shape.form, i);
+      points.emplace_back(shape.length_mm * point.x(), shape.length_mm * point.y() * sideways);
+      continue;
+    }
+    const auto [x, y] = k_right_foot[at];
+    const double waist = 1 + (shape.waist_ratio - 1) * hump(x, 0.38, 0.3);
+    const double toe = 1 + (shape.toe_ratio - 1) * hump(x, 0.95, 0.28);
+    points.emplace_back(shape.length_mm * x, shape.length_mm * y * sideways * waist * toe);
   }
+  if (shape.form != OutlineForm::Foot) return points;
   if (!shape.left_foot) return points;
   for (auto& point : points) point.y() = -point.y();
   std::reverse(points.begin() + 1, points.end());  // still anticlockwise, still from the heel

@@ -2,17 +2,29 @@
 #pragma once
 /// \file The closed outline of a made shoe, seen from above: smooth, by arc length, anticlockwise.
 
+#include <cstdint>
 #include <vector>
 
 #include "common/geometry/se3.hpp"
 
 namespace biteline::sim {
 
+/// What an outline is drawn from.  Only a foot's has a heel and a toe.
+enum class OutlineForm : std::uint8_t {
+  Foot,
+  Box,   ///< straight sides, rounded corners
+  Oval,  ///< an ellipse
+  Iron,  ///< pointed in front, cut off behind
+};
+
 struct OutlineShape {
   double length_mm{290};
-  double width_ratio{1.0};  ///< about a common foot's breadth
+  double width_ratio{1.0};  ///< about a common foot's breadth; of other forms: breadth over length
   bool left_foot{false};
   std::vector<double> jitter{};  ///< relative sideways change of each control point, may be empty
+  OutlineForm form{OutlineForm::Foot};
+  double waist_ratio{1.0};  ///< of a common foot's breadth at the waist: shanks are narrower
+  double toe_ratio{1.0};    ///< of a common foot's breadth at the toe: below 1 pointed, above 1 square
 };
 
 /// Closed uniform cubic B-spline: curvature is continuous, so sections do not jump.  Heel at x = 0, toe at x

@@ -50,8 +50,8 @@ ScannedCloud scan_quickly(const MadeShoe& shoe, const ScanSettings& settings, co
   for (int profile = 0; profile < profiles; ++profile) {
     const Section section = shoe.section(shoe.perimeter_mm() * profile / profiles);
     // Columns do not stand still on the shoe: the arm never repeats a height exactly.
-    const double first_z_mm =
-        std::max(0.0, settings.field_low_z_mm) + settings.column_step_mm * random.uniform({0, 1});
+    const double first_z_mm = std::max(section.bottom_z_mm(), settings.field_low_z_mm) +
+                              settings.column_step_mm * random.uniform({0, 1});
     const double last_z_mm = std::min(settings.field_high_z_mm, section.top_z_mm());
     z_mm.clear();
     offset_mm.clear();

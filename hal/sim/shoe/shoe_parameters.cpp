@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "hal/sim/shoe/designed_shoe.hpp"
 #include "hal/sim/shoe/random.hpp"
 
 namespace biteline::sim {
@@ -129,7 +130,19 @@ std::optional<ShoeClass> shoe_class_named(std::string_view name) {
   return static_cast<ShoeClass>(found - k_shoe_class_names.begin());
 }
 
+std::optional<Decoy> decoy_named(std::string_view name) {
+  const auto* found = std::find(k_decoy_names.begin(), k_decoy_names.end(), name);
+  if (found == k_decoy_names.end()) return std::nullopt;
+  return static_cast<Decoy>(found - k_decoy_names.begin());
+}
+
 ShoeParameters draw_shoe(ShoeClass shoe_class, std::uint64_t seed) {
+  if (is_thing(shoe_class)) return draw_thing(shoe_class, seed);
+  if (is_designed(shoe_class)) {
+    Random drawn(seed);
+    const auto decoy = static_cast<Decoy>(drawn.integer(0, static_cast<int>(k_decoy_names.size()) - 1));
+    return draw_designed_shoe({.shoe_class = shoe_class, .decoy = decoy}, seed);
+  }
   const Random source(seed * 16 + static_cast<std::uint64_t>(shoe_class));
   const bool mixed = shoe_class == ShoeClass::Mixed;
   ShoeParameters shoe{.shoe_class = shoe_class, .seed = seed, .bare = shoe_class == ShoeClass::Bare};
@@ -177,7 +190,8 @@ ShoeParameters draw_shoe(ShoeClass shoe_class, std::uint64_t seed) {
   }
 
   Random light = source.fork(k_light);
-  shoe.reflectance = {.upper_ratio = light.uniform({0.35, 0.85}), .sole_ratio = light.uniform({0.45, 0.95})};
+  shoe.reflectance.upper.diffuse_ratio = light.uniform({0.35, 0.85});
+  shoe.reflectance.sole.diffuse_ratio = light.uniform({0.45, 0.95});
   return shoe;
 }
 

@@ -22,7 +22,8 @@ struct RowPlan {
 
   RowPlan(const MadeShoe& shoe, const MeshFineness& fineness) {
     const auto& p = shoe.parameters();
-    below = steps_for(p.groove.line_height_mm + p.groove.toe_rise_mm - fineness.fine_band_mm,
+    below = steps_for(p.groove.line_height_mm + std::max(p.groove.toe_rise_mm, p.groove.heel_lift_mm) -
+                          fineness.fine_band_mm,
                       fineness.coarse_row_mm);
     fine = steps_for(2 * fineness.fine_band_mm, fineness.fine_row_mm);
     above =
@@ -32,9 +33,10 @@ struct RowPlan {
   [[nodiscard]] int count() const { return below + fine + above + 1; }
 
   [[nodiscard]] double height_mm(const Section& section, double fine_band_mm, int row) const {
-    const double low_mm = section.line_height_mm() - fine_band_mm,
-                 high_mm = section.line_height_mm() + fine_band_mm;
-    if (row < below) return low_mm * row / below;
+    const double bottom_mm = section.bottom_z_mm();
+    const double low_mm = std::max(bottom_mm, section.line_height_mm() - fine_band_mm),
+                 high_mm = std::min(section.top_z_mm(), section.line_height_mm() + fine_band_mm);
+    if (row < below) return bottom_mm + (low_mm - bottom_mm) * row / below;
     if (row < below + fine) return low_mm + (high_mm - low_mm) * (row - below) / fine;
     return high_mm + (section.top_z_mm() - high_mm) * (row - below - fine) / above;
   }

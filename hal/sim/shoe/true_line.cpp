@@ -104,7 +104,7 @@ LineHeights line_heights(const std::vector<SmoothedSection>& sections, double sp
 
 std::vector<TrueLinePoint> true_line(const MadeShoe& shoe, double spacing_mm,
                                      const PlaceDefinition& definition) {
-  if (shoe.parameters().bare) return {};
+  if (shoe.parameters().bare || shoe.parameters().thing) return {};
   const auto count = static_cast<std::size_t>(std::ceil(shoe.perimeter_mm() / spacing_mm));
   const double step_mm = shoe.perimeter_mm() / static_cast<double>(count);
 

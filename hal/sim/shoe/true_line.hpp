@@ -47,7 +47,7 @@ struct LineHeights {
                                        const PlaceDefinition& definition);
 
 /// Closed, anticlockwise, evenly spaced along the outline (`spacing_mm` is met to the whole number of
-/// points). Empty for a bare upper: it has no line.
+/// points). Empty for a bare upper and for a thing: they have no line.
 [[nodiscard]] std::vector<TrueLinePoint> true_line(const MadeShoe& shoe, double spacing_mm,
                                                    const PlaceDefinition& definition = {});
 

@@ -20,6 +20,7 @@
 #include "host/bite_line/find_bite_line.hpp"
 #include "host/evaluation/line_error.hpp"
 #include "host/published/published_line.hpp"
+#include "tests/support/cloud_faults.hpp"
 
 namespace biteline::bench {
 namespace {
@@ -29,6 +30,10 @@ constexpr double k_right_mm = 0.08;  // mean error of a right line
 constexpr double k_wrong_mm = 0.5;
 // Confidence of a point: that it lies within 0.3 mm.  Whoever wants a tenth of that takes points this sure.
 constexpr double k_sure_ratio = 0.8;
+
+constexpr std::array k_disturbances{
+    test::CloudFault::Tilt,   test::CloudFault::Table,  test::CloudFault::Post,    test::CloudFault::Strays,
+    test::CloudFault::Sector, test::CloudFault::Sparse, test::CloudFault::Shuffled};
 
 struct Case {
   cloud::PointCloud cloud;
@@ -60,108 +65,15 @@ Case make_case(sim::ShoeClass shoe_class, std::uint64_t seed, bool upper = false
   return made;
 }
 
-/// What may be wrong with a cloud beyond the shoe itself.
-enum class Disturbance { None, Tilt, Table, Post, Outliers, Sector, Sparse, Shuffled };
-constexpr std::array k_disturbances{"none",     "tilt",   "table",  "post",
-                                    "outliers", "sector", "sparse", "shuffled"};
-
-void keep_if(cloud::PointCloud& cloud, const std::vector<bool>& keep) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < keep.size(); ++i) {
-    if (!keep[i]) continue;
-    cloud.points[kept++] = cloud.points[i];
+/// The cloud spoilt, the truth moved along where the shoe itself is.
+void disturb(Case& made, test::CloudFault fault, std::uint64_t seed) {
+  std::vector<Vec3> line;
+  for (const cloud::LinePoint& p : made.truth.points) line.push_back(p.position);
+  const Eigen::Affine3d moved = test::spoil(made.cloud, fault, seed, line);
+  for (cloud::LinePoint& p : made.truth.points) {
+    p.position = moved * p.position;
+    p.normal = moved.linear() * p.normal;
   }
-  cloud.points.resize(kept);
-  cloud.profile.clear();
-  cloud.column.clear();
-}
-
-void disturb(Case& made, Disturbance disturbance, std::uint64_t seed) {
-  sim::Random random{seed * 131 + 9};
-  std::vector<Eigen::Vector3f>& points = made.cloud.points;
-  Eigen::Vector3f low = points.front();
-  Eigen::Vector3f high = low;
-  for (const Eigen::Vector3f& p : points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const Eigen::Vector3f middle = 0.5F * (low + high);
-  const auto add = [&](const Vec3& p) { points.push_back(p.cast<float>()); };
-  std::vector<bool> keep(points.size(), true);
-  switch (disturbance) {
-    case Disturbance::None:
-      return;
-    case Disturbance::Tilt: {
-      const double direction = random.uniform({0, 2 * std::numbers::pi});
-      const double angle = random.uniform({4, 10}) * std::numbers::pi / 180;
-      const Mat3 R =
-          Eigen::AngleAxisd(angle, Vec3{std::cos(direction), std::sin(direction), 0}).toRotationMatrix();
-      const Vec3 centre = middle.cast<double>();
-      for (Eigen::Vector3f& p : points) p = (R * (p.cast<double>() - centre) + centre).cast<float>();
-      for (cloud::LinePoint& p : made.truth.points) {
-        p.position = R * (p.position - centre) + centre;
-        p.normal = R * p.normal;
-      }
-      return;
-    }
-    case Disturbance::Table:
-      for (int i = 0; i < 200'000; ++i) {
-        const double x = random.uniform({-350, 350});
-        const double y = random.uniform({-300, 300});
-        add(Vec3{middle.x() + x, middle.y() + y, low.z() - 0.3 + 0.02 * random.gaussian()});
-      }
-      break;
-    case Disturbance::Post: {
-      // A clamp's column 25 mm beside the shoe.
-      const double side = random.chance(0.5) ? 1.0 : -1.0;
-      const Vec3 foot{middle.x() + 40.0,
-                      middle.y() + side * (0.5 * static_cast<double>(high.y() - low.y()) + 45.0),
-                      static_cast<double>(low.z())};
-      for (int i = 0; i < 30'000; ++i) {
-        const double angle = random.uniform({0, 2 * std::numbers::pi});
-        add(foot + Vec3{20 * std::cos(angle), 20 * std::sin(angle), random.uniform({0, 120})});
-      }
-      break;
-    }
-    case Disturbance::Outliers:
-      for (std::size_t i = 0, n = points.size() / 100; i < n; ++i) {
-        if (i % 2 == 0) {
-          add(Vec3{random.uniform({low.x() - 60.0, high.x() + 60.0}),
-                   random.uniform({low.y() - 60.0, high.y() + 60.0}),
-                   random.uniform({low.z() - 30.0, high.z() + 60.0})});
-        } else {
-          const auto at = static_cast<std::size_t>(random.integer(0, static_cast<int>(points.size()) - 1));
-          add(points[at].cast<double>() +
-              3.0 * Vec3{random.gaussian(), random.gaussian(), random.gaussian()});
-        }
-      }
-      break;
-    case Disturbance::Sector: {
-      auto at = static_cast<std::size_t>(random.integer(0, static_cast<int>(made.truth.points.size()) - 1));
-      if (seed % 2 == 0) {
-        // At one of the narrow ends, where the line bends most: the truth begins at the heel.
-        const std::size_t end = seed % 4 == 0 ? 0 : made.truth.points.size() / 2;
-        at = (end + at / 16) % made.truth.points.size();
-      }
-      const Vec3 centre = made.truth.points[at].position;
-      for (std::size_t i = 0; i < points.size(); ++i)
-        keep[i] = (points[i].cast<double>() - centre).head<2>().norm() > 20.0;
-      keep_if(made.cloud, keep);
-      return;
-    }
-    case Disturbance::Sparse: {
-      const double share = 50'000.0 / static_cast<double>(points.size());
-      for (std::size_t i = 0; i < points.size(); ++i) keep[i] = random.chance(share);
-      keep_if(made.cloud, keep);
-      return;
-    }
-    case Disturbance::Shuffled:
-      for (std::size_t i = points.size(); i-- > 1;)
-        std::swap(points[i], points[static_cast<std::size_t>(random.integer(0, static_cast<int>(i)))]);
-      break;
-  }
-  made.cloud.profile.clear();
-  made.cloud.column.clear();
 }
 
 struct Tally {
@@ -310,7 +222,7 @@ int run(int argc, char** argv) {
     sum.worst_mean_mm = std::max(sum.worst_mean_mm, t.worst_mean_mm);
     sum.worst_max_mm = std::max(sum.worst_max_mm, t.worst_max_mm);
   };
-  for (std::size_t c = 0; c < sim::k_shoe_class_names.size(); ++c) {
+  for (std::size_t c = 0; c < sim::k_plain_classes; ++c) {
     const std::string name{sim::k_shoe_class_names[c]};
     if (!only.empty() && only != name) continue;
     Tally ours;
@@ -348,17 +260,17 @@ int run(int argc, char** argv) {
     }
     print("uppers without a sole", ours, {});
   }
-  for (std::size_t d = 1; d < k_disturbances.size(); ++d) {
-    const std::string name{k_disturbances[d]};
+  for (std::size_t d = 0; d < k_disturbances.size(); ++d) {
+    const std::string name{test::name_of(k_disturbances[d])};
     if (!only.empty() && only != name) continue;
     Tally ours;
     for (std::uint64_t seed = from; seed < from + seeds; ++seed) {
       // Every class but the bare one in turn.
       Case made = make_case(static_cast<sim::ShoeClass>(seed % 9), seed + 1000);
-      disturb(made, static_cast<Disturbance>(d), seed);
+      disturb(made, k_disturbances[d], seed);
       std::string row;
       judge(made, bite_line::find_bite_line(made.cloud, {}), false, ours, &calibration, row,
-            static_cast<Disturbance>(d) == Disturbance::Sector);
+            k_disturbances[d] == test::CloudFault::Sector);
       if (rows)
         std::fprintf(stderr, "%-9s %3llu %-9s %s\n", name.c_str(), static_cast<unsigned long long>(seed),
                      std::string{sim::k_shoe_class_names[seed % 9]}.c_str(), row.c_str());

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+// The sweep of made shoes with designed soles, decoys, materials and faults, and of things that are no shoes:
+// how many are right, refused and wrong, and how many wrong ones that still allows with 95 %.
+//
+//   bench_line_sweep [--count N] [--seed N] [--from N] [--class NAME] [--decoy NAME] [--fault NAME]
+//                    [--threads N] [--published] [--rows]
+//
+// A row (--rows, stderr) begins with the index by which `--from INDEX --count 1` makes that shoe again.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+
+#include "host/bite_line/find_bite_line.hpp"
+#include "host/published/published_line.hpp"
+#include "tests/support/line_sweep.hpp"
+
+namespace biteline::bench {
+namespace {
+
+struct Options {
+  std::uint64_t count{200};
+  std::uint64_t seed{1};
+  std::uint64_t from{0};
+  std::string shoe_class{}, decoy{}, fault{};
+  std::size_t threads{2};
+  bool published{false};
+  bool rows{false};
+
+  [[nodiscard]] bool asks_for(const test::SweepCell& cell) const {
+    const auto fits = [](const std::string& asked, std::string_view is) {
+      return asked.empty() || asked == is;
+    };
+    return fits(shoe_class, sim::name_of(cell.shoe.shoe_class)) &&
+           fits(decoy, sim::name_of(cell.shoe.decoy)) && fits(fault, test::name_of(cell.fault));
+  }
+};
+
+struct Tally {
+  int cases{0}, right{0}, refused{0}, wrong{0};
+  int plain{0}, plain_refused{0};  ///< shoes whose crease is plain to see
+  double sum_mm{0};
+  int lines{0};
+
+  void add(const test::SweepVerdict& verdict, bool plain_to_see, bool found) {
+    ++cases;
+    right += verdict.judged == test::Judged::Right ? 1 : 0;
+    refused += verdict.judged == test::Judged::Refused ? 1 : 0;
+    wrong += verdict.judged == test::Judged::Wrong ? 1 : 0;
+    plain += plain_to_see ? 1 : 0;
+    plain_refused += plain_to_see && verdict.judged == test::Judged::Refused ? 1 : 0;
+    if (!found) return;
+    sum_mm += verdict.mean_mm;
+    ++lines;
+  }
+};
+
+void print(const std::string& what, const Tally& tally, const Tally* peer) {
+  std::printf(
+      "{\"bench\":\"line.sweep\",\"what\":\"%s: wrong of %d\",\"ours\":%d,\"unit\":\"shapes\",\"right\":%d,"
+      "\"refused\":%d,\"upper_95\":%.5f,\"plain_to_see\":%d,\"plain_refused\":%d,\"mean_mm\":%.4f",
+      what.c_str(), tally.cases, tally.wrong, tally.right, tally.refused,
+      test::upper_bound_95(tally.wrong, tally.cases), tally.plain, tally.plain_refused,
+      tally.sum_mm / std::max(1, tally.lines));
+  if (peer != nullptr) {
+    std::printf(",\"peer\":\"published\",\"peer_value\":%d,\"peer_right\":%d,\"peer_refused\":%d",
+                peer->wrong, peer->right, peer->refused);
+  }
+  std::printf("}\n");
+}
+
+class Sweep {
+ public:
+  explicit Sweep(Options options) : options_{std::move(options)} {}
+
+  void run() {
+    const tbb::global_control limit{tbb::global_control::max_allowed_parallelism, options_.threads};
+    tbb::parallel_for(options_.from, options_.from + options_.count, [&](std::uint64_t index) {
+      const test::SweepCell cell = test::sweep_cell(options_.seed, index);
+      if (options_.asks_for(cell)) judge(index, cell);
+    });
+    for (const auto& [what, tally] : ours_) {
+      const auto peer = published_.find(what);
+      print(what, tally, peer == published_.end() ? nullptr : &peer->second);
+    }
+    for (const auto& [reason, count] : reasons_)
+      std::printf(
+          "{\"bench\":\"line.sweep\",\"what\":\"shoes refused: %s\",\"ours\":%d,\"unit\":\"shoes\"}\n",
+          reason.c_str(), count);
+  }
+
+ private:
+  void judge(std::uint64_t index, const test::SweepCell& cell) {
+    const test::SweepScan scan = test::scan_of(cell);
+    const bite_line::Extraction found = bite_line::find_bite_line(scan.cloud, {});
+    const test::SweepVerdict verdict = test::judge(scan, found);
+    test::SweepVerdict peer;
+    bool peer_found = false;
+    if (options_.published) {
+      const bite_line::Extraction theirs = published::find_bite_line(scan.cloud.points, {});
+      peer = test::judge(scan, theirs);
+      peer_found = theirs.found;
+    }
+    const std::lock_guard lock{mutex_};
+    const std::string kind = cell.is_shoe() ? "all shoes" : "all that have no line";
+    for (const std::string& what : {kind, "class " + std::string{sim::name_of(cell.shoe.shoe_class)},
+                                    "decoy " + std::string{sim::name_of(cell.shoe.decoy)},
+                                    "fault " + std::string{test::name_of(cell.fault)}}) {
+      if (!cell.is_shoe() && what.rfind("decoy", 0) == 0) continue;
+      ours_[what].add(verdict, scan.plain_to_see, found.found);
+      if (options_.published) published_[what].add(peer, scan.plain_to_see, peer_found);
+    }
+    if (verdict.judged == test::Judged::Refused && found.refusal)
+      ++reasons_[report::refusal_row(found.refusal->code).name];
+    if (!options_.rows) return;
+    constexpr const char* k_words[] = {"right", "REFUSED", "WRONG"};
+    std::fprintf(
+        stderr, "%5llu %-10s %-13s %-9s %-7s %s wrong %.1f mm mean %.3f max %.2f flagged %.3f conf %.3f %s\n",
+        static_cast<unsigned long long>(index), std::string{sim::name_of(cell.shoe.shoe_class)}.c_str(),
+        std::string{sim::name_of(cell.shoe.decoy)}.c_str(), std::string{test::name_of(cell.fault)}.c_str(),
+        k_words[static_cast<std::size_t>(verdict.judged)], scan.plain_to_see ? "plain" : "weak",
+        verdict.wrong_mm, verdict.mean_mm, verdict.max_mm, verdict.flagged_share, found.confidence,
+        found.reason().c_str());
+  }
+
+  Options options_;
+  std::mutex mutex_;
+  std::map<std::string, Tally> ours_, published_;
+  std::map<std::string, int> reasons_;
+};
+
+}  // namespace
+}  // namespace biteline::bench
+
+int main(int argc, char** argv) {
+  biteline::bench::Options options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--published") {
+      options.published = true;
+    } else if (argument == "--rows") {
+      options.rows = true;
+    } else if (i + 1 < argc) {
+      const char* value = argv[++i];
+      if (argument == "--count") options.count = std::strtoull(value, nullptr, 10);
+      if (argument == "--seed") options.seed = std::strtoull(value, nullptr, 10);
+      if (argument == "--from") options.from = std::strtoull(value, nullptr, 10);
+      if (argument == "--threads") options.threads = std::strtoull(value, nullptr, 10);
+      if (argument == "--class") options.shoe_class = value;
+      if (argument == "--decoy") options.decoy = value;
+      if (argument == "--fault") options.fault = value;
+    }
+  }
+  biteline::bench::Sweep{options}.run();
+  return 0;
+}

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The sweep: made shoes with designed soles, decoys, materials and faults, and things that are no
+/// shoes; each is right, refused or wrong.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/sim/shoe/designed_shoe.hpp"
+#include "host/bite_line/extraction.hpp"
+#include "host/cloud/closed_line.hpp"
+#include "host/cloud/point_cloud.hpp"
+#include "tests/support/cloud_faults.hpp"
+
+namespace biteline::test {
+
+/// One cell of the sweep, and the seed of the shoe that is drawn for it.
+struct SweepCell {
+  sim::DesignedShoe shoe;  ///< of a plain class: the class alone counts
+  CloudFault fault{CloudFault::None};
+  std::uint64_t seed{1};
+
+  [[nodiscard]] bool is_shoe() const {
+    return !sim::is_thing(shoe.shoe_class) && shoe.shoe_class != sim::ShoeClass::Bare;
+  }
+};
+
+/// The `index`-th of the sweep of that seed: three of four have a designed sole, one in ten a plain one, the
+/// rest are no shoes.
+[[nodiscard]] SweepCell sweep_cell(std::uint64_t seed, std::uint64_t index);
+
+struct SweepScan {
+  cloud::PointCloud cloud;
+  cloud::ClosedLine truth;  ///< empty: there is no line
+  /// The made crease turns by 10 degrees and more over 90 % of its length, and both its flanks are in the
+  /// points there: such a shoe should not be refused.
+  bool plain_to_see{false};
+};
+[[nodiscard]] SweepScan scan_of(const SweepCell& cell);
+
+enum class Judged : std::uint8_t { Right, Refused, Wrong };
+
+struct SweepVerdict {
+  Judged judged{Judged::Right};
+  double wrong_mm{0};  ///< length off by more than 1 mm outside flagged points
+  double flagged_share{0};
+  double mean_mm{0};  ///< of the points that are not flagged
+  double max_mm{0};
+};
+
+/// A line is wrong with more than 5 mm off by more than 1 mm outside flagged points (confidence below 0.5, or
+/// U95 above 1 mm), and wherever there is none to find.  A thing refused is right.
+[[nodiscard]] SweepVerdict judge(const SweepScan& scan, const bite_line::Extraction& found);
+
+/// Highest share that `count` among `of` still says with 95 % (Clopper and Pearson 1934, one-sided).
+[[nodiscard]] double upper_bound_95(int count, int of);
+
+}  // namespace biteline::test

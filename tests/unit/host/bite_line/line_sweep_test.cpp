@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#include "tests/support/line_sweep.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <cmath>
+
+namespace biteline::test {
+
+TEST_GROUP(LineSweep){
+    /// A ring of 600 mm, as a truth and as a line that leaves it by `off_mm` over its first `bad_mm`.
+    static SweepScan ring(){SweepScan scan;
+for (int i = 0; i < 1200; ++i)
+  scan.truth.points.push_back({.position = place(i), .normal = Vec3::UnitX(), .tangent = Vec3::UnitX()});
+return scan;
+}  // namespace biteline::test
+static bite_line::Extraction line(double off_mm, double bad_mm, double confidence) {
+  bite_line::Extraction found;
+  found.found = true;
+  for (int i = 0; i < 1200; ++i) {
+    const bool bad = i * 0.5 < bad_mm;
+    const Vec3 p = place(i) + (bad ? off_mm : 0.0) * Vec3::UnitZ();
+    found.line.points.push_back({.position = p,
+                                 .normal = Vec3::UnitX(),
+                                 .tangent = Vec3::UnitX(),
+                                 .confidence = bad ? confidence : 0.99});
+  }
+  return found;
+}
+static Vec3 place(int i) {
+  const double angle = i * 2 * M_PI / 1200;
+  return {600 / (2 * M_PI) * std::cos(angle), 600 / (2 * M_PI) * std::sin(angle), 0};
+}
+}
+;
+
+TEST(LineSweep, ALineIsWrongWhereMoreThanFiveMillimetresAreOffWithoutAWord) {
+  CHECK(judge(ring(), line(1.2, 8, 0.9)).judged == Judged::Wrong);
+  CHECK(judge(ring(), line(1.2, 4, 0.9)).judged == Judged::Right);
+  CHECK(judge(ring(), line(0.8, 300, 0.9)).judged == Judged::Right);
+}
+
+TEST(LineSweep, WhatIsFlaggedIsNoWrongLine) {
+  CHECK(judge(ring(), line(5, 50, 0.4)).judged == Judged::Right);
+  DOUBLES_EQUAL(50.0 / 600, judge(ring(), line(5, 50, 0.4)).flagged_share, 1e-3);
+  bite_line::Extraction found = line(5, 50, 0.9);
+  for (int i = 0; i < 100; ++i) found.line.points[static_cast<std::size_t>(i)].u95_mm = 1.5;
+  CHECK(judge(ring(), found).judged == Judged::Right);
+}
+
+TEST(LineSweep, AnyLineIsWrongWhereThereIsNone) {
+  CHECK(judge({}, line(0, 0, 0.9)).judged == Judged::Wrong);
+  CHECK(judge({}, {}).judged == Judged::Right);
+  CHECK(judge(ring(), {}).judged == Judged::Refused);
+}
+
+TEST(LineSweep, TheBoundIsClopperAndPearsons) {
+  // None among n: 1 - 0.05^(1/n).
+  DOUBLES_EQUAL(1 - std::pow(0.05, 1.0 / 3000), upper_bound_95(0, 3000), 1e-9);
+  // 1 of 10, from tables of the one-sided limit.
+  DOUBLES_EQUAL(0.3942, upper_bound_95(1, 10), 1e-4);
+}
+
+TEST(LineSweep, ACellMakesTheSameScanAgainAndFaultsMoveTheTruthAlong) {
+  SweepCell cell{.shoe = {.shoe_class = sim::ShoeClass::Pump, .decoy = sim::Decoy::Logo},
+                 .fault = CloudFault::Mirrored,
+                 .seed = 4};
+  const SweepScan a = scan_of(cell);
+  const SweepScan b = scan_of(cell);
+  CHECK(a.cloud.points == b.cloud.points);
+  // The truth lies on the points still: half a profile's step, a column's and the noise apart at most.
+  for (std::size_t i = 0; i < a.truth.points.size(); i += 40) {
+    float nearest = 1e9F;
+    for (const Eigen::Vector3f& p : a.cloud.points)
+      nearest = std::min(nearest, (p - a.truth.points[i].position.cast<float>()).norm());
+    CHECK(nearest < 0.7F);
+  }
+}
+
+}  // namespace biteline::test
