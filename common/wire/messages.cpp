@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "common/wire/checksum.hpp"
+#include "common/wire/picture_codec.hpp"
 #include "common/wire/profile_codec.hpp"
 #include "common/wire/protocol_generated.h"
 #include "common/wire/schema_parts.hpp"
@@ -42,10 +43,10 @@ PackedBody pack_body(FlatBufferBuilder& fbb, const SensorHello& hello) {
   const auto version = text(fbb, hello.version);
   const auto scan_name = text(fbb, hello.scan_name);
   const auto model = pack_model(fbb, hello.model);
-  return packed(
-      fb::Body_SensorHello,
-      fb::CreateSensorHello(fbb, name, version, scan_name, hello.frames_expected, hello.lossless,
-                            hello.simulated, hello.scanning, hello.held_from, hello.held_to, model));
+  return packed(fb::Body_SensorHello,
+                fb::CreateSensorHello(fbb, name, version, scan_name, hello.frames_expected, hello.lossless,
+                                      hello.simulated, hello.scanning, hello.held_from, hello.held_to, model,
+                                      hello.protocol_minor));
 }
 
 PackedBody pack_body(FlatBufferBuilder& fbb, const profile::Profile& profile) {
@@ -59,7 +60,7 @@ PackedBody pack_body(FlatBufferBuilder& fbb, const Health& health) {
   const auto devices = pack_devices(fbb, health.devices);
   return packed(fb::Body_Health,
                 fb::CreateHealth(fbb, counters, stages, static_cast<fb::LaserState>(health.laser), reason,
-                                 health.scanning, devices));
+                                 health.scanning, devices, health.observers, health.pictures));
 }
 
 PackedBody pack_body(FlatBufferBuilder& fbb, const EndOfScan& end) {
@@ -91,6 +92,18 @@ PackedBody pack_body(FlatBufferBuilder& fbb, const Gap& gap) {
 PackedBody pack_body(FlatBufferBuilder& fbb, const Bye& bye) {
   return packed(fb::Body_Bye, fb::CreateBye(fbb, static_cast<fb::ByeReason>(bye.reason), text(fbb, bye.text),
                                             bye.protocol));
+}
+
+PackedBody pack_body(FlatBufferBuilder& fbb, const ObserverHello& hello) {
+  const auto name = text(fbb, hello.name);
+  const auto picture = pack_wish(fbb, hello.picture);
+  return packed(
+      fb::Body_ObserverHello,
+      fb::CreateObserverHello(fbb, name, static_cast<float>(hello.profile_rate_hz), picture, hello.received));
+}
+
+PackedBody pack_body(FlatBufferBuilder& fbb, const Picture& picture) {
+  return packed(fb::Body_Picture, pack_picture(fbb, picture));
 }
 
 void finish(FlatBufferBuilder& fbb, const Message& address, PackedBody body, Bytes& out) {
@@ -126,7 +139,8 @@ Result<Body> read_body(const fb::SensorHello& table) {
                      .scanning = table.scanning(),
                      .held_from = table.held_from(),
                      .held_to = table.held_to(),
-                     .model = model};
+                     .model = model,
+                     .protocol_minor = table.protocol_minor()};
 }
 
 Result<Body> read_body(const fb::Profile& table) {
@@ -142,7 +156,9 @@ Result<Body> read_body(const fb::Health& table) {
                 .laser = static_cast<LaserState>(table.laser()),
                 .laser_reason = to_string(table.laser_reason()),
                 .scanning = table.scanning(),
-                .devices = std::move(devices)};
+                .devices = std::move(devices),
+                .observers = table.observers(),
+                .pictures = table.pictures()};
 }
 
 Result<Body> read_body(const fb::EndOfScan& table) {
@@ -177,6 +193,21 @@ Result<Body> read_body(const fb::Bye& table) {
   return Bye{.reason = static_cast<ByeReason>(table.reason()),
              .text = to_string(table.text()),
              .protocol = table.protocol()};
+}
+
+Result<Body> read_body(const fb::ObserverHello& table) {
+  BITELINE_ASSIGN(const PictureWish picture, read_wish(table.picture()));
+  if (!is_rate(table.profile_rate_hz()))
+    return fail(Errc::ProtocolError, "observer: a rate of profiles below 0 or beyond 1000 Hz");
+  return ObserverHello{.name = to_string(table.name()),
+                       .profile_rate_hz = table.profile_rate_hz(),
+                       .picture = picture,
+                       .received = table.received()};
+}
+
+Result<Body> read_body(const fb::Picture& table) {
+  BITELINE_ASSIGN(Picture picture, read_picture(table));
+  return picture;
 }
 
 /// The message without its checksum.
@@ -218,6 +249,10 @@ Result<Body> read_union(const fb::Envelope& envelope) {
       return read_body(*envelope.body_as_Gap());
     case fb::Body_Bye:
       return read_body(*envelope.body_as_Bye());
+    case fb::Body_ObserverHello:
+      return read_body(*envelope.body_as_ObserverHello());
+    case fb::Body_Picture:
+      return read_body(*envelope.body_as_Picture());
     case fb::Body_NONE:
       break;
   }

@@ -18,6 +18,8 @@ namespace biteline::wire {
 
 /// Raised, with the reason in PROTOCOL.md, whenever an old peer would misread a message.
 inline constexpr std::uint16_t k_protocol = 1;
+/// Raised, with the reason in PROTOCOL.md, when something is added that an old peer may do without.
+inline constexpr std::uint16_t k_protocol_minor = 1;
 
 /// No message is longer; sockets drop what is.  A full profile (4096 points) packs to at most 175 KB.
 inline constexpr std::size_t k_max_message_bytes = 512 * 1024;
@@ -45,6 +47,7 @@ struct SensorHello {
   std::uint64_t held_from{0};  ///< oldest message still held
   std::uint64_t held_to{0};    ///< one past the newest
   geometry::SensorModel model;
+  std::uint16_t protocol_minor{k_protocol_minor};  ///< 0: a sensor that knows no observers
 };
 
 struct StageTime {
@@ -131,6 +134,8 @@ struct Health {
   std::string laser_reason;
   bool scanning{false};
   Devices devices;
+  std::uint32_t observers{0};  ///< connected now
+  std::uint64_t pictures{0};   ///< made for observers since the sensor started
 };
 
 /// The scan's last message, in sequence with its profiles.
@@ -174,8 +179,57 @@ struct Bye {
   std::uint16_t protocol{k_protocol};  ///< the sender's
 };
 
+enum class PictureFormat : std::uint8_t { Jpeg, Raw };
+
+/// More are not given, whatever is asked for.
+inline constexpr double k_max_picture_rate_hz = 25;
+
+/// What an observer wants to see of the camera.
+struct PictureWish {
+  double rate_hz{0};      ///< at most so many a second; 0: none
+  int width_max_px{640};  ///< scaled down by a whole number until it is not wider
+  PictureFormat format{PictureFormat::Jpeg};
+  int quality{75};            ///< of JPEG, 1 to 100
+  geometry::Region region{};  ///< pixels of the full sensor; empty: all that the camera shows
+
+  [[nodiscard]] bool operator==(const PictureWish& other) const;
+};
+
+/// Observer to sensor: first on every connection, at least once a second, and after each profile or picture.
+struct ObserverHello {
+  std::string name;
+  double profile_rate_hz{0};  ///< at most so many profiles a second, the newest; 0: none
+  PictureWish picture;
+  std::uint64_t received{0};  ///< profiles and pictures that it took since it began
+};
+
+/// One found peak, in pixels of the full sensor.
+struct PicturePeak {
+  std::uint16_t u_px{0};
+  float v_px{0};           ///< sub-pixel row
+  std::uint16_t flags{0};  ///< profile::PointFlag
+};
+
+/// A frame as the camera saw it, with the peaks that were found in it.
+struct Picture {
+  std::uint64_t frame_sequence{0};    ///< as in ProfileHeader
+  std::uint64_t profile_sequence{0};  ///< the profile that this frame completed
+  SensorClock::time_point exposure_mid;
+  geometry::Region region;  ///< pixels of the full sensor that it shows
+  int step{1};              ///< one picture pixel is the mean of step x step of them
+  PictureFormat format{PictureFormat::Jpeg};
+  std::vector<std::uint8_t> pixels;  ///< one JPEG file, or width_px() * height_px() bytes, row by row
+  std::vector<PicturePeak> peaks;    ///< by column, then row; of the whole profile
+
+  [[nodiscard]] int width_px() const { return region.width_px / step; }
+  [[nodiscard]] int height_px() const { return region.height_px / step; }
+  /// Where a pixel of the sensor lies in the picture; whole numbers are the centres of the picture's pixels.
+  [[nodiscard]] double x_of(double u_px) const { return (u_px - region.offset_u_px + 0.5) / step - 0.5; }
+  [[nodiscard]] double y_of(double v_px) const { return (v_px - region.offset_v_px + 0.5) / step - 0.5; }
+};
+
 using Body = std::variant<HostHello, SensorHello, profile::Profile, Health, EndOfScan, Ack, Control,
-                          ControlReply, Gap, Bye>;
+                          ControlReply, Gap, Bye, ObserverHello, Picture>;
 
 struct Message {
   std::uint16_t protocol{k_protocol};

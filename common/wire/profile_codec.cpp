@@ -1,90 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "common/wire/profile_codec.hpp"
 
-#include <array>
-#include <bit>
-#include <cmath>
-
-#include "common/core/numbers.hpp"
-#include "common/wire/packing.hpp"
+#include "common/wire/column_codec.hpp"
 #include "common/wire/schema_parts.hpp"
 
 namespace biteline::wire {
-namespace {
 
 using profile::ProfilePoint;
-using ColumnOffset = flatbuffers::Offset<flatbuffers::Vector<std::uint8_t>>;
-using Numbers = std::array<std::uint32_t, profile::k_max_profile_points>;
-
-/// How one column of a profile is packed.
-struct ColumnForm {
-  Lengths lengths{Lengths::Dense};
-  std::uint32_t step{0};
-};
-
-constexpr ColumnForm k_measured{.lengths = Lengths::Dense, .step = 0};
-constexpr ColumnForm k_constant{.lengths = Lengths::Sparse, .step = 0};
-constexpr ColumnForm k_counting{.lengths = Lengths::Sparse,
-                                .step = 1};  // image columns mostly follow one another
-
-/// `bits_of(point)` is the column's number as 32 bits.
-template <class BitsOf>
-ColumnOffset pack_column(flatbuffers::FlatBufferBuilder& fbb, std::span<const ProfilePoint> points,
-                         ColumnForm form, BitsOf&& bits_of) {
-  thread_local Numbers numbers;
-  thread_local std::vector<std::uint8_t> packed;
-  for (std::size_t i = 0; i < points.size(); ++i) numbers[i] = bits_of(points[i]);
-  packed.clear();
-  pack({numbers.data(), points.size()}, form.lengths, form.step, packed);
-  return fbb.CreateVector(packed.data(), packed.size());
-}
-
-template <class Member>
-ColumnOffset pack_floats(flatbuffers::FlatBufferBuilder& fbb, std::span<const ProfilePoint> points,
-                         Member&& member) {
-  return pack_column(fbb, points, k_measured, [&](const ProfilePoint& point) {
-    return std::bit_cast<std::uint32_t>(float{member(point)});
-  });
-}
-
-/// `store(point, bits)` puts one number back, and is false when it cannot be one.
-template <class Store>
-Result<void> unpack_column(const flatbuffers::Vector<std::uint8_t>* packed, ColumnForm form, const char* name,
-                           std::span<ProfilePoint> points, Store&& store) {
-  thread_local Numbers numbers;
-  const std::span<std::uint32_t> values{numbers.data(), points.size()};
-  const std::span<const std::uint8_t> bytes =
-      packed == nullptr ? std::span<const std::uint8_t>{} : std::span{packed->data(), packed->size()};
-  if (!unpack(bytes, form.lengths, form.step, values)) {
-    return fail(Errc::ProtocolError, "profile: column %s is not as long as its points", name);
-  }
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!store(points[i], values[i]))
-      return fail(Errc::ProtocolError, "profile: impossible number in column %s", name);
-  }
-  return {};
-}
-
-template <class Member>
-Result<void> unpack_floats(const flatbuffers::Vector<std::uint8_t>* packed, const char* name,
-                           std::span<ProfilePoint> points, Member&& member) {
-  return unpack_column(packed, k_measured, name, points, [&](ProfilePoint& point, std::uint32_t bits) {
-    const auto number = std::bit_cast<float>(bits);
-    member(point) = number;
-    return NumberRange{}.holds(number);
-  });
-}
-
-template <class Integer, class Member>
-Result<void> unpack_integers(const flatbuffers::Vector<std::uint8_t>* packed, ColumnForm form,
-                             const char* name, std::span<ProfilePoint> points, Member&& member) {
-  return unpack_column(packed, form, name, points, [&](ProfilePoint& point, std::uint32_t bits) {
-    member(point) = static_cast<Integer>(bits);
-    return bits <= std::numeric_limits<Integer>::max();
-  });
-}
-
-}  // namespace
 
 flatbuffers::Offset<fb::Profile> pack_profile(flatbuffers::FlatBufferBuilder& fbb,
                                               const profile::ProfileHeader& header,
@@ -125,27 +47,27 @@ Result<profile::Profile> read_profile(const fb::Profile& table) {
 
   profile.points.resize(table.point_count());
   const std::span<ProfilePoint> points{profile.points};
-  BITELINE_TRY(
-      unpack_floats(table.x(), "x", points, [](ProfilePoint& p) -> float& { return p.point_cam.x(); }));
-  BITELINE_TRY(
-      unpack_floats(table.y(), "y", points, [](ProfilePoint& p) -> float& { return p.point_cam.y(); }));
-  BITELINE_TRY(
-      unpack_floats(table.z(), "z", points, [](ProfilePoint& p) -> float& { return p.point_cam.z(); }));
-  BITELINE_TRY(unpack_floats(table.sigma_mm(), "sigma_mm", points,
+  BITELINE_TRY(unpack_floats(table.x(), "profile.x", points,
+                             [](ProfilePoint& p) -> float& { return p.point_cam.x(); }));
+  BITELINE_TRY(unpack_floats(table.y(), "profile.y", points,
+                             [](ProfilePoint& p) -> float& { return p.point_cam.y(); }));
+  BITELINE_TRY(unpack_floats(table.z(), "profile.z", points,
+                             [](ProfilePoint& p) -> float& { return p.point_cam.z(); }));
+  BITELINE_TRY(unpack_floats(table.sigma_mm(), "profile.sigma_mm", points,
                              [](ProfilePoint& p) -> float& { return p.sigma_mm; }));
-  BITELINE_TRY(
-      unpack_floats(table.row_px(), "row_px", points, [](ProfilePoint& p) -> float& { return p.row_px; }));
-  BITELINE_TRY(unpack_floats(table.sigma_row_px(), "sigma_row_px", points,
+  BITELINE_TRY(unpack_floats(table.row_px(), "profile.row_px", points,
+                             [](ProfilePoint& p) -> float& { return p.row_px; }));
+  BITELINE_TRY(unpack_floats(table.sigma_row_px(), "profile.sigma_row_px", points,
                              [](ProfilePoint& p) -> float& { return p.sigma_row_px; }));
-  BITELINE_TRY(unpack_floats(table.amplitude(), "amplitude", points,
+  BITELINE_TRY(unpack_floats(table.amplitude(), "profile.amplitude", points,
                              [](ProfilePoint& p) -> float& { return p.amplitude; }));
-  BITELINE_TRY(unpack_floats(table.width_px(), "width_px", points,
+  BITELINE_TRY(unpack_floats(table.width_px(), "profile.width_px", points,
                              [](ProfilePoint& p) -> float& { return p.width_px; }));
-  BITELINE_TRY(unpack_integers<std::uint16_t>(table.column(), k_counting, "column", points,
+  BITELINE_TRY(unpack_integers<std::uint16_t>(table.column(), k_counting, "profile.column", points,
                                               [](ProfilePoint& p) -> std::uint16_t& { return p.column; }));
-  BITELINE_TRY(unpack_integers<std::uint16_t>(table.point_flags(), k_constant, "point_flags", points,
+  BITELINE_TRY(unpack_integers<std::uint16_t>(table.point_flags(), k_constant, "profile.point_flags", points,
                                               [](ProfilePoint& p) -> std::uint16_t& { return p.flags; }));
-  BITELINE_TRY(unpack_integers<std::uint8_t>(table.peak_count(), k_constant, "peak_count", points,
+  BITELINE_TRY(unpack_integers<std::uint8_t>(table.peak_count(), k_constant, "profile.peak_count", points,
                                              [](ProfilePoint& p) -> std::uint8_t& { return p.peak_count; }));
   return profile;
 }

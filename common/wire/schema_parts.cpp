@@ -27,12 +27,6 @@ fb::Vec3 from_vec3(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-bool plausible(const geometry::Region& region) {
-  const auto in_range = [](int value, int minimum) { return value >= minimum && value <= k_max_sensor_px; };
-  return in_range(region.offset_u_px, 0) && in_range(region.offset_v_px, 0) && in_range(region.width_px, 1) &&
-         in_range(region.height_px, 1);
-}
-
 }  // namespace
 
 flatbuffers::Offset<flatbuffers::String> text(flatbuffers::FlatBufferBuilder& fbb,
@@ -43,6 +37,12 @@ flatbuffers::Offset<flatbuffers::String> text(flatbuffers::FlatBufferBuilder& fb
 std::string to_string(const flatbuffers::String* source) {
   if (source == nullptr) return {};
   return clean_text(source->string_view(), k_max_text_bytes);
+}
+
+bool plausible(const geometry::Region& region) {
+  const auto in_range = [](int value, int minimum) { return value >= minimum && value <= k_max_sensor_px; };
+  return in_range(region.offset_u_px, 0) && in_range(region.offset_v_px, 0) && in_range(region.width_px, 1) &&
+         in_range(region.height_px, 1);
 }
 
 fb::Motion pack_motion(const SE3& T) {

@@ -16,6 +16,9 @@ namespace biteline::wire {
 /// Empty when absent; cut at 500 bytes; control characters become '?', since it may end on a terminal.
 [[nodiscard]] std::string to_string(const flatbuffers::String* source);
 
+/// Of a sensor of at most 65536 x 65536 pixels, and not empty.
+[[nodiscard]] bool plausible(const geometry::Region& region);
+
 [[nodiscard]] fb::Motion pack_motion(const SE3& T);
 /// Finite, and a rotation to 1e-6; made exactly orthonormal by nobody: the bits stay.
 [[nodiscard]] Result<SE3> read_motion(const fb::Motion& motion);

@@ -63,6 +63,7 @@ Scanner::Scanner(Source source, const Config& config, pipeline::ProfilePipeline 
       capture_{std::move(capture)},
       clock_{clock},
       laser_{laser},
+      pictures_{std::make_shared<pipeline::PictureTap>(config.model.region)},
       poses_wanted_until_ns_{k_never_ns} {}
 
 Scanner::~Scanner() {
@@ -127,7 +128,10 @@ Result<void> Scanner::process(const hal::FrameView& frame) {
   const bool lit = laser_ == nullptr || laser_->status().on;
   if (lit) note_exposure(frame.exposure_mid);
   const bool made = pipeline_.rt_process(frame, pool_[*buffer]);
-  source_.camera->release(frame);
+  // Peaks go along before the profile is out of this thread's hands, pixels when it is on its way.
+  const bool pictured = made && pictures_->rt_wanted();
+  if (pictured) pictures_->rt_keep_peaks(pool_[*buffer]);
+  if (!pictured) source_.camera->release(frame);
   if (!made) {  // an ambient picture, or the first half of a bracket
     pool_.rt_release(*buffer);
     if (laser_ != nullptr) laser_->note_frame(clock_.now());
@@ -146,6 +150,12 @@ Result<void> Scanner::process(const hal::FrameView& frame) {
   process_meter.rt_add(end - begin);
   profiles_.fetch_add(1, std::memory_order_relaxed);
   if (laser_ != nullptr) laser_->note_frame(end);
+  if (pictured) {
+    const SensorClock::time_point copy_begin = clock_.now();
+    pictures_->rt_keep_frame(frame);
+    source_.camera->release(frame);
+    picture_meter.rt_add(clock_.now() - copy_begin);
+  }
   if (!wish.exposure && !wish.rows) return {};
   const SensorClock::time_point asked = clock_.now();
   BITELINE_TRY(capture_->apply(wish, *source_.camera));

@@ -12,6 +12,7 @@
 #include "common/rt/spsc_ring.hpp"
 #include "firmware/app/capture.hpp"
 #include "firmware/app/source.hpp"
+#include "firmware/pipeline/picture_tap.hpp"
 #include "firmware/pipeline/profile_pipeline.hpp"
 #include "firmware/runtime/laser_watch.hpp"
 #include "firmware/runtime/realtime.hpp"
@@ -75,14 +76,16 @@ class Scanner {
   [[nodiscard]] Nanoseconds longest_pause(SensorClock::time_point until) const;
   [[nodiscard]] CaptureState capture_state() const { return capture_->state(); }
   [[nodiscard]] Source& source() { return source_; }
+  /// Where live pictures come from; may outlive the scan.
+  [[nodiscard]] const std::shared_ptr<pipeline::PictureTap>& pictures() const { return pictures_; }
   [[nodiscard]] const Config& config() const { return config_; }
 
   runtime::StageMeter wait_meter, process_meter, stamp_meter;
-  runtime::StageMeter adjust_meter;  ///< changes of exposure or rows
+  runtime::StageMeter adjust_meter;   ///< changes of exposure or rows
+  runtime::StageMeter picture_meter;  ///< copies of frames for observers
 
  private:
-  /// 1.2 s at 100 Hz, for a stream thread that gets no processor meanwhile: it has no real-time priority.
-  /// Some 20 MB.
+  /// 1.2 s at 100 Hz, for a stream thread that waits for poses or whose turn is held up.  Some 20 MB.
   static constexpr std::size_t k_ring_profiles = 128;
   /// Plus the one being filled plus the one being sent: a buffer is always free for the next frame.
   static constexpr std::size_t k_pool_profiles = k_ring_profiles + 2;
@@ -103,6 +106,7 @@ class Scanner {
   const hal::Clock& clock_;
   runtime::LaserWatch* laser_;
   pipeline::PoseHistory poses_;
+  std::shared_ptr<pipeline::PictureTap> pictures_;
   rt::BufferPool<profile::ProfileBuffer, k_pool_profiles> pool_{k_pool_profiles};
   rt::DropOldestRing<rt::BufferIndex, k_ring_profiles> ring_;
 

@@ -103,7 +103,8 @@ Streamer::Streamer(const StreamerConfig& config, SourceKind& kind, stream::Strea
       clock_{clock},
       laser_{laser},
       server_{config.server, identity_of(config, kind), socket,
-              [this](wire::Command command) { return obey(command); }, [this] { return health(); }} {}
+              [this](wire::Command command) { return obey(command); }, [this] { return health(); }},
+      picture_maker_{config.realtime} {}
 
 Result<void> Streamer::start_scan() {
   if (state_ != State::Idle) return fail(Errc::WrongState, "a scan is on");
@@ -141,6 +142,7 @@ void Streamer::run(const std::atomic<bool>& stop) {
                                                    std::span<const std::uint8_t> packet) {
     server_.on_packet(peer, packet, clock_.now());
   };
+  picture_maker_.start();
   bool more_to_take = false;
   while (!stop && !delivered()) {
     if (laser_ != nullptr) laser_->note_stream(clock_.now());
@@ -157,6 +159,7 @@ void Streamer::run(const std::atomic<bool>& stop) {
       more_to_take = take_profiles();
       if (scanner_->finished()) announce_end();
     }
+    serve_pictures();
     server_.tick(clock_.now());
   }
   if (laser_ != nullptr) laser_->ask_for_light(false);
@@ -240,6 +243,19 @@ bool Streamer::take_profiles() {
   return true;
 }
 
+void Streamer::serve_pictures() {
+  const std::shared_ptr<pipeline::PictureTap> tap = scanner_ ? scanner_->pictures() : nullptr;
+  const std::uint64_t wishes = server_.observers().wishes_version();
+  if (tap != pictures_ordered_of_ || wishes != wishes_ordered_) {
+    if (!picture_maker_.try_order(
+            {.tap = tap, .scan_id = server_.scan_id(), .wishes = server_.observers().picture_wishes()}))
+      return;
+    pictures_ordered_of_ = tap;
+    wishes_ordered_ = wishes;
+  }
+  for (const stream::MadePicture& picture : picture_maker_.try_take()) server_.add_picture(picture);
+}
+
 void Streamer::end_scan() {
   state_ = State::Ending;
   if (laser_ != nullptr) laser_->ask_for_light(false);
@@ -298,7 +314,9 @@ std::vector<wire::StageTime> Streamer::stages() const {
   return {stage_time("wait_for_frame", scanner_->wait_meter),
           stage_time("frame_to_profile", scanner_->process_meter),
           stage_time("adjust_camera", scanner_->adjust_meter),
-          stage_time("stamp_pose", scanner_->stamp_meter), stage_time("encode", encode_meter_)};
+          stage_time("copy_picture", scanner_->picture_meter),
+          stage_time("stamp_pose", scanner_->stamp_meter),
+          stage_time("encode", encode_meter_)};
 }
 
 wire::Devices Streamer::devices() const {
@@ -340,6 +358,7 @@ wire::Health Streamer::health() const {
   health.stages = stages();
   health.scanning = state_ != State::Idle;
   health.devices = devices();
+  health.pictures = picture_maker_.made();
   if (laser_ == nullptr) {
     health.laser_reason = "there is no laser";
     return health;

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 
+#include "firmware/app/picture_maker.hpp"
 #include "firmware/app/scanner.hpp"
 #include "firmware/stream/stream_socket.hpp"
 
@@ -60,6 +61,7 @@ class Streamer {
   void fail_scan(const Error& why);
   /// True: more may be ready already.
   [[nodiscard]] bool take_profiles();
+  void serve_pictures();
   void end_scan();
   void announce_end();
   void close(std::unique_ptr<Scanner> scanner);
@@ -79,6 +81,9 @@ class Streamer {
   State state_{State::Idle};
   std::unique_ptr<Scanner> scanner_;  ///< of the present scan; nothing while Idle
   wire::EndOfScan last_end_;          ///< the last scan's counts, told on while Idle
+  PictureMaker picture_maker_;
+  std::shared_ptr<pipeline::PictureTap> pictures_ordered_of_;
+  std::uint64_t wishes_ordered_{0};  ///< version of them
   std::future<void> closing_;  ///< the last scan's devices: one that is gone takes seconds to be let go of
   runtime::StageMeter encode_meter_;
   std::optional<Error> failure_;

@@ -39,10 +39,15 @@ inline constexpr ThreadSpec k_network{"ZMQbg/IO/0", 40, -1, milliseconds{0}, mil
 /// Waits for signals.  Above ordinary threads only so that a killed process ends at once (realtime.cpp).
 inline constexpr ThreadSpec k_main{"biteline-sensor", 10, -1, milliseconds{20}, milliseconds{1}};
 
+/// Scales and packs live pictures for observers: below all that measures or watches, and never more than a
+/// quarter of its time.  Not an ordinary thread, or a killed process would wait for it on a busy machine
+/// (k_main).
+inline constexpr ThreadSpec k_picture{"bl-picture", 5, -1, milliseconds{0}, milliseconds{20}};
+
 }  // namespace threads
 
-inline constexpr std::array<ThreadSpec, 7> k_thread_table{
+inline constexpr std::array<ThreadSpec, 8> k_thread_table{
     threads::k_safety, threads::k_pose,    threads::k_receive, threads::k_acquisition,
-    threads::k_stream, threads::k_network, threads::k_main};
+    threads::k_stream, threads::k_network, threads::k_main,    threads::k_picture};
 
 }  // namespace biteline::runtime

@@ -21,7 +21,8 @@ StreamServer::StreamServer(ServerConfig config, wire::SensorHello identity, Outb
       outbox_{outbox},
       on_command_{std::move(on_command)},
       health_{std::move(health)},
-      store_{config.store_bytes} {}
+      store_{config.store_bytes},
+      observers_{config.observers, outbox} {}
 
 void StreamServer::begin_scan(std::uint64_t scan_id, const std::string& scan_name,
                               std::uint64_t frames_expected) {
@@ -38,6 +39,10 @@ void StreamServer::begin_scan(std::uint64_t scan_id, const std::string& scan_nam
     host.has_end = false;
     send_hello(peer);
   }
+  newest_profile_.reset();
+  observers_.begin_scan();
+  encode_hello();
+  observers_.tell(scratch_);
 }
 
 bool StreamServer::has_room() const {
@@ -47,7 +52,8 @@ bool StreamServer::has_room() const {
 void StreamServer::add_profile(const profile::ProfileHeader& header,
                                std::span<const profile::ProfilePoint> points) {
   wire::Bytes packet;
-  wire::encode_profile({.scan_id = scan_id_, .sequence = store_.held_to()}, header, points, packet);
+  newest_profile_ = store_.held_to();
+  wire::encode_profile({.scan_id = scan_id_, .sequence = *newest_profile_}, header, points, packet);
   messages_lost_ += store_.push(std::move(packet));
 }
 
@@ -55,10 +61,15 @@ void StreamServer::add_end(wire::EndOfScan end) {
   fill(end.counters);
   wire::Bytes packet;
   wire::encode({.scan_id = scan_id_, .sequence = store_.held_to(), .body = std::move(end)}, packet);
+  observers_.tell(packet);
   messages_lost_ += store_.push(std::move(packet));
   ended_ = true;
   owner_.reset();
   identity_.scanning = false;
+}
+
+void StreamServer::add_picture(const MadePicture& picture) {
+  if (picture.scan_id == scan_id_) observers_.offer_picture(picture);
 }
 
 void StreamServer::on_packet(const PeerId& peer, std::span<const std::uint8_t> packet,
@@ -71,6 +82,9 @@ void StreamServer::on_packet(const PeerId& peer, std::span<const std::uint8_t> p
     }
     return;
   }
+  if (const auto* hello = std::get_if<wire::ObserverHello>(&message->body))
+    return on_observer(peer, *hello, now);
+  if (observers_.contains(peer)) return on_observers_message(peer, *message);
   if (const auto* hello = std::get_if<wire::HostHello>(&message->body)) return on_hello(peer, *hello, now);
 
   const auto known = hosts_.find(peer);
@@ -93,6 +107,31 @@ void StreamServer::on_packet(const PeerId& peer, std::span<const std::uint8_t> p
     ++packets_rejected_;
   }
   update_acknowledged();
+}
+
+void StreamServer::on_observer(const PeerId& peer, const wire::ObserverHello& hello,
+                               SensorClock::time_point now) {
+  if (hosts_.contains(peer)) {
+    ++packets_rejected_;
+    return;
+  }
+  switch (observers_.on_hello(peer, hello, now)) {
+    case Observers::Welcome::Known:
+      return;
+    case Observers::Welcome::New:
+      return send_hello(peer);
+    case Observers::Welcome::NoPlace:
+      return refuse(peer, wire::ByeReason::Refused,
+                    "the sensor already has " + std::to_string(observers_.count()) + " observers");
+  }
+}
+
+void StreamServer::on_observers_message(const PeerId& peer, const wire::Message& message) {
+  if (std::holds_alternative<wire::Bye>(message.body)) return observers_.erase(peer);
+  ++packets_rejected_;
+  if (const auto* control = std::get_if<wire::Control>(&message.body)) {
+    reply(peer, *control, fail(Errc::PeerRefused, "an observer cannot command; connect as a host"));
+  }
 }
 
 void StreamServer::on_hello(const PeerId& peer, const wire::HostHello& hello, SensorClock::time_point now) {
@@ -145,7 +184,10 @@ Result<void> StreamServer::obey(const PeerId& peer, wire::Command command) {
 }
 
 void StreamServer::on_control(const PeerId& peer, const wire::Control& control) {
-  const Result<void> done = obey(peer, control.command);
+  reply(peer, control, obey(peer, control.command));
+}
+
+void StreamServer::reply(const PeerId& peer, const wire::Control& control, const Result<void>& done) {
   wire::ControlReply reply{.id = control.id, .errc = 0, .where = {}};
   if (!done) {
     reply.errc = static_cast<std::uint16_t>(done.error().code);
@@ -159,11 +201,16 @@ void StreamServer::tick(SensorClock::time_point now) {
   for (auto& [peer, host] : hosts_) {
     if (host.present) send_due(peer, host);
   }
+  observers_.drop_silent(now);
+  if (newest_profile_ && *newest_profile_ >= store_.held_from())
+    observers_.offer_profile(*newest_profile_, store_.at(*newest_profile_), now);
   if (now < health_due_) return;
   health_due_ = now + config_.health_period;
   wire::Health health = health_();
   fill(health.counters);
+  health.observers = static_cast<std::uint32_t>(observers_.count());
   wire::encode({.scan_id = scan_id_, .body = std::move(health)}, scratch_);
+  observers_.tell(scratch_);
   for (auto& [peer, host] : hosts_) {
     if (host.present) outbox_.send(peer, scratch_);
   }
@@ -183,9 +230,10 @@ void StreamServer::send_due(const PeerId& peer, Host& host) {
 }
 
 void StreamServer::say_bye(const std::string& text) {
-  for (const auto& [peer, host] : hosts_) {
-    send(peer, {.scan_id = scan_id_, .body = wire::Bye{.reason = wire::ByeReason::Stopping, .text = text}});
-  }
+  wire::encode({.scan_id = scan_id_, .body = wire::Bye{.reason = wire::ByeReason::Stopping, .text = text}},
+               scratch_);
+  for (const auto& [peer, host] : hosts_) outbox_.send(peer, scratch_);
+  observers_.tell(scratch_);
 }
 
 void StreamServer::refuse(const PeerId& peer, wire::ByeReason reason, const std::string& text) {
@@ -193,11 +241,16 @@ void StreamServer::refuse(const PeerId& peer, wire::ByeReason reason, const std:
   send(peer, {.scan_id = scan_id_, .body = wire::Bye{.reason = reason, .text = text}});
 }
 
-void StreamServer::send_hello(const PeerId& peer) {
+void StreamServer::encode_hello() {
   wire::SensorHello hello = identity_;
   hello.held_from = store_.held_from();
   hello.held_to = store_.held_to();
-  send(peer, {.scan_id = scan_id_, .body = std::move(hello)});
+  wire::encode({.scan_id = scan_id_, .body = std::move(hello)}, scratch_);
+}
+
+void StreamServer::send_hello(const PeerId& peer) {
+  encode_hello();
+  outbox_.send(peer, scratch_);
 }
 
 void StreamServer::send(const PeerId& peer, const wire::Message& message) {

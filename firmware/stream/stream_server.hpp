@@ -12,23 +12,10 @@
 
 #include "common/wire/messages.hpp"
 #include "firmware/stream/message_store.hpp"
+#include "firmware/stream/observers.hpp"
+#include "firmware/stream/outbox.hpp"
 
 namespace biteline::stream {
-
-/// Opaque address of a connected host.
-using PeerId = std::string;
-
-/// Where packets leave; the socket, or a test.
-class Outbox {
- public:
-  Outbox() = default;
-  Outbox(const Outbox&) = delete;
-  Outbox& operator=(const Outbox&) = delete;
-  virtual ~Outbox() = default;
-
-  /// False: the peer's queue is full or the peer is gone; nothing was sent.  Never blocks.
-  virtual bool send(const PeerId& peer, std::span<const std::uint8_t> packet) = 0;
-};
 
 struct ServerConfig {
   std::size_t store_bytes{256 * 1024 * 1024};  ///< some 8000 full profiles: 80 s at 100 Hz
@@ -40,9 +27,11 @@ struct ServerConfig {
   Nanoseconds forgotten_after{60'000'000'000};
   Nanoseconds health_period{250'000'000};
   std::size_t max_hosts{4};
+  ObserversConfig observers;
 };
 
 /// Hosts say hello, get the scan from where they ask, acknowledge.  All of several hosts get everything.
+/// Observers get the newest of what they ask for, and change nothing.
 /// Thread: one owner (the stream thread).
 class StreamServer {
  public:
@@ -65,6 +54,11 @@ class StreamServer {
 
   /// A packet of a host, from anyone.
   void on_packet(const PeerId& peer, std::span<const std::uint8_t> packet, SensorClock::time_point now);
+
+  /// To the observers that wish for it; nothing when it is of another scan.
+  void add_picture(const MadePicture& picture);
+  [[nodiscard]] std::uint64_t scan_id() const { return scan_id_; }
+  [[nodiscard]] const Observers& observers() const { return observers_; }
 
   /// Sends what is due.  To be called often.
   void tick(SensorClock::time_point now);
@@ -89,9 +83,13 @@ class StreamServer {
     bool has_end{false};  ///< acknowledged the end of a scan that is over
   };
   void send(const PeerId& peer, const wire::Message& message);
+  void encode_hello();  ///< into scratch_
   void send_hello(const PeerId& peer);
+  void reply(const PeerId& peer, const wire::Control& control, const Result<void>& done);
   void send_due(const PeerId& peer, Host& host);
   void on_hello(const PeerId& peer, const wire::HostHello& hello, SensorClock::time_point now);
+  void on_observer(const PeerId& peer, const wire::ObserverHello& hello, SensorClock::time_point now);
+  void on_observers_message(const PeerId& peer, const wire::Message& message);
   void on_ack(Host& host, std::uint64_t scan_id, const wire::Ack& ack);
   [[nodiscard]] Result<void> obey(const PeerId& peer, wire::Command command);
   void on_control(const PeerId& peer, const wire::Control& control);
@@ -106,7 +104,9 @@ class StreamServer {
   HealthProvider health_;
   MessageStore store_;
   std::map<PeerId, Host> hosts_;
-  std::optional<PeerId> owner_;  ///< of the running scan: the host that asked for it
+  Observers observers_;
+  std::optional<std::uint64_t> newest_profile_;  ///< its number in the store
+  std::optional<PeerId> owner_;                  ///< of the running scan: the host that asked for it
   std::uint64_t scan_id_{0};
   bool ended_{false};
   bool end_delivered_{false};  ///< at least one host has the end, even if it has left since

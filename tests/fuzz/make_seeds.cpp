@@ -86,7 +86,9 @@ void messages(Seeds& seeds) {
                                wire::Control{},
                                wire::ControlReply{},
                                wire::Gap{.first = 1, .count = 2},
-                               wire::Bye{}};
+                               wire::Bye{},
+                               wire::ObserverHello{.name = "observer"},
+                               wire::Picture{.region = {.width_px = 2, .height_px = 1}, .pixels = {1, 2}}};
   int number = 0;
   for (const wire::Body& body : bodies) {
     wire::Bytes packet;

@@ -8,6 +8,7 @@
 #include <new>
 #include <vector>
 
+#include "firmware/pipeline/picture_tap.hpp"
 #include "firmware/pipeline/profile_pipeline.hpp"
 
 // Every allocation of this program is counted: glibc's own entry points are replaced, so malloc of C code
@@ -76,6 +77,7 @@ TEST(MallocGuard, TenThousandFramesAllocateNothing) {
   std::vector<std::vector<std::uint8_t>> pictures(16, std::vector<std::uint8_t>(k_width_px * k_height_px));
   for (int i = 0; i < 16; ++i) draw(pictures[static_cast<std::size_t>(i)], i);
 
+  PictureTap tap{sensor().region};
   std::size_t points = 0;
   SensorClock::time_point now{};
   const long before = g_allocations.load();
@@ -87,14 +89,17 @@ TEST(MallocGuard, TenThousandFramesAllocateNothing) {
       sample.T_base_flange.translation().x() = 1e-6 * static_cast<double>(now.time_since_epoch().count());
       poses->rt_push(sample);
     }
-    pipeline->rt_process({.pixels = picture,
-                          .width_px = k_width_px,
-                          .height_px = k_height_px,
-                          .stride_bytes = k_width_px,
-                          .sequence = frame,
-                          .exposure_mid = now - std::chrono::milliseconds{25},
-                          .flags = 0},
-                         *buffer);
+    const hal::FrameView view{.pixels = picture,
+                              .width_px = k_width_px,
+                              .height_px = k_height_px,
+                              .stride_bytes = k_width_px,
+                              .sequence = frame,
+                              .exposure_mid = now - std::chrono::milliseconds{25},
+                              .flags = 0};
+    pipeline->rt_process(view, *buffer);
+    tap.rt_want();
+    tap.rt_keep_peaks(*buffer);
+    tap.rt_keep_frame(view);
     pipeline->rt_stamp(*buffer, *poses);
     points += buffer->count;
   }

@@ -63,6 +63,22 @@ SensorHello made_hello() {
   return hello;
 }
 
+Picture made_picture(PictureFormat format) {
+  Picture picture;
+  picture.frame_sequence = 19;
+  picture.profile_sequence = 12;
+  picture.exposure_mid = SensorClock::time_point{Nanoseconds{123456789}};
+  picture.region = {.offset_u_px = 4, .offset_v_px = 460, .width_px = 13, .height_px = 9};
+  picture.step = 2;
+  picture.format = format;
+  for (int i = 0; i < 6 * 4; ++i) picture.pixels.push_back(static_cast<std::uint8_t>(10 * i));
+  for (int i = 0; i < 5; ++i)
+    picture.peaks.push_back({.u_px = static_cast<std::uint16_t>(4 + i),
+                             .v_px = 461.25F + static_cast<float>(i),
+                             .flags = static_cast<std::uint16_t>(i == 2 ? profile::k_point_reflection : 0)});
+  return picture;
+}
+
 }  // namespace
 
 TEST_GROUP(Messages){};
@@ -205,6 +221,86 @@ TEST(Messages, DevicesComeBackWithClocksAndTrigger) {
   CHECK(!round_trip(Health{}).devices.trigger && !round_trip(Health{}).devices.temperature_degc);
 }
 
+TEST(Messages, ObserverHelloComesBack) {
+  const ObserverHello sent{
+      .name = "web",
+      .profile_rate_hz = 20,
+      .picture = {.rate_hz = 12.5,
+                  .width_max_px = 800,
+                  .format = PictureFormat::Raw,
+                  .quality = 60,
+                  .region = {.offset_u_px = 1, .offset_v_px = 2, .width_px = 3, .height_px = 4}},
+      .received = 77};
+  const ObserverHello got = round_trip(sent);
+  STRCMP_EQUAL("web", got.name.c_str());
+  DOUBLES_EQUAL(20, got.profile_rate_hz, 0);
+  CHECK(got.picture == sent.picture);
+  LONGS_EQUAL(77, got.received);
+}
+
+TEST(Messages, ImpossibleWishesAreRefused) {
+  ObserverHello hello;
+  const auto refused = [&](const char* what) {
+    FAILS_NAMING(Errc::ProtocolError, what, decode(bytes_of({.body = hello})));
+    hello = {};
+  };
+  hello.profile_rate_hz = -1;
+  refused("rate of profiles");
+  hello.picture.rate_hz = std::numeric_limits<double>::quiet_NaN();
+  refused("rate of pictures");
+  hello.picture.width_max_px = 0;
+  refused("1 px wide");
+  hello.picture.quality = 101;
+  refused("quality");
+  hello.picture.format = static_cast<PictureFormat>(9);
+  refused("format");
+  hello.picture.region = {.offset_u_px = -1, .offset_v_px = 0, .width_px = 5, .height_px = 5};
+  refused("impossible region");
+}
+
+TEST(Messages, PictureComesBackWithItsPeaks) {
+  for (const PictureFormat format : {PictureFormat::Raw, PictureFormat::Jpeg}) {
+    const Picture sent = made_picture(format);
+    const Picture got = round_trip(sent);
+    LONGS_EQUAL(19, got.frame_sequence);
+    LONGS_EQUAL(12, got.profile_sequence);
+    CHECK(sent.exposure_mid == got.exposure_mid);
+    LONGS_EQUAL(6, got.width_px());
+    LONGS_EQUAL(4, got.height_px());
+    CHECK(sent.pixels == got.pixels && sent.format == got.format);
+    LONGS_EQUAL(5, got.peaks.size());
+    LONGS_EQUAL(6, got.peaks[2].u_px);
+    DOUBLES_EQUAL(463.25, got.peaks[2].v_px, 0);
+    LONGS_EQUAL(profile::k_point_reflection, got.peaks[2].flags);
+    // The mean of sensor columns 4 and 5 is the picture's first pixel: its centre is column 4.5.
+    DOUBLES_EQUAL(0, got.x_of(4.5), 1e-12);
+    DOUBLES_EQUAL(1, got.y_of(462.5), 1e-12);
+  }
+}
+
+TEST(Messages, PictureThatContradictsItselfIsRefused) {
+  Picture picture = made_picture(PictureFormat::Raw);
+  picture.pixels.pop_back();
+  FAILS_NAMING(Errc::ProtocolError, "23 bytes instead of 24", decode(bytes_of({.body = picture})));
+  picture = made_picture(PictureFormat::Raw);
+  picture.step = 20;
+  FAILS_NAMING(Errc::ProtocolError, "scale", decode(bytes_of({.body = picture})));
+  picture = made_picture(PictureFormat::Raw);
+  picture.peaks[1].v_px = std::numeric_limits<float>::infinity();
+  FAILS_NAMING(Errc::ProtocolError, "picture.v_px", decode(bytes_of({.body = picture})));
+  picture.peaks.resize(profile::k_max_profile_points + 1);
+  FAILS_NAMING(Errc::ProtocolError, "peaks", decode(bytes_of({.body = picture})));
+}
+
+TEST(Messages, HelloSaysTheMinorVersion) {
+  LONGS_EQUAL(k_protocol_minor, round_trip(made_hello()).protocol_minor);
+  Health health;
+  health.observers = 3;
+  health.pictures = 1234;
+  LONGS_EQUAL(3, round_trip(health).observers);
+  LONGS_EQUAL(1234, round_trip(health).pictures);
+}
+
 TEST(Messages, OtherProtocolIsToldApartFromRubbish) {
   FAILS_NAMING(Errc::NotSupported, "protocol 9", decode(bytes_of({.protocol = 9, .body = Ack{}})));
   SUCCEEDS(decode(bytes_of({.protocol = 9, .body = Bye{}})));
@@ -272,9 +368,13 @@ TEST(Messages, GarbledBytesNeverHarm) {
   health.stages = {{.name = "a"}, {.name = "b"}};
   health.devices.clocks = {{.name = "c"}};
   health.devices.trigger.emplace();
-  const Bytes packets[] = {bytes_of({.body = test::made_profile(3, 20)}), bytes_of({.body = made_hello()}),
-                           bytes_of({.body = health}), bytes_of({.body = HostHello{.name = "x"}}),
-                           bytes_of({.body = Control{}})};
+  const Bytes packets[] = {bytes_of({.body = test::made_profile(3, 20)}),
+                           bytes_of({.body = made_hello()}),
+                           bytes_of({.body = health}),
+                           bytes_of({.body = HostHello{.name = "x"}}),
+                           bytes_of({.body = Control{}}),
+                           bytes_of({.body = ObserverHello{.name = "x"}}),
+                           bytes_of({.body = made_picture(PictureFormat::Raw)})};
   std::mt19937 random{5};
   int refused = 0;
   for (Bytes packet : packets) {
