@@ -81,6 +81,11 @@ Result<void> Statement::run() {
   }
 }
 
+void Statement::again() {
+  sqlite3_reset(statement_.get());
+  bound_ = 0;
+}
+
 bool Statement::is_null(int column) const {
   return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL;
 }

@@ -40,6 +40,9 @@ class Statement {
   /// To the end; rows are passed over.
   [[nodiscard]] Result<void> run();
 
+  /// From the beginning again, with values to be bound anew.
+  void again();
+
   [[nodiscard]] bool is_null(int column) const;
   [[nodiscard]] std::string text(int column) const;
   [[nodiscard]] std::int64_t integer(int column) const;

@@ -36,6 +36,7 @@ CREATE TABLE scans (
 ) STRICT;
 CREATE INDEX scans_time ON scans (time, verdict, length_mm, confidence, u95_mm, cycle_s);
 CREATE INDEX scans_model ON scans (model, id);
+CREATE INDEX scans_model_time ON scans (model, time, verdict, length_mm, confidence, u95_mm, cycle_s);
 CREATE INDEX scans_verdict ON scans (verdict, id);
 CREATE INDEX scans_reason ON scans (reason_code, time);
 CREATE TABLE scan_texts (
