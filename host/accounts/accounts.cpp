@@ -10,7 +10,7 @@
 namespace biteline::accounts {
 namespace {
 
-constexpr std::size_t k_longest_name = 32;
+constexpr std::size_t k_longest_name = 64;
 constexpr std::size_t k_shortest_password = 8;
 constexpr std::size_t k_longest_password = 200;
 constexpr memory::UnixMs k_session_ms = 12LL * 3600 * 1000;  // a shift, with room
@@ -34,14 +34,16 @@ memory::LogRow event(const std::string& who, const std::string& door, const std:
 }
 
 Result<void> check_name(const std::string& name) {
-  const bool good = !name.empty() && name.size() <= k_longest_name && name != "service" && name != "guest" &&
-                    std::ranges::all_of(name, [](unsigned char c) {
-                      return c < 128 && (std::isalnum(c) != 0 || c == '.' || c == '_' || c == '-');
-                    });
+  const bool good =
+      !name.empty() && name.size() <= k_longest_name && name != "service" && name != "guest" &&
+      std::ranges::all_of(name, [](unsigned char c) {
+        return c < 128 && (std::isalnum(c) != 0 || c == '.' || c == '_' || c == '-' || c == '@');
+      });
   if (good) return {};
-  return fail(Errc::InvalidArgument,
-              "name '%.40s': letters, digits, '.', '_', '-', at most 32, not 'service' or 'guest' expected",
-              name.c_str());
+  return fail(
+      Errc::InvalidArgument,
+      "name '%.40s': letters, digits, '.', '_', '-', '@', at most 64, not 'service' or 'guest' expected",
+      name.c_str());
 }
 
 Result<void> check_password(const std::string& password) {
@@ -84,7 +86,7 @@ Result<tl::expected<Login, NoLogin>> Accounts::log_in(const std::string& name, c
   static const Result<std::string> k_nobody = hash_password("no password of anybody");
   const bool right = password.size() <= k_longest_password &&
                      is_password(password, user ? user->password_hash : k_nobody.value_or("")) &&
-                     user.has_value();
+                     user.has_value() && user->enabled;
   if (!right) {
     const std::lock_guard lock{mutex_};
     if (failures_.size() >= k_most_names && !failures_.contains(name)) failures_.clear();
@@ -104,6 +106,7 @@ Result<tl::expected<Login, NoLogin>> Accounts::log_in(const std::string& name, c
   const std::optional<Role> role = role_of(user->role);
   if (!role)
     return fail(Errc::BadValue, "memory: user '%.40s' of role '%.40s'", name.c_str(), user->role.c_str());
+  BITELINE_TRY(memory_.note_login(name, memory::now_ms()));
   BITELINE_ASSIGN(Login login, open_session({.name = name, .role = *role}, door, "login"));
   return Outcome{std::move(login)};
 }
@@ -162,7 +165,7 @@ Result<bool> Accounts::has_users() const {
 Result<void> Accounts::keep_an_administrator(const std::string& without) const {
   BITELINE_ASSIGN(const std::vector<memory::User> users, memory_.users());
   const bool another = std::ranges::any_of(users, [&](const memory::User& user) {
-    return user.name != without && user.role == to_text(Role::Administrator);
+    return user.name != without && user.enabled && user.role == to_text(Role::Administrator);
   });
   if (another) return {};
   return fail(Errc::InvalidArgument, "'%.40s' is the last administrator; make another one first",
@@ -184,21 +187,27 @@ Result<void> Accounts::add(const std::string& name, Role role, const std::string
   return memory_.put_user(user, event(by, door, "add user", name, "", to_text(role)));
 }
 
-Result<void> Accounts::change(const std::string& name, std::optional<Role> role,
-                              const std::optional<std::string>& password, const std::string& by,
+Result<void> Accounts::change(const std::string& name, const Change& change, const std::string& by,
                               const std::string& door) {
   BITELINE_ASSIGN(std::optional<memory::User> user, find(memory_, name));
   if (!user) return fail(Errc::FileNotFound, "user '%.40s'", name.c_str());
-  if (role && *role != Role::Administrator && user->role == to_text(Role::Administrator))
-    BITELINE_TRY(keep_an_administrator(name));
-  const std::string before = user->role;
-  if (role) user->role = to_text(*role);
-  if (password) {
-    BITELINE_TRY(check_password(*password));
-    BITELINE_ASSIGN(user->password_hash, hash_password(*password));
+  const bool leaves = (change.role && *change.role != Role::Administrator) || change.enabled == false;
+  if (leaves && user->role == to_text(Role::Administrator)) BITELINE_TRY(keep_an_administrator(name));
+  const auto words = [](const memory::User& one) { return one.role + (one.enabled ? "" : ", closed"); };
+  const std::string before = words(*user);
+  if (change.role) user->role = to_text(*change.role);
+  if (change.enabled) user->enabled = *change.enabled;
+  if (change.password) {
+    BITELINE_TRY(check_password(*change.password));
+    BITELINE_ASSIGN(user->password_hash, hash_password(*change.password));
   }
-  return memory_.put_user(*user, event(by, door, password ? "change user and password" : "change user", name,
-                                       before, user->role));
+  return memory_.put_user(*user, event(by, door, change.password ? "change user and password" : "change user",
+                                       name, before, words(*user)));
+}
+
+Result<bool> Accounts::is_password_of(const std::string& name, const std::string& password) const {
+  BITELINE_ASSIGN(const std::optional<memory::User> user, find(memory_, name));
+  return user && password.size() <= k_longest_password && is_password(password, user->password_hash);
 }
 
 Result<void> Accounts::remove(const std::string& name, const std::string& by, const std::string& door) {
@@ -211,12 +220,8 @@ Result<void> Accounts::remove(const std::string& name, const std::string& by, co
   return {};
 }
 
-Result<std::vector<Person>> Accounts::all() const {
-  BITELINE_ASSIGN(const std::vector<memory::User> users, memory_.users());
-  std::vector<Person> people;
-  for (const memory::User& user : users)
-    people.push_back({.name = user.name, .role = role_of(user.role).value_or(Role::Viewer)});
-  return people;
+Result<std::vector<memory::User>> Accounts::all() const {
+  return memory_.users();
 }
 
 std::optional<Holder> Accounts::holder() const {
@@ -224,11 +229,12 @@ std::optional<Holder> Accounts::holder() const {
   return holder_;
 }
 
-Result<void> Accounts::take_control(const std::string& name, const std::string& door) {
+Result<void> Accounts::take_control(const std::string& name, const std::string& door,
+                                    const std::string& why) {
   const std::lock_guard lock{mutex_};
   const std::string before = holder_ ? holder_->name : "";
   BITELINE_TRY(memory_.log(event(name, door, "take control", "control", before, name)));
-  holder_ = Holder{.name = name, .door = door, .since = memory::now_ms()};
+  holder_ = Holder{.name = name, .door = door, .since = memory::now_ms(), .why = why};
   return {};
 }
 
@@ -240,7 +246,7 @@ Result<void> Accounts::give_control(const std::string& name, const std::string& 
   if (!holder_ || holder_->name != name)
     return fail(Errc::NoRights, "control is not held by %.40s", name.c_str());
   BITELINE_TRY(memory_.log(event(name, door, "give control", "control", name, to)));
-  holder_ = Holder{.name = to, .door = door, .since = memory::now_ms()};
+  holder_ = Holder{.name = to, .door = door, .since = memory::now_ms(), .why = {}};
   return {};
 }
 

@@ -40,6 +40,14 @@ struct Holder {
   std::string name;
   std::string door;
   memory::UnixMs since{0};
+  std::string why;  ///< a word to the others
+};
+
+/// What is given, is changed.
+struct Change {
+  std::optional<Role> role{};
+  std::optional<std::string> password{};
+  std::optional<bool> enabled{};  ///< false: closed, its sessions end
 };
 
 /// Thread: safe from any.
@@ -65,21 +73,22 @@ class Accounts {
   [[nodiscard]] Result<std::optional<Person>> who_is(const std::string& token) const;
 
   [[nodiscard]] Result<bool> has_users() const;
-  /// Names: letters, digits, '.', '_', '-', 32 at most; passwords: 8 to 200 bytes.  Errc::InvalidArgument
+  /// Names: letters, digits, '.', '_', '-', '@', 64 at most; passwords: 8 to 200 bytes. Errc::InvalidArgument
   /// says so. The first account must be an administrator's, else nobody could make the others.
   [[nodiscard]] Result<void> add(const std::string& name, Role role, const std::string& password,
                                  const std::string& by, const std::string& door);
-  /// What is given; the last administrator stays one.
-  [[nodiscard]] Result<void> change(const std::string& name, std::optional<Role> role,
-                                    const std::optional<std::string>& password, const std::string& by,
+  /// The last administrator stays one.
+  [[nodiscard]] Result<void> change(const std::string& name, const Change& change, const std::string& by,
                                     const std::string& door);
+  [[nodiscard]] Result<bool> is_password_of(const std::string& name, const std::string& password) const;
   [[nodiscard]] Result<void> remove(const std::string& name, const std::string& by, const std::string& door);
-  [[nodiscard]] Result<std::vector<Person>> all() const;
+  [[nodiscard]] Result<std::vector<memory::User>> all() const;
 
   /// One person at a time moves and changes things.
   [[nodiscard]] std::optional<Holder> holder() const;
   /// From nobody, or from whoever has it: that one is named in the log.
-  [[nodiscard]] Result<void> take_control(const std::string& name, const std::string& door);
+  [[nodiscard]] Result<void> take_control(const std::string& name, const std::string& door,
+                                          const std::string& why = {});
   /// Errc::NoRights when `name` does not hold it.
   [[nodiscard]] Result<void> give_control(const std::string& name, const std::string& to,
                                           const std::string& door);

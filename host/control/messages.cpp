@@ -99,6 +99,8 @@ Result<Answer> answer_of(Json& json) {
   BITELINE_ASSIGN(const std::uint64_t status, number(json, "status"));
   if (status < 100 || status > 599) return wrong("status", "a status of HTTP");
   answer.status = static_cast<int>(status);
+  BITELINE_ASSIGN(std::string type, short_text(json, "type", k_most_name_bytes));
+  if (!type.empty()) answer.type = std::move(type);
   if (const auto body = json.find("body"); body != json.end()) answer.body = std::move(*body);
   return answer;
 }
@@ -133,7 +135,10 @@ std::optional<Json> parse_bounded(std::string_view text) {
 }
 
 Answer refusal(int status, const std::string& code, const std::string& message) {
-  return {.id = 0, .status = status, .body = {{"error", {{"code", code}, {"message", message}}}}};
+  return {.id = 0,
+          .status = status,
+          .body = {{"error", {{"code", code}, {"message", message}}}},
+          .type = Answer{}.type};
 }
 
 std::string to_text(const Request& request) {
@@ -145,7 +150,9 @@ std::string to_text(const Request& request) {
 }
 
 std::string to_text(const Answer& answer) {
-  return dump({{"id", answer.id}, {"status", answer.status}, {"body", answer.body}});
+  Json json{{"id", answer.id}, {"status", answer.status}, {"body", answer.body}};
+  if (answer.type != Answer{}.type) json["type"] = answer.type;
+  return dump(json);
 }
 
 std::string to_text(const Event& event) {

@@ -37,7 +37,8 @@ struct Request {
 struct Answer {
   std::uint64_t id{0};
   int status{200};  ///< of HTTP (RFC 9110)
-  Json body;
+  Json body;        ///< null: none (204); a text where `type` is no JSON's
+  std::string type{"application/json"};
 };
 
 /// Something has happened.  `seq` counts every event of the service: a gap means that some were dropped for

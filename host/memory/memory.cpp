@@ -17,13 +17,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr UnixMs k_day_ms = 86'400'000;
-
 constexpr const char* k_scan_columns =
     "id, name, time, model, model_probability, verdict, reason_code, length_mm, confidence, u95_mm, "
-    "weak_stretches, scan_s, line_s, cycle_s, operator, process, approval, approved_by, approved_at, "
+    "weak_stretches, scan_s, line_s, cycle_s, operator, process, decision, decided_by, decided_at, sent, "
     "followed, "
-    "marked";
+    "line_version, marked, reason, next_step, why";
+constexpr const char* k_scan_tables = " FROM scans LEFT JOIN scan_texts ON scan = id";
 
 Scan scan_of(const Statement& row) {
   Scan scan;
@@ -42,13 +41,33 @@ Scan scan_of(const Statement& row) {
   scan.cycle_s = row.number_if(13);
   scan.operator_name = row.text(14);
   scan.process = row.text(15);
-  scan.approval = row.text(16);
-  scan.approved_by = row.text(17);
-  if (!row.is_null(18)) scan.approved_at = row.integer(18);
-  scan.followed = row.text(19);
-  scan.marked = row.integer(20) != 0;
+  scan.decision = row.text(16);
+  scan.decided_by = row.text(17);
+  if (!row.is_null(18)) scan.decided_at = row.integer(18);
+  scan.sent = row.integer(19) != 0;
+  if (!row.is_null(20)) scan.followed = row.integer(20) != 0;
+  scan.line_version = static_cast<int>(row.integer(21));
+  scan.marked = row.integer(22) != 0;
+  scan.reason = row.text(23);
+  scan.next_step = row.text(24);
+  scan.why = row.text(25);
   return scan;
 }
+
+/// A name that is there keeps its id and its mark.
+constexpr const char* k_put_scan = R"sql(
+INSERT INTO scans (name, time, model, model_probability, verdict, reason_code, length_mm, confidence, u95_mm,
+  weak_stretches, scan_s, line_s, cycle_s, operator, process, decision, decided_by, decided_at, sent, followed,
+  line_version, marked)
+VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)
+ON CONFLICT (name) DO UPDATE SET time = excluded.time, model = excluded.model,
+  model_probability = excluded.model_probability, verdict = excluded.verdict, reason_code = excluded.reason_code,
+  length_mm = excluded.length_mm, confidence = excluded.confidence, u95_mm = excluded.u95_mm,
+  weak_stretches = excluded.weak_stretches, scan_s = excluded.scan_s, line_s = excluded.line_s,
+  cycle_s = excluded.cycle_s, operator = excluded.operator, process = excluded.process,
+  decision = excluded.decision, decided_by = excluded.decided_by, decided_at = excluded.decided_at,
+  sent = excluded.sent, followed = excluded.followed, line_version = excluded.line_version
+)sql";
 
 /// " WHERE ..." of a filter; its values are bound in the same order.
 struct Where {
@@ -88,9 +107,40 @@ Result<std::int64_t> id_of(Database& database, const std::string& name) {
   return row.integer(0);
 }
 
-std::string day_text(std::int64_t day) {
-  return to_iso(day * k_day_ms).substr(0, 10);
+std::optional<double> median(std::vector<double>& values) {
+  if (values.empty()) return std::nullopt;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
 }
+
+struct Bucket {
+  Trend trend;
+  double length_mm{0};
+  std::int64_t lengths{0};
+  std::vector<double> u95_mm, cycle_s;
+
+  void add(const Statement& row) {
+    ++trend.scans;
+    const std::string verdict = row.text(1);
+    trend.ok += verdict == "ok" ? 1 : 0;
+    trend.amber += verdict == "amber" ? 1 : 0;
+    trend.refused += verdict == "refused" ? 1 : 0;
+    trend.failed += verdict == "failed" ? 1 : 0;
+    if (!row.is_null(2)) {
+      length_mm += row.number(2);
+      ++lengths;
+    }
+    if (!row.is_null(3)) u95_mm.push_back(row.number(3));
+    if (!row.is_null(4)) cycle_s.push_back(row.number(4));
+  }
+  Trend close() {
+    if (lengths > 0) trend.mean_length_mm = length_mm / static_cast<double>(lengths);
+    trend.median_u95_mm = median(u95_mm);
+    trend.median_cycle_s = median(cycle_s);
+    return trend;
+  }
+};
 
 std::uint64_t bytes_below(const fs::path& folder) {
   std::uint64_t bytes = 0;
@@ -180,34 +230,30 @@ Result<void> Memory::add_log(const LogRow& row) {
 Result<void> Memory::put_scan(const Scan& scan, const LogRow& event, const std::optional<Places>& places) {
   const std::lock_guard lock{*mutex_};
   return database_->transaction([&]() -> Result<void> {
-    BITELINE_ASSIGN(
-        Statement put,
-        database_->prepare(
-            "INSERT INTO scans (name, time, model, model_probability, verdict, reason_code, length_mm, "
-            "confidence, "
-            "u95_mm, weak_stretches, scan_s, line_s, cycle_s, operator, process, approval, approved_by, "
-            "approved_at, followed, marked) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?) "
-            "ON CONFLICT (name) DO UPDATE SET time = excluded.time, model = excluded.model, "
-            "model_probability = "
-            "excluded.model_probability, verdict = excluded.verdict, reason_code = excluded.reason_code, "
-            "length_mm = excluded.length_mm, confidence = excluded.confidence, u95_mm = excluded.u95_mm, "
-            "weak_stretches = excluded.weak_stretches, scan_s = excluded.scan_s, line_s = excluded.line_s, "
-            "cycle_s = excluded.cycle_s, operator = excluded.operator, process = excluded.process, approval "
-            "= "
-            "excluded.approval, approved_by = excluded.approved_by, approved_at = excluded.approved_at, "
-            "followed = "
-            "excluded.followed"));
+    BITELINE_ASSIGN(Statement put, database_->prepare(k_put_scan));
     put.bind(scan.name).bind(scan.time).bind(scan.model).bind(scan.model_probability).bind(scan.verdict);
     put.bind(scan.reason_code).bind(scan.length_mm).bind(scan.confidence).bind(scan.u95_mm);
     put.bind(scan.weak_stretches).bind(scan.scan_s).bind(scan.line_s).bind(scan.cycle_s);
-    put.bind(scan.operator_name).bind(scan.process).bind(scan.approval).bind(scan.approved_by);
-    put.bind(scan.approved_at).bind(scan.followed).bind(scan.marked ? 1 : 0);
+    put.bind(scan.operator_name).bind(scan.process).bind(scan.decision).bind(scan.decided_by);
+    put.bind(scan.decided_at).bind(scan.sent ? 1 : 0);
+    if (scan.followed) {
+      put.bind(*scan.followed ? 1 : 0);
+    } else {
+      put.bind_null();
+    }
+    put.bind(scan.line_version).bind(scan.marked ? 1 : 0);
     BITELINE_TRY(put.run());
     BITELINE_ASSIGN(const std::int64_t id, id_of(*database_, scan.name));
     BITELINE_ASSIGN(Statement texts,
-                    database_->prepare("INSERT OR REPLACE INTO scan_texts (scan, reason, versions, details) "
-                                       "VALUES (?, ?, ?, ?)"));
-    BITELINE_TRY(texts.bind(id).bind(scan.reason).bind(scan.versions).bind(scan.details).run());
+                    database_->prepare("INSERT OR REPLACE INTO scan_texts (scan, reason, next_step, why, "
+                                       "versions, details) VALUES (?, ?, ?, ?, ?, ?)"));
+    BITELINE_TRY(texts.bind(id)
+                     .bind(scan.reason)
+                     .bind(scan.next_step)
+                     .bind(scan.why)
+                     .bind(scan.versions)
+                     .bind(scan.details)
+                     .run());
     if (places) {
       BITELINE_ASSIGN(Statement put_places,
                       database_->prepare("INSERT OR REPLACE INTO scan_places (scan, model, time, places) "
@@ -222,16 +268,14 @@ Result<void> Memory::put_scan(const Scan& scan, const LogRow& event, const std::
 Result<std::optional<Scan>> Memory::scan(const std::string& name) const {
   const std::lock_guard lock{*mutex_};
   BITELINE_ASSIGN(Statement row,
-                  database_->prepare(std::string{"SELECT "} + k_scan_columns +
-                                     ", reason, versions, details FROM scans LEFT JOIN scan_texts "
-                                     "ON scan = id WHERE name = ?"));
+                  database_->prepare(std::string{"SELECT "} + k_scan_columns + ", versions, details" +
+                                     k_scan_tables + " WHERE name = ?"));
   row.bind(name);
   BITELINE_ASSIGN(const bool found, row.step());
   if (!found) return std::optional<Scan>{};
   Scan scan = scan_of(row);
-  scan.reason = row.text(21);
-  scan.versions = row.text(22);
-  scan.details = row.text(23);
+  scan.versions = row.text(26);
+  scan.details = row.text(27);
   return std::optional<Scan>{std::move(scan)};
 }
 
@@ -240,10 +284,8 @@ Result<ScanPage> Memory::scans(const ScanFilter& filter) const {
   Where where = where_of(filter);
   if (filter.before_id > 0) where.add("id < ?", filter.before_id);
   const int limit = std::clamp(filter.limit, 1, k_most_scans);
-  BITELINE_ASSIGN(Statement rows,
-                  database_->prepare(std::string{"SELECT "} + k_scan_columns +
-                                     ", (SELECT reason FROM scan_texts WHERE scan = id) FROM scans" +
-                                     where.sql + " ORDER BY id DESC LIMIT ?"));
+  BITELINE_ASSIGN(Statement rows, database_->prepare(std::string{"SELECT "} + k_scan_columns + k_scan_tables +
+                                                     where.sql + " ORDER BY id DESC LIMIT ?"));
   where.bind_to(rows);
   rows.bind(limit + 1);
   ScanPage page;
@@ -257,7 +299,6 @@ Result<ScanPage> Memory::scans(const ScanFilter& filter) const {
     }
     last_id = rows.integer(0);
     page.scans.push_back(scan_of(rows));
-    page.scans.back().reason = rows.text(21);
   }
 }
 
@@ -284,7 +325,7 @@ Result<std::vector<std::string>> Memory::folders_to_go(const Retention& retentio
     const std::lock_guard lock{*mutex_};
     BITELINE_ASSIGN(Statement rows,
                     database_->prepare("SELECT name, time, marked FROM scans WHERE folder_gone = 0 "
-                                       "AND verdict <> 'held' ORDER BY time, id"));
+                                       "AND decision <> 'held' ORDER BY time, id"));
     while (true) {
       BITELINE_ASSIGN(const bool row, rows.step());
       if (!row) break;
@@ -317,49 +358,29 @@ Result<void> Memory::forget_folder(const std::string& name, const LogRow& event)
   });
 }
 
-Result<Trends> Memory::trends(const ScanFilter& filter) const {
+Result<Trends> Memory::trends(const ScanFilter& filter, UnixMs bucket_ms) const {
   const std::lock_guard lock{*mutex_};
   Trends trends;
-  // Day by day along the index: one GROUP BY over all would sort 100 000 rows first.
-  ScanFilter rest = filter;
-  rest.from.reset();
-  rest.to.reset();
-  Where where;
-  where.add("time >= ?", std::int64_t{0});
-  where.add("time < ?", std::int64_t{0});
-  const Where others = where_of(rest);
-  const std::string sql = where.sql + (others.sql.empty() ? "" : " AND" + others.sql.substr(6));
-  BITELINE_ASSIGN(Statement next, database_->prepare("SELECT min(time) FROM scans" + sql));
-  BITELINE_ASSIGN(
-      Statement day,
-      database_->prepare("SELECT count(*), sum(verdict = 'ok'), sum(verdict = 'refused'), sum(verdict "
-                         "= 'failed'), avg(length_mm), avg(confidence), avg(u95_mm), avg(cycle_s) "
-                         "FROM scans" +
-                         sql));
-  const UnixMs end = filter.to.value_or(std::numeric_limits<UnixMs>::max());
-  UnixMs from = filter.from.value_or(0);
+  const Where where = where_of(filter);
+  // In the order of an index that has all of these columns: one GROUP BY would sort every row first.
+  BITELINE_ASSIGN(Statement rows,
+                  database_->prepare("SELECT time, verdict, length_mm, u95_mm, cycle_s FROM scans" +
+                                     where.sql + " ORDER BY time"));
+  where.bind_to(rows);
+  Bucket bucket;
   while (true) {
-    next.again();
-    others.bind_to(next.bind(from).bind(end));
-    BITELINE_TRY(next.step());
-    if (next.is_null(0)) break;
-    const std::int64_t number = next.integer(0) / k_day_ms;
-    const UnixMs until = std::min(end, (number + 1) * k_day_ms);
-    day.again();
-    others.bind_to(day.bind(from).bind(until));
-    BITELINE_TRY(day.step());
-    trends.days.push_back({.day = day_text(number),
-                           .scans = day.integer(0),
-                           .ok = day.integer(1),
-                           .refused = day.integer(2),
-                           .failed = day.integer(3),
-                           .mean_length_mm = day.number_if(4),
-                           .mean_confidence = day.number_if(5),
-                           .mean_u95_mm = day.number_if(6),
-                           .mean_cycle_s = day.number_if(7)});
-    from = until;
+    BITELINE_ASSIGN(const bool row, rows.step());
+    if (!row) break;
+    const UnixMs begin = rows.integer(0) / bucket_ms * bucket_ms;
+    if (bucket.trend.scans > 0 && begin != bucket.trend.begin) {
+      trends.buckets.push_back(bucket.close());
+      bucket = Bucket{};
+    }
+    bucket.trend.begin = begin;
+    bucket.add(rows);
   }
-  Where refused = where_of(filter);
+  if (bucket.trend.scans > 0) trends.buckets.push_back(bucket.close());
+  Where refused = where;
   refused.add("reason_code > ?", std::string{});
   BITELINE_ASSIGN(Statement reasons, database_->prepare("SELECT reason_code, count(*) FROM scans" +
                                                         refused.sql + " GROUP BY 1 ORDER BY 2 DESC, 1"));
@@ -400,13 +421,16 @@ Result<void> Memory::log(const LogRow& row) {
   return add_log(row);
 }
 
-Result<std::vector<LogRow>> Memory::log_rows(std::int64_t before_id, int limit) const {
+Result<std::vector<LogRow>> Memory::log_rows(std::int64_t before_id, int limit, std::optional<UnixMs> from,
+                                             std::optional<UnixMs> to) const {
   const std::lock_guard lock{*mutex_};
-  BITELINE_ASSIGN(Statement rows,
-                  database_->prepare("SELECT id, time, who, door, action, subject, before, after "
-                                     "FROM log WHERE id < ? ORDER BY id DESC LIMIT ?"));
-  rows.bind(before_id > 0 ? before_id : std::numeric_limits<std::int64_t>::max());
-  rows.bind(std::clamp(limit, 1, k_most_scans));
+  constexpr std::int64_t k_ever = std::numeric_limits<std::int64_t>::max();
+  BITELINE_ASSIGN(
+      Statement rows,
+      database_->prepare("SELECT id, time, who, door, action, subject, before, after FROM log WHERE id < ? "
+                         "AND time >= ? AND time < ? ORDER BY id DESC LIMIT ?"));
+  rows.bind(before_id > 0 ? before_id : k_ever).bind(from.value_or(0)).bind(to.value_or(k_ever));
+  rows.bind(std::clamp(limit, 1, k_most_scans + 1));
   std::vector<LogRow> log;
   while (true) {
     BITELINE_ASSIGN(const bool row, rows.step());
@@ -427,15 +451,27 @@ Result<void> Memory::put_user(const User& user, const LogRow& event) {
   return database_->transaction([&]() -> Result<void> {
     BITELINE_ASSIGN(
         Statement put,
-        database_->prepare("INSERT INTO users (name, role, password_hash, created) VALUES (?, ?, ?, ?) "
-                           "ON CONFLICT (name) DO UPDATE SET role = excluded.role, password_hash = "
-                           "excluded.password_hash"));
-    BITELINE_TRY(put.bind(user.name).bind(user.role).bind(user.password_hash).bind(user.created).run());
+        database_->prepare(
+            "INSERT INTO users (name, role, password_hash, created, enabled) VALUES (?, ?, ?, ?, ?) "
+            "ON CONFLICT (name) DO UPDATE SET role = excluded.role, password_hash = "
+            "excluded.password_hash, enabled = excluded.enabled"));
+    BITELINE_TRY(put.bind(user.name)
+                     .bind(user.role)
+                     .bind(user.password_hash)
+                     .bind(user.created)
+                     .bind(user.enabled ? 1 : 0)
+                     .run());
     // Whoever has another role or password logs in again.
     BITELINE_ASSIGN(Statement sessions, database_->prepare("DELETE FROM sessions WHERE user = ?"));
     BITELINE_TRY(sessions.bind(user.name).run());
     return add_log(event);
   });
+}
+
+Result<void> Memory::note_login(const std::string& name, UnixMs time) {
+  const std::lock_guard lock{*mutex_};
+  BITELINE_ASSIGN(Statement update, database_->prepare("UPDATE users SET last_login = ? WHERE name = ?"));
+  return update.bind(time).bind(name).run();
 }
 
 Result<void> Memory::remove_user(const std::string& name, const LogRow& event) {
@@ -452,16 +488,21 @@ Result<void> Memory::remove_user(const std::string& name, const LogRow& event) {
 
 Result<std::vector<User>> Memory::users() const {
   const std::lock_guard lock{*mutex_};
-  BITELINE_ASSIGN(Statement rows,
-                  database_->prepare("SELECT name, role, password_hash, created FROM users ORDER BY name"));
+  BITELINE_ASSIGN(
+      Statement rows,
+      database_->prepare(
+          "SELECT name, role, password_hash, created, enabled, last_login FROM users ORDER BY name"));
   std::vector<User> users;
   while (true) {
     BITELINE_ASSIGN(const bool row, rows.step());
     if (!row) return users;
-    users.push_back({.name = rows.text(0),
-                     .role = rows.text(1),
-                     .password_hash = rows.text(2),
-                     .created = rows.integer(3)});
+    User user{.name = rows.text(0),
+              .role = rows.text(1),
+              .password_hash = rows.text(2),
+              .created = rows.integer(3)};
+    user.enabled = rows.integer(4) != 0;
+    if (!rows.is_null(5)) user.last_login = rows.integer(5);
+    users.push_back(std::move(user));
   }
 }
 

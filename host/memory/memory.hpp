@@ -32,21 +32,25 @@ struct Scan {
   UnixMs time{0};    ///< of its end
   std::string model;
   std::optional<double> model_probability{};
-  std::string verdict;      ///< ok, refused, failed, held
-  std::string reason_code;  ///< of a refusal
-  std::string reason;       ///< in words
-  std::optional<double> length_mm{}, confidence{}, u95_mm{};
+  std::string verdict;                                        ///< working, ok, amber, refused, failed
+  std::string reason_code;                                    ///< of a refusal
+  std::string reason;                                         ///< in words
+  std::string next_step;                                      ///< what the person does next
+  std::optional<double> length_mm{}, confidence{}, u95_mm{};  ///< u95: the line's largest
   int weak_stretches{0};
   std::optional<double> scan_s{}, line_s{}, cycle_s{};
   std::string operator_name;  ///< who held control
   std::string process;
-  std::string approval;  ///< none, automatic, waiting, person, rejected
-  std::string approved_by;
-  std::optional<UnixMs> approved_at{};
-  std::string followed;  ///< "", followed, stopped
-  bool marked{false};    ///< never deleted by itself
-  std::string versions;  ///< JSON: programs, process, model
-  std::string details;   ///< JSON: what does not stand in a column
+  std::string decision{"open"};  ///< open, automatic, held, accepted, rejected
+  std::string decided_by;
+  std::optional<UnixMs> decided_at{};
+  std::string why;  ///< of the decision
+  bool sent{false};
+  std::optional<bool> followed{};  ///< false: sent, but not to its end
+  int line_version{0};             ///< 0: as found; above: mended
+  bool marked{false};              ///< never deleted by itself
+  std::string versions;            ///< JSON: programs, process, model
+  std::string details;             ///< JSON: what does not stand in a column
 };
 
 struct ScanFilter {
@@ -55,7 +59,8 @@ struct ScanFilter {
   std::int64_t before_id{0};  ///< the cursor; 0: from the newest
   int limit{100};             ///< at most k_most_scans
 };
-inline constexpr int k_most_scans = 500;
+inline constexpr UnixMs k_day_ms = 86'400'000;
+inline constexpr int k_most_scans = 1000;
 
 struct ScanPage {
   std::vector<Scan> scans;  ///< newest first
@@ -74,6 +79,8 @@ struct User {
   std::string role;
   std::string password_hash;
   UnixMs created{0};
+  bool enabled{true};
+  std::optional<UnixMs> last_login{};
 };
 
 struct Session {
@@ -82,10 +89,11 @@ struct Session {
   UnixMs created{0}, expires{0};
 };
 
+/// What came within one stretch of time.
 struct Trend {
-  std::string day;  ///< 2026-11-20, UTC
-  std::int64_t scans{0}, ok{0}, refused{0}, failed{0};
-  std::optional<double> mean_length_mm{}, mean_confidence{}, mean_u95_mm{}, mean_cycle_s{};
+  UnixMs begin{0};
+  std::int64_t scans{0}, ok{0}, amber{0}, refused{0}, failed{0};
+  std::optional<double> mean_length_mm{}, median_u95_mm{}, median_cycle_s{};
 };
 struct ReasonCount {
   std::string reason_code;
@@ -97,7 +105,7 @@ struct PlaceSums {
   std::array<double, k_places> sum_mm{}, sum_mm2{};
 };
 struct Trends {
-  std::vector<Trend> days;           ///< oldest first
+  std::vector<Trend> buckets;        ///< oldest first
   std::vector<ReasonCount> reasons;  ///< most frequent first
 };
 
@@ -128,16 +136,20 @@ class Memory {
                                                                const std::filesystem::path& results) const;
   [[nodiscard]] Result<void> forget_folder(const std::string& name, const LogRow& event);
 
-  [[nodiscard]] Result<Trends> trends(const ScanFilter& filter) const;
+  /// In buckets of `bucket_ms`, counted from 1970; those without a shoe are left out.
+  [[nodiscard]] Result<Trends> trends(const ScanFilter& filter, UnixMs bucket_ms) const;
   [[nodiscard]] Result<PlaceSums> place_sums(const std::string& model, std::optional<UnixMs> from,
                                              std::optional<UnixMs> to) const;
 
   [[nodiscard]] Result<void> log(const LogRow& row);
   /// Newest first; `before_id` 0: from the newest.
-  [[nodiscard]] Result<std::vector<LogRow>> log_rows(std::int64_t before_id, int limit) const;
+  [[nodiscard]] Result<std::vector<LogRow>> log_rows(std::int64_t before_id, int limit,
+                                                     std::optional<UnixMs> from = {},
+                                                     std::optional<UnixMs> to = {}) const;
 
   /// Change and log line in one transaction, here and below.
   [[nodiscard]] Result<void> put_user(const User& user, const LogRow& event);
+  [[nodiscard]] Result<void> note_login(const std::string& name, UnixMs time);
   [[nodiscard]] Result<void> remove_user(const std::string& name, const LogRow& event);
   [[nodiscard]] Result<std::vector<User>> users() const;
   [[nodiscard]] Result<void> put_session(const Session& session, const LogRow& event);

@@ -27,21 +27,25 @@ CREATE TABLE scans (
   cycle_s REAL,
   operator TEXT NOT NULL,
   process TEXT NOT NULL,
-  approval TEXT NOT NULL,
-  approved_by TEXT NOT NULL,
-  approved_at INTEGER,
-  followed TEXT NOT NULL,
+  decision TEXT NOT NULL,
+  decided_by TEXT NOT NULL,
+  decided_at INTEGER,
+  sent INTEGER NOT NULL,
+  followed INTEGER,
+  line_version INTEGER NOT NULL,
   marked INTEGER NOT NULL DEFAULT 0,
   folder_gone INTEGER NOT NULL DEFAULT 0
 ) STRICT;
-CREATE INDEX scans_time ON scans (time, verdict, length_mm, confidence, u95_mm, cycle_s);
+CREATE INDEX scans_time ON scans (time, verdict, length_mm, u95_mm, cycle_s);
 CREATE INDEX scans_model ON scans (model, id);
-CREATE INDEX scans_model_time ON scans (model, time, verdict, length_mm, confidence, u95_mm, cycle_s);
+CREATE INDEX scans_model_time ON scans (model, time, verdict, length_mm, u95_mm, cycle_s);
 CREATE INDEX scans_verdict ON scans (verdict, id);
 CREATE INDEX scans_reason ON scans (reason_code, time);
 CREATE TABLE scan_texts (
   scan INTEGER PRIMARY KEY REFERENCES scans (id) ON DELETE CASCADE,
   reason TEXT NOT NULL,
+  next_step TEXT NOT NULL,
+  why TEXT NOT NULL,
   versions TEXT NOT NULL,
   details TEXT NOT NULL
 ) STRICT;
@@ -62,13 +66,16 @@ CREATE TABLE log (
   before TEXT NOT NULL,
   after TEXT NOT NULL
 ) STRICT;
+CREATE INDEX log_time ON log (time);
 CREATE TRIGGER log_is_not_changed BEFORE UPDATE ON log BEGIN SELECT RAISE(ABORT, 'the log is append-only'); END;
 CREATE TRIGGER log_is_not_deleted BEFORE DELETE ON log BEGIN SELECT RAISE(ABORT, 'the log is append-only'); END;
 CREATE TABLE users (
   name TEXT PRIMARY KEY,
   role TEXT NOT NULL CHECK (role IN ('viewer', 'operator', 'engineer', 'administrator')),
   password_hash TEXT NOT NULL,
-  created INTEGER NOT NULL
+  created INTEGER NOT NULL,
+  enabled INTEGER NOT NULL,
+  last_login INTEGER
 ) STRICT;
 CREATE TABLE sessions (
   token_hash TEXT PRIMARY KEY,

@@ -40,11 +40,12 @@ constexpr const char* k_fill = R"sql(
 BEGIN;
 WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < %d)
 INSERT INTO scans (id, name, time, model, model_probability, verdict, reason_code, length_mm, confidence, u95_mm,
-  weak_stretches, scan_s, line_s, cycle_s, operator, process, approval, approved_by, followed)
+  weak_stretches, scan_s, line_s, cycle_s, operator, process, decision, decided_by, sent, followed,
+  line_version)
 SELECT i, printf('scan-%%06d', i), 1700000000000 + i * 300000, 'model-' || (i %% 12), 0.98,
   CASE WHEN i %% 20 THEN 'ok' ELSE 'refused' END, CASE WHEN i %% 20 THEN '' ELSE 'reason_' || (i %% 7) END,
-  600 + i %% 50, 0.99, 0.3, i %% 3, 8.5, 0.05, 20, 'ana', 'grind', 'automatic', '', 'followed' FROM n;
-INSERT INTO scan_texts SELECT id, 'a reason in words', '{"host":"0.1.0"}', printf('%%.1500c', 'd') FROM scans;
+  600 + i %% 50, 0.99, 0.3, i %% 3, 8.5, 0.05, 20, 'ana', 'grind', 'automatic', '', 1, 1, 0 FROM n;
+INSERT INTO scan_texts SELECT id, 'a reason in words', '', '', '{"host":"0.1.0"}', printf('%%.1500c', 'd') FROM scans;
 INSERT INTO scan_places SELECT id, 'model-0', time, zeroblob(144) FROM scans;
 COMMIT;
 ANALYZE;
@@ -69,25 +70,28 @@ int run() {
       }
     });
   };
+  bool good = true;
   const double ids_s = plain("SELECT id FROM scans ORDER BY id DESC LIMIT 100");
   const double count_s = plain("SELECT count(*), avg(length_mm) FROM scans WHERE time > 0");
   memory::ScanFilter filter;
-  row("list, newest 100 of 100 000", seconds([&] { static_cast<void>(memory->scans(filter)); }), ids_s);
+  row("list, newest 100 of 100 000", seconds([&] { good = good && memory->scans(filter).has_value(); }),
+      ids_s);
   filter.model = "model-3";
   filter.verdict = "refused";
-  row("list, newest 100 of a model refused", seconds([&] { static_cast<void>(memory->scans(filter)); }),
-      ids_s);
-  row("trends of all", seconds([&] { static_cast<void>(memory->trends({})); }), count_s);
+  row("list, newest 100 of a model refused",
+      seconds([&] { good = good && memory->scans(filter).has_value(); }), ids_s);
+  row("trends of all", seconds([&] { good = good && memory->trends({}, memory::k_day_ms).has_value(); }),
+      count_s);
   row("trends of a model", seconds([&] {
         memory::ScanFilter of_model;
         of_model.model = "model-3";
-        static_cast<void>(memory->trends(of_model));
+        good = good && memory->trends(of_model, memory::k_day_ms).has_value();
       }),
       count_s);
   row("places (Pp, Ppk) of 100 000",
-      seconds([&] { static_cast<void>(memory->place_sums("model-0", {}, {})); }), count_s);
+      seconds([&] { good = good && memory->place_sums("model-0", {}, {}).has_value(); }), count_s);
   fs::remove_all(folder);
-  return 0;
+  return good ? 0 : 1;
 }
 
 }  // namespace

@@ -103,7 +103,9 @@ TEST(Accounts, LastAdministratorStays) {
   add_admin();
   FAILS_NAMING(Errc::InvalidArgument, "last administrator", sut.remove("ada", "ada", "web"));
   FAILS_NAMING(Errc::InvalidArgument, "last administrator",
-               sut.change("ada", Role::Viewer, {}, "ada", "web"));
+               sut.change("ada", {.role = Role::Viewer}, "ada", "web"));
+  FAILS_NAMING(Errc::InvalidArgument, "last administrator",
+               sut.change("ada", {.enabled = false}, "ada", "web"));
   SUCCEEDS(sut.add("eve", Role::Administrator, k_password, "ada", "web"));
   SUCCEEDS(sut.remove("ada", "eve", "web"));
   FAILS_NAMING(Errc::FileNotFound, "ada", sut.remove("ada", "eve", "web"));
@@ -112,10 +114,21 @@ TEST(Accounts, LastAdministratorStays) {
 TEST(Accounts, ChangedPasswordEndsOldSessions) {
   add_admin();
   const std::string token = token_of("ada");
-  SUCCEEDS(sut.change("ada", {}, "quite another one", "ada", "web"));
+  SUCCEEDS(sut.change("ada", {.password = "quite another one"}, "ada", "web"));
   CHECK(!sut.who_is(token)->has_value());
   CHECK(!sut.log_in("ada", k_password, "web")->has_value());
   CHECK(sut.log_in("ada", "quite another one", "web")->has_value());
+}
+
+TEST(Accounts, ClosedAccountDoesNotLogIn) {
+  add_admin();
+  SUCCEEDS(sut.add("ana", Role::Operator, k_password, "ada", "web"));
+  const std::string token = token_of("ana");
+  SUCCEEDS(sut.change("ana", {.enabled = false}, "ada", "web"));
+  CHECK(!sut.who_is(token)->has_value());
+  CHECK(!sut.log_in("ana", k_password, "web")->has_value());
+  SUCCEEDS(sut.change("ana", {.enabled = true}, "ada", "web"));
+  CHECK(sut.log_in("ana", k_password, "web")->has_value());
 }
 
 TEST(Accounts, GuestTokenOpensOneViewersSession) {

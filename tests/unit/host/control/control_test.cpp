@@ -46,16 +46,19 @@ struct Echo {
   std::shared_future<void> opened{gate.get_future().share()};
 
   Handlers handlers() {
-    return {
-        .urgent = [](const Request& request) -> std::optional<Answer> {
-          if (request.path != "/stop") return std::nullopt;
-          return Answer{.body = "stopped"};
-        },
-        .ordinary =
-            [opened = opened](const Request& request) {
-              if (request.path == "/slow") opened.wait();
-              return Answer{.body = {{"path", request.path}, {"door", request.door}, {"body", request.body}}};
-            }};
+    return {.urgent = [](const Request& request) -> std::optional<Answer> {
+              if (request.path != "/stop") return std::nullopt;
+              Answer answer;
+              answer.body = "stopped";
+              return answer;
+            },
+            .ordinary =
+                [opened = opened](const Request& request) {
+                  if (request.path == "/slow") opened.wait();
+                  Answer answer;
+                  answer.body = {{"path", request.path}, {"door", request.door}, {"body", request.body}};
+                  return answer;
+                }};
   }
 };
 

@@ -25,7 +25,6 @@ Scan scan_named(const std::string& name, UnixMs time, const std::string& verdict
   scan.name = name;
   scan.time = time;
   scan.verdict = verdict;
-  scan.approval = "none";
   return scan;
 }
 
@@ -51,9 +50,11 @@ TEST(Memory, ScanComesBackWithAllThatWasKnown) {
   scan.confidence = 0.99;
   scan.weak_stretches = 2;
   scan.operator_name = "ana";
-  scan.approval = "person";
-  scan.approved_by = "ana";
-  scan.approved_at = 1'700'000'001'000;
+  scan.decision = "accepted";
+  scan.decided_by = "ana";
+  scan.followed = false;
+  scan.why = "looked";
+  scan.decided_at = 1'700'000'001'000;
   scan.details = "{\"a\":1}";
   scan.reason = "none";
   SUCCEEDS(memory.put_scan(scan, by_service("result")));
@@ -64,9 +65,11 @@ TEST(Memory, ScanComesBackWithAllThatWasKnown) {
   DOUBLES_EQUAL(0.97, *(*back)->model_probability, 0);
   DOUBLES_EQUAL(640.5, *(*back)->length_mm, 0);
   CHECK(!(*back)->u95_mm);
+  CHECK((*back)->followed == false);
+  STRCMP_EQUAL("looked", (*back)->why.c_str());
   LONGS_EQUAL(2, (*back)->weak_stretches);
-  STRCMP_EQUAL("ana", (*back)->approved_by.c_str());
-  CHECK(*(*back)->approved_at == 1'700'000'001'000);
+  STRCMP_EQUAL("ana", (*back)->decided_by.c_str());
+  CHECK(*(*back)->decided_at == 1'700'000'001'000);
   STRCMP_EQUAL("{\"a\":1}", (*back)->details.c_str());
   CHECK(!memory.scan("scan-0002")->has_value());
 }
@@ -153,25 +156,35 @@ TEST(Memory, RetentionTakesTheOldestAndNeverWhatIsMarked) {
   CHECK((*memory.scan("scan-0001"))->marked);
 }
 
-TEST(Memory, TrendsAreByDayWithReasonsByCount) {
-  constexpr UnixMs k_day = 86'400'000;
+TEST(Memory, TrendsAreInBucketsWithReasonsByCount) {
   Memory memory = opened();
   for (int i = 0; i < 6; ++i) {
-    Scan scan = scan_named("scan-" + std::to_string(i), 20'000 * k_day + (i / 3) * k_day + i,
-                           i == 5 ? "refused" : "ok");
+    Scan scan = scan_named("scan-" + std::to_string(i), 20'000 * k_day_ms + (i / 3) * k_day_ms + i,
+                           i == 5   ? "refused"
+                           : i == 0 ? "amber"
+                                    : "ok");
     scan.length_mm = 600 + i;
+    scan.cycle_s = i * i;
     if (i == 5) scan.reason_code = "no_crease";
     SUCCEEDS(memory.put_scan(scan, by_service("result")));
   }
-  const auto trends = memory.trends({});
+  const auto trends = memory.trends({}, k_day_ms);
   SUCCEEDS(trends);
-  LONGS_EQUAL(2, trends->days.size());
-  STRCMP_EQUAL("2024-10-04", trends->days[0].day.c_str());
-  LONGS_EQUAL(3, trends->days[0].ok);
-  DOUBLES_EQUAL(601, *trends->days[0].mean_length_mm, 1e-9);
-  LONGS_EQUAL(1, trends->days[1].refused);
+  LONGS_EQUAL(2, trends->buckets.size());
+  CHECK(trends->buckets[0].begin == 20'000 * k_day_ms);
+  LONGS_EQUAL(3, trends->buckets[0].scans);
+  LONGS_EQUAL(2, trends->buckets[0].ok);
+  LONGS_EQUAL(1, trends->buckets[0].amber);
+  DOUBLES_EQUAL(601, *trends->buckets[0].mean_length_mm, 1e-9);
+  DOUBLES_EQUAL(1, *trends->buckets[0].median_cycle_s, 1e-9);
+  CHECK(!trends->buckets[0].median_u95_mm);
+  LONGS_EQUAL(1, trends->buckets[1].refused);
   LONGS_EQUAL(1, trends->reasons.size());
   STRCMP_EQUAL("no_crease", trends->reasons[0].reason_code.c_str());
+  LONGS_EQUAL(1, memory.trends({}, 7 * k_day_ms)->buckets.size());
+  ScanFilter second;
+  second.from = 20'001 * k_day_ms;
+  LONGS_EQUAL(1, memory.trends(second, k_day_ms)->buckets.size());
 }
 
 TEST(Memory, PlacesAreSummedByModelAndTime) {

@@ -21,7 +21,6 @@ Scan numbered(int number) {
   scan.name = "scan-" + std::to_string(number);
   scan.time = number;
   scan.verdict = "ok";
-  scan.approval = "none";
   scan.details = std::string(2000, 'd');
   return scan;
 }
