@@ -42,6 +42,7 @@ Errc errc_of(Halt halt) {
       return Errc::PeerRefused;
     case Halt::NotEnded:
       return Errc::Timeout;
+    case Halt::LocalControl:
     case Halt::Person:
       return Errc::Refused;
     case Halt::OffPath:
@@ -73,6 +74,8 @@ class Run {
     while (true) {
       const Result<RobotState> state = link_.wait_newer(newest_.sequence, k_look);
       if (is_set(options_.stop)) return HaltReason{Halt::Person, "the service was told to stop"};
+      if (link_.remote_control() == false)
+        return HaltReason{Halt::LocalControl, "the controller was put into local control"};
       if (auto deaf = look_at_link(state)) return deaf;
       if (!state) continue;
       if (auto halt = look(*state)) return halt;

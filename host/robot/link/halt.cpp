@@ -20,6 +20,8 @@ std::span<const report::RefusalRow<Halt>> refusal_table(Halt) {
       Row{Halt::Unusable, "unusable_state", "check the controller: it sends states without numbers"},
       Row{Halt::ProtectiveStop, "protective_stop", "clear the cause on the pendant, and scan again"},
       Row{Halt::PowerOff, "power_off", "power the arm up on the pendant, and scan again"},
+      Row{Halt::LocalControl, "local_control",
+          "ask who stands at the pendant; set it to remote control, and scan again"},
       Row{Halt::NotStarted, "not_started", "see on the pendant why the program does not start"},
       Row{Halt::NotEnded, "not_ended", "see on the pendant what holds the program"},
       Row{Halt::Person, "stopped_by_a_person", "scan again when the cell is ready"},

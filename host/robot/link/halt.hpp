@@ -18,6 +18,7 @@ enum class Halt {
   Unusable,        ///< a state without numbers
   ProtectiveStop,  ///< the controller's own safety holds the arm
   PowerOff,        ///< power or brakes went
+  LocalControl,    ///< somebody at the pendant has taken the arm
   NotStarted,      ///< the program did not begin
   NotEnded,        ///< the program did not end in any time it could need
   Person,          ///< the service was told to stop

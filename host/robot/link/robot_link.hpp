@@ -3,6 +3,7 @@
 /// \file The robot as the host sees it: where it is, and "follow this checked path".
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,10 @@ class RobotLink {
   [[nodiscard]] virtual Result<void> send(const PermittedPath& path) = 0;
   /// Ends the running program, the arm brakes, and switches off the output that the sent path switches on.
   [[nodiscard]] virtual Result<void> stop() = 0;
+
+  /// As the controller last said, while a sent path may run: asked twice a second, never waited for. Nothing:
+  /// it has not said, or does not know the question.  Thread: that of send() and stop().
+  [[nodiscard]] virtual std::optional<bool> remote_control() = 0;
 
   /// Keeps every state from now on, up to ten minutes' worth; the recording is handed out once.
   virtual void start_recording() = 0;

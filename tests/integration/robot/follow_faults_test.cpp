@@ -10,6 +10,7 @@
 
 #include "host/robot/link/follow.hpp"
 #include "host/robot/link/ur/ur_link.hpp"
+#include "tests/support/timed_test.hpp"
 #include "tests/unit/host/robot/link/permitted.hpp"
 #include "tests/unit/host/robot/link/played_path.hpp"
 
@@ -26,6 +27,10 @@ constexpr double k_deg = std::numbers::pi / 180;
 constexpr double k_cycle_s = 0.008;
 // From the first state beyond a limit to the stop on the wire: a safety reaction.
 constexpr double k_stop_within_s = 0.1;
+// And until the host knows the arm at rest, less the arm's own braking.
+constexpr double k_rest_within_s = 0.3;
+// By the controller's clock: from 0.5 m/s at 2.5 m/s^2.
+constexpr double k_braking_s = 0.2;
 
 /// What a controller makes of a good state.  `share`: of the path; below 0 on the way there.
 using Lie = std::function<void(PlayedState&, double share)>;
@@ -35,6 +40,7 @@ struct Played {
   FollowReport report;
   FakeController::Times times;
   std::string script;
+  FakeController::Clock::time_point returned;
 };
 
 double seconds_between(FakeController::Clock::time_point a, FakeController::Clock::time_point b) {
@@ -75,18 +81,25 @@ TEST_GROUP(FollowFaults) {
   /// The arm follows at the plan's speed times `pace`; what is sent goes through `lie`.
   Played play(const Lie& lie, double pace = 1) {
     const test::PlayedPath played{path.path(), home_rad};
-    double last_s = 0;
-    FakeController controller{[&](PlayedState& state) {
-                                const double now_s = std::max(0.0, pace * state.since_script_s);
-                                // Told to stop it stands where it is.
-                                if (!state.stopped) last_s = now_s;
-                                played.fill(last_s, state);
-                                const bool runs = state.since_script_s > 0.1 && !state.stopped &&
-                                                  last_s < played.duration_s() + 0.2;
-                                state.runtime_state = runs ? 2 : 1;
-                                if (state.since_script_s >= 0) lie(state, played.share_at(last_s));
-                              },
-                              k_cycle_s};
+    double last_s = 0, stop_s = -1, braked_s = 0;
+    FakeController controller{
+        [&](PlayedState& state) {
+          const double now_s = std::max(0.0, pace * state.since_script_s);
+          // Told to stop it brakes evenly, and then stands where it is.
+          if (!state.stopped) {
+            last_s = stop_s = now_s;
+          } else {
+            const double since_s = std::min((now_s - stop_s) / pace, k_braking_s);
+            const double way_s = pace * (since_s - since_s * since_s / (2 * k_braking_s));
+            last_s += way_s - std::exchange(braked_s, way_s);
+            state.rests = since_s >= k_braking_s;
+          }
+          played.fill(last_s, state);
+          const bool runs = state.since_script_s > 0.1 && !state.rests && last_s < played.duration_s() + 0.2;
+          state.runtime_state = runs ? 2 : 1;
+          if (state.since_script_s >= 0) lie(state, played.share_at(last_s));
+        },
+        k_cycle_s};
     const auto link = ur::UrLink::open({.host = "127.0.0.1",
                                         .rtde_port = controller.rtde_port(),
                                         .script_port = controller.script_port(),
@@ -97,6 +110,7 @@ TEST_GROUP(FollowFaults) {
     Played out;
     out.followed =
         follow(**link, test::permitted(path, home_rad), {.limits = limits, .stop = &stop}, out.report);
+    out.returned = FakeController::Clock::now();
     // The stop program is written last, and read a cycle later.
     for (int i = 0; i < 1000 && out.report.halt && out.report.halt->code != Halt::NotCovered &&
                     !controller.times().output_off;
@@ -124,6 +138,11 @@ TEST_GROUP(FollowFaults) {
     CHECK_TEXT(delay_s <= noticed_within_s + k_stop_within_s, name);
     CHECK_TEXT(delay_s >= 0, name);
     CHECK_TEXT(out.report.at_rest, name);
+    CHECK_TEXT(out.times.rest.has_value(), name);
+    const double braking_s = seconds_between(*out.times.stop, *out.times.rest);
+    const double rest_s = seconds_between(*out.times.lie, out.returned);
+    CHECK_TEXT(rest_s <= noticed_within_s + k_rest_within_s + braking_s, name);
+    CHECK_TEXT(out.returned >= *out.times.rest, name);
     return out;
   }
 
@@ -152,7 +171,7 @@ TEST(FollowFaults, SmallErrorsOfARealArmAreNoReasonToStop) {
   CHECK_TEXT(out.followed.has_value(), out.followed ? "" : to_line(out.followed.error()).c_str());
 }
 
-TEST(FollowFaults, TipBesideThePathStopsTheArm) {
+TIMED_TEST(FollowFaults, TipBesideThePathStopsTheArm) {
   has_status_3(stops("80 mm below from 20 % on", Halt::OffPath,
                      from(0.2, [](PlayedState& s) { move(s, 0, 0, -80); })));
   stops("20 mm aside, both ways", Halt::OffPath, from(0.22, [](PlayedState& s) { move(s, 20, 20, 0); }));
@@ -162,7 +181,7 @@ TEST(FollowFaults, TipBesideThePathStopsTheArm) {
   stops("on the retreat", Halt::OffPath, from(0.98, [](PlayedState& s) { move(s, 0, 5, 0); }));
 }
 
-TEST(FollowFaults, TipThatDriftsOffSlowlyIsStoppedAtTheLimit) {
+TIMED_TEST(FollowFaults, TipThatDriftsOffSlowlyIsStoppedAtTheLimit) {
   stops("drift of 1 mm in 10 mm", Halt::OffPath, [](PlayedState& state, double share) {
     if (share < 0.22 || state.stopped) return;
     const double drift_mm = 60 * (share - 0.22);
@@ -171,7 +190,7 @@ TEST(FollowFaults, TipThatDriftsOffSlowlyIsStoppedAtTheLimit) {
   });
 }
 
-TEST(FollowFaults, JumpOfOneStateStopsTheArm) {
+TIMED_TEST(FollowFaults, JumpOfOneStateStopsTheArm) {
   bool jumped = false;
   stops("1.7 m for one state", Halt::OffPath, [&jumped](PlayedState& state, double share) {
     if (share < 0.22 || std::exchange(jumped, true)) return;
@@ -189,13 +208,13 @@ TEST(FollowFaults, JumpOfOneStateStopsTheArm) {
   });
 }
 
-TEST(FollowFaults, TurnedToolStopsTheArm) {
+TIMED_TEST(FollowFaults, TurnedToolStopsTheArm) {
   stops("tool turned by 5 degrees", Halt::OffDirection,
         from(0.22, [](PlayedState& s) { turn(s, 5 * k_deg); }));
   stops("tool upside down", Halt::OffDirection, from(0.2, [](PlayedState& s) { turn(s, std::numbers::pi); }));
 }
 
-TEST(FollowFaults, JointBesideTheWayThereStopsTheArm) {
+TIMED_TEST(FollowFaults, JointBesideTheWayThereStopsTheArm) {
   const auto on_the_way = [](const std::function<void(PlayedState&)>& change) {
     return [change](PlayedState& state, double share) {
       if (share > -0.02 || state.stopped || state.since_script_s < 0.3) return;
@@ -209,7 +228,7 @@ TEST(FollowFaults, JointBesideTheWayThereStopsTheArm) {
         on_the_way([](PlayedState& s) { s.q = {0, -1.57, 0, -1.57, 0, 0}; }));
 }
 
-TEST(FollowFaults, AnotherProgramStopsTheArm) {
+TIMED_TEST(FollowFaults, AnotherProgramStopsTheArm) {
   double begun_s = -1;
   stops("another program goes its own way", Halt::OffPath, [&begun_s](PlayedState& state, double share) {
     if (share < 0.22 || state.stopped) return;
@@ -220,12 +239,12 @@ TEST(FollowFaults, AnotherProgramStopsTheArm) {
   });
 }
 
-TEST(FollowFaults, OtherToolStopsTheArm) {
+TIMED_TEST(FollowFaults, OtherToolStopsTheArm) {
   stops("controller reckons with another tip", Halt::OtherTool,
         from(0.22, [](PlayedState& s) { s.tcp_offset[2] += 0.05; }));
 }
 
-TEST(FollowFaults, StatesWithoutNumbersStopTheArm) {
+TIMED_TEST(FollowFaults, StatesWithoutNumbersStopTheArm) {
   stops("tip NaN", Halt::Unusable, from(0.22, [](PlayedState& s) { s.tcp_pose.fill(k_nan); }));
   stops("one joint NaN", Halt::Unusable, from(0.22, [](PlayedState& s) { s.q[5] = k_nan; }));
   stops("tool NaN", Halt::Unusable, from(0.22, [](PlayedState& s) { s.tcp_offset[0] = k_nan; }));
@@ -237,7 +256,7 @@ TEST(FollowFaults, StatesWithoutNumbersStopTheArm) {
   });
 }
 
-TEST(FollowFaults, FrozenControllerStopsTheArm) {
+TIMED_TEST(FollowFaults, FrozenControllerStopsTheArm) {
   stops("sends nothing", Halt::Silent, from(0.22, [](PlayedState& s) { s.send = false; }), limits.silence_s);
   double frozen_s = -1;
   stops(
@@ -261,7 +280,7 @@ TEST(FollowFaults, FrozenControllerStopsTheArm) {
       limits.silence_s);
 }
 
-TEST(FollowFaults, TipThatStandsWhileTheProgramRunsStopsTheArm) {
+TIMED_TEST(FollowFaults, TipThatStandsWhileTheProgramRunsStopsTheArm) {
   const test::PlayedPath played{path.path(), home_rad};
   stops(
       "tip stands on the shoe", Halt::Stalled,
@@ -273,7 +292,7 @@ TEST(FollowFaults, TipThatStandsWhileTheProgramRunsStopsTheArm) {
       limits.stall_s);
 }
 
-TEST(FollowFaults, FarTooSlowOrTooFastStopsTheArm) {
+TIMED_TEST(FollowFaults, FarTooSlowOrTooFastStopsTheArm) {
   limits.late_s = 0.5;
   const auto whole = [](PlayedState& state, double share) {
     if (share > 0 && !state.stopped) state.lie = true;
@@ -281,7 +300,7 @@ TEST(FollowFaults, FarTooSlowOrTooFastStopsTheArm) {
   stops("at a third of the speed, slider at 1", Halt::Late, whole, 20, 0.33);
 }
 
-TEST(FollowFaults, SafetyAndPowerStopTheArm) {
+TIMED_TEST(FollowFaults, SafetyAndPowerStopTheArm) {
   stops("protective stop", Halt::ProtectiveStop, from(0.22, [](PlayedState& s) { s.safety_mode = 3; }));
   stops("emergency stop", Halt::ProtectiveStop, from(0.22, [](PlayedState& s) { s.safety_mode = 7; }));
   stops("fault", Halt::ProtectiveStop, from(0.22, [](PlayedState& s) { s.safety_mode = 9; }));
@@ -290,7 +309,14 @@ TEST(FollowFaults, SafetyAndPowerStopTheArm) {
   stops("backdrive: hands on the arm", Halt::PowerOff, from(0.22, [](PlayedState& s) { s.robot_mode = 6; }));
 }
 
-TEST(FollowFaults, StopFromOutsideStopsTheArm) {
+TIMED_TEST(FollowFaults, LocalControlStopsTheArm) {
+  has_status_3(stops("somebody sets local control", Halt::LocalControl,
+                     from(0.22, [](PlayedState& s) { s.remote = false; }), 0.5));
+  stops("from the beginning on", Halt::LocalControl, from(-10, [](PlayedState& s) { s.remote = false; }),
+        0.5);
+}
+
+TIMED_TEST(FollowFaults, StopFromOutsideStopsTheArm) {
   stops("the service is told to stop", Halt::Person, from(0.22, [this](PlayedState&) { stop = true; }));
 }
 
@@ -303,14 +329,14 @@ TEST(FollowFaults, ProgramThatEndsEarlyOrLeavesPartsOutIsNotDone) {
   has_status_3(half);
   CHECK(half.report.deviation.covered < 0.7);
 
-  const Played at_once = play([](PlayedState& state, double share) {
+  const Played at_once = play([](PlayedState& state, double) {
     if (state.since_script_s > 0.3) state.runtime_state = 1;
   });
   CHECK(!at_once.followed.has_value());
   CHECK(at_once.report.halt->code == Halt::NotCovered);
 }
 
-TEST(FollowFaults, ProgramThatDoesNotStartIsToldAndStopped) {
+TIMED_TEST(FollowFaults, ProgramThatDoesNotStartIsToldAndStopped) {
   stops(
       "program never starts", Halt::NotStarted,
       [](PlayedState& state, double) {

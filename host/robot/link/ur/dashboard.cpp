@@ -39,9 +39,10 @@ Result<std::string> Dashboard::hear(Nanoseconds patience) {
       if (!line.starts_with("Connected")) return line;
     }
     if (heard_.size() > k_longest_line) return fail(Errc::ProtocolError, "dashboard: a line without an end");
-    const Nanoseconds left = deadline - std::chrono::steady_clock::now();
-    if (left <= Nanoseconds{0}) return fail(Errc::Timeout, "dashboard");
+    const Nanoseconds left =
+        std::max<Nanoseconds>(deadline - std::chrono::steady_clock::now(), Nanoseconds{0});
     BITELINE_TRY(stream_.read_some(bytes, left));
+    if (bytes.empty() && left == Nanoseconds{0}) return fail(Errc::Timeout, "dashboard");
     heard_.append(bytes.begin(), bytes.end());
   }
 }

@@ -18,7 +18,8 @@ class Dashboard {
   [[nodiscard]] bool is_open() const { return stream_.is_open(); }
   /// On its way when this returns; the answer is not waited for.
   [[nodiscard]] Result<void> say(const std::string& command);
-  /// The next line that is no greeting, of printable characters, at most 200; Errc::Timeout.
+  /// The next line that is no greeting, of printable characters, at most 200; Errc::Timeout.  Without
+  /// patience: what has arrived already.
   [[nodiscard]] Result<std::string> hear(Nanoseconds patience);
   [[nodiscard]] Result<std::string> ask(const std::string& command, Nanoseconds patience);
 

@@ -18,6 +18,7 @@ constexpr Nanoseconds k_silent{1'000'000'000};     // a connection that says not
 constexpr Nanoseconds k_handshake{5'000'000'000};  // a controller that boots answers late, not never
 constexpr Nanoseconds k_retry{300'000'000};
 constexpr Nanoseconds k_send_patience{2'000'000'000};
+constexpr Nanoseconds k_remote_period{500'000'000};
 constexpr Nanoseconds k_stop_patience{300'000'000};  // a controller in the same cell answers in some ms
 constexpr std::size_t k_most_recorded = 10 * 60 * 500;
 
@@ -258,6 +259,9 @@ Result<void> UrLink::send(const PermittedPath& permitted) {
   BITELINE_ASSIGN(script_, TcpStream::connect({config_.host, config_.script_port},
                                               from_seconds(config_.connect_patience_s)));
   output_ = permitted.path().path().digital_output;
+  asked_ = false;
+  asked_at_ = {};
+  remote_.reset();
   return script_.write_all(urscript(permitted.path()), k_send_patience);
 }
 
@@ -275,9 +279,28 @@ Result<void> UrLink::stop_by_word() {
     BITELINE_ASSIGN(dashboard_, Dashboard::connect({config_.host, config_.dashboard_port}, k_stop_patience));
     BITELINE_TRY(dashboard_.say("stop"));
   }
-  // Its words differ from version to version: an answer is all that counts.
+  // Its words differ from version to version: an answer is all that counts.  One to an older question may
+  // come first.
+  if (std::exchange(asked_, false)) BITELINE_TRY(dashboard_.hear(k_stop_patience));
   BITELINE_TRY(dashboard_.hear(k_stop_patience));
   return {};
+}
+
+std::optional<bool> UrLink::remote_control() {
+  if (!dashboard_.is_open()) return remote_;
+  const HostClock::time_point time = now();
+  if (!asked_) {
+    if (time - asked_at_ < k_remote_period) return remote_;
+    asked_at_ = time;
+    asked_ = dashboard_.say("is in remote control").has_value();
+    return remote_;
+  }
+  const Result<std::string> answer = dashboard_.hear(Nanoseconds{0});
+  if (!answer && answer.error().code == Errc::Timeout) return remote_;
+  asked_ = false;
+  remote_.reset();
+  if (answer && (*answer == "true" || *answer == "false")) remote_ = *answer == "true";
+  return remote_;
 }
 
 Result<void> UrLink::stop_by_program() {

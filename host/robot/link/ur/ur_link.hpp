@@ -44,6 +44,7 @@ class UrLink final : public RobotLink {
   [[nodiscard]] Result<RobotState> wait_newer(std::uint64_t sequence, Nanoseconds patience) const override;
   [[nodiscard]] Result<void> send(const PermittedPath& path) override;
   [[nodiscard]] Result<void> stop() override;
+  [[nodiscard]] std::optional<bool> remote_control() override;
   void start_recording() override;
   [[nodiscard]] std::vector<RobotState> take_recording() override;
   [[nodiscard]] LinkStatus status() const override;
@@ -76,10 +77,13 @@ class UrLink final : public RobotLink {
   [[nodiscard]] Result<void> stop_by_word();
   [[nodiscard]] Result<void> stop_by_program();
 
-  // Only send() and stop().
+  // Only send(), stop() and remote_control().
   TcpStream script_;     ///< kept open: a program that must replace the path's is on its way at once
   Dashboard dashboard_;  ///< kept open for the word that stops the arm
   int output_{-1};       ///< that the sent path switches on
+  bool asked_{false};    ///< whether it is in remote control, and not answered yet
+  HostClock::time_point asked_at_{};
+  std::optional<bool> remote_;
   std::thread thread_;
 };
 

@@ -102,6 +102,10 @@ void FakeController::read_dashboard(int client) {
     const std::string command = dashboard_.substr(at, end - at);
     at = end + 1;
     if (command == "stop" && !times_.stop) times_.stop = Clock::now();
+    if (command == "is in remote control" && !remote_) {
+      static_cast<void>(send(client, "false\n", 6, MSG_NOSIGNAL));
+      continue;
+    }
     const auto known = answers.find(command);
     const std::string answer = (known == answers.end() ? "Stopped" : known->second) + "\n";
     static_cast<void>(send(client, answer.data(), answer.size(), MSG_NOSIGNAL));
@@ -155,6 +159,11 @@ void FakeController::serve() {
       }
       if (script_at_s >= 0) values.now.since_script_s = time_s - script_at_s;
       if (play_) play_(values.now);
+      remote_ = values.now.remote;
+      if (values.now.rests) {
+        const std::lock_guard lock{mutex_};
+        if (!times_.rest) times_.rest = Clock::now();
+      }
       if (values.now.lie) {
         const std::lock_guard lock{mutex_};
         if (!times_.lie) times_.lie = Clock::now();

@@ -26,7 +26,9 @@ struct PlayedState {
   std::uint32_t runtime_state{1};
   double speed_scaling{1};
   bool send{true};
-  bool lie{false};  ///< the first state that a host must not accept
+  bool remote{true};  ///< its answer to "is in remote control"
+  bool rests{false};  ///< after a stop the arm stands
+  bool lie{false};    ///< the first state that a host must not accept
 };
 
 class FakeController {
@@ -58,9 +60,9 @@ class FakeController {
   /// Answers of the dashboard by command; others: "Stopped".  Set before a link is opened.
   std::map<std::string, std::string> answers;
 
-  /// When the first lie was sent, and when the words that stop the arm and its tool came.
+  /// When the first lie was sent, the words that stop the arm and its tool came, and the arm stood.
   struct Times {
-    std::optional<Clock::time_point> lie, stop, output_off;
+    std::optional<Clock::time_point> lie, stop, output_off, rest;
   };
   [[nodiscard]] Times times() const;
 
@@ -79,6 +81,7 @@ class FakeController {
   Times times_;
   Play play_;
   double cycle_s_;
+  bool remote_{true};  ///< its own thread only
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };
