@@ -9,3 +9,5 @@ options=(--bundle --minify --legal-comments=eof --target=es2021 --charset=utf8 -
   --jsx=automatic --jsx-import-source=preact --format=iife)
 # A result folder's viewer is one file: its style is a text in it.
 "$esbuild" src/viewer/main.tsx "${options[@]}" --loader:.css=text --outfile="$folder/viewer.js"
+"$esbuild" src/app/main.tsx "${options[@]}" --outfile="$folder/app.js"
+cp public/* "$folder/"

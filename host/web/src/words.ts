@@ -48,7 +48,18 @@ export function t_or(key: string, otherwise: string): string {
   return key in en ? t(key as Word) : otherwise;
 }
 
+/// For numbers and dates: English here is that of the metric world.
+export function locale(): string {
+  return current === 'en' ? 'en-GB' : current;
+}
+
 export function number(value: number | null | undefined, digits = 2): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return '–';
-  return value.toLocaleString(current, { minimumFractionDigits: digits, maximumFractionDigits: digits });
+  return value.toLocaleString(locale(), { minimumFractionDigits: digits, maximumFractionDigits: digits });
+}
+
+/// As number() with its unit; a dash alone where there is none.
+export function amount(value: number | null | undefined, unit: string, digits = 2): string {
+  const text = number(value, digits);
+  return text === '–' ? text : `${text} ${unit}`;
 }

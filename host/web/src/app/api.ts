@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: MIT
+// The API as openapi.yaml describes it.
+
+export type Role = 'viewer' | 'operator' | 'engineer' | 'administrator';
+export const roles: Role[] = ['viewer', 'operator', 'engineer', 'administrator'];
+
+export interface Me {
+  name: string;
+  role: Role;
+  expires?: string;
+  control?: boolean;
+  local?: boolean;
+}
+export interface Control {
+  holder: string | null;
+  door?: string;
+  since?: string;
+  why?: string;
+}
+export interface Lamp {
+  level: 'unknown' | 'off' | 'ok' | 'warning' | 'fault';
+  words: string;
+}
+export interface State {
+  version: string;
+  simulated?: boolean;
+  phase: string;
+  now: string;
+  next: string;
+  scan?: string | null;
+  progress: number | null;
+  lamps: Record<string, Lamp>;
+  cycle?: { this_s?: number | null; last_s?: number | null };
+  model?: { name: string; probability?: number } | null;
+  process?: string | null;
+  control: Control;
+  seq: number;
+}
+export type Verdict = 'working' | 'ok' | 'amber' | 'refused' | 'failed';
+export interface ScanRow {
+  id: string;
+  time: string;
+  verdict: Verdict;
+  decision: 'open' | 'automatic' | 'accepted' | 'rejected' | 'held';
+  decided_by?: string | null;
+  why?: string | null;
+  model?: string | null;
+  process?: string | null;
+  reason_code?: string | null;
+  reason?: string | null;
+  next_step?: string | null;
+  length_mm?: number | null;
+  confidence?: number | null;
+  u95_mm?: number | null;
+  weak_stretches?: number | null;
+  scan_s?: number | null;
+  line_s?: number | null;
+  cycle_s?: number | null;
+  sent?: boolean;
+  followed?: boolean | null;
+  operator?: string | null;
+  version?: string;
+  line_version?: number;
+  kept?: boolean;
+}
+export interface LineVersion {
+  version: number;
+  time: string;
+  who: string;
+  why?: string;
+}
+export interface Scan extends ScanRow {
+  report: Record<string, unknown> | null;
+  gate?: Record<string, unknown> | null;
+  follow?: Record<string, unknown> | null;
+  versions?: LineVersion[];
+}
+export interface Model {
+  name: string;
+  time?: string;
+  scan?: string | null;
+  process?: string | null;
+  size?: string | null;
+  foot?: 'left' | 'right' | null;
+  version?: number;
+  length_mm?: number | null;
+  scans?: number;
+}
+export interface ProcessRow {
+  name: string;
+  shipped: boolean;
+  time?: string | null;
+  who?: string | null;
+}
+export interface Robot {
+  name: string;
+  address?: string;
+  serial?: string | null;
+  connected: boolean;
+  powered?: boolean | null;
+  remote?: boolean | null;
+  ready?: boolean;
+  words?: string;
+}
+export interface Clock {
+  name: string;
+  known: boolean;
+  offset_ns?: number;
+  uncertainty_ns?: number;
+  drift_ppm?: number;
+  steps?: number;
+}
+export interface Sensor {
+  name: string;
+  connected: boolean;
+  clocks?: Clock[];
+  fault?: string | null;
+  next_step?: string | null;
+  [key: string]: unknown;
+}
+export interface Disk {
+  free_bytes: number;
+  total_bytes: number;
+}
+export interface User {
+  name: string;
+  role: Role;
+  enabled: boolean;
+  made?: string;
+  last_login?: string | null;
+}
+export interface LogEntry {
+  seq: number;
+  time: string;
+  who: string;
+  door?: string;
+  what: string;
+  subject?: string | null;
+  before?: unknown;
+  after?: unknown;
+}
+export interface Bucket {
+  time: string;
+  scans: number;
+  ok: number;
+  amber: number;
+  refused: number;
+  failed: number;
+  cycle_s?: number | null;
+  u95_mm?: number | null;
+  length_mm?: number | null;
+}
+export interface Trends {
+  buckets: Bucket[];
+  reasons: { reason_code: string; scans: number }[];
+  capability?: { model?: string; tolerance_mm?: number; scans?: number; pp?: number[]; ppk?: number[] } | null;
+}
+export interface FileRow {
+  path: string;
+  bytes: number;
+  time: string;
+}
+/// JSON Schema, as far as processes use it.
+export interface Schema {
+  type?: string | string[];
+  title?: string;
+  description?: string;
+  properties?: Record<string, Schema>;
+  required?: string[];
+  items?: Schema;
+  minItems?: number;
+  maxItems?: number;
+  enum?: (string | number)[];
+  minimum?: number;
+  maximum?: number;
+  default?: unknown;
+  'x-unit'?: string;
+}
+
+export interface Fault {
+  field: string;
+  message: string;
+}
+
+/// What the server refused, in its own words.
+export class Refused extends Error {
+  constructor(
+    readonly status: number,
+    readonly code: string,
+    message: string,
+    readonly faults: Fault[],
+  ) {
+    super(message);
+  }
+}
+
+export const base = '/api/v1';
+
+export function file_address(scan: string, path: string): string {
+  return `${base}/scans/${scan}/files/${path.split('/').map(encodeURIComponent).join('/')}`;
+}
+
+/// Throws Refused; `no_answer` when no server was reached.
+export async function call<T>(method: string, path: string, body?: unknown): Promise<T> {
+  let answer: Response;
+  try {
+    answer = await fetch(base + path, {
+      method,
+      credentials: 'same-origin',
+      headers: body === undefined ? {} : { 'content-type': 'application/json' },
+      body: body === undefined ? undefined : JSON.stringify(body),
+    });
+  } catch {
+    throw new Refused(0, 'no_answer', '', []);
+  }
+  const text = await answer.text();
+  let value: unknown = null;
+  try {
+    value = text ? JSON.parse(text) : null;
+  } catch {
+    if (answer.ok) throw new Refused(answer.status, 'internal', text.slice(0, 200), []);
+  }
+  if (answer.ok) return value as T;
+  const error = (value as { error?: { code?: string; message?: string; faults?: Fault[] } } | null)?.error;
+  throw new Refused(answer.status, error?.code ?? 'internal', error?.message ?? answer.statusText, error?.faults ?? []);
+}
+
+export function query(values: Record<string, string | number | undefined | null>): string {
+  const parts = Object.entries(values)
+    .filter(([, value]) => value !== undefined && value !== null && value !== '')
+    .map(([name, value]) => `${name}=${encodeURIComponent(String(value))}`);
+  return parts.length > 0 ? `?${parts.join('&')}` : '';
+}

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: MIT
+// What the cell does now: lamps, picture, profile, cloud, and what waits for a person.
+import type { JSX } from 'preact';
+import { useEffect, useRef, useState } from 'preact/hooks';
+import { amount, number, t, t_or } from '../words';
+import { type ScanRow, call } from './api';
+import { watch_live } from './live_data';
+import { LiveScene, type LiveColour } from './live_scene';
+import { AskWhy, Failure, Figures, Verdict } from './parts';
+import { act, holds_control, may, use_reading, use_store } from './store';
+
+const lamp_signs: Record<string, string> = { ok: '●', warning: '▲', fault: '✖', off: '○', unknown: '?' };
+const lamp_order = ['laser', 'camera', 'robot', 'poses', 'clock'];
+
+function draw_profile(canvas: HTMLCanvasElement, xz_mm: Float32Array, flags: Uint8Array): void {
+  const ratio = window.devicePixelRatio || 1;
+  const width = canvas.clientWidth;
+  const height = canvas.clientHeight;
+  canvas.width = Math.round(width * ratio);
+  canvas.height = Math.round(height * ratio);
+  const c = canvas.getContext('2d');
+  if (!c || xz_mm.length === 0) return;
+  c.scale(ratio, ratio);
+  let low_x = Infinity;
+  let high_x = -Infinity;
+  let low_z = Infinity;
+  let high_z = -Infinity;
+  for (let i = 0; i + 1 < xz_mm.length; i += 2) {
+    if (!Number.isFinite(xz_mm[i]!) || !Number.isFinite(xz_mm[i + 1]!)) continue;
+    low_x = Math.min(low_x, xz_mm[i]!);
+    high_x = Math.max(high_x, xz_mm[i]!);
+    low_z = Math.min(low_z, xz_mm[i + 1]!);
+    high_z = Math.max(high_z, xz_mm[i + 1]!);
+  }
+  const scale = Math.min((width - 20) / Math.max(1, high_x - low_x), (height - 34) / Math.max(1, high_z - low_z));
+  const style = getComputedStyle(canvas);
+  c.fillStyle = style.color;
+  for (let i = 0; i + 1 < xz_mm.length; i += 2) {
+    const x = width / 2 + (xz_mm[i]! - (low_x + high_x) / 2) * scale;
+    const y = height / 2 - 8 - (xz_mm[i + 1]! - (low_z + high_z) / 2) * scale;
+    // A flagged point is hollow: it stays out of the cloud.
+    if (flags[i / 2]) {
+      c.strokeStyle = style.color;
+      c.strokeRect(x - 1.5, y - 1.5, 3, 3);
+    } else c.fillRect(x - 1, y - 1, 2, 2);
+  }
+  c.font = '12px system-ui, sans-serif';
+  c.fillText(`x ${number(low_x, 1)} … ${number(high_x, 1)} mm, z ${number(low_z, 1)} … ${number(high_z, 1)} mm`, 8, height - 8);
+}
+
+function LivePictures(): JSX.Element {
+  const picture = useRef<HTMLImageElement>(null);
+  const profile = useRef<HTMLCanvasElement>(null);
+  const box = useRef<HTMLDivElement>(null);
+  const scene = useRef<LiveScene | null>(null);
+  const [seen, set_seen] = useState({ picture: -1, profile: -1, points: 0, line: 0, tip: '' });
+  const [without, set_without] = useState('');
+  const [colour, set_colour] = useState<LiveColour>('height');
+  useEffect(() => {
+    if (box.current) {
+      try {
+        scene.current = new LiveScene(box.current);
+      } catch {
+        set_without(t('no_webgl'));
+      }
+    }
+    let address = '';
+    const stop = watch_live((message) => {
+      if (message.kind === 'picture' && picture.current) {
+        const before = address;
+        address = URL.createObjectURL(message.jpeg);
+        picture.current.src = address;
+        picture.current.hidden = false;
+        if (before) URL.revokeObjectURL(before);
+        set_seen((s) => ({ ...s, picture: message.seq }));
+      } else if (message.kind === 'profile' && profile.current) {
+        draw_profile(profile.current, message.xz_mm, message.flags);
+        set_seen((s) => ({ ...s, profile: message.seq }));
+      } else if (message.kind === 'cloud') {
+        scene.current?.add_cloud(message.scan, message.xyz_mm);
+        set_seen((s) => ({ ...s, points: scene.current?.points() ?? 0, line: 0 }));
+      } else if (message.kind === 'line') {
+        scene.current?.set_line(message.values);
+        set_seen((s) => ({ ...s, line: message.values.length / 5 }));
+      } else if (message.kind === 'arm') {
+        scene.current?.move_tip(message.tip_mm);
+        set_seen((s) => ({ ...s, tip: message.tip_mm.map((v) => number(v, 0)).join(', ') }));
+      }
+    });
+    return () => {
+      stop();
+      scene.current?.dispose();
+      scene.current = null;
+      if (address) URL.revokeObjectURL(address);
+    };
+  }, []);
+  useEffect(() => {
+    if (!scene.current) return;
+    scene.current.colour = colour;
+    scene.current.recolour();
+  }, [colour]);
+  return (
+    <div class="live-grid">
+      <figure class="card">
+        <figcaption>{t('live_picture')}</figcaption>
+        <img ref={picture} alt={t('live_picture_words')} hidden />
+        {seen.picture < 0 && <p class="quiet">{t('live_picture_none')}</p>}
+      </figure>
+      <figure class="card">
+        <figcaption>{t('live_profile')}</figcaption>
+        <canvas ref={profile} class="profile" role="img" aria-label={t('live_profile')} />
+        {seen.profile < 0 ? <p class="quiet">{t('live_profile_none')}</p> : <p class="quiet">{t('live_profile_words', { seq: seen.profile })}</p>}
+      </figure>
+      <figure class="card wide">
+        <figcaption>
+          {t('live_cloud')}{' '}
+          <label>
+            {t('colour')}{' '}
+            <select value={colour} onChange={(e) => set_colour(e.currentTarget.value as LiveColour)}>
+              <option value="height">{t('colour_height')}</option>
+              <option value="time">{t('colour_time')}</option>
+            </select>
+          </label>
+        </figcaption>
+        <div class="stage" ref={box} role="img" aria-label={t('live_cloud')}>
+          {without && <p class="notice refused">{without}</p>}
+        </div>
+        <p class="quiet">
+          {t('live_cloud_words', { points: seen.points.toLocaleString(), line: seen.line })}
+          {seen.tip && ` ${t('live_tip', { place: seen.tip })}`}
+        </p>
+      </figure>
+    </div>
+  );
+}
+
+/// The newest scans that wait for a person.
+export function Waiting(): JSX.Element | null {
+  const { state } = use_store();
+  const { value } = use_reading<{ scans: ScanRow[] }>('/scans?limit=20');
+  const waiting = (value?.scans ?? []).filter(
+    (scan) => scan.decision === 'held' || (scan.decision === 'open' && (scan.verdict === 'ok' || scan.verdict === 'amber') && scan.id === state?.scan),
+  );
+  if (waiting.length === 0) return null;
+  return (
+    <section class="card look" aria-label={t('waiting')}>
+      <h2>{t('waiting')}</h2>
+      {waiting.map((scan) => (
+        <div key={scan.id}>
+          <p>
+            <a href={`#/scans/${scan.id}`}>{scan.id}</a> <Verdict scan={scan} /> {scan.why ?? scan.reason ?? ''}
+          </p>
+          <Decide scan={scan} />
+        </div>
+      ))}
+    </section>
+  );
+}
+
+/// Accept, reject, hold, send, rescan: what may be done with a scan now.
+export function Decide({ scan }: { scan: ScanRow }): JSX.Element {
+  use_store();
+  const enabled = may('operator') && holds_control();
+  const at = `/scans/${scan.id}`;
+  const has_line = scan.verdict === 'ok' || scan.verdict === 'amber';
+  return (
+    <div class="tools">
+      {has_line && scan.decision !== 'accepted' && (
+        <button type="button" class="go" disabled={!enabled} onClick={() => void act(t('done_accept'), () => call('POST', `${at}/accept`, {}))}>
+          {t('accept')}
+        </button>
+      )}
+      {scan.decision !== 'rejected' && has_line && (
+        <AskWhy label={t('reject')} kind="stop-quiet" disabled={!enabled} act={(why) => void act(t('done_reject'), () => call('POST', `${at}/reject`, { why }))} />
+      )}
+      {has_line && scan.decision !== 'held' && (
+        <AskWhy label={t('hold')} needed={false} disabled={!enabled} act={(why) => void act(t('done_hold'), () => call('POST', `${at}/hold`, why ? { why } : {}))} />
+      )}
+      {has_line && (scan.decision === 'accepted' || scan.decision === 'automatic') && !scan.sent && (
+        <button type="button" disabled={!enabled} onClick={() => void act(t('done_send'), () => call('POST', `${at}/send`, {}))}>
+          {t('send')}
+        </button>
+      )}
+      <button type="button" disabled={!enabled} onClick={() => void act(t('done_rescan'), () => call('POST', '/commands/rescan', {}))}>
+        {t('rescan')}
+      </button>
+      {!enabled && <p class="quiet">{may('operator') ? t('needs_control') : t('needs_operator')}</p>}
+    </div>
+  );
+}
+
+export function Live(): JSX.Element {
+  const { state, host } = use_store();
+  const enabled = may('operator') && holds_control();
+  if (!state) return <Failure text={host ? t('waits_for_state') : t('code_host_away')} />;
+  return (
+    <>
+      <h1>{t('nav_live')}</h1>
+      {state.simulated && <p class="notice">{t('simulated')}</p>}
+      <section class="card now" aria-live="polite">
+        <p class="big">{state.now}</p>
+        <p>
+          {t('next')} {state.next}
+        </p>
+        {state.progress !== null && <progress value={state.progress} max={1} aria-label={t('progress')} />}
+        <div class="tools">
+          <button type="button" class="go" disabled={!enabled} onClick={() => void act(t('done_start'), () => call('POST', '/commands/start', {}))}>
+            {t('start')}
+          </button>
+          {!enabled && <p class="quiet">{may('operator') ? t('needs_control') : t('needs_operator')}</p>}
+        </div>
+      </section>
+      <ul class="lamps" aria-label={t('lamps')}>
+        {lamp_order.map((name) => {
+          const lamp = state.lamps[name] ?? { level: 'unknown', words: '' };
+          return (
+            <li key={name} class={`lamp ${lamp.level}`}>
+              <span class="sign" aria-hidden="true">
+                {lamp_signs[lamp.level] ?? '?'}
+              </span>
+              <span>
+                <strong>{t_or(`lamp_${name}`, name)}</strong>: {t_or(`level_${lamp.level}`, lamp.level)}
+                <br />
+                {lamp.words}
+              </span>
+            </li>
+          );
+        })}
+      </ul>
+      <Waiting />
+      <Figures
+        rows={[
+          [t('cycle_this'), amount(state.cycle?.this_s, 's', 1)],
+          [t('cycle_last'), amount(state.cycle?.last_s, 's', 1)],
+          [t('model'), state.model ? `${state.model.name}${state.model.probability !== undefined ? ` (${number(state.model.probability, 2)})` : ''}` : '–'],
+          [t('process'), state.process ?? '–'],
+          [t('scan'), state.scan ? <a href={`#/scans/${state.scan}`}>{state.scan}</a> : '–'],
+        ]}
+      />
+      <LivePictures />
+    </>
+  );
+}

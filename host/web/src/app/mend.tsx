@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+// Mending a line: another candidate, a stretch led through points, a stretch cut, back to an older version.
+import type { JSX } from 'preact';
+import { useState } from 'preact/hooks';
+import type { ViewData } from '../viewer/view_data';
+import { amount, number, t } from '../words';
+import { type Scan, call } from './api';
+import { Table } from './parts';
+import { act, holds_control, may, time_words, use_store } from './store';
+
+interface Step {
+  step: 'candidate' | 'through' | 'cut' | 'back_to';
+  candidate?: number;
+  from_mm?: number;
+  to_mm?: number;
+  points?: number[][];
+  line_version?: number;
+}
+
+/// "x, y, z; x, y, z" in the base frame; null where it is none.
+function read_points(text: string): number[][] | null {
+  const points = text
+    .split(/[;\n]/)
+    .map((part) => part.trim())
+    .filter((part) => part !== '')
+    .map((part) => part.split(/[\s,]+/).map(Number));
+  return points.length > 0 && points.every((p) => p.length === 3 && p.every(Number.isFinite)) ? points : null;
+}
+
+export function Mend({ scan, data }: { scan: Scan; data: ViewData }): JSX.Element | null {
+  use_store();
+  const [steps, set_steps] = useState<Step[]>([]);
+  const [undone, set_undone] = useState<Step[]>([]);
+  const [from, set_from] = useState('');
+  const [to, set_to] = useState('');
+  const [points, set_points] = useState('');
+  const [why, set_why] = useState('');
+  const candidates = data.report.candidates ?? [];
+  if (!may('operator')) return null;
+  const enabled = holds_control();
+  const add = (step: Step) => {
+    set_steps([...steps, step]);
+    set_undone([]);
+  };
+  const stretch = { from_mm: Number(from), to_mm: Number(to) };
+  const is_stretch = from !== '' && to !== '' && Number.isFinite(stretch.from_mm) && Number.isFinite(stretch.to_mm);
+  const through = read_points(points);
+  const say = (step: Step) =>
+    step.step === 'candidate'
+      ? t('mend_candidate', { which: step.candidate ?? 0 })
+      : step.step === 'back_to'
+        ? t('mend_back', { version: step.line_version ?? 0 })
+        : `${t(step.step === 'cut' ? 'mend_cut' : 'mend_through')} ${number(step.from_mm, 1)} … ${number(step.to_mm, 1)} mm`;
+  return (
+    <details class="card">
+      <summary>{t('mend')}</summary>
+      <p>{t('mend_words')}</p>
+      {!enabled && <p class="quiet">{t('needs_control')}</p>}
+      {candidates.length > 1 && (
+        <Table label={t('candidates')} heads={[t('candidates'), t('colour_confidence'), t('length'), t('height'), '']}>
+          {candidates.map((candidate, i) => (
+            <tr key={`${candidate.length_mm}`}>
+              <th scope="row">{i + 1}</th>
+              <td>{number(candidate.confidence, 2)}</td>
+              <td>{amount(candidate.length_mm, 'mm', 1)}</td>
+              <td>{amount(candidate.mean_height_mm, 'mm', 1)}</td>
+              <td>
+                <button type="button" onClick={() => add({ step: 'candidate', candidate: i + 1 })}>
+                  {t('take_candidate', { which: i + 1 })}
+                </button>
+              </td>
+            </tr>
+          ))}
+        </Table>
+      )}
+      <fieldset>
+        <legend>{t('mend_stretch')}</legend>
+        <label>
+          A [mm] <input inputMode="decimal" value={from} onInput={(e) => set_from(e.currentTarget.value)} size={8} />
+        </label>{' '}
+        <label>
+          B [mm] <input inputMode="decimal" value={to} onInput={(e) => set_to(e.currentTarget.value)} size={8} />
+        </label>
+        <label class="wide">
+          {t('mend_points')} <textarea rows={2} value={points} onInput={(e) => set_points(e.currentTarget.value)} />
+        </label>
+        <div class="tools">
+          <button type="button" disabled={!is_stretch || !through} onClick={() => through && add({ step: 'through', ...stretch, points: through })}>
+            {t('mend_through')}
+          </button>
+          <button type="button" disabled={!is_stretch} onClick={() => add({ step: 'cut', ...stretch })}>
+            {t('mend_cut')}
+          </button>
+        </div>
+      </fieldset>
+      {(scan.versions ?? []).length > 1 && (
+        <Table label={t('line_versions')} heads={[t('line_versions'), t('time'), t('who'), t('why'), '']}>
+          {scan.versions!.map((version) => (
+            <tr key={version.version}>
+              <th scope="row">{version.version}</th>
+              <td>{time_words(version.time)}</td>
+              <td>{version.who}</td>
+              <td>{version.why ?? ''}</td>
+              <td>
+                <button type="button" disabled={version.version === scan.line_version} onClick={() => add({ step: 'back_to', line_version: version.version })}>
+                  {t('mend_back', { version: version.version })}
+                </button>
+              </td>
+            </tr>
+          ))}
+        </Table>
+      )}
+      <ol>
+        {steps.map((step, i) => (
+          <li key={`${i} ${step.step}`}>{say(step)}</li>
+        ))}
+      </ol>
+      <form
+        class="tools"
+        onSubmit={(event) => {
+          event.preventDefault();
+          void act(t('done_mend'), () => call('POST', `/scans/${scan.id}/mend`, { line_version: scan.line_version ?? 0, steps, why })).then((done) => done && set_steps([]));
+        }}
+      >
+        <button
+          type="button"
+          disabled={steps.length === 0}
+          onClick={() => {
+            set_undone([...undone, steps[steps.length - 1]!]);
+            set_steps(steps.slice(0, -1));
+          }}
+        >
+          {t('undo')}
+        </button>
+        <button
+          type="button"
+          disabled={undone.length === 0}
+          onClick={() => {
+            set_steps([...steps, undone[undone.length - 1]!]);
+            set_undone(undone.slice(0, -1));
+          }}
+        >
+          {t('redo')}
+        </button>
+        <label>
+          {t('why')} <input value={why} required maxLength={500} onInput={(e) => set_why(e.currentTarget.value)} />
+        </label>
+        <button type="submit" class="go" disabled={!enabled || steps.length === 0}>
+          {t('mend_save')}
+        </button>
+      </form>
+    </details>
+  );
+}

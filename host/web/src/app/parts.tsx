@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+// Small parts that several views use.
+import type { ComponentChildren, JSX } from 'preact';
+import { useEffect, useRef, useState } from 'preact/hooks';
+import uPlot from 'uplot';
+import { t, t_or } from '../words';
+import type { ScanRow } from './api';
+
+/// A shape before the word: a verdict is never told by colour alone.
+const verdict_signs: Record<string, string> = { ok: '✔', amber: '▲', refused: '✖', failed: '!', working: '…' };
+
+export function Verdict({ scan }: { scan: ScanRow }): JSX.Element {
+  return (
+    <span class={`verdict ${scan.verdict}`}>
+      <span aria-hidden="true">{verdict_signs[scan.verdict] ?? ''}</span> {t_or(`verdict_${scan.verdict}`, scan.verdict)}
+    </span>
+  );
+}
+
+export function Figures({ rows }: { rows: [string, ComponentChildren][] }): JSX.Element {
+  return (
+    <dl class="figures">
+      {rows.map(([name, value]) => (
+        <div key={name}>
+          <dt>{name}</dt>
+          <dd>{value}</dd>
+        </div>
+      ))}
+    </dl>
+  );
+}
+
+export function Failure({ text }: { text: string }): JSX.Element | null {
+  return text ? <p class="notice refused">{text}</p> : null;
+}
+
+/// A table that scrolls by itself on a narrow screen, also by keyboard.
+export function Table(props: { label: string; heads: string[]; children: ComponentChildren }): JSX.Element {
+  return (
+    <section class="scroll" tabIndex={0} aria-label={props.label}>
+      <table>
+        <thead>
+          <tr>
+            {props.heads.map((head) =>
+              // A heading without words is none for a screen reader.
+              head === '' ? (
+                <td key="none" />
+              ) : (
+                <th key={head} scope="col">
+                  {head}
+                </th>
+              ),
+            )}
+          </tr>
+        </thead>
+        <tbody>{props.children}</tbody>
+      </table>
+    </section>
+  );
+}
+
+/// A button that asks for a reason before it acts.
+export function AskWhy(props: {
+  label: string;
+  kind?: string;
+  needed?: boolean;
+  disabled?: boolean;
+  act: (why: string) => void;
+}): JSX.Element {
+  const [open, set_open] = useState(false);
+  const [why, set_why] = useState('');
+  const field = useRef<HTMLInputElement>(null);
+  useEffect(() => {
+    if (open) field.current?.focus();
+  }, [open]);
+  if (!open) {
+    return (
+      <button type="button" class={props.kind} disabled={props.disabled} onClick={() => set_open(true)}>
+        {props.label}
+      </button>
+    );
+  }
+  return (
+    <form
+      class="ask"
+      onSubmit={(event) => {
+        event.preventDefault();
+        set_open(false);
+        props.act(why.trim());
+        set_why('');
+      }}
+    >
+      <label>
+        {t('why')}{' '}
+        <input ref={field} value={why} maxLength={500} required={props.needed ?? true} onInput={(e) => set_why(e.currentTarget.value)} />
+      </label>
+      <button type="submit" class={props.kind}>
+        {props.label}
+      </button>
+      <button type="button" onClick={() => set_open(false)}>
+        {t('cancel')}
+      </button>
+    </form>
+  );
+}
+
+function theme_colour(name: string): string {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}
+
+export interface Curve {
+  label: string;
+  values: (number | null)[];
+  /// Dashes tell curves apart without colour.
+  dash?: number[];
+  colour: string;
+}
+
+/// Curves over time (seconds since 1970) or over whole numbers.
+export function Chart(props: { label: string; x: number[]; curves: Curve[]; is_time?: boolean }): JSX.Element {
+  const box = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    if (!box.current || props.x.length === 0) return;
+    const axis = { stroke: theme_colour('--text'), grid: { stroke: theme_colour('--edge'), width: 0.5 }, ticks: { stroke: theme_colour('--edge') } };
+    const plot = new uPlot(
+      {
+        width: Math.max(280, box.current.clientWidth),
+        height: 220,
+        scales: { x: { time: props.is_time ?? true } },
+        axes: [axis, axis],
+        series: [
+          {},
+          ...props.curves.map((curve) => ({
+            label: curve.label,
+            stroke: theme_colour(curve.colour),
+            dash: curve.dash,
+            width: 2,
+            points: { show: props.x.length < 60 },
+          })),
+        ],
+      },
+      [props.x, ...props.curves.map((curve) => curve.values)],
+      box.current,
+    );
+    const watcher = new ResizeObserver(() => {
+      if (box.current) plot.setSize({ width: Math.max(280, box.current.clientWidth), height: 220 });
+    });
+    watcher.observe(box.current);
+    return () => {
+      watcher.disconnect();
+      plot.destroy();
+    };
+  }, [props.x, props.curves, props.is_time]);
+  return (
+    <figure class="chart">
+      <figcaption>{props.label}</figcaption>
+      <div ref={box} role="img" aria-label={props.label} />
+    </figure>
+  );
+}

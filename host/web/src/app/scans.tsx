@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: MIT
+// Every shoe: the table with filters and trends, and one scan with the viewer.
+import type { JSX } from 'preact';
+import { useEffect, useMemo, useState } from 'preact/hooks';
+import { parse_view_data, type ResultFile, type ViewData } from '../viewer/view_data';
+import { Viewer } from '../viewer/viewer';
+import { amount, number, t, t_or } from '../words';
+import { type FileRow, Refused, type Scan, type ScanRow, type Trends, base, call, file_address, query } from './api';
+import { Decide } from './live';
+import { Mend } from './mend';
+import { Chart, Failure, Figures, Table, Verdict } from './parts';
+import { time_words, use_reading, use_store } from './store';
+
+const verdicts = ['ok', 'amber', 'refused', 'failed', 'working'];
+
+interface Filter {
+  from: string;
+  to: string;
+  model: string;
+  verdict: string;
+}
+
+/// A day of the date field as the API wants it; `to` is the day's end.
+function day(text: string, end: boolean): string | undefined {
+  if (!text) return undefined;
+  const time = new Date(`${text}T00:00:00`);
+  if (end) time.setDate(time.getDate() + 1);
+  return Number.isNaN(time.getTime()) ? undefined : time.toISOString();
+}
+
+export function Scans(): JSX.Element {
+  const [filter, set_filter] = useState<Filter>({ from: '', to: '', model: '', verdict: '' });
+  const [more, set_more] = useState<{ key: string; rows: ScanRow[]; next: string | null } | null>(null);
+  const asked = { from: day(filter.from, false), to: day(filter.to, true), model: filter.model, verdict: filter.verdict };
+  const path = `/scans${query({ ...asked, limit: 50 })}`;
+  const { value, error } = use_reading<{ scans: ScanRow[]; next: string | null }>(path);
+  const extra = more?.key === path ? more : null;
+  const rows = [...(value?.scans ?? []), ...(extra?.rows ?? [])];
+  const next = extra ? extra.next : (value?.next ?? null);
+  const field = (name: keyof Filter) => ({
+    value: filter[name],
+    onInput: (event: { currentTarget: { value: string } }) => set_filter({ ...filter, [name]: event.currentTarget.value }),
+  });
+  const load = async () => {
+    if (!next) return;
+    const page = await call<{ scans: ScanRow[]; next: string | null }>('GET', `/scans${query({ ...asked, limit: 50, cursor: next })}`);
+    set_more({ key: path, rows: [...(extra?.rows ?? []), ...page.scans], next: page.next });
+  };
+  return (
+    <>
+      <h1>{t('nav_scans')}</h1>
+      <form class="tools" onSubmit={(event) => event.preventDefault()}>
+        <label>
+          {t('from')} <input type="date" {...field('from')} />
+        </label>
+        <label>
+          {t('to')} <input type="date" {...field('to')} />
+        </label>
+        <label>
+          {t('model')} <input {...field('model')} maxLength={64} size={12} />
+        </label>
+        <label>
+          {t('verdict')}{' '}
+          <select {...field('verdict')}>
+            <option value="">{t('all')}</option>
+            {verdicts.map((name) => (
+              <option key={name} value={name}>
+                {t_or(`verdict_${name}`, name)}
+              </option>
+            ))}
+          </select>
+        </label>
+        <a class="button" href={`${base}/history.csv${query({ from: asked.from, to: asked.to, model: asked.model })}`} download="history.csv">
+          {t('csv')}
+        </a>
+      </form>
+      <Failure text={error} />
+      {value && rows.length === 0 && <p>{t('no_scans')}</p>}
+      {rows.length > 0 && (
+        <Table
+          label={t('nav_scans')}
+          heads={[t('scan'), t('time'), t('verdict'), t('decision'), t('model'), t('reason'), t('length'), 'U95', t('weak_stretches'), t('cycle'), t('operator')]}
+        >
+          {rows.map((scan) => (
+            <tr key={scan.id}>
+              <th scope="row">
+                <a href={`#/scans/${scan.id}`}>{scan.id}</a>
+              </th>
+              <td>{time_words(scan.time)}</td>
+              <td>
+                <Verdict scan={scan} />
+              </td>
+              <td>{t_or(`decision_${scan.decision}`, scan.decision)}</td>
+              <td>{scan.model ?? '–'}</td>
+              <td>{scan.reason_code ? t_or(`reason_${scan.reason_code}`, scan.reason_code) : '–'}</td>
+              <td>{amount(scan.length_mm, 'mm', 1)}</td>
+              <td>{amount(scan.u95_mm, 'mm', 2)}</td>
+              <td>{scan.weak_stretches ?? '–'}</td>
+              <td>{amount(scan.cycle_s, 's', 1)}</td>
+              <td>{scan.operator ?? '–'}</td>
+            </tr>
+          ))}
+        </Table>
+      )}
+      {next && (
+        <button type="button" onClick={() => void load()}>
+          {t('more')}
+        </button>
+      )}
+      <TrendView from={asked.from} to={asked.to} model={asked.model} />
+    </>
+  );
+}
+
+function TrendView(props: { from?: string; to?: string; model: string }): JSX.Element | null {
+  const [bucket, set_bucket] = useState('day');
+  const { value, error } = use_reading<Trends>(`/history/trends${query({ ...props, bucket })}`);
+  const charts = useMemo(() => {
+    if (!value) return null;
+    const x = value.buckets.map((b) => Date.parse(b.time) / 1000);
+    const share = value.buckets.map((b) => (b.scans > 0 ? (100 * (b.ok + b.amber)) / b.scans : null));
+    return {
+      x,
+      pass: [{ label: t('pass_rate'), values: share, colour: '--link' }],
+      u95: [{ label: 'U95', values: value.buckets.map((b) => b.u95_mm ?? null), colour: '--link' }],
+      cycle: [{ label: t('cycle'), values: value.buckets.map((b) => b.cycle_s ?? null), colour: '--link' }],
+    };
+  }, [value]);
+  const capability = value?.capability;
+  const places = useMemo(() => {
+    if (!capability?.pp) return null;
+    return {
+      x: capability.pp.map((_, i) => i + 1),
+      curves: [
+        { label: 'Pp', values: capability.pp, colour: '--quiet', dash: [6, 4] },
+        { label: 'Ppk', values: capability.ppk ?? [], colour: '--link' },
+      ],
+    };
+  }, [capability]);
+  if (error) return <Failure text={error} />;
+  if (!value || !charts) return null;
+  const total = value.buckets.reduce((sum, b) => sum + b.scans, 0);
+  const good = value.buckets.reduce((sum, b) => sum + b.ok + b.amber, 0);
+  return (
+    <section>
+      <h2>{t('trends')}</h2>
+      <label>
+        {t('per')}{' '}
+        <select value={bucket} onChange={(e) => set_bucket(e.currentTarget.value)}>
+          {['hour', 'day', 'week'].map((name) => (
+            <option key={name} value={name}>
+              {t_or(`per_${name}`, name)}
+            </option>
+          ))}
+        </select>
+      </label>
+      <p>{t('trend_words', { scans: total, share: total > 0 ? number((100 * good) / total, 1) : '–' })}</p>
+      {total > 0 && (
+        <div class="live-grid">
+          <Chart label={`${t('pass_rate')} [%]`} x={charts.x} curves={charts.pass} />
+          <Chart label={t('u95_trend')} x={charts.x} curves={charts.u95} />
+          <Chart label={`${t('cycle')} [s]`} x={charts.x} curves={charts.cycle} />
+          {places && capability && (
+            <Chart label={t('capability', { model: capability.model ?? '', tolerance: number(capability.tolerance_mm, 2), scans: capability.scans ?? 0 })} x={places.x} curves={places.curves} is_time={false} />
+          )}
+        </div>
+      )}
+      {value.reasons.length > 0 && (
+        <Table label={t('reasons')} heads={[t('reason'), t('count')]}>
+          {value.reasons.map((row) => (
+            <tr key={row.reason_code}>
+              <th scope="row">{t_or(`reason_${row.reason_code}`, row.reason_code)}</th>
+              <td>{row.scans}</td>
+            </tr>
+          ))}
+        </Table>
+      )}
+    </section>
+  );
+}
+
+/// view_data.js of a scan; null while it is read, or a word why there is none.
+function use_view(id: string, version: number | undefined): { data: ViewData | null; error: string } {
+  const [got, set] = useState<{ data: ViewData | null; error: string }>({ data: null, error: '' });
+  const { turn } = use_store();
+  useEffect(() => {
+    let alive = true;
+    fetch(file_address(id, 'view_data.js'), { credentials: 'same-origin' })
+      .then(async (answer) => {
+        if (!answer.ok) throw new Refused(answer.status, 'not_found', t('no_view'), []);
+        return parse_view_data(await answer.text());
+      })
+      .then((data) => alive && set({ data, error: '' }))
+      .catch((error: Error) => alive && set({ data: null, error: error.message || t('no_view') }));
+    return () => {
+      alive = false;
+    };
+  }, [id, version, turn]);
+  return got;
+}
+
+export function OneScan({ id }: { id: string }): JSX.Element {
+  const { value: scan, error } = use_reading<Scan>(`/scans/${id}`);
+  const { value: listed } = use_reading<{ files: FileRow[] }>(`/scans/${id}/files`);
+  const finished = scan !== null && scan.verdict !== 'working';
+  return (
+    <>
+      <h1>{id}</h1>
+      <Failure text={error} />
+      {scan && (
+        <>
+          <p class={`notice ${scan.verdict === 'amber' ? 'look' : scan.verdict === 'ok' ? 'good' : scan.verdict === 'working' ? '' : 'refused'}`}>
+            <Verdict scan={scan} /> {scan.reason ?? ''} {scan.next_step && <strong>{`${t('next_step')} ${scan.next_step}`}</strong>}
+          </p>
+          <Decide scan={scan} />
+          <Figures
+            rows={[
+              [t('time'), time_words(scan.time)],
+              [t('decision'), `${t_or(`decision_${scan.decision}`, scan.decision)}${scan.decided_by ? `, ${scan.decided_by}` : ''}${scan.why ? `: ${scan.why}` : ''}`],
+              [t('model'), scan.model ?? '–'],
+              [t('process'), scan.process ?? '–'],
+              [t('length'), amount(scan.length_mm, 'mm', 1)],
+              [t('colour_confidence'), number(scan.confidence, 2)],
+              [t('u95_line'), amount(scan.u95_mm, 'mm', 2)],
+              [t('followed'), scan.followed === true ? t('yes') : scan.followed === false ? t('not_to_end') : scan.sent ? t('sent') : t('no')],
+              [t('times'), `${t('scan')} ${number(scan.scan_s, 1)} s, ${t('layer_line')} ${number(scan.line_s, 2)} s, ${t('cycle')} ${number(scan.cycle_s, 1)} s`],
+              [t('operator'), scan.operator ?? '–'],
+              [t('versions'), `${scan.version ?? '–'}, ${t('layer_line')} ${scan.line_version ?? 0}`],
+            ]}
+          />
+          <button type="button" onClick={() => window.print()}>
+            {t('print')}
+          </button>
+          {finished && <ScanView scan={scan} files={listed?.files ?? []} />}
+        </>
+      )}
+    </>
+  );
+}
+
+const named = ['line.csv', 'cloud.ply', 'report.json', 'path/path.csv', 'path/path.script', 'path/tracking.html', 'gate.json', 'followed.json', 'track.csv'];
+
+function ScanView({ scan, files }: { scan: Scan; files: FileRow[] }): JSX.Element {
+  const { data, error } = use_view(scan.id, scan.line_version);
+  const shown: ResultFile[] = files
+    .filter((file) => named.includes(file.path))
+    .map((file) => ({ file: file.path, words: file.path, bytes: file.bytes }));
+  const stages = files.filter((file) => /^stages\/.*\.png$/.test(file.path));
+  return (
+    <>
+      <h2>{t('in_3d')}</h2>
+      <Failure text={error} />
+      {data && <Viewer key={`${scan.id} ${scan.line_version ?? 0}`} data={data} files={shown} file_base={`${base}/scans/${scan.id}/files/`} told />}
+      {data?.line && <Mend scan={scan} data={data} />}
+      {stages.length > 0 && (
+        <details>
+          <summary>{t('stages')}</summary>
+          {stages.map((file) => (
+            <figure key={file.path} class="card">
+              <img src={file_address(scan.id, file.path)} alt={file.path} loading="lazy" />
+              <figcaption>{file.path}</figcaption>
+            </figure>
+          ))}
+        </details>
+      )}
+    </>
+  );
+}

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// Debian's chromium for the tests of the page: no network of its own, its own profile, every console error noted.
+import { existsSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+
+export const web = process.env.BITELINE_WEB_SOURCE;
+const require = createRequire(join(web, 'package.json'));
+
+export function skip(why) {
+  console.log(`skipped: ${why}`);
+  process.exit(77);
+}
+const chromium_path = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find(existsSync);
+if (!chromium_path) skip('no chromium; ./run test installs it');
+if (!existsSync(join(web, 'node_modules/playwright-core'))) skip('no packages; run npm ci in host/web');
+
+const { chromium } = require('playwright-core');
+const axe = readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
+
+let failed = 0;
+export function check(good, what) {
+  if (good) return;
+  failed += 1;
+  console.log(`FAILED: ${what}`);
+}
+export function failures() {
+  return failed;
+}
+
+export async function start() {
+  const profile = mkdtempSync(join(tmpdir(), 'biteline-browser-'));
+  const browser = await chromium.launch({
+    executablePath: chromium_path,
+    args: [
+      '--headless', '--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update',
+      '--disable-sync', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', `--crash-dumps-dir=${profile}`,
+    ],
+  });
+  return {
+    browser,
+    async close() {
+      await browser.close();
+      rmSync(profile, { recursive: true, force: true });
+    },
+  };
+}
+
+/// A page whose console errors count as failures, unless `may_fail` says they are expected now.
+export async function open(browser, { width = 1280, height = 900, scheme = 'light' } = {}) {
+  const context = await browser.newContext({ viewport: { width, height }, colorScheme: scheme, locale: 'en-GB', reducedMotion: 'reduce' });
+  const page = await context.newPage();
+  const state = { page, context, may_fail: false };
+  page.on('console', (message) => {
+    if (message.type() === 'error' && !state.may_fail) check(false, `console: ${message.text()} ${message.location().url}`);
+  });
+  page.on('pageerror', (error) => check(false, `page: ${error.message}`));
+  page.setDefaultTimeout(60_000);
+  return state;
+}
+
+export async function look_for_faults(page, name) {
+  // As a value: a script tag would be blocked by the page's own policy.
+  await page.evaluate(axe);
+  const found = await page.evaluate(() => globalThis.axe.run({ runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'best-practice'] }));
+  for (const violation of found.violations) {
+    check(false, `${name}: axe ${violation.id}: ${violation.help}: ${violation.nodes.slice(0, 3).map((node) => node.target.join(' ')).join(' | ')}`);
+  }
+}
+
+export async function wide_as_screen(page, name) {
+  const [content, window] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
+  check(content <= window, `${name}: ${content} px wide on a screen of ${window} px`);
+}

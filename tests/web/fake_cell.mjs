@@ -1,0 +1,360 @@
+// SPDX-License-Identifier: MIT
+// A small stand-in for biteline-web: the API's answers as openapi.yaml describes them, kept in memory.
+// Nothing here is measured or decided: it only lets the page be tried without a cell.
+import { createHash } from 'node:crypto';
+import { readFileSync } from 'node:fs';
+import { createServer } from 'node:http';
+import { join } from 'node:path';
+
+const types = { html: 'text/html; charset=utf-8', js: 'text/javascript', css: 'text/css', svg: 'image/svg+xml', json: 'application/json', png: 'image/png' };
+const policy =
+  "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; frame-src 'self'; worker-src 'self'";
+
+/// A made shoe: an oval wall of 280 x 100 mm over a step of 4 mm, in the shoe's own frame; base is 300 mm away.
+export function made_view({ weak = true, found = true } = {}) {
+  const places = [];
+  const at = (a) => [140 + 140 * Math.cos(a), (50 + 8 * Math.cos(a)) * Math.sin(a) + 6 * Math.max(0, Math.cos(a)) ** 3];
+  for (let i = 0; i < 1500; ++i) {
+    const a = (2 * Math.PI * i) / 1500;
+    const [x, y] = at(a);
+    for (let z = 0; z < 70; z += 2) {
+      const out = z < 24 ? 4 : -0.1 * (z - 24);
+      places.push(x + out * Math.cos(a) + 300, y + out * Math.sin(a), z);
+    }
+    for (let out = 0; out < 4; out += 1) places.push(x + out * Math.cos(a) + 300, y + out * Math.sin(a), 24);
+  }
+  const origin = [150, -120, -5];
+  const step = 0.01;
+  const packed = Buffer.alloc(2 * places.length);
+  places.forEach((v, i) => {
+    packed.writeUInt16LE(Math.round((v - origin[i % 3]) / step), 2 * i);
+  });
+  const line = { xyz_mm: [], normal: [], confidence: [], u95_mm: [], source: [] };
+  for (let i = 0; i < 1200; ++i) {
+    const a = (2 * Math.PI * i) / 1200;
+    const [x, y] = at(a);
+    const is_weak = weak && i > 300 && i < 330;
+    line.xyz_mm.push([x + 300, y, 24]);
+    line.normal.push([Math.cos(a), Math.sin(a), 0]);
+    line.confidence.push(is_weak ? 0.4 : 0.95);
+    line.u95_mm.push(is_weak ? 1.4 : 0.15);
+    line.source.push(is_weak ? 'bridged' : 'seen');
+  }
+  const stretch = { place: 'left side, in the middle', from_mm: 155, length_mm: 15, least_confidence: 0.4, u95_mm: 1.4, u95_is_guessed: false, middle_mm: [440, 58, 24] };
+  return {
+    schema_version: 1,
+    title: 'Bite line',
+    summary: found ? 'bite line found' : 'refused: no crease',
+    found,
+    report: {
+      length_mm: 640,
+      weak_stretches: weak ? [stretch] : [],
+      candidates: [
+        { confidence: 0.96, mean_height_mm: 24, length_mm: 640, crease_deg: 30, seen_share: 0.98 },
+        { confidence: 0.03, mean_height_mm: 40, length_mm: 622, crease_deg: 8, seen_share: 0.8 },
+      ],
+      ...(found ? {} : { reason: 'no crease', next_step: 'push the sole on, or transfer the line of a sample' }),
+    },
+    T_base_shoe: [1, 0, 0, 300, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1],
+    inner_side: 'left',
+    cloud: { of: places.length / 3, every: 1, origin_mm: origin, step_mm: step, xyz_u16: packed.toString('base64') },
+    ...(found ? { line } : {}),
+  };
+}
+
+const passwords = { anna: 'correct horse', otto: 'battery staple', vera: 'only looking' };
+const schema = {
+  type: 'object',
+  required: ['name', 'tool', 'motion'],
+  properties: {
+    name: { type: 'string', description: 'words' },
+    tool: {
+      type: 'object',
+      required: ['tcp_position_mm'],
+      properties: {
+        tcp_position_mm: { type: 'array', minItems: 3, maxItems: 3, description: 'tip in the flange', items: { type: 'number', minimum: -1000, maximum: 1000, 'x-unit': 'mm' } },
+        free_turn_deg: { type: 'number', minimum: 0, maximum: 180, 'x-unit': 'degrees', description: 'how far it may turn about its axis' },
+      },
+    },
+    motion: {
+      type: 'object',
+      properties: {
+        speed_mm_s: { type: 'number', minimum: 0.1, maximum: 1000, 'x-unit': 'mm/s', description: 'along the line' },
+      },
+    },
+    start: { enum: ['auto', 'nearest', 'farthest'], default: 'auto', description: 'where the path begins' },
+  },
+};
+
+export class FakeCell {
+  constructor(page) {
+    this.page = page;
+    this.local = true;
+    this.calls = [];
+    this.sessions = new Map();
+    this.sockets = new Set();
+    this.seq = 1;
+    this.control = { holder: null };
+    this.view = made_view();
+    const row = (id, verdict, decision, more = {}) => ({
+      id, time: '2026-11-20T10:00:00Z', verdict, decision, decided_by: null, why: null, model: 'runner-42', process: 'rough', reason_code: null, reason: null,
+      next_step: null, length_mm: 640.2, confidence: 0.96, u95_mm: 0.31, weak_stretches: 0, scan_s: 9.1, line_s: 0.05, cycle_s: 31.5, sent: false, followed: null,
+      operator: 'anna', version: '0.1.0', line_version: 0, kept: false, ...more,
+    });
+    this.scans = [
+      row('scan-0004', 'amber', 'held', { u95_mm: 1.4, weak_stretches: 1, reason: 'weak on the left side' }),
+      row('scan-0003', 'refused', 'open', { reason_code: 'no_crease', reason: 'no crease: nothing concave runs round the side', next_step: 'push the sole on, or transfer the line of a sample', length_mm: null, u95_mm: null, weak_stretches: null, confidence: 0.1 }),
+      row('scan-0002', 'ok', 'automatic', { sent: true, followed: true }),
+      row('scan-0001', 'ok', 'accepted', { decided_by: 'anna' }),
+    ];
+    this.models = [{ name: 'runner-42', time: '2026-11-19T09:00:00Z', scan: 'scan-0001', process: 'rough', size: 'EU 42', foot: 'left', version: 1, length_mm: 640.1, scans: 12 }];
+    this.users = [
+      { name: 'anna', role: 'administrator', enabled: true, made: '2026-11-01T08:00:00Z', last_login: '2026-11-20T08:00:00Z' },
+      { name: 'otto', role: 'operator', enabled: true, made: '2026-11-02T08:00:00Z', last_login: null },
+      { name: 'vera', role: 'viewer', enabled: true, made: '2026-11-02T08:00:00Z', last_login: null },
+    ];
+    this.process = { name: 'rough', tool: { tcp_position_mm: [0, 0, 120], free_turn_deg: 20 }, motion: { speed_mm_s: 60 }, start: 'auto' };
+    this.state = {
+      version: '0.1.0', simulated: true, phase: 'deciding', now: 'scan-0004 waits for a person', next: 'send the path, or scan again', scan: 'scan-0004', progress: 0.7,
+      lamps: {
+        laser: { level: 'off', words: 'dark' }, camera: { level: 'ok', words: '101 frames a second' }, robot: { level: 'warning', words: 'not in remote control: switch it on the pendant' },
+        poses: { level: 'ok', words: '500 a second' }, clock: { level: 'fault', words: 'the controller steps back' },
+      },
+      cycle: { this_s: 12.3, last_s: 31.5 }, model: { name: 'runner-42', probability: 0.98 }, process: 'rough', control: this.control, seq: 1,
+    };
+  }
+
+  async listen(port = 0) {
+    this.server = createServer((request, response) => this.answer(request, response));
+    this.server.on('upgrade', (request, socket) => this.upgrade(request, socket));
+    await new Promise((done) => this.server.listen(port, '127.0.0.1', done));
+    this.port = this.server.address().port;
+    return `http://127.0.0.1:${this.port}/`;
+  }
+
+  /// As a killed server: every connection is cut.
+  async stop() {
+    for (const { socket } of this.sockets) socket.destroy();
+    this.sockets.clear();
+    this.server.closeAllConnections?.();
+    await new Promise((done) => this.server.close(done));
+  }
+
+  user(request) {
+    const session = /biteline_session=(\w+)/.exec(request.headers.cookie ?? '')?.[1];
+    const name = this.sessions.get(session);
+    return this.users.find((user) => user.name === name) ?? null;
+  }
+
+  upgrade(request, socket) {
+    if (!this.user(request)) {
+      socket.end('HTTP/1.1 401 Unauthorized\r\n\r\n');
+      return;
+    }
+    const key = createHash('sha1').update(`${request.headers['sec-websocket-key']}258EAFA5-E914-47DA-95CA-C5AB0DC85B11`).digest('base64');
+    socket.write(`HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: ${key}\r\n\r\n`);
+    const kept = { socket, live: request.url.endsWith('/live') };
+    this.sockets.add(kept);
+    socket.on('close', () => this.sockets.delete(kept));
+    socket.on('error', () => this.sockets.delete(kept));
+  }
+
+  frame(bytes, opcode) {
+    const head = bytes.length < 126 ? Buffer.from([0x80 | opcode, bytes.length]) : Buffer.alloc(bytes.length < 65536 ? 4 : 10);
+    if (bytes.length >= 126) {
+      head[0] = 0x80 | opcode;
+      head[1] = bytes.length < 65536 ? 126 : 127;
+      if (bytes.length < 65536) head.writeUInt16BE(bytes.length, 2);
+      else head.writeBigUInt64BE(BigInt(bytes.length), 2);
+    }
+    return Buffer.concat([head, bytes]);
+  }
+
+  push(event, data) {
+    const text = JSON.stringify({ event, data, seq: ++this.seq, time: new Date().toISOString() });
+    for (const { socket, live } of this.sockets) if (!live) socket.write(this.frame(Buffer.from(text), 1));
+  }
+
+  push_live(bytes) {
+    for (const { socket, live } of this.sockets) if (live) socket.write(this.frame(bytes, 2));
+  }
+
+  answer(request, response) {
+    let body = '';
+    request.on('data', (part) => {
+      body += part;
+    });
+    request.on('end', () => {
+      const url = new URL(request.url, 'http://cell');
+      if (!url.pathname.startsWith('/api/v1/')) return this.serve_page(url.pathname, response);
+      const path = url.pathname.slice('/api/v1'.length);
+      const given = body ? JSON.parse(body) : {};
+      this.calls.push({ method: request.method, path, body: given });
+      const result = this.decide(request, path, given, url.searchParams);
+      const [status, value, headers = {}] = result;
+      const is_text = typeof value === 'string' || Buffer.isBuffer(value);
+      response.writeHead(status, { 'content-type': is_text ? (headers['content-type'] ?? 'text/plain') : 'application/json', 'content-security-policy': policy, ...headers });
+      response.end(status === 204 ? undefined : is_text ? value : JSON.stringify(value));
+    });
+  }
+
+  serve_page(path, response) {
+    try {
+      const name = path === '/' ? 'index.html' : path.slice(1).replace(/\.\./g, '');
+      const content = readFileSync(join(this.page, name));
+      response.writeHead(200, { 'content-type': types[name.split('.').pop()] ?? 'application/octet-stream', 'content-security-policy': policy });
+      response.end(content);
+    } catch {
+      response.writeHead(404, { 'content-type': 'text/plain' });
+      response.end('not found');
+    }
+  }
+
+  decide(request, path, given, asked) {
+    const fail = (status, code, message, faults) => [status, { error: { code, message, ...(faults ? { faults } : {}) } }];
+    const me = this.user(request);
+    const method = request.method;
+    if (path === '/sessions' && method === 'POST') {
+      if (given.token ? given.token !== 'one-time' : passwords[given.name] !== given.password) return fail(401, 'wrong_password', 'name or password is wrong');
+      const id = createHash('sha256').update(`${Math.random()}`).digest('hex').slice(0, 32);
+      this.sessions.set(id, given.token ? 'vera' : given.name);
+      return [201, { expires: '2026-11-21T00:00:00Z', user: { name: given.name ?? 'vera', role: 'viewer' } }, { 'set-cookie': `biteline_session=${id}; HttpOnly; SameSite=Strict; Path=/` }];
+    }
+    if ((path === '/commands/stop' || path === '/commands/laser-off') && (this.local || me)) return [200, { done: true }];
+    if (!me) return fail(401, 'login_needed', 'log in');
+    if (path === '/sessions') return [204, null];
+    if (path === '/me') return [200, { name: me.name, role: me.role, control: this.control.holder === me.name, local: this.local }];
+    if (path === '/state') return [200, { ...this.state, control: this.control, seq: this.seq }];
+    if (path === '/control') {
+      if (method === 'POST') {
+        if (given.action === 'take') this.control = { holder: me.name, door: 'web', since: new Date().toISOString(), why: given.why };
+        if (given.action === 'release') this.control = { holder: null };
+        if (given.action === 'give') this.control = { holder: given.to, door: 'web' };
+        this.push('control', this.control);
+      }
+      return [200, this.control];
+    }
+    if (path === '/scans') {
+      const verdict = asked.get('verdict');
+      return [200, { scans: this.scans.filter((scan) => !verdict || scan.verdict === verdict), next: null }];
+    }
+    const scan_path = /^\/scans\/(scan-\d+)(?:\/(.*))?$/.exec(path);
+    if (scan_path) {
+      const scan = this.scans.find((row) => row.id === scan_path[1]);
+      if (!scan) return fail(404, 'not_found', `${scan_path[1]}: no such scan`);
+      const what = scan_path[2];
+      if (!what) return [200, { ...scan, report: { status: 'ok' }, gate: null, follow: null, versions: [{ version: 0, time: scan.time, who: 'found' }] }];
+      if (what === 'files') return [200, { files: ['line.csv', 'cloud.ply', 'report.json', 'path/tracking.html'].map((name) => ({ path: name, bytes: 12345, time: scan.time })) }];
+      if (what === 'files/view_data.js') {
+        const found = scan.verdict !== 'refused';
+        return [200, `window.biteline_view = ${JSON.stringify(found ? this.view : made_view({ weak: false, found: false }))};\n`, { 'content-type': 'text/javascript' }];
+      }
+      if (what.startsWith('files/')) return [200, 'a file'];
+      if (this.control.holder !== me.name) return fail(409, 'control_needed', 'take control first');
+      if (what === 'mend') {
+        scan.line_version = given.line_version + 1;
+        this.push('scan', scan);
+        return [200, scan];
+      }
+      Object.assign(scan, { decision: { accept: 'accepted', reject: 'rejected', hold: 'held' }[what] ?? scan.decision, decided_by: me.name, why: given.why ?? null });
+      this.push('scan', scan);
+      return [200, scan];
+    }
+    if (path.startsWith('/commands/')) return this.control.holder === me.name ? [202, { done: false }] : fail(409, 'control_needed', 'take control first');
+    if (path === '/models' && method === 'POST') {
+      this.models.push({ ...given, version: 1, time: new Date().toISOString() });
+      return [201, this.models.at(-1)];
+    }
+    if (path === '/models') return [200, { models: this.models }];
+    if (path.startsWith('/models/') && method === 'DELETE') {
+      this.models = this.models.filter((model) => `/models/${model.name}` !== path);
+      return [204, null];
+    }
+    if (path === '/processes') return [200, { processes: [{ name: 'rough', shipped: true, time: null, who: null }, { name: 'cement', shipped: true, time: null, who: null }] }];
+    if (path === '/processes/schema') return [200, schema];
+    if (path.startsWith('/processes/')) {
+      if (method === 'PUT') {
+        if (given.motion?.speed_mm_s > 200) return fail(422, 'check_failed', 'motion.speed_mm_s: too fast for this tool', [{ field: 'motion.speed_mm_s', message: 'at most 200 with this tool' }]);
+        this.process = given;
+      }
+      return [200, { name: 'rough', shipped: true, process: this.process }];
+    }
+    if (path === '/robots') return [200, { robots: [{ name: 'UR5e', address: '127.0.0.1', serial: '2022', connected: true, powered: true, remote: false, ready: false, words: 'not in remote control: switch it on the pendant' }] }];
+    if (path === '/sensors') {
+      return [200, {
+        sensors: [{ name: 'sensor', connected: true, scanning: false, laser: 'off', laser_reason: '', camera_connected: true, poses_flow: true, realtime: true, temperature_degc: 41.5, frames: 60593, frames_lost: 0, frames_damaged: 0, profiles: 60593, profiles_dropped: 2, messages_lost: 0, poses_lost: 0, overruns: 0, version: '0.1.0', fault: 'camera silent', next_step: 'look at its cable', clocks: [{ name: 'camera', known: true, offset_ns: 1234567, uncertainty_ns: 2100, drift_ppm: 3.2, steps: 0 }] }],
+        disk: { free_bytes: 31e9, total_bytes: 64e9 },
+      }];
+    }
+    if (path === '/users' && me.role !== 'administrator') return fail(403, 'not_allowed', 'an administrator may');
+    if (path === '/users' && method === 'POST') {
+      this.users.push({ name: given.name, role: given.role, enabled: true, made: new Date().toISOString(), last_login: null });
+      return [201, this.users.at(-1)];
+    }
+    if (path === '/users') return [200, { users: this.users }];
+    if (path.startsWith('/users/')) return [200, Object.assign(this.users.find((user) => `/users/${user.name}` === path) ?? {}, given)];
+    if (path === '/log') return [200, { entries: [{ seq: 2, time: '2026-11-20T10:01:00Z', who: 'anna', door: 'web', what: 'accept', subject: 'scan-0001', before: { decision: 'open' }, after: { decision: 'accepted' } }], next: null }];
+    if (path === '/history/trends') {
+      const buckets = [...Array(10).keys()].map((i) => ({ time: new Date(Date.UTC(2026, 10, 10 + i)).toISOString(), scans: 20 + i, ok: 16 + i, amber: 2, refused: 1, failed: 1, cycle_s: 30 + Math.sin(i), u95_mm: 0.3 + 0.02 * i, length_mm: 640 }));
+      const places = [...Array(36).keys()];
+      return [200, { buckets, reasons: [{ reason_code: 'no_crease', scans: 6 }, { reason_code: 'not_a_shoe', scans: 4 }], capability: { model: 'runner-42', tolerance_mm: 0.5, scans: 90, pp: places.map((i) => 1.8 + 0.2 * Math.sin(i)), ppk: places.map((i) => 1.5 + 0.3 * Math.sin(i)) } }];
+    }
+    return fail(404, 'not_found', `${path}: no such thing`);
+  }
+}
+
+/// Live messages as openapi.yaml's /live lays them out.
+export const live = {
+  profile(seq) {
+    const count = 400;
+    const bytes = Buffer.alloc(15 + 9 * count);
+    bytes[0] = 2;
+    bytes.writeUInt32LE(seq, 1);
+    bytes.writeUInt16LE(count, 13);
+    for (let i = 0; i < count; ++i) {
+      bytes.writeFloatLE(-40 + 0.2 * i, 15 + 9 * i);
+      bytes.writeFloatLE(10 * Math.sin(i / 60), 19 + 9 * i);
+      bytes[23 + 9 * i] = i > 380 ? 1 : 0;
+    }
+    return bytes;
+  },
+  cloud(scan, count) {
+    const bytes = Buffer.alloc(9 + 12 * count);
+    bytes[0] = 3;
+    bytes.writeUInt32LE(scan, 1);
+    bytes.writeUInt32LE(count, 5);
+    for (let i = 0; i < count; ++i) {
+      const a = (2 * Math.PI * i) / 500;
+      bytes.writeFloatLE(400 + 140 * Math.cos(a), 9 + 12 * i);
+      bytes.writeFloatLE(50 * Math.sin(a), 13 + 12 * i);
+      bytes.writeFloatLE(i / 100, 17 + 12 * i);
+    }
+    return bytes;
+  },
+  line(count) {
+    const bytes = Buffer.alloc(5 + 20 * count);
+    bytes[0] = 4;
+    bytes.writeUInt32LE(count, 1);
+    for (let i = 0; i < count; ++i) {
+      const a = (2 * Math.PI * i) / count;
+      [400 + 142 * Math.cos(a), 52 * Math.sin(a), 24, 0.9, 0.2].forEach((v, k) => {
+        bytes.writeFloatLE(v, 5 + 20 * i + 4 * k);
+      });
+    }
+    return bytes;
+  },
+  arm(x_mm) {
+    const bytes = Buffer.alloc(81);
+    bytes[0] = 5;
+    [0, 0, -1.5, 1.5, -1.5, -1.5, 0, x_mm, 60, 40].forEach((v, i) => {
+      bytes.writeDoubleLE(v, 1 + 8 * i);
+    });
+    return bytes;
+  },
+  picture(seq, jpeg) {
+    const head = Buffer.alloc(13);
+    head[0] = 1;
+    head.writeUInt32LE(seq, 1);
+    return Buffer.concat([head, jpeg]);
+  },
+};
