@@ -142,6 +142,12 @@ await otto.page.getByRole('button', { name: 'Take control' }).click();
 await anna.page.getByText('otto has control').waitFor();
 check(await anna.page.getByRole('button', { name: 'Scan again' }).isDisabled(), 'a decision without control');
 
+say('compare with another scan');
+await anna.page.goto(`${address}#/scans/scan-0004`);
+await anna.page.getByLabel('Compare with').selectOption('scan-0001');
+await anna.page.getByText('mean 0.00 mm, 95 % within 0.00 mm', { exact: false }).waitFor();
+await anna.page.getByRole('button', { name: 'Other line' }).waitFor();
+
 say('mend: undo, redo, a new version');
 await otto.page.goto(`${address}#/scans/scan-0004`);
 await otto.page.getByText('Mend the line').click();

@@ -3,7 +3,7 @@
 import type { ComponentChildren, JSX } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import uPlot from 'uplot';
-import { t, t_or } from '../words';
+import { locale, t, t_or } from '../words';
 import type { ScanRow } from './api';
 
 /// A shape before the word: a verdict is never told by colour alone.
@@ -108,6 +108,17 @@ function theme_colour(name: string): string {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 }
 
+/// Days where the axis spans days, else hours and minutes.
+function date_words(times_s: number[]): string[] {
+  const spans_days = times_s.length > 1 && times_s[times_s.length - 1]! - times_s[0]! > 2 * 86_400;
+  return times_s.map((time_s) => {
+    const time = new Date(1000 * time_s);
+    return spans_days
+      ? time.toLocaleDateString(locale(), { day: 'numeric', month: 'short' })
+      : time.toLocaleTimeString(locale(), { hour: '2-digit', minute: '2-digit', second: '2-digit' });
+  });
+}
+
 export interface Curve {
   label: string;
   values: (number | null)[];
@@ -127,9 +138,9 @@ export function Chart(props: { label: string; x: number[]; curves: Curve[]; is_t
         width: Math.max(280, box.current.clientWidth),
         height: 220,
         scales: { x: { time: props.is_time ?? true } },
-        axes: [axis, axis],
+        axes: [props.is_time === false ? axis : { ...axis, values: (_, times) => date_words(times) }, axis],
         series: [
-          {},
+          { label: props.is_time === false ? t('place') : t('time') },
           ...props.curves.map((curve) => ({
             label: curve.label,
             stroke: theme_colour(curve.colour),

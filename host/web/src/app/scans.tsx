@@ -180,11 +180,13 @@ function TrendView(props: { from?: string; to?: string; model: string }): JSX.El
 }
 
 /// view_data.js of a scan; null while it is read, or a word why there is none.
-function use_view(id: string, version: number | undefined): { data: ViewData | null; error: string } {
+function use_view(id: string | null, version: number | undefined): { data: ViewData | null; error: string } {
   const [got, set] = useState<{ data: ViewData | null; error: string }>({ data: null, error: '' });
   const { turn } = use_store();
   useEffect(() => {
     let alive = true;
+    set({ data: null, error: '' });
+    if (id === null) return;
     fetch(file_address(id, 'view_data.js'), { credentials: 'same-origin' })
       .then(async (answer) => {
         if (!answer.ok) throw new Refused(answer.status, 'not_found', t('no_view'), []);
@@ -245,12 +247,32 @@ function ScanView({ scan, files }: { scan: Scan; files: FileRow[] }): JSX.Elemen
   const shown: ResultFile[] = files
     .filter((file) => named.includes(file.path))
     .map((file) => ({ file: file.path, words: file.path, bytes: file.bytes }));
+  const [other, set_other] = useState('');
+  const { value: others } = use_reading<{ scans: ScanRow[] }>('/scans?limit=100');
+  const compared = use_view(other || null, 0);
+  const beside = useMemo(() => (other && compared.data ? { name: other, data: compared.data } : null), [other, compared.data]);
   const stages = files.filter((file) => /^stages\/.*\.png$/.test(file.path));
   return (
     <>
       <h2>{t('in_3d')}</h2>
       <Failure text={error} />
-      {data && <Viewer key={`${scan.id} ${scan.line_version ?? 0}`} data={data} files={shown} file_base={`${base}/scans/${scan.id}/files/`} told />}
+      {data?.line && (
+        <label>
+          {t('compare')}{' '}
+          <select value={other} onChange={(e) => set_other(e.currentTarget.value)}>
+            <option value="">–</option>
+            {(others?.scans ?? [])
+              .filter((row) => row.id !== scan.id && (row.verdict === 'ok' || row.verdict === 'amber'))
+              .map((row) => (
+                <option key={row.id} value={row.id}>
+                  {row.id}, {time_words(row.time)}
+                </option>
+              ))}
+          </select>
+        </label>
+      )}
+      <Failure text={compared.error} />
+      {data && <Viewer other={beside} key={`${scan.id} ${scan.line_version ?? 0}`} data={data} files={shown} file_base={`${base}/scans/${scan.id}/files/`} told />}
       {data?.line && <Mend scan={scan} data={data} />}
       {stages.length > 0 && (
         <details>

@@ -9,7 +9,7 @@ import { colour_of, type Rgb, type Scale } from './colours';
 import { plus, section, u95_of_confidence_mm, type LinePoint, type Vec, type View } from './view_data';
 
 export type ViewName = 'fit' | 'top' | 'left' | 'right' | 'toe' | 'heel';
-export type Layer = 'cloud' | 'line' | 'path' | 'weak' | 'names';
+export type Layer = 'cloud' | 'line' | 'path' | 'weak' | 'names' | 'other';
 export type CloudColour = 'grey' | 'height';
 export type LineColour = 'confidence' | 'u95' | 'height' | 'source';
 
@@ -69,6 +69,7 @@ export class Scene {
     path: new THREE.Group(),
     weak: new THREE.Group(),
     names: new THREE.Group(),
+    other: new THREE.Group(),
   };
   private mark = new THREE.Group();
   private line_materials: LineMaterial[] = [];
@@ -220,6 +221,19 @@ export class Scene {
     this.resize();
   }
 
+  /// Another scan's line, dashed, in this shoe's frame.
+  compare(points: Vec[]): void {
+    clear(this.layers.other);
+    if (points.length > 1) {
+      const geometry = new THREE.BufferGeometry().setFromPoints([...points, points[0]!].map((p) => new THREE.Vector3(...p)));
+      const line = new THREE.Line(geometry, new THREE.LineDashedMaterial({ color: 0xd1006c, dashSize: 5, gapSize: 3, depthTest: false }));
+      line.computeLineDistances();
+      line.renderOrder = 6;
+      this.layers.other.add(line);
+    }
+    this.draw();
+  }
+
   /// A ring about a point of the line, its normal, and the frame of its section.
   choose(index: number | null, reach_mm: number): void {
     clear(this.mark);
@@ -281,6 +295,10 @@ export class Scene {
       transparent: opacity < 1,
       opacity,
       depthTest: hidden_by_cloud,
+      // Seen along the normals, rim and line lie at one depth: the rim gives way.
+      polygonOffset: colours === null,
+      polygonOffsetFactor: 1,
+      polygonOffsetUnits: 8,
     });
     const line = new Line2(geometry, material);
     line.renderOrder = colours ? 3 : 2;
@@ -330,7 +348,7 @@ export class Scene {
     const up = new THREE.Vector3().setFromMatrixColumn(this.camera.matrixWorld, 1);
     const half = new THREE.Vector3(...this.view.high).sub(new THREE.Vector3(...this.view.low)).multiplyScalar(0.5);
     const along = (v: THREE.Vector3) => Math.abs(v.x) * half.x + Math.abs(v.y) * half.y + Math.abs(v.z) * half.z;
-    const mm_per_px = Math.max((2.15 * along(right)) / width, (2.3 * along(up)) / height);
+    const mm_per_px = Math.max((2.3 * along(right)) / width, (2.4 * along(up)) / height);
     this.camera.left = (-width / 2) * mm_per_px;
     this.camera.right = (width / 2) * mm_per_px;
     this.camera.top = (height / 2) * mm_per_px;
@@ -362,7 +380,9 @@ export class Scene {
           const x = (p.x * 0.5 + 0.5) * width;
           const y = (0.5 - p.y * 0.5) * height;
           const outside = x < 0 || y < 0 || x > width || y > height;
-          return { key: label.key, text: label.text, x, y, hidden: outside || !this.layers.names.visible };
+          // Near the edge a name moves in, so that it is read whole.
+          const inside = Math.min(Math.max(x, 40), Math.max(40, width - 40));
+          return { key: label.key, text: label.text, x: inside, y, hidden: outside || !this.layers.names.visible };
         }),
       });
     });

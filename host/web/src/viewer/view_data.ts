@@ -219,3 +219,34 @@ export function section(view: View, index: number, half_thickness_mm: number, re
   }
   return { at, out, up, points };
 }
+
+export interface Difference {
+  mean_mm: number;
+  p95_mm: number;
+  max_mm: number;
+  /// Along this line, where it is largest.
+  max_at_mm: number;
+}
+
+/// How far `view`'s line lies from another's, each in its own shoe's frame.  Null without two lines of a shoe.
+export function difference(view: View, other: View): Difference | null {
+  if (view.line.length < 3 || other.line.length < 3 || !view.data.T_base_shoe || !other.data.T_base_shoe) return null;
+  const away = view.line.map((point) => {
+    let least = Infinity;
+    for (let i = 0; i < other.line.length; ++i) {
+      const a = other.line[i]!.shoe;
+      const d = minus(other.line[(i + 1) % other.line.length]!.shoe, a);
+      const share = Math.min(1, Math.max(0, dot(minus(point.shoe, a), d) / Math.max(1e-12, dot(d, d))));
+      least = Math.min(least, size(minus(point.shoe, plus(a, d, share))));
+    }
+    return { mm: least, at_mm: point.at_mm };
+  });
+  const sorted = away.map((one) => one.mm).sort((a, b) => a - b);
+  const worst = away.reduce((a, b) => (b.mm > a.mm ? b : a));
+  return {
+    mean_mm: sorted.reduce((sum, mm) => sum + mm, 0) / sorted.length,
+    p95_mm: sorted[Math.floor(0.95 * (sorted.length - 1))]!,
+    max_mm: worst.mm,
+    max_at_mm: worst.at_mm,
+  };
+}

@@ -6,10 +6,10 @@ import { number, t, t_or } from '../words';
 import { gradient } from './colours';
 import { type Label, type Layer, type LineColour, type Overlay, Scene, type ViewName, line_scale } from './scene';
 import { SectionPlot } from './section_plot';
-import { type ResultFile, type View, type ViewData, section, u95_of_confidence_mm, unpack } from './view_data';
+import { type ResultFile, type View, type ViewData, difference, section, u95_of_confidence_mm, unpack } from './view_data';
 
 const views: ViewName[] = ['fit', 'top', 'left', 'right', 'toe', 'heel'];
-const layers: Layer[] = ['cloud', 'line', 'path', 'weak', 'names'];
+const layers: Layer[] = ['cloud', 'line', 'path', 'weak', 'other', 'names'];
 const section_half_mm = 0.6;
 
 /// Heel, toe and sides at the ends of the shoe's box.
@@ -63,8 +63,17 @@ function ColourBar({ view, by }: { view: View; by: LineColour }): JSX.Element {
 }
 
 /// `told`: the page around it has said already what to look at and what to do.
-export function Viewer(props: { data: ViewData; files: ResultFile[]; file_base?: string; told?: boolean }): JSX.Element {
+export function Viewer(props: {
+  data: ViewData;
+  files: ResultFile[];
+  file_base?: string;
+  told?: boolean;
+  /// Another scan to compare with.
+  other?: { name: string; data: ViewData } | null;
+}): JSX.Element {
   const view = useMemo(() => unpack(props.data), [props.data]);
+  const other = useMemo(() => (props.other ? unpack(props.other.data) : null), [props.other]);
+  const apart = useMemo(() => (other ? difference(view, other) : null), [view, other]);
   const box = useRef<HTMLDivElement>(null);
   const scene = useRef<Scene | null>(null);
   const [without, set_without] = useState('');
@@ -99,6 +108,7 @@ export function Viewer(props: { data: ViewData; files: ResultFile[]; file_base?:
   }, [view, names]);
   useEffect(() => scene.current?.colour_line(by), [by, view]);
   useEffect(() => scene.current?.colour_cloud(cloud_by), [cloud_by, view]);
+  useEffect(() => scene.current?.compare(apart && other ? other.line.map((p) => p.shoe) : []), [other, apart, view]);
   useEffect(() => scene.current?.choose(has_line ? chosen : null, reach_mm), [chosen, reach_mm, view, has_line]);
   const cut = useMemo(
     () => (has_line ? section(view, Math.min(chosen, view.line.length - 1), section_half_mm, reach_mm) : null),
@@ -129,6 +139,7 @@ export function Viewer(props: { data: ViewData; files: ResultFile[]; file_base?:
     (layer) =>
       (layer !== 'path' || view.path.length > 1) &&
       (layer !== 'weak' || weak.length > 0) &&
+      (layer !== 'other' || apart !== null) &&
       (layer !== 'cloud' || view.cloud.length > 0) &&
       (layer !== 'line' || has_line) &&
       (layer !== 'names' || names.length > 0),
@@ -216,6 +227,13 @@ export function Viewer(props: { data: ViewData; files: ResultFile[]; file_base?:
       )}
       {view.data.cloud && view.data.cloud.every > 1 && (
         <p class="quiet">{t('thinned', { every: view.data.cloud.every, of: view.data.cloud.of.toLocaleString() })}</p>
+      )}
+      {props.other && (
+        <p class="notice">
+          {apart
+            ? t('difference', { name: props.other.name, mean: number(apart.mean_mm, 2), p95: number(apart.p95_mm, 2), max: number(apart.max_mm, 2), at: number(apart.max_at_mm, 0) })
+            : t('no_difference', { name: props.other.name })}
+        </p>
       )}
       {at && cut && (
         <section class="two">
