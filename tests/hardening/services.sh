@@ -33,7 +33,11 @@ for drop_in in "$1"/boards/*/systemd/biteline-sensor.service.d/*.conf; do
   count=$((count + 1))
 done
 measure host.service "$1/host/apps/biteline-host/systemd/biteline-host.service"
-SYSTEMD_LOG_LEVEL=warning systemd-analyze verify "$work/host.service" >"$work/log" 2>&1 || true
-if grep "$work" "$work/log"; then bad=1; fi
+measure web.service "$1/host/apps/biteline-web/systemd/biteline-web.service"
+count=$((count + 1))
+for name in host web; do
+  SYSTEMD_LOG_LEVEL=warning systemd-analyze verify "$work/$name.service" >"$work/log" 2>&1 || true
+  if grep "$work" "$work/log"; then bad=1; fi
+done
 [ $bad -eq 0 ] && echo "$count services"
 exit $bad

@@ -8,6 +8,7 @@ install(FILES boards/common/udev/90-biteline.rules DESTINATION lib/udev/rules.d 
 install(FILES boards/common/sysusers/biteline.conf DESTINATION lib/sysusers.d COMPONENT firmware)
 if(BITELINE_BUILD_HOST)
   install(FILES host/apps/biteline-host/systemd/biteline-host.service DESTINATION lib/systemd/system COMPONENT host)
+  install(FILES host/apps/biteline-web/systemd/biteline-web.service DESTINATION lib/systemd/system COMPONENT web)
 endif()
 # Every board's data; the unit's own goes to /etc/biteline by hand, and boards/<board>/board.cmake names it.
 install(DIRECTORY boards/ DESTINATION ${CMAKE_INSTALL_DATADIR}/biteline/boards COMPONENT firmware PATTERN common EXCLUDE)

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file One client over HTTP, from its first byte to its last.
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "host/apps/biteline-web/answers.hpp"
+#include "host/apps/biteline-web/routes.hpp"
+#include "host/apps/biteline-web/served_folder.hpp"
+#include "host/apps/biteline-web/web_context.hpp"
+#include "host/apps/biteline-web/web_stream.hpp"
+
+namespace biteline::web {
+
+/// Thread: the event loop's.
+class Connection {
+ public:
+  /// `peer`: its address; `local`: it is on this machine.
+  Connection(WebContext& context, Tcp::socket socket, std::string peer, bool local);
+
+  [[nodiscard]] net::awaitable<void> run();
+  /// 503, where there are too many already.
+  [[nodiscard]] net::awaitable<void> turn_away();
+
+ private:
+  struct Asked {
+    RouteMatch match;
+    std::string path;
+    std::map<std::string, std::string> query;
+  };
+  enum class FileKind { Page, Result };
+
+  /// True: the connection stays.
+  [[nodiscard]] net::awaitable<bool> one_request();
+  [[nodiscard]] net::awaitable<void> refuse_unread(bool late, ErrorCode fault);
+  [[nodiscard]] net::awaitable<void> answer(const WebRequest& request);
+  [[nodiscard]] net::awaitable<void> answer_route(const WebRequest& request, Asked asked);
+  [[nodiscard]] net::awaitable<void> forward(const WebRequest& request, Asked asked);
+  [[nodiscard]] net::awaitable<void> log_in(control::Request question);
+  [[nodiscard]] net::awaitable<void> watch(const WebRequest& request, Handling handling, std::string session);
+
+  [[nodiscard]] net::awaitable<void> send(WebAnswer answer, std::string_view policy = k_data_policy);
+  [[nodiscard]] net::awaitable<void> send_openapi();
+  [[nodiscard]] net::awaitable<void> send_metrics(std::string session);
+  [[nodiscard]] net::awaitable<void> send_file_list(std::string scan);
+  [[nodiscard]] net::awaitable<void> send_result_file(const WebRequest& request, std::string scan,
+                                                      std::string path);
+  [[nodiscard]] net::awaitable<void> send_page(std::string path);
+  [[nodiscard]] net::awaitable<void> send_file(const ServedFile& file, std::string path,
+                                               std::string_view range, FileKind kind);
+  [[nodiscard]] net::awaitable<void> linger();
+
+  /// What is wrong with the request before its address is looked at.
+  [[nodiscard]] std::optional<WebAnswer> judge(const WebRequest& request) const;
+  [[nodiscard]] bool is_local(const WebRequest& request) const;
+  [[nodiscard]] static std::string session_of(const WebRequest& request, const Asked& asked);
+  [[nodiscard]] std::string cookie_text(const std::string& token, bool gone) const;
+
+  WebContext& context_;
+  WebStream stream_;
+  std::string peer_;
+  bool local_;
+  beast::flat_buffer buffer_;
+  bool keep_alive_{true};
+  bool head_only_{false};
+  bool upgraded_{false};
+};
+
+/// Asks the service; resumes on the event loop.
+[[nodiscard]] net::awaitable<control::Answer> ask_service(WebContext& context, control::Request request);
+/// GET /api/v1/me: whose session this is, and whether it still holds.
+[[nodiscard]] net::awaitable<control::Answer> ask_who(WebContext& context, std::string session, bool local);
+
+}  // namespace biteline::web

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#include "host/apps/biteline-web/live_messages.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <limits>
+
+namespace biteline::web {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the bytes are written as they lie in memory");
+
+class Writer {
+ public:
+  Writer(LiveKind kind, std::size_t bytes) {
+    bytes_.reserve(1 + bytes);
+    bytes_ += static_cast<char>(kind);
+  }
+  template <class Number>
+  void put(Number number) {
+    std::array<char, sizeof number> raw;
+    std::memcpy(raw.data(), &number, sizeof number);
+    bytes_.append(raw.data(), raw.size());
+  }
+  void put(const Eigen::Vector3f& point) {
+    for (const float value : point) put(value);
+  }
+  void put_bytes(std::span<const std::uint8_t> bytes) {
+    bytes_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  }
+  LiveBytes done() { return std::make_shared<const std::string>(std::move(bytes_)); }
+
+ private:
+  std::string bytes_;
+};
+
+}  // namespace
+
+LiveBytes picture_message(LiveStamp stamp, std::span<const std::uint8_t> jpeg) {
+  Writer out{LiveKind::Picture, 12 + jpeg.size()};
+  out.put(stamp.sequence);
+  out.put(stamp.time_ns);
+  out.put_bytes(jpeg);
+  return out.done();
+}
+
+LiveBytes profile_message(const profile::Profile& profile) {
+  const std::size_t count = std::min(profile.points.size(), profile::k_max_profile_points);
+  Writer out{LiveKind::Profile, 14 + 9 * count};
+  out.put(static_cast<std::uint32_t>(profile.header.sequence));
+  out.put(static_cast<std::uint64_t>(profile.header.exposure_mid.time_since_epoch().count()));
+  out.put(static_cast<std::uint16_t>(count));
+  for (std::size_t i = 0; i < count; ++i) {
+    const profile::ProfilePoint& point = profile.points[i];
+    out.put(point.point_cam.x());
+    out.put(point.point_cam.z());
+    // Two marks stand above the low byte; the page knows them as clipped: evidence, no surface.
+    const bool evidence = (point.flags & profile::k_point_not_surface) != 0;
+    const std::uint32_t mark = evidence ? std::uint32_t{profile::k_point_clipped} : 0U;
+    out.put(static_cast<std::uint8_t>((point.flags & 0xFFU) | mark));
+  }
+  return out.done();
+}
+
+LiveBytes cloud_message(std::uint32_t scan, std::span<const Eigen::Vector3f> points_base) {
+  Writer out{LiveKind::Cloud, 8 + 12 * points_base.size()};
+  out.put(scan);
+  out.put(static_cast<std::uint32_t>(points_base.size()));
+  for (const Eigen::Vector3f& point : points_base) out.put(point);
+  return out.done();
+}
+
+LiveBytes line_message(const cloud::ClosedLine& line) {
+  Writer out{LiveKind::Line, 4 + 20 * line.points.size()};
+  out.put(static_cast<std::uint32_t>(line.points.size()));
+  for (const cloud::LinePoint& point : line.points) {
+    out.put(Eigen::Vector3f{point.position.cast<float>()});
+    out.put(static_cast<float>(point.confidence));
+    out.put(static_cast<float>(point.u95_mm.value_or(std::numeric_limits<double>::quiet_NaN())));
+  }
+  return out.done();
+}
+
+LiveBytes arm_message(const ArmPlace& place) {
+  Writer out{LiveKind::Arm, 80};
+  out.put(place.time_s);
+  for (const double joint_rad : place.joints_rad) out.put(joint_rad);
+  for (const double value_mm : place.tip_base_mm) out.put(value_mm);
+  return out.done();
+}
+
+}  // namespace biteline::web

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+// biteline-web: the page and the API of a cell.
+#include <sys/prctl.h>
+
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <thread>
+
+#include "common/system/last_words.hpp"
+#include "host/apps/biteline-web/options.hpp"
+#include "host/apps/biteline-web/sensor_watch.hpp"
+
+namespace {
+
+using namespace biteline;
+
+Result<std::unique_ptr<web::ServiceDoor>> open_door(const web::WebOptions& options) {
+  if (!options.control) return web::closed_service_door();
+  control::ClientConfig config{.endpoint = *options.control, .keys = {}};
+  if (options.control_keys) {
+    BITELINE_ASSIGN(config.keys, wire::read_host_keys(*options.control_keys));
+  }
+  return web::open_service_door(config);
+}
+
+/// Waits for SIGTERM or SIGINT on a thread of its own: no handler runs in the middle of anything.
+class StopSignals {
+ public:
+  StopSignals() {
+    sigemptyset(&set_);
+    sigaddset(&set_, SIGTERM);
+    sigaddset(&set_, SIGINT);
+    // Before any thread is made: all of them leave these signals to the one that waits.
+    pthread_sigmask(SIG_BLOCK, &set_, nullptr);
+    std::signal(SIGPIPE, SIG_IGN);
+  }
+  void wait() const {
+    int signal = 0;
+    sigwait(&set_, &signal);
+  }
+
+ private:
+  sigset_t set_{};
+};
+
+Result<void> run(const web::WebOptions& options, const StopSignals& signals) {
+  if (options.exit_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
+  web::SensorWatchConfig watched{.sensor = options.sensor, .keys = {}};
+  if (options.sensor_keys) {
+    BITELINE_ASSIGN(watched.keys, wire::read_host_keys(*options.sensor_keys));
+  }
+  BITELINE_ASSIGN(auto door, open_door(options));
+  std::unique_ptr<web::SensorWatch> watch;
+  BITELINE_ASSIGN(const auto server, web::WebServer::open(options.server, std::move(door),
+                                                          [&watch](const control::Event& event) {
+                                                            if (watch) watch->hear(event);
+                                                          }));
+  watch = std::make_unique<web::SensorWatch>(
+      watched,
+      web::LiveSink{.publish = [&server](web::LiveKind kind,
+                                         web::LiveBytes bytes) { server->publish(kind, std::move(bytes)); },
+                    .forget_scan = [&server] { server->forget_scan(); },
+                    .watchers = [&server] { return server->watchers(); }});
+  std::printf("biteline-web: %s\n", server->address().c_str());
+  std::fflush(stdout);
+  std::thread stopper{[&] {
+    signals.wait();
+    server->stop();
+  }};
+  server->run();
+  stopper.join();
+  watch.reset();
+  return {};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  biteline::install_last_words("biteline-web");
+  const StopSignals signals;
+  try {
+    const web::ParsedWebOptions parsed = web::parse_web_options(argc, argv);
+    if (parsed.leave_with) return *parsed.leave_with;
+    const Result<void> done = run(parsed.options, signals);
+    if (done) return static_cast<int>(ExitStatus::Done);
+    std::fprintf(stderr, "biteline-web: %s\n", to_line(done.error()).c_str());
+    return static_cast<int>(error_row(done.error().code).exit_status);
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "biteline-web: out of memory: raise the limit or free some, then start again\n");
+    return static_cast<int>(ExitStatus::Connection);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "biteline-web: internal failure: %s\n", error.what());
+    return static_cast<int>(ExitStatus::Connection);
+  }
+}

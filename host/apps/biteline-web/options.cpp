@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+#include "host/apps/biteline-web/options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+namespace biteline::web {
+namespace {
+
+int complain(const std::string& line) {
+  std::fprintf(stderr, "biteline-web: %s\n", line.c_str());
+  return static_cast<int>(ExitStatus::BadInput);
+}
+
+/// `share/biteline` beside the program's own folder: build/bin and build/share, /usr/bin and /usr/share.
+std::filesystem::path share_folder() {
+  std::error_code fault;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", fault);
+  return program.parent_path().parent_path() / "share" / "biteline";
+}
+
+/// ADDRESS, ADDRESS:PORT or [IPv6]:PORT.
+Result<void> read_address(const std::string& text, WebConfig& config) {
+  const std::string with_port = text.find(':') == std::string::npos || text.ends_with(']')
+                                    ? text + ":" + std::to_string(config.port)
+                                    : text;
+  BITELINE_ASSIGN(const wire::Endpoint endpoint, wire::parse_endpoint("tcp://" + with_port));
+  config.address = endpoint.host == "localhost" ? "127.0.0.1" : endpoint.host;
+  if (config.address.starts_with('[')) config.address = config.address.substr(1, config.address.size() - 2);
+  config.port = endpoint.port;
+  return {};
+}
+
+}  // namespace
+
+ParsedWebOptions parse_web_options(int argc, char** argv) {
+  ParsedWebOptions parsed;
+  WebOptions& options = parsed.options;
+  WebConfig& server = options.server;
+  server.page = share_folder() / "web";
+  server.openapi = share_folder() / "openapi.yaml";
+  std::string listen{"127.0.0.1:8080"};
+  std::string control;
+  std::string sensor;
+  TlsFiles tls;
+  CLI::App app{"Biteline's page and API: shows and steers a cell's service over HTTP and WebSocket.",
+               "biteline-web"};
+  app.set_version_flag("--version", BITELINE_VERSION);
+  app.add_option("--listen", listen,
+                 "ADDRESS or ADDRESS:PORT of one interface; beyond loopback TLS is compulsory")
+      ->capture_default_str();
+  app.add_option("--control", control, "Where biteline-host's control end listens: tcp://HOST:PORT");
+  app.add_option("--control-keys", options.control_keys,
+                 "Folder of keys for the control end; compulsory beyond loopback");
+  app.add_option("--sensor", sensor,
+                 "The sensor whose live data are shown; without: the one that biteline-host names");
+  app.add_option("--keys", options.sensor_keys, "Folder of keys for the sensor; compulsory beyond loopback");
+  auto* certificate =
+      app.add_option("--certificate", tls.certificate, "PEM certificate with its chain: serve HTTPS");
+  auto* key = app.add_option("--key", tls.key, "The certificate's PEM key")->needs(certificate);
+  certificate->needs(key);
+  app.add_option(
+      "--name", server.names,
+      "A name under which browsers may call this server, besides its address; may be given several times");
+  app.add_option("--page", server.page, "Folder of the page")->capture_default_str();
+  app.add_flag("--behind-proxy", server.behind_proxy,
+               "A proxy stands before this server: nobody counts as on the cell's own machine");
+  app.add_flag("--exit-with-parent", options.exit_with_parent,
+               "Stop when the program that started this one ends");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    parsed.leave_with =
+        error.get_exit_code() == 0 ? app.exit(error) : complain(std::string{error.what()} + " (see --help)");
+    return parsed;
+  }
+  if (!tls.certificate.empty()) server.tls = tls;
+  if (const Result<void> read = read_address(listen, server); !read) {
+    parsed.leave_with = complain("--listen: " + to_line(read.error()));
+    return parsed;
+  }
+  struct EndpointOption {
+    const std::string& text;
+    std::optional<wire::Endpoint>& endpoint;
+    const char* name;
+  };
+  for (const EndpointOption& option : {EndpointOption{control, options.control, "--control"},
+                                       EndpointOption{sensor, options.sensor, "--sensor"}}) {
+    if (option.text.empty()) continue;
+    const Result<wire::Endpoint> endpoint = wire::parse_endpoint(option.text);
+    if (!endpoint) {
+      parsed.leave_with = complain(std::string{option.name} + ": " + to_line(endpoint.error()));
+      return parsed;
+    }
+    option.endpoint = *endpoint;
+  }
+  if (!options.control && !options.sensor) {
+    parsed.leave_with = complain("--control tcp://HOST:PORT expected (see --help)");
+  }
+  return parsed;
+}
+
+}  // namespace biteline::web
