@@ -11,6 +11,7 @@
 
 #include "common/core/fixed_text.hpp"
 #include "common/csv/table.hpp"
+#include "host/cloud/source_word.hpp"
 #include "host/report/report.hpp"
 
 namespace biteline::cloud {
@@ -102,6 +103,10 @@ Result<ClosedLine> at_least_three(ClosedLine line, const std::filesystem::path& 
 
 }  // namespace
 
+std::string_view source_word(PointSource source) {
+  return k_source_words.at(static_cast<std::size_t>(source));
+}
+
 double length_mm(const ClosedLine& line) {
   double sum_mm = 0;
   for (std::size_t i = 0; i < line.points.size(); ++i) {
@@ -155,7 +160,7 @@ Result<void> write_line(const std::filesystem::path& file, const ClosedLine& lin
     if (optional) {
       const std::string u95 = p.u95_mm ? FixedText<32>::format("%.4f", *p.u95_mm).c_str() : "";
       text += "," + u95 + "," + std::to_string(p.flags) + ",";
-      text += k_source_words.at(static_cast<std::size_t>(p.source));
+      text += source_word(p.source);
     }
     text += '\n';
   }

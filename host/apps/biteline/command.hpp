@@ -35,6 +35,7 @@ void add_evaluate(CLI::App& app, Context& context);
 void add_explain(CLI::App& app, Context& context);
 void add_extract(CLI::App& app, Context& context);
 void add_keys(CLI::App& app, Context& context);
+void add_line(CLI::App& app, Context& context);
 void add_model(CLI::App& app, Context& context);
 void add_plan(CLI::App& app, Context& context);
 void add_replay(CLI::App& app, Context& context);

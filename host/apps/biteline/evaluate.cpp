@@ -6,7 +6,9 @@
 #include "common/core/fixed_text.hpp"
 #include "common/csv/table.hpp"
 #include "common/system/file.hpp"
+#include "host/apps/biteline/cloud_option.hpp"
 #include "host/apps/biteline/command.hpp"
+#include "host/cloud/ply.hpp"
 #include "host/evaluation/cloud_error.hpp"
 #include "host/evaluation/line_error.hpp"
 #include "host/report/json_text.hpp"
@@ -18,6 +20,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   fs::path line, truth, cloud, surface;
+  std::optional<cloud::Unit> unit;
   bool align{false};
 };
 
@@ -77,7 +80,8 @@ Result<ExitStatus> evaluate_line(const Options& options, const GlobalOptions& gl
 }
 
 Result<ExitStatus> evaluate_cloud(const Options& options, const GlobalOptions& global) {
-  BITELINE_ASSIGN(const cloud::PointCloud cloud, cloud::read_cloud(options.cloud));
+  BITELINE_ASSIGN(const cloud::CloudFile file, cloud::read_cloud_file(options.cloud, options.unit));
+  const cloud::PointCloud& cloud = file.cloud;
   BITELINE_ASSIGN(const cloud::TriangleMesh mesh, cloud::read_mesh(options.surface));
   const evaluation::ReferenceSurface surface{mesh};
   const evaluation::CloudError error = options.align ? evaluation::cloud_error_aligned(cloud, surface)
@@ -106,7 +110,9 @@ void add_evaluate(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("evaluate", "Measure a result against a truth (mm, degrees)");
   auto* line = command->add_option("--line", options->line, "A line.csv to measure");
   auto* truth = command->add_option("--truth", options->truth, "The true line: rows that begin with x, y, z");
-  auto* cloud = command->add_option("--cloud", options->cloud, "A cloud to measure");
+  auto* cloud =
+      command->add_option("--cloud", options->cloud, std::string{"A cloud to measure: "} + k_cloud_kinds);
+  add_unit_option(*command, options->unit);
   command->add_option("--surface", options->surface,
                       "The true surface, a PLY mesh; with --line it serves the normals' error");
   command->add_flag("--align", options->align, "Measure after the best rigid alignment");

@@ -2,9 +2,9 @@
 // biteline extract: the line in a scattered cloud.
 #include <cstdio>
 
+#include "host/apps/biteline/cloud_option.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/apps/biteline/method.hpp"
-#include "host/cloud/ply.hpp"
 #include "host/results/line_result.hpp"
 
 namespace biteline::app {
@@ -12,19 +12,24 @@ namespace {
 
 struct Options {
   std::filesystem::path cloud, out;
+  std::optional<cloud::Unit> unit;
   Method method{Method::Default};
 };
 
 Result<ExitStatus> extract(const Options& options, const GlobalOptions& global) {
   report::Report report;
-  std::size_t dropped = 0;
-  BITELINE_ASSIGN(const cloud::PointCloud cloud,
-                  report.timed("read", [&] { return cloud::read_cloud(options.cloud, &dropped); }));
+  BITELINE_ASSIGN(const cloud::CloudFile file,
+                  report.timed("read", [&] { return cloud::read_cloud_file(options.cloud, options.unit); }));
   BITELINE_TRY(results::prepare_result_folder(options.out));
-  const FoundLine found = report.timed("extract", [&] { return find_line(cloud, options.method); });
   report.fields["input"] = options.cloud.filename().string();
-  report.fields["points_not_finite"] = dropped;
-  BITELINE_TRY(results::write_line_result(options.out, cloud, found.extraction, found.stages, report));
+  report.fields["points_not_finite"] = file.dropped;
+  if (const auto refusal = cloud::unit_refusal(file.cloud, options.unit)) {
+    report.refuse(*refusal);
+    BITELINE_TRY(report.write(options.out));
+    return tell(report, global, "biteline: refused: " + refusal->reason);
+  }
+  const FoundLine found = report.timed("extract", [&] { return find_line(file.cloud, options.method); });
+  BITELINE_TRY(results::write_line_result(options.out, file.cloud, found.extraction, found.stages, report));
   return tell(report, global, results::summary(found.extraction));
 }
 
@@ -32,8 +37,9 @@ Result<ExitStatus> extract(const Options& options, const GlobalOptions& global) 
 
 void add_extract(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("extract", "Find the bite line in a point cloud (PLY, mm)");
-  command->add_option("cloud", options->cloud, "The cloud: PLY, properties x y z in mm")->required();
+  CLI::App* command = app.add_subcommand("extract", "Find the bite line in a point cloud");
+  command->add_option("cloud", options->cloud, std::string{"The cloud: "} + k_cloud_kinds)->required();
+  add_unit_option(*command, options->unit);
   command->add_option("--out", options->out, "Folder for line.csv, report.json, stages/")->required();
   add_method_option(*command, options->method);
   command->callback([options, &context] {

@@ -92,6 +92,7 @@ int main(int argc, char** argv) {
   add_extract(app, context);
   add_calibrate(app, context);
   add_keys(app, context);
+  add_line(app, context);
   add_model(app, context);
   add_replay(app, context);
   add_plan(app, context);

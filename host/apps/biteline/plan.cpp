@@ -5,8 +5,8 @@
 #include "common/config/sensor_yaml.hpp"
 #include "common/core/fixed_text.hpp"
 #include "common/options/number.hpp"
+#include "host/apps/biteline/cloud_option.hpp"
 #include "host/apps/biteline/command.hpp"
-#include "host/cloud/ply.hpp"
 #include "host/report/json_text.hpp"
 #include "host/results/plan_result.hpp"
 #include "host/robot/kinematics/calibration.hpp"
@@ -23,6 +23,7 @@ constexpr double k_rad_per_deg = std::numbers::pi / 180;
 
 struct Options {
   fs::path line, process, scan, out, kinematics, cloud, touches;
+  std::optional<cloud::Unit> unit;
   std::string robot;
   std::vector<double> base_at{0, 0, 0, 0};  // x y z [mm], yaw [deg]
   std::vector<double> from_deg;
@@ -57,8 +58,8 @@ Result<path::PlanRequest> read_request(const Options& options, report::Report& r
   }
   BITELINE_ASSIGN(request.line, cloud::read_line(options.line));
   if (!options.cloud.empty()) {
-    BITELINE_ASSIGN(cloud::PointCloud cloud, cloud::read_cloud(options.cloud));
-    request.cloud = std::move(cloud.points);
+    BITELINE_ASSIGN(cloud::CloudFile file, cloud::read_cloud_file(options.cloud, options.unit));
+    request.cloud = std::move(file.cloud.points);
   }
   request.T_line_base = geometry::make_se3(
       Eigen::Quaterniond{Eigen::AngleAxisd(options.base_at[3] * k_rad_per_deg, Vec3::UnitZ())},
@@ -126,6 +127,7 @@ void add_plan(CLI::App& app, Context& context) {
       ->check(number(k_plausible_mm, "mm"));
   command->add_option("--cloud", options->cloud,
                       "The shoe's cloud for collisions; without it the shoe is guessed from the line");
+  add_unit_option(*command, options->unit);
   command->callback([options, &context] {
     context.run = [options, &context] { return run_plan(*options, context.options); };
   });

@@ -4,8 +4,8 @@
 #include <map>
 
 #include "common/options/number.hpp"
+#include "host/apps/biteline/cloud_option.hpp"
 #include "host/apps/biteline/command.hpp"
-#include "host/cloud/ply.hpp"
 #include "host/report/json_text.hpp"
 #include "host/report/report.hpp"
 #include "host/results/line_result.hpp"
@@ -19,6 +19,7 @@ namespace {
 struct Options {
   std::string sample;  ///< folder, or a model's name; empty: find the model
   std::filesystem::path upper, out, library{transfer::Library::default_folder()};
+  std::optional<cloud::Unit> unit;
   transfer::TransferOptions transfer;
 };
 
@@ -59,11 +60,16 @@ Result<transfer::Transfer> carry_over(const Options& options, const cloud::Point
 Result<ExitStatus> transfer(const Options& options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_TRY(results::prepare_result_folder(options.out));
-  BITELINE_ASSIGN(const cloud::PointCloud upper,
-                  report.timed("read", [&] { return cloud::read_cloud(options.upper); }));
+  BITELINE_ASSIGN(const cloud::CloudFile upper,
+                  report.timed("read", [&] { return cloud::read_cloud_file(options.upper, options.unit); }));
   report.fields["upper"] = options.upper.filename().string();
-  BITELINE_ASSIGN(const transfer::Transfer result, carry_over(options, upper, report));
-  BITELINE_TRY(results::write_transfer_result(options.out, upper, result, report));
+  if (const auto refusal = cloud::unit_refusal(upper.cloud, options.unit)) {
+    report.refuse(*refusal);
+    BITELINE_TRY(report.write(options.out));
+    return tell(report, global, "biteline: refused: " + refusal->reason);
+  }
+  BITELINE_ASSIGN(const transfer::Transfer result, carry_over(options, upper.cloud, report));
+  BITELINE_TRY(results::write_transfer_result(options.out, upper.cloud, result, report));
   return tell(report, global, results::summary(result));
 }
 
@@ -75,7 +81,9 @@ void add_transfer(CLI::App& app, Context& context) {
       app.add_subcommand("transfer", "Carry a sample's bite line over to the next upper of its model");
   command->add_option("--sample", options->sample,
                       "Folder of a finished sample, or a saved model's name; left out: find the model");
-  command->add_option("--upper", options->upper, "The upper's cloud: PLY, mm")->required();
+  command->add_option("--upper", options->upper, std::string{"The upper's cloud: "} + k_cloud_kinds)
+      ->required();
+  add_unit_option(*command, options->unit);
   command->add_option("--out", options->out, "Folder for line.csv, report.json, stages/")->required();
   command->add_option("--library", options->library, "Folder of the saved models")->capture_default_str();
   command->add_flag("--mirror", options->transfer.align.mirror, "The sample is of the other foot");

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// biteline line: a found line for other people's programs.
+#include "host/apps/biteline/command.hpp"
+#include "host/cloud/closed_line.hpp"
+#include "host/line_files/line_file.hpp"
+
+namespace biteline::app {
+namespace {
+
+struct Options {
+  std::filesystem::path line, out;
+};
+
+Result<ExitStatus> export_line(const Options& options, const GlobalOptions& global) {
+  report::Report report;
+  BITELINE_ASSIGN(const cloud::ClosedLine line, cloud::read_line(options.line));
+  BITELINE_TRY(line_files::write_line_file(options.out, line));
+  report.fields["file"] = options.out.filename().string();
+  report.fields["points"] = line.points.size();
+  report.fields["length_mm"] = cloud::length_mm(line);
+  return tell(report, global, "biteline: " + options.out.string() + " written");
+}
+
+}  // namespace
+
+void add_line(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("line", "Give a found line to other programs");
+  command->require_subcommand(1);
+  CLI::App* to_file = command->add_subcommand("export", "Write a line as CSV, PLY, DXF, STEP or JSON");
+  to_file->add_option("line", options->line, "The line: line.csv of a result folder")->required();
+  to_file->add_option("--out", options->out, "File: .csv .ply .dxf .step .stp or .json")->required();
+  to_file->callback([options, &context] {
+    context.run = [options, &context] { return export_line(*options, context.options); };
+  });
+}
+
+}  // namespace biteline::app
