@@ -2,7 +2,7 @@
 // Mending a line: another candidate, a stretch led through points, a stretch cut, back to an older version.
 import type { JSX } from 'preact';
 import { useState } from 'preact/hooks';
-import type { ViewData } from '../viewer/view_data';
+import type { Hand, ViewData } from '../viewer/view_data';
 import { amount, number, t } from '../words';
 import { type Scan, call } from './api';
 import { Table } from './parts';
@@ -27,7 +27,8 @@ function read_points(text: string): number[][] | null {
   return points.length > 0 && points.every((p) => p.length === 3 && p.every(Number.isFinite)) ? points : null;
 }
 
-export function Mend({ scan, data }: { scan: Scan; data: ViewData }): JSX.Element | null {
+/// `hand`: the place chosen in the viewer, moved in its section.
+export function Mend({ scan, data, hand }: { scan: Scan; data: ViewData; hand: Hand | null }): JSX.Element | null {
   use_store();
   const [steps, set_steps] = useState<Step[]>([]);
   const [undone, set_undone] = useState<Step[]>([]);
@@ -75,6 +76,22 @@ export function Mend({ scan, data }: { scan: Scan; data: ViewData }): JSX.Elemen
       )}
       <fieldset>
         <legend>{t('mend_stretch')}</legend>
+        {hand && (
+          <div class="tools">
+            <button type="button" onClick={() => set_from(hand.at_mm.toFixed(1))}>
+              {t('mend_a', { at: number(hand.at_mm, 1) })}
+            </button>
+            <button type="button" onClick={() => set_to(hand.at_mm.toFixed(1))}>
+              {t('mend_b', { at: number(hand.at_mm, 1) })}
+            </button>
+            <button
+              type="button"
+              onClick={() => set_points(`${points ? `${points.replace(/;?\s*$/, '')}; ` : ''}${hand.base.map((v) => v.toFixed(2)).join(', ')}`)}
+            >
+              {t('mend_point', { place: hand.base.map((v) => number(v, 1)).join(' / ') })}
+            </button>
+          </div>
+        )}
         <label>
           A [mm] <input inputMode="decimal" value={from} onInput={(e) => set_from(e.currentTarget.value)} size={8} />
         </label>{' '}

@@ -2,14 +2,14 @@
 // Every shoe: the table with filters and trends, and one scan with the viewer.
 import type { JSX } from 'preact';
 import { useEffect, useMemo, useState } from 'preact/hooks';
-import { parse_view_data, type ResultFile, type ViewData } from '../viewer/view_data';
+import { type Hand, parse_view_data, type ResultFile, type ViewData } from '../viewer/view_data';
 import { Viewer } from '../viewer/viewer';
 import { amount, number, t, t_or } from '../words';
 import { type FileRow, Refused, type Scan, type ScanRow, type Trends, base, call, file_address, query } from './api';
 import { Decide } from './live';
 import { Mend } from './mend';
 import { Chart, Failure, Figures, Table, Verdict } from './parts';
-import { time_words, use_reading, use_store } from './store';
+import { may, time_words, use_reading, use_store } from './store';
 
 const verdicts = ['ok', 'amber', 'refused', 'failed', 'working'];
 
@@ -251,6 +251,7 @@ function ScanView({ scan, files }: { scan: Scan; files: FileRow[] }): JSX.Elemen
   const { value: others } = use_reading<{ scans: ScanRow[] }>('/scans?limit=100');
   const compared = use_view(other || null, 0);
   const beside = useMemo(() => (other && compared.data ? { name: other, data: compared.data } : null), [other, compared.data]);
+  const [hand, set_hand] = useState<Hand | null>(null);
   const stages = files.filter((file) => /^stages\/.*\.png$/.test(file.path));
   return (
     <>
@@ -272,8 +273,8 @@ function ScanView({ scan, files }: { scan: Scan; files: FileRow[] }): JSX.Elemen
         </label>
       )}
       <Failure text={compared.error} />
-      {data && <Viewer other={beside} key={`${scan.id} ${scan.line_version ?? 0}`} data={data} files={shown} file_base={`${base}/scans/${scan.id}/files/`} told />}
-      {data?.line && <Mend scan={scan} data={data} />}
+      {data && <Viewer hand={data.line && may('operator') ? set_hand : undefined} other={beside} key={`${scan.id} ${scan.line_version ?? 0}`} data={data} files={shown} file_base={`${base}/scans/${scan.id}/files/`} told />}
+      {data?.line && <Mend scan={scan} data={data} hand={hand} />}
       {stages.length > 0 && (
         <details>
           <summary>{t('stages')}</summary>

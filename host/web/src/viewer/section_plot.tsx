@@ -2,9 +2,16 @@
 // The section across the line at one point: raw points, the line's place with its U95, the normal.
 import type { JSX } from 'preact';
 import { number, t } from '../words';
-import { type Section, dot, u95_of_confidence_mm } from './view_data';
+import { type Section, type SectionPoint, dot, u95_of_confidence_mm } from './view_data';
 
-export function SectionPlot({ cut, reach_mm }: { cut: Section; reach_mm: number }): JSX.Element {
+/// `move`: a person may drag the line's point; `moved` is where it is then.
+export function SectionPlot(props: {
+  cut: Section;
+  reach_mm: number;
+  moved?: SectionPoint;
+  move?: (to: SectionPoint) => void;
+}): JSX.Element {
+  const { cut, reach_mm } = props;
   const size = 320;
   const x = (mm: number) => size / 2 + (mm / reach_mm) * (size / 2 - 18);
   const y = (mm: number) => size / 2 - (mm / reach_mm) * (size / 2 - 18);
@@ -18,9 +25,15 @@ export function SectionPlot({ cut, reach_mm }: { cut: Section; reach_mm: number 
     u95: number(u95),
     confidence: number(cut.at.confidence),
   });
+  const drag = (event: PointerEvent) => {
+    if (!props.move || event.buttons !== 1) return;
+    const box = (event.currentTarget as SVGSVGElement).getBoundingClientRect();
+    const mm = (px: number, extent: number) => ((px / extent) * size - size / 2) * (reach_mm / (size / 2 - 18));
+    props.move({ out_mm: mm(event.clientX - box.left, box.width), up_mm: -mm(event.clientY - box.top, box.height) });
+  };
   return (
     <figure class="section">
-      <svg viewBox={`0 0 ${size} ${size}`} role="img" aria-label={words}>
+      <svg viewBox={`0 0 ${size} ${size}`} role="img" aria-label={words} class={props.move ? 'movable' : ''} onPointerDown={drag} onPointerMove={drag}>
         <rect x="1" y="1" width={size - 2} height={size - 2} class="plot-ground" />
         {ticks.map((mm) => (
           <g key={mm} class="tick">
@@ -43,6 +56,9 @@ export function SectionPlot({ cut, reach_mm }: { cut: Section; reach_mm: number 
         <text x={x(7 * n.out)} y={y(7 * n.up)} class="normal-word">
           n
         </text>
+        {props.moved && (props.moved.out_mm !== 0 || props.moved.up_mm !== 0) && (
+          <path d={`M${x(props.moved.out_mm) - 6} ${y(props.moved.up_mm) - 6}l12 12m0 -12l-12 12`} class="moved" />
+        )}
         <text x={size - 10} y={18} text-anchor="end" class="axis">
           {t('section_axes')}
         </text>

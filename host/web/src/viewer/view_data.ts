@@ -220,6 +220,18 @@ export function section(view: View, index: number, half_thickness_mm: number, re
   return { at, out, up, points };
 }
 
+/// A point of the shoe's frame in the robot's base.
+export function in_base(view: View, p: Vec): Vec {
+  const T = view.data.T_base_shoe?.length === 16 ? view.data.T_base_shoe : identity;
+  return [0, 1, 2].map((row) => T[4 * row]! * p[0] + T[4 * row + 1]! * p[1] + T[4 * row + 2]! * p[2] + T[4 * row + 3]!) as Vec;
+}
+
+/// A place that a person has chosen, perhaps moved by hand in its section.
+export interface Hand {
+  at_mm: number;
+  base: Vec;
+}
+
 export interface Difference {
   mean_mm: number;
   p95_mm: number;

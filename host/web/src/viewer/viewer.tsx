@@ -6,7 +6,19 @@ import { number, t, t_or } from '../words';
 import { gradient } from './colours';
 import { type Label, type Layer, type LineColour, type Overlay, Scene, type ViewName, line_scale } from './scene';
 import { SectionPlot } from './section_plot';
-import { type ResultFile, type View, type ViewData, difference, section, u95_of_confidence_mm, unpack } from './view_data';
+import {
+  type Hand,
+  type ResultFile,
+  type SectionPoint,
+  type View,
+  type ViewData,
+  difference,
+  in_base,
+  plus,
+  section,
+  u95_of_confidence_mm,
+  unpack,
+} from './view_data';
 
 const views: ViewName[] = ['fit', 'top', 'left', 'right', 'toe', 'heel'];
 const layers: Layer[] = ['cloud', 'line', 'path', 'weak', 'other', 'names'];
@@ -70,6 +82,8 @@ export function Viewer(props: {
   told?: boolean;
   /// Another scan to compare with.
   other?: { name: string; data: ViewData } | null;
+  /// Told of the chosen place, moved by hand; with it the section's point may be moved.
+  hand?: (hand: Hand) => void;
 }): JSX.Element {
   const view = useMemo(() => unpack(props.data), [props.data]);
   const other = useMemo(() => (props.other ? unpack(props.other.data) : null), [props.other]);
@@ -83,6 +97,7 @@ export function Viewer(props: {
   const [cloud_by, set_cloud_by] = useState<'grey' | 'height'>('grey');
   const [chosen, set_chosen] = useState(0);
   const [reach_mm, set_reach_mm] = useState(12);
+  const [moved, set_moved] = useState<SectionPoint>({ out_mm: 0, up_mm: 0 });
   const weak = view.data.report.weak_stretches ?? [];
   const has_line = view.line.length > 2;
   const names = useMemo(() => names_of(view), [view]);
@@ -114,6 +129,13 @@ export function Viewer(props: {
     () => (has_line ? section(view, Math.min(chosen, view.line.length - 1), section_half_mm, reach_mm) : null),
     [view, chosen, reach_mm, has_line],
   );
+
+  useEffect(() => set_moved({ out_mm: 0, up_mm: 0 }), [chosen, view]);
+  useEffect(() => {
+    if (!cut || !props.hand) return;
+    const shoe = plus(plus(cut.at.shoe, cut.out, moved.out_mm), cut.up, moved.up_mm);
+    props.hand({ at_mm: cut.at.at_mm, base: in_base(view, shoe) });
+  }, [cut, moved, view]);
 
   const show = (layer: Layer, on: boolean) => {
     set_hidden(on ? hidden.filter((name) => name !== layer) : [...hidden, layer]);
@@ -276,7 +298,19 @@ export function Viewer(props: {
               <dd>{t_or(`source_${at.source}`, at.source)}</dd>
             </dl>
           </div>
-          <SectionPlot cut={cut} reach_mm={reach_mm} />
+          <div>
+            <SectionPlot cut={cut} reach_mm={reach_mm} moved={moved} move={props.hand ? set_moved : undefined} />
+            {props.hand && (
+              <div class="tools">
+                {(['out_mm', 'up_mm'] as const).map((axis) => (
+                  <label key={axis}>
+                    {t(`move_${axis}`)}{' '}
+                    <input type="number" step={0.1} min={-20} max={20} value={Number(moved[axis].toFixed(2))} onInput={(e) => set_moved({ ...moved, [axis]: Number(e.currentTarget.value) || 0 })} />
+                  </label>
+                ))}
+              </div>
+            )}
+          </div>
         </section>
       )}
       {has_line && (
