@@ -15,7 +15,7 @@ import { AskWhy } from './parts';
 import { Log, People } from './people';
 import { Processes } from './processes';
 import { OneScan, Scans } from './scans';
-import { act, change, holds_control, hush, log_in, log_out, may, read_me, tell, use_store, words_of } from './store';
+import { act, change, holds_control, hush, log_in, log_out, may, may_have_session, read_me, tell, use_store, words_of } from './store';
 
 const views = ['live', 'scans', 'models', 'processes', 'devices', 'people', 'log'] as const;
 
@@ -136,9 +136,40 @@ function Login(): JSX.Element {
           {t('log_in')}
         </button>
       </form>
-      <p class="quiet">{t('first_account')}</p>
+      <FirstAccount />
       <LanguageChoice />
     </main>
+  );
+}
+
+/// The service takes it only on the cell's own machine, and only while there is no account.
+function FirstAccount(): JSX.Element {
+  const [name, set_name] = useState('');
+  const [password, set_password] = useState('');
+  const make = async () => {
+    const made = await act(t('done_user', { name }), () => call('POST', '/users', { name, password, role: 'administrator' }));
+    if (made) await log_in({ name, password }).catch((refused) => tell(words_of(refused), true));
+  };
+  return (
+    <details class="card">
+      <summary>{t('first_account')}</summary>
+      <p>{t('first_account_words')}</p>
+      <form
+        class="form"
+        onSubmit={(event) => {
+          event.preventDefault();
+          void make();
+        }}
+      >
+        <label>
+          {t('administrator_name')} <input required autocomplete="off" maxLength={64} pattern="[A-Za-z0-9][A-Za-z0-9._@\-]*" value={name} onInput={(e) => set_name(e.currentTarget.value)} />
+        </label>
+        <label>
+          {t('new_password')} <input type="password" required minLength={8} maxLength={200} autocomplete="new-password" value={password} onInput={(e) => set_password(e.currentTarget.value)} />
+        </label>
+        <button type="submit">{t('make_account')}</button>
+      </form>
+    </details>
   );
 }
 
@@ -180,8 +211,7 @@ function Messages(): JSX.Element {
 }
 
 function LinkWords(): ComponentChildren {
-  const { linked, host, me } = use_store();
-  if (!me) return null;
+  const { linked, host } = use_store();
   if (!linked) return <p class="notice refused" role="alert">{t('link_lost')}</p>;
   if (!host) return <p class="notice refused" role="alert">{t('host_lost')}</p>;
   return null;
@@ -253,7 +283,8 @@ async function begin(): Promise<void> {
       if (error instanceof Refused) tell(words_of(error), true);
     }
   }
-  await read_me();
+  if (may_have_session()) await read_me();
+  else change({ known: true });
 }
 
 set_language(stored_language());

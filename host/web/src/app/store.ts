@@ -90,14 +90,35 @@ export async function act(done: string, work: () => Promise<unknown>): Promise<b
   }
 }
 
+/// A browser notes each 401 as an error: who never logged in here is not asked for.
+const session_mark = 'biteline_session';
+function mark_session(on: boolean): void {
+  try {
+    if (on) localStorage.setItem(session_mark, '1');
+    else localStorage.removeItem(session_mark);
+  } catch {
+    // Without storage the page asks each time.
+  }
+}
+export function may_have_session(): boolean {
+  try {
+    return localStorage.getItem(session_mark) !== null;
+  } catch {
+    return true;
+  }
+}
+
 export async function read_me(): Promise<void> {
   try {
     change({ me: await call<Me>('GET', '/me'), known: true });
+    mark_session(true);
     await read_state();
     watch();
   } catch (error) {
-    if (error instanceof Refused && error.status === 401) change({ me: null, known: true });
-    else {
+    if (error instanceof Refused && error.status === 401) {
+      mark_session(false);
+      change({ me: null, known: true });
+    } else {
       change({ known: true, linked: !(error instanceof Refused && error.code === 'no_answer'), host: !(error instanceof Refused && error.code === 'host_away') });
       setTimeout(() => void read_me(), 2000);
     }
@@ -125,6 +146,7 @@ export async function log_out(): Promise<void> {
   } catch {
     // Without an answer the page forgets it all the same; the session ends by its time.
   }
+  mark_session(false);
   socket?.close();
   change({ me: null, state: null });
 }
