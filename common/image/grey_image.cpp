@@ -92,7 +92,7 @@ Result<void> read_png_into(const std::filesystem::path& path, int width_px, int 
   return decode(png, path, pixels);
 }
 
-Result<void> write_png(const std::filesystem::path& path, const GreyImage& image) {
+Result<void> write_png(const std::filesystem::path& path, const GreyImage& image, Packing packing) {
   const Context context{spng_ctx_new(SPNG_CTX_ENCODER)};
   const File file{std::fopen(path.c_str(), "wb")};
   if (!file) return fail_errno(Errc::WriteFailed, errno, "%s", path.c_str());
@@ -103,8 +103,7 @@ Result<void> write_png(const std::filesystem::path& path, const GreyImage& image
   header.bit_depth = 8;
   header.color_type = SPNG_COLOR_TYPE_GRAYSCALE;
   spng_set_ihdr(context.get(), &header);
-  // Stripe pictures are mostly noise: the fastest setting costs a few per cent of size.
-  spng_set_option(context.get(), SPNG_IMG_COMPRESSION_LEVEL, 1);
+  spng_set_option(context.get(), SPNG_IMG_COMPRESSION_LEVEL, packing == Packing::Fast ? 1 : 9);
   const int status = spng_encode_image(context.get(), image.pixels.data(), image.pixels.size(), SPNG_FMT_PNG,
                                        SPNG_ENCODE_FINALIZE);
   if (status != SPNG_OK || std::fflush(file.get()) != 0) {

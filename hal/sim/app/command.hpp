@@ -29,13 +29,17 @@ struct SceneOptions {
   double speed_mm_s{100};
   double rate_hz{100};
   double ambient_grey{0};
+  std::string reach_of{};  ///< an arm: the shoe stands where it gets all the way round; empty: anywhere
 };
 
 void add_scene_options(CLI::App& command, SceneOptions& options);
+/// Of recordings alone: a live cell has its own arm.
+void add_reach_option(CLI::App& command, SceneOptions& options);
 [[nodiscard]] Result<sim::SceneSettings> scene_settings(const SceneOptions& options);
 
 void add_record(CLI::App& app, Context& context);
 void add_record_calibration(CLI::App& app, Context& context);
+void add_record_cloud(CLI::App& app, Context& context);
 void add_serve(CLI::App& app, Context& context);
 
 }  // namespace biteline::cell

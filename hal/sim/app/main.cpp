@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   add_serve(app, context);
   add_record(app, context);
   add_record_calibration(app, context);
+  add_record_cloud(app, context);
 
   try {
     app.parse(argc, argv);

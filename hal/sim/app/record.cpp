@@ -7,6 +7,7 @@
 #include "common/options/number.hpp"
 #include "hal/sim/app/command.hpp"
 #include "hal/sim/record/calibration_recorder.hpp"
+#include "hal/sim/record/cloud_recorder.hpp"
 #include "hal/sim/record/session_recorder.hpp"
 
 namespace biteline::cell {
@@ -18,6 +19,7 @@ struct RecordOptions {
   std::string out;
   double clock_offset_ms{0};
   bool hide_clock_offset{false};
+  std::optional<sim::OutlinePart> part;
 };
 
 /// On a terminal only; the last one wipes its own trace.
@@ -32,9 +34,27 @@ Result<void> record(const RecordOptions& options) {
   const sim::RecordSettings record_settings{
       .pose_clock_offset = Nanoseconds{std::llround(options.clock_offset_ms * 1e6)},
       .tell_clock_offset = !options.hide_clock_offset,
-      .noise_seed = settings.shoe.seed};
+      .noise_seed = settings.shoe.seed,
+      .part = options.part};
   BITELINE_TRY(sim::record_session(options.out, *scene, record_settings, show_progress));
   std::printf("simulated session of shoe %s %llu: %s\n",
+              std::string(sim::name_of(settings.shoe.shoe_class)).c_str(),
+              static_cast<unsigned long long>(settings.shoe.seed), options.out.c_str());
+  return {};
+}
+
+struct CloudOptions {
+  SceneOptions scene;
+  sim::ScanSettings scan;
+  std::string out;
+};
+
+Result<void> record_cloud(const CloudOptions& options) {
+  BITELINE_ASSIGN(const sim::SceneSettings settings, scene_settings(options.scene));
+  sim::ScanSettings scan = options.scan;
+  scan.seed = settings.place_seed;
+  BITELINE_TRY(sim::record_cloud(options.out, settings, scan));
+  std::printf("simulated cloud of shoe %s %llu: %s\n",
               std::string(sim::name_of(settings.shoe.shoe_class)).c_str(),
               static_cast<unsigned long long>(settings.shoe.seed), options.out.c_str());
   return {};
@@ -82,6 +102,9 @@ void add_record_calibration(CLI::App& app, Context& context) {
   command->add_option("--pose-noise-rad", settings.pose_noise_rad)
       ->capture_default_str()
       ->check(options::number({.minimum = 0, .maximum = 0.1}, "rad"));
+  command->add_option("--averaged", settings.averaged, "Each picture is the mean of so many exposures")
+      ->capture_default_str()
+      ->check(options::number({.minimum = 1, .maximum = 1000}, ""));
   command
       ->add_option("--scaled-ratio", settings.scaled_ratio,
                    "Fills the lit pictures from ones of this size, nearest pixel, as a scaler does")
@@ -102,11 +125,44 @@ void add_record(CLI::App& app, Context& context) {
   CLI::App* command =
       app.add_subcommand("record", "Write a made scan as a session folder, with its truth; no time runs");
   add_scene_options(*command, options->scene);
+  add_reach_option(*command, options->scene);
   command->add_option("--out", options->out, "The session's folder")->required();
   command->add_option("--clock-offset-ms", options->clock_offset_ms, "Pose clock minus camera clock")
       ->check(options::number({.minimum = -1000, .maximum = 1000}, "ms"));
   command->add_flag("--hide-clock-offset", options->hide_clock_offset, "sensor.yaml says 0 instead");
-  command->callback([options, &context] { context.run = [options] { return record(*options); }; });
+  auto part = std::make_shared<sim::OutlinePart>();
+  CLI::Option* from =
+      command
+          ->add_option("--from-mm", part->from_s_mm, "Only a part of the scan: from here along the outline")
+          ->check(options::number({.minimum = 0, .maximum = 2000}, "mm"));
+  CLI::Option* length = command->add_option("--length-mm", part->length_mm, "How long that part is")
+                            ->check(options::number({.minimum = 0.1, .maximum = 2000}, "mm"))
+                            ->needs(from);
+  from->needs(length);
+  command->callback([options, part, from, &context] {
+    if (from->count() > 0) options->part = *part;
+    context.run = [options] { return record(*options); };
+  });
+}
+
+void add_record_cloud(CLI::App& app, Context& context) {
+  auto options = std::make_shared<CloudOptions>();
+  CLI::App* command = app.add_subcommand(
+      "record-cloud", "Write a made scan as a finished cloud, with its truth; no pictures, no time runs");
+  add_scene_options(*command, options->scene);
+  add_reach_option(*command, options->scene);
+  command->add_option("--out", options->out, "The folder of cloud.ply and truth/")->required();
+  command->add_option("--profile-step-mm", options->scan.profile_step_mm, "Between stripes along the outline")
+      ->capture_default_str()
+      ->check(options::number({.minimum = 0.05, .maximum = 20}, "mm"));
+  command
+      ->add_option("--column-step-mm", options->scan.column_step_mm, "Between points of a profile, upwards")
+      ->capture_default_str()
+      ->check(options::number({.minimum = 0.01, .maximum = 20}, "mm"));
+  command->add_option("--noise-mm", options->scan.noise_mm, "Standard deviation along the viewing ray")
+      ->capture_default_str()
+      ->check(options::number({.minimum = 0, .maximum = 5}, "mm"));
+  command->callback([options, &context] { context.run = [options] { return record_cloud(*options); }; });
 }
 
 }  // namespace biteline::cell

@@ -43,6 +43,13 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
       ->check(options::number({.minimum = 1, .maximum = 1000}, ""));
 }
 
+void add_reach_option(CLI::App& command, SceneOptions& options) {
+  command
+      .add_option("--within-reach-of", options.reach_of,
+                  "The shoe stands where this arm gets all the way round: ur3e, ur5e or ur10e")
+      ->check(CLI::IsMember({"ur3e", "ur5e", "ur10e"}));
+}
+
 namespace {
 
 Result<sim::ShoeParameters> shoe_of(const SceneOptions& options) {
@@ -73,6 +80,7 @@ Result<sim::SceneSettings> scene_settings(const SceneOptions& options) {
                               .scan_speed_mm_s = options.speed_mm_s,
                               .rate_hz = options.rate_hz,
                               .ambient_grey = options.ambient_grey};
+  if (!options.reach_of.empty()) settings.places = sim::places_within_reach_of(options.reach_of);
   if (options.upper) {
     settings.shoe = sim::bare_upper_of(settings.shoe, options.last_difference_mm, settings.place_seed);
   }

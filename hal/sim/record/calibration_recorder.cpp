@@ -45,6 +45,9 @@ class Recorder {
                           .height_px = head_.sensor_height_px};
     head_.model.rate_hz.reset();
     head_.model.exposure.reset();
+    // The mean of many exposures is one with as much more light and as much less noise.
+    head_.faults.electrons_per_grey *= settings_.averaged;
+    head_.faults.read_noise_grey /= std::sqrt(settings_.averaged);
     pictures_ = settings.camera_views + 2 * settings.laser_views + settings.handeye_views;
   }
 
@@ -78,7 +81,7 @@ class Recorder {
   }
 
   Result<void> write_picture(const fs::path& file, const image::GreyImage& picture) {
-    BITELINE_TRY(image::write_png(file, picture));
+    BITELINE_TRY(image::write_png(file, picture, image::Packing::Small));
     ++written_;
     if (progress_) progress_(static_cast<double>(written_) / pictures_);
     return {};

@@ -26,11 +26,11 @@ Result<File> create(const std::filesystem::path& path) {
   return file;
 }
 
-Result<void> write_line(const std::filesystem::path& path, const MadeScene& scene) {
+Result<void> write_line(const std::filesystem::path& path, const PlacedShoe& placed) {
   BITELINE_ASSIGN(File file, create(path));
   std::fprintf(file.get(), "#x [mm],y [mm],z [mm]\n");
-  for (const auto& place : scene.line) {
-    const Vec3 p = scene.T_base_shoe * place.point_shoe;
+  for (const auto& place : placed.line) {
+    const Vec3 p = placed.T_base_shoe * place.point_shoe;
     std::fprintf(file.get(), "%.4f,%.4f,%.4f\n", p.x(), p.y(), p.z());
   }
   return close(std::move(file), path);
@@ -64,16 +64,8 @@ SE3 draw_place(std::uint64_t seed, const PlaceRange& range, double shoe_length_m
   return T_base_middle * Eigen::Translation3d(-shoe_length_mm / 2, 0, 0);
 }
 
-Result<std::unique_ptr<MadeScene>> make_scene(const SceneSettings& settings) {
+PlacedShoe place_shoe(const SceneSettings& settings) {
   MadeShoe shoe(settings.shoe);
-  MadeHead head = draw_head(settings.head_seed);
-  head.model.rate_hz = settings.rate_hz;
-  head.faults.ambient_grey = settings.ambient_grey;
-  SurfaceMesh mesh = mesh_of(shoe, settings.fineness);
-  BITELINE_ASSIGN(Scene scene, Scene::build(mesh));
-  const ScanPathSettings path{.target_z_mm = 0.55 * settings.shoe.upper.top_z_mm,
-                              .speed_mm_s = settings.scan_speed_mm_s};
-  ScanPath scan_path(shoe.outline(), head, path);
   auto line = true_line(shoe, k_true_line_spacing_mm);
   if (settings.shoe.bare && settings.shoe.shoe_class != ShoeClass::Bare) {
     // An upper of a known sample: its line is the sample's.
@@ -82,22 +74,37 @@ Result<std::unique_ptr<MadeScene>> make_scene(const SceneSettings& settings) {
     sample.last_difference_mm = 0;
     line = carried_line(true_line(MadeShoe(sample), k_true_line_spacing_mm), shoe);
   }
-  return std::make_unique<MadeScene>(MadeScene{
-      .settings = settings,
-      .shoe = std::move(shoe),
-      .T_base_shoe = draw_place(settings.place_seed, settings.places, settings.shoe.outline.length_mm),
-      .head = head,
-      .mesh = std::move(mesh),
-      .scene = std::move(scene),
-      .path = std::move(scan_path),
-      .line = std::move(line)});
+  return {.shoe = std::move(shoe),
+          .T_base_shoe = draw_place(settings.place_seed, settings.places, settings.shoe.outline.length_mm),
+          .line = std::move(line)};
 }
 
-Result<void> write_truth(const std::filesystem::path& folder, const MadeScene& scene) {
+Result<std::unique_ptr<MadeScene>> make_scene(const SceneSettings& settings) {
+  PlacedShoe placed = place_shoe(settings);
+  MadeHead head = draw_head(settings.head_seed);
+  head.model.rate_hz = settings.rate_hz;
+  head.faults.ambient_grey = settings.ambient_grey;
+  SurfaceMesh mesh = mesh_of(placed.shoe, settings.fineness);
+  BITELINE_ASSIGN(Scene scene, Scene::build(mesh));
+  const ScanPathSettings path{.target_z_mm = 0.55 * settings.shoe.upper.top_z_mm,
+                              .speed_mm_s = settings.scan_speed_mm_s};
+  ScanPath scan_path(placed.shoe.outline(), head, path);
+  return std::make_unique<MadeScene>(
+      MadeScene{std::move(placed), settings, head, std::move(mesh), std::move(scene), std::move(scan_path)});
+}
+
+Result<void> write_line_truth(const std::filesystem::path& folder, const PlacedShoe& placed) {
   BITELINE_TRY(make_folder(folder));
-  if (!scene.line.empty()) BITELINE_TRY(write_line(folder / "groove.csv", scene));
-  BITELINE_TRY(write_matrix(folder / "T_base_shoe.txt", scene.T_base_shoe));
-  return write_mesh_ply(folder / "reference.ply", scene.mesh, scene.T_base_shoe);
+  if (!placed.line.empty()) BITELINE_TRY(write_line(folder / "groove.csv", placed));
+  return write_matrix(folder / "T_base_shoe.txt", placed.T_base_shoe);
+}
+
+Result<void> write_truth(const std::filesystem::path& folder, const MadeScene& scene,
+                         const std::optional<OutlinePart>& part) {
+  BITELINE_TRY(write_line_truth(folder, scene));
+  const std::filesystem::path file = folder / "reference.ply";
+  if (!part) return write_mesh_ply(file, scene.mesh, scene.T_base_shoe);
+  return write_mesh_ply(file, mesh_of_part(scene.shoe, *part, scene.settings.fineness), scene.T_base_shoe);
 }
 
 }  // namespace biteline::sim

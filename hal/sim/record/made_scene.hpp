@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string_view>
 
 #include "hal/sim/motion/scan_path.hpp"
@@ -39,15 +40,20 @@ struct SceneSettings {
   MeshFineness fineness{};
 };
 
-struct MadeScene {
-  SceneSettings settings;
+/// Shoe, place and line of a scene: what needs no light.
+struct PlacedShoe {
   MadeShoe shoe;
   SE3 T_base_shoe;
+  std::vector<TrueLinePoint> line;  ///< empty: there is none
+};
+[[nodiscard]] PlacedShoe place_shoe(const SceneSettings& settings);
+
+struct MadeScene : PlacedShoe {
+  SceneSettings settings;
   MadeHead head;
   SurfaceMesh mesh;
   Scene scene;  ///< in the shoe's frame
   ScanPath path;
-  std::vector<TrueLinePoint> line;  ///< empty: there is none
 };
 
 /// Half a millimetre between the points of the true line.
@@ -58,7 +64,10 @@ inline constexpr double k_true_line_spacing_mm = 0.5;
 
 [[nodiscard]] SE3 draw_place(std::uint64_t seed, const PlaceRange& range, double shoe_length_mm);
 
-/// truth/groove.csv (none for a shoe without line), truth/T_base_shoe.txt, truth/reference.ply.
-[[nodiscard]] Result<void> write_truth(const std::filesystem::path& folder, const MadeScene& scene);
+/// truth/groove.csv (none for a shoe without line), truth/T_base_shoe.txt.
+[[nodiscard]] Result<void> write_line_truth(const std::filesystem::path& folder, const PlacedShoe& placed);
+/// These and truth/reference.ply: the whole surface, or that part of it.
+[[nodiscard]] Result<void> write_truth(const std::filesystem::path& folder, const MadeScene& scene,
+                                       const std::optional<OutlinePart>& part = std::nullopt);
 
 }  // namespace biteline::sim

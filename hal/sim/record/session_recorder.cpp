@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "hal/sim/record/session_recorder.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/config/sensor_yaml.hpp"
@@ -26,13 +27,39 @@ SE3 T_base_flange_at(const MadeScene& scene, double time_s) {
          scene.head.model.T_flange_cam.inverse(Eigen::Isometry);
 }
 
-std::vector<session::StampedPose> made_poses(const MadeScene& scene, const RecordSettings& settings) {
+/// What of the path is recorded, by frame numbers of the whole scan.
+struct FrameRange {
+  int first, end;
+};
+
+FrameRange frames_of(const MadeScene& scene, const RecordSettings& settings) {
+  const auto all = static_cast<int>(std::ceil(scene.path.duration_s() * scene.settings.rate_hz));
+  if (!settings.part) return {.first = 0, .end = all};
+  const auto first_from = [&](double s_mm) {
+    const double way_mm = s_mm - scene.path.s_at_mm(0);
+    const double frame = way_mm / scene.path.settings().speed_mm_s * scene.settings.rate_hz;
+    return std::clamp(static_cast<int>(std::ceil(frame)), 0, all);
+  };
+  return {.first = first_from(settings.part->from_s_mm),
+          .end = first_from(settings.part->from_s_mm + settings.part->length_mm)};
+}
+
+/// The surface that the stripes may lie on: they are not quite upright sections.
+OutlinePart surface_part(const OutlinePart& part) {
+  constexpr double k_margin_mm = 3;
+  return {.from_s_mm = part.from_s_mm - k_margin_mm, .length_mm = part.length_mm + 2 * k_margin_mm};
+}
+
+std::vector<session::StampedPose> made_poses(const MadeScene& scene, const RecordSettings& settings,
+                                             const FrameRange& frames) {
   Random random = Random(settings.noise_seed).fork(1);
   std::vector<session::StampedPose> poses;
   const double margin_s = static_cast<double>(k_pose_margin.count()) * 1e-9;
-  const auto count = static_cast<int>((scene.path.duration_s() + 2 * margin_s) * settings.pose_rate_hz);
+  const double begin_s = frames.first / scene.settings.rate_hz - margin_s;
+  const double last_s = settings.part ? (frames.end - 1) / scene.settings.rate_hz : scene.path.duration_s();
+  const auto count = static_cast<int>((last_s + margin_s - begin_s) * settings.pose_rate_hz);
   for (int i = 0; i <= count; ++i) {
-    const double time_s = i / settings.pose_rate_hz - margin_s;
+    const double time_s = i / settings.pose_rate_hz + begin_s;
     Twist noise;
     for (int k = 0; k < 3; ++k) {
       noise[k] = settings.pose_noise_mm * random.gaussian();
@@ -65,9 +92,15 @@ Result<void> record_session(const std::filesystem::path& folder, const MadeScene
                         static_cast<std::size_t>(region.height_px));
   StripeRenderer renderer(scene.scene, scene.head);
   std::vector<session::FrameEntry> frames;
-  const auto count = static_cast<int>(std::ceil(scene.path.duration_s() * scene.settings.rate_hz));
+  const FrameRange range = frames_of(scene, settings);
+  if (range.first >= range.end)
+    return fail(Errc::InvalidArgument,
+                "no frame of the scan lies in the part asked for: the way round is %.0f mm",
+                scene.shoe.perimeter_mm());
+  // A part is made to be kept.
+  const image::Packing packing = settings.part ? image::Packing::Small : image::Packing::Fast;
   Random noise = Random(settings.noise_seed).fork(2);
-  for (int i = 0; i < count; ++i) {
+  for (int i = range.first; i < range.end; ++i) {
     const double time_s = i / scene.settings.rate_hz;
     const double way_mm = time_s * scene.path.settings().speed_mm_s;
     renderer.render(
@@ -76,12 +109,13 @@ Result<void> record_session(const std::filesystem::path& folder, const MadeScene
     const Nanoseconds stamp = settings.start + seconds(time_s);
     frames.push_back({.exposure_mid = SensorClock::time_point{stamp},
                       .file = folder / "cam0" / "data" / (std::to_string(stamp.count()) + ".png")});
-    BITELINE_TRY(image::write_png(frames.back().file, picture));
-    if (progress) progress(static_cast<double>(i + 1) / count);
+    BITELINE_TRY(image::write_png(frames.back().file, picture, packing));
+    if (progress) progress(static_cast<double>(i + 1 - range.first) / (range.end - range.first));
   }
   BITELINE_TRY(session::write_frame_table(folder / "cam0" / "data.csv", frames));
-  BITELINE_TRY(session::write_pose_table(folder / "pose0" / "data.csv", made_poses(scene, settings)));
-  return write_truth(folder / "truth", scene);
+  BITELINE_TRY(session::write_pose_table(folder / "pose0" / "data.csv", made_poses(scene, settings, range)));
+  if (!settings.part) return write_truth(folder / "truth", scene);
+  return write_truth(folder / "truth", scene, surface_part(*settings.part));
 }
 
 }  // namespace biteline::sim

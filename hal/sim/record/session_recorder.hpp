@@ -3,6 +3,7 @@
 /// \file A whole scan as a recorded session, without running time: pictures, poses, truth.
 
 #include <functional>
+#include <optional>
 
 #include "hal/sim/record/made_scene.hpp"
 
@@ -16,6 +17,7 @@ struct RecordSettings {
   bool tell_clock_offset{true};      ///< false: sensor.yaml says 0 whatever it is, as before its calibration
   Nanoseconds start{1'700'000'000'000'000'000};  ///< camera clock at the first frame
   std::uint64_t noise_seed{1};
+  std::optional<OutlinePart> part{};  ///< only the frames with their stripe there; none: the whole scan
 };
 
 /// Writes SESSION/ in the exchange format (README, "Data formats"), truth included.  Same arguments, same

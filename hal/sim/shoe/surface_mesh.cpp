@@ -54,15 +54,22 @@ Vec3 roof_point(const Vec3& edge, double length_mm, double part) {
   return point;
 }
 
-}  // namespace
+int columns_round(const MadeShoe& shoe, const MeshFineness& fineness) {
+  return steps_for(shoe.perimeter_mm(), fineness.column_mm);
+}
 
-SurfaceMesh mesh_of(const MadeShoe& shoe, const MeshFineness& fineness) {
+struct Columns {
+  int first{0};
+  int count{0};
+  bool closed{true};  ///< the last is joined to the first
+};
+
+SurfaceMesh mesh_of_columns(const MadeShoe& shoe, const MeshFineness& fineness, const Columns& columns) {
   const RowPlan rows(shoe, fineness);
-  const int columns = steps_for(shoe.perimeter_mm(), fineness.column_mm);
   const int column_rows = rows.count() + k_roof_rows;
 
   SurfaceMesh mesh;
-  const auto vertex_count = static_cast<std::size_t>(columns) * static_cast<std::size_t>(column_rows);
+  const auto vertex_count = static_cast<std::size_t>(columns.count) * static_cast<std::size_t>(column_rows);
   mesh.vertices.reserve(vertex_count);
   mesh.looks.reserve(vertex_count);
   mesh.triangles.reserve(2 * vertex_count);
@@ -71,8 +78,8 @@ SurfaceMesh mesh_of(const MadeShoe& shoe, const MeshFineness& fineness) {
         {static_cast<float>(point.x()), static_cast<float>(point.y()), static_cast<float>(point.z())});
     mesh.looks.push_back(look);
   };
-  for (int column = 0; column < columns; ++column) {
-    const Section section = shoe.section(shoe.perimeter_mm() * column / columns);
+  for (int column = columns.first; column < columns.first + columns.count; ++column) {
+    const Section section = shoe.section(shoe.perimeter_mm() * column / columns_round(shoe, fineness));
     for (int row = 0; row < rows.count(); ++row) {
       const double z_mm = rows.height_mm(section, fineness.fine_band_mm, row);
       add(section.point(z_mm), section.look(z_mm));
@@ -84,15 +91,29 @@ SurfaceMesh mesh_of(const MadeShoe& shoe, const MeshFineness& fineness) {
     }
   }
 
-  for (int column = 0; column < columns; ++column) {
+  for (int column = 0; column + (columns.closed ? 0 : 1) < columns.count; ++column) {
     const auto here = static_cast<std::uint32_t>(column * column_rows);
-    const auto next = static_cast<std::uint32_t>(((column + 1) % columns) * column_rows);
+    const auto next = static_cast<std::uint32_t>(((column + 1) % columns.count) * column_rows);
     for (std::uint32_t row = 0; row + 1 < static_cast<std::uint32_t>(column_rows); ++row) {
       mesh.triangles.push_back({here + row, next + row, next + row + 1});
       mesh.triangles.push_back({here + row, next + row + 1, here + row + 1});
     }
   }
   return mesh;
+}
+
+}  // namespace
+
+SurfaceMesh mesh_of(const MadeShoe& shoe, const MeshFineness& fineness) {
+  return mesh_of_columns(shoe, fineness,
+                         {.first = 0, .count = columns_round(shoe, fineness), .closed = true});
+}
+
+SurfaceMesh mesh_of_part(const MadeShoe& shoe, const OutlinePart& part, const MeshFineness& fineness) {
+  const double column_mm = shoe.perimeter_mm() / columns_round(shoe, fineness);
+  const int first = static_cast<int>(std::floor(part.from_s_mm / column_mm)),
+            last = static_cast<int>(std::ceil((part.from_s_mm + part.length_mm) / column_mm));
+  return mesh_of_columns(shoe, fineness, {.first = first, .count = last - first + 1, .closed = false});
 }
 
 Result<void> write_mesh_ply(const std::filesystem::path& file, const SurfaceMesh& mesh,

@@ -29,6 +29,15 @@ struct MeshFineness {
 
 [[nodiscard]] SurfaceMesh mesh_of(const MadeShoe& shoe, const MeshFineness& fineness = {});
 
+/// Places along the outline.
+struct OutlinePart {
+  double from_s_mm{0};
+  double length_mm{0};
+};
+/// The columns of mesh_of() from the last before the part to the first behind it, open at both ends.
+[[nodiscard]] SurfaceMesh mesh_of_part(const MadeShoe& shoe, const OutlinePart& part,
+                                       const MeshFineness& fineness = {});
+
 /// Binary PLY of vertices and triangles, moved by `T_frame_shoe`.
 [[nodiscard]] Result<void> write_mesh_ply(const std::filesystem::path& file, const SurfaceMesh& mesh,
                                           const SE3& T_frame_shoe);

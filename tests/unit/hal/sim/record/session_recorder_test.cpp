@@ -72,12 +72,10 @@ std::optional<double> centre_px(const image::GreyImage& picture, int column) {
   return moment / sum;
 }
 
-/// Root mean square distance from the shoe's wall of everything the session shows.
-double cloud_rms_mm(const fs::path& folder, const MadeScene& scene) {
+/// What the session shows of the shoe's wall, in the shoe's frame.
+std::vector<Vec3> wall_points(const fs::path& folder, const MadeScene& scene) {
   const auto session = *session::read_session(folder);
-  const SurfaceDistance distance(scene.shoe);
-  double square_sum = 0;
-  int count = 0;
+  std::vector<Vec3> points;
   for (const auto& frame : session.frames) {
     const auto picture = *image::read_png(frame.file);
     const SE3 T_shoe_cam =
@@ -89,14 +87,23 @@ double cloud_rms_mm(const fs::path& folder, const MadeScene& scene) {
                           *row_px + session.sensor.region.offset_v_px);
       const Vec3 point =
           T_shoe_cam * geometry::triangulate(session.sensor.camera, session.sensor.laser_plane, pixel_px);
-      if (point.z() < 1 || point.z() > scene.settings.shoe.upper.top_z_mm - 2) continue;
-      const double error_mm = std::clamp(distance.signed_distance_mm(point), -0.5, 0.5);
-      square_sum += error_mm * error_mm;
-      ++count;
+      if (point.z() > 1 && point.z() < scene.settings.shoe.upper.top_z_mm - 2) points.push_back(point);
     }
   }
-  CHECK(count > 800);
-  return std::sqrt(square_sum / count);
+  return points;
+}
+
+/// Root mean square distance from the shoe's wall of everything the session shows.
+double cloud_rms_mm(const fs::path& folder, const MadeScene& scene) {
+  const SurfaceDistance distance(scene.shoe);
+  const std::vector<Vec3> points = wall_points(folder, scene);
+  double square_sum = 0;
+  for (const Vec3& point : points) {
+    const double error_mm = std::clamp(distance.signed_distance_mm(point), -0.5, 0.5);
+    square_sum += error_mm * error_mm;
+  }
+  CHECK(points.size() > 800);
+  return std::sqrt(square_sum / static_cast<double>(points.size()));
 }
 
 }  // namespace
@@ -136,6 +143,36 @@ TEST(SessionRecorder, SameSeedSameFiles) {
     CHECK(bytes_of(entry.path()) == bytes_of(second.path() / fs::relative(entry.path(), first.path())));
   }
   CHECK(files > 10);
+}
+
+TEST(SessionRecorder, APartShowsThatPartAloneAndItsTruthIsTheSurfaceThere) {
+  const TemporaryFolder folder("part"), nowhere("nowhere");
+  SceneSettings settings = quick_scene(ShoeClass::Deep);
+  settings.scan_speed_mm_s = 100;
+  settings.rate_hz = 50;
+  const auto scene = *make_scene(settings);
+  const OutlinePart part{.from_s_mm = 100, .length_mm = 6};
+  CHECK(record_session(folder.path(), *scene, {.part = part}, {}).has_value());
+  const auto session = *session::read_session(folder.path());
+  LONGS_EQUAL(3, session.frames.size());  // 2 mm apart
+
+  const auto place = [&](double s_mm) { return scene->shoe.section(s_mm).place(); };
+  const Vec2 along = place(103).point;
+  for (const Vec3& point : wall_points(folder.path(), *scene))
+    CHECK((point.head<2>() - along).norm() < part.length_mm / 2 + 15);  // the wall stands out by some 10 mm
+  const auto bytes = [](const fs::path& file) { return static_cast<double>(fs::file_size(file)); };
+  const MeshFineness& fineness = settings.fineness;
+  const SurfaceMesh strip = mesh_of_part(scene->shoe, {.from_s_mm = 97, .length_mm = 12}, fineness);
+  CHECK(strip.vertices.size() < scene->mesh.vertices.size() / 10);
+  CHECK(bytes(folder.path() / "truth/reference.ply") > 12.0 * static_cast<double>(strip.vertices.size()));
+  const SurfaceDistance distance(scene->shoe);
+  for (std::size_t i = 0; i < strip.vertices.size(); i += 97) {
+    const Vec3 vertex(strip.vertices[i][0], strip.vertices[i][1], strip.vertices[i][2]);
+    if (vertex.z() > 1 && vertex.z() < settings.shoe.upper.top_z_mm - 1)
+      DOUBLES_EQUAL(0, distance.signed_distance_mm(vertex), 1e-3);
+  }
+
+  CHECK_FALSE(record_session(nowhere.path(), *scene, {.part = OutlinePart{1900, 6}}, {}).has_value());
 }
 
 TEST(SessionRecorder, ABareUpperHasNoTrueLineOfItsOwn) {
