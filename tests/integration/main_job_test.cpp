@@ -81,6 +81,7 @@ TEST(MainJob, DemoScansASampleAndTheUppersAfterItPlansAndFollows) {
   const fs::path out = folder.path() / "demo";
   LONGS_EQUAL(0, run(BITELINE_TOOL, {"demo", "--out", out.string(), "--quiet"}));
   CHECK(fs::exists(out / "index.html"));
+  LONGS_EQUAL(3, read_json(out / "report.json")["shoes"].size());
   for (const char* shoe : {"sample", "upper-1", "upper-2"}) {
     const fs::path scan = last_scan(out / shoe);
     const Bars bars = std::string{"sample"} == shoe ? k_groove_bars : k_transfer_bars;

@@ -10,7 +10,7 @@
 #include "common/core/result.hpp"
 #include "host/evaluation/line_error.hpp"
 
-namespace biteline::app::demo {
+namespace biteline::demo {
 
 /// The same for all shoes of a demo.
 struct CellOptions {
@@ -45,4 +45,4 @@ struct ShoeResult {
 /// when one cannot be started or leaves no result; a refusal is a result.
 [[nodiscard]] Result<ShoeResult> run_shoe(const CellOptions& options, const Shoe& shoe);
 
-}  // namespace biteline::app::demo
+}  // namespace biteline::demo

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/apps/biteline/demo/demo_page.hpp"
+#include "host/apps/biteline-demo/demo_page.hpp"
 
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -8,7 +8,7 @@
 #include "host/results/pictures/stages.hpp"
 #include "host/results/pictures/transfer_stages.hpp"
 
-namespace biteline::app::demo {
+namespace biteline::demo {
 namespace {
 
 namespace fs = std::filesystem;
@@ -135,4 +135,4 @@ Result<void> write_demo_page(const CellOptions& options, const std::vector<ShoeR
   return page.write(options.out / "index.html");
 }
 
-}  // namespace biteline::app::demo
+}  // namespace biteline::demo

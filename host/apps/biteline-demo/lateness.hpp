@@ -8,7 +8,7 @@
 #include <stop_token>
 #include <thread>
 
-namespace biteline::app::demo {
+namespace biteline::demo {
 
 /// A thread that asks to be woken every 5 ms while it lives and notes the longest delay: what sensor and
 /// cell, as ordinary programs, had to wait for the processor.
@@ -35,4 +35,4 @@ class Lateness {
   std::jthread thread_;  ///< last: it writes the above
 };
 
-}  // namespace biteline::app::demo
+}  // namespace biteline::demo

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/apps/biteline/demo/cell_run.hpp"
+#include "host/apps/biteline-demo/cell_run.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -7,14 +7,14 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "host/apps/biteline/demo/lateness.hpp"
+#include "host/apps/biteline-demo/lateness.hpp"
 #include "host/intake/child_process.hpp"
 #include "host/intake/refused.hpp"
 #include "host/report/report.hpp"
 #include "host/robot/link/gate/refused.hpp"
 #include "host/transfer/refused.hpp"
 
-namespace biteline::app::demo {
+namespace biteline::demo {
 namespace {
 
 namespace fs = std::filesystem;
@@ -240,4 +240,4 @@ Result<ShoeResult> run_shoe(const CellOptions& options, const Shoe& shoe) {
   return result;
 }
 
-}  // namespace biteline::app::demo
+}  // namespace biteline::demo

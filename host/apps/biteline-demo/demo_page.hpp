@@ -4,11 +4,11 @@
 
 #include <vector>
 
-#include "host/apps/biteline/demo/cell_run.hpp"
+#include "host/apps/biteline-demo/cell_run.hpp"
 
-namespace biteline::app::demo {
+namespace biteline::demo {
 
 [[nodiscard]] Result<void> write_demo_page(const CellOptions& options, const std::vector<ShoeResult>& results,
                                            const std::string& verdict, bool good);
 
-}  // namespace biteline::app::demo
+}  // namespace biteline::demo

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+// biteline-demo: a sample and the uppers after it through the simulated cell, by the real sensor program and
+// host service.  A program of its own, so that a first demo builds no more than it needs.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "common/options/number.hpp"
+#include "common/system/last_words.hpp"
+#include "host/apps/biteline-demo/cell_run.hpp"
+#include "host/apps/biteline-demo/demo_page.hpp"
+#include "host/intake/child_process.hpp"
+#include "host/report/report.hpp"
+
+namespace biteline::demo {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  CellOptions cell;
+  int uppers{2};
+  bool json{false};
+};
+
+/// The processes' files stand beside the programs, as built and as installed.
+fs::path process_file(const std::string& name) {
+  return intake::program_folder().parent_path() / "share" / "biteline" / "processes" / (name + ".yaml");
+}
+
+/// The sample, then the uppers that take its line over; nothing after a sample without a line.
+Result<std::vector<ShoeResult>> run_shoes(const Options& options, const CellOptions& cell) {
+  std::vector<ShoeResult> results;
+  const auto run = [&](const Shoe& shoe, const char* what) -> Result<void> {
+    if (!cell.quiet) std::printf("%s: %s\n", shoe.name.c_str(), what), std::fflush(stdout);
+    BITELINE_ASSIGN(ShoeResult result, run_shoe(cell, shoe));
+    if (!cell.quiet) std::printf("  %s\n", result.verdict.c_str());
+    results.push_back(std::move(result));
+    return {};
+  };
+  BITELINE_TRY(run({.name = "sample"}, "scanned with its sole, its line found, planned, followed"));
+  if (!results.front().error) return results;
+  const fs::path sample = results.front().scan;
+  for (int i = 1; i <= options.uppers; ++i) {
+    const Shoe upper{.name = "upper-" + std::to_string(i),
+                     .place = cell.seed + static_cast<std::uint64_t>(i),
+                     .sample = sample};
+    BITELINE_TRY(run(upper, "without a sole, in another place: aligned with the sample, planned, followed"));
+  }
+  return results;
+}
+
+ExitStatus status_of(const std::vector<ShoeResult>& results) {
+  for (const ShoeResult& result : results) {
+    if (result.good()) continue;
+    return result.host_status == static_cast<int>(ExitStatus::Refused) ? ExitStatus::Refused
+                                                                       : ExitStatus::Connection;
+  }
+  return ExitStatus::Done;
+}
+
+nlohmann::ordered_json shoe_fields(const ShoeResult& result) {
+  nlohmann::ordered_json fields{{"name", result.shoe.name},
+                                {"scan", result.scan.string()},
+                                {"verdict", result.verdict},
+                                {"total_s", result.wall_s}};
+  if (result.error) {
+    fields["line_error_mm"] = {
+        {"mean", result.error->mean_mm}, {"p95", result.error->p95_mm}, {"max", result.error->max_mm}};
+  }
+  return fields;
+}
+
+Result<ExitStatus> run_demo(const Options& options) {
+  CellOptions cell = options.cell;
+  cell.quiet = cell.quiet || options.json;
+  report::Report report;
+  BITELINE_TRY(report::prepare_folder(cell.out));
+  BITELINE_ASSIGN(const std::vector<ShoeResult> results,
+                  report.timed("shoes", [&] { return run_shoes(options, cell); }));
+  const ExitStatus status = status_of(results);
+  std::string verdict;
+  for (const ShoeResult& result : results)
+    verdict += (verdict.empty() ? "" : "; ") + result.shoe.name + ": " + result.verdict;
+  BITELINE_TRY(write_demo_page(cell, results, verdict, status == ExitStatus::Done));
+  report.fields["simulated"] = true;
+  for (const ShoeResult& result : results) report.fields["shoes"].push_back(shoe_fields(result));
+  if (status != ExitStatus::Done) report.refuse(verdict);
+  BITELINE_TRY(report.write(cell.out));
+  if (options.json) std::fputs(report.text().c_str(), stdout);
+  if (!cell.quiet) std::printf("open %s\n", (cell.out / "index.html").c_str());
+  return status;
+}
+
+void add_options(CLI::App& app, Options& options) {
+  options.cell.process = process_file("grind");
+  app.set_version_flag("--version", "biteline-demo " BITELINE_VERSION);
+  app.add_flag("--quiet", options.cell.quiet, "No progress, no words beyond the result");
+  app.add_flag("--json", options.json, "The demo's report.json on stdout, and nothing else");
+  app.add_option("--out", options.cell.out, "Result folder")->capture_default_str();
+  app.add_option("--seed", options.cell.seed, "Which made shoe")->capture_default_str();
+  app.add_option("--shoe", options.cell.shoe, "Class of made shoe (biteline-cell serve --help)")
+      ->capture_default_str();
+  app.add_option("--uppers", options.uppers, "How many uppers follow the sample")
+      ->check(options::number({.minimum = 0, .maximum = 20}, ""))
+      ->capture_default_str();
+  app.add_option("--arm", options.cell.arm, "ur3e, ur5e or ur10e")->capture_default_str();
+  app.add_option("--process", options.cell.process, "Process YAML; default: grind");
+}
+
+}  // namespace
+}  // namespace biteline::demo
+
+int main(int argc, char** argv) {
+  biteline::install_last_words("biteline-demo");
+  CLI::App app{
+      "The main job without hardware: a sample and the uppers after it; simulated cell, real sensor program "
+      "and "
+      "host service.",
+      "biteline-demo"};
+  biteline::demo::Options options;
+  biteline::demo::add_options(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    std::fprintf(stderr, "biteline-demo: %s (see --help)\n", error.what());
+    return static_cast<int>(biteline::ExitStatus::BadInput);
+  }
+  const biteline::Result<biteline::ExitStatus> status = biteline::demo::run_demo(options);
+  if (status) return static_cast<int>(*status);
+  std::fprintf(stderr, "biteline-demo: %s\n", biteline::to_line(status.error()).c_str());
+  return static_cast<int>(biteline::error_row(status.error().code).exit_status);
+}
