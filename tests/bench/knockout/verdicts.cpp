@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT
+// One line for each case: name, verdict, error in mm.  run.sh compares these between the product as it is and
+// with one of its heuristics knocked out.
+//
+//   knockout_verdicts
+#include <cstdio>
+#include <string>
+
+#include "common/config/sensor_yaml.hpp"
+#include "hal/sim/shoe/random.hpp"
+#include "host/bite_line/find_bite_line.hpp"
+#include "host/calibration/head/head_calibration.hpp"
+#include "host/cloud/ply.hpp"
+#include "host/evaluation/cloud_error.hpp"
+#include "host/evaluation/line_error.hpp"
+#include "host/intake/session_run.hpp"
+#include "host/transfer/transfer.hpp"
+#include "tests/support/known_shoe.hpp"
+#include "tests/support/made_pair.hpp"
+#include "tests/support/shared_data.hpp"
+
+namespace biteline::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path k_golden{BITELINE_GOLDEN};
+
+void row(const std::string& name, const std::string& verdict, double error_mm) {
+  std::printf("%s\t%s\t%.4f\n", name.c_str(), verdict.c_str(), error_mm);
+  std::fflush(stdout);
+}
+
+template <class Refusal>
+std::string code_of(const std::optional<Refusal>& refusal) {
+  return refusal ? std::string{"refused: "} + report::told(*refusal).reason_code : "refused";
+}
+
+void line_row(const std::string& name, const cloud::PointCloud& cloud, const cloud::ClosedLine& truth) {
+  const bite_line::Extraction found = bite_line::find_bite_line(cloud, {});
+  if (!found.found) return row(name, code_of(found.refusal), 0);
+  if (truth.points.empty()) return row(name, "a line where there is none", 0);
+  const evaluation::LineError error = evaluation::line_error(found.line, truth);
+  row(name, error.mean_mm <= 0.08 ? "right" : error.mean_mm <= 0.5 ? "imprecise" : "wrong", error.mean_mm);
+}
+
+/// What may lie about a shoe in a cell.
+enum class Besides { Nothing, Table, Strays, InnerWall };
+constexpr const char* k_besides_names[] = {"alone", "on a table", "with strays", "with an inner wall"};
+
+cloud::PointCloud with(cloud::PointCloud cloud, Besides besides, const SE3& T_base_shoe, std::uint64_t seed) {
+  sim::Random random{seed * 31 + 7};
+  const std::size_t points = cloud.size();
+  const auto add = [&](const Vec3& p_shoe) { cloud.points.push_back((T_base_shoe * p_shoe).cast<float>()); };
+  for (std::size_t i = 0; besides == Besides::Table && i < 100'000; ++i)
+    add({random.uniform({-100, 400}), random.uniform({-200, 200}), 0.02 * random.gaussian() - 0.3});
+  for (std::size_t i = 0; besides == Besides::Strays && i < points / 100; ++i)
+    add({random.uniform({-60, 360}), random.uniform({-120, 120}), random.uniform({-30, 120})});
+  // The far wall of an open upper, seen over the near collar: thinned, 4 mm behind the outer surface.
+  for (std::size_t i = 0; besides == Besides::InnerWall && i < points; i += 4) {
+    const Vec3 p = T_base_shoe.inverse() * cloud.points[i].cast<double>();
+    if (p.z() > 40) add({p.x(), p.y() * (1 - 4 / std::max(std::abs(p.y()), 10.0)), p.z()});
+  }
+  if (besides != Besides::Nothing) {
+    cloud.profile.clear();
+    cloud.column.clear();
+  }
+  return cloud;
+}
+
+void line_rows() {
+  for (std::size_t c = 0; c < sim::k_shoe_class_names.size(); ++c) {
+    const auto shoe_class = static_cast<sim::ShoeClass>(c);
+    for (const std::uint64_t seed : {41, 42}) {
+      for (const Besides besides : {Besides::Nothing, Besides::Table, Besides::Strays, Besides::InnerWall}) {
+        if (besides != Besides::Nothing && seed != 41) continue;
+        const sim::ShoeParameters shoe = sim::draw_shoe(shoe_class, seed);
+        const SE3 T_base_shoe = geometry::make_se3(
+            Eigen::Quaterniond{Eigen::AngleAxisd{0.7 * static_cast<double>(seed), Vec3::UnitZ()}},
+            {400, -60, 35});
+        const cloud::PointCloud cloud =
+            with(test::scanned(shoe, T_base_shoe, {.column_step_mm = 0.15, .seed = seed}), besides,
+                 T_base_shoe, seed);
+        line_row(std::string{"line, "} + std::string{sim::k_shoe_class_names[c]} + " " +
+                     std::to_string(seed) + ", " + k_besides_names[static_cast<int>(besides)],
+                 cloud, test::as_line(sim::true_line(sim::MadeShoe{shoe}, 0.5), T_base_shoe));
+      }
+    }
+  }
+  const auto golden = cloud::read_cloud(k_golden / "sample/cloud.ply");
+  const auto truth = cloud::read_positions(k_golden / "sample/truth/groove.csv");
+  if (golden && truth) line_row("line, golden sample", *golden, *truth);
+  for (const test::KnownShoe& shoe : test::k_known_shoes) {
+    const auto cloud = test::scan_of(shoe);
+    if (!cloud) continue;
+    const bite_line::Extraction found = bite_line::find_bite_line(*cloud, {});
+    const test::ShoeVerdict verdict = test::judge(shoe, found);
+    row(std::string{"line, "} + shoe.name,
+        found.found ? (verdict.right ? "right" : "wrong") : code_of(found.refusal), verdict.off_mm);
+  }
+}
+
+void transfer_row(const std::string& name, const test::MadePair& pair, const Eigen::Affine3d& change,
+                  const transfer::TransferOptions& options) {
+  cloud::PointCloud upper = pair.upper_cloud;
+  for (Eigen::Vector3f& p : upper.points) p = (change * p.cast<double>()).cast<float>();
+  cloud::ClosedLine truth = pair.upper_line;
+  for (cloud::LinePoint& p : truth.points) p.position = change * p.position;
+  const transfer::Transfer found =
+      transfer::transfer_line({.cloud = pair.sample_cloud, .line = pair.sample_line}, upper, options);
+  if (!found.found) return row(name, code_of(found.refusal), 0);
+  const double mean_mm = evaluation::line_error(found.carried.line, truth).mean_mm;
+  row(name, mean_mm <= 0.2 ? "right" : mean_mm <= 0.5 ? "imprecise" : "wrong", mean_mm);
+}
+
+void transfer_rows() {
+  for (const sim::ShoeClass shoe_class : {sim::ShoeClass::Deep, sim::ShoeClass::Stitched}) {
+    for (const std::uint64_t seed : {3, 6}) {
+      const test::MadePair pair =
+          test::made_pair({.shoe_class = shoe_class, .seed = seed, .scan = {.column_step_mm = 0.2}});
+      const std::string name =
+          "transfer, " + std::string{sim::name_of(shoe_class)} + " " + std::to_string(seed);
+      const auto scaled = [](double x, double y, double z) {
+        Eigen::Affine3d change = Eigen::Affine3d::Identity();
+        change.linear() = Vec3{x, y, z}.asDiagonal();
+        return change;
+      };
+      const transfer::TransferOptions graded{.align = {.grade = true}};
+      transfer_row(name + ", same size", pair, scaled(1, 1, 1), {});
+      transfer_row(name + ", all 4 % larger, graded", pair, scaled(1.04, 1.04, 1.04), graded);
+      transfer_row(name + ", 3 % smaller, graded", pair, scaled(0.97, 0.97, 0.97), graded);
+      transfer_row(name + ", higher by 2 %, graded", pair, scaled(1.04, 1.04, 1.02), graded);
+      transfer_row(name + ", another size", pair, scaled(1.04, 1.04, 1.04), {});
+      transfer_row(name + ", other foot", pair, scaled(1, -1, 1), {});
+      transfer_row(name + ", upside down", pair, scaled(1, -1, -1), {});
+    }
+  }
+}
+
+void calibration_row(const std::string& name, const fs::path& folder) {
+  calibration::HeadInput input;
+  input.camera = *calibration::read_camera_folder(folder);
+  input.laser = *calibration::read_laser_folder(folder);
+  input.hand_eye = *calibration::read_hand_eye_folder(folder);
+  const calibration::HeadCalibration found = calibration::calibrate_head(input);
+  if (found.refused) return row(name, "refused", 0);
+  const auto truth = config::read_sensor_yaml(folder / "truth/sensor.yaml");
+  double sum_mm2 = 0, count = 0;
+  for (int u = 50; u < 1600; u += 50) {
+    for (int v = 470; v < 780; v += 20, ++count)
+      sum_mm2 += (geometry::triangulate(found.fit.state.camera, found.fit.state.plane, Vec2(u, v)) -
+                  geometry::triangulate(truth->camera, truth->laser_plane, Vec2(u, v)))
+                     .squaredNorm();
+  }
+  const double rms_mm = std::sqrt(sum_mm2 / count);
+  // The bar of a whole set; the golden one has a third of its pictures.
+  row(name, rms_mm <= 0.010 ? "right" : rms_mm <= 0.030 ? "imprecise" : "wrong", rms_mm);
+}
+
+void replay_row(const std::string& name, const fs::path& session, double right_mm) {
+  const auto run = intake::run_sensor_on_session({.session = session,
+                                                  .sensor_file = {},
+                                                  .sensor_options = {},
+                                                  .program = fs::path{BITELINE_SENSOR},
+                                                  .progress = {},
+                                                  .on_profile = {}});
+  const auto mesh = cloud::read_mesh(session / "truth/reference.ply");
+  if (!run || !mesh) return row(name, "failed", 0);
+  const auto error = evaluation::cloud_error(run->cloud, evaluation::ReferenceSurface{*mesh});
+  const bool right = error.rms_mm <= right_mm && error.q999_mm <= 4 * right_mm;
+  row(name, right ? "right" : "imprecise", error.rms_mm);
+}
+
+void run() {
+  replay_row("stripe, golden part", k_golden / "part", 0.0105);
+  if (const auto session = test::shared_data("sessions/sport3"))
+    replay_row("stripe, sport3", *session, 0.0105);
+  calibration_row("calibration, golden head", k_golden / "head");
+  if (const auto folder = test::shared_data("calib/head21")) calibration_row("calibration, head21", *folder);
+  line_rows();
+  transfer_rows();
+}
+
+}  // namespace
+}  // namespace biteline::bench
+
+int main() {
+  biteline::bench::run();
+}
