@@ -8,13 +8,15 @@
 #include "tests/support/shared_data.hpp"
 
 int main(int argc, char** argv) {
-  // Our own sanitizer build finds leaks; CppUTest's detector trips over library-lifetime allocations.
+  // Our own sanitizer build finds leaks; CppUTest's detector trips over library-lifetime allocations.  Its
+  // plugin, which RunAllTests() would install, walks what libraries allocated before main() and freed since.
   MemoryLeakWarningPlugin::turnOffNewDeleteOverloads();
   // A test that makes a NaN, divides by zero or overflows fails: missing data is a flag, never a NaN.
   IEEE754ExceptionsPlugin arithmetic{"IEEE754"};
   TestRegistry::getCurrentRegistry()->installPlugin(&arithmetic);
   // The runner returns the number of failures, which wraps at 256 and collides with 77.
-  const int failures = CommandLineTestRunner::RunAllTests(argc, argv);
+  CommandLineTestRunner runner{argc, argv, TestRegistry::getCurrentRegistry()};
+  const int failures = runner.runAllTestsMain();
   if (failures != 0) return 1;
   return biteline::test::everything_was_skipped() ? 77 : 0;
 }
