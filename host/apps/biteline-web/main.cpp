@@ -46,6 +46,10 @@ class StopSignals {
 };
 
 Result<void> run(const web::WebOptions& options, const StopSignals& signals) {
+  if (options.add_user) {
+    BITELINE_ASSIGN(const std::string password, web::read_password(stdin));
+    return web::add_user(*options.add_user, password);
+  }
   if (options.exit_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
   web::SensorWatchConfig watched{.sensor = options.sensor, .keys = {}};
   if (options.sensor_keys) {

@@ -43,6 +43,7 @@ ParsedWebOptions parse_web_options(int argc, char** argv) {
   std::string control;
   std::string sensor;
   TlsFiles tls;
+  AddUserRequest account;
   CLI::App app{"Biteline's page and API: shows and steers a cell's service over HTTP and WebSocket.",
                "biteline-web"};
   app.set_version_flag("--version", BITELINE_VERSION);
@@ -65,6 +66,14 @@ ParsedWebOptions parse_web_options(int argc, char** argv) {
   app.add_option("--page", server.page, "Folder of the page")->capture_default_str();
   app.add_flag("--behind-proxy", server.behind_proxy,
                "A proxy stands before this server: nobody counts as on the cell's own machine");
+  auto* add =
+      app.add_option("--add-user", account.name,
+                     "Make an account and leave; the password comes from the terminal or stdin. With --out: "
+                     "while no biteline-host runs; with --control: the first account of one that runs");
+  auto* role =
+      app.add_option("--role", account.role, "viewer, operator, engineer or administrator")->needs(add);
+  add->needs(role);
+  app.add_option("--out", account.out, "biteline-host's folder of results")->needs(add);
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");
   try {
@@ -93,6 +102,17 @@ ParsedWebOptions parse_web_options(int argc, char** argv) {
       return parsed;
     }
     option.endpoint = *endpoint;
+  }
+  if (!account.name.empty()) {
+    if (account.out.empty() == !options.control) {
+      parsed.leave_with =
+          complain("--add-user needs either --out DIR or --control tcp://HOST:PORT (see --help)");
+      return parsed;
+    }
+    account.control = options.control;
+    account.control_keys = options.control_keys;
+    options.add_user = account;
+    return parsed;
   }
   if (!options.control && !options.sensor) {
     parsed.leave_with = complain("--control tcp://HOST:PORT expected (see --help)");

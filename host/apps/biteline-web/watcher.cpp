@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "host/apps/biteline-web/watcher.hpp"
 
+#include <chrono>
+
 #include "host/apps/biteline-web/connection.hpp"
+#include "host/apps/biteline-web/foxglove/foxglove_talk.hpp"
 
 namespace biteline::web {
 namespace {
@@ -73,28 +76,58 @@ class Watcher {
     asked_.stream.next_layer().set_option(net::socket_base::send_buffer_size{k_send_buffer_bytes}, fault);
     socket_.set_option(websocket::stream_base::timeout{
         .handshake_timeout = std::chrono::seconds{10}, .idle_timeout = k_silence, .keep_alive_pings = true});
-    socket_.set_option(websocket::stream_base::decorator(
-        [tls = asked_.stream.encrypted()](websocket::response_type& answer) {
-          put_security_headers(answer, k_data_policy, tls);
-        }));
+    const auto offer = asked_.request[http::field::sec_websocket_protocol];
+    const std::string_view protocol = asked_.handling == Handling::Foxglove
+                                          ? choose_foxglove_protocol({offer.data(), offer.size()})
+                                          : std::string_view{};
+    socket_.set_option(websocket::stream_base::decorator([tls = asked_.stream.encrypted(),
+                                                          protocol](websocket::response_type& answer) {
+      put_security_headers(answer, k_data_policy, tls);
+      if (!protocol.empty()) {
+        answer.set(http::field::sec_websocket_protocol, beast::string_view{protocol.data(), protocol.size()});
+      }
+    }));
     socket_.read_message_max(k_most_heard_bytes);
     socket_.auto_fragment(false);
     co_await socket_.async_accept(asked_.request, redirect_error(use_awaitable, fault));
     co_return !fault;
   }
 
-  /// What a client says is not wanted here; its pongs and its close are.
+  /// What a client says is wanted of Foxglove's only; of all others its pongs and its close.
   net::awaitable<void> read_all() {
     beast::flat_buffer waste;
     ErrorCode fault;
     while (!fault) {
       co_await socket_.async_read(waste, redirect_error(use_awaitable, fault));
+      if (asked_.handling == Handling::Foxglove && !fault) talk_.hear(beast::buffers_to_string(waste.data()));
       waste.clear();
+    }
+  }
+
+  /// One piece of live data, in the client's own form.
+  net::awaitable<void> write_live(LiveBytes bytes, ErrorCode& fault) {
+    socket_.binary(true);
+    if (asked_.handling != Handling::Foxglove) {
+      co_await socket_.async_write(net::buffer(*bytes), redirect_error(use_awaitable, fault));
+      co_return;
+    }
+    const auto since = std::chrono::system_clock::now().time_since_epoch();
+    const auto now_ns = static_cast<std::uint64_t>(std::chrono::nanoseconds{since}.count());
+    const std::vector<std::string> messages = talk_.messages(*bytes, now_ns);
+    for (const std::string& message : messages) {
+      if (!fault) co_await socket_.async_write(net::buffer(message), redirect_error(use_awaitable, fault));
     }
   }
 
   net::awaitable<void> write_all() {
     ErrorCode fault;
+    if (asked_.handling == Handling::Foxglove) {
+      const std::vector<std::string> first = FoxgloveTalk::first_words();
+      socket_.text(true);
+      for (const std::string& text : first) {
+        if (!fault) co_await socket_.async_write(net::buffer(text), redirect_error(use_awaitable, fault));
+      }
+    }
     auto check_at = std::chrono::steady_clock::now() + context_.config.limits.session_check;
     while (!fault && !ended_) {
       if (std::chrono::steady_clock::now() >= check_at) {
@@ -107,9 +140,8 @@ class Watcher {
           co_await socket_.async_write(net::buffer(*text), redirect_error(use_awaitable, fault));
           continue;
         }
-      } else if (const LiveBytes bytes = live_->take()) {
-        socket_.binary(true);
-        co_await socket_.async_write(net::buffer(*bytes), redirect_error(use_awaitable, fault));
+      } else if (LiveBytes bytes = live_->take()) {
+        co_await write_live(std::move(bytes), fault);
         continue;
       }
       ErrorCode woken;
@@ -134,6 +166,7 @@ class Watcher {
   net::steady_timer woken_;
   std::shared_ptr<EventQueue> events_;
   std::shared_ptr<LiveQueue> live_;
+  FoxgloveTalk talk_;
   websocket::close_reason reason_{websocket::close_code::going_away};
   bool ended_{false};
 };

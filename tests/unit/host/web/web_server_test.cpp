@@ -383,6 +383,34 @@ TEST(WebServer, EventsReachEveryListener) {
   LONGS_EQUAL(7, event["seq"].get<int>());
 }
 
+TEST(WebServer, FoxglovesClientsAreServedUnderBothNames) {
+  const RunningServer sut;
+  for (const char* name : {"foxglove.websocket.v1", "foxglove.sdk.v1"}) {
+    WebClient client = sut.client();
+    const WebReply reply = client.upgrade(
+        "/foxglove?token=viewer-token",
+        "Origin: https://app.example\r\nSec-WebSocket-Protocol: " + std::string{name} + "\r\n");
+    LONGS_EQUAL(101, reply.status);
+    STRCMP_EQUAL(name, reply.header("sec-websocket-protocol").c_str());
+    STRCMP_EQUAL("serverInfo", Json::parse(client.frame()->content)["op"].get<std::string>().c_str());
+    STRCMP_EQUAL("advertise", Json::parse(client.frame()->content)["op"].get<std::string>().c_str());
+    // Masked as a client's frames must be (RFC 6455, 5.3), by zeros.
+    const std::string wish = R"({"op":"subscribe","subscriptions":[{"id":5,"channelId":1}]})";
+    client.send("\x81" + std::string(1, static_cast<char>(0x80 | wish.size())) + std::string(4, '\0') + wish);
+    std::optional<WebClient::Frame> frame;
+    for (std::uint32_t i = 0; !frame && i < 1000; ++i) {
+      sut.server->publish(LiveKind::Picture,
+                          picture_message({.sequence = i, .time_ns = i}, std::vector<std::uint8_t>(9, 7)));
+      if (client.readable(20)) frame = client.frame();
+    }
+    CHECK(frame.has_value());
+    LONGS_EQUAL(2, frame->opcode);
+    LONGS_EQUAL(1, frame->content[0]);
+    LONGS_EQUAL(5, frame->content[1]);
+  }
+  check_refused(401, "login_needed", sut.client().upgrade("/foxglove?token=other-token"));
+}
+
 TEST(WebServer, AWatcherWhoseSessionEndsIsSentAway) {
   const RunningServer sut{{.session_check = std::chrono::milliseconds{50}}};
   WebClient watcher = sut.client();
