@@ -13,7 +13,7 @@
 
 #include "common/system/last_words.hpp"
 #include "common/wire/keys.hpp"
-#include "firmware/app/board_source.hpp"
+#include "firmware/app/board_check.hpp"
 #include "firmware/app/options.hpp"
 #include "firmware/app/streamer.hpp"
 #include "firmware/stream/stream_socket.hpp"

@@ -55,8 +55,7 @@ ParsedOptions parse_options(int argc, char** argv) {
                "biteline-sensor"};
   app.set_version_flag("--version", BITELINE_VERSION);
   app.add_option("--source", options.source.source,
-                 "replay:SESSION, a recorded session's folder; cell:NAME, the simulated cell of that name; "
-                 "board:FILE, the devices of a board.yaml");
+                 "replay:SESSION, a recorded session's folder; board:FILE, the devices of a board.yaml");
   app.add_option("--sensor", options.source.sensor_file,
                  "Calibration that replaces the head's own (sensor.yaml)");
   app.add_option("--listen", listen, "Where hosts connect; port 0: any free one")->capture_default_str();

@@ -4,10 +4,7 @@
 #include <string_view>
 #include <utility>
 
-#include "firmware/app/board_source.hpp"
-#ifdef BITELINE_SENSOR_HAS_CELL
-#include "firmware/app/cell_source.hpp"
-#endif
+#include "firmware/app/board_devices.hpp"
 #include "hal/replay/recording.hpp"
 #include "hal/replay/replay_camera.hpp"
 #include "hal/replay/replay_poses.hpp"
@@ -69,14 +66,7 @@ Result<std::unique_ptr<SourceKind>> choose_source(const SourceOptions& options) 
       return fail(Errc::InvalidArgument, "source '%s': --sensor FILE is needed", options.source.c_str());
     return with_capture(open_board(std::filesystem::path{rest}, *options.sensor_file), options.capture);
   }
-#ifdef BITELINE_SENSOR_HAS_CELL
-  if (kind == "cell" && !rest.empty()) {
-    if (!options.sensor_file)
-      return fail(Errc::InvalidArgument, "source '%s': --sensor FILE is needed", options.source.c_str());
-    return with_capture(open_cell(std::string{rest}, *options.sensor_file), options.capture);
-  }
-#endif
-  return fail(Errc::InvalidArgument, "source '%s': replay:SESSION, cell:NAME or board:FILE expected",
+  return fail(Errc::InvalidArgument, "source '%s': replay:SESSION or board:FILE expected",
               options.source.c_str());
 }
 

@@ -62,7 +62,7 @@ class SourceKind {
 };
 
 struct SourceOptions {
-  std::string source;                                ///< "replay:SESSION", "cell:NAME" or "board:FILE"
+  std::string source;                                ///< "replay:SESSION" or "board:FILE"
   std::optional<std::filesystem::path> sensor_file;  ///< the head's calibration; replaces a recording's own
   Capture capture;
 };

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "common/core/result.hpp"
 #include "common/geometry/se3.hpp"
@@ -14,6 +15,10 @@
 #include "hal/api/gpio_line.hpp"
 
 namespace biteline::hal {
+
+/// "sim:NAME" in place of a line's chip, a timer's chip or a CAN interface: the simulated cell's wires of
+/// that name.
+inline constexpr std::string_view k_simulated_wires{"sim:"};
 
 struct BoardCamera {
   enum class Kind { V4l2, GigE } kind{Kind::V4l2};

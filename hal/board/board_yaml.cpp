@@ -162,6 +162,21 @@ BoardWatchdog read_watchdog(YamlReader& parent) {
   return watchdog;
 }
 
+/// The first key whose address means simulated wires; empty: none.
+std::string simulated_wires(const Board& board) {
+  const auto is_simulated = [](const std::string& address) { return address.starts_with(k_simulated_wires); };
+  if (is_simulated(board.trigger.chip) || is_simulated(board.trigger.line.chip)) return "trigger";
+  if (is_simulated(board.trigger.encoder.interface)) return "trigger";
+  if (is_simulated(board.poses.interface) || is_simulated(board.poses.encoder.interface)) return "poses";
+  if (board.strobe_echo && is_simulated(board.strobe_echo->chip)) return "strobe_echo";
+  if (board.scan_active && is_simulated(board.scan_active->chip)) return "scan_active";
+  if (!board.laser) return "";
+  const bool laser = is_simulated(board.laser->enable.chip) || is_simulated(board.laser->interlock.chip) ||
+                     (board.laser->key && is_simulated(board.laser->key->chip)) ||
+                     (board.laser->heartbeat && is_simulated(board.laser->heartbeat->chip));
+  return laser ? "laser" : "";
+}
+
 }  // namespace
 
 Result<Board> read_board_yaml(const std::filesystem::path& path) {
@@ -186,6 +201,9 @@ Result<Board> read_board_yaml(const std::filesystem::path& path) {
   }
   if (board.laser && board.laser->patience && !board.simulated) {
     reader.fault(Errc::BadValue, "laser", "patience_ms only beside simulated: true");
+  }
+  if (const std::string key = simulated_wires(board); !key.empty() && !board.simulated) {
+    reader.fault(Errc::BadValue, key, "sim: addresses only beside simulated: true");
   }
   BITELINE_TRY(reader.finish());
   return board;

@@ -9,6 +9,7 @@
 #include "common/config/sensor_yaml.hpp"
 #include "common/options/number.hpp"
 #include "hal/sim/app/command.hpp"
+#include "hal/sim/bus/board_file.hpp"
 #include "hal/sim/live/live_cell.hpp"
 #include "hal/sim/record/files.hpp"
 
@@ -38,10 +39,10 @@ void print_endpoints(const sim::LiveCell& cell, const ServeOptions& options) {
       "{\"simulated\":true,\"wires\":\"%s\",\"camera\":\"%s\",\"rtde\":\"127.0.0.1:%d\",\"script\":\"127.0.0."
       "1:%d\","
       "\"dashboard\":\"127.0.0.1:%d\",\"arm\":\"%s\",\"out\":\"%s\",\"sensor\":\"%s/"
-      "sensor.yaml\",\"scan_s\":%.3f}\n",
+      "sensor.yaml\",\"board\":\"%s/board.yaml\",\"scan_s\":%.3f}\n",
       cell.settings().wires.c_str(), cell.settings().camera_address.c_str(), int{ports.rtde},
       int{ports.script}, int{ports.dashboard}, options.arm.c_str(), options.out.c_str(), options.out.c_str(),
-      cell.scene().path.duration_s());
+      options.out.c_str(), cell.scene().path.duration_s());
   std::fflush(stdout);
 }
 
@@ -94,6 +95,9 @@ Result<void> serve(const ServeOptions& options) {
       out / "sensor.yaml",
       config::sensor_yaml_text(cell->scene().head.model,
                                "made head " + std::to_string(scene.head_seed) + ", simulated")));
+  BITELINE_TRY(
+      sim::write_file(out / "board.yaml",
+                      sim::board_yaml_text({.wires = settings.wires, .camera = settings.camera_address})));
   print_endpoints(*cell, options);
 
   int signal_number = 0;
@@ -110,7 +114,9 @@ void add_serve(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand(
       "serve", "Run the cell until SIGTERM: camera, wires, pose bus and robot, all simulated");
   add_scene_options(*command, options->scene);
-  command->add_option("--out", options->out, "Folder for sensor.yaml, truth/ and, at the end, track.csv")
+  command
+      ->add_option("--out", options->out,
+                   "Folder for board.yaml, sensor.yaml, truth/ and, at the end, track.csv")
       ->required();
   command->add_option("--wires", options->wires,
                       "Name of the simulated wires (default: made from the process number)");

@@ -43,9 +43,9 @@ Result<Server> start_server(const std::string& name, std::vector<std::string> ar
 }
 
 /// With real-time rights where there are any: then no other program on this machine holds it up.
-Result<Server> start_sensor(const std::string& wires, const std::string& calibration) {
-  std::vector<std::string> arguments{"--source",  "cell:" + wires, "--sensor",
-                                     calibration, "--rt",          "required"};
+Result<Server> start_sensor(const std::string& board, const std::string& calibration) {
+  std::vector<std::string> arguments{"--source",  "board:" + board, "--sensor",
+                                     calibration, "--rt",           "required"};
   if (Result<Server> urgent = start_server("biteline-sensor", arguments, false)) return urgent;
   arguments.back() = "ignore";
   return start_server("biteline-sensor", arguments);
@@ -200,9 +200,9 @@ Result<ShoeResult> run_shoe(const CellOptions& options, const Shoe& shoe) {
   const std::optional<fs::path> earlier = newest_scan(folder);  // of an earlier demo: kept
   // Each program dies with this one, and each Server stops its program when it goes, whatever happens below.
   BITELINE_ASSIGN(Server cell, start_server("biteline-cell", cell_arguments(options, shoe, cell_folder)));
-  BITELINE_ASSIGN(const std::string wires, endpoint(cell, "wires"));
+  BITELINE_ASSIGN(const std::string board, endpoint(cell, "board"));
   BITELINE_ASSIGN(const std::string calibration, endpoint(cell, "sensor"));
-  BITELINE_ASSIGN(Server sensor, start_sensor(wires, calibration));
+  BITELINE_ASSIGN(Server sensor, start_sensor(board, calibration));
   BITELINE_ASSIGN(const std::string stream, endpoint(sensor, "endpoint"));
 
   ShoeResult result{.shoe = shoe, .scan = {}, .verdict = {}, .error = {}};

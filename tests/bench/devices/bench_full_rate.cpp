@@ -119,11 +119,12 @@ Result<bool> bench(seconds duration) {
   const test::TemporaryFolder folder;
   BITELINE_ASSIGN(const auto cell,
                   test::PictureCell::open({.width_px = 1626, .height_px = 1236, .rate_hz = 101}));
+  const std::string board_file = folder.write("board.yaml", cell->board_file_text());
   const std::string sensor_file = folder.write("sensor.yaml", cell->sensor_file_text());
   BITELINE_ASSIGN(const auto program, intake::find_sensor_program());
   // A store that is full after the warm-up: from then on every profile takes the room of an old one.
-  std::vector<std::string> arguments{"--source",   cell->source(), "--sensor",     sensor_file,
-                                     "--store-mb", "16",           "--rt=required"};
+  std::vector<std::string> arguments{"--source", "board:" + board_file, "--sensor", sensor_file, "--store-mb",
+                                     "16",       "--rt=required"};
   auto sensor = intake::SensorProcess::start(program, arguments, k_patience);
   if (!sensor) {
     std::fprintf(stderr, "%s; as any program then\n", to_line(sensor.error()).c_str());

@@ -13,6 +13,7 @@
 
 #include "common/config/sensor_yaml.hpp"
 #include "common/profile/profile.hpp"
+#include "hal/sim/bus/board_file.hpp"
 #include "hal/sim/live/live_cell.hpp"
 #include "hal/sim/shoe/surface_distance.hpp"
 #include "host/intake/sensor_link.hpp"
@@ -79,8 +80,10 @@ TEST_GROUP(Capture) {
         static_cast<std::int64_t>(static_cast<double>(head.exposure->count()) * trial.exposure_ratio)};
     const auto file = folder.path() / "sensor.yaml";
     std::ofstream{file} << config::sensor_yaml_text(head, "made head");
-    std::vector<std::string> out{
-        "--source", "cell:" + cell->settings().wires, "--sensor", file.string(), "--rt", rights};
+    const auto board = folder.path() / "board.yaml";
+    std::ofstream{board} << board_yaml_text({.wires = cell->settings().wires});
+    std::vector<std::string> out{"--source", "board:" + board.string(), "--sensor", file.string(), "--rt",
+                                 rights};
     out.insert(out.end(), trial.options.begin(), trial.options.end());
     return out;
   }

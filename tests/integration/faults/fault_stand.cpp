@@ -64,10 +64,11 @@ std::unique_ptr<FaultStand> FaultStand::set_up(const PictureCellConfig& config) 
   std::unique_ptr<FaultStand> stand{new FaultStand};
   stand->cell_ = std::move(*cell);
   stand->account_.emplace(*stand->cell_);
+  const std::string board_file = stand->folder_.write("board.yaml", stand->cell_->board_file_text());
   const std::string sensor_file = stand->folder_.write("sensor.yaml", stand->cell_->sensor_file_text());
   for (const char* const rights : {"--rt=required", "--rt=ignore"}) {
     auto sensor = intake::SensorProcess::start(
-        *intake::find_sensor_program(), {"--source", stand->cell_->source(), "--sensor", sensor_file, rights},
+        *intake::find_sensor_program(), {"--source", "board:" + board_file, "--sensor", sensor_file, rights},
         k_patience);
     if (!sensor && sensor.error().where.view().find("--rt=ignore") != std::string_view::npos) continue;
     SUCCEEDS(sensor);

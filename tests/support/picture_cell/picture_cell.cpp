@@ -11,6 +11,7 @@
 #include "common/canpose/pose_frames.hpp"
 #include "common/config/sensor_yaml.hpp"
 #include "firmware/pipeline/profile_pipeline.hpp"
+#include "hal/sim/bus/board_file.hpp"
 #include "hal/sim/live/urgency.hpp"
 
 namespace biteline::test {
@@ -142,6 +143,10 @@ void PictureCell::unplug_camera() {
 
 void PictureCell::plug_camera() {
   if (!open_camera()) std::abort();  // the port was this process's own a moment ago
+}
+
+std::string PictureCell::board_file_text() const {
+  return sim::board_yaml_text({.wires = name_, .camera = line_ ? "127.0.0.2" : "127.0.0.1"});
 }
 
 std::string PictureCell::sensor_file_text() const {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file A cell of ready-made pictures for biteline-sensor (--source cell:NAME), with a hand on every wire.
+/// \file A cell of ready-made pictures for biteline-sensor (--source board:FILE), with a hand on every wire.
 ///
 /// hal/sim/live renders a shoe; this one only copies, so that the camera's full rate is the camera's, and it
 /// can be made to fail: each fault is one that the fault table in tests/integration/faults names.
@@ -55,8 +55,8 @@ class PictureCell {
   PictureCell& operator=(const PictureCell&) = delete;
 
   [[nodiscard]] const geometry::SensorModel& head() const { return head_; }
-  /// For --source and --sensor.
-  [[nodiscard]] std::string source() const { return "cell:" + name_ + (line_ ? ",camera=127.0.0.2" : ""); }
+  /// For --source board:FILE and --sensor.
+  [[nodiscard]] std::string board_file_text() const;
   [[nodiscard]] std::string sensor_file_text() const;
 
   CellFaults faults;

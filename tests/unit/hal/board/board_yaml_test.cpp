@@ -47,7 +47,7 @@ TEST(BoardYaml, EveryBoardOfTheTreeReads) {
     CHECK(board->simulated || board->laser->heartbeat.has_value());
     ++boards;
   }
-  CHECK(boards >= 3);
+  CHECK(boards >= 4);
 }
 
 TEST(BoardYaml, LeastBoardHasItsDefaults) {
@@ -118,6 +118,16 @@ TEST(BoardYaml, FaultsAreRefusedEach) {
     if (board.error().code != row.expected && row.expected != Errc::BadFormat)
       FAIL((row.name + (": " + to_line(board.error()))).c_str());
   }
+}
+
+TEST(BoardYaml, SimulatedWiresNeedABoardThatSaysSo) {
+  const std::string lines =
+      "camera: {kind: v4l2, device: /dev/video0}\nposes: {kind: can, interface: 'sim:cell'}\n"
+      "watchdog: {timeout_ms: 500}\n";
+  const Result<Board> refused = read("board: a\n" + lines);
+  CHECK(!refused.has_value());
+  CHECK(to_line(refused.error()).find("simulated: true") != std::string::npos);
+  CHECK(read("board: a\nsimulated: true\n" + lines).has_value());
 }
 
 }  // namespace

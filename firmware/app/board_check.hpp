@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file A board's devices as a source, opened as its board.yaml says.
+/// \file What of a board answers, and the step for what does not.
 
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "firmware/app/source.hpp"
+#include "common/core/result.hpp"
 
 namespace biteline::sensor {
-
-/// Errc::NotSupported where the board has what this program was built without.
-[[nodiscard]] Result<std::unique_ptr<SourceKind>> open_board(const std::filesystem::path& board_file,
-                                                             const std::filesystem::path& sensor_file);
 
 /// One device of a board, opened and closed again.
 struct DeviceFinding {

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/app/board_check.hpp"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <thread>
+#include <utility>
+
+#include "firmware/app/backends/backend.hpp"
+#include "firmware/app/board_devices.hpp"
+#include "firmware/runtime/realtime.hpp"
+#include "hal/linux/posix/descriptor.hpp"
+#include "hal/linux/ptp/phc.hpp"
+
+namespace biteline::sensor {
+namespace {
+
+template <class T>
+DeviceFinding finding(std::string what, const Result<T>& opened, const char* step) {
+  if (opened) return {.what = std::move(what), .ready = true, .seen = "answers", .step = {}};
+  return {.what = std::move(what), .ready = false, .seen = to_line(opened.error()), .step = step};
+}
+
+std::string name_of(const char* what, const hal::GpioLineAddress& line) {
+  return std::string{what} + " (" + line.chip + " " + line.line + ")";
+}
+
+Result<hal::PoseSample> first_pose(Result<std::unique_ptr<hal::PoseSource>> poses) {
+  constexpr Nanoseconds k_patience = std::chrono::seconds{1};
+  if (!poses) return tl::unexpected<Error>{poses.error()};
+  BITELINE_TRY((*poses)->start());
+  return (*poses)->next_pose(k_patience);
+}
+
+/// The rights, tried out on a thread that ends at once.
+Result<void> try_realtime() {
+  BITELINE_TRY(runtime::prepare_process(runtime::RealtimeDemand::Required));
+  Result<void> entered;
+  std::thread{[&] {
+    entered = runtime::enter_thread(runtime::threads::k_safety, runtime::RealtimeDemand::Required);
+  }}.join();
+  return entered;
+}
+
+std::vector<DeviceFinding> examine(const BoardDevices& devices) {
+  const hal::Board& board = devices.board();
+  constexpr const char* k_line_step =
+      "load the board's overlay, stop biteline-sensor, and compare chip and line with gpioinfo";
+  std::vector<DeviceFinding> found;
+  const Result<std::int64_t> preempt_rt = hal::read_integer("/sys/kernel/realtime");
+  const bool is_realtime = preempt_rt && *preempt_rt == 1;
+  found.push_back({.what = "real-time kernel",
+                   .ready = is_realtime,
+                   .seen = is_realtime ? "PREEMPT_RT" : "a plain kernel",
+                   .step = is_realtime ? "" : "apt-get install linux-image-rt-arm64, and boot it"});
+  found.push_back(
+      finding("real-time rights and locked memory", try_realtime(),
+              "start it by its systemd unit, or set LimitRTPRIO and LimitMEMLOCK; --rt=ignore runs without"));
+  const bool is_gige = board.camera.kind == hal::BoardCamera::Kind::GigE;
+  found.push_back(finding(
+      "camera (" + (is_gige ? board.camera.address : board.camera.device) + ")", devices.open_camera(),
+      is_gige
+          ? "check the camera's cable, power and address, and that its port has an address in the same net"
+          : "load the board's overlay and check the camera's cable; join the group video"));
+  if (board.trigger.kind != hal::BoardTrigger::Kind::None) {
+    found.push_back(finding("trigger (" + board.trigger.chip + board.trigger.line.chip + ")",
+                            devices.open_trigger(),
+                            "load the board's overlay and install its udev rules for the group biteline"));
+  }
+  if (board.laser) {
+    found.push_back(
+        finding(name_of("laser enable", board.laser->enable), open_output(board.laser->enable), k_line_step));
+    if (board.laser->heartbeat) {
+      found.push_back(finding(name_of("heartbeat", *board.laser->heartbeat),
+                              open_output(*board.laser->heartbeat), k_line_step));
+    }
+    found.push_back(
+        finding(name_of("interlock", board.laser->interlock), open_safety(*board.laser), k_line_step));
+  }
+  if (board.strobe_echo && board.camera.edge_to_mid_max == Nanoseconds{0}) {
+    found.push_back(
+        finding(name_of("strobe echo", *board.strobe_echo), open_edges(*board.strobe_echo), k_line_step));
+  }
+  if (board.scan_active) {
+    found.push_back(
+        finding(name_of("scan active", *board.scan_active), open_edges(*board.scan_active), k_line_step));
+  }
+  const bool is_can = board.poses.kind != hal::BoardPoses::Kind::Rtde;
+  const std::string& interface =
+      board.poses.kind == hal::BoardPoses::Kind::Encoder ? board.poses.encoder.interface : board.poses.interface;
+  const std::string can_step =
+      "ip link set " + interface +
+      " up type can bitrate 500000 dbitrate 2000000 fd on restart-ms 100, and start what sends on it";
+  found.push_back(
+      finding("poses (" + (is_can ? interface : board.poses.address) + ")", first_pose(devices.open_poses()),
+              is_can ? can_step.c_str()
+                     : "switch the controller on, check the cable, and allow RTDE in its settings"));
+  if (!board.ptp.empty()) {
+    const Result<hal::Phc> clock = hal::Phc::open(board.ptp);
+    found.push_back(
+        finding("PTP clock (" + board.ptp + ")",
+                clock ? clock->measure().map([](const auto&) {}) : tl::unexpected<Error>{clock.error()},
+                "enable the network port's hardware clock and start ptp4l on it"));
+  }
+  if (!board.watchdog.device.empty()) {
+    const bool writable = ::access(board.watchdog.device.c_str(), W_OK) == 0;
+    found.push_back(
+        {.what = "watchdog (" + board.watchdog.device + ")",
+         .ready = writable,
+         .seen = writable ? "writable" : std::strerror(errno),
+         .step = writable ? ""
+                          : "enable the board's watchdog and install its udev rules for the group biteline"});
+  }
+  return found;
+}
+
+}  // namespace
+
+Result<std::vector<DeviceFinding>> check_board(const std::filesystem::path& board_file) {
+  BITELINE_ASSIGN(hal::Board board, hal::read_board_yaml(board_file));
+  return examine(BoardDevices{std::move(board), {}});
+}
+
+}  // namespace biteline::sensor

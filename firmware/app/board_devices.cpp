@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/app/board_devices.hpp"
+
+#include "firmware/app/backends/backend.hpp"
+#include "firmware/app/live_head.hpp"
+#include "firmware/runtime/thread_table.hpp"
+#include "hal/linux/pwm/encoder_trigger.hpp"
+#include "hal/linux/pwm/software_pwm.hpp"
+#include "hal/linux/watchdog/kernel_watchdog.hpp"
+#include "hal/linux/watchdog/line_watchdog.hpp"
+#include "hal/linux/watchdog/systemd_watchdog.hpp"
+#include "hal/timing/triggered_camera.hpp"
+
+namespace biteline::sensor {
+
+BoardDevices::BoardDevices(hal::Board board, geometry::SensorModel head) : board_{std::move(board)} {
+  model = std::move(head);
+  simulated = board_.simulated;
+}
+
+Result<Source> BoardDevices::open() {
+  Source source;
+  source.scan_name = board_.name;
+  BITELINE_ASSIGN(source.camera, open_camera());
+  BITELINE_TRY(
+      configure_as_head(*source.camera, model, capture,
+                        board_.camera.hardware_trigger ? hal::Trigger::Hardware : hal::Trigger::FreeRun));
+  BITELINE_ASSIGN(source.poses, open_poses());
+  BITELINE_ASSIGN(source.trigger, open_trigger());
+  if (source.trigger) BITELINE_TRY(source.trigger->configure(train_of(model, capture)));
+  if (board_.scan_active) {
+    BITELINE_ASSIGN(source.scan_active, open_edges(*board_.scan_active));
+  }
+  return source;
+}
+
+Result<std::optional<LaserDevices>> BoardDevices::open_laser() {
+  if (!board_.laser) return std::optional<LaserDevices>{};
+  LaserDevices devices;
+  BITELINE_ASSIGN(devices.laser, open_output(board_.laser->enable));
+  BITELINE_ASSIGN(devices.safety, open_safety(*board_.laser));
+  BITELINE_TRY(arm_watchdogs(devices.watchdogs));
+  if (const std::optional<Nanoseconds>& patience = board_.laser->patience) {
+    devices.guard = {.frames_within = *patience,
+                     .watchdog_within = *patience,
+                     .stream_within = *patience,
+                     .looks_within = *patience};
+  }
+  return std::optional<LaserDevices>{std::move(devices)};
+}
+
+Result<std::unique_ptr<hal::LineCamera>> BoardDevices::open_camera() const {
+  BITELINE_ASSIGN(std::unique_ptr<hal::LineCamera> camera, sensor::open_camera(board_, realtime));
+  if (!board_.strobe_echo || board_.camera.edge_to_mid_max == Nanoseconds{0}) return camera;
+  BITELINE_ASSIGN(std::unique_ptr<hal::EdgeIn> strobe_echo, open_edges(*board_.strobe_echo));
+  const hal::TriggerPairing::Config pairing{.latency_min = board_.camera.edge_to_mid_min,
+                                            .latency_max = board_.camera.edge_to_mid_max};
+  return std::make_unique<hal::TriggeredCamera>(
+      std::move(camera), std::move(strobe_echo),
+      hal::TriggeredCamera::Config{.pairing = pairing,
+                                   .even_train = board_.trigger.kind != hal::BoardTrigger::Kind::Encoder});
+}
+
+Result<std::unique_ptr<hal::PoseSource>> BoardDevices::open_poses() const {
+  return sensor::open_poses(board_.poses, clock_);
+}
+
+Result<std::unique_ptr<hal::PwmOut>> BoardDevices::open_trigger() const {
+  switch (board_.trigger.kind) {
+    case hal::BoardTrigger::Kind::HardwareTimer:
+      return open_timer(board_.trigger);
+    case hal::BoardTrigger::Kind::Software: {
+      BITELINE_ASSIGN(std::unique_ptr<hal::GpioOut> line, open_output(board_.trigger.line));
+      // Between the safety thread, which nothing may keep from looking, and the poses: an edge has a time
+      // of its own.
+      return std::make_unique<hal::SoftwarePwm>(
+          std::move(line), hal::SoftwarePwm::Config{.priority = runtime::threads::k_pose.priority + 5});
+    }
+    case hal::BoardTrigger::Kind::Encoder: {
+      BITELINE_ASSIGN(std::unique_ptr<hal::EncoderIn> encoder, open_encoder(board_.trigger.encoder));
+      BITELINE_ASSIGN(std::unique_ptr<hal::GpioOut> line, open_output(board_.trigger.line));
+      return hal::EncoderTrigger::open(std::move(encoder), std::move(line),
+                                       {.pitch_ticks = board_.trigger.pitch_ticks,
+                                        .priority = realtime ? runtime::threads::k_pose.priority + 5 : 0});
+    }
+    case hal::BoardTrigger::Kind::None:
+      break;
+  }
+  return std::unique_ptr<hal::PwmOut>{};
+}
+
+Result<void> BoardDevices::arm_watchdogs(std::vector<std::unique_ptr<hal::Watchdog>>& armed) const {
+  if (board_.laser->heartbeat) {
+    BITELINE_ASSIGN(std::unique_ptr<hal::GpioOut> line, open_output(*board_.laser->heartbeat));
+    armed.push_back(std::make_unique<hal::LineWatchdog>(std::move(line)));
+    BITELINE_TRY(armed.back()->arm(board_.watchdog.timeout));
+  }
+  if (!board_.watchdog.device.empty()) {
+    BITELINE_ASSIGN(std::unique_ptr<hal::Watchdog> device, hal::KernelWatchdog::open(board_.watchdog.device));
+    BITELINE_TRY(device->arm(board_.watchdog.timeout));
+    armed.push_back(std::move(device));
+  }
+  if (!board_.watchdog.systemd) return {};
+  Result<std::unique_ptr<hal::SystemdWatchdog>> systemd = hal::SystemdWatchdog::open_from_environment();
+  // Started by hand: there is nobody to tell.
+  if (!systemd && systemd.error().code == Errc::DeviceNotFound) return {};
+  if (!systemd) return tl::unexpected<Error>{systemd.error()};
+  BITELINE_TRY((*systemd)->arm(board_.watchdog.timeout));
+  armed.push_back(std::move(*systemd));
+  return {};
+}
+
+Result<std::unique_ptr<SourceKind>> open_board(const std::filesystem::path& board_file,
+                                               const std::filesystem::path& sensor_file) {
+  BITELINE_ASSIGN(hal::Board board, hal::read_board_yaml(board_file));
+  BITELINE_ASSIGN(geometry::SensorModel head, read_live_head(sensor_file));
+  return std::make_unique<BoardDevices>(std::move(board), std::move(head));
+}
+
+}  // namespace biteline::sensor
