@@ -38,11 +38,6 @@ class LatestValue {
     return std::nullopt;
   }
 
-  /// Counts the stores, for "has it changed?".
-  [[nodiscard]] std::uint64_t rt_version() const noexcept BITELINE_RT {
-    return sequence_.load(std::memory_order_acquire) / 2;
-  }
-
  private:
   // A store takes some 10 ns and comes at most every millisecond; one repeat is normal, more are an
   // interrupted writer.

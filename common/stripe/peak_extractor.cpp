@@ -89,9 +89,4 @@ Result<PeakExtractor> PeakExtractor::create(const PeakConfig& config, int width_
   return PeakExtractor{std::move(state)};
 }
 
-void PeakExtractor::set_column_mask(std::span<const std::uint8_t> mask) {
-  BITELINE_EXPECTS(mask.empty() || mask.size() == static_cast<std::size_t>(state_->width_px));
-  state_->column_mask.assign(mask.begin(), mask.end());
-}
-
 }  // namespace biteline::stripe

@@ -77,9 +77,6 @@ class PeakExtractor {
   PeakExtractor& operator=(PeakExtractor&&) noexcept;
   ~PeakExtractor();
 
-  /// Columns with mask 0 are skipped and show no peak.  Pre: one byte per column, or empty for all.
-  void set_column_mask(std::span<const std::uint8_t> mask);
-
   /// Fills every column of `out`; a column without stripe has no peaks.  Pre: the view is as wide as given to
   /// create() and no taller, 16 rows at least.
   void rt_extract(const PixelView& frame, Peaks& out) noexcept BITELINE_RT;

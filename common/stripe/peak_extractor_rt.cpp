@@ -51,10 +51,8 @@ void PeakExtractor::rt_extract(const PixelView& frame, Peaks& out) noexcept BITE
 
   out.column_count = state.width_px;
   for (std::size_t column = 0; column < static_cast<std::size_t>(state.width_px); ++column) {
-    std::uint8_t& seen_count = state.scratch.candidates.seen_count[column];
-    if (!state.column_mask.empty() && state.column_mask[column] == 0) seen_count = 0;
     out.columns[column].kept_count = 0;
-    out.columns[column].seen_count = seen_count;
+    out.columns[column].seen_count = state.scratch.candidates.seen_count[column];
   }
   rt_fit_candidates(rows, state.config, state.scratch, out);
 

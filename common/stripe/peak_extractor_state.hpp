@@ -87,7 +87,6 @@ struct PeakExtractor::State {
   SearchPlan plan;
   int width_px{0};
   int height_px{0};
-  std::vector<std::uint8_t> column_mask;  ///< empty: all
   CoarseScratch scratch;
 };
 

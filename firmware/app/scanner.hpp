@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "common/rt/buffer_pool.hpp"
-#include "common/rt/spsc_ring.hpp"
+#include "common/rt/drop_oldest_ring.hpp"
 #include "firmware/app/capture.hpp"
 #include "firmware/app/source.hpp"
 #include "firmware/pipeline/picture_tap.hpp"

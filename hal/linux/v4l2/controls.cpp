@@ -46,7 +46,7 @@ Result<void> set(int device, std::uint32_t id, std::int32_t value, const char* n
 
 }  // namespace
 
-Result<std::int64_t> ExposureControl::steps_for(Nanoseconds exposure) const {
+Result<std::int64_t> ExposureRegister::steps_for(Nanoseconds exposure) const {
   const std::int64_t wanted = (exposure + unit / 2) / unit;
   if (wanted < minimum || wanted > maximum) {
     return fail(Errc::BadValue, "exposure %lld us, the camera takes %lld to %lld us",
@@ -58,7 +58,7 @@ Result<std::int64_t> ExposureControl::steps_for(Nanoseconds exposure) const {
   return in_steps > maximum ? in_steps - step : in_steps;
 }
 
-std::optional<ExposureControl> find_exposure(int device, int width_px) {
+std::optional<ExposureRegister> find_exposure(int device, int width_px) {
   constexpr Nanoseconds k_absolute_unit{100'000};  // V4L2_CID_EXPOSURE_ABSOLUTE counts 100 us
   std::optional<v4l2_queryctrl> control = query(device, V4L2_CID_EXPOSURE_ABSOLUTE);
   std::optional<Nanoseconds> unit = k_absolute_unit;
@@ -67,14 +67,14 @@ std::optional<ExposureControl> find_exposure(int device, int width_px) {
     unit = line_time(device, width_px);
   }
   if (!control || !unit || *unit <= Nanoseconds{0}) return std::nullopt;
-  return ExposureControl{.id = control->id,
-                         .unit = *unit,
-                         .minimum = control->minimum,
-                         .maximum = control->maximum,
-                         .step = std::max(control->step, 1)};
+  return ExposureRegister{.id = control->id,
+                          .unit = *unit,
+                          .minimum = control->minimum,
+                          .maximum = control->maximum,
+                          .step = std::max(control->step, 1)};
 }
 
-Result<Nanoseconds> set_exposure(int device, const ExposureControl& control, Nanoseconds exposure) {
+Result<Nanoseconds> set_exposure(int device, const ExposureRegister& control, Nanoseconds exposure) {
   BITELINE_ASSIGN(const std::int64_t steps, control.steps_for(exposure));
   BITELINE_TRY(set(device, control.id, static_cast<std::int32_t>(steps), "set exposure"));
   v4l2_control taken{.id = control.id, .value = 0};

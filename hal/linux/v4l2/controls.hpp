@@ -12,7 +12,7 @@ namespace biteline::hal {
 
 /// How a driver counts exposure: USB cameras in steps of 100 us (EXPOSURE_ABSOLUTE), raw sensors in lines,
 /// whose length follows from the pixel rate and the blanking.
-struct ExposureControl {
+struct ExposureRegister {
   std::uint32_t id{0};
   Nanoseconds unit{0};
   std::int64_t minimum{0}, maximum{0}, step{1};
@@ -24,10 +24,10 @@ struct ExposureControl {
 };
 
 /// Nothing: the driver has no exposure control, or counts lines and does not tell their length.
-[[nodiscard]] std::optional<ExposureControl> find_exposure(int device, int width_px);
+[[nodiscard]] std::optional<ExposureRegister> find_exposure(int device, int width_px);
 
 /// Gives back what the driver made of it.
-[[nodiscard]] Result<Nanoseconds> set_exposure(int device, const ExposureControl& control,
+[[nodiscard]] Result<Nanoseconds> set_exposure(int device, const ExposureRegister& control,
                                                Nanoseconds exposure);
 
 /// Analogue gain in the driver's steps.

@@ -87,7 +87,7 @@ class V4l2Camera final : public LineCamera {
   PictureWindow window_;  ///< of the delivered picture
   bool copies_{false};
   CameraSettings settings_;
-  std::optional<ExposureControl> exposure_control_;
+  std::optional<ExposureRegister> exposure_control_;
   BufferSet buffers_;
   std::vector<std::vector<std::uint8_t>> narrowed_;  ///< one for each buffer, when copies_
   std::size_t lent_{0};

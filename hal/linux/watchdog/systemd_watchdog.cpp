@@ -56,10 +56,6 @@ Result<void> SystemdWatchdog::disarm() {
   return {};
 }
 
-Result<void> SystemdWatchdog::tell_status(std::string_view text) {
-  return tell(FixedText<200>::format("STATUS=%.*s", static_cast<int>(text.size()), text.data()).view());
-}
-
 Result<void> SystemdWatchdog::tell(std::string_view text) noexcept {
   if (::send(socket_.number(), text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT) < 0) {
     if (errno == EAGAIN) return fail_errno(Errc::Overrun, errno, "systemd does not read its notifications");

@@ -28,9 +28,6 @@ class SystemdWatchdog final : public Watchdog {
   /// There is no way to stop it but a timeout that never comes: WATCHDOG_USEC=0 turns it off.
   [[nodiscard]] Result<void> disarm() override;
 
-  /// One line for `systemctl status`.
-  [[nodiscard]] Result<void> tell_status(std::string_view text);
-
  private:
   explicit SystemdWatchdog(Descriptor socket) : socket_{std::move(socket)} {}
   Result<void> tell(std::string_view text) noexcept;

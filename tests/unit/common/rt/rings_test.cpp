@@ -5,49 +5,14 @@
 #include <vector>
 
 #include "common/rt/buffer_pool.hpp"
+#include "common/rt/drop_oldest_ring.hpp"
 #include "common/rt/latest_value.hpp"
-#include "common/rt/spsc_ring.hpp"
 
 namespace biteline::rt {
 
 // Enough hand-overs that the two threads meet at every place of a ring of four some thousand times, also on
 // one core.
 constexpr std::uint32_t k_items = 50000;
-
-TEST_GROUP(SpscRing){};
-
-TEST(SpscRing, RefusesTheNewestWhenFullAndKeepsOrder) {
-  SpscRing<int, 4> sut;
-  for (int i = 0; i < 4; ++i) CHECK(sut.rt_push(i));
-  CHECK(!sut.rt_push(4));
-  LONGS_EQUAL(4, sut.rt_size());
-  for (int i = 0; i < 4; ++i) LONGS_EQUAL(i, *sut.rt_pop());
-  CHECK(!sut.rt_pop());
-}
-
-TEST(SpscRing, LosesAndRepeatsNothingBetweenThreads) {
-  SpscRing<std::uint64_t, 4> sut;
-  std::uint64_t wrong = 0;
-  std::thread consumer{[&] {
-    for (std::uint64_t expected = 0; expected < k_items;) {
-      if (const auto item = sut.rt_pop()) {
-        if (*item != expected * 3) ++wrong;
-        ++expected;
-      } else {
-        std::this_thread::yield();
-      }
-    }
-  }};
-  for (std::uint64_t i = 0; i < k_items;) {
-    if (sut.rt_push(i * 3)) {
-      ++i;
-    } else {
-      std::this_thread::yield();
-    }
-  }
-  consumer.join();
-  LONGS_EQUAL(0, wrong);
-}
 
 TEST_GROUP(DropOldestRing){};
 
@@ -178,7 +143,6 @@ TEST(LatestValue, ReaderNeverSeesTwoStoresMixed) {
   reader.join();
   LONGS_EQUAL(0, mixed);
   LONGS_EQUAL(0, backwards);
-  LONGS_EQUAL(k_items, sut.rt_version());
 }
 
 TEST_GROUP(BufferPool){};

@@ -255,19 +255,6 @@ TEST(PeakExtractor, OddWidthsStridesAndStepsLoseNoColumn) {
   }
 }
 
-TEST(PeakExtractor, MaskedColumnsShowNothing) {
-  MadeStripe made;
-  const auto pixels = test::picture(made, random);
-  auto sut = PeakExtractor::create({}, made.width_px, made.height_px);
-  CHECK(sut.has_value());
-  std::vector<std::uint8_t> mask(256, 1);
-  mask[77] = 0;
-  sut->set_column_mask(mask);
-  sut->rt_extract({.pixels = pixels.data(), .stride_bytes = 256}, *peaks);
-  LONGS_EQUAL(0, peaks->columns[77].kept_count);
-  LONGS_EQUAL(1, peaks->columns[78].kept_count);
-}
-
 TEST(PeakExtractor, ReadingEverySecondOrFourthRowFindsWhatReadingAllFinds) {
   // Stripes as narrow as permitted and wider ones, faint and bright, rising over all rows of a block and
   // beyond the region's edges, with a second one beside them, under light and speckle.

@@ -86,16 +86,16 @@ TEST(ToGrey8, PictureCutShortIsRefused) {
   }
 }
 
-TEST_GROUP(ExposureControl) {
-  ExposureControl sut{.id = 1, .unit = 100us, .minimum = 3, .maximum = 40, .step = 5};
+TEST_GROUP(ExposureRegister) {
+  ExposureRegister sut{.id = 1, .unit = 100us, .minimum = 3, .maximum = 40, .step = 5};
 };
 
-TEST(ExposureControl, NearestStepIsTaken) {
+TEST(ExposureRegister, NearestStepIsTaken) {
   CHECK_EQUAL(13, sut.steps_for(1250us).value());
   CHECK_EQUAL(38, sut.steps_for(4000us).value());  // 43 would be nearest and is beyond the range
 }
 
-TEST(ExposureControl, BeyondTheRangeIsRefused) {
+TEST(ExposureRegister, BeyondTheRangeIsRefused) {
   CHECK(sut.steps_for(200us).error().code == Errc::BadValue);
   CHECK(sut.steps_for(10ms).error().code == Errc::BadValue);
 }

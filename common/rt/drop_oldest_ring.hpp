@@ -17,50 +17,6 @@ namespace biteline::rt {
 /// x86-64 and Cortex-A lines; keeps the two sides' counters from sharing one.
 inline constexpr std::size_t k_cache_line_bytes = 64;
 
-/// Ring that refuses the newest when full: the producer learns it, counts it and keeps the item.
-///
-/// Thread: one producer (rt_push), one consumer (rt_pop).  RT: all members.  Memory: inside the object.
-template <class T, std::size_t Capacity>
-class SpscRing {
-  static_assert(std::has_single_bit(Capacity), "indices wrap by mask");
-  static_assert(std::is_trivially_copyable_v<T>, "a slot may be overwritten without a destructor");
-
- public:
-  /// False: full, nothing changed.
-  [[nodiscard]] bool rt_push(const T& item) noexcept BITELINE_RT {
-    // relaxed: only this thread writes head_; acquire pairs with the consumer's release, so that its copy out
-    // of the slot is over before the slot is written again.
-    const std::uint64_t head = head_.load(std::memory_order_relaxed);
-    if (head - tail_.load(std::memory_order_acquire) == Capacity) return false;
-    slots_[head & k_mask] = item;
-    head_.store(head + 1, std::memory_order_release);
-    return true;
-  }
-
-  /// Nothing: empty.
-  [[nodiscard]] std::optional<T> rt_pop() noexcept BITELINE_RT {
-    const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
-    if (tail == head_.load(std::memory_order_acquire)) return std::nullopt;
-    const T item = slots_[tail & k_mask];
-    tail_.store(tail + 1, std::memory_order_release);
-    return item;
-  }
-
-  /// A moment's count; exact when the other side is still.
-  [[nodiscard]] std::size_t rt_size() const noexcept BITELINE_RT {
-    const std::uint64_t tail = tail_.load(std::memory_order_acquire);
-    return static_cast<std::size_t>(head_.load(std::memory_order_acquire) - tail);
-  }
-
-  [[nodiscard]] static constexpr std::size_t capacity() { return Capacity; }
-
- private:
-  static constexpr std::uint64_t k_mask = Capacity - 1;
-  alignas(k_cache_line_bytes) std::atomic<std::uint64_t> head_{0};
-  alignas(k_cache_line_bytes) std::atomic<std::uint64_t> tail_{0};
-  alignas(k_cache_line_bytes) std::array<T, Capacity> slots_{};
-};
-
 /// Ring that drops the oldest when full and gives the victim back to the producer: for handles of pooled
 /// buffers, whose victim goes back to the pool and is counted.
 ///
