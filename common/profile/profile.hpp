@@ -79,8 +79,8 @@ struct Profile {
   std::vector<ProfilePoint> points;  ///< by column, then row
 };
 
-/// Two kept peaks in each of 2048 columns.
-inline constexpr std::size_t k_max_profile_points = 4096;
+/// Two kept peaks in each of 2592 columns, the widest of the usual 5-megapixel sensors.
+inline constexpr std::size_t k_max_profile_points = 5184;
 
 /// A profile in the firmware: fixed capacity, lives in a ring, never on the heap after start-up.
 struct ProfileBuffer {

@@ -8,7 +8,7 @@
 
 namespace biteline::stripe {
 
-inline constexpr std::size_t k_max_columns = 2048;
+inline constexpr std::size_t k_max_columns = 2592;
 inline constexpr std::size_t k_kept_peaks = 2;
 
 enum PeakFlag : std::uint8_t {

@@ -10,7 +10,7 @@ namespace biteline::stream {
 namespace {
 
 /// What a profile takes at most (see wire::k_max_message_bytes); typical ones take a quarter.
-constexpr std::size_t k_large_profile_bytes = 200 * 1024;
+constexpr std::size_t k_large_profile_bytes = 224 * 1024;
 
 }  // namespace
 

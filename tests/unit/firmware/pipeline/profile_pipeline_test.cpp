@@ -315,4 +315,49 @@ TEST(ProfilePipeline, FrameFlagsTravel) {
   CHECK(out->header.flags & profile::k_profile_frame_gap);
 }
 
+/// 2448 x 2048, whole: a stripe from the lower left to the upper right and its mirror image below, two points
+/// in every column.
+TEST(ProfilePipeline, FiveMegapixelFrameGivesEveryColumnAndBothPeaks) {
+  constexpr int k_wide_px = 2448, k_high_px = 2048;
+  head.camera = {.fu_px = 4800, .fv_px = 4800, .cu_px = 1224, .cv_px = 1024};
+  head.region = {.offset_u_px = 0, .offset_v_px = 0, .width_px = k_wide_px, .height_px = k_high_px};
+  MadeStripe direct, mirror;
+  direct.width_px = mirror.width_px = k_wide_px;
+  direct.height_px = mirror.height_px = k_high_px;
+  direct.row_px = [](int u) { return 1700 - 0.6 * u; };
+  mirror.row_px = [](int u) { return 1900 - 0.6 * u; };
+  mirror.amplitude = 100;
+  std::vector<double> mean(std::size_t{k_wide_px} * k_high_px, 0.0);
+  stripe::test::add_stripe(direct, mean);
+  stripe::test::add_stripe(mirror, mean);
+  std::vector<std::uint8_t> pixels;
+  for (const double grey : mean) pixels.push_back(static_cast<std::uint8_t>(std::lround(grey)));
+
+  ProfilePipeline sut = create({.peaks = {.noise = direct.noise}});
+  CHECK(sut.rt_process({.pixels = pixels,
+                        .width_px = k_wide_px,
+                        .height_px = k_high_px,
+                        .stride_bytes = k_wide_px,
+                        .sequence = 0,
+                        .exposure_mid = at_ms(0)},
+                       *out));
+  LONGS_EQUAL(2 * k_wide_px, out->count);
+  for (const profile::ProfilePoint& point : out->view()) {
+    const double row_px = row_in_region(point);
+    const double expected_px = std::fabs(row_px - direct.row_px(point.column)) < 100
+                                   ? direct.row_px(point.column)
+                                   : mirror.row_px(point.column);
+    // Noise-free pictures: what is left is the rounding to whole grey levels, far below a tenth of a pixel.
+    DOUBLES_EQUAL(expected_px, row_px, 0.05);
+  }
+  LONGS_EQUAL(k_wide_px - 1, out->points[out->count - 1].column);
+}
+
+TEST(ProfilePipeline, CameraWiderThanTheTablesIsRefused) {
+  head.region.width_px = static_cast<int>(stripe::k_max_columns) + 1;
+  const auto refused = ProfilePipeline::create({}, head);
+  CHECK(!refused.has_value());
+  CHECK(refused.error().where.view().find("2592") != std::string_view::npos);
+}
+
 }  // namespace biteline::pipeline
