@@ -12,6 +12,7 @@
 
 #include "common/core/result.hpp"
 #include "common/geometry/sensor_model.hpp"
+#include "common/profile/counts.hpp"
 #include "common/profile/profile.hpp"
 
 namespace biteline::wire {
@@ -21,7 +22,7 @@ inline constexpr std::uint16_t k_protocol = 1;
 /// Raised, with the reason in PROTOCOL.md, when something is added that an old peer may do without.
 inline constexpr std::uint16_t k_protocol_minor = 1;
 
-/// No message is longer; sockets drop what is.  A full profile (4096 points) packs to at most 175 KB.
+/// No message is longer; sockets drop what is.  A full profile (5184 points) packs to at most 222 KB.
 inline constexpr std::size_t k_max_message_bytes = 512 * 1024;
 
 using Bytes = std::vector<std::uint8_t>;
@@ -56,20 +57,7 @@ struct StageTime {
   Nanoseconds min{0}, mean{0}, max{0};
 };
 
-struct Counters {
-  std::uint64_t frames{0};
-  std::uint64_t frames_lost{0};
-  std::uint64_t frames_damaged{0};
-  std::uint64_t poses{0};
-  std::uint64_t poses_lost{0};
-  std::uint64_t poses_rejected{0};
-  std::uint64_t profiles{0};
-  std::uint64_t profiles_dropped{0};  ///< between pipeline and store
-  std::uint64_t messages_lost{0};     ///< evicted from the store before any host had them
-  std::uint64_t packets_rejected{0};
-  std::uint64_t peers_refused{0};
-  std::uint64_t overruns{0};
-};
+using Counters = profile::ScanCounts;
 
 /// How another device's clock lies on the sensor's.
 struct ClockState {
@@ -81,18 +69,7 @@ struct ClockState {
   std::uint64_t steps{0};
 };
 
-/// Frames against the edges of the camera's strobe echo.
-struct TriggerState {
-  std::uint64_t edges{0};
-  std::uint64_t edges_missed{0};
-  std::uint64_t edges_doubled{0};
-  std::uint64_t edges_late{0};
-  std::uint64_t edges_lost{0};
-  std::uint64_t frames_paired{0};
-  std::uint64_t frames_without_edge{0};
-  std::uint64_t frames_with_two_edges{0};
-  std::uint64_t edges_without_frame{0};
-};
+using TriggerState = profile::TriggerCounts;
 
 /// Of a camera whose exposure or rows change while it runs.
 struct CaptureState {
@@ -105,21 +82,14 @@ struct CaptureState {
   bool searching{false};  ///< stripe lost, all rows shown
 };
 
-/// The state of what hangs on the sensor, beyond the counters.
-struct Devices {
+/// The state of what hangs on the sensor, beyond the scan's counts.
+struct Devices : profile::DeviceCounts {
   std::vector<ClockState> clocks;
   std::optional<TriggerState> trigger;  ///< nothing: no strobe echo ties frames to edges
   bool trigger_by_software{false};
   bool camera_connected{false};
-  std::uint64_t camera_underruns{0};
-  std::uint64_t packets_resent{0};
   std::optional<float> temperature_degc;
   bool poses_flow{false};
-  std::uint64_t pose_reconnects{0};
-  std::uint64_t poses_unlatched{0};  ///< no SYNC seen: placed by their own stamps
-  std::uint64_t bus_errors{0};
-  std::uint64_t bus_restarts{0};
-  std::uint64_t watchdog_feeds_failed{0};
   bool realtime{false};                 ///< the thread table was enforced
   std::optional<CaptureState> capture;  ///< nothing: the head's own settings stand
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "common/wire/schema_parts.hpp"
 
+#include <array>
 #include <cmath>
 #include <string_view>
 
@@ -25,6 +26,32 @@ Vec3 to_vec3(const fb::Vec3& v) {
 
 fb::Vec3 from_vec3(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
+}
+
+/// Into the table that is being built.
+template <class Counts, std::size_t N>
+void add_counts(flatbuffers::FlatBufferBuilder& fbb, const Counts& counts,
+                const std::array<profile::CountRow<Counts>, N>& rows) {
+  for (const profile::CountRow<Counts>& row : rows)
+    fbb.AddElement<std::uint64_t>(flatbuffers::FieldIndexToOffset(row.slot), counts.*row.value, 0);
+}
+
+/// A table of counts and nothing else.
+template <class Table, class Counts, std::size_t N>
+flatbuffers::Offset<Table> pack_counts(flatbuffers::FlatBufferBuilder& fbb, const Counts& counts,
+                                       const std::array<profile::CountRow<Counts>, N>& rows) {
+  const flatbuffers::uoffset_t start = fbb.StartTable();
+  add_counts(fbb, counts, rows);
+  return fbb.EndTable(start);
+}
+
+/// The generated tables hide what they are.
+template <class Counts, class Table, std::size_t N>
+void read_counts(const Table& table, const std::array<profile::CountRow<Counts>, N>& rows, Counts& counts) {
+  const auto& fields = reinterpret_cast<const flatbuffers::Table&>(table);
+  for (const profile::CountRow<Counts>& row : rows) {
+    counts.*row.value = fields.GetField<std::uint64_t>(flatbuffers::FieldIndexToOffset(row.slot), 0);
+  }
 }
 
 }  // namespace
@@ -121,26 +148,13 @@ Result<geometry::SensorModel> read_model(const fb::SensorModel& table) {
 
 flatbuffers::Offset<fb::Counters> pack_counters(flatbuffers::FlatBufferBuilder& fbb,
                                                 const Counters& counters) {
-  return fb::CreateCounters(fbb, counters.frames, counters.frames_lost, counters.frames_damaged,
-                            counters.poses, counters.poses_lost, counters.poses_rejected, counters.profiles,
-                            counters.profiles_dropped, counters.messages_lost, counters.packets_rejected,
-                            counters.peers_refused, counters.overruns);
+  return pack_counts<fb::Counters>(fbb, counters, profile::k_scan_counts);
 }
 
 Counters read_counters(const fb::Counters* table) {
-  if (table == nullptr) return {};
-  return {.frames = table->frames(),
-          .frames_lost = table->frames_lost(),
-          .frames_damaged = table->frames_damaged(),
-          .poses = table->poses(),
-          .poses_lost = table->poses_lost(),
-          .poses_rejected = table->poses_rejected(),
-          .profiles = table->profiles(),
-          .profiles_dropped = table->profiles_dropped(),
-          .messages_lost = table->messages_lost(),
-          .packets_rejected = table->packets_rejected(),
-          .peers_refused = table->peers_refused(),
-          .overruns = table->overruns()};
+  Counters counters;
+  if (table != nullptr) read_counts(*table, profile::k_scan_counts, counters);
+  return counters;
 }
 
 flatbuffers::Offset<StageTimeVector> pack_stages(flatbuffers::FlatBufferBuilder& fbb,
@@ -174,22 +188,26 @@ flatbuffers::Offset<fb::Devices> pack_devices(flatbuffers::FlatBufferBuilder& fb
   }
   const auto clock_vector = fbb.CreateVector(clocks);
   flatbuffers::Offset<fb::TriggerState> trigger;
-  if (const std::optional<TriggerState>& t = devices.trigger) {
-    trigger = fb::CreateTriggerState(fbb, t->edges, t->edges_missed, t->edges_doubled, t->edges_late,
-                                     t->edges_lost, t->frames_paired, t->frames_without_edge,
-                                     t->frames_with_two_edges, t->edges_without_frame);
+  if (devices.trigger) {
+    trigger = pack_counts<fb::TriggerState>(fbb, *devices.trigger, profile::k_trigger_counts);
   }
   flatbuffers::Offset<fb::CaptureState> capture;
   if (const std::optional<CaptureState>& c = devices.capture) {
     capture = fb::CreateCaptureState(fbb, c->exposure.count(), c->exposure_changes, c->first_row_px,
                                      c->rows_px, c->row_changes, c->rate_max_hz, c->searching);
   }
-  return fb::CreateDevices(fbb, clock_vector, trigger, devices.trigger_by_software, devices.camera_connected,
-                           devices.camera_underruns, devices.packets_resent,
-                           devices.temperature_degc.has_value(), devices.temperature_degc.value_or(0),
-                           devices.poses_flow, devices.pose_reconnects, devices.poses_unlatched,
-                           devices.bus_errors, devices.bus_restarts, devices.watchdog_feeds_failed,
-                           devices.realtime, capture);
+  fb::DevicesBuilder table{fbb};
+  add_counts<profile::DeviceCounts>(fbb, devices, profile::k_device_counts);
+  table.add_clocks(clock_vector);
+  table.add_trigger(trigger);
+  table.add_trigger_by_software(devices.trigger_by_software);
+  table.add_camera_connected(devices.camera_connected);
+  table.add_temperature_known(devices.temperature_degc.has_value());
+  table.add_temperature_degc(devices.temperature_degc.value_or(0));
+  table.add_poses_flow(devices.poses_flow);
+  table.add_realtime(devices.realtime);
+  table.add_capture(capture);
+  return table.Finish();
 }
 
 Result<Devices> read_devices(const fb::Devices* table) {
@@ -208,31 +226,17 @@ Result<Devices> read_devices(const fb::Devices* table) {
     }
   }
   if (const fb::TriggerState* trigger = table->trigger()) {
-    devices.trigger = TriggerState{.edges = trigger->edges(),
-                                   .edges_missed = trigger->edges_missed(),
-                                   .edges_doubled = trigger->edges_doubled(),
-                                   .edges_late = trigger->edges_late(),
-                                   .edges_lost = trigger->edges_lost(),
-                                   .frames_paired = trigger->frames_paired(),
-                                   .frames_without_edge = trigger->frames_without_edge(),
-                                   .frames_with_two_edges = trigger->frames_with_two_edges(),
-                                   .edges_without_frame = trigger->edges_without_frame()};
+    read_counts(*trigger, profile::k_trigger_counts, devices.trigger.emplace());
   }
   if (table->temperature_known()) {
     if (!std::isfinite(table->temperature_degc()))
       return fail(Errc::ProtocolError, "temperature that is not finite");
     devices.temperature_degc = table->temperature_degc();
   }
+  read_counts<profile::DeviceCounts>(*table, profile::k_device_counts, devices);
   devices.trigger_by_software = table->trigger_by_software();
   devices.camera_connected = table->camera_connected();
-  devices.camera_underruns = table->camera_underruns();
-  devices.packets_resent = table->packets_resent();
   devices.poses_flow = table->poses_flow();
-  devices.pose_reconnects = table->pose_reconnects();
-  devices.poses_unlatched = table->poses_unlatched();
-  devices.bus_errors = table->bus_errors();
-  devices.bus_restarts = table->bus_restarts();
-  devices.watchdog_feeds_failed = table->watchdog_feeds_failed();
   devices.realtime = table->realtime();
   if (const fb::CaptureState* capture = table->capture()) {
     if (!std::isfinite(capture->rate_max_hz()))

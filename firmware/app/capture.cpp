@@ -82,8 +82,7 @@ CaptureControl::CaptureControl(const Capture& capture, const geometry::SensorMod
       region_{head.region},
       exposure_control_{exposure_limits(head, limits), head.exposure.value_or(Nanoseconds{0})},
       region_follower_{region_limits(head.region, limits)},
-      state_{.exposure = head.exposure.value_or(Nanoseconds{0}),
-             .rows = {.first_px = 0, .height_px = head.region.height_px}} {
+      state_{.exposure = head.exposure.value_or(Nanoseconds{0}), .rows_px = head.region.height_px} {
   published_.rt_store(state_);
 }
 
@@ -109,8 +108,11 @@ Result<void> CaptureControl::apply(const Wish& wish, hal::LineCamera& camera) {
     ++state_.exposure_changes;
   }
   if (wish.rows) {
-    BITELINE_ASSIGN(state_.rows, camera.adjust_rows({.first_px = wish.rows->offset_v_px - region_.offset_v_px,
-                                                     .height_px = wish.rows->height_px}));
+    BITELINE_ASSIGN(const hal::RowRange rows,
+                    camera.adjust_rows({.first_px = wish.rows->offset_v_px - region_.offset_v_px,
+                                        .height_px = wish.rows->height_px}));
+    state_.first_row_px = rows.first_px;
+    state_.rows_px = rows.height_px;
     ++state_.row_changes;
   }
   if (wish.exposure || wish.rows) published_.rt_store(state_);

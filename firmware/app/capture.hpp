@@ -8,6 +8,7 @@
 #include "common/core/result.hpp"
 #include "common/geometry/sensor_model.hpp"
 #include "common/rt/latest_value.hpp"
+#include "common/wire/messages.hpp"
 #include "firmware/pipeline/exposure_control.hpp"
 #include "firmware/pipeline/region_follower.hpp"
 #include "hal/api/line_camera.hpp"
@@ -34,16 +35,6 @@ struct Capture {
 /// The longest exposure that may occur: the light has to last that long.
 [[nodiscard]] Nanoseconds longest_exposure(const Capture& capture, const geometry::SensorModel& head);
 
-/// What the camera is set to now.
-struct CaptureState {
-  Nanoseconds exposure{0};
-  std::uint64_t exposure_changes{0};
-  hal::RowRange rows;  ///< of the head's region
-  std::uint64_t row_changes{0};
-  double rate_max_hz{0};  ///< that the read-out of these rows allows; 0: rows are not followed
-  bool searching{false};  ///< the stripe is lost, all rows are shown
-};
-
 /// Sets exposure and rows after each profile.
 ///
 /// In two steps, since a profile is no longer this thread's once it is in the ring:
@@ -68,7 +59,10 @@ class CaptureControl {
 
   [[nodiscard]] Result<void> apply(const Wish& wish, hal::LineCamera& camera);
 
-  [[nodiscard]] CaptureState state() const { return published_.rt_load().value_or(CaptureState{}); }
+  /// What the camera is set to now.
+  [[nodiscard]] wire::CaptureState state() const {
+    return published_.rt_load().value_or(wire::CaptureState{});
+  }
 
  private:
   CaptureControl(const Capture& capture, const geometry::SensorModel& head, const hal::CameraLimits& limits);
@@ -77,8 +71,8 @@ class CaptureControl {
   geometry::Region region_;
   pipeline::ExposureControl exposure_control_;
   pipeline::RegionFollower region_follower_;
-  CaptureState state_;
-  rt::LatestValue<CaptureState> published_;
+  wire::CaptureState state_;
+  rt::LatestValue<wire::CaptureState> published_;
 };
 
 }  // namespace biteline::sensor

@@ -255,7 +255,7 @@ std::optional<Error> Scanner::failure() const {
   return failure_;
 }
 
-ScanCounts Scanner::counts() const {
+profile::ScanCounts Scanner::counts() const {
   const hal::CameraHealth camera = source_.camera->health();
   const hal::PoseHealth poses = source_.poses->health();
   return {.frames = camera.frames,

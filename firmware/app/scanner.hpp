@@ -8,6 +8,7 @@
 #include <optional>
 #include <thread>
 
+#include "common/profile/counts.hpp"
 #include "common/rt/buffer_pool.hpp"
 #include "common/rt/drop_oldest_ring.hpp"
 #include "firmware/app/capture.hpp"
@@ -20,13 +21,6 @@
 #include "hal/api/clock.hpp"
 
 namespace biteline::sensor {
-
-/// Counts that belong to the scanner.  Any thread.
-struct ScanCounts {
-  std::uint64_t frames{0}, frames_lost{0}, frames_damaged{0};
-  std::uint64_t poses{0}, poses_lost{0}, poses_rejected{0};
-  std::uint64_t profiles{0}, profiles_dropped{0}, overruns{0};
-};
 
 /// One scan: two threads from start() to the end of the object.
 ///
@@ -70,11 +64,12 @@ class Scanner {
   /// What ended it, if not the end of the source.
   [[nodiscard]] std::optional<Error> failure() const;
 
-  [[nodiscard]] ScanCounts counts() const;
+  /// Of frames, poses and profiles; the messages' are the server's.  Any thread.
+  [[nodiscard]] profile::ScanCounts counts() const;
   /// The longest time between the exposures of two neighbouring frames under the laser, or from the last one
   /// to `until`.
   [[nodiscard]] Nanoseconds longest_pause(SensorClock::time_point until) const;
-  [[nodiscard]] CaptureState capture_state() const { return capture_->state(); }
+  [[nodiscard]] wire::CaptureState capture_state() const { return capture_->state(); }
   [[nodiscard]] Source& source() { return source_; }
   /// Where live pictures come from; may outlive the scan.
   [[nodiscard]] const std::shared_ptr<pipeline::PictureTap>& pictures() const { return pictures_; }
@@ -85,7 +80,7 @@ class Scanner {
   runtime::StageMeter picture_meter;  ///< copies of frames for observers
 
  private:
-  /// 1.2 s at 100 Hz, for a stream thread that waits for poses or whose turn is held up.  Some 20 MB.
+  /// 1.2 s at 100 Hz, for a stream thread that waits for poses or whose turn is held up.  27 MB.
   static constexpr std::size_t k_ring_profiles = 128;
   /// Plus the one being filled plus the one being sent: a buffer is always free for the next frame.
   static constexpr std::size_t k_pool_profiles = k_ring_profiles + 2;

@@ -76,18 +76,6 @@ wire::ClockState clock_state(const char* name, const hal::ClockHealth& clock) {
           .steps = clock.steps};
 }
 
-wire::TriggerState trigger_state(const hal::TriggerHealth& trigger) {
-  return {.edges = trigger.edges,
-          .edges_missed = trigger.edges_missed,
-          .edges_doubled = trigger.edges_doubled,
-          .edges_late = trigger.edges_late,
-          .edges_lost = trigger.edges_lost,
-          .frames_paired = trigger.frames_paired,
-          .frames_without_edge = trigger.frames_without_edge,
-          .frames_with_two_edges = trigger.frames_with_two_edges,
-          .edges_without_frame = trigger.edges_without_frame};
-}
-
 wire::StageTime stage_time(const char* name, const runtime::StageMeter& meter) {
   const runtime::StageMeter::Summary summary = meter.summary();
   return {.name = name, .count = summary.count, .min = summary.min, .mean = summary.mean, .max = summary.max};
@@ -294,19 +282,7 @@ bool Streamer::delivered() {
 }
 
 wire::Counters Streamer::counters() const {
-  if (!scanner_) return last_end_.counters;
-  wire::Counters counters;
-  const ScanCounts counts = scanner_->counts();
-  counters.frames = counts.frames;
-  counters.frames_lost = counts.frames_lost;
-  counters.frames_damaged = counts.frames_damaged;
-  counters.poses = counts.poses;
-  counters.poses_lost = counts.poses_lost;
-  counters.poses_rejected = counts.poses_rejected;
-  counters.profiles = counts.profiles;
-  counters.profiles_dropped = counts.profiles_dropped;
-  counters.overruns = counts.overruns;
-  return counters;
+  return scanner_ ? scanner_->counts() : last_end_.counters;
 }
 
 std::vector<wire::StageTime> Streamer::stages() const {
@@ -328,21 +304,12 @@ wire::Devices Streamer::devices() const {
   const hal::CameraHealth camera = source.camera->health();
   const hal::PoseHealth poses = source.poses->health();
   devices.clocks = {clock_state("camera", camera.clock), clock_state("poses", poses.clock)};
-  if (camera.trigger.watched) devices.trigger = trigger_state(camera.trigger);
+  if (camera.trigger.watched) devices.trigger.emplace(camera.trigger);
   devices.trigger_by_software = source.trigger != nullptr && !source.trigger->hardware_timed();
   devices.camera_connected = camera.connected;
   devices.camera_underruns = camera.underruns;
   devices.packets_resent = camera.packets_resent;
-  if (kind_.capture.any()) {
-    const CaptureState capture = scanner_->capture_state();
-    devices.capture = wire::CaptureState{.exposure = capture.exposure,
-                                         .exposure_changes = capture.exposure_changes,
-                                         .first_row_px = capture.rows.first_px,
-                                         .rows_px = capture.rows.height_px,
-                                         .row_changes = capture.row_changes,
-                                         .rate_max_hz = capture.rate_max_hz,
-                                         .searching = capture.searching};
-  }
+  if (kind_.capture.any()) devices.capture = scanner_->capture_state();
   if (camera.temperature_known) devices.temperature_degc = camera.temperature_degc;
   devices.poses_flow = poses.state == hal::PoseState::Streaming;
   devices.pose_reconnects = poses.reconnects;

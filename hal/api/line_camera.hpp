@@ -4,6 +4,7 @@
 
 #include "common/core/result.hpp"
 #include "common/geometry/sensor_model.hpp"
+#include "common/profile/counts.hpp"
 #include "hal/api/clock_health.hpp"
 #include "hal/api/frame.hpp"
 
@@ -44,17 +45,8 @@ struct CameraLimits {
 };
 
 /// What a camera's strobe echo shows of its trigger; counts since start().
-struct TriggerHealth {
-  bool watched{false};             ///< there is a strobe echo, and frames are tied to its edges
-  std::uint64_t edges{0};          ///< slots of the train with an edge
-  std::uint64_t edges_missed{0};   ///< slots without
-  std::uint64_t edges_doubled{0};  ///< second edges in a slot
-  std::uint64_t edges_late{0};     ///< off the train's grid
-  std::uint64_t edges_lost{0};     ///< by the kernel or the wire, known by their number
-  std::uint64_t frames_paired{0};
-  std::uint64_t frames_without_edge{0};
-  std::uint64_t frames_with_two_edges{0};
-  std::uint64_t edges_without_frame{0};
+struct TriggerHealth : profile::TriggerCounts {
+  bool watched{false};  ///< there is a strobe echo, and frames are tied to its edges
 };
 
 /// Counts since start(), except `finished`.

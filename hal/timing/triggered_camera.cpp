@@ -62,21 +62,22 @@ Result<Nanoseconds> TriggeredCamera::adjust_exposure(Nanoseconds exposure) {
 void TriggeredCamera::publish() {
   const EdgeGridHealth& grid = grid_.health();
   const PairingHealth& pairing = pairing_.health();
-  published_.rt_store({.watched = true,
-                       .edges = grid.slots,
-                       .edges_missed = grid.missed,
-                       .edges_doubled = grid.doubled,
-                       .edges_late = grid.late,
-                       .edges_lost = strobe_echo_->health().edges_lost,
-                       .frames_paired = pairing.paired,
-                       .frames_without_edge = pairing.frames_without_edge,
-                       .frames_with_two_edges = pairing.frames_with_two_edges,
-                       .edges_without_frame = pairing.edges_without_frame + pairing.edges_overrun});
+  const profile::TriggerCounts counts{
+      .edges = grid.slots,
+      .edges_missed = grid.missed,
+      .edges_doubled = grid.doubled,
+      .edges_late = grid.late,
+      .edges_lost = strobe_echo_->health().edges_lost,
+      .frames_paired = pairing.paired,
+      .frames_without_edge = pairing.frames_without_edge,
+      .frames_with_two_edges = pairing.frames_with_two_edges,
+      .edges_without_frame = pairing.edges_without_frame + pairing.edges_overrun};
+  published_.rt_store({counts, true});
 }
 
 CameraHealth TriggeredCamera::health() const noexcept {
   CameraHealth health = camera_->health();
-  health.trigger = published_.rt_load().value_or(TriggerHealth{.watched = true});
+  health.trigger = published_.rt_load().value_or(TriggerHealth{{}, true});
   return health;
 }
 

@@ -2,25 +2,27 @@
 #include "host/intake/account.hpp"
 
 namespace biteline::intake {
+namespace {
+
+template <class Counts, std::size_t N>
+void add_counts(const Counts& counts, const std::array<profile::CountRow<Counts>, N>& rows,
+                nlohmann::ordered_json& account) {
+  for (const profile::CountRow<Counts>& row : rows) account[row.report_name] = counts.*row.value;
+}
+
+}  // namespace
 
 nlohmann::ordered_json account_of(const IngestCounts& counts, const wire::Counters& sensor,
                                   const std::vector<wire::StageTime>& sensor_stages) {
-  nlohmann::ordered_json account{{"frames", sensor.frames},
-                                 {"frames_lost", sensor.frames_lost},
-                                 {"frames_damaged", sensor.frames_damaged},
-                                 {"poses", sensor.poses},
-                                 {"poses_lost", sensor.poses_lost},
-                                 {"poses_rejected", sensor.poses_rejected},
-                                 {"profiles_made", sensor.profiles},
-                                 {"profiles_dropped_in_sensor", sensor.profiles_dropped},
-                                 {"profiles", counts.profiles},
-                                 {"profiles_used", counts.profiles_used},
-                                 {"profiles_lost", counts.profiles_lost},
-                                 {"overruns", sensor.overruns},
-                                 {"points_received", counts.points},
-                                 {"points_used", counts.points_used},
-                                 {"points_not_surface", counts.points_not_surface},
-                                 {"points_of_unusable_profiles", counts.points_of_unusable_profiles}};
+  nlohmann::ordered_json account;
+  add_counts(sensor, profile::k_scan_counts, account);
+  account["profiles"] = counts.profiles;
+  account["profiles_used"] = counts.profiles_used;
+  account["profiles_lost"] = counts.profiles_lost;
+  account["points_received"] = counts.points;
+  account["points_used"] = counts.points_used;
+  account["points_not_surface"] = counts.points_not_surface;
+  account["points_of_unusable_profiles"] = counts.points_of_unusable_profiles;
   for (const auto& [name, count] : profile_flag_counts(counts)) account["profile_flags"][name] = count;
   for (const auto& [name, count] : point_flag_counts(counts)) account["point_flags"][name] = count;
   for (const wire::StageTime& stage : sensor_stages) {
@@ -34,14 +36,8 @@ nlohmann::ordered_json account_of(const IngestCounts& counts, const wire::Counte
 }
 
 nlohmann::ordered_json account_of(const wire::Devices& devices) {
-  nlohmann::ordered_json account{{"realtime", devices.realtime},
-                                 {"camera_underruns", devices.camera_underruns},
-                                 {"packets_resent", devices.packets_resent},
-                                 {"pose_reconnects", devices.pose_reconnects},
-                                 {"poses_unlatched", devices.poses_unlatched},
-                                 {"bus_errors", devices.bus_errors},
-                                 {"bus_restarts", devices.bus_restarts},
-                                 {"watchdog_feeds_failed", devices.watchdog_feeds_failed}};
+  nlohmann::ordered_json account{{"realtime", devices.realtime}};
+  add_counts<profile::DeviceCounts>(devices, profile::k_device_counts, account);
   if (devices.capture) {
     constexpr double k_us_per_ns = 1e-3;
     account["capture"] = {
@@ -67,16 +63,8 @@ nlohmann::ordered_json account_of(const wire::Devices& devices) {
         {"steps", clock.steps}};
   }
   if (const std::optional<wire::TriggerState>& trigger = devices.trigger) {
-    account["trigger"] = {{"timed_by", devices.trigger_by_software ? "software" : "hardware"},
-                          {"edges", trigger->edges},
-                          {"edges_missed", trigger->edges_missed},
-                          {"edges_doubled", trigger->edges_doubled},
-                          {"edges_late", trigger->edges_late},
-                          {"edges_lost", trigger->edges_lost},
-                          {"frames_paired", trigger->frames_paired},
-                          {"frames_without_edge", trigger->frames_without_edge},
-                          {"frames_with_two_edges", trigger->frames_with_two_edges},
-                          {"edges_without_frame", trigger->edges_without_frame}};
+    account["trigger"]["timed_by"] = devices.trigger_by_software ? "software" : "hardware";
+    add_counts(*trigger, profile::k_trigger_counts, account["trigger"]);
   }
   return account;
 }

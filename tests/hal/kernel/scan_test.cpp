@@ -198,7 +198,7 @@ TEST(KernelScan, ThousandFramesEveryOneAccountedFor) {
   CHECK(laser.status().reason == runtime::LaserOff::InterlockOpen);
 
   scanner->stop();
-  const sensor::ScanCounts counts = scanner->counts();
+  const profile::ScanCounts counts = scanner->counts();
   const hal::TriggerHealth edges = scanner->source().camera->health().trigger;
   std::printf(
       "scan: %llu profiles, %llu of other bits, %llu without a good pose, %llu frames lost, %llu dropped, "

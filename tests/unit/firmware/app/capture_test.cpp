@@ -126,7 +126,7 @@ TEST(CaptureControl, WithoutSurfaceTheExposureStaysWithinTheFramesPeriod) {
 TEST(CaptureControl, RowsCloseOnTheStripeFollowItAndOpenWhenItIsLost) {
   const auto sut = control({.follow_stripe = true});
   take_profiles(*sut, 3);
-  LONGS_EQUAL(camera.rows().height_px, sut->state().rows.height_px);
+  LONGS_EQUAL(camera.rows().height_px, sut->state().rows_px);
   CHECK(camera.rows().height_px <= 100);
   CHECK(sut->state().rate_max_hz > 150);
   for (int i = 0; i < 120; ++i) {
