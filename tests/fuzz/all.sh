@@ -13,7 +13,7 @@ cmake --preset fuzz -B "$build" "${launcher[@]}" >"$build/configure.log" 2>&1 ||
 cmake --build "$build" --target fuzz_all >"$build/build.log" 2>&1 || { tail -40 "$build/build.log" >&2; exit 1; }
 "$build/fuzz/fuzz_seeds" "$build/fuzz/seeds"
 targets=()
-for source in tests/fuzz/*.cpp; do
+for source in tests/fuzz/*.cpp; do  # those that are no target have no such program there
   target=$build/fuzz/fuzz_$(basename "$source" .cpp)
   if [ -x "$target" ]; then targets+=("$target"); fi
 done

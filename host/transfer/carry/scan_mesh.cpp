@@ -56,13 +56,16 @@ class BoxTest {
   Eigen::Array3f middle_, half_;
 };
 
+/// 256 MB: 30 000 profiles of 2048 columns.  In a spoiled file each point may be a profile of its own.
+constexpr std::size_t k_most_cells = 64'000'000;
+
 }  // namespace
 
 Result<ScanMesh> ScanMesh::create(const cloud::PointCloud& cloud, const Limits& limits) {
   if (!cloud.organised())
     return fail(Errc::InvalidArgument, "a mesh of a scan needs each point's profile and column");
   ScanMesh mesh;
-  mesh.lay_out(cloud, limits);
+  BITELINE_TRY(mesh.lay_out(cloud, limits));
   if (mesh.rows_ < 2) return fail(Errc::Refused, "a surface needs at least 2 profiles");
   mesh.measure(limits);
   mesh.bound();
@@ -74,10 +77,10 @@ Result<ScanMesh> ScanMesh::create(const cloud::PointCloud& cloud, const Limits& 
 /// beside it, which makes triangles without area there and one wide one over the gap.  What lies away from
 /// both its neighbours in the profile is left out: no triangle holds it, but a box that it stretched across
 /// the scene would meet every ray.
-void ScanMesh::lay_out(const cloud::PointCloud& cloud, const Limits& limits) {
+Result<void> ScanMesh::lay_out(const cloud::PointCloud& cloud, const Limits& limits) {
   points_ = cloud.points;
   const auto [first, last] = std::minmax_element(cloud.column.begin(), cloud.column.end());
-  if (cloud.size() == 0) return;
+  if (cloud.size() == 0) return {};
   const std::size_t first_column = *first;
   width_ = std::size_t{*last} - first_column + 1;
   step_squared_ = static_cast<float>(limits.max_step_mm * limits.max_step_mm);
@@ -87,6 +90,11 @@ void ScanMesh::lay_out(const cloud::PointCloud& cloud, const Limits& limits) {
   }
   rows_ = begins.size();
   begins.push_back(cloud.size());
+  if (rows_ > k_most_cells / width_) {
+    return fail(Errc::BadValue,
+                "a cloud of %zu profiles of %zu columns: no scan has so many (at most %zu cells)", rows_,
+                width_, k_most_cells);
+  }
   cells_.assign(rows_ * width_, k_empty);
   tbb::parallel_for(std::size_t{0}, rows_, [&](std::size_t row) {
     std::uint32_t* cells = cells_.data() + row * width_;
@@ -105,6 +113,7 @@ void ScanMesh::lay_out(const cloud::PointCloud& cloud, const Limits& limits) {
       filled = column + 1;
     }
   });
+  return {};
 }
 
 /// The usual distance of two profiles, from cells spread over the scan, and whether the last one meets the

@@ -47,7 +47,7 @@ class ScanMesh : public RaySurface {
   };
 
   ScanMesh() = default;
-  void lay_out(const cloud::PointCloud& cloud, const Limits& limits);
+  [[nodiscard]] Result<void> lay_out(const cloud::PointCloud& cloud, const Limits& limits);
   void measure(const Limits& limits);
   void bound();
   void turn_outward();

@@ -122,4 +122,17 @@ TEST(ScanMesh, CloudsWithoutOrderOrWithOneProfileAreRefused) {
   CHECK(ScanMesh::create(cloud).error().code == Errc::InvalidArgument);
 }
 
+// A file whose bytes are shifted: each point is a profile of its own, its column any.
+TEST(ScanMesh, ScanLargerThanAnyIsRefusedBeforeItTakesTheMemory) {
+  cloud::PointCloud cloud;
+  for (std::uint32_t i = 0; i < 2000; ++i) {
+    cloud.points.emplace_back(static_cast<float>(i), 0.0F, 0.0F);
+    cloud.profile.push_back(i);
+    cloud.column.push_back(static_cast<std::uint16_t>(i * 30));
+  }
+  const auto sut = ScanMesh::create(cloud);
+  CHECK(!sut.has_value());
+  STRCMP_CONTAINS("2000 profiles of 59971 columns", sut.error().where.c_str());
+}
+
 }  // namespace biteline::transfer
