@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/core/contracts.hpp"
+#include "host/geometry/closed_curve.hpp"
 #include "host/robot/path/targets.hpp"
 
 namespace biteline::path {
@@ -32,23 +33,13 @@ struct Sample {
 
 /// A closed sequence at even arc lengths.
 std::vector<Sample> resampled(const cloud::ClosedLine& line, std::size_t count) {
-  const std::size_t n = line.points.size();
-  std::vector<double> arc_mm(n + 1, 0.0);
-  for (std::size_t i = 0; i < n; ++i) {
-    arc_mm[i + 1] = arc_mm[i] + (line.points[(i + 1) % n].position - line.points[i].position).norm();
-  }
-  const double length_mm = arc_mm[n];
+  const std::vector<cloud::LinePoint>& points = line.points;
+  const geometry::ArcLength along{points.size(), [&](std::size_t i) { return points[i].position; }};
   std::vector<Sample> samples(count);
   for (std::size_t k = 0; k < count; ++k) {
-    const double s_mm = length_mm * static_cast<double>(k) / static_cast<double>(count);
-    const auto after = std::upper_bound(arc_mm.begin() + 1, arc_mm.end() - 1, s_mm);
-    const auto i = static_cast<std::size_t>(after - arc_mm.begin()) - 1;
-    const double step_mm = arc_mm[i + 1] - arc_mm[i];
-    const double t = step_mm > 0 ? (s_mm - arc_mm[i]) / step_mm : 0.0;
-    const cloud::LinePoint& a = line.points[i];
-    const cloud::LinePoint& b = line.points[(i + 1) % n];
-    samples[k] = {.position = (1 - t) * a.position + t * b.position,
-                  .normal = (1 - t) * a.normal + t * b.normal,
+    const geometry::OnCurve at = along.even(k, count);
+    samples[k] = {.position = at.between(points[at.before].position, points[at.after].position),
+                  .normal = at.between(points[at.before].normal, points[at.after].normal),
                   .tangent = Vec3::Zero()};
   }
   return samples;
@@ -57,22 +48,9 @@ std::vector<Sample> resampled(const cloud::ClosedLine& line, std::size_t count) 
 /// Gaussian mean of one member round the closed sequence.
 std::vector<Vec3> smoothed(const std::vector<Sample>& samples, Vec3 Sample::*member, double sigma_mm,
                            double spacing_mm) {
-  const auto n = static_cast<std::ptrdiff_t>(samples.size());
-  const auto reach =
-      std::min<std::ptrdiff_t>(n / 2, static_cast<std::ptrdiff_t>(std::ceil(3 * sigma_mm / spacing_mm)));
-  std::vector<Vec3> out(samples.size());
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
-    Vec3 sum = Vec3::Zero();
-    double weights = 0;
-    for (std::ptrdiff_t k = -reach; k <= reach; ++k) {
-      const double d = static_cast<double>(k) * spacing_mm / sigma_mm;
-      const double weight = std::exp(-0.5 * d * d);
-      sum += weight * (samples[static_cast<std::size_t>((i + k + n) % n)].*member);
-      weights += weight;
-    }
-    out[static_cast<std::size_t>(i)] = sum / weights;
-  }
-  return out;
+  std::vector<Vec3> values;
+  for (const Sample& sample : samples) values.push_back(sample.*member);
+  return geometry::smooth_closed<Vec3>(values, sigma_mm / spacing_mm, Vec3::Zero());
 }
 
 std::vector<Sample> with_directions(std::vector<Sample> samples, double spacing_mm, double sigma_mm) {

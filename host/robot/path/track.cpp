@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/geometry/robust.hpp"
 #include "host/robot/path/place.hpp"
 
 namespace biteline::path {
@@ -35,13 +36,6 @@ double to_line_mm(const PlannedPath& path, std::size_t segment, const Vec3& poin
 Vec3 work_in_tcp(const PlannedPath& path, const PathPlace& place, const SE3& T_base_tcp_planned) {
   const Vec3 a = path.waypoints[place.segment].line_base, b = path.waypoints[place.segment + 1].line_base;
   return T_base_tcp_planned.inverse() * Vec3((1 - place.fraction) * a + place.fraction * b);
-}
-
-/// The value that a share of 0.95 of them does not exceed.  Pre: not empty.
-double p95(std::vector<double>& values) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 }  // namespace
@@ -141,8 +135,8 @@ TrackDeviation deviation(const PlannedPath& path, std::span<const TrackSample> t
     out.mean_mm = sum_mm / n;
     out.rms_mm = std::sqrt(sum_mm2 / n);
     out.line_mean_mm = line_sum_mm / n;
-    out.p95_mm = p95(from_path_mm);
-    out.line_p95_mm = p95(from_line_mm);
+    out.p95_mm = geometry::quantile_of(std::span<double>{from_path_mm}, 0.95);
+    out.line_p95_mm = geometry::quantile_of(std::span<double>{from_line_mm}, 0.95);
   }
   out.covered = passed.share();
   out.completed = here_mm >= end_mm - k_passed_mm;

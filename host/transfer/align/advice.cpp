@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/core/fixed_text.hpp"
+#include "host/geometry/robust.hpp"
 
 namespace biteline::transfer {
 namespace {
@@ -45,13 +46,11 @@ std::string advice_for_upper(const Sample& sample, const Upper& upper, const SE3
   if (sample.rim.size() == 0) return advice_for_sample(sample);
   std::vector<double> missing = missing_mm(sample, upper, T_upper_sample_shoe);
   if (missing.empty()) return {};
-  const auto at = missing.begin() +
-                  static_cast<std::ptrdiff_t>(k_share_of_edge * static_cast<double>(missing.size() - 1));
-  std::nth_element(missing.begin(), at, missing.end());
+  const double most_mm = geometry::quantile_of(std::span<double>{missing}, k_share_of_edge);
   // The upper's highest surfels lie a pitch below its highest points.
-  if (*at > 2 * upper.surfels.pitch_mm || upper.rim.size() == 0) {
+  if (most_mm > 2 * upper.surfels.pitch_mm || upper.rim.size() == 0) {
     return FixedText<200>::format("raise the head by %.0f mm: the collar's edge is out of view",
-                                  std::ceil(std::max(0.0, *at) + k_above_edge_mm))
+                                  std::ceil(std::max(0.0, most_mm) + k_above_edge_mm))
         .c_str();
   }
   return "take a sample whose collar is cut like this upper's: the two edges differ, so that the wall alone "

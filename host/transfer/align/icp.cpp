@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "host/geometry/robust.hpp"
+
 namespace biteline::transfer {
 namespace {
 
@@ -193,9 +195,7 @@ double robust_sigma_mm(const std::vector<Pair>& pairs) {
   std::vector<double> magnitudes;
   magnitudes.reserve(pairs.size());
   for (const Pair& pair : pairs) magnitudes.push_back(std::abs(pair.residual_mm));
-  const auto middle = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2);
-  std::nth_element(magnitudes.begin(), middle, magnitudes.end());
-  return 1.4826 * *middle;
+  return geometry::k_sigma_per_mad * geometry::median_of(std::span<double>{magnitudes});
 }
 
 LineJacobian line_jacobian(const Grade& grade, const Vec3& point, const GradeTie& tie,

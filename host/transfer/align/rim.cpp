@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "host/geometry/robust.hpp"
 #include "host/transfer/align/voxel_map.hpp"
 
 namespace biteline::transfer {
@@ -147,9 +148,7 @@ Eigen::Vector3f main_direction(const std::vector<Eigen::Vector3f>& ways) {
 float median_along(const std::vector<Eigen::Vector3f>& ways, const Eigen::Vector3f& direction) {
   std::vector<float> heights;
   for (const Eigen::Vector3f& way : ways) heights.push_back(way.dot(direction));
-  const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
-  std::nth_element(heights.begin(), middle, heights.end());
-  return *middle;
+  return geometry::median_of(std::span<float>{heights});
 }
 
 }  // namespace

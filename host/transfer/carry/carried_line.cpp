@@ -11,6 +11,9 @@
 
 #include "common/core/contracts.hpp"
 #include "common/core/fixed_text.hpp"
+#include "host/geometry/bridge.hpp"
+#include "host/geometry/closed_curve.hpp"
+#include "host/geometry/robust.hpp"
 
 namespace biteline::transfer {
 namespace {
@@ -59,11 +62,8 @@ std::vector<Cast> cast_all(const RaySurface& surface, const std::vector<PlacedPo
 }
 
 double spacing_mm(const std::vector<PlacedPoint>& placed) {
-  double length_mm = 0;
-  for (std::size_t i = 0; i < placed.size(); ++i) {
-    length_mm += (placed[(i + 1) % placed.size()].position - placed[i].position).norm();
-  }
-  return length_mm / static_cast<double>(placed.size());
+  const geometry::ArcLength along{placed.size(), [&](std::size_t i) { return placed[i].position; }};
+  return along.total_mm() / static_cast<double>(placed.size());
 }
 
 /// A hit far from the median of those beside it is on something else: a lace, a thumb.  It becomes a gap.
@@ -79,46 +79,35 @@ void drop_spikes(std::vector<Cast>& casts, double step_mm) {
       const Cast& other = casts[static_cast<std::size_t>(((i + k) % size + size) % size)];
       if (other.distance_mm) around.push_back(*other.distance_mm);
     }
-    const auto middle = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
-    std::nth_element(around.begin(), middle, around.end());
-    if (std::abs(*casts[static_cast<std::size_t>(i)].distance_mm - *middle) > k_spike_mm)
+    const double usual_mm = geometry::median_of(std::span<double>{around});
+    if (std::abs(*casts[static_cast<std::size_t>(i)].distance_mm - usual_mm) > k_spike_mm)
       spikes.push_back(static_cast<std::size_t>(i));
   }
   for (const std::size_t i : spikes) casts[i].distance_mm.reset();
 }
 
-/// A way between two hits, round the line.
-struct Gap {
-  std::size_t from;   ///< the last hit before it
-  std::size_t count;  ///< of steps to the next hit
-  double way_mm;
-};
+std::vector<geometry::Gap> gaps_of(const std::vector<Cast>& casts) {
+  std::vector<std::uint8_t> hit;
+  for (const Cast& cast : casts) hit.push_back(cast.distance_mm ? 1 : 0);
+  return geometry::gaps_of(hit);
+}
 
-std::vector<Gap> gaps_of(const std::vector<Cast>& casts) {
-  std::vector<Gap> gaps;
-  const std::size_t size = casts.size();
-  const auto hit = [&](std::size_t i) { return casts[i % size].distance_mm.has_value(); };
-  for (std::size_t from = 0; from < size; ++from) {
-    if (!hit(from) || hit(from + 1)) continue;
-    Gap gap{.from = from, .count = 0, .way_mm = 0};
-    do {
-      gap.way_mm +=
-          (casts[(from + gap.count + 1) % size].origin - casts[(from + gap.count) % size].origin).norm();
-      ++gap.count;
-    } while (!hit(from + gap.count));
-    gaps.push_back(gap);
-  }
-  return gaps;
+/// Way from the last hit before it to the first behind it.
+double way_mm(const std::vector<Cast>& casts, const geometry::Gap& gap) {
+  double way_mm = 0;
+  for (std::size_t i = gap.first; i < gap.first + gap.steps; ++i)
+    way_mm += (casts[(i + 1) % casts.size()].origin - casts[i % casts.size()].origin).norm();
+  return way_mm;
 }
 
 /// What is interpolated over a gap: the distance to the wall beyond that of the sample's own wall, which runs
 /// beside it on both shoes, or the bare distance where the sample's wall was not seen either.
 class Bridge {
  public:
-  Bridge(const std::vector<Cast>& casts, const Gap& gap) : casts_{casts} {
-    for (std::size_t j = 0; j <= gap.count; ++j) guided_ = guided_ && at(gap.from + j).wall_mm.has_value();
-    before_mm_ = end_mm(gap.from, casts.size() - 1);
-    after_mm_ = end_mm(gap.from + gap.count, 1);
+  Bridge(const std::vector<Cast>& casts, const geometry::Gap& gap) : casts_{casts} {
+    for (std::size_t j = 0; j <= gap.steps; ++j) guided_ = guided_ && at(gap.first + j).wall_mm.has_value();
+    before_mm_ = end_mm(gap.first, casts.size() - 1);
+    after_mm_ = end_mm(gap.first + gap.steps, 1);
   }
 
   [[nodiscard]] bool guided() const { return guided_; }
@@ -150,51 +139,20 @@ class Bridge {
 /// Fills gaps between two hits.  Returns the longest in mm.
 double bridge_gaps(std::vector<Cast>& casts, const CarryOptions& options) {
   double longest_mm = 0;
-  for (const Gap& gap : gaps_of(casts)) {
-    longest_mm = std::max(longest_mm, gap.way_mm);
-    if (gap.way_mm > options.max_gap_mm) continue;
+  for (const geometry::Gap& gap : gaps_of(casts)) {
+    const double gap_mm = way_mm(casts, gap);
+    longest_mm = std::max(longest_mm, gap_mm);
+    if (gap_mm > options.max_gap_mm) continue;
     const Bridge bridge{casts, gap};
-    for (std::size_t j = 1; j < gap.count; ++j) {
-      Cast& cast = casts[(gap.from + j) % casts.size()];
-      cast.distance_mm = bridge.distance_mm(cast, static_cast<double>(j) / static_cast<double>(gap.count));
+    for (std::size_t j = 1; j < gap.steps; ++j) {
+      Cast& cast = casts[(gap.first + j) % casts.size()];
+      cast.distance_mm = bridge.distance_mm(cast, static_cast<double>(j) / static_cast<double>(gap.steps));
       cast.bridged = true;
-      cast.bridge_sigma_mm = gap.way_mm * (bridge.guided() ? k_bridge_sigma_per_mm : k_straight_sigma_per_mm);
+      cast.bridge_sigma_mm = gap_mm * (bridge.guided() ? k_bridge_sigma_per_mm : k_straight_sigma_per_mm);
     }
   }
   return longest_mm;
 }
-
-/// The closed way through `points`, asked by arc length.
-class ArcLength {
- public:
-  explicit ArcLength(const std::vector<Vec3>& points) : points_{points}, at_mm_(points.size() + 1, 0) {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      at_mm_[i + 1] = at_mm_[i] + (points[(i + 1) % points.size()] - points[i]).norm();
-    }
-  }
-
-  [[nodiscard]] double total_mm() const { return at_mm_.back(); }
-
-  struct Place {
-    std::size_t before;
-    double share;  ///< of the way to the next point
-  };
-  [[nodiscard]] Place place(double mm) const {
-    const auto after = std::upper_bound(at_mm_.begin(), at_mm_.end() - 1, mm);
-    const auto before = static_cast<std::size_t>(after - at_mm_.begin()) - 1;
-    const double step_mm = at_mm_[before + 1] - at_mm_[before];
-    return {.before = before,
-            .share = step_mm > 0 ? std::clamp((mm - at_mm_[before]) / step_mm, 0.0, 1.0) : 0};
-  }
-  [[nodiscard]] Vec3 point(const Place& place) const {
-    return (1 - place.share) * points_[place.before] +
-           place.share * points_[(place.before + 1) % points_.size()];
-  }
-
- private:
-  const std::vector<Vec3>& points_;
-  std::vector<double> at_mm_;
-};
 
 bool clockwise(const std::vector<Vec3>& points, const Vec3& up) {
   Vec3 area = Vec3::Zero();
@@ -326,9 +284,7 @@ double roughness_mm(const std::vector<Cast>& casts) {
     bends_mm.push_back(std::abs(*before.distance_mm - 2 * *here.distance_mm + *after.distance_mm));
   }
   if (bends_mm.empty()) return 0;
-  const auto middle = bends_mm.begin() + static_cast<std::ptrdiff_t>(bends_mm.size() / 2);
-  std::nth_element(bends_mm.begin(), middle, bends_mm.end());
-  return 1.4826 * *middle / std::sqrt(6.0);
+  return geometry::k_sigma_per_mad * geometry::median_of(std::span<double>{bends_mm}) / std::sqrt(6.0);
 }
 
 /// The hits as an evenly spaced closed line with normals and tangents.
@@ -336,7 +292,7 @@ void resample(const RaySurface& surface, const std::vector<Cast>& casts, double 
               const CarryOptions& options, CarriedLine& carried) {
   std::vector<Vec3> positions;
   for (const Cast& cast : casts) positions.push_back(cast.position());
-  const ArcLength way{positions};
+  const geometry::ArcLength way{positions.size(), [&](std::size_t i) { return positions[i]; }};
   const double rough_mm = roughness_mm(casts);
   const auto count =
       std::max<std::size_t>(3, static_cast<std::size_t>(std::lround(way.total_mm() / step_mm)));
@@ -344,12 +300,12 @@ void resample(const RaySurface& surface, const std::vector<Cast>& casts, double 
 
   std::vector<Vec3> origins, directions;
   for (std::size_t i = 0; i < count; ++i) {
-    const ArcLength::Place place = way.place(even_mm * static_cast<double>(i));
-    const Cast &before = casts[place.before], &after = casts[(place.before + 1) % casts.size()];
+    const geometry::OnCurve place = way.even(i, count);
+    const Cast &before = casts[place.before], &after = casts[place.after];
     const Cast& nearer = place.share < 0.5 ? before : after;
     const double sigma_mm = std::hypot(nearer.placed_sigma_mm, nearer.bridge_sigma_mm, rough_mm);
-    origins.push_back(way.point(place));
-    directions.push_back(((1 - place.share) * before.direction + place.share * after.direction).normalized());
+    origins.push_back(place.between(positions[place.before], positions[place.after]));
+    directions.push_back(place.between(before.direction, after.direction).normalized());
     carried.line.points.push_back(
         {.position = origins.back(),
          .normal = directions.back(),

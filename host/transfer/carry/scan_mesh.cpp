@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/geometry/robust.hpp"
+
 namespace biteline::transfer {
 namespace {
 
@@ -127,21 +129,16 @@ void ScanMesh::measure(const Limits& limits) {
     }
     return found;
   };
-  const auto median = [](std::vector<float>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-  };
   std::vector<float> all;
   for (std::size_t row = 0; row + 1 < rows_; ++row) {
     const std::vector<float> some = distances(row, row + 1, 16);
     all.insert(all.end(), some.begin(), some.end());
   }
-  const float usual_mm = all.empty() ? 0 : median(all);
+  const float usual_mm = all.empty() ? 0 : geometry::median_of(std::span<float>{all});
   const float gap_mm = static_cast<float>(limits.max_profile_gap_ratio) * usual_mm;
   gap_squared_ = gap_mm * gap_mm;
   std::vector<float> seam = distances(rows_ - 1, 0, 4);
-  closed_ = rows_ > 2 && !seam.empty() && median(seam) < gap_mm;
+  closed_ = rows_ > 2 && !seam.empty() && geometry::median_of(std::span<float>{seam}) < gap_mm;
 }
 
 bool ScanMesh::joined_in_profile(std::uint32_t a, std::uint32_t b) const {

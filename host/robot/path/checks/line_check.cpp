@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common/core/numbers.hpp"
+#include "host/geometry/robust.hpp"
 
 namespace biteline::path {
 namespace {
@@ -30,12 +31,6 @@ std::vector<double> steps_mm(const ClosedLine& line) {
     steps[i] = (line.points[(i + 1) % steps.size()].position - line.points[i].position).norm();
   }
   return steps;
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
 }
 
 /// Direction of the line at a point, from the places some millimetres to either side: the file's own is not
@@ -132,7 +127,7 @@ std::vector<Check> check_line(const ClosedLine& line) {
   std::vector<Check> checks;
   if (const std::optional<Check> failed = plausible_check(line)) return {*failed};
   const std::vector<double> steps = steps_mm(line);
-  const double middle_mm = median(steps);
+  const double middle_mm = geometry::median_of(steps);
   const auto add = [&](Check check) {
     if (check.passed) check.detail.clear();
     checks.push_back(std::move(check));
