@@ -3,6 +3,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <sstream>
@@ -54,6 +55,22 @@ struct YamlReader::Node {
   YAML::Node yaml;
   std::string prefix;  ///< path of keys down to here, for faults
   std::set<std::string> asked;
+  KeysAsked* keys{nullptr};
+
+  /// Where `key` is noted; nowhere when nobody notes.
+  KeyAsked* note(const std::string& key, KeyAsked::Kind kind, Range range = {}) const {
+    if (keys == nullptr) return nullptr;
+    const std::string path = prefix + key;
+    for (KeyAsked& known : *keys) {
+      if (known.path == path) return &known;
+    }
+    KeyAsked added;
+    added.path = path;
+    added.kind = kind;
+    added.range = range;
+    keys->push_back(std::move(added));
+    return &keys->back();
+  }
 
   /// The value under `key`, or nothing (a fault when `required`).
   std::optional<YAML::Node> find(const std::string& key, bool required) {
@@ -109,12 +126,17 @@ Result<YamlReader> YamlReader::parse(const std::string& text, const std::string&
   return YamlReader{std::move(node)};
 }
 
+void YamlReader::note_keys(KeysAsked& keys) {
+  node_->keys = &keys;
+}
+
 bool YamlReader::has(const std::string& key) const {
   const YAML::Node& mapping = node_->yaml;
   return mapping.IsMap() && mapping[key].IsDefined() && !mapping[key].IsNull();
 }
 
 double YamlReader::number(const std::string& key, Range range) {
+  KeyAsked* const noted = node_->note(key, KeyAsked::Kind::Number, range);
   const auto found = node_->find(key, true);
   double value = 0;
   if (!found) return 0;
@@ -122,12 +144,14 @@ double YamlReader::number(const std::string& key, Range range) {
     fault(Errc::BadValue, key, describe(range) + " expected");
     return 0;
   }
+  if (noted != nullptr) noted->numbers = {value};
   return value;
 }
 
 long YamlReader::integer(const std::string& key, Range range) {
   // Beyond 2^53 a double skips whole numbers, and far beyond it fits no integer.
   constexpr double k_exact = 9007199254740992;
+  node_->note(key, KeyAsked::Kind::Integer, range);
   const double value = number(
       key, {.minimum = std::max(range.minimum, -k_exact), .maximum = std::min(range.maximum, k_exact)});
   if (value != std::floor(value)) fault(Errc::BadValue, key, "a whole number expected");
@@ -144,17 +168,21 @@ bool YamlReader::boolean(const std::string& key) {
 }
 
 std::string YamlReader::text(const std::string& key) {
+  KeyAsked* const noted = node_->note(key, KeyAsked::Kind::Text);
   const auto found = node_->find(key, true);
   if (!found) return {};
   if (!found->IsScalar()) {
     fault(Errc::BadValue, key, "text expected");
     return {};
   }
+  if (noted != nullptr) noted->text = found->Scalar();
   return found->Scalar();
 }
 
 std::vector<double> YamlReader::numbers(const std::string& key, std::size_t count, Range range) {
   std::vector<double> values(count, 0.0);
+  KeyAsked* const noted = node_->note(key, KeyAsked::Kind::Numbers, range);
+  if (noted != nullptr) noted->count = count;
   const auto found = node_->find(key, true);
   if (!found) return values;
   bool good = found->IsSequence() && found->size() == count;
@@ -162,6 +190,8 @@ std::vector<double> YamlReader::numbers(const std::string& key, std::size_t coun
   if (!good) {
     fault(Errc::BadValue, key, std::to_string(count) + " times " + describe(range) + " expected");
     values.assign(count, 0.0);
+  } else if (noted != nullptr) {
+    noted->numbers = values;
   }
   return values;
 }
@@ -201,10 +231,18 @@ std::vector<std::string> YamlReader::texts(const std::string& key) {
 }
 
 double YamlReader::number_or(const std::string& key, double fallback, Range range) {
+  if (KeyAsked* const noted = node_->note(key, KeyAsked::Kind::Number, range)) {
+    noted->required = false;
+    noted->default_number = fallback;
+  }
   return node_->find(key, false) ? number(key, range) : fallback;
 }
 
 long YamlReader::integer_or(const std::string& key, long fallback, Range range) {
+  if (KeyAsked* const noted = node_->note(key, KeyAsked::Kind::Integer, range)) {
+    noted->required = false;
+    noted->default_number = static_cast<double>(fallback);
+  }
   return node_->find(key, false) ? integer(key, range) : fallback;
 }
 
@@ -213,13 +251,29 @@ bool YamlReader::boolean_or(const std::string& key, bool fallback) {
 }
 
 std::string YamlReader::text_or(const std::string& key, const std::string& fallback) {
+  if (KeyAsked* const noted = node_->note(key, KeyAsked::Kind::Text)) {
+    noted->required = false;
+    noted->default_text = fallback;
+  }
   return node_->find(key, false) ? text(key) : fallback;
+}
+
+std::string YamlReader::choice_or_first(const std::string& key, const std::vector<std::string>& choices) {
+  if (KeyAsked* const noted = node_->note(key, KeyAsked::Kind::Choice)) noted->choices = choices;
+  const std::string word = text_or(key, choices.front());
+  if (std::find(choices.begin(), choices.end(), word) != choices.end()) return word;
+  std::string expected;
+  for (std::size_t i = 0; i < choices.size(); ++i)
+    expected += (i == 0 ? "" : i + 1 == choices.size() ? " or " : ", ") + choices[i];
+  fault(Errc::BadValue, key, expected);
+  return choices.front();
 }
 
 YamlReader YamlReader::child(const std::string& key, bool required) {
   auto node = std::make_unique<Node>();
   node->faults = node_->faults;
   node->prefix = node_->prefix + key + ".";
+  node->keys = node_->keys;
   if (const auto found = node_->find(key, required)) {
     if (found->IsMap()) {
       node->yaml = *found;

@@ -15,6 +15,23 @@
 
 namespace biteline::config {
 
+/// A key that a reader asked for, with what it may be and what it was: the table of a file's keys, made by
+/// the code that reads the file.
+struct KeyAsked {
+  enum class Kind { Number, Integer, Numbers, Text, Choice };
+  std::string path;  ///< "motion.speed_mm_s"
+  Kind kind{Kind::Text};
+  bool required{true};
+  NumberRange range{};
+  std::size_t count{1};  ///< of numbers
+  std::optional<double> default_number{};
+  std::optional<std::string> default_text{};
+  std::vector<std::string> choices{};
+  std::vector<double> numbers{};      ///< as read; empty: not there, or bad
+  std::optional<std::string> text{};  ///< as read
+};
+using KeysAsked = std::vector<KeyAsked>;
+
 /// Reads one mapping.  Calls never fail one by one: faults are collected, and finish() tells the first of
 /// them and how many more there are.  A key that was never asked for is unknown.
 ///
@@ -28,6 +45,10 @@ class YamlReader {
   [[nodiscard]] static Result<YamlReader> open(const std::filesystem::path& path);
   /// `name` stands for the file in faults.
   [[nodiscard]] static Result<YamlReader> parse(const std::string& text, const std::string& name);
+
+  /// From now on every key that is asked for (mappings, booleans, matrices and lists of texts apart) is noted
+  /// in `keys`, which outlives this reader and its children.
+  void note_keys(KeysAsked& keys);
 
   YamlReader(YamlReader&&) noexcept;
   YamlReader& operator=(YamlReader&&) noexcept;
@@ -50,6 +71,9 @@ class YamlReader {
   long integer_or(const std::string& key, long fallback, Range range);
   bool boolean_or(const std::string& key, bool fallback);
   std::string text_or(const std::string& key, const std::string& fallback);
+
+  /// One of some words; the first is meant when there is none.
+  std::string choice_or_first(const std::string& key, const std::vector<std::string>& choices);
 
   /// The nested mapping under `key`; an absent one reads as empty and is a fault when `required`.  Its faults
   /// join this reader's; unknown keys in it are found when the child is destroyed, so destroy it before

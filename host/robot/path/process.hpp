@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "common/config/yaml_reader.hpp"
 #include "common/core/result.hpp"
 #include "common/geometry/se3.hpp"
 
@@ -85,7 +86,8 @@ struct GateLimits {
   int lost_in_a_row{2};    ///< frames, profiles or edges: 2 at 1 mm a frame are less than a tool's width
   double start_rad{
       0.00349};          ///< of each joint since the way was checked: 0.2 degrees are 3.5 mm a metre away
-  bool approval{false};  ///< a person must have said yes to this scan
+  bool approval{false};  ///< somebody must have said yes to this scan: a person, or `automatic_above`
+  std::optional<double> automatic_above{};  ///< a line at least as sure as this is approved by itself
   std::optional<double> tolerance_mm{};  ///< of the line's uncertainty (U95), where the process asks for one
 };
 
@@ -120,5 +122,15 @@ struct Process {
 
 /// Strict: every fault names file, key and line.  Angles in the file are degrees.
 [[nodiscard]] Result<Process> read_process(const std::filesystem::path& file);
+
+/// A process with the keys that it was read from.
+struct ProcessText {
+  Process process;
+  config::KeysAsked keys;
+};
+/// The same of a text (YAML, and so JSON); `name` stands for the file in faults.
+[[nodiscard]] Result<ProcessText> parse_process(const std::string& text, const std::string& name);
+/// Every key that a process may have, in the reader's order, with ranges and defaults.
+[[nodiscard]] config::KeysAsked process_keys();
 
 }  // namespace biteline::path
