@@ -80,9 +80,13 @@ void add_result_rows(const GateInputs& inputs, std::vector<GateRow>& rows) {
   // Who confirms a scan by name has looked at it.
   std::optional<bool> approved = result.approved;
   if (!approved && inputs.scan.confirmed) approved = true;
-  rows.push_back({Refused::NotApproved, "a person's approval",
-                  approved ? (*approved ? "given" : "refused") : "not known",
-                  inputs.limits.approval ? "asked for by the process" : "not asked for",
+  const std::string words = result.approved_by ? text(", %.120s", result.approved_by->c_str()) : "";
+  rows.push_back({Refused::NotApproved, "approval",
+                  approved ? (*approved ? "given" : "refused") + words : "not known",
+                  !inputs.limits.approval ? "not asked for"
+                  : inputs.limits.automatic_above
+                      ? text("a person's, or confidence from %.3f", *inputs.limits.automatic_above)
+                      : "a person's, asked for by the process",
                   approved                 ? when(*approved)
                   : inputs.limits.approval ? State::Failed
                                            : State::NotKnown});
@@ -170,6 +174,21 @@ std::string failures(const std::vector<GateRow>& rows) {
     all += (all.empty() ? "" : "; ") + row.name + ": " + row.value + " (" + row.limit + ")";
   }
   return all;
+}
+
+std::string why_not_ready(const ArmFacts& arm) {
+  if (arm.told_model && arm.told_version && !is_arm(arm, *arm.told_model)) {
+    return text("the controller is a %.40s's (%.40s), not a %.20s's: check --robot and the addresses",
+                arm.told_model->c_str(), arm.told_version->c_str(), arm.arm.c_str());
+  }
+  if (arm.serial && arm.told_serial && arm.serial != arm.told_serial) {
+    return text("the arm has the serial number %.40s, not %.40s: check --serial and the addresses",
+                arm.told_serial->c_str(), arm.serial->c_str());
+  }
+  const bool cb3 = arm.told_version && is_cb3(*arm.told_version);
+  if (!cb3 && arm.told_remote == false)
+    return "remote control is off: switch it on at the teach pendant (Settings, System, Remote Control)";
+  return {};
 }
 
 bool PermittedPath::holds_for(const kinematics::Joints& q_rad) const {

@@ -41,11 +41,12 @@ struct ScanFacts {
 struct ResultFacts {
   bool line_passed{false};
   bool path_passed{false};
-  double way_clearance_mm{0};              ///< of the way to the path's beginning
-  std::optional<double> u95_mm{};          ///< of the line; not known yet
-  std::optional<bool> approved{};          ///< a person's verdict on this result; not known yet
-  double tool_off_mm{0}, tool_off_rad{0};  ///< the path's tool from the process's
-  std::optional<bool> same_payload{};      ///< of path and process; nothing: the process tells none
+  double way_clearance_mm{0};                ///< of the way to the path's beginning
+  std::optional<double> u95_mm{};            ///< of the line; not known yet
+  std::optional<bool> approved{};            ///< the verdict on this result; nothing: nobody has said a word
+  std::optional<std::string> approved_by{};  ///< whose verdict, when; or "automatic" with its figures
+  double tool_off_mm{0}, tool_off_rad{0};    ///< the path's tool from the process's
+  std::optional<bool> same_payload{};        ///< of path and process; nothing: the process tells none
 };
 
 /// As the controller and this host say.  What an old controller cannot say is not known.
@@ -102,6 +103,10 @@ struct GateOutcome {
   std::vector<GateRow> rows;
   std::optional<PermittedPath> path;  ///< present when no row failed
 };
+
+/// What of the arm is known to be wrong before anything is scanned: model, serial number, remote control. One
+/// sentence with what to do; empty: nothing is known to be wrong.
+[[nodiscard]] std::string why_not_ready(const ArmFacts& arm);
 
 /// `path`: entered by the checked way from where the arm stands.
 [[nodiscard]] GateOutcome open_gate(const GateInputs& inputs, const path::CheckedPath& path);

@@ -37,6 +37,7 @@ void visit(const Visit& v, ResultFacts& result) {
   v("way_clearance_mm", result.way_clearance_mm);
   v("u95_mm", result.u95_mm);
   v("approved", result.approved);
+  v("approved_by", result.approved_by);
   v("tool_off_mm", result.tool_off_mm);
   v("tool_off_rad", result.tool_off_rad);
   v("same_payload", result.same_payload);
@@ -61,6 +62,7 @@ void visit(const Visit& v, path::GateLimits& limits) {
   v("lost_in_a_row", limits.lost_in_a_row);
   v("start_rad", limits.start_rad);
   v("approval", limits.approval);
+  v("automatic_above", limits.automatic_above);
   v("tolerance_mm", limits.tolerance_mm);
 }
 
