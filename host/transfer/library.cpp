@@ -6,12 +6,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "common/core/text.hpp"
 #include "common/system/file.hpp"
 #include "common/wire/checksum.hpp"
 #include "host/cloud/ply.hpp"
@@ -25,6 +27,9 @@ namespace fs = std::filesystem;
 
 constexpr const char* k_manifest_file = "model.json";
 constexpr int k_format = 1;
+constexpr const char* k_picture_file = "picture.png";
+constexpr const char* k_picture_source = "stages/6_sequence.png";
+constexpr const char* k_undo_folder = ".undo";
 
 bool good_name(const std::string& name) {
   constexpr std::size_t k_longest = 64;
@@ -43,7 +48,7 @@ Result<void> check_name(const std::string& name) {
 
 /// A manifest names what save() put there and nothing else: no other folder's file, no device.
 bool is_model_file(const std::string& name) {
-  return name == k_cloud_file || name == k_line_file || name == k_process_file;
+  return name == k_cloud_file || name == k_line_file || name == k_process_file || name == k_picture_file;
 }
 
 std::string checksum_of(const std::string& bytes) {
@@ -61,14 +66,27 @@ struct Manifest {
   };
   std::size_t points{0};
   double line_length_mm{0};
+  ModelMade made;
   std::vector<File> files;
 };
+
+/// The optional texts of a manifest.
+template <class Made>
+auto texts_of(Made& made) {
+  return std::array{std::pair{"time", &made.time},       std::pair{"scan", &made.scan},
+                    std::pair{"process", &made.process}, std::pair{"size", &made.size},
+                    std::pair{"foot", &made.foot},       std::pair{"program", &made.program}};
+}
 
 std::string manifest_text(const std::string& name, const Manifest& manifest) {
   nlohmann::ordered_json json{{"format", k_format},
                               {"name", name},
                               {"points", manifest.points},
-                              {"line_length_mm", manifest.line_length_mm}};
+                              {"line_length_mm", manifest.line_length_mm},
+                              {"version", manifest.made.version}};
+  for (const auto& [key, text] : texts_of(manifest.made)) {
+    if (!text->empty()) json[key] = *text;
+  }
   for (const Manifest::File& file : manifest.files) {
     json["files"].push_back({{"name", file.name}, {"bytes", file.bytes}, {"crc32c", file.checksum}});
   }
@@ -86,7 +104,11 @@ Result<Manifest> read_manifest(const std::string& name, const fs::path& folder) 
     }
     Manifest manifest{.points = json.at("points").get<std::size_t>(),
                       .line_length_mm = json.at("line_length_mm").get<double>(),
+                      .made = {},
                       .files = {}};
+    manifest.made.version = json.value("version", 1);
+    // Shown to people: bounded, and without what a terminal or page would act on.
+    for (const auto& [key, text] : texts_of(manifest.made)) *text = clean_text(json.value(key, ""), 100);
     for (const nlohmann::json& file : json.at("files")) {
       manifest.files.push_back({.name = file.at("name").get<std::string>(),
                                 .checksum = file.at("crc32c").get<std::string>(),
@@ -171,6 +193,26 @@ class Beside {
   fs::path path_;
 };
 
+ModelInfo info_of(const std::string& name, const fs::path& folder, const Manifest& manifest) {
+  ModelInfo info{.name = name};
+  info.points = manifest.points;
+  info.line_length_mm = manifest.line_length_mm;
+  info.made = manifest.made;
+  std::error_code error;
+  info.has_process = fs::exists(folder / k_process_file, error);
+  return info;
+}
+
+/// Moves `folder` to where undo() finds it; what was kept there before goes.
+Result<void> keep_for_undo(const fs::path& library, const std::string& name, const fs::path& folder) {
+  BITELINE_TRY(report::prepare_folder(library / k_undo_folder));
+  BITELINE_ASSIGN(const Beside older, Beside::create(library));
+  const fs::path kept = library / k_undo_folder / name;
+  std::error_code error;
+  if (fs::is_directory(kept, error)) BITELINE_TRY(put_in_place(kept, older.path() / name));
+  return put_in_place(folder, kept);
+}
+
 }  // namespace
 
 fs::path Library::default_folder() {
@@ -181,20 +223,32 @@ fs::path Library::default_folder() {
 }
 
 Result<ModelInfo> Library::save(const std::string& name, const fs::path& sample_folder,
-                                const fs::path& process_file) const {
+                                const SaveOptions& options) const {
   BITELINE_TRY(check_name(name));
+  const bool replaces = has(name);
+  if (replaces && !options.replace) {
+    return fail(Errc::InvalidArgument, "model %s exists in %.120s; say --replace, or choose another name",
+                name.c_str(), folder_.c_str());
+  }
   BITELINE_ASSIGN(const SampleFiles sample, read_sample(sample_folder));
   BITELINE_TRY(report::prepare_folder(folder_));
   BITELINE_ASSIGN(const Beside beside, Beside::create(folder_));
 
   std::vector<std::pair<const char*, fs::path>> sources{{k_cloud_file, sample_folder / k_cloud_file},
                                                         {k_line_file, sample_folder / k_line_file}};
-  const fs::path process = process_file.empty() ? sample_folder / k_process_file : process_file;
-  const bool has_process = !process_file.empty() || fs::exists(process);
-  if (has_process) sources.emplace_back(k_process_file, process);
+  const fs::path process =
+      options.process_file.empty() ? sample_folder / k_process_file : options.process_file;
+  if (!options.process_file.empty() || fs::exists(process)) sources.emplace_back(k_process_file, process);
+  if (fs::exists(sample_folder / k_picture_source))
+    sources.emplace_back(k_picture_file, sample_folder / k_picture_source);
 
-  Manifest manifest{
-      .points = sample.cloud.size(), .line_length_mm = cloud::length_mm(sample.line), .files = {}};
+  Manifest manifest{.points = sample.cloud.size(),
+                    .line_length_mm = cloud::length_mm(sample.line),
+                    .made = options.made,
+                    .files = {}};
+  // A damaged one tells no version; it is replaced all the same.
+  if (const Result<Manifest> before = read_manifest(name, path_of(name)); replaces && before)
+    manifest.made.version = before->made.version + 1;
   for (const auto& [file, source] : sources) {
     BITELINE_ASSIGN(const std::string bytes, read_regular_file(source, k_most_cloud_bytes));
     BITELINE_TRY(report::write_file_atomically(beside.path() / file, bytes));
@@ -203,11 +257,36 @@ Result<ModelInfo> Library::save(const std::string& name, const fs::path& sample_
   BITELINE_TRY(report::write_file_atomically(beside.path() / k_manifest_file, manifest_text(name, manifest)));
   BITELINE_TRY(sync_folder(beside.path()));
   BITELINE_TRY(put_in_place(beside.path(), path_of(name)));
+  if (replaces) BITELINE_TRY(keep_for_undo(folder_, name, beside.path()));
   BITELINE_TRY(sync_folder(folder_));
-  return ModelInfo{.name = name,
-                   .points = manifest.points,
-                   .line_length_mm = manifest.line_length_mm,
-                   .has_process = has_process};
+  return info_of(name, path_of(name), manifest);
+}
+
+bool Library::has(const std::string& name) const {
+  std::error_code error;
+  return good_name(name) && fs::is_directory(path_of(name), error);
+}
+
+Result<ModelInfo> Library::info(const std::string& name) const {
+  BITELINE_TRY(check_name(name));
+  if (!has(name)) return fail(Errc::FileNotFound, "no model %s in %s", name.c_str(), folder_.c_str());
+  const Result<Manifest> manifest = check(name, path_of(name));
+  if (manifest) return info_of(name, path_of(name), *manifest);
+  ModelInfo damaged{.name = name};
+  damaged.damage = manifest.error();
+  return damaged;
+}
+
+Result<ModelInfo> Library::undo(const std::string& name) const {
+  BITELINE_TRY(check_name(name));
+  const fs::path kept = folder_ / k_undo_folder / name;
+  std::error_code error;
+  if (!fs::is_directory(kept, error))
+    return fail(Errc::FileNotFound, "nothing to undo for model %s in %.120s", name.c_str(), folder_.c_str());
+  BITELINE_TRY(check(name, kept));
+  BITELINE_TRY(put_in_place(kept, path_of(name)));
+  BITELINE_TRY(sync_folder(folder_));
+  return info(name);
 }
 
 Result<std::vector<ModelInfo>> Library::list() const {
@@ -218,15 +297,8 @@ Result<std::vector<ModelInfo>> Library::list() const {
        at.increment(error)) {
     const std::string name = at->path().filename().string();
     if (!at->is_directory() || !good_name(name)) continue;
-    ModelInfo info{.name = name};
-    if (const Result<Manifest> manifest = check(name, at->path())) {
-      info.points = manifest->points;
-      info.line_length_mm = manifest->line_length_mm;
-      info.has_process = fs::exists(at->path() / k_process_file);
-    } else {
-      info.damage = manifest.error();
-    }
-    models.push_back(std::move(info));
+    BITELINE_ASSIGN(ModelInfo model, info(name));
+    models.push_back(std::move(model));
   }
   if (error) return fail_errno(Errc::FileUnreadable, error.value(), "%s", folder_.c_str());
   std::sort(models.begin(), models.end(),
@@ -248,9 +320,8 @@ Result<void> Library::remove(const std::string& name) const {
   if (!fs::is_directory(path_of(name))) {
     return fail(Errc::FileNotFound, "no model %s in %s", name.c_str(), folder_.c_str());
   }
-  // Out of sight in one step, then taken apart.
-  BITELINE_ASSIGN(const Beside beside, Beside::create(folder_));
-  return put_in_place(path_of(name), beside.path() / name);
+  // Out of sight in one step; undo() brings it back.
+  return keep_for_undo(folder_, name, path_of(name));
 }
 
 Result<SampleFiles> find_sample(const std::string& sample, const Library& library) {

@@ -12,11 +12,25 @@
 
 namespace biteline::transfer {
 
+/// When, of what and by what a model was made; texts are empty where nobody said.
+struct ModelMade {
+  std::string time;  ///< UTC, ISO 8601
+  std::string scan, process, size, foot, program;
+  int version{1};  ///< goes up when a model is replaced
+};
+
+struct SaveOptions {
+  std::filesystem::path process_file{};  ///< else the sample folder's own process.yaml
+  bool replace{false};
+  ModelMade made{};
+};
+
 struct ModelInfo {
   std::string name;
   std::size_t points{0};
   double line_length_mm{0};
   bool has_process{false};
+  ModelMade made{};
   std::optional<Error> damage{};  ///< why it cannot be used
 };
 
@@ -34,11 +48,15 @@ class Library {
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
   [[nodiscard]] std::filesystem::path path_of(const std::string& name) const { return folder_ / name; }
 
-  /// Copies cloud, line and, where it exists, the process (`process_file`, else the folder's own).  The
-  /// sample must be readable; one of the same name is replaced.  Names: letters, digits, '.', '_', '-', 64 at
-  /// most, no '.' in front.
+  /// Copies cloud, line and, where they exist, process and picture (stages/6_sequence.png).  The sample must
+  /// be readable.  One of the same name is replaced only when told: Errc::InvalidArgument; it is kept for
+  /// undo(). Names: letters, digits, '.', '_', '-', 64 at most, no '.' in front.
   [[nodiscard]] Result<ModelInfo> save(const std::string& name, const std::filesystem::path& sample_folder,
-                                       const std::filesystem::path& process_file = {}) const;
+                                       const SaveOptions& options = {}) const;
+  [[nodiscard]] bool has(const std::string& name) const;
+  [[nodiscard]] Result<ModelInfo> info(const std::string& name) const;
+  /// What was replaced or removed last under this name comes back; what stood there takes its place.
+  [[nodiscard]] Result<ModelInfo> undo(const std::string& name) const;
 
   /// By name; a damaged one is listed with its damage.  A library that does not exist yet is empty.
   [[nodiscard]] Result<std::vector<ModelInfo>> list() const;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // biteline model: the library of models that transfer takes its samples from.
+#include <ctime>
 #include <nlohmann/json.hpp>
 
 #include "common/core/fixed_text.hpp"
@@ -12,6 +13,8 @@ namespace {
 
 struct Options {
   std::string name;
+  bool replace{false};
+  transfer::ModelMade made;
   std::filesystem::path sample, process, library{transfer::Library::default_folder()};
 };
 
@@ -23,8 +26,22 @@ nlohmann::ordered_json json_of(const transfer::ModelInfo& model) {
     json["points"] = model.points;
     json["line_length_mm"] = model.line_length_mm;
     json["process"] = model.has_process;
+    json["version"] = model.made.version;
+    for (const auto& [key, text] :
+         {std::pair{"time", &model.made.time}, std::pair{"size", &model.made.size},
+          std::pair{"foot", &model.made.foot}, std::pair{"scan", &model.made.scan}}) {
+      if (!text->empty()) json[key] = *text;
+    }
   }
   return json;
+}
+
+std::string utc_now() {
+  const std::time_t seconds = std::time(nullptr);
+  std::tm parts{};
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&seconds, &parts));
+  return text;
 }
 
 std::string words_of(const transfer::ModelInfo& model) {
@@ -37,8 +54,20 @@ std::string words_of(const transfer::ModelInfo& model) {
 }
 
 Result<ExitStatus> save(const Options& options, const GlobalOptions& global) {
+  transfer::ModelMade made = options.made;
+  made.time = utc_now();
+  made.scan = options.sample.filename().string();
   BITELINE_ASSIGN(const transfer::ModelInfo model,
-                  transfer::Library{options.library}.save(options.name, options.sample, options.process));
+                  transfer::Library{options.library}.save(
+                      options.name, options.sample,
+                      {.process_file = options.process, .replace = options.replace, .made = made}));
+  report::Report report;
+  report.fields = json_of(model);
+  return tell(report, global, words_of(model));
+}
+
+Result<ExitStatus> undo(const Options& options, const GlobalOptions& global) {
+  BITELINE_ASSIGN(const transfer::ModelInfo model, transfer::Library{options.library}.undo(options.name));
   report::Report report;
   report.fields = json_of(model);
   return tell(report, global, words_of(model));
@@ -73,16 +102,26 @@ void add_model(CLI::App& app, Context& context) {
   command->add_option("--library", options->library, "Folder of the saved models")->capture_default_str();
 
   CLI::App* save_command = command->add_subcommand(
-      "save", "Save a finished sample under a name; an older one of that name is replaced");
+      "save", "Save a finished sample under a name; one of that name is replaced with --replace alone");
   save_command->add_option("name", options->name, "The model's name")->required();
   save_command->add_option("sample", options->sample, "Folder with cloud.ply and line.csv")->required();
   save_command->add_option("--process", options->process, "YAML of the process, kept with the model");
+  save_command->add_flag("--replace", options->replace, "Put it in the place of the model of this name");
+  save_command->add_option("--size", options->made.size, "As printed in the shoe, e.g. 'EU 42'");
+  save_command->add_option("--foot", options->made.foot, "left or right")
+      ->check(CLI::IsMember({"left", "right"}));
   save_command->callback(
       [options, &context] { context.run = [options, &context] { return save(*options, context.options); }; });
 
   CLI::App* list_command = command->add_subcommand("list", "What is saved, and whether it is sound");
   list_command->callback(
       [options, &context] { context.run = [options, &context] { return list(*options, context.options); }; });
+
+  CLI::App* undo_command =
+      command->add_subcommand("undo", "Bring back what was replaced or removed last under a name");
+  undo_command->add_option("name", options->name, "The model's name")->required();
+  undo_command->callback(
+      [options, &context] { context.run = [options, &context] { return undo(*options, context.options); }; });
 
   CLI::App* remove_command = command->add_subcommand("remove", "Forget a model");
   remove_command->add_option("name", options->name, "The model's name")->required();

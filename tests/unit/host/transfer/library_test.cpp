@@ -3,6 +3,8 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <algorithm>
+
 #include <fstream>
 
 #include "host/cloud/ply.hpp"
@@ -69,16 +71,48 @@ TEST(Library, ManifestThatNamesAnotherFileIsDamagedAndThatFileStaysUnread) {
 
 TEST(Library, SavingAgainReplacesAndLeavesNothingBeside) {
   SUCCEEDS(sut.save("a", sample(7)));
-  SUCCEEDS(sut.save("a", sample(9)));
+  FAILS_NAMING(Errc::InvalidArgument, "--replace", sut.save("a", sample(9)));
+  SUCCEEDS(sut.save("a", sample(9), {.replace = true}));
   LONGS_EQUAL(9, sut.load("a")->cloud.size());
-  std::size_t entries = 0;
-  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(sut.folder())) ++entries;
-  LONGS_EQUAL(1, entries);
+  std::vector<std::string> entries;
+  for (const auto& entry : std::filesystem::directory_iterator(sut.folder()))
+    entries.push_back(entry.path().filename().string());
+  std::sort(entries.begin(), entries.end());
+  CHECK((entries == std::vector<std::string>{".undo", "a"}));
+  LONGS_EQUAL(1, sut.list()->size());
+}
+
+TEST(Library, UndoBringsBackWhatWasReplacedOrRemoved) {
+  SUCCEEDS(sut.save("a", sample(7)));
+  LONGS_EQUAL(2, sut.save("a", sample(9), {.replace = true})->made.version);
+  SUCCEEDS(sut.undo("a"));
+  LONGS_EQUAL(7, sut.load("a")->cloud.size());
+  SUCCEEDS(sut.undo("a"));  // undo of the undo
+  LONGS_EQUAL(9, sut.load("a")->cloud.size());
+  SUCCEEDS(sut.remove("a"));
+  SUCCEEDS(sut.undo("a"));
+  LONGS_EQUAL(9, sut.load("a")->cloud.size());
+  FAILS_NAMING(Errc::FileNotFound, "nothing to undo", sut.undo("b"));
+}
+
+TEST(Library, SizeFootAndTimeGoWithTheModel) {
+  ModelMade made;
+  made.time = "2026-11-20T21:04:05.123Z";
+  made.size = "EU 42";
+  made.foot = "left";
+  made.scan = "scan-0007";
+  SUCCEEDS(sut.save("a", sample(7), {.made = made}));
+  const auto info = sut.info("a");
+  SUCCEEDS(info);
+  STRCMP_EQUAL("EU 42", info->made.size.c_str());
+  STRCMP_EQUAL("left", info->made.foot.c_str());
+  STRCMP_EQUAL("scan-0007", info->made.scan.c_str());
+  LONGS_EQUAL(1, info->made.version);
 }
 
 TEST(Library, TheProcessGoesWithTheModel) {
   const std::filesystem::path process = folder.write("cement.yaml", "tool: spray\n");
-  SUCCEEDS(sut.save("a", sample(7), process));
+  SUCCEEDS(sut.save("a", sample(7), {.process_file = process}));
   CHECK(sut.list()->front().has_process);
   CHECK(std::filesystem::exists(sut.path_of("a") / k_process_file));
 }
@@ -100,7 +134,7 @@ TEST(Library, ADamagedModelIsRefusedByName) {
                          Row{"model.json", "{", Errc::BadFormat, "model.json"},
                          Row{"model.json", "{\"format\":1,\"points\":1,\"line_length_mm\":1,\"files\":[]}",
                              Errc::BadFormat, "does not name cloud.ply"}}) {
-    SUCCEEDS(sut.save("bad", source));
+    SUCCEEDS(sut.save("bad", source, {.replace = true}));
     overwrite("bad", row.file, row.bytes);
     FAILS_NAMING(row.code, "model bad is damaged", sut.load("bad"));
     FAILS_NAMING(row.code, row.words, sut.load("bad"));
@@ -108,7 +142,7 @@ TEST(Library, ADamagedModelIsRefusedByName) {
     CHECK(sut.list()->front().damage.has_value());  // "bad" comes before "good"
     CHECK_FALSE(sut.list()->back().damage.has_value());
   }
-  SUCCEEDS(sut.save("bad", source));
+  SUCCEEDS(sut.save("bad", source, {.replace = true}));
   std::filesystem::remove(sut.path_of("bad") / k_line_file);
   FAILS_NAMING(Errc::FileNotFound, "model bad is damaged: line.csv is missing", sut.load("bad"));
 }
