@@ -25,8 +25,8 @@ constexpr Nanoseconds k_turn = milliseconds{100};
 constexpr auto k_between_hellos = std::chrono::seconds{1};
 constexpr auto k_silence = std::chrono::seconds{5};
 constexpr std::size_t k_most_waiting = 256;
-/// A table of scans; the service's own bound on a page of them keeps it far below.
-constexpr std::int64_t k_most_answer_bytes = 16 * 1024 * 1024;
+/// The history of 200 000 shoes as one table.
+constexpr std::int64_t k_most_answer_bytes = 64 * 1024 * 1024;
 
 std::span<const std::uint8_t> bytes_of(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};

@@ -291,6 +291,11 @@ void Server::publish(const std::string& name, Json data) {
   state_->wake.ring();
 }
 
+std::uint64_t Server::last_seq() const {
+  const std::lock_guard lock{state_->mutex};
+  return state_->next_seq - 1;
+}
+
 ServerCounters Server::counters() const {
   const std::lock_guard lock{state_->mutex};
   return state_->counters;

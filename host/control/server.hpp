@@ -50,6 +50,9 @@ class Server {
   /// To every door that has said hello within the last 5 s; returns at once.
   void publish(const std::string& name, Json data);
 
+  /// Of the last event.
+  [[nodiscard]] std::uint64_t last_seq() const;
+
   [[nodiscard]] ServerCounters counters() const;
   [[nodiscard]] int doors() const;
 

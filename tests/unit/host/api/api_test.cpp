@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: MIT
+// Who may ask what, and what comes back; the cell behind it is a fake.
+#include "host/api/api.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <algorithm>
+
+#include "host/api/words.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace biteline::api {
+namespace {
+
+constexpr const char* k_password = "a long password";
+
+struct FakeCell final : Cell {
+  std::vector<std::string> did;
+  Result<void> next{};
+
+  Json state() override { return {{"phase", "waiting"}}; }
+  Json robots() override { return Json::array(); }
+  Json sensors() override { return Json::array(); }
+  void stop(const std::string& who) override { did.push_back("stop " + who); }
+  void laser_off(const std::string& who) override { did.push_back("laser off " + who); }
+  Result<void> start(const Job& job, const std::string& who) override {
+    did.push_back("start " + who + " " + job.process);
+    return next;
+  }
+  Result<void> rescan(const std::string& who, const std::string&) override {
+    did.push_back("rescan " + who);
+    return next;
+  }
+  Result<void> decide(const Decision& decision) override {
+    did.push_back("decide " + decision.scan + " " + decision.who + " " + decision.why);
+    return next;
+  }
+};
+
+}  // namespace
+
+TEST_GROUP(Api) {
+  test::TemporaryFolder folder;
+  Result<memory::Memory> memory{memory::Memory::open(folder.path() / memory::k_memory_file)};
+  accounts::Accounts accounts{*memory};
+  FakeCell cell;
+  std::vector<std::string> events;
+  Api sut{Rooms{.memory = *memory,
+                .accounts = accounts,
+                .cell = cell,
+                .results = folder.path(),
+                .processes = ProcessStore{BITELINE_PROCESSES, folder.path() / "processes"},
+                .models = transfer::Library{folder.path() / "models"},
+                .version = "1.2.3",
+                .publish = [this](const std::string& name, const Json&) { events.push_back(name); },
+                .last_seq = [] { return std::uint64_t{7}; }}};
+  std::string token;
+  bool local{false};
+
+  void setup() override {
+    SUCCEEDS(accounts.add("ada", accounts::Role::Administrator, k_password, "ada", "web"));
+    for (const auto& [name, role] :
+         {std::pair{"vic", accounts::Role::Viewer}, std::pair{"ana", accounts::Role::Operator},
+          std::pair{"eng", accounts::Role::Engineer}})
+      SUCCEEDS(accounts.add(name, role, k_password, "ada", "web"));
+  }
+  control::Answer ask(const std::string& method, const std::string& path, Json body = {},
+                      std::map<std::string, std::string> query = {}) {
+    control::Request request;
+    request.token = token;
+    request.local = local;
+    request.door = "web";
+    request.method = method;
+    request.path = "/api/v1" + path;
+    request.body = std::move(body);
+    request.query = std::move(query);
+    return sut.ordinary(request);
+  }
+  void log_in(const std::string& name) {
+    const control::Answer answer = ask("POST", "/sessions", {{"name", name}, {"password", k_password}});
+    LONGS_EQUAL(201, answer.status);
+    token = answer.body["token"].get<std::string>();
+  }
+  static std::string code_of(const control::Answer& answer) {
+    return answer.body["error"]["code"].get<std::string>();
+  }
+  void put(const std::string& name, const std::string& verdict) {
+    memory::Scan scan;
+    scan.name = name;
+    scan.time = 1'000'000;
+    scan.verdict = verdict;
+    memory::LogRow event;
+    event.who = "service";
+    SUCCEEDS(memory->put_scan(scan, event));
+  }
+};
+
+TEST(Api, NothingIsToldWithoutALogin) {
+  for (const char* path : {"/state", "/me", "/scans", "/models", "/processes", "/robots", "/sensors", "/log",
+                           "/users", "/history/trends", "/history.csv", "/control", "/scans/scan-0001"}) {
+    const control::Answer answer = ask("GET", path);
+    LONGS_EQUAL_TEXT(401, answer.status, path);
+    STRCMP_EQUAL("login_needed", code_of(answer).c_str());
+  }
+  token = "no such token";
+  LONGS_EQUAL(401, ask("GET", "/state").status);
+  LONGS_EQUAL(401, ask("POST", "/sessions", {{"name", "ada"}, {"password", "wrong password"}}).status);
+}
+
+TEST(Api, RolesAreTheLeastThatMay) {
+  const struct {
+    const char *method, *path;
+    int viewer, operator_, engineer;
+  } k_cases[] = {
+      {"GET", "/state", 200, 200, 200},           {"GET", "/log", 403, 403, 200},
+      {"GET", "/users", 403, 403, 403},           {"POST", "/control", 403, 400, 400},
+      {"POST", "/models", 403, 403, 400},         {"PUT", "/processes/x", 403, 403, 400},
+      {"POST", "/commands/start", 403, 409, 409},
+  };
+  for (const auto& row : k_cases) {
+    for (const auto& [name, status] :
+         {std::pair{"vic", row.viewer}, std::pair{"ana", row.operator_}, std::pair{"eng", row.engineer}}) {
+      log_in(name);
+      LONGS_EQUAL_TEXT(status, ask(row.method, row.path).status, row.path);
+    }
+  }
+}
+
+TEST(Api, CommandsNeedTheHolderOfControl) {
+  log_in("ana");
+  STRCMP_EQUAL("control_needed", code_of(ask("POST", "/commands/start")).c_str());
+  LONGS_EQUAL(200, ask("POST", "/control", {{"action", "take"}, {"why", "my shift"}}).status);
+  LONGS_EQUAL(202, ask("POST", "/commands/start", {{"process", "grind"}}).status);
+  log_in("eng");
+  const control::Answer held = ask("POST", "/commands/start");
+  STRCMP_EQUAL("control_held", code_of(held).c_str());
+  STRCMP_CONTAINS("ana", held.body["error"]["message"].get<std::string>().c_str());
+  LONGS_EQUAL(1, cell.did.size());
+  STRCMP_EQUAL("start ana grind", cell.did.front().c_str());
+  CHECK(std::ranges::find(events, "control") != events.end());
+  CHECK(std::ranges::find(events, "log") != events.end());
+}
+
+TEST(Api, StopAndLaserOffNeedNoLoginAtTheCellAndOneElsewhere) {
+  local = true;
+  LONGS_EQUAL(200, ask("POST", "/commands/stop").status);
+  LONGS_EQUAL(200, ask("POST", "/commands/laser-off").status);
+  LONGS_EQUAL(2, cell.did.size());
+  local = false;
+  LONGS_EQUAL(401, ask("POST", "/commands/stop").status);
+  log_in("vic");
+  LONGS_EQUAL(403, ask("POST", "/commands/stop").status);
+  LONGS_EQUAL(2, cell.did.size());
+  log_in("ana");
+  LONGS_EQUAL(200, ask("POST", "/commands/stop").status);
+  STRCMP_EQUAL("stop ana", cell.did.back().c_str());
+}
+
+TEST(Api, ScansAreListedAndDecidedAbout) {
+  put("scan-0001", "ok");
+  put("scan-0002", "refused");
+  log_in("ana");
+  const control::Answer list = ask("GET", "/scans", {}, {{"limit", "1"}});
+  LONGS_EQUAL(1, list.body["scans"].size());
+  STRCMP_EQUAL("scan-0002", list.body["scans"][0]["id"].get<std::string>().c_str());
+  const control::Answer rest = ask("GET", "/scans", {}, {{"cursor", list.body["next"].get<std::string>()}});
+  STRCMP_EQUAL("scan-0001", rest.body["scans"][0]["id"].get<std::string>().c_str());
+  CHECK(rest.body["next"].is_null());
+  for (const auto& [name, value] :
+       {std::pair{"limit", "0"}, std::pair{"limit", "x"}, std::pair{"from", "today"},
+        std::pair{"verdict", "good"}, std::pair{"cursor", "-1"}, std::pair{"who", "me"}})
+    LONGS_EQUAL(400, ask("GET", "/scans", {}, {{name, value}}).status);
+
+  LONGS_EQUAL(200, ask("POST", "/control", {{"action", "take"}}).status);
+  LONGS_EQUAL(400, ask("POST", "/scans/scan-0001/reject").status);  // why?
+  LONGS_EQUAL(200, ask("POST", "/scans/scan-0001/reject", {{"why", "a hole"}}).status);
+  STRCMP_EQUAL("decide scan-0001 ana a hole", cell.did.back().c_str());
+  LONGS_EQUAL(404, ask("POST", "/scans/..%2fx/accept").status);
+  cell.next = fail(Errc::WrongState, "scan-0001 does not wait");
+  const control::Answer late = ask("POST", "/scans/scan-0001/accept");
+  LONGS_EQUAL(409, late.status);
+  STRCMP_EQUAL("wrong_state", code_of(late).c_str());
+}
+
+TEST(Api, OneScanComesWithItsReportAndWeakStretches) {
+  put("scan-0001", "amber");
+  folder.write(
+      "scan-0001/report.json",
+      R"({"status":"ok","weak_stretches":[{"place":"heel","from_mm":10,"length_mm":5,"least_confidence":0.4}]})");
+  log_in("vic");
+  const control::Answer scan = ask("GET", "/scans/scan-0001");
+  LONGS_EQUAL(200, scan.status);
+  STRCMP_EQUAL("ok", scan.body["report"]["status"].get<std::string>().c_str());
+  DOUBLES_EQUAL(15, scan.body["stretches"][0]["to_mm"].get<double>(), 1e-9);
+  CHECK(scan.body["gate"].is_null());
+  LONGS_EQUAL(404, ask("GET", "/scans/scan-0009").status);
+  LONGS_EQUAL(404, ask("GET", "/scans/memory.sqlite").status);
+}
+
+TEST(Api, MarkedScanIsKept) {
+  put("scan-0001", "ok");
+  log_in("ana");
+  CHECK(ask("POST", "/scans/scan-0001/keep", {{"kept", true}}).body["kept"].get<bool>());
+  memory::Retention all;
+  all.oldest = 2'000'000;
+  CHECK(memory->folders_to_go(all, folder.path())->empty());
+  CHECK(!ask("POST", "/scans/scan-0001/keep", {{"kept", false}}).body["kept"].get<bool>());
+  LONGS_EQUAL(1, memory->folders_to_go(all, folder.path())->size());
+  LONGS_EQUAL(400, ask("POST", "/scans/scan-0001/keep").status);
+  LONGS_EQUAL(404, ask("POST", "/scans/scan-0002/keep", {{"kept", true}}).status);
+}
+
+TEST(Api, BodiesAreReadStrictly) {
+  log_in("ana");
+  const control::Answer unknown = ask("POST", "/control", {{"action", "take"}, {"acton", 1}});
+  LONGS_EQUAL(400, unknown.status);
+  STRCMP_EQUAL("acton", unknown.body["error"]["faults"][0]["field"].get<std::string>().c_str());
+  LONGS_EQUAL(400, ask("POST", "/control", {{"action", 5}}).status);
+  LONGS_EQUAL(400, ask("POST", "/control", Json::array({1})).status);
+  LONGS_EQUAL(400, ask("POST", "/control", {{"action", "take"}, {"why", std::string(501, 'a')}}).status);
+  LONGS_EQUAL(405, ask("PUT", "/state").status);
+  LONGS_EQUAL(404, ask("GET", "/nothing").status);
+}
+
+TEST(Api, PeopleAreMadeChangedAndRemovedByAnAdministrator) {
+  log_in("ada");
+  LONGS_EQUAL(201,
+              ask("POST", "/users", {{"name", "bob"}, {"role", "viewer"}, {"password", k_password}}).status);
+  STRCMP_EQUAL("exists",
+               code_of(ask("POST", "/users", {{"name", "bob"}, {"role", "viewer"}, {"password", k_password}}))
+                   .c_str());
+  LONGS_EQUAL(400,
+              ask("POST", "/users", {{"name", "cat"}, {"role", "king"}, {"password", k_password}}).status);
+  LONGS_EQUAL(200, ask("PATCH", "/users/bob", {{"role", "operator"}}).status);
+  LONGS_EQUAL(400, ask("PATCH", "/users/ada", {{"enabled", false}}).status);
+  log_in("bob");
+  LONGS_EQUAL(
+      403,
+      ask("PATCH", "/users/bob", {{"password", "another long one"}, {"old_password", "wrong wrong"}}).status);
+  LONGS_EQUAL(
+      403,
+      ask("PATCH", "/users/ada", {{"password", "another long one"}, {"old_password", k_password}}).status);
+  LONGS_EQUAL(
+      200,
+      ask("PATCH", "/users/bob", {{"password", "another long one"}, {"old_password", k_password}}).status);
+  LONGS_EQUAL(401, ask("GET", "/state").status);  // the session ended with the password
+  log_in("ada");
+  LONGS_EQUAL(204, ask("DELETE", "/users/bob").status);
+  const control::Answer users = ask("GET", "/users");
+  STRCMP_EQUAL("", users.body.dump().find("argon2") == std::string::npos ? "" : "a hash is told");
+}
+
+TEST(Api, FirstAccountIsMadeAtTheCellOnly) {
+  test::TemporaryFolder fresh;
+  auto empty = memory::Memory::open(fresh.path() / memory::k_memory_file);
+  SUCCEEDS(empty);
+  accounts::Accounts nobody{*empty};
+  Api api{Rooms{.memory = *empty,
+                .accounts = nobody,
+                .cell = cell,
+                .results = fresh.path(),
+                .processes = ProcessStore{{}, fresh.path()},
+                .models = transfer::Library{fresh.path()},
+                .version = {},
+                .publish = {},
+                .last_seq = {}}};
+  control::Request request;
+  request.method = "POST";
+  request.path = "/api/v1/users";
+  request.body = {{"name", "ada"}, {"role", "administrator"}, {"password", k_password}};
+  LONGS_EQUAL(401, api.ordinary(request).status);
+  request.local = true;
+  LONGS_EQUAL(201, api.ordinary(request).status);
+  request.body["name"] = "eve";
+  LONGS_EQUAL(401, api.ordinary(request).status);
+}
+
+TEST(Api, ProcessWithAFaultIsRefusedWholeAndItsFieldNamed) {
+  log_in("eng");
+  Json process = ask("GET", "/processes/grind").body["process"];
+  process["motion"]["speed_mm_s"] = -1;
+  const control::Answer refused = ask("PUT", "/processes/mine", process);
+  LONGS_EQUAL(422, refused.status);
+  STRCMP_EQUAL("check_failed", code_of(refused).c_str());
+  STRCMP_CONTAINS("motion.speed_mm_s",
+                  refused.body["error"]["faults"][0]["field"].get<std::string>().c_str());
+  LONGS_EQUAL(404, ask("GET", "/processes/mine").status);
+  process["motion"]["speed_mm_s"] = 40;
+  LONGS_EQUAL(200, ask("PUT", "/processes/mine", process).status);
+  DOUBLES_EQUAL(40, ask("GET", "/processes/mine").body["process"]["motion"]["speed_mm_s"].get<double>(), 0);
+  LONGS_EQUAL(5, ask("GET", "/processes").body["processes"].size());
+}
+
+TEST(Api, LogTellsChangesNewestFirstWithACursor) {
+  log_in("eng");
+  const control::Answer first = ask("GET", "/log", {}, {{"limit", "2"}});
+  LONGS_EQUAL(2, first.body["entries"].size());
+  STRCMP_EQUAL("login", first.body["entries"][0]["what"].get<std::string>().c_str());
+  const control::Answer second = ask("GET", "/log", {}, {{"cursor", first.body["next"].get<std::string>()}});
+  CHECK(second.body["entries"][0]["seq"].get<int>() < first.body["entries"][1]["seq"].get<int>());
+}
+
+TEST(Api, HistoryIsToldAsTrendsAndCsv) {
+  put("scan-0001", "ok");
+  put("scan-0002", "refused");
+  log_in("vic");
+  const control::Answer trends = ask("GET", "/history/trends", {}, {{"bucket", "week"}});
+  LONGS_EQUAL(1, trends.body["buckets"].size());
+  LONGS_EQUAL(2, trends.body["buckets"][0]["scans"].get<int>());
+  CHECK(trends.body["capability"].is_null());
+  LONGS_EQUAL(400, ask("GET", "/history/trends", {}, {{"bucket", "year"}}).status);
+  const control::Answer csv = ask("GET", "/history.csv");
+  STRCMP_EQUAL("text/csv", csv.type.c_str());
+  LONGS_EQUAL(3, std::ranges::count(csv.body.get<std::string>(), '\n'));
+}
+
+}  // namespace biteline::api
