@@ -34,11 +34,12 @@ ParsedOptions parse_options(int argc, char** argv) {
                                 "The scans are uppers without a sole: carry the line over from this sample "
                                 "(the folder of a finished scan, or "
                                 "a saved model's name)");
-  app.add_option("--library", carry.library, "Folder of the saved models")
-      ->needs(sample)
-      ->capture_default_str();
+  app.add_option("--library", carry.library, "Folder of the saved models")->capture_default_str();
   app.add_flag("--mirror", carry.transfer.align.mirror, "The sample is of the other foot")->needs(sample);
   app.add_flag("--grade", carry.transfer.align.grade, "The sample is of another size")->needs(sample);
+  app.add_flag("--models", options.models,
+               "Recognise each scan's model in the library and use that model's line and process")
+      ->excludes(sample);
   auto* arm = app.add_option("--robot", robot.arm,
                              "UR3e, UR5e, UR10e, UR3, UR5 or UR10: plan its path along the line");
   app.add_option("--process", robot.process, "Process YAML: tool, placement, motion")->needs(arm);
@@ -59,6 +60,23 @@ ParsedOptions parse_options(int argc, char** argv) {
          "A scan's folder, e.g. scan-0007: its path may be sent though the scan was recovered or is of "
          "a recording; you vouch that the shoe still stands as it was scanned")
       ->needs(send);
+  std::string control;
+  app.add_option("--control", control,
+                 "Where pages and other doors come in: tcp://HOST:PORT; without: nowhere");
+  app.add_option("--control-keys", options.doors.keys,
+                 "Folder of the control end's keys (sensor.public, sensor.secret, hosts.allowed); compulsory "
+                 "beyond loopback");
+  auto* web = app.add_option("--web", options.doors.web_address,
+                             "Start biteline-web beside this service; ADDRESS: where it listens")
+                  ->expected(0, 1);
+  app.add_option("--guest-token", options.doors.guest,
+                 "Write a one-time token into this file: it lets one viewer look on");
+  app.add_option("--keep-days", options.keep_days,
+                 "Remove the folders of scans that are older, but for marked ones; their rows stay")
+      ->check(options::number({.minimum = 1, .maximum = 36500}, "days"));
+  app.add_option("--keep-gb", options.keep_gb,
+                 "Remove the oldest folders beyond so many gigabytes, but for marked ones; their rows stay")
+      ->check(options::number({.minimum = 0.1, .maximum = 1e6}, "GB"));
   app.add_flag("--once", options.once, "One scan, then leave");
   app.add_flag("--keep-recording", options.keep_recording, "Keep the scan's messages beside its result");
   app.add_flag("--exit-with-parent", options.exit_with_parent,
@@ -76,6 +94,17 @@ ParsedOptions parse_options(int argc, char** argv) {
     return parsed;
   }
   options.sensor = *endpoint;
+  options.library = carry.library;
+  options.doors.web = web->count() > 0;
+  if (options.doors.web && control.empty()) control = "tcp://127.0.0.1:0";
+  if (!control.empty()) {
+    const Result<wire::Endpoint> at = wire::parse_endpoint(control);
+    if (!at) {
+      parsed.leave_with = complain("--control: " + to_line(at.error()));
+      return parsed;
+    }
+    options.doors.control = *at;
+  }
   if (!carry.sample.empty()) options.sample = carry;
   if (!robot.arm.empty()) {
     if (robot.process.empty()) {

@@ -30,12 +30,26 @@ struct SampleOptions {
   transfer::TransferOptions transfer;
 };
 
+/// Doors: pages, PLCs, tools.
+struct DoorOptions {
+  std::optional<wire::Endpoint> control;       ///< where they come in; nothing: none do
+  std::optional<std::filesystem::path> keys;   ///< folder of the listening end's; compulsory beyond loopback
+  bool web{false};                             ///< start biteline-web beside this service
+  std::string web_address;                     ///< where it listens; empty: its own default
+  std::optional<std::filesystem::path> guest;  ///< file for a one-time token of a viewer
+};
+
 struct Options {
   wire::Endpoint sensor;
   std::optional<std::filesystem::path> keys;
   std::filesystem::path out;
   std::optional<SampleOptions> sample;  ///< without: the line is looked for in the scan
   std::optional<RobotOptions> robot;    ///< without: the line is the result
+  DoorOptions doors;
+  std::filesystem::path library;      ///< of models
+  bool models{false};                 ///< each scan's model is recognised in the library
+  std::optional<double> keep_days{};  ///< folders of older scans go; their rows stay
+  std::optional<double> keep_gb{};    ///< the oldest folders go beyond it
   bool once{false};
   bool keep_recording{false};
   bool exit_with_parent{false};

@@ -6,11 +6,14 @@
 #include <deque>
 #include <future>
 #include <memory>
+#include <mutex>
 #include <optional>
 
 #include "common/core/result.hpp"
+#include "host/apps/biteline-host/cockpit.hpp"
 #include "host/apps/biteline-host/options.hpp"
 #include "host/apps/biteline-host/steps.hpp"
+#include "host/intake/child_process.hpp"
 #include "host/intake/live_line.hpp"
 #include "host/intake/scan_intake.hpp"
 #include "host/report/file_lock.hpp"
@@ -40,6 +43,14 @@ class Service {
     path::Process process;
     RobotOptions options;
   };
+  /// What a scan is worked with.
+  struct Chosen {
+    std::string model;
+    double probability{0};
+    std::string process_name;
+    std::optional<path::Process> process{};
+    std::optional<memory::Places> places{};
+  };
   /// A scan and the folder it belongs to.
   struct Scan {
     std::filesystem::path folder;
@@ -49,6 +60,15 @@ class Service {
     int connection{0};                       ///< that it began on
     bool one_connection{false};              ///< it ended on the same
     std::optional<HostClock::time_point> ended{};
+    Chosen chosen{};
+  };
+  /// A checked path that waits for a person's word.
+  struct Held {
+    std::filesystem::path folder;
+    intake::ScanIntake intake;
+    PlanStep plan;
+    SendRequest request;
+    Chosen chosen;
   };
   /// What the service alone may use while it lives.
   struct Locks {
@@ -57,7 +77,7 @@ class Service {
   };
 
   Service(Options options, std::optional<wire::HostKeys> keys, std::optional<Robot> robot,
-          std::optional<Carrier> carrier, Locks locks);
+          std::optional<Carrier> carrier, Locks locks, std::unique_ptr<Cockpit> cockpit);
 
   /// What the sensor has to say; connects (and goes on with `scan_`, if there is one) where there is no link.
   [[nodiscard]] Result<void> hear_sensor();
@@ -71,17 +91,37 @@ class Service {
   [[nodiscard]] Result<void> take_up(const std::filesystem::path& folder);
   [[nodiscard]] std::filesystem::path next_folder() const;
 
+  /// Stop, Laser off, what a person decided: of the doors.
+  void heed_wishes();
+  void heed(const Wish& wish);
+  /// The arm is there, of the right kind and in remote control, or there is none; asked before a scan is
+  /// spent.
+  [[nodiscard]] bool robot_ready();
+  /// biteline-web beside this service, and again when it ended.
+  void keep_web();
+  void show_idle();
+
   /// Begins to work out a scan that is complete, once the result before it is done.
   void start_result();
   /// The status of a result that has just been done.
   [[nodiscard]] std::optional<Result<ExitStatus>> result_done();
   /// Whatever the scan does to it: a result, or a report that says why there is none.
-  [[nodiscard]] Result<ExitStatus> work_out(Scan scan) const;
-  [[nodiscard]] Result<ExitStatus> work_out_line(Scan& scan, intake::ScanOutcome& outcome,
-                                                 std::optional<cloud::ClosedLine>& line) const;
+  [[nodiscard]] Result<ExitStatus> work_out(Scan scan);
+  [[nodiscard]] Result<ExitStatus> work_out_files(Scan& scan);
+  [[nodiscard]] Result<LineStep> work_out_line(Scan& scan, intake::ScanOutcome& outcome);
+  /// The same with the library: whose line it is, and the process of that model.
+  [[nodiscard]] Result<LineStep> use_library(Scan& scan, const intake::ScanOutcome& outcome, LineStep found);
+  [[nodiscard]] const path::Process& process_of(const Chosen& chosen) const;
+  [[nodiscard]] Result<void> choose_process(const transfer::Library& library, Chosen& chosen) const;
   [[nodiscard]] Result<ExitStatus> work_out_path(Scan& scan, const intake::ScanOutcome& outcome,
-                                                 const cloud::ClosedLine& line) const;
+                                                 const LineStep& line);
+  /// Sends what waited, with a person's word.
+  [[nodiscard]] Result<ExitStatus> send_held(Held held, const robot::Word& word);
+  /// The scan's row, of its folder; a memory that cannot take it is told, and costs no scan.
+  void remember(const std::filesystem::path& folder, const std::string& decision, const Chosen& chosen) const;
   [[nodiscard]] robot::ScanFacts facts_of(const Scan& scan, const intake::ScanOutcome& outcome) const;
+  /// Removes the folders that retention lets go.
+  [[nodiscard]] Result<void> make_room() const;
   /// Counts every connection to the sensor, also those that came back by themselves.
   [[nodiscard]] int connection() const;
   /// Its end is in, and the sensor has said how its light ended.
@@ -89,16 +129,26 @@ class Service {
   [[nodiscard]] bool confirmed(const std::filesystem::path& folder) const;
 
   Options options_;
-  const std::atomic<bool>* stop_{nullptr};  ///< of run(): an arm that follows is stopped by it, too
+  const std::atomic<bool>* stop_{nullptr};  ///< of run(); halts the cockpit, and so an arm that follows
   std::optional<wire::HostKeys> keys_;
   std::optional<Robot> robot_;
   std::optional<Carrier> carrier_;
   Locks locks_;
+  std::unique_ptr<Cockpit> cockpit_;
   std::deque<std::filesystem::path> unfinished_;  ///< folders, still to be taken up
   std::unique_ptr<intake::SensorLink> link_;
-  std::optional<Scan> scan_;                ///< coming in
-  int links_{0};                            ///< opened to the sensor so far
-  bool sensor_idle_{false};                 ///< it waits to be asked for a scan
+  std::optional<Scan> scan_;  ///< coming in
+  int links_{0};              ///< opened to the sensor so far
+  bool sensor_idle_{false};   ///< it waits to be asked for a scan
+  bool told_held_{false};     ///< doors know that a scan waits
+  std::optional<Held> held_;  ///< by the result's thread; read when that is done
+  std::optional<intake::ChildProcess> web_;
+  HostClock::time_point web_started_{};
+  HostClock::time_point robot_asked_{};
+  bool robot_wrong_{false};
+  std::unique_ptr<std::mutex> job_mutex_{std::make_unique<std::mutex>()};
+  api::Job job_;                            ///< chosen at a door; read by the result's thread
+  bool sensor_heard_{false};                ///< on this connection
   std::future<Result<ExitStatus>> result_;  ///< being worked out; last: its thread uses the rest
 };
 

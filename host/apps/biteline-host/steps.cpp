@@ -9,6 +9,8 @@
 #include <cstdio>
 #include <memory>
 
+#include "common/core/fixed_text.hpp"
+#include "host/apps/biteline-host/refused.hpp"
 #include "host/cloud/ply.hpp"
 #include "host/intake/account.hpp"
 #include "host/intake/refused.hpp"
@@ -50,7 +52,7 @@ Result<LineStep> keep_unfinished(const fs::path& folder, const intake::ScanOutco
   BITELINE_TRY(cloud::write_cloud(folder / "cloud.ply", scan.cloud));
   BITELINE_TRY(report.write(folder));
   say_step("refused: %s", refusal.reason.c_str());
-  return LineStep{.status = ExitStatus::Refused, .line = {}};
+  return LineStep{.status = ExitStatus::Refused, .confidence = 0, .line = {}};
 }
 
 void fill_scan(const intake::ScanOutcome& scan, report::Report& report) {
@@ -122,6 +124,14 @@ robot::GateInputs gate_inputs(const PlanStep& plan, const SendRequest& request) 
   inputs.arm.arm = plan.request.arm.name;
   inputs.arm.held = request.holds_arm;
   if (!request.serial.empty()) inputs.arm.serial = request.serial;
+  if (request.approved) {
+    inputs.result.approved = true;
+    inputs.result.approved_by = request.approved->by + ", " + request.approved->at;
+  } else if (process.gate.approval && !needs_a_person(process.gate, request.confidence)) {
+    inputs.result.approved = true;
+    inputs.result.approved_by =
+        std::string{FixedText<80>::format("automatic, confidence %.3f", request.confidence).view()};
+  }
   return inputs;
 }
 
@@ -220,9 +230,18 @@ Result<LineStep> find_line(const fs::path& folder, const intake::ScanOutcome& sc
                   results::write_line_result(folder, scan.cloud, extraction,
                                              results::stages_of(std::move(outcome.workings)), report));
   say_step("%s", results::summary(extraction).c_str());
-  LineStep step{.status = status, .line = {}};
+  LineStep step{.status = status, .confidence = extraction.confidence, .line = {}};
   if (status == ExitStatus::Done) step.line = std::move(extraction.line);
   return step;
+}
+
+Result<void> refuse_unknown(const fs::path& folder, const std::string& words) {
+  report::Report report;
+  report.refuse(Refusal{.code = Refused::ModelUnknown, .reason = "the model is not known: " + words});
+  BITELINE_TRY(results::prepare_result_folder(folder));
+  BITELINE_TRY(report.write(folder));
+  say_step("refused: the model is not known: %s", words.c_str());
+  return {};
 }
 
 Result<LineStep> carry_line(const fs::path& folder, const Carrier& carrier, const intake::ScanOutcome& scan) {
@@ -237,7 +256,7 @@ Result<LineStep> carry_line(const fs::path& folder, const Carrier& carrier, cons
   BITELINE_ASSIGN(const ExitStatus status,
                   results::write_transfer_result(folder, scan.cloud, transfer, report));
   say_step("%s", results::summary(transfer).c_str());
-  LineStep step{.status = status, .line = {}};
+  LineStep step{.status = status, .confidence = transfer.confidence, .line = {}};
   if (status == ExitStatus::Done) step.line = std::move(transfer.carried.line);
   return step;
 }
@@ -265,12 +284,35 @@ Result<PlanStep> plan_path(const fs::path& folder, const PlanStepRequest& reques
   return PlanStep{.status = status, .request = std::move(plan_request), .outcome = std::move(outcome)};
 }
 
-void tell_controller(const ControllerAddress& controller) {
+ControllerLook look_at_controller(const ControllerAddress& controller, const std::string& arm,
+                                  const std::string& serial) {
   const Result<robot::ur::Endpoint> dashboard = dashboard_of(controller);
-  const Result<robot::ur::ControllerWords> words =
-      dashboard ? robot::ur::ask_controller(*dashboard, k_dashboard_patience)
-                : Result<robot::ur::ControllerWords>{tl::unexpected<Error>{dashboard.error()}};
-  say_step("robot: %s", words ? robot::ur::summary(*words).c_str() : to_line(words.error()).c_str());
+  ControllerLook look{
+      .words = dashboard ? robot::ur::ask_controller(*dashboard, k_dashboard_patience)
+                         : Result<robot::ur::ControllerWords>{tl::unexpected<Error>{dashboard.error()}},
+      .wrong = {}};
+  say_step("robot: %s",
+           look.words ? robot::ur::summary(*look.words).c_str() : to_line(look.words.error()).c_str());
+  if (!look.words) {
+    look.wrong = to_line(look.words.error());
+    return look;
+  }
+  robot::ArmFacts facts;
+  facts.arm = arm;
+  if (!serial.empty()) facts.serial = serial;
+  facts.told_version = look.words->version;
+  facts.told_model = look.words->model;
+  facts.told_serial = look.words->serial;
+  facts.told_remote = look.words->remote;
+  look.wrong = robot::why_not_ready(facts);
+  const std::string mode = look.words->robot_mode.value_or("");
+  if (look.wrong.empty() && (mode == "POWER_OFF" || mode == "DISCONNECTED" || mode == "NO_CONTROLLER"))
+    look.wrong = "the arm has no power (" + mode + "): switch it on at the teach pendant";
+  return look;
+}
+
+bool needs_a_person(const path::GateLimits& limits, double confidence) {
+  return limits.approval && !(limits.automatic_above && confidence >= *limits.automatic_above);
 }
 
 Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, const SendRequest& request,

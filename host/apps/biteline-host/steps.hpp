@@ -15,6 +15,7 @@
 #include "host/intake/scan_intake.hpp"
 #include "host/robot/kinematics/arm_model.hpp"
 #include "host/robot/link/gate/gate.hpp"
+#include "host/robot/link/ur/controller_words.hpp"
 #include "host/robot/path/plan.hpp"
 #include "host/robot/path/process.hpp"
 #include "host/transfer/transfer.hpp"
@@ -26,6 +27,7 @@ namespace biteline::service {
 
 struct LineStep {
   ExitStatus status{ExitStatus::Refused};
+  double confidence{0};
   std::optional<cloud::ClosedLine> line;  ///< when one was found
 };
 
@@ -33,6 +35,9 @@ struct LineStep {
 /// is kept. `line` has had every profile of the scan.
 [[nodiscard]] Result<LineStep> find_line(const std::filesystem::path& folder, const intake::ScanOutcome& scan,
                                          intake::LiveLine& line);
+
+/// The line stands in the folder, but nobody knows whose it is: the report refuses it, and line.csv goes.
+[[nodiscard]] Result<void> refuse_unknown(const std::filesystem::path& folder, const std::string& words);
 
 /// A sample, read and ready.
 struct Carrier {
@@ -81,7 +86,9 @@ struct SendRequest {
   ControllerAddress controller;
   std::string serial;  ///< of the arm; empty: not told
   bool holds_arm{false};
-  robot::ScanFacts scan;  ///< without its age
+  robot::ScanFacts scan;                  ///< without its age
+  double confidence{0};                   ///< of the line
+  std::optional<robot::Word> approved{};  ///< a person's, on this result
   std::optional<HostClock::time_point> scan_ended{};
 };
 
@@ -92,7 +99,15 @@ struct SendRequest {
 [[nodiscard]] Result<ExitStatus> follow_path(const std::filesystem::path& folder, const PlanStep& plan,
                                              const SendRequest& request, const std::atomic<bool>& stop);
 
-/// Says on stdout what the controller says about itself, before a scan.
-void tell_controller(const ControllerAddress& controller);
+/// What the controller says about itself before a scan, on stdout too.
+struct ControllerLook {
+  Result<robot::ur::ControllerWords> words;
+  std::string wrong;  ///< what is known to be wrong, and what to do; empty: nothing
+};
+[[nodiscard]] ControllerLook look_at_controller(const ControllerAddress& controller, const std::string& arm,
+                                                const std::string& serial);
+
+/// A person must say a word before this may be sent.
+[[nodiscard]] bool needs_a_person(const path::GateLimits& limits, double confidence);
 
 }  // namespace biteline::service

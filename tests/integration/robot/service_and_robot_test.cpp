@@ -2,11 +2,13 @@
 // The service before an arm: what it must never send, and what must never end it.
 #include <CppUTest/TestHarness.h>
 
+#include <algorithm>
 #include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "host/control/client.hpp"
 #include "host/intake/sensor_process.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -110,6 +112,16 @@ TEST_GROUP(ServiceAndRobot) {
     all.insert(all.end(), {"--robot", "UR5e", "--process", process.string(), "--table-z", recorded().table_z,
                            "--rtde", at(controller.rtde_port()), "--script", at(controller.script_port()),
                            "--dashboard", at(controller.dashboard_port()), "--send"});
+    return all;
+  }
+  /// With doors, and a process that wants a person's word.
+  std::vector<std::string> holding() const {
+    std::ifstream grind{fs::path{BITELINE_PROCESSES} / "grind.yaml"};
+    const std::string text{std::istreambuf_iterator<char>{grind}, {}};
+    const fs::path process = folder.write("held.yaml", text + "gate:\n  approval: person\n");
+    std::vector<std::string> all = sending(k_no_sensor);
+    *(std::ranges::find(all, "--process") + 1) = process.string();
+    all.insert(all.end(), {"--control", "tcp://127.0.0.1:0"});
     return all;
   }
   ChildProcess start(std::vector<std::string> all, const std::vector<std::string>& more) const {
@@ -259,6 +271,126 @@ TEST(ServiceAndRobot, SecondServiceOnAnArmIsRefusedByTheFirstOnesName) {
   LONGS_EQUAL(static_cast<int>(ExitStatus::Connection), end_of(second).first);
   STRCMP_CONTAINS(("held by biteline-host " + std::to_string(first.pid())).c_str(),
                   second.last_words().c_str());
+}
+
+/// A person at the page.
+struct Page {
+  std::unique_ptr<control::Client> client;
+  std::string token;
+
+  explicit Page(const std::string& address) {
+    auto opened = control::Client::open(
+        {.endpoint = *wire::parse_endpoint(address), .keys = {}, .patience = k_patience});
+    SUCCEEDS(opened);
+    client = std::move(*opened);
+  }
+  control::Answer ask(const std::string& method, const std::string& path, control::Json body = {}) const {
+    control::Request request;
+    request.token = token;
+    request.local = true;
+    request.method = method;
+    request.path = "/api/v1" + path;
+    request.body = std::move(body);
+    return client->ask(std::move(request));
+  }
+  void begin() {
+    const control::Json ada{{"name", "ada"}, {"password", "a long password"}};
+    control::Json account = ada;
+    account["role"] = "administrator";
+    LONGS_EQUAL(201, ask("POST", "/users", account).status);
+    token = ask("POST", "/sessions", ada).body["token"].get<std::string>();
+    LONGS_EQUAL(200, ask("POST", "/control", {{"action", "take"}}).status);
+  }
+  /// The scan's row, once `done` says so.
+  template <class Done>
+  control::Json scan_once(const std::string& name, Done&& done) const {
+    const auto until = std::chrono::steady_clock::now() + k_patience;
+    control::Json scan;
+    do {
+      std::this_thread::sleep_for(50ms);
+      scan = ask("GET", "/scans/" + name).body;
+    } while (!(scan.contains("decision") && done(scan)) && std::chrono::steady_clock::now() < until);
+    CHECK_TEXT(scan.contains("decision"), scan.dump().c_str());
+    return scan;
+  }
+};
+
+std::string address_told(ChildProcess& host) {
+  const std::string words = "doors come in at ";
+  while (const auto line = host.next_line(k_patience)) {
+    if (line->starts_with(words)) return line->substr(words.size());
+  }
+  FAIL("no address was told");
+  return {};
+}
+
+TEST(ServiceAndRobot, HeldScanWaitsForAPersonAndTheGateStillJudges) {
+  leave_scan("scan-0001");
+  ChildProcess host = start(holding(), {"--keep-recording"});
+  Page page{address_told(host)};
+  LONGS_EQUAL(401, page.ask("GET", "/state").status);
+  page.begin();
+  const control::Json held =
+      page.scan_once("scan-0001", [](const control::Json& scan) { return scan["decision"] == "held"; });
+  STRCMP_EQUAL("held", held["decision"].get<std::string>().c_str());
+  CHECK(!held["sent"].get<bool>());
+  STRCMP_EQUAL("deciding", page.ask("GET", "/state").body["phase"].get<std::string>().c_str());
+  LONGS_EQUAL(409, page.ask("POST", "/commands/start").status);
+
+  LONGS_EQUAL(200, page.ask("POST", "/scans/scan-0001/accept", {{"why", "looked at it"}}).status);
+  const control::Json judged =
+      page.scan_once("scan-0001", [](const control::Json& scan) { return scan["reason_code"].is_string(); });
+  // A person's yes is not all that must hold: nobody saw this scan come in.
+  STRCMP_EQUAL("scan_not_seen", judged["reason_code"].get<std::string>().c_str());
+  STRCMP_EQUAL("accepted", judged["decision"].get<std::string>().c_str());
+  STRCMP_EQUAL("ada", judged["decided_by"].get<std::string>().c_str());
+  STRCMP_CONTAINS("ada",
+                  gate_of(results() / "scan-0001")["inputs"]["result"].value("approved_by", "").c_str());
+  CHECK(reasons_of(results() / "scan-0001").find("not_approved") == std::string::npos);
+  CHECK(controller.script().empty());
+  STRCMP_CONTAINS("accepted", page.ask("GET", "/log").body.dump().c_str());
+}
+
+TEST(ServiceAndRobot, RejectedScanKeepsItsReasonAndAnotherServiceRemembersIt) {
+  leave_scan("scan-0001");
+  {
+    ChildProcess host = start(holding(), {});
+    Page page{address_told(host)};
+    page.begin();
+    static_cast<void>(
+        page.scan_once("scan-0001", [](const control::Json& scan) { return scan["decision"] == "held"; }));
+    LONGS_EQUAL(200, page.ask("POST", "/scans/scan-0001/reject", {{"why", "a hole at the toe"}}).status);
+    LONGS_EQUAL(409, page.ask("POST", "/scans/scan-0001/accept").status);
+    ::kill(host.pid(), SIGKILL);
+    SUCCEEDS(host.wait(k_patience));
+  }
+  CHECK(controller.script().empty());
+  CHECK(!fs::exists(results() / "scan-0001/gate.json"));
+  ChildProcess next = start(holding(), {});
+  Page page{address_told(next)};
+  page.token = page.ask("POST", "/sessions", {{"name", "ada"}, {"password", "a long password"}})
+                   .body["token"]
+                   .get<std::string>();
+  const control::Json scan = page.ask("GET", "/scans/scan-0001").body;
+  STRCMP_EQUAL("rejected", scan["decision"].get<std::string>().c_str());
+  STRCMP_EQUAL("a hole at the toe", scan["why"].get<std::string>().c_str());
+  CHECK(fs::exists(results() / "scan-0001/stages/6_sequence.png"));
+}
+
+TEST(ServiceAndRobot, StopAtTheCellNeedsNoLoginAndEndsThePlansOfTheService) {
+  ChildProcess host = start(holding(), {});
+  Page page{address_told(host)};
+  LONGS_EQUAL(200, page.ask("POST", "/commands/stop").status);
+  page.begin();
+  const auto until = std::chrono::steady_clock::now() + k_patience;
+  while (page.ask("GET", "/state").body["phase"] != "stopped" && std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(50ms);
+  STRCMP_EQUAL("stopped", page.ask("GET", "/state").body["phase"].get<std::string>().c_str());
+  LONGS_EQUAL(202, page.ask("POST", "/commands/start").status);
+  while (page.ask("GET", "/state").body["phase"] == "stopped" && std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(50ms);
+  // Without a sensor it is not running either, and says so.
+  STRCMP_EQUAL("fault", page.ask("GET", "/state").body["phase"].get<std::string>().c_str());
 }
 
 }  // namespace biteline

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file What doors see of the service and say to it: the cell's face behind the control end.
+
+#include <atomic>
+#include <chrono>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "common/wire/messages.hpp"
+#include "host/api/api.hpp"
+#include "host/api/words.hpp"
+#include "host/control/server.hpp"
+#include "host/robot/link/ur/controller_words.hpp"
+
+namespace biteline::service {
+
+/// What the service is about.
+enum class Phase { Starting, Waiting, Scanning, Working, Deciding, Following, Stopped, Fault };
+
+struct CockpitConfig {
+  std::filesystem::path results;
+  std::filesystem::path shipped_processes;  ///< may be absent
+  std::filesystem::path library;            ///< of models
+  std::string sensor;                       ///< tcp://HOST:PORT
+  std::string arm;                          ///< UR5e, ...; empty: none
+  std::string controller;                   ///< HOST:PORT; empty: none
+  std::string process;                      ///< its name; empty: none
+  std::optional<wire::Endpoint> endpoint;   ///< where doors come in; nothing: none do
+  std::optional<wire::SensorKeys> keys;
+};
+
+/// What a door wants of the service's own thread.
+struct Wish {
+  enum class Kind { Start, Rescan, Stop, LaserOff, Send, Reject, Hold };
+  Kind kind{Kind::Stop};
+  std::string scan, who, why;
+  api::Job job{};
+};
+
+/// Owns memory, accounts, API and control end.  Thread: the doors' threads call the Cell's methods, the
+/// service's the rest; neither waits for the other.
+class Cockpit final : public api::Cell {
+ public:
+  [[nodiscard]] static Result<std::unique_ptr<Cockpit>> open(const CockpitConfig& config);
+  ~Cockpit() override;
+
+  // For the service.
+  [[nodiscard]] memory::Memory& memory() { return memory_; }
+  [[nodiscard]] accounts::Accounts& accounts() { return accounts_; }
+  /// Doors can come in, so somebody may decide about a scan that is held.
+  [[nodiscard]] bool has_doors() const { return server_ != nullptr; }
+  [[nodiscard]] const std::string& address() const { return address_; }
+
+  [[nodiscard]] std::optional<Wish> next_wish();
+  /// An arm that follows looks at it.  Set by a stop of any kind, cleared by the next start.
+  [[nodiscard]] const std::atomic<bool>& halted() const { return halted_; }
+  void halt() { halted_ = true; }
+  /// No new scan is asked for.
+  [[nodiscard]] bool paused() const { return paused_; }
+  /// A person wants to see this scan before it is sent.
+  [[nodiscard]] bool wants_hold(const std::string& scan) const;
+
+  void show(Phase phase, const std::string& now, const std::string& next);
+  void show_scan(const std::string& scan);
+  void show_progress(std::uint64_t profiles, std::uint64_t expected);
+  void show_model(const std::string& name, double probability, const std::string& process);
+  void hear(const wire::SensorHello& hello);
+  void hear(const wire::Health& health);
+  void lose_sensor(const std::string& why);
+  /// What the controller says of itself, or why it says nothing; `wrong`: what to do first.
+  void hear(const Result<robot::ur::ControllerWords>& words, const std::string& wrong);
+  /// A cycle goes from one asking for a scan to the next.
+  void begin_cycle();
+  [[nodiscard]] double cycle_s() const;
+  /// The scan waits for a person until its name is empty again.
+  void hold(const std::string& scan);
+  /// The row is in the memory: all doors see it.
+  void tell_scan(const std::string& scan);
+
+  // For the API.
+  [[nodiscard]] api::Json state() override;
+  [[nodiscard]] api::Json robots() override;
+  [[nodiscard]] api::Json sensors() override;
+  void stop(const std::string& who) override;
+  void laser_off(const std::string& who) override;
+  [[nodiscard]] Result<void> start(const api::Job& job, const std::string& who) override;
+  [[nodiscard]] Result<void> rescan(const std::string& who, const std::string& why) override;
+  [[nodiscard]] Result<void> decide(const api::Decision& decision) override;
+
+ private:
+  Cockpit(CockpitConfig config, memory::Memory memory);
+  [[nodiscard]] Result<void> listen();
+  void publish_state();
+  [[nodiscard]] api::Json state_locked() const;
+  void wish(Wish wish);
+
+  using Clock = std::chrono::steady_clock;
+
+  CockpitConfig config_;
+  memory::Memory memory_;
+  accounts::Accounts accounts_;
+  std::unique_ptr<api::Api> api_;
+  std::string address_;
+  std::atomic<bool> halted_{false};
+  std::atomic<bool> paused_{false};
+
+  mutable std::mutex mutex_;
+  std::deque<Wish> wishes_;
+  std::string hold_wanted_;
+  std::string held_;
+  Phase phase_{Phase::Starting};
+  std::string now_{"starts"}, next_, scan_;
+  std::optional<double> progress_{};
+  std::string model_, process_;
+  double model_probability_{0};
+  std::optional<wire::SensorHello> hello_{};
+  std::optional<wire::Health> health_{};
+  Clock::time_point heard_{};
+  std::string sensor_lost_{"not connected yet"};
+  std::optional<robot::ur::ControllerWords> robot_{};
+  std::string robot_wrong_;
+  bool robot_asked_{false};
+  std::optional<Clock::time_point> cycle_begun_{};
+  std::optional<double> last_cycle_s_{};
+  Clock::time_point published_{};
+  std::unique_ptr<control::Server> server_;  ///< last: its threads use the rest
+};
+
+}  // namespace biteline::service

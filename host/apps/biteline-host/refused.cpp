@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+#include "host/apps/biteline-host/refused.hpp"
+
+#include <array>
+
+namespace biteline::service {
+
+std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
+  static constexpr std::array k_rows{
+      report::RefusalRow<Refused>{Refused::ModelUnknown, "model_unknown",
+                                  "choose the model and scan again, or save this scan as a model"},
+  };
+  return k_rows;
+}
+
+}  // namespace biteline::service

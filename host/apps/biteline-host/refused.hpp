@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Why the service itself gives a scan no result.
+
+#include "host/report/refusal.hpp"
+
+namespace biteline::service {
+
+enum class Refused {
+  ModelUnknown,  ///< no model of the library is sure enough to be worked without a person
+};
+
+[[nodiscard]] std::span<const report::RefusalRow<Refused>> refusal_table(Refused);
+
+using Refusal = report::Refusal<Refused>;
+
+}  // namespace biteline::service

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+#include "host/apps/biteline-host/scan_row.hpp"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "common/system/file.hpp"
+#include "host/api/words.hpp"
+#include "host/cloud/closed_line.hpp"
+
+namespace biteline::service {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+Json read_json(const fs::path& file) {
+  const Result<std::string> text = read_regular_file(file, k_most_settings_bytes);
+  if (!text) return {};
+  Json json = Json::parse(*text, nullptr, false);
+  return json.is_object() ? json : Json{};
+}
+
+std::string text_of(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  return found != json.end() && found->is_string() ? found->get<std::string>() : std::string{};
+}
+
+std::optional<double> number_of(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  if (found == json.end() || !found->is_number()) return std::nullopt;
+  return found->get<double>();
+}
+
+memory::UnixMs time_of(const fs::path& file) {
+  struct stat status {};
+  if (::stat(file.c_str(), &status) != 0) return memory::now_ms();
+  return memory::UnixMs{status.st_mtim.tv_sec} * 1000 + status.st_mtim.tv_nsec / 1'000'000;
+}
+
+void take_refusal(const Json& report, memory::Scan& scan) {
+  scan.verdict = "refused";
+  scan.reason_code = text_of(report, "reason_code");
+  scan.reason = text_of(report, "reason");
+  scan.next_step = text_of(report, "next_step");
+}
+
+/// What the gate said no to first.
+void take_gate(const Json& gate, memory::Scan& scan) {
+  const auto permitted = gate.find("permitted");
+  scan.sent = permitted != gate.end() && permitted->is_boolean() && permitted->get<bool>();
+  const auto rows = gate.find("rows");
+  if (scan.sent || rows == gate.end() || !rows->is_array()) return;
+  for (const Json& row : *rows) {
+    if (!row.is_object() || text_of(row, "state") != "failed") continue;
+    scan.reason_code = text_of(row, "reason_code");
+    scan.reason = "not sent: " + text_of(row, "name") + ": " + text_of(row, "value") + " (" +
+                  text_of(row, "limit") + ")";
+    scan.next_step = text_of(row, "next_step");
+    return;
+  }
+}
+
+void take_line(const fs::path& file, memory::Scan& scan) {
+  const Result<cloud::ClosedLine> line = cloud::read_line(file);
+  if (!line) return;
+  for (const cloud::LinePoint& point : line->points) {
+    if (point.u95_mm) scan.u95_mm = std::max(scan.u95_mm.value_or(0), *point.u95_mm);
+  }
+}
+
+}  // namespace
+
+std::optional<memory::Scan> row_of(const fs::path& folder) {
+  const Json report = read_json(folder / "report.json");
+  if (!report.is_object()) return std::nullopt;
+  memory::Scan scan;
+  scan.name = folder.filename().string();
+  scan.time = time_of(folder / "report.json");
+  scan.length_mm = number_of(report, "length_mm");
+  scan.confidence = number_of(report, "confidence");
+  if (const auto stages = report.find("stages"); stages != report.end() && stages->is_object()) {
+    scan.line_s = number_of(*stages, "last profile to line");
+    if (!scan.line_s) scan.line_s = number_of(*stages, "transfer");
+  }
+  if (const auto weak = report.find("weak_stretches"); weak != report.end() && weak->is_array())
+    scan.weak_stretches = static_cast<int>(weak->size());
+  if (text_of(report, "status") == "ok") {
+    scan.verdict = scan.weak_stretches > 0 ? "amber" : "ok";
+    take_line(folder / "line.csv", scan);
+    const Json plan = read_json(folder / "path/report.json");
+    if (plan.is_object() && text_of(plan, "status") == "refused") take_refusal(plan, scan);
+    if (const Json gate = read_json(folder / "gate.json"); gate.is_object()) take_gate(gate, scan);
+    if (const Json followed = read_json(folder / "followed.json"); followed.is_object()) {
+      const auto completed = followed.find("completed");
+      scan.followed = completed != followed.end() && completed->is_boolean() && completed->get<bool>() &&
+                      !followed.contains("stopped");
+      if (const auto stopped = followed.find("stopped"); stopped != followed.end() && stopped->is_object()) {
+        scan.reason_code = text_of(*stopped, "reason_code");
+        scan.reason = text_of(*stopped, "reason");
+        scan.next_step = text_of(*stopped, "next_step");
+      }
+    }
+  } else {
+    take_refusal(report, scan);
+  }
+  return scan;
+}
+
+Result<int> take_up_rows(memory::Memory& memory, const fs::path& results) {
+  std::vector<fs::path> folders;
+  std::error_code error;
+  for (fs::directory_iterator at{results, error}, end; !error && at != end; at.increment(error)) {
+    if (api::is_scan_id(at->path().filename().string())) folders.push_back(at->path());
+  }
+  std::ranges::sort(folders);
+  int taken = 0;
+  for (const fs::path& folder : folders) {
+    const std::string name = folder.filename().string();
+    BITELINE_ASSIGN(const std::optional<memory::Scan> known, memory.scan(name));
+    // A row "working" is of a decision on a scan whose result never came to the memory.
+    if (known && known->verdict != "working") continue;
+    const std::optional<memory::Scan> row = row_of(folder);
+    if (!row) continue;
+    BITELINE_TRY(memory.put_scan(*row, {.id = 0,
+                                        .time = memory::now_ms(),
+                                        .who = "service",
+                                        .door = {},
+                                        .action = "taken up",
+                                        .subject = name,
+                                        .before = {},
+                                        .after = row->verdict}));
+    ++taken;
+  }
+  return taken;
+}
+
+}  // namespace biteline::service

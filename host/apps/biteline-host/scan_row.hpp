@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The memory's row of a scan, read from its folder: what stands on disk is what is remembered.
+
+#include <filesystem>
+#include <optional>
+
+#include "host/memory/memory.hpp"
+
+namespace biteline::service {
+
+/// Nothing where there is no report.json (yet).  Of report.json, line.csv, path/report.json, gate.json and
+/// followed.json: verdict, reason, figures, sent, followed.  The time is report.json's.
+[[nodiscard]] std::optional<memory::Scan> row_of(const std::filesystem::path& folder);
+
+/// Rows for finished scans that the memory does not know: of before it was there, or of when the disk was
+/// full.
+[[nodiscard]] Result<int> take_up_rows(memory::Memory& memory, const std::filesystem::path& results);
+
+}  // namespace biteline::service

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#include "host/apps/biteline-host/scan_row.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <cmath>
+
+#include "host/apps/biteline-host/recognise.hpp"
+#include "host/apps/biteline-host/refused.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/refusals.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace biteline::service {
+namespace {
+
+constexpr const char* k_good =
+    R"({"status":"ok","length_mm":640.5,"confidence":0.98,"weak_stretches":[],"stages":{"last profile to line":0.03}})";
+
+}  // namespace
+
+TEST_GROUP(ScanRow) {
+  test::TemporaryFolder folder;
+  std::optional<memory::Scan> row() const {
+    return row_of(folder.path() / "scan-0001");
+  }
+};
+
+TEST(ScanRow, FolderWithoutReportHasNone) {
+  CHECK(!row());
+  folder.write("scan-0001/report.json", "{ torn");
+  CHECK(!row());
+}
+
+TEST(ScanRow, LineIsOkAndAmberWithWeakStretches) {
+  folder.write("scan-0001/report.json", k_good);
+  STRCMP_EQUAL("ok", row()->verdict.c_str());
+  DOUBLES_EQUAL(640.5, *row()->length_mm, 0);
+  DOUBLES_EQUAL(0.03, *row()->line_s, 0);
+  CHECK(!row()->sent);
+  folder.write("scan-0001/report.json", R"({"status":"ok","weak_stretches":[{},{}]})");
+  STRCMP_EQUAL("amber", row()->verdict.c_str());
+  LONGS_EQUAL(2, row()->weak_stretches);
+}
+
+TEST(ScanRow, RefusalsOfLinePathAndGateAreTold) {
+  folder.write("scan-0001/report.json",
+               R"({"status":"refused","reason_code":"no_crease","reason":"r","next_step":"n"})");
+  STRCMP_EQUAL("refused", row()->verdict.c_str());
+  STRCMP_EQUAL("no_crease", row()->reason_code.c_str());
+  folder.write("scan-0001/report.json", k_good);
+  folder.write("scan-0001/path/report.json",
+               R"({"status":"refused","reason_code":"cannot_follow","reason":"r"})");
+  STRCMP_EQUAL("cannot_follow", row()->reason_code.c_str());
+  folder.write("scan-0001/path/report.json", R"({"status":"ok"})");
+  folder.write("scan-0001/gate.json",
+               R"({"permitted":false,"rows":[{"name":"a","state":"passed"},
+                   {"name":"scan's age","state":"failed","value":"130 s","limit":"120 s","reason_code":"scan_too_old"}]})");
+  STRCMP_EQUAL("scan_too_old", row()->reason_code.c_str());
+  STRCMP_CONTAINS("130 s", row()->reason.c_str());
+  STRCMP_EQUAL("ok", row()->verdict.c_str());
+  CHECK(!row()->sent);
+}
+
+TEST(ScanRow, WhatTheArmDidIsTold) {
+  folder.write("scan-0001/report.json", k_good);
+  folder.write("scan-0001/gate.json", R"({"permitted":true,"rows":[]})");
+  CHECK(row()->sent);
+  CHECK(!row()->followed);
+  folder.write("scan-0001/followed.json", R"({"completed":true})");
+  CHECK(row()->followed == true);
+  folder.write("scan-0001/followed.json",
+               R"({"completed":false,"stopped":{"reason_code":"off_path","reason":"r"}})");
+  CHECK(row()->followed == false);
+  STRCMP_EQUAL("off_path", row()->reason_code.c_str());
+}
+
+TEST(ScanRow, MissingRowsAreTakenUpOnce) {
+  auto memory = memory::Memory::open(folder.path() / memory::k_memory_file);
+  SUCCEEDS(memory);
+  folder.write("scan-0001/report.json", k_good);
+  folder.write("scan-0002/other.txt", "");
+  folder.write("notes/report.json", k_good);
+  LONGS_EQUAL(1, *take_up_rows(*memory, folder.path()));
+  LONGS_EQUAL(0, *take_up_rows(*memory, folder.path()));
+  CHECK(memory->scan("scan-0001")->has_value());
+  CHECK(!memory->scan("notes")->has_value());
+}
+
+TEST(ScanRow, PlacesAreSignedDistancesToTheModelsLine) {
+  constexpr int k_points = 720;
+  cloud::ClosedLine model, line;
+  for (int i = 0; i < k_points; ++i) {
+    const double angle = 2 * 3.14159265358979 * i / k_points;
+    cloud::LinePoint point{};
+    point.normal = Vec3{std::cos(angle), std::sin(angle), 0};
+    point.position = 100 * point.normal;
+    model.points.push_back(point);
+    // Half of it 0.5 mm outside, half 0.2 mm inside; all of it moved by what the alignment says.
+    point.position = (i < k_points / 2 ? 100.5 : 99.8) * point.normal + Vec3{10, 20, 30};
+    line.points.push_back(point);
+  }
+  SE3 T_scan_model = SE3::Identity();
+  T_scan_model.translation() = Vec3{10, 20, 30};
+  const memory::Places places = places_of(line, model, T_scan_model);
+  // Chords of 0.9 mm on a radius of 100 mm stand off by 0.001 mm.
+  for (std::size_t place = 1; place < 17; ++place) DOUBLES_EQUAL(0.5, places[place], 0.002);
+  for (std::size_t place = 19; place < 35; ++place) DOUBLES_EQUAL(-0.2, places[place], 0.002);
+}
+
+TEST(ScanRow, EachRefusalOfTheServiceHasItsWords) {
+  test::check_refusal_table(Refused::ModelUnknown);
+}
+
+}  // namespace biteline::service
