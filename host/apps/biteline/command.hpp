@@ -34,6 +34,7 @@ void add_doctor(CLI::App& app, Context& context);
 void add_evaluate(CLI::App& app, Context& context);
 void add_explain(CLI::App& app, Context& context);
 void add_extract(CLI::App& app, Context& context);
+void add_history(CLI::App& app, Context& context);
 void add_keys(CLI::App& app, Context& context);
 void add_line(CLI::App& app, Context& context);
 void add_model(CLI::App& app, Context& context);

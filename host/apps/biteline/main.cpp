@@ -90,6 +90,7 @@ int main(int argc, char** argv) {
   add_evaluate(app, context);
   add_explain(app, context);
   add_extract(app, context);
+  add_history(app, context);
   add_calibrate(app, context);
   add_keys(app, context);
   add_line(app, context);

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+// biteline history: what the service remembers of its shoes.
+#include "host/memory/history.hpp"
+
+#include <cstdio>
+
+#include "common/core/fixed_text.hpp"
+#include "host/apps/biteline/command.hpp"
+
+namespace biteline::app {
+namespace {
+
+struct Options {
+  std::filesystem::path results;
+  std::string from, to, model, verdict;
+  int limit{20};
+  bool csv{false}, trends{false};
+};
+
+Result<memory::ScanFilter> filter_of(const Options& options) {
+  memory::ScanFilter filter;
+  for (const auto& [text, time, name] :
+       {std::tuple{&options.from, &filter.from, "--from"}, std::tuple{&options.to, &filter.to, "--to"}}) {
+    if (text->empty()) continue;
+    *time = memory::from_iso(*text);
+    if (!*time) {
+      return fail(Errc::InvalidArgument,
+                  "%s '%.40s': a day or time such as 2026-11-20 or 2026-11-20T21:04:05Z expected", name,
+                  text->c_str());
+    }
+  }
+  filter.model = options.model;
+  filter.verdict = options.verdict;
+  filter.limit = options.limit;
+  return filter;
+}
+
+std::string figure(const char* pattern, const std::optional<double>& number) {
+  return number ? std::string{FixedText<40>::format(pattern, *number).view()} : std::string{"-"};
+}
+
+std::string words_of(const memory::Scan& scan) {
+  using Text = FixedText<400>;
+  return Text::format("%-24s %-12s %-8s %-9s %10s %6s %8s  %s", memory::to_iso(scan.time).c_str(),
+                      scan.name.c_str(), scan.verdict.c_str(), scan.decision.c_str(),
+                      figure("%.1f mm", scan.length_mm).c_str(), figure("%.2f", scan.confidence).c_str(),
+                      figure("%.1f s", scan.cycle_s).c_str(),
+                      (scan.reason_code.empty() ? scan.model : scan.reason_code).c_str())
+      .c_str();
+}
+
+nlohmann::ordered_json json_of(const memory::Scan& scan) {
+  const auto or_null = [](const std::optional<double>& number) {
+    return number ? nlohmann::ordered_json(*number) : nlohmann::ordered_json{};
+  };
+  return {{"scan", scan.name},
+          {"time", memory::to_iso(scan.time)},
+          {"verdict", scan.verdict},
+          {"reason_code", scan.reason_code},
+          {"reason", scan.reason},
+          {"model", scan.model},
+          {"process", scan.process},
+          {"length_mm", or_null(scan.length_mm)},
+          {"confidence", or_null(scan.confidence)},
+          {"u95_mm", or_null(scan.u95_mm)},
+          {"weak_stretches", scan.weak_stretches},
+          {"line_s", or_null(scan.line_s)},
+          {"cycle_s", or_null(scan.cycle_s)},
+          {"decision", scan.decision},
+          {"decided_by", scan.decided_by},
+          {"sent", scan.sent},
+          {"operator", scan.operator_name}};
+}
+
+Result<ExitStatus> run_list(const memory::Memory& memory, const memory::ScanFilter& filter,
+                            const GlobalOptions& global) {
+  BITELINE_ASSIGN(const memory::ScanPage page, memory.scans(filter));
+  report::Report report;
+  report.fields["scans"] = nlohmann::ordered_json::array();
+  std::string words;
+  for (const memory::Scan& scan : page.scans) {
+    report.fields["scans"].push_back(json_of(scan));
+    words += (words.empty() ? "" : "\n") + words_of(scan);
+  }
+  report.fields["more"] = page.next_id > 0;
+  if (words.empty()) words = "no scan of this kind";
+  if (page.next_id > 0) words += "\n(more: --limit, or --csv for all)";
+  // The list is the result: --quiet leaves it.
+  return tell(report, {.quiet = false, .json = global.json}, words);
+}
+
+Result<ExitStatus> run_trends(const memory::Memory& memory, const memory::ScanFilter& filter,
+                              const GlobalOptions& global) {
+  BITELINE_ASSIGN(const memory::Trends trends, memory.trends(filter, memory::k_day_ms));
+  report::Report report;
+  report.fields = memory::to_json(trends);
+  using Text = FixedText<300>;
+  std::string words = "day         scans     ok  amber refused failed  cycle";
+  for (const memory::Trend& day : trends.buckets) {
+    words += Text::format("\n%.10s %6lld %6lld %6lld %7lld %6lld %6s", memory::to_iso(day.begin).c_str(),
+                          static_cast<long long>(day.scans), static_cast<long long>(day.ok),
+                          static_cast<long long>(day.amber), static_cast<long long>(day.refused),
+                          static_cast<long long>(day.failed), figure("%.1f s", day.median_cycle_s).c_str())
+                 .c_str();
+  }
+  for (const memory::ReasonCount& reason : trends.reasons)
+    words +=
+        Text::format("\n%6lld  %s", static_cast<long long>(reason.scans), reason.reason_code.c_str()).c_str();
+  return tell(report, {.quiet = false, .json = global.json}, words);
+}
+
+Result<ExitStatus> run_history(const Options& options, const GlobalOptions& global) {
+  BITELINE_ASSIGN(const memory::ScanFilter filter, filter_of(options));
+  BITELINE_ASSIGN(const memory::Memory memory,
+                  memory::Memory::open_to_read(options.results / memory::k_memory_file));
+  if (options.trends) return run_trends(memory, filter, global);
+  if (!options.csv) return run_list(memory, filter, global);
+  BITELINE_ASSIGN(const std::string csv, memory::history_csv(memory, filter));
+  if (std::fwrite(csv.data(), 1, csv.size(), stdout) != csv.size() || std::fflush(stdout) != 0)
+    return fail(Errc::WriteFailed, "stdout");
+  return ExitStatus::Done;
+}
+
+}  // namespace
+
+void add_history(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("history", "What a service remembers of its shoes; also while it runs");
+  command->add_option("results", options->results, "The service's --out folder")->required();
+  command->add_option("--from", options->from, "At or after this day or time, UTC");
+  command->add_option("--to", options->to, "Before this day or time, UTC");
+  command->add_option("--model", options->model, "Of this model");
+  command->add_option("--verdict", options->verdict, "Of this verdict")
+      ->check(CLI::IsMember({"working", "ok", "amber", "refused", "failed"}));
+  command->add_option("--limit", options->limit, "Newest so many")
+      ->check(CLI::Range(1, memory::k_most_scans))
+      ->capture_default_str();
+  auto* csv = command->add_flag("--csv", options->csv, "All of them as CSV, whatever the limit");
+  command->add_flag("--trends", options->trends, "Counts by day, and reasons by count")->excludes(csv);
+  command->callback([options, &context] {
+    context.run = [options, &context] { return run_history(*options, context.options); };
+  });
+}
+
+}  // namespace biteline::app
