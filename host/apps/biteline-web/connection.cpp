@@ -334,8 +334,10 @@ net::awaitable<void> Connection::forward(const WebRequest& request, Asked asked)
   question.method = asked.match.route->method;
   question.path = asked.path;
   question.query = std::move(asked.query);
-  const bool local_command =
-      question.local && (asked.path == "/api/v1/commands/stop" || asked.path == "/api/v1/commands/laser-off");
+  // The service takes the first account from the cell's own machine, and no other without a session.
+  const bool first_account = question.method == "POST" && asked.path == "/api/v1/users";
+  const bool local_command = question.local && (first_account || asked.path == "/api/v1/commands/stop" ||
+                                                asked.path == "/api/v1/commands/laser-off");
   if (question.token.empty() && handling != Handling::Login && !local_command) {
     co_await send(login_needed());
     co_return;
