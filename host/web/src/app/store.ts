@@ -234,7 +234,9 @@ export function use_reading<T>(path: string | null): { value: T | null; error: s
       .catch((error) => {
         if (!alive) return;
         if (error instanceof Refused && error.status === 401) change({ me: null });
-        set((before) => ({ path, value: before.path === path ? before.value : null, error: words_of(error) }));
+        // The line at the top says it for all.
+        const told_above = error instanceof Refused && (error.code === 'host_away' || error.code === 'no_answer');
+        set((before) => ({ path, value: before.path === path ? before.value : null, error: told_above ? '' : words_of(error) }));
       });
     return () => {
       alive = false;
