@@ -119,19 +119,13 @@ class ColumnEvidence {
   ColumnEvidence(const SideField& field, const Runs& runs, const EvidenceConfig& config)
       : field_{field}, runs_{runs}, config_{config} {}
 
-  void of(int col, float* likeness, float* cost) {
+  void of(int col, float* likeness) {
     const SideGrid& grid = field_.grid;
     sums_.of(field_, col);
     turn_.resize(static_cast<std::size_t>(grid.rows));
     runs_.of(col, turn_, along_);
     noise_rad_ = std::max(config_.noise_rad, config_.rough_ratio * roughness(col));
     for (int row = 0; row < grid.rows; ++row) likeness[row] = static_cast<float>(likeness_at(row));
-    above_.assign(static_cast<std::size_t>(grid.rows), 0.0F);
-    leave_above(likeness);
-    for (int row = 0; row < grid.rows; ++row)
-      cost[row] = (field_.seen[grid.at(row, col)] != 0 ? 1.0F : static_cast<float>(config_.unseen_cost)) -
-                  likeness[row] +
-                  static_cast<float>(config_.above_ratio) * above_[static_cast<std::size_t>(row)];
   }
 
  private:
@@ -177,18 +171,59 @@ class ColumnEvidence {
     return 1.0 / (1.0 + std::exp(-between / config_.flank_soft_rad));
   }
 
+  const SideField& field_;
+  const Runs& runs_;
+  const EvidenceConfig& config_;
+  RunningSums sums_;
+  std::vector<float> turn_;   ///< along the best direction
+  std::vector<float> along_;  ///< room for that
+  double noise_rad_{0};
+};
+
+/// What a course through each place of a column costs.
+class ColumnCost {
+ public:
+  ColumnCost(const SideField& field, const Evidence& evidence, const EvidenceConfig& config)
+      : field_{field}, evidence_{evidence}, config_{config} {}
+
+  void of(int col, float* cost) {
+    const SideGrid& grid = field_.grid;
+    worth_.clear();
+    for (int row = 0; row < grid.rows; ++row) worth_.push_back(worth_at(grid.at(row, col)));
+    leave_above();
+    for (int row = 0; row < grid.rows; ++row)
+      cost[row] = (field_.seen[grid.at(row, col)] != 0 ? 1.0F : static_cast<float>(config_.unseen_cost)) -
+                  worth_[static_cast<std::size_t>(row)] +
+                  static_cast<float>(config_.above_ratio) * above_[static_cast<std::size_t>(row)];
+  }
+
+ private:
+  [[nodiscard]] int rows_of(double mm) const {
+    return static_cast<int>(std::lround(mm / field_.grid.row_mm));
+  }
+
+  /// Likeness, less where the crease goes round by a part only.
+  [[nodiscard]] float worth_at(std::size_t cell) const {
+    const double whole = std::clamp((static_cast<double>(evidence_.round[cell]) - config_.part_share) /
+                                        (config_.whole_share - config_.part_share),
+                                    0.0, 1.0);
+    return static_cast<float>(config_.part_ratio + (1 - config_.part_ratio) * whole) *
+           evidence_.likeness[cell];
+  }
+
   /// The most line-like crease above each row.
-  void leave_above(const float* likeness) {
+  void leave_above() {
     const int rows = field_.grid.rows;
+    above_.assign(static_cast<std::size_t>(rows), 0.0F);
     const int from = rows_of(config_.above_from_mm);
     const int to = rows_of(config_.above_to_mm);
     const int reach = rows_of(1.0);
     for (int peak = from; peak < rows; ++peak) {
-      const float value = likeness[peak];
+      const float value = worth_[static_cast<std::size_t>(peak)];
       if (value < 0.15F) continue;
       bool highest = true;
       for (int r = std::max(0, peak - reach); highest && r <= std::min(rows - 1, peak + reach); ++r)
-        highest = likeness[r] <= value;
+        highest = worth_[static_cast<std::size_t>(r)] <= value;
       if (!highest) continue;
       for (int r = std::max(0, peak - to); r <= peak - from; ++r) {
         float& above = above_[static_cast<std::size_t>(r)];
@@ -198,12 +233,9 @@ class ColumnEvidence {
   }
 
   const SideField& field_;
-  const Runs& runs_;
+  const Evidence& evidence_;
   const EvidenceConfig& config_;
-  RunningSums sums_;
-  std::vector<float> turn_;   ///< along the best direction
-  std::vector<float> along_;  ///< room for that
-  double noise_rad_{0};
+  std::vector<float> worth_;
   std::vector<float> above_;
 };
 
@@ -215,10 +247,17 @@ Evidence find_evidence(const SideField& field, const EvidenceConfig& config) {
   evidence.likeness.resize(grid.size());
   evidence.cost.resize(grid.size());
   const Runs runs{field, config};
-  tbb::parallel_for(tbb::blocked_range<int>{0, grid.cols, 16}, [&](const auto& range) {
+  using Cols = tbb::blocked_range<int>;
+  tbb::parallel_for(Cols{0, grid.cols, 16}, [&](const Cols& range) {
     ColumnEvidence column{field, runs, config};
     for (int col = range.begin(); col != range.end(); ++col)
-      column.of(col, evidence.likeness.data() + grid.at(0, col), evidence.cost.data() + grid.at(0, col));
+      column.of(col, evidence.likeness.data() + grid.at(0, col));
+  });
+  evidence.round = share_round(grid, {evidence.likeness.data(), evidence.likeness.size()}, config.chain);
+  tbb::parallel_for(Cols{0, grid.cols, 16}, [&](const Cols& range) {
+    ColumnCost column{field, evidence, config};
+    for (int col = range.begin(); col != range.end(); ++col)
+      column.of(col, evidence.cost.data() + grid.at(0, col));
   });
   return evidence;
 }

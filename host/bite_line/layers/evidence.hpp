@@ -3,6 +3,7 @@
 /// \file How much each place of the side looks like the bite line, and what a course through it costs.
 
 #include "host/bite_line/large.hpp"
+#include "host/bite_line/layers/chains.hpp"
 #include "host/bite_line/side/side_field.hpp"
 
 namespace biteline::bite_line {
@@ -27,10 +28,17 @@ struct EvidenceConfig {
   double unseen_cost{1.1};  ///< a little more than surface without a crease
   double above_from_mm{2.5};
   double above_to_mm{25.0};
+  /// What a crease that goes round by `part_share` and less counts against one that goes round by
+  /// `whole_share` and more: a cap's or a counter's edge is a crease of a shoe, but not the bite line.
+  double part_ratio{0.6};
+  double part_share{0.35};
+  double whole_share{0.65};
+  ChainConfig chain{};
 };
 
 struct Evidence {
   Large<float> likeness;  ///< 0 to 1: a crease is here, and between two surfaces
+  Large<float> round;     ///< 0 to 1: how far round that crease goes on
   Large<float> cost;      ///< of a course per column: about 0 on a plain line, 1 where nothing is
 };
 

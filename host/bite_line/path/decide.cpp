@@ -159,7 +159,9 @@ Decision decide(const Layers& layers, const PlanShape& plan, double min_confiden
                "no upper: above the crease a wall goes on over %.0f %% of its length only, as on an open "
                "sandal or a rim",
                percent(line.upper_share))},
-      Gate{Refused::Overhang, line.flanks_seen ? line.flank_step_mm : 0.0, k_least_step_mm, 0.1,
+      // A second ledge close below bends the lower flank; what stands out behind that, too, is a lid.
+      Gate{Refused::Overhang, line.flanks_seen ? std::max(line.flank_step_mm, line.median_step_mm) : 0.0,
+           k_least_step_mm, 0.1,
            Text::format(
                "no bite line: what lies above the crease stands out by %.1f mm beyond what lies below it, "
                "as a lid does",

@@ -20,9 +20,9 @@ namespace biteline::bite_line {
 namespace {
 
 constexpr double k_max_tilt_rad = 12.0 * std::numbers::pi / 180.0;
-// Children's to large men's sizes (150 to 330 mm), and the margin that a flared sole and noise need.
-constexpr double k_min_length_mm = 135.0;
-constexpr double k_max_length_mm = 350.0;
+// Soles of 90 to 350 mm, and the margin that a flared sole and noise need.
+constexpr double k_min_length_mm = 85.0;
+constexpr double k_max_length_mm = 360.0;
 constexpr double k_min_width_to_length = 0.22;
 constexpr double k_max_width_to_length = 0.62;
 constexpr std::size_t k_min_points = 2000;

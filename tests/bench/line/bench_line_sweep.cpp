@@ -3,21 +3,26 @@
 // how many are right, refused and wrong, and how many wrong ones that still allows with 95 %.
 //
 //   bench_line_sweep [--count N] [--seed N] [--from N] [--class NAME] [--decoy NAME] [--fault NAME]
-//                    [--threads N] [--published] [--rows]
+//                    [--threads N] [--published] [--rows] [--save DIR]
 //
 // A row (--rows, stderr) begins with the index by which `--from INDEX --count 1` makes that shoe again.
+// --save writes each cloud, its true line, the line found and all candidates there, to be looked at.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 
 #include "host/bite_line/find_bite_line.hpp"
+#include "host/cloud/ply.hpp"
 #include "host/published/published_line.hpp"
 #include "tests/support/line_sweep.hpp"
 
@@ -29,6 +34,7 @@ struct Options {
   std::uint64_t seed{1};
   std::uint64_t from{0};
   std::string shoe_class{}, decoy{}, fault{};
+  std::string save{};
   std::size_t threads{2};
   bool published{false};
   bool rows{false};
@@ -75,6 +81,20 @@ void print(const std::string& what, const Tally& tally, const Tally* peer) {
   std::printf("}\n");
 }
 
+std::vector<Vec3> places_of(const cloud::ClosedLine& line) {
+  std::vector<Vec3> places;
+  for (const cloud::LinePoint& p : line.points) places.push_back(p.position);
+  return places;
+}
+
+bool write_positions(const std::string& file, const std::vector<Vec3>& line) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out{std::fopen(file.c_str(), "w"), &std::fclose};
+  if (!out) return false;
+  std::fprintf(out.get(), "#x [mm],y [mm],z [mm]\n");
+  for (const Vec3& p : line) std::fprintf(out.get(), "%.4f,%.4f,%.4f\n", p.x(), p.y(), p.z());
+  return true;
+}
+
 class Sweep {
  public:
   explicit Sweep(Options options) : options_{std::move(options)} {}
@@ -96,9 +116,23 @@ class Sweep {
   }
 
  private:
+  void save(std::uint64_t index, const test::SweepScan& scan, const bite_line::Extraction& found) const {
+    const std::string beside = (std::filesystem::path{options_.save} / std::to_string(index)).string();
+    bool written = cloud::write_cloud(beside + ".ply", scan.cloud).has_value();
+    const auto write = [&](const std::string& what, const std::vector<Vec3>& line) {
+      if (!line.empty()) written = write_positions(beside + what + ".csv", line) && written;
+    };
+    write("_truth", places_of(scan.truth));
+    write("_line", places_of(found.line));
+    for (std::size_t i = 0; i < found.candidates.size(); ++i)
+      write("_candidate_" + std::to_string(i), found.candidates[i].points);
+    if (!written) std::fprintf(stderr, "%s: cannot be written\n", beside.c_str());
+  }
+
   void judge(std::uint64_t index, const test::SweepCell& cell) {
     const test::SweepScan scan = test::scan_of(cell);
     const bite_line::Extraction found = bite_line::find_bite_line(scan.cloud, {});
+    if (!options_.save.empty()) save(index, scan, found);
     const test::SweepVerdict verdict = test::judge(scan, found);
     test::SweepVerdict peer;
     bool peer_found = false;
@@ -155,6 +189,7 @@ int main(int argc, char** argv) {
       if (argument == "--class") options.shoe_class = value;
       if (argument == "--decoy") options.decoy = value;
       if (argument == "--fault") options.fault = value;
+      if (argument == "--save") options.save = value;
     }
   }
   biteline::bench::Sweep{options}.run();

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/layers/chains.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include <tbb/parallel_for.h>
+
+namespace biteline::bite_line {
+
+namespace {
+
+constexpr int k_none = -1;
+
+/// The highest place of a crease in its column.
+struct Crest {
+  int row;
+  int col;
+  float likeness;
+  int next{k_none};  ///< index of the crest that goes on in a later column
+  int last{k_none};  ///< and of that which came before
+};
+
+class Chains {
+ public:
+  Chains(const SideGrid& grid, std::span<const float> likeness, const ChainConfig& config)
+      : grid_{grid}, config_{config}, apart_rows_{rows_of(config.apart_mm)} {
+    std::vector<std::vector<int>> rows(static_cast<std::size_t>(grid.cols));
+    tbb::parallel_for(0, grid.cols, [&](int col) {
+      rows[static_cast<std::size_t>(col)] =
+          crests_of(likeness.subspan(grid.at(0, col), static_cast<std::size_t>(grid.rows)));
+    });
+    for (int col = 0; col < grid.cols; ++col) {
+      first_.push_back(static_cast<int>(crests_.size()));
+      for (const int row : rows[static_cast<std::size_t>(col)])
+        crests_.push_back({.row = row, .col = col, .likeness = likeness[grid.at(row, col)]});
+    }
+    first_.push_back(static_cast<int>(crests_.size()));
+    for (int col = 0; col < grid.cols; ++col) join_neighbours(col);
+    bridge();
+  }
+
+  [[nodiscard]] Large<float> shares() const {
+    Large<float> shares(grid_.size());
+    std::fill(shares.begin(), shares.end(), 0.0F);
+    const std::vector<float> round = rounds();
+    for (std::size_t i = 0; i < crests_.size(); ++i) {
+      const Crest& crest = crests_[i];
+      for (int row = std::max(0, crest.row - apart_rows_);
+           row <= std::min(grid_.rows - 1, crest.row + apart_rows_); ++row) {
+        float& share = shares[grid_.at(row, crest.col)];
+        share = std::max(share, round[i]);
+      }
+    }
+    return shares;
+  }
+
+ private:
+  [[nodiscard]] int rows_of(double mm) const {
+    return std::max(1, static_cast<int>(std::lround(mm / grid_.row_mm)));
+  }
+
+  [[nodiscard]] std::vector<int> crests_of(std::span<const float> column) const {
+    std::vector<int> rows;
+    const auto count = static_cast<int>(column.size());
+    for (int row = 0; row < count; ++row) {
+      const float value = column[static_cast<std::size_t>(row)];
+      if (value < config_.least_likeness) continue;
+      bool highest = true;
+      for (int r = std::max(0, row - apart_rows_); highest && r <= std::min(count - 1, row + apart_rows_);
+           ++r) {
+        const float other = column[static_cast<std::size_t>(r)];
+        highest = other < value || (other == value && r >= row);  // of equal ones the lowest row
+      }
+      if (highest) rows.push_back(row);
+    }
+    return rows;
+  }
+
+  [[nodiscard]] std::size_t column_after(int col) const {
+    return static_cast<std::size_t>((col + 1) % grid_.cols);
+  }
+
+  /// The crest of a column nearest to a row, within reach.
+  [[nodiscard]] int nearest(std::size_t col, int row, int reach_rows) const {
+    int best = k_none;
+    int least = reach_rows + 1;
+    for (int i = first_[col]; i < first_[col + 1]; ++i) {
+      const int away = std::abs(crests_[static_cast<std::size_t>(i)].row - row);
+      if (away >= least) continue;
+      least = away;
+      best = i;
+    }
+    return best;
+  }
+
+  void join(int before, int after) {
+    crests_[static_cast<std::size_t>(before)].next = after;
+    crests_[static_cast<std::size_t>(after)].last = before;
+  }
+
+  void join_neighbours(int col) {
+    const int reach = rows_of(config_.step_mm * grid_.col_mm);
+    const auto here = static_cast<std::size_t>(col);
+    const std::size_t there = column_after(col);
+    for (int i = first_[here]; i < first_[here + 1]; ++i) {
+      const int row = crests_[static_cast<std::size_t>(i)].row;
+      const int other = nearest(there, row, reach);
+      if (other == k_none) continue;
+      if (nearest(here, crests_[static_cast<std::size_t>(other)].row, reach) == i) join(i, other);
+    }
+  }
+
+  /// Columns from one crest on to another, once round at most.
+  [[nodiscard]] int cols_on(const Crest& from, const Crest& to) const {
+    return (to.col - from.col + grid_.cols) % grid_.cols;
+  }
+
+  void bridge() {
+    const int most_cols = static_cast<int>(config_.bridge_mm / grid_.col_mm);
+    struct Ends {
+      int before, after;
+      double cost;
+    };
+    std::vector<Ends> pairs;
+    std::vector<int> begins;
+    for (std::size_t i = 0; i < crests_.size(); ++i) {
+      if (crests_[i].last == k_none) begins.push_back(static_cast<int>(i));
+    }
+    for (std::size_t i = 0; i < crests_.size(); ++i) {
+      if (crests_[i].next != k_none) continue;
+      for (const int begin : begins) {
+        const Crest& after = crests_[static_cast<std::size_t>(begin)];
+        const int gap = cols_on(crests_[i], after);
+        if (gap < 2 || gap > most_cols) continue;
+        const double rise_mm = std::abs(after.row - crests_[i].row) * grid_.row_mm;
+        if (rise_mm > config_.step_mm + config_.bridge_rise * gap * grid_.col_mm) continue;
+        // A millimetre up counts as much as five along: creases run on as they were.
+        pairs.push_back({static_cast<int>(i), begin, gap * grid_.col_mm + 5 * rise_mm});
+      }
+    }
+    std::stable_sort(pairs.begin(), pairs.end(),
+                     [](const Ends& a, const Ends& b) { return a.cost < b.cost; });
+    for (const Ends& pair : pairs) {
+      if (crests_[static_cast<std::size_t>(pair.before)].next == k_none &&
+          crests_[static_cast<std::size_t>(pair.after)].last == k_none)
+        join(pair.before, pair.after);
+    }
+  }
+
+  /// Of each crest's chain the share of the way round on which it is about as strong as at the crest.  A gap
+  /// that is bridged is as strong as the crest before it.
+  [[nodiscard]] std::vector<float> rounds() const {
+    std::vector<float> round(crests_.size(), -1.0F);
+    const auto walk = [&](std::size_t start) {
+      std::vector<std::size_t> chain;
+      std::vector<float> strengths;  // of each column that the chain spans
+      for (std::size_t i = start;;) {
+        chain.push_back(i);
+        const int next = crests_[i].next;
+        const int cols = next == k_none ? 1 : cols_on(crests_[i], crests_[static_cast<std::size_t>(next)]);
+        strengths.insert(strengths.end(), static_cast<std::size_t>(cols), crests_[i].likeness);
+        if (next == k_none) break;
+        i = static_cast<std::size_t>(next);
+        if (i == start || chain.size() > crests_.size()) break;
+      }
+      std::sort(strengths.begin(), strengths.end());
+      for (const std::size_t i : chain) {
+        const float least = config_.as_strong_ratio * crests_[i].likeness;
+        const auto cols = static_cast<double>(strengths.end() -
+                                              std::lower_bound(strengths.begin(), strengths.end(), least));
+        round[i] = static_cast<float>(std::min(1.0, cols / grid_.cols));
+      }
+    };
+    for (std::size_t i = 0; i < crests_.size(); ++i) {
+      if (crests_[i].last == k_none) walk(i);
+    }
+    // What is left closes on itself.
+    for (std::size_t i = 0; i < crests_.size(); ++i) {
+      if (round[i] < 0) walk(i);
+    }
+    return round;
+  }
+
+  const SideGrid& grid_;
+  const ChainConfig& config_;
+  int apart_rows_;
+  std::vector<Crest> crests_;  ///< column after column
+  std::vector<int> first_;     ///< of each column, and the end
+};
+
+}  // namespace
+
+Large<float> share_round(const SideGrid& grid, std::span<const float> likeness, const ChainConfig& config) {
+  return Chains{grid, likeness, config}.shares();
+}
+
+}  // namespace biteline::bite_line
