@@ -68,6 +68,17 @@ std::string_view cut_text(std::string_view text, std::size_t max_bytes) {
   return continues(text[end]) ? text.substr(0, max_bytes) : text.substr(0, end);
 }
 
+void shorten_text(char* out, std::size_t capacity, std::string_view text) {
+  constexpr std::string_view k_left_out = "...";
+  const std::size_t room = capacity - 1 - k_left_out.size();
+  const std::string_view head = cut_text(text, room / 3);
+  std::string_view tail = text.substr(text.size() - std::min(text.size(), room - head.size()));
+  for (int back = 0; back < 3 && !tail.empty() && continues(tail[0]); ++back) tail.remove_prefix(1);
+  char* to = std::copy(head.begin(), head.end(), out);
+  to = std::copy(k_left_out.begin(), k_left_out.end(), to);
+  *std::copy(tail.begin(), tail.end(), to) = '\0';
+}
+
 std::string clean_text(std::string_view text, std::size_t max_bytes) {
   std::string out{cut_text(text, max_bytes)};
   out.resize(clean_text_in_place(out.data(), out.size()));

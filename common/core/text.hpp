@@ -19,4 +19,9 @@ std::size_t clean_text_in_place(char* text, std::size_t size);
 /// The longest beginning of at most `max_bytes` that does not end inside a UTF-8 letter.
 [[nodiscard]] std::string_view cut_text(std::string_view text, std::size_t max_bytes);
 
+/// Writes at most `capacity` - 1 bytes of a text that is longer, and a zero: its beginning, "...", its end,
+/// cut between letters.  The end has more room: the file's name and the reason stand there.  Pre: capacity
+/// above 6.
+void shorten_text(char* out, std::size_t capacity, std::string_view text);
+
 }  // namespace biteline

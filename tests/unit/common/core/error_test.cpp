@@ -3,7 +3,9 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <cstring>
 #include <set>
+#include <string>
 
 #include "common/core/result.hpp"
 
@@ -51,9 +53,31 @@ TEST(Error, FailureTravelsThroughAssign) {
   STRCMP_EQUAL("3 is odd", sut.error().where.c_str());
 }
 
-TEST(Error, TooLongTextIsCutNotOverrun) {
-  const auto sut = FixedText<8>::format("%s", "0123456789");
-  STRCMP_EQUAL("0123456", sut.c_str());
+TEST(Error, TooLongTextSaysThatItIsCutAndKeepsItsEnd) {
+  STRCMP_EQUAL("0...789", FixedText<8>::format("%s", "0123456789").c_str());
+  STRCMP_EQUAL("0123456", FixedText<8>::format("%s", "0123456").c_str());
+  // A path as long as the system allows, then the reason.
+  const std::string folder(3000, 'd');
+  const Error sut = fail(Errc::BadValue, "/%s/line.csv row 5: 3 fields expected", folder.c_str()).value();
+  LONGS_EQUAL(255, sut.where.view().size());
+  CHECK(sut.where.view().starts_with("/dddd"));
+  CHECK(sut.where.view().find("d...d") != std::string_view::npos);
+  CHECK(sut.where.view().ends_with("/line.csv row 5: 3 fields expected"));
+}
+
+// At every capacity the cut falls elsewhere: no letter is ever torn.
+TEST(Error, ShortenedTextIsCutBetweenLetters) {
+  std::string letters;
+  for (int i = 0; i < 60; ++i) letters += "a\u00fc\u20ac\U0001F45F";
+  for (std::size_t capacity = 7; capacity < 120; ++capacity) {
+    std::string out(capacity, 'x');
+    shorten_text(out.data(), capacity, letters);
+    out.resize(std::strlen(out.c_str()));
+    CHECK(out.size() < capacity);
+    CHECK(out.size() + 7 > capacity);
+    STRCMP_EQUAL(clean_text(out).c_str(), out.c_str());
+    CHECK(out.find('?') == std::string::npos);
+  }
 }
 
 }  // namespace biteline
