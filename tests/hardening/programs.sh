@@ -1,7 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# programs.sh PROGRAM...: each finished program has what a hardened build gives it.  One line for each thing that is missing.
+# programs.sh HARDENED PROGRAM...: each finished program has what a hardened build gives it.  One line for each thing that is
+# missing.  HARDENED 0: the build is one with a sanitizer.
 set -euo pipefail
+[ "$1" = 1 ] || { echo "skipped: BITELINE_HARDENING is off"; exit 77; }
+shift
 command -v readelf >/dev/null && command -v objdump >/dev/null || { echo "skipped: no binutils"; exit 77; }
 bad=0
 for program in "$@"; do
