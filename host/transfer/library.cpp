@@ -108,7 +108,7 @@ Result<Manifest> read_manifest(const std::string& name, const fs::path& folder) 
                       .files = {}};
     manifest.made.version = json.value("version", 1);
     // Shown to people: bounded, and without what a terminal or page would act on.
-    for (const auto& [key, text] : texts_of(manifest.made)) *text = clean_text(json.value(key, ""), 100);
+    for (const auto& [key, words] : texts_of(manifest.made)) *words = clean_text(json.value(key, ""), 100);
     for (const nlohmann::json& file : json.at("files")) {
       manifest.files.push_back({.name = file.at("name").get<std::string>(),
                                 .checksum = file.at("crc32c").get<std::string>(),

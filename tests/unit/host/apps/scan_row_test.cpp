@@ -92,7 +92,7 @@ TEST(ScanRow, PlacesAreSignedDistancesToTheModelsLine) {
   cloud::ClosedLine model, line;
   for (int i = 0; i < k_points; ++i) {
     const double angle = 2 * 3.14159265358979 * i / k_points;
-    cloud::LinePoint point{};
+    cloud::LinePoint point{.position = Vec3::Zero(), .normal = Vec3::Zero(), .tangent = Vec3::Zero()};
     point.normal = Vec3{std::cos(angle), std::sin(angle), 0};
     point.position = 100 * point.normal;
     model.points.push_back(point);
