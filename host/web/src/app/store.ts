@@ -184,7 +184,8 @@ function watch(): void {
     if (socket !== mine) return;
     socket = null;
     if (!store.me) return;
-    change({ linked: false });
+    // Without the service the web program takes no watcher: that is told already.
+    if (store.host) change({ linked: false });
     setTimeout(again, wait_ms);
     wait_ms = Math.min(5000, 2 * wait_ms);
   };
@@ -200,6 +201,9 @@ async function again(): Promise<void> {
       change({ me: null, linked: true });
       return;
     }
+    // The web program answers, the service behind it does not.
+    if (error instanceof Refused && error.code === 'host_away') change({ linked: true, host: false });
+    if (error instanceof Refused && error.code === 'no_answer') change({ linked: false });
   }
   watch();
 }
