@@ -24,6 +24,7 @@ constexpr std::array k_routes{
     Route{"POST", "/api/v1/scans/{id}/reject", Handling::Forward},
     Route{"POST", "/api/v1/scans/{id}/send", Handling::Forward},
     Route{"POST", "/api/v1/scans/{id}/hold", Handling::Forward},
+    Route{"POST", "/api/v1/scans/{id}/keep", Handling::Forward},
     Route{"POST", "/api/v1/scans/{id}/rerun", Handling::Forward},
     Route{"POST", "/api/v1/scans/{id}/mend", Handling::Forward},
     Route{"POST", "/api/v1/commands/start", Handling::Forward},
