@@ -5,34 +5,43 @@
 
 #include <cmath>
 
+#include "host/bite_line/find_bite_line.hpp"
+
 namespace biteline::test {
 
-TEST_GROUP(LineSweep){
-    /// A ring of 600 mm, as a truth and as a line that leaves it by `off_mm` over its first `bad_mm`.
-    static SweepScan ring(){SweepScan scan;
-for (int i = 0; i < 1200; ++i)
-  scan.truth.points.push_back({.position = place(i), .normal = Vec3::UnitX(), .tangent = Vec3::UnitX()});
-return scan;
-}  // namespace biteline::test
-static bite_line::Extraction line(double off_mm, double bad_mm, double confidence) {
+namespace {
+
+Vec3 place(int i) {
+  const double angle = i * 2 * M_PI / 1200;
+  return {600 / (2 * M_PI) * std::cos(angle), 600 / (2 * M_PI) * std::sin(angle), 0};
+}
+
+cloud::LinePoint point(const Vec3& position, double confidence) {
+  return {.position = position, .normal = Vec3::UnitX(), .tangent = Vec3::UnitX(), .confidence = confidence};
+}
+
+/// A ring of 600 mm, as a truth ...
+SweepScan ring() {
+  SweepScan scan;
+  for (int i = 0; i < 1200; ++i) scan.truth.points.push_back(point(place(i), 1));
+  return scan;
+}
+
+/// ... and as a line that leaves it by `off_mm` over its first `bad_mm`.
+bite_line::Extraction line(double off_mm, double bad_mm, double confidence) {
   bite_line::Extraction found;
   found.found = true;
   for (int i = 0; i < 1200; ++i) {
     const bool bad = i * 0.5 < bad_mm;
-    const Vec3 p = place(i) + (bad ? off_mm : 0.0) * Vec3::UnitZ();
-    found.line.points.push_back({.position = p,
-                                 .normal = Vec3::UnitX(),
-                                 .tangent = Vec3::UnitX(),
-                                 .confidence = bad ? confidence : 0.99});
+    const Vec3 off = (bad ? off_mm : 0.0) * Vec3::UnitZ();
+    found.line.points.push_back(point(place(i) + off, bad ? confidence : 0.99));
   }
   return found;
 }
-static Vec3 place(int i) {
-  const double angle = i * 2 * M_PI / 1200;
-  return {600 / (2 * M_PI) * std::cos(angle), 600 / (2 * M_PI) * std::sin(angle), 0};
-}
-}
-;
+
+}  // namespace
+
+TEST_GROUP(LineSweep){};
 
 TEST(LineSweep, ALineIsWrongWhereMoreThanFiveMillimetresAreOffWithoutAWord) {
   CHECK(judge(ring(), line(1.2, 8, 0.9)).judged == Judged::Wrong);
@@ -74,6 +83,14 @@ TEST(LineSweep, ACellMakesTheSameScanAgainAndFaultsMoveTheTruthAlong) {
     for (const Eigen::Vector3f& p : a.cloud.points)
       nearest = std::min(nearest, (p - a.truth.points[i].position.cast<float>()).norm());
     CHECK(nearest < 0.7F);
+  }
+}
+
+TEST(LineSweep, CountersCapsAndSecondLedgesDoNotDrawTheLineAndThingsHaveNone) {
+  // Counters, a cap, a second ledge, and a dish, of the first sweep.
+  for (const std::uint64_t index : {4U, 6U, 560U, 726U, 787U, 55U}) {
+    const SweepScan scan = scan_of(sweep_cell(1, index));
+    CHECK(judge(scan, bite_line::find_bite_line(scan.cloud, {})).judged == Judged::Right);
   }
 }
 
