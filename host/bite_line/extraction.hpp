@@ -2,6 +2,7 @@
 #pragma once
 /// \file What comes out when a bite line is looked for.
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,12 +11,15 @@
 #include "host/bite_line/refused.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/report/stage_clock.hpp"
+#include "host/uncertainty/scan_spread.hpp"
 
 namespace biteline::bite_line {
 
 struct Config {
   double point_spacing_mm{0.5};      ///< of the resulting line
   double min_confidence_ratio{0.5};  ///< a line less sure than this is refused
+  /// The head that scanned, with what its calibration states: part of U95 where the scan has poses, too.
+  std::shared_ptr<const uncertainty::KnownHead> head{};
 };
 
 /// A closed crease that could be the bite line.  The first of a list is the best one.
@@ -36,7 +40,8 @@ struct Extraction {
   double confidence{0};            ///< that the line as a whole is the bite line
   double closure_mm{0};
   double length_mm{0};
-  double bridged_mm{0};               ///< length without a visible crease, bridged from both sides
+  double bridged_mm{0};     ///< length without a visible crease, bridged from both sides
+  bool head_in_u95{false};  ///< U95 holds calibration, poses and clock beside noise, gaps and layers
   std::vector<Candidate> candidates;  ///< found or not, best first
   SE3 T_base_shoe{SE3::Identity()};
   std::vector<report::StageTime> stages;  ///< in order, wall time

@@ -41,10 +41,16 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
                        .field = side.field,
                        .outline = side.outline,
                        .path_row = path_row,
-                       .trust = decision.trust},
+                       .hold = layers.hold,
+                       .other_mm = layers.other_mm,
+                       .sharp = layers.sharp},
                       {.spacing_mm = config.point_spacing_mm});
   });
-  Extraction extraction = clock.run("finish", [&] { return finish(side, decision, placed, config); });
+  Extraction extraction = clock.run("finish", [&] {
+    std::optional<uncertainty::ScanSpread> spread;
+    if (config.head != nullptr && !scan.poses.empty()) spread.emplace(*config.head, scan.poses);
+    return finish(side, decision, placed, config, spread);
+  });
   extraction.stages = clock.take();
   if (workings != nullptr)
     workings->emplace(Workings{std::move(side), std::move(decision), std::move(placed)});

@@ -7,9 +7,11 @@
 
 namespace biteline::bite_line {
 
-void LiveScan::add_profile(std::uint64_t sequence, std::span<const Eigen::Vector3f> points) {
+void LiveScan::add_profile(std::uint64_t sequence, std::span<const Eigen::Vector3f> points,
+                           const std::optional<uncertainty::ProfilePose>& pose) {
   if (!sequences_.insert(sequence).second) return;
-  profiles_.push_back({.sequence = sequence, .first_raw = raw_.size(), .points = points.size()});
+  profiles_.push_back(
+      {.sequence = sequence, .first_raw = raw_.size(), .points = points.size(), .pose = pose});
   // Neighbours along the stripe are some 0.07 mm apart: their means over a quarter of a millimetre carry all
   // that finding the line needs.
   constexpr float k_run_mm = 0.25F;
@@ -51,14 +53,19 @@ LiveScan LiveScan::ordered() const {
             [](const Profile& a, const Profile& b) { return a.sequence < b.sequence; });
   LiveScan scan;
   for (const Profile& profile : order)
-    scan.add_profile(profile.sequence, {raw_.data() + profile.first_raw, profile.points});
+    scan.add_profile(profile.sequence, {raw_.data() + profile.first_raw, profile.points}, profile.pose);
   return scan;
 }
 
 Extraction LiveScan::finish(const Config& config, std::optional<Workings>* workings) const {
   // Rare, and sums in another order could tip a place that is hardly to be seen.
   if (!in_order()) return ordered().finish(config, workings);
-  return find_bite_line({.means = means_, .points = raw_, .first_point = first_raw_}, config, workings);
+  std::vector<uncertainty::ProfilePose> poses;
+  for (const Profile& profile : profiles_) {
+    if (profile.pose && profile.points > 0) poses.push_back(*profile.pose);
+  }
+  return find_bite_line({.means = means_, .points = raw_, .first_point = first_raw_, .poses = poses}, config,
+                        workings);
 }
 
 }  // namespace biteline::bite_line

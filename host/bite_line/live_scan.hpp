@@ -20,7 +20,9 @@ class LiveScan {
  public:
   /// Points of one profile in base, in the order of the stripe.  One that is here already, by its sequence
   /// number, is left out: after a broken connection profiles may come twice.
-  void add_profile(std::uint64_t sequence, std::span<const Eigen::Vector3f> points);
+  /// `pose`: where the arm was, for the line's uncertainty.
+  void add_profile(std::uint64_t sequence, std::span<const Eigen::Vector3f> points,
+                   const std::optional<uncertainty::ProfilePose>& pose = {});
   /// All profiles of a cloud that has scan order.
   void add_profiles(const cloud::PointCloud& cloud);
   [[nodiscard]] std::size_t points() const { return raw_.size(); }
@@ -33,6 +35,7 @@ class LiveScan {
     std::uint64_t sequence{0};
     std::size_t first_raw{0};
     std::size_t points{0};
+    std::optional<uncertainty::ProfilePose> pose{};
   };
   [[nodiscard]] bool in_order() const;
   [[nodiscard]] LiveScan ordered() const;

@@ -9,15 +9,17 @@
 
 #include "host/bite_line/large.hpp"
 #include "host/bite_line/shoe/shoe.hpp"
+#include "host/uncertainty/scan_spread.hpp"
 
 namespace biteline::bite_line {
 
 /// Neighbours along a stripe make a run; its mean stands for it wherever the line is found, its own points
 /// wherever the line is placed.  A scattered cloud is runs of one.  Base, mm, finite; borrowed.
 struct ScanPoints {
-  std::span<const Eigen::Vector3f> means;      ///< of the runs
-  std::span<const Eigen::Vector3f> points;     ///< run after run
-  std::span<const std::uint32_t> first_point;  ///< of each run; empty: runs of one
+  std::span<const Eigen::Vector3f> means;             ///< of the runs
+  std::span<const Eigen::Vector3f> points;            ///< run after run
+  std::span<const std::uint32_t> first_point;         ///< of each run; empty: runs of one
+  std::span<const uncertainty::ProfilePose> poses{};  ///< in the order of time; empty: not known
 
   [[nodiscard]] static ScanPoints scattered(std::span<const Eigen::Vector3f> points) {
     return {.means = points, .points = points, .first_point = {}};

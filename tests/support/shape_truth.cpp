@@ -49,11 +49,14 @@ double step_at(const cloud::ClosedLine& line, std::size_t i) {
 LineOnShape line_on_shape(const cloud::ClosedLine& line, const cloud::ClosedLine& truth, double truth_mm) {
   constexpr double k_chord_mm = 3.0;
   constexpr std::size_t k_beside = 8;  // some 4 mm
-  constexpr double k_flagged = 0.5;
+  const auto is_flagged = [](const cloud::LinePoint& p) {
+    return !(p.confidence >= 0.5) || (p.u95_mm && !(*p.u95_mm <= 1.0)) ||
+           (p.flags & cloud::k_line_unsure) != 0;
+  };
   LineOnShape on;
   if (line.points.empty()) return on;
   const auto count = static_cast<double>(line.points.size());
-  for (const cloud::LinePoint& p : line.points) on.flagged += (p.confidence >= k_flagged ? 0 : 1) / count;
+  for (const cloud::LinePoint& p : line.points) on.flagged += is_flagged(p) ? 1 / count : 0;
   if (truth.points.empty()) return on;
   const double step_mm = cloud::length_mm(line) / count;
   double judged = 0;
@@ -78,13 +81,15 @@ LineOnShape line_on_shape(const cloud::ClosedLine& line, const cloud::ClosedLine
     judged += 1;
     on.mean_mm += nearest;
     on.max_mm = std::max(on.max_mm, nearest);
-    if (!(p.confidence >= k_flagged)) continue;
+    on.within_u95 += p.u95_mm && nearest <= *p.u95_mm + truth_mm ? 1 : 0;
+    if (is_flagged(p)) continue;
     unflagged += 1;
     on.mean_unflagged_mm += nearest;
     if (nearest > 1.0 + truth_mm) on.wrong_mm += step_mm;
     if (nearest > 2.0) on.beyond_2mm_unflagged += 1 / count;
   }
   on.mean_mm /= std::max(judged, 1.0);
+  on.within_u95 /= std::max(judged, 1.0);
   on.mean_unflagged_mm /= std::max(unflagged, 1.0);
   return on;
 }

@@ -48,7 +48,8 @@ struct LineOnShape {
   double mean_unflagged_mm{0};
   double wrong_mm{0};  ///< length off by more than 1 mm and the truth's own, outside flagged points
   double beyond_2mm_unflagged{0};  ///< share of all points
-  double flagged{0};               ///< share of all points: confidence below 0.5
+  double flagged{0};               ///< share of all points: confidence below 0.5, or U95 above 1 mm
+  double within_u95{0};            ///< share of the judged points: inside U95 and the truth's own error
 };
 
 /// From the line's points to the truth's polyline.  Steps of more than 3 mm in the truth are chords where it

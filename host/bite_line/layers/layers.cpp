@@ -45,6 +45,15 @@ float sharpness(const SideField& field, const Crease& line, int col) {
   return static_cast<float>(1 / (1 + doubt));
 }
 
+/// Between two places of a column; level where the surface of one was not seen.
+float apart_mm(const SideField& field, int col, int row, int other) {
+  const SideGrid& grid = field.grid;
+  const std::size_t a = grid.at(row, col);
+  const std::size_t b = grid.at(other, col);
+  const float out_mm = field.seen[a] != 0 && field.seen[b] != 0 ? field.o_mm[a] - field.o_mm[b] : 0.0F;
+  return std::hypot(out_mm, static_cast<float>((row - other) * grid.row_mm));
+}
+
 std::vector<int> with_branch(const Course& course, const Branch& branch) {
   std::vector<int> row = course.row;
   for (std::size_t k = 0; k < branch.row.size(); ++k)
@@ -65,6 +74,7 @@ Layers find_layers(const SideField& field, const LayersConfig& config) {
 
   Layers layers;
   layers.hold.assign(static_cast<std::size_t>(grid.cols), 1.0F);
+  layers.other_mm.assign(static_cast<std::size_t>(grid.cols), 0.0F);
   std::vector<const Branch*> told;
   for (const Branch& branch : course.branches) {
     const double margin = margin_of(branch);
@@ -74,7 +84,9 @@ Layers find_layers(const SideField& field, const LayersConfig& config) {
       const std::size_t col = (static_cast<std::size_t>(branch.first_col) + k) % layers.hold.size();
       // What was not seen is bridged, and told as that.
       if (field.seen[grid.at(course.row[col], static_cast<int>(col))] == 0) continue;
-      layers.hold[col] = std::min(layers.hold[col], hold);
+      if (!(hold < layers.hold[col])) continue;
+      layers.hold[col] = hold;
+      layers.other_mm[col] = apart_mm(field, static_cast<int>(col), course.row[col], branch.row[k]);
     }
     if (branch.row.size() >= k_shortest_told) told.push_back(&branch);
   }

@@ -36,9 +36,10 @@ struct Rival {
 
 struct Layers {
   Crease line;
-  std::vector<float> hold;    ///< per column: that the line is on its layer and on no other, 0 to 1
-  std::vector<float> sharp;   ///< per column: how sharp a place the crease has, 1 but on flat weak ones
-  std::vector<Rival> rivals;  ///< the nearest first
+  std::vector<float> hold;      ///< per column: that the line is on its layer and on no other, 0 to 1
+  std::vector<float> other_mm;  ///< per column: how far off the layer lies that the line holds least against
+  std::vector<float> sharp;     ///< per column: how sharp a place the crease has, 1 but on flat weak ones
+  std::vector<Rival> rivals;    ///< the nearest first
 };
 
 [[nodiscard]] Layers find_layers(const SideField& field, const LayersConfig& config);

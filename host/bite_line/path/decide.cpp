@@ -193,10 +193,8 @@ Decision decide(const Layers& layers, const PlanShape& plan, double min_confiden
     if (no == nullptr && !(sure >= 0.5)) no = &gate;
   }
   double held = 0;
-  for (std::size_t col = 0; col < layers.hold.size(); ++col) {
-    held += static_cast<double>(layers.hold[col]) / static_cast<double>(layers.hold.size());
-    decision.trust.push_back(layers.hold[col] * layers.sharp[col]);
-  }
+  for (const float hold : layers.hold)
+    held += static_cast<double>(hold) / static_cast<double>(layers.hold.size());
   decision.confidence = decision.of_line * held;
   if (no == nullptr && !(decision.confidence >= min_confidence)) no = worst;
   if (no != nullptr) {

@@ -24,9 +24,8 @@ struct JudgedPath {
 
 struct Decision {
   std::optional<Refusal> refusal;  ///< why none is the bite line
-  double confidence{0};      ///< that the best path is the line, times the share of its length that holds
-  double of_line{0};         ///< that it is the line wherever it keeps its layer
-  std::vector<float> trust;  ///< per column: that it keeps its layer there, and has a sharp place
+  double confidence{0};  ///< that the best path is the line, times the share of its length that holds
+  double of_line{0};     ///< that it is the line wherever it keeps its layer
   std::vector<JudgedPath> paths;  ///< the best, then what else the line could be, the nearest first
 };
 

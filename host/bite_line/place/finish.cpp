@@ -6,42 +6,85 @@
 #include <numbers>
 #include <utility>
 
+#include <tbb/parallel_for.h>
+
 #include "common/core/fixed_text.hpp"
+#include "host/bite_line/place/point_spread.hpp"
 #include "host/geometry/closed_curve.hpp"
+#include "host/uncertainty/radius.hpp"
 
 namespace biteline::bite_line {
 
 namespace {
 
-/// That a point lies within 0.3 mm of the true line.
-double point_confidence(const PlacedStation& point, double of_line) {
-  const double seen = 1.0 / (1.0 + point.doubt);
-  // The section's own place against the mean over its neighbours: a groove that jumps by more than 0.3 mm is
-  // unsure.
-  const double scatter_mm = std::abs(point.own_z_mm - point.position.z());
-  const double calm = 1.0 / (1.0 + std::pow(scatter_mm / 0.6, 2));
-  return of_line * point.trust * seen * calm;
-}
+/// A point is within this of the true line with its confidence.
+constexpr double k_confident_mm = 0.3;
+/// A point of less confidence, or more U95, is flagged.
+constexpr double k_sure_ratio = 0.5;
+constexpr double k_sure_mm = 1.0;
+
+/// Covariance of the whole scan at the line, in the planes across it: slow along the line, and dear.
+class AcrossSpread {
+ public:
+  AcrossSpread(const std::optional<uncertainty::ScanSpread>& spread, const cloud::ClosedLine& line) {
+    if (!spread) return;
+    constexpr std::size_t k_points_apart = 8;
+    count_ = line.points.size();
+    nodes_.resize(std::max<std::size_t>(1, count_ / k_points_apart));
+    tbb::parallel_for(std::size_t{0}, nodes_.size(), [&](std::size_t k) {
+      nodes_[k] = spread->covariance_mm2(line.points[k * count_ / nodes_.size()].position);
+    });
+  }
+  /// Zero without a head.
+  [[nodiscard]] Mat3 at(std::size_t point) const {
+    if (nodes_.empty()) return Mat3::Zero();
+    const double place = static_cast<double>(point * nodes_.size()) / static_cast<double>(count_);
+    const auto before = static_cast<std::size_t>(place) % nodes_.size();
+    const double fraction = place - std::floor(place);
+    return (1 - fraction) * nodes_[before] + fraction * nodes_[(before + 1) % nodes_.size()];
+  }
+
+ private:
+  std::size_t count_{0};
+  std::vector<Mat3> nodes_;
+};
 
 /// Evenly spaced along the placed line, in base, with tangents.
 cloud::ClosedLine even_line(const PlacedLine& placed_line, const SE3& T_base_shoe, double of_line,
-                            double spacing_mm) {
+                            const std::optional<uncertainty::ScanSpread>& spread, double spacing_mm) {
   const auto& placed = placed_line.points;
   const geometry::ArcLength along{placed.size(), [&](std::size_t i) { return placed[i].position; }};
   const std::size_t count = along.count_for(spacing_mm);
   cloud::ClosedLine line;
   line.points.reserve(count);
+  std::vector<PointSpread> own;
   for (std::size_t k = 0; k < count; ++k) {
     const geometry::OnCurve at = along.even(k, count);
     const PlacedStation& a = placed[at.before];
     const PlacedStation& b = placed[at.after];
-    line.points.push_back(
-        {.position = T_base_shoe * at.between<Vec3>(a.position, b.position),
-         .normal = T_base_shoe.linear() * at.between<Vec3>(a.normal, b.normal).normalized(),
-         .tangent = Vec3::UnitX(),
-         .confidence = at.between(point_confidence(a, of_line), point_confidence(b, of_line))});
+    line.points.push_back({.position = T_base_shoe * at.between<Vec3>(a.position, b.position),
+                           .normal = T_base_shoe.linear() * at.between<Vec3>(a.normal, b.normal).normalized(),
+                           .tangent = Vec3::UnitX(),
+                           .source = a.to_visible_mm > 0 || b.to_visible_mm > 0 ? cloud::PointSource::Bridged
+                                                                                : cloud::PointSource::Seen});
+    own.push_back(between(spread_of(a), spread_of(b), at.share));
   }
   add_tangents(line);
+  const AcrossSpread whole{spread, line};
+  const Vec3 up = T_base_shoe.linear().col(2);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+    cloud::LinePoint& point = line.points[k];
+    // The plane across the line; its axes are outwards and nearly up, as the own spread has them.
+    Eigen::Matrix<double, 3, 2> plane;
+    plane.col(0) = point.tangent.cross(up).normalized();
+    plane.col(1) = plane.col(0).cross(point.tangent);
+    const Eigen::Matrix2d covariance = own[k].covariance_mm2 + plane.transpose() * whole.at(k) * plane;
+    const uncertainty::Axes axes = uncertainty::principal_axes(covariance);
+    point.confidence = of_line * own[k].hold * uncertainty::chance_within(axes, k_confident_mm);
+    point.u95_mm = uncertainty::u95_mm(axes, own[k].hold, own[k].other_mm);
+    if (!(point.confidence >= k_sure_ratio && *point.u95_mm <= k_sure_mm))
+      point.flags |= cloud::k_line_unsure;
+  });
   return line;
 }
 
@@ -83,15 +126,22 @@ Candidate candidate_of(const JudgedPath& path, const Side& side) {
 }  // namespace
 
 void add_tangents(cloud::ClosedLine& line) {
+  // Noise of 0.02 mm in neighbours half a millimetre apart would turn them by degrees.
+  constexpr double k_reach_mm = 1.5;
   const std::size_t count = line.points.size();
+  if (count < 3) return;
+  const double spacing_mm = cloud::length_mm(line) / static_cast<double>(count);
+  const auto reach = std::clamp<std::size_t>(
+      static_cast<std::size_t>(std::lround(k_reach_mm / std::max(spacing_mm, 1e-6))), 1, (count - 1) / 2);
   for (std::size_t i = 0; i < count; ++i) {
-    const Vec3 chord = line.points[(i + 1) % count].position - line.points[(i + count - 1) % count].position;
+    const Vec3 chord =
+        line.points[(i + reach) % count].position - line.points[(i + count - reach) % count].position;
     if (chord.norm() > 1e-9) line.points[i].tangent = chord.normalized();
   }
 }
 
-Extraction finish(const Side& side, const Decision& decision, const PlacedLine& placed,
-                  const Config& config) {
+Extraction finish(const Side& side, const Decision& decision, const PlacedLine& placed, const Config& config,
+                  const std::optional<uncertainty::ScanSpread>& spread) {
   Extraction out{.confidence = decision.confidence, .T_base_shoe = side.shoe.T_base_shoe};
   for (const JudgedPath& path : decision.paths) out.candidates.push_back(candidate_of(path, side));
   out.refusal = decision.refusal;
@@ -110,7 +160,8 @@ Extraction finish(const Side& side, const Decision& decision, const PlacedLine& 
                               .c_str()};
     return out;
   }
-  out.line = even_line(placed, side.shoe.T_base_shoe, decision.of_line, config.point_spacing_mm);
+  out.line = even_line(placed, side.shoe.T_base_shoe, decision.of_line, spread, config.point_spacing_mm);
+  out.head_in_u95 = spread.has_value();
   const double unsure = unsure_share(out.line, config.min_confidence_ratio);
   out.confidence = std::min(out.confidence, 1 - unsure);
   if (unsure > k_most_unsure_share) {

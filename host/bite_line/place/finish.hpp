@@ -2,6 +2,7 @@
 #pragma once
 /// \file From the decision and the placed line to what is handed out, in base.
 
+#include <optional>
 #include <vector>
 
 #include "host/bite_line/extraction.hpp"
@@ -12,14 +13,16 @@
 namespace biteline::bite_line {
 
 /// `placed` is empty when the decision is a refusal.  What was bridged was not seen to be the bite line: it
-/// lowers the confidence, and a line that is then below the limit is refused.
+/// lowers the confidence, and a line that is then below the limit is refused.  `spread`: what calibration,
+/// poses and clock add to the points' uncertainty, where that is known.
 [[nodiscard]] Extraction finish(const Side& side, const Decision& decision, const PlacedLine& placed,
-                                const Config& config);
+                                const Config& config,
+                                const std::optional<uncertainty::ScanSpread>& spread = {});
 
 /// A cloud that ended before there was a side.
 [[nodiscard]] Extraction refused(Refusal refusal, std::vector<report::StageTime> stages);
 
-/// Central differences of the closed line's positions.
+/// Central differences of the closed line's positions, over a millimetre and a half to either side.
 void add_tangents(cloud::ClosedLine& line);
 
 }  // namespace biteline::bite_line

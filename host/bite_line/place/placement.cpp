@@ -160,12 +160,31 @@ std::vector<Vec2> plan_of(const Outline& outline, std::span<const double> o,
   return plan;
 }
 
-double trust_at(const PlacementInput& input, const Vec3& position) {
-  if (input.trust.empty()) return 1;
-  const OutlinePlace place = input.outline.locate(Eigen::Vector3f{position.cast<float>()});
-  if (place.s_mm < 0) return 0;
-  const auto col = static_cast<std::size_t>(static_cast<double>(place.s_mm) / input.field.grid.col_mm);
-  return static_cast<double>(input.trust[std::min(col, input.trust.size() - 1)]);
+/// What the layers say of the column that a place lies in.
+void set_layer(const PlacementInput& input, PlacedStation& station) {
+  if (input.hold.empty()) return;
+  const OutlinePlace place = input.outline.locate(Eigen::Vector3f{station.position.cast<float>()});
+  if (place.s_mm < 0) {
+    station.hold = 0;
+    return;
+  }
+  const auto col =
+      std::min(static_cast<std::size_t>(static_cast<double>(place.s_mm) / input.field.grid.col_mm),
+               input.hold.size() - 1);
+  station.hold = static_cast<double>(input.hold[col]);
+  station.other_mm = static_cast<double>(input.other_mm[col]);
+  station.sharp = static_cast<double>(input.sharp[col]);
+}
+
+/// Of the own heights about the line's, over the running mean's length; what is bridged has none.
+std::vector<double> scatter_of(const std::vector<double>& own_z_mm, const std::vector<double>& z_mm,
+                               const std::vector<std::uint8_t>& visible, double steps) {
+  std::vector<double> square(z_mm.size());
+  for (std::size_t i = 0; i < square.size(); ++i)
+    square[i] = visible[i] != 0 ? (own_z_mm[i] - z_mm[i]) * (own_z_mm[i] - z_mm[i]) : 0.0;
+  std::vector<double> scatter = geometry::running_mean(square, steps);
+  for (double& value : scatter) value = std::sqrt(std::max(value, 0.0));
+  return scatter;
 }
 
 }  // namespace
@@ -223,6 +242,10 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
       {.points = points, .sections = sections, .outline = path_outline, .line_z_mm = z, .line_plan = plan},
       config.normals);
 
+  const std::vector<double> scatter =
+      scatter_of(seen_z, z, ridge.visible, config.mean_mm / sections.station_mm);
+  const std::vector<PlaceNoise> noise = place_noise(sections, row, ridge.visible, config.mean_mm);
+
   placement.points.resize(stations);
   for (std::size_t i = 0; i < stations; ++i) {
     placement.points[i] = {.position = {plan[i].x(), plan[i].y(), z[i]},
@@ -231,7 +254,9 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
                            .own_z_mm = seen_z[i],
                            .to_visible_mm = gap[i].to_known_mm,
                            .doubt = std::max(gap[i].doubt, shadow[i].doubt),
-                           .trust = trust_at(input, {plan[i].x(), plan[i].y(), z[i]})};
+                           .noise = noise[i],
+                           .scatter_mm = scatter[i]};
+    set_layer(input, placement.points[i]);
   }
   for (std::size_t i = 0; i < stations; ++i) {
     const double step = (placement.points[(i + 1) % stations].position - placement.points[i].position).norm();

@@ -10,6 +10,7 @@
 
 #include "host/bite_line/large.hpp"
 #include "host/bite_line/place/normals.hpp"
+#include "host/bite_line/place/place_noise.hpp"
 #include "host/bite_line/shoe/plan.hpp"
 #include "host/bite_line/side/side_field.hpp"
 
@@ -33,7 +34,11 @@ struct PlacedStation {
       0};  ///< distance along the line to the nearest place where the crease was seen; 0 there
   /// Expected error over 0.3 mm where the crease, or the surface at its own depth, was not seen; 0 elsewhere.
   double doubt{0};
-  double trust{1};  ///< that the path keeps its layer, and that the layer's place is sharp
+  PlaceNoise noise{};
+  double scatter_mm{0};  ///< RMS of the sections' own heights about their running mean, over its length
+  double hold{1};        ///< that the path keeps its layer here ...
+  double other_mm{0};    ///< ... and how far off the other layer is
+  double sharp{1};       ///< 1 but where a weak crease lies on a flat slope
 };
 
 struct PlacedLine {
@@ -58,7 +63,10 @@ struct PlacementInput {
   const SideField& field;
   const Outline& outline;
   std::span<const double> path_row;  ///< per column of the field
-  std::span<const float> trust;      ///< of each column, see PlacedStation; empty: everywhere
+  /// Of each column, see PlacedStation; empty: one layer and sharp everywhere.
+  std::span<const float> hold{};
+  std::span<const float> other_mm{};
+  std::span<const float> sharp{};
 };
 [[nodiscard]] PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config);
 

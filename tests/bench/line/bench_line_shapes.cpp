@@ -83,8 +83,10 @@ void run(const std::string& name, const cloud::PointCloud& cloud, const test::Sh
                                                       : "right";
   std::printf(
       "\"verdict\":\"%s\",\"mean_mm\":%.3f,\"max_mm\":%.2f,\"mean_unflagged_mm\":%.3f,"
-      "\"wrong_length_mm\":%.1f,\"share_beyond_2mm_unflagged\":%.4f,\"share_flagged\":%.4f}\n",
-      verdict, on.mean_mm, on.max_mm, on.mean_unflagged_mm, on.wrong_mm, on.beyond_2mm_unflagged, on.flagged);
+      "\"wrong_length_mm\":%.1f,\"share_beyond_2mm_unflagged\":%.4f,\"share_flagged\":%.4f,"
+      "\"share_within_u95\":%.4f}\n",
+      verdict, on.mean_mm, on.max_mm, on.mean_unflagged_mm, on.wrong_mm, on.beyond_2mm_unflagged, on.flagged,
+      on.within_u95);
   std::fflush(stdout);
 }
 

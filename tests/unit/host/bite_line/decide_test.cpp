@@ -27,6 +27,7 @@ Crease crease(double height_mm, double turn_deg, double step_mm) {
 Layers layers(const Crease& line, std::vector<Rival> rivals = {}) {
   return {.line = line,
           .hold = std::vector<float>(100, 1.0F),
+          .other_mm = std::vector<float>(100, 0.0F),
           .sharp = std::vector<float>(100, 1.0F),
           .rivals = std::move(rivals)};
 }
@@ -92,15 +93,11 @@ TEST(Decide, ALineOnWhatMayBeAnotherLayersIsRefusedWithBothHeights) {
   STRCMP_CONTAINS("34.0", sut.refusal->reason.c_str());
 }
 
-TEST(Decide, AShortRivalLowersTheTrustThereAndNowhereElse) {
+TEST(Decide, AShortRivalLowersTheConfidenceByItsShare) {
   Layers two = layers(crease(22, 60, 0.8));
   std::fill_n(two.hold.begin() + 40, 5, 0.1F);
-  two.sharp[70] = 0.3F;
   const Decision sut = decided(two);
   CHECK_FALSE(sut.refusal.has_value());
-  DOUBLES_EQUAL(0.1, sut.trust[42], 1e-6);
-  DOUBLES_EQUAL(0.3, sut.trust[70], 1e-6);
-  DOUBLES_EQUAL(1.0, sut.trust[10], 1e-6);
   DOUBLES_EQUAL(0.955 * sut.of_line, sut.confidence, 1e-6);
 }
 

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/place/place_noise.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "host/geometry/closed_curve.hpp"
+#include "host/geometry/robust.hpp"
+
+namespace biteline::bite_line {
+namespace {
+
+// Second differences over this height: more than three deviations of the sections' own smoothing.
+constexpr double k_lag_mm = 0.2;
+// The crease itself turns; beside it the surface is nearly straight over the lag.
+constexpr double k_beside_crease_mm = 1.0;
+// Median of |x| over its standard deviation, and the variance of a second difference.
+constexpr double k_median_of_normal = 0.6745;
+constexpr double k_second_difference = 6;
+
+int rows_of(const Sections& sections, double mm) {
+  return std::max(1, static_cast<int>(std::lround(mm / sections.row_mm)));
+}
+
+/// Variance of the sections' o at a station, from second differences beside the crease; 0 where too little
+/// was seen.
+double noise_mm2(const Sections& sections, int station, double line_row, std::vector<double>& room) {
+  const int lag = rows_of(sections, k_lag_mm);
+  const int beside = rows_of(sections, k_beside_crease_mm);
+  const auto crease = static_cast<int>(std::lround(line_row));
+  room.clear();
+  for (int row = lag; row + lag < sections.rows; row += lag / 2 + 1) {
+    if (std::abs(row - crease) < beside) continue;
+    const std::size_t at = sections.at(station, row);
+    const auto step = static_cast<std::size_t>(lag);
+    if (sections.known[at] != Sections::k_seen || sections.known[at - step] != Sections::k_seen ||
+        sections.known[at + step] != Sections::k_seen)
+      continue;
+    room.push_back(std::abs(
+        static_cast<double>(sections.o_mm[at - step] - 2 * sections.o_mm[at] + sections.o_mm[at + step])));
+  }
+  constexpr std::size_t k_least = 8;
+  if (room.size() < k_least) return 0;
+  const double sigma = geometry::median_of(std::span<double>{room}) / k_median_of_normal;
+  return sigma * sigma / k_second_difference;
+}
+
+/// Over half a millimetre to either side of the line.
+double slope_at(const Sections& sections, int station, double line_row) {
+  const int reach = rows_of(sections, 0.5);
+  const auto row = static_cast<int>(std::lround(line_row));
+  const int low = std::clamp(row - reach, 0, sections.rows - 1);
+  const int high = std::clamp(row + reach, 0, sections.rows - 1);
+  const std::size_t a = sections.at(station, low);
+  const std::size_t b = sections.at(station, high);
+  if (high <= low || sections.known[a] == 0 || sections.known[b] == 0) return 0;
+  return static_cast<double>(sections.o_mm[b] - sections.o_mm[a]) / ((high - low) * sections.row_mm);
+}
+
+}  // namespace
+
+std::vector<PlaceNoise> place_noise(const Sections& sections, std::span<const double> row,
+                                    std::span<const std::uint8_t> visible, double mean_mm) {
+  const auto stations = static_cast<std::size_t>(sections.stations);
+  std::vector<double> mm2(stations), counted(stations);
+  std::vector<PlaceNoise> noise(stations);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>{0, stations, 64}, [&](const auto& range) {
+    std::vector<double> room;
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      counted[i] = visible[i] != 0 ? 1 : 0;
+      mm2[i] = counted[i] * noise_mm2(sections, static_cast<int>(i), row[i], room);
+      noise[i].slope = slope_at(sections, static_cast<int>(i), row[i]);
+    }
+  });
+  const double steps = mean_mm / sections.station_mm;
+  mm2 = geometry::running_mean(mm2, steps);
+  counted = geometry::running_mean(counted, steps);
+  for (std::size_t i = 0; i < stations; ++i)
+    noise[i].outward_mm = std::sqrt(std::max(mm2[i], 0.0) / std::max(counted[i], 1 / steps));
+  return noise;
+}
+
+}  // namespace biteline::bite_line

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/place/point_spread.hpp"
+
+#include <algorithm>
+
+namespace biteline::bite_line {
+
+PointSpread spread_of(const PlacedStation& station, const SpreadModel& model) {
+  const auto square = [](double value) { return value * value; };
+  // A wrong height slides the point along the wall.
+  const Eigen::Vector2d wall{station.noise.slope, 1};
+  const double height_mm2 = square(model.scatter * station.scatter_mm);
+  // Places that are guessed are off in any direction.
+  const double flat = 1 / std::max(station.sharp, 1e-3) - 1;
+  const double anywhere_mm2 = square(model.outward * station.noise.outward_mm) +
+                              (station.doubt > 0 ? square(model.any_gap_mm) : 0.0) +
+                              square(model.gap_mm * station.doubt) + square(model.flat_mm * flat);
+  return {.covariance_mm2 = height_mm2 * wall * wall.transpose() + anywhere_mm2 * Eigen::Matrix2d::Identity(),
+          .hold = station.hold,
+          .other_mm = station.other_mm};
+}
+
+PointSpread between(const PointSpread& a, const PointSpread& b, double fraction) {
+  return {.covariance_mm2 = (1 - fraction) * a.covariance_mm2 + fraction * b.covariance_mm2,
+          .hold = (1 - fraction) * a.hold + fraction * b.hold,
+          .other_mm = std::max(a.other_mm, b.other_mm)};
+}
+
+}  // namespace biteline::bite_line

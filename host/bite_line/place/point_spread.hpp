@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file How far a placed point may be off, as far as its own scan tells: noise, texture, gaps, other layers.
+
+#include "host/bite_line/place/placement.hpp"
+
+namespace biteline::bite_line {
+
+/// In the upright plane across the line: outwards, then up; mm.
+struct PointSpread {
+  Eigen::Matrix2d covariance_mm2{Eigen::Matrix2d::Zero()};  ///< where the line keeps its layer ...
+  double hold{1};                                           ///< ... which it does with this probability
+  double other_mm{0};                                       ///< how far off the other layer is
+};
+
+/// Factors of what the station measured.  `scatter` and `outward` are fitted by
+/// tests/bench/line/fit_spread.py to points that bench_line_u95 writes, of seeds that no table shows.  A
+/// gap's doubt and a flat place's are so scaled that the share of points within 0.3 mm is what it was fitted
+/// to (placement.cpp, layers.cpp).
+struct SpreadModel {
+  double scatter{1.07};     ///< of the scatter of neighbouring sections about the line's height
+  double outward{0.75};     ///< of the surface's noise
+  double any_gap_mm{0.12};  ///< wherever the crease or the surface was not seen
+  double gap_mm{0.15};      ///< of a gap's doubt
+  double flat_mm{0.3};      ///< of a flat place's doubt
+};
+
+[[nodiscard]] PointSpread spread_of(const PlacedStation& station, const SpreadModel& model = {});
+
+[[nodiscard]] PointSpread between(const PointSpread& a, const PointSpread& b, double fraction);
+
+}  // namespace biteline::bite_line

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: MIT
+// Does U95 hold the true line with 95 %, and is confidence the probability of 0.3 mm?  Made shoes of all
+// classes, each scanned by a head of its own that is not known exactly.
+//
+//   bench_line_u95 [--seeds N] [--from N] [--class NAME] [--exact] [--points FILE] [--rows]
+//
+// --exact: calibration, poses and clock without error.  --points: what the model of a point's error is fitted
+// to (fit_spread.py), one row for each station.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "host/bite_line/live_scan.hpp"
+#include "tests/support/uncertain_scan.hpp"
+
+namespace biteline::bench {
+namespace {
+
+constexpr double k_confident_mm = 0.3;
+
+/// From the nearest place of the closed line to a point.
+Vec3 offset_mm(const Vec3& point, const cloud::ClosedLine& line) {
+  Vec3 best = Vec3::Constant(1e9);
+  for (std::size_t i = 0; i < line.points.size(); ++i) {
+    const Vec3& a = line.points[i].position;
+    const Vec3 d = line.points[(i + 1) % line.points.size()].position - a;
+    const double share = std::clamp((point - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
+    const Vec3 offset = point - (a + share * d);
+    if (offset.squaredNorm() < best.squaredNorm()) best = offset;
+  }
+  return best;
+}
+
+struct Tenth {
+  double claimed{0}, held{0}, points{0};
+};
+
+struct Tally {
+  int shoes{0}, refused{0};
+  double within{0}, u95_sum_mm{0};
+  std::vector<double> errors_mm{};
+  std::array<Tenth, 10> tenths{};
+
+  void add(double error_mm, double u95_mm, double confidence) {
+    errors_mm.push_back(error_mm);
+    within += error_mm <= u95_mm ? 1 : 0;
+    u95_sum_mm += u95_mm;
+    Tenth& tenth = tenths.at(static_cast<std::size_t>(std::clamp(confidence * 10, 0.0, 9.0)));
+    tenth.claimed += confidence;
+    tenth.held += error_mm <= k_confident_mm ? 1 : 0;
+    tenth.points += 1;
+  }
+  void add(const Tally& other) {
+    shoes += other.shoes;
+    refused += other.refused;
+    within += other.within;
+    u95_sum_mm += other.u95_sum_mm;
+    errors_mm.insert(errors_mm.end(), other.errors_mm.begin(), other.errors_mm.end());
+    for (std::size_t i = 0; i < tenths.size(); ++i) {
+      tenths.at(i).claimed += other.tenths.at(i).claimed;
+      tenths.at(i).held += other.tenths.at(i).held;
+      tenths.at(i).points += other.tenths.at(i).points;
+    }
+  }
+  [[nodiscard]] double per_point(double sum) const {
+    return errors_mm.empty() ? 0 : sum / static_cast<double>(errors_mm.size());
+  }
+  [[nodiscard]] double mean_mm() const {
+    double sum = 0;
+    for (const double error_mm : errors_mm) sum += error_mm;
+    return per_point(sum);
+  }
+  [[nodiscard]] double p95_mm() const {
+    if (errors_mm.empty()) return 0;
+    std::vector<double> sorted = errors_mm;
+    const auto at =
+        sorted.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(sorted.size() - 1));
+    std::nth_element(sorted.begin(), at, sorted.end());
+    return *at;
+  }
+};
+
+/// One row for each station: class, seed, what it measured, and its error outwards and up.
+void write_points(std::ostream& out, const std::string& row, const bite_line::Workings& workings,
+                  const bite_line::Extraction& found, const cloud::ClosedLine& truth) {
+  const auto& placed = workings.placed.points;
+  for (std::size_t i = 0; i < placed.size(); i += 4) {
+    const bite_line::PlacedStation& p = placed[i];
+    const Vec3 offset =
+        found.T_base_shoe.linear().transpose() * offset_mm(found.T_base_shoe * p.position, truth);
+    const Vec3 along =
+        (placed[(i + 1) % placed.size()].position - placed[(i + placed.size() - 1) % placed.size()].position)
+            .normalized();
+    const Vec3 outwards = along.cross(Vec3::UnitZ()).normalized();
+    char text[300];
+    std::snprintf(text, sizeof text, "%s,%.6f,%.4f,%.5f,%.5f,%.4f,%.4f,%.3f,%.5f,%.5f,%d\n", row.c_str(),
+                  p.noise.outward_mm, p.noise.slope, p.scatter_mm, p.doubt, p.sharp, p.hold, p.other_mm,
+                  offset.dot(outwards), offset.z(), p.to_visible_mm > 0 ? 1 : 0);
+    out << text;
+  }
+}
+
+void print(const std::string& name, const Tally& t) {
+  std::fprintf(stderr,
+               "%-10s %4d shoes %3d refused  mean %.4f  p95 %.4f  U95 %.4f  ratio %.2f  within %.4f\n",
+               name.c_str(), t.shoes, t.refused, t.mean_mm(), t.p95_mm(), t.per_point(t.u95_sum_mm),
+               t.per_point(t.u95_sum_mm) / std::max(t.p95_mm(), 1e-9), t.per_point(t.within));
+}
+
+int run(int argc, char** argv) {
+  std::uint64_t seeds = 6;
+  std::uint64_t from = 1;
+  std::string only, points_file;
+  bool rows = false;
+  double errors = 1;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    const bool more = i + 1 < argc;
+    if (argument == "--seeds" && more)
+      seeds = std::strtoull(argv[++i], nullptr, 10);
+    else if (argument == "--from" && more)
+      from = std::strtoull(argv[++i], nullptr, 10);
+    else if (argument == "--class" && more)
+      only = argv[++i];
+    else if (argument == "--points" && more)
+      points_file = argv[++i];
+    else if (argument == "--exact")
+      errors = 0;
+    else if (argument == "--rows")
+      rows = true;
+  }
+  std::ofstream points;
+  if (!points_file.empty()) {
+    points.open(points_file);
+    points << "class,seed,outward_mm,slope,scatter_mm,doubt,sharp,hold,other_mm,error_out_mm,"
+              "error_up_mm,bridged\n";
+  }
+  Tally all;
+  double least_class = 1;
+  // One more: a sector is missing, of every class in turn but the bare uppers.
+  constexpr auto k_classes = static_cast<std::size_t>(sim::ShoeClass::Bare);
+  for (std::size_t c = 0; c <= k_classes; ++c) {
+    const bool sector = c == k_classes;
+    const std::string name{sector ? "sector" : sim::k_shoe_class_names[c]};
+    if (!only.empty() && only != name) continue;
+    Tally tally;
+    for (std::uint64_t seed = from; seed < from + seeds; ++seed) {
+      const test::UncertainScan made =
+          test::uncertain_scan({.shoe_class = static_cast<sim::ShoeClass>(sector ? seed % k_classes : c),
+                                .seed = sector ? seed + 1000 : seed,
+                                .errors = errors,
+                                .missing_mm = sector ? 8 + static_cast<double>(seed * 7 % 33) : 0});
+      std::optional<bite_line::Workings> workings;
+      const bite_line::Extraction found = test::line_of(made, &workings);
+      ++tally.shoes;
+      if (!found.found) {
+        ++tally.refused;
+        continue;
+      }
+      Tally one;
+      for (const cloud::LinePoint& p : found.line.points)
+        one.add(offset_mm(p.position, made.truth).norm(), p.u95_mm.value_or(0), p.confidence);
+      if (points.is_open())
+        write_points(points, name + "," + std::to_string(seed), *workings, found, made.truth);
+      if (rows) print(name + " " + std::to_string(seed), one);
+      tally.add(one);
+    }
+    print(name, tally);
+    if (!tally.errors_mm.empty()) least_class = std::min(least_class, tally.per_point(tally.within));
+    all.add(tally);
+  }
+  print("all", all);
+  const std::string what =
+      std::to_string(all.shoes) + " made shoes, " + (errors > 0 ? "each head known so far" : "heads exact");
+  const auto row = [](const char* bench, const std::string& told, double ours, const char* unit) {
+    std::printf("{\"bench\":\"%s\",\"what\":\"%s\",\"ours\":%.4g,\"unit\":\"%s\"}\n", bench, told.c_str(),
+                ours, unit);
+  };
+  row("line.u95.coverage", what, all.per_point(all.within), "share of points");
+  row("line.u95.coverage", what + ", least class", least_class, "share of points");
+  row("line.u95.ratio", what + ", mean U95 to 95th percentile of the errors",
+      all.per_point(all.u95_sum_mm) / std::max(all.p95_mm(), 1e-9), "");
+  for (const Tenth& tenth : all.tenths) {
+    if (tenth.points < 1) continue;
+    std::printf(
+        "{\"bench\":\"line.confidence\",\"what\":\"%s: share within 0.3 mm of points that claim %.3f\","
+        "\"ours\":%.4f,\"unit\":\"share\",\"target\":%.4f,\"points\":%.0f}\n",
+        what.c_str(), tenth.claimed / tenth.points, tenth.held / tenth.points, tenth.claimed / tenth.points,
+        tenth.points);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace biteline::bench
+
+int main(int argc, char** argv) {
+  return biteline::bench::run(argc, argv);
+}
