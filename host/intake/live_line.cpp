@@ -9,6 +9,12 @@
 
 namespace biteline::intake {
 
+uncertainty::ProfilePose pose_of(const profile::ProfileHeader& header) {
+  const auto since = header.exposure_mid.time_since_epoch();
+  return {.T_base_flange = header.T_base_flange,
+          .time_s = 1e-9 * static_cast<double>(std::chrono::duration_cast<Nanoseconds>(since).count())};
+}
+
 LiveLine::LiveLine(const bite_line::Config& config) : config_{config}, thread_{[this] { work(); }} {
   pthread_setname_np(thread_.native_handle(), "bl-line");
 }
@@ -22,11 +28,12 @@ LiveLine::~LiveLine() {
   thread_.join();
 }
 
-void LiveLine::add_profile(std::uint64_t sequence, std::span<const Eigen::Vector3f> points_base) {
+void LiveLine::add_profile(std::uint64_t sequence, std::span<const Eigen::Vector3f> points_base,
+                           const std::optional<uncertainty::ProfilePose>& pose) {
   {
     const std::lock_guard lock{mutex_};
     BITELINE_EXPECTS(!closed_);
-    waiting_.push_back({sequence, {points_base.begin(), points_base.end()}});
+    waiting_.push_back({sequence, {points_base.begin(), points_base.end()}, pose});
     last_profile_ = Clock::now();
   }
   changed_.notify_all();
@@ -42,9 +49,10 @@ void LiveLine::add_profiles(const cloud::PointCloud& cloud) {
   }
 }
 
-void LiveLine::close() {
+void LiveLine::close(std::shared_ptr<const uncertainty::KnownHead> head) {
   {
     const std::lock_guard lock{mutex_};
+    config_.head = std::move(head);
     closed_ = true;
   }
   changed_.notify_all();
@@ -79,7 +87,7 @@ void LiveLine::work() noexcept {
 void LiveLine::find_line() {
   bite_line::LiveScan scan;
   while (const std::optional<Profile> profile = next())
-    scan.add_profile(profile->sequence, profile->points_base);
+    scan.add_profile(profile->sequence, profile->points_base, profile->pose);
   {
     const std::lock_guard lock{mutex_};
     if (dropped_) return;

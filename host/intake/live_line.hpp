@@ -7,16 +7,21 @@
 #include <cstdint>
 #include <deque>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
 #include <thread>
 #include <vector>
 
+#include "common/profile/profile.hpp"
 #include "host/bite_line/live_scan.hpp"
 #include "host/cloud/point_cloud.hpp"
 
 namespace biteline::intake {
+
+/// Where the arm was when a profile was taken.
+[[nodiscard]] uncertainty::ProfilePose pose_of(const profile::ProfileHeader& header);
 
 /// One scan, one thread of its own (`bl-line`): who takes the scan in only hands points over and never waits
 /// for geometry, so that the sensor hears from the host all the time.
@@ -36,11 +41,14 @@ class LiveLine {
   LiveLine(const LiveLine&) = delete;
   LiveLine& operator=(const LiveLine&) = delete;
 
-  void add_profile(std::uint64_t sequence, std::span<const Eigen::Vector3f> points_base);
+  /// `pose`: where the arm was, for the line's uncertainty.
+  void add_profile(std::uint64_t sequence, std::span<const Eigen::Vector3f> points_base,
+                   const std::optional<uncertainty::ProfilePose>& pose = {});
   /// The profiles of a cloud that has scan order, for a scan that goes on after a restart.
   void add_profiles(const cloud::PointCloud& cloud);
-  /// No more profiles: the closing steps begin.
-  void close();
+  /// No more profiles: the closing steps begin.  `head`: the one that scanned, where it is told how well it
+  /// is known.
+  void close(std::shared_ptr<const uncertainty::KnownHead> head = {});
 
   struct Outcome {
     bite_line::Extraction extraction;
@@ -57,6 +65,7 @@ class LiveLine {
   struct Profile {
     std::uint64_t sequence{0};
     std::vector<Eigen::Vector3f> points_base;
+    std::optional<uncertainty::ProfilePose> pose{};
   };
 
   void work() noexcept;

@@ -7,6 +7,7 @@
 #include "host/cloud/ply.hpp"
 #include "host/report/json_text.hpp"
 #include "host/report/page.hpp"
+#include "host/results/line_uncertainty.hpp"
 #include "host/results/pictures/stages.hpp"
 #include "host/results/view/page_parts.hpp"
 #include "host/results/view/view_data.hpp"
@@ -41,6 +42,7 @@ Result<void> write_page(const std::filesystem::path& folder, const bite_line::Ex
   add_viewer(page, folder);
   page.heading("Figures");
   page.figures(named_figures(report.fields));
+  add_u95(page, report.fields);
   if (extraction.candidates.size() > 1) {
     page.heading("Candidates");
     std::vector<std::vector<std::string>> rows;
@@ -90,7 +92,10 @@ Result<ExitStatus> write_line_result(const std::filesystem::path& folder, const 
   }
   report.fields["candidates"] = candidates_of(extraction);
   const std::vector<WeakStretch> weak = weak_stretches(extraction.line, extraction.T_base_shoe);
-  if (extraction.found) report.fields["weak_stretches"] = as_json(weak);
+  if (extraction.found) {
+    report.fields["weak_stretches"] = as_json(weak);
+    report.fields["u95"] = u95_json(extraction.line, parts_of_found_line(extraction.head_in_u95));
+  }
   for (const report::StageTime& stage : extraction.stages)
     report.fields["extraction_s"][stage.name] = stage.seconds;
 

@@ -6,6 +6,7 @@
 #include "host/report/json_text.hpp"
 #include "host/report/page.hpp"
 #include "host/results/line_result.hpp"
+#include "host/results/line_uncertainty.hpp"
 #include "host/results/pictures/transfer_stages.hpp"
 #include "host/results/view/page_parts.hpp"
 #include "host/results/view/view_data.hpp"
@@ -124,6 +125,7 @@ Result<void> write_page(const std::filesystem::path& folder, const transfer::Tra
   }
   page.heading("All figures");
   page.figures(named_figures(report.fields));
+  add_u95(page, report.fields);
   return page.write(folder / "index.html");
 }
 
@@ -135,7 +137,10 @@ Result<ExitStatus> write_transfer_result(const std::filesystem::path& folder, co
   fill(transfer, report);
   const SE3& T_base_shoe = transfer.alignment.placement.T_target_source;
   const std::vector<WeakStretch> weak = weak_stretches(transfer.carried.line, T_base_shoe);
-  if (transfer.found) report.fields["weak_stretches"] = as_json(weak);
+  if (transfer.found) {
+    report.fields["weak_stretches"] = as_json(weak);
+    report.fields["u95"] = u95_json(transfer.carried.line, parts_of_carried_line());
+  }
   if (transfer.found) {
     BITELINE_TRY(
         report.timed("write", [&] { return cloud::write_line(folder / "line.csv", transfer.carried.line); }));

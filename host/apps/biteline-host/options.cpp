@@ -6,6 +6,7 @@
 
 #include "common/options/number.hpp"
 #include "host/transfer/library.hpp"
+#include "host/uncertainty/uncertainty_file.hpp"
 
 namespace biteline::service {
 namespace {
@@ -30,6 +31,9 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_option("--sensor", sensor, "Where the sensor listens: tcp://HOST:PORT")->required();
   app.add_option("--keys", options.keys, "Folder of keys; compulsory beyond loopback");
   app.add_option("--out", options.out, "Folder of the results: scan-0001, scan-0002, ...")->required();
+  std::filesystem::path uncertainty;
+  app.add_option("--uncertainty", uncertainty,
+                 "How well the sensor's head is known: uncertainty.yaml of `biteline calibrate`");
   auto* sample = app.add_option("--sample", carry.sample,
                                 "The scans are uppers without a sole: carry the line over from this sample "
                                 "(the folder of a finished scan, or "
@@ -87,6 +91,14 @@ ParsedOptions parse_options(int argc, char** argv) {
     parsed.leave_with =
         error.get_exit_code() == 0 ? app.exit(error) : complain(std::string{error.what()} + " (see --help)");
     return parsed;
+  }
+  if (!uncertainty.empty()) {
+    const Result<uncertainty::HeadUncertainty> known = uncertainty::read_uncertainty(uncertainty);
+    if (!known) {
+      parsed.leave_with = complain(to_line(known.error()));
+      return parsed;
+    }
+    options.uncertainty = *known;
   }
   const Result<wire::Endpoint> endpoint = wire::parse_endpoint(sensor);
   if (!endpoint) {

@@ -8,6 +8,7 @@
 
 #include "common/wire/endpoint.hpp"
 #include "host/transfer/transfer.hpp"
+#include "host/uncertainty/head_uncertainty.hpp"
 
 namespace biteline::service {
 
@@ -43,8 +44,9 @@ struct Options {
   wire::Endpoint sensor;
   std::optional<std::filesystem::path> keys;
   std::filesystem::path out;
-  std::optional<SampleOptions> sample;  ///< without: the line is looked for in the scan
-  std::optional<RobotOptions> robot;    ///< without: the line is the result
+  std::optional<uncertainty::HeadUncertainty> uncertainty;  ///< of the sensor's head, where it is told
+  std::optional<SampleOptions> sample;                      ///< without: the line is looked for in the scan
+  std::optional<RobotOptions> robot;                        ///< without: the line is the result
   DoorOptions doors;
   std::filesystem::path library;      ///< of models
   bool models{false};                 ///< each scan's model is recognised in the library

@@ -389,7 +389,8 @@ Result<void> Service::on_event(const intake::LinkEvent& event) {
   link_->acknowledge();
   if (const auto* profile = std::get_if<intake::ProfileEvent>(&event); profile && scan_->line) {
     scan_->line->add_profile(profile->profile.header.sequence,
-                             std::span{scan_->intake.cloud().points}.subspan(before));
+                             std::span{scan_->intake.cloud().points}.subspan(before),
+                             intake::pose_of(profile->profile.header));
   }
   return {};
 }
@@ -524,7 +525,7 @@ Result<LineStep> Service::work_out_line(Scan& scan, intake::ScanOutcome& outcome
     scan.chosen.model = carrier_->name;
     return carry_line(scan.folder, *carrier_, outcome);
   }
-  BITELINE_ASSIGN(LineStep found, find_line(scan.folder, outcome, *scan.line));
+  BITELINE_ASSIGN(LineStep found, find_line(scan.folder, outcome, *scan.line, options_.uncertainty));
   return use_library(scan, outcome, std::move(found));
 }
 

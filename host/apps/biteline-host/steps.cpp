@@ -24,6 +24,7 @@
 #include "host/robot/link/gate/gate_file.hpp"
 #include "host/robot/link/ur/controller_words.hpp"
 #include "host/robot/link/ur/ur_link.hpp"
+#include "host/robot/path/certainty.hpp"
 #include "host/robot/path/checks/way_there.hpp"
 
 namespace biteline::service {
@@ -118,6 +119,7 @@ robot::GateInputs gate_inputs(const PlanStep& plan, const SendRequest& request) 
   const SE3 off = plan.outcome.path->path().T_flange_tcp.inverse() * process.tool.T_flange_tcp;
   inputs.result = {.line_passed = path::all_passed(path::check_line(plan.request.line)),
                    .path_passed = false,
+                   .u95_mm = path::certainty_of(plan.outcome.path->path(), process.gate.tolerance_mm).u95_mm,
                    .tool_off_mm = off.translation().norm(),
                    .tool_off_rad = geometry::log_so3(off.linear()).norm(),
                    .same_payload = same_payload(plan.outcome.path->path().payload, process.tool.payload)};
@@ -217,12 +219,15 @@ void say_step(const char* pattern, ...) {
   std::fflush(stdout);
 }
 
-Result<LineStep> find_line(const fs::path& folder, const intake::ScanOutcome& scan, intake::LiveLine& line) {
+Result<LineStep> find_line(const fs::path& folder, const intake::ScanOutcome& scan, intake::LiveLine& line,
+                           const std::optional<uncertainty::HeadUncertainty>& known) {
   report::Report report;
   BITELINE_TRY(results::prepare_result_folder(folder));
   fill_scan(scan, report);
   if (scan.failure) return keep_unfinished(folder, scan, report);
-  line.close();
+  std::shared_ptr<const uncertainty::KnownHead> head;
+  if (known) head = std::make_shared<const uncertainty::KnownHead>(scan.sensor.model, *known);
+  line.close(std::move(head));
   intake::LiveLine::Outcome outcome = line.wait();
   report.add_stage("last profile to line", outcome.last_profile_to_line_s);
   bite_line::Extraction& extraction = outcome.extraction;

@@ -32,9 +32,11 @@ struct LineStep {
 };
 
 /// cloud.ply, line.csv, stages/, report.json.  A scan that did not come to its own end is refused: the cloud
-/// is kept. `line` has had every profile of the scan.
+/// is kept. `line` has had every profile of the scan.  `known`: how well its head is known, where that is
+/// told.
 [[nodiscard]] Result<LineStep> find_line(const std::filesystem::path& folder, const intake::ScanOutcome& scan,
-                                         intake::LiveLine& line);
+                                         intake::LiveLine& line,
+                                         const std::optional<uncertainty::HeadUncertainty>& known);
 
 /// The line stands in the folder, but nobody knows whose it is: the report refuses it, and line.csv goes.
 [[nodiscard]] Result<void> refuse_unknown(const std::filesystem::path& folder, const std::string& words);

@@ -16,6 +16,7 @@
 #include "host/calibration/refine/scan_refinement.hpp"
 #include "host/report/json_text.hpp"
 #include "host/report/report.hpp"
+#include "host/uncertainty/uncertainty_file.hpp"
 
 namespace biteline::app {
 namespace {
@@ -136,6 +137,21 @@ Result<void> refine_part(const Options& options, const calibration::HeadFit& fit
   return {};
 }
 
+/// What the fit states; a part that was not calibrated here has none, and then there is no file.
+uncertainty::HeadUncertainty uncertainty_of(const calibration::HeadFit& fit,
+                                            const calibration::HandEyeCalibration& hand_eye,
+                                            Nanoseconds clock_sigma) {
+  uncertainty::HeadUncertainty out{.plane_axes = fit.plane_axes,
+                                   .plane_middle_cam = fit.plane_middle_cam,
+                                   .pose_sigma_mm = hand_eye.pose_sigma_mm,
+                                   .pose_sigma_rad = hand_eye.pose_sigma_rad};
+  out.covariance.topLeftCorner<calibration::k_head_parameters, calibration::k_head_parameters>() =
+      fit.covariance;
+  out.covariance(uncertainty::k_clock_at, uncertainty::k_clock_at) =
+      std::pow(1e-9 * static_cast<double>(clock_sigma.count()), 2);
+  return out;
+}
+
 Result<void> compare_part(const Options& options, const calibration::HeadFit& fit, int width_px,
                           report::Report& report) {
   BITELINE_ASSIGN(const geometry::SensorModel before, config::read_sensor_yaml(options.compare));
@@ -177,7 +193,8 @@ Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global
                   report.timed("read", [&] { return read_input(options, parts, known); }));
   BITELINE_TRY(report::prepare_folder(options.out / "stages"));
   std::error_code ignored;
-  fs::remove(options.out / "sensor.yaml", ignored);  // an older result must not outlive a refusal
+  // An older result must not outlive a refusal.
+  for (const char* name : {"sensor.yaml", uncertainty::k_file_name}) fs::remove(options.out / name, ignored);
 
   const calibration::HeadCalibration result =
       report.timed("calibrate", [&] { return calibration::calibrate_head(input); });
@@ -249,6 +266,11 @@ Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global
       sensor, "calibrated by biteline; report.json beside it tells how well",
       {.laser_plane = told.contains("laser"), .T_flange_cam = told.contains("hand-eye")});
   BITELINE_TRY(report::write_file_atomically(options.out / "sensor.yaml", text));
+  if (result.camera && result.laser && result.hand_eye) {
+    BITELINE_TRY(report::write_file_atomically(
+        options.out / uncertainty::k_file_name,
+        uncertainty::uncertainty_text(uncertainty_of(result.fit, *result.hand_eye, clock_sigma))));
+  }
   BITELINE_TRY(report.write(options.out));
   return tell(report, global, "");
 }

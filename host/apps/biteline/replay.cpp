@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // biteline replay: a recorded session through the sensor program and the host's pipeline.
 #include <cstdio>
+#include <memory>
 #include <optional>
 
 #include "common/stripe/peak_names.hpp"
@@ -11,28 +12,42 @@
 #include "host/intake/session_run.hpp"
 #include "host/report/progress.hpp"
 #include "host/results/line_result.hpp"
+#include "host/uncertainty/uncertainty_file.hpp"
 
 namespace biteline::app {
 namespace {
 
 struct Options {
-  std::filesystem::path session, out, sensor;
+  std::filesystem::path session, out, sensor, uncertainty;
   std::string peak_mode;
   Method method{Method::Default};
 };
 
 /// The line of a scan that is in; its time from the last profile on is a stage of its own.
-FoundLine finish_line(intake::LiveLine& line, report::Report& report) {
-  line.close();
+FoundLine finish_line(intake::LiveLine& line, const std::shared_ptr<const uncertainty::KnownHead>& head,
+                      report::Report& report) {
+  line.close(head);
   intake::LiveLine::Outcome outcome = line.wait();
   report.add_stage("last profile to line", outcome.last_profile_to_line_s);
   return {std::move(outcome.extraction), results::stages_of(std::move(outcome.workings))};
+}
+
+/// Told by the option, or by the file beside the sensor.yaml that counts.
+Result<std::optional<uncertainty::HeadUncertainty>> uncertainty_of(const Options& options) {
+  if (!options.uncertainty.empty()) {
+    BITELINE_ASSIGN(const uncertainty::HeadUncertainty told,
+                    uncertainty::read_uncertainty(options.uncertainty));
+    return std::optional{told};
+  }
+  return uncertainty::read_uncertainty_beside(
+      options.sensor.empty() ? options.session / "cam0" / "sensor.yaml" : options.sensor);
 }
 
 Result<ExitStatus> replay(const Options& options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_TRY(results::prepare_result_folder(options.out));
 
+  BITELINE_ASSIGN(const std::optional<uncertainty::HeadUncertainty> known, uncertainty_of(options));
   intake::SessionRunOptions run_options;
   run_options.session = options.session;
   if (!options.sensor.empty()) run_options.sensor_file = options.sensor;
@@ -47,14 +62,16 @@ Result<ExitStatus> replay(const Options& options, const GlobalOptions& global) {
   if (options.method == Method::Default) line.emplace(bite_line::Config{});
   run_options.on_profile = [&](const profile::Profile& profile,
                                std::span<const Eigen::Vector3f> points_base) {
-    if (line) line->add_profile(profile.header.sequence, points_base);
+    if (line) line->add_profile(profile.header.sequence, points_base, intake::pose_of(profile.header));
   };
   BITELINE_ASSIGN(const intake::SessionRun run,
                   report.timed("scan", [&] { return intake::run_sensor_on_session(run_options); }));
   progress.reset();
 
+  std::shared_ptr<const uncertainty::KnownHead> head;
+  if (known) head = std::make_shared<const uncertainty::KnownHead>(run.sensor.model, *known);
   const FoundLine found = line
-                              ? finish_line(*line, report)
+                              ? finish_line(*line, head, report)
                               : report.timed("extract", [&] { return find_line(run.cloud, options.method); });
 
   report.fields["input"] = options.session.filename().string();
@@ -77,6 +94,10 @@ void add_replay(CLI::App& app, Context& context) {
   command->add_option(
       "--sensor", options->sensor,
       "A sensor.yaml whose intrinsics, distortion, laser plane and T_flange_cam replace the session's");
+  command->add_option(
+      "--uncertainty", options->uncertainty,
+      "How well the head is known (uncertainty.yaml of `biteline calibrate`); without: the one "
+      "beside the sensor.yaml");
   command
       ->add_option("--peak-mode", options->peak_mode,
                    "Where in a column the stripe is: by its whole shape (matched, the default), or as other "
