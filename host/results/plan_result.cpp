@@ -3,11 +3,13 @@
 
 #include <numbers>
 
+#include "common/core/fixed_text.hpp"
 #include "host/report/page.hpp"
 #include "host/results/tracking_page/tracking_page.hpp"
 #include "host/results/view/page_parts.hpp"
 #include "host/results/view/view_data.hpp"
 #include "host/robot/link/ur/script.hpp"
+#include "host/robot/path/certainty.hpp"
 #include "host/robot/path/path_file.hpp"
 
 namespace biteline::results {
@@ -38,6 +40,26 @@ ordered_json as_json(const path::Remedy& remedy) {
   return out;
 }
 
+path::Certainty certainty(const path::PlanRequest& request, const path::PlanOutcome& outcome) {
+  return path::certainty_of(outcome.path->path(), request.process.gate.tolerance_mm);
+}
+
+ordered_json number_or_null(const std::optional<double>& value) {
+  return value ? ordered_json(*value) : ordered_json(nullptr);
+}
+
+/// Along the path: how certain it is, and where not certain enough to be sent.
+ordered_json as_json(const path::Certainty& certainty, const std::optional<double>& tolerance_mm) {
+  ordered_json out{{"u95_max_mm", number_or_null(certainty.u95_mm)},
+                   {"at_mm", certainty.at_mm},
+                   {"tolerance_mm", number_or_null(tolerance_mm)},
+                   {"places", ordered_json::array()}};
+  for (const path::UncertainPlace& place : certainty.places)
+    out["places"].push_back(
+        {{"from_mm", place.from_mm}, {"to_mm", place.to_mm}, {"u95_mm", number_or_null(place.u95_mm)}});
+  return out;
+}
+
 void fill_report(report::Report& report, const path::PlanRequest& request, const path::PlanOutcome& outcome) {
   ordered_json& fields = report.fields;
   fields["robot"] = request.arm.name;
@@ -51,6 +73,7 @@ void fill_report(report::Report& report, const path::PlanRequest& request, const
   if (outcome.path) {
     fields["points"] = outcome.path->path().waypoints.size();
     fields["duration_s"] = outcome.path->duration_s();
+    fields["uncertainty"] = as_json(certainty(request, outcome), request.process.gate.tolerance_mm);
     return;
   }
   report.refuse(*outcome.refusal);
@@ -61,11 +84,26 @@ void fill_report(report::Report& report, const path::PlanRequest& request, const
   }
 }
 
+void add_uncertain_places(report::Page& page, const path::PlanRequest& request,
+                          const path::PlanOutcome& outcome) {
+  if (!outcome.path) return;
+  const path::Certainty certain = certainty(request, outcome);
+  if (certain.places.empty()) return;
+  page.heading("Too uncertain to be sent");
+  std::vector<std::vector<std::string>> rows;
+  for (const path::UncertainPlace& place : certain.places)
+    rows.push_back({report::value_text(place.from_mm, "mm"), report::value_text(place.to_mm, "mm"),
+                    place.u95_mm ? report::value_text(*place.u95_mm, "mm") : "not known"});
+  page.table({"along the path from", "to", "U95"}, rows);
+}
+
 /// index.html: the verdict, the viewer, every check.
 Result<void> write_page(const fs::path& folder, const path::PlanRequest& request,
                         const path::PlanOutcome& outcome, const report::Report& report) {
   using report::Page;
-  const std::string summary = outcome.path ? request.arm.name + " follows the line: every check passed"
+  const std::string warning = uncertainty_warning(request, outcome);
+  const std::string summary = outcome.path ? request.arm.name + " follows the line: every check passed" +
+                                                 (warning.empty() ? "" : "; " + warning)
                                            : "refused: " + outcome.reason();
   cloud::PointCloud cloud;
   cloud.points = request.cloud;
@@ -85,9 +123,12 @@ Result<void> write_page(const fs::path& folder, const path::PlanRequest& request
   BITELINE_TRY(write_view(folder, view));
 
   Page page{"Path of " + request.process.name, summary,
-            outcome.path ? Page::Mood::Good : Page::Mood::Refused};
+            !outcome.path     ? Page::Mood::Refused
+            : warning.empty() ? Page::Mood::Good
+                              : Page::Mood::Look};
   if (outcome.refusal) add_next_step(page, report::told(*outcome.refusal));
   add_viewer(page, folder);
+  add_uncertain_places(page, request, outcome);
   page.heading("Checks");
   std::vector<std::vector<std::string>> rows;
   for (const path::Check& check : outcome.checks) {
@@ -111,6 +152,21 @@ void remove_plan(const fs::path& folder) {
 }
 
 }  // namespace
+
+std::string uncertainty_warning(const path::PlanRequest& request, const path::PlanOutcome& outcome) {
+  if (!outcome.path) return {};
+  const path::Certainty certain = certainty(request, outcome);
+  if (certain.places.empty()) return {};
+  const double tolerance_mm = request.process.gate.tolerance_mm.value_or(0);
+  if (!certain.u95_mm)
+    return FixedText<120>::format("not to be sent as it is: its uncertainty is not known (tolerance %.2f mm)",
+                                  tolerance_mm)
+        .c_str();
+  return FixedText<160>::format(
+             "not to be sent as it is: U95 up to %.2f mm (tolerance %.2f mm), worst at %.0f mm of the path",
+             *certain.u95_mm, tolerance_mm, certain.at_mm)
+      .c_str();
+}
 
 Result<void> prepare_plan_folder(const fs::path& folder) {
   BITELINE_TRY(report::prepare_folder(folder));

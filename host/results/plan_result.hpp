@@ -3,6 +3,7 @@
 /// \file What every command that plans a path does with the outcome.
 
 #include <filesystem>
+#include <string>
 
 #include "common/core/result.hpp"
 #include "host/report/report.hpp"
@@ -13,6 +14,11 @@ namespace biteline::results {
 
 /// Makes the folder and removes what an earlier run left: a refused plan leaves no path behind.
 [[nodiscard]] Result<void> prepare_plan_folder(const std::filesystem::path& folder);
+
+/// Why the gate would not let the path through, where its uncertainty is beyond the process's tolerance or
+/// not known; empty when it is certain enough.
+[[nodiscard]] std::string uncertainty_warning(const path::PlanRequest& request,
+                                              const path::PlanOutcome& outcome);
 
 /// tracking.html: the arm following the path, and the recorded track when there is one.  Pre: the outcome has
 /// a path.

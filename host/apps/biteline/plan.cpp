@@ -72,9 +72,10 @@ Result<path::PlanRequest> read_request(const Options& options, report::Report& r
 
 std::string summary(const path::PlanRequest& request, const path::PlanOutcome& outcome, const fs::path& out) {
   if (!outcome.path) return "biteline: refused: " + outcome.reason();
-  return FixedText<400>::format("%s follows the line in %.1f s, %zu points: %s", request.arm.name.c_str(),
+  const std::string warning = results::uncertainty_warning(request, outcome);
+  return FixedText<600>::format("%s follows the line in %.1f s, %zu points: %s%s%s", request.arm.name.c_str(),
                                 outcome.path->duration_s(), outcome.path->path().waypoints.size(),
-                                out.c_str())
+                                out.c_str(), warning.empty() ? "" : "; ", warning.c_str())
       .c_str();
 }
 

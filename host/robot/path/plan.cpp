@@ -140,7 +140,8 @@ PlannedPath assembled(const PlanRequest& request, const ToolPath& path, const Jo
          .speed_mm_s = timing.speed_mm_s[i],
          .time_s = timing.time_s[i],
          .arc_mm = p.arc_mm,
-         .line_base = p.line_base});
+         .line_base = p.line_base,
+         .u95_mm = p.u95_mm});
   }
   return out;
 }

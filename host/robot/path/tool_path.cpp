@@ -29,7 +29,13 @@ struct Sample {
   Vec3 position;
   Vec3 normal;
   Vec3 tangent;
+  std::optional<double> u95_mm{};
 };
+
+/// Known where all are.
+std::optional<double> larger(const std::optional<double>& a, const std::optional<double>& b) {
+  return a && b ? std::optional{std::max(*a, *b)} : std::nullopt;
+}
 
 /// A closed sequence at even arc lengths.
 std::vector<Sample> resampled(const cloud::ClosedLine& line, std::size_t count) {
@@ -40,7 +46,8 @@ std::vector<Sample> resampled(const cloud::ClosedLine& line, std::size_t count) 
     const geometry::OnCurve at = along.even(k, count);
     samples[k] = {.position = at.between(points[at.before].position, points[at.after].position),
                   .normal = at.between(points[at.before].normal, points[at.after].normal),
-                  .tangent = Vec3::Zero()};
+                  .tangent = Vec3::Zero(),
+                  .u95_mm = larger(points[at.before].u95_mm, points[at.after].u95_mm)};
   }
   return samples;
 }
@@ -110,6 +117,7 @@ std::vector<double> harm(const std::vector<Sample>& samples, double spacing_mm) 
 struct Sampling {
   std::vector<Sample> samples;
   double fine_mm;
+  double direction_sigma_mm;
 };
 Sampling sampled(const cloud::ClosedLine& line, const Process& process) {
   const double length_mm = cloud::length_mm(line);
@@ -118,7 +126,20 @@ Sampling sampled(const cloud::ClosedLine& line, const Process& process) {
   const double fine_mm = length_mm / static_cast<double>(count);
   const double sigma_mm =
       k_direction_sigma_mm + k_direction_sigma_per_standoff * process.placement.standoff_mm;
-  return {.samples = with_directions(resampled(line, count), fine_mm, sigma_mm), .fine_mm = fine_mm};
+  return {.samples = with_directions(resampled(line, count), fine_mm, sigma_mm),
+          .fine_mm = fine_mm,
+          .direction_sigma_mm = sigma_mm};
+}
+
+/// The line's U95 at a tip that stands `lever_mm` off it.  What the whole line shares shifts the tool as the
+/// line. What one place has beyond that also turns it: two such places, apart by the smoothing of the
+/// directions to either side.
+std::optional<double> u95_at_tip(const std::optional<double>& u95_mm, double shared_mm, double lever_mm,
+                                 double direction_sigma_mm) {
+  if (!u95_mm) return std::nullopt;
+  const double own_mm = std::sqrt(std::max(0.0, *u95_mm * *u95_mm - shared_mm * shared_mm));
+  const double turn_rad = std::sqrt(2.0) * own_mm / (2 * direction_sigma_mm);
+  return std::hypot(*u95_mm, lever_mm * turn_rad);
 }
 
 SE3 tool_frame(const Sample& sample, const Placement& placement) {
@@ -182,8 +203,10 @@ void set_curvature(std::vector<ToolPoint>& points) {
 /// The line once round from its entry and on over the overlap, points even along the way of the tip.
 std::vector<ToolPoint> along_line(const cloud::ClosedLine& line, const Process& process, ToolPath& path) {
   const Motion& motion = process.motion;
-  const auto [samples, fine_mm] = sampled(line, process);
+  const auto [samples, fine_mm, direction_sigma_mm] = sampled(line, process);
   const std::size_t count = samples.size();
+  double shared_mm = samples.front().u95_mm.value_or(0);
+  for (const Sample& sample : samples) shared_mm = std::min(shared_mm, sample.u95_mm.value_or(0));
   const std::size_t first = static_cast<std::size_t>(std::round(path.seam_arc_mm / fine_mm)) % count;
   const std::size_t last = count + static_cast<std::size_t>(std::ceil(motion.overlap_mm / fine_mm));
   std::vector<SE3> frames;
@@ -205,11 +228,19 @@ std::vector<ToolPoint> along_line(const cloud::ClosedLine& line, const Process& 
     const Vec3 &a = samples[(first + k) % count].position, &b = samples[(first + k + 1) % count].position;
     SE3 T_base_tcp = geometry::interpolate(frames[k], frames[k + 1], place.fraction);
     T_base_tcp.translation() = place.tip;  // straight between close points, whatever the turn
-    points.push_back({.T_base_tcp = T_base_tcp,
-                      .segment = Segment::Line,
-                      .arc_mm = 0,
-                      .curvature_per_mm = 0,
-                      .line_base = (1 - place.fraction) * a + place.fraction * b});
+    // The worst of what lies nearer to this point than to its neighbours.
+    const auto half = static_cast<std::size_t>(std::ceil(0.5 * path.spacing_mm / fine_mm));
+    std::optional<double> u95_mm = samples[(first + k) % count].u95_mm;
+    for (std::size_t j = 0; j <= 2 * half; ++j)
+      u95_mm = larger(u95_mm, samples[(first + k + count + j - half) % count].u95_mm);
+    const Vec3 line_base = (1 - place.fraction) * a + place.fraction * b;
+    points.push_back(
+        {.T_base_tcp = T_base_tcp,
+         .segment = Segment::Line,
+         .arc_mm = 0,
+         .curvature_per_mm = 0,
+         .line_base = line_base,
+         .u95_mm = u95_at_tip(u95_mm, shared_mm, (place.tip - line_base).norm(), direction_sigma_mm)});
   }
   set_curvature(points);
   return points;
@@ -230,7 +261,7 @@ const char* name_of(Segment segment) {
 }
 
 std::vector<double> seam_candidates(const cloud::ClosedLine& line, const Process& process) {
-  const auto [samples, fine_mm] = sampled(line, process);
+  const auto [samples, fine_mm, unused_mm] = sampled(line, process);
   std::vector<double> cost(samples.size());
   if (process.start == Start::Auto) {
     cost = harm(samples, fine_mm);

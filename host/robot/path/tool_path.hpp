@@ -2,6 +2,7 @@
 #pragma once
 /// \file From the line to tool frames: where the tip goes, and how the tool stands.
 
+#include <optional>
 #include <vector>
 
 #include "host/cloud/closed_line.hpp"
@@ -15,9 +16,10 @@ enum class Segment { Approach, Line, Retreat };
 struct ToolPoint {
   SE3 T_base_tcp;  ///< z along the tool's axis towards the shoe, x along the travel, before any free turn
   Segment segment{Segment::Line};
-  double arc_mm{0};            ///< along the tip's path, from its beginning
-  double curvature_per_mm{0};  ///< of the tip's path
-  Vec3 line_base;              ///< the point of the bite line it belongs to
+  double arc_mm{0};                ///< along the tip's path, from its beginning
+  double curvature_per_mm{0};      ///< of the tip's path
+  Vec3 line_base;                  ///< the point of the bite line it belongs to
+  std::optional<double> u95_mm{};  ///< of the line, carried to the tip; on the line only, none: not known
 };
 
 struct ToolPath {

@@ -73,10 +73,14 @@ void add_result_rows(const GateInputs& inputs, std::vector<GateRow>& rows) {
   const std::optional<double>& tolerance_mm = inputs.limits.tolerance_mm;
   const bool certain =
       result.u95_mm && (!tolerance_mm || (*result.u95_mm >= 0 && *result.u95_mm <= *tolerance_mm));
-  rows.push_back({Refused::TooUncertain, "uncertainty (U95)",
-                  result.u95_mm ? text("%.2f mm", *result.u95_mm) : "not known",
-                  tolerance_mm ? text("%.2f mm", *tolerance_mm) : "none asked for",
-                  result.u95_mm ? when(certain) : State::NotKnown});
+  // A line that does not tell its uncertainty is sent only where the process asks for none, or a person
+  // vouches.
+  const State unknown = tolerance_mm && !inputs.scan.confirmed ? State::Failed : State::NotKnown;
+  rows.push_back(
+      {Refused::TooUncertain, "uncertainty (U95) along the path",
+       result.u95_mm ? text("%.2f mm at most", *result.u95_mm) : "not known",
+       tolerance_mm ? text("%.2f mm; not known: confirmed by a person", *tolerance_mm) : "none asked for",
+       result.u95_mm ? when(certain) : unknown});
   // Who confirms a scan by name has looked at it.
   std::optional<bool> approved = result.approved;
   if (!approved && inputs.scan.confirmed) approved = true;

@@ -42,7 +42,7 @@ struct ResultFacts {
   bool line_passed{false};
   bool path_passed{false};
   double way_clearance_mm{0};                ///< of the way to the path's beginning
-  std::optional<double> u95_mm{};            ///< of the line; not known yet
+  std::optional<double> u95_mm{};            ///< the largest along the processed path
   std::optional<bool> approved{};            ///< the verdict on this result; nothing: nobody has said a word
   std::optional<std::string> approved_by{};  ///< whose verdict, when; or "automatic" with its figures
   double tool_off_mm{0}, tool_off_rad{0};    ///< the path's tool from the process's

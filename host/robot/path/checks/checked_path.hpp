@@ -20,6 +20,9 @@ struct Waypoint {
   double time_s{0};
   double arc_mm{0};
   Vec3 line_base;  ///< the point of the bite line it belongs to
+  /// Radius about the tip, in the plane across its way, that holds with 95 % where it ought to be; only on
+  /// the line; none: not known.
+  std::optional<double> u95_mm{};
 };
 
 struct PlannedPath {

@@ -61,6 +61,8 @@ const std::vector<Change>& bad_changes() {
        Refused::TooUncertain},
       {"U95 NaN", [](GateInputs& in) { in.limits.tolerance_mm = 0.3, in.result.u95_mm = k_nan; },
        Refused::TooUncertain},
+      {"U95 not known", [](GateInputs& in) { in.limits.tolerance_mm = 0.3, in.result.u95_mm.reset(); },
+       Refused::TooUncertain},
       {"approval refused", [](GateInputs& in) { in.result.approved = false; }, Refused::NotApproved},
       {"approval refused, scan confirmed",
        [](GateInputs& in) {
@@ -157,7 +159,8 @@ TEST(Gate, PersonVouchesForARecoveredScanAndForNothingElse) {
     const bool about_the_scan = change.refused == Refused::ScanNotSeen ||
                                 change.refused == Refused::ScanTooOld ||
                                 change.refused == Refused::OtherConnection;
-    const bool vouched = about_the_scan || std::string{change.name}.starts_with("approval asked for");
+    const std::string name = change.name;
+    const bool vouched = about_the_scan || name.starts_with("approval asked for") || name == "U95 not known";
     GateInputs worse = inputs;
     change.make(worse);
     CHECK_EQUAL_TEXT(vouched, opens(worse), change.name);
