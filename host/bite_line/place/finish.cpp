@@ -78,9 +78,10 @@ cloud::ClosedLine even_line(const PlacedLine& placed_line, const SE3& T_base_sho
     Eigen::Matrix<double, 3, 2> plane;
     plane.col(0) = point.tangent.cross(up).normalized();
     plane.col(1) = plane.col(0).cross(point.tangent);
-    const Eigen::Matrix2d covariance = own[k].covariance_mm2 + plane.transpose() * whole.at(k) * plane;
-    const uncertainty::Axes axes = uncertainty::principal_axes(covariance);
-    point.confidence = of_line * own[k].hold * uncertainty::chance_within(axes, k_confident_mm);
+    const Eigen::Matrix2d of_scan = plane.transpose() * whole.at(k) * plane;
+    const uncertainty::Axes axes = uncertainty::principal_axes(own[k].covariance_mm2 + of_scan);
+    point.confidence = of_line * own[k].hold * own[k].within *
+                       uncertainty::chance_within(uncertainty::principal_axes(of_scan), k_confident_mm);
     point.u95_mm = uncertainty::u95_mm(axes, own[k].hold, own[k].other_mm);
     if (!(point.confidence >= k_sure_ratio && *point.u95_mm <= k_sure_mm))
       point.flags |= cloud::k_line_unsure;

@@ -15,14 +15,19 @@ PointSpread spread_of(const PlacedStation& station, const SpreadModel& model) {
   const double anywhere_mm2 = square(model.outward * station.noise.outward_mm) +
                               (station.doubt > 0 ? square(model.any_gap_mm) : 0.0) +
                               square(model.gap_mm * station.doubt) + square(model.flat_mm * flat);
+  // The section's own place against the mean over its neighbours: a groove that jumps by more than 0.3 mm is
+  // unsure.
+  const double calm = 1 / (1 + square((station.own_z_mm - station.position.z()) / 0.6));
   return {.covariance_mm2 = height_mm2 * wall * wall.transpose() + anywhere_mm2 * Eigen::Matrix2d::Identity(),
           .hold = station.hold,
+          .within = station.sharp * calm / (1 + station.doubt),
           .other_mm = station.other_mm};
 }
 
 PointSpread between(const PointSpread& a, const PointSpread& b, double fraction) {
   return {.covariance_mm2 = (1 - fraction) * a.covariance_mm2 + fraction * b.covariance_mm2,
           .hold = (1 - fraction) * a.hold + fraction * b.hold,
+          .within = (1 - fraction) * a.within + fraction * b.within,
           .other_mm = std::max(a.other_mm, b.other_mm)};
 }
 

@@ -10,19 +10,19 @@ namespace biteline::bite_line {
 struct PointSpread {
   Eigen::Matrix2d covariance_mm2{Eigen::Matrix2d::Zero()};  ///< where the line keeps its layer ...
   double hold{1};                                           ///< ... which it does with this probability
-  double other_mm{0};                                       ///< how far off the other layer is
+  double within{1};    ///< probability of 0.3 mm and less where it keeps its layer, as its station tells
+  double other_mm{0};  ///< how far off the other layer is
 };
 
 /// Factors of what the station measured.  `scatter` and `outward` are fitted by
-/// tests/bench/line/fit_spread.py to points that bench_line_u95 writes, of seeds that no table shows.  A
-/// gap's doubt and a flat place's are so scaled that the share of points within 0.3 mm is what it was fitted
-/// to (placement.cpp, layers.cpp).
+/// tests/bench/line/fit_spread.py to points that bench_line_u95 writes, of seeds that no table shows.  The
+/// gap's factors are read off the errors of bridged points (sectors of 8 to 40 mm, made shoes).
 struct SpreadModel {
   double scatter{1.07};     ///< of the scatter of neighbouring sections about the line's height
   double outward{0.75};     ///< of the surface's noise
   double any_gap_mm{0.12};  ///< wherever the crease or the surface was not seen
   double gap_mm{0.15};      ///< of a gap's doubt
-  double flat_mm{0.3};      ///< of a flat place's doubt
+  double flat_mm{0.25};     ///< of a flat place's doubt: 1 is one in two within 0.3 mm
 };
 
 [[nodiscard]] PointSpread spread_of(const PlacedStation& station, const SpreadModel& model = {});
