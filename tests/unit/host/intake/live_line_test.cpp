@@ -13,7 +13,7 @@
 namespace biteline::intake {
 namespace {
 
-constexpr bite_line::Config k_line_only{};
+const bite_line::Config k_line_only{};
 /// What a running scan may differ from the finished cloud by, at any point.
 constexpr double k_same_mm = 0.02;
 
