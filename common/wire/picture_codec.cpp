@@ -30,9 +30,9 @@ geometry::Region read_region(const fb::Region& region) {
 
 bool PictureWish::operator==(const PictureWish& other) const {
   const auto all = [](const PictureWish& wish) {
-    const geometry::Region& region = wish.region;
-    return std::tuple{wish.rate_hz,       wish.width_max_px,  wish.format,     wish.quality,
-                      region.offset_u_px, region.offset_v_px, region.width_px, region.height_px};
+    const geometry::Region& part = wish.region;
+    return std::tuple{wish.rate_hz,     wish.width_max_px, wish.format,   wish.quality,
+                      part.offset_u_px, part.offset_v_px,  part.width_px, part.height_px};
   };
   return all(*this) == all(other);
 }
