@@ -177,11 +177,13 @@ TEST(SensorAndHosts, ServiceKilledInTheMiddleOfAScanGoesOnWhereItStood) {
 TEST(SensorAndHosts, FullDiskEndsTheServiceAndItsSuccessorLosesNothing) {
   auto sensor = start_sensor({"--stay"});
   SUCCEEDS(sensor);
-  // A limit on files instead of a full disk: 64 blocks of 512 bytes, some eight profiles.
-  auto host = ChildProcess::start(
-      {.program = "/bin/sh",
-       .arguments = {"-c", "trap '' XFSZ; ulimit -f 64; exec \"$@\"", "sh", program("biteline-host").string(),
-                     "--sensor", sensor->endpoint().text(), "--out", results().string(), "--once"}});
+  // A limit on files instead of a full disk: 600 blocks of 512 bytes take the empty memory of the cell, and
+  // some seventy of the 150 profiles.
+  auto host =
+      ChildProcess::start({.program = "/bin/sh",
+                           .arguments = {"-c", "trap '' XFSZ; ulimit -f 600; exec \"$@\"", "sh",
+                                         program("biteline-host").string(), "--sensor",
+                                         sensor->endpoint().text(), "--out", results().string(), "--once"}});
   SUCCEEDS(host);
   const auto full = host->wait(k_patience);
   SUCCEEDS(full);

@@ -125,9 +125,10 @@ TEST_GROUP(ServiceAndRobot) {
   }
   /// With doors, and a process that wants a person's word.
   std::vector<std::string> holding() const {
-    std::ifstream grind{fs::path{BITELINE_PROCESSES} / "grind.yaml"};
-    const std::string text{std::istreambuf_iterator<char>{grind}, {}};
-    const fs::path process = folder.write("held.yaml", text + "gate:\n  approval: person\n");
+    std::ifstream coarse{coarse_process()};
+    const std::string text{std::istreambuf_iterator<char>{coarse}, {}};
+    // The gate's keys stand last in the file.
+    const fs::path process = folder.write("held.yaml", text + "  approval: person\n");
     std::vector<std::string> all = sending(k_no_sensor);
     *(std::ranges::find(all, "--process") + 1) = process.string();
     all.insert(all.end(), {"--control", "tcp://127.0.0.1:0"});

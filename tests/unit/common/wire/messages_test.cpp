@@ -373,7 +373,7 @@ TEST(Messages, GarbledBytesNeverHarm) {
                            bytes_of({.body = health}),
                            bytes_of({.body = HostHello{.name = "x"}}),
                            bytes_of({.body = Control{}}),
-                           bytes_of({.body = ObserverHello{.name = "x"}}),
+                           bytes_of({.body = ObserverHello{.name = "x", .picture = {}}}),
                            bytes_of({.body = made_picture(PictureFormat::Raw)})};
   std::mt19937 random{5};
   int refused = 0;

@@ -46,7 +46,7 @@ TEST_GROUP(StreamServer) {
   SensorClock::time_point now{Nanoseconds{1'000'000'000}};
   std::vector<wire::Command> commands;
   bool door_open{true};
-  ServerConfig config{.store_bytes = 1024 * 1024, .window_messages = 4, .max_hosts = 2};
+  ServerConfig config{.store_bytes = 1024 * 1024, .window_messages = 4, .max_hosts = 2, .observers = {}};
   std::unique_ptr<StreamServer> sut;
 
   void setup() override {
@@ -340,7 +340,7 @@ TEST(StreamServer, NewScanIsAnnouncedAndUnfetchedOnesAreCountedLost) {
 }
 
 TEST(StreamServer, ObserverSeesAndChangesNothing) {
-  receive("o", wire::ObserverHello{.name = "web", .profile_rate_hz = 100});
+  receive("o", wire::ObserverHello{.name = "web", .profile_rate_hz = 100, .picture = {}});
   LONGS_EQUAL(1, outbox.of<wire::SensorHello>("o").size());
   LONGS_EQUAL(wire::k_protocol_minor, outbox.of<wire::SensorHello>("o")[0].protocol_minor);
   LONGS_EQUAL(0, sut->hosts_present());  // nobody who keeps the laser alive
@@ -391,8 +391,9 @@ TEST(StreamServer, HostStaysHostAndTakesNoObserversPlace) {
 
 TEST(StreamServer, PictureOfAnotherScanIsLeftOut) {
   const wire::PictureWish wish{.rate_hz = 10};
-  receive("o", wire::ObserverHello{.picture = wish});
-  wire::Picture picture{.region = {.width_px = 1, .height_px = 1}, .pixels = {9}};
+  receive("o", wire::ObserverHello{.name = {}, .picture = wish});
+  wire::Picture picture{
+      .exposure_mid = {}, .region = {.width_px = 1, .height_px = 1}, .pixels = {9}, .peaks = {}};
   MadePicture made{.wish = wish, .scan_id = k_scan_id - 1, .packet = {}};
   wire::encode({.scan_id = made.scan_id, .body = picture}, made.packet);
   sut->add_picture(made);
