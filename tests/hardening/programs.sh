@@ -19,14 +19,18 @@ for program in "$@"; do
   grep -q '__stack_chk_fail' <<<"$symbols" || missing "no stack protector"
   grep -qE '(RPATH|RUNPATH)' <<<"$dynamic" && missing "carries a path for its libraries"
   grep -qE ' __[a-z]+_chk@' <<<"$symbols" || missing "no checked library call (_FORTIFY_SOURCE)"
+  mark= disassembler=objdump
   case $(readelf -hW "$program" | sed -n 's/ *Machine: *//p') in
     *X86-64*) mark=endbr64 ;;
-    AArch64) mark=paciasp ;;
-    *) mark= ;;
+    AArch64)
+      mark=paciasp
+      # Another machine's objdump cannot read it.
+      command -v aarch64-linux-gnu-objdump >/dev/null && disassembler=aarch64-linux-gnu-objdump
+      ;;
   esac
   # A few come with the C library's own files; a program of ours has thousands.
   if [ -n "$mark" ]; then
-    count=$(objdump -d --no-show-raw-insn "$program" 2>/dev/null | grep -c "\b$mark\b" || true)
+    count=$("$disassembler" -d --no-show-raw-insn "$program" 2>/dev/null | grep -c "\b$mark\b" || true)
     [ "$count" -gt 500 ] || missing "jump targets are not marked ($mark: $count)"
   fi
 done
