@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "host/robot/link/follow.hpp"
 #include "host/robot/link/ur/ur_link.hpp"
@@ -258,14 +259,18 @@ TIMED_TEST(FollowFaults, StatesWithoutNumbersStopTheArm) {
 
 TIMED_TEST(FollowFaults, FrozenControllerStopsTheArm) {
   stops("sends nothing", Halt::Silent, from(0.22, [](PlayedState& s) { s.send = false; }), limits.silence_s);
-  double frozen_s = -1;
+  // The tip stands in what it sends, too: where a late machine lets states pile up, a tip that went on would
+  // be as rightly told as off the path.
+  std::optional<PlayedState> frozen;
   stops(
       "sends the same instant for ever", Halt::Silent,
-      [&frozen_s](PlayedState& state, double share) {
+      [&frozen](PlayedState& state, double share) {
         if (share < 0.22 || state.stopped) return;
-        if (frozen_s < 0) frozen_s = state.time_s;
+        if (!frozen) frozen = state;
         state.lie = true;
-        state.time_s = frozen_s;
+        state.time_s = frozen->time_s;
+        state.q = frozen->q;
+        state.tcp_pose = frozen->tcp_pose;
       },
       limits.silence_s);
   double backwards_s = -1;
