@@ -177,10 +177,13 @@ Result<std::variant<Answer, Event>> read_from_service(std::string_view text) {
   std::optional<Json> json;
   if (Json parsed = Json::parse(text, nullptr, false); parsed.is_object()) json = std::move(parsed);
   if (!json) return fail(Errc::ProtocolError, "control message: a JSON object expected");
+  // Not straight through: tl::expected 1.0 converts by building over a default value, whose text is lost.
   if (json->contains("event")) {
-    return event_of(*json);
+    BITELINE_ASSIGN(Event event, event_of(*json));
+    return std::variant<Answer, Event>{std::move(event)};
   }
-  return answer_of(*json);
+  BITELINE_ASSIGN(Answer answer, answer_of(*json));
+  return std::variant<Answer, Event>{std::move(answer)};
 }
 
 std::string utc_now() {
