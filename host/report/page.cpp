@@ -35,7 +35,8 @@ std::string escaped(const std::string& text) {
 constexpr const char* k_style = R"(
 :root{color-scheme:light dark;--text:#1d2126;--back:#f6f6f4;--card:#fff;--edge:#c4c8ce;--quiet:#4f5863;--link:#0b57a4;
 --good:#d8efd8;--look:#ffe3a6;--refused:#f6d5ce;--plain:#e4e4e0;--bar:#5b8db8}
-@media(prefers-color-scheme:dark){:root{--text:#e8eaed;--back:#14171a;--card:#1e2226;--edge:#454c54;--quiet:#b0b8c1;--link:#8ec2ff;
+@media(prefers-color-scheme:dark){:root{--text:#e8eaed;--back:#14171a;--card:#1e2226;--edge:#454c54;--quiet:#b0b8c1;
+--link:#8ec2ff;
 --good:#1d4023;--look:#5a4300;--refused:#5c241b;--plain:#2a2f35;--bar:#6fa5d4}}
 body{font:16px/1.5 system-ui,sans-serif;color:var(--text);background:var(--back);margin:0}
 main{max-width:80rem;margin:0 auto;padding:1rem;overflow-wrap:anywhere}
@@ -43,7 +44,8 @@ a{color:var(--link)}h1{margin:0 0 .5rem;font-size:1.6rem}
 h2{margin:2rem 0 .5rem;font-size:1.2rem;border-bottom:1px solid var(--edge)}
 .verdict{padding:.8rem 1rem;border-radius:.4rem;font-size:1.15rem;background:var(--plain)}
 .good{background:var(--good)}.look{background:var(--look)}.refused{background:var(--refused)}
-.scroll{overflow-x:auto}table{border-collapse:collapse}th,td{text-align:left;padding:.15rem 1.2rem .15rem 0;vertical-align:top}
+.scroll{overflow-x:auto}table{border-collapse:collapse}
+th,td{text-align:left;padding:.15rem 1.2rem .15rem 0;vertical-align:top}
 td:last-child{font-variant-numeric:tabular-nums}
 .bar{display:inline-block;max-width:50vw;height:.7em;background:var(--bar);margin-right:.5em}
 figure{margin:1rem 0;background:var(--card);padding:.6rem;border:1px solid var(--edge)}

@@ -16,7 +16,8 @@ export function read_live(buffer: ArrayBuffer): LiveMessage | null {
   if (size < 1) return null;
   const kind = view.getUint8(0);
   if (kind === 1 && size > 13) {
-    return { kind: 'picture', seq: view.getUint32(1, true), jpeg: new Blob([buffer.slice(13)], { type: 'image/jpeg' }) };
+    const jpeg = new Blob([buffer.slice(13)], { type: 'image/jpeg' });
+    return { kind: 'picture', seq: view.getUint32(1, true), jpeg };
   }
   if (kind === 2 && size >= 15) {
     const count = view.getUint16(13, true);

@@ -34,7 +34,8 @@ export class LiveScene {
     this.geometry.setAttribute('position', new THREE.BufferAttribute(this.positions, 3));
     this.geometry.setAttribute('color', new THREE.BufferAttribute(this.colours, 3));
     this.geometry.setDrawRange(0, 0);
-    const points = new THREE.Points(this.geometry, new THREE.PointsMaterial({ size: 2, sizeAttenuation: false, vertexColors: true }));
+    const dots = new THREE.PointsMaterial({ size: 2, sizeAttenuation: false, vertexColors: true });
+    const points = new THREE.Points(this.geometry, dots);
     points.frustumCulled = false;
     this.trail_line.frustumCulled = false;
     this.tip.visible = false;

@@ -139,7 +139,7 @@ TEST(LineFile, OpenCascadeReadsTheStep) {
   CHECK_TEXT(static_cast<bool>(words >> edges >> closed >> length >> worst), told.words.c_str());
   LONGS_EQUAL(1, edges);
   LONGS_EQUAL(1, closed);
-  // The bar; six decimals in the file leave 0.000001.
+  // A fiftieth of the product's aim of 0.05 mm; six decimals in the file leave 0.000001.
   CHECK(worst < 0.001);
   // A curve is longer than its chords by about (step / radius)^2 / 24 of itself: below 1 in 10 000 here.
   CHECK(length >= cloud::length_mm(line) && length < 1.0002 * cloud::length_mm(line));
