@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "host/apps/biteline-web/beast.hpp"
+#include "host/control/messages.hpp"
 
 namespace biteline::web {
 
@@ -43,5 +44,13 @@ void put_security_headers(Fields& fields, std::string_view policy, bool tls) {
 /// {"error": {"code": ..., "message": ...}}, never cached.
 [[nodiscard]] WebAnswer error_answer(int status, std::string_view code, const std::string& message);
 [[nodiscard]] WebAnswer text_answer(int status, std::string_view type, std::string text);
+/// 404 and 401.
+[[nodiscard]] WebAnswer not_found(std::string_view path);
+[[nodiscard]] WebAnswer login_needed();
+/// The service's answer in HTTP's clothes; `path` tells the type of a text.
+[[nodiscard]] WebAnswer as_http(const control::Answer& answer, std::string_view path);
+/// One line; what is no UTF-8 is replaced.
+[[nodiscard]] std::string to_body(const control::Json& json);
+[[nodiscard]] std::string_view view(beast::string_view text);
 
 }  // namespace biteline::web

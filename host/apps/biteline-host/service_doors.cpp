@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+// What people wish at the doors, and what they are told; the page and the robot beside it.
+#include <pthread.h>
+
+#include <utility>
+
+#include "host/apps/biteline-host/service.hpp"
+#include "host/apps/biteline-host/service_words.hpp"
+
+namespace biteline::service {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// A robot that is not ready, or a page that ended, is looked at again.
+constexpr Nanoseconds k_between_looks = milliseconds{2000};
+
+}  // namespace
+
+void Service::show_idle() {
+  // While a result is worked out, what is held belongs to its thread.
+  if (result_.valid()) return;
+  if (held_) {
+    if (!told_held_) {
+      cockpit_->hold(held_->folder.filename().string());
+      cockpit_->tell_scan(held_->folder.filename().string());
+      told_held_ = true;
+    }
+    cockpit_->show(Phase::Deciding, held_->folder.filename().string() + " waits for a person",
+                   "accept it, reject it, or scan again");
+    return;
+  }
+  if (scan_) return;
+  if (cockpit_->paused()) {
+    cockpit_->show(Phase::Stopped, "stopped", "start, when the cell is clear");
+  } else if (!sensor_heard_) {
+    cockpit_->show(Phase::Fault, "no sensor", "it is called again each second");
+  } else if (robot_wrong_) {
+    cockpit_->show(Phase::Fault, "the robot is not ready", "the next scan, once it is");
+  } else {
+    cockpit_->show(Phase::Waiting, "waits for the sensor", "the next scan");
+  }
+}
+
+void Service::keep_web() {
+  if (!options_.doors.web) return;
+  // Its words, without waiting for any: the sensor must hear this thread.
+  while (web_) {
+    const Result<std::string> line = web_->next_line(milliseconds{0});
+    if (!line) break;
+    say_step("%s", line->c_str());
+  }
+  if (web_ && web_->running()) return;
+  if (web_) {
+    say_step("biteline-web has ended: %s; it is started again", web_->last_words().c_str());
+    web_.reset();
+  }
+  if (web_started_ != HostClock::time_point{} && now() - web_started_ < k_between_looks) return;
+  web_started_ = now();
+  std::vector<std::string> arguments{"--control", cockpit_->address(), "--exit-with-parent"};
+  if (!options_.doors.web_address.empty())
+    arguments.insert(arguments.end(), {"--listen", options_.doors.web_address});
+  auto web = intake::ChildProcess::start({.program = intake::program_folder() / "biteline-web",
+                                          .arguments = std::move(arguments),
+                                          .pass_stderr = true});
+  if (!web) return complain(web.error());
+  web_.emplace(std::move(*web));
+}
+
+void Service::heed_wishes() {
+  while (const std::optional<Wish> wish = cockpit_->next_wish()) heed(*wish);
+}
+
+void Service::heed(const Wish& wish) {
+  switch (wish.kind) {
+    case Wish::Kind::Stop:
+    case Wish::Kind::LaserOff:
+      say_step("%s by %s", wish.kind == Wish::Kind::Stop ? "stopped" : "laser off", wish.who.c_str());
+      if (link_) {
+        link_->command(
+            {.id = k_stop_id,
+             .command = wish.kind == Wish::Kind::Stop ? wire::Command::StopScan : wire::Command::LaserOff});
+      }
+      return;
+    case Wish::Kind::Start:
+    case Wish::Kind::Rescan:
+      say_step("%s by %s", wish.kind == Wish::Kind::Start ? "started" : "scanned again", wish.who.c_str());
+      if (wish.kind == Wish::Kind::Start) {
+        const std::lock_guard lock{*job_mutex_};
+        job_ = wish.job;
+      }
+      // What a stop cut short is over; an idle sensor is asked.
+      if (link_ && !scan_ && !result_.valid()) sensor_idle_ = true;
+      return;
+    case Wish::Kind::Send:
+    case Wish::Kind::Reject:
+      if (result_.valid() || !held_ || held_->folder.filename() != wish.scan) return;
+      told_held_ = false;
+      if (wish.kind == Wish::Kind::Reject) {
+        say_step("%s is rejected by %s", wish.scan.c_str(), wish.who.c_str());
+        if (!options_.keep_recording) held_->intake.forget();
+        held_.reset();
+        return;
+      }
+      say_step("%s is accepted by %s", wish.scan.c_str(), wish.who.c_str());
+      result_ = std::async(
+          std::launch::async,
+          [this, held = std::move(*held_), word = robot::Word{.by = wish.who, .at = utc_now()}]() mutable {
+            pthread_setname_np(pthread_self(), "bl-result");
+            return send_held(std::move(held), word);
+          });
+      held_.reset();
+      return;
+    case Wish::Kind::Hold:
+      return;
+  }
+}
+
+bool Service::robot_ready() {
+  if (!robot_ || !robot_->options.send) return true;
+  if (robot_wrong_ && now() - robot_asked_ < k_between_looks) return false;
+  const ControllerLook look =
+      look_at_controller(controller_of(robot_->options), robot_->arm.name, robot_->options.serial);
+  robot_asked_ = now();
+  const bool was_wrong = std::exchange(robot_wrong_, !look.wrong.empty());
+  cockpit_->hear(look.words, look.wrong);
+  if (robot_wrong_ && !was_wrong) say_step("no scan is spent: %s", look.wrong.c_str());
+  return !robot_wrong_;
+}
+
+}  // namespace biteline::service

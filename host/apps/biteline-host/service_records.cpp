@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+// What stays of a scan: its row in the memory, and its folder as long as retention keeps it.
+#include <string>
+
+#include "host/apps/biteline-host/scan_row.hpp"
+#include "host/apps/biteline-host/service.hpp"
+#include "host/apps/biteline-host/service_words.hpp"
+
+namespace biteline::service {
+namespace {
+
+namespace fs = std::filesystem;
+
+}  // namespace
+
+void Service::remember(const fs::path& folder, const std::string& decision, const Chosen& chosen) const {
+  std::optional<memory::Scan> row = row_of(folder);
+  if (!row) {
+    // No report: a device or the disk failed, not the scan.
+    row.emplace();
+    row->name = folder.filename().string();
+    row->time = memory::now_ms();
+    row->verdict = "failed";
+  }
+  const Result<std::optional<memory::Scan>> before = cockpit_->memory().scan(row->name);
+  row->decision = decision;
+  if (before && *before) {
+    // A person's word stands.
+    row->decided_by = (*before)->decided_by;
+    row->decided_at = (*before)->decided_at;
+    row->why = (*before)->why;
+    if ((*before)->decision == "rejected") row->decision = "rejected";
+  }
+  // Nothing was approved where nothing was sent.
+  if (decision == "automatic" && !row->sent) row->decision = "open";
+  if (row->decision == "automatic") row->decided_by = "automatic";
+  if (const double cycle_s = cockpit_->cycle_s(); cycle_s > 0) row->cycle_s = cycle_s;
+  row->process = chosen.process_name.empty() && robot_ ? robot_->process.name : chosen.process_name;
+  row->model = chosen.model;
+  if (chosen.probability > 0) row->model_probability = chosen.probability;
+  if (const std::optional<accounts::Holder> holder = cockpit_->accounts().holder())
+    row->operator_name = holder->name;
+  row->versions = std::string{R"({"program":")"} + BITELINE_VERSION + R"("})";
+  const Result<void> put = cockpit_->memory().put_scan(*row,
+                                                       {.id = 0,
+                                                        .time = row->time,
+                                                        .who = "service",
+                                                        .door = {},
+                                                        .action = "result",
+                                                        .subject = row->name,
+                                                        .before = {},
+                                                        .after = row->verdict},
+                                                       chosen.places);
+  if (!put) complain(put.error());
+  cockpit_->tell_scan(row->name);
+}
+
+Result<void> Service::make_room() const {
+  if (!options_.keep_days && !options_.keep_gb) return {};
+  memory::Retention retention;
+  if (options_.keep_days) {
+    retention.oldest = memory::now_ms() - static_cast<memory::UnixMs>(*options_.keep_days *
+                                                                      static_cast<double>(memory::k_day_ms));
+  }
+  if (options_.keep_gb) retention.most_bytes = static_cast<std::uint64_t>(*options_.keep_gb * 1e9);
+  BITELINE_ASSIGN(const std::vector<std::string> go,
+                  cockpit_->memory().folders_to_go(retention, options_.out));
+  for (const std::string& name : go) {
+    // The row first: a folder without one would be taken up again.
+    BITELINE_TRY(cockpit_->memory().forget_folder(name, {.id = 0,
+                                                         .time = memory::now_ms(),
+                                                         .who = "service",
+                                                         .door = {},
+                                                         .action = "folder removed",
+                                                         .subject = name,
+                                                         .before = {},
+                                                         .after = {}}));
+    std::error_code error;
+    fs::remove_all(options_.out / name, error);
+    if (error) return fail_errno(Errc::WriteFailed, error.value(), "%.200s", (options_.out / name).c_str());
+  }
+  return {};
+}
+
+}  // namespace biteline::service

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: MIT
+// A complete scan becomes a line, a path and a motion.
+#include <pwd.h>
+#include <unistd.h>
+
+#include <exception>
+#include <utility>
+
+#include "host/apps/biteline-host/attempt.hpp"
+#include "host/apps/biteline-host/recognise.hpp"
+#include "host/apps/biteline-host/service.hpp"
+#include "host/apps/biteline-host/service_words.hpp"
+#include "host/transfer/library.hpp"
+
+namespace biteline::service {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A scan's own exceptions (memory, text that no JSON takes) are the scan's, not the service's.
+template <class Work>
+Result<ExitStatus> without_exceptions(Work&& work) {
+  try {
+    return work();
+  } catch (const std::exception& error) {
+    return fail(Errc::ContractBroken, "%.200s", error.what());
+  }
+}
+
+/// Who started this service: a person's word is his.
+std::string user_name() {
+  passwd entry{};
+  passwd* found = nullptr;
+  char buffer[1024];
+  if (getpwuid_r(::getuid(), &entry, buffer, sizeof buffer, &found) == 0 && found != nullptr)
+    return found->pw_name;
+  return "user " + std::to_string(::getuid());
+}
+
+}  // namespace
+
+Result<ExitStatus> Service::work_out(Scan scan) {
+  const std::string name = scan.folder.filename().string();
+  cockpit_->show(Phase::Working, "works out the line of " + name, robot_ ? "its path" : "the next scan");
+  const fs::path folder = scan.folder;
+  Result<ExitStatus> status = work_out_files(scan);
+  std::string decision = "open";
+  if (held_) {
+    decision = "held";
+  } else if (robot_ && process_of(scan.chosen).gate.automatic_above) {
+    decision = "automatic";
+  }
+  remember(folder, decision, scan.chosen);
+  if (const Result<void> room = make_room(); !room) complain(room.error());
+  return status;
+}
+
+Result<ExitStatus> Service::work_out_files(Scan& scan) {
+  BITELINE_TRY(mark_attempt(scan.folder));
+  intake::ScanOutcome outcome;
+  LineStep line;
+  Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
+    BITELINE_ASSIGN(line, work_out_line(scan, outcome));
+    return line.status;
+  });
+  if (!status) {
+    // A disk that is full or a folder that is gone is not the scan's fault: it is taken up again.
+    const bool own_fault = status.error().code != Errc::DiskFull && status.error().code != Errc::WriteFailed;
+    if (!own_fault) clear_attempt(scan.folder);
+    if (!own_fault || !set_aside(scan.folder, to_line(status.error()))) return status;
+    return ExitStatus::Refused;
+  }
+  clear_attempt(scan.folder);
+  if (!line.line || !robot_) {
+    if (!options_.keep_recording) scan.intake.forget();
+    return status;
+  }
+  return without_exceptions([&] { return work_out_path(scan, outcome, line); });
+}
+
+Result<LineStep> Service::work_out_line(Scan& scan, intake::ScanOutcome& outcome) {
+  outcome = scan.intake.finish();
+  if (carrier_) {
+    scan.chosen.model = carrier_->name;
+    return carry_line(scan.folder, *carrier_, outcome);
+  }
+  BITELINE_ASSIGN(LineStep found, find_line(scan.folder, outcome, *scan.line, options_.uncertainty));
+  return use_library(scan, outcome, std::move(found));
+}
+
+Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& outcome, LineStep found) {
+  Chosen& chosen = scan.chosen;
+  {
+    const std::lock_guard lock{*job_mutex_};
+    chosen.model = job_.model;
+    chosen.process_name = job_.process;
+  }
+  const transfer::Library library{options_.library};
+  if (outcome.failure || (!options_.models && chosen.model.empty())) {
+    BITELINE_TRY(choose_process(library, chosen));
+    return found;
+  }
+  chosen.probability = 1;
+  std::optional<transfer::Alignment> alignment;
+  if (chosen.model.empty()) {
+    BITELINE_ASSIGN(Recognised model, recognise(library, outcome.cloud));
+    say_step("%s", model.words.c_str());
+    cockpit_->show_model(model.name, model.probability, chosen.process_name);
+    if (!model.sure()) {
+      BITELINE_TRY(refuse_unknown(scan.folder, model.words));
+      return LineStep{.status = ExitStatus::Refused, .confidence = 0, .line = {}};
+    }
+    chosen.model = model.name;
+    chosen.probability = model.probability;
+    alignment = std::move(model.alignment);
+  }
+  BITELINE_ASSIGN(transfer::SampleFiles sample, library.load(chosen.model));
+  BITELINE_TRY(choose_process(library, chosen));
+  cockpit_->show_model(chosen.model, chosen.probability, chosen.process_name);
+  if (found.line) {
+    if (alignment) chosen.places = places_of(*found.line, sample.line, alignment->T_upper_sample);
+    return found;
+  }
+  // An upper without its sole: the model's line is carried over.
+  return carry_line(scan.folder, {.name = chosen.model, .sample = std::move(sample), .options = {}}, outcome);
+}
+
+Result<void> Service::choose_process(const transfer::Library& library, Chosen& chosen) const {
+  if (!robot_) return {};
+  fs::path file;
+  if (!chosen.process_name.empty()) {
+    BITELINE_ASSIGN(
+        const api::StoredProcess stored,
+        api::ProcessStore(shipped_processes(), options_.out / "processes").find(chosen.process_name));
+    file = stored.file;
+  } else if (!chosen.model.empty() && fs::exists(library.path_of(chosen.model) / transfer::k_process_file)) {
+    file = library.path_of(chosen.model) / transfer::k_process_file;
+  }
+  if (file.empty()) {
+    chosen.process_name = robot_->process.name;
+    return {};
+  }
+  BITELINE_ASSIGN(chosen.process, path::read_process(file));
+  chosen.process_name = chosen.process->name;
+  return {};
+}
+
+const path::Process& Service::process_of(const Chosen& chosen) const {
+  return chosen.process ? *chosen.process : robot_->process;
+}
+
+Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome& outcome,
+                                          const LineStep& line) {
+  const std::string name = scan.folder.filename().string();
+  const PlanStepRequest request{
+      .arm = robot_->arm, .process = process_of(scan.chosen), .table_z_mm = robot_->options.table_z_mm};
+  cockpit_->show(Phase::Working, "plans the path of " + name,
+                 robot_->options.send ? "the arm follows it" : "the next scan");
+  BITELINE_ASSIGN(PlanStep plan, plan_path(scan.folder / "path", request, outcome, *line.line));
+  const bool wanted = plan.outcome.path && robot_->options.send;
+  const robot::ScanFacts facts = facts_of(scan, outcome);
+  SendRequest send{.controller = controller_of(robot_->options),
+                   .serial = robot_->options.serial,
+                   .holds_arm = locks_.arm.has_value(),
+                   .scan = facts,
+                   .confidence = line.confidence,
+                   .approved = {},
+                   .scan_ended = scan.recovered ? std::nullopt : scan.ended};
+  const bool asks =
+      needs_a_person(process_of(scan.chosen).gate, line.confidence) || cockpit_->wants_hold(name);
+  if (wanted && asks && !facts.confirmed && cockpit_->has_doors()) {
+    say_step("%s is held: a person must accept it", name.c_str());
+    held_.emplace(Held{.folder = scan.folder,
+                       .intake = std::move(scan.intake),
+                       .plan = std::move(plan),
+                       .request = std::move(send),
+                       .chosen = scan.chosen});
+    return ExitStatus::Done;
+  }
+  // What a person may still say yes to stays whole.
+  const bool seen = !facts.recovered && !facts.from_recording && facts.one_connection;
+  const bool waits_for_a_word = wanted && !facts.confirmed && (!seen || asks);
+  if (!options_.keep_recording && !waits_for_a_word) scan.intake.forget();
+  if (!wanted) return plan.status;
+  cockpit_->show(Phase::Following, "the arm follows the line of " + name, "the next scan");
+  return follow_path(scan.folder, plan, send, cockpit_->halted());
+}
+
+Result<ExitStatus> Service::send_held(Held held, const robot::Word& word) {
+  cockpit_->show(Phase::Following, "the arm follows the line of " + held.folder.filename().string(),
+                 "the next scan");
+  held.request.approved = word;
+  const Result<ExitStatus> status = without_exceptions(
+      [&] { return follow_path(held.folder, held.plan, held.request, cockpit_->halted()); });
+  if (!options_.keep_recording) held.intake.forget();
+  remember(held.folder, "accepted", held.chosen);
+  return status;
+}
+
+robot::ScanFacts Service::facts_of(const Scan& scan, const intake::ScanOutcome& outcome) const {
+  robot::ScanFacts facts{
+      .name = scan.folder.filename().string(),
+      .scan_id = scan.intake.scan_id(),
+      .recovered = scan.recovered,
+      .from_recording = outcome.sensor.lossless,
+      .one_connection = scan.one_connection,
+      .messages_lost = outcome.messages_lost,
+      .lost = {
+          .frames = outcome.lost.frames, .profiles = outcome.lost.profiles, .edges = outcome.lost.edges}};
+  if (confirmed(scan.folder)) facts.confirmed = robot::Word{.by = user_name(), .at = utc_now()};
+  return facts;
+}
+
+}  // namespace biteline::service

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: MIT
+// What the sensor says, and the scans that come in.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <utility>
+
+#include "host/apps/biteline-host/attempt.hpp"
+#include "host/apps/biteline-host/service.hpp"
+#include "host/apps/biteline-host/service_words.hpp"
+#include "host/report/report.hpp"
+
+namespace biteline::service {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+constexpr Nanoseconds k_turn = milliseconds{100};
+/// While a result is being worked out: nobody shall wait for it longer than this after it is done.
+constexpr Nanoseconds k_wait = milliseconds{5};
+/// A sensor tells its state a few times a second: so long the last word about the light is waited for.
+constexpr Nanoseconds k_last_health = milliseconds{1000};
+
+}  // namespace
+
+Result<void> Service::hear_sensor() {
+  if (!link_ && options_.once && result_.valid()) {
+    result_.wait_for(k_wait);
+    return {};
+  }
+  if (!link_) {
+    intake::SensorLinkConfig config;
+    config.sensor = options_.sensor;
+    config.keys = keys_;
+    config.protocol.acknowledge_by_itself = false;
+    if (scan_) config.protocol.resume = scan_->intake.position();
+    BITELINE_ASSIGN(link_, intake::SensorLink::open(config));
+    ++links_;
+    sensor_idle_ = false;
+  }
+  // The next scan only once the arm is out of its way, and what was left of earlier ones is done.
+  if (sensor_idle_ && !scan_ && !result_.valid() && !held_ && unfinished_.empty() && !cockpit_->paused()) {
+    // A robot that is not ready would cost a scan that nobody can use.
+    if (!robot_ready()) {
+      if (options_.once)
+        return fail(Errc::DeviceError, "robot %s: it is not ready", robot_->options.script.c_str());
+      BITELINE_ASSIGN(const std::optional<intake::LinkEvent> meanwhile, link_->next(k_turn));
+      if (meanwhile) BITELINE_TRY(on_event(*meanwhile));
+      return {};
+    }
+    sensor_idle_ = false;
+    cockpit_->begin_cycle();
+    link_->command({.id = k_start_id, .command = wire::Command::StartScan});
+  }
+  BITELINE_ASSIGN(const std::optional<intake::LinkEvent> event,
+                  link_->next(result_.valid() ? k_wait : k_turn));
+  if (event) BITELINE_TRY(on_event(*event));
+  return {};
+}
+
+Result<void> Service::on_event(const intake::LinkEvent& event) {
+  if (const auto* hello = std::get_if<intake::Hello>(&event)) {
+    sensor_heard_ = true;
+    cockpit_->hear(hello->sensor);
+    return on_hello(*hello);
+  }
+  if (const auto* health = std::get_if<wire::Health>(&event)) cockpit_->hear(*health);
+  if (const auto* reply = std::get_if<wire::ControlReply>(&event)) {
+    if (reply->errc == 0 || reply->id != k_start_id) return {};
+    return fail(Errc::PeerRefused, "the sensor does not begin a scan: %s", reply->where.c_str());
+  }
+  if (!scan_) return {};  // the rest of a scan that was over before this host came
+  const std::size_t before = scan_->intake.cloud().size();
+  BITELINE_TRY(scan_->intake.take(event, link_->packet()));
+  cockpit_->show_progress(scan_->intake.profiles(), scan_->intake.profiles_expected());
+  if (scan_->intake.ended() && !scan_->ended) {
+    scan_->ended = now();
+    scan_->one_connection = !scan_->recovered && scan_->connection == connection();
+  }
+  link_->acknowledge();
+  if (const auto* profile = std::get_if<intake::ProfileEvent>(&event); profile && scan_->line) {
+    scan_->line->add_profile(profile->profile.header.sequence,
+                             std::span{scan_->intake.cloud().points}.subspan(before),
+                             intake::pose_of(profile->profile.header));
+  }
+  return {};
+}
+
+Result<void> Service::on_hello(const intake::Hello& hello) {
+  if (scan_ && !hello.resumed) {
+    // What there is of it is kept and told; it is not a result.
+    say_step("the sensor no longer has the rest of %s", scan_->folder.filename().c_str());
+    Scan cut_off = std::move(*scan_);
+    scan_.reset();
+    BITELINE_TRY(work_out(std::move(cut_off)));
+  }
+  if (scan_) {
+    say_step("goes on with %s at profile %llu", scan_->folder.filename().c_str(),
+             static_cast<unsigned long long>(scan_->intake.profiles()));
+    return {};
+  }
+  const bool has_scan = hello.scan_id != 0 && (hello.sensor.scanning || hello.sensor.lossless);
+  if (!has_scan) {
+    say_step("connected to %s%s; asks for a scan", hello.sensor.name.c_str(),
+             hello.sensor.simulated ? " (simulated)" : "");
+    sensor_idle_ = true;
+    return {};
+  }
+  const fs::path folder = next_folder();
+  BITELINE_TRY(report::prepare_folder(folder));
+  BITELINE_ASSIGN(intake::ScanIntake intake, intake::ScanIntake::begin(folder, hello, link_->packet()));
+  hold_scan(folder, std::move(intake));
+  say_step("takes in scan '%s' of %s%s into %s", hello.sensor.scan_name.c_str(), hello.sensor.name.c_str(),
+           hello.sensor.simulated ? " (simulated)" : "", folder.c_str());
+  return {};
+}
+
+void Service::hold_scan(const fs::path& folder, intake::ScanIntake intake) {
+  cockpit_->show_scan(folder.filename().string());
+  cockpit_->show(Phase::Scanning, folder.filename().string() + " comes in", "its line");
+  scan_.emplace(Scan{.folder = folder, .intake = std::move(intake), .line = {}, .connection = connection()});
+  if (carrier_) return;
+  scan_->line = std::make_unique<intake::LiveLine>(bite_line::Config{});
+  scan_->line->add_profiles(scan_->intake.cloud());
+}
+
+void Service::find_unfinished() {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator{options_.out, error}) {
+    if (!intake::ScanIntake::is_in(entry.path())) continue;
+    const bool done = fs::exists(entry.path() / "report.json", error);
+    if (!done || confirmed(entry.path())) unfinished_.push_back(entry.path());
+  }
+  std::ranges::sort(unfinished_);
+}
+
+Result<void> Service::take_up(const fs::path& folder) {
+  if (was_attempted(folder) && !confirmed(folder))
+    return set_aside(folder, "an earlier run of this service died while it worked it out");
+  BITELINE_TRY(mark_attempt(folder));
+  Result<intake::ScanIntake> intake = intake::ScanIntake::recover(folder);
+  clear_attempt(folder);
+  if (!intake) return tl::unexpected<Error>{intake.error()};
+  say_step("found %s unfinished, with %llu profiles", folder.filename().c_str(),
+           static_cast<unsigned long long>(intake->profiles()));
+  hold_scan(folder, std::move(*intake));
+  scan_->recovered = true;
+  // A connection made before would go on with another scan; the next one asks for the rest of this.
+  if (!scan_->intake.ended()) link_.reset();
+  return {};
+}
+
+bool Service::confirmed(const fs::path& folder) const {
+  return robot_ && !robot_->options.confirm.empty() && folder.filename() == robot_->options.confirm;
+}
+
+fs::path Service::next_folder() const {
+  // Not a name that the memory knows: its folder may be gone, its row stays.
+  int number = 1;
+  memory::ScanFilter last;
+  last.limit = 1;
+  if (const Result<memory::ScanPage> newest = cockpit_->memory().scans(last);
+      newest && !newest->scans.empty())
+    number = 1 + std::atoi(newest->scans.front().name.c_str() + std::strlen("scan-"));
+  std::error_code error;
+  for (;; ++number) {
+    char name[32];
+    std::snprintf(name, sizeof name, "scan-%04d", number);
+    const Result<std::optional<memory::Scan>> known = cockpit_->memory().scan(name);
+    if (!fs::exists(options_.out / name, error) && !(known && *known)) return options_.out / name;
+  }
+}
+
+int Service::connection() const {
+  // A link counts its own renewals; no link has had a thousand.
+  return 1000 * links_ + (link_ ? link_->reconnects() : 0);
+}
+
+bool Service::ready(const Scan& scan) {
+  if (!scan.intake.ended()) return false;
+  const bool has_light = !scan.intake.sensor().lossless;
+  if (scan.recovered || scan.intake.light_told() || !has_light || !scan.ended) return true;
+  return now() - *scan.ended > k_last_health;
+}
+
+}  // namespace biteline::service

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#include "host/apps/biteline-host/service_words.hpp"
+
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+
+namespace biteline::service {
+
+void complain(const Error& error) {
+  std::fprintf(stderr, "biteline-host: %s\n", to_line(error).c_str());
+}
+
+HostClock::time_point now() {
+  return HostClock::time_point{
+      std::chrono::duration_cast<Nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())};
+}
+
+ControllerAddress controller_of(const RobotOptions& robot) {
+  return {.rtde = robot.rtde, .script = robot.script, .dashboard = robot.dashboard};
+}
+
+std::string utc_now() {
+  const std::time_t seconds = std::time(nullptr);
+  std::tm parts{};
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&seconds, &parts));
+  return text;
+}
+
+std::filesystem::path shipped_processes() {
+  return intake::program_folder().parent_path() / "share/biteline/processes";
+}
+
+}  // namespace biteline::service

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Small things that every part of the service says the same way.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "common/core/result.hpp"
+#include "common/time/clocks.hpp"
+#include "host/apps/biteline-host/options.hpp"
+#include "host/apps/biteline-host/steps.hpp"
+#include "host/intake/child_process.hpp"
+
+namespace biteline::service {
+
+/// Only the answer to a start matters: a stop has done its work or there was nothing to stop.
+inline constexpr std::uint32_t k_start_id = 1;
+inline constexpr std::uint32_t k_stop_id = 2;
+
+/// One line on standard error.
+void complain(const Error& error);
+
+[[nodiscard]] HostClock::time_point now();
+[[nodiscard]] std::string utc_now();
+[[nodiscard]] ControllerAddress controller_of(const RobotOptions& robot);
+/// Beside the program, as installed and as built.
+[[nodiscard]] std::filesystem::path shipped_processes();
+
+}  // namespace biteline::service
