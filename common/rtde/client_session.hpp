@@ -70,8 +70,6 @@ class ClientSession {
   [[nodiscard]] const Skipped& skipped() const { return skipped_; }
   [[nodiscard]] ProtocolVersion version() const { return version_; }
   [[nodiscard]] const ControllerVersionReply& controller() const { return controller_; }
-  [[nodiscard]] const std::vector<Recipe>& output_recipes() const { return output_recipes_; }
-  [[nodiscard]] const std::vector<Recipe>& input_recipes() const { return input_recipes_; }
 
  private:
   Result<void> handle(const Package& package, ClientListener& listener);

@@ -69,9 +69,6 @@ class PeakSelector {
 
   void rt_select(const Peaks& peaks, Selection& out) noexcept BITELINE_RT;
 
-  /// Forgets the previous profile.
-  void rt_reset() noexcept BITELINE_RT { previous_columns_ = 0; }
-
  private:
   struct Stretch {
     float support{0};  ///< columns, those with little light less

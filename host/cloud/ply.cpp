@@ -296,19 +296,4 @@ Result<TriangleMesh> read_mesh(const std::filesystem::path& file) {
   return mesh;
 }
 
-Result<void> write_mesh(const std::filesystem::path& file, const TriangleMesh& mesh) {
-  BITELINE_ASSIGN(BinaryWriter writer, BinaryWriter::open(file));
-  writer.put("ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.vertices.size()) +
-             "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
-             std::to_string(mesh.faces.size()) + "\nproperty list uchar uint vertex_indices\nend_header\n");
-  for (const Eigen::Vector3f& vertex : mesh.vertices) writer.put(vertex.data(), 3 * sizeof(float));
-  std::string row;
-  for (const auto& face : mesh.faces) {
-    row.assign(1, '\3');
-    for (const std::uint32_t vertex : face) put_field(row, vertex);
-    writer.put(row);
-  }
-  return writer.close();
-}
-
 }  // namespace biteline::cloud

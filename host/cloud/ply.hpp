@@ -27,6 +27,5 @@ struct TriangleMesh {
 
 /// Polygons are cut into fans.
 [[nodiscard]] Result<TriangleMesh> read_mesh(const std::filesystem::path& file);
-[[nodiscard]] Result<void> write_mesh(const std::filesystem::path& file, const TriangleMesh& mesh);
 
 }  // namespace biteline::cloud

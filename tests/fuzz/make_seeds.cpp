@@ -42,8 +42,12 @@ void clouds(Seeds& seeds) {
     cloud.flags.push_back(0);
   }
   seeds.keep(cloud::write_cloud(seeds.in("ply", "cloud.ply"), cloud));
-  seeds.keep(cloud::write_mesh(seeds.in("ply", "mesh.ply"),
-                               {.vertices = cloud.points, .faces = {{0, 1, 2}, {1, 2, 4}}}));
+  std::string mesh =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 6\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 1\nproperty list uchar uint vertex_indices\nend_header\n";
+  for (const Eigen::Vector3f& point : cloud.points)
+    mesh.append(reinterpret_cast<const char*>(point.data()), 3 * sizeof(float));
+  seeds.bytes("ply", "mesh.ply", mesh + std::string{"\3\0\0\0\0\1\0\0\0\2\0\0\0", 13});
   seeds.bytes(
       "ply", "ascii.ply",
       "ply\nformat ascii 1.0\ncomment x\nelement vertex 2\nproperty double x\nproperty float y\nproperty int "

@@ -59,7 +59,6 @@ Result<void> SoftwarePwm::start() {
   if (config_.priority > 0) {
     const sched_param parameters{.sched_priority = config_.priority};
     const int fault = ::pthread_setschedparam(thread_.native_handle(), SCHED_FIFO, &parameters);
-    real_time_ = fault == 0;
     if (fault != 0 && config_.require_real_time) {
       static_cast<void>(stop());
       return device_failure(fault, "software PWM", "SCHED_FIFO");

@@ -35,7 +35,6 @@ class SoftwarePwm final : public PwmOut {
   [[nodiscard]] PulseHealth pulse_health() const;
   /// Times that the line did not take a level.
   [[nodiscard]] std::uint64_t line_faults() const { return line_faults_.load(); }
-  [[nodiscard]] bool real_time() const { return real_time_.load(); }
 
  private:
   void run(PwmSettings settings);
@@ -49,7 +48,6 @@ class SoftwarePwm final : public PwmOut {
   PulseHealth health_;
   std::atomic<bool> running_{false};
   std::atomic<bool> stop_wanted_{false};
-  std::atomic<bool> real_time_{false};
   std::atomic<std::uint64_t> line_faults_{0};
   std::thread thread_;
 };

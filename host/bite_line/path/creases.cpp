@@ -133,15 +133,12 @@ Crease describe(const SideField& field, std::span<const float> likeness, std::sp
   std::vector<double> flank_turns;
   std::vector<double> flank_steps;
   std::size_t seen = 0;
-  double bend2 = 0;
   for (int c = 0; c < grid.cols; ++c) {
     const auto col = static_cast<std::size_t>(c);
     const int row = path[col];
     const std::size_t cell = grid.at(row, c);
     crease.mean_height_mm += grid.z_mm(row) / grid.cols;
     crease.evidence += static_cast<double>(likeness[cell]) / grid.cols;
-    const double second = rows[(col + 1) % cols] - 2 * rows[col] + rows[(col + cols - 1) % cols];
-    bend2 += second * second;
     if (field.seen[cell] == 0) continue;
     ++seen;
     if (wall_above(field, row, c, config.upper_mm)) crease.upper_share += 1;
@@ -170,7 +167,6 @@ Crease describe(const SideField& field, std::span<const float> likeness, std::sp
   crease.flanks_seen = static_cast<double>(flank_turns.size()) > visible / 3;
   crease.flank_turn_rad = median(std::move(flank_turns));
   crease.flank_step_mm = median(std::move(flank_steps));
-  crease.restless_rows = std::sqrt(bend2 / grid.cols);
   const auto longest_run_mm = [&](auto&& missing) {
     int run = 0;
     int longest = 0;

@@ -31,9 +31,8 @@ struct Crease {
   double step_share{0};   ///< share of the visible columns with such a step
   double upper_share{0};  ///< share of the seen columns above which a wall goes on
   double mean_height_mm{0};
-  double evidence{0};       ///< mean likeness over the columns, 0 to 1
-  double restless_rows{0};  ///< RMS second difference of the raw path: high where it follows noise
-  double closure_mm{0};     ///< height between the ends of the best path that need not close
+  double evidence{0};    ///< mean likeness over the columns, 0 to 1
+  double closure_mm{0};  ///< height between the ends of the best path that need not close
 };
 
 struct CreaseConfig {

@@ -20,7 +20,6 @@ class PathWatch {
   /// What is beyond a limit at this state.  Pre: states in their order, while the program runs.
   [[nodiscard]] std::optional<HaltReason> look(const RobotState& state);
 
-  [[nodiscard]] bool on_path() const { return on_path_; }
   [[nodiscard]] double arc_mm() const { return here_mm_; }  ///< how far it has come
 
  private:

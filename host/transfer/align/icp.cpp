@@ -46,7 +46,6 @@ LineJacobian point_jacobian(const Grade& grade, const Vec3& point, const Foot& f
   LineJacobian J = LineJacobian::Zero(3, parameters);
   J.leftCols<3>().setIdentity();
   J.middleCols<3>(3) = -geometry::hat(s);
-  if (parameters == parameter_count(Freedom::UniformScale)) J.col(6) = s;
   if (parameters != parameter_count(Freedom::Graded)) return J;
   J(0, k_length) = grade.length * foot.place.x();
   J(1, k_width) = grade.width * foot.place.y();
@@ -78,10 +77,6 @@ Step jacobian(const Placement& placement, const Pair& pair, Freedom freedom, con
 void apply(const Step& step, const IcpOptions& options, Placement& placement) {
   placement.T_target_source = placement.T_target_source * geometry::exp_se3(step.head<6>());
   Grade& grade = placement.grade;
-  if (options.freedom == Freedom::UniformScale) {
-    for (double* factor : {&grade.length, &grade.width, &grade.section, &grade.height})
-      *factor *= 1 + step[6];
-  }
   if (options.freedom != Freedom::Graded) return;
   grade.length *= 1 + step[k_length];
   grade.width *= 1 + step[k_width];

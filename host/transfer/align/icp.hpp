@@ -59,7 +59,7 @@ struct Placement {
 };
 
 /// What may change.  Graded: length, width, section, height and offset, each for itself or tied.
-enum class Freedom { Rigid, UniformScale, Graded };
+enum class Freedom { Rigid, Graded };
 
 /// How the sections follow the length: factor = 1 + share * (length - 1); 0: they stay, 1: they grow as it
 /// does. Without a share it is free.
@@ -72,7 +72,7 @@ struct GradeTie {
 
 inline constexpr int k_most_parameters = 11;
 [[nodiscard]] constexpr int parameter_count(Freedom freedom) {
-  return freedom == Freedom::Rigid ? 6 : freedom == Freedom::UniformScale ? 7 : k_most_parameters;
+  return freedom == Freedom::Rigid ? 6 : k_most_parameters;
 }
 
 struct IcpOptions {

@@ -75,7 +75,7 @@ Grade start_grade(const Sample& sample, const Upper& upper, Freedom freedom) {
   if (freedom == Freedom::Rigid) return {};
   // The common part's own length, not the sample's: its sole is longer than its upper.
   const double factor = std::clamp(upper.axes.length_mm / shoe_axes(sample.common).length_mm, 0.7, 1.4);
-  const double section = 1 + (freedom == Freedom::UniformScale ? 1 : k_start_share) * (factor - 1);
+  const double section = 1 + k_start_share * (factor - 1);
   return {.length = factor, .width = factor, .section = section, .height = section};
 }
 

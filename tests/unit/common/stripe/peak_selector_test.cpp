@@ -78,9 +78,6 @@ TEST(PeakSelector, PreviousProfileDecidesBetweenEquals) {
   add({.first = 0, .end = k_columns, .row_px = 60, .slope_px = 0, .amplitude = 130});
   sut->rt_select(*peaks, *selection);
   DOUBLES_EQUAL(152, static_cast<double>(chosen_row(200)), 1e-3);
-  sut->rt_reset();
-  sut->rt_select(*peaks, *selection);
-  DOUBLES_EQUAL(60, static_cast<double>(chosen_row(200)), 1e-3);
 }
 
 TEST(PeakSelector, SteepWallAndGrooveStayOneStretch) {

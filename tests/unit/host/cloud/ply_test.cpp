@@ -3,6 +3,7 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -171,12 +172,21 @@ TEST(Ply, BinaryCutAnywhereIsRefusedNotOverrun) {
   for (std::size_t kept = 0; kept < bytes.str().size(); ++kept) CHECK(!read(bytes.str().substr(0, kept)));
 }
 
-TEST(Ply, MeshSurvivesWritingAndPolygonsAreCutIntoFans) {
-  const TriangleMesh mesh{.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .faces = {{0, 1, 2}}};
-  SUCCEEDS(write_mesh(folder.path() / "m.ply", mesh));
-  const auto sut = read_mesh(folder.path() / "m.ply");
+TEST(Ply, BinaryMeshIsRead) {
+  const std::array<float, 9> vertices{0, 0, 0, 1, 0, 0, 0, 1, 0};
+  std::string text =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 1\nproperty list uchar uint vertex_indices\nend_header\n";
+  text.append(reinterpret_cast<const char*>(vertices.data()), sizeof vertices);
+  text += std::string{"\3\0\0\0\0\1\0\0\0\2\0\0\0", 13};
+  const auto sut = read_mesh(folder.write("m.ply", text));
   SUCCEEDS(sut);
-  CHECK(sut->faces == mesh.faces);
+  LONGS_EQUAL(1, sut->faces.size());
+  CHECK((sut->faces[0] == std::array<std::uint32_t, 3>{0, 1, 2}));
+  DOUBLES_EQUAL(1, static_cast<double>(sut->vertices[2].y()), 0);
+}
+
+TEST(Ply, PolygonsAreCutIntoFans) {
   const auto quad = read_mesh(folder.write(
       "q.ply",
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"

@@ -45,16 +45,6 @@ TEST(Icp, FindsTheMotionOfAPartToAHundredth) {
   CHECK(sut.rms_mm < 0.03);
 }
 
-TEST(Icp, FindsTheScaleWhenItMayChange) {
-  const NearestTable table{target, 8};
-  Surfels larger = source;
-  for (Eigen::Vector3f& p : larger.positions) p *= 1.02F;
-  const Surfaces surfaces{.source = larger, .target = target, .target_table = table};
-  const IcpResult uniform =
-      run_icp(surfaces, {}, {.reach_mm = 8, .max_iterations = 60, .freedom = Freedom::UniformScale});
-  DOUBLES_EQUAL(1 / 1.02, uniform.placement.grade.length, 1e-3);
-}
-
 TEST(Icp, InformationIsTheNumericSecondDerivativeOfTheCost) {
   const NearestTable table{target, 5};
   const Surfaces surfaces{.source = source, .target = target, .target_table = table};
