@@ -27,7 +27,7 @@ std::string name_of(const char* what, const hal::GpioLineAddress& line) {
   return std::string{what} + " (" + line.chip + " " + line.line + ")";
 }
 
-Result<hal::PoseSample> first_pose(Result<std::unique_ptr<hal::PoseSource>> poses) {
+Result<hal::RobotPose> first_pose(Result<std::unique_ptr<hal::PoseSource>> poses) {
   constexpr Nanoseconds k_patience = std::chrono::seconds{1};
   if (!poses) return tl::unexpected<Error>{poses.error()};
   BITELINE_TRY((*poses)->start());

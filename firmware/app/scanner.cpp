@@ -190,7 +190,7 @@ void Scanner::read_poses() {
       std::this_thread::sleep_for(k_pause);
       continue;
     }
-    const Result<hal::PoseSample> pose = source_.poses->next_pose(k_device_wait);
+    const Result<hal::RobotPose> pose = source_.poses->next_pose(k_device_wait);
     if (pose) {
       const SensorClock::time_point stamp =
           pose->stamp_sensor.value_or(to_sensor_clock(pose->stamp, config_.model.pose_clock_offset));

@@ -20,7 +20,7 @@ enum PoseStatus : std::uint32_t {
   k_pose_simulated = 1U << 3U,
 };
 
-struct PoseSample {
+struct RobotPose {
   RobotClock::time_point stamp;  ///< the controller's own instant of the pose
   /// The same instant on the sensor's clock, where the backend knows it (bus stamped by our own controller,
   /// PTP); otherwise the user maps `stamp` with the calibrated offset.
@@ -68,7 +68,7 @@ class PoseSource {
   virtual ~PoseSource() = default;
 
   [[nodiscard]] virtual Result<void> start() = 0;
-  [[nodiscard]] virtual Result<PoseSample> next_pose(Nanoseconds timeout) = 0;
+  [[nodiscard]] virtual Result<RobotPose> next_pose(Nanoseconds timeout) = 0;
   [[nodiscard]] virtual Result<void> stop() = 0;
   [[nodiscard]] virtual PoseHealth health() const noexcept = 0;
 };

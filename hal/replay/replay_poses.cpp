@@ -10,7 +10,7 @@ Result<void> ReplayPoses::start() {
   return {};
 }
 
-Result<PoseSample> ReplayPoses::next_pose(Nanoseconds) {
+Result<RobotPose> ReplayPoses::next_pose(Nanoseconds) {
   if (!started_) return fail(Errc::WrongState, "recorded poses: next_pose before start");
   const std::size_t index = next_;
   if (index == session_->poses.size()) return fail(Errc::Timeout, "recorded poses are at their end");
@@ -18,7 +18,7 @@ Result<PoseSample> ReplayPoses::next_pose(Nanoseconds) {
   const session::StampedPose& pose = session_->poses[index];
   const SensorClock::time_point stamp_sensor =
       to_sensor_clock(pose.stamp, session_->sensor.pose_clock_offset);
-  return PoseSample{.stamp = pose.stamp,
+  return RobotPose{.stamp = pose.stamp,
                     .stamp_sensor = stamp_sensor,
                     .received = stamp_sensor,
                     .T_base_flange = pose.T_base_flange,

@@ -16,7 +16,7 @@ class ReplayPoses final : public PoseSource {
   explicit ReplayPoses(std::shared_ptr<const session::Session> session) : session_{std::move(session)} {}
 
   [[nodiscard]] Result<void> start() override;
-  [[nodiscard]] Result<PoseSample> next_pose(Nanoseconds timeout) override;
+  [[nodiscard]] Result<RobotPose> next_pose(Nanoseconds timeout) override;
   [[nodiscard]] Result<void> stop() override;
   [[nodiscard]] PoseHealth health() const noexcept override;
 

@@ -19,14 +19,14 @@ Points positions(const cloud::ClosedLine& line) {
   return points;
 }
 
-struct Foot {
+struct NearestPlace {
   Vec3 point;
   double distance_mm;
 };
 
 /// Nearest point of the closed polyline.  Brute force: a thousand by a thousand segments take milliseconds.
-Foot foot_on(const Points& polyline, const Vec3& p) {
-  Foot best{.point = polyline.front(), .distance_mm = std::numeric_limits<double>::max()};
+NearestPlace foot_on(const Points& polyline, const Vec3& p) {
+  NearestPlace best{.point = polyline.front(), .distance_mm = std::numeric_limits<double>::max()};
   for (std::size_t i = 0; i < polyline.size(); ++i) {
     const Vec3& a = polyline[i];
     const Vec3 ab = polyline[(i + 1) % polyline.size()] - a;

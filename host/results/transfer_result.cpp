@@ -62,7 +62,7 @@ void fill(const transfer::Transfer& transfer, report::Report& report) {
   report.fields["bound_mm"] = transfer.bound_mm;
   if (!transfer.alignment.next_step.empty()) report.fields["next_step"] = transfer.alignment.next_step;
   report.fields["surface"] = transfer.from_mesh ? "mesh" : "points";
-  for (const transfer::Stage& stage : transfer.stages)
+  for (const report::StageTime& stage : transfer.stages)
     report.fields["transfer_s"][stage.name] = stage.seconds;
   if (transfer.refusal) return report.refuse(*transfer.refusal);
   const transfer::CarriedLine& carried = transfer.carried;
@@ -117,7 +117,7 @@ Result<void> write_page(const std::filesystem::path& folder, const transfer::Tra
     page.figures(figures);
     page.heading("Time");
     std::vector<std::pair<std::string, double>> stages;
-    for (const transfer::Stage& stage : transfer.stages) stages.emplace_back(stage.name, stage.seconds);
+    for (const report::StageTime& stage : transfer.stages) stages.emplace_back(stage.name, stage.seconds);
     page.durations(stages);
     page.heading("Stages");
     for (const auto& [file, caption] : results::transfer_pictures(folder / "stages"))

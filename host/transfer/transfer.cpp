@@ -182,9 +182,10 @@ Transfer refused(Refused code, const Error& why) {
   return {.refusal = Refusal{.code = code, .reason = std::string{why.where.view()}}};
 }
 
-class StageClock {
+/// Each lap ends where the next begins; what was noted stays after an early end.
+class LapClock {
  public:
-  explicit StageClock(std::vector<Stage>& stages) : stages_{stages} {}
+  explicit LapClock(std::vector<report::StageTime>& stages) : stages_{stages} {}
   void lap(const char* name) {
     const auto now = std::chrono::steady_clock::now();
     stages_.push_back({.name = name, .seconds = std::chrono::duration<double>(now - begin_).count()});
@@ -192,7 +193,7 @@ class StageClock {
   }
 
  private:
-  std::vector<Stage>& stages_;
+  std::vector<report::StageTime>& stages_;
   std::chrono::steady_clock::time_point begin_{std::chrono::steady_clock::now()};
 };
 
@@ -201,7 +202,7 @@ class StageClock {
 Transfer transfer_line(const SampleFiles& sample, const cloud::PointCloud& upper,
                        const TransferOptions& options) {
   Transfer transfer;
-  StageClock clock{transfer.stages};
+  LapClock clock{transfer.stages};
   const Prepared prepared = prepare(sample, upper);
   if (!*prepared.sample) return refused(Refused::SampleUnusable, prepared.sample->error());
   if (!*prepared.upper) return refused(Refused::UpperWithoutShoe, prepared.upper->error());

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "host/report/stage_clock.hpp"
 #include "host/transfer/align/alignment.hpp"
 #include "host/transfer/carry/carried_line.hpp"
 #include "host/transfer/refused.hpp"
@@ -14,13 +15,7 @@ namespace biteline::transfer {
 struct TransferOptions {
   transfer::AlignOptions align{};
   transfer::RayDirection direction{transfer::RayDirection::Level};
-  double max_gap_mm{
-      45};  ///< in the upper's scan, bridged as the sample's wall runs: off by 0.1 to 0.2 mm, made shoes
-};
-
-struct Stage {
-  const char* name;
-  double seconds;
+  double max_gap_mm{45};  ///< longest gap in the upper's scan that is bridged (docs/transfer.md)
 };
 
 struct Transfer {
@@ -32,9 +27,9 @@ struct Transfer {
   transfer::CarriedLine carried;  ///< its line is empty when not found
   double bound_mm{
       0};  ///< 19 of 20 points of the line are nearer than this to the bite line, as far as the scans tell
-  double confidence{0};       ///< mean over the points
-  bool from_mesh{false};      ///< the upper's scan was organised
-  std::vector<Stage> stages;  ///< in order, wall time; empty when a cloud holds no shoe
+  double confidence{0};                   ///< mean over the points
+  bool from_mesh{false};                  ///< the upper's scan was organised
+  std::vector<report::StageTime> stages;  ///< in order, wall time; empty when a cloud holds no shoe
 
   /// One plain sentence when not found.
   [[nodiscard]] std::string reason() const { return refusal ? refusal->reason : std::string{}; }

@@ -47,12 +47,12 @@ Result<void> RtdePoseSource::stop() {
   return {};
 }
 
-Result<PoseSample> RtdePoseSource::next_pose(Nanoseconds timeout) {
+Result<RobotPose> RtdePoseSource::next_pose(Nanoseconds timeout) {
   if (state_ == PoseState::Idle) return fail(Errc::WrongState, "RTDE pose source is not started");
   const SensorClock::time_point deadline = monotonic_now() + timeout;
   bool looked = false;  // a timeout of 0 still reads what is there
   while (true) {
-    if (std::optional<PoseSample> sample = samples_.take()) {
+    if (std::optional<RobotPose> sample = samples_.take()) {
       if (std::exchange(made_anew_, false)) reconnects_.fetch_add(1);
       state_ = PoseState::Streaming;
       last_fault_.reset();

@@ -36,7 +36,7 @@ class RtdePoseSource final : public PoseSource {
   [[nodiscard]] static Result<std::unique_ptr<RtdePoseSource>> open(const Config& config);
 
   [[nodiscard]] Result<void> start() override;
-  [[nodiscard]] Result<PoseSample> next_pose(Nanoseconds timeout) override;
+  [[nodiscard]] Result<RobotPose> next_pose(Nanoseconds timeout) override;
   [[nodiscard]] Result<void> stop() override;
   [[nodiscard]] PoseHealth health() const noexcept override;
 

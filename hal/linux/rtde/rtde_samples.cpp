@@ -85,7 +85,7 @@ void RtdeSamples::on_data(std::size_t, std::span<const rtde::Value> values) {
   if (*runtime_state == k_runtime_playing) status |= k_pose_program_running;
   if ((*safety_bits & k_safety_protective) != 0) status |= k_pose_protective_stop;
   if ((*safety_bits & k_safety_emergency) != 0) status |= k_pose_emergency_stop;
-  put(PoseSample{.stamp = stamp,
+  put(RobotPose{.stamp = stamp,
                  .stamp_sensor = clock_.to_sensor(stamp),
                  .received = received_,
                  .T_base_flange = *T_base_tcp * T_flange_tcp->inverse(),
@@ -107,7 +107,7 @@ Nanoseconds RtdeSamples::period() const {
   return least == Nanoseconds::max() ? wished : std::max(least, wished);
 }
 
-void RtdeSamples::put(const PoseSample& sample) {
+void RtdeSamples::put(const RobotPose& sample) {
   if (count_ == k_waiting) {
     first_ = (first_ + 1) % k_waiting;
     --count_;
@@ -117,9 +117,9 @@ void RtdeSamples::put(const PoseSample& sample) {
   ++count_;
 }
 
-std::optional<PoseSample> RtdeSamples::take() {
+std::optional<RobotPose> RtdeSamples::take() {
   if (count_ == 0) return std::nullopt;
-  const PoseSample sample = waiting_[first_];
+  const RobotPose sample = waiting_[first_];
   first_ = (first_ + 1) % k_waiting;
   --count_;
   ++counts_.poses;

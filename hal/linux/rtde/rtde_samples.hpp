@@ -37,7 +37,7 @@ class RtdeSamples final : public rtde::ClientListener {
   /// When the bytes about to be consumed arrived.
   void set_received(SensorClock::time_point received) { received_ = received; }
 
-  [[nodiscard]] std::optional<PoseSample> take();
+  [[nodiscard]] std::optional<RobotPose> take();
   [[nodiscard]] const RtdeSampleCounts& counts() const { return counts_; }
   [[nodiscard]] ClockMapHealth clock_health() const { return clock_.health(); }
 
@@ -50,7 +50,7 @@ class RtdeSamples final : public rtde::ClientListener {
   /// The recipe's two poses, stamp and words, without their header: no data package is shorter.
   static constexpr std::size_t k_package_bytes = 2 * 6 * 8 + 8 + 2 * 4;
 
-  void put(const PoseSample& sample);
+  void put(const RobotPose& sample);
   void keep_step(Nanoseconds step);
   /// The controller's own period, the least of the last steps: it may be slower than what was wished.
   [[nodiscard]] Nanoseconds period() const;
@@ -68,7 +68,7 @@ class RtdeSamples final : public rtde::ClientListener {
   std::size_t next_step_{0};
   bool first_of_connection_{true};
   std::uint64_t sequence_{0};
-  std::array<PoseSample, k_waiting> waiting_{};
+  std::array<RobotPose, k_waiting> waiting_{};
   std::size_t first_{0};
   std::size_t count_{0};
   RtdeSampleCounts counts_;

@@ -39,7 +39,7 @@ Result<void> CanPoseSource::start() {
   return {};
 }
 
-Result<PoseSample> CanPoseSource::next_pose(Nanoseconds timeout) {
+Result<RobotPose> CanPoseSource::next_pose(Nanoseconds timeout) {
   if (state_ == PoseState::Idle) return fail(Errc::WrongState, "CAN pose source is not started");
   const SensorClock::time_point deadline = clock_.now() + timeout;
   while (true) {
@@ -60,11 +60,11 @@ Result<PoseSample> CanPoseSource::next_pose(Nanoseconds timeout) {
       }
       continue;
     }
-    if (const std::optional<PoseSample> sample = accept(*pose, frame->received)) return *sample;
+    if (const std::optional<RobotPose> sample = accept(*pose, frame->received)) return *sample;
   }
 }
 
-std::optional<PoseSample> CanPoseSource::accept(const canpose::AssembledPose& pose,
+std::optional<RobotPose> CanPoseSource::accept(const canpose::AssembledPose& pose,
                                                 SensorClock::time_point received) {
   if (last_sequence_) poses_lost_.fetch_add(pose.sequence - *last_sequence_ - 1);
   last_sequence_ = pose.sequence;
@@ -87,7 +87,7 @@ std::optional<PoseSample> CanPoseSource::accept(const canpose::AssembledPose& po
   if (state_ == PoseState::Lost) reconnects_.fetch_add(1);
   state_ = PoseState::Streaming;
   poses_.fetch_add(1);
-  return PoseSample{.stamp = pose.stamp,
+  return RobotPose{.stamp = pose.stamp,
                     .stamp_sensor = pose.latched ? pose.latched : clock_map_.to_sensor(pose.stamp),
                     .received = received,
                     .T_base_flange = pose.message.T_base_flange,

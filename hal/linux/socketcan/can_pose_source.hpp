@@ -27,19 +27,13 @@ class CanPoseSource final : public PoseSource {
   CanPoseSource(std::unique_ptr<CanBus> bus, const Clock& clock, const Config& config);
 
   [[nodiscard]] Result<void> start() override;
-  [[nodiscard]] Result<PoseSample> next_pose(Nanoseconds timeout) override;
+  [[nodiscard]] Result<RobotPose> next_pose(Nanoseconds timeout) override;
   [[nodiscard]] Result<void> stop() override;
   [[nodiscard]] PoseHealth health() const noexcept override;
 
-  /// What the bus and the assembler count; from the owner's thread.
-  [[nodiscard]] CanHealth bus_health() const noexcept { return bus_->health(); }
-  [[nodiscard]] const canpose::AssemblerHealth& assembler_health() const noexcept {
-    return assembler_.health();
-  }
-
  private:
   /// Checks, counts and converts; nothing: rejected.
-  std::optional<PoseSample> accept(const canpose::AssembledPose& pose, SensorClock::time_point received);
+  std::optional<RobotPose> accept(const canpose::AssembledPose& pose, SensorClock::time_point received);
   void note_silence();
 
   std::unique_ptr<CanBus> bus_;

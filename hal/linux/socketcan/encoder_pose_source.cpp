@@ -18,7 +18,7 @@ Result<void> EncoderPoseSource::start() {
   return {};
 }
 
-Result<PoseSample> EncoderPoseSource::next_pose(Nanoseconds timeout) {
+Result<RobotPose> EncoderPoseSource::next_pose(Nanoseconds timeout) {
   if (state_ == PoseState::Idle) return fail(Errc::WrongState, "encoder pose source is not started");
   const SensorClock::time_point deadline = clock_.now() + timeout;
   while (true) {
@@ -30,7 +30,7 @@ Result<PoseSample> EncoderPoseSource::next_pose(Nanoseconds timeout) {
       if (state_ == PoseState::Lost) reconnects_.fetch_add(1);
       state_ = PoseState::Streaming;
       const Twist way = static_cast<double>(reading->position_ticks) * config_.per_tick;
-      return PoseSample{.stamp = RobotClock::time_point{reading->stamp.time_since_epoch()},
+      return RobotPose{.stamp = RobotClock::time_point{reading->stamp.time_since_epoch()},
                         .stamp_sensor = reading->stamp,
                         .received = reading->stamp,
                         .T_base_flange = geometry::exp_se3(way) * config_.T_base_flange_start,

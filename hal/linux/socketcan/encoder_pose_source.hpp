@@ -25,7 +25,7 @@ class EncoderPoseSource final : public PoseSource {
       : encoder_{std::move(encoder)}, clock_{clock}, config_{config} {}
 
   [[nodiscard]] Result<void> start() override;
-  [[nodiscard]] Result<PoseSample> next_pose(Nanoseconds timeout) override;
+  [[nodiscard]] Result<RobotPose> next_pose(Nanoseconds timeout) override;
   [[nodiscard]] Result<void> stop() override;
   [[nodiscard]] PoseHealth health() const noexcept override;
 

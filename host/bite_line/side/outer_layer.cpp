@@ -39,10 +39,10 @@ struct Raster {
 };
 
 /// The innermost o that still belongs to the outermost layer, per coarse cell, column after column.
-class Layers {
+class DepthLayers {
  public:
-  Layers(std::span<const OutlinePlace> places, const Buckets& columns, const OuterLayerConfig& config,
-         double grow)
+  DepthLayers(std::span<const OutlinePlace> places, const Buckets& columns, const OuterLayerConfig& config,
+              double grow)
       : raster_{config, k_layer_z_mm * grow}, cols_{columns.size()} {
     const std::size_t cells = cols_ * raster_.rows;
     counts_.assign(cells * k_layer_bins, 0);
@@ -164,7 +164,7 @@ class Layers {
 /// Drops from a column what lies behind the outermost layer, then what is deeper than the outermost o of the
 /// fine rows about it, which leave out a twentieth of their points as strays.
 void keep_outer_layer_of(std::size_t col, std::span<const std::uint32_t> column,
-                         std::span<OutlinePlace> places, const Layers& layers, const Raster& fine,
+                         std::span<OutlinePlace> places, const DepthLayers& layers, const Raster& fine,
                          float depth_mm) {
   constexpr float k_nothing = -1.0e6F;
   constexpr std::uint32_t k_many = 20;
@@ -223,7 +223,7 @@ Buckets keep_outer_layer(std::span<OutlinePlace> places, const OuterLayerConfig&
                     const float s_mm = places[i].s_mm;
                     return s_mm < 0 ? -1 : std::min(cols - 1, static_cast<int>(s_mm * per_s));
                   }};
-  const Layers layers{places, columns, config, grow};
+  const DepthLayers layers{places, columns, config, grow};
   const Raster fine{config, k_fine_z_mm * grow};
   tbb::parallel_for(std::size_t{0}, columns.size(), [&](std::size_t col) {
     keep_outer_layer_of(col, columns[col], places, layers, fine, static_cast<float>(config.depth_mm));

@@ -47,20 +47,20 @@ std::vector<cv::Vec3b> curvature_colours(const std::vector<float>& curvature_per
   return colours;
 }
 
-struct StageName {
+struct LineStage {
   const char* file;
   const char* caption;
 };
 constexpr std::array k_stages{
-    StageName{"1_point_cloud", "point cloud, colour: curvature (blue concave, red convex)"},
-    StageName{"2_feature_points", "feature points: strongly concave"},
-    StageName{"2_feature_points_plain_svd", "the same by plain SVD instead of weighted PCA"},
-    StageName{"3_denoised", "feature points of which a closed line can be made"},
-    StageName{"4_coarse_line", "coarse line: points around the path"},
-    StageName{"5_thinned_line", "thinned line"},
-    StageName{"6_sequence",
+    LineStage{"1_point_cloud", "point cloud, colour: curvature (blue concave, red convex)"},
+    LineStage{"2_feature_points", "feature points: strongly concave"},
+    LineStage{"2_feature_points_plain_svd", "the same by plain SVD instead of weighted PCA"},
+    LineStage{"3_denoised", "feature points of which a closed line can be made"},
+    LineStage{"4_coarse_line", "coarse line: points around the path"},
+    LineStage{"5_thinned_line", "thinned line"},
+    LineStage{"6_sequence",
               "the line, colour: confidence (green sure, red unsure); arrows: the upper's normals"},
-    StageName{"unrolled_curvature",
+    LineStage{"unrolled_curvature",
               "curvature of the side, unrolled; green: the path, grey: what was not taken"},
 };
 
@@ -70,7 +70,7 @@ struct Sheet {
   const cloud::PointCloud& surface;
   const SE3& T_base_shoe;
 
-  Result<void> write(const StageName& stage, const cloud::PointCloud& points,
+  Result<void> write(const LineStage& stage, const cloud::PointCloud& points,
                      const std::function<void(ShoeView&)>& draw) const {
     if (points.points.empty() || surface.points.empty()) return {};
     ShoeView view{surface, T_base_shoe};
@@ -121,7 +121,7 @@ Result<void> write_unrolled(const fs::path& file, const bite_line::UnrolledSide&
 Result<void> write_stages(const fs::path& folder, const bite_line::LineStages& stages,
                           const bite_line::Extraction& extraction) {
   BITELINE_TRY(report::prepare_folder(folder));
-  for (const StageName& stage : k_stages) {
+  for (const LineStage& stage : k_stages) {
     std::error_code ignored;
     fs::remove(folder / (std::string(stage.file) + ".png"), ignored);
     fs::remove(folder / (std::string(stage.file) + ".ply"), ignored);
@@ -165,7 +165,7 @@ Result<void> write_stages(const fs::path& folder, const bite_line::LineStages& s
 
 std::vector<std::pair<std::string, std::string>> pictures(const fs::path& folder) {
   std::vector<std::pair<std::string, std::string>> found;
-  for (const StageName& stage : k_stages) {
+  for (const LineStage& stage : k_stages) {
     const std::string file = std::string(stage.file) + ".png";
     std::error_code ignored;
     if (fs::exists(folder / file, ignored)) found.emplace_back(file, stage.caption);

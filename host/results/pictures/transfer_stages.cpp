@@ -18,16 +18,16 @@ constexpr float k_full_colour_mm = 0.3F;
 constexpr double k_surfel_radius_mm = 1;  // the surfaces are compared every 2 mm
 const cv::Vec3b k_placed_colour{200, 60, 20};
 
-struct StageName {
+struct TransferStage {
   const char* file;
   const char* caption;
 };
 constexpr std::array k_stages{
-    StageName{
+    TransferStage{
         "1_alignment",
         "the sample on the upper, colour: the sample lies inside (blue) or outside (red), full at 0.3 mm"},
-    StageName{"2_placed_line", "the sample's line where the alignment puts it"},
-    StageName{
+    TransferStage{"2_placed_line", "the sample's line where the alignment puts it"},
+    TransferStage{
         "3_carried_line",
         "the line on the upper, colour: confidence (green sure, red unsure); arrows: the upper's normals"},
 };
@@ -38,7 +38,7 @@ struct Sheet {
   const SE3& T_base_shoe;
 
   /// The stage's picture, and its points as a cloud; nothing without points.
-  Result<void> write(const StageName& stage, const std::vector<Vec3>& points,
+  Result<void> write(const TransferStage& stage, const std::vector<Vec3>& points,
                      const std::function<void(ShoeView&)>& draw) const {
     if (points.empty()) return {};
     ShoeView view{upper, T_base_shoe};
@@ -90,7 +90,7 @@ Result<void> write_carried_line(const Sheet& sheet, const cloud::ClosedLine& lin
 Result<void> write_transfer_stages(const fs::path& folder, const cloud::PointCloud& upper,
                                    const transfer::Transfer& transfer) {
   BITELINE_TRY(report::prepare_folder(folder));
-  for (const StageName& stage : k_stages) {
+  for (const TransferStage& stage : k_stages) {
     std::error_code ignored;
     fs::remove(folder / (std::string{stage.file} + ".png"), ignored);
     fs::remove(folder / (std::string{stage.file} + ".ply"), ignored);
@@ -103,7 +103,7 @@ Result<void> write_transfer_stages(const fs::path& folder, const cloud::PointClo
 
 std::vector<std::pair<std::string, std::string>> transfer_pictures(const fs::path& folder) {
   std::vector<std::pair<std::string, std::string>> found;
-  for (const StageName& stage : k_stages) {
+  for (const TransferStage& stage : k_stages) {
     const std::string file = std::string{stage.file} + ".png";
     std::error_code ignored;
     if (fs::exists(folder / file, ignored)) found.emplace_back(file, stage.caption);

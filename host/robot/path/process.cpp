@@ -42,7 +42,7 @@ Outwards read_outwards(YamlReader& reader) {
                                                                              : Outwards::Level;
 }
 
-Placement read_placement(YamlReader reader) {
+TipPlacement read_placement(YamlReader reader) {
   return {.outwards = read_outwards(reader),
           .outward_mm = reader.number("outward_mm", {.minimum = -50, .maximum = 200}),
           .up_mm = reader.number("up_mm", {.minimum = -50, .maximum = 200}),

@@ -38,7 +38,7 @@ struct Tool {
 enum class Outwards { Level, Normal };
 
 /// Where the tip stands relative to the line; up: at right angles to outwards and the line.
-struct Placement {
+struct TipPlacement {
   Outwards outwards{Outwards::Level};
   double outward_mm{0};
   double up_mm{0};
@@ -108,7 +108,7 @@ struct Process {
   std::string name;
   Tool tool;
   std::optional<Sight> sight{};  ///< of a scan: what it works on must be seen
-  Placement placement;
+  TipPlacement placement;
   Coverage coverage;
   Motion motion;
   FollowLimits follow{};

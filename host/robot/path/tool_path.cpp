@@ -25,7 +25,7 @@ constexpr double k_seam_apart_mm = 20;
 // So that a length of a whole number of steps is not cut into one more by its last digit.
 constexpr double k_rounding = 1e-6;
 
-struct Sample {
+struct PathSample {
   Vec3 position;
   Vec3 normal;
   Vec3 tangent;
@@ -38,10 +38,10 @@ std::optional<double> larger(const std::optional<double>& a, const std::optional
 }
 
 /// A closed sequence at even arc lengths.
-std::vector<Sample> resampled(const cloud::ClosedLine& line, std::size_t count) {
+std::vector<PathSample> resampled(const cloud::ClosedLine& line, std::size_t count) {
   const std::vector<cloud::LinePoint>& points = line.points;
   const geometry::ArcLength along{points.size(), [&](std::size_t i) { return points[i].position; }};
-  std::vector<Sample> samples(count);
+  std::vector<PathSample> samples(count);
   for (std::size_t k = 0; k < count; ++k) {
     const geometry::OnCurve at = along.even(k, count);
     samples[k] = {.position = at.between(points[at.before].position, points[at.after].position),
@@ -53,21 +53,22 @@ std::vector<Sample> resampled(const cloud::ClosedLine& line, std::size_t count) 
 }
 
 /// Gaussian mean of one member round the closed sequence.
-std::vector<Vec3> smoothed(const std::vector<Sample>& samples, Vec3 Sample::*member, double sigma_mm,
+std::vector<Vec3> smoothed(const std::vector<PathSample>& samples, Vec3 PathSample::*member, double sigma_mm,
                            double spacing_mm) {
   std::vector<Vec3> values;
-  for (const Sample& sample : samples) values.push_back(sample.*member);
+  for (const PathSample& sample : samples) values.push_back(sample.*member);
   return geometry::smooth_closed<Vec3>(values, sigma_mm / spacing_mm, Vec3::Zero());
 }
 
-std::vector<Sample> with_directions(std::vector<Sample> samples, double spacing_mm, double sigma_mm) {
+std::vector<PathSample> with_directions(std::vector<PathSample> samples, double spacing_mm, double sigma_mm) {
   const std::size_t n = samples.size();
-  const std::vector<Vec3> positions = smoothed(samples, &Sample::position, k_tangent_sigma_mm, spacing_mm);
+  const std::vector<Vec3> positions =
+      smoothed(samples, &PathSample::position, k_tangent_sigma_mm, spacing_mm);
   for (std::size_t i = 0; i < n; ++i) {
     samples[i].tangent = (positions[(i + 1) % n] - positions[(i + n - 1) % n]).normalized();
   }
-  const std::vector<Vec3> tangents = smoothed(samples, &Sample::tangent, sigma_mm, spacing_mm);
-  const std::vector<Vec3> normals = smoothed(samples, &Sample::normal, sigma_mm, spacing_mm);
+  const std::vector<Vec3> tangents = smoothed(samples, &PathSample::tangent, sigma_mm, spacing_mm);
+  const std::vector<Vec3> normals = smoothed(samples, &PathSample::normal, sigma_mm, spacing_mm);
   for (std::size_t i = 0; i < n; ++i) {
     samples[i].tangent = tangents[i].normalized();
     samples[i].normal = (normals[i] - normals[i].dot(samples[i].tangent) * samples[i].tangent).normalized();
@@ -76,7 +77,7 @@ std::vector<Sample> with_directions(std::vector<Sample> samples, double spacing_
 }
 
 /// Turning per length, from the tangents on either side.
-double curvature_per_mm(const std::vector<Sample>& samples, std::size_t i, double spacing_mm) {
+double curvature_per_mm(const std::vector<PathSample>& samples, std::size_t i, double spacing_mm) {
   const std::size_t n = samples.size();
   const Vec3& before = samples[(i + n - 1) % n].tangent;
   const Vec3& after = samples[(i + 1) % n].tangent;
@@ -85,12 +86,12 @@ double curvature_per_mm(const std::vector<Sample>& samples, std::size_t i, doubl
 
 /// How much a seam at each sample harms: turning over the overlap, and nearness to the two ends of the
 /// outline, where toe and heel show and the sole bends.
-std::vector<double> harm(const std::vector<Sample>& samples, double spacing_mm) {
+std::vector<double> harm(const std::vector<PathSample>& samples, double spacing_mm) {
   const std::size_t n = samples.size();
   Vec3 middle = Vec3::Zero();
-  for (const Sample& sample : samples) middle += sample.position / static_cast<double>(n);
+  for (const PathSample& sample : samples) middle += sample.position / static_cast<double>(n);
   Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
-  for (const Sample& sample : samples) {
+  for (const PathSample& sample : samples) {
     const Eigen::Vector2d d = (sample.position - middle).head<2>();
     spread += d * d.transpose();
   }
@@ -98,7 +99,7 @@ std::vector<double> harm(const std::vector<Sample>& samples, double spacing_mm) 
       0.5 * std::atan2(2 * spread(0, 1), spread(0, 0) - spread(1, 1));  // principal axis of 2 x 2
   const Vec3 axis{std::cos(angle_rad), std::sin(angle_rad), 0};
   double half_mm = 0;
-  for (const Sample& sample : samples)
+  for (const PathSample& sample : samples)
     half_mm = std::max(half_mm, std::abs(axis.dot(sample.position - middle)));
 
   std::vector<double> out(n);
@@ -115,7 +116,7 @@ std::vector<double> harm(const std::vector<Sample>& samples, double spacing_mm) 
 
 /// Sampling of the line that path and seams share.
 struct Sampling {
-  std::vector<Sample> samples;
+  std::vector<PathSample> samples;
   double fine_mm;
   double direction_sigma_mm;
 };
@@ -142,7 +143,7 @@ std::optional<double> u95_at_tip(const std::optional<double>& u95_mm, double sha
   return std::hypot(*u95_mm, lever_mm * turn_rad);
 }
 
-SE3 tool_frame(const Sample& sample, const Placement& placement) {
+SE3 tool_frame(const PathSample& sample, const TipPlacement& placement) {
   const Vec3& t = sample.tangent;
   // Outwards of an anticlockwise line is to its right.
   const Vec3 n =
@@ -206,7 +207,7 @@ std::vector<ToolPoint> along_line(const cloud::ClosedLine& line, const Process& 
   const auto [samples, fine_mm, direction_sigma_mm] = sampled(line, process);
   const std::size_t count = samples.size();
   double shared_mm = samples.front().u95_mm.value_or(0);
-  for (const Sample& sample : samples) shared_mm = std::min(shared_mm, sample.u95_mm.value_or(0));
+  for (const PathSample& sample : samples) shared_mm = std::min(shared_mm, sample.u95_mm.value_or(0));
   const std::size_t first = static_cast<std::size_t>(std::round(path.seam_arc_mm / fine_mm)) % count;
   const std::size_t last = count + static_cast<std::size_t>(std::ceil(motion.overlap_mm / fine_mm));
   std::vector<SE3> frames;

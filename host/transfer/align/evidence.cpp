@@ -265,8 +265,8 @@ Surfaces surfaces_of(const Sample& sample, const Upper& upper, const NearestTabl
 }
 
 /// Everything about one placement.
-Evidence evidence_at(const Sample& sample, const Surfaces& surfaces, const Placement& placement) {
-  Evidence evidence{.T_target_source = placement.T_target_source};
+FitEvidence evidence_at(const Sample& sample, const Surfaces& surfaces, const Placement& placement) {
+  FitEvidence evidence{.T_target_source = placement.T_target_source};
   const std::vector<Pair> pairs = find_pairs(surfaces, placement, {.reach_mm = k_reach_mm});
   const std::vector<FieldProblem::Row> rows = wall_rows(sample, pairs, placement.T_target_source);
   if (rows.size() < 4 * k_motion) return evidence;
@@ -318,12 +318,12 @@ Evidence evidence_at(const Sample& sample, const Surfaces& surfaces, const Place
 
 }  // namespace
 
-Evidence weigh_evidence(const Sample& sample, const Upper& upper, const NearestTable& upper_table,
-                        const Placement& start) {
+FitEvidence weigh_evidence(const Sample& sample, const Upper& upper, const NearestTable& upper_table,
+                           const Placement& start) {
   // Again from where it led: pairs, and which edge lies beside which, are those of a place.
   const Surfaces surfaces = surfaces_of(sample, upper, upper_table);
   Placement placement = start;
-  Evidence evidence;
+  FitEvidence evidence;
   for (int round = 0; round < k_rounds && !evidence.settled; ++round) {
     evidence = evidence_at(sample, surfaces, placement);
     placement.T_target_source = evidence.T_target_source;

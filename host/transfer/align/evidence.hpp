@@ -23,7 +23,7 @@ struct BeliefPart {
 /// Weights sum up to 1.
 using Belief = std::vector<BeliefPart>;
 
-struct Evidence {
+struct FitEvidence {
   SE3 T_target_source{SE3::Identity()};  ///< the likeliest
   Belief belief{};
   bool settled{false};            ///< weighed again from there, it stays
@@ -40,7 +40,7 @@ struct Evidence {
 /// squares).  The collar's edge sees the height alone, but it may be cut elsewhere: wavy, which shows, or by
 /// the same all the way round, which only the wall can contradict.
 /// Pre: `start` is the surface's own best fit, rigid.
-[[nodiscard]] Evidence weigh_evidence(const Sample& sample, const Upper& upper,
-                                      const NearestTable& upper_table, const Placement& start);
+[[nodiscard]] FitEvidence weigh_evidence(const Sample& sample, const Upper& upper,
+                                         const NearestTable& upper_table, const Placement& start);
 
 }  // namespace biteline::transfer

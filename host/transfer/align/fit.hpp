@@ -21,7 +21,7 @@ struct Fit {
   IcpResult icp{};
   bool rim_used{false};
   double rim_shift_mm{0};     ///< graded: how far the rims have moved the line, RMS
-  Evidence evidence{};        ///< rigid
+  FitEvidence evidence{};     ///< rigid
   GradeTie tie{};             ///< as chosen, when graded
   std::vector<Pair> pairs{};  ///< of the surface
   double shape_rms_mm{0};     ///< of the mean residuals of patches: noise and texture average out, the

@@ -20,12 +20,12 @@ inline void check_pose_source(hal::PoseSource& sut, const std::function<void()>&
   CHECK(sut.start().has_value());
   CHECK(sut.start().error().code == Errc::WrongState);
 
-  std::optional<hal::PoseSample> last;
+  std::optional<hal::RobotPose> last;
   int poses = 0;
   constexpr int k_poses = 50;
   for (int i = 0; i < 100 * k_poses && poses < k_poses; ++i) {
     let_peer_work();
-    const Result<hal::PoseSample> pose = sut.next_pose(5ms);
+    const Result<hal::RobotPose> pose = sut.next_pose(5ms);
     if (!pose) {
       CHECK(pose.error().code == Errc::Timeout);
       continue;

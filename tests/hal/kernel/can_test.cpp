@@ -203,7 +203,7 @@ TEST(CanKernel, PoseIsLatchedAtItsSync) {
   CHECK(sut.start().has_value());
   const SensorClock::time_point before = monotonic_now();
   arm.send();
-  const Result<PoseSample> pose = sut.next_pose(1s);
+  const Result<RobotPose> pose = sut.next_pose(1s);
   CHECK(pose.has_value());
   CHECK(pose->stamp_sensor.has_value());
   CHECK(*pose->stamp_sensor >= before - 100us);

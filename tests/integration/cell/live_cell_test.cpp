@@ -92,7 +92,7 @@ struct Devices {
 
 struct Scan {
   std::vector<Picture> pictures;
-  std::vector<hal::PoseSample> poses;
+  std::vector<hal::RobotPose> poses;
   bool complete{false};
 };
 

@@ -78,13 +78,13 @@ class FastPoses final : public hal::PoseSource {
   explicit FastPoses(std::uint64_t frames)
       : count_{(frames * k_frame_period_ns + 200'000'000) / k_period_ns} {}
   Result<void> start() override { return {}; }
-  Result<hal::PoseSample> next_pose(Nanoseconds) override {
+  Result<hal::RobotPose> next_pose(Nanoseconds) override {
     if (given_ == count_) {
       std::this_thread::sleep_for(milliseconds{1});
       return fail(Errc::Timeout, "no pose");
     }
     const auto time_ns = k_first_ns - 100'000'000 + static_cast<std::int64_t>(given_) * k_period_ns;
-    hal::PoseSample sample;
+    hal::RobotPose sample;
     sample.stamp = RobotClock::time_point{Nanoseconds{time_ns}};
     sample.T_base_flange.translation().x() = 1e-9 * static_cast<double>(time_ns);
     sample.sequence = given_++;

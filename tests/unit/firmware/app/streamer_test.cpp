@@ -80,7 +80,7 @@ class BenchCamera final : public hal::LineCamera {
 class NoPoses final : public hal::PoseSource {
  public:
   Result<void> start() override { return {}; }
-  Result<hal::PoseSample> next_pose(Nanoseconds) override {
+  Result<hal::RobotPose> next_pose(Nanoseconds) override {
     std::this_thread::sleep_for(milliseconds{1});
     return fail(Errc::Timeout, "no pose");
   }

@@ -36,7 +36,7 @@ TEST(CanPoseSource, GivesThePoseWithTheInstantOfItsSync) {
   const SensorClock::time_point latched = clock.now();
   clock.advance(1ms);
   send_pose(3, 500, canpose::k_protective_stop | canpose::k_simulated);
-  const Result<PoseSample> pose = sut.next_pose(10ms);
+  const Result<RobotPose> pose = sut.next_pose(10ms);
   CHECK(pose.has_value());
   CHECK(pose->stamp_sensor == latched);
   CHECK(pose->received == latched + 1ms);
@@ -50,7 +50,7 @@ TEST(CanPoseSource, SyncWhoseInstantIsAGuessLatchesNothing) {
   send_sync(3);
   bus->queue.back().stamp_estimated = true;
   send_pose(3, 500);
-  const Result<PoseSample> pose = sut.next_pose(10ms);
+  const Result<RobotPose> pose = sut.next_pose(10ms);
   CHECK(pose.has_value());
   CHECK_FALSE(pose->stamp_sensor.has_value());  // no clock map yet either
   CHECK_EQUAL(1, sut.health().poses_unlatched);
@@ -177,7 +177,7 @@ TEST(CanPoseSource, WhateverIsOnTheBusOnlyPosesComeOut) {
                   random() % 2 == 0 ? random() : static_cast<std::uint64_t>(round) * 1000);
         break;
     }
-    const Result<PoseSample> pose =
+    const Result<RobotPose> pose =
         sut.next_pose(Nanoseconds{static_cast<std::int64_t>(random() % 2'000'000)});
     if (!pose) continue;
     ++given;

@@ -115,10 +115,10 @@ struct Link {
     CHECK(sut->start().has_value());
   }
   /// Steps both until a pose comes; 2000 steps are far beyond the hand-shake's dozen.
-  std::optional<PoseSample> pose() {
+  std::optional<RobotPose> pose() {
     for (int i = 0; i < 2000; ++i) {
       controller.step();
-      if (Result<PoseSample> sample = sut->next_pose(1ms)) return *sample;
+      if (Result<RobotPose> sample = sut->next_pose(1ms)) return *sample;
     }
     if (sut->last_fault()) FAIL(to_line(*sut->last_fault()).c_str());
     return std::nullopt;
@@ -137,7 +137,7 @@ TEST(RtdePoseSource, GivesTheFlangeInOurUnits) {
     controller.arm.T_base_flange.translation() = Vec3{400, -120, 333};
     controller.arm.T_base_flange.linear() = geometry::exp_so3({0.4, -1.2, 0.1});
     Link link{controller};
-    const std::optional<PoseSample> pose = link.pose();
+    const std::optional<RobotPose> pose = link.pose();
     CHECK(pose.has_value());
     TRANSFORMS_EQUAL(controller.arm.T_base_flange, pose->T_base_flange, k_tol_mm, k_tol_rad);
     CHECK_EQUAL(k_pose_program_running | k_pose_protective_stop, pose->status);
@@ -216,7 +216,7 @@ TEST(RtdePoseSource, ControllerThatTypesAFieldOtherwiseIsNamed) {
   Link link{controller};
   for (int i = 0; i < 2000; ++i) {
     controller.step();
-    const Result<PoseSample> pose = link.sut->next_pose(1ms);
+    const Result<RobotPose> pose = link.sut->next_pose(1ms);
     CHECK_FALSE(pose.has_value());
     if (pose.error().code == Errc::Timeout) continue;
     STRCMP_EQUAL("RTDE variable runtime_state: UINT64, UINT32 expected", pose.error().where.c_str());
@@ -265,8 +265,8 @@ TEST_GROUP(RtdeSamples) {
 
 TEST(RtdeSamples, ControllersClockIsMappedOnceItIsKnown) {
   for (int i = 0; i < 300; ++i) feed(7 + 0.002 * i);
-  std::optional<PoseSample> last;
-  while (std::optional<PoseSample> sample = sut.take()) last = sample;
+  std::optional<RobotPose> last;
+  while (std::optional<RobotPose> sample = sut.take()) last = sample;
   CHECK(last->stamp_sensor.has_value());
   CHECK(std::chrono::abs(*last->stamp_sensor - now) < 1us);
   CHECK(sut.clock_health().ready);
@@ -348,7 +348,7 @@ TEST(RtdePoseSource, NumbersOfAnySizeAreRejectedOrPoses) {
     if (random() % 500 == 0) sut.begin_connection();
     sut.set_received(received);
     sut.on_data(0, values);
-    while (const std::optional<PoseSample> sample = sut.take()) {
+    while (const std::optional<RobotPose> sample = sut.take()) {
       ++given;
       CHECK(sample->T_base_flange.matrix().allFinite());
     }
