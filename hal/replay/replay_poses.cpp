@@ -19,11 +19,11 @@ Result<RobotPose> ReplayPoses::next_pose(Nanoseconds) {
   const SensorClock::time_point stamp_sensor =
       to_sensor_clock(pose.stamp, session_->sensor.pose_clock_offset);
   return RobotPose{.stamp = pose.stamp,
-                    .stamp_sensor = stamp_sensor,
-                    .received = stamp_sensor,
-                    .T_base_flange = pose.T_base_flange,
-                    .sequence = index,
-                    .status = 0};
+                   .stamp_sensor = stamp_sensor,
+                   .received = stamp_sensor,
+                   .T_base_flange = pose.T_base_flange,
+                   .sequence = index,
+                   .status = 0};
 }
 
 Result<void> ReplayPoses::stop() {

@@ -86,11 +86,11 @@ void RtdeSamples::on_data(std::size_t, std::span<const rtde::Value> values) {
   if ((*safety_bits & k_safety_protective) != 0) status |= k_pose_protective_stop;
   if ((*safety_bits & k_safety_emergency) != 0) status |= k_pose_emergency_stop;
   put(RobotPose{.stamp = stamp,
-                 .stamp_sensor = clock_.to_sensor(stamp),
-                 .received = received_,
-                 .T_base_flange = *T_base_tcp * T_flange_tcp->inverse(),
-                 .sequence = sequence_,
-                 .status = status});
+                .stamp_sensor = clock_.to_sensor(stamp),
+                .received = received_,
+                .T_base_flange = *T_base_tcp * T_flange_tcp->inverse(),
+                .sequence = sequence_,
+                .status = status});
 }
 
 void RtdeSamples::keep_step(Nanoseconds step) {

@@ -65,7 +65,7 @@ Result<RobotPose> CanPoseSource::next_pose(Nanoseconds timeout) {
 }
 
 std::optional<RobotPose> CanPoseSource::accept(const canpose::AssembledPose& pose,
-                                                SensorClock::time_point received) {
+                                               SensorClock::time_point received) {
   if (last_sequence_) poses_lost_.fetch_add(pose.sequence - *last_sequence_ - 1);
   last_sequence_ = pose.sequence;
   if (pose.latched) {
@@ -88,11 +88,11 @@ std::optional<RobotPose> CanPoseSource::accept(const canpose::AssembledPose& pos
   state_ = PoseState::Streaming;
   poses_.fetch_add(1);
   return RobotPose{.stamp = pose.stamp,
-                    .stamp_sensor = pose.latched ? pose.latched : clock_map_.to_sensor(pose.stamp),
-                    .received = received,
-                    .T_base_flange = pose.message.T_base_flange,
-                    .sequence = pose.sequence,
-                    .status = status_of(pose.message.status)};
+                   .stamp_sensor = pose.latched ? pose.latched : clock_map_.to_sensor(pose.stamp),
+                   .received = received,
+                   .T_base_flange = pose.message.T_base_flange,
+                   .sequence = pose.sequence,
+                   .status = status_of(pose.message.status)};
 }
 
 void CanPoseSource::note_silence() {

@@ -31,10 +31,10 @@ Result<RobotPose> EncoderPoseSource::next_pose(Nanoseconds timeout) {
       state_ = PoseState::Streaming;
       const Twist way = static_cast<double>(reading->position_ticks) * config_.per_tick;
       return RobotPose{.stamp = RobotClock::time_point{reading->stamp.time_since_epoch()},
-                        .stamp_sensor = reading->stamp,
-                        .received = reading->stamp,
-                        .T_base_flange = geometry::exp_se3(way) * config_.T_base_flange_start,
-                        .sequence = poses_.fetch_add(1)};
+                       .stamp_sensor = reading->stamp,
+                       .received = reading->stamp,
+                       .T_base_flange = geometry::exp_se3(way) * config_.T_base_flange_start,
+                       .sequence = poses_.fetch_add(1)};
     }
     const SensorClock::time_point now = clock_.now();
     if (state_ == PoseState::Streaming && now - last_stamp_ > config_.lost_after) state_ = PoseState::Lost;

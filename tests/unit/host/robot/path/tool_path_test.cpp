@@ -49,7 +49,8 @@ TEST(ToolPath, OffsetsTiltAndLeadAreWhatTheyAreNamed) {
   // On a circle all points are alike; the asymmetric numbers tell every axis and sign apart.
   const cloud::ClosedLine circle =
       test::made_line({.half_length_mm = 100, .half_width_mm = 100, .middle = {0, 0, 50}, .rise_mm = 0});
-  const TipPlacement placement{.outward_mm = 3, .up_mm = 5, .standoff_mm = 20, .tilt_rad = 0.6, .lead_rad = 0.2};
+  const TipPlacement placement{
+      .outward_mm = 3, .up_mm = 5, .standoff_mm = 20, .tilt_rad = 0.6, .lead_rad = 0.2};
   for (const ToolPoint& p : on_line(make_tool_path(circle, process_with(placement), 0))) {
     const Vec3 out = Vec3{p.line_base.x(), p.line_base.y(), 0}.normalized();
     const Vec3 travel = Vec3::UnitZ().cross(out);
