@@ -35,16 +35,16 @@ struct Candidate {
 
 struct Extraction {
   bool found{false};
-  std::optional<Refusal> refusal;  ///< when not found
-  cloud::ClosedLine line;          ///< empty when not found
-  double confidence{0};            ///< that the line as a whole is the bite line
+  std::optional<Refusal> refusal{};  ///< when not found
+  cloud::ClosedLine line{};          ///< empty when not found
+  double confidence{0};              ///< that the line as a whole is the bite line
   double closure_mm{0};
   double length_mm{0};
   double bridged_mm{0};     ///< length without a visible crease, bridged from both sides
   bool head_in_u95{false};  ///< U95 holds calibration, poses and clock beside noise, gaps and layers
-  std::vector<Candidate> candidates;  ///< found or not, best first
+  std::vector<Candidate> candidates{};  ///< found or not, best first
   SE3 T_base_shoe{SE3::Identity()};
-  std::vector<report::StageTime> stages;  ///< in order, wall time
+  std::vector<report::StageTime> stages{};  ///< in order, wall time
 
   /// One plain sentence when not found.
   [[nodiscard]] std::string reason() const { return refusal ? refusal->reason : std::string{}; }

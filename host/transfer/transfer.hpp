@@ -20,16 +20,16 @@ struct TransferOptions {
 
 struct Transfer {
   bool found{false};
-  std::optional<Refusal> refusal;  ///< when not found
-  transfer::Alignment alignment;
+  std::optional<Refusal> refusal{};  ///< when not found
+  transfer::Alignment alignment{};
   std::vector<transfer::PlacedPoint>
-      placed;  ///< the sample's line where the alignment has put it; empty when refused before
-  transfer::CarriedLine carried;  ///< its line is empty when not found
+      placed{};  ///< the sample's line where the alignment has put it; empty when refused before
+  transfer::CarriedLine carried{};  ///< its line is empty when not found
   double bound_mm{
       0};  ///< 19 of 20 points of the line are nearer than this to the bite line, as far as the scans tell
-  double confidence{0};                   ///< mean over the points
-  bool from_mesh{false};                  ///< the upper's scan was organised
-  std::vector<report::StageTime> stages;  ///< in order, wall time; empty when a cloud holds no shoe
+  double confidence{0};                     ///< mean over the points
+  bool from_mesh{false};                    ///< the upper's scan was organised
+  std::vector<report::StageTime> stages{};  ///< in order, wall time; empty when a cloud holds no shoe
 
   /// One plain sentence when not found.
   [[nodiscard]] std::string reason() const { return refusal ? refusal->reason : std::string{}; }

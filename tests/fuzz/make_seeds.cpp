@@ -79,20 +79,29 @@ void messages(Seeds& seeds) {
   health.devices.clocks = {{.name = "camera"}};
   health.devices.trigger.emplace();
   health.devices.capture.emplace();
-  wire::SensorHello hello{.name = "sensor"};
+  wire::SensorHello hello;
+  hello.name = "sensor";
   hello.model.region = {.offset_u_px = 0, .offset_v_px = 0, .width_px = 64, .height_px = 64};
+  wire::EndOfScan end;
+  end.errc = 208;
+  end.where = "disk";
+  wire::ObserverHello observer;
+  observer.name = "observer";
+  wire::Picture picture;
+  picture.region = {.width_px = 2, .height_px = 1};
+  picture.pixels = {1, 2};
   const wire::Body bodies[] = {wire::HostHello{.name = "host"},
                                hello,
                                test::made_profile(1, 3),
                                health,
-                               wire::EndOfScan{.errc = 208, .where = "disk"},
+                               end,
                                wire::Ack{},
                                wire::Control{},
                                wire::ControlReply{},
                                wire::Gap{.first = 1, .count = 2},
                                wire::Bye{},
-                               wire::ObserverHello{.name = "observer"},
-                               wire::Picture{.region = {.width_px = 2, .height_px = 1}, .pixels = {1, 2}}};
+                               observer,
+                               picture};
   int number = 0;
   for (const wire::Body& body : bodies) {
     wire::Bytes packet;
