@@ -133,7 +133,7 @@ TEST(Golden, PlanFollowsTheTrueLineAllTheWayRoundAtTheProcesssOffset) {
   CHECK_TEXT(sut.path.has_value(), sut.reason().c_str());
   for (const path::Check& check : sut.checks) CHECK_TEXT(check.passed, check.name.c_str());
 
-  const path::Placement& placement = request.process.placement;
+  const path::TipPlacement& placement = request.process.placement;
   const double offset_mm = std::hypot(placement.outward_mm, placement.up_mm);
   const double away_mm = offset_mm + placement.standoff_mm;
   double longest_step_mm = 0;
