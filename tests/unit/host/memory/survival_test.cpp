@@ -43,7 +43,9 @@ void check_whole(const std::filesystem::path& file, int at_least) {
   SUCCEEDS(check);
   SUCCEEDS(check->step());
   STRCMP_EQUAL("ok", check->text(0).c_str());
-  auto counts = database->prepare("SELECT (SELECT count(*) FROM scans), (SELECT count(*) FROM log)");
+  // A scan that was stored and not yet told is put once more by the next round: two events, one row.
+  auto counts =
+      database->prepare("SELECT (SELECT count(*) FROM scans), (SELECT count(DISTINCT subject) FROM log)");
   SUCCEEDS(counts);
   SUCCEEDS(counts->step());
   LONGS_EQUAL(counts->integer(0), counts->integer(1));
