@@ -125,6 +125,10 @@ check(cell.scans[0].decision === 'accepted' && cell.scans[0].decided_by === 'ann
 await otto.page.goto(`${address}#/scans`);
 await otto.page.getByRole('row', { name: /scan-0004.*accepted/ }).waitFor();
 await anna.page.goto(`${address}#/scans/scan-0002`);
+await anna.page.getByRole('button', { name: 'Scan again' }).waitFor();
+check((await anna.page.getByRole('button', { name: 'Accept' }).count()) === 0, 'a scan that was sent can be accepted');
+check((await anna.page.getByRole('button', { name: 'Reject' }).count()) === 0, 'a scan that was sent can be rejected');
+await anna.page.goto(`${address}#/scans/scan-0001`);
 await anna.page.getByRole('button', { name: 'Reject' }).click();
 const why = anna.page.getByLabel('Why').first();
 await why.waitFor();
@@ -133,7 +137,7 @@ check(!cell.calls.some((call) => call.path.endsWith('/reject')), 'rejected witho
 await why.fill('glue on the toe');
 await anna.page.getByRole('button', { name: 'Reject' }).click();
 await anna.page.getByText('Rejected.').waitFor();
-check(cell.scans[2].why === 'glue on the toe', 'the reason did not arrive');
+check(cell.scans[3].why === 'glue on the toe', 'the reason did not arrive');
 // Taking control from somebody needs a word; the other one sees it at once.
 await otto.page.getByRole('button', { name: 'Take control' }).click();
 await otto.page.getByLabel('Why').fill('my shift');

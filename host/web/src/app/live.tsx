@@ -163,23 +163,20 @@ export function Decide({ scan }: { scan: ScanRow }): JSX.Element {
   const enabled = may('operator') && holds_control();
   const at = `/scans/${scan.id}`;
   const has_line = scan.verdict === 'ok' || scan.verdict === 'amber';
+  // What the service would refuse is not offered: it sends what waits, and holds what is in work.
+  const waits = has_line && scan.decision === 'held' && !scan.sent;
   return (
     <div class="tools">
-      {has_line && scan.decision !== 'accepted' && (
+      {waits && (
         <button type="button" class="go" disabled={!enabled} onClick={() => void act(t('done_accept'), () => call('POST', `${at}/accept`, {}))}>
           {t('accept')}
         </button>
       )}
-      {scan.decision !== 'rejected' && has_line && (
+      {!scan.sent && scan.decision !== 'rejected' && (has_line || scan.decision === 'held') && (
         <AskWhy label={t('reject')} kind="stop-quiet" disabled={!enabled} act={(why) => void act(t('done_reject'), () => call('POST', `${at}/reject`, { why }))} />
       )}
-      {has_line && scan.decision !== 'held' && (
+      {scan.verdict === 'working' && scan.decision !== 'held' && (
         <AskWhy label={t('hold')} needed={false} disabled={!enabled} act={(why) => void act(t('done_hold'), () => call('POST', `${at}/hold`, why ? { why } : {}))} />
-      )}
-      {has_line && (scan.decision === 'accepted' || scan.decision === 'automatic') && !scan.sent && (
-        <button type="button" disabled={!enabled} onClick={() => void act(t('done_send'), () => call('POST', `${at}/send`, {}))}>
-          {t('send')}
-        </button>
       )}
       <button type="button" disabled={!enabled} onClick={() => void act(t('done_rescan'), () => call('POST', '/commands/rescan', {}))}>
         {t('rescan')}
