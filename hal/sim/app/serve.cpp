@@ -39,10 +39,12 @@ void print_endpoints(const sim::LiveCell& cell, const ServeOptions& options) {
       "{\"simulated\":true,\"wires\":\"%s\",\"camera\":\"%s\",\"rtde\":\"127.0.0.1:%d\",\"script\":\"127.0.0."
       "1:%d\","
       "\"dashboard\":\"127.0.0.1:%d\",\"arm\":\"%s\",\"out\":\"%s\",\"sensor\":\"%s/"
-      "sensor.yaml\",\"board\":\"%s/board.yaml\",\"scan_s\":%.3f}\n",
+      "sensor.yaml\",\"board\":\"%s/board.yaml\",\"scan_s\":%.3f,\"pose_sigma_mm\":%.4g,"
+      "\"pose_sigma_rad\":%.4g}\n",
       cell.settings().wires.c_str(), cell.settings().camera_address.c_str(), int{ports.rtde},
       int{ports.script}, int{ports.dashboard}, options.arm.c_str(), options.out.c_str(), options.out.c_str(),
-      options.out.c_str(), cell.scene().path.duration_s());
+      options.out.c_str(), cell.scene().path.duration_s(), cell.settings().pose_noise_mm,
+      cell.settings().pose_noise_rad);
   std::fflush(stdout);
 }
 

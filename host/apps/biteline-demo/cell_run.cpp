@@ -13,6 +13,7 @@
 #include "host/report/report.hpp"
 #include "host/robot/link/gate/refused.hpp"
 #include "host/transfer/refused.hpp"
+#include "host/uncertainty/uncertainty_file.hpp"
 
 namespace biteline::demo {
 namespace {
@@ -137,12 +138,14 @@ std::vector<std::string> cell_arguments(const CellOptions& options, const Shoe& 
 }
 
 std::vector<std::string> host_arguments(const CellOptions& options, const Shoe& shoe, const Server& cell,
-                                        const std::string& stream) {
+                                        const std::string& stream, const fs::path& known) {
   const fs::path folder = options.out / shoe.name;
   std::vector<std::string> arguments{"--sensor",
                                      stream,
                                      "--out",
                                      folder.string(),
+                                     "--uncertainty",
+                                     known.string(),
                                      "--robot",
                                      options.arm,
                                      "--process",
@@ -160,6 +163,15 @@ std::vector<std::string> host_arguments(const CellOptions& options, const Shoe& 
                                      "--exit-with-parent"};
   if (shoe.sample) arguments.insert(arguments.end(), {"--sample", shoe.sample->string()});
   return arguments;
+}
+
+/// How well the cell's head is known: its sensor.yaml holds the true values, and only its poses are noisy.
+Result<fs::path> write_uncertainty(const Server& cell, const fs::path& folder) {
+  const uncertainty::HeadUncertainty known{.pose_sigma_mm = cell.endpoints.value("pose_sigma_mm", 0.0),
+                                           .pose_sigma_rad = cell.endpoints.value("pose_sigma_rad", 0.0)};
+  const fs::path file = folder / uncertainty::k_file_name;
+  BITELINE_TRY(report::write_file_atomically(file, uncertainty::uncertainty_text(known)));
+  return file;
 }
 
 /// Nothing when the machine had time.
@@ -204,6 +216,7 @@ Result<ShoeResult> run_shoe(const CellOptions& options, const Shoe& shoe) {
   BITELINE_ASSIGN(const std::string calibration, endpoint(cell, "sensor"));
   BITELINE_ASSIGN(Server sensor, start_sensor(board, calibration));
   BITELINE_ASSIGN(const std::string stream, endpoint(sensor, "endpoint"));
+  BITELINE_ASSIGN(const fs::path known, write_uncertainty(cell, cell_folder));
 
   ShoeResult result{.shoe = shoe, .scan = {}, .verdict = {}, .error = {}};
   std::string last_words;
@@ -214,7 +227,7 @@ Result<ShoeResult> run_shoe(const CellOptions& options, const Shoe& shoe) {
   for (int scans = 1; scans <= k_most_scans; ++scans) {
     BITELINE_ASSIGN(ChildProcess host,
                     ChildProcess::start({.program = intake::program_folder() / "biteline-host",
-                                         .arguments = host_arguments(options, shoe, cell, stream),
+                                         .arguments = host_arguments(options, shoe, cell, stream, known),
                                          .pass_stderr = true}));
     BITELINE_ASSIGN(result.host_status, attend(host, options.quiet));
     last_words = host.last_words();
