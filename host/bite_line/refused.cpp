@@ -23,6 +23,8 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
       Row{CutIntoSole, "cut_into_sole", "clean the edge of the sole, or transfer the line of a sample"},
       Row{Rivalled, "rivalled", "compare the candidates in the report; transfer the line of a sample"},
       Row{TooMuchUnsure, "too_much_unsure", "scan the shoe again, more slowly and all the way round"},
+      Row{TooMuchUncertain, "too_much_uncertain",
+          "calibrate head, mounting and clock anew, or scan with less noise and vibration"},
       Row{TooMuchBridged, "too_much_bridged", "scan the shoe again, all the way round"},
   };
   return k_rows;

@@ -23,6 +23,7 @@ enum class Refused {
   CutIntoSole,       ///< a groove in the sole, whose edge lies above and is not to be seen all the way round
   Rivalled,          ///< over too much of its length the line may be another crease
   TooMuchUnsure,     ///< too many of its points are below the limit
+  TooMuchUncertain,  ///< too many of its points are sure, and yet have a U95 above 1 mm
   TooMuchBridged,    ///< the line is there, but too much of it was not seen
 };
 

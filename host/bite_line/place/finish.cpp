@@ -89,14 +89,47 @@ cloud::ClosedLine even_line(const PlacedLine& placed_line, const SE3& T_base_sho
   return line;
 }
 
-/// A line with more than this below the limit is none: a tool would work beside the bite line there.
-constexpr double k_most_unsure_share = 0.1;
+/// A line with more than this flagged is none: a tool would work beside the bite line there.
+constexpr double k_most_flagged_share = 0.1;
 
-double unsure_share(const cloud::ClosedLine& line, double min_confidence) {
-  const auto unsure = std::count_if(line.points.begin(), line.points.end(), [&](const cloud::LinePoint& p) {
-    return !(p.confidence >= min_confidence);
-  });
-  return static_cast<double>(unsure) / static_cast<double>(std::max<std::size_t>(line.points.size(), 1));
+/// Shares of the line's points that are flagged, by what flags them.
+struct Flagged {
+  double unsure{0};     ///< too little confidence
+  double uncertain{0};  ///< sure enough, and yet too much U95
+
+  [[nodiscard]] double all() const { return unsure + uncertain; }
+};
+
+Flagged flagged_of(const cloud::ClosedLine& line, double min_confidence) {
+  const double each = 1.0 / static_cast<double>(std::max<std::size_t>(line.points.size(), 1));
+  Flagged flagged;
+  for (const cloud::LinePoint& p : line.points) {
+    if (!(p.confidence >= std::max(min_confidence, k_sure_ratio)))
+      flagged.unsure += each;
+    else if ((p.flags & cloud::k_line_unsure) != 0)
+      flagged.uncertain += each;
+  }
+  return flagged;
+}
+
+/// Why a line with so much flagged is none; nothing where it is one.
+std::optional<Refusal> flagged_refusal(const Flagged& flagged, double bridged_mm) {
+  if (!(flagged.all() > k_most_flagged_share)) return std::nullopt;
+  using Text = FixedText<200>;
+  if (flagged.uncertain > flagged.unsure) {
+    return Refusal{
+        Refused::TooMuchUncertain,
+        Text::format("U95 is above %.0f mm on %.0f %% of the line's length and %.0f %% is unsure "
+                     "(together at most %.0f %%)",
+                     k_sure_mm, 100 * flagged.uncertain, 100 * flagged.unsure, 100 * k_most_flagged_share)
+            .c_str()};
+  }
+  return Refusal{
+      Refused::TooMuchUnsure,
+      Text::format("%.0f %% of the line's length is unsure (at most %.0f %%); %.0f mm were not seen and are "
+                   "bridged",
+                   100 * flagged.all(), 100 * k_most_flagged_share, bridged_mm)
+          .c_str()};
 }
 
 Candidate candidate_of(const JudgedPath& path, const Side& side) {
@@ -163,17 +196,12 @@ Extraction finish(const Side& side, const Decision& decision, const PlacedLine& 
   }
   out.line = even_line(placed, side.shoe.T_base_shoe, decision.of_line, spread, config.point_spacing_mm);
   out.head_in_u95 = spread.has_value();
-  const double unsure = unsure_share(out.line, config.min_confidence_ratio);
-  out.confidence = std::min(out.confidence, 1 - unsure);
-  if (unsure > k_most_unsure_share) {
+  const Flagged flagged = flagged_of(out.line, config.min_confidence_ratio);
+  out.confidence = std::min(out.confidence, 1 - flagged.all());
+  out.refusal = flagged_refusal(flagged, placed.bridged_mm);
+  if (out.refusal) {
     out.line = {};
     out.confidence = std::min(out.confidence, 0.99 * config.min_confidence_ratio);
-    out.refusal =
-        Refusal{Refused::TooMuchUnsure,
-                FixedText<200>::format("%.0f %% of the line's length is unsure (at most %.0f %%); %.0f mm "
-                                       "were not seen and are bridged",
-                                       100 * unsure, 100 * k_most_unsure_share, placed.bridged_mm)
-                    .c_str()};
     return out;
   }
   out.found = true;
