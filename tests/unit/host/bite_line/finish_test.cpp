@@ -84,6 +84,33 @@ TEST(Finish, ARefusedDecisionStaysItsOwnRefusal) {
   DOUBLES_EQUAL(0.3, sut.confidence, 1e-12);
 }
 
+namespace {
+
+/// One in fourteen that so large a share of the line lies on a layer 5 mm away: sure, but for U95.
+PlacedLine far_layer_line(const Outline& outline, double share) {
+  PlacedLine line = level_line(outline, 0);
+  const auto count = static_cast<std::size_t>(share * static_cast<double>(line.points.size()));
+  for (std::size_t i = 0; i < count; ++i) {
+    line.points[i].hold = 0.93;
+    line.points[i].other_mm = 5;
+  }
+  return line;
+}
+
+}  // namespace
+
+TEST(Finish, ALineWhoseU95IsTooLargeOverMoreThanATenthIsRefusedForThat) {
+  const Extraction little = finish(side, decided(side, 0.9), far_layer_line(side.outline, 0.08), {});
+  CHECK(little.found);
+  DOUBLES_EQUAL(0.9, little.confidence, 0.03);
+  const Extraction sut = finish(side, decided(side, 0.9), far_layer_line(side.outline, 0.3), {});
+  CHECK_FALSE(sut.found);
+  CHECK(sut.refusal->code == Refused::TooMuchUncertain);
+  STRCMP_CONTAINS("U95 is above 1 mm on 30 %", sut.reason().c_str());
+  CHECK(sut.line.points.empty());
+  CHECK(sut.confidence < 0.5);
+}
+
 TEST_GROUP(ScanPoints){};
 
 TEST(ScanPoints, RunsGiveAllTheirPointsAndScatteredOnesThemselves) {

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT
+// Is confidence the probability that a point lies within 0.3 mm of the bite line?  The sweep's made shoes,
+// with decoys, faults and missing sectors; on shapes with label truth, within 1.3 mm.
+//
+//   bench_line_confidence [--count N] [--seed N] [--threads N] [--points FILE]
+//
+// --points: one row for each fourth station of every line that was placed, written or refused: what
+// fit_confidence.py fits to.  Prints the tenths of what was written; shoes are resampled for the interval.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+
+#include "host/bite_line/find_bite_line.hpp"
+#include "host/cloud/ply.hpp"
+#include "tests/support/line_sweep.hpp"
+#include "tests/support/shape_truth.hpp"
+
+namespace biteline::bench {
+namespace {
+
+/// Of one shoe, per tenth of the confidence.
+struct Tenth {
+  double points{0}, claimed{0}, held{0};
+};
+using Tenths = std::array<Tenth, 10>;
+
+/// Beside a chord, a step of more than 3 mm where the truth is not known, it is not a number.
+double distance_mm(const Vec3& point, const cloud::ClosedLine& line) {
+  constexpr double k_chord_mm = 3;
+  double best2 = 1e18;
+  bool chord = false;
+  for (std::size_t i = 0; i < line.points.size(); ++i) {
+    const Vec3& a = line.points[i].position;
+    const Vec3 edge = line.points[(i + 1) % line.points.size()].position - a;
+    const double along = std::clamp((point - a).dot(edge) / std::max(edge.squaredNorm(), 1e-12), 0.0, 1.0);
+    const double away2 = (point - a - along * edge).squaredNorm();
+    if (!(away2 < best2)) continue;
+    best2 = away2;
+    chord = edge.norm() > k_chord_mm;
+  }
+  return chord ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(best2);
+}
+
+Tenths tenths_of(const cloud::ClosedLine& line, const cloud::ClosedLine& truth, double within_mm) {
+  Tenths tenths{};
+  for (const cloud::LinePoint& p : line.points) {
+    const double error_mm = distance_mm(p.position, truth);
+    if (std::isnan(error_mm)) continue;
+    Tenth& tenth = tenths.at(static_cast<std::size_t>(std::clamp(p.confidence * 10, 0.0, 9.0)));
+    tenth.points += 1;
+    tenth.claimed += p.confidence;
+    tenth.held += error_mm <= within_mm ? 1 : 0;
+  }
+  return tenths;
+}
+
+/// Middle 95 % of held minus claimed over a thousand draws of as many shoes.
+std::array<double, 2> interval(const std::vector<Tenths>& shoes, std::size_t i) {
+  constexpr int k_draws = 1000;
+  std::mt19937 random{1};
+  std::uniform_int_distribution<std::size_t> any{0, shoes.size() - 1};
+  std::vector<double> differences;
+  for (int draw = 0; draw < k_draws; ++draw) {
+    Tenth sum;
+    for (std::size_t k = 0; k < shoes.size(); ++k) {
+      const Tenth& one = shoes[any(random)].at(i);
+      sum.points += one.points;
+      sum.claimed += one.claimed;
+      sum.held += one.held;
+    }
+    if (sum.points > 0) differences.push_back((sum.held - sum.claimed) / sum.points);
+  }
+  if (differences.empty()) return {0, 0};
+  std::sort(differences.begin(), differences.end());
+  const auto at = [&](double share) {
+    return differences[static_cast<std::size_t>(share * static_cast<double>(differences.size() - 1))];
+  };
+  return {at(0.025), at(0.975)};
+}
+
+void print(const char* what, double within_mm, const std::vector<Tenths>& shoes) {
+  for (std::size_t i = 0; i < Tenths{}.size(); ++i) {
+    Tenth sum;
+    int with = 0;
+    for (const Tenths& one : shoes) {
+      sum.points += one.at(i).points;
+      sum.claimed += one.at(i).claimed;
+      sum.held += one.at(i).held;
+      with += one.at(i).points > 0 ? 1 : 0;
+    }
+    if (sum.points < 1) continue;
+    const auto [low, high] = interval(shoes, i);
+    std::printf(
+        "{\"bench\":\"line.confidence\",\"what\":\"%s: share within %.1f mm of points that claim %.3f\","
+        "\"ours\":%.4f,\"unit\":\"share\",\"target\":%.4f,\"points\":%.0f,\"shoes\":%d,"
+        "\"difference\":%.4f,\"from\":%.4f,\"to\":%.4f}\n",
+        what, within_mm, sum.claimed / sum.points, sum.held / sum.points, sum.claimed / sum.points,
+        sum.points, with, (sum.held - sum.claimed) / sum.points, low, high);
+  }
+}
+
+/// What the confidence is made of, and how far off the point is.
+void write_points(std::FILE* out, const std::string& name, const bite_line::Workings& workings,
+                  const bite_line::Extraction& found, const cloud::ClosedLine& truth) {
+  const auto& placed = workings.placed.points;
+  for (std::size_t i = 0; i < placed.size(); i += 4) {
+    const bite_line::PlacedStation& p = placed[i];
+    const double error_mm = distance_mm(found.T_base_shoe * p.position, truth);
+    if (std::isnan(error_mm)) continue;
+    std::fprintf(out, "%s,%d,%.5f,%.5f,%.3f,%.5f,%.4f,%.4f,%.5f,%.5f,%.4f,%.2f,%.4f\n", name.c_str(),
+                 found.found ? 1 : 0, workings.decision.of_line, p.hold, p.other_mm, p.doubt, p.sharp,
+                 p.own_z_mm - p.position.z(), p.scatter_mm, p.noise.outward_mm, p.noise.slope,
+                 p.to_visible_mm, error_mm);
+  }
+}
+
+int run(int argc, char** argv) {
+  std::uint64_t count = 200, seed = 1;
+  std::size_t threads = 2;
+  std::string points_file;
+  for (int i = 1; i + 1 < argc; i += 2) {
+    const std::string argument = argv[i];
+    if (argument == "--count") count = std::strtoull(argv[i + 1], nullptr, 10);
+    if (argument == "--seed") seed = std::strtoull(argv[i + 1], nullptr, 10);
+    if (argument == "--threads") threads = std::strtoull(argv[i + 1], nullptr, 10);
+    if (argument == "--points") points_file = argv[i + 1];
+  }
+  std::FILE* out = points_file.empty() ? nullptr : std::fopen(points_file.c_str(), "w");
+  if (out != nullptr)
+    std::fprintf(out,
+                 "class,decoy,fault,seed,written,of_line,hold,other_mm,doubt,sharp,jump_mm,scatter_mm,"
+                 "outward_mm,slope,to_visible_mm,error_mm\n");
+  const tbb::global_control limit{tbb::global_control::max_allowed_parallelism, threads};
+  std::mutex mutex;
+  std::map<std::uint64_t, Tenths> made;
+  tbb::parallel_for(std::uint64_t{0}, count, [&](std::uint64_t index) {
+    const test::SweepCell cell = test::sweep_cell(seed, index);
+    if (!cell.is_shoe()) return;
+    const test::SweepScan scan = test::scan_of(cell);
+    std::optional<bite_line::Workings> workings;
+    const bite_line::Extraction found = bite_line::find_bite_line(scan.cloud, {}, &workings);
+    const Tenths tenths = tenths_of(found.line, scan.truth, 0.3);
+    const std::scoped_lock lock{mutex};
+    if (found.found) made[index] = tenths;
+    if (out != nullptr && workings)
+      write_points(out,
+                   std::string{sim::name_of(cell.shoe.shoe_class)} + "," +
+                       std::string{sim::name_of(cell.shoe.decoy)} + "," +
+                       std::string{test::name_of(cell.fault)} + "," + std::to_string(index),
+                   *workings, found, scan.truth);
+  });
+  std::vector<Tenths> shoes;
+  for (const auto& [index, tenths] : made) shoes.push_back(tenths);
+  if (!shoes.empty()) print((std::to_string(shoes.size()) + " made shoes").c_str(), 0.3, shoes);
+
+  std::vector<Tenths> shapes;
+  for (const test::Shape& shape : test::k_shapes) {
+    const auto cloud = test::cloud_of(shape);
+    const auto truth = test::truth_of(shape);
+    if (!cloud || !truth || truth->line.points.empty()) continue;
+    std::optional<bite_line::Workings> workings;
+    const bite_line::Extraction found = bite_line::find_bite_line(*cloud, {}, &workings);
+    if (found.found) shapes.push_back(tenths_of(found.line, truth->line, 1.3));
+    if (out != nullptr && workings)
+      write_points(out, std::string{"shape,"} + shape.name + ",none,0", *workings, found, truth->line);
+  }
+  if (!shapes.empty())
+    print((std::to_string(shapes.size()) + " shapes with label truth").c_str(), 1.3, shapes);
+  if (out != nullptr) std::fclose(out);
+  return 0;
+}
+
+}  // namespace
+}  // namespace biteline::bench
+
+int main(int argc, char** argv) {
+  return biteline::bench::run(argc, argv);
+}
