@@ -4,8 +4,8 @@
 //
 //   bench_line_confidence [--count N] [--seed N] [--threads N] [--points FILE]
 //
-// --points: one row for each fourth station of every line that was placed, written or refused: what
-// fit_confidence.py fits to.  Prints the tenths of what was written; shoes are resampled for the interval.
+// --points: one row for each fourth station of every line that was placed, written or refused: what its
+// confidence is made of.  Prints the tenths of what was written; shoes are resampled for the interval.
 #include <algorithm>
 #include <array>
 #include <cmath>
