@@ -101,12 +101,8 @@ Result<std::unique_ptr<LiveCell>> LiveCell::open(const LiveSettings& settings) {
 
   {
     const Urgently urgently{k_trigger_priority};
-    cell->trigger_ = std::make_unique<TriggerTimer>([self](SensorClock::time_point edge, Nanoseconds pulse) {
-      // The echo first: the camera's packets must not overtake it on a busy machine.
-      self->bus_->drive(Line::StrobeEcho, true, edge);
-      self->bus_->drive(Line::StrobeEcho, false, edge + pulse);
-      self->camera_->trigger(edge);
-    });
+    cell->trigger_ = std::make_unique<TriggerTimer>(
+        [self](SensorClock::time_point edge, Nanoseconds pulse) { self->on_edge(edge, pulse); });
   }
   BusServer::Callbacks callbacks;
   callbacks.on_line = [self](Line line, bool active, SensorClock::time_point stamp) {
@@ -147,6 +143,22 @@ bool LiveCell::laser_shines() const {
   return bus_->level(Line::LaserEnable) && bus_->level(Line::Interlock) && bus_->level(Line::Key);
 }
 
+void LiveCell::on_edge(SensorClock::time_point edge, Nanoseconds pulse) {
+  constexpr Nanoseconds k_second_pulse{800'000};
+  if (due(faults.edges_to_lose)) return;
+  fire(edge, pulse);
+  if (due(faults.edges_to_double)) fire(edge + k_second_pulse, Nanoseconds{0});
+}
+
+void LiveCell::fire(SensorClock::time_point edge, Nanoseconds pulse) {
+  // The echo first: the camera's packets must not overtake it on a busy machine.
+  if (!due(faults.echoes_to_lose)) {
+    bus_->drive(Line::StrobeEcho, true, edge);
+    bus_->drive(Line::StrobeEcho, false, edge + pulse);
+  }
+  if (!faults.camera_silent) camera_->trigger(edge);
+}
+
 void LiveCell::paint(const GvExposure& exposure, std::span<std::uint8_t> pixels) {
   const ArmState state = arm_.at(exposure.begin + exposure.exposure / 2);
   const SE3 T_shoe_cam =
@@ -163,6 +175,8 @@ void LiveCell::paint(const GvExposure& exposure, std::span<std::uint8_t> pixels)
 
 void LiveCell::on_line(Line line, bool active, SensorClock::time_point stamp) {
   if (line != Line::LaserEnable) return;
+  if (active) ++lightings_;
+  (active ? lit_since_ns_ : dark_since_ns_) = stamp.time_since_epoch().count();
   scan_at_ns_ = active ? (stamp + settings_.scan_after_laser).time_since_epoch().count() : 0;
   if (!active) scan_full_until_ns_ = 0;  // a scan without light is over, wherever the arm still goes
 }
@@ -201,7 +215,7 @@ void LiveCell::on_cycle(SensorClock::time_point instant, const ArmState& state) 
   }
   bus_->drive(Line::ScanActive, now_ns >= scan_full_from_ns_ && now_ns < scan_full_until_ns_, instant);
   send_pose(instant, state);
-  if (!state.moving) return;
+  if (!state.moving || !settings_.keep_track) return;
   const std::lock_guard lock(track_mutex_);
   if (track_.size() < k_most_track_rows) {
     track_.push_back({.stamp = instant.time_since_epoch() + settings_.robot.clock_offset,
@@ -219,7 +233,9 @@ void LiveCell::send_pose(SensorClock::time_point instant, const ArmState& state)
     noise[k] = settings_.pose_noise_mm * pose_noise_.gaussian();
     noise[k + 3] = settings_.pose_noise_rad * pose_noise_.gaussian();
   }
-  const Nanoseconds stamp = instant.time_since_epoch() + settings_.robot.clock_offset;
+  if (faults.bus_off) return;
+  const Nanoseconds stamp =
+      instant.time_since_epoch() + settings_.robot.clock_offset + Nanoseconds{faults.robot_clock_step_ns};
   const auto frame = canpose::encode_fd(
       {.sync_counter = sync_counter_,
        .status = static_cast<std::uint8_t>(canpose::k_simulated |
@@ -227,9 +243,11 @@ void LiveCell::send_pose(SensorClock::time_point instant, const ArmState& state)
        .stamp_us = static_cast<std::uint64_t>(stamp.count() / 1000),
        .T_base_flange = state.T_base_flange * geometry::exp_se3(noise)});
   if (!frame) return;  // beyond the format's reach of 214 m
-  hal::CanFrame sync{.id = canpose::k_sync_id, .size_bytes = 1, .received = instant};
+  const Nanoseconds ahead = due(faults.poses_from_future) ? std::chrono::hours{1} : Nanoseconds{0};
+  hal::CanFrame sync{.id = canpose::k_sync_id, .size_bytes = 1, .received = instant + ahead};
   sync.data[0] = sync_counter_;
-  bus_->send(sync);
+  if (!faults.sync_stopped) bus_->send(sync);
+  if (faults.poses_silent) return;
   hal::CanFrame pose{.id = canpose::k_default_base_id + canpose::k_fd_id_offset,
                      .fd = true,
                      .bit_rate_switch = true,

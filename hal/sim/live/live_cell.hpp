@@ -12,6 +12,7 @@
 
 #include "hal/sim/bus/bus_server.hpp"
 #include "hal/sim/gvcamera/gv_camera.hpp"
+#include "hal/sim/live/cell_faults.hpp"
 #include "hal/sim/live/trigger_timer.hpp"
 #include "hal/sim/record/made_scene.hpp"
 #include "hal/sim/robot/ur_controller.hpp"
@@ -30,6 +31,7 @@ struct LiveSettings {
   double pose_noise_mm{0.010};                ///< of each pose on the bus
   double pose_noise_rad{5.2e-5};              ///< 0.003 degrees
   Nanoseconds scan_after_laser{300'000'000};  ///< the arm sets out so long after the laser went on
+  bool keep_track{true};                      ///< for write_track(); memory grows with the arm's way
 };
 
 /// What happened, for the last line and for tests.
@@ -56,6 +58,22 @@ class LiveCell {
   [[nodiscard]] UrController::Ports robot_ports() const { return robot_->ports(); }
   [[nodiscard]] LiveCounts counts() const;
 
+  CellFaults faults;
+  /// The door, the key switch and the head's thermal contact, as a person or the room moves them.
+  void drive(Line line, bool active) { bus_->drive(line, active, hal::monotonic_now()); }
+  [[nodiscard]] bool level(Line line) const { return bus_->level(line); }
+  /// When the laser's line last rose and last fell.
+  [[nodiscard]] SensorClock::time_point lit_since() const {
+    return SensorClock::time_point{Nanoseconds{lit_since_ns_}};
+  }
+  [[nodiscard]] SensorClock::time_point dark_since() const {
+    return SensorClock::time_point{Nanoseconds{dark_since_ns_}};
+  }
+  /// How often the laser's line rose.
+  [[nodiscard]] std::uint64_t lightings() const { return lightings_; }
+  UrController& robot() { return *robot_; }
+  [[nodiscard]] ArmState arm_at(SensorClock::time_point instant) const { return arm_.at(instant); }
+
   /// The tool's way as the controller knows it, one row for each cycle while the arm moved: #timestamp [ns]
   /// (robot clock), T_base_tcp as position and quaternion, whether a script ran, digital outputs.
   [[nodiscard]] Result<void> write_track(const std::filesystem::path& file) const;
@@ -69,6 +87,8 @@ class LiveCell {
   };
 
   LiveCell(const LiveSettings& settings, std::unique_ptr<MadeScene> scene, const ArmKinematics& kinematics);
+  void on_edge(SensorClock::time_point edge, Nanoseconds pulse);
+  void fire(SensorClock::time_point edge, Nanoseconds pulse);
   void paint(const GvExposure& exposure, std::span<std::uint8_t> pixels);
   void on_line(Line line, bool active, SensorClock::time_point stamp);
   void on_cycle(SensorClock::time_point instant, const ArmState& state);
@@ -83,7 +103,8 @@ class LiveCell {
   StripeRenderer renderer_;
   std::atomic<std::int64_t> scan_at_ns_{0};  ///< when the arm is to set out; 0: not asked
   std::atomic<std::int64_t> scan_full_from_ns_{0}, scan_full_until_ns_{0};
-  std::atomic<std::uint64_t> lit_{0}, scans_{0};
+  std::atomic<std::uint64_t> lit_{0}, scans_{0}, lightings_{0};
+  std::atomic<std::int64_t> lit_since_ns_{0}, dark_since_ns_{0};
   std::uint8_t sync_counter_{0};  ///< controller's thread
   Random pose_noise_;             ///< controller's thread
   mutable std::mutex track_mutex_;

@@ -12,6 +12,7 @@
 #include "host/intake/sensor_process.hpp"
 #include "tests/support/picture_cell/picture_cell.hpp"
 #include "tests/support/picture_cell/scan_account.hpp"
+#include "tests/support/stalled_thread.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/timed_test.hpp"
 
@@ -68,23 +69,6 @@ class FaultStand {
   bool urgent_{false};
   bool known_{false};  ///< the sensor has answered this host
   std::uint32_t command_id_{0};
-};
-
-/// One thread of another process that goes into its next wait and does not come back (ptrace), as in a driver
-/// that never returns.  There it holds nothing that another thread waits for.
-class StalledThread {
- public:
-  /// `name` as the thread table has it.
-  StalledThread(int pid, const std::string& name);
-  ~StalledThread();
-  StalledThread(const StalledThread&) = delete;
-  StalledThread& operator=(const StalledThread&) = delete;
-  [[nodiscard]] bool stalled() const { return tid_ > 0; }
-
- private:
-  void run_into_wait();
-
-  int tid_{0};
 };
 
 }  // namespace biteline::test

@@ -159,15 +159,13 @@ void PictureCell::paint(const sim::GvExposure& exposure, std::span<std::uint8_t>
 }
 
 void PictureCell::on_edge(SensorClock::time_point edge, Nanoseconds pulse) {
-  const auto due = [](std::atomic<int>& fault) { return fault > 0 && fault.fetch_sub(1) > 0; };
-  if (due(faults.edges_to_lose)) return;
+  if (sim::due(faults.edges_to_lose)) return;
   fire(edge, pulse);
-  if (due(faults.edges_to_double)) fire(edge + microseconds{800}, Nanoseconds{0});
+  if (sim::due(faults.edges_to_double)) fire(edge + microseconds{800}, Nanoseconds{0});
 }
 
 void PictureCell::fire(SensorClock::time_point edge, Nanoseconds pulse) {
-  const bool echoed = !(faults.echoes_to_lose > 0 && faults.echoes_to_lose.fetch_sub(1) > 0);
-  if (echoed) {
+  if (!sim::due(faults.echoes_to_lose)) {
     bus_->drive(sim::Line::StrobeEcho, true, edge);
     bus_->drive(sim::Line::StrobeEcho, false, edge + pulse);
   }
@@ -199,7 +197,7 @@ void PictureCell::send_poses(const std::stop_token& stop) {
     if (faults.bus_off) continue;
     // The instant is the grid's and not this thread's: a real controller's SYNC does not wait for our
     // scheduler.
-    const bool ahead = faults.poses_from_future > 0 && faults.poses_from_future.fetch_sub(1) > 0;
+    const bool ahead = sim::due(faults.poses_from_future);
     hal::CanFrame sync{
         .id = canpose::k_sync_id,
         .size_bytes = 1,

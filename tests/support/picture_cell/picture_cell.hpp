@@ -17,6 +17,7 @@
 #include "hal/sim/bus/bus_server.hpp"
 #include "hal/sim/gvcamera/gv_camera.hpp"
 #include "hal/sim/gvcamera/lossy_line.hpp"
+#include "hal/sim/live/cell_faults.hpp"
 #include "hal/sim/live/trigger_timer.hpp"
 
 namespace biteline::test {
@@ -32,17 +33,8 @@ struct PictureCellConfig {
 };
 
 /// What a test may do to the running cell.  Any thread.
-struct CellFaults {
-  std::atomic<int> edges_to_lose{0};       ///< the train skips so many pulses: neither frame nor echo
-  std::atomic<int> edges_to_double{0};     ///< a second pulse 0.8 ms after the first
-  std::atomic<int> echoes_to_lose{0};      ///< the frame comes, its echo does not
-  std::atomic<bool> camera_silent{false};  ///< triggers do not reach the camera
-  std::atomic<bool> bus_off{false};        ///< nothing gets through on the pose bus
-  std::atomic<bool> sync_stopped{false};
-  std::atomic<bool> poses_silent{false};
-  std::atomic<std::int64_t> robot_clock_step_ns{0};
+struct PictureCellFaults : sim::CellFaults {
   std::atomic<bool> robot_needs_light{false};  ///< its scan line falls as soon as the laser's does
-  std::atomic<int> poses_from_future{0};       ///< so many SYNCs stamped an hour ahead
 };
 
 /// Threads: camera, wires, trigger and poses, real-time ones where this process may: no compiler beside it
@@ -59,7 +51,7 @@ class PictureCell {
   [[nodiscard]] std::string board_file_text() const;
   [[nodiscard]] std::string sensor_file_text() const;
 
-  CellFaults faults;
+  PictureCellFaults faults;
   void unplug_camera();
   void plug_camera();
   void set_door(bool closed) { bus_->drive(sim::Line::Interlock, closed, now()); }
