@@ -289,6 +289,17 @@ Result<PlanStep> plan_path(const fs::path& folder, const PlanStepRequest& reques
   return PlanStep{.status = status, .request = std::move(plan_request), .outcome = std::move(outcome)};
 }
 
+namespace {
+
+/// A service that was killed leaves its program running; a scan's own way ends after the scan does.
+Result<void> arm_stands(const ControllerAddress& controller) {
+  BITELINE_ASSIGN(const std::unique_ptr<robot::ur::UrLink> link, open_robot(controller));
+  BITELINE_TRY(robot::wait_until_still(*link, {.patience_s = 1}));
+  return {};
+}
+
+}  // namespace
+
 ControllerLook look_at_controller(const ControllerAddress& controller, const std::string& arm,
                                   const std::string& serial) {
   const Result<robot::ur::Endpoint> dashboard = dashboard_of(controller);
@@ -313,6 +324,11 @@ ControllerLook look_at_controller(const ControllerAddress& controller, const std
   const std::string mode = look.words->robot_mode.value_or("");
   if (look.wrong.empty() && (mode == "POWER_OFF" || mode == "DISCONNECTED" || mode == "NO_CONTROLLER"))
     look.wrong = "the arm has no power (" + mode + "): switch it on at the teach pendant";
+  if (!look.wrong.empty()) return look;
+  if (const Result<void> stands = arm_stands(controller); !stands) {
+    look.moves = stands.error().code == Errc::Timeout;
+    look.wrong = to_line(stands.error());
+  }
   return look;
 }
 

@@ -101,10 +101,12 @@ struct SendRequest {
 [[nodiscard]] Result<ExitStatus> follow_path(const std::filesystem::path& folder, const PlanStep& plan,
                                              const SendRequest& request, const std::atomic<bool>& stop);
 
-/// What the controller says about itself before a scan, on stdout too.
+/// What the controller says about itself before a scan, on stdout too; and whether the arm stands, so that no
+/// light goes on while an older program still moves it.
 struct ControllerLook {
   Result<robot::ur::ControllerWords> words;
   std::string wrong;  ///< what is known to be wrong, and what to do; empty: nothing
+  bool moves{false};  ///< it is only that the arm does not stand yet
 };
 [[nodiscard]] ControllerLook look_at_controller(const ControllerAddress& controller, const std::string& arm,
                                                 const std::string& serial);
