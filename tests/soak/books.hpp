@@ -13,6 +13,7 @@ namespace biteline::soak {
 
 struct ScanAccount {
   Outcome outcome{Outcome::Open};
+  int profiles{0};
   std::string reason;     ///< code and words, where there is one
   bool permitted{false};  ///< the gate's decision
   std::string script;     ///< the path's own

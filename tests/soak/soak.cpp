@@ -24,6 +24,9 @@ constexpr double k_machine_late_ms = 25;
 constexpr auto k_silence = 180s;
 /// A service that left: two seconds without a word, five of patience, and a bit.
 constexpr auto k_dark_without_host = 10s;
+/// A service asks for the next scan at once: a thread that still hangs, or a camera that waits some seconds
+/// for a sensor that was killed (its heartbeat), spoils that one, too.
+constexpr auto k_aftermath = 1s, k_aftermath_of_an_end = 15s;
 /// Rounds have a sound scan for so many faults.
 constexpr std::size_t k_faults_for_a_sound_one = 3;
 
@@ -101,13 +104,17 @@ void Soak::hear(const HostWord& word) {
   begin(word.scan);
 }
 
+/// Within the time that a scan, a way to the line and a line take.
+std::chrono::milliseconds Soak::delay_of(Fault::When when) {
+  if (when == Fault::When::OnLine) return between(random_, 100ms, 2s);
+  return when == Fault::When::Follow ? between(random_, 500ms, 9s) : between(random_, 500ms, 6s);
+}
+
 void Soak::begin(const std::string& scan) {
   if (!begun_.insert(scan).second) find(scan + " is taken in a second time");
   const Fault& fault = next_fault();
-  running_.emplace(Running{.name = scan,
-                           .fault = &fault,
-                           .delay = fault.when == Fault::When::OnLine ? between(random_, 100ms, 2s)
-                                                                      : between(random_, 500ms, 9s)});
+  running_.emplace(Running{.name = scan, .fault = &fault, .delay = delay_of(fault.when)});
+  running_->in_aftermath = Clock::now() < aftermath_until_;
   // Its memory is for one scan.
   wakeups_ = std::make_unique<Wakeups>();
 }
@@ -136,6 +143,8 @@ void Soak::work_fault() {
     run.made_at_mm = (arm.T_base_flange * arm.T_flange_tcp).translation();
     run.made = Clock::now();
     run.undo = run.fault->make(stand_);
+    const auto after = run.fault->lasts == 0ms ? k_aftermath_of_an_end : run.fault->lasts + k_aftermath;
+    aftermath_until_ = *run.made + after;
     return;
   }
   const Clock::time_point now = Clock::now();
@@ -235,7 +244,10 @@ void Soak::settle() {
   const bool right_reason = !has_reason || account.reason.find(fault.reason) != std::string::npos;
   const bool excused = late_ms > k_machine_late_ms && account.outcome != Outcome::Open &&
                        account.outcome != Outcome::Abandoned;
-  if (!(right_kind && right_reason) && excused) {
+  if (account.profiles == 0) ++dark_scans_;
+  if (!(right_kind && right_reason) && run.in_aftermath && account.outcome == Outcome::Refused) {
+    ++row.aftermaths;
+  } else if (!(right_kind && right_reason) && excused) {
     ++row.excused;
   } else if (!right_kind || !right_reason) {
     find(std::string{name_of(account.outcome)} + " " + account.reason);
@@ -277,7 +289,8 @@ void Soak::end() {
     std::this_thread::sleep_for(20ms);
   if (stand_.cell().level(Line::LaserEnable)) find("the laser shines for a service that is gone");
   const std::uint64_t lit = stand_.cell().lightings();
-  if (lit != begun_.size()) {
+  // The newest scan was just asked for.
+  if (lit > begun_.size() || lit + dark_scans_ + 1 < begun_.size()) {
     find("the laser was lit " + std::to_string(lit) + " times for " + std::to_string(begun_.size()) +
          " scans");
   }
@@ -287,7 +300,7 @@ void Soak::end() {
 void Soak::print_tables() const {
   std::printf("\n%-28s %5s", "fault", "scans");
   for (std::size_t i = 0; i < k_outcomes; ++i) std::printf(" %9s", name_of(static_cast<Outcome>(i)));
-  std::printf("  late machine  dark or at rest, ms  gone, mm\n");
+  std::printf("  aftermath  late machine  dark or at rest, ms  gone, mm\n");
   int scans = 0, accounts[k_outcomes]{};
   for (const auto& [name, row] : rows_) {
     std::printf("%-28s %5d", name.c_str(), row.scans);
@@ -295,7 +308,7 @@ void Soak::print_tables() const {
       std::printf(" %9d", row.outcomes[i]);
       accounts[i] += row.outcomes[i];
     }
-    std::printf("  %12d  %19.0f  %8.1f\n", row.excused, row.worst_ms, row.worst_gone_mm);
+    std::printf("  %9d  %12d  %19.0f  %8.1f\n", row.aftermaths, row.excused, row.worst_ms, row.worst_gone_mm);
     scans += row.scans;
   }
   std::printf("%-28s %5d", "all", scans);

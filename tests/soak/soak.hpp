@@ -44,9 +44,10 @@ class Soak {
     std::optional<Clock::time_point> sent{}, on_line{}, made{}, dark{}, rest{};
     Vec3 made_at_mm{Vec3::Zero()}, rest_at_mm{Vec3::Zero()};
     bool repaired{false};
+    bool in_aftermath{false};  ///< begun while the fault of the scan before still had its effect
   };
   struct Row {
-    int scans{0}, excused{0};
+    int scans{0}, excused{0}, aftermaths{0};
     int outcomes[k_outcomes]{};
     double worst_ms{0};       ///< until the laser's line fell, or the arm stood
     double worst_gone_mm{0};  ///< that the tip went on
@@ -66,6 +67,7 @@ class Soak {
   void end();
   void find(const std::string& what);
   [[nodiscard]] const Fault& next_fault();
+  [[nodiscard]] std::chrono::milliseconds delay_of(Fault::When when);
   /// From one instant to another, less the time in which the machine itself stood still.
   [[nodiscard]] double own_ms(Clock::time_point from, Clock::time_point until) const;
 
@@ -79,6 +81,8 @@ class Soak {
   std::set<std::string> begun_;
   std::optional<Clock::time_point> must_be_dark_since_;
   Clock::time_point heard_{Clock::now()};
+  Clock::time_point aftermath_until_{};     ///< of the newest fault
+  std::size_t dark_scans_{0};               ///< that ended before a profile came, so perhaps before the light
   std::optional<Clock::time_point> ended_;  ///< a program
   bool violated_{false};                    ///< the light's rule, now
   std::map<std::string, Row> rows_;

@@ -146,6 +146,7 @@ class Service {
   HostClock::time_point web_started_{};
   HostClock::time_point robot_asked_{};
   bool robot_wrong_{false};
+  bool robot_moves_{false};  ///< and that is all that is wrong: it will stand
   std::unique_ptr<std::mutex> job_mutex_{std::make_unique<std::mutex>()};
   api::Job job_;                            ///< chosen at a door; read by the result's thread
   bool sensor_heard_{false};                ///< on this connection

@@ -123,6 +123,7 @@ bool Service::robot_ready() {
       look_at_controller(controller_of(robot_->options), robot_->arm.name, robot_->options.serial);
   robot_asked_ = now();
   const bool was_wrong = std::exchange(robot_wrong_, !look.wrong.empty());
+  robot_moves_ = look.moves;
   cockpit_->hear(look.words, look.wrong);
   if (robot_wrong_ && !was_wrong) say_step("no scan is spent: %s", look.wrong.c_str());
   return !robot_wrong_;
