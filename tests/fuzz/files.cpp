@@ -21,6 +21,7 @@
 #include <map>
 #include <vector>
 
+#include "host/robot/link/gate/gate_file.hpp"
 #include "tests/fuzz/mutate.hpp"
 
 namespace fs = std::filesystem;
@@ -145,6 +146,23 @@ std::vector<Kind> kinds(const Places& places, bool with_calibration) {
                  places.work / "library/shoe/model.json",
                  {"transfer", "--sample", "shoe", "--library", places.work / "library", "--upper", cloud,
                   "--out", out}});
+  all.push_back({"explain",
+                 places.good / "scan/gate.json",
+                 places.work / "scan/gate.json",
+                 {"explain", places.work / "scan"}});
+  const fs::path keys = places.work / "keys";
+  all.push_back({"keys, allow's key",
+                 places.good / "host/host.public",
+                 one,
+                 {"keys", "allow", "--keys", keys, "right", one}});
+  all.push_back({"keys, hosts.allowed",
+                 places.good / "keys/hosts.allowed",
+                 keys / "hosts.allowed",
+                 {"keys", "revoke", "--keys", keys, "left"}});
+  all.push_back({"keys, secret",
+                 places.good / "keys/sensor.secret",
+                 keys / "sensor.secret",
+                 {"keys", "rotate", "--sensor", "--keys", keys}});
   if (!with_calibration) return all;
   const fs::path head = places.good / "head", head_copy = places.work / "head";
   for (const char* file : {"laser/target.yaml", "laser/00_rings.png", "laser/00_laser.png",
@@ -181,6 +199,12 @@ void make_good(const Places& places, const std::string& cell, bool with_calibrat
   must(places.tool, {"replay", session, "--out", result});
   must(places.tool, {"model", "save", "shoe", result, "--library", places.good / "library"});
   if (with_calibration) must(cell, {"record-calibration", "--out", places.good / "head"});
+  must(places.tool, {"keys", "make", "--keys", places.good / "host"});
+  must(places.tool, {"keys", "make", "--sensor", "--keys", places.good / "keys"});
+  must(places.tool,
+       {"keys", "allow", "--keys", places.good / "keys", "left", places.good / "host/host.public"});
+  fs::create_directories(places.good / "scan");
+  if (!biteline::robot::write_gate(places.good / "scan/gate.json", {})) give_up("no gate.json");
   std::string touches;
   for (int i = 0; i < 6; ++i)
     touches +=
@@ -197,6 +221,8 @@ void make_good(const Places& places, const std::string& cell, bool with_calibrat
   fs::copy(session, places.work / "session", fs::copy_options::recursive);
   fs::copy(result, places.work / "sample", fs::copy_options::recursive);
   fs::copy(places.good / "library", places.work / "library", fs::copy_options::recursive);
+  for (const char* name : {"keys", "scan"})
+    fs::copy(places.good / name, places.work / name, fs::copy_options::recursive);
   if (with_calibration) fs::copy(places.good / "head", places.work / "head", fs::copy_options::recursive);
 }
 
