@@ -28,6 +28,7 @@ struct Context {
 /// a person, on stderr when refused.  Call after the report was written.
 [[nodiscard]] ExitStatus tell(report::Report& report, const GlobalOptions& global, const std::string& words);
 
+void add_batch(CLI::App& app, Context& context);
 void add_calibrate(CLI::App& app, Context& context);
 void add_demo(CLI::App& app, Context& context);
 void add_doctor(CLI::App& app, Context& context);
@@ -40,6 +41,7 @@ void add_line(CLI::App& app, Context& context);
 void add_model(CLI::App& app, Context& context);
 void add_plan(CLI::App& app, Context& context);
 void add_replay(CLI::App& app, Context& context);
+void add_sweep(CLI::App& app, Context& context);
 void add_target(CLI::App& app, Context& context);
 void add_transfer(CLI::App& app, Context& context);
 
