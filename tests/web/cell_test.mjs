@@ -87,7 +87,7 @@ class Busy extends Error {
 }
 
 async function whole_way() {
-  const cell = run('biteline-cell', ['serve', '--seed', '5', '--shoe', 'deep', '--arm', 'ur5e', '--place', '0', '--out', join(out, 'cell'), '--exit-with-parent']);
+  const cell = run('biteline-cell', ['serve', '--seed', '5', '--shoe', 'deep', '--size', '0', '--arm', 'ur5e', '--place', '0', '--out', join(out, 'cell'), '--exit-with-parent']);
   const places = await line_of(cell, json);
   // With real-time rights where there are any: then no other program on this machine holds the sensor up.
   const sensor_with = (rt) => line_of(run('biteline-sensor', ['--source', `board:${places.board}`, '--sensor', places.sensor, '--rt', rt, '--exit-with-parent']), json);

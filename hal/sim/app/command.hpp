@@ -22,6 +22,8 @@ struct SceneOptions {
   std::string shoe{"deep"};
   std::string decoy{};  ///< empty: the seed draws one for a designed sole
   bool one_colour{false};
+  double size{0};  ///< European; 0: as the class draws it
+  bool straight_holder{true};
   std::uint64_t head{21};
   std::uint64_t place{0};  ///< 0: the shoe's seed
   bool upper{false};
@@ -33,7 +35,7 @@ struct SceneOptions {
 };
 
 void add_scene_options(CLI::App& command, SceneOptions& options);
-/// Of recordings alone: a live cell has its own arm.
+/// Of recordings alone: a live cell has its own arm and says how the head hangs on it.
 void add_reach_option(CLI::App& command, SceneOptions& options);
 [[nodiscard]] Result<sim::SceneSettings> scene_settings(const SceneOptions& options);
 

@@ -20,6 +20,11 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
                      "What else runs round a designed sole (cupsole to wedge): " + decoys +
                          "; without it the seed draws one");
   command.add_flag("--one-colour", options.one_colour, "Sole and upper of a designed sole look the same");
+  command
+      .add_option("--size", options.size,
+                  "European size, 36 to 47 for grown-ups; 0: as long as the class draws it, a child's too")
+      ->check(CLI::IsMember({0.0}) | options::number({.minimum = 14, .maximum = 52}, ""))
+      ->capture_default_str();
   command.add_option("--head", options.head, "Which head: its true calibration is drawn from this seed")
       ->capture_default_str();
   command.add_option("--place", options.place, "Where the shoe stands, by seed; 0: as the shoe's seed")
@@ -56,7 +61,10 @@ Result<sim::ShoeParameters> shoe_of(const SceneOptions& options) {
   const auto shoe_class = sim::shoe_class_named(options.shoe);
   if (!shoe_class)
     return fail(Errc::InvalidArgument, "--shoe %s: no such class (see --help)", options.shoe.c_str());
-  if (options.decoy.empty() && !options.one_colour) return sim::draw_shoe(*shoe_class, options.seed);
+  const auto length_mm =
+      options.size > 0 ? std::optional(sim::length_of_size_mm(options.size)) : std::nullopt;
+  if (options.decoy.empty() && !options.one_colour)
+    return sim::draw_shoe(*shoe_class, options.seed, length_mm);
   if (!sim::is_designed(*shoe_class))
     return fail(Errc::InvalidArgument, "--shoe %s: only a designed sole takes --decoy and --one-colour",
                 options.shoe.c_str());
@@ -66,7 +74,8 @@ Result<sim::ShoeParameters> shoe_of(const SceneOptions& options) {
   return sim::draw_designed_shoe(
       {.shoe_class = *shoe_class,
        .decoy = *decoy,
-       .materials = options.one_colour ? sim::Materials::OneColour : sim::Materials::Contrast},
+       .materials = options.one_colour ? sim::Materials::OneColour : sim::Materials::Contrast,
+       .length_mm = length_mm},
       options.seed);
 }
 
@@ -74,12 +83,14 @@ Result<sim::ShoeParameters> shoe_of(const SceneOptions& options) {
 
 Result<sim::SceneSettings> scene_settings(const SceneOptions& options) {
   BITELINE_ASSIGN(sim::ShoeParameters shoe, shoe_of(options));
-  sim::SceneSettings settings{.shoe = std::move(shoe),
-                              .place_seed = options.place == 0 ? options.seed : options.place,
-                              .head_seed = options.head,
-                              .scan_speed_mm_s = options.speed_mm_s,
-                              .rate_hz = options.rate_hz,
-                              .ambient_grey = options.ambient_grey};
+  sim::SceneSettings settings{
+      .shoe = std::move(shoe),
+      .place_seed = options.place == 0 ? options.seed : options.place,
+      .head_seed = options.head,
+      .holder = options.straight_holder ? sim::Holder::Straight : sim::Holder::Bracket,
+      .scan_speed_mm_s = options.speed_mm_s,
+      .rate_hz = options.rate_hz,
+      .ambient_grey = options.ambient_grey};
   if (!options.reach_of.empty()) settings.places = sim::places_within_reach_of(options.reach_of);
   if (options.upper) {
     settings.shoe = sim::bare_upper_of(settings.shoe, options.last_difference_mm, settings.place_seed);

@@ -18,11 +18,11 @@ namespace biteline::cell {
 namespace {
 
 struct ServeOptions {
-  SceneOptions scene{.speed_mm_s = 50, .rate_hz = 50};
+  SceneOptions scene{.size = 42, .straight_holder = false, .speed_mm_s = 50, .rate_hz = 50};
   std::string out;
   std::string wires;
   std::string camera{"127.0.0.1"};
-  std::string arm{"ur5e"};
+  std::string arm{"ur10e"};
   std::uint16_t rtde_port{0}, script_port{0}, dashboard_port{0}, primary_port{0};
   int robot_rate_hz{500};
   double robot_clock_ms{0};
@@ -43,7 +43,7 @@ void print_endpoints(const sim::LiveCell& cell, const ServeOptions& options) {
       "\"pose_sigma_rad\":%.4g}\n",
       cell.settings().wires.c_str(), cell.settings().camera_address.c_str(), int{ports.rtde},
       int{ports.script}, int{ports.dashboard}, options.arm.c_str(), options.out.c_str(), options.out.c_str(),
-      options.out.c_str(), cell.scene().path.duration_s(), cell.settings().pose_noise_mm,
+      options.out.c_str(), cell.scan_duration_s(), cell.settings().pose_noise_mm,
       cell.settings().pose_noise_rad);
   std::fflush(stdout);
 }
@@ -91,6 +91,12 @@ Result<void> serve(const ServeOptions& options) {
   for (char& c : settings.robot.model) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
   settings.robot.clock_offset = Nanoseconds{std::llround(options.robot_clock_ms * 1e6)};
   BITELINE_ASSIGN(const auto cell, sim::LiveCell::open(settings));
+  if (!cell->moved_because().empty()) {
+    std::fprintf(
+        stderr,
+        "biteline-cell: the arm does not get round the shoe at its place (%s): it stands at another one\n",
+        cell->moved_because().c_str());
+  }
   const std::filesystem::path out(options.out);
   BITELINE_TRY(sim::write_truth(out / "truth", cell->scene()));
   BITELINE_TRY(sim::write_file(
@@ -126,6 +132,10 @@ void add_serve(CLI::App& app, Context& context) {
       ->add_option("--camera", options->camera, "Address of the GigE Vision camera; its port, 3956, is fixed")
       ->capture_default_str();
   command->add_option("--arm", options->arm, "ur3e, ur5e or ur10e")->capture_default_str();
+  command->add_flag(
+      "--straight-holder", options->scene.straight_holder,
+      "The head hangs on the flange as published; the arm then scans as if it had no links, since "
+      "none reaches all the way round");
   command->add_option("--rtde-port", options->rtde_port, "0: a free one; a real controller has 30004")
       ->capture_default_str();
   command->add_option("--script-port", options->script_port, "0: a free one; a real controller has 30002")

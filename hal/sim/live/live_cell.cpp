@@ -74,11 +74,16 @@ double eased(double part) {
 }  // namespace
 
 LiveCell::LiveCell(const LiveSettings& settings, std::unique_ptr<MadeScene> scene,
-                   const ArmKinematics& kinematics)
+                   const ArmKinematics& kinematics, Reachable reachable)
     : settings_(settings),
       scene_(std::move(scene)),
-      arm_(kinematics, T_base_flange_on_path(
-                           -ScanWay{scene_->path.length_mm(), scene_->path.settings().speed_mm_s}.ramp_mm())),
+      arm_scan_(std::move(reachable.scan)),
+      moved_because_(std::move(reachable.moved_because)),
+      arm_(arm_scan_
+               ? Arm(kinematics, arm_scan_->q_rad_at(0))
+               : Arm(kinematics,
+                     T_base_flange_on_path(
+                         -ScanWay{scene_->path.length_mm(), scene_->path.settings().speed_mm_s}.ramp_mm()))),
       renderer_(scene_->scene, scene_->head),
       pose_noise_(Random(settings.scene.shoe.seed).fork(77)) {}
 
@@ -96,7 +101,11 @@ Result<std::unique_ptr<LiveCell>> LiveCell::open(const LiveSettings& settings) {
   if (!kinematics)
     return fail(Errc::InvalidArgument, "arm '%s': ur3e, ur5e or ur10e expected", settings.arm.c_str());
   BITELINE_ASSIGN(auto scene, make_scene(settings.scene));
-  std::unique_ptr<LiveCell> cell(new LiveCell(settings, std::move(scene), *kinematics));
+  Reachable reachable;
+  if (settings.scene.holder == Holder::Bracket) {
+    BITELINE_ASSIGN(reachable, place_within_reach(*scene, *kinematics, settings.arm));
+  }
+  std::unique_ptr<LiveCell> cell(new LiveCell(settings, std::move(scene), *kinematics, std::move(reachable)));
   LiveCell* self = cell.get();
 
   {
@@ -132,6 +141,31 @@ Result<std::unique_ptr<LiveCell>> LiveCell::open(const LiveSettings& settings) {
                                      }));
   cell->ready_ = true;
   return cell;
+}
+
+Result<LiveCell::Reachable> LiveCell::place_within_reach(MadeScene& scene, const ArmKinematics& kinematics,
+                                                         const std::string& arm) {
+  constexpr std::uint64_t k_places = 20;
+  const SceneSettings& settings = scene.settings;
+  std::string first_reason;
+  for (std::uint64_t i = 0; i < k_places; ++i) {
+    constexpr std::uint64_t k_next_place = 7919;  // far from the seeds that people count up
+    if (i > 0) {
+      scene.T_base_shoe = draw_place(settings.place_seed + i * k_next_place, settings.places,
+                                     settings.shoe.outline.length_mm);
+    }
+    auto scan = ArmScan::plan(scene.path, scene.head, kinematics,
+                              {.T_base_shoe = scene.T_base_shoe, .top_z_mm = settings.shoe.upper.top_z_mm});
+    if (scan) return Reachable{std::make_shared<const ArmScan>(std::move(*scan)), first_reason};
+    if (i == 0) first_reason = to_line(scan.error());
+  }
+  return fail(Errc::OutOfReach,
+              "%s does not take the head round this shoe of %.0f mm at %d places tried (%s)", arm.c_str(),
+              settings.shoe.outline.length_mm, int{k_places}, first_reason.c_str());
+}
+
+double LiveCell::scan_duration_s() const {
+  return arm_scan_ ? arm_scan_->full_until_s() - arm_scan_->full_from_s() : scene_->path.duration_s();
 }
 
 SE3 LiveCell::T_base_flange_on_path(double way_mm) const {
@@ -181,7 +215,56 @@ void LiveCell::on_line(Line line, bool active, SensorClock::time_point stamp) {
   if (!active) scan_full_until_ns_ = 0;  // a scan without light is over, wherever the arm still goes
 }
 
-FlangeMotion LiveCell::scan_motion(const SE3& T_base_flange_from) const {
+LiveCell::ScanMotion LiveCell::scan_motion(const ArmState& state) const {
+  if (!arm_scan_) return flange_scan(state.T_base_flange);
+  // A program may have left the arm where nobody knows its joints: its begin is the best guess.
+  return joint_scan(state.q_rad.value_or(arm_scan_->q_rad_at(0)));
+}
+
+LiveCell::ScanMotion LiveCell::joint_scan(const JointVector& q_from_rad) const {
+  struct Leg {
+    JointEase ease;
+    double begin_s;
+  };
+  const JointLimits& limits = arm_.kinematics().limits();
+  double time_s = 0;
+  const auto add = [&](std::vector<Leg>& legs, const JointVector& from_rad, const JointVector& to_rad) {
+    legs.push_back({JointEase(from_rad, to_rad, limits), time_s});
+    time_s += legs.back().ease.duration_s();
+  };
+  std::vector<Leg> there, back;
+  const JointVector begin_rad = arm_scan_->q_rad_at(0);
+  constexpr double k_there_rad = 1e-6;
+  if ((q_from_rad - begin_rad).cwiseAbs().maxCoeff() > k_there_rad) {
+    add(there, q_from_rad, k_park_rad);
+    add(there, k_park_rad, arm_scan_->above_begin_rad());
+    add(there, arm_scan_->above_begin_rad(), begin_rad);
+  }
+  const double scan_s = time_s;
+  time_s += arm_scan_->duration_s();
+  const double back_s = time_s;
+  add(back, arm_scan_->q_rad_at(arm_scan_->duration_s()), arm_scan_->above_end_rad());
+  add(back, arm_scan_->above_end_rad(), k_park_rad);
+  const auto on_legs = [](const std::vector<Leg>& legs, double at_s) {
+    const auto after = std::upper_bound(legs.begin() + 1, legs.end(), at_s,
+                                        [](double t, const Leg& leg) { return t < leg.begin_s; });
+    const Leg& leg = *(after - 1);
+    return leg.ease.q_rad_at(at_s - leg.begin_s);
+  };
+  return {.motion = {.name = "scan",
+                     .duration_s = time_s,
+                     .q_rad_at =
+                         [=, scan = arm_scan_](double at_s) {
+                           if (at_s < scan_s) return on_legs(there, at_s);
+                           if (at_s >= back_s) return on_legs(back, at_s);
+                           return scan->q_rad_at(at_s - scan_s);
+                         },
+                     .q_end_rad = k_park_rad},
+          .full_from_s = scan_s + arm_scan_->full_from_s(),
+          .full_until_s = scan_s + arm_scan_->full_until_s()};
+}
+
+LiveCell::ScanMotion LiveCell::flange_scan(const SE3& T_base_flange_from) const {
   const ScanWay way{scene_->path.length_mm(), scene_->path.settings().speed_mm_s};
   const SE3 T_begin = T_base_flange_on_path(way.at_mm(0));
   const bool there = (T_base_flange_from.inverse(Eigen::Isometry) * T_begin).isApprox(SE3::Identity(), 1e-9);
@@ -189,28 +272,31 @@ FlangeMotion LiveCell::scan_motion(const SE3& T_base_flange_from) const {
   const double scanned_s = approach_s + way.duration_s();
   const SE3 T_end = T_base_flange_on_path(way.at_mm(way.duration_s()));
   const SE3 T_park = arm_.kinematics().T_base_flange(k_park_rad);
-  return {.name = "scan",
-          .duration_s = scanned_s + k_park_s,
-          .T_base_flange_at =
-              [=, this](double time_s) {
-                if (time_s < approach_s)
-                  return geometry::interpolate(T_base_flange_from, T_begin, eased(time_s / approach_s));
-                if (time_s > scanned_s)
-                  return geometry::interpolate(T_end, T_park, eased((time_s - scanned_s) / k_park_s));
-                return T_base_flange_on_path(way.at_mm(time_s - approach_s));
-              },
-          .q_end_rad = k_park_rad};
+  return {.motion = {.name = "scan",
+                     .duration_s = scanned_s + k_park_s,
+                     .T_base_flange_at =
+                         [=, this](double time_s) {
+                           if (time_s < approach_s)
+                             return geometry::interpolate(T_base_flange_from, T_begin,
+                                                          eased(time_s / approach_s));
+                           if (time_s > scanned_s)
+                             return geometry::interpolate(T_end, T_park,
+                                                          eased((time_s - scanned_s) / k_park_s));
+                           return T_base_flange_on_path(way.at_mm(time_s - approach_s));
+                         },
+                     .q_end_rad = k_park_rad},
+          .full_from_s = scanned_s - k_ramp_s - scene_->path.duration_s(),
+          .full_until_s = scanned_s - k_ramp_s};
 }
 
 void LiveCell::on_cycle(SensorClock::time_point instant, const ArmState& state) {
   const std::int64_t now_ns = instant.time_since_epoch().count();
   std::int64_t asked_ns = scan_at_ns_;
   if (asked_ns != 0 && now_ns >= asked_ns && scan_at_ns_.compare_exchange_strong(asked_ns, 0)) {
-    const FlangeMotion motion = scan_motion(state.T_base_flange);
-    const auto end = instant + nanoseconds(motion.duration_s - k_park_s - k_ramp_s);
-    scan_full_until_ns_ = end.time_since_epoch().count();
-    scan_full_from_ns_ = (end - nanoseconds(scene_->path.duration_s())).time_since_epoch().count();
-    arm_.run(motion, instant);
+    ScanMotion scan = scan_motion(state);
+    scan_full_until_ns_ = (instant + nanoseconds(scan.full_until_s)).time_since_epoch().count();
+    scan_full_from_ns_ = (instant + nanoseconds(scan.full_from_s)).time_since_epoch().count();
+    arm_.run(std::move(scan.motion), instant);
     ++scans_;
   }
   bus_->drive(Line::ScanActive, now_ns >= scan_full_from_ns_ && now_ns < scan_full_until_ns_, instant);

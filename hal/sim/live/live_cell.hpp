@@ -12,6 +12,7 @@
 
 #include "hal/sim/bus/bus_server.hpp"
 #include "hal/sim/gvcamera/gv_camera.hpp"
+#include "hal/sim/live/arm_scan.hpp"
 #include "hal/sim/live/cell_faults.hpp"
 #include "hal/sim/live/trigger_timer.hpp"
 #include "hal/sim/record/made_scene.hpp"
@@ -41,8 +42,12 @@ struct LiveCounts {
 };
 
 /// The laser shines while LaserEnable, Interlock and Key are active.  When it goes on, the arm takes the head
-/// once round the shoe; ScanActive is high while the head is on its way at full speed.  After that it goes to
+/// once round the shoe; ScanActive is high while the stripe is on the scan's path.  After that it goes to
 /// an upright posture above the table and waits for scripts.
+///
+/// A head on a bracket goes as the arm's joints can take it (ArmScan); places where they cannot are passed
+/// over for others.  A straight holder's goes as if the arm had no links: no upright arm takes it all the way
+/// round.
 ///
 /// Threads: the camera's (renders), the robot's (cycle, pose bus), the wires', the trigger's, real-time ones
 /// where this process may (urgency.hpp).  Public methods: any.
@@ -57,6 +62,12 @@ class LiveCell {
   [[nodiscard]] const LiveSettings& settings() const { return settings_; }
   [[nodiscard]] UrController::Ports robot_ports() const { return robot_->ports(); }
   [[nodiscard]] LiveCounts counts() const;
+  /// The scan from its begin to its end, without the ways there and back.
+  [[nodiscard]] double scan_duration_s() const;
+  /// The arm's own way; nothing with a straight holder.
+  [[nodiscard]] const ArmScan* arm_scan() const { return arm_scan_.get(); }
+  /// What stood in the way at the place asked for; empty: the shoe stands there.
+  [[nodiscard]] const std::string& moved_because() const { return moved_because_; }
 
   CellFaults faults;
   /// The door, the key switch and the head's thermal contact, as a person or the room moves them.
@@ -86,7 +97,16 @@ class LiveCell {
     std::uint8_t outputs;
   };
 
-  LiveCell(const LiveSettings& settings, std::unique_ptr<MadeScene> scene, const ArmKinematics& kinematics);
+  /// The scan as the arm makes it, and why the shoe does not stand where it was asked for.
+  struct Reachable {
+    std::shared_ptr<const ArmScan> scan;
+    std::string moved_because;
+  };
+  /// Moves the shoe until the arm reaches all the way round it.
+  [[nodiscard]] static Result<Reachable> place_within_reach(MadeScene& scene, const ArmKinematics& kinematics,
+                                                            const std::string& arm);
+  LiveCell(const LiveSettings& settings, std::unique_ptr<MadeScene> scene, const ArmKinematics& kinematics,
+           Reachable reachable);
   void on_edge(SensorClock::time_point edge, Nanoseconds pulse);
   void fire(SensorClock::time_point edge, Nanoseconds pulse);
   void paint(const GvExposure& exposure, std::span<std::uint8_t> pixels);
@@ -95,10 +115,18 @@ class LiveCell {
   void send_pose(SensorClock::time_point instant, const ArmState& state);
   [[nodiscard]] bool laser_shines() const;
   [[nodiscard]] SE3 T_base_flange_on_path(double way_mm) const;
-  [[nodiscard]] FlangeMotion scan_motion(const SE3& T_base_flange_from) const;
+  struct ScanMotion {
+    FlangeMotion motion;
+    double full_from_s, full_until_s;  ///< ScanActive
+  };
+  [[nodiscard]] ScanMotion scan_motion(const ArmState& state) const;
+  [[nodiscard]] ScanMotion flange_scan(const SE3& T_base_flange_from) const;
+  [[nodiscard]] ScanMotion joint_scan(const JointVector& q_from_rad) const;
 
   LiveSettings settings_;
   std::unique_ptr<MadeScene> scene_;
+  std::shared_ptr<const ArmScan> arm_scan_;
+  std::string moved_because_;
   Arm arm_;
   StripeRenderer renderer_;
   std::atomic<std::int64_t> scan_at_ns_{0};  ///< when the arm is to set out; 0: not asked

@@ -36,10 +36,23 @@ double ScanPath::duration_s() const {
   return length_mm() / settings_.speed_mm_s;
 }
 
+Vec2 ScanPath::outwards_at(double s_mm) const {
+  if (settings_.turn_over_mm <= 0) return outline_.at(s_mm).normal;
+  // Weights fall off evenly to both ends: the turning speed is then smooth, too.
+  constexpr int k_side = 12;
+  Vec2 sum = Vec2::Zero();
+  for (int i = -k_side; i <= k_side; ++i) {
+    const double part = static_cast<double>(i) / (k_side + 1);
+    sum += (1 - std::abs(part)) * outline_.at(s_mm + part * settings_.turn_over_mm / 2).normal;
+  }
+  return sum.normalized();
+}
+
 SE3 ScanPath::T_shoe_cam_at(double way_mm) const {
   const Outline::Place place = outline_.at(s_at_mm(way_mm));
   const Vec2 target = place.point - k_wall_mm * place.normal;
-  const Vec3 inwards(-place.normal.x(), -place.normal.y(), 0);
+  const Vec2 outwards = outwards_at(s_at_mm(way_mm));
+  const Vec3 inwards(-outwards.x(), -outwards.y(), 0);
   SE3 T_shoe_beam = SE3::Identity();
   // Image columns rise with height: the stripe stands upright on the wall.
   T_shoe_beam.linear() = frame_along(

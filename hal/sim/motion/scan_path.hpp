@@ -8,10 +8,13 @@
 namespace biteline::sim {
 
 struct ScanPathSettings {
-  double target_z_mm{36};   ///< height of the working point, shoe frame
-  double pitch_rad{0.098};  ///< the beam looks down by this much
-  double speed_mm_s{100};   ///< of the stripe along the outline
-  double lead_mm{2};        ///< begins so far before the outline's start and ends so far beyond it
+  double target_z_mm{36};                 ///< height of the working point, shoe frame
+  double pitch_rad{k_bracket_pitch_rad};  ///< the beam looks down by this much
+  double speed_mm_s{100};                 ///< of the stripe along the outline
+  /// The beam turns with the outline's mean direction over so much of it, so that an arm can follow; 0: along
+  /// its normal at each place.
+  double turn_over_mm{0};
+  double lead_mm{2};  ///< begins so far before the outline's start and ends so far beyond it
 };
 
 /// Constant speed along the outline from time 0 on.
@@ -26,8 +29,11 @@ class ScanPath {
   /// Outline place under the stripe there.
   [[nodiscard]] double s_at_mm(double way_mm) const { return way_mm - settings_.lead_mm; }
   [[nodiscard]] const ScanPathSettings& settings() const { return settings_; }
+  [[nodiscard]] const Outline& outline() const { return outline_; }
 
  private:
+  [[nodiscard]] Vec2 outwards_at(double s_mm) const;
+
   Outline outline_;
   ScanPathSettings settings_;
   SE3 T_beam_cam_;  ///< camera in the head's own frame: working point, z along the beam, x along camera

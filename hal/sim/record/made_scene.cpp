@@ -11,6 +11,9 @@ namespace biteline::sim {
 
 namespace {
 
+/// On the arm: the beam then stays within 10 degrees of the outline's normal, and the wrist turns evenly.
+constexpr double k_turn_over_mm = 100;
+
 using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
 Result<void> close(File file, const std::filesystem::path& path) {
@@ -81,13 +84,14 @@ PlacedShoe place_shoe(const SceneSettings& settings) {
 
 Result<std::unique_ptr<MadeScene>> make_scene(const SceneSettings& settings) {
   PlacedShoe placed = place_shoe(settings);
-  MadeHead head = draw_head(settings.head_seed);
+  MadeHead head = draw_head(settings.head_seed, settings.holder);
   head.model.rate_hz = settings.rate_hz;
   head.faults.ambient_grey = settings.ambient_grey;
   SurfaceMesh mesh = mesh_of(placed.shoe, settings.fineness);
   BITELINE_ASSIGN(Scene scene, Scene::build(mesh));
   const ScanPathSettings path{.target_z_mm = 0.55 * settings.shoe.upper.top_z_mm,
-                              .speed_mm_s = settings.scan_speed_mm_s};
+                              .speed_mm_s = settings.scan_speed_mm_s,
+                              .turn_over_mm = settings.holder == Holder::Bracket ? k_turn_over_mm : 0};
   ScanPath scan_path(placed.shoe.outline(), head, path);
   return std::make_unique<MadeScene>(
       MadeScene{std::move(placed), settings, head, std::move(mesh), std::move(scene), std::move(scan_path)});

@@ -34,6 +34,7 @@ struct SceneSettings {
   std::uint64_t place_seed{1};  ///< where the shoe stands
   PlaceRange places{};
   std::uint64_t head_seed{21};
+  Holder holder{Holder::Straight};
   double scan_speed_mm_s{100};
   double rate_hz{100};
   double ambient_grey{0};  ///< of the room's light, at the head's own exposure

@@ -21,9 +21,24 @@ SE3 small_motion(Random& random, double translation_mm, double rotation_rad) {
   return geometry::exp_se3(xi);
 }
 
+/// The camera of a head on its bracket.  The flange hangs above the working point, some way inwards of it.
+SE3 T_flange_cam_on_bracket(const Vec3& beam_cam, const Vec3& working_point_cam) {
+  constexpr double k_above_mm = 250, k_inwards_mm = 60;
+  // x and z span the upright plane of the beam.
+  SE3 T_cam_beam = SE3::Identity();
+  T_cam_beam.linear() << Vec3::UnitX(), beam_cam.cross(Vec3::UnitX()), beam_cam;
+  T_cam_beam.translation() = working_point_cam;
+  const double c = std::cos(k_bracket_pitch_rad), s = std::sin(k_bracket_pitch_rad);
+  const Vec3 up(c, 0, -s), inwards(s, 0, c);
+  SE3 T_beam_flange = SE3::Identity();
+  T_beam_flange.linear() << inwards, (-up).cross(inwards), -up;
+  T_beam_flange.translation() = k_above_mm * up + k_inwards_mm * inwards;
+  return (T_cam_beam * T_beam_flange).inverse(Eigen::Isometry);
+}
+
 }  // namespace
 
-MadeHead draw_head(std::uint64_t seed) {
+MadeHead draw_head(std::uint64_t seed, Holder holder) {
   Random random(seed ^ 0x48454144ULL);
   MadeHead head;
   const double focal_px = 2720 * (1 + 0.01 * random.gaussian());
@@ -54,7 +69,10 @@ MadeHead draw_head(std::uint64_t seed) {
   constexpr double k_flange_to_working_point_mm = 394;
   const Mat3 R_flange_cam = geometry::exp_so3(Vec3(45 * k_degree, 0, 0));
   const Vec3 camera_flange = Vec3(0, 0, k_flange_to_working_point_mm) - R_flange_cam * working_point;
-  const SE3 T_flange_cam = geometry::make_se3(Eigen::Quaterniond(R_flange_cam), camera_flange);
+  const Vec3 nominal_beam_cam = R_flange_cam.transpose() * Vec3::UnitZ();
+  const SE3 T_flange_cam = holder == Holder::Bracket
+                               ? T_flange_cam_on_bracket(nominal_beam_cam, working_point)
+                               : geometry::make_se3(Eigen::Quaterniond(R_flange_cam), camera_flange);
   head.model.T_flange_cam = T_flange_cam * small_motion(random, 1.5, 0.008);
 
   constexpr int k_region_height_px = 320;

@@ -27,6 +27,15 @@ struct CameraFaults {
   double speckle_ratio{0.08};  ///< contrast after averaging over the pixel
 };
 
+/// How the head hangs on the flange.
+enum class Holder : std::uint8_t {
+  Straight,  ///< as published: the beam leaves along the flange's z; no upright arm gets it round a shoe
+  Bracket,   ///< the flange looks down from above the shoe, the head looks in from the side below it
+};
+
+/// The beam of a head on a bracket looks down by this much when the flange is upright.
+inline constexpr double k_bracket_pitch_rad = 0.098;
+
 struct MadeHead {
   geometry::SensorModel model;  ///< true values; exposure and rate are the nominal ones
   int sensor_width_px{1626};
@@ -38,6 +47,6 @@ struct MadeHead {
 
 /// A head of the published build (1626 x 1236 pixels, laser and camera axis at 45 degrees), its measures
 /// varied by seed as one built head differs from the next.
-[[nodiscard]] MadeHead draw_head(std::uint64_t seed);
+[[nodiscard]] MadeHead draw_head(std::uint64_t seed, Holder holder = Holder::Straight);
 
 }  // namespace biteline::sim

@@ -16,18 +16,30 @@ double seconds(Nanoseconds time) {
 Arm::Arm(const ArmKinematics& kinematics, const SE3& T_base_flange_start)
     : kinematics_(kinematics), T_base_flange_still_(T_base_flange_start) {}
 
+Arm::Arm(const ArmKinematics& kinematics, const JointVector& q_start_rad)
+    : kinematics_(kinematics),
+      T_base_flange_still_(kinematics.T_base_flange(q_start_rad)),
+      q_still_rad_(q_start_rad) {}
+
 ArmState Arm::at(SensorClock::time_point instant) const {
   const std::lock_guard lock(mutex_);
   ArmState state{.T_base_flange = T_base_flange_still_,
                  .T_flange_tcp = T_flange_tcp_,
+                 .q_rad = q_still_rad_,
                  .outputs = outputs_,
                  .payload = payload_};
   const double time_s = seconds(instant - begin_);
   if (motion_) {
     state.moving = time_s >= 0 && time_s < motion_->duration_s;
-    state.T_base_flange = motion_->T_base_flange_at(std::clamp(time_s, 0.0, motion_->duration_s));
+    const double inside_s = std::clamp(time_s, 0.0, motion_->duration_s);
     state.program_name = motion_->name;
-    if (time_s >= motion_->duration_s) state.q_rad = motion_->q_end_rad;
+    if (motion_->q_rad_at) {
+      state.q_rad = motion_->q_rad_at(inside_s);
+      state.T_base_flange = kinematics_.T_base_flange(*state.q_rad);
+    } else {
+      state.T_base_flange = motion_->T_base_flange_at(inside_s);
+      state.q_rad = time_s >= motion_->duration_s ? motion_->q_end_rad : std::nullopt;
+    }
   } else if (program_) {
     state.moving = state.program_running = time_s >= 0 && time_s < program_->duration_s();
     state.T_base_flange = program_->T_base_flange_at(std::max(0.0, time_s));
@@ -44,6 +56,7 @@ void Arm::stand(SensorClock::time_point instant) {
   const ArmState now = at(instant);
   const std::lock_guard lock(mutex_);
   T_base_flange_still_ = now.T_base_flange;
+  q_still_rad_ = now.q_rad;
   T_flange_tcp_ = now.T_flange_tcp;
   outputs_ = now.outputs;
   payload_ = now.payload;

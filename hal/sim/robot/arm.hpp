@@ -14,12 +14,14 @@
 
 namespace biteline::sim {
 
-/// A way of the flange in time that no script describes: the scan.
+/// A way in time that no script describes: the scan.  Of the joints, or of the flange alone.
 struct FlangeMotion {
   std::string name;
   double duration_s{0};
-  std::function<SE3(double time_s)> T_base_flange_at;  ///< for 0 <= time <= duration
-  std::optional<JointVector> q_end_rad{};              ///< at its end, where the links reach so far
+  std::function<JointVector(double time_s)>
+      q_rad_at{};  ///< for 0 <= time <= duration; none: no links looked at
+  std::function<SE3(double time_s)> T_base_flange_at{};  ///< likewise, where there is no q_rad_at
+  std::optional<JointVector> q_end_rad{};                ///< at its end, where the links reach so far
 };
 
 /// What the arm does at one instant.
@@ -34,11 +36,12 @@ struct ArmState {
   Payload payload{};        ///< as the last program said
 };
 
-/// Ideal: the arm is where its program says, at every instant; links and dynamics are not simulated.
+/// Ideal: the arm is where its program says, at every instant; dynamics are not simulated.
 /// Thread: any.
 class Arm {
  public:
   Arm(const ArmKinematics& kinematics, const SE3& T_base_flange_start);
+  Arm(const ArmKinematics& kinematics, const JointVector& q_start_rad);
 
   [[nodiscard]] ArmState at(SensorClock::time_point instant) const;
 
@@ -56,6 +59,7 @@ class Arm {
   ArmKinematics kinematics_;
   mutable std::mutex mutex_;
   SE3 T_base_flange_still_;
+  std::optional<JointVector> q_still_rad_{};
   SE3 T_flange_tcp_{SE3::Identity()};
   std::uint8_t outputs_{0};
   Payload payload_;

@@ -18,25 +18,66 @@ constexpr double k_met_rad = 1e-7;
 /// One radian weighs as much as this many millimetres, about the length of a link.
 constexpr double k_lever_mm = 400;
 
-struct Lengths {
+struct ArmRow {
   const char* name;
   double d1_mm, a2_mm, a3_mm, d4_mm, d5_mm, d6_mm;
+  std::array<double, 6> speed_deg_s;
+  LinkShape shape;
 };
-constexpr std::array k_arms{Lengths{"ur3e", 151.85, -243.55, -213.2, 131.05, 85.35, 92.1},
-                            Lengths{"ur5e", 162.5, -425, -392.2, 133.3, 99.7, 99.6},
-                            Lengths{"ur10e", 180.7, -612.7, -571.55, 174.15, 119.85, 116.55}};
+/// Dimensions as published; speeds of the user manuals; shapes of their drawings, rounded up.
+constexpr std::array k_arms{ArmRow{"ur3e",
+                                   151.85,
+                                   -243.55,
+                                   -213.2,
+                                   131.05,
+                                   85.35,
+                                   92.1,
+                                   {180, 180, 180, 360, 360, 360},
+                                   {120, 27, 75, 45, 40, 40}},
+                            ArmRow{"ur5e",
+                                   162.5,
+                                   -425,
+                                   -392.2,
+                                   133.3,
+                                   99.7,
+                                   99.6,
+                                   {180, 180, 180, 180, 180, 180},
+                                   {138, 7, 75, 60, 50, 45}},
+                            ArmRow{"ur10e",
+                                   180.7,
+                                   -612.7,
+                                   -571.55,
+                                   174.15,
+                                   119.85,
+                                   116.55,
+                                   {120, 120, 180, 180, 180, 180},
+                                   {176.2, 39.3, 95, 75, 60, 55}}};
+
+/// The maker publishes none; controllers of the series follow this with a full payload.
+constexpr double k_acceleration_rad_s2 = 5;
+
+JointLimits limits_of(const ArmRow& arm) {
+  JointLimits limits;
+  limits.most_rad.setConstant(2 * std::numbers::pi);
+  limits.most_rad[2] = std::numbers::pi;  // the elbow's links meet
+  for (Eigen::Index i = 0; i < 6; ++i)
+    limits.speed_rad_s[i] = arm.speed_deg_s[static_cast<std::size_t>(i)] * std::numbers::pi / 180;
+  limits.acceleration_rad_s2.setConstant(k_acceleration_rad_s2);
+  return limits;
+}
 
 }  // namespace
 
 std::optional<ArmKinematics> ArmKinematics::named(std::string_view name) {
-  for (const Lengths& arm : k_arms) {
+  for (const ArmRow& arm : k_arms) {
     if (name != arm.name) continue;
     return ArmKinematics({{{0, arm.d1_mm, k_right},
                            {arm.a2_mm, 0, 0},
                            {arm.a3_mm, 0, 0},
                            {0, arm.d4_mm, k_right},
                            {0, arm.d5_mm, -k_right},
-                           {0, arm.d6_mm, 0}}});
+                           {0, arm.d6_mm, 0}}},
+                         limits_of(arm), arm.shape);
   }
   return std::nullopt;
 }
@@ -60,6 +101,19 @@ SE3 ArmKinematics::forward(const JointVector& q_rad, Jacobian& J) const {
 SE3 ArmKinematics::T_base_flange(const JointVector& q_rad) const {
   Jacobian J;
   return forward(q_rad, J);
+}
+
+std::array<SE3, 6> ArmKinematics::T_base_joints(const JointVector& q_rad) const {
+  std::array<SE3, 6> frames;
+  SE3 T = SE3::Identity();
+  for (std::size_t i = 0; i < 6; ++i) {
+    T.rotate(Eigen::AngleAxisd(q_rad[static_cast<Eigen::Index>(i)], Vec3::UnitZ()));
+    T.translate(Vec3(0, 0, rows_[i].d_mm));
+    frames[i] = T;
+    T.translate(Vec3(rows_[i].a_mm, 0, 0));
+    T.rotate(Eigen::AngleAxisd(rows_[i].alpha_rad, Vec3::UnitX()));
+  }
+  return frames;
 }
 
 std::optional<JointVector> ArmKinematics::joints_near(const SE3& T_base_flange,

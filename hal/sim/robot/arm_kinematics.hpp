@@ -12,6 +12,23 @@ namespace biteline::sim {
 
 using JointVector = Eigen::Matrix<double, 6, 1>;  ///< rad, base to wrist 3
 
+/// What the joints may do: turn by so much either way, so fast.
+struct JointLimits {
+  JointVector most_rad;
+  JointVector speed_rad_s;
+  JointVector acceleration_rad_s2;
+};
+
+/// Where the links stand beside the joints' axes, and how thick they are.
+struct LinkShape {
+  double shoulder_offset_mm;  ///< upper arm beside the shoulder's axis, along joint 2
+  double elbow_offset_mm;     ///< forearm, likewise
+  double base_radius_mm;
+  double upper_arm_radius_mm;
+  double forearm_radius_mm;
+  double wrist_radius_mm;
+};
+
 /// A UR arm of nominal dimensions (Universal Robots, "DH parameters for calculations of kinematics").
 class ArmKinematics {
  public:
@@ -19,6 +36,15 @@ class ArmKinematics {
   [[nodiscard]] static std::optional<ArmKinematics> named(std::string_view name);
 
   [[nodiscard]] SE3 T_base_flange(const JointVector& q_rad) const;
+  /// The frames that turn with the joints: z along the axis, where the link behind it begins.
+  [[nodiscard]] std::array<SE3, 6> T_base_joints(const JointVector& q_rad) const;
+  [[nodiscard]] const JointLimits& limits() const { return limits_; }
+  [[nodiscard]] const LinkShape& shape() const { return shape_; }
+  /// Along its x in the frame of its joint, negative: upper arm and forearm.
+  [[nodiscard]] double upper_arm_mm() const { return rows_[1].a_mm; }
+  [[nodiscard]] double forearm_mm() const { return rows_[2].a_mm; }
+  /// Between the joints' axes, base to flange: d of the table of dimensions.
+  [[nodiscard]] double d_mm(std::size_t joint) const { return rows_[joint].d_mm; }
 
   /// The joints near `q_near_rad` that reach the pose, by damped Newton steps to 1e-4 mm and 1e-7 rad;
   /// nothing when there are none near (out of reach, another branch, singular).
@@ -33,11 +59,14 @@ class ArmKinematics {
     double a_mm, d_mm, alpha_rad;
   };
   using Jacobian = Eigen::Matrix<double, 6, 6>;
-  explicit ArmKinematics(const std::array<DhRow, 6>& rows) : rows_(rows) {}
+  ArmKinematics(const std::array<DhRow, 6>& rows, const JointLimits& limits, const LinkShape& shape)
+      : rows_(rows), limits_(limits), shape_(shape) {}
   /// Flange pose, and how it moves with each joint: [translation; rotation] in base.
   SE3 forward(const JointVector& q_rad, Jacobian& J) const;
 
   std::array<DhRow, 6> rows_;
+  JointLimits limits_;
+  LinkShape shape_;
 };
 
 }  // namespace biteline::sim

@@ -139,7 +139,10 @@ void UrController::cycle(std::uint64_t number) {
     if (!write_available(client->socket, client->outgoing)) client->socket.close();
   }
   drop_dead(rtde_clients_);
-  if (on_cycle_) on_cycle_(instant, state);
+  if (!on_cycle_) return;
+  ArmState told = state;
+  told.q_rad = values_.q_rad();
+  on_cycle_(instant, told);
 }
 
 void UrController::pass_on(RtdeClient& client) {

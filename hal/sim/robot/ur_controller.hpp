@@ -38,7 +38,8 @@ class UrController {
   struct Ports {
     std::uint16_t rtde, script, dashboard, primary;
   };
-  /// Called on each cycle with the instant on this machine's monotonic clock, on the controller's thread.
+  /// Called on each cycle with the instant on this machine's monotonic clock, on the controller's thread; the
+  /// joints are those told in actual_q.
   using OnCycle = std::function<void(SensorClock::time_point, const ArmState&)>;
 
   [[nodiscard]] static Result<std::unique_ptr<UrController>> open(const Config& config, Arm& arm,

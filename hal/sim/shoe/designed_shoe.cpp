@@ -429,6 +429,7 @@ ShoeParameters draw_designed_shoe(const DesignedShoe& designed, std::uint64_t se
   const Random source(seed * 32 + static_cast<std::uint64_t>(designed.shoe_class));
   ShoeParameters shoe{
       .shoe_class = designed.shoe_class, .seed = seed, .outline = draw_foot(source.fork(k_outline))};
+  shoe.outline.length_mm = designed.length_mm.value_or(shoe.outline.length_mm);
   // A child's sole is lower, but not in proportion to its length.
   const double scale = std::sqrt(shoe.outline.length_mm / 290);
   Random sole = source.fork(k_sole);

@@ -3,6 +3,7 @@
 /// \file Shoes whose soles are built as soles are built, with what else runs round them; and no shoes.
 
 #include <cstdint>
+#include <optional>
 
 #include "hal/sim/shoe/shoe_parameters.hpp"
 
@@ -13,6 +14,7 @@ struct DesignedShoe {
   ShoeClass shoe_class{ShoeClass::Cupsole};
   Decoy decoy{Decoy::None};
   Materials materials{Materials::Contrast};
+  std::optional<double> length_mm{};  ///< else drawn
 };
 
 /// Sole 90 to 350 mm long, low, mid-high or a boot, left or right.  A decoy keeps 4 mm and more away from the

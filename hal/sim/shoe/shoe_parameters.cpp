@@ -136,18 +136,19 @@ std::optional<Decoy> decoy_named(std::string_view name) {
   return static_cast<Decoy>(found - k_decoy_names.begin());
 }
 
-ShoeParameters draw_shoe(ShoeClass shoe_class, std::uint64_t seed) {
+ShoeParameters draw_shoe(ShoeClass shoe_class, std::uint64_t seed, std::optional<double> length_mm) {
   if (is_thing(shoe_class)) return draw_thing(shoe_class, seed);
   if (is_designed(shoe_class)) {
     Random drawn(seed);
     const auto decoy = static_cast<Decoy>(drawn.integer(0, static_cast<int>(k_decoy_names.size()) - 1));
-    return draw_designed_shoe({.shoe_class = shoe_class, .decoy = decoy}, seed);
+    return draw_designed_shoe({.shoe_class = shoe_class, .decoy = decoy, .length_mm = length_mm}, seed);
   }
   const Random source(seed * 16 + static_cast<std::uint64_t>(shoe_class));
   const bool mixed = shoe_class == ShoeClass::Mixed;
   ShoeParameters shoe{.shoe_class = shoe_class, .seed = seed, .bare = shoe_class == ShoeClass::Bare};
 
   shoe.outline = draw_outline(source.fork(k_outline));
+  shoe.outline.length_mm = length_mm.value_or(shoe.outline.length_mm);
   const double perimeter_mm = k_perimeter_ratio * shoe.outline.length_mm;
   // A child's sole is lower, but not in proportion to its length.
   const double scale = std::sqrt(shoe.outline.length_mm / 290);

@@ -243,8 +243,15 @@ struct ShoeParameters {
 };
 
 /// A shoe of the class, drawn by the seed: left or right, all measures varied, 150 to 330 mm long, designed
-/// soles 90 to 350 mm; things, too.  A designed sole carries the decoy that the seed draws.
-[[nodiscard]] ShoeParameters draw_shoe(ShoeClass shoe_class, std::uint64_t seed);
+/// soles 90 to 350 mm; things, too.  A designed sole carries the decoy that the seed draws.  With a length,
+/// the same shoe so long; things stay as they are drawn.
+[[nodiscard]] ShoeParameters draw_shoe(ShoeClass shoe_class, std::uint64_t seed,
+                                       std::optional<double> length_mm = std::nullopt);
+
+/// Of a sole of that size: two thirds of a centimetre each, the Paris point.  36 to 47 are grown-ups'.
+[[nodiscard]] constexpr double length_of_size_mm(double eu_size) {
+  return 20.0 / 3 * eu_size;
+}
 
 /// The next upper of the same model: without sole, differing as one last differs from the next.
 [[nodiscard]] ShoeParameters bare_upper_of(ShoeParameters sample, double last_difference_mm,

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "host/apps/biteline-demo/lateness.hpp"
 #include "host/intake/child_process.hpp"
@@ -130,9 +131,12 @@ bool worth_another_scan(const std::optional<fs::path>& scan) {
 }
 
 std::vector<std::string> cell_arguments(const CellOptions& options, const Shoe& shoe, const fs::path& out) {
+  std::ostringstream size;
+  size << options.size;
   std::vector<std::string> arguments{
       "serve",     "--seed",  std::to_string(options.seed), "--shoe", options.shoe, "--arm",
-      options.arm, "--place", std::to_string(shoe.place),   "--out",  out.string()};
+      options.arm, "--place", std::to_string(shoe.place),   "--out",  out.string(), "--size",
+      size.str()};
   if (shoe.sample) arguments.emplace_back("--upper");
   return arguments;
 }

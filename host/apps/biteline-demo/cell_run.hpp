@@ -17,7 +17,8 @@ struct CellOptions {
   std::filesystem::path out{"demo-result"};
   std::uint64_t seed{5};
   std::string shoe{"deep"};
-  std::string arm{"ur5e"};
+  std::string arm{"ur10e"};
+  double size{42};  ///< European; 0: as long as the class draws it
   std::filesystem::path process;
   bool quiet{false};
 };

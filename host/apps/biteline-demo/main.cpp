@@ -101,6 +101,9 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--seed", options.cell.seed, "Which made shoe")->capture_default_str();
   app.add_option("--shoe", options.cell.shoe, "Class of made shoe (biteline-cell serve --help)")
       ->capture_default_str();
+  app.add_option("--size", options.cell.size,
+                 "European size, 36 to 47 for grown-ups; 0: as long as the class draws it, a child's too")
+      ->capture_default_str();
   app.add_option("--uppers", options.uppers, "How many uppers follow the sample")
       ->check(options::number({.minimum = 0, .maximum = 20}, ""))
       ->capture_default_str();

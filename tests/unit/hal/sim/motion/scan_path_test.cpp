@@ -28,6 +28,28 @@ TEST(ScanPath, BeamMeetsTheWallHeadOnAndPitchedAllTheWayRound) {
   }
 }
 
+TEST(ScanPath, TurningOverALengthStaysNearTheNormalAndTurnsMoreEvenly) {
+  const ScanPath along_normal(outline, head, {}), sut(outline, head, {.turn_over_mm = 100});
+  constexpr double k_step_mm = 2;
+  const auto beam_at = [&](const ScanPath& path, double way_mm) {
+    return Vec3(path.T_shoe_cam_at(way_mm).linear() * head.laser.beam_cam);
+  };
+  const auto fastest = [&](const ScanPath& path) {
+    double turn_rad = 0;
+    for (double way_mm = 0; way_mm < path.length_mm(); way_mm += k_step_mm)
+      turn_rad = std::max(
+          turn_rad, std::acos(beam_at(path, way_mm).dot(beam_at(path, way_mm + k_step_mm))) / k_step_mm);
+    return turn_rad;
+  };
+  CHECK(fastest(sut) < 0.8 * fastest(along_normal));
+  for (double way_mm = 0; way_mm < sut.length_mm(); way_mm += k_step_mm) {
+    CHECK(beam_at(sut, way_mm).dot(beam_at(along_normal, way_mm)) > std::cos(0.2));
+    // The stripe keeps its place on the wall.
+    const Vec3 at(0, 0, head.working_distance_mm);
+    DOUBLES_EQUAL(0, (sut.T_shoe_cam_at(way_mm) * at - along_normal.T_shoe_cam_at(way_mm) * at).norm(), 1e-9);
+  }
+}
+
 TEST(ScanPath, GoesRoundOnceWithItsLeadOnBothEnds) {
   const ScanPath sut(outline, head, {.speed_mm_s = 50, .lead_mm = 3});
   DOUBLES_EQUAL(outline.perimeter_mm() + 6, sut.length_mm(), 1e-9);

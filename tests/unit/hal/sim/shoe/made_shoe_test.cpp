@@ -37,6 +37,21 @@ TEST(MadeShoe, IsTheSameForTheSameSeedAndAnotherForAnother) {
   }
 }
 
+TEST(MadeShoe, IsAsLongAsItsSizeSaysAndOtherwiseTheSame) {
+  for (const ShoeClass shoe_class : {ShoeClass::Deep, ShoeClass::Midsole}) {
+    const ShoeParameters drawn = draw_shoe(shoe_class, 5),
+                         sized = draw_shoe(shoe_class, 5, length_of_size_mm(42));
+    DOUBLES_EQUAL(280, sized.outline.length_mm, 1e-9);
+    DOUBLES_EQUAL(280, MadeShoe(sized).outline().length_mm(), 1e-9);
+    CHECK(drawn.outline.jitter == sized.outline.jitter);
+    CHECK(drawn.outline.left_foot == sized.outline.left_foot);
+    // The length drawn, told as a size, gives the same shoe.
+    const ShoeParameters told = draw_shoe(shoe_class, 5, drawn.outline.length_mm);
+    DOUBLES_EQUAL(drawn.upper.top_z_mm, told.upper.top_z_mm, 0);
+    DOUBLES_EQUAL(drawn.groove.line_height_mm, told.groove.line_height_mm, 0);
+  }
+}
+
 TEST(MadeShoe, ClosesOnItself) {
   for (const ShoeClass shoe_class : k_all_classes) {
     const MadeShoe sut(draw_shoe(shoe_class, 3));
