@@ -131,12 +131,28 @@ bool worth_another_scan(const std::optional<fs::path>& scan) {
 }
 
 std::vector<std::string> cell_arguments(const CellOptions& options, const Shoe& shoe, const fs::path& out) {
-  std::ostringstream size;
-  size << options.size;
-  std::vector<std::string> arguments{
-      "serve",     "--seed",  std::to_string(options.seed), "--shoe", options.shoe, "--arm",
-      options.arm, "--place", std::to_string(shoe.place),   "--out",  out.string(), "--size",
-      size.str()};
+  const auto number = [](double value) {
+    std::ostringstream text;
+    text << value;
+    return text.str();
+  };
+  std::vector<std::string> arguments{"serve",
+                                     "--seed",
+                                     std::to_string(options.seed),
+                                     "--shoe",
+                                     options.shoe,
+                                     "--arm",
+                                     options.arm,
+                                     "--place",
+                                     std::to_string(shoe.place),
+                                     "--out",
+                                     out.string(),
+                                     "--size",
+                                     number(options.size),
+                                     "--speed-mm-s",
+                                     number(options.speed_mm_s),
+                                     "--rate-hz",
+                                     number(options.rate_hz)};
   if (shoe.sample) arguments.emplace_back("--upper");
   return arguments;
 }
@@ -223,6 +239,7 @@ Result<ShoeResult> run_shoe(const CellOptions& options, const Shoe& shoe) {
   BITELINE_ASSIGN(const fs::path known, write_uncertainty(cell, cell_folder));
 
   ShoeResult result{.shoe = shoe, .scan = {}, .verdict = {}, .error = {}};
+  result.scan_s = cell.endpoints.value("scan_s", 0.0);
   std::string last_words;
   const Lateness lateness;
   // On a machine that is busy with other things frames may come too late, and the laser's guard then,

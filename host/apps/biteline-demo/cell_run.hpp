@@ -18,7 +18,9 @@ struct CellOptions {
   std::uint64_t seed{5};
   std::string shoe{"deep"};
   std::string arm{"ur10e"};
-  double size{42};  ///< European; 0: as long as the class draws it
+  double size{42};        ///< European; 0: as long as the class draws it
+  double speed_mm_s{50};  ///< of the stripe along the outline, where the arm's joints allow it
+  double rate_hz{50};     ///< pictures a second
   std::filesystem::path process;
   bool quiet{false};
 };
@@ -37,6 +39,7 @@ struct ShoeResult {
   int host_status{0};
   std::string verdict;
   std::optional<evaluation::LineError> error;  ///< against the cell's own truth; none without a line
+  double scan_s{0};  ///< once round, in the arm's time; without the ways there and back
   double wall_s{0};
 
   [[nodiscard]] bool good() const { return host_status == 0; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "host/apps/biteline-demo/demo_page.hpp"
 
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -78,6 +79,8 @@ void compare(Page& page, const std::vector<ShoeResult>& results, const std::vect
       [](const ShoeResult&, const Reports& r) { return number(r.followed, "/from_line_mm/max", "mm"); });
   add("share of the line that the arm passed",
       [](const ShoeResult&, const Reports& r) { return number(r.followed, "/covered", ""); });
+  add("the scan, once round",
+      [](const ShoeResult& result, const Reports&) { return report::seconds_text(result.scan_s); });
   add("from the last profile to the line", [](const ShoeResult& result, const Reports& r) {
     return seconds(r.line, result.shoe.sample ? "/stages/transfer" : "/stages/last profile to line");
   });
@@ -122,6 +125,8 @@ Result<void> write_demo_page(const CellOptions& options, const std::vector<ShoeR
   }
   Page page{"Biteline demo", verdict, good ? Page::Mood::Good : Page::Mood::Refused};
   page.paragraph("Simulated: the shoes (class " + options.shoe + ", seed " + std::to_string(options.seed) +
+                 ", " +
+                 (options.size > 0 ? "size " + std::to_string(std::lround(options.size)) : "as drawn") +
                  "), the pictures, the arm and its controller. Real: the sensor program, the host service, "
                  "and the protocols between all of them.");
   page.paragraph(

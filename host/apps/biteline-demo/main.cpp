@@ -63,6 +63,7 @@ nlohmann::ordered_json shoe_fields(const ShoeResult& result) {
   nlohmann::ordered_json fields{{"name", result.shoe.name},
                                 {"scan", result.scan.string()},
                                 {"verdict", result.verdict},
+                                {"scan_s", result.scan_s},
                                 {"total_s", result.wall_s}};
   if (result.error) {
     fields["line_error_mm"] = {
@@ -103,6 +104,14 @@ void add_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--size", options.cell.size,
                  "European size, 36 to 47 for grown-ups; 0: as long as the class draws it, a child's too")
+      ->check(CLI::IsMember({0.0}) | options::number({.minimum = 14, .maximum = 52}, ""))
+      ->capture_default_str();
+  app.add_option("--speed-mm-s", options.cell.speed_mm_s,
+                 "Of the stripe along the outline; the arm goes slower where its joints ask for it")
+      ->check(options::number({.minimum = 1, .maximum = 1000}, ""))
+      ->capture_default_str();
+  app.add_option("--rate-hz", options.cell.rate_hz, "Pictures a second")
+      ->check(options::number({.minimum = 1, .maximum = 1000}, ""))
       ->capture_default_str();
   app.add_option("--uppers", options.uppers, "How many uppers follow the sample")
       ->check(options::number({.minimum = 0, .maximum = 20}, ""))
