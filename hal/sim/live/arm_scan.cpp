@@ -179,12 +179,13 @@ Result<ArmScan> ArmScan::plan(const ScanPath& path, const MadeHead& head, const 
     }
     centre_turns(scan.q_rad_);
     for (std::size_t i = 0; i < samples; ++i) {
+      if (i % 5 == 0) {
+        if (const auto touched = surroundings.touched(scan.q_rad_[i])) return blocked(i, *touched);
+      }
       for (Eigen::Index joint = 0; joint < 6; ++joint) {
         if (std::abs(scan.q_rad_[i][joint]) > arm.limits().most_rad[joint])
           return blocked(i, "joint " + std::to_string(joint + 1) + " turns farther than it may");
       }
-      if (i % 5 != 0) continue;
-      if (const auto touched = surroundings.touched(scan.q_rad_[i])) return blocked(i, *touched);
     }
     const auto raised = [&](const SE3& T, const JointVector& near_rad) {
       return arm.joints_near(Eigen::Translation3d(0, 0, k_raised_mm) * T, near_rad);

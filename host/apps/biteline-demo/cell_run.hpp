@@ -17,8 +17,8 @@ struct CellOptions {
   std::filesystem::path out{"demo-result"};
   std::uint64_t seed{5};
   std::string shoe{"deep"};
-  std::string arm{"ur10e"};
-  double size{42};        ///< European; 0: as long as the class draws it
+  std::string arm{"ur5e"};
+  double size{0};         ///< European; 0: as long as the class draws it
   double speed_mm_s{50};  ///< of the stripe along the outline, where the arm's joints allow it
   double rate_hz{50};     ///< pictures a second
   std::filesystem::path process;
