@@ -125,21 +125,32 @@ class Chains {
       double cost;
     };
     std::vector<Ends> pairs;
-    std::vector<int> begins;
+    std::vector<int> begins;  // by column
     for (std::size_t i = 0; i < crests_.size(); ++i) {
       if (crests_[i].last == k_none) begins.push_back(static_cast<int>(i));
     }
-    for (std::size_t i = 0; i < crests_.size(); ++i) {
-      if (crests_[i].next != k_none) continue;
-      for (const int begin : begins) {
-        const Crest& after = crests_[static_cast<std::size_t>(begin)];
-        const int gap = cols_on(crests_[i], after);
+    const auto col_of = [&](int crest) { return crests_[static_cast<std::size_t>(crest)].col; };
+    const auto from_col = [&](int col) {
+      return std::partition_point(begins.begin(), begins.end(), [&](int begin) { return col_of(begin) < col; });
+    };
+    const auto add_pairs = [&](std::size_t before, auto first, auto end) {
+      for (; first != end; ++first) {
+        const Crest& after = crests_[static_cast<std::size_t>(*first)];
+        const int gap = cols_on(crests_[before], after);
         if (gap < 2 || gap > most_cols) continue;
-        const double rise_mm = std::abs(after.row - crests_[i].row) * grid_.row_mm;
+        const double rise_mm = std::abs(after.row - crests_[before].row) * grid_.row_mm;
         if (rise_mm > config_.step_mm + config_.bridge_rise * gap * grid_.col_mm) continue;
         // A millimetre up counts as much as five along: creases run on as they were.
-        pairs.push_back({static_cast<int>(i), begin, gap * grid_.col_mm + 5 * rise_mm});
+        pairs.push_back({static_cast<int>(before), *first, gap * grid_.col_mm + 5 * rise_mm});
       }
+    };
+    for (std::size_t i = 0; i < crests_.size(); ++i) {
+      if (crests_[i].next != k_none) continue;
+      const int col = crests_[i].col;
+      // What lies within reach behind the seam, then what lies before it.
+      const int behind = std::min(col - 1, col + most_cols - grid_.cols);
+      add_pairs(i, begins.begin(), from_col(behind + 1));
+      add_pairs(i, from_col(col + 2), from_col(std::min(grid_.cols, col + most_cols + 1)));
     }
     std::stable_sort(pairs.begin(), pairs.end(),
                      [](const Ends& a, const Ends& b) { return a.cost < b.cost; });
