@@ -3,7 +3,7 @@
 // how many are right, refused and wrong, and how many wrong ones that still allows with 95 %.
 //
 //   bench_line_sweep [--count N] [--seed N] [--from N] [--class NAME] [--decoy NAME] [--fault NAME]
-//                    [--threads N] [--published] [--rows] [--save DIR]
+//                    [--threads N] [--published] [--rows] [--save DIR] [--only I,J,..]
 //
 // A row (--rows, stderr) begins with the index by which `--from INDEX --count 1` makes that shoe again.
 // --save writes each cloud, its true line, the line found and all candidates there, to be looked at.
@@ -35,6 +35,7 @@ struct Options {
   std::uint64_t from{0};
   std::string shoe_class{}, decoy{}, fault{};
   std::string save{};
+  std::vector<std::uint64_t> only{};  ///< these indices, instead of `count` from `from`
   std::size_t threads{2};
   bool published{false};
   bool rows{false};
@@ -95,13 +96,26 @@ bool write_positions(const std::string& file, const std::vector<Vec3>& line) {
   return true;
 }
 
+/// The line with what it says of itself.
+bool write_found(const std::string& file, const cloud::ClosedLine& line) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out{std::fopen(file.c_str(), "w"), &std::fclose};
+  if (!out) return false;
+  std::fprintf(out.get(), "#x [mm],y [mm],z [mm],confidence [1],u95 [mm],bridged [1]\n");
+  for (const cloud::LinePoint& p : line.points)
+    std::fprintf(out.get(), "%.4f,%.4f,%.4f,%.4f,%.4f,%d\n", p.position.x(), p.position.y(), p.position.z(),
+                 p.confidence, p.u95_mm.value_or(0), p.source == cloud::PointSource::Bridged ? 1 : 0);
+  return true;
+}
+
 class Sweep {
  public:
   explicit Sweep(Options options) : options_{std::move(options)} {}
 
   void run() {
     const tbb::global_control limit{tbb::global_control::max_allowed_parallelism, options_.threads};
-    tbb::parallel_for(options_.from, options_.from + options_.count, [&](std::uint64_t index) {
+    const std::uint64_t cells = options_.only.empty() ? options_.count : options_.only.size();
+    tbb::parallel_for(std::uint64_t{0}, cells, [&](std::uint64_t i) {
+      const std::uint64_t index = options_.only.empty() ? options_.from + i : options_.only[i];
       const test::SweepCell cell = test::sweep_cell(options_.seed, index);
       if (options_.asks_for(cell)) judge(index, cell);
     });
@@ -123,7 +137,7 @@ class Sweep {
       if (!line.empty()) written = write_positions(beside + what + ".csv", line) && written;
     };
     write("_truth", places_of(scan.truth));
-    write("_line", places_of(found.line));
+    if (found.found) written = write_found(beside + "_line.csv", found.line) && written;
     for (std::size_t i = 0; i < found.candidates.size(); ++i)
       write("_candidate_" + std::to_string(i), found.candidates[i].points);
     if (!written) std::fprintf(stderr, "%s: cannot be written\n", beside.c_str());
@@ -190,6 +204,12 @@ int main(int argc, char** argv) {
       if (argument == "--decoy") options.decoy = value;
       if (argument == "--fault") options.fault = value;
       if (argument == "--save") options.save = value;
+      if (argument == "--only") {
+        for (char* next = nullptr; *value != '\0'; value = *next == ',' ? next + 1 : next) {
+          options.only.push_back(std::strtoull(value, &next, 10));
+          if (next == value) break;
+        }
+      }
     }
   }
   biteline::bench::Sweep{options}.run();
