@@ -131,7 +131,8 @@ class Chains {
     }
     const auto col_of = [&](int crest) { return crests_[static_cast<std::size_t>(crest)].col; };
     const auto from_col = [&](int col) {
-      return std::partition_point(begins.begin(), begins.end(), [&](int begin) { return col_of(begin) < col; });
+      return std::partition_point(begins.begin(), begins.end(),
+                                  [&](int begin) { return col_of(begin) < col; });
     };
     const auto add_pairs = [&](std::size_t before, auto first, auto end) {
       for (; first != end; ++first) {
