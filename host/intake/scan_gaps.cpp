@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+
+#include "host/geometry/robust.hpp"
 
 namespace biteline::intake {
 namespace {
@@ -35,12 +38,10 @@ LongestGap ScanGaps::longest() const {
   LongestGap gap = gap_;
   if (steps_ns_.size() < k_least_profiles) return gap;
   std::vector<std::int64_t> steps_ns = steps_ns_;
-  const auto usual = steps_ns.begin() +
-                     static_cast<std::ptrdiff_t>(k_usual_share * static_cast<double>(steps_ns.size() - 1));
-  std::nth_element(steps_ns.begin(), usual, steps_ns.end());
+  const std::int64_t usual_ns = geometry::quantile_of(std::span{steps_ns}, k_usual_share);
   // A head that follows the stripe is quicker than its setting for most of a scan, and slower while it
   // searches.
-  const double period_ns = std::max(static_cast<double>(*usual), rate_hz_ > 0 ? 1e9 / rate_hz_ : 0.0);
+  const double period_ns = std::max(static_cast<double>(usual_ns), rate_hz_ > 0 ? 1e9 / rate_hz_ : 0.0);
   const double longest_ns = static_cast<double>(*std::ranges::max_element(steps_ns_));
   if (period_ns > 0 && longest_ns > period_ns)
     gap.edges = static_cast<std::uint64_t>(std::llround(longest_ns / period_ns) - 1);

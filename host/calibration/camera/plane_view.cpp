@@ -2,6 +2,11 @@
 #include "host/calibration/camera/plane_view.hpp"
 
 #include <algorithm>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "host/geometry/robust.hpp"
 
 namespace biteline::calibration {
 
@@ -77,9 +82,7 @@ int set_rings_aside(PlaneView& view, const geometry::Camera& camera, const SE3& 
 double seen_diameter_ratio(const PlaneView& view) {
   std::vector<double> ratios;
   for (const GridRing& ring : view.grid.rings) ratios.push_back(ring.ring.diameter_ratio);
-  std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2),
-                   ratios.end());
-  return ratios[ratios.size() / 2];
+  return geometry::median_of(std::move(ratios));
 }
 
 }  // namespace biteline::calibration

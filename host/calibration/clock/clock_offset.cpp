@@ -5,8 +5,12 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <optional>
 #include <set>
+#include <utility>
 #include <vector>
+
+#include "host/geometry/robust.hpp"
 
 namespace biteline::calibration {
 
@@ -26,9 +30,7 @@ Vec3 other_velocity(const std::vector<ScanPoint>& points, const OverlapPair& pai
 double median_abs(const std::vector<OverlapPair>& pairs) {
   std::vector<double> values;
   for (const OverlapPair& pair : pairs) values.push_back(std::abs(pair.distance_mm));
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
+  return geometry::median_of(std::move(values));
 }
 
 /// Share of the passes' disagreement that is the same all over a pass: a mounting off by hundredths of a
@@ -47,7 +49,7 @@ struct Step {
 /// One Gauss-Newton step with Tukey's weights.
 std::optional<Step> one_step(const std::vector<ScanPoint>& points, const std::vector<OverlapPair>& pairs) {
   if (pairs.size() < k_least_pairs) return std::nullopt;
-  const double limit_mm = std::max(0.02, 4.685 * 1.4826 * median_abs(pairs));
+  const double limit_mm = std::max(0.02, 4.685 * geometry::k_sigma_per_mad * median_abs(pairs));
   double information = 0, gradient = 0, square_sum = 0, weight_sum = 0;
   struct Term {
     std::uint32_t frame;

@@ -5,10 +5,13 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <utility>
 
 #include "host/calibration/handeye/consensus.hpp"
 #include "host/calibration/handeye/motions.hpp"
 #include "host/calibration/handeye/pose_adjustment.hpp"
+#include "host/geometry/robust.hpp"
 
 namespace biteline::calibration {
 
@@ -118,12 +121,6 @@ std::vector<LeftOut> leave_one_out(const std::vector<WeightedStop>& stops, const
   return errors;
 }
 
-double median_of(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
-}
-
 /// Shifts of whole pitches look alike to rotations: the reading whose place agrees with the rest.
 void choose_shifts(const std::vector<StopReadings>& all, const SE3& T_flange_cam, const SE3& T_base_target,
                    Consensus& consensus) {
@@ -212,8 +209,8 @@ Result<HandEyeCalibration> calibrate_hand_eye(const std::vector<HandEyeView>& vi
       mm.push_back(e.mm);
       rad.push_back(e.rad);
     }
-    const double limit_mm = std::max(k_odd_mm, k_odd_ratio * median_of(mm)),
-                 limit_rad = std::max(k_odd_rad, k_odd_ratio * median_of(rad));
+    const double limit_mm = std::max(k_odd_mm, k_odd_ratio * geometry::median_of(mm)),
+                 limit_rad = std::max(k_odd_rad, k_odd_ratio * geometry::median_of(rad));
     std::size_t worst = 0;
     const auto oddness = [&](std::size_t i) { return std::max(mm[i] / limit_mm, rad[i] / limit_rad); };
     for (std::size_t i = 1; i < errors.size(); ++i) worst = oddness(i) > oddness(worst) ? i : worst;
@@ -222,7 +219,8 @@ Result<HandEyeCalibration> calibrate_hand_eye(const std::vector<HandEyeView>& vi
       std::snprintf(reason, sizeof reason,
                     "the others predict it %.2f mm and %.3f degrees off, each other %.2f mm and %.3f (row of "
                     "another view? target moved?)",
-                    mm[worst], rad[worst] / k_degree, median_of(mm), median_of(rad) / k_degree);
+                    mm[worst], rad[worst] / k_degree, geometry::median_of(mm),
+                    geometry::median_of(rad) / k_degree);
       result.set_aside.push_back({.name = views[consensus.stops[worst]].name, .reason = reason});
       consensus.stops.erase(consensus.stops.begin() + static_cast<std::ptrdiff_t>(worst));
       consensus.readings.erase(consensus.readings.begin() + static_cast<std::ptrdiff_t>(worst));

@@ -6,9 +6,13 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <random>
+#include <utility>
 
 #include "host/calibration/camera/plane_pose.hpp"
+#include "host/geometry/fit.hpp"
+#include "host/geometry/robust.hpp"
 
 namespace biteline::calibration {
 
@@ -114,17 +118,33 @@ std::vector<Vec3> near_points(const std::vector<Located>& points, const geometry
   return result;
 }
 
+/// Plane of least squared distances; the points' standard deviations along its axes, largest first.
+struct LaserPlaneFit {
+  geometry::LaserPlane plane;
+  Vec3 spread_mm{Vec3::Zero()};
+  Vec3 middle{Vec3::Zero()};
+};
+
+/// The normal points to the camera's side.
+LaserPlaneFit plane_through(const std::vector<Vec3>& points) {
+  const std::optional<geometry::PlaneFit> fit = geometry::fit_plane(points);
+  if (!fit) return {};
+  const double distance_mm = fit->normal.dot(fit->mean);
+  const double side = distance_mm > 0 ? -1.0 : 1.0;
+  return {.plane = {.normal_cam = side * fit->normal, .distance_mm = side * distance_mm},
+          .spread_mm = fit->spread_mm2.reverse().cwiseMax(0).cwiseSqrt(),
+          .middle = fit->mean};
+}
+
 /// Total least squares over the points within 4 robust standard deviations, to convergence.
-PlaneFit robust_plane(const std::vector<Located>& points, double& reach_mm) {
+LaserPlaneFit robust_plane(const std::vector<Located>& points, double& reach_mm) {
   geometry::LaserPlane plane = consensus_plane(points);
-  PlaneFit fit;
+  LaserPlaneFit fit;
   for (int round = 0; round < 10; ++round) {
     std::vector<double> distances;
     for (const Located& p : points) distances.push_back(std::abs(plane.signed_distance_mm(p.point_cam)));
-    std::nth_element(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2),
-                     distances.end());
-    reach_mm = std::max(0.01, 4 * 1.4826 * distances[distances.size() / 2]);
-    fit = fit_plane(near_points(points, plane, reach_mm));
+    reach_mm = std::max(0.01, 4 * geometry::k_sigma_per_mad * geometry::median_of(std::move(distances)));
+    fit = plane_through(near_points(points, plane, reach_mm));
     const double turn = fit.plane.normal_cam.cross(plane.normal_cam).norm();
     plane = fit.plane;
     if (turn < 1e-9) break;
@@ -220,22 +240,6 @@ std::optional<std::string> prepare(const geometry::Camera& camera, LaserView& vi
 
 }  // namespace
 
-PlaneFit fit_plane(const std::vector<Vec3>& points) {
-  PlaneFit fit;
-  if (points.empty()) return fit;
-  for (const Vec3& p : points) fit.middle += p;
-  fit.middle /= static_cast<double>(points.size());
-  Mat3 scatter = Mat3::Zero();
-  for (const Vec3& p : points) scatter += (p - fit.middle) * (p - fit.middle).transpose();
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(scatter / static_cast<double>(points.size()));
-  fit.spread_mm = solver.eigenvalues().reverse().cwiseMax(0).cwiseSqrt();
-  const Vec3 normal = solver.eigenvectors().col(0);
-  const double distance_mm = normal.dot(fit.middle);
-  const double side = distance_mm > 0 ? -1.0 : 1.0;
-  fit.plane = {.normal_cam = side * normal, .distance_mm = side * distance_mm};
-  return fit;
-}
-
 Result<LaserCalibration> calibrate_laser(const geometry::Camera& camera,
                                          std::vector<LaserPictures> pictures) {
   LaserCalibration result;
@@ -249,7 +253,7 @@ Result<LaserCalibration> calibrate_laser(const geometry::Camera& camera,
       result.views.push_back(std::move(view));
     }
   }
-  PlaneFit fit;
+  LaserPlaneFit fit;
   double reach_mm = 0;
   std::vector<Located> points;
   for (;;) {

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <memory>
+#include <utility>
 
 #include "common/stripe/peak_extractor.hpp"
+#include "host/geometry/robust.hpp"
 
 namespace biteline::calibration {
 
@@ -26,15 +28,10 @@ std::vector<StripePoint> run_mean(const std::vector<StripePoint>& run) {
     }
   }
   if (slopes.empty()) return {};
-  std::nth_element(slopes.begin(), slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2),
-                   slopes.end());
-  const double slope = slopes[slopes.size() / 2];
+  const double slope = geometry::median_of(std::move(slopes));
   std::vector<double> offsets;
   for (const StripePoint& p : run) offsets.push_back(p.pixel_px.y() - slope * p.pixel_px.x());
-  std::vector<double> sorted = offsets;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
-                   sorted.end());
-  const double offset = sorted[sorted.size() / 2];
+  const double offset = geometry::median_of(offsets);
   Vec2 sum = Vec2::Zero();
   double weight_sum = 0, count = 0;
   for (std::size_t i = 0; i < run.size(); ++i) {

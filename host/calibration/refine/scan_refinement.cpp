@@ -4,7 +4,11 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
+#include <utility>
+
+#include "host/geometry/robust.hpp"
 
 namespace biteline::calibration {
 
@@ -36,9 +40,7 @@ struct System {
 double limit_of(const std::vector<OverlapPair>& pairs) {
   std::vector<double> values;
   for (const OverlapPair& pair : pairs) values.push_back(std::abs(pair.distance_mm));
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return std::max(0.02, 4.685 * 1.4826 * values[values.size() / 2]);
+  return std::max(0.02, 4.685 * geometry::k_sigma_per_mad * geometry::median_of(std::move(values)));
 }
 
 /// Distances' derivatives by moving the whole scan a little in each direction.

@@ -6,6 +6,11 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "host/geometry/robust.hpp"
 
 namespace biteline::calibration {
 
@@ -109,12 +114,6 @@ Ellipse refine(Ellipse ellipse, std::span<const Vec2> points) {
   return ellipse;
 }
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Share of 36 sectors of 10 degrees that hold a kept point.
 double coverage(const Ellipse& ellipse, std::span<const Vec2> points, const std::vector<char>& kept) {
   std::array<bool, 36> seen{};
@@ -198,8 +197,7 @@ std::optional<RobustEllipse> fit_ellipse_robustly(std::span<const Vec2> points, 
     std::vector<double> distances(points.size());
     std::transform(points.begin(), points.end(), distances.begin(),
                    [&](const Vec2& p) { return std::abs(result.ellipse.distance(p)); });
-    // 1.4826: median absolute deviation to standard deviation of a normal law.
-    const double limit = std::max(floor, 3 * 1.4826 * median_of(distances));
+    const double limit = std::max(floor, 3 * geometry::k_sigma_per_mad * geometry::median_of(distances));
     std::vector<char> kept(points.size());
     used.clear();
     double sum = 0;
