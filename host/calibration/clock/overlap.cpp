@@ -7,12 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <nanoflann.hpp>
-#include <optional>
-#include <utility>
 
 #include "common/geometry/pose_track.hpp"
 #include "host/calibration/laser/laser_calibration.hpp"
-#include "host/geometry/fit.hpp"
 
 namespace biteline::calibration {
 
@@ -47,12 +44,10 @@ constexpr double k_most_gain = 0.7;
 bool fit_surface(const std::vector<ScanPoint>& points, OverlapPair& pair, double reach_mm) {
   std::vector<Vec3> places;
   for (const std::size_t i : pair.others) places.push_back(points[i].point_base);
-  const std::optional<geometry::PlaneFit> plane = geometry::fit_plane(places);
+  const LaserPlaneFit plane = fit_plane(places);
   // Neighbours on a line, or on both sides of a crease.
-  if (!plane || plane->spread_mm2[1] < std::pow(0.2 * reach_mm, 2) ||
-      plane->spread_mm2[0] > std::pow(0.1 * reach_mm, 2))
-    return false;
-  const Vec3& n = plane->normal;
+  if (plane.spread_mm[1] < 0.2 * reach_mm || plane.spread_mm[2] > 0.1 * reach_mm) return false;
+  const Vec3 n = plane.plane.normal_cam;
   const Vec3 e1 = n.unitOrthogonal(), e2 = n.cross(e1);
   const Vec3& origin = points[pair.point].point_base;
   Eigen::Matrix<double, Eigen::Dynamic, 6> A(static_cast<Eigen::Index>(places.size()), 6);

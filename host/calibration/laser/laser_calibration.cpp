@@ -6,12 +6,10 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
 #include <random>
 #include <utility>
 
 #include "host/calibration/camera/plane_pose.hpp"
-#include "host/geometry/fit.hpp"
 #include "host/geometry/robust.hpp"
 
 namespace biteline::calibration {
@@ -118,24 +116,6 @@ std::vector<Vec3> near_points(const std::vector<Located>& points, const geometry
   return result;
 }
 
-/// Plane of least squared distances; the points' standard deviations along its axes, largest first.
-struct LaserPlaneFit {
-  geometry::LaserPlane plane;
-  Vec3 spread_mm{Vec3::Zero()};
-  Vec3 middle{Vec3::Zero()};
-};
-
-/// The normal points to the camera's side.
-LaserPlaneFit plane_through(const std::vector<Vec3>& points) {
-  const std::optional<geometry::PlaneFit> fit = geometry::fit_plane(points);
-  if (!fit) return {};
-  const double distance_mm = fit->normal.dot(fit->mean);
-  const double side = distance_mm > 0 ? -1.0 : 1.0;
-  return {.plane = {.normal_cam = side * fit->normal, .distance_mm = side * distance_mm},
-          .spread_mm = fit->spread_mm2.reverse().cwiseMax(0).cwiseSqrt(),
-          .middle = fit->mean};
-}
-
 /// Total least squares over the points within 4 robust standard deviations, to convergence.
 LaserPlaneFit robust_plane(const std::vector<Located>& points, double& reach_mm) {
   geometry::LaserPlane plane = consensus_plane(points);
@@ -144,7 +124,7 @@ LaserPlaneFit robust_plane(const std::vector<Located>& points, double& reach_mm)
     std::vector<double> distances;
     for (const Located& p : points) distances.push_back(std::abs(plane.signed_distance_mm(p.point_cam)));
     reach_mm = std::max(0.01, 4 * geometry::k_sigma_per_mad * geometry::median_of(std::move(distances)));
-    fit = plane_through(near_points(points, plane, reach_mm));
+    fit = fit_plane(near_points(points, plane, reach_mm));
     const double turn = fit.plane.normal_cam.cross(plane.normal_cam).norm();
     plane = fit.plane;
     if (turn < 1e-9) break;
@@ -239,6 +219,22 @@ std::optional<std::string> prepare(const geometry::Camera& camera, LaserView& vi
 }
 
 }  // namespace
+
+LaserPlaneFit fit_plane(const std::vector<Vec3>& points) {
+  LaserPlaneFit fit;
+  if (points.empty()) return fit;
+  for (const Vec3& p : points) fit.middle += p;
+  fit.middle /= static_cast<double>(points.size());
+  Mat3 scatter = Mat3::Zero();
+  for (const Vec3& p : points) scatter += (p - fit.middle) * (p - fit.middle).transpose();
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(scatter / static_cast<double>(points.size()));
+  fit.spread_mm = solver.eigenvalues().reverse().cwiseMax(0).cwiseSqrt();
+  const Vec3 normal = solver.eigenvectors().col(0);
+  const double distance_mm = normal.dot(fit.middle);
+  const double side = distance_mm > 0 ? -1.0 : 1.0;
+  fit.plane = {.normal_cam = side * normal, .distance_mm = side * distance_mm};
+  return fit;
+}
 
 Result<LaserCalibration> calibrate_laser(const geometry::Camera& camera,
                                          std::vector<LaserPictures> pictures) {

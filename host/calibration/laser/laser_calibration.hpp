@@ -52,4 +52,12 @@ struct LaserCalibration {
 [[nodiscard]] Result<LaserCalibration> calibrate_laser(const geometry::Camera& camera,
                                                        std::vector<LaserPictures> pictures);
 
+/// Plane of least squared distances; the points' standard deviations along its axes, largest first.
+struct LaserPlaneFit {
+  geometry::LaserPlane plane;
+  Vec3 spread_mm{Vec3::Zero()};
+  Vec3 middle{Vec3::Zero()};
+};
+[[nodiscard]] LaserPlaneFit fit_plane(const std::vector<Vec3>& points);
+
 }  // namespace biteline::calibration

@@ -5,10 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <span>
 
 #include "common/core/contracts.hpp"
-#include "host/geometry/robust.hpp"
 
 namespace biteline::transfer {
 namespace {
@@ -64,18 +62,20 @@ struct Range {
   double low{0}, high{0};
 };
 
-/// A few stray surfels move nothing.
-constexpr double k_stray_share = 0.002;
-
-/// Between the quantiles beyond which the strays lie.
+/// From the 0.2 % to the 99.8 % quantile: a few stray surfels move nothing.
 template <class Coordinate>
 Range range_of(const Surfels& surfels, Coordinate coordinate) {
   std::vector<double> values;
   values.reserve(surfels.size());
   for (const Eigen::Vector3f& position : surfels.positions)
     values.push_back(coordinate(position.cast<double>()));
-  const double lowest = geometry::quantile_of(std::span{values}, k_stray_share);
-  return {lowest, geometry::quantile_of(std::span{values}, 1 - k_stray_share)};
+  const std::size_t stray = values.size() / 500;
+  const auto low = values.begin() + static_cast<std::ptrdiff_t>(stray);
+  std::nth_element(values.begin(), low, values.end());
+  const double lowest = *low;
+  const auto high = values.end() - 1 - static_cast<std::ptrdiff_t>(stray);
+  std::nth_element(values.begin(), high, values.end());
+  return {lowest, *high};
 }
 
 Vec3 longest_horizontal_direction(const Surfels& surfels, Vec3& mean) {
