@@ -8,7 +8,8 @@ mkdir -p "$tree"/{common/core,hal/api,hal/board,firmware/app,host/bite_line}
 echo '#include "common/core/result.hpp"' >"$tree/host/bite_line/good.cpp"
 "$1" "$tree" >/dev/null || { echo "red on a clean tree"; exit 1; }
 for seed in 'common/core/a.hpp hal/api/frame.hpp' 'host/bite_line/b.cpp hal/api/frame.hpp' 'host/bite_line/c.cpp host/robot/link/link.hpp' \
-  'hal/api/d.hpp firmware/app/x.hpp' 'hal/board/e.hpp hal/linux/gpiod/line_request.hpp'; do
+  'hal/api/d.hpp firmware/app/x.hpp' 'hal/board/e.hpp hal/linux/gpiod/gpiod_line.hpp' \
+  'firmware/app/f.cpp gpiod.h'; do
   set -- "$1" $seed
   echo "#include \"$3\"" >"$tree/$2"
   if "$1" "$tree" >/dev/null; then

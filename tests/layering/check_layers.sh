@@ -27,7 +27,7 @@ for algorithm in geometry cloud uncertainty evaluation curvature bite_line publi
   forbid "host/$algorithm" 'host/(intake|robot/link|results|apps)/' 'algorithms know neither the network nor results nor the programs'
 done
 forbid 'host/cloud host/bite_line host/intake host/transfer host/results' 'host/published/' 'the product does not stand on the published method'
-forbid 'hal/api hal/board hal/timing' 'hal/(linux|replay|sim)/' 'interfaces, board data and arithmetic know no backend'
+forbid 'common firmware host hal/api hal/board hal/timing hal/replay hal/sim' '(gpiod\.h|linux/gpio\.h)' 'lines of GPIO chips are reached by hal/linux/gpiod alone'
 forbid hal/api '(linux|gpiod|arv|aravis|embree)' 'no vendor header in hal/api'
 forbid 'common/core common/time common/geometry common/profile common/rt common/stripe' '(yaml-cpp|spng|opencv2|zmq|sys/|linux/)' \
   'the inner modules of common know no library beyond Eigen and Highway, and no operating system'

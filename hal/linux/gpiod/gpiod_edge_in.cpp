@@ -9,7 +9,7 @@
 namespace biteline::hal {
 
 Result<std::unique_ptr<GpiodEdgeIn>> GpiodEdgeIn::open(const GpioLineAddress& address) {
-  BITELINE_ASSIGN(Descriptor request, request_line(address, GpioDirection::InputEdges));
+  BITELINE_ASSIGN(Descriptor request, request_edges(address));
   return std::unique_ptr<GpiodEdgeIn>{new GpiodEdgeIn{std::move(request), address.line}};
 }
 
@@ -37,7 +37,7 @@ Result<Edge> GpiodEdgeIn::next_edge(Nanoseconds timeout) {
 }
 
 Result<bool> GpiodEdgeIn::level() noexcept {
-  return read_line(request_.number(), name_.c_str());
+  return read_level(request_.number(), name_.c_str());
 }
 
 EdgeHealth GpiodEdgeIn::health() const noexcept {

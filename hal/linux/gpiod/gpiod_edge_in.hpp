@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "hal/api/edge_in.hpp"
-#include "hal/linux/gpiod/line_request.hpp"
+#include "hal/linux/gpiod/edge_request.hpp"
 
 namespace biteline::hal {
 

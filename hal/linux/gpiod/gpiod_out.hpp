@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file GpioOut on the kernel's GPIO character device.
+/// \file GpioOut on a line of libgpiod.
 
 #include <memory>
+#include <utility>
 
 #include "hal/api/gpio_out.hpp"
-#include "hal/linux/gpiod/line_request.hpp"
+#include "hal/linux/gpiod/gpiod_line.hpp"
 
 namespace biteline::hal {
 
@@ -20,10 +21,9 @@ class GpiodOut final : public GpioOut {
   [[nodiscard]] Result<bool> read_back() noexcept override;
 
  private:
-  GpiodOut(Descriptor request, const std::string& name) : request_{std::move(request)}, name_{name} {}
+  explicit GpiodOut(GpiodLine line) : line_{std::move(line)} {}
 
-  Descriptor request_;
-  std::string name_;
+  GpiodLine line_;
 };
 
 }  // namespace biteline::hal

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file SafetyIn on one or two GPIO lines.
+/// \file SafetyIn on one or two lines of libgpiod.
 
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "hal/api/safety_in.hpp"
-#include "hal/linux/gpiod/line_request.hpp"
+#include "hal/linux/gpiod/gpiod_line.hpp"
 
 namespace biteline::hal {
 
@@ -22,11 +23,11 @@ class GpiodSafetyIn final : public SafetyIn {
   [[nodiscard]] Result<SafetyInputs> read() noexcept override;
 
  private:
-  GpiodSafetyIn(Descriptor interlock, Descriptor key)
+  GpiodSafetyIn(GpiodLine interlock, std::optional<GpiodLine> key)
       : interlock_{std::move(interlock)}, key_{std::move(key)} {}
 
-  Descriptor interlock_;
-  Descriptor key_;  ///< closed on a head without key switch
+  GpiodLine interlock_;
+  std::optional<GpiodLine> key_;  ///< nothing: a head without key switch
 };
 
 }  // namespace biteline::hal

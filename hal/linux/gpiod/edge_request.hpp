@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file One GPIO line asked from the kernel, through its character device (interface version 2, Linux 5.10).
+/// \file A line's edges, asked from the kernel through its character device (interface version 2,
+/// Linux 5.10).
 ///
 /// Not through libgpiod: Debian 12 has 1.6, which speaks version 1 of the interface, and that numbers no
 /// events, so a queue that ran over would lose edges in silence.  Version 2 counts them.
@@ -13,16 +14,14 @@
 
 namespace biteline::hal {
 
-enum class GpioDirection { Output, Input, InputEdges };
-
 /// Events that the kernel keeps for us at most; the largest that it takes for one line.
 inline constexpr std::uint32_t k_gpio_event_queue = 1024;
 
-/// Outputs start inactive.  The line is ours until the descriptor closes, then the driver's affair.
+/// Both ways, stamped on CLOCK_MONOTONIC.  The line is ours until the descriptor closes.
 /// Errc::DeviceNotFound: no such chip or line; Errc::DeviceError with EBUSY: another process holds it.
-[[nodiscard]] Result<Descriptor> request_line(const GpioLineAddress& address, GpioDirection direction);
+[[nodiscard]] Result<Descriptor> request_edges(const GpioLineAddress& address);
 
-/// true: active.
-[[nodiscard]] Result<bool> read_line(int request, const char* name) noexcept;
+/// The level of such a line; true: active.
+[[nodiscard]] Result<bool> read_level(int request, const char* name) noexcept;
 
 }  // namespace biteline::hal
