@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <limits>
 #include <memory>
 
 #include "common/config/sensor_yaml.hpp"
@@ -65,10 +66,48 @@ Result<std::vector<FrameEntry>> read_frame_table(const fs::path& file) {
                   row.number());
     }
     frames.push_back(frame);
+    frames.back().sequence = frames.size() - 1;
     return {};
   }));
   if (frames.empty()) return fail(Errc::BadFormat, "%s: at least one frame expected", file.c_str());
   return frames;
+}
+
+/// Into the frames: what cam0/frames.csv tells of each.
+Result<void> read_frame_facts(const fs::path& file, const geometry::Region& region,
+                              std::vector<FrameEntry>& frames) {
+  std::size_t index = 0;
+  BITELINE_TRY(csv::read_table(file, 5, 5, [&](const csv::Row& row) -> Result<void> {
+    // A recording that was cut may have a row more: it is written before the one of data.csv.
+    if (index == frames.size()) return {};
+    BITELINE_ASSIGN(const std::int64_t stamp_ns, read_stamp(row, file));
+    if (frames[index].exposure_mid != SensorClock::time_point{Nanoseconds{stamp_ns}}) {
+      return fail(Errc::BadValue, "%s row %d, field 1: the stamps of data.csv expected", file.c_str(),
+                  row.number());
+    }
+    BITELINE_ASSIGN(const std::int64_t sequence, row.integer(1));
+    BITELINE_ASSIGN(const std::int64_t flags, row.integer(2));
+    BITELINE_ASSIGN(const std::int64_t first_row_px, row.integer(3));
+    BITELINE_ASSIGN(const std::int64_t rows_px, row.integer(4));
+    if (sequence < 0 || flags < 0 || flags > std::numeric_limits<std::uint32_t>::max()) {
+      return fail(Errc::BadValue, "%s row %d, fields 2 and 3: numbers from 0 expected", file.c_str(),
+                  row.number());
+    }
+    if (first_row_px < 0 || rows_px < 1 || first_row_px > region.height_px ||
+        rows_px > region.height_px - first_row_px) {
+      return fail(Errc::BadValue, "%s row %d, fields 4 and 5: rows of the %d of the region expected",
+                  file.c_str(), row.number(), region.height_px);
+    }
+    FrameEntry& frame = frames[index++];
+    frame.sequence = static_cast<std::uint64_t>(sequence);
+    frame.flags = static_cast<std::uint32_t>(flags);
+    frame.first_row_px = static_cast<int>(first_row_px);
+    frame.rows_px = static_cast<int>(rows_px);
+    return {};
+  }));
+  if (index == frames.size()) return {};
+  return fail(Errc::Truncated, "%s: %zu rows expected, as in data.csv, found %zu", file.c_str(),
+              frames.size(), index);
 }
 
 Result<void> check_coverage(const Session& session) {
@@ -134,12 +173,20 @@ Result<Session> read_session(const fs::path& root) {
   BITELINE_ASSIGN(session.sensor, config::read_sensor_yaml(root / "cam0/sensor.yaml"));
   BITELINE_ASSIGN(session.frames, read_frame_table(root / "cam0/data.csv"));
   BITELINE_ASSIGN(session.poses, read_pose_table(root / "pose0/data.csv"));
+  const fs::path facts = root / "recording.yaml", frame_facts = root / "cam0/frames.csv";
+  if (fs::exists(frame_facts, ignored)) {
+    BITELINE_TRY(read_frame_facts(frame_facts, session.sensor.region, session.frames));
+  }
+  if (fs::exists(facts, ignored)) {
+    BITELINE_ASSIGN(session.recorded, read_recording_facts(facts));
+    return session;
+  }
   BITELINE_TRY(check_coverage(session));
   return session;
 }
 
 Result<void> write_pose_table(const fs::path& file, const std::vector<StampedPose>& poses) {
-  std::string text = "#timestamp [ns],p_x [mm],p_y [mm],p_z [mm],q_w [],q_x [],q_y [],q_z []\n";
+  std::string text = k_pose_table_head;
   char line[256];
   for (const StampedPose& pose : poses) {
     const Vec3 p = pose.T_base_flange.translation();
@@ -152,8 +199,18 @@ Result<void> write_pose_table(const fs::path& file, const std::vector<StampedPos
   return write_rows(file, text);
 }
 
+std::string exact_pose_row(SensorClock::time_point stamp, Nanoseconds pose_clock_offset,
+                           const Eigen::Quaterniond& rotation, const Vec3& translation_mm) {
+  char line[320];
+  std::snprintf(line, sizeof line, "%lld,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n",
+                static_cast<long long>((stamp.time_since_epoch() + pose_clock_offset).count()),
+                translation_mm.x(), translation_mm.y(), translation_mm.z(), rotation.w(), rotation.x(),
+                rotation.y(), rotation.z());
+  return line;
+}
+
 Result<void> write_frame_table(const fs::path& file, const std::vector<FrameEntry>& frames) {
-  std::string text = "#timestamp [ns],filename\n";
+  std::string text = k_frame_table_head;
   for (const FrameEntry& frame : frames) {
     text += std::to_string(frame.exposure_mid.time_since_epoch().count()) + "," +
             frame.file.filename().string() + "\n";

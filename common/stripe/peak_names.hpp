@@ -21,4 +21,12 @@ inline const std::map<std::string, PeakChoice> k_peak_choices{{"continuity", Pea
                                                               {"first", PeakChoice::First},
                                                               {"last", PeakChoice::Last}};
 
+/// Pre: `value` is in the table.
+template <class T>
+[[nodiscard]] const std::string& name_of(const std::map<std::string, T>& names, T value) {
+  auto row = names.begin();
+  while (row->second != value) ++row;
+  return row->first;
+}
+
 }  // namespace biteline::stripe

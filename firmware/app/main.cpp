@@ -94,6 +94,10 @@ Result<void> run(const sensor::Options& options, const sigset_t& signals) {
   BITELINE_ASSIGN(const std::unique_ptr<sensor::SourceKind> kind, sensor::choose_source(options.source));
   const runtime::RealtimeDemand demand = options.realtime.value_or(
       kind->recording ? runtime::RealtimeDemand::Ignored : runtime::RealtimeDemand::Required);
+  if (kind->recording && options.record) {
+    return fail(Errc::InvalidArgument, "--record: a live source expected, '%s' is a recording",
+                options.source.source.c_str());
+  }
   kind->realtime = demand == runtime::RealtimeDemand::Required;
   BITELINE_TRY(runtime::prepare_process(demand));
   BITELINE_TRY(runtime::enter_thread(runtime::threads::k_main, demand));
@@ -103,7 +107,8 @@ Result<void> run(const sensor::Options& options, const sigset_t& signals) {
 
   sensor::StreamerConfig config;
   config.server.store_bytes = options.store_megabytes * 1024 * 1024;
-  config.pipeline = options.pipeline;
+  BITELINE_ASSIGN(config.pipeline, sensor::pipeline_config(options.peaks, kind->recorded));
+  config.record = options.record;
   config.realtime = demand;
   config.name = options.name;
   config.version = BITELINE_VERSION;

@@ -17,34 +17,55 @@ int complain(const std::string& line) {
 }
 
 /// How a stripe is found, under the names that profile sensors give it.
-void add_peak_options(CLI::App& app, pipeline::ProfilePipeline::Config& pipeline) {
-  stripe::PeakConfig& peaks = pipeline.peaks;
+void add_peak_options(CLI::App& app, PeakWishes& wishes) {
   app.add_option_function<std::string>(
-         "--peak-mode", [&](const std::string& name) { peaks.mode = stripe::k_peak_modes.at(name); },
+         "--peak-mode", [&](const std::string& name) { wishes.mode = stripe::k_peak_modes.at(name); },
          "Where in a column the stripe is: by its whole shape (matched, the default), or as other sensors do")
       ->check(CLI::IsMember(stripe::k_peak_modes).description(""))
       ->type_name("matched|maximum|threshold|centre-of-gravity|fir");
   app.add_option_function<std::string>(
-         "--peak",
-         [&](const std::string& name) { pipeline.selector.choice = stripe::k_peak_choices.at(name); },
+         "--peak", [&](const std::string& name) { wishes.choice = stripe::k_peak_choices.at(name); },
          "Which of several peaks in a column: the one that goes on from its neighbours, or by strength or "
          "place")
       ->check(CLI::IsMember(stripe::k_peak_choices).description(""))
       ->type_name("continuity|strongest|first|last");
-  app.add_option("--peak-threshold", peaks.threshold_grey,
+  const stripe::PeakConfig defaults;
+  app.add_option("--peak-threshold", wishes.threshold_grey,
                  "A peak is at least so many grey levels above its background")
       ->check(options::number({.minimum = 1, .maximum = 254}, "grey levels"))
-      ->capture_default_str();
-  app.add_option("--peak-width-min", peaks.width_min_px,
+      ->default_str(std::to_string(static_cast<int>(defaults.threshold_grey)));
+  app.add_option("--peak-width-min", wishes.width_min_px,
                  "Narrower peaks are no stripe, in pixels at half height")
-      ->check(options::number({.minimum = 0.1, .maximum = 1000}, "px"))
-      ->capture_default_str();
-  app.add_option("--peak-width-max", peaks.width_max_px, "Wider peaks are no stripe")
-      ->check(options::number({.minimum = 0.1, .maximum = 1000}, "px"))
-      ->capture_default_str();
+      ->check(options::number({.minimum = 0.1, .maximum = 1000}, "px"));
+  app.add_option("--peak-width-max", wishes.width_max_px, "Wider peaks are no stripe")
+      ->check(options::number({.minimum = 0.1, .maximum = 1000}, "px"));
 }
 
 }  // namespace
+
+Result<pipeline::ProfilePipeline::Config> pipeline_config(
+    const PeakWishes& wishes, const std::optional<session::RecordingFacts>& recorded) {
+  pipeline::ProfilePipeline::Config config;
+  if (recorded) {
+    const auto mode = stripe::k_peak_modes.find(recorded->peak_mode);
+    const auto choice = stripe::k_peak_choices.find(recorded->peak_choice);
+    if (mode == stripe::k_peak_modes.end() || choice == stripe::k_peak_choices.end()) {
+      return fail(Errc::BadValue, "recording.yaml: peaks: mode '%s' or choice '%s' is not known",
+                  recorded->peak_mode.c_str(), recorded->peak_choice.c_str());
+    }
+    config.peaks.mode = mode->second;
+    config.selector.choice = choice->second;
+    config.peaks.threshold_grey = static_cast<float>(recorded->peak_threshold_grey);
+    config.peaks.width_min_px = static_cast<float>(recorded->peak_width_min_px);
+    config.peaks.width_max_px = static_cast<float>(recorded->peak_width_max_px);
+  }
+  config.peaks.mode = wishes.mode.value_or(config.peaks.mode);
+  config.selector.choice = wishes.choice.value_or(config.selector.choice);
+  config.peaks.threshold_grey = wishes.threshold_grey.value_or(config.peaks.threshold_grey);
+  config.peaks.width_min_px = wishes.width_min_px.value_or(config.peaks.width_min_px);
+  config.peaks.width_max_px = wishes.width_max_px.value_or(config.peaks.width_max_px);
+  return config;
+}
 
 ParsedOptions parse_options(int argc, char** argv) {
   ParsedOptions parsed;
@@ -80,7 +101,10 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_option("--second-exposure-us", second_exposure_us,
                  "Every second frame so long, merged per column: black beside white")
       ->check(options::number({.minimum = 1, .maximum = 1e6}, "us"));
-  add_peak_options(app, options.pipeline);
+  app.add_option("--record", options.record,
+                 "Write each live scan into a session folder of that name (-2, -3, ... behind it where it is "
+                 "taken): pictures, poses, settings, profiles");
+  add_peak_options(app, options.peaks);
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");
   app.add_flag("--stay", options.stay_after_scan, "Keep serving a recording after it was delivered");

@@ -14,10 +14,22 @@
 
 namespace biteline::sensor {
 
+/// What was told of how a stripe is found; the rest is as recorded, or by default.
+struct PeakWishes {
+  std::optional<stripe::PeakMode> mode;
+  std::optional<stripe::PeakChoice> choice;
+  std::optional<float> threshold_grey, width_min_px, width_max_px;
+};
+
+/// The defaults, a recording's own settings over them, and over these what was told.
+[[nodiscard]] Result<pipeline::ProfilePipeline::Config> pipeline_config(
+    const PeakWishes& wishes, const std::optional<session::RecordingFacts>& recorded);
+
 struct Options {
   SourceOptions source;
-  pipeline::ProfilePipeline::Config pipeline;
+  PeakWishes peaks;
   wire::Endpoint listen;
+  std::optional<std::filesystem::path> record;
   std::optional<std::filesystem::path> keys;
   std::optional<std::filesystem::path> make_keys;
   std::string name{"biteline-sensor"};

@@ -42,7 +42,7 @@ Result<std::unique_ptr<Scanner>> Scanner::create(Source source, const Config& co
   pipeline::ProfilePipeline::Config stages = config.pipeline;
   stages.bracketing = config.capture.second_exposure.count() != 0;
   // The laser-off frame just before is one period old, whatever the rate.
-  if (config.capture.laser_off_frames) {
+  if (config.capture.laser_off_frames && config.model.rate_hz) {
     constexpr double k_periods = 1.5;
     stages.ambient_max_age =
         std::max(stages.ambient_max_age,
@@ -131,9 +131,14 @@ Result<void> Scanner::process(const hal::FrameView& frame) {
   // Peaks go along before the profile is out of this thread's hands, pixels when it is on its way.
   const bool pictured = made && pictures_->rt_wanted();
   if (pictured) pictures_->rt_keep_peaks(pool_[*buffer]);
-  if (!pictured) source_.camera->release(frame);
+  const bool copied = pictured || recording_ != nullptr;
+  if (!copied) source_.camera->release(frame);
   if (!made) {  // an ambient picture, or the first half of a bracket
     pool_.rt_release(*buffer);
+    if (recording_ != nullptr) {
+      recording_->rt_keep_frame(frame);
+      source_.camera->release(frame);
+    }
     if (laser_ != nullptr) laser_->note_frame(clock_.now());
     return {};
   }
@@ -150,9 +155,10 @@ Result<void> Scanner::process(const hal::FrameView& frame) {
   process_meter.rt_add(end - begin);
   profiles_.fetch_add(1, std::memory_order_relaxed);
   if (laser_ != nullptr) laser_->note_frame(end);
-  if (pictured) {
+  if (copied) {
     const SensorClock::time_point copy_begin = clock_.now();
-    pictures_->rt_keep_frame(frame);
+    if (pictured) pictures_->rt_keep_frame(frame);
+    if (recording_ != nullptr) recording_->rt_keep_frame(frame);
     source_.camera->release(frame);
     picture_meter.rt_add(clock_.now() - copy_begin);
   }
@@ -195,8 +201,10 @@ void Scanner::read_poses() {
       const SensorClock::time_point stamp =
           pose->stamp_sensor.value_or(to_sensor_clock(pose->stamp, config_.model.pose_clock_offset));
       const bool ahead = !config_.lossless && stamp > clock_.now() + k_pose_ahead_max;
-      if (ahead || !poses_.rt_push({.stamp = stamp, .T_base_flange = pose->T_base_flange})) {
+      if (ahead) {
         rejected_poses_.fetch_add(1, std::memory_order_relaxed);
+      } else {
+        keep_pose({.stamp = stamp, .T_base_flange = pose->T_base_flange});
       }
     } else if (pose.error().code != Errc::Timeout) {
       record_failure(pose.error());
@@ -206,6 +214,21 @@ void Scanner::read_poses() {
     }
   }
   poses_over_.store(true, std::memory_order_release);
+}
+
+void Scanner::keep_pose(const geometry::PoseSample& pose) {
+  // A live pose goes the way that a recorded one goes when it is read back, recorded or not: then a replay
+  // has the same numbers to the last bit.
+  const Eigen::Quaterniond rotation{pose.T_base_flange.linear()};
+  const Vec3 translation_mm = pose.T_base_flange.translation();
+  const geometry::PoseSample kept{
+      .stamp = pose.stamp,
+      .T_base_flange = config_.lossless ? pose.T_base_flange : geometry::make_se3(rotation, translation_mm)};
+  if (!poses_.rt_push(kept)) {
+    rejected_poses_.fetch_add(1, std::memory_order_relaxed);
+  } else if (recording_ != nullptr) {
+    recording_->rt_keep_pose({.stamp = pose.stamp, .rotation = rotation, .translation_mm = translation_mm});
+  }
 }
 
 const profile::ProfileBuffer* Scanner::take() {
@@ -231,7 +254,9 @@ bool Scanner::pose_settled() {
   // In this order: a pose source that is over has pushed everything before it said so.
   const bool over = poses_over_.load(std::memory_order_acquire);
   if (over || pipeline_.rt_pose_ready(pool_[*taken_], poses_)) return true;
-  return !config_.lossless && clock_.now() - taken_at_ > k_pose_patience;
+  if (config_.lossless || clock_.now() - taken_at_ <= k_pose_patience) return false;
+  ++stamped_early_;
+  return true;
 }
 
 void Scanner::give_back() {

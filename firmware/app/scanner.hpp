@@ -15,6 +15,7 @@
 #include "firmware/app/source.hpp"
 #include "firmware/pipeline/picture_tap.hpp"
 #include "firmware/pipeline/profile_pipeline.hpp"
+#include "firmware/pipeline/record_tap.hpp"
 #include "firmware/runtime/laser_watch.hpp"
 #include "firmware/runtime/realtime.hpp"
 #include "firmware/runtime/stage_meter.hpp"
@@ -48,6 +49,8 @@ class Scanner {
   Scanner(const Scanner&) = delete;
   Scanner& operator=(const Scanner&) = delete;
 
+  /// Frames and poses go there as well.  Before start().
+  void record_into(std::shared_ptr<pipeline::RecordTap> recording) { recording_ = std::move(recording); }
   [[nodiscard]] Result<void> start();
   /// Ends both threads; what is in the ring can still be taken.
   void stop();
@@ -66,6 +69,9 @@ class Scanner {
 
   /// Of frames, poses and profiles; the messages' are the server's.  Any thread.
   [[nodiscard]] profile::ScanCounts counts() const;
+  /// Profiles that a replay of the frames makes otherwise: stamped before all their poses had come, or
+  /// dropped.  From the stream thread, or once it is done with the scan.
+  [[nodiscard]] std::uint64_t unrepeatable() const { return stamped_early_ + dropped_.load(); }
   /// The longest time between the exposures of two neighbouring frames under the laser, or from the last one
   /// to `until`.
   [[nodiscard]] Nanoseconds longest_pause(SensorClock::time_point until) const;
@@ -77,7 +83,7 @@ class Scanner {
 
   runtime::StageMeter wait_meter, process_meter, stamp_meter;
   runtime::StageMeter adjust_meter;   ///< changes of exposure or rows
-  runtime::StageMeter picture_meter;  ///< copies of frames for observers
+  runtime::StageMeter picture_meter;  ///< copies of frames for observers and the recording
 
  private:
   /// 1.2 s at 100 Hz, for a stream thread that waits for poses or whose turn is held up.  27 MB.
@@ -92,6 +98,7 @@ class Scanner {
   [[nodiscard]] Result<void> process(const hal::FrameView& frame);
   [[nodiscard]] bool pose_settled();
   void record_failure(const Error& error);
+  void keep_pose(const geometry::PoseSample& pose);
   void note_exposure(SensorClock::time_point mid);
 
   Source source_;
@@ -102,6 +109,7 @@ class Scanner {
   runtime::LaserWatch* laser_;
   pipeline::PoseHistory poses_;
   std::shared_ptr<pipeline::PictureTap> pictures_;
+  std::shared_ptr<pipeline::RecordTap> recording_;  ///< null: none
   rt::BufferPool<profile::ProfileBuffer, k_pool_profiles> pool_{k_pool_profiles};
   rt::DropOldestRing<rt::BufferIndex, k_ring_profiles> ring_;
 
@@ -117,6 +125,7 @@ class Scanner {
   // Stream thread's own.
   std::optional<rt::BufferIndex> taken_;
   bool stamped_{false};
+  std::uint64_t stamped_early_{0};
   SensorClock::time_point taken_at_;
 
   mutable std::mutex failure_mutex_;

@@ -12,11 +12,32 @@
 namespace biteline::sensor {
 namespace {
 
+/// How many profiles the frames make: a laser-off frame none, a bracket's two one.
+std::uint64_t profiles_in(const session::Session& session) {
+  const bool pairs = session.recorded && session.recorded->second_exposures;
+  std::uint64_t profiles = 0;
+  bool first_waits = false;
+  for (const session::FrameEntry& frame : session.frames) {
+    if ((frame.flags & hal::k_frame_laser_off) != 0) continue;
+    const bool second = (frame.flags & hal::k_frame_second_exposure) != 0;
+    // As ProfilePipeline::rt_process(): a first goes out with its second, or when the next first comes.
+    if (!pairs || second || first_waits) ++profiles;
+    first_waits = pairs && !second;
+  }
+  return profiles;
+}
+
 class Recording final : public SourceKind {
  public:
   explicit Recording(std::shared_ptr<const session::Session> session) : session_{std::move(session)} {
     model = session_->sensor;
     recording = true;
+    recorded = session_->recorded;
+    if (recorded) {
+      capture.laser_off_frames = recorded->laser_off_frames;
+      // Its length is the camera's affair; that there is one tells the pipeline of the pairs.
+      if (recorded->second_exposures) capture.second_exposure = Nanoseconds{1};
+    }
   }
 
   Result<Source> open() override {
@@ -25,7 +46,7 @@ class Recording final : public SourceKind {
     BITELINE_TRY(source.camera->configure({.region = model.region}));
     source.poses = std::make_unique<hal::replay::ReplayPoses>(session_);
     source.scan_name = session_->root.lexically_normal().filename().string();
-    source.frames_expected = session_->frames.size();
+    source.frames_expected = profiles_in(*session_);
     return source;
   }
 

@@ -10,6 +10,7 @@
 
 #include "common/core/result.hpp"
 #include "common/geometry/sensor_model.hpp"
+#include "common/session/recording_facts.hpp"
 #include "firmware/app/capture.hpp"
 #include "firmware/runtime/laser_guard.hpp"
 #include "hal/api/edge_in.hpp"
@@ -55,7 +56,8 @@ class SourceKind {
   [[nodiscard]] virtual Result<std::optional<LaserDevices>> open_laser() = 0;
 
   geometry::SensorModel model;
-  Capture capture;        ///< checked against the model
+  Capture capture;  ///< checked against the model; of a live recording what it was taken with
+  std::optional<session::RecordingFacts> recorded;  ///< of a live recording: how peaks were found in it
   bool recording{false};  ///< may be made to wait; played once, from the start of the program
   bool realtime{false};   ///< threads of the devices' own run as the thread table says
   bool simulated{false};  ///< frames and poses are made, not measured

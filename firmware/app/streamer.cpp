@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "common/stripe/peak_names.hpp"
+
 namespace biteline::sensor {
 namespace {
 
@@ -30,6 +32,8 @@ constexpr Nanoseconds k_host_patience = milliseconds{5000};
 constexpr Nanoseconds k_looks_patience = milliseconds{1000};
 /// The last scan's devices are closed before they are opened again; below the hosts' patience.
 constexpr Nanoseconds k_close_patience = milliseconds{1500};
+/// Recordings that are written at a time, the present one included; each has up to 130 MB of room.
+constexpr std::size_t k_most_recorders = 3;
 
 Errc code_of(runtime::LaserOff reason) {
   switch (reason) {
@@ -109,12 +113,21 @@ Result<void> Streamer::start_scan() {
                                                                      .lossless = kind_.recording,
                                                                      .realtime = config_.realtime},
                                                                     clock_, laser_));
+  if (config_.record) {
+    BITELINE_TRY(begin_recording());
+    scanner->record_into(recorders_.back()->tap());
+  }
   if (Result<void> started = scanner->start(); !started) {
+    if (std::exchange(recording_, false)) {
+      recorders_.back()->discard();
+      recorders_.pop_back();
+    }
     close(std::move(scanner));
     return started;
   }
   scanner_ = std::move(scanner);
   server_.begin_scan(random_scan_id(), scan_name, frames_expected);
+  if (recording_) recorders_.back()->keep_message(server_.hello_message());
   failure_.reset();
   robot_was_active_ = false;
   robots_end_.reset();
@@ -122,6 +135,32 @@ Result<void> Streamer::start_scan() {
   lit_ = false;
   light_asked_at_ = host_seen_at_ = clock_.now();
   if (laser_ != nullptr) laser_->ask_for_light(true);
+  return {};
+}
+
+Result<void> Streamer::begin_recording() {
+  std::erase_if(recorders_, [](const auto& recorder) { return recorder->done(); });
+  if (recorders_.size() >= k_most_recorders) {
+    return fail(Errc::WrongState, "%s: the disk still writes earlier scans", config_.record->c_str());
+  }
+  const stripe::PeakConfig& peaks = config_.pipeline.peaks;
+  BITELINE_ASSIGN(
+      std::unique_ptr<record::SessionRecorder> recorder,
+      record::SessionRecorder::begin(
+          {.folder = record::free_session_folder(*config_.record),
+           .model = kind_.model,
+           .facts = {.sensor = config_.name,
+                     .version = config_.version,
+                     .peak_mode = stripe::name_of(stripe::k_peak_modes, peaks.mode),
+                     .peak_choice = stripe::name_of(stripe::k_peak_choices, config_.pipeline.selector.choice),
+                     .peak_threshold_grey = static_cast<double>(peaks.threshold_grey),
+                     .peak_width_min_px = static_cast<double>(peaks.width_min_px),
+                     .peak_width_max_px = static_cast<double>(peaks.width_max_px),
+                     .second_exposures = kind_.capture.second_exposure.count() != 0,
+                     .laser_off_frames = kind_.capture.laser_off_frames},
+           .realtime = config_.realtime}));
+  recorders_.push_back(std::move(recorder));
+  recording_ = true;
   return {};
 }
 
@@ -225,6 +264,7 @@ bool Streamer::take_profiles() {
     if (profile == nullptr) return false;
     const SensorClock::time_point begin = clock_.now();
     server_.add_profile(profile->header, profile->view());
+    if (recording_) recorders_.back()->keep_message(server_.newest_message());
     encode_meter_.rt_add(clock_.now() - begin);
     scanner_->give_back();
   }
@@ -264,6 +304,7 @@ void Streamer::announce_end() {
   end.devices = devices();
   last_end_ = end;
   server_.add_end(std::move(end));
+  if (recording_) recorders_.back()->keep_message(server_.newest_message());
   // Only now: the devices' own counts are part of the above.
   close(std::move(scanner_));
   state_ = State::Idle;
@@ -271,7 +312,15 @@ void Streamer::announce_end() {
 }
 
 void Streamer::close(std::unique_ptr<Scanner> scanner) {
-  closing_ = std::async(std::launch::async, [scanner = std::move(scanner)]() mutable { scanner.reset(); });
+  std::shared_ptr<record::SessionRecorder> recorder;
+  if (std::exchange(recording_, false)) recorder = recorders_.back();
+  closing_ = std::async(std::launch::async,
+                        [scanner = std::move(scanner), recorder = std::move(recorder)]() mutable {
+                          const std::uint64_t unrepeatable = scanner->unrepeatable();
+                          scanner.reset();
+                          // Its threads are over: nothing more comes.
+                          if (recorder) recorder->request_finish(unrepeatable);
+                        });
 }
 
 bool Streamer::delivered() {

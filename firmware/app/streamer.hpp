@@ -4,12 +4,15 @@
 /// hosts.
 
 #include <atomic>
+#include <filesystem>
 #include <future>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "firmware/app/picture_maker.hpp"
 #include "firmware/app/scanner.hpp"
+#include "firmware/record/session_recorder.hpp"
 #include "firmware/stream/stream_socket.hpp"
 
 namespace biteline::sensor {
@@ -20,6 +23,7 @@ struct StreamerConfig {
   runtime::RealtimeDemand realtime{runtime::RealtimeDemand::Required};
   std::string name{"biteline-sensor"};
   std::string version;
+  std::optional<std::filesystem::path> record;  ///< a session folder for each scan; none: nothing is kept
   bool leave_after_scan{false};  ///< once the scan's end was acknowledged: a recording is played once
 };
 
@@ -59,6 +63,7 @@ class Streamer {
   void watch_light();
   void watch_hosts();
   void fail_scan(const Error& why);
+  [[nodiscard]] Result<void> begin_recording();
   /// True: more may be ready already.
   [[nodiscard]] bool take_profiles();
   void serve_pictures();
@@ -79,6 +84,9 @@ class Streamer {
   runtime::LaserWatch* laser_;
   stream::StreamServer server_;
   State state_{State::Idle};
+  /// Of the present scan and of earlier ones that are still being written; the present one is the last.
+  std::vector<std::shared_ptr<record::SessionRecorder>> recorders_;
+  bool recording_{false};             ///< the present scan is being recorded
   std::unique_ptr<Scanner> scanner_;  ///< of the present scan; nothing while Idle
   wire::EndOfScan last_end_;          ///< the last scan's counts, told on while Idle
   PictureMaker picture_maker_;

@@ -44,10 +44,13 @@ inline constexpr ThreadSpec k_main{"biteline-sensor", 10, -1, milliseconds{20}, 
 /// (k_main).
 inline constexpr ThreadSpec k_picture{"bl-picture", 5, -1, milliseconds{0}, milliseconds{20}};
 
+/// Writes a recording.  Not an ordinary thread for the same reason.
+inline constexpr ThreadSpec k_record{"bl-record", 4, -1, milliseconds{0}, milliseconds{1000}};
+
 }  // namespace threads
 
-inline constexpr std::array<ThreadSpec, 8> k_thread_table{
-    threads::k_safety, threads::k_pose,    threads::k_receive, threads::k_acquisition,
-    threads::k_stream, threads::k_network, threads::k_main,    threads::k_picture};
+inline constexpr std::array<ThreadSpec, 9> k_thread_table{
+    threads::k_safety,  threads::k_pose, threads::k_receive, threads::k_acquisition, threads::k_stream,
+    threads::k_network, threads::k_main, threads::k_picture, threads::k_record};
 
 }  // namespace biteline::runtime

@@ -248,6 +248,11 @@ void StreamServer::encode_hello() {
   wire::encode({.scan_id = scan_id_, .body = std::move(hello)}, scratch_);
 }
 
+std::span<const std::uint8_t> StreamServer::hello_message() {
+  encode_hello();
+  return scratch_;
+}
+
 void StreamServer::send_hello(const PeerId& peer) {
   encode_hello();
   outbox_.send(peer, scratch_);

@@ -52,6 +52,13 @@ class StreamServer {
   /// The scan's last message.
   void add_end(wire::EndOfScan end);
 
+  /// The scan's beginning as hosts get it, and the message that was added last.  Valid until the next call.
+  [[nodiscard]] std::span<const std::uint8_t> hello_message();
+  /// Pre: one was added.
+  [[nodiscard]] std::span<const std::uint8_t> newest_message() const {
+    return store_.at(store_.held_to() - 1);
+  }
+
   /// A packet of a host, from anyone.
   void on_packet(const PeerId& peer, std::span<const std::uint8_t> packet, SensorClock::time_point now);
 

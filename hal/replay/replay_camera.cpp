@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "hal/replay/replay_camera.hpp"
 
+#include <algorithm>
 #include <condition_variable>
 #include <mutex>
 #include <optional>
@@ -49,6 +50,9 @@ struct ReplayCamera::State {
   std::size_t frame_count() const { return session->frames.size(); }
   int width_px() const { return session->sensor.region.width_px; }
   int height_px() const { return session->sensor.region.height_px; }
+  int rows_of(const session::FrameEntry& frame) const {
+    return frame.rows_px == 0 ? height_px() : frame.rows_px;
+  }
 
   /// One decoder's life: take the next picture as soon as its slot is free.
   void decode() {
@@ -63,8 +67,8 @@ struct ReplayCamera::State {
       Slot& slot = slot_of(frame);
       slot.state = Slot::State::Decoding;
       lock.unlock();
-      const Result<void> read =
-          image::read_png_into(session->frames[frame].file, width_px(), height_px(), slot.pixels);
+      const Result<void> read = image::read_png_into(session->frames[frame].file, width_px(),
+                                                     rows_of(session->frames[frame]), slot.pixels);
       lock.lock();
       slot.error = read ? std::optional<Error>{} : read.error();
       slot.state = Slot::State::Ready;
@@ -159,21 +163,25 @@ Result<FrameView> ReplayCamera::next_frame(Nanoseconds timeout) {
   }
   slot.state = Slot::State::Lent;
   ++state.next_to_give;
+  const session::FrameEntry& entry = state.session->frames[frame];
   return FrameView{.pixels = slot.pixels,
                    .width_px = state.width_px(),
-                   .height_px = state.height_px(),
+                   .height_px = state.rows_of(entry),
+                   .first_row_px = entry.first_row_px,
                    .stride_bytes = static_cast<std::size_t>(state.width_px()),
-                   .sequence = frame,
-                   .exposure_mid = state.session->frames[frame].exposure_mid,
-                   .flags = 0};
+                   .sequence = entry.sequence,
+                   .exposure_mid = entry.exposure_mid,
+                   .flags = entry.flags};
 }
 
 void ReplayCamera::release(const FrameView& frame) noexcept {
   {
+    // By its pixels: the camera's own count has gaps where frames were lost.
     const std::lock_guard lock{state_->mutex};
-    Slot& slot = state_->slot_of(static_cast<std::size_t>(frame.sequence));
-    BITELINE_EXPECTS(slot.state == Slot::State::Lent);
-    slot.state = Slot::State::Free;
+    const auto slot = std::find_if(state_->slots.begin(), state_->slots.end(),
+                                   [&](const Slot& s) { return s.pixels.data() == frame.pixels.data(); });
+    BITELINE_EXPECTS(slot != state_->slots.end() && slot->state == Slot::State::Lent);
+    slot->state = Slot::State::Free;
   }
   state_->changed.notify_all();
 }

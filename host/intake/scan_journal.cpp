@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/wire/scan_file.hpp"
 #include "host/report/file_lock.hpp"
 
 namespace biteline::intake {
@@ -19,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view k_magic = "BTLNSCAN";
+constexpr std::string_view k_magic = wire::k_scan_file_magic;
 using Length = std::uint32_t;
 
 Errc write_code(int sys_errno) {
@@ -133,10 +134,8 @@ ScanJournal::~ScanJournal() {
 }
 
 Result<void> ScanJournal::append(std::span<const std::uint8_t> message) {
-  wire::Bytes record(sizeof(Length) + message.size());
-  const auto length = static_cast<Length>(message.size());
-  std::memcpy(record.data(), &length, sizeof length);
-  std::memcpy(record.data() + sizeof length, message.data(), message.size());
+  wire::Bytes record;
+  wire::make_scan_record(message, record);
   if (const Result<void> written = write_all(fd_, record, file_); !written) {
     // Half a record at the end would be cut by recover() anyway; without it the next append may succeed.
     if (::ftruncate(fd_, static_cast<off_t>(size_bytes_)) == 0) ::lseek(fd_, 0, SEEK_END);

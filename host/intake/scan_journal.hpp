@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 /// \file A scan's messages on disk as they come: what a host that dies has not lost.
-///
-/// File: "BTLNSCAN", then records of a 32-bit little-endian length and a message as it came over the wire
-/// (with its own checksum), the sensor's hello first.  Only ever appended to.
+/// The file's form: common/wire/scan_file.hpp.
 
 #include <filesystem>
 #include <functional>

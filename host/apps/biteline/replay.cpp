@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// biteline replay: a recorded session through the sensor program and the host's pipeline.
+// biteline replay: a recorded session through the sensor program and the host's pipeline, or recorded
+// profiles through the host's.
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -9,6 +10,7 @@
 #include "host/apps/biteline/method.hpp"
 #include "host/intake/account.hpp"
 #include "host/intake/live_line.hpp"
+#include "host/intake/recorded_scan.hpp"
 #include "host/intake/session_run.hpp"
 #include "host/report/progress.hpp"
 #include "host/results/line_result.hpp"
@@ -43,6 +45,22 @@ Result<std::optional<uncertainty::HeadUncertainty>> uncertainty_of(const Options
       options.sensor.empty() ? options.session / "cam0" / "sensor.yaml" : options.sensor);
 }
 
+using OnProfile = std::function<void(const profile::Profile&, std::span<const Eigen::Vector3f>)>;
+
+Result<intake::SessionRun> take_in_profiles(const intake::ProfileSource& input, const Options& options,
+                                            const OnProfile& on_profile, report::Report& report) {
+  if (!options.sensor.empty() || !options.peak_mode.empty()) {
+    return fail(Errc::InvalidArgument, "--sensor and --peak-mode need pictures, but %s", input.why.c_str());
+  }
+  BITELINE_ASSIGN(intake::RecordedScan scan, intake::read_recorded_scan(input.file, on_profile));
+  report.fields["from_profiles"] = input.why;
+  if (scan.lacks) {
+    report.fields["scan_lacks"] = *scan.lacks;
+    std::fprintf(stderr, "biteline: %s: %s\n", input.file.c_str(), scan.lacks->c_str());
+  }
+  return std::move(scan.run);
+}
+
 Result<ExitStatus> replay(const Options& options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_TRY(results::prepare_result_folder(options.out));
@@ -64,8 +82,11 @@ Result<ExitStatus> replay(const Options& options, const GlobalOptions& global) {
                                std::span<const Eigen::Vector3f> points_base) {
     if (line) line->add_profile(profile.header.sequence, points_base, intake::pose_of(profile.header));
   };
-  BITELINE_ASSIGN(const intake::SessionRun run,
-                  report.timed("scan", [&] { return intake::run_sensor_on_session(run_options); }));
+  BITELINE_ASSIGN(const std::optional<intake::ProfileSource> input, intake::choose_profiles(options.session));
+  BITELINE_ASSIGN(const intake::SessionRun run, report.timed("scan", [&] {
+    return input ? take_in_profiles(*input, options, run_options.on_profile, report)
+                 : intake::run_sensor_on_session(run_options);
+  }));
   progress.reset();
 
   std::shared_ptr<const uncertainty::KnownHead> head;
@@ -88,7 +109,10 @@ void add_replay(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
       app.add_subcommand("replay", "Run a recorded session through the sensor's pipeline and the host's");
-  command->add_option("session", options->session, "The session's folder")->required();
+  command
+      ->add_option("session", options->session,
+                   "The session's folder, or a recorded scan's profiles (scan.btln)")
+      ->required();
   command->add_option("--out", options->out, "Folder for cloud.ply, line.csv, report.json, stages/")
       ->required();
   command->add_option(
