@@ -8,10 +8,12 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <limits>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "common/system/file.hpp"
 #include "common/wire/scan_file.hpp"
 #include "host/report/file_lock.hpp"
 
@@ -91,6 +93,8 @@ Result<ScanJournal> ScanJournal::create(const fs::path& file) {
 
 Result<ScanJournal::Recovered> ScanJournal::recover(const fs::path& file,
                                                     const std::function<void(wire::Message)>& on_message) {
+  // A pipe would be waited for without end; a recording of a long scan may be of any size.
+  BITELINE_TRY(check_regular_file(file, std::numeric_limits<std::uint64_t>::max()));
   const int fd = ::open(file.c_str(), O_RDWR | O_CLOEXEC);
   if (fd < 0) return fail_errno(Errc::FileUnreadable, errno, "%s", file.c_str());
   Recovered recovered{.journal = ScanJournal{file, fd, k_magic.size()}, .position = {}};

@@ -3,6 +3,7 @@
 
 #include <CppUTest/TestHarness.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <csignal>
 #include <fstream>
@@ -205,6 +206,19 @@ TEST(ScanIntake, OtherFilesAreRefused) {
   FAILS_NAMING(Errc::BadFormat, "not a recorded scan", ScanIntake::recover(folder.path()));
   folder.write("scan.btln", "BTLNSCAN");
   FAILS_NAMING(Errc::BadFormat, "without its beginning", ScanIntake::recover(folder.path()));
+}
+
+TEST(ScanIntake, PipesDevicesAndFoldersAreNoRecordings) {
+  const std::filesystem::path file = folder.path() / "scan.btln";
+  // Its reader would wait for ever: it holds the other end itself.
+  LONGS_EQUAL(0, ::mkfifo(file.c_str(), 0600));
+  FAILS_NAMING(Errc::FileUnreadable, "a regular file expected", ScanIntake::recover(folder.path()));
+  std::filesystem::remove(file);
+  std::filesystem::create_symlink("/dev/zero", file);
+  FAILS_NAMING(Errc::FileUnreadable, "a regular file expected", ScanIntake::recover(folder.path()));
+  std::filesystem::remove(file);
+  std::filesystem::create_directory(file);
+  FAILS_NAMING(Errc::FileUnreadable, "a regular file expected", ScanIntake::recover(folder.path()));
 }
 
 TEST(ScanIntake, FinishedScanLeavesNothing) {
