@@ -74,6 +74,17 @@ class Client {
     put(body, value, 4);
     return ask(0x0082, body);
   }
+  /// A packet as it stands, and what comes back for it.
+  Bytes exchange(const Bytes& packet) const {
+    CHECK(send(socket_, packet.data(), packet.size(), 0) == static_cast<ssize_t>(packet.size()));
+    pollfd waiting{.fd = socket_, .events = POLLIN, .revents = 0};
+    if (poll(&waiting, 1, 10'000) != 1) FAIL("the camera answers no more");
+    Bytes in(70'000);
+    const ssize_t got = recv(socket_, in.data(), in.size(), 0);
+    CHECK(got >= 0);
+    in.resize(static_cast<std::size_t>(got));
+    return in;
+  }
   std::uint32_t value(std::uint32_t address) {
     const Reply reply = read_register(address);
     LONGS_EQUAL(0, reply.status);
@@ -162,6 +173,30 @@ TEST(CameraRegisters, AnyReadIsAnsweredOrRefusedAndHarmsNothing) {
   }
   // And it still is the camera that it was.
   LONGS_EQUAL(640, client.value(gv_register::k_width));
+}
+
+/// GigE Vision 1.2, chapters 17 to 19, byte by byte: key, flags, command, length, number; then the answer's.
+TEST(CameraRegisters, GoldenBytesOfTheControlProtocol) {
+  if (!camera) return;
+  Client client;
+  // READREG of the control channel's privilege: nobody has it.
+  CHECK((Bytes{0, 0, 0, 0x81, 0, 4, 0, 7, 0, 0, 0, 0}) ==
+        client.exchange({0x42, 0x01, 0, 0x80, 0, 4, 0, 7, 0, 0, 0x0a, 0}));
+  // WRITEREG takes control; the answer counts the registers written.
+  CHECK((Bytes{0, 0, 0, 0x83, 0, 4, 0, 8, 0, 0, 0, 1}) ==
+        client.exchange({0x42, 0x01, 0, 0x82, 0, 8, 0, 8, 0, 0, 0x0a, 0, 0, 0, 0, 2}));
+  CHECK((Bytes{0, 0, 0, 0x81, 0, 4, 0, 9, 0, 0, 0, 2}) ==
+        client.exchange({0x42, 0x01, 0, 0x80, 0, 4, 0, 9, 0, 0, 0x0a, 0}));
+  // READMEM: the answer begins with the address; device mode and MAC stand before it in the bootstrap block.
+  const Bytes memory = client.exchange({0x42, 0x01, 0, 0x84, 0, 8, 0, 10, 0, 0, 0, 0x48, 0, 0, 0, 4});
+  CHECK((Bytes{0, 0, 0, 0x85, 0, 8, 0, 10, 0, 0, 0, 0x48}) == Bytes(memory.begin(), memory.begin() + 12));
+  LONGS_EQUAL(16, memory.size());
+  // DISCOVERY: 248 bytes.
+  const Bytes found = client.exchange({0x42, 0x11, 0, 0x02, 0, 0, 0, 11});
+  CHECK((Bytes{0, 0, 0, 0x03, 0, 0xf8, 0, 11}) == Bytes(found.begin(), found.begin() + 8));
+  LONGS_EQUAL(8 + 248, found.size());
+  // The address that it answers at, 127.0.0.1, where the standard has it.
+  CHECK((Bytes{127, 0, 0, 1}) == Bytes(found.begin() + 8 + 36, found.begin() + 8 + 40));
 }
 
 TEST(CameraRegisters, EveryWordOfItsSpaceCanBeRead) {

@@ -160,6 +160,60 @@ TEST(RtdeSessions, GoldenBytesOfAPeersExchange) {
   CHECK(bytes("\x00\x10U\x01\x3f\xf0\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00"sv) == controller.outgoing());
 }
 
+/// What a CB3 of old hears and says: no numbers of recipes, no rate, and so Universal Robots' first guide.
+TEST(RtdeSessions, GoldenBytesOfVersion1) {
+  const auto bytes = [](std::string_view text) { return Bytes(text.begin(), text.end()); };
+  using namespace std::string_view_literals;
+  ControllerSession controller{{}};
+  controller.start();
+  const struct {
+    std::string_view asked, answered;
+  } rows[] = {
+      {"\x00\x05V\x00\x01"sv, "\x00\x04V\x01"sv},
+      {"\x00\x17Otimestamp,robot_mode"sv, "\x00\x0fODOUBLE,INT32"sv},
+      {"\x00\x03S"sv, "\x00\x04S\x01"sv},
+  };
+  for (const auto& row : rows) {
+    CHECK(controller.consume(bytes(row.asked), taken).has_value());
+    CHECK(bytes(row.answered) == controller.outgoing());
+    controller.outgoing().clear();
+  }
+  arm.time_s = 1;
+  controller.append_outputs(0, arm);
+  CHECK(bytes("\x00\x0fU\x3f\xf0\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00"sv) == controller.outgoing());
+  controller.outgoing().clear();
+  CHECK(controller.consume(bytes("\x00\x03P"sv), taken).has_value());
+  CHECK(bytes("\x00\x04P\x01"sv) == controller.outgoing());
+}
+
+/// Inputs as the client libraries write them (RTDEWriter, RTDEIOInterface): the slider at a quarter.
+TEST(RtdeSessions, GoldenBytesOfInputsAndTexts) {
+  const auto bytes = [](std::string_view text) { return Bytes(text.begin(), text.end()); };
+  using namespace std::string_view_literals;
+  ControllerSession controller{{}};
+  controller.start();
+  const struct {
+    std::string_view asked, answered;
+  } rows[] = {
+      {"\x00\x05V\x00\x02"sv, "\x00\x04V\x01"sv},
+      {"\x00\x2aIspeed_slider_mask,speed_slider_fraction"sv,
+       "\x00\x11I\x01"
+       "UINT32,DOUBLE"sv},
+      {"\x00\x0dIno_such_in"sv,
+       "\x00\x0dI\x00"
+       "NOT_FOUND"sv},
+      {"\x00\x10U\x01\x00\x00\x00\x01\x3f\xd0\x00\x00\x00\x00\x00\x00"sv, ""sv},
+  };
+  for (const auto& row : rows) {
+    CHECK(controller.consume(bytes(row.asked), taken).has_value());
+    CHECK(bytes(row.answered) == controller.outgoing());
+    controller.outgoing().clear();
+  }
+  controller.send_text({.level = TextLevel::Warning, .text = "slow", .source = "arm"});
+  CHECK(bytes("\x00\x0dM\x04slow\x03"
+              "arm\x02"sv) == controller.outgoing());
+}
+
 TEST(RtdeSessions, FallsBackToVersion1) {
   ClientSession::Config config = two_recipes();
   config.outputs.resize(1);

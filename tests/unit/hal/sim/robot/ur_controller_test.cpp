@@ -227,7 +227,39 @@ TEST(UrController, ThePrimaryPortSendsStates) {
     const std::vector<std::uint8_t> expected{0, 0, 0, 52, 16, 0, 0, 0, 47, 0};
     CHECK(expected == head);
   }
-  LONGS_EQUAL(7, bytes[25]);  // robot mode RUNNING
+  // Behind the stamp, as "Client interfaces" lays out the robot mode data of 5.4 and later: connected,
+  // enabled, powered, no emergency stop, no protective stop, no program, not paused; RUNNING, POSITION; the
+  // slider's, the scaling's and the limit's 1.0; one byte kept free.
+  const std::vector<std::uint8_t> mode{1, 1, 1, 0, 0, 0, 0, 7, 0};
+  const std::vector<std::uint8_t> one{0x3f, 0xf0, 0, 0, 0, 0, 0, 0};
+  const auto part = [&](std::ptrdiff_t from, std::ptrdiff_t size) {
+    return std::vector<std::uint8_t>(bytes.begin() + from, bytes.begin() + from + size);
+  };
+  CHECK(mode == part(18, 9));
+  for (const std::ptrdiff_t at : {27, 35, 43}) CHECK(one == part(at, 8));
+  LONGS_EQUAL(0, bytes[51]);
+}
+
+/// Lines as they stand in Universal Robots' "Dashboard Server e-Series" and in its client library's tests.
+TEST(UrController, DashboardsLinesAreThoseOfTheManual) {
+  const hal::Descriptor dashboard = connect_to(sut->ports().dashboard);
+  STRCMP_CONTAINS("Connected: Universal Robots Dashboard Server", read_line(dashboard).c_str());
+  const struct {
+    const char *asked, *answered;
+  } rows[] = {{"robotmode\n", "Robotmode: RUNNING"},
+              {"robotmode\r\n", "Robotmode: RUNNING"},
+              {"safetymode\n", "Safetymode: NORMAL"},
+              {"safetystatus\n", "Safetystatus: NORMAL"},
+              {"running\n", "Program running: false"},
+              {"programState\n", "STOPPED <unnamed>"},
+              {"is in remote control\n", "true"},
+              {"stop\n", "Stopped"},
+              {"no such command\n", "could not understand: 'no such command'"},
+              {"quit\n", "Disconnected"}};
+  for (const auto& row : rows) {
+    send_text(dashboard, row.asked);
+    STRCMP_EQUAL(row.answered, read_line(dashboard).c_str());
+  }
 }
 
 TEST(UrController, TheSpeedSliderIsTheOneTheClientSets) {
