@@ -9,6 +9,7 @@
 #include "host/intake/child_process.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/timed_test.hpp"
 
 namespace biteline {
 
@@ -77,7 +78,7 @@ TEST(MainJob, RecordedMadeUpperIsRefused) {
   CHECK(read_json(out / "report.json")["reason"].get<std::string>().starts_with("no crease"));
 }
 
-TEST(MainJob, DemoScansASampleAndTheUppersAfterItPlansAndFollows) {
+TIMED_TEST(MainJob, DemoScansASampleAndTheUppersAfterItPlansAndFollows) {
   const fs::path out = folder.path() / "demo";
   LONGS_EQUAL(0, run(BITELINE_TOOL, {"demo", "--out", out.string(), "--quiet"}));
   CHECK(fs::exists(out / "index.html"));

@@ -14,6 +14,7 @@
 #include "hal/sim/gvcamera/lossy_line.hpp"
 #include "tests/support/fuzz.hpp"
 #include "tests/support/shared_data.hpp"
+#include "tests/support/timed_test.hpp"
 
 namespace biteline::hal {
 
@@ -146,7 +147,7 @@ TEST(AravisCamera, TellsWhatTheCameraIsAndRefusesWhatItCannot) {
   DOUBLES_EQUAL(41.5, sut->health().temperature_degc, 0.01);
 }
 
-TEST(AravisCamera, FreeRunGivesEveryFrameOfTheRegionInOrder) {
+TIMED_TEST(AravisCamera, FreeRunGivesEveryFrameOfTheRegionInOrder) {
   SERVER_OR_SKIP(server, small_camera());
   auto sut = *AravisCamera::open({.packet_bytes = 8000});
   const auto got = *sut->configure(settings(200));
@@ -186,7 +187,7 @@ TEST(AravisCamera, FreeRunGivesEveryFrameOfTheRegionInOrder) {
   CHECK(damaged + lost < 20);
 }
 
-TEST(AravisCamera, BracketTakesBothExposuresInTurnAndTellsThemApartAlsoAfterARestart) {
+TIMED_TEST(AravisCamera, BracketTakesBothExposuresInTurnAndTellsThemApartAlsoAfterARestart) {
   SERVER_OR_SKIP(server, small_camera(), paint_settings);
   auto sut = *AravisCamera::open({});
   CameraSettings bracket = triggered_settings();
@@ -206,7 +207,7 @@ TEST(AravisCamera, BracketTakesBothExposuresInTurnAndTellsThemApartAlsoAfterARes
   }
 }
 
-TEST(AravisCamera, LaserOffFramesComeInTurnWithoutStrobe) {
+TIMED_TEST(AravisCamera, LaserOffFramesComeInTurnWithoutStrobe) {
   SERVER_OR_SKIP(server, small_camera(), paint_settings);
   auto sut = *AravisCamera::open({});
   CameraSettings pairs = triggered_settings();
@@ -226,7 +227,7 @@ TEST(AravisCamera, LaserOffFramesComeInTurnWithoutStrobe) {
   for (int i = 0; i < 3; ++i) CHECK(triggered_frame(*server, *sut).strobe);
 }
 
-TEST(AravisCamera, ChangedExposureHoldsFromTheNextFrameOnAndStampsStayTheMiddle) {
+TIMED_TEST(AravisCamera, ChangedExposureHoldsFromTheNextFrameOnAndStampsStayTheMiddle) {
   SERVER_OR_SKIP(server, small_camera(), paint_settings);
   auto sut = *AravisCamera::open({});
   CHECK(sut->configure(triggered_settings()).has_value());
@@ -246,7 +247,7 @@ TEST(AravisCamera, ChangedExposureHoldsFromTheNextFrameOnAndStampsStayTheMiddle)
               frame->exposure_mid.time_since_epoch().count());
 }
 
-TEST(AravisCamera, ChangedRowsTellTheirPlaceInTheRegion) {
+TIMED_TEST(AravisCamera, ChangedRowsTellTheirPlaceInTheRegion) {
   SERVER_OR_SKIP(server, small_camera(), paint_settings);
   auto sut = *AravisCamera::open({});
   CHECK(sut->configure(triggered_settings()).has_value());
@@ -270,7 +271,7 @@ TEST(AravisCamera, ChangedRowsTellTheirPlaceInTheRegion) {
   CHECK_EQUAL(static_cast<int>(Errc::BadValue), static_cast<int>(sut->adjust_rows({100, 60}).error().code));
 }
 
-TEST(AravisCamera, HardwareTriggerGivesOneFrameForEachEdgeStampedWithIt) {
+TIMED_TEST(AravisCamera, HardwareTriggerGivesOneFrameForEachEdgeStampedWithIt) {
   SERVER_OR_SKIP(server, small_camera());
   auto sut = *AravisCamera::open({});
   CHECK(sut->clock_follows_ptp());
@@ -295,7 +296,7 @@ TEST(AravisCamera, HardwareTriggerGivesOneFrameForEachEdgeStampedWithIt) {
 
 // A busy machine draws pictures late.  A real camera would have exposed all the same: no edge is lost by
 // that, each frame has its own edge's stamp, and only an edge within the exposure before it makes none.
-TEST(AravisCamera, EdgesWhosePicturesAreDrawnLateAreNotLost) {
+TIMED_TEST(AravisCamera, EdgesWhosePicturesAreDrawnLateAreNotLost) {
   std::atomic<bool> held{true};
   SERVER_OR_SKIP(server, small_camera(), [&](const GvExposure& exposure, std::span<std::uint8_t> pixels) {
     while (held) std::this_thread::sleep_for(std::chrono::milliseconds{1});
@@ -323,7 +324,7 @@ TEST(AravisCamera, EdgesWhosePicturesAreDrawnLateAreNotLost) {
   LONGS_EQUAL(k_edges, server->triggers_missed());
 }
 
-TEST(AravisCamera, ACameraWithAClockOfItsOwnIsMappedByArrivalAndSaidToBeUnsure) {
+TIMED_TEST(AravisCamera, ACameraWithAClockOfItsOwnIsMappedByArrivalAndSaidToBeUnsure) {
   GvCamera::Config config = small_camera();
   config.ptp = false;
   config.clock_offset = Nanoseconds{-123'456'789'000};
@@ -340,7 +341,7 @@ TEST(AravisCamera, ACameraWithAClockOfItsOwnIsMappedByArrivalAndSaidToBeUnsure) 
   }
 }
 
-TEST(AravisCamera, LostPacketsGiveDamagedFramesAndGapsThatAreCounted) {
+TIMED_TEST(AravisCamera, LostPacketsGiveDamagedFramesAndGapsThatAreCounted) {
   GvCamera::Config config = small_camera();
   config.lost_packet_ratio = 0.004;  // 640 x 120 in packets of 1400 bytes: one frame in five
   SERVER_OR_SKIP(server, config);
@@ -364,7 +365,7 @@ TEST(AravisCamera, LostPacketsGiveDamagedFramesAndGapsThatAreCounted) {
   LONGS_EQUAL(last_sequence + 1, health.frames + health.frames_damaged + health.frames_lost);
 }
 
-TEST(AravisCamera, LostPacketsAreAskedForAgainAndTheFrameIsWhole) {
+TIMED_TEST(AravisCamera, LostPacketsAreAskedForAgainAndTheFrameIsWhole) {
   GvCamera::Config config = small_camera();
   config.resends = true;
   SERVER_OR_SKIP(server, config);
@@ -393,7 +394,7 @@ TEST(AravisCamera, LostPacketsAreAskedForAgainAndTheFrameIsWhole) {
 
 /// Headers, sizes, stamps and numbers of any value: every frame given out has the size that was asked for,
 /// its pixels can be read, and good packets make good frames again.
-TEST(AravisCamera, GarbledPacketsNeverHarm) {
+TIMED_TEST(AravisCamera, GarbledPacketsNeverHarm) {
   GvCamera::Config config = small_camera();
   config.resends = true;
   SERVER_OR_SKIP(server, config);
@@ -422,7 +423,7 @@ TEST(AravisCamera, GarbledPacketsNeverHarm) {
   CHECK(whole > 20);
 }
 
-TEST(AravisCamera, ALostCameraIsSaidAndCanBeOpenedAgain) {
+TIMED_TEST(AravisCamera, ALostCameraIsSaidAndCanBeOpenedAgain) {
   auto server = open_server(small_camera());
   if (!server) return;
   auto sut = *AravisCamera::open({});

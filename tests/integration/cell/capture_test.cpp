@@ -21,6 +21,7 @@
 #include "tests/support/errors.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/timed_test.hpp"
 
 namespace biteline::sim {
 
@@ -177,7 +178,7 @@ TEST_GROUP(Capture) {
   static constexpr double k_on_surface_mm = 0.04;
 };
 
-TEST(Capture, ExposureThatIsSixTimesTooShortIsCorrectedOnTheWay) {
+TIMED_TEST(Capture, ExposureThatIsSixTimesTooShortIsCorrectedOnTheWay) {
   const Outcome outcome = scan({.exposure_ratio = 1.0 / 6, .options = {"--auto-exposure"}});
   if (!cell) return;
   CHECK(outcome.ended);
@@ -196,7 +197,7 @@ TEST(Capture, ExposureThatIsSixTimesTooShortIsCorrectedOnTheWay) {
   CHECK_COMPARE(rms_mm(outcome), <, k_on_surface_mm);
 }
 
-TEST(Capture, BracketsAreMergedAndEachPointTellsItsExposure) {
+TIMED_TEST(Capture, BracketsAreMergedAndEachPointTellsItsExposure) {
   const Outcome outcome = scan({.exposure_ratio = 0.25, .options = {"--second-exposure-us", "1200"}});
   if (!cell) return;
   CHECK(outcome.ended);
@@ -217,7 +218,7 @@ TEST(Capture, BracketsAreMergedAndEachPointTellsItsExposure) {
   CHECK(points > 1000);
 }
 
-TEST(Capture, RoomLightIsTakenOffByFramesWithoutLaser) {
+TIMED_TEST(Capture, RoomLightIsTakenOffByFramesWithoutLaser) {
   const Outcome outcome = scan({.ambient_grey = 60, .options = {"--laser-off-frames"}});
   if (!cell) return;
   CHECK(outcome.ended);
@@ -233,7 +234,7 @@ TEST(Capture, RoomLightIsTakenOffByFramesWithoutLaser) {
   CHECK(points > 1000);
 }
 
-TEST(Capture, RowsFollowTheStripeAndPointsStayWhereTheyAre) {
+TIMED_TEST(Capture, RowsFollowTheStripeAndPointsStayWhereTheyAre) {
   const Outcome outcome = scan({.options = {"--follow-stripe"}});
   if (!cell) return;
   CHECK(outcome.ended);

@@ -12,6 +12,7 @@
 #include "firmware/pipeline/profile_pipeline.hpp"
 #include "hal/sim/render/stripe_renderer.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/timed_test.hpp"
 
 namespace biteline::sim {
 
@@ -142,7 +143,7 @@ TEST_GROUP(DifficultSurfaces) {
   }
 };
 
-TEST(DifficultSurfaces, BracketFindsWhatTheBestExposureOfEachHalfWouldAndNoMirrorImage) {
+TIMED_TEST(DifficultSurfaces, BracketFindsWhatTheBestExposureOfEachHalfWouldAndNoMirrorImage) {
   constexpr double k_short = 1, k_long = 16;
   auto bracket = pipeline(true);
   std::size_t ideal = 0, merged = 0, mirror_images = 0, unflagged = 0, mirrored_columns = 0;

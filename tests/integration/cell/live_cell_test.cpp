@@ -18,6 +18,7 @@
 #include "hal/sim/bus/bus_devices.hpp"
 #include "hal/sim/shoe/surface_distance.hpp"
 #include "tests/support/shared_data.hpp"
+#include "tests/support/timed_test.hpp"
 
 namespace biteline::sim {
 
@@ -168,7 +169,7 @@ std::vector<double> distances_mm(const Scan& scan, const MadeScene& scene) {
 
 TEST_GROUP(LiveCell){};
 
-TEST(LiveCell, AScanThroughAllItsProtocolsLiesOnTheMadeShoe) {
+TIMED_TEST(LiveCell, AScanThroughAllItsProtocolsLiesOnTheMadeShoe) {
   const auto cell = open_cell(quick_cell());
   if (!cell) return;
   Devices devices(*cell);
@@ -185,7 +186,7 @@ TEST(LiveCell, AScanThroughAllItsProtocolsLiesOnTheMadeShoe) {
   LONGS_EQUAL(1, cell->counts().scans);
 }
 
-TEST(LiveCell, WithoutLaserThereIsNoLightAndNoScan) {
+TIMED_TEST(LiveCell, WithoutLaserThereIsNoLightAndNoScan) {
   const auto cell = open_cell(quick_cell());
   if (!cell) return;
   Devices devices(*cell);
@@ -199,7 +200,7 @@ TEST(LiveCell, WithoutLaserThereIsNoLightAndNoScan) {
   LONGS_EQUAL(0, cell->counts().scans);
 }
 
-TEST(LiveCell, AnOpenDoorDarkensTheLaserWhateverTheSensorDrives) {
+TIMED_TEST(LiveCell, AnOpenDoorDarkensTheLaserWhateverTheSensorDrives) {
   const auto cell = open_cell(quick_cell());
   if (!cell) return;
   Devices devices(*cell);
@@ -209,7 +210,7 @@ TEST(LiveCell, AnOpenDoorDarkensTheLaserWhateverTheSensorDrives) {
   LONGS_EQUAL(0, cell->counts().exposures_lit);
 }
 
-TEST(LiveCell, TheTrackOfARunScriptIsWritten) {
+TIMED_TEST(LiveCell, TheTrackOfARunScriptIsWritten) {
   const auto cell = open_cell(quick_cell());
   if (!cell) return;
   Devices devices(*cell);

@@ -4,6 +4,7 @@
 #include <CppUTest/TestHarness.h>
 
 #include "host/robot/link/follow.hpp"
+#include "tests/support/timed_test.hpp"
 #include "tests/unit/host/robot/link/fake_controller.hpp"
 #include "tests/unit/host/robot/link/permitted.hpp"
 #include "tests/unit/host/robot/link/planned.hpp"
@@ -42,7 +43,7 @@ TEST_GROUP(UrLink) {
   }
 };
 
-TEST(UrLink, StatesArriveInOurUnits) {
+TIMED_TEST(UrLink, StatesArriveInOurUnits) {
   const auto link = UrLink::open(config());
   CHECK(link.has_value());
   const auto state = (*link)->wait_newer(0, k_patience);
@@ -62,7 +63,7 @@ TEST(UrLink, AnArmThatStandsIsToldWithItsJoints) {
   CHECK(state->sequence > 1);  // not the first that came
 }
 
-TEST(UrLink, AnArmThatMovesIsWaitedForUntilItStands) {
+TIMED_TEST(UrLink, AnArmThatMovesIsWaitedForUntilItStands) {
   controller.turning = true;
   const auto link = UrLink::open(config());
   CHECK(link.has_value());
@@ -77,7 +78,7 @@ TEST(UrLink, AnArmThatMovesIsWaitedForUntilItStands) {
   DOUBLES_EQUAL((*link)->latest()->q_rad[0], state->q_rad[0], 1e-12);
 }
 
-TEST(UrLink, AnArmThatNeverStandsIsGivenUp) {
+TIMED_TEST(UrLink, AnArmThatNeverStandsIsGivenUp) {
   controller.turning = true;
   const auto link = UrLink::open(config());
   CHECK(link.has_value());
@@ -86,7 +87,7 @@ TEST(UrLink, AnArmThatNeverStandsIsGivenUp) {
   CHECK(state.error().code == Errc::Timeout);
 }
 
-TEST(UrLink, BrokenConnectionComesBackWithTheRecipe) {
+TIMED_TEST(UrLink, BrokenConnectionComesBackWithTheRecipe) {
   const auto link = UrLink::open(config());
   CHECK(link.has_value());
   const std::uint64_t before = (*link)->status().connections;
@@ -132,7 +133,7 @@ TEST(UrLink, StatesWithoutNumbersAreNotHandedOut) {
   CHECK_FALSE(UrLink::open(impatient).has_value());
 }
 
-TEST(UrLink, SilentControllerIsStaleThenLost) {
+TIMED_TEST(UrLink, SilentControllerIsStaleThenLost) {
   const auto link = UrLink::open(config());
   CHECK(link.has_value());
   controller.silent = true;
@@ -146,7 +147,7 @@ TEST(UrLink, SilentControllerIsStaleThenLost) {
   CHECK(state.error().code == Errc::PoseStale || state.error().code == Errc::ConnectionLost);
 }
 
-TEST(UrLink, NobodyThereIsToldAtOnce) {
+TIMED_TEST(UrLink, NobodyThereIsToldAtOnce) {
   UrLink::Config wrong = config();
   wrong.rtde_port = 1;  // nobody listens on it
   const auto link = UrLink::open(wrong);
@@ -154,7 +155,7 @@ TEST(UrLink, NobodyThereIsToldAtOnce) {
   CHECK(link.error().code == Errc::ConnectFailed);
 }
 
-TEST(UrLink, FollowingStopsTheArmWhenSafetyTrips) {
+TIMED_TEST(UrLink, FollowingStopsTheArmWhenSafetyTrips) {
   const path::CheckedPath path = test::planned_path("grind.yaml");
   const auto link = UrLink::open(config());
   CHECK(link.has_value());
