@@ -42,7 +42,33 @@ struct Played {
   FakeController::Times times;
   std::string script;
   FakeController::Clock::time_point returned;
+  double gone_mm{0};  ///< the tip's way from the first lie until the arm stood
 };
+
+/// What of the process file the halt stands for.
+std::string limit_of(Halt halt, const path::FollowLimits& limits) {
+  const auto number = [](const char* pattern, double value) {
+    char text[40];
+    std::snprintf(text, sizeof text, pattern, value);
+    return std::string{text};
+  };
+  switch (halt) {
+    case Halt::OffPath:
+      return number("%g mm", limits.off_path_mm);
+    case Halt::OffDirection:
+      return number("%.0f degrees", limits.off_path_rad / k_deg);
+    case Halt::OffWay:
+      return number("%.0f degrees in a joint", limits.off_way_rad / k_deg);
+    case Halt::Silent:
+      return number("%g s", limits.silence_s);
+    case Halt::Stalled:
+      return number("%g s", limits.stall_s);
+    case Halt::Late:
+      return number("%g s and a quarter", limits.late_s);
+    default:
+      return "-";
+  }
+}
 
 double seconds_between(FakeController::Clock::time_point a, FakeController::Clock::time_point b) {
   return std::chrono::duration<double>(b - a).count();
@@ -83,7 +109,9 @@ TEST_GROUP(FollowFaults) {
   Played play(const Lie& lie, double pace = 1) {
     const test::PlayedPath played{path.path(), home_rad};
     double last_s = 0, stop_s = -1, braked_s = 0;
-    FakeController controller{
+    std::optional<Vec3> lie_at_m, rest_at_m;  // where the arm truly was
+    std::optional<FakeController> controller_there;
+    FakeController& controller = controller_there.emplace(
         [&](PlayedState& state) {
           const double now_s = std::max(0.0, pace * state.since_script_s);
           // Told to stop it brakes evenly, and then stands where it is.
@@ -98,9 +126,12 @@ TEST_GROUP(FollowFaults) {
           played.fill(last_s, state);
           const bool runs = state.since_script_s > 0.1 && !state.rests && last_s < played.duration_s() + 0.2;
           state.runtime_state = runs ? 2 : 1;
+          const Vec3 true_m{state.tcp_pose[0], state.tcp_pose[1], state.tcp_pose[2]};
           if (state.since_script_s >= 0) lie(state, played.share_at(last_s));
+          if (state.lie && !lie_at_m) lie_at_m = true_m;
+          if (state.rests && !rest_at_m) rest_at_m = true_m;
         },
-        k_cycle_s};
+        k_cycle_s);
     const auto link = ur::UrLink::open({.host = "127.0.0.1",
                                         .rtde_port = controller.rtde_port(),
                                         .script_port = controller.script_port(),
@@ -119,6 +150,8 @@ TEST_GROUP(FollowFaults) {
       std::this_thread::sleep_for(std::chrono::milliseconds{1});
     out.times = controller.times();
     out.script = controller.script();
+    controller_there.reset();  // its thread wrote the places
+    if (lie_at_m && rest_at_m) out.gone_mm = 1000 * (*rest_at_m - *lie_at_m).norm();
     return out;
   }
 
@@ -134,14 +167,16 @@ TEST_GROUP(FollowFaults) {
     CHECK_TEXT(out.times.output_off.has_value(), name);
     CHECK_TEXT(out.times.lie.has_value(), name);
     const double delay_s = seconds_between(*out.times.lie, *out.times.stop);
-    std::printf("%-42s %-16s stop %5.1f ms after the first such state; %s\n", name,
-                report::refusal_row(expected).name, 1000 * delay_s, to_line(out.followed.error()).c_str());
+    std::printf("%s: %s\n", name, to_line(out.followed.error()).c_str());
     CHECK_TEXT(delay_s <= noticed_within_s + k_stop_within_s, name);
     CHECK_TEXT(delay_s >= 0, name);
     CHECK_TEXT(out.report.at_rest, name);
     CHECK_TEXT(out.times.rest.has_value(), name);
     const double braking_s = seconds_between(*out.times.stop, *out.times.rest);
     const double rest_s = seconds_between(*out.times.lie, out.returned);
+    // A row of the table in tests/integration/faults/ROBOT.md.
+    std::printf("| %s | `%s` | %s | %.0f | %.0f | %.1f |\n", name, report::refusal_row(expected).name,
+                limit_of(expected, limits).c_str(), 1000 * delay_s, 1000 * rest_s, out.gone_mm);
     CHECK_TEXT(rest_s <= noticed_within_s + k_rest_within_s + braking_s, name);
     CHECK_TEXT(out.returned >= *out.times.rest, name);
     return out;
