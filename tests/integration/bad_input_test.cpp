@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Every kind of bad input ends the tool with exit status 2 and one line that names file and place.
 #include <CppUTest/TestHarness.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 
@@ -115,6 +116,26 @@ TEST(BadInput, PictureCutOff) {
 TEST(BadInput, PictureMissing) {
   fs::remove(folder.path() / "cam0/data/a.png");
   replay_ends_with(2, "a.png (named in data.csv row 2): not found");
+}
+
+/// Opening a pipe that nobody writes to would wait for ever.
+TEST(BadInput, PipesAndDevicesInPlaceOfFiles) {
+  for (const char* file : {"cam0/sensor.yaml", "cam0/data.csv", "pose0/data.csv", "cam0/data/a.png"}) {
+    const fs::path place = folder.path() / file, aside = folder.path() / "aside";
+    fs::rename(place, aside);
+    LONGS_EQUAL(0, ::mkfifo(place.c_str(), 0600));
+    replay_ends_with(2, fs::path{file}.filename().string());
+    fs::remove(place);
+    fs::create_symlink("/dev/zero", place);
+    replay_ends_with(2, fs::path{file}.filename().string());
+    fs::remove(place);
+    fs::rename(aside, place);
+  }
+  const fs::path cloud = folder.path() / "pipe.ply";
+  LONGS_EQUAL(0, ::mkfifo(cloud.c_str(), 0600));
+  ends_with(2, {"extract", cloud.string(), "--out", (folder.path() / "out").string()},
+            "pipe.ply: a regular file expected");
+  replay_ends_with(3, "refused");  // all is as it was
 }
 
 TEST(BadInput, UnreadableYaml) {
