@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// What the service asks of the arm before a scan is spent.
+#include <CppUTest/TestHarness.h>
+
+#include "host/apps/biteline-host/steps.hpp"
+#include "tests/support/timed_test.hpp"
+#include "tests/unit/host/robot/link/fake_controller.hpp"
+
+namespace biteline::service {
+
+TEST_GROUP(ControllerLook) {
+  robot::test::FakeController controller;
+
+  void setup() override {
+    controller.answers = {{"PolyscopeVersion", "URSoftware 5.12.0.0 (Jan 01 2022)"},
+                          {"get robot model", "UR5"},
+                          {"get serial number", "20215500001"},
+                          {"is in remote control", "true"}};
+  }
+  ControllerLook look() const {
+    const auto at = [](std::uint16_t port) { return "127.0.0.1:" + std::to_string(port); };
+    return look_at_controller({.rtde = at(controller.rtde_port()),
+                               .script = at(controller.script_port()),
+                               .dashboard = at(controller.dashboard_port())},
+                              "UR5e", "");
+  }
+};
+
+TIMED_TEST(ControllerLook, ArmThatStandsIsReady) {
+  const ControllerLook sut = look();
+  STRCMP_EQUAL("", sut.wrong.c_str());
+  CHECK(!sut.moves);
+}
+
+/// The path of a service that was killed goes on: no light beside an arm that moves.
+TIMED_TEST(ControllerLook, ArmThatMovesIsNotReadyAndWillBe) {
+  controller.turning = true;
+  const ControllerLook moving = look();
+  STRCMP_CONTAINS("still moves", moving.wrong.c_str());
+  CHECK(moving.moves);
+  controller.turning = false;
+  STRCMP_EQUAL("", look().wrong.c_str());
+}
+
+TIMED_TEST(ControllerLook, SilentControllerIsWrongAndNotJustMoving) {
+  controller.silent = true;
+  const ControllerLook sut = look();
+  CHECK(!sut.wrong.empty());
+  CHECK(!sut.moves);
+}
+
+TIMED_TEST(ControllerLook, LocalControlIsSaidFirst) {
+  controller.answers["is in remote control"] = "false";
+  controller.turning = true;
+  const ControllerLook sut = look();
+  STRCMP_CONTAINS("remote control is off", sut.wrong.c_str());
+  CHECK(!sut.moves);
+}
+
+}  // namespace biteline::service
