@@ -115,6 +115,12 @@ double Arc::turn_rad() const {
   return std::acos(std::clamp(d0.normalized().dot(d1.normalized()), -0.942, 1.0));
 }
 
+double corner_beyond_arc_mm(double chord_mm, double turn_rad) {
+  constexpr double k_most_rad = 2.8;
+  const double theta = std::clamp(turn_rad, 0.0, k_most_rad);
+  return 0.5 * chord_mm * (std::tan(0.5 * theta) - std::tan(0.25 * theta));
+}
+
 Vec3 Arc::at(double share) const {
   const double theta = turn_rad();
   const double stretch = theta < 0.01 ? 1.0 : 2.0 * std::tan(0.25 * theta) / std::sin(0.5 * theta);

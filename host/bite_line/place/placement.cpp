@@ -126,12 +126,18 @@ void shrink_beside_gaps(std::vector<std::uint8_t>& known, double station_mm) {
   }
 }
 
-/// Places in plan: o along the outline's normal where the section is known; elsewhere on arcs that leave both
-/// ends in their own directions.
-std::vector<Vec2> plan_of(const Outline& outline, std::span<const double> o,
-                          std::span<const std::uint8_t> known, double station_mm) {
+struct Plan {
+  std::vector<Vec2> places;
+  std::vector<double> corner_mm;  ///< how far a course that turns sharper could lie outside; 0 where known
+};
+
+/// o along the outline's normal where the section is known; elsewhere on arcs that leave both ends in their
+/// own directions.
+Plan plan_of(const Outline& outline, std::span<const double> o, std::span<const std::uint8_t> known,
+             double station_mm) {
   const std::size_t count = o.size();
-  std::vector<Vec2> plan(count);
+  Plan made{std::vector<Vec2>(count), std::vector<double>(count, 0.0)};
+  std::vector<Vec2>& plan = made.places;
   for (std::size_t i = 0; i < count; ++i) {
     const double s = static_cast<double>(i) * station_mm;
     plan[i] = outline.point(s) + o[i] * outline.normal(s);
@@ -153,11 +159,19 @@ std::vector<Vec2> plan_of(const Outline& outline, std::span<const double> o,
                             .d0 = firm ? direction(back) : straight,
                             .p1 = {plan[end].x(), plan[end].y(), 0},
                             .d1 = firm ? Vec3{-direction(ahead)} : straight};
-    for (std::size_t k = 1; k < gap.steps; ++k)
-      plan[(gap.first + k) % count] =
-          arc.at(static_cast<double>(k) / static_cast<double>(gap.steps)).head<2>();
+    const auto normal = [&](std::size_t at) { return outline.normal(static_cast<double>(at) * station_mm); };
+    const double turn_rad =
+        firm ? arc.turn_rad() : std::acos(std::clamp(normal(gap.first).dot(normal(end)), -1.0, 1.0));
+    const double corner_mm = geometry::corner_beyond_arc_mm(chord.norm(), turn_rad);
+    for (std::size_t k = 1; k < gap.steps; ++k) {
+      const double share = static_cast<double>(k) / static_cast<double>(gap.steps);
+      plan[(gap.first + k) % count] = arc.at(share).head<2>();
+      // Both ends hold place and direction, so that what is unknown grows with the square from them.
+      const double from_ends = 4 * share * (1 - share);
+      made.corner_mm[(gap.first + k) % count] = corner_mm * from_ends * from_ends;
+    }
   }
-  return plan;
+  return made;
 }
 
 /// What the layers say of the column that a place lies in.
@@ -235,11 +249,11 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
   geometry::drop_islands(outwards.known, sections.station_mm, k_island_mm);
   shrink_beside_gaps(outwards.known, sections.station_mm);
   geometry::bridge_straight(outwards.o_mm, outwards.known, sections.station_mm);
-  const std::vector<Vec2> plan = plan_of(path_outline, outwards.o_mm, outwards.known, sections.station_mm);
+  const Plan plan = plan_of(path_outline, outwards.o_mm, outwards.known, sections.station_mm);
   const std::vector<GapPlace> gap = gap_places(ridge.visible, path_outline, sections.station_mm);
   const std::vector<GapPlace> shadow = gap_places(outwards.known, path_outline, sections.station_mm);
   const std::vector<Vec3> normals = normals_above(
-      {.points = points, .sections = sections, .outline = path_outline, .line_z_mm = z, .line_plan = plan},
+      {.points = points, .sections = sections, .outline = path_outline, .line_z_mm = z, .line_plan = plan.places},
       config.normals);
 
   const std::vector<double> scatter =
@@ -248,12 +262,13 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
 
   placement.points.resize(stations);
   for (std::size_t i = 0; i < stations; ++i) {
-    placement.points[i] = {.position = {plan[i].x(), plan[i].y(), z[i]},
+    placement.points[i] = {.position = {plan.places[i].x(), plan.places[i].y(), z[i]},
                            .normal = normals[i],
                            .curvature_per_mm = ridge.k_per_mm[i],
                            .own_z_mm = seen_z[i],
                            .to_visible_mm = gap[i].to_known_mm,
                            .doubt = std::max(gap[i].doubt, shadow[i].doubt),
+                           .corner_mm = plan.corner_mm[i],
                            .noise = noise[i],
                            .scatter_mm = scatter[i]};
     set_layer(input, placement.points[i]);

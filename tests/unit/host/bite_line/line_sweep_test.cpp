@@ -94,4 +94,12 @@ TEST(LineSweep, CountersCapsAndSecondLedgesDoNotDrawTheLineAndThingsHaveNone) {
   }
 }
 
+TEST(LineSweep, ABridgeRoundAnEndOwnsUpToHowSharpTheEndMayBe) {
+  // Heels of children's shoes, all gone, of the third sweep.
+  for (const std::uint64_t index : {19U, 288U, 323U}) {
+    const SweepScan scan = scan_of(sweep_cell(3, index));
+    CHECK(judge(scan, bite_line::find_bite_line(scan.cloud, {})).judged != Judged::Wrong);
+  }
+}
+
 }  // namespace biteline::test

@@ -160,14 +160,17 @@ TEST(Placement, AMissingSectorIsBridgedAndDoubted) {
   DOUBLES_EQUAL(k_to_mm - k_from_mm, sut.bridged_mm, 4);
   const Outline outline = test::egg_outline();
   const Vec2 middle = outline.point(0.5 * (k_from_mm + k_to_mm));
-  double most_doubt = 0;
+  double most_doubt = 0, most_corner_mm = 0;
   for (const PlacedStation& station : sut.points) {
     const double away = (station.position.head<2>() - middle).norm();
     if (away < 8) most_doubt = std::max(most_doubt, station.doubt);
+    if (away < 8) most_corner_mm = std::max(most_corner_mm, station.corner_mm);
     if (away > 30) DOUBLES_EQUAL(0, station.doubt, 1e-9);
+    if (away > 30) DOUBLES_EQUAL(0, station.corner_mm, 1e-9);
     DOUBLES_EQUAL(k_z_mm, station.position.z(), 0.1);
   }
   CHECK_COMPARE(most_doubt, >, 0.05);
+  CHECK_COMPARE(most_corner_mm, >, 0.1);
 }
 
 }  // namespace biteline::bite_line

@@ -55,6 +55,14 @@ TEST(Bridge, MeansOfTheEndsCarryAScatteringValueAcross) {
   DOUBLES_EQUAL(1.0 + 2.0 * 5 / 11, values[19], 1e-9);
 }
 
+TEST(Bridge, ASquaresCornerLiesBeyondItsCircle) {
+  // Radius 10, a quarter turned: the corner is 10 sqrt(2) from the centre, the chord as long.
+  const double chord = 10 * std::numbers::sqrt2;
+  DOUBLES_EQUAL(chord - 10, corner_beyond_arc_mm(chord, 0.5 * std::numbers::pi), 1e-9);
+  DOUBLES_EQUAL(0, corner_beyond_arc_mm(chord, 0), 1e-12);
+  CHECK(std::isfinite(corner_beyond_arc_mm(chord, std::numbers::pi)));
+}
+
 TEST(Bridge, ArcBetweenTangentsOfACircleLiesOnTheCircle) {
   constexpr double k_radius_mm = 25;
   for (const double half_rad : {0.1, 0.4, 0.8, 1.2}) {
