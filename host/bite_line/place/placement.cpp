@@ -252,9 +252,12 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
   const Plan plan = plan_of(path_outline, outwards.o_mm, outwards.known, sections.station_mm);
   const std::vector<GapPlace> gap = gap_places(ridge.visible, path_outline, sections.station_mm);
   const std::vector<GapPlace> shadow = gap_places(outwards.known, path_outline, sections.station_mm);
-  const std::vector<Vec3> normals = normals_above(
-      {.points = points, .sections = sections, .outline = path_outline, .line_z_mm = z, .line_plan = plan.places},
-      config.normals);
+  const std::vector<Vec3> normals = normals_above({.points = points,
+                                                   .sections = sections,
+                                                   .outline = path_outline,
+                                                   .line_z_mm = z,
+                                                   .line_plan = plan.places},
+                                                  config.normals);
 
   const std::vector<double> scatter =
       scatter_of(seen_z, z, ridge.visible, config.mean_mm / sections.station_mm);

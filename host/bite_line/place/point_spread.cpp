@@ -14,8 +14,8 @@ PointSpread spread_of(const PlacedStation& station, const SpreadModel& model) {
   const double flat = 1 / std::max(station.sharp, 1e-3) - 1;
   const double anywhere_mm2 = square(model.outward * station.noise.outward_mm) +
                               (station.doubt > 0 ? square(model.any_gap_mm) : 0.0) +
-                              square(model.gap_mm * station.doubt) + square(model.corner * station.corner_mm) +
-                              square(model.flat_mm * flat);
+                              square(model.gap_mm * station.doubt) +
+                              square(model.corner * station.corner_mm) + square(model.flat_mm * flat);
   // The section's own place against the mean over its neighbours: a groove that jumps by more than 0.3 mm is
   // unsure.
   const double calm = 1 / (1 + square((station.own_z_mm - station.position.z()) / 0.6));
