@@ -8,6 +8,7 @@
 #include "host/bite_line/live_scan.hpp"
 #include "host/bite_line/path/decide.hpp"
 #include "host/bite_line/place/finish.hpp"
+#include "host/bite_line/place/place_path.hpp"
 #include "host/bite_line/side/side_outline.hpp"
 
 namespace biteline::bite_line {
@@ -35,16 +36,9 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
       "decision", [&] { return decide(layers, plan_shape(side.outline), config.min_confidence_ratio); });
   PlacedLine placed = clock.run("place", [&] {
     if (decision.refusal) return PlacedLine{};
-    const std::span<const double> path_row = decision.paths.front().row;
-    return place_line({.near = points_behind(scan, side.shoe, near_path(side.field, path_row)),
-                       .points_per_mm2 = side.field.points_per_mm2 * scan.points_per_run(),
-                       .field = side.field,
-                       .outline = side.outline,
-                       .path_row = path_row,
-                       .hold = layers.hold,
-                       .other_mm = layers.other_mm,
-                       .sharp = layers.sharp},
-                      {.spacing_mm = config.point_spacing_mm});
+    return place_path(scan, side, decision.paths.front().row,
+                      {.hold = layers.hold, .other_mm = layers.other_mm, .sharp = layers.sharp},
+                      config.point_spacing_mm);
   });
   Extraction extraction = clock.run("finish", [&] {
     std::optional<uncertainty::ScanSpread> spread;

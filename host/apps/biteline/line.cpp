@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // biteline line: a found line for other people's programs.
-#include "host/apps/biteline/command.hpp"
+#include "host/apps/biteline/line_edit.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/line_files/line_file.hpp"
 
@@ -25,8 +25,9 @@ Result<ExitStatus> export_line(const Options& options, const GlobalOptions& glob
 
 void add_line(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("line", "Give a found line to other programs");
+  CLI::App* command = app.add_subcommand("line", "Mend a found line, and give it to other programs");
   command->require_subcommand(1);
+  add_line_edit(*command, context);
   CLI::App* to_file = command->add_subcommand("export", "Write a line as CSV, PLY, DXF, STEP or JSON");
   to_file->add_option("line", options->line, "The line: line.csv of a result folder")->required();
   to_file->add_option("--out", options->out, "File: .csv .ply .dxf .step .stp or .json")->required();

@@ -63,6 +63,22 @@ std::vector<int> with_branch(const Course& course, const Branch& branch) {
 
 }  // namespace
 
+std::vector<float> sharp_along(const SideField& field, const Crease& line) {
+  const SideGrid& grid = field.grid;
+  // A point's place is a mean over its neighbours: the nearer half of them counts.
+  const int reach = static_cast<int>(std::lround(k_mean_mm / 4 / grid.col_mm));
+  std::vector<float> sharp;
+  for (int col = 0; col < grid.cols; ++col) sharp.push_back(sharpness(field, line, col));
+  std::vector<float> about;
+  for (int col = 0; col < grid.cols; ++col) {
+    float least = 1;
+    for (int c = col - reach; c <= col + reach; ++c)
+      least = std::min(least, sharp[static_cast<std::size_t>((c + grid.cols) % grid.cols)]);
+    about.push_back(least);
+  }
+  return about;
+}
+
 Layers find_layers(const SideField& field, const LayersConfig& config) {
   const SideGrid& grid = field.grid;
   const Evidence evidence = find_evidence(field, config.evidence);
@@ -111,16 +127,7 @@ Layers find_layers(const SideField& field, const LayersConfig& config) {
         .all_round = branch.over_cols >= grid.cols,
         .margin = margin_of(branch)};
   });
-  // A point's place is a mean over its neighbours: the nearer half of them counts.
-  const int reach = static_cast<int>(std::lround(k_mean_mm / 4 / grid.col_mm));
-  std::vector<float> sharp;
-  for (int col = 0; col < grid.cols; ++col) sharp.push_back(sharpness(field, layers.line, col));
-  for (int col = 0; col < grid.cols; ++col) {
-    float least = 1;
-    for (int c = col - reach; c <= col + reach; ++c)
-      least = std::min(least, sharp[static_cast<std::size_t>((c + grid.cols) % grid.cols)]);
-    layers.sharp.push_back(least);
-  }
+  layers.sharp = sharp_along(field, layers.line);
   return layers;
 }
 

@@ -42,6 +42,9 @@ struct Layers {
   std::vector<Rival> rivals;    ///< the nearest first
 };
 
+/// Per column of a path: how sharp a place its crease has.
+[[nodiscard]] std::vector<float> sharp_along(const SideField& field, const Crease& line);
+
 [[nodiscard]] Layers find_layers(const SideField& field, const LayersConfig& config);
 
 }  // namespace biteline::bite_line

@@ -19,9 +19,6 @@ namespace {
 
 /// A point is within this of the true line with its confidence.
 constexpr double k_confident_mm = 0.3;
-/// A point of less confidence, or more U95, is flagged.
-constexpr double k_sure_ratio = 0.5;
-constexpr double k_sure_mm = 1.0;
 
 /// Covariance of the whole scan at the line, in the planes across it: slow along the line, and dear.
 class AcrossSpread {
@@ -49,56 +46,7 @@ class AcrossSpread {
   std::vector<Mat3> nodes_;
 };
 
-/// Evenly spaced along the placed line, in base, with tangents.
-cloud::ClosedLine even_line(const PlacedLine& placed_line, const SE3& T_base_shoe, double of_line,
-                            const std::optional<uncertainty::ScanSpread>& spread, double spacing_mm) {
-  const auto& placed = placed_line.points;
-  const geometry::ArcLength along{placed.size(), [&](std::size_t i) { return placed[i].position; }};
-  const std::size_t count = along.count_for(spacing_mm);
-  cloud::ClosedLine line;
-  line.points.reserve(count);
-  std::vector<PointSpread> own;
-  for (std::size_t k = 0; k < count; ++k) {
-    const geometry::OnCurve at = along.even(k, count);
-    const PlacedStation& a = placed[at.before];
-    const PlacedStation& b = placed[at.after];
-    line.points.push_back({.position = T_base_shoe * at.between<Vec3>(a.position, b.position),
-                           .normal = T_base_shoe.linear() * at.between<Vec3>(a.normal, b.normal).normalized(),
-                           .tangent = Vec3::UnitX(),
-                           .source = a.to_visible_mm > 0 || b.to_visible_mm > 0 ? cloud::PointSource::Bridged
-                                                                                : cloud::PointSource::Seen});
-    own.push_back(between(spread_of(a), spread_of(b), at.share));
-  }
-  add_tangents(line);
-  const AcrossSpread whole{spread, line};
-  const Vec3 up = T_base_shoe.linear().col(2);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
-    cloud::LinePoint& point = line.points[k];
-    // The plane across the line; its axes are outwards and nearly up, as the own spread has them.
-    Eigen::Matrix<double, 3, 2> plane;
-    plane.col(0) = point.tangent.cross(up).normalized();
-    plane.col(1) = plane.col(0).cross(point.tangent);
-    const Eigen::Matrix2d of_scan = plane.transpose() * whole.at(k) * plane;
-    const uncertainty::Axes axes = uncertainty::principal_axes(own[k].covariance_mm2 + of_scan);
-    point.confidence = of_line * own[k].hold * own[k].within *
-                       uncertainty::chance_within(uncertainty::principal_axes(of_scan), k_confident_mm);
-    point.u95_mm = uncertainty::u95_mm(axes, own[k].hold, own[k].other_mm);
-    if (!(point.confidence >= k_sure_ratio && *point.u95_mm <= k_sure_mm))
-      point.flags |= cloud::k_line_unsure;
-  });
-  return line;
-}
-
-/// A line with more than this flagged is none: a tool would work beside the bite line there.
-constexpr double k_most_flagged_share = 0.1;
-
-/// Shares of the line's points that are flagged, by what flags them.
-struct Flagged {
-  double unsure{0};     ///< too little confidence
-  double uncertain{0};  ///< sure enough, and yet too much U95
-
-  [[nodiscard]] double all() const { return unsure + uncertain; }
-};
+}  // namespace
 
 Flagged flagged_of(const cloud::ClosedLine& line, double min_confidence) {
   const double each = 1.0 / static_cast<double>(std::max<std::size_t>(line.points.size(), 1));
@@ -111,6 +59,8 @@ Flagged flagged_of(const cloud::ClosedLine& line, double min_confidence) {
   }
   return flagged;
 }
+
+namespace {
 
 /// Why a line with so much flagged is none; nothing where it is one.
 std::optional<Refusal> flagged_refusal(const Flagged& flagged, double bridged_mm) {
@@ -158,6 +108,45 @@ Candidate candidate_of(const JudgedPath& path, const Side& side) {
 }
 
 }  // namespace
+
+cloud::ClosedLine even_line(const PlacedLine& placed_line, const SE3& T_base_shoe, double of_line,
+                            const std::optional<uncertainty::ScanSpread>& spread, double spacing_mm) {
+  const auto& placed = placed_line.points;
+  const geometry::ArcLength along{placed.size(), [&](std::size_t i) { return placed[i].position; }};
+  const std::size_t count = along.count_for(spacing_mm);
+  cloud::ClosedLine line;
+  line.points.reserve(count);
+  std::vector<PointSpread> own;
+  for (std::size_t k = 0; k < count; ++k) {
+    const geometry::OnCurve at = along.even(k, count);
+    const PlacedStation& a = placed[at.before];
+    const PlacedStation& b = placed[at.after];
+    line.points.push_back({.position = T_base_shoe * at.between<Vec3>(a.position, b.position),
+                           .normal = T_base_shoe.linear() * at.between<Vec3>(a.normal, b.normal).normalized(),
+                           .tangent = Vec3::UnitX(),
+                           .source = a.to_visible_mm > 0 || b.to_visible_mm > 0 ? cloud::PointSource::Bridged
+                                                                                : cloud::PointSource::Seen});
+    own.push_back(between(spread_of(a), spread_of(b), at.share));
+  }
+  add_tangents(line);
+  const AcrossSpread whole{spread, line};
+  const Vec3 up = T_base_shoe.linear().col(2);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+    cloud::LinePoint& point = line.points[k];
+    // The plane across the line; its axes are outwards and nearly up, as the own spread has them.
+    Eigen::Matrix<double, 3, 2> plane;
+    plane.col(0) = point.tangent.cross(up).normalized();
+    plane.col(1) = plane.col(0).cross(point.tangent);
+    const Eigen::Matrix2d of_scan = plane.transpose() * whole.at(k) * plane;
+    const uncertainty::Axes axes = uncertainty::principal_axes(own[k].covariance_mm2 + of_scan);
+    point.confidence = of_line * own[k].hold * own[k].within *
+                       uncertainty::chance_within(uncertainty::principal_axes(of_scan), k_confident_mm);
+    point.u95_mm = uncertainty::u95_mm(axes, own[k].hold, own[k].other_mm);
+    if (!(point.confidence >= k_sure_ratio && *point.u95_mm <= k_sure_mm))
+      point.flags |= cloud::k_line_unsure;
+  });
+  return line;
+}
 
 void add_tangents(cloud::ClosedLine& line) {
   // Noise of 0.02 mm in neighbours half a millimetre apart would turn them by degrees.

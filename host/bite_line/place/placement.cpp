@@ -83,14 +83,6 @@ struct GapPlace {
   double doubt{0};
 };
 
-/// Expected error of a place in a gap, over 0.3 mm: `to_known` from its nearer end, in a gap so long and over
-/// which the line turns so far.  Fitted to some 6000 bridged points of made shoes of all classes with sectors
-/// of 8 to 40 mm missing, so that 1 / (1 + doubt) is the share of the points within 0.3 mm (bench_line_class
-/// shows it).
-double gap_doubt(double to_known_mm, double length_mm, double turn_rad) {
-  return to_known_mm / 60.0 * (0.8 + turn_rad) * std::pow(length_mm / 20.0, 1.5);
-}
-
 std::vector<GapPlace> gap_places(std::span<const std::uint8_t> known, const Outline& outline,
                                  double station_mm) {
   std::vector<GapPlace> places(known.size());
@@ -202,6 +194,10 @@ std::vector<double> scatter_of(const std::vector<double>& own_z_mm, const std::v
 }
 
 }  // namespace
+
+double gap_doubt(double to_known_mm, double length_mm, double turn_rad) {
+  return to_known_mm / 60.0 * (0.8 + turn_rad) * std::pow(length_mm / 20.0, 1.5);
+}
 
 Large<std::uint32_t> near_path(const SideField& field, std::span<const double> path_row) {
   // The sections' own reach and the millimetre that the smoothed path may lie off its columns.

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file What a person can do to a line.
+
+#include <vector>
+
+#include "common/geometry/se3.hpp"
+
+namespace biteline::mend {
+
+/// A stretch of the version that is mended, in the order of its points; it may lie across the first one.
+struct Stretch {
+  double from_mm{0};
+  double to_mm{0};
+};
+
+/// One operation.
+struct Step {
+  enum class Kind {
+    Candidate,  ///< take the whole of another candidate
+    Through,    ///< lead the stretch through the points
+    Cut,        ///< bridge the stretch
+    BackTo,     ///< take an older version
+  };
+  Kind kind{Kind::Through};
+  int candidate{0};            ///< counted from 1
+  Stretch stretch{};           ///< of Through and Cut
+  std::vector<Vec3> points{};  ///< of Through, base, mm, in any order
+  int line_version{0};         ///< of BackTo
+};
+
+}  // namespace biteline::mend
