@@ -73,6 +73,7 @@ std::vector<Api::Route> Api::routes() {
       {"POST", "/scans/{}/reject", Operator, true, &Api::reject},
       {"POST", "/scans/{}/send", Operator, true, &Api::send},
       {"POST", "/scans/{}/hold", Operator, true, &Api::hold},
+      {"POST", "/scans/{}/mend", Operator, true, &Api::mend},
       {"POST", "/scans/{}/keep", Operator, false, &Api::keep},
       {"POST", "/commands/start", Operator, true, &Api::start},
       {"POST", "/commands/rescan", Operator, true, &Api::rescan},
@@ -288,7 +289,7 @@ Answer Api::rescan(const Call& call) {
   Fields fields{call.request.body};
   const std::string why = fields.text("why", k_most_why);
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
-  const Result<void> done = rooms_.cell.rescan(call.person.name, why);
+  const Result<void> done = rooms_.cell.rescan(call.person.name, why, call.request.door);
   if (!done) return answer_of(done.error());
   static_cast<void>(rooms_.memory.log({.id = 0,
                                        .time = memory::now_ms(),

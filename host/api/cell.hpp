@@ -17,6 +17,7 @@ struct Decision {
   std::string scan;
   std::string who;
   std::string why;
+  std::string door;  ///< through which the word came
 };
 
 /// What the next scan is worked with, until another is chosen.  Empty: as recognised.
@@ -46,8 +47,15 @@ class Cell {
 
   /// Errc::WrongState says why not now.
   [[nodiscard]] virtual Result<void> start(const Job& job, const std::string& who) = 0;
-  [[nodiscard]] virtual Result<void> rescan(const std::string& who, const std::string& why) = 0;
+  [[nodiscard]] virtual Result<void> rescan(const std::string& who, const std::string& why,
+                                            const std::string& door) = 0;
   [[nodiscard]] virtual Result<void> decide(const Decision& decision) = 0;
+
+  /// Its line is being mended: until end_mend() nobody can accept the scan.  Errc::WrongState while the scan
+  /// is in work.
+  [[nodiscard]] virtual Result<void> begin_mend(const std::string& scan) = 0;
+  /// `mended`: the scan's folder has a new line.  A scan that waits for a person gets its path planned anew.
+  virtual void end_mend(const std::string& scan, bool mended, const std::string& who) = 0;
 };
 
 }  // namespace biteline::api

@@ -8,6 +8,7 @@
 #include "host/api/api.hpp"
 #include "host/api/words.hpp"
 #include "host/memory/history.hpp"
+#include "host/mend/versions.hpp"
 
 namespace biteline::api {
 
@@ -23,6 +24,23 @@ Json file_json(const fs::path& file) {
   if (!text) return {};
   Json json = Json::parse(*text, nullptr, false);
   return json.is_discarded() ? Json{} : json;
+}
+
+/// `LineVersion`s; a list that cannot be read shows what was found alone.
+Json versions_json(const fs::path& folder, const memory::Scan& scan) {
+  Json rows = Json::array();
+  const Result<std::vector<mend::Version>> versions = mend::read_versions(folder);
+  if (!versions) return rows;
+  for (const mend::Version& version : *versions) {
+    rows.push_back({{"version", version.version},
+                    {"time", version.time.empty() ? memory::to_iso(scan.time) : version.time},
+                    {"who", version.who},
+                    {"why", version.why},
+                    {"file", mend::line_file(version.version).string()}});
+  }
+  // Before the first mend the line stands in its own place.
+  if (rows.size() == 1) rows[0]["file"] = "line.csv";
+  return rows;
 }
 
 }  // namespace
@@ -49,6 +67,7 @@ Answer Api::read_scan(const Call& call) {
   json["report"] = file_json(folder / "report.json");
   json["gate"] = file_json(folder / "gate.json");
   json["follow"] = file_json(folder / "followed.json");
+  json["versions"] = versions_json(folder, **scan);
   Json stretches = Json::array();
   if (json["report"].is_object() && json["report"].contains("weak_stretches") &&
       json["report"]["weak_stretches"].is_array()) {
@@ -72,8 +91,8 @@ Answer Api::decide(const Call& call, Decision::Kind kind, int status, bool needs
   const std::string why = fields.text("why", 500, needs_why);
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
   if (!is_scan_id(id)) return control::refusal(404, "not_found", "no such scan; GET /scans lists them");
-  const Result<void> done =
-      rooms_.cell.decide({.kind = kind, .scan = id, .who = call.person.name, .why = why});
+  const Result<void> done = rooms_.cell.decide(
+      {.kind = kind, .scan = id, .who = call.person.name, .why = why, .door = call.request.door});
   if (!done) return answer_of(done.error());
   const Result<std::optional<memory::Scan>> scan = rooms_.memory.scan(id);
   if (!scan) return answer_of(scan.error());

@@ -99,6 +99,24 @@ std::optional<bool> Fields::boolean(const std::string& name) {
   return body_[name].get<bool>();
 }
 
+std::optional<double> Fields::number(const std::string& name, double least, double most) {
+  known_.push_back(name);
+  if (!has(name)) return std::nullopt;
+  const Json& value = body_[name];
+  if (value.is_number() && value.get<double>() >= least && value.get<double>() <= most)
+    return value.get<double>();
+  fault(name, "a number from " + Json(least).dump() + " to " + Json(most).dump() + " expected");
+  return std::nullopt;
+}
+
+Json Fields::list(const std::string& name, std::size_t most) {
+  known_.push_back(name);
+  if (!has(name)) return Json::array();
+  if (body_[name].is_array() && body_[name].size() <= most) return body_[name];
+  fault(name, "a list of at most " + std::to_string(most) + " expected");
+  return Json::array();
+}
+
 void Fields::fault(const std::string& name, const std::string& message) {
   faults_.push_back({{"field", name}, {"message", message}});
 }

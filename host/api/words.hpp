@@ -28,6 +28,10 @@ class Fields {
 
   std::string text(const std::string& name, std::size_t most_bytes, bool required = false);
   std::optional<bool> boolean(const std::string& name);
+  /// Within the range, both ends included.
+  std::optional<double> number(const std::string& name, double least, double most);
+  /// Empty when it is absent.
+  Json list(const std::string& name, std::size_t most);
   [[nodiscard]] bool has(const std::string& name) const;
   void fault(const std::string& name, const std::string& message);
 

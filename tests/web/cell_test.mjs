@@ -3,7 +3,7 @@
 // a second browser watches; the service is killed and comes back.  Real: sensor, service, web program, page.
 // cell_test.mjs BIN SOURCE PICTURE_FOLDER
 import { spawn, spawnSync } from 'node:child_process';
-import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -95,8 +95,13 @@ async function whole_way() {
   // Row 3, column 4 of T_base_shoe: the table's height, which an integrator knows of his cell.
   const table_z = readFileSync(join(out, 'cell/truth/T_base_shoe.txt'), 'utf8').split(/\s+/).filter(Boolean)[11];
   const control = `tcp://127.0.0.1:${await free_port()}`;
+  // A person decides, so that there is time to mend what was found.
+  const process_file = join(out, 'process.yaml');
+  const rough = readFileSync(join(source, 'host/robot/path/processes/rough.yaml'), 'utf8');
+  check(/\ngate:\n[^\n]*\n$/.test(rough), 'rough.yaml no longer ends with its gate');
+  writeFileSync(process_file, `${rough}  approval: person\n`);
   const host_arguments = [
-    '--sensor', endpoint, '--out', join(out, 'results'), '--robot', 'ur5e', '--process', join(source, 'host/robot/path/processes/rough.yaml'), '--table-z', table_z,
+    '--sensor', endpoint, '--out', join(out, 'results'), '--robot', 'ur5e', '--process', process_file, '--table-z', table_z,
     '--rtde', places.rtde, '--script', places.script, '--dashboard', places.dashboard, '--send', '--control', control, '--exit-with-parent',
   ];
   let host = run('biteline-host', host_arguments);
@@ -175,8 +180,31 @@ async function whole_way() {
   await anna.page.getByText('Section across the line', { exact: true }).waitFor();
   await look_for_faults(anna.page, 'a real scan');
   await anna.page.screenshot({ path: join(pictures, 'cell_scan_1280.png'), fullPage: true });
-  // The process may leave the decision to a person; otherwise the path is sent by itself.
-  if (scan.decision === 'held') await anna.page.getByRole('button', { name: 'Accept' }).click();
+  await row_of((row) => row.id === scan.id && row.decision === 'held', 60);
+  // A place of the found line itself: led through it, the line stays where it is, and is the hand's.
+  const middle = await anna.page.evaluate(async (id) => {
+    const rows = (await (await fetch(`/api/v1/scans/${id}/files/line.csv`)).text()).split('\n').filter((row) => /^[-\d]/.test(row));
+    return rows[240].split(',').slice(0, 3).join(', ');
+  }, scan.id);
+  await anna.page.getByText('Mend the line').click();
+  await anna.page.getByLabel('A [mm]').fill('100');
+  await anna.page.getByLabel('B [mm]').fill('140');
+  await anna.page.getByLabel('Points x, y, z', { exact: false }).fill(middle);
+  await anna.page.getByRole('button', { name: 'Redo through the points' }).click();
+  await anna.page.locator('details').getByLabel('Why').fill('to be sure of the heel');
+  await anna.page.getByRole('button', { name: 'Save as a new version' }).click();
+  await anna.page.getByText('The line is mended.').waitFor({ timeout: 60_000 });
+  const mended = await row_of((row) => row.id === scan.id && row.line_version === 1, 60);
+  check(Math.abs(mended.length_mm - scan.length_mm) < 1, `mended: ${mended.length_mm} mm, found ${scan.length_mm} mm`);
+  check(mended.confidence <= scan.confidence, 'a hand raised the confidence');
+  say(`${scan.id} is mended`);
+  // Its path is planned and checked anew before anybody can accept it.
+  for (let turn = 0; turn < 240; ++turn) {
+    const state = await anna.page.evaluate(async () => (await (await fetch('/api/v1/state')).json()));
+    if (state.phase === 'deciding') break;
+    await anna.page.waitForTimeout(250);
+  }
+  await anna.page.getByRole('button', { name: 'Accept' }).click();
   const followed = await row_of((row) => row.id === scan.id && row.followed === true, 240);
   say(`${followed.id} was followed by the arm`);
   await anna.page.goto(`${address}#/scans`);

@@ -202,9 +202,11 @@ double Cockpit::cycle_s() const {
   return cycle_begun_ ? std::chrono::duration<double>(Clock::now() - *cycle_begun_).count() : 0;
 }
 
-void Cockpit::hold(const std::string& scan) {
+void Cockpit::hold(const std::string& scan, bool sendable) {
   const std::lock_guard lock{mutex_};
   held_ = scan;
+  sendable_ = sendable;
+  if (mending_ == scan) mending_.clear();
   if (scan.empty()) hold_wanted_.clear();
 }
 
@@ -366,7 +368,7 @@ Result<void> Cockpit::start(const api::Job& job, const std::string& who) {
   return {};
 }
 
-Result<void> Cockpit::rescan(const std::string& who, const std::string& why) {
+Result<void> Cockpit::rescan(const std::string& who, const std::string& why, const std::string& door) {
   std::string held;
   {
     const std::lock_guard lock{mutex_};
@@ -374,8 +376,11 @@ Result<void> Cockpit::rescan(const std::string& who, const std::string& why) {
     held = held_;
   }
   if (!held.empty())
-    BITELINE_TRY(decide(
-        {.kind = api::Decision::Kind::Reject, .scan = held, .who = who, .why = "scanned again: " + why}));
+    BITELINE_TRY(decide({.kind = api::Decision::Kind::Reject,
+                         .scan = held,
+                         .who = who,
+                         .why = "scanned again: " + why,
+                         .door = door}));
   halted_ = false;
   paused_ = false;
   wish({.kind = Wish::Kind::Rescan, .scan = {}, .who = who, .why = why});
@@ -385,9 +390,13 @@ Result<void> Cockpit::rescan(const std::string& who, const std::string& why) {
 Result<void> Cockpit::decide(const api::Decision& decision) {
   using enum api::Decision::Kind;
   bool held = false;
+  bool sendable = false;
   {
     const std::lock_guard lock{mutex_};
+    if (mending_ == decision.scan)
+      return fail(Errc::WrongState, "%s is being mended; decide when its path is checked", mending_.c_str());
     held = held_ == decision.scan;
+    sendable = sendable_;
     if (decision.kind == Hold && !held && scan_ == decision.scan &&
         (phase_ == Phase::Scanning || phase_ == Phase::Working)) {
       hold_wanted_ = decision.scan;
@@ -407,6 +416,9 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
     scan->verdict = "working";
   }
   const bool sends = decision.kind == Accept || decision.kind == Send;
+  if (sends && held && !sendable)
+    return fail(Errc::WrongState, "%s has no checked path with its mended line; mend it again, or reject it",
+                decision.scan.c_str());
   if (sends && !held)
     return fail(Errc::WrongState, "%s does not wait for a word; scan the shoe again", decision.scan.c_str());
   if (decision.kind == Reject && scan->sent)
@@ -419,7 +431,7 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
   BITELINE_TRY(memory_.put_scan(*scan, {.id = 0,
                                         .time = *scan->decided_at,
                                         .who = decision.who,
-                                        .door = "web",
+                                        .door = decision.door,
                                         .action = scan->decision,
                                         .subject = decision.scan,
                                         .before = before,
@@ -434,6 +446,28 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
   }
   tell_scan(decision.scan);
   return {};
+}
+
+Result<void> Cockpit::begin_mend(const std::string& scan) {
+  const std::lock_guard lock{mutex_};
+  if (!mending_.empty()) return fail(Errc::WrongState, "%s is being mended; wait for it", mending_.c_str());
+  if (scan_ == scan && held_ != scan &&
+      (phase_ == Phase::Scanning || phase_ == Phase::Working || phase_ == Phase::Following))
+    return fail(Errc::WrongState, "%s is in work; mend it when it is done", scan.c_str());
+  mending_ = scan;
+  return {};
+}
+
+void Cockpit::end_mend(const std::string& scan, bool mended, const std::string& who) {
+  {
+    const std::lock_guard lock{mutex_};
+    if (!mended || held_ != scan) {
+      mending_.clear();
+      return;
+    }
+  }
+  // What waits gets its path planned anew; until then nobody can accept it.
+  wish({.kind = Wish::Kind::Mended, .scan = scan, .who = who, .why = {}});
 }
 
 }  // namespace biteline::service

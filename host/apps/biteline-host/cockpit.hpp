@@ -35,7 +35,7 @@ struct CockpitConfig {
 
 /// What a door wants of the service's own thread.
 struct Wish {
-  enum class Kind { Start, Rescan, Stop, LaserOff, Send, Reject, Hold };
+  enum class Kind { Start, Rescan, Stop, LaserOff, Send, Reject, Hold, Mended };
   Kind kind{Kind::Stop};
   std::string scan, who, why;
   api::Job job{};
@@ -76,8 +76,8 @@ class Cockpit final : public api::Cell {
   /// A cycle goes from one asking for a scan to the next.
   void begin_cycle();
   [[nodiscard]] double cycle_s() const;
-  /// The scan waits for a person until its name is empty again.
-  void hold(const std::string& scan);
+  /// The scan waits for a person until its name is empty again; only a `sendable` one can be accepted.
+  void hold(const std::string& scan, bool sendable = true);
   /// The row is in the memory: all doors see it.
   void tell_scan(const std::string& scan);
 
@@ -88,8 +88,11 @@ class Cockpit final : public api::Cell {
   void stop(const std::string& who) override;
   void laser_off(const std::string& who) override;
   [[nodiscard]] Result<void> start(const api::Job& job, const std::string& who) override;
-  [[nodiscard]] Result<void> rescan(const std::string& who, const std::string& why) override;
+  [[nodiscard]] Result<void> rescan(const std::string& who, const std::string& why,
+                                    const std::string& door) override;
   [[nodiscard]] Result<void> decide(const api::Decision& decision) override;
+  [[nodiscard]] Result<void> begin_mend(const std::string& scan) override;
+  void end_mend(const std::string& scan, bool mended, const std::string& who) override;
 
  private:
   Cockpit(CockpitConfig config, memory::Memory memory);
@@ -112,6 +115,8 @@ class Cockpit final : public api::Cell {
   std::deque<Wish> wishes_;
   std::string hold_wanted_;
   std::string held_;
+  bool sendable_{true};  ///< of what is held
+  std::string mending_;  ///< a scan whose line is being mended, or whose path is planned anew
   Phase phase_{Phase::Starting};
   std::string now_{"starts"}, next_, scan_;
   std::optional<double> progress_{};

@@ -86,10 +86,12 @@ std::optional<memory::Scan> row_of(const fs::path& folder) {
     scan.line_s = number_of(*stages, "last profile to line");
     if (!scan.line_s) scan.line_s = number_of(*stages, "transfer");
   }
+  if (const std::optional<double> version = number_of(report, "line_version"))
+    scan.line_version = static_cast<int>(*version);
   if (const auto weak = report.find("weak_stretches"); weak != report.end() && weak->is_array())
     scan.weak_stretches = static_cast<int>(weak->size());
   if (text_of(report, "status") == "ok") {
-    scan.verdict = scan.weak_stretches > 0 ? "amber" : "ok";
+    scan.verdict = scan.weak_stretches > 0 || scan.line_version > 0 ? "amber" : "ok";
     take_line(folder / "line.csv", scan);
     const Json plan = read_json(folder / "path/report.json");
     if (plan.is_object() && text_of(plan, "status") == "refused") take_refusal(plan, scan);

@@ -115,6 +115,8 @@ class Service {
   [[nodiscard]] Result<void> choose_process(const transfer::Library& library, Chosen& chosen) const;
   [[nodiscard]] Result<ExitStatus> work_out_path(Scan& scan, const intake::ScanOutcome& outcome,
                                                  const LineStep& line);
+  /// Plans what waits anew, with the line that a person has mended, and lets it wait again.
+  [[nodiscard]] Result<ExitStatus> plan_mended(Held held);
   /// Sends what waited, with a person's word.
   [[nodiscard]] Result<ExitStatus> send_held(Held held, const robot::Word& word);
   /// The scan's row, of its folder; a memory that cannot take it is told, and costs no scan.

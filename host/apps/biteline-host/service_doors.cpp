@@ -22,7 +22,7 @@ void Service::show_idle() {
   if (result_.valid()) return;
   if (held_) {
     if (!told_held_) {
-      cockpit_->hold(held_->folder.filename().string());
+      cockpit_->hold(held_->folder.filename().string(), held_->plan.outcome.path.has_value());
       cockpit_->tell_scan(held_->folder.filename().string());
       told_held_ = true;
     }
@@ -109,6 +109,16 @@ void Service::heed(const Wish& wish) {
             pthread_setname_np(pthread_self(), "bl-result");
             return send_held(std::move(held), word);
           });
+      held_.reset();
+      return;
+    case Wish::Kind::Mended:
+      if (result_.valid() || !held_ || held_->folder.filename() != wish.scan) return;
+      say_step("the line of %s is mended by %s", wish.scan.c_str(), wish.who.c_str());
+      told_held_ = false;
+      result_ = std::async(std::launch::async, [this, held = std::move(*held_)]() mutable {
+        pthread_setname_np(pthread_self(), "bl-result");
+        return plan_mended(std::move(held));
+      });
       held_.reset();
       return;
     case Wish::Kind::Hold:

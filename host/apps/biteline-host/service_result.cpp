@@ -8,8 +8,10 @@
 
 #include "host/apps/biteline-host/attempt.hpp"
 #include "host/apps/biteline-host/recognise.hpp"
+#include "host/apps/biteline-host/scan_row.hpp"
 #include "host/apps/biteline-host/service.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
+#include "host/results/plan_result.hpp"
 #include "host/transfer/library.hpp"
 
 namespace biteline::service {
@@ -184,6 +186,25 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
   if (!wanted) return plan.status;
   cockpit_->show(Phase::Following, "the arm follows the line of " + name, "the next scan");
   return follow_path(scan.folder, plan, send, cockpit_->halted());
+}
+
+Result<ExitStatus> Service::plan_mended(Held held) {
+  const std::string name = held.folder.filename().string();
+  cockpit_->show(Phase::Working, "plans the path of the mended " + name, "a person decides");
+  const Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
+    held.plan.outcome = {};
+    BITELINE_TRY(results::prepare_plan_folder(held.folder / "path"));
+    const std::optional<memory::Scan> row = row_of(held.folder);
+    if (!row || row->verdict == "refused") return ExitStatus::Refused;
+    held.request.confidence = row->confidence.value_or(0);
+    BITELINE_ASSIGN(cloud::ClosedLine line, cloud::read_line(held.folder / "line.csv"));
+    BITELINE_ASSIGN(held.plan, plan_again(held.folder / "path", held.plan.request, std::move(line)));
+    return held.plan.status;
+  });
+  remember(held.folder, "held", held.chosen);
+  // Also without a path: it can be mended again, or rejected.
+  held_.emplace(std::move(held));
+  return status;
 }
 
 Result<ExitStatus> Service::send_held(Held held, const robot::Word& word) {

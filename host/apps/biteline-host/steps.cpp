@@ -268,20 +268,24 @@ Result<LineStep> carry_line(const fs::path& folder, const Carrier& carrier, cons
 
 Result<PlanStep> plan_path(const fs::path& folder, const PlanStepRequest& request,
                            const intake::ScanOutcome& scan, const cloud::ClosedLine& line) {
-  report::Report report;
-  BITELINE_TRY(results::prepare_plan_folder(folder));
   path::PlanRequest plan_request;
-  plan_request.line = line;
   plan_request.process = request.process;
   plan_request.arm = request.arm;
   plan_request.table_z_mm = request.table_z_mm;
   plan_request.cloud = scan.cloud.points;
+  return plan_again(folder, std::move(plan_request), line);
+}
+
+Result<PlanStep> plan_again(const fs::path& folder, path::PlanRequest plan_request, cloud::ClosedLine line) {
+  report::Report report;
+  BITELINE_TRY(results::prepare_plan_folder(folder));
+  plan_request.line = std::move(line);
   path::PlanOutcome outcome = report.timed("plan", [&] { return path::plan(plan_request); });
   BITELINE_ASSIGN(const ExitStatus status, results::write_plan_result(folder, plan_request, outcome, report));
   // The scan's own page names the path, too.
   BITELINE_TRY(results::write_file_list(folder.parent_path()));
   if (outcome.path) {
-    say_step("%s follows the line in %.1f s: every check passed", request.arm.name.c_str(),
+    say_step("%s follows the line in %.1f s: every check passed", plan_request.arm.name.c_str(),
              outcome.path->duration_s());
   } else {
     say_step("refused: no path: %s", outcome.reason().c_str());

@@ -69,6 +69,10 @@ struct PlanStep {
 [[nodiscard]] Result<PlanStep> plan_path(const std::filesystem::path& folder, const PlanStepRequest& request,
                                          const intake::ScanOutcome& scan, const cloud::ClosedLine& line);
 
+/// The same of a scan that was planned before, with another line.
+[[nodiscard]] Result<PlanStep> plan_again(const std::filesystem::path& folder, path::PlanRequest request,
+                                          cloud::ClosedLine line);
+
 struct ControllerAddress {
   std::string rtde;       ///< HOST:PORT
   std::string script;     ///< HOST:PORT

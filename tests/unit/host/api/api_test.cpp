@@ -7,7 +7,10 @@
 #include <algorithm>
 
 #include "host/api/words.hpp"
+#include "host/bite_line/find_bite_line.hpp"
+#include "host/cloud/ply.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/made_cloud.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace biteline::api {
@@ -28,12 +31,19 @@ struct FakeCell final : Cell {
     did.push_back("start " + who + " " + job.process);
     return next;
   }
-  Result<void> rescan(const std::string& who, const std::string&) override {
+  Result<void> rescan(const std::string& who, const std::string&, const std::string&) override {
     did.push_back("rescan " + who);
     return next;
   }
+  Result<void> begin_mend(const std::string& scan) override {
+    did.push_back("begin mend " + scan);
+    return next;
+  }
+  void end_mend(const std::string& scan, bool mended, const std::string& who) override {
+    did.push_back("end mend " + scan + (mended ? " yes " : " no ") + who);
+  }
   Result<void> decide(const Decision& decision) override {
-    did.push_back("decide " + decision.scan + " " + decision.who + " " + decision.why);
+    did.push_back("decide " + decision.scan + " " + decision.who + " " + decision.door + " " + decision.why);
     return next;
   }
 };
@@ -175,7 +185,7 @@ TEST(Api, ScansAreListedAndDecidedAbout) {
   LONGS_EQUAL(200, ask("POST", "/control", {{"action", "take"}}).status);
   LONGS_EQUAL(400, ask("POST", "/scans/scan-0001/reject").status);  // why?
   LONGS_EQUAL(200, ask("POST", "/scans/scan-0001/reject", {{"why", "a hole"}}).status);
-  STRCMP_EQUAL("decide scan-0001 ana a hole", cell.did.back().c_str());
+  STRCMP_EQUAL("decide scan-0001 ana web a hole", cell.did.back().c_str());
   LONGS_EQUAL(404, ask("POST", "/scans/..%2fx/accept").status);
   cell.next = fail(Errc::WrongState, "scan-0001 does not wait");
   const control::Answer late = ask("POST", "/scans/scan-0001/accept");
@@ -313,6 +323,86 @@ TEST(Api, HistoryIsToldAsTrendsAndCsv) {
   const control::Answer csv = ask("GET", "/history.csv");
   STRCMP_EQUAL("text/csv", csv.type.c_str());
   LONGS_EQUAL(3, std::ranges::count(csv.body.get<std::string>(), '\n'));
+}
+
+TEST(Api, AMendIsANewVersionWithWhoAndWhyAndTheCellIsToldOnBothSides) {
+  const test::MadeCloud made = test::made_cloud(sim::ShoeClass::Deep, 4101, test::somewhere());
+  const bite_line::Extraction found = bite_line::find_bite_line(made.cloud, {});
+  const std::filesystem::path scan = folder.path() / "scan-0001";
+  folder.write("scan-0001/report.json", R"({"status":"ok","confidence":0.9})");
+  SUCCEEDS(cloud::write_cloud(scan / "cloud.ply", made.cloud));
+  SUCCEEDS(cloud::write_line(scan / "line.csv", found.line));
+  put("scan-0001", "ok");
+  log_in("ana");
+  const Vec3& at = found.line.points[300].position;
+  const Json mend{{"line_version", 0},
+                  {"why", "the heel"},
+                  {"steps",
+                   {{{"step", "through"},
+                     {"from_mm", 130},
+                     {"to_mm", 170},
+                     {"points", Json::array({{at.x(), at.y(), at.z()}})}}}}};
+  STRCMP_EQUAL("control_needed", code_of(ask("POST", "/scans/scan-0001/mend", mend)).c_str());
+  LONGS_EQUAL(200, ask("POST", "/control", {{"action", "take"}}).status);
+  for (const char* bad :
+       {R"({})", R"({"line_version":0,"why":"x","steps":[]})",
+        R"({"line_version":0,"why":"x","steps":[{"step":"glue"}]})",
+        R"({"line_version":0,"why":"x","steps":[{"step":"cut","from_mm":1}]})",
+        R"({"line_version":0,"why":"x","steps":[{"step":"candidate","candidate":0}]})",
+        R"({"line_version":0,"why":"x","steps":[{"step":"candidate","candidate":1,"more":1}]})",
+        R"({"line_version":-1,"why":"x","steps":[{"step":"candidate","candidate":1}]})"})
+    LONGS_EQUAL_TEXT(400, ask("POST", "/scans/scan-0001/mend", Json::parse(bad)).status, bad);
+  CHECK(cell.did.empty());
+
+  const control::Answer answer = ask("POST", "/scans/scan-0001/mend", mend);
+  LONGS_EQUAL_TEXT(200, answer.status, answer.body.dump().c_str());
+  LONGS_EQUAL(1, answer.body["line_version"].get<int>());
+  STRCMP_EQUAL("amber", answer.body["verdict"].get<std::string>().c_str());
+  CHECK(answer.body["confidence"].get<double>() <= 0.9);
+  STRCMP_EQUAL("begin mend scan-0001", cell.did.at(0).c_str());
+  STRCMP_EQUAL("end mend scan-0001 yes ana", cell.did.at(1).c_str());
+  const control::Answer now = ask("GET", "/scans/scan-0001");
+  LONGS_EQUAL(2, now.body["versions"].size());
+  STRCMP_EQUAL("the heel", now.body["versions"][1]["why"].get<std::string>().c_str());
+  STRCMP_EQUAL("ana", now.body["versions"][1]["who"].get<std::string>().c_str());
+  CHECK(std::filesystem::exists(scan / now.body["versions"][0]["file"].get<std::string>()));
+  STRCMP_EQUAL("mend", memory->log_rows(0, 1)->front().action.c_str());
+
+  // Somebody else's mend came between, and a step that cannot be done.
+  STRCMP_EQUAL("wrong_state", code_of(ask("POST", "/scans/scan-0001/mend", mend)).c_str());
+  Json far = mend;
+  far["line_version"] = 1;
+  far["steps"][0]["points"][0][2] = 9000;
+  const control::Answer refused = ask("POST", "/scans/scan-0001/mend", far);
+  LONGS_EQUAL(422, refused.status);
+  STRCMP_EQUAL("end mend scan-0001 no ana", cell.did.back().c_str());
+  LONGS_EQUAL(2, ask("GET", "/scans/scan-0001").body["versions"].size());
+}
+
+TEST(Api, WhatWasSentOrIsInWorkIsNotMended) {
+  memory::Scan sent;
+  sent.name = "scan-0002";
+  sent.time = 1'000'000;
+  sent.verdict = "ok";
+  sent.sent = true;
+  SUCCEEDS(memory->put_scan(sent, {.id = 0,
+                                   .time = 0,
+                                   .who = "service",
+                                   .door = {},
+                                   .action = {},
+                                   .subject = {},
+                                   .before = {},
+                                   .after = {}}));
+  put("scan-0001", "ok");
+  log_in("ana");
+  LONGS_EQUAL(200, ask("POST", "/control", {{"action", "take"}}).status);
+  const Json mend{{"line_version", 0}, {"why", "x"}, {"steps", {{{"step", "candidate"}, {"candidate", 1}}}}};
+  LONGS_EQUAL(409, ask("POST", "/scans/scan-0002/mend", mend).status);
+  LONGS_EQUAL(404, ask("POST", "/scans/scan-0003/mend", mend).status);
+  CHECK(cell.did.empty());
+  cell.next = fail(Errc::WrongState, "scan-0001 is in work");
+  LONGS_EQUAL(409, ask("POST", "/scans/scan-0001/mend", mend).status);
+  LONGS_EQUAL(1, cell.did.size());
 }
 
 }  // namespace biteline::api
