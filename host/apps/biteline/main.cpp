@@ -83,8 +83,6 @@ int main(int argc, char** argv) {
   app.add_flag("--quiet", context.options.quiet, "No progress, no words beyond the result");
   app.add_flag("--json", context.options.json, "The result's report.json on stdout, and nothing else");
   app.set_version_flag("--version", "biteline " BITELINE_VERSION);
-  add_batch(app, context);
-  add_sweep(app, context);
   add_target(app, context);
   add_transfer(app, context);
   add_demo(app, context);
@@ -99,6 +97,8 @@ int main(int argc, char** argv) {
   add_model(app, context);
   add_replay(app, context);
   add_plan(app, context);
+  add_batch(app, context);
+  add_sweep(app, context);
 
   try {
     app.parse(argc, argv);
