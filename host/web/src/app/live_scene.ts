@@ -19,9 +19,15 @@ export class LiveScene {
   private scan = -1;
   private box3 = new THREE.Box3();
   private line: THREE.LineLoop | null = null;
-  private tip = new THREE.Mesh(new THREE.SphereGeometry(4, 16, 12), new THREE.MeshBasicMaterial({ color: 0xd1006c }));
+  private tip = new THREE.Mesh(
+    new THREE.SphereGeometry(4, 16, 12),
+    new THREE.MeshBasicMaterial({ color: 0xd1006c }),
+  );
   private trail: THREE.Vector3[] = [];
-  private trail_line = new THREE.Line(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0x2f7de1 }));
+  private trail_line = new THREE.Line(
+    new THREE.BufferGeometry(),
+    new THREE.LineBasicMaterial({ color: 0x2f7de1 }),
+  );
   private watcher: ResizeObserver;
   private frame = 0;
   private touched = false;
@@ -99,7 +105,10 @@ export class LiveScene {
         this.box3.expandByPoint(new THREE.Vector3(values[5 * i]!, values[5 * i + 1]!, values[5 * i + 2]!));
       }
       geometry.setAttribute('position', new THREE.BufferAttribute(places, 3));
-      this.line = new THREE.LineLoop(geometry, new THREE.LineBasicMaterial({ color: 0xd1006c, depthTest: false }));
+      this.line = new THREE.LineLoop(
+        geometry,
+        new THREE.LineBasicMaterial({ color: 0xd1006c, depthTest: false }),
+      );
       this.line.frustumCulled = false;
       this.scene.add(this.line);
       if (!this.touched) this.fit();
@@ -119,7 +128,10 @@ export class LiveScene {
   recolour(): void {
     const { min, max } = this.box3;
     for (let i = 0; i < this.count; ++i) {
-      const share = this.colour === 'time' ? i / Math.max(1, this.count) : (this.positions[3 * i + 2]! - min.z) / Math.max(1, max.z - min.z);
+      const share =
+        this.colour === 'time'
+          ? i / Math.max(1, this.count)
+          : (this.positions[3 * i + 2]! - min.z) / Math.max(1, max.z - min.z);
       this.colours.set(colour_of(share), 3 * i);
     }
     this.geometry.setDrawRange(0, this.count);

@@ -25,7 +25,15 @@ interface Store {
 }
 
 let store: Store = {
-  me: null, known: false, state: null, linked: true, host: true, told: [], turn: 0, scan: null, health: [],
+  me: null,
+  known: false,
+  state: null,
+  linked: true,
+  host: true,
+  told: [],
+  turn: 0,
+  scan: null,
+  health: [],
 };
 const watchers = new Set<() => void>();
 
@@ -66,7 +74,8 @@ export function hush(id: number): void {
 }
 
 export function words_of(error: unknown): string {
-  if (error instanceof Refused) return t_or(`code_${error.code}`, error.message) + (error.code in own_words ? '' : detail(error));
+  if (error instanceof Refused)
+    return t_or(`code_${error.code}`, error.message) + (error.code in own_words ? '' : detail(error));
   return error instanceof Error ? error.message : String(error);
 }
 /// Codes whose own words say all.
@@ -119,7 +128,11 @@ export async function read_me(): Promise<void> {
       mark_session(false);
       change({ me: null, known: true });
     } else {
-      change({ known: true, linked: !(error instanceof Refused && error.code === 'no_answer'), host: !(error instanceof Refused && error.code === 'host_away') });
+      change({
+        known: true,
+        linked: !(error instanceof Refused && error.code === 'no_answer'),
+        host: !(error instanceof Refused && error.code === 'host_away'),
+      });
       setTimeout(() => void read_me(), 2000);
     }
   }
@@ -218,7 +231,8 @@ function take(event: { event: string; seq?: number; time: string; data: unknown 
     const connected = (event.data as { connected: boolean }).connected;
     change({ host: connected });
     if (connected) void read_state();
-  } else if (event.event === 'control' && store.state) change({ state: { ...store.state, control: event.data as State['control'] } });
+  } else if (event.event === 'control' && store.state)
+    change({ state: { ...store.state, control: event.data as State['control'] } });
   else if (event.event === 'scan') change({ scan: event.data as ScanRow, turn: store.turn + 1 });
   else if (event.event === 'health') {
     const sample = { time_s: Date.parse(event.time) / 1000, sensor: event.data as Sensor };
@@ -229,7 +243,11 @@ function take(event: { event: string; seq?: number; time: string; data: unknown 
 /// Reads `path` whenever it or a turn changes; keeps the last value meanwhile.
 export function use_reading<T>(path: string | null): { value: T | null; error: string } {
   const { turn, linked, host } = use_store();
-  const [got, set] = useState<{ path: string | null; value: T | null; error: string }>({ path: null, value: null, error: '' });
+  const [got, set] = useState<{ path: string | null; value: T | null; error: string }>({
+    path: null,
+    value: null,
+    error: '',
+  });
   useEffect(() => {
     let alive = true;
     if (path === null) return;
@@ -239,8 +257,13 @@ export function use_reading<T>(path: string | null): { value: T | null; error: s
         if (!alive) return;
         if (error instanceof Refused && error.status === 401) change({ me: null });
         // The line at the top says it for all.
-        const told_above = error instanceof Refused && (error.code === 'host_away' || error.code === 'no_answer');
-        set((before) => ({ path, value: before.path === path ? before.value : null, error: told_above ? '' : words_of(error) }));
+        const told_above =
+          error instanceof Refused && (error.code === 'host_away' || error.code === 'no_answer');
+        set((before) => ({
+          path,
+          value: before.path === path ? before.value : null,
+          error: told_above ? '' : words_of(error),
+        }));
       });
     return () => {
       alive = false;
