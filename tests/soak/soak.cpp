@@ -24,8 +24,8 @@ constexpr double k_machine_late_ms = 25;
 constexpr auto k_silence = 180s;
 /// A service that left: two seconds without a word, five of patience, and a bit.
 constexpr auto k_dark_without_host = 10s;
-/// A service asks for the next scan at once: a thread that still hangs, or a camera that waits some seconds
-/// for a sensor that was killed (its heartbeat), spoils that one, too.
+/// A service asks for the next scan at once: a thread that still hangs spoils that one, too.  After a sensor
+/// was killed its successor's first scan gets no frames; why is not known, so the longer time hides it here.
 constexpr auto k_aftermath = 1s, k_aftermath_of_an_end = 15s;
 /// Rounds have a sound scan for so many faults.
 constexpr std::size_t k_faults_for_a_sound_one = 3;
