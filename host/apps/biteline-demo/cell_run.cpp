@@ -6,15 +6,14 @@
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "host/apps/biteline-demo/lateness.hpp"
+#include "host/apps/biteline-demo/stand.hpp"
 #include "host/intake/child_process.hpp"
 #include "host/intake/refused.hpp"
 #include "host/report/report.hpp"
 #include "host/robot/link/gate/refused.hpp"
 #include "host/transfer/refused.hpp"
-#include "host/uncertainty/uncertainty_file.hpp"
 
 namespace biteline::demo {
 namespace {
@@ -23,42 +22,6 @@ namespace fs = std::filesystem;
 using intake::ChildProcess;
 using nlohmann::ordered_json;
 using namespace std::chrono_literals;
-
-/// Starts a program that says in one line of JSON where it listens.
-struct Server {
-  ChildProcess child;
-  ordered_json endpoints;
-};
-
-Result<Server> start_server(const std::string& name, std::vector<std::string> arguments,
-                            bool pass_stderr = true) {
-  arguments.emplace_back("--exit-with-parent");
-  // Making a shoe and its search tree takes the cell some seconds, more on a busy machine.
-  constexpr auto k_patience = 60s;
-  BITELINE_ASSIGN(ChildProcess child, ChildProcess::start({.program = intake::program_folder() / name,
-                                                           .arguments = std::move(arguments),
-                                                           .pass_stderr = pass_stderr}));
-  BITELINE_ASSIGN(const std::string line, child.next_line(k_patience));
-  ordered_json endpoints = ordered_json::parse(line, nullptr, false);
-  if (!endpoints.is_object()) return fail(Errc::ProtocolError, "%s: a line of JSON expected", name.c_str());
-  return Server{.child = std::move(child), .endpoints = std::move(endpoints)};
-}
-
-/// With real-time rights where there are any: then no other program on this machine holds it up.
-Result<Server> start_sensor(const std::string& board, const std::string& calibration) {
-  std::vector<std::string> arguments{"--source",  "board:" + board, "--sensor",
-                                     calibration, "--rt",           "required"};
-  if (Result<Server> urgent = start_server("biteline-sensor", arguments, false)) return urgent;
-  arguments.back() = "ignore";
-  return start_server("biteline-sensor", arguments);
-}
-
-Result<std::string> endpoint(const Server& server, const char* name) {
-  if (!server.endpoints.contains(name) || !server.endpoints[name].is_string()) {
-    return fail(Errc::ProtocolError, "no '%s' among the endpoints of a started program", name);
-  }
-  return server.endpoints[name].get<std::string>();
-}
 
 /// Shows what the host says; its exit status.
 Result<int> attend(ChildProcess& host, bool quiet) {
@@ -81,16 +44,6 @@ ordered_json read_json(const fs::path& file) {
   std::ifstream stream(file);
   ordered_json json = ordered_json::parse(stream, nullptr, false);
   return json.is_object() ? json : ordered_json::object();
-}
-
-/// z of the table that the shoe stands on, which an integrator knows of his cell: here the cell's own.
-double table_z_mm(const fs::path& truth) {
-  std::ifstream file(truth / "T_base_shoe.txt");
-  double entry = 0, z_mm = 0;
-  for (int i = 0; i < 12 && file >> entry; ++i) {
-    if (i == 11) z_mm = entry;
-  }
-  return z_mm;
 }
 
 Result<evaluation::LineError> measure_line(const fs::path& scan, const fs::path& truth) {
@@ -130,70 +83,6 @@ bool worth_another_scan(const std::optional<fs::path>& scan) {
          code == report::refusal_row(transfer::Refused::ScanHasGap).name || holes_before_gate(*scan);
 }
 
-std::vector<std::string> cell_arguments(const CellOptions& options, const Shoe& shoe, const fs::path& out) {
-  const auto number = [](double value) {
-    std::ostringstream text;
-    text << value;
-    return text.str();
-  };
-  std::vector<std::string> arguments{"serve",
-                                     "--seed",
-                                     std::to_string(options.seed),
-                                     "--shoe",
-                                     options.shoe,
-                                     "--arm",
-                                     options.arm,
-                                     "--place",
-                                     std::to_string(shoe.place),
-                                     "--out",
-                                     out.string(),
-                                     "--size",
-                                     number(options.size),
-                                     "--speed-mm-s",
-                                     number(options.speed_mm_s),
-                                     "--rate-hz",
-                                     number(options.rate_hz)};
-  if (shoe.sample) arguments.emplace_back("--upper");
-  return arguments;
-}
-
-std::vector<std::string> host_arguments(const CellOptions& options, const Shoe& shoe, const Server& cell,
-                                        const std::string& stream, const fs::path& known) {
-  const fs::path folder = options.out / shoe.name;
-  std::vector<std::string> arguments{"--sensor",
-                                     stream,
-                                     "--out",
-                                     folder.string(),
-                                     "--uncertainty",
-                                     known.string(),
-                                     "--robot",
-                                     options.arm,
-                                     "--process",
-                                     options.process.string(),
-                                     "--table-z",
-                                     std::to_string(table_z_mm(folder / "cell/truth")),
-                                     "--rtde",
-                                     cell.endpoints.value("rtde", ""),
-                                     "--script",
-                                     cell.endpoints.value("script", ""),
-                                     "--dashboard",
-                                     cell.endpoints.value("dashboard", ""),
-                                     "--send",
-                                     "--once",
-                                     "--exit-with-parent"};
-  if (shoe.sample) arguments.insert(arguments.end(), {"--sample", shoe.sample->string()});
-  return arguments;
-}
-
-/// How well the cell's head is known: its sensor.yaml holds the true values, and only its poses are noisy.
-Result<fs::path> write_uncertainty(const Server& cell, const fs::path& folder) {
-  const uncertainty::HeadUncertainty known{.pose_sigma_mm = cell.endpoints.value("pose_sigma_mm", 0.0),
-                                           .pose_sigma_rad = cell.endpoints.value("pose_sigma_rad", 0.0)};
-  const fs::path file = folder / uncertainty::k_file_name;
-  BITELINE_TRY(report::write_file_atomically(file, uncertainty::uncertainty_text(known)));
-  return file;
-}
-
 /// Nothing when the machine had time.
 std::string too_busy(const Lateness& lateness) {
   if (lateness.worst_ms() <= Lateness::k_allowed_ms) return {};
@@ -227,19 +116,16 @@ std::string verdict_of(const ShoeResult& result, const std::string& last_words, 
 
 Result<ShoeResult> run_shoe(const CellOptions& options, const Shoe& shoe) {
   const auto begin = std::chrono::steady_clock::now();
-  const fs::path folder = options.out / shoe.name, cell_folder = fs::absolute(folder) / "cell";
+  const fs::path folder = options.out / shoe.name;
   BITELINE_TRY(report::prepare_folder(folder));
   const std::optional<fs::path> earlier = newest_scan(folder);  // of an earlier demo: kept
-  // Each program dies with this one, and each Server stops its program when it goes, whatever happens below.
-  BITELINE_ASSIGN(Server cell, start_server("biteline-cell", cell_arguments(options, shoe, cell_folder)));
-  BITELINE_ASSIGN(const std::string board, endpoint(cell, "board"));
-  BITELINE_ASSIGN(const std::string calibration, endpoint(cell, "sensor"));
-  BITELINE_ASSIGN(Server sensor, start_sensor(board, calibration));
-  BITELINE_ASSIGN(const std::string stream, endpoint(sensor, "endpoint"));
-  BITELINE_ASSIGN(const fs::path known, write_uncertainty(cell, cell_folder));
+  BITELINE_ASSIGN(Stand stand, start_stand(options, shoe, folder));
+  std::vector<std::string> arguments = host_arguments(options, stand, folder);
+  arguments.emplace_back("--once");
+  if (shoe.sample) arguments.insert(arguments.end(), {"--sample", shoe.sample->string()});
 
   ShoeResult result{.shoe = shoe, .scan = {}, .verdict = {}, .error = {}};
-  result.scan_s = cell.endpoints.value("scan_s", 0.0);
+  result.scan_s = stand.cell.endpoints.value("scan_s", 0.0);
   std::string last_words;
   const Lateness lateness;
   // On a machine that is busy with other things frames may come too late, and the laser's guard then,
@@ -248,7 +134,7 @@ Result<ShoeResult> run_shoe(const CellOptions& options, const Shoe& shoe) {
   for (int scans = 1; scans <= k_most_scans; ++scans) {
     BITELINE_ASSIGN(ChildProcess host,
                     ChildProcess::start({.program = intake::program_folder() / "biteline-host",
-                                         .arguments = host_arguments(options, shoe, cell, stream, known),
+                                         .arguments = arguments,
                                          .pass_stderr = true}));
     BITELINE_ASSIGN(result.host_status, attend(host, options.quiet));
     last_words = host.last_words();
@@ -257,8 +143,8 @@ Result<ShoeResult> run_shoe(const CellOptions& options, const Shoe& shoe) {
       std::printf("  %sthe scan is not whole: scanning again\n", too_busy(lateness).c_str());
   }
   const std::string busy = worth_another_scan(newest_scan(folder)) ? too_busy(lateness) : "";
-  sensor.child.stop();
-  cell.child.stop();  // writes its record of the arm's track
+  stand.sensor.child.stop();
+  stand.cell.child.stop();  // writes its record of the arm's track
 
   const std::optional<fs::path> newest = newest_scan(folder);
   if (!newest || newest == earlier) {
@@ -267,7 +153,7 @@ Result<ShoeResult> run_shoe(const CellOptions& options, const Shoe& shoe) {
   }
   result.scan = *newest;
   if (fs::exists(result.scan / "line.csv")) {
-    BITELINE_ASSIGN(result.error, measure_line(result.scan, cell_folder / "truth"));
+    BITELINE_ASSIGN(result.error, measure_line(result.scan, folder / "cell/truth"));
   }
   result.verdict = verdict_of(result, last_words, busy);
   result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -2,6 +2,8 @@
 // biteline-demo: a sample and the uppers after it through the simulated cell, by the real sensor program and
 // host service.  A program of its own, so that a first demo builds no more than it needs.
 #include <CLI/CLI.hpp>
+#include <atomic>
+#include <csignal>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -9,6 +11,7 @@
 #include "common/system/last_words.hpp"
 #include "host/apps/biteline-demo/cell_run.hpp"
 #include "host/apps/biteline-demo/demo_page.hpp"
+#include "host/apps/biteline-demo/live_cell.hpp"
 #include "host/intake/child_process.hpp"
 #include "host/report/report.hpp"
 
@@ -21,7 +24,19 @@ struct Options {
   CellOptions cell;
   int uppers{2};
   bool json{false};
+  bool web{false};  ///< the cell with its page, until somebody ends it
+  std::string web_address;
 };
+
+std::atomic<bool> g_stop{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "set in a signal handler");
+
+void heed_stop_signals() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { g_stop = true; };
+  sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGINT, &action, nullptr);
+}
 
 /// The processes' files stand beside the programs, as built and as installed.
 fs::path process_file(const std::string& name) {
@@ -73,6 +88,11 @@ nlohmann::ordered_json shoe_fields(const ShoeResult& result) {
 }
 
 Result<ExitStatus> run_demo(const Options& options) {
+  if (options.web) {
+    // Only here: without the page a signal ends this program at once, and the others with it.
+    heed_stop_signals();
+    return run_live({.cell = options.cell, .address = options.web_address}, g_stop);
+  }
   CellOptions cell = options.cell;
   cell.quiet = cell.quiet || options.json;
   report::Report report;
@@ -97,7 +117,7 @@ void add_options(CLI::App& app, Options& options) {
   options.cell.process = process_file("grind");
   app.set_version_flag("--version", "biteline-demo " BITELINE_VERSION);
   app.add_flag("--quiet", options.cell.quiet, "No progress, no words beyond the result");
-  app.add_flag("--json", options.json, "The demo's report.json on stdout, and nothing else");
+  auto* json = app.add_flag("--json", options.json, "The demo's report.json on stdout, and nothing else");
   app.add_option("--out", options.cell.out, "Result folder")->capture_default_str();
   app.add_option("--seed", options.cell.seed, "Which made shoe")->capture_default_str();
   app.add_option("--shoe", options.cell.shoe, "Class of made shoe (biteline-cell serve --help)")
@@ -113,9 +133,16 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--rate-hz", options.cell.rate_hz, "Pictures a second")
       ->check(options::number({.minimum = 1, .maximum = 1000}, ""))
       ->capture_default_str();
-  app.add_option("--uppers", options.uppers, "How many uppers follow the sample")
-      ->check(options::number({.minimum = 0, .maximum = 20}, ""))
-      ->capture_default_str();
+  auto* uppers = app.add_option("--uppers", options.uppers, "How many uppers follow the sample")
+                     ->check(options::number({.minimum = 0, .maximum = 20}, ""))
+                     ->capture_default_str();
+  app.add_option(
+         "--web", options.web_address,
+         "Open the cell's page in place of all that: one shoe, scan after scan, until Ctrl-C; ADDRESS or "
+         "ADDRESS:PORT: where the page listens")
+      ->expected(0, 1)
+      ->excludes(json)
+      ->excludes(uppers);
   app.add_option("--arm", options.cell.arm, "ur3e, ur5e or ur10e")->capture_default_str();
   app.add_option("--process", options.cell.process, "Process YAML; default: grind");
 }
@@ -134,6 +161,7 @@ int main(int argc, char** argv) {
   biteline::demo::add_options(app, options);
   try {
     app.parse(argc, argv);
+    options.web = app.count("--web") > 0;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
     std::fprintf(stderr, "biteline-demo: %s (see --help)\n", error.what());
