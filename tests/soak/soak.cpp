@@ -24,9 +24,8 @@ constexpr double k_machine_late_ms = 25;
 constexpr auto k_silence = 180s;
 /// A service that left: two seconds without a word, five of patience, and a bit.
 constexpr auto k_dark_without_host = 10s;
-/// A service asks for the next scan at once: a thread that still hangs spoils that one, too.  After a sensor
-/// was killed its successor's first scan gets no frames; why is not known, so the longer time hides it here.
-constexpr auto k_aftermath = 1s, k_aftermath_of_an_end = 15s;
+/// A service asks for the next scan at once: a thread that still hangs spoils that one, too.
+constexpr auto k_aftermath = 1s;
 /// Rounds have a sound scan for so many faults.
 constexpr std::size_t k_faults_for_a_sound_one = 3;
 
@@ -143,8 +142,7 @@ void Soak::work_fault() {
     run.made_at_mm = (arm.T_base_flange * arm.T_flange_tcp).translation();
     run.made = Clock::now();
     run.undo = run.fault->make(stand_);
-    const auto after = run.fault->lasts == 0ms ? k_aftermath_of_an_end : run.fault->lasts + k_aftermath;
-    aftermath_until_ = *run.made + after;
+    aftermath_until_ = *run.made + run.fault->lasts + k_aftermath;
     return;
   }
   const Clock::time_point now = Clock::now();

@@ -43,6 +43,19 @@ void on_receive_thread(void* priority, ArvStreamCallbackType what, ArvBuffer*) {
   if (wanted.sched_priority > 0) pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
 }
 
+/// GigE Vision has one application control a camera until it misses its heartbeat.
+Result<void> expect_control(ArvGvDevice* handle, const std::string& address) {
+  if (arv_gv_device_is_controller(handle) != FALSE) return {};
+  constexpr guint32 k_heartbeat_timeout = 0x938, k_usual_ms = 3000;
+  Call call(address, "heartbeat");
+  guint32 timeout_ms = 0;
+  arv_device_read_register(ARV_DEVICE(handle), k_heartbeat_timeout, &timeout_ms, call);
+  if (call.failed()) timeout_ms = k_usual_ms;
+  return fail(Errc::DeviceError,
+              "camera %s: another program controls it; one that died does so for %.1f s without a heartbeat",
+              address.c_str(), 1e-3 * timeout_ms);
+}
+
 }  // namespace
 
 AravisCamera::AravisCamera(std::unique_ptr<Device> device) : device_(std::move(device)) {}
@@ -66,6 +79,7 @@ Result<std::unique_ptr<AravisCamera>> AravisCamera::open(const Config& config) {
                    G_CALLBACK(+[](ArvDevice*, gpointer self) { static_cast<Device*>(self)->lost = true; }),
                    device.get());
   if (ARV_IS_GV_DEVICE(handle)) {
+    BITELINE_TRY(expect_control(ARV_GV_DEVICE(handle), config.address));
     arv_gv_device_set_stream_options(
         ARV_GV_DEVICE(handle),
         config.packet_socket ? ARV_GV_STREAM_OPTION_NONE : ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
@@ -74,7 +88,9 @@ Result<std::unique_ptr<AravisCamera>> AravisCamera::open(const Config& config) {
     if (config.packet_bytes > 0) arv_camera_gv_set_packet_size(device->camera, config.packet_bytes, call);
     if (call.failed()) return call.failure();
   }
-  arv_camera_set_pixel_format(device->camera, ARV_PIXEL_FORMAT_MONO_8, call);
+  // One that a program left running goes on to where that program was, and refuses other settings.
+  arv_camera_stop_acquisition(device->camera, call);
+  if (!call.failed()) arv_camera_set_pixel_format(device->camera, ARV_PIXEL_FORMAT_MONO_8, call);
   if (!call.failed()) arv_camera_set_acquisition_mode(device->camera, ARV_ACQUISITION_MODE_CONTINUOUS, call);
   if (call.failed()) return call.failure();
   if (device->has("PtpEnable")) {

@@ -27,8 +27,9 @@ struct GvExposure {
 };
 
 /// Real GVCP and GVSP packets on `address`, port 3956 (fixed by the standard); a GenICam description of our
-/// own with SFNC names.  It lacks what Aravis' fake camera lacks: packet resend, chunk data, a word to a
-/// client that writes without control. Stamps are the start of the exposure on the camera's clock.
+/// own with SFNC names.  It lacks what Aravis' fake camera lacks: packet resend, chunk data.  A missed
+/// heartbeat ends the stream with the next packet that comes from anybody. Stamps are the start of the
+/// exposure on the camera's clock.
 ///
 /// Thread: the painter is called on the camera's own thread, one exposure at a time; trigger() from any
 /// thread.

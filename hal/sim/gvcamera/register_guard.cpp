@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include "hal/sim/gvcamera/genicam_description.hpp"
@@ -19,6 +20,7 @@ namespace {
 
 constexpr std::uint32_t k_registers_bytes = ARV_FAKE_CAMERA_MEMORY_SIZE;
 constexpr std::uint32_t k_any = 0xffff'ffff;
+constexpr std::uint32_t k_heartbeat_timeout = 0x938, k_privilege = 0xa00;
 
 struct Writable {
   std::uint32_t first, last;  ///< addresses, both included
@@ -28,32 +30,32 @@ struct Writable {
 /// The bootstrap registers that the standard makes writable, and the features that the description calls RW
 /// or WO, with its ranges.  Sizes and offsets have bounds of their own below.
 constexpr std::array k_writable{
-    Writable{0x014, 0x014, 0, k_any},                  // network configuration
-    Writable{0x64c, 0x67c, 0, k_any},                  // persistent address
-    Writable{0x938, 0x938, 100, 3'600'000},            // heartbeat timeout, ms
-    Writable{0x944, 0x944, 0, 3},                      // timestamp control
-    Writable{0xa00, 0xa00, 0, 3},                      // control channel privilege
-    Writable{0xb00, 0xb18, 0, k_any},                  // message channel
-    Writable{0xd00, 0xd00, 0, 65'535},                 // stream channel: port
-    Writable{0xd08, 0xd24, 0, k_any},                  // delay, destination, source port
-    Writable{0x120, 0x120, 10, 1'000'000},             // ExposureTime, us
-    Writable{0x470, 0x470, 10, 1'000'000},             // of the sequencer's other set
-    Writable{0x124, 0x124, 0, 1},                      // AcquisitionStart, AcquisitionStop
-    Writable{0x128, 0x128, 0x0108'0001, 0x0108'0001},  // PixelFormat: Mono8
-    Writable{0x12c, 0x12c, 1, 2},                      // AcquisitionMode
-    Writable{0x138, 0x138, 1000, 10'000'000},          // period of AcquisitionFrameRate, us
-    Writable{0x300, 0x300, 0, 1},                      // TriggerMode
-    Writable{0x304, 0x304, 1, 1},                      // TriggerSource
-    Writable{0x308, 0x308, 0, 0},                      // TriggerActivation
-    Writable{0x30c, 0x30c, 0, 0},                      // the server's own word: a trigger was taken up
-    Writable{0x400, 0x404, 0, 1},                      // AcquisitionFrameRateEnable, LineSelector
-    Writable{0x410, 0x414, 0, 1},                      // LineSource
-    Writable{0x760, 0x764, 0, 1},                      // of the sequencer's other set
-    Writable{0x420, 0x420, 0, 1},                      // PtpEnable
-    Writable{0x430, 0x43c, 0, 1},                      // SequencerMode to SequencerSetSave
-    Writable{0x440, 0x444, 0, 0},                      // SequencerPathSelector, SequencerTriggerSource
-    Writable{0x448, 0x448, 0, 1},                      // SequencerSetStart
-    Writable{0x450, 0x454, 0, 1},                      // SequencerSetNext
+    Writable{0x014, 0x014, 0, k_any},                                    // network configuration
+    Writable{0x64c, 0x67c, 0, k_any},                                    // persistent address
+    Writable{k_heartbeat_timeout, k_heartbeat_timeout, 100, 3'600'000},  // ms
+    Writable{0x944, 0x944, 0, 3},                                        // timestamp control
+    Writable{k_privilege, k_privilege, 0, 3},                            // of the control channel
+    Writable{0xb00, 0xb18, 0, k_any},                                    // message channel
+    Writable{0xd00, 0xd00, 0, 65'535},                                   // stream channel: port
+    Writable{0xd08, 0xd24, 0, k_any},                                    // delay, destination, source port
+    Writable{0x120, 0x120, 10, 1'000'000},                               // ExposureTime, us
+    Writable{0x470, 0x470, 10, 1'000'000},                               // of the sequencer's other set
+    Writable{0x124, 0x124, 0, 1},                                        // AcquisitionStart, AcquisitionStop
+    Writable{0x128, 0x128, 0x0108'0001, 0x0108'0001},                    // PixelFormat: Mono8
+    Writable{0x12c, 0x12c, 1, 2},                                        // AcquisitionMode
+    Writable{0x138, 0x138, 1000, 10'000'000},                            // period of AcquisitionFrameRate, us
+    Writable{0x300, 0x300, 0, 1},                                        // TriggerMode
+    Writable{0x304, 0x304, 1, 1},                                        // TriggerSource
+    Writable{0x308, 0x308, 0, 0},                                        // TriggerActivation
+    Writable{0x30c, 0x30c, 0, 0},  // the server's own word: a trigger was taken up
+    Writable{0x400, 0x404, 0, 1},  // AcquisitionFrameRateEnable, LineSelector
+    Writable{0x410, 0x414, 0, 1},  // LineSource
+    Writable{0x760, 0x764, 0, 1},  // of the sequencer's other set
+    Writable{0x420, 0x420, 0, 1},  // PtpEnable
+    Writable{0x430, 0x43c, 0, 1},  // SequencerMode to SequencerSetSave
+    Writable{0x440, 0x444, 0, 0},  // SequencerPathSelector, SequencerTriggerSource
+    Writable{0x448, 0x448, 0, 1},  // SequencerSetStart
+    Writable{0x450, 0x454, 0, 1},  // SequencerSetNext
 };
 /// Stream packet size: low half; flags such as "fire a test packet" above it are not kept.
 constexpr std::uint32_t k_packet_size = 0xd04, k_packet_size_mask = 0xffff;
@@ -70,6 +72,8 @@ std::uint32_t left_of(std::uint32_t whole, std::uint32_t used) {
 }
 
 thread_local int own_access = 0;
+/// Of the camera whose server this thread is.
+thread_local ControlChannel control;
 /// Of the last look of this thread: goes into the answer that it sends next.
 thread_local GvStatus answer = GvStatus::Success;
 
@@ -173,6 +177,47 @@ GvStatus may_write_block(ArvFakeCamera* camera, GvRange range, const void* bytes
   return GvStatus::Success;
 }
 
+/// What a write of one register does besides.
+void follow_write(ArvFakeCamera* camera, std::uint32_t address, std::uint32_t value) {
+  static auto* const write = real<decltype(arv_fake_camera_write_memory)>("arv_fake_camera_write_memory");
+  const auto set = [&](std::uint32_t other, std::uint32_t number) {
+    const std::uint32_t word = htonl(number);
+    write(camera, other, sizeof word, &word);
+  };
+  switch (address) {
+    case k_heartbeat_timeout:
+      control.set_heartbeat_timeout(std::chrono::milliseconds{value});
+      break;
+    case k_privilege:
+      control.set_privilege(value);
+      if (value != 0) break;
+      // Given back, or the heartbeat was missed: the stream ends with the control.
+      set(gv_register::k_acquisition, 0);
+      set(gv_register::k_stream_port, 0);
+      break;
+    case gv_register::k_sequencer_start:
+      // A client that writes the set to start with starts the sequence anew, also with the set it had.
+      set(gv_register::k_sequencer_begun_anew, 1);
+      break;
+    default:
+      break;
+  }
+}
+
+/// Nothing: no packet of the control protocol's port.
+std::optional<GvPeer> peer_of(GSocket* socket, GSocketAddress* from) {
+  constexpr std::uint16_t k_gvcp_port = 3956;
+  GSocketAddress* own = g_socket_get_local_address(socket, nullptr);
+  const bool is_server = own != nullptr && G_IS_INET_SOCKET_ADDRESS(own) &&
+                         g_inet_socket_address_get_port(G_INET_SOCKET_ADDRESS(own)) == k_gvcp_port;
+  if (own != nullptr) g_object_unref(own);
+  sockaddr_in address{};
+  if (!is_server || from == nullptr ||
+      g_socket_address_to_native(from, &address, sizeof address, nullptr) == FALSE)
+    return std::nullopt;
+  return GvPeer{.address = address.sin_addr.s_addr, .port = address.sin_port};
+}
+
 }  // namespace
 }  // namespace biteline::sim
 
@@ -203,12 +248,31 @@ gboolean arv_fake_camera_write_memory(ArvFakeCamera* camera, guint32 address, gu
     return next(camera, address, size, &word);
   }
   if (next(camera, address, size, buffer) == FALSE) return FALSE;
-  if (address <= gv_register::k_sequencer_start && gv_register::k_sequencer_start < address + size) {
-    // A client that writes the set to start with starts the sequence anew, also with the set it had.
-    word = htonl(1);
-    return next(camera, gv_register::k_sequencer_begun_anew, sizeof word, &word);
+  for (guint32 at = 0; at + sizeof word <= size; at += sizeof word) {
+    std::memcpy(&word, static_cast<const std::uint8_t*>(buffer) + at, sizeof word);
+    follow_write(camera, address + at, ntohl(word));
   }
   return TRUE;
+}
+
+// Commands that the application may not give are answered here, and the server does not hear them.
+gssize g_socket_receive_message(GSocket* socket, GSocketAddress** address, GInputVector* vectors,
+                                gint num_vectors, GSocketControlMessage*** messages, gint* num_messages,
+                                gint* flags, GCancellable* cancellable, GError** error) {
+  using namespace biteline::sim;
+  static auto* const next = real<decltype(g_socket_receive_message)>("g_socket_receive_message");
+  const gssize got =
+      next(socket, address, vectors, num_vectors, messages, num_messages, flags, cancellable, error);
+  if (got <= 0 || address == nullptr || num_vectors != 1) return got;
+  const std::optional<GvPeer> peer = peer_of(socket, *address);
+  if (!peer) return got;
+  const auto* bytes = static_cast<const std::uint8_t*>(vectors[0].buffer);
+  const auto reply =
+      control.answer_for(*peer, {bytes, static_cast<std::size_t>(got)}, ControlChannel::Clock::now());
+  if (!reply) return got;
+  (void)g_socket_send_to(socket, *address, reinterpret_cast<const gchar*>(reply->data()), reply->size(),
+                         cancellable, nullptr);
+  return 0;
 }
 
 // The server answers "success" whatever its registers say: the answer to a refused command tells the refusal.

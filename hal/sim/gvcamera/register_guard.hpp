@@ -3,21 +3,15 @@
 /// \file What the simulated camera lets a client read and write; all else is refused in the standard's words.
 ///
 /// Aravis 0.8.26's fake camera takes every address and every value: one register read beyond its description
-/// ends the process.  Its server calls its registers through the dynamic linker, so that the functions of the
-/// same names in register_guard.cpp come first, look, and pass on what is good.
+/// ends the process.  One application's stream goes on when its heartbeat is missed, and to its address even
+/// when another one has taken control.  Its server calls its registers through the dynamic linker, so that
+/// the functions of the same names in register_guard.cpp come first, look, and pass on what is good.
 
 #include <cstdint>
 
-namespace biteline::sim {
+#include "hal/sim/gvcamera/control_channel.hpp"
 
-/// Status codes of GigE Vision 1.2, table 18-2.
-enum class GvStatus : std::uint16_t {
-  Success = 0,
-  InvalidParameter = 0x8002,
-  InvalidAddress = 0x8003,
-  WriteProtected = 0x8004,
-  BadAlignment = 0x8006,
-};
+namespace biteline::sim {
 
 struct GvRange {
   std::uint32_t address{0};

@@ -68,6 +68,12 @@ class Client {
     put(body, bytes, 4);
     return ask(0x0084, body);
   }
+  Reply write_memory(std::uint32_t address, std::uint32_t value) {
+    Bytes body;
+    put(body, address, 4);
+    put(body, value, 4);
+    return ask(0x0086, body);
+  }
   Reply write_register(std::uint32_t address, std::uint32_t value) {
     Bytes body;
     put(body, address, 4);
@@ -197,6 +203,64 @@ TEST(CameraRegisters, GoldenBytesOfTheControlProtocol) {
   LONGS_EQUAL(8 + 248, found.size());
   // The address that it answers at, 127.0.0.1, where the standard has it.
   CHECK((Bytes{127, 0, 0, 1}) == Bytes(found.begin() + 8 + 36, found.begin() + 8 + 40));
+}
+
+constexpr std::uint32_t k_privilege = 0xa00, k_heartbeat = 0x938;
+
+TEST(CameraRegisters, SecondApplicationReadsAndIsDeniedEveryWrite) {
+  if (!camera) return;
+  Client first, second;
+  LONGS_EQUAL(status(GvStatus::AccessDenied), first.write_register(gv_register::k_exposure_us, 500).status);
+  LONGS_EQUAL(0, first.write_register(k_privilege, 2).status);
+  // Control, a register, memory: status 0x8006, the answer's kind, no data, the number.
+  CHECK((Bytes{0x80, 0x06, 0, 0x83, 0, 0, 0, 8}) ==
+        second.exchange({0x42, 0x01, 0, 0x82, 0, 8, 0, 8, 0, 0, 0x0a, 0, 0, 0, 0, 2}));
+  CHECK((Bytes{0x80, 0x06, 0, 0x83, 0, 0, 0, 9}) ==
+        second.exchange({0x42, 0x01, 0, 0x82, 0, 8, 0, 9, 0, 0, 0x01, 0x20, 0, 0, 1, 0xf4}));
+  CHECK((Bytes{0x80, 0x06, 0, 0x87, 0, 0, 0, 10}) ==
+        second.exchange({0x42, 0x01, 0, 0x86, 0, 8, 0, 10, 0, 0, 0x01, 0x20, 0, 0, 1, 0xf4}));
+  CHECK((Bytes{0, 0, 0, 0x81, 0, 4, 0, 11, 0, 0, 0, 2}) ==
+        second.exchange({0x42, 0x01, 0, 0x80, 0, 4, 0, 11, 0, 0, 0x0a, 0}));
+  LONGS_EQUAL(400, second.value(gv_register::k_exposure_us));
+  LONGS_EQUAL(0, first.write_memory(gv_register::k_exposure_us, 500).status);
+  LONGS_EQUAL(500, second.value(gv_register::k_exposure_us));
+  // Given back, it is the other's to take.
+  LONGS_EQUAL(0, first.write_register(k_privilege, 0).status);
+  LONGS_EQUAL(0, second.write_register(k_privilege, 1).status);
+  LONGS_EQUAL(status(GvStatus::AccessDenied), first.write_register(k_privilege, 2).status);
+  LONGS_EQUAL(1, first.value(k_privilege));
+}
+
+TEST(CameraRegisters, MissedHeartbeatEndsControlAndStream) {
+  if (!camera) return;
+  Client dead, next;
+  LONGS_EQUAL(0, dead.write_register(k_privilege, 2).status);
+  LONGS_EQUAL(0, dead.write_register(k_heartbeat, 500).status);
+  LONGS_EQUAL(0, dead.write_register(0xd18, INADDR_LOOPBACK).status);
+  LONGS_EQUAL(0, dead.write_register(gv_register::k_stream_port, 9).status);
+  LONGS_EQUAL(0, dead.write_register(gv_register::k_acquisition, 1).status);
+  // Somebody else's looks at the privilege are no heartbeat.
+  int looks = 0;
+  while (next.write_register(k_privilege, 2).status != 0) {
+    LONGS_EQUAL(2, next.value(k_privilege));
+    CHECK(++looks < 200);
+    std::this_thread::sleep_for(std::chrono::milliseconds{50});
+  }
+  LONGS_EQUAL(0, next.value(gv_register::k_acquisition));
+  LONGS_EQUAL(0, next.value(gv_register::k_stream_port));
+  LONGS_EQUAL(status(GvStatus::AccessDenied), dead.write_register(gv_register::k_acquisition, 1).status);
+}
+
+TEST(CameraRegisters, HeartbeatOfItsOwnKeepsControl) {
+  if (!camera) return;
+  Client first, second;
+  LONGS_EQUAL(0, first.write_register(k_privilege, 2).status);
+  LONGS_EQUAL(0, first.write_register(k_heartbeat, 2000).status);
+  for (int i = 0; i < 30; ++i) {
+    LONGS_EQUAL(2, first.value(k_privilege));
+    LONGS_EQUAL(status(GvStatus::AccessDenied), second.write_register(k_privilege, 2).status);
+    std::this_thread::sleep_for(std::chrono::milliseconds{100});
+  }
 }
 
 TEST(CameraRegisters, EveryWordOfItsSpaceCanBeRead) {

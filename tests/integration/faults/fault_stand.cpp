@@ -4,6 +4,7 @@
 #include <CppUTest/TestHarness.h>
 #include <sched.h>
 
+#include <csignal>
 #include <cstdio>
 #include <thread>
 
@@ -43,21 +44,25 @@ std::unique_ptr<FaultStand> FaultStand::set_up(const PictureCellConfig& config) 
   std::unique_ptr<FaultStand> stand{new FaultStand};
   stand->cell_ = std::move(*cell);
   stand->account_.emplace(*stand->cell_);
-  const std::string board_file = stand->folder_.write("board.yaml", stand->cell_->board_file_text());
-  const std::string sensor_file = stand->folder_.write("sensor.yaml", stand->cell_->sensor_file_text());
-  for (const char* const rights : {"--rt=required", "--rt=ignore"}) {
-    auto sensor = intake::SensorProcess::start(
-        *intake::find_sensor_program(), {"--source", "board:" + board_file, "--sensor", sensor_file, rights},
-        k_patience);
-    if (!sensor && sensor.error().where.view().find("--rt=ignore") != std::string_view::npos) continue;
-    SUCCEEDS(sensor);
-    stand->urgent_ = std::string_view{rights} == "--rt=required";
-    stand->sensor_.emplace(std::move(*sensor));
-    break;
-  }
+  stand->board_file_ = stand->folder_.write("board.yaml", stand->cell_->board_file_text());
+  stand->sensor_file_ = stand->folder_.write("sensor.yaml", stand->cell_->sensor_file_text());
+  stand->start_sensor();
   run_as(SCHED_FIFO, k_host_priority);
   stand->come_back();
   return stand;
+}
+
+void FaultStand::start_sensor() {
+  for (const char* const rights : {"--rt=required", "--rt=ignore"}) {
+    auto sensor = intake::SensorProcess::start(
+        *intake::find_sensor_program(),
+        {"--source", "board:" + board_file_, "--sensor", sensor_file_, rights}, k_patience);
+    if (!sensor && sensor.error().where.view().find("--rt=ignore") != std::string_view::npos) continue;
+    SUCCEEDS(sensor);
+    urgent_ = std::string_view{rights} == "--rt=required";
+    sensor_.emplace(std::move(*sensor));
+    return;
+  }
 }
 
 FaultStand::~FaultStand() {
@@ -66,6 +71,13 @@ FaultStand::~FaultStand() {
 
 void FaultStand::leave() {
   link_.reset();
+}
+
+void FaultStand::replace_sensor() {
+  leave();
+  ::kill(sensor_->child().pid(), SIGKILL);
+  start_sensor();
+  come_back();
 }
 
 void FaultStand::come_back() {

@@ -49,6 +49,9 @@ class FaultStand {
   /// The next health message that was made after this call.
   bool take_health();
 
+  /// Kills the sensor program and starts another one at once.  The host is a new one, too.
+  void replace_sensor();
+
   void leave();      ///< the host is gone
   void come_back();  ///< knowing nothing
 
@@ -59,8 +62,10 @@ class FaultStand {
  private:
   FaultStand() = default;
   void take(const intake::LinkEvent& event);
+  void start_sensor();
 
   TemporaryFolder folder_;
+  std::string board_file_, sensor_file_;
   std::unique_ptr<PictureCell> cell_;
   std::optional<intake::SensorProcess> sensor_;
   std::unique_ptr<intake::SensorLink> link_;

@@ -4,6 +4,7 @@
 #include <csignal>
 
 #include <cstdio>
+#include <thread>
 
 #include "tests/integration/faults/fault_stand.hpp"
 #include "tests/support/errors.hpp"
@@ -72,6 +73,26 @@ TIMED_TEST(LaserFaults, KilledSensorLetsGoOfTheLaser) {
   const auto refused = stand->start_scan();
   CHECK_TEXT(!refused, refused.value_or("").c_str());
   check_dark_after("sensor killed", [&] { ::kill(stand->sensor().child().pid(), SIGKILL); });
+}
+
+// The camera streams to the dead one, and is controlled by it, until the heartbeat is missed.
+TIMED_TEST(LaserFaults, KilledSensorsSuccessorWaitsForTheCameraAndThenScans) {
+  if (!set_up()) return;
+  // Asks at once; and after the heartbeat's time, with nobody else about who would have noticed.
+  for (const auto pause : {std::chrono::seconds{0}, std::chrono::seconds{4}}) {
+    const auto refused = stand->start_scan();
+    CHECK_TEXT(!refused, refused.value_or("").c_str());
+    stand->replace_sensor();
+    std::this_thread::sleep_for(pause);
+    CHECK(stand->take_until([&] {
+      const auto again = stand->start_scan();
+      if (again) STRCMP_CONTAINS("another program controls it", again->c_str());
+      return !again;
+    }));
+    stand->command(wire::Command::StopScan);
+    CHECK(stand->take_end());
+    LONGS_EQUAL(0, stand->account().wrong);
+  }
 }
 
 TIMED_TEST(LaserFaults, HangingFrameThreadIsFoundByTheSafetyThread) {
