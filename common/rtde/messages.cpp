@@ -16,6 +16,9 @@ template <class... Cases>
 struct Overloaded : Cases... {
   using Cases::operator()...;
 };
+// The fuzzing's compiler, clang 14, does not deduce it by itself.
+template <class... Cases>
+Overloaded(Cases...) -> Overloaded<Cases...>;
 
 tl::unexpected<Error> bad_body(const Package& package) {
   return fail(Errc::ProtocolError, "RTDE package '%c': body of %zu bytes does not fit its kind",
