@@ -102,6 +102,9 @@ float derivative_zero(const ColumnAbove& above, float centre, float sigma) {
 }  // namespace
 
 void rt_apply_mode(const FrameRows& frame, int column, PeakMode mode, Peak& peak) noexcept BITELINE_RT {
+  // A stripe that the picture cuts off may be fitted beyond it (k_peak_clipped): no row there can be read.
+  const bool seen = peak.row_px >= 0 && peak.row_px <= static_cast<float>(frame.height_px - 1);
+  if (!seen) return;
   const ColumnAbove above{.frame = frame, .column = column, .background = peak.background};
   const int reach = 2 * static_cast<int>(peak.width_px) + 2;
   const int top = brightest(above, peak.row_px, peak.width_px);

@@ -314,4 +314,41 @@ TEST(PeakExtractor, RefusesWhatItCannotHold) {
   CHECK(!PeakExtractor::create({.width_min_px = 5, .width_max_px = 4}, 100, 100));
 }
 
+// Runs of one grey level, column by column, as the fuzz target draws them: some are fitted beyond the
+// picture.
+TEST(PeakExtractor, NoModeReadsBeyondThePicture) {
+  constexpr int k_width_px = 28, k_height_px = 30, k_rows_px = 3 * k_height_px;
+  // Full scale but for some dark and half-bright runs, each with its length.
+  constexpr std::pair<int, int> k_runs[] = {{255, 81}, {0, 32},  {255, 128}, {12, 15},  {50, 11}, {255, 96},
+                                            {9, 2},    {255, 8}, {167, 88},  {255, 64}, {48, 32}, {255, 128}};
+  int beyond = 0;
+  for (const PeakMode mode : {PeakMode::Matched, PeakMode::Maximum, PeakMode::Threshold,
+                              PeakMode::CentreOfGravity, PeakMode::FirZeroCrossing}) {
+    std::vector<Peaks> seen;
+    for (const std::uint8_t below : {0, 255}) {
+      std::vector<std::uint8_t> pixels(static_cast<std::size_t>(k_width_px * k_rows_px), 0);
+      std::fill(pixels.begin() + k_width_px * k_height_px, pixels.end(), below);
+      int at = 0;
+      for (const auto& [grey, length] : k_runs) {
+        for (int i = 0; i < length; ++i, ++at)
+          pixels[static_cast<std::size_t>(at % k_height_px * k_width_px + at / k_height_px)] =
+              static_cast<std::uint8_t>(grey);
+      }
+      seen.push_back(extract(pixels, k_width_px, k_height_px, {.mode = mode, .threshold_grey = 6}));
+    }
+    for (std::size_t column = 0; column < std::size_t{k_width_px}; ++column) {
+      const ColumnPeaks &one = seen[0].columns[column], &other = seen[1].columns[column];
+      LONGS_EQUAL(one.kept_count, other.kept_count);
+      for (std::size_t i = 0; i < one.kept_count; ++i) {
+        DOUBLES_EQUAL(one.kept[i].row_px, other.kept[i].row_px, 0);
+        DOUBLES_EQUAL(one.kept[i].width_px, other.kept[i].width_px, 0);
+        if (one.kept[i].row_px >= 0 && one.kept[i].row_px <= k_height_px - 1) continue;
+        ++beyond;
+        CHECK((one.kept[i].flags & k_peak_clipped) != 0);
+      }
+    }
+  }
+  CHECK(beyond > 0);
+}
+
 }  // namespace biteline::stripe
