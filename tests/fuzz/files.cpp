@@ -94,6 +94,8 @@ struct Kind {
   fs::path good;     ///< the file that is spoiled
   fs::path spoiled;  ///< where it goes
   Arguments arguments;
+  unsigned long long cases{0};
+  double cpu_s{0};
 };
 
 struct Places {
@@ -256,20 +258,25 @@ int main(int argc, char** argv) {
   fs::create_directories(places.work);
   make_good(places, BITELINE_CELL, with_calibration);
   biteline::fuzz::Mutator mutator{std::strtoull(argv[4], nullptr, 10)};
-  const std::vector<Kind> all = kinds(places, with_calibration);
+  std::vector<Kind> all = kinds(places, with_calibration);
   std::map<int, unsigned long long> by_status;
   double most_s = 0;
   long most_kb = 0;
   unsigned long long done = 0;
   int bad = 0;
   for (; done < cases && std::chrono::steady_clock::now() < until; ++done) {
-    const Kind& kind = all[done < all.size() ? done : mutator.below(all.size())];
+    // Each kind has its share of the time, so the quick ones make more cases.
+    Kind& kind = done < all.size()
+                     ? all[done]
+                     : *std::ranges::min_element(all, {}, [](const Kind& each) { return each.cpu_s; });
     const std::string good = content(kind.good);
     put(kind.spoiled, mutator.mutated(good, good));
     const Ended ended = run(places.tool, kind.arguments, places.work / "errors");
     ++by_status[ended.by_itself ? ended.status : -ended.status];
     most_s = std::max(most_s, ended.cpu_s);
     most_kb = std::max(most_kb, ended.memory_kb);
+    kind.cpu_s += ended.cpu_s;
+    ++kind.cases;
     if (const std::string why = broken(ended); !why.empty()) {
       const fs::path kept = folder / ("case-" + std::to_string(done));
       fs::create_directories(kept);
@@ -281,6 +288,8 @@ int main(int argc, char** argv) {
     put(kind.spoiled, good);
     fs::remove_all(places.work / "out");
   }
+  for (const Kind& kind : all)
+    std::printf("%-28s %8llu files %8.1f s\n", kind.name.c_str(), kind.cases, kind.cpu_s);
   std::printf("%llu spoiled files of %zu kinds; %d broke a rule; at most %.1f s and %ld MB; by exit status:",
               done, all.size(), bad, most_s, most_kb / 1024);
   for (const auto& [status, count] : by_status) std::printf(" %d: %llu", status, count);
