@@ -51,7 +51,9 @@ float parabola_top(const ColumnAbove& above, int top) {
   if (top == 0 || top + 1 >= above.frame.height_px) return static_cast<float>(top);
   const float before = above(top - 1), at = above(top), after = above(top + 1);
   const float bend = before - 2 * at + after;
-  return static_cast<float>(top) + (bend < 0 ? 0.5F * (before - after) / bend : 0.0F);
+  // A neighbour beyond the stretch that was looked at may be brighter: the top is then no top, and stays.
+  return static_cast<float>(top) +
+         (bend < 0 ? std::clamp(0.5F * (before - after) / bend, -0.5F, 0.5F) : 0.0F);
 }
 
 float centre_of_gravity(const ColumnAbove& above, int top, int reach) {
@@ -64,15 +66,19 @@ float centre_of_gravity(const ColumnAbove& above, int top, int reach) {
   return static_cast<float>(top) + (sum > 0 ? moment / sum : 0.0F);
 }
 
+/// Rows from `row` towards `next` to where the level is crossed; at most one where it is not, as at the end
+/// of the reach.
+float rows_to_crossing(const ColumnAbove& above, int row, int next, float level) {
+  return std::clamp((above(row) - level) / std::max(1.0F, above(row) - above(next)), 0.0F, 1.0F);
+}
+
 /// Where the run crosses half height, by linear interpolation on either side.
 float mean_of_edges(const ColumnAbove& above, int top, int reach, float& width_px) {
   const float half = 0.5F * above(top);
   const Run run = run_above(above, top, half, reach);
   float first = static_cast<float>(run.first), last = static_cast<float>(run.last);
-  if (run.first > 0)
-    first -= (above(run.first) - half) / std::max(1.0F, above(run.first) - above(run.first - 1));
-  if (run.last + 1 < above.frame.height_px)
-    last += (above(run.last) - half) / std::max(1.0F, above(run.last) - above(run.last + 1));
+  if (run.first > 0) first -= rows_to_crossing(above, run.first, run.first - 1, half);
+  if (run.last + 1 < above.frame.height_px) last += rows_to_crossing(above, run.last, run.last + 1, half);
   width_px = last - first;
   return 0.5F * (first + last);
 }
@@ -108,6 +114,7 @@ void rt_apply_mode(const FrameRows& frame, int column, PeakMode mode, Peak& peak
   const ColumnAbove above{.frame = frame, .column = column, .background = peak.background};
   const int reach = 2 * static_cast<int>(peak.width_px) + 2;
   const int top = brightest(above, peak.row_px, peak.width_px);
+  if (above(top) <= 0) return;  // only the fit sees a stripe here
   switch (mode) {
     case PeakMode::Matched:
       break;

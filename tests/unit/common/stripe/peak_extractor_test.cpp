@@ -351,4 +351,30 @@ TEST(PeakExtractor, NoModeReadsBeyondThePicture) {
   CHECK(beyond > 0);
 }
 
+// Steps, plateaus and slopes in place of stripes: a place without a flag is one where the column is bright.
+TEST(PeakExtractor, NoModeLeavesThePictureWithoutSayingSo) {
+  constexpr int k_width_px = 64, k_height_px = 96;
+  for (int picture = 0; picture < 60; ++picture) {
+    std::vector<std::uint8_t> pixels(static_cast<std::size_t>(k_width_px * k_height_px));
+    for (int at = 0; at < k_width_px * k_height_px;) {
+      const int grey = static_cast<int>(random() % 256), length = 1 + static_cast<int>(random() % 40),
+                slope = static_cast<int>(random() % 5) - 2;
+      for (int i = 0; i < length && at < k_width_px * k_height_px; ++i, ++at)
+        pixels[static_cast<std::size_t>(at % k_height_px * k_width_px + at / k_height_px)] =
+            static_cast<std::uint8_t>(std::clamp(grey + slope * i, 0, 255));
+    }
+    for (const PeakMode mode : {PeakMode::Matched, PeakMode::Maximum, PeakMode::Threshold,
+                                PeakMode::CentreOfGravity, PeakMode::FirZeroCrossing}) {
+      extract(pixels, k_width_px, k_height_px,
+              {.mode = mode, .threshold_grey = static_cast<float>(1 + random() % 100)});
+      for (std::size_t column = 0; column < std::size_t{k_width_px}; ++column) {
+        for (std::size_t i = 0; i < peaks->columns[column].kept_count; ++i) {
+          const Peak& peak = peaks->columns[column].kept[i];
+          CHECK((peak.row_px >= 0 && peak.row_px <= k_height_px - 1) || (peak.flags & k_peak_clipped) != 0);
+        }
+      }
+    }
+  }
+}
+
 }  // namespace biteline::stripe
