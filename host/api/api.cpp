@@ -21,6 +21,7 @@ namespace {
 constexpr std::string_view k_root = "/api/v1";
 constexpr const char* k_stop = "/api/v1/commands/stop";
 constexpr const char* k_laser_off = "/api/v1/commands/laser-off";
+constexpr const char* k_line = "/api/v1/line";
 constexpr std::size_t k_most_why = 500;
 
 /// The parts of `path` that stand where `pattern` has "{}"; nothing when they do not fit.
@@ -92,6 +93,10 @@ std::vector<Api::Route> Api::routes() {
       {"POST", "/users", std::nullopt, false, &Api::add_user},
       {"PATCH", "/users/{}", Viewer, false, &Api::change_user},
       {"DELETE", "/users/{}", Administrator, false, &Api::remove_user},
+      // The line's control has no login: closed_to_line() sees who asks.
+      {"GET", "/line", std::nullopt, false, &Api::read_line},
+      {"PUT", "/line/job", std::nullopt, false, &Api::choose_job},
+      {"POST", "/line/start", std::nullopt, false, &Api::start_for_line},
       {"GET", "/log", Engineer, false, &Api::read_log},
       {"GET", "/history/trends", Viewer, false, &Api::read_trends},
       {"GET", "/history.csv", Viewer, false, &Api::export_history},
@@ -99,6 +104,8 @@ std::vector<Api::Route> Api::routes() {
 }
 
 std::optional<Answer> Api::urgent(const Request& request) {
+  // The line's heartbeat hangs on it, so it waits for no request of a page.
+  if (request.method == "GET" && request.path == k_line) return read_line({.request = request, .person = {}});
   if (request.method != "POST") return std::nullopt;
   if (request.path != k_stop && request.path != k_laser_off) return std::nullopt;
   return stop(request, request.path == k_laser_off);

@@ -40,7 +40,7 @@ class Api {
  public:
   explicit Api(Rooms rooms) : rooms_{std::move(rooms)} {}
 
-  /// Stop and Laser off, at once.  Nothing for all else.
+  /// Stop, Laser off and the line's reading, at once.  Nothing for all else.
   [[nodiscard]] std::optional<control::Answer> urgent(const control::Request& request);
   [[nodiscard]] control::Answer ordinary(const control::Request& request);
 
@@ -58,6 +58,10 @@ class Api {
   [[nodiscard]] control::Answer change_control(const Call& call);
   [[nodiscard]] control::Answer start(const Call& call);
   [[nodiscard]] control::Answer rescan(const Call& call);
+  [[nodiscard]] std::optional<control::Answer> closed_to_line(const Call& call);
+  [[nodiscard]] control::Answer read_line(const Call& call);
+  [[nodiscard]] control::Answer choose_job(const Call& call);
+  [[nodiscard]] control::Answer start_for_line(const Call& call);
   [[nodiscard]] control::Answer list_scans(const Call& call);
   [[nodiscard]] control::Answer read_scan(const Call& call);
   [[nodiscard]] control::Answer accept(const Call& call);

@@ -2,9 +2,11 @@
 #pragma once
 /// \file What the API asks of the running service.
 
+#include <optional>
 #include <string>
 
 #include "host/control/messages.hpp"
+#include "host/line_control/line_state.hpp"
 
 namespace biteline::api {
 
@@ -50,6 +52,21 @@ class Cell {
   [[nodiscard]] virtual Result<void> rescan(const std::string& who, const std::string& why,
                                             const std::string& door) = 0;
   [[nodiscard]] virtual Result<void> decide(const Decision& decision) = 0;
+
+  /// For the line's control (host/line_control).  False: it has no say here.
+  [[nodiscard]] virtual bool on_demand() = 0;
+  /// Nothing of the memory is asked: it may be read many times a second.
+  [[nodiscard]] virtual line_control::LineState line_state() = 0;
+  /// The job of a number; nothing: there is none.
+  [[nodiscard]] virtual std::optional<Job> job_of(int number) = 0;
+  /// `control_held`: by somebody at a page.
+  [[nodiscard]] virtual line_control::Refusal choose_job(int number, bool control_held) = 0;
+  /// `fresh`: no start of this number was taken before.
+  struct LineStart {
+    line_control::Refusal refusal{line_control::Refusal::None};
+    bool fresh{false};
+  };
+  [[nodiscard]] virtual LineStart start_for_line(int request, bool control_held) = 0;
 
   /// Its line is being mended: until end_mend() nobody can accept the scan.  Errc::WrongState while the scan
   /// is in work.

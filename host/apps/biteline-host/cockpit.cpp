@@ -61,8 +61,9 @@ Result<std::unique_ptr<Cockpit>> Cockpit::open(const CockpitConfig& config) {
 }
 
 Cockpit::Cockpit(CockpitConfig config, memory::Memory memory)
-    : config_{std::move(config)}, memory_{std::move(memory)}, accounts_{memory_} {
+    : config_{std::move(config)}, memory_{std::move(memory)}, accounts_{memory_}, cycle_{config_.jobs} {
   process_ = config_.process;
+  paused_ = cycle_.on_demand();
 }
 
 Cockpit::~Cockpit() = default;
@@ -133,6 +134,7 @@ void Cockpit::show(Phase phase, const std::string& now, const std::string& next)
 void Cockpit::show_scan(const std::string& scan) {
   const std::lock_guard lock{mutex_};
   scan_ = scan;
+  cycle_.scan_begins();
 }
 
 void Cockpit::show_progress(std::uint64_t profiles, std::uint64_t expected) {
@@ -177,6 +179,7 @@ void Cockpit::lose_sensor(const std::string& why) {
     sensor_lost_ = why;
     health_.reset();
   }
+  give_up_start();
   publish_state();
 }
 
@@ -195,6 +198,7 @@ void Cockpit::begin_cycle() {
   const Clock::time_point now = Clock::now();
   if (cycle_begun_) last_cycle_s_ = std::chrono::duration<double>(now - *cycle_begun_).count();
   cycle_begun_ = now;
+  if (cycle_.on_demand()) paused_ = true;
 }
 
 double Cockpit::cycle_s() const {
@@ -346,13 +350,13 @@ Json Cockpit::sensors() {
 
 void Cockpit::stop(const std::string& who) {
   halted_ = true;
-  paused_ = true;
+  pause_by_person();
   wish({.kind = Wish::Kind::Stop, .scan = {}, .who = who, .why = {}});
 }
 
 void Cockpit::laser_off(const std::string& who) {
   halted_ = true;
-  paused_ = true;
+  pause_by_person();
   wish({.kind = Wish::Kind::LaserOff, .scan = {}, .who = who, .why = {}});
 }
 
@@ -361,11 +365,19 @@ Result<void> Cockpit::start(const api::Job& job, const std::string& who) {
     const std::lock_guard lock{mutex_};
     if (!held_.empty())
       return fail(Errc::WrongState, "%s waits for a person; accept or reject it first", held_.c_str());
+    if (cycle_.on_demand() && cycle_.busy())
+      return fail(Errc::WrongState, "a scan is in work, and each start is one scan; wait for its end");
+    cycle_.begin(0);
+    stopped_ = false;
   }
+  go(job, who);
+  return {};
+}
+
+void Cockpit::go(const api::Job& job, const std::string& who) {
   halted_ = false;
   paused_ = false;
   wish({.kind = Wish::Kind::Start, .scan = {}, .who = who, .why = {}, .job = job});
-  return {};
 }
 
 Result<void> Cockpit::rescan(const std::string& who, const std::string& why, const std::string& door) {
@@ -374,6 +386,8 @@ Result<void> Cockpit::rescan(const std::string& who, const std::string& why, con
     const std::lock_guard lock{mutex_};
     if (phase_ == Phase::Following) return fail(Errc::WrongState, "the arm follows a path; stop it first");
     held = held_;
+    if (held.empty() && cycle_.on_demand() && cycle_.busy())
+      return fail(Errc::WrongState, "a scan is in work; wait for its end, or stop it first");
   }
   if (!held.empty())
     BITELINE_TRY(decide({.kind = api::Decision::Kind::Reject,
@@ -381,6 +395,11 @@ Result<void> Cockpit::rescan(const std::string& who, const std::string& why, con
                          .who = who,
                          .why = "scanned again: " + why,
                          .door = door}));
+  {
+    const std::lock_guard lock{mutex_};
+    cycle_.begin(0);
+    stopped_ = false;
+  }
   halted_ = false;
   paused_ = false;
   wish({.kind = Wish::Kind::Rescan, .scan = {}, .who = who, .why = why});
@@ -439,6 +458,7 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
   if (held && decision.kind != Hold) {
     hold("");
     if (sends) halted_ = false;
+    if (!sends) end_cycle(*scan);
     wish({.kind = sends ? Wish::Kind::Send : Wish::Kind::Reject,
           .scan = decision.scan,
           .who = decision.who,

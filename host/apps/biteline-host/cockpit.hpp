@@ -14,6 +14,7 @@
 #include "host/api/api.hpp"
 #include "host/api/words.hpp"
 #include "host/control/server.hpp"
+#include "host/line_control/cycle.hpp"
 #include "host/robot/link/ur/controller_words.hpp"
 
 namespace biteline::service {
@@ -31,6 +32,7 @@ struct CockpitConfig {
   std::string process;                      ///< its name; empty: none
   std::optional<wire::Endpoint> endpoint;   ///< where doors come in; nothing: none do
   std::optional<wire::SensorKeys> keys;
+  std::vector<line_control::Job> jobs;  ///< of the line's control; with any, each start is one scan
 };
 
 /// What a door wants of the service's own thread.
@@ -73,8 +75,15 @@ class Cockpit final : public api::Cell {
   void lose_sensor(const std::string& why);
   /// What the controller says of itself, or why it says nothing; `wrong`: what to do first.
   void hear(const Result<robot::ur::ControllerWords>& words, const std::string& wrong);
-  /// A cycle goes from one asking for a scan to the next.
+  /// A cycle goes from one asking for a scan to the next.  On demand this scan is the last until the next
+  /// start.
   void begin_cycle();
+  /// On demand, and nobody has started.
+  [[nodiscard]] bool waits_for_start() const;
+  /// The scan that was asked for does not come: the next one waits for a start.
+  void give_up_start();
+  /// This row is the scan's last.
+  void end_cycle(const memory::Scan& scan);
   [[nodiscard]] double cycle_s() const;
   /// The scan waits for a person until its name is empty again; only a `sendable` one can be accepted.
   void hold(const std::string& scan, bool sendable = true);
@@ -93,6 +102,11 @@ class Cockpit final : public api::Cell {
   [[nodiscard]] Result<void> decide(const api::Decision& decision) override;
   [[nodiscard]] Result<void> begin_mend(const std::string& scan) override;
   void end_mend(const std::string& scan, bool mended, const std::string& who) override;
+  [[nodiscard]] bool on_demand() override { return cycle_.on_demand(); }
+  [[nodiscard]] line_control::LineState line_state() override;
+  [[nodiscard]] std::optional<api::Job> job_of(int number) override;
+  [[nodiscard]] line_control::Refusal choose_job(int number, bool control_held) override;
+  [[nodiscard]] LineStart start_for_line(int request, bool control_held) override;
 
  private:
   Cockpit(CockpitConfig config, memory::Memory memory);
@@ -100,6 +114,9 @@ class Cockpit final : public api::Cell {
   void publish_state();
   [[nodiscard]] api::Json state_locked() const;
   void wish(Wish wish);
+  void go(const api::Job& job, const std::string& who);
+  void pause_by_person();
+  [[nodiscard]] line_control::Standing standing_locked(bool control_held) const;
 
   using Clock = std::chrono::steady_clock;
 
@@ -112,6 +129,8 @@ class Cockpit final : public api::Cell {
   std::atomic<bool> paused_{false};
 
   mutable std::mutex mutex_;
+  line_control::Cycle cycle_;
+  bool stopped_{false};  ///< by a person
   std::deque<Wish> wishes_;
   std::string hold_wanted_;
   std::string held_;

@@ -75,6 +75,10 @@ ParsedOptions parse_options(int argc, char** argv) {
                   ->expected(0, 1);
   app.add_option("--guest-token", options.doors.guest,
                  "Write a one-time token into this file: it lets one viewer look on");
+  app.add_option(
+      "--jobs", options.doors.jobs,
+      "YAML of the jobs that the line's control may choose through biteline-web --modbus or --text, "
+      "without a login; with it each start is one scan");
   app.add_option("--keep-days", options.keep_days,
                  "Remove the folders of scans that are older, but for marked ones; their rows stay")
       ->check(options::number({.minimum = 1, .maximum = 36500}, "days"));
@@ -116,6 +120,10 @@ ParsedOptions parse_options(int argc, char** argv) {
       return parsed;
     }
     options.doors.control = *at;
+  }
+  if (options.doors.jobs && !options.doors.control) {
+    parsed.leave_with = complain("--jobs needs --control or --web (see --help)");
+    return parsed;
   }
   if (!carry.sample.empty()) options.sample = carry;
   if (!robot.arm.empty()) {

@@ -38,6 +38,7 @@ struct DoorOptions {
   bool web{false};                             ///< start biteline-web beside this service
   std::string web_address;                     ///< where it listens; empty: its own default
   std::optional<std::filesystem::path> guest;  ///< file for a one-time token of a viewer
+  std::optional<std::filesystem::path> jobs;   ///< of the line's control; nothing: it has no say
 };
 
 struct Options {

@@ -59,6 +59,10 @@ Result<Service> Service::create(const Options& options) {
     BITELINE_ASSIGN(carrier->sample, transfer::find_sample(options.sample->sample,
                                                            transfer::Library{options.sample->library}));
   }
+  std::vector<line_control::Job> jobs;
+  if (options.doors.jobs) {
+    BITELINE_ASSIGN(jobs, line_control::read_jobs(*options.doors.jobs));
+  }
   BITELINE_TRY(report::prepare_folder(options.out));
   std::optional<wire::SensorKeys> control_keys;
   if (options.doors.keys) {
@@ -80,7 +84,8 @@ Result<Service> Service::create(const Options& options) {
                                  .controller = robot ? robot->options.script : "",
                                  .process = robot ? robot->process.name : "",
                                  .endpoint = options.doors.control,
-                                 .keys = std::move(control_keys)}));
+                                 .keys = std::move(control_keys),
+                                 .jobs = std::move(jobs)}));
   if (options.doors.guest) {
     BITELINE_ASSIGN(const std::string token, cockpit->accounts().make_guest_token());
     BITELINE_TRY(write_secret(*options.doors.guest, token + "\n"));

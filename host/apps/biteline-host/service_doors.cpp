@@ -31,12 +31,15 @@ void Service::show_idle() {
     return;
   }
   if (scan_) return;
-  if (cockpit_->paused()) {
+  const bool waits_for_start = cockpit_->paused() && cockpit_->waits_for_start();
+  if (cockpit_->paused() && !waits_for_start) {
     cockpit_->show(Phase::Stopped, "stopped", "start, when the cell is clear");
   } else if (!sensor_heard_) {
     cockpit_->show(Phase::Fault, "no sensor", "it is called again each second");
   } else if (robot_wrong_) {
     cockpit_->show(Phase::Fault, "the robot is not ready", "the next scan, once it is");
+  } else if (waits_for_start) {
+    cockpit_->show(Phase::Waiting, "waits for a start", "one scan for each start");
   } else {
     cockpit_->show(Phase::Waiting, "waits for the sensor", "the next scan");
   }

@@ -52,6 +52,7 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
                                                         .after = row->verdict},
                                                        chosen.places);
   if (!put) complain(put.error());
+  if (row->decision != "held") cockpit_->end_cycle(*row);
   cockpit_->tell_scan(row->name);
 }
 

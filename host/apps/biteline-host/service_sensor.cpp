@@ -44,6 +44,8 @@ Result<void> Service::hear_sensor() {
   if (sensor_idle_ && !scan_ && !result_.valid() && !held_ && unfinished_.empty() && !cockpit_->paused()) {
     // A robot that is not ready would cost a scan that nobody can use.
     if (!robot_ready()) {
+      // A start that takes effect whenever somebody mends the robot would surprise him.
+      if (!robot_moves_) cockpit_->give_up_start();
       if (options_.once && !robot_moves_)
         return fail(Errc::DeviceError, "robot %s: it is not ready", robot_->options.script.c_str());
       BITELINE_ASSIGN(const std::optional<intake::LinkEvent> meanwhile, link_->next(k_turn));

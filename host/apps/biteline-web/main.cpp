@@ -16,13 +16,27 @@ namespace {
 
 using namespace biteline;
 
-Result<std::unique_ptr<web::ServiceDoor>> open_door(const web::WebOptions& options) {
+Result<std::unique_ptr<web::ServiceDoor>> open_door(const web::WebOptions& options, const char* name) {
   if (!options.control) return web::closed_service_door();
-  control::ClientConfig config{.endpoint = *options.control, .keys = {}};
+  control::ClientConfig config{.endpoint = *options.control, .keys = {}, .door = name};
   if (options.control_keys) {
     BITELINE_ASSIGN(config.keys, wire::read_host_keys(*options.control_keys));
   }
   return web::open_service_door(config);
+}
+
+/// The doors of the line's control, where they are asked for.
+Result<std::unique_ptr<web::LineDoors>> open_line_doors(const web::WebOptions& options) {
+  if (!options.line.modbus && !options.line.text) return std::unique_ptr<web::LineDoors>{};
+  BITELINE_ASSIGN(auto door, open_door(options, "line"));
+  BITELINE_ASSIGN(auto doors, web::LineDoors::open(options.line, std::move(door)));
+  const auto say = [](const char* name, const std::optional<web::LineListener>& at, std::uint16_t port) {
+    if (!at) return;
+    std::printf("biteline-web: %s without login at %s port %u\n", name, at->address.c_str(), unsigned{port});
+  };
+  say("Modbus TCP", options.line.modbus, doors->modbus_port());
+  say("text", options.line.text, doors->text_port());
+  return doors;
 }
 
 /// Waits for SIGTERM or SIGINT on a thread of its own: no handler runs in the middle of anything.
@@ -55,7 +69,8 @@ Result<void> run(const web::WebOptions& options, const StopSignals& signals) {
   if (options.sensor_keys) {
     BITELINE_ASSIGN(watched.keys, wire::read_host_keys(*options.sensor_keys));
   }
-  BITELINE_ASSIGN(auto door, open_door(options));
+  BITELINE_ASSIGN(auto door, open_door(options, "web"));
+  BITELINE_ASSIGN(const auto line_doors, open_line_doors(options));
   std::unique_ptr<web::SensorWatch> watch;
   BITELINE_ASSIGN(const auto server, web::WebServer::open(options.server, std::move(door),
                                                           [&watch](const control::Event& event) {

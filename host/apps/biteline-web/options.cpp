@@ -19,16 +19,40 @@ std::filesystem::path share_folder() {
   return program.parent_path().parent_path() / "share" / "biteline";
 }
 
+constexpr std::uint16_t k_modbus_port = 1502;  // 502 needs rights that this program does without
+constexpr std::uint16_t k_text_port = 7119;
+
 /// ADDRESS, ADDRESS:PORT or [IPv6]:PORT.
-Result<void> read_address(const std::string& text, WebConfig& config) {
+Result<LineListener> read_address(const std::string& text, std::uint16_t default_port) {
   const std::string with_port = text.find(':') == std::string::npos || text.ends_with(']')
-                                    ? text + ":" + std::to_string(config.port)
+                                    ? text + ":" + std::to_string(default_port)
                                     : text;
   BITELINE_ASSIGN(const wire::Endpoint endpoint, wire::parse_endpoint("tcp://" + with_port));
-  config.address = endpoint.host == "localhost" ? "127.0.0.1" : endpoint.host;
-  if (config.address.starts_with('[')) config.address = config.address.substr(1, config.address.size() - 2);
-  config.port = endpoint.port;
-  return {};
+  LineListener at{.address = endpoint.host == "localhost" ? "127.0.0.1" : endpoint.host,
+                  .port = endpoint.port};
+  if (at.address.starts_with('[')) at.address = at.address.substr(1, at.address.size() - 2);
+  return at;
+}
+
+/// The doors of the line's control; a fault is told in words.
+std::optional<std::string> read_line_doors(const std::string& modbus, const std::string& text,
+                                           LineDoorsConfig& line) {
+  struct Listener {
+    const char* option;
+    const std::string& told;
+    std::uint16_t default_port;
+    std::optional<LineListener>& at;
+  };
+  for (const Listener& one : {Listener{"--modbus", modbus, k_modbus_port, line.modbus},
+                              Listener{"--text", text, k_text_port, line.text}}) {
+    if (one.told.empty()) continue;
+    const Result<LineListener> at = read_address(one.told, one.default_port);
+    if (!at) return std::string{one.option} + ": " + to_line(at.error());
+    one.at = *at;
+  }
+  if (!line.peers.empty() && !line.modbus && !line.text)
+    return "--line-peer needs --modbus or --text (see --help)";
+  return std::nullopt;
 }
 
 }  // namespace
@@ -66,6 +90,17 @@ ParsedWebOptions parse_web_options(int argc, char** argv) {
   app.add_option("--page", server.page, "Folder of the page")->capture_default_str();
   app.add_flag("--behind-proxy", server.behind_proxy,
                "A proxy stands before this server: nobody counts as on the cell's own machine");
+  std::string modbus;
+  std::string text;
+  app.add_option(
+      "--modbus", modbus,
+      "ADDRESS or ADDRESS:PORT (1502) of one interface: a Modbus TCP door for the line's control. It "
+      "has no login: a peer may choose a job, ask for a start and read, no more");
+  app.add_option("--text", text, "The same (7119) with lines of plain text, for robots and PLCs");
+  app.add_option(
+      "--line-peer", options.line.peers,
+      "An address that may connect to --modbus and --text; compulsory beyond loopback; may be given "
+      "several times");
   auto* add =
       app.add_option("--add-user", account.name,
                      "Make an account and leave; the password comes from the terminal or stdin. With --out: "
@@ -84,8 +119,15 @@ ParsedWebOptions parse_web_options(int argc, char** argv) {
     return parsed;
   }
   if (!tls.certificate.empty()) server.tls = tls;
-  if (const Result<void> read = read_address(listen, server); !read) {
-    parsed.leave_with = complain("--listen: " + to_line(read.error()));
+  const Result<LineListener> at = read_address(listen, server.port);
+  if (!at) {
+    parsed.leave_with = complain("--listen: " + to_line(at.error()));
+    return parsed;
+  }
+  server.address = at->address;
+  server.port = at->port;
+  if (const std::optional<std::string> fault = read_line_doors(modbus, text, options.line)) {
+    parsed.leave_with = complain(*fault);
     return parsed;
   }
   struct EndpointOption {
@@ -112,6 +154,10 @@ ParsedWebOptions parse_web_options(int argc, char** argv) {
     account.control = options.control;
     account.control_keys = options.control_keys;
     options.add_user = account;
+    return parsed;
+  }
+  if ((options.line.modbus || options.line.text) && !options.control) {
+    parsed.leave_with = complain("--modbus and --text need --control tcp://HOST:PORT (see --help)");
     return parsed;
   }
   if (!options.control && !options.sensor) {

@@ -8,6 +8,7 @@
 
 #include "common/wire/endpoint.hpp"
 #include "host/apps/biteline-web/add_user.hpp"
+#include "host/apps/biteline-web/line/line_doors.hpp"
 #include "host/apps/biteline-web/web_server.hpp"
 
 namespace biteline::web {
@@ -18,6 +19,7 @@ struct WebOptions {
   std::optional<std::filesystem::path> control_keys;
   std::optional<wire::Endpoint> sensor;  ///< whose live data are shown; none: the one that the service names
   std::optional<std::filesystem::path> sensor_keys;
+  LineDoorsConfig line;                    ///< no door of it is open unless asked for
   std::optional<AddUserRequest> add_user;  ///< only this is done
   bool exit_with_parent{false};
 };

@@ -42,6 +42,28 @@ struct FakeCell final : Cell {
   void end_mend(const std::string& scan, bool mended, const std::string& who) override {
     did.push_back("end mend " + scan + (mended ? " yes " : " no ") + who);
   }
+  bool on_demand() override { return jobs; }
+  line_control::LineState line_state() override {
+    line_control::LineState state;
+    state.job = chosen;
+    return state;
+  }
+  std::optional<Job> job_of(int number) override {
+    if (number < 1 || number > 3) return std::nullopt;
+    return Job{.model = number == 3 ? "not-there" : "", .process = number == 2 ? "not-there" : ""};
+  }
+  line_control::Refusal choose_job(int number, bool control_held) override {
+    if (control_held) return line_control::Refusal::ControlHeld;
+    chosen = number;
+    return line_control::Refusal::None;
+  }
+  LineStart start_for_line(int request, bool control_held) override {
+    did.push_back("line start " + std::to_string(request) + (control_held ? " held" : ""));
+    return {.refusal = line_control::Refusal::None, .fresh = true};
+  }
+  bool jobs{true};
+  int chosen{0};
+
   Result<void> decide(const Decision& decision) override {
     did.push_back("decide " + decision.scan + " " + decision.who + " " + decision.door + " " + decision.why);
     return next;
@@ -323,6 +345,63 @@ TEST(Api, HistoryIsToldAsTrendsAndCsv) {
   const control::Answer csv = ask("GET", "/history.csv");
   STRCMP_EQUAL("text/csv", csv.type.c_str());
   LONGS_EQUAL(3, std::ranges::count(csv.body.get<std::string>(), '\n'));
+}
+
+TEST(Api, LinesControlHasNoLoginAndOnlyItsThreeWords) {
+  control::Request request;
+  const auto say = [&](const char* door, const char* method, const std::string& path, Json body = {}) {
+    request.door = door;
+    request.method = method;
+    request.path = "/api/v1" + path;
+    request.body = std::move(body);
+    return sut.ordinary(request);
+  };
+  const auto refusal = [&](const control::Answer& answer) {
+    LONGS_EQUAL(200, answer.status);
+    return answer.body["refusal"].get<int>();
+  };
+  for (const char* door : {"modbus", "text"}) {
+    LONGS_EQUAL(0, say(door, "GET", "/line").body["job"].get<int>());
+    LONGS_EQUAL(0, refusal(say(door, "PUT", "/line/job", {{"job", 1}})));
+    LONGS_EQUAL(0, refusal(say(door, "POST", "/line/start", {{"request", 7}})));
+    STRCMP_EQUAL("line start 7", cell.did.back().c_str());
+    // Nothing else is open to a door without login: no approval, no laser, no reading of results.
+    for (const char* path : {"/scans/scan-0001/accept", "/scans/scan-0001/send", "/scans/scan-0001/mend",
+                             "/commands/start", "/commands/rescan", "/control"})
+      LONGS_EQUAL_TEXT(401, say(door, "POST", path).status, path);
+    for (const char* path : {"/state", "/scans", "/models", "/log", "/users"})
+      LONGS_EQUAL_TEXT(401, say(door, "GET", path).status, path);
+    cell.chosen = 0;
+  }
+  // A page, or a tool that names no such door, has none of it.
+  for (const char* door : {"web", "", "Modbus"}) LONGS_EQUAL(404, say(door, "GET", "/line").status);
+}
+
+TEST(Api, LinesControlIsToldWhyNot) {
+  control::Request request;
+  request.door = "modbus";
+  const auto refusal = [&](const char* method, const std::string& path, Json body) {
+    request.method = method;
+    request.path = "/api/v1" + path;
+    request.body = std::move(body);
+    const control::Answer answer = sut.ordinary(request);
+    LONGS_EQUAL(200, answer.status);
+    return static_cast<line_control::Refusal>(answer.body["refusal"].get<int>());
+  };
+  using line_control::Refusal;
+  for (const Json& body : {Json{}, Json{{"job", "1"}}, Json{{"job", 1.5}}, Json{{"job", -1}},
+                           Json{{"job", 65536}}, Json{{"job", 1}, {"x", 1}}, Json(3)})
+    CHECK(refusal("PUT", "/line/job", body) == Refusal::BadRequest);
+  CHECK(refusal("POST", "/line/start", {{"job", 1}}) == Refusal::BadRequest);
+  // Of no such number; of a process and of a model that are not there.
+  for (const int number : {9, 2, 3})
+    CHECK(refusal("PUT", "/line/job", {{"job", number}}) == Refusal::UnknownJob);
+  SUCCEEDS(accounts.take_control("ana", "web"));
+  CHECK(refusal("PUT", "/line/job", {{"job", 1}}) == Refusal::ControlHeld);
+  CHECK(refusal("POST", "/line/start", {{"request", 1}}) == Refusal::None);
+  STRCMP_EQUAL("line start 1 held", cell.did.back().c_str());
+  cell.jobs = false;
+  CHECK(refusal("POST", "/line/start", {{"request", 1}}) == Refusal::NotOpen);
 }
 
 TEST(Api, AMendIsANewVersionWithWhoAndWhyAndTheCellIsToldOnBothSides) {

@@ -1,0 +1,51 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""line_client.py ADDRESS PORT JOB: one scan through biteline-web --text, with Python's own library.
+
+Prints the cell's state as JSON.  Exit status: 0 ok, 3 refused, 4 failed or not taken.
+"""
+import json
+import socket
+import sys
+import time
+
+NAMES = (
+    "map heartbeat step ready busy done taken finished verdict job model sent followed refusal scan starts ok amber refused "
+    "failed length_mm u95_um confidence"
+).split()
+VERDICTS = ("none", "ok", "amber", "refused", "failed")
+
+
+def main():
+    address, port, job = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
+    with socket.create_connection((address, port), timeout=10) as link:
+        answers = link.makefile("r")
+
+        def ask(line):
+            link.sendall(line.encode() + b"\n")
+            return [int(number) for number in answers.readline().strip("()\n").split(",")]
+
+        def state():
+            return dict(zip(NAMES, ask("STATE")))
+
+        # Another number than the last one: the same number would not start a second scan.
+        request = state()["taken"] % 65535 + 1
+        for line in (f"JOB {job}", f"START {request}"):
+            refusal = ask(line)[0]
+            if refusal:
+                print(f"{line}: refused with {refusal}", file=sys.stderr)
+                return 4
+        while True:
+            now = state()
+            if now["done"] and now["finished"] == request:
+                break
+            if now["step"] == 0:
+                print("the service does not answer", file=sys.stderr)
+                return 4
+            time.sleep(0.1)
+        now["verdict"] = VERDICTS[now["verdict"]]
+        print(json.dumps(now))
+        return {"ok": 0, "amber": 0, "refused": 3}.get(now["verdict"], 4)
+
+
+sys.exit(main())

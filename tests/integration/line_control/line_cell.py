@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: MIT
+"""A cell for tests of the line's doors: sensor, service and web program, all real but the sensor's devices."""
+import json
+import pathlib
+import signal
+import socket
+import subprocess
+import tempfile
+import threading
+import time
+import urllib.error
+import urllib.request
+
+PATIENCE_S = 100
+NAMES = (
+    "map heartbeat step ready busy done taken finished verdict job model sent followed refusal scan starts ok amber refused "
+    "failed length_mm u95_um confidence"
+).split()
+READY, STOPPED, AWAY = 1, 6, 0
+JOBS = "jobs:\n  1: {}\n  2: {process: grind}\n  7: {model: not-there}\n"
+
+
+def comes_true(condition, what):
+    until = time.monotonic() + PATIENCE_S
+    while time.monotonic() < until:
+        value = condition()
+        if value:
+            return value
+        time.sleep(0.05)
+    raise AssertionError("never came true: " + what)
+
+
+class Program:
+    """One that this test started; its lines are kept."""
+
+    def __init__(self, *command):
+        self.lines = []
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        threading.Thread(target=lambda: [self.lines.append(line.rstrip("\n")) for line in self.process.stdout], daemon=True).start()
+
+    def line_with(self, words):
+        return comes_true(lambda: next((line for line in list(self.lines) if words in line), None), words + "\n" + "\n".join(self.lines))
+
+    def end(self, how=signal.SIGTERM):
+        self.process.send_signal(how)
+        self.process.wait(PATIENCE_S)
+
+
+class Cell:
+    def __init__(self, host, web, sensor):
+        self.folder = tempfile.TemporaryDirectory()
+        jobs = pathlib.Path(self.folder.name, "jobs.yaml")
+        jobs.write_text(JOBS)
+        self.sensor = Program(sensor)
+        endpoint = self.sensor.line_with("tcp://")
+        self.host = Program(host, "--sensor", endpoint, "--out", self.folder.name + "/results", "--control", "tcp://127.0.0.1:0",
+                            "--jobs", str(jobs), "--exit-with-parent")
+        control = self.host.line_with("doors come in at").split()[-1]
+        self.web = Program(web, "--listen", "127.0.0.1:0", "--control", control, "--modbus", "127.0.0.1:0", "--text", "127.0.0.1:0",
+                           "--exit-with-parent")
+        self.http = self.web.line_with("http://").split()[-1]
+        self.text_port = int(self.web.line_with("text without login").split()[-1])
+        self.modbus_port = int(self.web.line_with("Modbus TCP without login").split()[-1])
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, value, trace):
+        if kind:
+            for one in (self.sensor, self.host, self.web):
+                print("---", one.process.args[0], *one.lines[-20:], sep="\n")
+        for one in (self.web, self.host, self.sensor):
+            if one.process.poll() is None:
+                one.end()
+        self.folder.cleanup()
+
+    def scans_asked(self):
+        return sum(line.startswith("start ") for line in self.sensor.lines)
+
+    def call(self, method, path, body=None, token=None):
+        request = urllib.request.Request(self.http + "/api/v1" + path, method=method)
+        if token:
+            request.add_header("Authorization", "Bearer " + token)
+        if body is not None:
+            request.add_header("Content-Type", "application/json")
+            request.data = json.dumps(body).encode()
+        try:
+            with urllib.request.urlopen(request, timeout=PATIENCE_S) as answer:
+                return answer.status, json.loads(answer.read() or b"null")
+        except urllib.error.HTTPError as error:
+            return error.code, json.loads(error.read() or b"null")
+
+    def log_in(self):
+        ada = {"name": "ada", "password": "a long password"}
+        assert self.call("POST", "/users", {**ada, "role": "administrator"})[0] == 201
+        return self.call("POST", "/sessions", ada)[1]["token"]
+
+
+class TextPeer:
+    def __init__(self, port):
+        self.socket = socket.create_connection(("127.0.0.1", port), timeout=PATIENCE_S)
+        self.reader = self.socket.makefile("rb")
+
+    def ask(self, line):
+        self.socket.sendall(line.encode() + b"\n")
+        answer = self.reader.readline()
+        return [int(number) for number in answer.strip().strip(b"()").split(b",")] if answer else None
+
+    def state(self):
+        return dict(zip(NAMES, self.ask("STATE"), strict=True))
+
+    def ended(self):
+        """The door closed this connection."""
+        try:
+            return self.socket.recv(1) == b""
+        except ConnectionError:
+            return True

@@ -1,0 +1,155 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""line_modbus_test.py HOST WEB SENSOR EXAMPLES: pymodbus chooses a job, starts, reads; and peers of the wrong kind."""
+import random
+import socket
+import struct
+import sys
+import time
+
+try:
+    from pymodbus.client import ModbusTcpClient
+except ImportError as error:
+    print("skipped:", error, "(python3-pymodbus and python3-serial-asyncio)")
+    sys.exit(77)
+from line_cell import NAMES, PATIENCE_S, READY, Cell, comes_true
+
+JOB, START = 0, 1
+UNKNOWN_JOB, BUSY = 1, 3
+REFUSED = 3
+# Of the bits that are read (function 2).
+BIT_READY, BIT_BUSY, BIT_DONE, BIT_PERSON, BIT_ALIVE = range(5)
+
+
+def state_of(plc):
+    return dict(zip(NAMES, plc.read_input_registers(0, len(NAMES)).registers, strict=True))
+
+
+def job_start_and_verdict(cell, plc):
+    comes_true(lambda: state_of(plc)["step"] == READY, "ready")
+    assert plc.read_discrete_inputs(0, 5).bits[:5] == [True, False, False, False, True]
+    assert not plc.write_register(JOB, 9).isError() and state_of(plc)["refusal"] == UNKNOWN_JOB
+    assert not plc.write_register(JOB, 1).isError()
+    assert state_of(plc)["refusal"] == 0 and plc.read_holding_registers(0, 2).registers == [1, 0]
+    assert not plc.write_register(START, 5).isError()
+    state = state_of(plc)
+    assert (state["busy"], state["done"], state["taken"]) == (1, 0, 5), state
+    plc.write_register(START, 6)
+    assert state_of(plc)["refusal"] == BUSY
+    # 0 puts the register back and is no start.
+    plc.write_register(START, 0)
+    comes_true(lambda: plc.read_discrete_inputs(0, 5).bits[BIT_DONE], "done")
+    state = state_of(plc)
+    assert (state["busy"], state["finished"], state["verdict"], state["job"], state["refused"]) == (0, 5, REFUSED, 1, 1), state
+
+
+def a_control_that_writes_all_each_turn(cell, plc):
+    """As the cyclic exchange of a PLC: both registers, each turn, until the scan is done."""
+    before = cell.scans_asked()
+
+    def turn():
+        assert not plc.write_registers(JOB, [2, 7]).isError()
+        state = state_of(plc)
+        assert state["refusal"] == 0, state
+        return state["done"] and state["finished"] == 7
+
+    comes_true(turn, "done")
+    for _ in range(5):
+        turn()
+    assert cell.scans_asked() == before + 1 and state_of(plc)["job"] == 2
+
+
+def what_is_not_in_the_table_is_refused(plc):
+    for answer, code in (
+        (plc.read_input_registers(len(NAMES), 1), 2),
+        (plc.read_holding_registers(0, 3), 2),
+        (plc.write_register(2, 1), 2),
+        (plc.write_registers(JOB, [1, 9, 1]), 2),
+        (plc.read_coils(0, 1), 2),
+        (plc.write_coil(0, True), 1),
+        (plc.readwrite_registers(read_address=0, read_count=1, write_address=0, write_registers=[1]), 1),
+    ):
+        assert answer.isError() and answer.exception_code == code, (answer, code)
+    assert state_of(plc)["taken"] == 7
+
+
+def raw(port, bytes_, wait_s=PATIENCE_S):
+    with socket.create_connection(("127.0.0.1", port), timeout=wait_s) as peer:
+        peer.sendall(bytes_)
+        try:
+            return peer.recv(300)
+        except ConnectionError:
+            return b""
+
+
+def frame(pdu, transaction=1, protocol=0, length=None):
+    return struct.pack(">HHHB", transaction, protocol, len(pdu) + 1 if length is None else length, 1) + pdu
+
+
+def bad_peers_hurt_nobody(cell, plc):
+    port = cell.modbus_port
+    read = struct.pack(">BHH", 4, 0, 1)
+    assert raw(port, frame(read))[7:] == struct.pack(">BBH", 4, 2, 1)
+    assert raw(port, frame(read, protocol=1)) == b"" and raw(port, frame(read, length=0)) == b""
+    assert raw(port, frame(read, length=4000)) == b""
+    # Sound frames with lengths and counts that do not fit: exception 3.
+    for pdu in (read[:-1], read + b"x", struct.pack(">BHH", 4, 0, 0), struct.pack(">BHH", 4, 0, 126),
+                struct.pack(">BHHB", 16, 0, 100, 2) + b"\0\1", struct.pack(">BHHB", 16, 0, 1, 200) + b"\0\1"):
+        assert raw(port, frame(pdu))[7:9] == bytes([pdu[0] | 0x80, 3]), pdu
+    assert raw(port, frame(bytes([43, 14, 1, 0])))[7:9] == bytes([43 | 0x80, 1])
+    # Two requests in one piece, and one in pieces.
+    both = raw(port, frame(read, 1) + frame(read, 2))
+    assert both[:2] == b"\0\1"
+    with socket.create_connection(("127.0.0.1", port), timeout=PATIENCE_S) as peer:
+        for byte in frame(read, 3):
+            peer.sendall(bytes([byte]))
+            time.sleep(0.01)
+        assert peer.recv(300)[:2] == b"\0\3"
+    seed = 5
+    rng = random.Random(seed)
+    started = state_of(plc)["starts"]
+    for _ in range(300):
+        garbage = bytearray(frame(read)) if rng.random() < 0.5 else bytearray(rng.randbytes(rng.randrange(1, 300)))
+        garbage[rng.randrange(len(garbage))] ^= rng.randrange(1, 256)
+        # A peer that goes at once; a write of job or start is no garbage, so functions 6 and 16 are left out.
+        if len(garbage) > 7 and garbage[7] in (6, 16):
+            continue
+        with socket.create_connection(("127.0.0.1", port), timeout=PATIENCE_S) as peer:
+            peer.sendall(garbage)
+    crowd = [socket.create_connection(("127.0.0.1", port), timeout=PATIENCE_S) for _ in range(60)]
+    assert state_of(plc)["starts"] == started, "who was there before is served"
+    turned_away = 0
+    for one in crowd:
+        try:
+            one.sendall(frame(read))
+            turned_away += one.recv(300) == b""
+        except ConnectionError:
+            turned_away += 1
+        one.close()
+    assert 45 <= turned_away < 60, turned_away
+    # Answers that nobody takes are not kept: the connection ends, the door goes on.
+    with socket.create_connection(("127.0.0.1", port), timeout=1) as deaf:
+        deaf.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
+        try:
+            for _ in range(200_000):
+                deaf.sendall(frame(struct.pack(">BHH", 4, 0, 23)) * 20)
+        except OSError:
+            pass
+        else:
+            raise AssertionError("a peer that never reads was served without end")
+    assert state_of(plc)["map"] == 1
+
+
+def main():
+    with Cell(*sys.argv[1:4]) as cell:
+        plc = ModbusTcpClient("127.0.0.1", port=cell.modbus_port, timeout=PATIENCE_S)
+        assert plc.connect()
+        job_start_and_verdict(cell, plc)
+        a_control_that_writes_all_each_turn(cell, plc)
+        what_is_not_in_the_table_is_refused(plc)
+        bad_peers_hurt_nobody(cell, plc)
+        plc.close()
+    print("pymodbus reads what docs/line-control.md says")
+
+
+main()
