@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The plain text protocol: a line in, a line of numbers in round brackets out, as URScript reads them.
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <string_view>
 
@@ -24,6 +25,16 @@ std::optional<int> number_behind(std::string_view line, std::string_view word) {
   if (error != std::errc{} || at != line.data() + line.size() || number < 0 || number > 65535)
     return std::nullopt;
   return number;
+}
+
+std::string line_of(std::span<const std::uint16_t> numbers) {
+  std::string line;
+  for (const std::uint16_t number : numbers) {
+    line += line.empty() ? '(' : ',';
+    line += std::to_string(number);
+  }
+  line += ")\n";
+  return line;
 }
 
 class TextTalk final : public LineTalk {
@@ -54,12 +65,9 @@ class TextTalk final : public LineTalk {
   }
 
   [[nodiscard]] std::string answer(const LineCommand& command, const LineNews& news) override {
-    if (command.fault > 0) return "(" + std::to_string(command.fault) + ")\n";
-    if (command.job || command.start) return "(" + std::to_string(static_cast<int>(news.refusal)) + ")\n";
-    std::string line = "(";
-    for (const std::uint16_t value : line_control::values_of(news.state, news.heartbeat, news.refusal))
-      line += (line.size() > 1 ? "," : "") + std::to_string(value);
-    return line + ")\n";
+    if (command.fault > 0) return line_of(std::array{static_cast<std::uint16_t>(command.fault)});
+    if (command.job || command.start) return line_of(std::array{static_cast<std::uint16_t>(news.refusal)});
+    return line_of(line_control::values_of(news.state, news.heartbeat, news.refusal));
   }
 };
 
