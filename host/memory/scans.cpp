@@ -117,6 +117,8 @@ Result<void> Memory::put_scan(const Scan& scan, const LogRow& event, const std::
       const std::span bytes{reinterpret_cast<const std::uint8_t*>(places->data()), sizeof(Places)};
       BITELINE_TRY(put_places.bind(id).bind(scan.model).bind(scan.time).bind(bytes).run());
     }
+    BITELINE_ASSIGN(Statement post, database_->prepare("INSERT INTO outbox (scan) VALUES (?)"));
+    BITELINE_TRY(post.bind(id).run());
     return add_log(event);
   });
 }

@@ -86,6 +86,16 @@ CREATE TABLE sessions (
 ) STRICT;
 CREATE TABLE settings (key TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT;
 )sql",
+    // What the centre is to be told, in order.  A number never comes twice; the book's name tells this file
+    // from another.
+    R"sql(
+CREATE TABLE outbox (
+  seq INTEGER PRIMARY KEY AUTOINCREMENT,
+  scan INTEGER NOT NULL REFERENCES scans (id) ON DELETE CASCADE
+) STRICT;
+INSERT INTO outbox (scan) SELECT id FROM scans ORDER BY id;
+INSERT INTO settings (key, value) VALUES ('outbox', lower(hex(randomblob(8))));
+)sql",
 };
 
 Result<int> version_of(Database& database) {

@@ -23,6 +23,8 @@ forbid hal '(firmware|host|tests)/' 'hal knows common only'
 forbid firmware '(host|tests)/' 'firmware knows common and hal'
 forbid host '(hal|firmware|tests)/' 'host knows common only: sensor and robot are network peers'
 forbid 'hal/api hal/board hal/timing' 'hal/(linux|replay|sim)/' 'interfaces, board data and arithmetic know no backend'
+forbid host/fleet 'host/(intake|robot|api|accounts|results|apps)/' 'the fleet knows the memory, not the cell'
+forbid 'common firmware hal host/memory host/api host/control host/apps/biteline-host host/apps/biteline-web' '(mosquitto|pqxx)' 'the cell waits for no network: broker and database are reached by host/fleet alone'
 forbid host/line_control 'host/(intake|robot|api|accounts|memory|results|apps)/' 'the state machine of the line knows no door and no memory'
 for algorithm in geometry cloud uncertainty evaluation curvature bite_line published calibration transfer robot/kinematics robot/path report mend; do
   forbid "host/$algorithm" 'host/(intake|robot/link|results|apps)/' 'algorithms know neither the network nor results nor the programs'

@@ -6,6 +6,7 @@
 
 #include <fstream>
 
+#include "host/memory/outbox.hpp"
 #include "host/memory/schema.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -239,6 +240,73 @@ TEST(Memory, NewerSchemaIsRefusedAndOlderRaised) {
   FAILS_NAMING(Errc::NotSupported, "start biteline-host", Memory::open_to_read(old));
   SUCCEEDS(Memory::open(old));
   SUCCEEDS(Memory::open_to_read(old));
+}
+
+TEST(Memory, OutboxHasEveryChangeOfAShoeInOrderAndTheShoeAsItIsNow) {
+  Memory memory = opened();
+  SUCCEEDS(memory.put_scan(scan_named("scan-0001", 1000), by_service("result"), Places{}));
+  SUCCEEDS(memory.put_scan(scan_named("scan-0002", 2000), by_service("result")));
+  Scan again = scan_named("scan-0001", 1000);
+  again.decision = "accepted";
+  SUCCEEDS(memory.put_scan(again, by_service("accepted")));
+  auto outbox = Outbox::open(file);
+  SUCCEEDS(outbox);
+  const auto all = outbox->after(0, 100);
+  SUCCEEDS(all);
+  LONGS_EQUAL(16, all->book.size());
+  LONGS_EQUAL(3, all->waiting);
+  std::int64_t before = 0;
+  for (const OutboxRow& row : all->rows) {
+    CHECK(row.seq > row.after);
+    CHECK(row.after == before);
+    before = row.seq;
+  }
+  STRCMP_EQUAL("scan-0001", all->rows[0].scan.name.c_str());
+  STRCMP_EQUAL("accepted", all->rows[0].scan.decision.c_str());
+  CHECK(all->rows[0].places.has_value());
+  CHECK(!all->rows[1].places.has_value());
+  const auto rest = outbox->after(all->rows[0].seq, 1);
+  SUCCEEDS(rest);
+  LONGS_EQUAL(2, rest->waiting);
+  LONGS_EQUAL(1, rest->rows.size());
+  CHECK(rest->rows[0].after == all->rows[0].seq);
+  CHECK(rest->book == all->book);
+  LONGS_EQUAL(0, outbox->after(1'000'000, 5)->rows.size());
+}
+
+TEST(Memory, RowThatIsNotKeptIsNotInTheOutboxEither) {
+  Memory memory = opened();
+  SUCCEEDS(memory.put_scan(scan_named("scan-0001", 1000), by_service("result")));
+  {
+    // What fails last fails all of it: the log is part of the transaction.
+    auto database = Database::open(file, Database::Access::ReadWrite);
+    SUCCEEDS(database->execute(
+        "CREATE TRIGGER no_log BEFORE INSERT ON log BEGIN SELECT RAISE(ABORT, 'no log'); END"));
+  }
+  CHECK(!memory.put_scan(scan_named("scan-0002", 2000), by_service("result")));
+  auto outbox = Outbox::open(file);
+  SUCCEEDS(outbox);
+  LONGS_EQUAL(1, outbox->after(0, 100)->rows.size());
+  LONGS_EQUAL(1, memory.scans({})->scans.size());
+}
+
+TEST(Memory, ShoesOfBeforeTheOutboxAreInItOnce) {
+  {
+    Memory memory = opened();
+    for (const char* name : {"scan-0001", "scan-0002"})
+      SUCCEEDS(memory.put_scan(scan_named(name, 1000), by_service("result")));
+    // As the first version left it.
+    auto database = Database::open(file, Database::Access::ReadWrite);
+    SUCCEEDS(database->execute(
+        "DROP TABLE outbox; DELETE FROM settings WHERE key = 'outbox'; PRAGMA user_version = 1"));
+  }
+  CHECK(!Outbox::open(file));
+  Memory memory = opened();
+  auto outbox = Outbox::open(file);
+  SUCCEEDS(outbox);
+  const auto all = outbox->after(0, 100);
+  LONGS_EQUAL(2, all->rows.size());
+  STRCMP_EQUAL("scan-0002", all->rows[1].scan.name.c_str());
 }
 
 TEST(Memory, FileIsItsOwnersAloneAndOthersKindIsRefused) {

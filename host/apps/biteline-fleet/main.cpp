@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: MIT
+// biteline-fleet: takes the shoes of all cells from the broker into the centre's database.
+#include <sys/prctl.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <thread>
+
+#include "common/system/last_words.hpp"
+#include "host/control/messages.hpp"
+#include "host/fleet/broker_options.hpp"
+#include "host/fleet/centre.hpp"
+
+namespace {
+
+using namespace biteline;
+using std::chrono::milliseconds;
+
+std::atomic<bool> g_stop{false};
+
+constexpr milliseconds k_turn{100};
+constexpr std::size_t k_most_at_once = 100;
+/// More than so many are dropped: their cells send them again.
+constexpr std::size_t k_most_waiting = 5000;
+constexpr milliseconds k_before_retry{1000};
+
+struct Options {
+  fleet::BrokerOptions broker;
+  std::string database;
+  std::filesystem::path migrations;
+  bool list{false};
+  bool json{false};
+  bool exit_with_parent{false};
+};
+
+class Fleet {
+ public:
+  explicit Fleet(const Options& options) : options_{options} {}
+
+  Result<void> open() {
+    BITELINE_ASSIGN(fleet::BrokerConfig broker, fleet::broker_of(options_.broker));
+    broker.client = "biteline-fleet";
+    broker.subscriptions = {fleet::k_all_shoes, fleet::k_all_health};
+    BITELINE_ASSIGN(broker_,
+                    fleet::Broker::open(
+                        broker, [this](std::string_view topic, std::string_view text) { hear(topic, text); },
+                        [] {
+                          std::printf("biteline-fleet: connected to the broker\n");
+                          std::fflush(stdout);
+                        }));
+    return {};
+  }
+
+  void run() {
+    while (!g_stop) {
+      if (!centre_ && !open_centre()) {
+        // Without a database nothing is taken: the cells keep it.
+        forget();
+        wait();
+        continue;
+      }
+      // The broker's line waits less while something is in hand.
+      const Result<void> turned = broker_->turn(shoes_.empty() ? k_turn : milliseconds{0});
+      if (!turned) say(to_line(turned.error()));
+      if (const Result<void> kept = keep(); !kept) {
+        say(to_line(kept.error()));
+        centre_.reset();
+        forget();
+      }
+    }
+  }
+
+ private:
+  bool open_centre() {
+    Result<fleet::Centre> centre = fleet::Centre::open(options_.database, options_.migrations);
+    if (!centre) {
+      say(to_line(centre.error()));
+      return false;
+    }
+    centre_.emplace(std::move(*centre));
+    std::printf("biteline-fleet: connected to the database\n");
+    std::fflush(stdout);
+    return true;
+  }
+
+  void wait() {
+    for (milliseconds waited{0}; waited < k_before_retry && !g_stop; waited += k_turn) {
+      if (const Result<void> turned = broker_->turn(k_turn); !turned) std::this_thread::sleep_for(k_turn);
+    }
+    forget();
+  }
+
+  void forget() {
+    shoes_.clear();
+    health_.clear();
+  }
+
+  void say(const std::string& line) {
+    if (line == last_) return;
+    last_ = line;
+    std::fprintf(stderr, "biteline-fleet: %s\n", line.c_str());
+  }
+
+  void hear(std::string_view topic, std::string_view text) {
+    if (const std::optional<std::string> cell = fleet::cell_of(topic, "shoes")) {
+      Result<fleet::ShoeMessage> shoe = fleet::read_shoe(text);
+      if (!shoe) return say(*cell + ": " + to_line(shoe.error()));
+      if (shoes_.size() < k_most_waiting) shoes_.push_back({.cell = *cell, .shoe = std::move(*shoe)});
+    } else if (const std::optional<std::string> speaker = fleet::cell_of(topic, "health")) {
+      Result<fleet::HealthMessage> health = fleet::read_health(text);
+      if (!health) return say(*speaker + ": " + to_line(health.error()));
+      if (health_.size() < k_most_waiting) health_.emplace_back(*speaker, std::move(*health));
+    }
+  }
+
+  /// Into the database, and only then the cells are told.
+  Result<void> keep() {
+    for (std::size_t at = 0; at < shoes_.size(); at += k_most_at_once) {
+      const auto begin = shoes_.begin() + static_cast<std::ptrdiff_t>(at);
+      const auto end =
+          shoes_.begin() + static_cast<std::ptrdiff_t>(std::min(shoes_.size(), at + k_most_at_once));
+      BITELINE_ASSIGN(const std::vector<fleet::CommittedOf> committed, centre_->commit({begin, end}));
+      for (const fleet::CommittedOf& one : committed) tell(one.cell, one.to);
+    }
+    shoes_.clear();
+    for (const auto& [cell, health] : health_) {
+      BITELINE_TRY(centre_->note_health(cell, health));
+      if (!health.online) continue;
+      BITELINE_ASSIGN(const fleet::CommittedMessage stands, centre_->committed(cell, health.book));
+      tell(cell, stands);
+    }
+    health_.clear();
+    return {};
+  }
+
+  void tell(const std::string& cell, const fleet::CommittedMessage& committed) {
+    // Not kept by the broker: a word from before a database that was put back would be wrong.
+    broker_->publish(fleet::committed_topic(cell), fleet::to_text(committed), false);
+  }
+
+  const Options& options_;
+  std::unique_ptr<fleet::Broker> broker_;
+  std::optional<fleet::Centre> centre_;
+  std::vector<fleet::FromCell> shoes_;
+  std::vector<std::pair<std::string, fleet::HealthMessage>> health_;
+  std::string last_;
+};
+
+Result<void> list(const Options& options) {
+  BITELINE_ASSIGN(fleet::Centre centre, fleet::Centre::open(options.database, options.migrations));
+  BITELINE_ASSIGN(const std::vector<fleet::CellRow> cells, centre.cells());
+  control::Json json = control::Json::array();
+  if (!options.json)
+    std::printf("%-20s %-8s %-24s %8s %8s %8s %8s %8s %8s\n", "cell", "state", "heard", "waiting", "shoes",
+                "ok", "amber", "refused", "failed");
+  for (const fleet::CellRow& cell : cells) {
+    if (options.json) {
+      json.push_back({{"cell", cell.cell},
+                      {"online", cell.online},
+                      {"heard", memory::to_iso(cell.heard_ms)},
+                      {"version", cell.version},
+                      {"waiting", cell.waiting},
+                      {"shoes", cell.shoes},
+                      {"ok", cell.ok},
+                      {"amber", cell.amber},
+                      {"refused", cell.refused},
+                      {"failed", cell.failed},
+                      {"last_shoe", cell.last_shoe_ms ? control::Json(memory::to_iso(*cell.last_shoe_ms))
+                                                      : control::Json{}}});
+      continue;
+    }
+    std::printf("%-20s %-8s %-24s %8lld %8lld %8lld %8lld %8lld %8lld\n", cell.cell.c_str(),
+                cell.online ? "online" : "away", memory::to_iso(cell.heard_ms).c_str(),
+                static_cast<long long>(cell.waiting), static_cast<long long>(cell.shoes),
+                static_cast<long long>(cell.ok), static_cast<long long>(cell.amber),
+                static_cast<long long>(cell.refused), static_cast<long long>(cell.failed));
+  }
+  if (options.json)
+    std::printf("%s\n", control::Json{{"schema_version", 1}, {"cells", std::move(json)}}.dump(2).c_str());
+  return {};
+}
+
+int complain(const std::string& line, ExitStatus status) {
+  std::fprintf(stderr, "biteline-fleet: %s\n", line.c_str());
+  return static_cast<int>(status);
+}
+
+int run(int argc, char** argv) {
+  Options options;
+  std::error_code fault;
+  options.migrations = std::filesystem::read_symlink("/proc/self/exe", fault).parent_path().parent_path() /
+                       "share/biteline/migrations";
+  CLI::App app{"The factory's centre: takes the shoes of all cells from the broker into PostgreSQL.",
+               "biteline-fleet"};
+  app.set_version_flag("--version", BITELINE_VERSION);
+  app.add_option(
+         "--database", options.database,
+         "PostgreSQL, as libpq takes it: \"host=HOST dbname=NAME user=NAME\"; a password stands in ~/.pgpass")
+      ->required();
+  fleet::add_broker_options(app, options.broker);
+  app.add_option("--migrations", options.migrations, "Folder of the tables' versions")->capture_default_str();
+  app.add_flag("--list", options.list, "Print the cells with their health and counts, and leave");
+  app.add_flag("--json", options.json, "With --list: as JSON");
+  app.add_flag("--exit-with-parent", options.exit_with_parent,
+               "Stop when the program that started this one ends");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    return complain(std::string{error.what()} + " (see --help)", ExitStatus::BadInput);
+  }
+  if (options.exit_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
+  Result<void> done{};
+  if (options.list) {
+    done = list(options);
+  } else {
+    Fleet fleet{options};
+    done = fleet.open();
+    if (done) fleet.run();
+  }
+  if (!done) return complain(to_line(done.error()), error_row(done.error().code).exit_status);
+  return static_cast<int>(ExitStatus::Done);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  biteline::install_last_words("biteline-fleet");
+  struct sigaction action {};
+  action.sa_handler = [](int) { g_stop = true; };
+  sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGINT, &action, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    return complain(std::string{"internal failure: "} + error.what(), ExitStatus::Connection);
+  }
+}

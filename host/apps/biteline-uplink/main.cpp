@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+// biteline-uplink: tells the centre of every shoe of one cell.  It reads the cell's memory and never writes
+// it.
+#include <sys/prctl.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+
+#include "common/system/last_words.hpp"
+#include "host/fleet/broker_options.hpp"
+#include "host/fleet/uplink.hpp"
+
+namespace {
+
+using namespace biteline;
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+std::atomic<bool> g_stop{false};
+
+constexpr milliseconds k_turn{100};
+/// How long after its end a shoe is sent, at most.
+constexpr milliseconds k_between_looks{200};
+constexpr milliseconds k_between_words{5000};
+
+struct Options {
+  std::filesystem::path results;
+  std::string cell;
+  fleet::BrokerOptions broker;
+  bool exit_with_parent{false};
+};
+
+/// Says a fault once, until it is another one.
+class Complaints {
+ public:
+  void say(const std::string& line) {
+    if (line == last_) return;
+    last_ = line;
+    if (line.empty()) return;
+    std::fprintf(stderr, "biteline-uplink: %s\n", line.c_str());
+  }
+
+ private:
+  std::string last_;
+};
+
+class Cell {
+ public:
+  explicit Cell(const Options& options) : options_{options}, file_{options.results / memory::k_memory_file} {}
+
+  Result<void> open() {
+    BITELINE_ASSIGN(fleet::BrokerConfig broker, fleet::broker_of(options_.broker));
+    broker.client = "biteline-uplink-" + options_.cell;
+    broker.subscriptions = {fleet::committed_topic(options_.cell)};
+    broker.will_topic = fleet::health_topic(options_.cell);
+    broker.will = fleet::to_text(fleet::HealthMessage{});
+    BITELINE_ASSIGN(broker_, fleet::Broker::open(
+                                 broker, [this](std::string_view, std::string_view text) { hear(text); },
+                                 [this] { begin_line(); }));
+    return {};
+  }
+
+  void run() {
+    while (!g_stop) {
+      const Result<void> turned = broker_->turn(k_turn);
+      if (!turned) line_.say(to_line(turned.error()));
+      if (broker_->ready()) line_.say("");
+      const Clock::time_point now = Clock::now();
+      if (now >= speak_at_) {
+        // Opened anew: the memory may have been put in the place of another.
+        speak_at_ = now + k_between_words;
+        open_outbox();
+        speak();
+      }
+      if (now >= look_at_) {
+        look_at_ = now + k_between_looks;
+        send(now);
+      }
+    }
+    fleet::HealthMessage gone;
+    broker_->publish(fleet::health_topic(options_.cell), fleet::to_text(gone), true);
+  }
+
+ private:
+  void begin_line() {
+    uplink_.begin_line();
+    speak_at_ = {};
+    std::printf("biteline-uplink: connected as %s\n", options_.cell.c_str());
+    std::fflush(stdout);
+  }
+
+  void hear(std::string_view text) {
+    const Result<fleet::CommittedMessage> committed = fleet::read_committed(text);
+    if (!committed) return memory_.say(to_line(committed.error()));
+    uplink_.hear(*committed, Clock::now());
+    look_at_ = {};
+  }
+
+  void open_outbox() {
+    Result<memory::Outbox> outbox = memory::Outbox::open(file_);
+    outbox_.reset();
+    if (!outbox) return memory_.say(to_line(outbox.error()));
+    outbox_.emplace(std::move(*outbox));
+  }
+
+  void speak() {
+    if (!outbox_) return;
+    const Result<memory::OutboxPart> part = outbox_->after(uplink_.committed(), 1);
+    if (!part) return memory_.say(to_line(part.error()));
+    memory_.say("");
+    uplink_.use_book(part->book);
+    broker_->publish(
+        fleet::health_topic(options_.cell),
+        fleet::to_text(fleet::HealthMessage{
+            .online = true, .version = BITELINE_VERSION, .book = part->book, .waiting = part->waiting}),
+        true);
+  }
+
+  void send(Clock::time_point now) {
+    if (!outbox_ || !broker_->ready()) return;
+    const std::optional<std::int64_t> from = uplink_.next(now);
+    if (!from) return;
+    const Result<memory::OutboxPart> part = outbox_->after(*from, uplink_.room());
+    if (!part) return memory_.say(to_line(part.error()));
+    for (const memory::OutboxRow& row : part->rows) {
+      const fleet::ShoeMessage shoe{
+          .book = part->book, .seq = row.seq, .after = row.after, .scan = row.scan, .places = row.places};
+      if (!broker_->publish(fleet::shoes_topic(options_.cell), fleet::to_text(shoe), false)) return;
+      uplink_.sent(row.seq, now);
+    }
+  }
+
+  const Options& options_;
+  std::filesystem::path file_;
+  std::unique_ptr<fleet::Broker> broker_;
+  std::optional<memory::Outbox> outbox_;
+  fleet::Uplink uplink_;
+  Complaints line_, memory_;
+  Clock::time_point speak_at_{}, look_at_{};
+};
+
+int complain(const std::string& line, ExitStatus status) {
+  std::fprintf(stderr, "biteline-uplink: %s\n", line.c_str());
+  return static_cast<int>(status);
+}
+
+int run(int argc, char** argv) {
+  Options options;
+  CLI::App app{"Tells the factory's centre of every shoe of one cell, over MQTT 5.", "biteline-uplink"};
+  app.set_version_flag("--version", BITELINE_VERSION);
+  app.add_option("--results", options.results, "biteline-host's folder of results (its --out)")->required();
+  app.add_option("--cell", options.cell, "This cell's name: letters, digits, - and _, at most 64")
+      ->required();
+  fleet::add_broker_options(app, options.broker);
+  app.add_flag("--exit-with-parent", options.exit_with_parent,
+               "Stop when the program that started this one ends");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    return complain(std::string{error.what()} + " (see --help)", ExitStatus::BadInput);
+  }
+  if (!fleet::is_cell_name(options.cell))
+    return complain("--cell: letters, digits, - and _ expected, at most 64", ExitStatus::BadInput);
+  if (options.exit_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
+  Cell cell{options};
+  if (const Result<void> opened = cell.open(); !opened)
+    return complain(to_line(opened.error()), error_row(opened.error().code).exit_status);
+  cell.run();
+  return static_cast<int>(ExitStatus::Done);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  biteline::install_last_words("biteline-uplink");
+  struct sigaction action {};
+  action.sa_handler = [](int) { g_stop = true; };
+  sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGINT, &action, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    return complain(std::string{"internal failure: "} + error.what(), ExitStatus::Connection);
+  }
+}

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT
+// The one place where libpqxx and its exceptions are met.
+#include "host/fleet/centre.hpp"
+
+#include <algorithm>
+#include <pqxx/pqxx>
+#include <utility>
+
+#include "common/core/text.hpp"
+#include "common/system/file.hpp"
+
+namespace biteline::fleet {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Two centres that begin at once do not both raise the tables.
+constexpr const char* k_lock = "SELECT pg_advisory_xact_lock(7118)";
+constexpr std::size_t k_most_migration_bytes = 1024 * 1024;
+
+/// "0001_cells.sql" as 1; 0: no migration.
+int number_of(const fs::path& file) {
+  const std::string name = file.filename().string();
+  if (file.extension() != ".sql" || name.size() < 5 || name[4] != '_') return 0;
+  return std::atoi(name.substr(0, 4).c_str());
+}
+
+Result<std::vector<fs::path>> migrations_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator at{folder, error}, end; !error && at != end; at.increment(error)) {
+    if (number_of(at->path()) > 0) files.push_back(at->path());
+  }
+  std::ranges::sort(files);
+  if (files.empty())
+    return fail(Errc::FileNotFound, "%.200s: no migration (0001_NAME.sql) there", folder.c_str());
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (number_of(files[i]) != static_cast<int>(i) + 1)
+      return fail(Errc::BadFormat, "%.200s: number %zu expected next", files[i].c_str(), i + 1);
+  }
+  return files;
+}
+
+/// PostgreSQL takes no NUL and only UTF-8.
+std::string text_of(const std::string& text) {
+  return clean_text(text);
+}
+
+std::optional<std::string> array_of(const std::optional<memory::Places>& places) {
+  if (!places) return std::nullopt;
+  std::string text;
+  for (const float place : *places) {
+    text += text.empty() ? '{' : ',';
+    text += std::to_string(place);
+  }
+  text += '}';
+  return text;
+}
+
+constexpr const char* k_put_shoe = R"sql(
+INSERT INTO shoes (cell, book, scan, first_seq, last_seq, time, model, verdict, reason_code, reason, length_mm,
+  confidence, u95_mm, cycle_s, process, decision, sent, followed, places)
+VALUES ($1, $2, $3, $4, $4, to_timestamp($5::bigint / 1000.0), $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17,
+  $18::real[])
+ON CONFLICT (cell, book, scan) DO UPDATE SET last_seq = excluded.last_seq, time = excluded.time,
+  model = excluded.model, verdict = excluded.verdict, reason_code = excluded.reason_code, reason = excluded.reason,
+  length_mm = excluded.length_mm, confidence = excluded.confidence, u95_mm = excluded.u95_mm,
+  cycle_s = excluded.cycle_s, process = excluded.process, decision = excluded.decision, sent = excluded.sent,
+  followed = excluded.followed, places = excluded.places
+)sql";
+
+}  // namespace
+
+struct Centre::State {
+  explicit State(const std::string& database) : connection{database} {}
+  pqxx::connection connection;
+
+  /// Where a cell's book stands; the row is locked to the transaction's end.
+  static std::int64_t position(pqxx::work& work, const std::string& cell, const std::string& book) {
+    work.exec_params("INSERT INTO books (cell, book, seq) VALUES ($1, $2, 0) ON CONFLICT DO NOTHING", cell,
+                     book);
+    return work.exec_params1("SELECT seq FROM books WHERE cell = $1 AND book = $2 FOR UPDATE", cell, book)[0]
+        .as<std::int64_t>();
+  }
+
+  static void put(pqxx::work& work, const FromCell& one) {
+    const ShoeMessage& shoe = one.shoe;
+    const memory::Scan& scan = shoe.scan;
+    work.exec_params(k_put_shoe, one.cell, shoe.book, text_of(scan.name), shoe.seq, scan.time,
+                     text_of(scan.model), text_of(scan.verdict), text_of(scan.reason_code),
+                     text_of(scan.reason), scan.length_mm, scan.confidence, scan.u95_mm, scan.cycle_s,
+                     text_of(scan.process), text_of(scan.decision), scan.sent, scan.followed.value_or(false),
+                     array_of(shoe.places));
+  }
+};
+
+Centre::Centre(std::unique_ptr<State> state) : state_{std::move(state)} {}
+Centre::Centre(Centre&&) noexcept = default;
+Centre& Centre::operator=(Centre&&) noexcept = default;
+Centre::~Centre() = default;
+
+template <class Value>
+Result<Value> Centre::work(const std::function<Value(State&)>& on) {
+  try {
+    return on(*state_);
+  } catch (const pqxx::broken_connection& error) {
+    return fail(Errc::ConnectionLost, "database: %.200s", clean_text(error.what()).c_str());
+  } catch (const std::exception& error) {
+    return fail(Errc::DeviceError, "database: %.200s", clean_text(error.what()).c_str());
+  }
+}
+
+Result<Centre> Centre::open(const std::string& database, const fs::path& migrations) {
+  BITELINE_ASSIGN(const std::vector<fs::path> files, migrations_in(migrations));
+  std::vector<std::string> texts;
+  for (const fs::path& file : files) {
+    BITELINE_ASSIGN(texts.emplace_back(), read_regular_file(file, k_most_migration_bytes));
+  }
+  try {
+    Centre centre{std::make_unique<State>(database)};
+    pqxx::work work{centre.state_->connection};
+    work.exec(k_lock);
+    work.exec0(
+        "CREATE TABLE IF NOT EXISTS migrations (number integer PRIMARY KEY, name text NOT NULL, "
+        "done timestamptz NOT NULL DEFAULT now())");
+    const auto done = work.exec1("SELECT coalesce(max(number), 0) FROM migrations")[0].as<int>();
+    if (done > static_cast<int>(files.size()))
+      return fail(Errc::NotSupported,
+                  "database: its tables are of migration %d, this program knows %zu; update it", done,
+                  files.size());
+    for (std::size_t i = static_cast<std::size_t>(done); i < files.size(); ++i) {
+      work.exec(texts[i]);
+      work.exec_params0("INSERT INTO migrations (number, name) VALUES ($1, $2)", static_cast<int>(i) + 1,
+                        files[i].filename().string());
+    }
+    work.commit();
+    return centre;
+  } catch (const pqxx::broken_connection& error) {
+    return fail(Errc::ConnectFailed, "database: %.200s", clean_text(error.what()).c_str());
+  } catch (const std::exception& error) {
+    return fail(Errc::DeviceError, "database: %.200s", clean_text(error.what()).c_str());
+  }
+}
+
+Result<std::vector<CommittedOf>> Centre::commit(const std::vector<FromCell>& shoes) {
+  return work<std::vector<CommittedOf>>([&](State& state) {
+    // Locks are taken in one order, so that two centres cannot wait for each other.
+    std::vector<std::pair<std::string, std::string>> books;
+    for (const FromCell& one : shoes) books.emplace_back(one.cell, one.shoe.book);
+    std::ranges::sort(books);
+    books.erase(std::ranges::unique(books).begin(), books.end());
+    pqxx::work work{state.connection};
+    std::vector<CommittedOf> committed;
+    for (const auto& [cell, book] : books) {
+      std::int64_t seq = State::position(work, cell, book);
+      for (const FromCell& one : shoes) {
+        if (one.cell != cell || one.shoe.book != book || one.shoe.after != seq) continue;
+        State::put(work, one);
+        seq = one.shoe.seq;
+      }
+      work.exec_params0("UPDATE books SET seq = $3 WHERE cell = $1 AND book = $2", cell, book, seq);
+      committed.push_back({.cell = cell, .to = {.book = book, .seq = seq}});
+    }
+    work.commit();
+    return committed;
+  });
+}
+
+Result<CommittedMessage> Centre::committed(const std::string& cell, const std::string& book) {
+  return work<CommittedMessage>([&](State& state) {
+    pqxx::work work{state.connection};
+    const pqxx::result rows =
+        work.exec_params("SELECT seq FROM books WHERE cell = $1 AND book = $2", cell, book);
+    return CommittedMessage{.book = book, .seq = rows.empty() ? 0 : rows[0][0].as<std::int64_t>()};
+  });
+}
+
+Result<void> Centre::note_health(const std::string& cell, const HealthMessage& health) {
+  const Result<bool> noted = work<bool>([&](State& state) {
+    pqxx::work work{state.connection};
+    // A will knows neither version nor book: what was known stays.
+    work.exec_params0(
+        "INSERT INTO cells (cell, online, heard, version, book, waiting) VALUES ($1, $2, now(), $3, $4, $5) "
+        "ON CONFLICT (cell) DO UPDATE SET online = $2, heard = CASE WHEN $2 THEN now() ELSE cells.heard END, "
+        "version = CASE WHEN $2 THEN $3 ELSE cells.version END, "
+        "book = CASE WHEN $2 THEN $4 ELSE cells.book END, "
+        "waiting = CASE WHEN $2 THEN $5 ELSE cells.waiting END",
+        cell, health.online, text_of(health.version), text_of(health.book), health.waiting);
+    work.commit();
+    return true;
+  });
+  if (!noted) return tl::unexpected<Error>{noted.error()};
+  return {};
+}
+
+Result<std::vector<CellRow>> Centre::cells() {
+  return work<std::vector<CellRow>>([&](State& state) {
+    pqxx::work work{state.connection};
+    std::vector<CellRow> rows;
+    for (const pqxx::row& row :
+         work.exec("SELECT cells.cell, version, online, (extract(epoch FROM heard) * 1000)::bigint, waiting, "
+                   "count(scan), count(*) FILTER (WHERE verdict = 'ok'), count(*) FILTER (WHERE verdict = "
+                   "'amber'), "
+                   "count(*) FILTER (WHERE verdict = 'refused'), "
+                   "count(*) FILTER (WHERE verdict NOT IN ('ok', 'amber', 'refused')), "
+                   "(extract(epoch FROM max(time)) * 1000)::bigint "
+                   "FROM cells LEFT JOIN shoes ON shoes.cell = cells.cell GROUP BY cells.cell ORDER BY "
+                   "cells.cell")) {
+      CellRow cell;
+      cell.cell = row[0].as<std::string>();
+      cell.version = row[1].as<std::string>();
+      cell.online = row[2].as<bool>();
+      cell.heard_ms = row[3].as<std::int64_t>();
+      cell.waiting = row[4].as<std::int64_t>();
+      cell.shoes = row[5].as<std::int64_t>();
+      cell.ok = row[6].as<std::int64_t>();
+      cell.amber = row[7].as<std::int64_t>();
+      cell.refused = row[8].as<std::int64_t>();
+      cell.failed = row[9].as<std::int64_t>();
+      if (!row[10].is_null()) cell.last_shoe_ms = row[10].as<std::int64_t>();
+      rows.push_back(std::move(cell));
+    }
+    return rows;
+  });
+}
+
+}  // namespace biteline::fleet

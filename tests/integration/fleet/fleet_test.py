@@ -1,0 +1,277 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""fleet_test.py UPLINK FLEET MADE_CELL BROKER_FILES: three cells, a real broker with TLS and a real database.
+
+Each program is killed in turn and all at once; one cell is cut off for an hour of made time (180 shoes).  Rows must equal
+shoes, none double, in each cell's order.
+"""
+import json
+import os
+import pathlib
+import shutil
+import signal
+import socket
+import ssl
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+
+PATIENCE_S = 60
+CELLS = ("cell-1", "cell-2", "cell-3")
+POSTGRES = pathlib.Path("/usr/lib/postgresql/15/bin")
+EACH_MS, SHOES, HOUR = 60, 150, 180
+
+
+def skip(why):
+    print("skipped:", why)
+    sys.exit(77)
+
+
+if not shutil.which("mosquitto", path="/usr/sbin:/usr/bin") or not (POSTGRES / "postgres").exists():
+    skip("mosquitto and postgresql-15 are needed")
+if os.geteuid() != 0:
+    skip("the daemons' users need root")
+
+
+def comes_true(condition, what):
+    until = time.monotonic() + PATIENCE_S
+    while time.monotonic() < until:
+        value = condition()
+        if value:
+            return value
+        time.sleep(0.1)
+    raise AssertionError("never came true: " + what)
+
+
+class Program:
+    def __init__(self, *command, user=None, cwd=None):
+        self.lines = []
+        self.command = [str(word) for word in command]
+        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, user=user, cwd=cwd,
+                                        start_new_session=True)
+        threading.Thread(target=lambda: [self.lines.append(line.rstrip()) for line in self.process.stdout], daemon=True).start()
+
+    def end(self, how=signal.SIGKILL):
+        if self.process.poll() is None:
+            self.process.send_signal(how)
+            self.process.wait(PATIENCE_S)
+
+
+class Factory:
+    def __init__(self, folder, uplink, fleet, made_cell, broker_files):
+        self.folder, self.uplink, self.fleet, self.made_cell = folder, uplink, fleet, made_cell
+        self.running = {}
+        self.ended = []
+        folder.chmod(0o755)
+        self.make_certificates()
+        self.make_broker_files(pathlib.Path(broker_files))
+        self.make_database()
+        for cell in CELLS:
+            (folder / cell).mkdir()
+
+    def make_certificates(self):
+        def openssl(*words):
+            subprocess.run(["openssl", *words], check=True, capture_output=True, cwd=self.folder)
+
+        openssl("req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-keyout", "ca.key", "-out", "ca.pem",
+                "-subj", "/CN=factory", "-days", "2")
+        self.folder.joinpath("names").write_text("subjectAltName=DNS:localhost,IP:127.0.0.1\n")
+        for name in ("broker", "fleet", *CELLS):
+            openssl("req", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-keyout", name + ".key", "-out", name + ".csr",
+                    "-subj", "/CN=" + name)
+            openssl("x509", "-req", "-in", name + ".csr", "-CA", "ca.pem", "-CAkey", "ca.key", "-CAcreateserial", "-out", name + ".pem",
+                    "-days", "2", "-extfile", "names")
+        self.folder.joinpath("broker.key").chmod(0o644)
+
+    def make_broker_files(self, shipped):
+        """The shipped files, with this test's paths."""
+        text = shipped.joinpath("mosquitto.conf").read_text().replace("/etc/biteline/fleet/", f"{self.folder}/")
+        (self.folder / "persistence").mkdir()
+        shutil.chown(self.folder / "persistence", "mosquitto")
+        text = text.replace("/var/lib/mosquitto/", f"{self.folder}/persistence/")
+        self.folder.joinpath("mosquitto.conf").write_text(text)
+        shutil.copy(shipped / "acl", self.folder / "acl")
+
+    def make_database(self):
+        data = self.folder / "data"
+        data.mkdir()
+        shutil.chown(data, "postgres", "postgres")
+        subprocess.run([POSTGRES / "initdb", "-D", data, "-A", "trust", "-E", "UTF8", "--locale=C"], check=True, capture_output=True,
+                       user="postgres", cwd="/")
+
+    def database(self):
+        return "host=127.0.0.1 port=5432 user=postgres dbname=postgres connect_timeout=3"
+
+    def sql(self, statement):
+        done = subprocess.run(["psql", "-X", "-A", "-t", "-F", "\t", "-d", self.database(), "-c", statement], capture_output=True, text=True)
+        return [line.split("\t") for line in done.stdout.splitlines()] if done.returncode == 0 else None
+
+    def start(self, name):
+        def tls(end):
+            return ["--broker", "mqtts://127.0.0.1:8883", "--ca", self.folder / "ca.pem", "--certificate", self.folder / f"{end}.pem",
+                    "--key", self.folder / f"{end}.key", "--exit-with-parent"]
+
+        if name == "broker":
+            self.running[name] = Program("/usr/sbin/mosquitto", "-c", self.folder / "mosquitto.conf")
+        elif name == "database":
+            # Killed as a whole: its children end with it, and nothing is left that would hold its memory.
+            self.running[name] = Program(POSTGRES / "postgres", "-D", self.folder / "data", "-c", "listen_addresses=127.0.0.1",
+                                         "-c", "unix_socket_directories=", "-c", "max_wal_size=64MB", user="postgres", cwd="/")
+        elif name == "fleet":
+            self.running[name] = Program(self.fleet, "--database", self.database(), *tls("fleet"))
+        else:
+            self.running[name] = Program(self.uplink, "--results", self.folder / name, "--cell", name, *tls(name))
+
+    def kill(self, name):
+        program = self.running.pop(name)
+        if name == "database":
+            # SIGQUIT is the database's immediate end, without a checkpoint, with all its processes.
+            program.end(signal.SIGQUIT)
+        else:
+            program.end()
+        self.ended.append(program)
+
+    def make_shoes(self, cell, first, count):
+        return subprocess.Popen([self.made_cell, self.folder / cell, str(first), str(count), str(EACH_MS)], stdout=subprocess.PIPE, text=True)
+
+    def shoes_of(self, cell):
+        rows = self.sql(f"SELECT count(*) FROM shoes WHERE cell = '{cell}'")
+        return int(rows[0][0]) if rows else -1
+
+    def end(self):
+        for program in self.running.values():
+            program.end(signal.SIGQUIT if "postgres" in program.command[0] else signal.SIGTERM)
+
+
+def each_is_killed_in_turn(factory):
+    makers = [factory.make_shoes(cell, 1, SHOES) for cell in CELLS]
+    for victim in ("broker", "fleet", "cell-2", "database"):
+        time.sleep(1.5)
+        factory.kill(victim)
+        time.sleep(0.8)
+        factory.start(victim)
+    time.sleep(1)
+    everything = ["broker", "database", "fleet", *CELLS]
+    for name in everything:
+        factory.kill(name)
+    time.sleep(0.5)
+    for name in everything:
+        factory.start(name)
+    longest_ms = []
+    for maker in makers:
+        longest_ms.append(float(maker.communicate(timeout=PATIENCE_S)[0]))
+        assert maker.returncode == 0
+    print("longest writing of a shoe while others were killed:", max(longest_ms), "ms")
+    for cell in CELLS:
+        comes_true(lambda: factory.shoes_of(cell) == SHOES, f"{SHOES} shoes of {cell}, not {factory.shoes_of(cell)}")
+
+
+def one_is_cut_off_for_an_hour(factory):
+    """180 shoes at one in 20 s; the others go on."""
+    factory.kill("cell-3")
+    comes_true(lambda: factory.sql("SELECT online FROM cells WHERE cell = 'cell-3'") == [["f"]], "the centre sees that cell-3 is away")
+    assert factory.sql("SELECT count(*) FROM cells WHERE online") == [["2"]]
+    makers = [factory.make_shoes(cell, SHOES + 1, HOUR if cell == "cell-3" else 20) for cell in CELLS]
+    for maker in makers:
+        assert maker.wait(PATIENCE_S) == 0
+    assert factory.shoes_of("cell-3") == SHOES
+    factory.start("cell-3")
+    for cell in CELLS:
+        expected = SHOES + (HOUR if cell == "cell-3" else 20)
+        comes_true(lambda: factory.shoes_of(cell) == expected, f"{expected} shoes of {cell}, not {factory.shoes_of(cell)}")
+
+
+def rows_are_the_shoes(factory):
+    for cell in CELLS:
+        comes_true(lambda: factory.sql("SELECT b.seq >= max(s.last_seq) AND count(*) = count(DISTINCT s.scan) FROM books b JOIN shoes s "
+                                       f"USING (cell, book) WHERE cell = '{cell}' GROUP BY b.seq") == [["t"]], "all committed")
+        rows = factory.sql("SELECT scan, verdict, round(length_mm::numeric, 2), extract(epoch FROM time)::bigint, places[36], decision, "
+                           f"first_seq FROM shoes WHERE cell = '{cell}' ORDER BY id")
+        last_seq = 0
+        for number, (scan, verdict, length, when, place, decision, seq) in enumerate(rows, 1):
+            assert scan == f"scan-{number:04d}", (cell, number, scan)
+            assert verdict == ("refused" if number % 5 == 0 else "ok") and abs(float(length) - 800 - 0.01 * number) < 0.006, rows[number - 1]
+            assert int(when) == 1_795_000_000 + 20 * number and abs(float(place) - 0.001 * number) < 1e-5, rows[number - 1]
+            # What was decided later has come, too, and made no second row.
+            assert decision == ("accepted" if number % 7 == 0 else "open"), rows[number - 1]
+            assert int(seq) > last_seq
+            last_seq = int(seq)
+    assert factory.sql("SELECT count(*) FROM (SELECT 1 FROM shoes GROUP BY cell, scan HAVING count(*) > 1) AS twice") == [["0"]]
+    told = subprocess.run([factory.fleet, "--database", factory.database(), "--list", "--json"], capture_output=True, text=True, check=True)
+    cells = json.loads(told.stdout)["cells"]
+    assert [(cell["cell"], cell["shoes"], cell["online"]) for cell in cells] == [
+        ("cell-1", SHOES + 20, True), ("cell-2", SHOES + 20, True), ("cell-3", SHOES + HOUR, True)], cells
+    trends = factory.sql("SELECT sum(shoes), sum(ok), sum(refused) FROM trends")
+    total = 3 * SHOES + 40 + HOUR
+    assert trends == [[str(total), str(total - total // 5), str(total // 5)]], (trends, total)
+
+
+def strangers_are_kept_out(factory):
+    """A cell writes only its own; nobody comes in without a certificate; garbage is told and costs nothing."""
+    before = factory.sql("SELECT count(*) FROM shoes")
+
+    def publish(end, topic, text):
+        """MQTT 3.1.1 by hand: connect, publish once with an answer.  False: the broker let nobody in."""
+        context = ssl.create_default_context(cafile=factory.folder / "ca.pem")
+        if end:
+            context.load_cert_chain(factory.folder / f"{end}.pem", factory.folder / f"{end}.key")
+
+        def packet(kind, body):
+            length, bytes_ = len(body), bytearray([kind])
+            while True:
+                bytes_.append(length % 128 | (128 if length > 127 else 0))
+                length //= 128
+                if not length:
+                    return bytes(bytes_) + body
+
+        def words(text):
+            return struct.pack(">H", len(text)) + text
+
+        try:
+            with socket.create_connection(("127.0.0.1", 8883), timeout=PATIENCE_S) as plain:
+                with context.wrap_socket(plain, server_hostname="localhost") as link:
+                    link.sendall(packet(0x10, words(b"MQTT") + bytes([4, 2, 0, 60]) + words(b"stranger")))
+                    if link.recv(4) != bytes([0x20, 2, 0, 0]):
+                        return False
+                    link.sendall(packet(0x32, words(topic.encode()) + b"\0\1" + text.encode()))
+                    return link.recv(4)[:1] == b"\x40"
+        except OSError:
+            return False
+
+    shoe = {"book": "ffff", "seq": 1, "after": 0, "scan": "scan-9999", "time_ms": 1, "model": "", "verdict": "ok", "reason_code": "",
+            "reason": "", "process": "", "decision": "open", "sent": False, "followed": False, "places": None}
+    assert not publish(None, "biteline/1/cells/cell-1/shoes", "{}")
+    publish("cell-2", "biteline/1/cells/cell-1/shoes", json.dumps(shoe))
+    for garbage in ("", "{", "[]", json.dumps({**shoe, "seq": -1}), json.dumps({**shoe, "after": 5, "seq": 6}), "x" * 60000):
+        publish("cell-1", "biteline/1/cells/cell-1/shoes", garbage)
+    time.sleep(2)
+    assert factory.sql("SELECT count(*) FROM shoes") == before
+    assert factory.running["fleet"].process.poll() is None
+    # Its own it may.
+    assert publish("cell-1", "biteline/1/cells/cell-1/shoes", json.dumps(shoe))
+    comes_true(lambda: factory.sql("SELECT cell FROM shoes WHERE scan = 'scan-9999'") == [["cell-1"]], "a cell's own shoe")
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        factory = Factory(pathlib.Path(folder), *sys.argv[1:5])
+        try:
+            for name in ("broker", "database", "fleet", *CELLS):
+                factory.start(name)
+            each_is_killed_in_turn(factory)
+            one_is_cut_off_for_an_hour(factory)
+            rows_are_the_shoes(factory)
+            strangers_are_kept_out(factory)
+        except BaseException:
+            for program in [*factory.ended, *factory.running.values()]:
+                print("---", *program.command[:3], *program.lines[-12:], sep="\n")
+            raise
+        finally:
+            factory.end()
+    print("rows are the shoes of all cells, once and in order")
+
+
+main()
