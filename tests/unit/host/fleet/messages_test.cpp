@@ -47,7 +47,7 @@ TEST(FleetMessages, ShoeComesThroughUnchanged) {
 TEST(FleetMessages, TextThatIsNoUtf8IsSentCleaned) {
   ShoeMessage shoe = made();
   shoe.scan.reason = "bad \xff\xfe byte";
-  shoe.scan.model = "\xc3";
+  shoe.scan.model.assign(1, '\xc3');
   SUCCEEDS(read_shoe(to_text(shoe)));
 }
 
