@@ -224,4 +224,38 @@ Result<std::vector<CellRow>> Centre::cells() {
   });
 }
 
+Result<std::vector<std::string>> Centre::models() {
+  return work<std::vector<std::string>>([&](State& state) {
+    pqxx::work work{state.connection};
+    std::vector<std::string> models;
+    for (const pqxx::row& row : work.exec(
+             "SELECT DISTINCT model FROM shoes WHERE places IS NOT NULL AND model <> '' ORDER BY model"))
+      models.push_back(row[0].as<std::string>());
+    return models;
+  });
+}
+
+Result<std::vector<PlacedShoe>> Centre::placed_shoes(const std::string& model, int most) {
+  return work<std::vector<PlacedShoe>>([&](State& state) {
+    pqxx::work work{state.connection};
+    std::vector<PlacedShoe> shoes;
+    for (const pqxx::row& row : work.exec_params("SELECT cell, scan, places FROM (SELECT id, cell, scan, "
+                                                 "places, row_number() OVER (PARTITION BY cell "
+                                                 "ORDER BY id DESC) AS age FROM shoes WHERE model = $1 AND "
+                                                 "array_length(places, 1) = $3) AS newest "
+                                                 "WHERE age <= $2 ORDER BY id",
+                                                 model, most, static_cast<int>(memory::k_places))) {
+      PlacedShoe shoe{.cell = row[0].as<std::string>(), .scan = row[1].as<std::string>(), .places = {}};
+      pqxx::array_parser parser{row[2].c_str()};
+      std::size_t at = 0;
+      for (auto next = parser.get_next(); next.first != pqxx::array_parser::done; next = parser.get_next()) {
+        if (next.first == pqxx::array_parser::string_value && at < shoe.places.size())
+          shoe.places.at(at++) = std::stof(next.second);
+      }
+      if (at == shoe.places.size()) shoes.push_back(std::move(shoe));
+    }
+    return shoes;
+  });
+}
+
 }  // namespace biteline::fleet

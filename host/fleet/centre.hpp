@@ -12,6 +12,7 @@
 
 #include "common/core/result.hpp"
 #include "host/fleet/messages.hpp"
+#include "host/fleet/odd_cell.hpp"
 
 namespace biteline::fleet {
 
@@ -53,6 +54,10 @@ class Centre {
   [[nodiscard]] Result<CommittedMessage> committed(const std::string& cell, const std::string& book);
   [[nodiscard]] Result<void> note_health(const std::string& cell, const HealthMessage& health);
   [[nodiscard]] Result<std::vector<CellRow>> cells();
+  /// Models with distances, by name.
+  [[nodiscard]] Result<std::vector<std::string>> models();
+  /// The newest `most` shoes of each cell that have distances to this model's line, each cell's oldest first.
+  [[nodiscard]] Result<std::vector<PlacedShoe>> placed_shoes(const std::string& model, int most);
 
  private:
   struct State;

@@ -32,6 +32,7 @@ struct Options {
   std::string database;
   std::filesystem::path migrations;
   bool list{false};
+  bool odd{false};
   bool json{false};
   bool exit_with_parent{false};
 };
@@ -183,6 +184,39 @@ Result<void> list(const Options& options) {
   return {};
 }
 
+/// A cell is compared by so many of its newest shoes of a model.
+constexpr int k_newest = 300;
+
+/// Cells whose lines differ from the others'; Refused when there is one.
+Result<ExitStatus> tell_odd_cells(const Options& options) {
+  BITELINE_ASSIGN(fleet::Centre centre, fleet::Centre::open(options.database, options.migrations));
+  BITELINE_ASSIGN(const std::vector<std::string> models, centre.models());
+  control::Json json = control::Json::array();
+  for (const std::string& model : models) {
+    BITELINE_ASSIGN(const std::vector<fleet::PlacedShoe> shoes, centre.placed_shoes(model, k_newest));
+    for (const fleet::OddCell& odd : fleet::odd_cells(shoes)) {
+      json.push_back({{"model", model},
+                      {"cell", odd.cell},
+                      {"difference", fleet::to_text(odd.difference)},
+                      {"mm", odd.mm},
+                      {"u95_mm", odd.u95_mm},
+                      {"shoes", odd.shoes},
+                      {"since", odd.since}});
+      if (!options.json)
+        std::printf("%s, %s: %s by %.3f mm (U95 %.3f mm) in %d shoes since %s\n", odd.cell.c_str(),
+                    model.c_str(), fleet::to_text(odd.difference), odd.mm, odd.u95_mm, odd.shoes,
+                    odd.since.c_str());
+    }
+  }
+  const bool none = json.empty();
+  if (options.json) {
+    std::printf("%s\n", control::Json{{"schema_version", 1}, {"odd", std::move(json)}}.dump(2).c_str());
+  } else if (none) {
+    std::printf("no cell differs from the others\n");
+  }
+  return none ? ExitStatus::Done : ExitStatus::Refused;
+}
+
 int complain(const std::string& line, ExitStatus status) {
   std::fprintf(stderr, "biteline-fleet: %s\n", line.c_str());
   return static_cast<int>(status);
@@ -203,7 +237,11 @@ int run(int argc, char** argv) {
   fleet::add_broker_options(app, options.broker);
   app.add_option("--migrations", options.migrations, "Folder of the tables' versions")->capture_default_str();
   app.add_flag("--list", options.list, "Print the cells with their health and counts, and leave");
-  app.add_flag("--json", options.json, "With --list: as JSON");
+  app.add_flag(
+      "--odd", options.odd,
+      "Name each cell whose lines of a model differ from the other cells', and leave; exit status 3 where "
+      "there is one");
+  app.add_flag("--json", options.json, "With --list or --odd: as JSON");
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");
   try {
@@ -213,6 +251,11 @@ int run(int argc, char** argv) {
     return complain(std::string{error.what()} + " (see --help)", ExitStatus::BadInput);
   }
   if (options.exit_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (options.odd) {
+    const Result<ExitStatus> told = tell_odd_cells(options);
+    if (told) return static_cast<int>(*told);
+    return complain(to_line(told.error()), error_row(told.error().code).exit_status);
+  }
   Result<void> done{};
   if (options.list) {
     done = list(options);

@@ -8,6 +8,7 @@ shoes, none double, in each cell's order.
 import json
 import os
 import pathlib
+import random
 import shutil
 import signal
 import socket
@@ -255,6 +256,34 @@ def strangers_are_kept_out(factory):
     comes_true(lambda: factory.sql("SELECT cell FROM shoes WHERE scan = 'scan-9999'") == [["cell-1"]], "a cell's own shoe")
 
 
+def odd_cell_is_named(factory):
+    """Eight made cells, one of them 0.3 mm off, put into the database as shoes of a model of their own."""
+    rng = random.Random(7)
+
+    def odd():
+        told = subprocess.run([factory.fleet, "--database", factory.database(), "--odd", "--json"], capture_output=True, text=True)
+        return told.returncode, json.loads(told.stdout)["odd"]
+
+    def put(first, count, off_mm):
+        rows = []
+        for number in range(first, first + count):
+            for cell in range(8):
+                wide = rng.gauss(0, 0.05) + (off_mm if cell == 4 else 0)
+                places = ",".join(f"{wide + rng.gauss(0, 0.1):.4f}" for _ in range(36))
+                rows.append(f"('odd-{cell}','b','scan-{number:04d}',{number},{number},now(),'loafer','ok','','','','open',false,false,'{{{places}}}')")
+        assert factory.sql("INSERT INTO books SELECT 'odd-' || n, 'b', 0 FROM generate_series(0, 7) AS n ON CONFLICT DO NOTHING") is not None
+        assert factory.sql("INSERT INTO shoes (cell, book, scan, first_seq, last_seq, time, model, verdict, reason_code, reason, process, "
+                           "decision, sent, followed, places) VALUES " + ",".join(rows)) is not None
+
+    put(1, 40, 0)
+    assert odd() == (0, []), odd()
+    put(41, 20, 0.3)
+    status, cells = odd()
+    assert status == 3 and [(one["cell"], one["model"]) for one in cells] == [("odd-4", "loafer")], cells
+    assert 0.2 < cells[0]["mm"] < 0.4 and cells[0]["difference"] == "wider or narrower all round", cells
+    assert 35 <= int(cells[0]["since"][5:]) <= 43, cells
+
+
 def main():
     with tempfile.TemporaryDirectory() as folder:
         factory = Factory(pathlib.Path(folder), *sys.argv[1:5])
@@ -265,6 +294,7 @@ def main():
             one_is_cut_off_for_an_hour(factory)
             rows_are_the_shoes(factory)
             strangers_are_kept_out(factory)
+            odd_cell_is_named(factory)
         except BaseException:
             for program in [*factory.ended, *factory.running.values()]:
                 print("---", *program.command[:3], *program.lines[-12:], sep="\n")
