@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "host/bite_line/layers/layers.hpp"
+#include "host/bite_line/layers/climb.hpp"
 #include "host/bite_line/live_scan.hpp"
 #include "host/bite_line/path/decide.hpp"
 #include "host/bite_line/place/finish.hpp"
@@ -31,7 +31,7 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
   Outline outline = clock.run("outline", [&] { return side_outline(*shoe); });
   SideField field = clock.run("side", [&] { return SideField::build(*shoe, outline, {}); });
   Side side{std::move(*shoe), std::move(outline), std::move(field)};
-  const Layers layers = clock.run("layers", [&] { return find_layers(side.field, {}); });
+  const Layers layers = clock.run("layers", [&] { return find_layers_along(side, {}); });
   Decision decision = clock.run(
       "decision", [&] { return decide(layers, plan_shape(side.outline), config.min_confidence_ratio); });
   PlacedLine placed = clock.run("place", [&] {

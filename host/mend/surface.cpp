@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host/bite_line/layers/climb.hpp"
 #include "host/bite_line/place/finish.hpp"
 #include "host/bite_line/place/place_path.hpp"
 #include "host/bite_line/side/side_outline.hpp"
@@ -41,10 +42,11 @@ OrRefusal<Surface> Surface::of(const cloud::PointCloud& cloud) {
 
 Surface::Surface(LiveScan scan, cloud::PointCloud scattered, Side side)
     : scan_{std::move(scan)}, scattered_{std::move(scattered)}, side_{std::move(side)} {
+  const Layers layers = find_layers_along(side_, {});
   Evidence evidence = find_evidence(side_.field, {});
   likeness_ = std::move(evidence.likeness);
   cost_ = std::move(evidence.cost);
-  decision_ = decide(find_layers(side_.field, {}), plan_shape(side_.outline), Config{}.min_confidence_ratio);
+  decision_ = decide(layers, plan_shape(side_.outline), Config{}.min_confidence_ratio);
 }
 
 ScanPoints Surface::points() const {

@@ -21,6 +21,22 @@ constexpr double k_fine_z_mm = 0.33;  // of the envelope
 constexpr float k_layer_o_mm = 0.75F;
 constexpr int k_layer_bins = 80;
 
+/// Columns of one length, with the climb of the surface's edges in each.
+struct Columns {
+  float width_mm;
+  std::vector<float> climb;
+
+  Columns(const OuterLayerConfig& config, std::size_t count)
+      : width_mm{static_cast<float>(config.length_mm / static_cast<double>(count))}, climb(count, 0.0F) {
+    for (std::size_t col = 0; col < count && !config.climb.empty(); ++col)
+      climb[col] = config.climb[(2 * col + 1) * config.climb.size() / (2 * count)];
+  }
+  /// Height at the column's middle of the edge that runs through a place of it.
+  [[nodiscard]] float level_mm(std::size_t col, const OutlinePlace& place) const {
+    return place.z_mm - climb[col] * (place.s_mm - (static_cast<float>(col) + 0.5F) * width_mm);
+  }
+};
+
 /// Rows of one height.
 struct Raster {
   std::size_t rows;
@@ -31,19 +47,19 @@ struct Raster {
       : rows{static_cast<std::size_t>(config.height_mm / height_mm) + 1},
         z_low_mm{static_cast<float>(config.z_low_mm)},
         per_row{static_cast<float>(1 / height_mm)} {}
-  /// rows: outside.
-  [[nodiscard]] std::size_t row_of(const OutlinePlace& place) const {
-    if (place.z_mm < z_low_mm) return rows;
-    return std::min(rows, static_cast<std::size_t>((place.z_mm - z_low_mm) * per_row));
+  /// Of a place whose edge has this level; rows: the place itself lies outside.
+  [[nodiscard]] std::size_t row_of(float z_mm, float level_mm) const {
+    if (z_mm < z_low_mm || (z_mm - z_low_mm) * per_row >= static_cast<float>(rows)) return rows;
+    return std::min(rows - 1, static_cast<std::size_t>(std::max(level_mm - z_low_mm, 0.0F) * per_row));
   }
 };
 
 /// The innermost o that still belongs to the outermost layer, per coarse cell, column after column.
 class DepthLayers {
  public:
-  DepthLayers(std::span<const OutlinePlace> places, const Buckets& columns, const OuterLayerConfig& config,
-              double grow)
-      : raster_{config, k_layer_z_mm * grow}, cols_{columns.size()} {
+  DepthLayers(std::span<const OutlinePlace> places, const Buckets& buckets, const Columns& columns,
+              const OuterLayerConfig& config, double grow)
+      : raster_{config, k_layer_z_mm * grow}, columns_{columns}, cols_{buckets.size()} {
     const std::size_t cells = cols_ * raster_.rows;
     counts_.assign(cells * k_layer_bins, 0);
     limit_.assign(cells, -k_inner_mm);
@@ -52,8 +68,8 @@ class DepthLayers {
     const int gap_bins =
         std::max(1, static_cast<int>(std::lround(config.gap_mm / static_cast<double>(k_layer_o_mm))));
     tbb::parallel_for(std::size_t{0}, cols_, [&](std::size_t col) {
-      for (const std::uint32_t i : columns[col]) {
-        const std::size_t row = raster_.row_of(places[i]);
+      for (const std::uint32_t i : buckets[col]) {
+        const std::size_t row = raster_.row_of(places[i].z_mm, columns_.level_mm(col, places[i]));
         if (row == raster_.rows) continue;
         auto& count = counts_[(col * raster_.rows + row) * k_layer_bins + bin_of(places[i].o_mm)];
         if (count < k_full) ++count;
@@ -70,7 +86,7 @@ class DepthLayers {
   }
 
   [[nodiscard]] bool contains(std::size_t col, const OutlinePlace& place) const {
-    const std::size_t row = raster_.row_of(place);
+    const std::size_t row = raster_.row_of(place.z_mm, columns_.level_mm(col, place));
     if (row == raster_.rows) return false;
     const std::size_t cell = col * raster_.rows + row;
     return place.o_mm >= limit_[cell] && !stray(cell, place.o_mm);
@@ -135,10 +151,14 @@ class DepthLayers {
         const float clear_mm = top[cell] + gap_mm + k_layer_o_mm;
         std::size_t count = 0;
         std::size_t clear = 0;
-        for (std::size_t c = col + cols_ - 2; c <= col + cols_ + 2; ++c) {
-          for (std::size_t r = std::max<std::size_t>(row, 1) - 1; r <= std::min(raster_.rows - 1, row + 1);
-               ++r) {
-            const std::size_t other = c % cols_ * raster_.rows + r;
+        for (int away = -2; away <= 2; ++away) {
+          const std::size_t c = (col + 2 * cols_ - 2 + static_cast<std::size_t>(away + 2)) % cols_;
+          const float up_rows =
+              static_cast<float>(away) * columns_.climb[col] * columns_.width_mm * raster_.per_row;
+          const auto level = static_cast<std::ptrdiff_t>(row) + std::lround(up_rows);
+          for (std::ptrdiff_t r = level - 1; r <= level + 1; ++r) {
+            if (r < 0 || r >= static_cast<std::ptrdiff_t>(raster_.rows)) continue;
+            const std::size_t other = c * raster_.rows + static_cast<std::size_t>(r);
             if (top[other] <= k_nothing_mm) continue;
             around[count++] = {top[other], limit[other]};
             clear += top[other] > clear_mm ? 1U : 0U;
@@ -155,6 +175,7 @@ class DepthLayers {
   static constexpr std::uint8_t k_full = 255;  // nothing here asks for more
   static constexpr float k_nothing_mm = -1000.0F;
   Raster raster_;
+  const Columns& columns_;
   std::size_t cols_;
   Large<float> limit_;
   Large<std::uint8_t> counts_;
@@ -163,7 +184,7 @@ class DepthLayers {
 
 /// Drops from a column what lies behind the outermost layer, then what is deeper than the outermost o of the
 /// fine rows about it, which leave out a twentieth of their points as strays.
-void keep_outer_layer_of(std::size_t col, std::span<const std::uint32_t> column,
+void keep_outer_layer_of(std::size_t col, std::span<const std::uint32_t> column, const Columns& columns,
                          std::span<OutlinePlace> places, const DepthLayers& layers, const Raster& fine,
                          float depth_mm) {
   constexpr float k_nothing = -1.0e6F;
@@ -185,7 +206,7 @@ void keep_outer_layer_of(std::size_t col, std::span<const std::uint32_t> column,
   kept.reserve(column.size());
   for (const std::uint32_t i : column) {
     OutlinePlace& place = places[i];
-    const std::size_t at = fine.row_of(place);
+    const std::size_t at = fine.row_of(place.z_mm, columns.level_mm(col, place));
     if (at == fine.rows || !layers.contains(col, place)) {
       place.s_mm = -1.0F;
       continue;
@@ -219,16 +240,18 @@ Buckets keep_outer_layer(std::span<OutlinePlace> places, const OuterLayerConfig&
       std::clamp(std::sqrt(k_layer_points / (k_layer_s_mm * k_layer_z_mm * points_per_mm2)), 1.0, 3.0);
   const int cols = std::max(3, static_cast<int>(config.length_mm / (k_layer_s_mm * grow)));
   const auto per_s = static_cast<float>(cols / config.length_mm);
-  Buckets columns{places.size(), static_cast<std::size_t>(cols), [&](std::size_t i) {
+  Buckets buckets{places.size(), static_cast<std::size_t>(cols), [&](std::size_t i) {
                     const float s_mm = places[i].s_mm;
                     return s_mm < 0 ? -1 : std::min(cols - 1, static_cast<int>(s_mm * per_s));
                   }};
-  const DepthLayers layers{places, columns, config, grow};
+  const Columns columns{config, buckets.size()};
+  const DepthLayers layers{places, buckets, columns, config, grow};
   const Raster fine{config, k_fine_z_mm * grow};
-  tbb::parallel_for(std::size_t{0}, columns.size(), [&](std::size_t col) {
-    keep_outer_layer_of(col, columns[col], places, layers, fine, static_cast<float>(config.depth_mm));
+  tbb::parallel_for(std::size_t{0}, buckets.size(), [&](std::size_t col) {
+    keep_outer_layer_of(col, buckets[col], columns, places, layers, fine,
+                        static_cast<float>(config.depth_mm));
   });
-  return columns;
+  return buckets;
 }
 
 }  // namespace biteline::bite_line

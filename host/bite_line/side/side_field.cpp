@@ -9,6 +9,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "common/core/contracts.hpp"
 #include "host/bite_line/lanes.hpp"
 #include "host/bite_line/side/outer_layer.hpp"
 
@@ -94,16 +95,39 @@ void turn_of_column(std::span<const float> o, const std::uint8_t* seen, double r
     turn[r] = (seen[r - reach] & seen[r] & seen[r + reach]) != 0 ? angle[r] - angle[r - reach] : 0.0F;
 }
 
-/// o(s, z) by Gaussian weights along the closed rows and a local straight line in z, evaluated at each cell's
-/// middle (`up`: its weights): unlike a plain weighted mean it is right on slopes with uneven density and at
-/// borders.  Then its turns.
-void fit_columns(Sums& sums, std::span<const float> up, const SideField::Config& config, SideField& field) {
+/// How the creases climb, in whole rows.
+class Climb {
+ public:
+  Climb(std::span<const float> climb, const SideGrid& grid)
+      : climb_{climb}, rows_per_col_{grid.col_mm / grid.row_mm} {}
+  /// From a column to the one `away` columns on.
+  [[nodiscard]] std::ptrdiff_t rows(std::size_t col, std::ptrdiff_t away) const {
+    return climb_.empty()
+               ? 0
+               : std::lround(static_cast<double>(climb_[col]) * static_cast<double>(away) * rows_per_col_);
+  }
+  [[nodiscard]] std::size_t most_rows(std::size_t away) const {
+    std::ptrdiff_t most = 0;
+    for (std::size_t col = 0; col < climb_.size(); ++col)
+      most = std::max(most, std::abs(rows(col, static_cast<std::ptrdiff_t>(away))));
+    return static_cast<std::size_t>(most);
+  }
+
+ private:
+  std::span<const float> climb_;
+  double rows_per_col_;
+};
+
+/// o(s, z) by Gaussian weights along the creases (`along`) and a local straight line in z, evaluated at each
+/// cell's middle (`up`: its weights): unlike a plain weighted mean it is right on slopes with uneven density
+/// and at borders.  Then its turns.
+void fit_columns(Sums& sums, std::span<const float> along, std::span<const float> up, const Climb& climb,
+                 const SideField::Config& config, SideField& field) {
   constexpr float k_least_spread_rows2 = 0.02F;
   const SideGrid& grid = field.grid;
   const auto cols = static_cast<std::size_t>(grid.cols);
   const double sigma_cols = config.sigma_s_mm / grid.col_mm;
   const double sigma_rows = config.sigma_z_mm / grid.row_mm;
-  const std::vector<float> along = gaussian(sigma_cols, 3);
   // A place counts as seen with at least two points' worth of weight, and a twentieth of what is usual in
   // this cloud.
   const double usual = static_cast<double>(sums.points) / static_cast<double>(grid.size()) * 2 * 3.14159 *
@@ -114,15 +138,20 @@ void fit_columns(Sums& sums, std::span<const float> up, const SideField::Config&
     std::vector<float> angle;
     std::vector<Tap> taps(along.size());
     std::vector<RowOfSums> rows;
+    const std::size_t reach = up.size() / 2;
+    const std::size_t outer = sums.margin - reach;  // rows that a climb may shift
     for (std::size_t j = 0; j < up.size(); ++j) {
-      const auto of = [&](Sums::Sum sum) { return blurred.data() + sum * sums.height() + j; };
+      const auto of = [&](Sums::Sum sum) { return blurred.data() + sum * sums.height() + outer + j; };
       rows.push_back({of(Sums::k_w), of(Sums::k_z), of(Sums::k_o), of(Sums::k_zo), up[j],
-                      static_cast<float>(j) - static_cast<float>(sums.margin)});
+                      static_cast<float>(j) - static_cast<float>(reach)});
     }
     for (std::size_t col = range.begin(); col != range.end(); ++col) {
-      for (std::size_t j = 0; j < taps.size(); ++j)
-        taps[j] = {sums.of((col + j + along.size() * cols - along.size() / 2) % cols), along[j]};
-      sum_taps(blurred, taps);
+      for (std::size_t j = 0; j < taps.size(); ++j) {
+        const auto away = static_cast<std::ptrdiff_t>(j) - static_cast<std::ptrdiff_t>(along.size() / 2);
+        const float* other = sums.of((col + j + along.size() * cols - along.size() / 2) % cols);
+        taps[j] = {other + static_cast<std::ptrdiff_t>(outer) + climb.rows(col, away), along[j]};
+      }
+      sum_taps({blurred.data() + outer, blurred.size() - 2 * outer}, taps);
       const std::size_t first = grid.at(0, static_cast<int>(col));
       const std::span o{field.o_mm.data() + first, sums.rows};
       std::uint8_t* seen = field.seen.data() + first;
@@ -136,7 +165,8 @@ void fit_columns(Sums& sums, std::span<const float> up, const SideField::Config&
 
 }  // namespace
 
-SideField SideField::build(const Shoe& shoe, const Outline& outline, const Config& config) {
+SideField SideField::build(const Shoe& shoe, const Outline& outline, const Config& config,
+                           std::span<const float> climb) {
   SideField field;
   SideGrid& grid = field.grid;
   grid.row_mm = config.row_mm;
@@ -145,18 +175,22 @@ SideField SideField::build(const Shoe& shoe, const Outline& outline, const Confi
   grid.rows = std::max(16, static_cast<int>(height_mm / config.row_mm) + 1);
   grid.cols = static_cast<int>(outline.length_mm() / config.col_mm);
   grid.col_mm = outline.length_mm() / grid.cols;
+  BITELINE_EXPECTS(climb.empty() || climb.size() == static_cast<std::size_t>(grid.cols));
 
   field.places = locate_all(shoe.points, outline);
   const Buckets columns = keep_outer_layer(field.places, {.length_mm = outline.length_mm(),
                                                           .z_low_mm = grid.z_low_mm,
                                                           .height_mm = grid.rows * grid.row_mm,
-                                                          .gap_mm = config.lining_gap_mm});
+                                                          .gap_mm = config.lining_gap_mm,
+                                                          .climb = climb});
+  const std::vector<float> along = gaussian(config.sigma_s_mm / grid.col_mm, 3);
   const std::vector<float> up = gaussian(config.sigma_z_mm / grid.row_mm, 3);
-  Sums sums = collect(field.places, columns, grid, up.size() / 2);
+  const Climb climbing{climb, grid};
+  Sums sums = collect(field.places, columns, grid, up.size() / 2 + climbing.most_rows(along.size() / 2));
   for (Large<float>* values : {&field.o_mm, &field.turn_rad, &field.wide_turn_rad})
     values->resize(grid.size());
   field.seen.resize(grid.size());
-  fit_columns(sums, up, config, field);
+  fit_columns(sums, along, up, climbing, config, field);
   const auto seen = static_cast<double>(std::count(field.seen.begin(), field.seen.end(), 1));
   field.points_per_mm2 = static_cast<double>(sums.points) / std::max(1.0, seen * grid.row_mm * grid.col_mm);
   return field;

@@ -54,7 +54,9 @@ struct SideField {
   Large<OutlinePlace> places;  ///< of every point; s also negative behind the outermost layer
   double points_per_mm2{0};    ///< of the outermost layer, where it was seen
 
-  static SideField build(const Shoe& shoe, const Outline& outline, const Config& config);
+  /// `climb`: height over length of the creases, per column; the field is smoothed along them.  Empty: level.
+  static SideField build(const Shoe& shoe, const Outline& outline, const Config& config,
+                         std::span<const float> climb = {});
 };
 
 }  // namespace biteline::bite_line

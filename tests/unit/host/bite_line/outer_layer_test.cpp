@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <CppUTest/TestHarness.h>
 
+#include <algorithm>
 #include <random>
+#include <vector>
 
 #include "host/bite_line/side/outer_layer.hpp"
 
@@ -70,6 +72,33 @@ TEST(OuterLayer, AnInsoleAtTheHeightOfTheCreaseGoes) {
   for (std::size_t i = outside; i < wall.places.size(); ++i) left += wall.places[i].s_mm >= 0 ? 1 : 0;
   CHECK_COMPARE(static_cast<double>(left), <,
                 k_by_chance_ratio * static_cast<double>(wall.places.size() - outside));
+}
+
+TEST(OuterLayer, ACreaseThatClimbsBesideItsSoleIsNotBehindThat) {
+  // The sole stands 2.5 mm out up to a crease that climbs by a millimetre for each one along: within a column
+  // the sole reaches the height of the crease beside it.  Few points, as runs of a profile are.
+  constexpr float k_climb = 1.0F;
+  for (int i = 0; i < 60000; ++i) {
+    const float s = wall.any(20, 70);
+    const float z = wall.any(0, 60);
+    const float above = z - (5 + k_climb * (s - 20));
+    const float shelf = std::clamp(above / 0.6F, 0.0F, 1.0F);
+    wall.places.push_back({s, -2.5F * shelf + 0.05F * std::max(above, 0.0F), z});
+  }
+  OuterLayerConfig config = k_config;
+  const std::vector<OutlinePlace> all = wall.places;
+  const auto lost = [&] {
+    wall.places = all;
+    keep_outer_layer(wall.places, config);
+    return std::count_if(wall.places.begin(), wall.places.end(), [](const auto& p) { return p.s_mm < 0; });
+  };
+  const auto level = lost();
+  const std::vector<float> climb(600, k_climb);
+  config.climb = climb;
+  const auto along = lost();
+  CHECK_COMPARE(level, >, 1500);
+  // What is left is lost at the strip's two ends, where a column is half empty.
+  CHECK_COMPARE(along, <, level / 3);
 }
 
 }  // namespace biteline::bite_line
