@@ -156,7 +156,23 @@ class ColumnEvidence {
     for (int r = std::max(0, row - reach); r <= std::min(field_.grid.rows - 1, row + reach); ++r)
       most = std::max(most, static_cast<double>(turn_[static_cast<std::size_t>(r)]));
     const double crease = turn / most * (1 - std::exp(-(turn - noise_rad_) / config_.crease_rad));
-    return crease * (config_.one_surface_ratio + (1 - config_.one_surface_ratio) * two_surfaces(row));
+    return crease * (config_.one_surface_ratio + (1 - config_.one_surface_ratio) * two_surfaces(row)) *
+           not_overhung(row);
+  }
+
+  /// That what lies 1 to 3 mm above does not stand out beyond what lies as far below: the lower edge of a
+  /// piece laid on the upper is a crease, too.
+  [[nodiscard]] double not_overhung(int row) const {
+    const double z0_mm = row * field_.grid.row_mm;
+    double above_mm = 0, above = 0, below_mm = 0, below = 0;
+    if (!sums_.line(row + rows_of(1.0), row + rows_of(3.0), z0_mm, above_mm, above) ||
+        !sums_.line(row - rows_of(3.0), row - rows_of(1.0), z0_mm, below_mm, below))
+      return 1;
+    constexpr double k_overhang_mm = 0.5;
+    constexpr double k_soft_mm = 0.1;
+    constexpr double k_certain = 30;  // beyond it the power of e leaves what a number holds
+    return 1.0 / (1.0 + std::exp(std::clamp((above_mm - below_mm - k_overhang_mm) / k_soft_mm, -k_certain,
+                                            k_certain)));
   }
 
   /// That the surfaces 2 to 6 mm above and below are two: they turn against each other or one stands out.
