@@ -17,9 +17,6 @@ namespace biteline::bite_line {
 
 namespace {
 
-/// A point is within this of the true line with its confidence.
-constexpr double k_confident_mm = 0.3;
-
 /// Covariance of the whole scan at the line, in the planes across it: slow along the line, and dear.
 class AcrossSpread {
  public:

@@ -8,6 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include "host/bite_line/buckets.hpp"
+#include "host/bite_line/place/gap_bridge.hpp"
 #include "host/bite_line/place/path_curve.hpp"
 #include "host/bite_line/place/ridge.hpp"
 #include "host/bite_line/place/sections.hpp"
@@ -18,8 +19,6 @@ namespace biteline::bite_line {
 
 namespace {
 
-/// Over this length beside a gap its slope in height is taken.
-constexpr double k_height_lever_mm = 10.0;
 /// Three profiles of a usual scan: less, with nothing around, may be strays.
 constexpr double k_island_mm = 3.0;
 
@@ -118,9 +117,16 @@ void shrink_beside_gaps(std::vector<std::uint8_t>& known, double station_mm) {
   }
 }
 
+/// Shorter ones are off by less than the scatter beside them.
+bool is_long(const geometry::Gap& gap, double station_mm) {
+  constexpr double k_long_mm = 8.0;
+  return static_cast<double>(gap.steps) * station_mm >= k_long_mm;
+}
+
 struct Plan {
   std::vector<Vec2> places;
   std::vector<double> corner_mm;  ///< how far a course that turns sharper could lie outside; 0 where known
+  std::vector<double> tried_mm;   ///< what such a bridge is off by on this line, at that place; 0 where known
 };
 
 /// o along the outline's normal where the section is known; elsewhere on arcs that leave both ends in their
@@ -128,42 +134,51 @@ struct Plan {
 Plan plan_of(const Outline& outline, std::span<const double> o, std::span<const std::uint8_t> known,
              double station_mm) {
   const std::size_t count = o.size();
-  Plan made{std::vector<Vec2>(count), std::vector<double>(count, 0.0)};
+  Plan made{std::vector<Vec2>(count), std::vector<double>(count, 0.0), std::vector<double>(count, 0.0)};
   std::vector<Vec2>& plan = made.places;
   for (std::size_t i = 0; i < count; ++i) {
     const double s = static_cast<double>(i) * station_mm;
     plan[i] = outline.point(s) + o[i] * outline.normal(s);
   }
-  const auto lever = static_cast<std::size_t>(std::lround(geometry::k_end_lever_mm / station_mm));
+  const std::vector<Vec2> seen = plan;
   for (const geometry::Gap& gap : geometry::gaps_of(known)) {
     const std::size_t end = (gap.first + gap.steps) % count;
-    const auto back = [&](std::size_t k) { return (gap.first + count - k) % count; };
-    const auto ahead = [&](std::size_t k) { return (end + k) % count; };
-    bool firm = true;  // both ends are known over the whole lever
-    for (std::size_t k = 0; k <= 2 * lever; ++k) firm = firm && known[back(k)] != 0 && known[ahead(k)] != 0;
-    const auto direction = [&](auto&& place) {
-      const auto level = [&](std::size_t k) { return Vec3{plan[place(k)].x(), plan[place(k)].y(), 0}; };
-      return geometry::CurveEnd{.end = level(0), .near = level(lever), .far = level(2 * lever)}.direction();
-    };
-    const Vec2 chord = plan[end] - plan[gap.first];
+    const bool firm = firm_ends(known, gap, station_mm);
+    const Vec2 chord = seen[end] - seen[gap.first];
     const Vec3 straight{chord.x(), chord.y(), 0};
-    const geometry::Arc arc{.p0 = {plan[gap.first].x(), plan[gap.first].y(), 0},
-                            .d0 = firm ? direction(back) : straight,
-                            .p1 = {plan[end].x(), plan[end].y(), 0},
-                            .d1 = firm ? Vec3{-direction(ahead)} : straight};
+    const geometry::Arc arc = firm ? gap_arc(seen, gap, station_mm)
+                                   : geometry::Arc{.p0 = {seen[gap.first].x(), seen[gap.first].y(), 0},
+                                                   .d0 = straight,
+                                                   .p1 = {seen[end].x(), seen[end].y(), 0},
+                                                   .d1 = straight};
     const auto normal = [&](std::size_t at) { return outline.normal(static_cast<double>(at) * station_mm); };
     const double turn_rad =
         firm ? arc.turn_rad() : std::acos(std::clamp(normal(gap.first).dot(normal(end)), -1.0, 1.0));
     const double corner_mm = geometry::corner_beyond_arc_mm(chord.norm(), turn_rad);
+    const double tried_mm = is_long(gap, station_mm) ? tried_plan_mm(seen, known, gap, station_mm) : 0;
     for (std::size_t k = 1; k < gap.steps; ++k) {
+      const std::size_t at = (gap.first + k) % count;
       const double share = static_cast<double>(k) / static_cast<double>(gap.steps);
-      plan[(gap.first + k) % count] = arc.at(share).head<2>();
-      // Both ends hold place and direction, so that what is unknown grows with the square from them.
-      const double from_ends = 4 * share * (1 - share);
-      made.corner_mm[(gap.first + k) % count] = corner_mm * from_ends * from_ends;
+      plan[at] = arc.at(share).head<2>();
+      made.corner_mm[at] = corner_mm * gap_swell(share);
+      made.tried_mm[at] = tried_mm * gap_swell(share);
     }
   }
   return made;
+}
+
+/// What bridges in height are off by on this line, per station; 0 where the crease was seen.
+std::vector<double> tried_heights(std::span<const double> z_mm, std::span<const std::uint8_t> known,
+                                  double station_mm) {
+  std::vector<double> tried(z_mm.size(), 0.0);
+  for (const geometry::Gap& gap : geometry::gaps_of(known)) {
+    if (!is_long(gap, station_mm)) continue;
+    const double off_mm = tried_height_mm(z_mm, known, gap, station_mm);
+    for (std::size_t k = 1; k < gap.steps; ++k)
+      tried[(gap.first + k) % tried.size()] =
+          off_mm * gap_swell(static_cast<double>(k) / static_cast<double>(gap.steps));
+  }
+  return tried;
 }
 
 /// What the layers say of the column that a place lies in.
@@ -191,6 +206,31 @@ std::vector<double> scatter_of(const std::vector<double>& own_z_mm, const std::v
   std::vector<double> scatter = geometry::running_mean(square, steps);
   for (double& value : scatter) value = std::sqrt(std::max(value, 0.0));
   return scatter;
+}
+
+/// Where another hollow beside the ridge is about as sharp over the running mean's length, the line may be
+/// that one: what tells two creases apart that lie too close for two layers.
+void doubt_ridge(const Ridge& ridge, double steps, std::vector<PlacedStation>& stations) {
+  constexpr double k_as_sharp = 1.0;
+  constexpr double k_soft = 0.05;
+  constexpr double k_most_times = 2;
+  std::vector<double> own(stations.size()), other(stations.size()), away(stations.size());
+  for (std::size_t i = 0; i < stations.size(); ++i) {
+    own[i] = ridge.visible[i] != 0 ? ridge.k_per_mm[i] : 0.0;
+    other[i] = ridge.other_k_per_mm[i];
+    away[i] = other[i] * ridge.other_mm[i];
+  }
+  own = geometry::running_mean(own, steps);
+  other = geometry::running_mean(other, steps);
+  away = geometry::running_mean(away, steps);
+  for (std::size_t i = 0; i < stations.size(); ++i) {
+    if (!(own[i] > 1e-6) || !(other[i] > 1e-6)) continue;
+    const double times = std::min(other[i] / own[i], k_most_times);
+    const double hold = 1 / (1 + std::exp((times - k_as_sharp) / k_soft));
+    if (hold >= stations[i].hold) continue;
+    stations[i].hold = hold;
+    stations[i].other_mm = away[i] / other[i];
+  }
 }
 
 }  // namespace
@@ -258,6 +298,7 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
   const std::vector<double> scatter =
       scatter_of(seen_z, z, ridge.visible, config.mean_mm / sections.station_mm);
   const std::vector<PlaceNoise> noise = place_noise(sections, row, ridge.visible, config.mean_mm);
+  const std::vector<double> tried_z = tried_heights(z, ridge.visible, sections.station_mm);
 
   placement.points.resize(stations);
   for (std::size_t i = 0; i < stations; ++i) {
@@ -268,10 +309,13 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
                            .to_visible_mm = gap[i].to_known_mm,
                            .doubt = std::max(gap[i].doubt, shadow[i].doubt),
                            .corner_mm = plan.corner_mm[i],
+                           .tried_out_mm = plan.tried_mm[i],
+                           .tried_up_mm = tried_z[i],
                            .noise = noise[i],
                            .scatter_mm = scatter[i]};
     set_layer(input, placement.points[i]);
   }
+  doubt_ridge(ridge, config.mean_mm / sections.station_mm, placement.points);
   for (std::size_t i = 0; i < stations; ++i) {
     const double step = (placement.points[(i + 1) % stations].position - placement.points[i].position).norm();
     placement.length_mm += step;

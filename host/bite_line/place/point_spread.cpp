@@ -2,6 +2,9 @@
 #include "host/bite_line/place/point_spread.hpp"
 
 #include <algorithm>
+#include <cmath>
+
+#include "host/uncertainty/radius.hpp"
 
 namespace biteline::bite_line {
 
@@ -16,12 +19,20 @@ PointSpread spread_of(const PlacedStation& station, const SpreadModel& model) {
                               (station.doubt > 0 ? square(model.any_gap_mm) : 0.0) +
                               square(model.gap_mm * station.doubt) +
                               square(model.corner * station.corner_mm) + square(model.flat_mm * flat);
+  const Eigen::Vector2d tried_mm2{square(station.tried_out_mm), square(station.tried_up_mm)};
   // The section's own place against the mean over its neighbours: a groove that jumps by more than 0.3 mm is
   // unsure.
   const double calm = 1 / (1 + square((station.own_z_mm - station.position.z()) / 0.6));
-  return {.covariance_mm2 = height_mm2 * wall * wall.transpose() + anywhere_mm2 * Eigen::Matrix2d::Identity(),
+  Eigen::Matrix2d covariance_mm2 =
+      height_mm2 * wall * wall.transpose() + anywhere_mm2 * Eigen::Matrix2d::Identity();
+  covariance_mm2 += tried_mm2.asDiagonal();
+  const uncertainty::Axes bridge{.major_mm = std::sqrt(tried_mm2.maxCoeff()),
+                                 .minor_mm = std::sqrt(tried_mm2.minCoeff())};
+  const double bridged_well =
+      std::min(1 / (1 + station.doubt), uncertainty::chance_within(bridge, k_confident_mm));
+  return {.covariance_mm2 = covariance_mm2,
           .hold = station.hold,
-          .within = station.sharp * calm / (1 + station.doubt),
+          .within = station.sharp * calm * bridged_well,
           .other_mm = station.other_mm};
 }
 

@@ -43,6 +43,29 @@ bool seen_both_sides(const Sections& sections, int station, int row) {
   return true;
 }
 
+struct Other {
+  double k_per_mm{0};
+  double away_mm{0};
+};
+
+/// The sharpest top of a section's curvature from row `low` to `end`, away from that at `own`.
+Other other_hollow(const Sections& sections, std::span<const float> k, int station, int own, int low,
+                   int end) {
+  constexpr double k_apart_mm = 1.0;
+  const int apart = static_cast<int>(std::lround(k_apart_mm / sections.row_mm));
+  const auto value = [&](int row) { return k[sections.at(station, row)]; };
+  int best = -1;
+  for (int row = std::max(low, 1); row < std::min(end, sections.rows - 1); ++row) {
+    if (std::abs(row - own) < apart || value(row) < value(row - 1) || value(row) < value(row + 1)) continue;
+    if (value(row) > (best < 0 ? 0.0F : value(best)) && seen_both_sides(sections, station, row)) best = row;
+  }
+  if (best < 0) return {};
+  const auto out_mm = static_cast<double>(sections.o_mm[sections.at(station, best)] -
+                                          sections.o_mm[sections.at(station, own)]);
+  return {.k_per_mm = static_cast<double>(value(best)),
+          .away_mm = std::hypot(out_mm, (best - own) * sections.row_mm)};
+}
+
 }  // namespace
 
 Large<float> section_curvature(const Sections& sections, double sigma_mm) {
@@ -133,6 +156,8 @@ Ridge follow_ridge(const Sections& sections, std::span<const float> k, double se
   ridge.row.resize(stations);
   ridge.k_per_mm.resize(stations);
   ridge.visible.assign(stations, 0);
+  ridge.other_k_per_mm.assign(stations, 0);
+  ridge.other_mm.assign(stations, 0);
   for (std::size_t i = 0; i < stations; ++i) {
     // The path may cut a corner of the ridge: climb to the top next to it.
     int row = low + path.row[i];
@@ -155,6 +180,10 @@ Ridge follow_ridge(const Sections& sections, std::span<const float> k, double se
                                seen_both_sides(sections, static_cast<int>(i), row)
                            ? 1
                            : 0;
+    if (ridge.visible[i] == 0) continue;
+    const Other other = other_hollow(sections, k, static_cast<int>(i), row, low, low + rows);
+    ridge.other_k_per_mm[i] = other.k_per_mm;
+    ridge.other_mm[i] = other.away_mm;
   }
   return ridge;
 }

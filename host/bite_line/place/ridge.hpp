@@ -18,10 +18,15 @@ struct Ridge {
   std::vector<double> row;       ///< per station, sub-row
   std::vector<double> k_per_mm;  ///< there
   std::vector<std::uint8_t> visible;
+  /// Per station the sharpest other hollow of the section within the search range: its curvature, 0 without
+  /// one, and how far off it lies.
+  std::vector<double> other_k_per_mm;
+  std::vector<double> other_mm;
 };
 
 /// Follows the largest curvature within the search range; continuity keeps it from hopping to a stitch or a
 /// speck.
+/// Another hollow is one that lies a millimetre and more from the ridge, with a dip between.
 [[nodiscard]] Ridge follow_ridge(const Sections& sections, std::span<const float> k, double search_mm);
 
 }  // namespace biteline::bite_line

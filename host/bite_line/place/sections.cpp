@@ -15,7 +15,9 @@ namespace biteline::bite_line {
 
 namespace {
 
-constexpr double k_longest_filled_mm = 1.5;  // a shadow longer than this hides the groove
+// A shadow that is higher than this hides the groove, and so does one that is longer across a flat slope.
+constexpr float k_highest_filled_mm = 1.5F;
+constexpr float k_longest_filled_mm = 3.0F;
 constexpr float k_reach_o_mm = 14.0F;
 
 /// Per station, one after the other, for each row the sums of weight, s, s^2, o and s o; s from the bin's
@@ -145,14 +147,19 @@ void fit_station(std::span<const float> sums, Sections& sections, int station) {
 
 /// Straight lines across gaps within the section; beyond its ends nothing.
 void fill_gaps(Sections& sections, int station) {
-  const int longest = static_cast<int>(k_longest_filled_mm / sections.row_mm);
   int last = -1;
   for (int row = 0; row < sections.rows; ++row) {
     const std::size_t cell = sections.at(station, row);
     if (sections.known[cell] == 0) continue;
-    if (last >= 0 && row - last > 1 && row - last <= longest) {
+    if (last >= 0 && row - last > 1) {
       const float o0 = sections.o_mm[sections.at(station, last)];
-      const float slope = (sections.o_mm[cell] - o0) / static_cast<float>(row - last);
+      const float out_mm = sections.o_mm[cell] - o0;
+      const auto up_mm = static_cast<float>((row - last) * sections.row_mm);
+      if (up_mm > k_highest_filled_mm || std::hypot(out_mm, up_mm) > k_longest_filled_mm) {
+        last = row;
+        continue;
+      }
+      const float slope = out_mm / static_cast<float>(row - last);
       for (int r = last + 1; r < row; ++r) {
         sections.o_mm[sections.at(station, r)] = o0 + slope * static_cast<float>(r - last);
         sections.known[sections.at(station, r)] = Sections::k_filled;

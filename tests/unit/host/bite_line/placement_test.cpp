@@ -75,6 +75,16 @@ TEST(Sections, AShortShadowIsFilledAndALongOneIsNot) {
   CHECK(sut.known[sut.at(100, row_at(sut, 0.0))] == Sections::k_seen);
 }
 
+TEST(Sections, AShadowAcrossAFlatSlopeIsAsLongAsItIsLevel) {
+  // The surface goes in by 6 mm over one of height, and that was not seen.
+  const Sections sut = sections_of([](double, double z) {
+    const double above = z - k_z_mm;
+    if (above > 0 && above < 1) return test::k_no_point;
+    return above <= 0 ? 3.0 : -3.0;
+  });
+  CHECK(sut.known[sut.at(100, row_at(sut, 0.5))] == Sections::k_nothing);
+}
+
 TEST(Sections, CurvatureOfAParabolaIsItsOwn) {
   constexpr double k_per_mm = 0.2;
   const Sections sections =
@@ -116,6 +126,18 @@ TEST(Ridge, ASpeckBesideTheGrooveDoesNotDrawItAway) {
   for (const double row : sut.row) DOUBLES_EQUAL(0, sections.z_mm(row), 0.1);
 }
 
+TEST(Ridge, AnotherHollowBesideTheGrooveIsTold) {
+  const Sections sections = sections_of([](double, double z) {
+    return test::groove_mm(z, k_z_mm - 0.8) + 0.5 * test::groove_mm(z, k_z_mm + 1.4);
+  });
+  const Ridge sut = follow_ridge(sections, section_curvature(sections, 0.4), 2.5);
+  for (std::size_t i = 0; i < sut.row.size(); ++i) {
+    DOUBLES_EQUAL(-0.8, sections.z_mm(sut.row[i]), 0.1);
+    DOUBLES_EQUAL(0.5, sut.other_k_per_mm[i] / sut.k_per_mm[i], 0.1);
+    DOUBLES_EQUAL(std::hypot(2.2, 0.5), sut.other_mm[i], 0.15);
+  }
+}
+
 TEST(Ridge, NothingIsVisibleOnAPlainWall) {
   const Sections sections = sections_of([](double, double z) { return 0.2 * (z - k_z_mm); });
   const Ridge sut = follow_ridge(sections, section_curvature(sections, 0.4), 2.5);
@@ -126,6 +148,19 @@ TEST_GROUP(Placement){void teardown() override{test::forgive_underflow();
 }
 }
 ;
+
+TEST(Placement, OfTwoHollowsThatAreAsSharpNeitherIsSure) {
+  const auto beside = [](double depth) {
+    return placed([=](double, double z) {
+      return test::groove_mm(z, k_z_mm - 0.8) + depth * test::groove_mm(z, k_z_mm + 1.2);
+    });
+  };
+  for (const PlacedStation& station : beside(0.5).points) CHECK_COMPARE(station.hold, >, 0.99);
+  for (const PlacedStation& station : beside(0.99).points) {
+    CHECK_COMPARE(station.hold, <, 0.7);
+    DOUBLES_EQUAL(2.0, station.other_mm, 0.2);
+  }
+}
 
 TEST(Placement, TheLineLiesWhereTheSectionTurnsMost) {
   const PlacedLine sut = placed([](double, double z) { return test::groove_mm(z, k_z_mm + 0.4); });

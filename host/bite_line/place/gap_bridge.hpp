@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file How a line is carried across stretches that were not seen, and how wrong that is on the line itself.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/geometry/se3.hpp"
+#include "host/geometry/bridge.hpp"
+
+namespace biteline::bite_line {
+
+/// Over this length beside a gap its slope in height is taken.
+inline constexpr double k_height_lever_mm = 10.0;
+
+/// The arc over a gap of a closed plan that leaves both ends in their own directions; level, z = 0.
+[[nodiscard]] geometry::Arc gap_arc(std::span<const Vec2> plan, const geometry::Gap& gap, double station_mm);
+/// Both ends of the gap are known over the whole lever of their directions.
+[[nodiscard]] bool firm_ends(std::span<const std::uint8_t> known, const geometry::Gap& gap,
+                             double station_mm);
+
+/// What a gap hides is not known, but how this line bends elsewhere is: gaps of the same length are made
+/// where the line was seen, all the way round, and bridged in the same way.  The RMS of what the bridges are
+/// off by at their middles, mm; 0 where the line was seen over less than three such gaps.
+[[nodiscard]] double tried_plan_mm(std::span<const Vec2> plan, std::span<const std::uint8_t> known,
+                                   const geometry::Gap& gap, double station_mm);
+[[nodiscard]] double tried_height_mm(std::span<const double> z_mm, std::span<const std::uint8_t> known,
+                                     const geometry::Gap& gap, double station_mm);
+
+/// Share of the error at a gap's middle that is left at `share` of its length: both ends hold place and
+/// direction, so that it grows with the square from them.
+[[nodiscard]] inline double gap_swell(double share) {
+  const double from_ends = 4 * share * (1 - share);
+  return from_ends * from_ends;
+}
+
+}  // namespace biteline::bite_line

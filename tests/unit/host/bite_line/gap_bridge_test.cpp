@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/place/gap_bridge.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "host/bite_line/place/point_spread.hpp"
+#include "host/uncertainty/radius.hpp"
+
+namespace biteline::bite_line {
+namespace {
+
+constexpr std::size_t k_stations = 1200;
+constexpr double k_station_mm = 0.5;
+constexpr geometry::Gap k_gap{.first = 200, .steps = 70};
+
+double angle(std::size_t i) {
+  return 2 * std::numbers::pi * static_cast<double>(i) / k_stations;
+}
+
+/// A ring of 600 mm whose radius swings by `swing_mm`, `times` round.
+std::vector<Vec2> ring(double swing_mm, int times) {
+  std::vector<Vec2> plan;
+  for (std::size_t i = 0; i < k_stations; ++i) {
+    const double radius =
+        k_stations * k_station_mm / (2 * std::numbers::pi) + swing_mm * std::cos(times * angle(i));
+    plan.emplace_back(radius * std::cos(angle(i)), radius * std::sin(angle(i)));
+  }
+  return plan;
+}
+
+std::vector<std::uint8_t> known_but(const geometry::Gap& gap) {
+  std::vector<std::uint8_t> known(k_stations, 1);
+  for (std::size_t k = 1; k < gap.steps; ++k) known[(gap.first + k) % k_stations] = 0;
+  return known;
+}
+
+}  // namespace
+
+TEST_GROUP(GapBridge){};
+
+TEST(GapBridge, OnACircleABridgeIsNotOff) {
+  DOUBLES_EQUAL(0, tried_plan_mm(ring(0, 1), known_but(k_gap), k_gap, k_station_mm), 0.02);
+}
+
+TEST(GapBridge, OnALineThatBendsItIsOffByWhatItBends) {
+  // Its own gap is bridged as badly as the others: the RMS over all of them tells of it.
+  const std::vector<Vec2> plan = ring(2, 12);
+  const double sut = tried_plan_mm(plan, known_but(k_gap), k_gap, k_station_mm);
+  double square = 0;
+  for (std::size_t i = 0; i < k_stations; ++i) {
+    const geometry::Gap own{.first = i, .steps = k_gap.steps};
+    const Vec2 middle = gap_arc(plan, own, k_station_mm).at(0.5).head<2>();
+    const double off = middle.norm() - plan[(i + k_gap.steps / 2) % k_stations].norm();
+    square += off * off / k_stations;
+  }
+  CHECK_COMPARE(std::sqrt(square), >, 0.5);
+  DOUBLES_EQUAL(std::sqrt(square), sut, 0.2 * std::sqrt(square));
+}
+
+TEST(GapBridge, HeightsAreTriedTheSameWay) {
+  std::vector<double> level(k_stations, 20.0);
+  DOUBLES_EQUAL(0, tried_height_mm(level, known_but(k_gap), k_gap, k_station_mm), 1e-9);
+  std::vector<double> wavy;
+  for (std::size_t i = 0; i < k_stations; ++i) wavy.push_back(20 + 2 * std::sin(12 * angle(i)));
+  CHECK_COMPARE(tried_height_mm(wavy, known_but(k_gap), k_gap, k_station_mm), >, 0.3);
+}
+
+TEST(GapBridge, WhereLittleWasSeenNothingIsTried) {
+  std::vector<std::uint8_t> known(k_stations, 0);
+  for (std::size_t i = 0; i < 90; ++i) known[i] = 1;
+  DOUBLES_EQUAL(0, tried_plan_mm(ring(2, 12), known, k_gap, k_station_mm), 1e-9);
+}
+
+TEST(GapBridge, ABridgeThatFailsElsewhereIsNotTrusted) {
+  PlacedStation sut;
+  sut.to_visible_mm = 15;
+  sut.doubt = 0.5;
+  const PointSpread trusted = spread_of(sut);
+  sut.tried_out_mm = 0.9;
+  const PointSpread tried = spread_of(sut);
+  const auto u95 = [](const PointSpread& spread) {
+    return uncertainty::u95_mm(uncertainty::principal_axes(spread.covariance_mm2), 1, 0);
+  };
+  CHECK_COMPARE(u95(trusted), <, 0.8);
+  CHECK_COMPARE(u95(tried), >, 1.5);
+  CHECK_COMPARE(tried.within, <, 0.5);
+}
+
+}  // namespace biteline::bite_line
