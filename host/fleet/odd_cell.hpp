@@ -27,14 +27,14 @@ enum class Difference { Wider, AlongFirst, AlongSecond };  ///< mean; cosine and
 [[nodiscard]] const char* to_text(Difference difference);
 
 struct OddCell {
-  std::string cell;
+  std::string cell{};
   Difference difference{Difference::Wider};
   /// Against the other cells' median, outwards above 0.  Rather too large at first: it was named for its
   /// large values.
   double mm{0};
-  double u95_mm{0};   ///< of that, for shoes that scatter independently
-  int shoes{0};       ///< since the difference began
-  std::string since;  ///< the scan with which it began
+  double u95_mm{0};     ///< of that, for shoes that scatter independently
+  int shoes{0};         ///< since the difference began
+  std::string since{};  ///< the scan with which it began
 };
 
 /// The others must have so many shoes, of so many cells, to be compared with.

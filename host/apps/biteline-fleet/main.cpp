@@ -13,10 +13,12 @@
 #include "host/control/messages.hpp"
 #include "host/fleet/broker_options.hpp"
 #include "host/fleet/centre.hpp"
+#include "host/fleet/metrics.hpp"
 
 namespace {
 
 using namespace biteline;
+using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 std::atomic<bool> g_stop{false};
@@ -26,6 +28,11 @@ constexpr std::size_t k_most_at_once = 100;
 /// More than so many are dropped: their cells send them again.
 constexpr std::size_t k_most_waiting = 5000;
 constexpr milliseconds k_before_retry{1000};
+/// How old the metrics of the cells are, at most, and whose cell is odd.
+constexpr milliseconds k_between_counts{10'000};
+constexpr milliseconds k_between_judgements{60'000};
+/// A cell is compared by so many of its newest shoes of a model.
+constexpr int k_newest = 300;
 
 struct Options {
   fleet::BrokerOptions broker;
@@ -33,9 +40,22 @@ struct Options {
   std::filesystem::path migrations;
   bool list{false};
   bool odd{false};
+  std::optional<std::uint16_t> metrics;
   bool json{false};
   bool exit_with_parent{false};
 };
+
+/// Cells whose lines of a model differ from the others', of every model.
+Result<std::vector<fleet::OddOfModel>> odd_of_all(fleet::Centre& centre) {
+  std::vector<fleet::OddOfModel> odd;
+  BITELINE_ASSIGN(const std::vector<std::string> models, centre.models());
+  for (const std::string& model : models) {
+    BITELINE_ASSIGN(const std::vector<fleet::PlacedShoe> shoes, centre.placed_shoes(model, k_newest));
+    for (fleet::OddCell& one : fleet::odd_cells(shoes))
+      odd.push_back({.model = model, .odd = std::move(one)});
+  }
+  return odd;
+}
 
 class Fleet {
  public:
@@ -52,11 +72,17 @@ class Fleet {
                           std::printf("biteline-fleet: connected to the broker\n");
                           std::fflush(stdout);
                         }));
+    if (options_.metrics) {
+      BITELINE_ASSIGN(metrics_, fleet::MetricsPort::open(*options_.metrics));
+      std::printf("biteline-fleet: http://127.0.0.1:%u/metrics\n", unsigned{metrics_->port()});
+      std::fflush(stdout);
+    }
     return {};
   }
 
   void run() {
     while (!g_stop) {
+      show_metrics();
       if (!centre_ && !open_centre()) {
         // Without a database nothing is taken: the cells keep it.
         forget();
@@ -72,6 +98,25 @@ class Fleet {
         forget();
       }
     }
+  }
+
+  /// What is told of a database that went away stays as it was, but for `database_up`.
+  void show_metrics() {
+    if (!metrics_) return;
+    const Clock::time_point now = Clock::now();
+    const bool changed = news_.broker != broker_->ready() || news_.database != centre_.has_value();
+    if (!changed && now < count_at_) return;
+    news_.broker = broker_->ready();
+    news_.database = centre_.has_value();
+    if (centre_ && now >= count_at_) {
+      count_at_ = now + k_between_counts;
+      if (auto cells = centre_->cells()) news_.cells = std::move(*cells);
+    }
+    if (centre_ && now >= judge_at_) {
+      judge_at_ = now + k_between_judgements;
+      if (auto odd = odd_of_all(*centre_)) news_.odd = std::move(*odd);
+    }
+    metrics_->show(fleet::metrics_text(news_));
   }
 
  private:
@@ -109,6 +154,7 @@ class Fleet {
     if (const std::optional<std::string> cell = fleet::cell_of(topic, "shoes")) {
       Result<fleet::ShoeMessage> shoe = fleet::read_shoe(text);
       if (!shoe) return say(*cell + ": " + to_line(shoe.error()));
+      ++news_.taken;
       if (shoes_.size() < k_most_waiting) shoes_.push_back({.cell = *cell, .shoe = std::move(*shoe)});
     } else if (const std::optional<std::string> speaker = fleet::cell_of(topic, "health")) {
       Result<fleet::HealthMessage> health = fleet::read_health(text);
@@ -147,6 +193,9 @@ class Fleet {
   std::optional<fleet::Centre> centre_;
   std::vector<fleet::FromCell> shoes_;
   std::vector<std::pair<std::string, fleet::HealthMessage>> health_;
+  std::unique_ptr<fleet::MetricsPort> metrics_;
+  fleet::FleetNews news_;
+  Clock::time_point count_at_{}, judge_at_{};
   std::string last_;
 };
 
@@ -184,29 +233,23 @@ Result<void> list(const Options& options) {
   return {};
 }
 
-/// A cell is compared by so many of its newest shoes of a model.
-constexpr int k_newest = 300;
-
 /// Cells whose lines differ from the others'; Refused when there is one.
 Result<ExitStatus> tell_odd_cells(const Options& options) {
   BITELINE_ASSIGN(fleet::Centre centre, fleet::Centre::open(options.database, options.migrations));
-  BITELINE_ASSIGN(const std::vector<std::string> models, centre.models());
+  BITELINE_ASSIGN(const std::vector<fleet::OddOfModel> all, odd_of_all(centre));
   control::Json json = control::Json::array();
-  for (const std::string& model : models) {
-    BITELINE_ASSIGN(const std::vector<fleet::PlacedShoe> shoes, centre.placed_shoes(model, k_newest));
-    for (const fleet::OddCell& odd : fleet::odd_cells(shoes)) {
-      json.push_back({{"model", model},
-                      {"cell", odd.cell},
-                      {"difference", fleet::to_text(odd.difference)},
-                      {"mm", odd.mm},
-                      {"u95_mm", odd.u95_mm},
-                      {"shoes", odd.shoes},
-                      {"since", odd.since}});
-      if (!options.json)
-        std::printf("%s, %s: %s by %.3f mm (U95 %.3f mm) in %d shoes since %s\n", odd.cell.c_str(),
-                    model.c_str(), fleet::to_text(odd.difference), odd.mm, odd.u95_mm, odd.shoes,
-                    odd.since.c_str());
-    }
+  for (const auto& [model, odd] : all) {
+    json.push_back({{"model", model},
+                    {"cell", odd.cell},
+                    {"difference", fleet::to_text(odd.difference)},
+                    {"mm", odd.mm},
+                    {"u95_mm", odd.u95_mm},
+                    {"shoes", odd.shoes},
+                    {"since", odd.since}});
+    if (!options.json)
+      std::printf("%s, %s: %s by %.3f mm (U95 %.3f mm) in %d shoes since %s\n", odd.cell.c_str(),
+                  model.c_str(), fleet::to_text(odd.difference), odd.mm, odd.u95_mm, odd.shoes,
+                  odd.since.c_str());
   }
   const bool none = json.empty();
   if (options.json) {
@@ -236,6 +279,8 @@ int run(int argc, char** argv) {
       ->required();
   fleet::add_broker_options(app, options.broker);
   app.add_option("--migrations", options.migrations, "Folder of the tables' versions")->capture_default_str();
+  app.add_option("--metrics", options.metrics,
+                 "Give Prometheus' text at http://127.0.0.1:PORT/metrics; 0: any free port");
   app.add_flag("--list", options.list, "Print the cells with their health and counts, and leave");
   app.add_flag(
       "--odd", options.odd,

@@ -19,6 +19,7 @@ import sys
 import tempfile
 import threading
 import time
+import urllib.request
 
 PATIENCE_S = 60
 CELLS = ("cell-1", "cell-2", "cell-3")
@@ -122,7 +123,7 @@ class Factory:
             self.running[name] = Program(POSTGRES / "postgres", "-D", self.folder / "data", "-c", "listen_addresses=127.0.0.1",
                                          "-c", "unix_socket_directories=", "-c", "max_wal_size=64MB", user="postgres", cwd="/")
         elif name == "fleet":
-            self.running[name] = Program(self.fleet, "--database", self.database(), *tls("fleet"))
+            self.running[name] = Program(self.fleet, "--database", self.database(), "--metrics", "9118", *tls("fleet"))
         else:
             self.running[name] = Program(self.uplink, "--results", self.folder / name, "--cell", name, *tls(name))
 
@@ -284,6 +285,20 @@ def odd_cell_is_named(factory):
     assert 35 <= int(cells[0]["since"][5:]) <= 43, cells
 
 
+def metrics_tell_it(factory):
+    def metrics():
+        with urllib.request.urlopen("http://127.0.0.1:9118/metrics", timeout=PATIENCE_S) as answer:
+            return answer.read().decode()
+
+    comes_true(lambda: f'biteline_fleet_shoes_total{{cell="cell-3",verdict="ok"}} {(SHOES + HOUR) * 4 // 5}' in metrics(), "the metrics of cell-3")
+    for line in ("biteline_fleet_database_up 1", "biteline_fleet_broker_up 1", 'biteline_fleet_cell_online{cell="cell-2"} 1'):
+        assert line in metrics(), line
+    factory.kill("database")
+    comes_true(lambda: "biteline_fleet_database_up 0" in metrics(), "the database is told as away")
+    factory.start("database")
+    comes_true(lambda: "biteline_fleet_database_up 1" in metrics(), "the database is back")
+
+
 def main():
     with tempfile.TemporaryDirectory() as folder:
         factory = Factory(pathlib.Path(folder), *sys.argv[1:5])
@@ -295,6 +310,7 @@ def main():
             rows_are_the_shoes(factory)
             strangers_are_kept_out(factory)
             odd_cell_is_named(factory)
+            metrics_tell_it(factory)
         except BaseException:
             for program in [*factory.ended, *factory.running.values()]:
                 print("---", *program.command[:3], *program.lines[-12:], sep="\n")
