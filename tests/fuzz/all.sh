@@ -20,6 +20,6 @@ done
 each=$((seconds / ${#targets[@]}))
 bad=0
 for target in "${targets[@]}"; do
-  tests/fuzz/turn.sh "$target" $((each > 0 ? each : 1)) 16384 || bad=1
+  tests/fuzz/turn.sh "$target" $((each > 0 ? each : 1)) "$(cat "$target.length")" || bad=1
 done
 exit $bad

@@ -41,7 +41,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::Case bytes{data, size};
   Wire wire;
   stream::StreamServer sensor(
-      {.store_bytes = 64 * 1024}, {}, wire, [](wire::Command) { return Result<void>{}; },
+      {.store_bytes = 64 * 1024, .observers = {}}, {}, wire, [](wire::Command) { return Result<void>{}; },
       [] { return wire::Health{}; });
   std::optional<intake::HostProtocol> host;
   const auto renew = [&] {

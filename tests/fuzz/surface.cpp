@@ -37,7 +37,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   surface.finish();
   fuzz::demand(surface.normals().size() == given, "each point has its normal");
-  const transfer::NearestTable table{surfels, 10};
+  const transfer::NearestTable table{surfels, 4};
   for (const Eigen::Vector3f& place : surfels.positions)
     fuzz::demand(table.near(place) < surfels.size() || surfels.size() == 0, "a point is near itself");
   return 0;
