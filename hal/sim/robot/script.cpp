@@ -75,6 +75,9 @@ class LineReader {
     char* end = nullptr;
     const double value = std::strtod(copy.c_str(), &end);
     if (end == copy.c_str() || !std::isfinite(value)) return wrong("a finite number");
+    // Metres, radians, and their rates: no arm's are beyond, and squares stay numbers.
+    constexpr double k_most = 1e4;
+    if (!(std::abs(value) <= k_most)) return wrong("a number of at most 10 000");
     text_.remove_prefix(static_cast<std::size_t>(end - copy.c_str()));
     return value;
   }

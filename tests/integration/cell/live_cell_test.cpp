@@ -10,6 +10,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <thread>
 
@@ -50,6 +51,16 @@ std::unique_ptr<LiveCell> open_cell(const LiveSettings& settings) {
   } while (hal::monotonic_now() < patience_ends);
   test::note_skipped("GigE Vision port 3956 on 127.0.0.1 is not free");
   return nullptr;
+}
+
+hal::Descriptor connect_to(std::uint16_t port) {
+  hal::Descriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  CHECK(connect(socket.number(), reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
+  return socket;
 }
 
 struct Picture {
@@ -210,17 +221,40 @@ TIMED_TEST(LiveCell, AnOpenDoorDarkensTheLaserWhateverTheSensorDrives) {
   LONGS_EQUAL(0, cell->counts().exposures_lit);
 }
 
+// The arm goes where no ray tracer's numbers reach, and pictures are drawn there.
+TEST(LiveCell, GoalsBeyondAllBoundsEndNothing) {
+  const auto cell = open_cell(quick_cell());
+  if (!cell) return;
+  Devices devices(*cell);
+  CHECK(devices.laser->set(true).has_value());
+  int pictures = 0;
+  for (const char* script :
+       {"def far():\n  set_tcp(p[1e308,0,0,0,0,0])\n  movel(p[1e9,0,0,0,0,0], a=1e9, v=1e9)\nend\n",
+        "def far():\n  set_tcp(p[0,0,0.1,0,0,0])\n  movel(p[1e9,0,0,0,0,0], a=1e12, v=1e12)\nend\n",
+        "def far():\n  movep(p[1e30,1e30,0,0,0,0], a=1e300, v=1e300, r=0.001)\nend\n",
+        "def far():\n  movej([1e9,0,0,0,0,0], a=1e9, v=1e9)\nend\n",
+        "def far():\n  movel(p[9000,9000,9000,0,0,0], a=9000, v=9000)\nend\n",
+        "def far():\n  movel(p[nan,inf,0,0,0,0], a=1, v=1)\nend\n"}) {
+    const hal::Descriptor socket = connect_to(cell->robot_ports().script);
+    CHECK(send(socket.number(), script, std::strlen(script), 0) > 0);
+    const auto until = hal::monotonic_now() + k_second;
+    while (hal::monotonic_now() < until) {
+      if (const auto seen = devices.camera->next_frame(Nanoseconds{50'000'000})) {
+        devices.camera->release(*seen);
+        ++pictures;
+      }
+      CHECK(cell->arm_at(hal::monotonic_now()).T_base_flange.translation().allFinite());
+    }
+  }
+  CHECK(pictures > 0);
+}
+
 TIMED_TEST(LiveCell, TheTrackOfARunScriptIsWritten) {
   const auto cell = open_cell(quick_cell());
   if (!cell) return;
   Devices devices(*cell);
   const auto before = *devices.poses->next_pose(k_second);
-  const hal::Descriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(cell->robot_ports().script);
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  CHECK(connect(socket.number(), reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
+  const hal::Descriptor socket = connect_to(cell->robot_ports().script);
   const Vec3 p = before.T_base_flange.translation() / 1000,
              r = geometry::log_so3(before.T_base_flange.linear());
   char script[200];
