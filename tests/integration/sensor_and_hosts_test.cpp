@@ -3,6 +3,7 @@
 // nothing is lost.
 #include <CppUTest/TestHarness.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <fstream>
@@ -196,6 +197,28 @@ TEST(SensorAndHosts, FullDiskEndsTheServiceAndItsSuccessorLosesNothing) {
   LONGS_EQUAL(made.frames, told["scan"].value("profiles", 0));
   LONGS_EQUAL(0, told["scan"].value("profiles_lost", -1));
   LONGS_EQUAL(0, told.value("messages_lost", -1));
+}
+
+TEST(SensorAndHosts, ServiceWithTooLittleMemoryEndsInWordsAndNotByASignal) {
+  auto sensor = start_sensor({"--stay"});
+  SUCCEEDS(sensor);
+  // Of address space; below that the libraries themselves do not load.
+  for (int limit_kb = 300'000; limit_kb <= 600'000; limit_kb += 50'000) {
+    const fs::path out = folder.path() / std::to_string(limit_kb), errors = out.string() + ".err";
+    auto host = ChildProcess::start(
+        {.program = "/bin/sh",
+         .arguments = {"-c", "ulimit -v " + std::to_string(limit_kb) + "; exec \"$@\" 2>" + errors.string(),
+                       "sh", program("biteline-host").string(), "--sensor", sensor->endpoint().text(),
+                       "--out", out.string(), "--once"}});
+    SUCCEEDS(host);
+    const auto status = host->wait(k_patience);
+    SUCCEEDS(status);
+    const std::string name = "ulimit -v " + std::to_string(limit_kb);
+    CHECK_TEXT(*status == 0 || *status == 3 || *status == 4, (name + ": " + std::to_string(*status)).c_str());
+    std::ifstream stream{errors};
+    const std::string said{std::istreambuf_iterator<char>{stream}, {}};
+    CHECK_TEXT(std::ranges::count(said, '\n') <= 2, (name + ": " + said).c_str());
+  }
 }
 
 TEST(SensorAndHosts, KilledSensorIsToldAtOnceToWhoStartedIt) {
