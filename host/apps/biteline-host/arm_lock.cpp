@@ -8,6 +8,8 @@
 
 #include <memory>
 
+#include "host/apps/biteline-host/steps.hpp"
+
 namespace biteline::service {
 namespace {
 
@@ -47,6 +49,19 @@ Result<report::FileLock> hold_arm(const std::string& host, std::uint16_t script_
   // Where every user of the machine may hold a lock; /tmp serves systems without it.
   const char* folder = ::access("/run/lock", W_OK) == 0 ? "/run/lock" : "/tmp";
   return report::FileLock::take(std::string{folder} + "/biteline-arm-" + name, holder);
+}
+
+Result<std::unique_ptr<robot::ur::ArmClaim>> claim_arm(const RobotOptions& robot) {
+  using robot::ur::ArmClaim;
+  if (robot.hold_register < 0) return std::unique_ptr<ArmClaim>{};
+  BITELINE_ASSIGN(const HostPort rtde, parse_host_port(robot.rtde));
+  BITELINE_ASSIGN(
+      std::unique_ptr<ArmClaim> claim,
+      ArmClaim::take({.host = rtde.host, .rtde_port = rtde.port, .input_register = robot.hold_register}));
+  if (claim->state() == ArmClaim::State::Held) say_step("holds the arm at %s", rtde.host.c_str());
+  if (claim->state() == ArmClaim::State::Lacking)
+    say_step("the arm at %s cannot be held against services on other machines", rtde.host.c_str());
+  return claim;
 }
 
 }  // namespace biteline::service

@@ -3,7 +3,9 @@
 /// \file One service at a time sends paths to an arm.
 
 #include "common/core/result.hpp"
+#include "host/apps/biteline-host/options.hpp"
 #include "host/report/file_lock.hpp"
+#include "host/robot/link/ur/arm_claim.hpp"
 
 namespace biteline::service {
 
@@ -12,5 +14,9 @@ namespace biteline::service {
 /// tells them apart, and so does the network namespace.
 [[nodiscard]] Result<report::FileLock> hold_arm(const std::string& host, std::uint16_t script_port,
                                                 const std::string& holder);
+
+/// The same against services on other machines: the controller's word (ArmClaim), told once it is had.
+/// Nothing: it is not wanted (--hold-register -1).
+[[nodiscard]] Result<std::unique_ptr<robot::ur::ArmClaim>> claim_arm(const RobotOptions& robot);
 
 }  // namespace biteline::service

@@ -59,6 +59,11 @@ ParsedOptions parse_options(int argc, char** argv) {
   auto* send =
       app.add_flag("--send", robot.send, "Send a path that passed every check, and watch the arm follow it")
           ->needs(arm);
+  app.add_option("--hold-register", robot.hold_register,
+                 "With --send this service keeps the controller's input_int_register_N, which one client can "
+                 "have: a service on another machine is refused; -1: keeps none")
+      ->check(CLI::Range(-1, 47))
+      ->capture_default_str();
   app.add_option(
          "--confirm", robot.confirm,
          "A scan's folder, e.g. scan-0007: its path may be sent though the scan was recovered or is of "

@@ -20,6 +20,7 @@ struct RobotOptions {
   std::string dashboard;  ///< empty: port 29999 of the script's machine
   std::string serial;     ///< of the one arm that may be meant; empty: any of that model
   double table_z_mm{0};
+  int hold_register{47};  ///< of the controller's input_int_register_N; below 0: none is held
   bool send{false};
   std::string confirm;  ///< the one scan that a person lets be sent though nobody saw it come in
 };

@@ -70,10 +70,11 @@ Result<Service> Service::create(const Options& options) {
   }
   const std::string holder = "biteline-host " + std::to_string(::getpid()) + " of " + options.out.string();
   BITELINE_ASSIGN(report::FileLock results, report::FileLock::take(options.out / k_lock_name, holder));
-  Locks locks{.results = std::move(results), .arm = {}};
+  Locks locks{.results = std::move(results), .arm = {}, .claim = {}};
   if (options.robot && options.robot->send) {
     BITELINE_ASSIGN(const HostPort script, parse_host_port(options.robot->script));
     BITELINE_ASSIGN(locks.arm, hold_arm(script.host, script.port, holder));
+    BITELINE_ASSIGN(locks.claim, claim_arm(*options.robot));
   }
   BITELINE_ASSIGN(std::unique_ptr<Cockpit> cockpit,
                   Cockpit::open({.results = options.out,

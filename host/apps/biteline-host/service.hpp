@@ -18,6 +18,7 @@
 #include "host/intake/scan_intake.hpp"
 #include "host/report/file_lock.hpp"
 #include "host/robot/kinematics/arm_model.hpp"
+#include "host/robot/link/ur/arm_claim.hpp"
 #include "host/robot/path/process.hpp"
 
 namespace biteline::service {
@@ -73,7 +74,8 @@ class Service {
   /// What the service alone may use while it lives.
   struct Locks {
     report::FileLock results;
-    std::optional<report::FileLock> arm;
+    std::optional<report::FileLock> arm;           ///< against others on this machine
+    std::unique_ptr<robot::ur::ArmClaim> claim{};  ///< and on any
   };
 
   Service(Options options, std::optional<wire::HostKeys> keys, std::optional<Robot> robot,

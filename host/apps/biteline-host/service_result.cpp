@@ -163,7 +163,7 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
   const robot::ScanFacts facts = facts_of(scan, outcome);
   SendRequest send{.controller = controller_of(robot_->options),
                    .serial = robot_->options.serial,
-                   .holds_arm = locks_.arm.has_value(),
+                   .holds_arm = locks_.arm && (!locks_.claim || locks_.claim->safe()),
                    .scan = facts,
                    .confidence = line.confidence,
                    .approved = {},

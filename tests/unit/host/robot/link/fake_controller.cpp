@@ -8,6 +8,8 @@
 #include <unistd.h>
 
 #include <limits>
+#include <memory>
+#include <vector>
 
 #include "common/rtde/controller_session.hpp"
 
@@ -47,12 +49,13 @@ struct Deaf : rtde::ControllerListener {
   void on_text(const rtde::TextMessage&) override {}
 };
 
-void read_into(std::string& text, int client) {
+/// false: the other side has closed.
+bool read_into(std::string& text, int client) {
   char buffer[4096];
-  for (ssize_t got = recv(client, buffer, sizeof buffer, MSG_DONTWAIT); got > 0;
-       got = recv(client, buffer, sizeof buffer, MSG_DONTWAIT)) {
+  ssize_t got = 0;
+  while ((got = recv(client, buffer, sizeof buffer, MSG_DONTWAIT)) > 0)
     text.append(buffer, static_cast<std::size_t>(got));
-  }
+  return got < 0;
 }
 
 }  // namespace
@@ -113,8 +116,13 @@ void FakeController::read_dashboard(int client) {
 }
 
 void FakeController::serve() {
-  int rtde = -1, script = -1, dashboard = -1;
-  rtde::ControllerSession session{{}};
+  struct Client {
+    int socket;
+    std::unique_ptr<rtde::ControllerSession> session;
+  };
+  std::vector<Client> clients;
+  const auto owners = std::make_shared<rtde::InputOwners>();
+  int script = -1, dashboard = -1;
   Values values;
   double time_s = 10, turned_rad = 0, script_at_s = -1;
   Deaf deaf;
@@ -127,22 +135,24 @@ void FakeController::serve() {
         {rtde_listener_, POLLIN, 0}, {script_listener_, POLLIN, 0}, {dashboard_listener_, POLLIN, 0}};
     poll(entries, 3, 2);  // the cycle's beat
     if ((entries[0].revents & POLLIN) != 0) {
-      // The probe that tries whether anybody is there closes at once; the last one to come counts.
-      replace(rtde, rtde_listener_);
+      clients.push_back({.socket = accept(rtde_listener_, nullptr, nullptr),
+                         .session = std::make_unique<rtde::ControllerSession>(
+                             rtde::ControllerSession::Config{.owners = owners})});
+      clients.back().session->start();
       ++rtde_connections;
-      session.start();
     }
     if ((entries[1].revents & POLLIN) != 0) replace(script, script_listener_);
     if ((entries[2].revents & POLLIN) != 0) replace(dashboard, dashboard_listener_);
-    if (rtde >= 0 && drop.exchange(false)) {
-      close(rtde);
-      rtde = -1;
-    }
-    if (rtde >= 0) {
+    const bool dropped = drop.exchange(false);
+    std::erase_if(clients, [&](Client& client) {
       std::string text;
-      read_into(text, rtde);
+      const bool there = !dropped && read_into(text, client.socket);
       static_cast<void>(
-          session.consume({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, deaf));
+          client.session->consume({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, deaf));
+      if (!there) close(client.socket);
+      return !there;
+    });
+    if (!clients.empty()) {
       time_s += cycle_s_;
       if (turning) turned_rad += 0.01;
       values.now = {.time_s = time_s,
@@ -168,15 +178,18 @@ void FakeController::serve() {
         const std::lock_guard lock{mutex_};
         if (!times_.lie) times_.lie = Clock::now();
       }
-      if (values.now.send) session.append_outputs(cycle, values);
-      const auto& out = session.outgoing();
-      static_cast<void>(send(rtde, out.data(), out.size(), MSG_NOSIGNAL));
-      session.outgoing().clear();
+      for (const Client& client : clients) {
+        if (values.now.send) client.session->append_outputs(cycle, values);
+        const auto& out = client.session->outgoing();
+        static_cast<void>(send(client.socket, out.data(), out.size(), MSG_NOSIGNAL));
+        client.session->outgoing().clear();
+      }
     }
     if (script >= 0) read_script(script);
     if (dashboard >= 0) read_dashboard(dashboard);
   }
-  for (const int client : {rtde, script, dashboard}) {
+  for (const Client& client : clients) close(client.socket);
+  for (const int client : {script, dashboard}) {
     if (client >= 0) close(client);
   }
 }
