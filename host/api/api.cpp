@@ -75,6 +75,7 @@ std::vector<Api::Route> Api::routes() {
       {"POST", "/scans/{}/send", Operator, true, &Api::send},
       {"POST", "/scans/{}/hold", Operator, true, &Api::hold},
       {"POST", "/scans/{}/mend", Operator, true, &Api::mend},
+      {"POST", "/scans/{}/rerun", Engineer, true, &Api::rerun},
       {"POST", "/scans/{}/keep", Operator, false, &Api::keep},
       {"POST", "/commands/start", Operator, true, &Api::start},
       {"POST", "/commands/rescan", Operator, true, &Api::rescan},

@@ -69,6 +69,7 @@ class Api {
   [[nodiscard]] control::Answer hold(const Call& call);
   [[nodiscard]] control::Answer send(const Call& call);
   [[nodiscard]] control::Answer mend(const Call& call);
+  [[nodiscard]] control::Answer rerun(const Call& call);
   [[nodiscard]] control::Answer keep(const Call& call);
   [[nodiscard]] control::Answer decide(const Call& call, Decision::Kind kind, int status, bool needs_why);
   [[nodiscard]] control::Answer list_models(const Call& call);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "host/api/rerun.hpp"
 #include "host/control/messages.hpp"
 #include "host/line_control/line_state.hpp"
 
@@ -73,6 +74,12 @@ class Cell {
   [[nodiscard]] virtual Result<void> begin_mend(const std::string& scan) = 0;
   /// `mended`: the scan's folder has a new line.  A scan that waits for a person gets its path planned anew.
   virtual void end_mend(const std::string& scan, bool mended, const std::string& who) = 0;
+
+  /// Works a kept scan out again, beside the cell's own work; the number of its folder (host/api/rerun.hpp).
+  /// Errc::WrongState where it has no points any more, too many wait, or a path is wanted without an arm.
+  [[nodiscard]] virtual Result<int> rerun(const RerunOrder& order) = 0;
+  /// It waits or is worked on.
+  [[nodiscard]] virtual bool rerun_open(const std::string& scan, int number) = 0;
 };
 
 }  // namespace biteline::api

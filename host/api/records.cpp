@@ -6,6 +6,7 @@
 
 #include "common/system/file.hpp"
 #include "host/api/api.hpp"
+#include "host/api/rerun.hpp"
 #include "host/api/words.hpp"
 #include "host/memory/history.hpp"
 #include "host/mend/versions.hpp"
@@ -68,6 +69,7 @@ Answer Api::read_scan(const Call& call) {
   json["gate"] = file_json(folder / "gate.json");
   json["follow"] = file_json(folder / "followed.json");
   json["versions"] = versions_json(folder, **scan);
+  json["reruns"] = reruns_json(folder, [&](int number) { return rooms_.cell.rerun_open(id, number); });
   Json stretches = Json::array();
   if (json["report"].is_object() && json["report"].contains("weak_stretches") &&
       json["report"]["weak_stretches"].is_array()) {

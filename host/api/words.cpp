@@ -117,6 +117,14 @@ Json Fields::list(const std::string& name, std::size_t most) {
   return Json::array();
 }
 
+Json Fields::object(const std::string& name) {
+  known_.push_back(name);
+  if (!has(name)) return {};
+  if (body_[name].is_object()) return body_[name];
+  fault(name, "a JSON object expected");
+  return {};
+}
+
 void Fields::fault(const std::string& name, const std::string& message) {
   faults_.push_back({{"field", name}, {"message", message}});
 }

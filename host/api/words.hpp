@@ -32,6 +32,8 @@ class Fields {
   std::optional<double> number(const std::string& name, double least, double most);
   /// Empty when it is absent.
   Json list(const std::string& name, std::size_t most);
+  /// Null when it is absent.
+  Json object(const std::string& name);
   [[nodiscard]] bool has(const std::string& name) const;
   void fault(const std::string& name, const std::string& message);
 

@@ -91,6 +91,7 @@ export class FakeCell {
     this.page = page;
     this.local = true;
     this.calls = [];
+    this.reruns = new Map();
     this.sessions = new Map();
     this.sockets = new Set();
     this.seq = 1;
@@ -243,7 +244,7 @@ export class FakeCell {
       const scan = this.scans.find((row) => row.id === scan_path[1]);
       if (!scan) return fail(404, 'not_found', `${scan_path[1]}: no such scan`);
       const what = scan_path[2];
-      if (!what) return [200, { ...scan, report: { status: 'ok' }, gate: null, follow: null, versions: [{ version: 0, time: scan.time, who: 'found' }] }];
+      if (!what) return [200, { ...scan, report: { status: 'ok' }, gate: null, follow: null, versions: [{ version: 0, time: scan.time, who: 'found' }], reruns: this.reruns.get(scan.id) ?? [] }];
       if (what === 'files') return [200, { files: ['line.csv', 'cloud.ply', 'report.json', 'path/tracking.html'].map((name) => ({ path: name, bytes: 12345, time: scan.time })) }];
       if (what === 'files/view_data.js') {
         const found = scan.verdict !== 'refused';
@@ -251,6 +252,11 @@ export class FakeCell {
       }
       if (what.startsWith('files/')) return [200, 'a file'];
       if (this.control.holder !== me.name) return fail(409, 'control_needed', 'take control first');
+      if (what === 'rerun') {
+        const made = { rerun: 1, time: scan.time, who: me.name, why: given.why, settings: given.settings, state: 'working' };
+        this.reruns.set(scan.id, [made]);
+        return [202, made];
+      }
       if (what === 'mend') {
         scan.line_version = given.line_version + 1;
         this.push('scan', scan);

@@ -66,7 +66,10 @@ Cockpit::Cockpit(CockpitConfig config, memory::Memory memory)
   paused_ = cycle_.on_demand();
 }
 
-Cockpit::~Cockpit() = default;
+Cockpit::~Cockpit() {
+  // Its thread tells the server, the server's threads give it work: it ends first and is asked no more.
+  if (reruns_) reruns_->end();
+}
 
 Result<void> Cockpit::listen() {
   api_ = std::make_unique<api::Api>(
@@ -82,6 +85,12 @@ Result<void> Cockpit::listen() {
                        if (server_) server_->publish(name, std::move(data));
                      },
                  .last_seq = [this] { return server_ ? server_->last_seq() : 0; }});
+  reruns_ = std::make_unique<RerunWorker>(
+      RerunRoom{.results = config_.results,
+                .processes = api::ProcessStore{config_.shipped_processes, config_.results / "processes"},
+                .models = transfer::Library{config_.library},
+                .arm = config_.rerun_arm},
+      [this](const std::string& scan) { tell_scan(scan); });
   control::ServerConfig server;
   server.endpoint = *config_.endpoint;
   server.keys = config_.keys;
@@ -488,6 +497,19 @@ void Cockpit::end_mend(const std::string& scan, bool mended, const std::string& 
   }
   // What waits gets its path planned anew; until then nobody can accept it.
   wish({.kind = Wish::Kind::Mended, .scan = scan, .who = who, .why = {}});
+}
+
+Result<int> Cockpit::rerun(const api::RerunOrder& order) {
+  {
+    const std::lock_guard lock{mutex_};
+    if (scan_ == order.scan && held_ != order.scan && (phase_ == Phase::Scanning || phase_ == Phase::Working))
+      return fail(Errc::WrongState, "%s is in work; wait for its result", order.scan.c_str());
+  }
+  return reruns_->add(order);
+}
+
+bool Cockpit::rerun_open(const std::string& scan, int number) {
+  return reruns_->open(scan, number);
 }
 
 }  // namespace biteline::service

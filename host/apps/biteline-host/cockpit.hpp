@@ -13,6 +13,7 @@
 #include "common/wire/messages.hpp"
 #include "host/api/api.hpp"
 #include "host/api/words.hpp"
+#include "host/apps/biteline-host/rerun.hpp"
 #include "host/control/server.hpp"
 #include "host/line_control/cycle.hpp"
 #include "host/robot/link/ur/controller_words.hpp"
@@ -30,6 +31,7 @@ struct CockpitConfig {
   std::string arm;                          ///< UR5e, ...; empty: none
   std::string controller;                   ///< HOST:PORT; empty: none
   std::string process;                      ///< its name; empty: none
+  std::optional<RerunArm> rerun_arm;        ///< what a scan's path is planned anew with; nothing: none is
   std::optional<wire::Endpoint> endpoint;   ///< where doors come in; nothing: none do
   std::optional<wire::SensorKeys> keys;
   std::vector<line_control::Job> jobs;  ///< of the line's control; with any, each start is one scan
@@ -107,6 +109,8 @@ class Cockpit final : public api::Cell {
   [[nodiscard]] std::optional<api::Job> job_of(int number) override;
   [[nodiscard]] line_control::Refusal choose_job(int number, bool control_held) override;
   [[nodiscard]] LineStart start_for_line(int request, bool control_held) override;
+  [[nodiscard]] Result<int> rerun(const api::RerunOrder& order) override;
+  [[nodiscard]] bool rerun_open(const std::string& scan, int number) override;
 
  private:
   Cockpit(CockpitConfig config, memory::Memory memory);
@@ -151,6 +155,7 @@ class Cockpit final : public api::Cell {
   std::optional<Clock::time_point> cycle_begun_{};
   std::optional<double> last_cycle_s_{};
   Clock::time_point published_{};
+  std::unique_ptr<RerunWorker> reruns_;      ///< tells the server when one is done
   std::unique_ptr<control::Server> server_;  ///< last: its threads use the rest
 };
 

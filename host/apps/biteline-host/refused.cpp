@@ -9,6 +9,8 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
   static constexpr std::array k_rows{
       report::RefusalRow<Refused>{Refused::ModelUnknown, "model_unknown",
                                   "choose the model and scan again, or save this scan as a model"},
+      report::RefusalRow<Refused>{Refused::RerunFailed, "rerun_failed",
+                                  "mend what the reason names, then work the scan out again"},
   };
   return k_rows;
 }

@@ -8,6 +8,7 @@ namespace biteline::service {
 
 enum class Refused {
   ModelUnknown,  ///< no model of the library is sure enough to be worked without a person
+  RerunFailed,   ///< a kept scan could not be worked out again
 };
 
 [[nodiscard]] std::span<const report::RefusalRow<Refused>> refusal_table(Refused);

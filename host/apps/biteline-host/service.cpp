@@ -76,17 +76,22 @@ Result<Service> Service::create(const Options& options) {
     BITELINE_ASSIGN(locks.arm, hold_arm(script.host, script.port, holder));
     BITELINE_ASSIGN(locks.claim, claim_arm(*options.robot));
   }
-  BITELINE_ASSIGN(std::unique_ptr<Cockpit> cockpit,
-                  Cockpit::open({.results = options.out,
-                                 .shipped_processes = shipped_processes(),
-                                 .library = options.library,
-                                 .sensor = options.sensor.text(),
-                                 .arm = robot ? robot->arm.name : "",
-                                 .controller = robot ? robot->options.script : "",
-                                 .process = robot ? robot->process.name : "",
-                                 .endpoint = options.doors.control,
-                                 .keys = std::move(control_keys),
-                                 .jobs = std::move(jobs)}));
+  BITELINE_ASSIGN(
+      std::unique_ptr<Cockpit> cockpit,
+      Cockpit::open({.results = options.out,
+                     .shipped_processes = shipped_processes(),
+                     .library = options.library,
+                     .sensor = options.sensor.text(),
+                     .arm = robot ? robot->arm.name : "",
+                     .controller = robot ? robot->options.script : "",
+                     .process = robot ? robot->process.name : "",
+                     .rerun_arm = robot ? std::optional{RerunArm{.model = robot->arm,
+                                                                 .process = robot->process,
+                                                                 .table_z_mm = robot->options.table_z_mm}}
+                                        : std::nullopt,
+                     .endpoint = options.doors.control,
+                     .keys = std::move(control_keys),
+                     .jobs = std::move(jobs)}));
   if (options.doors.guest) {
     BITELINE_ASSIGN(const std::string token, cockpit->accounts().make_guest_token());
     BITELINE_TRY(write_secret(*options.doors.guest, token + "\n"));

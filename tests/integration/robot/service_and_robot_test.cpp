@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "host/cloud/closed_line.hpp"
 #include "host/control/client.hpp"
 #include "host/intake/sensor_process.hpp"
 #include "tests/support/errors.hpp"
@@ -362,6 +363,48 @@ TEST(ServiceAndRobot, HeldScanWaitsForAPersonAndTheGateStillJudges) {
   CHECK(reasons_of(results() / "scan-0001").find("not_approved") == std::string::npos);
   CHECK(controller.script().empty());
   STRCMP_CONTAINS("accepted", page.ask("GET", "/log").body.dump().c_str());
+}
+
+TEST(ServiceAndRobot, KeptScanIsWorkedOutAgainBesideItsResultAndNothingIsSent) {
+  const fs::path scan = leave_scan("scan-0001");
+  ChildProcess host = start(holding(), {});
+  Page page{address_told(host)};
+  page.begin();
+  static_cast<void>(
+      page.scan_once("scan-0001", [](const control::Json& row) { return row["decision"] == "held"; }));
+  const auto line_then = fs::last_write_time(scan / "line.csv");
+  const auto again = [&](const control::Json& settings, std::size_t number) {
+    LONGS_EQUAL(202, page.ask("POST", "/scans/scan-0001/rerun", {{"settings", settings}}).status);
+    return page.scan_once("scan-0001", [&](const control::Json& row) {
+      return row["reruns"].size() == number && row["reruns"].back()["state"] == "done";
+    })["reruns"];
+  };
+  // The line as it stands along another process, and the line looked for anew.
+  control::Json reruns = again({{"process", "cement"}}, 1);
+  STRCMP_EQUAL("cement", reruns[0]["process"].get<std::string>().c_str());
+  STRCMP_EQUAL("rerun-1/line.csv", reruns[0]["line"].get<std::string>().c_str());
+  CHECK(fs::exists(scan / "rerun-1/path/report.json"));
+  CHECK(fs::exists(scan / "rerun-1/view_data.js"));
+  reruns = again({{"method", "default"}}, 2);
+  const auto found = cloud::read_line(scan / "line.csv"), anew = cloud::read_line(scan / "rerun-2/line.csv");
+  SUCCEEDS(found);
+  SUCCEEDS(anew);
+  DOUBLES_EQUAL(cloud::length_mm(*found), cloud::length_mm(*anew), 0.01);
+  CHECK(fs::exists(scan / "rerun-2/path/path.csv"));
+  // What went wrong is told where the outcome would stand.
+  fs::rename(scan / "cloud.ply", scan / "moved");
+  LONGS_EQUAL(409,
+              page.ask("POST", "/scans/scan-0001/rerun", {{"settings", {{"method", "default"}}}}).status);
+  std::ofstream{scan / "cloud.ply"} << "no cloud";
+  reruns = again({{"method", "default"}}, 3);
+  STRCMP_EQUAL("rerun_failed", reruns[2]["reason_code"].get<std::string>().c_str());
+
+  CHECK(line_then == fs::last_write_time(scan / "line.csv"));
+  CHECK(!fs::exists(scan / "gate.json"));
+  CHECK(controller.script().empty());
+  const control::Json row = page.ask("GET", "/scans/scan-0001").body;
+  STRCMP_EQUAL("held", row["decision"].get<std::string>().c_str());
+  CHECK(!row["sent"].get<bool>());
 }
 
 TEST(ServiceAndRobot, RejectedScanKeepsItsReasonAndAnotherServiceRemembersIt) {

@@ -69,11 +69,28 @@ export interface LineVersion {
   who: string;
   why?: string;
 }
+/// A kept scan worked out again, beside its result.
+export interface Rerun {
+  rerun: number;
+  time: string;
+  who: string;
+  why?: string | null;
+  settings: { model?: string; method?: string; process?: string; mirror?: boolean; grade?: boolean };
+  state: 'working' | 'done' | 'lost';
+  verdict?: 'ok' | 'refused';
+  reason?: string | null;
+  next_step?: string | null;
+  length_mm?: number | null;
+  confidence?: number | null;
+  line?: string | null;
+  path?: string | null;
+}
 export interface Scan extends ScanRow {
   report: Record<string, unknown> | null;
   gate?: Record<string, unknown> | null;
   follow?: Record<string, unknown> | null;
   versions?: LineVersion[];
+  reruns?: Rerun[];
 }
 export interface Model {
   name: string;

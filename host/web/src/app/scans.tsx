@@ -9,6 +9,7 @@ import { type FileRow, Refused, type Scan, type ScanRow, type Trends, base, call
 import { Decide } from './live';
 import { Mend } from './mend';
 import { Chart, Failure, Figures, Table, Verdict } from './parts';
+import { WorkAgain } from './rerun';
 import { may, time_words, use_reading, use_store } from './store';
 
 const verdicts = ['ok', 'amber', 'refused', 'failed', 'working'];
@@ -275,6 +276,7 @@ function ScanView({ scan, files }: { scan: Scan; files: FileRow[] }): JSX.Elemen
       <Failure text={compared.error} />
       {data && <Viewer hand={data.line && may('operator') ? set_hand : undefined} other={beside} key={`${scan.id} ${scan.line_version ?? 0}`} data={data} files={shown} file_base={`${base}/scans/${scan.id}/files/`} told />}
       {data?.line && <Mend scan={scan} data={data} hand={hand} />}
+      <WorkAgain scan={scan} />
       {stages.length > 0 && (
         <details>
           <summary>{t('stages')}</summary>

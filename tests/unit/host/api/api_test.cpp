@@ -20,6 +20,7 @@ constexpr const char* k_password = "a long password";
 
 struct FakeCell final : Cell {
   std::vector<std::string> did;
+  std::filesystem::path results{};  ///< of the scan that is worked out again
   Result<void> next{};
 
   Json state() override { return {{"phase", "waiting"}}; }
@@ -64,6 +65,12 @@ struct FakeCell final : Cell {
   bool jobs{true};
   int chosen{0};
 
+  Result<int> rerun(const RerunOrder& order) override {
+    did.push_back("rerun " + order.scan + " " + order.who + " " + settings_json(order).dump());
+    if (!next) return tl::unexpected<Error>{next.error()};
+    return keep_order(results, order);
+  }
+  bool rerun_open(const std::string&, int number) override { return number > 1; }
   Result<void> decide(const Decision& decision) override {
     did.push_back("decide " + decision.scan + " " + decision.who + " " + decision.door + " " + decision.why);
     return next;
@@ -322,6 +329,80 @@ TEST(Api, ProcessWithAFaultIsRefusedWholeAndItsFieldNamed) {
   LONGS_EQUAL(200, ask("PUT", "/processes/mine", process).status);
   DOUBLES_EQUAL(40, ask("GET", "/processes/mine").body["process"]["motion"]["speed_mm_s"].get<double>(), 0);
   LONGS_EQUAL(5, ask("GET", "/processes").body["processes"].size());
+}
+
+TEST(Api, RerunIsOrderedByAnEngineerAndToldBesideTheResult) {
+  put("scan-0001", "refused");
+  std::filesystem::create_directories(folder.path() / "scan-0001");
+  cell.results = folder.path() / "scan-0001";
+  const Json order{{"settings", {{"process", "grind"}, {"method", "default"}}}, {"why", "to see"}};
+  log_in("ana");
+  LONGS_EQUAL(403, ask("POST", "/scans/scan-0001/rerun", order).status);
+  log_in("eng");
+  STRCMP_EQUAL("control_needed", code_of(ask("POST", "/scans/scan-0001/rerun", order)).c_str());
+  LONGS_EQUAL(200, ask("POST", "/control", {{"action", "take"}}).status);
+  const control::Answer first = ask("POST", "/scans/scan-0001/rerun", order);
+  LONGS_EQUAL(202, first.status);
+  LONGS_EQUAL(1, first.body["rerun"].get<int>());
+  STRCMP_EQUAL("rerun", memory->log_rows(0, 1)->front().action.c_str());
+  LONGS_EQUAL(202, ask("POST", "/scans/scan-0001/rerun", order).status);
+
+  // The first was left by a service that ended, until its outcome stands there.
+  Json reruns = ask("GET", "/scans/scan-0001").body["reruns"];
+  LONGS_EQUAL(2, reruns.size());
+  STRCMP_EQUAL("lost", reruns[0]["state"].get<std::string>().c_str());
+  STRCMP_EQUAL("working", reruns[1]["state"].get<std::string>().c_str());
+  STRCMP_EQUAL("grind", reruns[0]["settings"]["process"].get<std::string>().c_str());
+  STRCMP_EQUAL("to see", reruns[0]["why"].get<std::string>().c_str());
+  folder.write("scan-0001/rerun-1/report.json", R"({"status":"ok","length_mm":500.5,"confidence":0.9})");
+  std::filesystem::create_directories(cell.results / "rerun-1/path");
+  folder.write("scan-0001/rerun-1/path/report.json", R"({"status":"refused","reason_code":"cannot_follow"})");
+  reruns = ask("GET", "/scans/scan-0001").body["reruns"];
+  STRCMP_EQUAL("done", reruns[0]["state"].get<std::string>().c_str());
+  STRCMP_EQUAL("refused", reruns[0]["verdict"].get<std::string>().c_str());
+  STRCMP_EQUAL("cannot_follow", reruns[0]["reason_code"].get<std::string>().c_str());
+  DOUBLES_EQUAL(500.5, reruns[0]["length_mm"].get<double>(), 0);
+  CHECK(reruns[0]["path"].is_null());
+  // The scan's own row says what it said.
+  STRCMP_EQUAL("refused", ask("GET", "/scans/scan-0001").body["verdict"].get<std::string>().c_str());
+}
+
+TEST(Api, RerunThatMakesNoSenseIsRefusedBeforeTheCellHearsOfIt) {
+  put("scan-0001", "ok");
+  log_in("eng");
+  LONGS_EQUAL(200, ask("POST", "/control", {{"action", "take"}}).status);
+  for (const char* bad :
+       {R"({})", R"({"settings":{}})", R"({"settings":5})", R"({"settings":{"method":"best"}})",
+        R"({"settings":{"model":"a","method":"default"}})",
+        R"({"settings":{"mirror":true,"process":"grind"}})", R"({"settings":{"process":"../x"}})",
+        R"({"settings":{"process":"grind","candidate":1}})"}) {
+    LONGS_EQUAL_TEXT(400, ask("POST", "/scans/scan-0001/rerun", Json::parse(bad)).status, bad);
+  }
+  const auto status_of = [&](const char* scan, const Json& settings) {
+    return ask("POST", std::string{"/scans/"} + scan + "/rerun", {{"settings", settings}}).status;
+  };
+  LONGS_EQUAL(404, status_of("scan-0002", {{"process", "grind"}}));
+  LONGS_EQUAL(404, status_of("scan-0001", {{"process", "none-such"}}));
+  LONGS_EQUAL(404, status_of("scan-0001", {{"model", "none-such"}}));
+  LONGS_EQUAL(0, cell.did.size());
+  cell.next = fail(Errc::WrongState, "full");
+  LONGS_EQUAL(409, status_of("scan-0001", {{"process", "grind"}}));
+}
+
+TEST(Api, ScanHoldsSoManyRerunsAndNoMore) {
+  const RerunOrder order{.scan = "scan-0001",
+                         .model = {},
+                         .method = "default",
+                         .process = {},
+                         .who = "eng",
+                         .why = {},
+                         .door = {}};
+  for (int number = 1; number <= k_most_reruns; ++number) {
+    const Result<int> kept = keep_order(folder.path(), order);
+    SUCCEEDS(kept);
+    LONGS_EQUAL(number, *kept);
+  }
+  FAILS_NAMING(Errc::WrongState, "20 times", keep_order(folder.path(), order));
 }
 
 TEST(Api, LogTellsChangesNewestFirstWithACursor) {
