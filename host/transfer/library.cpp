@@ -16,6 +16,7 @@
 #include "common/core/text.hpp"
 #include "common/system/file.hpp"
 #include "common/wire/checksum.hpp"
+#include "host/archive/archive.hpp"
 #include "host/cloud/ply.hpp"
 #include "host/report/json_text.hpp"
 #include "host/report/report.hpp"
@@ -30,6 +31,7 @@ constexpr int k_format = 1;
 constexpr const char* k_picture_file = "picture.png";
 constexpr const char* k_picture_source = "stages/6_sequence.png";
 constexpr const char* k_undo_folder = ".undo";
+constexpr const char* k_archive_kind = "model";
 
 bool good_name(const std::string& name) {
   constexpr std::size_t k_longest = 64;
@@ -213,6 +215,15 @@ Result<void> keep_for_undo(const fs::path& library, const std::string& name, con
   return put_in_place(folder, kept);
 }
 
+/// A finished folder becomes the model; what it replaces is kept for undo().
+Result<void> put_beside(const fs::path& library, const std::string& name, const fs::path& beside,
+                        bool replaces) {
+  BITELINE_TRY(sync_folder(beside));
+  BITELINE_TRY(put_in_place(beside, library / name));
+  if (replaces) BITELINE_TRY(keep_for_undo(library, name, beside));
+  return sync_folder(library);
+}
+
 }  // namespace
 
 fs::path Library::default_folder() {
@@ -255,10 +266,7 @@ Result<ModelInfo> Library::save(const std::string& name, const fs::path& sample_
     manifest.files.push_back({.name = file, .checksum = checksum_of(bytes), .bytes = bytes.size()});
   }
   BITELINE_TRY(report::write_file_atomically(beside.path() / k_manifest_file, manifest_text(name, manifest)));
-  BITELINE_TRY(sync_folder(beside.path()));
-  BITELINE_TRY(put_in_place(beside.path(), path_of(name)));
-  if (replaces) BITELINE_TRY(keep_for_undo(folder_, name, beside.path()));
-  BITELINE_TRY(sync_folder(folder_));
+  BITELINE_TRY(put_beside(folder_, name, beside.path(), replaces));
   return info_of(name, path_of(name), manifest);
 }
 
@@ -322,6 +330,46 @@ Result<void> Library::remove(const std::string& name) const {
   }
   // Out of sight in one step; undo() brings it back.
   return keep_for_undo(folder_, name, path_of(name));
+}
+
+Result<void> Library::export_to(const std::string& name, const fs::path& target) const {
+  BITELINE_TRY(check_name(name));
+  if (!has(name)) return fail(Errc::FileNotFound, "no model %s in %s", name.c_str(), folder_.c_str());
+  BITELINE_ASSIGN(const Manifest manifest, check(name, path_of(name)));
+  std::vector<archive::Entry> entries{{.name = k_manifest_file, .file = path_of(name) / k_manifest_file}};
+  for (const Manifest::File& file : manifest.files)
+    entries.push_back({.name = file.name, .file = path_of(name) / file.name});
+  return archive::write(target,
+                        {.kind = k_archive_kind,
+                         .program = manifest.made.program,
+                         .time = manifest.made.time,
+                         .more = {{"name", name}}},
+                        entries);
+}
+
+Result<ModelInfo> Library::import_from(const fs::path& file, const std::string& name, bool replace) const {
+  BITELINE_TRY(report::prepare_folder(folder_));
+  BITELINE_ASSIGN(const Beside beside, Beside::create(folder_));
+  BITELINE_ASSIGN(archive::About about, archive::unpack(file, k_archive_kind, beside.path()));
+  const std::string as = name.empty() ? about.more["name"] : name;
+  BITELINE_TRY(check_name(as));
+  const bool replaces = has(as);
+  if (replaces && !replace) {
+    return fail(Errc::InvalidArgument, "model %s exists in %.120s; say --replace, or choose another name",
+                as.c_str(), folder_.c_str());
+  }
+  BITELINE_ASSIGN(Manifest manifest, check(as, beside.path()));
+  std::size_t files = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator{beside.path()})
+    files += entry.path().filename() != k_manifest_file ? 1 : 0;
+  if (files != manifest.files.size())
+    return fail(Errc::BadFormat, "%.200s holds files that are no model's", file.c_str());
+  BITELINE_TRY(read_sample(beside.path()));
+  if (const Result<Manifest> before = read_manifest(as, path_of(as)); replaces && before)
+    manifest.made.version = before->made.version + 1;
+  BITELINE_TRY(report::write_file_atomically(beside.path() / k_manifest_file, manifest_text(as, manifest)));
+  BITELINE_TRY(put_beside(folder_, as, beside.path(), replaces));
+  return info_of(as, path_of(as), manifest);
 }
 
 Result<SampleFiles> find_sample(const std::string& sample, const Library& library) {

@@ -245,7 +245,7 @@ export class FakeCell {
       if (!scan) return fail(404, 'not_found', `${scan_path[1]}: no such scan`);
       const what = scan_path[2];
       if (!what) return [200, { ...scan, report: { status: 'ok' }, gate: null, follow: null, versions: [{ version: 0, time: scan.time, who: 'found' }], reruns: this.reruns.get(scan.id) ?? [] }];
-      if (what === 'files') return [200, { files: ['line.csv', 'cloud.ply', 'report.json', 'path/tracking.html'].map((name) => ({ path: name, bytes: 12345, time: scan.time })) }];
+      if (what === 'files') return [200, { files: (scan.verdict === 'refused' ? ['cloud.ply', 'report.json'] : ['line.csv', 'cloud.ply', 'report.json', 'path/tracking.html']).map((name) => ({ path: name, bytes: 12345, time: scan.time })) }];
       if (what === 'files/view_data.js') {
         const found = scan.verdict !== 'refused';
         return [200, `window.biteline_view = ${JSON.stringify(found ? this.view : made_view({ weak: false, found: false }))};\n`, { 'content-type': 'text/javascript' }];

@@ -151,6 +151,13 @@ await anna.page.getByLabel('Compare with').selectOption('scan-0001');
 await anna.page.getByText('mean 0.00 mm, 95 % within 0.00 mm', { exact: false }).waitFor();
 await anna.page.getByRole('button', { name: 'Other line' }).waitFor();
 
+say('mend without control: everything is off, with the reason');
+await anna.page.getByText('Mend the line').click();
+const mending = anna.page.locator('details', { hasText: 'Mend the line' });
+await mending.getByText('Take control first').waitFor();
+const live_buttons = await mending.locator('button:enabled, input:enabled, textarea:enabled').count();
+check(live_buttons === 0, `${live_buttons} parts of the mend are live without control`);
+
 say('mend: undo, redo, a new version');
 await otto.page.goto(`${address}#/scans/scan-0004`);
 await otto.page.getByText('Mend the line').click();
@@ -210,6 +217,8 @@ cell.push('scan', cell.scans[0]);
 await anna.page.getByRole('row', { name: /runner-42.*the outline differs/ }).waitFor();
 await otto.page.getByRole('row', { name: /runner-42.*the outline differs/ }).waitFor();
 await look_for_faults(anna.page, 'worked out again');
+await anna.page.getByRole('button', { name: 'Release control' }).click();
+await anna.page.getByText('Nobody has control').waitFor();
 
 say('process form: the fault stands at its field');
 await anna.page.goto(`${address}#/processes`);

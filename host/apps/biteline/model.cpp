@@ -15,7 +15,7 @@ struct Options {
   std::string name;
   bool replace{false};
   transfer::ModelMade made;
-  std::filesystem::path sample, process, library{transfer::Library::default_folder()};
+  std::filesystem::path sample, process, file, library{transfer::Library::default_folder()};
 };
 
 nlohmann::ordered_json json_of(const transfer::ModelInfo& model) {
@@ -93,6 +93,22 @@ Result<ExitStatus> remove(const Options& options, const GlobalOptions& global) {
   return tell(report, global, "");
 }
 
+Result<ExitStatus> export_one(const Options& options, const GlobalOptions& global) {
+  BITELINE_TRY(transfer::Library{options.library}.export_to(options.name, options.file));
+  report::Report report;
+  report.fields["name"] = options.name;
+  report.fields["file"] = options.file.string();
+  return tell(report, global, "wrote " + options.file.string());
+}
+
+Result<ExitStatus> import_one(const Options& options, const GlobalOptions& global) {
+  BITELINE_ASSIGN(const transfer::ModelInfo model, transfer::Library{options.library}.import_from(
+                                                       options.file, options.name, options.replace));
+  report::Report report;
+  report.fields = json_of(model);
+  return tell(report, global, words_of(model));
+}
+
 }  // namespace
 
 void add_model(CLI::App& app, Context& context) {
@@ -122,6 +138,22 @@ void add_model(CLI::App& app, Context& context) {
   undo_command->add_option("name", options->name, "The model's name")->required();
   undo_command->callback(
       [options, &context] { context.run = [options, &context] { return undo(*options, context.options); }; });
+
+  CLI::App* export_command = command->add_subcommand("export", "Write a model into one file");
+  export_command->add_option("name", options->name, "The model's name")->required();
+  export_command->add_option("--out", options->file, "The file, e.g. runner-42.tar")->required();
+  export_command->callback([options, &context] {
+    context.run = [options, &context] { return export_one(*options, context.options); };
+  });
+
+  CLI::App* import_command = command->add_subcommand(
+      "import", "Take in a model's file; one of its name is replaced with --replace alone");
+  import_command->add_option("file", options->file, "A file of `model export`")->required();
+  import_command->add_option("--name", options->name, "The model's name here; without: its own");
+  import_command->add_flag("--replace", options->replace, "Put it in the place of the model of this name");
+  import_command->callback([options, &context] {
+    context.run = [options, &context] { return import_one(*options, context.options); };
+  });
 
   CLI::App* remove_command = command->add_subcommand("remove", "Forget a model");
   remove_command->add_option("name", options->name, "The model's name")->required();

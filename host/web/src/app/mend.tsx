@@ -66,7 +66,7 @@ export function Mend({ scan, data, hand }: { scan: Scan; data: ViewData; hand: H
               <td>{amount(candidate.length_mm, 'mm', 1)}</td>
               <td>{amount(candidate.mean_height_mm, 'mm', 1)}</td>
               <td>
-                <button type="button" onClick={() => add({ step: 'candidate', candidate: i + 1 })}>
+                <button type="button" disabled={!enabled} onClick={() => add({ step: 'candidate', candidate: i + 1 })}>
                   {t('take_candidate', { which: i + 1 })}
                 </button>
               </td>
@@ -74,7 +74,7 @@ export function Mend({ scan, data, hand }: { scan: Scan; data: ViewData; hand: H
           ))}
         </Table>
       )}
-      <fieldset>
+      <fieldset disabled={!enabled}>
         <legend>{t('mend_stretch')}</legend>
         {hand && (
           <div class="tools">
@@ -119,7 +119,7 @@ export function Mend({ scan, data, hand }: { scan: Scan; data: ViewData; hand: H
               <td>{version.who}</td>
               <td>{version.why ?? ''}</td>
               <td>
-                <button type="button" disabled={version.version === scan.line_version} onClick={() => add({ step: 'back_to', line_version: version.version })}>
+                <button type="button" disabled={!enabled || version.version === scan.line_version} onClick={() => add({ step: 'back_to', line_version: version.version })}>
                   {t('mend_back', { version: version.version })}
                 </button>
               </td>
@@ -141,7 +141,7 @@ export function Mend({ scan, data, hand }: { scan: Scan; data: ViewData; hand: H
       >
         <button
           type="button"
-          disabled={steps.length === 0}
+          disabled={!enabled || steps.length === 0}
           onClick={() => {
             set_undone([...undone, steps[steps.length - 1]!]);
             set_steps(steps.slice(0, -1));
@@ -151,7 +151,7 @@ export function Mend({ scan, data, hand }: { scan: Scan; data: ViewData; hand: H
         </button>
         <button
           type="button"
-          disabled={undone.length === 0}
+          disabled={!enabled || undone.length === 0}
           onClick={() => {
             set_steps([...steps, undone[undone.length - 1]!]);
             set_undone(undone.slice(0, -1));
@@ -160,7 +160,7 @@ export function Mend({ scan, data, hand }: { scan: Scan; data: ViewData; hand: H
           {t('redo')}
         </button>
         <label>
-          {t('why')} <input value={why} required maxLength={500} onInput={(e) => set_why(e.currentTarget.value)} />
+          {t('why')} <input value={why} required disabled={!enabled} maxLength={500} onInput={(e) => set_why(e.currentTarget.value)} />
         </label>
         <button type="submit" class="go" disabled={!enabled || steps.length === 0}>
           {t('mend_save')}

@@ -147,6 +147,53 @@ TEST(Library, ADamagedModelIsRefusedByName) {
   FAILS_NAMING(Errc::FileNotFound, "model bad is damaged: line.csv is missing", sut.load("bad"));
 }
 
+TEST(Library, ExportedModelComesBackElsewhereWhole) {
+  folder.write("grind.yaml", "name: grind\n");
+  ModelMade made;
+  made.size = "EU 42";
+  SUCCEEDS(sut.save("runner-42", sample(7), {.process_file = folder.path() / "grind.yaml", .made = made}));
+  const std::filesystem::path file = folder.path() / "runner.tar";
+  SUCCEEDS(sut.export_to("runner-42", file));
+  FAILS_NAMING(Errc::FileNotFound, "no model", sut.export_to("boot", folder.path() / "boot.tar"));
+
+  const Library other{folder.path() / "other"};
+  const Result<ModelInfo> model = other.import_from(file, "", false);
+  SUCCEEDS(model);
+  STRCMP_EQUAL("runner-42", model->name.c_str());
+  STRCMP_EQUAL("EU 42", model->made.size.c_str());
+  CHECK(model->has_process);
+  LONGS_EQUAL(7, other.load("runner-42")->cloud.size());
+  FAILS_NAMING(Errc::InvalidArgument, "--replace", other.import_from(file, "", false));
+  const Result<ModelInfo> again = other.import_from(file, "", true);
+  SUCCEEDS(again);
+  LONGS_EQUAL(2, again->made.version);
+  SUCCEEDS(other.import_from(file, "runner-43", false));
+  LONGS_EQUAL(7, other.load("runner-43")->cloud.size());
+  LONGS_EQUAL(2, other.list()->size());
+  FAILS_NAMING(Errc::InvalidArgument, "model name", other.import_from(file, "../out", false));
+}
+
+TEST(Library, DamagedExportChangesNothing) {
+  SUCCEEDS(sut.save("a", sample(7)));
+  const std::filesystem::path file = folder.path() / "a.tar";
+  SUCCEEDS(sut.export_to("a", file));
+  std::ifstream in(file, std::ios::binary);
+  const std::string good{std::istreambuf_iterator<char>(in), {}};
+  const Library other{folder.path() / "other"};
+  const auto import_of = [&](const std::string& bytes) {
+    std::ofstream(folder.path() / "bad.tar", std::ios::binary) << bytes;
+    return other.import_from(folder.path() / "bad.tar", "", false);
+  };
+  // The two empty blocks at the end say nothing; all before them counts.
+  for (std::size_t bytes = 0; bytes + 1024 < good.size(); bytes += 200)
+    CHECK_TEXT(!import_of(good.substr(0, bytes)).has_value(), std::to_string(bytes).c_str());
+  std::string changed = good;
+  changed[600] = static_cast<char>(changed[600] ^ 1);
+  CHECK(!import_of(changed).has_value());
+  CHECK(other.list()->empty());
+  SUCCEEDS(import_of(good));
+}
+
 TEST(Library, RemovedIsGone) {
   SUCCEEDS(sut.save("a", sample(7)));
   SUCCEEDS(sut.remove("a"));
