@@ -175,8 +175,15 @@ std::int64_t Database::last_id() const {
 }
 
 Result<void> Database::copy_to(const std::filesystem::path& target) {
-  BITELINE_ASSIGN(Statement copy, prepare("VACUUM INTO ?"));
-  return copy.bind(target.string()).run();
+  BITELINE_ASSIGN(Database copy, open(target, Access::ReadWrite));
+  sqlite3_backup* backup = sqlite3_backup_init(copy.database_.get(), "main", database_.get(), "main");
+  if (backup == nullptr)
+    return failure(copy.database_.get(), sqlite3_errcode(copy.database_.get()), target.string());
+  // All pages in one step: no writer of another process comes between.
+  sqlite3_backup_step(backup, -1);
+  const int code = sqlite3_backup_finish(backup);
+  if (code != SQLITE_OK) return failure(copy.database_.get(), code, target.string());
+  return {};
 }
 
 }  // namespace biteline::memory

@@ -9,6 +9,7 @@
 #include <new>
 
 #include "common/system/last_words.hpp"
+#include "host/apps/biteline-host/backup.hpp"
 #include "host/apps/biteline-host/options.hpp"
 #include "host/apps/biteline-host/service.hpp"
 
@@ -27,7 +28,19 @@ void heed_stop_signals() {
   std::signal(SIGPIPE, SIG_IGN);
 }
 
+Result<ExitStatus> save_or_restore(const service::Options& options) {
+  const service::BackupPlaces places{.results = options.out, .library = options.library};
+  const bool saves = !options.backup.empty();
+  const std::filesystem::path& file = saves ? options.backup : options.restore;
+  BITELINE_ASSIGN(const service::BackupCounts counts,
+                  saves ? service::write_backup(places, file) : service::restore_backup(places, file));
+  std::printf("%s %s: memory, %zu models, %zu processes\n", saves ? "wrote" : "restored", file.c_str(),
+              counts.models, counts.processes);
+  return ExitStatus::Done;
+}
+
 Result<ExitStatus> run(const service::Options& options) {
+  if (!options.backup.empty() || !options.restore.empty()) return save_or_restore(options);
   if (options.exit_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
   BITELINE_ASSIGN(service::Service host, service::Service::create(options));
   return host.run(g_stop);

@@ -28,7 +28,7 @@ ParsedOptions parse_options(int argc, char** argv) {
       "Biteline's service: takes scans in, finds the bite line, plans the path, lets the arm follow it.",
       "biteline-host"};
   app.set_version_flag("--version", BITELINE_VERSION);
-  app.add_option("--sensor", sensor, "Where the sensor listens: tcp://HOST:PORT")->required();
+  app.add_option("--sensor", sensor, "Where the sensor listens: tcp://HOST:PORT; compulsory to scan");
   app.add_option("--keys", options.keys, "Folder of keys; compulsory beyond loopback");
   app.add_option("--out", options.out, "Folder of the results: scan-0001, scan-0002, ...")->required();
   std::filesystem::path uncertainty;
@@ -90,6 +90,13 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_option("--keep-gb", options.keep_gb,
                  "Remove the oldest folders beyond so many gigabytes, but for marked ones; their rows stay")
       ->check(options::number({.minimum = 0.1, .maximum = 1e6}, "GB"));
+  app.add_option(
+      "--backup", options.backup,
+      "Write memory, accounts, settings, models and saved processes into this file, and leave; also while "
+      "a service runs");
+  app.add_option("--restore", options.restore,
+                 "Put back what such a file holds, and leave; --out must have no memory yet")
+      ->excludes("--backup");
   app.add_flag("--once", options.once, "One scan, then leave");
   app.add_flag("--keep-recording", options.keep_recording, "Keep the scan's messages beside its result");
   app.add_flag("--exit-with-parent", options.exit_with_parent,
@@ -108,6 +115,14 @@ ParsedOptions parse_options(int argc, char** argv) {
       return parsed;
     }
     options.uncertainty = *known;
+  }
+  if (!options.backup.empty() || !options.restore.empty()) {
+    options.library = carry.library;
+    return parsed;
+  }
+  if (sensor.empty()) {
+    parsed.leave_with = complain("--sensor is required (see --help)");
+    return parsed;
   }
   const Result<wire::Endpoint> endpoint = wire::parse_endpoint(sensor);
   if (!endpoint) {

@@ -43,6 +43,7 @@ struct DoorOptions {
 };
 
 struct Options {
+  std::filesystem::path backup, restore;  ///< a file: only that, then leave
   wire::Endpoint sensor;
   std::optional<std::filesystem::path> keys;
   std::filesystem::path out;

@@ -21,7 +21,6 @@ namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 
 constexpr milliseconds k_before_retry{1000};
-constexpr const char* k_lock_name = "biteline-host.lock";
 
 /// For this user alone.
 Result<void> write_secret(const fs::path& file, const std::string& text) {
@@ -69,7 +68,7 @@ Result<Service> Service::create(const Options& options) {
     BITELINE_ASSIGN(control_keys, wire::read_sensor_keys(*options.doors.keys));
   }
   const std::string holder = "biteline-host " + std::to_string(::getpid()) + " of " + options.out.string();
-  BITELINE_ASSIGN(report::FileLock results, report::FileLock::take(options.out / k_lock_name, holder));
+  BITELINE_ASSIGN(report::FileLock results, report::FileLock::take(options.out / k_results_lock, holder));
   Locks locks{.results = std::move(results), .arm = {}, .claim = {}};
   if (options.robot && options.robot->send) {
     BITELINE_ASSIGN(const HostPort script, parse_host_port(options.robot->script));
