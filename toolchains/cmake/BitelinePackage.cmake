@@ -6,10 +6,6 @@ install(TARGETS biteline-sensor RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMP
 install(FILES boards/common/systemd/biteline-sensor.service DESTINATION lib/systemd/system COMPONENT firmware)
 install(FILES boards/common/udev/90-biteline.rules DESTINATION lib/udev/rules.d COMPONENT firmware)
 install(FILES boards/common/sysusers/biteline.conf DESTINATION lib/sysusers.d COMPONENT firmware)
-if(BITELINE_BUILD_HOST)
-  install(FILES host/apps/biteline-host/systemd/biteline-host.service DESTINATION lib/systemd/system COMPONENT host)
-  install(FILES host/apps/biteline-web/systemd/biteline-web.service DESTINATION lib/systemd/system COMPONENT web)
-endif()
 # Every board's data; the unit's own goes to /etc/biteline by hand, and boards/<board>/board.cmake names it.
 install(DIRECTORY boards/ DESTINATION ${CMAKE_INSTALL_DATADIR}/biteline/boards COMPONENT firmware PATTERN common EXCLUDE)
 set(BITELINE_BOARD "" CACHE STRING "Board whose systemd drop-in the package installs")
@@ -17,6 +13,8 @@ if(BITELINE_BOARD AND EXISTS ${CMAKE_SOURCE_DIR}/boards/${BITELINE_BOARD}/system
   install(DIRECTORY boards/${BITELINE_BOARD}/systemd/ DESTINATION lib/systemd/system COMPONENT firmware)
 endif()
 
+# Packages are made of what was built; they build nothing.
+set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
 set(CPACK_GENERATOR DEB)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_ALL firmware)
@@ -35,5 +33,8 @@ if(CMAKE_SYSTEM_PROCESSOR STREQUAL aarch64)
       "libc6 (>= 2.36), libgcc-s1, libstdc++6 (>= 12), libaravis-0.8-0, libglib2.0-0, libgpiod2, libhwy1, libspng0, libturbojpeg0, libyaml-cpp0.7, libzmq5")
 else()
   set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+endif()
+if(BITELINE_BUILD_HOST)
+  include(BitelineHostPackages)
 endif()
 include(CPack)

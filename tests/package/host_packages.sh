@@ -1,0 +1,79 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# host_packages.sh BUILD: biteline-host and biteline-web as packages; installed in a bare Debian 12 folder, where their programs run as
+# an ordinary user, an upgrade keeps what was taught and settings that a person wrote, and a purge leaves the memory.
+set -euo pipefail
+build=$1
+skip() { echo "skipped: $1"; exit 77; }
+bad() { echo "$1"; exit 1; }
+[ "$(id -u)" -eq 0 ] || skip "a bare folder needs root"
+command -v debootstrap >/dev/null || skip "no debootstrap"
+[ -e "$build/share/biteline/web/app.js" ] || skip "the page was not built"
+grep -q 'fsanitize' "$build/CMakeCache.txt" && skip "a build with sanitizers"
+work=$(mktemp -d "${TMPDIR:-/tmp}/biteline-packages-XXXXXX")
+root=$work/root
+finish() {
+  for place in proc dev/null; do ! mountpoint -q "$root/$place" || umount "$root/$place"; done
+  rm -rf "$work"
+}
+trap finish EXIT
+
+(cd "$build" && cpack -G DEB -B "$work/packages" -D CPACK_COMPONENTS_ALL="host;web") >"$work/cpack.log" 2>&1 ||
+  { tail -20 "$work/cpack.log"; exit 1; }
+host=$(echo "$work"/packages/biteline-host_*.deb) web=$(echo "$work"/packages/biteline-web_*.deb)
+# holds DEB FILE...: each is in it.
+holds() {
+  local deb=$1 file
+  dpkg-deb -c "$deb" >"$work/files"
+  shift
+  for file in "$@"; do grep -q "$file\$" "$work/files" || bad "$deb lacks $file"; done
+}
+holds "$host" usr/bin/biteline usr/bin/biteline-host usr/share/biteline/processes/grind.yaml usr/share/biteline/web/viewer.js \
+  usr/lib/systemd/system/biteline-host.service usr/lib/sysusers.d/biteline-host.conf usr/share/doc/biteline/README.md \
+  usr/share/doc/biteline/docs/cockpit.md usr/share/man/man1/biteline.1 usr/share/man/man1/biteline-host.1 \
+  usr/share/bash-completion/completions/biteline etc/biteline/host.env
+holds "$web" usr/bin/biteline-web usr/share/biteline/web/app.js usr/share/biteline/openapi.yaml usr/share/man/man1/biteline-web.1 \
+  usr/lib/systemd/system/biteline-web.service etc/biteline/web.env
+both=$(comm -12 <(dpkg-deb -c "$host" | awk '!/\/$/ {print $6}' | sort) <(dpkg-deb -c "$web" | awk '!/\/$/ {print $6}' | sort))
+[ -z "$both" ] || bad "in both packages: $both"
+! dpkg-deb -f "$host" Depends | grep -q biteline || bad "biteline-host depends on itself"
+
+debootstrap --variant=minbase bookworm "$root" >"$work/debootstrap.log" 2>&1 || skip "no bare folder: $(tail -1 "$work/debootstrap.log")"
+mount -t proc proc "$root/proc"
+in_root() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive HOME=/tmp "$@"; }
+cp "$host" "$web" "$root/tmp/"
+in_root apt-get update -qq
+in_root sh -c 'apt-get install -y -qq --no-install-recommends /tmp/biteline-host_*.deb /tmp/biteline-web_*.deb' >"$work/install.log" 2>&1 ||
+  { tail -20 "$work/install.log"; exit 1; }
+
+# An ordinary user, to whom the programs' folder is read-only.
+in_root useradd -m anna
+as_anna() { in_root su anna -c "$1"; }
+version=$(dpkg-deb -f "$host" Version)
+for program in biteline biteline-host biteline-web; do
+  as_anna "$program --version" | grep -q "${version%%-*}" || bad "$program tells another version than $version"
+done
+as_anna 'biteline plan --help >/dev/null'
+as_anna 'mkdir /tmp/out && printf "a long password\n" | biteline-web --add-user ada --role administrator --out /tmp/out'
+as_anna 'biteline-host --out /tmp/out --library /tmp/models --backup /tmp/cell.tar' | grep -q 'memory, 0 models' || bad "no backup"
+# Its page, whole, without a service behind it.
+as_anna 'biteline-web --listen 127.0.0.1:8089 --control tcp://127.0.0.1:9 >/tmp/web.log 2>&1 & echo $!' >"$work/pid"
+for turn in $(seq 100); do
+  page=$(in_root bash -c 'exec 3<>/dev/tcp/127.0.0.1/8089 && printf "GET /app.js HTTP/1.0\r\nHost: localhost\r\n\r\n" >&3 && cat <&3 | head -1' 2>/dev/null) && break
+  sleep 0.2
+done
+kill "$(cat "$work/pid")"
+case $page in *" 200 "*) ;; *) bad "the page's program said '$page' in turn $turn" ;; esac
+in_root bash -c 'source /usr/share/bash-completion/completions/biteline; COMP_WORDS=(biteline mo); COMP_CWORD=1; _biteline; [ "${COMPREPLY[*]}" = model ]' ||
+  bad "the completion does not know model"
+
+# What a person wrote and what the cell was taught outlive upgrade and purge.
+echo 'BITELINE_HOST_OPTIONS=--sensor tcp://192.0.2.1:7117' >"$root/etc/biteline/host.env"
+mkdir -p "$root/var/lib/biteline-host" && echo kept >"$root/var/lib/biteline-host/memory.sqlite"
+in_root sh -c 'dpkg -i /tmp/biteline-host_*.deb' >/dev/null 2>&1
+grep -q 192.0.2.1 "$root/etc/biteline/host.env" || bad "an upgrade overwrote host.env"
+in_root dpkg --purge biteline-host biteline-web >"$work/purge.log" 2>&1
+grep -q 'remove it by hand' "$work/purge.log" || bad "the purge says nothing of the memory"
+[ -e "$root/var/lib/biteline-host/memory.sqlite" ] && [ ! -e "$root/etc/biteline/host.env" ] && [ ! -e "$root/usr/bin/biteline" ] ||
+  bad "the purge took the memory, or left programs or settings"
+echo "$(basename "$host"): $(stat -c %s "$host") bytes; $(basename "$web"): $(stat -c %s "$web") bytes; installed, run, upgraded, purged"
