@@ -74,6 +74,7 @@ std::vector<Api::Route> Api::routes() {
       {"POST", "/scans/{}/reject", Operator, true, &Api::reject},
       {"POST", "/scans/{}/send", Operator, true, &Api::send},
       {"POST", "/scans/{}/hold", Operator, true, &Api::hold},
+      {"POST", "/scans/{}/model", Operator, true, &Api::choose_model},
       {"POST", "/scans/{}/mend", Operator, true, &Api::mend},
       {"POST", "/scans/{}/rerun", Engineer, true, &Api::rerun},
       {"POST", "/scans/{}/keep", Operator, false, &Api::keep},

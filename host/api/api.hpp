@@ -68,6 +68,7 @@ class Api {
   [[nodiscard]] control::Answer reject(const Call& call);
   [[nodiscard]] control::Answer hold(const Call& call);
   [[nodiscard]] control::Answer send(const Call& call);
+  [[nodiscard]] control::Answer choose_model(const Call& call);
   [[nodiscard]] control::Answer mend(const Call& call);
   [[nodiscard]] control::Answer rerun(const Call& call);
   [[nodiscard]] control::Answer keep(const Call& call);

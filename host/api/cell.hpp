@@ -69,6 +69,11 @@ class Cell {
   };
   [[nodiscard]] virtual LineStart start_for_line(int request, bool control_held) = 0;
 
+  /// A scan that waits since nobody knows its model goes on as one of this model.  Errc::WrongState: it does
+  /// not wait for that.
+  [[nodiscard]] virtual Result<void> choose_model(const std::string& scan, const std::string& model,
+                                                  const std::string& who) = 0;
+
   /// Its line is being mended: until end_mend() nobody can accept the scan.  Errc::WrongState while the scan
   /// is in work.
   [[nodiscard]] virtual Result<void> begin_mend(const std::string& scan) = 0;

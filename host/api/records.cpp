@@ -115,6 +115,29 @@ Answer Api::send(const Call& call) {
   return decide(call, Decision::Kind::Send, 202, false);
 }
 
+Answer Api::choose_model(const Call& call) {
+  const std::string& id = call.names.front();
+  Fields fields{call.request.body};
+  const std::string model = fields.text("model", 64, true);
+  if (!model.empty() && !is_name(model)) fields.fault("model", "a model's name expected");
+  if (const std::optional<Answer> faults = fields.faults()) return *faults;
+  if (!is_scan_id(id)) return control::refusal(404, "not_found", "no such scan; GET /scans lists them");
+  const Result<transfer::ModelInfo> info = rooms_.models.info(model);
+  if (!info) return answer_of(info.error());
+  if (info->damage) return answer_of(*info->damage);
+  const Result<void> chosen = rooms_.cell.choose_model(id, model, call.person.name);
+  if (!chosen) return answer_of(chosen.error());
+  static_cast<void>(rooms_.memory.log({.id = 0,
+                                       .time = memory::now_ms(),
+                                       .who = call.person.name,
+                                       .door = call.request.door,
+                                       .action = "choose model",
+                                       .subject = id,
+                                       .before = {},
+                                       .after = model}));
+  return ok({{"done", false}, {"words", id + " goes on as " + model}}, 202);
+}
+
 Answer Api::keep(const Call& call) {
   const std::string& id = call.names.front();
   Fields fields{call.request.body};

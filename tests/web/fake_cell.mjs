@@ -252,6 +252,11 @@ export class FakeCell {
       }
       if (what.startsWith('files/')) return [200, 'a file'];
       if (this.control.holder !== me.name) return fail(409, 'control_needed', 'take control first');
+      if (what === 'model') {
+        Object.assign(scan, { model: given.model, reason_code: null, reason: null });
+        this.push('scan', scan);
+        return [202, { done: false }];
+      }
       if (what === 'rerun') {
         const made = { rerun: 1, time: scan.time, who: me.name, why: given.why, settings: given.settings, state: 'working' };
         this.reruns.set(scan.id, [made]);

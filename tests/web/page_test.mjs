@@ -109,6 +109,24 @@ for (const [width, height, scheme] of [[390, 844, 'light'], [390, 844, 'dark'], 
   await one.context.close();
 }
 
+say('a scan of no known model');
+const nameless = { reason_code: 'model_unknown', reason: 'the model is not known: looks like runner-42 (0.61)' };
+Object.assign(cell.scans[0], nameless);
+cell.push('scan', cell.scans[0]);
+await anna.page.goto(`${address}#/scans/scan-0004`);
+await anna.page.getByText('looks like runner-42', { exact: false }).first().waitFor();
+check((await anna.page.getByRole('button', { name: 'Accept' }).count()) === 0, 'a scan of no known model can be accepted');
+check(await anna.page.getByRole('button', { name: 'Go on as this model' }).isDisabled(), 'a model is chosen without control');
+await anna.page.getByRole('button', { name: 'Take control' }).click();
+await anna.page.locator('form', { hasText: 'Go on as this model' }).getByLabel('Model').selectOption('runner-42');
+await look_for_faults(anna.page, 'a scan of no known model');
+await anna.page.getByRole('button', { name: 'Go on as this model' }).click();
+await anna.page.getByText('scan-0004 goes on as runner-42.').waitFor();
+check(cell.calls.some((one) => one.path === '/scans/scan-0004/model' && one.body.model === 'runner-42'), 'the model did not arrive');
+await anna.page.getByRole('button', { name: 'Release control' }).click();
+await anna.page.getByText('Nobody has control').waitFor();
+Object.assign(cell.scans[0], { reason: 'weak on the left side' });
+
 say('control, decisions, a second browser');
 const otto = await open(browser, { width: 900 });
 await otto.page.goto(address);

@@ -215,10 +215,10 @@ double Cockpit::cycle_s() const {
   return cycle_begun_ ? std::chrono::duration<double>(Clock::now() - *cycle_begun_).count() : 0;
 }
 
-void Cockpit::hold(const std::string& scan, bool sendable) {
+void Cockpit::hold(const std::string& scan, Wait wait) {
   const std::lock_guard lock{mutex_};
   held_ = scan;
-  sendable_ = sendable;
+  wait_ = wait;
   if (mending_ == scan) mending_.clear();
   if (scan.empty()) hold_wanted_.clear();
 }
@@ -418,13 +418,13 @@ Result<void> Cockpit::rescan(const std::string& who, const std::string& why, con
 Result<void> Cockpit::decide(const api::Decision& decision) {
   using enum api::Decision::Kind;
   bool held = false;
-  bool sendable = false;
+  Wait wait = Wait::Word;
   {
     const std::lock_guard lock{mutex_};
     if (mending_ == decision.scan)
       return fail(Errc::WrongState, "%s is being mended; decide when its path is checked", mending_.c_str());
     held = held_ == decision.scan;
-    sendable = sendable_;
+    wait = wait_;
     if (decision.kind == Hold && !held && scan_ == decision.scan &&
         (phase_ == Phase::Scanning || phase_ == Phase::Working)) {
       hold_wanted_ = decision.scan;
@@ -444,7 +444,10 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
     scan->verdict = "working";
   }
   const bool sends = decision.kind == Accept || decision.kind == Send;
-  if (sends && held && !sendable)
+  if (sends && held && wait == Wait::Model)
+    return fail(Errc::WrongState, "the model of %s is not known; choose one, or reject it",
+                decision.scan.c_str());
+  if (sends && held && wait == Wait::Mend)
     return fail(Errc::WrongState, "%s has no checked path with its mended line; mend it again, or reject it",
                 decision.scan.c_str());
   if (sends && !held)
@@ -477,8 +480,27 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
   return {};
 }
 
+Result<void> Cockpit::choose_model(const std::string& scan, const std::string& model,
+                                   const std::string& who) {
+  {
+    const std::lock_guard lock{mutex_};
+    if (held_ != scan || wait_ != Wait::Model)
+      return fail(Errc::WrongState, "%s does not wait for its model", scan.c_str());
+    held_.clear();
+    hold_wanted_.clear();
+  }
+  wish({.kind = Wish::Kind::Model,
+        .scan = scan,
+        .who = who,
+        .why = {},
+        .job = {.model = model, .process = {}}});
+  return {};
+}
+
 Result<void> Cockpit::begin_mend(const std::string& scan) {
   const std::lock_guard lock{mutex_};
+  if (held_ == scan && wait_ == Wait::Model)
+    return fail(Errc::WrongState, "the model of %s is not known; choose one first", scan.c_str());
   if (!mending_.empty()) return fail(Errc::WrongState, "%s is being mended; wait for it", mending_.c_str());
   if (scan_ == scan && held_ != scan &&
       (phase_ == Phase::Scanning || phase_ == Phase::Working || phase_ == Phase::Following))

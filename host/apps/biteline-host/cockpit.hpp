@@ -39,7 +39,7 @@ struct CockpitConfig {
 
 /// What a door wants of the service's own thread.
 struct Wish {
-  enum class Kind { Start, Rescan, Stop, LaserOff, Send, Reject, Hold, Mended };
+  enum class Kind { Start, Rescan, Stop, LaserOff, Send, Reject, Hold, Mended, Model };
   Kind kind{Kind::Stop};
   std::string scan, who, why;
   api::Job job{};
@@ -87,8 +87,11 @@ class Cockpit final : public api::Cell {
   /// This row is the scan's last.
   void end_cycle(const memory::Scan& scan);
   [[nodiscard]] double cycle_s() const;
-  /// The scan waits for a person until its name is empty again; only a `sendable` one can be accepted.
-  void hold(const std::string& scan, bool sendable = true);
+  /// What a held scan waits for.
+  enum class Wait { Word, Mend, Model };
+  /// The scan waits for a person until its name is empty again; only one that waits for a word can be
+  /// accepted, and only one that waits for its model can be given one.
+  void hold(const std::string& scan, Wait wait = Wait::Word);
   /// The row is in the memory: all doors see it.
   void tell_scan(const std::string& scan);
 
@@ -102,6 +105,8 @@ class Cockpit final : public api::Cell {
   [[nodiscard]] Result<void> rescan(const std::string& who, const std::string& why,
                                     const std::string& door) override;
   [[nodiscard]] Result<void> decide(const api::Decision& decision) override;
+  [[nodiscard]] Result<void> choose_model(const std::string& scan, const std::string& model,
+                                          const std::string& who) override;
   [[nodiscard]] Result<void> begin_mend(const std::string& scan) override;
   void end_mend(const std::string& scan, bool mended, const std::string& who) override;
   [[nodiscard]] bool on_demand() override { return cycle_.on_demand(); }
@@ -138,8 +143,8 @@ class Cockpit final : public api::Cell {
   std::deque<Wish> wishes_;
   std::string hold_wanted_;
   std::string held_;
-  bool sendable_{true};  ///< of what is held
-  std::string mending_;  ///< a scan whose line is being mended, or whose path is planned anew
+  Wait wait_{Wait::Word};  ///< of what is held
+  std::string mending_;    ///< a scan whose line is being mended, or whose path is planned anew
   Phase phase_{Phase::Starting};
   std::string now_{"starts"}, next_, scan_;
   std::optional<double> progress_{};

@@ -116,7 +116,7 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
   while (!stop) {
     keep_web();
     heed_wishes();
-    if (!scan_ && !result_.valid() && !held_ && !unfinished_.empty()) {
+    if (!scan_ && !result_.valid() && !waits() && !unfinished_.empty()) {
       const fs::path folder = std::move(unfinished_.front());
       unfinished_.pop_front();
       if (const Result<void> taken = take_up(folder); !taken) complain(taken.error());
@@ -130,14 +130,14 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
       cockpit_->lose_sensor(to_line(heard.error()));
       // With the scan in, nobody waits for the sensor any more.
       const bool scan_in = scan_ && scan_->intake.ended();
-      if (options_.once && !result_.valid() && !held_ && !scan_in)
+      if (options_.once && !result_.valid() && !waits() && !scan_in)
         return tl::unexpected<Error>{heard.error()};
       complain(heard.error());
       wait_before_retry(stop);
     }
     start_result();
     if (const std::optional<Result<ExitStatus>> status = result_done()) {
-      if (options_.once && !held_) return *status;
+      if (options_.once && !waits()) return *status;
       if (!*status) complain(status->error());
     }
     show_idle();
@@ -151,7 +151,7 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
 }
 
 void Service::start_result() {
-  if (!scan_ || !ready(*scan_) || result_.valid() || held_) return;
+  if (!scan_ || !ready(*scan_) || result_.valid() || waits()) return;
   result_ = std::async(std::launch::async, [this, scan = std::move(*scan_)]() mutable {
     pthread_setname_np(pthread_self(), "bl-result");
     return work_out(std::move(scan));

@@ -48,6 +48,7 @@ class Service {
   struct Chosen {
     std::string model;
     double probability{0};
+    std::string unknown{};  ///< why no model is named, where a person is to name it
     std::string process_name;
     std::optional<path::Process> process{};
     std::optional<memory::Places> places{};
@@ -70,6 +71,12 @@ class Service {
     PlanStep plan;
     SendRequest request;
     Chosen chosen;
+  };
+  /// A scan that waits until a person names its model.
+  struct Unnamed {
+    Scan scan;
+    intake::ScanOutcome outcome;
+    LineStep line;
   };
   /// What the service alone may use while it lives.
   struct Locks {
@@ -110,6 +117,8 @@ class Service {
   /// Whatever the scan does to it: a result, or a report that says why there is none.
   [[nodiscard]] Result<ExitStatus> work_out(Scan scan);
   [[nodiscard]] Result<ExitStatus> work_out_files(Scan& scan);
+  /// The row of what was worked out, and room for the next.
+  void close_result(const std::filesystem::path& folder, const Chosen& chosen);
   [[nodiscard]] Result<LineStep> work_out_line(Scan& scan, intake::ScanOutcome& outcome);
   /// The same with the library: whose line it is, and the process of that model.
   [[nodiscard]] Result<LineStep> use_library(Scan& scan, const intake::ScanOutcome& outcome, LineStep found);
@@ -119,6 +128,10 @@ class Service {
                                                  const LineStep& line);
   /// Plans what waits anew, with the line that a person has mended, and lets it wait again.
   [[nodiscard]] Result<ExitStatus> plan_mended(Held held);
+  /// Goes on with a scan whose model a person has named; it waits again where that model cannot be read.
+  [[nodiscard]] Result<ExitStatus> work_named(Unnamed unnamed, const std::string& model);
+  /// Something waits for a person.
+  [[nodiscard]] bool waits() const { return held_ || unnamed_; }
   /// Sends what waited, with a person's word.
   [[nodiscard]] Result<ExitStatus> send_held(Held held, const robot::Word& word);
   /// The scan's row, of its folder; a memory that cannot take it is told, and costs no scan.
@@ -141,11 +154,12 @@ class Service {
   std::unique_ptr<Cockpit> cockpit_;
   std::deque<std::filesystem::path> unfinished_;  ///< folders, still to be taken up
   std::unique_ptr<intake::SensorLink> link_;
-  std::optional<Scan> scan_;  ///< coming in
-  int links_{0};              ///< opened to the sensor so far
-  bool sensor_idle_{false};   ///< it waits to be asked for a scan
-  bool told_held_{false};     ///< doors know that a scan waits
-  std::optional<Held> held_;  ///< by the result's thread; read when that is done
+  std::optional<Scan> scan_;        ///< coming in
+  int links_{0};                    ///< opened to the sensor so far
+  bool sensor_idle_{false};         ///< it waits to be asked for a scan
+  bool told_held_{false};           ///< doors know that a scan waits
+  std::optional<Held> held_;        ///< by the result's thread; read when that is done
+  std::optional<Unnamed> unnamed_;  ///< the same
   std::optional<intake::ChildProcess> web_;
   HostClock::time_point web_started_{};
   HostClock::time_point robot_asked_{};

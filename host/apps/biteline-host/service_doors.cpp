@@ -22,12 +22,24 @@ void Service::show_idle() {
   if (result_.valid()) return;
   if (held_) {
     if (!told_held_) {
-      cockpit_->hold(held_->folder.filename().string(), held_->plan.outcome.path.has_value());
+      cockpit_->hold(held_->folder.filename().string(),
+                     held_->plan.outcome.path ? Cockpit::Wait::Word : Cockpit::Wait::Mend);
       cockpit_->tell_scan(held_->folder.filename().string());
       told_held_ = true;
     }
     cockpit_->show(Phase::Deciding, held_->folder.filename().string() + " waits for a person",
                    "accept it, reject it, or scan again");
+    return;
+  }
+  if (unnamed_) {
+    const std::string name = unnamed_->scan.folder.filename().string();
+    if (!told_held_) {
+      cockpit_->hold(name, Cockpit::Wait::Model);
+      cockpit_->tell_scan(name);
+      told_held_ = true;
+    }
+    cockpit_->show(Phase::Deciding, name + " waits: its model is not known",
+                   "choose its model, reject it, or scan again");
     return;
   }
   if (scan_) return;
@@ -95,8 +107,27 @@ void Service::heed(const Wish& wish) {
       // What a stop cut short is over; an idle sensor is asked.
       if (link_ && !scan_ && !result_.valid()) sensor_idle_ = true;
       return;
-    case Wish::Kind::Send:
+    case Wish::Kind::Model:
+      if (result_.valid() || !unnamed_ || unnamed_->scan.folder.filename() != wish.scan) return;
+      say_step("%s is named %s by %s", wish.scan.c_str(), wish.job.model.c_str(), wish.who.c_str());
+      told_held_ = false;
+      result_ = std::async(std::launch::async,
+                           [this, unnamed = std::move(*unnamed_), model = wish.job.model]() mutable {
+                             pthread_setname_np(pthread_self(), "bl-result");
+                             return work_named(std::move(unnamed), model);
+                           });
+      unnamed_.reset();
+      return;
     case Wish::Kind::Reject:
+      if (!result_.valid() && unnamed_ && unnamed_->scan.folder.filename() == wish.scan) {
+        say_step("%s is rejected by %s", wish.scan.c_str(), wish.who.c_str());
+        told_held_ = false;
+        if (!options_.keep_recording) unnamed_->scan.intake.forget();
+        unnamed_.reset();
+        return;
+      }
+      [[fallthrough]];
+    case Wish::Kind::Send:
       if (result_.valid() || !held_ || held_->folder.filename() != wish.scan) return;
       told_held_ = false;
       if (wish.kind == Wish::Kind::Reject) {

@@ -2,6 +2,7 @@
 // What stays of a scan: its row in the memory, and its folder as long as retention keeps it.
 #include <string>
 
+#include "host/apps/biteline-host/refused.hpp"
 #include "host/apps/biteline-host/scan_row.hpp"
 #include "host/apps/biteline-host/service.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
@@ -40,6 +41,13 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
   if (chosen.probability > 0) row->model_probability = chosen.probability;
   if (const std::optional<accounts::Holder> holder = cockpit_->accounts().holder())
     row->operator_name = holder->name;
+  if (!chosen.unknown.empty()) {
+    const report::ToldRefusal told = report::told(
+        Refusal{.code = Refused::ModelUnknown, .reason = "the model is not known: " + chosen.unknown});
+    row->reason_code = told.reason_code;
+    row->reason = told.reason;
+    row->next_step = "choose its model, or reject it";
+  }
   row->versions = std::string{R"({"program":")"} + BITELINE_VERSION + R"("})";
   const Result<void> put = cockpit_->memory().put_scan(*row,
                                                        {.id = 0,

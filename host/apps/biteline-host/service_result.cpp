@@ -46,15 +46,19 @@ Result<ExitStatus> Service::work_out(Scan scan) {
   cockpit_->show(Phase::Working, "works out the line of " + name, robot_ ? "its path" : "the next scan");
   const fs::path folder = scan.folder;
   Result<ExitStatus> status = work_out_files(scan);
+  close_result(folder, unnamed_ ? unnamed_->scan.chosen : scan.chosen);
+  return status;
+}
+
+void Service::close_result(const fs::path& folder, const Chosen& chosen) {
   std::string decision = "open";
-  if (held_) {
+  if (waits()) {
     decision = "held";
-  } else if (robot_ && process_of(scan.chosen).gate.automatic_above) {
+  } else if (robot_ && process_of(chosen).gate.automatic_above) {
     decision = "automatic";
   }
-  remember(folder, decision, scan.chosen);
+  remember(folder, decision, chosen);
   if (const Result<void> room = make_room(); !room) complain(room.error());
-  return status;
 }
 
 Result<ExitStatus> Service::work_out_files(Scan& scan) {
@@ -73,6 +77,13 @@ Result<ExitStatus> Service::work_out_files(Scan& scan) {
     return ExitStatus::Refused;
   }
   clear_attempt(scan.folder);
+  if (!scan.chosen.unknown.empty()) {
+    say_step("%s is held: its model is not known: %s", scan.folder.filename().c_str(),
+             scan.chosen.unknown.c_str());
+    unnamed_.emplace(
+        Unnamed{.scan = std::move(scan), .outcome = std::move(outcome), .line = std::move(line)});
+    return ExitStatus::Done;
+  }
   if (!line.line || !robot_) {
     if (!options_.keep_recording) scan.intake.forget();
     return status;
@@ -108,6 +119,12 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
     BITELINE_ASSIGN(Recognised model, recognise(library, outcome.cloud));
     say_step("%s", model.words.c_str());
     cockpit_->show_model(model.name, model.probability, chosen.process_name);
+    // Without a line and without a model that is near, nobody could go on.
+    const bool somebody_may = cockpit_->has_doors() && (found.line || !model.name.empty());
+    if (!model.sure() && somebody_may) {
+      chosen.unknown = model.words;
+      return found;
+    }
     if (!model.sure()) {
       BITELINE_TRY(refuse_unknown(scan.folder, model.words));
       return LineStep{.status = ExitStatus::Refused, .confidence = 0, .line = {}};
@@ -204,6 +221,37 @@ Result<ExitStatus> Service::plan_mended(Held held) {
   remember(held.folder, "held", held.chosen);
   // Also without a path: it can be mended again, or rejected.
   held_.emplace(std::move(held));
+  return status;
+}
+
+Result<ExitStatus> Service::work_named(Unnamed unnamed, const std::string& model) {
+  Scan& scan = unnamed.scan;
+  const fs::path folder = scan.folder;
+  const std::string name = folder.filename().string();
+  cockpit_->show(Phase::Working, "works out " + name + " as " + model, robot_ ? "its path" : "the next scan");
+  const transfer::Library library{options_.library};
+  Result<transfer::SampleFiles> sample = library.load(model);
+  Chosen chosen;
+  chosen.model = model;
+  const Result<void> process = sample ? choose_process(library, chosen) : Result<void>{};
+  if (!sample || !process) {
+    Error error = sample ? process.error() : sample.error();
+    unnamed_.emplace(std::move(unnamed));
+    return tl::unexpected<Error>{std::move(error)};
+  }
+  scan.chosen = chosen;
+  cockpit_->show_model(chosen.model, 1, chosen.process_name);
+  const Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
+    LineStep line = std::move(unnamed.line);
+    if (!line.line) {
+      const Carrier carrier{.name = model, .sample = std::move(*sample), .options = {}};
+      BITELINE_ASSIGN(line, carry_line(folder, carrier, unnamed.outcome));
+    }
+    if (line.line && robot_) return work_out_path(scan, unnamed.outcome, line);
+    if (!options_.keep_recording) scan.intake.forget();
+    return line.status;
+  });
+  close_result(folder, chosen);
   return status;
 }
 

@@ -41,7 +41,7 @@ Result<void> Service::hear_sensor() {
     sensor_idle_ = false;
   }
   // The next scan only once the arm is out of its way, and what was left of earlier ones is done.
-  if (sensor_idle_ && !scan_ && !result_.valid() && !held_ && unfinished_.empty() && !cockpit_->paused()) {
+  if (sensor_idle_ && !scan_ && !result_.valid() && !waits() && unfinished_.empty() && !cockpit_->paused()) {
     // A robot that is not ready would cost a scan that nobody can use.
     if (!robot_ready()) {
       // A start that takes effect whenever somebody mends the robot would surprise him.

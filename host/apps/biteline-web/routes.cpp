@@ -26,6 +26,7 @@ constexpr std::array k_routes{
     Route{"POST", "/api/v1/scans/{id}/hold", Handling::Forward},
     Route{"POST", "/api/v1/scans/{id}/keep", Handling::Forward},
     Route{"POST", "/api/v1/scans/{id}/rerun", Handling::Forward},
+    Route{"POST", "/api/v1/scans/{id}/model", Handling::Forward},
     Route{"POST", "/api/v1/scans/{id}/mend", Handling::Forward},
     Route{"POST", "/api/v1/commands/start", Handling::Forward},
     Route{"POST", "/api/v1/commands/stop", Handling::Forward},

@@ -312,6 +312,17 @@ struct Page {
     token = ask("POST", "/sessions", ada).body["token"].get<std::string>();
     LONGS_EQUAL(200, ask("POST", "/control", {{"action", "take"}}).status);
   }
+  /// A row is written by the result's thread, the phase is told after that thread's end.
+  void wait_until_deciding() const {
+    const auto until = std::chrono::steady_clock::now() + k_patience;
+    std::string phase;
+    do {
+      phase = ask("GET", "/state").body["phase"].get<std::string>();
+      if (phase == "deciding") return;
+      std::this_thread::sleep_for(50ms);
+    } while (std::chrono::steady_clock::now() < until);
+    STRCMP_EQUAL("deciding", phase.c_str());
+  }
   /// The scan's row, once `done` says so.
   template <class Done>
   control::Json scan_once(const std::string& name, Done&& done) const {
@@ -345,10 +356,7 @@ TEST(ServiceAndRobot, HeldScanWaitsForAPersonAndTheGateStillJudges) {
       page.scan_once("scan-0001", [](const control::Json& scan) { return scan["decision"] == "held"; });
   STRCMP_EQUAL("held", held["decision"].get<std::string>().c_str());
   CHECK(!held["sent"].get<bool>());
-  // The scan's row is written by the result's thread, the phase by the service once that one is done.
-  const auto phase = [&] { return page.ask("GET", "/state").body["phase"].get<std::string>(); };
-  for (int i = 0; i < 6000 && phase() != "deciding"; ++i) std::this_thread::sleep_for(10ms);
-  STRCMP_EQUAL("deciding", phase().c_str());
+  page.wait_until_deciding();
   LONGS_EQUAL(409, page.ask("POST", "/commands/start").status);
 
   LONGS_EQUAL(200, page.ask("POST", "/scans/scan-0001/accept", {{"why", "looked at it"}}).status);
@@ -372,6 +380,7 @@ TEST(ServiceAndRobot, KeptScanIsWorkedOutAgainBesideItsResultAndNothingIsSent) {
   page.begin();
   static_cast<void>(
       page.scan_once("scan-0001", [](const control::Json& row) { return row["decision"] == "held"; }));
+  page.wait_until_deciding();
   const auto line_then = fs::last_write_time(scan / "line.csv");
   const auto again = [&](const control::Json& settings, std::size_t number) {
     LONGS_EQUAL(202, page.ask("POST", "/scans/scan-0001/rerun", {{"settings", settings}}).status);
@@ -407,6 +416,47 @@ TEST(ServiceAndRobot, KeptScanIsWorkedOutAgainBesideItsResultAndNothingIsSent) {
   CHECK(!row["sent"].get<bool>());
 }
 
+TEST(ServiceAndRobot, ScanOfNoKnownModelWaitsUntilAPersonNamesIt) {
+  const fs::path scan = leave_scan("scan-0001");
+  ChildProcess host = start(holding(), {"--models", "--library", (folder.path() / "models").string()});
+  Page page{address_told(host)};
+  page.begin();
+  const auto held = [](const control::Json& row) { return row["decision"] == "held"; };
+  control::Json row = page.scan_once("scan-0001", held);
+  STRCMP_EQUAL("model_unknown", row["reason_code"].get<std::string>().c_str());
+  STRCMP_CONTAINS("the model is not known", row["reason"].get<std::string>().c_str());
+  CHECK(fs::exists(scan / "line.csv"));
+  CHECK(!fs::exists(scan / "path"));
+  page.wait_until_deciding();
+  LONGS_EQUAL(409, page.ask("POST", "/scans/scan-0001/accept").status);
+  LONGS_EQUAL(
+      409,
+      page.ask("POST", "/scans/scan-0001/mend",
+               {{"line_version", 0}, {"why", "x"}, {"steps", {{{"step", "candidate"}, {"candidate", 1}}}}})
+          .status);
+  LONGS_EQUAL(404, page.ask("POST", "/scans/scan-0001/model", {{"model", "boot"}}).status);
+
+  // It becomes a model itself, and goes on as one.
+  LONGS_EQUAL(201, page.ask("POST", "/models", {{"name", "boot"}, {"scan", "scan-0001"}}).status);
+  LONGS_EQUAL(202, page.ask("POST", "/scans/scan-0001/model", {{"model", "boot"}}).status);
+  LONGS_EQUAL(409, page.ask("POST", "/scans/scan-0001/model", {{"model", "boot"}}).status);
+  row = page.scan_once("scan-0001",
+                       [&](const control::Json& now) { return now["model"] == "boot" && held(now); });
+  CHECK(row["reason_code"].is_null());
+  CHECK(fs::exists(scan / "path/path.csv"));
+  CHECK(controller.script().empty());
+}
+
+TEST(ServiceAndRobot, ScanOfNoKnownModelIsRefusedWhereNobodyCanBeAsked) {
+  const fs::path scan = leave_scan("scan-0001");
+  ChildProcess host =
+      start(sending(k_no_sensor), {"--once", "--models", "--library", (folder.path() / "models").string()});
+  LONGS_EQUAL(static_cast<int>(ExitStatus::Refused), end_of(host).first);
+  STRCMP_EQUAL("model_unknown", report_of(scan).value("reason_code", "").c_str());
+  CHECK(!fs::exists(scan / "line.csv"));
+  CHECK(controller.script().empty());
+}
+
 TEST(ServiceAndRobot, RejectedScanKeepsItsReasonAndAnotherServiceRemembersIt) {
   leave_scan("scan-0001");
   {
@@ -415,6 +465,7 @@ TEST(ServiceAndRobot, RejectedScanKeepsItsReasonAndAnotherServiceRemembersIt) {
     page.begin();
     static_cast<void>(
         page.scan_once("scan-0001", [](const control::Json& scan) { return scan["decision"] == "held"; }));
+    page.wait_until_deciding();
     LONGS_EQUAL(200, page.ask("POST", "/scans/scan-0001/reject", {{"why", "a hole at the toe"}}).status);
     LONGS_EQUAL(409, page.ask("POST", "/scans/scan-0001/accept").status);
     ::kill(host.pid(), SIGKILL);

@@ -3,7 +3,7 @@
 import type { JSX } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { amount, number, t, t_or } from '../words';
-import { type ScanRow, call } from './api';
+import { type Model, type ScanRow, call } from './api';
 import { watch_live } from './live_data';
 import { LiveScene, type LiveColour } from './live_scene';
 import { AskWhy, Failure, Figures, Verdict } from './parts';
@@ -158,15 +158,47 @@ export function Waiting(): JSX.Element | null {
 }
 
 /// Accept, reject, hold, send, rescan: what may be done with a scan now.
+/// A scan that waits since nobody knows its model goes on as the one that is chosen here.
+function ChooseModel({ scan, enabled }: { scan: ScanRow; enabled: boolean }): JSX.Element {
+  const { value } = use_reading<{ models: Model[] }>('/models');
+  const [model, set_model] = useState('');
+  return (
+    <form
+      class="tools"
+      onSubmit={(event) => {
+        event.preventDefault();
+        void act(t('done_choose_model', { scan: scan.id, model }), () => call('POST', `/scans/${scan.id}/model`, { model }));
+      }}
+    >
+      <label>
+        {t('model')}{' '}
+        <select required value={model} disabled={!enabled} onChange={(event) => set_model(event.currentTarget.value)}>
+          <option value="">{t('choose')}</option>
+          {(value?.models ?? []).map((one) => (
+            <option key={one.name} value={one.name}>
+              {one.name}
+            </option>
+          ))}
+        </select>
+      </label>
+      <button type="submit" class="go" disabled={!enabled || model === ''}>
+        {t('use_model')}
+      </button>
+    </form>
+  );
+}
+
 export function Decide({ scan }: { scan: ScanRow }): JSX.Element {
   use_store();
   const enabled = may('operator') && holds_control();
   const at = `/scans/${scan.id}`;
   const has_line = scan.verdict === 'ok' || scan.verdict === 'amber';
   // What the service would refuse is not offered: it sends what waits, and holds what is in work.
-  const waits = has_line && scan.decision === 'held' && !scan.sent;
+  const nameless = scan.decision === 'held' && scan.reason_code === 'model_unknown';
+  const waits = has_line && scan.decision === 'held' && !scan.sent && !nameless;
   return (
     <div class="tools">
+      {nameless && <ChooseModel scan={scan} enabled={enabled} />}
       {waits && (
         <button type="button" class="go" disabled={!enabled} onClick={() => void act(t('done_accept'), () => call('POST', `${at}/accept`, {}))}>
           {t('accept')}

@@ -65,6 +65,11 @@ struct FakeCell final : Cell {
   bool jobs{true};
   int chosen{0};
 
+  Result<void> choose_model(const std::string& scan, const std::string& model,
+                            const std::string& who) override {
+    did.push_back("model " + scan + " " + model + " " + who);
+    return next;
+  }
   Result<int> rerun(const RerunOrder& order) override {
     did.push_back("rerun " + order.scan + " " + order.who + " " + settings_json(order).dump());
     if (!next) return tl::unexpected<Error>{next.error()};
@@ -365,6 +370,19 @@ TEST(Api, RerunIsOrderedByAnEngineerAndToldBesideTheResult) {
   CHECK(reruns[0]["path"].is_null());
   // The scan's own row says what it said.
   STRCMP_EQUAL("refused", ask("GET", "/scans/scan-0001").body["verdict"].get<std::string>().c_str());
+}
+
+TEST(Api, ModelOfAHeldScanIsNamedByAnOperatorAndMustExist) {
+  put("scan-0001", "ok");
+  log_in("ana");
+  STRCMP_EQUAL("control_needed", code_of(ask("POST", "/scans/scan-0001/model", {{"model", "boot"}})).c_str());
+  LONGS_EQUAL(200, ask("POST", "/control", {{"action", "take"}}).status);
+  LONGS_EQUAL(400, ask("POST", "/scans/scan-0001/model").status);
+  LONGS_EQUAL(400, ask("POST", "/scans/scan-0001/model", {{"model", "../x"}}).status);
+  LONGS_EQUAL(404, ask("POST", "/scans/scan-0001/model", {{"model", "boot"}}).status);
+  LONGS_EQUAL(0, cell.did.size());
+  log_in("vic");
+  LONGS_EQUAL(403, ask("POST", "/scans/scan-0001/model", {{"model", "boot"}}).status);
 }
 
 TEST(Api, RerunThatMakesNoSenseIsRefusedBeforeTheCellHearsOfIt) {

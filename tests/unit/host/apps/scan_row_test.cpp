@@ -109,7 +109,7 @@ TEST(ScanRow, PlacesAreSignedDistancesToTheModelsLine) {
 }
 
 TEST(ScanRow, EachRefusalOfTheServiceHasItsWords) {
-  test::check_refusal_table(Refused::ModelUnknown);
+  test::check_refusal_table(Refused::RerunFailed);
 }
 
 }  // namespace biteline::service
