@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // biteline_soak: cell, sensor and host service for minutes or hours, with faults of both tables at random.
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
@@ -38,7 +40,8 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   CLI::App app{"The whole cell with faults at random, and the books of every scan.  Exit 0: even, 3: not."};
   soak::SoakSettings settings{.minutes = 2, .seed = std::random_device{}()};
-  soak::StandSettings place{.out = fs::temp_directory_path() / "biteline-soak"};
+  // A folder of its own: two runs beside each other would exchange their boards.
+  soak::StandSettings place{.out = fs::temp_directory_path() / ("biteline-soak-" + std::to_string(::getpid()))};
   app.add_option("minutes", settings.minutes, "How long")
       ->check(options::number({.minimum = 0.1, .maximum = 1e4}, "minutes"))
       ->capture_default_str();
