@@ -95,15 +95,4 @@ template <class Value>
 /// Mean over `window` steps round closed data; fractional at the ends so that the window is exact.
 [[nodiscard]] std::vector<double> running_mean(std::span<const double> values, double window);
 
-/// Directions from the point before to the point behind, unit; `fallback` where both are one place.
-template <class Vector>
-[[nodiscard]] std::vector<Vector> tangents_of(std::span<const Vector> points, const Vector& fallback) {
-  std::vector<Vector> tangents(points.size(), fallback);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vector chord = points[round_index(i, 1, points.size())] - points[round_index(i, -1, points.size())];
-    if (chord.norm() > 1e-9) tangents[i] = chord.normalized();
-  }
-  return tangents;
-}
-
 }  // namespace biteline::geometry

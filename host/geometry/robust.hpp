@@ -3,7 +3,6 @@
 /// \file Sums that a few wrong values do not spoil.
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -38,14 +37,5 @@ template <class Value>
 /// Standard deviation of normally distributed values over the median of their distances from their middle:
 /// 1 / (the normal distribution's 0.75 quantile).
 inline constexpr double k_sigma_per_mad = 1.4826;
-
-/// Standard deviation of normally distributed values by the median of their distances from their median.
-/// Not empty.
-template <class Value>
-[[nodiscard]] Value mad_sigma_of(std::vector<Value> values) {
-  const Value middle = median_of(std::span<Value>{values});
-  for (Value& value : values) value = std::abs(value - middle);
-  return static_cast<Value>(k_sigma_per_mad * static_cast<double>(median_of(std::span<Value>{values})));
-}
 
 }  // namespace biteline::geometry

@@ -14,6 +14,7 @@
 #include "host/geometry/bridge.hpp"
 #include "host/geometry/closed_curve.hpp"
 #include "host/geometry/robust.hpp"
+#include "host/geometry/strays.hpp"
 
 namespace biteline::transfer {
 namespace {
@@ -66,30 +67,24 @@ double spacing_mm(const std::vector<PlacedPoint>& placed) {
   return along.total_mm() / static_cast<double>(placed.size());
 }
 
+std::vector<std::uint8_t> hits_of(const std::vector<Cast>& casts) {
+  std::vector<std::uint8_t> hits;
+  for (const Cast& cast : casts) hits.push_back(cast.distance_mm ? 1 : 0);
+  return hits;
+}
+
 /// A hit far from the median of those beside it is on something else: a lace, a thumb.  It becomes a gap.
 void drop_spikes(std::vector<Cast>& casts, double step_mm) {
-  const auto half = static_cast<std::ptrdiff_t>(std::ceil(k_spike_window_mm / step_mm));
-  const auto size = static_cast<std::ptrdiff_t>(casts.size());
-  std::vector<std::size_t> spikes;
-  std::vector<double> around;
-  for (std::ptrdiff_t i = 0; i < size; ++i) {
-    if (!casts[static_cast<std::size_t>(i)].distance_mm) continue;
-    around.clear();
-    for (std::ptrdiff_t k = -half; k <= half; ++k) {
-      const Cast& other = casts[static_cast<std::size_t>(((i + k) % size + size) % size)];
-      if (other.distance_mm) around.push_back(*other.distance_mm);
-    }
-    const double usual_mm = geometry::median_of(std::span<double>{around});
-    if (std::abs(*casts[static_cast<std::size_t>(i)].distance_mm - usual_mm) > k_spike_mm)
-      spikes.push_back(static_cast<std::size_t>(i));
-  }
-  for (const std::size_t i : spikes) casts[i].distance_mm.reset();
+  std::vector<double> distances_mm;
+  for (const Cast& cast : casts) distances_mm.push_back(cast.distance_mm.value_or(0));
+  const geometry::SpikeLimits limits{
+      .beside = static_cast<std::size_t>(std::ceil(k_spike_window_mm / step_mm)), .most = k_spike_mm};
+  for (const std::size_t i : geometry::spikes_of(distances_mm, hits_of(casts), limits))
+    casts[i].distance_mm.reset();
 }
 
 std::vector<geometry::Gap> gaps_of(const std::vector<Cast>& casts) {
-  std::vector<std::uint8_t> hit;
-  for (const Cast& cast : casts) hit.push_back(cast.distance_mm ? 1 : 0);
-  return geometry::gaps_of(hit);
+  return geometry::gaps_of(hits_of(casts));
 }
 
 /// Way from the last hit before it to the first behind it.
