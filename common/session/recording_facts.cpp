@@ -10,6 +10,7 @@ namespace biteline::session {
 namespace {
 
 constexpr double k_most = 1e15;
+constexpr double k_most_every = 1e6;
 
 std::uint64_t count_of(config::YamlReader& reader, const char* key) {
   return static_cast<std::uint64_t>(reader.number(key, {.minimum = 0, .maximum = k_most}));
@@ -43,6 +44,8 @@ Result<RecordingFacts> read_recording_facts(const std::filesystem::path& file) {
   facts.second_exposures = reader.boolean("second_exposures");
   facts.laser_off_frames = reader.boolean("laser_off_frames");
   facts.complete = reader.boolean("complete");
+  facts.pictures_every = static_cast<std::uint32_t>(
+      reader.number_or("pictures_every", 1, {.minimum = 0, .maximum = k_most_every}));
   facts.pictures = count_of(reader, "pictures");
   facts.pictures_left_out = count_of(reader, "pictures_left_out");
   facts.poses = count_of(reader, "poses");
@@ -70,6 +73,7 @@ std::string recording_facts_text(const RecordingFacts& facts) {
   const auto count = [&](const char* key, std::uint64_t value) {
     text += std::string{key} + ": " + std::to_string(value) + "\n";
   };
+  if (facts.pictures_every != 1) count("pictures_every", facts.pictures_every);
   count("pictures", facts.pictures);
   count("pictures_left_out", facts.pictures_left_out);
   count("poses", facts.poses);

@@ -25,6 +25,7 @@ struct RecordingFacts {
   /// The scan ended, everything that the sensor processed is in the folder, and the pictures' replay gives
   /// the same bits.  False while it is written.
   bool complete{false};
+  std::uint32_t pictures_every{1};     ///< the first of so many was wanted; 0: none
   std::uint64_t pictures{0};           ///< written
   std::uint64_t pictures_left_out{0};  ///< the disk was slower than the camera, or full
   std::uint64_t poses{0};

@@ -104,6 +104,14 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_option("--record", options.record,
                  "Write each live scan into a session folder of that name (-2, -3, ... behind it where it is "
                  "taken): pictures, poses, settings, profiles");
+  app.add_option(
+         "--record-pictures", options.record_pictures_every,
+         "Of a recording: every so many pictures one; 1: all, 0: none.  Poses and profiles are all kept")
+      ->check(options::number({.minimum = 0, .maximum = 1e6}, "pictures"))
+      ->capture_default_str();
+  app.add_option("--record-keep-gb", options.record_keep_gb,
+                 "The oldest recordings of that name go once all of them have more; not told: all stay")
+      ->check(options::number({.minimum = 0.001, .maximum = 1e6}, "GB"));
   add_peak_options(app, options.peaks);
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");

@@ -30,6 +30,8 @@ struct Options {
   PeakWishes peaks;
   wire::Endpoint listen;
   std::optional<std::filesystem::path> record;
+  std::uint32_t record_pictures_every{1};
+  double record_keep_gb{0};  ///< 0: all recordings stay
   std::optional<std::filesystem::path> keys;
   std::optional<std::filesystem::path> make_keys;
   std::string name{"biteline-sensor"};

@@ -157,7 +157,10 @@ Result<void> Streamer::begin_recording() {
                      .peak_width_min_px = static_cast<double>(peaks.width_min_px),
                      .peak_width_max_px = static_cast<double>(peaks.width_max_px),
                      .second_exposures = kind_.capture.second_exposure.count() != 0,
-                     .laser_off_frames = kind_.capture.laser_off_frames},
+                     .laser_off_frames = kind_.capture.laser_off_frames,
+                     .pictures_every = config_.record_pictures_every},
+           .series = *config_.record,
+           .keep_bytes = config_.record_keep_bytes,
            .realtime = config_.realtime}));
   recorders_.push_back(std::move(recorder));
   recording_ = true;

@@ -24,6 +24,8 @@ struct StreamerConfig {
   std::string name{"biteline-sensor"};
   std::string version;
   std::optional<std::filesystem::path> record;  ///< a session folder for each scan; none: nothing is kept
+  std::uint32_t record_pictures_every{1};       ///< 0: none
+  std::uint64_t record_keep_bytes{0};           ///< of all recordings of that name; 0: all stay
   bool leave_after_scan{false};  ///< once the scan's end was acknowledged: a recording is played once
 };
 

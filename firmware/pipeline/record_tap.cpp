@@ -18,7 +18,8 @@ std::size_t frames_for(const geometry::Region& region) {
 
 }  // namespace
 
-RecordTap::RecordTap(const geometry::Region& region) : frames_{frames_for(region)} {
+RecordTap::RecordTap(const geometry::Region& region, std::uint32_t every)
+    : every_{every}, frames_{frames_for(region)} {
   // Written to, so that the first frames meet no page that is not there yet.
   for (std::size_t i = 0; i < frames_.count(); ++i)
     frames_[static_cast<rt::BufferIndex>(i)].pixels.assign(bytes_of(region), 0);

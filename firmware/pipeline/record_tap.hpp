@@ -33,7 +33,8 @@ struct RecordedPose {
   Vec3 translation_mm;
 };
 
-/// Frames and poses on their way to the disk.  Nobody waits: what finds no room is left out and counted.
+/// Frames and poses on their way to the disk.  Nobody waits: what finds no room, and frames that are not
+/// wanted, are left out and counted.
 ///
 /// Thread: rt_keep_frame from the acquisition thread, rt_keep_pose from the pose thread, rt_take_*,
 /// rt_give_back from one other; counts and close() from any.  RT: rt_ members.  Memory: k_room_bytes of
@@ -44,7 +45,8 @@ class RecordTap {
   static constexpr std::size_t k_most_frames = 64;
   static constexpr std::size_t k_poses = 4096;  ///< 8 s at 500 Hz
 
-  explicit RecordTap(const geometry::Region& region);
+  /// `every`: the first of so many frames is kept; 0: none is.
+  explicit RecordTap(const geometry::Region& region, std::uint32_t every = 1);
 
   void rt_keep_frame(const hal::FrameView& frame) noexcept BITELINE_RT;
   void rt_keep_pose(const RecordedPose& pose) noexcept BITELINE_RT;
@@ -61,6 +63,8 @@ class RecordTap {
   [[nodiscard]] std::uint64_t poses_left_out() const { return poses_left_out_.load(); }
 
  private:
+  std::uint32_t every_;
+  std::uint32_t passed_{0};  ///< since the last that was kept; acquisition thread's own
   std::atomic<bool> closed_{false};
   rt::BufferPool<RecordedFrame, k_most_frames> frames_;
   rt::DropOldestRing<rt::BufferIndex, k_most_frames> frame_ring_;

@@ -9,7 +9,9 @@ namespace biteline::pipeline {
 
 void RecordTap::rt_keep_frame(const hal::FrameView& frame) noexcept BITELINE_RT {
   const bool closed = closed_.load(std::memory_order_relaxed);
-  const std::optional<rt::BufferIndex> buffer = closed ? std::nullopt : frames_.rt_acquire();
+  const bool wanted = every_ != 0 && passed_ == 0;
+  if (every_ != 0) passed_ = (passed_ + 1) % every_;
+  const std::optional<rt::BufferIndex> buffer = closed || !wanted ? std::nullopt : frames_.rt_acquire();
   if (!buffer) {
     frames_left_out_.fetch_add(1, std::memory_order_relaxed);
     return;

@@ -61,7 +61,8 @@ Result<std::unique_ptr<SessionRecorder>> SessionRecorder::begin(Config config) {
 }
 
 SessionRecorder::SessionRecorder(Config config)
-    : config_{std::move(config)}, tap_{std::make_shared<pipeline::RecordTap>(config_.model.region)} {}
+    : config_{std::move(config)},
+      tap_{std::make_shared<pipeline::RecordTap>(config_.model.region, config_.facts.pictures_every)} {}
 
 SessionRecorder::~SessionRecorder() {
   wait();
@@ -70,6 +71,7 @@ SessionRecorder::~SessionRecorder() {
 Result<void> SessionRecorder::open_files() {
   const fs::path& folder = config_.folder;
   BITELINE_TRY(make_folders(folder));
+  BITELINE_ASSIGN(held_, HeldFolder::hold(folder));
   BITELINE_ASSIGN([[maybe_unused]] const AppendFile head,
                   create_with(folder / "cam0/sensor.yaml",
                               config::sensor_yaml_text(config_.model, "as it scanned live")));
@@ -153,6 +155,13 @@ void SessionRecorder::run() {
         static_cast<unsigned long long>(facts.messages_left_out),
         static_cast<unsigned long long>(facts.unrepeatable), whole_ ? "" : "; the scan has no end");
   }
+  if (config_.keep_bytes != 0) {
+    if (const std::size_t removed = make_room(config_.series, config_.keep_bytes); removed > 0) {
+      std::fprintf(stderr, "biteline-sensor: %s: %zu older recordings made room\n", config_.series.c_str(),
+                   removed);
+    }
+  }
+  held_.reset();
   done_ = true;
 }
 

@@ -18,6 +18,7 @@
 #include "common/wire/messages.hpp"
 #include "firmware/pipeline/record_tap.hpp"
 #include "firmware/record/append_file.hpp"
+#include "firmware/record/room.hpp"
 #include "firmware/runtime/realtime.hpp"
 
 namespace biteline::record {
@@ -37,7 +38,9 @@ class SessionRecorder {
   struct Config {
     std::filesystem::path folder;  ///< made here; nothing of that name may exist
     geometry::SensorModel model;
-    session::RecordingFacts facts;  ///< the settings in it
+    session::RecordingFacts facts;   ///< the settings in it
+    std::filesystem::path series{};  ///< whose oldest recordings make room (make_room())
+    std::uint64_t keep_bytes{0};     ///< of all of them; 0: all stay
     runtime::RealtimeDemand realtime{runtime::RealtimeDemand::Required};
   };
   [[nodiscard]] static Result<std::unique_ptr<SessionRecorder>> begin(Config config);
@@ -89,6 +92,7 @@ class SessionRecorder {
   std::atomic<std::uint64_t> messages_left_out_{0};
 
   // The writing thread's own.
+  std::optional<HeldFolder> held_;
   std::optional<AppendFile> frames_, frame_facts_, poses_, scan_;
   std::uint64_t pictures_left_out_{0}, poses_left_out_{0};
   image::GreyImage picture_;  ///< the one being written

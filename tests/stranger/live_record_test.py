@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""live_record_test.py SENSOR CELL: a live scan that is recorded gives the same bits when its pictures are replayed.
+"""live_record_test.py SENSOR CELL SERVICE TOOL: a live scan that is recorded gives the same bits when it is replayed.
 
-Each trial runs the simulated cell and the sensor program with --record.  A scan that a busy machine ended, or whose poses came
+Each trial runs the simulated cell and the sensor program with --record: profiles of the pictures' replay against the live
+ones; of a scan with thinned pictures the service's line against those of session, profiles and MCAP file.  A scan that a busy machine ended, or whose poses came
 late, is tried again.  Leaves with 77 (skipped) where the camera's port is taken.
 """
 import json
@@ -101,8 +102,70 @@ def check_full_disk(sensor, cell, folder):
     print(f"full disk: {kept} of {len(live) + 2} messages and {facts['pictures']} pictures kept, the scan whole")
 
 
+def line_of(folder):
+    """Line and cloud as they were written."""
+    return (folder / "line.csv").read_bytes(), (folder / "cloud.ply").read_bytes()
+
+
+def scan_with_service(sensor, cell, service, folder, options):
+    """The recording of a scan whose line the service found, and the service's result."""
+    told = ""
+    for attempt in range(ATTEMPTS):
+        session, out = folder / f"line-{attempt}", folder / f"service-{attempt}"
+        serving, place = start(cell, "serve", "--speed-mm-s", 60, "--rate-hz", 15, "--out", folder / f"place-{attempt}",
+                               "--exit-with-parent")
+        if place is None:
+            told = stop(serving)
+            time.sleep(2)
+            continue
+        for rights in ("required", "ignore"):
+            running, hello = start(sensor, "--source", "board:" + place["board"], "--sensor", place["sensor"], "--rt", rights,
+                                   "--record", session, "--exit-with-parent", *options)
+            if hello:
+                break
+        assert hello, stop(running)
+        done = subprocess.run([str(c) for c in (service, "--sensor", hello["endpoint"], "--out", out, "--once", "--keep-recording")],
+                              capture_output=True, text=True, timeout=300)
+        told = f"exit {done.returncode}: {done.stdout[-300:]} {done.stderr[-300:]} {stop(running)}"
+        stop(serving)
+        if done.returncode == 0 and facts_of(session)["unrepeatable"] == "0":
+            return session, out / "scan-0001"
+    if "3956" in told:
+        sys.exit(SKIPPED)
+    raise AssertionError(told)
+
+
+def check_thinned_line(sensor, cell, service, tool, folder):
+    session, live = scan_with_service(sensor, cell, service, folder, ["--record-pictures", "3"])
+    facts = facts_of(session)
+    pictures, left_out = int(facts["pictures"]), int(facts["pictures_left_out"])
+    assert facts["complete"] == "false" and pictures == (pictures + left_out + 2) // 3, facts
+    # Host and sensor kept the same messages.
+    assert (session / "scan.btln").read_bytes() == (live / "scan.btln").read_bytes()
+
+    def run(*command):
+        done = subprocess.run([str(c) for c in (tool, *command)], capture_output=True, text=True, timeout=300)
+        assert done.returncode == 0, (command, done.stderr)
+
+    file, back = folder / "live.mcap", folder / "back"
+    run("record", "export", session, "--out", file)
+    run("record", "verify", file)
+    run("record", "import", file, "--out", back)
+    assert (back / "scan.btln").read_bytes() == (session / "scan.btln").read_bytes()
+    assert facts_of(back) == facts
+    for name, recording in (("session", session), ("profiles", session / "scan.btln"), ("file", file)):
+        run("replay", recording, "--out", folder / name)
+        report = json.loads((folder / name / "report.json").read_text())
+        assert "from_profiles" in report, report
+        assert line_of(folder / name) == line_of(live), name
+        shutil.rmtree(folder / name)
+    points = len((live / "line.csv").read_text().splitlines()) - 1
+    print(f"thinned to {facts['pictures']} pictures: the live line of {points} points, bit for bit, from session, profiles and "
+          "MCAP file", flush=True)
+
+
 def main():
-    sensor, cell = sys.argv[1:3]
+    sensor, cell, service, tool = sys.argv[1:5]
     with tempfile.TemporaryDirectory() as folder:
         for options in TRIALS:
             whole = lambda facts: facts["complete"] == "true"
@@ -121,6 +184,7 @@ def main():
             assert points > 1000
             shutil.rmtree(session)
         check_full_disk(sensor, cell, pathlib.Path(folder))
+        check_thinned_line(sensor, cell, service, tool, pathlib.Path(folder))
 
 
 main()

@@ -48,13 +48,14 @@ TEST_GROUP(SessionRecorder) {
   std::filesystem::path session() const {
     return folder.path() / "live";
   }
-  void begin() {
+  void begin(std::uint32_t every = 1) {
     auto begun = SessionRecorder::begin({.folder = session(),
                                          .model = model,
                                          .facts = {.sensor = "a \"sensor\"",
                                                    .peak_threshold_grey = 12,
                                                    .peak_width_min_px = 1.5,
-                                                   .peak_width_max_px = 24},
+                                                   .peak_width_max_px = 24,
+                                                   .pictures_every = every},
                                          .realtime = runtime::RealtimeDemand::Ignored});
     SUCCEEDS(begun);
     recorder = std::move(*begun);
@@ -134,6 +135,24 @@ TEST(SessionRecorder, DiskSlowerThanTheCameraCostsPicturesAndNothingElse) {
                                          });
   SUCCEEDS(scan);
   LONGS_EQUAL(k_frames, messages);
+}
+
+TEST(SessionRecorder, EveryThirdPictureIsKeptAndTheOthersAreCounted) {
+  begin(3);
+  for (int i = 0; i < 7; ++i) {
+    keep_pose(i);
+    keep_frame(i);
+  }
+  recorder->request_finish(0);
+  recorder.reset();
+  const auto read = session::read_session(session());
+  SUCCEEDS(read);
+  LONGS_EQUAL(3, read->recorded->pictures_every);
+  LONGS_EQUAL(3, read->frames.size());
+  LONGS_EQUAL(103, read->frames[1].sequence);
+  LONGS_EQUAL(4, read->recorded->pictures_left_out);
+  LONGS_EQUAL(7, read->poses.size());
+  CHECK(!read->recorded->complete);
 }
 
 TEST(SessionRecorder, RecordingWithoutAnEndSaysSo) {
