@@ -29,9 +29,12 @@ constexpr std::array k_kinds{
 /// What a folder is searched for.  Texts (.csv, .txt) may be anything: they are named, or found by a pattern.
 constexpr std::array<std::string_view, 5> k_searched_endings{".ply", ".pcd", ".xyz", ".stl", ".obj"};
 
-bool is_session(const fs::path& folder) {
+/// A session as one file.
+constexpr std::string_view k_session_ending = ".mcap";
+
+bool is_session(const fs::path& place) {
   std::error_code ignored;
-  return fs::exists(folder / "cam0" / "data.csv", ignored);
+  return place.extension() == k_session_ending || fs::exists(place / "cam0" / "data.csv", ignored);
 }
 
 /// One manifest's search: a name for each place.
@@ -73,6 +76,8 @@ class Search {
         } else {
           BITELINE_TRY(add_folder(place));
         }
+      } else if (is_session(place)) {
+        put(RecordingKind::Session, place);
       } else if (std::ranges::find(k_searched_endings, place.extension().string()) !=
                  k_searched_endings.end()) {
         put(RecordingKind::Cloud, place);
@@ -136,6 +141,8 @@ Result<void> read_manifest(Search& search, const fs::path& manifest) {
 
 /// The files of a session that decide its result, by their names in it.
 Result<std::vector<fs::path>> files_of_session(const fs::path& session) {
+  std::error_code ignored;
+  if (fs::is_regular_file(session, ignored)) return std::vector{session};
   std::vector<fs::path> files;
   for (const char* part : {"cam0", "pose0"}) {
     std::error_code error;
@@ -182,9 +189,9 @@ Result<Fingerprint> fingerprint(RecordingKind kind, const fs::path& path) {
   digest.add_text(name_of(kind));
   for (const fs::path& file : files) {
     BITELINE_ASSIGN(const std::string hash, digest_of_file(file));
-    // A cloud's own name says nothing beyond its ending, which decides how it is read.
-    const bool is_cloud = file == path;
-    digest.add_text(is_cloud ? path.extension().string() : file.lexically_relative(from).generic_string());
+    // A file's own name says nothing beyond its ending, which decides how it is read.
+    const bool is_it = file == path;
+    digest.add_text(is_it ? path.extension().string() : file.lexically_relative(from).generic_string());
     digest.add_text(hash);
     std::error_code ignored;
     print.bytes += fs::file_size(file, ignored);
@@ -199,9 +206,10 @@ Result<std::vector<Recording>> find_recordings(const fs::path& manifest) {
   if (error) return fail_errno(Errc::FileNotFound, error.value(), "%s", manifest.c_str());
   const bool folder = fs::is_directory(real);
   Search search{folder && !is_session(real) ? real : real.parent_path()};
-  const bool cloud =
+  const bool recording =
+      is_session(real) ||
       std::ranges::find(k_searched_endings, real.extension().string()) != k_searched_endings.end();
-  BITELINE_TRY(folder || cloud ? search.add(real) : read_manifest(search, real));
+  BITELINE_TRY(folder || recording ? search.add(real) : read_manifest(search, real));
   if (search.count() == 0) return fail(Errc::FileNotFound, "%s: no session or cloud", manifest.c_str());
   return search.take();
 }

@@ -12,7 +12,7 @@
 namespace biteline::batch {
 
 enum class RecordingKind : std::uint8_t {
-  Session,      ///< a folder with cam0/ and pose0/; replayed
+  Session,      ///< a folder with cam0/ and pose0/, or its MCAP file; replayed
   Cloud,        ///< a file; extracted
   MadeSession,  ///< by `biteline-cell record`
   MadeCloud,    ///< by `biteline-cell record-cloud`
@@ -45,9 +45,10 @@ struct Fingerprint {
 
 /// The recordings that a manifest names, by name, without their hashes; each once.
 ///
-/// A manifest is a text: a folder, a session, a cloud or a pattern (* ? []) on each line, relative to the
-/// manifest's own folder; # begins a comment.  A folder is searched; folders called truth and stages are left
-/// out.  In place of a manifest a folder or a cloud does.  A line that finds nothing is an error.
+/// A manifest is a text: a folder, a session (or its .mcap file), a cloud or a pattern (* ? []) on each line,
+/// relative to the manifest's own folder; # begins a comment.  A folder is searched; folders called truth and
+/// stages are left out.  In place of a manifest a folder or a cloud does.  A line that finds nothing is an
+/// error.
 [[nodiscard]] Result<std::vector<Recording>> find_recordings(const std::filesystem::path& manifest);
 
 }  // namespace biteline::batch

@@ -5,6 +5,7 @@
 
 #include "common/config/sensor_yaml.hpp"
 #include "common/image/grey_image.hpp"
+#include "common/mcap/writer.hpp"
 #include "common/session/session.hpp"
 #include "common/wire/messages.hpp"
 #include "host/cloud/closed_line.hpp"
@@ -111,6 +112,22 @@ void messages(Seeds& seeds) {
   }
 }
 
+Result<void> recording(const fs::path& file, mcap::Compression compression) {
+  fs::remove(file);
+  BITELINE_ASSIGN(
+      mcap::Writer writer,
+      mcap::Writer::create(file, {.library = "fuzz", .compression = compression, .chunk_bytes = 90}));
+  BITELINE_ASSIGN(const std::uint16_t schema, writer.add_schema("s", "jsonschema", "{}"));
+  BITELINE_ASSIGN(const std::uint16_t channel, writer.add_channel(schema, "/t", "json", {{"k", "v"}}));
+  const std::vector<std::uint8_t> data(20, 'x');
+  for (std::uint32_t i = 0; i < 4; ++i)
+    BITELINE_TRY(writer.write({.channel_id = channel, .sequence = i, .log_time_ns = i, .data = data}));
+  BITELINE_TRY(writer.attach({.name = "a", .media_type = "text", .data = data}));
+  BITELINE_TRY(writer.add_metadata({.name = "m", .values = {{"k", "v"}}}));
+  BITELINE_TRY(writer.close());
+  return {};
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -119,6 +136,8 @@ int main(int argc, char** argv) {
   clouds(seeds);
   tables(seeds);
   messages(seeds);
+  seeds.keep(recording(seeds.in("mcap", "stored.mcap"), mcap::Compression::None));
+  seeds.keep(recording(seeds.in("mcap", "packed.mcap"), mcap::Compression::Zstd));
   geometry::SensorModel sensor;
   sensor.camera = {.fu_px = 1000, .fv_px = 1000, .cu_px = 16, .cv_px = 8};
   sensor.laser_plane = {.normal_cam = Vec3(0, 0.6, -0.8), .distance_mm = -100};

@@ -95,6 +95,7 @@ int main(int argc, char** argv) {
   add_keys(app, context);
   add_line(app, context);
   add_model(app, context);
+  add_record(app, context);
   add_replay(app, context);
   add_plan(app, context);
   add_batch(app, context);

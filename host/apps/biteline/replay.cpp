@@ -12,6 +12,7 @@
 #include "host/intake/live_line.hpp"
 #include "host/intake/recorded_scan.hpp"
 #include "host/intake/session_run.hpp"
+#include "host/recording/import.hpp"
 #include "host/report/progress.hpp"
 #include "host/results/line_result.hpp"
 #include "host/uncertainty/uncertainty_file.hpp"
@@ -61,9 +62,43 @@ Result<intake::SessionRun> take_in_profiles(const intake::ProfileSource& input, 
   return std::move(scan.run);
 }
 
-Result<ExitStatus> replay(const Options& options, const GlobalOptions& global) {
+/// What an MCAP file holds, as a folder beside the results for as long as the replay runs.
+class Unpacked {
+ public:
+  explicit Unpacked(std::filesystem::path folder) : folder_{std::move(folder)} {}
+  Unpacked(const Unpacked&) = delete;
+  Unpacked& operator=(const Unpacked&) = delete;
+  ~Unpacked() {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+
+  /// The session, or the scan's own file.
+  Result<std::filesystem::path> take(const std::filesystem::path& file, report::Report& report) const {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+    BITELINE_ASSIGN(const recording::Imported imported, recording::import_mcap(file, folder_));
+    if (!imported.lacks.empty()) {
+      report.fields["file_lacks"] = imported.lacks;
+      std::fprintf(stderr, "biteline: %s: cut or damaged at %s\n", file.c_str(), imported.lacks.c_str());
+    }
+    return imported.has_session() ? folder_ : folder_ / "scan.btln";
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+Result<ExitStatus> replay(Options options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_TRY(results::prepare_result_folder(options.out));
+  const std::string input_name = options.session.filename().string();
+  std::optional<Unpacked> unpacked;
+  if (recording::is_mcap(options.session)) {
+    unpacked.emplace(options.out / "unpacked");
+    BITELINE_ASSIGN(options.session,
+                    report.timed("unpack", [&] { return unpacked->take(options.session, report); }));
+  }
 
   BITELINE_ASSIGN(const std::optional<uncertainty::HeadUncertainty> known, uncertainty_of(options));
   intake::SessionRunOptions run_options;
@@ -95,7 +130,7 @@ Result<ExitStatus> replay(const Options& options, const GlobalOptions& global) {
                               ? finish_line(*line, head, report)
                               : report.timed("extract", [&] { return find_line(run.cloud, options.method); });
 
-  report.fields["input"] = options.session.filename().string();
+  report.fields["input"] = input_name;
   report.fields["scan"] = intake::account_of(run.counts, run.sensor_counters, run.sensor_stages);
   report.fields["frames_per_s"] =
       run.stream_s > 0 ? static_cast<double>(run.counts.profiles) / run.stream_s : 0.0;
@@ -111,7 +146,7 @@ void add_replay(CLI::App& app, Context& context) {
       app.add_subcommand("replay", "Run a recorded session through the sensor's pipeline and the host's");
   command
       ->add_option("session", options->session,
-                   "The session's folder, or a recorded scan's profiles (scan.btln)")
+                   "The session's folder, its MCAP file, or a recorded scan's profiles (scan.btln)")
       ->required();
   command->add_option("--out", options->out, "Folder for cloud.ply, line.csv, report.json, stages/")
       ->required();

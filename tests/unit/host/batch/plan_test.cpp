@@ -48,12 +48,20 @@ TEST(BatchPlan, FindsFoldersSessionsCloudsAndPatterns) {
   folder.write("set/one/stages/5.ply", "no recording");
   folder.write("set/two/cam0/data.csv", "");
   folder.write("set/two/cam0/data/cloud.ply", "a session's inside is its own");
+  folder.write("set/three.mcap", "a session as one file");
   folder.write("loose/a.csv", "1");
   folder.write("loose/b.csv", "1");
   folder.write("manifest.txt", "# all of it\nset\n loose/[ab].csv # two\nset/one/cloud.ply\n");
-  STRCMP_EQUAL("loose/a.csv=cloud loose/b.csv=cloud set/one/cloud.ply=cloud set/two=session ",
-               names("manifest.txt").c_str());
-  STRCMP_EQUAL("one/cloud.ply=cloud two=session ", names("set").c_str());
+  STRCMP_EQUAL(
+      "loose/a.csv=cloud loose/b.csv=cloud set/one/cloud.ply=cloud set/three.mcap=session set/two=session ",
+      names("manifest.txt").c_str());
+  STRCMP_EQUAL("one/cloud.ply=cloud three.mcap=session two=session ", names("set").c_str());
+  STRCMP_EQUAL("three.mcap=session ", names("set/three.mcap").c_str());
+  folder.write("same.mcap", "a session as one file");
+  folder.write("other.mcap", "another session");
+  const std::string print = hash(RecordingKind::Session, "set/three.mcap");
+  CHECK(print == hash(RecordingKind::Session, "same.mcap"));
+  CHECK(print != hash(RecordingKind::Session, "other.mcap"));
 }
 
 TEST(BatchPlan, NamesTheLineOfAManifestThatFindsNothing) {
