@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "common/config/sensor_yaml.hpp"
 
+#include <charconv>
 #include <cmath>
-#include <cstdio>
+#include <iterator>
 
 #include "common/config/yaml_reader.hpp"
 
@@ -12,6 +13,9 @@ namespace {
 // A file written with nine decimals is off by 1e-9 per entry; 1e-4 still catches any matrix that is no
 // rotation.
 constexpr double k_rigid_tolerance = 1e-4;
+// What was made exact once is left as it is: a file that is read and written again keeps its numbers to the
+// last bit, and a replay its points.
+constexpr double k_exact_tolerance = 1e-14;
 
 SE3 read_rigid_motion(YamlReader& reader, const std::string& key) {
   const std::vector<double> values = reader.matrix(key, 4, 4, k_plausible_mm);
@@ -30,13 +34,14 @@ SE3 read_rigid_motion(YamlReader& reader, const std::string& key) {
   SE3 T = SE3::Identity();
   T.linear() = R;
   T.translation() = matrix.topRightCorner<3, 1>();
-  return geometry::orthonormalised(T);
+  const bool exact = (R * R.transpose() - Mat3::Identity()).cwiseAbs().maxCoeff() < k_exact_tolerance;
+  return exact ? T : geometry::orthonormalised(T);
 }
 
 std::string number(double value) {
+  // The fewest digits that read back as the same bits.
   char text[40];
-  std::snprintf(text, sizeof text, "%.12g", value);
-  return text;
+  return {text, std::to_chars(std::begin(text), std::end(text), value).ptr};
 }
 
 }  // namespace
@@ -93,6 +98,8 @@ Result<geometry::SensorModel> read_sensor_yaml(const std::filesystem::path& path
   const Vec3 normal_cam(plane[0], plane[1], plane[2]);
   if (!(std::abs(normal_cam.norm() - 1) <= k_rigid_tolerance)) {
     reader.fault(Errc::BadValue, "laser_plane", "a normal of unit length and a distance expected");
+  } else if (std::abs(normal_cam.norm() - 1) <= k_exact_tolerance) {
+    sensor.laser_plane = {.normal_cam = normal_cam, .distance_mm = plane[3]};
   } else {
     sensor.laser_plane = {.normal_cam = normal_cam.normalized(), .distance_mm = plane[3] / normal_cam.norm()};
   }
