@@ -41,7 +41,8 @@ int main(int argc, char** argv) {
   CLI::App app{"The whole cell with faults at random, and the books of every scan.  Exit 0: even, 3: not."};
   soak::SoakSettings settings{.minutes = 2, .seed = std::random_device{}()};
   // A folder of its own: two runs beside each other would exchange their boards.
-  soak::StandSettings place{.out = fs::temp_directory_path() / ("biteline-soak-" + std::to_string(::getpid()))};
+  soak::StandSettings place{.out =
+                                fs::temp_directory_path() / ("biteline-soak-" + std::to_string(::getpid()))};
   app.add_option("minutes", settings.minutes, "How long")
       ->check(options::number({.minimum = 0.1, .maximum = 1e4}, "minutes"))
       ->capture_default_str();
