@@ -192,7 +192,8 @@ def main():
             replayed, end = scan_of(hello)
             running.wait(timeout=60)
             assert end == 0
-            assert len(replayed) == len(live) and records_in(session / "scan.btln") == len(live) + 2
+            counts = len(live), len(replayed), records_in(session / "scan.btln")
+            assert counts == (len(live), len(live), len(live) + 2), (counts, facts_of(session))
             # Numbers in the client's lines are told with every digit.
             for once, again in zip(live, replayed):
                 assert once == again, [key for key in once if once[key] != again[key]]
