@@ -191,7 +191,7 @@ async function whole_way() {
   await anna.page.getByLabel('B [mm]').fill('140');
   await anna.page.getByLabel('Points x, y, z', { exact: false }).fill(middle);
   await anna.page.getByRole('button', { name: 'Redo through the points' }).click();
-  await anna.page.locator('details').getByLabel('Why').fill('to be sure of the heel');
+  await anna.page.locator('details').filter({ hasText: 'Mend the line' }).getByLabel('Why').fill('to be sure of the heel');
   await anna.page.getByRole('button', { name: 'Save as a new version' }).click();
   await anna.page.getByText('The line is mended.').waitFor({ timeout: 60_000 });
   const mended = await row_of((row) => row.id === scan.id && row.line_version === 1, 60);
