@@ -78,7 +78,7 @@ function LivePictures(): JSX.Element {
         set_seen((s) => ({ ...s, profile: message.seq }));
       } else if (message.kind === 'cloud') {
         scene.current?.add_cloud(message.scan, message.xyz_mm);
-        set_seen((s) => ({ ...s, points: scene.current?.points() ?? 0, line: 0 }));
+        set_seen((s) => ({ ...s, points: scene.current?.points() ?? 0, line: scene.current?.line_points() ?? 0 }));
       } else if (message.kind === 'line') {
         scene.current?.set_line(message.values);
         set_seen((s) => ({ ...s, line: message.values.length / 5 }));

@@ -89,6 +89,10 @@ export class LiveScene {
     this.draw();
   }
 
+  line_points(): number {
+    return this.line?.geometry.getAttribute('position').count ?? 0;
+  }
+
   /// x y z confidence u95 of each point.
   set_line(values: Float32Array): void {
     if (this.line) {
