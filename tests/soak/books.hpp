@@ -25,7 +25,8 @@ struct ScanAccount {
 class MemoryBook {
  public:
   void note(const std::string& process, int pid, double mb);
-  /// A life of twenty notes and more that grew from its second fifth to its last by more than a tenth and 10 MB.
+  /// A life of twenty notes and more that grew from its second fifth to its last by more than a tenth and 10
+  /// MB.
   [[nodiscard]] std::vector<std::string> growths() const;
   [[nodiscard]] std::string table() const;
 
