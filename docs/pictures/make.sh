@@ -22,7 +22,4 @@ for picture in 1_point_cloud 2_feature_points unrolled_curvature 6_sequence; do
   cp "$work/sample/stages/$picture.png" "$here/"
 done
 for picture in 1_alignment 3_carried_line; do cp "$work/carried/stages/$picture.png" "$here/"; done
-# The page, as the browser test in the simulated cell saw it (ctest -R web_cell).
-page=$bin/../web_pictures/cell_page.png
-if [ -f "$page" ]; then cp "$page" "$here/page.png"; else echo "make.sh: no $page: run ctest -R web_cell first" >&2; fi
 ls -l "$here"/*.png

@@ -180,9 +180,6 @@ async function whole_way() {
   await anna.page.getByText('Section across the line', { exact: true }).waitFor();
   await look_for_faults(anna.page, 'a real scan');
   await anna.page.screenshot({ path: join(pictures, 'cell_scan_1280.png'), fullPage: true });
-  // For the documents (docs/pictures/make.sh): what a person sees at once.
-  await anna.page.getByRole('heading', { name: 'In 3-D' }).evaluate((heading) => heading.scrollIntoView());
-  await anna.page.screenshot({ path: join(pictures, 'cell_page.png') });
   await row_of((row) => row.id === scan.id && row.decision === 'held', 60);
   // A place of the found line itself: led through it, the line stays where it is, and is the hand's.
   const middle = await anna.page.evaluate(async (id) => {
