@@ -55,6 +55,8 @@ def scan_live(sensor, cell, folder, options, good, limit=()):
     told = ""
     for attempt in range(ATTEMPTS):
         session, out = folder / f"live-{attempt}", folder / f"cell-{attempt}"
+        # Of an earlier trial that was tried again: the sensor would take another name beside it.
+        shutil.rmtree(session, ignore_errors=True)
         serving, place = start(cell, "serve", "--speed-mm-s", 150, "--rate-hz", 25, "--out", out, "--exit-with-parent")
         if place is None:
             told = stop(serving)
