@@ -131,7 +131,8 @@ export class Scene {
   look(name: ViewName): void {
     const distance = 2 * this.size_mm;
     this.controls.target.copy(this.middle);
-    this.camera.position.copy(this.middle).addScaledVector(new THREE.Vector3(...directions[name]).normalize(), distance);
+    const direction = new THREE.Vector3(...directions[name]).normalize();
+    this.camera.position.copy(this.middle).addScaledVector(direction, distance);
     this.camera.zoom = 1;
     this.camera.lookAt(this.middle);
     this.fit();
@@ -189,13 +190,15 @@ export class Scene {
     for (let i = 0; i + 2 < cloud.length; i += 3) {
       const share = (cloud[i + 2]! - low[2]) / extent;
       // Grey in both themes: between the light and the dark ground.
-      const c: Rgb = by === 'height' ? colour_of(share) : [0.36 + 0.34 * share, 0.38 + 0.34 * share, 0.42 + 0.34 * share];
+      const grey: Rgb = [0.36 + 0.34 * share, 0.38 + 0.34 * share, 0.42 + 0.34 * share];
+      const c: Rgb = by === 'height' ? colour_of(share) : grey;
       colours.set(by === 'height' ? c.map((x) => 0.15 + 0.75 * x) : c, i);
     }
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute('position', new THREE.BufferAttribute(cloud, 3));
     geometry.setAttribute('color', new THREE.BufferAttribute(colours, 3));
-    group.add(new THREE.Points(geometry, new THREE.PointsMaterial({ size: 2.4, sizeAttenuation: false, vertexColors: true })));
+    const material = new THREE.PointsMaterial({ size: 2.4, sizeAttenuation: false, vertexColors: true });
+    group.add(new THREE.Points(geometry, material));
     this.draw();
   }
 
@@ -225,7 +228,8 @@ export class Scene {
   compare(points: Vec[]): void {
     clear(this.layers.other);
     if (points.length > 1) {
-      const geometry = new THREE.BufferGeometry().setFromPoints([...points, points[0]!].map((p) => new THREE.Vector3(...p)));
+      const round = [...points, points[0]!].map((p) => new THREE.Vector3(...p));
+      const geometry = new THREE.BufferGeometry().setFromPoints(round);
       const line = new THREE.Line(geometry, new THREE.LineDashedMaterial({ color: 0xd1006c, dashSize: 5, gapSize: 3, depthTest: false }));
       line.computeLineDistances();
       line.renderOrder = 6;
