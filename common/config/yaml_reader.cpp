@@ -135,6 +135,11 @@ bool YamlReader::has(const std::string& key) const {
   return mapping.IsMap() && mapping[key].IsDefined() && !mapping[key].IsNull();
 }
 
+int YamlReader::line_at(const std::string& key) const {
+  const YAML::Node& mapping = node_->yaml;
+  return has(key) ? line_of(mapping[key]) : 0;
+}
+
 double YamlReader::number(const std::string& key, Range range) {
   KeyAsked* const noted = node_->note(key, KeyAsked::Kind::Number, range);
   const auto found = node_->find(key, true);

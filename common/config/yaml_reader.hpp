@@ -55,6 +55,8 @@ class YamlReader {
   ~YamlReader();
 
   [[nodiscard]] bool has(const std::string& key) const;
+  /// Of the value, from 1; 0 where there is none.
+  [[nodiscard]] int line_at(const std::string& key) const;
 
   /// Required values; a missing or bad one is a fault and returns 0, empty or zeros.  Numbers must be finite.
   double number(const std::string& key, Range range);

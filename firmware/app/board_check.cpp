@@ -118,9 +118,17 @@ std::vector<DeviceFinding> examine(const BoardDevices& devices) {
 
 }  // namespace
 
-Result<std::vector<DeviceFinding>> check_board(const std::filesystem::path& board_file) {
+Result<std::vector<DeviceFinding>> check_board(const std::filesystem::path& board_file,
+                                               const SourceOptions& options) {
   BITELINE_ASSIGN(hal::Board board, hal::read_board_yaml(board_file));
-  return examine(BoardDevices{std::move(board), {}});
+  std::vector<DeviceFinding> found = examine(BoardDevices{std::move(board), {}});
+  if (!options.set) return found;
+  const std::string name = "settings (" + options.set->file + ")";
+  constexpr const char* k_step = "mend that line, or take another set (biteline settings)";
+  BITELINE_ASSIGN(const std::unique_ptr<SourceKind> kind, choose_source(options));
+  found.push_back(finding(name, kind->try_settings(), k_step));
+  if (found.back().ready) found.back().seen = "taken by the camera";
+  return found;
 }
 
 }  // namespace biteline::sensor

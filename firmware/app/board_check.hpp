@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/core/result.hpp"
+#include "firmware/app/source.hpp"
 
 namespace biteline::sensor {
 
@@ -20,6 +21,8 @@ struct DeviceFinding {
 
 /// Every device that the board names, and the rights that the threads need; the board's sensor program must
 /// not be running. The watchdog is only looked at: opened, it would have to be fed.
-[[nodiscard]] Result<std::vector<DeviceFinding>> check_board(const std::filesystem::path& board_file);
+/// A set among the options is told to the camera of the head that they name, and read back.
+[[nodiscard]] Result<std::vector<DeviceFinding>> check_board(const std::filesystem::path& board_file,
+                                                             const SourceOptions& options);
 
 }  // namespace biteline::sensor

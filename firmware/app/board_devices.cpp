@@ -22,9 +22,7 @@ Result<Source> BoardDevices::open() {
   Source source;
   source.scan_name = board_.name;
   BITELINE_ASSIGN(source.camera, open_camera());
-  BITELINE_TRY(
-      configure_as_head(*source.camera, model, capture,
-                        board_.camera.hardware_trigger ? hal::Trigger::Hardware : hal::Trigger::FreeRun));
+  BITELINE_TRY(configure(*source.camera));
   BITELINE_ASSIGN(source.poses, open_poses());
   BITELINE_ASSIGN(source.trigger, open_trigger());
   if (source.trigger) BITELINE_TRY(source.trigger->configure(train_of(model, capture)));
@@ -32,6 +30,27 @@ Result<Source> BoardDevices::open() {
     BITELINE_ASSIGN(source.scan_active, open_edges(*board_.scan_active));
   }
   return source;
+}
+
+Result<void> BoardDevices::configure(hal::LineCamera& camera) {
+  const hal::Trigger trigger =
+      board_.camera.hardware_trigger ? hal::Trigger::Hardware : hal::Trigger::FreeRun;
+  BITELINE_ASSIGN(const hal::CameraSettings taken,
+                  configure_camera(camera, live_settings(model, capture, trigger, set), former_));
+  former_ = taken;
+  in_use = set_in_use(taken, model, capture);
+  return {};
+}
+
+void BoardDevices::remember(const geometry::SensorModel& head) {
+  const hal::Trigger trigger =
+      board_.camera.hardware_trigger ? hal::Trigger::Hardware : hal::Trigger::FreeRun;
+  former_ = live_settings(head, {}, trigger, std::nullopt).camera;
+}
+
+Result<void> BoardDevices::try_settings() {
+  BITELINE_ASSIGN(const std::unique_ptr<hal::LineCamera> camera, open_camera());
+  return configure(*camera);
 }
 
 Result<std::optional<LaserDevices>> BoardDevices::open_laser() {
@@ -111,10 +130,16 @@ Result<void> BoardDevices::arm_watchdogs(std::vector<std::unique_ptr<hal::Watchd
 }
 
 Result<std::unique_ptr<SourceKind>> open_board(const std::filesystem::path& board_file,
-                                               const std::filesystem::path& sensor_file) {
+                                               const std::filesystem::path& sensor_file,
+                                               const std::optional<settings::SettingsSet>& set) {
   BITELINE_ASSIGN(hal::Board board, hal::read_board_yaml(board_file));
-  BITELINE_ASSIGN(geometry::SensorModel head, read_live_head(sensor_file));
-  return std::make_unique<BoardDevices>(std::move(board), std::move(head));
+  BITELINE_ASSIGN(geometry::SensorModel head, read_live_head(sensor_file, set));
+  auto devices = std::make_unique<BoardDevices>(std::move(board), std::move(head));
+  devices->set = set;
+  // What it would run with without the set: put back when the camera does not take it.
+  if (const Result<geometry::SensorModel> bare = read_live_head(sensor_file, std::nullopt); set && bare)
+    devices->remember(*bare);
+  return devices;
 }
 
 }  // namespace biteline::sensor

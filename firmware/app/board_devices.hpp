@@ -20,6 +20,10 @@ class BoardDevices final : public SourceKind {
 
   [[nodiscard]] Result<Source> open() override;
   [[nodiscard]] Result<std::optional<LaserDevices>> open_laser() override;
+  [[nodiscard]] Result<void> try_settings() override;
+
+  /// A head whose settings are put back when the camera does not take others.
+  void remember(const geometry::SensorModel& head);
 
   [[nodiscard]] const hal::Board& board() const { return board_; }
   /// Tied to the edges of its strobe echo where the board says how they lie.
@@ -29,14 +33,17 @@ class BoardDevices final : public SourceKind {
   [[nodiscard]] Result<std::unique_ptr<hal::PwmOut>> open_trigger() const;
 
  private:
+  [[nodiscard]] Result<void> configure(hal::LineCamera& camera);
   [[nodiscard]] Result<void> arm_watchdogs(std::vector<std::unique_ptr<hal::Watchdog>>& armed) const;
 
   hal::Board board_;
+  std::optional<hal::CameraSettings> former_;  ///< what the camera took last
   hal::MonotonicClock clock_;
 };
 
 /// Errc::NotSupported where the board has what this program was built without.
 [[nodiscard]] Result<std::unique_ptr<SourceKind>> open_board(const std::filesystem::path& board_file,
-                                                             const std::filesystem::path& sensor_file);
+                                                             const std::filesystem::path& sensor_file,
+                                                             const std::optional<settings::SettingsSet>& set);
 
 }  // namespace biteline::sensor

@@ -3,24 +3,49 @@
 /// \file What a head's settings ask of live devices.
 
 #include <filesystem>
+#include <optional>
 
 #include "common/core/result.hpp"
 #include "common/geometry/sensor_model.hpp"
+#include "common/settings/settings.hpp"
 #include "firmware/app/capture.hpp"
 #include "hal/api/line_camera.hpp"
 #include "hal/api/pwm_out.hpp"
 
 namespace biteline::sensor {
 
-/// A sensor.yaml that says rate and exposure; without them no camera can be run.
-[[nodiscard]] Result<geometry::SensorModel> read_live_head(const std::filesystem::path& sensor_file);
+/// A sensor.yaml with the set's region, rate and exposure over its own.  Without a rate and an exposure in
+/// either of them no camera can be run.
+[[nodiscard]] Result<geometry::SensorModel> read_live_head(const std::filesystem::path& sensor_file,
+                                                           const std::optional<settings::SettingsSet>& set);
 
-/// The camera as the head was calibrated: Errc::DeviceError when it takes another region.
-/// Pre: `head` is from read_live_head().
-[[nodiscard]] Result<void> configure_as_head(hal::LineCamera& camera, const geometry::SensorModel& head,
-                                             const Capture& capture, hal::Trigger trigger);
+/// What was told, and beneath it what the set says.
+[[nodiscard]] Capture put_over(const Capture& told, const settings::SettingsSet& set);
+
+/// A camera as the head was calibrated and the set says.
+struct LiveSettings {
+  hal::CameraSettings camera;
+  std::optional<settings::SettingsSet> set;  ///< where `camera` has numbers of it; for messages
+};
+[[nodiscard]] LiveSettings live_settings(const geometry::SensorModel& head, const Capture& capture,
+                                         hal::Trigger trigger,
+                                         const std::optional<settings::SettingsSet>& set);
+
+/// Checks everything first, then tells the camera, then reads back.  Gives back what the camera took.
+///
+/// Errc::BadValue, NotSupported: what the camera does not take, with the set's file, line, key and range
+/// where the set asked for it; nothing was told to the camera then.  When it fails or takes something else in
+/// the middle, `former` is put back (none: nothing is known to put back). Pre: the head is from
+/// read_live_head().
+[[nodiscard]] Result<hal::CameraSettings> configure_camera(hal::LineCamera& camera,
+                                                           const LiveSettings& wanted,
+                                                           const std::optional<hal::CameraSettings>& former);
 
 /// One pulse for each frame, as long as the longest exposure that may occur.
 [[nodiscard]] hal::PwmSettings train_of(const geometry::SensorModel& head, const Capture& capture);
+
+/// The set that is in use, whole: what the camera took, and the rest as told.
+[[nodiscard]] settings::SettingsSet set_in_use(const hal::CameraSettings& taken,
+                                               const geometry::SensorModel& head, const Capture& capture);
 
 }  // namespace biteline::sensor

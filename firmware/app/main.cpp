@@ -77,7 +77,7 @@ Result<void> check(const sensor::Options& options) {
     return fail(Errc::InvalidArgument, "--check: --source board:FILE expected");
   }
   BITELINE_ASSIGN(const std::vector<sensor::DeviceFinding> found,
-                  sensor::check_board(options.source.source.substr(k_board.size())));
+                  sensor::check_board(options.source.source.substr(k_board.size()), options.source));
   int missing = 0;
   for (const sensor::DeviceFinding& device : found) {
     std::printf("%s\t%s\t%s\t%s\n", device.ready ? "ready" : "missing", device.what.c_str(),
@@ -86,6 +86,16 @@ Result<void> check(const sensor::Options& options) {
   }
   if (missing > 0)
     return fail(Errc::DeviceNotFound, "%d of %zu devices and rights are missing", missing, found.size());
+  return {};
+}
+
+/// A set that the camera does not take stops the program before anybody relies on it.  A camera that is not
+/// there yet is told at the first scan.
+Result<void> try_settings(sensor::SourceKind& kind) {
+  const Result<void> tried = kind.try_settings();
+  if (tried || error_row(tried.error().code).exit_status != ExitStatus::Connection) return tried;
+  std::fprintf(stderr, "biteline-sensor: the settings are not tried yet: %s\n",
+               to_line(tried.error()).c_str());
   return {};
 }
 
@@ -99,6 +109,7 @@ Result<void> run(const sensor::Options& options, const sigset_t& signals) {
                 options.source.source.c_str());
   }
   kind->realtime = demand == runtime::RealtimeDemand::Required;
+  if (options.source.set) BITELINE_TRY(try_settings(*kind));
   BITELINE_TRY(runtime::prepare_process(demand));
   BITELINE_TRY(runtime::enter_thread(runtime::threads::k_main, demand));
   BITELINE_ASSIGN(const std::unique_ptr<stream::StreamSocket> socket, open_network(options, demand));

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "common/options/number.hpp"
+#include "common/settings/settings.hpp"
 #include "common/stripe/peak_names.hpp"
 
 namespace biteline::sensor {
@@ -43,6 +44,22 @@ void add_peak_options(CLI::App& app, PeakWishes& wishes) {
 
 }  // namespace
 
+PeakWishes put_over(const PeakWishes& told, const settings::SettingsSet& set) {
+  using settings::Key;
+  PeakWishes wishes = told;
+  const auto number = [&](std::optional<float>& wish, Key key) {
+    if (const auto value = set.number(key); value && !wish) wish = static_cast<float>(*value);
+  };
+  if (const auto mode = set.word(Key::PeakMode); mode && !wishes.mode)
+    wishes.mode = stripe::k_peak_modes.at(*mode);
+  if (const auto choice = set.word(Key::PeakChoice); choice && !wishes.choice)
+    wishes.choice = stripe::k_peak_choices.at(*choice);
+  number(wishes.threshold_grey, Key::PeakThreshold);
+  number(wishes.width_min_px, Key::PeakWidthMin);
+  number(wishes.width_max_px, Key::PeakWidthMax);
+  return wishes;
+}
+
 Result<pipeline::ProfilePipeline::Config> pipeline_config(
     const PeakWishes& wishes, const std::optional<session::RecordingFacts>& recorded) {
   pipeline::ProfilePipeline::Config config;
@@ -79,6 +96,11 @@ ParsedOptions parse_options(int argc, char** argv) {
                  "replay:SESSION, a recorded session's folder; board:FILE, the devices of a board.yaml");
   app.add_option("--sensor", options.source.sensor_file,
                  "Calibration that replaces the head's own (sensor.yaml)");
+  std::filesystem::path settings_file;
+  app.add_option(
+      "--settings", settings_file,
+      "A settings file, or a folder whose start-up.yaml it is (biteline settings); what this command "
+      "line says goes before");
   app.add_option("--listen", listen, "Where hosts connect; port 0: any free one")->capture_default_str();
   app.add_option("--keys", options.keys, "Folder of keys; compulsory beyond loopback");
   app.add_option("--make-keys", options.make_keys,
@@ -128,6 +150,16 @@ ParsedOptions parse_options(int argc, char** argv) {
   if (options.source.source.empty() && !options.make_keys) {
     parsed.leave_with = complain("--source is needed (see --help)");
     return parsed;
+  }
+  if (!settings_file.empty()) {
+    if (std::filesystem::is_directory(settings_file)) settings_file /= settings::k_start_file;
+    Result<settings::SettingsSet> set = settings::read_settings(settings_file);
+    if (!set) {
+      parsed.leave_with = complain(to_line(set.error()));
+      return parsed;
+    }
+    options.peaks = put_over(options.peaks, *set);
+    options.source.set = std::move(*set);
   }
   const Result<wire::Endpoint> endpoint = wire::parse_endpoint(listen);
   if (!endpoint) {

@@ -25,6 +25,9 @@ struct PeakWishes {
 [[nodiscard]] Result<pipeline::ProfilePipeline::Config> pipeline_config(
     const PeakWishes& wishes, const std::optional<session::RecordingFacts>& recorded);
 
+/// What was told, and beneath it what the set says.
+[[nodiscard]] PeakWishes put_over(const PeakWishes& told, const settings::SettingsSet& set);
+
 struct Options {
   SourceOptions source;
   PeakWishes peaks;

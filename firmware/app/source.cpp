@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "firmware/app/board_devices.hpp"
+#include "firmware/app/live_head.hpp"
 #include "hal/replay/recording.hpp"
 #include "hal/replay/replay_camera.hpp"
 #include "hal/replay/replay_poses.hpp"
@@ -59,7 +60,11 @@ class Recording final : public SourceKind {
 Result<std::unique_ptr<SourceKind>> with_capture(Result<std::unique_ptr<SourceKind>> kind,
                                                  const Capture& capture) {
   if (!kind) return kind;
-  BITELINE_TRY(check(capture, (*kind)->model));
+  if (const Result<void> good = check(capture, (*kind)->model); !good) {
+    if (!(*kind)->set) return tl::unexpected<Error>{good.error()};
+    const std::string words{good.error().where.view()};
+    return fail(good.error().code, "%s: %s", (*kind)->set->file.c_str(), words.c_str());
+  }
   (*kind)->capture = capture;
   return kind;
 }
@@ -72,6 +77,10 @@ Result<std::unique_ptr<SourceKind>> choose_source(const SourceOptions& options) 
   const std::string_view kind = text.substr(0, colon);
   const std::string_view rest = colon == std::string_view::npos ? std::string_view{} : text.substr(colon + 1);
   if (kind == "replay" && !rest.empty()) {
+    if (options.set) {
+      return fail(Errc::InvalidArgument, "--settings: a live source expected, '%s' is a recording",
+                  options.source.c_str());
+    }
     if (options.capture.any()) {
       return fail(Errc::InvalidArgument,
                   "source '%s': a recording is exposed already; --auto-exposure, --follow-stripe, "
@@ -85,7 +94,8 @@ Result<std::unique_ptr<SourceKind>> choose_source(const SourceOptions& options) 
   if (kind == "board" && !rest.empty()) {
     if (!options.sensor_file)
       return fail(Errc::InvalidArgument, "source '%s': --sensor FILE is needed", options.source.c_str());
-    return with_capture(open_board(std::filesystem::path{rest}, *options.sensor_file), options.capture);
+    return with_capture(open_board(std::filesystem::path{rest}, *options.sensor_file, options.set),
+                        options.set ? put_over(options.capture, *options.set) : options.capture);
   }
   return fail(Errc::InvalidArgument, "source '%s': replay:SESSION or board:FILE expected",
               options.source.c_str());

@@ -11,6 +11,7 @@
 #include "common/core/result.hpp"
 #include "common/geometry/sensor_model.hpp"
 #include "common/session/recording_facts.hpp"
+#include "common/settings/settings.hpp"
 #include "firmware/app/capture.hpp"
 #include "firmware/runtime/laser_guard.hpp"
 #include "hal/api/edge_in.hpp"
@@ -54,9 +55,13 @@ class SourceKind {
   [[nodiscard]] virtual Result<Source> open() = 0;
   /// Nothing where there is no laser.
   [[nodiscard]] virtual Result<std::optional<LaserDevices>> open_laser() = 0;
+  /// Tells the camera `set` and reads it back, as each scan does; see configure_camera().
+  [[nodiscard]] virtual Result<void> try_settings() { return {}; }
 
   geometry::SensorModel model;
   Capture capture;  ///< checked against the model; of a live recording what it was taken with
+  std::optional<settings::SettingsSet> set;         ///< what `--settings` named
+  settings::SettingsSet in_use;                     ///< of the camera, since open(); empty of a recording
   std::optional<session::RecordingFacts> recorded;  ///< of a live recording: how peaks were found in it
   bool recording{false};  ///< may be made to wait; played once, from the start of the program
   bool realtime{false};   ///< threads of the devices' own run as the thread table says
@@ -67,6 +72,7 @@ struct SourceOptions {
   std::string source;                                ///< "replay:SESSION" or "board:FILE"
   std::optional<std::filesystem::path> sensor_file;  ///< the head's calibration; replaces a recording's own
   Capture capture;
+  std::optional<settings::SettingsSet> set;
 };
 
 [[nodiscard]] Result<std::unique_ptr<SourceKind>> choose_source(const SourceOptions& options);

@@ -85,6 +85,20 @@ wire::StageTime stage_time(const char* name, const runtime::StageMeter& meter) {
   return {.name = name, .count = summary.count, .min = summary.min, .mean = summary.mean, .max = summary.max};
 }
 
+/// As a file that `--settings` takes again.
+std::string settings_in_use(const SourceKind& kind, const pipeline::ProfilePipeline::Config& pipeline) {
+  using settings::Key;
+  settings::SettingsSet set = kind.in_use;
+  if (kind.set) set.note = kind.set->note;
+  const auto number = [&](Key key, float value) { set.set(key, {.number = static_cast<double>(value)}); };
+  set.set(Key::PeakMode, {.word = stripe::name_of(stripe::k_peak_modes, pipeline.peaks.mode)});
+  set.set(Key::PeakChoice, {.word = stripe::name_of(stripe::k_peak_choices, pipeline.selector.choice)});
+  number(Key::PeakThreshold, pipeline.peaks.threshold_grey);
+  number(Key::PeakWidthMin, pipeline.peaks.width_min_px);
+  number(Key::PeakWidthMax, pipeline.peaks.width_max_px);
+  return settings::settings_text(set);
+}
+
 }  // namespace
 
 Streamer::Streamer(const StreamerConfig& config, SourceKind& kind, stream::StreamSocket& socket,
@@ -159,6 +173,7 @@ Result<void> Streamer::begin_recording() {
                      .second_exposures = kind_.capture.second_exposure.count() != 0,
                      .laser_off_frames = kind_.capture.laser_off_frames,
                      .pictures_every = config_.record_pictures_every},
+           .settings = settings_in_use(kind_, config_.pipeline),
            .series = *config_.record,
            .keep_bytes = config_.record_keep_bytes,
            .realtime = config_.realtime}));

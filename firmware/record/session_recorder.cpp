@@ -75,6 +75,10 @@ Result<void> SessionRecorder::open_files() {
   BITELINE_ASSIGN([[maybe_unused]] const AppendFile head,
                   create_with(folder / "cam0/sensor.yaml",
                               config::sensor_yaml_text(config_.model, "as it scanned live")));
+  if (!config_.settings.empty()) {
+    BITELINE_ASSIGN([[maybe_unused]] const AppendFile settings,
+                    create_with(folder / "settings.yaml", config_.settings));
+  }
   BITELINE_ASSIGN(frames_, create_with(folder / "cam0/data.csv", session::k_frame_table_head));
   BITELINE_ASSIGN(frame_facts_, create_with(folder / "cam0/frames.csv", session::k_frame_facts_head));
   BITELINE_ASSIGN(poses_, create_with(folder / "pose0/data.csv", session::k_pose_table_head));

@@ -39,6 +39,7 @@ class SessionRecorder {
     std::filesystem::path folder;  ///< made here; nothing of that name may exist
     geometry::SensorModel model;
     session::RecordingFacts facts;   ///< the settings in it
+    std::string settings{};          ///< the set in use, as a settings file; empty: none is kept
     std::filesystem::path series{};  ///< whose oldest recordings make room (make_room())
     std::uint64_t keep_bytes{0};     ///< of all of them; 0: all stay
     runtime::RealtimeDemand realtime{runtime::RealtimeDemand::Required};

@@ -2,6 +2,8 @@
 #pragma once
 /// \file The camera that looks at the laser line.
 
+#include <optional>
+
 #include "common/core/result.hpp"
 #include "common/geometry/sensor_model.hpp"
 #include "common/profile/counts.hpp"
@@ -26,6 +28,8 @@ struct CameraSettings {
   /// Every second frame without the laser (the camera's strobe output, on which the laser's modulation hangs,
   /// stays off; flagged k_frame_laser_off).  Not beside second_exposure.
   bool laser_off_frames{false};
+  /// The camera's own number: dB on GenICam, the driver's steps on V4L2.  None: as the camera has it.
+  std::optional<double> gain{};
 };
 
 /// Rows of the configured region.
@@ -38,7 +42,8 @@ struct CameraLimits {
   int sensor_width_px{0}, sensor_height_px{0};
   int region_step_u_px{1}, region_step_v_px{1};  ///< offsets and sizes are multiples of these
   Nanoseconds exposure_min{0}, exposure_max{0};
-  double rate_max_hz{0};  ///< at the region and exposure now configured (full sensor before that)
+  double gain_min{0}, gain_max{0};  ///< both 0: its gain cannot be set
+  double rate_max_hz{0};            ///< at the region and exposure now configured (full sensor before that)
   bool hardware_trigger{false};
   bool bracketing{false};  ///< second_exposure and laser_off_frames: two sets of settings in turn
   bool rows_adjustable{false};

@@ -20,10 +20,13 @@ struct KeptFile {
   std::string_view name;  ///< in the session; `results/` is of a result folder
   std::string_view media_type;
 };
-inline constexpr std::array k_kept_files{
-    KeptFile{"cam0/sensor.yaml", "application/yaml"}, KeptFile{"cam0/uncertainty.yaml", "application/yaml"},
-    KeptFile{"recording.yaml", "application/yaml"},   KeptFile{"results/report.json", "application/json"},
-    KeptFile{"results/line.csv", "text/csv"},         KeptFile{"results/gate.json", "application/json"}};
+inline constexpr std::array k_kept_files{KeptFile{"cam0/sensor.yaml", "application/yaml"},
+                                         KeptFile{"cam0/uncertainty.yaml", "application/yaml"},
+                                         KeptFile{"recording.yaml", "application/yaml"},
+                                         KeptFile{"settings.yaml", "application/yaml"},
+                                         KeptFile{"results/report.json", "application/json"},
+                                         KeptFile{"results/line.csv", "text/csv"},
+                                         KeptFile{"results/gate.json", "application/json"}};
 inline constexpr std::string_view k_results_prefix = "results/";
 
 }  // namespace biteline::recording

@@ -119,6 +119,10 @@ Result<CameraLimits> AravisCamera::limits() {
   if (call.failed()) return call.failure();
   limits.exposure_min = from_microseconds(low_us);
   limits.exposure_max = from_microseconds(std::min(high_us, 1e9));
+  if (device_->has("Gain")) {
+    arv_camera_get_gain_bounds(camera, &limits.gain_min, &limits.gain_max, call);
+    if (call.failed()) return call.failure();
+  }
   if (device_->has("AcquisitionFrameRate")) {
     double low_hz = 0;
     arv_camera_get_frame_rate_bounds(camera, &low_hz, &limits.rate_max_hz, call);
@@ -155,6 +159,10 @@ Result<CameraSettings> AravisCamera::configure(const CameraSettings& wanted) {
                   microseconds(limit.exposure_max));
     }
   }
+  if (wanted.gain && !(*wanted.gain >= limit.gain_min && *wanted.gain <= limit.gain_max)) {
+    return fail(Errc::BadValue, "camera %s: gain %g outside %g to %g", device.config.address.c_str(),
+                *wanted.gain, limit.gain_min, limit.gain_max);
+  }
   const geometry::Region stepped{.offset_u_px = rounded_down(r.offset_u_px, limit.region_step_u_px),
                                  .offset_v_px = rounded_down(r.offset_v_px, limit.region_step_v_px),
                                  .width_px = rounded_down(r.width_px, limit.region_step_u_px),
@@ -164,12 +172,14 @@ Result<CameraSettings> AravisCamera::configure(const CameraSettings& wanted) {
   BITELINE_TRY(device.set_sequence());
   Call call(device.config.address, "exposure");
   arv_camera_set_exposure_time(device.camera, microseconds(wanted.exposure), call);
+  if (!call.failed() && wanted.gain) arv_camera_set_gain(device.camera, *wanted.gain, call);
   if (call.failed()) return call.failure();
   if (wanted.trigger == Trigger::FreeRun) BITELINE_TRY(device.set_rate(wanted.rate_hz));
   BITELINE_TRY(device.set_trigger(wanted.trigger));
 
   BITELINE_ASSIGN(device.settings.region, device.region());
   device.settings.exposure = from_microseconds(arv_camera_get_exposure_time(device.camera, call));
+  if (!call.failed() && wanted.gain) device.settings.gain = arv_camera_get_gain(device.camera, call);
   if (call.failed()) return call.failure();
   if (wanted.trigger == Trigger::FreeRun && wanted.rate_hz > 0) {
     device.settings.rate_hz = arv_camera_get_frame_rate(device.camera, call);

@@ -83,15 +83,21 @@ Result<Nanoseconds> set_exposure(int device, const ExposureRegister& control, Na
   return taken.value * control.unit;
 }
 
+std::optional<GainRange> find_gain(int device) {
+  std::optional<v4l2_queryctrl> control = query(device, V4L2_CID_ANALOGUE_GAIN);
+  if (!control) control = query(device, V4L2_CID_GAIN);
+  if (!control) return std::nullopt;
+  return GainRange{.id = control->id, .minimum = control->minimum, .maximum = control->maximum};
+}
+
 Result<void> set_gain(int device, std::int32_t gain) {
-  const std::uint32_t id = query(device, V4L2_CID_ANALOGUE_GAIN) ? V4L2_CID_ANALOGUE_GAIN : V4L2_CID_GAIN;
-  const std::optional<v4l2_queryctrl> control = query(device, id);
+  const std::optional<GainRange> control = find_gain(device);
   if (!control) return fail(Errc::NotSupported, "camera has no gain control");
   if (gain < control->minimum || gain > control->maximum) {
     return fail(Errc::BadValue, "gain %d, the camera takes %d to %d", gain, control->minimum,
                 control->maximum);
   }
-  return set(device, id, gain, "set gain");
+  return set(device, control->id, gain, "set gain");
 }
 
 void turn_automatics_off(int device) {

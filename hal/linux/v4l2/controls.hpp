@@ -30,6 +30,13 @@ struct ExposureRegister {
 [[nodiscard]] Result<Nanoseconds> set_exposure(int device, const ExposureRegister& control,
                                                Nanoseconds exposure);
 
+/// In the driver's steps.
+struct GainRange {
+  std::uint32_t id{0};
+  std::int32_t minimum{0}, maximum{0};
+};
+[[nodiscard]] std::optional<GainRange> find_gain(int device);
+
 /// Analogue gain in the driver's steps.
 [[nodiscard]] Result<void> set_gain(int device, std::int32_t gain);
 

@@ -114,6 +114,10 @@ Result<CameraLimits> V4l2Camera::limits() {
     limits.exposure_min = exposure_control_->shortest();
     limits.exposure_max = exposure_control_->longest();
   }
+  if (const std::optional<GainRange> gain = find_gain(controls())) {
+    limits.gain_min = gain->minimum;
+    limits.gain_max = gain->maximum;
+  }
   v4l2_streamparm parameters{};
   parameters.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   if (retrying_ioctl(device_.number(), VIDIOC_G_PARM, &parameters) == 0) {
@@ -171,6 +175,11 @@ Result<CameraSettings> V4l2Camera::configure(const CameraSettings& wanted) {
             window_.height_px != picture_height_px_;
 
   settings_ = wanted;
+  if (wanted.gain) {
+    const auto steps = static_cast<std::int32_t>(std::lround(*wanted.gain));
+    BITELINE_TRY(set_gain(controls(), steps));
+    settings_.gain = steps;
+  }
   settings_.rate_hz = set_rate(wanted.rate_hz);
   exposure_control_ = find_exposure(controls(), picture_width_px_);
   if (exposure_control_ && wanted.exposure > Nanoseconds{0}) {

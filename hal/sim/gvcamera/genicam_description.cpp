@@ -164,6 +164,8 @@ std::string genicam_description() {
   const std::string per_set = Description::per("SequencerSetSelector", k_set_stride);
   xml.real("ExposureTime", k_exposure_us, "RW", 1, 10, 1e6, per_set);
 
+  xml.real("Gain", k_gain_centidb, "RW", 100, 0, 24);
+
   xml.listed("TriggerSelector");
   xml.line(
       "<Enumeration Name=\"TriggerSelector\" NameSpace=\"Standard\"><EnumEntry Name=\"FrameStart\" "

@@ -44,6 +44,7 @@ inline constexpr std::uint32_t k_sequencer_trigger = 0x444;
 inline constexpr std::uint32_t k_sequencer_start = 0x448;
 inline constexpr std::uint32_t k_sequencer_begun_anew = 0x44c;  ///< a client has written the one before
 inline constexpr std::uint32_t k_sequencer_next = 0x450;        ///< and + 4 for set 1
+inline constexpr std::uint32_t k_gain_centidb = 0x458;
 /// What set 1 has of its own (exposure, line sources) stands so far behind what set 0 has.
 inline constexpr std::uint32_t k_set_stride = 0x350;
 }  // namespace gv_register

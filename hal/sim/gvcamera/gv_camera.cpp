@@ -230,7 +230,8 @@ void GvCamera::paint(void* buffer_pointer) {
                       .begin = {},
                       .triggered = false,
                       .strobe = device_->read(gv_register::k_line_source + 4 + set) == k_line_exposure_active,
-                      .sequence = exposures_.fetch_add(1)};
+                      .sequence = exposures_.fetch_add(1),
+                      .gain_db = 0.01 * device_->read(gv_register::k_gain_centidb)};
   exposure.begin = monotonic_now() - exposure.exposure;  // free run: a frame comes when its exposure is over
   {
     const std::lock_guard lock(edges_mutex_);

@@ -24,6 +24,7 @@ struct GvExposure {
   bool triggered{false};          ///< by an edge on Line0
   bool strobe{true};              ///< Line1 follows the exposure
   std::uint64_t sequence{0};      ///< since open()
+  double gain_db{0};
 };
 
 /// Real GVCP and GVSP packets on `address`, port 3956 (fixed by the standard); a GenICam description of our

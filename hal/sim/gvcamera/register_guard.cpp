@@ -47,15 +47,16 @@ constexpr std::array k_writable{
     Writable{0x300, 0x300, 0, 1},                                        // TriggerMode
     Writable{0x304, 0x304, 1, 1},                                        // TriggerSource
     Writable{0x308, 0x308, 0, 0},                                        // TriggerActivation
-    Writable{0x30c, 0x30c, 0, 0},  // the server's own word: a trigger was taken up
-    Writable{0x400, 0x404, 0, 1},  // AcquisitionFrameRateEnable, LineSelector
-    Writable{0x410, 0x414, 0, 1},  // LineSource
-    Writable{0x760, 0x764, 0, 1},  // of the sequencer's other set
-    Writable{0x420, 0x420, 0, 1},  // PtpEnable
-    Writable{0x430, 0x43c, 0, 1},  // SequencerMode to SequencerSetSave
-    Writable{0x440, 0x444, 0, 0},  // SequencerPathSelector, SequencerTriggerSource
-    Writable{0x448, 0x448, 0, 1},  // SequencerSetStart
-    Writable{0x450, 0x454, 0, 1},  // SequencerSetNext
+    Writable{0x30c, 0x30c, 0, 0},     // the server's own word: a trigger was taken up
+    Writable{0x400, 0x404, 0, 1},     // AcquisitionFrameRateEnable, LineSelector
+    Writable{0x410, 0x414, 0, 1},     // LineSource
+    Writable{0x760, 0x764, 0, 1},     // of the sequencer's other set
+    Writable{0x420, 0x420, 0, 1},     // PtpEnable
+    Writable{0x430, 0x43c, 0, 1},     // SequencerMode to SequencerSetSave
+    Writable{0x440, 0x444, 0, 0},     // SequencerPathSelector, SequencerTriggerSource
+    Writable{0x448, 0x448, 0, 1},     // SequencerSetStart
+    Writable{0x450, 0x454, 0, 1},     // SequencerSetNext
+    Writable{0x458, 0x458, 0, 2400},  // Gain, hundredths of a decibel
 };
 /// Stream packet size: low half; flags such as "fire a test packet" above it are not kept.
 constexpr std::uint32_t k_packet_size = 0xd04, k_packet_size_mask = 0xffff;

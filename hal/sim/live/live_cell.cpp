@@ -201,7 +201,8 @@ void LiveCell::paint(const GvExposure& exposure, std::span<std::uint8_t> pixels)
   if (lit) ++lit_;
   renderer_.render({.T_scene_cam = T_shoe_cam,
                     .region = exposure.region,
-                    .exposure_ratio = seconds(exposure.exposure) / seconds(*scene_->head.model.exposure),
+                    .exposure_ratio = std::pow(10, exposure.gain_db / 20) * seconds(exposure.exposure) /
+                                      seconds(*scene_->head.model.exposure),
                     .laser_on = lit,
                     .noise_seed = settings_.scene.shoe.seed * 1'000'003 + exposure.sequence},
                    pixels, nullptr);

@@ -42,6 +42,7 @@ void add_model(CLI::App& app, Context& context);
 void add_plan(CLI::App& app, Context& context);
 void add_record(CLI::App& app, Context& context);
 void add_replay(CLI::App& app, Context& context);
+void add_settings(CLI::App& app, Context& context);
 void add_sweep(CLI::App& app, Context& context);
 void add_target(CLI::App& app, Context& context);
 void add_transfer(CLI::App& app, Context& context);

@@ -99,6 +99,7 @@ int main(int argc, char** argv) {
   add_replay(app, context);
   add_plan(app, context);
   add_batch(app, context);
+  add_settings(app, context);
   add_sweep(app, context);
 
   try {

@@ -13,6 +13,7 @@
 
 #include "common/config/sensor_yaml.hpp"
 #include "common/profile/profile.hpp"
+#include "common/settings/settings.hpp"
 #include "hal/sim/bus/board_file.hpp"
 #include "hal/sim/live/live_cell.hpp"
 #include "hal/sim/shoe/surface_distance.hpp"
@@ -249,6 +250,33 @@ TIMED_TEST(Capture, RowsFollowTheStripeAndPointsStayWhereTheyAre) {
   // Fewer rows than at first, and no frame lost over it but by a busy machine.
   CHECK_COMPARE(capture.rows_px, <, cell->scene().head.model.region.height_px);
   CHECK_COMPARE(outcome.end.counters.frames_lost, <, 10U);
+}
+
+TIMED_TEST(Capture, ASetIsTakenByTheCameraAndKeptWithTheRecording) {
+  const auto file =
+      folder.write("set.yaml", "camera:\n  exposure_us: 300\n  gain: 3.5\npeaks: {choice: strongest}\n...\n");
+  const std::string recording = folder.path() / "live";
+  const Outcome outcome = scan({.options = {"--settings", file, "--record", recording}});
+  if (!cell) return;
+  CHECK_EQUAL_TEXT(0, outcome.end.errc, outcome.end.where.c_str());
+  CHECK_COMPARE(rms_mm(outcome), <, k_on_surface_mm);
+  const auto used = settings::read_settings(recording + "/settings.yaml");
+  SUCCEEDS(used);
+  DOUBLES_EQUAL(300, *used->number(settings::Key::ExposureUs), 0.5);
+  DOUBLES_EQUAL(3.5, *used->number(settings::Key::Gain), 0.005);
+  DOUBLES_EQUAL(25, *used->number(settings::Key::RateHz), 0);
+  STRCMP_EQUAL("strongest", used->word(settings::Key::PeakChoice)->c_str());
+}
+
+TEST(Capture, ASetThatTheCameraDoesNotTakeIsRefusedByLineKeyAndRange) {
+  cell = open_cell(settings_of({}));
+  if (!cell) return;
+  const auto file = folder.write("set.yaml", "camera:\n  exposure_us: 300\n  gain: 30\n...\n");
+  const auto sensor = intake::SensorProcess::start(
+      *intake::find_sensor_program(), arguments({.options = {"--settings", file}}, "ignore"), seconds{30});
+  CHECK(!sensor.has_value());
+  STRCMP_CONTAINS("set.yaml line 3, camera.gain: 0 to 24 expected, found 30",
+                  to_line(sensor.error()).c_str());
 }
 
 TEST(Capture, WhatExcludesEachOtherIsRefusedInPlainWords) {
