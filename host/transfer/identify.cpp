@@ -9,6 +9,8 @@
 #include <optional>
 
 #include "common/core/fixed_text.hpp"
+#include "host/transfer/align/rough_fit.hpp"
+#include "host/transfer/shape_store.hpp"
 
 namespace biteline::transfer {
 namespace {
@@ -36,13 +38,82 @@ double odds(const transfer::Alignment& alignment, std::size_t models) {
   return prior * right_per_mm(alignment.shape_rms_mm) / k_wrong_per_mm;
 }
 
-std::optional<Match> match_of(const Library& library, const std::string& name, const transfer::Upper& upper,
-                              const transfer::AlignOptions& options) {
-  const Result<SampleFiles> files = library.load(name);
-  if (!files) return std::nullopt;
-  const Result<transfer::Sample> sample = transfer::prepare_sample(files->cloud, files->line);
-  if (!sample) return std::nullopt;
-  return Match{.name = name, .alignment = transfer::align(*sample, upper, options)};
+// Where no rough fit is good, so many are compared all the same: a search that has missed the right place
+// costs nobody his model.
+constexpr std::size_t k_nearest_compared = 3;
+
+/// The rough fit; nothing of the alignment yet.
+Result<Match> rough_match(const ShapeStore& shapes, const std::string& name, const RoughTarget& target,
+                          const AlignOptions& options) {
+  BITELINE_ASSIGN(const RoughShape shape, shapes.shape_of(name));
+  Match match{.name = name, .compared = false};
+  if (!options.grade) match.rough_fit_mm = rough_fit_mm(options.mirror ? mirrored(shape) : shape, target);
+  match.alignment.verdict = Verdict::OtherModel;
+  match.alignment.reason =
+      std::isfinite(match.rough_fit_mm)
+          ? FixedText<120>::format("set aside: half of its places lie %.1f mm off (at most %.1f mm)",
+                                   match.rough_fit_mm, k_most_rough_mm)
+                .c_str()
+          : "set aside: less than half of it lies on the upper";
+  return match;
+}
+
+Result<void> compare(const Library& library, const Upper& upper, const AlignOptions& options, Match& match) {
+  BITELINE_ASSIGN(const SampleFiles files, library.load(match.name));
+  BITELINE_ASSIGN(const Sample sample, prepare_sample(files.cloud, files.line));
+  match.alignment = align(sample, upper, options);
+  match.compared = true;
+  return {};
+}
+
+/// Calls `work` for 0 to count - 1 at the same time; puts what failed into `damaged`.
+template <class Work>
+void for_each_model(const std::vector<std::string>& names, std::vector<ModelInfo>& damaged, Work work) {
+  std::vector<Result<void>> done(names.size());
+  tbb::parallel_for(std::size_t{0}, names.size(), [&](std::size_t i) { done[i] = work(i); });
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (done[i]) continue;
+    ModelInfo model{.name = names[i]};
+    model.damage = done[i].error();
+    damaged.push_back(std::move(model));
+  }
+}
+
+/// Every sound model, nearest first, the near ones aligned.
+std::vector<Match> matches_of(const Library& library, const std::vector<std::string>& names,
+                              const Upper& upper, const AlignOptions& options,
+                              std::vector<ModelInfo>& damaged) {
+  const ShapeStore shapes{library};
+  const RoughTarget target{upper};
+  std::vector<std::optional<Match>> rough(names.size());
+  for_each_model(names, damaged, [&](std::size_t i) -> Result<void> {
+    BITELINE_ASSIGN(Match match, rough_match(shapes, names[i], target, options));
+    rough[i] = std::move(match);
+    return {};
+  });
+  std::vector<Match> matches;
+  for (std::optional<Match>& match : rough) {
+    if (match) matches.push_back(*std::move(match));
+  }
+  std::stable_sort(matches.begin(), matches.end(),
+                   [](const Match& a, const Match& b) { return a.rough_fit_mm < b.rough_fit_mm; });
+  const bool any_good = !matches.empty() && matches.front().rough_fit_mm <= k_most_rough_mm;
+  std::vector<std::string> near;
+  for (const Match& match : matches) {
+    if (any_good ? match.rough_fit_mm <= k_most_rough_mm : near.size() < k_nearest_compared)
+      near.push_back(match.name);
+  }
+  // A file may be damaged unseen until it is read: then the model is none.
+  const std::size_t before = damaged.size();
+  for_each_model(near, damaged, [&](std::size_t i) { return compare(library, upper, options, matches[i]); });
+  matches.erase(std::remove_if(matches.begin(), matches.end(),
+                               [&](const Match& match) {
+                                 return std::any_of(
+                                     damaged.begin() + static_cast<std::ptrdiff_t>(before), damaged.end(),
+                                     [&](const ModelInfo& model) { return model.name == match.name; });
+                               }),
+                matches.end());
+  return matches;
 }
 
 /// Pre: no match is sure; `any`: the best one fits.
@@ -78,7 +149,7 @@ Refusal why_none(const Identification& found, bool any) {
 
 Result<Identification> identify(const Library& library, const cloud::PointCloud& upper_cloud,
                                 const transfer::AlignOptions& options) {
-  BITELINE_ASSIGN(const std::vector<ModelInfo> models, library.list());
+  BITELINE_ASSIGN(const std::vector<std::string> names, library.names());
   Identification found;
   const Result<transfer::Upper> upper = transfer::prepare_upper(upper_cloud);
   if (!upper) {
@@ -86,29 +157,19 @@ Result<Identification> identify(const Library& library, const cloud::PointCloud&
         Refusal{.code = Refused::UpperWithoutShoe, .reason = std::string{upper.error().where.view()}};
     return found;
   }
-  std::vector<std::string> names;
-  for (const ModelInfo& model : models) {
-    if (model.damage) {
-      found.damaged.push_back(model);
-    } else {
-      names.push_back(model.name);
-    }
-  }
-  std::vector<std::optional<Match>> matches(names.size());
-  tbb::parallel_for(std::size_t{0}, names.size(),
-                    [&](std::size_t i) { matches[i] = match_of(library, names[i], *upper, options); });
+  found.matches = matches_of(library, names, *upper, options, found.damaged);
 
   double total = 1;  // none of them
-  for (std::optional<Match>& match : matches) {
-    if (!match) continue;
-    match->probability = odds(match->alignment, matches.size());
-    total += match->probability;
-    found.matches.push_back(std::move(*match));
+  for (Match& match : found.matches) {
+    match.probability = odds(match.alignment, found.matches.size());
+    total += match.probability;
   }
   for (Match& match : found.matches) match.probability /= total;
+  // Those set aside stay behind, the nearest first.
   std::stable_sort(found.matches.begin(), found.matches.end(), [](const Match& a, const Match& b) {
-    return a.probability != b.probability ? a.probability > b.probability
-                                          : a.alignment.shape_rms_mm < b.alignment.shape_rms_mm;
+    if (a.probability != b.probability) return a.probability > b.probability;
+    if (a.compared != b.compared) return a.compared;
+    return a.compared && a.alignment.shape_rms_mm < b.alignment.shape_rms_mm;
   });
 
   const bool any = !found.matches.empty() && found.matches.front().alignment.accepted();

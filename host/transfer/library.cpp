@@ -297,20 +297,27 @@ Result<ModelInfo> Library::undo(const std::string& name) const {
   return info(name);
 }
 
-Result<std::vector<ModelInfo>> Library::list() const {
-  std::vector<ModelInfo> models;
+Result<std::vector<std::string>> Library::names() const {
+  std::vector<std::string> names;
   std::error_code error;
-  if (!fs::exists(folder_, error)) return models;
+  if (!fs::exists(folder_, error)) return names;
   for (fs::directory_iterator at{folder_, error}; !error && at != fs::directory_iterator{};
        at.increment(error)) {
-    const std::string name = at->path().filename().string();
-    if (!at->is_directory() || !good_name(name)) continue;
+    std::string name = at->path().filename().string();
+    if (at->is_directory() && good_name(name)) names.push_back(std::move(name));
+  }
+  if (error) return fail_errno(Errc::FileUnreadable, error.value(), "%s", folder_.c_str());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+Result<std::vector<ModelInfo>> Library::list() const {
+  BITELINE_ASSIGN(const std::vector<std::string> all, names());
+  std::vector<ModelInfo> models;
+  for (const std::string& name : all) {
     BITELINE_ASSIGN(ModelInfo model, info(name));
     models.push_back(std::move(model));
   }
-  if (error) return fail_errno(Errc::FileUnreadable, error.value(), "%s", folder_.c_str());
-  std::sort(models.begin(), models.end(),
-            [](const ModelInfo& a, const ModelInfo& b) { return a.name < b.name; });
   return models;
 }
 

@@ -58,6 +58,8 @@ class Library {
   /// What was replaced or removed last under this name comes back; what stood there takes its place.
   [[nodiscard]] Result<ModelInfo> undo(const std::string& name) const;
 
+  /// Of all models, sorted; nothing is read.
+  [[nodiscard]] Result<std::vector<std::string>> names() const;
   /// By name; a damaged one is listed with its damage.  A library that does not exist yet is empty.
   [[nodiscard]] Result<std::vector<ModelInfo>> list() const;
 

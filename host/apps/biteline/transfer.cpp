@@ -28,6 +28,7 @@ nlohmann::ordered_json json_of(const transfer::Identification& found) {
   for (const transfer::Match& match : found.matches) {
     json["matches"].push_back({{"name", match.name},
                                {"probability", match.probability},
+                               {"compared", match.compared},
                                {"fits", match.alignment.accepted()},
                                {"shape_rms_mm", match.alignment.shape_rms_mm},
                                {"reason", match.alignment.reason}});

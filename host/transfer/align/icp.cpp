@@ -62,18 +62,6 @@ LineJacobian point_jacobian(const Grade& grade, const Vec3& point, const Foot& f
   return J;
 }
 
-/// Derivative of the residual by the parameters: direction . R point_jacobian.
-Step jacobian(const Placement& placement, const Pair& pair, Freedom freedom, const GradeTie& tie) {
-  const Vec3 n = placement.T_target_source.linear().transpose() * pair.direction;
-  if (freedom == Freedom::Rigid) {  // the usual one, without detours
-    Step J(6);
-    J << n, placement.grade.apply(pair.point, pair.foot).cross(n);
-    return J;
-  }
-  return point_jacobian(placement.grade, pair.point, pair.foot, tie, parameter_count(freedom)).transpose() *
-         n;
-}
-
 void apply(const Step& step, const IcpOptions& options, Placement& placement) {
   placement.T_target_source = placement.T_target_source * geometry::exp_se3(step.head<6>());
   Grade& grade = placement.grade;
@@ -111,13 +99,15 @@ struct NormalEquations {
   /// `kernel_mm` 0: no robust weights.
   void add(const std::vector<Pair>& pairs, const Placement& placement, double kernel_mm,
            double weight_of_each) {
+    if (freedom == Freedom::Rigid) {  // the usual one: six parameters, known to the compiler
+      add_rigid(pairs, placement, kernel_mm, weight_of_each);
+      return;
+    }
     for (const Pair& pair : pairs) {
-      const Step J = jacobian(placement, pair, freedom, tie);
-      double weight = weight_of_each;
-      if (kernel_mm > 0) {
-        const double ratio = pair.residual_mm / kernel_mm;
-        weight /= (1 + ratio * ratio) * (1 + ratio * ratio);
-      }
+      const Step J =
+          point_jacobian(placement.grade, pair.point, pair.foot, tie, parameter_count(freedom)).transpose() *
+          (placement.T_target_source.linear().transpose() * pair.direction);
+      const double weight = weight_of_each / robust_divisor(pair, kernel_mm);
       H += weight * J * J.transpose();
       b -= weight * pair.residual_mm * J;
     }
@@ -136,6 +126,31 @@ struct NormalEquations {
           std::numeric_limits<double>::min();
     }
     return damped.ldlt().solve(b);
+  }
+
+ private:
+  static double robust_divisor(const Pair& pair, double kernel_mm) {
+    if (kernel_mm <= 0) return 1;
+    const double ratio = pair.residual_mm / kernel_mm;
+    return (1 + ratio * ratio) * (1 + ratio * ratio);
+  }
+
+  /// Derivative of the residual: [n, s x n], n the direction in the source's frame, s = grade(p).
+  void add_rigid(const std::vector<Pair>& pairs, const Placement& placement, double kernel_mm,
+                 double weight_of_each) {
+    const Mat3 R_source_target = placement.T_target_source.linear().transpose();
+    Eigen::Matrix<double, 6, 6> squares = H;
+    Eigen::Matrix<double, 6, 1> side = b;
+    for (const Pair& pair : pairs) {
+      const Vec3 n = R_source_target * pair.direction;
+      Eigen::Matrix<double, 6, 1> J;
+      J << n, placement.grade.apply(pair.point, pair.foot).cross(n);
+      const double weight = weight_of_each / robust_divisor(pair, kernel_mm);
+      squares.noalias() += (weight * J) * J.transpose();
+      side -= weight * pair.residual_mm * J;
+    }
+    H = squares;
+    b = side;
   }
 };
 

@@ -12,10 +12,6 @@ namespace biteline::transfer {
 namespace {
 
 constexpr double k_rad_per_deg = std::numbers::pi / 180;
-// Wide enough for the difference of a sample's part above the line and a whole upper, and for 10 degrees at
-// half a shoe.
-constexpr double k_coarse_reach_mm = 30;
-constexpr double k_middle_reach_mm = 12;
 constexpr double k_start_share = 0.5;  // of another size: sections grow as the length, or stay
 constexpr double k_same_mm = 5;
 constexpr double k_same_rad = 5 * k_rad_per_deg;
@@ -79,8 +75,15 @@ Grade start_grade(const Sample& sample, const Upper& upper, Freedom freedom) {
   return {.length = factor, .width = factor, .section = section, .height = section};
 }
 
-std::vector<Placement> starts(const Sample& sample, const Upper& upper, const Grade& grade) {
-  const Surfels source = graded(sample.common_coarse, grade);
+bool alike(const Placement& a, const Placement& b, const Vec3& centre) {
+  const Foot foot{.place = centre.head<2>().cast<float>()};
+  return (a.place(centre, foot) - b.place(centre, foot)).norm() < k_same_mm &&
+         geometry::angle_between_rad(a.T_target_source.linear(), b.T_target_source.linear()) < k_same_rad;
+}
+
+}  // namespace
+
+std::vector<Placement> starts(const Surfels& source, const Upper& upper, const Grade& grade) {
   const std::array<std::array<Frame, 2>, 2> pairs{{
       {upright_frame(source, SE3::Identity()), upright_frame(upper.surfels_coarse, upper.axes.T_base_shoe)},
       {principal_frame(source), principal_frame(upper.surfels_coarse)},
@@ -103,16 +106,22 @@ std::vector<Placement> starts(const Sample& sample, const Upper& upper, const Gr
   return placements;
 }
 
-bool alike(const Placement& a, const Placement& b, const Vec3& centre) {
-  const Foot foot{.place = centre.head<2>().cast<float>()};
-  return (a.place(centre, foot) - b.place(centre, foot)).norm() < k_same_mm &&
-         geometry::angle_between_rad(a.T_target_source.linear(), b.T_target_source.linear()) < k_same_rad;
+std::vector<IcpResult> different_ones(std::vector<IcpResult> fits, const Vec3& centre) {
+  std::sort(fits.begin(), fits.end(),
+            [](const IcpResult& a, const IcpResult& b) { return a.cost_mm2 < b.cost_mm2; });
+  std::vector<IcpResult> different;
+  for (const IcpResult& fit : fits) {
+    const bool known = std::any_of(different.begin(), different.end(), [&](const IcpResult& other) {
+      return alike(fit.placement, other.placement, centre);
+    });
+    if (!known) different.push_back(fit);
+  }
+  return different;
 }
 
-}  // namespace
-
 std::vector<IcpResult> coarse_fits(const Sample& sample, const Upper& upper, Freedom freedom) {
-  const std::vector<Placement> placements = starts(sample, upper, start_grade(sample, upper, freedom));
+  const Grade grade = start_grade(sample, upper, freedom);
+  const std::vector<Placement> placements = starts(graded(sample.common_coarse, grade), upper, grade);
   const NearestTable wide{upper.surfels_coarse, static_cast<float>(k_coarse_reach_mm)};
   const Surfaces surfaces{
       .source = sample.common_coarse, .target = upper.surfels_coarse, .target_table = wide};
@@ -129,18 +138,7 @@ std::vector<IcpResult> coarse_fits(const Sample& sample, const Upper& upper, Fre
                        .freedom = freedom,
                        .tie = {.section_share = k_start_share, .height_share = k_start_share}});
   });
-  std::sort(fits.begin(), fits.end(),
-            [](const IcpResult& a, const IcpResult& b) { return a.cost_mm2 < b.cost_mm2; });
-
-  const Vec3 centre = mean_of(sample.common_coarse);
-  std::vector<IcpResult> different;
-  for (const IcpResult& fit : fits) {
-    const bool known = std::any_of(different.begin(), different.end(), [&](const IcpResult& other) {
-      return alike(fit.placement, other.placement, centre);
-    });
-    if (!known) different.push_back(fit);
-  }
-  return different;
+  return different_ones(std::move(fits), mean_of(sample.common_coarse));
 }
 
 }  // namespace biteline::transfer

@@ -8,7 +8,18 @@
 
 namespace biteline::transfer {
 
-/// Best first, no two alike (5 mm, 5 degrees).  At least one.
+// Wide enough for the difference of a sample's part above the line and a whole upper, and for 10 degrees at
+// half a shoe.
+inline constexpr double k_coarse_reach_mm = 30;
+inline constexpr double k_middle_reach_mm = 12;
+
+/// Two frames, six turns about the upright, two heights.  `source` is coarse and already graded.
+[[nodiscard]] std::vector<Placement> starts(const Surfels& source, const Upper& upper, const Grade& grade);
+
+/// Best first, no two alike (5 mm at the source's `centre`, 5 degrees).
+[[nodiscard]] std::vector<IcpResult> different_ones(std::vector<IcpResult> fits, const Vec3& centre);
+
+/// As different_ones().  At least one.
 [[nodiscard]] std::vector<IcpResult> coarse_fits(const Sample& sample, const Upper& upper, Freedom freedom);
 
 }  // namespace biteline::transfer

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "host/cloud/ply.hpp"
+#include "host/transfer/align/rough_fit.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/made_pair.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -128,6 +129,31 @@ TEST(Identify, TwoThatBothFitAreToldAndNotChosenFrom) {
   CHECK(sut->refusal->code == Refused::SeveralModelsFit);
   STRCMP_CONTAINS("first", sut->refusal->reason.c_str());
   STRCMP_CONTAINS("twin", sut->refusal->reason.c_str());
+}
+
+TEST(Identify, OnlyTheNearOnesAreComparedAndTheOthersSayWhy) {
+  std::uint64_t seed = 1;
+  for (const char* name : {"first", "second", "third", "fourth", "fifth", "sixth"}) teach(name, seed++);
+  const Result<Identification> sut = identify(library, pair_of(4).upper_cloud, {});
+  SUCCEEDS(sut);
+  STRCMP_EQUAL("fourth", sut->name.c_str());
+  LONGS_EQUAL(6, sut->matches.size());
+  CHECK(sut->matches[0].compared);
+  CHECK(sut->matches[0].rough_fit_mm <= k_most_rough_mm);
+  const Match& last = sut->matches.back();
+  CHECK_FALSE(last.compared);
+  CHECK_FALSE(last.alignment.accepted());
+  STRCMP_CONTAINS("set aside", last.alignment.reason.c_str());
+  CHECK(last.rough_fit_mm > k_most_rough_mm);
+}
+
+TEST(Identify, OfAnotherSizeAllAreCompared) {
+  std::uint64_t seed = 1;
+  for (const char* name : {"first", "second", "third", "fourth", "fifth"}) teach(name, seed++);
+  const Result<Identification> sut = identify(library, pair_of(4).upper_cloud, {.grade = true});
+  SUCCEEDS(sut);
+  LONGS_EQUAL(5, sut->matches.size());
+  for (const Match& match : sut->matches) CHECK(match.compared);
 }
 
 TEST(Identify, ADamagedModelIsLeftOutAndTold) {

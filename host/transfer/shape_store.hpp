@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The rough shape of each saved model, kept beside the models so that recognition reads no clouds.
+
+#include <string>
+
+#include "common/core/result.hpp"
+#include "host/transfer/align/rough_fit.hpp"
+#include "host/transfer/library.hpp"
+
+namespace biteline::transfer {
+
+/// Some 10 kB a model, in the library's folder `.shapes`.  Each is noted with size, time of change and number
+/// of all files of its model: when one of them differs, or the note itself is damaged, the model is read and
+/// checked whole and the note made anew.  A library that may not be written to works as well, only slower.
+/// Thread: no state but the library's folder; several processes may work on one library.
+class ShapeStore {
+ public:
+  explicit ShapeStore(const Library& library) : library_{library} {}
+
+  /// Fails as Library::load() does, and when the model's sample cannot be used.
+  [[nodiscard]] Result<RoughShape> shape_of(const std::string& name) const;
+
+ private:
+  const Library& library_;
+};
+
+}  // namespace biteline::transfer
