@@ -14,6 +14,7 @@
 #include <thread>
 #include <utility>
 
+#include "common/gige/bootstrap.hpp"
 #include "hal/sim/gvcamera/genicam_description.hpp"
 #include "hal/sim/gvcamera/register_guard.hpp"
 
@@ -54,17 +55,16 @@ constexpr std::array<std::uint8_t, 12> k_read_register{0x42, 0x01, 0x00, 0x80, 0
 
 /// A UDP socket that `use` (connect or bind) has tied to the camera's address and port.
 Result<int> socket_at_camera(const std::string& address, decltype(&connect) use) {
-  constexpr std::uint16_t k_gvcp_port = 3956;
   sockaddr_in camera{};
   camera.sin_family = AF_INET;
-  camera.sin_port = htons(k_gvcp_port);
+  camera.sin_port = htons(gige::k_port);
   const int descriptor = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (descriptor < 0 || inet_pton(AF_INET, address.c_str(), &camera.sin_addr) != 1 ||
       use(descriptor, reinterpret_cast<const sockaddr*>(&camera), sizeof camera) != 0) {
     const int number = errno;
     if (descriptor >= 0) close(descriptor);
     return fail_errno(Errc::ConnectFailed, number, "simulated camera: %s port %d", address.c_str(),
-                      k_gvcp_port);
+                      gige::k_port);
   }
   return descriptor;
 }

@@ -9,24 +9,13 @@
 #include <cerrno>
 #include <cstring>
 
+#include "common/gige/bootstrap.hpp"
+#include "common/gige/packets.hpp"
+
 namespace biteline::sim {
 namespace {
 
-constexpr std::uint16_t k_gvcp_port = 3956;
-// GigE Vision 1.x, 16: command codes, and the register of stream channel 0 that holds the client's port.
-constexpr std::uint16_t k_write_register = 0x0082;
-constexpr std::uint16_t k_packet_resend = 0x0040;
-constexpr std::uint32_t k_stream_port_register = 0x0d00;
-constexpr std::size_t k_command_header_bytes = 8;
-constexpr std::size_t k_stream_header_bytes = 8;
 constexpr int k_stream_buffer_bytes = 8 << 20;
-
-template <class Number>
-Number big_endian(const std::uint8_t* bytes) {
-  Number number = 0;
-  for (std::size_t i = 0; i < sizeof(Number); ++i) number = static_cast<Number>(number << 8U | bytes[i]);
-  return number;
-}
 
 sockaddr_in address_of(const std::string& address, std::uint16_t port) {
   sockaddr_in found{};
@@ -74,7 +63,7 @@ LossyLine::~LossyLine() {
 }
 
 Result<std::unique_ptr<LossyLine>> LossyLine::open(const Config& config) {
-  BITELINE_ASSIGN(hal::Descriptor client_side, bound_socket(config.address, k_gvcp_port));
+  BITELINE_ASSIGN(hal::Descriptor client_side, bound_socket(config.address, gige::k_port));
   BITELINE_ASSIGN(hal::Descriptor camera_side, bound_socket(config.camera, 0));
   BITELINE_ASSIGN(hal::Descriptor stream, bound_socket(config.camera, 0));
   // As far as the kernel lets it: what overflows here is lost like the rest.
@@ -103,23 +92,23 @@ void LossyLine::from_client() {
   socklen_t from_size = sizeof from;
   const ssize_t size = recvfrom(client_side_.number(), buffer_.data(), buffer_.size(), MSG_DONTWAIT,
                                 reinterpret_cast<sockaddr*>(&from), &from_size);
-  if (size < static_cast<ssize_t>(k_command_header_bytes)) return;
+  if (size < static_cast<ssize_t>(gige::k_command_header_bytes)) return;
   const std::span<std::uint8_t> command{buffer_.data(), static_cast<std::size_t>(size)};
-  const auto code = big_endian<std::uint16_t>(command.data() + 2);
-  if (code == k_packet_resend) return send_again(command);
+  const auto code = gige::half_at(command, 2);
+  if (code == gige::command::k_packet_resend) return send_again(command);
   client_ = from;
   // The stream is to come here first.
   constexpr std::size_t k_pair_bytes = 8;
-  for (std::size_t at = k_command_header_bytes;
-       code == k_write_register && at + k_pair_bytes <= command.size(); at += k_pair_bytes) {
-    const auto value = big_endian<std::uint32_t>(command.data() + at + 4);
-    if (big_endian<std::uint32_t>(command.data() + at) != k_stream_port_register || value == 0) continue;
+  for (std::size_t at = gige::k_command_header_bytes;
+       code == gige::command::k_write_register && at + k_pair_bytes <= command.size(); at += k_pair_bytes) {
+    const auto value = gige::word_at(command, at + 4);
+    if (gige::word_at(command, at) != gige::bootstrap::k_stream_port || value == 0) continue;
     stream_client_ = from;
     stream_client_.sin_port = htons(static_cast<std::uint16_t>(value));
     command[at + 6] = static_cast<std::uint8_t>(stream_port_ >> 8U);
     command[at + 7] = static_cast<std::uint8_t>(stream_port_ & 0xFFU);
   }
-  send_to(camera_side_, command, address_of(config_.camera, k_gvcp_port));
+  send_to(camera_side_, command, address_of(config_.camera, gige::k_port));
 }
 
 void LossyLine::from_camera() {
@@ -130,12 +119,12 @@ void LossyLine::from_camera() {
 void LossyLine::from_stream() {
   while (true) {
     const ssize_t size = recv(stream_.number(), buffer_.data(), buffer_.size(), MSG_DONTWAIT);
-    if (size < static_cast<ssize_t>(k_stream_header_bytes)) return;
+    if (size < static_cast<ssize_t>(gige::k_stream_header_bytes)) return;
     const std::span<std::uint8_t> packet = std::span{buffer_}.first(static_cast<std::size_t>(size));
     // GVSP header: status, block, format and 24 bits of packet number.
     Kept& kept = kept_[next_kept_++ % k_kept];
-    kept.block = big_endian<std::uint16_t>(packet.data() + 2);
-    kept.packet = big_endian<std::uint32_t>(packet.data() + 4) & 0xFFFFFFU;
+    kept.block = gige::half_at(packet, 2);
+    kept.packet = gige::word_at(packet, 4) & 0xFFFFFFU;
     kept.bytes.assign(packet.begin(), packet.end());
     if (std::uniform_real_distribution<double>{0, 1}(random_) < config_.lost_ratio) {
       ++lost_;
@@ -160,15 +149,12 @@ void LossyLine::garble(std::span<std::uint8_t> packet) {
 }
 
 void LossyLine::send_again(std::span<const std::uint8_t> command) {
-  // Channel and block, first packet, last packet.
-  if (command.size() < k_command_header_bytes + 12) return;
-  const auto block = big_endian<std::uint16_t>(command.data() + k_command_header_bytes + 2);
-  const std::uint32_t first =
-      big_endian<std::uint32_t>(command.data() + k_command_header_bytes + 4) & 0xFFFFFFU;
-  const std::uint32_t last =
-      big_endian<std::uint32_t>(command.data() + k_command_header_bytes + 8) & 0xFFFFFFU;
+  const std::optional<gige::Command> read = gige::read_command(command);
+  const std::optional<gige::ResendWish> wish = read ? gige::read_resend(*read) : std::nullopt;
+  if (!wish) return;
   for (const Kept& kept : kept_) {
-    if (kept.block != block || kept.packet < first || kept.packet > last || kept.bytes.empty()) continue;
+    const bool wanted = kept.block == wish->block && kept.packet >= wish->first && kept.packet <= wish->last;
+    if (!wanted || kept.bytes.empty()) continue;
     send_to(stream_, kept.bytes, stream_client_);
     ++sent_again_;
   }

@@ -13,6 +13,7 @@
 #include <optional>
 #include <utility>
 
+#include "common/gige/bootstrap.hpp"
 #include "hal/sim/gvcamera/genicam_description.hpp"
 
 namespace biteline::sim {
@@ -63,8 +64,8 @@ constexpr std::uint32_t k_packet_size = 0xd04, k_packet_size_mask = 0xffff;
 /// Headers of a packet (IP, UDP, GVSP) and a word; what fits the server's own buffer.
 constexpr std::uint32_t k_packet_least = 64, k_packet_most = 60'000;
 
-GvStatus within(std::uint32_t value, std::uint32_t minimum, std::uint32_t maximum) {
-  return value >= minimum && value <= maximum ? GvStatus::Success : GvStatus::InvalidParameter;
+gige::Status within(std::uint32_t value, std::uint32_t minimum, std::uint32_t maximum) {
+  return value >= minimum && value <= maximum ? gige::Status::Success : gige::Status::InvalidParameter;
 }
 
 /// Room for a size beside its offset, and the other way round.
@@ -74,9 +75,9 @@ std::uint32_t left_of(std::uint32_t whole, std::uint32_t used) {
 
 thread_local int own_access = 0;
 /// Of the camera whose server this thread is.
-thread_local ControlChannel control;
+thread_local gige::ControlChannel control;
 /// Of the last look of this thread: goes into the answer that it sends next.
-thread_local GvStatus answer = GvStatus::Success;
+thread_local gige::Status answer = gige::Status::Success;
 
 template <class Function>
 Function* real(const char* name) {
@@ -121,20 +122,20 @@ GvGeometry geometry_of(ArvFakeCamera* camera) {
 
 }  // namespace
 
-GvStatus may_read(const GvRange& range, std::uint32_t description_bytes) {
-  if (range.bytes == 0) return GvStatus::InvalidParameter;
-  if (range.address % 4 != 0) return GvStatus::BadAlignment;
+gige::Status may_read(const GvRange& range, std::uint32_t description_bytes) {
+  if (range.bytes == 0) return gige::Status::InvalidParameter;
+  if (range.address % 4 != 0) return gige::Status::BadAlignment;
   const std::uint64_t end = std::uint64_t{range.address} + range.bytes;
-  if (end <= k_registers_bytes) return GvStatus::Success;
+  if (end <= k_registers_bytes) return gige::Status::Success;
   // Whole words are read, also of a description that ends within one.
   const std::uint64_t end_of_description = k_registers_bytes + (std::uint64_t{description_bytes} + 3) / 4 * 4;
-  return range.address >= k_registers_bytes && end <= end_of_description ? GvStatus::Success
-                                                                         : GvStatus::InvalidAddress;
+  return range.address >= k_registers_bytes && end <= end_of_description ? gige::Status::Success
+                                                                         : gige::Status::InvalidAddress;
 }
 
-GvStatus may_write(std::uint32_t address, std::uint32_t value, const GvGeometry& now) {
-  if (address % 4 != 0) return GvStatus::BadAlignment;
-  if (address >= k_registers_bytes) return GvStatus::InvalidAddress;
+gige::Status may_write(std::uint32_t address, std::uint32_t value, const GvGeometry& now) {
+  if (address % 4 != 0) return gige::Status::BadAlignment;
+  if (address >= k_registers_bytes) return gige::Status::InvalidAddress;
   using namespace gv_register;
   switch (address) {
     case k_width:
@@ -152,7 +153,7 @@ GvStatus may_write(std::uint32_t address, std::uint32_t value, const GvGeometry&
   }
   const auto* row = std::ranges::find_if(
       k_writable, [&](const Writable& each) { return address >= each.first && address <= each.last; });
-  return row == k_writable.end() ? GvStatus::WriteProtected : within(value, row->minimum, row->maximum);
+  return row == k_writable.end() ? gige::Status::WriteProtected : within(value, row->minimum, row->maximum);
 }
 
 OwnAccess::OwnAccess() {
@@ -165,17 +166,17 @@ OwnAccess::~OwnAccess() {
 namespace {
 
 /// A block is written whole or not at all.
-GvStatus may_write_block(ArvFakeCamera* camera, GvRange range, const void* bytes) {
-  if (range.bytes == 0 || range.bytes % 4 != 0) return GvStatus::InvalidParameter;
+gige::Status may_write_block(ArvFakeCamera* camera, GvRange range, const void* bytes) {
+  if (range.bytes == 0 || range.bytes % 4 != 0) return gige::Status::InvalidParameter;
   const GvGeometry now = geometry_of(camera);
   for (std::uint32_t at = 0; at < range.bytes; at += 4) {
-    if (range.address > k_any - at) return GvStatus::InvalidAddress;
+    if (range.address > k_any - at) return gige::Status::InvalidAddress;
     std::uint32_t word = 0;
     std::memcpy(&word, static_cast<const std::uint8_t*>(bytes) + at, sizeof word);
-    const GvStatus status = may_write(range.address + at, ntohl(word), now);
-    if (status != GvStatus::Success) return status;
+    const gige::Status status = may_write(range.address + at, ntohl(word), now);
+    if (status != gige::Status::Success) return status;
   }
-  return GvStatus::Success;
+  return gige::Status::Success;
 }
 
 /// What a write of one register does besides.
@@ -206,23 +207,22 @@ void follow_write(ArvFakeCamera* camera, std::uint32_t address, std::uint32_t va
 }
 
 /// Nothing: no packet of the control protocol's port.
-std::optional<GvPeer> peer_of(GSocket* socket, GSocketAddress* from) {
-  constexpr std::uint16_t k_gvcp_port = 3956;
+std::optional<gige::Peer> peer_of(GSocket* socket, GSocketAddress* from) {
   GSocketAddress* own = g_socket_get_local_address(socket, nullptr);
   const bool is_server = own != nullptr && G_IS_INET_SOCKET_ADDRESS(own) &&
-                         g_inet_socket_address_get_port(G_INET_SOCKET_ADDRESS(own)) == k_gvcp_port;
+                         g_inet_socket_address_get_port(G_INET_SOCKET_ADDRESS(own)) == gige::k_port;
   if (own != nullptr) g_object_unref(own);
   sockaddr_in address{};
   if (!is_server || from == nullptr ||
       g_socket_address_to_native(from, &address, sizeof address, nullptr) == FALSE)
     return std::nullopt;
-  return GvPeer{.address = address.sin_addr.s_addr, .port = address.sin_port};
+  return gige::Peer{.address = address.sin_addr.s_addr, .port = address.sin_port};
 }
 
 }  // namespace
 }  // namespace biteline::sim
 
-using biteline::sim::GvStatus;
+namespace gige = biteline::gige;
 
 // All that Aravis' server and fake camera do with registers ends in these two.
 gboolean arv_fake_camera_read_memory(ArvFakeCamera* camera, guint32 address, guint32 size, void* buffer) {
@@ -231,17 +231,17 @@ gboolean arv_fake_camera_read_memory(ArvFakeCamera* camera, guint32 address, gui
   answer = may_read({address, size}, description);
   // What is not there reads as zeros: the last word of the description may end beyond it.
   std::memset(buffer, 0, size);
-  return answer == GvStatus::Success && read(camera, {address, size}, buffer) ? TRUE : FALSE;
+  return answer == gige::Status::Success && read(camera, {address, size}, buffer) ? TRUE : FALSE;
 }
 
 gboolean arv_fake_camera_write_memory(ArvFakeCamera* camera, guint32 address, guint32 size,
                                       const void* buffer) {
   using namespace biteline::sim;
   static auto* const next = real<decltype(arv_fake_camera_write_memory)>("arv_fake_camera_write_memory");
-  answer = GvStatus::Success;
+  answer = gige::Status::Success;
   if (own_access > 0) return next(camera, address, size, buffer);
   answer = may_write_block(camera, {address, size}, buffer);
-  if (answer != GvStatus::Success) return FALSE;
+  if (answer != gige::Status::Success) return FALSE;
   std::uint32_t word = 0;
   if (address == k_packet_size && size == sizeof word) {
     std::memcpy(&word, buffer, sizeof word);
@@ -265,11 +265,11 @@ gssize g_socket_receive_message(GSocket* socket, GSocketAddress** address, GInpu
   const gssize got =
       next(socket, address, vectors, num_vectors, messages, num_messages, flags, cancellable, error);
   if (got <= 0 || address == nullptr || num_vectors != 1) return got;
-  const std::optional<GvPeer> peer = peer_of(socket, *address);
+  const std::optional<gige::Peer> peer = peer_of(socket, *address);
   if (!peer) return got;
   const auto* bytes = static_cast<const std::uint8_t*>(vectors[0].buffer);
   const auto reply =
-      control.answer_for(*peer, {bytes, static_cast<std::size_t>(got)}, ControlChannel::Clock::now());
+      control.answer_for(*peer, {bytes, static_cast<std::size_t>(got)}, gige::ControlChannel::Clock::now());
   if (!reply) return got;
   (void)g_socket_send_to(socket, *address, reinterpret_cast<const gchar*>(reply->data()), reply->size(),
                          cancellable, nullptr);
@@ -280,9 +280,9 @@ gssize g_socket_receive_message(GSocket* socket, GSocketAddress** address, GInpu
 gssize g_socket_send_to(GSocket* socket, GSocketAddress* address, const gchar* buffer, gsize size,
                         GCancellable* cancellable, GError** error) {
   static auto* const next = biteline::sim::real<decltype(g_socket_send_to)>("g_socket_send_to");
-  const GvStatus status = std::exchange(biteline::sim::answer, GvStatus::Success);
+  const gige::Status status = std::exchange(biteline::sim::answer, gige::Status::Success);
   constexpr std::size_t k_header_bytes = 8;  // status, answer's kind, length of what follows, number
-  if (status == GvStatus::Success || size < k_header_bytes)
+  if (status == gige::Status::Success || size < k_header_bytes)
     return next(socket, address, buffer, size, cancellable, error);
   std::array<char, k_header_bytes> refusal{};
   std::memcpy(refusal.data(), buffer, refusal.size());

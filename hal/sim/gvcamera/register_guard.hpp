@@ -9,7 +9,7 @@
 
 #include <cstdint>
 
-#include "hal/sim/gvcamera/control_channel.hpp"
+#include "common/gige/control_channel.hpp"
 
 namespace biteline::sim {
 
@@ -19,7 +19,7 @@ struct GvRange {
 };
 
 /// `description_bytes`: of the GenICam description, which stands behind the registers.
-[[nodiscard]] GvStatus may_read(const GvRange& range, std::uint32_t description_bytes);
+[[nodiscard]] gige::Status may_read(const GvRange& range, std::uint32_t description_bytes);
 
 /// What bounds a write besides the table of registers.
 struct GvGeometry {
@@ -27,7 +27,7 @@ struct GvGeometry {
   std::uint32_t width{0}, height{0}, offset_x{0}, offset_y{0};
 };
 /// A client's write of one register.
-[[nodiscard]] GvStatus may_write(std::uint32_t address, std::uint32_t value, const GvGeometry& now);
+[[nodiscard]] gige::Status may_write(std::uint32_t address, std::uint32_t value, const GvGeometry& now);
 
 /// While one lives, this thread is the camera itself: it writes what no client may.  Thread: of its own.
 class OwnAccess {

@@ -140,7 +140,7 @@ std::unique_ptr<GvCamera> open_camera() {
   return nullptr;
 }
 
-int status(GvStatus status) {
+int status(gige::Status status) {
   return static_cast<int>(status);
 }
 
@@ -167,12 +167,12 @@ TEST(CameraRegisters, AnyReadIsAnsweredOrRefusedAndHarmsNothing) {
   std::mt19937 random{5};
   for (int i = 0; i < 300 * test::fuzz_factor(); ++i) addresses.push_back(random() >> (random() % 32));
   for (const std::uint32_t address : addresses) {
-    const GvStatus one = may_read({address, 4}, description);
+    const gige::Status one = may_read({address, 4}, description);
     const Reply word = client.read_register(address);
     LONGS_EQUAL(status(one), word.status);
-    LONGS_EQUAL(one == GvStatus::Success ? 4 : 0, word.data.size());
+    LONGS_EQUAL(one == gige::Status::Success ? 4 : 0, word.data.size());
     for (const unsigned bytes : {0U, 4U, 512U, 65'000U, static_cast<unsigned>(random() % 2000)}) {
-      const GvStatus many = may_read({address, bytes}, description);
+      const gige::Status many = may_read({address, bytes}, description);
       const Reply block = client.read_memory(address, static_cast<std::uint16_t>(bytes));
       LONGS_EQUAL(status(many), block.status);
     }
@@ -210,7 +210,8 @@ constexpr std::uint32_t k_privilege = 0xa00, k_heartbeat = 0x938;
 TEST(CameraRegisters, SecondApplicationReadsAndIsDeniedEveryWrite) {
   if (!camera) return;
   Client first, second;
-  LONGS_EQUAL(status(GvStatus::AccessDenied), first.write_register(gv_register::k_exposure_us, 500).status);
+  LONGS_EQUAL(status(gige::Status::AccessDenied),
+              first.write_register(gv_register::k_exposure_us, 500).status);
   LONGS_EQUAL(0, first.write_register(k_privilege, 2).status);
   // Control, a register, memory: status 0x8006, the answer's kind, no data, the number.
   CHECK((Bytes{0x80, 0x06, 0, 0x83, 0, 0, 0, 8}) ==
@@ -227,7 +228,7 @@ TEST(CameraRegisters, SecondApplicationReadsAndIsDeniedEveryWrite) {
   // Given back, it is the other's to take.
   LONGS_EQUAL(0, first.write_register(k_privilege, 0).status);
   LONGS_EQUAL(0, second.write_register(k_privilege, 1).status);
-  LONGS_EQUAL(status(GvStatus::AccessDenied), first.write_register(k_privilege, 2).status);
+  LONGS_EQUAL(status(gige::Status::AccessDenied), first.write_register(k_privilege, 2).status);
   LONGS_EQUAL(1, first.value(k_privilege));
 }
 
@@ -248,7 +249,7 @@ TEST(CameraRegisters, MissedHeartbeatEndsControlAndStream) {
   }
   LONGS_EQUAL(0, next.value(gv_register::k_acquisition));
   LONGS_EQUAL(0, next.value(gv_register::k_stream_port));
-  LONGS_EQUAL(status(GvStatus::AccessDenied), dead.write_register(gv_register::k_acquisition, 1).status);
+  LONGS_EQUAL(status(gige::Status::AccessDenied), dead.write_register(gv_register::k_acquisition, 1).status);
 }
 
 TEST(CameraRegisters, HeartbeatOfItsOwnKeepsControl) {
@@ -258,7 +259,7 @@ TEST(CameraRegisters, HeartbeatOfItsOwnKeepsControl) {
   LONGS_EQUAL(0, first.write_register(k_heartbeat, 2000).status);
   for (int i = 0; i < 30; ++i) {
     LONGS_EQUAL(2, first.value(k_privilege));
-    LONGS_EQUAL(status(GvStatus::AccessDenied), second.write_register(k_privilege, 2).status);
+    LONGS_EQUAL(status(gige::Status::AccessDenied), second.write_register(k_privilege, 2).status);
     std::this_thread::sleep_for(std::chrono::milliseconds{100});
   }
 }
@@ -289,37 +290,37 @@ TEST(CameraRegisters, ValuesOutOfRangeAreRefusedAndChangeNothing) {
   using namespace gv_register;
   struct Row {
     std::uint32_t address, value;
-    GvStatus status;
+    gige::Status status;
   };
   // The region is 640 x 120 at (0, 456) of 1626 x 1236 pixels.
   const Row rows[] = {
-      {k_exposure_us, 5, GvStatus::InvalidParameter},
-      {k_exposure_us, 2'000'000, GvStatus::InvalidParameter},
-      {k_exposure_us, 500, GvStatus::Success},
-      {k_width, 8, GvStatus::InvalidParameter},
-      {k_width, 100'000, GvStatus::InvalidParameter},
-      {k_width, 1626, GvStatus::Success},
-      {k_offset_x, 1, GvStatus::InvalidParameter},
-      {k_height, 0, GvStatus::InvalidParameter},
-      {k_height, 781, GvStatus::InvalidParameter},
-      {k_height, 780, GvStatus::Success},
-      {k_offset_y, 457, GvStatus::InvalidParameter},
-      {k_offset_y, 0, GvStatus::Success},
-      {k_acquisition_mode, 3, GvStatus::InvalidParameter},
-      {k_sequencer_start, 255, GvStatus::InvalidParameter},
-      {k_sensor_width, 4000, GvStatus::WriteProtected},
-      {0x200, 0, GvStatus::WriteProtected},  // the description's address
-      {0xd04, 0, GvStatus::InvalidParameter},
-      {0xd04, 0x8000'0000 + 1400, GvStatus::Success},  // a test packet is asked for
-      {0x122, 1, GvStatus::BadAlignment},
-      {k_memory, 1, GvStatus::InvalidAddress},
-      {0xffff'fffc, 1, GvStatus::InvalidAddress},
+      {k_exposure_us, 5, gige::Status::InvalidParameter},
+      {k_exposure_us, 2'000'000, gige::Status::InvalidParameter},
+      {k_exposure_us, 500, gige::Status::Success},
+      {k_width, 8, gige::Status::InvalidParameter},
+      {k_width, 100'000, gige::Status::InvalidParameter},
+      {k_width, 1626, gige::Status::Success},
+      {k_offset_x, 1, gige::Status::InvalidParameter},
+      {k_height, 0, gige::Status::InvalidParameter},
+      {k_height, 781, gige::Status::InvalidParameter},
+      {k_height, 780, gige::Status::Success},
+      {k_offset_y, 457, gige::Status::InvalidParameter},
+      {k_offset_y, 0, gige::Status::Success},
+      {k_acquisition_mode, 3, gige::Status::InvalidParameter},
+      {k_sequencer_start, 255, gige::Status::InvalidParameter},
+      {k_sensor_width, 4000, gige::Status::WriteProtected},
+      {0x200, 0, gige::Status::WriteProtected},  // the description's address
+      {0xd04, 0, gige::Status::InvalidParameter},
+      {0xd04, 0x8000'0000 + 1400, gige::Status::Success},  // a test packet is asked for
+      {0x122, 1, gige::Status::BadAlignment},
+      {k_memory, 1, gige::Status::InvalidAddress},
+      {0xffff'fffc, 1, gige::Status::InvalidAddress},
   };
   for (const Row& row : rows) {
     const Reply before = client.read_register(row.address);
     LONGS_EQUAL(status(row.status), client.write_register(row.address, row.value).status);
     const Reply after = client.read_register(row.address);
-    if (row.status != GvStatus::Success) {
+    if (row.status != gige::Status::Success) {
       CHECK(before.data == after.data);
     } else if (row.address != 0xd04) {
       LONGS_EQUAL(row.value, word_at(after.data, 0));
