@@ -34,11 +34,11 @@ for drop_in in "$1"/boards/*/systemd/biteline-sensor.service.d/*.conf; do
 done
 measure host.service "$1/host/apps/biteline-host/systemd/biteline-host.service"
 measure web.service "$1/host/apps/biteline-web/systemd/biteline-web.service"
-for name in uplink fleet; do
+for name in uplink fleet gige; do
   measure $name.service "$1/host/apps/biteline-$name/systemd/biteline-$name.service"
 done
-count=$((count + 3))
-for name in host web uplink fleet; do
+count=$((count + 4))
+for name in host web uplink fleet gige; do
   SYSTEMD_LOG_LEVEL=warning systemd-analyze verify "$work/$name.service" >"$work/log" 2>&1 || true
   if grep "$work" "$work/log"; then bad=1; fi
 done

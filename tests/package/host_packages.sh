@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# host_packages.sh BUILD: biteline-host and biteline-web as packages; installed in a bare Debian 12 folder, where their programs run as
+# host_packages.sh BUILD: biteline-host, biteline-web and biteline-gige as packages; installed in a bare Debian 12 folder, where their programs run as
 # an ordinary user, an upgrade keeps what was taught and settings that a person wrote, and a purge leaves the memory.
 set -euo pipefail
 build=$1
@@ -18,9 +18,10 @@ finish() {
 }
 trap finish EXIT
 
-(cd "$build" && cpack -G DEB -B "$work/packages" -D CPACK_COMPONENTS_ALL="host;web") >"$work/cpack.log" 2>&1 ||
+(cd "$build" && cpack -G DEB -B "$work/packages" -D CPACK_COMPONENTS_ALL="host;web;gige") >"$work/cpack.log" 2>&1 ||
   { tail -20 "$work/cpack.log"; exit 1; }
 host=$(echo "$work"/packages/biteline-host_*.deb) web=$(echo "$work"/packages/biteline-web_*.deb)
+gige=$(echo "$work"/packages/biteline-gige_*.deb)
 # holds DEB FILE...: each is in it.
 holds() {
   local deb=$1 file
@@ -34,6 +35,8 @@ holds "$host" usr/bin/biteline usr/bin/biteline-host usr/share/biteline/processe
   usr/share/bash-completion/completions/biteline etc/biteline/host.env
 holds "$web" usr/bin/biteline-web usr/share/biteline/web/app.js usr/share/biteline/openapi.yaml usr/share/man/man1/biteline-web.1 \
   usr/lib/systemd/system/biteline-web.service etc/biteline/web.env
+holds "$gige" usr/bin/biteline-gige usr/share/man/man1/biteline-gige.1 usr/lib/systemd/system/biteline-gige.service \
+  usr/lib/sysusers.d/biteline-gige.conf etc/biteline/gige.env
 both=$(comm -12 <(dpkg-deb -c "$host" | awk '!/\/$/ {print $6}' | sort) <(dpkg-deb -c "$web" | awk '!/\/$/ {print $6}' | sort))
 [ -z "$both" ] || bad "in both packages: $both"
 ! dpkg-deb -f "$host" Depends | grep -q biteline || bad "biteline-host depends on itself"
@@ -41,16 +44,16 @@ both=$(comm -12 <(dpkg-deb -c "$host" | awk '!/\/$/ {print $6}' | sort) <(dpkg-d
 debootstrap --variant=minbase bookworm "$root" >"$work/debootstrap.log" 2>&1 || skip "no bare folder: $(tail -1 "$work/debootstrap.log")"
 mount -t proc proc "$root/proc"
 in_root() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive HOME=/tmp "$@"; }
-cp "$host" "$web" "$root/tmp/"
+cp "$host" "$web" "$gige" "$root/tmp/"
 in_root apt-get update -qq
-in_root sh -c 'apt-get install -y -qq --no-install-recommends /tmp/biteline-host_*.deb /tmp/biteline-web_*.deb' >"$work/install.log" 2>&1 ||
+in_root sh -c 'apt-get install -y -qq --no-install-recommends /tmp/biteline-host_*.deb /tmp/biteline-web_*.deb /tmp/biteline-gige_*.deb' >"$work/install.log" 2>&1 ||
   { tail -20 "$work/install.log"; exit 1; }
 
 # An ordinary user, to whom the programs' folder is read-only.
 in_root useradd -m anna
 as_anna() { in_root su anna -c "$1"; }
 version=$(dpkg-deb -f "$host" Version)
-for program in biteline biteline-host biteline-web; do
+for program in biteline biteline-host biteline-web biteline-gige; do
   as_anna "$program --version" | grep -q "${version%%-*}" || bad "$program tells another version than $version"
 done
 as_anna 'biteline plan --help >/dev/null'
@@ -72,7 +75,7 @@ echo 'BITELINE_HOST_OPTIONS=--sensor tcp://192.0.2.1:7117' >"$root/etc/biteline/
 mkdir -p "$root/var/lib/biteline-host" && echo kept >"$root/var/lib/biteline-host/memory.sqlite"
 in_root sh -c 'dpkg -i /tmp/biteline-host_*.deb' >/dev/null 2>&1
 grep -q 192.0.2.1 "$root/etc/biteline/host.env" || bad "an upgrade overwrote host.env"
-in_root dpkg --purge biteline-host biteline-web >"$work/purge.log" 2>&1
+in_root dpkg --purge biteline-host biteline-web biteline-gige >"$work/purge.log" 2>&1
 grep -q 'remove it by hand' "$work/purge.log" || bad "the purge says nothing of the memory"
 [ -e "$root/var/lib/biteline-host/memory.sqlite" ] && [ ! -e "$root/etc/biteline/host.env" ] && [ ! -e "$root/usr/bin/biteline" ] ||
   bad "the purge took the memory, or left programs or settings"

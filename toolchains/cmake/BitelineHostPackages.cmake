@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-# What a cell's PC gets: biteline-host (service, tool, processes, documents) and biteline-web (page and API).
+# What a cell's PC gets: biteline-host (service, tool, processes, documents), biteline-web (page and API), and where
+# other software is to see the sensor, biteline-gige.
 # Included by BitelinePackage.cmake.
 set(parts ${CMAKE_SOURCE_DIR}/toolchains/package)
 set(man ${CMAKE_BINARY_DIR}/man)
@@ -8,7 +9,7 @@ file(MAKE_DIRECTORY ${man})
 # The manual pages are the programs' own words: made where the programs can run.
 set(pages)
 foreach(program "biteline;tool: recordings, lines, models, calibration" "biteline-host;service of a cell"
-    "biteline-web;page and API of a cell")
+    "biteline-web;page and API of a cell" "biteline-gige;a sensor as a GigE Vision device")
   list(GET program 0 name)
   list(GET program 1 what)
   if(TARGET ${name} AND NOT CMAKE_CROSSCOMPILING)
@@ -37,8 +38,14 @@ install(FILES ${parts}/web.sysusers DESTINATION lib/sysusers.d RENAME biteline-w
 install(FILES ${parts}/web.env DESTINATION /etc/biteline COMPONENT web)
 install(FILES ${man}/biteline-web.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT web OPTIONAL)
 
-list(APPEND CPACK_COMPONENTS_ALL host web)
-foreach(component host web)
+install(TARGETS biteline-gige RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT gige)
+install(FILES host/apps/biteline-gige/systemd/biteline-gige.service DESTINATION lib/systemd/system COMPONENT gige)
+install(FILES ${parts}/gige.sysusers DESTINATION lib/sysusers.d RENAME biteline-gige.conf COMPONENT gige)
+install(FILES ${parts}/gige.env DESTINATION /etc/biteline COMPONENT gige)
+install(FILES ${man}/biteline-gige.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT gige OPTIONAL)
+
+list(APPEND CPACK_COMPONENTS_ALL host web gige)
+foreach(component host web gige)
   string(TOUPPER ${component} upper)
   set(CPACK_DEBIAN_${upper}_PACKAGE_NAME biteline-${component})
   set(CPACK_DEBIAN_${upper}_PACKAGE_SECTION science)
@@ -48,6 +55,7 @@ endforeach()
 list(APPEND CPACK_DEBIAN_HOST_PACKAGE_CONTROL_EXTRA ${parts}/scripts/host/postrm)
 set(CPACK_COMPONENT_HOST_DESCRIPTION "Service and tool that find and follow a shoe's bite line")
 set(CPACK_COMPONENT_WEB_DESCRIPTION "Page and API of a Biteline cell")
+set(CPACK_COMPONENT_GIGE_DESCRIPTION "A Biteline sensor as a GigE Vision device, for software that speaks GenICam")
 # `biteline replay` runs the sensor's program.
 set(CPACK_DEBIAN_HOST_PACKAGE_RECOMMENDS biteline-firmware)
 set(CPACK_DEBIAN_WEB_PACKAGE_SUGGESTS biteline-host)

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+// Aravis' own client against the face: description, frames, chunks, and packets that are lost on the way.
+#include <CppUTest/TestHarness.h>
+
+#include <cfenv>
+#include <cmath>
+#include <random>
+
+#include "host/gige/server.hpp"
+#include "tests/gige/aravis_client.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/made_profile.hpp"
+
+namespace biteline {
+
+using namespace std::chrono_literals;
+
+TEST_GROUP(GigeAravis) {
+  static constexpr std::size_t k_columns = 1000, k_points = 480;
+  static constexpr int k_frames = 60, k_lines = 4;
+  static constexpr gige::Depth k_depth{.scale_mm = 0.01F, .offset_mm = -300};
+  static constexpr std::uint64_t k_scan = 77;
+  std::mt19937 random{5};
+  bool noisy{false};   ///< one in a hundred of the frames' packets is lost
+  bool losing{false};  ///< just now
+  std::unique_ptr<gige::Server> server;
+  std::unique_ptr<test::AravisClient> client;
+
+  void open_both() {
+    const auto all = gige::interfaces();
+    SUCCEEDS(all);
+    const auto loopback = gige::choose_interface(*all, "127.0.0.1");
+    SUCCEEDS(loopback);
+    auto opened = gige::Server::open({.interface = *loopback,
+                                      .clients = {},
+                                      .version = "1",
+                                      .serial = "12",
+                                      .name = "face",
+                                      .lose = [this] { return losing && random() % 100 == 0; }});
+    SUCCEEDS(opened);
+    server = std::move(*opened);
+    server->set_head(k_columns, k_depth);
+    auto connected = test::AravisClient::open("127.0.0.1");
+    SUCCEEDS(connected);
+    client = std::move(*connected);
+  }
+  void teardown() override {
+    client.reset();
+    server.reset();
+  }
+
+  static profile::Profile made_line(int frame, int line) {
+    return test::made_profile(static_cast<std::uint64_t>(frame * k_lines + line), k_points);
+  }
+
+  /// The lines of the next frame as they are to arrive, after they were offered.
+  std::vector<std::uint8_t> offer_frame(gige::Format format, int frame) const {
+    std::vector<std::uint8_t> lines;
+    for (int line = 0; line < k_lines; ++line) {
+      const profile::Profile made = made_line(frame, line);
+      server->offer(k_scan, made);
+      const std::vector<std::uint8_t> bytes = gige::line_of(format, k_columns, k_depth, made);
+      lines.insert(lines.end(), bytes.begin(), bytes.end());
+    }
+    return lines;
+  }
+
+  void stream_with(gige::Format format, bool chunks) {
+    SUCCEEDS(client->choose("PixelFormat", format == gige::Format::C16 ? "Coord3D_C16" : "Coord3D_ABC32f"));
+    SUCCEEDS(client->set("Height", k_lines));
+    SUCCEEDS(client->set("ChunkModeActive", chunks ? 1 : 0));
+    SUCCEEDS(client->start(8));
+    std::feclearexcept(FE_INVALID | FE_DIVBYZERO);  // raised when Aravis makes its first stream
+    const gige::ServerCounts before = server->counts();
+    for (int frame = 0; frame < k_frames; ++frame) {
+      losing = noisy;
+      const std::vector<std::uint8_t> expected = offer_frame(format, frame);
+      // A frame whose end is lost shows that by the next one, which comes whole.
+      losing = false;
+      server->offer(k_scan, test::made_profile(0, 1));
+      server->end_scan();
+      const auto arrived = client->next_frame(20s);
+      CHECK(arrived && arrived->complete);
+      const auto filled = client->next_frame(20s);
+      CHECK(filled && filled->complete);
+      LONGS_EQUAL(k_columns, arrived->width);
+      LONGS_EQUAL(k_lines, arrived->height);
+      LONGS_EQUAL(static_cast<std::uint32_t>(format), arrived->pixel_format);
+      CHECK(arrived->payload.size() >= expected.size());
+      MEMCMP_EQUAL(expected.data(), arrived->payload.data(), expected.size());
+      if (!chunks) continue;
+      LONGS_EQUAL(frame * k_lines, arrived->sequence);
+      std::vector<std::uint8_t> records;
+      for (int line = 0; line < k_lines; ++line) {
+        const profile::Profile made = made_line(frame, line);
+        const std::vector<std::uint8_t> record = gige::line_record(k_scan, made.header);
+        records.insert(records.end(), record.begin(), record.end());
+        if (line == 0) DOUBLES_EQUAL(made.header.T_base_flange.linear()(0, 0), arrived->flange, 0);
+      }
+      CHECK(records == arrived->lines_chunk);
+    }
+    SUCCEEDS(client->stop());
+    const gige::ServerCounts after = server->counts();
+    LONGS_EQUAL(0, client->statistics().failed);
+    LONGS_EQUAL(0, after.stream.unavailable);
+    CHECK_EQUAL(before.lost != after.lost, after.stream.resent != before.stream.resent);
+  }
+};
+
+TEST(GigeAravis, ReadsEveryFeatureOfTheDescription) {
+  open_both();
+  const auto read = client->read_all_features();
+  SUCCEEDS(read);
+  CHECK(*read > 15);
+  STRCMP_EQUAL("Biteline", client->text("DeviceVendorName").value_or("").c_str());
+  STRCMP_EQUAL("Linescan3D", client->text("DeviceScanType").value_or("").c_str());
+  SUCCEEDS(client->choose("PixelFormat", "Coord3D_C16"));
+  SUCCEEDS(client->choose("Scan3dCoordinateSelector", "CoordinateC"));
+  DOUBLES_EQUAL(k_depth.scale_mm, client->real("Scan3dCoordinateScale").value_or(0), 0);
+  DOUBLES_EQUAL(k_depth.offset_mm, client->real("Scan3dCoordinateOffset").value_or(0), 0);
+  DOUBLES_EQUAL(gige::k_no_depth, client->real("Scan3dInvalidDataValue").value_or(0), 0);
+  STRCMP_EQUAL("CalibratedC_Linescan", client->text("Scan3dOutputMode").value_or("").c_str());
+  SUCCEEDS(client->choose("PixelFormat", "Coord3D_ABC32f"));
+  DOUBLES_EQUAL(1, client->real("Scan3dCoordinateScale").value_or(0), 0);
+  CHECK(std::isnan(client->real("Scan3dInvalidDataValue").value_or(0)));
+  STRCMP_EQUAL("CalibratedABC_Grid", client->text("Scan3dOutputMode").value_or("").c_str());
+}
+
+TEST(GigeAravis, FramesAreTheProfiles) {
+  open_both();
+  stream_with(gige::Format::Abc32f, true);
+  LONGS_EQUAL(0, server->counts().lost);
+}
+
+TEST(GigeAravis, DepthsAreTheProfiles) {
+  open_both();
+  stream_with(gige::Format::C16, true);
+}
+
+TEST(GigeAravis, LostPacketsAreSentAgain) {
+  open_both();
+  noisy = true;
+  stream_with(gige::Format::Abc32f, false);
+  CHECK(server->counts().lost > 10);
+  CHECK(server->counts().stream.resent >= server->counts().lost);
+}
+
+}  // namespace biteline
