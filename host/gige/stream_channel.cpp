@@ -69,10 +69,13 @@ void StreamChannel::send_again(const ResendWish& wish) {
   const auto frame =
       std::ranges::find_if(frames_, [&](const Kept& kept) { return kept.facts.block == wish.block; });
   if (frame == frames_.end()) {
+    // A frame that is still to come is no lost one: the client is early.
+    constexpr std::uint16_t k_half_round = 0x8000;
+    if (static_cast<std::uint16_t>(wish.block - next_block_) < k_half_round) return;
     ++counts_.unavailable;
     return send_(unavailable_packet(wish.block, wish.first));
   }
-  // What was not sent yet is on its way: the client is early.
+  // Nor are packets.
   const std::uint32_t last = std::min(wish.last, frame->finished ? frame->sent + 1 : frame->sent);
   for (std::uint32_t number = wish.first; number <= last; ++number) {
     ++counts_.resent;

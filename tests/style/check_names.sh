@@ -15,7 +15,7 @@ complain() {
 }
 
 # biteline-host and its like are names of programs; X-inl.hpp is included once for each instruction set.
-found=$(sources . '*.cpp' '*.hpp' '*.sh' '*.fbs' | sed -E 's/-inl\.hpp$/.hpp/; s,/biteline-(demo|fleet|host|uplink|web)/,/,' |
+found=$(sources . '*.cpp' '*.hpp' '*.sh' '*.fbs' | sed -E 's/-inl\.hpp$/.hpp/; s,/biteline-(demo|fleet|gige|host|uplink|web)/,/,' |
   grep -vE '^([a-z][a-z0-9_]*/)*[a-z][a-z0-9_]*\.[a-z]+$')
 [ -n "$found" ] && complain 'names: files and folders are snake_case' "$found"
 

@@ -42,7 +42,8 @@ TEST(GigeNetwork, TheCamerasInterfaceIsRefused) {
 }
 
 TEST(GigeNetwork, BeyondLoopbackClientsAreNamed) {
-  const auto opened = gige::Server::open({.interface = all[1], .clients = {}});
+  const auto opened =
+      gige::Server::open({.interface = all[1], .clients = {}, .version = {}, .serial = {}, .name = {}});
   CHECK_FALSE(opened.has_value());
   STRCMP_CONTAINS("--client", to_line(opened.error()).c_str());
 }

@@ -55,7 +55,11 @@ TEST(GigeStream, WhatIsAskedForAgainIsTheSame) {
 
 TEST(GigeStream, WhatIsGoneIsSaid) {
   channel.restart(1400);
-  channel.send_again({.channel = 0, .block = 9, .first = 4, .last = 4});
+  send_frame(10);
+  sent.clear();
+  channel.send_again({.channel = 0, .block = 2, .first = 0, .last = 4});  // to come
+  CHECK(sent.empty());
+  channel.send_again({.channel = 0, .block = 0, .first = 4, .last = 4});
   LONGS_EQUAL(1, sent.size());
   LONGS_EQUAL(0x800c, gige::half_at(sent[0], 0));
   LONGS_EQUAL(1, channel.counts().unavailable);
