@@ -21,8 +21,8 @@ std::optional<std::vector<std::uint8_t>> ControlChannel::answer_for(const Peer& 
   if (!command || command->body.size() < 4) return std::nullopt;
   const bool to_privilege = word_at(command->body, 0) == bootstrap::k_privilege;
   const bool controls = controller_ == from;
+  if (controls) heard_ = now;
   if (command->code == command::k_read_register && to_privilege) {
-    if (controls) heard_ = now;
     if (controls || !controller_) return std::nullopt;
     const std::uint8_t privilege[] = {0, 0, 0, static_cast<std::uint8_t>(privilege_)};
     return answer(Status::Success, *command, privilege);

@@ -13,7 +13,7 @@
 namespace biteline::gige {
 
 /// GigE Vision 1.2, chapter 10: who writes a value to the control channel's privilege (CCP) holds it until he
-/// writes 0, or has not read it for as long as the heartbeat's timeout.  All others are denied.
+/// writes 0, or has commanded nothing for as long as the heartbeat's timeout.  All others are denied.
 /// Thread: one owner.
 class ControlChannel {
  public:

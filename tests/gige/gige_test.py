@@ -247,4 +247,5 @@ def main():
     check_rights(face, sensor, session)
 
 
-main()
+if __name__ == "__main__":
+    main()

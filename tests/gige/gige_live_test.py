@@ -1,0 +1,166 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""gige_live_test.py FACE SENSOR CELL: light only by --allow-control, and only while a client acquires and lives.
+
+The simulated cell, the sensor on its wires, and the face at an address of its own.  An observer of the native protocol
+looks at the laser.  Leaves with 77 (skipped) where the camera's port is taken.
+"""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+
+HERE = pathlib.Path(__file__).parent
+sys.path.insert(0, str(HERE))
+from gige_client import Client
+from gige_test import register_of, wait_for_head
+
+ADDRESS = "127.0.0.2"
+OBSERVER_HELLO, HEALTH, LASER_SLOT = 11, 4, 2
+ON = 1
+HEARTBEAT = 0x938
+SKIPPED = 77
+
+
+class LaserWatch(threading.Thread):
+    """What each Health says of the laser, as an observer hears it."""
+
+    def __init__(self, endpoint):
+        super().__init__(daemon=True)
+        self.known = {"__name__": "stranger"}
+        source = HERE.parent.joinpath("stranger", "stranger.py").read_text()
+        exec(source.split("def main")[0], self.known)  # without its last line, which runs it
+        self.peer = self.known["Peer"](*endpoint.removeprefix("tcp://").rsplit(":", 1))
+        self.states, self.changed = [], threading.Condition()
+        self.start()
+
+    def run(self):
+        try:
+            while True:
+                # Empty: neither profiles nor pictures are wanted.
+                self.peer.send(self.known["message"](0, OBSERVER_HELLO, []))
+                data = self.peer.receive()
+                envelope = self.known["Table"](data, int.from_bytes(data[:4], "little"))
+                if envelope.number(3, "B") == HEALTH:
+                    with self.changed:
+                        self.states.append(envelope.table(4).number(LASER_SLOT, "B"))
+                        self.changed.notify_all()
+        except (SystemExit, OSError):
+            pass
+
+    def wait_for(self, on, patience=20):
+        with self.changed:
+            begun = len(self.states)
+            return self.changed.wait_for(lambda: any((s == ON) == on for s in self.states[begun:]), patience)
+
+    def never_on(self, seconds):
+        begun = len(self.states)
+        time.sleep(seconds)
+        assert len(self.states) > begun + 2, "no health"
+        return ON not in self.states[begun:]
+
+
+def start(*command):
+    """The program and the first line that it says; nothing when it ends instead."""
+    program = subprocess.Popen([str(c) for c in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    return program, program.stdout.readline()
+
+
+def stop(program):
+    program.terminate()
+    return program.communicate(timeout=60)[1]
+
+
+def open_client(face, endpoint, *options):
+    """A face, and a client that controls it and has aimed its stream."""
+    device, said = start(face, "--sensor", endpoint, "--interface", ADDRESS, "--exit-with-parent", *options)
+    assert said, stop(device)
+    client = Client(ADDRESS)
+    description = client.description()
+    wait_for_head(client, register_of(description, "Width"))
+    client.acquisition = register_of(description, "AcquisitionStart")
+    client.take_control()
+    client.write(HEARTBEAT, 60_000)
+    client.aim_stream(8000)
+    return device, client
+
+
+def take_frames(client, count):
+    packets = 0
+    for _ in range(200):
+        for _ in range(100):
+            if not client.hear(0.1):
+                break
+            packets += 1
+        if sum(client.whole(block) is not None for block in list(client.frames)) >= count:
+            return
+    raise AssertionError(f"{packets} packets, {len(client.frames)} frames")
+
+
+def check_looking_on(face, endpoint, laser):
+    device, client = open_client(face, endpoint)
+    client.write(client.acquisition, 1)
+    assert laser.never_on(2), "light by a client that only looks on"
+    assert not client.frames
+    print("looking on:", stop(device).strip() or "no light, no frames", flush=True)
+
+
+def check_control(face, endpoint, laser):
+    device, client = open_client(face, endpoint, "--allow-control")
+    assert laser.never_on(1), "light before a start"
+    client.write(client.acquisition, 1)
+    assert laser.wait_for(True), "no light"
+    take_frames(client, 3)
+    client.write(client.acquisition, 0)
+    assert laser.wait_for(False), "light after the stop"
+    print("control: light from AcquisitionStart to AcquisitionStop", flush=True)
+
+    # The arm goes back; then a client that dies.
+    client.frames.clear()
+    client.write(HEARTBEAT, 1000)
+    client.write(client.acquisition, 1)
+    assert laser.wait_for(True), "no light the second time"
+    assert laser.wait_for(False), "light without the client's heartbeat"
+    print("control: dark without the client's heartbeat", flush=True)
+
+    other = Client(ADDRESS)
+    other.acquisition = client.acquisition
+    other.take_control()
+    other.aim_stream(8000)
+    other.write(other.acquisition, 1)
+    assert laser.wait_for(True), "no light the third time"
+    device.kill()
+    device.communicate()
+    assert laser.wait_for(False), "light without the program"
+    print("control: dark without the program", flush=True)
+
+
+def main():
+    face, sensor, cell = sys.argv[1:4]
+    with tempfile.TemporaryDirectory() as folder:
+        place = pathlib.Path(folder) / "cell"
+        serving, said = start(cell, "serve", "--speed-mm-s", 20, "--rate-hz", 15, "--out", place, "--exit-with-parent")
+        if not said:
+            told = stop(serving)
+            assert "3956" in told, told
+            print("skipped: " + told)
+            sys.exit(SKIPPED)
+        place = json.loads(said)
+        for rights in ("required", "ignore"):
+            running, said = start(sensor, "--source", "board:" + place["board"], "--sensor", place["sensor"], "--rt", rights,
+                                  "--exit-with-parent")
+            if said:
+                break
+        assert said, stop(running)
+        endpoint = json.loads(said)["endpoint"]
+        laser = LaserWatch(endpoint)
+        check_looking_on(face, endpoint, laser)
+        check_control(face, endpoint, laser)
+        stop(running)
+        stop(serving)
+
+
+main()
