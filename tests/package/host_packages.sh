@@ -30,6 +30,7 @@ holds() {
   for file in "$@"; do grep -q "$file\$" "$work/files" || bad "$deb lacks $file"; done
 }
 holds "$host" usr/bin/biteline usr/bin/biteline-host usr/share/biteline/processes/grind.yaml usr/share/biteline/web/viewer.js \
+  usr/share/biteline/reader/biteline_scan.hpp usr/share/biteline/reader/biteline_scan.py usr/share/biteline/reader/read_live.cpp \
   usr/lib/systemd/system/biteline-host.service usr/lib/sysusers.d/biteline-host.conf usr/share/doc/biteline/LICENSE \
   usr/share/doc/biteline/docs/pictures/section.svg usr/share/man/man1/biteline.1 usr/share/man/man1/biteline-host.1 \
   usr/share/bash-completion/completions/biteline etc/biteline/host.env

@@ -1,6 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""reader_test.py SENSOR SERVICE SESSION: host/reader makes of a service's scan.btln the service's own cloud."""
+"""reader_test.py SENSOR SERVICE SESSION SCAN_TO_PLY READ_LIVE: host/reader makes of a service's scan.btln the service's own cloud.
+
+The last two are its examples in C++.
+"""
 import json
 import pathlib
 import subprocess
@@ -20,6 +23,10 @@ def read_cloud(file):
     head, _, body = file.read_bytes().partition(b"end_header\n")
     lines = [line.split() for line in head.decode().splitlines()]
     count = next(int(words[2]) for words in lines if words[:2] == ["element", "vertex"])
+    if b"format ascii" in head:
+        names = [words[2] for words in lines if words[0] == "property"]
+        rows = (dict(zip(names, map(float, line.split()))) for line in body.decode().splitlines())
+        return {(row["profile"], row["column"]): (row["x"], row["y"], row["z"]) for row in rows}
     forms = {"float": "f", "double": "d", "ushort": "H", "uchar": "B", "uint": "I", "int": "i"}
     properties = [words for words in lines if words[0] == "property"]
     form, names = struct.Struct("<" + "".join(forms[words[1]] for words in properties)), [words[2] for words in properties]
@@ -27,8 +34,18 @@ def read_cloud(file):
     return {(row["profile"], row["column"]): (row["x"], row["y"], row["z"]) for row in rows}
 
 
+def exact(scan):
+    """Places by profile and column, in double precision."""
+    points = ((profile["sequence"], point) for profile in biteline_scan.profiles(scan) for point in biteline_scan.points_base(profile))
+    return {(sequence, point[3]): point[:3] for sequence, point in points}
+
+
+def six_digits(number):
+    return float(f"{number:.6g}")
+
+
 def main():
-    sensor, service, session = sys.argv[1:4]
+    sensor, service, session, scan_to_ply, read_live = sys.argv[1:6]
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         running = subprocess.Popen([sensor, "--source", "replay:" + session, "--exit-with-parent"], stdout=subprocess.PIPE)
@@ -48,9 +65,21 @@ def main():
         # The clouds hold places of up to some metres in 32-bit floats.
         assert worst_mm < 1e-3
 
+        told = subprocess.run([scan_to_ply, scan, folder / "read_by_cpp.ply"], check=True, capture_output=True, text=True).stdout
+        assert read_cloud(folder / "read_by_cpp.ply") == {key: tuple(map(six_digits, place)) for key, place in exact(scan).items()}
+        whole = len(list(biteline_scan.profiles(scan)))
+        assert told == f"{whole} profiles, {len(cloud)} points, whole\n", told
+        running = subprocess.Popen([sensor, "--source", "replay:" + session, "--exit-with-parent"], stdout=subprocess.PIPE)
+        address = json.loads(running.stdout.readline())["endpoint"]
+        told = subprocess.run([read_live, address], check=True, capture_output=True, text=True).stdout.splitlines()
+        running.wait(timeout=30)
+        assert told == [
+            f"profile {p['sequence']}: {len(p['x'])} points, {len(list(biteline_scan.points_base(p)))} of them surface"
+            for p in biteline_scan.profiles(scan)
+        ] + ["end 0"], told
+
         # Cut in the last message, spoiled in the second profile: what stands before is there.
         data = scan.read_bytes()
-        whole = len(list(biteline_scan.profiles(scan)))
         scan.write_bytes(data[:-1])
         assert len(list(biteline_scan.profiles(scan))) == whole  # the last message is the scan's end
         first = 8 + 4 + int.from_bytes(data[8:12], "little")
@@ -59,6 +88,9 @@ def main():
         spoiled[second + 300] ^= 0x10
         scan.write_bytes(spoiled)
         assert len(list(biteline_scan.profiles(scan))) == 1
+        told = subprocess.run([scan_to_ply, scan, folder / "one.ply"], check=True, capture_output=True, text=True).stdout
+        assert told.startswith("1 profiles, ") and told.endswith("cut\n"), told
+        assert subprocess.run([scan_to_ply, session, folder / "none.ply"], capture_output=True).returncode == 2
 
 
 main()
