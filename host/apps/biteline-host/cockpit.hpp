@@ -152,7 +152,6 @@ class Cockpit final : public api::Cell {
   double model_probability_{0};
   std::optional<wire::SensorHello> hello_{};
   std::optional<wire::Health> health_{};
-  Clock::time_point heard_{};
   std::string sensor_lost_{"not connected yet"};
   std::optional<robot::ur::ControllerWords> robot_{};
   std::string robot_wrong_;

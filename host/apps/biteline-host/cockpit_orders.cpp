@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+// What doors say: a stop, a start, a word about a scan, a mended line, a result worked out anew.
+#include "host/apps/biteline-host/cockpit.hpp"
+
+namespace biteline::service {
+
+void Cockpit::stop(const std::string& who) {
+  halted_ = true;
+  pause_by_person();
+  wish({.kind = Wish::Kind::Stop, .scan = {}, .who = who, .why = {}});
+}
+
+void Cockpit::laser_off(const std::string& who) {
+  halted_ = true;
+  pause_by_person();
+  wish({.kind = Wish::Kind::LaserOff, .scan = {}, .who = who, .why = {}});
+}
+
+Result<void> Cockpit::start(const api::Job& job, const std::string& who) {
+  {
+    const std::lock_guard lock{mutex_};
+    if (!held_.empty())
+      return fail(Errc::WrongState, "%s waits for a person; accept or reject it first", held_.c_str());
+    if (cycle_.on_demand() && cycle_.busy())
+      return fail(Errc::WrongState, "a scan is in work, and each start is one scan; wait for its end");
+    cycle_.begin(0);
+    stopped_ = false;
+  }
+  go(job, who);
+  return {};
+}
+
+void Cockpit::go(const api::Job& job, const std::string& who) {
+  halted_ = false;
+  paused_ = false;
+  wish({.kind = Wish::Kind::Start, .scan = {}, .who = who, .why = {}, .job = job});
+}
+
+Result<void> Cockpit::rescan(const std::string& who, const std::string& why, const std::string& door) {
+  std::string held;
+  {
+    const std::lock_guard lock{mutex_};
+    if (phase_ == Phase::Following) return fail(Errc::WrongState, "the arm follows a path; stop it first");
+    held = held_;
+    if (held.empty() && cycle_.on_demand() && cycle_.busy())
+      return fail(Errc::WrongState, "a scan is in work; wait for its end, or stop it first");
+  }
+  if (!held.empty())
+    BITELINE_TRY(decide({.kind = api::Decision::Kind::Reject,
+                         .scan = held,
+                         .who = who,
+                         .why = "scanned again: " + why,
+                         .door = door}));
+  {
+    const std::lock_guard lock{mutex_};
+    cycle_.begin(0);
+    stopped_ = false;
+  }
+  halted_ = false;
+  paused_ = false;
+  wish({.kind = Wish::Kind::Rescan, .scan = {}, .who = who, .why = why});
+  return {};
+}
+
+Result<void> Cockpit::decide(const api::Decision& decision) {
+  using enum api::Decision::Kind;
+  bool held = false;
+  Wait wait = Wait::Word;
+  {
+    const std::lock_guard lock{mutex_};
+    if (mending_ == decision.scan)
+      return fail(Errc::WrongState, "%s is being mended; decide when its path is checked", mending_.c_str());
+    held = held_ == decision.scan;
+    wait = wait_;
+    if (decision.kind == Hold && !held && scan_ == decision.scan &&
+        (phase_ == Phase::Scanning || phase_ == Phase::Working)) {
+      hold_wanted_ = decision.scan;
+    } else if (decision.kind == Hold && !held) {
+      return fail(Errc::WrongState, "%s is not in work any more; nothing is left to hold",
+                  decision.scan.c_str());
+    }
+  }
+  BITELINE_ASSIGN(std::optional<memory::Scan> scan, memory_.scan(decision.scan));
+  if (!scan) {
+    // In work: it has no row yet.
+    if (decision.kind != Hold)
+      return fail(Errc::FileNotFound, "%s among the finished scans", decision.scan.c_str());
+    scan.emplace();
+    scan->name = decision.scan;
+    scan->time = memory::now_ms();
+    scan->verdict = "working";
+  }
+  const bool sends = decision.kind == Accept || decision.kind == Send;
+  if (sends && held && wait == Wait::Model)
+    return fail(Errc::WrongState, "the model of %s is not known; choose one, or reject it",
+                decision.scan.c_str());
+  if (sends && held && wait == Wait::Mend)
+    return fail(Errc::WrongState, "%s has no checked path with its mended line; mend it again, or reject it",
+                decision.scan.c_str());
+  if (sends && !held)
+    return fail(Errc::WrongState, "%s does not wait for a word; scan the shoe again", decision.scan.c_str());
+  if (decision.kind == Reject && scan->sent)
+    return fail(Errc::WrongState, "%s was sent already", decision.scan.c_str());
+  const std::string before = scan->decision;
+  scan->decision = sends ? "accepted" : decision.kind == Reject ? "rejected" : "held";
+  scan->decided_by = decision.who;
+  scan->decided_at = memory::now_ms();
+  scan->why = decision.why;
+  BITELINE_TRY(memory_.put_scan(*scan, {.id = 0,
+                                        .time = *scan->decided_at,
+                                        .who = decision.who,
+                                        .door = decision.door,
+                                        .action = scan->decision,
+                                        .subject = decision.scan,
+                                        .before = before,
+                                        .after = decision.why}));
+  if (held && decision.kind != Hold) {
+    hold("");
+    if (sends) halted_ = false;
+    if (!sends) end_cycle(*scan);
+    wish({.kind = sends ? Wish::Kind::Send : Wish::Kind::Reject,
+          .scan = decision.scan,
+          .who = decision.who,
+          .why = decision.why});
+  }
+  tell_scan(decision.scan);
+  return {};
+}
+
+Result<void> Cockpit::choose_model(const std::string& scan, const std::string& model,
+                                   const std::string& who) {
+  {
+    const std::lock_guard lock{mutex_};
+    if (held_ != scan || wait_ != Wait::Model)
+      return fail(Errc::WrongState, "%s does not wait for its model", scan.c_str());
+    held_.clear();
+    hold_wanted_.clear();
+  }
+  wish({.kind = Wish::Kind::Model,
+        .scan = scan,
+        .who = who,
+        .why = {},
+        .job = {.model = model, .process = {}}});
+  return {};
+}
+
+Result<void> Cockpit::begin_mend(const std::string& scan) {
+  const std::lock_guard lock{mutex_};
+  if (held_ == scan && wait_ == Wait::Model)
+    return fail(Errc::WrongState, "the model of %s is not known; choose one first", scan.c_str());
+  if (!mending_.empty()) return fail(Errc::WrongState, "%s is being mended; wait for it", mending_.c_str());
+  if (scan_ == scan && held_ != scan &&
+      (phase_ == Phase::Scanning || phase_ == Phase::Working || phase_ == Phase::Following))
+    return fail(Errc::WrongState, "%s is in work; mend it when it is done", scan.c_str());
+  mending_ = scan;
+  return {};
+}
+
+void Cockpit::end_mend(const std::string& scan, bool mended, const std::string& who) {
+  {
+    const std::lock_guard lock{mutex_};
+    if (!mended || held_ != scan) {
+      mending_.clear();
+      return;
+    }
+  }
+  // What waits gets its path planned anew; until then nobody can accept it.
+  wish({.kind = Wish::Kind::Mended, .scan = scan, .who = who, .why = {}});
+}
+
+Result<int> Cockpit::rerun(const api::RerunOrder& order) {
+  {
+    const std::lock_guard lock{mutex_};
+    if (scan_ == order.scan && held_ != order.scan && (phase_ == Phase::Scanning || phase_ == Phase::Working))
+      return fail(Errc::WrongState, "%s is in work; wait for its result", order.scan.c_str());
+  }
+  return reruns_->add(order);
+}
+
+bool Cockpit::rerun_open(const std::string& scan, int number) {
+  return reruns_->open(scan, number);
+}
+
+}  // namespace biteline::service

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+// What doors see: lamps with words, the robot and the sensor.
+#include <array>
+#include <utility>
+
+#include "host/apps/biteline-host/cockpit.hpp"
+
+namespace biteline::service {
+namespace {
+
+using api::Json;
+
+constexpr std::array k_phases{"starting", "waiting",   "scanning", "working",
+                              "deciding", "following", "stopped",  "fault"};
+
+Json lamp(const char* level, const std::string& words) {
+  return {{"level", level}, {"words", words}};
+}
+
+Json clock_json(const wire::ClockState& clock) {
+  return {{"name", clock.name},
+          {"known", clock.known},
+          {"offset_ns", clock.offset.count()},
+          {"uncertainty_ns", clock.uncertainty.count()},
+          {"drift_ppm", clock.drift_ppm},
+          {"steps", clock.steps}};
+}
+
+Json laser_lamp(const wire::Health& health) {
+  switch (health.laser) {
+    case wire::LaserState::Off:
+      return lamp("off", health.laser_reason.empty() ? "off" : "off: " + health.laser_reason);
+    case wire::LaserState::On:
+      return lamp("ok", "on");
+    case wire::LaserState::Fault:
+      return lamp("fault", "off by a fault: " + health.laser_reason);
+  }
+  return lamp("unknown", "not known");
+}
+
+Json clock_lamp(const wire::Devices& devices) {
+  if (devices.clocks.empty()) return lamp("ok", "one clock");
+  std::string unknown;
+  for (const wire::ClockState& clock : devices.clocks) {
+    if (!clock.known) unknown += (unknown.empty() ? "" : ", ") + clock.name;
+  }
+  if (!unknown.empty()) return lamp("warning", "not known yet: " + unknown);
+  return lamp("ok", std::to_string(devices.clocks.size()) + " known");
+}
+
+}  // namespace
+
+Json Cockpit::state_locked() const {
+  const bool connected = sensor_lost_.empty();
+  Json lamps;
+  if (!connected || !health_) {
+    const Json away =
+        connected ? lamp("unknown", "not told yet") : lamp("unknown", "sensor: " + sensor_lost_);
+    for (const char* name : {"laser", "camera", "poses", "clock"}) lamps[name] = away;
+  } else {
+    const wire::Devices& devices = health_->devices;
+    lamps["laser"] = laser_lamp(*health_);
+    lamps["camera"] = devices.camera_connected ? lamp("ok", "connected") : lamp("warning", "not open");
+    lamps["poses"] = devices.poses_flow ? lamp("ok", "come in") : lamp("warning", "none come in");
+    lamps["clock"] = clock_lamp(devices);
+  }
+  if (config_.arm.empty()) {
+    lamps["robot"] = lamp("off", "none: lines are found, no path is planned");
+  } else if (!robot_asked_) {
+    lamps["robot"] = lamp("unknown", "not asked yet");
+  } else {
+    lamps["robot"] = robot_wrong_.empty() ? lamp("ok", "ready") : lamp("fault", robot_wrong_);
+  }
+  const bool simulated = hello_ && hello_->simulated;
+  Json state{
+      {"version", BITELINE_VERSION},
+      {"simulated", simulated},
+      {"phase", k_phases.at(static_cast<std::size_t>(phase_))},
+      {"now", now_},
+      {"next", next_},
+      {"scan", api::or_null(scan_)},
+      {"progress", api::or_null(progress_)},
+      {"lamps", std::move(lamps)},
+      {"cycle",
+       {{"this_s",
+         cycle_begun_ ? Json(std::chrono::duration<double>(Clock::now() - *cycle_begun_).count()) : Json{}},
+        {"last_s", api::or_null(last_cycle_s_)}}},
+      {"model", nullptr},
+      {"process", api::or_null(process_)}};
+  if (!model_.empty()) state["model"] = {{"name", model_}, {"probability", model_probability_}};
+  return state;
+}
+
+Json Cockpit::state() {
+  const std::lock_guard lock{mutex_};
+  return state_locked();
+}
+
+Json Cockpit::robots() {
+  const std::lock_guard lock{mutex_};
+  if (config_.arm.empty()) return Json::array();
+  Json robot{{"name", config_.arm},
+             {"address", config_.controller},
+             {"serial", nullptr},
+             {"connected", robot_.has_value()},
+             {"powered", nullptr},
+             {"remote", nullptr},
+             {"ready", robot_asked_ && robot_wrong_.empty()},
+             {"words", robot_asked_ ? robot_wrong_ : "not asked yet"}};
+  if (robot_) {
+    if (robot_->serial) robot["serial"] = *robot_->serial;
+    if (robot_->remote) robot["remote"] = *robot_->remote;
+    if (robot_->robot_mode)
+      robot["powered"] = *robot_->robot_mode == "RUNNING" || *robot_->robot_mode == "IDLE";
+  }
+  return Json::array({std::move(robot)});
+}
+
+Json Cockpit::sensors() {
+  const std::lock_guard lock{mutex_};
+  const bool connected = sensor_lost_.empty() && hello_;
+  Json sensor{
+      {"name", hello_ ? hello_->name : "sensor"}, {"address", config_.sensor}, {"connected", connected}};
+  if (hello_) {
+    sensor["version"] = hello_->version;
+    sensor["simulated"] = hello_->simulated;
+  }
+  if (!connected) {
+    sensor["fault"] = sensor_lost_;
+    sensor["next_step"] = "check the sensor's power and network";
+    return Json::array({std::move(sensor)});
+  }
+  if (!health_) return Json::array({std::move(sensor)});
+  const wire::Health& health = *health_;
+  constexpr std::array k_lasers{"off", "on", "fault"};
+  sensor["scanning"] = health.scanning;
+  sensor["laser"] = k_lasers.at(static_cast<std::size_t>(health.laser));
+  sensor["laser_reason"] = health.laser_reason;
+  sensor["camera_connected"] = health.devices.camera_connected;
+  sensor["poses_flow"] = health.devices.poses_flow;
+  sensor["realtime"] = health.devices.realtime;
+  sensor["temperature_degc"] =
+      health.devices.temperature_degc ? Json(*health.devices.temperature_degc) : Json{};
+  const wire::Counters& counters = health.counters;
+  for (const auto& [name, count] :
+       {std::pair{"frames", counters.frames}, std::pair{"frames_lost", counters.frames_lost},
+        std::pair{"frames_damaged", counters.frames_damaged}, std::pair{"profiles", counters.profiles},
+        std::pair{"profiles_dropped", counters.profiles_dropped},
+        std::pair{"messages_lost", counters.messages_lost}, std::pair{"poses_lost", counters.poses_lost},
+        std::pair{"overruns", counters.overruns}}) {
+    sensor[name] = count;
+  }
+  sensor["clocks"] = Json::array();
+  for (const wire::ClockState& clock : health.devices.clocks) sensor["clocks"].push_back(clock_json(clock));
+  const bool fault = health.laser == wire::LaserState::Fault;
+  sensor["fault"] = fault ? Json(health.laser_reason) : Json{};
+  sensor["next_step"] = fault ? Json("remove the cause, then start again") : Json{};
+  return Json::array({std::move(sensor)});
+}
+
+}  // namespace biteline::service
