@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: MIT
+// The service before a person: a held scan, a word, a model's name, a result worked out again, a stop.
+#include <CppUTest/TestHarness.h>
+
+#include <csignal>
+#include <thread>
+
+#include "host/cloud/closed_line.hpp"
+#include "host/control/client.hpp"
+#include "tests/integration/robot/service_with_arm.hpp"
+
+namespace biteline {
+namespace {
+
+/// A person at the page.
+struct Page {
+  std::unique_ptr<control::Client> client;
+  std::string token;
+
+  explicit Page(const std::string& address) {
+    auto opened = control::Client::open(
+        {.endpoint = *wire::parse_endpoint(address), .keys = {}, .patience = k_patience});
+    SUCCEEDS(opened);
+    client = std::move(*opened);
+  }
+  control::Answer ask(const std::string& method, const std::string& path, control::Json body = {}) const {
+    control::Request request;
+    request.token = token;
+    request.local = true;
+    request.method = method;
+    request.path = "/api/v1" + path;
+    request.body = std::move(body);
+    return client->ask(std::move(request));
+  }
+  void begin() {
+    const control::Json ada{{"name", "ada"}, {"password", "a long password"}};
+    control::Json account = ada;
+    account["role"] = "administrator";
+    LONGS_EQUAL(201, ask("POST", "/users", account).status);
+    token = ask("POST", "/sessions", ada).body["token"].get<std::string>();
+    LONGS_EQUAL(200, ask("POST", "/control", {{"action", "take"}}).status);
+  }
+  /// A row is written by the result's thread, the phase is told after that thread's end.
+  void wait_until_deciding() const {
+    const auto until = std::chrono::steady_clock::now() + k_patience;
+    std::string phase;
+    do {
+      phase = ask("GET", "/state").body["phase"].get<std::string>();
+      if (phase == "deciding") return;
+      std::this_thread::sleep_for(50ms);
+    } while (std::chrono::steady_clock::now() < until);
+    STRCMP_EQUAL("deciding", phase.c_str());
+  }
+  /// The scan's row, once `done` says so.
+  template <class Done>
+  control::Json scan_once(const std::string& name, Done&& done) const {
+    const auto until = std::chrono::steady_clock::now() + k_patience;
+    control::Json scan;
+    do {
+      std::this_thread::sleep_for(50ms);
+      scan = ask("GET", "/scans/" + name).body;
+    } while (!(scan.contains("decision") && done(scan)) && std::chrono::steady_clock::now() < until);
+    CHECK_TEXT(scan.contains("decision"), scan.dump().c_str());
+    return scan;
+  }
+};
+
+std::string address_told(ChildProcess& host) {
+  const std::string words = "doors come in at ";
+  while (const auto line = host.next_line(k_patience)) {
+    if (line->starts_with(words)) return line->substr(words.size());
+  }
+  FAIL("no address was told");
+  return {};
+}
+
+}  // namespace
+
+TEST_GROUP_BASE(ServiceAndPerson, ServiceWithArm){};
+
+TEST(ServiceAndPerson, HeldScanWaitsForAPersonAndTheGateStillJudges) {
+  leave_scan("scan-0001");
+  ChildProcess host = start(holding(), {"--keep-recording"});
+  Page page{address_told(host)};
+  LONGS_EQUAL(401, page.ask("GET", "/state").status);
+  page.begin();
+  const control::Json held =
+      page.scan_once("scan-0001", [](const control::Json& scan) { return scan["decision"] == "held"; });
+  STRCMP_EQUAL("held", held["decision"].get<std::string>().c_str());
+  CHECK(!held["sent"].get<bool>());
+  page.wait_until_deciding();
+  LONGS_EQUAL(409, page.ask("POST", "/commands/start").status);
+
+  LONGS_EQUAL(200, page.ask("POST", "/scans/scan-0001/accept", {{"why", "looked at it"}}).status);
+  const control::Json judged =
+      page.scan_once("scan-0001", [](const control::Json& scan) { return scan["reason_code"].is_string(); });
+  // A person's yes is not all that must hold: nobody saw this scan come in.
+  STRCMP_EQUAL("scan_not_seen", judged["reason_code"].get<std::string>().c_str());
+  STRCMP_EQUAL("accepted", judged["decision"].get<std::string>().c_str());
+  STRCMP_EQUAL("ada", judged["decided_by"].get<std::string>().c_str());
+  STRCMP_CONTAINS("ada",
+                  gate_of(results() / "scan-0001")["inputs"]["result"].value("approved_by", "").c_str());
+  CHECK(reasons_of(results() / "scan-0001").find("not_approved") == std::string::npos);
+  CHECK(controller.script().empty());
+  STRCMP_CONTAINS("accepted", page.ask("GET", "/log").body.dump().c_str());
+}
+
+TEST(ServiceAndPerson, KeptScanIsWorkedOutAgainBesideItsResultAndNothingIsSent) {
+  const fs::path scan = leave_scan("scan-0001");
+  ChildProcess host = start(holding(), {});
+  Page page{address_told(host)};
+  page.begin();
+  static_cast<void>(
+      page.scan_once("scan-0001", [](const control::Json& row) { return row["decision"] == "held"; }));
+  page.wait_until_deciding();
+  const auto line_then = fs::last_write_time(scan / "line.csv");
+  const auto again = [&](const control::Json& settings, std::size_t number) {
+    LONGS_EQUAL(202, page.ask("POST", "/scans/scan-0001/rerun", {{"settings", settings}}).status);
+    return page.scan_once("scan-0001", [&](const control::Json& row) {
+      return row["reruns"].size() == number && row["reruns"].back()["state"] == "done";
+    })["reruns"];
+  };
+  // The line as it stands along another process, and the line looked for anew.
+  control::Json reruns = again({{"process", "cement"}}, 1);
+  STRCMP_EQUAL("cement", reruns[0]["process"].get<std::string>().c_str());
+  STRCMP_EQUAL("rerun-1/line.csv", reruns[0]["line"].get<std::string>().c_str());
+  CHECK(fs::exists(scan / "rerun-1/path/report.json"));
+  CHECK(fs::exists(scan / "rerun-1/view_data.js"));
+  reruns = again({{"method", "default"}}, 2);
+  const auto found = cloud::read_line(scan / "line.csv"), anew = cloud::read_line(scan / "rerun-2/line.csv");
+  SUCCEEDS(found);
+  SUCCEEDS(anew);
+  DOUBLES_EQUAL(cloud::length_mm(*found), cloud::length_mm(*anew), 0.01);
+  CHECK(fs::exists(scan / "rerun-2/path/path.csv"));
+  // What went wrong is told where the outcome would stand.
+  fs::rename(scan / "cloud.ply", scan / "moved");
+  LONGS_EQUAL(409,
+              page.ask("POST", "/scans/scan-0001/rerun", {{"settings", {{"method", "default"}}}}).status);
+  std::ofstream{scan / "cloud.ply"} << "no cloud";
+  reruns = again({{"method", "default"}}, 3);
+  STRCMP_EQUAL("rerun_failed", reruns[2]["reason_code"].get<std::string>().c_str());
+
+  CHECK(line_then == fs::last_write_time(scan / "line.csv"));
+  CHECK(!fs::exists(scan / "gate.json"));
+  CHECK(controller.script().empty());
+  const control::Json row = page.ask("GET", "/scans/scan-0001").body;
+  STRCMP_EQUAL("held", row["decision"].get<std::string>().c_str());
+  CHECK(!row["sent"].get<bool>());
+}
+
+TEST(ServiceAndPerson, ScanOfNoKnownModelWaitsUntilAPersonNamesIt) {
+  const fs::path scan = leave_scan("scan-0001");
+  ChildProcess host = start(holding(), {"--models", "--library", (folder.path() / "models").string()});
+  Page page{address_told(host)};
+  page.begin();
+  const auto held = [](const control::Json& row) { return row["decision"] == "held"; };
+  control::Json row = page.scan_once("scan-0001", held);
+  STRCMP_EQUAL("model_unknown", row["reason_code"].get<std::string>().c_str());
+  STRCMP_CONTAINS("the model is not known", row["reason"].get<std::string>().c_str());
+  CHECK(fs::exists(scan / "line.csv"));
+  CHECK(!fs::exists(scan / "path"));
+  page.wait_until_deciding();
+  LONGS_EQUAL(409, page.ask("POST", "/scans/scan-0001/accept").status);
+  LONGS_EQUAL(
+      409,
+      page.ask("POST", "/scans/scan-0001/mend",
+               {{"line_version", 0}, {"why", "x"}, {"steps", {{{"step", "candidate"}, {"candidate", 1}}}}})
+          .status);
+  LONGS_EQUAL(404, page.ask("POST", "/scans/scan-0001/model", {{"model", "boot"}}).status);
+
+  // It becomes a model itself, and goes on as one.
+  LONGS_EQUAL(201, page.ask("POST", "/models", {{"name", "boot"}, {"scan", "scan-0001"}}).status);
+  LONGS_EQUAL(202, page.ask("POST", "/scans/scan-0001/model", {{"model", "boot"}}).status);
+  LONGS_EQUAL(409, page.ask("POST", "/scans/scan-0001/model", {{"model", "boot"}}).status);
+  row = page.scan_once("scan-0001",
+                       [&](const control::Json& now) { return now["model"] == "boot" && held(now); });
+  CHECK(row["reason_code"].is_null());
+  CHECK(fs::exists(scan / "path/path.csv"));
+  CHECK(controller.script().empty());
+}
+
+TEST(ServiceAndPerson, ScanOfNoKnownModelIsRefusedWhereNobodyCanBeAsked) {
+  const fs::path scan = leave_scan("scan-0001");
+  ChildProcess host =
+      start(sending(k_no_sensor), {"--once", "--models", "--library", (folder.path() / "models").string()});
+  LONGS_EQUAL(static_cast<int>(ExitStatus::Refused), end_of(host).first);
+  STRCMP_EQUAL("model_unknown", report_of(scan).value("reason_code", "").c_str());
+  CHECK(!fs::exists(scan / "line.csv"));
+  CHECK(controller.script().empty());
+}
+
+TEST(ServiceAndPerson, RejectedScanKeepsItsReasonAndAnotherServiceRemembersIt) {
+  leave_scan("scan-0001");
+  {
+    ChildProcess host = start(holding(), {});
+    Page page{address_told(host)};
+    page.begin();
+    static_cast<void>(
+        page.scan_once("scan-0001", [](const control::Json& scan) { return scan["decision"] == "held"; }));
+    page.wait_until_deciding();
+    LONGS_EQUAL(200, page.ask("POST", "/scans/scan-0001/reject", {{"why", "a hole at the toe"}}).status);
+    LONGS_EQUAL(409, page.ask("POST", "/scans/scan-0001/accept").status);
+    ::kill(host.pid(), SIGKILL);
+    SUCCEEDS(host.wait(k_patience));
+  }
+  CHECK(controller.script().empty());
+  CHECK(!fs::exists(results() / "scan-0001/gate.json"));
+  ChildProcess next = start(holding(), {});
+  Page page{address_told(next)};
+  page.token = page.ask("POST", "/sessions", {{"name", "ada"}, {"password", "a long password"}})
+                   .body["token"]
+                   .get<std::string>();
+  const control::Json scan = page.ask("GET", "/scans/scan-0001").body;
+  STRCMP_EQUAL("rejected", scan["decision"].get<std::string>().c_str());
+  STRCMP_EQUAL("a hole at the toe", scan["why"].get<std::string>().c_str());
+  CHECK(fs::exists(results() / "scan-0001/stages/6_sequence.png"));
+}
+
+TEST(ServiceAndPerson, StopAtTheCellNeedsNoLoginAndEndsThePlansOfTheService) {
+  ChildProcess host = start(holding(), {});
+  Page page{address_told(host)};
+  LONGS_EQUAL(200, page.ask("POST", "/commands/stop").status);
+  page.begin();
+  const auto until = std::chrono::steady_clock::now() + k_patience;
+  while (page.ask("GET", "/state").body["phase"] != "stopped" && std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(50ms);
+  STRCMP_EQUAL("stopped", page.ask("GET", "/state").body["phase"].get<std::string>().c_str());
+  LONGS_EQUAL(202, page.ask("POST", "/commands/start").status);
+  while (page.ask("GET", "/state").body["phase"] == "stopped" && std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(50ms);
+  // Without a sensor it is not running either, and says so.
+  STRCMP_EQUAL("fault", page.ask("GET", "/state").body["phase"].get<std::string>().c_str());
+}
+
+}  // namespace biteline

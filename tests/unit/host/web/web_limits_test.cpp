@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+// What is too much, too slow or garbled: refused, and the next one is served.
+#include <CppUTest/TestHarness.h>
+
+#include <atomic>
+#include <random>
+#include <thread>
+
+#include "tests/unit/host/web/running_server.hpp"
+
+namespace biteline::web {
+
+TEST_GROUP(WebLimits){};
+
+TEST(WebLimits, TooMuchIsRefusedAndTheNextIsServed) {
+  const RunningServer sut;
+  check_refused(431, "header_too_large", sut.get("/api/v1/state", "X: " + std::string(9000, 'x') + "\r\n"));
+  check_refused(413, "too_large",
+                sut.client().ask("POST", "/api/v1/control", k_session, std::string(300'000, ' ')));
+  WebClient chunked = sut.client();
+  chunked.send("POST /api/v1/control HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n" +
+               k_session + "\r\n");
+  for (int i = 0; i < 80; ++i) chunked.send("1000\r\n" + std::string(4096, ' ') + "\r\n");
+  check_refused(413, "too_large", chunked.receive());
+  sut.check_alive();
+}
+
+TEST(WebLimits, WhoIsSlowIsToldAndHoldsNobodyUp) {
+  const RunningServer sut{{.request_time = std::chrono::milliseconds{300}}};
+  WebClient slow = sut.client();
+  slow.send("GET /api/v1/state HTTP/1.1\r\nHost: loc");
+  sut.check_alive();
+  check_refused(408, "too_slow", slow.receive());
+  CHECK(!slow.frame());  // and it was ended
+}
+
+TEST(WebLimits, MoreConnectionsThanAllowedAreTurnedAway) {
+  const RunningServer sut{{.connections = 4}};
+  std::vector<WebClient> held;
+  for (int i = 0; i < 4; ++i) {
+    held.push_back(sut.client());
+    LONGS_EQUAL(200, held.back().ask("GET", "/api/v1/state", k_session).status);
+  }
+  check_refused(503, "too_busy", sut.get("/api/v1/state"));
+  held.clear();
+  // The server sees their end when its loop comes to it.
+  for (int i = 0; i < 1000 && sut.get("/api/v1/state").status != 200; ++i) std::this_thread::yield();
+  sut.check_alive();
+}
+
+TEST(WebLimits, TwentyWatchersAndOneThatNeverReads) {
+  const RunningServer sut;
+  std::vector<WebClient> watchers;
+  for (int i = 0; i < 20; ++i) {
+    watchers.push_back(sut.client());
+    LONGS_EQUAL(101, watchers.back().upgrade("/api/v1/live", k_session).status);
+  }
+  WebClient& silent = watchers.front();
+  // More than what any socket buffer holds, so that the silent one is surely behind.
+  constexpr int k_pictures = 400;
+  const std::vector<std::uint8_t> jpeg(200'000, 0x55);
+  std::vector<std::thread> readers;
+  std::atomic<int> got_last{0};
+  for (std::size_t i = 1; i < watchers.size(); ++i) {
+    readers.emplace_back([&, i] {
+      while (const auto frame = watchers[i].frame()) {
+        if (frame->opcode != 2) continue;
+        std::uint32_t sequence = 0;
+        std::memcpy(&sequence, frame->content.data() + 1, sizeof sequence);
+        if (sequence == k_pictures) {
+          ++got_last;
+          return;
+        }
+      }
+    });
+  }
+  for (std::uint32_t i = 1; i <= k_pictures; ++i) {
+    sut.server->publish(LiveKind::Picture, picture_message({.sequence = i, .time_ns = i}, jpeg));
+  }
+  for (std::thread& reader : readers) reader.join();
+  LONGS_EQUAL(19, got_last);
+  sut.check_alive();
+  // The silent one wakes up: it has missed pictures, and the newest is the last that it gets.
+  int frames = 0;
+  std::uint32_t sequence = 0;
+  while (sequence != k_pictures) {
+    const auto frame = silent.frame();
+    CHECK(frame.has_value());
+    if (frame->opcode != 2) continue;
+    std::uint32_t next = 0;
+    std::memcpy(&next, frame->content.data() + 1, sizeof next);
+    CHECK(next > sequence);
+    sequence = next;
+    ++frames;
+  }
+  CHECK(frames < k_pictures);
+}
+
+TEST(WebLimits, TenThousandGarbledRequestsHarmNothing) {
+  const RunningServer sut;
+  const std::vector<std::string> sound{
+      "GET /api/v1/state HTTP/1.1\r\nHost: localhost\r\n" + k_session + "\r\n",
+      "POST /api/v1/control HTTP/1.1\r\nHost: localhost\r\n" + k_session +
+          "Content-Type: application/json\r\nContent-Length: 17\r\n\r\n{\"action\":\"take\"}",
+      "GET /api/v1/scans/scan-0001/files/line.csv HTTP/1.1\r\nHost: localhost\r\nRange: bytes=1-3\r\n" +
+          k_session + "\r\n",
+      "GET /api/v1/live HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+      "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n" +
+          k_session + "\r\n\x81\x85mask12345",
+      "POST /api/v1/control HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n" + k_session +
+          "Content-Type: application/json\r\n\r\n11\r\n{\"action\":\"take\"}\r\n0\r\n\r\n"};
+  std::mt19937 random{20260715};
+  const auto below = [&random](std::size_t bound) { return random() % bound; };
+  int refused = 0;
+  for (int i = 0; i < 10'000; ++i) {
+    std::string text = sound[below(sound.size())];
+    for (std::size_t changes = 1 + below(8); changes > 0 && !text.empty(); --changes) {
+      const std::size_t at = below(text.size());
+      switch (below(5)) {
+        case 0:
+          text[at] = static_cast<char>(random());
+          break;
+        case 1:
+          text.erase(at, 1 + below(20));
+          break;
+        case 2:
+          text.insert(at, 1 + below(20), static_cast<char>(random()));
+          break;
+        case 3:
+          text.insert(at, text.substr(below(text.size()), below(40)));
+          break;
+        default:
+          text.resize(std::max<std::size_t>(1, at));
+          break;
+      }
+    }
+    WebClient client = sut.client();
+    client.send(text);
+    // Nothing more comes: what is cut off is given up at once and not after the time limit.
+    shutdown(client.fd(), SHUT_WR);
+    const WebReply reply = client.receive();
+    CHECK_TEXT(reply.status == 0 || (reply.status >= 101 && reply.status < 500), text.c_str());
+    if (reply.status >= 400) ++refused;
+  }
+  CHECK(refused > 1000);
+  sut.check_alive();
+  // Whatever got through was a request of the table, by whom it said.
+  for (const control::Request& request : sut.service->asked()) CHECK(request.path.starts_with("/api/v1/"));
+}
+
+TEST(WebLimits, GuessingPasswordsIsSlowedDown) {
+  const RunningServer sut;
+  for (int i = 0; i < 5; ++i) {
+    LONGS_EQUAL(
+        401,
+        sut.client().ask("POST", "/api/v1/sessions", "", R"({"name":"ada","password":"wrong one"})").status);
+  }
+  const std::size_t asked = sut.asked();
+  const WebReply reply = sut.client().ask("POST", "/api/v1/sessions", "", k_login);
+  check_refused(429, "too_many", reply);
+  STRCMP_EQUAL("6", reply.header("retry-after").c_str());
+  LONGS_EQUAL(asked, sut.asked());
+}
+
+}  // namespace biteline::web
