@@ -17,11 +17,12 @@ import struct
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 import urllib.request
 
-PATIENCE_S = 60
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
+from programs import PATIENCE_S, Program, comes_true
+
 CELLS = ("cell-1", "cell-2", "cell-3")
 POSTGRES = pathlib.Path("/usr/lib/postgresql/15/bin")
 EACH_MS, SHOES, HOUR = 60, 150, 180
@@ -36,30 +37,6 @@ if not shutil.which("mosquitto", path="/usr/sbin:/usr/bin") or not (POSTGRES / "
     skip("mosquitto and postgresql-15 are needed")
 if os.geteuid() != 0:
     skip("the daemons' users need root")
-
-
-def comes_true(condition, what):
-    until = time.monotonic() + PATIENCE_S
-    while time.monotonic() < until:
-        value = condition()
-        if value:
-            return value
-        time.sleep(0.1)
-    raise AssertionError("never came true: " + what)
-
-
-class Program:
-    def __init__(self, *command, user=None, cwd=None):
-        self.lines = []
-        self.command = [str(word) for word in command]
-        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, user=user, cwd=cwd,
-                                        start_new_session=True)
-        threading.Thread(target=lambda: [self.lines.append(line.rstrip()) for line in self.process.stdout], daemon=True).start()
-
-    def end(self, how=signal.SIGKILL):
-        if self.process.poll() is None:
-            self.process.send_signal(how)
-            self.process.wait(PATIENCE_S)
 
 
 class Factory:
@@ -133,7 +110,7 @@ class Factory:
             # SIGQUIT is the database's immediate end, without a checkpoint, with all its processes.
             program.end(signal.SIGQUIT)
         else:
-            program.end()
+            program.end(signal.SIGKILL)
         self.ended.append(program)
 
     def make_shoes(self, cell, first, count):

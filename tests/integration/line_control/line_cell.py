@@ -2,48 +2,21 @@
 """A cell for tests of the line's doors: sensor, service and web program, all real but the sensor's devices."""
 import json
 import pathlib
-import signal
 import socket
-import subprocess
+import sys
 import tempfile
-import threading
-import time
 import urllib.error
 import urllib.request
 
-PATIENCE_S = 100
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
+from programs import PATIENCE_S, Program, comes_true
+
 NAMES = (
     "map heartbeat step ready busy done taken finished verdict job model sent followed refusal scan starts ok amber refused "
     "failed length_mm u95_um confidence"
 ).split()
 READY, STOPPED, AWAY = 1, 6, 0
 JOBS = "jobs:\n  1: {}\n  2: {process: grind}\n  7: {model: not-there}\n"
-
-
-def comes_true(condition, what):
-    until = time.monotonic() + PATIENCE_S
-    while time.monotonic() < until:
-        value = condition()
-        if value:
-            return value
-        time.sleep(0.05)
-    raise AssertionError("never came true: " + what)
-
-
-class Program:
-    """One that this test started; its lines are kept."""
-
-    def __init__(self, *command):
-        self.lines = []
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        threading.Thread(target=lambda: [self.lines.append(line.rstrip("\n")) for line in self.process.stdout], daemon=True).start()
-
-    def line_with(self, words):
-        return comes_true(lambda: next((line for line in list(self.lines) if words in line), None), words + "\n" + "\n".join(self.lines))
-
-    def end(self, how=signal.SIGTERM):
-        self.process.send_signal(how)
-        self.process.wait(PATIENCE_S)
 
 
 class Cell:
