@@ -12,14 +12,17 @@
 #include <atomic>
 #include <cerrno>
 #include <chrono>
-#include <cstdio>
 #include <mutex>
 #include <string_view>
 #include <thread>
 
+#include "host/control/exposition.hpp"
+
 namespace biteline::fleet {
 namespace {
 
+using control::Exposition;
+using control::metric_label;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t k_most_request_bytes = 8 * 1024;
@@ -27,39 +30,8 @@ constexpr std::chrono::milliseconds k_patience{2000};
 constexpr int k_backlog = 8;
 constexpr int k_look_ms = 100;
 
-/// A label's value: backslash, quote and line end are escaped.
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char letter : text) {
-    if (letter == '\\' || letter == '"') out += '\\';
-    out += letter == '\n' ? ' ' : letter;
-  }
-  return out;
-}
-
-class Text {
- public:
-  void head(const char* name, const char* type, const char* help) {
-    name_ = name;
-    text_.append("# HELP biteline_fleet_").append(name).append(" ").append(help);
-    text_.append("\n# TYPE biteline_fleet_").append(name).append(" ").append(type).append("\n");
-  }
-  void value(const std::string& labels, double number) {
-    std::array<char, 32> digits{};
-    std::snprintf(digits.data(), digits.size(), "%.17g", number);
-    text_.append("biteline_fleet_").append(name_);
-    if (!labels.empty()) text_.append("{").append(labels).append("}");
-    text_.append(" ").append(digits.data()).append("\n");
-  }
-  std::string take() { return std::move(text_); }
-
- private:
-  std::string text_;
-  const char* name_{""};
-};
-
 std::string cell_label(const std::string& cell) {
-  return std::string{"cell=\""} + escaped(cell) + "\"";
+  return metric_label("cell", cell);
 }
 
 struct Column {
@@ -77,13 +49,13 @@ constexpr std::array k_columns{
            [](const CellRow& cell) { return static_cast<double>(cell.waiting); }},
 };
 
-void write_shoes(Text& out, std::span<const CellRow> cells) {
+void write_shoes(Exposition& out, std::span<const CellRow> cells) {
   out.head("shoes_total", "counter", "Shoes of a cell in the database, by verdict.");
   for (const CellRow& cell : cells) {
     for (const auto& [verdict, count] :
          {std::pair{"ok", cell.ok}, std::pair{"amber", cell.amber}, std::pair{"refused", cell.refused},
           std::pair{"failed", cell.failed}}) {
-      out.value(cell_label(cell.cell) + ",verdict=\"" + verdict + "\"", static_cast<double>(count));
+      out.value(cell_label(cell.cell) + "," + metric_label("verdict", verdict), static_cast<double>(count));
     }
   }
   out.head("cell_last_shoe_timestamp_seconds", "gauge", "The cell's last shoe [s since 1970].");
@@ -129,7 +101,7 @@ void answer(int fd, const std::string& body) {
 }  // namespace
 
 std::string metrics_text(const FleetNews& news) {
-  Text out;
+  Exposition out{"biteline_fleet_"};
   out.head("broker_up", "gauge", "1 while the centre has a line to the broker.");
   out.value("", news.broker ? 1 : 0);
   out.head("database_up", "gauge", "1 while the database answers.");
@@ -144,7 +116,7 @@ std::string metrics_text(const FleetNews& news) {
   out.head("cell_odd_mm", "gauge",
            "How far the cell's lines of a model lie off the other cells' [mm]; only where they do.");
   for (const OddOfModel& one : news.odd)
-    out.value(cell_label(one.odd.cell) + ",model=\"" + escaped(one.model) + "\"", one.odd.mm);
+    out.value(cell_label(one.odd.cell) + "," + metric_label("model", one.model), one.odd.mm);
   return out.take();
 }
 

@@ -3,17 +3,15 @@
 #include <sys/prctl.h>
 
 #include <CLI/CLI.hpp>
-#include <atomic>
 #include <csignal>
 #include <cstdio>
-#include <exception>
 #include <thread>
 
-#include "common/system/last_words.hpp"
 #include "host/control/messages.hpp"
 #include "host/fleet/broker_options.hpp"
 #include "host/fleet/centre.hpp"
 #include "host/fleet/metrics.hpp"
+#include "host/fleet/program.hpp"
 
 namespace {
 
@@ -21,7 +19,7 @@ using namespace biteline;
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-std::atomic<bool> g_stop{false};
+constexpr const char* k_program = "biteline-fleet";
 
 constexpr milliseconds k_turn{100};
 constexpr std::size_t k_most_at_once = 100;
@@ -81,7 +79,7 @@ class Fleet {
   }
 
   void run() {
-    while (!g_stop) {
+    while (!fleet::told_to_stop()) {
       show_metrics();
       if (!centre_ && !open_centre()) {
         // Without a database nothing is taken: the cells keep it.
@@ -133,7 +131,7 @@ class Fleet {
   }
 
   void wait() {
-    for (milliseconds waited{0}; waited < k_before_retry && !g_stop; waited += k_turn) {
+    for (milliseconds waited{0}; waited < k_before_retry && !fleet::told_to_stop(); waited += k_turn) {
       if (const Result<void> turned = broker_->turn(k_turn); !turned) std::this_thread::sleep_for(k_turn);
     }
     forget();
@@ -261,8 +259,7 @@ Result<ExitStatus> tell_odd_cells(const Options& options) {
 }
 
 int complain(const std::string& line, ExitStatus status) {
-  std::fprintf(stderr, "biteline-fleet: %s\n", line.c_str());
-  return static_cast<int>(status);
+  return fleet::complain(k_program, line, status);
 }
 
 int run(int argc, char** argv) {
@@ -271,7 +268,7 @@ int run(int argc, char** argv) {
   options.migrations = std::filesystem::read_symlink("/proc/self/exe", fault).parent_path().parent_path() /
                        "share/biteline/migrations";
   CLI::App app{"The factory's centre: takes the shoes of all cells from the broker into PostgreSQL.",
-               "biteline-fleet"};
+               k_program};
   app.set_version_flag("--version", BITELINE_VERSION);
   app.add_option(
          "--database", options.database,
@@ -316,15 +313,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  biteline::install_last_words("biteline-fleet");
-  struct sigaction action {};
-  action.sa_handler = [](int) { g_stop = true; };
-  sigaction(SIGTERM, &action, nullptr);
-  sigaction(SIGINT, &action, nullptr);
-  std::signal(SIGPIPE, SIG_IGN);
-  try {
-    return run(argc, argv);
-  } catch (const std::exception& error) {
-    return complain(std::string{"internal failure: "} + error.what(), ExitStatus::Connection);
-  }
+  return biteline::fleet::run_until_told(k_program, argc, argv, run);
 }

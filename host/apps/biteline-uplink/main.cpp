@@ -4,13 +4,11 @@
 #include <sys/prctl.h>
 
 #include <CLI/CLI.hpp>
-#include <atomic>
 #include <csignal>
 #include <cstdio>
-#include <exception>
 
-#include "common/system/last_words.hpp"
 #include "host/fleet/broker_options.hpp"
+#include "host/fleet/program.hpp"
 #include "host/fleet/uplink.hpp"
 
 namespace {
@@ -19,7 +17,7 @@ using namespace biteline;
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-std::atomic<bool> g_stop{false};
+constexpr const char* k_program = "biteline-uplink";
 
 constexpr milliseconds k_turn{100};
 /// How long after its end a shoe is sent, at most.
@@ -64,7 +62,7 @@ class Cell {
   }
 
   void run() {
-    while (!g_stop) {
+    while (!fleet::told_to_stop()) {
       const Result<void> turned = broker_->turn(k_turn);
       if (!turned) line_.say(to_line(turned.error()));
       if (broker_->ready()) line_.say("");
@@ -143,13 +141,12 @@ class Cell {
 };
 
 int complain(const std::string& line, ExitStatus status) {
-  std::fprintf(stderr, "biteline-uplink: %s\n", line.c_str());
-  return static_cast<int>(status);
+  return fleet::complain(k_program, line, status);
 }
 
 int run(int argc, char** argv) {
   Options options;
-  CLI::App app{"Tells the factory's centre of every shoe of one cell, over MQTT 5.", "biteline-uplink"};
+  CLI::App app{"Tells the factory's centre of every shoe of one cell, over MQTT 5.", k_program};
   app.set_version_flag("--version", BITELINE_VERSION);
   app.add_option("--results", options.results, "biteline-host's folder of results (its --out)")->required();
   app.add_option("--cell", options.cell, "This cell's name: letters, digits, - and _, at most 64")
@@ -176,15 +173,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  biteline::install_last_words("biteline-uplink");
-  struct sigaction action {};
-  action.sa_handler = [](int) { g_stop = true; };
-  sigaction(SIGTERM, &action, nullptr);
-  sigaction(SIGINT, &action, nullptr);
-  std::signal(SIGPIPE, SIG_IGN);
-  try {
-    return run(argc, argv);
-  } catch (const std::exception& error) {
-    return complain(std::string{"internal failure: "} + error.what(), ExitStatus::Connection);
-  }
+  return biteline::fleet::run_until_told(k_program, argc, argv, run);
 }

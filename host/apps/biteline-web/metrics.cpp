@@ -2,56 +2,16 @@
 #include "host/apps/biteline-web/metrics.hpp"
 
 #include <array>
-#include <cstdio>
 #include <string_view>
+
+#include "host/control/exposition.hpp"
 
 namespace biteline::web {
 namespace {
 
+using control::Exposition;
 using control::Json;
-
-/// A label's value: backslash, quote and line end are escaped.
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char letter : text) {
-    if (letter == '\\' || letter == '"') out += '\\';
-    out += letter == '\n' ? ' ' : letter;
-  }
-  return out;
-}
-
-class Metrics {
- public:
-  void head(std::string_view name, std::string_view type, std::string_view help) {
-    text_ += "# HELP biteline_";
-    text_ += name;
-    text_ += ' ';
-    text_ += help;
-    text_ += "\n# TYPE biteline_";
-    text_ += name;
-    text_ += ' ';
-    text_ += type;
-    text_ += '\n';
-  }
-  void value(std::string_view name, const std::string& labels, double number) {
-    std::array<char, 32> digits{};
-    std::snprintf(digits.data(), digits.size(), "%.17g", number);
-    text_ += "biteline_";
-    text_ += name;
-    if (!labels.empty()) text_ += "{" + labels + "}";
-    text_ += ' ';
-    text_ += digits.data();
-    text_ += '\n';
-  }
-  void one(std::string_view name, std::string_view type, std::string_view help, double number) {
-    head(name, type, help);
-    value(name, "", number);
-  }
-  std::string take() { return std::move(text_); }
-
- private:
-  std::string text_;
-};
+using control::metric_label;
 
 /// The number or truth value of a field, if it has one.
 const Json* number_in(const Json& object, std::string_view field) {
@@ -72,14 +32,14 @@ const Json& part(const Json& object, std::string_view field) {
   return found == object.end() ? k_nothing : *found;
 }
 
-void write_lamps(Metrics& out, const Json& lamps) {
+void write_lamps(Exposition& out, const Json& lamps) {
   if (!lamps.is_object()) return;
   static constexpr std::array<std::string_view, 5> k_levels{"unknown", "off", "ok", "warning", "fault"};
   out.head("lamp", "gauge", "1 for the level that the lamp shows.");
   for (const auto& [lamp, shown] : lamps.items()) {
     for (const std::string_view level : k_levels) {
       const bool is = part(shown, "level") == Json(std::string{level});
-      out.value("lamp", "lamp=\"" + escaped(lamp) + "\",level=\"" + std::string{level} + "\"", is ? 1 : 0);
+      out.value(metric_label("lamp", lamp) + "," + metric_label("level", level), is ? 1 : 0);
     }
   }
 }
@@ -104,7 +64,7 @@ constexpr std::array k_sensor_fields{
     SensorField{"overruns", "sensor_overruns_total", "counter", "Frames processed late."},
 };
 
-void write_sensors(Metrics& out, const Json& body) {
+void write_sensors(Exposition& out, const Json& body) {
   const Json& sensors = part(body, "sensors");
   if (!sensors.is_array()) return;
   for (const SensorField& field : k_sensor_fields) {
@@ -115,8 +75,7 @@ void write_sensors(Metrics& out, const Json& body) {
       if (!headed) out.head(field.name, field.type, field.help);
       headed = true;
       const Json& name = part(sensor, "name");
-      out.value(field.name, "sensor=\"" + escaped(name.is_string() ? name.get<std::string>() : "") + "\"",
-                as_number(*number));
+      out.value(metric_label("sensor", name.is_string() ? name.get<std::string>() : ""), as_number(*number));
     }
   }
 }
@@ -124,7 +83,7 @@ void write_sensors(Metrics& out, const Json& body) {
 }  // namespace
 
 std::string metrics_text(const ServerCounts& counts, const Json& state, const Json& sensors) {
-  Metrics out;
+  Exposition out{"biteline_"};
   out.one("host_up", "gauge", "1 while the service answers.", state.is_object() ? 1 : 0);
   write_lamps(out, part(state, "lamps"));
   if (const Json* last_s = number_in(part(state, "cycle"), "last_s")) {

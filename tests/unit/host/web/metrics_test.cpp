@@ -20,7 +20,7 @@ TEST(Metrics, EveryLineIsOfTheTextForm) {
   const std::string text = metrics_text({.requests = 7}, state, sensors);
   STRCMP_CONTAINS("biteline_lamp{lamp=\"laser\",level=\"ok\"} 1\n", text.c_str());
   STRCMP_CONTAINS("biteline_cycle_seconds 19.5\n", text.c_str());
-  STRCMP_CONTAINS("biteline_sensor_frames_total{sensor=\"a\\\"b\\\\c d\"} 12\n", text.c_str());
+  STRCMP_CONTAINS("biteline_sensor_frames_total{sensor=\"a\\\"b\\\\c\\nd\"} 12\n", text.c_str());
   STRCMP_CONTAINS("biteline_disk_free_bytes 5000000000\n", text.c_str());
   STRCMP_CONTAINS("biteline_web_requests_total 7\n", text.c_str());
   const std::regex form{
