@@ -216,7 +216,11 @@ std::optional<Plane> find_rim(std::span<const Vec3> points_shoe, double length_m
   }
   const auto inliers = std::count_if(
       rim.begin(), rim.end(), [&](const Vec3& p) { return std::abs(plane.height_mm(p)) < k_inlier_mm; });
+  // A shoe stands on its rim.  What a heel block stands out below is a shank.
+  const auto below = std::count_if(rim.begin(), rim.end(),
+                                   [&](const Vec3& p) { return plane.height_mm(p) < -2 * k_inlier_mm; });
   if (static_cast<double>(inliers) < 0.6 * static_cast<double>(rim.size()) ||
+      static_cast<double>(below) > 0.1 * static_cast<double>(rim.size()) ||
       plane.normal.z() < std::cos(k_max_tilt_rad))
     return std::nullopt;
   return plane;

@@ -61,6 +61,21 @@ TEST(FindShoe, TheTableIsLeftOutAndGivesTheTilt) {
   for (const std::uint32_t i : sut->index) CHECK(i < of_wall);
 }
 
+TEST(FindShoe, AShankThatClimbsToAHeelDoesNotTiltTheShoe) {
+  const Outline egg = test::egg_outline();
+  // A heel block to x = 60, then a shank that comes down from 20 mm to the ball at 175.
+  const auto bottom_mm = [&](double s) {
+    const double x = egg.point(s).x();
+    return x < 60 || x > 175 ? 0.0 : 20 * (175 - x) / 115;
+  };
+  const Points points =
+      test::drum_points(egg, [&](double s, double z) { return z < bottom_mm(s) ? test::k_no_point : 0.0; },
+                        {.s_mm = 1.0, .z_mm = 0.5});
+  const auto sut = find_shoe(points);
+  CHECK(sut.has_value());
+  CHECK_COMPARE(angle_deg(SE3::Identity(), sut->T_base_shoe), <, 1.5);
+}
+
 TEST(FindShoe, PointsFarAwayAndASecondThingBesideAreNotTheShoe) {
   Points points = wall_in_base(SE3::Identity());
   const std::size_t of_wall = points.size();
