@@ -33,7 +33,7 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
   Side side{std::move(*shoe), std::move(outline), std::move(field)};
   const Layers layers = clock.run("layers", [&] { return find_layers_along(side, {}); });
   Decision decision = clock.run(
-      "decision", [&] { return decide(layers, plan_shape(side.outline), config.min_confidence_ratio); });
+      "decision", [&] { return decide(layers, plan_shape(side_reach(side)), config.min_confidence_ratio); });
   PlacedLine placed = clock.run("place", [&] {
     if (decision.refusal) return PlacedLine{};
     return place_path(scan, side, decision.paths.front().row,

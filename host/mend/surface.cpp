@@ -46,7 +46,7 @@ Surface::Surface(LiveScan scan, cloud::PointCloud scattered, Side side)
   Evidence evidence = find_evidence(side_.field, {});
   likeness_ = std::move(evidence.likeness);
   cost_ = std::move(evidence.cost);
-  decision_ = decide(layers, plan_shape(side_.outline), Config{}.min_confidence_ratio);
+  decision_ = decide(layers, plan_shape(side_reach(side_)), Config{}.min_confidence_ratio);
 }
 
 ScanPoints Surface::points() const {

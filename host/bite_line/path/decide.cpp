@@ -47,13 +47,6 @@ constexpr double k_most_closure_mm = 6.0;
 constexpr double k_least_upper_share = 0.8;
 // A lid overhangs what is below it, by a millimetre and more.
 constexpr double k_least_step_mm = -0.6;
-// Outlines of shoes, as read on twelve of public origin and on made ones, from either end: broadest at 0.62
-// to 0.71 of the length, where boxes, tins and dishes read 0.5; near the ends 0.36 to 0.60 of that, where
-// what is cut off straight reads 0.9; a tenth from the heel 0.59 to 0.81, where an iron's tip reads 0.3.
-constexpr double k_least_broadest_at = 0.56;
-constexpr double k_most_broadest_at = 0.80;
-constexpr double k_most_end_breadth = 0.80;
-constexpr double k_least_heel_breadth = 0.45;
 // A line with more than a tenth of its length on a layer that may be another's is no line.
 constexpr double k_most_rivalled_share = 0.1;
 
@@ -116,15 +109,7 @@ JudgedPath judged(const Crease& crease, double confidence) {
 
 Decision decide(const Layers& layers, const PlanShape& plan, double min_confidence) {
   const Crease& line = layers.line;
-  // A shoe with a flared heel may have been turned round.
-  const double broadest_at = std::max(plan.broadest_at, 1 - plan.broadest_at);
-  const bool turned = plan.broadest_at < 0.5;
-  const double end_breadth = std::max(plan.breadth.front(), plan.breadth.back());
-  const double heel_breadth = plan.breadth.at(turned ? plan.breadth.size() - 2 : 1);
-  const auto not_a_shoe = [&](double value, double limit, double softness, const char* what, double told) {
-    return Gate{Refused::NotAShoe, value, limit, softness,
-                Text::format("not a shoe: its outline is %s (%.2f)", what, told)};
-  };
+  constexpr ShoeOutlines shoes{};
   const double rivalled = share_below_half(layers.hold);
   const auto percent = [](double share) { return 100.0 * share; };
   const Text all_round = Text::format(
@@ -135,12 +120,12 @@ Decision decide(const Layers& layers, const PlanShape& plan, double min_confiden
   // Where hardly a crease is there at all, the path may lie wherever nothing was seen.
   const bool worth_seeing = line.visible_share > 0.7 * line.seen_share && line.visible_share > 0.3;
   const std::array gates{
-      not_a_shoe(broadest_at, k_least_broadest_at, 0.01,
-                 "not broader at one end, as a foot is at its ball: it is broadest in the middle",
-                 broadest_at),
-      not_a_shoe(-broadest_at, -k_most_broadest_at, 0.02, "broadest too near its end", broadest_at),
-      not_a_shoe(-end_breadth, -k_most_end_breadth, 0.03, "cut off straight at an end", end_breadth),
-      not_a_shoe(heel_breadth, k_least_heel_breadth, 0.03, "pointed where a heel is round", heel_breadth),
+      Gate{Refused::NotAShoe, -distance_to_shoes(plan, shoes), -shoes.limit, shoes.softness,
+           Text::format(
+               "not a shoe: its outline is broadest at %.2f of its length (shoes: about %.2f), and over that "
+               "%.2f broad at an end (%.2f) and %.2f at the heel (%.2f)",
+               plan.broadest_at, shoes.mean[0], plan.end_breadth, shoes.mean[1], plan.heel_breadth,
+               shoes.mean[2])},
       Gate{Refused::NoCrease, line.evidence, k_least_evidence, 0.02,
            Text::copy("no crease: nothing concave runs round the side")},
       Gate{Refused::TooMuchMissing, worth_seeing ? -line.longest_unseen_mm : 0.0, -k_longest_unseen_mm, 1.5,

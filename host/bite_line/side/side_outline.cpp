@@ -10,8 +10,13 @@
 
 namespace biteline::bite_line {
 
+namespace {
+
+constexpr float k_band_mm = 45.0F;
+
+}  // namespace
+
 Outline side_outline(const Shoe& shoe) {
-  constexpr float k_band_mm = 45.0F;
   constexpr float k_cell_mm = 1.0F;
   // Only the outermost point of each row of the plan can lie on the hull.
   using Ends = std::vector<std::pair<Eigen::Vector2f, Eigen::Vector2f>>;
@@ -42,6 +47,32 @@ Outline side_outline(const Shoe& shoe) {
     plan.push_back(high.cast<double>());
   }
   return Outline{convex_hull(std::move(plan)), {}};
+}
+
+std::vector<Vec2> side_reach(const Side& side) {
+  constexpr int k_every_col = 2;
+  constexpr int k_every_row = 2;
+  constexpr double k_inside_share = 0.9;
+  constexpr std::size_t k_fewest = 5;
+  const SideField& field = side.field;
+  const SideGrid& grid = field.grid;
+  const int rows = std::min(grid.rows, static_cast<int>(static_cast<double>(k_band_mm) / grid.row_mm));
+  std::vector<Vec2> reach;
+  std::vector<float> out_mm;
+  for (int col = 0; col < grid.cols; col += k_every_col) {
+    out_mm.clear();
+    for (int row = 0; row < rows; row += k_every_row) {
+      const std::size_t cell = grid.at(row, col);
+      if (field.seen[cell] != 0) out_mm.push_back(field.o_mm[cell]);
+    }
+    if (out_mm.size() < k_fewest) continue;
+    const auto at =
+        out_mm.begin() + static_cast<std::ptrdiff_t>(k_inside_share * static_cast<double>(out_mm.size()));
+    std::nth_element(out_mm.begin(), at, out_mm.end());
+    const double s_mm = (col + 0.5) * grid.col_mm;
+    reach.push_back(side.outline.point(s_mm) + static_cast<double>(*at) * side.outline.normal(s_mm));
+  }
+  return reach;
 }
 
 }  // namespace biteline::bite_line

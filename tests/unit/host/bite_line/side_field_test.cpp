@@ -107,4 +107,26 @@ TEST(SideField, TheOutlineIsThatOfTheLowerSideWithoutStrays) {
   CHECK_COMPARE(most_x, <, 281.0);
 }
 
+TEST(SideField, StraysBesideTheSideDoNotWidenItsReach) {
+  Outline outline = test::egg_outline();
+  std::vector<Eigen::Vector3f> points = test::drum_points(outline, [](double, double) { return 0.0; });
+  const std::size_t of_wall = points.size();
+  for (std::size_t i = 0; i < of_wall; i += 100) {
+    const double s_mm = outline.locate(points[i]).s_mm;
+    const Vec2 out = (1.0 + static_cast<double>(i % 7)) * outline.normal(s_mm);
+    points.push_back(points[i] +
+                     Eigen::Vector3f{static_cast<float>(out.x()), static_cast<float>(out.y()), 0});
+  }
+  const Shoe shoe = test::shoe_of(points);
+  SideField field = SideField::build(shoe, outline, {});
+  const Side side{shoe, std::move(outline), std::move(field)};
+  const std::vector<Vec2> sut = side_reach(side);
+  CHECK(sut.size() > 200);
+  for (const Vec2& p : sut) {
+    const OutlinePlace at =
+        side.outline.locate({static_cast<float>(p.x()), static_cast<float>(p.y()), 20.0F});
+    CHECK_COMPARE(std::abs(at.o_mm), <, 0.3F);
+  }
+}
+
 }  // namespace biteline::bite_line
