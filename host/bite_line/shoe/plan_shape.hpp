@@ -29,7 +29,7 @@ struct PlanShape {
 struct ShoeOutlines {
   std::array<double, 3> mean{0.6972, 0.4495, 0.6605};  ///< in the order of PlanShape
   /// Rows of the lower triangle W with W (x - mean) of unit covariance.
-  std::array<double, 6> whiten{52.898, 11.871, 29.571, 32.736, -65.833, 43.546};
+  std::array<double, 6> whiten{46.759, 5.187, 16.538, 15.770, -8.400, 17.337};
   double limit{5.3};     ///< at which an outline is a shoe's with one half
   double softness{0.5};  ///< e times less likely for each
 };
