@@ -289,6 +289,31 @@ YamlReader YamlReader::child(const std::string& key, bool required) {
   return YamlReader{std::move(node)};
 }
 
+std::vector<YamlReader> YamlReader::children(const std::string& key, std::size_t most) {
+  std::vector<YamlReader> out;
+  const auto found = node_->find(key, false);
+  if (!found) return out;
+  if (!found->IsSequence() || found->size() > most) {
+    fault(Errc::BadFormat, key, "a list of at most " + std::to_string(most) + " mappings expected");
+    return out;
+  }
+  for (std::size_t i = 0; i < found->size(); ++i) {
+    const YAML::Node item = (*found)[i];
+    auto node = std::make_unique<Node>();
+    node->faults = node_->faults;
+    node->prefix = node_->prefix + key + "[" + std::to_string(i) + "].";
+    node->keys = node_->keys;
+    if (item.IsMap()) {
+      node->yaml = item;
+    } else {
+      node_->faults->add(Errc::BadFormat, line_of(item), node_->prefix + key + "[" + std::to_string(i) + "]",
+                         "a mapping expected");
+    }
+    out.push_back(YamlReader{std::move(node)});
+  }
+  return out;
+}
+
 void YamlReader::fault(Errc code, const std::string& key, const std::string& expected) {
   const YAML::Node& mapping = node_->yaml;
   const int line = mapping.IsMap() && mapping[key].IsDefined() ? line_of(mapping[key]) : line_of(mapping);

@@ -82,6 +82,10 @@ class YamlReader {
   /// finish().
   YamlReader child(const std::string& key, bool required);
 
+  /// The mappings of the list under `key`, at most `most` of them; an absent one reads as none.  Each is as a
+  /// child, its keys are told as "key[0].name".
+  std::vector<YamlReader> children(const std::string& key, std::size_t most);
+
   /// Records a fault of the caller's own, e.g. a matrix that is no rotation.
   void fault(Errc code, const std::string& key, const std::string& expected);
 

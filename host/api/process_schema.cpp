@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "host/api/process_schema.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cstdlib>
+#include <optional>
 #include <string_view>
 
 #include "host/robot/path/process.hpp"
@@ -61,6 +64,21 @@ constexpr std::array k_help{
     Help{"gate.automatic_above", "With automatic approval: a line at least as sure as this needs no person"},
     Help{"gate.tolerance_mm", "Nothing is sent when the line is less certain (U95); 0: not asked for"},
     Help{"start", "Where the closed line is entered"},
+    Help{"zones", "Parts of the line that are worked in their own way, or left out; the first one counts"},
+    Help{"zones[].name", "Words for people"},
+    Help{"zones[].where", "A stretch of the line, or what of it lies at the shoe's heel or toe"},
+    Help{"zones[].from_percent",
+         "Of a stretch: its beginning, of the line's length from the heel's end, anticlockwise from above"},
+    Help{"zones[].to_percent", "Its end; smaller than the beginning: it runs over the heel's end"},
+    Help{"zones[].reach_percent", "Of heel and toe: how far they reach, of the shoe's length"},
+    Help{"zones[].work", "Worked, or left out: then the tool is off and passes it lifted"},
+    Help{"zones[].outward_by_mm", "Added to the placement's"},
+    Help{"zones[].up_by_mm", "Added to the placement's"},
+    Help{"zones[].tilt_by_deg", "Added to the placement's"},
+    Help{"zones[].lead_by_deg", "Added to the placement's"},
+    Help{"zones[].speed_ratio", "Of the process's speed"},
+    Help{"zones[].passes", "How often it is worked; after the first the tool comes back to it"},
+    Help{"zones[].ramp_mm", "Within its ends, over which offsets and angles change"},
     Help{"digital_output", "Output that is on along the line; -1: none"},
 };
 
@@ -97,6 +115,19 @@ Json schema_of(const KeyAsked& key) {
   return schema;
 }
 
+/// "zones[2].name": of a list's item.
+struct ItemKey {
+  std::string list, name;
+  std::size_t index;
+};
+std::optional<ItemKey> item_key(const std::string& path) {
+  const std::size_t open = path.find('['), close = path.find("].");
+  if (open == std::string::npos || close == std::string::npos) return std::nullopt;
+  return ItemKey{.list = path.substr(0, open),
+                 .name = path.substr(close + 2),
+                 .index = std::strtoul(path.c_str() + open + 1, nullptr, 10)};
+}
+
 Json value_of(const KeyAsked& key) {
   if (key.text) return *key.text;
   if (key.numbers.empty()) return {};
@@ -117,8 +148,10 @@ std::string unit_of(const std::string& key) {
 }
 
 std::string help_of(const std::string& path) {
+  const std::optional<ItemKey> item = item_key(path);
+  const std::string wanted = item ? item->list + "[]." + item->name : path;
   for (const Help& help : k_help) {
-    if (help.path == path) return std::string{help.text};
+    if (help.path == wanted) return std::string{help.text};
   }
   return {};
 }
@@ -133,7 +166,18 @@ Json process_schema() {
   for (const KeyAsked& key : path::process_keys()) {
     Json* parent = &schema;
     std::string name = key.path;
-    if (const std::size_t dot = name.find('.'); dot != std::string::npos) {
+    if (const std::optional<ItemKey> item = item_key(key.path)) {
+      name = item->name;
+      Json& list = schema["properties"][item->list];
+      if (list.is_null()) {
+        list = {
+            {"type", "array"},
+            {"maxItems", path::k_most_zones},
+            {"description", help_of(item->list)},
+            {"items", {{"type", "object"}, {"additionalProperties", false}, {"properties", Json::object()}}}};
+      }
+      parent = &list["items"];
+    } else if (const std::size_t dot = name.find('.'); dot != std::string::npos) {
       const std::string group = name.substr(0, dot);
       name = name.substr(dot + 1);
       parent = &schema["properties"][group];
@@ -157,7 +201,9 @@ Json process_json(const config::KeysAsked& keys) {
     Json value = value_of(key);
     if (value.is_null()) continue;
     const std::size_t dot = key.path.find('.');
-    if (dot == std::string::npos) {
+    if (const std::optional<ItemKey> item = item_key(key.path)) {
+      process[item->list][item->index][item->name] = std::move(value);
+    } else if (dot == std::string::npos) {
       process[key.path] = std::move(value);
     } else {
       process[key.path.substr(0, dot)][key.path.substr(dot + 1)] = std::move(value);

@@ -10,6 +10,7 @@
 #include "host/results/view/view_data.hpp"
 #include "host/robot/link/ur/script.hpp"
 #include "host/robot/path/certainty.hpp"
+#include "host/robot/path/checks/program_check.hpp"
 #include "host/robot/path/path_file.hpp"
 
 namespace biteline::results {
@@ -72,6 +73,11 @@ void fill_report(report::Report& report, const path::PlanRequest& request, const
   for (const path::Check& check : outcome.checks) fields["checks"].push_back(as_json(check));
   if (outcome.path) {
     fields["points"] = outcome.path->path().waypoints.size();
+    fields["stretches"] = ordered_json::array();
+    for (const path::PathRun& run : path::runs_of(outcome.path->path(), path::Segment::Line)) {
+      fields["stretches"].push_back({{"from_mm", outcome.path->path().waypoints[run.first].arc_mm},
+                                     {"to_mm", outcome.path->path().waypoints[run.last].arc_mm}});
+    }
     fields["duration_s"] = outcome.path->duration_s();
     fields["uncertainty"] = as_json(certainty(request, outcome), request.process.gate.tolerance_mm);
     return;

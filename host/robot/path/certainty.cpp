@@ -11,7 +11,10 @@ Certainty certainty_of(const PlannedPath& path, const std::optional<double>& tol
   bool known = true;
   bool within = false;  // the place before belongs to the last uncertain stretch
   for (const Waypoint& w : path.waypoints) {
-    if (w.segment != Segment::Line) continue;
+    if (w.segment != Segment::Line) {
+      within = false;
+      continue;
+    }
     known = known && w.u95_mm.has_value();
     if (w.u95_mm && (first || !(*w.u95_mm <= *out.u95_mm))) {
       out.u95_mm = w.u95_mm;

@@ -9,6 +9,7 @@
 #include "host/robot/path/checks/cloud_check.hpp"
 #include "host/robot/path/checks/sight.hpp"
 #include "host/robot/path/checks/way_there.hpp"
+#include "host/robot/path/zones.hpp"
 
 namespace biteline::path {
 namespace {
@@ -141,7 +142,8 @@ PlannedPath assembled(const PlanRequest& request, const ToolPath& path, const Jo
          .time_s = timing.time_s[i],
          .arc_mm = p.arc_mm,
          .line_base = p.line_base,
-         .u95_mm = p.u95_mm});
+         .u95_mm = p.u95_mm,
+         .speed_ratio = p.speed_ratio});
   }
   return out;
 }
@@ -230,6 +232,11 @@ PlanOutcome plan(const PlanRequest& request) {
   if (all_passed(out.checks) && !request.cloud.empty())
     out.checks.push_back(check_on_cloud(request.line, request.cloud));
   std::vector<Check> path_checks;
+  if (!all_passed(out.checks)) {
+    out.refusal = Refusal{.code = Refused::LineUnfit, .reason = failures(out.checks)};
+    return out;
+  }
+  for (Check& check : check_zones(request.line, request.process)) out.checks.push_back(std::move(check));
   if (!all_passed(out.checks)) {
     out.refusal = Refusal{.code = Refused::LineUnfit, .reason = failures(out.checks)};
     return out;

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "common/config/yaml_reader.hpp"
+#include "common/core/fixed_text.hpp"
 
 namespace biteline::path {
 namespace {
@@ -117,6 +118,48 @@ GateLimits read_gate(YamlReader reader) {
   return gate;
 }
 
+/// The process's own value and a zone's addition stay within what the process itself may have.
+void check_sum(YamlReader& reader, const char* key, double sum, double minimum, double maximum) {
+  if (sum >= minimum && sum <= maximum) return;
+  reader.fault(Errc::BadValue, key,
+               FixedText<120>::format("with the placement's own %.6g, expected from %.6g to %.6g", sum,
+                                      minimum, maximum)
+                   .c_str());
+}
+
+Zone read_zone(YamlReader& reader, const Process& process) {
+  const Zone d;
+  Zone zone;
+  zone.name = reader.text("name");
+  const std::string where = reader.choice_or_first("where", {"stretch", "heel", "toe"});
+  if (where == "heel") zone.where = Zone::Where::Heel;
+  if (where == "toe") zone.where = Zone::Where::Toe;
+  const NumberRange percent{.minimum = 0, .maximum = 100};
+  zone.from_ratio = reader.number_or("from_percent", 0, percent) / 100;
+  zone.to_ratio = reader.number_or("to_percent", 0, percent) / 100;
+  zone.reach_ratio =
+      reader.number_or("reach_percent", 100 * d.reach_ratio, {.minimum = 1, .maximum = 50}) / 100;
+  zone.left_out = reader.choice_or_first("work", {"worked", "left_out"}) == "left_out";
+  const NumberRange offset{.minimum = -50, .maximum = 50}, angle{.minimum = -60, .maximum = 60};
+  zone.outward_by_mm = reader.number_or("outward_by_mm", 0, offset);
+  zone.up_by_mm = reader.number_or("up_by_mm", 0, offset);
+  zone.tilt_by_rad = reader.number_or("tilt_by_deg", 0, angle) * k_rad_per_deg;
+  zone.lead_by_rad = reader.number_or("lead_by_deg", 0, angle) * k_rad_per_deg;
+  zone.speed_ratio = reader.number_or("speed_ratio", 1, {.minimum = 0.05, .maximum = 5});
+  zone.passes = static_cast<int>(reader.integer_or("passes", 1, {.minimum = 1, .maximum = 10}));
+  zone.ramp_mm = reader.number_or("ramp_mm", d.ramp_mm, {.minimum = 1, .maximum = 50});
+  if (zone.where == Zone::Where::Stretch && zone.from_ratio == zone.to_ratio)
+    reader.fault(Errc::BadValue, "to_percent", "a stretch ends elsewhere than it begins");
+  const TipPlacement& own = process.placement;
+  check_sum(reader, "outward_by_mm", own.outward_mm + zone.outward_by_mm, -50, 200);
+  check_sum(reader, "up_by_mm", own.up_mm + zone.up_by_mm, -50, 200);
+  check_sum(reader, "tilt_by_deg", (own.tilt_rad + zone.tilt_by_rad) / k_rad_per_deg, -45, 90);
+  check_sum(reader, "lead_by_deg", (own.lead_rad + zone.lead_by_rad) / k_rad_per_deg, -60, 60);
+  if (zone.speed_ratio * process.motion.speed_mm_s < process.motion.minimum_speed_mm_s)
+    reader.fault(Errc::BadValue, "speed_ratio", "a speed of at least motion.minimum_speed_mm_s");
+  return zone;
+}
+
 Start read_start(YamlReader& reader) {
   const std::string word = reader.choice_or_first("start", {"auto", "nearest", "farthest"});
   if (word == "nearest") return Start::Nearest;
@@ -135,6 +178,8 @@ Process read_all(YamlReader& reader) {
   process.start = read_start(reader);
   process.digital_output =
       static_cast<int>(reader.integer_or("digital_output", -1, {.minimum = -1, .maximum = 7}));
+  for (YamlReader& zone : reader.children("zones", k_most_zones))
+    process.zones.push_back(read_zone(zone, process));
   return process;
 }
 
@@ -164,7 +209,7 @@ Result<ProcessText> parse_process(const std::string& text, const std::string& na
 
 config::KeysAsked process_keys() {
   config::KeysAsked keys;
-  Result<YamlReader> reader = YamlReader::parse("{}", "process");
+  Result<YamlReader> reader = YamlReader::parse("{zones: [{}]}", "process");
   reader->note_keys(keys);
   static_cast<void>(read_all(*reader));
   return keys;

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/config/yaml_reader.hpp"
 #include "common/core/result.hpp"
@@ -15,6 +16,8 @@ namespace biteline::path {
 /// movep takes no smaller radius, as users of RoboDK's forum report; 1 mm until a real controller says
 /// otherwise (docs/real-controller.md).
 constexpr double k_least_blend_mm = 1;
+
+constexpr std::size_t k_most_zones = 20;
 
 /// What the arm carries beyond its flange, for the controller's own model of forces.
 struct Payload {
@@ -98,6 +101,24 @@ enum class Start {
   Farthest,
 };
 
+/// A part of the line that is worked in a way of its own, or left out.  What is "by" is added to the
+/// process's.
+struct Zone {
+  enum class Where { Stretch, Heel, Toe };
+  std::string name;
+  Where where{Where::Stretch};
+  /// Of a stretch: shares of the line's length from the heel's end, anticlockwise seen from above; from above
+  /// to: over the heel's end.
+  double from_ratio{0}, to_ratio{0};
+  double reach_ratio{0.15};  ///< of heel and toe: share of the shoe's length, from its end
+  bool left_out{false};
+  double outward_by_mm{0}, up_by_mm{0};
+  double tilt_by_rad{0}, lead_by_rad{0};
+  double speed_ratio{1};  ///< of the process's speed
+  int passes{1};
+  double ramp_mm{5};  ///< within its ends, over which offsets and angles change
+};
+
 /// A scanning head's two eyes, in tcp.
 struct Sight {
   Vec3 camera_tcp{Vec3::Zero()};
@@ -114,7 +135,8 @@ struct Process {
   FollowLimits follow{};
   GateLimits gate{};
   Start start{Start::Auto};
-  int digital_output{-1};  ///< switched on along the line; -1: none
+  int digital_output{-1};     ///< switched on along the line; -1: none
+  std::vector<Zone> zones{};  ///< where two meet, the first one counts
 };
 
 /// Width worked at once, mm: the contact's, or the cone's at the standoff.

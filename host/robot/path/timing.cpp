@@ -22,9 +22,10 @@ double step_mm(const ToolPath& path, std::size_t i) {
 double process_speed_mm_s(const ToolPath& path, std::size_t i, const Motion& motion) {
   switch (path.points[i].segment) {
     case Segment::Line:
-      return motion.speed_mm_s;
+      return motion.speed_mm_s * path.points[i].speed_ratio;
     case Segment::Approach:
     case Segment::Retreat:
+    case Segment::Travel:
       break;
   }
   // The last way to the line and the first away from it are slow, the lift is fast.
@@ -56,9 +57,12 @@ Derivatives derivatives(const ToolPath& path, const JointPath& joints, std::size
 
 bool stops_at(const ToolPath& path, std::size_t i) {
   if (i == 0 || i + 1 == path.points.size()) return true;
-  const auto on_line = [&](std::size_t k) { return path.points[k].segment == Segment::Line; };
-  if (on_line(i - 1) && on_line(i) && on_line(i + 1))
+  const Segment here = path.points[i].segment, before = path.points[i - 1].segment,
+                after = path.points[i + 1].segment;
+  if ((here == Segment::Line || here == Segment::Travel) && before == here && after == here)
     return false;  // rounded: its curvature limits the speed
+  if (here == Segment::Travel && after == here) return false;
+  if (here == Segment::Travel ? after != here : after == Segment::Travel) return true;
   const Vec3 p = path.points[i].T_base_tcp.translation();
   const Vec3 in = p - path.points[i - 1].T_base_tcp.translation(),
              out = path.points[i + 1].T_base_tcp.translation() - p;

@@ -7,6 +7,7 @@
 #include "common/core/contracts.hpp"
 #include "host/geometry/closed_curve.hpp"
 #include "host/robot/path/targets.hpp"
+#include "host/robot/path/zones.hpp"
 
 namespace biteline::path {
 namespace {
@@ -201,50 +202,129 @@ void set_curvature(std::vector<ToolPoint>& points) {
   }
 }
 
-/// The line once round from its entry and on over the overlap, points even along the way of the tip.
-std::vector<ToolPoint> along_line(const cloud::ClosedLine& line, const Process& process, ToolPath& path) {
-  const Motion& motion = process.motion;
-  const auto [samples, fine_mm, direction_sigma_mm] = sampled(line, process);
-  const std::size_t count = samples.size();
-  double shared_mm = samples.front().u95_mm.value_or(0);
-  for (const PathSample& sample : samples) shared_mm = std::min(shared_mm, sample.u95_mm.value_or(0));
-  const std::size_t first = static_cast<std::size_t>(std::round(path.seam_arc_mm / fine_mm)) % count;
-  const std::size_t last = count + static_cast<std::size_t>(std::ceil(motion.overlap_mm / fine_mm));
+/// The line with what is done at each of its places.
+struct Job {
+  Sampling line;
+  std::vector<PlaceWork> work;
+  double shared_u95_mm{0};
+
+  [[nodiscard]] std::size_t count() const { return line.samples.size(); }
+  [[nodiscard]] const PathSample& sample(std::size_t i) const { return line.samples[i % count()]; }
+  [[nodiscard]] SE3 frame(std::size_t i) const { return tool_frame(sample(i), work[i % count()].placement); }
+};
+
+/// The tip's way over one run, sample by sample.
+struct FineWay {
   std::vector<SE3> frames;
-  std::vector<Vec3> way;
-  double way_mm = 0;
-  for (std::size_t k = 0; k <= last; ++k) {
-    frames.push_back(tool_frame(samples[(first + k) % count], process.placement));
-    way.emplace_back(frames[k].translation());
-    if (k > 0) way_mm += (way[k] - way[k - 1]).norm();
+  std::vector<Vec3> tips;
+  double mm{0};
+};
+
+FineWay way_of(const Job& job, const Run& run) {
+  FineWay way;
+  for (std::size_t k = 0; k <= run.steps; ++k) {
+    way.frames.push_back(job.frame(run.first + k));
+    way.tips.emplace_back(way.frames[k].translation());
+    if (k > 0) way.mm += (way.tips[k] - way.tips[k - 1]).norm();
   }
-  path.spacing_mm = target_spacing_mm(motion, way_mm);
-  const std::vector<FinePlace> places = even_places(way, path.spacing_mm);
-  const ChordError error = chord_error(way, places, motion.blend_mm);
-  path.chord_error_mm = error.mm;
-  path.chord_error_arc_mm = error.arc_mm;
+  return way;
+}
+
+/// Straight between close points, whatever the turn.
+SE3 pose_at(const FineWay& way, const FinePlace& place) {
+  SE3 T = geometry::interpolate(way.frames[place.sample], way.frames[place.sample + 1], place.fraction);
+  T.translation() = place.tip;
+  return T;
+}
+
+/// One run's points, even along the way of the tip.
+std::vector<ToolPoint> along_run(const Job& job, const Run& run, const FineWay& way, double spacing_mm) {
+  const double fine_mm = job.line.fine_mm;
   std::vector<ToolPoint> points;
-  for (const FinePlace& place : places) {
-    const std::size_t k = place.sample;
-    const Vec3 &a = samples[(first + k) % count].position, &b = samples[(first + k + 1) % count].position;
-    SE3 T_base_tcp = geometry::interpolate(frames[k], frames[k + 1], place.fraction);
-    T_base_tcp.translation() = place.tip;  // straight between close points, whatever the turn
+  for (const FinePlace& place : even_places(way.tips, spacing_mm)) {
+    const std::size_t k = run.first + place.sample;
+    const Vec3 &a = job.sample(k).position, &b = job.sample(k + 1).position;
     // The worst of what lies nearer to this point than to its neighbours.
-    const auto half = static_cast<std::size_t>(std::ceil(0.5 * path.spacing_mm / fine_mm));
-    std::optional<double> u95_mm = samples[(first + k) % count].u95_mm;
+    const auto half = static_cast<std::size_t>(std::ceil(0.5 * spacing_mm / fine_mm));
+    std::optional<double> u95_mm = job.sample(k).u95_mm;
     for (std::size_t j = 0; j <= 2 * half; ++j)
-      u95_mm = larger(u95_mm, samples[(first + k + count + j - half) % count].u95_mm);
+      u95_mm = larger(u95_mm, job.sample(k + job.count() + j - half).u95_mm);
     const Vec3 line_base = (1 - place.fraction) * a + place.fraction * b;
-    points.push_back(
-        {.T_base_tcp = T_base_tcp,
-         .segment = Segment::Line,
-         .arc_mm = 0,
-         .curvature_per_mm = 0,
-         .line_base = line_base,
-         .u95_mm = u95_at_tip(u95_mm, shared_mm, (place.tip - line_base).norm(), direction_sigma_mm)});
+    points.push_back({.T_base_tcp = pose_at(way, place),
+                      .segment = Segment::Line,
+                      .arc_mm = 0,
+                      .curvature_per_mm = 0,
+                      .line_base = line_base,
+                      .u95_mm = u95_at_tip(u95_mm, job.shared_u95_mm, (place.tip - line_base).norm(),
+                                           job.line.direction_sigma_mm),
+                      .speed_ratio = job.work[k % job.count()].speed_ratio});
   }
   set_curvature(points);
   return points;
+}
+
+/// Drawn back along the tool's axis, and lifted from there.
+SE3 drawn_back(const SE3& T, const Motion& motion) {
+  return shifted(T, -motion.approach_mm * T.linear().col(2));
+}
+SE3 lifted(const SE3& T, const Motion& motion) {
+  return shifted(drawn_back(T, motion), motion.lift_mm * Vec3::UnitZ());
+}
+
+/// From above one place of the line to above another, the shorter way round; without its beginning.
+std::vector<ToolPoint> travel(const Job& job, std::size_t from, std::size_t to, const Motion& motion) {
+  const std::size_t count = job.count();
+  const std::size_t ahead = (to + count - from % count) % count;
+  const bool forwards = 2 * ahead <= count;
+  const std::size_t steps = forwards ? ahead : count - ahead;
+  FineWay way;
+  for (std::size_t k = 0; k <= steps; ++k) {
+    way.frames.push_back(lifted(job.frame(forwards ? from + k : from + count - k), motion));
+    way.tips.emplace_back(way.frames[k].translation());
+    if (k > 0) way.mm += (way.tips[k] - way.tips[k - 1]).norm();
+  }
+  std::vector<ToolPoint> points;
+  const double spacing_mm = std::max(k_approach_spacing_mm, target_spacing_mm(motion, way.mm));
+  if (way.mm < spacing_mm) return points;  // the next way down begins there
+  for (const FinePlace& place : even_places(way.tips, spacing_mm)) {
+    const std::size_t k = forwards ? from + place.sample : from + count - place.sample;
+    points.push_back({.T_base_tcp = pose_at(way, place),
+                      .segment = Segment::Travel,
+                      .arc_mm = 0,
+                      .curvature_per_mm = 0,
+                      .line_base = job.sample(k).position});
+  }
+  set_curvature(points);
+  points.erase(points.begin());
+  return points;
+}
+
+Job job_of(const cloud::ClosedLine& line, const Process& process) {
+  Job job{.line = sampled(line, process), .work = {}};
+  std::vector<Vec3> places;
+  for (const PathSample& sample : job.line.samples) places.push_back(sample.position);
+  job.work = work_along(places, job.line.fine_mm, process);
+  job.shared_u95_mm = job.sample(0).u95_mm.value_or(0);
+  for (const PathSample& sample : job.line.samples)
+    job.shared_u95_mm = std::min(job.shared_u95_mm, sample.u95_mm.value_or(0));
+  return job;
+}
+
+/// Down to a run's first point, along it, and up again from its last.
+void append_run(std::vector<ToolPoint>& points, const std::vector<ToolPoint>& along, const Motion& motion) {
+  const SE3 &T_in = along.front().T_base_tcp, &T_out = along.back().T_base_tcp;
+  if (motion.lift_mm > 0) {
+    append_straight(points, lifted(T_in, motion), drawn_back(T_in, motion), Segment::Approach,
+                    along.front().line_base);
+  }
+  append_straight(points, drawn_back(T_in, motion), T_in, Segment::Approach, along.front().line_base);
+  points.back() = along.front();
+  points.insert(points.end(), along.begin() + 1, along.end());
+  append_straight(points, T_out, drawn_back(T_out, motion), Segment::Retreat, along.back().line_base);
+  if (motion.lift_mm > 0) {
+    append_straight(points, drawn_back(T_out, motion), lifted(T_out, motion), Segment::Retreat,
+                    along.back().line_base);
+  }
 }
 
 }  // namespace
@@ -257,6 +337,8 @@ const char* name_of(Segment segment) {
       return "line";
     case Segment::Retreat:
       return "retreat";
+    case Segment::Travel:
+      return "travel";
   }
   return "";
 }
@@ -292,29 +374,42 @@ std::vector<double> seam_candidates(const cloud::ClosedLine& line, const Process
 
 ToolPath make_tool_path(const cloud::ClosedLine& line, const Process& process, double seam_arc_mm) {
   const Motion& motion = process.motion;
-  ToolPath path{.points = {}, .seam_arc_mm = seam_arc_mm};
-  const std::vector<ToolPoint> along = along_line(line, process, path);
-
-  const SE3& T_in = along.front().T_base_tcp;
-  const SE3& T_out = along.back().T_base_tcp;
-  const SE3 T_before = shifted(T_in, -motion.approach_mm * T_in.linear().col(2));
-  const SE3 T_after = shifted(T_out, -motion.approach_mm * T_out.linear().col(2));
-  const SE3 T_high = shifted(T_before, motion.lift_mm * Vec3::UnitZ());
-
-  path.points.push_back({.T_base_tcp = T_high,
-                         .segment = Segment::Approach,
-                         .arc_mm = 0,
-                         .curvature_per_mm = 0,
-                         .line_base = along.front().line_base});
-  if (motion.lift_mm > 0)
-    append_straight(path.points, T_high, T_before, Segment::Approach, along.front().line_base);
-  append_straight(path.points, T_before, T_in, Segment::Approach, along.front().line_base);
-  path.points.back() = along.front();
-  path.points.insert(path.points.end(), along.begin() + 1, along.end());
-  append_straight(path.points, T_out, T_after, Segment::Retreat, along.back().line_base);
-  if (motion.lift_mm > 0)
-    append_straight(path.points, T_after, shifted(T_after, motion.lift_mm * Vec3::UnitZ()), Segment::Retreat,
-                    along.back().line_base);
+  const Job job = job_of(line, process);
+  const double fine_mm = job.line.fine_mm;
+  const std::size_t entry = static_cast<std::size_t>(std::round(seam_arc_mm / fine_mm)) % job.count();
+  const auto overlap = static_cast<std::size_t>(std::ceil(motion.overlap_mm / fine_mm));
+  const std::vector<Run> runs = runs_along(job.work, process, entry, overlap);
+  BITELINE_EXPECTS(!runs.empty());
+  std::vector<FineWay> ways;
+  double way_mm = 0;
+  for (const Run& run : runs) {
+    ways.push_back(way_of(job, run));
+    way_mm += ways.back().mm;
+  }
+  ToolPath path{.points = {}, .seam_arc_mm = seam_arc_mm, .spacing_mm = target_spacing_mm(motion, way_mm)};
+  double done_mm = 0;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const ChordError error =
+        chord_error(ways[i].tips, even_places(ways[i].tips, path.spacing_mm), motion.blend_mm);
+    if (error.mm > path.chord_error_mm) {
+      path.chord_error_mm = error.mm;
+      path.chord_error_arc_mm = done_mm + error.arc_mm;
+    }
+    done_mm += ways[i].mm;
+    const std::vector<ToolPoint> along = along_run(job, runs[i], ways[i], path.spacing_mm);
+    if (i == 0) {
+      path.points.push_back({.T_base_tcp = lifted(along.front().T_base_tcp, motion),
+                             .segment = Segment::Approach,
+                             .arc_mm = 0,
+                             .curvature_per_mm = 0,
+                             .line_base = along.front().line_base});
+    } else {
+      const std::vector<ToolPoint> way =
+          travel(job, runs[i - 1].first + runs[i - 1].steps, runs[i].first, motion);
+      path.points.insert(path.points.end(), way.begin(), way.end());
+    }
+    append_run(path.points, along, motion);
+  }
   for (std::size_t i = 1; i < path.points.size(); ++i) {
     path.points[i].arc_mm =
         path.points[i - 1].arc_mm +

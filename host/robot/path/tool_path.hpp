@@ -10,7 +10,8 @@
 
 namespace biteline::path {
 
-enum class Segment { Approach, Line, Retreat };
+/// Travel: from one worked stretch to the next, along the line, drawn back and lifted, the tool off.
+enum class Segment { Approach, Line, Retreat, Travel };
 [[nodiscard]] const char* name_of(Segment segment);
 
 struct ToolPoint {
@@ -20,6 +21,7 @@ struct ToolPoint {
   double curvature_per_mm{0};      ///< of the tip's path
   Vec3 line_base;                  ///< the point of the bite line it belongs to
   std::optional<double> u95_mm{};  ///< of the line, carried to the tip; on the line only, none: not known
+  double speed_ratio{1};           ///< of the process's speed, on the line
 };
 
 struct ToolPath {
@@ -31,9 +33,10 @@ struct ToolPath {
   double chord_error_arc_mm{0};  ///< where, along the tip's path on the line
 };
 
-/// Lift, approach, the whole line once and its overlap, and away again.  Tool directions are smoothed along
-/// the line (8 mm), so that noise of a normal does not shake the wrist; positions are not.  Pre: the line
-/// passed check_line().
+/// Lift, approach, the whole line once and its overlap, and away again; with zones (zones.hpp) each stretch
+/// so, and the way to the next one between.  Tool directions are smoothed along the line (8 mm), so that
+/// noise of a normal does not shake the wrist; positions are not.  Pre: the line passed check_line() and
+/// check_zones().
 [[nodiscard]] ToolPath make_tool_path(const cloud::ClosedLine& line, const Process& process,
                                       double seam_arc_mm);
 

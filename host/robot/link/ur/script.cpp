@@ -69,16 +69,23 @@ std::string straight_moves(const PlannedPath& path, std::size_t from, std::size_
   return text;
 }
 
+/// From target to target with a blend round each: the line, and the ways between its stretches.
+std::string rounded_moves(const char* command, const PlannedPath& path, const path::PathRun& run) {
+  std::string text;
+  const auto& w = path.waypoints;
+  const std::vector<double> blend_mm = path::blend_radii_mm(path::tips_of(path, run), path.motion.blend_mm);
+  for (std::size_t i = run.first + 1; i <= run.last; ++i) {
+    const double speed_mm_s = std::max(w[i].speed_mm_s, w[i - 1].speed_mm_s);
+    text += move_text(command, w[i], path, speed_mm_s, blend_mm[i - run.first]).view();
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string urscript(const path::CheckedPath& checked) {
   const PlannedPath& path = checked.path();
   const auto& w = path.waypoints;
-  const auto on_line = [](const Waypoint& waypoint) { return waypoint.segment == Segment::Line; };
-  const auto first = static_cast<std::size_t>(std::ranges::find_if(w, on_line) - w.begin());
-  std::size_t last = first;
-  while (last + 1 < w.size() && on_line(w[last + 1])) ++last;
-
   std::string text = std::string{"def "} + k_program_name + "():\n";
   text += Line::format("  set_tcp(%s)\n", pose_text(path.T_flange_tcp).c_str()).view();
   if (path.payload) text += payload_text(*path.payload).view();
@@ -86,15 +93,17 @@ std::string urscript(const path::CheckedPath& checked) {
   if (path.digital_output >= 0) text += output_text(path.digital_output, false).view();
   for (const kinematics::Joints& via : path.via_rad) text += joint_move_text(via).view();
   text += joint_move_text(w.front().q_rad).view();
-  text += straight_moves(path, 0, first);
-  if (path.digital_output >= 0) text += output_text(path.digital_output, true).view();
-  const std::vector<double> blend_mm = path::blend_radii_mm(path::line_tips(path), path.motion.blend_mm);
-  for (std::size_t i = first + 1; i <= last; ++i) {
-    const double speed_mm_s = std::max(w[i].speed_mm_s, w[i - 1].speed_mm_s);
-    text += move_text("movep", w[i], path, speed_mm_s, blend_mm[i - first]).view();
+  std::size_t at = 0;
+  for (const path::PathRun& run : path::rounded_runs(path)) {
+    const bool on_line = w[run.last].segment == Segment::Line;
+    const bool output = on_line && path.digital_output >= 0;
+    text += straight_moves(path, at, run.first);
+    if (output) text += output_text(path.digital_output, true).view();
+    text += rounded_moves(on_line ? "movep" : "movel", path, run);
+    if (output) text += output_text(path.digital_output, false).view();
+    at = run.last;
   }
-  if (path.digital_output >= 0) text += output_text(path.digital_output, false).view();
-  text += straight_moves(path, last, w.size() - 1);
+  text += straight_moves(path, at, w.size() - 1);
   text += "end\n";
   return text;
 }

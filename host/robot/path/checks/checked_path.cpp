@@ -89,15 +89,18 @@ void add_motion_checks(const PlannedPath& path, const ArmModel& arm, std::vector
       order{.value = 1e9};
   const double end_of_ramp_mm =
       path.motion.speed_mm_s * path.motion.speed_mm_s / (2 * path.motion.acceleration_mm_s2);
-  double line_begin_mm = 1e18, line_end_mm = -1;
-  for (const Waypoint& w : path.waypoints) {
-    if (w.segment != Segment::Line) continue;
-    line_begin_mm = std::min(line_begin_mm, w.arc_mm);
-    line_end_mm = std::max(line_end_mm, w.arc_mm);
-  }
+  // Of the stretch that a waypoint of the line belongs to.
+  double line_begin_mm = 0, line_end_mm = 0;
+  const std::vector<PathRun> runs = runs_of(path, Segment::Line);
+  auto run = runs.begin();
   for (std::size_t i = 0; i + 1 < path.waypoints.size(); ++i) {
     const Waypoint& a = path.waypoints[i];
     const Waypoint& b = path.waypoints[i + 1];
+    while (run != runs.end() && run->last < i) ++run;
+    if (run != runs.end()) {
+      line_begin_mm = path.waypoints[run->first].arc_mm;
+      line_end_mm = path.waypoints[run->last].arc_mm;
+    }
     const double step_s = b.time_s - a.time_s;
     const double step_mm = (b.T_base_tcp.translation() - a.T_base_tcp.translation()).norm();
     order.smaller(step_s, a.arc_mm);
@@ -109,7 +112,8 @@ void add_motion_checks(const PlannedPath& path, const ArmModel& arm, std::vector
     }
     if (a.segment != Segment::Line || b.segment != Segment::Line) continue;
     spacing.larger(step_mm, a.arc_mm);
-    speed.larger(step_mm / step_s, a.arc_mm);
+    // As the process's own speed, whatever share of it is meant here.
+    speed.larger(step_mm / step_s / std::max(a.speed_ratio, b.speed_ratio), a.arc_mm);
     if (a.arc_mm > line_begin_mm + end_of_ramp_mm && b.arc_mm < line_end_mm - end_of_ramp_mm)
       slow.smaller(b.speed_mm_s, a.arc_mm);
   }

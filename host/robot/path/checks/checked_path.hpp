@@ -23,6 +23,7 @@ struct Waypoint {
   /// Radius about the tip, in the plane across its way, that holds with 95 % where it ought to be; only on
   /// the line; none: not known.
   std::optional<double> u95_mm{};
+  double speed_ratio{1};  ///< of the process's speed, on the line
 };
 
 struct PlannedPath {

@@ -11,7 +11,6 @@ namespace {
 
 /// The least radius that is left of the wished one where the tool must not stop.
 Check blend_check(const PlannedPath& path) {
-  const std::vector<double> radii_mm = blend_radii_mm(line_tips(path), path.motion.blend_mm);
   Check check{.name = "blends apart",
               .passed = false,
               .value = path.motion.blend_mm,
@@ -19,13 +18,13 @@ Check blend_check(const PlannedPath& path) {
               .unit = "mm",
               .arc_mm = -1,
               .detail = {}};
-  std::size_t on_line = 0;
-  for (const Waypoint& w : path.waypoints) {
-    if (w.segment != Segment::Line) continue;
-    const std::size_t i = on_line++;
-    if (i == 0 || i + 1 >= radii_mm.size() || radii_mm[i] >= check.value) continue;
-    check.value = radii_mm[i];
-    check.arc_mm = w.arc_mm;
+  for (const PathRun& run : rounded_runs(path)) {
+    const std::vector<double> radii_mm = blend_radii_mm(tips_of(path, run), path.motion.blend_mm);
+    for (std::size_t i = 1; i + 1 < radii_mm.size(); ++i) {
+      if (radii_mm[i] >= check.value) continue;
+      check.value = radii_mm[i];
+      check.arc_mm = path.waypoints[run.first + i].arc_mm;
+    }
   }
   check.passed = check.value >= check.limit;
   if (!check.passed) check.detail = "targets stand too near to each other for the controller's least blend";
@@ -61,11 +60,10 @@ Check rest_check(const PlannedPath& path) {
   };
   look(w.front());
   look(w.back());
-  // Where the tool's output is switched, too.
-  for (std::size_t i = 0; i < w.size(); ++i) {
-    if (w[i].segment != Segment::Line) continue;
-    if (i == 0 || w[i - 1].segment != Segment::Line || i + 1 == w.size() || w[i + 1].segment != Segment::Line)
-      look(w[i]);
+  // Where the tool's output is switched, and where a way between begins and ends, too.
+  for (const PathRun& run : rounded_runs(path)) {
+    look(w[run.first]);
+    look(w[run.last]);
   }
   check.passed = check.value <= check.limit;
   if (!check.passed) check.detail = "the path begins or ends in motion";
@@ -74,11 +72,31 @@ Check rest_check(const PlannedPath& path) {
 
 }  // namespace
 
-std::vector<Vec3> line_tips(const PlannedPath& path) {
-  std::vector<Vec3> tips;
-  for (const Waypoint& w : path.waypoints) {
-    if (w.segment == Segment::Line) tips.push_back(w.T_base_tcp.translation());
+std::vector<PathRun> runs_of(const PlannedPath& path, Segment segment) {
+  std::vector<PathRun> runs;
+  for (std::size_t i = 0; i < path.waypoints.size(); ++i) {
+    if (path.waypoints[i].segment != segment) continue;
+    if (i > 0 && path.waypoints[i - 1].segment == segment) {
+      runs.back().last = i;
+    } else {
+      runs.push_back({.first = i, .last = i});
+    }
   }
+  return runs;
+}
+
+std::vector<PathRun> rounded_runs(const PlannedPath& path) {
+  std::vector<PathRun> runs = runs_of(path, Segment::Line);
+  for (const PathRun& run : runs_of(path, Segment::Travel))
+    runs.push_back({.first = run.first > 0 ? run.first - 1 : 0, .last = run.last});
+  std::ranges::sort(runs, {}, &PathRun::first);
+  return runs;
+}
+
+std::vector<Vec3> tips_of(const PlannedPath& path, const PathRun& run) {
+  std::vector<Vec3> tips;
+  for (std::size_t i = run.first; i <= run.last; ++i)
+    tips.emplace_back(path.waypoints[i].T_base_tcp.translation());
   return tips;
 }
 

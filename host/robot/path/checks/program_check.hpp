@@ -8,8 +8,16 @@
 
 namespace biteline::path {
 
-/// The line's part as the program has it, first to last.  Empty when no waypoint is on the line.
-[[nodiscard]] std::vector<Vec3> line_tips(const PlannedPath& path);
+/// Waypoints in a row, first to last.
+struct PathRun {
+  std::size_t first, last;
+};
+/// Of one kind, in their order.
+[[nodiscard]] std::vector<PathRun> runs_of(const PlannedPath& path, Segment segment);
+/// The same with the waypoint that each begins at: a travel begins where the way up ends.
+[[nodiscard]] std::vector<PathRun> rounded_runs(const PlannedPath& path);
+/// The tips of a run, as the program has them.
+[[nodiscard]] std::vector<Vec3> tips_of(const PlannedPath& path, const PathRun& run);
 
 /// "blends apart", "program size", "rest at the ends", from the waypoints alone.
 [[nodiscard]] std::vector<Check> program_checks(const PlannedPath& path);

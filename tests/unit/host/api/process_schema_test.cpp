@@ -36,6 +36,36 @@ TEST(ProcessSchema, EachKeyOfTheReaderHasHelpAndItsRange) {
   STRCMP_EQUAL(R"(["name","tool","placement","motion"])", schema["required"].dump().c_str());
 }
 
+TEST(ProcessSchema, ZonesAreAListWithUnitsAndRanges) {
+  const Json schema = process_schema();
+  const Json& zones = schema["properties"]["zones"];
+  STRCMP_EQUAL("array", zones["type"].get<std::string>().c_str());
+  CHECK(!zones["description"].get<std::string>().empty());
+  const Json& item = zones["items"];
+  STRCMP_EQUAL(R"(["name"])", item["required"].dump().c_str());
+  STRCMP_EQUAL("mm", item["properties"]["outward_by_mm"]["x-unit"].get<std::string>().c_str());
+  STRCMP_EQUAL("degrees", item["properties"]["tilt_by_deg"]["x-unit"].get<std::string>().c_str());
+  LONGS_EQUAL(10, item["properties"]["passes"]["maximum"].get<int>());
+  STRCMP_EQUAL(R"(["worked","left_out"])", item["properties"]["work"]["enum"].dump().c_str());
+}
+
+TEST(ProcessSchema, ZonesComeBackAsTheyWereSavedAndFaultsNameThem) {
+  const test::TemporaryFolder folder;
+  const ProcessStore store = store_in(folder);
+  Json grind = *store.read("grind");
+  CHECK_FALSE(grind.contains("zones"));
+  grind["zones"] = Json::array({{{"name", "heel"}, {"where", "heel"}, {"work", "left_out"}},
+                                {{"name", "side"}, {"from_percent", 30}, {"to_percent", 40}, {"passes", 2}}});
+  SUCCEEDS(store.save("zoned", grind));
+  const auto back = store.read("zoned");
+  SUCCEEDS(back);
+  LONGS_EQUAL(2, (*back)["zones"].size());
+  STRCMP_EQUAL("left_out", (*back)["zones"][0]["work"].get<std::string>().c_str());
+  LONGS_EQUAL(2, (*back)["zones"][1]["passes"].get<int>());
+  grind["zones"][1]["passes"] = 11;
+  FAILS_NAMING(Errc::CheckFailed, "zones[1].passes", store.save("zoned", grind));
+}
+
 TEST(ProcessSchema, ShippedProcessesAreReadAsJsonAndSavedAgain) {
   const test::TemporaryFolder folder;
   const ProcessStore store = store_in(folder);

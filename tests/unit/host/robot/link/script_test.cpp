@@ -85,6 +85,40 @@ TEST(UrScript, ToolIsOffOnEveryWayThatIsNotTheLine) {
   CHECK_FALSE(on);
 }
 
+TEST(UrScript, WithZonesTheToolIsOnOnEachStretchAndOffBetween) {
+  path::PlanRequest asked = test::plan_request("grind.yaml");
+  asked.line = path::test::made_line({.taper = 0.15});
+  asked.process.zones = {
+      {.name = "heel", .where = path::Zone::Where::Heel, .reach_ratio = 0.15, .left_out = true},
+      {.name = "side", .from_ratio = 0.3, .to_ratio = 0.4, .passes = 2}};
+  const path::PlanOutcome outcome = path::plan(asked);
+  CHECK_TEXT(outcome.path.has_value(), outcome.reason().c_str());
+  lines.clear();
+  std::istringstream text{urscript(*outcome.path)};
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  CHECK_EQUAL(2U, count("digital_out(0, True)"));
+  CHECK_EQUAL(3U, count("digital_out(0, False)"));
+  bool on = false;
+  std::size_t rounded = 0, between = 0;
+  double z_m = 0, lowest_m = 1e9;
+  for (const std::string& line : lines) {
+    if (line.find("digital_out(0, ") != std::string::npos) {
+      on = line.find("True") != std::string::npos;
+      between += on ? 1 : 0;
+    }
+    if (line.find("  move") != 0 || line.find("movej") != std::string::npos) continue;
+    CHECK_EQUAL_TEXT(line.find("  movep") == 0, on, line.c_str());
+    const bool is_rounded = line.find("r=0.00000") == std::string::npos;
+    CHECK(std::sscanf(line.c_str(), "  move%*c(p[%*f,%*f,%lf", &z_m) == 1);
+    if (on || !is_rounded) continue;
+    ++rounded;
+    lowest_m = std::min(lowest_m, z_m);
+  }
+  // The way back to the side: lifted, with a blend at each target.
+  CHECK(rounded > 3);
+  CHECK(lowest_m > 0.001 * (85 + asked.process.motion.lift_mm));
+}
+
 TEST(UrScript, PayloadOfTheProcessIsSetBeforeTheArmMoves) {
   STRCMP_EQUAL("  set_payload(1.800, [0.00000,0.00000,0.07000])", lines[2].c_str());
 }

@@ -54,6 +54,29 @@ TEST(Track, TurnOfTheToolShowsAsAngle) {
   DOUBLES_EQUAL(0.01, deviation(path, track(change)).max_rad, 1e-3);
 }
 
+TEST(Track, StretchesBetweenZonesAndTheirSecondPassesAreAllCovered) {
+  path::PlanRequest asked = robot::test::plan_request("grind.yaml");
+  asked.line = test::made_line({.taper = 0.15});
+  asked.process.zones = {{.name = "heel", .where = Zone::Where::Heel, .left_out = true},
+                         {.name = "toe", .where = Zone::Where::Toe, .passes = 2}};
+  const PlanOutcome outcome = plan(asked);
+  CHECK_TEXT(outcome.path.has_value(), outcome.reason().c_str());
+  checked = *outcome.path;
+  const std::vector<TrackSample> whole = track(SE3::Identity());
+  const TrackDeviation d = deviation(path, whole);
+  CHECK(d.completed);
+  DOUBLES_EQUAL(1.0, d.covered, 1e-12);
+  DOUBLES_EQUAL(0.0, d.max_mm, 0.02);
+  // Without the second pass the job is not done.
+  std::vector<TrackSample> once = whole;
+  const auto travel =
+      std::ranges::find_if(path.waypoints, [](const Waypoint& w) { return w.segment == Segment::Travel; });
+  once.resize(2 * static_cast<std::size_t>(travel - path.waypoints.begin()));
+  const TrackDeviation less = deviation(path, once);
+  CHECK_FALSE(less.completed);
+  CHECK(less.covered < 0.95);
+}
+
 TEST(Track, HalfAPathIsNotCompleted) {
   std::vector<TrackSample> half = track(SE3::Identity());
   half.resize(half.size() / 2);

@@ -14,15 +14,17 @@ struct Oval {
   double half_width_mm{55};
   Vec3 middle{540, -60, 85};
   double rise_mm{6};
+  double taper{0};  ///< above 0: wider towards +x, as a shoe is at its ball
 };
 
 /// About 1 mm apart, evenly; normals level and outward.
 inline cloud::ClosedLine made_line(const Oval& oval = {}) {
   constexpr std::size_t k_fine = 20000;
   const auto at = [&](double angle_rad) {
-    return Vec3(oval.middle + Vec3{oval.half_length_mm * std::cos(angle_rad),
-                                   oval.half_width_mm * std::sin(angle_rad),
-                                   oval.rise_mm * std::cos(angle_rad)});
+    return Vec3(oval.middle +
+                Vec3{oval.half_length_mm * std::cos(angle_rad),
+                     oval.half_width_mm * std::sin(angle_rad) * (1 + oval.taper * std::cos(angle_rad)),
+                     oval.rise_mm * std::cos(angle_rad)});
   };
   std::vector<double> arc_mm{0.0};
   for (std::size_t i = 1; i <= k_fine; ++i) {
@@ -36,9 +38,11 @@ inline cloud::ClosedLine made_line(const Oval& oval = {}) {
   for (std::size_t k = 0; k < count; ++k) {
     while (arc_mm[i + 1] < arc_mm.back() * static_cast<double>(k) / static_cast<double>(count)) ++i;
     const double angle_rad = 2 * std::numbers::pi / k_fine * static_cast<double>(i);
-    const Vec3 tangent = Vec3{-oval.half_length_mm * std::sin(angle_rad),
-                              oval.half_width_mm * std::cos(angle_rad), -oval.rise_mm * std::sin(angle_rad)}
-                             .normalized();
+    const Vec3 tangent =
+        Vec3{-oval.half_length_mm * std::sin(angle_rad),
+             oval.half_width_mm * (std::cos(angle_rad) + oval.taper * std::cos(2 * angle_rad)),
+             -oval.rise_mm * std::sin(angle_rad)}
+            .normalized();
     line.points.push_back({.position = at(angle_rad),
                            .normal = tangent.cross(Vec3::UnitZ()).normalized(),
                            .tangent = tangent,

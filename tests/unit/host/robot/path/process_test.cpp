@@ -44,6 +44,33 @@ TEST(ProcessFile, ShippedProcessesAreValid) {
   DOUBLES_EQUAL(60 * std::numbers::pi / 180, spray.placement.tilt_rad, 1e-12);
 }
 
+TEST(ProcessFile, ZonesAreReadInTheirUnits) {
+  const auto process = read_changed(
+      "gate:",
+      "zones:\n"
+      "  - {name: heel, where: heel, reach_percent: 20, work: left_out}\n"
+      "  - {name: inner side, from_percent: 85, to_percent: 15, outward_by_mm: -1, up_by_mm: 2,\n"
+      "     tilt_by_deg: -10, lead_by_deg: 5, speed_ratio: 0.5, passes: 3, ramp_mm: 8}\ngate:");
+  CHECK(process.has_value());
+  LONGS_EQUAL(2, process->zones.size());
+  const Zone &heel = process->zones[0], &side = process->zones[1];
+  CHECK(heel.where == Zone::Where::Heel);
+  CHECK(heel.left_out);
+  DOUBLES_EQUAL(0.2, heel.reach_ratio, 1e-12);
+  STRCMP_EQUAL("inner side", side.name.c_str());
+  CHECK(side.where == Zone::Where::Stretch);
+  CHECK_FALSE(side.left_out);
+  DOUBLES_EQUAL(0.85, side.from_ratio, 1e-12);
+  DOUBLES_EQUAL(0.15, side.to_ratio, 1e-12);
+  DOUBLES_EQUAL(-1, side.outward_by_mm, 0);
+  DOUBLES_EQUAL(2, side.up_by_mm, 0);
+  DOUBLES_EQUAL(-10 * std::numbers::pi / 180, side.tilt_by_rad, 1e-12);
+  DOUBLES_EQUAL(5 * std::numbers::pi / 180, side.lead_by_rad, 1e-12);
+  DOUBLES_EQUAL(0.5, side.speed_ratio, 0);
+  LONGS_EQUAL(3, side.passes);
+  DOUBLES_EQUAL(8, side.ramp_mm, 0);
+}
+
 TEST(ProcessFile, UnknownKeysAndImpossibleValuesAreNamed) {
   struct Row {
     const char* from;
@@ -56,7 +83,17 @@ TEST(ProcessFile, UnknownKeysAndImpossibleValuesAreNamed) {
         Row{"payload_kg: 1.8", "payload_kg: .nan", "payload_kg"},
         Row{"[0, 0, 70]", "[0, 0, 7000]", "payload_centre_mm"},
         Row{"tilt_deg: 60", "tilt_deg: 600", "tilt_deg"}, Row{"start: auto", "start: heel", "start"},
-        Row{"[0, 0, 180]", "[0, 180]", "tcp_position_mm"}}) {
+        Row{"[0, 0, 180]", "[0, 180]", "tcp_position_mm"},
+        Row{"gate:", "zones:\n  - {name: a, where: toe, sped_ratio: 2}\ngate:", "zones[0].sped_ratio"},
+        Row{"gate:", "zones:\n  - {name: a, where: toe}\n  - {name: b, passes: 2}\ngate:",
+            "zones[1].to_percent"},
+        Row{"gate:", "zones:\n  - {name: a, where: toe, tilt_by_deg: 40}\ngate:", "zones[0].tilt_by_deg"},
+        Row{"gate:", "zones:\n  - {name: a, where: toe, up_by_mm: -51}\ngate:", "zones[0].up_by_mm"},
+        Row{"gate:", "zones:\n  - {name: a, where: toe, speed_ratio: 0.1}\ngate:", "zones[0].speed_ratio"},
+        Row{"gate:", "zones:\n  - {name: a, where: toe, passes: 1.5}\ngate:", "zones[0].passes"},
+        Row{"gate:", "zones:\n  - {name: a, where: toe, work: skip}\ngate:", "zones[0].work"},
+        Row{"gate:", "zones:\n  - {where: toe}\ngate:", "zones[0].name"},
+        Row{"gate:", "zones: [toe]\ngate:", "zones[0]"}, Row{"gate:", "zones: toe\ngate:", "zones"}}) {
     const auto process = read_changed(row.from, row.to);
     CHECK_FALSE_TEXT(process.has_value(), row.to);
     CHECK_TEXT(process.error().where.view().find(row.named) != std::string_view::npos,
