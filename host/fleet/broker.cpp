@@ -81,7 +81,7 @@ Result<void> Broker::State::open() {
   }
   if (!config.will_topic.empty()) {
     mosquitto_will_set_v5(client, config.will_topic.c_str(), static_cast<int>(config.will.size()),
-                          config.will.data(), k_at_least_once, true, nullptr);
+                          config.will.data(), k_at_least_once, config.will_kept, nullptr);
   }
   mosquitto_connect_v5_callback_set(client,
                                     [](mosquitto*, void* self, int reason, int, const mosquitto_property*) {
@@ -177,10 +177,11 @@ bool Broker::ready() const {
   return !state_->lost && state_->subscribed;
 }
 
-bool Broker::publish(const std::string& topic, const std::string& payload, bool kept) {
+bool Broker::publish(const std::string& topic, const std::string& payload, Delivery delivery) {
   if (!ready()) return false;
+  const int qos = delivery == Delivery::AtMostOnce ? 0 : k_at_least_once;
   return mosquitto_publish_v5(state_->client, nullptr, topic.c_str(), static_cast<int>(payload.size()),
-                              payload.data(), k_at_least_once, kept, nullptr) == MOSQ_ERR_SUCCESS;
+                              payload.data(), qos, delivery == Delivery::Kept, nullptr) == MOSQ_ERR_SUCCESS;
 }
 
 Result<BrokerConfig> parse_broker(const std::string& text) {

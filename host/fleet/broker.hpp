@@ -28,7 +28,8 @@ struct BrokerConfig {
   std::string client;           ///< its name at the broker
   std::vector<std::string> subscriptions;
   std::string will_topic;  ///< empty: no will
-  std::string will;        ///< published and kept when this line is cut
+  std::string will;        ///< published when this line is cut
+  bool will_kept{true};    ///< by the broker, for whoever comes later
 };
 
 /// "mqtts://HOST:PORT", or "mqtt://HOST:PORT" on loopback.
@@ -52,8 +53,10 @@ class Broker {
   [[nodiscard]] Result<void> turn(std::chrono::milliseconds timeout);
 
   [[nodiscard]] bool ready() const;
-  /// At least once (QoS 1).  False: there is no line, nothing was sent.
-  bool publish(const std::string& topic, const std::string& payload, bool kept);
+  /// QoS 0; QoS 1; QoS 1, and kept by the broker for whoever comes later.
+  enum class Delivery { AtMostOnce, AtLeastOnce, Kept };
+  /// False: there is no line, nothing was sent.
+  bool publish(const std::string& topic, const std::string& payload, Delivery delivery);
 
  private:
   struct State;

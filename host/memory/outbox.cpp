@@ -57,4 +57,10 @@ Result<OutboxPart> Outbox::after(std::int64_t seq, int limit) {
   }
 }
 
+Result<OutboxPart> Outbox::last() {
+  BITELINE_ASSIGN(const std::int64_t newest,
+                  number("SELECT coalesce(max(seq), 0) FROM outbox WHERE seq > ?", 0));
+  return after(newest - 1, 1);
+}
+
 }  // namespace biteline::memory

@@ -29,6 +29,8 @@ class Outbox {
   [[nodiscard]] Result<std::string> book();
   /// The first `limit` rows above `seq`, oldest first.
   [[nodiscard]] Result<OutboxPart> after(std::int64_t seq, int limit);
+  /// The newest row alone, or none.
+  [[nodiscard]] Result<OutboxPart> last();
 
  private:
   Outbox(Memory memory, Database database) : memory_{std::move(memory)}, database_{std::move(database)} {}

@@ -183,7 +183,8 @@ class Fleet {
 
   void tell(const std::string& cell, const fleet::CommittedMessage& committed) {
     // Not kept by the broker: a word from before a database that was put back would be wrong.
-    broker_->publish(fleet::committed_topic(cell), fleet::to_text(committed), false);
+    broker_->publish(fleet::committed_topic(cell), fleet::to_text(committed),
+                     fleet::Broker::Delivery::AtLeastOnce);
   }
 
   const Options& options_;

@@ -9,6 +9,7 @@
 
 #include "host/fleet/broker_options.hpp"
 #include "host/fleet/program.hpp"
+#include "host/fleet/sparkplug/line.hpp"
 #include "host/fleet/uplink.hpp"
 
 namespace {
@@ -16,6 +17,7 @@ namespace {
 using namespace biteline;
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
+using Delivery = fleet::Broker::Delivery;
 
 constexpr const char* k_program = "biteline-uplink";
 
@@ -23,11 +25,14 @@ constexpr milliseconds k_turn{100};
 /// How long after its end a shoe is sent, at most.
 constexpr milliseconds k_between_looks{200};
 constexpr milliseconds k_between_words{5000};
+/// Shoes told to Sparkplug's hosts in one look.
+constexpr int k_most_told = 20;
 
 struct Options {
   std::filesystem::path results;
   std::string cell;
   fleet::BrokerOptions broker;
+  std::string sparkplug;  ///< group; empty: not told
   bool exit_with_parent{false};
 };
 
@@ -58,6 +63,11 @@ class Cell {
     BITELINE_ASSIGN(broker_, fleet::Broker::open(
                                  broker, [this](std::string_view, std::string_view text) { hear(text); },
                                  [this] { begin_line(); }));
+    if (!options_.sparkplug.empty()) {
+      broker.client = "biteline-sparkplug-" + options_.cell;
+      sparkplug_ = std::make_unique<fleet::sparkplug::Line>(
+          broker, fleet::sparkplug::Node{options_.sparkplug, options_.cell, BITELINE_VERSION});
+    }
     return {};
   }
 
@@ -76,10 +86,11 @@ class Cell {
       if (now >= look_at_) {
         look_at_ = now + k_between_looks;
         send(now);
+        tell_sparkplug();
       }
     }
     fleet::HealthMessage gone;
-    broker_->publish(fleet::health_topic(options_.cell), fleet::to_text(gone), true);
+    broker_->publish(fleet::health_topic(options_.cell), fleet::to_text(gone), Delivery::Kept);
   }
 
  private:
@@ -88,6 +99,28 @@ class Cell {
     speak_at_ = {};
     std::printf("biteline-uplink: connected as %s\n", options_.cell.c_str());
     std::fflush(stdout);
+  }
+
+  /// The shoes since the last look, each by itself; the first look begins with the last shoe.
+  void tell_sparkplug() {
+    if (!sparkplug_) return;
+    const Result<void> turned = sparkplug_->turn(milliseconds{0});
+    sparkplug_words_.say(turned ? "" : to_line(turned.error()));
+    if (!outbox_) return;
+    Result<memory::OutboxPart> part = told_ ? outbox_->after(*told_, k_most_told) : outbox_->last();
+    if (!part) return memory_.say(to_line(part.error()));
+    // A memory that begins anew counts from one again.
+    if (told_ && part->book != told_book_) {
+      told_.reset();
+      return;
+    }
+    told_book_ = part->book;
+    told_ = part->rows.empty() ? told_.value_or(0) : part->rows.back().seq;
+    for (memory::OutboxRow& row : part->rows) {
+      seen_.last = std::move(row.scan);
+      sparkplug_->show(seen_);
+    }
+    sparkplug_->show(seen_);
   }
 
   void hear(std::string_view text) {
@@ -110,11 +143,12 @@ class Cell {
     if (!part) return memory_.say(to_line(part.error()));
     memory_.say("");
     uplink_.use_book(part->book);
+    seen_.waiting = part->waiting;
     broker_->publish(
         fleet::health_topic(options_.cell),
         fleet::to_text(fleet::HealthMessage{
             .online = true, .version = BITELINE_VERSION, .book = part->book, .waiting = part->waiting}),
-        true);
+        Delivery::Kept);
   }
 
   void send(Clock::time_point now) {
@@ -126,7 +160,8 @@ class Cell {
     for (const memory::OutboxRow& row : part->rows) {
       const fleet::ShoeMessage shoe{
           .book = part->book, .seq = row.seq, .after = row.after, .scan = row.scan, .places = row.places};
-      if (!broker_->publish(fleet::shoes_topic(options_.cell), fleet::to_text(shoe), false)) return;
+      if (!broker_->publish(fleet::shoes_topic(options_.cell), fleet::to_text(shoe), Delivery::AtLeastOnce))
+        return;
       uplink_.sent(row.seq, now);
     }
   }
@@ -136,7 +171,11 @@ class Cell {
   std::unique_ptr<fleet::Broker> broker_;
   std::optional<memory::Outbox> outbox_;
   fleet::Uplink uplink_;
-  Complaints line_, memory_;
+  std::unique_ptr<fleet::sparkplug::Line> sparkplug_;
+  fleet::sparkplug::CellState seen_;    ///< by Sparkplug's hosts
+  std::optional<std::int64_t> told_{};  ///< the outbox's row that they were told of last
+  std::string told_book_;
+  Complaints line_, memory_, sparkplug_words_;
   Clock::time_point speak_at_{}, look_at_{};
 };
 
@@ -152,6 +191,8 @@ int run(int argc, char** argv) {
   app.add_option("--cell", options.cell, "This cell's name: letters, digits, - and _, at most 64")
       ->required();
   fleet::add_broker_options(app, options.broker);
+  app.add_option("--sparkplug", options.sparkplug,
+                 "Be a node of this Sparkplug B group, too: state and last shoe, on a line of its own");
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");
   try {
@@ -162,6 +203,8 @@ int run(int argc, char** argv) {
   }
   if (!fleet::is_cell_name(options.cell))
     return complain("--cell: letters, digits, - and _ expected, at most 64", ExitStatus::BadInput);
+  if (!options.sparkplug.empty() && !fleet::is_cell_name(options.sparkplug))
+    return complain("--sparkplug: letters, digits, - and _ expected, at most 64", ExitStatus::BadInput);
   if (options.exit_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
   Cell cell{options};
   if (const Result<void> opened = cell.open(); !opened)

@@ -54,7 +54,7 @@ TEST(FleetBroker, BrokerThatIsAwayIsToldAndTriedAgain) {
   CHECK(!turned);
   STRCMP_CONTAINS("127.0.0.1 port 1", to_line(turned.error()).c_str());
   CHECK(!(*broker)->ready());
-  CHECK(!(*broker)->publish("a", "b", false));
+  CHECK(!(*broker)->publish("a", "b", Broker::Delivery::AtLeastOnce));
 }
 
 }  // namespace biteline::fleet
