@@ -13,7 +13,7 @@ measure() {
   local name=$1 unit=$work/${1##*/}
   shift
   # The program is looked for on this machine.
-  cat "$@" | sed 's#^ExecStart=[^ ]*#ExecStart=/bin/true#' >"$unit"
+  cat "$@" | sed 's#^ExecStart=[^ ][^ ]*#ExecStart=/bin/true#' >"$unit"
   if ! systemd-analyze security --offline=true --no-pager --threshold=30 "$unit" >"$work/log" 2>&1; then
     echo "$name: $(grep -F 'Overall exposure' "$work/log" || tail -1 "$work/log")"
     bad=1
@@ -32,12 +32,13 @@ for drop_in in "$1"/boards/*/systemd/biteline-sensor.service.d/*.conf; do
   measure "sensor-${board%%/*}.service" "$sensor" "$drop_in"
   count=$((count + 1))
 done
+measure sensor-update.service "$sensor" "$1/firmware/update/systemd/biteline-update.conf"
 measure host.service "$1/host/apps/biteline-host/systemd/biteline-host.service"
 measure web.service "$1/host/apps/biteline-web/systemd/biteline-web.service"
 for name in uplink fleet gige; do
   measure $name.service "$1/host/apps/biteline-$name/systemd/biteline-$name.service"
 done
-count=$((count + 4))
+count=$((count + 5))
 for name in host web uplink fleet gige; do
   SYSTEMD_LOG_LEVEL=warning systemd-analyze verify "$work/$name.service" >"$work/log" 2>&1 || true
   if grep "$work" "$work/log"; then bad=1; fi

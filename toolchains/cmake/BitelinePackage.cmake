@@ -6,6 +6,8 @@ install(TARGETS biteline-sensor RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMP
 install(FILES boards/common/systemd/biteline-sensor.service DESTINATION lib/systemd/system COMPONENT firmware)
 install(FILES boards/common/udev/90-biteline.rules DESTINATION lib/udev/rules.d COMPONENT firmware)
 install(FILES boards/common/sysusers/biteline.conf DESTINATION lib/sysusers.d COMPONENT firmware)
+install(PROGRAMS firmware/update/biteline_update.sh DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT firmware RENAME biteline-update)
+install(FILES firmware/update/systemd/biteline-update.conf DESTINATION ${CMAKE_INSTALL_DATADIR}/biteline/update COMPONENT firmware)
 # Every board's data; the unit's own goes to /etc/biteline by hand, and boards/<board>/board.cmake names it.
 install(DIRECTORY boards/ DESTINATION ${CMAKE_INSTALL_DATADIR}/biteline/boards COMPONENT firmware PATTERN common EXCLUDE)
 set(BITELINE_BOARD "" CACHE STRING "Board whose systemd drop-in the package installs")
@@ -26,6 +28,8 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_FIRMWARE_PACKAGE_NAME biteline-firmware)
 set(CPACK_DEBIAN_FIRMWARE_PACKAGE_SECTION science)
+# biteline-update checks signatures by it.
+set(CPACK_DEBIAN_FIRMWARE_PACKAGE_RECOMMENDS openssl)
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL aarch64)
   set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
   # dpkg-shlibdeps would ask this machine's packages, which are of the other architecture.
