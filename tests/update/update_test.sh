@@ -83,7 +83,8 @@ cp -r "$work/good" "$work/bare" && rm "$work/bare/manifest.sig"
 cp -r "$work/good" "$work/linked" && ln -sf "$work/good/biteline-sensor" "$work/linked/biteline-sensor"
 mkdir "$work/real" "$work/garbage"
 cp "$sensor" "$work/real/biteline-sensor" && "$update" sign "$work/own.key" "$work/real" 2
-head -c 5000 /dev/urandom >"$work/garbage/biteline-sensor" && "$update" sign "$work/own.key" "$work/garbage" 2
+# Of a program only its first bytes: made-up ones might be taken for a script.
+printf '\177ELF\002\001\001' >"$work/garbage/biteline-sensor" && head -c 5000 /dev/zero >>"$work/garbage/biteline-sensor" && "$update" sign "$work/own.key" "$work/garbage" 2
 
 expect 'a good version' 0 2 good 'version 2 runs'
 expect 'a check that fails' 3 1 blind 'does not pass its own check'
