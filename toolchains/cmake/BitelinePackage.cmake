@@ -7,6 +7,7 @@ install(FILES boards/common/systemd/biteline-sensor.service DESTINATION lib/syst
 install(FILES boards/common/udev/90-biteline.rules DESTINATION lib/udev/rules.d COMPONENT firmware)
 install(FILES boards/common/sysusers/biteline.conf DESTINATION lib/sysusers.d COMPONENT firmware)
 install(PROGRAMS firmware/update/biteline_update.sh DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT firmware RENAME biteline-update)
+install(PROGRAMS firmware/update/biteline_bundle.sh DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT firmware RENAME biteline-bundle)
 install(FILES firmware/update/systemd/biteline-update.conf DESTINATION ${CMAKE_INSTALL_DATADIR}/biteline/update COMPONENT firmware)
 # Every board's data; the unit's own goes to /etc/biteline by hand, and boards/<board>/board.cmake names it.
 install(DIRECTORY boards/ DESTINATION ${CMAKE_INSTALL_DATADIR}/biteline/boards COMPONENT firmware PATTERN common EXCLUDE)
