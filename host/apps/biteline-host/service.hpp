@@ -109,6 +109,8 @@ class Service {
   /// biteline-web beside this service, and again when it ended.
   void keep_web();
   void show_idle();
+  /// From now on doors may decide what is held.  Pre: waits().  Thread: whose held_ is, the result's or main.
+  void tell_held();
 
   /// Begins to work out a scan that is complete, once the result before it is done.
   void start_result();
@@ -157,6 +159,7 @@ class Service {
   std::optional<Scan> scan_;        ///< coming in
   int links_{0};                    ///< opened to the sensor so far
   bool sensor_idle_{false};         ///< it waits to be asked for a scan
+  std::vector<Wish> later_{};       ///< of what is held, until the result's thread has ended
   bool told_held_{false};           ///< doors know that a scan waits
   std::optional<Held> held_;        ///< by the result's thread; read when that is done
   std::optional<Unnamed> unnamed_;  ///< the same

@@ -20,24 +20,17 @@ constexpr Nanoseconds k_between_looks = milliseconds{2000};
 void Service::show_idle() {
   // While a result is worked out, what is held belongs to its thread.
   if (result_.valid()) return;
+  if (waits() && !told_held_) {
+    tell_held();
+    cockpit_->tell_scan((held_ ? held_->folder : unnamed_->scan.folder).filename().string());
+  }
   if (held_) {
-    if (!told_held_) {
-      cockpit_->hold(held_->folder.filename().string(),
-                     held_->plan.outcome.path ? Cockpit::Wait::Word : Cockpit::Wait::Mend);
-      cockpit_->tell_scan(held_->folder.filename().string());
-      told_held_ = true;
-    }
     cockpit_->show(Phase::Deciding, held_->folder.filename().string() + " waits for a person",
                    "accept it, reject it, or scan again");
     return;
   }
   if (unnamed_) {
     const std::string name = unnamed_->scan.folder.filename().string();
-    if (!told_held_) {
-      cockpit_->hold(name, Cockpit::Wait::Model);
-      cockpit_->tell_scan(name);
-      told_held_ = true;
-    }
     cockpit_->show(Phase::Deciding, name + " waits: its model is not known",
                    "choose its model, reject it, or scan again");
     return;
@@ -55,6 +48,16 @@ void Service::show_idle() {
   } else {
     cockpit_->show(Phase::Waiting, "waits for the sensor", "the next scan");
   }
+}
+
+void Service::tell_held() {
+  if (held_) {
+    cockpit_->hold(held_->folder.filename().string(),
+                   held_->plan.outcome.path ? Cockpit::Wait::Word : Cockpit::Wait::Mend);
+  } else {
+    cockpit_->hold(unnamed_->scan.folder.filename().string(), Cockpit::Wait::Model);
+  }
+  told_held_ = true;
 }
 
 void Service::keep_web() {
@@ -83,7 +86,18 @@ void Service::keep_web() {
 }
 
 void Service::heed_wishes() {
-  while (const std::optional<Wish> wish = cockpit_->next_wish()) heed(*wish);
+  while (const std::optional<Wish> wish = cockpit_->next_wish()) {
+    // What is held belongs to the result's thread until that has ended; a word may come before.
+    const bool of_held = wish->kind == Wish::Kind::Send || wish->kind == Wish::Kind::Reject ||
+                         wish->kind == Wish::Kind::Model || wish->kind == Wish::Kind::Mended;
+    if (of_held && result_.valid()) {
+      later_.push_back(*wish);
+    } else {
+      heed(*wish);
+    }
+  }
+  if (result_.valid()) return;
+  for (const Wish& wish : std::exchange(later_, {})) heed(wish);
 }
 
 void Service::heed(const Wish& wish) {

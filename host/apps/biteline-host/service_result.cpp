@@ -53,6 +53,8 @@ Result<ExitStatus> Service::work_out(Scan scan) {
 void Service::close_result(const fs::path& folder, const Chosen& chosen) {
   std::string decision = "open";
   if (waits()) {
+    // Before the row says so: whoever reads it may answer at once.
+    tell_held();
     decision = "held";
   } else if (robot_ && process_of(chosen).gate.automatic_above) {
     decision = "automatic";
@@ -218,9 +220,10 @@ Result<ExitStatus> Service::plan_mended(Held held) {
     BITELINE_ASSIGN(held.plan, plan_again(held.folder / "path", held.plan.request, std::move(line)));
     return held.plan.status;
   });
-  remember(held.folder, "held", held.chosen);
   // Also without a path: it can be mended again, or rejected.
   held_.emplace(std::move(held));
+  tell_held();
+  remember(held_->folder, "held", held_->chosen);
   return status;
 }
 

@@ -88,7 +88,6 @@ TEST(ServiceAndPerson, HeldScanWaitsForAPersonAndTheGateStillJudges) {
       page.scan_once("scan-0001", [](const control::Json& scan) { return scan["decision"] == "held"; });
   STRCMP_EQUAL("held", held["decision"].get<std::string>().c_str());
   CHECK(!held["sent"].get<bool>());
-  page.wait_until_deciding();
   LONGS_EQUAL(409, page.ask("POST", "/commands/start").status);
 
   LONGS_EQUAL(200, page.ask("POST", "/scans/scan-0001/accept", {{"why", "looked at it"}}).status);
@@ -159,7 +158,6 @@ TEST(ServiceAndPerson, ScanOfNoKnownModelWaitsUntilAPersonNamesIt) {
   STRCMP_CONTAINS("the model is not known", row["reason"].get<std::string>().c_str());
   CHECK(fs::exists(scan / "line.csv"));
   CHECK(!fs::exists(scan / "path"));
-  page.wait_until_deciding();
   LONGS_EQUAL(409, page.ask("POST", "/scans/scan-0001/accept").status);
   LONGS_EQUAL(
       409,
@@ -197,7 +195,6 @@ TEST(ServiceAndPerson, RejectedScanKeepsItsReasonAndAnotherServiceRemembersIt) {
     page.begin();
     static_cast<void>(
         page.scan_once("scan-0001", [](const control::Json& scan) { return scan["decision"] == "held"; }));
-    page.wait_until_deciding();
     LONGS_EQUAL(200, page.ask("POST", "/scans/scan-0001/reject", {{"why", "a hole at the toe"}}).status);
     LONGS_EQUAL(409, page.ask("POST", "/scans/scan-0001/accept").status);
     ::kill(host.pid(), SIGKILL);
