@@ -15,6 +15,7 @@
 #include "common/wire/keys.hpp"
 #include "firmware/app/board_check.hpp"
 #include "firmware/app/options.hpp"
+#include "firmware/app/stills.hpp"
 #include "firmware/app/streamer.hpp"
 #include "firmware/stream/stream_socket.hpp"
 
@@ -89,6 +90,38 @@ Result<void> check(const sensor::Options& options) {
   return {};
 }
 
+/// Until stdin ends or a signal comes; the laser is dark but for the pictures that want it.
+Result<void> take_stills(const sensor::Options& options, const sigset_t& signals) {
+  constexpr std::string_view k_board = "board:";
+  if (!options.source.source.starts_with(k_board))
+    return fail(Errc::InvalidArgument, "--stills: --source board:FILE expected");
+  if (options.exit_with_parent) tie_to_parent();
+  const runtime::RealtimeDemand demand = options.realtime.value_or(runtime::RealtimeDemand::Required);
+  BITELINE_TRY(runtime::prepare_process(demand));
+  BITELINE_ASSIGN(hal::Board board, hal::read_board_yaml(options.source.source.substr(k_board.size())));
+  sensor::BoardDevices devices{std::move(board), {}};
+  devices.realtime = demand == runtime::RealtimeDemand::Required;
+  const hal::MonotonicClock clock;
+  BITELINE_ASSIGN(const std::unique_ptr<runtime::LaserWatch> laser,
+                  start_laser_watch(devices, clock, demand));
+  BITELINE_ASSIGN(const std::unique_ptr<sensor::StillCamera> camera,
+                  sensor::StillCamera::open(devices, clock, laser.get(), {.realtime = demand}));
+  std::printf("{\"stills\":1}\n");
+  std::fflush(stdout);
+  std::atomic<bool> stop{false};
+  std::atomic<bool> over{false};
+  Result<void> served;
+  std::thread frames{[&] {
+    served = runtime::enter_thread(runtime::threads::k_acquisition, demand);
+    if (served) served = sensor::serve_stills(*camera, stop);
+    over = true;
+  }};
+  wait_for_signal(signals, over, stop);
+  frames.join();
+  if (laser) laser->stop();
+  return served;
+}
+
 /// A set that the camera does not take stops the program before anybody relies on it.  A camera that is not
 /// there yet is told at the first scan.
 Result<void> try_settings(sensor::SourceKind& kind) {
@@ -160,6 +193,7 @@ int main(int argc, char** argv) {
     if (parsed.leave_with) return *parsed.leave_with;
     const Result<void> done = parsed.options.make_keys ? wire::make_sensor_keys(*parsed.options.make_keys)
                               : parsed.options.check   ? check(parsed.options)
+                              : parsed.options.stills  ? take_stills(parsed.options, signals)
                                                        : run(parsed.options, signals);
     if (done) return static_cast<int>(ExitStatus::Done);
     std::fprintf(stderr, "biteline-sensor: %s\n", to_line(done.error()).c_str());

@@ -138,6 +138,9 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");
   app.add_flag("--stay", options.stay_after_scan, "Keep serving a recording after it was delivered");
+  app.add_flag(
+      "--stills", options.stills,
+      "Single pictures of --source board:FILE with the arm's pose, by orders on stdin (biteline capture)");
   app.add_flag("--check", options.check,
                "Open and close each device of --source board:FILE, say what is missing, and leave");
   try {

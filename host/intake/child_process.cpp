@@ -63,7 +63,7 @@ std::filesystem::path program_folder() {
 struct ChildProcess::State {
   std::string name;
   pid_t pid{-1};
-  Fd out;
+  Fd out, in;
   std::string pending;  ///< read from stdout, no line yet
   std::optional<int> status;
   std::thread listener;  ///< reads stderr to its end
@@ -124,6 +124,10 @@ Result<ChildProcess> ChildProcess::start(const Config& config) {
   }
   BITELINE_ASSIGN(Pipe out, make_pipe());
   BITELINE_ASSIGN(Pipe err, make_pipe());
+  Pipe in;
+  if (config.give_stdin) {
+    BITELINE_ASSIGN(in, make_pipe());
+  }
   std::vector<std::string> words{config.program.string()};
   words.insert(words.end(), config.arguments.begin(), config.arguments.end());
   std::vector<char*> argv;
@@ -139,6 +143,7 @@ Result<ChildProcess> ChildProcess::start(const Config& config) {
     ::setpgid(0, 0);
     ::prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (::getppid() != parent) ::_exit(127);  // the parent died before the line above
+    if (in.read.get() >= 0) ::dup2(in.read.get(), STDIN_FILENO);
     ::dup2(out.write.get(), STDOUT_FILENO);
     ::dup2(err.write.get(), STDERR_FILENO);
     ::execv(config.program.c_str(), argv.data());
@@ -150,6 +155,7 @@ Result<ChildProcess> ChildProcess::start(const Config& config) {
   state->name = config.program.filename();
   state->pid = pid;
   state->out = std::move(out.read);
+  state->in = std::move(in.write);
   state->listener = std::thread{[s = state.get(), fd = std::move(err.read),
                                  show = config.pass_stderr]() mutable { s->listen(std::move(fd), show); }};
   return ChildProcess{std::move(state)};
@@ -174,6 +180,20 @@ Result<std::string> ChildProcess::next_line(Duration timeout) {
       return fail(Errc::ProcessDied, "program %s: %s", state_->name.c_str(), last_words().c_str());
     state_->pending.append(chunk.data(), static_cast<std::size_t>(count));
   }
+}
+
+Result<void> ChildProcess::write_line(const std::string& line) {
+  const std::string text = line + "\n";
+  std::size_t written = 0;
+  while (written < text.size()) {
+    const ssize_t count = ::write(state_->in.get(), text.data() + written, text.size() - written);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0)
+      return fail_errno(Errc::ProcessDied, errno, "program %s: %s", state_->name.c_str(),
+                        last_words().c_str());
+    written += static_cast<std::size_t>(count);
+  }
+  return {};
 }
 
 Result<int> ChildProcess::wait(Duration timeout) {

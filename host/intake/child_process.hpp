@@ -22,6 +22,7 @@ class ChildProcess {
   struct Config {
     std::filesystem::path program;
     std::vector<std::string> arguments;
+    bool give_stdin{false};   ///< write_line() reaches it; else it has ours
     bool pass_stderr{false};  ///< also show the child's stderr on ours, line by line, behind its name
   };
   using Duration = std::chrono::milliseconds;
@@ -36,6 +37,9 @@ class ChildProcess {
   /// The next line of its stdout.  Errc::Timeout; Errc::ProcessDied with the last line of its stderr when
   /// stdout ended.
   [[nodiscard]] Result<std::string> next_line(Duration timeout);
+
+  /// One line to its stdin.  Errc::ProcessDied when it no longer reads.  Pre: Config::give_stdin.
+  [[nodiscard]] Result<void> write_line(const std::string& line);
 
   /// Waits for its end; the exit status, or 128 + the signal.  Errc::Timeout leaves it running.
   [[nodiscard]] Result<int> wait(Duration timeout);

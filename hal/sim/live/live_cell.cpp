@@ -85,6 +85,7 @@ LiveCell::LiveCell(const LiveSettings& settings, std::unique_ptr<MadeScene> scen
                      T_base_flange_on_path(
                          -ScanWay{scene_->path.length_mm(), scene_->path.settings().speed_mm_s}.ramp_mm()))),
       renderer_(scene_->scene, scene_->head),
+      targets_(settings.targets ? std::make_unique<TargetShow>(scene_->head, *settings.targets) : nullptr),
       pose_noise_(Random(settings.scene.shoe.seed).fork(77)) {}
 
 LiveCell::~LiveCell() {
@@ -102,7 +103,7 @@ Result<std::unique_ptr<LiveCell>> LiveCell::open(const LiveSettings& settings) {
     return fail(Errc::InvalidArgument, "arm '%s': ur3e, ur5e or ur10e expected", settings.arm.c_str());
   BITELINE_ASSIGN(auto scene, make_scene(settings.scene));
   Reachable reachable;
-  if (settings.scene.holder == Holder::Bracket) {
+  if (settings.scene.holder == Holder::Bracket && !settings.targets) {
     BITELINE_ASSIGN(reachable, place_within_reach(*scene, *kinematics, settings.arm));
   }
   std::unique_ptr<LiveCell> cell(new LiveCell(settings, std::move(scene), *kinematics, std::move(reachable)));
@@ -199,6 +200,10 @@ void LiveCell::paint(const GvExposure& exposure, std::span<std::uint8_t> pixels)
       scene_->T_base_shoe.inverse(Eigen::Isometry) * state.T_base_flange * scene_->head.model.T_flange_cam;
   const bool lit = laser_shines() && exposure.strobe;
   if (lit) ++lit_;
+  if (targets_) {
+    targets_->paint(target_, exposure, lit, pixels);
+    return;
+  }
   renderer_.render({.T_scene_cam = T_shoe_cam,
                     .region = exposure.region,
                     .exposure_ratio = std::pow(10, exposure.gain_db / 20) * seconds(exposure.exposure) /
@@ -212,8 +217,21 @@ void LiveCell::on_line(Line line, bool active, SensorClock::time_point stamp) {
   if (line != Line::LaserEnable) return;
   if (active) ++lightings_;
   (active ? lit_since_ns_ : dark_since_ns_) = stamp.time_since_epoch().count();
+  if (targets_) return;
   scan_at_ns_ = active ? (stamp + settings_.scan_after_laser).time_since_epoch().count() : 0;
   if (!active) scan_full_until_ns_ = 0;  // a scan without light is over, wherever the arm still goes
+}
+
+void LiveCell::show_target(std::size_t place) {
+  constexpr double k_move_s = 0.4;
+  const SensorClock::time_point now = hal::monotonic_now();
+  const SE3 T_from = arm_.at(now).T_base_flange, T_to = targets_->place(place).T_base_flange;
+  arm_.run({.name = "to the target",
+            .duration_s = k_move_s,
+            .T_base_flange_at =
+                [=](double time_s) { return geometry::interpolate(T_from, T_to, eased(time_s / k_move_s)); }},
+           now);
+  target_ = place;
 }
 
 LiveCell::ScanMotion LiveCell::scan_motion(const ArmState& state) const {

@@ -14,6 +14,7 @@
 #include "hal/sim/gvcamera/gv_camera.hpp"
 #include "hal/sim/live/arm_scan.hpp"
 #include "hal/sim/live/cell_faults.hpp"
+#include "hal/sim/live/target_show.hpp"
 #include "hal/sim/live/trigger_timer.hpp"
 #include "hal/sim/record/made_scene.hpp"
 #include "hal/sim/robot/ur_controller.hpp"
@@ -32,7 +33,9 @@ struct LiveSettings {
   double pose_noise_mm{0.010};                ///< of each pose on the bus
   double pose_noise_rad{5.2e-5};              ///< 0.003 degrees
   Nanoseconds scan_after_laser{300'000'000};  ///< the arm sets out so long after the laser went on
-  bool keep_track{true};                      ///< for write_track(); memory grows with the arm's way
+  /// Ring targets stand before the head in place of the shoe; the arm goes by show_target() only.
+  std::optional<TargetShowSettings> targets{};
+  bool keep_track{true};  ///< for write_track(); memory grows with the arm's way
 };
 
 /// What happened, for the last line and for tests.
@@ -68,6 +71,11 @@ class LiveCell {
   [[nodiscard]] const ArmScan* arm_scan() const { return arm_scan_.get(); }
   /// What stood in the way at the place asked for; empty: the shoe stands there.
   [[nodiscard]] const std::string& moved_because() const { return moved_because_; }
+
+  /// What the head sees where LiveSettings::targets are asked for; else nothing.
+  [[nodiscard]] const TargetShow* targets() const { return targets_.get(); }
+  /// The arm takes the head to that place of targets(), and rests there.
+  void show_target(std::size_t place);
 
   CellFaults faults;
   /// The door, the key switch and the head's thermal contact, as a person or the room moves them.
@@ -129,6 +137,8 @@ class LiveCell {
   std::string moved_because_;
   Arm arm_;
   StripeRenderer renderer_;
+  std::unique_ptr<TargetShow> targets_;
+  std::atomic<std::size_t> target_{0};
   std::atomic<std::int64_t> scan_at_ns_{0};  ///< when the arm is to set out; 0: not asked
   std::atomic<std::int64_t> scan_full_from_ns_{0}, scan_full_until_ns_{0};
   std::atomic<std::uint64_t> lit_{0}, scans_{0}, lightings_{0};

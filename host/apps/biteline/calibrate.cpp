@@ -13,6 +13,7 @@
 #include "host/calibration/head/head_calibration.hpp"
 #include "host/calibration/head/head_pictures.hpp"
 #include "host/calibration/head/head_report.hpp"
+#include "host/calibration/head/verdict.hpp"
 #include "host/calibration/refine/scan_refinement.hpp"
 #include "host/report/json_text.hpp"
 #include "host/report/report.hpp"
@@ -182,6 +183,14 @@ void say(const calibration::HeadCalibration& result, const GlobalOptions& global
     std::fprintf(stderr, "biteline: set aside %s: %s\n", one.name.c_str(), one.reason.c_str());
 }
 
+/// "calibration: fair", what keeps it from good, and what to take again.
+std::string words_of(const calibration::Verdict& verdict) {
+  std::string words = std::string{"calibration: "} + calibration::name_of(verdict.grade);
+  for (const std::string& reason : verdict.reasons) words += "\n  " + reason;
+  for (const std::string& picture : verdict.retake) words += "\n  retake " + picture;
+  return words;
+}
+
 Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_ASSIGN(const std::set<std::string> parts, parts_of(options));
@@ -201,6 +210,10 @@ Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global
   report.fields["input"] = options.calib.filename().string();
   report.fields["parts"] = parts;
   report.fields.update(calibration::report_fields(result));
+  const calibration::Verdict verdict = calibration::judge(result);
+  report.fields["verdict"] = {{"grade", calibration::name_of(verdict.grade)},
+                              {"reasons", verdict.reasons},
+                              {"retake", verdict.retake}};
   say(result, global);
   BITELINE_TRY(report.timed_aside("pictures", [&] {
     return calibration::draw_calibration(result, options.calib, options.out / "stages");
@@ -272,7 +285,7 @@ Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global
         uncertainty::uncertainty_text(uncertainty_of(result.fit, *result.hand_eye, clock_sigma))));
   }
   BITELINE_TRY(report.write(options.out));
-  return tell(report, global, "");
+  return tell(report, global, words_of(verdict));
 }
 
 void add_options(CLI::App* command, const std::shared_ptr<Options>& options, bool whole) {

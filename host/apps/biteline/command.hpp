@@ -30,6 +30,7 @@ struct Context {
 
 void add_batch(CLI::App& app, Context& context);
 void add_calibrate(CLI::App& app, Context& context);
+void add_capture(CLI::App& app, Context& context);
 void add_demo(CLI::App& app, Context& context);
 void add_doctor(CLI::App& app, Context& context);
 void add_evaluate(CLI::App& app, Context& context);

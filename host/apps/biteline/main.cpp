@@ -85,6 +85,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "biteline " BITELINE_VERSION);
   add_target(app, context);
   add_transfer(app, context);
+  add_capture(app, context);
   add_demo(app, context);
   add_doctor(app, context);
   add_evaluate(app, context);
