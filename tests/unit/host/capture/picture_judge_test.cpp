@@ -62,7 +62,8 @@ TEST(PictureJudge, AStripeIsWantedAndNotAtFullScale) {
   const auto draw = [&](double height) {
     for (int v = 0; v < 400; ++v) {
       for (int u = 0; u < 640; ++u) {
-        const double off = v - 200.3, light = 2 + height * std::exp(-off * off / (2 * 2.5 * 2.5));
+        const double off = std::clamp(v - 200.3, -20.0, 20.0),
+                     light = 2 + height * std::exp(-off * off / 12.5);
         image.pixels[static_cast<std::size_t>(v * 640 + u)] =
             static_cast<std::uint8_t>(std::min(255.0, light));
       }
