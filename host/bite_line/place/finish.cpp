@@ -9,6 +9,7 @@
 #include <tbb/parallel_for.h>
 
 #include "common/core/fixed_text.hpp"
+#include "host/bite_line/place/confidence.hpp"
 #include "host/bite_line/place/point_spread.hpp"
 #include "host/geometry/closed_curve.hpp"
 #include "host/uncertainty/radius.hpp"
@@ -180,7 +181,8 @@ Extraction finish(const Side& side, const Decision& decision, const PlacedLine& 
                               .c_str()};
     return out;
   }
-  out.line = even_line(placed, side.shoe.T_base_shoe, decision.of_line, spread, config.point_spacing_mm);
+  out.line = even_line(placed, side.shoe.T_base_shoe, line_held_of(decision.of_line), spread,
+                       config.point_spacing_mm);
   out.head_in_u95 = spread.has_value();
   const Flagged flagged = flagged_of(out.line, config.min_confidence_ratio);
   out.confidence = std::min(out.confidence, 1 - flagged.all());

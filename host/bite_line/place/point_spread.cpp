@@ -4,12 +4,29 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/bite_line/place/confidence.hpp"
 #include "host/uncertainty/radius.hpp"
 
 namespace biteline::bite_line {
 
+namespace {
+
+double square(double value) {
+  return value * value;
+}
+
+}  // namespace
+
+double claimed_of(const PlacedStation& station) {
+  // The section's own place against the mean over its neighbours: a groove that jumps by more than 0.3 mm is
+  // unsure.
+  const double calm = 1 / (1 + square((station.own_z_mm - station.position.z()) / 0.6));
+  const uncertainty::Axes bridge{.major_mm = std::max(station.tried_out_mm, station.tried_up_mm),
+                                 .minor_mm = std::min(station.tried_out_mm, station.tried_up_mm)};
+  return calm * std::min(1 / (1 + station.doubt), uncertainty::chance_within(bridge, k_confident_mm));
+}
+
 PointSpread spread_of(const PlacedStation& station, const SpreadModel& model) {
-  const auto square = [](double value) { return value * value; };
   // A wrong height slides the point along the wall.
   const Eigen::Vector2d wall{station.noise.slope, 1};
   const double height_mm2 = square(model.scatter * station.scatter_mm);
@@ -20,19 +37,12 @@ PointSpread spread_of(const PlacedStation& station, const SpreadModel& model) {
                               square(model.gap_mm * station.doubt) +
                               square(model.corner * station.corner_mm) + square(model.flat_mm * flat);
   const Eigen::Vector2d tried_mm2{square(station.tried_out_mm), square(station.tried_up_mm)};
-  // The section's own place against the mean over its neighbours: a groove that jumps by more than 0.3 mm is
-  // unsure.
-  const double calm = 1 / (1 + square((station.own_z_mm - station.position.z()) / 0.6));
   Eigen::Matrix2d covariance_mm2 =
       height_mm2 * wall * wall.transpose() + anywhere_mm2 * Eigen::Matrix2d::Identity();
   covariance_mm2 += tried_mm2.asDiagonal();
-  const uncertainty::Axes bridge{.major_mm = std::sqrt(tried_mm2.maxCoeff()),
-                                 .minor_mm = std::sqrt(tried_mm2.minCoeff())};
-  const double bridged_well =
-      std::min(1 / (1 + station.doubt), uncertainty::chance_within(bridge, k_confident_mm));
   return {.covariance_mm2 = covariance_mm2,
           .hold = station.hold,
-          .within = station.sharp * calm * bridged_well,
+          .within = station.sharp * held_of(claimed_of(station)),
           .other_mm = station.other_mm};
 }
 

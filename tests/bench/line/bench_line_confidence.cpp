@@ -22,7 +22,9 @@
 #include <tbb/parallel_for.h>
 
 #include "host/bite_line/find_bite_line.hpp"
+#include "host/bite_line/place/point_spread.hpp"
 #include "host/cloud/ply.hpp"
+#include "host/uncertainty/radius.hpp"
 #include "tests/support/line_sweep.hpp"
 #include "tests/support/shape_truth.hpp"
 
@@ -118,10 +120,13 @@ void write_points(std::FILE* out, const std::string& name, const bite_line::Work
     const bite_line::PlacedStation& p = placed[i];
     const double error_mm = distance_mm(found.T_base_shoe * p.position, truth);
     if (std::isnan(error_mm)) continue;
-    std::fprintf(out, "%s,%d,%.5f,%.5f,%.3f,%.5f,%.4f,%.4f,%.5f,%.5f,%.4f,%.2f,%.4f\n", name.c_str(),
-                 found.found ? 1 : 0, workings.decision.of_line, p.hold, p.other_mm, p.doubt, p.sharp,
-                 p.own_z_mm - p.position.z(), p.scatter_mm, p.noise.outward_mm, p.noise.slope,
-                 p.to_visible_mm, error_mm);
+    const bite_line::PointSpread own = bite_line::spread_of(p);
+    const double u95_mm =
+        uncertainty::u95_mm(uncertainty::principal_axes(own.covariance_mm2), own.hold, own.other_mm);
+    std::fprintf(out, "%s,%d,%.5f,%.5f,%.3f,%.5f,%.4f,%.4f,%.5f,%.5f,%.4f,%.2f,%.5f,%.4f,%.4f\n",
+                 name.c_str(), found.found ? 1 : 0, workings.decision.of_line, p.hold, p.other_mm, p.doubt,
+                 p.sharp, p.own_z_mm - p.position.z(), p.scatter_mm, p.noise.outward_mm, p.noise.slope,
+                 p.to_visible_mm, bite_line::claimed_of(p), u95_mm, error_mm);
   }
 }
 
@@ -140,7 +145,7 @@ int run(int argc, char** argv) {
   if (out != nullptr)
     std::fprintf(out,
                  "class,decoy,fault,seed,written,of_line,hold,other_mm,doubt,sharp,jump_mm,scatter_mm,"
-                 "outward_mm,slope,to_visible_mm,error_mm\n");
+                 "outward_mm,slope,to_visible_mm,claimed,u95_mm,error_mm\n");
   const tbb::global_control limit{tbb::global_control::max_allowed_parallelism, threads};
   std::mutex mutex;
   std::map<std::uint64_t, Tenths> made;

@@ -149,8 +149,8 @@ TEST(FindBiteLine, AMissingSectorIsBridgedAndMarked) {
   DOUBLES_EQUAL(36.0, sut.bridged_mm, 6.0);
   for (const auto& p : sut.line.points) {
     const double away = (p.position - centre).head<2>().norm();
-    if (away < 6) CHECK(p.confidence < 0.75);  // nearly straight there, so the guess is a good one
-    if (away > 30) CHECK(p.confidence > 0.8);
+    if (away < 6) CHECK(p.confidence < 0.9);  // nearly straight there, so the guess is a good one
+    if (away > 30) CHECK(p.confidence > 0.9);
   }
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "host/bite_line/place/confidence.hpp"
 #include "host/bite_line/place/finish.hpp"
 
 #include <CppUTest/TestHarness.h>
@@ -49,7 +50,7 @@ TEST(Finish, ASeenLineKeepsTheDecisionsConfidenceAndIsEven) {
   DOUBLES_EQUAL(0.9, sut.confidence, 1e-12);
   for (std::size_t i = 0; i < sut.line.points.size(); ++i) {
     const auto& p = sut.line.points[i];
-    DOUBLES_EQUAL(0.9, p.confidence, 1e-9);
+    DOUBLES_EQUAL(line_held_of(0.9), p.confidence, 1e-9);
     DOUBLES_EQUAL(0.5, (sut.line.points[(i + 1) % sut.line.points.size()].position - p.position).norm(),
                   0.01);
   }
