@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "host/bite_line/place/confidence.hpp"
 #include "host/bite_line/place/finish.hpp"
 
 #include <CppUTest/TestHarness.h>
 
+#include "host/bite_line/place/confidence.hpp"
 #include "host/bite_line/scan_points.hpp"
 #include "tests/unit/host/bite_line/drum.hpp"
 
