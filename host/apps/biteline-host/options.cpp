@@ -98,7 +98,15 @@ ParsedOptions parse_options(int argc, char** argv) {
                  "Put back what such a file holds, and leave; --out must have no memory yet")
       ->excludes("--backup");
   app.add_flag("--once", options.once, "One scan, then leave");
-  app.add_flag("--keep-recording", options.keep_recording, "Keep the scan's messages beside its result");
+  std::string kept{"none"};
+  app.add_option("--keep-recordings", kept,
+                 "Keep the messages beside the result: all, refused (line or path, or rejected by a person), "
+                 "none, or a "
+                 "number N for each Nth scan")
+      ->capture_default_str();
+  app.add_flag_callback(
+         "--keep-recording", [&kept] { kept = "all"; }, "The same as --keep-recordings all")
+      ->excludes("--keep-recordings");
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");
   try {
@@ -108,6 +116,12 @@ ParsedOptions parse_options(int argc, char** argv) {
         error.get_exit_code() == 0 ? app.exit(error) : complain(std::string{error.what()} + " (see --help)");
     return parsed;
   }
+  const Result<KeptRecordings> which = KeptRecordings::parse(kept);
+  if (!which) {
+    parsed.leave_with = complain(to_line(which.error()));
+    return parsed;
+  }
+  options.kept = *which;
   if (!uncertainty.empty()) {
     const Result<uncertainty::HeadUncertainty> known = uncertainty::read_uncertainty(uncertainty);
     if (!known) {

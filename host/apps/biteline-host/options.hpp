@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/wire/endpoint.hpp"
+#include "host/apps/biteline-host/kept_recordings.hpp"
 #include "host/transfer/transfer.hpp"
 #include "host/uncertainty/head_uncertainty.hpp"
 
@@ -56,7 +57,7 @@ struct Options {
   std::optional<double> keep_days{};  ///< folders of older scans go; their rows stay
   std::optional<double> keep_gb{};    ///< the oldest folders go beyond it
   bool once{false};
-  bool keep_recording{false};
+  KeptRecordings kept;
   bool exit_with_parent{false};
 };
 

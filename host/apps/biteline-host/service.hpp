@@ -138,6 +138,8 @@ class Service {
   [[nodiscard]] Result<ExitStatus> send_held(Held held, const robot::Word& word);
   /// The scan's row, of its folder; a memory that cannot take it is told, and costs no scan.
   void remember(const std::filesystem::path& folder, const std::string& decision, const Chosen& chosen) const;
+  /// The scan is done with: its messages stay or go.
+  void end_recording(intake::ScanIntake& intake, ExitStatus status);
   [[nodiscard]] robot::ScanFacts facts_of(const Scan& scan, const intake::ScanOutcome& outcome) const;
   /// Removes the folders that retention lets go.
   [[nodiscard]] Result<void> make_room() const;

@@ -136,7 +136,7 @@ void Service::heed(const Wish& wish) {
       if (!result_.valid() && unnamed_ && unnamed_->scan.folder.filename() == wish.scan) {
         say_step("%s is rejected by %s", wish.scan.c_str(), wish.who.c_str());
         told_held_ = false;
-        if (!options_.keep_recording) unnamed_->scan.intake.forget();
+        end_recording(unnamed_->scan.intake, ExitStatus::Refused);
         unnamed_.reset();
         return;
       }
@@ -146,7 +146,7 @@ void Service::heed(const Wish& wish) {
       told_held_ = false;
       if (wish.kind == Wish::Kind::Reject) {
         say_step("%s is rejected by %s", wish.scan.c_str(), wish.who.c_str());
-        if (!options_.keep_recording) held_->intake.forget();
+        end_recording(held_->intake, ExitStatus::Refused);
         held_.reset();
         return;
       }

@@ -87,7 +87,7 @@ Result<ExitStatus> Service::work_out_files(Scan& scan) {
     return ExitStatus::Done;
   }
   if (!line.line || !robot_) {
-    if (!options_.keep_recording) scan.intake.forget();
+    end_recording(scan.intake, *status);
     return status;
   }
   return without_exceptions([&] { return work_out_path(scan, outcome, line); });
@@ -201,7 +201,7 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
   // What a person may still say yes to stays whole.
   const bool seen = !facts.recovered && !facts.from_recording && facts.one_connection;
   const bool waits_for_a_word = wanted && !facts.confirmed && (!seen || asks);
-  if (!options_.keep_recording && !waits_for_a_word) scan.intake.forget();
+  if (!waits_for_a_word) end_recording(scan.intake, plan.status);
   if (!wanted) return plan.status;
   cockpit_->show(Phase::Following, "the arm follows the line of " + name, "the next scan");
   return follow_path(scan.folder, plan, send, cockpit_->halted());
@@ -251,7 +251,7 @@ Result<ExitStatus> Service::work_named(Unnamed unnamed, const std::string& model
       BITELINE_ASSIGN(line, carry_line(folder, carrier, unnamed.outcome));
     }
     if (line.line && robot_) return work_out_path(scan, unnamed.outcome, line);
-    if (!options_.keep_recording) scan.intake.forget();
+    end_recording(scan.intake, line.status);
     return line.status;
   });
   close_result(folder, chosen);
@@ -264,9 +264,13 @@ Result<ExitStatus> Service::send_held(Held held, const robot::Word& word) {
   held.request.approved = word;
   const Result<ExitStatus> status = without_exceptions(
       [&] { return follow_path(held.folder, held.plan, held.request, cockpit_->halted()); });
-  if (!options_.keep_recording) held.intake.forget();
+  end_recording(held.intake, ExitStatus::Done);
   remember(held.folder, "accepted", held.chosen);
   return status;
+}
+
+void Service::end_recording(intake::ScanIntake& intake, ExitStatus status) {
+  if (!options_.kept.keeps(status != ExitStatus::Done)) intake.forget();
 }
 
 robot::ScanFacts Service::facts_of(const Scan& scan, const intake::ScanOutcome& outcome) const {
