@@ -60,6 +60,16 @@ export async function open(browser, { width = 1280, height = 900, scheme = 'ligh
   return state;
 }
 
+/// The page, down to `most` pixels, in a window as high as that: the bar that sticks to the window's end stands at the picture's end.
+export async function whole_page(page, path, most = 8000) {
+  const before = page.viewportSize();
+  const height = await page.evaluate(() => document.documentElement.scrollHeight);
+  await page.setViewportSize({ width: before.width, height: Math.min(Math.max(before.height, height), most) });
+  await page.waitForTimeout(500);
+  await page.screenshot({ path });
+  await page.setViewportSize(before);
+}
+
 export async function look_for_faults(page, name) {
   // As a value: a script tag would be blocked by the page's own policy.
   await page.evaluate(axe);

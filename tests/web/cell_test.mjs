@@ -8,7 +8,7 @@ import { createServer } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { createInterface } from 'node:readline';
-import { check, failures, look_for_faults, open, skip, start } from './browser.mjs';
+import { check, failures, look_for_faults, open, skip, start, whole_page } from './browser.mjs';
 
 const [bin, source, pictures] = process.argv.slice(2);
 for (const name of ['biteline-cell', 'biteline-sensor', 'biteline-host', 'biteline-web']) {
@@ -155,8 +155,8 @@ async function whole_way() {
   await vera.page.getByText(/Profile \d+\./).waitFor({ timeout: 120_000 });
   await anna.page.locator('figure img').waitFor({ timeout: 60_000 });
   await anna.page.waitForTimeout(3000);
-  await anna.page.screenshot({ path: join(pictures, 'cell_live_1280.png'), fullPage: true });
-  await vera.page.screenshot({ path: join(pictures, 'cell_live_390.png'), fullPage: true });
+  await whole_page(anna.page, join(pictures, 'cell_live_1280.png'), 1500);
+  await whole_page(vera.page, join(pictures, 'cell_live_390.png'));
   say('live pictures and profiles are on both screens');
 
   // A busy machine may spoil a scan: the service says so and scans again, or a person asks for it.
@@ -179,7 +179,14 @@ async function whole_way() {
   await anna.page.goto(`${address}#/scans/${scan.id}`);
   await anna.page.getByText('Section across the line', { exact: true }).waitFor();
   await look_for_faults(anna.page, 'a real scan');
-  await anna.page.screenshot({ path: join(pictures, 'cell_scan_1280.png'), fullPage: true });
+  // In a tab of its own: a window that changes its size moves what is clicked next.
+  const shown = await anna.context.newPage();
+  await shown.setViewportSize({ width: 1280, height: 1500 });
+  await shown.goto(`${address}#/scans/${scan.id}`);
+  await shown.getByText('Section across the line', { exact: true }).waitFor({ timeout: 60_000 });
+  await shown.waitForTimeout(1000);
+  await shown.screenshot({ path: join(pictures, 'cell_scan_1280.png') });
+  await shown.close();
   await row_of((row) => row.id === scan.id && row.decision === 'held', 60);
   // A place of the found line itself: led through it, the line stays where it is, and is the hand's.
   const middle = await anna.page.evaluate(async (id) => {

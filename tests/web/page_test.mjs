@@ -4,7 +4,7 @@
 import { existsSync, mkdirSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { check, failures, look_for_faults, open, skip, start, wide_as_screen } from './browser.mjs';
+import { check, failures, look_for_faults, open, skip, start, whole_page, wide_as_screen } from './browser.mjs';
 import { FakeCell, live, made_view } from './fake_cell.mjs';
 
 const [page_folder, pictures] = process.argv.slice(2);
@@ -104,7 +104,7 @@ for (const [width, height, scheme] of [[390, 844, 'light'], [390, 844, 'dark'], 
     await one.page.waitForTimeout(400);
     await wide_as_screen(one.page, title);
     await look_for_faults(one.page, title);
-    await one.page.screenshot({ path: join(pictures, `${title}.png`), fullPage: true });
+    await whole_page(one.page, join(pictures, `${title}.png`));
   }
   await one.context.close();
 }
