@@ -25,8 +25,9 @@ ip link set lo up
 for turn in $(seq 50); do [ "$(readlink /proc/$other/ns/net)" != "$(readlink /proc/self/ns/net)" ] && break || sleep 0.1; done
 ip link add here type veth peer name there netns $other 2>"$work/told" || skip "no cable: $(cat "$work/told")"
 ip address add 10.9.0.1/24 broadcast 10.9.0.255 dev here && ip link set here up
-on_other() { nsenter --net=/proc/$other/ns/net -- "$@"; }
-on_other ip address add 10.9.0.2/24 broadcast 10.9.0.255 dev there && on_other ip link set there up && on_other ip link set lo up
+# No function: what is started is then the program itself, which can be ended.
+on_other=(nsenter "--net=/proc/$other/ns/net" --)
+"${on_other[@]}" ip address add 10.9.0.2/24 broadcast 10.9.0.255 dev there && "${on_other[@]}" ip link set there up && "${on_other[@]}" ip link set lo up
 # Where that user may reach it.
 chmod 755 "$work" && cp "$face" "$work/biteline-gige" && face=$work/biteline-gige
 as_user=(setpriv --reuid=65534 --regid=65534 --clear-groups --no-new-privs)
@@ -40,9 +41,9 @@ start() {
   for turn in $(seq 100); do [ -s "$out" ] && return 0 || sleep 0.1; done
   bad "$*: $(cat "$out.fault")"
 }
-start "$work/sensor" on_other "$sensor" --source "replay:$session"
+start "$work/sensor" "${on_other[@]}" "$sensor" --source "replay:$session"
 endpoint=$(sed 's/.*"endpoint":"\([^"]*\)".*/\1/' "$work/sensor")
-start "$work/face" on_other "${as_user[@]}" "$face" --sensor "$endpoint" --interface there --camera 192.168.40.2 --client 10.9.0.1 --serial 77
+start "$work/face" "${on_other[@]}" "${as_user[@]}" "$face" --sensor "$endpoint" --interface there --camera 192.168.40.2 --client 10.9.0.1 --serial 77
 
 # Found by everybody's broadcast and by the network's own, with what it tells of itself.
 found() {
