@@ -65,8 +65,8 @@ std::vector<int> with_branch(const Course& course, const Branch& branch) {
 
 std::vector<float> sharp_along(const SideField& field, const Crease& line) {
   const SideGrid& grid = field.grid;
-  // A point's place is a mean over its neighbours: the nearer half of them counts.
-  const int reach = static_cast<int>(std::lround(k_mean_mm / 4 / grid.col_mm));
+  // A point's place is a mean over its neighbours: all of them count.
+  const int reach = static_cast<int>(std::lround(k_mean_mm / 2 / grid.col_mm));
   std::vector<float> sharp;
   for (int col = 0; col < grid.cols; ++col) sharp.push_back(sharpness(field, line, col));
   std::vector<float> about;
