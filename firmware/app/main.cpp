@@ -98,6 +98,7 @@ Result<void> take_stills(const sensor::Options& options, const sigset_t& signals
   if (options.exit_with_parent) tie_to_parent();
   const runtime::RealtimeDemand demand = options.realtime.value_or(runtime::RealtimeDemand::Required);
   BITELINE_TRY(runtime::prepare_process(demand));
+  BITELINE_TRY(runtime::enter_thread(runtime::threads::k_main, demand));
   BITELINE_ASSIGN(hal::Board board, hal::read_board_yaml(options.source.source.substr(k_board.size())));
   sensor::BoardDevices devices{std::move(board), {}};
   devices.realtime = demand == runtime::RealtimeDemand::Required;

@@ -25,7 +25,8 @@ constexpr Nanoseconds k_frame_patience = milliseconds{3000};
 constexpr Nanoseconds k_light_patience = milliseconds{1500};
 /// An exposure is sure from the next frame but two on (hal/api/line_camera.hpp).
 constexpr int k_frames_to_settle = 3;
-constexpr NumberRange k_exposure_us{1, 1e7};
+/// Shorter than the patience with a frame.
+constexpr NumberRange k_exposure_us{1, 1e6};
 
 /// A quoted text of JSON: errors have paths and words of devices in them.
 std::string quoted(const std::string& text) {
@@ -42,37 +43,38 @@ void answer(const std::string& line) {
   std::fflush(stdout);
 }
 
+/// An object of JSON that the caller closes.
 std::string rest_text(const Rest& rest) {
   const Vec3 p = rest.T_base_flange.translation();
   const Eigen::Quaterniond q{rest.T_base_flange.linear()};
   char text[400];
   std::snprintf(
       text, sizeof text,
-      "\"ok\":true,\"poses\":%d,\"pose\":[%.6f,%.6f,%.6f,%.12f,%.12f,%.12f,%.12f],\"moved_mm\":%.5f,"
+      "{\"ok\":true,\"poses\":%d,\"pose\":[%.6f,%.6f,%.6f,%.12f,%.12f,%.12f,%.12f],\"moved_mm\":%.5f,"
       "\"moved_deg\":%.6f",
       rest.poses, p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(), rest.moved_mm,
       rest.moved_rad * 180 / std::numbers::pi);
   return text;
 }
 
-Result<std::string> obey(StillCamera& camera, const std::string& line) {
+Result<std::string> obey(StillCamera& camera, const std::string& line, const std::atomic<bool>& stop) {
   std::istringstream words{line};
   std::string order, light, file;
   double exposure_us = 0;
   words >> order;
-  if (order == "pose") return "{" + rest_text(camera.rest()) + "}";
+  if (order == "pose") return rest_text(camera.rest()) + "}";
   words >> light >> exposure_us;
   std::getline(words >> std::ws, file);
   if (order != "take" || (light != "dark" && light != "laser") || !k_exposure_us.holds(exposure_us) ||
       file.empty())
     return fail(Errc::InvalidArgument, "'pose' or 'take dark|laser US FILE' expected");
   BITELINE_ASSIGN(const Still still,
-                  camera.take(Nanoseconds{std::llround(1e3 * exposure_us)}, light == "laser"));
+                  camera.take(Nanoseconds{std::llround(1e3 * exposure_us)}, light == "laser", stop));
   BITELINE_TRY(image::write_png(file, still.picture));
   char taken[60];
   std::snprintf(taken, sizeof taken, ",\"exposure_us\":%.3f}",
                 1e-3 * static_cast<double>(still.exposure.count()));
-  return "{" + rest_text(still.rest) + taken;
+  return rest_text(still.rest) + taken;
 }
 
 /// Lines of stdin without waiting for them.
@@ -131,7 +133,13 @@ Result<std::unique_ptr<StillCamera>> StillCamera::open(const BoardDevices& devic
     stills->poses_ = std::move(*poses);
   BITELINE_TRY(stills->camera_->start());
   if (stills->trigger_) BITELINE_TRY(stills->trigger_->start());
-  if (stills->poses_) stills->pose_thread_ = std::thread{[self = stills.get()] { self->read_poses(); }};
+  if (stills->poses_) {
+    stills->pose_thread_ = std::thread{[self = stills.get(), demand = config.realtime] {
+      // Without the priority poses only come later.
+      (void)runtime::enter_thread(runtime::threads::k_pose, demand);
+      self->read_poses();
+    }};
+  }
   return stills;
 }
 
@@ -158,8 +166,9 @@ void StillCamera::read_poses() {
 Rest StillCamera::rest() const {
   const std::lock_guard lock{mutex_};
   Rest rest;
+  // Those of a source that gave up say nothing of now.
+  if (recent_.empty() || recent_.back().received < clock_.now() - k_rest) return rest;
   rest.poses = static_cast<int>(recent_.size());
-  if (recent_.empty()) return rest;
   const SE3 T_first = recent_.front().T_base_flange;
   // Within a rest all lie close to the first: the mean of the small differences is the mean.
   Twist sum = Twist::Zero();
@@ -216,7 +225,6 @@ Result<void> StillCamera::wait_for_exposure(Nanoseconds exposure) {
 }
 
 Result<void> StillCamera::wait_for_light() {
-  if (laser_ == nullptr) return fail(Errc::NotSupported, "this board drives no laser");
   laser_->ask_for_light(true);
   const SensorClock::time_point begin = clock_.now();
   while (!laser_->status().on) {
@@ -228,7 +236,8 @@ Result<void> StillCamera::wait_for_light() {
   return {};
 }
 
-Result<Still> StillCamera::take(Nanoseconds exposure, bool lit) {
+Result<Still> StillCamera::take(Nanoseconds exposure, bool lit, const std::atomic<bool>& stop) {
+  if (lit && laser_ == nullptr) return fail(Errc::NotSupported, "this board drives no laser");
   BITELINE_TRY(wait_for_exposure(exposure));
   Result<void> light;
   if (lit) light = wait_for_light();
@@ -236,6 +245,12 @@ Result<Still> StillCamera::take(Nanoseconds exposure, bool lit) {
   Still still;
   Result<void> taken = light;
   while (taken) {
+    // A camera whose frames are all damaged keeps the guard content: the light has an end of its own.
+    if (stop || clock_.now() - from > k_frame_patience) {
+      taken = stop ? fail(Errc::WrongState, "the sensor program is told to stop")
+                   : fail(Errc::Timeout, "camera: no whole picture came");
+      break;
+    }
     const Result<hal::FrameView> frame = next_frame();
     if (!frame) {
       taken = tl::unexpected<Error>{frame.error()};
@@ -272,9 +287,15 @@ Result<void> serve_stills(StillCamera& camera, const std::atomic<bool>& stop) {
     BITELINE_TRY(camera.idle());
     const std::optional<std::string> order = orders.next();
     if (!order) continue;
-    const Result<std::string> done = obey(camera, *order);
-    answer(done ? *done : "{\"ok\":false,\"error\":" + quoted(to_line(done.error())) + "}");
-    if (!done && done.error().code == Errc::DeviceLost) return tl::unexpected<Error>{done.error()};
+    const Result<std::string> done = obey(camera, *order, stop);
+    if (done) {
+      answer(*done);
+      continue;
+    }
+    std::string failed{"{\"ok\":false,\"error\":"};
+    failed += quoted(to_line(done.error()));
+    answer(failed + "}");
+    if (done.error().code == Errc::DeviceLost) return tl::unexpected<Error>{done.error()};
   }
   return {};
 }

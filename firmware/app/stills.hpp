@@ -49,8 +49,9 @@ class StillCamera {
 
   /// Waits for one frame and lets it go: what keeps the guard content between pictures.
   [[nodiscard]] Result<void> idle();
-  /// Errc::InterlockOpen, DeviceError: the guard gives no light, with its reason.  Errc::Timeout: no frame.
-  [[nodiscard]] Result<Still> take(Nanoseconds exposure, bool lit);
+  /// Errc::InterlockOpen: the guard gives no light, with its reason.  Errc::NotSupported: there is no laser.
+  /// Errc::Timeout: no frame, or no whole one for 3 s.  Errc::WrongState: `stop` was set meanwhile.
+  [[nodiscard]] Result<Still> take(Nanoseconds exposure, bool lit, const std::atomic<bool>& stop);
   [[nodiscard]] Rest rest() const;
 
  private:
@@ -78,9 +79,10 @@ class StillCamera {
 
 /// Obeys one order a line on stdin until it ends, and answers each by one line of JSON on stdout:
 ///
-///     pose                       ->
-///     {"ok":true,"poses":N,"pose":[x,y,z,qw,qx,qy,qz],"moved_mm":..,"moved_deg":..} take dark|laser US FILE
-///     -> the same, and "exposure_us"; FILE is the picture (png)
+///     pose
+///       {"ok":true,"poses":N,"pose":[x,y,z,qw,qx,qy,qz],"moved_mm":..,"moved_deg":..}
+///     take dark|laser US FILE
+///       the same, and "exposure_us"; FILE is the picture (png)
 ///
 /// What fails is answered too: {"ok":false,"error":"..."}; a device that is lost ends it.
 [[nodiscard]] Result<void> serve_stills(StillCamera& camera, const std::atomic<bool>& stop);

@@ -125,9 +125,10 @@ TEST(KernelScan, ThousandFramesEveryOneAccountedFor) {
   const std::filesystem::path sensor_file =
       std::filesystem::temp_directory_path() / "biteline-scan-sensor.yaml";
   std::ofstream{sensor_file} << config::sensor_yaml_text(made_head(), "made");
-  const auto kind = sensor::choose_source(
-                        {.source = std::string{"board:"} + board, .sensor_file = sensor_file, .capture = {}})
-                        .value();
+  const auto kind =
+      sensor::choose_source(
+          {.source = std::string{"board:"} + board, .sensor_file = sensor_file, .capture = {}, .set = {}})
+          .value();
   CHECK(kind->simulated);
   const sensor::Scanner::Config config{
       .pipeline = {}, .model = kind->model, .realtime = runtime::RealtimeDemand::Required};
