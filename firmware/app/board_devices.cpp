@@ -50,7 +50,14 @@ void BoardDevices::remember(const geometry::SensorModel& head) {
 
 Result<void> BoardDevices::try_settings() {
   BITELINE_ASSIGN(const std::unique_ptr<hal::LineCamera> camera, open_camera());
-  return configure(*camera);
+  BITELINE_ASSIGN(const hal::CameraLimits before, camera->limits());
+  BITELINE_TRY(configure(*camera));
+  if (!former_->gain || !before.gain) return {};
+  // A camera keeps its gain when it is closed, and this is only a trial.
+  hal::CameraSettings back = *former_;
+  back.gain = before.gain;
+  BITELINE_TRY(camera->configure(back));
+  return {};
 }
 
 Result<std::optional<LaserDevices>> BoardDevices::open_laser() {

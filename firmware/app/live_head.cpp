@@ -172,9 +172,12 @@ LiveSettings live_settings(const geometry::SensorModel& head, const Capture& cap
 
 Result<hal::CameraSettings> configure_camera(hal::LineCamera& camera, const LiveSettings& wanted,
                                              const std::optional<hal::CameraSettings>& former) {
+  std::optional<hal::CameraSettings> back = former;
   if (wanted.set) {
     BITELINE_ASSIGN(const hal::CameraLimits limits, camera.limits());
     BITELINE_TRY(check_limits(wanted, limits));
+    // Former settings without a gain left it as the camera had it: that is told by number now.
+    if (back && !back->gain && wanted.camera.gain) back->gain = limits.gain;
   }
   Result<hal::CameraSettings> taken = camera.configure(wanted.camera);
   Result<void> done;
@@ -184,10 +187,10 @@ Result<hal::CameraSettings> configure_camera(hal::LineCamera& camera, const Live
     done = check_taken(camera, wanted, *taken);
   }
   if (done) return taken;
-  if (former) {
-    if (const Result<hal::CameraSettings> back = camera.configure(*former); !back) {
+  if (back) {
+    if (const Result<hal::CameraSettings> again = camera.configure(*back); !again) {
       std::fprintf(stderr, "biteline-sensor: the camera did not take its former settings again: %s\n",
-                   to_line(back.error()).c_str());
+                   to_line(again.error()).c_str());
     }
   }
   return tl::unexpected<Error>{done.error()};

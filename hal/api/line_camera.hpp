@@ -43,6 +43,7 @@ struct CameraLimits {
   int region_step_u_px{1}, region_step_v_px{1};  ///< offsets and sizes are multiples of these
   Nanoseconds exposure_min{0}, exposure_max{0};
   double gain_min{0}, gain_max{0};  ///< both 0: its gain cannot be set
+  std::optional<double> gain{};     ///< as it is now; none: not known
   double rate_max_hz{0};            ///< at the region and exposure now configured (full sensor before that)
   bool hardware_trigger{false};
   bool bracketing{false};  ///< second_exposure and laser_off_frames: two sets of settings in turn

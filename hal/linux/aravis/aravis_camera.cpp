@@ -121,6 +121,7 @@ Result<CameraLimits> AravisCamera::limits() {
   limits.exposure_max = from_microseconds(std::min(high_us, 1e9));
   if (device_->has("Gain")) {
     arv_camera_get_gain_bounds(camera, &limits.gain_min, &limits.gain_max, call);
+    if (!call.failed()) limits.gain = arv_camera_get_gain(camera, call);
     if (call.failed()) return call.failure();
   }
   if (device_->has("AcquisitionFrameRate")) {

@@ -87,7 +87,10 @@ std::optional<GainRange> find_gain(int device) {
   std::optional<v4l2_queryctrl> control = query(device, V4L2_CID_ANALOGUE_GAIN);
   if (!control) control = query(device, V4L2_CID_GAIN);
   if (!control) return std::nullopt;
-  return GainRange{.id = control->id, .minimum = control->minimum, .maximum = control->maximum};
+  GainRange range{.id = control->id, .minimum = control->minimum, .maximum = control->maximum};
+  v4l2_control present{.id = control->id, .value = 0};
+  if (retrying_ioctl(device, VIDIOC_G_CTRL, &present) == 0) range.now = present.value;
+  return range;
 }
 
 Result<void> set_gain(int device, std::int32_t gain) {

@@ -34,6 +34,7 @@ struct ExposureRegister {
 struct GainRange {
   std::uint32_t id{0};
   std::int32_t minimum{0}, maximum{0};
+  std::optional<std::int32_t> now{};  ///< none: the driver does not tell
 };
 [[nodiscard]] std::optional<GainRange> find_gain(int device);
 

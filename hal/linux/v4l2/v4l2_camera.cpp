@@ -117,6 +117,7 @@ Result<CameraLimits> V4l2Camera::limits() {
   if (const std::optional<GainRange> gain = find_gain(controls())) {
     limits.gain_min = gain->minimum;
     limits.gain_max = gain->maximum;
+    if (gain->now) limits.gain = *gain->now;
   }
   v4l2_streamparm parameters{};
   parameters.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
