@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <utility>
 
 #include "common/config/yaml_reader.hpp"
 #include "common/core/text.hpp"
@@ -264,8 +265,10 @@ std::vector<Difference> compare(const SettingsSet& left, const SettingsSet& righ
     const auto &a = left.at(key), &b = right.at(key);
     if (a.has_value() == b.has_value() && (!a || a->same_as(*b))) continue;
     const std::string usual = row_of(key).usual;
-    differences.push_back(
-        {.key = key, .left = a ? value_text(key, *a) : usual, .right = b ? value_text(key, *b) : usual});
+    Difference one{
+        .key = key, .left = a ? value_text(key, *a) : usual, .right = b ? value_text(key, *b) : usual};
+    // "off" that is told is no other than "off" as usual.
+    if (one.left != one.right) differences.push_back(std::move(one));
   }
   return differences;
 }

@@ -155,7 +155,8 @@ ParsedOptions parse_options(int argc, char** argv) {
     return parsed;
   }
   if (!settings_file.empty()) {
-    if (std::filesystem::is_directory(settings_file)) settings_file /= settings::k_start_file;
+    std::error_code unseen;  // reading tells what is wrong with it
+    if (std::filesystem::is_directory(settings_file, unseen)) settings_file /= settings::k_start_file;
     Result<settings::SettingsSet> set = settings::read_settings(settings_file);
     if (!set) {
       parsed.leave_with = complain(to_line(set.error()));

@@ -89,8 +89,11 @@ TEST(SettingsTool, TheStartUpSetChangesAndGoesBack) {
   DOUBLES_EQUAL(250, starting_exposure_us(), 0);
   works({"use", "night"});
   DOUBLES_EQUAL(400, starting_exposure_us(), 0);
+  works({"use", "night"});
   works({"use", "--back"});
   DOUBLES_EQUAL(250, starting_exposure_us(), 0);
+  works({"use", "--back"});
+  DOUBLES_EQUAL(400, starting_exposure_us(), 0);
 }
 
 TEST(SettingsTool, ABadSetIsNeitherSavedNorUsed) {
@@ -107,7 +110,7 @@ TEST(SettingsTool, ABadSetIsNeitherSavedNorUsed) {
   STRCMP_CONTAINS("the file is cut", works({"list"}).c_str());
 }
 
-TEST(SettingsTool, KilledBetweenWriteAndRenameTheFormerSetStands) {
+TEST(SettingsTool, KilledWhileItWritesTheFormerSetStands) {
   save("day", "camera: {exposure_us: 250}");
   save("night", "camera: {exposure_us: 400}");
   works({"use", "day"});

@@ -2,6 +2,8 @@
 // biteline settings: sets of settings by name; which one a sensor starts with.
 #include "common/settings/settings.hpp"
 
+#include <fcntl.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -177,9 +179,17 @@ Result<ExitStatus> use(const Options& options, const GlobalOptions& global) {
   BITELINE_ASSIGN(const SettingsSet set, settings::read_settings(file));
   if (!options.board.empty()) BITELINE_TRY(try_on_camera(options, file));
   BITELINE_TRY(report::prepare_folder(options.store));
-  if (const Result<SettingsSet> present = settings::read_settings(start))
-    BITELINE_TRY(report::write_file_atomically(former, settings::settings_text(*present)));
-  BITELINE_TRY(report::write_file_atomically(start, settings::settings_text(set)));
+  const Result<SettingsSet> present = settings::read_settings(start);
+  // Back: both files change places in one step, so that a kill loses neither.
+  const bool swapped = options.back && present &&
+                       ::renameat2(AT_FDCWD, start.c_str(), AT_FDCWD, former.c_str(), RENAME_EXCHANGE) == 0;
+  if (!swapped) {
+    const std::string text = settings::settings_text(set);
+    // The same set once more leaves the way back as it is.
+    if (present && settings::settings_text(*present) != text)
+      BITELINE_TRY(report::write_file_atomically(former, settings::settings_text(*present)));
+    BITELINE_TRY(report::write_file_atomically(start, text));
+  }
   if (!global.quiet)
     std::printf("%s is %s from the sensor's next start on\n", start.c_str(),
                 options.back ? "as it was before" : options.name.c_str());

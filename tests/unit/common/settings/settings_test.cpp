@@ -103,6 +103,8 @@ TEST(Settings, ComparedByWhatHoldsInTheEnd) {
   CHECK(differences[1].key == Key::Gain);
   STRCMP_EQUAL(row_of(Key::Gain).usual, differences[1].right.c_str());
   CHECK(compare(*left, *left).empty());
+  const auto told = parse("camera: {exposure_us: 500, auto_exposure: false}\npeaks: {mode: fir}");
+  CHECK(compare(*told, *right).empty());
 }
 
 TEST(Settings, ToldDefaultsAreThoseOfTheCode) {
