@@ -13,6 +13,7 @@
 
 #include "common/options/number.hpp"
 #include "common/session/session.hpp"
+#include "common/system/file.hpp"
 #include "host/apps/biteline/capture_check.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/calibration/head/folder.hpp"
@@ -46,6 +47,8 @@ constexpr double k_still_mm = 0.1, k_still_deg = 0.02;
 constexpr double k_new_place_mm = 3, k_new_place_deg = 1;
 constexpr std::chrono::milliseconds k_look{150};
 constexpr std::chrono::minutes k_longest_wait{10};
+/// A link that is lost comes back within this.
+constexpr std::chrono::seconds k_pose_patience{30};
 constexpr int k_most_attempts = 3;
 /// Names that no reader takes for pictures.
 constexpr const char* k_taken = "taken.part";
@@ -76,11 +79,17 @@ std::string number_name(int number, const char* ending) {
 Result<calibration::RingTarget> target_of(const Options& options, Part part) {
   const fs::path file = options.calib / (part == Part::Laser ? "laser/target.yaml" : "target.yaml");
   std::error_code error;
-  if (!options.target.empty() && !fs::exists(file)) {
+  if (!options.target.empty()) {
     BITELINE_TRY(calibration::read_target(options.target));
-    BITELINE_TRY(report::prepare_folder(file.parent_path()));
-    fs::copy_file(options.target, file, error);
-    if (error) return fail_errno(Errc::WriteFailed, error.value(), "%s", file.c_str());
+    BITELINE_ASSIGN(const std::string told, read_regular_file(options.target, k_most_settings_bytes));
+    if (!fs::exists(file, error)) {
+      BITELINE_TRY(report::prepare_folder(file.parent_path()));
+      BITELINE_TRY(report::write_file_atomically(file, told));
+    }
+    BITELINE_ASSIGN(const std::string there, read_regular_file(file, k_most_settings_bytes));
+    if (there != told)
+      return fail(Errc::BadValue, "%s: differs from %s; mend it there, or take a new folder", file.c_str(),
+                  options.target.c_str());
   }
   if (!fs::exists(file, error))
     return fail(Errc::FileNotFound, "%s: --target FILE with the numbers on the print expected", file.c_str());
@@ -130,6 +139,10 @@ class Session {
         number_ = std::max(number_, file.number + 1);
         BITELINE_ASSIGN(const image::GreyImage picture, calibration::read_picture(file.file));
         note(picture, find_grids(picture, target_, target_.planes));
+        if (part_ == Part::Laser) {
+          if (const auto lit = calibration::read_picture(folder_ / number_name(file.number, "_laser.png")))
+            note_stripe(*lit);
+        }
         ++kept_;
       }
     }
@@ -153,8 +166,15 @@ class Session {
       return static_cast<bool>(std::getline(std::cin, line)) && line != "q";
     }
     const auto until = std::chrono::steady_clock::now() + k_longest_wait;
+    auto heard = std::chrono::steady_clock::now();
     while (std::chrono::steady_clock::now() < until) {
       BITELINE_ASSIGN(const ArmRest rest, camera_.rest());
+      if (rest.poses > 0) heard = std::chrono::steady_clock::now();
+      if (std::chrono::steady_clock::now() - heard > k_pose_patience) {
+        return fail(Errc::Timeout,
+                    "no pose came from the robot for %d s: check the link, or leave out --auto",
+                    static_cast<int>(k_pose_patience.count()));
+      }
       const bool still = rest.poses > 0 && rest.moved_mm < k_still_mm && rest.moved_deg < k_still_deg;
       if (still && (!T_last_ || is_new_place(rest.T_base_flange, *T_last_))) return true;
       std::this_thread::sleep_for(k_look);
@@ -341,7 +361,12 @@ Result<ExitStatus> run(const Options& options, const GlobalOptions& global, Part
   }
   std::error_code error;
   if (!fs::exists(options.calib / "camera", error)) {
-    if (!global.quiet) std::printf("the verdict comes with the camera's pictures: biteline capture camera\n");
+    if (global.json) {
+      const nlohmann::ordered_json none{{"part", folder_of(part)}, {"grade", nullptr}};
+      std::printf("%s\n", report::to_text(none).c_str());
+    } else if (!global.quiet) {
+      std::printf("the verdict comes with the camera's pictures: biteline capture camera\n");
+    }
     return ExitStatus::Done;
   }
   BITELINE_ASSIGN(const calibration::Verdict verdict, verdict_of(options.calib, part));

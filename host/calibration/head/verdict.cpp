@@ -33,7 +33,7 @@ class Judge {
     note(value <= bounds.bad ? Grade::Fair : Grade::Bad, words, value, bounds.fair);
   }
   void at_least(double value, double least, const char* words) {
-    if (value < least) note(Grade::Fair, words, value, least);
+    if (!(value >= least)) note(Grade::Fair, words, value, least);
   }
   void retake(const std::string& name, const std::string& reason) {
     verdict_.retake.push_back(name + ": " + reason);
