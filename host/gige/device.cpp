@@ -121,6 +121,9 @@ std::vector<std::uint8_t> Device::write_memory(const Peer& from, const Command& 
 }
 
 Status Device::write(const Peer& from, std::uint32_t address, std::uint32_t value) {
+  // Several in one command: after the word that gives control back nobody has it.
+  if (address != bootstrap::k_privilege && registers_.word(bootstrap::k_privilege) == 0)
+    return Status::AccessDenied;
   // Nobody is sent what he did not ask for himself.
   if (address == bootstrap::k_stream_address && value != 0 && value != ntohl(from.address))
     return Status::AccessDenied;
@@ -132,7 +135,7 @@ Status Device::write(const Peer& from, std::uint32_t address, std::uint32_t valu
   switch (address) {
     case bootstrap::k_privilege:
       control_.set_privilege(value);
-      if (value == 0) stop();
+      if (value == 0) forget_client();
       break;
     case bootstrap::k_heartbeat_timeout:
       control_.set_heartbeat_timeout(std::chrono::milliseconds{value});
@@ -141,7 +144,7 @@ Status Device::write(const Peer& from, std::uint32_t address, std::uint32_t valu
       if (value == 0) stop();
       break;
     case bootstrap::k_stream_packet_size:
-      if ((value & k_fire_test_packet) != 0 && destination().port != 0)
+      if ((value & k_fire_test_packet) != 0 && destination().address != 0 && destination().port != 0)
         send_(destination(), std::vector<std::uint8_t>(registers_.word(address) - k_ip_udp_bytes));
       break;
     case own::k_acquisition:
@@ -155,8 +158,12 @@ Status Device::write(const Peer& from, std::uint32_t address, std::uint32_t valu
 
 void Device::tick(Clock::time_point now) {
   if (registers_.word(bootstrap::k_privilege) == 0 || control_.controller(now)) return;
-  stop();
   control_.set_privilege(0);
+  forget_client();
+}
+
+void Device::forget_client() {
+  stop();
   registers_.set(bootstrap::k_privilege, 0);
   registers_.set(bootstrap::k_stream_port, 0);
   registers_.set(bootstrap::k_stream_address, 0);
@@ -166,6 +173,7 @@ void Device::tick(Clock::time_point now) {
 void Device::start() {
   if (acquiring_) return;
   acquiring_ = true;
+  ++starts_;
   choices_ = registers_.choices();
   lines_ = 0;
   records_.clear();

@@ -3,6 +3,7 @@
 /// \file The sensor as a GigE Vision device: answers commands and turns profiles into packets.  Without
 /// sockets.
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 
@@ -38,6 +39,8 @@ class Device {
   void end_scan();
 
   [[nodiscard]] bool acquiring() const { return acquiring_; }
+  /// How often a client has started.
+  [[nodiscard]] std::uint64_t starts() const { return starts_; }
   [[nodiscard]] const StreamCounts& counts() const { return stream_.counts(); }
 
  private:
@@ -49,6 +52,8 @@ class Device {
   [[nodiscard]] Status write(const Peer& from, std::uint32_t address, std::uint32_t value);
   void start();
   void stop();
+  /// Nobody controls it, and nothing is sent to anybody.
+  void forget_client();
   void add_line(std::span<const std::uint8_t> line, std::span<const std::uint8_t> record);
   void end_frame();
   [[nodiscard]] Peer destination() const;
@@ -58,6 +63,7 @@ class Device {
   SendStream send_;
   StreamChannel stream_;
   bool acquiring_{false};
+  std::uint64_t starts_{0};
   Choices choices_;  ///< of the stream that is on
   std::size_t columns_{0};
   Depth depth_;

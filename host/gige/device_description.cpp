@@ -104,7 +104,7 @@ std::string device_description() {
   add_chunks(xml);
   xml.integer("PayloadSize", own::k_payload_size, "RO", 0, "");
   xml.integer("GevSCPSPacketSize", bootstrap::k_stream_packet_size, "RW", 576, "65000");
-  xml.integer("GevHeartbeatTimeout", bootstrap::k_heartbeat_timeout, "RW", 500, "3600000");
+  xml.integer("GevHeartbeatTimeout", bootstrap::k_heartbeat_timeout, "RW", 500, "60000");
   xml.integer("TLParamsLocked", own::k_locked, "RW", 0, "1");
   return xml.whole();
 }

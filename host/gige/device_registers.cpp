@@ -19,7 +19,7 @@ struct Writable {
 
 constexpr std::uint32_t k_any = 0xffff'ffff;
 constexpr std::array k_writable{
-    Writable{bootstrap::k_heartbeat_timeout, 500, 3'600'000},  // ms
+    Writable{bootstrap::k_heartbeat_timeout, 500, 60'000},  // ms; a dead client keeps the light for so long
     Writable{bootstrap::k_privilege, 0, 3},
     Writable{bootstrap::k_stream_port, 0, 65'535, true},
     Writable{bootstrap::k_stream_packet_size, 0, k_any},  // looked at below

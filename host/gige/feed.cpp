@@ -31,15 +31,23 @@ class OwnScan {
   Result<void> take(const intake::LinkEvent& event) {
     if (const auto* hello = std::get_if<intake::Hello>(&event)) return begin(*hello);
     if (const auto* reply = std::get_if<wire::ControlReply>(&event)) {
+      unanswered_ = false;
       if (reply->errc == 0) return {};
       return fail(Errc::PeerRefused, "the sensor refuses a scan: %s", reply->where.c_str());
     }
     if (!wanted_) return {};
     if (const auto* profile = std::get_if<intake::ProfileEvent>(&event))
       server_.offer(scan_, profile->profile);
-    if (std::holds_alternative<wire::EndOfScan>(event)) server_.end_scan();
+    if (std::holds_alternative<wire::EndOfScan>(event)) {
+      server_.end_scan();
+      on_ = false;
+    }
     return {};
   }
+  /// It was asked for, and the sensor has not said yet whether it takes place.
+  [[nodiscard]] bool unanswered() const { return unanswered_; }
+  /// It has not ended as far as is known.
+  [[nodiscard]] bool on() const { return on_; }
 
  private:
   Result<void> begin(const intake::Hello& hello) {
@@ -47,8 +55,9 @@ class OwnScan {
     // A recording plays by itself; of a live sensor what it holds of earlier scans is not this client's.
     wanted_ = hello.sensor.lossless || (asked_ && hello.scan_id != scan_before_);
     scan_ = hello.scan_id;
+    if (hello.sensor.lossless) on_ = true;
     if (wanted_ || asked_) return {};
-    asked_ = true;
+    asked_ = unanswered_ = on_ = true;
     scan_before_ = hello.scan_id;
     link_.command({.id = 1, .command = wire::Command::StartScan});
     return {};
@@ -56,7 +65,7 @@ class OwnScan {
 
   Server& server_;
   intake::SensorLink& link_;
-  bool asked_{false}, wanted_{false};
+  bool asked_{false}, wanted_{false}, unanswered_{false}, on_{false};
   std::uint64_t scan_{0}, scan_before_{0};
 };
 
@@ -66,8 +75,15 @@ Feed::Feed(FeedConfig config, Server& server, std::function<void(const std::stri
     : config_{std::move(config)}, server_{server}, say_{std::move(say)} {}
 
 void Feed::run(const std::atomic<bool>& stop) {
+  std::uint64_t asked = 0;  // the start for which the sensor was asked last
   while (!stop) {
     const bool own = config_.allow_control && server_.acquiring();
+    if (own && asked == server_.starts()) {
+      // Light that a client did not get when it asked does not come later by itself.
+      std::this_thread::sleep_for(k_turn);
+      continue;
+    }
+    if (own) asked = server_.starts();
     if (const Result<void> done = own ? own_scan(stop) : observe(stop); !done) {
       tell(done.error());
       server_.end_scan();
@@ -114,6 +130,13 @@ Result<void> Feed::own_scan(const std::atomic<bool>& stop) {
     BITELINE_ASSIGN(const auto event, link->next(k_turn));
     if (event) BITELINE_TRY(scan.take(*event));
   }
+  // Another host's scan is not this client's to end: the answer tells whose it is.
+  const Clock::time_point answered_by = Clock::now() + k_before_retry;
+  while (scan.unanswered() && Clock::now() < answered_by) {
+    BITELINE_ASSIGN(const auto event, link->next(k_turn));
+    if (event) BITELINE_TRY(scan.take(*event));
+  }
+  if (!scan.on()) return {};
   link->command({.id = 2, .command = wire::Command::StopScan});
   // Until it is told, or the sensor is gone: without this host the guard turns the laser off by itself.
   const Clock::time_point end = Clock::now() + k_before_retry;

@@ -213,6 +213,11 @@ bool Server::acquiring() const {
   return state_->device->acquiring();
 }
 
+std::uint64_t Server::starts() const {
+  const std::lock_guard lock{state_->mutex};
+  return state_->device->starts();
+}
+
 ServerCounts Server::counts() const {
   const std::lock_guard lock{state_->mutex};
   ServerCounts counts = state_->counts;

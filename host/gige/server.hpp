@@ -48,6 +48,7 @@ class Server {
   void offer(std::uint64_t scan, const profile::Profile& profile);
   void end_scan();
   [[nodiscard]] bool acquiring() const;
+  [[nodiscard]] std::uint64_t starts() const;  ///< how often a client has started
   [[nodiscard]] ServerCounts counts() const;
 
  private:

@@ -37,6 +37,9 @@ Result<void> read(const Texts& texts, Options& options) {
   options.ask_for_cameras = texts.camera.empty() && !options.server.interface.loopback;
   if (texts.camera.empty()) return {};
   BITELINE_ASSIGN(const std::uint32_t camera, address_of("--camera", texts.camera));
+  // An interface may have several addresses, and reach the camera by any of them.
+  for (const Interface& one : all)
+    if (one.name == options.server.interface.name) BITELINE_TRY(keep_off_camera(one, camera));
   return keep_off_camera(options.server.interface, camera);
 }
 

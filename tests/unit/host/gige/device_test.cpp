@@ -108,6 +108,30 @@ TEST(GigeDevice, AClientThatFallsSilentGetsNoMore) {
   LONGS_EQUAL(0, read(gige::bootstrap::k_stream_port));
 }
 
+TEST(GigeDevice, NobodyStartsWithoutControl) {
+  using namespace gige::bootstrap;
+  device.set_head(500, {});
+  const auto answer =
+      ask(gige::command::k_write_register,
+          {k_privilege, 0, k_stream_address, 0x7f00'0001, k_stream_port, 6000, gige::own::k_acquisition, 1});
+  LONGS_EQUAL(code(Status::AccessDenied), status(answer));
+  LONGS_EQUAL(1, gige::word_at(*answer, 8));
+  CHECK_FALSE(device.acquiring());
+}
+
+TEST(GigeDevice, WhoGivesControlBackGetsNoMore) {
+  start();
+  LONGS_EQUAL(0, write(gige::bootstrap::k_privilege, 0));
+  CHECK_FALSE(device.acquiring());
+  LONGS_EQUAL(0, read(gige::bootstrap::k_stream_address));
+  LONGS_EQUAL(0, read(gige::bootstrap::k_stream_port));
+  LONGS_EQUAL(1, device.starts());
+  // The next one's start is not aimed at the last one.
+  LONGS_EQUAL(0, write(gige::bootstrap::k_privilege, 2));
+  LONGS_EQUAL(code(Status::InvalidParameter), write(gige::own::k_acquisition, 1));
+  LONGS_EQUAL(1, device.starts());
+}
+
 TEST(GigeDevice, AnotherHeadEndsTheStream) {
   start();
   device.set_head(500, {});
