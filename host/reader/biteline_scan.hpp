@@ -307,10 +307,10 @@ inline std::optional<Scan> read_scan(const std::string& file) {
   Bytes data;
   while (in.read(head.data(), 4)) {
     detail::Reader length{reinterpret_cast<const std::uint8_t*>(head.data()), 4};
-    data.resize(length.number<std::uint32_t>(0));
-    if (data.size() > detail::k_most_bytes ||
-        !in.read(reinterpret_cast<char*>(data.data()), static_cast<std::streamsize>(data.size())))
-      break;
+    const std::size_t bytes = length.number<std::uint32_t>(0);
+    if (bytes > detail::k_most_bytes) break;
+    data.resize(bytes);
+    if (!in.read(reinterpret_cast<char*>(data.data()), static_cast<std::streamsize>(bytes))) break;
     std::optional<Message> message = decoder.read(data.data(), data.size());
     if (!message) break;
     if (message->kind == Kind::EndOfScan) scan.complete = message->errc == 0;

@@ -7,6 +7,7 @@
 #include <zmq.h>
 
 #include <cstdio>
+#include <cstring>
 
 #include "biteline_scan.hpp"
 
@@ -53,7 +54,8 @@ int read_scan(void* socket, bool start) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 2) {
+  const bool start = argc == 3 && std::strcmp(argv[2], "--start") == 0;
+  if (argc != 2 && !start) {
     std::fprintf(stderr, "read_live tcp://HOST:PORT [--start]\n");
     return 2;
   }
@@ -61,8 +63,11 @@ int main(int argc, char** argv) {
   void* socket = zmq_socket(context, ZMQ_DEALER);
   constexpr int k_silence_ms = 10'000;
   zmq_setsockopt(socket, ZMQ_RCVTIMEO, &k_silence_ms, sizeof k_silence_ms);
+  // A sensor that is not there takes no last word: without this the end waits for ever.
+  constexpr int k_last_words_ms = 1000;
+  zmq_setsockopt(socket, ZMQ_LINGER, &k_last_words_ms, sizeof k_last_words_ms);
   int errc = -1;
-  if (zmq_connect(socket, argv[1]) == 0) errc = read_scan(socket, argc > 2);
+  if (zmq_connect(socket, argv[1]) == 0) errc = read_scan(socket, start);
   zmq_close(socket);
   zmq_ctx_term(context);
   std::printf("end %d\n", errc);
