@@ -51,7 +51,8 @@ fi
 name=biteline-bundle-$(hostname)-$(date -u +%Y%m%dT%H%M%SZ)
 file=${file:-$name.tar.gz}
 work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
+part=
+trap 'rm -rf "$work" ${part:+"$part"}' EXIT
 mkdir -p "$work/$name/settings"
 
 # note FILE COMMAND...: what it says; one that fails or hangs costs its own file alone.
@@ -63,7 +64,12 @@ note() {
 }
 
 note version.txt "$program" --version
-note check.txt "$program" --check --source "board:$etc/board.yaml"
+# The check opens the devices, and so stops the trigger of a scan.
+if systemctl --quiet is-active biteline-sensor.service 2>/dev/null; then
+  echo "left out: biteline-sensor runs; stop it and begin again" >"$work/$name/check.txt"
+else
+  note check.txt "$program" --check --source "board:$etc/board.yaml"
+fi
 note update.txt biteline-update status
 note unit.txt systemctl status --no-pager --lines=0 biteline-sensor.service
 note journal.txt journalctl --no-pager --lines="$lines" --unit=biteline-sensor.service
@@ -78,18 +84,22 @@ note network.txt ip -statistics address
 note packages.txt dpkg-query --show libaravis-0.8-0 libgpiod2 libzmq5 'linux-image-*' 'biteline-*'
 note files.txt ls -lR "$etc"
 for setting in "$etc"/*.yaml; do
-  [ -f "$setting" ] && [ ! -L "$setting" ] && cp "$setting" "$work/$name/settings/"
+  [ -f "$setting" ] && [ ! -L "$setting" ] || continue
+  cp "$setting" "$work/$name/settings/" 2>/dev/null || echo "left out: it cannot be read" >"$work/$name/settings/${setting##*/}"
 done
 
 # No line of a file that is secret may stand anywhere.
 if [ -d "$etc" ]; then
-  find "$etc" -type f \( -name '*.secret' -o -name '*.key' \) -exec cat {} + 2>/dev/null | tr -d '\r' | awk 'length($0) >= 16' | sort -u >"$work/secrets"
+  find -L "$etc" -type f \( -name '*.secret' -o -name '*.secret.new' -o -name '*.key' \) -exec cat {} + >"$work/keys" 2>/dev/null ||
+    refuse "$etc: a key cannot be read, so nothing can be searched for it: run as root"
+  tr -d '\r' <"$work/keys" | awk 'length($0) >= 16' | sort -u >"$work/secrets"
   if [ -s "$work/secrets" ] && grep -rlFf "$work/secrets" "$work/$name" >"$work/leaks"; then
     while read -r leak; do
       echo "left out: it holds a secret" >"$leak"
     done <"$work/leaks"
   fi
 fi
-tar -C "$work" -czf "$file.part" "$name" 2>/dev/null || { rm -f "$file.part"; refuse "$file: not written"; }
-mv "$file.part" "$file"
-echo "biteline-bundle: $file, $(tar -tzf "$file" | grep -vc '/$') files"
+# A name that nobody can have taken before: this may run as root in a folder of all.
+part=$(mktemp "$file.XXXXXX.part" 2>/dev/null) || refuse "$file: not written"
+tar --force-local -C "$work" -czf "$part" "$name" 2>/dev/null && mv -T "$part" "$file" 2>/dev/null || refuse "$file: not written"
+echo "biteline-bundle: $file, $(tar --force-local -tzf "$file" | grep -vc '/$') files"

@@ -82,7 +82,7 @@ lead_to() {
 
 # verify FOLDER: prints the version that a good signature and checksum vouch for.
 verify() {
-  local folder=$1 file version
+  local folder=$1 file version sum
   for file in manifest manifest.sig biteline-sensor; do
     [ -f "$folder/$file" ] && [ ! -L "$folder/$file" ] || { echo "$folder: no $file"; return 1; }
   done
@@ -90,7 +90,8 @@ verify() {
     { echo "$folder: not signed by $trusted"; return 1; }
   version=$(sed -n '1s/^version //p' "$folder/manifest")
   [[ $version =~ ^[0-9A-Za-z][0-9A-Za-z.+~-]{0,63}$ ]] || { echo "$folder: manifest: no version in its first line"; return 1; }
-  [ "$(sed -n '2s/^sha256 //p' "$folder/manifest")" = "$(sha256sum <"$folder/biteline-sensor" | cut -d' ' -f1)" ] ||
+  sum=$(sed -n '2s/^sha256 //p' "$folder/manifest")
+  [[ $sum =~ ^[0-9a-f]{64}$ ]] && [ "$sum" = "$(sha256sum <"$folder/biteline-sensor" | cut -d' ' -f1)" ] ||
     { echo "$folder: biteline-sensor is not the file that was signed"; return 1; }
   echo "$version"
 }
@@ -100,7 +101,8 @@ start_old() {
   local old=$1
   service stop || true
   rm -rf "$root"/*.part
-  lead_to "$old"
+  # Where nothing was changed nothing needs room on a disk that is full.
+  [ "$(current)" = "$old" ] || lead_to "$old"
   rm -f "$root/trial"
   sync -f "$root"
   service start || { say "version $old does not start either: look at the journal" >&2; exit 4; }
@@ -178,7 +180,7 @@ recover() {
 status() {
   local version
   say "version $(current) runs$([ -f "$root/trial" ] && echo ", on trial for $(cat "$root/trial")")"
-  for version in "$root"/versions/*/; do [ -d "$version" ] && echo "  $(basename "$version")"; done
+  for version in "$root"/versions/*/; do if [ -d "$version" ]; then echo "  $(basename "$version")"; fi; done
 }
 
 sign() {

@@ -26,10 +26,18 @@ done
 grep -q '[0-9]\.[0-9]' "$inside/version.txt" || bad "no version"
 grep -q 'devices and rights are missing' "$inside/check.txt" || bad "no check: $(cat "$inside/check.txt")"
 cmp -s "$board" "$inside/settings/board.yaml" || bad "no board.yaml"
-! grep -rqF "$secret" open || bad "the secret is in it"
+! grep -rqFe "$secret" open || bad "the secret is in it"
 grep -q 'holds a secret' "$inside/settings/careless.yaml" || bad "what was left out is not told"
 [ ! -e "$inside/settings/linked.yaml" ] || bad "a link was followed"
 [ "$(stat -c %a told.tar.gz)" = 600 ] || bad "others may read it"
+
+# A folder of keys elsewhere is searched, too.
+mkdir "$work/moved" && mv "$work/etc/keys" "$work/moved/keys" && ln -s "$work/moved/keys" "$work/etc/keys"
+"$bundle" --etc "$work/etc" --program "$sensor" --lines 1 "$work/linked.tar.gz" >/dev/null || bad "no bundle where the keys are elsewhere"
+[ "$(tar -xzOf linked.tar.gz | grep -cFe "$secret")" = 0 ] || bad "the secret is in it where the keys are elsewhere"
+status=0
+"$bundle" --etc "$work/etc" --program "$sensor" --lines 1 "$work/open" >"$work/told" 2>&1 || status=$?
+[ $status -eq 2 ] && grep -q 'not written' "$work/told" || bad "a folder in place of the file: exit $status"
 
 # A program that is not there costs its own part; a place that cannot be written is told.
 "$bundle" --etc "$work/nowhere" --program "$work/none" --lines 1 "$work/poor.tar.gz" >/dev/null || bad "no bundle of a poor unit"
