@@ -15,6 +15,7 @@ using config::YamlReader;
 /// Points that claim as much hold to 0.95 and more (docs/line.md, bench of the confidence).
 constexpr double k_automatic_above = 0.95;
 constexpr double k_rad_per_deg = std::numbers::pi / 180;
+constexpr double k_most_speed_mm_s = 1000;
 
 Tool read_tool(YamlReader reader) {
   Tool tool;
@@ -60,7 +61,7 @@ Coverage read_coverage(YamlReader reader) {
 Motion read_motion(YamlReader reader) {
   const Motion d;
   Motion m;
-  m.speed_mm_s = reader.number("speed_mm_s", {.minimum = 0.1, .maximum = 1000});
+  m.speed_mm_s = reader.number("speed_mm_s", {.minimum = 0.1, .maximum = k_most_speed_mm_s});
   m.minimum_speed_mm_s =
       reader.number_or("minimum_speed_mm_s", std::min(d.minimum_speed_mm_s, m.speed_mm_s / 10),
                        {.minimum = 0.01, .maximum = 1000});
@@ -120,7 +121,9 @@ GateLimits read_gate(YamlReader reader) {
 
 /// The process's own value and a zone's addition stay within what the process itself may have.
 void check_sum(YamlReader& reader, const char* key, double sum, double minimum, double maximum) {
-  if (sum >= minimum && sum <= maximum) return;
+  // So that the last digit of a turn into radians and back refuses nothing.
+  constexpr double k_rounding = 1e-9;
+  if (sum >= minimum - k_rounding && sum <= maximum + k_rounding) return;
   reader.fault(Errc::BadValue, key,
                FixedText<120>::format("with the placement's own %.6g, expected from %.6g to %.6g", sum,
                                       minimum, maximum)
@@ -157,6 +160,8 @@ Zone read_zone(YamlReader& reader, const Process& process) {
   check_sum(reader, "lead_by_deg", (own.lead_rad + zone.lead_by_rad) / k_rad_per_deg, -60, 60);
   if (zone.speed_ratio * process.motion.speed_mm_s < process.motion.minimum_speed_mm_s)
     reader.fault(Errc::BadValue, "speed_ratio", "a speed of at least motion.minimum_speed_mm_s");
+  if (zone.speed_ratio * process.motion.speed_mm_s > k_most_speed_mm_s)
+    reader.fault(Errc::BadValue, "speed_ratio", "a speed of at most 1000 mm/s");
   return zone;
 }
 

@@ -284,8 +284,8 @@ std::vector<ToolPoint> travel(const Job& job, std::size_t from, std::size_t to, 
     if (k > 0) way.mm += (way.tips[k] - way.tips[k - 1]).norm();
   }
   std::vector<ToolPoint> points;
+  if (steps == 0) return points;  // the next way down begins there
   const double spacing_mm = std::max(k_approach_spacing_mm, target_spacing_mm(motion, way.mm));
-  if (way.mm < spacing_mm) return points;  // the next way down begins there
   for (const FinePlace& place : even_places(way.tips, spacing_mm)) {
     const std::size_t k = forwards ? from + place.sample : from + count - place.sample;
     points.push_back({.T_base_tcp = pose_at(way, place),
@@ -378,7 +378,9 @@ ToolPath make_tool_path(const cloud::ClosedLine& line, const Process& process, d
   const double fine_mm = job.line.fine_mm;
   const std::size_t entry = static_cast<std::size_t>(std::round(seam_arc_mm / fine_mm)) % job.count();
   const auto overlap = static_cast<std::size_t>(std::ceil(motion.overlap_mm / fine_mm));
-  const std::vector<Run> runs = runs_along(job.work, process, entry, overlap);
+  std::vector<Run> runs = runs_along(job.work, process, entry, overlap);
+  // check_zones() looks every millimetre: between two zones these finer places may meet a single one.
+  std::erase_if(runs, [](const Run& run) { return run.steps == 0; });
   BITELINE_EXPECTS(!runs.empty());
   std::vector<FineWay> ways;
   double way_mm = 0;

@@ -4,6 +4,7 @@
 #include <CppUTest/TestHarness.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "hal/sim/shoe/made_shoe.hpp"
@@ -174,6 +175,14 @@ TEST(Zones, OffsetsAnglesAndSpeedAreTheZonesOwnWithinItsEnds) {
   }
   CHECK(inside > 10);
   CHECK(outside > 100);
+}
+
+TEST(Zones, ASinglePlaceBetweenTwoThatAreLeftOutIsNoStretch) {
+  // Places of the path's own sampling: a quarter of its spacing apart.
+  const double count = std::round(4 * cloud::length_mm(line) / process.motion.spacing_mm);
+  process.zones = {{.name = "before", .from_ratio = 0, .to_ratio = 99.5 / count, .left_out = true},
+                   {.name = "behind", .from_ratio = 100.5 / count, .to_ratio = 0.4, .left_out = true}};
+  LONGS_EQUAL(1, line_runs(make_tool_path(line, process, 0)).size());
 }
 
 TEST(Zones, FurtherPassesComeBackToTheZoneAlone) {
