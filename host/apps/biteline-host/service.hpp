@@ -163,6 +163,7 @@ class Service {
   bool sensor_idle_{false};         ///< it waits to be asked for a scan
   std::vector<Wish> later_{};       ///< of what is held, until the result's thread has ended
   bool told_held_{false};           ///< doors know that a scan waits
+  memory::UnixMs told_at_{0};       ///< since then
   std::optional<Held> held_;        ///< by the result's thread; read when that is done
   std::optional<Unnamed> unnamed_;  ///< the same
   std::optional<intake::ChildProcess> web_;

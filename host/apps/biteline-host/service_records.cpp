@@ -25,12 +25,19 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
   }
   const Result<std::optional<memory::Scan>> before = cockpit_->memory().scan(row->name);
   row->decision = decision;
+  bool still_held = decision == "held";
   if (before && *before) {
     // A person's word stands.
     row->decided_by = (*before)->decided_by;
     row->decided_at = (*before)->decided_at;
     row->why = (*before)->why;
-    if ((*before)->decision == "rejected") row->decision = "rejected";
+    if ((*before)->decision == "rejected") {
+      row->decision = "rejected";
+      still_held = false;
+    }
+    // Who was told that it waits may have answered before its row says so.
+    if (still_held && (*before)->decision == "accepted" && (*before)->decided_at >= told_at_)
+      row->decision = "accepted";
   }
   // Nothing was approved where nothing was sent.
   if (decision == "automatic" && !row->sent) row->decision = "open";
@@ -60,7 +67,7 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
                                                         .after = row->verdict},
                                                        chosen.places);
   if (!put) complain(put.error());
-  if (row->decision != "held") cockpit_->end_cycle(*row);
+  if (!still_held) cockpit_->end_cycle(*row);
   cockpit_->tell_scan(row->name);
 }
 
