@@ -16,6 +16,7 @@ nlohmann::ordered_json account_of(const IngestCounts& counts, const wire::Counte
                                   const std::vector<wire::StageTime>& sensor_stages) {
   nlohmann::ordered_json account;
   add_counts(sensor, profile::k_scan_counts, account);
+  account["duration_s"] = counts.duration_s;
   account["profiles"] = counts.profiles;
   account["profiles_used"] = counts.profiles_used;
   account["profiles_lost"] = counts.profiles_lost;

@@ -66,6 +66,10 @@ std::vector<std::pair<std::string, std::uint64_t>> point_flag_counts(const Inges
 
 std::span<const Eigen::Vector3f> CloudBuilder::add(const profile::Profile& profile) {
   const profile::ProfileHeader& header = profile.header;
+  // As numbers with a point: a stamp from outside may be anything.
+  const double exposed_s = 1e-9 * static_cast<double>(header.exposure_mid.time_since_epoch().count());
+  if (counts_.profiles == 0) begun_s_ = exposed_s;
+  counts_.duration_s = exposed_s - begun_s_;
   ++counts_.profiles;
   counts_.points += profile.points.size();
   if (header.sequence > next_sequence_) counts_.profiles_lost += header.sequence - next_sequence_;

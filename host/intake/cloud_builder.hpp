@@ -25,6 +25,7 @@ struct IngestCounts {
   std::uint64_t points_used{0};
   std::uint64_t points_not_surface{0};  ///< evidence only, in profiles that were used
   std::uint64_t points_of_unusable_profiles{0};
+  double duration_s{0};  ///< from the first profile's exposure to the last one's, by the sensor's clock
   std::array<std::uint64_t, 32> profiles_by_flag{};  ///< index: bit of ProfileFlag
   std::array<std::uint64_t, 16> points_by_flag{};    ///< index: bit of PointFlag
 };
@@ -58,6 +59,7 @@ class CloudBuilder {
   curvature::ScanSurface surface_;
   IngestCounts counts_;
   std::uint64_t next_sequence_{0};
+  double begun_s_{0};  ///< exposure of the first profile
 };
 
 }  // namespace biteline::intake

@@ -82,6 +82,8 @@ std::optional<memory::Scan> row_of(const fs::path& folder) {
   scan.time = time_of(folder / "report.json");
   scan.length_mm = number_of(report, "length_mm");
   scan.confidence = number_of(report, "confidence");
+  if (const auto account = report.find("scan"); account != report.end())
+    scan.scan_s = number_of(*account, "duration_s");
   if (const auto stages = report.find("stages"); stages != report.end() && stages->is_object()) {
     scan.line_s = number_of(*stages, "last profile to line");
     if (!scan.line_s) scan.line_s = number_of(*stages, "transfer");

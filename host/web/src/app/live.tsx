@@ -53,7 +53,7 @@ function LivePictures(): JSX.Element {
   const profile = useRef<HTMLCanvasElement>(null);
   const box = useRef<HTMLDivElement>(null);
   const scene = useRef<LiveScene | null>(null);
-  const [seen, set_seen] = useState({ picture: -1, profile: -1, points: 0, line: 0, tip: '' });
+  const [seen, set_seen] = useState({ picture: -1, profile: -1, empty: -1, points: 0, line: 0, tip: '' });
   const [without, set_without] = useState('');
   const [colour, set_colour] = useState<LiveColour>('height');
   useEffect(() => {
@@ -74,8 +74,9 @@ function LivePictures(): JSX.Element {
         if (before) URL.revokeObjectURL(before);
         set_seen((s) => ({ ...s, picture: message.seq }));
       } else if (message.kind === 'profile' && profile.current) {
-        draw_profile(profile.current, message.xz_mm, message.flags);
-        set_seen((s) => ({ ...s, profile: message.seq }));
+        const empty = message.xz_mm.length === 0;
+        if (!empty) draw_profile(profile.current, message.xz_mm, message.flags);
+        set_seen((s) => ({ ...s, profile: empty ? s.profile : message.seq, empty: empty ? message.seq : -1 }));
       } else if (message.kind === 'cloud') {
         scene.current?.add_cloud(message.scan, message.xyz_mm);
         set_seen((s) => ({ ...s, points: scene.current?.points() ?? 0, line: scene.current?.line_points() ?? 0 }));
@@ -109,7 +110,10 @@ function LivePictures(): JSX.Element {
       <figure class="card">
         <figcaption>{t('live_profile')}</figcaption>
         <canvas ref={profile} class="profile" role="img" aria-label={t('live_profile')} />
-        {seen.profile < 0 ? <p class="quiet">{t('live_profile_none')}</p> : <p class="quiet">{t('live_profile_words', { seq: seen.profile })}</p>}
+        <p class="quiet">
+          {seen.profile < 0 ? t('live_profile_none') : t('live_profile_words', { seq: seen.profile })}
+          {seen.empty >= 0 && ` ${t('live_profile_empty', { seq: seen.empty })}`}
+        </p>
       </figure>
       <figure class="card wide">
         <figcaption>

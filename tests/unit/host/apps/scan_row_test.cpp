@@ -15,7 +15,7 @@ namespace biteline::service {
 namespace {
 
 constexpr const char* k_good =
-    R"({"status":"ok","length_mm":640.5,"confidence":0.98,"weak_stretches":[],"stages":{"last profile to line":0.03}})";
+    R"({"status":"ok","length_mm":640.5,"confidence":0.98,"weak_stretches":[],"scan":{"duration_s":6.25},"stages":{"last profile to line":0.03}})";
 
 }  // namespace
 
@@ -37,6 +37,7 @@ TEST(ScanRow, LineIsOkAndAmberWithWeakStretches) {
   STRCMP_EQUAL("ok", row()->verdict.c_str());
   DOUBLES_EQUAL(640.5, *row()->length_mm, 0);
   DOUBLES_EQUAL(0.03, *row()->line_s, 0);
+  DOUBLES_EQUAL(6.25, *row()->scan_s, 0);
   CHECK(!row()->sent);
   folder.write("scan-0001/report.json", R"({"status":"ok","weak_stretches":[{},{}]})");
   STRCMP_EQUAL("amber", row()->verdict.c_str());

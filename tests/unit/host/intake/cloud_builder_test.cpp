@@ -4,6 +4,7 @@
 #include <CppUTest/TestHarness.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "tests/support/made_profile.hpp"
@@ -47,6 +48,21 @@ TEST(CloudBuilder, PlacesBeyondAllArmsStayOut) {
   LONGS_EQUAL(3, sut.cloud().size());
   LONGS_EQUAL(3, sut.counts().points_used);
   LONGS_EQUAL(2, sut.counts().points_not_surface);
+}
+
+TEST(CloudBuilder, ScanLastsFromTheFirstExposureToTheLastWhateverTheStampsAre) {
+  CloudBuilder sut{sensor};
+  profile.header.exposure_mid = SensorClock::time_point{Nanoseconds{7'000'000'000}};
+  sut.add(profile);
+  DOUBLES_EQUAL(0, sut.counts().duration_s, 0);
+  profile.header.sequence = 1;
+  profile.header.exposure_mid += Nanoseconds{6'250'000'000};
+  sut.add(profile);
+  DOUBLES_EQUAL(6.25, sut.counts().duration_s, 1e-9);
+  profile.header.sequence = 2;
+  profile.header.exposure_mid = SensorClock::time_point::min();
+  sut.add(profile);
+  CHECK(std::isfinite(sut.counts().duration_s));
 }
 
 TEST(CloudBuilder, EachUnusableProfileStaysOutAndIsCountedUnderItsReason) {
