@@ -4,6 +4,8 @@
 #include <CppUTest/TestHarness.h>
 
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "host/api/process_store.hpp"
 #include "tests/support/errors.hpp"
@@ -34,6 +36,16 @@ TEST(ProcessSchema, EachKeyOfTheReaderHasHelpAndItsRange) {
   const Json& approval = schema["properties"]["gate"]["properties"]["approval"];
   STRCMP_EQUAL(R"(["none","person","automatic"])", approval["enum"].dump().c_str());
   STRCMP_EQUAL(R"(["name","tool","placement","motion"])", schema["required"].dump().c_str());
+}
+
+TEST(ProcessSchema, EachKeyOfTheReaderStandsInTheDocument) {
+  std::ifstream stream{std::filesystem::path{BITELINE_DOCUMENTS} / "formats.md"};
+  const std::string document{std::istreambuf_iterator<char>{stream}, {}};
+  for (const config::KeyAsked& key : path::process_keys()) {
+    std::string path = key.path;
+    if (const std::size_t first = path.find("[0]"); first != std::string::npos) path.replace(first, 3, "[]");
+    CHECK_TEXT(document.find("`" + path + "`") != std::string::npos, path.c_str());
+  }
 }
 
 TEST(ProcessSchema, ZonesAreAListWithUnitsAndRanges) {
