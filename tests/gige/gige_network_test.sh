@@ -8,7 +8,8 @@ skip() { echo "skipped: $1"; exit 77; }
 bad() { echo "$1"; exit 1; }
 [ "$(id -u)" -eq 0 ] || skip "network namespaces need root"
 if [ -z "${BITELINE_OWN_NETWORK:-}" ]; then
-  BITELINE_OWN_NETWORK=1 exec unshare --net --mount -- "$0" "$@"
+  unshare --net true 2>/dev/null || skip "no network namespaces here"
+  BITELINE_OWN_NETWORK=1 exec unshare --net -- "$0" "$@"
 fi
 work=$(mktemp -d "${TMPDIR:-/tmp}/biteline-cable-XXXXXX")
 started=()
