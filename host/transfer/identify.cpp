@@ -38,8 +38,7 @@ double odds(const transfer::Alignment& alignment, std::size_t models) {
   return prior * right_per_mm(alignment.shape_rms_mm) / k_wrong_per_mm;
 }
 
-// Where no rough fit is good, so many are compared all the same: a search that has missed the right place
-// costs nobody his model.
+// So many are compared in any case: a search that has missed the right place costs nobody his model.
 constexpr std::size_t k_nearest_compared = 3;
 
 /// The rough fit; nothing of the alignment yet.
@@ -97,11 +96,10 @@ std::vector<Match> matches_of(const Library& library, const std::vector<std::str
   }
   std::stable_sort(matches.begin(), matches.end(),
                    [](const Match& a, const Match& b) { return a.rough_fit_mm < b.rough_fit_mm; });
-  const bool any_good = !matches.empty() && matches.front().rough_fit_mm <= k_most_rough_mm;
   std::vector<std::string> near;
   for (const Match& match : matches) {
-    if (any_good ? match.rough_fit_mm <= k_most_rough_mm : near.size() < k_nearest_compared)
-      near.push_back(match.name);
+    // The nearest in any case: where one model's search missed, a wrong one must not stand alone.
+    if (match.rough_fit_mm <= k_most_rough_mm || near.size() < k_nearest_compared) near.push_back(match.name);
   }
   // A file may be damaged unseen until it is read: then the model is none.
   const std::size_t before = damaged.size();

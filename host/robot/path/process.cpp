@@ -148,7 +148,7 @@ Zone read_zone(YamlReader& reader, const Process& process) {
   zone.up_by_mm = reader.number_or("up_by_mm", 0, offset);
   zone.tilt_by_rad = reader.number_or("tilt_by_deg", 0, angle) * k_rad_per_deg;
   zone.lead_by_rad = reader.number_or("lead_by_deg", 0, angle) * k_rad_per_deg;
-  zone.speed_ratio = reader.number_or("speed_ratio", 1, {.minimum = 0.05, .maximum = 5});
+  zone.speed_ratio = reader.number_or("speed_ratio", 1, {.minimum = 0.05, .maximum = k_most_speed_ratio});
   zone.passes = static_cast<int>(reader.integer_or("passes", 1, {.minimum = 1, .maximum = 10}));
   zone.ramp_mm = reader.number_or("ramp_mm", d.ramp_mm, {.minimum = 1, .maximum = 50});
   if (zone.where == Zone::Where::Stretch && zone.from_ratio == zone.to_ratio)

@@ -101,6 +101,9 @@ enum class Start {
   Farthest,
 };
 
+/// A zone's speed is at most so many times the process's.
+inline constexpr double k_most_speed_ratio = 5;
+
 /// A part of the line that is worked in a way of its own, or left out.  What is "by" is added to the
 /// process's.
 struct Zone {

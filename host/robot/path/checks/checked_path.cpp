@@ -113,7 +113,8 @@ void add_motion_checks(const PlannedPath& path, const ArmModel& arm, std::vector
     if (a.segment != Segment::Line || b.segment != Segment::Line) continue;
     spacing.larger(step_mm, a.arc_mm);
     // As the process's own speed, whatever share of it is meant here.
-    speed.larger(step_mm / step_s / std::max(a.speed_ratio, b.speed_ratio), a.arc_mm);
+    const double ratio = std::min(k_most_speed_ratio, std::max(a.speed_ratio, b.speed_ratio));
+    speed.larger(step_mm / step_s / ratio, a.arc_mm);
     if (a.arc_mm > line_begin_mm + end_of_ramp_mm && b.arc_mm < line_end_mm - end_of_ramp_mm)
       slow.smaller(b.speed_mm_s, a.arc_mm);
   }

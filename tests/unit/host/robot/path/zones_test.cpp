@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "hal/sim/shoe/made_shoe.hpp"
@@ -246,6 +247,21 @@ TEST(Zones, AZonesOwnSpeedIsHeldByTheCheck) {
   for (Waypoint& w : path.waypoints) w.speed_ratio *= 0.5;
   const CheckOutcome checked = check_path(path, asked.arm, collisions, {});
   CHECK_FALSE(checked.path.has_value());
+  const auto speed = std::ranges::find_if(checked.checks, [](const Check& c) { return c.name == "speed"; });
+  CHECK_FALSE(speed->passed);
+}
+
+TEST(Zones, NoShareOfTheSpeedLetsEverySpeedPass) {
+  const PlanRequest asked = request();
+  const PlanOutcome outcome = plan(asked);
+  CHECK_TEXT(outcome.path.has_value(), outcome.reason().c_str());
+  PlannedPath path = outcome.path->path();
+  const CollisionModel collisions{asked.arm, asked.process.tool, outcome.surroundings};
+  for (Waypoint& w : path.waypoints) {
+    w.speed_ratio = std::numeric_limits<double>::infinity();
+    w.time_s /= 1.2 * k_most_speed_ratio;
+  }
+  const CheckOutcome checked = check_path(path, asked.arm, collisions, {});
   const auto speed = std::ranges::find_if(checked.checks, [](const Check& c) { return c.name == "speed"; });
   CHECK_FALSE(speed->passed);
 }
