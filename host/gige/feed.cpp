@@ -15,6 +15,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr milliseconds k_turn{50};
 constexpr milliseconds k_before_retry{500};
+/// A scan before it ends, and the arm goes back: a start is asked for again within this.
+constexpr std::chrono::seconds k_ask_patience{10};
 /// All of them, as fast as any sensor scans.
 constexpr double k_every_profile_hz = 10'000;
 constexpr const char* k_name = "biteline-gige";
@@ -76,14 +78,17 @@ Feed::Feed(FeedConfig config, Server& server, std::function<void(const std::stri
 
 void Feed::run(const std::atomic<bool>& stop) {
   std::uint64_t asked = 0;  // the start for which the sensor was asked last
+  Clock::time_point ask_until{};
   while (!stop) {
     const bool own = config_.allow_control && server_.acquiring();
-    if (own && asked == server_.starts()) {
+    if (own && asked != server_.starts()) {
+      asked = server_.starts();
+      ask_until = Clock::now() + k_ask_patience;
+    } else if (own && Clock::now() > ask_until) {
       // Light that a client did not get when it asked does not come later by itself.
       std::this_thread::sleep_for(k_turn);
       continue;
     }
-    if (own) asked = server_.starts();
     if (const Result<void> done = own ? own_scan(stop) : observe(stop); !done) {
       tell(done.error());
       server_.end_scan();
