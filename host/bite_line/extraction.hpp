@@ -10,8 +10,8 @@
 #include "common/geometry/se3.hpp"
 #include "host/bite_line/refused.hpp"
 #include "host/cloud/closed_line.hpp"
-#include "host/report/stage_clock.hpp"
-#include "host/uncertainty/scan_spread.hpp"
+#include "host/cloud/uncertainty/scan_spread.hpp"
+#include "host/records/report/stage_clock.hpp"
 
 namespace biteline::bite_line {
 

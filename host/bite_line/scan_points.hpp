@@ -9,7 +9,7 @@
 
 #include "host/bite_line/large.hpp"
 #include "host/bite_line/shoe/shoe.hpp"
-#include "host/uncertainty/scan_spread.hpp"
+#include "host/cloud/uncertainty/scan_spread.hpp"
 
 namespace biteline::bite_line {
 

@@ -12,7 +12,7 @@
 #include "common/core/fixed_text.hpp"
 #include "common/csv/table.hpp"
 #include "host/cloud/source_word.hpp"
-#include "host/report/report.hpp"
+#include "host/records/report/report.hpp"
 
 namespace biteline::cloud {
 namespace {

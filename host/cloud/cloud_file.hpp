@@ -8,7 +8,7 @@
 
 #include "common/core/result.hpp"
 #include "host/cloud/point_cloud.hpp"
-#include "host/report/refusal.hpp"
+#include "host/records/report/refusal.hpp"
 
 namespace biteline::cloud {
 

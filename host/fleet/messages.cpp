@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "common/core/text.hpp"
-#include "host/control/messages.hpp"
+#include "host/doors/control/messages.hpp"
 
 namespace biteline::fleet {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/core/result.hpp"
-#include "host/memory/memory.hpp"
+#include "host/records/memory/memory.hpp"
 
 namespace biteline::fleet {
 

@@ -16,7 +16,7 @@
 #include <string_view>
 #include <thread>
 
-#include "host/control/exposition.hpp"
+#include "host/doors/control/exposition.hpp"
 
 namespace biteline::fleet {
 namespace {

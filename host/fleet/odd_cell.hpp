@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "host/memory/memory.hpp"
+#include "host/records/memory/memory.hpp"
 
 namespace biteline::fleet {
 

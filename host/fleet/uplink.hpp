@@ -8,7 +8,7 @@
 #include <string>
 
 #include "host/fleet/messages.hpp"
-#include "host/memory/outbox.hpp"
+#include "host/records/memory/outbox.hpp"
 
 namespace biteline::fleet {
 

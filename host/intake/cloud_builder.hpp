@@ -11,8 +11,8 @@
 
 #include "common/geometry/sensor_model.hpp"
 #include "common/profile/profile.hpp"
+#include "host/cloud/curvature/scan_surface.hpp"
 #include "host/cloud/point_cloud.hpp"
-#include "host/curvature/scan_surface.hpp"
 
 namespace biteline::intake {
 

@@ -16,10 +16,10 @@
 #include "common/core/text.hpp"
 #include "common/system/file.hpp"
 #include "common/wire/checksum.hpp"
-#include "host/archive/archive.hpp"
 #include "host/cloud/ply.hpp"
-#include "host/report/json_text.hpp"
-#include "host/report/report.hpp"
+#include "host/records/archive/archive.hpp"
+#include "host/records/report/json_text.hpp"
+#include "host/records/report/report.hpp"
 
 namespace biteline::transfer {
 namespace {

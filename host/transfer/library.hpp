@@ -68,7 +68,8 @@ class Library {
 
   [[nodiscard]] Result<void> remove(const std::string& name) const;
 
-  /// The model as one file (host/archive, kind "model"), with process, picture and where it came from.
+  /// The model as one file (host/records/archive, kind "model"), with process, picture and where it came
+  /// from.
   [[nodiscard]] Result<void> export_to(const std::string& name, const std::filesystem::path& target) const;
   /// Back from that file; under `name`, or under its own when that is empty.  One of the same name is
   /// replaced only when told, and kept for undo().  A file that is not whole changes nothing.

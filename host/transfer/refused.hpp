@@ -2,7 +2,7 @@
 #pragma once
 /// \file Why an upper does not get a sample's line.
 
-#include "host/report/refusal.hpp"
+#include "host/records/report/refusal.hpp"
 
 namespace biteline::transfer {
 

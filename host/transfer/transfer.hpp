@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "host/report/stage_clock.hpp"
+#include "host/records/report/stage_clock.hpp"
 #include "host/transfer/align/alignment.hpp"
 #include "host/transfer/carry/carried_line.hpp"
 #include "host/transfer/refused.hpp"

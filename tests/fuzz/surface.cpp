@@ -2,7 +2,7 @@
 // Any profiles: the surface of a scan gives each point out once, in bounded time, and tables over points stay
 // bounded.
 #include "common/core/numbers.hpp"
-#include "host/curvature/scan_surface.hpp"
+#include "host/cloud/curvature/scan_surface.hpp"
 #include "host/transfer/align/nearest_table.hpp"
 #include "tests/fuzz/case.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <string_view>
 
-#include "host/gige/frame.hpp"
+#include "host/doors/gige/frame.hpp"
 
 namespace biteline::test {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "host/gige/server.hpp"
+#include "host/doors/gige/server.hpp"
 #include "tests/gige/aravis_client.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/made_profile.hpp"

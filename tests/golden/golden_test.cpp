@@ -7,10 +7,10 @@
 #include <cmath>
 #include <fstream>
 
+#include "host/bite_line/evaluation/cloud_error.hpp"
+#include "host/bite_line/evaluation/line_error.hpp"
 #include "host/bite_line/find_bite_line.hpp"
 #include "host/cloud/ply.hpp"
-#include "host/evaluation/cloud_error.hpp"
-#include "host/evaluation/line_error.hpp"
 #include "host/intake/session_run.hpp"
 #include "host/robot/path/plan.hpp"
 #include "host/transfer/transfer.hpp"

@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/bite_line/evaluation/line_error.hpp"
 #include "host/cloud/closed_line.hpp"
-#include "host/evaluation/line_error.hpp"
 #include "host/intake/child_process.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/temporary_folder.hpp"

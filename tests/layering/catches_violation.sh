@@ -8,6 +8,7 @@ mkdir -p "$tree"/{common/core,hal/api,hal/board,firmware/app,host/bite_line}
 echo '#include "common/core/result.hpp"' >"$tree/host/bite_line/good.cpp"
 "$1" "$tree" >/dev/null || { echo "red on a clean tree"; exit 1; }
 for seed in 'common/core/a.hpp hal/api/frame.hpp' 'host/bite_line/b.cpp hal/api/frame.hpp' 'host/bite_line/c.cpp host/robot/link/link.hpp' \
+  'host/bite_line/g.cpp host/bite_line/published/p.hpp' \
   'hal/api/d.hpp firmware/app/x.hpp' 'hal/board/e.hpp hal/linux/gpiod/gpiod_line.hpp' \
   'firmware/app/f.cpp gpiod.h'; do
   set -- "$1" $seed

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # check_layers.sh ROOT: every #include "layer/..." stays within what its layer may know.
-#   common <- hal <- firmware, common <- host; inside host the algorithms know neither intake, robot/link, results nor apps;
+#   common <- hal <- firmware, common <- host; inside host the algorithms know neither intake, robot/link, results, doors, fleet nor apps;
 #   vendor headers stay out of hal/api and of common (but for common/config and common/image).
 set -u
 root=$1
@@ -23,13 +23,14 @@ forbid hal '(firmware|host|tests)/' 'hal knows common only'
 forbid firmware '(host|tests)/' 'firmware knows common and hal'
 forbid host '(hal|firmware|tests)/' 'host knows common only: sensor and robot are network peers'
 forbid 'hal/api hal/board hal/timing' 'hal/(linux|replay|sim)/' 'interfaces, board data and arithmetic know no backend'
-forbid host/fleet 'host/(intake|robot|api|accounts|results|apps)/' 'the fleet knows the memory, not the cell'
-forbid 'common firmware hal host/memory host/api host/control host/apps/biteline-host host/apps/biteline-web' '(mosquitto|pqxx)' 'the cell waits for no network: broker and database are reached by host/fleet alone'
-forbid host/line_control 'host/(intake|robot|api|accounts|memory|results|apps)/' 'the state machine of the line knows no door and no memory'
-for algorithm in geometry cloud uncertainty evaluation curvature bite_line published calibration transfer robot/kinematics robot/path report mend; do
-  forbid "host/$algorithm" 'host/(intake|robot/link|results|apps)/' 'algorithms know neither the network nor results nor the programs'
+forbid host/fleet 'host/(intake|robot|doors/(api|accounts)|records/results|apps)/' 'the fleet knows the memory, not the cell'
+forbid 'common firmware hal host/records/memory host/doors/api host/doors/control host/apps/biteline-host host/apps/biteline-web' '(mosquitto|pqxx)' 'the cell waits for no network: broker and database are reached by host/fleet alone'
+forbid host/doors/line_control 'host/(intake|robot|doors/(api|accounts)|records/(memory|results)|apps)/' 'the state machine of the line knows no door and no memory'
+for algorithm in geometry cloud bite_line calibration transfer robot/kinematics robot/path records/report; do
+  forbid "host/$algorithm" 'host/(intake|robot/link|records/results|doors|fleet|apps)/' 'algorithms know neither the network nor results nor the programs'
 done
-forbid 'host/cloud host/bite_line host/intake host/transfer host/results' 'host/published/' 'the product does not stand on the published method'
+product=$(cd "$root" && ls -d host/cloud host/bite_line/* host/intake host/transfer host/records 2>/dev/null | grep -v '/published$')
+forbid "$product" 'host/bite_line/published/' 'the product does not stand on the published method'
 forbid 'common firmware host hal/api hal/board hal/timing hal/replay hal/sim' '(gpiod\.h|linux/gpio\.h)' 'lines of GPIO chips are reached by hal/linux/gpiod alone'
 forbid hal/api '(linux|gpiod|arv|aravis|embree)' 'no vendor header in hal/api'
 forbid 'common/core common/time common/geometry common/profile common/rt common/stripe' '(yaml-cpp|spng|opencv2|zmq|sys/|linux/)' \

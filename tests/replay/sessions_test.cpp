@@ -8,11 +8,11 @@
 #include <numbers>
 #include <random>
 
+#include "host/bite_line/evaluation/cloud_error.hpp"
+#include "host/bite_line/evaluation/line_error.hpp"
 #include "host/bite_line/find_bite_line.hpp"
-#include "host/evaluation/cloud_error.hpp"
-#include "host/evaluation/line_error.hpp"
+#include "host/bite_line/published/level_set.hpp"
 #include "host/intake/session_run.hpp"
-#include "host/published/level_set.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/shape_truth.hpp"
 #include "tests/support/shared_data.hpp"

@@ -10,8 +10,8 @@
 #include "common/image/grey_image.hpp"
 #include "common/session/session.hpp"
 #include "firmware/pipeline/profile_pipeline.hpp"
+#include "host/bite_line/evaluation/reference_surface.hpp"
 #include "host/cloud/ply.hpp"
-#include "host/evaluation/reference_surface.hpp"
 #include "tests/support/shared_data.hpp"
 
 namespace biteline::pipeline {

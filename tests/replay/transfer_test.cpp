@@ -7,8 +7,8 @@
 #include <numbers>
 #include <random>
 
+#include "host/bite_line/evaluation/line_error.hpp"
 #include "host/bite_line/find_bite_line.hpp"
-#include "host/evaluation/line_error.hpp"
 #include "host/intake/session_run.hpp"
 #include "host/transfer/transfer.hpp"
 #include "tests/support/errors.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The users' reader in C++ against the library's own messages: the same numbers; and garbled ones cost a
 // message, no more.
-#include "host/reader/biteline_scan.hpp"
+#include "host/records/reader/biteline_scan.hpp"
 
 #include <CppUTest/TestHarness.h>
 

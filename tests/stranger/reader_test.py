@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""reader_test.py SENSOR SERVICE SESSION SCAN_TO_PLY READ_LIVE: host/reader makes of a service's scan.btln the service's own cloud.
+"""reader_test.py SENSOR SERVICE SESSION SCAN_TO_PLY READ_LIVE: host/records/reader makes of a service's scan.btln the service's own cloud.
 
 The last two are its examples in C++.
 """

@@ -8,7 +8,7 @@
 #include <set>
 #include <string_view>
 
-#include "host/report/refusal.hpp"
+#include "host/records/report/refusal.hpp"
 
 namespace biteline::test {
 

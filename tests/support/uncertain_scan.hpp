@@ -10,7 +10,7 @@
 #include "host/bite_line/find_bite_line.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/cloud/point_cloud.hpp"
-#include "host/uncertainty/scan_spread.hpp"
+#include "host/cloud/uncertainty/scan_spread.hpp"
 
 namespace biteline::test {
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "common/core/result.hpp"
-#include "host/evaluation/line_error.hpp"
+#include "host/bite_line/evaluation/line_error.hpp"
 
 namespace biteline::demo {
 

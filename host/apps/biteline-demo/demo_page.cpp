@@ -5,9 +5,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "host/report/page.hpp"
-#include "host/results/pictures/stages.hpp"
-#include "host/results/pictures/transfer_stages.hpp"
+#include "host/records/report/page.hpp"
+#include "host/records/results/pictures/stages.hpp"
+#include "host/records/results/pictures/transfer_stages.hpp"
 
 namespace biteline::demo {
 namespace {

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "host/report/report.hpp"
-#include "host/uncertainty/uncertainty_file.hpp"
+#include "host/cloud/uncertainty/uncertainty_file.hpp"
+#include "host/records/report/report.hpp"
 
 namespace biteline::demo {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <thread>
 
-#include "host/control/messages.hpp"
+#include "host/doors/control/messages.hpp"
 #include "host/fleet/broker_options.hpp"
 #include "host/fleet/centre.hpp"
 #include "host/fleet/metrics.hpp"

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "host/gige/feed.hpp"
+#include "host/doors/gige/feed.hpp"
 
 namespace biteline::gige {
 

@@ -5,7 +5,7 @@
 
 #include "host/apps/biteline-host/steps.hpp"
 #include "host/intake/refused.hpp"
-#include "host/report/report.hpp"
+#include "host/records/report/report.hpp"
 
 namespace biteline::service {
 namespace {

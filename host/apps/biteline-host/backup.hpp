@@ -2,7 +2,7 @@
 #pragma once
 /// \file All that a cell was taught and remembers as one file: rows, accounts, settings, models, processes.
 ///
-/// An archive (host/archive, kind "backup") with `memory.sqlite`, `models/NAME/...` and
+/// An archive (host/records/archive, kind "backup") with `memory.sqlite`, `models/NAME/...` and
 /// `processes/NAME.yaml`. The scans' folders, their clouds and pictures, are not in it; sessions are not
 /// either.
 

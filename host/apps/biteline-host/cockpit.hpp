@@ -11,11 +11,11 @@
 #include <string>
 
 #include "common/wire/messages.hpp"
-#include "host/api/api.hpp"
-#include "host/api/words.hpp"
 #include "host/apps/biteline-host/rerun.hpp"
-#include "host/control/server.hpp"
-#include "host/line_control/cycle.hpp"
+#include "host/doors/api/api.hpp"
+#include "host/doors/api/words.hpp"
+#include "host/doors/control/server.hpp"
+#include "host/doors/line_control/cycle.hpp"
 #include "host/robot/link/ur/controller_words.hpp"
 
 namespace biteline::service {

@@ -5,8 +5,8 @@
 #include <cstdio>
 
 #include "common/options/number.hpp"
+#include "host/cloud/uncertainty/uncertainty_file.hpp"
 #include "host/transfer/library.hpp"
-#include "host/uncertainty/uncertainty_file.hpp"
 
 namespace biteline::service {
 namespace {

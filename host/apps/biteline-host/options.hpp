@@ -8,8 +8,8 @@
 
 #include "common/wire/endpoint.hpp"
 #include "host/apps/biteline-host/kept_recordings.hpp"
+#include "host/cloud/uncertainty/head_uncertainty.hpp"
 #include "host/transfer/transfer.hpp"
-#include "host/uncertainty/head_uncertainty.hpp"
 
 namespace biteline::service {
 

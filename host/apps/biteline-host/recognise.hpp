@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "host/memory/memory.hpp"
+#include "host/records/memory/memory.hpp"
 #include "host/transfer/identify.hpp"
 
 namespace biteline::service {

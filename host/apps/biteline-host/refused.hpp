@@ -2,7 +2,7 @@
 #pragma once
 /// \file Why the service itself gives a scan no result.
 
-#include "host/report/refusal.hpp"
+#include "host/records/report/refusal.hpp"
 
 namespace biteline::service {
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <thread>
 
-#include "host/api/process_store.hpp"
-#include "host/api/rerun.hpp"
+#include "host/doors/api/process_store.hpp"
+#include "host/doors/api/rerun.hpp"
 #include "host/robot/kinematics/arm_model.hpp"
 #include "host/robot/path/process.hpp"
 #include "host/transfer/library.hpp"

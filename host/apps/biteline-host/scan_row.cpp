@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "common/system/file.hpp"
-#include "host/api/words.hpp"
 #include "host/cloud/closed_line.hpp"
+#include "host/doors/api/words.hpp"
 
 namespace biteline::service {
 namespace {

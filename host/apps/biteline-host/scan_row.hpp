@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "host/memory/memory.hpp"
+#include "host/records/memory/memory.hpp"
 
 namespace biteline::service {
 

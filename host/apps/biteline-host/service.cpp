@@ -11,7 +11,7 @@
 #include "host/apps/biteline-host/arm_lock.hpp"
 #include "host/apps/biteline-host/scan_row.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
-#include "host/report/report.hpp"
+#include "host/records/report/report.hpp"
 #include "host/transfer/library.hpp"
 
 namespace biteline::service {

@@ -16,7 +16,7 @@
 #include "host/intake/child_process.hpp"
 #include "host/intake/live_line.hpp"
 #include "host/intake/scan_intake.hpp"
-#include "host/report/file_lock.hpp"
+#include "host/records/report/file_lock.hpp"
 #include "host/robot/kinematics/arm_model.hpp"
 #include "host/robot/link/ur/arm_claim.hpp"
 #include "host/robot/path/process.hpp"

@@ -11,7 +11,7 @@
 #include "host/apps/biteline-host/scan_row.hpp"
 #include "host/apps/biteline-host/service.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
-#include "host/results/plan_result.hpp"
+#include "host/records/results/plan_result.hpp"
 #include "host/transfer/library.hpp"
 
 namespace biteline::service {

@@ -9,7 +9,7 @@
 #include "host/apps/biteline-host/attempt.hpp"
 #include "host/apps/biteline-host/service.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
-#include "host/report/report.hpp"
+#include "host/records/report/report.hpp"
 
 namespace biteline::service {
 namespace {

@@ -5,10 +5,10 @@
 #include <unistd.h>
 
 #include "common/core/text.hpp"
-#include "host/accounts/accounts.hpp"
-#include "host/control/client.hpp"
-#include "host/memory/memory.hpp"
-#include "host/report/file_lock.hpp"
+#include "host/doors/accounts/accounts.hpp"
+#include "host/doors/control/client.hpp"
+#include "host/records/memory/memory.hpp"
+#include "host/records/report/file_lock.hpp"
 
 namespace biteline::web {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <string_view>
 
-#include "host/control/exposition.hpp"
+#include "host/doors/control/exposition.hpp"
 
 namespace biteline::web {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "host/control/messages.hpp"
+#include "host/doors/control/messages.hpp"
 
 namespace biteline::web {
 

@@ -6,8 +6,8 @@
 #include <memory>
 #include <optional>
 
-#include "host/control/client.hpp"
-#include "host/control/messages.hpp"
+#include "host/doors/control/client.hpp"
+#include "host/doors/control/messages.hpp"
 
 namespace biteline::web {
 

@@ -7,8 +7,8 @@
 
 #include "common/options/number.hpp"
 #include "host/apps/biteline/batch_run.hpp"
-#include "host/batch/plan.hpp"
-#include "host/batch/recording.hpp"
+#include "host/records/batch/plan.hpp"
+#include "host/records/batch/recording.hpp"
 
 namespace biteline::app {
 namespace {

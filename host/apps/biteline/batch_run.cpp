@@ -11,10 +11,10 @@
 #include <thread>
 
 #include "common/options/number.hpp"
-#include "host/batch/compare.hpp"
-#include "host/batch/merge.hpp"
-#include "host/report/file_lock.hpp"
-#include "host/report/progress.hpp"
+#include "host/records/batch/compare.hpp"
+#include "host/records/batch/merge.hpp"
+#include "host/records/report/file_lock.hpp"
+#include "host/records/report/progress.hpp"
 
 namespace biteline::app {
 namespace {

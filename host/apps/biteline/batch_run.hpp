@@ -8,9 +8,9 @@
 #include <string>
 
 #include "host/apps/biteline/command.hpp"
-#include "host/batch/result_set.hpp"
-#include "host/batch/run.hpp"
-#include "host/batch/slurm.hpp"
+#include "host/records/batch/result_set.hpp"
+#include "host/records/batch/run.hpp"
+#include "host/records/batch/slurm.hpp"
 
 namespace biteline::app {
 

@@ -20,10 +20,10 @@
 #include "host/calibration/head/verdict.hpp"
 #include "host/calibration/laser/stripe.hpp"
 #include "host/calibration/rings/picture.hpp"
-#include "host/capture/advice.hpp"
-#include "host/capture/picture_judge.hpp"
-#include "host/capture/still_camera.hpp"
-#include "host/report/json_text.hpp"
+#include "host/intake/capture/advice.hpp"
+#include "host/intake/capture/picture_judge.hpp"
+#include "host/intake/capture/still_camera.hpp"
+#include "host/records/report/json_text.hpp"
 
 namespace biteline::app {
 namespace {

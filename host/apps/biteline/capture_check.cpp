@@ -10,7 +10,7 @@
 #include "common/options/number.hpp"
 #include "common/system/file.hpp"
 #include "host/apps/biteline/cloud_option.hpp"
-#include "host/capture/known_piece.hpp"
+#include "host/intake/capture/known_piece.hpp"
 
 namespace biteline::app {
 namespace {

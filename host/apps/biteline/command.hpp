@@ -7,7 +7,7 @@
 #include <string>
 
 #include "common/core/result.hpp"
-#include "host/report/report.hpp"
+#include "host/records/report/report.hpp"
 
 namespace biteline::app {
 

@@ -8,10 +8,10 @@
 #include "common/system/file.hpp"
 #include "host/apps/biteline/cloud_option.hpp"
 #include "host/apps/biteline/command.hpp"
+#include "host/bite_line/evaluation/cloud_error.hpp"
+#include "host/bite_line/evaluation/line_error.hpp"
 #include "host/cloud/ply.hpp"
-#include "host/evaluation/cloud_error.hpp"
-#include "host/evaluation/line_error.hpp"
-#include "host/report/json_text.hpp"
+#include "host/records/report/json_text.hpp"
 
 namespace biteline::app {
 namespace {

@@ -5,7 +5,7 @@
 #include "host/apps/biteline/cloud_option.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/apps/biteline/method.hpp"
-#include "host/results/line_result.hpp"
+#include "host/records/results/line_result.hpp"
 
 namespace biteline::app {
 namespace {

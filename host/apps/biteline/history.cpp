@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // biteline history: what the service remembers of its shoes.
-#include "host/memory/history.hpp"
+#include "host/records/memory/history.hpp"
 
 #include <cstdio>
 

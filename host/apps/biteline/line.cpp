@@ -2,7 +2,7 @@
 // biteline line: a found line for other people's programs.
 #include "host/apps/biteline/line_edit.hpp"
 #include "host/cloud/closed_line.hpp"
-#include "host/line_files/line_file.hpp"
+#include "host/records/line_files/line_file.hpp"
 
 namespace biteline::app {
 namespace {

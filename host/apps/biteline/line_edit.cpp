@@ -11,9 +11,9 @@
 
 #include "common/core/fixed_text.hpp"
 #include "common/options/number.hpp"
-#include "host/report/file_lock.hpp"
-#include "host/results/mended_result.hpp"
-#include "host/results/view/weak_stretches.hpp"
+#include "host/records/report/file_lock.hpp"
+#include "host/records/results/mended_result.hpp"
+#include "host/records/results/view/weak_stretches.hpp"
 
 namespace biteline::app {
 namespace {

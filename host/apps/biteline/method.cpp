@@ -4,7 +4,7 @@
 #include <map>
 
 #include "host/bite_line/find_bite_line.hpp"
-#include "host/published/published_line.hpp"
+#include "host/bite_line/published/published_line.hpp"
 
 namespace biteline::app {
 

@@ -6,7 +6,7 @@
 
 #include "host/bite_line/extraction.hpp"
 #include "host/cloud/point_cloud.hpp"
-#include "host/results/line_result.hpp"
+#include "host/records/results/line_result.hpp"
 
 namespace biteline::app {
 

@@ -5,7 +5,7 @@
 
 #include "common/core/fixed_text.hpp"
 #include "host/apps/biteline/command.hpp"
-#include "host/report/json_text.hpp"
+#include "host/records/report/json_text.hpp"
 #include "host/transfer/library.hpp"
 
 namespace biteline::app {

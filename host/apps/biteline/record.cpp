@@ -6,10 +6,10 @@
 
 #include "common/mcap/verify.hpp"
 #include "host/apps/biteline/command.hpp"
-#include "host/recording/export.hpp"
-#include "host/recording/import.hpp"
-#include "host/recording/refused.hpp"
-#include "host/report/progress.hpp"
+#include "host/records/recording/export.hpp"
+#include "host/records/recording/import.hpp"
+#include "host/records/recording/refused.hpp"
+#include "host/records/report/progress.hpp"
 
 namespace biteline::app {
 namespace {

@@ -8,14 +8,14 @@
 #include "common/stripe/peak_names.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/apps/biteline/method.hpp"
+#include "host/cloud/uncertainty/uncertainty_file.hpp"
 #include "host/intake/account.hpp"
 #include "host/intake/live_line.hpp"
 #include "host/intake/recorded_scan.hpp"
 #include "host/intake/session_run.hpp"
-#include "host/recording/import.hpp"
-#include "host/report/progress.hpp"
-#include "host/results/line_result.hpp"
-#include "host/uncertainty/uncertainty_file.hpp"
+#include "host/records/recording/import.hpp"
+#include "host/records/report/progress.hpp"
+#include "host/records/results/line_result.hpp"
 
 namespace biteline::app {
 namespace {

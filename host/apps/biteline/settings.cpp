@@ -13,7 +13,7 @@
 #include "host/apps/biteline/command.hpp"
 #include "host/intake/child_process.hpp"
 #include "host/intake/sensor_process.hpp"
-#include "host/report/json_text.hpp"
+#include "host/records/report/json_text.hpp"
 
 namespace biteline::app {
 namespace {

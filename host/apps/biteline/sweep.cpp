@@ -10,9 +10,9 @@
 
 #include "common/options/number.hpp"
 #include "host/apps/biteline/batch_run.hpp"
-#include "host/batch/digest.hpp"
-#include "host/batch/plan.hpp"
-#include "host/batch/recording.hpp"
+#include "host/records/batch/digest.hpp"
+#include "host/records/batch/plan.hpp"
+#include "host/records/batch/recording.hpp"
 
 namespace biteline::app {
 namespace {

@@ -5,7 +5,7 @@
 #include "common/options/number.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/calibration/rings/target.hpp"
-#include "host/report/report.hpp"
+#include "host/records/report/report.hpp"
 
 namespace biteline::app {
 namespace {

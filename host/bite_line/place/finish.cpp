@@ -11,8 +11,8 @@
 #include "common/core/fixed_text.hpp"
 #include "host/bite_line/place/confidence.hpp"
 #include "host/bite_line/place/point_spread.hpp"
+#include "host/cloud/uncertainty/radius.hpp"
 #include "host/geometry/closed_curve.hpp"
-#include "host/uncertainty/radius.hpp"
 
 namespace biteline::bite_line {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "host/bite_line/place/confidence.hpp"
-#include "host/uncertainty/radius.hpp"
+#include "host/cloud/uncertainty/radius.hpp"
 
 namespace biteline::bite_line {
 

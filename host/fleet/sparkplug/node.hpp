@@ -12,7 +12,7 @@
 #include <string_view>
 #include <variant>
 
-#include "host/memory/memory.hpp"
+#include "host/records/memory/memory.hpp"
 
 namespace biteline::fleet::sparkplug {
 

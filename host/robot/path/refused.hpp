@@ -2,7 +2,7 @@
 #pragma once
 /// \file Why a line gets no path.
 
-#include "host/report/refusal.hpp"
+#include "host/records/report/refusal.hpp"
 
 namespace biteline::path {
 

@@ -8,11 +8,11 @@
 
 #include "common/config/sensor_yaml.hpp"
 #include "hal/sim/shoe/random.hpp"
+#include "host/bite_line/evaluation/cloud_error.hpp"
+#include "host/bite_line/evaluation/line_error.hpp"
 #include "host/bite_line/find_bite_line.hpp"
 #include "host/calibration/head/head_calibration.hpp"
 #include "host/cloud/ply.hpp"
-#include "host/evaluation/cloud_error.hpp"
-#include "host/evaluation/line_error.hpp"
 #include "host/intake/session_run.hpp"
 #include "host/transfer/transfer.hpp"
 #include "tests/support/known_shoe.hpp"

@@ -14,7 +14,7 @@
 
 #include <tbb/global_control.h>
 
-#include "host/published/level_set.hpp"
+#include "host/bite_line/published/level_set.hpp"
 #include "tests/bench/line/peers.hpp"
 
 namespace biteline::bench {

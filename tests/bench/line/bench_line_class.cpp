@@ -17,9 +17,9 @@
 #include "hal/sim/shoe/random.hpp"
 #include "hal/sim/shoe/scanned_cloud.hpp"
 #include "hal/sim/shoe/true_line.hpp"
+#include "host/bite_line/evaluation/line_error.hpp"
 #include "host/bite_line/find_bite_line.hpp"
-#include "host/evaluation/line_error.hpp"
-#include "host/published/published_line.hpp"
+#include "host/bite_line/published/published_line.hpp"
 #include "tests/support/cloud_faults.hpp"
 
 namespace biteline::bench {

@@ -24,7 +24,7 @@
 #include "host/bite_line/find_bite_line.hpp"
 #include "host/bite_line/place/point_spread.hpp"
 #include "host/cloud/ply.hpp"
-#include "host/uncertainty/radius.hpp"
+#include "host/cloud/uncertainty/radius.hpp"
 #include "tests/support/line_sweep.hpp"
 #include "tests/support/shape_truth.hpp"
 

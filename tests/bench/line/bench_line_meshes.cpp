@@ -2,7 +2,7 @@
 // Our line and the published one on meshes of real and drawn shoes.
 #include <cstdio>
 
-#include "host/published/published_line.hpp"
+#include "host/bite_line/published/published_line.hpp"
 #include "tests/support/known_shoe.hpp"
 
 int main() {

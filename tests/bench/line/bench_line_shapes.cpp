@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "host/bite_line/find_bite_line.hpp"
+#include "host/bite_line/published/published_line.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/cloud/ply.hpp"
-#include "host/published/published_line.hpp"
 #include "tests/support/shape_truth.hpp"
 
 namespace biteline::bench {

@@ -22,8 +22,8 @@
 #include <tbb/parallel_for.h>
 
 #include "host/bite_line/find_bite_line.hpp"
+#include "host/bite_line/published/published_line.hpp"
 #include "host/cloud/ply.hpp"
-#include "host/published/published_line.hpp"
 #include "tests/support/line_sweep.hpp"
 
 namespace biteline::bench {

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-#include "host/memory/memory.hpp"
+#include "host/records/memory/memory.hpp"
 
 namespace biteline::bench {
 namespace {

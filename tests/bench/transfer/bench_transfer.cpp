@@ -12,7 +12,7 @@
 #include <random>
 #include <string>
 
-#include "host/evaluation/reference_surface.hpp"
+#include "host/bite_line/evaluation/reference_surface.hpp"
 #include "host/robot/path/plan.hpp"
 #include "host/transfer/align/icp.hpp"
 #include "host/transfer/carry/scan_mesh.hpp"

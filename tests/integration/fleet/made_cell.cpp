@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <thread>
 
-#include "host/memory/memory.hpp"
+#include "host/records/memory/memory.hpp"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "host/cloud/closed_line.hpp"
-#include "host/control/client.hpp"
+#include "host/doors/control/client.hpp"
 #include "tests/integration/robot/service_with_arm.hpp"
 
 namespace biteline {

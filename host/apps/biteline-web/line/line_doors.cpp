@@ -19,7 +19,7 @@
 #include <utility>
 
 #include "host/apps/biteline-web/line/line_talk.hpp"
-#include "host/control/poll.hpp"
+#include "host/doors/control/poll.hpp"
 
 namespace biteline::web {
 namespace {

@@ -182,7 +182,7 @@ export function parse_view_data(text: string): ViewData {
   return JSON.parse(text.slice(begin, end + 1)) as ViewData;
 }
 
-/// As host/results does: 0.3 mm is what the confidence speaks of, the error is taken as Rayleigh's.
+/// As host/records/results does: 0.3 mm is what the confidence speaks of, the error is taken as Rayleigh's.
 export function u95_of_confidence_mm(confidence: number): number {
   const outside = 1 - Math.min(1 - 1e-9, Math.max(1e-6, confidence));
   return Math.min(10, 0.3 * Math.sqrt(Math.log(0.05) / Math.log(outside)));

@@ -5,11 +5,11 @@
 
 #include <fstream>
 
-#include "host/accounts/accounts.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/cloud/ply.hpp"
-#include "host/report/file_lock.hpp"
+#include "host/doors/accounts/accounts.hpp"
+#include "host/records/report/file_lock.hpp"
 #include "host/transfer/library.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/temporary_folder.hpp"

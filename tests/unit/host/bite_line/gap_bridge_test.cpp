@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "host/bite_line/place/point_spread.hpp"
-#include "host/uncertainty/radius.hpp"
+#include "host/cloud/uncertainty/radius.hpp"
 
 namespace biteline::bite_line {
 namespace {

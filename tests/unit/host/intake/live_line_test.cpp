@@ -8,7 +8,7 @@
 
 #include "hal/sim/shoe/made_shoe.hpp"
 #include "hal/sim/shoe/scanned_cloud.hpp"
-#include "host/evaluation/line_error.hpp"
+#include "host/bite_line/evaluation/line_error.hpp"
 
 namespace biteline::intake {
 namespace {

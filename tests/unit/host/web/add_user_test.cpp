@@ -3,9 +3,9 @@
 
 #include <CppUTest/TestHarness.h>
 
-#include "host/accounts/accounts.hpp"
-#include "host/control/server.hpp"
-#include "host/memory/memory.hpp"
+#include "host/doors/accounts/accounts.hpp"
+#include "host/doors/control/server.hpp"
+#include "host/records/memory/memory.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/temporary_folder.hpp"
 

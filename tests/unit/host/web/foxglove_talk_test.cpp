@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "foxglove/schemas.pb.h"
-#include "host/control/messages.hpp"
+#include "host/doors/control/messages.hpp"
 
 namespace biteline::web {
 

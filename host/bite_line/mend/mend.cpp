@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/mend/mend.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "common/core/fixed_text.hpp"
+#include "host/bite_line/layers/course.hpp"
+#include "host/bite_line/mend/led_course.hpp"
+#include "host/bite_line/mend/splice.hpp"
+#include "host/geometry/closed_curve.hpp"
+
+namespace biteline::mend {
+namespace {
+
+using cloud::ClosedLine;
+using cloud::LinePoint;
+using Text = FixedText<240>;
+
+constexpr double k_shortest_mm = 2.0;
+
+geometry::ArcLength arc_of(const ClosedLine& line) {
+  return {line.points.size(), [&](std::size_t i) { return line.points[i].position; }};
+}
+
+class Mending {
+ public:
+  Mending(const Surface& surface, const ClosedLine& base, const OldLine& old_line)
+      : surface_{surface}, base_{base}, old_line_{old_line}, line_{base} {}
+
+  OrRefusal<void> run(const Step& step) {
+    switch (step.kind) {
+      case Step::Kind::Candidate:
+        return take_candidate(step.candidate);
+      case Step::Kind::Through:
+        return lead_through(step);
+      case Step::Kind::Cut:
+        return cut(step);
+      case Step::Kind::BackTo:
+        return go_back(step.line_version);
+    }
+    return {};
+  }
+  ClosedLine take() { return std::move(line_); }
+
+ private:
+  OrRefusal<void> take_candidate(int candidate) {
+    const auto& paths = surface_.decision().paths;
+    if (candidate < 1 || static_cast<std::size_t>(candidate) > paths.size()) {
+      return refuse(Refused::NoSuchCandidate,
+                    Text::format("candidate %d: the scan has %zu", candidate, paths.size()).c_str());
+    }
+    ClosedLine taken = surface_.place(paths[static_cast<std::size_t>(candidate) - 1].row, 1.0);
+    LinePoint unknown;
+    unknown.confidence = surface_.decision().confidence;
+    constexpr double k_same_mm = 0.1;
+    for (LinePoint& point : taken.points) {
+      if (line_.points.empty()) {
+        mark_mended(point, unknown);
+        continue;
+      }
+      const LinePoint& before = line_.points[nearest_index(line_, point.position)];
+      if ((before.position - point.position).norm() > k_same_mm) {
+        mark_mended(point, before);
+        continue;
+      }
+      point.confidence = before.confidence;
+      point.u95_mm = before.u95_mm;
+      point.flags = before.flags;
+      point.source = before.source;
+    }
+    line_ = std::move(taken);
+    return {};
+  }
+
+  OrRefusal<Ends> ends_of(const Stretch& stretch) const {
+    if (line_.points.empty()) return refuse(Refused::NoLine, "the scan has no line that could be mended");
+    // Lengths are those of the version that is mended, whatever the steps before have done.
+    const ClosedLine& measured = base_.points.empty() ? line_ : base_;
+    const geometry::ArcLength arc = arc_of(measured);
+    const auto place = [&](double mm) {
+      const geometry::OnCurve at = arc.at(mm);
+      return at.between<Vec3>(measured.points[at.before].position, measured.points[at.after].position);
+    };
+    const double total_mm = arc.total_mm();
+    double length_mm = stretch.to_mm - stretch.from_mm;
+    if (length_mm < 0) length_mm += total_mm;
+    const bool inside = stretch.from_mm >= 0 && stretch.to_mm >= 0 && stretch.from_mm <= total_mm &&
+                        stretch.to_mm <= total_mm;
+    if (!inside || !(length_mm >= k_shortest_mm) || !(length_mm <= total_mm / 2)) {
+      return refuse(
+          Refused::BadStretch,
+          Text::format("from %.1f to %.1f mm: the line is %.1f mm long, and a stretch from %.0f mm to "
+                       "half of it can be mended",
+                       stretch.from_mm, stretch.to_mm, total_mm, k_shortest_mm)
+              .c_str());
+    }
+    const Ends ends{.first = nearest_index(line_, place(stretch.from_mm)),
+                    .last = nearest_index(line_, place(stretch.to_mm))};
+    if (ends.first == ends.last)
+      return refuse(Refused::BadStretch,
+                    "A and B are the same place of the line as the steps before left it");
+    return ends;
+  }
+
+  OrRefusal<void> lead_through(const Step& step) {
+    const OrRefusal<Ends> ends = ends_of(step.stretch);
+    if (!ends) return tl::unexpected<Refusal>(ends.error());
+    const bite_line::SideGrid& grid = surface_.grid();
+    std::vector<int> rows = surface_.rows_of(line_);
+    const auto col_of = [&](const Vec3& point) -> std::optional<int> {
+      const std::optional<GridPlace> at = surface_.locate(point);
+      if (!at) return std::nullopt;
+      return (static_cast<int>(std::lround(at->col)) + grid.cols) % grid.cols;
+    };
+    const std::optional<int> first = col_of(line_.points[ends->first].position);
+    const std::optional<int> last = col_of(line_.points[ends->last].position);
+    if (!first || !last) return refuse(Refused::HintOffSide, "A or B lies nowhere on the shoe's side");
+    const int cols = (*last - *first + grid.cols) % grid.cols + 1;
+    std::vector<Lead> leads;
+    for (const Vec3& point : step.points) {
+      const OrRefusal<Lead> lead = lead_at(point, *first, cols);
+      if (!lead) return tl::unexpected<Refusal>(lead.error());
+      leads.push_back(*lead);
+    }
+    std::vector<float> cost;
+    for (int k = 0; k < cols; ++k) {
+      const auto column =
+          surface_.cost().subspan(grid.at(0, (*first + k) % grid.cols), static_cast<std::size_t>(grid.rows));
+      cost.insert(cost.end(), column.begin(), column.end());
+    }
+    const std::optional<std::vector<int>> course =
+        led_course(cost, grid.rows, rows[static_cast<std::size_t>(*first)],
+                   rows[static_cast<std::size_t>(*last)], leads, bite_line::CourseConfig{}.path);
+    if (!course) {
+      return refuse(
+          Refused::NoCourse,
+          Text::format("no course from %.1f to %.1f mm leads through the %zu points: it would climb by "
+                       "more than %.1f mm for each mm",
+                       step.stretch.from_mm, step.stretch.to_mm, step.points.size(),
+                       bite_line::CourseConfig{}.path.max_step_rows * grid.row_mm / grid.col_mm)
+              .c_str());
+    }
+    for (int k = 0; k < cols; ++k)
+      rows[static_cast<std::size_t>((*first + k) % grid.cols)] = (*course)[static_cast<std::size_t>(k)];
+    line_ = splice(line_, *ends, led_stretch(surface_.place(rows, 1.0), line_, *ends, step.points));
+    return {};
+  }
+
+  OrRefusal<Lead> lead_at(const Vec3& point, int first_col, int cols) const {
+    constexpr double k_reach_mm = 1.0;  // a hand's; within it the crease decides
+    const bite_line::SideGrid& grid = surface_.grid();
+    const auto told = [&](const char* what) {
+      return Text::format("the point %.1f, %.1f, %.1f %s", point.x(), point.y(), point.z(), what);
+    };
+    const std::optional<GridPlace> at = surface_.locate(point);
+    if (!at) return refuse(Refused::HintOffSide, told("lies nowhere on the shoe's side").c_str());
+    const int col = (static_cast<int>(std::lround(at->col)) - first_col + 2 * grid.cols) % grid.cols;
+    if (col < 1 || col + 1 >= cols)
+      return refuse(Refused::HintOutside, told("lies not between A and B").c_str());
+    return Lead{.col = col,
+                .row = static_cast<int>(std::lround(at->row)),
+                .reach_rows = static_cast<int>(std::lround(k_reach_mm / grid.row_mm))};
+  }
+
+  OrRefusal<void> cut(const Step& step) {
+    const OrRefusal<Ends> ends = ends_of(step.stretch);
+    if (!ends) return tl::unexpected<Refusal>(ends.error());
+    line_ = splice(line_, *ends, bridged_stretch(line_, *ends));
+    return {};
+  }
+
+  OrRefusal<void> go_back(int version) {
+    std::optional<ClosedLine> line = old_line_ ? old_line_(version) : std::nullopt;
+    if (!line)
+      return refuse(Refused::NoSuchVersion, Text::format("no line of version %d is kept", version).c_str());
+    line_ = std::move(*line);
+    return {};
+  }
+
+  const Surface& surface_;
+  const ClosedLine& base_;
+  const OldLine& old_line_;
+  ClosedLine line_;
+};
+
+}  // namespace
+
+OrRefusal<ClosedLine> mend(const Surface& surface, const ClosedLine& base, std::span<const Step> steps,
+                           const OldLine& old_line) {
+  Mending mending{surface, base, old_line};
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (const OrRefusal<void> done = mending.run(steps[i]); !done) {
+      Refusal refusal = done.error();
+      if (steps.size() > 1) refusal.reason = "step " + std::to_string(i + 1) + ": " + refusal.reason;
+      return tl::unexpected<Refusal>(std::move(refusal));
+    }
+  }
+  return mending.take();
+}
+
+Stretch stretch_about(const ClosedLine& line, std::span<const Vec3> points) {
+  constexpr double k_about_mm = 20.0;
+  if (line.points.empty() || points.empty()) return {};
+  const double total_mm = cloud::length_mm(line);
+  const double spacing_mm = total_mm / static_cast<double>(line.points.size());
+  const auto mm_of = [&](const Vec3& point) {
+    return static_cast<double>(nearest_index(line, point)) * spacing_mm;
+  };
+  // About the first one, so that a stretch across the first row stays whole.
+  const double middle_mm = mm_of(points.front());
+  double before_mm = 0, behind_mm = 0;
+  for (const Vec3& point : points) {
+    const double off_mm = std::remainder(mm_of(point) - middle_mm, total_mm);
+    before_mm = std::min(before_mm, off_mm);
+    behind_mm = std::max(behind_mm, off_mm);
+  }
+  const auto around = [&](double mm) { return std::fmod(mm + 2 * total_mm, total_mm); };
+  return {.from_mm = around(middle_mm + before_mm - k_about_mm),
+          .to_mm = around(middle_mm + behind_mm + k_about_mm)};
+}
+
+}  // namespace biteline::mend

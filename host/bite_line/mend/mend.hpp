@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file A line mended by a person's steps.
+
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "host/bite_line/mend/refused.hpp"
+#include "host/bite_line/mend/steps.hpp"
+#include "host/bite_line/mend/surface.hpp"
+#include "host/cloud/closed_line.hpp"
+
+namespace biteline::mend {
+
+/// The line of an older version, if one is kept.
+using OldLine = std::function<std::optional<cloud::ClosedLine>(int line_version)>;
+
+/// `base`: the version that is mended, base frame, mm; empty where the scan was refused.  One step after the
+/// other; lengths are those of `base`.  The refusal names the step that cannot be done.
+[[nodiscard]] OrRefusal<cloud::ClosedLine> mend(const Surface& surface, const cloud::ClosedLine& base,
+                                                std::span<const Step> steps, const OldLine& old_line);
+
+/// The stretch about the points of a step that names none: so far to either side of them along the line.
+[[nodiscard]] Stretch stretch_about(const cloud::ClosedLine& line, std::span<const Vec3> points);
+
+}  // namespace biteline::mend

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Why a line cannot be mended so.
+
+#include <string>
+#include <tl/expected.hpp>
+
+#include "host/records/report/refusal.hpp"
+
+namespace biteline::mend {
+
+enum class Refused {
+  NothingToMend,    ///< the cloud shows no shoe's side
+  NoSuchCandidate,  ///< there are fewer
+  NoSuchVersion,    ///< no line of this version is kept
+  NoLine,           ///< the scan has no line yet: a candidate must be taken first
+  BadStretch,       ///< too short, or most of the line
+  HintOffSide,      ///< a point lies nowhere on the shoe's side
+  HintOutside,      ///< a point lies beside the stretch
+  NoCourse,         ///< no course leads through these points
+  StillUnsure,      ///< mended, but too much of the line is as unsure as before
+  LineCheck,        ///< mended, but no line that a tool could follow
+};
+
+[[nodiscard]] std::span<const report::RefusalRow<Refused>> refusal_table(Refused);
+
+using Refusal = report::Refusal<Refused>;
+
+template <class T>
+using OrRefusal = tl::expected<T, Refusal>;
+
+[[nodiscard]] inline tl::unexpected<Refusal> refuse(Refused code, std::string reason) {
+  return tl::unexpected<Refusal>(Refusal{.code = code, .reason = std::move(reason)});
+}
+
+}  // namespace biteline::mend

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/mend/surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host/bite_line/layers/climb.hpp"
+#include "host/bite_line/place/finish.hpp"
+#include "host/bite_line/place/place_path.hpp"
+#include "host/bite_line/side/side_outline.hpp"
+
+namespace biteline::mend {
+namespace {
+
+using namespace bite_line;
+
+bool in_scan_order(const cloud::PointCloud& cloud) {
+  return !cloud.points.empty() && cloud.profile.size() == cloud.size() &&
+         std::is_sorted(cloud.profile.begin(), cloud.profile.end());
+}
+
+}  // namespace
+
+OrRefusal<Surface> Surface::of(const cloud::PointCloud& cloud) {
+  LiveScan scan;
+  cloud::PointCloud scattered;
+  if (in_scan_order(cloud)) {
+    scan.add_profiles(cloud);
+  } else {
+    scattered.points = cloud.points;
+  }
+  const ScanPoints points =
+      scattered.points.empty() ? scan.scan_points() : ScanPoints::scattered(scattered.points);
+  bite_line::OrRefusal<Shoe> shoe = find_shoe(points.means);
+  if (!shoe) return refuse(Refused::NothingToMend, "nothing to mend: " + shoe.error().reason);
+  Outline outline = side_outline(*shoe);
+  SideField field = SideField::build(*shoe, outline, {});
+  return Surface{std::move(scan), std::move(scattered),
+                 Side{std::move(*shoe), std::move(outline), std::move(field)}};
+}
+
+Surface::Surface(LiveScan scan, cloud::PointCloud scattered, Side side)
+    : scan_{std::move(scan)}, scattered_{std::move(scattered)}, side_{std::move(side)} {
+  const Layers layers = find_layers_along(side_, {});
+  Evidence evidence = find_evidence(side_.field, {});
+  likeness_ = std::move(evidence.likeness);
+  cost_ = std::move(evidence.cost);
+  decision_ = decide(layers, plan_shape(side_reach(side_)), Config{}.min_confidence_ratio);
+}
+
+ScanPoints Surface::points() const {
+  return scattered_.points.empty() ? scan_.scan_points() : ScanPoints::scattered(scattered_.points);
+}
+
+std::optional<GridPlace> Surface::locate(const Vec3& point) const {
+  // The outline answers behind the surface, too: what lies far off it is no place of the side.
+  constexpr double k_near_mm = 15.0;
+  const Vec3 in_shoe = T_base_shoe().inverse() * point;
+  const OutlinePlace place = side_.outline.locate(in_shoe.cast<float>());
+  if (place.s_mm < 0) return std::nullopt;
+  const GridPlace at{.row = (in_shoe.z() - grid().z_low_mm) / grid().row_mm - 0.5,
+                     .col = static_cast<double>(place.s_mm) / grid().col_mm - 0.5};
+  const int row = static_cast<int>(std::lround(at.row));
+  const int col = (static_cast<int>(std::lround(at.col)) + grid().cols) % grid().cols;
+  if (row < 0 || row >= grid().rows) return std::nullopt;
+  const std::size_t cell = grid().at(row, col);
+  const double s_mm = static_cast<double>(place.s_mm);
+  const double out_mm = (in_shoe.head<2>() - side_.outline.point(s_mm)).dot(side_.outline.normal(s_mm));
+  if (side_.field.seen[cell] != 0 &&
+      std::abs(out_mm - static_cast<double>(side_.field.o_mm[cell])) > k_near_mm)
+    return std::nullopt;
+  return at;
+}
+
+std::vector<int> Surface::rows_of(const cloud::ClosedLine& line) const {
+  const auto cols = static_cast<std::size_t>(grid().cols);
+  std::vector<double> sum(cols, 0.0), count(cols, 0.0);
+  for (const cloud::LinePoint& point : line.points) {
+    const std::optional<GridPlace> at = locate(point.position);
+    if (!at) continue;
+    const auto col = static_cast<std::size_t>(std::lround(at->col) + grid().cols) % cols;
+    sum[col] += at->row;
+    count[col] += 1;
+  }
+  // A column without a point takes the next one's before it, or behind it at the very start.
+  std::vector<int> rows(cols, 0);
+  std::optional<double> last;
+  for (std::size_t k = 0; k < 2 * cols; ++k) {
+    const std::size_t col = k % cols;
+    if (count[col] > 0) last = sum[col] / count[col];
+    if (last) rows[col] = std::clamp(static_cast<int>(std::lround(*last)), 0, grid().rows - 1);
+  }
+  return rows;
+}
+
+cloud::ClosedLine Surface::place(std::span<const int> path, double of_line) const {
+  const Crease crease = describe(side_.field, {likeness_.data(), likeness_.size()}, path, {});
+  return place(crease.row, of_line);
+}
+
+cloud::ClosedLine Surface::place(std::span<const double> path, double of_line) const {
+  std::vector<int> rows;
+  for (const double row : path) rows.push_back(static_cast<int>(std::lround(row)));
+  const Crease crease = describe(side_.field, {likeness_.data(), likeness_.size()}, rows, {});
+  const std::vector<float> hold(path.size(), 1.0F), other(path.size(), 0.0F);
+  const std::vector<float> sharp = sharp_along(side_.field, crease);
+  const double spacing_mm = Config{}.point_spacing_mm;
+  const PlacedLine placed =
+      place_path(points(), side_, path, {.hold = hold, .other_mm = other, .sharp = sharp}, spacing_mm);
+  return even_line(placed, T_base_shoe(), of_line, {}, spacing_mm);
+}
+
+}  // namespace biteline::mend

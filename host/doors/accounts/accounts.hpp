@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Who may do what: accounts, sessions, and the one holder of control.
+
+#include <chrono>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/records/memory/memory.hpp"
+
+namespace biteline::accounts {
+
+/// Each may do what those before it may.
+enum class Role { Viewer, Operator, Engineer, Administrator };
+[[nodiscard]] const char* to_text(Role role);
+[[nodiscard]] std::optional<Role> role_of(const std::string& text);
+
+/// Somebody who is logged in.
+struct Person {
+  std::string name;
+  Role role{Role::Viewer};
+};
+
+struct Login {
+  std::string token;  ///< for this person alone; kept hashed only
+  Person person;
+  memory::UnixMs expires{0};
+};
+
+/// Why nobody gets in.
+struct NoLogin {
+  bool too_often{false};  ///< wait `wait_s` first
+  int wait_s{0};
+};
+
+struct Holder {
+  std::string name;
+  std::string door;
+  memory::UnixMs since{0};
+  std::string why;  ///< a word to the others
+};
+
+/// What is given, is changed.
+struct Change {
+  std::optional<Role> role{};
+  std::optional<std::string> password{};
+  std::optional<bool> enabled{};  ///< false: closed, its sessions end
+};
+
+/// Thread: safe from any.
+class Accounts {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// `memory` outlives it.
+  explicit Accounts(memory::Memory& memory) : memory_{memory} {}
+
+  /// A name that fails waits: nothing after the first two failures, then 2, 4, 8 ... 60 s.  An unknown name
+  /// takes as long as a wrong password.  Takes the clock, so that a test need not wait.
+  [[nodiscard]] Result<tl::expected<Login, NoLogin>> log_in(const std::string& name,
+                                                            const std::string& password,
+                                                            const std::string& door,
+                                                            Clock::time_point now = Clock::now());
+  /// A token that makes one session of a viewer, then nothing more.
+  [[nodiscard]] Result<std::string> make_guest_token();
+  [[nodiscard]] Result<std::optional<Login>> use_guest_token(const std::string& token,
+                                                             const std::string& door);
+  [[nodiscard]] Result<void> log_out(const std::string& token, const std::string& door);
+  /// Nobody: no such session, or it has expired.
+  [[nodiscard]] Result<std::optional<Person>> who_is(const std::string& token) const;
+
+  [[nodiscard]] Result<bool> has_users() const;
+  /// Names: letters, digits, '.', '_', '-', '@', 64 at most; passwords: 8 to 200 bytes. Errc::InvalidArgument
+  /// says so. The first account must be an administrator's, else nobody could make the others.
+  [[nodiscard]] Result<void> add(const std::string& name, Role role, const std::string& password,
+                                 const std::string& by, const std::string& door);
+  /// The last administrator stays one.
+  [[nodiscard]] Result<void> change(const std::string& name, const Change& change, const std::string& by,
+                                    const std::string& door);
+  [[nodiscard]] Result<bool> is_password_of(const std::string& name, const std::string& password) const;
+  [[nodiscard]] Result<void> remove(const std::string& name, const std::string& by, const std::string& door);
+  [[nodiscard]] Result<std::vector<memory::User>> all() const;
+
+  /// One person at a time moves and changes things.
+  [[nodiscard]] std::optional<Holder> holder() const;
+  /// From nobody, or from whoever has it: that one is named in the log.
+  [[nodiscard]] Result<void> take_control(const std::string& name, const std::string& door,
+                                          const std::string& why = {});
+  /// Errc::NoRights when `name` does not hold it.
+  [[nodiscard]] Result<void> give_control(const std::string& name, const std::string& to,
+                                          const std::string& door);
+  [[nodiscard]] Result<void> release_control(const std::string& name, const std::string& door);
+
+ private:
+  struct Failures {
+    int count{0};
+    Clock::time_point until{};
+  };
+  [[nodiscard]] Result<Login> open_session(const Person& person, const std::string& door,
+                                           const std::string& action);
+  [[nodiscard]] Result<void> keep_an_administrator(const std::string& without) const;
+
+  memory::Memory& memory_;
+  mutable std::mutex mutex_;
+  std::map<std::string, Failures> failures_;
+  std::string guest_hash_;
+  std::optional<Holder> holder_;
+};
+
+}  // namespace biteline::accounts

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The meaning of /api/v1: who may ask what, and what it does (host/web/openapi.yaml).
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host/doors/accounts/accounts.hpp"
+#include "host/doors/api/cell.hpp"
+#include "host/doors/api/process_store.hpp"
+#include "host/doors/control/messages.hpp"
+#include "host/records/memory/memory.hpp"
+#include "host/transfer/library.hpp"
+
+namespace biteline::api {
+
+struct Rooms {
+  memory::Memory& memory;
+  accounts::Accounts& accounts;
+  Cell& cell;
+  std::filesystem::path results;
+  ProcessStore processes;
+  transfer::Library models;
+  std::string version;
+  std::function<void(const std::string&, Json)> publish;  ///< an event for all doors
+  std::function<std::uint64_t()> last_seq;
+};
+
+/// A request with the person behind it.
+struct Call {
+  const control::Request& request;
+  accounts::Person person;           ///< empty name: nobody is logged in
+  std::vector<std::string> names{};  ///< the path's parts in braces, in order
+};
+
+/// Thread: safe from any; ordinary() one at a time.
+class Api {
+ public:
+  explicit Api(Rooms rooms) : rooms_{std::move(rooms)} {}
+
+  /// Stop, Laser off and the line's reading, at once.  Nothing for all else.
+  [[nodiscard]] std::optional<control::Answer> urgent(const control::Request& request);
+  [[nodiscard]] control::Answer ordinary(const control::Request& request);
+
+ private:
+  struct Route;
+  [[nodiscard]] static std::vector<Route> routes();
+  [[nodiscard]] control::Answer dispatch(const control::Request& request);
+  [[nodiscard]] control::Answer stop(const control::Request& request, bool laser);
+
+  [[nodiscard]] control::Answer read_state(const Call& call);
+  [[nodiscard]] control::Answer log_in(const Call& call);
+  [[nodiscard]] control::Answer log_out(const Call& call);
+  [[nodiscard]] control::Answer read_me(const Call& call);
+  [[nodiscard]] control::Answer read_control(const Call& call);
+  [[nodiscard]] control::Answer change_control(const Call& call);
+  [[nodiscard]] control::Answer start(const Call& call);
+  [[nodiscard]] control::Answer rescan(const Call& call);
+  [[nodiscard]] std::optional<control::Answer> closed_to_line(const Call& call);
+  [[nodiscard]] control::Answer read_line(const Call& call);
+  [[nodiscard]] control::Answer choose_job(const Call& call);
+  [[nodiscard]] control::Answer start_for_line(const Call& call);
+  [[nodiscard]] control::Answer list_scans(const Call& call);
+  [[nodiscard]] control::Answer read_scan(const Call& call);
+  [[nodiscard]] control::Answer accept(const Call& call);
+  [[nodiscard]] control::Answer reject(const Call& call);
+  [[nodiscard]] control::Answer hold(const Call& call);
+  [[nodiscard]] control::Answer send(const Call& call);
+  [[nodiscard]] control::Answer choose_model(const Call& call);
+  [[nodiscard]] control::Answer mend(const Call& call);
+  [[nodiscard]] control::Answer rerun(const Call& call);
+  [[nodiscard]] control::Answer keep(const Call& call);
+  [[nodiscard]] control::Answer decide(const Call& call, Decision::Kind kind, int status, bool needs_why);
+  [[nodiscard]] control::Answer list_models(const Call& call);
+  [[nodiscard]] control::Answer save_model(const Call& call);
+  [[nodiscard]] control::Answer read_model(const Call& call);
+  [[nodiscard]] control::Answer remove_model(const Call& call);
+  [[nodiscard]] control::Answer list_processes(const Call& call);
+  [[nodiscard]] control::Answer read_process_schema(const Call& call);
+  [[nodiscard]] control::Answer read_process(const Call& call);
+  [[nodiscard]] control::Answer write_process(const Call& call);
+  [[nodiscard]] control::Answer list_robots(const Call& call);
+  [[nodiscard]] control::Answer list_sensors(const Call& call);
+  [[nodiscard]] control::Answer list_users(const Call& call);
+  [[nodiscard]] control::Answer add_user(const Call& call);
+  [[nodiscard]] control::Answer change_user(const Call& call);
+  [[nodiscard]] control::Answer remove_user(const Call& call);
+  [[nodiscard]] control::Answer read_log(const Call& call);
+  [[nodiscard]] control::Answer read_trends(const Call& call);
+  [[nodiscard]] control::Answer export_history(const Call& call);
+
+  [[nodiscard]] Json control_json() const;
+
+  Rooms rooms_;
+};
+
+}  // namespace biteline::api

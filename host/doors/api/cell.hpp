@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file What the API asks of the running service.
+
+#include <optional>
+#include <string>
+
+#include "host/doors/api/rerun.hpp"
+#include "host/doors/control/messages.hpp"
+#include "host/doors/line_control/line_state.hpp"
+
+namespace biteline::api {
+
+using control::Json;
+
+/// A person's word on one scan.
+struct Decision {
+  enum class Kind { Accept, Reject, Hold, Send };
+  Kind kind{Kind::Hold};
+  std::string scan;
+  std::string who;
+  std::string why;
+  std::string door;  ///< through which the word came
+};
+
+/// What the next scan is worked with, until another is chosen.  Empty: as recognised.
+struct Job {
+  std::string model;
+  std::string process;  ///< name of a process; empty: the model's own
+};
+
+/// Thread: each method from any thread; none waits for scan or arm.
+class Cell {
+ public:
+  Cell() = default;
+  Cell(const Cell&) = delete;
+  Cell& operator=(const Cell&) = delete;
+  virtual ~Cell() = default;
+
+  /// `State` of the API without `control` and `seq`.
+  [[nodiscard]] virtual Json state() = 0;
+  /// Lists of `Robot` and `Sensor`.
+  [[nodiscard]] virtual Json robots() = 0;
+  [[nodiscard]] virtual Json sensors() = 0;
+
+  /// Arm and scan end, no new scan begins until somebody starts.
+  virtual void stop(const std::string& who) = 0;
+  /// As stop(), and the sensor turns its light off.
+  virtual void laser_off(const std::string& who) = 0;
+
+  /// Errc::WrongState says why not now.
+  [[nodiscard]] virtual Result<void> start(const Job& job, const std::string& who) = 0;
+  [[nodiscard]] virtual Result<void> rescan(const std::string& who, const std::string& why,
+                                            const std::string& door) = 0;
+  [[nodiscard]] virtual Result<void> decide(const Decision& decision) = 0;
+
+  /// For the line's control (host/doors/line_control).  False: it has no say here.
+  [[nodiscard]] virtual bool on_demand() = 0;
+  /// Nothing of the memory is asked: it may be read many times a second.
+  [[nodiscard]] virtual line_control::LineState line_state() = 0;
+  /// The job of a number; nothing: there is none.
+  [[nodiscard]] virtual std::optional<Job> job_of(int number) = 0;
+  /// `control_held`: by somebody at a page.
+  [[nodiscard]] virtual line_control::Refusal choose_job(int number, bool control_held) = 0;
+  /// `fresh`: no start of this number was taken before.
+  struct LineStart {
+    line_control::Refusal refusal{line_control::Refusal::None};
+    bool fresh{false};
+  };
+  [[nodiscard]] virtual LineStart start_for_line(int request, bool control_held) = 0;
+
+  /// A scan that waits since nobody knows its model goes on as one of this model.  Errc::WrongState: it does
+  /// not wait for that.
+  [[nodiscard]] virtual Result<void> choose_model(const std::string& scan, const std::string& model,
+                                                  const std::string& who) = 0;
+
+  /// Its line is being mended: until end_mend() nobody can accept the scan.  Errc::WrongState while the scan
+  /// is in work.
+  [[nodiscard]] virtual Result<void> begin_mend(const std::string& scan) = 0;
+  /// `mended`: the scan's folder has a new line.  A scan that waits for a person gets its path planned anew.
+  virtual void end_mend(const std::string& scan, bool mended, const std::string& who) = 0;
+
+  /// Works a kept scan out again, beside the cell's own work; the number of its folder
+  /// (host/doors/api/rerun.hpp). Errc::WrongState where it has no points any more, too many wait, or a path
+  /// is wanted without an arm.
+  [[nodiscard]] virtual Result<int> rerun(const RerunOrder& order) = 0;
+  /// It waits or is worked on.
+  [[nodiscard]] virtual bool rerun_open(const std::string& scan, int number) = 0;
+};
+
+}  // namespace biteline::api

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+// Models and processes.
+#include <algorithm>
+
+#include "host/doors/api/api.hpp"
+#include "host/doors/api/process_schema.hpp"
+#include "host/doors/api/words.hpp"
+
+namespace biteline::api {
+
+using control::Answer;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+Json model_json(const transfer::ModelInfo& model) {
+  Json json{{"name", model.name},
+            {"scan", or_null(model.made.scan)},
+            {"process", or_null(model.made.process)},
+            {"size", or_null(model.made.size)},
+            {"foot", or_null(model.made.foot)},
+            {"version", model.made.version},
+            {"length_mm", model.damage ? Json{} : Json(model.line_length_mm)}};
+  if (!model.made.time.empty()) json["time"] = model.made.time;
+  if (model.damage) json["damage"] = to_line(*model.damage);
+  return json;
+}
+
+memory::LogRow event(const Call& call, const std::string& action, const std::string& subject,
+                     const std::string& before, const std::string& after) {
+  return {.id = 0,
+          .time = memory::now_ms(),
+          .who = call.person.name,
+          .door = call.request.door,
+          .action = action,
+          .subject = subject,
+          .before = before,
+          .after = after};
+}
+
+}  // namespace
+
+Answer Api::list_models(const Call&) {
+  const Result<std::vector<transfer::ModelInfo>> models = rooms_.models.list();
+  if (!models) return answer_of(models.error());
+  Json list = Json::array();
+  for (const transfer::ModelInfo& model : *models) list.push_back(model_json(model));
+  return ok({{"models", std::move(list)}});
+}
+
+Answer Api::read_model(const Call& call) {
+  const Result<transfer::ModelInfo> model = rooms_.models.info(call.names.front());
+  return model ? ok(model_json(*model)) : answer_of(model.error());
+}
+
+Answer Api::save_model(const Call& call) {
+  Fields fields{call.request.body};
+  const std::string name = fields.text("name", 64, true);
+  const std::string scan = fields.text("scan", 14, true);
+  const std::string process = fields.text("process", 64);
+  transfer::ModelMade made;
+  made.size = fields.text("size", 20);
+  made.foot = fields.text("foot", 5);
+  const bool replace = fields.boolean("replace").value_or(false);
+  if (!is_name(name)) fields.fault("name", "letters, digits, '.', '_', '-', at most 64, expected");
+  if (!is_scan_id(scan)) fields.fault("scan", "scan-0001 expected");
+  if (!made.foot.empty() && made.foot != "left" && made.foot != "right")
+    fields.fault("foot", "left or right expected");
+  if (const std::optional<Answer> faults = fields.faults()) return *faults;
+  transfer::SaveOptions options{.process_file = {}, .replace = replace, .made = made};
+  if (!process.empty()) {
+    const Result<StoredProcess> stored = rooms_.processes.find(process);
+    if (!stored) return answer_of(stored.error());
+    options.process_file = stored->file;
+  }
+  options.made.scan = scan;
+  options.made.process = process;
+  options.made.time = memory::to_iso(memory::now_ms());
+  options.made.program = rooms_.version;
+  if (!replace && rooms_.models.has(name))
+    return control::refusal(409, "exists", "model " + name + " exists; say replace, or choose another name");
+  if (!fs::is_directory(rooms_.results / scan))
+    return control::refusal(404, "not_found", scan + ": no such scan");
+  const Result<transfer::ModelInfo> model = rooms_.models.save(name, rooms_.results / scan, options);
+  if (!model) return answer_of(model.error());
+  if (const auto logged =
+          rooms_.memory.log(event(call, replace ? "replace model" : "save model", name, "", scan));
+      !logged)
+    return answer_of(logged.error());
+  if (rooms_.publish) rooms_.publish("model", model_json(*model));
+  return ok(model_json(*model), 201);
+}
+
+Answer Api::remove_model(const Call& call) {
+  const std::string& name = call.names.front();
+  if (const Result<void> done = rooms_.models.remove(name); !done) return answer_of(done.error());
+  if (const auto logged = rooms_.memory.log(event(call, "remove model", name, name, "")); !logged)
+    return answer_of(logged.error());
+  return nothing();
+}
+
+Answer Api::list_processes(const Call&) {
+  Json list = Json::array();
+  for (const StoredProcess& process : rooms_.processes.list())
+    list.push_back({{"name", process.name}, {"shipped", process.shipped}});
+  return ok({{"processes", std::move(list)}});
+}
+
+Answer Api::read_process_schema(const Call&) {
+  return ok(process_schema());
+}
+
+Answer Api::read_process(const Call& call) {
+  const Result<StoredProcess> stored = rooms_.processes.find(call.names.front());
+  if (!stored) return answer_of(stored.error());
+  const Result<Json> process = rooms_.processes.read(stored->name);
+  if (!process) return answer_of(process.error());
+  return ok({{"name", stored->name}, {"shipped", stored->shipped}, {"process", *process}});
+}
+
+Answer Api::write_process(const Call& call) {
+  const std::string& name = call.names.front();
+  if (!is_name(name))
+    return control::refusal(400, "bad_request", "name: letters, digits, '.', '_', '-' expected");
+  if (!call.request.body.is_object())
+    return control::refusal(400, "bad_request", "body: a JSON object expected");
+  const Result<Json> before = rooms_.processes.read(name);
+  if (const Result<void> saved = rooms_.processes.save(name, call.request.body); !saved) {
+    Answer answer = answer_of(saved.error());
+    // The reader names the key between the first comma and the colon behind it.
+    if (answer.status == 422) {
+      const std::string line = to_line(saved.error());
+      const std::size_t comma = line.find(", ");
+      const std::size_t colon = comma == std::string::npos ? comma : line.find(": ", comma);
+      const std::string field = colon == std::string::npos ? "" : line.substr(comma + 2, colon - comma - 2);
+      answer.body["error"]["faults"] = Json::array({{{"field", field}, {"message", line}}});
+    }
+    return answer;
+  }
+  if (const auto logged =
+          rooms_.memory.log(event(call, "save process", name, before ? before->dump() : "",
+                                  call.request.body.dump(-1, ' ', false, Json::error_handler_t::replace)));
+      !logged)
+    return answer_of(logged.error());
+  return read_process(call);
+}
+
+}  // namespace biteline::api

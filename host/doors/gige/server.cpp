@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: MIT
+#include "host/doors/gige/server.hpp"
+
+#include <arpa/inet.h>
+#include <net/if.h>
+#include <poll.h>
+#include <pthread.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "common/gige/bootstrap.hpp"
+#include "host/doors/gige/device.hpp"
+
+namespace biteline::gige {
+namespace {
+
+/// A missed heartbeat is noticed within this.
+constexpr int k_turn_ms = 100;
+constexpr int k_stream_buffer_bytes = 4 << 20;
+constexpr std::uint32_t k_everywhere = 0xffff'ffff;
+
+class Descriptor {
+ public:
+  Descriptor() = default;
+  explicit Descriptor(int number) : number_{number} {}
+  Descriptor(Descriptor&& other) noexcept : number_{std::exchange(other.number_, -1)} {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(number_, other.number_);
+    return *this;
+  }
+  ~Descriptor() {
+    if (number_ >= 0) close(number_);
+  }
+  [[nodiscard]] int number() const { return number_; }
+
+ private:
+  int number_{-1};
+};
+
+sockaddr_in place_of(std::uint32_t address, std::uint16_t port) {
+  sockaddr_in place{};
+  place.sin_family = AF_INET;
+  place.sin_addr.s_addr = htonl(address);
+  place.sin_port = htons(port);
+  return place;
+}
+
+/// Hears only what comes by this interface.  `shared`: others may listen there, too.
+Result<Descriptor> listener(const Interface& interface, std::uint32_t address, std::uint16_t port,
+                            bool shared) {
+  Descriptor made{socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
+  const int yes = 1;
+  const sockaddr_in place = place_of(address, port);
+  const bool bound =
+      made.number() >= 0 &&
+      setsockopt(made.number(), SOL_SOCKET, SO_BINDTODEVICE, interface.name.c_str(),
+                 static_cast<socklen_t>(interface.name.size())) == 0 &&
+      (!shared || setsockopt(made.number(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) == 0) &&
+      bind(made.number(), reinterpret_cast<const sockaddr*>(&place), sizeof place) == 0;
+  if (bound) return made;
+  return fail_errno(Errc::ConnectFailed, errno, "%s, %s port %d", interface.name.c_str(),
+                    address_text(address).c_str(), int{port});
+}
+
+std::uint16_t port_of(const Descriptor& socket) {
+  sockaddr_in place{};
+  socklen_t size = sizeof place;
+  getsockname(socket.number(), reinterpret_cast<sockaddr*>(&place), &size);
+  return ntohs(place.sin_port);
+}
+
+}  // namespace
+
+struct Server::State {
+  ServerConfig config;
+  std::vector<Descriptor> listeners;  ///< the first answers for all
+  Descriptor stream, waker;
+  std::optional<Device> device;
+  mutable std::mutex mutex;  ///< of the device and the counts
+  ServerCounts counts;
+  bool first_sending{true};  ///< no packet is lost that was asked for again
+  bool stop{false};
+  std::thread thread;
+
+  void send_stream(const Peer& to, std::span<const std::uint8_t> packet) {
+    if (first_sending && config.lose && config.lose()) {
+      ++counts.lost;
+      return;
+    }
+    sockaddr_in place{};
+    place.sin_family = AF_INET;
+    place.sin_addr.s_addr = to.address;
+    place.sin_port = to.port;
+    if (sendto(stream.number(), packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&place),
+               sizeof place) < 0)
+      ++counts.unsent;
+  }
+
+  [[nodiscard]] bool may_talk(std::uint32_t address) const {
+    return config.clients.empty() || std::ranges::find(config.clients, address) != config.clients.end();
+  }
+
+  void hear(const Descriptor& listener) {
+    std::array<std::uint8_t, 1024> buffer{};
+    sockaddr_in from{};
+    socklen_t size = sizeof from;
+    const ssize_t got = recvfrom(listener.number(), buffer.data(), buffer.size(), MSG_DONTWAIT,
+                                 reinterpret_cast<sockaddr*>(&from), &size);
+    if (got <= 0) return;
+    const std::lock_guard lock{mutex};
+    if (!may_talk(ntohl(from.sin_addr.s_addr))) {
+      ++counts.strangers;
+      return;
+    }
+    first_sending = false;
+    const auto reply =
+        device->on_packet({.address = from.sin_addr.s_addr, .port = from.sin_port},
+                          std::span{buffer}.first(static_cast<std::size_t>(got)), Device::Clock::now());
+    first_sending = true;
+    if (reply)
+      (void)sendto(listeners.front().number(), reply->data(), reply->size(), MSG_DONTWAIT,
+                   reinterpret_cast<const sockaddr*>(&from), sizeof from);
+  }
+
+  void run() {
+    pthread_setname_np(pthread_self(), "bl-gige");
+    std::vector<pollfd> waits{{.fd = waker.number(), .events = POLLIN, .revents = 0}};
+    for (const Descriptor& listener : listeners)
+      waits.push_back({.fd = listener.number(), .events = POLLIN, .revents = 0});
+    while (true) {
+      (void)poll(waits.data(), waits.size(), k_turn_ms);
+      {
+        const std::lock_guard lock{mutex};
+        if (stop) return;
+        device->tick(Device::Clock::now());
+      }
+      for (std::size_t i = 0; i < listeners.size(); ++i)
+        if ((waits[i + 1].revents & POLLIN) != 0) hear(listeners[i]);
+    }
+  }
+};
+
+Result<std::unique_ptr<Server>> Server::open(const ServerConfig& config) {
+  if (!config.interface.loopback && config.clients.empty())
+    return fail(Errc::InvalidArgument,
+                "%s is beyond loopback: GigE Vision has no login, name who may connect (--client)",
+                config.interface.name.c_str());
+  auto state = std::make_unique<State>();
+  state->config = config;
+  const Interface& interface = config.interface;
+  for (const auto& [address, shared] :
+       {std::pair{interface.address, false}, {interface.broadcast(), true}, {k_everywhere, true}}) {
+    BITELINE_ASSIGN(Descriptor heard, listener(interface, address, k_port, shared));
+    state->listeners.push_back(std::move(heard));
+  }
+  BITELINE_ASSIGN(state->stream, listener(interface, interface.address, 0, false));
+  const int whole = IP_PMTUDISC_DO;
+  setsockopt(state->stream.number(), IPPROTO_IP, IP_MTU_DISCOVER, &whole, sizeof whole);
+  setsockopt(state->stream.number(), SOL_SOCKET, SO_SNDBUF, &k_stream_buffer_bytes,
+             sizeof k_stream_buffer_bytes);
+  state->waker = Descriptor{eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
+  if (state->waker.number() < 0) return fail_errno(Errc::DeviceError, errno, "eventfd");
+  state->device.emplace(Identity{.address = interface.address,
+                                 .mask = interface.mask,
+                                 .mac = interface.mac,
+                                 .version = config.version,
+                                 .serial = config.serial,
+                                 .name = config.name},
+                        port_of(state->stream),
+                        [own = state.get()](const Peer& to, std::span<const std::uint8_t> packet) {
+                          own->send_stream(to, packet);
+                        });
+  state->thread = std::thread{[own = state.get()] { own->run(); }};
+  return std::unique_ptr<Server>{new Server{std::move(state)}};
+}
+
+Server::Server(std::unique_ptr<State> state) : state_{std::move(state)} {}
+
+Server::~Server() {
+  {
+    const std::lock_guard lock{state_->mutex};
+    state_->stop = true;
+  }
+  (void)eventfd_write(state_->waker.number(), 1);
+  state_->thread.join();
+}
+
+void Server::set_head(std::size_t columns, const Depth& depth) {
+  const std::lock_guard lock{state_->mutex};
+  state_->device->set_head(columns, depth);
+}
+
+void Server::offer(std::uint64_t scan, const profile::Profile& profile) {
+  const std::lock_guard lock{state_->mutex};
+  state_->device->offer(scan, profile);
+}
+
+void Server::end_scan() {
+  const std::lock_guard lock{state_->mutex};
+  state_->device->end_scan();
+}
+
+bool Server::acquiring() const {
+  const std::lock_guard lock{state_->mutex};
+  return state_->device->acquiring();
+}
+
+std::uint64_t Server::starts() const {
+  const std::lock_guard lock{state_->mutex};
+  return state_->device->starts();
+}
+
+ServerCounts Server::counts() const {
+  const std::lock_guard lock{state_->mutex};
+  ServerCounts counts = state_->counts;
+  counts.stream = state_->device->counts();
+  return counts;
+}
+
+}  // namespace biteline::gige

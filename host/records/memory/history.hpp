@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The history as tables: CSV of all, trends as JSON, capability of a model's line.
+
+#include <nlohmann/json.hpp>
+
+#include "host/records/memory/memory.hpp"
+
+namespace biteline::memory {
+
+/// Every scan of the filter, newest first, a row each, with a heading (RFC 4180).  The filter's limit and
+/// cursor do not count.
+[[nodiscard]] Result<std::string> history_csv(const Memory& memory, ScanFilter filter);
+
+/// `buckets` and `reasons`.
+[[nodiscard]] nlohmann::ordered_json to_json(const Trends& trends);
+
+/// Of the line's distance to the model's line, at each place.  Pp = T / (3 s), Ppk = (T - |m|) / (3 s), with
+/// tolerance +-T, mean m and standard deviation s of all scans (ISO 22514-2).
+struct Capability {
+  std::vector<double> pp, ppk;
+};
+/// Nothing with fewer than two scans.  A spread of 0 counts as 1 um: what a place is written with.
+[[nodiscard]] std::optional<Capability> capability_of(const PlaceSums& sums, double tolerance_mm);
+
+}  // namespace biteline::memory

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+#include "host/records/memory/schema.hpp"
+
+#include <array>
+
+namespace biteline::memory {
+namespace {
+
+// Steps are added at the end and never changed: files of every released version are in the field.
+// Long texts stand beside the scans' rows, so that lists and trends read little.
+constexpr std::array k_steps{
+    R"sql(
+CREATE TABLE scans (
+  id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL UNIQUE,
+  time INTEGER NOT NULL,
+  model TEXT NOT NULL,
+  model_probability REAL,
+  verdict TEXT NOT NULL,
+  reason_code TEXT NOT NULL,
+  length_mm REAL,
+  confidence REAL,
+  u95_mm REAL,
+  weak_stretches INTEGER NOT NULL,
+  scan_s REAL,
+  line_s REAL,
+  cycle_s REAL,
+  operator TEXT NOT NULL,
+  process TEXT NOT NULL,
+  decision TEXT NOT NULL,
+  decided_by TEXT NOT NULL,
+  decided_at INTEGER,
+  sent INTEGER NOT NULL,
+  followed INTEGER,
+  line_version INTEGER NOT NULL,
+  marked INTEGER NOT NULL DEFAULT 0,
+  folder_gone INTEGER NOT NULL DEFAULT 0
+) STRICT;
+CREATE INDEX scans_time ON scans (time, verdict, length_mm, u95_mm, cycle_s);
+CREATE INDEX scans_model ON scans (model, id);
+CREATE INDEX scans_model_time ON scans (model, time, verdict, length_mm, u95_mm, cycle_s);
+CREATE INDEX scans_verdict ON scans (verdict, id);
+CREATE INDEX scans_reason ON scans (reason_code, time);
+CREATE TABLE scan_texts (
+  scan INTEGER PRIMARY KEY REFERENCES scans (id) ON DELETE CASCADE,
+  reason TEXT NOT NULL,
+  next_step TEXT NOT NULL,
+  why TEXT NOT NULL,
+  versions TEXT NOT NULL,
+  details TEXT NOT NULL
+) STRICT;
+CREATE TABLE scan_places (
+  scan INTEGER PRIMARY KEY REFERENCES scans (id) ON DELETE CASCADE,
+  model TEXT NOT NULL,
+  time INTEGER NOT NULL,
+  places BLOB NOT NULL
+) STRICT;
+CREATE INDEX scan_places_model ON scan_places (model, time);
+CREATE TABLE log (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  time INTEGER NOT NULL,
+  who TEXT NOT NULL,
+  door TEXT NOT NULL,
+  action TEXT NOT NULL,
+  subject TEXT NOT NULL,
+  before TEXT NOT NULL,
+  after TEXT NOT NULL
+) STRICT;
+CREATE INDEX log_time ON log (time);
+CREATE TRIGGER log_is_not_changed BEFORE UPDATE ON log BEGIN SELECT RAISE(ABORT, 'the log is append-only'); END;
+CREATE TRIGGER log_is_not_deleted BEFORE DELETE ON log BEGIN SELECT RAISE(ABORT, 'the log is append-only'); END;
+CREATE TABLE users (
+  name TEXT PRIMARY KEY,
+  role TEXT NOT NULL CHECK (role IN ('viewer', 'operator', 'engineer', 'administrator')),
+  password_hash TEXT NOT NULL,
+  created INTEGER NOT NULL,
+  enabled INTEGER NOT NULL,
+  last_login INTEGER
+) STRICT;
+CREATE TABLE sessions (
+  token_hash TEXT PRIMARY KEY,
+  user TEXT NOT NULL,
+  role TEXT NOT NULL,
+  created INTEGER NOT NULL,
+  expires INTEGER NOT NULL
+) STRICT;
+CREATE TABLE settings (key TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT;
+)sql",
+    // What the centre is to be told, in order.  A number never comes twice; the book's name tells this file
+    // from another.
+    R"sql(
+CREATE TABLE outbox (
+  seq INTEGER PRIMARY KEY AUTOINCREMENT,
+  scan INTEGER NOT NULL REFERENCES scans (id) ON DELETE CASCADE
+) STRICT;
+INSERT INTO outbox (scan) SELECT id FROM scans ORDER BY id;
+INSERT INTO settings (key, value) VALUES ('outbox', lower(hex(randomblob(8))));
+)sql",
+};
+
+Result<int> version_of(Database& database) {
+  BITELINE_ASSIGN(Statement statement, database.prepare("PRAGMA user_version"));
+  BITELINE_TRY(statement.step());
+  return static_cast<int>(statement.integer(0));
+}
+
+}  // namespace
+
+int schema_version() {
+  return static_cast<int>(k_steps.size());
+}
+
+Result<void> check_schema(Database& database) {
+  BITELINE_ASSIGN(const int version, version_of(database));
+  if (version == schema_version()) return {};
+  if (version > schema_version()) {
+    return fail(Errc::NotSupported, "%.150s: schema %d of a newer program, this one knows %d; update it",
+                database.file().c_str(), version, schema_version());
+  }
+  return fail(Errc::NotSupported, "%.150s: schema %d, expected %d; start biteline-host once to raise it",
+              database.file().c_str(), version, schema_version());
+}
+
+Result<void> raise_schema(Database& database) {
+  BITELINE_ASSIGN(const int version, version_of(database));
+  if (version > schema_version()) return check_schema(database);
+  for (int step = version; step < schema_version(); ++step) {
+    BITELINE_TRY(database.transaction([&]() -> Result<void> {
+      BITELINE_TRY(database.execute(k_steps.at(static_cast<std::size_t>(step))));
+      return database.execute("PRAGMA user_version = " + std::to_string(step + 1));
+    }));
+  }
+  return {};
+}
+
+}  // namespace biteline::memory

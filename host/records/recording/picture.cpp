@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#include "host/records/recording/picture.hpp"
+
+#include <string_view>
+
+namespace biteline::recording {
+namespace {
+
+/// CDR, little-endian, no options.  Alignment counts from behind it.
+constexpr std::size_t k_head_bytes = 4;
+
+void put_whole(std::vector<std::uint8_t>& out, std::uint32_t value) {
+  while ((out.size() - k_head_bytes) % 4 != 0) out.push_back(0);
+  for (int shift = 0; shift < 32; shift += 8) out.push_back(static_cast<std::uint8_t>(value >> shift));
+}
+
+void put_text(std::vector<std::uint8_t>& out, std::string_view text) {
+  put_whole(out, static_cast<std::uint32_t>(text.size() + 1));
+  out.insert(out.end(), text.begin(), text.end());
+  out.push_back(0);
+}
+
+class Take {
+ public:
+  explicit Take(std::span<const std::uint8_t> bytes) : bytes_{bytes} {}
+
+  std::uint32_t whole() {
+    at_ = (at_ + 3) / 4 * 4;
+    const std::span<const std::uint8_t> raw = next(4);
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < raw.size(); ++i) value |= std::uint32_t{raw[i]} << (8 * i);
+    return value;
+  }
+  /// Text or bytes: a length and as many.
+  std::span<const std::uint8_t> counted() { return next(whole()); }
+  [[nodiscard]] bool good() const { return good_; }
+
+ private:
+  std::span<const std::uint8_t> next(std::size_t count) {
+    good_ = good_ && at_ <= bytes_.size() && count <= bytes_.size() - at_;
+    if (!good_) return {};
+    const auto taken = bytes_.subspan(at_, count);
+    at_ += count;
+    return taken;
+  }
+  std::span<const std::uint8_t> bytes_;
+  std::size_t at_{0};
+  bool good_{true};
+};
+
+}  // namespace
+
+std::vector<std::uint8_t> picture_message(std::int64_t stamp_ns, std::span<const std::uint8_t> file) {
+  constexpr std::int64_t k_second = 1'000'000'000;
+  std::int64_t seconds = stamp_ns / k_second, rest = stamp_ns % k_second;
+  if (rest < 0) {
+    rest += k_second;
+    --seconds;
+  }
+  std::vector<std::uint8_t> out{0, 1, 0, 0};
+  out.reserve(file.size() + 64);
+  put_whole(out, static_cast<std::uint32_t>(seconds));
+  put_whole(out, static_cast<std::uint32_t>(rest));
+  put_text(out, "cam0");
+  put_text(out, "png");
+  put_whole(out, static_cast<std::uint32_t>(file.size()));
+  out.insert(out.end(), file.begin(), file.end());
+  return out;
+}
+
+Result<std::span<const std::uint8_t>> picture_file_of(std::span<const std::uint8_t> message) {
+  if (message.size() < k_head_bytes || message[0] != 0 || message[1] != 1)
+    return fail(Errc::BadFormat, "a picture as little-endian CDR expected");
+  Take take{message.subspan(k_head_bytes)};
+  take.whole();
+  take.whole();
+  take.counted();
+  const std::span<const std::uint8_t> format = take.counted();
+  const std::span<const std::uint8_t> file = take.counted();
+  if (!take.good()) return fail(Errc::BadFormat, "a picture that does not hold its fields");
+  if (std::string_view{reinterpret_cast<const char*>(format.data()), format.size()} !=
+      std::string_view{"png", 4}) {
+    return fail(Errc::NotSupported, "a picture's format: png expected");
+  }
+  return file;
+}
+
+}  // namespace biteline::recording

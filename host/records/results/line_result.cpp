@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+#include "host/records/results/line_result.hpp"
+
+#include <cstdio>
+#include <utility>
+
+#include "host/cloud/ply.hpp"
+#include "host/records/report/json_text.hpp"
+#include "host/records/report/page.hpp"
+#include "host/records/results/line_uncertainty.hpp"
+#include "host/records/results/pictures/stages.hpp"
+#include "host/records/results/view/page_parts.hpp"
+#include "host/records/results/view/view_data.hpp"
+#include "host/records/results/view/weak_stretches.hpp"
+
+namespace biteline::results {
+namespace {
+
+nlohmann::ordered_json candidates_of(const bite_line::Extraction& extraction) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const bite_line::Candidate& candidate : extraction.candidates) {
+    list.push_back({{"confidence", candidate.confidence},
+                    {"mean_height_mm", candidate.mean_height_mm},
+                    {"length_mm", candidate.length_mm},
+                    {"closure_mm", candidate.closure_mm},
+                    {"crease_deg", candidate.crease_deg},
+                    {"seen_share", candidate.seen_share}});
+  }
+  return list;
+}
+
+/// index.html: the verdict, the viewer, what to look at, the figures, the time of each stage, the pictures.
+Result<void> write_page(const std::filesystem::path& folder, const bite_line::Extraction& extraction,
+                        const std::vector<WeakStretch>& weak, const report::Report& report) {
+  using report::Page;
+  const Page::Mood mood = !extraction.found ? Page::Mood::Refused
+                          : weak.empty()    ? Page::Mood::Good
+                                            : Page::Mood::Look;
+  Page page{"Bite line", summary(extraction), mood};
+  if (extraction.refusal) add_next_step(page, report::told(*extraction.refusal));
+  add_weak_stretches(page, weak);
+  add_viewer(page, folder);
+  page.heading("Figures");
+  page.figures(named_figures(report.fields));
+  add_u95(page, report.fields);
+  if (extraction.candidates.size() > 1) {
+    page.heading("Candidates");
+    std::vector<std::vector<std::string>> rows;
+    for (const bite_line::Candidate& candidate : extraction.candidates) {
+      rows.push_back(
+          {report::value_text(candidate.confidence, ""), report::value_text(candidate.mean_height_mm, "mm"),
+           report::value_text(candidate.length_mm, "mm"), report::value_text(candidate.crease_deg, "degrees"),
+           report::value_text(100 * candidate.seen_share, "%")});
+    }
+    page.table({"confidence", "mean height", "length", "crease", "seen"}, rows);
+  }
+  page.heading("Time");
+  std::vector<std::pair<std::string, double>> stages;
+  for (const report::StageTime& stage : extraction.stages) stages.emplace_back(stage.name, stage.seconds);
+  page.durations(stages);
+  page.heading("Stages");
+  for (const auto& [file, caption] : results::pictures(folder / "stages"))
+    page.picture("stages/" + file, caption);
+  return page.write(folder / "index.html");
+}
+
+}  // namespace
+
+Result<void> prepare_result_folder(const std::filesystem::path& folder) {
+  BITELINE_TRY(report::prepare_folder(folder));
+  for (const char* name : {"line.csv", "report.json"}) {
+    std::error_code error;
+    std::filesystem::remove(folder / name, error);
+    if (error) return fail_errno(Errc::WriteFailed, error.value(), "%s", (folder / name).c_str());
+  }
+  return {};
+}
+
+Result<ExitStatus> write_line_result(const std::filesystem::path& folder, const cloud::PointCloud& cloud,
+                                     const bite_line::Extraction& extraction, const StageSource& stages,
+                                     report::Report& report) {
+  report.fields["points"] = cloud.size();
+  if (extraction.found) {
+    report.fields["length_mm"] = extraction.length_mm;
+    report.fields["closure_mm"] = extraction.closure_mm;
+    report.fields["confidence"] = extraction.confidence;
+    report.fields["bridged_mm"] = extraction.bridged_mm;
+    report.fields["line_points"] = extraction.line.points.size();
+  } else {
+    report.refuse(*extraction.refusal);
+    report.fields["confidence"] = extraction.confidence;
+  }
+  report.fields["candidates"] = candidates_of(extraction);
+  const std::vector<WeakStretch> weak = weak_stretches(extraction.line, extraction.T_base_shoe);
+  if (extraction.found) {
+    report.fields["weak_stretches"] = as_json(weak);
+    report.fields["u95"] = u95_json(extraction.line, parts_of_found_line(extraction.head_in_u95));
+  }
+  for (const report::StageTime& stage : extraction.stages)
+    report.fields["extraction_s"][stage.name] = stage.seconds;
+
+  BITELINE_TRY(report.timed("write", [&]() -> Result<void> {
+    BITELINE_TRY(cloud::write_cloud(folder / "cloud.ply", cloud));
+    if (!extraction.found) return {};
+    return cloud::write_line(folder / "line.csv", extraction.line);
+  }));
+  report.stop_clock();
+  BITELINE_TRY(report.timed_aside("pictures", [&]() -> Result<void> {
+    const bite_line::LineStages shown = stages();
+    report.fields["feature_points"] = shown.feature_points.size();
+    if (!shown.plain_svd_features.empty())
+      report.fields["feature_points_plain_svd"] = shown.plain_svd_features.size();
+    BITELINE_TRY(results::write_stages(folder / "stages", shown, extraction));
+    ViewData view{.title = "Bite line",
+                  .summary = summary(extraction),
+                  .found = extraction.found,
+                  .report = report.fields,
+                  .cloud = &cloud,
+                  .line = &extraction.line,
+                  .T_base_shoe = extraction.T_base_shoe,
+                  .path_mm = {}};
+    if (extraction.refusal) add_refusal(view.report, report::told(*extraction.refusal));
+    BITELINE_TRY(write_view(folder, view));
+    return write_page(folder, extraction, weak, report);
+  }));
+  BITELINE_TRY(report.write(folder));
+  return extraction.found ? ExitStatus::Done : ExitStatus::Refused;
+}
+
+std::string summary(const bite_line::Extraction& extraction) {
+  char text[512];
+  if (extraction.found) {
+    std::snprintf(text, sizeof text, "bite line found: %.1f mm long, %zu points, confidence %.2f",
+                  extraction.length_mm, extraction.line.points.size(), extraction.confidence);
+  } else {
+    std::snprintf(text, sizeof text, "refused: %s", extraction.reason().c_str());
+  }
+  return text;
+}
+
+}  // namespace biteline::results

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file What every command that looks for a line does with the outcome.
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "common/core/result.hpp"
+#include "host/bite_line/extraction.hpp"
+#include "host/bite_line/line_stages.hpp"
+#include "host/records/report/report.hpp"
+
+namespace biteline::results {
+
+/// Removes what an earlier run left in `folder` that a refusal must not leave there (line.csv), and makes the
+/// folder.
+[[nodiscard]] Result<void> prepare_result_folder(const std::filesystem::path& folder);
+
+/// What stages/ shows; asked for once, after the clock was stopped: nobody waits for pictures.
+using StageSource = std::function<bite_line::LineStages()>;
+
+/// The stages of what a way to the line kept (`line_stages()` of its workings); none when it kept nothing.
+template <class Workings>
+[[nodiscard]] StageSource stages_of(std::optional<Workings> workings) {
+  // A std::function is copied; what it holds need not be.
+  return [kept = std::make_shared<const std::optional<Workings>>(std::move(workings))] {
+    return *kept ? line_stages(**kept) : bite_line::LineStages{};
+  };
+}
+
+/// Writes cloud.ply, line.csv (unless refused), stages/ and report.json; fills the report's fields.  Done or
+/// Refused.
+[[nodiscard]] Result<ExitStatus> write_line_result(const std::filesystem::path& folder,
+                                                   const cloud::PointCloud& cloud,
+                                                   const bite_line::Extraction& extraction,
+                                                   const StageSource& stages, report::Report& report);
+
+/// One line for a person: what was found or why not.
+[[nodiscard]] std::string summary(const bite_line::Extraction& extraction);
+
+}  // namespace biteline::results

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file A line's U95 in short: pooled, at its largest, and what it holds.
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "host/cloud/closed_line.hpp"
+#include "host/records/report/page.hpp"
+
+namespace biteline::results {
+
+/// Words for report.json: what a U95 holds, and what it does not.
+struct U95Parts {
+  std::vector<std::string> holds;
+  std::vector<std::string> lacks;
+};
+
+/// Of a line found in a scan; `head`: calibration, poses and clock are in it.
+[[nodiscard]] U95Parts parts_of_found_line(bool head);
+/// Of a line carried over from a sample.
+[[nodiscard]] U95Parts parts_of_carried_line();
+
+/// The radius that holds 95 % of all points, each taken as round about its place.  Pre: every point has a
+/// U95.
+[[nodiscard]] double pooled_u95_mm(const cloud::ClosedLine& line);
+
+/// `pooled_mm`, `max_mm`, `max_at_mm` (along the line), `holds`, `lacks`.  Null where a point has none.
+[[nodiscard]] nlohmann::ordered_json u95_json(const cloud::ClosedLine& line, const U95Parts& parts);
+
+/// The `u95` of report.json's fields as a table with what it means; nothing where there is none.
+void add_u95(report::Page& page, const nlohmann::ordered_json& fields);
+
+}  // namespace biteline::results

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: MIT
+#include "host/records/results/mended_result.hpp"
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <string_view>
+#include <utility>
+
+#include "common/core/fixed_text.hpp"
+#include "common/system/file.hpp"
+#include "host/bite_line/place/finish.hpp"
+#include "host/cloud/ply.hpp"
+#include "host/records/report/page.hpp"
+#include "host/records/results/line_uncertainty.hpp"
+#include "host/records/results/plan_result.hpp"
+#include "host/records/results/view/page_parts.hpp"
+#include "host/records/results/view/view_data.hpp"
+#include "host/records/results/view/weak_stretches.hpp"
+#include "host/robot/path/checks/line_check.hpp"
+
+namespace biteline::results {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using Text = FixedText<240>;
+
+std::string utc_now() {
+  const std::time_t seconds = std::time(nullptr);
+  std::tm parts{};
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&seconds, &parts));
+  return text;
+}
+
+/// The result's report as it was found; an empty object where there is none.
+Json found_report(const fs::path& scan) {
+  std::error_code error;
+  const fs::path kept = scan / mend::found_report();
+  const Result<std::string> text =
+      read_regular_file(fs::exists(kept, error) ? kept : scan / "report.json", k_most_settings_bytes);
+  Json json = text ? Json::parse(*text, nullptr, false) : Json{};
+  return json.is_object() ? json : Json::object();
+}
+
+/// What the method said of the whole line; of a mended one no hand says more.
+double found_confidence(const Json& found) {
+  const auto confidence = found.find("confidence");
+  return confidence != found.end() && confidence->is_number() ? confidence->get<double>() : 0.0;
+}
+
+/// Why a mended line is no result.
+std::optional<mend::Refusal> judge(const cloud::ClosedLine& line) {
+  constexpr double k_limit = bite_line::k_sure_ratio;
+  const double flagged = bite_line::flagged_of(line, k_limit).all();
+  if (flagged > bite_line::k_most_flagged_share) {
+    return mend::Refusal{
+        mend::Refused::StillUnsure,
+        Text::format("%.0f %% of the mended line's length is unsure or has too much U95 (at most %.0f %%): a "
+                     "hand does not raise the confidence",
+                     100 * flagged, 100 * bite_line::k_most_flagged_share)
+            .c_str()};
+  }
+  for (const path::Check& check : path::check_line(line)) {
+    if (check.passed) continue;
+    return mend::Refusal{mend::Refused::LineCheck, Text::format("the mended line fails the check '%s': %s",
+                                                                check.name.c_str(), check.detail.c_str())
+                                                       .c_str()};
+  }
+  return std::nullopt;
+}
+
+Json versions_json(const std::vector<mend::Version>& versions) {
+  Json rows = Json::array();
+  for (const mend::Version& version : versions) {
+    Json row{{"version", version.version},
+             {"time", version.time},
+             {"who", version.who},
+             {"why", version.why},
+             {"file", mend::line_file(version.version).string()}};
+    std::string steps;
+    for (const mend::Step& step : version.steps) steps += (steps.empty() ? "" : "; ") + mend::words_of(step);
+    if (!steps.empty()) row["steps"] = steps;
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Result<void> write_page(const fs::path& scan, const MendedScan& mended, const std::vector<WeakStretch>& weak,
+                        const std::vector<mend::Version>& versions, const report::Report& report) {
+  using report::Page;
+  const bool done = mended.status == ExitStatus::Done;
+  Page page{"Bite line", mended.words, done ? Page::Mood::Look : Page::Mood::Refused};
+  add_weak_stretches(page, weak);
+  add_viewer(page, scan);
+  page.heading("Versions");
+  std::vector<std::vector<std::string>> rows;
+  for (const mend::Version& version : versions) {
+    std::string steps;
+    for (const mend::Step& step : version.steps) steps += (steps.empty() ? "" : "; ") + mend::words_of(step);
+    rows.push_back({std::to_string(version.version), version.time, version.who, version.why, steps});
+  }
+  page.table({"version", "time", "who", "why", "steps"}, rows);
+  page.heading("Figures");
+  page.figures(named_figures(report.fields));
+  add_u95(page, report.fields);
+  return page.write(scan / "index.html");
+}
+
+/// Everything that told of the line before tells of this one.
+Result<void> write_result(const fs::path& scan, MendedScan& mended, const SE3& T_base_shoe,
+                          const std::vector<mend::Version>& versions, report::Report& report) {
+  const Json found = found_report(scan);
+  for (const char* key : {"input", "sensor", "simulated", "sample", "scan", "devices", "messages_lost",
+                          "points", "candidates", "closure_mm"}) {
+    if (found.contains(key)) report.fields[key] = found[key];
+  }
+  const double flagged = bite_line::flagged_of(mended.line, bite_line::k_sure_ratio).all();
+  mended.confidence = std::min(found_confidence(found), 1 - flagged);
+  const std::optional<mend::Refusal> refusal = judge(mended.line);
+  mended.status = refusal ? ExitStatus::Refused : ExitStatus::Done;
+  if (refusal) report.refuse(*refusal);
+
+  double mended_share = 0;
+  for (const cloud::LinePoint& point : mended.line.points) {
+    if (point.source == cloud::PointSource::Mended)
+      mended_share += 1 / static_cast<double>(mended.line.points.size());
+  }
+  const double length_mm = cloud::length_mm(mended.line);
+  report.fields["length_mm"] = length_mm;
+  report.fields["confidence"] = mended.confidence;
+  report.fields["line_points"] = mended.line.points.size();
+  report.fields["line_version"] = mended.version;
+  report.fields["mended_mm"] = mended_share * length_mm;
+  const std::vector<WeakStretch> weak = weak_stretches(mended.line, T_base_shoe);
+  report.fields["weak_stretches"] = as_json(weak);
+  // A hand's part is a bound, and poses and calibration are not weighed again.
+  U95Parts parts = parts_of_found_line(false);
+  parts.holds.push_back("at least 0.5 mm where a hand put the line beside any crease");
+  report.fields["u95"] = u95_json(mended.line, parts);
+  report.fields["versions"] = versions_json(versions);
+  mended.words =
+      Text::format("line mended: version %d, %.1f mm long, %.1f mm of it by hand, confidence %.2f%s%s",
+                   mended.version, length_mm, mended_share * length_mm, mended.confidence,
+                   refusal ? "; refused: " : "", refusal ? refusal->reason.c_str() : "")
+          .c_str();
+
+  // A path of the line before is no path of this one.
+  std::error_code error;
+  if (fs::exists(scan / "path", error)) BITELINE_TRY(prepare_plan_folder(scan / "path"));
+  BITELINE_TRY(cloud::write_line(scan / "line.csv", mended.line));
+  report.stop_clock();
+  ViewData view{.title = "Bite line",
+                .summary = mended.words,
+                .found = true,
+                .report = report.fields,
+                .cloud = &mended.cloud,
+                .line = &mended.line,
+                .T_base_shoe = T_base_shoe,
+                .path_mm = {}};
+  if (refusal) add_refusal(view.report, report::told(*refusal));
+  BITELINE_TRY(write_view(scan, view));
+  BITELINE_TRY(write_page(scan, mended, weak, versions, report));
+  BITELINE_TRY(write_file_list(scan));
+  return report.write(scan);
+}
+
+}  // namespace
+
+Result<mend::OrRefusal<MendedScan>> mend_scan(const fs::path& scan, const MendOrder& order,
+                                              report::Report& report) {
+  using Outcome = mend::OrRefusal<MendedScan>;
+  BITELINE_ASSIGN(std::vector<mend::Version> versions, mend::read_versions(scan));
+  const int newest = versions.back().version;
+  if (order.line_version.value_or(newest) != newest) {
+    return fail(Errc::WrongState, "version %d was mended, and the newest is %d: look at that one first",
+                *order.line_version, newest);
+  }
+  MendedScan mended;
+  BITELINE_ASSIGN(mended.cloud, report.timed("read", [&] { return cloud::read_cloud(scan / "cloud.ply"); }));
+  cloud::ClosedLine base;
+  if (const Result<cloud::ClosedLine> line = mend::read_version(scan, newest)) {
+    base = *line;
+  } else if (line.error().code != Errc::FileNotFound && line.error().code != Errc::FileUnreadable) {
+    return tl::unexpected<Error>{line.error()};
+  }
+  const mend::OrRefusal<mend::Surface> surface =
+      report.timed("surface", [&] { return mend::Surface::of(mended.cloud); });
+  if (!surface) return Outcome{tl::unexpected<mend::Refusal>(surface.error())};
+  mend::Version made{.version = 0,
+                     .time = utc_now(),
+                     .who = order.who,
+                     .why = order.why,
+                     .mended = newest,
+                     .steps = order.steps};
+  for (mend::Step& step : made.steps) {
+    const bool named = step.stretch.from_mm != 0 || step.stretch.to_mm != 0;
+    if (step.kind == mend::Step::Kind::Through && !named)
+      step.stretch = mend::stretch_about(base, step.points);
+  }
+  const mend::OldLine old_line = [&](int version) -> std::optional<cloud::ClosedLine> {
+    Result<cloud::ClosedLine> line = mend::read_version(scan, version);
+    return line ? std::optional{std::move(*line)} : std::nullopt;
+  };
+  mend::OrRefusal<cloud::ClosedLine> line =
+      report.timed("mend", [&] { return mend::mend(*surface, base, made.steps, old_line); });
+  if (!line) return Outcome{tl::unexpected<mend::Refusal>(line.error())};
+  mended.line = std::move(*line);
+  BITELINE_ASSIGN(mended.version, mend::save_version(scan, made, mended.line));
+  BITELINE_ASSIGN(versions, mend::read_versions(scan));
+  BITELINE_TRY(write_result(scan, mended, surface->T_base_shoe(), versions, report));
+  return Outcome{std::move(mended)};
+}
+
+}  // namespace biteline::results

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT
+// Found lines of made shoes, spoiled and mended again.
+#include "host/bite_line/mend/mend.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <cmath>
+
+#include "host/bite_line/find_bite_line.hpp"
+#include "host/bite_line/mend/splice.hpp"
+#include "tests/support/made_cloud.hpp"
+#include "tests/support/refusals.hpp"
+
+namespace biteline::mend {
+namespace {
+
+const test::MadeCloud& shoe() {
+  static const test::MadeCloud made = test::made_cloud(sim::ShoeClass::Deep, 41, test::somewhere());
+  return made;
+}
+const Surface& surface() {
+  static const Surface prepared = std::move(Surface::of(shoe().cloud).value());
+  return prepared;
+}
+const cloud::ClosedLine& found() {
+  static const cloud::ClosedLine line = bite_line::find_bite_line(shoe().cloud, {}).line;
+  return line;
+}
+
+/// The found line, 4 mm too high from `from` on over `count` points.
+cloud::ClosedLine spoiled(std::size_t from, std::size_t count) {
+  cloud::ClosedLine line = found();
+  for (std::size_t k = 0; k < count; ++k) {
+    cloud::LinePoint& point = line.points[from + k];
+    point.position.z() +=
+        4 * std::pow(std::sin(3.14159265 * static_cast<double>(k) / static_cast<double>(count)), 2);
+    point.confidence = 0.4;
+  }
+  return line;
+}
+
+double most_mm(const cloud::ClosedLine& line) {
+  double most = 0;
+  for (const cloud::LinePoint& point : line.points)
+    most = std::max(most, test::distance_mm(point.position, shoe().truth));
+  return most;
+}
+
+double mm_of(const cloud::ClosedLine& line, std::size_t point) {
+  double mm = 0;
+  for (std::size_t i = 0; i < point; ++i)
+    mm += (line.points[i + 1].position - line.points[i].position).norm();
+  return mm;
+}
+
+}  // namespace
+
+TEST_GROUP(Mend){};
+
+TEST(Mend, EveryCodeHasItsRow) {
+  test::check_refusal_table(Refused::LineCheck);
+}
+
+TEST(Mend, AStretchThatWentAstrayIsLedBackOntoTheCreaseByOnePoint) {
+  const cloud::ClosedLine wrong = spoiled(300, 100);
+  CHECK(most_mm(wrong) > 2.5);
+  const Step step{.kind = Step::Kind::Through,
+                  .stretch = {.from_mm = mm_of(wrong, 290), .to_mm = mm_of(wrong, 410)},
+                  .points = {found().points[350].position}};
+  const OrRefusal<cloud::ClosedLine> sut = mend(surface(), wrong, {&step, 1}, {});
+  CHECK_TEXT(sut.has_value(), sut ? "" : sut.error().reason.c_str());
+  CHECK(most_mm(*sut) < 0.3);
+  // As good as it was found: it was placed in the raw points again.
+  DOUBLES_EQUAL(test::mean_error_mm(found(), shoe().truth), test::mean_error_mm(*sut, shoe().truth), 0.01);
+  int mended = 0;
+  for (const cloud::LinePoint& point : sut->points) {
+    if (point.source != cloud::PointSource::Mended) continue;
+    ++mended;
+    CHECK(point.u95_mm.value_or(9) < k_least_u95_mm);  // snapped
+  }
+  CHECK(mended > 100);
+  for (std::size_t i = 0; i < 280; ++i) CHECK(sut->points[i].position == wrong.points[i].position);
+}
+
+TEST(Mend, NoMendedPointIsSurerThanTheOneItReplaces) {
+  const cloud::ClosedLine wrong = spoiled(300, 100);
+  const Step step{.kind = Step::Kind::Through,
+                  .stretch = {.from_mm = mm_of(wrong, 305), .to_mm = mm_of(wrong, 395)},
+                  .points = {found().points[350].position}};
+  const OrRefusal<cloud::ClosedLine> sut = mend(surface(), wrong, {&step, 1}, {});
+  CHECK(sut.has_value());
+  for (const cloud::LinePoint& point : sut->points) {
+    if (point.source == cloud::PointSource::Mended) CHECK(point.confidence <= 0.4);
+  }
+}
+
+TEST(Mend, ACutTakesOutTheBulge) {
+  const cloud::ClosedLine wrong = spoiled(500, 40);
+  const Step step{.kind = Step::Kind::Cut,
+                  .stretch = {.from_mm = mm_of(wrong, 498), .to_mm = mm_of(wrong, 542)}};
+  const OrRefusal<cloud::ClosedLine> sut = mend(surface(), wrong, {&step, 1}, {});
+  CHECK(sut.has_value());
+  CHECK(most_mm(*sut) < 0.6 * most_mm(wrong));
+  for (const cloud::LinePoint& point : sut->points) {
+    if (point.source == cloud::PointSource::Mended) CHECK(point.u95_mm.value_or(0) >= k_least_u95_mm);
+  }
+}
+
+TEST(Mend, TheFirstCandidateIsTheFoundLine) {
+  const Step step{.kind = Step::Kind::Candidate, .candidate = 1};
+  const OrRefusal<cloud::ClosedLine> sut = mend(surface(), found(), {&step, 1}, {});
+  CHECK(sut.has_value());
+  DOUBLES_EQUAL(0, test::mean_error_mm(*sut, shoe().truth), 0.08);
+  for (const cloud::LinePoint& point : sut->points) CHECK(point.source != cloud::PointSource::Mended);
+}
+
+TEST(Mend, ACandidateOfARefusedScanIsNoSurerThanTheScan) {
+  const Step step{.kind = Step::Kind::Candidate, .candidate = 1};
+  const test::MadeCloud bare = test::made_cloud(sim::ShoeClass::Bare, 43, test::somewhere());
+  const OrRefusal<Surface> upper = Surface::of(bare.cloud);
+  CHECK(upper.has_value());
+  const OrRefusal<cloud::ClosedLine> sut = mend(*upper, {}, {&step, 1}, {});
+  CHECK(sut.has_value());
+  for (const cloud::LinePoint& point : sut->points) {
+    CHECK(point.confidence <= upper->decision().confidence);
+    CHECK((point.flags & cloud::k_line_unsure) != 0);
+    CHECK(point.source == cloud::PointSource::Mended);
+  }
+}
+
+TEST(Mend, AnOlderVersionComesBack) {
+  const Step step{.kind = Step::Kind::BackTo, .line_version = 0};
+  const OldLine old_line = [](int version) {
+    return version == 0 ? std::optional{found()} : std::optional<cloud::ClosedLine>{};
+  };
+  const OrRefusal<cloud::ClosedLine> sut = mend(surface(), spoiled(300, 100), {&step, 1}, old_line);
+  CHECK(sut.has_value());
+  CHECK(sut->points[350].position == found().points[350].position);
+  const Step unknown{.kind = Step::Kind::BackTo, .line_version = 7};
+  CHECK(mend(surface(), found(), {&unknown, 1}, old_line).error().code == Refused::NoSuchVersion);
+}
+
+TEST(Mend, WhatCannotBeDoneIsRefusedByName) {
+  const auto code_of = [](const Step& step, const cloud::ClosedLine& base) {
+    const OrRefusal<cloud::ClosedLine> sut = mend(surface(), base, {&step, 1}, {});
+    CHECK_FALSE(sut.has_value());
+    return sut.error().code;
+  };
+  const double all_mm = cloud::length_mm(found());
+  const Stretch short_one{.from_mm = 10, .to_mm = 11};
+  const Stretch right{.from_mm = 20, .to_mm = 80};
+  CHECK(code_of({.kind = Step::Kind::Candidate, .candidate = 99}, found()) == Refused::NoSuchCandidate);
+  CHECK(code_of({.kind = Step::Kind::Cut, .stretch = short_one}, found()) == Refused::BadStretch);
+  CHECK(code_of({.kind = Step::Kind::Cut, .stretch = {.from_mm = 10, .to_mm = 10 + 0.6 * all_mm}}, found()) ==
+        Refused::BadStretch);
+  CHECK(code_of({.kind = Step::Kind::Cut, .stretch = {.from_mm = 10, .to_mm = 1e9}}, found()) ==
+        Refused::BadStretch);
+  CHECK(code_of({.kind = Step::Kind::Cut, .stretch = right}, {}) == Refused::NoLine);
+  CHECK(code_of({.kind = Step::Kind::Through, .stretch = right, .points = {Vec3{0, 0, 5000}}}, found()) ==
+        Refused::HintOffSide);
+  CHECK(code_of({.kind = Step::Kind::Through, .stretch = right, .points = {found().points[600].position}},
+                found()) == Refused::HintOutside);
+  Vec3 high = found().points[44].position;
+  high.z() += 12;
+  CHECK(code_of({.kind = Step::Kind::Through, .stretch = {.from_mm = 20, .to_mm = 24}, .points = {high}},
+                found()) == Refused::NoCourse);
+}
+
+TEST(Mend, AStretchAboutAPointHoldsIt) {
+  const Vec3 point = found().points[400].position;
+  const Stretch sut = stretch_about(found(), {&point, 1});
+  DOUBLES_EQUAL(mm_of(found(), 400) - 20, sut.from_mm, 0.6);
+  DOUBLES_EQUAL(mm_of(found(), 400) + 20, sut.to_mm, 0.6);
+  const Vec3 start = found().points[0].position;
+  const Stretch across = stretch_about(found(), {&start, 1});
+  CHECK(across.from_mm > across.to_mm);
+}
+
+}  // namespace biteline::mend

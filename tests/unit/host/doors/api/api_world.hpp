@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The API over a fake cell, with one person of each role.
+#include <CppUTest/TestHarness.h>
+
+#include "host/doors/api/api.hpp"
+#include "host/doors/api/words.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace biteline::api {
+
+inline constexpr const char* k_password = "a long password";
+
+struct FakeCell final : Cell {
+  std::vector<std::string> did;
+  std::filesystem::path results{};  ///< of the scan that is worked out again
+  Result<void> next{};
+
+  Json state() override { return {{"phase", "waiting"}}; }
+  Json robots() override { return Json::array(); }
+  Json sensors() override { return Json::array(); }
+  void stop(const std::string& who) override { did.push_back("stop " + who); }
+  void laser_off(const std::string& who) override { did.push_back("laser off " + who); }
+  Result<void> start(const Job& job, const std::string& who) override {
+    did.push_back("start " + who + " " + job.process);
+    return next;
+  }
+  Result<void> rescan(const std::string& who, const std::string&, const std::string&) override {
+    did.push_back("rescan " + who);
+    return next;
+  }
+  Result<void> begin_mend(const std::string& scan) override {
+    did.push_back("begin mend " + scan);
+    return next;
+  }
+  void end_mend(const std::string& scan, bool mended, const std::string& who) override {
+    did.push_back("end mend " + scan + (mended ? " yes " : " no ") + who);
+  }
+  bool on_demand() override { return jobs; }
+  line_control::LineState line_state() override {
+    line_control::LineState state;
+    state.job = chosen;
+    return state;
+  }
+  std::optional<Job> job_of(int number) override {
+    if (number < 1 || number > 3) return std::nullopt;
+    return Job{.model = number == 3 ? "not-there" : "", .process = number == 2 ? "not-there" : ""};
+  }
+  line_control::Refusal choose_job(int number, bool control_held) override {
+    if (control_held) return line_control::Refusal::ControlHeld;
+    chosen = number;
+    return line_control::Refusal::None;
+  }
+  LineStart start_for_line(int request, bool control_held) override {
+    did.push_back("line start " + std::to_string(request) + (control_held ? " held" : ""));
+    return {.refusal = line_control::Refusal::None, .fresh = true};
+  }
+  bool jobs{true};
+  int chosen{0};
+
+  Result<void> choose_model(const std::string& scan, const std::string& model,
+                            const std::string& who) override {
+    did.push_back("model " + scan + " " + model + " " + who);
+    return next;
+  }
+  Result<int> rerun(const RerunOrder& order) override {
+    did.push_back("rerun " + order.scan + " " + order.who + " " + settings_json(order).dump());
+    if (!next) return tl::unexpected<Error>{next.error()};
+    return keep_order(results, order);
+  }
+  bool rerun_open(const std::string&, int number) override { return number > 1; }
+  Result<void> decide(const Decision& decision) override {
+    did.push_back("decide " + decision.scan + " " + decision.who + " " + decision.door + " " + decision.why);
+    return next;
+  }
+};
+
+struct ApiWorld : Utest {
+  test::TemporaryFolder folder;
+  Result<memory::Memory> memory{memory::Memory::open(folder.path() / memory::k_memory_file)};
+  accounts::Accounts accounts{*memory};
+  FakeCell cell;
+  std::vector<std::string> events;
+  Api sut{Rooms{.memory = *memory,
+                .accounts = accounts,
+                .cell = cell,
+                .results = folder.path(),
+                .processes = ProcessStore{BITELINE_PROCESSES, folder.path() / "processes"},
+                .models = transfer::Library{folder.path() / "models"},
+                .version = "1.2.3",
+                .publish = [this](const std::string& name, const Json&) { events.push_back(name); },
+                .last_seq = [] { return std::uint64_t{7}; }}};
+  std::string token;
+  bool local{false};
+
+  void setup() override {
+    SUCCEEDS(accounts.add("ada", accounts::Role::Administrator, k_password, "ada", "web"));
+    for (const auto& [name, role] :
+         {std::pair{"vic", accounts::Role::Viewer}, std::pair{"ana", accounts::Role::Operator},
+          std::pair{"eng", accounts::Role::Engineer}})
+      SUCCEEDS(accounts.add(name, role, k_password, "ada", "web"));
+  }
+  control::Answer ask(const std::string& method, const std::string& path, Json body = {},
+                      std::map<std::string, std::string> query = {}) {
+    control::Request request;
+    request.token = token;
+    request.local = local;
+    request.door = "web";
+    request.method = method;
+    request.path = "/api/v1" + path;
+    request.body = std::move(body);
+    request.query = std::move(query);
+    return sut.ordinary(request);
+  }
+  void log_in(const std::string& name) {
+    const control::Answer answer = ask("POST", "/sessions", {{"name", name}, {"password", k_password}});
+    LONGS_EQUAL(201, answer.status);
+    token = answer.body["token"].get<std::string>();
+  }
+  static std::string code_of(const control::Answer& answer) {
+    return answer.body["error"]["code"].get<std::string>();
+  }
+  void put(const std::string& name, const std::string& verdict) {
+    memory::Scan scan;
+    scan.name = name;
+    scan.time = 1'000'000;
+    scan.verdict = verdict;
+    memory::LogRow event;
+    event.who = "service";
+    SUCCEEDS(memory->put_scan(scan, event));
+  }
+};
+
+}  // namespace biteline::api
