@@ -20,6 +20,10 @@ case "$check" in
     biome=node_modules/@biomejs/cli-linux-x64/biome
     "$biome" --version >/dev/null 2>&1 || skip 'the linter does not run on this machine'
     "$biome" lint --error-on-warnings src
+    "$biome" format src || {
+      echo "'npm run format' in host/web mends the layout"
+      exit 1
+    }
     ;;
   words)
     # Each language has the keys of English and no others, and the same {places}.

@@ -170,7 +170,13 @@ export interface Bucket {
 export interface Trends {
   buckets: Bucket[];
   reasons: { reason_code: string; scans: number }[];
-  capability?: { model?: string; tolerance_mm?: number; scans?: number; pp?: number[]; ppk?: number[] } | null;
+  capability?: {
+    model?: string;
+    tolerance_mm?: number;
+    scans?: number;
+    pp?: number[];
+    ppk?: number[];
+  } | null;
 }
 export interface FileRow {
   path: string;
@@ -239,7 +245,12 @@ export async function call<T>(method: string, path: string, body?: unknown): Pro
   }
   if (answer.ok) return value as T;
   const error = (value as { error?: { code?: string; message?: string; faults?: Fault[] } } | null)?.error;
-  throw new Refused(answer.status, error?.code ?? 'internal', error?.message ?? answer.statusText, error?.faults ?? []);
+  throw new Refused(
+    answer.status,
+    error?.code ?? 'internal',
+    error?.message ?? answer.statusText,
+    error?.faults ?? [],
+  );
 }
 
 export function query(values: Record<string, string | number | undefined | null>): string {

@@ -7,7 +7,16 @@ import type { Disk, Robot, Sensor } from './api';
 import { Chart, Failure, Figures, Table } from './parts';
 import { use_reading, use_store } from './store';
 
-const figures = ['frames', 'frames_lost', 'frames_damaged', 'profiles', 'profiles_dropped', 'messages_lost', 'poses_lost', 'overruns'];
+const figures = [
+  'frames',
+  'frames_lost',
+  'frames_damaged',
+  'profiles',
+  'profiles_dropped',
+  'messages_lost',
+  'poses_lost',
+  'overruns',
+];
 const flags = ['scanning', 'camera_connected', 'poses_flow', 'realtime'];
 
 function yes_no(value: unknown): string {
@@ -21,10 +30,25 @@ export function Devices(): JSX.Element {
   const curves = useMemo(
     () => ({
       x: health.map((sample) => sample.time_s),
-      temperature: [{ label: t('temperature'), values: health.map((s) => (s.sensor.temperature_degc as number | null) ?? null), colour: '--link' }],
+      temperature: [
+        {
+          label: t('temperature'),
+          values: health.map((s) => (s.sensor.temperature_degc as number | null) ?? null),
+          colour: '--link',
+        },
+      ],
       lost: [
-        { label: t('figure_frames_lost'), values: health.map((s) => (s.sensor.frames_lost as number) ?? null), colour: '--link' },
-        { label: t('figure_profiles_dropped'), values: health.map((s) => (s.sensor.profiles_dropped as number) ?? null), colour: '--quiet', dash: [6, 4] },
+        {
+          label: t('figure_frames_lost'),
+          values: health.map((s) => (s.sensor.frames_lost as number) ?? null),
+          colour: '--link',
+        },
+        {
+          label: t('figure_profiles_dropped'),
+          values: health.map((s) => (s.sensor.profiles_dropped as number) ?? null),
+          colour: '--quiet',
+          dash: [6, 4],
+        },
       ],
     }),
     [health],
@@ -64,15 +88,36 @@ export function Devices(): JSX.Element {
           <Figures
             rows={[
               [t('connected'), yes_no(sensor.connected)],
-              [t('lamp_laser'), `${t_or(`level_${String(sensor.laser)}`, String(sensor.laser ?? '–'))} ${String(sensor.laser_reason ?? '')}`],
+              [
+                t('lamp_laser'),
+                `${t_or(`level_${String(sensor.laser)}`, String(sensor.laser ?? '–'))} ${String(sensor.laser_reason ?? '')}`,
+              ],
               [t('temperature'), `${number(sensor.temperature_degc as number | null, 1)} °C`],
-              ...flags.map((name) => [t_or(`figure_${name}`, name), yes_no(sensor[name])] as [string, string]),
-              ...figures.map((name) => [t_or(`figure_${name}`, name), sensor[name] === undefined ? '–' : Number(sensor[name]).toLocaleString()] as [string, string]),
+              ...flags.map(
+                (name) => [t_or(`figure_${name}`, name), yes_no(sensor[name])] as [string, string],
+              ),
+              ...figures.map(
+                (name) =>
+                  [
+                    t_or(`figure_${name}`, name),
+                    sensor[name] === undefined ? '–' : Number(sensor[name]).toLocaleString(),
+                  ] as [string, string],
+              ),
               [t('version'), String(sensor.version ?? '–')],
             ]}
           />
           {(sensor.clocks ?? []).length > 0 && (
-            <Table label={t('clocks')} heads={[t('clocks'), t('known'), `${t('offset')} [ms]`, `± [µs]`, `${t('drift')} [ppm]`, t('steps')]}>
+            <Table
+              label={t('clocks')}
+              heads={[
+                t('clocks'),
+                t('known'),
+                `${t('offset')} [ms]`,
+                `± [µs]`,
+                `${t('drift')} [ppm]`,
+                t('steps'),
+              ]}
+            >
               {sensor.clocks!.map((clock) => (
                 <tr key={clock.name}>
                   <th scope="row">{clock.name}</th>
@@ -93,7 +138,13 @@ export function Devices(): JSX.Element {
           <Figures
             rows={[
               [t('version'), state?.version ?? '–'],
-              [t('disk'), t('disk_words', { free: number(sensors.disk.free_bytes / 1e9, 1), total: number(sensors.disk.total_bytes / 1e9, 1) })],
+              [
+                t('disk'),
+                t('disk_words', {
+                  free: number(sensors.disk.free_bytes / 1e9, 1),
+                  total: number(sensors.disk.total_bytes / 1e9, 1),
+                }),
+              ],
             ]}
           />
         </section>

@@ -32,7 +32,10 @@ function draw_profile(canvas: HTMLCanvasElement, xz_mm: Float32Array, flags: Uin
     low_z = Math.min(low_z, xz_mm[i + 1]!);
     high_z = Math.max(high_z, xz_mm[i + 1]!);
   }
-  const scale = Math.min((width - 20) / Math.max(1, high_x - low_x), (height - 34) / Math.max(1, high_z - low_z));
+  const scale = Math.min(
+    (width - 20) / Math.max(1, high_x - low_x),
+    (height - 34) / Math.max(1, high_z - low_z),
+  );
   const style = getComputedStyle(canvas);
   c.fillStyle = style.color;
   for (let i = 0; i + 1 < xz_mm.length; i += 2) {
@@ -45,7 +48,11 @@ function draw_profile(canvas: HTMLCanvasElement, xz_mm: Float32Array, flags: Uin
     } else c.fillRect(x - 1, y - 1, 2, 2);
   }
   c.font = '12px system-ui, sans-serif';
-  c.fillText(`x ${number(low_x, 1)} … ${number(high_x, 1)} mm, z ${number(low_z, 1)} … ${number(high_z, 1)} mm`, 8, height - 8);
+  c.fillText(
+    `x ${number(low_x, 1)} … ${number(high_x, 1)} mm, z ${number(low_z, 1)} … ${number(high_z, 1)} mm`,
+    8,
+    height - 8,
+  );
 }
 
 function LivePictures(): JSX.Element {
@@ -76,10 +83,18 @@ function LivePictures(): JSX.Element {
       } else if (message.kind === 'profile' && profile.current) {
         const empty = message.xz_mm.length === 0;
         if (!empty) draw_profile(profile.current, message.xz_mm, message.flags);
-        set_seen((s) => ({ ...s, profile: empty ? s.profile : message.seq, empty: empty ? message.seq : -1 }));
+        set_seen((s) => ({
+          ...s,
+          profile: empty ? s.profile : message.seq,
+          empty: empty ? message.seq : -1,
+        }));
       } else if (message.kind === 'cloud') {
         scene.current?.add_cloud(message.scan, message.xyz_mm);
-        set_seen((s) => ({ ...s, points: scene.current?.points() ?? 0, line: scene.current?.line_points() ?? 0 }));
+        set_seen((s) => ({
+          ...s,
+          points: scene.current?.points() ?? 0,
+          line: scene.current?.line_points() ?? 0,
+        }));
       } else if (message.kind === 'line') {
         scene.current?.set_line(message.values);
         set_seen((s) => ({ ...s, line: message.values.length / 5 }));
@@ -143,7 +158,11 @@ export function Waiting(): JSX.Element | null {
   const { state } = use_store();
   const { value } = use_reading<{ scans: ScanRow[] }>('/scans?limit=20');
   const waiting = (value?.scans ?? []).filter(
-    (scan) => scan.decision === 'held' || (scan.decision === 'open' && (scan.verdict === 'ok' || scan.verdict === 'amber') && scan.id === state?.scan),
+    (scan) =>
+      scan.decision === 'held' ||
+      (scan.decision === 'open' &&
+        (scan.verdict === 'ok' || scan.verdict === 'amber') &&
+        scan.id === state?.scan),
   );
   if (waiting.length === 0) return null;
   return (
@@ -152,7 +171,8 @@ export function Waiting(): JSX.Element | null {
       {waiting.map((scan) => (
         <div key={scan.id}>
           <p>
-            <a href={`#/scans/${scan.id}`}>{scan.id}</a> <Verdict scan={scan} /> {scan.why ?? scan.reason ?? ''}
+            <a href={`#/scans/${scan.id}`}>{scan.id}</a> <Verdict scan={scan} />{' '}
+            {scan.why ?? scan.reason ?? ''}
           </p>
           <Decide scan={scan} />
         </div>
@@ -171,12 +191,19 @@ function ChooseModel({ scan, enabled }: { scan: ScanRow; enabled: boolean }): JS
       class="tools"
       onSubmit={(event) => {
         event.preventDefault();
-        void act(t('done_choose_model', { scan: scan.id, model }), () => call('POST', `/scans/${scan.id}/model`, { model }));
+        void act(t('done_choose_model', { scan: scan.id, model }), () =>
+          call('POST', `/scans/${scan.id}/model`, { model }),
+        );
       }}
     >
       <label>
         {t('model')}{' '}
-        <select required value={model} disabled={!enabled} onChange={(event) => set_model(event.currentTarget.value)}>
+        <select
+          required
+          value={model}
+          disabled={!enabled}
+          onChange={(event) => set_model(event.currentTarget.value)}
+        >
           <option value="">{t('choose')}</option>
           {(value?.models ?? []).map((one) => (
             <option key={one.name} value={one.name}>
@@ -204,17 +231,36 @@ export function Decide({ scan }: { scan: ScanRow }): JSX.Element {
     <div class="tools">
       {nameless && <ChooseModel scan={scan} enabled={enabled} />}
       {waits && (
-        <button type="button" class="go" disabled={!enabled} onClick={() => void act(t('done_accept'), () => call('POST', `${at}/accept`, {}))}>
+        <button
+          type="button"
+          class="go"
+          disabled={!enabled}
+          onClick={() => void act(t('done_accept'), () => call('POST', `${at}/accept`, {}))}
+        >
           {t('accept')}
         </button>
       )}
       {!scan.sent && scan.decision !== 'rejected' && (has_line || scan.decision === 'held') && (
-        <AskWhy label={t('reject')} kind="stop-quiet" disabled={!enabled} act={(why) => void act(t('done_reject'), () => call('POST', `${at}/reject`, { why }))} />
+        <AskWhy
+          label={t('reject')}
+          kind="stop-quiet"
+          disabled={!enabled}
+          act={(why) => void act(t('done_reject'), () => call('POST', `${at}/reject`, { why }))}
+        />
       )}
       {scan.verdict === 'working' && scan.decision !== 'held' && (
-        <AskWhy label={t('hold')} needed={false} disabled={!enabled} act={(why) => void act(t('done_hold'), () => call('POST', `${at}/hold`, why ? { why } : {}))} />
+        <AskWhy
+          label={t('hold')}
+          needed={false}
+          disabled={!enabled}
+          act={(why) => void act(t('done_hold'), () => call('POST', `${at}/hold`, why ? { why } : {}))}
+        />
       )}
-      <button type="button" disabled={!enabled} onClick={() => void act(t('done_rescan'), () => call('POST', '/commands/rescan', {}))}>
+      <button
+        type="button"
+        disabled={!enabled}
+        onClick={() => void act(t('done_rescan'), () => call('POST', '/commands/rescan', {}))}
+      >
         {t('rescan')}
       </button>
       {!enabled && <p class="quiet">{may('operator') ? t('needs_control') : t('needs_operator')}</p>}
@@ -237,7 +283,12 @@ export function Live(): JSX.Element {
         </p>
         {state.progress !== null && <progress value={state.progress} max={1} aria-label={t('progress')} />}
         <div class="tools">
-          <button type="button" class="go" disabled={!enabled} onClick={() => void act(t('done_start'), () => call('POST', '/commands/start', {}))}>
+          <button
+            type="button"
+            class="go"
+            disabled={!enabled}
+            onClick={() => void act(t('done_start'), () => call('POST', '/commands/start', {}))}
+          >
             {t('start')}
           </button>
           {!enabled && <p class="quiet">{may('operator') ? t('needs_control') : t('needs_operator')}</p>}
@@ -265,7 +316,12 @@ export function Live(): JSX.Element {
         rows={[
           [t('cycle_this'), amount(state.cycle?.this_s, 's', 1)],
           [t('cycle_last'), amount(state.cycle?.last_s, 's', 1)],
-          [t('model'), state.model ? `${state.model.name}${state.model.probability !== undefined ? ` (${number(state.model.probability, 2)})` : ''}` : '–'],
+          [
+            t('model'),
+            state.model
+              ? `${state.model.name}${state.model.probability !== undefined ? ` (${number(state.model.probability, 2)})` : ''}`
+              : '–',
+          ],
           [t('process'), state.process ?? '–'],
           [t('scan'), state.scan ? <a href={`#/scans/${state.scan}`}>{state.scan}</a> : '–'],
         ]}

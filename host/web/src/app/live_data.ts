@@ -34,7 +34,11 @@ export function read_live(buffer: ArrayBuffer): LiveMessage | null {
   if (kind === 3 && size >= 9) {
     const count = view.getUint32(5, true);
     if (size < 9 + 12 * count) return null;
-    return { kind: 'cloud', scan: view.getUint32(1, true), xyz_mm: new Float32Array(buffer.slice(9, 9 + 12 * count)) };
+    return {
+      kind: 'cloud',
+      scan: view.getUint32(1, true),
+      xyz_mm: new Float32Array(buffer.slice(9, 9 + 12 * count)),
+    };
   }
   if (kind === 4 && size >= 5) {
     const count = view.getUint32(1, true);

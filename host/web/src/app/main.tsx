@@ -15,7 +15,20 @@ import { AskWhy } from './parts';
 import { Log, People } from './people';
 import { Processes } from './processes';
 import { OneScan, Scans } from './scans';
-import { act, change, holds_control, hush, log_in, log_out, may, may_have_session, read_me, tell, use_store, words_of } from './store';
+import {
+  act,
+  change,
+  holds_control,
+  hush,
+  log_in,
+  log_out,
+  may,
+  may_have_session,
+  read_me,
+  tell,
+  use_store,
+  words_of,
+} from './store';
 
 const views = ['live', 'scans', 'models', 'processes', 'devices', 'people', 'log'] as const;
 
@@ -45,7 +58,11 @@ function StopBar(): JSX.Element {
       <button type="button" class="stop" onClick={() => void send('/commands/stop', t('done_stop'))}>
         {t('stop')}
       </button>
-      <button type="button" class="stop laser" onClick={() => void send('/commands/laser-off', t('done_laser_off'))}>
+      <button
+        type="button"
+        class="stop laser"
+        onClick={() => void send('/commands/laser-off', t('done_laser_off'))}
+      >
         {t('laser_off')}
       </button>
       <p>{t('no_emergency_stop')}</p>
@@ -67,7 +84,9 @@ function ControlBox(): JSX.Element | null {
   return (
     <div class="control" aria-live="polite">
       <p>
-        <strong>{mine ? t('control_mine') : holder ? t('control_other', { name: holder }) : t('control_free')}</strong>
+        <strong>
+          {mine ? t('control_mine') : holder ? t('control_other', { name: holder }) : t('control_free')}
+        </strong>
         {door && holder ? ` (${t_or(`door_${door}`, door)})` : ''}
         {why ? `: ${why}` : ''}
       </p>
@@ -79,7 +98,10 @@ function ControlBox(): JSX.Element | null {
             </button>
           )}
           {!mine && holder && (
-            <AskWhy label={t('control_take')} act={(word) => void post({ action: 'take', why: word }, t('done_control'))} />
+            <AskWhy
+              label={t('control_take')}
+              act={(word) => void post({ action: 'take', why: word }, t('done_control'))}
+            />
           )}
           {mine && (
             <>
@@ -95,7 +117,14 @@ function ControlBox(): JSX.Element | null {
                 }}
               >
                 <label>
-                  {t('control_give')} <input value={to} required maxLength={64} size={10} onInput={(e) => set_to(e.currentTarget.value)} />
+                  {t('control_give')}{' '}
+                  <input
+                    value={to}
+                    required
+                    maxLength={64}
+                    size={10}
+                    onInput={(e) => set_to(e.currentTarget.value)}
+                  />
                 </label>
                 <button type="submit">{t('give')}</button>
               </form>
@@ -126,10 +155,23 @@ function Login(): JSX.Element {
         }}
       >
         <label>
-          {t('name')} <input autocomplete="username" required value={name} onInput={(e) => set_name(e.currentTarget.value)} />
+          {t('name')}{' '}
+          <input
+            autocomplete="username"
+            required
+            value={name}
+            onInput={(e) => set_name(e.currentTarget.value)}
+          />
         </label>
         <label>
-          {t('password')} <input type="password" autocomplete="current-password" required value={password} onInput={(e) => set_password(e.currentTarget.value)} />
+          {t('password')}{' '}
+          <input
+            type="password"
+            autocomplete="current-password"
+            required
+            value={password}
+            onInput={(e) => set_password(e.currentTarget.value)}
+          />
         </label>
         <div aria-live="assertive">{error && <p class="notice refused">{error}</p>}</div>
         <button type="submit" class="go" disabled={busy}>
@@ -147,7 +189,9 @@ function FirstAccount(): JSX.Element {
   const [name, set_name] = useState('');
   const [password, set_password] = useState('');
   const make = async () => {
-    const made = await act(t('done_user', { name }), () => call('POST', '/users', { name, password, role: 'administrator' }));
+    const made = await act(t('done_user', { name }), () =>
+      call('POST', '/users', { name, password, role: 'administrator' }),
+    );
     if (made) await log_in({ name, password }).catch((refused) => tell(words_of(refused), true));
   };
   return (
@@ -162,10 +206,27 @@ function FirstAccount(): JSX.Element {
         }}
       >
         <label>
-          {t('administrator_name')} <input required autocomplete="off" maxLength={64} pattern="[A-Za-z0-9][A-Za-z0-9._@\-]*" value={name} onInput={(e) => set_name(e.currentTarget.value)} />
+          {t('administrator_name')}{' '}
+          <input
+            required
+            autocomplete="off"
+            maxLength={64}
+            pattern="[A-Za-z0-9][A-Za-z0-9._@\-]*"
+            value={name}
+            onInput={(e) => set_name(e.currentTarget.value)}
+          />
         </label>
         <label>
-          {t('new_password')} <input type="password" required minLength={8} maxLength={200} autocomplete="new-password" value={password} onInput={(e) => set_password(e.currentTarget.value)} />
+          {t('new_password')}{' '}
+          <input
+            type="password"
+            required
+            minLength={8}
+            maxLength={200}
+            autocomplete="new-password"
+            value={password}
+            onInput={(e) => set_password(e.currentTarget.value)}
+          />
         </label>
         <button type="submit">{t('make_account')}</button>
       </form>
@@ -212,8 +273,18 @@ function Messages(): JSX.Element {
 
 function LinkWords(): ComponentChildren {
   const { linked, host } = use_store();
-  if (!linked) return <p class="notice refused" role="alert">{t('link_lost')}</p>;
-  if (!host) return <p class="notice refused" role="alert">{t('host_lost')}</p>;
+  if (!linked)
+    return (
+      <p class="notice refused" role="alert">
+        {t('link_lost')}
+      </p>
+    );
+  if (!host)
+    return (
+      <p class="notice refused" role="alert">
+        {t('host_lost')}
+      </p>
+    );
   return null;
 }
 
@@ -224,7 +295,13 @@ function App(): JSX.Element {
   useEffect(() => {
     document.title = `${route[1] ?? t(`nav_${view}`)} · Biteline`;
   }, [view, route[1], language()]);
-  if (!known) return <main id="main"><h1>Biteline</h1><p>{linked ? t('waits') : t('link_lost')}</p></main>;
+  if (!known)
+    return (
+      <main id="main">
+        <h1>Biteline</h1>
+        <p>{linked ? t('waits') : t('link_lost')}</p>
+      </main>
+    );
   return (
     <>
       <button type="button" class="skip" onClick={() => document.getElementById('main')?.focus()}>
@@ -273,7 +350,9 @@ function App(): JSX.Element {
 
 /// A one-time token in the address is used up and taken out of it, so that nobody copies it.
 async function begin(): Promise<void> {
-  const token = new URLSearchParams(location.hash.replace(/^#/, '')).get('token') ?? new URLSearchParams(location.search).get('token');
+  const token =
+    new URLSearchParams(location.hash.replace(/^#/, '')).get('token') ??
+    new URLSearchParams(location.search).get('token');
   if (token) {
     history.replaceState(null, '', `${location.pathname}#/live`);
     try {

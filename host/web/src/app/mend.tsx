@@ -28,7 +28,15 @@ function read_points(text: string): number[][] | null {
 }
 
 /// `hand`: the place chosen in the viewer, moved in its section.
-export function Mend({ scan, data, hand }: { scan: Scan; data: ViewData; hand: Hand | null }): JSX.Element | null {
+export function Mend({
+  scan,
+  data,
+  hand,
+}: {
+  scan: Scan;
+  data: ViewData;
+  hand: Hand | null;
+}): JSX.Element | null {
   use_store();
   const [steps, set_steps] = useState<Step[]>([]);
   const [undone, set_undone] = useState<Step[]>([]);
@@ -44,7 +52,8 @@ export function Mend({ scan, data, hand }: { scan: Scan; data: ViewData; hand: H
     set_undone([]);
   };
   const stretch = { from_mm: Number(from), to_mm: Number(to) };
-  const is_stretch = from !== '' && to !== '' && Number.isFinite(stretch.from_mm) && Number.isFinite(stretch.to_mm);
+  const is_stretch =
+    from !== '' && to !== '' && Number.isFinite(stretch.from_mm) && Number.isFinite(stretch.to_mm);
   const through = read_points(points);
   const say = (step: Step) =>
     step.step === 'candidate'
@@ -58,7 +67,10 @@ export function Mend({ scan, data, hand }: { scan: Scan; data: ViewData; hand: H
       <p>{t('mend_words')}</p>
       {!enabled && <p class="quiet">{t('needs_control')}</p>}
       {candidates.length > 1 && (
-        <Table label={t('candidates')} heads={[t('candidates'), t('colour_confidence'), t('length'), t('height'), '']}>
+        <Table
+          label={t('candidates')}
+          heads={[t('candidates'), t('colour_confidence'), t('length'), t('height'), '']}
+        >
           {candidates.map((candidate, i) => (
             <tr key={`${candidate.length_mm}`}>
               <th scope="row">{i + 1}</th>
@@ -66,7 +78,11 @@ export function Mend({ scan, data, hand }: { scan: Scan; data: ViewData; hand: H
               <td>{amount(candidate.length_mm, 'mm', 1)}</td>
               <td>{amount(candidate.mean_height_mm, 'mm', 1)}</td>
               <td>
-                <button type="button" disabled={!enabled} onClick={() => add({ step: 'candidate', candidate: i + 1 })}>
+                <button
+                  type="button"
+                  disabled={!enabled}
+                  onClick={() => add({ step: 'candidate', candidate: i + 1 })}
+                >
                   {t('take_candidate', { which: i + 1 })}
                 </button>
               </td>
@@ -86,23 +102,34 @@ export function Mend({ scan, data, hand }: { scan: Scan; data: ViewData; hand: H
             </button>
             <button
               type="button"
-              onClick={() => set_points(`${points ? `${points.replace(/;?\s*$/, '')}; ` : ''}${hand.base.map((v) => v.toFixed(2)).join(', ')}`)}
+              onClick={() =>
+                set_points(
+                  `${points ? `${points.replace(/;?\s*$/, '')}; ` : ''}${hand.base.map((v) => v.toFixed(2)).join(', ')}`,
+                )
+              }
             >
               {t('mend_point', { place: hand.base.map((v) => number(v, 1)).join(' / ') })}
             </button>
           </div>
         )}
         <label>
-          A [mm] <input inputMode="decimal" value={from} onInput={(e) => set_from(e.currentTarget.value)} size={8} />
+          A [mm]{' '}
+          <input inputMode="decimal" value={from} onInput={(e) => set_from(e.currentTarget.value)} size={8} />
         </label>{' '}
         <label>
-          B [mm] <input inputMode="decimal" value={to} onInput={(e) => set_to(e.currentTarget.value)} size={8} />
+          B [mm]{' '}
+          <input inputMode="decimal" value={to} onInput={(e) => set_to(e.currentTarget.value)} size={8} />
         </label>
         <label class="wide">
-          {t('mend_points')} <textarea rows={2} value={points} onInput={(e) => set_points(e.currentTarget.value)} />
+          {t('mend_points')}{' '}
+          <textarea rows={2} value={points} onInput={(e) => set_points(e.currentTarget.value)} />
         </label>
         <div class="tools">
-          <button type="button" disabled={!is_stretch || !through} onClick={() => through && add({ step: 'through', ...stretch, points: through })}>
+          <button
+            type="button"
+            disabled={!is_stretch || !through}
+            onClick={() => through && add({ step: 'through', ...stretch, points: through })}
+          >
             {t('mend_through')}
           </button>
           <button type="button" disabled={!is_stretch} onClick={() => add({ step: 'cut', ...stretch })}>
@@ -119,7 +146,11 @@ export function Mend({ scan, data, hand }: { scan: Scan; data: ViewData; hand: H
               <td>{version.who}</td>
               <td>{version.why ?? ''}</td>
               <td>
-                <button type="button" disabled={!enabled || version.version === scan.line_version} onClick={() => add({ step: 'back_to', line_version: version.version })}>
+                <button
+                  type="button"
+                  disabled={!enabled || version.version === scan.line_version}
+                  onClick={() => add({ step: 'back_to', line_version: version.version })}
+                >
                   {t('mend_back', { version: version.version })}
                 </button>
               </td>
@@ -136,7 +167,9 @@ export function Mend({ scan, data, hand }: { scan: Scan; data: ViewData; hand: H
         class="tools"
         onSubmit={(event) => {
           event.preventDefault();
-          void act(t('done_mend'), () => call('POST', `/scans/${scan.id}/mend`, { line_version: scan.line_version ?? 0, steps, why })).then((done) => done && set_steps([]));
+          void act(t('done_mend'), () =>
+            call('POST', `/scans/${scan.id}/mend`, { line_version: scan.line_version ?? 0, steps, why }),
+          ).then((done) => done && set_steps([]));
         }}
       >
         <button
@@ -160,7 +193,14 @@ export function Mend({ scan, data, hand }: { scan: Scan; data: ViewData; hand: H
           {t('redo')}
         </button>
         <label>
-          {t('why')} <input value={why} required disabled={!enabled} maxLength={500} onInput={(e) => set_why(e.currentTarget.value)} />
+          {t('why')}{' '}
+          <input
+            value={why}
+            required
+            disabled={!enabled}
+            maxLength={500}
+            onInput={(e) => set_why(e.currentTarget.value)}
+          />
         </label>
         <button type="submit" class="go" disabled={!enabled || steps.length === 0}>
           {t('mend_save')}

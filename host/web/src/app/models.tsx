@@ -16,7 +16,21 @@ export function Models(): JSX.Element {
       <Failure text={error} />
       {value && value.models.length === 0 && <p>{t('no_models')}</p>}
       {value && value.models.length > 0 && (
-        <Table label={t('nav_models')} heads={[t('name'), t('time'), t('scan'), t('process'), t('size'), t('foot'), t('version'), t('length'), t('recognised'), '']}>
+        <Table
+          label={t('nav_models')}
+          heads={[
+            t('name'),
+            t('time'),
+            t('scan'),
+            t('process'),
+            t('size'),
+            t('foot'),
+            t('version'),
+            t('length'),
+            t('recognised'),
+            '',
+          ]}
+        >
           {value.models.map((model) => (
             <tr key={model.name}>
               <th scope="row">{model.name}</th>
@@ -41,7 +55,9 @@ export function Models(): JSX.Element {
                       class="stop-quiet"
                       onClick={() => {
                         set_asked('');
-                        void act(t('done_remove', { name: model.name }), () => call('DELETE', `/models/${model.name}`));
+                        void act(t('done_remove', { name: model.name }), () =>
+                          call('DELETE', `/models/${model.name}`),
+                        );
                       }}
                     >
                       {t('really_remove', { name: model.name })}
@@ -56,7 +72,11 @@ export function Models(): JSX.Element {
           ))}
         </Table>
       )}
-      {may('engineer') ? <NewModel names={(value?.models ?? []).map((m) => m.name)} /> : <p class="quiet">{t('needs_engineer')}</p>}
+      {may('engineer') ? (
+        <NewModel names={(value?.models ?? []).map((m) => m.name)} />
+      ) : (
+        <p class="quiet">{t('needs_engineer')}</p>
+      )}
     </>
   );
 }
@@ -68,7 +88,8 @@ function NewModel({ names }: { names: string[] }): JSX.Element {
   const usable = (scans?.scans ?? []).filter((scan) => scan.verdict === 'ok' || scan.verdict === 'amber');
   const field = (name: keyof typeof form) => ({
     value: form[name],
-    onInput: (event: { currentTarget: { value: string } }) => set_form({ ...form, [name]: event.currentTarget.value }),
+    onInput: (event: { currentTarget: { value: string } }) =>
+      set_form({ ...form, [name]: event.currentTarget.value }),
   });
   const exists = names.includes(form.name);
   return (
@@ -80,11 +101,14 @@ function NewModel({ names }: { names: string[] }): JSX.Element {
         onSubmit={(event) => {
           event.preventDefault();
           const body = Object.fromEntries(Object.entries(form).filter(([, value]) => value !== ''));
-          void act(t('done_model', { name: form.name }), () => call('POST', '/models', exists ? { ...body, replace: true } : body));
+          void act(t('done_model', { name: form.name }), () =>
+            call('POST', '/models', exists ? { ...body, replace: true } : body),
+          );
         }}
       >
         <label>
-          {t('name')} <input required maxLength={64} pattern="[A-Za-z0-9][A-Za-z0-9._\-]*" {...field('name')} />
+          {t('name')}{' '}
+          <input required maxLength={64} pattern="[A-Za-z0-9][A-Za-z0-9._\-]*" {...field('name')} />
         </label>
         <label>
           {t('scan')}{' '}

@@ -7,12 +7,19 @@ import { locale, t, t_or } from '../words';
 import type { ScanRow } from './api';
 
 /// A shape before the word: a verdict is never told by colour alone.
-const verdict_signs: Record<string, string> = { ok: '✔', amber: '▲', refused: '✖', failed: '!', working: '…' };
+const verdict_signs: Record<string, string> = {
+  ok: '✔',
+  amber: '▲',
+  refused: '✖',
+  failed: '!',
+  working: '…',
+};
 
 export function Verdict({ scan }: { scan: ScanRow }): JSX.Element {
   return (
     <span class={`verdict ${scan.verdict}`}>
-      <span aria-hidden="true">{verdict_signs[scan.verdict] ?? ''}</span> {t_or(`verdict_${scan.verdict}`, scan.verdict)}
+      <span aria-hidden="true">{verdict_signs[scan.verdict] ?? ''}</span>{' '}
+      {t_or(`verdict_${scan.verdict}`, scan.verdict)}
     </span>
   );
 }
@@ -92,7 +99,13 @@ export function AskWhy(props: {
     >
       <label>
         {t('why')}{' '}
-        <input ref={field} value={why} maxLength={500} required={props.needed ?? true} onInput={(e) => set_why(e.currentTarget.value)} />
+        <input
+          ref={field}
+          value={why}
+          maxLength={500}
+          required={props.needed ?? true}
+          onInput={(e) => set_why(e.currentTarget.value)}
+        />
       </label>
       <button type="submit" class={props.kind}>
         {props.label}
@@ -128,11 +141,20 @@ export interface Curve {
 }
 
 /// Curves over time (seconds since 1970) or over whole numbers.
-export function Chart(props: { label: string; x: number[]; curves: Curve[]; is_time?: boolean }): JSX.Element {
+export function Chart(props: {
+  label: string;
+  x: number[];
+  curves: Curve[];
+  is_time?: boolean;
+}): JSX.Element {
   const box = useRef<HTMLDivElement>(null);
   useEffect(() => {
     if (!box.current || props.x.length === 0) return;
-    const axis = { stroke: theme_colour('--text'), grid: { stroke: theme_colour('--edge'), width: 0.5 }, ticks: { stroke: theme_colour('--edge') } };
+    const axis = {
+      stroke: theme_colour('--text'),
+      grid: { stroke: theme_colour('--edge'), width: 0.5 },
+      ticks: { stroke: theme_colour('--edge') },
+    };
     const plot = new uPlot(
       {
         width: Math.max(280, box.current.clientWidth),

@@ -18,7 +18,10 @@ export function People(): JSX.Element {
       {!admin && <p class="quiet">{t('needs_administrator')}</p>}
       <Failure text={error} />
       {value && (
-        <Table label={t('nav_people')} heads={[t('name'), t('role'), t('open_account'), t('made'), t('last_login'), '']}>
+        <Table
+          label={t('nav_people')}
+          heads={[t('name'), t('role'), t('open_account'), t('made'), t('last_login'), '']}
+        >
           {value.users.map((user) => (
             <tr key={user.name}>
               <th scope="row">{user.name}</th>
@@ -26,7 +29,11 @@ export function People(): JSX.Element {
                 <select
                   aria-label={`${t('role')} ${user.name}`}
                   value={user.role}
-                  onChange={(e) => void act(t('done_user', { name: user.name }), () => call('PATCH', `/users/${user.name}`, { role: e.currentTarget.value }))}
+                  onChange={(e) =>
+                    void act(t('done_user', { name: user.name }), () =>
+                      call('PATCH', `/users/${user.name}`, { role: e.currentTarget.value }),
+                    )
+                  }
                 >
                   {roles.map((role) => (
                     <option key={role} value={role}>
@@ -39,7 +46,11 @@ export function People(): JSX.Element {
                 <button
                   type="button"
                   aria-pressed={user.enabled}
-                  onClick={() => void act(t('done_user', { name: user.name }), () => call('PATCH', `/users/${user.name}`, { enabled: !user.enabled }))}
+                  onClick={() =>
+                    void act(t('done_user', { name: user.name }), () =>
+                      call('PATCH', `/users/${user.name}`, { enabled: !user.enabled }),
+                    )
+                  }
                 >
                   {user.enabled ? t('account_open') : t('account_closed')}
                 </button>
@@ -58,7 +69,9 @@ export function People(): JSX.Element {
                     class="stop-quiet"
                     onClick={() => {
                       set_asked('');
-                      void act(t('done_remove', { name: user.name }), () => call('DELETE', `/users/${user.name}`));
+                      void act(t('done_remove', { name: user.name }), () =>
+                        call('DELETE', `/users/${user.name}`),
+                      );
                     }}
                   >
                     {t('really_remove', { name: user.name })}
@@ -84,15 +97,28 @@ function NewUser(): JSX.Element {
         class="form"
         onSubmit={(event) => {
           event.preventDefault();
-          void act(t('done_user', { name: form.name }), () => call('POST', '/users', form)).then((done) => done && set_form({ name: '', role: 'operator', password: '' }));
+          void act(t('done_user', { name: form.name }), () => call('POST', '/users', form)).then(
+            (done) => done && set_form({ name: '', role: 'operator', password: '' }),
+          );
         }}
       >
         <label>
-          {t('name')} <input required autocomplete="off" maxLength={64} pattern="[A-Za-z0-9][A-Za-z0-9._@\-]*" value={form.name} onInput={(e) => set_form({ ...form, name: e.currentTarget.value })} />
+          {t('name')}{' '}
+          <input
+            required
+            autocomplete="off"
+            maxLength={64}
+            pattern="[A-Za-z0-9][A-Za-z0-9._@\-]*"
+            value={form.name}
+            onInput={(e) => set_form({ ...form, name: e.currentTarget.value })}
+          />
         </label>
         <label>
           {t('role')}{' '}
-          <select value={form.role} onChange={(e) => set_form({ ...form, role: e.currentTarget.value as Role })}>
+          <select
+            value={form.role}
+            onChange={(e) => set_form({ ...form, role: e.currentTarget.value as Role })}
+          >
             {roles.map((role) => (
               <option key={role} value={role}>
                 {t(`role_${role}`)}
@@ -102,7 +128,15 @@ function NewUser(): JSX.Element {
         </label>
         <label>
           {t('password')}{' '}
-          <input type="password" required minLength={8} maxLength={200} autocomplete="new-password" value={form.password} onInput={(e) => set_form({ ...form, password: e.currentTarget.value })} />
+          <input
+            type="password"
+            required
+            minLength={8}
+            maxLength={200}
+            autocomplete="new-password"
+            value={form.password}
+            onInput={(e) => set_form({ ...form, password: e.currentTarget.value })}
+          />
         </label>
         <button type="submit" class="go">
           {t('save')}
@@ -123,16 +157,32 @@ function OwnPassword(): JSX.Element | null {
         class="form"
         onSubmit={(event) => {
           event.preventDefault();
-          void act(t('done_password'), () => call('PATCH', `/users/${me.name}`, form)).then(() => set_form({ old_password: '', password: '' }));
+          void act(t('done_password'), () => call('PATCH', `/users/${me.name}`, form)).then(() =>
+            set_form({ old_password: '', password: '' }),
+          );
         }}
       >
         <label>
           {t('old_password')}{' '}
-          <input type="password" required autocomplete="current-password" value={form.old_password} onInput={(e) => set_form({ ...form, old_password: e.currentTarget.value })} />
+          <input
+            type="password"
+            required
+            autocomplete="current-password"
+            value={form.old_password}
+            onInput={(e) => set_form({ ...form, old_password: e.currentTarget.value })}
+          />
         </label>
         <label>
           {t('new_password')}{' '}
-          <input type="password" required minLength={8} maxLength={200} autocomplete="new-password" value={form.password} onInput={(e) => set_form({ ...form, password: e.currentTarget.value })} />
+          <input
+            type="password"
+            required
+            minLength={8}
+            maxLength={200}
+            autocomplete="new-password"
+            value={form.password}
+            onInput={(e) => set_form({ ...form, password: e.currentTarget.value })}
+          />
         </label>
         <button type="submit">{t('save')}</button>
       </form>
@@ -157,7 +207,10 @@ export function Log(): JSX.Element {
       {!may('engineer') && <p class="quiet">{t('needs_engineer')}</p>}
       <Failure text={error} />
       {value && (
-        <Table label={t('nav_log')} heads={[t('time'), t('who'), t('door'), t('what'), t('subject'), t('before'), t('after')]}>
+        <Table
+          label={t('nav_log')}
+          heads={[t('time'), t('who'), t('door'), t('what'), t('subject'), t('before'), t('after')]}
+        >
           {value.entries.map((entry) => (
             <tr key={entry.seq}>
               <th scope="row">{time_words(entry.time)}</th>

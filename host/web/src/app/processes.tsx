@@ -22,16 +22,27 @@ function put(object: Value, key: string | number, value: Value): Value {
 
 function range_words(schema: Schema): string {
   const unit = schema['x-unit'] ? ` ${schema['x-unit']}` : '';
-  if (schema.minimum !== undefined && schema.maximum !== undefined) return `${schema.minimum} … ${schema.maximum}${unit}`;
+  if (schema.minimum !== undefined && schema.maximum !== undefined)
+    return `${schema.minimum} … ${schema.maximum}${unit}`;
   if (schema.minimum !== undefined) return `≥ ${schema.minimum}${unit}`;
   if (schema.maximum !== undefined) return `≤ ${schema.maximum}${unit}`;
   return unit.trim();
 }
 
-function Field(props: { name: string; path: string; schema: Schema; value: Value; required: boolean; faults: Fault[]; change: (value: Value) => void }): JSX.Element {
+function Field(props: {
+  name: string;
+  path: string;
+  schema: Schema;
+  value: Value;
+  required: boolean;
+  faults: Fault[];
+  change: (value: Value) => void;
+}): JSX.Element {
   const { schema, path, value } = props;
   const kind = kind_of(schema);
-  const fault = props.faults.filter((f) => f.field === path || f.field.replace(/^\//, '').replace(/\//g, '.') === path);
+  const fault = props.faults.filter(
+    (f) => f.field === path || f.field.replace(/^\//, '').replace(/\//g, '.') === path,
+  );
   const help = `${path}-help`;
   const told = (
     <span id={help} class="help">
@@ -76,7 +87,15 @@ function Field(props: { name: string; path: string; schema: Schema; value: Value
         {told}
         {shown.map((item, i) => (
           <div class="item" key={`${path}[${i}]`}>
-            <Field name={`${title} ${i + 1}`} path={`${path}[${i}]`} schema={schema.items!} value={item} required faults={props.faults} change={(next) => props.change(put(items, i, next))} />
+            <Field
+              name={`${title} ${i + 1}`}
+              path={`${path}[${i}]`}
+              schema={schema.items!}
+              value={item}
+              required
+              faults={props.faults}
+              change={(next) => props.change(put(items, i, next))}
+            />
             {!fixed && (
               <button type="button" onClick={() => props.change(items.filter((_, k) => k !== i))}>
                 {t('remove_one', { name: `${title} ${i + 1}` })}
@@ -85,7 +104,16 @@ function Field(props: { name: string; path: string; schema: Schema; value: Value
           </div>
         ))}
         {(!fixed || items.length === 0) && items.length < (schema.maxItems ?? 1000) && (
-          <button type="button" onClick={() => props.change(fixed ? new Array(schema.minItems).fill(0) : [...items, kind_of(schema.items!) === 'object' ? {} : (schema.items!.default ?? 0)])}>
+          <button
+            type="button"
+            onClick={() =>
+              props.change(
+                fixed
+                  ? new Array(schema.minItems).fill(0)
+                  : [...items, kind_of(schema.items!) === 'object' ? {} : (schema.items!.default ?? 0)],
+              )
+            }
+          >
             {t('add', { name: title })}
           </button>
         )}
@@ -96,7 +124,11 @@ function Field(props: { name: string; path: string; schema: Schema; value: Value
     return (
       <label class="row">
         <span>{title}</span>
-        <select {...common} value={String(value ?? '')} onChange={(e) => props.change(schema.enum!.find((v) => String(v) === e.currentTarget.value))}>
+        <select
+          {...common}
+          value={String(value ?? '')}
+          onChange={(e) => props.change(schema.enum!.find((v) => String(v) === e.currentTarget.value))}
+        >
           {!props.required && <option value="">–</option>}
           {schema.enum.map((one) => (
             <option key={one} value={String(one)}>
@@ -112,7 +144,12 @@ function Field(props: { name: string; path: string; schema: Schema; value: Value
     return (
       <label class="row">
         <span>{title}</span>
-        <input type="checkbox" aria-describedby={help} checked={value === true} onChange={(e) => props.change(e.currentTarget.checked)} />
+        <input
+          type="checkbox"
+          aria-describedby={help}
+          checked={value === true}
+          onChange={(e) => props.change(e.currentTarget.checked)}
+        />
         {told}
       </label>
     );
@@ -132,7 +169,9 @@ function Field(props: { name: string; path: string; schema: Schema; value: Value
           max={schema.maximum}
           placeholder={schema.default !== undefined ? String(schema.default) : ''}
           value={typeof value === 'number' ? value : ''}
-          onInput={(e) => props.change(e.currentTarget.value === '' ? undefined : Number(e.currentTarget.value))}
+          onInput={(e) =>
+            props.change(e.currentTarget.value === '' ? undefined : Number(e.currentTarget.value))
+          }
         />
         {told}
       </label>
@@ -141,7 +180,12 @@ function Field(props: { name: string; path: string; schema: Schema; value: Value
   return (
     <label class="row">
       <span>{title}</span>
-      <input {...common} value={String(value ?? '')} maxLength={200} onInput={(e) => props.change(e.currentTarget.value === '' ? undefined : e.currentTarget.value)} />
+      <input
+        {...common}
+        value={String(value ?? '')}
+        maxLength={200}
+        onInput={(e) => props.change(e.currentTarget.value === '' ? undefined : e.currentTarget.value)}
+      />
       {told}
     </label>
   );
@@ -164,7 +208,8 @@ export function Processes(): JSX.Element {
           <select value={chosen} onChange={(e) => set_name(e.currentTarget.value)}>
             {value.processes.map((process) => (
               <option key={process.name} value={process.name}>
-                {process.name} {process.shipped ? t('shipped') : `${process.who ?? ''} ${time_words(process.time)}`}
+                {process.name}{' '}
+                {process.shipped ? t('shipped') : `${process.who ?? ''} ${time_words(process.time)}`}
               </option>
             ))}
           </select>
@@ -221,7 +266,14 @@ function OneProcess({ name, schema }: { name: string; schema: Schema }): JSX.Ele
           ))}
           <div class="tools">
             <label>
-              {t('save_as')} <input value={as} required maxLength={64} pattern="[A-Za-z0-9][A-Za-z0-9._\-]*" onInput={(e) => set_as(e.currentTarget.value)} />
+              {t('save_as')}{' '}
+              <input
+                value={as}
+                required
+                maxLength={64}
+                pattern="[A-Za-z0-9][A-Za-z0-9._\-]*"
+                onInput={(e) => set_as(e.currentTarget.value)}
+              />
             </label>
             <button type="submit" class="go">
               {t('save')}

@@ -32,7 +32,19 @@ function outcome_words(one: Rerun): string {
 
 function Reruns({ scan }: { scan: Scan }): JSX.Element {
   return (
-    <Table label={t('reruns')} heads={[t('reruns'), t('time'), t('who'), t('settings'), t('verdict'), t('length'), t('colour_confidence'), '']}>
+    <Table
+      label={t('reruns')}
+      heads={[
+        t('reruns'),
+        t('time'),
+        t('who'),
+        t('settings'),
+        t('verdict'),
+        t('length'),
+        t('colour_confidence'),
+        '',
+      ]}
+    >
       {(scan.reruns ?? []).map((one) => (
         <tr key={one.rerun}>
           <th scope="row">{one.rerun}</th>
@@ -74,7 +86,9 @@ export function WorkAgain({ scan }: { scan: Scan }): JSX.Element | null {
   const enabled = engineer && holds_control();
   const chosen = settings.model !== '' || settings.method !== '' || settings.process !== '';
   const order = () => {
-    const given: Record<string, unknown> = Object.fromEntries(Object.entries(settings).filter(([, value]) => value !== ''));
+    const given: Record<string, unknown> = Object.fromEntries(
+      Object.entries(settings).filter(([, value]) => value !== ''),
+    );
     if (settings.model !== '' && mirror) given.mirror = true;
     return act(t('done_rerun'), () => call('POST', `/scans/${scan.id}/rerun`, { settings: given, why }));
   };
@@ -115,12 +129,22 @@ export function WorkAgain({ scan }: { scan: Scan }): JSX.Element | null {
           </label>
           {settings.model !== '' && (
             <label>
-              <input type="checkbox" checked={mirror} disabled={!enabled} onChange={(event) => set_mirror(event.currentTarget.checked)} /> {t('mirror')}
+              <input
+                type="checkbox"
+                checked={mirror}
+                disabled={!enabled}
+                onChange={(event) => set_mirror(event.currentTarget.checked)}
+              />{' '}
+              {t('mirror')}
             </label>
           )}
           <label>
             {t('process')}{' '}
-            <select value={settings.process} disabled={!enabled} onChange={(event) => set_settings({ ...settings, process: event.currentTarget.value })}>
+            <select
+              value={settings.process}
+              disabled={!enabled}
+              onChange={(event) => set_settings({ ...settings, process: event.currentTarget.value })}
+            >
               <option value="">–</option>
               {(processes?.processes ?? []).map((process) => (
                 <option key={process.name} value={process.name}>
@@ -130,7 +154,13 @@ export function WorkAgain({ scan }: { scan: Scan }): JSX.Element | null {
             </select>
           </label>
           <label>
-            {t('why')} <input value={why} maxLength={500} disabled={!enabled} onInput={(event) => set_why(event.currentTarget.value)} />
+            {t('why')}{' '}
+            <input
+              value={why}
+              maxLength={500}
+              disabled={!enabled}
+              onInput={(event) => set_why(event.currentTarget.value)}
+            />
           </label>
           <button type="submit" class="go" disabled={!enabled || !chosen}>
             {t('work_again')}

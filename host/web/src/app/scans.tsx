@@ -5,7 +5,17 @@ import { useEffect, useMemo, useState } from 'preact/hooks';
 import { type Hand, parse_view_data, type ResultFile, type ViewData } from '../viewer/view_data';
 import { Viewer } from '../viewer/viewer';
 import { amount, number, t, t_or } from '../words';
-import { type FileRow, Refused, type Scan, type ScanRow, type Trends, base, call, file_address, query } from './api';
+import {
+  type FileRow,
+  Refused,
+  type Scan,
+  type ScanRow,
+  type Trends,
+  base,
+  call,
+  file_address,
+  query,
+} from './api';
 import { Decide } from './live';
 import { Mend } from './mend';
 import { Chart, Failure, Figures, Table, Verdict } from './parts';
@@ -32,7 +42,12 @@ function day(text: string, end: boolean): string | undefined {
 export function Scans(): JSX.Element {
   const [filter, set_filter] = useState<Filter>({ from: '', to: '', model: '', verdict: '' });
   const [more, set_more] = useState<{ key: string; rows: ScanRow[]; next: string | null } | null>(null);
-  const asked = { from: day(filter.from, false), to: day(filter.to, true), model: filter.model, verdict: filter.verdict };
+  const asked = {
+    from: day(filter.from, false),
+    to: day(filter.to, true),
+    model: filter.model,
+    verdict: filter.verdict,
+  };
   const path = `/scans${query({ ...asked, limit: 50 })}`;
   const { value, error } = use_reading<{ scans: ScanRow[]; next: string | null }>(path);
   const extra = more?.key === path ? more : null;
@@ -40,11 +55,15 @@ export function Scans(): JSX.Element {
   const next = extra ? extra.next : (value?.next ?? null);
   const field = (name: keyof Filter) => ({
     value: filter[name],
-    onInput: (event: { currentTarget: { value: string } }) => set_filter({ ...filter, [name]: event.currentTarget.value }),
+    onInput: (event: { currentTarget: { value: string } }) =>
+      set_filter({ ...filter, [name]: event.currentTarget.value }),
   });
   const load = async () => {
     if (!next) return;
-    const page = await call<{ scans: ScanRow[]; next: string | null }>('GET', `/scans${query({ ...asked, limit: 50, cursor: next })}`);
+    const page = await call<{ scans: ScanRow[]; next: string | null }>(
+      'GET',
+      `/scans${query({ ...asked, limit: 50, cursor: next })}`,
+    );
     set_more({ key: path, rows: [...(extra?.rows ?? []), ...page.scans], next: page.next });
   };
   return (
@@ -71,7 +90,11 @@ export function Scans(): JSX.Element {
             ))}
           </select>
         </label>
-        <a class="button" href={`${base}/history.csv${query({ from: asked.from, to: asked.to, model: asked.model })}`} download="history.csv">
+        <a
+          class="button"
+          href={`${base}/history.csv${query({ from: asked.from, to: asked.to, model: asked.model })}`}
+          download="history.csv"
+        >
           {t('csv')}
         </a>
       </form>
@@ -80,7 +103,19 @@ export function Scans(): JSX.Element {
       {rows.length > 0 && (
         <Table
           label={t('nav_scans')}
-          heads={[t('scan'), t('time'), t('verdict'), t('decision'), t('model'), t('reason'), t('length'), 'U95', t('weak_stretches'), t('cycle'), t('operator')]}
+          heads={[
+            t('scan'),
+            t('time'),
+            t('verdict'),
+            t('decision'),
+            t('model'),
+            t('reason'),
+            t('length'),
+            'U95',
+            t('weak_stretches'),
+            t('cycle'),
+            t('operator'),
+          ]}
         >
           {rows.map((scan) => (
             <tr key={scan.id}>
@@ -162,7 +197,16 @@ function TrendView(props: { from?: string; to?: string; model: string }): JSX.El
           <Chart label={t('u95_trend')} x={charts.x} curves={charts.u95} />
           <Chart label={`${t('cycle')} [s]`} x={charts.x} curves={charts.cycle} />
           {places && capability && (
-            <Chart label={t('capability', { model: capability.model ?? '', tolerance: number(capability.tolerance_mm, 2), scans: capability.scans ?? 0 })} x={places.x} curves={places.curves} is_time={false} />
+            <Chart
+              label={t('capability', {
+                model: capability.model ?? '',
+                tolerance: number(capability.tolerance_mm, 2),
+                scans: capability.scans ?? 0,
+              })}
+              x={places.x}
+              curves={places.curves}
+              is_time={false}
+            />
           )}
         </div>
       )}
@@ -212,21 +256,39 @@ export function OneScan({ id }: { id: string }): JSX.Element {
       <Failure text={error} />
       {scan && (
         <>
-          <p class={`notice ${scan.verdict === 'amber' ? 'look' : scan.verdict === 'ok' ? 'good' : scan.verdict === 'working' ? '' : 'refused'}`}>
-            <Verdict scan={scan} /> {scan.reason ?? ''} {scan.next_step && <strong>{`${t('next_step')} ${scan.next_step}`}</strong>}
+          <p
+            class={`notice ${scan.verdict === 'amber' ? 'look' : scan.verdict === 'ok' ? 'good' : scan.verdict === 'working' ? '' : 'refused'}`}
+          >
+            <Verdict scan={scan} /> {scan.reason ?? ''}{' '}
+            {scan.next_step && <strong>{`${t('next_step')} ${scan.next_step}`}</strong>}
           </p>
           <Decide scan={scan} />
           <Figures
             rows={[
               [t('time'), time_words(scan.time)],
-              [t('decision'), `${t_or(`decision_${scan.decision}`, scan.decision)}${scan.decided_by ? `, ${scan.decided_by}` : ''}${scan.why ? `: ${scan.why}` : ''}`],
+              [
+                t('decision'),
+                `${t_or(`decision_${scan.decision}`, scan.decision)}${scan.decided_by ? `, ${scan.decided_by}` : ''}${scan.why ? `: ${scan.why}` : ''}`,
+              ],
               [t('model'), scan.model ?? '–'],
               [t('process'), scan.process ?? '–'],
               [t('length'), amount(scan.length_mm, 'mm', 1)],
               [t('colour_confidence'), number(scan.confidence, 2)],
               [t('u95_line'), amount(scan.u95_mm, 'mm', 2)],
-              [t('followed'), scan.followed === true ? t('yes') : scan.followed === false ? t('not_to_end') : scan.sent ? t('sent') : t('no')],
-              [t('times'), `${t('scan')} ${number(scan.scan_s, 1)} s, ${t('layer_line')} ${number(scan.line_s, 2)} s, ${t('cycle')} ${number(scan.cycle_s, 1)} s`],
+              [
+                t('followed'),
+                scan.followed === true
+                  ? t('yes')
+                  : scan.followed === false
+                    ? t('not_to_end')
+                    : scan.sent
+                      ? t('sent')
+                      : t('no'),
+              ],
+              [
+                t('times'),
+                `${t('scan')} ${number(scan.scan_s, 1)} s, ${t('layer_line')} ${number(scan.line_s, 2)} s, ${t('cycle')} ${number(scan.cycle_s, 1)} s`,
+              ],
               [t('operator'), scan.operator ?? '–'],
               [t('versions'), `${scan.version ?? '–'}, ${t('layer_line')} ${scan.line_version ?? 0}`],
             ]}
@@ -241,7 +303,17 @@ export function OneScan({ id }: { id: string }): JSX.Element {
   );
 }
 
-const named = ['line.csv', 'cloud.ply', 'report.json', 'path/path.csv', 'path/path.script', 'path/tracking.html', 'gate.json', 'followed.json', 'track.csv'];
+const named = [
+  'line.csv',
+  'cloud.ply',
+  'report.json',
+  'path/path.csv',
+  'path/path.script',
+  'path/tracking.html',
+  'gate.json',
+  'followed.json',
+  'track.csv',
+];
 
 function ScanView({ scan, files }: { scan: Scan; files: FileRow[] }): JSX.Element {
   const { data, error } = use_view(scan.id, scan.line_version);
@@ -251,7 +323,10 @@ function ScanView({ scan, files }: { scan: Scan; files: FileRow[] }): JSX.Elemen
   const [other, set_other] = useState('');
   const { value: others } = use_reading<{ scans: ScanRow[] }>('/scans?limit=100');
   const compared = use_view(other || null, 0);
-  const beside = useMemo(() => (other && compared.data ? { name: other, data: compared.data } : null), [other, compared.data]);
+  const beside = useMemo(
+    () => (other && compared.data ? { name: other, data: compared.data } : null),
+    [other, compared.data],
+  );
   const [hand, set_hand] = useState<Hand | null>(null);
   const stages = files.filter((file) => /^stages\/.*\.png$/.test(file.path));
   return (
@@ -274,7 +349,17 @@ function ScanView({ scan, files }: { scan: Scan; files: FileRow[] }): JSX.Elemen
         </label>
       )}
       <Failure text={compared.error} />
-      {data && <Viewer hand={data.line && may('operator') ? set_hand : undefined} other={beside} key={`${scan.id} ${scan.line_version ?? 0}`} data={data} files={shown} file_base={`${base}/scans/${scan.id}/files/`} told />}
+      {data && (
+        <Viewer
+          hand={data.line && may('operator') ? set_hand : undefined}
+          other={beside}
+          key={`${scan.id} ${scan.line_version ?? 0}`}
+          data={data}
+          files={shown}
+          file_base={`${base}/scans/${scan.id}/files/`}
+          told
+        />
+      )}
       {data?.line && <Mend scan={scan} data={data} hand={hand} />}
       <WorkAgain scan={scan} />
       {stages.length > 0 && (

@@ -145,7 +145,10 @@ export class Scene {
     const at = new THREE.Vector3(...this.view.line[index]!.shoe);
     const way = this.camera.position.clone().sub(this.controls.target);
     const n = this.view.line[index]!.normal;
-    way.set(n[0], n[1], Math.max(0.5, n[2])).normalize().multiplyScalar(2 * this.size_mm);
+    way
+      .set(n[0], n[1], Math.max(0.5, n[2]))
+      .normalize()
+      .multiplyScalar(2 * this.size_mm);
     this.controls.target.copy(at);
     this.camera.position.copy(at).add(way);
     this.camera.zoom = Math.max(this.camera.zoom, 4);
@@ -230,7 +233,10 @@ export class Scene {
     if (points.length > 1) {
       const round = [...points, points[0]!].map((p) => new THREE.Vector3(...p));
       const geometry = new THREE.BufferGeometry().setFromPoints(round);
-      const line = new THREE.Line(geometry, new THREE.LineDashedMaterial({ color: 0xd1006c, dashSize: 5, gapSize: 3, depthTest: false }));
+      const line = new THREE.Line(
+        geometry,
+        new THREE.LineDashedMaterial({ color: 0xd1006c, dashSize: 5, gapSize: 3, depthTest: false }),
+      );
       line.computeLineDistances();
       line.renderOrder = 6;
       this.layers.other.add(line);
@@ -244,14 +250,27 @@ export class Scene {
     if (index !== null && this.view.line[index]) {
       const cut = section(this.view, index, 0, 0);
       const at = new THREE.Vector3(...cut.at.shoe);
-      const ball = new THREE.Mesh(new THREE.SphereGeometry(1.4, 20, 14), new THREE.MeshBasicMaterial({ color: 0xd1006c, depthTest: false }));
+      const ball = new THREE.Mesh(
+        new THREE.SphereGeometry(1.4, 20, 14),
+        new THREE.MeshBasicMaterial({ color: 0xd1006c, depthTest: false }),
+      );
       ball.position.copy(at);
       ball.renderOrder = 5;
       const out = new THREE.Vector3(...cut.out);
       const up = new THREE.Vector3(...cut.up);
       const arrow = new THREE.ArrowHelper(new THREE.Vector3(...cut.at.normal), at, 14, 0xd1006c, 4, 2.4);
-      const corners = [[1, 1], [-1, 1], [-1, -1], [1, -1], [1, 1]].map(([a, b]) =>
-        at.clone().addScaledVector(out, a! * reach_mm).addScaledVector(up, b! * reach_mm));
+      const corners = [
+        [1, 1],
+        [-1, 1],
+        [-1, -1],
+        [1, -1],
+        [1, 1],
+      ].map(([a, b]) =>
+        at
+          .clone()
+          .addScaledVector(out, a! * reach_mm)
+          .addScaledVector(up, b! * reach_mm),
+      );
       const frame = new THREE.Line(
         new THREE.BufferGeometry().setFromPoints(corners),
         new THREE.LineBasicMaterial({ color: 0xd1006c }),
@@ -263,8 +282,13 @@ export class Scene {
 
   private build_path(): void {
     if (this.view.path.length < 2) return;
-    const geometry = new THREE.BufferGeometry().setFromPoints(this.view.path.map((p) => new THREE.Vector3(...p)));
-    const path = new THREE.Line(geometry, new THREE.LineDashedMaterial({ color: 0x2f7de1, dashSize: 4, gapSize: 2 }));
+    const geometry = new THREE.BufferGeometry().setFromPoints(
+      this.view.path.map((p) => new THREE.Vector3(...p)),
+    );
+    const path = new THREE.Line(
+      geometry,
+      new THREE.LineDashedMaterial({ color: 0x2f7de1, dashSize: 4, gapSize: 2 }),
+    );
     path.computeLineDistances();
     this.layers.path.add(path);
   }
@@ -275,8 +299,15 @@ export class Scene {
     for (const stretch of data.report.weak_stretches ?? []) {
       const middle = stretch.from_mm + stretch.length_mm / 2;
       const points = line
-        .filter((p) => Math.abs(((p.at_mm - middle + 1.5 * length_mm) % length_mm) - length_mm / 2) <= stretch.length_mm / 2 + 0.6)
-        .map((p) => [p.shoe[0] + 2 * p.normal[0], p.shoe[1] + 2 * p.normal[1], p.shoe[2] + 2 * p.normal[2]] as Vec);
+        .filter(
+          (p) =>
+            Math.abs(((p.at_mm - middle + 1.5 * length_mm) % length_mm) - length_mm / 2) <=
+            stretch.length_mm / 2 + 0.6,
+        )
+        .map(
+          (p) =>
+            [p.shoe[0] + 2 * p.normal[0], p.shoe[1] + 2 * p.normal[1], p.shoe[2] + 2 * p.normal[2]] as Vec,
+        );
       const geometry = new THREE.SphereGeometry(0.9, 10, 8);
       const material = new THREE.MeshBasicMaterial({ color: 0xe07b00 });
       for (const [i, p] of points.entries()) {
@@ -288,7 +319,14 @@ export class Scene {
     }
   }
 
-  private add_line(group: THREE.Group, positions: number[], colours: number[] | null, width: number, opacity: number, hidden_by_cloud: boolean): void {
+  private add_line(
+    group: THREE.Group,
+    positions: number[],
+    colours: number[] | null,
+    width: number,
+    opacity: number,
+    hidden_by_cloud: boolean,
+  ): void {
     const geometry = new LineGeometry();
     geometry.setPositions(positions);
     if (colours) geometry.setColors(colours);
@@ -333,7 +371,10 @@ export class Scene {
     const facing = this.camera.position.clone().sub(this.controls.target).normalize();
     this.view.line.forEach((point, i) => {
       p.set(...point.shoe).project(this.camera);
-      const away = Math.hypot((p.x * 0.5 + 0.5) * this.canvas.clientWidth - x, (0.5 - p.y * 0.5) * this.canvas.clientHeight - y);
+      const away = Math.hypot(
+        (p.x * 0.5 + 0.5) * this.canvas.clientWidth - x,
+        (0.5 - p.y * 0.5) * this.canvas.clientHeight - y,
+      );
       const behind = dot3(point.normal, facing) < -0.2 ? 15 : 0;
       if (away + behind < least) {
         least = away + behind;
@@ -350,8 +391,11 @@ export class Scene {
     // Half the extent of the box as it is seen.
     const right = new THREE.Vector3().setFromMatrixColumn(this.camera.matrixWorld, 0);
     const up = new THREE.Vector3().setFromMatrixColumn(this.camera.matrixWorld, 1);
-    const half = new THREE.Vector3(...this.view.high).sub(new THREE.Vector3(...this.view.low)).multiplyScalar(0.5);
-    const along = (v: THREE.Vector3) => Math.abs(v.x) * half.x + Math.abs(v.y) * half.y + Math.abs(v.z) * half.z;
+    const half = new THREE.Vector3(...this.view.high)
+      .sub(new THREE.Vector3(...this.view.low))
+      .multiplyScalar(0.5);
+    const along = (v: THREE.Vector3) =>
+      Math.abs(v.x) * half.x + Math.abs(v.y) * half.y + Math.abs(v.z) * half.z;
     const mm_per_px = Math.max((2.3 * along(right)) / width, (2.4 * along(up)) / height);
     this.camera.left = (-width / 2) * mm_per_px;
     this.camera.right = (width / 2) * mm_per_px;
@@ -386,7 +430,13 @@ export class Scene {
           const outside = x < 0 || y < 0 || x > width || y > height;
           // Near the edge a name moves in, so that it is read whole.
           const inside = Math.min(Math.max(x, 40), Math.max(40, width - 40));
-          return { key: label.key, text: label.text, x: inside, y, hidden: outside || !this.layers.names.visible };
+          return {
+            key: label.key,
+            text: label.text,
+            x: inside,
+            y,
+            hidden: outside || !this.layers.names.visible,
+          };
         }),
       });
     });

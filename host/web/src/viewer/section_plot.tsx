@@ -28,12 +28,23 @@ export function SectionPlot(props: {
   const drag = (event: PointerEvent) => {
     if (!props.move || event.buttons !== 1) return;
     const box = (event.currentTarget as SVGSVGElement).getBoundingClientRect();
-    const mm = (px: number, extent: number) => ((px / extent) * size - size / 2) * (reach_mm / (size / 2 - 18));
-    props.move({ out_mm: mm(event.clientX - box.left, box.width), up_mm: -mm(event.clientY - box.top, box.height) });
+    const mm = (px: number, extent: number) =>
+      ((px / extent) * size - size / 2) * (reach_mm / (size / 2 - 18));
+    props.move({
+      out_mm: mm(event.clientX - box.left, box.width),
+      up_mm: -mm(event.clientY - box.top, box.height),
+    });
   };
   return (
     <figure class="section">
-      <svg viewBox={`0 0 ${size} ${size}`} role="img" aria-label={words} class={props.move ? 'movable' : ''} onPointerDown={drag} onPointerMove={drag}>
+      <svg
+        viewBox={`0 0 ${size} ${size}`}
+        role="img"
+        aria-label={words}
+        class={props.move ? 'movable' : ''}
+        onPointerDown={drag}
+        onPointerMove={drag}
+      >
         <rect x="1" y="1" width={size - 2} height={size - 2} class="plot-ground" />
         {ticks.map((mm) => (
           <g key={mm} class="tick">
@@ -57,7 +68,10 @@ export function SectionPlot(props: {
           n
         </text>
         {props.moved && (props.moved.out_mm !== 0 || props.moved.up_mm !== 0) && (
-          <path d={`M${x(props.moved.out_mm) - 6} ${y(props.moved.up_mm) - 6}l12 12m0 -12l-12 12`} class="moved" />
+          <path
+            d={`M${x(props.moved.out_mm) - 6} ${y(props.moved.up_mm) - 6}l12 12m0 -12l-12 12`}
+            class="moved"
+          />
         )}
         <text x={size - 10} y={18} text-anchor="end" class="axis">
           {t('section_axes')}

@@ -138,7 +138,10 @@ export function unpack(data: ViewData): View {
     const { origin_mm, step_mm } = data.cloud;
     cloud = new Float32Array(packed.length);
     for (let i = 0; i + 2 < packed.length; i += 3) {
-      const p = into(T, [0, 1, 2].map((k) => origin_mm[k]! + step_mm * packed[i + k]!));
+      const p = into(
+        T,
+        [0, 1, 2].map((k) => origin_mm[k]! + step_mm * packed[i + k]!),
+      );
       cloud.set(p, i);
       grow(p);
     }
@@ -223,7 +226,9 @@ export function section(view: View, index: number, half_thickness_mm: number, re
 /// A point of the shoe's frame in the robot's base.
 export function in_base(view: View, p: Vec): Vec {
   const T = view.data.T_base_shoe?.length === 16 ? view.data.T_base_shoe : identity;
-  return [0, 1, 2].map((row) => T[4 * row]! * p[0] + T[4 * row + 1]! * p[1] + T[4 * row + 2]! * p[2] + T[4 * row + 3]!) as Vec;
+  return [0, 1, 2].map(
+    (row) => T[4 * row]! * p[0] + T[4 * row + 1]! * p[1] + T[4 * row + 2]! * p[2] + T[4 * row + 3]!,
+  ) as Vec;
 }
 
 /// A place that a person has chosen, perhaps moved by hand in its section.
@@ -242,7 +247,8 @@ export interface Difference {
 
 /// How far `view`'s line lies from another's, each in its own shoe's frame.  Null without two lines of a shoe.
 export function difference(view: View, other: View): Difference | null {
-  if (view.line.length < 3 || other.line.length < 3 || !view.data.T_base_shoe || !other.data.T_base_shoe) return null;
+  if (view.line.length < 3 || other.line.length < 3 || !view.data.T_base_shoe || !other.data.T_base_shoe)
+    return null;
   const away = view.line.map((point) => {
     let least = Infinity;
     for (let i = 0; i < other.line.length; ++i) {

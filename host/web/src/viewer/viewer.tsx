@@ -4,7 +4,15 @@ import type { ComponentChildren, JSX } from 'preact';
 import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { number, t, t_or } from '../words';
 import { gradient } from './colours';
-import { type Label, type Layer, type LineColour, type Overlay, Scene, type ViewName, line_scale } from './scene';
+import {
+  type Label,
+  type Layer,
+  type LineColour,
+  type Overlay,
+  Scene,
+  type ViewName,
+  line_scale,
+} from './scene';
 import { SectionPlot } from './section_plot';
 import {
   type Hand,
@@ -32,7 +40,8 @@ function names_of(view: View): Label[] {
   const middle_y = (low[1] + high[1]) / 2;
   const inner = view.data.inner_side;
   const side = (which: 'left' | 'right') =>
-    t(which) + (inner === 'left' || inner === 'right' ? `, ${t(inner === which ? 'medial' : 'lateral')}` : '');
+    t(which) +
+    (inner === 'left' || inner === 'right' ? `, ${t(inner === which ? 'medial' : 'lateral')}` : '');
   return [
     { key: 'heel', text: t('heel'), at: [low[0] - 8, middle_y, low[2]] },
     { key: 'toe', text: t('toe'), at: [high[0] + 8, middle_y, low[2]] },
@@ -48,7 +57,11 @@ function bar_mm(px_per_mm: number, px: number): number {
   return ([5, 2, 1].find((n) => n * power <= wanted) ?? 1) * power;
 }
 
-export function Toggle(props: { on: boolean; change: (on: boolean) => void; children: ComponentChildren }): JSX.Element {
+export function Toggle(props: {
+  on: boolean;
+  change: (on: boolean) => void;
+  children: ComponentChildren;
+}): JSX.Element {
   return (
     <button type="button" class="toggle" aria-pressed={props.on} onClick={() => props.change(!props.on)}>
       <span aria-hidden="true">{props.on ? '☑' : '☐'}</span> {props.children}
@@ -62,7 +75,11 @@ function ColourBar({ view, by }: { view: View; by: LineColour }): JSX.Element {
   }
   const scale = line_scale(view, by);
   return (
-    <div class="colour-bar" role="img" aria-label={`${t(`colour_${by}`)}: ${number(scale.low, 1)} – ${number(scale.high, 1)} ${scale.unit}`}>
+    <div
+      class="colour-bar"
+      role="img"
+      aria-label={`${t(`colour_${by}`)}: ${number(scale.low, 1)} – ${number(scale.high, 1)} ${scale.unit}`}
+    >
       <span>
         {t(`colour_${by}`)} {number(scale.low, 1)}
       </span>
@@ -123,10 +140,17 @@ export function Viewer(props: {
   }, [view, names]);
   useEffect(() => scene.current?.colour_line(by), [by, view]);
   useEffect(() => scene.current?.colour_cloud(cloud_by), [cloud_by, view]);
-  useEffect(() => scene.current?.compare(apart && other ? other.line.map((p) => p.shoe) : []), [other, apart, view]);
-  useEffect(() => scene.current?.choose(has_line ? chosen : null, reach_mm), [chosen, reach_mm, view, has_line]);
+  useEffect(
+    () => scene.current?.compare(apart && other ? other.line.map((p) => p.shoe) : []),
+    [other, apart, view],
+  );
+  useEffect(
+    () => scene.current?.choose(has_line ? chosen : null, reach_mm),
+    [chosen, reach_mm, view, has_line],
+  );
   const cut = useMemo(
-    () => (has_line ? section(view, Math.min(chosen, view.line.length - 1), section_half_mm, reach_mm) : null),
+    () =>
+      has_line ? section(view, Math.min(chosen, view.line.length - 1), section_half_mm, reach_mm) : null,
     [view, chosen, reach_mm, has_line],
   );
 
@@ -172,7 +196,14 @@ export function Viewer(props: {
     <div class="viewer">
       {!props.told && view.data.found && weak.length > 0 && (
         <p class="notice look">
-          <strong>{t('look')}</strong> {t('weak_total', { count: weak.length, mm: number(weak.reduce((sum, w) => sum + w.length_mm, 0), 1) })}
+          <strong>{t('look')}</strong>{' '}
+          {t('weak_total', {
+            count: weak.length,
+            mm: number(
+              weak.reduce((sum, w) => sum + w.length_mm, 0),
+              1,
+            ),
+          })}
         </p>
       )}
       {!props.told && !view.data.found && view.data.report.next_step && (
@@ -214,14 +245,24 @@ export function Viewer(props: {
         {view.cloud.length > 0 && (
           <label>
             {t('cloud_colour')}{' '}
-            <select value={cloud_by} onChange={(e) => set_cloud_by(e.currentTarget.value as 'grey' | 'height')}>
+            <select
+              value={cloud_by}
+              onChange={(e) => set_cloud_by(e.currentTarget.value as 'grey' | 'height')}
+            >
               <option value="grey">{t('colour_grey')}</option>
               <option value="height">{t('colour_height')}</option>
             </select>
           </label>
         )}
       </div>
-      <div class="stage" ref={box} tabIndex={0} role="application" aria-label={t('stage_words')} onKeyDown={key}>
+      <div
+        class="stage"
+        ref={box}
+        tabIndex={0}
+        role="application"
+        aria-label={t('stage_words')}
+        onKeyDown={key}
+      >
         {without && <p class="notice refused">{without}</p>}
         {!without &&
           overlay.labels
@@ -248,12 +289,20 @@ export function Viewer(props: {
         </div>
       )}
       {view.data.cloud && view.data.cloud.every > 1 && (
-        <p class="quiet">{t('thinned', { every: view.data.cloud.every, of: view.data.cloud.of.toLocaleString() })}</p>
+        <p class="quiet">
+          {t('thinned', { every: view.data.cloud.every, of: view.data.cloud.of.toLocaleString() })}
+        </p>
       )}
       {props.other && (
         <p class="notice">
           {apart
-            ? t('difference', { name: props.other.name, mean: number(apart.mean_mm, 2), p95: number(apart.p95_mm, 2), max: number(apart.max_mm, 2), at: number(apart.max_at_mm, 0) })
+            ? t('difference', {
+                name: props.other.name,
+                mean: number(apart.mean_mm, 2),
+                p95: number(apart.p95_mm, 2),
+                max: number(apart.max_mm, 2),
+                at: number(apart.max_at_mm, 0),
+              })
             : t('no_difference', { name: props.other.name })}
         </p>
       )}
@@ -292,20 +341,35 @@ export function Viewer(props: {
               <dd>{number(at.confidence, 2)}</dd>
               <dt>{t('u95_words')}</dt>
               <dd>
-                {at.u95_mm === null ? `${t('about')} ${number(u95_of_confidence_mm(at.confidence), 2)}` : number(at.u95_mm, 2)} mm
+                {at.u95_mm === null
+                  ? `${t('about')} ${number(u95_of_confidence_mm(at.confidence), 2)}`
+                  : number(at.u95_mm, 2)}{' '}
+                mm
               </dd>
               <dt>{t('colour_source')}</dt>
               <dd>{t_or(`source_${at.source}`, at.source)}</dd>
             </dl>
           </div>
           <div>
-            <SectionPlot cut={cut} reach_mm={reach_mm} moved={moved} move={props.hand ? set_moved : undefined} />
+            <SectionPlot
+              cut={cut}
+              reach_mm={reach_mm}
+              moved={moved}
+              move={props.hand ? set_moved : undefined}
+            />
             {props.hand && (
               <div class="tools">
                 {(['out_mm', 'up_mm'] as const).map((axis) => (
                   <label key={axis}>
                     {t(`move_${axis}`)}{' '}
-                    <input type="number" step={0.1} min={-20} max={20} value={Number(moved[axis].toFixed(2))} onInput={(e) => set_moved({ ...moved, [axis]: Number(e.currentTarget.value) || 0 })} />
+                    <input
+                      type="number"
+                      step={0.1}
+                      min={-20}
+                      max={20}
+                      value={Number(moved[axis].toFixed(2))}
+                      onInput={(e) => set_moved({ ...moved, [axis]: Number(e.currentTarget.value) || 0 })}
+                    />
                   </label>
                 ))}
               </div>
@@ -322,7 +386,8 @@ export function Viewer(props: {
               {weak.map((stretch) => (
                 <li key={stretch.from_mm}>
                   <span>
-                    <strong>{stretch.place}</strong>: {t('weak_row', {
+                    <strong>{stretch.place}</strong>:{' '}
+                    {t('weak_row', {
                       from: number(stretch.from_mm, 1),
                       length: number(stretch.length_mm, 1),
                       error: (stretch.u95_is_guessed ? `${t('about')} ` : '') + number(stretch.u95_mm, 2),
