@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# host_packages.sh BUILD: biteline-host, biteline-web and biteline-gige as packages; installed in a bare Debian 12 folder, where their programs run as
-# an ordinary user, an upgrade keeps what was taught and settings that a person wrote, and a purge leaves the memory.
+# host_packages.sh BUILD: a cell's and a centre's programs as packages; installed in a bare Debian 12 folder, where they run as an
+# ordinary user, an upgrade keeps what was taught and settings that a person wrote, and a purge leaves the memory.
 set -euo pipefail
 build=$1
 skip() { echo "skipped: $1"; exit 77; }
@@ -18,10 +18,11 @@ finish() {
 }
 trap finish EXIT
 
-(cd "$build" && cpack -G DEB -B "$work/packages" -D CPACK_COMPONENTS_ALL="host;web;gige") >"$work/cpack.log" 2>&1 ||
+(cd "$build" && cpack -G DEB -B "$work/packages" -D CPACK_COMPONENTS_ALL="host;web;gige;uplink;fleet") >"$work/cpack.log" 2>&1 ||
   { tail -20 "$work/cpack.log"; exit 1; }
 host=$(echo "$work"/packages/biteline-host_*.deb) web=$(echo "$work"/packages/biteline-web_*.deb)
 gige=$(echo "$work"/packages/biteline-gige_*.deb)
+uplink=$(echo "$work"/packages/biteline-uplink_*.deb) fleet=$(echo "$work"/packages/biteline-fleet_*.deb)
 # holds DEB FILE...: each is in it.
 holds() {
   local deb=$1 file
@@ -38,28 +39,39 @@ holds "$web" usr/bin/biteline-web usr/share/biteline/web/app.js usr/share/biteli
   usr/lib/systemd/system/biteline-web.service etc/biteline/web.env
 holds "$gige" usr/bin/biteline-gige usr/share/man/man1/biteline-gige.1 usr/lib/systemd/system/biteline-gige.service \
   usr/lib/sysusers.d/biteline-gige.conf etc/biteline/gige.env
-both=$(comm -12 <(dpkg-deb -c "$host" | awk '!/\/$/ {print $6}' | sort) <(dpkg-deb -c "$web" | awk '!/\/$/ {print $6}' | sort))
-[ -z "$both" ] || bad "in both packages: $both"
+holds "$uplink" usr/bin/biteline-uplink usr/share/man/man1/biteline-uplink.1 usr/lib/systemd/system/biteline-uplink.service \
+  usr/lib/sysusers.d/biteline-uplink.conf etc/biteline/uplink.env
+holds "$fleet" usr/bin/biteline-fleet usr/share/man/man1/biteline-fleet.1 usr/lib/systemd/system/biteline-fleet.service \
+  usr/lib/sysusers.d/biteline-fleet.conf etc/biteline/fleet.env usr/share/biteline/migrations/0001_cells_and_shoes.sql \
+  usr/share/biteline/broker/mosquitto.conf usr/share/biteline/broker/acl usr/share/biteline/prometheus/rules.yml \
+  usr/share/doc/biteline-fleet/fleet.md
+twice=$(for deb in "$host" "$web" "$gige" "$uplink" "$fleet"; do dpkg-deb -c "$deb" | awk '!/\/$/ {print $6}'; done | sort | uniq -d)
+[ -z "$twice" ] || bad "in more than one package: $twice"
 ! dpkg-deb -f "$host" Depends | grep -q biteline || bad "biteline-host depends on itself"
 
 debootstrap --variant=minbase bookworm "$root" >"$work/debootstrap.log" 2>&1 || skip "no bare folder: $(tail -1 "$work/debootstrap.log")"
 mount -t proc proc "$root/proc"
 in_root() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive HOME=/tmp "$@"; }
-cp "$host" "$web" "$gige" "$root/tmp/"
+cp "$host" "$web" "$gige" "$uplink" "$fleet" "$root/tmp/"
 in_root apt-get update -qq
-in_root sh -c 'apt-get install -y -qq --no-install-recommends /tmp/biteline-host_*.deb /tmp/biteline-web_*.deb /tmp/biteline-gige_*.deb' >"$work/install.log" 2>&1 ||
+in_root sh -c 'apt-get install -y -qq --no-install-recommends /tmp/biteline-*.deb' >"$work/install.log" 2>&1 ||
   { tail -20 "$work/install.log"; exit 1; }
 
 # An ordinary user, to whom the programs' folder is read-only.
 in_root useradd -m anna
 as_anna() { in_root su anna -c "$1"; }
 version=$(dpkg-deb -f "$host" Version)
-for program in biteline biteline-host biteline-web biteline-gige; do
+for program in biteline biteline-host biteline-web biteline-gige biteline-uplink biteline-fleet; do
   as_anna "$program --version" | grep -q "${version%%-*}" || bad "$program tells another version than $version"
 done
 as_anna 'biteline plan --help >/dev/null'
 as_anna 'mkdir /tmp/out && printf "a long password\n" | biteline-web --add-user ada --role administrator --out /tmp/out'
 as_anna 'biteline-host --out /tmp/out --library /tmp/models --backup /tmp/cell.tar' | grep -q 'memory, 0 models' || bad "no backup"
+# Nothing listens here: each says in one line whom it misses.  The tables' versions are found where they were installed.
+as_anna 'timeout 3 biteline-uplink --results /tmp/out --cell cell-1 --broker mqtt://127.0.0.1:9 2>&1' >"$work/said" || [ $? -eq 124 ]
+grep -q '^biteline-uplink: .*broker 127.0.0.1 port 9' "$work/said" || bad "biteline-uplink said: $(cat "$work/said")"
+as_anna 'biteline-fleet --list --database "host=127.0.0.1 port=9" 2>&1' >"$work/said" && bad "a list without a database"
+grep -q '^biteline-fleet: .*database' "$work/said" || bad "biteline-fleet said: $(cat "$work/said")"
 # Its page, whole, without a service behind it.
 as_anna 'biteline-web --listen 127.0.0.1:8089 --control tcp://127.0.0.1:9 >/tmp/web.log 2>&1 & echo $!' >"$work/pid"
 for turn in $(seq 100); do
@@ -76,8 +88,13 @@ echo 'BITELINE_HOST_OPTIONS=--sensor tcp://192.0.2.1:7117' >"$root/etc/biteline/
 mkdir -p "$root/var/lib/biteline-host" && echo kept >"$root/var/lib/biteline-host/memory.sqlite"
 in_root sh -c 'dpkg -i /tmp/biteline-host_*.deb' >/dev/null 2>&1
 grep -q 192.0.2.1 "$root/etc/biteline/host.env" || bad "an upgrade overwrote host.env"
-in_root dpkg --purge biteline-host biteline-web biteline-gige >"$work/purge.log" 2>&1
+in_root dpkg --purge biteline-host biteline-web biteline-gige biteline-uplink biteline-fleet >"$work/purge.log" 2>&1
 grep -q 'remove it by hand' "$work/purge.log" || bad "the purge says nothing of the memory"
+grep -q 'the database stays' "$work/purge.log" || bad "the purge says nothing of the database"
+for left in etc/biteline/uplink.env etc/biteline/fleet.env usr/bin/biteline-uplink usr/bin/biteline-fleet usr/share/biteline; do
+  [ ! -e "$root/$left" ] || bad "the purge left $left"
+done
 [ -e "$root/var/lib/biteline-host/memory.sqlite" ] && [ ! -e "$root/etc/biteline/host.env" ] && [ ! -e "$root/usr/bin/biteline" ] ||
   bad "the purge took the memory, or left programs or settings"
-echo "$(basename "$host"): $(stat -c %s "$host") bytes; $(basename "$web"): $(stat -c %s "$web") bytes; installed, run, upgraded, purged"
+echo "$(basename "$host"): $(stat -c %s "$host") bytes; $(basename "$web"): $(stat -c %s "$web") bytes; $(basename "$uplink"): $(stat -c %s "$uplink") bytes;
+$(basename "$fleet"): $(stat -c %s "$fleet") bytes; installed, run, upgraded, purged"

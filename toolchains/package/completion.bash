@@ -11,4 +11,4 @@ _biteline() {
   words=$(sed -n -e 's/^  \(--[a-z-]*\).*/\1/p' -e 's/^  -[a-zA-Z],\(--[a-z-]*\).*/\1/p' -e '/^Subcommands:/,$s/^  \([a-z]\+\) .*/\1/p' <<<"$help")
   mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word")
 }
-complete -o default -F _biteline biteline biteline-host biteline-web biteline-gige
+complete -o default -F _biteline biteline biteline-host biteline-web biteline-gige biteline-uplink biteline-fleet
