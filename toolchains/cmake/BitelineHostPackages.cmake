@@ -55,7 +55,8 @@ install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/biteline COMPONE
 install(FILES ${man}/biteline.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT host OPTIONAL)
 install(TARGETS biteline-gige RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT gige)
 # The centre has none of the cell's documents but its own.
-install(FILES docs/fleet.md LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/biteline-fleet COMPONENT fleet)
+install(FILES docs/fleet.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/biteline-fleet/docs COMPONENT fleet)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/biteline-fleet COMPONENT fleet)
 
 list(APPEND CPACK_DEBIAN_HOST_PACKAGE_CONTROL_EXTRA ${parts}/scripts/host/postrm)
 list(APPEND CPACK_DEBIAN_FLEET_PACKAGE_CONTROL_EXTRA ${parts}/scripts/fleet/postrm)
