@@ -46,7 +46,7 @@ struct Wish {
 };
 
 /// Owns memory, accounts, API and control end.  Thread: the doors' threads call the Cell's methods, the
-/// service's the rest; neither waits for the other.
+/// service's the rest; neither waits for the other longer than a row is written (between_words()).
 class Cockpit final : public api::Cell {
  public:
   [[nodiscard]] static Result<std::unique_ptr<Cockpit>> open(const CockpitConfig& config);
@@ -92,6 +92,10 @@ class Cockpit final : public api::Cell {
   /// The scan waits for a person until its name is empty again; only one that waits for a word can be
   /// accepted, and only one that waits for its model can be given one.
   void hold(const std::string& scan, Wait wait = Wait::Word);
+  /// While it is held no person's word about a scan is taken.  Whoever reads a scan's row and writes it again
+  /// holds it, and who holds a scan writes its row and calls hold() under one of it: then a word never finds
+  /// one without the other, and none is overwritten.
+  [[nodiscard]] std::unique_lock<std::mutex> between_words() { return std::unique_lock{words_mutex_}; }
   /// The row is in the memory: all doors see it.
   void tell_scan(const std::string& scan);
 
@@ -137,6 +141,7 @@ class Cockpit final : public api::Cell {
   std::atomic<bool> halted_{false};
   std::atomic<bool> paused_{false};
 
+  std::mutex words_mutex_;  ///< taken before mutex_
   mutable std::mutex mutex_;
   line_control::Cycle cycle_;
   bool stopped_{false};  ///< by a person

@@ -64,6 +64,7 @@ Result<void> Cockpit::rescan(const std::string& who, const std::string& why, con
 
 Result<void> Cockpit::decide(const api::Decision& decision) {
   using enum api::Decision::Kind;
+  const std::unique_lock words = between_words();
   bool held = false;
   Wait wait = Wait::Word;
   {
@@ -129,6 +130,7 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
 
 Result<void> Cockpit::choose_model(const std::string& scan, const std::string& model,
                                    const std::string& who) {
+  const std::unique_lock words = between_words();
   {
     const std::lock_guard lock{mutex_};
     if (held_ != scan || wait_ != Wait::Model)
@@ -145,6 +147,7 @@ Result<void> Cockpit::choose_model(const std::string& scan, const std::string& m
 }
 
 Result<void> Cockpit::begin_mend(const std::string& scan) {
+  const std::unique_lock words = between_words();
   const std::lock_guard lock{mutex_};
   if (held_ == scan && wait_ == Wait::Model)
     return fail(Errc::WrongState, "the model of %s is not known; choose one first", scan.c_str());

@@ -127,8 +127,15 @@ Result<int> take_up_rows(memory::Memory& memory, const fs::path& results) {
     BITELINE_ASSIGN(const std::optional<memory::Scan> known, memory.scan(name));
     // A row "working" is of a decision on a scan whose result never came to the memory.
     if (known && known->verdict != "working") continue;
-    const std::optional<memory::Scan> row = row_of(folder);
+    std::optional<memory::Scan> row = row_of(folder);
     if (!row) continue;
+    if (known) {
+      // A person's word stands.
+      row->decision = known->decision;
+      row->decided_by = known->decided_by;
+      row->decided_at = known->decided_at;
+      row->why = known->why;
+    }
     BITELINE_TRY(memory.put_scan(*row, {.id = 0,
                                         .time = memory::now_ms(),
                                         .who = "service",

@@ -137,7 +137,7 @@ class Service {
   /// Sends what waited, with a person's word.
   [[nodiscard]] Result<ExitStatus> send_held(Held held, const robot::Word& word);
   /// The scan's row, of its folder; a memory that cannot take it is told, and costs no scan.
-  void remember(const std::filesystem::path& folder, const std::string& decision, const Chosen& chosen) const;
+  void remember(const std::filesystem::path& folder, const std::string& decision, const Chosen& chosen);
   /// The scan is done with: its messages stay or go.
   void end_recording(intake::ScanIntake& intake, ExitStatus status);
   [[nodiscard]] robot::ScanFacts facts_of(const Scan& scan, const intake::ScanOutcome& outcome) const;
@@ -163,7 +163,6 @@ class Service {
   bool sensor_idle_{false};         ///< it waits to be asked for a scan
   std::vector<Wish> later_{};       ///< of what is held, until the result's thread has ended
   bool told_held_{false};           ///< doors know that a scan waits
-  memory::UnixMs told_at_{0};       ///< since then
   std::optional<Held> held_;        ///< by the result's thread; read when that is done
   std::optional<Unnamed> unnamed_;  ///< the same
   std::optional<intake::ChildProcess> web_;

@@ -51,7 +51,6 @@ void Service::show_idle() {
 }
 
 void Service::tell_held() {
-  told_at_ = memory::now_ms();
   if (held_) {
     cockpit_->hold(held_->folder.filename().string(),
                    held_->plan.outcome.path ? Cockpit::Wait::Word : Cockpit::Wait::Mend);

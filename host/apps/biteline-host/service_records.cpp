@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 }  // namespace
 
-void Service::remember(const fs::path& folder, const std::string& decision, const Chosen& chosen) const {
+void Service::remember(const fs::path& folder, const std::string& decision, const Chosen& chosen) {
   std::optional<memory::Scan> row = row_of(folder);
   if (!row) {
     // No report: a device or the disk failed, not the scan.
@@ -23,6 +23,7 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
     row->time = memory::now_ms();
     row->verdict = "failed";
   }
+  std::unique_lock words = cockpit_->between_words();
   const Result<std::optional<memory::Scan>> before = cockpit_->memory().scan(row->name);
   row->decision = decision;
   bool still_held = decision == "held";
@@ -35,9 +36,6 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
       row->decision = "rejected";
       still_held = false;
     }
-    // Who was told that it waits may have answered before its row says so.
-    if (still_held && (*before)->decision == "accepted" && (*before)->decided_at >= told_at_)
-      row->decision = "accepted";
   }
   // Nothing was approved where nothing was sent.
   if (decision == "automatic" && !row->sent) row->decision = "open";
@@ -67,6 +65,8 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
                                                         .after = row->verdict},
                                                        chosen.places);
   if (!put) complain(put.error());
+  if (still_held) tell_held();
+  words.unlock();
   if (!still_held) cockpit_->end_cycle(*row);
   cockpit_->tell_scan(row->name);
 }

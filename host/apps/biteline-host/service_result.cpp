@@ -53,8 +53,6 @@ Result<ExitStatus> Service::work_out(Scan scan) {
 void Service::close_result(const fs::path& folder, const Chosen& chosen) {
   std::string decision = "open";
   if (waits()) {
-    // Before the row says so: whoever reads it may answer at once.
-    tell_held();
     decision = "held";
   } else if (robot_ && process_of(chosen).gate.automatic_above) {
     decision = "automatic";
@@ -222,7 +220,6 @@ Result<ExitStatus> Service::plan_mended(Held held) {
   });
   // Also without a path: it can be mended again, or rejected.
   held_.emplace(std::move(held));
-  tell_held();
   remember(held_->folder, "held", held_->chosen);
   return status;
 }

@@ -105,6 +105,15 @@ void take_mended(const results::MendedScan& mended, const report::Report& report
   }
 }
 
+/// Why a scan of this row is not mended; nothing: it may be.
+std::optional<Answer> not_to_mend(const std::string& id, const Result<std::optional<memory::Scan>>& row) {
+  if (!row) return answer_of(row.error());
+  if (!*row) return control::refusal(404, "not_found", id + ": no such scan; GET /scans lists them");
+  if ((*row)->decision == "accepted" || (*row)->sent)
+    return control::refusal(409, "wrong_state", id + " was accepted; its line stays as it was sent");
+  return std::nullopt;
+}
+
 }  // namespace
 
 Answer Api::mend(const Call& call) {
@@ -126,12 +135,14 @@ Answer Api::mend(const Call& call) {
   }
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
   if (!is_scan_id(id)) return control::refusal(404, "not_found", "no such scan; GET /scans lists them");
-  Result<std::optional<memory::Scan>> row = rooms_.memory.scan(id);
-  if (!row) return answer_of(row.error());
-  if (!*row) return control::refusal(404, "not_found", id + ": no such scan; GET /scans lists them");
-  if ((*row)->decision == "accepted" || (*row)->sent)
-    return control::refusal(409, "wrong_state", id + " was accepted; its line stays as it was sent");
+  // From here to its end no word changes the row.
   if (const Result<void> begun = rooms_.cell.begin_mend(id); !begun) return answer_of(begun.error());
+  Result<std::optional<memory::Scan>> row = rooms_.memory.scan(id);
+  const std::optional<Answer> refused = not_to_mend(id, row);
+  if (refused) {
+    rooms_.cell.end_mend(id, false, call.person.name);
+    return *refused;
+  }
 
   report::Report report;
   Result<mend::OrRefusal<results::MendedScan>> mended =

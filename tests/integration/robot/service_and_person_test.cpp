@@ -56,8 +56,9 @@ struct Page {
   control::Json scan_once(const std::string& name, Done&& done) const {
     const auto until = std::chrono::steady_clock::now() + k_patience;
     control::Json scan;
+    // At once: what follows meets the first moment of what it waited for.
     do {
-      std::this_thread::sleep_for(50ms);
+      std::this_thread::sleep_for(1ms);
       scan = ask("GET", "/scans/" + name).body;
     } while (!(scan.contains("decision") && done(scan)) && std::chrono::steady_clock::now() < until);
     CHECK_TEXT(scan.contains("decision"), scan.dump().c_str());
