@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Debian's chromium for the tests of the page: no network of its own, its own profile, every console error noted.
-import { existsSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { spawnSync } from 'node:child_process';
+import { appendFileSync, existsSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -27,6 +28,34 @@ export function check(good, what) {
 }
 export function failures() {
   return failed;
+}
+
+/// Every answer of the API and every event that a page of open() gets, one JSON object a line.
+const noted = mkdtempSync(join(tmpdir(), 'biteline-answers-'));
+const answers = join(noted, 'answers');
+process.on('exit', () => rmSync(noted, { recursive: true, force: true }));
+
+function note_answers(page) {
+  const note = (line) => appendFileSync(answers, `${JSON.stringify(line)}\n`);
+  page.on('response', async (response) => {
+    const path = /\/api\/v1(\/[^?]*)/.exec(response.url())?.[1];
+    const type = response.headers()['content-type'] ?? '';
+    if (!path || (!type.startsWith('application/json') && response.status() !== 204)) return;
+    // A body that went with its page is nobody's fault.
+    const body = response.status() === 204 ? null : await response.json().catch(() => undefined);
+    if (body !== undefined) note({ method: response.request().method(), path, status: response.status(), type: type.split(';')[0], body });
+  });
+  page.on('websocket', (socket) => {
+    if (socket.url().includes('/events')) socket.on('framereceived', ({ payload }) => note({ event: payload.toString() }));
+  });
+}
+
+/// They are what openapi.yaml says.
+export function check_answers() {
+  const checker = join(web, '../../tests/web/check_api_answers.py');
+  const { status, stdout, stderr } = spawnSync('python3', [checker, join(web, 'openapi.yaml'), answers], { encoding: 'utf8' });
+  console.log(`answers against openapi.yaml: ${stdout.trim()}`);
+  check(status === 0 || status === 77, `answers against openapi.yaml: ${stderr}`);
 }
 
 export async function start() {
@@ -57,6 +86,7 @@ export async function open(browser, { width = 1280, height = 900, scheme = 'ligh
   });
   page.on('pageerror', (error) => check(false, `page: ${error.message}`));
   page.setDefaultTimeout(60_000);
+  note_answers(page);
   return state;
 }
 

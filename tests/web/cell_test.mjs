@@ -8,7 +8,7 @@ import { createServer } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { createInterface } from 'node:readline';
-import { check, failures, look_for_faults, open, skip, start, whole_page } from './browser.mjs';
+import { check, check_answers, failures, look_for_faults, open, skip, start, whole_page } from './browser.mjs';
 
 const [bin, source, pictures] = process.argv.slice(2);
 for (const name of ['biteline-cell', 'biteline-sensor', 'biteline-host', 'biteline-web']) {
@@ -231,7 +231,13 @@ async function whole_way() {
   await anna.page.goto(`${address}#/scans`);
   await anna.page.getByRole('row', { name: new RegExp(scan.id) }).waitFor();
   say('the service is back, with its memory');
+  await anna.page.evaluate(async (id) => {
+    for (const path of ['state', 'me', 'control', 'robots', 'sensors', 'models', 'processes', 'processes/schema', 'processes/rough', 'users', 'log', 'history/trends', `scans/${id}`, `scans/${id}/files`, 'nothing']) {
+      await (await fetch(`/api/v1/${path}`)).text();
+    }
+  }, scan.id);
   await close();
+  check_answers();
 }
 
 try {

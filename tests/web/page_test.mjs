@@ -4,7 +4,7 @@
 import { existsSync, mkdirSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { check, failures, look_for_faults, open, skip, start, whole_page, wide_as_screen } from './browser.mjs';
+import { check, check_answers, failures, look_for_faults, open, skip, start, whole_page, wide_as_screen } from './browser.mjs';
 import { FakeCell, live, made_view } from './fake_cell.mjs';
 
 const [page_folder, pictures] = process.argv.slice(2);
@@ -364,5 +364,6 @@ for (const scheme of ['light', 'dark']) {
 
 await close();
 await cell.stop();
+check_answers();
 say(failures() === 0 ? 'all good' : `${failures()} checks failed`);
 process.exit(failures() === 0 ? 0 : 1);

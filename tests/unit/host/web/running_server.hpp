@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "host/apps/biteline-web/web_server.hpp"
+#include "tests/support/api_answers.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/web_client.hpp"
@@ -138,6 +139,7 @@ inline void check_refused(int status, const char* code, const WebReply& reply) {
   CHECK_TEXT(body.is_object() && body.contains("error"), reply.body.c_str());
   STRCMP_EQUAL(code, body["error"]["code"].get<std::string>().c_str());
   CHECK(!body["error"]["message"].get<std::string>().empty());
+  test::note_answer("", "", status, "application/json", body);
 }
 
 }  // namespace biteline::web

@@ -5,6 +5,7 @@
 
 #include "host/doors/api/api.hpp"
 #include "host/doors/api/words.hpp"
+#include "tests/support/api_answers.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -17,7 +18,13 @@ struct FakeCell final : Cell {
   std::filesystem::path results{};  ///< of the scan that is worked out again
   Result<void> next{};
 
-  Json state() override { return {{"phase", "waiting"}}; }
+  Json state() override {
+    Json lamps;
+    for (const char* name : {"laser", "camera", "robot", "poses", "clock"})
+      lamps[name] = {{"level", "ok"}, {"words", "as it should be"}};
+    return {{"version", "1.2.3"},      {"phase", "waiting"},  {"now", "waits"},
+            {"next", "the next scan"}, {"progress", nullptr}, {"lamps", std::move(lamps)}};
+  }
   Json robots() override { return Json::array(); }
   Json sensors() override { return Json::array(); }
   void stop(const std::string& who) override { did.push_back("stop " + who); }
@@ -111,7 +118,9 @@ struct ApiWorld : Utest {
     request.path = "/api/v1" + path;
     request.body = std::move(body);
     request.query = std::move(query);
-    return sut.ordinary(request);
+    control::Answer answer = sut.ordinary(request);
+    test::note_answer(method, path, answer.status, answer.type, answer.body);
+    return answer;
   }
   void log_in(const std::string& name) {
     const control::Answer answer = ask("POST", "/sessions", {{"name", name}, {"password", k_password}});

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+// What the real service answers about itself, asked through its control end as a door asks.
+#include <CppUTest/TestHarness.h>
+
+#include "host/apps/biteline-host/cockpit.hpp"
+#include "host/doors/control/client.hpp"
+#include "tests/support/api_answers.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace biteline::service {
+
+using api::Json;
+
+TEST_GROUP(CockpitAnswers) {
+  test::TemporaryFolder folder;
+  std::unique_ptr<Cockpit> sut;
+  std::unique_ptr<control::Client> door;
+  std::string token;
+
+  void setup() override {
+    CockpitConfig config;
+    config.results = folder.path();
+    config.shipped_processes = BITELINE_PROCESSES;
+    config.library = folder.path() / "models";
+    config.sensor = "tcp://127.0.0.1:7117";
+    config.arm = "UR5e";
+    config.controller = "127.0.0.1:29999";
+    config.process = "rough";
+    config.endpoint = wire::Endpoint{.host = "127.0.0.1", .port = 0};
+    auto opened = Cockpit::open(config);
+    SUCCEEDS(opened);
+    sut = std::move(*opened);
+    SUCCEEDS(sut->accounts().add("ada", accounts::Role::Administrator, "a long password", "ada", "web"));
+    auto client = control::Client::open({.endpoint = *wire::parse_endpoint(sut->address()), .keys = {}});
+    SUCCEEDS(client);
+    door = std::move(*client);
+    token = ask("POST", "/sessions", {{"name", "ada"}, {"password", "a long password"}})["token"];
+  }
+  void teardown() override {
+    door.reset();
+    sut.reset();
+  }
+  Json ask(const std::string& method, const std::string& path, Json body = {}) {
+    control::Request request;
+    request.token = token;
+    request.method = method;
+    request.path = "/api/v1" + path;
+    request.body = std::move(body);
+    const control::Answer answer = door->ask(std::move(request));
+    CHECK_TEXT(answer.status < 300, answer.body.dump().c_str());
+    test::note_answer(method, path, answer.status, answer.type, answer.body);
+    return answer.body;
+  }
+  void look_everywhere() {
+    for (const char* path : {"/state", "/robots", "/sensors"}) static_cast<void>(ask("GET", path));
+  }
+};
+
+TEST(CockpitAnswers, AServiceThatHasHeardOfNobodySaysSo) {
+  look_everywhere();
+  STRCMP_EQUAL("unknown", ask("GET", "/state")["lamps"]["robot"]["level"].get<std::string>().c_str());
+  CHECK_FALSE(ask("GET", "/sensors")["sensors"][0]["connected"].get<bool>());
+}
+
+TEST(CockpitAnswers, LampsAndSensorTellEachStateOfTheLaser) {
+  wire::SensorHello hello;
+  hello.name = "head";
+  hello.version = "0.1.0";
+  hello.simulated = true;
+  sut->hear(hello);
+  look_everywhere();
+  const struct {
+    wire::LaserState state;
+    const char *laser, *level;
+  } k_cases[] = {{wire::LaserState::Off, "off", "off"},
+                 {wire::LaserState::On, "on", "ok"},
+                 {wire::LaserState::Fault, "fault", "fault"}};
+  for (const auto& row : k_cases) {
+    wire::Health health;
+    health.laser = row.state;
+    health.laser_reason = "words";
+    health.devices.temperature_degc = 41.5F;
+    health.devices.clocks.push_back({.name = "camera"});
+    sut->hear(health);
+    look_everywhere();
+    STRCMP_EQUAL(row.laser, ask("GET", "/sensors")["sensors"][0]["laser"].get<std::string>().c_str());
+    STRCMP_EQUAL(row.level, ask("GET", "/state")["lamps"]["laser"]["level"].get<std::string>().c_str());
+  }
+}
+
+TEST(CockpitAnswers, RobotsProgressModelAndHolderAreTold) {
+  robot::ur::ControllerWords words;
+  words.serial = "20225500123";
+  words.remote = true;
+  words.robot_mode = "RUNNING";
+  sut->hear(words, "");
+  sut->show(Phase::Scanning, "scans scan-0001", "its line");
+  sut->show_scan("scan-0001");
+  sut->show_progress(50, 100);
+  sut->show_model("boot", 0.98, "rough");
+  sut->begin_cycle();
+  sut->begin_cycle();
+  static_cast<void>(ask("POST", "/control", {{"action", "take"}, {"why", "my shift"}}));
+  static_cast<void>(ask("POST", "/commands/stop"));
+  look_everywhere();
+  const Json state = ask("GET", "/state");
+  DOUBLES_EQUAL(0.5, state["progress"].get<double>(), 0);
+  STRCMP_EQUAL("ada", state["control"]["holder"].get<std::string>().c_str());
+  STRCMP_EQUAL("boot", state["model"]["name"].get<std::string>().c_str());
+  CHECK(ask("GET", "/robots")["robots"][0]["powered"].get<bool>());
+}
+
+}  // namespace biteline::service

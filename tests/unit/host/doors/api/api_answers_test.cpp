@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+// The good answers that no other test looks at: each is noted and held against openapi.yaml (api_answers).
+#include <CppUTest/TestHarness.h>
+
+#include <cmath>
+
+#include "host/cloud/ply.hpp"
+#include "tests/unit/host/doors/api/api_world.hpp"
+
+namespace biteline::api {
+
+TEST_GROUP_BASE(ApiAnswers, ApiWorld){/// Cloud and line of three points: enough for a model to be kept.
+                                      void put_sample(const std::string& scan){put(scan, "ok");
+folder.write(scan + "/report.json", R"({"status":"ok"})");
+cloud::PointCloud cloud;
+for (int i = 0; i < 9; ++i) cloud.points.emplace_back(static_cast<float>(i), 0.0F, 1.0F);
+SUCCEEDS(cloud::write_cloud(folder.path() / scan / "cloud.ply", cloud));
+cloud::ClosedLine line;
+for (const Vec3& position : {Vec3{0, 0, 0}, Vec3{3, 0, 0}, Vec3{0, 4, 0}})
+  line.points.push_back(
+      {.position = position, .normal = Vec3::UnitZ(), .tangent = Vec3::UnitX(), .confidence = 1});
+SUCCEEDS(cloud::write_line(folder.path() / scan / "line.csv", line));
+}  // namespace biteline::api
+}
+;
+
+TEST(ApiAnswers, AModelIsMadeToldAndTakenOutOfUse) {
+  put_sample("scan-0001");
+  log_in("eng");
+  const Json wish{
+      {"name", "boot"}, {"scan", "scan-0001"}, {"process", "grind"}, {"size", "EU 42"}, {"foot", "left"}};
+  const control::Answer made = ask("POST", "/models", wish);
+  LONGS_EQUAL_TEXT(201, made.status, made.body.dump().c_str());
+  STRCMP_EQUAL("left", made.body["foot"].get<std::string>().c_str());
+  STRCMP_EQUAL("exists", code_of(ask("POST", "/models", wish)).c_str());
+  DOUBLES_EQUAL(12, ask("GET", "/models/boot").body["length_mm"].get<double>(), 1e-3);
+  folder.write("models/torn/line.csv", "nothing");
+  const Json models = ask("GET", "/models").body["models"];
+  LONGS_EQUAL(2, models.size());
+  CHECK(models[1].contains("damage"));
+  LONGS_EQUAL(204, ask("DELETE", "/models/boot").status);
+  LONGS_EQUAL(404, ask("GET", "/models/boot").status);
+}
+
+TEST(ApiAnswers, CapabilityComesWithTheModelsTolerance) {
+  put_sample("scan-0001");
+  log_in("eng");
+  LONGS_EQUAL(201,
+              ask("POST", "/models", {{"name", "boot"}, {"scan", "scan-0001"}, {"process", "grind"}}).status);
+  for (const auto& [name, place_mm] : {std::pair{"scan-0002", 0.1F}, std::pair{"scan-0003", 0.3F}}) {
+    memory::Scan scan;
+    scan.name = name;
+    scan.time = 1'000'000;
+    scan.verdict = "ok";
+    scan.model = "boot";
+    memory::Places places;
+    places.fill(place_mm);
+    SUCCEEDS(memory->put_scan(scan, {}, places));
+  }
+  const Json capability = ask("GET", "/history/trends", {}, {{"model", "boot"}}).body["capability"];
+  LONGS_EQUAL(2, capability["scans"].get<int>());
+  LONGS_EQUAL(36, capability["ppk"].size());
+  // Mean 0.2 mm, spread 0.1 * sqrt(2) mm.
+  const double tolerance_mm = capability["tolerance_mm"].get<double>();
+  DOUBLES_EQUAL((tolerance_mm - 0.2) / (0.3 * std::sqrt(2.0)), capability["ppk"][0].get<double>(), 1e-4);
+}
+
+TEST(ApiAnswers, WordsAboutAScanComeBackWithItsRow) {
+  put_sample("scan-0001");
+  log_in("eng");
+  LONGS_EQUAL(201, ask("POST", "/models", {{"name", "boot"}, {"scan", "scan-0001"}}).status);
+  LONGS_EQUAL(200, ask("POST", "/control", {{"action", "take"}}).status);
+  STRCMP_EQUAL("eng", ask("GET", "/control").body["holder"].get<std::string>().c_str());
+  const struct {
+    const char* path;
+    int status;
+  } k_words[] = {{"accept", 200}, {"hold", 200}, {"send", 202}};
+  for (const auto& word : k_words) {
+    const control::Answer answer = ask("POST", std::string{"/scans/scan-0001/"} + word.path);
+    LONGS_EQUAL_TEXT(word.status, answer.status, word.path);
+    STRCMP_EQUAL("scan-0001", answer.body["id"].get<std::string>().c_str());
+  }
+  LONGS_EQUAL(202, ask("POST", "/scans/scan-0001/model", {{"model", "boot"}}).status);
+  LONGS_EQUAL(202, ask("POST", "/commands/rescan", {{"why", "it moved"}}).status);
+  LONGS_EQUAL(5, cell.did.size());
+}
+
+TEST(ApiAnswers, ASessionTellsWhoItIsAndEnds) {
+  log_in("vic");
+  const control::Answer me = ask("GET", "/me");
+  STRCMP_EQUAL("vic", me.body["name"].get<std::string>().c_str());
+  CHECK_FALSE(me.body["control"].get<bool>());
+  STRCMP_EQUAL("object", ask("GET", "/processes/schema").body["type"].get<std::string>().c_str());
+  LONGS_EQUAL(204, ask("DELETE", "/sessions").status);
+  LONGS_EQUAL(401, ask("GET", "/me").status);
+}
+
+}  // namespace biteline::api
