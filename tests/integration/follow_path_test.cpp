@@ -91,8 +91,7 @@ TEST(FollowPath, FromBehindTheShoeOverRaisedPostures) {
 
 TEST(FollowPath, SentOverTheNetworkAndFollowedInRealTime) {
   sim::Arm arm{kinematics, T_base_flange_home(kinematics)};
-  const auto controller =
-      sim::UrController::open({}, arm, [](SensorClock::time_point, const sim::ArmState&) {});
+  const auto controller = sim::UrController::open({}, arm, {});
   CHECK(controller.has_value());
   const sim::UrController::Ports ports = (*controller)->ports();
   const auto link = ur::UrLink::open({.host = "127.0.0.1",

@@ -6,6 +6,9 @@
 
 #include "common/options/number.hpp"
 #include "hal/sim/app/command.hpp"
+#include "hal/sim/app/world_options.hpp"
+#include "hal/sim/live/arm_way.hpp"
+#include "hal/sim/live/reachable_scan.hpp"
 #include "hal/sim/record/calibration_recorder.hpp"
 #include "hal/sim/record/cloud_recorder.hpp"
 #include "hal/sim/record/session_recorder.hpp"
@@ -16,6 +19,8 @@ namespace {
 
 struct RecordOptions {
   SceneOptions scene;
+  WorldOptions world;
+  std::string arm;  ///< empty: the head goes by itself
   std::string out;
   double clock_offset_ms{0};
   bool hide_clock_offset{false};
@@ -29,13 +34,27 @@ void show_progress(double ratio) {
 }
 
 Result<void> record(const RecordOptions& options) {
-  BITELINE_ASSIGN(const sim::SceneSettings settings, scene_settings(options.scene));
+  BITELINE_ASSIGN(sim::SceneSettings settings, scene_settings(options.scene));
+  set_surroundings(settings, options.world);
+  if (!options.arm.empty()) {
+    settings.holder = sim::Holder::Bracket;
+    settings.places = sim::places_within_reach_of(options.arm);
+  }
   BITELINE_ASSIGN(const auto scene, sim::make_scene(settings));
-  const sim::RecordSettings record_settings{
+  sim::RecordSettings record_settings{
       .pose_clock_offset = Nanoseconds{std::llround(options.clock_offset_ms * 1e6)},
       .tell_clock_offset = !options.hide_clock_offset,
       .noise_seed = settings.shoe.seed,
-      .part = options.part};
+      .part = options.part,
+      .disturbances = disturbances_of(options.world)};
+  if (!options.arm.empty()) {
+    const auto kinematics = sim::ArmKinematics::named(options.arm);
+    if (!kinematics)
+      return fail(Errc::InvalidArgument, "--arm %s: ur3e, ur5e or ur10e expected", options.arm.c_str());
+    BITELINE_ASSIGN(const sim::ReachableScan reachable,
+                    sim::place_within_reach(*scene, *kinematics, options.arm));
+    record_settings.way = sim::way_of(*reachable.scan, *kinematics, record_settings.disturbances.arm);
+  }
   BITELINE_TRY(sim::record_session(options.out, *scene, record_settings, show_progress));
   std::printf("simulated session of shoe %s %llu: %s\n",
               std::string(sim::name_of(settings.shoe.shoe_class)).c_str(),
@@ -126,6 +145,10 @@ void add_record(CLI::App& app, Context& context) {
       app.add_subcommand("record", "Write a made scan as a session folder, with its truth; no time runs");
   add_scene_options(*command, options->scene);
   add_reach_option(*command, options->scene);
+  add_world_options(*command, options->world);
+  CLI::Option* arm = command->add_option(
+      "--arm", options->arm,
+      "This arm makes the scan with the head on a bracket, as its joints can: ur3e, ur5e or ur10e");
   command->add_option("--out", options->out, "The session's folder")->required();
   command->add_option("--clock-offset-ms", options->clock_offset_ms, "Pose clock minus camera clock")
       ->check(options::number({.minimum = -1000, .maximum = 1000}, "ms"));
@@ -139,6 +162,7 @@ void add_record(CLI::App& app, Context& context) {
                             ->check(options::number({.minimum = 0.1, .maximum = 2000}, "mm"))
                             ->needs(from);
   from->needs(length);
+  from->excludes(arm);
   command->callback([options, part, from, &context] {
     if (from->count() > 0) options->part = *part;
     context.run = [options] { return record(*options); };

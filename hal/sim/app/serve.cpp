@@ -9,6 +9,7 @@
 #include "common/config/sensor_yaml.hpp"
 #include "common/options/number.hpp"
 #include "hal/sim/app/command.hpp"
+#include "hal/sim/app/world_options.hpp"
 #include "hal/sim/bus/board_file.hpp"
 #include "hal/sim/live/live_cell.hpp"
 #include "hal/sim/record/files.hpp"
@@ -19,6 +20,7 @@ namespace {
 
 struct ServeOptions {
   SceneOptions scene{.size = 42, .straight_holder = false, .speed_mm_s = 50, .rate_hz = 50};
+  WorldOptions world;
   std::string out;
   std::string wires;
   std::string camera{"127.0.0.1"};
@@ -36,14 +38,15 @@ struct ServeOptions {
 void print_endpoints(const sim::LiveCell& cell, const ServeOptions& options) {
   const auto ports = cell.robot_ports();
   std::printf(
-      "{\"simulated\":true,\"wires\":\"%s\",\"camera\":\"%s\",\"rtde\":\"127.0.0.1:%d\",\"script\":\"127.0.0."
+      "{\"simulated\":true,\"world\":\"%s\",\"wires\":\"%s\",\"camera\":\"%s\",\"rtde\":\"127.0.0.1:%d\","
+      "\"script\":\"127.0.0."
       "1:%d\","
       "\"dashboard\":\"127.0.0.1:%d\",\"arm\":\"%s\",\"out\":\"%s\",\"sensor\":\"%s/"
       "sensor.yaml\",\"board\":\"%s/board.yaml\",\"scan_s\":%.3f,\"pose_sigma_mm\":%.4g,"
       "\"pose_sigma_rad\":%.4g}\n",
-      cell.settings().wires.c_str(), cell.settings().camera_address.c_str(), int{ports.rtde},
-      int{ports.script}, int{ports.dashboard}, options.arm.c_str(), options.out.c_str(), options.out.c_str(),
-      options.out.c_str(), cell.scan_duration_s(), cell.settings().pose_noise_mm,
+      options.world.world.c_str(), cell.settings().wires.c_str(), cell.settings().camera_address.c_str(),
+      int{ports.rtde}, int{ports.script}, int{ports.dashboard}, options.arm.c_str(), options.out.c_str(),
+      options.out.c_str(), options.out.c_str(), cell.scan_duration_s(), cell.settings().pose_noise_mm,
       cell.settings().pose_noise_rad);
   std::fflush(stdout);
 }
@@ -75,7 +78,9 @@ Result<void> serve(const ServeOptions& options) {
 
   BITELINE_ASSIGN(sim::SceneSettings scene, scene_settings(options.scene));
   if (!options.anywhere) scene.places = sim::places_within_reach_of(options.arm);
+  set_surroundings(scene, options.world);
   sim::LiveSettings settings;
+  settings.disturbances = disturbances_of(options.world);
   settings.scene = scene;
   settings.wires = options.wires.empty() ? "biteline-cell-" + std::to_string(getpid()) : options.wires;
   settings.camera_address = options.camera;
@@ -122,6 +127,7 @@ void add_serve(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand(
       "serve", "Run the cell until SIGTERM: camera, wires, pose bus and robot, all simulated");
   add_scene_options(*command, options->scene);
+  add_world_options(*command, options->world);
   command
       ->add_option("--out", options->out,
                    "Folder for board.yaml, sensor.yaml, truth/ and, at the end, track.csv")

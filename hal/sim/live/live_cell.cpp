@@ -74,16 +74,17 @@ double eased(double part) {
 }  // namespace
 
 LiveCell::LiveCell(const LiveSettings& settings, std::unique_ptr<MadeScene> scene,
-                   const ArmKinematics& kinematics, Reachable reachable)
+                   const ArmKinematics& kinematics, ReachableScan reachable)
     : settings_(settings),
       scene_(std::move(scene)),
       arm_scan_(std::move(reachable.scan)),
       moved_because_(std::move(reachable.moved_because)),
       arm_(arm_scan_
-               ? Arm(kinematics, arm_scan_->q_rad_at(0))
+               ? Arm(kinematics, arm_scan_->q_rad_at(0), settings.disturbances.arm)
                : Arm(kinematics,
                      T_base_flange_on_path(
-                         -ScanWay{scene_->path.length_mm(), scene_->path.settings().speed_mm_s}.ramp_mm()))),
+                         -ScanWay{scene_->path.length_mm(), scene_->path.settings().speed_mm_s}.ramp_mm()),
+                     settings.disturbances.arm)),
       renderer_(scene_->scene, scene_->head),
       targets_(settings.targets ? std::make_unique<TargetShow>(scene_->head, *settings.targets) : nullptr),
       pose_noise_(Random(settings.scene.shoe.seed).fork(77)) {}
@@ -102,7 +103,7 @@ Result<std::unique_ptr<LiveCell>> LiveCell::open(const LiveSettings& settings) {
   if (!kinematics)
     return fail(Errc::InvalidArgument, "arm '%s': ur3e, ur5e or ur10e expected", settings.arm.c_str());
   BITELINE_ASSIGN(auto scene, make_scene(settings.scene));
-  Reachable reachable;
+  ReachableScan reachable;
   if (settings.scene.holder == Holder::Bracket && !settings.targets) {
     BITELINE_ASSIGN(reachable, place_within_reach(*scene, *kinematics, settings.arm));
   }
@@ -137,32 +138,10 @@ Result<std::unique_ptr<LiveCell>> LiveCell::open(const LiveSettings& settings) {
   urgently.emplace(k_robot_priority);
   BITELINE_ASSIGN(cell->robot_,
                   UrController::open(settings.robot, cell->arm_,
-                                     [self](SensorClock::time_point instant, const ArmState& state) {
-                                       self->on_cycle(instant, state);
-                                     }));
+                                     [self](SensorClock::time_point instant, const ArmState& state,
+                                            const ArmReal& real) { self->on_cycle(instant, state, real); }));
   cell->ready_ = true;
   return cell;
-}
-
-Result<LiveCell::Reachable> LiveCell::place_within_reach(MadeScene& scene, const ArmKinematics& kinematics,
-                                                         const std::string& arm) {
-  constexpr std::uint64_t k_places = 20;
-  const SceneSettings& settings = scene.settings;
-  std::string first_reason;
-  for (std::uint64_t i = 0; i < k_places; ++i) {
-    constexpr std::uint64_t k_next_place = 7919;  // far from the seeds that people count up
-    if (i > 0) {
-      scene.T_base_shoe = draw_place(settings.place_seed + i * k_next_place, settings.places,
-                                     settings.shoe.outline.length_mm);
-    }
-    auto scan = ArmScan::plan(scene.path, scene.head, kinematics,
-                              {.T_base_shoe = scene.T_base_shoe, .top_z_mm = settings.shoe.upper.top_z_mm});
-    if (scan) return Reachable{std::make_shared<const ArmScan>(std::move(*scan)), first_reason};
-    if (i == 0) first_reason = to_line(scan.error());
-  }
-  return fail(Errc::OutOfReach,
-              "%s does not take the head round this shoe of %.0f mm at %d places tried (%s)", arm.c_str(),
-              settings.shoe.outline.length_mm, int{k_places}, first_reason.c_str());
 }
 
 double LiveCell::scan_duration_s() const {
@@ -195,22 +174,25 @@ void LiveCell::fire(SensorClock::time_point edge, Nanoseconds pulse) {
 }
 
 void LiveCell::paint(const GvExposure& exposure, std::span<std::uint8_t> pixels) {
-  const ArmState state = arm_.at(exposure.begin + exposure.exposure / 2);
-  const SE3 T_shoe_cam =
-      scene_->T_base_shoe.inverse(Eigen::Isometry) * state.T_base_flange * scene_->head.model.T_flange_cam;
+  const auto T_shoe_cam_at = [&](SensorClock::time_point instant) -> SE3 {
+    return scene_->T_base_shoe.inverse(Eigen::Isometry) * arm_.real_at(instant).T_base_flange *
+           scene_->head.model.T_flange_cam;
+  };
   const bool lit = laser_shines() && exposure.strobe;
   if (lit) ++lit_;
   if (targets_) {
     targets_->paint(target_, exposure, lit, pixels);
     return;
   }
-  renderer_.render({.T_scene_cam = T_shoe_cam,
-                    .region = exposure.region,
-                    .exposure_ratio = std::pow(10, exposure.gain_db / 20) * seconds(exposure.exposure) /
-                                      seconds(*scene_->head.model.exposure),
-                    .laser_on = lit,
-                    .noise_seed = settings_.scene.shoe.seed * 1'000'003 + exposure.sequence},
-                   pixels, nullptr);
+  Shot shot{.T_scene_cam = T_shoe_cam_at(exposure.begin + exposure.exposure / 2),
+            .region = exposure.region,
+            .exposure_ratio = std::pow(10, exposure.gain_db / 20) * seconds(exposure.exposure) /
+                              seconds(*scene_->head.model.exposure),
+            .laser_on = lit,
+            .noise_seed = settings_.scene.shoe.seed * 1'000'003 + exposure.sequence};
+  disturb(shot, settings_.disturbances, T_shoe_cam_at(exposure.begin),
+          T_shoe_cam_at(exposure.begin + exposure.exposure), seconds(exposure.begin.time_since_epoch()));
+  renderer_.render(shot, pixels, nullptr);
 }
 
 void LiveCell::on_line(Line line, bool active, SensorClock::time_point stamp) {
@@ -308,7 +290,7 @@ LiveCell::ScanMotion LiveCell::flange_scan(const SE3& T_base_flange_from) const 
           .full_until_s = scanned_s - k_ramp_s};
 }
 
-void LiveCell::on_cycle(SensorClock::time_point instant, const ArmState& state) {
+void LiveCell::on_cycle(SensorClock::time_point instant, const ArmState& state, const ArmReal& real) {
   const std::int64_t now_ns = instant.time_since_epoch().count();
   std::int64_t asked_ns = scan_at_ns_;
   if (asked_ns != 0 && now_ns >= asked_ns && scan_at_ns_.compare_exchange_strong(asked_ns, 0)) {
@@ -319,18 +301,19 @@ void LiveCell::on_cycle(SensorClock::time_point instant, const ArmState& state) 
     ++scans_;
   }
   bus_->drive(Line::ScanActive, now_ns >= scan_full_from_ns_ && now_ns < scan_full_until_ns_, instant);
-  send_pose(instant, state);
+  send_pose(instant, state, real.T_base_flange_told);
   if (!state.moving || !settings_.keep_track) return;
   const std::lock_guard lock(track_mutex_);
   if (track_.size() < k_most_track_rows) {
     track_.push_back({.stamp = instant.time_since_epoch() + settings_.robot.clock_offset,
-                      .T_base_tcp = state.T_base_flange * state.T_flange_tcp,
+                      .T_base_tcp = real.T_base_flange_told * state.T_flange_tcp,
                       .program = state.program_running,
                       .outputs = state.outputs});
   }
 }
 
-void LiveCell::send_pose(SensorClock::time_point instant, const ArmState& state) {
+void LiveCell::send_pose(SensorClock::time_point instant, const ArmState& state,
+                         const SE3& T_base_flange_told) {
   sync_counter_ =
       sync_counter_ >= canpose::k_sync_counter_last ? 1 : static_cast<std::uint8_t>(sync_counter_ + 1);
   Twist noise;
@@ -346,7 +329,7 @@ void LiveCell::send_pose(SensorClock::time_point instant, const ArmState& state)
        .status = static_cast<std::uint8_t>(canpose::k_simulated |
                                            (state.program_running ? canpose::k_program_running : 0)),
        .stamp_us = static_cast<std::uint64_t>(stamp.count() / 1000),
-       .T_base_flange = state.T_base_flange * geometry::exp_se3(noise)});
+       .T_base_flange = T_base_flange_told * geometry::exp_se3(noise)});
   if (!frame) return;  // beyond the format's reach of 214 m
   const Nanoseconds ahead = due(faults.poses_from_future) ? std::chrono::hours{1} : Nanoseconds{0};
   hal::CanFrame sync{.id = canpose::k_sync_id, .size_bytes = 1, .received = instant + ahead};

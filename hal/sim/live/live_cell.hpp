@@ -14,8 +14,10 @@
 #include "hal/sim/gvcamera/gv_camera.hpp"
 #include "hal/sim/live/arm_scan.hpp"
 #include "hal/sim/live/cell_faults.hpp"
+#include "hal/sim/live/reachable_scan.hpp"
 #include "hal/sim/live/target_show.hpp"
 #include "hal/sim/live/trigger_timer.hpp"
+#include "hal/sim/record/disturbances.hpp"
 #include "hal/sim/record/made_scene.hpp"
 #include "hal/sim/robot/ur_controller.hpp"
 #include "hal/sim/shoe/random.hpp"
@@ -28,6 +30,7 @@ struct LiveSettings {
   std::string camera_address{"127.0.0.1"};
   UrController::Config robot{};
   std::string arm{"ur5e"};
+  Disturbances disturbances{};  ///< none, where nothing is said
   double lost_packet_ratio{0};
   bool camera_ptp{true};
   double pose_noise_mm{0.010};                ///< of each pose on the bus
@@ -92,6 +95,7 @@ class LiveCell {
   [[nodiscard]] std::uint64_t lightings() const { return lightings_; }
   UrController& robot() { return *robot_; }
   [[nodiscard]] ArmState arm_at(SensorClock::time_point instant) const { return arm_.at(instant); }
+  [[nodiscard]] ArmReal arm_really_at(SensorClock::time_point instant) const { return arm_.real_at(instant); }
 
   /// The tool's way as the controller knows it, one row for each cycle while the arm moved: #timestamp [ns]
   /// (robot clock), T_base_tcp as position and quaternion, whether a script ran, digital outputs.
@@ -105,22 +109,14 @@ class LiveCell {
     std::uint8_t outputs;
   };
 
-  /// The scan as the arm makes it, and why the shoe does not stand where it was asked for.
-  struct Reachable {
-    std::shared_ptr<const ArmScan> scan;
-    std::string moved_because;
-  };
-  /// Moves the shoe until the arm reaches all the way round it.
-  [[nodiscard]] static Result<Reachable> place_within_reach(MadeScene& scene, const ArmKinematics& kinematics,
-                                                            const std::string& arm);
   LiveCell(const LiveSettings& settings, std::unique_ptr<MadeScene> scene, const ArmKinematics& kinematics,
-           Reachable reachable);
+           ReachableScan reachable);
   void on_edge(SensorClock::time_point edge, Nanoseconds pulse);
   void fire(SensorClock::time_point edge, Nanoseconds pulse);
   void paint(const GvExposure& exposure, std::span<std::uint8_t> pixels);
   void on_line(Line line, bool active, SensorClock::time_point stamp);
-  void on_cycle(SensorClock::time_point instant, const ArmState& state);
-  void send_pose(SensorClock::time_point instant, const ArmState& state);
+  void on_cycle(SensorClock::time_point instant, const ArmState& state, const ArmReal& real);
+  void send_pose(SensorClock::time_point instant, const ArmState& state, const SE3& T_base_flange_told);
   [[nodiscard]] bool laser_shines() const;
   [[nodiscard]] SE3 T_base_flange_on_path(double way_mm) const;
   struct ScanMotion {

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "hal/sim/record/files.hpp"
+#include "hal/sim/record/surroundings.hpp"
 
 namespace biteline::sim {
 
@@ -88,7 +89,9 @@ Result<std::unique_ptr<MadeScene>> make_scene(const SceneSettings& settings) {
   head.model.rate_hz = settings.rate_hz;
   head.faults.ambient_grey = settings.ambient_grey;
   SurfaceMesh mesh = mesh_of(placed.shoe, settings.fineness);
-  BITELINE_ASSIGN(Scene scene, Scene::build(mesh));
+  SurfaceMesh seen = mesh;
+  if (settings.surroundings) add_surroundings(seen, placed.shoe.outline());
+  BITELINE_ASSIGN(Scene scene, Scene::build(seen));
   const ScanPathSettings path{.target_z_mm = 0.55 * settings.shoe.upper.top_z_mm,
                               .speed_mm_s = settings.scan_speed_mm_s,
                               .turn_over_mm = settings.holder == Holder::Bracket ? k_turn_over_mm : 0};

@@ -37,7 +37,8 @@ struct SceneSettings {
   Holder holder{Holder::Straight};
   double scan_speed_mm_s{100};
   double rate_hz{100};
-  double ambient_grey{0};  ///< of the room's light, at the head's own exposure
+  double ambient_grey{0};    ///< of the room's light, at the head's own exposure
+  bool surroundings{false};  ///< table, plate and pins; else the shoe hangs in the dark
   MeshFineness fineness{};
 };
 
@@ -52,8 +53,8 @@ struct PlacedShoe {
 struct MadeScene : PlacedShoe {
   SceneSettings settings;
   MadeHead head;
-  SurfaceMesh mesh;
-  Scene scene;  ///< in the shoe's frame
+  SurfaceMesh mesh;  ///< of the shoe alone
+  Scene scene;       ///< in the shoe's frame
   ScanPath path;
 };
 

@@ -21,10 +21,15 @@ Nanoseconds seconds(double s) {
   return Nanoseconds{std::llround(s * 1e9)};
 }
 
-SE3 T_base_flange_at(const MadeScene& scene, double time_s) {
-  const double way_mm = time_s * scene.path.settings().speed_mm_s;
-  return scene.T_base_shoe * scene.path.T_shoe_cam_at(way_mm) *
-         scene.head.model.T_flange_cam.inverse(Eigen::Isometry);
+HeadWay even_way(const MadeScene& scene) {
+  const auto T_base_flange_at = [&scene](double time_s) -> SE3 {
+    const double way_mm = time_s * scene.path.settings().speed_mm_s;
+    return scene.T_base_shoe * scene.path.T_shoe_cam_at(way_mm) *
+           scene.head.model.T_flange_cam.inverse(Eigen::Isometry);
+  };
+  return {.duration_s = scene.path.duration_s(),
+          .T_base_flange_at = T_base_flange_at,
+          .T_base_flange_told_at = T_base_flange_at};
 }
 
 /// What of the path is recorded, by frame numbers of the whole scan.
@@ -32,8 +37,8 @@ struct FrameRange {
   int first, end;
 };
 
-FrameRange frames_of(const MadeScene& scene, const RecordSettings& settings) {
-  const auto all = static_cast<int>(std::ceil(scene.path.duration_s() * scene.settings.rate_hz));
+FrameRange frames_of(const MadeScene& scene, const HeadWay& way, const RecordSettings& settings) {
+  const auto all = static_cast<int>(std::ceil(way.duration_s * scene.settings.rate_hz));
   if (!settings.part) return {.first = 0, .end = all};
   const auto first_from = [&](double s_mm) {
     const double way_mm = s_mm - scene.path.s_at_mm(0);
@@ -50,13 +55,13 @@ OutlinePart surface_part(const OutlinePart& part) {
   return {.from_s_mm = part.from_s_mm - k_margin_mm, .length_mm = part.length_mm + 2 * k_margin_mm};
 }
 
-std::vector<session::StampedPose> made_poses(const MadeScene& scene, const RecordSettings& settings,
-                                             const FrameRange& frames) {
+std::vector<session::StampedPose> made_poses(const MadeScene& scene, const HeadWay& way,
+                                             const RecordSettings& settings, const FrameRange& frames) {
   Random random = Random(settings.noise_seed).fork(1);
   std::vector<session::StampedPose> poses;
   const double margin_s = static_cast<double>(k_pose_margin.count()) * 1e-9;
   const double begin_s = frames.first / scene.settings.rate_hz - margin_s;
-  const double last_s = settings.part ? (frames.end - 1) / scene.settings.rate_hz : scene.path.duration_s();
+  const double last_s = settings.part ? (frames.end - 1) / scene.settings.rate_hz : way.duration_s;
   const auto count = static_cast<int>((last_s + margin_s - begin_s) * settings.pose_rate_hz);
   for (int i = 0; i <= count; ++i) {
     const double time_s = i / settings.pose_rate_hz + begin_s;
@@ -67,7 +72,7 @@ std::vector<session::StampedPose> made_poses(const MadeScene& scene, const Recor
     }
     poses.push_back(
         {.stamp = RobotClock::time_point{settings.start + seconds(time_s) + settings.pose_clock_offset},
-         .T_base_flange = T_base_flange_at(scene, time_s) * geometry::exp_se3(noise)});
+         .T_base_flange = way.T_base_flange_told_at(time_s) * geometry::exp_se3(noise)});
   }
   return poses;
 }
@@ -91,8 +96,10 @@ Result<void> record_session(const std::filesystem::path& folder, const MadeScene
   picture.pixels.resize(static_cast<std::size_t>(region.width_px) *
                         static_cast<std::size_t>(region.height_px));
   StripeRenderer renderer(scene.scene, scene.head);
+  const SE3 T_shoe_base = scene.T_base_shoe.inverse(Eigen::Isometry);
   std::vector<session::FrameEntry> frames;
-  const FrameRange range = frames_of(scene, settings);
+  const HeadWay way = settings.way ? *settings.way : even_way(scene);
+  const FrameRange range = frames_of(scene, way, settings);
   if (range.first >= range.end)
     return fail(Errc::InvalidArgument,
                 "no frame of the scan lies in the part asked for: the way round is %.0f mm",
@@ -102,10 +109,15 @@ Result<void> record_session(const std::filesystem::path& folder, const MadeScene
   Random noise = Random(settings.noise_seed).fork(2);
   for (int i = range.first; i < range.end; ++i) {
     const double time_s = i / scene.settings.rate_hz;
-    const double way_mm = time_s * scene.path.settings().speed_mm_s;
-    renderer.render(
-        {.T_scene_cam = scene.path.T_shoe_cam_at(way_mm), .region = region, .noise_seed = noise.next()},
-        picture.pixels, nullptr);
+    const auto T_scene_cam_at = [&](double at_s) -> SE3 {
+      if (settings.way) return T_shoe_base * way.T_base_flange_at(at_s) * scene.head.model.T_flange_cam;
+      return scene.path.T_shoe_cam_at(at_s * scene.path.settings().speed_mm_s);
+    };
+    const double half_s = 0.5e-9 * static_cast<double>(scene.head.model.exposure->count());
+    Shot shot{.T_scene_cam = T_scene_cam_at(time_s), .region = region, .noise_seed = noise.next()};
+    disturb(shot, settings.disturbances, T_scene_cam_at(time_s - half_s), T_scene_cam_at(time_s + half_s),
+            time_s);
+    renderer.render(shot, picture.pixels, nullptr);
     const Nanoseconds stamp = settings.start + seconds(time_s);
     frames.push_back({.exposure_mid = SensorClock::time_point{stamp},
                       .file = folder / "cam0" / "data" / (std::to_string(stamp.count()) + ".png")});
@@ -113,7 +125,8 @@ Result<void> record_session(const std::filesystem::path& folder, const MadeScene
     if (progress) progress(static_cast<double>(i + 1 - range.first) / (range.end - range.first));
   }
   BITELINE_TRY(session::write_frame_table(folder / "cam0" / "data.csv", frames));
-  BITELINE_TRY(session::write_pose_table(folder / "pose0" / "data.csv", made_poses(scene, settings, range)));
+  BITELINE_TRY(
+      session::write_pose_table(folder / "pose0" / "data.csv", made_poses(scene, way, settings, range)));
   if (!settings.part) return write_truth(folder / "truth", scene);
   return write_truth(folder / "truth", scene, surface_part(*settings.part));
 }

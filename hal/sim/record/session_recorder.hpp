@@ -5,9 +5,17 @@
 #include <functional>
 #include <optional>
 
+#include "hal/sim/record/disturbances.hpp"
 #include "hal/sim/record/made_scene.hpp"
 
 namespace biteline::sim {
+
+/// The flange's way through a scan, from its begin at time 0; truth and report need not agree.
+struct HeadWay {
+  double duration_s{0};
+  std::function<SE3(double time_s)> T_base_flange_at{};
+  std::function<SE3(double time_s)> T_base_flange_told_at{};
+};
 
 struct RecordSettings {
   double pose_noise_mm{0.010};    ///< standard deviation of each stamped position
@@ -18,6 +26,9 @@ struct RecordSettings {
   Nanoseconds start{1'700'000'000'000'000'000};  ///< camera clock at the first frame
   std::uint64_t noise_seed{1};
   std::optional<OutlinePart> part{};  ///< only the frames with their stripe there; none: the whole scan
+  /// None: as if no arm carried the head, at an even speed.  Pre: no `part` beside it.
+  std::optional<HeadWay> way{};
+  Disturbances disturbances{};  ///< the arm's own are in `way`
 };
 
 /// Writes SESSION/ in the exchange format (README, "Data formats"), truth included.  Same arguments, same

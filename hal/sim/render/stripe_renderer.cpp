@@ -25,6 +25,22 @@ constexpr double k_reach_sigma = 4;
 /// A glossy place gives back this share of what a matt one would, and mirrors that share.
 constexpr double k_gloss_diffuse_ratio = 0.02;
 constexpr double k_gloss_mirror_ratio = 0.35;
+/// A pixel's speckle is another one when the surface has moved by about what the pixel sees of it.
+constexpr double k_speckle_grain_mm = 0.07;
+
+/// SplitMix64's last step: neighbouring numbers give unrelated ones.
+std::uint64_t mixed(std::uint64_t bits) {
+  bits = (bits ^ (bits >> 30U)) * 0xBF58476D1CE4E5B9ULL;
+  bits = (bits ^ (bits >> 27U)) * 0x94D049BB133111EBULL;
+  return bits ^ (bits >> 31U);
+}
+
+std::uint64_t grain_at(const Vec3& point_scene) {
+  std::uint64_t grain = 0;
+  for (const double coordinate_mm : point_scene)
+    grain = mixed(grain + static_cast<std::uint64_t>(std::llround(coordinate_mm / k_speckle_grain_mm)));
+  return grain;
+}
 
 /// Embree's vector lanes divide by zero on triangles parallel to a ray and throw the result away; the flags
 /// that leaves are not this program's.
@@ -71,15 +87,21 @@ void StripeRenderer::render(const Shot& shot, std::span<std::uint8_t> pixels,
 void StripeRenderer::prepare(const Shot& shot) {
   const std::size_t count =
       static_cast<std::size_t>(shot.region.width_px) * static_cast<std::size_t>(shot.region.height_px);
-  const double grey = head_.faults.black_grey + head_.faults.ambient_grey * shot.exposure_ratio;
-  if (light_.size() == count && background_grey_ == grey) return;
-  light_.assign(count, 0.0F);
-  background_.resize(2 * count);
+  const double grey =
+      head_.faults.black_grey + head_.faults.ambient_grey * shot.ambient_ratio * shot.exposure_ratio;
+  if (light_.size() != count) backgrounds_.clear();
+  if (light_.size() != count) light_.assign(count, 0.0F);
+  constexpr std::size_t k_most_levels = 16;
+  if (backgrounds_.size() > k_most_levels) backgrounds_.clear();
+  std::vector<std::uint8_t>& background = backgrounds_[grey];
+  background_ = &background;
   background_grey_ = grey;
+  if (background.size() == 2 * count) return;
+  background.resize(2 * count);
   const double sigma =
       std::hypot(head_.faults.read_noise_grey, std::sqrt(grey / head_.faults.electrons_per_grey));
   Random random(54321);
-  for (auto& pixel : background_) {
+  for (auto& pixel : background) {
     const double level = grey + sigma * gaussians_[random.next() % k_gaussians];
     pixel = static_cast<std::uint8_t>(std::clamp(std::lround(level), 0L, 255L));
   }
@@ -122,8 +144,21 @@ StripeRenderer::CurvePoint StripeRenderer::look_at(const Vec3& point_scene, cons
   const double diffuse_ratio = hit.look.glossy ? k_gloss_diffuse_ratio : hit.look.diffuse_ratio;
   seen.amplitude_grey = head_.laser.full_grey * shot.exposure_ratio * light_ratio * diffuse_ratio *
                         cosine_light * (nominal_mm / distance_mm) * (sheet_px / seen.sigma_px);
+  const Vec3 light_cam = shot.T_scene_cam.linear().transpose() * light_direction;
+  seen.smeared_px = smeared_px(point_cam, normal_cam, light_cam, shot);
   seen.seen = true;
   return seen;
+}
+
+Vec2 StripeRenderer::smeared_px(const Vec3& point_cam, const Vec3& normal_cam, const Vec3& light_cam,
+                                const Shot& shot) const {
+  if (shot.moved_cam_mm.isZero(0) && shot.turned_cam_rad.isZero(0)) return Vec2::Zero();
+  // In the camera's frame the ray stands and the facet goes the other way; the spot runs along the ray.
+  const Vec3 facet_moved = -(shot.moved_cam_mm + shot.turned_cam_rad.cross(point_cam));
+  const double along_mm = normal_cam.dot(facet_moved) / normal_cam.dot(light_cam);
+  const auto& camera = head_.model.camera;
+  return camera.project(point_cam + 0.5 * along_mm * light_cam) -
+         camera.project(point_cam - 0.5 * along_mm * light_cam);
 }
 
 void StripeRenderer::trace(const Shot& shot) {
@@ -160,24 +195,40 @@ void StripeRenderer::draw_curve(const std::vector<CurvePoint>& curve, bool mirro
     const double left = std::min(a.pixel_px.x(), b.pixel_px.x()),
                  right = std::max(a.pixel_px.x(), b.pixel_px.x());
     if (right - left < 1e-12) continue;
+    const double slope = (b.pixel_px.y() - a.pixel_px.y()) / (b.pixel_px.x() - a.pixel_px.x());
+    // Of the curve, in one column.
+    const double smear_a = a.smeared_px.y() - slope * a.smeared_px.x(),
+                 smear_b = b.smeared_px.y() - slope * b.smeared_px.x();
     // Columns in (left, right]: each belongs to one pair of neighbours.
     const int first = std::max(0, static_cast<int>(std::floor(left)) + 1);
     const int last = std::min(shot.region.width_px - 1, static_cast<int>(std::floor(right)));
     for (int column = first; column <= last; ++column) {
       const double part = (column - a.pixel_px.x()) / (b.pixel_px.x() - a.pixel_px.x());
-      const TrueStripePoint stripe{
+      TrueStripePoint stripe{
           .column_px = column,
           .row_px = a.pixel_px.y() + part * (b.pixel_px.y() - a.pixel_px.y()),
           .sigma_px = a.sigma_px + part * (b.sigma_px - a.sigma_px),
           .amplitude_grey = a.amplitude_grey + part * (b.amplitude_grey - a.amplitude_grey),
           .mirrored = mirrored};
-      draw(stripe, shot);
+      if (const double smear_px = smear_a + part * (smear_b - smear_a); smear_px != 0) {
+        const double still_px = stripe.sigma_px;
+        stripe.sigma_px = std::hypot(still_px, smear_px / std::sqrt(12.0));
+        stripe.amplitude_grey *= still_px / stripe.sigma_px;
+      }
+      const Vec3 point_scene = a.point_scene + part * (b.point_scene - a.point_scene);
+      draw(stripe, shot.speckle_stays_put ? grain_at(point_scene) : 0, shot);
       if (truth != nullptr) truth->push_back(stripe);
     }
   }
 }
 
-void StripeRenderer::draw(const TrueStripePoint& stripe, const Shot& shot) {
+double StripeRenderer::speckle_ratio(const Shot& shot) const {
+  if (!shot.speckle_stays_put) return head_.faults.speckle_ratio;
+  // So many patterns follow each other within the exposure and average.
+  return head_.faults.speckle_ratio / std::sqrt(1 + shot.moved_cam_mm.norm() / k_speckle_grain_mm);
+}
+
+void StripeRenderer::draw(const TrueStripePoint& stripe, std::uint64_t place, const Shot& shot) {
   const double reach = k_reach_sigma * stripe.sigma_px;
   const int low = std::max(0, static_cast<int>(std::ceil(stripe.row_px - reach)));
   const int high = std::min(shot.region.height_px - 1, static_cast<int>(std::floor(stripe.row_px + reach)));
@@ -190,9 +241,16 @@ void StripeRenderer::draw(const TrueStripePoint& stripe, const Shot& shot) {
   double factor = std::exp(-(begin + 0.5) * inverse);
   const double change = std::exp(-inverse);
   const auto width = static_cast<std::size_t>(shot.region.width_px);
+  const double speckle = shot.speckle_stays_put ? speckle_ratio(shot) : 0;
+  const long middle = std::lround(stripe.row_px);
   for (int row = low; row <= high; ++row) {
+    double light = value;
+    if (speckle > 0) {
+      const std::uint64_t bits = mixed(place + static_cast<std::uint64_t>(row - middle));
+      light *= std::max(0.0, 1 + speckle * gaussians_[bits % k_gaussians]);
+    }
     light_[static_cast<std::size_t>(row) * width + static_cast<std::size_t>(stripe.column_px)] +=
-        static_cast<float>(value);
+        static_cast<float>(light);
     value *= factor;
     factor *= change;
   }
@@ -204,11 +262,12 @@ void StripeRenderer::develop(const Shot& shot, std::span<std::uint8_t> pixels) {
   // Rows of the empty picture in an order of their own.
   const auto width = static_cast<std::size_t>(shot.region.width_px);
   for (int row = 0; row < shot.region.height_px; ++row) {
-    const std::size_t begin = random.next() % (background_.size() - width);
-    std::copy_n(background_.begin() + static_cast<std::ptrdiff_t>(begin), width,
+    const std::size_t begin = random.next() % (background_->size() - width);
+    std::copy_n(background_->begin() + static_cast<std::ptrdiff_t>(begin), width,
                 pixels.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(row) * width));
   }
   const CameraFaults& faults = head_.faults;
+  const double speckle_anew = shot.speckle_stays_put ? 0 : faults.speckle_ratio;
   for (const Range& range : touched_) {
     for (int row = range.low; row <= range.high; ++row) {
       const std::size_t index =
@@ -217,7 +276,7 @@ void StripeRenderer::develop(const Shot& shot, std::span<std::uint8_t> pixels) {
       if (light <= 0) continue;  // already developed: two stripes overlapped here
       light_[index] = 0;
       const std::uint64_t bits = random.next();
-      const double speckle = std::max(0.0, 1 + faults.speckle_ratio * gaussians_[bits % k_gaussians]);
+      const double speckle = std::max(0.0, 1 + speckle_anew * gaussians_[bits % k_gaussians]);
       const double level = background_grey_ + light * speckle;
       const double sigma = std::hypot(faults.read_noise_grey, std::sqrt(level / faults.electrons_per_grey));
       const double noisy = level + sigma * gaussians_[(bits >> 16U) % k_gaussians];

@@ -3,6 +3,7 @@
 /// \file Pictures of the laser stripe on a scene, ray-traced, with the exact place of what they show.
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -28,14 +29,20 @@ struct Shot {
   double exposure_ratio{1};  ///< of the nominal exposure
   bool laser_on{true};
   std::uint64_t noise_seed{0};
+  /// What the camera moves and turns by from the exposure's begin to its end, in its own frame.
+  Vec3 moved_cam_mm{Vec3::Zero()}, turned_cam_rad{Vec3::Zero()};
+  double ambient_ratio{1};        ///< of CameraFaults::ambient_grey: lamps flicker
+  bool speckle_stays_put{false};  ///< on the surface: at rest the same picture after picture; else drawn anew
 };
 
 /// Shoots a fan of laser rays into the scene (what they do not reach first is dark), keeps what the camera
 /// sees, and draws the seen curve column by column as the Gaussian that a sheet of that thickness gives on
-/// the facet there. Not simulated: blur by motion during the exposure (0.04 mm at 100 mm/s and 0.4 ms), light
-/// scattered twice.
+/// the facet there. Motion during the exposure widens the stripe by the variance of its way down the column,
+/// where the surface draws nearer or farther meanwhile; its ends stay sharp.  Not simulated: light scattered
+/// twice.
 ///
-/// Thread: one owner.  Memory: sized by the first shot of a region.
+/// Thread: one owner.  Memory: sized by the first shot of a region, a megabyte for each level of the room's
+/// light.
 class StripeRenderer {
  public:
   /// Borrows the scene.
@@ -50,6 +57,7 @@ class StripeRenderer {
     Vec2 pixel_px{Vec2::Zero()};  ///< in the region
     double sigma_px{0};
     double amplitude_grey{0};
+    Vec2 smeared_px{Vec2::Zero()};  ///< way of this ray's spot during the exposure
     bool seen{false};
   };
 
@@ -59,7 +67,11 @@ class StripeRenderer {
   void trace(const Shot& shot);
   void draw_curve(const std::vector<CurvePoint>& curve, bool mirrored, const Shot& shot,
                   std::vector<TrueStripePoint>* truth);
-  void draw(const TrueStripePoint& stripe, const Shot& shot);
+  [[nodiscard]] Vec2 smeared_px(const Vec3& point_cam, const Vec3& normal_cam, const Vec3& light_cam,
+                                const Shot& shot) const;
+  /// `place`: which part of the surface is seen, for speckle that stays on it.
+  void draw(const TrueStripePoint& stripe, std::uint64_t place, const Shot& shot);
+  [[nodiscard]] double speckle_ratio(const Shot& shot) const;
   void develop(const Shot& shot, std::span<std::uint8_t> pixels);
 
   const Scene& scene_;
@@ -67,8 +79,10 @@ class StripeRenderer {
   std::vector<Vec3> fan_cam_;      ///< unit directions of the laser rays
   std::vector<CurvePoint> curve_;  ///< along the fan
   std::vector<CurvePoint> mirror_curve_;
-  std::vector<float> gaussians_;          ///< table of normal deviates
-  std::vector<std::uint8_t> background_;  ///< a picture without stripe, twice as tall as the region
+  std::vector<float> gaussians_;  ///< table of normal deviates
+  /// Pictures without stripe, twice as tall as the region, by grey level.
+  std::map<double, std::vector<std::uint8_t>> backgrounds_;
+  const std::vector<std::uint8_t>* background_{nullptr};  ///< the one in use
   double background_grey_{-1};
   std::vector<float> light_;  ///< laser light by pixel, zero between pictures
   struct Range {

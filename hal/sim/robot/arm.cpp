@@ -13,13 +13,16 @@ double seconds(Nanoseconds time) {
 
 }  // namespace
 
-Arm::Arm(const ArmKinematics& kinematics, const SE3& T_base_flange_start)
-    : kinematics_(kinematics), T_base_flange_still_(T_base_flange_start) {}
-
-Arm::Arm(const ArmKinematics& kinematics, const JointVector& q_start_rad)
+Arm::Arm(const ArmKinematics& kinematics, const SE3& T_base_flange_start, const ArmDynamics& dynamics)
     : kinematics_(kinematics),
-      T_base_flange_still_(kinematics.T_base_flange(q_start_rad)),
-      q_still_rad_(q_start_rad) {}
+      T_base_flange_still_(T_base_flange_start),
+      ideal_(dynamics.ideal()),
+      real_(dynamics) {}
+
+Arm::Arm(const ArmKinematics& kinematics, const JointVector& q_start_rad, const ArmDynamics& dynamics)
+    : Arm(kinematics, kinematics.T_base_flange(q_start_rad), dynamics) {
+  q_still_rad_ = q_start_rad;
+}
 
 ArmState Arm::at(SensorClock::time_point instant) const {
   const std::lock_guard lock(mutex_);
@@ -50,6 +53,29 @@ ArmState Arm::at(SensorClock::time_point instant) const {
     state.program_name = program_->name();
   }
   return state;
+}
+
+std::optional<JointVector> Arm::joints_of(const ArmState& state, const JointVector& near_rad) const {
+  if (state.q_rad) return state.q_rad;
+  if (near_rad.isZero(0)) return kinematics_.joints_anywhere(state.T_base_flange);
+  if (kinematics_.T_base_flange(near_rad).isApprox(state.T_base_flange, 1e-12)) return near_rad;
+  return kinematics_.joints_near(state.T_base_flange, near_rad);
+}
+
+ArmReal Arm::real_at(SensorClock::time_point instant) const {
+  const ArmState wanted = at(instant);
+  const ArmReal exact{.T_base_flange = wanted.T_base_flange,
+                      .T_base_flange_told = wanted.T_base_flange,
+                      .q_told_rad = wanted.q_rad};
+  if (ideal_) return exact;
+  const std::lock_guard lock(real_mutex_);
+  const auto joints = real_.at(instant, [this](SensorClock::time_point when, const JointVector& near_rad) {
+    return joints_of(at(when), near_rad);
+  });
+  if (!joints) return exact;
+  return {.T_base_flange = kinematics_.T_base_flange(joints->q_link_rad),
+          .T_base_flange_told = kinematics_.T_base_flange(joints->q_told_rad),
+          .q_told_rad = joints->q_told_rad};
 }
 
 void Arm::stand(SensorClock::time_point instant) {

@@ -11,6 +11,7 @@
 
 #include "common/time/clocks.hpp"
 #include "hal/sim/robot/program.hpp"
+#include "hal/sim/robot/real_joints.hpp"
 
 namespace biteline::sim {
 
@@ -36,14 +37,26 @@ struct ArmState {
   Payload payload{};        ///< as the last program said
 };
 
-/// Ideal: the arm is where its program says, at every instant; dynamics are not simulated.
+/// Where the arm is, and where its controller says it is.
+struct ArmReal {
+  SE3 T_base_flange{SE3::Identity()};
+  SE3 T_base_flange_told{SE3::Identity()};  ///< by the encoders
+  std::optional<JointVector> q_told_rad{};  ///< where known
+};
+
+/// The controller's target is where its program says, at every instant.  The arm itself is off that by its
+/// dynamics; without any it is ideal.  So it is where the joints are not known: the way of a head on a
+/// straight holder.
 /// Thread: any.
 class Arm {
  public:
-  Arm(const ArmKinematics& kinematics, const SE3& T_base_flange_start);
-  Arm(const ArmKinematics& kinematics, const JointVector& q_start_rad);
+  Arm(const ArmKinematics& kinematics, const SE3& T_base_flange_start, const ArmDynamics& dynamics = {});
+  Arm(const ArmKinematics& kinematics, const JointVector& q_start_rad, const ArmDynamics& dynamics = {});
 
+  /// The target.
   [[nodiscard]] ArmState at(SensorClock::time_point instant) const;
+  /// Not much later than now: what has been answered stays so, whatever is run after.
+  [[nodiscard]] ArmReal real_at(SensorClock::time_point instant) const;
 
   /// Replaces whatever is on; begins at `begin` from where the arm then is.
   void run(FlangeMotion motion, SensorClock::time_point begin);
@@ -55,6 +68,8 @@ class Arm {
 
  private:
   void stand(SensorClock::time_point instant);
+  [[nodiscard]] std::optional<JointVector> joints_of(const ArmState& state,
+                                                     const JointVector& near_rad) const;
 
   ArmKinematics kinematics_;
   mutable std::mutex mutex_;
@@ -66,6 +81,9 @@ class Arm {
   std::shared_ptr<const FlangeMotion> motion_;
   std::shared_ptr<const Program> program_;
   SensorClock::time_point begin_;
+  bool ideal_{true};
+  mutable std::mutex real_mutex_;  ///< before mutex_
+  mutable RealJoints real_;
 };
 
 }  // namespace biteline::sim

@@ -122,10 +122,11 @@ void UrController::wait_until(SensorClock::time_point instant) {
 void UrController::cycle(std::uint64_t number) {
   const auto instant = instant_of(number);
   const ArmState state = arm_.at(instant);
+  const ArmReal real = arm_.real_at(instant);
   const Nanoseconds stamp = instant.time_since_epoch() + config_.clock_offset;
   if (protective_stop_) arm_.stop(instant);
   values_.set_protective_stop(protective_stop_);
-  values_.advance(state, static_cast<double>(stamp.count()) * 1e-9);
+  values_.advance(state, real, static_cast<double>(stamp.count()) * 1e-9);
   const std::uint64_t cycles_per_state = static_cast<std::uint64_t>(std::max(1, config_.rate_hz / 10));
   if (std::exchange(states_sent_, number / cycles_per_state) != number / cycles_per_state) {
     const std::vector<std::uint8_t> told = primary_state(state, stamp);
@@ -142,7 +143,7 @@ void UrController::cycle(std::uint64_t number) {
   if (!on_cycle_) return;
   ArmState told = state;
   told.q_rad = values_.q_rad();
-  on_cycle_(instant, told);
+  on_cycle_(instant, told, real);
 }
 
 void UrController::pass_on(RtdeClient& client) {

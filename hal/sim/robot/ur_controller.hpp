@@ -39,8 +39,8 @@ class UrController {
     std::uint16_t rtde, script, dashboard, primary;
   };
   /// Called on each cycle with the instant on this machine's monotonic clock, on the controller's thread; the
-  /// joints are those told in actual_q.
-  using OnCycle = std::function<void(SensorClock::time_point, const ArmState&)>;
+  /// state's joints are those told in target_q.
+  using OnCycle = std::function<void(SensorClock::time_point, const ArmState&, const ArmReal&)>;
 
   [[nodiscard]] static Result<std::unique_ptr<UrController>> open(const Config& config, Arm& arm,
                                                                   OnCycle on_cycle);

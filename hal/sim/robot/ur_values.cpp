@@ -34,13 +34,18 @@ rtde::Vector6 speed_between(const SE3& before, const SE3& after, double step_s) 
 
 }  // namespace
 
-void UrValues::advance(const ArmState& state, double timestamp_s) {
-  const SE3 T_base_tcp = state.T_base_flange * state.T_flange_tcp;
-  const SE3 T_base_tcp_before = state_.T_base_flange * state.T_flange_tcp;
+void UrValues::advance(const ArmState& state, const ArmReal& real, double timestamp_s) {
   const double step_s = timestamp_s - timestamp_s_;
   const bool first = timestamp_s_ == 0;
-  tcp_speed_ = first || step_s <= 0 ? rtde::Vector6{} : speed_between(T_base_tcp_before, T_base_tcp, step_s);
-  tcp_pose_ = ur_pose(T_base_tcp);
+  const auto tip = [&](const SE3& T_before, const SE3& T_now, rtde::Vector6& pose, rtde::Vector6& speed) {
+    const SE3 T_base_tcp = T_now * state.T_flange_tcp;
+    speed = first || step_s <= 0 ? rtde::Vector6{}
+                                 : speed_between(T_before * state.T_flange_tcp, T_base_tcp, step_s);
+    pose = ur_pose(T_base_tcp);
+  };
+  tip(state_.T_base_flange, state.T_base_flange, tcp_target_, tcp_target_speed_);
+  tip(T_base_flange_told_, real.T_base_flange_told, tcp_pose_, tcp_speed_);
+  T_base_flange_told_ = real.T_base_flange_told;
   tcp_offset_ = ur_pose(state.T_flange_tcp);
 
   const bool still = !first && state_.T_base_flange.matrix() == state.T_base_flange.matrix();
@@ -57,6 +62,10 @@ void UrValues::advance(const ArmState& state, double timestamp_s) {
     q_rad_s_ = smooth ? JointVector((*followed - *q_rad_) / step_s) : JointVector(JointVector::Zero());
     if (followed) q_rad_ = followed;
   }
+  const std::optional<JointVector> q_told_rad = real.q_told_rad ? real.q_told_rad : q_rad_;
+  q_told_rad_s_ = q_rad_s_;
+  if (real.q_told_rad && q_told_rad_ && step_s > 0) q_told_rad_s_ = (*q_told_rad - *q_told_rad_) / step_s;
+  q_told_rad_ = q_told_rad;
   state_ = state;
   timestamp_s_ = timestamp_s;
 }
@@ -75,10 +84,14 @@ void UrValues::take_inputs(const rtde::Recipe& recipe, std::span<const rtde::Val
 
 rtde::Value UrValues::value_of(std::string_view name) const {
   if (name == "timestamp") return timestamp_s_;
-  if (name == "actual_q" || name == "target_q") return to_array(q_rad_.value_or(JointVector::Zero()));
-  if (name == "actual_qd" || name == "target_qd") return to_array(q_rad_s_);
-  if (name == "actual_TCP_pose" || name == "target_TCP_pose") return tcp_pose_;
-  if (name == "actual_TCP_speed" || name == "target_TCP_speed") return tcp_speed_;
+  if (name == "target_q") return to_array(q_rad_.value_or(JointVector::Zero()));
+  if (name == "target_qd") return to_array(q_rad_s_);
+  if (name == "target_TCP_pose") return tcp_target_;
+  if (name == "target_TCP_speed") return tcp_target_speed_;
+  if (name == "actual_q") return to_array(q_told_rad_.value_or(JointVector::Zero()));
+  if (name == "actual_qd") return to_array(q_told_rad_s_);
+  if (name == "actual_TCP_pose") return tcp_pose_;
+  if (name == "actual_TCP_speed") return tcp_speed_;
   if (name == "tcp_offset") return tcp_offset_;
   if (name == "robot_mode") return k_running;
   if (name == "safety_mode" || name == "safety_status")

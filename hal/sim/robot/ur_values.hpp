@@ -12,13 +12,14 @@
 namespace biteline::sim {
 
 /// One controller cycle.  Call advance() once for each cycle, in order; speeds are differences to the cycle
-/// before. Joints are followed from cycle to cycle; where the links do not reach they keep their last values.
-/// What the simulation does not have (forces, currents, temperatures) reads 0.
+/// before. What is named target is the program's, what is named actual the encoders'. Joints are followed
+/// from cycle to cycle; where the links do not reach they keep their last values. What the simulation does
+/// not have (forces, currents, temperatures) reads 0.
 class UrValues final : public rtde::ValueSource {
  public:
   explicit UrValues(const ArmKinematics& kinematics) : kinematics_(kinematics) {}
 
-  void advance(const ArmState& state, double timestamp_s);
+  void advance(const ArmState& state, const ArmReal& real, double timestamp_s);
 
   /// What clients wrote: the speed slider, and all that is read back under its own name.
   void take_inputs(const rtde::Recipe& recipe, std::span<const rtde::Value> values);
@@ -29,7 +30,7 @@ class UrValues final : public rtde::ValueSource {
   [[nodiscard]] rtde::Value value_of(std::string_view name) const override;
 
   [[nodiscard]] const ArmState& state() const { return state_; }
-  /// As told in actual_q; nothing while nobody knows.
+  /// As told in target_q; nothing while nobody knows.
   [[nodiscard]] const std::optional<JointVector>& q_rad() const { return q_rad_; }
 
  private:
@@ -41,7 +42,10 @@ class UrValues final : public rtde::ValueSource {
   std::map<std::string, rtde::Value, std::less<>> inputs_;
   std::optional<JointVector> q_rad_;
   JointVector q_rad_s_{JointVector::Zero()};
-  rtde::Vector6 tcp_pose_{}, tcp_speed_{}, tcp_offset_{};
+  std::optional<JointVector> q_told_rad_;
+  JointVector q_told_rad_s_{JointVector::Zero()};
+  SE3 T_base_flange_told_{SE3::Identity()};
+  rtde::Vector6 tcp_target_{}, tcp_target_speed_{}, tcp_pose_{}, tcp_speed_{}, tcp_offset_{};
 };
 
 }  // namespace biteline::sim

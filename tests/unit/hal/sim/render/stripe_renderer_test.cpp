@@ -197,4 +197,77 @@ TEST(StripeRenderer, ASmallerRegionShowsTheSameStripeShifted) {
   DOUBLES_EQUAL(whole.row_px - 60, same->row_px, 1e-9);
 }
 
+TEST(StripeRenderer, MotionTowardsASurfaceBlursByItsWayWithinTheExposure) {
+  const Scene scene = *Scene::build(board({}, {}));
+  StripeRenderer sut(scene, head);
+  sut.render(shot(), pixels, &truth);
+  const std::vector<TrueStripePoint> still = truth;
+  const auto near_row_px = [&](double away_mm) {
+    Shot there = shot();
+    there.T_scene_cam = Eigen::Translation3d(0, 0, away_mm) * there.T_scene_cam;
+    sut.render(there, pixels, &truth);
+    return truth[truth.size() / 2].row_px;
+  };
+  const double px_per_mm = near_row_px(0.5) - near_row_px(-0.5);
+  for (const double speed_mm_s : {250.0, 500.0}) {
+    for (const double exposure_s : {0.0004, 0.002}) {
+      Shot moving = shot();
+      moving.moved_cam_mm = moving.T_scene_cam.linear().transpose() * Vec3(0, 0, speed_mm_s * exposure_s);
+      sut.render(moving, pixels, &truth);
+      const TrueStripePoint &blurred = truth[truth.size() / 2], &sharp = still[still.size() / 2];
+      const double smear_px =
+          std::sqrt(12 * (blurred.sigma_px * blurred.sigma_px - sharp.sigma_px * sharp.sigma_px));
+      DOUBLES_EQUAL(std::abs(px_per_mm) * speed_mm_s * exposure_s, smear_px, 0.03 * smear_px);
+      // The light is the same, over more rows.
+      DOUBLES_EQUAL(sharp.amplitude_grey * sharp.sigma_px, blurred.amplitude_grey * blurred.sigma_px, 0.5);
+    }
+  }
+}
+
+TEST(StripeRenderer, MotionAlongASurfaceBlursNothing) {
+  const Scene scene = *Scene::build(board({}, {}));
+  StripeRenderer sut(scene, head);
+  sut.render(shot(), pixels, &truth);
+  const double sharp_px = truth[truth.size() / 2].sigma_px;
+  Shot moving = shot();
+  moving.moved_cam_mm = moving.T_scene_cam.linear().transpose() * Vec3(0, 1, 0);
+  sut.render(moving, pixels, &truth);
+  DOUBLES_EQUAL(sharp_px, truth[truth.size() / 2].sigma_px, 1e-6);
+}
+
+TEST(StripeRenderer, SpeckleStaysOnTheSurfaceAndGoesWithTheHead) {
+  head.faults.speckle_ratio = 0.5;
+  head.faults.read_noise_grey = 0;
+  head.faults.electrons_per_grey = 1e6;
+  const Scene scene = *Scene::build(board({}, {}));
+  StripeRenderer sut(scene, head);
+  const auto lights = [&](double along_mm, std::uint64_t noise_seed, bool stays) {
+    Shot here = shot();
+    here.T_scene_cam = Eigen::Translation3d(0, along_mm, 0) * here.T_scene_cam;
+    here.noise_seed = noise_seed;
+    here.speckle_stays_put = stays;
+    sut.render(here, pixels, &truth);
+    std::vector<double> sums;
+    for (int column = 200; column < 1400; ++column)
+      sums.push_back(column_light(pixels, head.model.region, column));
+    return sums;
+  };
+  const auto alike = [](const std::vector<double>& a, const std::vector<double>& b) {
+    const auto mean = [](const std::vector<double>& v) {
+      return std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size());
+    };
+    double ab = 0, aa = 0, bb = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      const double da = a[i] - mean(a), db = b[i] - mean(b);
+      ab += da * db;
+      aa += da * da;
+      bb += db * db;
+    }
+    return ab / std::sqrt(aa * bb);
+  };
+  CHECK(alike(lights(0, 1, true), lights(0, 2, true)) > 0.98);
+  CHECK(alike(lights(0, 1, true), lights(0.5, 2, true)) < 0.3);
+  CHECK(alike(lights(0, 1, false), lights(0, 2, false)) < 0.3);
+}
+
 }  // namespace biteline::sim

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#include "hal/sim/app/world_options.hpp"
+
+#include <cmath>
+
+#include "common/options/number.hpp"
+
+namespace biteline::cell {
+
+namespace {
+
+/// Of a hall's lamps behind the head's filter, at the head's own exposure.
+constexpr double k_hall_grey = 4;
+
+}  // namespace
+
+void add_world_options(CLI::App& command, WorldOptions& options) {
+  command
+      .add_option(
+          "--world", options.world,
+          "real: elastic joints, a controller's following error and latency, motion blur, speckle that "
+          "stays on the surface, table, fixture, flickering lamps; ideal: none of these")
+      ->check(CLI::IsMember({"ideal", "real"}))
+      ->capture_default_str();
+  command.add_option("--elastic-hz", options.elastic_hz, "Own frequency of the softest joint; 0: stiff")
+      ->check(options::number({.minimum = 0, .maximum = 60}, "Hz"));
+  command
+      .add_option("--unseen-ratio", options.unseen_ratio,
+                  "Share of the arm's give that its encoders do not see")
+      ->check(options::number({.minimum = 0, .maximum = 1}, ""));
+  command.add_option("--following-ms", options.following_ms, "The drives' lag behind their target")
+      ->check(options::number({.minimum = 0, .maximum = 200}, "ms"));
+  command.add_option("--latency-ms", options.latency_ms, "From the controller's target to the drives")
+      ->check(options::number({.minimum = 0, .maximum = 200}, "ms"));
+}
+
+sim::Disturbances disturbances_of(const WorldOptions& options) {
+  sim::Disturbances disturbances;
+  if (options.world == "real") disturbances = sim::common_disturbances();
+  sim::ArmDynamics& arm = disturbances.arm;
+  arm.elastic_hz = options.elastic_hz.value_or(arm.elastic_hz);
+  arm.unseen_ratio = options.unseen_ratio.value_or(arm.unseen_ratio);
+  if (options.following_ms) arm.following_s = 1e-3 * *options.following_ms;
+  if (options.latency_ms) arm.latency = Nanoseconds{std::llround(1e6 * *options.latency_ms)};
+  return disturbances;
+}
+
+void set_surroundings(sim::SceneSettings& scene, const WorldOptions& options) {
+  if (options.world != "real") return;
+  scene.surroundings = true;
+  if (scene.ambient_grey <= 0) scene.ambient_grey = k_hall_grey;
+}
+
+}  // namespace biteline::cell

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file A place for the shoe where the arm takes the head all the way round it.
+
+#include <memory>
+#include <string>
+
+#include "hal/sim/live/arm_scan.hpp"
+#include "hal/sim/record/made_scene.hpp"
+
+namespace biteline::sim {
+
+/// The scan as the arm makes it, and why the shoe does not stand where it was asked for.
+struct ReachableScan {
+  std::shared_ptr<const ArmScan> scan{};
+  std::string moved_because{};  ///< empty: it stands there
+};
+
+/// Moves the scene's shoe until the arm reaches all the way round it.  Errc::OutOfReach tells the first
+/// place's reason.
+[[nodiscard]] Result<ReachableScan> place_within_reach(MadeScene& scene, const ArmKinematics& kinematics,
+                                                       const std::string& arm);
+
+}  // namespace biteline::sim

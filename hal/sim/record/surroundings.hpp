@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file What a shoe stands on and is held by.
+
+#include "hal/sim/shoe/outline.hpp"
+#include "hal/sim/shoe/surface_mesh.hpp"
+
+namespace biteline::sim {
+
+/// A plate under the shoe at z = 0 of its frame, the table under the plate, and six pins close to the outline
+/// that keep the shoe from sliding.  The pins end below any bite line: they hide nothing of it from a beam
+/// that looks down.
+void add_surroundings(SurfaceMesh& mesh, const Outline& outline);
+
+inline constexpr double k_fixture_plate_mm = 10;  ///< thick: the table is so far below the shoe
+inline constexpr double k_pin_height_mm = 8, k_pin_radius_mm = 3, k_pin_gap_mm = 6;
+
+}  // namespace biteline::sim
