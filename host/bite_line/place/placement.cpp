@@ -11,6 +11,7 @@
 #include "host/bite_line/place/gap_bridge.hpp"
 #include "host/bite_line/place/path_curve.hpp"
 #include "host/bite_line/place/ridge.hpp"
+#include "host/bite_line/place/ridge_doubt.hpp"
 #include "host/bite_line/place/sections.hpp"
 #include "host/geometry/bridge.hpp"
 #include "host/geometry/closed_curve.hpp"
@@ -206,31 +207,6 @@ std::vector<double> scatter_of(const std::vector<double>& own_z_mm, const std::v
   std::vector<double> scatter = geometry::running_mean(square, steps);
   for (double& value : scatter) value = std::sqrt(std::max(value, 0.0));
   return scatter;
-}
-
-/// Where another hollow beside the ridge is about as sharp over the running mean's length, the line may be
-/// that one: what tells two creases apart that lie too close for two layers.
-void doubt_ridge(const Ridge& ridge, double steps, std::vector<PlacedStation>& stations) {
-  constexpr double k_as_sharp = 1.0;
-  constexpr double k_soft = 0.05;
-  constexpr double k_most_times = 2;
-  std::vector<double> own(stations.size()), other(stations.size()), away(stations.size());
-  for (std::size_t i = 0; i < stations.size(); ++i) {
-    own[i] = ridge.visible[i] != 0 ? ridge.k_per_mm[i] : 0.0;
-    other[i] = ridge.other_k_per_mm[i];
-    away[i] = other[i] * ridge.other_mm[i];
-  }
-  own = geometry::running_mean(own, steps);
-  other = geometry::running_mean(other, steps);
-  away = geometry::running_mean(away, steps);
-  for (std::size_t i = 0; i < stations.size(); ++i) {
-    if (!(own[i] > 1e-6) || !(other[i] > 1e-6)) continue;
-    const double times = std::min(other[i] / own[i], k_most_times);
-    const double hold = 1 / (1 + std::exp((times - k_as_sharp) / k_soft));
-    if (hold >= stations[i].hold) continue;
-    stations[i].hold = hold;
-    stations[i].other_mm = away[i] / other[i];
-  }
 }
 
 }  // namespace

@@ -43,6 +43,13 @@ bool seen_both_sides(const Sections& sections, int station, int row) {
   return true;
 }
 
+/// What stands out above a hollow by more than it is high hides it: points in it are another layer's.
+bool hidden(const Sections& sections, int station, int row) {
+  constexpr float k_above_mm = 1.0F;
+  const int above = row + static_cast<int>(std::lround(k_above_mm / static_cast<float>(sections.row_mm)));
+  return sections.o_mm[sections.at(station, above)] - sections.o_mm[sections.at(station, row)] > k_above_mm;
+}
+
 struct Other {
   double k_per_mm{0};
   double away_mm{0};
@@ -57,7 +64,9 @@ Other other_hollow(const Sections& sections, std::span<const float> k, int stati
   int best = -1;
   for (int row = std::max(low, 1); row < std::min(end, sections.rows - 1); ++row) {
     if (std::abs(row - own) < apart || value(row) < value(row - 1) || value(row) < value(row + 1)) continue;
-    if (value(row) > (best < 0 ? 0.0F : value(best)) && seen_both_sides(sections, station, row)) best = row;
+    if (value(row) > (best < 0 ? 0.0F : value(best)) && seen_both_sides(sections, station, row) &&
+        !hidden(sections, station, row))
+      best = row;
   }
   if (best < 0) return {};
   const auto out_mm = static_cast<double>(sections.o_mm[sections.at(station, best)] -

@@ -2,12 +2,17 @@
 // The line on shapes that nobody here designed: right, flagged, refused or wrong, as they are and turned,
 // tilted, mirrored, noisier.
 //
-//   bench_line_shapes [--variants] [--published] [NAME CLOUD.ply TRUTH.csv|none|-]
+//   bench_line_shapes [--variants] [--published] [--points FILE] [--paths FILE] [NAME CLOUD.ply
+//   TRUTH.csv|none|-]
 //
+// --points: one row for each placed station, written or refused: where it is, what its confidence is made of,
+// and how far off the known line.  --paths: the places of all candidates, the chosen or nearest first.
 // The last three name one more shape: `none` is no shoe or has no line, `-` has no known line.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <random>
@@ -15,9 +20,11 @@
 #include <vector>
 
 #include "host/bite_line/find_bite_line.hpp"
+#include "host/bite_line/place/point_spread.hpp"
 #include "host/bite_line/published/published_line.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/cloud/ply.hpp"
+#include "host/cloud/uncertainty/radius.hpp"
 #include "tests/support/shape_truth.hpp"
 
 namespace biteline::bench {
@@ -58,13 +65,57 @@ cloud::PointCloud made(const cloud::PointCloud& cloud, const Variant& variant) {
   return out;
 }
 
+double distance_mm(const Vec3& point, const cloud::ClosedLine& line) {
+  double best2 = std::numeric_limits<double>::max();
+  for (std::size_t i = 0; i < line.points.size(); ++i) {
+    const Vec3& a = line.points[i].position;
+    const Vec3 edge = line.points[(i + 1) % line.points.size()].position - a;
+    const double along = std::clamp((point - a).dot(edge) / std::max(edge.squaredNorm(), 1e-12), 0.0, 1.0);
+    best2 = std::min(best2, (point - a - along * edge).squaredNorm());
+  }
+  return std::sqrt(best2);
+}
+
+void write_points(std::FILE* out, const std::string& name, const Variant& variant,
+                  const bite_line::Workings& workings, const bite_line::Extraction& found,
+                  const cloud::ClosedLine& truth) {
+  for (const bite_line::PlacedStation& p : workings.placed.points) {
+    const Vec3 at = found.T_base_shoe * p.position;
+    const bite_line::PointSpread own = bite_line::spread_of(p);
+    const double u95_mm =
+        uncertainty::u95_mm(uncertainty::principal_axes(own.covariance_mm2), own.hold, own.other_mm);
+    std::fprintf(out, "%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.4f,%.3f,%.3f,%.4f,%.4f,%.3f,%.4f,%.3f,%.3f\n",
+                 name.c_str(), variant.name, at.x(), at.y(), at.z(), p.position.x(), p.position.y(),
+                 p.position.z(), p.hold, p.other_mm, p.doubt, p.sharp, p.own_z_mm - p.position.z(),
+                 p.curvature_per_mm, own.within * own.hold, u95_mm,
+                 truth.points.empty() ? -1.0 : distance_mm(at, truth));
+  }
+}
+
+void write_paths(std::FILE* out, const std::string& name, const Variant& variant,
+                 const bite_line::Extraction& found) {
+  for (std::size_t i = 0; i < found.candidates.size(); ++i) {
+    for (const Vec3& p : found.candidates[i].points)
+      std::fprintf(out, "%s,%s,%zu,%.3f,%.3f,%.3f\n", name.c_str(), variant.name, i, p.x(), p.y(), p.z());
+  }
+}
+
+/// Where rows are written, or nothing.
+struct Files {
+  std::FILE* points{nullptr};
+  std::FILE* paths{nullptr};
+};
+
 void run(const std::string& name, const cloud::PointCloud& cloud, const test::ShapeTruth& truth,
-         const Variant& variant, bool published) {
+         const Variant& variant, bool published, const Files& files) {
   cloud::ClosedLine line = truth.line;
   for (cloud::LinePoint& p : line.points) p.position = moved(p.position, variant);
   const cloud::PointCloud input = made(cloud, variant);
-  const bite_line::Extraction found =
-      published ? published::find_bite_line(input.points, {}) : bite_line::find_bite_line(input, {});
+  std::optional<bite_line::Workings> workings;
+  const bite_line::Extraction found = published ? published::find_bite_line(input.points, {})
+                                                : bite_line::find_bite_line(input, {}, &workings);
+  if (files.points != nullptr && workings) write_points(files.points, name, variant, *workings, found, line);
+  if (files.paths != nullptr) write_paths(files.paths, name, variant, found);
   std::printf("{\"bench\":\"line.shapes\",\"what\":\"%s, %s\",\"method\":\"%s\",\"confidence\":%.3f,",
               name.c_str(), variant.name, published ? "published" : "ours", found.confidence);
   if (!found.found) {
@@ -98,20 +149,30 @@ int main(int argc, char** argv) {
   bool variants = false;
   bool published = false;
   std::vector<std::string> own;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> points{nullptr, &std::fclose}, paths{nullptr, &std::fclose};
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == "--variants")
       variants = true;
     else if (argument == "--published")
       published = true;
+    else if (argument == "--points" && i + 1 < argc)
+      points.reset(std::fopen(argv[++i], "w"));
+    else if (argument == "--paths" && i + 1 < argc)
+      paths.reset(std::fopen(argv[++i], "w"));
     else
       own.push_back(argument);
   }
+  if (points)
+    std::fprintf(points.get(),
+                 "shape,variant,x_mm,y_mm,z_mm,shoe_x_mm,shoe_y_mm,shoe_z_mm,hold,other_mm,doubt,sharp,"
+                 "jump_mm,curvature_per_mm,confidence,u95_mm,error_mm\n");
+  if (paths) std::fprintf(paths.get(), "shape,variant,candidate,x_mm,y_mm,z_mm\n");
   const auto each = [&](const std::string& name, const cloud::PointCloud& cloud,
                         const test::ShapeTruth& truth) {
     for (const bench::Variant& variant : bench::k_variants) {
-      bench::run(name, cloud, truth, variant, false);
-      if (published) bench::run(name, cloud, truth, variant, true);
+      bench::run(name, cloud, truth, variant, false, {points.get(), paths.get()});
+      if (published) bench::run(name, cloud, truth, variant, true, {});
       if (!variants) break;
     }
   };

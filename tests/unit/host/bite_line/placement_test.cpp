@@ -138,6 +138,23 @@ TEST(Ridge, AnotherHollowBesideTheGrooveIsTold) {
   }
 }
 
+TEST(Ridge, AHollowThatTheWallAboveHidesIsNone) {
+  // Strays 3 mm behind the wall, as of a lining: no camera looks into a slit that is so much deeper than
+  // high.
+  const auto slit = [](double deep_mm) {
+    return sections_of([=](double s, double z) {
+      const bool behind = s > 200 && s < 204 && std::abs(z - k_z_mm - 1.4) < 0.3;
+      return test::groove_mm(z, k_z_mm - 0.8) - (behind ? deep_mm : 0);
+    });
+  };
+  const auto told = [](const Sections& sections) {
+    const Ridge sut = follow_ridge(sections, section_curvature(sections, 0.4), 2.5);
+    return sut.other_k_per_mm[static_cast<std::size_t>(202 / sections.station_mm)];
+  };
+  CHECK_COMPARE(told(slit(0.6)), >, 0.5);
+  CHECK_COMPARE(told(slit(3)), <, 0.3);
+}
+
 TEST(Ridge, NothingIsVisibleOnAPlainWall) {
   const Sections sections = sections_of([](double, double z) { return 0.2 * (z - k_z_mm); });
   const Ridge sut = follow_ridge(sections, section_curvature(sections, 0.4), 2.5);

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/place/ridge_doubt.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "host/geometry/closed_curve.hpp"
+#include "host/geometry/robust.hpp"
+
+namespace biteline::bite_line {
+
+namespace {
+
+/// The least value within `steps` to both sides, closed.
+std::vector<double> least_about(std::span<const double> values, std::size_t steps) {
+  const std::size_t count = values.size();
+  std::vector<double> least(values.begin(), values.end());
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t k = 1; k <= std::min(steps, count - 1); ++k)
+      least[i] = std::min({least[i], values[(i + k) % count], values[(i + count - k) % count]});
+  }
+  return least;
+}
+
+}  // namespace
+
+void doubt_ridge(const Ridge& ridge, double steps, std::vector<PlacedStation>& stations) {
+  constexpr double k_as_sharp = 1.0;
+  constexpr double k_soft = 0.05;
+  constexpr double k_most_times = 2;
+  const std::size_t count = stations.size();
+  const auto half = std::min(static_cast<std::size_t>(steps / 2), (count - 1) / 2);
+  std::vector<double> times(count, 0.0), away(count, 0.0), hold(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (ridge.visible[i] == 0) continue;
+    times[i] = std::min(ridge.other_k_per_mm[i] / std::max(ridge.k_per_mm[i], 1e-6), k_most_times);
+    away[i] = times[i] * ridge.other_mm[i];
+  }
+  std::vector<double> about;
+  for (std::size_t i = 0; i < count; ++i) {
+    about.clear();
+    for (std::size_t k = count - half; k <= count + half; ++k) about.push_back(times[(i + k) % count]);
+    hold[i] = 1 / (1 + std::exp((geometry::median_of(std::span<double>{about}) - k_as_sharp) / k_soft));
+  }
+  hold = least_about(hold, half / 2);
+  times = geometry::running_mean(times, steps);
+  away = geometry::running_mean(away, steps);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (hold[i] >= stations[i].hold) continue;
+    stations[i].hold = hold[i];
+    stations[i].other_mm = away[i] / std::max(times[i], 1e-6);
+  }
+}
+
+}  // namespace biteline::bite_line

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Where the line may lie in another hollow beside it, too close for two layers.
+
+#include <vector>
+
+#include "host/bite_line/place/placement.hpp"
+#include "host/bite_line/place/ridge.hpp"
+
+namespace biteline::bite_line {
+
+/// Lowers `hold` of the stations, and sets `other_mm`, where another hollow is about as sharp in most
+/// sections over the running mean's length of `steps` stations.  Most and not their mean: one stray makes one
+/// wild section.  A point whose mean takes in a quarter and more of such a place is as unsure.
+void doubt_ridge(const Ridge& ridge, double steps, std::vector<PlacedStation>& stations);
+
+}  // namespace biteline::bite_line
