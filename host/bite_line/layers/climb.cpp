@@ -24,11 +24,13 @@ std::vector<float> climb_of(const SideGrid& grid, std::span<const double> row) {
 Layers find_layers_along(Side& side, const LayersConfig& config) {
   constexpr SideField::Config k_field{};
   const auto steep = static_cast<float>(k_field.sigma_z_mm / k_field.sigma_s_mm);
-  Layers level = find_layers(side.field, config);
-  const std::vector<float> climb = climb_of(side.field.grid, level.line.row);
-  if (std::none_of(climb.begin(), climb.end(), [&](float c) { return std::abs(c) > steep; })) return level;
-  side.field = SideField::build(side.shoe, side.outline, k_field, climb);
-  return find_layers(side.field, config);
+  FirstLook look = first_look(side.field, config);
+  const std::vector<float> climb = climb_of(side.field.grid, smooth_rows(side.field.grid, look.best.row));
+  if (std::any_of(climb.begin(), climb.end(), [&](float c) { return std::abs(c) > steep; })) {
+    side.field = SideField::build(side.shoe, side.outline, k_field, climb);
+    look = first_look(side.field, config);
+  }
+  return find_layers(side.field, look, config);
 }
 
 }  // namespace biteline::bite_line

@@ -16,7 +16,7 @@ namespace biteline::bite_line {
 
 /// find_layers(), on a side that is smoothed along its creases.  Where these climb by more than the field's
 /// own smoothing in height, a level mean along the outline would wash them out: then the side is read once
-/// more, along the first course's climb, and its layers are found in that.  Creases of a sole run side by
+/// more, along the best course's climb, and its layers are found in that.  Creases of a sole run side by
 /// side, so the climb is right even where that course lies on another one.
 [[nodiscard]] Layers find_layers_along(Side& side, const LayersConfig& config);
 

@@ -77,11 +77,10 @@ class Search {
                          [&] { back_.emplace_back(cost, rows, cols, false, config.path); });
   }
 
-  Course run() {
+  Course run(const ClosedPath& best) {
     Course course;
-    const ClosedPath path = shortest_closed_path(cost_, rows_, cols_, config_.path);
-    course.row = path.row;
-    course.cost = path.cost;
+    course.row = best.row;
+    course.cost = best.cost;
     Branch over;
     Branch under;
     tbb::parallel_invoke([&] { over = beside(course, true); }, [&] { under = beside(course, false); });
@@ -221,10 +220,12 @@ class Search {
 
 }  // namespace
 
-Course find_course(std::span<const float> cost, int rows, int cols, const CourseConfig& config) {
+Course find_course(std::span<const float> cost, int rows, int cols, const ClosedPath& best,
+                   const CourseConfig& config) {
   BITELINE_EXPECTS(rows > 0 && cols > 1 &&
                    cost.size() == static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols));
-  return Search{cost, rows, cols, config}.run();
+  BITELINE_EXPECTS(best.row.size() == static_cast<std::size_t>(cols));
+  return Search{cost, rows, cols, config}.run(best);
 }
 
 }  // namespace biteline::bite_line

@@ -31,9 +31,12 @@ struct CourseConfig {
   int most{80};           ///< branches to a side
 };
 
+/// Around the best course, shortest_closed_path() of the same cost and config.path.
+///
 /// Min-marginals of the chain: for each place the cheapest course through it, from sweeps twice round in both
 /// directions.  Those that lie `apart_rows` and more away from the course at a column, on a place that shows
 /// something, are its rivals there.
-[[nodiscard]] Course find_course(std::span<const float> cost, int rows, int cols, const CourseConfig& config);
+[[nodiscard]] Course find_course(std::span<const float> cost, int rows, int cols, const ClosedPath& best,
+                                 const CourseConfig& config);
 
 }  // namespace biteline::bite_line

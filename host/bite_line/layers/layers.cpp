@@ -95,10 +95,16 @@ std::vector<float> sharp_along(const SideField& field, const Crease& line) {
   return about;
 }
 
-Layers find_layers(const SideField& field, const LayersConfig& config) {
+FirstLook first_look(const SideField& field, const LayersConfig& config) {
+  FirstLook look{.evidence = find_evidence(field, config.evidence), .best = {}};
+  look.best = shortest_closed_path(look.evidence.cost, field.grid.rows, field.grid.cols, config.course.path);
+  return look;
+}
+
+Layers find_layers(const SideField& field, const FirstLook& look, const LayersConfig& config) {
   const SideGrid& grid = field.grid;
-  const Evidence evidence = find_evidence(field, config.evidence);
-  const Course course = find_course(evidence.cost, grid.rows, grid.cols, config.course);
+  const Evidence& evidence = look.evidence;
+  const Course course = find_course(evidence.cost, grid.rows, grid.cols, look.best, config.course);
   const auto margin_of = [&](const Branch& branch) {
     const bool returns = branch.over_cols < grid.cols;
     return (branch.worse + (returns ? config.kink : 0.0)) / (branch.over_cols + config.margin_cols);

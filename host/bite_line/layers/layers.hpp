@@ -45,6 +45,13 @@ struct Layers {
 /// Per column of a path: how sharp a place its crease has.
 [[nodiscard]] std::vector<float> sharp_along(const SideField& field, const Crease& line);
 
-[[nodiscard]] Layers find_layers(const SideField& field, const LayersConfig& config);
+/// How much each place looks like the bite line, and the best closed course through that.
+struct FirstLook {
+  Evidence evidence;
+  ClosedPath best;
+};
+[[nodiscard]] FirstLook first_look(const SideField& field, const LayersConfig& config);
+
+[[nodiscard]] Layers find_layers(const SideField& field, const FirstLook& look, const LayersConfig& config);
 
 }  // namespace biteline::bite_line

@@ -118,6 +118,12 @@ bool wall_above(const SideField& field, int row, int col, double upper_mm) {
 
 }  // namespace
 
+std::vector<double> smooth_rows(const SideGrid& grid, std::span<const int> path) {
+  constexpr double k_smooth_mm = 2.0;
+  const std::vector<double> rows(path.begin(), path.end());
+  return geometry::smooth_closed(rows, k_smooth_mm / grid.col_mm);
+}
+
 Crease describe(const SideField& field, std::span<const float> likeness, std::span<const int> path,
                 const CreaseConfig& config) {
   const SideGrid& grid = field.grid;
@@ -125,8 +131,7 @@ Crease describe(const SideField& field, std::span<const float> likeness, std::sp
   const auto cols = static_cast<std::size_t>(grid.cols);
   crease.turn_rad.assign(cols, 0.0F);
   crease.visible.assign(cols, 0);
-  std::vector<double> rows(path.begin(), path.end());
-  crease.row = geometry::smooth_closed(rows, 2.0 / grid.col_mm);
+  crease.row = smooth_rows(grid, path);
 
   std::vector<double> turns;
   std::vector<double> steps;

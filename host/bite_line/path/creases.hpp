@@ -40,6 +40,9 @@ struct CreaseConfig {
   double upper_mm{8.0};         ///< so far above a bite line there is an upper, on pumps and ballerinas too
 };
 
+/// A path without its steps.
+[[nodiscard]] std::vector<double> smooth_rows(const SideGrid& grid, std::span<const int> path);
+
 /// What the surface does along a closed path, one row per column.
 [[nodiscard]] Crease describe(const SideField& field, std::span<const float> likeness,
                               std::span<const int> path, const CreaseConfig& config);

@@ -8,9 +8,11 @@
 #include <cstring>
 #include <ctime>
 #include <fstream>
+#include <map>
 #include <string>
 
 #include <malloc.h>
+#include <tbb/global_control.h>
 
 #include "hal/sim/shoe/made_shoe.hpp"
 #include "hal/sim/shoe/scanned_cloud.hpp"
@@ -75,10 +77,11 @@ cloud::PointCloud scan(double points) {
   return cloud;
 }
 
-/// While scanning: from the last profile to the line.
-void live() {
-  const sim::MadeShoe shoe{sim::draw_shoe(sim::ShoeClass::Deep, 7)};
+/// While scanning: from the last profile to the line, and what each step of it takes on one thread.
+void live(sim::ShoeClass shoe_class) {
+  const sim::MadeShoe shoe{sim::draw_shoe(shoe_class, 7)};
   const sim::ScannedCloud scan = sim::scan_quickly(shoe, {}, SE3::Identity());
+  const std::string name{sim::name_of(shoe_class)};
   bite_line::LiveScan live_scan;
   double longest_s = 0;
   for (std::size_t first = 0; first < scan.points.size();) {
@@ -92,11 +95,23 @@ void live() {
   }
   const Timed timed = best_of(8, [&] { return live_scan.finish({}).found; });
   std::printf(
-      "{\"bench\":\"line.live\",\"what\":\"last profile to line, %zu "
+      "{\"bench\":\"line.live\",\"what\":\"last profile to line, %s, %zu "
       "points%s\",\"ours\":%.4f,\"unit\":\"s\",\"target\":0.03,\"processor_s\":%.4f}\n",
-      live_scan.points(), timed.found ? "" : " (NOT FOUND)", timed.wall_s, timed.processor_s);
-  std::printf("{\"bench\":\"line.live\",\"what\":\"one profile, longest\",\"ours\":%.6f,\"unit\":\"s\"}\n",
-              longest_s);
+      name.c_str(), live_scan.points(), timed.found ? "" : " (NOT FOUND)", timed.wall_s, timed.processor_s);
+  std::printf(
+      "{\"bench\":\"line.live\",\"what\":\"one profile, longest, %s\",\"ours\":%.6f,\"unit\":\"s\"}\n",
+      name.c_str(), longest_s);
+  const tbb::global_control one{tbb::global_control::max_allowed_parallelism, 1};
+  std::map<std::string, double> steps_s;
+  for (int round = 0; round < 8; ++round) {
+    for (const report::StageTime& stage : live_scan.finish({}).stages) {
+      const auto [step, is_new] = steps_s.try_emplace(stage.name, stage.seconds);
+      if (!is_new) step->second = std::min(step->second, stage.seconds);
+    }
+  }
+  for (const auto& [step, seconds] : steps_s)
+    std::printf("{\"bench\":\"line.step\",\"what\":\"%s, %s, one thread\",\"ours\":%.4f,\"unit\":\"s\"}\n",
+                step.c_str(), name.c_str(), seconds);
 }
 
 int run() {
@@ -121,7 +136,8 @@ int run() {
         points, peak.bytes() / points);
     std::fflush(stdout);
   }
-  live();
+  // A pump's creases climb along its shank.
+  for (const sim::ShoeClass shoe_class : {sim::ShoeClass::Deep, sim::ShoeClass::Pump}) live(shoe_class);
   return 0;
 }
 
