@@ -57,10 +57,15 @@ net::awaitable<bool> Connection::one_request() {
     if (fault) co_return false;
     buffer_.commit(got);
   }
-  const Deadline deadline{stream_, limits.request_time};
-  co_await http::async_read(stream_, buffer_, parser, redirect_error(use_awaitable, fault));
-  if (deadline.over() || is_fault_of_the_text(fault)) {
-    co_await refuse_unread(deadline.over(), fault);
+  bool late = false;
+  {
+    // Ends with the request: an answer has limits of its own, and a WebSocket stays for as long as both want.
+    const Deadline deadline{stream_, limits.request_time};
+    co_await http::async_read(stream_, buffer_, parser, redirect_error(use_awaitable, fault));
+    late = deadline.over();
+  }
+  if (late || is_fault_of_the_text(fault)) {
+    co_await refuse_unread(late, fault);
     co_return false;
   }
   if (fault) co_return false;

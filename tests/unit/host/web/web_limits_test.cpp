@@ -34,6 +34,17 @@ TEST(WebLimits, WhoIsSlowIsToldAndHoldsNobodyUp) {
   CHECK(!slow.frame());  // and it was ended
 }
 
+TEST(WebLimits, AWatcherStaysLongerThanARequestMayTake) {
+  constexpr std::chrono::milliseconds k_request_time{200};
+  const RunningServer sut{{.request_time = k_request_time}};
+  WebClient events = sut.client();
+  LONGS_EQUAL(101, events.upgrade("/api/v1/events", k_session).status);
+  std::this_thread::sleep_for(5 * k_request_time);
+  sut.service->tell({.name = "state", .data = {{"phase", "scanning"}}, .seq = 1, .time = control::utc_now()});
+  const auto frame = events.frame();
+  CHECK(frame && frame->content.find("scanning") != std::string::npos);
+}
+
 TEST(WebLimits, MoreConnectionsThanAllowedAreTurnedAway) {
   const RunningServer sut{{.connections = 4}};
   std::vector<WebClient> held;
