@@ -42,7 +42,7 @@ std::vector<double> breadths(std::span<const Vec2> curve) {
   const auto [low, high] = std::minmax_element(curve.begin(), curve.end(),
                                                [](const Vec2& a, const Vec2& b) { return a.x() < b.x(); });
   const double length = std::max(high->x() - low->x(), 1e-6);
-  const auto slice_at = [&](double x) { return (x - low->x()) / length * k_slices; };
+  const auto slice_at = [heel_x = low->x(), length](double x) { return (x - heel_x) / length * k_slices; };
   std::vector<double> left(k_slices + 1, -k_none);
   std::vector<double> right(k_slices + 1, k_none);
   for (std::size_t i = 0; i < curve.size(); ++i) {
