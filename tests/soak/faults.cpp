@@ -72,6 +72,21 @@ Undo hold_sensor(Stand& stand) {
   return undo_with([&stand] { ::kill(stand.sensor().pid(), SIGCONT); });
 }
 
+Undo kill_page(Stand& stand) {
+  ::kill(stand.page().program().pid(), SIGKILL);
+  return {};
+}
+
+Undo hold_page(Stand& stand) {
+  ::kill(stand.page().program().pid(), SIGSTOP);
+  return undo_with([&stand] { ::kill(stand.page().program().pid(), SIGCONT); });
+}
+
+Undo slow_browser(Stand& stand) {
+  stand.page().stop_reading(true);
+  return undo_with([&stand] { stand.page().stop_reading(false); });
+}
+
 Undo step_robot_clock(Stand& stand) {
   stand.cell().faults.robot_clock_step_ns += 2'000'000'000;
   return {};
@@ -116,6 +131,10 @@ const Fault k_table[] = {
     {"robot's clock stepped", When::Scan, 0ms, false, k_less, "", step_robot_clock},
     {"host killed in the scan", When::Scan, 0ms, false, k_less, "", kill_host},
     {"host ended in the scan", When::Scan, 0ms, false, k_less, "", end_host},
+    // Nobody who only looks on changes anything.
+    {"page killed", When::Scan, 0ms, false, any_of({Followed}), "", kill_page},
+    {"page stands still", When::Scan, 2s, false, any_of({Followed}), "", hold_page},
+    {"browser stops reading", When::Scan, 4s, false, any_of({Followed}), "", slow_browser},
     // The robot's table.
     {"tip beside the path", When::OnLine, 1s, false, k_halted, "off_path", lies(Lie::TipAside)},
     {"tip NaN", When::Follow, 1s, false, k_halted, "unusable_state", lies(Lie::NotANumber)},

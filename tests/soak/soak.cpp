@@ -20,6 +20,8 @@ constexpr double k_dark_within_ms = 100;
 constexpr double k_rest_within_ms = 400;
 /// What the guard of the laser leaves for the machine (tests/support/timed_test.hpp).
 constexpr double k_machine_late_ms = 25;
+/// The service has ordinary rights.  Of one second: a tenth of the sensor's patience with a silent service.
+constexpr double k_programs_late_ms = 200;
 /// Longer than any step of the service on a busy machine.
 constexpr auto k_silence = 180s;
 /// A service that left: two seconds without a word, five of patience, and a bit.
@@ -46,9 +48,14 @@ void Soak::find(const std::string& what) {
   std::fflush(stdout);
 }
 
-double Soak::own_ms(Clock::time_point from, Clock::time_point until) const {
+double Soak::own_ms(const Wakeups& machine, Clock::time_point from, Clock::time_point until) {
   const double whole_ms = std::chrono::duration<double, std::milli>(until - from).count();
-  return std::max(0.0, whole_ms - wakeups_->stalled_ms(from, until));
+  return std::max(0.0, whole_ms - machine.stalled_ms(from, until));
+}
+
+void Soak::probe_anew() {
+  urgent_ = std::make_unique<Wakeups>(Wakeups::Rank::Urgent);
+  ordinary_ = std::make_unique<Wakeups>(Wakeups::Rank::Ordinary);
 }
 
 const Fault& Soak::next_fault() {
@@ -68,7 +75,7 @@ void Soak::run() {
   const Clock::time_point until =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(
                          std::chrono::duration<double, std::ratio<60>>{settings_.minutes});
-  wakeups_ = std::make_unique<Wakeups>();
+  probe_anew();
   heard_ = Clock::now();
   for (;;) {
     if (const std::optional<HostWord> word = stand_.hear_host(5ms)) {
@@ -114,8 +121,8 @@ void Soak::begin(const std::string& scan) {
   const Fault& fault = next_fault();
   running_.emplace(Running{.name = scan, .fault = &fault, .delay = delay_of(fault.when)});
   running_->in_aftermath = Clock::now() < aftermath_until_;
-  // Its memory is for one scan.
-  wakeups_ = std::make_unique<Wakeups>();
+  // A probe's memory is for one scan.
+  probe_anew();
 }
 
 bool Soak::fault_due() {
@@ -163,7 +170,7 @@ void Soak::watch_dark(Clock::time_point now) {
   const Clock::time_point fell{
       std::chrono::duration_cast<Clock::duration>(stand_.cell().dark_since().time_since_epoch())};
   run.dark = dark ? std::max(fell, *run.made) : now;
-  const double dark_ms = own_ms(*run.made, *run.dark);
+  const double dark_ms = own_ms(*urgent_, *run.made, *run.dark);
   Row& row = rows_[run.fault->name];
   row.worst_ms = std::max(row.worst_ms, dark_ms);
   if (dark && dark_ms <= k_dark_within_ms) return;
@@ -179,7 +186,7 @@ void Soak::watch_rest(Clock::time_point now) {
   if (arm.program_running && now - *run.made < 10s) return;
   run.rest = now;
   run.rest_at_mm = (arm.T_base_flange * arm.T_flange_tcp).translation();
-  const double rest_ms = own_ms(*run.made, now);
+  const double rest_ms = own_ms(*ordinary_, *run.made, now);
   Row& row = rows_[run.fault->name];
   row.worst_ms = std::max(row.worst_ms, rest_ms);
   row.worst_gone_mm = std::max(row.worst_gone_mm, (run.rest_at_mm - run.made_at_mm).norm());
@@ -200,15 +207,14 @@ void Soak::watch_light(Clock::time_point now) {
     return;
   }
   if (!must_be_dark_since_) must_be_dark_since_ = now;
-  const bool late = own_ms(*must_be_dark_since_, now) > k_dark_within_ms;
+  const bool late = own_ms(*urgent_, *must_be_dark_since_, now) > k_dark_within_ms;
   if (!late || !cell.level(Line::LaserEnable) || violated_) return;
   violated_ = true;
   find(path_runs ? "the laser shines while the arm follows a path" : "the laser shines behind an open door");
 }
 
 void Soak::keep_programs() {
-  const bool both = stand_.sensor().running() && stand_.host().running();
-  if (both) {
+  if (stand_.sensor().running() && stand_.host().running() && stand_.page().program().running()) {
     ended_.reset();
     return;
   }
@@ -218,7 +224,7 @@ void Soak::keep_programs() {
   const bool meant = running_ && running_->made && running_->fault->lasts == 0ms;
   if (!meant) {
     find("a program ended by itself: sensor: " + stand_.sensor().last_words() +
-         "; host: " + stand_.host().last_words());
+         "; host: " + stand_.host().last_words() + "; page: " + stand_.page().program().last_words());
   }
   if (const Result<int> revived = stand_.revive(); !revived) find(to_line(revived.error()));
 }
@@ -236,12 +242,12 @@ void Soak::settle() {
   Row& row = rows_[fault.name];
   ++row.scans;
   ++row.outcomes[static_cast<std::size_t>(account.outcome)];
-  const double late_ms = wakeups_->worst_ms();
+  const double late_ms = urgent_->worst_ms(), programs_late_ms = ordinary_->worst_ms(1s);
   const bool right_kind = contains(fault.outcomes, account.outcome);
   const bool has_reason = account.outcome == Outcome::Refused || account.outcome == Outcome::Halted;
   const bool right_reason = !has_reason || account.reason.find(fault.reason) != std::string::npos;
-  const bool excused = late_ms > k_machine_late_ms && account.outcome != Outcome::Open &&
-                       account.outcome != Outcome::Abandoned;
+  const bool late = late_ms > k_machine_late_ms || programs_late_ms > k_programs_late_ms;
+  const bool excused = late && account.outcome != Outcome::Open && account.outcome != Outcome::Abandoned;
   if (account.profiles == 0) ++dark_scans_;
   if (!(right_kind && right_reason) && run.in_aftermath && account.outcome == Outcome::Refused) {
     ++row.aftermaths;
@@ -252,10 +258,12 @@ void Soak::settle() {
   }
   memory_.note("sensor", stand_.sensor().pid(), resident_mb(stand_.sensor().pid()));
   memory_.note("host", stand_.host().pid(), resident_mb(stand_.host().pid()));
+  memory_.note("page", stand_.page().program().pid(), resident_mb(stand_.page().program().pid()));
   memory_.note("cell", ::getpid(), resident_mb(::getpid()));
-  std::printf("%s  %-26s %-9s %s%s (machine late by up to %.0f ms)\n", run.name.c_str(), run.fault->name,
-              name_of(account.outcome), account.reason.c_str(), made || !run.fault->make ? "" : " not made",
-              late_ms);
+  std::printf(
+      "%s  %-26s %-9s %s%s (machine late by up to %.0f ms, ordinary programs by %.0f ms of a second)\n",
+      run.name.c_str(), run.fault->name, name_of(account.outcome), account.reason.c_str(),
+      made || !run.fault->make ? "" : " not made", late_ms, programs_late_ms);
   std::fflush(stdout);
   // What came out even is not kept: an hour of clouds is large.
   if (wrong_.size() == wrong_before) {
@@ -293,6 +301,8 @@ void Soak::end() {
          " scans");
   }
   for (const std::string& growth : memory_.growths()) find(growth);
+  const Seen seen = stand_.page().seen();
+  if (seen.pictures == 0 || seen.profiles == 0 || seen.answers == 0) find("the page showed nothing");
 }
 
 void Soak::print_tables() const {
@@ -312,6 +322,12 @@ void Soak::print_tables() const {
   std::printf("%-28s %5d", "all", scans);
   for (const int number : accounts) std::printf(" %9d", number);
   std::printf("\n\n%s\n", memory_.table().c_str());
+  const Seen seen = stand_.page().seen();
+  std::printf("page: %llu pictures, %llu profiles, %llu states\n",
+              static_cast<unsigned long long>(seen.pictures), static_cast<unsigned long long>(seen.profiles),
+              static_cast<unsigned long long>(seen.answers));
+  for (const auto& [why, times] : seen.losses)
+    std::printf("page: connected anew %d times: %s\n", times, why.c_str());
 }
 
 }  // namespace biteline::soak

@@ -68,16 +68,18 @@ class Soak {
   void find(const std::string& what);
   [[nodiscard]] const Fault& next_fault();
   [[nodiscard]] std::chrono::milliseconds delay_of(Fault::When when);
-  /// From one instant to another, less the time in which the machine itself stood still.
-  [[nodiscard]] double own_ms(Clock::time_point from, Clock::time_point until) const;
+  /// From one instant to another, less the time that the machine did not give to `machine`'s rank.
+  [[nodiscard]] static double own_ms(const Wakeups& machine, Clock::time_point from, Clock::time_point until);
+  void probe_anew();
 
   Stand& stand_;
   SoakSettings settings_;
   std::mt19937_64 random_;
   std::vector<std::size_t> bag_;  ///< faults that are still to come in this round
   std::optional<Running> running_;
-  std::unique_ptr<Wakeups> wakeups_;
-  std::vector<std::string> scripts_;  ///< of paths, seen on the wire and not yet accounted for
+  std::unique_ptr<Wakeups> urgent_;    ///< as the sensor's threads
+  std::unique_ptr<Wakeups> ordinary_;  ///< as the service
+  std::vector<std::string> scripts_;   ///< of paths, seen on the wire and not yet accounted for
   std::set<std::string> begun_;
   std::optional<Clock::time_point> must_be_dark_since_;
   Clock::time_point heard_{Clock::now()};

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tests/soak/stand.hpp"
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -8,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/config/sensor_yaml.hpp"
+#include "common/settings/settings.hpp"
 #include "hal/sim/bus/board_file.hpp"
 #include "hal/sim/record/files.hpp"
 
@@ -21,6 +25,13 @@ using namespace std::chrono_literals;
 constexpr const char* k_arm = "ur5e";
 constexpr auto k_start_patience = 60s;
 
+/// Parts of the line with work of their own; one is left out, so the tool lifts and comes down again.
+constexpr const char* k_zones = R"(
+zones:
+  - {name: heel, where: heel, outward_by_mm: 0.2, speed_ratio: 0.9}
+  - {name: buckle, where: stretch, from_percent: 30, to_percent: 36, work: left_out}
+)";
+
 /// Grinding that takes what a quick, coarse scan is good to, and is quick itself.
 Result<std::string> process_text() {
   std::ifstream stream{fs::path{BITELINE_PROCESSES} / "grind.yaml"};
@@ -31,7 +42,20 @@ Result<std::string> process_text() {
     if (at == std::string::npos) return fail(Errc::BadValue, "grind.yaml has no '%s'", asked);
     text.replace(at, std::string_view{asked}.size(), instead);
   }
-  return text;
+  return text + k_zones;
+}
+
+/// Of loopback; free a moment ago.
+std::uint16_t free_port() {
+  const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t length = sizeof address;
+  const bool bound = ::bind(fd, reinterpret_cast<const sockaddr*>(&address), length) == 0 &&
+                     ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &length) == 0;
+  ::close(fd);
+  return bound ? ntohs(address.sin_port) : std::uint16_t{0};
 }
 
 std::string loopback(std::uint16_t port) {
@@ -77,8 +101,12 @@ Result<std::unique_ptr<Stand>> Stand::open(const StandSettings& settings) {
   BITELINE_ASSIGN(stand->cell_, sim::LiveCell::open(live));
   BITELINE_ASSIGN(stand->between_, ControllerBetween::open(stand->cell_->robot_ports()));
   BITELINE_TRY(stand->write_files());
+  BITELINE_TRY(Page::make_viewer(BITELINE_PROGRAMS, stand->results()));
   BITELINE_TRY(stand->start_sensor());
+  stand->control_ = "tcp://" + loopback(free_port());
   BITELINE_TRY(stand->start_host());
+  stand->page_ = std::make_unique<Page>(BITELINE_PROGRAMS, stand->control_, stand->endpoint_);
+  BITELINE_TRY(stand->page_->start());
   return stand;
 }
 
@@ -92,6 +120,9 @@ Result<void> Stand::write_files() const {
                       config::sensor_yaml_text(cell_->scene().head.model, "made for a soak run, simulated")));
   BITELINE_TRY(sim::write_file(out / "board.yaml",
                                sim::board_yaml_text({.wires = live.wires, .camera = live.camera_address})));
+  settings::SettingsSet set;
+  set.set(settings::Key::RateHz, {.number = live.scene.rate_hz});
+  BITELINE_TRY(sim::write_file(out / "settings.yaml", settings::settings_text(set)));
   BITELINE_ASSIGN(const std::string process, process_text());
   return sim::write_file(out / "process.yaml", process);
 }
@@ -103,6 +134,8 @@ Result<void> Stand::start_sensor() {
                                      (settings_.out / "sensor.yaml").string(),
                                      "--listen",
                                      endpoint_,
+                                     "--settings",
+                                     (settings_.out / "settings.yaml").string(),
                                      "--exit-with-parent",
                                      "--rt",
                                      "required"};
@@ -129,14 +162,18 @@ Result<void> Stand::start_host() {
   // z of the table that the shoe stands on, which an integrator knows of his cell.
   const double table_z_mm = cell_->scene().T_base_shoe.translation().z();
   BITELINE_ASSIGN(ChildProcess child,
-                  ChildProcess::start(
-                      {.program = fs::path{BITELINE_PROGRAMS} / "biteline-host",
-                       .arguments = {"--sensor", endpoint_, "--out", results().string(), "--robot", k_arm,
-                                     "--process", (settings_.out / "process.yaml").string(), "--table-z",
-                                     std::to_string(table_z_mm), "--rtde", loopback(between_->rtde_port()),
-                                     "--script", loopback(between_->script_port()), "--dashboard",
-                                     loopback(between_->dashboard_port()), "--send", "--exit-with-parent"},
-                       .pass_stderr = settings_.verbose}));
+                  ChildProcess::start({.program = fs::path{BITELINE_PROGRAMS} / "biteline-host",
+                                       .arguments = {"--sensor",    endpoint_,
+                                                     "--out",       results().string(),
+                                                     "--robot",     k_arm,
+                                                     "--process",   (settings_.out / "process.yaml").string(),
+                                                     "--table-z",   std::to_string(table_z_mm),
+                                                     "--rtde",      loopback(between_->rtde_port()),
+                                                     "--script",    loopback(between_->script_port()),
+                                                     "--dashboard", loopback(between_->dashboard_port()),
+                                                     "--control",   control_,
+                                                     "--send",      "--exit-with-parent"},
+                                       .pass_stderr = settings_.verbose}));
   host_.emplace(std::move(child));
   return {};
 }
@@ -149,6 +186,10 @@ Result<int> Stand::revive() {
   }
   if (!host_->running()) {
     BITELINE_TRY(start_host());
+    ++revived;
+  }
+  if (!page_->program().running()) {
+    BITELINE_TRY(page_->start());
     ++revived;
   }
   return revived;

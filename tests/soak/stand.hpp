@@ -10,6 +10,7 @@
 #include "hal/sim/live/live_cell.hpp"
 #include "host/intake/child_process.hpp"
 #include "tests/soak/controller_between.hpp"
+#include "tests/soak/page.hpp"
 
 namespace biteline::soak {
 
@@ -32,18 +33,19 @@ struct HostWord {
 /// Thread: one owner.
 class Stand {
  public:
-  /// Makes the shoe, opens the cell, starts both programs.
+  /// Makes the shoe, opens the cell, starts the three programs.
   [[nodiscard]] static Result<std::unique_ptr<Stand>> open(const StandSettings& settings);
 
   [[nodiscard]] sim::LiveCell& cell() { return *cell_; }
   [[nodiscard]] ControllerBetween& between() { return *between_; }
   [[nodiscard]] intake::ChildProcess& sensor() { return *sensor_; }
   [[nodiscard]] intake::ChildProcess& host() { return *host_; }
+  [[nodiscard]] Page& page() { return *page_; }
   [[nodiscard]] std::filesystem::path results() const { return settings_.out / "results"; }
 
   [[nodiscard]] Result<void> start_sensor();
   [[nodiscard]] Result<void> start_host();
-  /// Starts what has ended; how many of the two that was.
+  /// Starts what has ended; how many of the three that was.
   [[nodiscard]] Result<int> revive();
 
   /// Waits a little for the service's next line.
@@ -58,6 +60,8 @@ class Stand {
   std::unique_ptr<ControllerBetween> between_;
   std::string endpoint_{"tcp://127.0.0.1:0"};  ///< the sensor's, once it had one
   std::optional<intake::ChildProcess> sensor_, host_;
+  std::string control_;  ///< the service's control end
+  std::unique_ptr<Page> page_;
 };
 
 }  // namespace biteline::soak

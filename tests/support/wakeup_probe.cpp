@@ -23,7 +23,7 @@ double to_ms(std::int64_t ns) {
 
 }  // namespace
 
-WakeupProbe::WakeupProbe() {
+WakeupProbe::WakeupProbe(Rank rank) : urgent_{rank == Rank::Urgent} {
   cpu_set_t allowed;
   CPU_ZERO(&allowed);
   sched_getaffinity(0, sizeof allowed, &allowed);
@@ -43,7 +43,7 @@ void WakeupProbe::run(Lane& lane, int processor, const std::stop_token& stop) {
   CPU_SET(static_cast<std::size_t>(processor), &own);
   pthread_setaffinity_np(pthread_self(), sizeof own, &own);
   const sched_param wanted{.sched_priority = k_priority};
-  if (pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted) != 0) urgent_ = false;
+  if (urgent_ && pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted) != 0) urgent_ = false;
   while (!stop.stop_requested()) {
     const Clock::time_point due = Clock::now() + k_period;
     lane.due_ns = to_ns(due);

@@ -11,15 +11,17 @@
 
 namespace biteline::test {
 
-/// One thread on each processor of this process, above all others where there are real-time rights, else as
-/// ordinary as they are.  Each asks to be woken every 2 ms and notes by how much that fails: then the kernel
-/// or the machine below it stood still, or (without rights) other programs had the processor.
+/// One thread on each processor of this process.  Each asks to be woken every 2 ms and notes by how much that
+/// fails.  An urgent one is above all others where there are real-time rights: what it misses, the kernel or
+/// the machine below it stood still.  An ordinary one (or one without rights) also misses what other programs
+/// had.
 /// Thread: public methods from any.
 class WakeupProbe {
  public:
   using Clock = std::chrono::steady_clock;
 
-  WakeupProbe();
+  enum class Rank { Urgent, Ordinary };
+  explicit WakeupProbe(Rank rank = Rank::Urgent);
   ~WakeupProbe() = default;  // the threads end first
   WakeupProbe(const WakeupProbe&) = delete;
   WakeupProbe& operator=(const WakeupProbe&) = delete;
@@ -50,7 +52,7 @@ class WakeupProbe {
   [[nodiscard]] std::vector<Delay> stalls() const;
 
   std::vector<std::unique_ptr<Lane>> lanes_;
-  std::atomic<bool> urgent_{true};
+  std::atomic<bool> urgent_;
   std::vector<std::jthread> threads_;  ///< last: they write to the rest
 };
 
