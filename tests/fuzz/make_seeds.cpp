@@ -7,9 +7,12 @@
 #include "common/image/grey_image.hpp"
 #include "common/mcap/writer.hpp"
 #include "common/session/session.hpp"
+#include "common/settings/settings.hpp"
 #include "common/wire/messages.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/cloud/ply.hpp"
+#include "host/doors/control/messages.hpp"
+#include "host/fleet/messages.hpp"
 #include "tests/support/made_profile.hpp"
 
 using namespace biteline;
@@ -128,6 +131,29 @@ Result<void> recording(const fs::path& file, mcap::Compression compression) {
   return {};
 }
 
+/// The first byte tells tests/fuzz/doors.cpp which words these are.
+void doors(const Seeds& seeds) {
+  const auto keep = [&](const char* name, char kind, const std::string& text) {
+    seeds.bytes("doors", name, kind + text);
+  };
+  control::Request request{.id = 7, .token = "t", .local = true, .door = "web", .method = "POST"};
+  request.path = "/api/v1/scans/scan-0003/accept";
+  request.query = {{"a", "b"}};
+  request.body = {{"x", {1, 2.5, "y"}}};
+  keep("request", 0, control::to_text(request));
+  keep("hello", 0, control::to_text(control::Hello{.door = "web"}));
+  keep("answer", 1, control::to_text(control::refusal(404, "no_such_scan", "no scan of this name")));
+  fleet::ShoeMessage shoe{.book = "b", .seq = 2, .after = 1, .scan = {}, .places = memory::Places{}};
+  shoe.scan.name = "scan-0001";
+  shoe.scan.length_mm = 628.5;
+  keep("shoe", 2, fleet::to_text(shoe));
+  keep("health", 3, fleet::to_text(fleet::HealthMessage{.online = true, .version = "1", .book = "b"}));
+  keep("committed", 4, fleet::to_text(fleet::CommittedMessage{.book = "b", .seq = 3}));
+  keep("line", 6, "JOB 2\nSTART 7\nSTATE\n");
+  using namespace std::string_literals;
+  keep("modbus", 7, "\0\1\0\0\0\6\1\6\0\1\0\7"s + "\0\2\0\0\0\6\1\4\0\0\0\14"s);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -136,6 +162,7 @@ int main(int argc, char** argv) {
   clouds(seeds);
   tables(seeds);
   messages(seeds);
+  doors(seeds);
   seeds.keep(recording(seeds.in("mcap", "stored.mcap"), mcap::Compression::None));
   seeds.keep(recording(seeds.in("mcap", "packed.mcap"), mcap::Compression::Zstd));
   geometry::SensorModel sensor;
@@ -143,6 +170,11 @@ int main(int argc, char** argv) {
   sensor.laser_plane = {.normal_cam = Vec3(0, 0.6, -0.8), .distance_mm = -100};
   sensor.region = {.offset_u_px = 0, .offset_v_px = 0, .width_px = 32, .height_px = 24};
   seeds.bytes("settings", "sensor.yaml", config::sensor_yaml_text(sensor, "made"));
+  settings::SettingsSet set;
+  set.set(settings::Key::ExposureUs, {.number = 400});
+  set.set(settings::Key::AutoExposure, {.on = true});
+  set.set(settings::Key::PeakChoice, {.word = "first"});
+  seeds.bytes("settings", "set.yaml", settings::settings_text(set));
   for (const auto& entry : fs::directory_iterator(BITELINE_PROCESSES))
     fs::copy_file(entry.path(), seeds.in("settings", entry.path().filename().c_str()),
                   fs::copy_options::overwrite_existing);
@@ -151,7 +183,8 @@ int main(int argc, char** argv) {
   seeds.keep(
       image::write_png(seeds.in("picture", "grey.png"), {.width_px = 16, .height_px = 12, .pixels = pixels}));
   std::mt19937 random{3};
-  for (const char* target : {"canpose", "controller", "link", "packing", "stripe", "surface", "text"}) {
+  for (const char* target :
+       {"canpose", "controller", "gige", "link", "packing", "stripe", "surface", "text"}) {
     std::string noise(600, '\0');
     for (char& byte : noise) byte = static_cast<char>(random());
     seeds.bytes(target, "noise", noise);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// YAML of a head and of a process: settings within their ranges, or one clean line.
+// YAML of a head, of a process and of a set of settings: values within their ranges, or one clean line.
+#include "common/settings/settings.hpp"
 #include "common/config/sensor_yaml.hpp"
 #include "common/core/numbers.hpp"
 #include "host/robot/path/process.hpp"
@@ -20,6 +21,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                  "a speed is in its range");
   } else {
     fuzz::demand_clean(process.error());
+  }
+  const std::string text(reinterpret_cast<const char*>(data), size);
+  if (const auto set = settings::parse_settings(text, "set.yaml")) {
+    const auto again = settings::parse_settings(settings::settings_text(*set), "again.yaml");
+    fuzz::demand(again.has_value() && settings::compare(*set, *again).empty(),
+                 "a set that was read can be kept");
+  } else {
+    fuzz::demand_clean(set.error());
   }
   return 0;
 }
