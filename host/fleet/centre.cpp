@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The one place where libpqxx and its exceptions are met.
 #include "host/fleet/centre.hpp"
 
 #include <algorithm>
-#include <pqxx/pqxx>
 #include <utility>
 
 #include "common/core/text.hpp"
 #include "common/system/file.hpp"
+#include "host/fleet/centre_state.hpp"
 
 namespace biteline::fleet {
 namespace {
@@ -41,11 +40,6 @@ Result<std::vector<fs::path>> migrations_in(const fs::path& folder) {
   return files;
 }
 
-/// PostgreSQL takes no NUL and only UTF-8.
-std::string text_of(const std::string& text) {
-  return clean_text(text);
-}
-
 std::optional<std::string> array_of(const std::optional<memory::Places>& places) {
   if (!places) return std::nullopt;
   std::string text;
@@ -59,56 +53,40 @@ std::optional<std::string> array_of(const std::optional<memory::Places>& places)
 
 constexpr const char* k_put_shoe = R"sql(
 INSERT INTO shoes (cell, book, scan, first_seq, last_seq, time, model, verdict, reason_code, reason, length_mm,
-  confidence, u95_mm, cycle_s, process, decision, sent, followed, places)
+  confidence, u95_mm, cycle_s, process, decision, sent, followed, places, release)
 VALUES ($1, $2, $3, $4, $4, to_timestamp($5::bigint / 1000.0), $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17,
-  $18::real[])
+  $18::real[], $19)
 ON CONFLICT (cell, book, scan) DO UPDATE SET last_seq = excluded.last_seq, time = excluded.time,
   model = excluded.model, verdict = excluded.verdict, reason_code = excluded.reason_code, reason = excluded.reason,
   length_mm = excluded.length_mm, confidence = excluded.confidence, u95_mm = excluded.u95_mm,
   cycle_s = excluded.cycle_s, process = excluded.process, decision = excluded.decision, sent = excluded.sent,
-  followed = excluded.followed, places = excluded.places
+  followed = excluded.followed, places = excluded.places, release = excluded.release
 )sql";
 
+/// Where a cell's book stands; the row is locked to the transaction's end.
+std::int64_t position(pqxx::work& work, const std::string& cell, const std::string& book) {
+  work.exec_params("INSERT INTO books (cell, book, seq) VALUES ($1, $2, 0) ON CONFLICT DO NOTHING", cell,
+                   book);
+  return work.exec_params1("SELECT seq FROM books WHERE cell = $1 AND book = $2 FOR UPDATE", cell, book)[0]
+      .as<std::int64_t>();
+}
+
+void put(pqxx::work& work, const FromCell& one) {
+  const ShoeMessage& shoe = one.shoe;
+  const memory::Scan& scan = shoe.scan;
+  work.exec_params(k_put_shoe, one.cell, shoe.book, text_of(scan.name), shoe.seq, scan.time,
+                   text_of(scan.model), text_of(scan.verdict), text_of(scan.reason_code),
+                   text_of(scan.reason), scan.length_mm, scan.confidence, scan.u95_mm, scan.cycle_s,
+                   text_of(scan.process), text_of(scan.decision), scan.sent, scan.followed.value_or(false),
+                   array_of(shoe.places), text_of(shoe.release));
+}
+
 }  // namespace
-
-struct Centre::State {
-  explicit State(const std::string& database) : connection{database} {}
-  pqxx::connection connection;
-
-  /// Where a cell's book stands; the row is locked to the transaction's end.
-  static std::int64_t position(pqxx::work& work, const std::string& cell, const std::string& book) {
-    work.exec_params("INSERT INTO books (cell, book, seq) VALUES ($1, $2, 0) ON CONFLICT DO NOTHING", cell,
-                     book);
-    return work.exec_params1("SELECT seq FROM books WHERE cell = $1 AND book = $2 FOR UPDATE", cell, book)[0]
-        .as<std::int64_t>();
-  }
-
-  static void put(pqxx::work& work, const FromCell& one) {
-    const ShoeMessage& shoe = one.shoe;
-    const memory::Scan& scan = shoe.scan;
-    work.exec_params(k_put_shoe, one.cell, shoe.book, text_of(scan.name), shoe.seq, scan.time,
-                     text_of(scan.model), text_of(scan.verdict), text_of(scan.reason_code),
-                     text_of(scan.reason), scan.length_mm, scan.confidence, scan.u95_mm, scan.cycle_s,
-                     text_of(scan.process), text_of(scan.decision), scan.sent, scan.followed.value_or(false),
-                     array_of(shoe.places));
-  }
-};
 
 Centre::Centre(std::unique_ptr<State> state) : state_{std::move(state)} {}
 Centre::Centre(Centre&&) noexcept = default;
 Centre& Centre::operator=(Centre&&) noexcept = default;
 Centre::~Centre() = default;
-
-template <class Value>
-Result<Value> Centre::work(const std::function<Value(State&)>& on) {
-  try {
-    return on(*state_);
-  } catch (const pqxx::broken_connection& error) {
-    return fail(Errc::ConnectionLost, "database: %.200s", clean_text(error.what()).c_str());
-  } catch (const std::exception& error) {
-    return fail(Errc::DeviceError, "database: %.200s", clean_text(error.what()).c_str());
-  }
-}
 
 Result<Centre> Centre::open(const std::string& database, const fs::path& migrations) {
   BITELINE_ASSIGN(const std::vector<fs::path> files, migrations_in(migrations));
@@ -152,10 +130,10 @@ Result<std::vector<CommittedOf>> Centre::commit(const std::vector<FromCell>& sho
     pqxx::work work{state.connection};
     std::vector<CommittedOf> committed;
     for (const auto& [cell, book] : books) {
-      std::int64_t seq = State::position(work, cell, book);
+      std::int64_t seq = position(work, cell, book);
       for (const FromCell& one : shoes) {
         if (one.cell != cell || one.shoe.book != book || one.shoe.after != seq) continue;
-        State::put(work, one);
+        put(work, one);
         seq = one.shoe.seq;
       }
       work.exec_params0("UPDATE books SET seq = $3 WHERE cell = $1 AND book = $2", cell, book, seq);

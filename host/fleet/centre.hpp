@@ -60,10 +60,11 @@ class Centre {
   [[nodiscard]] Result<std::vector<PlacedShoe>> placed_shoes(const std::string& model, int most);
 
  private:
+  friend class Releases;
   struct State;
   explicit Centre(std::unique_ptr<State> state);
   template <class Value>
-  Result<Value> work(const std::function<Value(State&)>& on);
+  Result<Value> work(const std::function<Result<Value>(State&)>& on);
   std::unique_ptr<State> state_;
 };
 

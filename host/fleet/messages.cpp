@@ -6,81 +6,18 @@
 #include <cmath>
 
 #include "common/core/text.hpp"
-#include "host/doors/control/messages.hpp"
+#include "host/fleet/fields.hpp"
 
 namespace biteline::fleet {
 namespace {
 
-using control::Json;
-
 constexpr std::string_view k_root = "biteline/1/cells/";
-constexpr std::size_t k_most_text_bytes = 2000;
-constexpr std::int64_t k_most_number = 1LL << 53;
-
-/// Reads fields and remembers the first that is wrong.
-class Reader {
- public:
-  Reader(std::string_view text, const char* what) : what_{what} {
-    if (std::optional<Json> json = control::parse_bounded(text); json && json->is_object()) {
-      json_ = std::move(*json);
-    } else {
-      fault("a JSON object");
-    }
-  }
-
-  std::string text(const char* key, std::size_t most = k_most_text_bytes) {
-    const Json* const value = find(key);
-    if (value == nullptr || !value->is_string()) return fault(key), std::string{};
-    auto text = value->get<std::string>();
-    if (text.size() > most || text.find('\0') != std::string::npos) return fault(key), std::string{};
-    return text;
-  }
-  std::int64_t whole(const char* key) {
-    const Json* const value = find(key);
-    if (value == nullptr || !value->is_number_integer()) return fault(key), 0;
-    const auto number = value->get<std::int64_t>();
-    if (number < 0 || number > k_most_number) return fault(key), 0;
-    return number;
-  }
-  bool truth(const char* key) {
-    const Json* const value = find(key);
-    if (value == nullptr || !value->is_boolean()) return fault(key), false;
-    return value->get<bool>();
-  }
-  std::optional<double> number_if(const char* key) {
-    const Json* const value = find(key);
-    if (value == nullptr || value->is_null()) return std::nullopt;
-    if (!value->is_number() || !std::isfinite(value->get<double>())) return fault(key), std::nullopt;
-    return value->get<double>();
-  }
-  const Json* find(const char* key) const {
-    const auto found = json_.find(key);
-    return found == json_.end() ? nullptr : &*found;
-  }
-  void fault(const char* key) {
-    if (wrong_.empty()) wrong_ = key;
-  }
-  Result<void> finish() const {
-    if (wrong_.empty()) return {};
-    return fail(Errc::ProtocolError, "%s of a cell: %s is missing or out of bounds", what_, wrong_.c_str());
-  }
-
- private:
-  const char* what_;
-  Json json_ = Json::object();
-  std::string wrong_;
-};
 
 Json or_null(const std::optional<double>& number) {
   return number ? Json(*number) : Json{};
 }
 
-std::string dump(const Json& json) {
-  // Texts of the memory may hold anything: what is no UTF-8 is replaced.
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-std::optional<memory::Places> read_places(Reader& reader) {
+std::optional<memory::Places> read_places(Fields& reader) {
   const Json* const list = reader.find("places");
   if (list == nullptr || list->is_null()) return std::nullopt;
   memory::Places places{};
@@ -99,10 +36,6 @@ std::optional<memory::Places> read_places(Reader& reader) {
   return places;
 }
 
-std::string topic(const std::string& cell, const char* kind) {
-  return std::string{k_root} + cell + "/" + kind;
-}
-
 }  // namespace
 
 bool is_cell_name(std::string_view name) {
@@ -111,14 +44,24 @@ bool is_cell_name(std::string_view name) {
   });
 }
 
+std::string topic_of(const std::string& cell, const char* kind) {
+  return std::string{k_root} + cell + "/" + kind;
+}
 std::string shoes_topic(const std::string& cell) {
-  return topic(cell, "shoes");
+  return topic_of(cell, "shoes");
 }
 std::string health_topic(const std::string& cell) {
-  return topic(cell, "health");
+  return topic_of(cell, "health");
 }
 std::string committed_topic(const std::string& cell) {
-  return topic(cell, "committed");
+  return topic_of(cell, "committed");
+}
+
+std::string release_of(const memory::Scan& scan) {
+  const std::optional<Json> versions = control::parse_bounded(scan.versions);
+  if (!versions || !versions->is_object()) return {};
+  const auto found = versions->find("release");
+  return found != versions->end() && found->is_string() ? found->get<std::string>() : std::string{};
 }
 
 std::optional<std::string> cell_of(std::string_view topic, std::string_view kind) {
@@ -150,13 +93,14 @@ std::string to_text(const ShoeMessage& shoe) {
             {"decision", scan.decision},
             {"sent", scan.sent},
             {"followed", scan.followed.value_or(false)},
+            {"release", shoe.release},
             {"places", nullptr}};
   if (shoe.places) json["places"] = *shoe.places;
   return dump(json);
 }
 
 Result<ShoeMessage> read_shoe(std::string_view text) {
-  Reader reader{text, "shoe"};
+  Fields reader{text, "shoe of a cell"};
   ShoeMessage shoe;
   shoe.book = reader.text("book", 64);
   shoe.seq = reader.whole("seq");
@@ -175,6 +119,8 @@ Result<ShoeMessage> read_shoe(std::string_view text) {
   shoe.scan.decision = reader.text("decision", 20);
   shoe.scan.sent = reader.truth("sent");
   shoe.scan.followed = reader.truth("followed");
+  // Cells of before there were releases do not say it.
+  if (reader.find("release") != nullptr) shoe.release = reader.text("release", 64);
   shoe.places = read_places(reader);
   if (shoe.seq <= shoe.after || shoe.scan.name.empty() || shoe.book.empty())
     reader.fault("seq, scan or book");
@@ -190,7 +136,7 @@ std::string to_text(const HealthMessage& health) {
 }
 
 Result<HealthMessage> read_health(std::string_view text) {
-  Reader reader{text, "health"};
+  Fields reader{text, "health of a cell"};
   HealthMessage health{.online = reader.truth("online"),
                        .version = reader.text("version", 64),
                        .book = reader.text("book", 64),
@@ -204,7 +150,7 @@ std::string to_text(const CommittedMessage& committed) {
 }
 
 Result<CommittedMessage> read_committed(std::string_view text) {
-  Reader reader{text, "committed"};
+  Fields reader{text, "committed of a cell"};
   CommittedMessage committed{.book = reader.text("book", 64), .seq = reader.whole("seq")};
   BITELINE_TRY(reader.finish());
   return committed;

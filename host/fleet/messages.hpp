@@ -20,6 +20,7 @@ inline constexpr const char* k_all_health = "biteline/1/cells/+/health";
 [[nodiscard]] std::string shoes_topic(const std::string& cell);      ///< cell to centre
 [[nodiscard]] std::string health_topic(const std::string& cell);     ///< cell to centre, kept by the broker
 [[nodiscard]] std::string committed_topic(const std::string& cell);  ///< centre to cell
+[[nodiscard]] std::string topic_of(const std::string& cell, const char* kind);
 /// The cell of a topic that ends in `kind` ("shoes", "health"); nothing: another topic.
 [[nodiscard]] std::optional<std::string> cell_of(std::string_view topic, std::string_view kind);
 
@@ -30,7 +31,10 @@ struct ShoeMessage {
   std::int64_t after{0};
   memory::Scan scan;
   std::optional<memory::Places> places{};
+  std::string release{};  ///< SHA-256 of the release that it was worked with; empty: the cell's own files
 };
+/// As the service wrote it beside the programs' versions.
+[[nodiscard]] std::string release_of(const memory::Scan& scan);
 [[nodiscard]] std::string to_text(const ShoeMessage& shoe);
 /// Errc::ProtocolError names the field; also for numbers that are not finite and texts beyond their bounds.
 [[nodiscard]] Result<ShoeMessage> read_shoe(std::string_view text);

@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <thread>
 
+#include "host/apps/biteline-fleet/release_orders.hpp"
+#include "host/apps/biteline-fleet/release_talk.hpp"
 #include "host/doors/control/messages.hpp"
 #include "host/fleet/broker_options.hpp"
 #include "host/fleet/centre.hpp"
@@ -38,6 +40,7 @@ struct Options {
   std::filesystem::path migrations;
   bool list{false};
   bool odd{false};
+  fleet::ReleaseOrders releases;
   std::optional<std::uint16_t> metrics;
   bool json{false};
   bool exit_with_parent{false};
@@ -62,7 +65,8 @@ class Fleet {
   Result<void> open() {
     BITELINE_ASSIGN(fleet::BrokerConfig broker, fleet::broker_of(options_.broker));
     broker.client = "biteline-fleet";
-    broker.subscriptions = {fleet::k_all_shoes, fleet::k_all_health};
+    broker.subscriptions = {fleet::k_all_shoes, fleet::k_all_health, fleet::k_all_release_words,
+                            fleet::k_all_asks};
     BITELINE_ASSIGN(broker_,
                     fleet::Broker::open(
                         broker, [this](std::string_view topic, std::string_view text) { hear(topic, text); },
@@ -140,6 +144,7 @@ class Fleet {
   void forget() {
     shoes_.clear();
     health_.clear();
+    releases_.forget();
   }
 
   void say(const std::string& line) {
@@ -149,6 +154,9 @@ class Fleet {
   }
 
   void hear(std::string_view topic, std::string_view text) {
+    const Result<bool> heard = releases_.hear(topic, text);
+    if (!heard) return say(std::string{topic} + ": " + to_line(heard.error()));
+    if (*heard) return;
     if (const std::optional<std::string> cell = fleet::cell_of(topic, "shoes")) {
       Result<fleet::ShoeMessage> shoe = fleet::read_shoe(text);
       if (!shoe) return say(*cell + ": " + to_line(shoe.error()));
@@ -178,7 +186,12 @@ class Fleet {
       tell(cell, stands);
     }
     health_.clear();
-    return {};
+    return releases_.work(
+        *centre_,
+        [this](const std::string& topic, const std::string& payload) {
+          broker_->publish(topic, payload, fleet::Broker::Delivery::AtLeastOnce);
+        },
+        Clock::now());
   }
 
   void tell(const std::string& cell, const fleet::CommittedMessage& committed) {
@@ -192,14 +205,14 @@ class Fleet {
   std::optional<fleet::Centre> centre_;
   std::vector<fleet::FromCell> shoes_;
   std::vector<std::pair<std::string, fleet::HealthMessage>> health_;
+  fleet::ReleaseTalk releases_;
   std::unique_ptr<fleet::MetricsPort> metrics_;
   fleet::FleetNews news_;
   Clock::time_point count_at_{}, judge_at_{};
   std::string last_;
 };
 
-Result<void> list(const Options& options) {
-  BITELINE_ASSIGN(fleet::Centre centre, fleet::Centre::open(options.database, options.migrations));
+Result<ExitStatus> list(const Options& options, fleet::Centre& centre) {
   BITELINE_ASSIGN(const std::vector<fleet::CellRow> cells, centre.cells());
   control::Json json = control::Json::array();
   if (!options.json)
@@ -229,12 +242,11 @@ Result<void> list(const Options& options) {
   }
   if (options.json)
     std::printf("%s\n", control::Json{{"schema_version", 1}, {"cells", std::move(json)}}.dump(2).c_str());
-  return {};
+  return ExitStatus::Done;
 }
 
 /// Cells whose lines differ from the others'; Refused when there is one.
-Result<ExitStatus> tell_odd_cells(const Options& options) {
-  BITELINE_ASSIGN(fleet::Centre centre, fleet::Centre::open(options.database, options.migrations));
+Result<ExitStatus> tell_odd_cells(const Options& options, fleet::Centre& centre) {
   BITELINE_ASSIGN(const std::vector<fleet::OddOfModel> all, odd_of_all(centre));
   control::Json json = control::Json::array();
   for (const auto& [model, odd] : all) {
@@ -284,7 +296,8 @@ int run(int argc, char** argv) {
       "--odd", options.odd,
       "Name each cell whose lines of a model differ from the other cells', and leave; exit status 3 where "
       "there is one");
-  app.add_flag("--json", options.json, "With --list or --odd: as JSON");
+  fleet::add_release_options(app, options.releases);
+  app.add_flag("--json", options.json, "With --list, --odd or --releases: as JSON");
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");
   try {
@@ -294,21 +307,20 @@ int run(int argc, char** argv) {
     return complain(std::string{error.what()} + " (see --help)", ExitStatus::BadInput);
   }
   if (options.exit_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (options.odd) {
-    const Result<ExitStatus> told = tell_odd_cells(options);
-    if (told) return static_cast<int>(*told);
-    return complain(to_line(told.error()), error_row(told.error().code).exit_status);
-  }
-  Result<void> done{};
-  if (options.list) {
-    done = list(options);
-  } else {
-    Fleet fleet{options};
-    done = fleet.open();
-    if (done) fleet.run();
-  }
+  const Result<ExitStatus> done = [&]() -> Result<ExitStatus> {
+    if (!options.odd && !options.list && !options.releases.any()) {
+      Fleet fleet{options};
+      BITELINE_TRY(fleet.open());
+      fleet.run();
+      return ExitStatus::Done;
+    }
+    BITELINE_ASSIGN(fleet::Centre centre, fleet::Centre::open(options.database, options.migrations));
+    if (options.odd) return tell_odd_cells(options, centre);
+    if (options.list) return list(options, centre);
+    return fleet::carry_out(options.releases, centre, options.json);
+  }();
   if (!done) return complain(to_line(done.error()), error_row(done.error().code).exit_status);
-  return static_cast<int>(ExitStatus::Done);
+  return static_cast<int>(*done);
 }
 
 }  // namespace

@@ -44,6 +44,11 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_flag("--models", options.models,
                "Recognise each scan's model in the library and use that model's line and process")
       ->excludes(sample);
+  app.add_option(
+         "--releases", options.releases,
+         "Folder of the factory's releases (biteline-uplink's): once one is in force, each scan takes models "
+         "and processes from it alone")
+      ->excludes(sample);
   auto* arm = app.add_option("--robot", robot.arm,
                              "UR3e, UR5e, UR10e, UR3, UR5 or UR10: plan its path along the line");
   app.add_option("--process", robot.process, "Process YAML: tool, placement, motion")->needs(arm);

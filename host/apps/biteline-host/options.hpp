@@ -53,6 +53,7 @@ struct Options {
   std::optional<RobotOptions> robot;                        ///< without: the line is the result
   DoorOptions doors;
   std::filesystem::path library;      ///< of models
+  std::filesystem::path releases;     ///< of the factory's releases, see release::Shelf; empty: none
   bool models{false};                 ///< each scan's model is recognised in the library
   std::optional<double> keep_days{};  ///< folders of older scans go; their rows stay
   std::optional<double> keep_gb{};    ///< the oldest folders go beyond it

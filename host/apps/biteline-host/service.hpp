@@ -16,6 +16,7 @@
 #include "host/intake/child_process.hpp"
 #include "host/intake/live_line.hpp"
 #include "host/intake/scan_intake.hpp"
+#include "host/records/release/shelf.hpp"
 #include "host/records/report/file_lock.hpp"
 #include "host/robot/kinematics/arm_model.hpp"
 #include "host/robot/link/ur/arm_claim.hpp"
@@ -52,6 +53,7 @@ class Service {
     std::string process_name;
     std::optional<path::Process> process{};
     std::optional<memory::Places> places{};
+    std::optional<release::InForce> release{};  ///< else the cell's own library and processes
   };
   /// A scan and the folder it belongs to.
   struct Scan {
@@ -125,7 +127,10 @@ class Service {
   /// The same with the library: whose line it is, and the process of that model.
   [[nodiscard]] Result<LineStep> use_library(Scan& scan, const intake::ScanOutcome& outcome, LineStep found);
   [[nodiscard]] const path::Process& process_of(const Chosen& chosen) const;
-  [[nodiscard]] Result<void> choose_process(const transfer::Library& library, Chosen& chosen) const;
+  [[nodiscard]] Result<void> choose_process(Chosen& chosen) const;
+  /// Read once for a scan: a switch while it is worked is for the next one.
+  [[nodiscard]] Result<void> choose_release(Chosen& chosen) const;
+  [[nodiscard]] transfer::Library library_of(const Chosen& chosen) const;
   [[nodiscard]] Result<ExitStatus> work_out_path(Scan& scan, const intake::ScanOutcome& outcome,
                                                  const LineStep& line);
   /// Plans what waits anew, with the line that a person has mended, and lets it wait again.

@@ -39,6 +39,10 @@ std::string user_name() {
   return "user " + std::to_string(::getuid());
 }
 
+std::string hash_of(const std::optional<release::InForce>& release) {
+  return release ? release->hash : std::string{};
+}
+
 }  // namespace
 
 Result<ExitStatus> Service::work_out(Scan scan) {
@@ -91,13 +95,25 @@ Result<ExitStatus> Service::work_out_files(Scan& scan) {
   return without_exceptions([&] { return work_out_path(scan, outcome, line); });
 }
 
+Result<void> Service::choose_release(Chosen& chosen) const {
+  if (options_.releases.empty()) return {};
+  BITELINE_ASSIGN(chosen.release, release::in_force(options_.releases, memory::now_ms()));
+  return {};
+}
+
+transfer::Library Service::library_of(const Chosen& chosen) const {
+  return transfer::Library{chosen.release ? chosen.release->models : options_.library};
+}
+
 Result<LineStep> Service::work_out_line(Scan& scan, intake::ScanOutcome& outcome) {
   outcome = scan.intake.finish();
+  BITELINE_TRY(choose_release(scan.chosen));
   if (carrier_) {
     scan.chosen.model = carrier_->name;
-    return carry_line(scan.folder, *carrier_, outcome);
+    return carry_line(scan.folder, *carrier_, outcome, {});
   }
-  BITELINE_ASSIGN(LineStep found, find_line(scan.folder, outcome, *scan.line, options_.uncertainty));
+  BITELINE_ASSIGN(LineStep found, find_line(scan.folder, outcome, *scan.line, options_.uncertainty,
+                                            hash_of(scan.chosen.release)));
   return use_library(scan, outcome, std::move(found));
 }
 
@@ -108,9 +124,9 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
     chosen.model = job_.model;
     chosen.process_name = job_.process;
   }
-  const transfer::Library library{options_.library};
+  const transfer::Library library = library_of(chosen);
   if (outcome.failure || (!options_.models && chosen.model.empty())) {
-    BITELINE_TRY(choose_process(library, chosen));
+    BITELINE_TRY(choose_process(chosen));
     return found;
   }
   chosen.probability = 1;
@@ -126,7 +142,7 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
       return found;
     }
     if (!model.sure()) {
-      BITELINE_TRY(refuse_unknown(scan.folder, model.words));
+      BITELINE_TRY(refuse_unknown(scan.folder, model.words, hash_of(chosen.release)));
       return LineStep{.status = ExitStatus::Refused, .confidence = 0, .line = {}};
     }
     chosen.model = model.name;
@@ -134,26 +150,33 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
     alignment = std::move(model.alignment);
   }
   BITELINE_ASSIGN(transfer::SampleFiles sample, library.load(chosen.model));
-  BITELINE_TRY(choose_process(library, chosen));
+  BITELINE_TRY(choose_process(chosen));
   cockpit_->show_model(chosen.model, chosen.probability, chosen.process_name);
   if (found.line) {
     if (alignment) chosen.places = places_of(*found.line, sample.line, alignment->T_upper_sample);
     return found;
   }
   // An upper without its sole: the model's line is carried over.
-  return carry_line(scan.folder, {.name = chosen.model, .sample = std::move(sample), .options = {}}, outcome);
+  return carry_line(scan.folder, {.name = chosen.model, .sample = std::move(sample), .options = {}}, outcome,
+                    hash_of(chosen.release));
 }
 
-Result<void> Service::choose_process(const transfer::Library& library, Chosen& chosen) const {
+Result<void> Service::choose_process(Chosen& chosen) const {
   if (!robot_) return {};
+  const transfer::Library library = library_of(chosen);
+  // Of a release nothing but its own: a process that was saved at this cell waits for the next one.
+  const api::ProcessStore processes =
+      chosen.release ? api::ProcessStore{chosen.release->processes, {}}
+                     : api::ProcessStore{shipped_processes(), options_.out / "processes"};
   fs::path file;
   if (!chosen.process_name.empty()) {
-    BITELINE_ASSIGN(
-        const api::StoredProcess stored,
-        api::ProcessStore(shipped_processes(), options_.out / "processes").find(chosen.process_name));
+    BITELINE_ASSIGN(const api::StoredProcess stored, processes.find(chosen.process_name));
     file = stored.file;
   } else if (!chosen.model.empty() && fs::exists(library.path_of(chosen.model) / transfer::k_process_file)) {
     file = library.path_of(chosen.model) / transfer::k_process_file;
+  } else if (chosen.release) {
+    // A process of the same file name as --process stands in its place.
+    if (const auto stored = processes.find(robot_->options.process.stem().string())) file = stored->file;
   }
   if (file.empty()) {
     chosen.process_name = robot_->process.name;
@@ -229,11 +252,12 @@ Result<ExitStatus> Service::work_named(Unnamed unnamed, const std::string& model
   const fs::path folder = scan.folder;
   const std::string name = folder.filename().string();
   cockpit_->show(Phase::Working, "works out " + name + " as " + model, robot_ ? "its path" : "the next scan");
-  const transfer::Library library{options_.library};
-  Result<transfer::SampleFiles> sample = library.load(model);
   Chosen chosen;
   chosen.model = model;
-  const Result<void> process = sample ? choose_process(library, chosen) : Result<void>{};
+  // Of the release that it was looked for in.
+  chosen.release = scan.chosen.release;
+  Result<transfer::SampleFiles> sample = library_of(chosen).load(model);
+  const Result<void> process = sample ? choose_process(chosen) : Result<void>{};
   if (!sample || !process) {
     Error error = sample ? process.error() : sample.error();
     unnamed_.emplace(std::move(unnamed));
@@ -245,7 +269,7 @@ Result<ExitStatus> Service::work_named(Unnamed unnamed, const std::string& model
     LineStep line = std::move(unnamed.line);
     if (!line.line) {
       const Carrier carrier{.name = model, .sample = std::move(*sample), .options = {}};
-      BITELINE_ASSIGN(line, carry_line(folder, carrier, unnamed.outcome));
+      BITELINE_ASSIGN(line, carry_line(folder, carrier, unnamed.outcome, hash_of(chosen.release)));
     }
     if (line.line && robot_) return work_out_path(scan, unnamed.outcome, line);
     end_recording(scan.intake, line.status);

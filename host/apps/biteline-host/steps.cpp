@@ -56,7 +56,8 @@ Result<LineStep> keep_unfinished(const fs::path& folder, const intake::ScanOutco
   return LineStep{.status = ExitStatus::Refused, .confidence = 0, .line = {}};
 }
 
-void fill_scan(const intake::ScanOutcome& scan, report::Report& report) {
+void fill_scan(const intake::ScanOutcome& scan, const std::string& release, report::Report& report) {
+  if (!release.empty()) report.fields["release"] = release;
   report.fields["input"] = scan.sensor.scan_name;
   report.fields["sensor"] = scan.sensor.name;
   report.fields["simulated"] = scan.sensor.simulated;
@@ -220,10 +221,11 @@ void say_step(const char* pattern, ...) {
 }
 
 Result<LineStep> find_line(const fs::path& folder, const intake::ScanOutcome& scan, intake::LiveLine& line,
-                           const std::optional<uncertainty::HeadUncertainty>& known) {
+                           const std::optional<uncertainty::HeadUncertainty>& known,
+                           const std::string& release) {
   report::Report report;
   BITELINE_TRY(results::prepare_result_folder(folder));
-  fill_scan(scan, report);
+  fill_scan(scan, release, report);
   if (scan.failure) return keep_unfinished(folder, scan, report);
   std::shared_ptr<const uncertainty::KnownHead> head;
   if (known) head = std::make_shared<const uncertainty::KnownHead>(scan.sensor.model, *known);
@@ -240,8 +242,9 @@ Result<LineStep> find_line(const fs::path& folder, const intake::ScanOutcome& sc
   return step;
 }
 
-Result<void> refuse_unknown(const fs::path& folder, const std::string& words) {
+Result<void> refuse_unknown(const fs::path& folder, const std::string& words, const std::string& release) {
   report::Report report;
+  if (!release.empty()) report.fields["release"] = release;
   report.refuse(Refusal{.code = Refused::ModelUnknown, .reason = "the model is not known: " + words});
   BITELINE_TRY(results::prepare_result_folder(folder));
   BITELINE_TRY(report.write(folder));
@@ -249,10 +252,11 @@ Result<void> refuse_unknown(const fs::path& folder, const std::string& words) {
   return {};
 }
 
-Result<LineStep> carry_line(const fs::path& folder, const Carrier& carrier, const intake::ScanOutcome& scan) {
+Result<LineStep> carry_line(const fs::path& folder, const Carrier& carrier, const intake::ScanOutcome& scan,
+                            const std::string& release) {
   report::Report report;
   BITELINE_TRY(results::prepare_result_folder(folder));
-  fill_scan(scan, report);
+  fill_scan(scan, release, report);
   report.fields["sample"] = carrier.name;
   if (scan.failure) return keep_unfinished(folder, scan, report);
   transfer::Transfer transfer = report.timed(

@@ -33,13 +33,16 @@ struct LineStep {
 
 /// cloud.ply, line.csv, stages/, report.json.  A scan that did not come to its own end is refused: the cloud
 /// is kept. `line` has had every profile of the scan.  `known`: how well its head is known, where that is
-/// told.
+/// told.  `release`, here and below: SHA-256 of the one that the scan is worked with, for report.json; empty:
+/// none.
 [[nodiscard]] Result<LineStep> find_line(const std::filesystem::path& folder, const intake::ScanOutcome& scan,
                                          intake::LiveLine& line,
-                                         const std::optional<uncertainty::HeadUncertainty>& known);
+                                         const std::optional<uncertainty::HeadUncertainty>& known,
+                                         const std::string& release);
 
 /// The line stands in the folder, but nobody knows whose it is: the report refuses it, and line.csv goes.
-[[nodiscard]] Result<void> refuse_unknown(const std::filesystem::path& folder, const std::string& words);
+[[nodiscard]] Result<void> refuse_unknown(const std::filesystem::path& folder, const std::string& words,
+                                          const std::string& release);
 
 /// A sample, read and ready.
 struct Carrier {
@@ -50,7 +53,7 @@ struct Carrier {
 
 /// The same of an upper without a sole: its line is the sample's, carried over.
 [[nodiscard]] Result<LineStep> carry_line(const std::filesystem::path& folder, const Carrier& carrier,
-                                          const intake::ScanOutcome& scan);
+                                          const intake::ScanOutcome& scan, const std::string& release);
 
 struct PlanStepRequest {
   kinematics::ArmModel arm;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// biteline-uplink: tells the centre of every shoe of one cell.  It reads the cell's memory and never writes
-// it.
+// biteline-uplink: tells the centre of every shoe of one cell, and fetches its releases.  It reads the cell's
+// memory and never writes it.
 #include <sys/prctl.h>
 
 #include <CLI/CLI.hpp>
@@ -9,6 +9,7 @@
 
 #include "host/fleet/broker_options.hpp"
 #include "host/fleet/program.hpp"
+#include "host/fleet/release_keeper.hpp"
 #include "host/fleet/sparkplug/line.hpp"
 #include "host/fleet/uplink.hpp"
 
@@ -32,7 +33,8 @@ struct Options {
   std::filesystem::path results;
   std::string cell;
   fleet::BrokerOptions broker;
-  std::string sparkplug;  ///< group; empty: not told
+  std::string sparkplug;                        ///< group; empty: not told
+  std::filesystem::path releases, release_key;  ///< empty: this cell takes none
   bool exit_with_parent{false};
 };
 
@@ -58,11 +60,19 @@ class Cell {
     BITELINE_ASSIGN(fleet::BrokerConfig broker, fleet::broker_of(options_.broker));
     broker.client = "biteline-uplink-" + options_.cell;
     broker.subscriptions = {fleet::committed_topic(options_.cell)};
+    if (!options_.releases.empty()) {
+      broker.subscriptions.push_back(fleet::topic_of(options_.cell, "plan"));
+      broker.subscriptions.push_back(fleet::topic_of(options_.cell, "part"));
+      releases_.emplace(options_.releases, options_.release_key, [this](const fleet::PartAsk& ask) {
+        broker_->publish(fleet::topic_of(options_.cell, "ask"), fleet::to_text(ask), Delivery::AtLeastOnce);
+      });
+    }
     broker.will_topic = fleet::health_topic(options_.cell);
     broker.will = fleet::to_text(fleet::HealthMessage{});
-    BITELINE_ASSIGN(broker_, fleet::Broker::open(
-                                 broker, [this](std::string_view, std::string_view text) { hear(text); },
-                                 [this] { begin_line(); }));
+    BITELINE_ASSIGN(broker_,
+                    fleet::Broker::open(
+                        broker, [this](std::string_view topic, std::string_view text) { hear(topic, text); },
+                        [this] { begin_line(); }));
     if (!options_.sparkplug.empty()) {
       broker.client = "biteline-sparkplug-" + options_.cell;
       sparkplug_ = std::make_unique<fleet::sparkplug::Line>(
@@ -82,10 +92,12 @@ class Cell {
         speak_at_ = now + k_between_words;
         open_outbox();
         speak();
+        tell_releases();
       }
       if (now >= look_at_) {
         look_at_ = now + k_between_looks;
         send(now);
+        look_at_releases(now);
         tell_sparkplug();
       }
     }
@@ -123,7 +135,45 @@ class Cell {
     sparkplug_->show(seen_);
   }
 
-  void hear(std::string_view text) {
+  void hear(std::string_view topic, std::string_view text) {
+    if (topic == fleet::committed_topic(options_.cell)) return hear_committed(text);
+    const Clock::time_point now = Clock::now();
+    const Result<void> done = topic.ends_with("/plan") ? hear_plan(text, now) : hear_part(text, now);
+    release_words_.say(done ? "" : to_line(done.error()));
+  }
+
+  Result<void> hear_plan(std::string_view text, Clock::time_point now) {
+    BITELINE_ASSIGN(const fleet::ReleasePlan plan, fleet::read_release_plan(text));
+    const fleet::ReleaseWord before = releases_->word(memory::now_ms());
+    const Result<void> done = releases_->hear(plan, now, memory::now_ms());
+    const fleet::ReleaseWord after = releases_->word(memory::now_ms());
+    // The centre waits for it; a word that says nothing new is for the next round.
+    if (after.number != before.number || after.current != before.current || after.fault != before.fault)
+      tell_releases();
+    return done;
+  }
+
+  Result<void> hear_part(std::string_view payload, Clock::time_point now) {
+    BITELINE_ASSIGN(const fleet::Part part, fleet::read_part(payload));
+    const Result<bool> whole = releases_->hear(part, now);
+    if (!whole || *whole) tell_releases();
+    if (!whole) return tl::unexpected<Error>{whole.error()};
+    return {};
+  }
+
+  void look_at_releases(Clock::time_point now) {
+    if (!releases_ || !broker_->ready()) return;
+    if (const Result<void> looked = releases_->look(now, memory::now_ms()); !looked)
+      release_words_.say(to_line(looked.error()));
+  }
+
+  void tell_releases() {
+    if (!releases_) return;
+    broker_->publish(fleet::topic_of(options_.cell, "release"),
+                     fleet::to_text(releases_->word(memory::now_ms())), Delivery::AtLeastOnce);
+  }
+
+  void hear_committed(std::string_view text) {
     const Result<fleet::CommittedMessage> committed = fleet::read_committed(text);
     if (!committed) return memory_.say(to_line(committed.error()));
     uplink_.hear(*committed, Clock::now());
@@ -158,8 +208,12 @@ class Cell {
     const Result<memory::OutboxPart> part = outbox_->after(*from, uplink_.room());
     if (!part) return memory_.say(to_line(part.error()));
     for (const memory::OutboxRow& row : part->rows) {
-      const fleet::ShoeMessage shoe{
-          .book = part->book, .seq = row.seq, .after = row.after, .scan = row.scan, .places = row.places};
+      const fleet::ShoeMessage shoe{.book = part->book,
+                                    .seq = row.seq,
+                                    .after = row.after,
+                                    .scan = row.scan,
+                                    .places = row.places,
+                                    .release = fleet::release_of(row.scan)};
       if (!broker_->publish(fleet::shoes_topic(options_.cell), fleet::to_text(shoe), Delivery::AtLeastOnce))
         return;
       uplink_.sent(row.seq, now);
@@ -175,7 +229,8 @@ class Cell {
   fleet::sparkplug::CellState seen_;    ///< by Sparkplug's hosts
   std::optional<std::int64_t> told_{};  ///< the outbox's row that they were told of last
   std::string told_book_;
-  Complaints line_, memory_, sparkplug_words_;
+  std::optional<fleet::ReleaseKeeper> releases_;
+  Complaints line_, memory_, sparkplug_words_, release_words_;
   Clock::time_point speak_at_{}, look_at_{};
 };
 
@@ -193,6 +248,13 @@ int run(int argc, char** argv) {
   fleet::add_broker_options(app, options.broker);
   app.add_option("--sparkplug", options.sparkplug,
                  "Be a node of this Sparkplug B group, too: state and last shoe, on a line of its own");
+  auto* releases =
+      app.add_option("--releases", options.releases,
+                     "Folder of the releases that the centre offers, as biteline-host is told it");
+  auto* key = app.add_option("--release-key", options.release_key,
+                             "Public ed25519 key (PEM) of who may release; nothing else is taken");
+  releases->needs(key);
+  key->needs(releases);
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");
   try {

@@ -5,6 +5,7 @@
 
 #include "common/core/fixed_text.hpp"
 #include "host/apps/biteline/command.hpp"
+#include "host/apps/biteline/model_release.hpp"
 #include "host/records/report/json_text.hpp"
 #include "host/transfer/library.hpp"
 
@@ -15,6 +16,7 @@ struct Options {
   std::string name;
   bool replace{false};
   transfer::ModelMade made;
+  ReleaseOrder release;
   std::filesystem::path sample, process, file, library{transfer::Library::default_folder()};
 };
 
@@ -153,6 +155,18 @@ void add_model(CLI::App& app, Context& context) {
   import_command->add_flag("--replace", options->replace, "Put it in the place of the model of this name");
   import_command->callback([options, &context] {
     context.run = [options, &context] { return import_one(*options, context.options); };
+  });
+
+  CLI::App* release_command = command->add_subcommand(
+      "release", "Write models and processes into one file that a factory's centre hands to its cells");
+  release_command->add_option("name", options->release.name, "The release's name, e.g. autumn-3")->required();
+  release_command->add_option("--out", options->release.out, "The file, e.g. autumn-3.tar")->required();
+  release_command->add_option("--model", options->release.models, "A model; without: all of the library");
+  release_command->add_option("--process", options->release.processes, "YAML of a process; may be repeated");
+  release_command->callback([options, &context] {
+    context.run = [options, &context] {
+      return write_release(options->release, options->library, context.options);
+    };
   });
 
   CLI::App* remove_command = command->add_subcommand("remove", "Forget a model");

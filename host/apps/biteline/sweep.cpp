@@ -10,9 +10,9 @@
 
 #include "common/options/number.hpp"
 #include "host/apps/biteline/batch_run.hpp"
-#include "host/records/batch/digest.hpp"
 #include "host/records/batch/plan.hpp"
 #include "host/records/batch/recording.hpp"
+#include "host/records/digest/digest.hpp"
 
 namespace biteline::app {
 namespace {
@@ -54,7 +54,7 @@ Result<Seeds> seeds_of(const std::string& text) {
 Result<std::vector<batch::Recording>> made_recordings(const Options& options, const fs::path& cell) {
   BITELINE_ASSIGN(const Seeds seeds, seeds_of(options.seeds));
   // Another biteline-cell makes another shoe of the same seed.
-  BITELINE_ASSIGN(const std::string cell_hash, batch::digest_of_file(cell));
+  BITELINE_ASSIGN(const std::string cell_hash, digest_of_file(cell));
   const std::vector<std::string> decoys =
       options.decoys.empty() ? std::vector<std::string>{""} : options.decoys;
   std::vector<batch::Recording> recordings;
@@ -70,7 +70,7 @@ Result<std::vector<batch::Recording>> made_recordings(const Options& options, co
         recording.recipe = {"--shoe", shoe, "--seed", std::to_string(seed)};
         if (!decoy.empty()) recording.recipe.insert(recording.recipe.end(), {"--decoy", decoy});
         recording.recipe.insert(recording.recipe.end(), options.told.begin(), options.told.end());
-        batch::Digest digest;
+        Digest digest;
         digest.add_text(batch::name_of(recording.kind)).add_text(cell_hash);
         for (const std::string& word : recording.recipe) digest.add_text(word);
         recording.hash = digest.hex();

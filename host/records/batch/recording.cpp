@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "common/system/file.hpp"
-#include "host/records/batch/digest.hpp"
+#include "host/records/digest/digest.hpp"
 
 namespace biteline::batch {
 namespace {

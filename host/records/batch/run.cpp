@@ -6,9 +6,9 @@
 #include <mutex>
 #include <utility>
 
-#include "host/records/batch/digest.hpp"
 #include "host/records/batch/json_fields.hpp"
 #include "host/records/batch/parallel.hpp"
+#include "host/records/digest/digest.hpp"
 #include "host/records/report/json_text.hpp"
 #include "host/records/report/report.hpp"
 

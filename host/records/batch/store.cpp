@@ -6,8 +6,8 @@
 #include <cstdlib>
 
 #include "common/system/file.hpp"
-#include "host/records/batch/digest.hpp"
 #include "host/records/batch/json_fields.hpp"
+#include "host/records/digest/digest.hpp"
 #include "host/records/report/json_text.hpp"
 #include "host/records/report/report.hpp"
 

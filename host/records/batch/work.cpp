@@ -9,8 +9,8 @@
 #include "common/core/fixed_text.hpp"
 #include "common/system/file.hpp"
 #include "host/cloud/closed_line.hpp"
-#include "host/records/batch/digest.hpp"
 #include "host/records/batch/json_fields.hpp"
+#include "host/records/digest/digest.hpp"
 
 namespace biteline::batch {
 namespace {

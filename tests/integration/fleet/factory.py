@@ -34,6 +34,7 @@ class Factory:
     def __init__(self, folder, uplink, fleet, made_cell, broker_files):
         self.folder, self.uplink, self.fleet, self.made_cell = folder, uplink, fleet, made_cell
         self.running = {}
+        self.uplink_options = lambda cell: []
         self.ended = []
         folder.chmod(0o755)
         self.make_certificates()
@@ -94,7 +95,7 @@ class Factory:
             self.running[name] = Program(self.fleet, "--database", self.database(), "--metrics", "9118", *tls("fleet"))
         else:
             self.running[name] = Program(self.uplink, "--results", self.folder / name, "--cell", name,
-                                         "--sparkplug", GROUP, *tls(name))
+                                         "--sparkplug", GROUP, *self.uplink_options(name), *tls(name))
 
     def kill(self, name):
         program = self.running.pop(name)
@@ -105,8 +106,9 @@ class Factory:
             program.end(signal.SIGKILL)
         self.ended.append(program)
 
-    def make_shoes(self, cell, first, count):
-        return subprocess.Popen([self.made_cell, self.folder / cell, str(first), str(count), str(EACH_MS)], stdout=subprocess.PIPE, text=True)
+    def make_shoes(self, cell, first, count, *more):
+        return subprocess.Popen([self.made_cell, self.folder / cell, str(first), str(count), str(EACH_MS), *more], stdout=subprocess.PIPE,
+                                text=True)
 
     def shoes_of(self, cell):
         rows = self.sql(f"SELECT count(*) FROM shoes WHERE cell = '{cell}'")

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <set>
 
-#include "host/records/batch/digest.hpp"
+#include "host/records/digest/digest.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/temporary_folder.hpp"
 

@@ -5,8 +5,8 @@
 
 #include <map>
 
-#include "host/records/batch/digest.hpp"
 #include "host/records/batch/merge.hpp"
+#include "host/records/digest/digest.hpp"
 #include "tests/unit/host/records/batch/fake_build.hpp"
 
 namespace biteline::batch {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/records/batch/digest.hpp"
+#include "host/records/digest/digest.hpp"
 
 #include <openssl/evp.h>
 
@@ -12,7 +12,7 @@
 #include "common/core/contracts.hpp"
 #include "common/system/file.hpp"
 
-namespace biteline::batch {
+namespace biteline {
 
 void Digest::Closer::operator()(evp_md_ctx_st* context) const {
   EVP_MD_CTX_free(context);
@@ -59,4 +59,4 @@ Result<std::string> digest_of_file(const std::filesystem::path& file) {
   return digest.hex();
 }
 
-}  // namespace biteline::batch
+}  // namespace biteline

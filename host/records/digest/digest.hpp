@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file SHA-256 of texts and files: what a result is filed under.
+/// \file SHA-256 of texts and files: what a result or a release is filed under.
 
 #include <filesystem>
 #include <memory>
@@ -11,7 +11,7 @@
 
 extern "C" struct evp_md_ctx_st;
 
-namespace biteline::batch {
+namespace biteline {
 
 /// Takes bytes and gives 64 hex digits.  Move-only; thread: one owner.
 class Digest {
@@ -33,4 +33,4 @@ class Digest {
 /// Of the file's bytes, read in pieces.  Fails for what is no regular file.
 [[nodiscard]] Result<std::string> digest_of_file(const std::filesystem::path& file);
 
-}  // namespace biteline::batch
+}  // namespace biteline

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+#include "host/fleet/release_keeper.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "host/records/report/report.hpp"
+
+namespace biteline::fleet {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A part that does not come is asked for again.
+constexpr std::chrono::seconds k_patience{3};
+/// What was wrong is not fetched again at once.
+constexpr std::chrono::seconds k_before_retry{10};
+
+std::int64_t size_of(const fs::path& file) {
+  std::error_code error;
+  const auto bytes = fs::file_size(file, error);
+  return error ? 0 : static_cast<std::int64_t>(bytes);
+}
+
+Result<void> add_bytes(const fs::path& file, const std::string& bytes) {
+  const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0600);
+  if (fd < 0) return fail_errno(Errc::WriteFailed, errno, "%.200s", file.c_str());
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t now = ::write(fd, bytes.data() + done, bytes.size() - done);
+    if (now < 0 && errno == EINTR) continue;
+    if (now < 0) break;
+    done += static_cast<std::size_t>(now);
+  }
+  const int write_errno = done == bytes.size() ? 0 : errno;
+  ::close(fd);
+  if (write_errno == 0) return {};
+  return fail_errno(write_errno == ENOSPC ? Errc::DiskFull : Errc::WriteFailed, write_errno, "%.200s",
+                    file.c_str());
+}
+
+}  // namespace
+
+ReleaseKeeper::ReleaseKeeper(fs::path folder, fs::path key, Ask ask)
+    : shelf_{std::move(folder)}, key_{std::move(key)}, ask_{std::move(ask)} {}
+
+Result<void> ReleaseKeeper::hear(const ReleasePlan& plan, Clock::time_point now, std::int64_t now_ms) {
+  BITELINE_TRY(report::prepare_folder(shelf_.folder()));
+  const Result<void> wanted = want(plan, now);
+  if (!wanted) fault_ = to_line(wanted.error());
+  BITELINE_TRY(plan_switch(plan, now_ms));
+  return wanted;
+}
+
+Result<void> ReleaseKeeper::want(const ReleasePlan& plan, Clock::time_point now) {
+  if (plan.manifest.empty()) {
+    wanted_.reset();
+    wanted_text_.clear();
+    fault_.clear();
+    return {};
+  }
+  if (plan.manifest == wanted_text_ && (wanted_ || now < not_before_)) return {};
+  wanted_.reset();
+  wanted_text_ = plan.manifest;
+  not_before_ = now + k_before_retry;
+  // Before anything is asked for: nothing that is not vouched for comes to this disk.
+  BITELINE_TRY(release::check_signature(key_, plan.manifest, plan.signature));
+  BITELINE_ASSIGN(wanted_, release::read_manifest(plan.manifest));
+  not_before_ = now;
+  fault_.clear();
+  coming_ = 0;
+  // Goes on behind the last whole part.
+  const fs::path part = shelf_.part_of(wanted_->sha256);
+  have_ = size_of(part);
+  if (have_ == static_cast<std::int64_t>(wanted_->bytes)) return {};
+  have_ -= have_ % static_cast<std::int64_t>(k_part_bytes);
+  std::error_code error;
+  if (fs::exists(part, error)) fs::resize_file(part, static_cast<std::uintmax_t>(have_), error);
+  if (error) return fail_errno(Errc::WriteFailed, error.value(), "%.200s", part.c_str());
+  return {};
+}
+
+Result<void> ReleaseKeeper::plan_switch(const ReleasePlan& plan, std::int64_t now_ms) {
+  BITELINE_ASSIGN(const release::Plan stands, release::plan_of(shelf_.folder()));
+  release::Plan next = stands.settled(now_ms);
+  next.next.clear();
+  next.at_ms = 0;
+  next.sure = false;
+  if (plan.turn && shelf_.has(plan.turn->sha256)) {
+    if (plan.turn->sure && plan.turn->at_ms <= now_ms) {
+      if (next.current != plan.turn->sha256) {
+        next.before = next.current;
+        next.current = plan.turn->sha256;
+      }
+    } else {
+      next.next = plan.turn->sha256;
+      next.at_ms = plan.turn->at_ms;
+      next.sure = plan.turn->sure;
+    }
+    next.number = plan.turn->number;
+  }
+  if (!plan.turn) next.number = 0;
+  if (next == stands) return {};
+  BITELINE_TRY(shelf_.write(next));
+  return shelf_.tidy(next, wanted_ ? wanted_->sha256 : "");
+}
+
+Result<bool> ReleaseKeeper::hear(const Part& part, Clock::time_point now) {
+  if (!wanted_ || part.sha256 != wanted_->sha256 || part.at != have_ || shelf_.has(part.sha256)) return false;
+  Result<bool> whole = append(part);
+  if (!whole) {
+    fault_ = to_line(whole.error());
+    // What is wrong with it is looked at anew, from the first byte.
+    wanted_.reset();
+    not_before_ = now + k_before_retry;
+    return whole;
+  }
+  asked_ = now;
+  if (--coming_ <= 0 && !*whole) ask(now);
+  return whole;
+}
+
+Result<bool> ReleaseKeeper::append(const Part& part) {
+  const auto bytes = static_cast<std::int64_t>(wanted_->bytes);
+  if (part.bytes.empty() || have_ + static_cast<std::int64_t>(part.bytes.size()) > bytes)
+    return fail(Errc::SizeMismatch, "release %.60s: more came than %lld bytes", wanted_->name.c_str(),
+                static_cast<long long>(bytes));
+  BITELINE_TRY(add_bytes(shelf_.part_of(part.sha256), part.bytes));
+  have_ += static_cast<std::int64_t>(part.bytes.size());
+  if (have_ < bytes) return false;
+  BITELINE_TRY(take_in());
+  return true;
+}
+
+Result<void> ReleaseKeeper::take_in() {
+  BITELINE_TRY(shelf_.take_in(*wanted_));
+  BITELINE_ASSIGN(const release::Plan plan, release::plan_of(shelf_.folder()));
+  return shelf_.tidy(plan, wanted_->sha256);
+}
+
+void ReleaseKeeper::ask(Clock::time_point now) {
+  asked_ = now;
+  coming_ = k_parts_at_once;
+  ask_({.sha256 = wanted_->sha256, .at = have_});
+}
+
+Result<void> ReleaseKeeper::look(Clock::time_point now, std::int64_t now_ms) {
+  if (wanted_ && !shelf_.has(wanted_->sha256)) {
+    if (have_ >= static_cast<std::int64_t>(wanted_->bytes)) {
+      // Killed between the last byte and the check.
+      const Result<void> taken = take_in();
+      have_ = 0;
+      if (!taken) fault_ = to_line(taken.error());
+      BITELINE_TRY(taken);
+    } else if (coming_ <= 0 || now - asked_ > k_patience) {
+      ask(now);
+    }
+  }
+  BITELINE_ASSIGN(const release::Plan stands, release::plan_of(shelf_.folder()));
+  const release::Plan settled = stands.settled(now_ms);
+  if (settled == stands) return {};
+  BITELINE_TRY(shelf_.write(settled));
+  return shelf_.tidy(settled, wanted_ ? wanted_->sha256 : "");
+}
+
+ReleaseWord ReleaseKeeper::word(std::int64_t now_ms) const {
+  ReleaseWord word{.has = shelf_.hashes(), .current = {}, .number = 0, .fault = fault_, .clock_ms = now_ms};
+  if (word.has.size() > 16) word.has.resize(16);
+  if (const Result<release::Plan> plan = release::plan_of(shelf_.folder())) {
+    word.current = plan->in_force(now_ms);
+    word.number = plan->number;
+  } else {
+    word.fault = to_line(plan.error());
+  }
+  return word;
+}
+
+}  // namespace biteline::fleet

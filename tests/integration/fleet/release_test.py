@@ -1,0 +1,266 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""release_test.py UPLINK FLEET MADE_CELL BROKER_FILES BITELINE HOST SENSOR ROOT: a release to three cells, over real daemons.
+
+Fetched and checked everywhere first, then switched at one time while shoes are made; programs are killed in the middle,
+a signature is wrong, a byte is flipped, a cell is away.  No shoe may have parts of two releases.
+"""
+import json
+import pathlib
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+from factory import CELLS, Factory
+from programs import PATIENCE_S, Program, comes_true
+
+BITELINE, HOST, SENSOR, ROOT = sys.argv[5:9]
+SHOES, EACH = 400, 5
+# Loops of a loaded machine, not clocks: all cells here have one clock, and the time of the switch is in the plan.
+PADDING = 2_000_000
+
+
+class Releases:
+    def __init__(self, factory):
+        self.factory, self.folder = factory, factory.folder
+        for end in ("release", "stranger"):
+            subprocess.run(["openssl", "genpkey", "-algorithm", "ed25519", "-out", self.folder / f"{end}.key"], check=True)
+            subprocess.run(["openssl", "pkey", "-in", self.folder / f"{end}.key", "-pubout", "-out", self.folder / f"{end}.pem"], check=True)
+        factory.uplink_options = lambda cell: ["--releases", self.of(cell), "--release-key", self.folder / "release.pem"]
+
+    def of(self, cell):
+        return self.folder / f"{cell}-releases"
+
+    def make(self, name, key="release", model=True):
+        """A release whose model and process both begin with its name; its SHA-256."""
+        process = pathlib.Path(ROOT, "host/robot/path/processes/rough.yaml").read_text()
+        # Noise in a comment: several rounds of parts, and nothing that packs well.
+        noise = "".join(f"# {number * 2654435761 % 2**32:08x}\n" for number in range(PADDING // 11))
+        (self.folder / "grind.yaml").write_text(f"# {name}\n{process}{noise}")
+        library = self.folder / f"library-{name}"
+        if model:
+            sample = self.folder / f"sample-{name}"
+            subprocess.run([BITELINE, "extract", pathlib.Path(ROOT, "tests/golden/sample/cloud.ply"), "--out", sample], check=True, capture_output=True)
+            subprocess.run([BITELINE, "model", "--library", library, "save", "boot", sample, "--process", self.folder / "grind.yaml"], check=True,
+                           capture_output=True)
+        file = self.folder / f"{name}.tar"
+        subprocess.run([BITELINE, "model", "--library", library, "release", name, "--out", file, "--process", self.folder / "grind.yaml"],
+                       check=True, capture_output=True)
+        self.sign(file, key)
+        return file.with_name(file.name + ".manifest").read_text().split("sha256 ")[1].split()[0]
+
+    def sign(self, file, key):
+        subprocess.run(["openssl", "pkeyutl", "-sign", "-rawin", "-inkey", self.folder / f"{key}.key", "-in", f"{file}.manifest", "-out",
+                        f"{file}.manifest.sig"], check=True, capture_output=True)
+
+    def order(self, *words):
+        return subprocess.run([self.factory.fleet, "--database", self.factory.database(), *map(str, words)], capture_output=True, text=True)
+
+    def offer(self, name):
+        done = self.order("--offer", self.folder / f"{name}.tar", "--cells", ",".join(CELLS))
+        assert done.returncode == 0, done.stderr
+        return int(done.stdout.split()[1])
+
+    def cells(self, number):
+        rows = json.loads(self.order("--releases", "--json").stdout)["releases"]
+        return {one["cell"]: one for row in rows if row["number"] == number for one in row["cells"]}
+
+    def ready(self, number, cells=CELLS):
+        comes_true(lambda: all(self.cells(number)[cell]["ready"] for cell in cells), f"release {number} is ready everywhere")
+
+    def switch(self, number):
+        """Once all are ready a loaded machine may still miss the time: then nobody has switched, and it is asked again."""
+        for _ in range(5):
+            done = self.order("--switch", number, "--in", 10)
+            if done.returncode == 0:
+                return
+            assert "all keep what they have" in done.stdout or "is not switched" in done.stderr, done
+            time.sleep(6)
+        raise AssertionError(done)
+
+    def in_force(self, number):
+        comes_true(lambda: all(cell["in_force"] for cell in self.cells(number).values()), f"release {number} is in force everywhere")
+
+
+def fetched_while_killed(releases, factory):
+    """Uplink and fleet are killed while the bytes come; what is there in the end is whole."""
+    releases.make("one")
+    first = releases.offer("one")
+    for victim in ("cell-1", "fleet", "cell-2"):
+        time.sleep(0.3)
+        factory.kill(victim)
+        factory.start(victim)
+    releases.ready(first)
+    assert not any(cell["in_force"] for cell in releases.cells(first).values())
+    return first
+
+
+def away_is_named(releases, factory, first):
+    factory.kill("cell-3")
+    comes_true(lambda: not releases.cells(first)["cell-3"]["ready"], "cell-3 is seen to be away")
+    done = releases.order("--switch", first, "--in", 10)
+    assert done.returncode != 0 and "cell-3: it is away" in done.stderr, done
+    factory.start("cell-3")
+    releases.ready(first)
+
+
+def silent_cell_stops_it(releases, factory, first):
+    """A cell that ends between the look and the word: nobody switches."""
+    command = subprocess.Popen([factory.fleet, "--database", factory.database(), "--switch", str(first), "--in", "12"], stdout=subprocess.PIPE,
+                               stderr=subprocess.STDOUT, text=True)
+    # Stopped, not killed: its line still stands, so it counts as heard.
+    stopped = factory.running["cell-2"].process
+    stopped.send_signal(signal.SIGSTOP)
+    told = command.communicate(timeout=PATIENCE_S)[0]
+    stopped.send_signal(signal.SIGCONT)
+    if command.returncode == 0:
+        # It had answered before it was stopped: that switch is good.
+        releases.in_force(first)
+        return False
+    assert command.returncode == 3 and "all keep what they have" in told and "cell-2" in told, told
+    time.sleep(6)  # beyond the time that was planned
+    assert not any(cell["in_force"] for cell in releases.cells(first).values()), releases.cells(first)
+    releases.ready(first)
+    return True
+
+
+def spoiled_ones_are_refused(releases, factory):
+    """Another's signature; a byte flipped where it is kept; a file that is not the manifest's."""
+    releases.make("forged", "stranger")
+    forged = releases.offer("forged")
+    comes_true(lambda: all("not signed by" in cell["why"] for cell in releases.cells(forged).values()), "all refuse the signature")
+    for cell in CELLS:
+        assert not [file for file in releases.of(cell).iterdir() if file.name.endswith(".part")], "bytes of a stranger"
+
+    flipped_hash = releases.make("flipped")
+    flipped = releases.offer("flipped")
+    assert factory.sql("UPDATE release_parts SET bytes = set_byte(bytes, 700, get_byte(bytes, 700) # 1) WHERE release = "
+                       f"{flipped} AND at = 0") is not None
+    comes_true(lambda: all("SHA-256" in cell["why"] for cell in releases.cells(flipped).values()), "all refuse the flipped byte")
+    assert not any((releases.of(cell) / flipped_hash).exists() for cell in CELLS)
+
+    releases.make("changed")
+    with open(releases.folder / "changed.tar", "r+b") as file:
+        file.seek(1000)
+        file.write(b"?")
+    done = releases.order("--offer", releases.folder / "changed.tar", "--cells", "cell-1")
+    assert done.returncode == 2 and "not the file that was signed" in done.stderr, done
+
+
+def switched_under_load(releases, factory, first):
+    """From the first release to the second while each cell makes shoes, and both programs are killed around its time."""
+    second_hash = releases.make("two")
+    first_hash = factory.sql(f"SELECT sha256 FROM releases WHERE number = {first}")[0][0]
+    second = releases.offer("two")
+    releases.ready(second)
+    makers = [factory.make_shoes(cell, 1, SHOES, releases.of(cell)) for cell in CELLS]
+    releases.switch(second)
+    at_ms = int(factory.sql("SELECT (extract(epoch FROM at) * 1000)::bigint FROM switches WHERE state = 'sure' ORDER BY number DESC LIMIT 1")[0][0])
+    # All have heard that it is sure: whoever is dead at its time, it happens.
+    comes_true(lambda: all("sure 1" in (releases.of(cell) / "plan").read_text() for cell in CELLS) or time.time() * 1000 > at_ms, "all are sure")
+    assert time.time() * 1000 < at_ms, "this machine is too slow to tell three cells in time"
+    for victim in ("cell-1", "fleet"):
+        factory.kill(victim)
+    time.sleep(max(0, at_ms / 1000 - time.time()) + 1)
+    for victim in ("cell-1", "fleet"):
+        factory.start(victim)
+    for maker in makers:
+        maker.communicate(timeout=PATIENCE_S)
+        assert maker.returncode == 0
+    for cell in CELLS:
+        comes_true(lambda: factory.shoes_of(cell) == SHOES, f"{SHOES} shoes of {cell}, not {factory.shoes_of(cell)}")
+        rows = factory.sql(f"SELECT release, process, reason FROM shoes WHERE cell = '{cell}' ORDER BY id")
+        for hash_, process, began_ms in rows:
+            expected = (second_hash, "# two/# two") if int(began_ms) >= at_ms else (first_hash, "# one/# one")
+            assert (hash_, process) == expected, (cell, hash_, process, int(began_ms) - at_ms)
+        assert {process for _, process, _ in rows} == {"# one/# one", "# two/# two"}, "the load ended before the switch"
+    releases.in_force(second)
+    # The way back is there.
+    for cell in CELLS:
+        assert (releases.of(cell) / first_hash).is_dir()
+    return second_hash
+
+
+def scan(out, library, folder_of_releases):
+    """One scan of a real service from a real sensor's replay: its report, and how long it took."""
+    sensor = Program(SENSOR, "--source", f"replay:{ROOT}/tests/golden/part", "--exit-with-parent")
+    endpoint = json.loads(sensor.line_with("endpoint"))["endpoint"]
+    begin = time.monotonic()
+    told = subprocess.run([HOST, "--sensor", endpoint, "--out", out, "--library", library, "--models", "--once", "--releases", folder_of_releases],
+                          capture_output=True, text=True, timeout=PATIENCE_S)
+    took = time.monotonic() - begin
+    sensor.end()
+    reports = sorted(out.glob("scan-*/report.json"))
+    assert reports, told
+    return json.loads(reports[-1].read_text()), took
+
+
+def service_works_with_it(releases, factory, release_hash):
+    """A real service in the place of a cell's: report and row name the release; its times do not know of the network."""
+    out, empty = releases.folder / "cell-1", releases.folder / "no-models"
+
+    def scans(count):
+        took = []
+        for _ in range(count):
+            report, seconds = scan(out, empty, releases.of("cell-1"))
+            assert report["release"] == release_hash, report
+            # The release's model was compared, though the cell's own library is empty.
+            assert "no model" not in report["reason"], report
+            took.append(seconds)
+        return statistics.median(took)
+
+    alone = scans(EACH)
+    for name in ("broker", "fleet", "cell-1"):
+        factory.kill(name)
+    without = scans(EACH)
+    for name in ("broker", "fleet", "cell-1"):
+        factory.start(name)
+    print(f"a real service's scan, start included, median of {EACH}: {alone:.2f} s; with broker, centre and uplink dead: {without:.2f} s")
+    comes_true(lambda: factory.shoes_of("cell-1") == SHOES + 2 * EACH, "the service's shoes")
+    rows = factory.sql(f"SELECT release, verdict FROM shoes WHERE cell = 'cell-1' ORDER BY id DESC LIMIT {2 * EACH}")
+    assert rows == [[release_hash, "refused"]] * (2 * EACH), rows
+
+
+def taught_waits(releases):
+    """A release without a model has none, whatever this cell was taught."""
+    plain = releases.make("processes-only", model=False)
+    bare = releases.folder / "bare"
+    (bare / plain).mkdir(parents=True)
+    subprocess.run(["tar", "-xf", releases.folder / "processes-only.tar", "-C", bare / plain], check=True)
+    (bare / "plan").write_text(f"biteline-plan 1\ncurrent {plain}\nbefore -\nnext -\nat_ms 0\nsure 0\nnumber 1\n")
+    report, _ = scan(releases.folder / "out", releases.folder / "library-one", bare)
+    assert report["release"] == plain and "the library has no model" in report["reason"], report
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        factory = Factory(pathlib.Path(folder), *sys.argv[1:5])
+        releases = Releases(factory)
+        try:
+            for name in ("broker", "database", "fleet", *CELLS):
+                factory.start(name)
+            comes_true(lambda: factory.sql("SELECT 1 FROM releases") is not None, "the tables")
+            for cell in CELLS:
+                assert factory.make_shoes(cell, 1, 0).wait(PATIENCE_S) == 0  # a memory, so that the cell speaks
+            first = fetched_while_killed(releases, factory)
+            away_is_named(releases, factory, first)
+            if silent_cell_stops_it(releases, factory, first):
+                releases.switch(first)
+            releases.in_force(first)
+            spoiled_ones_are_refused(releases, factory)
+            second_hash = switched_under_load(releases, factory, first)
+            service_works_with_it(releases, factory, second_hash)
+            taught_waits(releases)
+        except BaseException:
+            for program in [*factory.ended, *factory.running.values()]:
+                print("---", *program.command[:3], *program.lines[-12:], sep="\n")
+            raise
+        finally:
+            factory.end()
+    print("fetched and checked everywhere, switched at one time, no shoe of two releases")
+
+
+main()
