@@ -101,8 +101,8 @@ Result<void> Service::choose_release(Chosen& chosen) const {
   return {};
 }
 
-transfer::Library Service::library_of(const Chosen& chosen) const {
-  return transfer::Library{chosen.release ? chosen.release->models : options_.library};
+Rooms Service::rooms_for(const Chosen& chosen) const {
+  return rooms_of(chosen.release, options_.library, shipped_processes(), options_.out / "processes");
 }
 
 Result<LineStep> Service::work_out_line(Scan& scan, intake::ScanOutcome& outcome) {
@@ -124,7 +124,7 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
     chosen.model = job_.model;
     chosen.process_name = job_.process;
   }
-  const transfer::Library library = library_of(chosen);
+  const transfer::Library library = rooms_for(chosen).models;
   if (outcome.failure || (!options_.models && chosen.model.empty())) {
     BITELINE_TRY(choose_process(chosen));
     return found;
@@ -163,11 +163,7 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
 
 Result<void> Service::choose_process(Chosen& chosen) const {
   if (!robot_) return {};
-  const transfer::Library library = library_of(chosen);
-  // Of a release nothing but its own: a process that was saved at this cell waits for the next one.
-  const api::ProcessStore processes =
-      chosen.release ? api::ProcessStore{chosen.release->processes, {}}
-                     : api::ProcessStore{shipped_processes(), options_.out / "processes"};
+  const auto [library, processes] = rooms_for(chosen);
   fs::path file;
   if (!chosen.process_name.empty()) {
     BITELINE_ASSIGN(const api::StoredProcess stored, processes.find(chosen.process_name));
@@ -256,7 +252,7 @@ Result<ExitStatus> Service::work_named(Unnamed unnamed, const std::string& model
   chosen.model = model;
   // Of the release that it was looked for in.
   chosen.release = scan.chosen.release;
-  Result<transfer::SampleFiles> sample = library_of(chosen).load(model);
+  Result<transfer::SampleFiles> sample = rooms_for(chosen).models.load(model);
   const Result<void> process = sample ? choose_process(chosen) : Result<void>{};
   if (!sample || !process) {
     Error error = sample ? process.error() : sample.error();
