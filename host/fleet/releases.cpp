@@ -89,7 +89,8 @@ Result<std::int64_t> Releases::offer(const fs::path& file, const std::vector<std
     const auto number =
         work.exec_params1(
                 "INSERT INTO releases (sha256, name, manifest, signature, bytes) VALUES ($1, $2, $3, $4, "
-                "$5) ON CONFLICT (sha256) DO UPDATE SET offered = now(), signature = $4 RETURNING number",
+                "$5) ON CONFLICT (sha256) DO UPDATE SET offered = now(), name = $2, manifest = $3, signature "
+                "= $4 RETURNING number",
                 manifest.sha256, manifest.name, manifest_text, blob(signature),
                 static_cast<std::int64_t>(manifest.bytes))[0]
             .as<std::int64_t>();

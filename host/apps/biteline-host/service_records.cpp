@@ -53,9 +53,9 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
     row->reason = told.reason;
     row->next_step = "choose its model, or reject it";
   }
-  row->versions = std::string{R"({"program":")"} + BITELINE_VERSION + '"';
-  if (chosen.release) row->versions += R"(,"release":")" + chosen.release->hash + '"';
-  row->versions += '}';
+  row->versions.assign(R"({"program":")").append(BITELINE_VERSION);
+  if (chosen.release) row->versions.append(R"(","release":")").append(chosen.release->hash);
+  row->versions.append("\"}");
   const Result<void> put = cockpit_->memory().put_scan(*row,
                                                        {.id = 0,
                                                         .time = row->time,
