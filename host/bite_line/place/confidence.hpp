@@ -10,8 +10,9 @@ namespace biteline::bite_line {
 struct ConfidenceModel {
   /// Of points whose crease jumps, or which are bridged, that claim so much ...
   std::array<double, 8> claimed{0, 0.2, 0.4, 0.5, 0.6, 0.8, 0.95, 1};
-  /// ... this share lies within 0.3 mm.  Straight lines between.
-  std::array<double, 8> held{0.277, 0.277, 0.442, 0.688, 0.833, 0.852, 0.966, 1};
+  /// ... this share lies within 0.3 mm.  Straight lines between.  Hardly a point claims less than 0.2, so
+  /// that end is not fitted: what claims nothing holds nothing.
+  std::array<double, 8> held{0, 0.277, 0.442, 0.688, 0.833, 0.852, 0.966, 1};
   /// Of the doubt that a written line is the bite line so much is left.  None of the 1620 lines was wrong,
   /// which would leave a fortieth; shoes nobody made may be less alike, so it is a quarter.
   double line_doubt_ratio{0.25};

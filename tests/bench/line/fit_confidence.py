@@ -52,7 +52,7 @@ def solve(A, b):
 
 
 def fit(points):
-    n = len(CLAIMED) - 1  # what is certain stays so
+    n = len(CLAIMED) - 1  # what is certain stays so, and what claims nothing holds nothing
     A = [[1e-6 if i == j else 0.0 for j in range(n)] for i in range(n)]
     b = [0.0] * n
     for p in points:
@@ -68,7 +68,7 @@ def fit(points):
             for j, other in two:
                 if j < n:
                     A[i][j] += weight * other
-    held = solve(A, b) + [1.0]
+    held = [0.0] + solve([row[1:] for row in A[1:]], b[1:]) + [1.0]
     for i in range(1, len(held)):
         held[i] = min(max(held[i], held[i - 1]), 1.0)
     return held

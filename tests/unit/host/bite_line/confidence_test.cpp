@@ -7,7 +7,8 @@ namespace biteline::bite_line {
 
 TEST_GROUP(Confidence){};
 
-TEST(Confidence, WhatIsCertainStaysSoAndMoreClaimedIsNeverLessHeld) {
+TEST(Confidence, BothEndsStayAndMoreClaimedIsNeverLessHeld) {
+  DOUBLES_EQUAL(0.0, held_of(0.0), 1e-12);
   DOUBLES_EQUAL(1.0, held_of(1.0), 1e-12);
   double before = 0;
   for (int i = 0; i <= 1000; ++i) {
