@@ -7,9 +7,9 @@
 namespace biteline::gige {
 namespace {
 
-int complain(const std::string& line) {
+int complain(const std::string& line, ExitStatus status = ExitStatus::BadInput) {
   std::fprintf(stderr, "biteline-gige: %s\n", line.c_str());
-  return static_cast<int>(ExitStatus::BadInput);
+  return static_cast<int>(status);
 }
 
 struct Texts {
@@ -81,7 +81,7 @@ ParsedOptions parse_options(int argc, char** argv) {
     return parsed;
   }
   if (const Result<void> done = read(texts, options); !done)
-    parsed.leave_with = complain(to_line(done.error()));
+    parsed.leave_with = complain(to_line(done.error()), error_row(done.error().code).exit_status);
   return parsed;
 }
 

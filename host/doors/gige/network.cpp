@@ -76,7 +76,8 @@ Result<Interface> choose_interface(const std::vector<Interface>& all, const std:
     }
     known += (known.empty() ? "" : ", ") + one.name + " (" + address_text(one.address) + ")";
   }
-  return fail(Errc::InvalidArgument, "no interface %s with an IPv4 address; there are %s", wanted.c_str(),
+  // Not there yet, for all that is known: a unit that boots gets its address late.
+  return fail(Errc::DeviceNotFound, "no interface %s with an IPv4 address; there are %s", wanted.c_str(),
               known.empty() ? "none" : known.c_str());
 }
 
