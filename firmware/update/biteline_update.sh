@@ -80,6 +80,11 @@ lead_to() {
   sync -f "$root"
 }
 
+# What may be a version's name, and so a folder's.
+is_version() {
+  [[ $1 =~ ^[0-9A-Za-z][0-9A-Za-z.+~-]{0,63}$ ]]
+}
+
 # verify FOLDER: prints the version that a good signature and checksum vouch for.
 verify() {
   local folder=$1 file version sum
@@ -89,7 +94,7 @@ verify() {
   openssl pkeyutl -verify -rawin -pubin -inkey "$trusted" -in "$folder/manifest" -sigfile "$folder/manifest.sig" >/dev/null 2>&1 ||
     { echo "$folder: not signed by $trusted"; return 1; }
   version=$(sed -n '1s/^version //p' "$folder/manifest")
-  [[ $version =~ ^[0-9A-Za-z][0-9A-Za-z.+~-]{0,63}$ ]] || { echo "$folder: manifest: no version in its first line"; return 1; }
+  is_version "$version" || { echo "$folder: manifest: no version in its first line"; return 1; }
   sum=$(sed -n '2s/^sha256 //p' "$folder/manifest")
   [[ $sum =~ ^[0-9a-f]{64}$ ]] && [ "$sum" = "$(sha256sum <"$folder/biteline-sensor" | cut -d' ' -f1)" ] ||
     { echo "$folder: biteline-sensor is not the file that was signed"; return 1; }
@@ -186,6 +191,7 @@ status() {
 sign() {
   local key=$1 folder=$2 version=$3
   [ -f "$folder/biteline-sensor" ] || refuse "$folder: no biteline-sensor"
+  is_version "$version" || refuse "'$version': a version of letters, digits, . + ~ and - expected, 64 at most"
   printf 'version %s\nsha256 %s\n' "$version" "$(sha256sum <"$folder/biteline-sensor" | cut -d' ' -f1)" >"$folder/manifest"
   openssl pkeyutl -sign -rawin -inkey "$key" -in "$folder/manifest" -out "$folder/manifest.sig" || refuse "$key: no private ed25519 key"
 }

@@ -77,7 +77,10 @@ package spoiled 2 'exit 0' 'exit 0' 'exit 0'
 echo '# one line more' >>"$work/spoiled/biteline-sensor"
 package renamed 2 'exit 0' 'exit 0' 'exit 0'
 sed -i 's/^version 2/version 3/' "$work/renamed/manifest"
-package climbs ../../1 'exit 0' 'exit 0' 'exit 0'
+package climbs 2 'exit 0' 'exit 0' 'exit 0'
+# Signed by hand: biteline-update signs no such name.
+sed -i '1s,.*,version ../../1,' "$work/climbs/manifest"
+openssl pkeyutl -sign -rawin -inkey "$work/own.key" -in "$work/climbs/manifest" -out "$work/climbs/manifest.sig"
 package same 1 'exit 0' 'exit 0' 'exit 0'
 cp -r "$work/good" "$work/bare" && rm "$work/bare/manifest.sig"
 cp -r "$work/good" "$work/linked" && ln -sf "$work/good/biteline-sensor" "$work/linked/biteline-sensor"
@@ -92,6 +95,12 @@ expect 'a check that hangs' 3 1 hangs 'does not pass its own check'
 expect 'a program that does not start' 3 1 stays_out 'version 2 does not start'
 expect 'a program that ends' 3 1 ends 'started and ended'
 expect 'a program that is none' 3 1 garbage 'does not pass its own check'
+# A name that no unit would take is not signed either.
+for name in 'a b' '../1' '' "$(printf 'v%.0s' $(seq 65))"; do
+  "$update" sign "$work/own.key" "$work/bare" "$name" >"$work/told" 2>&1 && bad "version '$name' was signed"
+  grep -q 'a version of letters' "$work/told" || bad "version '$name': $(cat "$work/told")"
+  [ ! -e "$work/bare/manifest" ] || [ "$(sed -n 1p "$work/bare/manifest")" != "version $name" ] || bad "version '$name' left a manifest"
+done
 expect 'another signature' 2 1 foreign 'not signed by'
 expect 'no signature' 2 1 bare 'no manifest.sig'
 expect 'another file' 2 1 spoiled 'not the file that was signed'
