@@ -2,6 +2,7 @@
 // biteline capture check: a piece of known size in a scan, pass or fail, and the history of it.
 #include "host/apps/biteline/capture_check.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -36,6 +37,15 @@ std::string utc_now() {
   return text;
 }
 
+/// One field of the table.
+std::string scan_name(const fs::path& cloud) {
+  constexpr std::size_t k_longest = 60;
+  std::string name = cloud.filename().string().substr(0, k_longest);
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return c == ',' || c == '"' || c < 0x20 || c == 0x7f; }, '_');
+  return name;
+}
+
 /// The whole file anew beside it, then renamed: a kill leaves the former rows.
 Result<void> add_to_history(const fs::path& file, const std::string& row) {
   std::string text = k_history_head;
@@ -68,8 +78,8 @@ Result<ExitStatus> check(const Options& options, const GlobalOptions& global) {
   const char* verdict = passed ? "pass" : "fail";
   if (!options.history.empty()) {
     char row[300];
-    std::snprintf(row, sizeof row, "%s,%.60s,%s,%.4f,%.4f,%.4f,%.4f,%.4f,%s\n", utc_now().c_str(),
-                  options.cloud.filename().c_str(), piece, known_mm, size.size_mm, off_mm, size.sigma_mm,
+    std::snprintf(row, sizeof row, "%s,%s,%s,%.4f,%.4f,%.4f,%.4f,%.4f,%s\n", utc_now().c_str(),
+                  scan_name(options.cloud).c_str(), piece, known_mm, size.size_mm, off_mm, size.sigma_mm,
                   options.limit_mm, verdict);
     BITELINE_TRY(add_to_history(options.history, row));
   }
