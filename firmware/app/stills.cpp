@@ -219,7 +219,15 @@ Result<void> StillCamera::idle() {
 Result<void> StillCamera::wait_for_exposure(Nanoseconds exposure) {
   if (exposure != exposure_) {
     BITELINE_ASSIGN(exposure_, camera_->adjust_exposure(exposure));
-    for (int i = 0; i < k_frames_to_settle; ++i) BITELINE_TRY(idle());
+    // Frames that were exposed before and waited in the driver say nothing of the new one.
+    const SensorClock::time_point from = clock_.now();
+    for (int settled = 0; settled < k_frames_to_settle;) {
+      if (clock_.now() - from > k_frame_patience)
+        return fail(Errc::Timeout, "camera: no picture of the new exposure came");
+      BITELINE_ASSIGN(const hal::FrameView frame, next_frame());
+      if (frame.exposure_mid - exposure_ / 2 >= from) ++settled;
+      camera_->release(frame);
+    }
   }
   return {};
 }
