@@ -81,6 +81,9 @@ class PeakExtractor {
   /// create() and no taller, 16 rows at least.
   void rt_extract(const PixelView& frame, Peaks& out) noexcept BITELINE_RT;
 
+  /// Changes places with another one; nothing is freed.
+  void rt_swap(PeakExtractor& other) noexcept BITELINE_RT { state_.swap(other.state_); }
+
  private:
   struct State;
   explicit PeakExtractor(std::unique_ptr<State> state);

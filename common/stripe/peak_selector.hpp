@@ -68,6 +68,8 @@ class PeakSelector {
   explicit PeakSelector(const SelectorConfig& config) : config_{config} {}
 
   void rt_select(const Peaks& peaks, Selection& out) noexcept BITELINE_RT;
+  /// From the next frame on.
+  void rt_choose_by(PeakChoice choice) noexcept BITELINE_RT { config_.choice = choice; }
 
  private:
   struct Stretch {

@@ -8,6 +8,7 @@
 #include "common/wire/profile_codec.hpp"
 #include "common/wire/protocol_generated.h"
 #include "common/wire/schema_parts.hpp"
+#include "common/wire/settings_codec.hpp"
 
 namespace biteline::wire {
 namespace {
@@ -58,9 +59,10 @@ PackedBody pack_body(FlatBufferBuilder& fbb, const Health& health) {
   const auto stages = pack_stages(fbb, health.stages);
   const auto reason = text(fbb, health.laser_reason);
   const auto devices = pack_devices(fbb, health.devices);
+  const auto settings = pack_settings(fbb, health.settings);
   return packed(fb::Body_Health,
                 fb::CreateHealth(fbb, counters, stages, static_cast<fb::LaserState>(health.laser), reason,
-                                 health.scanning, devices, health.observers, health.pictures));
+                                 health.scanning, devices, health.observers, health.pictures, settings));
 }
 
 PackedBody pack_body(FlatBufferBuilder& fbb, const EndOfScan& end) {
@@ -76,8 +78,9 @@ PackedBody pack_body(FlatBufferBuilder& fbb, const Ack& ack) {
 }
 
 PackedBody pack_body(FlatBufferBuilder& fbb, const Control& control) {
+  const auto settings = settings_text(fbb, control.settings);
   return packed(fb::Body_Control,
-                fb::CreateControl(fbb, control.id, static_cast<fb::Command>(control.command)));
+                fb::CreateControl(fbb, control.id, static_cast<fb::Command>(control.command), settings));
 }
 
 PackedBody pack_body(FlatBufferBuilder& fbb, const ControlReply& reply) {
@@ -151,6 +154,7 @@ Result<Body> read_body(const fb::Profile& table) {
 Result<Body> read_body(const fb::Health& table) {
   if (table.laser() > fb::LaserState_MAX) return fail(Errc::ProtocolError, "health: unknown laser state");
   BITELINE_ASSIGN(Devices devices, read_devices(table.devices()));
+  BITELINE_ASSIGN(std::optional<SettingsState> settings, read_settings(table.settings()));
   return Health{.counters = read_counters(table.counters()),
                 .stages = read_stages(table.stages()),
                 .laser = static_cast<LaserState>(table.laser()),
@@ -158,7 +162,8 @@ Result<Body> read_body(const fb::Health& table) {
                 .scanning = table.scanning(),
                 .devices = std::move(devices),
                 .observers = table.observers(),
-                .pictures = table.pictures()};
+                .pictures = table.pictures(),
+                .settings = std::move(settings)};
 }
 
 Result<Body> read_body(const fb::EndOfScan& table) {
@@ -176,7 +181,9 @@ Result<Body> read_body(const fb::Ack& table) {
 
 Result<Body> read_body(const fb::Control& table) {
   if (table.command() > fb::Command_MAX) return fail(Errc::ProtocolError, "control: unknown command");
-  return Control{.id = table.id(), .command = static_cast<Command>(table.command())};
+  BITELINE_ASSIGN(std::string settings, to_settings_text(table.settings()));
+  return Control{
+      .id = table.id(), .command = static_cast<Command>(table.command()), .settings = std::move(settings)};
 }
 
 Result<Body> read_body(const fb::ControlReply& table) {

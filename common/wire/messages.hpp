@@ -20,10 +20,13 @@ namespace biteline::wire {
 /// Raised, with the reason in PROTOCOL.md, whenever an old peer would misread a message.
 inline constexpr std::uint16_t k_protocol = 1;
 /// Raised, with the reason in PROTOCOL.md, when something is added that an old peer may do without.
-inline constexpr std::uint16_t k_protocol_minor = 1;
+inline constexpr std::uint16_t k_protocol_minor = 2;
 
 /// No message is longer; sockets drop what is.  A full profile (5184 points) packs to at most 222 KB.
 inline constexpr std::size_t k_max_message_bytes = 512 * 1024;
+
+/// A settings file is never longer.
+inline constexpr std::size_t k_max_settings_bytes = 8 * 1024;
 
 using Bytes = std::vector<std::uint8_t>;
 
@@ -96,6 +99,13 @@ struct Devices : profile::DeviceCounts {
 
 enum class LaserState : std::uint8_t { Off, On, Fault };
 
+/// What the sensor runs with now.
+struct SettingsState {
+  std::string text;          ///< a whole settings file, as `--settings` takes it
+  double rate_max_hz{0};     ///< that region and exposure allow; 0: the camera does not tell
+  std::uint32_t changes{0};  ///< sets of hosts taken since the sensor started
+};
+
 /// A few times a second; the newest replaces the older.
 struct Health {
   Counters counters;
@@ -104,8 +114,9 @@ struct Health {
   std::string laser_reason;
   bool scanning{false};
   Devices devices;
-  std::uint32_t observers{0};  ///< connected now
-  std::uint64_t pictures{0};   ///< made for observers since the sensor started
+  std::uint32_t observers{0};               ///< connected now
+  std::uint64_t pictures{0};                ///< made for observers since the sensor started
+  std::optional<SettingsState> settings{};  ///< nothing: a recording, or a sensor of 1.1
 };
 
 /// The scan's last message, in sequence with its profiles.
@@ -122,11 +133,12 @@ struct Ack {
   std::uint64_t safe_sequence{0};
 };
 
-enum class Command : std::uint8_t { StartScan, StopScan, LaserOff };
+enum class Command : std::uint8_t { StartScan, StopScan, LaserOff, UseSettings };
 
 struct Control {
   std::uint32_t id{0};
   Command command{Command::StopScan};
+  std::string settings{};  ///< of UseSettings: a whole settings file
 };
 
 struct ControlReply {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/app/board_devices.hpp"
 
+#include "common/config/sensor_yaml.hpp"
 #include "firmware/app/backends/backend.hpp"
-#include "firmware/app/live_head.hpp"
 #include "firmware/runtime/thread_table.hpp"
 #include "hal/linux/pwm/encoder_trigger.hpp"
 #include "hal/linux/pwm/software_pwm.hpp"
@@ -22,7 +22,8 @@ Result<Source> BoardDevices::open() {
   Source source;
   source.scan_name = board_.name;
   BITELINE_ASSIGN(source.camera, open_camera());
-  BITELINE_TRY(configure(*source.camera));
+  BITELINE_TRY(configure(*source.camera, present_settings()));
+  in_use = set_in_use(*former_, model, capture);
   BITELINE_ASSIGN(source.poses, open_poses());
   BITELINE_ASSIGN(source.trigger, open_trigger());
   if (source.trigger) BITELINE_TRY(source.trigger->configure(train_of(model, capture)));
@@ -32,26 +33,43 @@ Result<Source> BoardDevices::open() {
   return source;
 }
 
-Result<void> BoardDevices::configure(hal::LineCamera& camera) {
-  const hal::Trigger trigger =
-      board_.camera.hardware_trigger ? hal::Trigger::Hardware : hal::Trigger::FreeRun;
-  BITELINE_ASSIGN(const hal::CameraSettings taken,
-                  configure_camera(camera, live_settings(model, capture, trigger, set), former_));
+LiveSettings BoardDevices::present_settings() const {
+  return live_settings(model, capture, trigger(), set);
+}
+
+Result<void> BoardDevices::configure(hal::LineCamera& camera, LiveSettings wanted) {
+  // A camera keeps a gain that was told: a set that says none gets the one from before the first that did.
+  if (wanted.camera.gain && !own_gain_) {
+    BITELINE_ASSIGN(const hal::CameraLimits before, camera.limits());
+    own_gain_ = before.gain;
+  }
+  if (!wanted.camera.gain) wanted.camera.gain = own_gain_;
+  BITELINE_ASSIGN(const hal::CameraSettings taken, configure_camera(camera, wanted, former_));
+  // Of the region and exposure that it now has; a camera that does not tell is no worse a camera.
+  limits = camera.limits().value_or(hal::CameraLimits{});
   former_ = taken;
-  in_use = set_in_use(taken, model, capture);
   return {};
 }
 
 void BoardDevices::remember(const geometry::SensorModel& head) {
-  const hal::Trigger trigger =
-      board_.camera.hardware_trigger ? hal::Trigger::Hardware : hal::Trigger::FreeRun;
-  former_ = live_settings(head, {}, trigger, std::nullopt).camera;
+  former_ = live_settings(head, {}, trigger(), std::nullopt).camera;
+}
+
+Result<void> BoardDevices::adopt(const geometry::SensorModel& head, const Capture& exposed,
+                                 const settings::SettingsSet& wanted) {
+  BITELINE_ASSIGN(const std::unique_ptr<hal::LineCamera> camera, open_camera());
+  BITELINE_TRY(configure(*camera, live_settings(head, exposed, trigger(), wanted)));
+  model = head;
+  capture = exposed;
+  set = wanted;
+  in_use = set_in_use(*former_, model, capture);
+  return {};
 }
 
 Result<void> BoardDevices::try_settings() {
   BITELINE_ASSIGN(const std::unique_ptr<hal::LineCamera> camera, open_camera());
   BITELINE_ASSIGN(const hal::CameraLimits before, camera->limits());
-  BITELINE_TRY(configure(*camera));
+  BITELINE_TRY(configure(*camera, present_settings()));
   if (!former_->gain || !before.gain) return {};
   // A camera keeps its gain when it is closed, and this is only a trial.
   hal::CameraSettings back = *former_;
@@ -140,11 +158,14 @@ Result<std::unique_ptr<SourceKind>> open_board(const std::filesystem::path& boar
                                                const std::filesystem::path& sensor_file,
                                                const std::optional<settings::SettingsSet>& set) {
   BITELINE_ASSIGN(hal::Board board, hal::read_board_yaml(board_file));
-  BITELINE_ASSIGN(geometry::SensorModel head, read_live_head(sensor_file, set));
+  BITELINE_ASSIGN(const geometry::SensorModel calibrated, config::read_sensor_yaml(sensor_file));
+  BITELINE_ASSIGN(geometry::SensorModel head, with_set(calibrated, set, sensor_file));
   auto devices = std::make_unique<BoardDevices>(std::move(board), std::move(head));
   devices->set = set;
+  devices->calibrated = calibrated;
+  devices->head_file = sensor_file;
   // What it would run with without the set: put back when the camera does not take it.
-  if (const Result<geometry::SensorModel> bare = read_live_head(sensor_file, std::nullopt); set && bare)
+  if (const auto bare = with_set(calibrated, std::nullopt, sensor_file); set && bare)
     devices->remember(*bare);
   return devices;
 }

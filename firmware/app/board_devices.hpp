@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "firmware/app/live_head.hpp"
 #include "firmware/app/source.hpp"
 #include "hal/api/clock.hpp"
 #include "hal/board/board.hpp"
@@ -21,6 +22,8 @@ class BoardDevices final : public SourceKind {
   [[nodiscard]] Result<Source> open() override;
   [[nodiscard]] Result<std::optional<LaserDevices>> open_laser() override;
   [[nodiscard]] Result<void> try_settings() override;
+  [[nodiscard]] Result<void> adopt(const geometry::SensorModel& head, const Capture& exposed,
+                                   const settings::SettingsSet& wanted) override;
 
   /// A head whose settings are put back when the camera does not take others.
   void remember(const geometry::SensorModel& head);
@@ -33,11 +36,16 @@ class BoardDevices final : public SourceKind {
   [[nodiscard]] Result<std::unique_ptr<hal::PwmOut>> open_trigger() const;
 
  private:
-  [[nodiscard]] Result<void> configure(hal::LineCamera& camera);
+  [[nodiscard]] Result<void> configure(hal::LineCamera& camera, LiveSettings wanted);
+  [[nodiscard]] LiveSettings present_settings() const;
+  [[nodiscard]] hal::Trigger trigger() const {
+    return board_.camera.hardware_trigger ? hal::Trigger::Hardware : hal::Trigger::FreeRun;
+  }
   [[nodiscard]] Result<void> arm_watchdogs(std::vector<std::unique_ptr<hal::Watchdog>>& armed) const;
 
   hal::Board board_;
   std::optional<hal::CameraSettings> former_;  ///< what the camera took last
+  std::optional<double> own_gain_;             ///< the camera's, from before a set told it another one
   hal::MonotonicClock clock_;
 };
 

@@ -56,7 +56,36 @@ Result<void> check_span(const LiveSettings& wanted, const Span& span) {
   return {};
 }
 
-/// Before anything is told to the camera.
+/// What the camera says it took, against what was asked.
+Result<void> check_taken(hal::LineCamera& camera, const LiveSettings& wanted,
+                         const hal::CameraSettings& taken) {
+  constexpr double k_gain_tolerance = 0.5;  // cameras count them in steps
+  constexpr double k_rate_tolerance_ratio = 0.01;
+  const hal::CameraSettings& asked = wanted.camera;
+  if (!same(taken.region, asked.region)) {
+    const geometry::Region& region = taken.region;
+    return fail(Errc::DeviceError, "camera: its region is %d x %d at %d, %d instead of %d x %d at %d, %d",
+                region.width_px, region.height_px, region.offset_u_px, region.offset_v_px,
+                asked.region.width_px, asked.region.height_px, asked.region.offset_u_px,
+                asked.region.offset_v_px);
+  }
+  if (!wanted.set) return {};
+  const double taken_us = microseconds(taken.exposure);
+  if (!is_as_asked(asked.exposure, taken.exposure))
+    return refuse(wanted, Key::ExposureUs, "what the camera takes, " + range_text(taken_us, taken_us, "us"));
+  if (asked.gain && std::abs(taken.gain.value_or(0) - *asked.gain) > k_gain_tolerance)
+    return refuse(wanted, Key::Gain, "what the camera takes");
+  if (!wanted.set->at(Key::RateHz)) return {};
+  BITELINE_ASSIGN(const hal::CameraLimits now, camera.limits());
+  const double most_hz =
+      asked.trigger == hal::Trigger::FreeRun && taken.rate_hz > 0 ? taken.rate_hz : now.rate_max_hz;
+  if (most_hz > 0 && most_hz < (1 - k_rate_tolerance_ratio) * asked.rate_hz)
+    return refuse(wanted, Key::RateHz, range_text(0, most_hz, "Hz") + " at this region and exposure");
+  return {};
+}
+
+}  // namespace
+
 Result<void> check_limits(const LiveSettings& wanted, const hal::CameraLimits& limits) {
   const hal::CameraSettings& camera = wanted.camera;
   const geometry::Region& region = camera.region;
@@ -93,42 +122,21 @@ Result<void> check_limits(const LiveSettings& wanted, const hal::CameraLimits& l
   return {};
 }
 
-/// What the camera says it took, against what was asked.
-Result<void> check_taken(hal::LineCamera& camera, const LiveSettings& wanted,
-                         const hal::CameraSettings& taken) {
-  // Cameras count exposures in lines, and gains in steps.
-  constexpr double k_exposure_tolerance_ratio = 0.05, k_exposure_tolerance_us = 20, k_gain_tolerance = 0.5;
-  constexpr double k_rate_tolerance_ratio = 0.01;
-  const hal::CameraSettings& asked = wanted.camera;
-  if (!same(taken.region, asked.region)) {
-    const geometry::Region& region = taken.region;
-    return fail(Errc::DeviceError, "camera: its region is %d x %d at %d, %d instead of %d x %d at %d, %d",
-                region.width_px, region.height_px, region.offset_u_px, region.offset_v_px,
-                asked.region.width_px, asked.region.height_px, asked.region.offset_u_px,
-                asked.region.offset_v_px);
-  }
-  if (!wanted.set) return {};
-  const double asked_us = microseconds(asked.exposure), taken_us = microseconds(taken.exposure);
-  // 0: the driver cannot say it.
-  if (taken_us > 0 && std::abs(taken_us - asked_us) >
-                          std::max(k_exposure_tolerance_us, k_exposure_tolerance_ratio * asked_us))
-    return refuse(wanted, Key::ExposureUs, "what the camera takes, " + range_text(taken_us, taken_us, "us"));
-  if (asked.gain && std::abs(taken.gain.value_or(0) - *asked.gain) > k_gain_tolerance)
-    return refuse(wanted, Key::Gain, "what the camera takes");
-  if (!wanted.set->at(Key::RateHz)) return {};
-  BITELINE_ASSIGN(const hal::CameraLimits now, camera.limits());
-  const double most_hz =
-      asked.trigger == hal::Trigger::FreeRun && taken.rate_hz > 0 ? taken.rate_hz : now.rate_max_hz;
-  if (most_hz > 0 && most_hz < (1 - k_rate_tolerance_ratio) * asked.rate_hz)
-    return refuse(wanted, Key::RateHz, range_text(0, most_hz, "Hz") + " at this region and exposure");
-  return {};
+bool is_as_asked(Nanoseconds asked, Nanoseconds taken) {
+  constexpr double k_tolerance_ratio = 0.05, k_tolerance_us = 20;
+  const double asked_us = microseconds(asked), taken_us = microseconds(taken);
+  return taken_us <= 0 ||
+         std::abs(taken_us - asked_us) <= std::max(k_tolerance_us, k_tolerance_ratio * asked_us);
 }
-
-}  // namespace
 
 Result<geometry::SensorModel> read_live_head(const std::filesystem::path& sensor_file,
                                              const std::optional<SettingsSet>& set) {
   BITELINE_ASSIGN(geometry::SensorModel head, config::read_sensor_yaml(sensor_file));
+  return with_set(std::move(head), set, sensor_file);
+}
+
+Result<geometry::SensorModel> with_set(geometry::SensorModel head, const std::optional<SettingsSet>& set,
+                                       const std::filesystem::path& file) {
   if (set) {
     if (const auto rate_hz = set->number(Key::RateHz)) head.rate_hz = rate_hz;
     if (const auto exposure_us = set->number(Key::ExposureUs)) head.exposure = of_microseconds(*exposure_us);
@@ -143,7 +151,7 @@ Result<geometry::SensorModel> read_live_head(const std::filesystem::path& sensor
     return fail(Errc::BadValue,
                 "%s: rate_hz and exposure_ns are needed to run a camera, here or as rate_hz and exposure_us "
                 "in --settings",
-                sensor_file.c_str());
+                file.c_str());
   }
   return head;
 }
@@ -208,7 +216,9 @@ SettingsSet set_in_use(const hal::CameraSettings& taken, const geometry::SensorM
   const auto on = [&](Key key, bool value) { set.set(key, {.on = value}); };
   const Nanoseconds exposure = taken.exposure.count() != 0 ? taken.exposure : *head.exposure;
   number(Key::ExposureUs, microseconds(exposure));
-  number(Key::RateHz, *head.rate_hz);
+  // A camera that runs by itself says how fast; another one as fast as its trigger, which is as asked.
+  const bool told = taken.trigger == hal::Trigger::FreeRun && taken.rate_hz > 0;
+  number(Key::RateHz, told ? taken.rate_hz : *head.rate_hz);
   if (taken.gain) number(Key::Gain, *taken.gain);
   if (capture.second_exposure.count() != 0)
     number(Key::SecondExposureUs, microseconds(capture.second_exposure));

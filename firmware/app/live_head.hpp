@@ -19,6 +19,11 @@ namespace biteline::sensor {
 [[nodiscard]] Result<geometry::SensorModel> read_live_head(const std::filesystem::path& sensor_file,
                                                            const std::optional<settings::SettingsSet>& set);
 
+/// As read_live_head(), of a sensor.yaml that was read; `file` is its name for messages.
+[[nodiscard]] Result<geometry::SensorModel> with_set(geometry::SensorModel head,
+                                                     const std::optional<settings::SettingsSet>& set,
+                                                     const std::filesystem::path& file);
+
 /// What was told, and beneath it what the set says.
 [[nodiscard]] Capture put_over(const Capture& told, const settings::SettingsSet& set);
 
@@ -30,6 +35,13 @@ struct LiveSettings {
 [[nodiscard]] LiveSettings live_settings(const geometry::SensorModel& head, const Capture& capture,
                                          hal::Trigger trigger,
                                          const std::optional<settings::SettingsSet>& set);
+
+/// Errc::BadValue, as configure_camera(): what a camera of these limits does not take.  Nothing is told to
+/// it.
+[[nodiscard]] Result<void> check_limits(const LiveSettings& wanted, const hal::CameraLimits& limits);
+
+/// Cameras count exposures in lines: so near is as asked.  0 taken: the driver cannot say it.
+[[nodiscard]] bool is_as_asked(Nanoseconds asked, Nanoseconds taken);
 
 /// Checks everything first, then tells the camera, then reads back.  Gives back what the camera took.
 ///

@@ -153,6 +153,7 @@ Result<void> run(const sensor::Options& options, const sigset_t& signals) {
   sensor::StreamerConfig config;
   config.server.store_bytes = options.store_megabytes * 1024 * 1024;
   BITELINE_ASSIGN(config.pipeline, sensor::pipeline_config(options.peaks, kind->recorded));
+  config.told = {.capture = options.source.capture, .peaks = options.told_peaks};
   config.record = options.record;
   config.record_pictures_every = options.record_pictures_every;
   config.record_keep_bytes = static_cast<std::uint64_t>(1e9 * options.record_keep_gb);

@@ -8,29 +8,16 @@
 
 #include "common/core/result.hpp"
 #include "common/wire/endpoint.hpp"
+#include "firmware/app/peak_wishes.hpp"
 #include "firmware/app/source.hpp"
-#include "firmware/pipeline/profile_pipeline.hpp"
 #include "firmware/runtime/realtime.hpp"
 
 namespace biteline::sensor {
 
-/// What was told of how a stripe is found; the rest is as recorded, or by default.
-struct PeakWishes {
-  std::optional<stripe::PeakMode> mode;
-  std::optional<stripe::PeakChoice> choice;
-  std::optional<float> threshold_grey, width_min_px, width_max_px;
-};
-
-/// The defaults, a recording's own settings over them, and over these what was told.
-[[nodiscard]] Result<pipeline::ProfilePipeline::Config> pipeline_config(
-    const PeakWishes& wishes, const std::optional<session::RecordingFacts>& recorded);
-
-/// What was told, and beneath it what the set says.
-[[nodiscard]] PeakWishes put_over(const PeakWishes& told, const settings::SettingsSet& set);
-
 struct Options {
   SourceOptions source;
-  PeakWishes peaks;
+  PeakWishes peaks;       ///< what this command line says, and beneath it what the set says
+  PeakWishes told_peaks;  ///< what this command line says
   wire::Endpoint listen;
   std::optional<std::filesystem::path> record;
   std::uint32_t record_pictures_every{1};

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "firmware/app/live_head.hpp"
+
 namespace biteline::sensor {
 namespace {
 
@@ -64,6 +66,7 @@ Scanner::Scanner(Source source, const Config& config, pipeline::ProfilePipeline 
       clock_{clock},
       laser_{laser},
       pictures_{std::make_shared<pipeline::PictureTap>(config.model.region)},
+      exposure_{config.model.exposure.value_or(Nanoseconds{0})},
       poses_wanted_until_ns_{k_never_ns} {}
 
 Scanner::~Scanner() {
@@ -99,6 +102,10 @@ void Scanner::acquire() {
       if (config_.lossless && pool_.rt_free_count() < 3) {
         std::this_thread::sleep_for(k_pause);
         continue;
+      }
+      if (const Result<void> taken = take_change(); !taken) {
+        record_failure(taken.error());
+        break;
       }
       const SensorClock::time_point begin = clock_.now();
       if (laser_ != nullptr) laser_->note_alive(begin);
@@ -170,6 +177,61 @@ Result<void> Scanner::process(const hal::FrameView& frame) {
   // Its answer is a sign of life as good as a frame, and new rows cost it a frame or two.
   if (laser_ != nullptr) laser_->note_frame(answered);
   return {};
+}
+
+Result<void> Scanner::offer_change(Nanoseconds exposure, const stripe::PeakConfig& peaks,
+                                   stripe::PeakChoice choice) {
+  BITELINE_EXPECTS(change_ == nullptr);
+  BITELINE_ASSIGN(auto prepared, pipeline_.prepare_peaks(peaks, choice));
+  change_.reset(
+      new Change{.exposure = exposure, .peaks = std::move(prepared), .outcome = Nanoseconds{0}, .done = {}});
+  offered_.store(change_.get(), std::memory_order_release);
+  return {};
+}
+
+Result<void> Scanner::take_change() {
+  Change* change = offered_.load(std::memory_order_acquire);
+  if (change == nullptr) return {};
+  offered_.store(nullptr, std::memory_order_relaxed);
+  Result<void> camera;
+  if (change->exposure.count() != 0) {
+    const SensorClock::time_point asked = clock_.now();
+    const Nanoseconds former = exposure_;
+    Result<void> told = capture_->apply({.exposure = change->exposure, .rows = {}}, *source_.camera);
+    const Nanoseconds taken = capture_->state().exposure;
+    if (told && !is_as_asked(change->exposure, taken)) {
+      told = fail(
+          Errc::BadValue, "camera.exposure_us: what the camera takes expected, %g us instead of %g us",
+          1e-3 * static_cast<double>(taken.count()), 1e-3 * static_cast<double>(change->exposure.count()));
+    }
+    if (told) {
+      exposure_ = change->exposure;
+      change->outcome = taken;
+    } else {
+      change->outcome = tl::unexpected<Error>{told.error()};
+      camera = capture_->apply({.exposure = former, .rows = {}}, *source_.camera);
+    }
+    const SensorClock::time_point answered = clock_.now();
+    adjust_meter.rt_add(answered - asked);
+    // As after a change by the automatic exposure.
+    if (laser_ != nullptr) laser_->note_frame(answered);
+  }
+  if (change->outcome) pipeline_.rt_take_peaks(change->peaks);
+  change->done.store(true, std::memory_order_release);
+  return camera;
+}
+
+std::optional<Result<Nanoseconds>> Scanner::change_done() {
+  if (change_ == nullptr) return std::nullopt;
+  // In this order: an acquisition that is over has said before whether it took the change.
+  const bool over = acquisition_over_.load(std::memory_order_acquire);
+  if (!change_->done.load(std::memory_order_acquire)) {
+    if (!over) return std::nullopt;
+    change_->outcome = fail(Errc::WrongState, "the scan ended before the settings were taken");
+  }
+  const Result<Nanoseconds> outcome = change_->outcome;
+  change_.reset();
+  return outcome;
 }
 
 void Scanner::note_exposure(SensorClock::time_point mid) {

@@ -75,8 +75,16 @@ class Scanner {
   /// The longest time between the exposures of two neighbouring frames under the laser, or from the last one
   /// to `until`.
   [[nodiscard]] Nanoseconds longest_pause(SensorClock::time_point until) const;
+  /// Another exposure (0: it stays) and another way to find peaks, between two frames.  At once the same: all
+  /// of it or nothing.  Errc::BadValue: peaks that no frame can have.  Pre: none is on its way.
+  [[nodiscard]] Result<void> offer_change(Nanoseconds exposure, const stripe::PeakConfig& peaks,
+                                          stripe::PeakChoice choice);
+  /// The exposure that the camera took (0: it stays), or why nothing was changed; once.  Nothing: not yet, or
+  /// none was offered.
+  [[nodiscard]] std::optional<Result<Nanoseconds>> change_done();
   [[nodiscard]] wire::CaptureState capture_state() const { return capture_->state(); }
   [[nodiscard]] Source& source() { return source_; }
+  [[nodiscard]] bool has_trigger() const { return source_.trigger != nullptr; }
   /// Where live pictures come from; may outlive the scan.
   [[nodiscard]] const std::shared_ptr<pipeline::PictureTap>& pictures() const { return pictures_; }
   [[nodiscard]] const Config& config() const { return config_; }
@@ -95,6 +103,7 @@ class Scanner {
           std::unique_ptr<CaptureControl> capture, const hal::Clock& clock, runtime::LaserWatch* laser);
   void acquire();
   void read_poses();
+  [[nodiscard]] Result<void> take_change();
   [[nodiscard]] Result<void> process(const hal::FrameView& frame);
   [[nodiscard]] bool pose_settled();
   void record_failure(const Error& error);
@@ -112,6 +121,17 @@ class Scanner {
   std::shared_ptr<pipeline::RecordTap> recording_;  ///< null: none
   rt::BufferPool<profile::ProfileBuffer, k_pool_profiles> pool_{k_pool_profiles};
   rt::DropOldestRing<rt::BufferIndex, k_ring_profiles> ring_;
+
+  /// From the stream thread to the acquisition and back; its owner is the stream thread.
+  struct Change {
+    Nanoseconds exposure;
+    pipeline::ProfilePipeline::PeakChange peaks;
+    Result<Nanoseconds> outcome;
+    std::atomic<bool> done{false};
+  };
+  std::unique_ptr<Change> change_;
+  std::atomic<Change*> offered_{nullptr};
+  Nanoseconds exposure_;  ///< acquisition's own
 
   std::thread acquisition_thread_, pose_thread_;
   std::atomic<bool> stopping_{false};

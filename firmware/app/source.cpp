@@ -71,6 +71,10 @@ Result<std::unique_ptr<SourceKind>> with_capture(Result<std::unique_ptr<SourceKi
 
 }  // namespace
 
+Result<void> SourceKind::adopt(const geometry::SensorModel&, const Capture&, const settings::SettingsSet&) {
+  return fail(Errc::NotSupported, "this source's settings stand");
+}
+
 Result<std::unique_ptr<SourceKind>> choose_source(const SourceOptions& options) {
   const std::string_view text{options.source};
   const std::size_t colon = text.find(':');

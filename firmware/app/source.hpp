@@ -58,7 +58,15 @@ class SourceKind {
   /// Tells the camera `set` and reads it back, as each scan does; see configure_camera().
   [[nodiscard]] virtual Result<void> try_settings() { return {}; }
 
+  /// Another set, its head and capture in the place of those: told to the camera and read back as each scan
+  /// does, and kept only when it took it.  Between scans.  Pre: they were checked together.
+  [[nodiscard]] virtual Result<void> adopt(const geometry::SensorModel& head, const Capture& exposed,
+                                           const settings::SettingsSet& wanted);
+
   geometry::SensorModel model;
+  geometry::SensorModel calibrated;  ///< sensor.yaml's own, no set over it; of live devices
+  std::filesystem::path head_file;   ///< it, for messages
+  hal::CameraLimits limits;          ///< of the camera as it was configured last
   Capture capture;  ///< checked against the model; of a live recording what it was taken with
   std::optional<settings::SettingsSet> set;         ///< what `--settings` named
   settings::SettingsSet in_use;                     ///< of the camera, since open(); empty of a recording

@@ -85,20 +85,6 @@ wire::StageTime stage_time(const char* name, const runtime::StageMeter& meter) {
   return {.name = name, .count = summary.count, .min = summary.min, .mean = summary.mean, .max = summary.max};
 }
 
-/// As a file that `--settings` takes again.
-std::string settings_in_use(const SourceKind& kind, const pipeline::ProfilePipeline::Config& pipeline) {
-  using settings::Key;
-  settings::SettingsSet set = kind.in_use;
-  if (kind.set) set.note = kind.set->note;
-  const auto number = [&](Key key, float value) { set.set(key, {.number = static_cast<double>(value)}); };
-  set.set(Key::PeakMode, {.word = stripe::name_of(stripe::k_peak_modes, pipeline.peaks.mode)});
-  set.set(Key::PeakChoice, {.word = stripe::name_of(stripe::k_peak_choices, pipeline.selector.choice)});
-  number(Key::PeakThreshold, pipeline.peaks.threshold_grey);
-  number(Key::PeakWidthMin, pipeline.peaks.width_min_px);
-  number(Key::PeakWidthMax, pipeline.peaks.width_max_px);
-  return settings::settings_text(set);
-}
-
 }  // namespace
 
 Streamer::Streamer(const StreamerConfig& config, SourceKind& kind, stream::StreamSocket& socket,
@@ -110,14 +96,23 @@ Streamer::Streamer(const StreamerConfig& config, SourceKind& kind, stream::Strea
       laser_{laser},
       server_{config.server, identity_of(config, kind), socket,
               [this](wire::Command command) { return obey(command); }, [this] { return health(); }},
-      picture_maker_{config.realtime} {}
+      settings_{kind, config_.pipeline, config.told},
+      picture_maker_{config.realtime} {
+  server_.take_settings_by([this](const std::string& text) { return use_settings(text); });
+}
 
-Result<void> Streamer::start_scan() {
-  if (state_ != State::Idle) return fail(Errc::WrongState, "a scan is on");
+Result<void> Streamer::wait_for_closing() {
   if (closing_.valid() && closing_.wait_for(k_close_patience) != std::future_status::ready) {
     return fail(Errc::WrongState, "the camera or another device of the last scan does not answer yet");
   }
+  return {};
+}
+
+Result<void> Streamer::start_scan() {
+  if (state_ != State::Idle) return fail(Errc::WrongState, "a scan is on");
+  BITELINE_TRY(wait_for_closing());
   BITELINE_ASSIGN(Source source, kind_.open());
+  settings_.refresh();
   const std::string scan_name = source.scan_name;
   const std::uint64_t frames_expected = source.frames_expected;
   BITELINE_ASSIGN(std::unique_ptr<Scanner> scanner, Scanner::create(std::move(source),
@@ -173,7 +168,7 @@ Result<void> Streamer::begin_recording() {
                      .second_exposures = kind_.capture.second_exposure.count() != 0,
                      .laser_off_frames = kind_.capture.laser_off_frames,
                      .pictures_every = config_.record_pictures_every},
-           .settings = settings_in_use(kind_, config_.pipeline),
+           .settings = settings_.state().text,
            .series = *config_.record,
            .keep_bytes = config_.record_keep_bytes,
            .realtime = config_.realtime}));
@@ -202,6 +197,7 @@ void Streamer::run(const std::atomic<bool>& stop) {
       watch_light();
       watch_hosts();
       more_to_take = take_profiles();
+      answer_settings();
       if (scanner_->finished()) announce_end();
     }
     serve_pictures();
@@ -310,6 +306,7 @@ void Streamer::end_scan() {
 
 void Streamer::announce_end() {
   if (state_ == State::Scanning) end_scan();
+  answer_settings();
   wire::EndOfScan end;
   // A device's own failure explains a laser that went off, and not the other way round.
   if (scanner_->failure()) failure_ = scanner_->failure();
@@ -393,6 +390,7 @@ wire::Health Streamer::health() const {
   health.scanning = state_ != State::Idle;
   health.devices = devices();
   health.pictures = picture_maker_.made();
+  if (!kind_.recording) health.settings = settings_.state();
   if (laser_ == nullptr) {
     health.laser_reason = "there is no laser";
     return health;
@@ -417,12 +415,38 @@ Result<void> Streamer::obey(wire::Command command) {
       if (state_ == State::Scanning)
         fail_scan(fail(Errc::PeerRefused, "the laser went off: a host asked for it").value());
       return {};
+    case wire::Command::UseSettings:
+      return fail(Errc::ProtocolError, "settings without a set");
     case wire::Command::StopScan:
       break;
   }
   if (state_ == State::Idle) return fail(Errc::WrongState, "no scan is on");
   end_scan();
   return {};
+}
+
+std::optional<Result<void>> Streamer::use_settings(const std::string& text) {
+  if (kind_.recording) return fail(Errc::NotSupported, "a recording is exposed already");
+  if (state_ == State::Ending) return fail(Errc::WrongState, "the scan is ending; send the settings again");
+  if (state_ == State::Scanning) {
+    // A replay has one way to find peaks for all of it.
+    if (recording_) return fail(Errc::WrongState, "a recording is on: its settings stand until it ends");
+    if (Result<void> offered = settings_.offer(text, *scanner_); !offered) return offered;
+    return std::nullopt;
+  }
+  Result<void> done = wait_for_closing();
+  if (done) done = settings_.use(text);
+  if (done) server_.set_model(kind_.model);
+  return done;
+}
+
+void Streamer::answer_settings() {
+  if (!settings_.offered()) return;
+  const std::optional<Result<Nanoseconds>> taken = scanner_->change_done();
+  if (!taken) return;
+  const Result<void> done = settings_.finish(*taken);
+  if (done) server_.set_model(kind_.model);
+  server_.answer_settings(done);
 }
 
 }  // namespace biteline::sensor

@@ -12,6 +12,7 @@
 
 #include "firmware/app/picture_maker.hpp"
 #include "firmware/app/scanner.hpp"
+#include "firmware/app/settings_control.hpp"
 #include "firmware/record/session_recorder.hpp"
 #include "firmware/stream/stream_socket.hpp"
 
@@ -23,6 +24,7 @@ struct StreamerConfig {
   runtime::RealtimeDemand realtime{runtime::RealtimeDemand::Required};
   std::string name{"biteline-sensor"};
   std::string version;
+  Told told;                                    ///< stays above the settings that hosts send
   std::optional<std::filesystem::path> record;  ///< a session folder for each scan; none: nothing is kept
   std::uint32_t record_pictures_every{1};       ///< 0: none
   std::uint64_t record_keep_bytes{0};           ///< of all recordings of that name; 0: all stay
@@ -78,6 +80,10 @@ class Streamer {
   [[nodiscard]] wire::Devices devices() const;
   [[nodiscard]] wire::Health health() const;
   [[nodiscard]] Result<void> obey(wire::Command command);
+  /// Nothing: the running scan takes them first.
+  [[nodiscard]] std::optional<Result<void>> use_settings(const std::string& text);
+  void answer_settings();
+  [[nodiscard]] Result<void> wait_for_closing();
 
   StreamerConfig config_;
   SourceKind& kind_;
@@ -85,6 +91,7 @@ class Streamer {
   const hal::Clock& clock_;
   runtime::LaserWatch* laser_;
   stream::StreamServer server_;
+  SettingsControl settings_;
   State state_{State::Idle};
   /// Of the present scan and of earlier ones that are still being written; the present one is the last.
   std::vector<std::shared_ptr<record::SessionRecorder>> recorders_;

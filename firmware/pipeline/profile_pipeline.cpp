@@ -49,4 +49,11 @@ Result<ProfilePipeline> ProfilePipeline::create(const Config& config, const geom
   return ProfilePipeline{std::make_unique<State>(config, sensor, std::move(extractor), std::move(table))};
 }
 
+Result<ProfilePipeline::PeakChange> ProfilePipeline::prepare_peaks(const stripe::PeakConfig& peaks,
+                                                                   stripe::PeakChoice choice) const {
+  BITELINE_ASSIGN(auto extractor,
+                  stripe::PeakExtractor::create(peaks, state_->region.width_px, state_->region.height_px));
+  return PeakChange{.extractor = std::move(extractor), .choice = choice};
+}
+
 }  // namespace biteline::pipeline

@@ -58,6 +58,15 @@ class ProfilePipeline {
   [[nodiscard]] static Result<ProfilePipeline> create(const Config& config,
                                                       const geometry::SensorModel& sensor);
 
+  /// Another way to find peaks in the same region, made beforehand.
+  struct PeakChange {
+    stripe::PeakExtractor extractor;  ///< after rt_take_peaks(): the one before
+    stripe::PeakChoice choice{stripe::PeakChoice::Continuity};
+  };
+  /// Fails as create() does.  Another thread may ask while frames are processed.
+  [[nodiscard]] Result<PeakChange> prepare_peaks(const stripe::PeakConfig& peaks,
+                                                 stripe::PeakChoice choice) const;
+
   ProfilePipeline(ProfilePipeline&&) noexcept;
   ProfilePipeline& operator=(ProfilePipeline&&) noexcept;
   ~ProfilePipeline();
@@ -66,6 +75,9 @@ class ProfilePipeline {
   /// laser-off frame, or the first of a bracket).  Pre: the frame is as wide as the region and shows rows of
   /// it.
   bool rt_process(const hal::FrameView& frame, profile::ProfileBuffer& out) noexcept BITELINE_RT;
+
+  /// From the next frame on.  Thread: that of rt_process.
+  void rt_take_peaks(PeakChange& change) noexcept BITELINE_RT;
 
   /// True when later poses would not change the stamp any more.
   [[nodiscard]] bool rt_pose_ready(const profile::ProfileBuffer& profile,

@@ -221,6 +221,12 @@ void ProfilePipeline::rt_make_profile(const ExposedStripe& first, const ExposedS
   }
 }
 
+void ProfilePipeline::rt_take_peaks(PeakChange& change) noexcept BITELINE_RT {
+  state_->extractor.rt_swap(change.extractor);
+  state_->first.selector.rt_choose_by(change.choice);
+  state_->second.selector.rt_choose_by(change.choice);
+}
+
 bool ProfilePipeline::rt_pose_ready(const ProfileBuffer& profile,
                                     const PoseHistory& poses) const noexcept BITELINE_RT {
   return poses.rt_covers(profile.header.exposure_mid + profile.header.second_exposure_after,

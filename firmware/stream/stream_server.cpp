@@ -6,6 +6,8 @@
 #include <utility>
 #include <variant>
 
+#include "common/core/contracts.hpp"
+
 namespace biteline::stream {
 namespace {
 
@@ -130,7 +132,7 @@ void StreamServer::on_observers_message(const PeerId& peer, const wire::Message&
   if (std::holds_alternative<wire::Bye>(message.body)) return observers_.erase(peer);
   ++packets_rejected_;
   if (const auto* control = std::get_if<wire::Control>(&message.body)) {
-    reply(peer, *control, fail(Errc::PeerRefused, "an observer cannot command; connect as a host"));
+    reply(peer, control->id, fail(Errc::PeerRefused, "an observer cannot command; connect as a host"));
   }
 }
 
@@ -169,26 +171,45 @@ void StreamServer::on_ack(Host& host, std::uint64_t scan_id, const wire::Ack& ac
   end_delivered_ = end_delivered_ || host.has_end;
 }
 
-Result<void> StreamServer::obey(const PeerId& peer, wire::Command command) {
+Result<void> StreamServer::check_owner(const PeerId& peer) {
   // Whoever began the scan owns it while it runs and it is there; another host may listen, and no more.
-  if (owner_ && *owner_ != peer && identity_.scanning) {
-    const auto owner = hosts_.find(*owner_);
-    if (owner != hosts_.end() && owner->second.present) {
-      ++packets_rejected_;
-      return fail(Errc::PeerRefused, "the scan belongs to host '%s'", owner->second.name.c_str());
-    }
-  }
+  if (!owner_ || *owner_ == peer || !identity_.scanning) return {};
+  const auto owner = hosts_.find(*owner_);
+  if (owner == hosts_.end() || !owner->second.present) return {};
+  ++packets_rejected_;
+  return fail(Errc::PeerRefused, "the scan belongs to host '%s'", owner->second.name.c_str());
+}
+
+Result<void> StreamServer::obey(const PeerId& peer, wire::Command command) {
+  BITELINE_TRY(check_owner(peer));
   BITELINE_TRY(on_command_(command));
   if (command == wire::Command::StartScan) owner_ = peer;
   return {};
 }
 
-void StreamServer::on_control(const PeerId& peer, const wire::Control& control) {
-  reply(peer, control, obey(peer, control.command));
+void StreamServer::on_settings(const PeerId& peer, const wire::Control& control) {
+  if (const Result<void> allowed = check_owner(peer); !allowed) return reply(peer, control.id, allowed);
+  if (settings_asked_)
+    return reply(peer, control.id, fail(Errc::WrongState, "the settings before are still being taken"));
+  if (!on_settings_) return reply(peer, control.id, fail(Errc::NotSupported, "this sensor's settings stand"));
+  settings_asked_ = Question{.peer = peer, .id = control.id};
+  if (const std::optional<Result<void>> done = on_settings_(control.settings)) answer_settings(*done);
 }
 
-void StreamServer::reply(const PeerId& peer, const wire::Control& control, const Result<void>& done) {
-  wire::ControlReply reply{.id = control.id, .errc = 0, .where = {}};
+void StreamServer::answer_settings(const Result<void>& done) {
+  BITELINE_EXPECTS(settings_asked_.has_value());
+  const Question asked = *std::exchange(settings_asked_, std::nullopt);
+  reply(asked.peer, asked.id, done);
+  health_due_ = {};  // what holds now is told at once
+}
+
+void StreamServer::on_control(const PeerId& peer, const wire::Control& control) {
+  if (control.command == wire::Command::UseSettings) return on_settings(peer, control);
+  reply(peer, control.id, obey(peer, control.command));
+}
+
+void StreamServer::reply(const PeerId& peer, std::uint32_t id, const Result<void>& done) {
+  wire::ControlReply reply{.id = id, .errc = 0, .where = {}};
   if (!done) {
     reply.errc = static_cast<std::uint16_t>(done.error().code);
     reply.where = done.error().where.c_str();

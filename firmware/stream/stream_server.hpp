@@ -36,11 +36,20 @@ struct ServerConfig {
 class StreamServer {
  public:
   using CommandHandler = std::function<Result<void>(wire::Command)>;
+  /// Of a whole settings file.  Nothing: the answer comes by answer_settings().
+  using SettingsHandler = std::function<std::optional<Result<void>>(const std::string& text)>;
   using HealthProvider = std::function<wire::Health()>;
 
   /// `identity`: what the sensor says of itself; its held range is filled in here.
   StreamServer(ServerConfig config, wire::SensorHello identity, Outbox& outbox, CommandHandler on_command,
                HealthProvider health);
+
+  /// Without: hosts are told that the settings stand.
+  void take_settings_by(SettingsHandler handler) { on_settings_ = std::move(handler); }
+  /// To the host whose settings were not answered at once.  Pre: there is one.
+  void answer_settings(const Result<void>& done);
+  /// From the next hello on.
+  void set_model(const geometry::SensorModel& model) { identity_.model = model; }
 
   /// A new scan: the store begins anew.  Messages of the old one that no host has are counted as lost.
   void begin_scan(std::uint64_t scan_id, const std::string& scan_name, std::uint64_t frames_expected);
@@ -92,13 +101,16 @@ class StreamServer {
   void send(const PeerId& peer, const wire::Message& message);
   void encode_hello();  ///< into scratch_
   void send_hello(const PeerId& peer);
-  void reply(const PeerId& peer, const wire::Control& control, const Result<void>& done);
+  void reply(const PeerId& peer, std::uint32_t id, const Result<void>& done);
   void send_due(const PeerId& peer, Host& host);
   void on_hello(const PeerId& peer, const wire::HostHello& hello, SensorClock::time_point now);
   void on_observer(const PeerId& peer, const wire::ObserverHello& hello, SensorClock::time_point now);
   void on_observers_message(const PeerId& peer, const wire::Message& message);
   void on_ack(Host& host, std::uint64_t scan_id, const wire::Ack& ack);
+  /// Errc::PeerRefused: the scan is another host's.
+  [[nodiscard]] Result<void> check_owner(const PeerId& peer);
   [[nodiscard]] Result<void> obey(const PeerId& peer, wire::Command command);
+  void on_settings(const PeerId& peer, const wire::Control& control);
   void on_control(const PeerId& peer, const wire::Control& control);
   void update_acknowledged();
   void drop_silent_hosts(SensorClock::time_point now);
@@ -108,12 +120,18 @@ class StreamServer {
   wire::SensorHello identity_;
   Outbox& outbox_;
   CommandHandler on_command_;
+  SettingsHandler on_settings_;
   HealthProvider health_;
   MessageStore store_;
   std::map<PeerId, Host> hosts_;
   Observers observers_;
   std::optional<std::uint64_t> newest_profile_;  ///< its number in the store
   std::optional<PeerId> owner_;                  ///< of the running scan: the host that asked for it
+  struct Question {
+    PeerId peer;
+    std::uint32_t id{0};
+  };
+  std::optional<Question> settings_asked_;  ///< not answered yet
   std::uint64_t scan_id_{0};
   bool ended_{false};
   bool end_delivered_{false};  ///< at least one host has the end, even if it has left since

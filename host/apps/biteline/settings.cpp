@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "host/apps/biteline/command.hpp"
+#include "host/apps/biteline/settings_live.hpp"
 #include "host/intake/child_process.hpp"
 #include "host/intake/sensor_process.hpp"
 #include "host/records/report/json_text.hpp"
@@ -29,6 +30,7 @@ struct Options {
   std::string name, other, note;
   fs::path board, sensor;
   bool back{false};
+  SensorAddress running;
 };
 
 bool is_name(const std::string& text) {
@@ -196,6 +198,30 @@ Result<ExitStatus> use(const Options& options, const GlobalOptions& global) {
   return ExitStatus::Done;
 }
 
+Result<ExitStatus> send(const Options& options, const GlobalOptions& global) {
+  BITELINE_ASSIGN(const SettingsSet set, settings::read_settings(file_of(options, options.name)));
+  BITELINE_TRY(send_settings(options.running, set));
+  if (!global.quiet)
+    std::printf("%s: the sensor took it, and runs with it until it stops\n", options.name.c_str());
+  return ExitStatus::Done;
+}
+
+Result<ExitStatus> fetch(const Options& options, const GlobalOptions& global) {
+  BITELINE_ASSIGN(const std::string text, fetch_settings(options.running));
+  if (!global.json) {
+    std::printf("%s", text.c_str());
+    return ExitStatus::Done;
+  }
+  BITELINE_ASSIGN(const SettingsSet set, settings::parse_settings(text, options.running.endpoint));
+  std::printf("%s\n", report::to_text(json_of(set)).c_str());
+  return ExitStatus::Done;
+}
+
+void add_running_options(CLI::App* command, Options& options) {
+  command->add_option("--at", options.running.endpoint, "The sensor that runs: tcp://HOST:PORT")->required();
+  command->add_option("--keys", options.running.keys, "Folder of keys; compulsory beyond loopback");
+}
+
 void add_camera_options(CLI::App* command, Options& options) {
   CLI::Option* board =
       command->add_option("--board", options.board, "Try it on this board's camera; the sensor must be off");
@@ -239,6 +265,12 @@ void add_settings(CLI::App& app, Context& context) {
   use_command->add_option("SET", options->name, which);
   use_command->add_flag("--back", options->back, "The start-up set before the last change again");
   add_camera_options(use_command, *options);
+  CLI::App* send_command = add(
+      "send", "Let a sensor that runs take a set, all of it or nothing; only the host in control may", send);
+  send_command->add_option("SET", options->name, which)->required();
+  add_running_options(send_command, *options);
+  add_running_options(add("fetch", "The whole set that a sensor runs with, as a settings file", fetch),
+                      *options);
 }
 
 }  // namespace biteline::app

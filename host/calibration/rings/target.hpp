@@ -31,7 +31,7 @@ struct RingTarget {
 /// Faults name the file, the key and what was expected.
 [[nodiscard]] Result<RingTarget> read_target(const std::filesystem::path& file);
 
-/// A drawing of one grid to print to scale, with a ruler bar of 50 mm to check the printer by.
+/// A drawing of its grids to print to scale, with a ruler of 50 mm to check the printer by.
 [[nodiscard]] std::string target_svg(const RingTarget& target);
 
 }  // namespace biteline::calibration

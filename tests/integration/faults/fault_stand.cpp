@@ -95,6 +95,13 @@ void FaultStand::command(wire::Command command) {
   link_->command({.id = ++command_id_, .command = command});
 }
 
+std::string FaultStand::send_settings(const std::string& text) {
+  reply_.reset();
+  link_->command({.id = ++command_id_, .command = wire::Command::UseSettings, .settings = text});
+  if (!take_until([this] { return reply_.has_value(); })) return "no answer";
+  return reply_->where;
+}
+
 std::optional<std::string> FaultStand::start_scan(std::uint64_t profiles) {
   account_->clear();
   reply_.reset();
@@ -136,7 +143,12 @@ bool FaultStand::take_health() {
 }
 
 void FaultStand::take(const intake::LinkEvent& event) {
-  if (std::holds_alternative<intake::Hello>(event)) known_ = true;
+  if (const auto* hello = std::get_if<intake::Hello>(&event)) {
+    known_ = true;
+    hello_ = hello->sensor;
+  }
+  if (const auto* health = std::get_if<wire::Health>(&event); health && health->settings)
+    settings_ = *health->settings;
   if (const auto* reply = std::get_if<wire::ControlReply>(&event)) reply_ = *reply;
   account_->take(event);
 }

@@ -39,6 +39,11 @@ class FaultStand {
   /// that.
   [[nodiscard]] std::optional<std::string> start_scan(std::uint64_t profiles = 20);
   void command(wire::Command command);
+  /// What the sensor says to a settings file; empty: it took it.
+  [[nodiscard]] std::string send_settings(const std::string& text);
+  /// Of the newest health and hello.
+  [[nodiscard]] const wire::SettingsState& settings() const { return settings_; }
+  [[nodiscard]] const wire::SensorHello& hello() const { return hello_; }
 
   /// Takes in what comes until `done` says so; false: it never did, or not until the scan ended.
   bool take_until(const std::function<bool()>& done);
@@ -71,6 +76,8 @@ class FaultStand {
   std::unique_ptr<intake::SensorLink> link_;
   std::optional<ScanAccount> account_;
   std::optional<wire::ControlReply> reply_;
+  wire::SettingsState settings_;
+  wire::SensorHello hello_;
   bool urgent_{false};
   bool known_{false};  ///< the sensor has answered this host
   std::uint32_t command_id_{0};

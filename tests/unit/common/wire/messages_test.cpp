@@ -149,6 +149,24 @@ TEST(Messages, SmallMessagesComeBack) {
   CHECK(bye.reason == ByeReason::Refused && bye.text == "full");
 }
 
+TEST(Messages, SettingsGoAlongWholeAndWithTheirLines) {
+  const std::string text = "camera:\n  exposure_us: 400\n...\n";
+  const Control control =
+      round_trip(Control{.id = 3, .command = Command::UseSettings, .settings = text + "\x1b[2J"});
+  CHECK(control.command == Command::UseSettings);
+  STRCMP_EQUAL((text + "?[2J").c_str(), control.settings.c_str());
+  CHECK(!round_trip(Health{}).settings);
+  Health health;
+  health.settings = SettingsState{.text = text, .rate_max_hz = 120.5, .changes = 2};
+  const Health got = round_trip(health);
+  STRCMP_EQUAL(text.c_str(), got.settings->text.c_str());
+  CHECK(got.settings->rate_max_hz == 120.5 && got.settings->changes == 2);
+  health.settings->rate_max_hz = -1;
+  Bytes packet;
+  encode({.body = health}, packet);
+  CHECK(decode(packet).error().code == Errc::ProtocolError);
+}
+
 TEST(Messages, HealthAndEndCarryCountersAndStages) {
   Health health;
   health.counters.frames = 1;

@@ -315,6 +315,39 @@ TEST(StreamServer, ScanBelongsToTheHostThatBeganItWhileItIsThere) {
   LONGS_EQUAL(3, commands.size());
 }
 
+TEST(StreamServer, SettingsAreTheOwnersAndAnsweredOnceTheyAreTaken) {
+  const wire::Control order{.id = 7, .command = wire::Command::UseSettings, .settings = "set"};
+  const auto answered = [&](const PeerId& peer) { return outbox.of<wire::ControlReply>(peer).size(); };
+  receive("a", wire::HostHello{.name = "workshop"});
+  receive("b", wire::HostHello{});
+  receive("a", order);
+  LONGS_EQUAL(static_cast<int>(Errc::NotSupported), outbox.of<wire::ControlReply>("a").back().errc);
+  std::vector<std::string> sets;
+  sut->take_settings_by([&](const std::string& text) -> std::optional<Result<void>> {
+    sets.push_back(text);
+    return std::nullopt;
+  });
+  door_open = false;
+  receive("a", wire::Control{.id = 1, .command = wire::Command::StartScan});
+  receive("b", order);
+  receive("o", wire::ObserverHello{});
+  receive("o", order);
+  CHECK(sets.empty());
+  LONGS_EQUAL(static_cast<int>(Errc::PeerRefused), outbox.of<wire::ControlReply>("b").back().errc);
+  LONGS_EQUAL(static_cast<int>(Errc::PeerRefused), outbox.of<wire::ControlReply>("o").back().errc);
+  const std::size_t before = answered("a");
+  receive("a", order);
+  LONGS_EQUAL(1, sets.size());
+  LONGS_EQUAL(before, answered("a"));
+  // A second one while the first is on its way is not taken for it.
+  receive("a", wire::Control{.id = 8, .command = wire::Command::UseSettings, .settings = "other"});
+  LONGS_EQUAL(1, sets.size());
+  LONGS_EQUAL(static_cast<int>(Errc::WrongState), outbox.of<wire::ControlReply>("a").back().errc);
+  sut->answer_settings({});
+  LONGS_EQUAL(7, outbox.of<wire::ControlReply>("a").back().id);
+  LONGS_EQUAL(0, outbox.of<wire::ControlReply>("a").back().errc);
+}
+
 TEST(StreamServer, OverScanBelongsToNobody) {
   door_open = false;
   receive("a", wire::HostHello{});
