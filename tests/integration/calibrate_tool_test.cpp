@@ -6,6 +6,7 @@
 
 #include "common/config/yaml_reader.hpp"
 #include "common/image/grey_image.hpp"
+#include "host/calibration/rings/target.hpp"
 #include "host/intake/child_process.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/made_session.hpp"
@@ -145,7 +146,16 @@ TEST(CalibrateTool, TargetIsDrawnToScale) {
   int circles = 0;
   for (auto at = text.find("<circle"); at != std::string::npos; at = text.find("<circle", at + 1)) ++circles;
   LONGS_EQUAL(12, circles);
-  STRCMP_CONTAINS("width=\"100.000mm\"", text.c_str());  // three pitches and a margin of one on either side
+  STRCMP_CONTAINS("width=\"150.000mm\"",
+                  text.c_str());  // the caption and a margin of one pitch on either side
+  // Its numbers stand beside it, and are not written over.
+  const fs::path numbers = folder.path() / "target.yaml";
+  LONGS_EQUAL(20, static_cast<int>(calibration::read_target(numbers)->pitch_mm));
+  LONGS_EQUAL(2, run({"target", "--out", file.string(), "--pitch", "21"}, "has other numbers"));
+  LONGS_EQUAL(2, run({"target", "--out", (folder.path() / "target.png").string()}, ".pdf or .svg"));
+  const fs::path two = folder.path() / "two.pdf";
+  LONGS_EQUAL(0, run({"target", "--out", two.string(), "--planes", "2"}, ""));
+  LONGS_EQUAL(2, calibration::read_target(folder.path() / "two.yaml")->planes);
 }
 
 }  // namespace biteline

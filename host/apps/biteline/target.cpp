@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// biteline target: a ring target to print to scale.
+// biteline target: a ring target to print to scale, and its target.yaml.
 #include <memory>
 
 #include "common/options/number.hpp"
 #include "host/apps/biteline/command.hpp"
-#include "host/calibration/rings/target.hpp"
+#include "host/calibration/rings/target_drawing.hpp"
 #include "host/records/report/report.hpp"
 
 namespace biteline::app {
@@ -16,17 +16,36 @@ struct Options {
       .rows = 4, .cols = 7, .pitch_mm = 14, .outer_diameter_mm = 12, .inner_diameter_mm = 6};
 };
 
+/// Somebody may have corrected it by the ruler: numbers of another target are not written over.
+Result<void> check_numbers(const std::filesystem::path& file, const calibration::RingTarget& target) {
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) return {};
+  const Result<calibration::RingTarget> there = calibration::read_target(file);
+  if (there && calibration::target_text(*there) == calibration::target_text(target)) return {};
+  return fail(Errc::InvalidArgument, "%s is there and has other numbers: another name, or remove it",
+              file.c_str());
+}
+
 Result<ExitStatus> draw(const Options& options, const GlobalOptions& global) {
   const calibration::RingTarget& t = options.target;
   if (t.outer_diameter_mm >= t.pitch_mm)
     return fail(Errc::InvalidArgument, "--outer-diameter: less than the pitch expected");
   if (t.inner_diameter_mm >= t.outer_diameter_mm)
     return fail(Errc::InvalidArgument, "--inner-diameter: less than the outer diameter expected");
-  if (options.out.extension() != ".svg")
-    return fail(Errc::InvalidArgument, "--out %s: a name ending in .svg expected", options.out.c_str());
-  BITELINE_TRY(report::write_file_atomically(options.out, calibration::target_svg(t)));
+  const bool pdf = options.out.extension() == ".pdf";
+  if (!pdf && options.out.extension() != ".svg")
+    return fail(Errc::InvalidArgument, "--out %s: a name ending in .pdf or .svg expected",
+                options.out.c_str());
+  std::filesystem::path numbers = options.out;
+  numbers.replace_extension(".yaml");
+  BITELINE_TRY(check_numbers(numbers, t));
+  BITELINE_TRY(report::write_file_atomically(options.out,
+                                             pdf ? calibration::target_pdf(t) : calibration::target_svg(t)));
+  BITELINE_TRY(report::write_file_atomically(numbers, calibration::target_text(t)));
   report::Report report;
   report.fields["file"] = options.out.filename().string();
+  report.fields["numbers"] = numbers.filename().string();
+  report.fields["planes"] = t.planes;
   report.fields["rows"] = t.rows;
   report.fields["cols"] = t.cols;
   report.fields["pitch_mm"] = t.pitch_mm;
@@ -39,8 +58,12 @@ Result<ExitStatus> draw(const Options& options, const GlobalOptions& global) {
 
 void add_target(CLI::App& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("target", "Draws a ring target to print to scale (SVG)");
-  command->add_option("--out", options->out, "The drawing, FILE.svg")->required();
+  CLI::App* command =
+      app.add_subcommand("target", "Draws a ring target to print to scale, and writes its target.yaml");
+  command
+      ->add_option("--out", options->out,
+                   "The drawing, FILE.pdf or FILE.svg; FILE.yaml with its numbers is written beside it")
+      ->required();
   command->add_option("--rows", options->target.rows, "Rows of rings")
       ->check(options::number({.minimum = 2, .maximum = 100}, ""))
       ->capture_default_str();
@@ -55,6 +78,9 @@ void add_target(CLI::App& app, Context& context) {
       ->capture_default_str();
   command->add_option("--inner-diameter", options->target.inner_diameter_mm, "[mm]")
       ->check(options::number({.minimum = 0.1, .maximum = 500}, "mm"))
+      ->capture_default_str();
+  command->add_option("--planes", options->target.planes, "2: two grids, for the laser's two plates")
+      ->check(options::number({.minimum = 1, .maximum = 2}, ""))
       ->capture_default_str();
   command->callback(
       [options, &context] { context.run = [options, &context] { return draw(*options, context.options); }; });
