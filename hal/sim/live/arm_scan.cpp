@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "hal/sim/live/fastest_way.hpp"
 #include "hal/sim/robot/arm_body.hpp"
 
 namespace biteline::sim {
@@ -16,8 +17,6 @@ namespace {
 constexpr double k_step_mm = 2;
 /// Of the stripe, where no joint asks for less.
 constexpr double k_acceleration_mm_s2 = 1000;
-/// A joint's acceleration is shared: so much for the way's bends, the rest for speeding up and slowing down.
-constexpr double k_bend_share = 0.5;
 /// Neighbouring samples of one posture; a jump to another one is farther.
 constexpr double k_most_between_rad = 0.35;
 /// Over the shoe's place before and after the scan.
@@ -143,13 +142,6 @@ void centre_turns(std::vector<JointVector>& way_rad) {
   }
 }
 
-double highest_speed(const JointVector& per_mm, const JointLimits& limits) {
-  double highest = 1e9;
-  for (Eigen::Index i = 0; i < 6; ++i)
-    highest = std::min(highest, limits.speed_rad_s[i] / std::max(1e-12, std::abs(per_mm[i])));
-  return highest;
-}
-
 }  // namespace
 
 Result<ArmScan> ArmScan::plan(const ScanPath& path, const MadeHead& head, const ArmKinematics& arm,
@@ -195,7 +187,11 @@ Result<ArmScan> ArmScan::plan(const ScanPath& path, const MadeHead& head, const 
     if (!above_begin || !above_end) return blocked(samples, "the arm does not reach the place above it");
     scan.above_begin_rad_ = *above_begin;
     scan.above_end_rad_ = *above_end;
-    scan.set_speeds(speed, arm.limits());
+    scan.speed_mm_s_ = fastest_way(
+        scan.q_rad_, k_step_mm,
+        {.joints = arm.limits(), .speed_mm_s = speed, .acceleration_mm_s2 = k_acceleration_mm_s2});
+    scan.set_times(lead_mm, path.length_mm());
+    scan.slow_down(scan.overload(arm.limits()));
     scan.set_times(lead_mm, path.length_mm());
     return true;
   };
@@ -208,34 +204,24 @@ Result<ArmScan> ArmScan::plan(const ScanPath& path, const MadeHead& head, const 
   return fail(Errc::OutOfReach, "%s, %.0f mm along the outline", obstacle.words.c_str(), obstacle.at_mm);
 }
 
-void ArmScan::set_speeds(double speed_mm_s, const JointLimits& limits) {
-  const std::size_t count = q_rad_.size();
-  speed_mm_s_.assign(count, speed_mm_s);
-  std::vector<double> acceleration_mm_s2(count, k_acceleration_mm_s2);
-  for (std::size_t i = 1; i + 1 < count; ++i) {
-    const JointVector per_mm = (q_rad_[i + 1] - q_rad_[i - 1]) / (2 * k_step_mm);
-    const JointVector bend = (q_rad_[i + 1] - 2 * q_rad_[i] + q_rad_[i - 1]) / (k_step_mm * k_step_mm);
-    speed_mm_s_[i] = std::min(speed_mm_s, highest_speed(per_mm, limits));
-    for (Eigen::Index joint = 0; joint < 6; ++joint) {
-      const double most = limits.acceleration_rad_s2[joint];
-      const double bent = std::max(1e-12, std::abs(bend[joint])),
-                   turn = std::max(1e-12, std::abs(per_mm[joint]));
-      speed_mm_s_[i] = std::min(speed_mm_s_[i], std::sqrt(k_bend_share * most / bent));
-      acceleration_mm_s2[i] = std::min(acceleration_mm_s2[i], (1 - k_bend_share) * most / turn);
-    }
+double ArmScan::overload(const JointLimits& limits) const {
+  constexpr double k_cycle_s = 0.002;
+  double most = 0;
+  JointVector a = q_rad_at(0), b = q_rad_at(k_cycle_s);
+  for (double t = 2 * k_cycle_s; t <= duration_s(); t += k_cycle_s) {
+    const JointVector c = q_rad_at(t);
+    const JointVector v = (c - a) / (2 * k_cycle_s), dv = (c - 2 * b + a) / (k_cycle_s * k_cycle_s);
+    // Slower by a factor: accelerations fall by its square.
+    most = std::max({most, v.cwiseQuotient(limits.speed_rad_s).cwiseAbs().maxCoeff(),
+                     std::sqrt(dv.cwiseQuotient(limits.acceleration_rad_s2).cwiseAbs().maxCoeff())});
+    a = b;
+    b = c;
   }
-  speed_mm_s_.front() = speed_mm_s_.back() = 0;
-  // v^2 may change by 2 a ds from sample to sample, in either direction of time.
-  for (std::size_t i = 1; i < count; ++i) {
-    const double a = std::min(acceleration_mm_s2[i - 1], acceleration_mm_s2[i]);
-    speed_mm_s_[i] =
-        std::min(speed_mm_s_[i], std::sqrt(speed_mm_s_[i - 1] * speed_mm_s_[i - 1] + 2 * a * k_step_mm));
-  }
-  for (std::size_t i = count - 1; i > 0; --i) {
-    const double a = std::min(acceleration_mm_s2[i - 1], acceleration_mm_s2[i]);
-    speed_mm_s_[i - 1] =
-        std::min(speed_mm_s_[i - 1], std::sqrt(speed_mm_s_[i] * speed_mm_s_[i] + 2 * a * k_step_mm));
-  }
+  return most;
+}
+
+void ArmScan::slow_down(double factor) {
+  for (double& speed : speed_mm_s_) speed /= std::max(1.0, factor);
 }
 
 void ArmScan::set_times(double lead_mm, double length_mm) {

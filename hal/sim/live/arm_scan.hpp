@@ -42,8 +42,10 @@ class ArmScan {
 
  private:
   ArmScan() = default;
-  void set_speeds(double speed_mm_s, const JointLimits& limits);
   void set_times(double lead_mm, double length_mm);
+  /// By how much a controller's cycles would ask too much of a joint: slower by this they do not.
+  [[nodiscard]] double overload(const JointLimits& limits) const;
+  void slow_down(double factor);
   /// Where the way's place `place`, counted in samples, comes by.
   [[nodiscard]] double time_of_s(double place) const;
 

@@ -2,6 +2,7 @@
 #include "hal/sim/motion/scan_path.hpp"
 
 #include <cmath>
+#include <numbers>
 
 namespace biteline::sim {
 
@@ -38,12 +39,13 @@ double ScanPath::duration_s() const {
 
 Vec2 ScanPath::outwards_at(double s_mm) const {
   if (settings_.turn_over_mm <= 0) return outline_.at(s_mm).normal;
-  // Weights fall off evenly to both ends: the turning speed is then smooth, too.
-  constexpr int k_side = 12;
+  // Weights fall off as a cosine does: the turning speed and its change are then smooth, too.
+  constexpr int k_side = 40;
   Vec2 sum = Vec2::Zero();
   for (int i = -k_side; i <= k_side; ++i) {
     const double part = static_cast<double>(i) / (k_side + 1);
-    sum += (1 - std::abs(part)) * outline_.at(s_mm + part * settings_.turn_over_mm / 2).normal;
+    sum += (1 + std::cos(std::numbers::pi * part)) *
+           outline_.at(s_mm + part * settings_.turn_over_mm / 2).normal;
   }
   return sum.normalized();
 }

@@ -12,8 +12,9 @@ namespace biteline::sim {
 
 namespace {
 
-/// On the arm: the beam then stays within 10 degrees of the outline's normal, and the wrist turns evenly.
-constexpr double k_turn_over_mm = 100;
+/// On the arm the wrist turns over so much of the way round at once.  The beam then leaves the outline's
+/// normal by up to 26 degrees, and the scan takes half the time: the wrist's last joint is what limits it.
+constexpr double k_turn_ratio = 0.6;
 
 using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
@@ -94,7 +95,9 @@ Result<std::unique_ptr<MadeScene>> make_scene(const SceneSettings& settings) {
   BITELINE_ASSIGN(Scene scene, Scene::build(seen));
   const ScanPathSettings path{.target_z_mm = 0.55 * settings.shoe.upper.top_z_mm,
                               .speed_mm_s = settings.scan_speed_mm_s,
-                              .turn_over_mm = settings.holder == Holder::Bracket ? k_turn_over_mm : 0};
+                              .turn_over_mm = settings.holder == Holder::Bracket
+                                                  ? k_turn_ratio * placed.shoe.outline().perimeter_mm()
+                                                  : 0};
   ScanPath scan_path(placed.shoe.outline(), head, path);
   return std::make_unique<MadeScene>(
       MadeScene{std::move(placed), settings, head, std::move(mesh), std::move(scene), std::move(scan_path)});
