@@ -200,6 +200,12 @@ check(Math.abs(Number(await otto.page.getByLabel('A [mm]').inputValue()) - 163) 
 await otto.page.getByLabel('A [mm]').fill('150');
 await otto.page.getByLabel('B [mm]').fill('175');
 await otto.page.getByLabel('Points x, y, z', { exact: false }).fill('441.5, 58, 24; 440, 58.2, 24');
+// An event about this scan, or a link that was lost, throws nothing away that somebody has typed.
+const read_anew = otto.page.waitForResponse((one) => one.url().endsWith('/view_data.js'));
+cell.push('scan', cell.scans[0]);
+await read_anew;
+await otto.page.waitForTimeout(500);
+check((await otto.page.getByLabel('A [mm]').inputValue()) === '150', 'an event threw the mend away');
 await otto.page.getByRole('button', { name: 'Redo through the points' }).click();
 await otto.page.getByRole('button', { name: 'Undo', exact: true }).click();
 await otto.page.getByRole('button', { name: 'Redo', exact: true }).click();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Every shoe: the table with filters and trends, and one scan with the viewer.
 import type { JSX } from 'preact';
-import { useEffect, useMemo, useState } from 'preact/hooks';
+import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { type Hand, parse_view_data, type ResultFile, type ViewData } from '../viewer/view_data';
 import { Viewer } from '../viewer/viewer';
 import { amount, number, t, t_or } from '../words';
@@ -228,9 +228,13 @@ function TrendView(props: { from?: string; to?: string; model: string }): JSX.El
 function use_view(id: string | null, version: number | undefined): { data: ViewData | null; error: string } {
   const [got, set] = useState<{ data: ViewData | null; error: string }>({ data: null, error: '' });
   const { turn } = use_store();
+  const shown = useRef('');
   useEffect(() => {
     let alive = true;
-    set({ data: null, error: '' });
+    // After a lost link the same is read anew; what a person does on it meanwhile is not thrown away.
+    const wanted = `${id} ${version}`;
+    if (shown.current !== wanted) set({ data: null, error: '' });
+    shown.current = wanted;
     if (id === null) return;
     fetch(file_address(id, 'view_data.js'), { credentials: 'same-origin' })
       .then(async (answer) => {
