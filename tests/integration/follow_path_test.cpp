@@ -12,6 +12,7 @@
 #include "host/robot/link/follow.hpp"
 #include "host/robot/link/ur/script.hpp"
 #include "host/robot/link/ur/ur_link.hpp"
+#include "host/robot/path/checks/program_check.hpp"
 #include "tests/unit/host/robot/link/permitted.hpp"
 #include "tests/unit/host/robot/link/planned.hpp"
 
@@ -67,6 +68,43 @@ TEST(FollowPath, EveryProcessRunsAndStaysOnThePlan) {
         sim::Program::plan(*script, kinematics, T_base_flange_home(kinematics), SE3::Identity());
     check(name, path::deviation(path.path(), track_of(program)));
   }
+}
+
+TEST(FollowPath, ZonedScriptLiftsTheToolOverWhatIsLeftOutAndKeepsToThePlan) {
+  path::PlanRequest request = test::plan_request("grind.yaml");
+  request.line = path::test::made_line({.taper = 0.2});  // its heel lies at the least x
+  path::Zone heel{.name = "heel", .where = path::Zone::Where::Heel, .reach_ratio = 0.2, .left_out = true};
+  // A millimetre in 10: the arm rounds a ramp of the usual 5 mm by 0.053 mm.
+  path::Zone side{
+      .name = "side", .from_ratio = 0.3, .to_ratio = 0.4, .up_by_mm = 1, .speed_ratio = 0.5, .ramp_mm = 10};
+  request.process.zones = {heel, side};
+  const path::PlanOutcome outcome = path::plan(request);
+  CHECK_TEXT(outcome.path.has_value(), outcome.reason().c_str());
+  const path::PlannedPath& path = outcome.path->path();
+  const auto script = sim::parse_script(ur::urscript(*outcome.path));
+  CHECK(script.has_value());
+  const sim::Program program =
+      sim::Program::plan(*script, kinematics, T_base_flange_home(kinematics), SE3::Identity());
+  const std::vector<path::TrackSample> track = track_of(program);
+  check("zones", path::deviation(path, track));
+  // The spindle turns at the toe, and nowhere near the heel that is left out.
+  const auto by_x = [](const cloud::LinePoint& point) { return point.position.x(); };
+  const auto [heel_end, toe_end] = std::ranges::minmax(request.line.points, {}, by_x);
+  double least_to_heel_mm = 1e9, least_to_toe_mm = 1e9;
+  for (const path::TrackSample& sample : track) {
+    if (program.outputs_at(sample.time_s) != 1 << request.process.digital_output) continue;
+    const Vec3 tip = sample.T_base_tcp.translation();
+    least_to_heel_mm = std::min(least_to_heel_mm, (tip - heel_end.position).norm());
+    least_to_toe_mm = std::min(least_to_toe_mm, (tip - toe_end.position).norm());
+  }
+  CHECK(least_to_heel_mm > 0.15 * 270);  // a fifth of the shoe's length is left out
+  CHECK(least_to_toe_mm < 20);           // the tip's place is the process's, beside the line
+  // The spindle turns in one stretch of time for each run along the line, and stands between them.
+  int starts = 0;
+  for (std::size_t i = 1; i < track.size(); ++i) {
+    if (program.outputs_at(track[i].time_s) > program.outputs_at(track[i - 1].time_s)) ++starts;
+  }
+  LONGS_EQUAL(path::runs_of(path, path::Segment::Line).size(), starts);
 }
 
 TEST(FollowPath, FromBehindTheShoeOverRaisedPostures) {
