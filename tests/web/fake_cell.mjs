@@ -82,6 +82,21 @@ const schema = {
         speed_mm_s: { type: 'number', minimum: 0.1, maximum: 1000, 'x-unit': 'mm/s', description: 'along the line' },
       },
     },
+    zones: {
+      type: 'array',
+      maxItems: 20,
+      description: 'stretches of the line that are worked in another way',
+      items: {
+        type: 'object',
+        required: ['name'],
+        properties: {
+          name: { type: 'string', description: 'words' },
+          where: { enum: ['stretch', 'heel', 'toe'], default: 'stretch', description: 'the place' },
+          outward_by_mm: { type: 'number', minimum: -50, maximum: 50, 'x-unit': 'mm', description: 'further out' },
+          passes: { type: 'integer', minimum: 1, maximum: 10, description: 'how often' },
+        },
+      },
+    },
     start: { enum: ['auto', 'nearest', 'farthest'], default: 'auto', description: 'where the path begins' },
   },
 };
@@ -283,6 +298,12 @@ export class FakeCell {
     }
     if (path === '/processes') return [200, { processes: [{ name: 'rough', shipped: true, time: null, who: null }, { name: 'cement', shipped: true, time: null, who: null }] }];
     if (path === '/processes/schema') return [200, schema];
+    if (path === '/processes/check') {
+      const speed = given.process.motion?.speed_mm_s;
+      if (speed > 200) return fail(422, 'check_failed', 'motion.speed_mm_s: too fast for this tool', [{ field: 'motion.speed_mm_s', message: 'at most 200 with this tool' }]);
+      const fits = speed <= 100;
+      return [200, { scan: 'scan-0004', fits, duration_s: fits ? 16.6 : null, reason_code: fits ? null : 'cannot_follow', reason: fits ? null : 'joint 4 turns too fast', next_step: fits ? null : 'go slower' }];
+    }
     if (path.startsWith('/processes/')) {
       if (method === 'PUT') {
         if (given.motion?.speed_mm_s > 200) return fail(422, 'check_failed', 'motion.speed_mm_s: too fast for this tool', [{ field: 'motion.speed_mm_s', message: 'at most 200 with this tool' }]);

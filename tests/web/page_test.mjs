@@ -247,15 +247,41 @@ await anna.page.getByText('Nobody has control').waitFor();
 say('process form: the fault stands at its field');
 await anna.page.goto(`${address}#/processes`);
 const speed = anna.page.getByLabel('speed_mm_s', { exact: false });
+anna.may_fail = true; // Chromium notes each 422: of what is tried while typing, and of what is saved.
+const tried = anna.page.waitForResponse((one) => one.url().endsWith('/processes/check'));
 await speed.fill('500');
-anna.may_fail = true; // Chromium notes the 422.
+await tried;
 await anna.page.getByRole('button', { name: 'Save' }).click();
 await anna.page.getByText('at most 200 with this tool').first().waitFor();
+await anna.page.waitForTimeout(300);
 anna.may_fail = false;
 check((await speed.getAttribute('aria-invalid')) === 'true', 'the field is not marked');
+say('process form: planned and checked while typing, zones by clicks');
+await speed.fill('150');
+await anna.page.getByText('No path along the line of scan-0004: joint 4 turns too fast. go slower', { exact: false }).waitFor();
+check((await speed.getAttribute('aria-invalid')) === 'false', 'a field without a fault is marked');
+anna.may_fail = true; // Chromium notes the 422.
+await speed.fill('500');
+await anna.page.getByText('at most 200 with this tool').first().waitFor();
+await anna.page.waitForTimeout(300);
+anna.may_fail = false;
 await speed.fill('80');
+await anna.page.getByText('A path along the line of scan-0004 passes every check and takes 16.6 s.', { exact: false }).waitFor();
+await anna.page.getByRole('button', { name: 'Add: zones' }).click();
+const zone = anna.page.getByRole('group', { name: 'zones 1' });
+await zone.getByLabel('name', { exact: false }).fill('heel');
+await zone.getByLabel('where', { exact: false }).selectOption('heel');
+await zone.getByLabel('outward_by_mm', { exact: false }).fill('-1.5');
+await zone.getByLabel('passes', { exact: false }).fill('2');
+await anna.page.getByRole('button', { name: 'Add: zones' }).click();
+await anna.page.getByRole('button', { name: 'Remove zones 2' }).click();
+await look_for_faults(anna.page, 'a process with a zone');
 await anna.page.getByRole('button', { name: 'Save' }).click();
 await anna.page.getByText('Process rough is saved.').waitFor();
+const zones = JSON.stringify(cell.process.zones);
+check(zones === '[{"name":"heel","where":"heel","outward_by_mm":-1.5,"passes":2}]', `zones ${zones}`);
+const asked_to_try = cell.calls.filter((one) => one.path === '/processes/check').length;
+check(asked_to_try >= 3 && asked_to_try < 15, `tried ${asked_to_try} times`);
 check(cell.process.motion.speed_mm_s === 80 && cell.process.tool.tcp_position_mm[2] === 120, 'the process did not arrive whole');
 
 say('a model, a user');

@@ -119,6 +119,8 @@ class Cockpit final : public api::Cell {
   [[nodiscard]] line_control::Refusal choose_job(int number, bool control_held) override;
   [[nodiscard]] LineStart start_for_line(int request, bool control_held) override;
   [[nodiscard]] Result<int> rerun(const api::RerunOrder& order) override;
+  [[nodiscard]] Result<api::TriedPath> try_process(const std::string& scan,
+                                                   const path::Process& process) override;
   [[nodiscard]] bool rerun_open(const std::string& scan, int number) override;
 
  private:

@@ -180,6 +180,19 @@ Result<int> Cockpit::rerun(const api::RerunOrder& order) {
   return reruns_->add(order);
 }
 
+Result<api::TriedPath> Cockpit::try_process(const std::string& scan, const path::Process& process) {
+  if (!config_.rerun_arm)
+    return fail(Errc::WrongState, "no path is planned without an arm; start the service with --robot");
+  {
+    const std::lock_guard lock{mutex_};
+    if (phase_ == Phase::Following)
+      return fail(Errc::WrongState, "the arm follows a path; try again when it stands");
+  }
+  BITELINE_ASSIGN(const path::PlanOutcome outcome, try_path(reruns_->room(), scan, process));
+  if (outcome.path) return api::TriedPath{.refused = {}, .duration_s = outcome.path->duration_s()};
+  return api::TriedPath{.refused = report::told(*outcome.refusal), .duration_s = 0};
+}
+
 bool Cockpit::rerun_open(const std::string& scan, int number) {
   return reruns_->open(scan, number);
 }

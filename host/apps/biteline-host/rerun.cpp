@@ -106,15 +106,21 @@ Result<path::Process> process_of(const RerunRoom& room, const api::RerunOrder& o
   return room.arm->process;
 }
 
-Result<void> plan(const RerunArm& arm, path::Process process, const cloud::PointCloud& cloud,
-                  cloud::ClosedLine line, const fs::path& folder) {
-  report::Report report;
+path::PlanRequest request_of(const RerunArm& arm, path::Process process, const cloud::PointCloud& cloud,
+                             cloud::ClosedLine line) {
   path::PlanRequest request;
   request.process = std::move(process);
   request.arm = arm.model;
   request.table_z_mm = arm.table_z_mm;
   request.cloud = cloud.points;
   request.line = std::move(line);
+  return request;
+}
+
+Result<void> plan(const RerunArm& arm, path::Process process, const cloud::PointCloud& cloud,
+                  cloud::ClosedLine line, const fs::path& folder) {
+  report::Report report;
+  const path::PlanRequest request = request_of(arm, std::move(process), cloud, std::move(line));
   BITELINE_TRY(results::prepare_plan_folder(folder / "path"));
   const path::PlanOutcome outcome = report.timed("plan", [&] { return path::plan(request); });
   BITELINE_TRY(results::write_plan_result(folder / "path", request, outcome, report));
@@ -156,6 +162,16 @@ Result<void> work_again(const RerunRoom& room, const api::RerunOrder& order, int
   }
   if (!line || !room.arm) return {};
   return plan(*room.arm, std::move(*process), cloud, std::move(*line), folder);
+}
+
+Result<path::PlanOutcome> try_path(const RerunRoom& room, const std::string& scan,
+                                   const path::Process& process) {
+  const fs::path folder = room.results / scan;
+  BITELINE_ASSIGN(const cloud::PointCloud cloud, cloud::read_cloud(folder / "cloud.ply"));
+  BITELINE_ASSIGN(cloud::ClosedLine line, cloud::read_line(folder / "line.csv"));
+  const path::PlanRequest request = request_of(*room.arm, process, cloud, std::move(line));
+  tbb::task_arena one_core{1};
+  return one_core.execute([&] { return path::plan(request); });
 }
 
 RerunWorker::RerunWorker(RerunRoom room, std::function<void(const std::string&)> done)

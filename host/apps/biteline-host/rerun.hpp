@@ -13,7 +13,7 @@
 #include "host/doors/api/process_store.hpp"
 #include "host/doors/api/rerun.hpp"
 #include "host/robot/kinematics/arm_model.hpp"
-#include "host/robot/path/process.hpp"
+#include "host/robot/path/plan.hpp"
 #include "host/transfer/library.hpp"
 
 namespace biteline::service {
@@ -36,6 +36,10 @@ struct RerunRoom {
 /// nothing is sent.  A refusal is an outcome; Errc tells of files that cannot be read or written.
 [[nodiscard]] Result<void> work_again(const RerunRoom& room, const api::RerunOrder& order, int number);
 
+/// A path with this process along the line of a kept scan, on one core; nothing is written.  Pre: an arm.
+[[nodiscard]] Result<path::PlanOutcome> try_path(const RerunRoom& room, const std::string& scan,
+                                                 const path::Process& process);
+
 /// One order after the other, on one core and with the least priority.  Thread: each method from any.
 class RerunWorker {
  public:
@@ -47,6 +51,7 @@ class RerunWorker {
 
   /// The number of the scan's folder that it will stand in.
   [[nodiscard]] Result<int> add(const api::RerunOrder& order);
+  [[nodiscard]] const RerunRoom& room() const { return room_; }
   /// It waits or is worked on.
   [[nodiscard]] bool open(const std::string& scan, int number) const;
   /// Finishes what is worked on and leaves the rest.

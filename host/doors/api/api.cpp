@@ -22,6 +22,7 @@ constexpr std::string_view k_root = "/api/v1";
 constexpr const char* k_stop = "/api/v1/commands/stop";
 constexpr const char* k_laser_off = "/api/v1/commands/laser-off";
 constexpr const char* k_line = "/api/v1/line";
+constexpr const char* k_check_process = "/api/v1/processes/check";  // changes nothing: no log row
 constexpr std::size_t k_most_why = 500;
 
 /// The parts of `path` that stand where `pattern` has "{}"; nothing when they do not fit.
@@ -86,6 +87,7 @@ std::vector<Api::Route> Api::routes() {
       {"DELETE", "/models/{}", Engineer, false, &Api::remove_model},
       {"GET", "/processes", Viewer, false, &Api::list_processes},
       {"GET", "/processes/schema", Viewer, false, &Api::read_process_schema},
+      {"POST", "/processes/check", Engineer, false, &Api::check_process},
       {"GET", "/processes/{}", Viewer, false, &Api::read_process},
       {"PUT", "/processes/{}", Engineer, false, &Api::write_process},
       {"GET", "/robots", Viewer, false, &Api::list_robots},
@@ -145,7 +147,8 @@ Answer Api::ordinary(const Request& request) {
   // Of the libraries below (JSON, files): the request's fault or a defect, never the service's end.
   try {
     Answer answer = dispatch(request);
-    if (request.method != "GET" && answer.status < 300 && rooms_.publish) {
+    const bool changed = request.method != "GET" && request.path != k_check_process;
+    if (changed && answer.status < 300 && rooms_.publish) {
       if (const auto rows = rooms_.memory.log_rows(0, 1); rows && !rows->empty())
         rooms_.publish("log", to_json(rows->front()));
     }

@@ -81,6 +81,8 @@ class Api {
   [[nodiscard]] control::Answer read_process_schema(const Call& call);
   [[nodiscard]] control::Answer read_process(const Call& call);
   [[nodiscard]] control::Answer write_process(const Call& call);
+  [[nodiscard]] control::Answer check_process(const Call& call);
+  [[nodiscard]] Result<std::string> newest_with_line() const;
   [[nodiscard]] control::Answer list_robots(const Call& call);
   [[nodiscard]] control::Answer list_sensors(const Call& call);
   [[nodiscard]] control::Answer list_users(const Call& call);

@@ -8,6 +8,8 @@
 #include "host/doors/api/rerun.hpp"
 #include "host/doors/control/messages.hpp"
 #include "host/doors/line_control/line_state.hpp"
+#include "host/records/report/refusal.hpp"
+#include "host/robot/path/process.hpp"
 
 namespace biteline::api {
 
@@ -27,6 +29,12 @@ struct Decision {
 struct Job {
   std::string model;
   std::string process;  ///< name of a process; empty: the model's own
+};
+
+/// What a path along a kept scan's line would be.
+struct TriedPath {
+  std::optional<report::ToldRefusal> refused;  ///< nothing: every check passed
+  double duration_s{0};                        ///< when it passed
 };
 
 /// Thread: each method from any thread; none waits for scan or arm.
@@ -84,6 +92,10 @@ class Cell {
   /// (host/doors/api/rerun.hpp). Errc::WrongState where it has no points any more, too many wait, or a path
   /// is wanted without an arm.
   [[nodiscard]] virtual Result<int> rerun(const RerunOrder& order) = 0;
+  /// Plans and checks a path along the line of a kept scan; nothing is written, nothing is sent.  Takes some
+  /// tenths of a second of one core.  Errc::WrongState without an arm, and while the arm follows a path.
+  [[nodiscard]] virtual Result<TriedPath> try_process(const std::string& scan,
+                                                      const path::Process& process) = 0;
   /// It waits or is worked on.
   [[nodiscard]] virtual bool rerun_open(const std::string& scan, int number) = 0;
 };

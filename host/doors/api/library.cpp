@@ -39,6 +39,20 @@ memory::LogRow event(const Call& call, const std::string& action, const std::str
           .after = after};
 }
 
+/// A process's fault with the field that has it.
+Answer fault_answer(const Error& error) {
+  Answer answer = answer_of(error);
+  // The reader names the key between the first comma and the colon behind it.
+  if (answer.status == 422) {
+    const std::string line = to_line(error);
+    const std::size_t comma = line.find(", ");
+    const std::size_t colon = comma == std::string::npos ? comma : line.find(": ", comma);
+    const std::string field = colon == std::string::npos ? "" : line.substr(comma + 2, colon - comma - 2);
+    answer.body["error"]["faults"] = Json::array({{{"field", field}, {"message", line}}});
+  }
+  return answer;
+}
+
 }  // namespace
 
 Answer Api::list_models(const Call&) {
@@ -127,16 +141,7 @@ Answer Api::write_process(const Call& call) {
     return control::refusal(400, "bad_request", "body: a JSON object expected");
   const Result<Json> before = rooms_.processes.read(name);
   if (const Result<void> saved = rooms_.processes.save(name, call.request.body); !saved) {
-    Answer answer = answer_of(saved.error());
-    // The reader names the key between the first comma and the colon behind it.
-    if (answer.status == 422) {
-      const std::string line = to_line(saved.error());
-      const std::size_t comma = line.find(", ");
-      const std::size_t colon = comma == std::string::npos ? comma : line.find(": ", comma);
-      const std::string field = colon == std::string::npos ? "" : line.substr(comma + 2, colon - comma - 2);
-      answer.body["error"]["faults"] = Json::array({{{"field", field}, {"message", line}}});
-    }
-    return answer;
+    return fault_answer(saved.error());
   }
   if (const auto logged =
           rooms_.memory.log(event(call, "save process", name, before ? before->dump() : "",
@@ -144,6 +149,48 @@ Answer Api::write_process(const Call& call) {
       !logged)
     return answer_of(logged.error());
   return read_process(call);
+}
+
+Result<std::string> Api::newest_with_line() const {
+  constexpr int k_looked_at = 100;
+  memory::ScanFilter newest;
+  newest.limit = k_looked_at;
+  BITELINE_ASSIGN(const memory::ScanPage page, rooms_.memory.scans(newest));
+  for (const memory::Scan& scan : page.scans) {
+    std::error_code error;
+    const fs::path folder = rooms_.results / scan.name;
+    const bool has_line = scan.verdict == "ok" || scan.verdict == "amber";
+    if (has_line && fs::exists(folder / "line.csv", error) && fs::exists(folder / "cloud.ply", error))
+      return scan.name;
+  }
+  return std::string{};
+}
+
+Answer Api::check_process(const Call& call) {
+  Fields fields{call.request.body};
+  const Json given = fields.object("process");
+  const std::string wanted = fields.text("scan", 14);
+  if (given.is_null()) fields.fault("process", "a JSON object expected");
+  if (!wanted.empty() && !is_scan_id(wanted)) fields.fault("scan", "scan-0001 expected");
+  if (const std::optional<Answer> faults = fields.faults()) return *faults;
+  const Result<path::Process> process = ProcessStore::check("as typed", given);
+  if (!process) return fault_answer(process.error());
+  Result<std::string> scan = wanted.empty() ? newest_with_line() : Result<std::string>{wanted};
+  if (!scan) return answer_of(scan.error());
+  Json json{{"scan", or_null(*scan)}, {"fits", nullptr},   {"duration_s", nullptr},
+            {"reason_code", nullptr}, {"reason", nullptr}, {"next_step", nullptr}};
+  if (scan->empty()) return ok(std::move(json));
+  const Result<TriedPath> tried = rooms_.cell.try_process(*scan, *process);
+  if (!tried) return answer_of(tried.error());
+  json["fits"] = !tried->refused;
+  if (!tried->refused) {
+    json["duration_s"] = tried->duration_s;
+  } else {
+    json["reason_code"] = tried->refused->reason_code;
+    json["reason"] = tried->refused->reason;
+    json["next_step"] = tried->refused->next_step;
+  }
+  return ok(std::move(json));
 }
 
 }  // namespace biteline::api

@@ -49,18 +49,20 @@ Result<control::Json> ProcessStore::read(const std::string& name) const {
   return process_json(process.keys);
 }
 
+Result<path::Process> ProcessStore::check(const std::string& name, const control::Json& process) {
+  // YAML takes JSON as it is.
+  Result<path::ProcessText> parsed = path::parse_process(report::to_text(process) + "\n", "process " + name);
+  if (parsed) return std::move(parsed->process);
+  Error error = parsed.error();
+  error.code = Errc::CheckFailed;
+  return tl::unexpected<Error>{error};
+}
+
 Result<void> ProcessStore::save(const std::string& name, const control::Json& process) const {
   if (!is_name(name)) return fail(Errc::InvalidArgument, "process name '%.64s'", name.c_str());
-  // YAML takes JSON as it is.
-  const std::string text = report::to_text(process) + "\n";
-  const Result<path::ProcessText> parsed = path::parse_process(text, "process " + name);
-  if (!parsed) {
-    Error error = parsed.error();
-    error.code = Errc::CheckFailed;
-    return tl::unexpected<Error>{error};
-  }
+  BITELINE_TRY(check(name, process));
   BITELINE_TRY(report::prepare_folder(saved_));
-  return report::write_file_atomically(saved_ / (name + ".yaml"), text);
+  return report::write_file_atomically(saved_ / (name + ".yaml"), report::to_text(process) + "\n");
 }
 
 }  // namespace biteline::api

@@ -30,6 +30,8 @@ class ProcessStore {
   [[nodiscard]] Result<StoredProcess> find(const std::string& name) const;
   /// As written in its file.
   [[nodiscard]] Result<control::Json> read(const std::string& name) const;
+  /// As save() would take it, and not saved.  Errc::CheckFailed names key and range.
+  [[nodiscard]] static Result<path::Process> check(const std::string& name, const control::Json& process);
   /// Checked as any process file; Errc::CheckFailed names key and range, and nothing is written.
   [[nodiscard]] Result<void> save(const std::string& name, const control::Json& process) const;
 

@@ -3,6 +3,7 @@
 #include <CppUTest/TestHarness.h>
 
 #include <csignal>
+#include <set>
 #include <thread>
 
 #include "host/cloud/closed_line.hpp"
@@ -146,6 +147,40 @@ TEST(ServiceAndPerson, KeptScanIsWorkedOutAgainBesideItsResultAndNothingIsSent) 
   const control::Json row = page.ask("GET", "/scans/scan-0001").body;
   STRCMP_EQUAL("held", row["decision"].get<std::string>().c_str());
   CHECK(!row["sent"].get<bool>());
+}
+
+TEST(ServiceAndPerson, ProcessIsPlannedAndCheckedOnAKeptLineAndNothingIsWritten) {
+  const fs::path scan = leave_scan("scan-0001");
+  ChildProcess host = start(holding(), {});
+  Page page{address_told(host)};
+  page.begin();
+  static_cast<void>(
+      page.scan_once("scan-0001", [](const control::Json& row) { return row["decision"] == "held"; }));
+  page.wait_until_deciding();
+  const auto files_of = [&] {
+    std::set<std::string> files;
+    for (const auto& entry : fs::recursive_directory_iterator{scan}) files.insert(entry.path().string());
+    return files;
+  };
+  const std::set<std::string> before = files_of();
+  control::Json process = page.ask("GET", "/processes/grind").body["process"];
+  const auto tried = [&] { return page.ask("POST", "/processes/check", {{"process", process}}); };
+  const control::Json fits = tried().body;
+  CHECK_TEXT(fits.value("fits", false), fits.dump().c_str());
+  STRCMP_EQUAL("scan-0001", fits["scan"].get<std::string>().c_str());
+  CHECK(fits["duration_s"].get<double>() > 1);
+  // Slower takes longer: what is planned is what was typed.
+  process["motion"]["speed_mm_s"] = 0.5 * process["motion"]["speed_mm_s"].get<double>();
+  CHECK(tried().body["duration_s"].get<double>() > 1.2 * fits["duration_s"].get<double>());
+  // A tool as long as the arm reaches nothing.
+  process["tool"]["tcp_position_mm"] = {0, 0, 900};
+  const control::Json refused = tried().body;
+  CHECK_TEXT(refused.contains("fits") && !refused["fits"].get<bool>(), refused.dump().c_str());
+  CHECK(!refused["reason"].get<std::string>().empty());
+  process["tool"]["tcp_position_mm"] = {0, 0};
+  LONGS_EQUAL(422, tried().status);
+  CHECK(before == files_of());
+  CHECK(controller.script().empty());
 }
 
 TEST(ServiceAndPerson, ScanOfNoKnownModelWaitsUntilAPersonNamesIt) {

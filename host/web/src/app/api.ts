@@ -103,6 +103,14 @@ export interface Model {
   length_mm?: number | null;
   scans?: number;
 }
+export interface TriedProcess {
+  scan: string | null;
+  fits: boolean | null;
+  duration_s?: number | null;
+  reason?: string | null;
+  next_step?: string | null;
+}
+
 export interface ProcessRow {
   name: string;
   shipped: boolean;

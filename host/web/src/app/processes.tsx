@@ -2,8 +2,8 @@
 // Processes as forms: every field, range, unit and help comes from the service's schema.
 import type { JSX } from 'preact';
 import { useEffect, useState } from 'preact/hooks';
-import { t } from '../words';
-import { type Fault, type ProcessRow, Refused, type Schema, call } from './api';
+import { number, t } from '../words';
+import { type Fault, type ProcessRow, Refused, type Schema, type TriedProcess, call } from './api';
 import { Failure } from './parts';
 import { may, tell, time_words, use_reading, words_of } from './store';
 
@@ -191,6 +191,68 @@ function Field(props: {
   );
 }
 
+/// So long nothing was typed before the service is asked.
+const typing_pause_ms = 600;
+
+interface Tried {
+  state: 'waits' | 'told' | 'refused';
+  told?: TriedProcess;
+  words?: string;
+}
+
+/// What the service says of a process as it is typed; null: nothing was changed.
+function use_try(process: Value, changed: boolean, set_faults: (faults: Fault[]) => void): Tried | null {
+  const [tried, set_tried] = useState<Tried | null>(null);
+  useEffect(() => {
+    if (!changed) {
+      set_tried(null);
+      set_faults([]);
+      return;
+    }
+    let alive = true;
+    set_tried({ state: 'waits' });
+    const timer = setTimeout(() => {
+      call<TriedProcess>('POST', '/processes/check', { process })
+        .then((told) => {
+          if (!alive) return;
+          set_faults([]);
+          set_tried({ state: 'told', told });
+        })
+        .catch((refused) => {
+          if (!alive) return;
+          set_faults(refused instanceof Refused ? refused.faults : []);
+          set_tried({ state: 'refused', words: words_of(refused) });
+        });
+    }, typing_pause_ms);
+    return () => {
+      alive = false;
+      clearTimeout(timer);
+    };
+  }, [process, changed]);
+  return tried;
+}
+
+function TriedWords({ tried }: { tried: Tried | null }): JSX.Element {
+  const told = tried?.told;
+  const look = !told ? '' : told.fits ? 'good' : told.fits === false ? 'refused' : 'look';
+  const words = !tried
+    ? ''
+    : tried.state === 'waits'
+      ? t('try_waits')
+      : !told
+        ? `✖ ${tried.words ?? ''}`
+        : told.scan === null
+          ? t('try_none')
+          : told.fits
+            ? `✔ ${t('try_fits', { scan: told.scan, seconds: number(told.duration_s, 1) })}`
+            : `✖ ${t('try_refused', { scan: told.scan, reason: told.reason ?? '' })} ${told.next_step ?? ''}`;
+  return (
+    <p role="status" class={tried ? `notice ${look}` : ''}>
+      {words}
+    </p>
+  );
+}
+
 export function Processes(): JSX.Element {
   const { value, error } = use_reading<{ processes: ProcessRow[] }>('/processes');
   const { value: schema } = use_reading<Schema>('/processes/schema');
@@ -230,6 +292,7 @@ function OneProcess({ name, schema }: { name: string; schema: Schema }): JSX.Ele
     if (read && edited === null) set_edited(read.process);
   }, [read]);
   const changed = read !== null && edited !== null && JSON.stringify(read.process) !== JSON.stringify(edited);
+  const tried = use_try(edited, changed && editable, set_faults);
   const save = async () => {
     try {
       await call('PUT', `/processes/${as}`, edited);
@@ -264,6 +327,7 @@ function OneProcess({ name, schema }: { name: string; schema: Schema }): JSX.Ele
               change={(next) => set_edited((before: Value) => put(before, key, next))}
             />
           ))}
+          <TriedWords tried={tried} />
           <div class="tools">
             <label>
               {t('save_as')}{' '}

@@ -85,6 +85,40 @@ TEST(ApiAnswers, WordsAboutAScanComeBackWithItsRow) {
   LONGS_EQUAL(5, cell.did.size());
 }
 
+TEST(ApiAnswers, AProcessIsTriedOnTheNewestLineWithoutBeingSaved) {
+  log_in("ana");
+  LONGS_EQUAL(403, ask("POST", "/processes/check").status);
+  log_in("eng");
+  Json wish{{"process", ask("GET", "/processes/grind").body["process"]}};
+  CHECK(ask("POST", "/processes/check", wish).body["fits"].is_null());
+  put_sample("scan-0001");
+  put("scan-0002", "refused");
+  cell.tried.duration_s = 16.6;
+  const std::size_t told = events.size();
+  Json fits = ask("POST", "/processes/check", wish).body;
+  CHECK(fits["fits"].get<bool>());
+  STRCMP_EQUAL("scan-0001", fits["scan"].get<std::string>().c_str());
+  DOUBLES_EQUAL(16.6, fits["duration_s"].get<double>(), 0);
+  cell.tried.refused =
+      report::ToldRefusal{.reason_code = "cannot_follow", .reason = "joint 4", .next_step = "move the shoe"};
+  wish["scan"] = "scan-0002";
+  fits = ask("POST", "/processes/check", wish).body;
+  CHECK_FALSE(fits["fits"].get<bool>());
+  STRCMP_EQUAL("joint 4", fits["reason"].get<std::string>().c_str());
+  STRCMP_EQUAL("try scan-0002 grind", cell.did.back().c_str());
+  LONGS_EQUAL(told, events.size());
+
+  wish["process"]["motion"]["speed_mm_s"] = -1;
+  const control::Answer fault = ask("POST", "/processes/check", wish);
+  LONGS_EQUAL(422, fault.status);
+  STRCMP_CONTAINS("motion.speed_mm_s", fault.body["error"]["faults"][0]["field"].get<std::string>().c_str());
+  for (const char* bad : {R"({})", R"({"process":3})", R"({"process":{},"scan":"../x"})"})
+    LONGS_EQUAL_TEXT(400, ask("POST", "/processes/check", Json::parse(bad)).status, bad);
+  cell.next = fail(Errc::WrongState, "no arm");
+  wish["process"]["motion"]["speed_mm_s"] = 20;
+  LONGS_EQUAL(409, ask("POST", "/processes/check", wish).status);
+}
+
 TEST(ApiAnswers, ASessionTellsWhoItIsAndEnds) {
   log_in("vic");
   const control::Answer me = ask("GET", "/me");

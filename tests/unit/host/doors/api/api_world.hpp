@@ -76,6 +76,12 @@ struct FakeCell final : Cell {
     if (!next) return tl::unexpected<Error>{next.error()};
     return keep_order(results, order);
   }
+  Result<TriedPath> try_process(const std::string& scan, const path::Process& process) override {
+    did.push_back("try " + scan + " " + process.name);
+    if (!next) return tl::unexpected<Error>{next.error()};
+    return tried;
+  }
+  TriedPath tried{};
   bool rerun_open(const std::string&, int number) override { return number > 1; }
   Result<void> decide(const Decision& decision) override {
     did.push_back("decide " + decision.scan + " " + decision.who + " " + decision.door + " " + decision.why);
