@@ -231,21 +231,6 @@ async function whole_way() {
   await anna.page.goto(`${address}#/scans`);
   await anna.page.getByRole('row', { name: new RegExp(scan.id) }).waitFor();
   say('the service is back, with its memory');
-  // A zone clicked into the real schema's form: planned along the mended line, then saved.
-  await anna.page.goto(`${address}#/processes`);
-  await anna.page.locator('select').first().selectOption('rough');
-  await anna.page.getByRole('button', { name: 'Add: zones' }).click();
-  const zone = anna.page.getByRole('group', { name: 'zones 1' });
-  await zone.locator('label', { hasText: /^name/ }).locator('input').fill('heel');
-  await zone.locator('label', { hasText: /^where/ }).locator('select').selectOption('heel');
-  await zone.locator('label', { hasText: /^work/ }).locator('select').selectOption('left_out');
-  await anna.page.getByText(`A path along the line of ${scan.id} passes every check`, { exact: false }).waitFor();
-  await anna.page.getByLabel('Save as').fill('rough-no-heel');
-  await anna.page.getByRole('button', { name: 'Save', exact: true }).click();
-  await anna.page.getByText('Process rough-no-heel is saved.').waitFor();
-  const saved = await anna.page.evaluate(async () => (await (await fetch('/api/v1/processes/rough-no-heel')).json()).process);
-  check(JSON.stringify(saved.zones) === '[{"name":"heel","where":"heel","work":"left_out"}]', `zones ${JSON.stringify(saved.zones)}`);
-  say('a process with a zone is planned while it is typed, and saved');
   await anna.page.evaluate(async (id) => {
     for (const path of ['state', 'me', 'control', 'robots', 'sensors', 'models', 'processes', 'processes/schema', 'processes/rough', 'users', 'log', 'history/trends', `scans/${id}`, `scans/${id}/files`, 'nothing']) {
       await (await fetch(`/api/v1/${path}`)).text();
