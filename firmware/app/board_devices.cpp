@@ -58,6 +58,14 @@ void BoardDevices::remember(const geometry::SensorModel& head) {
 Result<void> BoardDevices::adopt(const geometry::SensorModel& head, const Capture& exposed,
                                  const settings::SettingsSet& wanted) {
   BITELINE_ASSIGN(const std::unique_ptr<hal::LineCamera> camera, open_camera());
+  // What the trigger does not take the next scan would refuse.
+  BITELINE_ASSIGN(const std::unique_ptr<hal::PwmOut> pulses, open_trigger());
+  if (pulses) {
+    if (const auto train = pulses->configure(train_of(head, exposed)); !train) {
+      const std::string words{train.error().where.view()};
+      return fail(train.error().code, "camera.rate_hz, exposure_us or second_exposure_us: %s", words.c_str());
+    }
+  }
   BITELINE_TRY(configure(*camera, live_settings(head, exposed, trigger(), wanted)));
   model = head;
   capture = exposed;

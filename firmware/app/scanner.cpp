@@ -129,6 +129,7 @@ void Scanner::acquire() {
 
 Result<void> Scanner::process(const hal::FrameView& frame) {
   const SensorClock::time_point begin = clock_.now();
+  frame_since_change_ = true;
   const std::optional<rt::BufferIndex> buffer = pool_.rt_acquire();
   BITELINE_EXPECTS(buffer.has_value());  // k_pool_profiles leaves one
   // In the dark before the laser comes on nothing is to be learned.
@@ -209,12 +210,16 @@ Result<void> Scanner::take_change() {
       change->outcome = taken;
     } else {
       change->outcome = tl::unexpected<Error>{told.error()};
-      camera = capture_->apply({.exposure = former, .rows = {}}, *source_.camera);
+      // A camera that has no such control took nothing: there is nothing to put back.
+      if (told.error().code != Errc::NotSupported)
+        camera = capture_->apply({.exposure = former, .rows = {}}, *source_.camera);
     }
     const SensorClock::time_point answered = clock_.now();
     adjust_meter.rt_add(answered - asked);
-    // As after a change by the automatic exposure.
-    if (laser_ != nullptr) laser_->note_frame(answered);
+    // As after a change by the automatic exposure: once for a frame.  Sets in a row are no frames, and one
+    // before the first frame lights nothing.
+    const bool frame_came = std::exchange(frame_since_change_, false);
+    if (laser_ != nullptr && frame_came && camera) laser_->note_frame(answered);
   }
   if (change->outcome) pipeline_.rt_take_peaks(change->peaks);
   change->done.store(true, std::memory_order_release);

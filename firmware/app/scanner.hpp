@@ -131,7 +131,8 @@ class Scanner {
   };
   std::unique_ptr<Change> change_;
   std::atomic<Change*> offered_{nullptr};
-  Nanoseconds exposure_;  ///< acquisition's own
+  Nanoseconds exposure_;            ///< acquisition's own
+  bool frame_since_change_{false};  ///< acquisition's own
 
   std::thread acquisition_thread_, pose_thread_;
   std::atomic<bool> stopping_{false};

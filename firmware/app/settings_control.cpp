@@ -17,10 +17,10 @@ bool is_peaks(Key key) {
   return std::string{settings::row_of(key).group} == "peaks";
 }
 
-/// Numbers go through floats and whole nanoseconds.
+/// Numbers go through floats and whole nanoseconds, a thousandth of an exposure's unit.
 bool alike(const settings::Value& a, const settings::Value& b) {
-  constexpr double k_rounding_ratio = 1e-6;
-  return std::abs(a.number - b.number) <= k_rounding_ratio * std::max(1.0, std::abs(a.number)) &&
+  constexpr double k_rounding = 1e-3, k_rounding_ratio = 1e-6;
+  return std::abs(a.number - b.number) <= std::max(k_rounding, k_rounding_ratio * std::abs(a.number)) &&
          a.on == b.on && a.word == b.word;
 }
 
@@ -87,6 +87,8 @@ Result<void> SettingsControl::check_changes(const Prepared& next, const Scanner&
     const auto &before = asked_.at(key), &after = next.whole.at(key);
     if (before.has_value() == after.has_value() && (!before || before->same_as(*after))) return {};
     if (is_peaks(key)) return {};
+    // The camera's own number, as the sensor tells it.
+    if (const auto& taken = kind_.in_use.at(key); after && taken && alike(*after, *taken)) return {};
     const std::string now = before ? settings::value_text(key, *before) : "none";
     const bool at_once = key == Key::ExposureUs && !kind_.capture.auto_exposure && !kind_.capture.pairs();
     if (!at_once) {
@@ -109,7 +111,9 @@ Result<void> SettingsControl::offer(const std::string& text, Scanner& scanner) {
   BITELINE_TRY(check_changes(next, scanner));
   BITELINE_TRY(
       check_limits(live_settings(next.model, next.capture, hal::Trigger::Hardware, next.set), kind_.limits));
-  const bool exposes_anew = next.model.exposure != kind_.model.exposure;
+  const auto &exposure = next.whole.at(Key::ExposureUs), &taken = kind_.in_use.at(Key::ExposureUs);
+  const bool as_taken = exposure && taken && alike(*exposure, *taken);
+  const bool exposes_anew = next.model.exposure != kind_.model.exposure && !as_taken;
   BITELINE_TRY(scanner.offer_change(exposes_anew ? *next.model.exposure : Nanoseconds{0}, next.pipeline.peaks,
                                     next.pipeline.selector.choice));
   offered_ = std::move(next);

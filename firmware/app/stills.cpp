@@ -222,7 +222,7 @@ Result<void> StillCamera::wait_for_exposure(Nanoseconds exposure) {
     // Frames that were exposed before and waited in the driver say nothing of the new one.
     const SensorClock::time_point from = clock_.now();
     for (int settled = 0; settled < k_frames_to_settle;) {
-      if (clock_.now() - from > k_frame_patience)
+      if (clock_.now() - from > k_frame_patience + 2 * k_frames_to_settle * exposure_)
         return fail(Errc::Timeout, "camera: no picture of the new exposure came");
       BITELINE_ASSIGN(const hal::FrameView frame, next_frame());
       if (frame.exposure_mid - exposure_ / 2 >= from) ++settled;

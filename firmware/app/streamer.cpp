@@ -135,6 +135,7 @@ Result<void> Streamer::start_scan() {
     return started;
   }
   scanner_ = std::move(scanner);
+  server_.set_model(kind_.model);
   server_.begin_scan(random_scan_id(), scan_name, frames_expected);
   if (recording_) recorders_.back()->keep_message(server_.hello_message());
   failure_.reset();
@@ -436,7 +437,8 @@ std::optional<Result<void>> Streamer::use_settings(const std::string& text) {
   }
   Result<void> done = wait_for_closing();
   if (done) done = settings_.use(text);
-  if (done) server_.set_model(kind_.model);
+  // Hosts may still fetch the last scan: it keeps the head that it was made with.
+  if (done && !ended_once_) server_.set_model(kind_.model);
   return done;
 }
 
