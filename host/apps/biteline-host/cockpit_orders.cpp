@@ -66,6 +66,7 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
   using enum api::Decision::Kind;
   const std::unique_lock words = between_words();
   bool held = false;
+  bool in_work = false;
   Wait wait = Wait::Word;
   {
     const std::lock_guard lock{mutex_};
@@ -73,6 +74,7 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
       return fail(Errc::WrongState, "%s is being mended; decide when its path is checked", mending_.c_str());
     held = held_ == decision.scan;
     wait = wait_;
+    in_work = !held && hold_wanted_ == decision.scan;
     if (decision.kind == Hold && !held && scan_ == decision.scan &&
         (phase_ == Phase::Scanning || phase_ == Phase::Working)) {
       hold_wanted_ = decision.scan;
@@ -100,6 +102,9 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
                 decision.scan.c_str());
   if (sends && !held)
     return fail(Errc::WrongState, "%s does not wait for a word; scan the shoe again", decision.scan.c_str());
+  // It would wait for a word all the same, as nobody tells the result's thread.
+  if (decision.kind == Reject && in_work && scan->verdict == "working")
+    return fail(Errc::WrongState, "%s is in work; reject it when it waits for a word", decision.scan.c_str());
   if (decision.kind == Reject && scan->sent)
     return fail(Errc::WrongState, "%s was sent already", decision.scan.c_str());
   const std::string before = scan->decision;
@@ -152,8 +157,10 @@ Result<void> Cockpit::begin_mend(const std::string& scan) {
   if (held_ == scan && wait_ == Wait::Model)
     return fail(Errc::WrongState, "the model of %s is not known; choose one first", scan.c_str());
   if (!mending_.empty()) return fail(Errc::WrongState, "%s is being mended; wait for it", mending_.c_str());
+  // Deciding, and held no more: a word about it waits to be heeded.
   if (scan_ == scan && held_ != scan &&
-      (phase_ == Phase::Scanning || phase_ == Phase::Working || phase_ == Phase::Following))
+      (phase_ == Phase::Scanning || phase_ == Phase::Working || phase_ == Phase::Deciding ||
+       phase_ == Phase::Following))
     return fail(Errc::WrongState, "%s is in work; mend it when it is done", scan.c_str());
   mending_ = scan;
   return {};

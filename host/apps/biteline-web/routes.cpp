@@ -38,6 +38,7 @@ constexpr std::array k_routes{
     Route{"DELETE", "/api/v1/models/{name}", Handling::Forward},
     Route{"GET", "/api/v1/processes", Handling::Forward},
     Route{"GET", "/api/v1/processes/schema", Handling::Forward},
+    Route{"POST", "/api/v1/processes/check", Handling::Forward},
     Route{"GET", "/api/v1/processes/{name}", Handling::Forward},
     Route{"PUT", "/api/v1/processes/{name}", Handling::Forward},
     Route{"GET", "/api/v1/robots", Handling::Forward},

@@ -2,6 +2,7 @@
 #include "host/apps/biteline-web/watcher.hpp"
 
 #include <chrono>
+#include <memory>
 
 #include "host/apps/biteline-web/connection.hpp"
 #include "host/apps/biteline-web/foxglove/foxglove_talk.hpp"
@@ -54,10 +55,13 @@ class Watcher {
     ErrorCode fault;
     if (!ended_) {
       net::steady_timer limit{socket_.get_executor(), std::chrono::seconds{2}};
-      limit.async_wait([this](ErrorCode cancelled) {
-        if (!cancelled) close();
+      // One that ran out already can no longer be cancelled, and this may be gone then.
+      const auto closed = std::make_shared<bool>(false);
+      limit.async_wait([this, closed](ErrorCode cancelled) {
+        if (!cancelled && !*closed) close();
       });
       co_await socket_.async_close(reason_, redirect_error(use_awaitable, fault));
+      *closed = true;
       limit.cancel();
     }
     if (live_) --context_.watchers;

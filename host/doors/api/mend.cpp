@@ -114,6 +114,23 @@ std::optional<Answer> not_to_mend(const std::string& id, const Result<std::optio
   return std::nullopt;
 }
 
+/// Ends a mend whatever becomes of it, also by an exception of a library: else nobody could mend again.
+class Mending {
+ public:
+  Mending(Cell& cell, const std::string& scan, const std::string& who)
+      : cell_{cell}, scan_{scan}, who_{who} {}
+  ~Mending() { cell_.end_mend(scan_, mended_, who_); }
+  Mending(const Mending&) = delete;
+  Mending& operator=(const Mending&) = delete;
+  void done() { mended_ = true; }
+
+ private:
+  Cell& cell_;
+  const std::string& scan_;
+  const std::string& who_;
+  bool mended_{false};
+};
+
 }  // namespace
 
 Answer Api::mend(const Call& call) {
@@ -137,18 +154,16 @@ Answer Api::mend(const Call& call) {
   if (!is_scan_id(id)) return control::refusal(404, "not_found", "no such scan; GET /scans lists them");
   // From here to its end no word changes the row.
   if (const Result<void> begun = rooms_.cell.begin_mend(id); !begun) return answer_of(begun.error());
+  Mending mending{rooms_.cell, id, call.person.name};
   Result<std::optional<memory::Scan>> row = rooms_.memory.scan(id);
-  const std::optional<Answer> refused = not_to_mend(id, row);
-  if (refused) {
-    rooms_.cell.end_mend(id, false, call.person.name);
-    return *refused;
-  }
+  if (const std::optional<Answer> refused = not_to_mend(id, row)) return *refused;
 
   report::Report report;
   Result<mend::OrRefusal<results::MendedScan>> mended =
       results::mend_scan(rooms_.results / id, order, report);
   const bool done = mended && *mended;
   if (done) {
+    mending.done();
     take_mended(**mended, report, **row);
     const Result<void> put = rooms_.memory.put_scan(**row, {.id = 0,
                                                             .time = memory::now_ms(),
@@ -158,12 +173,10 @@ Answer Api::mend(const Call& call) {
                                                             .subject = id,
                                                             .before = std::to_string(*order.line_version),
                                                             .after = order.why});
-    rooms_.cell.end_mend(id, true, call.person.name);
     if (!put) return answer_of(put.error());
     if (rooms_.publish) rooms_.publish("scan", to_json(**row));
     return ok(to_json(**row));
   }
-  rooms_.cell.end_mend(id, false, call.person.name);
   if (!mended) return answer_of(mended.error());
   const report::ToldRefusal told = report::told(mended->error());
   return control::refusal(422, "check_failed", told.reason + "; " + told.next_step);

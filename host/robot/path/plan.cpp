@@ -271,11 +271,12 @@ PlanOutcome plan(const PlanRequest& request) {
     out.refusal = Refusal{.code = Refused::PathCheckFailed, .reason = failures(out.checks)};
     return out;
   }
-  out.remedy = find_remedy(scene, request.process, request.arm);
+  if (request.seek_remedy) out.remedy = find_remedy(scene, request.process, request.arm);
+  const std::string help = request.seek_remedy ? words(out.remedy) : std::string{};
   const auto stuck =
       FixedText<200>::format("%s cannot follow the line: stuck at %.0f mm of the path, %s",
                              request.arm.name.c_str(), out.blockage.arc_mm, out.blockage.detail.c_str());
-  out.refusal = Refusal{.code = Refused::CannotFollow, .reason = stuck.c_str() + words(out.remedy)};
+  out.refusal = Refusal{.code = Refused::CannotFollow, .reason = stuck.c_str() + help};
   return out;
 }
 

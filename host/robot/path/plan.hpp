@@ -17,6 +17,7 @@ struct PlanRequest {
   std::optional<kinematics::Joints>
       from_rad{};  ///< where the arm stands before; then its way there is found and checked
   std::vector<Eigen::Vector3f> cloud;  ///< of the shoe, in the line's frame; empty: guessed from the line
+  bool seek_remedy{true};              ///< of a path that is refused; dozens of trials
 };
 
 /// What would make a refused path possible; found by trying.

@@ -9,20 +9,23 @@
 
 namespace biteline::api {
 
-TEST_GROUP_BASE(ApiAnswers, ApiWorld){/// Cloud and line of three points: enough for a model to be kept.
-                                      void put_sample(const std::string& scan){put(scan, "ok");
-folder.write(scan + "/report.json", R"({"status":"ok"})");
-cloud::PointCloud cloud;
-for (int i = 0; i < 9; ++i) cloud.points.emplace_back(static_cast<float>(i), 0.0F, 1.0F);
-SUCCEEDS(cloud::write_cloud(folder.path() / scan / "cloud.ply", cloud));
-cloud::ClosedLine line;
-for (const Vec3& position : {Vec3{0, 0, 0}, Vec3{3, 0, 0}, Vec3{0, 4, 0}})
-  line.points.push_back(
-      {.position = position, .normal = Vec3::UnitZ(), .tangent = Vec3::UnitX(), .confidence = 1});
-SUCCEEDS(cloud::write_line(folder.path() / scan / "line.csv", line));
-}  // namespace biteline::api
-}
-;
+struct ApiAnswersWorld : ApiWorld {
+  /// Cloud and line of three points: enough for a model to be kept.
+  void put_sample(const std::string& scan) {
+    put(scan, "ok");
+    folder.write(scan + "/report.json", R"({"status":"ok"})");
+    cloud::PointCloud cloud;
+    for (int i = 0; i < 9; ++i) cloud.points.emplace_back(static_cast<float>(i), 0.0F, 1.0F);
+    SUCCEEDS(cloud::write_cloud(folder.path() / scan / "cloud.ply", cloud));
+    cloud::ClosedLine line;
+    for (const Vec3& position : {Vec3{0, 0, 0}, Vec3{3, 0, 0}, Vec3{0, 4, 0}})
+      line.points.push_back(
+          {.position = position, .normal = Vec3::UnitZ(), .tangent = Vec3::UnitX(), .confidence = 1});
+    SUCCEEDS(cloud::write_line(folder.path() / scan / "line.csv", line));
+  }
+};
+
+TEST_GROUP_BASE(ApiAnswers, ApiAnswersWorld){};
 
 TEST(ApiAnswers, AModelIsMadeToldAndTakenOutOfUse) {
   put_sample("scan-0001");
