@@ -80,8 +80,10 @@ void Page::look(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     const std::string why = visit(port_, stop);
     if (stop.stop_requested()) return;
-    const std::scoped_lock lock{mutex_};
-    ++losses_[why];
+    {
+      const std::scoped_lock lock{mutex_};
+      ++losses_[why];
+    }
     std::this_thread::sleep_for(k_pause);
   }
 }

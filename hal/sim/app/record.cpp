@@ -149,6 +149,8 @@ void add_record(CLI::App& app, Context& context) {
   CLI::Option* arm = command->add_option(
       "--arm", options->arm,
       "This arm makes the scan with the head on a bracket, as its joints can: ur3e, ur5e or ur10e");
+  for (const char* of_the_arm : {"--elastic-hz", "--unseen-ratio", "--following-ms", "--latency-ms"})
+    command->get_option(of_the_arm)->needs(arm);
   command->add_option("--out", options->out, "The session's folder")->required();
   command->add_option("--clock-offset-ms", options->clock_offset_ms, "Pose clock minus camera clock")
       ->check(options::number({.minimum = -1000, .maximum = 1000}, "ms"));

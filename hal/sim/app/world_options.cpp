@@ -28,8 +28,9 @@ void add_world_options(CLI::App& command, WorldOptions& options) {
       .add_option("--unseen-ratio", options.unseen_ratio,
                   "Share of the arm's give that its encoders do not see")
       ->check(options::number({.minimum = 0, .maximum = 1}, ""));
-  command.add_option("--following-ms", options.following_ms, "The drives' lag behind their target")
-      ->check(options::number({.minimum = 0, .maximum = 200}, "ms"));
+  // JointDynamics' steps are too coarse for less than 1.4 ms: the drives would swing up.
+  command.add_option("--following-ms", options.following_ms, "The drives' lag behind their target; 0: none")
+      ->check(CLI::IsMember({0.0}) | options::number({.minimum = 2, .maximum = 200}, "ms"));
   command.add_option("--latency-ms", options.latency_ms, "From the controller's target to the drives")
       ->check(options::number({.minimum = 0, .maximum = 200}, "ms"));
 }

@@ -83,8 +83,7 @@ LiveCell::LiveCell(const LiveSettings& settings, std::unique_ptr<MadeScene> scen
                ? Arm(kinematics, arm_scan_->q_rad_at(0), settings.disturbances.arm)
                : Arm(kinematics,
                      T_base_flange_on_path(
-                         -ScanWay{scene_->path.length_mm(), scene_->path.settings().speed_mm_s}.ramp_mm()),
-                     settings.disturbances.arm)),
+                         -ScanWay{scene_->path.length_mm(), scene_->path.settings().speed_mm_s}.ramp_mm()))),
       renderer_(scene_->scene, scene_->head),
       targets_(settings.targets ? std::make_unique<TargetShow>(scene_->head, *settings.targets) : nullptr),
       pose_noise_(Random(settings.scene.shoe.seed).fork(77)) {}

@@ -17,7 +17,7 @@ struct ArmDynamics {
   double damping_ratio{0.05};
   /// The encoders sit behind the gears and see their give; this share, of links and mounting, they do not.
   double unseen_ratio{0.3};
-  /// By so much the drives are behind the controller's target at a steady speed.
+  /// By so much the drives are behind the controller's target at a steady speed.  Pre: 0, or 0.002 and more.
   double following_s{0};
   /// From the controller's target to the drives.
   Nanoseconds latency{0};

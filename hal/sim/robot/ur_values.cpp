@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "hal/sim/robot/ur_values.hpp"
 
+#include <utility>
+
 namespace biteline::sim {
 
 namespace {
@@ -64,7 +66,9 @@ void UrValues::advance(const ArmState& state, const ArmReal& real, double timest
   }
   const std::optional<JointVector> q_told_rad = real.q_told_rad ? real.q_told_rad : q_rad_;
   q_told_rad_s_ = q_rad_s_;
-  if (real.q_told_rad && q_told_rad_ && step_s > 0) q_told_rad_s_ = (*q_told_rad - *q_told_rad_) / step_s;
+  // Joints found from a pose may be others by whole turns: from those to the encoders' is no way gone.
+  const bool both_told = std::exchange(told_, real.q_told_rad.has_value()) && told_;
+  if (both_told && q_told_rad_ && step_s > 0) q_told_rad_s_ = (*q_told_rad - *q_told_rad_) / step_s;
   q_told_rad_ = q_told_rad;
   state_ = state;
   timestamp_s_ = timestamp_s;

@@ -44,6 +44,7 @@ class UrValues final : public rtde::ValueSource {
   JointVector q_rad_s_{JointVector::Zero()};
   std::optional<JointVector> q_told_rad_;
   JointVector q_told_rad_s_{JointVector::Zero()};
+  bool told_{false};  ///< by the arm itself
   SE3 T_base_flange_told_{SE3::Identity()};
   rtde::Vector6 tcp_target_{}, tcp_target_speed_{}, tcp_pose_{}, tcp_speed_{}, tcp_offset_{};
 };

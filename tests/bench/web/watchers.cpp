@@ -29,7 +29,8 @@ void Watcher::watch(std::uint16_t port, const std::string& token, Reading readin
   while (connected && !stopping_) {
     if (!client.readable(50)) continue;
     const auto frame = client.frame();
-    if (!frame || frame->opcode == 8) break;
+    if (!frame || frame->opcode == 8) connected = false;  // thrown out
+    if (!connected) break;
     if (frame->opcode == 2) take(frame->content, reading);
     if (reading != Reading::Slow) continue;
     for (int i = 0; i < 10 && !stopping_; ++i) std::this_thread::sleep_for(std::chrono::milliseconds{50});

@@ -17,7 +17,8 @@ export PATH=$PATH:/usr/sbin
 root=$(mktemp -d /tmp/biteline-slurm-XXXXXX)
 daemons=()
 cleanup() {
-  squeue --noheader --format=%A 2>/dev/null | sort -u | xargs -r scancel 2>/dev/null
+  # Without a cluster of its own these would speak to the machine's.
+  [ "${SLURM_CONF:-}" = "$root/slurm.conf" ] && squeue --noheader --format=%A 2>/dev/null | sort -u | xargs -r scancel 2>/dev/null
   for pid in "${daemons[@]}"; do kill "$pid" 2>/dev/null; done
   for pid in "${daemons[@]}"; do wait "$pid" 2>/dev/null; done
   rm -rf "$root"
