@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The GigE Vision face: any commands in any order from two clients, with profiles between them.  Nothing is
-// sent to anybody but the client in control, at its own address, and no answer is longer than the standard
-// allows.
+// sent to a third address, and no answer is longer than the standard allows.
 #include "common/gige/bootstrap.hpp"
 #include "host/doors/gige/device.hpp"
 #include "tests/fuzz/case.hpp"

@@ -79,6 +79,8 @@ bool scan(const std::string& scene, const char* world, Figures& figures) {
                                "/line.csv --truth " + session + "/truth/groove.csv >" + measures;
   if (std::system(evaluate.c_str()) != 0) return false;
   const Json told = read_json(measures), report = read_json(fs::path(result) / "report.json");
+  // A figure that is missing is no perfect one.
+  if (!told.contains("mean") || !told.contains("p95") || !report.contains("scan")) return false;
   figures = {.mean_mm = told.value("mean", 0.0),
              .p95_mm = told.value("p95", 0.0),
              .complete_ratio = told.value("complete", 0.0),

@@ -13,6 +13,8 @@ namespace {
 
 constexpr char k_picture = 1, k_profile = 2;
 constexpr std::size_t k_time_at = 5, k_jpeg_at = 13;
+/// Masked, as a client's are (RFC 6455, 5.3); who answers no ping is thrown out after half a minute.
+const std::string k_pong{'\x8A', '\x80', 0, 0, 0, 0};
 
 /// The sensor's clock on one machine (ARCHITECTURE.md, Clocks).
 std::uint64_t monotonic_ns() {
@@ -31,6 +33,7 @@ void Watcher::watch(std::uint16_t port, const std::string& token, Reading readin
     const auto frame = client.frame();
     if (!frame || frame->opcode == 8) connected = false;  // thrown out
     if (!connected) break;
+    if (frame->opcode == 9) client.send(k_pong);
     if (frame->opcode == 2) take(frame->content, reading);
     if (reading != Reading::Slow) continue;
     for (int i = 0; i < 10 && !stopping_; ++i) std::this_thread::sleep_for(std::chrono::milliseconds{50});
