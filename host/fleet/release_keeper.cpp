@@ -84,6 +84,12 @@ Result<void> ReleaseKeeper::want(const ReleasePlan& plan, Clock::time_point now)
 
 Result<void> ReleaseKeeper::plan_switch(const ReleasePlan& plan, std::int64_t now_ms) {
   BITELINE_ASSIGN(const release::Plan stands, release::plan_of(shelf_.folder()));
+  // Only a switch that was not sure gives way to an older one: else a late word, or a database that was put
+  // back, would bring an older release into force at once.
+  const bool open = !stands.next.empty() && !stands.sure;
+  if (plan.turn && !open && plan.turn->number < stands.number)
+    return fail(Errc::WrongState, "the centre tells of switch %lld, but %lld is known here: none is made",
+                static_cast<long long>(plan.turn->number), static_cast<long long>(stands.number));
   release::Plan next = stands.settled(now_ms);
   next.next.clear();
   next.at_ms = 0;

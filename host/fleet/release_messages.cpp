@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "host/fleet/release_messages.hpp"
 
+#include <limits>
+
 #include "host/fleet/fields.hpp"
 #include "host/records/release/key_lines.hpp"
 #include "host/records/release/manifest.hpp"
@@ -90,6 +92,8 @@ Result<ReleaseWord> read_release_word(std::string_view text) {
                    .number = fields.whole("number"),
                    .fault = fields.text("fault"),
                    .clock_ms = fields.whole("clock_ms")};
+  // A column of the centre's: a number beyond it would end the work for all cells.
+  if (word.number > std::numeric_limits<std::int32_t>::max()) fields.fault("number");
   if (!word.current.empty() && !release::is_sha256(word.current)) fields.fault("current");
   const Json* const has = fields.find("has");
   if (has == nullptr || !has->is_array() || has->size() > k_most_hashes) {

@@ -63,9 +63,8 @@ std::vector<ReleaseCell> cells_of(pqxx::work& work, std::int64_t release, const 
 std::vector<std::string> silent_cells(pqxx::work& work, std::int64_t number) {
   std::vector<std::string> cells;
   for (const pqxx::row& row :
-       work.exec_params("SELECT rc.cell FROM switches s JOIN release_cells rc ON rc.release = s.release "
-                        "LEFT JOIN cell_releases cr ON cr.cell = rc.cell WHERE s.number = $1 AND "
-                        "coalesce(cr.switch, 0) <> s.number ORDER BY rc.cell",
+       work.exec_params("SELECT sc.cell FROM switch_cells sc LEFT JOIN cell_releases cr ON cr.cell = sc.cell "
+                        "WHERE sc.switch = $1 AND coalesce(cr.switch, 0) <> sc.switch ORDER BY sc.cell",
                         number))
     cells.push_back(row[0].as<std::string>());
   return cells;
@@ -145,11 +144,24 @@ Result<std::int64_t> Releases::plan_switch(std::int64_t release, int in_s) {
         !open.empty())
       return fail(Errc::WrongState, "switch %s is planned and not decided yet; wait for it",
                   open[0][0].c_str());
+    // It would take the place of one that all were told is sure, before that one's time.
+    if (const pqxx::result sure =
+            work.exec_params("SELECT number FROM switches WHERE state = 'sure' AND at > now() AND at <= "
+                             "now() + make_interval(secs => $1)",
+                             in_s);
+        !sure.empty())
+      return fail(Errc::WrongState, "switch %s is sure and comes before this one; wait for it",
+                  sure[0][0].c_str());
     const auto number = work.exec_params1(
                                 "INSERT INTO switches (release, at, state) VALUES ($1, now() + "
                                 "make_interval(secs => $2), 'planned') RETURNING number",
                                 release, in_s)[0]
                             .as<std::int64_t>();
+    // Kept with the switch: an offer to other cells takes nothing back.
+    work.exec_params0(
+        "INSERT INTO switch_cells (switch, cell) SELECT $1::integer, cell FROM release_cells WHERE release = "
+        "$2",
+        number, release);
     work.commit();
     return number;
   });
@@ -173,19 +185,19 @@ Result<std::vector<std::string>> Releases::decide() {
     pqxx::work work{state.connection};
     std::vector<std::string> tell;
     const pqxx::result planned = work.exec_params(
-        "SELECT number, release, now() >= at - make_interval(secs => $1) FROM switches WHERE state = "
+        "SELECT number, now() >= at - make_interval(secs => $1) FROM switches WHERE state = "
         "'planned' "
         "FOR UPDATE",
         k_decided_before_s);
     for (const pqxx::row& row : planned) {
       const auto number = row[0].as<std::int64_t>();
-      const bool too_late = row[2].as<bool>();
+      const bool too_late = row[1].as<bool>();
       const bool all_know = silent_cells(work, number).empty();
       if (too_late || all_know)
         work.exec_params0("UPDATE switches SET state = $2 WHERE number = $1", number,
                           too_late ? "withdrawn" : "sure");
       for (const pqxx::row& cell :
-           work.exec_params("SELECT cell FROM release_cells WHERE release = $1", row[1].as<std::int64_t>()))
+           work.exec_params("SELECT cell FROM switch_cells WHERE switch = $1", number))
         tell.push_back(cell[0].as<std::string>());
     }
     work.commit();
@@ -219,7 +231,7 @@ Result<ReleasePlan> Releases::plan_of(const std::string& cell) {
     const pqxx::result turn = work.exec_params(
         "SELECT s.number, r.sha256, (extract(epoch FROM s.at) * 1000)::bigint, s.state = 'sure' FROM "
         "switches s JOIN "
-        "releases r ON r.number = s.release JOIN release_cells rc ON rc.release = r.number AND rc.cell = $1 "
+        "releases r ON r.number = s.release JOIN switch_cells sc ON sc.switch = s.number AND sc.cell = $1 "
         "WHERE s.state <> 'withdrawn' ORDER BY s.number DESC LIMIT 1",
         cell);
     std::string first;
@@ -232,9 +244,9 @@ Result<ReleasePlan> Releases::plan_of(const std::string& cell) {
     }
     // What is in force comes before what is new.
     const pqxx::result wanted = work.exec_params(
-        "SELECT manifest, signature FROM releases r JOIN release_cells rc ON rc.release = r.number AND "
-        "rc.cell = $1 "
-        "LEFT JOIN cell_releases cr ON cr.cell = $1 "
+        "SELECT manifest, signature FROM releases r LEFT JOIN cell_releases cr ON cr.cell = $1 WHERE "
+        "r.sha256 = $2 OR EXISTS (SELECT 1 FROM release_cells rc WHERE rc.release = r.number AND rc.cell = "
+        "$1) "
         "ORDER BY (r.sha256 = $2 AND NOT coalesce(r.sha256 = ANY (cr.has), false)) DESC, offered DESC, "
         "r.number DESC "
         "LIMIT 1",

@@ -250,6 +250,8 @@ Result<ExitStatus> Service::work_named(Unnamed unnamed, const std::string& model
   cockpit_->show(Phase::Working, "works out " + name + " as " + model, robot_ ? "its path" : "the next scan");
   Chosen chosen;
   chosen.model = model;
+  // A job's process stays the job's, as where the model is recognised.
+  chosen.process_name = scan.chosen.process_name;
   // Of the release that it was looked for in.
   chosen.release = scan.chosen.release;
   Result<transfer::SampleFiles> sample = rooms_for(chosen).models.load(model);

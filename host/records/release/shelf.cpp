@@ -98,13 +98,17 @@ Result<void> Shelf::tidy(const Plan& plan, const std::string& wanted) const {
     const std::string name = at->path().filename().string();
     const std::string hash = name.substr(0, 64);
     const bool named = hash == plan.current || hash == plan.before || hash == plan.next || hash == wanted;
-    if (is_sha256(hash) && !named) go.push_back(at->path());
+    // Left by a predecessor that was killed between the last rename and the end.
+    const bool spare = name != hash && has(hash);
+    if (is_sha256(hash) && (!named || spare)) go.push_back(at->path());
   }
   for (fs::path path : go) {
     // Half a release must not stand under a whole one's name.
     if (is_sha256(path.filename().string())) {
       const fs::path gone = path.string() + ".gone";
-      fs::rename(path, gone, error);
+      // Left by a predecessor that was killed: a folder with something in it cannot be renamed over.
+      fs::remove_all(gone, error);
+      if (!error) fs::rename(path, gone, error);
       path = gone;
     }
     if (!error) fs::remove_all(path, error);
