@@ -12,7 +12,7 @@ import tempfile
 
 sys.dont_write_bytecode = True
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.append(str(ROOT / "host" / "reader"))
+sys.path.append(str(ROOT / "host" / "records" / "reader"))
 import biteline_scan  # noqa: E402
 
 
@@ -56,7 +56,7 @@ def main():
         running.wait(timeout=30)
         scan, cloud = folder / "scan-0001" / "scan.btln", read_cloud(folder / "scan-0001" / "cloud.ply")
 
-        script = ROOT / "host" / "reader" / "biteline_scan.py"
+        script = ROOT / "host" / "records" / "reader" / "biteline_scan.py"
         subprocess.run([sys.executable, script, scan, folder / "read.ply"], check=True)
         read = read_cloud(folder / "read.ply")
         assert read.keys() == cloud.keys() and len(read) > 1000
