@@ -43,7 +43,7 @@ holds "$uplink" usr/bin/biteline-uplink usr/share/man/man1/biteline-uplink.1 usr
   usr/lib/sysusers.d/biteline-uplink.conf etc/biteline/uplink.env
 holds "$fleet" usr/bin/biteline-fleet usr/share/man/man1/biteline-fleet.1 usr/lib/systemd/system/biteline-fleet.service \
   usr/lib/sysusers.d/biteline-fleet.conf etc/biteline/fleet.env usr/share/biteline/migrations/0001_cells_and_shoes.sql \
-  usr/share/biteline/migrations/0002_releases.sql \
+  usr/share/biteline/migrations/0002_releases.sql usr/share/biteline/migrations/0003_switch_cells.sql \
   usr/share/biteline/broker/mosquitto.conf usr/share/biteline/broker/acl usr/share/biteline/prometheus/rules.yml \
   usr/share/doc/biteline-fleet/LICENSE
 twice=$(for deb in "$host" "$web" "$gige" "$uplink" "$fleet"; do dpkg-deb -c "$deb" | awk '!/\/$/ {print $6}'; done | sort | uniq -d)
