@@ -3,4 +3,4 @@
 # unit.sh FOLDER: the unit tests of an arm64 build, under user emulation.
 set -euo pipefail
 [ -e "$1/CTestTestfile.cmake" ] || { echo "skipped: no arm64 build in $1"; exit 77; }
-exec ctest --test-dir "$1" -L unit --output-on-failure
+exec ctest --test-dir "$1" -L unit --output-on-failure --parallel "$(nproc)"
