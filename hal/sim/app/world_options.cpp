@@ -31,7 +31,9 @@ void add_world_options(CLI::App& command, WorldOptions& options) {
   // JointDynamics' steps are too coarse for less than 1.4 ms: the drives would swing up.
   command.add_option("--following-ms", options.following_ms, "The drives' lag behind their target; 0: none")
       ->check(CLI::IsMember({0.0}) | options::number({.minimum = 2, .maximum = 200}, "ms"));
-  command.add_option("--latency-ms", options.latency_ms, "From the controller's target to the drives")
+  command
+      .add_option("--latency-ms", options.latency_ms,
+                  "From the controller's target to the drives, rounded to whole ones")
       ->check(options::number({.minimum = 0, .maximum = 200}, "ms"));
 }
 
@@ -42,7 +44,7 @@ sim::Disturbances disturbances_of(const WorldOptions& options) {
   arm.elastic_hz = options.elastic_hz.value_or(arm.elastic_hz);
   arm.unseen_ratio = options.unseen_ratio.value_or(arm.unseen_ratio);
   if (options.following_ms) arm.following_s = 1e-3 * *options.following_ms;
-  if (options.latency_ms) arm.latency = Nanoseconds{std::llround(1e6 * *options.latency_ms)};
+  if (options.latency_ms) arm.latency = Nanoseconds{1'000'000 * std::llround(*options.latency_ms)};
   return disturbances;
 }
 

@@ -122,6 +122,8 @@ TEST(RealArm, AStopLetsTheDrivesRunOnAndComeBack) {
     farthest_rad = std::max(farthest_rad, std::abs(sut.real_at(at_s(t)).q_told_rad.value()[0] - stopped_rad));
   CHECK(farthest_rad > 0.002 && farthest_rad < 0.02);
   CHECK(!T_before.isApprox(sut.real_at(at_s(11)).T_base_flange, 1e-9));
+  // The joint rings at 8 Hz; ten seconds on nothing of that is left.
+  DOUBLES_EQUAL(stopped_rad, sut.real_at(at_s(20)).q_told_rad.value()[0], 1e-4);
 }
 
 TEST(RealArm, JointsThatNobodyTellsAreFollowedFromPoseToPose) {
