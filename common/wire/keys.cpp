@@ -59,7 +59,7 @@ Result<void> write_new(const fs::path& file, const std::string& text, mode_t mod
 
 Result<std::string> read_key(const fs::path& file) {
   BITELINE_ASSIGN(const std::string text, read_regular_file(file, k_most_key_bytes));
-  const std::string line = text.substr(0, text.find('\n'));
+  const std::string line = text.substr(0, text.find_first_of("\n"));
   if (!is_key(line)) return fail(Errc::BadFormat, "%s line 1: %s", file.c_str(), k_key_expected);
   return line;
 }

@@ -144,7 +144,7 @@ TEST(Golden, PlanFollowsTheTrueLineAllTheWayRoundAtTheProcesssOffset) {
     CHECK_COMPARE((w.T_base_tcp.translation() - w.line_base).norm(), <=, away_mm + 1e-6);
     if (!followed.points.empty())
       longest_step_mm = std::max(longest_step_mm, (w.line_base - followed.points.back().position).norm());
-    followed.points.push_back({.position = w.line_base, .normal = {}, .tangent = {}});
+    followed.points.push_back({.position = w.line_base, .normal = Vec3::Zero(), .tangent = Vec3::Zero()});
   }
   // Straight moves between the targets leave the line by the chord error that the process allows.
   for (const cloud::LinePoint& point : truth.points)

@@ -89,7 +89,7 @@ Result<std::string> submit(const fs::path& script, std::size_t tasks, const Slur
           quoted(script.string());
   BITELINE_ASSIGN(const std::string answer, must("sbatch", line));
   // "JOB" or "JOB;CLUSTER".
-  std::string job = answer.substr(0, answer.find(';'));
+  std::string job = answer.substr(0, answer.find_first_of(";"));
   job.erase(std::ranges::find_if_not(job, [](unsigned char c) { return std::isdigit(c) != 0; }), job.end());
   if (job.empty()) return fail(Errc::ProtocolError, "sbatch said '%.100s'", clean_text(answer).c_str());
   return job;

@@ -11,7 +11,7 @@ namespace {
 /// Quoted where CSV needs it; a cell that a spreadsheet would take for a formula begins with a quote mark.
 std::string cell(std::string text) {
   if (!text.empty() && std::string_view{"=+-@\t\r"}.find(text.front()) != std::string_view::npos)
-    text.insert(0, "'");
+    text.insert(text.begin(), '\'');
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";
   for (const char letter : text) {

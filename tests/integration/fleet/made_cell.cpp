@@ -19,7 +19,7 @@ using namespace biteline;
 /// The first line of a release's file.
 Result<std::string> first_line(const std::filesystem::path& file) {
   BITELINE_ASSIGN(const std::string text, read_regular_file(file, k_most_settings_bytes));
-  return text.substr(0, text.find('\n'));
+  return text.substr(0, text.find_first_of("\n"));
 }
 
 /// As a scan is worked: the release is looked up once, its files are read one after the other.

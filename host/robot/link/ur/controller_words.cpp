@@ -36,7 +36,7 @@ Result<ControllerWords> ask_controller(const Endpoint& endpoint, Nanoseconds pat
   BITELINE_ASSIGN(const std::string version, ask("PolyscopeVersion"));
   if (version.starts_with("URSoftware ")) words.version = version;
   BITELINE_ASSIGN(const std::string model, ask("get robot model"));
-  if (model.starts_with("UR") && is_code(model)) words.model = model;
+  if (is_code(model) && model.starts_with("UR")) words.model = model;
   BITELINE_ASSIGN(const std::string serial, ask("get serial number"));
   if (is_code(serial)) words.serial = serial;
   BITELINE_ASSIGN(const std::string remote, ask("is in remote control"));

@@ -123,10 +123,10 @@ TEST(Keys, HostIsRevokedByNameOrKeyAndTheOthersStayWithTheirComments) {
 
 TEST(Keys, LettersThatSayMoreThanTheirBytesHoldAreToldInWords) {
   // 40 letters of the right kind; each five of them exceed 32 bits.
-  folder.write("keys/host.public", std::string(40, '#') + "\n");
+  folder.write("keys/host.public", std::string(40, '#').append("\n"));
   FAILS_NAMING(Errc::BadFormat, "host.public line 1: a key of 40 Z85 characters (32 bytes) expected",
                read_host_keys(keys()));
-  folder.write("keys/hosts.allowed", std::string(40, '#') + " nobody\n" + std::string(40, '%') + " x\n");
+  folder.write("keys/hosts.allowed", std::string(40, '#').append(" nobody\n").append(40, '%').append(" x\n"));
   FAILS_NAMING(Errc::BadFormat, "hosts.allowed line 2", read_sensor_keys(keys()));
 }
 

@@ -212,7 +212,7 @@ TEST(WebServer, FoxglovesClientsAreServedUnderBothNames) {
     STRCMP_EQUAL("advertise", Json::parse(client.frame()->content)["op"].get<std::string>().c_str());
     // Masked as a client's frames must be (RFC 6455, 5.3), by zeros.
     const std::string wish = R"({"op":"subscribe","subscriptions":[{"id":5,"channelId":1}]})";
-    client.send("\x81" + std::string(1, static_cast<char>(0x80 | wish.size())) + std::string(4, '\0') + wish);
+    client.send(std::string("\x81").append(1, static_cast<char>(0x80 | wish.size())).append(4, '\0') + wish);
     std::optional<WebClient::Frame> frame;
     for (std::uint32_t i = 0; !frame && i < 1000; ++i) {
       sut.server->publish(LiveKind::Picture,

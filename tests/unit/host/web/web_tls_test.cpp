@@ -45,7 +45,7 @@ TEST(WebTls, WithACertificateItServesTlsAndNothingOlder) {
       "-N --max-time 1 --http1.1 -D - -H 'Authorization: Bearer viewer-token' -H 'Connection: Upgrade' "
       "-H 'Upgrade: websocket' -H 'Sec-WebSocket-Version: 13' -H 'Sec-WebSocket-Key: "
       "dGhlIHNhbXBsZSBub25jZQ==' ";
-  std::system((curl + upgrade + place + "/api/v1/events >out").c_str());
+  CHECK(std::system((curl + upgrade + place + "/api/v1/events >out").c_str()) != 0);
   STRCMP_CONTAINS("101 Switching Protocols", said().c_str());
   CHECK(std::system((curl + "--tls-max 1.1 " + place + "/ >out").c_str()) != 0);
   // Who speaks no TLS gets no answer, and holds nobody up.

@@ -17,7 +17,8 @@ TEST_GROUP(CalibrationRecorder) {
 
   /// Camera and laser pictures of the same scene.
   [[nodiscard]] std::array<image::GreyImage, 2> pictures(int averaged) const {
-    CalibrationSettings settings{.camera_views = 1, .laser_views = 1, .handeye_views = 1};
+    CalibrationSettings settings;
+    settings.camera_views = settings.laser_views = settings.handeye_views = 1;
     settings.averaged = averaged;
     SUCCEEDS(record_calibration(folder.path(), settings, {}));
     return {*image::read_png(folder.path() / "camera/00.png"),

@@ -43,7 +43,7 @@ TEST(ProcessSchema, EachKeyOfTheReaderStandsInTheDocument) {
   const std::string document{std::istreambuf_iterator<char>{stream}, {}};
   for (const config::KeyAsked& key : path::process_keys()) {
     std::string path = key.path;
-    if (const std::size_t first = path.find("[0]"); first != std::string::npos) path.replace(first, 3, "[]");
+    if (const std::size_t first = path.find("[0]"); first != std::string::npos) path.erase(first + 1, 1);
     CHECK_TEXT(document.find("`" + path + "`") != std::string::npos, path.c_str());
   }
 }
