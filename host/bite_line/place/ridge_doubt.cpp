@@ -30,6 +30,7 @@ void doubt_ridge(const Ridge& ridge, double steps, std::vector<PlacedStation>& s
   constexpr double k_as_sharp = 1.0;
   constexpr double k_soft = 0.05;
   constexpr double k_most_times = 2;
+  constexpr double k_fewest_seen_share = 0.25;
   const std::size_t count = stations.size();
   const auto half = std::min(static_cast<std::size_t>(steps / 2), (count - 1) / 2);
   std::vector<double> times(count, 0.0), away(count, 0.0), hold(count);
@@ -38,11 +39,17 @@ void doubt_ridge(const Ridge& ridge, double steps, std::vector<PlacedStation>& s
     times[i] = std::min(ridge.other_k_per_mm[i] / std::max(ridge.k_per_mm[i], 1e-6), k_most_times);
     away[i] = times[i] * ridge.other_mm[i];
   }
+  // A section that was not seen says nothing of hollows.  Where hardly one was, the bridge tells the doubt.
+  const double fewest = k_fewest_seen_share * static_cast<double>(2 * half + 1);
   std::vector<double> about;
   for (std::size_t i = 0; i < count; ++i) {
     about.clear();
-    for (std::size_t k = count - half; k <= count + half; ++k) about.push_back(times[(i + k) % count]);
-    hold[i] = 1 / (1 + std::exp((geometry::median_of(std::span<double>{about}) - k_as_sharp) / k_soft));
+    for (std::size_t k = count - half; k <= count + half; ++k) {
+      if (ridge.visible[(i + k) % count] != 0) about.push_back(times[(i + k) % count]);
+    }
+    const bool told = static_cast<double>(about.size()) >= fewest;
+    const double most = told ? geometry::median_of(std::span<double>{about}) : 0;
+    hold[i] = 1 / (1 + std::exp((most - k_as_sharp) / k_soft));
   }
   hold = least_about(hold, half / 2);
   times = geometry::running_mean(times, steps);

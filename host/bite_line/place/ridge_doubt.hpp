@@ -11,7 +11,8 @@ namespace biteline::bite_line {
 
 /// Lowers `hold` of the stations, and sets `other_mm`, where another hollow is about as sharp in most
 /// sections over the running mean's length of `steps` stations.  Most and not their mean: one stray makes one
-/// wild section.  A point whose mean takes in a quarter and more of such a place is as unsure.
+/// wild section.  Bridged stations have no vote, and where fewer than a quarter were seen there is none.  A
+/// point whose mean takes in a quarter and more of such a place is as unsure.
 void doubt_ridge(const Ridge& ridge, double steps, std::vector<PlacedStation>& stations);
 
 }  // namespace biteline::bite_line

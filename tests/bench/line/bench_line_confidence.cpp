@@ -2,7 +2,8 @@
 // Is confidence the probability that a point lies within 0.3 mm of the bite line?  The sweep's made shoes,
 // with decoys, faults and missing sectors; on shapes with label truth, within 1.3 mm.
 //
-//   bench_line_confidence [--count N] [--seed N] [--threads N] [--points FILE]
+//   bench_line_confidence [--count N] [--seed N] [--from N] [--class NAME] [--fault NAME] [--threads N]
+//                         [--points FILE]
 //
 // --points: one row for each fourth station of every line that was placed, written or refused: what its
 // confidence is made of.  Prints the tenths of what was written; shoes are resampled for the interval.
@@ -123,35 +124,43 @@ void write_points(std::FILE* out, const std::string& name, const bite_line::Work
     const bite_line::PointSpread own = bite_line::spread_of(p);
     const double u95_mm =
         uncertainty::u95_mm(uncertainty::principal_axes(own.covariance_mm2), own.hold, own.other_mm);
-    std::fprintf(out, "%s,%d,%.5f,%.5f,%.3f,%.5f,%.4f,%.4f,%.5f,%.5f,%.4f,%.2f,%.5f,%.4f,%.4f\n",
-                 name.c_str(), found.found ? 1 : 0, workings.decision.of_line, p.hold, p.other_mm, p.doubt,
-                 p.sharp, p.own_z_mm - p.position.z(), p.scatter_mm, p.noise.outward_mm, p.noise.slope,
-                 p.to_visible_mm, bite_line::claimed_of(p), u95_mm, error_mm);
+    std::fprintf(
+        out, "%s,%d,%.5f,%.5f,%.3f,%.5f,%.4f,%.4f,%.4f,%.4f,%.4f,%.5f,%.5f,%.4f,%.2f,%.5f,%.5f,%.4f,%.4f\n",
+        name.c_str(), found.found ? 1 : 0, workings.decision.of_line, p.hold, p.other_mm, p.doubt,
+        p.corner_mm, p.tried_out_mm, p.tried_up_mm, p.sharp, p.own_z_mm - p.position.z(), p.scatter_mm,
+        p.noise.outward_mm, p.noise.slope, p.to_visible_mm, bite_line::claimed_of(p), own.within, u95_mm,
+        error_mm);
   }
 }
 
 int run(int argc, char** argv) {
-  std::uint64_t count = 200, seed = 1;
+  std::uint64_t count = 200, seed = 1, from = 0;
   std::size_t threads = 2;
-  std::string points_file;
+  std::string points_file, shoe_class, fault;
   for (int i = 1; i + 1 < argc; i += 2) {
     const std::string argument = argv[i];
     if (argument == "--count") count = std::strtoull(argv[i + 1], nullptr, 10);
     if (argument == "--seed") seed = std::strtoull(argv[i + 1], nullptr, 10);
+    if (argument == "--from") from = std::strtoull(argv[i + 1], nullptr, 10);
+    if (argument == "--class") shoe_class = argv[i + 1];
+    if (argument == "--fault") fault = argv[i + 1];
     if (argument == "--threads") threads = std::strtoull(argv[i + 1], nullptr, 10);
     if (argument == "--points") points_file = argv[i + 1];
   }
   std::FILE* out = points_file.empty() ? nullptr : std::fopen(points_file.c_str(), "w");
   if (out != nullptr)
     std::fprintf(out,
-                 "class,decoy,fault,seed,written,of_line,hold,other_mm,doubt,sharp,jump_mm,scatter_mm,"
-                 "outward_mm,slope,to_visible_mm,claimed,u95_mm,error_mm\n");
+                 "class,decoy,fault,seed,written,of_line,hold,other_mm,doubt,corner_mm,tried_out_mm,"
+                 "tried_up_mm,sharp,jump_mm,scatter_mm,outward_mm,slope,to_visible_mm,claimed,within,u95_mm,"
+                 "error_mm\n");
   const tbb::global_control limit{tbb::global_control::max_allowed_parallelism, threads};
   std::mutex mutex;
   std::map<std::uint64_t, Tenths> made;
-  tbb::parallel_for(std::uint64_t{0}, count, [&](std::uint64_t index) {
+  tbb::parallel_for(from, from + count, [&](std::uint64_t index) {
     const test::SweepCell cell = test::sweep_cell(seed, index);
-    if (!cell.is_shoe()) return;
+    const bool asked = (shoe_class.empty() || shoe_class == sim::name_of(cell.shoe.shoe_class)) &&
+                       (fault.empty() || fault == test::name_of(cell.fault));
+    if (!cell.is_shoe() || !asked) return;
     const test::SweepScan scan = test::scan_of(cell);
     std::optional<bite_line::Workings> workings;
     const bite_line::Extraction found = bite_line::find_bite_line(scan.cloud, {}, &workings);

@@ -9,16 +9,21 @@ namespace {
 constexpr std::size_t k_count = 200;
 constexpr double k_steps = 16;  // of the running mean
 
-/// A ridge as sharp as 1/mm; the other hollow 2 mm beside it is as sharp as told of each station.
-template <class Sharp>
-std::vector<PlacedStation> doubted(Sharp&& other_k_per_mm) {
+bool all(std::size_t) {
+  return true;
+}
+
+/// A ridge as sharp as 1/mm where it was `seen`; the other hollow 2 mm beside it is as sharp as told of each
+/// station.
+template <class Sharp, class Seen = bool (*)(std::size_t)>
+std::vector<PlacedStation> doubted(Sharp&& other_k_per_mm, Seen&& seen = all) {
   Ridge ridge;
   for (std::size_t i = 0; i < k_count; ++i) {
     ridge.row.push_back(50);
-    ridge.k_per_mm.push_back(1);
-    ridge.visible.push_back(1);
-    ridge.other_k_per_mm.push_back(other_k_per_mm(i));
-    ridge.other_mm.push_back(2);
+    ridge.k_per_mm.push_back(seen(i) ? 1 : 0);
+    ridge.visible.push_back(seen(i) ? 1 : 0);
+    ridge.other_k_per_mm.push_back(seen(i) ? other_k_per_mm(i) : 0.0);
+    ridge.other_mm.push_back(seen(i) ? 2 : 0);
   }
   std::vector<PlacedStation> stations(k_count);
   doubt_ridge(ridge, k_steps, stations);
@@ -47,6 +52,20 @@ TEST(DoubtRidge, WhoseMeanTakesAQuarterOfSuchAPlaceInIsAsUnsure) {
   // A point's mean takes in 8 stations to both sides: 4 of them and more lie in the place.
   for (std::size_t i = 56; i < 124; ++i) CHECK_COMPARE(sut[i].hold, <, 0.01);
   for (const std::size_t i : {50U, 54U, 125U, 130U}) CHECK_COMPARE(sut[i].hold, >, 0.99);
+}
+
+TEST(DoubtRidge, WhatIsBridgedHasNoVote) {
+  // Two of three were not seen, and each that was shows another hollow.
+  const std::vector<PlacedStation> most_bridged =
+      doubted([](std::size_t) { return 1.5; }, [](std::size_t i) { return i % 3 == 0; });
+  for (const PlacedStation& station : most_bridged) {
+    CHECK_COMPARE(station.hold, <, 0.01);
+    DOUBLES_EQUAL(2, station.other_mm, 1e-9);
+  }
+  // Where only one of eight was seen, a wild section would decide.
+  for (const PlacedStation& station :
+       doubted([](std::size_t) { return 1.5; }, [](std::size_t i) { return i % 8 == 0; }))
+    CHECK_COMPARE(station.hold, >, 0.99);
 }
 
 TEST(DoubtRidge, WhatIsBridgedIsDoubtedElsewhere) {
