@@ -63,8 +63,9 @@ Result<int> socket_at_camera(const std::string& address, decltype(&connect) use)
       use(descriptor, reinterpret_cast<const sockaddr*>(&camera), sizeof camera) != 0) {
     const int number = errno;
     if (descriptor >= 0) close(descriptor);
-    return fail_errno(Errc::ConnectFailed, number, "simulated camera: %s port %d", address.c_str(),
-                      gige::k_port);
+    return fail_errno(Errc::ConnectFailed, number,
+                      "simulated camera: %s port %d (the standard's: one camera to a network)",
+                      address.c_str(), gige::k_port);
   }
   return descriptor;
 }

@@ -9,6 +9,7 @@
 
 #include "common/options/number.hpp"
 #include "common/system/last_words.hpp"
+#include "common/system/own_network.hpp"
 #include "host/apps/biteline-demo/cell_run.hpp"
 #include "host/apps/biteline-demo/demo_page.hpp"
 #include "host/apps/biteline-demo/live_cell.hpp"
@@ -95,6 +96,9 @@ Result<ExitStatus> run_demo(const Options& options) {
   }
   CellOptions cell = options.cell;
   cell.quiet = cell.quiet || options.json;
+  // Several beside each other: the camera's port is fixed.  Where the kernel gives none, one at a time.
+  if (const Result<void> own = enter_own_network(); !own && !cell.quiet)
+    std::printf("one cell at a time on this machine: %s\n", to_line(own.error()).c_str());
   report::Report report;
   BITELINE_TRY(report::prepare_folder(cell.out));
   BITELINE_ASSIGN(const std::vector<ShoeResult> results,
