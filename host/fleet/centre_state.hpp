@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file The one place where libpqxx and its exceptions are met; of centre.cpp and releases.cpp alone.
+/// \file The one place where libpqxx and its exceptions are met; of centre.cpp, recordings.cpp and
+/// releases.cpp alone.
 
 #include <pqxx/pqxx>
 #include <utility>

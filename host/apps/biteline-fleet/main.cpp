@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <thread>
 
+#include "host/apps/biteline-fleet/recording_orders.hpp"
+#include "host/apps/biteline-fleet/recording_talk.hpp"
 #include "host/apps/biteline-fleet/release_orders.hpp"
 #include "host/apps/biteline-fleet/release_talk.hpp"
 #include "host/doors/control/messages.hpp"
@@ -41,6 +43,8 @@ struct Options {
   bool list{false};
   bool odd{false};
   fleet::ReleaseOrders releases;
+  fleet::RecordingOrders fetches;
+  std::filesystem::path recordings;
   std::optional<std::uint16_t> metrics;
   bool json{false};
   bool exit_with_parent{false};
@@ -60,13 +64,13 @@ Result<std::vector<fleet::OddOfModel>> odd_of_all(fleet::Centre& centre) {
 
 class Fleet {
  public:
-  explicit Fleet(const Options& options) : options_{options} {}
+  explicit Fleet(const Options& options) : options_{options}, recordings_{options.recordings} {}
 
   Result<void> open() {
     BITELINE_ASSIGN(fleet::BrokerConfig broker, fleet::broker_of(options_.broker));
     broker.client = "biteline-fleet";
     broker.subscriptions = {fleet::k_all_shoes, fleet::k_all_health, fleet::k_all_release_words,
-                            fleet::k_all_asks};
+                            fleet::k_all_asks, fleet::k_all_recordings};
     BITELINE_ASSIGN(broker_,
                     fleet::Broker::open(
                         broker, [this](std::string_view topic, std::string_view text) { hear(topic, text); },
@@ -92,7 +96,8 @@ class Fleet {
         continue;
       }
       // The broker's line waits less while something is in hand.
-      const Result<void> turned = broker_->turn(shoes_.empty() ? k_turn : milliseconds{0});
+      const bool in_hand = !shoes_.empty() || recordings_.busy();
+      const Result<void> turned = broker_->turn(in_hand ? milliseconds{0} : k_turn);
       if (!turned) say(to_line(turned.error()));
       if (const Result<void> kept = keep(); !kept) {
         say(to_line(kept.error()));
@@ -145,6 +150,7 @@ class Fleet {
     shoes_.clear();
     health_.clear();
     releases_.forget();
+    recordings_.forget();
   }
 
   void say(const std::string& line) {
@@ -157,6 +163,9 @@ class Fleet {
     const Result<bool> heard = releases_.hear(topic, text);
     if (!heard) return say(std::string{topic} + ": " + to_line(heard.error()));
     if (*heard) return;
+    const Result<bool> piece = recordings_.hear(topic, text);
+    if (!piece) return say(std::string{topic} + ": " + to_line(piece.error()));
+    if (*piece) return;
     if (const std::optional<std::string> cell = fleet::cell_of(topic, "shoes")) {
       Result<fleet::ShoeMessage> shoe = fleet::read_shoe(text);
       if (!shoe) return say(*cell + ": " + to_line(shoe.error()));
@@ -186,12 +195,11 @@ class Fleet {
       tell(cell, stands);
     }
     health_.clear();
-    return releases_.work(
-        *centre_,
-        [this](const std::string& topic, const std::string& payload) {
-          broker_->publish(topic, payload, fleet::Broker::Delivery::AtLeastOnce);
-        },
-        Clock::now());
+    const auto publish = [this](const std::string& topic, const std::string& payload) {
+      broker_->publish(topic, payload, fleet::Broker::Delivery::AtLeastOnce);
+    };
+    BITELINE_TRY(releases_.work(*centre_, publish, Clock::now()));
+    return recordings_.work(*centre_, publish, Clock::now());
   }
 
   void tell(const std::string& cell, const fleet::CommittedMessage& committed) {
@@ -206,6 +214,7 @@ class Fleet {
   std::vector<fleet::FromCell> shoes_;
   std::vector<std::pair<std::string, fleet::HealthMessage>> health_;
   fleet::ReleaseTalk releases_;
+  fleet::RecordingTalk recordings_;
   std::unique_ptr<fleet::MetricsPort> metrics_;
   fleet::FleetNews news_;
   Clock::time_point count_at_{}, judge_at_{};
@@ -297,7 +306,10 @@ int run(int argc, char** argv) {
       "Name each cell whose lines of a model differ from the other cells', and leave; exit status 3 where "
       "there is one");
   fleet::add_release_options(app, options.releases);
-  app.add_flag("--json", options.json, "With --list, --odd or --releases: as JSON");
+  app.add_option("--recordings", options.recordings,
+                 "Folder for the recordings that are asked for with --fetch; without: none are fetched");
+  fleet::add_recording_options(app, options.fetches);
+  app.add_flag("--json", options.json, "With --list, --odd, --releases or --fetches: as JSON");
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");
   try {
@@ -308,7 +320,7 @@ int run(int argc, char** argv) {
   }
   if (options.exit_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
   const Result<ExitStatus> done = [&]() -> Result<ExitStatus> {
-    if (!options.odd && !options.list && !options.releases.any()) {
+    if (!options.odd && !options.list && !options.releases.any() && !options.fetches.any()) {
       Fleet fleet{options};
       BITELINE_TRY(fleet.open());
       fleet.run();
@@ -317,6 +329,7 @@ int run(int argc, char** argv) {
     BITELINE_ASSIGN(fleet::Centre centre, fleet::Centre::open(options.database, options.migrations));
     if (options.odd) return tell_odd_cells(options, centre);
     if (options.list) return list(options, centre);
+    if (options.fetches.any()) return fleet::carry_out(options.fetches, centre, options.json);
     return fleet::carry_out(options.releases, centre, options.json);
   }();
   if (!done) return complain(to_line(done.error()), error_row(done.error().code).exit_status);

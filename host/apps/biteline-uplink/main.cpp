@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// biteline-uplink: tells the centre of every shoe of one cell, and fetches its releases.  It reads the cell's
-// memory and never writes it.
+// biteline-uplink: tells the centre of every shoe of one cell, fetches its releases, and gives recordings
+// that the centre asks for.  It reads the cell's memory and results and never writes them.
 #include <sys/prctl.h>
 
 #include <CLI/CLI.hpp>
@@ -9,6 +9,7 @@
 
 #include "host/fleet/broker_options.hpp"
 #include "host/fleet/program.hpp"
+#include "host/fleet/recording_giver.hpp"
 #include "host/fleet/release_keeper.hpp"
 #include "host/fleet/sparkplug/line.hpp"
 #include "host/fleet/uplink.hpp"
@@ -26,6 +27,8 @@ constexpr milliseconds k_turn{100};
 /// How long after its end a shoe is sent, at most.
 constexpr milliseconds k_between_looks{200};
 constexpr milliseconds k_between_words{5000};
+/// Pieces of a recording sent in one look: about 1 MB/s, so that the line is never full of them.
+constexpr int k_most_pieces = 4;
 /// Shoes told to Sparkplug's hosts in one look.
 constexpr int k_most_told = 20;
 
@@ -54,12 +57,13 @@ class Complaints {
 
 class Cell {
  public:
-  explicit Cell(const Options& options) : options_{options}, file_{options.results / memory::k_memory_file} {}
+  explicit Cell(const Options& options)
+      : options_{options}, file_{options.results / memory::k_memory_file}, giver_{options.results} {}
 
   Result<void> open() {
     BITELINE_ASSIGN(fleet::BrokerConfig broker, fleet::broker_of(options_.broker));
     broker.client = "biteline-uplink-" + options_.cell;
-    broker.subscriptions = {fleet::committed_topic(options_.cell)};
+    broker.subscriptions = {fleet::committed_topic(options_.cell), fleet::topic_of(options_.cell, "fetch")};
     if (!options_.releases.empty()) {
       broker.subscriptions.push_back(fleet::topic_of(options_.cell, "plan"));
       broker.subscriptions.push_back(fleet::topic_of(options_.cell, "part"));
@@ -99,6 +103,7 @@ class Cell {
         send(now);
         look_at_releases(now);
         tell_sparkplug();
+        give_recording();
       }
     }
     fleet::HealthMessage gone;
@@ -137,9 +142,29 @@ class Cell {
 
   void hear(std::string_view topic, std::string_view text) {
     if (topic == fleet::committed_topic(options_.cell)) return hear_committed(text);
+    if (topic.ends_with("/fetch")) return hear_fetch(text);
     const Clock::time_point now = Clock::now();
     const Result<void> done = topic.ends_with("/plan") ? hear_plan(text, now) : hear_part(text, now);
     release_words_.say(done ? "" : to_line(done.error()));
+  }
+
+  void hear_fetch(std::string_view text) {
+    const Result<fleet::FetchAsk> ask = fleet::read_fetch_ask(text);
+    fetch_words_.say(ask ? "" : to_line(ask.error()));
+    if (ask) giver_.hear(*ask);
+  }
+
+  /// Only once the centre has all shoes, and while no scan comes in or is worked out.
+  void give_recording() {
+    if (!giver_.asked() || !broker_->ready() || !outbox_ || fleet::cell_works(options_.results)) return;
+    const Result<memory::OutboxPart> waiting = outbox_->after(uplink_.committed(), 1);
+    if (!waiting || waiting->waiting > 0) return;
+    for (int i = 0; i < k_most_pieces; ++i) {
+      const std::optional<fleet::Piece> piece = giver_.step(waiting->book);
+      if (!piece) return;
+      broker_->publish(fleet::topic_of(options_.cell, "recording"), fleet::to_payload(*piece),
+                       Delivery::AtLeastOnce);
+    }
   }
 
   Result<void> hear_plan(std::string_view text, Clock::time_point now) {
@@ -230,7 +255,8 @@ class Cell {
   std::optional<std::int64_t> told_{};  ///< the outbox's row that they were told of last
   std::string told_book_;
   std::optional<fleet::ReleaseKeeper> releases_;
-  Complaints line_, memory_, sparkplug_words_, release_words_;
+  fleet::RecordingGiver giver_;
+  Complaints line_, memory_, sparkplug_words_, release_words_, fetch_words_;
   Clock::time_point speak_at_{}, look_at_{};
 };
 

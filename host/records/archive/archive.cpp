@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -18,27 +17,20 @@
 
 #include "common/system/file.hpp"
 #include "common/wire/checksum.hpp"
+#include "host/records/archive/tar_block.hpp"
 #include "host/records/report/report.hpp"
 
 namespace biteline::archive {
 namespace {
 
 namespace fs = std::filesystem;
+using namespace tar;
 using nlohmann::json;
 
 constexpr const char* k_list_file = "biteline.json";
 constexpr int k_format = 1;
 constexpr std::size_t k_most_files = 10'000;
-constexpr std::size_t k_block = 512;  // of tar
 constexpr std::size_t k_most_list_bytes = 8 << 20;
-
-/// POSIX.1-1988, ustar: the fields of a header by their place.
-struct Field {
-  std::size_t at, bytes;
-};
-constexpr Field k_name{0, 100}, k_mode{100, 8}, k_owner{108, 8}, k_group{116, 8}, k_size{124, 12},
-    k_time{136, 12}, k_sum{148, 8}, k_kind{156, 1}, k_magic{257, 8};
-using Block = std::array<char, k_block>;
 
 struct Fd {
   explicit Fd(int descriptor) : fd{descriptor} {}
@@ -50,60 +42,11 @@ struct Fd {
   int fd;
 };
 
-/// No part that leads out, hides, or means something to a shell or a terminal.
-bool good_name(const std::string& name) {
-  if (name.empty() || name.size() >= k_name.bytes || name.front() == '/' || name.back() == '/') return false;
-  bool part_begins = true;
-  for (const char c : name) {
-    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
-    if (!plain && c != '/' && c != '.') return false;
-    if (part_begins && (c == '.' || c == '/')) return false;
-    part_begins = c == '/';
-  }
-  return true;
-}
-
 std::string checksum_of(const std::string& bytes) {
   char text[9];
   std::snprintf(text, sizeof text, "%08x",
                 wire::crc32c({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}));
   return text;
-}
-
-void put(Block& block, const Field& field, const std::string& text) {
-  std::memcpy(block.data() + field.at, text.data(), std::min(field.bytes, text.size()));
-}
-void put_octal(Block& block, const Field& field, std::uint64_t number) {
-  char text[24];
-  std::snprintf(text, sizeof text, "%0*llo", static_cast<int>(field.bytes - 1),
-                static_cast<unsigned long long>(number));
-  put(block, field, text);
-}
-
-/// Over all bytes, its own field taken as blanks.
-std::uint64_t sum_of(Block block) {
-  std::fill_n(block.begin() + k_sum.at, k_sum.bytes, ' ');
-  std::uint64_t sum = 0;
-  for (const char c : block) sum += static_cast<unsigned char>(c);
-  return sum;
-}
-
-Block header_of(const std::string& name, std::uint64_t bytes) {
-  Block block{};
-  put(block, k_name, name);
-  put_octal(block, k_mode, 0600);
-  put_octal(block, k_owner, 0);
-  put_octal(block, k_group, 0);
-  put_octal(block, k_size, bytes);
-  put_octal(block, k_time, 0);
-  put(block, k_kind, "0");
-  put(block, k_magic,
-      std::string{"ustar\0"
-                  "00",
-                  8});
-  put_octal(block, {k_sum.at, 7}, sum_of(block));
-  block[k_sum.at + 7] = ' ';
-  return block;
 }
 
 std::string text_of(const Block& block, const Field& field) {

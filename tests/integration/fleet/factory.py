@@ -35,6 +35,7 @@ class Factory:
         self.folder, self.uplink, self.fleet, self.made_cell = folder, uplink, fleet, made_cell
         self.running = {}
         self.uplink_options = lambda cell: []
+        self.fleet_options = []
         self.ended = []
         folder.chmod(0o755)
         self.make_certificates()
@@ -92,7 +93,7 @@ class Factory:
             self.running[name] = Program(POSTGRES / "postgres", "-D", self.folder / "data", "-c", "listen_addresses=127.0.0.1",
                                          "-c", "unix_socket_directories=", "-c", "max_wal_size=64MB", user="postgres", cwd="/")
         elif name == "fleet":
-            self.running[name] = Program(self.fleet, "--database", self.database(), "--metrics", "9118", *tls("fleet"))
+            self.running[name] = Program(self.fleet, "--database", self.database(), "--metrics", "9118", *self.fleet_options, *tls("fleet"))
         else:
             self.running[name] = Program(self.uplink, "--results", self.folder / name, "--cell", name,
                                          "--sparkplug", GROUP, *self.uplink_options(name), *tls(name))

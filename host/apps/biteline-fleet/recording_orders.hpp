@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file `biteline-fleet --fetch`, `--fetches`: recordings that a person wants, beside the running centre.
+
+#include <string>
+
+#include "common/core/error.hpp"
+#include "host/fleet/centre.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace biteline::fleet {
+
+struct RecordingOrders {
+  std::string fetch;  ///< CELL/SCAN
+  bool list{false};
+
+  [[nodiscard]] bool any() const { return !fetch.empty() || list; }
+};
+
+void add_recording_options(CLI::App& app, RecordingOrders& orders);
+/// Prints what came of it; Refused where the recording cannot be had.
+[[nodiscard]] Result<ExitStatus> carry_out(const RecordingOrders& orders, Centre& centre, bool json);
+
+}  // namespace biteline::fleet
