@@ -18,7 +18,7 @@ import time
 from factory import CELLS, Factory
 from programs import PATIENCE_S, comes_true
 
-LARGE, SMALL = 6_000_000, 60_000
+LARGE, SMALL = 12_000_000, 60_000
 
 
 class Fetches:
@@ -34,7 +34,7 @@ class Fetches:
     def row(self, what):
         rows = json.loads(subprocess.run(self.order("--fetches", "--json"), capture_output=True, text=True, check=True).stdout)["fetches"]
         cell, scan = what.split("/")
-        return next(row for row in rows if (row["cell"], row["scan"]) == (cell, scan))
+        return next((row for row in rows if (row["cell"], row["scan"]) == (cell, scan)), {"have": 0, "state": ""})
 
     def whole(self, command, what):
         told = command.communicate(timeout=PATIENCE_S)[0]

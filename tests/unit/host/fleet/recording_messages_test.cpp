@@ -51,7 +51,7 @@ TEST(RecordingMessages, PieceComesThroughWithinItsBounds) {
   piece.total = 8;  // beyond its end
   FAILS_NAMING(Errc::ProtocolError, "total", read_piece(to_payload(piece)));
   piece.total = 9;
-  piece.sha256 = "x";
+  piece.sha256.assign(1, 'x');
   FAILS_NAMING(Errc::ProtocolError, "sha256", read_piece(to_payload(piece)));
   piece.sha256 = k_hash;
   piece.bytes.clear();

@@ -21,6 +21,16 @@ std::string bytes_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>{in}, {}};
 }
 
+FetchRow asked_for(std::int64_t number) {
+  FetchRow row;
+  row.number = number;
+  row.cell = "cell-1";
+  row.book = "b0";
+  row.scan = "scan-0007";
+  row.online = true;
+  return row;
+}
+
 }  // namespace
 
 TEST_GROUP(Recording) {
@@ -29,7 +39,7 @@ TEST_GROUP(Recording) {
   RecordingGiver giver{results};
   RecordingTaker taker{folder.path() / "centre"};
   RecordingTaker::Clock::time_point now{seconds{100}};
-  FetchRow row{.number = 1, .cell = "cell-1", .book = "b0", .scan = "scan-0007", .online = true};
+  FetchRow row{asked_for(1)};
   int asks{0}, pieces{0};
   /// What happens to a piece on its way; false: it is lost.
   std::function<bool(Piece&)> on_way = [](Piece&) { return true; };
@@ -108,7 +118,7 @@ TEST(Recording, FlippedByteIsFetchedAnewAndAtLastRefused) {
   run();
   check_whole();
   LONGS_EQUAL(1, row.tries);
-  row = {.number = 2, .cell = "cell-1", .book = "b0", .scan = "scan-0007", .online = true};
+  row = asked_for(2);
   flips = 100;
   run();
   STRCMP_EQUAL("refused", to_text(row.state));
