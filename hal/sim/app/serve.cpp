@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "common/config/sensor_yaml.hpp"
 #include "common/options/number.hpp"
@@ -30,6 +31,7 @@ struct ServeOptions {
   double robot_clock_ms{0};
   double lost_packet_ratio{0};
   bool camera_free_clock{false};
+  std::optional<double> time_ratio;
   bool anywhere{false};
   bool exit_with_parent{false};
 };
@@ -43,11 +45,11 @@ void print_endpoints(const sim::LiveCell& cell, const ServeOptions& options) {
       "1:%d\","
       "\"dashboard\":\"127.0.0.1:%d\",\"arm\":\"%s\",\"out\":\"%s\",\"sensor\":\"%s/"
       "sensor.yaml\",\"board\":\"%s/board.yaml\",\"scan_s\":%.3f,\"pose_sigma_mm\":%.4g,"
-      "\"pose_sigma_rad\":%.4g}\n",
+      "\"pose_sigma_rad\":%.4g,\"time_ratio\":%.2f}\n",
       options.world.world.c_str(), cell.settings().wires.c_str(), cell.settings().camera_address.c_str(),
       int{ports.rtde}, int{ports.script}, int{ports.dashboard}, options.arm.c_str(), options.out.c_str(),
       options.out.c_str(), options.out.c_str(), cell.scan_duration_s(), cell.settings().pose_noise_mm,
-      cell.settings().pose_noise_rad);
+      cell.settings().pose_noise_rad, cell.time_ratio());
   std::fflush(stdout);
 }
 
@@ -87,6 +89,7 @@ Result<void> serve(const ServeOptions& options) {
   settings.arm = options.arm;
   settings.lost_packet_ratio = options.lost_packet_ratio;
   settings.camera_ptp = !options.camera_free_clock;
+  settings.time_ratio = options.time_ratio;
   settings.robot.rtde_port = options.rtde_port;
   settings.robot.script_port = options.script_port;
   settings.robot.dashboard_port = options.dashboard_port;
@@ -159,6 +162,12 @@ void add_serve(CLI::App& app, Context& context) {
   command->add_option("--lost-packet-ratio", options->lost_packet_ratio, "Of the camera's packets")
       ->check(options::number({.minimum = 0.0, .maximum = 0.5}, ""));
   command->add_flag("--camera-free-clock", options->camera_free_clock, "The camera's clock follows no PTP");
+  command
+      ->add_option(
+          "--time-ratio", options->time_ratio,
+          "Scans go at this share of real time, arm and trigger together (default: as much of it as this "
+          "machine can)")
+      ->check(options::number({.minimum = 0.05, .maximum = 1}, ""));
   command->add_flag("--anywhere", options->anywhere,
                     "The shoe may stand where the arm's tool does not get round it");
   command->add_flag("--exit-with-parent", options->exit_with_parent,

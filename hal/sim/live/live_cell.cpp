@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "common/canpose/pose_frames.hpp"
+#include "hal/sim/live/slow_motion.hpp"
 #include "hal/sim/live/urgency.hpp"
 #include "hal/sim/shoe/random.hpp"
 
@@ -119,13 +120,14 @@ Result<std::unique_ptr<LiveCell>> LiveCell::open(const LiveSettings& settings) {
     self->on_line(line, active, stamp);
   };
   callbacks.on_trigger = [self](Nanoseconds period, Nanoseconds pulse) {
-    if (self->ready_) self->trigger_->configure(period, pulse);
+    if (self->ready_) self->trigger_->configure(nanoseconds(seconds(period) / self->time_ratio_), pulse);
   };
   {
     const Urgently urgently{k_wires_priority};
     BITELINE_ASSIGN(cell->bus_, BusServer::open(settings.wires, std::move(callbacks)));
   }
   std::optional<Urgently> urgently{k_camera_priority};
+  cell->time_ratio_ = settings.time_ratio ? *settings.time_ratio : cell->measured_time_ratio();
   BITELINE_ASSIGN(cell->camera_,
                   GvCamera::open(camera_config(settings, cell->scene_->head),
                                  [self](const GvExposure& exposure, std::span<std::uint8_t> pixels) {
@@ -141,6 +143,21 @@ Result<std::unique_ptr<LiveCell>> LiveCell::open(const LiveSettings& settings) {
                                             const ArmReal& real) { self->on_cycle(instant, state, real); }));
   cell->ready_ = true;
   return cell;
+}
+
+/// By pictures all the way round the shoe, as the camera's thread will make them.
+double LiveCell::measured_time_ratio() {
+  if (targets_) return 1;  // the arm stands
+  constexpr int k_pictures = 12;
+  const MadeHead& head = scene_->head;
+  std::vector<std::uint8_t> pixels(static_cast<std::size_t>(head.model.region.width_px) *
+                                   static_cast<std::size_t>(head.model.region.height_px));
+  const Nanoseconds picture_takes = mean_turn(k_pictures, [&](int picture) {
+    const double way_mm = scene_->path.length_mm() * picture / k_pictures;
+    renderer_.render({.T_scene_cam = scene_->path.T_shoe_cam_at(way_mm), .region = head.model.region}, pixels,
+                     nullptr);
+  });
+  return affordable_ratio(picture_takes, nanoseconds(1 / settings_.scene.rate_hz));
 }
 
 double LiveCell::scan_duration_s() const {
@@ -294,9 +311,12 @@ void LiveCell::on_cycle(SensorClock::time_point instant, const ArmState& state, 
   std::int64_t asked_ns = scan_at_ns_;
   if (asked_ns != 0 && now_ns >= asked_ns && scan_at_ns_.compare_exchange_strong(asked_ns, 0)) {
     ScanMotion scan = scan_motion(state);
-    scan_full_until_ns_ = (instant + nanoseconds(scan.full_until_s)).time_since_epoch().count();
-    scan_full_from_ns_ = (instant + nanoseconds(scan.full_from_s)).time_since_epoch().count();
-    arm_.run(std::move(scan.motion), instant);
+    const auto at_ns = [&](double scan_s) {
+      return (instant + nanoseconds(scan_s / time_ratio_)).time_since_epoch().count();
+    };
+    scan_full_until_ns_ = at_ns(scan.full_until_s);
+    scan_full_from_ns_ = at_ns(scan.full_from_s);
+    arm_.run(slowed(std::move(scan.motion), time_ratio_), instant);
     ++scans_;
   }
   bus_->drive(Line::ScanActive, now_ns >= scan_full_from_ns_ && now_ns < scan_full_until_ns_, instant);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -38,6 +39,8 @@ struct LiveSettings {
   Nanoseconds scan_after_laser{300'000'000};  ///< the arm sets out so long after the laser went on
   /// Ring targets stand before the head in place of the shoe; the arm goes by show_target() only.
   std::optional<TargetShowSettings> targets{};
+  /// Scans go at this share of real time; nothing: at as much as this machine can, measured at the start.
+  std::optional<double> time_ratio{1.0};
   bool keep_track{true};  ///< for write_track(); memory grows with the arm's way
 };
 
@@ -68,7 +71,9 @@ class LiveCell {
   [[nodiscard]] const LiveSettings& settings() const { return settings_; }
   [[nodiscard]] UrController::Ports robot_ports() const { return robot_->ports(); }
   [[nodiscard]] LiveCounts counts() const;
-  /// The scan from its begin to its end, without the ways there and back.
+  /// Of real time, for scans (slow_motion.hpp).
+  [[nodiscard]] double time_ratio() const { return time_ratio_; }
+  /// The scan from its begin to its end, without the ways there and back, in the arm's own time.
   [[nodiscard]] double scan_duration_s() const;
   /// The arm's own way; nothing with a straight holder.
   [[nodiscard]] const ArmScan* arm_scan() const { return arm_scan_.get(); }
@@ -117,6 +122,7 @@ class LiveCell {
   void on_line(Line line, bool active, SensorClock::time_point stamp);
   void on_cycle(SensorClock::time_point instant, const ArmState& state, const ArmReal& real);
   void send_pose(SensorClock::time_point instant, const ArmState& state, const SE3& T_base_flange_told);
+  [[nodiscard]] double measured_time_ratio();
   [[nodiscard]] bool laser_shines() const;
   [[nodiscard]] SE3 T_base_flange_on_path(double way_mm) const;
   struct ScanMotion {
@@ -129,6 +135,7 @@ class LiveCell {
 
   LiveSettings settings_;
   std::unique_ptr<MadeScene> scene_;
+  double time_ratio_{1};
   std::shared_ptr<const ArmScan> arm_scan_;
   std::string moved_because_;
   Arm arm_;

@@ -126,6 +126,10 @@ Result<ShoeResult> run_shoe(const CellOptions& options, const Shoe& shoe) {
 
   ShoeResult result{.shoe = shoe, .scan = {}, .verdict = {}, .error = {}};
   result.scan_s = stand.cell.endpoints.value("scan_s", 0.0);
+  result.time_ratio = stand.cell.endpoints.value("time_ratio", 1.0);
+  if (result.time_ratio < 1 && !options.quiet)
+    std::printf("  this machine cannot simulate in real time: %.2f of it; the scan goes that much slower\n",
+                result.time_ratio);
   std::string last_words;
   const Lateness lateness;
   // On a machine that is busy with other things frames may come too late, and the laser's guard then,

@@ -18,9 +18,10 @@ struct CellOptions {
   std::uint64_t seed{5};
   std::string shoe{"deep"};
   std::string arm{"ur5e"};
-  double size{0};         ///< European; 0: as long as the class draws it
-  double speed_mm_s{50};  ///< of the stripe along the outline, where the arm's joints allow it
-  double rate_hz{50};     ///< pictures a second
+  double size{0};                      ///< European; 0: as long as the class draws it
+  double speed_mm_s{50};               ///< of the stripe along the outline, where the arm's joints allow it
+  double rate_hz{50};                  ///< pictures a second
+  std::optional<double> time_ratio{};  ///< of real time, of scans; nothing: what the machine can
   std::filesystem::path process;
   bool quiet{false};
 };
@@ -39,6 +40,7 @@ struct ShoeResult {
   int host_status{0};
   std::string verdict;
   std::optional<evaluation::LineError> error;  ///< against the cell's own truth; none without a line
+  double time_ratio{1};                        ///< of real time, of the scan
   double scan_s{0};  ///< once round, in the arm's time; without the ways there and back
   double wall_s{0};
 

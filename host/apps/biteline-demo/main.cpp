@@ -76,11 +76,9 @@ ExitStatus status_of(const std::vector<ShoeResult>& results) {
 }
 
 nlohmann::ordered_json shoe_fields(const ShoeResult& result) {
-  nlohmann::ordered_json fields{{"name", result.shoe.name},
-                                {"scan", result.scan.string()},
-                                {"verdict", result.verdict},
-                                {"scan_s", result.scan_s},
-                                {"total_s", result.wall_s}};
+  nlohmann::ordered_json fields{{"name", result.shoe.name},        {"scan", result.scan.string()},
+                                {"verdict", result.verdict},       {"scan_s", result.scan_s},
+                                {"time_ratio", result.time_ratio}, {"total_s", result.wall_s}};
   if (result.error) {
     fields["line_error_mm"] = {
         {"mean", result.error->mean_mm}, {"p95", result.error->p95_mm}, {"max", result.error->max_mm}};
@@ -137,6 +135,11 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--rate-hz", options.cell.rate_hz, "Pictures a second")
       ->check(options::number({.minimum = 1, .maximum = 1000}, ""))
       ->capture_default_str();
+  app.add_option(
+         "--time-ratio", options.cell.time_ratio,
+         "Scans go at this share of real time, arm and trigger together (default: as much of it as this "
+         "machine can)")
+      ->check(options::number({.minimum = 0.05, .maximum = 1}, ""));
   auto* uppers = app.add_option("--uppers", options.uppers, "How many uppers follow the sample")
                      ->check(options::number({.minimum = 0, .maximum = 20}, ""))
                      ->capture_default_str();

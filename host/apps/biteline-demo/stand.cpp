@@ -79,6 +79,7 @@ std::vector<std::string> cell_arguments(const CellOptions& options, const Shoe& 
                                      number(options.speed_mm_s),
                                      "--rate-hz",
                                      number(options.rate_hz)};
+  if (options.time_ratio) arguments.insert(arguments.end(), {"--time-ratio", number(*options.time_ratio)});
   if (shoe.sample) arguments.emplace_back("--upper");
   return arguments;
 }
