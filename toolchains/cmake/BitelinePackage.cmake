@@ -8,6 +8,8 @@ install(FILES boards/common/udev/90-biteline.rules DESTINATION lib/udev/rules.d 
 install(FILES boards/common/sysusers/biteline.conf DESTINATION lib/sysusers.d COMPONENT firmware)
 install(PROGRAMS firmware/update/biteline_update.sh DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT firmware RENAME biteline-update)
 install(PROGRAMS firmware/update/biteline_bundle.sh DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT firmware RENAME biteline-bundle)
+install(PROGRAMS firmware/update/biteline_backup.sh DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT firmware RENAME biteline-backup)
+install(FILES boards/common/avahi/biteline-sensor.service DESTINATION ${CMAKE_INSTALL_DATADIR}/biteline/avahi COMPONENT firmware)
 install(FILES firmware/update/systemd/biteline-update.conf DESTINATION ${CMAKE_INSTALL_DATADIR}/biteline/update COMPONENT firmware)
 # Every board's data; the unit's own goes to /etc/biteline by hand, and boards/<board>/board.cmake names it.
 install(DIRECTORY boards/ DESTINATION ${CMAKE_INSTALL_DATADIR}/biteline/boards COMPONENT firmware PATTERN common EXCLUDE)
