@@ -90,6 +90,11 @@ Result<void> serve(const ServeOptions& options) {
   settings.lost_packet_ratio = options.lost_packet_ratio;
   settings.camera_ptp = !options.camera_free_clock;
   settings.time_ratio = options.time_ratio;
+  settings.on_slower = [](double time_ratio) {
+    std::fprintf(stderr,
+                 "biteline-cell: the last scan's pictures came late: this one goes at %.2f of real time\n",
+                 time_ratio);
+  };
   settings.robot.rtde_port = options.rtde_port;
   settings.robot.script_port = options.script_port;
   settings.robot.dashboard_port = options.dashboard_port;

@@ -120,14 +120,19 @@ Result<std::unique_ptr<LiveCell>> LiveCell::open(const LiveSettings& settings) {
     self->on_line(line, active, stamp);
   };
   callbacks.on_trigger = [self](Nanoseconds period, Nanoseconds pulse) {
-    if (self->ready_) self->trigger_->configure(nanoseconds(seconds(period) / self->time_ratio_), pulse);
+    if (!self->ready_) return;
+    self->period_asked_ = period;
+    self->pulse_asked_ = pulse;
+    self->trigger_->configure(nanoseconds(seconds(period) / self->time_ratio()), pulse);
   };
   {
     const Urgently urgently{k_wires_priority};
     BITELINE_ASSIGN(cell->bus_, BusServer::open(settings.wires, std::move(callbacks)));
   }
   std::optional<Urgently> urgently{k_camera_priority};
-  cell->time_ratio_ = settings.time_ratio ? *settings.time_ratio : cell->measured_time_ratio();
+  cell->time_share_ =
+      std::make_unique<TimeShare>(settings.time_ratio ? *settings.time_ratio : cell->measured_time_ratio(),
+                                  nanoseconds(1 / settings.scene.rate_hz));
   BITELINE_ASSIGN(cell->camera_,
                   GvCamera::open(camera_config(settings, cell->scene_->head),
                                  [self](const GvExposure& exposure, std::span<std::uint8_t> pixels) {
@@ -158,6 +163,12 @@ double LiveCell::measured_time_ratio() {
                      nullptr);
   });
   return affordable_ratio(picture_takes, nanoseconds(1 / settings_.scene.rate_hz));
+}
+
+void LiveCell::slow_down_where_late() {
+  if (settings_.time_ratio || !time_share_->settle()) return;
+  trigger_->configure(nanoseconds(seconds(period_asked_) / time_ratio()), pulse_asked_);
+  if (settings_.on_slower) settings_.on_slower(time_ratio());
 }
 
 double LiveCell::scan_duration_s() const {
@@ -195,6 +206,7 @@ void LiveCell::paint(const GvExposure& exposure, std::span<std::uint8_t> pixels)
            scene_->head.model.T_flange_cam;
   };
   const bool lit = laser_shines() && exposure.strobe;
+  if (lit) time_share_->late_by(hal::monotonic_now() - exposure.begin);
   if (lit) ++lit_;
   if (targets_) {
     targets_->paint(target_, exposure, lit, pixels);
@@ -216,6 +228,7 @@ void LiveCell::on_line(Line line, bool active, SensorClock::time_point stamp) {
   if (active) ++lightings_;
   (active ? lit_since_ns_ : dark_since_ns_) = stamp.time_since_epoch().count();
   if (targets_) return;
+  if (active && ready_) slow_down_where_late();
   scan_at_ns_ = active ? (stamp + settings_.scan_after_laser).time_since_epoch().count() : 0;
   if (!active) scan_full_until_ns_ = 0;  // a scan without light is over, wherever the arm still goes
 }
@@ -312,11 +325,11 @@ void LiveCell::on_cycle(SensorClock::time_point instant, const ArmState& state, 
   if (asked_ns != 0 && now_ns >= asked_ns && scan_at_ns_.compare_exchange_strong(asked_ns, 0)) {
     ScanMotion scan = scan_motion(state);
     const auto at_ns = [&](double scan_s) {
-      return (instant + nanoseconds(scan_s / time_ratio_)).time_since_epoch().count();
+      return (instant + nanoseconds(scan_s / time_ratio())).time_since_epoch().count();
     };
     scan_full_until_ns_ = at_ns(scan.full_until_s);
     scan_full_from_ns_ = at_ns(scan.full_from_s);
-    arm_.run(slowed(std::move(scan.motion), time_ratio_), instant);
+    arm_.run(slowed(std::move(scan.motion), time_ratio()), instant);
     ++scans_;
   }
   bus_->drive(Line::ScanActive, now_ns >= scan_full_from_ns_ && now_ns < scan_full_until_ns_, instant);

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "hal/sim/live/arm_scan.hpp"
 #include "hal/sim/live/cell_faults.hpp"
 #include "hal/sim/live/reachable_scan.hpp"
+#include "hal/sim/live/slow_motion.hpp"
 #include "hal/sim/live/target_show.hpp"
 #include "hal/sim/live/trigger_timer.hpp"
 #include "hal/sim/record/disturbances.hpp"
@@ -39,9 +41,11 @@ struct LiveSettings {
   Nanoseconds scan_after_laser{300'000'000};  ///< the arm sets out so long after the laser went on
   /// Ring targets stand before the head in place of the shoe; the arm goes by show_target() only.
   std::optional<TargetShowSettings> targets{};
-  /// Scans go at this share of real time; nothing: at as much as this machine can, measured at the start.
+  /// Scans go at this share of real time; nothing: at as much as this machine can, measured at the start, and
+  /// less after a scan whose pictures came late.
   std::optional<double> time_ratio{1.0};
-  bool keep_track{true};  ///< for write_track(); memory grows with the arm's way
+  std::function<void(double time_ratio)> on_slower{};  ///< on the wires' thread
+  bool keep_track{true};                               ///< for write_track(); memory grows with the arm's way
 };
 
 /// What happened, for the last line and for tests.
@@ -72,7 +76,7 @@ class LiveCell {
   [[nodiscard]] UrController::Ports robot_ports() const { return robot_->ports(); }
   [[nodiscard]] LiveCounts counts() const;
   /// Of real time, for scans (slow_motion.hpp).
-  [[nodiscard]] double time_ratio() const { return time_ratio_; }
+  [[nodiscard]] double time_ratio() const { return time_share_->ratio(); }
   /// The scan from its begin to its end, without the ways there and back, in the arm's own time.
   [[nodiscard]] double scan_duration_s() const;
   /// The arm's own way; nothing with a straight holder.
@@ -123,6 +127,7 @@ class LiveCell {
   void on_cycle(SensorClock::time_point instant, const ArmState& state, const ArmReal& real);
   void send_pose(SensorClock::time_point instant, const ArmState& state, const SE3& T_base_flange_told);
   [[nodiscard]] double measured_time_ratio();
+  void slow_down_where_late();
   [[nodiscard]] bool laser_shines() const;
   [[nodiscard]] SE3 T_base_flange_on_path(double way_mm) const;
   struct ScanMotion {
@@ -135,7 +140,7 @@ class LiveCell {
 
   LiveSettings settings_;
   std::unique_ptr<MadeScene> scene_;
-  double time_ratio_{1};
+  std::unique_ptr<TimeShare> time_share_;
   std::shared_ptr<const ArmScan> arm_scan_;
   std::string moved_because_;
   Arm arm_;
@@ -150,7 +155,8 @@ class LiveCell {
   Random pose_noise_;             ///< controller's thread
   mutable std::mutex track_mutex_;
   std::vector<TrackRow> track_;
-  std::atomic<bool> ready_{false};  ///< every part exists
+  Nanoseconds period_asked_{0}, pulse_asked_{0};  ///< wires' thread
+  std::atomic<bool> ready_{false};                ///< every part exists
   std::unique_ptr<BusServer> bus_;
   std::unique_ptr<GvCamera> camera_;
   std::unique_ptr<UrController> robot_;

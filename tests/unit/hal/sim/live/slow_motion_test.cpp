@@ -38,6 +38,25 @@ TEST(SlowMotion, TurnsAreTimedAfterTheFirstOne) {
   CHECK(mean >= 10ms);
 }
 
+TEST(SlowMotion, AScanAfterLatePicturesGoesAtHalfTheTimeUntilNothingIsLate) {
+  TimeShare sut{1.0, 20ms};
+  sut.late_by(24ms);
+  CHECK(!sut.settle());
+  DOUBLES_EQUAL(1, sut.ratio(), 0);
+  sut.late_by(26ms);
+  sut.late_by(1ms);
+  CHECK(sut.settle());
+  DOUBLES_EQUAL(0.5, sut.ratio(), 1e-12);
+  CHECK(!sut.settle());
+  sut.late_by(300ms);
+  CHECK(sut.settle());
+  // No slower than 20 Hz.
+  DOUBLES_EQUAL(0.4, sut.ratio(), 1e-12);
+  sut.late_by(300ms);
+  CHECK(!sut.settle());
+  DOUBLES_EQUAL(0.4, sut.ratio(), 1e-12);
+}
+
 TEST(SlowMotion, AMotionGoesThroughTheSamePlacesLater) {
   FlangeMotion straight{.name = "straight", .duration_s = 2, .T_base_flange_at = [](double time_s) -> SE3 {
                           return SE3(Eigen::Translation3d(100 * time_s, 0, 0));
