@@ -5,6 +5,7 @@ Leaves with 77 (skipped) where the daemons are not installed or this is not root
 """
 import os
 import pathlib
+import random
 import shutil
 import signal
 import subprocess
@@ -14,6 +15,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
 from programs import Program
 
 CELLS = ("cell-1", "cell-2", "cell-3")
+REAL_CELL = "cell-4"  # of tests in which a real service works
 POSTGRES = pathlib.Path("/usr/lib/postgresql/15/bin")
 GROUP = "plant-1"
 EACH_MS = 60
@@ -41,7 +43,7 @@ class Factory:
         self.make_certificates()
         self.make_broker_files(pathlib.Path(broker_files))
         self.make_database()
-        for cell in CELLS:
+        for cell in (*CELLS, REAL_CELL):
             (folder / cell).mkdir()
 
     def make_certificates(self):
@@ -51,7 +53,7 @@ class Factory:
         openssl("req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-keyout", "ca.key", "-out", "ca.pem",
                 "-subj", "/CN=factory", "-days", "2")
         self.folder.joinpath("names").write_text("subjectAltName=DNS:localhost,IP:127.0.0.1\n")
-        for name in ("broker", "fleet", "host", *CELLS):
+        for name in ("broker", "fleet", "host", *CELLS, REAL_CELL):
             openssl("req", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-keyout", name + ".key", "-out", name + ".csr",
                     "-subj", "/CN=" + name)
             openssl("x509", "-req", "-in", name + ".csr", "-CA", "ca.pem", "-CAkey", "ca.key", "-CAcreateserial", "-out", name + ".pem",
@@ -118,3 +120,17 @@ class Factory:
     def end(self):
         for program in self.running.values():
             program.end(signal.SIGQUIT if "postgres" in program.command[0] else signal.SIGTERM)
+
+
+def put_odd_cells(factory, first, count, off_mm):
+    """Shoes of eight cells that nobody has seen, straight into the database; the lines of odd-4 are wider by off_mm."""
+    rng = random.Random(first)
+    rows = []
+    for number in range(first, first + count):
+        for cell in range(8):
+            wide = rng.gauss(0, 0.05) + (off_mm if cell == 4 else 0)
+            places = ",".join(f"{wide + rng.gauss(0, 0.1):.4f}" for _ in range(36))
+            rows.append(f"('odd-{cell}','b','scan-{number:04d}',{number},{number},now(),'loafer','ok','','','','open',false,false,'{{{places}}}')")
+    assert factory.sql("INSERT INTO books SELECT 'odd-' || n, 'b', 0 FROM generate_series(0, 7) AS n ON CONFLICT DO NOTHING") is not None
+    assert factory.sql("INSERT INTO shoes (cell, book, scan, first_seq, last_seq, time, model, verdict, reason_code, reason, process, "
+                       "decision, sent, followed, places) VALUES " + ",".join(rows)) is not None

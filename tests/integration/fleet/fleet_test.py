@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""fleet_test.py UPLINK FLEET MADE_CELL BROKER_FILES: three cells, a real broker with TLS and a real database.
+"""fleet_test.py UPLINK FLEET MADE_CELL BROKER_FILES HOST SENSOR ROOT: four cells, a real broker with TLS and a real database.
+
+Three cells are made, in one a real service works on a real sensor that replays a recorded scan.
 
 Each program is killed in turn and all at once; one cell is cut off for an hour of made time (180 shoes).  Rows must equal
 shoes, none double, in each cell's order.
 """
 import json
 import pathlib
-import random
 import signal
 import socket
 import ssl
@@ -18,23 +19,27 @@ import tempfile
 import time
 import urllib.request
 
-from factory import CELLS, Factory  # and the way to the module below
+from factory import CELLS, REAL_CELL, Factory, put_odd_cells  # and the way to the module below
 from programs import PATIENCE_S, comes_true
+from real_cell import RealCell
 
 SHOES, HOUR = 150, 180
+REAL_SCANS = 5
 
 
-def each_is_killed_in_turn(factory):
+def each_is_killed_in_turn(factory, real):
     makers = [factory.make_shoes(cell, 1, SHOES) for cell in CELLS]
+    real.begin(REAL_SCANS)
     for victim in ("broker", "fleet", "cell-2", "database"):
         time.sleep(1.5)
         factory.kill(victim)
         time.sleep(0.8)
         factory.start(victim)
-    time.sleep(1)
-    everything = ["broker", "database", "fleet", *CELLS]
+    real.kill_in_a_scan()
+    everything = ["broker", "database", "fleet", *CELLS, REAL_CELL]
     for name in everything:
         factory.kill(name)
+    real.kill_in_a_scan()
     time.sleep(0.5)
     for name in everything:
         factory.start(name)
@@ -47,11 +52,21 @@ def each_is_killed_in_turn(factory):
         comes_true(lambda: factory.shoes_of(cell) == SHOES, f"{SHOES} shoes of {cell}, not {factory.shoes_of(cell)}")
 
 
+def real_service_loses_nothing(factory, real):
+    """What its own memory has is at the centre, once and in order, though it was killed within a scan itself."""
+    real.finish()
+    remembered = real.memory()
+    assert real.killed > 0 and len(remembered) >= REAL_SCANS - real.killed, (real.killed, remembered)
+    rows = lambda: factory.sql(f"SELECT scan, verdict, reason_code FROM shoes WHERE cell = '{REAL_CELL}' ORDER BY id")
+    comes_true(lambda: rows() == remembered, f"{remembered} at the centre, not {rows()}")
+    print(f"{len(remembered)} scans of a real service that was killed {real.killed} times:", ", ".join(verdict for _, verdict, _ in remembered))
+
+
 def one_is_cut_off_for_an_hour(factory):
     """180 shoes at one in 20 s; the others go on."""
     factory.kill("cell-3")
     comes_true(lambda: factory.sql("SELECT online FROM cells WHERE cell = 'cell-3'") == [["f"]], "the centre sees that cell-3 is away")
-    assert factory.sql("SELECT count(*) FROM cells WHERE online") == [["2"]]
+    assert factory.sql("SELECT count(*) FROM cells WHERE online") == [["3"]]
     makers = [factory.make_shoes(cell, SHOES + 1, HOUR if cell == "cell-3" else 20) for cell in CELLS]
     for maker in makers:
         assert maker.wait(PATIENCE_S) == 0
@@ -80,9 +95,9 @@ def rows_are_the_shoes(factory):
     assert factory.sql("SELECT count(*) FROM (SELECT 1 FROM shoes GROUP BY cell, scan HAVING count(*) > 1) AS twice") == [["0"]]
     told = subprocess.run([factory.fleet, "--database", factory.database(), "--list", "--json"], capture_output=True, text=True, check=True)
     cells = json.loads(told.stdout)["cells"]
-    assert [(cell["cell"], cell["shoes"], cell["online"]) for cell in cells] == [
+    assert [(cell["cell"], cell["shoes"], cell["online"]) for cell in cells if cell["cell"] != REAL_CELL] == [
         ("cell-1", SHOES + 20, True), ("cell-2", SHOES + 20, True), ("cell-3", SHOES + HOUR, True)], cells
-    trends = factory.sql("SELECT sum(shoes), sum(ok), sum(refused) FROM trends")
+    trends = factory.sql(f"SELECT sum(shoes), sum(ok), sum(refused) FROM trends WHERE cell <> '{REAL_CELL}'")
     total = 3 * SHOES + 40 + HOUR
     assert trends == [[str(total), str(total - total // 5), str(total // 5)]], (trends, total)
 
@@ -135,26 +150,13 @@ def strangers_are_kept_out(factory):
 
 def odd_cell_is_named(factory):
     """Eight made cells, one of them 0.3 mm off, put into the database as shoes of a model of their own."""
-    rng = random.Random(7)
-
     def odd():
         told = subprocess.run([factory.fleet, "--database", factory.database(), "--odd", "--json"], capture_output=True, text=True)
         return told.returncode, json.loads(told.stdout)["odd"]
 
-    def put(first, count, off_mm):
-        rows = []
-        for number in range(first, first + count):
-            for cell in range(8):
-                wide = rng.gauss(0, 0.05) + (off_mm if cell == 4 else 0)
-                places = ",".join(f"{wide + rng.gauss(0, 0.1):.4f}" for _ in range(36))
-                rows.append(f"('odd-{cell}','b','scan-{number:04d}',{number},{number},now(),'loafer','ok','','','','open',false,false,'{{{places}}}')")
-        assert factory.sql("INSERT INTO books SELECT 'odd-' || n, 'b', 0 FROM generate_series(0, 7) AS n ON CONFLICT DO NOTHING") is not None
-        assert factory.sql("INSERT INTO shoes (cell, book, scan, first_seq, last_seq, time, model, verdict, reason_code, reason, process, "
-                           "decision, sent, followed, places) VALUES " + ",".join(rows)) is not None
-
-    put(1, 40, 0)
+    put_odd_cells(factory, 1, 40, 0)
     assert odd() == (0, []), odd()
-    put(41, 20, 0.3)
+    put_odd_cells(factory, 41, 20, 0.3)
     status, cells = odd()
     assert status == 3 and [(one["cell"], one["model"]) for one in cells] == [("odd-4", "loafer")], cells
     assert 0.2 < cells[0]["mm"] < 0.4 and cells[0]["difference"] == "wider or narrower all round", cells
@@ -179,9 +181,11 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         factory = Factory(pathlib.Path(folder), *sys.argv[1:5])
         try:
-            for name in ("broker", "database", "fleet", *CELLS):
+            for name in ("broker", "database", "fleet", *CELLS, REAL_CELL):
                 factory.start(name)
-            each_is_killed_in_turn(factory)
+            real = RealCell(factory.folder / REAL_CELL, *sys.argv[5:8])
+            each_is_killed_in_turn(factory, real)
+            real_service_loses_nothing(factory, real)
             one_is_cut_off_for_an_hour(factory)
             rows_are_the_shoes(factory)
             strangers_are_kept_out(factory)

@@ -8,7 +8,6 @@ is refused by name.
 import hashlib
 import json
 import pathlib
-import random
 import subprocess
 import sys
 import tarfile
@@ -17,6 +16,7 @@ import time
 
 from factory import CELLS, Factory
 from programs import PATIENCE_S, comes_true
+from recordings import make_recording
 
 LARGE, SMALL = 12_000_000, 60_000
 
@@ -43,17 +43,6 @@ class Fetches:
         cell, scan = what.split("/")
         assert file.is_relative_to(self.folder / "recordings" / cell) and file.name == f"{scan}.tar", told
         return file
-
-
-def make_recording(folder, scan, size, seed):
-    """The folder of a scan, as the service leaves it; its files' SHA-256."""
-    rng = random.Random(seed)
-    files = {"report.json": b"{}\n", "scan.btln": rng.randbytes(size), "stages/one.png": rng.randbytes(1000), "empty": b""}
-    for name, content in files.items():
-        file = folder / scan / name
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_bytes(content)
-    return {f"{scan}/{name}": hashlib.sha256(content).hexdigest() for name, content in files.items()}
 
 
 def check_same(file, expected):
