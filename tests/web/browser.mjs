@@ -95,7 +95,7 @@ export async function whole_page(page, path, most = 8000) {
   const before = page.viewportSize();
   const height = await page.evaluate(() => document.documentElement.scrollHeight);
   await page.setViewportSize({ width: before.width, height: Math.min(Math.max(before.height, height), most) });
-  await page.waitForTimeout(500);
+  await page.waitForTimeout(250);
   await page.screenshot({ path });
   await page.setViewportSize(before);
 }

@@ -105,6 +105,11 @@ export class FakeCell {
   constructor(page) {
     this.page = page;
     this.local = true;
+    /// How long a check of a process takes, and how many were under way at once.
+    this.check_takes_ms = 0;
+    this.checks = 0;
+    this.most_checks = 0;
+    this.view_fails = false;
     this.calls = [];
     this.reruns = new Map();
     this.sessions = new Map();
@@ -200,12 +205,17 @@ export class FakeCell {
     request.on('data', (part) => {
       body += part;
     });
-    request.on('end', () => {
+    request.on('end', async () => {
       const url = new URL(request.url, 'http://cell');
       if (!url.pathname.startsWith('/api/v1/')) return this.serve_page(url.pathname, response);
       const path = url.pathname.slice('/api/v1'.length);
       const given = body ? JSON.parse(body) : {};
       this.calls.push({ method: request.method, path, body: given });
+      if (path === '/processes/check') {
+        this.most_checks = Math.max(this.most_checks, ++this.checks);
+        await new Promise((done) => setTimeout(done, this.check_takes_ms));
+        this.checks -= 1;
+      }
       const result = this.decide(request, path, given, url.searchParams);
       const [status, value, headers = {}] = result;
       const is_text = typeof value === 'string' || Buffer.isBuffer(value);
@@ -262,6 +272,7 @@ export class FakeCell {
       if (!what) return [200, { ...scan, report: { status: 'ok' }, gate: null, follow: null, versions: [{ version: 0, time: scan.time, who: 'found' }], reruns: this.reruns.get(scan.id) ?? [] }];
       if (what === 'files') return [200, { files: (scan.verdict === 'refused' ? ['cloud.ply', 'report.json'] : ['line.csv', 'cloud.ply', 'report.json', 'path/tracking.html']).map((name) => ({ path: name, bytes: 12345, time: scan.time })) }];
       if (what === 'files/view_data.js') {
+        if (this.view_fails) return fail(500, 'internal', 'the disk does not answer');
         const found = scan.verdict !== 'refused';
         return [200, `window.biteline_view = ${JSON.stringify(found ? this.view : made_view({ weak: false, found: false }))};\n`, { 'content-type': 'text/javascript' }];
       }

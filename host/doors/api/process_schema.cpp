@@ -140,7 +140,8 @@ Json value_of(const KeyAsked& key) {
 
 std::string unit_of(const std::string& key) {
   constexpr std::array k_units{Help{"_mm_s2", "mm/s2"}, Help{"_mm_s", "mm/s"}, Help{"_mm", "mm"},
-                               Help{"_deg", "degrees"}, Help{"_kg", "kg"},     Help{"_s", "s"}};
+                               Help{"_deg", "degrees"}, Help{"_kg", "kg"},     Help{"_s", "s"},
+                               Help{"_percent", "%"}};
   for (const Help& unit : k_units) {
     if (key.ends_with(unit.path)) return std::string{unit.text};
   }

@@ -48,6 +48,11 @@ export function t_or(key: string, otherwise: string): string {
   return key in en ? t(key as Word) : otherwise;
 }
 
+/// A field's help.  In English the service says it itself (`otherwise`); the other languages' files have it.
+export function help_words(key: string, otherwise: string): string {
+  return (languages[current] as Record<string, string>)[key] ?? otherwise;
+}
+
 /// For numbers and dates: English here is that of the metric world.
 export function locale(): string {
   return current === 'en' ? 'en-GB' : current;

@@ -165,9 +165,10 @@ export function Waiting(): JSX.Element | null {
         scan.id === state?.scan),
   );
   if (waiting.length === 0) return null;
+  const title = may('operator') ? t('waiting') : t('waiting_operator');
   return (
-    <section class="card look" aria-label={t('waiting')}>
-      <h2>{t('waiting')}</h2>
+    <section class="card look" aria-label={title}>
+      <h2>{title}</h2>
       {waiting.map((scan) => (
         <div key={scan.id}>
           <p>
@@ -181,7 +182,6 @@ export function Waiting(): JSX.Element | null {
   );
 }
 
-/// Accept, reject, hold, send, rescan: what may be done with a scan now.
 /// A scan that waits since nobody knows its model goes on as the one that is chosen here.
 function ChooseModel({ scan, enabled }: { scan: ScanRow; enabled: boolean }): JSX.Element {
   const { value } = use_reading<{ models: Model[] }>('/models');
@@ -219,6 +219,7 @@ function ChooseModel({ scan, enabled }: { scan: ScanRow; enabled: boolean }): JS
   );
 }
 
+/// Accept, reject, hold, send, rescan: what may be done with a scan now.
 export function Decide({ scan }: { scan: ScanRow }): JSX.Element {
   use_store();
   const enabled = may('operator') && holds_control();

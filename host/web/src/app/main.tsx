@@ -4,6 +4,7 @@ import type { ComponentChildren, JSX } from 'preact';
 import { render } from 'preact';
 import { useEffect, useState } from 'preact/hooks';
 import 'uplot/dist/uPlot.min.css';
+import '../colours.css';
 import '../viewer/viewer.css';
 import './app.css';
 import { type Language, language, language_names, set_language, stored_language, t, t_or } from '../words';

@@ -242,7 +242,11 @@ function use_view(id: string | null, version: number | undefined): { data: ViewD
         return parse_view_data(await answer.text());
       })
       .then((data) => alive && set({ data, error: '' }))
-      .catch((error: Error) => alive && set({ data: null, error: error.message || t('no_view') }));
+      // What is shown stays: a person may be at work on it.
+      .catch(
+        (error: Error) =>
+          alive && set((before) => ({ data: before.data, error: error.message || t('no_view') })),
+      );
     return () => {
       alive = false;
     };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // viewer.js in a result folder: shows view_data.js and files.js, which were loaded before it.
 import { render } from 'preact';
+import colours from '../colours.css';
 import { set_language } from '../words';
 import style from './viewer.css';
 import type { ResultFile, ViewData } from './view_data';
@@ -18,7 +19,7 @@ if (place && window.biteline_view) {
   // The page around it is in English.
   set_language('en');
   const sheet = document.createElement('style');
-  sheet.textContent = style;
+  sheet.textContent = colours + style;
   document.head.append(sheet);
   place.textContent = '';
   // The page lists what stood there when it was written; the viewer also what came later.

@@ -48,6 +48,29 @@ TEST(ProcessSchema, EachKeyOfTheReaderStandsInTheDocument) {
   }
 }
 
+TEST(ProcessSchema, EachKeyOfTheReaderHasWordsInEachLanguage) {
+  int languages = 0;
+  for (const auto& entry : std::filesystem::directory_iterator{BITELINE_WORDS}) {
+    std::ifstream stream{entry.path()};
+    const Json words = Json::parse(stream);
+    const std::string language = entry.path().filename();
+    // The English help is the service's own.
+    const bool is_english = language == "en.json";
+    ++languages;
+    for (const config::KeyAsked& key : path::process_keys()) {
+      std::string path = key.path;
+      if (const std::size_t first = path.find("[0]"); first != std::string::npos)
+        path.replace(first, 3, "[]");
+      const std::string told = language + ": " + path;
+      CHECK_TEXT(words.contains("field_" + path), told.c_str());
+      CHECK_TEXT(is_english || words.contains("help_" + path), told.c_str());
+      for (const std::string& choice : key.choices)
+        CHECK_TEXT(words.contains("choice_" + choice), (told + " " + choice).c_str());
+    }
+  }
+  CHECK(languages >= 2);
+}
+
 TEST(ProcessSchema, ZonesAreAListWithUnitsAndRanges) {
   const Json schema = process_schema();
   const Json& zones = schema["properties"]["zones"];
@@ -57,6 +80,7 @@ TEST(ProcessSchema, ZonesAreAListWithUnitsAndRanges) {
   STRCMP_EQUAL(R"(["name"])", item["required"].dump().c_str());
   STRCMP_EQUAL("mm", item["properties"]["outward_by_mm"]["x-unit"].get<std::string>().c_str());
   STRCMP_EQUAL("degrees", item["properties"]["tilt_by_deg"]["x-unit"].get<std::string>().c_str());
+  STRCMP_EQUAL("%", item["properties"]["from_percent"]["x-unit"].get<std::string>().c_str());
   LONGS_EQUAL(10, item["properties"]["passes"]["maximum"].get<int>());
   STRCMP_EQUAL(R"(["worked","left_out"])", item["properties"]["work"]["enum"].dump().c_str());
 }
