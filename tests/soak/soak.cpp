@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <numeric>
 
+#include "hal/sim/live/urgency.hpp"
+
 namespace biteline::soak {
 namespace {
 
@@ -147,8 +149,13 @@ void Soak::work_fault() {
     if (!fault_due()) return;
     const sim::ArmState arm = stand_.cell().arm_at(hal::monotonic_now());
     run.made_at_mm = (arm.T_base_flange * arm.T_flange_tcp).translation();
-    run.made = Clock::now();
-    run.undo = run.fault->make(stand_);
+    {
+      // Nobody comes between the stamp and what it stamps: as an ordinary thread this one may wait long
+      // there.
+      const sim::Urgently urgently{sim::k_wires_priority};
+      run.made = Clock::now();
+      run.undo = run.fault->make(stand_);
+    }
     aftermath_until_ = *run.made + run.fault->lasts + k_aftermath;
     return;
   }
