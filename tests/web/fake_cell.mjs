@@ -394,6 +394,33 @@ export const live = {
     });
     return bytes;
   },
+  /// A stripe as the picture of page_test shows it: 640 x 400 px of the sensor from 100, 40 on.
+  peaks(seq) {
+    const count = 640;
+    const bytes = Buffer.alloc(17 + 7 * count);
+    bytes[0] = 6;
+    bytes.writeUInt32LE(seq, 1);
+    [100, 40, 640, 400, 1, count].forEach((v, i) => bytes.writeUInt16LE(v, 5 + 2 * i));
+    for (let x = 0; x < count; ++x) {
+      bytes.writeUInt16LE(100 + x, 17 + 7 * x);
+      bytes.writeFloatLE(40 + 200 + 60 * Math.sin(x / 90), 19 + 7 * x);
+      bytes[23 + 7 * x] = x < 20 ? 0x02 : x < 50 ? 0x20 : 0;
+    }
+    return bytes;
+  },
+  sensor() {
+    const state = {
+      name: 'head 3', version: '0.1.0', simulated: false, recording: false, scanning: true, laser: 'on', laser_reason: '',
+      region_px: [100, 40, 640, 400], frames: 900, frames_lost: 1, frames_damaged: 0, profiles: 899, observers: 1,
+      triggered_by_software: false, temperature_degc: 41.5, rate_max_hz: 123.4, changes: 1,
+      trigger: { edges: 900, edges_missed: 1, edges_lost: 0, frames_paired: 899, frames_without_edge: 0 },
+      settings: [
+        { key: 'camera.exposure_us', value: '250 us', unit: 'us', what: 'How long each picture is exposed', range: [1, 1e7] },
+        { key: 'peaks.choice', value: 'continuity', unit: '', what: 'Which of several peaks in a column', words: ['continuity', 'first', 'last', 'strongest'] },
+      ],
+    };
+    return Buffer.concat([Buffer.from([7]), Buffer.from(JSON.stringify(state))]);
+  },
   picture(seq, jpeg) {
     const head = Buffer.alloc(13);
     head[0] = 1;

@@ -60,6 +60,8 @@ const jpeg = await anna.page.evaluate(async () => {
 });
 
 async function send_live(turn) {
+  cell.push_live(live.sensor());
+  cell.push_live(live.peaks(turn));
   cell.push_live(live.picture(turn, Buffer.from(jpeg, 'base64')));
   cell.push_live(live.profile(turn));
   cell.push_live(live.cloud(4, 6000));
@@ -74,6 +76,7 @@ const views = [
   ['refused', '#/scans/scan-0003', 'scan-0003'],
   ['models', '#/models', 'Models'],
   ['processes', '#/processes', 'Processes'],
+  ['sensor', '#/sensor', 'Sensor'],
   ['devices', '#/devices', 'Devices'],
   ['people', '#/people', 'People'],
   ['log', '#/log', 'Log'],
@@ -96,6 +99,38 @@ for (const [width, height, scheme] of [[390, 844, 'light'], [390, 844, 'dark'], 
       }
       await one.page.getByText('line of 600 points', { exact: false }).waitFor();
       check(await one.page.locator('figure img').isVisible(), `${title}: no camera picture`);
+    }
+    if (name === 'sensor') {
+      for (let turn = 1; turn < 6 && !(await one.page.getByText('surface: 590').isVisible()); ++turn) {
+        await send_live(turn);
+        await one.page.waitForTimeout(700);
+      }
+      // 20 columns were cut by the region, 30 are reflections; the stripe is 4 px wide and white.
+      for (const words of ['surface: 590', 'another peak: 30', 'cut by the region, mixed or broken: 20', '123.4 Hz', 'Spot Selection'])
+        await one.page.getByText(words, { exact: false }).first().waitFor();
+      const width_px = Number.parseFloat(await one.page.locator('dt', { hasText: /^Stripe's width$/ }).locator('xpath=following-sibling::dd').innerText());
+      check(width_px > 3 && width_px < 7, `${title}: a stripe of 4 px is told as ${width_px} px`);
+      // The dots lie on the stripe: green where it is surface, none where its mark is unticked.
+      const green = () => one.page.evaluate(() => {
+        const canvas = document.querySelector('.sensor-picture');
+        const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+        let count = 0;
+        for (let x = 100; x < 600; ++x) {
+          const y = Math.round(200 + 60 * Math.sin(x / 90));
+          for (let k = -2; k <= 2; ++k) {
+            const at = 4 * ((y + k) * canvas.width + x);
+            if (pixels[at + 1] > pixels[at] + 60 && pixels[at + 1] > pixels[at + 2] + 60) { ++count; break; }
+          }
+        }
+        return count;
+      });
+      check((await green()) > 400, `${title}: the dots are not on the stripe`);
+      await one.page.getByLabel('surface: 590').uncheck();
+      await send_live(9);
+      await one.page.waitForTimeout(700);
+      check((await green()) === 0, `${title}: hidden dots are drawn`);
+      await one.page.getByLabel('surface: 590').check();
+      await send_live(10);
     }
     if (name === 'scan') await one.page.getByText('Section across the line', { exact: true }).waitFor();
     if (name === 'processes') await one.page.getByText('passes every check', { exact: false }).waitFor();

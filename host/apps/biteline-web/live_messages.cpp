@@ -35,6 +35,13 @@ class Writer {
   std::string bytes_;
 };
 
+/// Two marks stand above the low byte; the page knows them as clipped: evidence, no surface.
+std::uint8_t page_flags(std::uint32_t flags) {
+  const bool evidence = (flags & profile::k_point_not_surface) != 0;
+  const std::uint32_t mark = evidence ? std::uint32_t{profile::k_point_clipped} : 0U;
+  return static_cast<std::uint8_t>((flags & 0xFFU) | mark);
+}
+
 }  // namespace
 
 LiveBytes picture_message(LiveStamp stamp, std::span<const std::uint8_t> jpeg) {
@@ -42,6 +49,29 @@ LiveBytes picture_message(LiveStamp stamp, std::span<const std::uint8_t> jpeg) {
   out.put(stamp.sequence);
   out.put(stamp.time_ns);
   out.put_bytes(jpeg);
+  return out.done();
+}
+
+LiveBytes peaks_message(const wire::Picture& picture) {
+  const std::size_t count = std::min(picture.peaks.size(), profile::k_max_profile_points);
+  Writer out{LiveKind::Peaks, 16 + 7 * count};
+  out.put(static_cast<std::uint32_t>(picture.frame_sequence));
+  for (const int value : {picture.region.offset_u_px, picture.region.offset_v_px, picture.region.width_px,
+                          picture.region.height_px, picture.step})
+    out.put(static_cast<std::uint16_t>(value));
+  out.put(static_cast<std::uint16_t>(count));
+  for (std::size_t i = 0; i < count; ++i) {
+    const wire::PicturePeak& peak = picture.peaks[i];
+    out.put(peak.u_px);
+    out.put(peak.v_px);
+    out.put(page_flags(peak.flags));
+  }
+  return out.done();
+}
+
+LiveBytes sensor_message(const std::string& json) {
+  Writer out{LiveKind::Sensor, json.size()};
+  out.put_bytes({reinterpret_cast<const std::uint8_t*>(json.data()), json.size()});
   return out.done();
 }
 
@@ -55,10 +85,7 @@ LiveBytes profile_message(const profile::Profile& profile) {
     const profile::ProfilePoint& point = profile.points[i];
     out.put(point.point_cam.x());
     out.put(point.point_cam.z());
-    // Two marks stand above the low byte; the page knows them as clipped: evidence, no surface.
-    const bool evidence = (point.flags & profile::k_point_not_surface) != 0;
-    const std::uint32_t mark = evidence ? std::uint32_t{profile::k_point_clipped} : 0U;
-    out.put(static_cast<std::uint8_t>((point.flags & 0xFFU) | mark));
+    out.put(page_flags(point.flags));
   }
   return out.done();
 }

@@ -10,12 +10,21 @@
 #include <vector>
 
 #include "common/profile/profile.hpp"
+#include "common/wire/messages.hpp"
 #include "host/cloud/closed_line.hpp"
 
 namespace biteline::web {
 
-enum class LiveKind : std::uint8_t { Picture = 1, Profile = 2, Cloud = 3, Line = 4, Arm = 5 };
-inline constexpr std::size_t k_live_kinds = 6;  ///< by LiveKind; 0 is not used
+enum class LiveKind : std::uint8_t {
+  Picture = 1,
+  Profile = 2,
+  Cloud = 3,
+  Line = 4,
+  Arm = 5,
+  Peaks = 6,
+  Sensor = 7
+};
+inline constexpr std::size_t k_live_kinds = 8;  ///< by LiveKind; 0 is not used
 
 /// Shared by all who watch: made once.
 using LiveBytes = std::shared_ptr<const std::string>;
@@ -25,6 +34,12 @@ struct LiveStamp {
   std::uint64_t time_ns{0};  ///< sensor clock
 };
 [[nodiscard]] LiveBytes picture_message(LiveStamp stamp, std::span<const std::uint8_t> jpeg);
+
+/// What was found in the picture of that number, and which part of the sensor it shows.
+[[nodiscard]] LiveBytes peaks_message(const wire::Picture& picture);
+
+/// The sensor's own state as JSON.
+[[nodiscard]] LiveBytes sensor_message(const std::string& json);
 
 /// x and z of each point in the camera's frame [mm]; the flag's low byte is what the page colours by.
 [[nodiscard]] LiveBytes profile_message(const profile::Profile& profile);

@@ -10,6 +10,7 @@
 
 #include "common/wire/observer.hpp"
 #include "host/apps/biteline-web/routes.hpp"
+#include "host/apps/biteline-web/sensor_state.hpp"
 #include "host/cloud/closed_line.hpp"
 
 namespace biteline::web {
@@ -42,6 +43,7 @@ struct SensorWatch::State {
   LiveSink sink;
   CloudPieces pieces;
   std::uint64_t scan{0};
+  std::optional<wire::SensorHello> known;  ///< of this connection or the one before
 
   std::mutex mutex;
   std::condition_variable changed;
@@ -110,6 +112,10 @@ void SensorWatch::State::show(const wire::Message& message) {
   }
   if (const auto* hello = std::get_if<wire::SensorHello>(&message.body)) {
     pieces.begin(hello->model);
+    known = *hello;
+  } else if (const auto* health = std::get_if<wire::Health>(&message.body)) {
+    if (known && sink.watchers() > 0)
+      sink.publish(LiveKind::Sensor, sensor_message(sensor_state(*known, *health)));
   } else if (const auto* profile = std::get_if<profile::Profile>(&message.body)) {
     sink.publish(LiveKind::Profile, profile_message(*profile));
     if (LiveBytes piece = pieces.add(message.scan_id, *profile))
@@ -119,6 +125,7 @@ void SensorWatch::State::show(const wire::Message& message) {
         .sequence = static_cast<std::uint32_t>(picture->frame_sequence),
         .time_ns = static_cast<std::uint64_t>(picture->exposure_mid.time_since_epoch().count())};
     if (picture->format == wire::PictureFormat::Jpeg) {
+      sink.publish(LiveKind::Peaks, peaks_message(*picture));
       sink.publish(LiveKind::Picture, picture_message(stamp, picture->pixels));
     }
   }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Binary live data, as openapi.yaml's /live describes them: little endian, byte 0 is the kind.
+import type { SensorState } from './sensor';
+import type { Peaks } from './sensor_picture';
 import { socket_address } from './store';
 
 export type LiveMessage =
@@ -7,7 +9,37 @@ export type LiveMessage =
   | { kind: 'profile'; seq: number; xz_mm: Float32Array; flags: Uint8Array }
   | { kind: 'cloud'; scan: number; xyz_mm: Float32Array }
   | { kind: 'line'; values: Float32Array }
-  | { kind: 'arm'; joints_rad: number[]; tip_mm: [number, number, number] };
+  | { kind: 'arm'; joints_rad: number[]; tip_mm: [number, number, number] }
+  | { kind: 'peaks'; peaks: Peaks }
+  | { kind: 'sensor'; state: SensorState };
+
+function read_peaks(view: DataView): Peaks | null {
+  const count = view.byteLength >= 17 ? view.getUint16(15, true) : 0;
+  if (view.byteLength < 17 + 7 * count) return null;
+  const short = (at: number) => view.getUint16(at, true);
+  const peaks: Peaks = {
+    seq: view.getUint32(1, true),
+    region_px: [short(5), short(7), short(9), short(11)],
+    step: Math.max(1, short(13)),
+    u_px: new Uint16Array(count),
+    v_px: new Float32Array(count),
+    flags: new Uint8Array(count),
+  };
+  for (let i = 0; i < count; ++i) {
+    peaks.u_px[i] = short(17 + 7 * i);
+    peaks.v_px[i] = view.getFloat32(19 + 7 * i, true);
+    peaks.flags[i] = view.getUint8(23 + 7 * i);
+  }
+  return peaks;
+}
+
+function read_sensor(buffer: ArrayBuffer): SensorState | null {
+  try {
+    return JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 1))) as SensorState;
+  } catch {
+    return null;
+  }
+}
 
 /// Null for what is cut off or of a kind that this page does not know.
 export function read_live(buffer: ArrayBuffer): LiveMessage | null {
@@ -48,6 +80,14 @@ export function read_live(buffer: ArrayBuffer): LiveMessage | null {
   if (kind === 5 && size >= 81) {
     const value = (i: number) => view.getFloat64(1 + 8 * i, true);
     return { kind: 'arm', joints_rad: [1, 2, 3, 4, 5, 6].map(value), tip_mm: [value(7), value(8), value(9)] };
+  }
+  if (kind === 6 && size >= 17) {
+    const peaks = read_peaks(view);
+    return peaks && { kind: 'peaks', peaks };
+  }
+  if (kind === 7) {
+    const state = read_sensor(buffer);
+    return state && { kind: 'sensor', state };
   }
   return null;
 }

@@ -16,6 +16,7 @@ import { AskWhy } from './parts';
 import { Log, People } from './people';
 import { Processes } from './processes';
 import { OneScan, Scans } from './scans';
+import { Sensor } from './sensor';
 import {
   act,
   change,
@@ -31,7 +32,7 @@ import {
   words_of,
 } from './store';
 
-const views = ['live', 'scans', 'models', 'processes', 'devices', 'people', 'log'] as const;
+const views = ['live', 'scans', 'models', 'processes', 'sensor', 'devices', 'people', 'log'] as const;
 
 function use_route(): string[] {
   const read = () => location.hash.replace(/^#\/?/, '').split('/').filter(Boolean);
@@ -336,6 +337,7 @@ function App(): JSX.Element {
           {view === 'scans' && (route[1] ? <OneScan key={route[1]} id={route[1]} /> : <Scans />)}
           {view === 'models' && <Models />}
           {view === 'processes' && <Processes />}
+          {view === 'sensor' && <Sensor />}
           {view === 'devices' && <Devices />}
           {view === 'people' && <People />}
           {view === 'log' && <Log />}

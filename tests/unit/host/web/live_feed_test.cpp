@@ -4,6 +4,9 @@
 #include <CppUTest/TestHarness.h>
 
 #include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "host/apps/biteline-web/sensor_state.hpp"
 
 namespace biteline::web {
 namespace {
@@ -21,6 +24,8 @@ Number number_at(const std::string& bytes, std::size_t offset) {
 }
 
 }  // namespace
+
+TEST_GROUP(LiveMessages){};
 
 TEST_GROUP(LiveFeed) {
   LiveFeed sut;
@@ -110,6 +115,21 @@ TEST(LiveFeed, MessagesHaveTheBytesOfTheDescription) {
   LONGS_EQUAL(1, picture->front());
   LONGS_EQUAL(0xD8, number_at<std::uint8_t>(*picture, 14));
 
+  wire::Picture seen;
+  seen.frame_sequence = 3;
+  seen.region = {.offset_u_px = 100, .offset_v_px = 40, .width_px = 640, .height_px = 120};
+  seen.step = 2;
+  seen.peaks = {{.u_px = 101, .v_px = 50.5F, .flags = profile::k_point_edge_mixed}, {}};
+  const LiveBytes peaks = peaks_message(seen);
+  LONGS_EQUAL(17 + 2 * 7, peaks->size());
+  LONGS_EQUAL(6, peaks->front());
+  LONGS_EQUAL(40, number_at<std::uint16_t>(*peaks, 7));
+  LONGS_EQUAL(2, number_at<std::uint16_t>(*peaks, 13));
+  LONGS_EQUAL(2, number_at<std::uint16_t>(*peaks, 15));
+  LONGS_EQUAL(101, number_at<std::uint16_t>(*peaks, 17));
+  CHECK(number_at<float>(*peaks, 19) == 50.5F);
+  LONGS_EQUAL(profile::k_point_clipped, number_at<std::uint8_t>(*peaks, 23));
+
   const std::vector<Eigen::Vector3f> points{{1, 2, 3}, {4, 5, 6}};
   const LiveBytes cloud = cloud_message(9, points);
   LONGS_EQUAL(9 + 24, cloud->size());
@@ -131,6 +151,28 @@ TEST(LiveFeed, MessagesHaveTheBytesOfTheDescription) {
       arm_message({.time_s = 2, .joints_rad = {1, 2, 3, 4, 5, 6}, .tip_base_mm = {7, 8, 9}});
   LONGS_EQUAL(81, arm->size());
   CHECK(number_at<double>(*arm, 73) == 9.0);
+}
+
+TEST(LiveMessages, SensorTellsWhatItRunsWithAndWhatEachKeyMayBe) {
+  wire::SensorHello sensor;
+  sensor.name = "head 3";
+  wire::Health health;
+  health.laser_reason = "the door is open";
+  const auto bare = nlohmann::json::parse(sensor_state(sensor, health));
+  CHECK(!bare.contains("settings") && !bare.contains("temperature_degc"));
+  STRCMP_EQUAL("the door is open", bare.at("laser_reason").get<std::string>().c_str());
+  health.settings =
+      wire::SettingsState{.text = "camera:\n  exposure_us: 250\n...\n", .rate_max_hz = 120, .changes = 1};
+  const auto json = nlohmann::json::parse(sensor_state(sensor, health));
+  LONGS_EQUAL(120, json.at("rate_max_hz").get<int>());
+  const auto& exposure = json.at("settings").at(0);
+  STRCMP_EQUAL("camera.exposure_us", exposure.at("key").get<std::string>().c_str());
+  STRCMP_EQUAL("250 us", exposure.at("value").get<std::string>().c_str());
+  LONGS_EQUAL(1, exposure.at("range").at(0).get<int>());
+  LONGS_EQUAL(16, json.at("settings").size());
+  // A broken set takes nothing else with it.
+  health.settings->text = "camera: [";
+  CHECK(!nlohmann::json::parse(sensor_state(sensor, health)).contains("settings"));
 }
 
 }  // namespace biteline::web
