@@ -78,6 +78,7 @@ class SettingsSet {
   [[nodiscard]] std::optional<bool> on(Key key) const;
   [[nodiscard]] std::optional<std::string> word(Key key) const;
   void set(Key key, Value value) { values_[static_cast<std::size_t>(key)] = std::move(value); }
+  void clear(Key key) { values_[static_cast<std::size_t>(key)].reset(); }
   [[nodiscard]] bool empty() const;
 
   /// Errc::BadValue "FILE line N, camera.exposure_us: EXPECTED expected, found 9000 us".

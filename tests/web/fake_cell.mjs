@@ -134,6 +134,13 @@ export class FakeCell {
       { name: 'otto', role: 'operator', enabled: true, made: '2026-11-02T08:00:00Z', last_login: null },
       { name: 'vera', role: 'viewer', enabled: true, made: '2026-11-02T08:00:00Z', last_login: null },
     ];
+    this.settings = [
+      { key: 'camera.exposure_us', value: '250 us', now: 250, kind: 'number', unit: 'us', what: 'How long each picture is exposed', range: [1, 1e7] },
+      { key: 'camera.gain', value: 'as the camera has it', now: null, kind: 'number', unit: '', what: 'The camera\'s own number', range: [0, 65535] },
+      { key: 'camera.follow_stripe', value: 'off', now: false, kind: 'on_off', unit: '', what: 'Only the rows about the stripe are taken' },
+      { key: 'region.height_px', value: '400 px', now: 400, kind: 'whole', unit: 'px', what: 'Rows; fewer are faster', range: [16, 16384] },
+      { key: 'peaks.choice', value: 'continuity', now: 'continuity', kind: 'word', unit: '', what: 'Which of several peaks in a column', words: ['continuity', 'first', 'last', 'strongest'] },
+    ];
     this.process = { name: 'rough', tool: { tcp_position_mm: [0, 0, 120], free_turn_deg: 20 }, motion: { speed_mm_s: 60 }, start: 'auto' };
     this.state = {
       version: '0.1.0', simulated: true, phase: 'deciding', now: 'scan-0004 waits for a person', next: 'send the path, or scan again', scan: 'scan-0004', progress: 0.7,
@@ -297,6 +304,19 @@ export class FakeCell {
       this.push('scan', scan);
       return [200, scan];
     }
+    if (path === '/sensors/settings') {
+      if (me.role !== 'administrator' && me.role !== 'engineer') return fail(403, 'not_allowed', 'this needs the role engineer');
+      if (this.control.holder !== me.name) return fail(409, 'control_needed', 'take control first');
+      // As a sensor: all of it or nothing; the region stays while a scan is on; the camera's step is 10 us.
+      if ('region.height_px' in given.settings)
+        return fail(409, 'refused', 'region.height_px: it stays 400 px while a scan is on; stop the scan first');
+      for (const row of this.settings) {
+        if (!(row.key in given.settings)) continue;
+        row.now = row.key === 'camera.exposure_us' ? 10 * Math.round(given.settings[row.key] / 10) : given.settings[row.key];
+        row.value = row.unit ? `${row.now} ${row.unit}` : String(row.now);
+      }
+      return [200, { done: true }];
+    }
     if (path.startsWith('/commands/')) return this.control.holder === me.name ? [202, { done: false }] : fail(409, 'control_needed', 'take control first');
     if (path === '/models' && method === 'POST') {
       this.models.push({ ...given, version: 1, time: new Date().toISOString() });
@@ -408,16 +428,13 @@ export const live = {
     }
     return bytes;
   },
-  sensor() {
+  sensor(cell) {
     const state = {
       name: 'head 3', version: '0.1.0', simulated: false, recording: false, scanning: true, laser: 'on', laser_reason: '',
       region_px: [100, 40, 640, 400], frames: 900, frames_lost: 1, frames_damaged: 0, profiles: 899, observers: 1,
       triggered_by_software: false, temperature_degc: 41.5, rate_max_hz: 123.4, changes: 1,
       trigger: { edges: 900, edges_missed: 1, edges_lost: 0, frames_paired: 899, frames_without_edge: 0 },
-      settings: [
-        { key: 'camera.exposure_us', value: '250 us', unit: 'us', what: 'How long each picture is exposed', range: [1, 1e7] },
-        { key: 'peaks.choice', value: 'continuity', unit: '', what: 'Which of several peaks in a column', words: ['continuity', 'first', 'last', 'strongest'] },
-      ],
+      settings: cell.settings,
     };
     return Buffer.concat([Buffer.from([7]), Buffer.from(JSON.stringify(state))]);
   },

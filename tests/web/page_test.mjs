@@ -60,7 +60,7 @@ const jpeg = await anna.page.evaluate(async () => {
 });
 
 async function send_live(turn) {
-  cell.push_live(live.sensor());
+  cell.push_live(live.sensor(cell));
   cell.push_live(live.peaks(turn));
   cell.push_live(live.picture(turn, Buffer.from(jpeg, 'base64')));
   cell.push_live(live.profile(turn));
@@ -142,6 +142,42 @@ for (const [width, height, scheme] of [[390, 844, 'light'], [390, 844, 'dark'], 
   }
   await one.context.close();
 }
+
+say('settings of the sensor: refused with the reason, taken, read back');
+await anna.page.goto(`${address}#/sensor`);
+await anna.page.getByRole('heading', { name: 'Sensor', level: 1 }).waitFor();
+const setting = (name) => anna.page.getByLabel(name, { exact: true });
+for (let turn = 20; turn < 26 && !(await setting('Exposure').isVisible()); ++turn) {
+  await send_live(turn);
+  await anna.page.waitForTimeout(500);
+}
+check(await setting('Exposure').isDisabled(), 'a setting can be changed without control');
+await anna.page.getByRole('button', { name: 'Take control' }).click();
+await anna.page.getByText('You have control', { exact: true }).waitFor();
+const send_settings = anna.page.getByRole('button', { name: 'Send to the sensor' });
+check(await send_settings.isDisabled(), 'nothing is changed, and can be sent');
+await setting('Region, height').fill('200');
+await setting('Exposure').fill('333');
+anna.may_fail = true;
+await send_settings.click();
+await anna.page.getByText('it stays 400 px while a scan is on', { exact: false }).first().waitFor();
+anna.may_fail = false;
+check(cell.settings[0].now === 250, 'half of a set was taken');
+await look_for_faults(anna.page, 'settings refused');
+await whole_page(anna.page, join(pictures, 'settings_refused_1280.png'));
+check((await setting('Exposure').inputValue()) === '333', 'a refusal threw away what was typed');
+await setting('Region, height').fill('400');
+await setting('Peak choice').selectOption('strongest');
+await setting('Follow the stripe').check();
+await send_settings.click();
+await anna.page.getByText('The sensor took the settings.').waitFor();
+const sent = cell.calls.filter((one) => one.path === '/sensors/settings').at(-1).body.settings;
+check(JSON.stringify(sent) === '{"camera.exposure_us":333,"camera.follow_stripe":true,"peaks.choice":"strongest"}', `sent ${JSON.stringify(sent)}`);
+await send_live(30);
+await anna.page.getByText('333 was asked, the camera took 330 us', { exact: false }).waitFor();
+check((await setting('Exposure').inputValue()) === '330', 'what the camera took is not read back');
+await anna.page.getByRole('button', { name: 'Release control' }).click();
+await anna.page.getByText('Nobody has control').waitFor();
 
 say('a scan of no known model');
 const nameless = { reason_code: 'model_unknown', reason: 'the model is not known: looks like runner-42 (0.61)' };

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <deque>
 #include <memory>
 #include <mutex>
@@ -39,10 +40,12 @@ struct CockpitConfig {
 
 /// What a door wants of the service's own thread.
 struct Wish {
-  enum class Kind { Start, Rescan, Stop, LaserOff, Send, Reject, Hold, Mended, Model };
+  enum class Kind { Start, Rescan, Stop, LaserOff, Send, Reject, Hold, Mended, Model, Settings };
   Kind kind{Kind::Stop};
   std::string scan, who, why;
   api::Job job{};
+  std::string settings{};     ///< a whole settings file
+  std::uint32_t question{0};  ///< which answer_settings() is to name
 };
 
 /// Owns memory, accounts, API and control end.  Thread: the doors' threads call the Cell's methods, the
@@ -75,6 +78,8 @@ class Cockpit final : public api::Cell {
   void hear(const wire::SensorHello& hello);
   void hear(const wire::Health& health);
   void lose_sensor(const std::string& why);
+  /// What the sensor said to the settings of a wish; without a question whichever is on its way.
+  void answer_settings(std::optional<std::uint32_t> question, const Result<void>& done);
   /// What the controller says of itself, or why it says nothing; `wrong`: what to do first.
   void hear(const Result<robot::ur::ControllerWords>& words, const std::string& wrong);
   /// A cycle goes from one asking for a scan to the next.  On demand this scan is the last until the next
@@ -113,6 +118,8 @@ class Cockpit final : public api::Cell {
                                           const std::string& who) override;
   [[nodiscard]] Result<void> begin_mend(const std::string& scan) override;
   void end_mend(const std::string& scan, bool mended, const std::string& who) override;
+  [[nodiscard]] Result<void> change_settings(const std::vector<api::SettingChange>& changes,
+                                             const std::string& who) override;
   [[nodiscard]] bool on_demand() override { return cycle_.on_demand(); }
   [[nodiscard]] line_control::LineState line_state() override;
   [[nodiscard]] std::optional<api::Job> job_of(int number) override;
@@ -160,6 +167,11 @@ class Cockpit final : public api::Cell {
   std::optional<wire::SensorHello> hello_{};
   std::optional<wire::Health> health_{};
   std::string sensor_lost_{"not connected yet"};
+  bool ending_{false};                             ///< nobody waits for the sensor any more
+  bool settings_asked_{false};                     ///< a set is on its way to the sensor
+  std::uint32_t settings_question_{100};           ///< its number; below are the service's own
+  std::optional<Result<void>> settings_answer_{};  ///< and this is what it said
+  std::condition_variable settings_answered_;
   std::optional<robot::ur::ControllerWords> robot_{};
   std::string robot_wrong_;
   bool robot_asked_{false};

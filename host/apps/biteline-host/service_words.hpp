@@ -17,9 +17,11 @@ namespace biteline::service {
 /// In the folder of the results: one service at a time holds it.
 inline constexpr const char* k_results_lock = "biteline-host.lock";
 
-/// Only the answer to a start matters: a stop has done its work or there was nothing to stop.
+/// The answer to a start matters: a stop has done its work or there was nothing to stop.
 inline constexpr std::uint32_t k_start_id = 1;
 inline constexpr std::uint32_t k_stop_id = 2;
+/// Larger ones: a set of settings, as Cockpit counts them.
+inline constexpr std::uint32_t k_last_own_id = 2;
 
 /// One line on standard error.
 void complain(const Error& error);

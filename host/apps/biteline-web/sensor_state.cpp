@@ -12,6 +12,32 @@ namespace {
 using nlohmann::ordered_json;
 using settings::Key;
 
+/// As a request gives it back; null where nothing is said.
+ordered_json bare(const settings::KeyRow& row, const std::optional<settings::Value>& value) {
+  if (!value) return nullptr;
+  switch (row.kind) {
+    case settings::KeyRow::Kind::OnOff:
+      return value->on;
+    case settings::KeyRow::Kind::Word:
+      return value->word;
+    default:
+      return value->number;
+  }
+}
+
+const char* kind_of(const settings::KeyRow& row) {
+  switch (row.kind) {
+    case settings::KeyRow::Kind::OnOff:
+      return "on_off";
+    case settings::KeyRow::Kind::Word:
+      return "word";
+    case settings::KeyRow::Kind::Whole:
+      return "whole";
+    default:
+      return "number";
+  }
+}
+
 /// Every key with what it is now, and what it may be.
 ordered_json settings_json(const settings::SettingsSet& set) {
   ordered_json rows = ordered_json::array();
@@ -21,6 +47,8 @@ ordered_json settings_json(const settings::SettingsSet& set) {
     const auto& value = set.at(key);
     ordered_json one{{"key", settings::path_of(key)},
                      {"value", value ? settings::value_text(key, *value) : row.usual},
+                     {"now", bare(row, value)},
+                     {"kind", kind_of(row)},
                      {"unit", row.unit},
                      {"what", row.what}};
     const bool number =

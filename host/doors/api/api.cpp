@@ -92,6 +92,7 @@ std::vector<Api::Route> Api::routes() {
       {"PUT", "/processes/{}", Engineer, false, &Api::write_process},
       {"GET", "/robots", Viewer, false, &Api::list_robots},
       {"GET", "/sensors", Viewer, false, &Api::list_sensors},
+      {"PATCH", "/sensors/settings", Engineer, true, &Api::change_settings},
       {"GET", "/users", Administrator, false, &Api::list_users},
       // The first account is made by whoever sits at the cell's own machine: add_user() sees to it.
       {"POST", "/users", std::nullopt, false, &Api::add_user},

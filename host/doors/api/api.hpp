@@ -85,6 +85,7 @@ class Api {
   [[nodiscard]] Result<std::string> newest_with_line() const;
   [[nodiscard]] control::Answer list_robots(const Call& call);
   [[nodiscard]] control::Answer list_sensors(const Call& call);
+  [[nodiscard]] control::Answer change_settings(const Call& call);
   [[nodiscard]] control::Answer list_users(const Call& call);
   [[nodiscard]] control::Answer add_user(const Call& call);
   [[nodiscard]] control::Answer change_user(const Call& call);

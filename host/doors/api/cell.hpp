@@ -4,7 +4,9 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "common/settings/settings.hpp"
 #include "host/doors/api/rerun.hpp"
 #include "host/doors/control/messages.hpp"
 #include "host/doors/line_control/line_state.hpp"
@@ -37,6 +39,12 @@ struct TriedPath {
   double duration_s{0};                        ///< when it passed
 };
 
+/// One setting of the sensor and what it shall be; nothing: as it is without any set.
+struct SettingChange {
+  settings::Key key;
+  std::optional<settings::Value> value;
+};
+
 /// Thread: each method from any thread; none waits for scan or arm.
 class Cell {
  public:
@@ -61,6 +69,12 @@ class Cell {
   [[nodiscard]] virtual Result<void> rescan(const std::string& who, const std::string& why,
                                             const std::string& door) = 0;
   [[nodiscard]] virtual Result<void> decide(const Decision& decision) = 0;
+
+  /// The sensor takes all of them or none.  Waits for its answer, 8 s at most: a camera is told and read
+  /// back. Errc::WrongState: it says its settings not or another change is on its way.  Errc::BadValue: they
+  /// do not go together.  Errc::PeerRefused: the sensor's own reason.
+  [[nodiscard]] virtual Result<void> change_settings(const std::vector<SettingChange>& changes,
+                                                     const std::string& who) = 0;
 
   /// For the line's control (host/doors/line_control).  False: it has no say here.
   [[nodiscard]] virtual bool on_demand() = 0;

@@ -42,6 +42,8 @@ Answer answer_of(const Error& error) {
       return control::refusal(404, "not_found", line);
     case Errc::WrongState:
       return control::refusal(409, "wrong_state", line);
+    case Errc::PeerRefused:
+      return control::refusal(409, "refused", line);
     case Errc::NoRights:
       return control::refusal(409, "control_needed", line);
     case Errc::CheckFailed:

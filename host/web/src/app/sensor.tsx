@@ -4,7 +4,7 @@ import type { JSX } from 'preact';
 import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { amount, number, t, t_or } from '../words';
 import { watch_live } from './live_data';
-import { Chart, Figures, Table } from './parts';
+import { Chart, Figures } from './parts';
 import {
   type Measures,
   type PeakMark,
@@ -14,6 +14,7 @@ import {
   mark_colours,
   measure,
 } from './sensor_picture';
+import { type Setting, SensorSettings } from './sensor_settings';
 
 export interface SensorState {
   name: string;
@@ -33,34 +34,8 @@ export interface SensorState {
   rate_max_hz?: number;
   changes?: number;
   trigger?: { edges: number; edges_missed: number; frames_without_edge: number };
-  settings?: {
-    key: string;
-    value: string;
-    unit: string;
-    what: string;
-    range?: [number, number];
-    words?: string[];
-  }[];
+  settings?: Setting[];
 }
-
-/// What the makers of profile sensors call it: Gocator; SICK Ranger3 and Ruler3; AT's C5 and C6.
-const other_names: Record<string, string> = {
-  'camera.exposure_us': 'Gocator: Exposure; SICK, AT: ExposureTime',
-  'camera.rate_hz': 'Gocator: Frame Rate; SICK: AcquisitionLineRate; AT: AcquisitionFrameRate',
-  'camera.gain': 'SICK, AT: Gain',
-  'camera.second_exposure_us': 'Gocator: Multiple Exposure',
-  'camera.auto_exposure': 'Gocator: Dynamic Exposure',
-  'camera.follow_stripe': 'AT: AoiTracking',
-  'region.left_px': 'Gocator: Active Area; SICK, AT: OffsetX',
-  'region.top_px': 'Gocator: Active Area; SICK, AT: OffsetY',
-  'region.width_px': 'Gocator: Active Area; SICK, AT: Width',
-  'region.height_px': 'Gocator: Active Area; SICK, AT: Height',
-  'peaks.mode': 'AT: MAX, TRSH, COG, FIR-PEAK',
-  'peaks.choice': 'Gocator: Spot Selection; SICK: SearchMode3D',
-  'peaks.threshold_grey': 'Gocator: Spot Threshold; SICK: DetectionThreshold; AT: AoiThreshold',
-  'peaks.width_min_px': 'Gocator: Spot Width Min',
-  'peaks.width_max_px': 'Gocator: Spot Width Max',
-};
 
 interface Seen {
   peaks: Peaks;
@@ -161,32 +136,6 @@ function Meters({ seen }: { seen: Seen }): JSX.Element {
   );
 }
 
-function SettingsTable({ state }: { state: SensorState }): JSX.Element | null {
-  if (!state.settings) return <p class="quiet">{t('settings_none')}</p>;
-  return (
-    <Table
-      label={t('settings_in_use')}
-      heads={[t('setting'), t('value'), t('allowed'), t('what_it_does'), t('elsewhere')]}
-    >
-      {state.settings.map((row) => (
-        <tr key={row.key}>
-          <th scope="row">
-            <code>{row.key}</code>
-          </th>
-          <td>{row.value}</td>
-          <td>
-            {row.range
-              ? `${row.range[0]} – ${row.range[1]} ${row.unit}`
-              : (row.words ?? ['on', 'off']).join(', ')}
-          </td>
-          <td>{row.what}</td>
-          <td>{other_names[row.key] ?? ''}</td>
-        </tr>
-      ))}
-    </Table>
-  );
-}
-
 export function Sensor(): JSX.Element {
   const canvas = useRef<HTMLCanvasElement>(null);
   const [hidden, set_hidden] = useState(new Set<PeakMark>());
@@ -248,10 +197,14 @@ export function Sensor(): JSX.Element {
       {seen && <Meters seen={seen} />}
       {seen && <Curves seen={seen} />}
       {state && (
-        <section aria-label={t('settings_in_use')}>
+        <section>
           <h2>{t('settings_in_use')}</h2>
           <p>{t('settings_how')}</p>
-          <SettingsTable state={state} />
+          {state.settings ? (
+            <SensorSettings rows={state.settings} />
+          ) : (
+            <p class="quiet">{t('settings_none')}</p>
+          )}
         </section>
       )}
     </>

@@ -168,7 +168,10 @@ TEST(LiveMessages, SensorTellsWhatItRunsWithAndWhatEachKeyMayBe) {
   const auto& exposure = json.at("settings").at(0);
   STRCMP_EQUAL("camera.exposure_us", exposure.at("key").get<std::string>().c_str());
   STRCMP_EQUAL("250 us", exposure.at("value").get<std::string>().c_str());
+  LONGS_EQUAL(250, exposure.at("now").get<int>());
+  STRCMP_EQUAL("number", exposure.at("kind").get<std::string>().c_str());
   LONGS_EQUAL(1, exposure.at("range").at(0).get<int>());
+  CHECK(json.at("settings").at(4).at("now").is_null());
   LONGS_EQUAL(16, json.at("settings").size());
   // A broken set takes nothing else with it.
   health.settings->text = "camera: [";

@@ -44,6 +44,12 @@ struct FakeCell final : Cell {
   void end_mend(const std::string& scan, bool mended, const std::string& who) override {
     did.push_back("end mend " + scan + (mended ? " yes " : " no ") + who);
   }
+  Result<void> change_settings(const std::vector<SettingChange>& changes, const std::string& who) override {
+    for (const SettingChange& change : changes)
+      did.push_back("set " + settings::path_of(change.key) + " " +
+                    (change.value ? settings::value_text(change.key, *change.value) : "none") + " " + who);
+    return next;
+  }
   bool on_demand() override { return jobs; }
   line_control::LineState line_state() override {
     line_control::LineState state;

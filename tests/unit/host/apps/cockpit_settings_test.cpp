@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+// A change of the sensor's settings on its way from a door to the sensor and back.
+#include <CppUTest/TestHarness.h>
+
+#include <future>
+
+#include "common/settings/settings.hpp"
+#include "host/apps/biteline-host/cockpit.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace biteline::service {
+
+using settings::Key;
+
+TEST_GROUP(CockpitSettings) {
+  test::TemporaryFolder folder;
+  std::unique_ptr<Cockpit> sut;
+
+  void setup() override {
+    CockpitConfig config;
+    config.results = folder.path();
+    auto opened = Cockpit::open(config);
+    SUCCEEDS(opened);
+    sut = std::move(*opened);
+  }
+  void hear_sensor() {
+    wire::Health health;
+    health.settings = wire::SettingsState{
+        .text = "camera:\n  exposure_us: 250\n  gain: 3\npeaks:\n  choice: first\n...\n", .changes = 0};
+    sut->hear(health);
+  }
+  std::future<Result<void>> change(std::vector<api::SettingChange> changes) {
+    return std::async(std::launch::async,
+                      [this, changes = std::move(changes)] { return sut->change_settings(changes, "eng"); });
+  }
+  Wish wish() {
+    for (int i = 0; i < 1000; ++i) {
+      if (const auto found = sut->next_wish()) return *found;
+      std::this_thread::sleep_for(std::chrono::milliseconds{2});
+    }
+    FAIL("no wish came");
+    return {};
+  }
+  static api::SettingChange exposure(double us) {
+    return {.key = Key::ExposureUs, .value = settings::Value{.number = us}};
+  }
+};
+
+TEST(CockpitSettings, TheSetInUseGoesWholeWithTheChangesAndTheSensorsWordComesBack) {
+  hear_sensor();
+  auto done = change({exposure(300), {.key = Key::Gain, .value = {}}});
+  const Wish asked = wish();
+  CHECK(asked.kind == Wish::Kind::Settings);
+  STRCMP_EQUAL("eng", asked.who.c_str());
+  const auto set = settings::parse_settings(asked.settings, "sent");
+  SUCCEEDS(set);
+  DOUBLES_EQUAL(300, set->number(Key::ExposureUs).value_or(0), 0);
+  CHECK(!set->at(Key::Gain));
+  STRCMP_EQUAL("first", set->word(Key::PeakChoice).value_or("").c_str());
+  FAILS_NAMING(Errc::WrongState, "another change is on its way", sut->change_settings({exposure(1)}, "ada"));
+  // The word to another question is not to this one.
+  sut->answer_settings(asked.question - 1, fail(Errc::PeerRefused, "too late"));
+  sut->answer_settings(asked.question, {});
+  SUCCEEDS(done.get());
+
+  auto again = change({exposure(400)});
+  const Wish second = wish();
+  CHECK(second.question != asked.question);
+  sut->answer_settings(second.question, fail(Errc::PeerRefused, "camera.exposure_us: at most 300 us"));
+  FAILS_NAMING(Errc::PeerRefused, "at most 300 us", again.get());
+}
+
+TEST(CockpitSettings, WithoutASensorOrWithoutSenseNothingIsSent) {
+  FAILS_NAMING(Errc::WrongState, "no sensor", sut->change_settings({exposure(300)}, "eng"));
+  sut->hear(wire::Health{});
+  FAILS_NAMING(Errc::WrongState, "takes no settings", sut->change_settings({exposure(300)}, "eng"));
+  hear_sensor();
+  FAILS_NAMING(
+      Errc::BadValue, "more than exposure_us",
+      sut->change_settings({{.key = Key::SecondExposureUs, .value = settings::Value{.number = 100}}}, "eng"));
+  CHECK(!sut->next_wish());
+}
+
+TEST(CockpitSettings, ASensorThatGoesAwayAnswersForItself) {
+  hear_sensor();
+  auto done = change({exposure(300)});
+  static_cast<void>(wish());
+  sut->lose_sensor("silent for 5 s");
+  FAILS_NAMING(Errc::WrongState, "silent for 5 s", done.get());
+}
+
+}  // namespace biteline::service
