@@ -33,7 +33,9 @@ Thread thread_of(const std::filesystem::path& task) {
   // proc(5), stat: after the name in brackets the 12th and 13th are user and system time, in ticks.
   std::string line;
   std::getline(std::ifstream{task / "stat"} >> std::ws, line);
-  std::istringstream rest{line.substr(line.rfind(')') + 2)};
+  const std::size_t name_end = line.rfind(") ");
+  if (name_end == std::string::npos) return thread;  // it has ended since it was listed
+  std::istringstream rest{line.substr(name_end + 2)};
   std::string word;
   for (int i = 0; i < 11; ++i) rest >> word;
   double user_ticks = 0, system_ticks = 0;
@@ -47,7 +49,7 @@ std::map<std::string, Thread> threads_of(int pid) {
   std::map<std::string, Thread> threads;
   for (const auto& task : std::filesystem::directory_iterator{"/proc/" + std::to_string(pid) + "/task"}) {
     std::string name;
-    std::getline(std::ifstream{task.path() / "comm"}, name);
+    if (!std::getline(std::ifstream{task.path() / "comm"}, name)) continue;
     const Thread thread = thread_of(task.path());
     Thread& known = threads[name];
     const bool ordinary = known.policy == SCHED_OTHER || thread.policy == SCHED_OTHER;
