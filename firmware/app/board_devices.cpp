@@ -46,8 +46,20 @@ Result<void> BoardDevices::configure(hal::LineCamera& camera, LiveSettings wante
   if (!wanted.camera.gain) wanted.camera.gain = own_gain_;
   BITELINE_ASSIGN(const hal::CameraSettings taken, configure_camera(camera, wanted, former_));
   // Of the region and exposure that it now has; a camera that does not tell is no worse a camera.
-  limits = camera.limits().value_or(hal::CameraLimits{});
+  take_limits(camera.limits());
   former_ = taken;
+  return {};
+}
+
+void BoardDevices::take_limits(const Result<hal::CameraLimits>& told) {
+  limits = told.value_or(hal::CameraLimits{});
+  limits_known = told.has_value();
+}
+
+Result<void> BoardDevices::learn_limits() {
+  if (limits_known) return {};
+  BITELINE_ASSIGN(const std::unique_ptr<hal::LineCamera> camera, open_camera());
+  take_limits(camera->limits());
   return {};
 }
 

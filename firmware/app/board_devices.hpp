@@ -24,6 +24,7 @@ class BoardDevices final : public SourceKind {
   [[nodiscard]] Result<void> try_settings() override;
   [[nodiscard]] Result<void> adopt(const geometry::SensorModel& head, const Capture& exposed,
                                    const settings::SettingsSet& wanted) override;
+  [[nodiscard]] Result<void> learn_limits() override;
 
   /// A head whose settings are put back when the camera does not take others.
   void remember(const geometry::SensorModel& head);
@@ -37,6 +38,7 @@ class BoardDevices final : public SourceKind {
 
  private:
   [[nodiscard]] Result<void> configure(hal::LineCamera& camera, LiveSettings wanted);
+  void take_limits(const Result<hal::CameraLimits>& told);
   [[nodiscard]] LiveSettings present_settings() const;
   [[nodiscard]] hal::Trigger trigger() const {
     return board_.camera.hardware_trigger ? hal::Trigger::Hardware : hal::Trigger::FreeRun;

@@ -6,8 +6,11 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <ctime>
 #include <exception>
+#include <functional>
 #include <new>
+#include <optional>
 #include <string_view>
 #include <thread>
 
@@ -18,6 +21,7 @@
 #include "firmware/app/stills.hpp"
 #include "firmware/app/streamer.hpp"
 #include "firmware/stream/stream_socket.hpp"
+#include "firmware/upkeep/upkeep_keeper.hpp"
 
 namespace {
 
@@ -40,12 +44,62 @@ void tie_to_parent() {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
 }
 
-void wait_for_signal(const sigset_t& signals, const std::atomic<bool>& stream_over, std::atomic<bool>& stop) {
+void wait_for_signal(const sigset_t& signals, const std::atomic<bool>& stream_over, std::atomic<bool>& stop,
+                     const std::function<void()>& turn = {}) {
   constexpr timespec k_look{.tv_sec = 0, .tv_nsec = 20'000'000};
   while (!stream_over) {
     if (sigtimedwait(&signals, nullptr, &k_look) > 0) stop = true;
+    if (turn && !stop) turn();
   }
 }
+
+/// Time asleep included.
+double since_boot_s() {
+  timespec now{};
+  clock_gettime(CLOCK_BOOTTIME, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// What the unit goes through, seen and written by the main thread.  A unit that cannot count works on.
+class UnitCount {
+ public:
+  UnitCount(const std::optional<std::filesystem::path>& folder, const runtime::LaserWatch* laser,
+            const sensor::Streamer& streamer)
+      : laser_{laser}, streamer_{streamer} {
+    if (!folder) return;
+    Result<upkeep::UpkeepKeeper> keeper = upkeep::UpkeepKeeper::open(*folder, since_boot_s());
+    if (keeper) {
+      keeper_.emplace(std::move(*keeper));
+    } else {
+      complain(keeper.error());
+    }
+  }
+
+  void see() {
+    if (!keeper_) return;
+    const upkeep::Look look{.up_s = since_boot_s(),
+                            .laser_on = laser_ != nullptr && laser_->status().on,
+                            .head_degc = streamer_.head_degc()};
+    keeper_->see(look);
+    if (keeper_->due()) write();
+  }
+
+  /// Pre: dark.
+  void write() {
+    if (!keeper_) return;
+    if (const Result<void> written = keeper_->write(); !written) complain(written.error());
+  }
+
+ private:
+  static void complain(const Error& error) {
+    std::fprintf(stderr, "biteline-sensor: what the unit goes through is not counted: %s\n",
+                 to_line(error).c_str());
+  }
+
+  const runtime::LaserWatch* laser_;
+  const sensor::Streamer& streamer_;
+  std::optional<upkeep::UpkeepKeeper> keeper_;
+};
 
 Result<std::unique_ptr<stream::StreamSocket>> open_network(const sensor::Options& options,
                                                            runtime::RealtimeDemand demand) {
@@ -85,6 +139,10 @@ Result<void> check(const sensor::Options& options) {
                 device.seen.c_str(), device.step.c_str());
     missing += device.ready ? 0 : 1;
   }
+  // No device: what the unit has been through, where it is counted.
+  if (const Result<upkeep::Upkeep> kept =
+          upkeep::read_upkeep(options.upkeep.value_or("/var/lib/biteline") / upkeep::k_file))
+    std::printf("ready\tthis unit\t%s\t\n", upkeep::in_words(*kept).c_str());
   if (missing > 0)
     return fail(Errc::DeviceNotFound, "%d of %zu devices and rights are missing", missing, found.size());
   return {};
@@ -168,6 +226,8 @@ Result<void> run(const sensor::Options& options, const sigset_t& signals) {
               static_cast<int>(wire::k_protocol));
   std::fflush(stdout);
 
+  // A recording is no unit.
+  UnitCount count{kind->recording ? std::nullopt : options.upkeep, laser.get(), streamer};
   std::atomic<bool> stop{false};
   std::atomic<bool> stream_over{false};
   Result<void> entered;
@@ -176,9 +236,11 @@ Result<void> run(const sensor::Options& options, const sigset_t& signals) {
     if (entered) streamer.run(stop);
     stream_over = true;
   }};
-  wait_for_signal(signals, stream_over, stop);
+  wait_for_signal(signals, stream_over, stop, [&] { count.see(); });
   stream_thread.join();
   if (laser) laser->stop();
+  count.see();
+  count.write();
   BITELINE_TRY(entered);
   // Of a live sensor the hosts were told; a recording that cannot be played is this run's own failure.
   if (kind->recording && streamer.failure()) return tl::unexpected<Error>{*streamer.failure()};

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 #include "common/options/number.hpp"
 #include "common/settings/settings.hpp"
@@ -95,6 +96,10 @@ ParsedOptions parse_options(int argc, char** argv) {
                  "The oldest recordings of that name go once all of them have more; not told: all stay")
       ->check(options::number({.minimum = 0.001, .maximum = 1e6}, "GB"));
   add_peak_options(app, options.peaks);
+  app.add_option(
+      "--upkeep", options.upkeep,
+      "Count starts, boots, hours, laser hours and the head's temperatures in upkeep.yaml of this folder; "
+      "under systemd the unit's own (STATE_DIRECTORY)");
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");
   app.add_flag("--stay", options.stay_after_scan, "Keep serving a recording after it was delivered");
@@ -114,6 +119,10 @@ ParsedOptions parse_options(int argc, char** argv) {
     parsed.leave_with = complain("--source is needed (see --help)");
     return parsed;
   }
+  // systemd's name for it; an older program of the same unit knows no such option.
+  if (const char* state = std::getenv("STATE_DIRECTORY");
+      !options.upkeep && state != nullptr && *state == '/')
+    options.upkeep = state;
   options.told_peaks = options.peaks;
   if (!settings_file.empty()) {
     std::error_code unseen;  // reading tells what is wrong with it

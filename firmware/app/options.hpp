@@ -29,8 +29,9 @@ struct Options {
   std::size_t store_megabytes{256};
   bool exit_with_parent{false};
   bool stay_after_scan{false};
-  bool stills{false};  ///< single pictures on demand, no scans
-  bool check{false};   ///< only say what of the board answers
+  bool stills{false};                           ///< single pictures on demand, no scans
+  std::optional<std::filesystem::path> upkeep;  ///< folder in which upkeep.yaml is kept; none: nothing is
+  bool check{false};                            ///< only say what of the board answers
 };
 
 /// What to do after parsing: run, or leave at once (help, version) with a status.

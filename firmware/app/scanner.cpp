@@ -185,7 +185,7 @@ Result<void> Scanner::offer_change(Nanoseconds exposure, const stripe::PeakConfi
   BITELINE_EXPECTS(change_ == nullptr);
   BITELINE_ASSIGN(auto prepared, pipeline_.prepare_peaks(peaks, choice));
   change_.reset(
-      new Change{.exposure = exposure, .peaks = std::move(prepared), .outcome = Nanoseconds{0}, .done = {}});
+      new Change{.exposure = exposure, .peaks = std::move(prepared), .outcome = Changed{}, .done = {}});
   offered_.store(change_.get(), std::memory_order_release);
   return {};
 }
@@ -207,7 +207,8 @@ Result<void> Scanner::take_change() {
     }
     if (told) {
       exposure_ = change->exposure;
-      change->outcome = taken;
+      const Result<hal::CameraLimits> limits = source_.camera->limits();
+      change->outcome = Changed{.exposure = taken, .rate_max_hz = limits ? limits->rate_max_hz : 0};
     } else {
       change->outcome = tl::unexpected<Error>{told.error()};
       // A camera that has no such control took nothing: there is nothing to put back.
@@ -226,7 +227,7 @@ Result<void> Scanner::take_change() {
   return camera;
 }
 
-std::optional<Result<Nanoseconds>> Scanner::change_done() {
+std::optional<Result<Scanner::Changed>> Scanner::change_done() {
   if (change_ == nullptr) return std::nullopt;
   // In this order: an acquisition that is over has said before whether it took the change.
   const bool over = acquisition_over_.load(std::memory_order_acquire);
@@ -234,7 +235,7 @@ std::optional<Result<Nanoseconds>> Scanner::change_done() {
     if (!over) return std::nullopt;
     change_->outcome = fail(Errc::WrongState, "the scan ended before the settings were taken");
   }
-  const Result<Nanoseconds> outcome = change_->outcome;
+  const Result<Changed> outcome = change_->outcome;
   change_.reset();
   return outcome;
 }

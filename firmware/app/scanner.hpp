@@ -79,9 +79,12 @@ class Scanner {
   /// of it or nothing.  Errc::BadValue: peaks that no frame can have.  Pre: none is on its way.
   [[nodiscard]] Result<void> offer_change(Nanoseconds exposure, const stripe::PeakConfig& peaks,
                                           stripe::PeakChoice choice);
-  /// The exposure that the camera took (0: it stays), or why nothing was changed; once.  Nothing: not yet, or
-  /// none was offered.
-  [[nodiscard]] std::optional<Result<Nanoseconds>> change_done();
+  struct Changed {
+    Nanoseconds exposure{0};  ///< that the camera took; 0: it stays, and with it the rate
+    double rate_max_hz{0};    ///< that it allows now; 0: the camera does not tell
+  };
+  /// What was changed, or why nothing was; once.  Nothing: not yet, or none was offered.
+  [[nodiscard]] std::optional<Result<Changed>> change_done();
   [[nodiscard]] wire::CaptureState capture_state() const { return capture_->state(); }
   [[nodiscard]] Source& source() { return source_; }
   [[nodiscard]] bool has_trigger() const { return source_.trigger != nullptr; }
@@ -126,7 +129,7 @@ class Scanner {
   struct Change {
     Nanoseconds exposure;
     pipeline::ProfilePipeline::PeakChange peaks;
-    Result<Nanoseconds> outcome;
+    Result<Changed> outcome;
     std::atomic<bool> done{false};
   };
   std::unique_ptr<Change> change_;

@@ -72,6 +72,11 @@ Result<SettingsControl::Prepared> SettingsControl::prepare(const std::string& te
 
 Result<void> SettingsControl::use(const std::string& text) {
   BITELINE_ASSIGN(Prepared next, prepare(text));
+  // First: nothing is made of a region that no camera has.
+  BITELINE_TRY(kind_.learn_limits());
+  if (kind_.limits_known)
+    BITELINE_TRY(check_limits(live_settings(next.model, next.capture, hal::Trigger::Hardware, next.set),
+                              kind_.limits));
   // As the next scan would: what it refuses is refused now.
   if (const auto made = pipeline::ProfilePipeline::create(next.pipeline, next.model); !made) {
     const std::string words{made.error().where.view()};
@@ -120,11 +125,13 @@ Result<void> SettingsControl::offer(const std::string& text, Scanner& scanner) {
   return {};
 }
 
-Result<void> SettingsControl::finish(const Result<Nanoseconds>& exposure) {
+Result<void> SettingsControl::finish(const Result<Scanner::Changed>& changed) {
   Prepared next = *std::exchange(offered_, std::nullopt);
-  if (!exposure) return tl::unexpected<Error>{exposure.error()};
-  if (exposure->count() != 0)
-    kind_.in_use.set(Key::ExposureUs, {.number = 1e-3 * static_cast<double>(exposure->count())});
+  if (!changed) return tl::unexpected<Error>{changed.error()};
+  if (changed->exposure.count() != 0) {
+    kind_.in_use.set(Key::ExposureUs, {.number = 1e-3 * static_cast<double>(changed->exposure.count())});
+    kind_.limits.rate_max_hz = changed->rate_max_hz;
+  }
   kind_.model = next.model;
   kind_.set = next.set;
   keep(std::move(next));

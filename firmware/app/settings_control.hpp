@@ -42,7 +42,7 @@ class SettingsControl {
   [[nodiscard]] Result<void> offer(const std::string& text, Scanner& scanner);
   [[nodiscard]] bool offered() const { return offered_.has_value(); }
   /// What the scan said of the offered one.
-  [[nodiscard]] Result<void> finish(const Result<Nanoseconds>& exposure);
+  [[nodiscard]] Result<void> finish(const Result<Scanner::Changed>& changed);
 
   /// The camera was told anew.
   void refresh();

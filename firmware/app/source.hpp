@@ -63,10 +63,14 @@ class SourceKind {
   [[nodiscard]] virtual Result<void> adopt(const geometry::SensorModel& head, const Capture& exposed,
                                            const settings::SettingsSet& wanted);
 
+  /// Asks the camera for `limits` where it was never asked.  Between scans.
+  [[nodiscard]] virtual Result<void> learn_limits() { return {}; }
+
   geometry::SensorModel model;
   geometry::SensorModel calibrated;  ///< sensor.yaml's own, no set over it; of live devices
   std::filesystem::path head_file;   ///< it, for messages
   hal::CameraLimits limits;          ///< of the camera as it was configured last
+  bool limits_known{false};          ///< it has told them
   Capture capture;  ///< checked against the model; of a live recording what it was taken with
   std::optional<settings::SettingsSet> set;         ///< what `--settings` named
   settings::SettingsSet in_use;                     ///< of the camera, since open(); empty of a recording

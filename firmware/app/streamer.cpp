@@ -260,7 +260,7 @@ void Streamer::watch_light() {
 void Streamer::watch_hosts() {
   if (state_ != State::Scanning || laser_ == nullptr) return;
   const SensorClock::time_point now = clock_.now();
-  if (server_.hosts_present() > 0) host_seen_at_ = now;
+  if (server_.hosts_taking() > 0) host_seen_at_ = now;
   if (now - host_seen_at_ <= k_host_patience) return;
   fail_scan(fail(Errc::ConnectionLost, "no host for %lld s",
                  static_cast<long long>(k_host_patience.count() / 1'000'000'000))
@@ -375,7 +375,10 @@ wire::Devices Streamer::devices() const {
   devices.camera_underruns = camera.underruns;
   devices.packets_resent = camera.packets_resent;
   if (kind_.capture.any()) devices.capture = scanner_->capture_state();
-  if (camera.temperature_known) devices.temperature_degc = camera.temperature_degc;
+  if (camera.temperature_known) {
+    devices.temperature_degc = camera.temperature_degc;
+    head_degc_ = static_cast<double>(camera.temperature_degc);
+  }
   devices.poses_flow = poses.state == hal::PoseState::Streaming;
   devices.pose_reconnects = poses.reconnects;
   devices.poses_unlatched = poses.poses_unlatched;
@@ -444,7 +447,7 @@ std::optional<Result<void>> Streamer::use_settings(const std::string& text) {
 
 void Streamer::answer_settings() {
   if (!settings_.offered()) return;
-  const std::optional<Result<Nanoseconds>> taken = scanner_->change_done();
+  const std::optional<Result<Scanner::Changed>> taken = scanner_->change_done();
   if (!taken) return;
   const Result<void> done = settings_.finish(*taken);
   if (done) server_.set_model(kind_.model);

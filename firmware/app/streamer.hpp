@@ -4,8 +4,10 @@
 /// hosts.
 
 #include <atomic>
+#include <cmath>
 #include <filesystem>
 #include <future>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -59,6 +61,12 @@ class Streamer {
   /// What ended the last scan, if it was not its own end.
   [[nodiscard]] std::optional<Error> failure() const { return failure_; }
 
+  /// What the head's camera said last while a scan was on; nothing: none has.  Any thread.
+  [[nodiscard]] std::optional<double> head_degc() const {
+    const double now = head_degc_;
+    return std::isfinite(now) ? std::optional{now} : std::nullopt;
+  }
+
  private:
   enum class State { Idle, Scanning, Ending };
 
@@ -104,6 +112,7 @@ class Streamer {
   std::future<void> closing_;  ///< the last scan's devices: one that is gone takes seconds to be let go of
   runtime::StageMeter encode_meter_;
   std::optional<Error> failure_;
+  mutable std::atomic<double> head_degc_{std::numeric_limits<double>::quiet_NaN()};
   SensorClock::time_point light_asked_at_;
   SensorClock::time_point host_seen_at_;
   bool lit_{false};

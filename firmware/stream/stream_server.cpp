@@ -38,6 +38,7 @@ void StreamServer::begin_scan(std::uint64_t scan_id, const std::string& scan_nam
   for (auto& [peer, host] : hosts_) {
     host.next = 0;
     host.acknowledged = 0;
+    host.given_from = 0;
     host.has_end = false;
     send_hello(peer);
   }
@@ -155,6 +156,7 @@ void StreamServer::on_hello(const PeerId& peer, const wire::HostHello& hello, Se
   const bool resumes = hello.resume && hello.resume_scan_id == scan_id_;
   host.next = resumes ? std::min(hello.next_sequence, store_.held_to()) : 0;
   host.acknowledged = resumes ? std::min(hello.safe_sequence, host.next) : 0;
+  host.given_from = 0;
   host.has_end = false;
   update_acknowledged();
   send_hello(peer);
@@ -242,7 +244,7 @@ void StreamServer::send_due(const PeerId& peer, Host& host) {
     const wire::Gap gap{.first = host.next, .count = store_.held_from() - host.next};
     wire::encode({.scan_id = scan_id_, .body = gap}, scratch_);
     if (!outbox_.send(peer, scratch_)) return;
-    host.next = store_.held_from();
+    host.next = host.given_from = store_.held_from();
     // The host has nothing of the gap to acknowledge; its window starts behind it.
     host.acknowledged = std::max(host.acknowledged, host.next);
   }
@@ -305,6 +307,13 @@ void StreamServer::update_acknowledged() {
 std::size_t StreamServer::hosts_present() const {
   return static_cast<std::size_t>(
       std::count_if(hosts_.begin(), hosts_.end(), [](const auto& entry) { return entry.second.present; }));
+}
+
+std::size_t StreamServer::hosts_taking() const {
+  return static_cast<std::size_t>(std::count_if(hosts_.begin(), hosts_.end(), [this](const auto& entry) {
+    const Host& host = entry.second;
+    return host.present && (entry.first == owner_ || host.acknowledged > host.given_from);
+  }));
 }
 
 bool StreamServer::end_acknowledged() const {

@@ -83,6 +83,9 @@ class StreamServer {
   void say_bye(const std::string& text);
 
   [[nodiscard]] std::size_t hosts_present() const;
+  /// Those for whom the present scan is: who asked for it, and who has acknowledged something of it.  A
+  /// program that only brings settings is none of them.
+  [[nodiscard]] std::size_t hosts_taking() const;
   /// True when every present host has acknowledged the scan's end, and at least one has.
   [[nodiscard]] bool end_acknowledged() const;
   /// Messages lost, packets rejected, hosts refused: this module's part of the counters.
@@ -94,6 +97,7 @@ class StreamServer {
     std::string name;
     std::uint64_t next{0};  ///< next message to send
     std::uint64_t acknowledged{0};
+    std::uint64_t given_from{0};  ///< first message that it got; those before were gone
     SensorClock::time_point heard;
     bool present{true};
     bool has_end{false};  ///< acknowledged the end of a scan that is over

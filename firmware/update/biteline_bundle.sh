@@ -74,6 +74,7 @@ note update.txt biteline-update status
 note unit.txt systemctl status --no-pager --lines=0 biteline-sensor.service
 note journal.txt journalctl --no-pager --lines="$lines" --unit=biteline-sensor.service
 note kernel.txt journalctl --no-pager --lines="$lines" --dmesg
+note upkeep.txt cat /var/lib/biteline/upkeep.yaml
 note machine.txt uname -a
 note command_line.txt cat /proc/cmdline
 note processors.txt cat /proc/cpuinfo

@@ -20,7 +20,7 @@ cd "$work"
 "$bundle" --etc "$work/etc" --program "$sensor" --lines 20 "$work/told.tar.gz" >"$work/told" || bad "no bundle"
 mkdir open && tar -xzf told.tar.gz -C open
 inside=$(echo open/*)
-for file in version check update unit journal kernel machine command_line processors memory interrupts disks network packages files; do
+for file in version check update unit upkeep journal kernel machine command_line processors memory interrupts disks network packages files; do
   [ -s "$inside/$file.txt" ] || bad "no $file.txt"
 done
 grep -q '[0-9]\.[0-9]' "$inside/version.txt" || bad "no version"

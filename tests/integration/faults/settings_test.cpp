@@ -83,7 +83,7 @@ TEST(SentSettings, NextScanHasWhatWasSentBetweenScansAndNothingOfWhatWasRefused)
   refused("camera: {gain: 1e4}", "camera.gain");
   refused("camera: {rate_hz: 50}\nregion: {left_px: 0, top_px: 0, width_px: 2000, height_px: 64}",
           "region.width_px");
-  refused("region: {left_px: 0, top_px: 0, width_px: 9999, height_px: 64}", "settings, region and peaks: ");
+  refused("region: {left_px: 0, top_px: 0, width_px: 9999, height_px: 64}", "region.width_px: at most ");
   refused("camera: {rate_hz: 50, second_exposure_us: 1}", "second exposure");
   LONGS_EQUAL(100, static_cast<int>(*stand->hello().model.rate_hz));
   taken("camera: {rate_hz: 50}");

@@ -348,6 +348,48 @@ TEST(StreamServer, SettingsAreTheOwnersAndAnsweredOnceTheyAreTaken) {
   LONGS_EQUAL(0, outbox.of<wire::ControlReply>("a").back().errc);
 }
 
+TEST(StreamServer, WhoOnlyBringsSettingsTakesNoScan) {
+  door_open = false;
+  receive("a", wire::HostHello{.name = "workshop"});
+  LONGS_EQUAL(0, sut->hosts_taking());
+  receive("a", wire::Control{.id = 1, .command = wire::Command::StartScan});
+  LONGS_EQUAL(1, sut->hosts_taking());
+  add(2);
+  receive("a", wire::Bye{});
+  receive("s", wire::HostHello{.name = "biteline settings"});
+  sut->tick(now);
+  receive("s", wire::Ack{});
+  LONGS_EQUAL(1, sut->hosts_present());
+  LONGS_EQUAL(0, sut->hosts_taking());
+  // The same host on a new connection goes on where it was; one that has just begun takes it once it has some
+  // of it.
+  receive("a2", wire::HostHello{.name = "workshop",
+                                .resume = true,
+                                .resume_scan_id = k_scan_id,
+                                .next_sequence = 2,
+                                .safe_sequence = 2});
+  LONGS_EQUAL(1, sut->hosts_taking());
+  receive("a2", wire::Bye{});
+  receive("s", wire::Ack{.safe_sequence = 1});
+  LONGS_EQUAL(1, sut->hosts_taking());
+  sut->add_end({});
+  sut->begin_scan(k_scan_id + 1, "next", 10);
+  receive("a", wire::HostHello{});
+  LONGS_EQUAL(0, sut->hosts_taking());
+}
+
+TEST(StreamServer, AGapIsNoScanThatSomebodyTook) {
+  config.store_bytes = 1000;
+  make();
+  add(50);
+  receive("s", wire::HostHello{.name = "biteline settings"});
+  sut->tick(now);
+  const auto gaps = outbox.of<wire::Gap>("s");
+  LONGS_EQUAL(1, gaps.size());
+  receive("s", wire::Ack{.safe_sequence = gaps[0].first + gaps[0].count});
+  LONGS_EQUAL(0, sut->hosts_taking());
+}
+
 TEST(StreamServer, OverScanBelongsToNobody) {
   door_open = false;
   receive("a", wire::HostHello{});

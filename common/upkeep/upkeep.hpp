@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file upkeep.yaml: what a unit has been through since it was first started.
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "common/core/result.hpp"
+
+namespace biteline::upkeep {
+
+/// What is written in the folder that a unit keeps its state in.
+inline constexpr const char* k_file = "upkeep.yaml";
+
+struct Upkeep {
+  std::uint64_t starts{0};     ///< of the sensor program
+  std::uint64_t boots{0};      ///< of the machine, as far as the program was started after them
+  double run_s{0};             ///< the program ran
+  double laser_s{0};           ///< the laser was on
+  std::uint64_t lightings{0};  ///< the laser went on
+  std::optional<double> hottest_degc{}, coldest_degc{};  ///< of the head, as its camera says
+  double up_s{0};  ///< the machine had run for so long when this was written
+};
+
+/// Errc::FileNotFound where there is none; strict otherwise.
+[[nodiscard]] Result<Upkeep> read_upkeep(const std::filesystem::path& file);
+[[nodiscard]] std::string upkeep_text(const Upkeep& upkeep);
+
+/// One line for a person: "12 starts, 3 boots, 130.5 h run, laser on 14.2 h in 512 times, head 18 to 46
+/// degC".
+[[nodiscard]] std::string in_words(const Upkeep& upkeep);
+
+}  // namespace biteline::upkeep
