@@ -18,6 +18,9 @@ constexpr double k_layer_s_mm = 2.0;
 constexpr double k_layer_z_mm = 1.0;
 constexpr double k_layer_points = 20.0;
 constexpr double k_fine_z_mm = 0.33;  // of the envelope
+// Rows so much higher than that may be as high as a groove, and take its bottom for what lies behind its
+// flanks.
+constexpr double k_high_rows = 2.0;
 constexpr float k_layer_o_mm = 0.75F;
 constexpr int k_layer_bins = 80;
 
@@ -230,6 +233,22 @@ void keep_outer_layer_of(std::size_t col, std::span<const std::uint32_t> column,
   }
 }
 
+/// Hardly a row of the column is empty between two that are not: profiles lie apart, and are dense along
+/// themselves.
+bool dense_in_height(std::size_t col, std::span<const std::uint32_t> column, const Columns& columns,
+                     std::span<const OutlinePlace> places, const Raster& raster) {
+  constexpr std::size_t k_most_holes_of = 50;
+  std::vector<std::uint8_t> points(raster.rows, 0);
+  for (const std::uint32_t i : column) {
+    const std::size_t row = raster.row_of(places[i].z_mm, columns.level_mm(col, places[i]));
+    if (row < raster.rows) points[row] = 1;
+  }
+  std::size_t holes = 0;
+  for (std::size_t row = 1; row + 1 < raster.rows; ++row)
+    holes += points[row - 1] != 0 && points[row] == 0 && points[row + 1] != 0 ? 1U : 0U;
+  return holes * k_most_holes_of <= static_cast<std::size_t>(std::count(points.begin(), points.end(), 1));
+}
+
 }  // namespace
 
 Buckets keep_outer_layer(std::span<OutlinePlace> places, const OuterLayerConfig& config) {
@@ -246,9 +265,11 @@ Buckets keep_outer_layer(std::span<OutlinePlace> places, const OuterLayerConfig&
                   }};
   const Columns columns{config, buckets.size()};
   const DepthLayers layers{places, buckets, columns, config, grow};
-  const Raster fine{config, k_fine_z_mm * grow};
+  const Raster fine{config, k_fine_z_mm};
+  const Raster higher{config, k_fine_z_mm * grow};
   tbb::parallel_for(std::size_t{0}, buckets.size(), [&](std::size_t col) {
-    keep_outer_layer_of(col, buckets[col], columns, places, layers, fine,
+    const bool in_fine_rows = grow > k_high_rows && dense_in_height(col, buckets[col], columns, places, fine);
+    keep_outer_layer_of(col, buckets[col], columns, places, layers, in_fine_rows ? fine : higher,
                         static_cast<float>(config.depth_mm));
   });
   return buckets;

@@ -2,6 +2,7 @@
 #include <CppUTest/TestHarness.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -72,6 +73,19 @@ TEST(OuterLayer, AnInsoleAtTheHeightOfTheCreaseGoes) {
   for (std::size_t i = outside; i < wall.places.size(); ++i) left += wall.places[i].s_mm >= 0 ? 1 : 0;
   CHECK_COMPARE(static_cast<double>(left), <,
                 k_by_chance_ratio * static_cast<double>(wall.places.size() - outside));
+}
+
+TEST(OuterLayer, AGrooveKeepsItsBottomWhereProfilesLieApart) {
+  // Flanks that go in by two for each millimetre up or down, 2 mm deep; profiles 6 mm apart, dense along
+  // themselves.
+  for (float s = 0.5F; s < 600; s += 6) {
+    for (float z = 0; z < 60; z += 0.1F)
+      wall.places.push_back({s, -2 * std::max(0.0F, 1 - std::abs(z - 30.3F)), z});
+  }
+  keep_outer_layer(wall.places, k_config);
+  std::size_t lost = 0;
+  for (const OutlinePlace& place : wall.places) lost += place.s_mm < 0 ? 1 : 0;
+  UNSIGNED_LONGS_EQUAL(0, lost);
 }
 
 TEST(OuterLayer, ACreaseThatClimbsBesideItsSoleIsNotBehindThat) {
