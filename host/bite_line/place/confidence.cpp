@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "host/bite_line/place/confidence.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <cstddef>
 
 namespace biteline::bite_line {
 
-double held_of(double claimed, const ConfidenceModel& model) {
-  const auto& from = model.claimed;
-  const double at = std::clamp(claimed, from.front(), from.back());
-  const auto above = std::upper_bound(from.begin() + 1, from.end() - 1, at);
-  const auto i = static_cast<std::size_t>(above - from.begin());
-  return std::lerp(model.held.at(i - 1), model.held.at(i),
-                   (at - from.at(i - 1)) / (from.at(i) - from.at(i - 1)));
+double bridge_held_of(const BridgeSpread& bridge, const ConfidenceModel& model) {
+  const double spread_mm = model.least_mm + std::hypot(model.corner_ratio * bridge.corner_mm, bridge.tried_mm,
+                                                       model.doubt_mm * bridge.doubt);
+  return 1 / (1 + std::pow(spread_mm / model.half_mm, model.power));
+}
+
+double jump_held_of(double jump_mm, const ConfidenceModel& model) {
+  const double jump = jump_mm / model.jump_mm;
+  return 1 / (1 + jump * jump);
 }
 
 double line_held_of(double of_line, const ConfidenceModel& model) {

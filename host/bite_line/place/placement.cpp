@@ -12,6 +12,7 @@
 #include "host/bite_line/place/path_curve.hpp"
 #include "host/bite_line/place/ridge.hpp"
 #include "host/bite_line/place/ridge_doubt.hpp"
+#include "host/bite_line/place/sampling.hpp"
 #include "host/bite_line/place/sections.hpp"
 #include "host/geometry/bridge.hpp"
 #include "host/geometry/closed_curve.hpp"
@@ -240,11 +241,9 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
       static_cast<std::size_t>(std::max(32.0, std::round(path_outline.length_mm() / config.spacing_mm)));
   const std::vector<double> path_z = heights_at_stations(curve, path_outline, stations);
 
-  // About six points within the definition's Gaussian and these weights (areas 1.0 mm by 2.5 sigma), at least
-  // two profiles of a usual scan.
-  const double sigma_s = std::clamp(6.0 / (2.5 * std::max(input.points_per_mm2, 0.1)), 0.7, 2.0);
   const SectionPoints points{{.points = input.near, .outline = path_outline, .path_z_mm = path_z}, {}};
-  const Sections sections = points.cut(sigma_s);
+  const double sample_mm = points.sample_mm();
+  const Sections sections = points.cut(sigma_along_mm(input.points_per_mm2, sample_mm));
   Ridge ridge = follow_ridge(sections, section_curvature(sections, config.smoothing_mm), config.search_mm);
 
   geometry::drop_islands(ridge.visible, sections.station_mm, k_island_mm);
@@ -276,6 +275,9 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
   const std::vector<PlaceNoise> noise = place_noise(sections, row, ridge.visible, config.mean_mm);
   const std::vector<double> tried_z = tried_heights(z, ridge.visible, sections.station_mm);
 
+  const std::vector<double> between_o = between_profiles(outwards.o_mm, sample_mm, sections.station_mm);
+  const std::vector<double> between_z = between_profiles(z, sample_mm, sections.station_mm);
+
   placement.points.resize(stations);
   for (std::size_t i = 0; i < stations; ++i) {
     placement.points[i] = {.position = {plan.places[i].x(), plan.places[i].y(), z[i]},
@@ -287,6 +289,8 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
                            .corner_mm = plan.corner_mm[i],
                            .tried_out_mm = plan.tried_mm[i],
                            .tried_up_mm = tried_z[i],
+                           .between_out_mm = between_o[i],
+                           .between_up_mm = between_z[i],
                            .noise = noise[i],
                            .scatter_mm = scatter[i]};
     set_layer(input, placement.points[i]);

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "host/bite_line/place/confidence.hpp"
-#include "host/cloud/uncertainty/radius.hpp"
 
 namespace biteline::bite_line {
 
@@ -17,13 +16,13 @@ double square(double value) {
 
 }  // namespace
 
-double claimed_of(const PlacedStation& station) {
-  // The section's own place against the mean over its neighbours: a groove that jumps by more than 0.3 mm is
-  // unsure.
-  const double calm = 1 / (1 + square((station.own_z_mm - station.position.z()) / 0.6));
-  const uncertainty::Axes bridge{.major_mm = std::max(station.tried_out_mm, station.tried_up_mm),
-                                 .minor_mm = std::min(station.tried_out_mm, station.tried_up_mm)};
-  return calm * std::min(1 / (1 + station.doubt), uncertainty::chance_within(bridge, k_confident_mm));
+double within_of(const PlacedStation& station) {
+  const double held = station.doubt > 0
+                          ? bridge_held_of({.corner_mm = station.corner_mm,
+                                            .tried_mm = std::hypot(station.tried_out_mm, station.tried_up_mm),
+                                            .doubt = station.doubt})
+                          : jump_held_of(station.own_z_mm - station.position.z());
+  return station.sharp * held;
 }
 
 PointSpread spread_of(const PlacedStation& station, const SpreadModel& model) {
@@ -36,13 +35,14 @@ PointSpread spread_of(const PlacedStation& station, const SpreadModel& model) {
                               (station.doubt > 0 ? square(model.any_gap_mm) : 0.0) +
                               square(model.gap_mm * station.doubt) +
                               square(model.corner * station.corner_mm) + square(model.flat_mm * flat);
+  const Eigen::Vector2d between_mm2{square(station.between_out_mm), square(station.between_up_mm)};
   const Eigen::Vector2d tried_mm2{square(station.tried_out_mm), square(station.tried_up_mm)};
   Eigen::Matrix2d covariance_mm2 =
       height_mm2 * wall * wall.transpose() + anywhere_mm2 * Eigen::Matrix2d::Identity();
-  covariance_mm2 += tried_mm2.asDiagonal();
+  covariance_mm2 += (between_mm2 + tried_mm2).asDiagonal();
   return {.covariance_mm2 = covariance_mm2,
           .hold = station.hold,
-          .within = station.sharp * held_of(claimed_of(station)),
+          .within = within_of(station),
           .other_mm = station.other_mm};
 }
 

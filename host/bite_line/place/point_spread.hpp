@@ -32,8 +32,9 @@ struct SpreadModel {
   double flat_mm{0.25};  ///< of a flat place's doubt: 1 is one in two within 0.3 mm
 };
 
-/// Of a place that jumps or is bridged: what held_of() makes a probability of, 0 to 1.
-[[nodiscard]] double claimed_of(const PlacedStation& station);
+/// That a station lies within 0.3 mm where it keeps its layer: it was bridged, or jumps, or lies on a flat
+/// slope.
+[[nodiscard]] double within_of(const PlacedStation& station);
 
 [[nodiscard]] PointSpread spread_of(const PlacedStation& station, const SpreadModel& model = {});
 

@@ -10,6 +10,7 @@
 
 #include "host/bite_line/buckets.hpp"
 #include "host/bite_line/lanes.hpp"
+#include "host/geometry/robust.hpp"
 
 namespace biteline::bite_line {
 
@@ -199,6 +200,32 @@ SectionPoints::Patch SectionPoints::patch(int station, int low_row, int end_row)
   patch.o_mm /= patch.points;
   patch.row /= patch.points;
   return patch;
+}
+
+double SectionPoints::sample_mm() const {
+  // Bands about the path: a slanting profile has its points at one height in a few stations only.
+  constexpr double k_band_mm = 0.5, k_reach_mm = 2.5, k_missing_mm = 10.0;
+  constexpr double k_share = 0.75;
+  const auto rows_of = [&](double mm) { return static_cast<int>(std::lround(mm / frame_.row_mm)); };
+  std::vector<int> steps;
+  for (int low = frame_.zero_row - rows_of(k_reach_mm); low < frame_.zero_row + rows_of(k_reach_mm);
+       low += rows_of(k_band_mm)) {
+    int last = -1;
+    for (int station = 0; station < frame_.stations; ++station) {
+      if (!any_point(station, low, low + rows_of(k_band_mm))) continue;
+      if (last >= 0 && (station - last) * frame_.station_mm < k_missing_mm) steps.push_back(station - last);
+      last = station;
+    }
+  }
+  if (steps.empty()) return frame_.station_mm;
+  return geometry::quantile_of(std::span<int>{steps}, k_share) * frame_.station_mm;
+}
+
+bool SectionPoints::any_point(int station, int low_row, int end_row) const {
+  const auto rows = static_cast<std::size_t>(frame_.rows);
+  const float* points = bins_.data() + (static_cast<std::size_t>(station) * k_sums + k_w) * rows;
+  return std::any_of(points + std::max(0, low_row), points + std::min(frame_.rows, end_row),
+                     [](float count) { return count > 0; });
 }
 
 Sections SectionPoints::cut(double sigma_s_mm) const {

@@ -54,6 +54,9 @@ class SectionPoints {
   SectionPoints(const SectionInput& input, const SectionConfig& config);
   /// `sigma_s_mm`: weights along the line.
   [[nodiscard]] Sections cut(double sigma_s_mm) const;
+  /// Distance along the line from one profile to the next, which three of four do not exceed.  What is far
+  /// apart was not seen, and does not count.
+  [[nodiscard]] double sample_mm() const;
 
   /// What lies in some rows of one station, unsmoothed.
   struct Patch {
@@ -65,6 +68,8 @@ class SectionPoints {
   [[nodiscard]] Patch patch(int station, int low_row, int end_row) const;
 
  private:
+  [[nodiscard]] bool any_point(int station, int low_row, int end_row) const;
+
   SectionConfig config_;
   Sections frame_;     ///< without values
   Large<float> bins_;  ///< per station, one sum after the other, each over all rows

@@ -125,11 +125,10 @@ void write_points(std::FILE* out, const std::string& name, const bite_line::Work
     const double u95_mm =
         uncertainty::u95_mm(uncertainty::principal_axes(own.covariance_mm2), own.hold, own.other_mm);
     std::fprintf(
-        out, "%s,%d,%.5f,%.5f,%.3f,%.5f,%.4f,%.4f,%.4f,%.4f,%.4f,%.5f,%.5f,%.4f,%.2f,%.5f,%.5f,%.4f,%.4f\n",
+        out, "%s,%d,%.5f,%.5f,%.3f,%.5f,%.4f,%.4f,%.4f,%.4f,%.4f,%.5f,%.5f,%.4f,%.2f,%.5f,%.4f,%.4f\n",
         name.c_str(), found.found ? 1 : 0, workings.decision.of_line, p.hold, p.other_mm, p.doubt,
         p.corner_mm, p.tried_out_mm, p.tried_up_mm, p.sharp, p.own_z_mm - p.position.z(), p.scatter_mm,
-        p.noise.outward_mm, p.noise.slope, p.to_visible_mm, bite_line::claimed_of(p), own.within, u95_mm,
-        error_mm);
+        p.noise.outward_mm, p.noise.slope, p.to_visible_mm, own.within, u95_mm, error_mm);
   }
 }
 
@@ -151,7 +150,7 @@ int run(int argc, char** argv) {
   if (out != nullptr)
     std::fprintf(out,
                  "class,decoy,fault,seed,written,of_line,hold,other_mm,doubt,corner_mm,tried_out_mm,"
-                 "tried_up_mm,sharp,jump_mm,scatter_mm,outward_mm,slope,to_visible_mm,claimed,within,u95_mm,"
+                 "tried_up_mm,sharp,jump_mm,scatter_mm,outward_mm,slope,to_visible_mm,within,u95_mm,"
                  "error_mm\n");
   const tbb::global_control limit{tbb::global_control::max_allowed_parallelism, threads};
   std::mutex mutex;

@@ -2,10 +2,10 @@
 // Does U95 hold the true line with 95 %, and is confidence the probability of 0.3 mm?  Made shoes of all
 // classes, each scanned by a head of its own that is not known exactly.
 //
-//   bench_line_u95 [--seeds N] [--from N] [--class NAME] [--exact] [--points FILE] [--rows]
+//   bench_line_u95 [--seeds N] [--from N] [--class NAME] [--step MM] [--exact] [--points FILE] [--rows]
 //
-// --exact: calibration, poses and clock without error.  --points: what the model of a point's error is fitted
-// to (fit_spread.py), one row for each station.
+// --step: between profiles, 1 mm without it.  --exact: calibration, poses and clock without error.  --points:
+// what the model of a point's error is fitted to (fit_spread.py), one row for each station.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -118,7 +118,7 @@ int run(int argc, char** argv) {
   std::uint64_t from = 1;
   std::string only, points_file;
   bool rows = false;
-  double errors = 1;
+  double errors = 1, step_mm = 1;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     const bool more = i + 1 < argc;
@@ -128,6 +128,8 @@ int run(int argc, char** argv) {
       from = std::strtoull(argv[++i], nullptr, 10);
     else if (argument == "--class" && more)
       only = argv[++i];
+    else if (argument == "--step" && more)
+      step_mm = std::strtod(argv[++i], nullptr);
     else if (argument == "--points" && more)
       points_file = argv[++i];
     else if (argument == "--exact")
@@ -154,6 +156,7 @@ int run(int argc, char** argv) {
       const test::UncertainScan made =
           test::uncertain_scan({.shoe_class = static_cast<sim::ShoeClass>(sector ? seed % k_classes : c),
                                 .seed = sector ? seed + 1000 : seed,
+                                .profile_step_mm = step_mm,
                                 .errors = errors,
                                 .missing_mm = sector ? 8 + static_cast<double>(seed * 7 % 33) : 0});
       std::optional<bite_line::Workings> workings;

@@ -2,33 +2,52 @@
 #include <CppUTest/TestHarness.h>
 
 #include "host/bite_line/place/confidence.hpp"
+#include "host/bite_line/place/point_spread.hpp"
 
 namespace biteline::bite_line {
 
 TEST_GROUP(Confidence){};
 
-TEST(Confidence, BothEndsStayAndMoreClaimedIsNeverLessHeld) {
-  DOUBLES_EQUAL(0.0, held_of(0.0), 1e-12);
-  DOUBLES_EQUAL(1.0, held_of(1.0), 1e-12);
-  double before = 0;
-  for (int i = 0; i <= 1000; ++i) {
-    const double held = held_of(i / 1000.0);
-    CHECK_COMPARE(held, >=, before);
-    before = held;
+TEST(Confidence, AWiderBridgeHoldsLessWhateverWidensIt) {
+  double by_corner = 1, by_trial = 1, by_doubt = 1;
+  for (int i = 1; i <= 40; ++i) {
+    const double corner = bridge_held_of({.corner_mm = 0.5 * i});
+    const double trial = bridge_held_of({.tried_mm = 0.1 * i});
+    const double doubt = bridge_held_of({.doubt = 0.5 * i});
+    CHECK_COMPARE(corner, <, by_corner);
+    CHECK_COMPARE(trial, <, by_trial);
+    CHECK_COMPARE(doubt, <, by_doubt);
+    by_corner = corner;
+    by_trial = trial;
+    by_doubt = doubt;
   }
+  CHECK_COMPARE(by_corner, <, 0.1);
+  CHECK_COMPARE(by_trial, <, 0.1);
+  CHECK_COMPARE(by_doubt, <, 0.2);
 }
 
-TEST(Confidence, BetweenTwoPlacesOfTheMapItIsStraight) {
-  const ConfidenceModel model{.claimed = {0, 0.1, 0.2, 0.4, 0.5, 0.6, 0.8, 1},
-                              .held = {0.1, 0.1, 0.3, 0.5, 0.6, 0.7, 0.9, 1}};
-  DOUBLES_EQUAL(0.2, held_of(0.15, model), 1e-12);
-  DOUBLES_EQUAL(0.5, held_of(0.4, model), 1e-12);
-  DOUBLES_EQUAL(0.95, held_of(0.9, model), 1e-12);
+TEST(Confidence, OneInTwoHoldsAtItsSpread) {
+  const ConfidenceModel model{.least_mm = 0.2, .half_mm = 1.2};
+  DOUBLES_EQUAL(0.5, bridge_held_of({.tried_mm = 1.0}, model), 1e-12);
+  DOUBLES_EQUAL(0.5, bridge_held_of({.corner_mm = 1.0 / model.corner_ratio}, model), 1e-12);
+  DOUBLES_EQUAL(0.5, jump_held_of(model.jump_mm, model), 1e-12);
+  DOUBLES_EQUAL(0.5, jump_held_of(-model.jump_mm, model), 1e-12);
 }
 
-TEST(Confidence, WhatLiesBesideTheMapIsAsItsEnds) {
-  DOUBLES_EQUAL(held_of(0.0), held_of(-0.5), 1e-12);
-  DOUBLES_EQUAL(1.0, held_of(1.5), 1e-12);
+TEST(Confidence, WhatWasSeenAndDoesNotJumpHolds) {
+  PlacedStation seen{.position = {0, 0, 30}, .own_z_mm = 30};
+  DOUBLES_EQUAL(1, within_of(seen), 1e-12);
+  seen.own_z_mm = 30.4;
+  DOUBLES_EQUAL(jump_held_of(0.4), within_of(seen), 1e-12);
+  seen.sharp = 0.5;
+  DOUBLES_EQUAL(0.5 * jump_held_of(0.4), within_of(seen), 1e-12);
+}
+
+TEST(Confidence, ABridgesHeightIsNoJump) {
+  // The section of a place that was not seen is a bridge's own, and says nothing of the crease.
+  PlacedStation bridged{.position = {0, 0, 30}, .own_z_mm = 31, .doubt = 0.5, .tried_out_mm = 0.3};
+  bridged.tried_up_mm = 0.4;
+  DOUBLES_EQUAL(bridge_held_of({.tried_mm = 0.5, .doubt = 0.5}), within_of(bridged), 1e-12);
 }
 
 TEST(Confidence, AWrittenLinesDoubtShrinksAndDoesNotVanish) {

@@ -86,7 +86,8 @@ TEST(GapBridge, ABridgeThatFailsElsewhereIsNotTrusted) {
   };
   CHECK_COMPARE(u95(trusted), <, 0.8);
   CHECK_COMPARE(u95(tried), >, 1.5);
-  CHECK_COMPARE(tried.within, <, 0.5);
+  CHECK_COMPARE(trusted.within, >, 0.95);
+  CHECK_COMPARE(tried.within, <, 0.65);
 }
 
 }  // namespace biteline::bite_line
