@@ -46,7 +46,7 @@ TEST_GROUP(SentSettings) {
   }
 };
 
-TEST(SentSettings, RunningScanTakesExposureAndPeaksAtOnceAndRefusesTheRestByName) {
+TIMED_TEST(SentSettings, RunningScanTakesExposureAndPeaksAtOnceAndRefusesTheRestByName) {
   stand = FaultStand::set_up();
   if (!stand) return;
   const auto begun = stand->start_scan();
@@ -77,7 +77,7 @@ TEST(SentSettings, RunningScanTakesExposureAndPeaksAtOnceAndRefusesTheRestByName
   end_scan();
 }
 
-TEST(SentSettings, NextScanHasWhatWasSentBetweenScansAndNothingOfWhatWasRefused) {
+TIMED_TEST(SentSettings, NextScanHasWhatWasSentBetweenScansAndNothingOfWhatWasRefused) {
   stand = FaultStand::set_up();
   if (!stand) return;
   refused("camera: {gain: 1e4}", "camera.gain");
@@ -94,7 +94,7 @@ TEST(SentSettings, NextScanHasWhatWasSentBetweenScansAndNothingOfWhatWasRefused)
   end_scan();
 }
 
-TEST(SentSettings, ToolSendsAFileAndFetchesWhatIsInUse) {
+TIMED_TEST(SentSettings, ToolSendsAFileAndFetchesWhatIsInUse) {
   stand = FaultStand::set_up();
   if (!stand) return;
   const TemporaryFolder folder;
