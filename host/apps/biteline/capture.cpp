@@ -15,6 +15,7 @@
 #include "common/session/session.hpp"
 #include "common/system/file.hpp"
 #include "host/apps/biteline/capture_check.hpp"
+#include "host/apps/biteline/capture_scan.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/calibration/head/folder.hpp"
 #include "host/calibration/head/verdict.hpp"
@@ -415,6 +416,7 @@ void add_capture(CLI::App& app, Context& context) {
     return sub;
   };
   add_capture_check(*command, context);
+  add_capture_scan(*command, context);
   add("camera", "Views of the ring target: lens and sensor", Part::Camera);
   add("laser", "The two-plane target, each place with lamp and with laser: the laser's plane", Part::Laser)
       ->add_option("--laser-exposure-us", options->laser_exposure_us, "With the laser on")

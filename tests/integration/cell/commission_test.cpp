@@ -223,4 +223,68 @@ TIMED_TEST(Commission, AnOpenDoorMeansNoLaserPicture) {
   CHECK_FALSE(fs::exists(calib / "laser/00_laser.png"));
 }
 
+TIMED_TEST(Commission, AScanIsKeptAsASessionWhoseReplayFindsTheLine) {
+  constexpr int k_attempts = 4;
+  std::string told;
+  for (int attempt = 0; attempt < k_attempts; ++attempt) {
+    const fs::path place = folder.path() / ("place-" + std::to_string(attempt)), session = place / "scan";
+    auto serving = ChildProcess::start({.program = BITELINE_CELL,
+                                        .arguments = {"serve", "--speed-mm-s", "60", "--rate-hz", "30",
+                                                      "--out", place, "--exit-with-parent"}});
+    SUCCEEDS(serving);
+    const auto ready = serving->next_line(seconds{60});
+    if (!ready) {
+      told = to_line(ready.error());
+      std::this_thread::sleep_for(seconds{2});
+      continue;
+    }
+    const auto files = nlohmann::json::parse(*ready);
+    const std::vector<std::string> words{"capture",
+                                         "scan",
+                                         session.string(),
+                                         "--board",
+                                         files.at("board").get<std::string>(),
+                                         "--sensor",
+                                         files.at("sensor").get<std::string>(),
+                                         "--rt",
+                                         "ignore"};
+    const Done taken = run(BITELINE_TOOL, words);
+    told = taken.out + taken.last_error;
+    // A busy machine may end a scan: that is told, and nothing else is.
+    if (taken.status != 0) {
+      CHECK_TEXT(taken.out.find("scan: bad") != std::string::npos ||
+                     taken.last_error.find("scan did not begin") != std::string::npos,
+                 told.c_str());
+      continue;
+    }
+    STRCMP_CONTAINS(" profiles without stripe", taken.out.c_str());
+    STRCMP_CONTAINS("biteline replay", taken.out.c_str());
+    const Done again = run(BITELINE_TOOL, words);
+    CHECK(again.status != 0);
+    STRCMP_CONTAINS("name another folder", again.last_error.c_str());
+    const fs::path out = place / "line";
+    const Done line = run(BITELINE_TOOL, {"replay", session.string(), "--out", out.string()});
+    LONGS_EQUAL_TEXT(0, line.status, line.last_error.c_str());
+    const Done judged = run(BITELINE_TOOL, {"evaluate", "--json", "--line", (out / "line.csv").string(),
+                                            "--truth", (place / "truth/groove.csv").string()});
+    LONGS_EQUAL_TEXT(0, judged.status, judged.last_error.c_str());
+    CHECK_COMPARE(nlohmann::json::parse(judged.out).at("mean").get<double>(), <, 0.1);
+    return;
+  }
+  FAIL(told.c_str());
+}
+
+TIMED_TEST(Commission, AScanBehindAnOpenDoorIsBadAndSaysWhy) {
+  if (!open({.camera_places = 1, .laser_places = 0, .hand_eye_places = 0})) return;
+  cell->drive(Line::Interlock, false);
+  folder.write("sensor.yaml", config::sensor_yaml_text(cell->scene().head.model, ""));
+  const Done taken =
+      run(BITELINE_TOOL, {"capture", "scan", (folder.path() / "scan").string(), "--board", board.string(),
+                          "--sensor", (folder.path() / "sensor.yaml").string(), "--rt", "ignore"});
+  LONGS_EQUAL_TEXT(3, taken.status, taken.last_error.c_str());
+  STRCMP_CONTAINS("scan: bad", taken.out.c_str());
+  STRCMP_CONTAINS("the interlock is open", taken.out.c_str());
+  LONGS_EQUAL(0, cell->counts().exposures_lit);
+}
+
 }  // namespace biteline::sim
