@@ -19,7 +19,7 @@ except ImportError as missing:
     sys.exit(77)
 
 # biteline-web answers these by itself; its own tests look at them.
-BY_WEB = {"/openapi.yaml", "/scans/{id}/files", "/scans/{id}/files/{path}", "/events", "/live", "/metrics"}
+BY_WEB = {"/openapi.yaml", "/model-files", "/scans/{id}/files", "/scans/{id}/files/{path}", "/events", "/live", "/metrics"}
 EVENT_DATA = {
     "state": "State",
     "scan": "ScanRow",

@@ -216,14 +216,14 @@ export class FakeCell {
       const url = new URL(request.url, 'http://cell');
       if (!url.pathname.startsWith('/api/v1/')) return this.serve_page(url.pathname, response);
       const path = url.pathname.slice('/api/v1'.length);
-      const given = body ? JSON.parse(body) : {};
+      const given = body && request.headers['content-type'] === 'application/json' ? JSON.parse(body) : {};
       this.calls.push({ method: request.method, path, body: given });
       if (path === '/processes/check') {
         this.most_checks = Math.max(this.most_checks, ++this.checks);
         await new Promise((done) => setTimeout(done, this.check_takes_ms));
         this.checks -= 1;
       }
-      const result = this.decide(request, path, given, url.searchParams);
+      const result = this.decide(request, path, given, url.searchParams, body);
       const [status, value, headers = {}] = result;
       const is_text = typeof value === 'string' || Buffer.isBuffer(value);
       response.writeHead(status, { 'content-type': is_text ? (headers['content-type'] ?? 'text/plain') : 'application/json', 'content-security-policy': policy, ...headers });
@@ -243,7 +243,7 @@ export class FakeCell {
     }
   }
 
-  decide(request, path, given, asked) {
+  decide(request, path, given, asked, body) {
     const fail = (status, code, message, faults) => [status, { error: { code, message, ...(faults ? { faults } : {}) } }];
     const me = this.user(request);
     const method = request.method;
@@ -323,6 +323,16 @@ export class FakeCell {
       return [201, this.models.at(-1)];
     }
     if (path === '/models') return [200, { models: this.models }];
+    if (path === '/model-files') {
+      if (this.control.holder !== me.name) return fail(409, 'control_needed', 'take control first');
+      if (!body.startsWith('the archive of ')) return fail(400, 'bad_request', 'the file: no tar file, or a damaged one');
+      const name = asked.get('name') ?? body.slice('the archive of '.length);
+      if (this.models.some((model) => model.name === name) && asked.get('replace') !== 'true') return fail(409, 'exists', `model ${name} exists; say replace, or choose another name`);
+      this.models = [...this.models.filter((model) => model.name !== name), { name, version: 1, time: new Date().toISOString() }];
+      this.push('model', this.models.at(-1));
+      return [201, this.models.at(-1)];
+    }
+    if (/^\/models\/[^/]+\/file$/.test(path)) return [200, `the archive of ${path.split('/')[2]}`, { 'content-type': 'application/x-tar' }];
     if (path.startsWith('/models/') && method === 'DELETE') {
       this.models = this.models.filter((model) => `/models/${model.name}` !== path);
       return [204, null];

@@ -45,6 +45,7 @@ Result<void> Cockpit::listen() {
                  .results = config_.results,
                  .processes = api::ProcessStore{config_.shipped_processes, config_.results / "processes"},
                  .models = transfer::Library{config_.library},
+                 .exchange = api::Exchange{config_.results / ".exchange"},
                  .version = BITELINE_VERSION,
                  .publish =
                      [this](const std::string& name, Json data) {

@@ -25,6 +25,13 @@ bool is_fault_of_the_text(ErrorCode fault) {
   return fault && fault.category() == of_http.category() && fault != of_http;
 }
 
+/// Its body is no message but a file.
+bool is_upload(const http::request<http::empty_body>& request) {
+  const std::string_view target = view(request.target());
+  const RouteMatch match = find_route(view(request.method_string()), target.substr(0, target.find('?')));
+  return match.route != nullptr && match.route->handling == Handling::Upload;
+}
+
 }  // namespace
 
 Connection::Connection(WebContext& context, Tcp::socket socket, std::string peer, bool local)
@@ -45,9 +52,10 @@ net::awaitable<void> Connection::run() {
 
 net::awaitable<bool> Connection::one_request() {
   const WebLimits& limits = context_.config.limits;
-  http::request_parser<http::string_body> parser;
-  parser.header_limit(limits.header_bytes);
-  parser.body_limit(limits.body_bytes);
+  HeadParser head;
+  head.header_limit(limits.header_bytes);
+  head.body_limit(limits.upload_bytes);
+  std::optional<http::request_parser<http::string_body>> parser;
   ErrorCode fault;
   if (buffer_.size() == 0) {
     // The time of a request begins with its first byte.
@@ -61,23 +69,37 @@ net::awaitable<bool> Connection::one_request() {
   {
     // Ends with the request: an answer has limits of its own, and a WebSocket stays for as long as both want.
     const Deadline deadline{stream_, limits.request_time};
-    co_await http::async_read(stream_, buffer_, parser, redirect_error(use_awaitable, fault));
+    co_await http::async_read_header(stream_, buffer_, head, redirect_error(use_awaitable, fault));
+    if (!fault && !is_upload(head.get())) {
+      if (head.content_length().value_or(0) > limits.body_bytes) {
+        fault = http::error::body_limit;
+      } else {
+        parser.emplace(std::move(head));
+        parser->body_limit(limits.body_bytes);
+        co_await http::async_read(stream_, buffer_, *parser, redirect_error(use_awaitable, fault));
+      }
+    }
     late = deadline.over();
   }
   if (late || is_fault_of_the_text(fault)) {
-    co_await refuse_unread(late, fault);
+    co_await refuse_unread(late, fault, is_upload(head.get()) ? limits.upload_bytes : limits.body_bytes);
     co_return false;
   }
   if (fault) co_return false;
+  if (!parser) {
+    ++context_.requests;
+    co_await take_upload(head);
+    co_return keep_alive_;
+  }
   ++context_.requests;
-  const WebRequest request = parser.release();
+  const WebRequest request = parser->release();
   keep_alive_ = request.keep_alive();
   head_only_ = request.method() == http::verb::head;
   co_await answer(request);
   co_return keep_alive_ && !upgraded_;
 }
 
-net::awaitable<void> Connection::refuse_unread(bool late, ErrorCode fault) {
+net::awaitable<void> Connection::refuse_unread(bool late, ErrorCode fault, std::uint64_t most_bytes) {
   ++context_.requests;
   keep_alive_ = false;
   head_only_ = false;
@@ -88,9 +110,8 @@ net::awaitable<void> Connection::refuse_unread(bool late, ErrorCode fault) {
                                "the request's header has more than " +
                                    std::to_string(context_.config.limits.header_bytes) + " bytes"));
   } else if (fault == http::error::body_limit) {
-    co_await send(error_answer(
-        413, "too_large",
-        "the request's body has more than " + std::to_string(context_.config.limits.body_bytes) + " bytes"));
+    co_await send(error_answer(413, "too_large",
+                               "the request's body has more than " + std::to_string(most_bytes) + " bytes"));
   } else {
     co_await send(error_answer(400, "bad_request", "no HTTP/1.1 request: " + fault.message()));
   }

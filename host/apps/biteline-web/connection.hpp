@@ -31,11 +31,18 @@ class Connection {
     std::string path;
     std::map<std::string, std::string> query;
   };
-  enum class FileKind { Page, Result };
+  enum class FileKind { Page, Result, Download };
+  /// Of a request whose body was not yet read.
+  using HeadParser = http::request_parser<http::empty_body>;
+  struct Upload;
 
   /// True: the connection stays.
   [[nodiscard]] net::awaitable<bool> one_request();
-  [[nodiscard]] net::awaitable<void> refuse_unread(bool late, ErrorCode fault);
+  [[nodiscard]] net::awaitable<void> refuse_unread(bool late, ErrorCode fault, std::uint64_t most_bytes);
+  /// The file of POST /model-files, and its pieces to the service.
+  [[nodiscard]] net::awaitable<void> take_upload(HeadParser& head);
+  [[nodiscard]] net::awaitable<void> pass_on(Upload& upload);
+  [[nodiscard]] net::awaitable<void> give_up(control::Request question);
   [[nodiscard]] net::awaitable<void> answer(const WebRequest& request);
   [[nodiscard]] net::awaitable<void> answer_route(const WebRequest& request, Asked asked);
   [[nodiscard]] net::awaitable<void> forward(const WebRequest& request, Asked asked);
@@ -49,6 +56,8 @@ class Connection {
   [[nodiscard]] net::awaitable<void> send_result_file(const WebRequest& request, std::string scan,
                                                       std::string path);
   [[nodiscard]] net::awaitable<void> send_page(std::string path);
+  /// What the service names as its answer, for people to keep as `name`.
+  [[nodiscard]] net::awaitable<void> send_download(const control::Answer& given, std::string name);
   [[nodiscard]] net::awaitable<void> send_file(const ServedFile& file, std::string path,
                                                std::string_view range, FileKind kind);
   [[nodiscard]] net::awaitable<void> linger();
@@ -56,7 +65,8 @@ class Connection {
   /// What is wrong with the request before its address is looked at.
   [[nodiscard]] std::optional<WebAnswer> judge(const WebRequest& request) const;
   [[nodiscard]] bool is_local(const WebRequest& request) const;
-  [[nodiscard]] static std::string session_of(const WebRequest& request, const Asked& asked);
+  [[nodiscard]] static std::string session_of(const WebRequest& request, Handling handling,
+                                              const std::map<std::string, std::string>& query);
   [[nodiscard]] std::string cookie_text(const std::string& token, bool gone) const;
 
   WebContext& context_;

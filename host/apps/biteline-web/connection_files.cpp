@@ -109,6 +109,16 @@ net::awaitable<void> Connection::send_page(std::string path) {
   co_await send_file(*file, path, {}, FileKind::Page);
 }
 
+net::awaitable<void> Connection::send_download(const control::Answer& given, std::string name) {
+  auto opened = open_served_file(context_.results, given.file);
+  if (!opened || context_.results.empty()) {
+    co_await send(error_answer(503, "host_away", "the service's file is not there any more: try again"));
+    co_return;
+  }
+  if (given.type == "application/x-tar") name += ".tar";
+  co_await send_file(*opened, clean_text(name, 80), {}, FileKind::Download);
+}
+
 net::awaitable<void> Connection::send_file(const ServedFile& file, std::string path, std::string_view range,
                                            FileKind kind) {
   const RangeAnswer part = read_range(range, file.size_bytes());
@@ -131,6 +141,8 @@ net::awaitable<void> Connection::send_file(const ServedFile& file, std::string p
                        stream_.encrypted());
   header.set(http::field::content_type, beast::string_view{type.data(), type.size()});
   header.set(http::field::cache_control, kind == FileKind::Page ? "no-cache" : "private, no-cache");
+  if (kind == FileKind::Download)
+    header.set(http::field::content_disposition, "attachment; filename=\"" + path + "\"");
   header.set(http::field::accept_ranges, "bytes");
   if (part.kind == RangeKind::Part) {
     header.set(http::field::content_range, "bytes " + std::to_string(at) + "-" + std::to_string(end - 1) +

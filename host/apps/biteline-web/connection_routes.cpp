@@ -92,11 +92,12 @@ bool Connection::is_local(const WebRequest& request) const {
   return local_ && !passed_on && !context_.config.behind_proxy;
 }
 
-std::string Connection::session_of(const WebRequest& request, const Asked& asked) {
+std::string Connection::session_of(const WebRequest& request, Handling handling,
+                                   const std::map<std::string, std::string>& query) {
   std::string token = bearer_token(view(request[http::field::authorization]));
   if (token.empty()) token = cookie_value(view(request[http::field::cookie]), k_cookie);
-  if (token.empty() && asked.match.route->handling == Handling::Foxglove) {
-    if (const auto given = asked.query.find("token"); given != asked.query.end()) token = given->second;
+  if (token.empty() && handling == Handling::Foxglove) {
+    if (const auto given = query.find("token"); given != query.end()) token = given->second;
   }
   return is_token(token) ? token : std::string{};
 }
@@ -112,7 +113,7 @@ net::awaitable<void> Connection::answer_route(const WebRequest& request, Asked a
     co_await forward(request, std::move(asked));
     co_return;
   }
-  const std::string session = session_of(request, asked);
+  const std::string session = session_of(request, route.handling, asked.query);
   if (session.empty()) {
     co_await send(login_needed());
     co_return;
@@ -141,7 +142,7 @@ net::awaitable<void> Connection::answer_route(const WebRequest& request, Asked a
 net::awaitable<void> Connection::forward(const WebRequest& request, Asked asked) {
   const Handling handling = asked.match.route->handling;
   control::Request question;
-  question.token = session_of(request, asked);
+  question.token = session_of(request, handling, asked.query);
   question.local = is_local(request);
   question.door = "web";
   question.method = asked.match.route->method;
@@ -173,6 +174,13 @@ net::awaitable<void> Connection::forward(const WebRequest& request, Asked asked)
     co_return;
   }
   const control::Answer given = co_await ask_service(context_, std::move(question));
+  if (!given.file.empty()) {
+    std::string name;
+    if (const auto named = asked.match.named.find("name"); named != asked.match.named.end())
+      name = named->second;
+    co_await send_download(given, std::move(name));
+    co_return;
+  }
   WebAnswer out = as_http(given, asked.path);
   if (handling == Handling::Logout) out.set(http::field::set_cookie, cookie_text("", true));
   co_await send(std::move(out));

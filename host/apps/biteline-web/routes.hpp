@@ -14,6 +14,7 @@ enum class Handling {
   Forward,   ///< by the service
   Login,     ///< by the service; the answer's token may become a cookie
   Logout,    ///< by the service; the cookie goes
+  Upload,    ///< by the service, in pieces: a file of any size
   FileList,  ///< by this program, from the results folder
   File,      ///< the same
   Openapi,   ///< by this program, without a session

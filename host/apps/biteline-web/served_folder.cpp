@@ -146,6 +146,7 @@ std::string_view content_type(std::string_view path) {
       Kind{".svg", "image/svg+xml"},
       Kind{".ico", "image/x-icon"},
       Kind{".woff2", "font/woff2"},
+      Kind{".tar", "application/x-tar"},
   };
   for (const Kind& kind : k_kinds) {
     if (path.ends_with(kind.ending)) return kind.type;

@@ -20,7 +20,8 @@ namespace biteline::web {
 struct WebLimits {
   std::uint32_t header_bytes{8 * 1024};
   std::uint64_t body_bytes{256 * 1024};
-  std::chrono::milliseconds request_time{10'000};   ///< from its first byte to its last
+  std::uint64_t upload_bytes{256U << 20U};          ///< of a model's file; the service takes no more, too
+  std::chrono::milliseconds request_time{10'000};   ///< from its first byte to its last; a piece of a file
   std::chrono::milliseconds answer_time{60'000};    ///< for the client to take one piece of the answer
   std::chrono::milliseconds idle_time{60'000};      ///< between two requests
   std::chrono::milliseconds session_check{10'000};  ///< how often a WebSocket's session is looked at again

@@ -85,6 +85,10 @@ std::vector<Api::Route> Api::routes() {
       {"POST", "/models", Engineer, false, &Api::save_model},
       {"GET", "/models/{}", Viewer, false, &Api::read_model},
       {"DELETE", "/models/{}", Engineer, false, &Api::remove_model},
+      {"GET", "/models/{}/file", Viewer, false, &Api::export_model},
+      // Between programs: biteline-web brings the body of POST /model-files in pieces.
+      {"POST", "/exchange/model", Engineer, true, &Api::import_model},
+      {"DELETE", "/exchange/model", Engineer, false, &Api::drop_import},
       {"GET", "/processes", Viewer, false, &Api::list_processes},
       {"GET", "/processes/schema", Viewer, false, &Api::read_process_schema},
       {"POST", "/processes/check", Engineer, false, &Api::check_process},

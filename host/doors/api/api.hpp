@@ -9,6 +9,7 @@
 
 #include "host/doors/accounts/accounts.hpp"
 #include "host/doors/api/cell.hpp"
+#include "host/doors/api/exchange.hpp"
 #include "host/doors/api/process_store.hpp"
 #include "host/doors/control/messages.hpp"
 #include "host/records/memory/memory.hpp"
@@ -23,6 +24,7 @@ struct Rooms {
   std::filesystem::path results;
   ProcessStore processes;
   transfer::Library models;
+  Exchange exchange;  ///< a folder below `results`
   std::string version;
   std::function<void(const std::string&, Json)> publish;  ///< an event for all doors
   std::function<std::uint64_t()> last_seq;
@@ -77,6 +79,12 @@ class Api {
   [[nodiscard]] control::Answer save_model(const Call& call);
   [[nodiscard]] control::Answer read_model(const Call& call);
   [[nodiscard]] control::Answer remove_model(const Call& call);
+  [[nodiscard]] control::Answer export_model(const Call& call);
+  [[nodiscard]] control::Answer import_model(const Call& call);
+  [[nodiscard]] control::Answer drop_import(const Call& call);
+  /// 201 for a model that is new or in the place of another: in the log and told to all doors.
+  [[nodiscard]] control::Answer tell_of_model(const Call& call, const transfer::ModelInfo& model,
+                                              const std::string& action, const std::string& scan);
   [[nodiscard]] control::Answer list_processes(const Call& call);
   [[nodiscard]] control::Answer read_process_schema(const Call& call);
   [[nodiscard]] control::Answer read_process(const Call& call);

@@ -56,6 +56,7 @@ Answer fault_answer(const Error& error) {
 }  // namespace
 
 Answer Api::list_models(const Call&) {
+  rooms_.exchange.forget_idle();
   const Result<std::vector<transfer::ModelInfo>> models = rooms_.models.list();
   if (!models) return answer_of(models.error());
   Json list = Json::array();
@@ -98,12 +99,15 @@ Answer Api::save_model(const Call& call) {
     return control::refusal(404, "not_found", scan + ": no such scan");
   const Result<transfer::ModelInfo> model = rooms_.models.save(name, rooms_.results / scan, options);
   if (!model) return answer_of(model.error());
-  if (const auto logged =
-          rooms_.memory.log(event(call, replace ? "replace model" : "save model", name, "", scan));
-      !logged)
+  return tell_of_model(call, *model, replace ? "replace model" : "save model", scan);
+}
+
+Answer Api::tell_of_model(const Call& call, const transfer::ModelInfo& model, const std::string& action,
+                          const std::string& scan) {
+  if (const auto logged = rooms_.memory.log(event(call, action, model.name, "", scan)); !logged)
     return answer_of(logged.error());
-  if (rooms_.publish) rooms_.publish("model", model_json(*model));
-  return ok(model_json(*model), 201);
+  if (rooms_.publish) rooms_.publish("model", model_json(model));
+  return ok(model_json(model), 201);
 }
 
 Answer Api::remove_model(const Call& call) {

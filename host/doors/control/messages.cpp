@@ -101,6 +101,7 @@ Result<Answer> answer_of(Json& json) {
   answer.status = static_cast<int>(status);
   BITELINE_ASSIGN(std::string type, short_text(json, "type", k_most_name_bytes));
   if (!type.empty()) answer.type = std::move(type);
+  BITELINE_ASSIGN(answer.file, short_text(json, "file", k_most_path_bytes));
   if (const auto body = json.find("body"); body != json.end()) answer.body = std::move(*body);
   return answer;
 }
@@ -138,7 +139,8 @@ Answer refusal(int status, const std::string& code, const std::string& message) 
   return {.id = 0,
           .status = status,
           .body = {{"error", {{"code", code}, {"message", message}}}},
-          .type = Answer{}.type};
+          .type = Answer{}.type,
+          .file = {}};
 }
 
 std::string to_text(const Request& request) {
@@ -152,6 +154,7 @@ std::string to_text(const Request& request) {
 std::string to_text(const Answer& answer) {
   Json json{{"id", answer.id}, {"status", answer.status}, {"body", answer.body}};
   if (answer.type != Answer{}.type) json["type"] = answer.type;
+  if (!answer.file.empty()) json["file"] = answer.file;
   return dump(json);
 }
 

@@ -39,6 +39,8 @@ struct Answer {
   int status{200};  ///< of HTTP (RFC 9110)
   Json body;        ///< null: none (204); a text where `type` is no JSON's
   std::string type{"application/json"};
+  /// Below the results folder: the file that is the answer.  The door reads it at once; it stays for a while.
+  std::string file{};
 };
 
 /// Something has happened.  `seq` counts every event of the service: a gap means that some were dropped for

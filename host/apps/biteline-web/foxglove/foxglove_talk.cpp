@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "common/core/base64.hpp"
 #include "foxglove/schemas.pb.h"
 #include "host/doors/control/messages.hpp"
 
@@ -22,21 +23,6 @@ constexpr double k_metres_a_mm = 0.001;
 constexpr std::size_t k_picture_begin = 13;
 constexpr std::size_t k_cloud_begin = 9;
 
-/// RFC 4648, 4.
-std::string base64(std::string_view bytes) {
-  constexpr std::string_view k_letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-    for (std::size_t k = 0; k < 3; ++k) {
-      group = group << 8U | (k < count ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-    }
-    for (std::size_t k = 0; k < 4; ++k) text += k <= count ? k_letters[group >> (18U - 6U * k) & 63U] : '=';
-  }
-  return text;
-}
-
 /// The file and all that it imports, those first.
 void collect(const google::protobuf::FileDescriptor& file, google::protobuf::FileDescriptorSet& set) {
   for (int i = 0; i < file.dependency_count(); ++i) collect(*file.dependency(i), set);
@@ -47,7 +33,7 @@ template <class Message>
 std::string schema_of() {
   google::protobuf::FileDescriptorSet set;
   collect(*Message::descriptor()->file(), set);
-  return base64(set.SerializeAsString());
+  return to_base64(set.SerializeAsString());
 }
 
 template <class Message>

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "common/core/base64.hpp"
 #include "host/records/report/json_text.hpp"
 #include "host/records/report/report.hpp"
 #include "host/records/results/view/weak_stretches.hpp"
@@ -67,7 +68,7 @@ ordered_json as_json(const cloud::PointCloud& cloud) {
           {"every", every},
           {"origin_mm", {box.min().x(), box.min().y(), box.min().z()}},
           {"step_mm", step_mm},
-          {"xyz_u16", base64(std::as_bytes(std::span{places}))}};
+          {"xyz_u16", to_base64({reinterpret_cast<const char*>(places.data()), 2 * places.size()})}};
 }
 
 const char* source_name(cloud::PointSource source) {
@@ -126,20 +127,6 @@ Result<void> copy_viewer(const fs::path& folder) {
 }
 
 }  // namespace
-
-std::string base64(std::span<const std::byte> bytes) {
-  static constexpr char k_digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t word = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      word = word << 8U | (k < left ? std::to_integer<std::uint32_t>(bytes[i + k]) : 0U);
-    for (std::size_t k = 0; k < 4; ++k) out += k <= left ? k_digits[word >> (18 - 6 * k) & 63U] : '=';
-  }
-  return out;
-}
 
 std::optional<fs::path> page_folder() {
   std::error_code error;

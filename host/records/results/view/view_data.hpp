@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -45,8 +44,5 @@ void add_viewer(report::Page& page, const std::filesystem::path& folder);
 
 /// Where the page's parts were installed: share/biteline/web beside the program's bin; none when not built.
 [[nodiscard]] std::optional<std::filesystem::path> page_folder();
-
-/// RFC 4648, with padding.
-[[nodiscard]] std::string base64(std::span<const std::byte> bytes);
 
 }  // namespace biteline::results

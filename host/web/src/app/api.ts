@@ -231,16 +231,23 @@ export function file_address(scan: string, path: string): string {
   return `${base}/scans/${scan}/files/${path.split('/').map(encodeURIComponent).join('/')}`;
 }
 
+/// A body of JSON, or none.
+export function call<T>(method: string, path: string, body?: unknown): Promise<T> {
+  return body === undefined
+    ? ask<T>(path, { method })
+    : ask<T>(path, { method, headers: { 'content-type': 'application/json' }, body: JSON.stringify(body) });
+}
+
+/// A file as the body; throws as call() does.
+export function send_file<T>(path: string, file: Blob, type: string): Promise<T> {
+  return ask<T>(path, { method: 'POST', headers: { 'content-type': type }, body: file });
+}
+
 /// Throws Refused; `no_answer` when no server was reached.
-export async function call<T>(method: string, path: string, body?: unknown): Promise<T> {
+async function ask<T>(path: string, request: RequestInit): Promise<T> {
   let answer: Response;
   try {
-    answer = await fetch(base + path, {
-      method,
-      credentials: 'same-origin',
-      headers: body === undefined ? {} : { 'content-type': 'application/json' },
-      body: body === undefined ? undefined : JSON.stringify(body),
-    });
+    answer = await fetch(base + path, { ...request, credentials: 'same-origin' });
   } catch {
     throw new Refused(0, 'no_answer', '', []);
   }

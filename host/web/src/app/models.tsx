@@ -3,13 +3,15 @@
 import type { JSX } from 'preact';
 import { useState } from 'preact/hooks';
 import { amount, t } from '../words';
-import { type Model, type ProcessRow, type ScanRow, call } from './api';
+import { type Model, base, call } from './api';
+import { ImportModel, NewModel } from './new_model';
 import { Failure, Table } from './parts';
 import { act, may, time_words, use_reading } from './store';
 
 export function Models(): JSX.Element {
   const { value, error } = use_reading<{ models: Model[] }>('/models');
   const [asked, set_asked] = useState('');
+  const names = (value?.models ?? []).map((model) => model.name);
   return (
     <>
       <h1>{t('nav_models')}</h1>
@@ -43,6 +45,9 @@ export function Models(): JSX.Element {
               <td>{amount(model.length_mm, 'mm', 1)}</td>
               <td>{model.scans ?? '–'}</td>
               <td>
+                <a class="button" href={`${base}/models/${model.name}/file`} download={`${model.name}.tar`}>
+                  {t('export_one', { name: model.name })}
+                </a>{' '}
                 {may('engineer') && asked !== model.name && (
                   <button type="button" onClick={() => set_asked(model.name)}>
                     {t('remove_one', { name: model.name })}
@@ -73,81 +78,13 @@ export function Models(): JSX.Element {
         </Table>
       )}
       {may('engineer') ? (
-        <NewModel names={(value?.models ?? []).map((m) => m.name)} />
+        <>
+          <NewModel names={names} />
+          <ImportModel names={names} />
+        </>
       ) : (
         <p class="quiet">{t('needs_engineer')}</p>
       )}
     </>
-  );
-}
-
-function NewModel({ names }: { names: string[] }): JSX.Element {
-  const { value: scans } = use_reading<{ scans: ScanRow[] }>('/scans?limit=100');
-  const { value: processes } = use_reading<{ processes: ProcessRow[] }>('/processes');
-  const [form, set_form] = useState({ name: '', scan: '', process: '', size: '', foot: '' });
-  const usable = (scans?.scans ?? []).filter((scan) => scan.verdict === 'ok' || scan.verdict === 'amber');
-  const field = (name: keyof typeof form) => ({
-    value: form[name],
-    onInput: (event: { currentTarget: { value: string } }) =>
-      set_form({ ...form, [name]: event.currentTarget.value }),
-  });
-  const exists = names.includes(form.name);
-  return (
-    <section class="card">
-      <h2>{t('new_model')}</h2>
-      <p>{t('new_model_words')}</p>
-      <form
-        class="form"
-        onSubmit={(event) => {
-          event.preventDefault();
-          const body = Object.fromEntries(Object.entries(form).filter(([, value]) => value !== ''));
-          void act(t('done_model', { name: form.name }), () =>
-            call('POST', '/models', exists ? { ...body, replace: true } : body),
-          );
-        }}
-      >
-        <label>
-          {t('name')}{' '}
-          <input required maxLength={64} pattern="[A-Za-z0-9][A-Za-z0-9._\-]*" {...field('name')} />
-        </label>
-        <label>
-          {t('scan')}{' '}
-          <select required {...field('scan')}>
-            <option value="">{t('choose')}</option>
-            {usable.map((scan) => (
-              <option key={scan.id} value={scan.id}>
-                {scan.id}, {time_words(scan.time)}
-              </option>
-            ))}
-          </select>
-        </label>
-        <label>
-          {t('process')}{' '}
-          <select {...field('process')}>
-            <option value="">–</option>
-            {(processes?.processes ?? []).map((process) => (
-              <option key={process.name} value={process.name}>
-                {process.name}
-              </option>
-            ))}
-          </select>
-        </label>
-        <label>
-          {t('size')} <input maxLength={20} placeholder="EU 42" {...field('size')} />
-        </label>
-        <label>
-          {t('foot')}{' '}
-          <select {...field('foot')}>
-            <option value="">–</option>
-            <option value="left">{t('left')}</option>
-            <option value="right">{t('right')}</option>
-          </select>
-        </label>
-        {exists && <p class="notice look">{t('replaces', { name: form.name })}</p>}
-        <button type="submit" class="go">
-          {exists ? t('replace') : t('save')}
-        </button>
-      </form>
-    </section>
   );
 }

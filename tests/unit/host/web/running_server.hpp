@@ -75,6 +75,18 @@ class MadeService final : public ServiceDoor {
       return {.id = 0, .status = 200, .body = {{"scans", Json::array({scan})}, {"next", nullptr}}};
     }
     if (request.method == "DELETE") return {.id = 0, .status = 204, .body = {}};
+    if (request.path == "/api/v1/exchange/model") {
+      if (request.body.value("name", "") == "taken") return control::refusal(409, "exists", "taken");
+      return {.id = 0, .status = request.body["last"].get<bool>() ? 201 : 200, .body = {{"name", "boot"}}};
+    }
+    // Its answer is a file below the results folder; one of them is not there, one is no business of
+    // anybody's.
+    for (const auto& [name, file] :
+         {std::pair{"boot", ".exchange/out-1.tar"}, std::pair{"gone", ".exchange/out-0.tar"},
+          std::pair{"outside", "../secret"}}) {
+      if (request.path != std::string{"/api/v1/models/"} + name + "/file") continue;
+      return {.id = 0, .status = 200, .body = {}, .type = "application/x-tar", .file = file};
+    }
     return {
         .id = 0,
         .status = 200,

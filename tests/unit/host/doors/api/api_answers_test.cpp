@@ -3,7 +3,11 @@
 #include <CppUTest/TestHarness.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 
+#include "common/core/base64.hpp"
 #include "host/cloud/ply.hpp"
 #include "tests/unit/host/doors/api/api_world.hpp"
 
@@ -22,6 +26,10 @@ struct ApiAnswersWorld : ApiWorld {
       line.points.push_back(
           {.position = position, .normal = Vec3::UnitZ(), .tangent = Vec3::UnitX(), .confidence = 1});
     SUCCEEDS(cloud::write_line(folder.path() / scan / "line.csv", line));
+  }
+  static std::string text_of(const std::filesystem::path& file) {
+    std::ifstream stream{file, std::ios::binary};
+    return {std::istreambuf_iterator<char>{stream}, {}};
   }
 };
 
@@ -43,6 +51,59 @@ TEST(ApiAnswers, AModelIsMadeToldAndTakenOutOfUse) {
   CHECK(models[1].contains("damage"));
   LONGS_EQUAL(204, ask("DELETE", "/models/boot").status);
   LONGS_EQUAL(404, ask("GET", "/models/boot").status);
+}
+
+TEST(ApiAnswers, AModelGoesOutAsAFileAndComesBackInPieces) {
+  put_sample("scan-0001");
+  log_in("eng");
+  LONGS_EQUAL(201, ask("POST", "/models", {{"name", "boot"}, {"scan", "scan-0001"}}).status);
+  LONGS_EQUAL(404, ask("GET", "/models/shoe/file").status);
+  const control::Answer out = ask("GET", "/models/boot/file");
+  LONGS_EQUAL_TEXT(200, out.status, out.body.dump().c_str());
+  STRCMP_EQUAL("application/x-tar", out.type.c_str());
+  const std::string file = text_of(folder.path() / out.file);
+  CHECK(file.size() > 1024);
+
+  const auto piece = [&](std::size_t at, const std::string& bytes, bool last, Json more = Json::object()) {
+    more["at"] = at;
+    more["bytes"] = to_base64(bytes);
+    more["last"] = last;
+    return ask("POST", "/exchange/model", more);
+  };
+  const std::size_t half = file.size() / 2;
+  STRCMP_EQUAL("control_needed", code_of(piece(0, file, true)).c_str());
+  LONGS_EQUAL(200, ask("POST", "/control", {{"action", "take"}}).status);
+  // Its own name is taken; another is not, and a piece that does not fit ends it.
+  STRCMP_EQUAL("exists", code_of(piece(0, file, true, {{"name", "boot"}})).c_str());
+  LONGS_EQUAL(400, piece(0, file, true).status);
+  LONGS_EQUAL(200, piece(0, file.substr(0, half), false).status);
+  STRCMP_EQUAL("wrong_state", code_of(piece(half + 1, "x", false)).c_str());
+  STRCMP_EQUAL("wrong_state", code_of(piece(half, file.substr(half), true)).c_str());
+  LONGS_EQUAL(200, piece(0, file.substr(0, half), false).status);
+  const control::Answer in = piece(half, file.substr(half), true, {{"name", "twin"}});
+  LONGS_EQUAL_TEXT(201, in.status, in.body.dump().c_str());
+  STRCMP_EQUAL("twin", in.body["name"].get<std::string>().c_str());
+  DOUBLES_EQUAL(12, in.body["length_mm"].get<double>(), 1e-3);
+  LONGS_EQUAL(201, piece(0, file, true, {{"replace", true}}).status);
+  LONGS_EQUAL(2, ask("GET", "/models/boot").body["version"].get<int>());
+
+  // Cut short or changed: nothing of it, no path of this machine in the words, and no file is left.
+  std::string changed = file;
+  changed[half] = static_cast<char>(changed[half] + 1);
+  for (const std::string& bad : {file.substr(0, half), changed, std::string{"no archive"}, std::string{}}) {
+    const control::Answer refused = piece(0, bad, true, {{"name", "torn"}});
+    LONGS_EQUAL_TEXT(400, refused.status, refused.body.dump().c_str());
+    CHECK(refused.body.dump().find(folder.path().string()) == std::string::npos);
+  }
+  LONGS_EQUAL(404, ask("GET", "/models/torn").status);
+  LONGS_EQUAL(200, piece(0, file, false).status);
+  LONGS_EQUAL(204, ask("DELETE", "/exchange/model").status);
+  int left = 0;
+  for (const auto& entry : std::filesystem::directory_iterator{folder.path() / ".exchange"})
+    left += entry.path().filename().string().starts_with("in") ? 1 : 0;
+  LONGS_EQUAL(0, left);
+  log_in("ana");
+  STRCMP_EQUAL("not_allowed", code_of(piece(0, file, true)).c_str());
 }
 
 TEST(ApiAnswers, CapabilityComesWithTheModelsTolerance) {

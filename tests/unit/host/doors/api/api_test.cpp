@@ -122,6 +122,7 @@ TEST(Api, FirstAccountIsMadeAtTheCellOnly) {
                 .results = fresh.path(),
                 .processes = ProcessStore{{}, fresh.path()},
                 .models = transfer::Library{fresh.path()},
+                .exchange = Exchange{fresh.path() / ".exchange"},
                 .version = {},
                 .publish = {},
                 .last_seq = {}}};

@@ -26,19 +26,7 @@ TEST_GROUP(ViewData) {
     const std::size_t begin = all.find(" = ") + 3;
     return nlohmann::json::parse(all.substr(begin, all.rfind(';') - begin));
   }
-  static std::string encoded(const char* plain) {
-    return base64(std::as_bytes(std::span{plain, std::char_traits<char>::length(plain)}));
-  }
 };
-
-TEST(ViewData, Base64IsThatOfTheStandard) {
-  // RFC 4648, section 10.
-  STRCMP_EQUAL("", encoded("").c_str());
-  STRCMP_EQUAL("Zg==", encoded("f").c_str());
-  STRCMP_EQUAL("Zm8=", encoded("fo").c_str());
-  STRCMP_EQUAL("Zm9v", encoded("foo").c_str());
-  STRCMP_EQUAL("Zm9vYmFy", encoded("foobar").c_str());
-}
 
 TEST(ViewData, LargeCloudIsThinnedAndSaysSo) {
   cloud::PointCloud cloud;
