@@ -17,6 +17,9 @@ namespace fs = std::filesystem;
 constexpr std::chrono::seconds k_patience{3};
 /// What was wrong is not fetched again at once.
 constexpr std::chrono::seconds k_before_retry{10};
+/// After so many times only once an hour: it is large, and whoever made it must mend it.
+constexpr int k_most_tries = 3;
+constexpr std::chrono::hours k_before_late_retry{1};
 
 std::int64_t size_of(const fs::path& file) {
   std::error_code error;
@@ -46,8 +49,12 @@ Result<void> add_bytes(const fs::path& file, const std::string& bytes) {
 ReleaseKeeper::ReleaseKeeper(fs::path folder, fs::path key, Ask ask)
     : shelf_{std::move(folder)}, key_{std::move(key)}, ask_{std::move(ask)} {}
 
+Result<void> ReleaseKeeper::begin() const {
+  return report::prepare_folder(shelf_.folder());
+}
+
 Result<void> ReleaseKeeper::hear(const ReleasePlan& plan, Clock::time_point now, std::int64_t now_ms) {
-  BITELINE_TRY(report::prepare_folder(shelf_.folder()));
+  BITELINE_TRY(begin());
   const Result<void> wanted = want(plan, now);
   if (!wanted) fault_ = to_line(wanted.error());
   BITELINE_TRY(plan_switch(plan, now_ms));
@@ -62,6 +69,9 @@ Result<void> ReleaseKeeper::want(const ReleasePlan& plan, Clock::time_point now)
     return {};
   }
   if (plan.manifest == wanted_text_ && (wanted_ || now < not_before_)) return {};
+  // What is being unpacked comes to its end first.
+  if (busy()) return {};
+  if (plan.manifest != wanted_text_) tries_ = 0;
   wanted_.reset();
   wanted_text_ = plan.manifest;
   not_before_ = now + k_before_retry;
@@ -107,22 +117,18 @@ Result<void> ReleaseKeeper::plan_switch(const ReleasePlan& plan, std::int64_t no
     }
     next.number = plan.turn->number;
   }
-  if (!plan.turn) next.number = 0;
+  // A switch that has happened stays known: a database that was put back to before it tells of none.
+  if (!plan.turn && open) next.number = 0;
   if (next == stands) return {};
   BITELINE_TRY(shelf_.write(next));
   return shelf_.tidy(next, wanted_ ? wanted_->sha256 : "");
 }
 
 Result<bool> ReleaseKeeper::hear(const Part& part, Clock::time_point now) {
-  if (!wanted_ || part.sha256 != wanted_->sha256 || part.at != have_ || shelf_.has(part.sha256)) return false;
+  if (!wanted_ || busy() || part.sha256 != wanted_->sha256 || part.at != have_ || shelf_.has(part.sha256))
+    return false;
   Result<bool> whole = append(part);
-  if (!whole) {
-    fault_ = to_line(whole.error());
-    // What is wrong with it is looked at anew, from the first byte.
-    wanted_.reset();
-    not_before_ = now + k_before_retry;
-    return whole;
-  }
+  if (!whole) return tl::unexpected<Error>{give_up(whole.error(), now).error()};
   asked_ = now;
   if (--coming_ <= 0 && !*whole) ask(now);
   return whole;
@@ -136,14 +142,35 @@ Result<bool> ReleaseKeeper::append(const Part& part) {
   BITELINE_TRY(add_bytes(shelf_.part_of(part.sha256), part.bytes));
   have_ += static_cast<std::int64_t>(part.bytes.size());
   if (have_ < bytes) return false;
-  BITELINE_TRY(take_in());
+  take_in();
   return true;
 }
 
-Result<void> ReleaseKeeper::take_in() {
-  BITELINE_TRY(shelf_.take_in(*wanted_));
+void ReleaseKeeper::take_in() {
+  // A gigabyte is hashed and unpacked for seconds: results do not wait for it.
+  taking_ = std::async(std::launch::async,
+                       [shelf = shelf_, manifest = *wanted_] { return shelf.take_in(manifest); });
+}
+
+Result<void> ReleaseKeeper::taken(Clock::time_point now) {
+  const Result<void> done = taking_.get();
+  if (!done) return give_up(done.error(), now);
+  tries_ = 0;
   BITELINE_ASSIGN(const release::Plan plan, release::plan_of(shelf_.folder()));
-  return shelf_.tidy(plan, wanted_->sha256);
+  return shelf_.tidy(plan, wanted_ ? wanted_->sha256 : "");
+}
+
+/// What is wrong with it is looked at anew, from the first byte.
+Result<void> ReleaseKeeper::give_up(const Error& error, Clock::time_point now) {
+  ++tries_;
+  fault_ = to_line(error);
+  if (tries_ >= k_most_tries)
+    fault_.append("; it came ").append(std::to_string(tries_)).append(" times and is tried once an hour");
+  wanted_.reset();
+  have_ = 0;
+  not_before_ =
+      now + (tries_ < k_most_tries ? Clock::duration{k_before_retry} : Clock::duration{k_before_late_retry});
+  return tl::unexpected<Error>{error};
 }
 
 void ReleaseKeeper::ask(Clock::time_point now) {
@@ -152,23 +179,25 @@ void ReleaseKeeper::ask(Clock::time_point now) {
   ask_({.sha256 = wanted_->sha256, .at = have_});
 }
 
-Result<void> ReleaseKeeper::look(Clock::time_point now, std::int64_t now_ms) {
-  if (wanted_ && !shelf_.has(wanted_->sha256)) {
+Result<bool> ReleaseKeeper::look(Clock::time_point now, std::int64_t now_ms) {
+  bool news = false;
+  if (busy()) {
+    if (taking_.wait_for(std::chrono::seconds{0}) != std::future_status::ready) return false;
+    BITELINE_TRY(taken(now));
+    news = true;
+  } else if (wanted_ && !shelf_.has(wanted_->sha256)) {
     if (have_ >= static_cast<std::int64_t>(wanted_->bytes)) {
-      // Killed between the last byte and the check.
-      const Result<void> taken = take_in();
-      have_ = 0;
-      if (!taken) fault_ = to_line(taken.error());
-      BITELINE_TRY(taken);
+      take_in();  // killed between the last byte and the check
     } else if (coming_ <= 0 || now - asked_ > k_patience) {
       ask(now);
     }
   }
   BITELINE_ASSIGN(const release::Plan stands, release::plan_of(shelf_.folder()));
   const release::Plan settled = stands.settled(now_ms);
-  if (settled == stands) return {};
+  if (settled == stands) return news;
   BITELINE_TRY(shelf_.write(settled));
-  return shelf_.tidy(settled, wanted_ ? wanted_->sha256 : "");
+  BITELINE_TRY(shelf_.tidy(settled, wanted_ ? wanted_->sha256 : ""));
+  return true;
 }
 
 ReleaseWord ReleaseKeeper::word(std::int64_t now_ms) const {

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <functional>
+#include <future>
 #include <optional>
 #include <string>
 
@@ -22,19 +23,26 @@ class ReleaseKeeper {
   /// `key`: PEM of who may release.
   ReleaseKeeper(std::filesystem::path folder, std::filesystem::path key, Ask ask);
 
+  /// Makes the folder, so that the service finds it before there is a release.
+  [[nodiscard]] Result<void> begin() const;
   /// An Error is of this cell's disk or key, or of the release; it stands in word().fault, too.
   [[nodiscard]] Result<void> hear(const ReleasePlan& plan, Clock::time_point now, std::int64_t now_ms);
-  /// True: the release is whole now.
+  /// True: all its bytes are here; they are checked and unpacked beside this thread, see look().
   [[nodiscard]] Result<bool> hear(const Part& part, Clock::time_point now);
-  /// Asks again for what did not come, and writes down a switch whose time has come.
-  [[nodiscard]] Result<void> look(Clock::time_point now, std::int64_t now_ms);
+  /// Asks again for what did not come, takes in what is checked, and writes down a switch whose time has
+  /// come. True: word() says something new.
+  [[nodiscard]] Result<bool> look(Clock::time_point now, std::int64_t now_ms);
+  /// A release is being checked and unpacked.
+  [[nodiscard]] bool busy() const { return taking_.valid(); }
   [[nodiscard]] ReleaseWord word(std::int64_t now_ms) const;
 
  private:
   Result<void> want(const ReleasePlan& plan, Clock::time_point now);
   Result<void> plan_switch(const ReleasePlan& plan, std::int64_t now_ms);
   Result<bool> append(const Part& part);
-  Result<void> take_in();
+  void take_in();
+  [[nodiscard]] Result<void> taken(Clock::time_point now);
+  Result<void> give_up(const Error& error, Clock::time_point now);
   void ask(Clock::time_point now);
 
   release::Shelf shelf_;
@@ -46,6 +54,8 @@ class ReleaseKeeper {
   int coming_{0};                            ///< parts that were asked for
   Clock::time_point asked_{}, not_before_{};
   std::string fault_;
+  int tries_{0};  ///< times that this release came and could not be used
+  std::future<Result<void>> taking_;
 };
 
 }  // namespace biteline::fleet

@@ -107,6 +107,41 @@ Result<std::int64_t> Releases::offer(const fs::path& file, const std::vector<std
   });
 }
 
+Result<void> Releases::forget(std::int64_t release) {
+  const Result<bool> forgotten = centre_.work<bool>([&](Centre::State& state) -> Result<bool> {
+    pqxx::work work{state.connection};
+    work.exec(k_lock);
+    const pqxx::result found = work.exec_params("SELECT sha256 FROM releases WHERE number = $1", release);
+    if (found.empty())
+      return fail(Errc::InvalidArgument, "release %lld: there is none; see --releases",
+                  static_cast<long long>(release));
+    // What a cell said last counts, also of one that is away or no longer among its cells.
+    std::string cells;
+    for (const pqxx::row& row :
+         work.exec_params("SELECT cell FROM cell_releases WHERE current = $1 ORDER BY cell",
+                          found[0][0].as<std::string>()))
+      cells.append(cells.empty() ? "" : ", ").append(row[0].as<std::string>());
+    if (!cells.empty())
+      return fail(Errc::WrongState, "release %lld is in force in %.300s; switch to another one first",
+                  static_cast<long long>(release), cells.c_str());
+    const pqxx::result open = work.exec_params(
+        "SELECT number FROM switches s WHERE release = $1 AND (state = 'planned' OR (state = 'sure' AND "
+        "number = "
+        "(SELECT max(number) FROM switches WHERE state = 'sure')))",
+        release);
+    if (!open.empty())
+      return fail(Errc::WrongState,
+                  "release %lld: switch %s brings it into force; switch to another one first",
+                  static_cast<long long>(release), open[0][0].c_str());
+    work.exec_params0("DELETE FROM switches WHERE release = $1", release);
+    work.exec_params0("DELETE FROM releases WHERE number = $1", release);
+    work.commit();
+    return true;
+  });
+  if (!forgotten) return tl::unexpected<Error>{forgotten.error()};
+  return {};
+}
+
 Result<std::vector<ReleaseRow>> Releases::list() {
   return centre_.work<std::vector<ReleaseRow>>([&](Centre::State& state) {
     pqxx::work work{state.connection};

@@ -47,6 +47,9 @@ class Releases {
   /// anew, for these.  Returns its number.
   [[nodiscard]] Result<std::int64_t> offer(const std::filesystem::path& file,
                                            const std::vector<std::string>& cells);
+  /// Out of the database, with its switches.  Errc::WrongState names the cells where it is in force, or the
+  /// switch to it that is still to come; Errc::InvalidArgument: there is none of this number.
+  [[nodiscard]] Result<void> forget(std::int64_t release);
   /// Newest offer first.
   [[nodiscard]] Result<std::vector<ReleaseRow>> list();
   /// Errc::WrongState names who is not ready, or the switch that is still open.  Returns the switch's number.

@@ -110,6 +110,11 @@ void add_release_options(CLI::App& app, ReleaseOrders& orders) {
                      "Put this release (its number) in force in all its cells at one time, and leave; exit "
                      "status 3 where not all could be told, and all keep what they have")
           ->excludes(offer);
+  app.add_option(
+         "--forget", orders.forget,
+         "Remove this release (its number) from the centre, and leave; refused while a cell has it in force")
+      ->excludes(offer)
+      ->excludes(turn);
   app.add_option("--in", orders.in_s, "With --switch: so many seconds from now")
       ->check(CLI::Range(k_least_ahead_s, k_most_ahead_s))
       ->capture_default_str()
@@ -119,6 +124,12 @@ void add_release_options(CLI::App& app, ReleaseOrders& orders) {
 Result<ExitStatus> carry_out(const ReleaseOrders& orders, Centre& centre, bool json) {
   if (!orders.offer.empty()) return offer(orders, centre);
   if (orders.turn) return switch_to(orders, centre);
+  if (orders.forget) {
+    BITELINE_TRY(Releases{centre}.forget(*orders.forget));
+    std::printf("release %lld is forgotten; cells keep what they have\n",
+                static_cast<long long>(*orders.forget));
+    return ExitStatus::Done;
+  }
   return list(centre, json);
 }
 

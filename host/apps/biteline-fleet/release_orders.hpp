@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file `biteline-fleet --offer`, `--releases`, `--switch`: what a person orders beside the running centre.
+/// \file `biteline-fleet --offer`, `--releases`, `--switch`, `--forget`: what a person orders beside the
+/// running centre.
 
 #include <filesystem>
 #include <optional>
@@ -19,11 +20,11 @@ namespace biteline::fleet {
 struct ReleaseOrders {
   std::filesystem::path offer;
   std::vector<std::string> cells;  ///< of --offer; empty: all that the centre knows
-  std::optional<std::int64_t> turn;
+  std::optional<std::int64_t> turn, forget;
   int in_s{30};
   bool list{false};
 
-  [[nodiscard]] bool any() const { return !offer.empty() || turn || list; }
+  [[nodiscard]] bool any() const { return !offer.empty() || turn || forget || list; }
 };
 
 void add_release_options(CLI::App& app, ReleaseOrders& orders);

@@ -70,6 +70,7 @@ class Cell {
       releases_.emplace(options_.releases, options_.release_key, [this](const fleet::PartAsk& ask) {
         broker_->publish(fleet::topic_of(options_.cell, "ask"), fleet::to_text(ask), Delivery::AtLeastOnce);
       });
+      BITELINE_TRY(releases_->begin());
     }
     broker.will_topic = fleet::health_topic(options_.cell);
     broker.will = fleet::to_text(fleet::HealthMessage{});
@@ -181,15 +182,16 @@ class Cell {
   Result<void> hear_part(std::string_view payload, Clock::time_point now) {
     BITELINE_ASSIGN(const fleet::Part part, fleet::read_part(payload));
     const Result<bool> whole = releases_->hear(part, now);
-    if (!whole || *whole) tell_releases();
+    if (!whole) tell_releases();
     if (!whole) return tl::unexpected<Error>{whole.error()};
     return {};
   }
 
   void look_at_releases(Clock::time_point now) {
     if (!releases_ || !broker_->ready()) return;
-    if (const Result<void> looked = releases_->look(now, memory::now_ms()); !looked)
-      release_words_.say(to_line(looked.error()));
+    const Result<bool> looked = releases_->look(now, memory::now_ms());
+    if (!looked) release_words_.say(to_line(looked.error()));
+    if (!looked || *looked) tell_releases();
   }
 
   void tell_releases() {

@@ -35,11 +35,14 @@ void sync_below(const fs::path& folder) {
 }  // namespace
 
 Result<std::optional<InForce>> in_force(const fs::path& folder, std::int64_t now_ms) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error))
+    return fail(Errc::FileNotFound,
+                "%.200s: no folder of releases there; biteline-uplink --releases makes it", folder.c_str());
   BITELINE_ASSIGN(const Plan plan, plan_of(folder));
   const std::string& hash = plan.in_force(now_ms);
   if (hash.empty()) return std::nullopt;
   const fs::path release = folder / hash;
-  std::error_code error;
   if (!fs::is_directory(release, error))
     return fail(Errc::FileNotFound, "%.200s: release %.16s is in force, but is not there", folder.c_str(),
                 hash.c_str());

@@ -17,7 +17,8 @@ struct InForce {
   std::filesystem::path models, processes;
 };
 
-/// Nothing: no release was ever switched on here.  Errc: the plan cannot be read, or its release is gone.
+/// Nothing: no release was ever switched on here.  Errc: there is no such folder, the plan cannot be read, or
+/// its release is gone.
 [[nodiscard]] Result<std::optional<InForce>> in_force(const std::filesystem::path& folder,
                                                       std::int64_t now_ms);
 

@@ -224,6 +224,19 @@ def service_works_with_it(releases, factory, release_hash):
     assert rows == [[release_hash, "refused"]] * (2 * EACH), rows
 
 
+def forgotten_when_nobody_has_it(releases, factory, first, second_hash):
+    """Not the one in force; the one before goes, with its bytes."""
+    second = int(factory.sql(f"SELECT number FROM releases WHERE sha256 = '{second_hash}'")[0][0])
+    done = releases.order("--forget", second)
+    assert done.returncode != 0 and "is in force in cell-1, cell-2, cell-3" in done.stderr, done
+    done = releases.order("--forget", first)
+    assert done.returncode == 0, done
+    assert factory.sql(f"SELECT (SELECT count(*) FROM releases WHERE number = {first}), (SELECT count(*) FROM release_parts WHERE release = "
+                       f"{first})") == [["0", "0"]]
+    done = releases.order("--forget", first)
+    assert done.returncode == 2 and "there is none" in done.stderr, done
+
+
 def main():
     with tempfile.TemporaryDirectory() as folder:
         factory = Factory(pathlib.Path(folder), *sys.argv[1:5])
@@ -242,6 +255,7 @@ def main():
             spoiled_ones_are_refused(releases, factory)
             second_hash = switched_under_load(releases, factory, first)
             service_works_with_it(releases, factory, second_hash)
+            forgotten_when_nobody_has_it(releases, factory, first, second_hash)
         except BaseException:
             for program in [*factory.ended, *factory.running.values()]:
                 print("---", *program.command[:3], *program.lines[-12:], sep="\n")

@@ -54,6 +54,8 @@ TEST(ReleaseShelf, WrongBytesGoAndLeaveNothing) {
 }
 
 TEST(ReleaseShelf, ScanTakesAllFromTheReleaseInForce) {
+  FAILS_NAMING(Errc::FileNotFound, "no folder of releases", in_force(sut.folder(), 0));
+  fs::create_directories(sut.folder());
   CHECK(!in_force(sut.folder(), 0).value().has_value());
   const Manifest manifest = collected("one");
   SUCCEEDS(sut.take_in(manifest));
