@@ -5,6 +5,7 @@
 #include <array>
 
 #include "host/fleet/centre_state.hpp"
+#include "host/fleet/recording_messages.hpp"
 
 namespace biteline::fleet {
 namespace {
@@ -41,6 +42,10 @@ Result<std::int64_t> Recordings::ask(const std::string& cell, const std::string&
       return fail(Errc::InvalidArgument, "%.64s/%.64s: the centre knows no such shoe", cell.c_str(),
                   scan.c_str());
     const auto book = shoe[0][0].as<std::string>();
+    // It names a folder here, and a cell said it.
+    if (!is_book(book) || !is_scan_folder(scan))
+      return fail(Errc::InvalidArgument, "%.64s/%.64s: its memory '%.64s' has no name for a folder",
+                  cell.c_str(), scan.c_str(), clean_text(book).c_str());
     work.exec_params0(
         "INSERT INTO fetches (cell, book, scan) VALUES ($1, $2, $3) ON CONFLICT (cell, book, scan) WHERE "
         "state IN ('asked', 'coming') DO NOTHING",

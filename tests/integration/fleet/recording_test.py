@@ -88,7 +88,7 @@ def cell_at_work_is_left_alone(fetches, factory):
     check_same(fetches.whole(command, "cell-3/scan-0002"), expected)
 
 
-def what_cannot_be_had_is_told(fetches):
+def what_cannot_be_had_is_told(fetches, factory):
     def refused(what, status, words):
         done = subprocess.run(fetches.order("--fetch", what), capture_output=True, text=True, timeout=PATIENCE_S)
         assert done.returncode == status and words in done.stdout + done.stderr, done
@@ -96,6 +96,12 @@ def what_cannot_be_had_is_told(fetches):
     refused("cell-1/scan-0004", 3, "scan-0004 is gone: the cell has removed its folder")
     refused("cell-1/scan-9000", 2, "the centre knows no such shoe")
     refused("cell-1/../../etc", 2, "CELL/SCAN expected")
+    # A cell that lies about its memory's name gets no file out of the centre's folder.
+    assert factory.sql("INSERT INTO books VALUES ('cell-1', '../../../up', 1)") is not None
+    assert factory.sql("INSERT INTO shoes (cell, book, scan, first_seq, last_seq, time, model, verdict, reason_code, reason, process, decision, "
+                       "sent, followed) VALUES ('cell-1', '../../../up', 'scan-0077', 1, 1, now(), '', 'ok', '', '', '', 'open', false, false)"
+                       ) is not None
+    refused("cell-1/scan-0077", 2, "no name for a folder")
 
 
 def cell_that_is_away_is_waited_for(fetches, factory):
@@ -124,7 +130,7 @@ def main():
             killed_in_the_middle(fetches, factory)
             results_go_before(fetches, factory)
             cell_at_work_is_left_alone(fetches, factory)
-            what_cannot_be_had_is_told(fetches)
+            what_cannot_be_had_is_told(fetches, factory)
             cell_that_is_away_is_waited_for(fetches, factory)
         except BaseException:
             for program in [*factory.ended, *factory.running.values()]:
