@@ -60,6 +60,7 @@ class Centre {
   [[nodiscard]] Result<std::vector<PlacedShoe>> placed_shoes(const std::string& model, int most);
 
  private:
+  friend class Overview;
   friend class Recordings;
   friend class Releases;
   struct State;

@@ -11,3 +11,7 @@ options=(--bundle --minify --legal-comments=eof --target=es2021 --charset=utf8 -
 "$esbuild" src/viewer/main.tsx "${options[@]}" --loader:.css=text --outfile="$folder/viewer.js"
 "$esbuild" src/app/main.tsx "${options[@]}" --outfile="$folder/app.js"
 cp public/* "$folder/"
+# The same page for the factory's centre: its index.html says so.
+mkdir -p "$folder/centre"
+cp "$folder/app.js" "$folder/app.css" public/* "$folder/centre/"
+sed -i 's|<title>|<meta name="biteline-centre" content="all cells">\n    <title>|' "$folder/centre/index.html"

@@ -35,7 +35,7 @@ holds "$host" usr/bin/biteline usr/bin/biteline-host usr/share/biteline/processe
   usr/lib/systemd/system/biteline-host.service usr/lib/sysusers.d/biteline-host.conf usr/share/doc/biteline/LICENSE \
   usr/share/doc/biteline/docs/pictures/section.svg usr/share/man/man1/biteline.1 usr/share/man/man1/biteline-host.1 \
   usr/share/bash-completion/completions/biteline etc/biteline/host.env
-holds "$web" usr/bin/biteline-web usr/share/biteline/web/app.js usr/share/biteline/openapi.yaml usr/share/man/man1/biteline-web.1 \
+holds "$web" usr/bin/biteline-web usr/share/biteline/web/app.js usr/share/biteline/web/centre/index.html usr/share/biteline/openapi.yaml usr/share/man/man1/biteline-web.1 \
   usr/lib/systemd/system/biteline-web.service etc/biteline/web.env
 holds "$gige" usr/bin/biteline-gige usr/share/man/man1/biteline-gige.1 usr/lib/systemd/system/biteline-gige.service \
   usr/lib/sysusers.d/biteline-gige.conf etc/biteline/gige.env
@@ -43,7 +43,7 @@ holds "$uplink" usr/bin/biteline-uplink usr/share/man/man1/biteline-uplink.1 usr
   usr/lib/sysusers.d/biteline-uplink.conf etc/biteline/uplink.env
 holds "$fleet" usr/bin/biteline-fleet usr/share/man/man1/biteline-fleet.1 usr/lib/systemd/system/biteline-fleet.service \
   usr/lib/sysusers.d/biteline-fleet.conf etc/biteline/fleet.env usr/share/biteline/migrations/0001_cells_and_shoes.sql \
-  usr/share/biteline/migrations/0002_releases.sql usr/share/biteline/migrations/0003_switch_cells.sql \
+  usr/share/biteline/migrations/0002_releases.sql usr/share/biteline/migrations/0003_switch_cells.sql usr/share/biteline/migrations/0004_fetches.sql \
   usr/share/biteline/broker/mosquitto.conf usr/share/biteline/broker/acl usr/share/biteline/prometheus/rules.yml \
   usr/share/doc/biteline-fleet/LICENSE
 twice=$(for deb in "$host" "$web" "$gige" "$uplink" "$fleet"; do dpkg-deb -c "$deb" | awk '!/\/$/ {print $6}'; done | sort | uniq -d)

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <thread>
 
+#include "host/apps/biteline-fleet/page_door.hpp"
 #include "host/apps/biteline-fleet/recording_orders.hpp"
 #include "host/apps/biteline-fleet/recording_talk.hpp"
 #include "host/apps/biteline-fleet/release_orders.hpp"
@@ -15,6 +16,7 @@
 #include "host/fleet/broker_options.hpp"
 #include "host/fleet/centre.hpp"
 #include "host/fleet/metrics.hpp"
+#include "host/fleet/overview.hpp"
 #include "host/fleet/program.hpp"
 
 namespace {
@@ -33,8 +35,6 @@ constexpr milliseconds k_before_retry{1000};
 /// How old the metrics of the cells are, at most, and whose cell is odd.
 constexpr milliseconds k_between_counts{10'000};
 constexpr milliseconds k_between_judgements{60'000};
-/// A cell is compared by so many of its newest shoes of a model.
-constexpr int k_newest = 300;
 
 struct Options {
   fleet::BrokerOptions broker;
@@ -45,22 +45,12 @@ struct Options {
   fleet::ReleaseOrders releases;
   fleet::RecordingOrders fetches;
   std::filesystem::path recordings;
+  std::string control;
+  std::filesystem::path accounts;
   std::optional<std::uint16_t> metrics;
   bool json{false};
   bool exit_with_parent{false};
 };
-
-/// Cells whose lines of a model differ from the others', of every model.
-Result<std::vector<fleet::OddOfModel>> odd_of_all(fleet::Centre& centre) {
-  std::vector<fleet::OddOfModel> odd;
-  BITELINE_ASSIGN(const std::vector<std::string> models, centre.models());
-  for (const std::string& model : models) {
-    BITELINE_ASSIGN(const std::vector<fleet::PlacedShoe> shoes, centre.placed_shoes(model, k_newest));
-    for (fleet::OddCell& one : fleet::odd_cells(shoes))
-      odd.push_back({.model = model, .odd = std::move(one)});
-  }
-  return odd;
-}
 
 class Fleet {
  public:
@@ -83,12 +73,22 @@ class Fleet {
       std::printf("biteline-fleet: http://127.0.0.1:%u/metrics\n", unsigned{metrics_->port()});
       std::fflush(stdout);
     }
+    if (options_.control.empty()) return {};
+    BITELINE_ASSIGN(const wire::Endpoint endpoint, wire::parse_endpoint(options_.control));
+    BITELINE_ASSIGN(page_, fleet::PageDoor::open({.endpoint = endpoint,
+                                                  .accounts = options_.accounts,
+                                                  .database = options_.database,
+                                                  .migrations = options_.migrations,
+                                                  .version = BITELINE_VERSION}));
+    std::printf("biteline-fleet: pages come in at %s\n", page_->address().c_str());
+    std::fflush(stdout);
     return {};
   }
 
   void run() {
     while (!fleet::told_to_stop()) {
       show_metrics();
+      if (page_) page_->show_broker(broker_->ready());
       if (!centre_ && !open_centre()) {
         // Without a database nothing is taken: the cells keep it.
         forget();
@@ -121,7 +121,7 @@ class Fleet {
     }
     if (centre_ && now >= judge_at_) {
       judge_at_ = now + k_between_judgements;
-      if (auto odd = odd_of_all(*centre_)) news_.odd = std::move(*odd);
+      if (auto odd = fleet::odd_of_all(*centre_)) news_.odd = std::move(*odd);
     }
     metrics_->show(fleet::metrics_text(news_));
   }
@@ -216,6 +216,7 @@ class Fleet {
   fleet::ReleaseTalk releases_;
   fleet::RecordingTalk recordings_;
   std::unique_ptr<fleet::MetricsPort> metrics_;
+  std::unique_ptr<fleet::PageDoor> page_;
   fleet::FleetNews news_;
   Clock::time_point count_at_{}, judge_at_{};
   std::string last_;
@@ -256,7 +257,7 @@ Result<ExitStatus> list(const Options& options, fleet::Centre& centre) {
 
 /// Cells whose lines differ from the others'; Refused when there is one.
 Result<ExitStatus> tell_odd_cells(const Options& options, fleet::Centre& centre) {
-  BITELINE_ASSIGN(const std::vector<fleet::OddOfModel> all, odd_of_all(centre));
+  BITELINE_ASSIGN(const std::vector<fleet::OddOfModel> all, fleet::odd_of_all(centre));
   control::Json json = control::Json::array();
   for (const auto& [model, odd] : all) {
     json.push_back({{"model", model},
@@ -300,6 +301,12 @@ int run(int argc, char** argv) {
   app.add_option("--migrations", options.migrations, "Folder of the tables' versions")->capture_default_str();
   app.add_option("--metrics", options.metrics,
                  "Give Prometheus' text at http://127.0.0.1:PORT/metrics; 0: any free port");
+  auto* control =
+      app.add_option("--control", options.control,
+                     "Where biteline-web comes in for the page of all cells: tcp://127.0.0.1:PORT");
+  auto* accounts =
+      app.add_option("--accounts", options.accounts, "Folder of the page's accounts and log")->needs(control);
+  control->needs(accounts);
   app.add_flag("--list", options.list, "Print the cells with their health and counts, and leave");
   app.add_flag(
       "--odd", options.odd,

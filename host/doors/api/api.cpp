@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "host/doors/api/people.hpp"
 #include "host/doors/api/words.hpp"
 
 namespace biteline::api {
@@ -44,10 +45,6 @@ std::optional<std::vector<std::string>> match(std::string_view pattern, std::str
     path.remove_prefix(got.size());
   }
   return names;
-}
-
-Answer login_needed() {
-  return control::refusal(401, "login_needed", "log in first (POST /sessions)");
 }
 
 }  // namespace
@@ -128,7 +125,7 @@ Answer Api::stop(const Request& request, bool laser) {
     if (!request.local && (*person)->role < Role::Operator)
       return control::refusal(403, "not_allowed", "from another machine this needs an operator");
   } else if (!request.local) {
-    return login_needed();
+    return people::login_needed();
   }
   // First the deed, then the words about it.
   if (laser) {
@@ -179,10 +176,8 @@ Answer Api::dispatch(const Request& request) {
     }
     const Result<std::optional<Person>> person = rooms_.accounts.who_is(request.token);
     if (!person) return answer_of(person.error());
-    if (route.role && !*person) return login_needed();
-    if (route.role && (*person)->role < *route.role) {
-      return control::refusal(403, "not_allowed",
-                              std::string{"this needs the role "} + accounts::to_text(*route.role));
+    if (route.role) {
+      if (const std::optional<Answer> closed = people::closed_to(*person, *route.role)) return *closed;
     }
     if (route.control) {
       const std::optional<accounts::Holder> holder = rooms_.accounts.holder();
@@ -214,48 +209,25 @@ Answer Api::read_state(const Call&) {
 }
 
 Answer Api::log_in(const Call& call) {
-  Fields fields{call.request.body};
-  const bool guest = fields.has("token");
-  const std::string token = guest ? fields.text("token", 100, true) : "";
-  const std::string name = guest ? "" : fields.text("name", 64, true);
-  const std::string password = guest ? "" : fields.text("password", 200, true);
-  fields.boolean("cookie");  // the web program's
-  if (const std::optional<Answer> faults = fields.faults()) return *faults;
-  std::optional<accounts::Login> login;
-  if (guest) {
-    Result<std::optional<accounts::Login>> used = rooms_.accounts.use_guest_token(token, call.request.door);
-    if (!used) return answer_of(used.error());
-    login = std::move(*used);
-    if (!login)
-      return control::refusal(401, "wrong_password", "this one-time token was used or is none; log in");
-  } else {
-    auto tried = rooms_.accounts.log_in(name, password, call.request.door);
-    if (!tried) return answer_of(tried.error());
-    if (!*tried && tried->error().too_often) {
-      const int wait_s = tried->error().wait_s;
-      return control::refusal(
-          429, "too_many", "too many wrong passwords; wait " + std::to_string(wait_s) + " s, then try again");
-    }
-    if (!*tried) return control::refusal(401, "wrong_password", "name and password do not fit");
-    login = std::move(**tried);
-  }
-  return ok({{"token", login->token},
-             {"expires", memory::to_iso(login->expires)},
-             {"user", {{"name", login->person.name}, {"role", accounts::to_text(login->person.role)}}}},
-            201);
+  return people::log_in(rooms_.accounts, call.request);
 }
-
 Answer Api::log_out(const Call& call) {
-  const Result<void> done = rooms_.accounts.log_out(call.request.token, call.request.door);
-  return done ? nothing() : answer_of(done.error());
+  return people::log_out(rooms_.accounts, call.request);
 }
-
 Answer Api::read_me(const Call& call) {
-  const std::optional<accounts::Holder> holder = rooms_.accounts.holder();
-  return ok({{"name", call.person.name},
-             {"role", accounts::to_text(call.person.role)},
-             {"control", holder && holder->name == call.person.name},
-             {"local", call.request.local}});
+  return people::read_me(rooms_.accounts, call.request, call.person);
+}
+Answer Api::list_users(const Call&) {
+  return people::list_users(rooms_.accounts);
+}
+Answer Api::add_user(const Call& call) {
+  return people::add_user(rooms_.accounts, call.request, call.person);
+}
+Answer Api::change_user(const Call& call) {
+  return people::change_user(rooms_.accounts, call.request, call.person, call.names.front());
+}
+Answer Api::remove_user(const Call& call) {
+  return people::remove_user(rooms_.accounts, call.request, call.person, call.names.front());
 }
 
 Answer Api::read_control(const Call&) {

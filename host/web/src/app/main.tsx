@@ -10,6 +10,7 @@ import './app.css';
 import { type Language, language, language_names, set_language, stored_language, t, t_or } from '../words';
 import { Refused, call } from './api';
 import { Devices } from './devices';
+import { FleetPage, at_centre, fleet_views } from './fleet';
 import { Live } from './live';
 import { Models } from './models';
 import { AskWhy } from './parts';
@@ -32,7 +33,8 @@ import {
   words_of,
 } from './store';
 
-const views = ['live', 'scans', 'models', 'processes', 'sensor', 'devices', 'people', 'log'] as const;
+const cell_views = ['live', 'scans', 'models', 'processes', 'sensor', 'devices', 'people', 'log'] as const;
+const views = at_centre ? fleet_views : cell_views;
 
 function use_route(): string[] {
   const read = () => location.hash.replace(/^#\/?/, '').split('/').filter(Boolean);
@@ -293,7 +295,7 @@ function LinkWords(): ComponentChildren {
 function App(): JSX.Element {
   const { me, known, linked } = use_store();
   const route = use_route();
-  const view = views.find((name) => name === route[0]) ?? 'live';
+  const view = views.find((name) => name === route[0]) ?? views[0]!;
   useEffect(() => {
     document.title = `${route[1] ?? t(`nav_${view}`)} · Biteline`;
   }, [view, route[1], language()]);
@@ -339,6 +341,7 @@ function App(): JSX.Element {
           {view === 'processes' && <Processes />}
           {view === 'sensor' && <Sensor />}
           {view === 'devices' && <Devices />}
+          {at_centre && <FleetPage view={view} cell={route[1]} />}
           {view === 'people' && <People />}
           {view === 'log' && <Log />}
         </main>
@@ -346,7 +349,7 @@ function App(): JSX.Element {
         <Login />
       )}
       <Messages />
-      <StopBar />
+      {!at_centre && <StopBar />}
     </>
   );
 }
@@ -357,7 +360,7 @@ async function begin(): Promise<void> {
     new URLSearchParams(location.hash.replace(/^#/, '')).get('token') ??
     new URLSearchParams(location.search).get('token');
   if (token) {
-    history.replaceState(null, '', `${location.pathname}#/live`);
+    history.replaceState(null, '', `${location.pathname}#/${views[0]}`);
     try {
       await log_in({ token });
       return;

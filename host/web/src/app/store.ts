@@ -3,6 +3,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import { locale, t, t_or } from '../words';
 import { type Me, Refused, type Role, type ScanRow, type Sensor, type State, base, call, roles } from './api';
+import type { FleetState } from './fleet_api';
 
 export interface Told {
   id: number;
@@ -14,6 +15,8 @@ interface Store {
   /// False until the first answer about who I am.
   known: boolean;
   state: State | null;
+  /// At the factory's centre, in the place of a cell's state.
+  centre: FleetState | null;
   /// The link to the web program, and the web program's to the service.
   linked: boolean;
   host: boolean;
@@ -28,6 +31,7 @@ let store: Store = {
   me: null,
   known: false,
   state: null,
+  centre: null,
   linked: true,
   host: true,
   told: [],
@@ -138,10 +142,10 @@ export async function read_me(): Promise<void> {
   }
 }
 
-async function read_state(): Promise<void> {
+export async function read_state(): Promise<void> {
   try {
-    const state = await call<State>('GET', '/state');
-    change({ state, host: true, turn: store.turn + 1 });
+    const state = await call<State | FleetState>('GET', '/state');
+    change({ ...('kind' in state ? { centre: state } : { state }), host: true, turn: store.turn + 1 });
   } catch (error) {
     if (error instanceof Refused && error.code === 'host_away') change({ host: false });
     else if (error instanceof Refused && error.status === 401) change({ me: null });
