@@ -5,6 +5,7 @@
 #include "common/core/base64.hpp"
 #include "host/apps/biteline-web/connection.hpp"
 #include "host/apps/biteline-web/deadline.hpp"
+#include "host/apps/biteline-web/guards.hpp"
 
 namespace biteline::web {
 namespace {
