@@ -9,7 +9,6 @@ namespace biteline::upkeep {
 namespace {
 
 constexpr NumberRange k_count{.minimum = 0, .maximum = 1e15};
-constexpr NumberRange k_degc{.minimum = -100, .maximum = 300};
 
 std::uint64_t count_of(config::YamlReader& reader, const char* key) {
   return static_cast<std::uint64_t>(reader.number(key, k_count));

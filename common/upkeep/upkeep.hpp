@@ -7,12 +7,15 @@
 #include <optional>
 #include <string>
 
+#include "common/core/numbers.hpp"
 #include "common/core/result.hpp"
 
 namespace biteline::upkeep {
 
 /// What is written in the folder that a unit keeps its state in.
 inline constexpr const char* k_file = "upkeep.yaml";
+/// What a head can have; the file takes nothing else.
+inline constexpr NumberRange k_degc{.minimum = -100, .maximum = 300};
 
 struct Upkeep {
   std::uint64_t starts{0};     ///< of the sensor program

@@ -89,12 +89,15 @@ save() {
   [ -d "$etc" ] || refuse "$etc: no such folder"
   work=$(mktemp -d)
   mkdir "$work/etc" "$work/state"
+  # Without rights find passes folders over: that would be a file that looks whole.
+  (cd "$etc" && wanted) >"$work/names" 2>/dev/null || refuse "$etc: cannot be read: run as root"
+  [ ! -d "$state" ] || [ -x "$state" ] || refuse "$state: cannot be read: run as root"
   local name
   while read -r name; do
     [[ ${name#./} =~ ^[A-Za-z0-9_][A-Za-z0-9._-]*(/[A-Za-z0-9_][A-Za-z0-9._-]*)*$ ]] || refuse "$etc/${name#./}: letters, digits, . _ and - expected in its name"
     mkdir -p "$work/etc/$(dirname "$name")"
     cp "$etc/$name" "$work/etc/$name" || refuse "$etc/$name: cannot be read: run as root"
-  done < <(cd "$etc" && wanted)
+  done <"$work/names"
   [ ! -f "$state/upkeep.yaml" ] || cp "$state/upkeep.yaml" "$work/state/"
   {
     echo 'kind: biteline-unit 1'
@@ -151,7 +154,8 @@ restore() {
   cp -a "$etc" "$new"
   cp -rT "$work/etc" "$work/over"
   own_as_before "$work/over"
-  cp -a "$work/over/." "$new/"
+  # A link in the unit's folder gives way to the file; what it leads to is another's.
+  cp -a --remove-destination "$work/over/." "$new/"
   chown --reference="$etc" "$new" && chmod --reference="$etc" "$new"
   sync -f "$new"
   rm -rf "$etc.before"

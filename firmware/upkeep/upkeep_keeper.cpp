@@ -83,7 +83,8 @@ void UpkeepKeeper::see(const Look& look) {
   if (lit_ != look.laser_on) upkeep_.laser_s += since_s / 2;
   if (look.laser_on && !lit_) ++upkeep_.lightings;
   lit_ = look.laser_on;
-  if (!look.head_degc) return;
+  // A camera that says nonsense once would cost the whole count at the next start.
+  if (!look.head_degc || !k_degc.holds(*look.head_degc)) return;
   upkeep_.hottest_degc = std::max(upkeep_.hottest_degc.value_or(*look.head_degc), *look.head_degc);
   upkeep_.coldest_degc = std::min(upkeep_.coldest_degc.value_or(*look.head_degc), *look.head_degc);
 }

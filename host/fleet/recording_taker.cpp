@@ -39,6 +39,10 @@ std::optional<FetchAsk> RecordingTaker::look(const FetchRow& row, Clock::time_po
   }
   if (found == coming_.end()) {
     found = coming_.emplace(row.number, Coming{.row = row}).first;
+    // Killed between the whole file's name and the database's word of it: it is checked once more.
+    std::error_code ignored;
+    if (row.total > 0 && !fs::exists(part_of(row), ignored) && part_bytes(file_of(row)) == row.total)
+      fs::rename(file_of(row), part_of(row), ignored);
     // Goes on behind what a predecessor has written.
     found->second.row.have = row.total > 0 ? std::min(part_bytes(part_of(row)), row.total) : 0;
     if (row.total > 0 && found->second.row.have == row.total) found->second.digest.emplace();

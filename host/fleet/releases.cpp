@@ -124,10 +124,12 @@ Result<void> Releases::forget(std::int64_t release) {
     if (!cells.empty())
       return fail(Errc::WrongState, "release %lld is in force in %.300s; switch to another one first",
                   static_cast<long long>(release), cells.c_str());
+    // The newest sure one of any of its cells: what plan_of() tells that cell, which may still wait for it.
     const pqxx::result open = work.exec_params(
-        "SELECT number FROM switches s WHERE release = $1 AND (state = 'planned' OR (state = 'sure' AND "
-        "number = "
-        "(SELECT max(number) FROM switches WHERE state = 'sure')))",
+        "SELECT s.number FROM switches s WHERE s.release = $1 AND (s.state = 'planned' OR (s.state = 'sure' "
+        "AND EXISTS (SELECT 1 FROM switch_cells c WHERE c.switch = s.number AND NOT EXISTS (SELECT 1 FROM "
+        "switches later JOIN switch_cells lc ON lc.switch = later.number AND lc.cell = c.cell WHERE "
+        "later.state = 'sure' AND later.number > s.number))))",
         release);
     if (!open.empty())
       return fail(Errc::WrongState,

@@ -154,7 +154,8 @@ Answer PageApi::dispatch(const Request& request) {
                     .person = person->value_or(Person{}),
                     .name = user ? std::string{path.substr(k_user.size())} : std::string{}};
     if (route.of_people != nullptr) return route.of_people(rooms_.accounts, call);
-    const bool counts = path.starts_with("/fleet/") && path != k_fetches;
+    // A page further back is asked for once, and a thousand shoes are megabytes.
+    const bool counts = path.starts_with("/fleet/") && path != k_fetches && !request.query.contains("cursor");
     return counts ? kept_or(call, route.answer) : (this->*route.answer)(call);
   }
   if (other_method)
@@ -196,8 +197,8 @@ Answer PageApi::answer_of(const Error& error) {
 
 Answer PageApi::read_state(const Call&) {
   Result<Centre*> here = centre();
-  // One that went away is noticed by asking.
-  if (here && !(*here)->models()) centre_.reset();
+  // One that went away is noticed by asking; not for what counts all shoes, since every page asks each 5 s.
+  if (here && !(*here)->committed("", "")) centre_.reset();
   return ok({{"kind", "fleet"},
              {"version", rooms_.version},
              {"broker", rooms_.broker.load()},

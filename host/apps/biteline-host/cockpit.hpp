@@ -170,6 +170,7 @@ class Cockpit final : public api::Cell {
   bool ending_{false};                             ///< nobody waits for the sensor any more
   bool settings_asked_{false};                     ///< a set is on its way to the sensor
   std::uint32_t settings_question_{100};           ///< its number; below are the service's own
+  std::string settings_sent_;                      ///< its text
   std::optional<Result<void>> settings_answer_{};  ///< and this is what it said
   std::condition_variable settings_answered_;
   std::optional<robot::ur::ControllerWords> robot_{};

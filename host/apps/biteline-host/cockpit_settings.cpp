@@ -36,6 +36,7 @@ Result<void> Cockpit::change_settings(const std::vector<api::SettingChange>& cha
   const std::uint32_t question = ++settings_question_;
   settings_asked_ = true;
   settings_answer_.reset();
+  settings_sent_ = text;
   wishes_.push_back({.kind = Wish::Kind::Settings,
                      .scan = {},
                      .who = who,
@@ -58,6 +59,8 @@ void Cockpit::answer_settings(std::optional<std::uint32_t> question, const Resul
     // An answer that comes too late is to nobody.
     if (!settings_asked_ || (question && *question != settings_question_)) return;
     settings_answer_ = done;
+    // Until the sensor tells them itself: a change that comes first is to these, not to those of before.
+    if (done && health_ && health_->settings) health_->settings->text = settings_sent_;
   }
   settings_answered_.notify_all();
 }

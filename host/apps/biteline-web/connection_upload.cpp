@@ -57,6 +57,8 @@ net::awaitable<void> Connection::take_upload(HeadParser& head) {
   upload.question.local = is_local(request);
   upload.question.door = "web";
   upload.question.path = k_exchange;
+  // A session may bring several at once, or anew while an old connection still waits for its end.
+  upload.question.query["upload"] = std::to_string(context_.requests);
   if (const auto name = query->find("name"); name != query->end()) upload.wish["name"] = name->second;
   if (const auto replace = query->find("replace"); replace != query->end())
     upload.wish["replace"] = replace->second == "true";

@@ -81,7 +81,8 @@ void LiveFeed::publish(LiveKind kind, LiveBytes bytes) {
   if (kind == LiveKind::Cloud) {
     if (cloud_.size() >= LiveQueue::k_most_pieces) cloud_.pop_front();
     cloud_.push_back(std::move(bytes));
-  } else {
+  } else if (kind != LiveKind::Sensor) {
+    // The sensor's own word, of its laser too, holds for now alone: it comes again by itself or it is lost.
     newest_[index_of(kind)] = std::move(bytes);
   }
 }

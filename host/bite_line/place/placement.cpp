@@ -78,10 +78,17 @@ Outwards outwards_of(const Sections& sections, std::span<const double> row) {
   return out;
 }
 
+/// Shorter ones are off by less than the scatter beside them.
+bool is_long(const geometry::Gap& gap, double station_mm) {
+  constexpr double k_long_mm = 8.0;
+  return static_cast<double>(gap.steps) * station_mm >= k_long_mm;
+}
+
 /// Per station: how far the nearest known one is, and what to think of a place in between.
 struct GapPlace {
   double to_known_mm{0};
   double doubt{0};
+  bool in_long{false};
 };
 
 std::vector<GapPlace> gap_places(std::span<const std::uint8_t> known, const Outline& outline,
@@ -98,7 +105,8 @@ std::vector<GapPlace> gap_places(std::span<const std::uint8_t> known, const Outl
     for (std::size_t k = 1; k < gap.steps; ++k) {
       const double to_known_mm = static_cast<double>(std::min(k, gap.steps - k)) * station_mm;
       places[(gap.first + k) % places.size()] = {.to_known_mm = to_known_mm,
-                                                 .doubt = gap_doubt(to_known_mm, length_mm, turn_rad)};
+                                                 .doubt = gap_doubt(to_known_mm, length_mm, turn_rad),
+                                                 .in_long = is_long(gap, station_mm)};
     }
   }
   return places;
@@ -117,12 +125,6 @@ void shrink_beside_gaps(std::vector<std::uint8_t>& known, double station_mm) {
       known[(gap.first + gap.steps + k) % count] = 0;
     }
   }
-}
-
-/// Shorter ones are off by less than the scatter beside them.
-bool is_long(const geometry::Gap& gap, double station_mm) {
-  constexpr double k_long_mm = 8.0;
-  return static_cast<double>(gap.steps) * station_mm >= k_long_mm;
 }
 
 struct Plan {
@@ -280,19 +282,21 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
 
   placement.points.resize(stations);
   for (std::size_t i = 0; i < stations; ++i) {
-    placement.points[i] = {.position = {plan.places[i].x(), plan.places[i].y(), z[i]},
-                           .normal = normals[i],
-                           .curvature_per_mm = ridge.k_per_mm[i],
-                           .own_z_mm = seen_z[i],
-                           .to_visible_mm = gap[i].to_known_mm,
-                           .doubt = std::max(gap[i].doubt, shadow[i].doubt),
-                           .corner_mm = plan.corner_mm[i],
-                           .tried_out_mm = plan.tried_mm[i],
-                           .tried_up_mm = tried_z[i],
-                           .between_out_mm = between_o[i],
-                           .between_up_mm = between_z[i],
-                           .noise = noise[i],
-                           .scatter_mm = scatter[i]};
+    placement.points[i] = {
+        .position = {plan.places[i].x(), plan.places[i].y(), z[i]},
+        .normal = normals[i],
+        .curvature_per_mm = ridge.k_per_mm[i],
+        .own_z_mm = seen_z[i],
+        .to_visible_mm = gap[i].to_known_mm,
+        .doubt = std::max(gap[i].doubt, shadow[i].doubt),
+        .corner_mm = plan.corner_mm[i],
+        .tried_out_mm = plan.tried_mm[i],
+        .tried_up_mm = tried_z[i],
+        .untried = (gap[i].in_long && tried_z[i] == 0) || (shadow[i].in_long && plan.tried_mm[i] == 0),
+        .between_out_mm = between_o[i],
+        .between_up_mm = between_z[i],
+        .noise = noise[i],
+        .scatter_mm = scatter[i]};
     set_layer(input, placement.points[i]);
   }
   doubt_ridge(ridge, config.mean_mm / sections.station_mm, placement.points);

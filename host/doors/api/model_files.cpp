@@ -16,6 +16,14 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t k_most_piece_text = 384 * 1024;
 
+/// The door numbers what it brings: one session may bring several files at once.
+std::string owner_of(const control::Request& request) {
+  std::string owner = request.token;
+  if (const auto number = request.query.find("upload"); number != request.query.end())
+    owner.append(1, ':').append(number->second);
+  return owner;
+}
+
 /// People know no file of the service's own.
 Answer told_of_file(const Error& error, const fs::path& file, const fs::path& library) {
   std::string line = to_line(error);
@@ -60,7 +68,7 @@ Answer Api::import_model(const Call& call) {
     fields.fault("name", "letters, digits, '.', '_', '-', at most 64, expected");
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
   Exchange& exchange = rooms_.exchange;
-  const std::string& owner = call.request.token;
+  const std::string owner = owner_of(call.request);
   if (!name.empty() && !replace && rooms_.models.has(name)) {
     exchange.drop(owner);
     return control::refusal(409, "exists", "model " + name + " exists; say replace, or choose another name");
@@ -76,7 +84,7 @@ Answer Api::import_model(const Call& call) {
 }
 
 Answer Api::drop_import(const Call& call) {
-  rooms_.exchange.drop(call.request.token);
+  rooms_.exchange.drop(owner_of(call.request));
   return nothing();
 }
 

@@ -50,7 +50,8 @@ std::string words_of(const std::vector<SettingChange>& changes) {
   for (const SettingChange& change : changes) {
     if (!words.empty()) words += ", ";
     words += settings::path_of(change.key);
-    words += change.value ? " " + settings::value_text(change.key, *change.value) : std::string{" as usual"};
+    words += change.value ? " " : " as usual";
+    if (change.value) words += settings::value_text(change.key, *change.value);
   }
   return words;
 }

@@ -7,7 +7,7 @@
 namespace biteline::results {
 
 U95Parts parts_of_found_line(bool head) {
-  U95Parts parts{.holds = {"noise", "gaps", "other layers"}, .lacks = {}};
+  U95Parts parts{.holds = {"noise", "gaps", "profiles", "other layers"}, .lacks = {}};
   for (const char* part : {"calibration", "poses", "clock"})
     (head ? parts.holds : parts.lacks).emplace_back(part);
   return parts;

@@ -214,7 +214,11 @@ function Shoes({ first_cell }: { first_cell: string }): JSX.Element {
   const path = `/fleet/scans${query({ cell, model, limit: 50 })}`;
   const { value, error } = use_reading<ShoePage>(path);
   const extra = more?.key === path ? more : null;
-  const rows = [...(value?.scans ?? []), ...(extra?.rows ?? [])];
+  // The newest are read again every few seconds: what new shoes push out of them stays on the list.
+  const newest = value?.scans ?? [];
+  const key_of = (shoe: FleetShoe) => `${shoe.cell} ${shoe.id} ${shoe.time}`;
+  const among_newest = new Set(newest.map(key_of));
+  const rows = [...newest, ...(extra?.rows ?? []).filter((shoe) => !among_newest.has(key_of(shoe)))];
   const next = extra ? extra.next : (value?.next ?? null);
   const load = async () => {
     if (!next) return;
@@ -222,7 +226,7 @@ function Shoes({ first_cell }: { first_cell: string }): JSX.Element {
       'GET',
       `/fleet/scans${query({ cell, model, limit: 50, cursor: next })}`,
     );
-    set_more({ key: path, rows: [...(extra?.rows ?? []), ...page.scans], next: page.next });
+    set_more({ key: path, rows: [...rows, ...page.scans], next: page.next });
   };
   const fetch_it = (shoe: FleetShoe) =>
     act(t('done_fetch', { scan: `${shoe.cell}/${shoe.id}` }), () =>
@@ -264,7 +268,7 @@ function Shoes({ first_cell }: { first_cell: string }): JSX.Element {
           ]}
         >
           {rows.map((shoe) => (
-            <tr key={`${shoe.cell} ${shoe.id} ${shoe.time}`}>
+            <tr key={key_of(shoe)}>
               <th scope="row">{shoe.cell}</th>
               <td>{shoe.id}</td>
               <td>{time_words(shoe.time)}</td>

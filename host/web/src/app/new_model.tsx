@@ -91,9 +91,11 @@ export function ImportModel({ names }: { names: string[] }): JSX.Element {
     set_busy(true);
     try {
       const path = `/model-files${query({ name, replace: replace ? 'true' : '' })}`;
-      await act(t('done_import', { name: name || file.name }), () =>
+      const done = await act(t('done_import', { name: name || file.name }), () =>
         send_file<Model>(path, file, 'application/x-tar'),
       );
+      // Said of this file alone: the next one replaces nothing unasked.
+      if (done) set_replace(false);
     } finally {
       set_busy(false);
     }

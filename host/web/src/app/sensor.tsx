@@ -47,9 +47,13 @@ const all_marks = Object.keys(mark_colours) as PeakMark[];
 /// Two a second are enough to read; the picture itself is as fast as it comes.
 const between_figures_ms = 500;
 
+/// The sensor speaks some times a second.
+const silent_after_ms = 3000;
+
 function use_sensor(canvas: { current: HTMLCanvasElement | null }, hidden: Set<PeakMark>) {
   const [state, set_state] = useState<SensorState | null>(null);
   const [seen, set_seen] = useState<Seen | null>(null);
+  const [silent, set_silent] = useState(false);
   const hide = useRef(hidden);
   hide.current = hidden;
   useEffect(() => {
@@ -57,6 +61,7 @@ function use_sensor(canvas: { current: HTMLCanvasElement | null }, hidden: Set<P
     let picture: { seq: number; jpeg: Blob } | null = null;
     let drawing = false;
     let told_at = 0;
+    let silence: ReturnType<typeof setTimeout> | undefined;
     const show = async (of: Peaks, jpeg: Blob) => {
       drawing = true;
       try {
@@ -80,8 +85,13 @@ function use_sensor(canvas: { current: HTMLCanvasElement | null }, hidden: Set<P
       }
       drawing = false;
     };
-    return watch_live((message) => {
-      if (message.kind === 'sensor') set_state(message.state);
+    const stop = watch_live((message) => {
+      if (message.kind === 'sensor') {
+        set_state(message.state);
+        set_silent(false);
+        clearTimeout(silence);
+        silence = setTimeout(() => set_silent(true), silent_after_ms);
+      }
       if (message.kind === 'peaks') peaks = message.peaks;
       if (message.kind === 'picture') picture = message;
       if (peaks && picture && peaks.seq === picture.seq && !drawing) {
@@ -90,8 +100,12 @@ function use_sensor(canvas: { current: HTMLCanvasElement | null }, hidden: Set<P
         void show(peaks, shown.jpeg);
       }
     });
+    return () => {
+      clearTimeout(silence);
+      stop();
+    };
   }, []);
-  return { state, seen };
+  return { state, seen, silent };
 }
 
 function Curves({ seen }: { seen: Seen }): JSX.Element {
@@ -139,7 +153,7 @@ function Meters({ seen }: { seen: Seen }): JSX.Element {
 export function Sensor(): JSX.Element {
   const canvas = useRef<HTMLCanvasElement>(null);
   const [hidden, set_hidden] = useState(new Set<PeakMark>());
-  const { state, seen } = use_sensor(canvas, hidden);
+  const { state, seen, silent } = use_sensor(canvas, hidden);
   const counts = seen ? count_marks(seen.peaks) : new Map<PeakMark, number>();
   const toggle = (mark: PeakMark) => {
     const next = new Set(hidden);
@@ -150,6 +164,7 @@ export function Sensor(): JSX.Element {
     <>
       <h1>{t('nav_sensor')}</h1>
       {!state && <p class="notice">{t('sensor_none')}</p>}
+      {silent && <p class="notice look">{t('sensor_silent')}</p>}
       {state?.simulated && <p class="notice">{t('simulated')}</p>}
       {state && (
         <Figures
@@ -157,7 +172,9 @@ export function Sensor(): JSX.Element {
             [t('sensor'), `${state.name} ${state.version}`],
             [
               t('lamp_laser'),
-              `${t_or(`laser_is_${state.laser}`, state.laser)}${state.laser_reason ? `: ${state.laser_reason}` : ''}`,
+              silent
+                ? '–'
+                : `${t_or(`laser_is_${state.laser}`, state.laser)}${state.laser_reason ? `: ${state.laser_reason}` : ''}`,
             ],
             [t('rate_max'), amount(state.rate_max_hz, 'Hz', 1)],
             [t('temperature'), amount(state.temperature_degc, '°C', 1)],

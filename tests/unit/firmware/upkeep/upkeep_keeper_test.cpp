@@ -41,7 +41,7 @@ TEST(Upkeep, TimesLightingsAndTemperaturesAddUp) {
   first.see({.up_s = 110, .laser_on = false, .head_degc = 20});
   first.see({.up_s = 120, .laser_on = true, .head_degc = {}});
   first.see({.up_s = 150, .laser_on = true, .head_degc = 44});
-  first.see({.up_s = 160, .laser_on = false, .head_degc = {}});
+  first.see({.up_s = 160, .laser_on = false, .head_degc = 6553.5});
   SUCCEEDS(first.write());
   UpkeepKeeper second = begin(200);
   second.see({.up_s = 230, .laser_on = true, .head_degc = 12});

@@ -64,9 +64,14 @@ TEST(CockpitSettings, TheSetInUseGoesWholeWithTheChangesAndTheSensorsWordComesBa
   sut->answer_settings(asked.question, {});
   SUCCEEDS(done.get());
 
-  auto again = change({exposure(400)});
+  auto again = change({{.key = Key::PeakChoice, .value = settings::Value{.word = "last"}}});
   const Wish second = wish();
   CHECK(second.question != asked.question);
+  // The sensor has not told its settings again yet: the change before stays.
+  const auto kept = settings::parse_settings(second.settings, "sent");
+  SUCCEEDS(kept);
+  DOUBLES_EQUAL(300, kept->number(Key::ExposureUs).value_or(0), 0);
+  CHECK(!kept->at(Key::Gain));
   sut->answer_settings(second.question, fail(Errc::PeerRefused, "camera.exposure_us: at most 300 us"));
   FAILS_NAMING(Errc::PeerRefused, "at most 300 us", again.get());
 }

@@ -50,6 +50,12 @@ TEST(Confidence, ABridgesHeightIsNoJump) {
   DOUBLES_EQUAL(bridge_held_of({.tried_mm = 0.5, .doubt = 0.5}), within_of(bridged), 1e-12);
 }
 
+TEST(Confidence, ALongBridgeThatCouldNotBeTriedIsNoBetterForIt) {
+  PlacedStation bridged{.position = {0, 0, 30}, .own_z_mm = 30, .doubt = 2};
+  bridged.untried = true;
+  DOUBLES_EQUAL(1.0 / 3, within_of(bridged), 1e-12);
+}
+
 TEST(Confidence, AWrittenLinesDoubtShrinksAndDoesNotVanish) {
   DOUBLES_EQUAL(1.0, line_held_of(1.0), 1e-12);
   DOUBLES_EQUAL(0.9, line_held_of(0.6, {.line_doubt_ratio = 0.25}), 1e-12);

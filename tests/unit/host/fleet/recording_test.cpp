@@ -109,6 +109,20 @@ TEST(Recording, GoesOnWhereAKilledCentreStood) {
   LONGS_EQUAL(all, pieces);
 }
 
+TEST(Recording, WhatIsWholeIsNotFetchedAgainWhereTheCentreWasKilledBeforeItsWord) {
+  run(2);
+  const FetchRow coming = row;  // as the database still has it
+  run();
+  const int before = pieces;
+  taker = RecordingTaker{folder.path() / "centre"};
+  row = coming;
+  fs::remove_all(results / "scan-0007/line.csv");
+  run();
+  STRCMP_EQUAL("whole", to_text(row.state));
+  LONGS_EQUAL(before, pieces);
+  CHECK(fs::exists(taker.file_of(row)));
+}
+
 TEST(Recording, FlippedByteIsFetchedAnewAndAtLastRefused) {
   int flips = 1;
   on_way = [&flips](Piece& piece) {
