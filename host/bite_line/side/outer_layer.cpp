@@ -20,7 +20,7 @@ constexpr double k_layer_points = 20.0;
 constexpr double k_fine_z_mm = 0.33;  // of the envelope
 // Rows so much higher than that may be as high as a groove, and take its bottom for what lies behind its
 // flanks.
-constexpr double k_high_rows = 2.0;
+constexpr double k_high_rows = 2.4;
 constexpr float k_layer_o_mm = 0.75F;
 constexpr int k_layer_bins = 80;
 
