@@ -322,7 +322,7 @@ export class FakeCell {
       this.models.push({ ...given, version: 1, time: new Date().toISOString() });
       return [201, this.models.at(-1)];
     }
-    if (path === '/models') return [200, { models: this.models }];
+    if (path === '/models') return [200, { models: this.models, release: this.release ?? null }];
     if (path === '/model-files') {
       if (this.control.holder !== me.name) return fail(409, 'control_needed', 'take control first');
       if (!body.startsWith('the archive of ')) return fail(400, 'bad_request', 'the file: no tar file, or a damaged one');
@@ -337,7 +337,7 @@ export class FakeCell {
       this.models = this.models.filter((model) => `/models/${model.name}` !== path);
       return [204, null];
     }
-    if (path === '/processes') return [200, { processes: [{ name: 'rough', shipped: true, time: null, who: null }, { name: 'cement', shipped: true, time: null, who: null }] }];
+    if (path === '/processes') return [200, { processes: [{ name: 'rough', shipped: true, time: null, who: null }, { name: 'cement', shipped: true, time: null, who: null }], release: this.release ?? null }];
     if (path === '/processes/schema') return [200, schema];
     if (path === '/processes/check') {
       const speed = given.process.motion?.speed_mm_s;

@@ -38,25 +38,24 @@ Cockpit::~Cockpit() {
 }
 
 Result<void> Cockpit::listen() {
+  const api::Stock own = stock_of(std::nullopt, config_.stock);
   api_ = std::make_unique<api::Api>(
       api::Rooms{.memory = memory_,
                  .accounts = accounts_,
                  .cell = *this,
                  .results = config_.results,
-                 .processes = api::ProcessStore{config_.shipped_processes, config_.results / "processes"},
-                 .models = transfer::Library{config_.library},
+                 .processes = own.processes,
+                 .models = own.models,
                  .exchange = api::Exchange{config_.results / ".exchange"},
                  .version = BITELINE_VERSION,
                  .publish =
                      [this](const std::string& name, Json data) {
                        if (server_) server_->publish(name, std::move(data));
                      },
-                 .last_seq = [this] { return server_ ? server_->last_seq() : 0; }});
+                 .last_seq = [this] { return server_ ? server_->last_seq() : 0; },
+                 .stock = [folders = config_.stock] { return stock_now(folders); }});
   reruns_ = std::make_unique<RerunWorker>(
-      RerunRoom{.results = config_.results,
-                .processes = api::ProcessStore{config_.shipped_processes, config_.results / "processes"},
-                .models = transfer::Library{config_.library},
-                .arm = config_.rerun_arm},
+      RerunRoom{.results = config_.results, .stock = config_.stock, .arm = config_.rerun_arm},
       [this](const std::string& scan) { tell_scan(scan); });
   control::ServerConfig server;
   server.endpoint = *config_.endpoint;

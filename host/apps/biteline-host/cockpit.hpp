@@ -26,14 +26,13 @@ enum class Phase { Starting, Waiting, Scanning, Working, Deciding, Following, St
 
 struct CockpitConfig {
   std::filesystem::path results;
-  std::filesystem::path shipped_processes;  ///< may be absent
-  std::filesystem::path library;            ///< of models
-  std::string sensor;                       ///< tcp://HOST:PORT
-  std::string arm;                          ///< UR5e, ...; empty: none
-  std::string controller;                   ///< HOST:PORT; empty: none
-  std::string process;                      ///< its name; empty: none
-  std::optional<RerunArm> rerun_arm;        ///< what a scan's path is planned anew with; nothing: none is
-  std::optional<wire::Endpoint> endpoint;   ///< where doors come in; nothing: none do
+  StockFolders stock;
+  std::string sensor;                      ///< tcp://HOST:PORT
+  std::string arm;                         ///< UR5e, ...; empty: none
+  std::string controller;                  ///< HOST:PORT; empty: none
+  std::string process;                     ///< its name; empty: none
+  std::optional<RerunArm> rerun_arm;       ///< what a scan's path is planned anew with; nothing: none is
+  std::optional<wire::Endpoint> endpoint;  ///< where doors come in; nothing: none do
   std::optional<wire::SensorKeys> keys;
   std::vector<line_control::Job> jobs;  ///< of the line's control; with any, each start is one scan
 };

@@ -39,9 +39,9 @@ nlohmann::ordered_json told_order(const api::RerunOrder& order) {
           {"settings", nlohmann::ordered_json(api::settings_json(order))}};
 }
 
-Result<Line> carry(const RerunRoom& room, const api::RerunOrder& order, const cloud::PointCloud& cloud,
+Result<Line> carry(const api::Stock& stock, const api::RerunOrder& order, const cloud::PointCloud& cloud,
                    const fs::path& folder, report::Report& report) {
-  BITELINE_ASSIGN(const transfer::SampleFiles sample, room.models.load(order.model));
+  BITELINE_ASSIGN(const transfer::SampleFiles sample, stock.models.load(order.model));
   transfer::TransferOptions options;
   options.align.mirror = order.mirror;
   options.align.grade = order.grade;
@@ -95,15 +95,15 @@ Result<Line> take_line(const fs::path& scan, const cloud::PointCloud& cloud, con
 }
 
 /// The order's, else the model's own, else the service's.
-Result<path::Process> process_of(const RerunRoom& room, const api::RerunOrder& order) {
+Result<path::Process> process_of(const RerunArm& arm, const api::Stock& stock, const api::RerunOrder& order) {
   if (!order.process.empty()) {
-    BITELINE_ASSIGN(const api::StoredProcess stored, room.processes.find(order.process));
+    BITELINE_ASSIGN(const api::StoredProcess stored, stock.processes.find(order.process));
     return path::read_process(stored.file);
   }
-  const fs::path own = room.models.path_of(order.model) / transfer::k_process_file;
+  const fs::path own = stock.models.path_of(order.model) / transfer::k_process_file;
   std::error_code error;
   if (!order.model.empty() && fs::exists(own, error)) return path::read_process(own);
-  return room.arm->process;
+  return arm.process;
 }
 
 path::PlanRequest request_of(const RerunArm& arm, path::Process process, const cloud::PointCloud& cloud,
@@ -147,14 +147,15 @@ Result<void> work_again(const RerunRoom& room, const api::RerunOrder& order, int
   report.fields["input"] = order.scan;
   report.fields["rerun"] = told_order(order);
   std::optional<path::Process> process;
+  BITELINE_ASSIGN(const api::Stock stock, stock_now(room.stock));
   if (room.arm) {
-    BITELINE_ASSIGN(process, process_of(room, order));
+    BITELINE_ASSIGN(process, process_of(*room.arm, stock, order));
     report.fields["process"] = process->name;
   }
   std::error_code error;
   Line line;
   if (!order.model.empty()) {
-    BITELINE_ASSIGN(line, carry(room, order, cloud, folder, report));
+    BITELINE_ASSIGN(line, carry(stock, order, cloud, folder, report));
   } else if (!order.method.empty() || !fs::exists(scan / "line.csv", error)) {
     BITELINE_ASSIGN(line, find(order, cloud, folder, report));
   } else {

@@ -10,11 +10,10 @@
 #include <string>
 #include <thread>
 
-#include "host/doors/api/process_store.hpp"
+#include "host/apps/biteline-host/stock.hpp"
 #include "host/doors/api/rerun.hpp"
 #include "host/robot/kinematics/arm_model.hpp"
 #include "host/robot/path/plan.hpp"
-#include "host/transfer/library.hpp"
 
 namespace biteline::service {
 
@@ -27,8 +26,7 @@ struct RerunArm {
 
 struct RerunRoom {
   std::filesystem::path results;
-  api::ProcessStore processes;
-  transfer::Library models;
+  StockFolders stock;
   std::optional<RerunArm> arm;  ///< without: lines alone
 };
 

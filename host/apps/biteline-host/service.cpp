@@ -78,8 +78,7 @@ Result<Service> Service::create(const Options& options) {
   BITELINE_ASSIGN(
       std::unique_ptr<Cockpit> cockpit,
       Cockpit::open({.results = options.out,
-                     .shipped_processes = shipped_processes(),
-                     .library = options.library,
+                     .stock = stock_folders(options),
                      .sensor = options.sensor.text(),
                      .arm = robot ? robot->arm.name : "",
                      .controller = robot ? robot->options.script : "",

@@ -12,7 +12,6 @@
 #include "common/core/result.hpp"
 #include "host/apps/biteline-host/cockpit.hpp"
 #include "host/apps/biteline-host/options.hpp"
-#include "host/apps/biteline-host/rooms.hpp"
 #include "host/apps/biteline-host/steps.hpp"
 #include "host/intake/child_process.hpp"
 #include "host/intake/live_line.hpp"
@@ -131,7 +130,7 @@ class Service {
   [[nodiscard]] Result<void> choose_process(Chosen& chosen) const;
   /// Read once for a scan: a switch while it is worked is for the next one.
   [[nodiscard]] Result<void> choose_release(Chosen& chosen) const;
-  [[nodiscard]] Rooms rooms_for(const Chosen& chosen) const;
+  [[nodiscard]] api::Stock stock_for(const Chosen& chosen) const;
   [[nodiscard]] Result<ExitStatus> work_out_path(Scan& scan, const intake::ScanOutcome& outcome,
                                                  const LineStep& line);
   /// Plans what waits anew, with the line that a person has mended, and lets it wait again.

@@ -101,8 +101,8 @@ Result<void> Service::choose_release(Chosen& chosen) const {
   return {};
 }
 
-Rooms Service::rooms_for(const Chosen& chosen) const {
-  return rooms_of(chosen.release, options_.library, shipped_processes(), options_.out / "processes");
+api::Stock Service::stock_for(const Chosen& chosen) const {
+  return stock_of(chosen.release, stock_folders(options_));
 }
 
 Result<LineStep> Service::work_out_line(Scan& scan, intake::ScanOutcome& outcome) {
@@ -124,7 +124,7 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
     chosen.model = job_.model;
     chosen.process_name = job_.process;
   }
-  const transfer::Library library = rooms_for(chosen).models;
+  const transfer::Library library = stock_for(chosen).models;
   if (outcome.failure || (!options_.models && chosen.model.empty())) {
     BITELINE_TRY(choose_process(chosen));
     return found;
@@ -163,14 +163,14 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
 
 Result<void> Service::choose_process(Chosen& chosen) const {
   if (!robot_) return {};
-  const auto [library, processes] = rooms_for(chosen);
+  const auto [release, library, processes] = stock_for(chosen);
   fs::path file;
   if (!chosen.process_name.empty()) {
     BITELINE_ASSIGN(const api::StoredProcess stored, processes.find(chosen.process_name));
     file = stored.file;
   } else if (!chosen.model.empty() && fs::exists(library.path_of(chosen.model) / transfer::k_process_file)) {
     file = library.path_of(chosen.model) / transfer::k_process_file;
-  } else if (chosen.release) {
+  } else if (!release.empty()) {
     // A process of the same file name as --process stands in its place.
     if (const auto stored = processes.find(robot_->options.process.stem().string())) file = stored->file;
   }
@@ -254,7 +254,7 @@ Result<ExitStatus> Service::work_named(Unnamed unnamed, const std::string& model
   chosen.process_name = scan.chosen.process_name;
   // Of the release that it was looked for in.
   chosen.release = scan.chosen.release;
-  Result<transfer::SampleFiles> sample = rooms_for(chosen).models.load(model);
+  Result<transfer::SampleFiles> sample = stock_for(chosen).models.load(model);
   const Result<void> process = sample ? choose_process(chosen) : Result<void>{};
   if (!sample || !process) {
     Error error = sample ? process.error() : sample.error();

@@ -28,8 +28,11 @@ std::string utc_now() {
   return text;
 }
 
-std::filesystem::path shipped_processes() {
-  return intake::program_folder().parent_path() / "share/biteline/processes";
+StockFolders stock_folders(const Options& options) {
+  return {.library = options.library,
+          .shipped_processes = intake::program_folder().parent_path() / "share/biteline/processes",
+          .saved_processes = options.out / "processes",
+          .releases = options.releases};
 }
 
 }  // namespace biteline::service

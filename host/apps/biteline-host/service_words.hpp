@@ -10,6 +10,7 @@
 #include "common/time/clocks.hpp"
 #include "host/apps/biteline-host/options.hpp"
 #include "host/apps/biteline-host/steps.hpp"
+#include "host/apps/biteline-host/stock.hpp"
 #include "host/intake/child_process.hpp"
 
 namespace biteline::service {
@@ -29,7 +30,7 @@ void complain(const Error& error);
 [[nodiscard]] HostClock::time_point now();
 [[nodiscard]] std::string utc_now();
 [[nodiscard]] ControllerAddress controller_of(const RobotOptions& robot);
-/// Beside the program, as installed and as built.
-[[nodiscard]] std::filesystem::path shipped_processes();
+/// Shipped processes stand beside the program, as installed and as built.
+[[nodiscard]] StockFolders stock_folders(const Options& options);
 
 }  // namespace biteline::service

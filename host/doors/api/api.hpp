@@ -10,10 +10,9 @@
 #include "host/doors/accounts/accounts.hpp"
 #include "host/doors/api/cell.hpp"
 #include "host/doors/api/exchange.hpp"
-#include "host/doors/api/process_store.hpp"
+#include "host/doors/api/stock.hpp"
 #include "host/doors/control/messages.hpp"
 #include "host/records/memory/memory.hpp"
-#include "host/transfer/library.hpp"
 
 namespace biteline::api {
 
@@ -22,12 +21,13 @@ struct Rooms {
   accounts::Accounts& accounts;
   Cell& cell;
   std::filesystem::path results;
-  ProcessStore processes;
-  transfer::Library models;
-  Exchange exchange;  ///< a folder below `results`
+  ProcessStore processes;    ///< the cell's own, where what is saved goes
+  transfer::Library models;  ///< likewise
+  Exchange exchange;         ///< a folder below `results`
   std::string version;
   std::function<void(const std::string&, Json)> publish;  ///< an event for all doors
   std::function<std::uint64_t()> last_seq;
+  std::function<Result<Stock>()> stock{};  ///< what scans are worked with now; none: the cell's own
 };
 
 /// A request with the person behind it.
@@ -91,6 +91,7 @@ class Api {
   [[nodiscard]] control::Answer write_process(const Call& call);
   [[nodiscard]] control::Answer check_process(const Call& call);
   [[nodiscard]] Result<std::string> newest_with_line() const;
+  [[nodiscard]] Result<Stock> stock() const;
   [[nodiscard]] control::Answer list_robots(const Call& call);
   [[nodiscard]] control::Answer list_sensors(const Call& call);
   [[nodiscard]] control::Answer change_settings(const Call& call);

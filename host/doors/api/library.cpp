@@ -39,6 +39,14 @@ memory::LogRow event(const Call& call, const std::string& action, const std::str
           .after = after};
 }
 
+Answer process_answer(const ProcessStore& processes, const std::string& name) {
+  const Result<StoredProcess> stored = processes.find(name);
+  if (!stored) return answer_of(stored.error());
+  const Result<Json> process = processes.read(stored->name);
+  if (!process) return answer_of(process.error());
+  return ok({{"name", stored->name}, {"shipped", stored->shipped}, {"process", *process}});
+}
+
 /// A process's fault with the field that has it.
 Answer fault_answer(const Error& error) {
   Answer answer = answer_of(error);
@@ -55,17 +63,26 @@ Answer fault_answer(const Error& error) {
 
 }  // namespace
 
+Result<Stock> Api::stock() const {
+  if (rooms_.stock) return rooms_.stock();
+  return Stock{.release = {}, .models = rooms_.models, .processes = rooms_.processes};
+}
+
 Answer Api::list_models(const Call&) {
   rooms_.exchange.forget_idle();
-  const Result<std::vector<transfer::ModelInfo>> models = rooms_.models.list();
+  const Result<Stock> stock = this->stock();
+  if (!stock) return answer_of(stock.error());
+  const Result<std::vector<transfer::ModelInfo>> models = stock->models.list();
   if (!models) return answer_of(models.error());
   Json list = Json::array();
   for (const transfer::ModelInfo& model : *models) list.push_back(model_json(model));
-  return ok({{"models", std::move(list)}});
+  return ok({{"models", std::move(list)}, {"release", or_null(stock->release)}});
 }
 
 Answer Api::read_model(const Call& call) {
-  const Result<transfer::ModelInfo> model = rooms_.models.info(call.names.front());
+  const Result<Stock> stock = this->stock();
+  if (!stock) return answer_of(stock.error());
+  const Result<transfer::ModelInfo> model = stock->models.info(call.names.front());
   return model ? ok(model_json(*model)) : answer_of(model.error());
 }
 
@@ -85,7 +102,9 @@ Answer Api::save_model(const Call& call) {
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
   transfer::SaveOptions options{.process_file = {}, .replace = replace, .made = made};
   if (!process.empty()) {
-    const Result<StoredProcess> stored = rooms_.processes.find(process);
+    const Result<Stock> stock = this->stock();
+    if (!stock) return answer_of(stock.error());
+    const Result<StoredProcess> stored = stock->processes.find(process);
     if (!stored) return answer_of(stored.error());
     options.process_file = stored->file;
   }
@@ -119,10 +138,12 @@ Answer Api::remove_model(const Call& call) {
 }
 
 Answer Api::list_processes(const Call&) {
+  const Result<Stock> stock = this->stock();
+  if (!stock) return answer_of(stock.error());
   Json list = Json::array();
-  for (const StoredProcess& process : rooms_.processes.list())
+  for (const StoredProcess& process : stock->processes.list())
     list.push_back({{"name", process.name}, {"shipped", process.shipped}});
-  return ok({{"processes", std::move(list)}});
+  return ok({{"processes", std::move(list)}, {"release", or_null(stock->release)}});
 }
 
 Answer Api::read_process_schema(const Call&) {
@@ -130,11 +151,8 @@ Answer Api::read_process_schema(const Call&) {
 }
 
 Answer Api::read_process(const Call& call) {
-  const Result<StoredProcess> stored = rooms_.processes.find(call.names.front());
-  if (!stored) return answer_of(stored.error());
-  const Result<Json> process = rooms_.processes.read(stored->name);
-  if (!process) return answer_of(process.error());
-  return ok({{"name", stored->name}, {"shipped", stored->shipped}, {"process", *process}});
+  const Result<Stock> stock = this->stock();
+  return stock ? process_answer(stock->processes, call.names.front()) : answer_of(stock.error());
 }
 
 Answer Api::write_process(const Call& call) {
@@ -152,7 +170,7 @@ Answer Api::write_process(const Call& call) {
                                   call.request.body.dump(-1, ' ', false, Json::error_handler_t::replace)));
       !logged)
     return answer_of(logged.error());
-  return read_process(call);
+  return process_answer(rooms_.processes, name);
 }
 
 Result<std::string> Api::newest_with_line() const {

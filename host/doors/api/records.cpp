@@ -122,7 +122,9 @@ Answer Api::choose_model(const Call& call) {
   if (!model.empty() && !is_name(model)) fields.fault("model", "a model's name expected");
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
   if (!is_scan_id(id)) return control::refusal(404, "not_found", "no such scan; GET /scans lists them");
-  const Result<transfer::ModelInfo> info = rooms_.models.info(model);
+  const Result<Stock> stock = this->stock();
+  if (!stock) return answer_of(stock.error());
+  const Result<transfer::ModelInfo> info = stock->models.info(model);
   if (!info) return answer_of(info.error());
   if (info->damage) return answer_of(*info->damage);
   const Result<void> chosen = rooms_.cell.choose_model(id, model, call.person.name);
@@ -194,8 +196,10 @@ Answer Api::read_trends(const Call& call) {
         rooms_.memory.place_sums(query.filter.model, query.filter.from, query.filter.to);
     if (!sums) return answer_of(sums.error());
     // The tolerance is the model's process's; without one there is nothing to compare with.
+    const Result<Stock> stock = this->stock();
+    if (!stock) return answer_of(stock.error());
     const Result<path::Process> process =
-        path::read_process(rooms_.models.path_of(query.filter.model) / transfer::k_process_file);
+        path::read_process(stock->models.path_of(query.filter.model) / transfer::k_process_file);
     if (process && process->gate.tolerance_mm) {
       if (const auto capability = memory::capability_of(*sums, *process->gate.tolerance_mm)) {
         json["capability"] = {{"model", query.filter.model},

@@ -5,17 +5,18 @@ import { useState } from 'preact/hooks';
 import { amount, t } from '../words';
 import { type Model, base, call } from './api';
 import { ImportModel, NewModel } from './new_model';
-import { Failure, Table } from './parts';
+import { Failure, InForce, Table } from './parts';
 import { act, may, time_words, use_reading } from './store';
 
 export function Models(): JSX.Element {
-  const { value, error } = use_reading<{ models: Model[] }>('/models');
+  const { value, error } = use_reading<{ models: Model[]; release: string | null }>('/models');
   const [asked, set_asked] = useState('');
   const names = (value?.models ?? []).map((model) => model.name);
   return (
     <>
       <h1>{t('nav_models')}</h1>
       <Failure text={error} />
+      <InForce release={value?.release} />
       {value && value.models.length === 0 && <p>{t('no_models')}</p>}
       {value && value.models.length > 0 && (
         <Table

@@ -41,6 +41,11 @@ export function Failure({ text }: { text: string }): JSX.Element | null {
   return text ? <p class="notice refused">{text}</p> : null;
 }
 
+/** Whose models and processes are shown, where it is not this cell that they belong to. */
+export function InForce({ release }: { release: string | null | undefined }): JSX.Element | null {
+  return release ? <p class="notice">{t('release_in_force', { release: release.slice(0, 12) })}</p> : null;
+}
+
 /// A table that scrolls by itself on a narrow screen, also by keyboard.
 export function Table(props: { label: string; heads: string[]; children: ComponentChildren }): JSX.Element {
   return (

@@ -4,13 +4,13 @@ import type { JSX } from 'preact';
 import { useEffect, useState } from 'preact/hooks';
 import { t } from '../words';
 import { type Fault, type ProcessRow, Refused, type Schema, call } from './api';
-import { Failure } from './parts';
+import { Failure, InForce } from './parts';
 import { TriedWords, use_try } from './process_check';
 import { Field, type Value, put } from './process_field';
 import { may, tell, time_words, use_reading, words_of } from './store';
 
 export function Processes(): JSX.Element {
-  const { value, error } = use_reading<{ processes: ProcessRow[] }>('/processes');
+  const { value, error } = use_reading<{ processes: ProcessRow[]; release: string | null }>('/processes');
   const { value: schema } = use_reading<Schema>('/processes/schema');
   const [name, set_name] = useState('');
   const first = value?.processes[0]?.name ?? '';
@@ -19,6 +19,7 @@ export function Processes(): JSX.Element {
     <>
       <h1>{t('nav_processes')}</h1>
       <Failure text={error} />
+      <InForce release={value?.release} />
       {value && value.processes.length === 0 && <p>{t('no_processes')}</p>}
       {value && value.processes.length > 0 && (
         <label>

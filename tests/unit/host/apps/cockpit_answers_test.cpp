@@ -21,8 +21,9 @@ TEST_GROUP(CockpitAnswers) {
   void setup() override {
     CockpitConfig config;
     config.results = folder.path();
-    config.shipped_processes = BITELINE_PROCESSES;
-    config.library = folder.path() / "models";
+    config.stock = {.library = folder.path() / "models",
+                    .shipped_processes = BITELINE_PROCESSES,
+                    .saved_processes = folder.path() / "processes"};
     config.sensor = "tcp://127.0.0.1:7117";
     config.arm = "UR5e";
     config.controller = "127.0.0.1:29999";

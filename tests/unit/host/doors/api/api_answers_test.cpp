@@ -8,24 +8,14 @@
 #include <iterator>
 
 #include "common/core/base64.hpp"
-#include "host/cloud/ply.hpp"
 #include "tests/unit/host/doors/api/api_world.hpp"
 
 namespace biteline::api {
 
 struct ApiAnswersWorld : ApiWorld {
-  /// Cloud and line of three points: enough for a model to be kept.
   void put_sample(const std::string& scan) {
     put(scan, "ok");
-    folder.write(scan + "/report.json", R"({"status":"ok"})");
-    cloud::PointCloud cloud;
-    for (int i = 0; i < 9; ++i) cloud.points.emplace_back(static_cast<float>(i), 0.0F, 1.0F);
-    SUCCEEDS(cloud::write_cloud(folder.path() / scan / "cloud.ply", cloud));
-    cloud::ClosedLine line;
-    for (const Vec3& position : {Vec3{0, 0, 0}, Vec3{3, 0, 0}, Vec3{0, 4, 0}})
-      line.points.push_back(
-          {.position = position, .normal = Vec3::UnitZ(), .tangent = Vec3::UnitX(), .confidence = 1});
-    SUCCEEDS(cloud::write_line(folder.path() / scan / "line.csv", line));
+    write_sample(scan);
   }
   static std::string text_of(const std::filesystem::path& file) {
     std::ifstream stream{file, std::ios::binary};

@@ -3,6 +3,7 @@
 /// \file The API over a fake cell, with one person of each role.
 #include <CppUTest/TestHarness.h>
 
+#include "host/cloud/ply.hpp"
 #include "host/doors/api/api.hpp"
 #include "host/doors/api/words.hpp"
 #include "tests/support/api_answers.hpp"
@@ -110,7 +111,12 @@ struct ApiWorld : Utest {
                 .exchange = Exchange{folder.path() / ".exchange"},
                 .version = "1.2.3",
                 .publish = [this](const std::string& name, const Json&) { events.push_back(name); },
-                .last_seq = [] { return std::uint64_t{7}; }}};
+                .last_seq = [] { return std::uint64_t{7}; },
+                .stock = [this] { return stock; }}};
+  /// What scans are worked with: at first the cell's own.
+  Result<Stock> stock{Stock{.release = {},
+                            .models = transfer::Library{folder.path() / "models"},
+                            .processes = ProcessStore{BITELINE_PROCESSES, folder.path() / "processes"}}};
   std::string token;
   bool local{false};
 
@@ -120,6 +126,18 @@ struct ApiWorld : Utest {
          {std::pair{"vic", accounts::Role::Viewer}, std::pair{"ana", accounts::Role::Operator},
           std::pair{"eng", accounts::Role::Engineer}})
       SUCCEEDS(accounts.add(name, role, k_password, "ada", "web"));
+  }
+  /// Report, cloud and line of three points: enough for a model to be kept.
+  void write_sample(const std::string& where) {
+    folder.write(where + "/report.json", R"({"status":"ok"})");
+    cloud::PointCloud cloud;
+    for (int i = 0; i < 9; ++i) cloud.points.emplace_back(static_cast<float>(i), 0.0F, 1.0F);
+    SUCCEEDS(cloud::write_cloud(folder.path() / where / "cloud.ply", cloud));
+    cloud::ClosedLine line;
+    for (const Vec3& position : {Vec3{0, 0, 0}, Vec3{3, 0, 0}, Vec3{0, 4, 0}})
+      line.points.push_back(
+          {.position = position, .normal = Vec3::UnitZ(), .tangent = Vec3::UnitX(), .confidence = 1});
+    SUCCEEDS(cloud::write_line(folder.path() / where / "line.csv", line));
   }
   control::Answer ask(const std::string& method, const std::string& path, Json body = {},
                       std::map<std::string, std::string> query = {}) {

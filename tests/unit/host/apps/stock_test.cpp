@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/apps/biteline-host/rooms.hpp"
+#include "host/apps/biteline-host/stock.hpp"
 
 #include <CppUTest/TestHarness.h>
 
@@ -8,7 +8,7 @@
 
 namespace biteline::service {
 
-TEST_GROUP(ScanRooms) {
+TEST_GROUP(ScanStock) {
   test::TemporaryFolder folder;
   std::filesystem::path own{folder.path() / "own"}, shipped{folder.path() / "shipped"},
       saved{folder.path() / "saved"};
@@ -16,6 +16,9 @@ TEST_GROUP(ScanRooms) {
                             .models = folder.path() / "release/models",
                             .processes = folder.path() / "release/processes"};
 
+  [[nodiscard]] StockFolders folders() const {
+    return {.library = own, .shipped_processes = shipped, .saved_processes = saved};
+  }
   void setup() override {
     for (const char* file : {"own/taught/model.json", "release/models/boot/model.json", "shipped/rough.yaml",
                              "saved/mine.yaml", "saved/grind.yaml", "release/processes/grind.yaml"})
@@ -23,25 +26,25 @@ TEST_GROUP(ScanRooms) {
   }
 };
 
-TEST(ScanRooms, WithoutAReleaseTheCellsOwn) {
-  const Rooms rooms = rooms_of(std::nullopt, own, shipped, saved);
-  CHECK(rooms.models.folder() == own);
-  for (const char* name : {"rough", "mine", "grind"}) SUCCEEDS(rooms.processes.find(name));
+TEST(ScanStock, WithoutAReleaseTheCellsOwn) {
+  const api::Stock stock = stock_of(std::nullopt, folders());
+  CHECK(stock.models.folder() == own);
+  for (const char* name : {"rough", "mine", "grind"}) SUCCEEDS(stock.processes.find(name));
 }
 
-TEST(ScanRooms, WithAReleaseNothingButItsOwn) {
-  const Rooms rooms = rooms_of(released, own, shipped, saved);
-  CHECK(!rooms.models.has("taught"));
-  CHECK(rooms.models.names().value() == std::vector<std::string>{"boot"});
-  for (const char* name : {"rough", "mine"}) CHECK_TEXT(!rooms.processes.find(name), name);
-  const auto grind = rooms.processes.find("grind");
+TEST(ScanStock, WithAReleaseNothingButItsOwn) {
+  const api::Stock stock = stock_of(released, folders());
+  CHECK(!stock.models.has("taught"));
+  CHECK(stock.models.names().value() == std::vector<std::string>{"boot"});
+  for (const char* name : {"rough", "mine"}) CHECK_TEXT(!stock.processes.find(name), name);
+  const auto grind = stock.processes.find("grind");
   SUCCEEDS(grind);
   CHECK(grind->file == released.processes / "grind.yaml");
 }
 
-TEST(ScanRooms, ReleaseOfModelsAloneHasNoProcess) {
+TEST(ScanStock, ReleaseOfModelsAloneHasNoProcess) {
   std::filesystem::remove_all(released.processes);
-  CHECK(rooms_of(released, own, shipped, saved).processes.list().empty());
+  CHECK(stock_of(released, folders()).processes.list().empty());
 }
 
 }  // namespace biteline::service
