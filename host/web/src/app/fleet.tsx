@@ -5,6 +5,7 @@ import { useEffect, useMemo, useState } from 'preact/hooks';
 import { type Word, amount, number, t, t_or } from '../words';
 import { type ScanRow, call, query } from './api';
 import type { Alarm, Cell, Fetch, Group, Odd, Release, Trends } from './fleet_api';
+import { use_pages } from './pages';
 import { Chart, Failure, Table, Verdict } from './parts';
 import { act, may, read_state, time_words, use_reading, use_store } from './store';
 
@@ -205,29 +206,12 @@ interface FleetShoe extends ScanRow {
   cell: string;
   release: string | null;
 }
-type ShoePage = { scans: FleetShoe[]; next: string | null };
 
 function Shoes({ first_cell }: { first_cell: string }): JSX.Element {
   const [cell, set_cell] = useState(first_cell);
   const [model, set_model] = useState('');
-  const [more, set_more] = useState<{ key: string; rows: FleetShoe[]; next: string | null } | null>(null);
-  const path = `/fleet/scans${query({ cell, model, limit: 50 })}`;
-  const { value, error } = use_reading<ShoePage>(path);
-  const extra = more?.key === path ? more : null;
-  // The newest are read again every few seconds: what new shoes push out of them stays on the list.
-  const newest = value?.scans ?? [];
   const key_of = (shoe: FleetShoe) => `${shoe.cell} ${shoe.id} ${shoe.time}`;
-  const among_newest = new Set(newest.map(key_of));
-  const rows = [...newest, ...(extra?.rows ?? []).filter((shoe) => !among_newest.has(key_of(shoe)))];
-  const next = extra ? extra.next : (value?.next ?? null);
-  const load = async () => {
-    if (!next) return;
-    const page = await call<ShoePage>(
-      'GET',
-      `/fleet/scans${query({ cell, model, limit: 50, cursor: next })}`,
-    );
-    set_more({ key: path, rows: [...rows, ...page.scans], next: page.next });
-  };
+  const { read, rows, error, load } = use_pages<FleetShoe>('/fleet/scans', { cell, model }, key_of);
   const fetch_it = (shoe: FleetShoe) =>
     act(t('done_fetch', { scan: `${shoe.cell}/${shoe.id}` }), () =>
       call('POST', '/fleet/fetches', { cell: shoe.cell, scan: shoe.id }),
@@ -249,7 +233,7 @@ function Shoes({ first_cell }: { first_cell: string }): JSX.Element {
       <Fetches />
       <h2>{t('shoes')}</h2>
       <Failure text={error} />
-      {value && rows.length === 0 && <p>{t('no_scans')}</p>}
+      {read && rows.length === 0 && <p>{t('no_scans')}</p>}
       {rows.length > 0 && (
         <Table
           label={t('shoes')}
@@ -299,7 +283,7 @@ function Shoes({ first_cell }: { first_cell: string }): JSX.Element {
           ))}
         </Table>
       )}
-      {next && (
+      {load && (
         <button type="button" onClick={() => void load()}>
           {t('more')}
         </button>

@@ -12,12 +12,12 @@ import {
   type ScanRow,
   type Trends,
   base,
-  call,
   file_address,
   query,
 } from './api';
 import { Decide } from './live';
 import { Mend } from './mend';
+import { use_pages } from './pages';
 import { Chart, Failure, Figures, Table, Verdict } from './parts';
 import { WorkAgain } from './rerun';
 import { may, time_words, use_reading, use_store } from './store';
@@ -41,31 +41,18 @@ function day(text: string, end: boolean): string | undefined {
 
 export function Scans(): JSX.Element {
   const [filter, set_filter] = useState<Filter>({ from: '', to: '', model: '', verdict: '' });
-  const [more, set_more] = useState<{ key: string; rows: ScanRow[]; next: string | null } | null>(null);
   const asked = {
     from: day(filter.from, false),
     to: day(filter.to, true),
     model: filter.model,
     verdict: filter.verdict,
   };
-  const path = `/scans${query({ ...asked, limit: 50 })}`;
-  const { value, error } = use_reading<{ scans: ScanRow[]; next: string | null }>(path);
-  const extra = more?.key === path ? more : null;
-  const rows = [...(value?.scans ?? []), ...(extra?.rows ?? [])];
-  const next = extra ? extra.next : (value?.next ?? null);
+  const { read, rows, error, load } = use_pages<ScanRow>('/scans', asked, (scan) => scan.id);
   const field = (name: keyof Filter) => ({
     value: filter[name],
     onInput: (event: { currentTarget: { value: string } }) =>
       set_filter({ ...filter, [name]: event.currentTarget.value }),
   });
-  const load = async () => {
-    if (!next) return;
-    const page = await call<{ scans: ScanRow[]; next: string | null }>(
-      'GET',
-      `/scans${query({ ...asked, limit: 50, cursor: next })}`,
-    );
-    set_more({ key: path, rows: [...(extra?.rows ?? []), ...page.scans], next: page.next });
-  };
   return (
     <>
       <h1>{t('nav_scans')}</h1>
@@ -99,7 +86,7 @@ export function Scans(): JSX.Element {
         </a>
       </form>
       <Failure text={error} />
-      {value && rows.length === 0 && <p>{t('no_scans')}</p>}
+      {read && rows.length === 0 && <p>{t('no_scans')}</p>}
       {rows.length > 0 && (
         <Table
           label={t('nav_scans')}
@@ -138,7 +125,7 @@ export function Scans(): JSX.Element {
           ))}
         </Table>
       )}
-      {next && (
+      {load && (
         <button type="button" onClick={() => void load()}>
           {t('more')}
         </button>
