@@ -18,15 +18,18 @@ class RealCell:
         self.killed = 0
         self.fault = None
         self.thread = None
+        self.enough = threading.Event()
 
     def begin(self, scans):
+        """At least so many, and on until finish(): how many that are is the machine's affair."""
         self.thread = threading.Thread(target=self.run, args=(scans,), daemon=True)
         self.thread.start()
 
     def run(self, scans):
         try:
-            for _ in range(scans):
+            while scans > 0 or not self.enough.is_set():
                 self.scan()
+                scans -= 1
         except BaseException as error:  # told by finish(), on the test's own thread
             self.fault = error
 
@@ -54,6 +57,7 @@ class RealCell:
             self.killed += 1
 
     def finish(self):
+        self.enough.set()
         self.thread.join(10 * PATIENCE_S)
         assert not self.thread.is_alive(), "the real service does not come to an end"
         if self.fault:
