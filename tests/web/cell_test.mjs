@@ -2,122 +2,18 @@
 // The whole way in a browser: first account, login, control, a scan of the simulated cell, decision, the arm follows it;
 // a second browser watches; the service is killed and comes back.  Real: sensor, service, web program, page.
 // cell_test.mjs BIN SOURCE PICTURE_FOLDER
-import { spawn, spawnSync } from 'node:child_process';
-import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
-import { createServer } from 'node:net';
-import { tmpdir } from 'node:os';
+import { mkdirSync } from 'node:fs';
 import { join } from 'node:path';
-import { createInterface } from 'node:readline';
-import { check, check_answers, failures, look_for_faults, open, skip, start, whole_page } from './browser.mjs';
+import { check, check_answers, failures, look_for_faults, open, start, whole_page } from './browser.mjs';
+import { Busy, finish, run, say, start_cell } from './cell_programs.mjs';
 
-const [bin, source, pictures] = process.argv.slice(2);
-for (const name of ['biteline-cell', 'biteline-sensor', 'biteline-host', 'biteline-web']) {
-  if (!existsSync(join(bin, name))) skip(`${name} was not built`);
-}
-if (!existsSync(join(bin, '../share/biteline/web/app.js'))) skip('the page was not built');
-if (!spawnSync(join(bin, 'biteline-host'), ['--help'], { encoding: 'utf8' }).stdout.includes('--control')) skip('this biteline-host has no control end');
+const [, , pictures] = process.argv.slice(2);
 mkdirSync(pictures, { recursive: true });
-const say = (text) => console.log(`${(process.uptime()).toFixed(1).padStart(6)} s  ${text}`);
-
-const out = mkdtempSync(join(tmpdir(), 'biteline-cell-'));
-const started = [];
-
-/// A program of this test; its lines are kept for the report of a failure.
-function run(name, args) {
-  const child = spawn(join(bin, name), args, { stdio: ['ignore', 'pipe', 'pipe'] });
-  const one = { name, child, lines: [], ended: false, wait: [] };
-  for (const stream of [child.stdout, child.stderr]) {
-    createInterface({ input: stream }).on('line', (line) => {
-      one.lines.push(line);
-      for (const waiter of one.wait) waiter(line);
-    });
-  }
-  child.on('exit', () => {
-    one.ended = true;
-  });
-  started.push(one);
-  return one;
-}
-
-/// The first line that `wanted` accepts.
-function line_of(one, wanted, patience_s = 120) {
-  return new Promise((resolve, reject) => {
-    const timer = setTimeout(() => reject(new Error(`${one.name}: no such line in ${patience_s} s:\n${one.lines.slice(-20).join('\n')}`)), 1000 * patience_s);
-    const take = (line) => {
-      const value = wanted(line);
-      if (value === undefined) return;
-      clearTimeout(timer);
-      resolve(value);
-    };
-    one.wait.push(take);
-    one.lines.forEach(take);
-    one.child.on('exit', (status) => {
-      clearTimeout(timer);
-      reject(new Error(`${one.name} ended with ${status}:\n${one.lines.slice(-20).join('\n')}`));
-    });
-  });
-}
-const json = (line) => (line.startsWith('{') ? JSON.parse(line) : undefined);
-
-function free_port() {
-  return new Promise((resolve) => {
-    const server = createServer().listen(0, '127.0.0.1', () => {
-      const { port } = server.address();
-      server.close(() => resolve(port));
-    });
-  });
-}
-
-async function finish(status) {
-  for (const one of [...started].reverse()) {
-    if (one.ended) continue;
-    one.child.kill('SIGTERM');
-    await Promise.race([new Promise((done) => one.child.on('exit', done)), new Promise((done) => setTimeout(done, 10_000))]);
-    if (!one.ended) one.child.kill('SIGKILL');
-  }
-  if (status === 1) for (const one of started) console.log(`--- ${one.name}\n${one.lines.slice(-25).join('\n')}`);
-  rmSync(out, { recursive: true, force: true });
-  process.exit(status);
-}
-
-class Busy extends Error {
-  constructor(scans) {
-    super(`none of ${scans} scans was whole: this machine is too busy for the simulated cell`);
-  }
-}
 
 async function whole_way() {
-  const cell = run('biteline-cell', ['serve', '--seed', '5', '--shoe', 'deep', '--size', '0', '--arm', 'ur5e', '--place', '0', '--out', join(out, 'cell'), '--exit-with-parent']);
-  const places = await line_of(cell, json);
-  // With real-time rights where there are any: then no other program on this machine holds the sensor up.
-  const sensor_with = (rt) => line_of(run('biteline-sensor', ['--source', `board:${places.board}`, '--sensor', places.sensor, '--rt', rt, '--exit-with-parent']), json);
-  const { endpoint } = await sensor_with('required').catch(() => sensor_with('ignore'));
-  // Row 3, column 4 of T_base_shoe: the table's height, which an integrator knows of his cell.
-  const table_z = readFileSync(join(out, 'cell/truth/T_base_shoe.txt'), 'utf8').split(/\s+/).filter(Boolean)[11];
-  const control = `tcp://127.0.0.1:${await free_port()}`;
   // A person decides, so that there is time to mend what was found.
-  const process_file = join(out, 'process.yaml');
-  const rough = readFileSync(join(source, 'host/robot/path/processes/rough.yaml'), 'utf8');
-  check(/\ngate:\n[^\n]*\n$/.test(rough), 'rough.yaml no longer ends with its gate');
-  writeFileSync(process_file, `${rough}  approval: person\n`);
-  const host_arguments = [
-    '--sensor', endpoint, '--out', join(out, 'results'), '--robot', 'ur5e', '--process', process_file, '--table-z', table_z,
-    '--rtde', places.rtde, '--script', places.script, '--dashboard', places.dashboard, '--send', '--control', control, '--exit-with-parent',
-  ];
-  let host = run('biteline-host', host_arguments);
-  const port = await free_port();
-  run('biteline-web', ['--listen', `127.0.0.1:${port}`, '--control', control, '--sensor', endpoint, '--exit-with-parent']);
-  const address = `http://127.0.0.1:${port}/`;
-  for (let turn = 0; ; ++turn) {
-    try {
-      await fetch(address);
-      break;
-    } catch (error) {
-      if (turn > 240) throw error;
-      await new Promise((done) => setTimeout(done, 250));
-    }
-  }
-  say('the four programs run');
+  const { address, host: first_host, host_arguments } = await start_cell({ add_to_gate: '  approval: person\n' });
+  let host = first_host;
 
   const { browser, close } = await start();
   const anna = await open(browser, { height: 1100 });
@@ -147,12 +43,22 @@ async function whole_way() {
   await anna.page.getByRole('button', { name: 'Take control' }).click();
   await anna.page.getByText('You have control', { exact: true }).waitFor();
   await vera.page.getByText('anna has control').waitFor();
-  // The service asks for scans by itself; a person starts one only while it waits.
-  const phase = await anna.page.evaluate(async () => (await (await fetch('/api/v1/state')).json()).phase);
-  if (phase === 'waiting' || phase === 'stopped') await anna.page.getByRole('button', { name: 'Start a scan' }).click();
-  say(`the service is ${phase}`);
-  await anna.page.getByText(/Profile \d+\./).waitFor({ timeout: 120_000 });
-  await vera.page.getByText(/Profile \d+\./).waitFor({ timeout: 120_000 });
+  const ask = (path) => anna.page.evaluate(async (path) => (await fetch(`/api/v1/${path}`)).json(), path);
+  const start_button = anna.page.getByRole('button', { name: 'Start a scan' });
+  // A start that came before the sensor was there has ended at once: then a person asks again.
+  const start_where_it_waits = async () => {
+    const waits = async () => (await ask('state')).phase === 'waiting';
+    if ((await waits()) && (await start_button.isEnabled())) {
+      await start_button.click();
+      for (let turn = 0; turn < 40 && (await waits()); ++turn) await anna.page.waitForTimeout(250);
+    }
+    await anna.page.waitForTimeout(500);
+  };
+  const profile_of = ({ page }) => page.getByText(/Profile \d+\./);
+  for (const deadline = Date.now() + 120_000; !((await profile_of(anna).isVisible()) && (await profile_of(vera).isVisible())); ) {
+    if (Date.now() > deadline) throw new Error(`no profile is on both screens: ${JSON.stringify(await ask('state'))}`);
+    await start_where_it_waits();
+  }
   await anna.page.locator('figure img').waitFor({ timeout: 60_000 });
   await anna.page.waitForTimeout(3000);
   await whole_page(anna.page, join(pictures, 'cell_live_1280.png'), 1500);
@@ -160,10 +66,10 @@ async function whole_way() {
   say('live pictures and profiles are on both screens');
 
   // A busy machine may spoil a scan: the service says so and scans again, or a person asks for it.
-  const row_of = async (wanted, patience_s) => {
+  const row_of = async (wanted, patience_s, meanwhile = () => anna.page.waitForTimeout(500)) => {
     const deadline = Date.now() + 1000 * patience_s;
     for (;;) {
-      const rows = await anna.page.evaluate(async () => (await (await fetch('/api/v1/scans')).json()).scans ?? []);
+      const rows = (await ask('scans')).scans ?? [];
       const row = rows.find(wanted);
       if (row) return row;
       if (Date.now() > deadline) {
@@ -171,10 +77,11 @@ async function whole_way() {
         if (rows.length > 0 && rows.every((one) => one.reason_code === 'scan_not_complete' || one.verdict === 'working')) throw new Busy(rows.length);
         throw new Error(`no such scan: ${JSON.stringify(rows.slice(0, 3))}`);
       }
-      await anna.page.waitForTimeout(500);
+      await meanwhile();
     }
   };
-  const scan = await row_of((row) => row.verdict === 'ok' || row.verdict === 'amber', 240);
+  const has_line = (row) => row.verdict === 'ok' || row.verdict === 'amber';
+  const scan = await row_of(has_line, 240, start_where_it_waits);
   say(`${scan.id}: ${scan.verdict}, ${scan.decision}`);
   await anna.page.goto(`${address}#/scans/${scan.id}`);
   await anna.page.getByText('Section across the line', { exact: true }).waitFor();
@@ -207,8 +114,7 @@ async function whole_way() {
   say(`${scan.id} is mended`);
   // Its path is planned and checked anew before anybody can accept it.
   for (let turn = 0; turn < 240; ++turn) {
-    const state = await anna.page.evaluate(async () => (await (await fetch('/api/v1/state')).json()));
-    if (state.phase === 'deciding') break;
+    if ((await ask('state')).phase === 'deciding') break;
     await anna.page.waitForTimeout(250);
   }
   await anna.page.getByRole('button', { name: 'Accept' }).click();

@@ -56,6 +56,13 @@ try {
   await anna.page.getByRole('button', { name: 'Fetch cell-2/scan-0005' }).click();
   const fetches = anna.page.getByRole('region', { name: 'Recordings' });
   await fetches.getByRole('row', { name: /cell-2 scan-0005 here 100/ }).waitFor();
+  // It stays whatever its age, and goes again.
+  await fetches.getByRole('button', { name: 'Keep cell-2/scan-0005' }).click();
+  await fetches.getByRole('row', { name: /cell-2 scan-0005 here, marked 100/ }).waitFor();
+  await fetches.getByRole('button', { name: 'Let go cell-2/scan-0005' }).click();
+  await fetches.getByRole('row', { name: /cell-2 scan-0005 here 100/ }).waitFor();
+  await fetches.getByRole('button', { name: 'Keep cell-2/scan-0005' }).click();
+  await fetches.getByRole('row', { name: /here, marked/ }).waitFor();
   await picture(anna.page, 'shoes');
 
   await anna.page.getByRole('link', { name: 'Releases' }).click();
@@ -73,6 +80,7 @@ try {
   await anna.page.getByRole('row', { name: /vera/ }).waitFor();
   await anna.page.getByRole('link', { name: 'Log' }).click();
   await anna.page.getByText('fetch recording').first().waitFor();
+  await anna.page.getByText('let recording go').first().waitFor();
   const vera = await open(browser, { width: 390, height: 844, scheme: 'dark' });
   await vera.page.goto(address);
   await vera.page.getByLabel('Name', { exact: true }).fill('vera');
@@ -84,6 +92,9 @@ try {
   const button = vera.page.getByRole('button', { name: 'Fetch cell-2/scan-0005' });
   await button.waitFor();
   check(await button.isDisabled(), 'a viewer fetches nothing');
+  const let_go = vera.page.getByRole('button', { name: 'Let go cell-2/scan-0005' });
+  await let_go.waitFor();
+  check(await let_go.isDisabled(), 'a viewer keeps nothing');
 
   check_answers();
 } catch (error) {

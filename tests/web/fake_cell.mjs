@@ -110,6 +110,9 @@ export class FakeCell {
     this.checks = 0;
     this.most_checks = 0;
     this.view_fails = false;
+    this.mounted = { version: 0, tip: null, payload: null, table: null, lesson: null, controller: null };
+    /// So long the gate lets the scan that waits through; null: not at all.
+    this.fresh_s = 95;
     this.calls = [];
     this.reruns = new Map();
     this.sessions = new Map();
@@ -198,6 +201,10 @@ export class FakeCell {
     return Buffer.concat([head, bytes]);
   }
 
+  told_state() {
+    const held = this.scans.find((scan) => scan.decision === 'held');
+    return { ...this.state, held: held ? { scan: held.id, waits_for: 'word', fresh_s: this.fresh_s } : null, control: this.control, seq: this.seq };
+  }
   push(event, data) {
     const text = JSON.stringify({ event, data, seq: ++this.seq, time: new Date().toISOString() });
     for (const { socket, live } of this.sockets) if (!live) socket.write(this.frame(Buffer.from(text), 1));
@@ -243,6 +250,38 @@ export class FakeCell {
     }
   }
 
+  /// As the service does: each touch makes the tip better known; the fourth is enough.
+  teach_mounted(method, part, given, me, fail) {
+    const mounted = this.mounted;
+    if (method === 'GET') return [200, mounted];
+    if (this.control.holder !== me.name) return fail(409, 'control_needed', 'take control first');
+    const how = { version: mounted.version + 1, who: me.name, time: new Date().toISOString() };
+    if (part === '/touches') {
+      const lesson = mounted.lesson?.part === given.part ? mounted.lesson : { part: given.part, touches: 0 };
+      lesson.touches += given.take_back ? -1 : 1;
+      const ready = lesson.touches >= (given.part === 'tip' ? 4 : 3);
+      Object.assign(lesson, {
+        at_mm: ready && given.part === 'tip' ? [0.12, -0.31, 180.2] : null, z_mm: ready && given.part === 'table' ? -12.1 : null,
+        residual_mm: ready ? 0.12 : null, u95_mm: ready ? 0.2 : null, missing: ready ? null : `${lesson.touches} touches, more needed`,
+      });
+      mounted.lesson = method === 'DELETE' || lesson.touches === 0 ? null : lesson;
+      mounted.controller = { tip_mm: [0, 0, 180], payload_kg: null, payload_centre_mm: null, carries_as_taught: null };
+      return [200, mounted];
+    }
+    const name = part.slice(1);
+    mounted.version += 1;
+    if (method === 'DELETE') mounted[name] = null;
+    else if (name === 'payload') {
+      mounted.payload = { ...how, kg: given.kg, centre_mm: given.centre_mm };
+      mounted.controller = { tip_mm: [0, 0, 180], payload_kg: 0.5, payload_centre_mm: [0, 0, 20], carries_as_taught: false };
+    } else {
+      const { touches, residual_mm, u95_mm, at_mm, z_mm } = mounted.lesson;
+      mounted[name] = { ...how, touches, residual_mm, u95_mm, ...(name === 'tip' ? { at_mm } : { z_mm }) };
+      mounted.lesson = null;
+    }
+    return [200, mounted];
+  }
+
   decide(request, path, given, asked, body) {
     const fail = (status, code, message, faults) => [status, { error: { code, message, ...(faults ? { faults } : {}) } }];
     const me = this.user(request);
@@ -257,7 +296,7 @@ export class FakeCell {
     if (!me) return fail(401, 'login_needed', 'log in');
     if (path === '/sessions') return [204, null];
     if (path === '/me') return [200, { name: me.name, role: me.role, control: this.control.holder === me.name, local: this.local }];
-    if (path === '/state') return [200, { ...this.state, control: this.control, seq: this.seq }];
+    if (path === '/state') return [200, this.told_state()];
     if (path === '/control') {
       if (method === 'POST') {
         if (given.action === 'take') this.control = { holder: me.name, door: 'web', since: new Date().toISOString(), why: given.why };
@@ -276,7 +315,7 @@ export class FakeCell {
       const scan = this.scans.find((row) => row.id === scan_path[1]);
       if (!scan) return fail(404, 'not_found', `${scan_path[1]}: no such scan`);
       const what = scan_path[2];
-      if (!what) return [200, { ...scan, report: { status: 'ok' }, gate: null, follow: null, versions: [{ version: 0, time: scan.time, who: 'found' }], reruns: this.reruns.get(scan.id) ?? [] }];
+      if (!what) return [200, { ...scan, report: { status: 'ok' }, gate: null, follow: null, air: this.air ?? null, versions: [{ version: 0, time: scan.time, who: 'found' }], reruns: this.reruns.get(scan.id) ?? [] }];
       if (what === 'files') return [200, { files: (scan.verdict === 'refused' ? ['cloud.ply', 'report.json'] : ['line.csv', 'cloud.ply', 'report.json', 'path/tracking.html']).map((name) => ({ path: name, bytes: 12345, time: scan.time })) }];
       if (what === 'files/view_data.js') {
         if (this.view_fails) return fail(500, 'internal', 'the disk does not answer');
@@ -290,6 +329,18 @@ export class FakeCell {
         this.push('scan', scan);
         return [202, { done: false }];
       }
+      if (what === 'process' || what === 'air') {
+        this.state = { ...this.state, phase: what === 'air' ? 'following' : 'working' };
+        this.push('state', this.told_state());
+        setTimeout(() => {
+          if (what === 'process') scan.process = given.process;
+          if (what === 'air') this.air = { state: 'followed', reason_code: null, reason: null, next_step: null, duration_s: 161.2 };
+          this.state = { ...this.state, phase: 'deciding' };
+          this.push('scan', scan);
+          this.push('state', this.told_state());
+        }, 300);
+        return [202, { done: false, words: 'begun' }];
+      }
       if (what === 'rerun') {
         const made = { rerun: 1, time: scan.time, who: me.name, why: given.why, settings: given.settings, state: 'working' };
         this.reruns.set(scan.id, [made]);
@@ -300,6 +351,8 @@ export class FakeCell {
         this.push('scan', scan);
         return [200, scan];
       }
+      // As the service does: what was said of a scan changes what waits.
+      setTimeout(() => this.push('state', this.told_state()), 0);
       Object.assign(scan, { decision: { accept: 'accepted', reject: 'rejected', hold: 'held' }[what] ?? scan.decision, decided_by: me.name, why: given.why ?? null });
       this.push('scan', scan);
       return [200, scan];
@@ -352,6 +405,7 @@ export class FakeCell {
       }
       return [200, { name: 'rough', shipped: true, process: this.process }];
     }
+    if (path.startsWith('/mounted')) return this.teach_mounted(method, path.slice('/mounted'.length), given, me, fail);
     if (path === '/robots') return [200, { robots: [{ name: 'UR5e', address: '127.0.0.1', serial: '2022', connected: true, powered: true, remote: false, ready: false, words: 'not in remote control: switch it on the pendant' }] }];
     if (path === '/sensors') {
       return [200, {

@@ -74,6 +74,7 @@ const views = [
   ['scans', '#/scans', 'Scans'],
   ['scan', '#/scans/scan-0004', 'scan-0004'],
   ['refused', '#/scans/scan-0003', 'scan-0003'],
+  ['teach', '#/teach', 'Teach'],
   ['models', '#/models', 'Models'],
   ['processes', '#/processes', 'Processes'],
   ['sensor', '#/sensor', 'Sensor'],
@@ -176,6 +177,45 @@ check(JSON.stringify(sent) === '{"camera.exposure_us":333,"camera.follow_stripe"
 await send_live(30);
 await anna.page.getByText('333 was asked, the camera took 330 us', { exact: false }).waitFor();
 check((await setting('Exposure').inputValue()) === '330', 'what the camera took is not read back');
+await anna.page.getByRole('button', { name: 'Release control' }).click();
+await anna.page.getByText('Nobody has control').waitFor();
+
+say('what is mounted: touched, told, kept with who');
+await anna.page.goto(`${address}#/devices`);
+const tip = anna.page.getByRole('region', { name: 'Tool tip' });
+const table = anna.page.getByRole('region', { name: 'Table height' });
+await tip.getByText('Not taught.').waitFor();
+check(await tip.getByRole('button', { name: 'Touch now' }).isDisabled(), 'an arm is touched with without control');
+await anna.page.getByRole('button', { name: 'Take control' }).click();
+await anna.page.getByText('You have control', { exact: true }).waitFor();
+check(await table.getByRole('button', { name: 'Touch now' }).isDisabled(), 'the table is touched with a tip that nobody knows');
+for (let touches = 1; touches <= 5; ++touches) {
+  check(touches > 4 || (await tip.getByRole('button', { name: 'Save' }).isDisabled()), `${touches - 1} touches can be kept`);
+  await tip.getByRole('button', { name: 'Touch now' }).click();
+  await tip.getByText(`Touches: ${touches}.`).waitFor();
+}
+await tip.getByRole('button', { name: 'Take the last one back' }).click();
+await tip.getByText('(0.12, -0.31, 180.20) mm; residual 0.12 mm, U95 0.20 mm', { exact: false }).waitFor();
+await tip.getByRole('button', { name: 'Save' }).click();
+await tip.getByText('Version 1, anna', { exact: false }).waitFor();
+const payload = anna.page.getByRole('region', { name: 'Payload' });
+await payload.getByLabel('Mass').fill('1.6');
+for (const [axis, mm] of [['x', '0'], ['y', '0'], ['z', '65']]) await payload.getByLabel(`Centre ${axis}`).fill(mm);
+await payload.getByRole('button', { name: 'Save' }).click();
+await payload.getByText('The controller carries 0.50 kg', { exact: false }).waitFor();
+await payload.getByText('That is not what was taught', { exact: false }).waitFor();
+const kept = cell.calls.findLast((one) => one.path === '/mounted/payload').body;
+check(JSON.stringify(kept) === '{"kg":1.6,"centre_mm":[0,0,65]}', `payload ${JSON.stringify(kept)}`);
+for (let touches = 1; touches <= 3; ++touches) {
+  await table.getByRole('button', { name: 'Touch now' }).click();
+  await table.getByText(`Touches: ${touches}.`).waitFor();
+}
+await table.getByRole('button', { name: 'Save' }).click();
+await table.getByText('-12.10 mm', { exact: false }).waitFor();
+await look_for_faults(anna.page, 'what is mounted');
+await whole_page(anna.page, join(pictures, 'mounted_1280.png'));
+await tip.getByRole('button', { name: 'Forget it' }).click();
+await tip.getByText('Not taught.').waitFor();
 await anna.page.getByRole('button', { name: 'Release control' }).click();
 await anna.page.getByText('Nobody has control').waitFor();
 
@@ -297,6 +337,72 @@ await otto.page.getByText('The line is mended.').waitFor();
 const mend = cell.calls.find((call) => call.path.endsWith('/mend'))?.body;
 check(JSON.stringify(mend?.steps.map((step) => step.step)) === '["candidate","through"]', `mend steps ${JSON.stringify(mend)}`);
 check(JSON.stringify(mend?.steps[1].points) === '[[441.5,58,24],[440,58.2,24]]', 'mend points');
+
+say('teach: from a scan that waits to a model');
+Object.assign(cell.scans[0], { decision: 'held' });
+cell.push('scan', cell.scans[0]);
+cell.push('state', cell.told_state());
+await anna.page.goto(`${address}#/teach`);
+await anna.page.getByText('scan-0004 is held.').waitFor();
+check(await anna.page.getByRole('button', { name: 'Run in the air' }).isDisabled(), 'an arm that runs without control');
+await otto.page.goto(`${address}#/teach`);
+await otto.page.getByText('An engineer may change this.').waitFor();
+check(await otto.page.getByRole('button', { name: 'Plan with this process' }).isDisabled(), 'an operator may teach');
+await otto.page.getByRole('button', { name: 'Release control' }).click();
+await anna.page.getByRole('button', { name: 'Take control' }).click();
+await anna.page.getByText('You have control', { exact: true }).waitFor();
+const process_step = anna.page.getByRole('region', { name: 'Process and dry run' });
+await process_step.getByLabel('Process').selectOption('cement');
+await process_step.getByText('A path along the line of scan-0004 passes every check', { exact: false }).waitFor();
+check(cell.calls.findLast((one) => one.path === '/processes/check').body.scan === 'scan-0004', 'tried on another scan');
+await process_step.getByRole('button', { name: 'Plan with this process' }).click();
+await anna.page.getByText('The path is planned with cement.').waitFor();
+check(cell.calls.some((one) => one.path === '/scans/scan-0004/process' && one.body.process === 'cement'), 'the process did not arrive');
+await process_step.locator('iframe').waitFor();
+say('teach: a scan that grows too old is scanned again, and gets the same process');
+const air_button = anna.page.getByRole('button', { name: 'Run in the air' });
+cell.fresh_s = 0;
+cell.push('state', cell.told_state());
+await anna.page.getByText('This scan is too old to be sent', { exact: false }).first().waitFor();
+check(await air_button.isDisabled(), 'a scan that is too old may run in the air');
+check(await anna.page.getByRole('button', { name: 'Work this shoe' }).isDisabled(), 'a scan that is too old may be worked');
+await anna.page.getByRole('region', { name: /^Scan$/ }).getByRole('button', { name: 'Scan again' }).click();
+await anna.page.getByText('A new scan was asked for.').waitFor();
+check(cell.calls.findLast((one) => one.path === '/commands/rescan').body.hold === true, 'a taught shoe is scanned without being held');
+cell.fresh_s = 95;
+Object.assign(cell.scans[0], { decision: 'rejected' });
+cell.scans.unshift({ ...cell.scans[0], id: 'scan-0005', decision: 'held', process: 'rough' });
+cell.push('scan', cell.scans[0]);
+cell.push('state', cell.told_state());
+await anna.page.getByText('scan-0005 is held.').waitFor();
+for (let tries = 0; tries < 100 && !cell.calls.some((one) => one.path === '/scans/scan-0005/process'); ++tries) await anna.page.waitForTimeout(100);
+check(cell.calls.filter((one) => one.path === '/scans/scan-0005/process' && one.body.process === 'cement').length === 1, 'the process is not taken over once');
+await process_step.getByText('(done)').waitFor();
+await anna.page.getByRole('button', { name: 'Run in the air' }).click();
+await anna.page.getByText('The arm has run the whole path in the air, 161 s').waitFor();
+const save_step = anna.page.getByRole('region', { name: 'Save the model' });
+await save_step.getByLabel('Name').fill('taught-40');
+await save_step.getByLabel('Size').fill('EU 40');
+await save_step.getByRole('button', { name: 'Save' }).click();
+await anna.page.getByText('Work this shoe now as taught-40.', { exact: false }).waitFor();
+const taught = cell.calls.findLast((one) => one.path === '/models' && one.method === 'POST').body;
+check(JSON.stringify(taught) === '{"name":"taught-40","size":"EU 40","scan":"scan-0005","process":"cement"}', `taught ${JSON.stringify(taught)}`);
+await look_for_faults(anna.page, 'taught');
+await anna.page.screenshot({ path: join(pictures, 'taught_1280.png'), fullPage: true });
+await anna.page.getByRole('button', { name: 'Work this shoe' }).click();
+await anna.page.getByText('Accepted.').waitFor();
+check(cell.scans[0].decision === 'accepted', 'the taught shoe is not worked');
+// A scan that is gone is read by nobody.
+for (const one of [anna, otto]) {
+  await one.page.goto(`${address}#/models`);
+  await one.page.getByRole('heading', { name: 'Models' }).waitFor();
+}
+cell.scans.shift();
+Object.assign(cell.scans[0], { decision: 'accepted' });
+cell.push('state', cell.told_state());
+await anna.page.getByRole('button', { name: 'Release control' }).click();
+await otto.page.getByRole('button', { name: 'Take control' }).click();
+await otto.page.getByText('You have control', { exact: true }).waitFor();
 
 say('work a scan out again: beside the result, and seen by all');
 await anna.page.goto(`${address}#/scans/scan-0004`);

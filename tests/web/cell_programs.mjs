@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+// The real programs with the simulated cell, for the tests of the page: started, named in a failure's report, ended.
+import { spawn, spawnSync } from 'node:child_process';
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { createServer } from 'node:net';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { createInterface } from 'node:readline';
+import { check, skip } from './browser.mjs';
+
+const [bin, source] = process.argv.slice(2);
+for (const name of ['biteline-cell', 'biteline-sensor', 'biteline-host', 'biteline-web']) {
+  if (!existsSync(join(bin, name))) skip(`${name} was not built`);
+}
+if (!existsSync(join(bin, '../share/biteline/web/app.js'))) skip('the page was not built');
+if (!spawnSync(join(bin, 'biteline-host'), ['--help'], { encoding: 'utf8' }).stdout.includes('--control')) skip('this biteline-host has no control end');
+export const say = (text) => console.log(`${process.uptime().toFixed(1).padStart(6)} s  ${text}`);
+
+export const out = mkdtempSync(join(tmpdir(), 'biteline-cell-'));
+const started = [];
+
+/// A program of this test; its lines are kept for the report of a failure.
+export function run(name, args) {
+  const child = spawn(join(bin, name), args, { stdio: ['ignore', 'pipe', 'pipe'] });
+  const one = { name, child, lines: [], ended: false, wait: [] };
+  for (const stream of [child.stdout, child.stderr]) {
+    createInterface({ input: stream }).on('line', (line) => {
+      one.lines.push(line);
+      for (const waiter of one.wait) waiter(line);
+    });
+  }
+  child.on('exit', () => {
+    one.ended = true;
+  });
+  started.push(one);
+  return one;
+}
+
+/// The first line that `wanted` accepts.
+export function line_of(one, wanted, patience_s = 120) {
+  return new Promise((resolve, reject) => {
+    const timer = setTimeout(() => reject(new Error(`${one.name}: no such line in ${patience_s} s:\n${one.lines.slice(-20).join('\n')}`)), 1000 * patience_s);
+    const take = (line) => {
+      const value = wanted(line);
+      if (value === undefined) return;
+      clearTimeout(timer);
+      resolve(value);
+    };
+    one.wait.push(take);
+    one.lines.forEach(take);
+    one.child.on('exit', (status) => {
+      clearTimeout(timer);
+      reject(new Error(`${one.name} ended with ${status}:\n${one.lines.slice(-20).join('\n')}`));
+    });
+  });
+}
+export const json = (line) => (line.startsWith('{') ? JSON.parse(line) : undefined);
+
+export function free_port() {
+  return new Promise((resolve) => {
+    const server = createServer().listen(0, '127.0.0.1', () => {
+      const { port } = server.address();
+      server.close(() => resolve(port));
+    });
+  });
+}
+
+export async function finish(status) {
+  for (const one of [...started].reverse()) {
+    if (one.ended) continue;
+    one.child.kill('SIGTERM');
+    await Promise.race([new Promise((done) => one.child.on('exit', done)), new Promise((done) => setTimeout(done, 10_000))]);
+    if (!one.ended) one.child.kill('SIGKILL');
+  }
+  if (status === 1) for (const one of started) console.log(`--- ${one.name}\n${one.lines.slice(-25).join('\n')}`);
+  rmSync(out, { recursive: true, force: true });
+  process.exit(status);
+}
+
+export class Busy extends Error {
+  constructor(scans) {
+    super(`none of ${scans} scans was whole: this machine is too busy for the simulated cell`);
+  }
+}
+
+/// Cell, sensor, service and web program; `add_to_gate`: lines of the process's gate, `host_more`: options of the service,
+/// `shoe`: class and seed.  The service has jobs, so each start is one scan: nothing is scanned before somebody asks for it.
+export async function start_cell({ add_to_gate, host_more = [], shoe: [kind, seed] = ['deep', '5'] }) {
+  const cell = run('biteline-cell', ['serve', '--seed', seed, '--shoe', kind, '--size', '0', '--arm', 'ur5e', '--place', '0', '--out', join(out, 'cell'), '--exit-with-parent']);
+  const places = await line_of(cell, json);
+  // With real-time rights where there are any: then no other program on this machine holds the sensor up.
+  const sensor_with = (rt) => line_of(run('biteline-sensor', ['--source', `board:${places.board}`, '--sensor', places.sensor, '--rt', rt, '--exit-with-parent']), json);
+  const { endpoint } = await sensor_with('required').catch(() => sensor_with('ignore'));
+  // Row 3, column 4 of T_base_shoe: the table's height, which an integrator knows of his cell.
+  const table_z = readFileSync(join(out, 'cell/truth/T_base_shoe.txt'), 'utf8').split(/\s+/).filter(Boolean)[11];
+  const control = `tcp://127.0.0.1:${await free_port()}`;
+  const process_file = join(out, 'process.yaml');
+  const rough = readFileSync(join(source, 'host/robot/path/processes/rough.yaml'), 'utf8');
+  check(/\ngate:\n[^\n]*\n$/.test(rough), 'rough.yaml no longer ends with its gate');
+  writeFileSync(process_file, rough + add_to_gate);
+  const jobs = join(out, 'jobs.yaml');
+  writeFileSync(jobs, 'jobs:\n  1: {}\n');
+  const host_arguments = [
+    '--sensor', endpoint, '--out', join(out, 'results'), '--robot', 'ur5e', '--process', process_file, '--table-z', table_z,
+    '--rtde', places.rtde, '--script', places.script, '--dashboard', places.dashboard, '--send', '--control', control, '--jobs', jobs, '--exit-with-parent', ...host_more,
+  ];
+  const host = run('biteline-host', host_arguments);
+  const port = await free_port();
+  run('biteline-web', ['--listen', `127.0.0.1:${port}`, '--control', control, '--sensor', endpoint, '--exit-with-parent']);
+  const address = `http://127.0.0.1:${port}/`;
+  for (let turn = 0; ; ++turn) {
+    try {
+      await fetch(address);
+      break;
+    } catch (error) {
+      if (turn > 240) throw error;
+      await new Promise((done) => setTimeout(done, 250));
+    }
+  }
+  say('the four programs run');
+  return { address, host, host_arguments, process_file };
+}
