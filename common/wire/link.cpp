@@ -152,9 +152,10 @@ std::optional<LinkEvent> next_event(Socket& watcher) {
         return LinkEvent::Disconnected;
       case ZMQ_EVENT_HANDSHAKE_FAILED_AUTH:
         return LinkEvent::AuthenticationFailed;
-      case ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL:
       case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL:
         return LinkEvent::HandshakeFailed;
+      case ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL:
+        return LinkEvent::HandshakeBroken;
       case ZMQ_EVENT_CONNECT_RETRIED:
         return LinkEvent::ConnectFailed;
       default:

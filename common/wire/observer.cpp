@@ -30,6 +30,7 @@ struct Observer::State {
   SocketContext context;
   Socket caller;
   Socket watcher;
+  HandshakeRecord handshakes;
   bool linked{false};
   bool answered{false};  ///< on this connection
   bool hello_due{false};
@@ -43,6 +44,7 @@ struct Observer::State {
       const std::string address = config.sensor.text();
       switch (*event) {
         case LinkEvent::Connected:
+          handshakes.on_success();
           linked = hello_due = true;
           answered = false;
           linked_at = Clock::now();
@@ -50,6 +52,9 @@ struct Observer::State {
         case LinkEvent::AuthenticationFailed:
           return fail(Errc::AuthenticationFailed, "the sensor at %s does not let this observer's key in",
                       address.c_str());
+        case LinkEvent::HandshakeBroken:
+          if (!handshakes.on_broken()) break;  // tried again by itself
+          [[fallthrough]];
         case LinkEvent::HandshakeFailed:
           return fail(Errc::AuthenticationFailed, "the sensor at %s and this observer do not agree on keys",
                       address.c_str());

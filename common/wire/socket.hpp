@@ -99,12 +99,27 @@ enum class LinkEvent {
   Connected,  ///< handshake done
   Disconnected,
   AuthenticationFailed,  ///< refused by the other side's gatekeeper
-  HandshakeFailed,       ///< wrong keys, no keys where keys are wanted, or not our protocol at all
+  HandshakeFailed,       ///< no keys where keys are wanted, or not our protocol at all
+  HandshakeBroken,       ///< ended without a word: wrong keys, or a peer that went or was too busy
   ConnectFailed,         ///< nobody listens there (tried again by itself)
 };
 
 /// Watches a caller's connection; must be opened before the caller sends.
 [[nodiscard]] Result<Socket> open_watcher(const SocketContext& context, const Socket& caller);
 [[nodiscard]] std::optional<LinkEvent> next_event(Socket& watcher);
+
+/// Whether broken handshakes mean keys that do not fit.  Such keys break every handshake, the first ones
+/// too.  A cable, a restart or a busy machine breaks one now and then, and it is tried again.
+class HandshakeRecord {
+ public:
+  void on_success() { succeeded_ = true; }
+  /// true: no handshake has ever come about, and this is the third that broke.
+  [[nodiscard]] bool on_broken() { return !succeeded_ && ++broken_ >= k_broken_means_keys; }
+
+ private:
+  static constexpr int k_broken_means_keys = 3;
+  bool succeeded_{false};
+  int broken_{0};
+};
 
 }  // namespace biteline::wire
