@@ -2,6 +2,7 @@
 #include "common/core/contracts.hpp"
 
 #include <atomic>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 
@@ -25,6 +26,8 @@ void make_safe(const char* condition, const char* file, int line) noexcept {
 void contract_broken(const char* condition, const char* file, int line) noexcept {
   make_safe(condition, file, line);
   std::fprintf(stderr, "%s:%d: contract broken: %s\n", file, line, condition);
+  // A dump of the place, and no last words of others (last_words.hpp).
+  std::signal(SIGABRT, SIG_DFL);
   std::abort();
 }
 

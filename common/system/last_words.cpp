@@ -4,6 +4,7 @@
 #include <cxxabi.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstring>
 #include <exception>
 #include <new>
@@ -39,11 +40,20 @@ void say(const char* words) noexcept {
   ::_exit(static_cast<int>(ExitStatus::Connection));
 }
 
+/// libzmq gives up by abort() where it gets no memory or no thread, and says so in a line of its own.
+[[noreturn]] void end_of_a_library(int) noexcept {
+  make_safe("abort", __FILE__, __LINE__);
+  say(g_program);
+  say(": a library gave up, mostly for want of memory or threads: raise the limits, then start again\n");
+  ::_exit(static_cast<int>(ExitStatus::Connection));
+}
+
 }  // namespace
 
 void install_last_words(const char* program) noexcept {
   g_program = program;
   std::set_terminate(end_with_words);
+  std::signal(SIGABRT, end_of_a_library);
 }
 
 }  // namespace biteline

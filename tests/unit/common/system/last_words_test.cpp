@@ -2,9 +2,12 @@
 #include "common/system/last_words.hpp"
 
 #include <CppUTest/TestHarness.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
+#include <cstdlib>
 #include <functional>
 #include <new>
 #include <stdexcept>
@@ -19,6 +22,7 @@ namespace {
 
 struct Ending {
   int status{-1};
+  int signal{0};
   std::string words;
 };
 
@@ -41,6 +45,7 @@ Ending ending_of(const std::function<void()>& deadly) {
   int status = 0;
   ::waitpid(child, &status, 0);
   if (WIFEXITED(status)) ending.status = WEXITSTATUS(status);
+  if (WIFSIGNALED(status)) ending.signal = WTERMSIG(status);
   return ending;
 }
 
@@ -64,6 +69,25 @@ TEST(LastWords, NoThreadAndWhateverElseAreOneLineToo) {
   const Ending other = ending_of([] { std::thread{[] { throw std::logic_error{"x"}; }}.join(); });
   LONGS_EQUAL(4, other.status);
   STRCMP_CONTAINS("report this as a defect\n", other.words.c_str());
+}
+
+TEST(LastWords, LibraryThatAbortsIsOneLineToo) {
+  const Ending sut = ending_of([] { std::thread{[] { std::abort(); }}.join(); });
+  LONGS_EQUAL(4, sut.status);
+  STRCMP_EQUAL(
+      "biteline-test: a library gave up, mostly for want of memory or threads: raise the limits, then start "
+      "again\n",
+      sut.words.c_str());
+}
+
+TEST(LastWords, BrokenContractStillEndsByItsSignal) {
+  const Ending sut = ending_of([] {
+    const rlimit no_dump{};
+    ::setrlimit(RLIMIT_CORE, &no_dump);
+    BITELINE_EXPECTS(1 + 1 == 3);
+  });
+  LONGS_EQUAL(SIGABRT, sut.signal);
+  STRCMP_CONTAINS("contract broken", sut.words.c_str());
 }
 
 TEST(LastWords, MachineIsMadeSafeFirst) {
