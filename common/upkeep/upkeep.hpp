@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/core/numbers.hpp"
 #include "common/core/result.hpp"
@@ -23,11 +24,13 @@ struct Upkeep {
   double run_s{0};             ///< the program ran
   double laser_s{0};           ///< the laser was on
   std::uint64_t lightings{0};  ///< the laser went on
+  std::uint64_t frames{0};     ///< the camera's
   std::optional<double> hottest_degc{}, coldest_degc{};  ///< of the head, as its camera says
-  double up_s{0};  ///< the machine had run for so long when this was written
+  std::string boot_id{};  ///< of the boot in which this was written, as the kernel names it; empty: not told
+  std::vector<std::string> others{};  ///< lines of a newer program: kept as they are
 };
 
-/// Errc::FileNotFound where there is none; strict otherwise.
+/// Errc::FileNotFound where there is none; strict otherwise, but for single values of a newer program.
 [[nodiscard]] Result<Upkeep> read_upkeep(const std::filesystem::path& file);
 [[nodiscard]] std::string upkeep_text(const Upkeep& upkeep);
 

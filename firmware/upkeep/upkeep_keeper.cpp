@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <ctime>
 #include <string>
 #include <utility>
 
@@ -50,7 +51,25 @@ Result<void> replace(const fs::path& folder, const std::string& text) {
 
 }  // namespace
 
-Result<UpkeepKeeper> UpkeepKeeper::open(const fs::path& folder, double up_s) {
+double since_boot_s() {
+  timespec now{};
+  ::clock_gettime(CLOCK_BOOTTIME, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+Boot present_boot() {
+  Boot boot{.id = {}, .up_s = since_boot_s()};
+  const int fd = ::open("/proc/sys/kernel/random/boot_id", O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return boot;
+  char text[64];
+  const ssize_t length = ::read(fd, text, sizeof text);
+  ::close(fd);
+  if (length > 0) boot.id.assign(text, static_cast<std::size_t>(length));
+  boot.id.erase(std::min(boot.id.size(), boot.id.find_first_not_of("0123456789abcdef-")));
+  return boot;
+}
+
+Result<UpkeepKeeper> UpkeepKeeper::open(const fs::path& folder, const Boot& boot) {
   Upkeep upkeep;
   const Result<Upkeep> before = read_upkeep(folder / k_file);
   if (before) {
@@ -61,28 +80,28 @@ Result<UpkeepKeeper> UpkeepKeeper::open(const fs::path& folder, double up_s) {
     std::error_code ignored;
     fs::rename(folder / k_file, folder / "upkeep.bad.yaml", ignored);
   }
-  // The machine's own time since its boot fell back: there was one.
-  if (!before || up_s < upkeep.up_s) ++upkeep.boots;
+  if (!before || boot.id != upkeep.boot_id) ++upkeep.boots;
+  upkeep.boot_id = boot.id;
   ++upkeep.starts;
-  UpkeepKeeper keeper{folder, upkeep, up_s};
+  UpkeepKeeper keeper{folder, upkeep, boot.up_s};
   BITELINE_TRY(keeper.write());
   return keeper;
 }
 
 UpkeepKeeper::UpkeepKeeper(fs::path folder, Upkeep upkeep, double up_s)
-    : folder_{std::move(folder)}, upkeep_{upkeep}, seen_s_{up_s}, written_s_{up_s} {
-  upkeep_.up_s = up_s;
-}
+    : folder_{std::move(folder)}, upkeep_{upkeep}, seen_s_{up_s}, written_s_{up_s} {}
 
 void UpkeepKeeper::see(const Look& look) {
   const double since_s = std::max(0.0, look.up_s - seen_s_);
-  seen_s_ = upkeep_.up_s = look.up_s;
+  seen_s_ = look.up_s;
   upkeep_.run_s += since_s;
   // Lit at both ends: a time that began or ended in between is as long as half of them, and few.
   if (lit_ && look.laser_on) upkeep_.laser_s += since_s;
   if (lit_ != look.laser_on) upkeep_.laser_s += since_s / 2;
   if (look.laser_on && !lit_) ++upkeep_.lightings;
   lit_ = look.laser_on;
+  if (look.frames > seen_frames_) upkeep_.frames += look.frames - seen_frames_;
+  seen_frames_ = std::max(seen_frames_, look.frames);
   // A camera that says nonsense once would cost the whole count at the next start.
   if (!look.head_degc || !k_degc.holds(*look.head_degc)) return;
   upkeep_.hottest_degc = std::max(upkeep_.hottest_degc.value_or(*look.head_degc), *look.head_degc);

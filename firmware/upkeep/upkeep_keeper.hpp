@@ -2,19 +2,31 @@
 #pragma once
 /// \file Counts what a unit goes through and keeps it over restarts, in few writes.
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "common/core/result.hpp"
 #include "common/upkeep/upkeep.hpp"
 
 namespace biteline::upkeep {
 
+/// The machine's time and boot.
+struct Boot {
+  std::string id{};  ///< as the kernel names this boot; empty: it does not
+  double up_s{0};    ///< since then, time asleep included
+};
+/// As Linux tells them now.
+[[nodiscard]] Boot present_boot();
+[[nodiscard]] double since_boot_s();
+
 /// What is seen of the unit at one moment.
 struct Look {
   double up_s{0};  ///< since the machine's boot, time asleep included
   bool laser_on{false};
   std::optional<double> head_degc{};
+  std::uint64_t frames{0};  ///< since the program's start
 };
 
 /// Writes at the start, every ten minutes and at the end; a kill costs what came since.  Never while the
@@ -24,7 +36,7 @@ class UpkeepKeeper {
  public:
   /// Reads `folder`/upkeep.yaml, counts this start and writes it.  A file that is not whole is set aside as
   /// upkeep.bad.yaml and the count begins anew.  Errc::WriteFailed: there is no such folder, or no room.
-  [[nodiscard]] static Result<UpkeepKeeper> open(const std::filesystem::path& folder, double up_s);
+  [[nodiscard]] static Result<UpkeepKeeper> open(const std::filesystem::path& folder, const Boot& boot);
 
   /// Some ten times a second or more: the laser's time is as exact as that.
   void see(const Look& look);
@@ -40,6 +52,7 @@ class UpkeepKeeper {
   std::filesystem::path folder_;
   Upkeep upkeep_;
   double seen_s_, written_s_;
+  std::uint64_t seen_frames_{0};
   bool lit_{false};
 };
 

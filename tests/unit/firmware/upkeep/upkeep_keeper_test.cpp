@@ -12,8 +12,8 @@ namespace biteline::upkeep {
 TEST_GROUP(Upkeep) {
   test::TemporaryFolder folder;
 
-  UpkeepKeeper begin(double up_s) {
-    auto keeper = UpkeepKeeper::open(folder.path(), up_s);
+  UpkeepKeeper begin(double up_s, const char* boot = "8f-1") {
+    auto keeper = UpkeepKeeper::open(folder.path(), {.id = boot, .up_s = up_s});
     SUCCEEDS(keeper);
     return *keeper;
   }
@@ -31,9 +31,19 @@ TEST(Upkeep, StartsAndBootsAreCountedOverRestarts) {
   begin(500);
   LONGS_EQUAL(2, kept().starts);
   LONGS_EQUAL(1, kept().boots);
-  begin(25);
+  // A boot is told by its name: this one began, ended and came again within what was never written.
+  begin(501, "8f-2");
   LONGS_EQUAL(3, kept().starts);
   LONGS_EQUAL(2, kept().boots);
+}
+
+TEST(Upkeep, TheKernelNamesThisBootAndNoOther) {
+  const Boot boot = present_boot();
+  LONGS_EQUAL(36, boot.id.size());
+  STRCMP_EQUAL(boot.id.c_str(), present_boot().id.c_str());
+  CHECK(boot.up_s > 0 && present_boot().up_s >= boot.up_s);
+  begin(boot.up_s, boot.id.c_str());
+  STRCMP_EQUAL(boot.id.c_str(), kept().boot_id.c_str());
 }
 
 TEST(Upkeep, TimesLightingsAndTemperaturesAddUp) {
@@ -72,17 +82,51 @@ TEST(Upkeep, ItIsWrittenEveryTenMinutesAndNeverInTheLight) {
   DOUBLES_EQUAL(701, sut.upkeep().run_s, 1e-6);
 }
 
+TEST(Upkeep, FramesOfAllStartsAddUp) {
+  UpkeepKeeper first = begin(0);
+  first.see({.up_s = 1, .frames = 100});
+  first.see({.up_s = 2, .frames = 250});
+  SUCCEEDS(first.write());
+  UpkeepKeeper second = begin(10);
+  second.see({.up_s = 11, .frames = 30});
+  SUCCEEDS(second.write());
+  LONGS_EQUAL(280, kept().frames);
+}
+
+TEST(Upkeep, WhatANewerProgramCountsIsNotLost) {
+  folder.write(k_file,
+               "starts: 7\nboots: 2\nrun_s: 1\nlaser_s: 0\nlightings: 0\nfan_h: 12.5\n"
+               "lens: \"8 mm, f/4\"\n");
+  UpkeepKeeper sut = begin(5);
+  sut.see({.up_s = 6});
+  SUCCEEDS(sut.write());
+  begin(7);
+  const Upkeep all = kept();
+  LONGS_EQUAL(9, all.starts);
+  CHECK(all.others == (std::vector<std::string>{"fan_h: 12.5", "lens: \"8 mm, f/4\""}));
+  CHECK(!std::filesystem::exists(folder.path() / "upkeep.bad.yaml"));
+  // More than a plain value is no such line.
+  for (const char* line :
+       {"fans: [1, 2]", "fan: {a: 1}", "lens: \"8 mm", "Fan: 1", "fan h: 1", "fans:\n  - 1"}) {
+    folder.write(k_file,
+                 std::string{"starts: 7\nboots: 2\nrun_s: 1\nlaser_s: 0\nlightings: 0\n"} + line + "\n");
+    CHECK_TEXT(!read_upkeep(folder.path() / k_file).has_value(), line);
+  }
+}
+
 TEST(Upkeep, AFileThatIsNotWholeIsSetAside) {
   folder.write(k_file, "starts: 7\nboots: 2\nrun");
   begin(5);
   LONGS_EQUAL(1, kept().starts);
   CHECK(std::filesystem::exists(folder.path() / "upkeep.bad.yaml"));
-  folder.write(k_file, "starts: -1\nboots: 2\nrun_s: 0\nlaser_s: 0\nlightings: 0\nup_s: 1\n");
+  folder.write(k_file, "starts: -1\nboots: 2\nrun_s: 0\nlaser_s: 0\nlightings: 0\n");
   FAILS_NAMING(Errc::BadValue, "starts", read_upkeep(folder.path() / k_file));
+  folder.write(k_file, "starts: 1\nboots: 2\nrun_s: 0\nlaser_s: 0\nlightings: 0\nboot_id: \"a b\"\n");
+  FAILS_NAMING(Errc::BadValue, "boot_id", read_upkeep(folder.path() / k_file));
 }
 
 TEST(Upkeep, WithoutItsFolderItSaysSo) {
-  FAILS_NAMING(Errc::WriteFailed, "upkeep.yaml", UpkeepKeeper::open(folder.path() / "none", 1));
+  FAILS_NAMING(Errc::WriteFailed, "upkeep.yaml", UpkeepKeeper::open(folder.path() / "none", {}));
 }
 
 }  // namespace biteline::upkeep
