@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 
+#include "common/image/png_bytes.hpp"
 #include "common/system/file.hpp"
 
 namespace biteline::image {
@@ -93,20 +94,11 @@ Result<void> read_png_into(const std::filesystem::path& path, int width_px, int 
 }
 
 Result<void> write_png(const std::filesystem::path& path, const GreyImage& image, Packing packing) {
-  const Context context{spng_ctx_new(SPNG_CTX_ENCODER)};
+  std::vector<std::uint8_t> bytes;
+  BITELINE_TRY(pack_png(image, bytes, packing));
   const File file{std::fopen(path.c_str(), "wb")};
-  if (!file) return fail_errno(Errc::WriteFailed, errno, "%s", path.c_str());
-  spng_set_png_file(context.get(), file.get());
-  spng_ihdr header{};
-  header.width = static_cast<std::uint32_t>(image.width_px);
-  header.height = static_cast<std::uint32_t>(image.height_px);
-  header.bit_depth = 8;
-  header.color_type = SPNG_COLOR_TYPE_GRAYSCALE;
-  spng_set_ihdr(context.get(), &header);
-  spng_set_option(context.get(), SPNG_IMG_COMPRESSION_LEVEL, packing == Packing::Fast ? 1 : 9);
-  const int status = spng_encode_image(context.get(), image.pixels.data(), image.pixels.size(), SPNG_FMT_PNG,
-                                       SPNG_ENCODE_FINALIZE);
-  if (status != SPNG_OK || std::fflush(file.get()) != 0) {
+  if (!file || std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size() ||
+      std::fflush(file.get()) != 0) {
     return fail_errno(errno == ENOSPC ? Errc::DiskFull : Errc::WriteFailed, errno, "%s", path.c_str());
   }
   return {};

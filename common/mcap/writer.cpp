@@ -19,14 +19,29 @@ Result<Writer> Writer::create(const std::filesystem::path& file, Options options
   return writer;
 }
 
+Result<void> Writer::failed() const {
+  const bool full = errno == ENOSPC || errno == EDQUOT || errno == EFBIG;
+  return fail_errno(full ? Errc::DiskFull : Errc::WriteFailed, errno, "%s", name_.c_str());
+}
+
 Result<void> Writer::append(View bytes) {
   if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) {
-    return fail_errno(errno == ENOSPC ? Errc::DiskFull : Errc::WriteFailed, errno, "%s", name_.c_str());
+    return failed();
   }
   size_ += bytes.size();
   crc_ = crc32(bytes, crc_);
   if (chained_) chain_.add(bytes);
   return {};
+}
+
+Result<void> Writer::push_out() {
+  if (std::fflush(file_.get()) == 0) return {};
+  return failed();
+}
+
+Result<void> Writer::flush() {
+  BITELINE_TRY(close_chunk());
+  return push_out();
 }
 
 template <class Record>
@@ -191,9 +206,7 @@ Result<std::string> Writer::close() {
   BITELINE_TRY(append_new(DataEnd{.data_crc = crc_}));
   BITELINE_TRY(append_summary());
   BITELINE_TRY(append(k_magic));
-  if (std::fflush(file_.get()) != 0) {
-    return fail_errno(errno == ENOSPC ? Errc::DiskFull : Errc::WriteFailed, errno, "%s", name_.c_str());
-  }
+  BITELINE_TRY(push_out());
   return link;
 }
 

@@ -33,6 +33,10 @@ class Writer {
   /// The crc is made here.
   [[nodiscard]] Result<void> attach(Attachment attachment);
   [[nodiscard]] Result<void> add_metadata(const Metadata& metadata);
+  /// What was written so far survives the program's end, whatever ends it.
+  [[nodiscard]] Result<void> flush();
+  /// Without the chunk that is being filled.
+  [[nodiscard]] std::uint64_t bytes_written() const { return size_; }
   /// Writes summary and end.  The chain's last link: who keeps it elsewhere sees any later change.
   [[nodiscard]] Result<std::string> close();
 
@@ -43,6 +47,9 @@ class Writer {
   Writer(std::filesystem::path name, std::FILE* file, Options options)
       : name_{std::move(name)}, file_{file}, options_{std::move(options)} {}
   [[nodiscard]] Result<void> append(View bytes);
+  [[nodiscard]] Result<void> push_out();
+  /// As errno says.
+  [[nodiscard]] Result<void> failed() const;
   template <class Record>
   [[nodiscard]] Result<void> append_new(const Record& record);
   [[nodiscard]] Result<void> close_chunk();

@@ -6,9 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "common/config/sensor_yaml.hpp"
-#include "common/session/session.hpp"
-#include "common/wire/scan_file.hpp"
+#include "firmware/record/wanted.hpp"
 #include "firmware/runtime/thread_table.hpp"
 
 namespace biteline::record {
@@ -19,43 +17,14 @@ namespace fs = std::filesystem;
 /// Between two looks while nothing comes: half a frame at 100 Hz.
 constexpr std::chrono::milliseconds k_look{5};
 
-std::string stamp_text(SensorClock::time_point stamp) {
-  return std::to_string(stamp.time_since_epoch().count());
-}
-
-Result<void> make_folders(const fs::path& folder) {
-  std::error_code error;
-  const fs::path parent = folder.parent_path();
-  if (!parent.empty()) fs::create_directories(parent, error);
-  if (error || !fs::create_directory(folder, error)) {
-    return fail_errno(Errc::WriteFailed, error ? error.value() : EEXIST, "%s", folder.c_str());
-  }
-  fs::create_directories(folder / "cam0/data", error);
-  if (!error) fs::create_directory(folder / "pose0", error);
-  if (error) return fail_errno(Errc::WriteFailed, error.value(), "%s", folder.c_str());
-  return {};
-}
-
-Result<AppendFile> create_with(const fs::path& file, std::string_view head) {
-  BITELINE_ASSIGN(AppendFile created, AppendFile::create(file));
-  BITELINE_TRY(created.append(head));
-  return created;
-}
+/// What a killed program may lose of an MCAP file.
+constexpr std::chrono::seconds k_settle{1};
 
 }  // namespace
 
-fs::path free_session_folder(const fs::path& wanted) {
-  std::error_code ignored;
-  fs::path folder = wanted;
-  for (int number = 2; fs::exists(folder, ignored); ++number) {
-    folder = wanted.string() + "-" + std::to_string(number);
-  }
-  return folder;
-}
-
 Result<std::unique_ptr<SessionRecorder>> SessionRecorder::begin(Config config) {
   std::unique_ptr<SessionRecorder> recorder{new SessionRecorder{std::move(config)}};
-  BITELINE_TRY(recorder->open_files());
+  BITELINE_TRY(recorder->open_store());
   recorder->thread_ = std::thread{[self = recorder.get()] { self->run(); }};
   return recorder;
 }
@@ -68,22 +37,11 @@ SessionRecorder::~SessionRecorder() {
   wait();
 }
 
-Result<void> SessionRecorder::open_files() {
-  const fs::path& folder = config_.folder;
-  BITELINE_TRY(make_folders(folder));
-  BITELINE_ASSIGN(held_, HeldFolder::hold(folder));
-  BITELINE_ASSIGN([[maybe_unused]] const AppendFile head,
-                  create_with(folder / "cam0/sensor.yaml",
-                              config::sensor_yaml_text(config_.model, "as it scanned live")));
-  if (!config_.settings.empty()) {
-    BITELINE_ASSIGN([[maybe_unused]] const AppendFile settings,
-                    create_with(folder / "settings.yaml", config_.settings));
-  }
-  BITELINE_ASSIGN(frames_, create_with(folder / "cam0/data.csv", session::k_frame_table_head));
-  BITELINE_ASSIGN(frame_facts_, create_with(folder / "cam0/frames.csv", session::k_frame_facts_head));
-  BITELINE_ASSIGN(poses_, create_with(folder / "pose0/data.csv", session::k_pose_table_head));
-  BITELINE_ASSIGN(scan_, create_with(folder / "scan.btln", wire::k_scan_file_magic));
-  return write_facts();
+Result<void> SessionRecorder::open_store() {
+  const StoreConfig store{.path = config_.path, .model = config_.model, .settings = config_.settings};
+  const auto open = is_mcap_name(config_.path) ? &open_mcap_file : &open_session_folder;
+  BITELINE_ASSIGN(store_, open(store, config_.facts));
+  return {};
 }
 
 void SessionRecorder::keep_message(std::span<const std::uint8_t> message) {
@@ -109,7 +67,7 @@ void SessionRecorder::request_finish(std::uint64_t unrepeatable) {
 void SessionRecorder::discard() {
   wait();
   std::error_code ignored;
-  fs::remove_all(config_.folder, ignored);
+  fs::remove_all(config_.path, ignored);
 }
 
 void SessionRecorder::end(bool whole) {
@@ -139,6 +97,7 @@ void SessionRecorder::run() {
     while (write_waiting()) {
     }
     if (last) break;
+    settle();
     std::this_thread::sleep_for(k_look);
   }
   session::RecordingFacts& facts = config_.facts;
@@ -148,16 +107,22 @@ void SessionRecorder::run() {
   facts.unrepeatable = unrepeatable_;
   facts.complete = whole_ && !failed_ && facts.unrepeatable == 0 &&
                    facts.pictures_left_out + facts.poses_left_out + facts.messages_left_out == 0;
-  if (const Result<void> written = write_facts(); !written && !failed_) end_for(written.error());
+  if (const Result<void> written = store_->finish(facts); !written && !failed_) end_for(written.error());
   if (!facts.complete) {
     std::fprintf(
         stderr,
         "biteline-sensor: %s: its pictures do not repeat the scan: left out %llu pictures, %llu poses, "
         "%llu messages; %llu profiles made otherwise%s\n",
-        config_.folder.c_str(), static_cast<unsigned long long>(facts.pictures_left_out),
+        config_.path.c_str(), static_cast<unsigned long long>(facts.pictures_left_out),
         static_cast<unsigned long long>(facts.poses_left_out),
         static_cast<unsigned long long>(facts.messages_left_out),
         static_cast<unsigned long long>(facts.unrepeatable), whole_ ? "" : "; the scan has no end");
+  }
+  // A scan that never began, or has no end, is not the one that was asked for.
+  if (config_.waits && whole_) {
+    const std::shared_ptr<const SessionRecorder> before = config_.before.lock();
+    while (before && !before->done()) std::this_thread::sleep_for(k_look);
+    settle_wishes();
   }
   if (config_.keep_bytes != 0) {
     if (const std::size_t removed = make_room(config_.series, config_.keep_bytes); removed > 0) {
@@ -165,8 +130,20 @@ void SessionRecorder::run() {
                    removed);
     }
   }
-  held_.reset();
+  store_.reset();
   done_ = true;
+}
+
+void SessionRecorder::settle_wishes() {
+  const Result<fs::path> kept = settle_wish(config_.path, config_.series);
+  if (!kept) {
+    std::fprintf(stderr, "biteline-sensor: the scan that was asked for waits on: %s\n",
+                 to_line(kept.error()).c_str());
+    return;
+  }
+  if (*kept != config_.path) std::fprintf(stderr, "biteline-sensor: %s: kept, as asked for\n", kept->c_str());
+  // This one is held.
+  make_room(waiting_name(config_.series), 0);
 }
 
 bool SessionRecorder::write_waiting() {
@@ -189,16 +166,11 @@ bool SessionRecorder::write_waiting() {
 }
 
 Result<bool> SessionRecorder::write_poses() {
-  std::string rows;
-  std::uint64_t count = 0;
-  while (const std::optional<pipeline::RecordedPose> pose = tap_->rt_take_pose()) {
-    rows += session::exact_pose_row(pose->stamp, config_.model.pose_clock_offset, pose->rotation,
-                                    pose->translation_mm);
-    ++count;
-  }
-  if (count == 0) return false;
-  BITELINE_TRY(poses_->append(rows));
-  config_.facts.poses += count;
+  poses_.clear();
+  while (const std::optional<pipeline::RecordedPose> pose = tap_->rt_take_pose()) poses_.push_back(*pose);
+  if (poses_.empty()) return false;
+  BITELINE_TRY(store_->add_poses(poses_));
+  config_.facts.poses += poses_.size();
   return true;
 }
 
@@ -209,10 +181,8 @@ Result<bool> SessionRecorder::write_messages() {
     messages.swap(waiting_);
     waiting_bytes_ = 0;
   }
-  wire::Bytes record;
   for (const wire::Bytes& message : messages) {
-    wire::make_scan_record(message, record);
-    BITELINE_TRY(scan_->append(record));
+    BITELINE_TRY(store_->add_message(message));
     ++config_.facts.messages;
   }
   return !messages.empty();
@@ -221,52 +191,31 @@ Result<bool> SessionRecorder::write_messages() {
 Result<bool> SessionRecorder::write_picture() {
   const pipeline::RecordedFrame* frame = tap_->rt_take_frame();
   if (frame == nullptr) return false;
-  const std::string stamp = stamp_text(frame->exposure_mid);
-  const fs::path file = config_.folder / "cam0/data" / (stamp + ".png");
-  const auto size = static_cast<std::ptrdiff_t>(frame->width_px) * frame->height_px;
-  Result<void> written;
   // Tables have rising stamps; a frame that breaks this cannot be told from its neighbour.
   const bool in_order = frame->exposure_mid > last_picture_;
+  Result<void> written;
   if (in_order) {
-    picture_.width_px = frame->width_px;
-    picture_.height_px = frame->height_px;
-    picture_.pixels.assign(frame->pixels.begin(), frame->pixels.begin() + size);
-    written = image::write_png(file, picture_);
+    const auto begin = std::chrono::steady_clock::now();
+    const bool packed = pace_.packed(begin.time_since_epoch() - frame->exposure_mid.time_since_epoch());
+    written = store_->add_picture(*frame, packed);
+    pace_.note(packed, std::chrono::steady_clock::now() - begin);
   }
-  // The facts first: a cut between the two leaves a row too many, which a reader passes over.
-  if (in_order && written) {
-    written = frame_facts_->append(stamp + ',' + std::to_string(frame->sequence) + ',' +
-                                   std::to_string(frame->flags) + ',' + std::to_string(frame->first_row_px) +
-                                   ',' + std::to_string(frame->height_px) + '\n');
-  }
-  if (in_order && written) written = frames_->append(stamp + ',' + stamp + ".png\n");
   last_picture_ = frame->exposure_mid;
   tap_->rt_give_back();
-  if (!written) {
-    ++pictures_left_out_;
-    std::error_code ignored;
-    fs::remove(file, ignored);
-    return tl::unexpected<Error>{written.error()};
-  }
-  if (in_order) {
+  if (in_order && written) {
     ++config_.facts.pictures;
   } else {
     ++pictures_left_out_;
   }
+  if (!written) return tl::unexpected<Error>{written.error()};
   return true;
 }
 
-Result<void> SessionRecorder::write_facts() {
-  const fs::path file = config_.folder / "recording.yaml", beside = config_.folder / "recording.yaml.new";
-  std::error_code error;
-  fs::remove(beside, error);
-  {
-    BITELINE_ASSIGN([[maybe_unused]] const AppendFile facts,
-                    create_with(beside, session::recording_facts_text(config_.facts)));
-  }
-  fs::rename(beside, file, error);
-  if (error) return fail_errno(Errc::WriteFailed, error.value(), "%s", file.c_str());
-  return {};
+void SessionRecorder::settle() {
+  const auto now = std::chrono::steady_clock::now();
+  if (failed_ || now < settle_at_) return;
+  settle_at_ = now + k_settle;
+  if (const Result<void> settled = store_->settle(); !settled) end_for(settled.error());
 }
 
 void SessionRecorder::end_for(const Error& fault) {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file One live scan into a session folder, off the hot path.
+/// \file One live scan into a session folder or an MCAP file, off the hot path.
 
 #include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -13,21 +14,18 @@
 
 #include "common/core/result.hpp"
 #include "common/geometry/sensor_model.hpp"
-#include "common/image/grey_image.hpp"
 #include "common/session/recording_facts.hpp"
 #include "common/wire/messages.hpp"
 #include "firmware/pipeline/record_tap.hpp"
-#include "firmware/record/append_file.hpp"
+#include "firmware/record/picture_pace.hpp"
+#include "firmware/record/record_store.hpp"
 #include "firmware/record/room.hpp"
 #include "firmware/runtime/realtime.hpp"
 
 namespace biteline::record {
 
-/// `wanted` if there is nothing of that name, else the first of `wanted`-2, -3, ... that is free.
-[[nodiscard]] std::filesystem::path free_session_folder(const std::filesystem::path& wanted);
-
 /// Writes what a replay needs to find the same bits: pictures, poses, settings (docs/recording.md), and the
-/// scan's own messages (scan.btln).  Poses and messages go first; pictures for which the disk is too slow are
+/// scan's own messages.  Poses and messages go first; pictures for which the disk is too slow are
 /// left out and counted.  A full disk ends the recording, not the scan; what was written stays readable.
 ///
 /// Thread: keep_message from the stream thread; request_finish() from any, once nothing more comes; a thread
@@ -36,12 +34,17 @@ namespace biteline::record {
 class SessionRecorder {
  public:
   struct Config {
-    std::filesystem::path folder;  ///< made here; nothing of that name may exist
+    /// Made here; nothing of that name may exist.  NAME.mcap: one file, else a session folder.
+    std::filesystem::path path;
     geometry::SensorModel model;
     session::RecordingFacts facts;   ///< the settings in it
     std::string settings{};          ///< the set in use, as a settings file; empty: none is kept
     std::filesystem::path series{};  ///< whose oldest recordings make room (make_room())
     std::uint64_t keep_bytes{0};     ///< of all of them; 0: all stay
+    /// `path` waits (waiting_name()) until somebody asks for it; the one before goes.
+    bool waits{false};
+    /// Of the scan before, whose end is on its way: it settles first, or the newer one would go for it.
+    std::weak_ptr<const SessionRecorder> before{};
     runtime::RealtimeDemand realtime{runtime::RealtimeDemand::Required};
   };
   [[nodiscard]] static Result<std::unique_ptr<SessionRecorder>> begin(Config config);
@@ -57,7 +60,7 @@ class SessionRecorder {
   /// The scan has ended and everything of it was handed over.  Does not wait for the disk; see done().
   /// `unrepeatable`: profiles that the pictures' replay makes otherwise.
   void request_finish(std::uint64_t unrepeatable);
-  /// No scan came of it: the folder goes.
+  /// No scan came of it: the recording goes.
   void discard();
   /// All is on the disk that will be.
   [[nodiscard]] bool done() const { return done_.load(); }
@@ -67,14 +70,16 @@ class SessionRecorder {
   static constexpr std::size_t k_most_waiting_bytes = 64U << 20U;
 
   explicit SessionRecorder(Config config);
-  [[nodiscard]] Result<void> open_files();
+  [[nodiscard]] Result<void> open_store();
   void run();
   /// False: nothing was there to be written.
   bool write_waiting();
   [[nodiscard]] Result<bool> write_poses();
   [[nodiscard]] Result<bool> write_messages();
   [[nodiscard]] Result<bool> write_picture();
-  [[nodiscard]] Result<void> write_facts();
+  void settle();
+  /// Pre: it is held, and nothing more is written.
+  void settle_wishes();
   void end_for(const Error& fault);
   void drop_waiting();
   void end(bool whole);
@@ -93,11 +98,12 @@ class SessionRecorder {
   std::atomic<std::uint64_t> messages_left_out_{0};
 
   // The writing thread's own.
-  std::optional<HeldFolder> held_;
-  std::optional<AppendFile> frames_, frame_facts_, poses_, scan_;
+  std::unique_ptr<RecordStore> store_;
+  std::vector<pipeline::RecordedPose> poses_;  ///< the ones being written
   std::uint64_t pictures_left_out_{0}, poses_left_out_{0};
-  image::GreyImage picture_;  ///< the one being written
+  PicturePace pace_;
   SensorClock::time_point last_picture_{SensorClock::time_point::min()};
+  std::chrono::steady_clock::time_point settle_at_{};
   bool failed_{false};
 };
 

@@ -13,11 +13,11 @@
 
 #include "common/config/sensor_yaml.hpp"
 #include "common/mcap/reader.hpp"
+#include "common/recording/layout.hpp"
+#include "common/recording/picture.hpp"
+#include "common/recording/rows.hpp"
 #include "common/session/session.hpp"
 #include "common/wire/scan_file.hpp"
-#include "host/records/recording/layout.hpp"
-#include "host/records/recording/picture.hpp"
-#include "host/records/recording/rows.hpp"
 
 namespace biteline::recording {
 namespace {
@@ -140,8 +140,11 @@ class Import {
       ++imported_.strange;
       return {};
     }
-    ++imported_.files;
-    return write_whole(folder_ / kept->name, text_of(attachment.data));
+    // A live recording's facts come at its begin, and again at its end.
+    const fs::path file = folder_ / kept->name;
+    std::error_code ignored;
+    if (!fs::remove(file, ignored)) ++imported_.files;
+    return write_whole(file, text_of(attachment.data));
   }
 
   Result<void> write_frames() {

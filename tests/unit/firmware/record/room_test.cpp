@@ -36,9 +36,9 @@ TEST(Room, OldestGoUntilTheOthersFit) {
 
 TEST(Room, HeldRecordingStays) {
   const fs::path old = make("scan", 3), newer = make("scan-2", 1);
-  const auto held = HeldFolder::hold(old);
+  const auto held = HeldRecording::hold(old);
   SUCCEEDS(held);
-  FAILS_NAMING(Errc::WrongState, "somebody writes it", HeldFolder::hold(old));
+  FAILS_NAMING(Errc::WrongState, "somebody writes it", HeldRecording::hold(old));
   LONGS_EQUAL(1, make_room(series, 0));
   CHECK(fs::exists(old) && !fs::exists(newer));
 }

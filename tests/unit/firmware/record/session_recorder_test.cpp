@@ -49,7 +49,7 @@ TEST_GROUP(SessionRecorder) {
     return folder.path() / "live";
   }
   void begin(std::uint32_t every = 1) {
-    auto begun = SessionRecorder::begin({.folder = session(),
+    auto begun = SessionRecorder::begin({.path = session(),
                                          .model = model,
                                          .facts = {.sensor = "a \"sensor\"",
                                                    .peak_threshold_grey = 12,
@@ -188,9 +188,9 @@ TEST(SessionRecorder, NothingIsOverwritten) {
   begin();
   recorder.reset();
   const auto again = SessionRecorder::begin(
-      {.folder = session(), .model = model, .facts = {}, .realtime = runtime::RealtimeDemand::Ignored});
+      {.path = session(), .model = model, .facts = {}, .realtime = runtime::RealtimeDemand::Ignored});
   CHECK(!again.has_value());
-  STRCMP_EQUAL("live-2", free_session_folder(session()).filename().c_str());
+  STRCMP_EQUAL("live-2", free_name(session()).filename().c_str());
 }
 
 }  // namespace biteline::record

@@ -4,9 +4,11 @@
 #include <CppUTest/TestHarness.h>
 
 #include "common/mcap/writer.hpp"
-#include "host/records/recording/layout.hpp"
-#include "host/records/recording/picture.hpp"
+#include "common/recording/layout.hpp"
+#include "common/recording/picture.hpp"
+#include "host/records/recording/refused.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/refusals.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace biteline::recording {
@@ -75,6 +77,10 @@ TEST(RecordingImport, TwoPicturesOfOneNameAreRefused) {
   const std::pair<std::string, std::string> row{topic::k_frame, R"({"stamp_ns":1,"file":"1.png"})"};
   write({row, {topic::k_picture, picture()}, row, {topic::k_picture, picture()}}, "a");
   FAILS_NAMING(Errc::WriteFailed, "1.png", import_mcap(file, out));
+}
+
+TEST(RecordingImport, RefusalsHaveNamesAndSteps) {
+  test::check_refusal_table(Refused::OtherLink);
 }
 
 }  // namespace biteline::recording

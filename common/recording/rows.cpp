@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/records/recording/rows.hpp"
+#include "common/recording/rows.hpp"
 
 #include <cstdio>
 #include <filesystem>

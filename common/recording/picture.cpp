@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/records/recording/picture.hpp"
+#include "common/recording/picture.hpp"
 
 #include <string_view>
 
