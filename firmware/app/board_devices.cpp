@@ -16,6 +16,7 @@ namespace biteline::sensor {
 BoardDevices::BoardDevices(hal::Board board, geometry::SensorModel head) : board_{std::move(board)} {
   model = std::move(head);
   simulated = board_.simulated;
+  by_way = board_.trigger.kind == hal::BoardTrigger::Kind::Encoder;
 }
 
 Result<Source> BoardDevices::open() {

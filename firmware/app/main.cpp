@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <ctime>
@@ -18,8 +19,10 @@
 #include "common/wire/keys.hpp"
 #include "firmware/app/board_check.hpp"
 #include "firmware/app/options.hpp"
+#include "firmware/app/rate_check.hpp"
 #include "firmware/app/stills.hpp"
 #include "firmware/app/streamer.hpp"
+#include "firmware/record/wanted.hpp"
 #include "firmware/stream/stream_socket.hpp"
 #include "firmware/upkeep/upkeep_keeper.hpp"
 
@@ -53,13 +56,6 @@ void wait_for_signal(const sigset_t& signals, const std::atomic<bool>& stream_ov
   }
 }
 
-/// Time asleep included.
-double since_boot_s() {
-  timespec now{};
-  clock_gettime(CLOCK_BOOTTIME, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 /// What the unit goes through, seen and written by the main thread.  A unit that cannot count works on.
 class UnitCount {
  public:
@@ -67,7 +63,7 @@ class UnitCount {
             const sensor::Streamer& streamer)
       : laser_{laser}, streamer_{streamer} {
     if (!folder) return;
-    Result<upkeep::UpkeepKeeper> keeper = upkeep::UpkeepKeeper::open(*folder, since_boot_s());
+    Result<upkeep::UpkeepKeeper> keeper = upkeep::UpkeepKeeper::open(*folder, upkeep::present_boot());
     if (keeper) {
       keeper_.emplace(std::move(*keeper));
     } else {
@@ -77,9 +73,10 @@ class UnitCount {
 
   void see() {
     if (!keeper_) return;
-    const upkeep::Look look{.up_s = since_boot_s(),
+    const upkeep::Look look{.up_s = upkeep::since_boot_s(),
                             .laser_on = laser_ != nullptr && laser_->status().on,
-                            .head_degc = streamer_.head_degc()};
+                            .head_degc = streamer_.head_degc(),
+                            .frames = streamer_.frames()};
     keeper_->see(look);
     if (keeper_->due()) write();
   }
@@ -125,6 +122,36 @@ Result<std::unique_ptr<runtime::LaserWatch>> start_laser_watch(sensor::SourceKin
   return watch;
 }
 
+/// As a scan would, but dark; one line as check() has them.
+Result<void> check_rate(const sensor::Options& options) {
+  constexpr std::chrono::seconds k_duration{3};
+  BITELINE_ASSIGN(const std::unique_ptr<sensor::SourceKind> kind, sensor::choose_source(options.source));
+  if (kind->by_way) {
+    std::printf("ready\trate\tan encoder asks for each frame: at rest there is no rate to measure\t\n");
+    return {};
+  }
+  const runtime::RealtimeDemand demand = options.realtime.value_or(runtime::RealtimeDemand::Required);
+  kind->realtime = demand == runtime::RealtimeDemand::Required;
+  BITELINE_TRY(runtime::prepare_process(demand));
+  BITELINE_TRY(runtime::enter_thread(runtime::threads::k_main, demand));
+  const hal::MonotonicClock clock;
+  // Nobody asks it for light: it holds the laser dark until this program ends.
+  BITELINE_ASSIGN(const std::unique_ptr<runtime::LaserWatch> laser, start_laser_watch(*kind, clock, demand));
+  sensor::Scanner::Config config{
+      .pipeline = {}, .model = kind->model, .capture = kind->capture, .lossless = false, .realtime = demand};
+  BITELINE_ASSIGN(config.pipeline, sensor::pipeline_config(options.peaks, std::nullopt));
+  const Result<sensor::RateCheck> checked = sensor::check_rate(*kind, config, clock, k_duration);
+  if (laser) laser->stop();
+  if (!checked) return tl::unexpected<Error>{checked.error()};
+  std::printf("%s\trate\t%.1f of %.1f profiles a second, %.1f %% late, %.1f %% lost\t%s\n",
+              checked->kept() ? "ready" : "missing", checked->profiles_hz, checked->wanted_hz,
+              100 * checked->late_ratio, 100 * checked->lost_ratio,
+              checked->kept() ? "" : "a lower rate, or fewer rows");
+  if (checked->kept()) return {};
+  return fail(Errc::Overrun, "%.1f of %.1f profiles a second, %.1f %% late, %.1f %% lost",
+              checked->profiles_hz, checked->wanted_hz, 100 * checked->late_ratio, 100 * checked->lost_ratio);
+}
+
 /// One line for each device: ready or missing, what, what was seen, and the one step; tabs between.
 Result<void> check(const sensor::Options& options) {
   constexpr std::string_view k_board = "board:";
@@ -145,6 +172,18 @@ Result<void> check(const sensor::Options& options) {
     std::printf("ready\tthis unit\t%s\t\n", upkeep::in_words(*kept).c_str());
   if (missing > 0)
     return fail(Errc::DeviceNotFound, "%d of %zu devices and rights are missing", missing, found.size());
+  return {};
+}
+
+/// Of a sensor that records beside: files tell it.
+Result<void> keep_scan(const sensor::Options& options) {
+  if (*options.keep == "next") {
+    BITELINE_TRY(record::keep_next(*options.record));
+    std::printf("the scan that ends next is kept\n");
+    return {};
+  }
+  BITELINE_ASSIGN(const std::filesystem::path kept, record::keep_last(*options.record));
+  std::printf("%s\n", kept.c_str());
   return {};
 }
 
@@ -215,6 +254,8 @@ Result<void> run(const sensor::Options& options, const sigset_t& signals) {
   config.record = options.record;
   config.record_pictures_every = options.record_pictures_every;
   config.record_keep_bytes = static_cast<std::uint64_t>(1e9 * options.record_keep_gb);
+  config.record_every = options.record_every;
+  config.record_asked = options.record_asked;
   config.realtime = demand;
   config.name = options.name;
   config.version = BITELINE_VERSION;
@@ -255,10 +296,12 @@ int main(int argc, char** argv) {
   try {
     const sensor::ParsedOptions parsed = sensor::parse_options(argc, argv);
     if (parsed.leave_with) return *parsed.leave_with;
-    const Result<void> done = parsed.options.make_keys ? wire::make_sensor_keys(*parsed.options.make_keys)
-                              : parsed.options.check   ? check(parsed.options)
-                              : parsed.options.stills  ? take_stills(parsed.options, signals)
-                                                       : run(parsed.options, signals);
+    const Result<void> done = parsed.options.make_keys    ? wire::make_sensor_keys(*parsed.options.make_keys)
+                              : parsed.options.keep       ? keep_scan(parsed.options)
+                              : parsed.options.check      ? check(parsed.options)
+                              : parsed.options.check_rate ? check_rate(parsed.options)
+                              : parsed.options.stills     ? take_stills(parsed.options, signals)
+                                                          : run(parsed.options, signals);
     if (done) return static_cast<int>(ExitStatus::Done);
     std::fprintf(stderr, "biteline-sensor: %s\n", to_line(done.error()).c_str());
     return static_cast<int>(error_row(done.error().code).exit_status);

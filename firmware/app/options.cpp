@@ -85,8 +85,8 @@ ParsedOptions parse_options(int argc, char** argv) {
                  "Every second frame so long, merged per column: black beside white")
       ->check(options::number({.minimum = 1, .maximum = 1e6}, "us"));
   app.add_option("--record", options.record,
-                 "Write each live scan into a session folder of that name (-2, -3, ... behind it where it is "
-                 "taken): pictures, poses, settings, profiles");
+                 "Write each live scan into a session folder of that name, or with NAME.mcap into one file "
+                 "(-2, -3, ... behind it where it is taken): pictures, poses, settings, profiles");
   app.add_option(
          "--record-pictures", options.record_pictures_every,
          "Of a recording: every so many pictures one; 1: all, 0: none.  Poses and profiles are all kept")
@@ -95,6 +95,16 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_option("--record-keep-gb", options.record_keep_gb,
                  "The oldest recordings of that name go once all of them have more; not told: all stay")
       ->check(options::number({.minimum = 0.001, .maximum = 1e6}, "GB"));
+  app.add_option("--record-every", options.record_every, "Record the first of so many scans; 1: all")
+      ->check(options::number({.minimum = 1, .maximum = 1e6}, "scans"))
+      ->capture_default_str();
+  app.add_flag("--record-asked", options.record_asked,
+               "Keep the newest scan alone, beside under NAME-last, until --keep asks for it");
+  app.add_option(
+         "--keep", options.keep,
+         "last: give the scan that waits under --record NAME its own name; next: the one that ends next; "
+         "and leave")
+      ->check(CLI::IsMember({"last", "next"}));
   add_peak_options(app, options.peaks);
   app.add_option(
       "--upkeep", options.upkeep,
@@ -108,6 +118,9 @@ ParsedOptions parse_options(int argc, char** argv) {
       "Single pictures of --source board:FILE with the arm's pose, by orders on stdin (biteline capture)");
   app.add_flag("--check", options.check,
                "Open and close each device of --source board:FILE, say what is missing, and leave");
+  app.add_flag("--check-rate", options.check_rate,
+               "With --sensor: take pictures for three seconds in the dark, and fail where "
+               "this program does not keep up with the head's rate");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -115,7 +128,15 @@ ParsedOptions parse_options(int argc, char** argv) {
         error.get_exit_code() == 0 ? app.exit(error) : complain(std::string{error.what()} + " (see --help)");
     return parsed;
   }
-  if (options.source.source.empty() && !options.make_keys) {
+  if (options.check_rate && !options.source.sensor_file) {
+    parsed.leave_with = complain("--check-rate: --sensor is needed (see --help)");
+    return parsed;
+  }
+  if ((options.keep || options.record_asked) && !options.record) {
+    parsed.leave_with = complain("--keep, --record-asked: --record is needed (see --help)");
+    return parsed;
+  }
+  if (options.source.source.empty() && !options.make_keys && !options.keep) {
     parsed.leave_with = complain("--source is needed (see --help)");
     return parsed;
   }

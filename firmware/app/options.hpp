@@ -22,6 +22,9 @@ struct Options {
   std::optional<std::filesystem::path> record;
   std::uint32_t record_pictures_every{1};
   double record_keep_gb{0};  ///< 0: all recordings stay
+  std::uint32_t record_every{1};
+  bool record_asked{false};
+  std::optional<std::string> keep;  ///< "last" or "next": only ask for that scan, and leave
   std::optional<std::filesystem::path> keys;
   std::optional<std::filesystem::path> make_keys;
   std::string name{"biteline-sensor"};
@@ -32,6 +35,7 @@ struct Options {
   bool stills{false};                           ///< single pictures on demand, no scans
   std::optional<std::filesystem::path> upkeep;  ///< folder in which upkeep.yaml is kept; none: nothing is
   bool check{false};                            ///< only say what of the board answers
+  bool check_rate{false};                       ///< only say whether the head's rate is reached
 };
 
 /// What to do after parsing: run, or leave at once (help, version) with a status.

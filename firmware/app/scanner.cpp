@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "firmware/app/live_head.hpp"
+#include "firmware/runtime/busy_limit.hpp"
 
 namespace biteline::sensor {
 namespace {
@@ -97,6 +98,7 @@ void Scanner::acquire() {
       !entered) {
     record_failure(entered.error());
   } else {
+    runtime::BusyLimit busy;
     while (!stopping_) {
       // Fewer than three free: the ring may be full, and a recording is not to lose anything.
       if (config_.lossless && pool_.rt_free_count() < 3) {
@@ -110,8 +112,10 @@ void Scanner::acquire() {
       const SensorClock::time_point begin = clock_.now();
       if (laser_ != nullptr) laser_->note_alive(begin);
       const Result<hal::FrameView> frame = source_.camera->next_frame(k_device_wait);
+      const SensorClock::time_point came = clock_.now();
+      const Nanoseconds rest = config_.lossless ? Nanoseconds{0} : busy.rest_due(came, came - begin);
       if (frame) {
-        wait_meter.rt_add(clock_.now() - begin);
+        wait_meter.rt_add(came - begin);
         if (const Result<void> done = process(*frame); !done) {
           record_failure(done.error());
           break;
@@ -122,8 +126,15 @@ void Scanner::acquire() {
       } else if (source_.camera->health().finished) {
         break;
       }
+      if (rest > Nanoseconds{0}) {
+        // The rest comes on top of a picture that took long: the guard's patience is for either alone.
+        if (laser_ != nullptr) laser_->note_alive(clock_.now());
+        std::this_thread::sleep_for(rest);
+      }
     }
   }
+  // Taken, and nobody is left to ask for the rate.
+  if (rate_wanted_ != nullptr) rate_wanted_->done.store(true, std::memory_order_release);
   acquisition_over_.store(true, std::memory_order_release);
 }
 
@@ -191,6 +202,7 @@ Result<void> Scanner::offer_change(Nanoseconds exposure, const stripe::PeakConfi
 }
 
 Result<void> Scanner::take_change() {
+  ask_rate();
   Change* change = offered_.load(std::memory_order_acquire);
   if (change == nullptr) return {};
   offered_.store(nullptr, std::memory_order_relaxed);
@@ -207,8 +219,8 @@ Result<void> Scanner::take_change() {
     }
     if (told) {
       exposure_ = change->exposure;
-      const Result<hal::CameraLimits> limits = source_.camera->limits();
-      change->outcome = Changed{.exposure = taken, .rate_max_hz = limits ? limits->rate_max_hz : 0};
+      change->outcome = Changed{.exposure = taken, .rate_max_hz = 0};
+      rate_wanted_ = change;
     } else {
       change->outcome = tl::unexpected<Error>{told.error()};
       // A camera that has no such control took nothing: there is nothing to put back.
@@ -223,8 +235,15 @@ Result<void> Scanner::take_change() {
     if (laser_ != nullptr && frame_came && camera) laser_->note_frame(answered);
   }
   if (change->outcome) pipeline_.rt_take_peaks(change->peaks);
-  change->done.store(true, std::memory_order_release);
+  if (rate_wanted_ == nullptr) change->done.store(true, std::memory_order_release);
   return camera;
+}
+
+void Scanner::ask_rate() {
+  Change* change = std::exchange(rate_wanted_, nullptr);
+  if (change == nullptr) return;
+  if (const Result<double> rate_hz = source_.camera->rate_max_hz()) change->outcome->rate_max_hz = *rate_hz;
+  change->done.store(true, std::memory_order_release);
 }
 
 std::optional<Result<Scanner::Changed>> Scanner::change_done() {

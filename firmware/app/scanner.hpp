@@ -107,6 +107,8 @@ class Scanner {
   void acquire();
   void read_poses();
   [[nodiscard]] Result<void> take_change();
+  /// A turn after the exposure: the camera is asked for one thing between two frames.
+  void ask_rate();
   [[nodiscard]] Result<void> process(const hal::FrameView& frame);
   [[nodiscard]] bool pose_settled();
   void record_failure(const Error& error);
@@ -134,6 +136,7 @@ class Scanner {
   };
   std::unique_ptr<Change> change_;
   std::atomic<Change*> offered_{nullptr};
+  Change* rate_wanted_{nullptr};    ///< acquisition's own: taken, but for its highest rate
   Nanoseconds exposure_;            ///< acquisition's own
   bool frame_since_change_{false};  ///< acquisition's own
 

@@ -78,6 +78,7 @@ class SourceKind {
   bool recording{false};  ///< may be made to wait; played once, from the start of the program
   bool realtime{false};   ///< threads of the devices' own run as the thread table says
   bool simulated{false};  ///< frames and poses are made, not measured
+  bool by_way{false};     ///< an encoder asks for each frame: at rest none comes
 };
 
 struct SourceOptions {

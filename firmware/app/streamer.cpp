@@ -97,6 +97,7 @@ Streamer::Streamer(const StreamerConfig& config, SourceKind& kind, stream::Strea
       server_{config.server, identity_of(config, kind), socket,
               [this](wire::Command command) { return obey(command); }, [this] { return health(); }},
       settings_{kind, config_.pipeline, config.told},
+      record_turn_{config.record_every},
       picture_maker_{config.realtime} {
   server_.take_settings_by([this](const std::string& text) { return use_settings(text); });
 }
@@ -122,7 +123,7 @@ Result<void> Streamer::start_scan() {
                                                                      .lossless = kind_.recording,
                                                                      .realtime = config_.realtime},
                                                                     clock_, laser_));
-  if (config_.record) {
+  if (config_.record && record_turn_.due()) {
     BITELINE_TRY(begin_recording());
     scanner->record_into(recorders_.back()->tap());
   }
@@ -134,6 +135,8 @@ Result<void> Streamer::start_scan() {
     close(std::move(scanner));
     return started;
   }
+  // Only now: a scan that never began is not the one to record.
+  record_turn_.pass();
   scanner_ = std::move(scanner);
   server_.set_model(kind_.model);
   server_.begin_scan(random_scan_id(), scan_name, frames_expected);
@@ -154,10 +157,13 @@ Result<void> Streamer::begin_recording() {
     return fail(Errc::WrongState, "%s: the disk still writes earlier scans", config_.record->c_str());
   }
   const stripe::PeakConfig& peaks = config_.pipeline.peaks;
+  std::weak_ptr<const record::SessionRecorder> before;
+  if (!recorders_.empty()) before = recorders_.back();
   BITELINE_ASSIGN(
       std::unique_ptr<record::SessionRecorder> recorder,
       record::SessionRecorder::begin(
-          {.folder = record::free_session_folder(*config_.record),
+          {.path = record::free_name(config_.record_asked ? record::waiting_name(*config_.record)
+                                                          : *config_.record),
            .model = kind_.model,
            .facts = {.sensor = config_.name,
                      .version = config_.version,
@@ -172,6 +178,8 @@ Result<void> Streamer::begin_recording() {
            .settings = settings_.state().text,
            .series = *config_.record,
            .keep_bytes = config_.record_keep_bytes,
+           .waits = config_.record_asked,
+           .before = before,
            .realtime = config_.realtime}));
   recorders_.push_back(std::move(recorder));
   recording_ = true;
@@ -321,6 +329,7 @@ void Streamer::announce_end() {
   last_end_ = end;
   server_.add_end(std::move(end));
   if (recording_) recorders_.back()->keep_message(server_.newest_message());
+  frames_before_ += last_end_.counters.frames;
   // Only now: the devices' own counts are part of the above.
   close(std::move(scanner_));
   state_ = State::Idle;
@@ -395,6 +404,7 @@ wire::Health Streamer::health() const {
   health.devices = devices();
   health.pictures = picture_maker_.made();
   if (!kind_.recording) health.settings = settings_.state();
+  frames_ = frames_before_ + (scanner_ ? health.counters.frames : 0);
   if (laser_ == nullptr) {
     health.laser_reason = "there is no laser";
     return health;

@@ -16,6 +16,7 @@
 #include "firmware/app/scanner.hpp"
 #include "firmware/app/settings_control.hpp"
 #include "firmware/record/session_recorder.hpp"
+#include "firmware/record/wanted.hpp"
 #include "firmware/stream/stream_socket.hpp"
 
 namespace biteline::sensor {
@@ -30,6 +31,8 @@ struct StreamerConfig {
   std::optional<std::filesystem::path> record;  ///< a session folder for each scan; none: nothing is kept
   std::uint32_t record_pictures_every{1};       ///< 0: none
   std::uint64_t record_keep_bytes{0};           ///< of all recordings of that name; 0: all stay
+  std::uint32_t record_every{1};                ///< the first of so many scans
+  bool record_asked{false};                     ///< scans wait until somebody asks for them
   bool leave_after_scan{false};  ///< once the scan's end was acknowledged: a recording is played once
 };
 
@@ -60,6 +63,9 @@ class Streamer {
 
   /// What ended the last scan, if it was not its own end.
   [[nodiscard]] std::optional<Error> failure() const { return failure_; }
+
+  /// Frames of all scans since the start, a quarter of a second late.  Any thread.
+  [[nodiscard]] std::uint64_t frames() const { return frames_; }
 
   /// What the head's camera said last while a scan was on; nothing: none has.  Any thread.
   [[nodiscard]] std::optional<double> head_degc() const {
@@ -103,7 +109,8 @@ class Streamer {
   State state_{State::Idle};
   /// Of the present scan and of earlier ones that are still being written; the present one is the last.
   std::vector<std::shared_ptr<record::SessionRecorder>> recorders_;
-  bool recording_{false};             ///< the present scan is being recorded
+  bool recording_{false};  ///< the present scan is being recorded
+  record::EveryNth record_turn_;
   std::unique_ptr<Scanner> scanner_;  ///< of the present scan; nothing while Idle
   wire::EndOfScan last_end_;          ///< the last scan's counts, told on while Idle
   PictureMaker picture_maker_;
@@ -113,6 +120,8 @@ class Streamer {
   runtime::StageMeter encode_meter_;
   std::optional<Error> failure_;
   mutable std::atomic<double> head_degc_{std::numeric_limits<double>::quiet_NaN()};
+  mutable std::atomic<std::uint64_t> frames_{0};
+  std::uint64_t frames_before_{0};  ///< of the scans that are over
   SensorClock::time_point light_asked_at_;
   SensorClock::time_point host_seen_at_;
   bool lit_{false};

@@ -19,6 +19,8 @@ Options:
   --root DIR        where versions are kept (/var/lib/biteline-update)
   --trusted FILE    public ed25519 key (/etc/biteline/update.pem)
   --board FILE      board whose devices the new version must open (/etc/biteline/board.yaml)
+  --head FILE       calibration with whose rate it must keep up, in the dark (/etc/biteline/sensor.yaml; none there: not tried)
+  --env FILE        the unit's options, for their --settings (/etc/biteline/sensor.env)
   --service PROGRAM called with stop, start and is-active (systemctl on biteline-sensor)
   --patience N      seconds at most for the check, the stop and the start each (25)
   --help
@@ -33,18 +35,22 @@ refuse() { echo "biteline-update: $*" >&2; exit 2; }
 root=/var/lib/biteline-update
 trusted=/etc/biteline/update.pem
 board=/etc/biteline/board.yaml
+head=/etc/biteline/sensor.yaml
+env=/etc/biteline/sensor.env
 service_program=
 patience=25
 words=()
 while [ $# -gt 0 ]; do
   case $1 in
     --help) usage; exit 0 ;;
-    --root | --trusted | --board | --service | --patience)
+    --root | --trusted | --board | --head | --env | --service | --patience)
       [ $# -gt 1 ] || refuse "$1 needs a value (see --help)"
       case $1 in
         --root) root=$2 ;;
         --trusted) trusted=$2 ;;
         --board) board=$2 ;;
+        --head) head=$2 ;;
+        --env) env=$2 ;;
         --service) service_program=$2 ;;
         --patience) patience=$2 ;;
       esac
@@ -113,11 +119,23 @@ start_old() {
   service start || { say "version $old does not start either: look at the journal" >&2; exit 4; }
 }
 
-# The program's own check (camera, lines, laser, rights), then a start that lasts.
+# reaches_rates PROGRAM: three seconds of pictures in the dark, with the unit's own head and settings.
+reaches_rates() {
+  local program=$1 settings options=()
+  [ -f "$head" ] || return 0
+  # A version from before this check is tried without.
+  timeout --kill-after=1 "$patience" "$program" --help 9>&- 2>/dev/null | grep -q -e --check-rate || return 0
+  settings=$(sed -nE 's/^[^#]*--settings[ =]"?([^" ]+).*/\1/p' "$env" 2>/dev/null | tail -1 || true)
+  [ -z "$settings" ] || options=(--settings "$settings")
+  timeout --kill-after=1 "$patience" "$program" --check-rate --source "board:$board" --sensor "$head" "${options[@]}" 9>&-
+}
+
+# The program's own check (camera, lines, laser, rights, rates), then a start that lasts.
 passes() {
   local program=$root/versions/$1/biteline-sensor turn
   timeout --kill-after=1 "$patience" "$program" --check --source "board:$board" 9>&- ||
     { say "version $1 does not pass its own check"; return 1; }
+  reaches_rates "$program" || { say "version $1 does not reach its rates"; return 1; }
   service start || { say "version $1 does not start"; return 1; }
   for ((turn = 0; turn < patience * 2; ++turn)); do
     service is-active || { say "version $1 started and ended"; return 1; }

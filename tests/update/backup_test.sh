@@ -23,7 +23,7 @@ make_unit() {
   cp "$board" "$1/etc/board.yaml"
   echo 'camera: {exposure_us: 250}' >"$1/etc/settings/start-up.yaml"
   echo 'BITELINE_SENSOR_OPTIONS=' >"$1/etc/sensor.env"
-  printf 'starts: 7\nboots: 2\nrun_s: 10\nlaser_s: 1\nlightings: 3\nup_s: 5\n' >"$1/state/upkeep.yaml"
+  printf 'starts: 7\nboots: 2\nrun_s: 10\nlaser_s: 1\nlightings: 3\nboot_id: "8f-1"\n' >"$1/state/upkeep.yaml"
   "$sensor" --make-keys "$1/etc/keys" >/dev/null
   ln -s /etc/passwd "$1/etc/linked.yaml"
 }

@@ -33,7 +33,8 @@ package() {
 }
 run() {
   local status=0
-  "$update" --root "$root" --trusted "$work/own.pem" --board "$board" --service "$work/service" --patience "${patience:-1}" "$@" >"$work/told" 2>&1 || status=$?
+  "$update" --root "$root" --trusted "$work/own.pem" --board "$board" --head "${head:-$work/no_head}" --env "$work/sensor.env" \
+    --service "$work/service" --patience "${patience:-1}" "$@" >"$work/told" 2>&1 || status=$?
   return $status
 }
 # A unit that runs version 1.
@@ -89,12 +90,37 @@ cp "$sensor" "$work/real/biteline-sensor" && "$update" sign "$work/own.key" "$wo
 # Of a program only its first bytes: made-up ones might be taken for a script.
 printf '\177ELF\002\001\001' >"$work/garbage/biteline-sensor" && head -c 5000 /dev/zero >>"$work/garbage/biteline-sensor" && "$update" sign "$work/own.key" "$work/garbage" 2
 
+# A program that knows --check-rate, and what it says of them.
+knows_rates() {
+  mkdir -p "$work/$1"
+  cat >"$work/$1/biteline-sensor" <<TEXT
+#!/bin/sh
+case "\$1 \$2" in
+  "--help ") echo "  --check-rate   ..." ;;
+  "--check-rate --source") echo "\$*" >$work/asked; $2 ;;
+esac
+TEXT
+  "$update" sign "$work/own.key" "$work/$1" 2
+}
+knows_rates quick 'exit 0'
+knows_rates slow 'echo "missing rate"; exit 4'
+knows_rates stuck 'exec sleep 30'
+
 expect 'a good version' 0 2 good 'version 2 runs'
 expect 'a check that fails' 3 1 blind 'does not pass its own check'
 expect 'a check that hangs' 3 1 hangs 'does not pass its own check'
 expect 'a program that does not start' 3 1 stays_out 'version 2 does not start'
 expect 'a program that ends' 3 1 ends 'started and ended'
 expect 'a program that is none' 3 1 garbage 'does not pass its own check'
+touch "$work/head.yaml"
+head=$work/head.yaml expect 'a version that knows no rates' 0 2 good 'version 2 runs'
+head=$work/head.yaml expect 'a version that keeps its rates' 0 2 quick 'version 2 runs'
+grep -q -e "--sensor $work/head.yaml\$" "$work/asked" || bad "rates: asked $(cat "$work/asked")"
+echo 'BITELINE_SENSOR_OPTIONS="--keys /k --settings /etc/biteline/settings --stay"' >"$work/sensor.env"
+head=$work/head.yaml expect 'a version that is too slow' 3 1 slow 'version 2 does not reach its rates'
+grep -q -e "--settings /etc/biteline/settings\$" "$work/asked" || bad "rates: asked $(cat "$work/asked")"
+head=$work/head.yaml expect 'a version whose pictures do not come' 3 1 stuck 'version 2 does not reach its rates'
+expect 'no head to have rates' 0 2 slow 'version 2 runs'
 # A name that no unit would take is not signed either.
 for name in 'a b' '../1' '' "$(printf 'v%.0s' $(seq 65))"; do
   "$update" sign "$work/own.key" "$work/bare" "$name" >"$work/told" 2>&1 && bad "version '$name' was signed"

@@ -10,13 +10,14 @@
 namespace biteline::sensor {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, sim::Line>, 6> k_lines{
+constexpr std::array<std::pair<std::string_view, sim::Line>, 7> k_lines{
     {{"laser-enable", sim::Line::LaserEnable},
      {"strobe-echo", sim::Line::StrobeEcho},
      {"scan-active", sim::Line::ScanActive},
      {"interlock", sim::Line::Interlock},
      {"key", sim::Line::Key},
-     {"too-hot", sim::Line::TooHot}}};
+     {"too-hot", sim::Line::TooHot},
+     {"heartbeat", sim::Line::Heartbeat}}};
 
 std::string wires_of(const std::string& address) {
   return address.substr(hal::k_simulated_wires.size());
@@ -27,8 +28,8 @@ Result<sim::Line> line_of(const hal::GpioLineAddress& address) {
                                        &std::pair<std::string_view, sim::Line>::first);
   if (found != k_lines.end()) return found->second;
   return fail(Errc::DeviceNotFound,
-              "simulated line %.60s: one of laser-enable, strobe-echo, scan-active, interlock, key, too-hot "
-              "expected",
+              "simulated line %.60s: one of laser-enable, strobe-echo, scan-active, interlock, key, too-hot, "
+              "heartbeat expected",
               address.line.c_str());
 }
 
