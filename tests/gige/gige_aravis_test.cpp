@@ -2,9 +2,11 @@
 // Aravis' own client against the face: description, frames, chunks, and packets that are lost on the way.
 #include <CppUTest/TestHarness.h>
 
+#include <atomic>
 #include <cfenv>
 #include <cmath>
 #include <random>
+#include <thread>
 
 #include "host/doors/gige/server.hpp"
 #include "tests/gige/aravis_client.hpp"
@@ -18,11 +20,23 @@ using namespace std::chrono_literals;
 TEST_GROUP(GigeAravis) {
   static constexpr std::size_t k_columns = 1000, k_points = 480;
   static constexpr int k_frames = 60, k_lines = 4;
-  static constexpr gige::Depth k_depth{.scale_mm = 0.01F, .offset_mm = -300};
-  static constexpr std::uint64_t k_scan = 77;
+  static constexpr gige::Depth k_depth{
+      .scale_mm = 0.01F, .offset_mm = -300, .across = {.scale_mm = 0.002F, .offset_mm = -60}};
+  static const char* name_of(gige::Format format) {
+    if (format == gige::Format::C16) return "Coord3D_C16";
+    return format == gige::Format::Ac16 ? "Coord3D_AC16" : "Coord3D_ABC32f";
+  }
+  static constexpr std::uint64_t k_scan = 77, k_picture_stamp_ns = 1'000'000;
   std::mt19937 random{5};
-  bool noisy{false};   ///< one in a hundred of the frames' packets is lost
-  bool losing{false};  ///< just now
+  bool noisy{false};               ///< one in a hundred of the frames' packets is lost
+  bool losing{false};              ///< just now
+  std::atomic<bool> stuck{false};  ///< the network takes no packet of the stream
+  std::atomic<int> waiting{0};
+  bool wait_for_network() {
+    ++waiting;
+    while (stuck) std::this_thread::sleep_for(1ms);
+    return false;
+  }
   std::unique_ptr<gige::Server> server;
   std::unique_ptr<test::AravisClient> client;
 
@@ -31,12 +45,13 @@ TEST_GROUP(GigeAravis) {
     SUCCEEDS(all);
     const auto loopback = gige::choose_interface(*all, "127.0.0.1");
     SUCCEEDS(loopback);
-    auto opened = gige::Server::open({.interface = *loopback,
-                                      .clients = {},
-                                      .version = "1",
-                                      .serial = "12",
-                                      .name = "face",
-                                      .lose = [this] { return losing && random() % 100 == 0; }});
+    auto opened = gige::Server::open(
+        {.interface = *loopback,
+         .clients = {},
+         .version = "1",
+         .serial = "12",
+         .name = "face",
+         .lose = [this] { return stuck ? wait_for_network() : losing && random() % 100 == 0; }});
     SUCCEEDS(opened);
     server = std::move(*opened);
     server->set_head(k_columns, k_depth);
@@ -66,7 +81,7 @@ TEST_GROUP(GigeAravis) {
   }
 
   void stream_with(gige::Format format, bool chunks) {
-    SUCCEEDS(client->choose("PixelFormat", format == gige::Format::C16 ? "Coord3D_C16" : "Coord3D_ABC32f"));
+    SUCCEEDS(client->choose("PixelFormat", name_of(format)));
     SUCCEEDS(client->set("Height", k_lines));
     SUCCEEDS(client->set("ChunkModeActive", chunks ? 1 : 0));
     SUCCEEDS(client->start(8));
@@ -135,6 +150,69 @@ TEST(GigeAravis, FramesAreTheProfiles) {
 TEST(GigeAravis, DepthsAreTheProfiles) {
   open_both();
   stream_with(gige::Format::C16, true);
+}
+
+TEST(GigeAravis, ProfilesOfTwoNumbersAreTheProfiles) {
+  open_both();
+  SUCCEEDS(client->choose("PixelFormat", "Coord3D_AC16"));
+  STRCMP_EQUAL("CalibratedAC_Linescan", client->text("Scan3dOutputMode").value_or("").c_str());
+  SUCCEEDS(client->choose("Scan3dCoordinateSelector", "CoordinateA"));
+  DOUBLES_EQUAL(k_depth.across.scale_mm, client->real("Scan3dCoordinateScale").value_or(0), 0);
+  DOUBLES_EQUAL(k_depth.across.offset_mm, client->real("Scan3dCoordinateOffset").value_or(0), 0);
+  SUCCEEDS(client->choose("Scan3dCoordinateSelector", "CoordinateB"));
+  DOUBLES_EQUAL(1, client->real("Scan3dCoordinateScale").value_or(0), 0);
+  stream_with(gige::Format::Ac16, true);
+}
+
+TEST(GigeAravis, PicturesAreThePictures) {
+  open_both();
+  const gige::PictureShape shape =
+      gige::picture_shape({.offset_u_px = 0, .offset_v_px = 8, .width_px = 640, .height_px = 480});
+  server->set_head(k_columns, k_depth, shape);
+  SUCCEEDS(client->choose("PixelFormat", "Mono8"));
+  SUCCEEDS(client->set("ChunkModeActive", 1));
+  SUCCEEDS(client->start(8));
+  std::feclearexcept(FE_INVALID | FE_DIVBYZERO);  // raised when Aravis makes its first stream
+  CHECK(server->wants_pictures());
+  for (std::uint64_t number = 0; number < 10; ++number) {
+    wire::Picture picture;
+    picture.profile_sequence = number;
+    picture.exposure_mid =
+        SensorClock::time_point{Nanoseconds{static_cast<std::int64_t>(k_picture_stamp_ns * (1 + number))}};
+    picture.region = shape.region;
+    picture.format = wire::PictureFormat::Raw;
+    picture.pixels.resize(shape.bytes());
+    for (std::uint8_t& pixel : picture.pixels) pixel = static_cast<std::uint8_t>(random());
+    server->offer(k_scan, picture);
+    const auto arrived = client->next_frame(20s);
+    CHECK(arrived && arrived->complete);
+    LONGS_EQUAL(640, arrived->width);
+    LONGS_EQUAL(480, arrived->height);
+    LONGS_EQUAL(static_cast<std::uint32_t>(gige::Format::Mono8), arrived->pixel_format);
+    MEMCMP_EQUAL(picture.pixels.data(), arrived->payload.data(), picture.pixels.size());
+    LONGS_EQUAL(number, arrived->sequence);
+    LONGS_EQUAL(k_picture_stamp_ns * (1 + number), arrived->stamp);
+    CHECK(arrived->lines_chunk == gige::picture_record(k_scan, picture));
+  }
+  SUCCEEDS(client->stop());
+  LONGS_EQUAL(0, client->statistics().failed);
+}
+
+TEST(GigeAravis, NetworkThatTakesNoPacketHoldsUpNoCommand) {
+  open_both();
+  SUCCEEDS(client->start(8));
+  stuck = true;
+  std::thread offering{[this] { server->offer(k_scan, made_line(0, 0)); }};
+  while (waiting == 0) std::this_thread::sleep_for(1ms);
+  const auto answered = client->text("PixelFormat");
+  const bool acquiring = server->acquiring();
+  const auto stopped = client->stop();
+  stuck = false;
+  offering.join();
+  SUCCEEDS(answered);
+  STRCMP_EQUAL("Coord3D_ABC32f", answered->c_str());
+  CHECK(acquiring);
+  SUCCEEDS(stopped);
 }
 
 TEST(GigeAravis, LostPacketsAreSentAgain) {

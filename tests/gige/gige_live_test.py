@@ -15,13 +15,14 @@ import time
 
 HERE = pathlib.Path(__file__).parent
 sys.path.insert(0, str(HERE))
-from gige_client import Client
+from gige_client import Client, read_leader
 from gige_test import register_of, wait_for_head
 
 ADDRESS = "127.0.0.2"
 OBSERVER_HELLO, HEALTH, LASER_SLOT = 11, 4, 2
 ON = 1
 HEARTBEAT = 0x938
+MONO8 = 0x01080001
 SKIPPED = 77
 
 
@@ -82,6 +83,7 @@ def open_client(face, endpoint, *options):
     description = client.description()
     wait_for_head(client, register_of(description, "Width"))
     client.acquisition = register_of(description, "AcquisitionStart")
+    client.pixel_format = register_of(description, "PixelFormat")
     client.take_control()
     client.write(HEARTBEAT, 60_000)
     client.aim_stream(8000)
@@ -98,6 +100,28 @@ def take_frames(client, count):
         if sum(client.whole(block) is not None for block in list(client.frames)) >= count:
             return
     raise AssertionError(f"{packets} packets, {len(client.frames)} frames")
+
+
+def stripe_columns(leader, pixels):
+    """In how many columns of a picture there is light."""
+    facts = read_leader(leader)
+    assert facts["format"] == MONO8 and facts["width"] * facts["height"] == len(pixels), (facts, len(pixels))
+    width = facts["width"]
+    return width, facts["height"], sum(max(pixels[x::width]) > 40 for x in range(width))
+
+
+def check_pictures(client):
+    """The camera's own; the first may be of before the light."""
+    seen = set()
+    for _ in range(200):
+        take_frames(client, len(seen) + 1)
+        for block in [b for b in sorted(client.frames) if b not in seen and client.whole(b)]:
+            seen.add(block)
+            width, height, lit = stripe_columns(*client.whole(block))
+            if lit > width // 10:
+                print(f"pictures: {width} x {height}, a stripe in {lit} columns", flush=True)
+                return
+    raise AssertionError(f"{len(seen)} pictures without light")
 
 
 def check_looking_on(face, endpoint, laser):
@@ -121,8 +145,10 @@ def check_control(face, endpoint, laser):
 
     # The arm goes back; then a client that dies.
     client.frames.clear()
+    client.write(client.pixel_format, MONO8)
     client.write(client.acquisition, 1)
     assert laser.wait_for(True), "no light the second time"
+    check_pictures(client)
     client.write(HEARTBEAT, 1000)
     assert laser.wait_for(False, 5), "light without the client's heartbeat"
     print("control: dark without the client's heartbeat", flush=True)

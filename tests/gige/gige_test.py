@@ -19,7 +19,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from gige_client import PRIVILEGE, STREAM_ADDRESS, Client, Refused, read_chunks, read_leader
 
 STRANGER = pathlib.Path(__file__).parents[1] / "stranger" / "stranger.py"
-ABC32F, C16 = 0x026000C0, 0x011000B8
+ABC32F, AC16, C16 = 0x026000C0, 0x022000BB, 0x011000B8
 LINES_CHUNK = 0x4C4E0001
 NOT_SURFACE = 0x322  # docs/protocol.md
 NO_DEPTH = 65535
@@ -107,7 +107,7 @@ def acquire(client, profiles, lines):
     return [got[block] for block in sorted(got)]
 
 
-def check_line(form, line, profile, scale, offset, columns):
+def check_line(form, line, profile, scale, offset, columns, across):
     truth = surface_of(profile)
     assert truth
     for column in range(columns):
@@ -115,6 +115,13 @@ def check_line(form, line, profile, scale, offset, columns):
             values = struct.unpack_from("<3f", line, 12 * column)
             want = truth.get(column)
             assert values == want if want else all(map(math.isnan, values)), (column, values, want)
+        elif form == AC16:
+            x, z = struct.unpack_from("<2H", line, 4 * column)
+            if column not in truth:
+                assert (x, z) == (NO_DEPTH, NO_DEPTH), (column, x, z)
+            else:
+                assert abs(across[1] + across[0] * x - truth[column][0]) <= 0.5001 * across[0], (column, x, truth[column])
+                assert abs(offset + scale * z - truth[column][2]) <= 0.5001 * scale, (column, z, truth[column])
         else:
             value = struct.unpack_from("<H", line, 2 * column)[0]
             if column not in truth:
@@ -142,11 +149,12 @@ def check_scan(face, sensor, session, profiles, form, lines, chunks, lost_ratio)
     client.write(place["ChunkModeActive"], chunks)
     scale = float_of(client.read(place["Scan3dCoordinateScale"] + 8))
     offset = float_of(client.read(place["Scan3dCoordinateOffset"] + 8))
+    across = tuple(float_of(client.read(place["Scan3dCoordinate" + name])) for name in ("Scale", "Offset"))
     invalid = float_of(client.read(place["Scan3dInvalidDataValue"]))
-    assert invalid == NO_DEPTH if form == C16 else math.isnan(invalid)
+    assert math.isnan(invalid) if form == ABC32F else invalid == NO_DEPTH
     size = client.read(place["PayloadSize"])
     frames = acquire(client, profiles, lines)
-    line_bytes = columns * (12 if form == ABC32F else 2)
+    line_bytes = columns * {ABC32F: 12, AC16: 4, C16: 2}[form]
     points = 0
     for i, (leader, payload) in enumerate(frames):
         assert len(payload) == size
@@ -162,7 +170,7 @@ def check_scan(face, sensor, session, profiles, form, lines, chunks, lost_ratio)
                 assert not chunks or record[4] == 0
                 continue
             profile = profiles[number]
-            points += check_line(form, line, profile, scale, offset, columns)
+            points += check_line(form, line, profile, scale, offset, columns, across)
             if chunks:
                 assert record[2:5] == (profile["sequence"], profile["flags"], 1), record
                 assert list(record[5:]) == profile["T_base_flange"]
@@ -241,7 +249,7 @@ def main():
     face, sensor, session = sys.argv[1:4]
     check_interfaces(face)
     profiles = native_profiles(sensor, session)
-    trials = ((ABC32F, 1, 1, 0), (ABC32F, 3, 1, 0.02), (C16, 1, 0, 0.2), (C16, 3, 1, 0.1), (ABC32F, 64, 0, 0.02))
+    trials = ((ABC32F, 1, 1, 0), (ABC32F, 3, 1, 0.02), (C16, 1, 0, 0.2), (C16, 3, 1, 0.1), (AC16, 2, 1, 0.02), (ABC32F, 64, 0, 0.02))
     for form, lines, chunks, lost_ratio in trials:
         check_scan(face, sensor, session, profiles, form, lines, chunks, lost_ratio)
     check_rights(face, sensor, session)

@@ -124,15 +124,20 @@ Result<CameraLimits> AravisCamera::limits() {
     if (!call.failed()) limits.gain = arv_camera_get_gain(camera, call);
     if (call.failed()) return call.failure();
   }
-  if (device_->has("AcquisitionFrameRate")) {
-    double low_hz = 0;
-    arv_camera_get_frame_rate_bounds(camera, &low_hz, &limits.rate_max_hz, call);
-    if (call.failed()) return call.failure();
-  }
+  BITELINE_ASSIGN(limits.rate_max_hz, rate_max_hz());
   limits.hardware_trigger = device_->has("TriggerMode");
   limits.bracketing = device_->has("SequencerMode");
   limits.rows_adjustable = true;
   return limits;
+}
+
+Result<double> AravisCamera::rate_max_hz() {
+  double low_hz = 0, high_hz = 0;
+  if (!device_->has("AcquisitionFrameRate")) return high_hz;
+  Call call(device_->config.address, "rate_max_hz");
+  arv_camera_get_frame_rate_bounds(device_->camera, &low_hz, &high_hz, call);
+  if (call.failed()) return call.failure();
+  return high_hz;
 }
 
 Result<CameraSettings> AravisCamera::configure(const CameraSettings& wanted) {

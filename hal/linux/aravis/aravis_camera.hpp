@@ -48,6 +48,7 @@ class AravisCamera final : public LineCamera {
   ~AravisCamera() override;
 
   [[nodiscard]] Result<CameraLimits> limits() override;
+  [[nodiscard]] Result<double> rate_max_hz() override;
   [[nodiscard]] Result<CameraSettings> configure(const CameraSettings& wanted) override;
   [[nodiscard]] Result<void> start() override;
   [[nodiscard]] Result<FrameView> next_frame(Nanoseconds timeout) override;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file The range of depths that a head can see, and the scale that holds it in 16 bits.
+/// \file The range that a head can see, in depth and across, and the scales that hold it in 16 bits.
 
 #include "common/geometry/sensor_model.hpp"
 #include "host/doors/gige/frame.hpp"

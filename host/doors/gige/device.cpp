@@ -128,7 +128,7 @@ Status Device::write(const Peer& from, std::uint32_t address, std::uint32_t valu
   if (address == bootstrap::k_stream_address && value != 0 && value != ntohl(from.address))
     return Status::AccessDenied;
   if (address == own::k_acquisition && value == 1 && !acquiring_ &&
-      (destination().address == 0 || destination().port == 0 || columns_ == 0))
+      (destination().address == 0 || destination().port == 0 || registers_.columns() == 0))
     return Status::InvalidParameter;
   const Status status = registers_.write(address, value, acquiring_);
   if (status != Status::Success) return status;
@@ -175,6 +175,7 @@ void Device::start() {
   acquiring_ = true;
   ++starts_;
   choices_ = registers_.choices();
+  frame_columns_ = registers_.columns();
   lines_ = 0;
   records_.clear();
   stream_.restart(registers_.word(bootstrap::k_stream_packet_size));
@@ -185,26 +186,40 @@ void Device::stop() {
   registers_.set(own::k_acquisition, 0);
 }
 
-void Device::set_head(std::size_t columns, const Depth& depth) {
-  const bool same =
-      columns == columns_ && depth.scale_mm == depth_.scale_mm && depth.offset_mm == depth_.offset_mm;
+void Device::set_head(std::size_t columns, const Depth& depth, const PictureShape& pictures) {
+  const bool same = columns == columns_ && depth.scale_mm == depth_.scale_mm &&
+                    depth.offset_mm == depth_.offset_mm && depth.across.scale_mm == depth_.across.scale_mm &&
+                    depth.across.offset_mm == depth_.across.offset_mm && pictures.same_as(pictures_);
   if (same) return;
   stop();
   columns_ = columns;
   depth_ = depth;
-  registers_.set_head(columns, depth);
+  pictures_ = pictures;
+  registers_.set_head(columns, depth, pictures);
 }
 
 void Device::offer(std::uint64_t scan, const profile::Profile& profile) {
-  if (!acquiring_) return;
-  if (lines_ == 0)
-    stream_.begin(
-        {.chunks = choices_.chunks,
-         .stamp = static_cast<std::uint64_t>(profile.header.exposure_mid.time_since_epoch().count()),
-         .pixel_format = static_cast<std::uint32_t>(choices_.format),
-         .width = static_cast<std::uint32_t>(columns_),
-         .height = choices_.lines});
+  if (!acquiring_ || choices_.picture()) return;
+  if (lines_ == 0) begin_frame(profile.header.exposure_mid);
   add_line(line_of(choices_.format, columns_, depth_, profile), line_record(scan, profile.header));
+}
+
+void Device::begin_frame(SensorClock::time_point exposure_mid) {
+  stream_.begin({.chunks = choices_.chunks,
+                 .stamp = static_cast<std::uint64_t>(exposure_mid.time_since_epoch().count()),
+                 .pixel_format = static_cast<std::uint32_t>(choices_.format),
+                 .width = static_cast<std::uint32_t>(frame_columns_),
+                 .height = choices_.lines});
+}
+
+void Device::offer(std::uint64_t scan, const wire::Picture& picture) {
+  if (!wants_pictures()) return;
+  const std::optional<std::vector<std::uint8_t>> pixels = whole_picture(pictures_, picture);
+  if (!pixels) return;
+  begin_frame(picture.exposure_mid);
+  stream_.append(*pixels);
+  if (choices_.chunks) records_ = picture_record(scan, picture);
+  end_frame();
 }
 
 void Device::end_scan() {
@@ -220,9 +235,9 @@ void Device::add_line(std::span<const std::uint8_t> line, std::span<const std::u
 }
 
 void Device::end_frame() {
-  const PayloadSize size = payload_size(choices_, columns_);
+  const PayloadSize size = payload_size(choices_, frame_columns_);
   if (choices_.chunks) {
-    const std::size_t filled = size.picture - choices_.lines * line_bytes(choices_.format, columns_);
+    const std::size_t filled = size.picture - choices_.lines * line_bytes(choices_.format, frame_columns_);
     stream_.append(std::vector<std::uint8_t>(filled));
     stream_.append(tag(k_picture_chunk, size.picture));
     stream_.append(records_);

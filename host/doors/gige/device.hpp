@@ -32,13 +32,17 @@ class Device {
   void tick(Clock::time_point now);
 
   /// A stream of another head's frames ends.
-  void set_head(std::size_t columns, const Depth& depth);
-  /// Goes out as a line, while a client acquires.
+  void set_head(std::size_t columns, const Depth& depth, const PictureShape& pictures = {});
+  /// Goes out as a frame, while a client acquires pictures.
+  void offer(std::uint64_t scan, const wire::Picture& picture);
+  /// Goes out as a line, while a client acquires profiles.
   void offer(std::uint64_t scan, const profile::Profile& profile);
   /// A frame that is begun is filled up with lines that hold nothing.
   void end_scan();
 
   [[nodiscard]] bool acquiring() const { return acquiring_; }
+  /// And what it acquires is pictures.
+  [[nodiscard]] bool wants_pictures() const { return acquiring_ && choices_.picture(); }
   /// How often a client has started.
   [[nodiscard]] std::uint64_t starts() const { return starts_; }
   [[nodiscard]] const StreamCounts& counts() const { return stream_.counts(); }
@@ -57,6 +61,7 @@ class Device {
   void add_line(std::span<const std::uint8_t> line, std::span<const std::uint8_t> record);
   void end_frame();
   [[nodiscard]] Peer destination() const;
+  void begin_frame(SensorClock::time_point exposure_mid);
 
   DeviceRegisters registers_;
   ControlChannel control_;
@@ -65,6 +70,8 @@ class Device {
   bool acquiring_{false};
   std::uint64_t starts_{0};
   Choices choices_;  ///< of the stream that is on
+  std::size_t frame_columns_{0};
+  PictureShape pictures_;
   std::size_t columns_{0};
   Depth depth_;
   std::uint32_t lines_{0};             ///< in the frame that is begun

@@ -78,10 +78,15 @@ std::string device_description() {
 
   xml.integer("SensorWidth", own::k_sensor_width, "RO", 0, "");
   xml.integer("Width", own::k_width, "RO", 0, "");
-  xml.integer("Height", own::k_height, "RW", 1, std::to_string(k_most_lines));
+  xml.integer("Height", own::k_height, "RW", 1, std::to_string(k_most_height));
   xml.choices("PixelFormat", own::k_pixel_format, "RW",
-              {{"Coord3D_ABC32f", static_cast<std::uint32_t>(Format::Abc32f)},
+              {{"Mono8", static_cast<std::uint32_t>(Format::Mono8)},
+               {"Coord3D_ABC32f", static_cast<std::uint32_t>(Format::Abc32f)},
+               {"Coord3D_AC16", static_cast<std::uint32_t>(Format::Ac16)},
                {"Coord3D_C16", static_cast<std::uint32_t>(Format::C16)}});
+
+  xml.integer("BinningHorizontal", own::k_binning, "RO", 1, "");
+  xml.integer("BinningVertical", own::k_binning, "RO", 1, "");
 
   xml.choices("AcquisitionMode", own::k_acquisition_mode, "RW", {{"Continuous", 0}});
   xml.command("AcquisitionStart", own::k_acquisition, 1);
@@ -92,7 +97,9 @@ std::string device_description() {
   xml.choices("Scan3dCoordinateSystem", own::k_system, "RO", {{"Cartesian", 0}});
   xml.choices("Scan3dCoordinateSystemReference", own::k_reference, "RO", {{"Anchor", 0}});
   xml.choices("Scan3dOutputMode", own::k_output_mode, "RO",
-              {{"CalibratedABC_Grid", k_calibrated_grid}, {"CalibratedC_Linescan", k_calibrated_depth}});
+              {{"CalibratedABC_Grid", k_calibrated_grid},
+               {"CalibratedAC_Linescan", k_calibrated_profile},
+               {"CalibratedC_Linescan", k_calibrated_depth}});
   xml.choices("Scan3dCoordinateSelector", own::k_coordinate_selector, "RW",
               {{"CoordinateA", 0}, {"CoordinateB", 1}, {"CoordinateC", 2}}, {},
               Description::selected({"Scan3dCoordinateScale", "Scan3dCoordinateOffset"}));

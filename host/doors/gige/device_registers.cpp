@@ -24,8 +24,8 @@ constexpr std::array k_writable{
     Writable{bootstrap::k_stream_port, 0, 65'535, true},
     Writable{bootstrap::k_stream_packet_size, 0, k_any},  // looked at below
     Writable{bootstrap::k_stream_address, 0, k_any, true},
-    Writable{own::k_height, 1, k_most_lines, true},
-    Writable{own::k_pixel_format, 0, k_any, true},  // looked at below
+    Writable{own::k_height, 1, k_most_height, true},  // looked at below
+    Writable{own::k_pixel_format, 0, k_any, true},    // looked at below
     Writable{own::k_acquisition_mode, 0, 0},
     Writable{own::k_acquisition, 0, 1},
     Writable{own::k_locked, 0, 1},
@@ -41,9 +41,11 @@ bool in_range(const Writable& row, std::uint32_t value) {
     const std::uint32_t bytes = value & k_packet_size_mask;
     return bytes >= k_packet_least && bytes <= k_packet_most;
   }
-  if (row.address == own::k_pixel_format)
-    return value == static_cast<std::uint32_t>(Format::C16) ||
-           value == static_cast<std::uint32_t>(Format::Abc32f);
+  if (row.address == own::k_pixel_format) {
+    const auto format = static_cast<Format>(value);
+    return format == Format::Mono8 || format == Format::C16 || format == Format::Ac16 ||
+           format == Format::Abc32f;
+  }
   return value >= row.minimum && value <= row.maximum;
 }
 
@@ -70,7 +72,8 @@ PayloadSize payload_size(const Choices& choices, std::size_t columns) {
   const std::size_t picture = choices.lines * line_bytes(choices.format, columns);
   if (!choices.chunks) return {.picture = picture, .whole = picture};
   const std::size_t filled = (picture + 3) / 4 * 4;
-  return {.picture = filled, .whole = filled + choices.lines * k_line_record_bytes + 2 * k_chunk_tag_bytes};
+  return {.picture = filled,
+          .whole = filled + choices.records() * k_line_record_bytes + 2 * k_chunk_tag_bytes};
 }
 
 DeviceRegisters::DeviceRegisters(const Identity& identity) : description_{device_description()} {
@@ -106,7 +109,7 @@ DeviceRegisters::DeviceRegisters(const Identity& identity) : description_{device
   words_[own::k_scan_type] = 3;
   words_[own::k_coordinate_selector] = 2;
   words_[own::k_invalid_flag] = 1;
-  set_head(0, {});
+  set_head(0, {}, {});
 }
 
 Status DeviceRegisters::read(std::uint32_t address, std::span<std::uint8_t> out) const {
@@ -136,6 +139,12 @@ Status DeviceRegisters::write(std::uint32_t address, std::uint32_t value, bool a
   if (acquiring && row->shapes_frames && words_[address] != value &&
       !(address == bootstrap::k_stream_port && value == 0))
     return Status::WriteProtected;
+  // A picture has the rows that it has.
+  if (address == own::k_height) {
+    const bool fits = choices().picture() ? value == word(own::k_height) : value <= k_most_lines;
+    if (!fits) return Status::InvalidParameter;
+    if (!choices().picture()) lines_ = value;
+  }
   words_[address] = address == bootstrap::k_stream_packet_size ? value & k_packet_size_mask : value;
   follow_choices();
   return Status::Success;
@@ -152,23 +161,36 @@ Choices DeviceRegisters::choices() const {
           .chunks = word(own::k_chunk_mode) != 0};
 }
 
-void DeviceRegisters::set_head(std::size_t columns, const Depth& depth) {
+std::size_t DeviceRegisters::columns() const {
+  return choices().picture() ? pictures_.columns() : columns_;
+}
+
+void DeviceRegisters::set_head(std::size_t columns, const Depth& depth, const PictureShape& pictures) {
   columns_ = columns;
   depth_ = depth;
-  words_[own::k_sensor_width] = words_[own::k_width] = static_cast<std::uint32_t>(columns);
+  pictures_ = pictures;
+  words_[own::k_sensor_width] = static_cast<std::uint32_t>(columns);
   follow_choices();
 }
 
 void DeviceRegisters::follow_choices() {
+  const bool picture = choices().picture();
+  words_[own::k_height] = picture ? pictures_.rows() : lines_;
+  words_[own::k_width] = static_cast<std::uint32_t>(columns());
+  words_[own::k_binning] = static_cast<std::uint32_t>(picture ? pictures_.step : 1);
   const Choices chosen = choices();
-  const bool depths = chosen.format == Format::C16;
-  words_[own::k_payload_size] = static_cast<std::uint32_t>(payload_size(chosen, columns_).whole);
-  words_[own::k_output_mode] = depths ? k_calibrated_depth : k_calibrated_grid;
+  const bool depths = chosen.format == Format::C16 || chosen.format == Format::Ac16,
+             across = chosen.format == Format::Ac16;
+  words_[own::k_payload_size] = static_cast<std::uint32_t>(payload_size(chosen, columns()).whole);
+  words_[own::k_output_mode] = across   ? k_calibrated_profile
+                               : depths ? k_calibrated_depth
+                                        : k_calibrated_grid;
   set_float(own::k_invalid_value, depths ? float{k_no_depth} : std::numeric_limits<float>::quiet_NaN());
   for (std::uint32_t axis = 0; axis < 3; ++axis) {
-    const bool scaled = depths && axis == 2;
-    set_float(own::k_scale + 4 * axis, scaled ? depth_.scale_mm : 1);
-    set_float(own::k_offset + 4 * axis, scaled ? depth_.offset_mm : 0);
+    const bool scaled = axis == 2 ? depths : axis == 0 && across;
+    const Scale scale = axis == 0 ? depth_.across : depth_.away();
+    set_float(own::k_scale + 4 * axis, scaled ? scale.scale_mm : 1);
+    set_float(own::k_offset + 4 * axis, scaled ? scale.offset_mm : 0);
   }
 }
 

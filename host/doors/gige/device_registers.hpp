@@ -11,6 +11,7 @@
 
 #include "common/gige/packets.hpp"
 #include "host/doors/gige/frame.hpp"
+#include "host/doors/gige/picture_frame.hpp"
 
 namespace biteline::gige {
 
@@ -26,6 +27,9 @@ struct Choices {
   Format format{Format::Abc32f};
   std::uint32_t lines{1};  ///< of a frame
   bool chunks{false};
+  [[nodiscard]] bool picture() const { return format == Format::Mono8; }
+  /// Records in the chunk: a picture has one.
+  [[nodiscard]] std::uint32_t records() const { return picture() ? 1 : lines; }
   [[nodiscard]] bool operator==(const Choices&) const = default;
 };
 
@@ -49,8 +53,10 @@ class DeviceRegisters {
   [[nodiscard]] std::uint32_t word(std::uint32_t address) const;
   void set(std::uint32_t address, std::uint32_t value) { words_[address] = value; }
   /// A head of so many columns, whose depths are told so.
-  void set_head(std::size_t columns, const Depth& depth);
+  void set_head(std::size_t columns, const Depth& depth, const PictureShape& pictures);
   [[nodiscard]] Choices choices() const;
+  /// Of a frame in the chosen format.
+  [[nodiscard]] std::size_t columns() const;
 
  private:
   void set_text(std::uint32_t address, std::size_t bytes, std::string_view text);
@@ -60,7 +66,9 @@ class DeviceRegisters {
   std::map<std::uint32_t, std::uint32_t> words_;
   std::string description_;
   std::size_t columns_{0};
+  std::uint32_t lines_{1};  ///< as a client chose them, while pictures are shown, too
   Depth depth_;
+  PictureShape pictures_;
 };
 
 }  // namespace biteline::gige

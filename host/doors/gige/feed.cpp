@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "host/doors/gige/feed.hpp"
 
+#include <memory>
 #include <thread>
 
 #include "common/wire/observer.hpp"
@@ -22,8 +23,41 @@ constexpr double k_every_profile_hz = 10'000;
 constexpr const char* k_name = "biteline-gige";
 
 void show_head(Server& server, const geometry::SensorModel& model) {
-  server.set_head(static_cast<std::size_t>(model.region.width_px), depth_of(model));
+  server.set_head(static_cast<std::size_t>(model.region.width_px), depth_of(model),
+                  picture_shape(model.region));
 }
+
+/// Pictures go to observers alone: one of its own, beside the host that has the scan.
+class PictureWatch {
+ public:
+  PictureWatch(const FeedConfig& config, Server& server) : config_{config}, server_{server} {}
+
+  /// Offers what came, as long as a client acquires pictures.
+  Result<void> turn() {
+    if (!server_.wants_pictures()) {
+      observer_.reset();
+      return {};
+    }
+    if (!observer_) {
+      wire::ObserverConfig watched{.sensor = config_.sensor, .keys = config_.keys, .wish = {}};
+      watched.wish.name = k_name;
+      BITELINE_ASSIGN(observer_, wire::Observer::open(watched));
+    }
+    while (true) {
+      BITELINE_ASSIGN(const auto message, observer_->next(Nanoseconds{0}));
+      if (!message) return {};
+      if (const auto* hello = std::get_if<wire::SensorHello>(&message->body))
+        observer_->wish_for(wish_for(picture_shape(hello->model.region)));
+      if (const auto* picture = std::get_if<wire::Picture>(&message->body))
+        server_.offer(message->scan_id, *picture);
+    }
+  }
+
+ private:
+  const FeedConfig& config_;
+  Server& server_;
+  std::unique_ptr<wire::Observer> observer_;
+};
 
 /// A scan of this program's own, from its first profile to its end.
 class OwnScan {
@@ -110,9 +144,11 @@ Result<void> Feed::observe(const std::atomic<bool>& stop) {
   watched.wish.name = k_name;
   BITELINE_ASSIGN(const auto observer, wire::Observer::open(watched));
   bool wished = false;
+  PictureWatch pictures{config_, server_};
   while (!stop) {
-    const bool wanted = server_.acquiring();
-    if (wanted && config_.allow_control) return {};
+    if (server_.acquiring() && config_.allow_control) return {};
+    BITELINE_TRY(pictures.turn());
+    const bool wanted = server_.acquiring() && !server_.wants_pictures();
     if (wanted != wished) observer->wish_for_profiles(wanted ? k_every_profile_hz : 0);
     wished = wanted;
     BITELINE_ASSIGN(const auto message, observer->next(k_turn));
@@ -131,7 +167,9 @@ Result<void> Feed::own_scan(const std::atomic<bool>& stop) {
   linked.protocol.name = k_name;
   BITELINE_ASSIGN(const auto link, intake::SensorLink::open(linked));
   OwnScan scan{server_, *link};
+  PictureWatch pictures{config_, server_};
   while (!stop && server_.acquiring()) {
+    BITELINE_TRY(pictures.turn());
     BITELINE_ASSIGN(const auto event, link->next(k_turn));
     if (event) BITELINE_TRY(scan.take(*event));
   }

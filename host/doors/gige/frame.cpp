@@ -19,14 +19,21 @@ void put_long(std::vector<std::uint8_t>& record, std::size_t at, std::uint64_t v
   put_word(record, at + 4, static_cast<std::uint32_t>(value & 0xffff'ffffU));
 }
 
-std::uint16_t depth_value(const Depth& depth, float z_mm) {
-  const double value = std::round((static_cast<double>(z_mm) - depth.offset_mm) / depth.scale_mm);
+std::uint16_t value_of(const Scale& scale, float mm) {
+  const double value = std::round((static_cast<double>(mm) - scale.offset_mm) / scale.scale_mm);
   return value >= 0 && value < k_no_depth ? static_cast<std::uint16_t>(value) : k_no_depth;
 }
 
 void put_point(Format format, const Depth& depth, const Eigen::Vector3f& point,
                std::vector<std::uint8_t>& line, std::size_t column) {
-  if (format == Format::C16) return put_little(line, 2 * column, depth_value(depth, point.z()), 2);
+  if (format == Format::C16) return put_little(line, 2 * column, value_of(depth.away(), point.z()), 2);
+  if (format == Format::Ac16) {
+    const std::uint16_t x = value_of(depth.across, point.x()), z = value_of(depth.away(), point.z());
+    // Half a point is none.
+    const bool there = x != k_no_depth && z != k_no_depth;
+    put_little(line, 4 * column, there ? x : k_no_depth, 2);
+    return put_little(line, 4 * column + 2, there ? z : k_no_depth, 2);
+  }
   for (int axis = 0; axis < 3; ++axis)
     put_little(line, 12 * column + 4 * static_cast<std::size_t>(axis),
                std::bit_cast<std::uint32_t>(point[axis]), 4);
@@ -35,12 +42,22 @@ void put_point(Format format, const Depth& depth, const Eigen::Vector3f& point,
 }  // namespace
 
 std::size_t line_bytes(Format format, std::size_t columns) {
-  return columns * (format == Format::C16 ? 2 : 12);
+  switch (format) {
+    case Format::Mono8:
+      return columns;
+    case Format::C16:
+      return 2 * columns;
+    case Format::Ac16:
+      return 4 * columns;
+    case Format::Abc32f:
+      break;
+  }
+  return 12 * columns;
 }
 
 std::vector<std::uint8_t> empty_line(Format format, std::size_t columns) {
   std::vector<std::uint8_t> line(line_bytes(format, columns), 0xff);
-  if (format == Format::C16) return line;
+  if (format != Format::Abc32f) return line;
   const auto nothing = std::bit_cast<std::uint32_t>(std::numeric_limits<float>::quiet_NaN());
   for (std::size_t at = 0; at < line.size(); at += 4) put_little(line, at, nothing, 4);
   return line;

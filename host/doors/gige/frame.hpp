@@ -11,17 +11,27 @@ namespace biteline::gige {
 
 /// Numbers of the standard's pixel formats (PFNC).
 enum class Format : std::uint32_t {
+  Mono8 = 0x0108'0001,   ///< the camera's picture, as raw as one message holds it
   C16 = 0x0110'00b8,     ///< Coord3D_C16: z of each column, scaled, 16 bits
+  Ac16 = 0x0220'00bb,    ///< Coord3D_AC16: x and z of each column, scaled, 16 bits each
   Abc32f = 0x0260'00c0,  ///< Coord3D_ABC32f: x, y, z of each column, mm, floats
 };
 
-/// How the depths of C16 are told: z = offset + scale * value.
-struct Depth {
+/// How a number of 16 bits is told: mm = offset + scale * value.
+struct Scale {
   float scale_mm{0.01F};
   float offset_mm{0};
 };
+/// How z of C16 and AC16 is told, and x of AC16.
+struct Depth {
+  float scale_mm{0.01F};
+  float offset_mm{0};
+  Scale across{};
 
-/// What C16 has where there is no surface, or one beyond what it can tell.
+  [[nodiscard]] Scale away() const { return {.scale_mm = scale_mm, .offset_mm = offset_mm}; }
+};
+
+/// What C16 and AC16 have where there is no surface, or one beyond what it can tell.
 inline constexpr std::uint16_t k_no_depth = 65535;
 
 /// Chunk with one record for each line of a frame; and the tag of the picture before it.

@@ -79,29 +79,59 @@ std::uint16_t port_of(const Descriptor& socket) {
 
 }  // namespace
 
+/// A packet of the stream that is yet to be sent.
+struct Outgoing {
+  Peer to;
+  std::vector<std::uint8_t> packet;
+  bool first{true};  ///< not asked for again
+};
+
 struct Server::State {
   ServerConfig config;
   std::vector<Descriptor> listeners;  ///< the first answers for all
   Descriptor stream, waker;
   std::optional<Device> device;
-  mutable std::mutex mutex;  ///< of the device and the counts
+  mutable std::mutex mutex;        ///< of the device, the counts and the two below
+  std::vector<Outgoing> outgoing;  ///< while somebody holds the mutex
+  bool first_sending{true};        ///< no packet is lost that was asked for again
   ServerCounts counts;
-  bool first_sending{true};  ///< no packet is lost that was asked for again
   bool stop{false};
   std::thread thread;
 
-  void send_stream(const Peer& to, std::span<const std::uint8_t> packet) {
-    if (first_sending && config.lose && config.lose()) {
-      ++counts.lost;
-      return;
+  /// What `act` does with the device, and then, without the mutex, what comes of it for the stream: a network
+  /// that takes no more holds up whoever offers, and no client's command.
+  template <class Act>
+  void with_device(const Act& act) {
+    std::vector<Outgoing> batch;
+    {
+      const std::lock_guard lock{mutex};
+      act(*device);
+      batch.swap(outgoing);
     }
+    if (batch.empty()) return;
+    std::uint64_t lost = 0, unsent = 0, unsent_again = 0;
+    for (const Outgoing& one : batch) {
+      if (one.first && config.lose && config.lose()) {
+        ++lost;
+      } else if (!send(one)) {
+        ++(one.first ? unsent : unsent_again);
+      }
+    }
+    const std::lock_guard lock{mutex};
+    counts.lost += lost;
+    counts.unsent += unsent;
+    counts.unsent_again += unsent_again;
+  }
+
+  /// What is sent again goes out on the thread that answers commands, so it waits for nothing: a client that
+  /// still lacks it asks once more.
+  [[nodiscard]] bool send(const Outgoing& one) const {
     sockaddr_in place{};
     place.sin_family = AF_INET;
-    place.sin_addr.s_addr = to.address;
-    place.sin_port = to.port;
-    if (sendto(stream.number(), packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&place),
-               sizeof place) < 0)
-      ++counts.unsent;
+    place.sin_addr.s_addr = one.to.address;
+    place.sin_port = one.to.port;
+    return sendto(stream.number(), one.packet.data(), one.packet.size(), one.first ? 0 : MSG_DONTWAIT,
+                  reinterpret_cast<const sockaddr*>(&place), sizeof place) >= 0;
   }
 
   [[nodiscard]] bool may_talk(std::uint32_t address) const {
@@ -115,16 +145,18 @@ struct Server::State {
     const ssize_t got = recvfrom(listener.number(), buffer.data(), buffer.size(), MSG_DONTWAIT,
                                  reinterpret_cast<sockaddr*>(&from), &size);
     if (got <= 0) return;
-    const std::lock_guard lock{mutex};
     if (!may_talk(ntohl(from.sin_addr.s_addr))) {
+      const std::lock_guard lock{mutex};
       ++counts.strangers;
       return;
     }
-    first_sending = false;
-    const auto reply =
-        device->on_packet({.address = from.sin_addr.s_addr, .port = from.sin_port},
-                          std::span{buffer}.first(static_cast<std::size_t>(got)), Device::Clock::now());
-    first_sending = true;
+    std::optional<std::vector<std::uint8_t>> reply;
+    with_device([&](Device& face) {
+      first_sending = false;
+      reply = face.on_packet({.address = from.sin_addr.s_addr, .port = from.sin_port},
+                             std::span{buffer}.first(static_cast<std::size_t>(got)), Device::Clock::now());
+      first_sending = true;
+    });
     if (reply)
       (void)sendto(listeners.front().number(), reply->data(), reply->size(), MSG_DONTWAIT,
                    reinterpret_cast<const sockaddr*>(&from), sizeof from);
@@ -137,11 +169,12 @@ struct Server::State {
       waits.push_back({.fd = listener.number(), .events = POLLIN, .revents = 0});
     while (true) {
       (void)poll(waits.data(), waits.size(), k_turn_ms);
-      {
-        const std::lock_guard lock{mutex};
-        if (stop) return;
-        device->tick(Device::Clock::now());
-      }
+      bool over = false;
+      with_device([&](Device& face) {
+        over = stop;
+        if (!over) face.tick(Device::Clock::now());
+      });
+      if (over) return;
       for (std::size_t i = 0; i < listeners.size(); ++i)
         if ((waits[i + 1].revents & POLLIN) != 0) hear(listeners[i]);
     }
@@ -168,16 +201,17 @@ Result<std::unique_ptr<Server>> Server::open(const ServerConfig& config) {
              sizeof k_stream_buffer_bytes);
   state->waker = Descriptor{eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
   if (state->waker.number() < 0) return fail_errno(Errc::DeviceError, errno, "eventfd");
-  state->device.emplace(Identity{.address = interface.address,
-                                 .mask = interface.mask,
-                                 .mac = interface.mac,
-                                 .version = config.version,
-                                 .serial = config.serial,
-                                 .name = config.name},
-                        port_of(state->stream),
-                        [own = state.get()](const Peer& to, std::span<const std::uint8_t> packet) {
-                          own->send_stream(to, packet);
-                        });
+  state->device.emplace(
+      Identity{.address = interface.address,
+               .mask = interface.mask,
+               .mac = interface.mac,
+               .version = config.version,
+               .serial = config.serial,
+               .name = config.name},
+      port_of(state->stream), [own = state.get()](const Peer& to, std::span<const std::uint8_t> packet) {
+        own->outgoing.push_back(
+            {.to = to, .packet = {packet.begin(), packet.end()}, .first = own->first_sending});
+      });
   state->thread = std::thread{[own = state.get()] { own->run(); }};
   return std::unique_ptr<Server>{new Server{std::move(state)}};
 }
@@ -193,24 +227,30 @@ Server::~Server() {
   state_->thread.join();
 }
 
-void Server::set_head(std::size_t columns, const Depth& depth) {
-  const std::lock_guard lock{state_->mutex};
-  state_->device->set_head(columns, depth);
+void Server::set_head(std::size_t columns, const Depth& depth, const PictureShape& pictures) {
+  state_->with_device([&](Device& device) { device.set_head(columns, depth, pictures); });
+}
+
+void Server::offer(std::uint64_t scan, const wire::Picture& picture) {
+  state_->with_device([&](Device& device) { device.offer(scan, picture); });
 }
 
 void Server::offer(std::uint64_t scan, const profile::Profile& profile) {
-  const std::lock_guard lock{state_->mutex};
-  state_->device->offer(scan, profile);
+  state_->with_device([&](Device& device) { device.offer(scan, profile); });
 }
 
 void Server::end_scan() {
-  const std::lock_guard lock{state_->mutex};
-  state_->device->end_scan();
+  state_->with_device([](Device& device) { device.end_scan(); });
 }
 
 bool Server::acquiring() const {
   const std::lock_guard lock{state_->mutex};
   return state_->device->acquiring();
+}
+
+bool Server::wants_pictures() const {
+  const std::lock_guard lock{state_->mutex};
+  return state_->device->wants_pictures();
 }
 
 std::uint64_t Server::starts() const {

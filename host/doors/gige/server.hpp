@@ -12,6 +12,7 @@
 #include "common/profile/profile.hpp"
 #include "host/doors/gige/frame.hpp"
 #include "host/doors/gige/network.hpp"
+#include "host/doors/gige/picture_frame.hpp"
 #include "host/doors/gige/stream_channel.hpp"
 
 namespace biteline::gige {
@@ -27,14 +28,16 @@ struct ServerConfig {
 
 struct ServerCounts {
   StreamCounts stream;
-  std::uint64_t lost{0};       ///< thrown away as `lose` said
-  std::uint64_t unsent{0};     ///< the network did not take them
-  std::uint64_t strangers{0};  ///< commands of others than `clients`
+  std::uint64_t lost{0};          ///< thrown away as `lose` said
+  std::uint64_t unsent{0};        ///< the network did not take them
+  std::uint64_t unsent_again{0};  ///< were to be sent again, and the network did not take them at once
+  std::uint64_t strangers{0};     ///< commands of others than `clients`
 };
 
 /// GVCP's port is fixed (3956), so there is one for each address.  Packets of the stream are not fragmented.
 ///
-/// Thread: "bl-gige" is its own and answers clients; offer(), set_head() and end_scan() send on the caller's.
+/// Thread: "bl-gige" is its own and answers clients; offer(), set_head() and end_scan() send on the caller's,
+/// and hold up no command while they wait for the network.
 class Server {
  public:
   /// Errc::ConnectFailed: another device has the port, or the interface is gone.
@@ -44,10 +47,12 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   /// As Device has them.
-  void set_head(std::size_t columns, const Depth& depth);
+  void set_head(std::size_t columns, const Depth& depth, const PictureShape& pictures = {});
+  void offer(std::uint64_t scan, const wire::Picture& picture);
   void offer(std::uint64_t scan, const profile::Profile& profile);
   void end_scan();
   [[nodiscard]] bool acquiring() const;
+  [[nodiscard]] bool wants_pictures() const;
   [[nodiscard]] std::uint64_t starts() const;  ///< how often a client has started
   [[nodiscard]] ServerCounts counts() const;
 

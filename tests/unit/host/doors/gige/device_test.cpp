@@ -75,6 +75,67 @@ TEST(GigeDevice, ConcatenatedCommandsStopAtTheFirstFault) {
   LONGS_EQUAL(0x0002'0000, gige::word_at(*many, 12));
 }
 
+TEST(GigeDevice, PicturesGoOutAsMono8AndProfilesDoNot) {
+  const gige::PictureShape shape =
+      gige::picture_shape({.offset_u_px = 10, .offset_v_px = 20, .width_px = 500, .height_px = 100});
+  LONGS_EQUAL(1, shape.step);
+  device.set_head(500, {}, shape);
+  using namespace gige::bootstrap;
+  LONGS_EQUAL(0, write(k_privilege, 2));
+  LONGS_EQUAL(0, write(gige::own::k_height, 7));
+  LONGS_EQUAL(0, write(gige::own::k_pixel_format, static_cast<std::uint32_t>(gige::Format::Mono8)));
+  LONGS_EQUAL(100, read(gige::own::k_height));
+  LONGS_EQUAL(code(Status::InvalidParameter), write(gige::own::k_height, 7));
+  LONGS_EQUAL(0, write(gige::own::k_chunk_mode, 1));
+  LONGS_EQUAL(500 * 100 + 8 + 128 + 8, read(gige::own::k_payload_size));
+  LONGS_EQUAL(0, write(k_stream_address, 0x7f00'0001));
+  LONGS_EQUAL(0, write(k_stream_port, 6000));
+  LONGS_EQUAL(0, write(gige::own::k_acquisition, 1));
+  CHECK(device.wants_pictures());
+  device.offer(1, test::made_profile(1, 10));
+  CHECK(sent.empty());
+  // Half of the head's rows, as where the stripe is followed.
+  wire::Picture picture;
+  picture.profile_sequence = 77;
+  picture.region = {.offset_u_px = 10, .offset_v_px = 70, .width_px = 500, .height_px = 50};
+  picture.format = wire::PictureFormat::Raw;
+  picture.pixels.assign(500 * 50, 9);
+  device.offer(3, picture);
+  CHECK(sent.size() > 30);
+  std::vector<std::uint8_t> payload;
+  for (std::size_t i = 1; i + 1 < sent.size(); ++i)
+    payload.insert(payload.end(), sent[i].packet.begin() + 8, sent[i].packet.end());
+  LONGS_EQUAL(read(gige::own::k_payload_size), payload.size());
+  LONGS_EQUAL(0, payload[500 * 50 - 1]);
+  LONGS_EQUAL(9, payload[500 * 50]);
+  LONGS_EQUAL(9, payload[500 * 100 - 1]);
+  LONGS_EQUAL(77, gige::word_at(payload, 500 * 100 + 8 + 20));
+  // A picture of another step is none of these.
+  const std::size_t before = sent.size();
+  picture.step = 2;
+  device.offer(3, picture);
+  LONGS_EQUAL(before, sent.size());
+  // Profiles again, as many lines as before.
+  LONGS_EQUAL(0, write(gige::own::k_acquisition, 0));
+  LONGS_EQUAL(0, write(gige::own::k_pixel_format, static_cast<std::uint32_t>(gige::Format::C16)));
+  LONGS_EQUAL(7, read(gige::own::k_height));
+}
+
+TEST(GigeDevice, PicturesBeyondAMessageAreBinned) {
+  const gige::PictureShape shape =
+      gige::picture_shape({.offset_u_px = 0, .offset_v_px = 0, .width_px = 1626, .height_px = 1236});
+  LONGS_EQUAL(3, shape.step);
+  LONGS_EQUAL(542, shape.columns());
+  LONGS_EQUAL(412, shape.rows());
+  LONGS_EQUAL(542, gige::wish_for(shape).width_max_px);
+  device.set_head(1626, {}, shape);
+  LONGS_EQUAL(0, write(gige::bootstrap::k_privilege, 2));
+  LONGS_EQUAL(1, read(gige::own::k_binning));
+  LONGS_EQUAL(0, write(gige::own::k_pixel_format, static_cast<std::uint32_t>(gige::Format::Mono8)));
+  LONGS_EQUAL(3, read(gige::own::k_binning));
+  LONGS_EQUAL(542, read(gige::own::k_width));
+}
+
 TEST(GigeDevice, NothingComesWithoutAStart) {
   device.set_head(500, {});
   device.offer(1, test::made_profile(1, 10));
@@ -139,6 +200,12 @@ TEST(GigeDevice, AnotherHeadEndsTheStream) {
   device.set_head(501, {});
   CHECK_FALSE(device.acquiring());
   LONGS_EQUAL(501 * 12, read(gige::own::k_payload_size));
+}
+
+TEST(GigeDevice, HeadThatSeesElsewhereAcrossIsAnother) {
+  start();
+  device.set_head(500, {.across = {.offset_mm = -60}});
+  CHECK_FALSE(device.acquiring());
 }
 
 TEST(GigeDevice, ThePayloadIsAsLongAsItSays) {

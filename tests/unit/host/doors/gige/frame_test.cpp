@@ -65,19 +65,35 @@ TEST(GigeFrame, DepthsBeyondTheirRangeAreNoSurface) {
   LONGS_EQUAL(gige::k_no_depth, depth_at(line, 5));
 }
 
+TEST(GigeFrame, ProfilesHaveBothNumbersOrNone) {
+  const gige::Depth depth{
+      .scale_mm = 0.01F, .offset_mm = 100, .across = {.scale_mm = 0.001F, .offset_mm = -1.5F}};
+  add(0, 123.456F, 1);
+  add(1, 99, 1);  // beyond the depths
+  add(2, 200, 1);
+  profile.points[2].point_cam.x() = 70;  // beyond the width
+  const auto line = gige::line_of(gige::Format::Ac16, 4, depth, profile);
+  LONGS_EQUAL(16, line.size());
+  LONGS_EQUAL(2500, depth_at(line, 0));
+  LONGS_EQUAL(2346, depth_at(line, 1));
+  for (std::size_t half = 2; half < 8; ++half) LONGS_EQUAL(gige::k_no_depth, depth_at(line, half));
+}
+
 TEST(GigeFrame, TheDepthsOfAHeadFitTheirRange) {
   const geometry::SensorModel model = test::made_head(1626, 320);
   const gige::Depth depth = gige::depth_of(model);
   for (const int u : {0, model.region.width_px / 2, model.region.width_px - 1}) {
     for (const int v : {0, model.region.height_px / 2, model.region.height_px - 1}) {
       const Vec2 pixel{model.region.offset_u_px + u, model.region.offset_v_px + v};
-      const double value =
-          (geometry::triangulate(model.camera, model.laser_plane, pixel).z() - depth.offset_mm) /
-          depth.scale_mm;
-      CHECK(value >= 0 && value < gige::k_no_depth);
+      const Vec3 point = geometry::triangulate(model.camera, model.laser_plane, pixel);
+      const double z = (point.z() - depth.offset_mm) / depth.scale_mm,
+                   x = (point.x() - depth.across.offset_mm) / depth.across.scale_mm;
+      CHECK(z >= 0 && z < gige::k_no_depth);
+      CHECK(x >= 0 && x < gige::k_no_depth);
     }
   }
   CHECK(depth.scale_mm < 0.05F);
+  CHECK(depth.across.scale_mm < 0.05F);
 }
 
 }  // namespace biteline
