@@ -92,6 +92,12 @@ class LineCamera {
 
   [[nodiscard]] virtual Result<CameraLimits> limits() = 0;
 
+  /// Frames a second that region and exposure allow now; 0: the camera does not tell.  One question: while
+  /// frames come, limits() would ask a dozen.
+  [[nodiscard]] virtual Result<double> rate_max_hz() {
+    return limits().map([](const CameraLimits& limits) { return limits.rate_max_hz; });
+  }
+
   /// Gives back what the device really took (steps, rate limits); refuses with Errc::BadValue what it cannot
   /// come near (region outside the sensor, exposure beyond its range).
   [[nodiscard]] virtual Result<CameraSettings> configure(const CameraSettings& wanted) = 0;

@@ -27,6 +27,7 @@ class TriggeredCamera final : public LineCamera {
       : camera_{std::move(camera)}, strobe_echo_{std::move(strobe_echo)}, config_{config} {}
 
   [[nodiscard]] Result<CameraLimits> limits() override { return camera_->limits(); }
+  [[nodiscard]] Result<double> rate_max_hz() override { return camera_->rate_max_hz(); }
   [[nodiscard]] Result<CameraSettings> configure(const CameraSettings& wanted) override;
   [[nodiscard]] Result<void> start() override;
   [[nodiscard]] Result<FrameView> next_frame(Nanoseconds timeout) override;

@@ -40,6 +40,13 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
       ->capture_default_str()
       ->check(options::number({.minimum = 1, .maximum = 1000}, ""));
   command
+      .add_option("--check-lap", options.check_lap_mm,
+                  "The scan goes so far over its own begin, with the head turned [mm]: a drifted calibration "
+                  "shows; 50 is "
+                  "usual, 0: it does not")
+      ->capture_default_str()
+      ->check(options::number({.minimum = 0, .maximum = 100}, "mm"));
+  command
       .add_option("--ambient-grey", options.ambient_grey, "Grey levels of the room's light in the pictures")
       ->check(options::number({.minimum = 0.0, .maximum = 200.0}, ""))
       ->capture_default_str();
@@ -90,7 +97,8 @@ Result<sim::SceneSettings> scene_settings(const SceneOptions& options) {
       .holder = options.straight_holder ? sim::Holder::Straight : sim::Holder::Bracket,
       .scan_speed_mm_s = options.speed_mm_s,
       .rate_hz = options.rate_hz,
-      .ambient_grey = options.ambient_grey};
+      .ambient_grey = options.ambient_grey,
+      .check = {.length_mm = options.check_lap_mm}};
   if (!options.reach_of.empty()) settings.places = sim::places_within_reach_of(options.reach_of);
   if (options.upper) {
     settings.shoe = sim::bare_upper_of(settings.shoe, options.last_difference_mm, settings.place_seed);

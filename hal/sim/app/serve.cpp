@@ -2,6 +2,7 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <memory>
@@ -32,6 +33,7 @@ struct ServeOptions {
   double lost_packet_ratio{0};
   bool camera_free_clock{false};
   std::optional<double> time_ratio;
+  double monostable_ms{0};
   bool anywhere{false};
   bool exit_with_parent{false};
 };
@@ -90,6 +92,7 @@ Result<void> serve(const ServeOptions& options) {
   settings.lost_packet_ratio = options.lost_packet_ratio;
   settings.camera_ptp = !options.camera_free_clock;
   settings.time_ratio = options.time_ratio;
+  settings.monostable = Nanoseconds{std::llround(1e6 * options.monostable_ms)};
   settings.on_slower = [](double time_ratio) {
     std::fprintf(stderr,
                  "biteline-cell: the last scan's pictures came late: this one goes at %.2f of real time\n",
@@ -116,9 +119,10 @@ Result<void> serve(const ServeOptions& options) {
       out / "sensor.yaml",
       config::sensor_yaml_text(cell->scene().head.model,
                                "made head " + std::to_string(scene.head_seed) + ", simulated")));
-  BITELINE_TRY(
-      sim::write_file(out / "board.yaml",
-                      sim::board_yaml_text({.wires = settings.wires, .camera = settings.camera_address})));
+  BITELINE_TRY(sim::write_file(out / "board.yaml",
+                               sim::board_yaml_text({.wires = settings.wires,
+                                                     .camera = settings.camera_address,
+                                                     .monostable = settings.monostable > Nanoseconds{0}})));
   print_endpoints(*cell, options);
 
   int signal_number = 0;
@@ -173,6 +177,13 @@ void add_serve(CLI::App& app, Context& context) {
           "Scans go at this share of real time, arm and trigger together (default: as much of it as this "
           "machine can)")
       ->check(options::number({.minimum = 0.05, .maximum = 1}, ""));
+  command
+      ->add_option("--monostable-ms", options->monostable_ms,
+                   "The laser goes dark so long after the sensor's last heartbeat, as on a board (60); 0: no "
+                   "monostable. A late "
+                   "machine then darkens scans")
+      ->capture_default_str()
+      ->check(options::number({.minimum = 0, .maximum = 1000}, "ms"));
   command->add_flag("--anywhere", options->anywhere,
                     "The shoe may stand where the arm's tool does not get round it");
   command->add_flag("--exit-with-parent", options->exit_with_parent,

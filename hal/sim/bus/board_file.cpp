@@ -19,6 +19,10 @@ void replace_all(std::string& text, std::string_view old_part, const std::string
 
 std::string board_yaml_text(const CellAddress& cell) {
   std::string text{k_sim_board_yaml};
+  if (cell.monostable) {
+    replace_all(text, "laser:\n",
+                "laser:\n  heartbeat: {chip: sim:biteline-cell, line: heartbeat, bias: pull-down}\n");
+  }
   replace_all(text, "sim:biteline-cell", "sim:" + cell.wires);
   replace_all(text, "address: 127.0.0.1", "address: " + cell.camera);
   return text;

@@ -19,6 +19,7 @@ enum class Line : std::uint32_t {
   Interlock,    ///< door -> sensor and laser: closed
   Key,          ///< key switch -> sensor and laser: on
   TooHot,       ///< the head's thermal contact -> sensor
+  Heartbeat,    ///< sensor -> monostable before the laser
   Count,
 };
 

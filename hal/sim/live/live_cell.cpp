@@ -180,8 +180,20 @@ SE3 LiveCell::T_base_flange_on_path(double way_mm) const {
          scene_->head.model.T_flange_cam.inverse(Eigen::Isometry);
 }
 
+bool LiveCell::enabled(SensorClock::time_point now) const {
+  const bool fed = settings_.monostable == Nanoseconds{0} ||
+                   now.time_since_epoch() - Nanoseconds{heartbeat_ns_} < settings_.monostable;
+  return fed && bus_->level(Line::LaserEnable);
+}
+
+SensorClock::time_point LiveCell::disabled_since() const {
+  const SensorClock::time_point runs_out{Nanoseconds{heartbeat_ns_} + settings_.monostable};
+  if (settings_.monostable == Nanoseconds{0}) return dark_since();
+  return bus_->level(Line::LaserEnable) ? runs_out : std::min(runs_out, dark_since());
+}
+
 bool LiveCell::laser_shines() const {
-  return bus_->level(Line::LaserEnable) && bus_->level(Line::Interlock) && bus_->level(Line::Key);
+  return enabled(hal::monotonic_now()) && bus_->level(Line::Interlock) && bus_->level(Line::Key);
 }
 
 void LiveCell::on_edge(SensorClock::time_point edge, Nanoseconds pulse) {
@@ -224,6 +236,7 @@ void LiveCell::paint(const GvExposure& exposure, std::span<std::uint8_t> pixels)
 }
 
 void LiveCell::on_line(Line line, bool active, SensorClock::time_point stamp) {
+  if (line == Line::Heartbeat && active) heartbeat_ns_ = stamp.time_since_epoch().count();
   if (line != Line::LaserEnable) return;
   if (active) ++lightings_;
   (active ? lit_since_ns_ : dark_since_ns_) = stamp.time_since_epoch().count();

@@ -45,7 +45,10 @@ struct LiveSettings {
   /// less after a scan whose pictures came late.
   std::optional<double> time_ratio{1.0};
   std::function<void(double time_ratio)> on_slower{};  ///< on the wires' thread
-  bool keep_track{true};                               ///< for write_track(); memory grows with the arm's way
+  /// Before the laser, fed by the heartbeat line; 0: none.  The boards have 60 ms.  A machine that holds the
+  /// sensor's safety thread up for longer darkens a scan.
+  Nanoseconds monostable{0};
+  bool keep_track{true};  ///< for write_track(); memory grows with the arm's way
 };
 
 /// What happened, for the last line and for tests.
@@ -54,7 +57,8 @@ struct LiveCounts {
   std::uint64_t scans{0}, scripts_run{0}, scripts_refused{0}, bus_messages_dropped{0};
 };
 
-/// The laser shines while LaserEnable, Interlock and Key are active.  When it goes on, the arm takes the head
+/// The laser shines while LaserEnable, Interlock and Key are active and the monostable, if there is one, has
+/// not run out.  When LaserEnable goes on, the arm takes the head
 /// once round the shoe; ScanActive is high while the stripe is on the scan's path.  After that it goes to
 /// an upright posture above the table and waits for scripts.
 ///
@@ -100,6 +104,10 @@ class LiveCell {
   [[nodiscard]] SensorClock::time_point dark_since() const {
     return SensorClock::time_point{Nanoseconds{dark_since_ns_}};
   }
+  /// Whether the laser may shine at `now`: its enable line is active, and the monostable has not run out.
+  [[nodiscard]] bool enabled(SensorClock::time_point now) const;
+  /// When that ended the last time.  Pre: enabled() was false after it.
+  [[nodiscard]] SensorClock::time_point disabled_since() const;
   /// How often the laser's line rose.
   [[nodiscard]] std::uint64_t lightings() const { return lightings_; }
   UrController& robot() { return *robot_; }
@@ -151,8 +159,9 @@ class LiveCell {
   std::atomic<std::int64_t> scan_full_from_ns_{0}, scan_full_until_ns_{0};
   std::atomic<std::uint64_t> lit_{0}, scans_{0}, lightings_{0};
   std::atomic<std::int64_t> lit_since_ns_{0}, dark_since_ns_{0};
-  std::uint8_t sync_counter_{0};  ///< controller's thread
-  Random pose_noise_;             ///< controller's thread
+  std::atomic<std::int64_t> heartbeat_ns_{0};  ///< last rising edge
+  std::uint8_t sync_counter_{0};               ///< controller's thread
+  Random pose_noise_;                          ///< controller's thread
   mutable std::mutex track_mutex_;
   std::vector<TrackRow> track_;
   Nanoseconds period_asked_{0}, pulse_asked_{0};  ///< wires' thread

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "hal/sim/motion/scan_path.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -20,6 +21,12 @@ Mat3 frame_along(const Vec3& z, const Vec3& upwards) {
   return R;
 }
 
+/// From 1 at 0 and before to 0 at `over` and behind, smooth in speed and acceleration.
+double fall(double way, double over) {
+  const double u = std::clamp(way / over, 0.0, 1.0);
+  return 1 - u * u * u * (10 + u * (6 * u - 15));
+}
+
 }  // namespace
 
 ScanPath::ScanPath(const Outline& outline, const MadeHead& head, const ScanPathSettings& settings)
@@ -31,7 +38,7 @@ ScanPath::ScanPath(const Outline& outline, const MadeHead& head, const ScanPathS
 }
 
 double ScanPath::length_mm() const {
-  return outline_.perimeter_mm() + 2 * settings_.lead_mm;
+  return outline_.perimeter_mm() + 2 * settings_.lead_mm + settings_.check.length_mm;
 }
 double ScanPath::duration_s() const {
   return length_mm() / settings_.speed_mm_s;
@@ -50,6 +57,27 @@ Vec2 ScanPath::outwards_at(double s_mm) const {
   return sum.normalized();
 }
 
+/// Yaw differs all along the lap, pitch most at its begin, roll at its end: no axis is the same throughout.
+/// The head draws back at the begin and nearer at the end: its speed along the beam tells the clock.
+SE3 ScanPath::T_beam_checking_at(double way_mm) const {
+  const CheckLap& check = settings_.check;
+  SE3 T = SE3::Identity();
+  if (check.length_mm <= 0) return T;
+  const double lap_mm = check.length_mm + 2 * settings_.lead_mm;
+  const double after_mm = way_mm, before_mm = length_mm() - way_mm;
+  constexpr double k_long = 3.5, k_short = 2.5;
+  const double both = fall(after_mm, k_long * lap_mm) - fall(before_mm, k_long * lap_mm);
+  const double begin = fall(after_mm, k_short * lap_mm), end = fall(before_mm, k_short * lap_mm);
+  // Of the beam's frame: x up, y along the travel, z along the beam.  The table is near: nothing of the head
+  // goes down.
+  T.linear() = (Eigen::AngleAxisd(check.yaw_rad * both, Vec3::UnitX()) *
+                Eigen::AngleAxisd(-check.pitch_rad * begin, Vec3::UnitY()) *
+                Eigen::AngleAxisd(-check.roll_rad * end, Vec3::UnitZ()))
+                   .toRotationMatrix();
+  T.translation() = Vec3(check.height_mm * fall(after_mm, k_long * lap_mm), 0, check.near_mm * (begin + end));
+  return T;
+}
+
 SE3 ScanPath::T_shoe_cam_at(double way_mm) const {
   const Outline::Place place = outline_.at(s_at_mm(way_mm));
   const Vec2 target = place.point - k_wall_mm * place.normal;
@@ -60,7 +88,7 @@ SE3 ScanPath::T_shoe_cam_at(double way_mm) const {
   T_shoe_beam.linear() = frame_along(
       std::cos(settings_.pitch_rad) * inwards - std::sin(settings_.pitch_rad) * Vec3::UnitZ(), Vec3::UnitZ());
   T_shoe_beam.translation() = Vec3(target.x(), target.y(), settings_.target_z_mm);
-  return T_shoe_beam * T_beam_cam_;
+  return T_shoe_beam * T_beam_checking_at(way_mm) * T_beam_cam_;
 }
 
 }  // namespace biteline::sim

@@ -7,6 +7,15 @@
 
 namespace biteline::sim {
 
+/// How the head holds itself where the scan ends over its own begin, so that a calibration that is off shows
+/// there: at the begin turned and shifted one way, at the end the other way, none of it in between.
+struct CheckLap {
+  double length_mm{0};  ///< 50 is usual; the end goes so much farther over the begin; 0: no such lap
+  double yaw_rad{0.24}, pitch_rad{0.24}, roll_rad{0.24};  ///< about height, travel and beam
+  double near_mm{6};                                      ///< along the beam, nearer at both ends
+  double height_mm{8};                                    ///< the begin is seen from so much higher
+};
+
 struct ScanPathSettings {
   double target_z_mm{36};                 ///< height of the working point, shoe frame
   double pitch_rad{k_bracket_pitch_rad};  ///< the beam looks down by this much
@@ -15,6 +24,7 @@ struct ScanPathSettings {
   /// its normal at each place.
   double turn_over_mm{0};
   double lead_mm{2};  ///< begins so far before the outline's start and ends so far beyond it
+  CheckLap check{};
 };
 
 /// Constant speed along the outline from time 0 on.
@@ -33,6 +43,7 @@ class ScanPath {
 
  private:
   [[nodiscard]] Vec2 outwards_at(double s_mm) const;
+  [[nodiscard]] SE3 T_beam_checking_at(double way_mm) const;
 
   Outline outline_;
   ScanPathSettings settings_;

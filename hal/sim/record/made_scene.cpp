@@ -97,7 +97,8 @@ Result<std::unique_ptr<MadeScene>> make_scene(const SceneSettings& settings) {
                               .speed_mm_s = settings.scan_speed_mm_s,
                               .turn_over_mm = settings.holder == Holder::Bracket
                                                   ? k_turn_ratio * placed.shoe.outline().perimeter_mm()
-                                                  : 0};
+                                                  : 0,
+                              .check = settings.check};
   ScanPath scan_path(placed.shoe.outline(), head, path);
   return std::make_unique<MadeScene>(
       MadeScene{std::move(placed), settings, head, std::move(mesh), std::move(scene), std::move(scan_path)});

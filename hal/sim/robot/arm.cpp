@@ -105,7 +105,7 @@ void Arm::run(const Script& script, SensorClock::time_point begin) {
   stand(begin);
   const ArmState now = at(begin);
   auto program = std::make_shared<const Program>(
-      Program::plan(script, kinematics_, now.T_base_flange, now.T_flange_tcp, now.payload));
+      Program::plan(script, kinematics_, now.T_base_flange, now.T_flange_tcp, now.payload, now.outputs));
   const std::lock_guard lock(mutex_);
   program_ = std::move(program);
 }

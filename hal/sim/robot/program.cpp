@@ -38,13 +38,14 @@ JointVector nearest_turns(JointVector q_rad, const JointVector& reference_rad) {
 }  // namespace
 
 Program Program::plan(const Script& script, const ArmKinematics& arm, const SE3& T_base_flange_start,
-                      const SE3& T_flange_tcp_start, const Payload& payload_start) {
+                      const SE3& T_flange_tcp_start, const Payload& payload_start,
+                      std::uint8_t outputs_start) {
   Program program(arm);
   program.name_ = script.name;
   SE3 T_base_flange = T_base_flange_start;
   SE3 T_flange_tcp = T_flange_tcp_start;
   Payload payload = payload_start;
-  std::uint8_t outputs = 0;
+  std::uint8_t outputs = outputs_start;
   double time_s = 0;
   const auto append = [&](double duration_s, std::variant<Hold, TimedPath, JointMove> motion) {
     program.pieces_.push_back({.begin_s = time_s,

@@ -19,7 +19,7 @@ class Program {
   /// is made straight instead.
   [[nodiscard]] static Program plan(const Script& script, const ArmKinematics& arm,
                                     const SE3& T_base_flange_start, const SE3& T_flange_tcp,
-                                    const Payload& payload = {});
+                                    const Payload& payload = {}, std::uint8_t outputs = 0);
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] double duration_s() const { return pieces_.empty() ? 0 : pieces_.back().end_s; }
@@ -29,7 +29,8 @@ class Program {
   /// The tool frame in force.
   [[nodiscard]] SE3 T_flange_tcp_at(double time_s) const;
   [[nodiscard]] const Payload& payload_at(double time_s) const;
-  /// Bits of the digital outputs, 0 to 7, as the script has set and cleared them since its begin.
+  /// Bits of the digital outputs, 0 to 7, as they were before it, and as the script has set and cleared
+  /// them since.
   [[nodiscard]] std::uint8_t outputs_at(double time_s) const;
 
  private:

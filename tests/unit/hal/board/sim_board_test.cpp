@@ -21,6 +21,17 @@ TEST(SimBoard, TheCellsFileIsTheTreesWithItsOwnAddresses) {
        {board->trigger.chip, board->laser->enable.chip, board->laser->interlock.chip, board->laser->key->chip,
         board->strobe_echo->chip, board->scan_active->chip, board->poses.interface})
     STRCMP_EQUAL("sim:made-7", address.c_str());
+  CHECK_FALSE(board->laser->heartbeat.has_value());
+}
+
+TEST(SimBoard, CellWithAMonostableIsFed) {
+  const test::TemporaryFolder folder;
+  const std::string text = board_yaml_text({.wires = "made-7", .monostable = true});
+  const Result<hal::Board> board = hal::read_board_yaml(folder.write("board.yaml", text));
+  SUCCEEDS(board);
+  CHECK(board->laser->heartbeat.has_value());
+  STRCMP_EQUAL("sim:made-7", board->laser->heartbeat->chip.c_str());
+  STRCMP_EQUAL("heartbeat", board->laser->heartbeat->line.c_str());
 }
 
 }  // namespace biteline::sim

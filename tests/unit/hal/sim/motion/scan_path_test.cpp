@@ -60,4 +60,31 @@ TEST(ScanPath, GoesRoundOnceWithItsLeadOnBothEnds) {
   DOUBLES_EQUAL(0, (begin.translation() - again.translation()).norm(), 1e-6);
 }
 
+TEST(ScanPath, ACheckLapTurnsTheHeadWhereTheScanEndsOverItsBeginAndNowhereElse) {
+  const ScanPath plain(outline, head, {.lead_mm = 2});
+  const ScanPath sut(outline, head, {.lead_mm = 2, .check = {.length_mm = 50}});
+  DOUBLES_EQUAL(plain.length_mm() + 50, sut.length_mm(), 1e-9);
+  const double middle_mm = sut.length_mm() / 2;
+  CHECK(sut.T_shoe_cam_at(middle_mm).isApprox(plain.T_shoe_cam_at(middle_mm), 1e-12));
+  double least_rad = 10, most_mm = 0;
+  for (double lap_mm = 0; lap_mm <= 54; lap_mm += 6) {
+    const SE3 first = sut.T_shoe_cam_at(lap_mm), again = sut.T_shoe_cam_at(outline.perimeter_mm() + lap_mm);
+    least_rad = std::min(least_rad, geometry::log_so3(first.linear().transpose() * again.linear()).norm());
+    // Both see the place: the working points lie within the stripe's view of each other.
+    const Vec3 at(0, 0, head.working_distance_mm);
+    most_mm = std::max(most_mm, (first * at - again * at).norm());
+  }
+  CHECK(least_rad > 0.3);
+  CHECK(most_mm < 15);
+}
+
+TEST(ScanPath, ACheckLapLiftsTheHeadAndHardlyLowersIt) {
+  const ScanPath plain(outline, head, {}), sut(outline, head, {.check = {.length_mm = 50}});
+  for (double way_mm = 0; way_mm <= sut.length_mm(); way_mm += 5) {
+    const double lifted_mm = (sut.T_shoe_cam_at(way_mm) * head.laser.emitter_cam).z() -
+                             (plain.T_shoe_cam_at(way_mm) * head.laser.emitter_cam).z();
+    CHECK(lifted_mm > -2);  // nearer along a beam that looks down
+  }
+}
+
 }  // namespace biteline::sim
