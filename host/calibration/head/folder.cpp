@@ -101,9 +101,13 @@ Result<LaserFolder> read_laser_folder(const fs::path& calib) {
     LaserPictures place{.name = pictures[i].name, .planes = {}, .stripe = {}};
     const auto laser = std::find_if(dark.begin(), dark.end(),
                                     [&](const NumberedPicture& p) { return p.number == lit[i].number; });
+    // Set aside later, for it has no stripe; laser_leftovers() names the picture that is missing.
     if (laser == dark.end()) {
-      return fail(Errc::FileNotFound, "%s: a picture with the laser on expected beside %s",
-                  (calib / "laser").c_str(), pictures[i].name.c_str());
+      if (fault_of(pictures[i], size).empty())
+        for (const GridView& grid : pictures[i].grids)
+          place.planes.push_back(make_plane_view(place.name, grid, folder.target));
+      folder.places.push_back(std::move(place));
+      continue;
     }
     BITELINE_ASSIGN(const image::GreyImage picture, read_picture(laser->file));
     const bool same_size = picture.width_px == size.width_px && picture.height_px == size.height_px;

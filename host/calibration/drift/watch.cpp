@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+#include "host/calibration/drift/watch.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "common/core/fixed_text.hpp"
+
+namespace biteline::drift {
+namespace {
+
+/// A quantity that a scan knows worse, alone and in fault sizes, is not seen.  Scans scatter some twice as
+/// much as they state (pose errors along the lap go together), and a fault must be four times the scatter.
+constexpr double k_most_sigma = 0.15;
+/// What is usual is held to about so many fault sizes.
+constexpr double k_usual_size = 3;
+/// A fault lasts so many shoes before somebody asks.
+constexpr double k_shoes_asked = 5;
+
+/// What is left of a scan's pull after the usual, as a variance per degree of freedom.
+double scatter_of(const Sums& left) {
+  const Eigen::SelfAdjointEigenSolver<Matrix> parts(left.information);
+  double sum = 0, freedom = 0;
+  for (int i = 0; i < k_quantities; ++i) {
+    const double information = parts.eigenvalues()[i];
+    if (!(information > 1 / (k_most_sigma * k_most_sigma))) continue;
+    const double pull = parts.eigenvectors().col(i).dot(left.pull);
+    sum += pull * pull / information;
+    ++freedom;
+  }
+  return freedom > 0 ? sum / freedom : 0;
+}
+
+}  // namespace
+
+std::string_view to_string(Status status) {
+  switch (status) {
+    case Status::NotSeen:
+      return "not_seen";
+    case Status::Learning:
+      return "learning";
+    case Status::Sound:
+      return "sound";
+    case Status::Drifted:
+      return "drifted";
+  }
+  return "";
+}
+
+Watch::Watch() : rows_(k_quantities, SelfStarting{k_least_sigma}) {}
+
+Vector Watch::usual() const {
+  const Matrix held = sound_.information + Matrix::Identity() / (k_usual_size * k_usual_size);
+  return held.ldlt().solve(sound_.pull);
+}
+
+double Watch::spread() const {
+  return sound_shoes_ > 0 ? std::max(1.0, scatter_ / sound_shoes_) : 1.0;
+}
+
+void Watch::pass(const std::string& scan) {
+  last_scan_ = scan;
+  if (verdict_.status == Status::Drifted) return;
+  verdict_ = {.status = Status::NotSeen,
+              .shoes = verdict_.shoes,
+              .words = "this scan shows no place well enough twice"};
+}
+
+const Verdict& Watch::take(const std::string& scan, const Evidence& evidence) {
+  if (scan == last_scan_ && !scan.empty()) return verdict_;
+  const Vector alone = evidence.alone(), sigma = evidence.alone_sigma();
+  // Seen twice from one direction only: it would learn for ever.
+  if (!(sigma.minCoeff() <= k_most_sigma)) {
+    pass(scan);
+    return verdict_;
+  }
+  last_scan_ = scan;
+  ++verdict_.shoes;
+  const bool drifted = verdict_.status == Status::Drifted;
+  if (!drifted) {
+    for (int i = 0; i < k_quantities; ++i) {
+      if (sigma[i] <= k_most_sigma) rows_.at(static_cast<std::size_t>(i)).take(alone[i]);
+    }
+  }
+  recent_.push_back({.information = evidence.information, .pull = evidence.pull});
+  if (recent_.size() > k_recent) {
+    if (!drifted) {
+      Sums left = recent_.front();
+      sound_.add(left.information, left.pull);
+      left.pull -= left.information * usual();
+      ++sound_shoes_;
+      scatter_ += scatter_of(left);
+    }
+    recent_.pop_front();
+  }
+  if (drifted) verdict_.for_shoes = std::min(verdict_.for_shoes + 1, static_cast<int>(k_recent));
+  judge();
+  return verdict_;
+}
+
+void Watch::judge() {
+  for (const SelfStarting& row : rows_)
+    verdict_.for_shoes =
+        std::max(verdict_.for_shoes, std::min(row.changed_for(), static_cast<int>(k_recent)));
+  if (verdict_.for_shoes == 0) {
+    const bool knows = std::ranges::any_of(rows_, &SelfStarting::knows);
+    verdict_.status = knows ? Status::Sound : Status::Learning;
+    verdict_.words =
+        knows ? "no drift since the calibration"
+              : std::string{FixedText<96>::format("learns what is usual: %d of %d shoes", verdict_.shoes,
+                                                  SelfStarting::k_least + SelfStarting::k_on_trial)
+                                .view()};
+    return;
+  }
+  // What was usual before the change, and what came with it.
+  Sums usual_sums = sound_;
+  Sums changed;
+  const std::size_t before =
+      recent_.size() - std::min(recent_.size(), static_cast<std::size_t>(verdict_.for_shoes));
+  for (std::size_t i = 0; i < recent_.size(); ++i)
+    (i < before ? usual_sums : changed).add(recent_[i].information, recent_[i].pull);
+  const Matrix held = usual_sums.information + Matrix::Identity() / (k_usual_size * k_usual_size);
+  changed.pull -= changed.information * held.ldlt().solve(usual_sums.pull);
+  verdict_.status = Status::Drifted;
+  verdict_.named = name(changed, spread());
+  verdict_.words = words_of(*verdict_.named) + " drifted: " + largest_of(*verdict_.named) +
+                   std::string{FixedText<64>::format(" over the last %d shoes", verdict_.for_shoes).view()};
+}
+
+Blind blind_of(const Evidence& evidence) {
+  Blind blind;
+  const Vector sigma = evidence.alone_sigma();
+  for (int i = 0; i < k_quantities; ++i) {
+    const Quantity& quantity = k_table.at(static_cast<std::size_t>(i));
+    if (!(sigma[i] <= k_most_sigma)) {
+      blind.unseen.emplace_back(quantity.name);
+      continue;
+    }
+    Sums sums{.information = k_shoes_asked * evidence.information,
+              .pull = k_shoes_asked * evidence.information.col(i)};
+    const std::string words = words_of(name(sums, 1));
+    if (words != k_part_names.at(static_cast<std::size_t>(quantity.part)))
+      blind.mistaken.push_back(std::string(quantity.name) + " (" + words + ")");
+  }
+  return blind;
+}
+
+}  // namespace biteline::drift

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+// A watch as text: what a cell's memory keeps from shoe to shoe.
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "common/core/numbers.hpp"
+#include "host/calibration/drift/watch.hpp"
+
+namespace biteline::drift {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr int k_version = 1;
+/// A sum over a lifetime of shoes; beyond it is no number of ours.
+constexpr NumberRange k_plausible{.minimum = -1e15, .maximum = 1e15};
+
+Json json_of(const Sums& sums) {
+  Json values = Json::array();
+  for (int row = 0; row < k_quantities; ++row) {
+    for (int col = 0; col <= row; ++col) values.push_back(sums.information(row, col));
+  }
+  for (const double value : sums.pull) values.push_back(value);
+  return values;
+}
+
+/// Reads numbers only; anything else makes it wrong, once and for all.
+class Reader {
+ public:
+  [[nodiscard]] bool sound() const { return sound_; }
+  double number(const Json& json) {
+    if (json.is_number() && k_plausible.holds(json.get<double>())) return json.get<double>();
+    sound_ = false;
+    return 0;
+  }
+  double number(const Json& json, const char* key) { return number(value(json, key)); }
+  int count(const Json& json, const char* key) {
+    const double value = number(json, key);
+    constexpr double k_most = 1e9;
+    if (value < 0 || value > k_most || value != std::floor(value)) sound_ = false;
+    return sound_ ? static_cast<int>(value) : 0;
+  }
+  const Json& value(const Json& json, const char* key) {
+    static const Json k_nothing;
+    const auto found = json.is_object() ? json.find(key) : json.end();
+    if (json.is_object() && found != json.end()) return *found;
+    sound_ = false;
+    return k_nothing;
+  }
+  const Json& list(const Json& json, const char* key, std::size_t most) {
+    static const Json k_empty = Json::array();
+    const Json& found = value(json, key);
+    if (found.is_array() && found.size() <= most) return found;
+    sound_ = false;
+    return k_empty;
+  }
+  Sums sums(const Json& json) {
+    constexpr std::size_t k_numbers = k_quantities * (k_quantities + 1) / 2 + k_quantities;
+    Sums sums;
+    if (!json.is_array() || json.size() != k_numbers) {
+      sound_ = false;
+      return sums;
+    }
+    std::size_t at = 0;
+    for (int row = 0; row < k_quantities; ++row) {
+      for (int col = 0; col <= row; ++col)
+        sums.information(row, col) = sums.information(col, row) = number(json[at++]);
+    }
+    for (double& value : sums.pull) value = number(json[at++]);
+    return sums;
+  }
+
+ private:
+  bool sound_{true};
+};
+
+}  // namespace
+
+std::string Watch::to_text() const {
+  Json rows = Json::array(), recent = Json::array();
+  for (const SelfStarting& row : rows_) {
+    const SelfStarting::State& s = row.state();
+    rows.push_back({{"count", s.count},
+                    {"mean", s.mean},
+                    {"squares", s.squares},
+                    {"on_trial", s.on_trial},
+                    {"high", s.high},
+                    {"low", s.low},
+                    {"rising", s.rising},
+                    {"falling", s.falling}});
+  }
+  for (const Sums& sums : recent_) recent.push_back(json_of(sums));
+  return Json{{"version", k_version},
+              {"rows", rows},
+              {"recent", recent},
+              {"sound", json_of(sound_)},
+              {"sound_shoes", sound_shoes_},
+              {"scatter", scatter_},
+              {"last_scan", last_scan_},
+              {"shoes", verdict_.shoes},
+              {"drifted_for", verdict_.status == Status::Drifted ? verdict_.for_shoes : 0}}
+      .dump();
+}
+
+Result<Watch> Watch::from_text(const std::string& text) {
+  const Json json = Json::parse(text, nullptr, false);
+  Reader reader;
+  Watch watch;
+  const bool known = reader.count(json, "version") == k_version;
+  const Json& rows = reader.list(json, "rows", k_quantities);
+  if (rows.size() == k_quantities) {
+    watch.rows_.clear();
+    for (const Json& row : rows) {
+      SelfStarting::State state{.count = reader.count(row, "count"),
+                                .mean = reader.number(row, "mean"),
+                                .squares = reader.number(row, "squares"),
+                                .on_trial = {},
+                                .high = reader.number(row, "high"),
+                                .low = reader.number(row, "low"),
+                                .rising = reader.count(row, "rising"),
+                                .falling = reader.count(row, "falling")};
+      for (const Json& value : reader.list(row, "on_trial", SelfStarting::k_on_trial))
+        state.on_trial.push_back(reader.number(value));
+      watch.rows_.emplace_back(Watch::k_least_sigma, std::move(state));
+    }
+  }
+  for (const Json& sums : reader.list(json, "recent", Watch::k_recent))
+    watch.recent_.push_back(reader.sums(sums));
+  watch.sound_ = reader.sums(reader.value(json, "sound"));
+  watch.sound_shoes_ = reader.count(json, "sound_shoes");
+  watch.scatter_ = reader.number(json, "scatter");
+  const Json& last = reader.value(json, "last_scan");
+  watch.last_scan_ = last.is_string() ? last.get<std::string>() : std::string{};
+  watch.verdict_.shoes = reader.count(json, "shoes");
+  watch.verdict_.for_shoes = reader.count(json, "drifted_for");
+  if (!known || !reader.sound() || rows.size() != k_quantities)
+    return fail(Errc::BadFormat, "calibration check: its memory cannot be read; it learns anew");
+  if (watch.verdict_.shoes > 0) watch.judge();
+  return watch;
+}
+
+}  // namespace biteline::drift

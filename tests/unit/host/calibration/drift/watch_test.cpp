@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include "host/calibration/drift/watch.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include "tests/support/errors.hpp"
+#include "tests/unit/host/calibration/drift/seen_ball.hpp"
+
+namespace biteline::drift {
+
+TEST_GROUP(Watch) {
+  Watch sut;
+  int shoes{0};
+
+  void see(const Vector& drifted = Vector::Zero()) {
+    const auto evidence = look_at(
+        scan_ball({.drifted = drifted, .seed = static_cast<std::uint64_t>(100 + shoes)}).view(), ball_head());
+    SUCCEEDS(evidence);
+    sut.take("scan-" + std::to_string(shoes++), *evidence);
+  }
+  void learn(int count) {
+    for (int i = 0; i < count; ++i) see();
+  }
+};
+
+TEST(Watch, LearnsThenIsSound) {
+  see();
+  CHECK(sut.verdict().status == Status::Learning);
+  learn(29);
+  CHECK(sut.verdict().status == Status::Sound);
+  LONGS_EQUAL(30, sut.verdict().shoes);
+}
+
+TEST(Watch, NamesWhatDriftedWithinFiveShoes) {
+  learn(25);
+  // What this scan sees well: mounting's shift, turn, and the clock.
+  const Watch sound = sut;
+  for (const int i : {7, 9, 12}) {
+    sut = sound;
+    int after = 0;
+    for (; after < 5 && sut.verdict().status != Status::Drifted; ++after) see(Vector::Unit(i));
+    CHECK(sut.verdict().status == Status::Drifted);
+    // The name may still hold another part; the right one is in it.
+    const std::string part{
+        k_part_names.at(static_cast<std::size_t>(k_table.at(static_cast<std::size_t>(i)).part))};
+    STRCMP_CONTAINS(part.c_str(), sut.verdict().words.c_str());
+  }
+}
+
+TEST(Watch, ADriftStaysTold) {
+  learn(20);
+  for (int i = 0; i < 6; ++i) see(2 * Vector::Unit(7));
+  learn(12);
+  CHECK(sut.verdict().status == Status::Drifted);
+}
+
+TEST(Watch, AScanIsCountedOnce) {
+  const auto evidence = look_at(scan_ball({}).view(), ball_head());
+  SUCCEEDS(evidence);
+  sut.take("scan-0001", *evidence);
+  sut.take("scan-0001", *evidence);
+  LONGS_EQUAL(1, sut.verdict().shoes);
+}
+
+TEST(Watch, GoesOnFromItsTextAsIfNothingHadBeen) {
+  learn(18);
+  auto copy = Watch::from_text(sut.to_text());
+  SUCCEEDS(copy);
+  for (int i = 0; i < 4; ++i) {
+    const auto evidence =
+        look_at(scan_ball({.drifted = Vector::Unit(7), .seed = static_cast<std::uint64_t>(300 + i)}).view(),
+                ball_head());
+    SUCCEEDS(evidence);
+    const std::string name = "later-" + std::to_string(i);
+    sut.take(name, *evidence);
+    copy->take(name, *evidence);
+  }
+  CHECK(sut.verdict().status == copy->verdict().status);
+  STRCMP_EQUAL(sut.verdict().words.c_str(), copy->verdict().words.c_str());
+  LONGS_EQUAL(sut.verdict().shoes, copy->verdict().shoes);
+  for (int i = 0; i < k_quantities; ++i) {
+    DOUBLES_EQUAL(sut.row(i).sum(), copy->row(i).sum(), 1e-9);
+    DOUBLES_EQUAL(sut.row(i).mean(), copy->row(i).mean(), 1e-9);
+  }
+}
+
+TEST(Watch, TextThatIsNoneIsRefused) {
+  see();
+  const std::string text = sut.to_text();
+  for (const std::string& bad :
+       {std::string{}, std::string{"{}"}, std::string{"[1,2]"}, text.substr(0, text.size() / 2),
+        std::string{text}.replace(text.find("\"sound_shoes\":"), 15, "\"sound_shoes\":-"),
+        std::string{text}.replace(text.find("\"version\":1"), 11, "\"version\":2")}) {
+    FAILS_NAMING(Errc::BadFormat, "calibration check", Watch::from_text(bad));
+  }
+}
+
+TEST(Watch, WhatAScanCannotSeeIsSaid) {
+  const auto turned = look_at(scan_ball({}).view(), ball_head());
+  const auto same = look_at(scan_ball({.turned_rad = 0}).view(), ball_head());
+  SUCCEEDS(turned);
+  SUCCEEDS(same);
+  CHECK(blind_of(*same).unseen.size() > blind_of(*turned).unseen.size());
+}
+
+}  // namespace biteline::drift
