@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "host/robot/kinematics/tool_touch.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
 #include "common/csv/table.hpp"
+#include "host/robot/kinematics/student.hpp"
 
 namespace biteline::kinematics {
 namespace {
@@ -43,6 +45,7 @@ Result<ToolTouch> fit_tool_touch(std::span<const SE3> T_base_flange, const ToolT
 
   ToolTouch out{.tip_flange = x.head<3>(),
                 .sigma_mm = Vec3::Zero(),
+                .u95_mm = 0,
                 .point_base = x.tail<3>(),
                 .rms_mm = 0,
                 .residual_mm = {},
@@ -55,6 +58,9 @@ Result<ToolTouch> fit_tool_touch(std::span<const SE3> T_base_flange, const ToolT
   const double variance_mm2 = left.squaredNorm() / static_cast<double>(rows - 6);
   const Eigen::Matrix<double, 6, 6> covariance = variance_mm2 * (A.transpose() * A).inverse();
   for (int axis = 0; axis < 3; ++axis) out.sigma_mm[axis] = std::sqrt(std::max(0.0, covariance(axis, axis)));
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes{Mat3{covariance.topLeftCorner<3, 3>()},
+                                                 Eigen::EigenvaluesOnly};
+  out.u95_mm = student_95(static_cast<int>(rows - 6)) * std::sqrt(std::max(0.0, axes.eigenvalues()[2]));
 
   if (out.rms_mm > limits.max_rms_mm) {
     return fail(

@@ -14,6 +14,7 @@ namespace biteline::kinematics {
 struct ToolTouch {
   Vec3 tip_flange;                  ///< the tool's tip, mm
   Vec3 sigma_mm;                    ///< its standard deviation, from the residuals
+  double u95_mm{0};                 ///< of the tip in its worst direction, with 95 %
   Vec3 point_base;                  ///< the point touched
   double rms_mm{0};                 ///< of the tips about the point
   std::vector<double> residual_mm;  ///< per touch

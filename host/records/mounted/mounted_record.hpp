@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file What is mounted at a cell as it was taught, in the memory: the newest version; the log has them all.
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "host/records/memory/memory.hpp"
+#include "host/robot/kinematics/touch_lesson.hpp"
+#include "host/robot/path/mounted.hpp"
+
+namespace biteline::mounted {
+
+/// Who taught a part, when, and how well it is known.
+struct Taught {
+  int version{0};
+  std::string who;
+  memory::UnixMs time{0};
+  int touches{0};  ///< 0: told as numbers
+  double residual_mm{0}, u95_mm{0};
+};
+struct Tip {
+  Vec3 tip_flange{Vec3::Zero()};  ///< mm
+  Taught how{};
+};
+struct Load {
+  path::Payload payload{};
+  Taught how{};
+};
+struct Table {
+  double z_mm{0};  ///< in the robot's base
+  Taught how{};
+};
+
+struct Record {
+  int version{0};  ///< counts every change
+  std::optional<Tip> tip{};
+  std::optional<Load> payload{};
+  std::optional<Table> table{};
+
+  [[nodiscard]] path::Mounted mounted() const;
+};
+
+enum class Part { Tip, Payload, Table };
+[[nodiscard]] const char* name_of(Part part);  ///< "tip", "payload", "table"
+[[nodiscard]] std::optional<Part> part_of(const std::string& name);
+
+/// Who changes it, and through which door.
+struct Hand {
+  std::string who, door;
+};
+
+[[nodiscard]] nlohmann::ordered_json to_json(const Record& record);
+/// One part of it; null: not taught.
+[[nodiscard]] nlohmann::ordered_json to_json(const Record& record, Part part);
+
+/// Errc::BadFormat: what stands there was not written by this program; nothing may be sent then.
+[[nodiscard]] Result<Record> read_record(const memory::Memory& memory);
+
+/// A new version with what a lesson gave; the answer is the record as it is now.  Here and below change and
+/// log line are one transaction.
+[[nodiscard]] Result<Record> keep_touched(memory::Memory& memory, kinematics::TouchLesson::Part part,
+                                          const kinematics::Touched& touched, std::size_t touches,
+                                          const Hand& hand);
+/// Errc::BadValue: beyond 20 kg, or a centre beyond 1000 mm, as of a process.
+[[nodiscard]] Result<Record> keep_payload(memory::Memory& memory, const path::Payload& payload,
+                                          const Hand& hand);
+/// A new version without this part: it is checked no more.
+[[nodiscard]] Result<Record> forget(memory::Memory& memory, Part part, const Hand& hand);
+
+}  // namespace biteline::mounted

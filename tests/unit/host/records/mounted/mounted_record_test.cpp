@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+#include "host/records/mounted/mounted_record.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+#include <cfenv>
+#include <limits>
+
+#include "tests/support/errors.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace biteline::mounted {
+
+using Lesson = kinematics::TouchLesson;
+
+TEST_GROUP(MountedRecord) {
+  test::TemporaryFolder folder;
+  Result<memory::Memory> memory{memory::Memory::open(folder.path() / memory::k_memory_file)};
+  const Hand hand{.who = "eng", .door = "web"};
+  const kinematics::Touched tip{.tip_flange = {1, 2, 180}, .z_mm = 0, .residual_mm = 0.1, .u95_mm = 0.2};
+  const kinematics::Touched table{
+      .tip_flange = Vec3::Zero(), .z_mm = -12.5, .residual_mm = 0.3, .u95_mm = 0.5};
+
+  void put(const char* text) {
+    SUCCEEDS(memory->put_setting(
+        "mounted", text,
+        {.id = 0, .who = "x", .door = {}, .action = "x", .subject = {}, .before = {}, .after = {}}));
+  }
+};
+
+TEST(MountedRecord, AtFirstNothingIsTaught) {
+  const auto record = read_record(*memory);
+  SUCCEEDS(record);
+  LONGS_EQUAL(0, record->version);
+  CHECK(!record->mounted().tip_flange && !record->mounted().payload && !record->mounted().table_z_mm);
+}
+
+TEST(MountedRecord, EachChangeIsAVersionWithWhoAndWhenAndARowOfTheLog) {
+  SUCCEEDS(keep_touched(*memory, Lesson::Part::Tip, tip, 6, hand));
+  SUCCEEDS(keep_payload(*memory, {.mass_kg = 1.6, .centre_flange_mm = {0, 0, 65}}, hand));
+  SUCCEEDS(keep_touched(*memory, Lesson::Part::Table, table, 3, {.who = "ada", .door = "command line"}));
+  const auto record = read_record(*memory);
+  SUCCEEDS(record);
+  LONGS_EQUAL(3, record->version);
+  LONGS_EQUAL(1, record->tip->how.version);
+  LONGS_EQUAL(6, record->tip->how.touches);
+  DOUBLES_EQUAL(0.2, record->tip->how.u95_mm, 1e-12);
+  STRCMP_EQUAL("eng", record->tip->how.who.c_str());
+  CHECK(record->tip->how.time > 0);
+  LONGS_EQUAL(2, record->payload->how.version);
+  DOUBLES_EQUAL(1.6, record->payload->payload.mass_kg, 1e-12);
+  LONGS_EQUAL(3, record->table->how.version);
+  STRCMP_EQUAL("ada", record->table->how.who.c_str());
+  DOUBLES_EQUAL(-12.5, *record->mounted().table_z_mm, 1e-12);
+  const auto rows = memory->log_rows(0, 10);
+  SUCCEEDS(rows);
+  LONGS_EQUAL(3, rows->size());
+  STRCMP_EQUAL("table", rows->front().subject.c_str());
+  STRCMP_EQUAL("null", rows->front().before.c_str());
+  STRCMP_CONTAINS("-12.5", rows->front().after.c_str());
+}
+
+TEST(MountedRecord, WhatIsForgottenIsCheckedNoMoreAndTheLogKeepsIt) {
+  SUCCEEDS(keep_touched(*memory, Lesson::Part::Tip, tip, 6, hand));
+  SUCCEEDS(forget(*memory, Part::Tip, hand));
+  const auto record = read_record(*memory);
+  SUCCEEDS(record);
+  LONGS_EQUAL(2, record->version);
+  CHECK(!record->mounted().tip_flange);
+  const auto rows = memory->log_rows(0, 1);
+  SUCCEEDS(rows);
+  STRCMP_CONTAINS("180", rows->front().before.c_str());
+  STRCMP_EQUAL("null", rows->front().after.c_str());
+}
+
+TEST(MountedRecord, APayloadBeyondItsRangeIsRefused) {
+  for (const path::Payload& payload : {path::Payload{.mass_kg = 21}, path::Payload{.mass_kg = -0.1},
+                                       path::Payload{.mass_kg = std::numeric_limits<double>::quiet_NaN()},
+                                       path::Payload{.mass_kg = 1, .centre_flange_mm = {0, 0, 1001}}}) {
+    CHECK(keep_payload(*memory, payload, hand).error().code == Errc::BadValue);
+  }
+  std::feclearexcept(FE_INVALID);  // of comparing with what is no number
+  LONGS_EQUAL(0, read_record(*memory)->version);
+}
+
+TEST(MountedRecord, WhatNobodyWroteSoIsAnErrorAndNotNothing) {
+  for (
+      const char* text :
+      {"", "[]", "{}", R"({"version":1,"tip":{"at_mm":[1,2]},"payload":null,"table":null})",
+       R"({"version":1,"tip":[1,2,3],"payload":null,"table":null})",
+       R"({"version":1,"tip":null,"payload":null,"table":-12.5})",
+       R"({"version":1,"tip":{"at_mm":[1,2,"3"],"version":1,"who":"a","time":"2026-11-20"},"payload":null,"table":null})",
+       R"({"version":1,"tip":{"at_mm":[1,2,3000],"version":1,"who":"a","time":"2026-11-20"},"payload":null,"table":null})",
+       R"({"version":1,"tip":{"at_mm":[1,2,3],"version":1,"who":"a","time":"yesterday"},"payload":null,"table":null})"}) {
+    put(text);
+    CHECK_TEXT(read_record(*memory).error().code == Errc::BadFormat, text);
+  }
+  // Forgetting makes it whole again.
+  SUCCEEDS(forget(*memory, Part::Tip, hand));
+  SUCCEEDS(read_record(*memory));
+}
+
+}  // namespace biteline::mounted
