@@ -13,6 +13,7 @@
 #include "host/robot/link/ur/script.hpp"
 #include "host/robot/link/ur/ur_link.hpp"
 #include "host/robot/path/checks/program_check.hpp"
+#include "host/robot/path/first_run.hpp"
 #include "tests/unit/host/robot/link/permitted.hpp"
 #include "tests/unit/host/robot/link/planned.hpp"
 
@@ -51,6 +52,18 @@ std::vector<path::TrackSample> track_of(const sim::Program& program) {
         {.time_s = time_s, .T_base_tcp = program.T_base_flange_at(time_s) * program.T_flange_tcp_at(time_s)});
   }
   return track;
+}
+
+Result<std::unique_ptr<ur::UrLink>> link_to(const sim::UrController& controller) {
+  const sim::UrController::Ports ports = controller.ports();
+  auto link = ur::UrLink::open({.host = "127.0.0.1",
+                                .rtde_port = ports.rtde,
+                                .script_port = ports.script,
+                                .dashboard_port = ports.dashboard,
+                                .rate_hz = 0,
+                                .connect_patience_s = 20});
+  CHECK(link.has_value());
+  return link;
 }
 
 }  // namespace
@@ -127,18 +140,70 @@ TEST(FollowPath, FromBehindTheShoeOverRaisedPostures) {
   }
 }
 
+/// The controller drives as planned, also where that is slow: else following stops an arm that is ahead.
+TEST(FollowPath, SlowProcessTakesAsLongAsPlannedAlsoInTheAir) {
+  path::PlanRequest request = test::plan_request("grind.yaml");
+  request.process.motion.minimum_speed_mm_s = 0.05;
+  for (const double speed_mm_s : {0.5, 4.0}) {
+    request.process.motion.speed_mm_s = speed_mm_s;
+    for (const bool in_air : {false, true}) {
+      const path::PlanOutcome outcome = path::plan(in_air ? path::first_run(request) : request);
+      CHECK_TEXT(outcome.path.has_value(), outcome.reason().c_str());
+      const auto script = sim::parse_script(ur::urscript(*outcome.path));
+      CHECK(script.has_value());
+      const sim::Program program = sim::Program::plan(
+          *script, kinematics, kinematics.T_base_flange(outcome.path->path().waypoints.front().q_rad),
+          SE3::Identity());
+      // What following allows.
+      DOUBLES_EQUAL(outcome.path->duration_s(), program.duration_s(), 0.25 * outcome.path->duration_s());
+    }
+  }
+}
+
+TEST(FollowPath, OutputThatWasLeftOnIsOffInTheAir) {
+  const path::PlanRequest request = test::plan_request("grind.yaml");
+  const path::PlanOutcome outcome = path::plan(path::first_run(request));
+  CHECK_TEXT(outcome.path.has_value(), outcome.reason().c_str());
+  const auto script = sim::parse_script(ur::urscript(*outcome.path));
+  CHECK(script.has_value());
+  const auto left_on = static_cast<std::uint8_t>(1U << static_cast<unsigned>(request.process.digital_output));
+  const sim::Program program =
+      sim::Program::plan(*script, kinematics, T_base_flange_home(kinematics), SE3::Identity(), {}, left_on);
+  for (double time_s = 0; time_s <= program.duration_s() + 1; time_s += 0.05)
+    LONGS_EQUAL(0, program.outputs_at(time_s));
+
+  // Over the network, after a program that was halted.
+  sim::Arm arm{kinematics, T_base_flange_home(kinematics)};
+  const auto controller = sim::UrController::open({}, arm, {});
+  CHECK(controller.has_value());
+  arm.run(*sim::parse_script("def left():\n  set_standard_digital_out(0, True)\nend\n"),
+          hal::monotonic_now());
+  const auto link = link_to(**controller);
+  LONGS_EQUAL(left_on, arm.at(hal::monotonic_now()).outputs);
+  CHECK((*link)->send(test::permitted(*outcome.path, (*link)->latest()->q_rad)).has_value());
+  const auto runs = [&] {
+    const sim::ArmState state = arm.at(hal::monotonic_now());
+    return state.program_running && state.program_name == ur::k_program_name;
+  };
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds{20};
+  while (!runs() && std::chrono::steady_clock::now() < until) std::this_thread::yield();
+  CHECK(runs());
+  LONGS_EQUAL(0, arm.at(hal::monotonic_now()).outputs);
+  // Somebody switches it on by hand in the middle: the way out by a stop ends that, too.
+  arm.run(*sim::parse_script("def hand():\n  set_standard_digital_out(0, True)\n  sleep(100)\nend\n"),
+          hal::monotonic_now());
+  LONGS_EQUAL(left_on, arm.at(hal::monotonic_now()).outputs);
+  CHECK((*link)->stop().has_value());
+  while (arm.at(hal::monotonic_now()).outputs != 0 && std::chrono::steady_clock::now() < until)
+    std::this_thread::yield();
+  LONGS_EQUAL(0, arm.at(hal::monotonic_now()).outputs);
+}
+
 TEST(FollowPath, SentOverTheNetworkAndFollowedInRealTime) {
   sim::Arm arm{kinematics, T_base_flange_home(kinematics)};
   const auto controller = sim::UrController::open({}, arm, {});
   CHECK(controller.has_value());
-  const sim::UrController::Ports ports = (*controller)->ports();
-  const auto link = ur::UrLink::open({.host = "127.0.0.1",
-                                      .rtde_port = ports.rtde,
-                                      .script_port = ports.script,
-                                      .dashboard_port = ports.dashboard,
-                                      .rate_hz = 0,
-                                      .connect_patience_s = 20});
-  CHECK(link.has_value());
+  const auto link = link_to(**controller);
   const path::CheckedPath path = test::planned_path("spray.yaml");
   FollowReport report;
   const auto followed = follow(**link, test::permitted(path, (*link)->latest()->q_rad), {}, report);

@@ -64,7 +64,8 @@ class Run {
       : link_{link},
         options_{options},
         watch_{path.path(), options.limits, from},
-        longest_s_{options.way_there_s + path.duration_s() / options.slowest_ratio},
+        longest_s_{options.way_there_rad / path.path().motion.way_there_rad_s +
+                   path.duration_s() / options.slowest_ratio},
         unusable_{link.status().unusable_states},
         sent_{from.received},
         newest_{from} {}

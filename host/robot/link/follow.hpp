@@ -13,7 +13,7 @@ namespace biteline::robot {
 
 struct FollowOptions {
   double start_patience_s{5};              ///< from sending to the program's first motion
-  double way_there_s{60};                  ///< for the arm's way to the path's beginning
+  double way_there_rad{30};                ///< of the joints' way to the path's beginning, at its speed
   double slowest_ratio{0.1};               ///< of the planned speed: the operator's slider
   double rest_patience_s{2};               ///< from a stop to the arm at rest
   path::FollowLimits limits{};             ///< beyond one of them the arm is stopped

@@ -16,7 +16,6 @@ constexpr double k_deg_per_rad = 180 / std::numbers::pi;
 constexpr double k_beginning_mm = 0.5;  // so near to its first waypoint the tip is on the path
 constexpr double k_back_mm = 2;         // blends and the controller's noise
 constexpr double k_slack_mm = 3;        // ahead, beyond what the tip can have gone since
-constexpr double k_advance_mm = 0.2;    // noise of a tip that stands is below
 constexpr double k_least_ratio = 0.05;  // a slider at zero must not stop the clock of a stall
 constexpr double k_late_share = 0.25;   // a controller ramps in its own way: 15 % were met
 constexpr double k_tool_mm = 0.1, k_tool_rad = 0.002;
@@ -115,7 +114,7 @@ std::optional<HaltReason> PathWatch::look_at_path(const RobotState& state) {
 }
 
 std::optional<HaltReason> PathWatch::look_at_time(double planned_s) {
-  if (here_mm_ >= advanced_mm_ + k_advance_mm) {
+  if (here_mm_ >= advanced_mm_ + path::k_least_advance_mm) {
     advanced_mm_ = here_mm_;
     advanced_at_s_ = running_s_;
   }

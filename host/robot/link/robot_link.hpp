@@ -29,6 +29,8 @@ struct RobotState {
   bool powered{false};  ///< brakes off, ready to move
   bool program_running{false};
   Safety safety{Safety::Stopped};
+  std::optional<path::Payload>
+      payload{};          ///< as the controller has it; nothing: not asked, or too old to say
   double speed_ratio{0};  ///< of the programmed speed: the slider, or a safety limit
 };
 

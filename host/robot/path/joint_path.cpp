@@ -20,6 +20,8 @@ constexpr double k_pi = std::numbers::pi;
 constexpr double k_max_step_rad = 0.8;
 // Per grid step the tool may be turned by so many grid turns either way.
 constexpr int k_turn_steps = 4;
+// The way to the path's beginning is slow: a radian of it costs as much as some whole turns along the path.
+constexpr double k_way_there_cost = 1;
 // Elbow: the links meet at a straight fold, so it never crosses pi.
 constexpr int k_elbow = 2;
 
@@ -58,7 +60,7 @@ class Search {
     for (const Knot& knot : knots_) {
       if (knot.states.empty()) return {.path = std::nullopt, .blockage = why_empty(knot)};
     }
-    for (State& state : knots_.front().states) state.cost = state.own_cost;
+    for (State& state : knots_.front().states) state.cost = state.own_cost + way_there_cost(state.q_rad);
     for (std::size_t k = 1; k < knots_.size(); ++k) {
       if (!connect(knots_[k - 1], knots_[k])) return {.path = std::nullopt, .blockage = why_unconnected(k)};
     }
@@ -115,6 +117,19 @@ class Search {
     state.own_cost =
         std::pow(std::max(0.0, 0.3 / singularity - 1), 2) * 0.02 + 0.002 * std::max(0.0, 20.0 - clearance.mm);
     knot.states.push_back(state);
+  }
+
+  /// Of the joint that has the farthest way from the wished posture; whole turns come later.
+  [[nodiscard]] double way_there_cost(const Joints& q_rad) const {
+    if (!options_.near_rad) return 0;
+    double farthest_rad = 0;
+    for (int joint = 0; joint < 6; ++joint) {
+      const double near_rad = (*options_.near_rad)[joint];
+      const double to_rad =
+          joint == k_elbow ? q_rad[joint] : kinematics::nearest_turn(q_rad[joint], near_rad);
+      farthest_rad = std::max(farthest_rad, std::abs(to_rad - near_rad));
+    }
+    return k_way_there_cost * farthest_rad;
   }
 
   [[nodiscard]] int turn_distance(int a, int b) const {
@@ -245,12 +260,13 @@ class Search {
       path.q_rad.push_back(*best);
       reference_rad = *best;
     }
-    centre_turns(path);
+    choose_turns(path);
     return {.path = std::move(path), .blockage = {}};
   }
 
-  /// Whole turns added so that each joint's range lies in its limits, as centred as can be.
-  void centre_turns(JointPath& path) const {
+  /// Whole turns added so that each joint's range lies in its limits: near to the wished posture, or as
+  /// centred as can be.
+  void choose_turns(JointPath& path) const {
     for (int joint = 0; joint < 6; ++joint) {
       if (joint == k_elbow) continue;
       double low_rad = 1e9, high_rad = -1e9;
@@ -258,7 +274,15 @@ class Search {
         low_rad = std::min(low_rad, q_rad[joint]);
         high_rad = std::max(high_rad, q_rad[joint]);
       }
-      const double shift_rad = -2 * k_pi * std::round(0.5 * (low_rad + high_rad) / (2 * k_pi));
+      double shift_rad = -2 * k_pi * std::round(0.5 * (low_rad + high_rad) / (2 * k_pi));
+      if (options_.near_rad) {
+        const double begin_rad = path.q_rad.front()[joint];
+        const double wished_rad =
+            kinematics::nearest_turn(begin_rad, (*options_.near_rad)[joint]) - begin_rad;
+        if (low_rad + wished_rad >= arm_.limits.minimum_rad[joint] &&
+            high_rad + wished_rad <= arm_.limits.maximum_rad[joint])
+          shift_rad = wished_rad;
+      }
       for (Joints& q_rad : path.q_rad) q_rad[joint] += shift_rad;
     }
   }

@@ -130,6 +130,7 @@ PlannedPath assembled(const PlanRequest& request, const ToolPath& path, const Jo
                   .payload = request.process.tool.payload,
                   .motion = request.process.motion,
                   .digital_output = request.process.digital_output,
+                  .tool_off = request.tool_off,
                   .waypoints = {}};
   out.motion.spacing_mm = path.spacing_mm;
   for (std::size_t i = 0; i < path.points.size(); ++i) {
@@ -166,6 +167,31 @@ Check chord_check(const ToolPath& path, const Motion& motion) {
   return check;
 }
 
+/// Of a path that is to touch nothing.
+Check air_check(const PlannedPath& path, const Surroundings& surroundings, double least_mm) {
+  Check check{.name = "tip in the air",
+              .passed = true,
+              .value = k_far_mm,
+              .limit = least_mm,
+              .unit = "mm",
+              .arc_mm = -1,
+              .detail = {}};
+  // The surface may be that much nearer between the points.
+  const double gap_mm = 0.5 * surroundings.shoe_spacing_mm;
+  for (const Waypoint& waypoint : path.waypoints) {
+    if (waypoint.segment != Segment::Line) continue;
+    for (const Vec3& point : surroundings.shoe_points) {
+      const double mm = (waypoint.T_base_tcp.translation() - point).norm() - gap_mm;
+      if (mm >= check.value) continue;
+      check.value = mm;
+      check.arc_mm = waypoint.arc_mm;
+    }
+  }
+  check.passed = check.value >= least_mm;
+  if (!check.passed) check.detail = "the tool's tip comes too near to the shoe";
+  return check;
+}
+
 /// The line entered at one place: how far that gets.
 struct Attempt {
   ToolPath tool_path;
@@ -177,7 +203,8 @@ Attempt try_seam(const PlanRequest& request, const Scene& scene, const Collision
   Attempt attempt{
       .tool_path = make_tool_path(scene.line, request.process, seam_mm), .blockage = {}, .outcome = {}};
   const JointPathResult joints =
-      find_joint_path(request.arm, attempt.tool_path, request.process.tool, collisions, {});
+      find_joint_path(request.arm, attempt.tool_path, request.process.tool, collisions,
+                      {.near_rad = request.from_rad ? request.from_rad : request.near_rad});
   attempt.blockage = joints.blockage;
   if (!joints.path) return attempt;
   const Timing timing = time_path(request.arm, attempt.tool_path, *joints.path, request.process.motion);
@@ -185,6 +212,11 @@ Attempt try_seam(const PlanRequest& request, const Scene& scene, const Collision
       check_path(assembled(request, attempt.tool_path, *joints.path, timing), request.arm, collisions, {});
   attempt.outcome.checks.push_back(chord_check(attempt.tool_path, request.process.motion));
   if (!attempt.outcome.checks.back().passed) attempt.outcome.path.reset();
+  if (request.least_tip_to_shoe_mm > 0 && attempt.outcome.path) {
+    attempt.outcome.checks.push_back(
+        air_check(attempt.outcome.path->path(), scene.surroundings, request.least_tip_to_shoe_mm));
+    if (!attempt.outcome.checks.back().passed) attempt.outcome.path.reset();
+  }
   if (request.process.sight && attempt.outcome.path) {
     attempt.outcome.checks.push_back(
         sight_check(attempt.outcome.path->path(), *request.process.sight, scene.seen));
@@ -227,8 +259,14 @@ std::string failures(const std::vector<Check>& checks) {
 
 PlanOutcome plan(const PlanRequest& request) {
   PlanOutcome out;
-  // First, since what comes after lays grids over the line: how large they get is its matter.
-  out.checks = check_line(moved(request.line, request.T_line_base.inverse()));
+  out.checks = check_mounted(request.process, request.mounted);
+  if (!all_passed(out.checks)) {
+    out.refusal = Refusal{.code = Refused::NotAsTaught, .reason = failures(out.checks)};
+    return out;
+  }
+  // First of the line, since what comes after lays grids over the line: how large they get is its matter.
+  for (Check& check : check_line(moved(request.line, request.T_line_base.inverse())))
+    out.checks.push_back(std::move(check));
   if (all_passed(out.checks) && !request.cloud.empty())
     out.checks.push_back(check_on_cloud(request.line, request.cloud));
   std::vector<Check> path_checks;

@@ -3,6 +3,7 @@
 /// \file Line, process and arm in; a checked path or a reason and a way out.
 
 #include "host/robot/path/checks/checked_path.hpp"
+#include "host/robot/path/mounted.hpp"
 #include "host/robot/path/refused.hpp"
 
 namespace biteline::path {
@@ -16,7 +17,12 @@ struct PlanRequest {
   ShoeGuess shoe;
   std::optional<kinematics::Joints>
       from_rad{};  ///< where the arm stands before; then its way there is found and checked
+  std::optional<kinematics::Joints>
+      near_rad{};  ///< about where the arm will stand before, if `from_rad` is not known: a wish
   std::vector<Eigen::Vector3f> cloud;  ///< of the shoe, in the line's frame; empty: guessed from the line
+  double least_tip_to_shoe_mm{0};      ///< of the tip along the line; 0: it works on the shoe
+  bool tool_off{false};                ///< the output is switched off, and never on
+  Mounted mounted{};                   ///< what was taught at the cell; a process made for another is refused
   bool seek_remedy{true};              ///< of a path that is refused; dozens of trials
 };
 
@@ -39,8 +45,8 @@ struct PlanOutcome {
   [[nodiscard]] std::string reason() const { return refusal ? refusal->reason : std::string{}; }
 };
 
-/// Check the line; then for each place to enter it, the least harmful first: tool frames, joints along the
-/// whole path at once, speeds, check of the path; the first that passes is taken.
+/// Check the tool, then the line; then for each place to enter it, the least harmful first: tool frames,
+/// joints along the whole path at once, speeds, check of the path; the first that passes is taken.
 [[nodiscard]] PlanOutcome plan(const PlanRequest& request);
 
 /// The checks' failures as one sentence; empty when all passed.

@@ -15,7 +15,6 @@ using config::YamlReader;
 /// Points that claim as much hold to 0.95 and more (docs/line.md, bench of the confidence).
 constexpr double k_automatic_above = 0.95;
 constexpr double k_rad_per_deg = std::numbers::pi / 180;
-constexpr double k_most_speed_mm_s = 1000;
 
 Tool read_tool(YamlReader reader) {
   Tool tool;
@@ -165,6 +164,22 @@ Zone read_zone(YamlReader& reader, const Process& process) {
   return zone;
 }
 
+/// A tip that works slowly must not be taken for one that stands.
+void check_stall(YamlReader& reader, const Process& process) {
+  double slowest_mm_s = process.motion.speed_mm_s;
+  for (const Zone& zone : process.zones)
+    slowest_mm_s = std::min(slowest_mm_s, zone.speed_ratio * process.motion.speed_mm_s);
+  if (process.placement.standoff_mm > 0) slowest_mm_s *= k_least_tip_ratio;
+  // Without a speed there is a fault already.
+  if (!(slowest_mm_s > 0)) return;
+  const double least_s = 2 * k_least_advance_mm / slowest_mm_s;
+  if (process.follow.stall_s >= least_s) return;
+  reader.fault(
+      Errc::BadValue, "follow.stall_s",
+      FixedText<120>::format("at %.3g mm/s at least %.3g s, or the tip seems to stand", slowest_mm_s, least_s)
+          .c_str());
+}
+
 Start read_start(YamlReader& reader) {
   const std::string word = reader.choice_or_first("start", {"auto", "nearest", "farthest"});
   if (word == "nearest") return Start::Nearest;
@@ -185,6 +200,7 @@ Process read_all(YamlReader& reader) {
       static_cast<int>(reader.integer_or("digital_output", -1, {.minimum = -1, .maximum = 7}));
   for (YamlReader& zone : reader.children("zones", k_most_zones))
     process.zones.push_back(read_zone(zone, process));
+  check_stall(reader, process);
   return process;
 }
 

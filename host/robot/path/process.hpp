@@ -19,6 +19,12 @@ constexpr double k_least_blend_mm = 1;
 
 constexpr std::size_t k_most_zones = 20;
 
+/// A tip that has not come on by so much stands; noise of one that stands is below.
+constexpr double k_least_advance_mm = 0.2;
+
+/// A tip that stands off goes at least at this share of the speed along the line, in a hollow.
+inline constexpr double k_least_tip_ratio = 0.4;
+
 /// What the arm carries beyond its flange, for the controller's own model of forces.
 struct Payload {
   double mass_kg{0};
@@ -70,6 +76,7 @@ struct Motion {
   double approach_speed_mm_s{30};
   double lift_mm{80};  ///< from there straight up, before and after
   double transfer_speed_mm_s{150};
+  double way_there_rad_s{0.5};  ///< of the joints to the path's beginning: slow, a person may be near
 };
 
 /// When an arm that follows is stopped.  Angles in the file are degrees.
@@ -101,8 +108,10 @@ enum class Start {
   Farthest,
 };
 
-/// A zone's speed is at most so many times the process's.
+/// A zone's speed is at most so many times the process's, and so is that of a tip that stands off.
 inline constexpr double k_most_speed_ratio = 5;
+/// Of the tip, along the line.
+inline constexpr double k_most_speed_mm_s = 1000;
 
 /// A part of the line that is worked in a way of its own, or left out.  What is "by" is added to the
 /// process's.

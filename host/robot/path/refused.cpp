@@ -14,6 +14,8 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
       Row{PathCheckFailed, "path_check_failed",
           "change what the failed check names: process, shoe's place or tool"},
       Row{NoFreeWayToBegin, "no_free_way_to_begin", "jog the arm to a place above the shoe and plan again"},
+      Row{NotAsTaught, "not_as_taught",
+          "mount the process's tool, choose the process of the mounted one, or teach it again"},
   };
   return k_rows;
 }

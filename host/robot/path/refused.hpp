@@ -11,6 +11,7 @@ enum class Refused {
   CannotFollow,      ///< no joint motion along the whole line
   PathCheckFailed,   ///< a path exists and fails a check
   NoFreeWayToBegin,  ///< from where the arm stands it cannot reach the path's beginning
+  NotAsTaught,       ///< another tip or payload is mounted than the process's
 };
 
 [[nodiscard]] std::span<const report::RefusalRow<Refused>> refusal_table(Refused);

@@ -230,6 +230,21 @@ FineWay way_of(const Job& job, const Run& run) {
   return way;
 }
 
+/// How much faster a tip that stands off must go than its place on the line: round a toe more, along a hollow
+/// less.  Over the turns that the tool's smoothed directions make, not over their noise.
+constexpr double k_speed_arm_mm = 6, k_most_tip_ratio = 3;
+double tip_ratio(const Job& job, const Run& run, const FineWay& way, std::size_t k) {
+  if (!(job.work[(run.first + k) % job.count()].placement.standoff_mm > 0)) return 1;
+  const auto arm = static_cast<std::size_t>(std::ceil(k_speed_arm_mm / job.line.fine_mm));
+  const std::size_t from = k > arm ? k - arm : 0, to = std::min(k + arm, run.steps);
+  double tip_mm = 0, line_mm = 0;
+  for (std::size_t i = from; i < to; ++i) {
+    tip_mm += (way.tips[i + 1] - way.tips[i]).norm();
+    line_mm += (job.sample(run.first + i + 1).position - job.sample(run.first + i).position).norm();
+  }
+  return line_mm > 0 ? std::clamp(tip_mm / line_mm, k_least_tip_ratio, k_most_tip_ratio) : 1;
+}
+
 /// Straight between close points, whatever the turn.
 SE3 pose_at(const FineWay& way, const FinePlace& place) {
   SE3 T = geometry::interpolate(way.frames[place.sample], way.frames[place.sample + 1], place.fraction);
@@ -250,14 +265,16 @@ std::vector<ToolPoint> along_run(const Job& job, const Run& run, const FineWay& 
     for (std::size_t j = 0; j <= 2 * half; ++j)
       u95_mm = larger(u95_mm, job.sample(k + job.count() + j - half).u95_mm);
     const Vec3 line_base = (1 - place.fraction) * a + place.fraction * b;
-    points.push_back({.T_base_tcp = pose_at(way, place),
-                      .segment = Segment::Line,
-                      .arc_mm = 0,
-                      .curvature_per_mm = 0,
-                      .line_base = line_base,
-                      .u95_mm = u95_at_tip(u95_mm, job.shared_u95_mm, (place.tip - line_base).norm(),
-                                           job.line.direction_sigma_mm),
-                      .speed_ratio = job.work[k % job.count()].speed_ratio});
+    points.push_back(
+        {.T_base_tcp = pose_at(way, place),
+         .segment = Segment::Line,
+         .arc_mm = 0,
+         .curvature_per_mm = 0,
+         .line_base = line_base,
+         .u95_mm = u95_at_tip(u95_mm, job.shared_u95_mm, (place.tip - line_base).norm(),
+                              job.line.direction_sigma_mm),
+         .speed_ratio = std::min(k_most_speed_ratio, job.work[k % job.count()].speed_ratio *
+                                                         tip_ratio(job, run, way, place.sample))});
   }
   set_curvature(points);
   return points;
@@ -388,7 +405,10 @@ ToolPath make_tool_path(const cloud::ClosedLine& line, const Process& process, d
     ways.push_back(way_of(job, run));
     way_mm += ways.back().mm;
   }
-  ToolPath path{.points = {}, .seam_arc_mm = seam_arc_mm, .spacing_mm = target_spacing_mm(motion, way_mm)};
+  ToolPath path{.points = {},
+                .seam_arc_mm = seam_arc_mm,
+                .spacing_mm = target_spacing_mm(motion, way_mm),
+                .standoff_mm = process.placement.standoff_mm};
   double done_mm = 0;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const ChordError error =

@@ -21,13 +21,14 @@ struct ToolPoint {
   double curvature_per_mm{0};      ///< of the tip's path
   Vec3 line_base;                  ///< the point of the bite line it belongs to
   std::optional<double> u95_mm{};  ///< of the line, carried to the tip; on the line only, none: not known
-  double speed_ratio{1};           ///< of the process's speed, on the line
+  double speed_ratio{1};           ///< the tip's, of the process's speed along the line
 };
 
 struct ToolPath {
   std::vector<ToolPoint> points;
   double seam_arc_mm{0};  ///< along the line as given: where it is entered
   double spacing_mm{0};   ///< of the line's points, at least
+  double standoff_mm{0};  ///< of the tip from what it works on
   /// How far the straight moves between the line's points, and the blends round them, leave the tip's way.
   double chord_error_mm{0};
   double chord_error_arc_mm{0};  ///< where, along the tip's path on the line

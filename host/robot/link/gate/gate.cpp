@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "common/core/fixed_text.hpp"
+#include "host/robot/path/mounted.hpp"
 
 namespace biteline::robot {
 namespace {
@@ -15,6 +16,8 @@ using State = GateRow::State;
 constexpr double k_deg_per_rad = 180 / std::numbers::pi;
 // The path's tool is the process's, or the plan was made for another one; less is rounding.
 constexpr double k_tool_mm = 0.01, k_tool_rad = 1e-4;
+// A table taught anew to the same height: paths keep ten times as much above it.
+constexpr double k_table_mm = 0.1;
 
 template <class... Values>
 std::string text(const char* pattern, Values... values) {
@@ -105,6 +108,21 @@ void add_result_rows(const GateInputs& inputs, std::vector<GateRow>& rows) {
                   "the process's", result.same_payload ? when(*result.same_payload) : State::NotKnown});
 }
 
+/// A row for each part that was taught: without teaching the gate is as it was.
+void add_taught_rows(const ResultFacts& result, std::vector<GateRow>& rows) {
+  const auto add_mm = [&](const char* name, const std::optional<double>& off_mm, double most_mm) {
+    if (!off_mm) return;
+    rows.push_back({Refused::NotAsTaught, name, text("%.2f mm", *off_mm), text("%.2f mm", most_mm),
+                    when(*off_mm <= most_mm)});
+  };
+  add_mm("process's tip from the taught one", result.tip_from_taught_mm, path::k_taught_tip_mm);
+  if (result.payload_as_taught)
+    rows.push_back({Refused::NotAsTaught, "process's payload",
+                    *result.payload_as_taught ? "the taught one" : "another", "the taught one",
+                    when(*result.payload_as_taught)});
+  add_mm("path's table from the taught one", result.table_from_taught_mm, k_table_mm);
+}
+
 /// e-Series arms have a remote control to switch on; the CB3 before it took programs at any time.
 bool is_cb3(const std::string& version) {
   return version.find("URSoftware 3.") != std::string::npos ||
@@ -162,6 +180,7 @@ std::vector<GateRow> judge(const GateInputs& inputs) {
   std::vector<GateRow> rows;
   add_scan_rows(inputs, rows);
   add_result_rows(inputs, rows);
+  add_taught_rows(inputs.result, rows);
   add_arm_rows(inputs, rows);
   return rows;
 }

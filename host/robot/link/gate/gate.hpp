@@ -47,6 +47,10 @@ struct ResultFacts {
   std::optional<std::string> approved_by{};  ///< whose verdict, when; or "automatic" with its figures
   double tool_off_mm{0}, tool_off_rad{0};    ///< the path's tool from the process's
   std::optional<bool> same_payload{};        ///< of path and process; nothing: the process tells none
+  /// Nothing, here and below: it was not taught.
+  std::optional<double> tip_from_taught_mm{};
+  std::optional<bool> payload_as_taught{};
+  std::optional<double> table_from_taught_mm{};  ///< of the height that the path was planned with
 };
 
 /// As the controller and this host say.  What an old controller cannot say is not known.

@@ -41,6 +41,9 @@ void visit(const Visit& v, ResultFacts& result) {
   v("tool_off_mm", result.tool_off_mm);
   v("tool_off_rad", result.tool_off_rad);
   v("same_payload", result.same_payload);
+  v.since("tip_from_taught_mm", result.tip_from_taught_mm);
+  v.since("payload_as_taught", result.payload_as_taught);
+  v.since("table_from_taught_mm", result.table_from_taught_mm);
 }
 
 template <class Visit>
@@ -68,6 +71,11 @@ void visit(const Visit& v, path::GateLimits& limits) {
 
 struct Writer {
   ordered_json& out;
+  /// What older files lack.
+  template <class T>
+  void since(const char* name, const std::optional<T>& value) const {
+    if (value) out[name] = *value;
+  }
   template <class T>
   void operator()(const char* name, const T& value) const {
     out[name] = value;
@@ -86,6 +94,10 @@ struct Reader {
   const ordered_json& in;
   std::string& fault;
 
+  template <class T>
+  void since(const char* name, std::optional<T>& value) const {
+    if (in.is_object() && in.contains(name)) (*this)(name, value);
+  }
   bool take(const char* name, const ordered_json*& value) const {
     const auto found = in.is_object() ? in.find(name) : in.end();
     if (!in.is_object() || found == in.end()) {

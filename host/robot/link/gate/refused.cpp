@@ -20,6 +20,7 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
       Row{Refused::PathNotPassed, "path_not_passed", "see the path's report.json"},
       Row{Refused::TooUncertain, "too_uncertain", "scan again, or ask the process for less"},
       Row{Refused::NotApproved, "not_approved", "look at the result, then --confirm the scan"},
+      Row{Refused::NotAsTaught, "not_as_taught", "teach what is mounted, or mount the process's tool"},
       Row{Refused::ArmMoved, "arm_moved", k_again},
       Row{Refused::NotRemote, "not_remote", "switch the pendant to remote control"},
       Row{Refused::OtherArm, "other_arm", "check --robot and the controller's address"},

@@ -17,6 +17,7 @@ enum class Refused {
   PathNotPassed,    ///< no path, or no free way to it
   TooUncertain,     ///< the line's uncertainty is beyond the tolerance
   NotApproved,      ///< a person has said no, or has not said yes where the process asks
+  NotAsTaught,      ///< tip, payload or table are not what was taught at the cell
   ArmMoved,         ///< since its way was checked
   NotRemote,        ///< the controller is in local control
   OtherArm,         ///< not the configured model

@@ -15,11 +15,11 @@ using path::PlannedPath;
 using path::Segment;
 using path::Waypoint;
 
-// Towards the first waypoint from wherever the arm stands: slow, a person may be near.
-constexpr double k_home_speed_rad_s = 0.5;
-constexpr double k_home_acceleration_rad_s2 = 0.8;
-// movep and movel need a speed above zero; a waypoint where the tip stops takes the next one's.
-constexpr double k_least_speed_mm_s = 1;
+// Towards the first waypoint from wherever the arm stands: URScript's own default.
+constexpr double k_home_acceleration_rad_s2 = 1.4;
+// movep and movel need a speed above zero.  Nothing is planned slower: a tip that is faster than its plan is
+// stopped.
+constexpr double k_least_speed_mm_s = 0.01;
 
 using Line = FixedText<400>;
 
@@ -30,7 +30,7 @@ Line pose_text(const SE3& T) {
 
 Line move_text(const char* command, const Waypoint& to, const PlannedPath& path, double speed_mm_s,
                double blend_mm) {
-  return Line::format("  %s(%s, a=%.4f, v=%.5f, r=%.5f)\n", command, pose_text(to.T_base_tcp).c_str(),
+  return Line::format("  %s(%s, a=%.4f, v=%.6f, r=%.5f)\n", command, pose_text(to.T_base_tcp).c_str(),
                       path.motion.acceleration_mm_s2 / k_mm_per_m,
                       std::max(speed_mm_s, k_least_speed_mm_s) / k_mm_per_m, blend_mm / k_mm_per_m);
 }
@@ -45,16 +45,20 @@ Line payload_text(const path::Payload& payload) {
                       centre_m.z());
 }
 
-Line joint_move_text(const kinematics::Joints& q) {
+Line joint_move_text(const kinematics::Joints& q, double speed_rad_s) {
   return Line::format("  movej([%.8f,%.8f,%.8f,%.8f,%.8f,%.8f], a=%.3f, v=%.3f)\n", q[0], q[1], q[2], q[3],
-                      q[4], q[5], k_home_acceleration_rad_s2, k_home_speed_rad_s);
+                      q[4], q[5], k_home_acceleration_rad_s2, speed_rad_s);
 }
 
 /// The fastest speed of a straight way, which the controller ramps up to and down from by itself.
 double fastest_mm_s(const PlannedPath& path, std::size_t first, std::size_t last) {
   double fastest = 0;
   for (std::size_t i = first; i <= last; ++i) fastest = std::max(fastest, path.waypoints[i].speed_mm_s);
-  return fastest;
+  if (fastest > 0) return fastest;
+  // From stop to stop in one step, as it is timed.
+  const Waypoint& from = path.waypoints[first];
+  const bool worked = from.segment == Segment::Line && path.waypoints[last].segment == Segment::Line;
+  return worked ? path.motion.speed_mm_s * from.speed_ratio : path.motion.approach_speed_mm_s;
 }
 
 /// Straight ways between the waypoints where the tip stops.
@@ -75,8 +79,7 @@ std::string rounded_moves(const char* command, const PlannedPath& path, const pa
   const auto& w = path.waypoints;
   const std::vector<double> blend_mm = path::blend_radii_mm(path::tips_of(path, run), path.motion.blend_mm);
   for (std::size_t i = run.first + 1; i <= run.last; ++i) {
-    const double speed_mm_s = std::max(w[i].speed_mm_s, w[i - 1].speed_mm_s);
-    text += move_text(command, w[i], path, speed_mm_s, blend_mm[i - run.first]).view();
+    text += move_text(command, w[i], path, fastest_mm_s(path, i - 1, i), blend_mm[i - run.first]).view();
   }
   return text;
 }
@@ -91,14 +94,15 @@ std::string urscript(const path::CheckedPath& checked) {
   if (path.payload) text += payload_text(*path.payload).view();
   // Whatever an earlier program left on, the arm does not travel with it.
   if (path.digital_output >= 0) text += output_text(path.digital_output, false).view();
-  for (const kinematics::Joints& via : path.via_rad) text += joint_move_text(via).view();
-  text += joint_move_text(w.front().q_rad).view();
+  for (const kinematics::Joints& via : path.via_rad)
+    text += joint_move_text(via, path.motion.way_there_rad_s).view();
+  text += joint_move_text(w.front().q_rad, path.motion.way_there_rad_s).view();
   std::size_t at = 0;
   for (const path::PathRun& run : path::rounded_runs(path)) {
     const bool on_line = w[run.last].segment == Segment::Line;
     const bool output = on_line && path.digital_output >= 0;
     text += straight_moves(path, at, run.first);
-    if (output) text += output_text(path.digital_output, true).view();
+    if (output) text += output_text(path.digital_output, !path.tool_off).view();
     text += rounded_moves(on_line ? "movep" : "movel", path, run);
     if (output) text += output_text(path.digital_output, false).view();
     at = run.last;

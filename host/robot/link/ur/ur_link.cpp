@@ -31,13 +31,18 @@ enum Field : std::size_t {
   RobotMode,
   SafetyMode,
   RuntimeStatus,
-  SpeedScaling
+  SpeedScaling,
+  PayloadMass,  // from here on only where it is asked for
+  PayloadCentre
 };
-std::vector<rtde::Variable> variables() {
+std::vector<rtde::Variable> variables(bool with_payload) {
   using enum rtde::FieldType;
-  return {{"timestamp", Double},     {"actual_q", Vector6d},   {"actual_TCP_pose", Vector6d},
-          {"tcp_offset", Vector6d},  {"robot_mode", Int32},    {"safety_mode", Int32},
-          {"runtime_state", Uint32}, {"speed_scaling", Double}};
+  std::vector<rtde::Variable> all{{"timestamp", Double},         {"actual_q", Vector6d},
+                                  {"actual_TCP_pose", Vector6d}, {"tcp_offset", Vector6d},
+                                  {"robot_mode", Int32},         {"safety_mode", Int32},
+                                  {"runtime_state", Uint32},     {"speed_scaling", Double}};
+  if (with_payload) all.insert(all.end(), {{"payload", Double}, {"payload_cog", Vector3d}});
+  return all;
 }
 
 // Universal Robots, RTDE guide, tables of robot_mode, safety_mode and runtime_state.
@@ -84,6 +89,13 @@ Result<RobotState> to_state(std::span<const rtde::Value> values) {
   state.program_running = std::get<std::uint32_t>(values[RuntimeStatus]) != k_runtime_stopped;
   const double speed = std::get<double>(values[SpeedScaling]);
   state.speed_ratio = std::isfinite(speed) ? speed : 0;
+  if (values.size() > PayloadCentre) {
+    const double mass_kg = std::get<double>(values[PayloadMass]);
+    const auto& centre_m = std::get<rtde::Vector3>(values[PayloadCentre]);
+    if (std::isfinite(mass_kg) && std::ranges::all_of(centre_m, [](double v) { return std::isfinite(v); }))
+      state.payload = path::Payload{
+          .mass_kg = mass_kg, .centre_flange_mm = k_mm_per_m * Vec3{centre_m[0], centre_m[1], centre_m[2]}};
+  }
   return state;
 }
 
@@ -156,7 +168,8 @@ UrLink::~UrLink() {
 
 void UrLink::run() {
   rtde::ClientSession session{
-      {.outputs = {{.variables = variables(), .frequency_hz = config_.rate_hz}}, .inputs = {}}};
+      {.outputs = {{.variables = variables(config_.ask_payload), .frequency_hz = config_.rate_hz}},
+       .inputs = {}}};
   while (!stopping_) {
     const Result<void> ended = serve_connection(session);
     note_session(session);

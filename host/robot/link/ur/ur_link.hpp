@@ -31,6 +31,8 @@ class UrLink final : public RobotLink {
     std::uint16_t dashboard_port{29999};
     double rate_hz{0};  ///< 0: the controller's own
     double connect_patience_s{2};
+    /// Also asks for the payload.  A controller before 3.11 or 5.5.1 refuses the question: open() fails.
+    bool ask_payload{false};
   };
 
   /// Fails when the first connection does or is refused for good, and when no usable state comes in time;

@@ -23,7 +23,7 @@ struct Waypoint {
   /// Radius about the tip, in the plane across its way, that holds with 95 % where it ought to be; only on
   /// the line; none: not known.
   std::optional<double> u95_mm{};
-  double speed_ratio{1};  ///< of the process's speed, on the line
+  double speed_ratio{1};  ///< the tip's, of the process's speed along the line
 };
 
 struct PlannedPath {
@@ -33,6 +33,7 @@ struct PlannedPath {
   std::optional<Payload> payload{};
   Motion motion;  ///< as the process has it, but for the spacing, which is what the path was made with
   int digital_output{-1};
+  bool tool_off{false};                       ///< the output is switched off where it would be switched on
   std::vector<kinematics::Joints> via_rad{};  ///< postures on the arm's way to the first waypoint (way_there)
   std::vector<Waypoint> waypoints;
 };

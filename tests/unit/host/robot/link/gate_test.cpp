@@ -94,6 +94,13 @@ const std::vector<Change>& bad_changes() {
       {"tool turned", [](GateInputs& in) { in.result.tool_off_rad = 0.1; }, Refused::OtherTool},
       {"tool NaN", [](GateInputs& in) { in.result.tool_off_mm = k_nan; }, Refused::OtherTool},
       {"other payload", [](GateInputs& in) { in.result.same_payload = false; }, Refused::OtherPayload},
+      {"another tip than taught", [](GateInputs& in) { in.result.tip_from_taught_mm = 1.01; },
+       Refused::NotAsTaught},
+      {"tip NaN", [](GateInputs& in) { in.result.tip_from_taught_mm = k_nan; }, Refused::NotAsTaught},
+      {"another payload than taught", [](GateInputs& in) { in.result.payload_as_taught = false; },
+       Refused::NotAsTaught},
+      {"table taught anew", [](GateInputs& in) { in.result.table_from_taught_mm = 0.2; },
+       Refused::NotAsTaught},
       {"arm not held", [](GateInputs& in) { in.arm.held = false; }, Refused::ArmNotHeld}};
   return k_changes;
 }

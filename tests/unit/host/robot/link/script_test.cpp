@@ -5,10 +5,13 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <numbers>
 #include <sstream>
+#include <utility>
 
 #include "host/robot/link/ur/units.hpp"
+#include "host/robot/path/first_run.hpp"
 #include "tests/support/transforms.hpp"
 #include "tests/unit/host/robot/link/planned.hpp"
 
@@ -85,6 +88,22 @@ TEST(UrScript, ToolIsOffOnEveryWayThatIsNotTheLine) {
   CHECK_FALSE(on);
 }
 
+/// Of a run in the air: whatever was on before.
+TEST(UrScript, WithTheToolOffItIsSwitchedOffAtEachPlaceAndNeverOn) {
+  const path::PlanOutcome outcome = path::plan(path::first_run(test::plan_request("grind.yaml")));
+  CHECK_TEXT(outcome.path.has_value(), outcome.reason().c_str());
+  lines.clear();
+  std::istringstream text{urscript(*outcome.path)};
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  CHECK_EQUAL(0U, count("True"));
+  CHECK_EQUAL(3U, count("set_standard_digital_out(0, False)"));
+  const auto first = [&](const char* word) {
+    return std::ranges::find_if(
+        lines, [&](const std::string& line) { return line.find(word) != std::string::npos; });
+  };
+  CHECK(first("digital_out") < first("  move"));
+}
+
 TEST(UrScript, WithZonesTheToolIsOnOnEachStretchAndOffBetween) {
   path::PlanRequest asked = test::plan_request("grind.yaml");
   asked.line = path::test::made_line({.taper = 0.15});
@@ -117,6 +136,25 @@ TEST(UrScript, WithZonesTheToolIsOnOnEachStretchAndOffBetween) {
   // The way back to the side: lifted, with a blend at each target.
   CHECK(rounded > 3);
   CHECK(lowest_m > 0.001 * (85 + asked.process.motion.lift_mm));
+}
+
+TEST(UrScript, LastWayToTheShoeIsAtTheApproachSpeedHoweverShortAndWhereverTheToolWorks) {
+  for (const auto& [approach_mm, up_mm] : {std::pair{12.0, 3.0}, {12.0, 7.0}, {8.0, 3.0}, {30.0, 3.0}}) {
+    path::PlanRequest asked = test::plan_request("grind.yaml");
+    asked.process.motion.approach_mm = approach_mm;
+    asked.process.placement.up_mm = up_mm;
+    const path::PlanOutcome outcome = path::plan(asked);
+    CHECK_TEXT(outcome.path.has_value(), outcome.reason().c_str());
+    std::istringstream text{urscript(*outcome.path)};
+    std::string last_straight, line;
+    while (std::getline(text, line) && line.find("movep") == std::string::npos) {
+      if (line.find("movel") != std::string::npos) last_straight = line;
+    }
+    const std::size_t at = last_straight.find("v=");
+    CHECK(at != std::string::npos);
+    DOUBLES_EQUAL_TEXT(0.001 * asked.process.motion.approach_speed_mm_s,
+                       std::strtod(last_straight.c_str() + at + 2, nullptr), 1e-6, last_straight.c_str());
+  }
 }
 
 TEST(UrScript, PayloadOfTheProcessIsSetBeforeTheArmMoves) {

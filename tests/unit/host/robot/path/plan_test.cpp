@@ -120,6 +120,23 @@ TEST(Plan, FreeTurnStaysWithinTheToolsFreedom) {
   }
 }
 
+TEST(Plan, PathBeginsNearToWhereTheArmStands) {
+  PlanRequest asked = request("UR5e", "spray.yaml");
+  const PlanOutcome anywhere = plan(asked);
+  CHECK(anywhere.path.has_value());
+  const auto way_rad = [&](const PlanOutcome& outcome) {
+    return (outcome.path->path().waypoints.front().q_rad - *asked.near_rad).cwiseAbs().maxCoeff();
+  };
+  // The wrist a turn less a little farther than it would be by itself, as a scan leaves it.
+  kinematics::Joints stands_rad = anywhere.path->path().waypoints.front().q_rad;
+  stands_rad[5] += stands_rad[5] > 0 ? -4.5 : 4.5;
+  asked.near_rad = stands_rad;
+  const PlanOutcome sut = plan(asked);
+  CHECK_TEXT(sut.path.has_value(), sut.reason().c_str());
+  CHECK(way_rad(anywhere) > 4);
+  CHECK(way_rad(sut) < 1);
+}
+
 TEST(Plan, ShoeOutOfReachIsRefusedWithAMoveThatHelps) {
   PlanRequest asked = request("UR5e", "grind.yaml");
   const Vec3 away{200, 50, 0};
@@ -166,7 +183,7 @@ TEST(Plan, OpenLineIsRefusedBeforeAnythingElse) {
 }
 
 TEST(Plan, EveryRefusalHasItsRow) {
-  biteline::test::check_refusal_table(Refused::NoFreeWayToBegin);
+  biteline::test::check_refusal_table(Refused::NotAsTaught);
 }
 
 TEST_GROUP(CheckPath) {

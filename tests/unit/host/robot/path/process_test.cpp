@@ -78,11 +78,13 @@ TEST(ProcessFile, UnknownKeysAndImpossibleValuesAreNamed) {
     const char* named;
   };
   for (const Row& row :
-       {Row{"up_mm", "upp_mm", "up_mm"}, Row{"blend_mm: 1", "blend_mm: 0.8", "blend_mm"},
+       {Row{"up_mm", "upp_mm", "up_mm"},
+        Row{"blend_mm: 1", "blend_mm: 0.8", "blend_mm"},
         Row{"payload_kg", "weight_kg", "payload_kg"},
         Row{"payload_kg: 1.8", "payload_kg: .nan", "payload_kg"},
         Row{"[0, 0, 70]", "[0, 0, 7000]", "payload_centre_mm"},
-        Row{"tilt_deg: 60", "tilt_deg: 600", "tilt_deg"}, Row{"start: auto", "start: heel", "start"},
+        Row{"tilt_deg: 60", "tilt_deg: 600", "tilt_deg"},
+        Row{"start: auto", "start: heel", "start"},
         Row{"[0, 0, 180]", "[0, 180]", "tcp_position_mm"},
         Row{"gate:", "zones:\n  - {name: a, where: toe, sped_ratio: 2}\ngate:", "zones[0].sped_ratio"},
         Row{"gate:", "zones:\n  - {name: a, where: toe}\n  - {name: b, passes: 2}\ngate:",
@@ -96,7 +98,10 @@ TEST(ProcessFile, UnknownKeysAndImpossibleValuesAreNamed) {
         Row{"gate:", "zones:\n  - {name: a, where: toe, passes: 1.5}\ngate:", "zones[0].passes"},
         Row{"gate:", "zones:\n  - {name: a, where: toe, work: skip}\ngate:", "zones[0].work"},
         Row{"gate:", "zones:\n  - {where: toe}\ngate:", "zones[0].name"},
-        Row{"gate:", "zones: [toe]\ngate:", "zones[0]"}, Row{"gate:", "zones: toe\ngate:", "zones"}}) {
+        Row{"speed_mm_s: 60\n  minimum_speed_mm_s: 8", "speed_mm_s: 0.15\n  minimum_speed_mm_s: 0.1",
+            "follow.stall_s"},
+        Row{"gate:", "zones: [toe]\ngate:", "zones[0]"},
+        Row{"gate:", "zones: toe\ngate:", "zones"}}) {
     const auto process = read_changed(row.from, row.to);
     CHECK_FALSE_TEXT(process.has_value(), row.to);
     CHECK_TEXT(process.error().where.view().find(row.named) != std::string_view::npos,

@@ -3,6 +3,7 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace biteline::path {
@@ -67,6 +68,40 @@ TEST(Timing, JointsKeepTheirShareOfTheirSpeed) {
   DOUBLES_EQUAL(0.5 * arm.limits.speed_rad_s[0] / 0.05, t.speed_mm_s[100], 1e-6);
   const JointAcceleration worst = worst_acceleration(arm, way.path, way.joints, t);
   CHECK(worst.ratio <= 1.0);
+}
+
+TEST(Timing, WhatABendLeavesOfAJointIsForSpeedingUpAndNoMore) {
+  Way way = straight(401, 0.01);
+  // Joint 2 swings to and fro: the most of its bend is 1 rad/s2 at 100 mm/s.
+  constexpr double k_swing_mm = 40;
+  for (std::size_t i = 0; i < way.joints.q_rad.size(); ++i) {
+    const double phase = way.path.points[i].arc_mm / k_swing_mm;
+    way.joints.q_rad[i][1] = 0.4 * std::sin(phase);
+  }
+  motion.speed_mm_s = 400;
+  motion.acceleration_mm_s2 = 5000;
+  motion.joint_speed_ratio = 1;
+  const Timing t = time_path(arm, way.path, way.joints, motion);
+  const JointAcceleration worst = worst_acceleration(arm, way.path, way.joints, t);
+  CHECK(worst.ratio <= 1.1);
+  // Nine tenths of the limit where the swing turns.
+  const double fastest_mm_s =
+      std::sqrt(0.9 * arm.limits.acceleration_rad_s2[1] / (0.4 / (k_swing_mm * k_swing_mm)));
+  CHECK(*std::max_element(t.speed_mm_s.begin(), t.speed_mm_s.end()) >= 0.98 * fastest_mm_s);
+}
+
+TEST(Timing, OnlyTheTipNearTheLineIsSlowOnItsWayIn) {
+  Way way = straight(101, 0);
+  for (ToolPoint& point : way.path.points) {
+    point.segment = Segment::Approach;
+    point.line_base = way.path.points.back().T_base_tcp.translation();
+  }
+  motion.approach_mm = 20;
+  motion.approach_speed_mm_s = 30;
+  motion.transfer_speed_mm_s = 150;
+  const Timing t = time_path(arm, way.path, way.joints, motion);
+  DOUBLES_EQUAL(150, t.speed_mm_s[50], 1e-9);
+  DOUBLES_EQUAL(30, t.speed_mm_s[95], 1e-9);
 }
 
 }  // namespace biteline::path

@@ -122,6 +122,24 @@ TEST(ToolPath, IsEquivariantUnderTurningTheShoe) {
     TRANSFORMS_EQUAL(T * a.points[i].T_base_tcp, b.points[i].T_base_tcp, 1e-6, 1e-8);
 }
 
+TEST(ToolPath, TipThatStandsOffGoesFasterRoundTheToeThanItsPlaceOnTheLine) {
+  const auto ratios = [&](const TipPlacement& placement) {
+    double most = 0, least = 1e9;
+    for (const ToolPoint& point : on_line(make_tool_path(line, process_with(placement), 50))) {
+      most = std::max(most, point.speed_ratio);
+      least = std::min(least, point.speed_ratio);
+    }
+    return std::pair{least, most};
+  };
+  // The oval's ends have a radius of 55^2 / 135 = 22 mm, its sides one of 331 mm: 60 mm farther out.
+  const auto [side, toe] = ratios({.standoff_mm = 60});
+  DOUBLES_EQUAL((331 + 60) / 331.0, side, 0.08);
+  CHECK(toe > 2 && toe <= 3);
+  const auto [least, most] = ratios({});
+  DOUBLES_EQUAL(1, least, 0);
+  DOUBLES_EQUAL(1, most, 0);
+}
+
 TEST(ToolPath, SeamAvoidsToeAndHeel) {
   const std::vector<double> seams = seam_candidates(line, {});
   CHECK(seams.size() >= 4 && seams.size() <= 8);

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#include "host/robot/path/mounted.hpp"
+
+#include <cmath>
+
+#include "common/core/fixed_text.hpp"
+
+namespace biteline::path {
+
+std::optional<double> tip_off_mm(const Process& process, const Mounted& mounted) {
+  if (!mounted.tip_flange) return std::nullopt;
+  return (process.tool.T_flange_tcp.translation() - *mounted.tip_flange).norm();
+}
+
+std::optional<bool> carries_as_taught(const Process& process, const Mounted& mounted) {
+  if (!mounted.payload || !process.tool.payload) return std::nullopt;
+  return std::abs(process.tool.payload->mass_kg - mounted.payload->mass_kg) <= k_taught_payload_kg &&
+         (process.tool.payload->centre_flange_mm - mounted.payload->centre_flange_mm).norm() <=
+             k_taught_centre_mm;
+}
+
+std::vector<Check> check_mounted(const Process& process, const Mounted& mounted) {
+  std::vector<Check> checks;
+  if (const std::optional<double> off_mm = tip_off_mm(process, mounted)) {
+    const Vec3& tip = *mounted.tip_flange;
+    checks.push_back({.name = "tip as taught",
+                      .passed = *off_mm <= k_taught_tip_mm,
+                      .value = *off_mm,
+                      .limit = k_taught_tip_mm,
+                      .unit = "mm",
+                      .arc_mm = -1,
+                      .detail = {}});
+    if (!checks.back().passed) {
+      const Vec3 own = process.tool.T_flange_tcp.translation();
+      checks.back().detail = FixedText<200>::format(
+                                 "the process's tip stands at (%.1f, %.1f, %.1f) mm in the flange, the one "
+                                 "taught at (%.1f, %.1f, %.1f)",
+                                 own.x(), own.y(), own.z(), tip.x(), tip.y(), tip.z())
+                                 .view();
+    }
+  }
+  if (const std::optional<bool> same = carries_as_taught(process, mounted)) {
+    const double off_kg = std::abs(process.tool.payload->mass_kg - mounted.payload->mass_kg);
+    const double off_mm = (process.tool.payload->centre_flange_mm - mounted.payload->centre_flange_mm).norm();
+    const bool by_mass = off_kg > k_taught_payload_kg || *same;
+    checks.push_back({.name = "payload as taught",
+                      .passed = *same,
+                      .value = by_mass ? off_kg : off_mm,
+                      .limit = by_mass ? k_taught_payload_kg : k_taught_centre_mm,
+                      .unit = by_mass ? "kg" : "mm",
+                      .arc_mm = -1,
+                      .detail = {}});
+    if (!*same) {
+      checks.back().detail = FixedText<160>::format("the process carries %.2f kg, %.2f kg were taught%s",
+                                                    process.tool.payload->mass_kg, mounted.payload->mass_kg,
+                                                    by_mass ? "" : ", with another centre")
+                                 .view();
+    }
+  }
+  return checks;
+}
+
+}  // namespace biteline::path

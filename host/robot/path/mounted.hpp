@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file What is mounted at a cell as it was taught, and whether a process is made for it.
+
+#include <optional>
+#include <vector>
+
+#include "host/robot/path/checks/line_check.hpp"
+#include "host/robot/path/process.hpp"
+
+namespace biteline::path {
+
+/// What was not taught is not checked.
+struct Mounted {
+  std::optional<Vec3> tip_flange{};  ///< mm
+  std::optional<Payload> payload{};
+  std::optional<double> table_z_mm{};  ///< in the robot's base
+};
+
+/// A taught tip is known to 0.5 mm and better, and files have whole millimetres: more is another tool, or a
+/// bent one.
+inline constexpr double k_taught_tip_mm = 1;
+/// As good as a controller's own estimate of what it carries.
+inline constexpr double k_taught_payload_kg = 0.1, k_taught_centre_mm = 20;
+
+/// Of the process's tip from the taught one, mm; nothing: none was taught.
+[[nodiscard]] std::optional<double> tip_off_mm(const Process& process, const Mounted& mounted);
+/// The process carries what was taught; nothing: none was taught, or the process tells none.
+[[nodiscard]] std::optional<bool> carries_as_taught(const Process& process, const Mounted& mounted);
+
+/// A row for each part that was taught; empty: nothing was.
+[[nodiscard]] std::vector<Check> check_mounted(const Process& process, const Mounted& mounted);
+
+}  // namespace biteline::path

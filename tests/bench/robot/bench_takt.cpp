@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT
+// bench_takt [SHOES [SPEED]]: what a whole shoe takes in made time, for each shipped process: grown-ups' made
+// shoes, size 42, before a UR10e, scanned at SPEED mm/s (350).  The scan is the one that the simulated cell
+// makes; the path is the planner's, from where the scan leaves the arm, laid out in time by the simulated
+// controller's program.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "hal/sim/live/reachable_scan.hpp"
+#include "hal/sim/robot/program.hpp"
+#include "hal/sim/shoe/scanned_cloud.hpp"
+#include "host/robot/link/ur/script.hpp"
+#include "host/robot/path/checks/way_there.hpp"
+#include "host/robot/path/plan.hpp"
+#include "tests/support/made_pair.hpp"
+
+namespace biteline::bench {
+namespace {
+
+constexpr const char* k_arm = "ur10e";
+/// The bars of a factory's takt: the spray's whole shoe; of the others all but the work along the line.
+constexpr double k_whole_s = 12, k_others_s = 6, k_scan_s = 3;
+/// Line and path are computed in real time, while the arm comes to rest; this much they may take.
+constexpr double k_computed_s = 0.2;
+/// Of the table: a shoe that stands higher stands on a block, since no table is higher than the arm's
+/// shoulder.
+constexpr double k_table_z_mm = 60;
+constexpr std::uint64_t k_first_seed = 5;
+
+struct Shoe {
+  std::unique_ptr<sim::MadeScene> scene;
+  std::shared_ptr<const sim::ArmScan> scan;
+  cloud::ClosedLine line;
+  std::vector<Eigen::Vector3f> points;
+};
+
+Result<Shoe> make_shoe(std::uint64_t seed, double speed_mm_s, const sim::ArmKinematics& arm) {
+  const sim::SceneSettings settings{
+      .shoe = sim::draw_shoe(sim::ShoeClass::Deep, seed, sim::length_of_size_mm(42)),
+      .place_seed = seed,
+      .places = sim::places_within_reach_of(k_arm),
+      .holder = sim::Holder::Bracket,
+      .scan_speed_mm_s = speed_mm_s,
+      .fineness = {.column_mm = 2, .fine_row_mm = 1, .fine_band_mm = 4, .coarse_row_mm = 2}};
+  Shoe shoe;
+  BITELINE_ASSIGN(shoe.scene, sim::make_scene(settings));
+  BITELINE_ASSIGN(const sim::ReachableScan reachable, sim::place_within_reach(*shoe.scene, arm, k_arm));
+  shoe.scan = reachable.scan;
+  shoe.line = test::as_line(shoe.scene->line, shoe.scene->T_base_shoe);
+  shoe.points = sim::scan_quickly(shoe.scene->shoe, {.profile_step_mm = 2, .column_step_mm = 0.5},
+                                  shoe.scene->T_base_shoe)
+                    .points;
+  return shoe;
+}
+
+/// Seconds of made time.
+struct Takt {
+  double scan_s{0};  ///< of the stripe, from begin to end
+  double rest_s{0};  ///< from there until the arm stands
+  double there_s{0}, approach_s{0}, work_s{0}, retreat_s{0};
+  double planned_s{0};  ///< approach to retreat as the planner has them
+  [[nodiscard]] double path_s() const { return approach_s + work_s + retreat_s; }
+  [[nodiscard]] double whole_s() const {
+    return scan_s + std::max(rest_s, k_computed_s) + there_s + path_s();
+  }
+};
+
+/// How long the program's first `steps` steps last.
+double lasts_s(const sim::Script& script, std::size_t steps, const sim::ArmKinematics& arm) {
+  sim::Script part = script;
+  part.steps.resize(steps);
+  return sim::Program::plan(part, arm, arm.T_base_flange(*script.start_rad), SE3::Identity()).duration_s();
+}
+
+/// Step behind the last move of this kind; 0: there is none.
+std::size_t behind_last(const sim::Script& script, sim::MoveStep::Kind kind) {
+  std::size_t behind = 0;
+  for (std::size_t i = 0; i < script.steps.size(); ++i) {
+    const auto* move = std::get_if<sim::MoveStep>(&script.steps[i]);
+    if (move != nullptr && move->kind == kind) behind = i + 1;
+  }
+  return behind;
+}
+std::size_t first_of(const sim::Script& script, sim::MoveStep::Kind kind) {
+  for (std::size_t i = 0; i < script.steps.size(); ++i) {
+    const auto* move = std::get_if<sim::MoveStep>(&script.steps[i]);
+    if (move != nullptr && move->kind == kind) return i;
+  }
+  return script.steps.size();
+}
+
+Result<Takt> takt_of(const Shoe& shoe, const path::Process& process, const sim::ArmKinematics& arm) {
+  const path::PlanRequest request{
+      .line = shoe.line,
+      .process = process,
+      .arm = *kinematics::arm_model("UR10e"),
+      .T_line_base = SE3::Identity(),
+      .table_z_mm = std::min(k_table_z_mm, shoe.scene->T_base_shoe.translation().z()),
+      .shoe = {},
+      .from_rad = shoe.scan->q_rad_at(shoe.scan->duration_s()),
+      .cloud = shoe.points,
+      .seek_remedy = false};
+  const path::PlanOutcome planned = path::plan(request);
+  if (!planned.path) return fail(Errc::CheckFailed, "%s", planned.reason().c_str());
+  BITELINE_ASSIGN(sim::Script script, sim::parse_script(robot::ur::urscript(*planned.path)));
+  script.start_rad = request.from_rad;
+  using Kind = sim::MoveStep::Kind;
+  const double there_s = lasts_s(script, behind_last(script, Kind::Joint), arm),
+               line_s = lasts_s(script, first_of(script, Kind::Process), arm),
+               worked_s = lasts_s(script, behind_last(script, Kind::Process), arm),
+               all_s = lasts_s(script, script.steps.size(), arm);
+  return Takt{.scan_s = shoe.scan->full_until_s() - shoe.scan->full_from_s(),
+              .rest_s = shoe.scan->duration_s() - shoe.scan->full_until_s(),
+              .there_s = there_s,
+              .approach_s = line_s - there_s,
+              .work_s = worked_s - line_s,
+              .retreat_s = all_s - worked_s,
+              .planned_s = planned.path->duration_s()};
+}
+
+void row(const std::string& part, const std::string& what, double seconds, double target) {
+  std::printf("{\"bench\":\"takt.%s\",\"what\":\"%s\",\"ours\":%.3f,\"unit\":\"s\",\"target\":%.3g}\n",
+              part.c_str(), what.c_str(), seconds, target);
+  std::fflush(stdout);
+}
+
+void rows_of(const std::string& process, const std::string& shoe, const Takt& takt) {
+  const std::string what = process + ", " + shoe;
+  row("way_there", what + ": from the scan's end to the path's beginning", takt.there_s, 0);
+  row("approach", what, takt.approach_s, 0);
+  row("work", what, takt.work_s, 0);
+  row("retreat", what, takt.retreat_s, 0);
+  row("path_planned", what + ": approach to retreat as planned", takt.planned_s, 0);
+  const bool spray = process == "spray";
+  const double counts_s = spray ? takt.whole_s() : takt.whole_s() - takt.work_s;
+  const std::string words = spray ? ": scan, rest, way there, approach, work, retreat"
+                                  : ": scan, rest, way there, approach, retreat";
+  const double bar_s = spray ? k_whole_s : k_others_s;
+  row(spray ? "whole" : "without_work", what + words, counts_s, bar_s);
+  row(spray ? "whole_but_the_way_there" : "without_work_and_way_there", what, counts_s - takt.there_s, bar_s);
+}
+
+int run(std::uint64_t shoes, double speed_mm_s) {
+  const auto arm = sim::ArmKinematics::named(k_arm);
+  for (std::uint64_t seed = k_first_seed; seed < k_first_seed + shoes; ++seed) {
+    const Result<Shoe> shoe = make_shoe(seed, speed_mm_s, *arm);
+    if (!shoe) {
+      std::fprintf(stderr, "bench_takt: shoe %d: %s\n", static_cast<int>(seed),
+                   to_line(shoe.error()).c_str());
+      return 1;
+    }
+    const std::string name = "shoe " + std::to_string(seed) + " of size 42, UR10e";
+    row("scan", name + ": of the stripe, from begin to end",
+        shoe->scan->full_until_s() - shoe->scan->full_from_s(), k_scan_s);
+    row("scan_comes_to_rest", name, shoe->scan->duration_s() - shoe->scan->full_until_s(), 0);
+    for (const char* file : {"spray", "cement", "grind", "rough"}) {
+      const Result<path::Process> process =
+          path::read_process(std::filesystem::path{BITELINE_PROCESSES} / (std::string{file} + ".yaml"));
+      const Result<Takt> takt =
+          process ? takt_of(*shoe, *process, *arm) : Result<Takt>{tl::unexpected<Error>{process.error()}};
+      if (takt) {
+        rows_of(file, name, *takt);
+      } else {
+        std::fprintf(stderr, "bench_takt: %s, %s: %s\n", file, name.c_str(), to_line(takt.error()).c_str());
+      }
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace biteline::bench
+
+int main(int argc, char** argv) {
+  const int shoes = argc > 1 ? std::atoi(argv[1]) : 3;
+  const double speed_mm_s = argc > 2 ? std::atof(argv[2]) : 350;
+  if (shoes < 1 || !(speed_mm_s > 0)) {
+    std::fprintf(stderr, "usage: bench_takt [SHOES [SPEED]]\n");
+    return 2;
+  }
+  return biteline::bench::run(static_cast<std::uint64_t>(shoes), speed_mm_s);
+}
