@@ -8,8 +8,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <cctype>
 #include <cerrno>
 #include <chrono>
 #include <mutex>
@@ -71,7 +73,32 @@ bool wait_for(int fd, short events, Clock::time_point until) {
   return left > 0 && ::poll(&polled, 1, static_cast<int>(left)) > 0;
 }
 
-void answer(int fd, const std::string& body) {
+/// Of `Authorization: Bearer TOKEN`; empty: there is none.  Names of headers and the scheme in any case
+/// (RFC 9110).
+std::string token_in(const std::string& request) {
+  std::string lower = request;
+  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  constexpr std::string_view k_header = "\r\nauthorization: bearer ";
+  const std::size_t at = lower.find(k_header);
+  if (at == std::string::npos) return {};
+  const std::size_t begin = at + k_header.size();
+  return request.substr(begin, request.find_first_of(" \r\n", begin) - begin);
+}
+
+struct Reply {
+  const char* head;  ///< status, and the headers of that status
+  std::string_view content;
+};
+
+Reply reply_to(const std::string& request, const std::string& body, const MetricsPort::MayRead& may_read) {
+  if (!request.starts_with("GET /metrics ")) return {"404 Not Found", "GET /metrics expected\n"};
+  if (!may_read(token_in(request)))
+    return {"401 Unauthorized\r\nWWW-Authenticate: Bearer",
+            "a token expected, see biteline-fleet --metrics-token\n"};
+  return {"200 OK", body};
+}
+
+void answer(int fd, const std::string& body, const MetricsPort::MayRead& may_read) {
   const Clock::time_point until = Clock::now() + k_patience;
   std::string request;
   while (request.find("\r\n\r\n") == std::string::npos) {
@@ -81,14 +108,14 @@ void answer(int fd, const std::string& body) {
     if (got <= 0) return;
     request.append(bytes.data(), static_cast<std::size_t>(got));
   }
-  const bool known = request.starts_with("GET /metrics ");
-  const std::string_view content = known ? std::string_view{body} : "GET /metrics expected\n";
-  std::string reply = known ? "HTTP/1.1 200 OK\r\nContent-Type: text/plain; version=0.0.4; charset=utf-8\r\n"
-                            : "HTTP/1.1 404 Not Found\r\nContent-Type: text/plain; charset=utf-8\r\n";
-  reply.append("Connection: close\r\nContent-Length: ")
+  const auto [head, content] = reply_to(request, body, may_read);
+  std::string reply = "HTTP/1.1 ";
+  reply.append(head)
+      .append("\r\nContent-Type: text/plain; version=0.0.4; charset=utf-8\r\nConnection: close\r\n")
+      .append("Content-Length: ")
       .append(std::to_string(content.size()))
-      .append("\r\n\r\n");
-  reply.append(content);
+      .append("\r\n\r\n")
+      .append(content);
   for (std::size_t sent = 0; sent < reply.size();) {
     if (!wait_for(fd, POLLOUT, until)) return;
     const ssize_t now = ::send(fd, reply.data() + sent, reply.size() - sent, MSG_DONTWAIT | MSG_NOSIGNAL);
@@ -125,6 +152,7 @@ struct MetricsPort::State {
   std::uint16_t port{0};
   std::mutex mutex{};
   std::string text{};
+  MayRead may_read{};
   std::atomic<bool> stop{false};
   std::thread thread{};
 
@@ -148,7 +176,7 @@ struct MetricsPort::State {
         const std::lock_guard lock{mutex};
         body = text;
       }
-      answer(client, body);
+      answer(client, body, may_read);
       ::close(client);
     }
   }
@@ -161,8 +189,9 @@ MetricsPort::~MetricsPort() {
   if (state_->thread.joinable()) state_->thread.join();
 }
 
-Result<std::unique_ptr<MetricsPort>> MetricsPort::open(std::uint16_t port) {
+Result<std::unique_ptr<MetricsPort>> MetricsPort::open(std::uint16_t port, MayRead may_read) {
   auto state = std::make_unique<State>();
+  state->may_read = std::move(may_read);
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(port);

@@ -3,6 +3,7 @@
 /// \file The fleet in Prometheus' text form (exposition format 0.0.4), and the port that gives it.
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -29,12 +30,15 @@ struct FleetNews {
 
 [[nodiscard]] std::string metrics_text(const FleetNews& news);
 
-/// GET /metrics on loopback, one client at a time, each for 2 s at most.
-/// Thread: one of its own ("bl-metrics"); the methods are safe from any.
+/// GET /metrics on loopback for who shows a token (Authorization: Bearer TOKEN), one client at a time, each
+/// for 2 s at most. Thread: one of its own ("bl-metrics"); the methods are safe from any.
 class MetricsPort {
  public:
+  /// Whether this token may read; on the port's thread.
+  using MayRead = std::function<bool(const std::string& token)>;
+
   /// 0: any free port.  Errc::PeerRefused: the port is taken.
-  [[nodiscard]] static Result<std::unique_ptr<MetricsPort>> open(std::uint16_t port);
+  [[nodiscard]] static Result<std::unique_ptr<MetricsPort>> open(std::uint16_t port, MayRead may_read);
   ~MetricsPort();
 
   [[nodiscard]] std::uint16_t port() const;

@@ -2,14 +2,18 @@
 #pragma once
 /// \file Recordings that the centre has asked cells for, in its database.
 
+#include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "host/fleet/centre.hpp"
+#include "host/fleet/recording_limits.hpp"
 
 namespace biteline::fleet {
 
-enum class FetchState { Asked, Coming, Whole, Refused };
+/// Removed: it was whole, and went by age or space.
+enum class FetchState { Asked, Coming, Whole, Refused, Removed };
 [[nodiscard]] const char* to_text(FetchState state);
 
 struct FetchRow {
@@ -21,11 +25,15 @@ struct FetchRow {
   int tries{0};                    ///< times that what came was not the whole that was told
   std::string words;               ///< why it was refused, or where it stands
   bool online{false};              ///< its cell
+  bool marked{false};              ///< stays, however old it is
 };
 
 /// Thread: the centre's owner.
 class Recordings {
  public:
+  /// Where a recording that is whole stands.
+  using FileOf = std::function<std::filesystem::path(const FetchRow&)>;
+
   explicit Recordings(Centre& centre) : centre_{centre} {}
 
   /// The number of the fetch; one that is open already is that one.  Of a scan name that more than one memory
@@ -36,11 +44,17 @@ class Recordings {
   [[nodiscard]] Result<std::vector<FetchRow>> list();
   /// The oldest open one of each cell.
   [[nodiscard]] Result<std::vector<FetchRow>> open();
-  /// All but what names it; one that has ended stays as it is.
+  /// All but what names it and its mark; one that has ended stays as it is.  One that is whole takes the
+  /// place of an older one of the same scan, and its mark.
   [[nodiscard]] Result<void> note(const FetchRow& row);
+  /// Of the newest that is whole.  Errc::InvalidArgument: none of this scan is here.
+  [[nodiscard]] Result<void> mark(const std::string& cell, const std::string& scan, bool marked);
+  /// Removes what is beyond the limits, and notes what is gone.  A file that cannot be removed is told in its
+  /// row.
+  [[nodiscard]] Result<void> tidy(const RecordingLimits& limits, const FileOf& file_of);
 
  private:
-  [[nodiscard]] Result<std::vector<FetchRow>> rows(const std::string& where);
+  [[nodiscard]] Result<std::vector<FetchRow>> rows(const std::string& rest);
   Centre& centre_;
 };
 

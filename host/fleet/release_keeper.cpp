@@ -6,6 +6,7 @@
 
 #include <cerrno>
 
+#include "host/records/digest/digest.hpp"
 #include "host/records/report/report.hpp"
 
 namespace biteline::fleet {
@@ -44,10 +45,16 @@ Result<void> add_bytes(const fs::path& file, const std::string& bytes) {
                     file.c_str());
 }
 
+/// Of whoever's order; 0: it cannot be read.
+std::int64_t number_of(const std::string& order_text) {
+  const Result<release::Order> order = release::read_order(order_text);
+  return order ? order->number : 0;
+}
+
 }  // namespace
 
-ReleaseKeeper::ReleaseKeeper(fs::path folder, fs::path key, Ask ask)
-    : shelf_{std::move(folder)}, key_{std::move(key)}, ask_{std::move(ask)} {}
+ReleaseKeeper::ReleaseKeeper(fs::path folder, fs::path key, std::string cell, Ask ask)
+    : shelf_{std::move(folder)}, key_{std::move(key)}, cell_{std::move(cell)}, ask_{std::move(ask)} {}
 
 Result<void> ReleaseKeeper::begin() const {
   return report::prepare_folder(shelf_.folder());
@@ -57,7 +64,10 @@ Result<void> ReleaseKeeper::hear(const ReleasePlan& plan, Clock::time_point now,
   BITELINE_TRY(begin());
   const Result<void> wanted = want(plan, now);
   if (!wanted) fault_ = to_line(wanted.error());
-  BITELINE_TRY(plan_switch(plan, now_ms));
+  const Result<void> planned = plan_switch(plan, now_ms);
+  order_fault_ = planned ? "" : to_line(planned.error());
+  refused_ = planned || !plan.turn ? 0 : number_of(plan.turn->order);
+  BITELINE_TRY(planned);
   return wanted;
 }
 
@@ -76,7 +86,7 @@ Result<void> ReleaseKeeper::want(const ReleasePlan& plan, Clock::time_point now)
   wanted_text_ = plan.manifest;
   not_before_ = now + k_before_retry;
   // Before anything is asked for: nothing that is not vouched for comes to this disk.
-  BITELINE_TRY(release::check_signature(key_, plan.manifest, plan.signature));
+  BITELINE_TRY(release::check_signature(key_, plan.manifest, plan.signature, "the release"));
   BITELINE_ASSIGN(wanted_, release::read_manifest(plan.manifest));
   not_before_ = now;
   fault_.clear();
@@ -92,33 +102,26 @@ Result<void> ReleaseKeeper::want(const ReleasePlan& plan, Clock::time_point now)
   return {};
 }
 
+Result<release::HeardOrder> ReleaseKeeper::vouched(const ReleasePlan::Switch& turn) const {
+  BITELINE_TRY(release::check_signature(key_, turn.order, turn.signature, "the order of a switch"));
+  release::HeardOrder heard{.order = {}, .digest = Digest{}.add(turn.order).hex(), .sure = turn.sure};
+  BITELINE_ASSIGN(heard.order, release::read_order(turn.order));
+  if (!heard.order.is_for(cell_))
+    return fail(Errc::WrongState, "the order of switch %lld is not for %s: none is made",
+                static_cast<long long>(heard.order.number), cell_.c_str());
+  return heard;
+}
+
+/// What is wrong changes nothing: neither what is in force nor a switch that is open.
 Result<void> ReleaseKeeper::plan_switch(const ReleasePlan& plan, std::int64_t now_ms) {
   BITELINE_ASSIGN(const release::Plan stands, release::plan_of(shelf_.folder()));
-  // Only a switch that was not sure gives way to an older one: else a late word, or a database that was put
-  // back, would bring an older release into force at once.
-  const bool open = !stands.next.empty() && !stands.sure;
-  if (plan.turn && !open && plan.turn->number < stands.number)
-    return fail(Errc::WrongState, "the centre tells of switch %lld, but %lld is known here: none is made",
-                static_cast<long long>(plan.turn->number), static_cast<long long>(stands.number));
-  release::Plan next = stands.settled(now_ms);
-  next.next.clear();
-  next.at_ms = 0;
-  next.sure = false;
-  if (plan.turn && shelf_.has(plan.turn->sha256)) {
-    if (plan.turn->sure && plan.turn->at_ms <= now_ms) {
-      if (next.current != plan.turn->sha256) {
-        next.before = next.current;
-        next.current = plan.turn->sha256;
-      }
-    } else {
-      next.next = plan.turn->sha256;
-      next.at_ms = plan.turn->at_ms;
-      next.sure = plan.turn->sure;
-    }
-    next.number = plan.turn->number;
+  std::optional<release::HeardOrder> heard;
+  if (plan.turn) {
+    BITELINE_ASSIGN(heard, vouched(*plan.turn));
   }
-  // A switch that has happened stays known: a database that was put back to before it tells of none.
-  if (!plan.turn && open) next.number = 0;
+  BITELINE_ASSIGN(
+      const release::Plan next,
+      release::follow(stands, heard ? &*heard : nullptr, heard && shelf_.has(heard->order.sha256), now_ms));
   if (next == stands) return {};
   BITELINE_TRY(shelf_.write(next));
   return shelf_.tidy(next, wanted_ ? wanted_->sha256 : "");
@@ -201,11 +204,16 @@ Result<bool> ReleaseKeeper::look(Clock::time_point now, std::int64_t now_ms) {
 }
 
 ReleaseWord ReleaseKeeper::word(std::int64_t now_ms) const {
-  ReleaseWord word{.has = shelf_.hashes(), .current = {}, .number = 0, .fault = fault_, .clock_ms = now_ms};
+  ReleaseWord word{.has = shelf_.hashes(),
+                   .current = {},
+                   .refused = refused_,
+                   .fault = order_fault_ + (order_fault_.empty() || fault_.empty() ? "" : "; ") + fault_,
+                   .clock_ms = now_ms};
   if (word.has.size() > 16) word.has.resize(16);
   if (const Result<release::Plan> plan = release::plan_of(shelf_.folder())) {
     word.current = plan->in_force(now_ms);
     word.number = plan->number;
+    word.newest = plan->newest;
   } else {
     word.fault = to_line(plan.error());
   }

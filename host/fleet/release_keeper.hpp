@@ -9,6 +9,7 @@
 #include <string>
 
 #include "host/fleet/release_messages.hpp"
+#include "host/records/release/order.hpp"
 #include "host/records/release/shelf.hpp"
 
 namespace biteline::fleet {
@@ -20,8 +21,8 @@ class ReleaseKeeper {
   using Clock = std::chrono::steady_clock;
   using Ask = std::function<void(const PartAsk&)>;
 
-  /// `key`: PEM of who may release.
-  ReleaseKeeper(std::filesystem::path folder, std::filesystem::path key, Ask ask);
+  /// `key`: PEM of who may release and switch; `cell`: this one's name, which an order must have.
+  ReleaseKeeper(std::filesystem::path folder, std::filesystem::path key, std::string cell, Ask ask);
 
   /// Makes the folder, so that the service finds it before there is a release.
   [[nodiscard]] Result<void> begin() const;
@@ -38,6 +39,7 @@ class ReleaseKeeper {
 
  private:
   Result<void> want(const ReleasePlan& plan, Clock::time_point now);
+  [[nodiscard]] Result<release::HeardOrder> vouched(const ReleasePlan::Switch& turn) const;
   Result<void> plan_switch(const ReleasePlan& plan, std::int64_t now_ms);
   Result<bool> append(const Part& part);
   void take_in();
@@ -47,14 +49,17 @@ class ReleaseKeeper {
 
   release::Shelf shelf_;
   std::filesystem::path key_;
+  std::string cell_;
   Ask ask_;
   std::string wanted_text_;                  ///< manifest that was checked last
   std::optional<release::Manifest> wanted_;  ///< vouched for
   std::int64_t have_{0};                     ///< of its bytes
   int coming_{0};                            ///< parts that were asked for
   Clock::time_point asked_{}, not_before_{};
-  std::string fault_;
-  int tries_{0};  ///< times that this release came and could not be used
+  std::string fault_;        ///< of the release
+  std::string order_fault_;  ///< of its switch
+  std::int64_t refused_{0};  ///< the order of that fault
+  int tries_{0};             ///< times that this release came and could not be used
   std::future<Result<void>> taking_;
 };
 

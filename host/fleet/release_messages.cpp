@@ -6,6 +6,7 @@
 #include "host/fleet/fields.hpp"
 #include "host/records/release/key_lines.hpp"
 #include "host/records/release/manifest.hpp"
+#include "host/records/release/order.hpp"
 
 namespace biteline::fleet {
 namespace {
@@ -43,15 +44,19 @@ std::string hash(Fields& fields, const char* key) {
   return text;
 }
 
+std::string signature(Fields& fields) {
+  const std::optional<std::string> bytes = from_hex(fields.text("signature", 2 * release::k_signature_bytes));
+  if (!bytes) fields.fault("signature");
+  return bytes.value_or("");
+}
+
 }  // namespace
 
 std::string to_text(const ReleasePlan& plan) {
   Json json{{"manifest", plan.manifest}, {"signature", to_hex(plan.signature)}, {"switch", nullptr}};
   if (plan.turn) {
-    json["switch"] = {{"number", plan.turn->number},
-                      {"sha256", plan.turn->sha256},
-                      {"at_ms", plan.turn->at_ms},
-                      {"sure", plan.turn->sure}};
+    json["switch"] = {
+        {"order", plan.turn->order}, {"signature", to_hex(plan.turn->signature)}, {"sure", plan.turn->sure}};
   }
   return dump(json);
 }
@@ -60,18 +65,14 @@ Result<ReleasePlan> read_release_plan(std::string_view text) {
   Fields fields{text, "plan of the centre"};
   ReleasePlan plan;
   plan.manifest = fields.text("manifest", release::k_most_manifest_bytes);
-  const std::optional<std::string> signature =
-      from_hex(fields.text("signature", 2 * release::k_signature_bytes));
-  if (!signature) fields.fault("signature");
-  plan.signature = signature.value_or("");
+  plan.signature = signature(fields);
   const Json* const turn = fields.find("switch");
   if (turn == nullptr) fields.fault("switch");
   BITELINE_TRY(fields.finish());
   if (turn->is_null()) return plan;
   Fields of{turn->dump(), "switch of the centre"};
-  plan.turn = ReleasePlan::Switch{.number = of.whole("number"),
-                                  .sha256 = hash(of, "sha256"),
-                                  .at_ms = of.whole("at_ms"),
+  plan.turn = ReleasePlan::Switch{.order = of.text("order", release::k_most_order_bytes),
+                                  .signature = signature(of),
                                   .sure = of.truth("sure")};
   BITELINE_TRY(of.finish());
   return plan;
@@ -81,6 +82,8 @@ std::string to_text(const ReleaseWord& word) {
   return dump({{"has", word.has},
                {"current", word.current},
                {"number", word.number},
+               {"newest", word.newest},
+               {"refused", word.refused},
                {"fault", word.fault},
                {"clock_ms", word.clock_ms}});
 }
@@ -90,10 +93,14 @@ Result<ReleaseWord> read_release_word(std::string_view text) {
   ReleaseWord word{.has = {},
                    .current = fields.text("current", 64),
                    .number = fields.whole("number"),
+                   .newest = fields.whole("newest"),
+                   .refused = fields.whole("refused"),
                    .fault = fields.text("fault"),
                    .clock_ms = fields.whole("clock_ms")};
-  // A column of the centre's: a number beyond it would end the work for all cells.
+  // Columns of the centre's: a number beyond them would end the work for all cells.
   if (word.number > std::numeric_limits<std::int32_t>::max()) fields.fault("number");
+  if (word.newest > std::numeric_limits<std::int32_t>::max()) fields.fault("newest");
+  if (word.refused > std::numeric_limits<std::int32_t>::max()) fields.fault("refused");
   if (!word.current.empty() && !release::is_sha256(word.current)) fields.fault("current");
   const Json* const has = fields.find("has");
   if (has == nullptr || !has->is_array() || has->size() > k_most_hashes) {

@@ -25,9 +25,8 @@ struct ReleasePlan {
   std::string manifest;   ///< signed text; empty: none is wanted
   std::string signature;  ///< 64 bytes, hexadecimal on the way
   struct Switch {
-    std::int64_t number{0};
-    std::string sha256;
-    std::int64_t at_ms{0};  ///< since 1970, UTC
+    std::string order;      ///< signed text (host/records/release/order.hpp)
+    std::string signature;  ///< as above
     bool sure{false};       ///< all cells have said that they know
   };
   std::optional<Switch> turn{};
@@ -40,6 +39,8 @@ struct ReleaseWord {
   std::vector<std::string> has;  ///< SHA-256 of whole, checked releases, at most 16
   std::string current;           ///< in force now; empty: the cell's own files
   std::int64_t number{0};        ///< of the switch that stands in its plan
+  std::int64_t newest{0};        ///< of all orders that stood there
+  std::int64_t refused{0};       ///< the order that is told now, where it is not followed; 0: none
   std::string fault;             ///< why it does not have what is wanted; empty: none
   std::int64_t clock_ms{0};      ///< its own, when it said this
 };

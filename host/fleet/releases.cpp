@@ -5,6 +5,7 @@
 
 #include "common/system/file.hpp"
 #include "host/fleet/centre_state.hpp"
+#include "host/fleet/release_cells.hpp"
 #include "host/records/release/manifest.hpp"
 
 namespace biteline::fleet {
@@ -15,9 +16,6 @@ namespace fs = std::filesystem;
 /// A cell says something each 5 s.
 constexpr int k_heard_within_s = 15;
 constexpr std::int64_t k_most_clock_off_ms = 2000;
-/// Two that plan at once do so one after the other.
-constexpr const char* k_lock = "SELECT pg_advisory_xact_lock(7119)";
-
 pqxx::binarystring blob(std::string_view bytes) {
   return {bytes.data(), bytes.size()};
 }
@@ -41,6 +39,8 @@ FROM release_cells rc LEFT JOIN cells c ON c.cell = rc.cell LEFT JOIN cell_relea
 WHERE rc.release = $1 ORDER BY rc.cell
 )sql";
 
+}  // namespace
+
 std::vector<ReleaseCell> cells_of(pqxx::work& work, std::int64_t release, const std::string& sha256) {
   std::vector<ReleaseCell> cells;
   for (const pqxx::row& row : work.exec_params(k_cells_of, release, k_heard_within_s, sha256)) {
@@ -59,18 +59,6 @@ std::vector<ReleaseCell> cells_of(pqxx::work& work, std::int64_t release, const 
   }
   return cells;
 }
-
-std::vector<std::string> silent_cells(pqxx::work& work, std::int64_t number) {
-  std::vector<std::string> cells;
-  for (const pqxx::row& row :
-       work.exec_params("SELECT sc.cell FROM switch_cells sc LEFT JOIN cell_releases cr ON cr.cell = sc.cell "
-                        "WHERE sc.switch = $1 AND coalesce(cr.switch, 0) <> sc.switch ORDER BY sc.cell",
-                        number))
-    cells.push_back(row[0].as<std::string>());
-  return cells;
-}
-
-}  // namespace
 
 Result<std::int64_t> Releases::offer(const fs::path& file, const std::vector<std::string>& cells) {
   BITELINE_ASSIGN(const std::string manifest_text,
@@ -110,7 +98,7 @@ Result<std::int64_t> Releases::offer(const fs::path& file, const std::vector<std
 Result<void> Releases::forget(std::int64_t release) {
   const Result<bool> forgotten = centre_.work<bool>([&](Centre::State& state) -> Result<bool> {
     pqxx::work work{state.connection};
-    work.exec(k_lock);
+    work.exec(k_release_lock);
     const pqxx::result found = work.exec_params("SELECT sha256 FROM releases WHERE number = $1", release);
     if (found.empty())
       return fail(Errc::InvalidArgument, "release %lld: there is none; see --releases",
@@ -160,100 +148,18 @@ Result<std::vector<ReleaseRow>> Releases::list() {
   });
 }
 
-Result<std::int64_t> Releases::plan_switch(std::int64_t release, int in_s) {
-  return centre_.work<std::int64_t>([&](Centre::State& state) -> Result<std::int64_t> {
-    pqxx::work work{state.connection};
-    work.exec(k_lock);
-    const pqxx::result found = work.exec_params("SELECT sha256 FROM releases WHERE number = $1", release);
-    if (found.empty())
-      return fail(Errc::InvalidArgument, "release %lld: there is none; see --releases",
-                  static_cast<long long>(release));
-    std::string missing;
-    const std::vector<ReleaseCell> cells = cells_of(work, release, found[0][0].as<std::string>());
-    for (const ReleaseCell& cell : cells) {
-      if (!cell.ready) missing.append(missing.empty() ? "" : "; ").append(cell.cell + ": " + cell.why);
-    }
-    if (cells.empty()) missing = "it is for no cell";
-    if (!missing.empty())
-      return fail(Errc::WrongState, "release %lld is not switched: %.400s", static_cast<long long>(release),
-                  missing.c_str());
-    if (const pqxx::result open = work.exec("SELECT number FROM switches WHERE state = 'planned'");
-        !open.empty())
-      return fail(Errc::WrongState, "switch %s is planned and not decided yet; wait for it",
-                  open[0][0].c_str());
-    // It would take the place of one that all were told is sure, before that one's time.
-    if (const pqxx::result sure =
-            work.exec_params("SELECT number FROM switches WHERE state = 'sure' AND at > now() AND at <= "
-                             "now() + make_interval(secs => $1)",
-                             in_s);
-        !sure.empty())
-      return fail(Errc::WrongState, "switch %s is sure and comes before this one; wait for it",
-                  sure[0][0].c_str());
-    const auto number = work.exec_params1(
-                                "INSERT INTO switches (release, at, state) VALUES ($1, now() + "
-                                "make_interval(secs => $2), 'planned') RETURNING number",
-                                release, in_s)[0]
-                            .as<std::int64_t>();
-    // Kept with the switch: an offer to other cells takes nothing back.
-    work.exec_params0(
-        "INSERT INTO switch_cells (switch, cell) SELECT $1::integer, cell FROM release_cells WHERE release = "
-        "$2",
-        number, release);
-    work.commit();
-    return number;
-  });
-}
-
-Result<SwitchRow> Releases::switch_row(std::int64_t number) {
-  return centre_.work<SwitchRow>([&](Centre::State& state) {
-    pqxx::work work{state.connection};
-    const pqxx::row row = work.exec_params1(
-        "SELECT state, (extract(epoch FROM at) * 1000)::bigint FROM switches WHERE number = $1", number);
-    const auto word = row[0].as<std::string>();
-    SwitchRow told{.at_ms = row[1].as<std::int64_t>(), .silent = silent_cells(work, number)};
-    if (word == "sure") told.state = SwitchState::Sure;
-    if (word == "withdrawn") told.state = SwitchState::Withdrawn;
-    return told;
-  });
-}
-
-Result<std::vector<std::string>> Releases::decide() {
-  return centre_.work<std::vector<std::string>>([&](Centre::State& state) {
-    pqxx::work work{state.connection};
-    std::vector<std::string> tell;
-    const pqxx::result planned = work.exec_params(
-        "SELECT number, now() >= at - make_interval(secs => $1) FROM switches WHERE state = "
-        "'planned' "
-        "FOR UPDATE",
-        k_decided_before_s);
-    for (const pqxx::row& row : planned) {
-      const auto number = row[0].as<std::int64_t>();
-      const bool too_late = row[1].as<bool>();
-      const bool all_know = silent_cells(work, number).empty();
-      if (too_late || all_know)
-        work.exec_params0("UPDATE switches SET state = $2 WHERE number = $1", number,
-                          too_late ? "withdrawn" : "sure");
-      for (const pqxx::row& cell :
-           work.exec_params("SELECT cell FROM switch_cells WHERE switch = $1", number))
-        tell.push_back(cell[0].as<std::string>());
-    }
-    work.commit();
-    return tell;
-  });
-}
-
 Result<void> Releases::note(const std::string& cell, const ReleaseWord& word) {
   const Result<bool> noted = centre_.work<bool>([&](Centre::State& state) {
     pqxx::work work{state.connection};
     work.exec_params0(
-        "INSERT INTO cell_releases (cell, has, current, switch, fault, clock_off_ms, heard) VALUES ($1, "
-        "$2::text[], "
-        "$3, $4, "
-        "$5, $6 - (extract(epoch FROM clock_timestamp()) * 1000)::bigint, now()) ON CONFLICT (cell) DO "
-        "UPDATE SET "
+        "INSERT INTO cell_releases (cell, has, current, switch, fault, clock_off_ms, heard, newest, refused) "
+        "VALUES ($1, $2::text[], $3, $4, $5, $6 - (extract(epoch FROM clock_timestamp()) * 1000)::bigint, "
+        "now(), $7, $8) ON CONFLICT (cell) DO UPDATE SET newest = excluded.newest, refused = "
+        "excluded.refused, "
         "has = excluded.has, current = excluded.current, switch = excluded.switch, fault = excluded.fault, "
         "clock_off_ms = excluded.clock_off_ms, heard = excluded.heard",
-        cell, array_of(word.has), word.current, word.number, text_of(word.fault), word.clock_ms);
+        cell, array_of(word.has), word.current, word.number, text_of(word.fault), word.clock_ms, word.newest,
+        word.refused);
     work.commit();
     return true;
   });
@@ -266,18 +172,17 @@ Result<ReleasePlan> Releases::plan_of(const std::string& cell) {
     pqxx::work work{state.connection};
     ReleasePlan plan;
     const pqxx::result turn = work.exec_params(
-        "SELECT s.number, r.sha256, (extract(epoch FROM s.at) * 1000)::bigint, s.state = 'sure' FROM "
-        "switches s JOIN "
-        "releases r ON r.number = s.release JOIN switch_cells sc ON sc.switch = s.number AND sc.cell = $1 "
-        "WHERE s.state <> 'withdrawn' ORDER BY s.number DESC LIMIT 1",
+        "SELECT r.sha256, s.order_text, s.order_signature, s.state = 'sure' FROM switches s JOIN releases r "
+        "ON "
+        "r.number = s.release JOIN switch_cells sc ON sc.switch = s.number AND sc.cell = $1 WHERE s.state <> "
+        "'withdrawn' ORDER BY s.number DESC LIMIT 1",
         cell);
     std::string first;
     if (!turn.empty()) {
-      plan.turn = ReleasePlan::Switch{.number = turn[0][0].as<std::int64_t>(),
-                                      .sha256 = turn[0][1].as<std::string>(),
-                                      .at_ms = turn[0][2].as<std::int64_t>(),
-                                      .sure = turn[0][3].as<bool>()};
-      first = plan.turn->sha256;
+      first = turn[0][0].as<std::string>();
+      if (auto order = turn[0][1].as<std::string>(); !order.empty())
+        plan.turn = ReleasePlan::Switch{
+            .order = std::move(order), .signature = text_from(turn[0][2]), .sure = turn[0][3].as<bool>()};
     }
     // What is in force comes before what is new.
     const pqxx::result wanted = work.exec_params(

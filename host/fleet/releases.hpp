@@ -10,6 +10,7 @@
 
 #include "host/fleet/centre.hpp"
 #include "host/fleet/release_messages.hpp"
+#include "host/records/release/order.hpp"
 
 namespace biteline::fleet {
 
@@ -31,12 +32,18 @@ enum class SwitchState { Planned, Sure, Withdrawn };
 struct SwitchRow {
   SwitchState state{SwitchState::Planned};
   std::int64_t at_ms{0};
-  std::vector<std::string> silent;  ///< cells that have not said that they know
+  std::vector<std::string> silent;  ///< cells that do not know it, with what is wrong there; of a withdrawn
+                                    ///< one: when it was withdrawn
 };
 
 /// How long before its time a switch is sure or withdrawn, and the earliest time of a switch, in s.
 inline constexpr int k_decided_before_s = 3;
 inline constexpr int k_least_ahead_s = 10;
+/// The latest one.
+inline constexpr int k_most_ahead_s = 24 * 3600;
+/// An order's number is at most so much larger than the newest one known here; nor is a cell's word believed
+/// beyond it.  Orders with ever larger numbers would come to an end.
+inline constexpr std::int64_t k_most_step = 1000;
 
 /// In the centre's database; Errc as there.  Thread: the centre's owner.
 class Releases {
@@ -52,11 +59,17 @@ class Releases {
   [[nodiscard]] Result<void> forget(std::int64_t release);
   /// Newest offer first.
   [[nodiscard]] Result<std::vector<ReleaseRow>> list();
-  /// Errc::WrongState names who is not ready, or the switch that is still open.  Returns the switch's number.
-  [[nodiscard]] Result<std::int64_t> plan_switch(std::int64_t release, int in_s);
+  /// What is to be signed: all cells of the release, so many seconds from now, with the next free number.
+  /// `after`: the newest one that a person knows of; 0: none but what is known here.
+  [[nodiscard]] Result<release::Order> order_of(std::int64_t release, int in_s, std::int64_t after = 0);
+  /// The text of an order and its signature, which the cells check.  Errc::WrongState names who is not ready,
+  /// the switch that is still open or newer, or that the order's time is too near or its number too large.
+  /// Returns the switch's number.
+  [[nodiscard]] Result<std::int64_t> plan_switch(const std::string& order, const std::string& signature,
+                                                 std::int64_t after = 0);
   [[nodiscard]] Result<SwitchRow> switch_row(std::int64_t number);
-  /// Makes a planned switch sure where all know of it, withdraws it where its time is too near.  Returns the
-  /// cells that are to be told now.
+  /// Makes a planned switch sure where all know of it; withdraws it where its time is too near, and at once
+  /// where one of its cells does not follow it.  Returns the cells that are to be told now.
   [[nodiscard]] Result<std::vector<std::string>> decide();
 
   [[nodiscard]] Result<void> note(const std::string& cell, const ReleaseWord& word);

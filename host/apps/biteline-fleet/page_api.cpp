@@ -3,11 +3,10 @@
 
 #include <algorithm>
 
+#include "host/doors/accounts/metrics_token.hpp"
 #include "host/doors/api/people.hpp"
 #include "host/doors/api/words.hpp"
 #include "host/fleet/alarms.hpp"
-#include "host/fleet/recording_messages.hpp"
-#include "host/fleet/recordings.hpp"
 #include "host/fleet/releases.hpp"
 #include "host/records/memory/history.hpp"
 
@@ -53,23 +52,7 @@ Json sums_json(const memory::Trend& sums) {
           {"cycle_s", api::or_null(sums.median_cycle_s)}};
 }
 
-Json fetch_json(const FetchRow& row) {
-  return {{"number", row.number},
-          {"cell", row.cell},
-          {"scan", row.scan},
-          {"state", to_text(row.state)},
-          {"have", row.have},
-          {"total", row.total},
-          {"words", api::or_null(row.words)}};
-}
-
 }  // namespace
-
-struct PageApi::Call {
-  const Request& request;
-  Person person;
-  std::string name;  ///< of a user in the path
-};
 
 struct PageApi::Route {
   const char* method;
@@ -110,6 +93,8 @@ std::vector<PageApi::Route> PageApi::routes() {
                return login::remove_user(all, call.request, call.person, call.name);
              }),
       {"GET", "/state", Viewer, &PageApi::read_state, nullptr},
+      // Between programs, as at a cell: what the centre's biteline-web makes its /metrics of.
+      {"GET", "/exchange/metrics", std::nullopt, &PageApi::read_for_metrics, nullptr},
       {"GET", "/log", Engineer, &PageApi::read_log, nullptr},
       {"GET", "/fleet/scans", Viewer, &PageApi::list_shoes, nullptr},
       {"GET", "/fleet/trends", Viewer, &PageApi::read_trends, nullptr},
@@ -120,6 +105,7 @@ std::vector<PageApi::Route> PageApi::routes() {
       {"GET", "/fleet/releases", Viewer, &PageApi::list_releases, nullptr},
       {"GET", k_fetches, Viewer, &PageApi::list_fetches, nullptr},
       {"POST", k_fetches, Engineer, &PageApi::fetch, nullptr},
+      {"POST", "/fleet/marks", Engineer, &PageApi::mark, nullptr},
   };
 }
 
@@ -155,7 +141,8 @@ Answer PageApi::dispatch(const Request& request) {
                     .name = user ? std::string{path.substr(k_user.size())} : std::string{}};
     if (route.of_people != nullptr) return route.of_people(rooms_.accounts, call);
     // A page further back is asked for once, and a thousand shoes are megabytes.
-    const bool counts = path.starts_with("/fleet/") && path != k_fetches && !request.query.contains("cursor");
+    const bool counts = request.method == "GET" && path.starts_with("/fleet/") && path != k_fetches &&
+                        !request.query.contains("cursor");
     return counts ? kept_or(call, route.answer) : (this->*route.answer)(call);
   }
   if (other_method)
@@ -204,6 +191,13 @@ Answer PageApi::read_state(const Call&) {
              {"broker", rooms_.broker.load()},
              {"database", centre_.has_value()},
              {"time", control::utc_now()}});
+}
+
+Answer PageApi::read_for_metrics(const Call& call) {
+  const Result<bool> may = accounts::may_read_metrics(rooms_.memory, rooms_.accounts, call.request.token);
+  if (!may) return api::answer_of(may.error());
+  if (!*may) return api::people::login_needed();
+  return ok({{"state", read_state(call).body}, {"sensors", Json{}}});
 }
 
 Answer PageApi::read_log(const Call& call) {
@@ -365,41 +359,6 @@ Answer PageApi::list_releases(const Call&) {
                     {"cells", std::move(cells)}});
   }
   return ok({{"releases", std::move(rows)}});
-}
-
-Answer PageApi::list_fetches(const Call&) {
-  const Result<Centre*> here = centre();
-  if (!here) return answer_of(here.error());
-  const Result<std::vector<FetchRow>> fetches = Recordings{**here}.list();
-  if (!fetches) return answer_of(fetches.error());
-  Json rows = Json::array();
-  for (const FetchRow& row : *fetches) rows.push_back(fetch_json(row));
-  return ok({{"fetches", std::move(rows)}});
-}
-
-Answer PageApi::fetch(const Call& call) {
-  api::Fields fields{call.request.body};
-  const std::string cell = fields.text("cell", 64, true);
-  const std::string scan = fields.text("scan", 64, true);
-  if (!cell.empty() && !is_cell_name(cell)) fields.fault("cell", "a cell's name expected");
-  if (!scan.empty() && !is_scan_folder(scan)) fields.fault("scan", "a scan's name expected");
-  if (const std::optional<Answer> faults = fields.faults()) return *faults;
-  const Result<Centre*> here = centre();
-  if (!here) return answer_of(here.error());
-  Recordings recordings{**here};
-  const Result<std::int64_t> number = recordings.ask(cell, scan);
-  if (!number) return answer_of(number.error());
-  const Result<FetchRow> row = recordings.row(*number);
-  if (!row) return answer_of(row.error());
-  static_cast<void>(rooms_.memory.log({.id = 0,
-                                       .time = memory::now_ms(),
-                                       .who = call.person.name,
-                                       .door = call.request.door,
-                                       .action = "fetch recording",
-                                       .subject = cell + "/" + scan,
-                                       .before = {},
-                                       .after = {}}));
-  return ok(fetch_json(*row), 202);
 }
 
 }  // namespace biteline::fleet

@@ -32,7 +32,11 @@ class PageApi {
   [[nodiscard]] control::Answer answer(const control::Request& request);
 
  private:
-  struct Call;
+  struct Call {
+    const control::Request& request;
+    accounts::Person person;
+    std::string name;  ///< of a user in the path
+  };
   struct Route;
   [[nodiscard]] static std::vector<Route> routes();
   [[nodiscard]] control::Answer dispatch(const control::Request& request);
@@ -43,6 +47,7 @@ class PageApi {
   [[nodiscard]] control::Answer answer_of(const Error& error);
 
   [[nodiscard]] control::Answer read_state(const Call& call);
+  [[nodiscard]] control::Answer read_for_metrics(const Call& call);
   [[nodiscard]] control::Answer read_log(const Call& call);
   [[nodiscard]] control::Answer list_cells(const Call& call);
   [[nodiscard]] control::Answer list_shoes(const Call& call);
@@ -53,6 +58,8 @@ class PageApi {
   [[nodiscard]] control::Answer list_releases(const Call& call);
   [[nodiscard]] control::Answer list_fetches(const Call& call);
   [[nodiscard]] control::Answer fetch(const Call& call);
+  [[nodiscard]] control::Answer mark(const Call& call);
+  void log(const Call& call, const char* action, const std::string& subject) const;
 
   struct Kept {
     std::chrono::steady_clock::time_point until;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "host/apps/biteline-fleet/page_door.hpp"
 
+#include "host/apps/biteline-fleet/metrics_door.hpp"
 #include "host/records/report/report.hpp"
 
 namespace biteline::fleet {
@@ -10,7 +11,7 @@ Result<std::unique_ptr<PageDoor>> PageDoor::open(const PageDoorConfig& config) {
     return fail(Errc::InvalidArgument, "--control %.100s: on loopback only; biteline-web runs beside",
                 config.endpoint.host.c_str());
   BITELINE_TRY(report::prepare_folder(config.accounts));
-  BITELINE_ASSIGN(memory::Memory memory, memory::Memory::open(config.accounts / "accounts.sqlite"));
+  BITELINE_ASSIGN(memory::Memory memory, memory::Memory::open(config.accounts / k_accounts_file));
   std::unique_ptr<PageDoor> door{new PageDoor{std::move(memory)}};
   door->api_ = std::make_unique<PageApi>(PageRooms{.database = config.database,
                                                    .migrations = config.migrations,

@@ -19,24 +19,41 @@ using control::Json;
 constexpr std::chrono::milliseconds k_between_looks{200};
 
 std::string where(const FetchRow& row) {
-  if (row.state == FetchState::Whole || row.state == FetchState::Refused)
-    return std::string{to_text(row.state)} + ": " + row.words;
+  if (row.state == FetchState::Whole || row.state == FetchState::Refused || row.state == FetchState::Removed)
+    return std::string{to_text(row.state)} +
+           (row.marked && row.state == FetchState::Whole ? ", marked: " : ": ") + row.words;
   if (row.total > 0)
     return std::to_string(row.have) + " of " + std::to_string(row.total) + " bytes" +
            (row.online ? "" : ", its cell is away");
   return row.online ? "asked for; the cell sends it when it rests" : "asked for; its cell is away";
 }
 
+struct ScanOfCell {
+  std::string cell, scan;
+};
+Result<ScanOfCell> scan_of(const char* option, const std::string& text) {
+  const std::size_t slash = text.find('/');
+  ScanOfCell named{.cell = text.substr(0, slash),
+                   .scan = slash == std::string::npos ? "" : text.substr(slash + 1)};
+  if (is_cell_name(named.cell) && is_scan_folder(named.scan)) return named;
+  return fail(Errc::InvalidArgument, "%s '%.140s': CELL/SCAN expected, e.g. cell-1/scan-0007", option,
+              text.c_str());
+}
+
+Result<ExitStatus> mark(const RecordingOrders& orders, Centre& centre) {
+  const bool marked = !orders.mark.empty();
+  const std::string& text = marked ? orders.mark : orders.unmark;
+  BITELINE_ASSIGN(const ScanOfCell named, scan_of(marked ? "--mark" : "--unmark", text));
+  BITELINE_TRY(Recordings{centre}.mark(named.cell, named.scan, marked));
+  std::printf("%s %s\n", text.c_str(), marked ? "is marked: it stays" : "is marked no more");
+  return ExitStatus::Done;
+}
+
 /// Waits until the running centre has it or knows why not.
 Result<ExitStatus> fetch(const RecordingOrders& orders, Centre& centre) {
-  const std::size_t slash = orders.fetch.find('/');
-  const std::string cell = orders.fetch.substr(0, slash);
-  const std::string scan = slash == std::string::npos ? "" : orders.fetch.substr(slash + 1);
-  if (!is_cell_name(cell) || !is_scan_folder(scan))
-    return fail(Errc::InvalidArgument, "--fetch '%.140s': CELL/SCAN expected, e.g. cell-1/scan-0007",
-                orders.fetch.c_str());
+  BITELINE_ASSIGN(const ScanOfCell named, scan_of("--fetch", orders.fetch));
   Recordings recordings{centre};
-  BITELINE_ASSIGN(const std::int64_t number, recordings.ask(cell, scan));
+  BITELINE_ASSIGN(const std::int64_t number, recordings.ask(named.cell, named.scan));
   std::string told;
   while (!told_to_stop()) {
     BITELINE_ASSIGN(const FetchRow row, recordings.row(number));
@@ -46,7 +63,8 @@ Result<ExitStatus> fetch(const RecordingOrders& orders, Centre& centre) {
                   words.c_str());
       std::fflush(stdout);
     }
-    if (row.state == FetchState::Whole) return ExitStatus::Done;
+    // Removed: it was whole for a moment.
+    if (row.state == FetchState::Whole || row.state == FetchState::Removed) return ExitStatus::Done;
     if (row.state == FetchState::Refused) return ExitStatus::Refused;
     std::this_thread::sleep_for(k_between_looks);
   }
@@ -64,6 +82,7 @@ Result<ExitStatus> list(Centre& centre, bool json) {
                     {"state", to_text(row.state)},
                     {"have", row.have},
                     {"total", row.total},
+                    {"marked", row.marked},
                     {"words", row.words}});
     if (!json)
       std::printf("fetch %lld, %s/%s: %s\n", static_cast<long long>(row.number), row.cell.c_str(),
@@ -79,12 +98,18 @@ void add_recording_options(CLI::App& app, RecordingOrders& orders) {
   app.add_option("--fetch", orders.fetch,
                  "CELL/SCAN: fetch the folder of this scan from its cell, as one tar file into the running "
                  "centre's --recordings, and leave when it is there; exit status 3 where it cannot be had");
+  app.add_option(
+      "--mark", orders.mark,
+      "CELL/SCAN: keep this recording at the centre, whatever --keep-days and --keep-gb say, and leave");
+  app.add_option("--unmark", orders.unmark, "CELL/SCAN: let it go again, and leave");
   app.add_flag("--fetches", orders.list,
                "Print what was asked for with --fetch and where it stands, and leave");
 }
 
 Result<ExitStatus> carry_out(const RecordingOrders& orders, Centre& centre, bool json) {
-  return orders.list ? list(centre, json) : fetch(orders, centre);
+  if (orders.list) return list(centre, json);
+  if (!orders.mark.empty() || !orders.unmark.empty()) return mark(orders, centre);
+  return fetch(orders, centre);
 }
 
 }  // namespace biteline::fleet

@@ -14,10 +14,10 @@ class App;
 namespace biteline::fleet {
 
 struct RecordingOrders {
-  std::string fetch;  ///< CELL/SCAN
+  std::string fetch, mark, unmark;  ///< CELL/SCAN
   bool list{false};
 
-  [[nodiscard]] bool any() const { return !fetch.empty() || list; }
+  [[nodiscard]] bool any() const { return !fetch.empty() || !mark.empty() || !unmark.empty() || list; }
 };
 
 void add_recording_options(CLI::App& app, RecordingOrders& orders);

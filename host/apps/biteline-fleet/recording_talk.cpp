@@ -7,6 +7,7 @@ namespace biteline::fleet {
 namespace {
 
 constexpr std::chrono::milliseconds k_between_reads{1000};
+constexpr std::chrono::seconds k_between_tidies{10};
 /// More than so many are dropped: they are asked for again.
 constexpr std::size_t k_most_pieces = 200;
 
@@ -16,7 +17,8 @@ bool ended(const FetchRow& row) {
 
 }  // namespace
 
-RecordingTalk::RecordingTalk(const std::filesystem::path& folder) {
+RecordingTalk::RecordingTalk(const std::filesystem::path& folder, const RecordingLimits& limits)
+    : limits_{limits} {
   if (!folder.empty()) taker_.emplace(folder);
 }
 
@@ -42,6 +44,10 @@ Result<void> RecordingTalk::work(Centre& centre, const Publish& publish, Clock::
     for (const auto& [number, row] : changed_) BITELINE_TRY(recordings.note(row));
     changed_.clear();
     BITELINE_TRY(read_open(recordings, now));
+  }
+  if (taker_ && limits_.any() && now >= tidy_at_) {
+    tidy_at_ = now + k_between_tidies;
+    BITELINE_TRY(recordings.tidy(limits_, [this](const FetchRow& row) { return taker_->file_of(row); }));
   }
   for (const FetchRow& row : open_) {
     const std::optional<FetchAsk> ask = taker_ ? taker_->look(row, now) : std::nullopt;

@@ -19,7 +19,7 @@ class RecordingTalk {
   using Publish = std::function<void(const std::string& topic, const std::string& payload)>;
 
   /// Empty: this centre keeps no recordings, and says so of each that is asked for.
-  explicit RecordingTalk(const std::filesystem::path& folder);
+  RecordingTalk(const std::filesystem::path& folder, const RecordingLimits& limits);
 
   /// True: this message was about recordings.  An Error says what is wrong with it.
   [[nodiscard]] Result<bool> hear(std::string_view topic, std::string_view payload);
@@ -33,10 +33,11 @@ class RecordingTalk {
   [[nodiscard]] Result<void> read_open(Recordings& recordings, Clock::time_point now);
 
   std::optional<RecordingTaker> taker_;
+  RecordingLimits limits_;
   std::vector<std::pair<std::string, Piece>> pieces_;
   std::vector<FetchRow> open_;
   std::map<std::int64_t, FetchRow> changed_;  ///< not in the database yet
-  Clock::time_point read_at_{};
+  Clock::time_point read_at_{}, tidy_at_{};
 };
 
 }  // namespace biteline::fleet

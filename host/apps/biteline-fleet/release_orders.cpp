@@ -4,18 +4,22 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
+#include <limits>
 #include <thread>
 
+#include "common/system/file.hpp"
 #include "host/doors/control/messages.hpp"
 #include "host/fleet/program.hpp"
 #include "host/fleet/releases.hpp"
+#include "host/records/report/report.hpp"
 
 namespace biteline::fleet {
 namespace {
 
 using control::Json;
 
-constexpr int k_most_ahead_s = 24 * 3600;
+/// A script needs so long from --order to --switch.
+constexpr int k_to_sign_s = 5;
 constexpr std::chrono::milliseconds k_between_looks{200};
 
 std::string names(const std::vector<std::string>& cells) {
@@ -66,25 +70,39 @@ Result<ExitStatus> list(Centre& centre, bool json) {
   return ExitStatus::Done;
 }
 
+/// What is to be signed where releases are made.
+Result<ExitStatus> write_order(const ReleaseOrders& orders, Centre& centre) {
+  BITELINE_ASSIGN(const release::Order order,
+                  Releases{centre}.order_of(*orders.order, orders.in_s, orders.after));
+  BITELINE_TRY(report::write_file_atomically(orders.out, release::to_text(order)));
+  std::printf("%s: release %lld is to be in force in %s from %s on; sign it, then --switch\n",
+              orders.out.c_str(), static_cast<long long>(*orders.order), names(order.cells).c_str(),
+              memory::to_iso(order.at_ms).c_str());
+  return ExitStatus::Done;
+}
+
 /// Waits until the running centre has decided.
-Result<ExitStatus> switch_to(const ReleaseOrders& orders, Centre& centre) {
+Result<ExitStatus> switch_by(const ReleaseOrders& orders, Centre& centre) {
+  BITELINE_ASSIGN(const std::string order, read_regular_file(orders.turn, release::k_most_order_bytes));
+  BITELINE_ASSIGN(
+      const std::string signature,
+      read_regular_file(orders.turn.string() + release::k_order_signature_suffix, k_most_settings_bytes));
   Releases releases{centre};
-  BITELINE_ASSIGN(const std::int64_t number, releases.plan_switch(*orders.turn, orders.in_s));
-  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds{orders.in_s};
+  BITELINE_ASSIGN(const std::int64_t number, releases.plan_switch(order, signature, orders.after));
   while (!told_to_stop()) {
     BITELINE_ASSIGN(const SwitchRow row, releases.switch_row(number));
     if (row.state == SwitchState::Sure) {
-      std::printf("release %lld is in force everywhere from %s on\n", static_cast<long long>(*orders.turn),
-                  memory::to_iso(row.at_ms).c_str());
+      std::printf("switch %lld is sure: its release is in force everywhere from %s on\n",
+                  static_cast<long long>(number), memory::to_iso(row.at_ms).c_str());
       return ExitStatus::Done;
     }
-    const bool nobody = std::chrono::steady_clock::now() > patience;
+    const bool nobody = memory::now_ms() > row.at_ms;
     if (row.state == SwitchState::Withdrawn || nobody) {
-      const std::string who = row.silent.empty() ? "the running centre did not decide it"
-                                                 : "nothing heard of " + names(row.silent);
-      std::printf("release %lld is not switched, all keep what they have: %s%s\n",
-                  static_cast<long long>(*orders.turn), who.c_str(),
-                  row.state == SwitchState::Planned ? "; does biteline-fleet run?" : "");
+      const std::string silent = names(row.silent);
+      const std::string who =
+          silent.empty() ? "the running centre did not decide it" : "no word that it is known from " + silent;
+      std::printf("switch %lld is not made, all keep what they have: %s%s\n", static_cast<long long>(number),
+                  who.c_str(), row.state == SwitchState::Planned ? "; does biteline-fleet run?" : "");
       return ExitStatus::Refused;
     }
     std::this_thread::sleep_for(k_between_looks);
@@ -105,25 +123,39 @@ void add_release_options(CLI::App& app, ReleaseOrders& orders) {
       ->delimiter(',')
       ->needs(offer);
   app.add_flag("--releases", orders.list, "Print the releases and which cell has them, and leave");
+  auto* order =
+      app.add_option("--order", orders.order,
+                     "Write the order of a switch to this release (its number) in all its cells at one "
+                     "time, to be signed, and leave")
+          ->excludes(offer);
+  auto* out = app.add_option("--out", orders.out, "With --order: its file")->needs(order);
+  order->needs(out);
   auto* turn =
       app.add_option("--switch", orders.turn,
-                     "Put this release (its number) in force in all its cells at one time, and leave; exit "
+                     "Carry out this signed order (its signature beside it, FILE.sig), and leave; exit "
                      "status 3 where not all could be told, and all keep what they have")
-          ->excludes(offer);
+          ->excludes(offer)
+          ->excludes(order);
   app.add_option(
          "--forget", orders.forget,
          "Remove this release (its number) from the centre, and leave; refused while a cell has it in force")
       ->excludes(offer)
+      ->excludes(order)
       ->excludes(turn);
-  app.add_option("--in", orders.in_s, "With --switch: so many seconds from now")
-      ->check(CLI::Range(k_least_ahead_s, k_most_ahead_s))
+  app.add_option("--in", orders.in_s, "With --order: so many seconds from now")
+      ->check(CLI::Range(k_least_ahead_s + k_to_sign_s, k_most_ahead_s))
       ->capture_default_str()
-      ->needs(turn);
+      ->needs(order);
+  app.add_option("--after", orders.after,
+                 "With --order and --switch: the newest switch that its cells know, where they say that they "
+                 "know one that this database, put back from long ago, does not")
+      ->check(CLI::Range(std::int64_t{0}, std::int64_t{std::numeric_limits<std::int32_t>::max()}));
 }
 
 Result<ExitStatus> carry_out(const ReleaseOrders& orders, Centre& centre, bool json) {
   if (!orders.offer.empty()) return offer(orders, centre);
-  if (orders.turn) return switch_to(orders, centre);
+  if (orders.order) return write_order(orders, centre);
+  if (!orders.turn.empty()) return switch_by(orders, centre);
   if (orders.forget) {
     BITELINE_TRY(Releases{centre}.forget(*orders.forget));
     std::printf("release %lld is forgotten; cells keep what they have\n",

@@ -20,11 +20,14 @@ namespace biteline::fleet {
 struct ReleaseOrders {
   std::filesystem::path offer;
   std::vector<std::string> cells;  ///< of --offer; empty: all that the centre knows
-  std::optional<std::int64_t> turn, forget;
-  int in_s{30};
+  std::filesystem::path turn;      ///< a signed order
+  std::optional<std::int64_t> order, forget;
+  std::filesystem::path out;  ///< of --order
+  int in_s{600};
+  std::int64_t after{0};  ///< of --order and --switch: a newer switch that a person knows of
   bool list{false};
 
-  [[nodiscard]] bool any() const { return !offer.empty() || turn || forget || list; }
+  [[nodiscard]] bool any() const { return !offer.empty() || order || !turn.empty() || forget || list; }
 };
 
 void add_release_options(CLI::App& app, ReleaseOrders& orders);

@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "host/fleet/broker_options.hpp"
+#include "host/fleet/idle_disk.hpp"
 #include "host/fleet/program.hpp"
 #include "host/fleet/recording_giver.hpp"
 #include "host/fleet/release_keeper.hpp"
@@ -67,9 +68,11 @@ class Cell {
     if (!options_.releases.empty()) {
       broker.subscriptions.push_back(fleet::topic_of(options_.cell, "plan"));
       broker.subscriptions.push_back(fleet::topic_of(options_.cell, "part"));
-      releases_.emplace(options_.releases, options_.release_key, [this](const fleet::PartAsk& ask) {
-        broker_->publish(fleet::topic_of(options_.cell, "ask"), fleet::to_text(ask), Delivery::AtLeastOnce);
-      });
+      releases_.emplace(options_.releases, options_.release_key, options_.cell,
+                        [this](const fleet::PartAsk& ask) {
+                          broker_->publish(fleet::topic_of(options_.cell, "ask"), fleet::to_text(ask),
+                                           Delivery::AtLeastOnce);
+                        });
       BITELINE_TRY(releases_->begin());
     }
     broker.will_topic = fleet::health_topic(options_.cell);
@@ -161,7 +164,10 @@ class Cell {
     const Result<memory::OutboxPart> waiting = outbox_->after(uplink_.committed(), 1);
     if (!waiting || waiting->waiting > 0) return;
     for (int i = 0; i < k_most_pieces; ++i) {
-      const std::optional<fleet::Piece> piece = giver_.step(waiting->book);
+      const std::optional<fleet::Piece> piece = [&] {
+        const fleet::IdleDisk idle;  // the service writes to this disk
+        return giver_.step(waiting->book);
+      }();
       if (!piece) return;
       broker_->publish(fleet::topic_of(options_.cell, "recording"), fleet::to_payload(*piece),
                        Delivery::AtLeastOnce);

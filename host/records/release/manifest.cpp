@@ -43,22 +43,22 @@ Result<Manifest> read_manifest(std::string_view text) {
   return manifest;
 }
 
-Result<void> check_signature(const std::filesystem::path& public_key, std::string_view manifest,
-                             std::string_view signature) {
+Result<void> check_signature(const std::filesystem::path& public_key, std::string_view text,
+                             std::string_view signature, const char* what) {
   BITELINE_ASSIGN(const std::string pem, read_regular_file(public_key, k_most_settings_bytes));
-  const std::unique_ptr<BIO, int (*)(BIO*)> text{BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())),
-                                                 &BIO_free};
+  const std::unique_ptr<BIO, int (*)(BIO*)> source{BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())),
+                                                   &BIO_free};
   const std::unique_ptr<EVP_PKEY, void (*)(EVP_PKEY*)> key{
-      text ? PEM_read_bio_PUBKEY(text.get(), nullptr, nullptr, nullptr) : nullptr, &EVP_PKEY_free};
+      source ? PEM_read_bio_PUBKEY(source.get(), nullptr, nullptr, nullptr) : nullptr, &EVP_PKEY_free};
   if (!key || EVP_PKEY_base_id(key.get()) != EVP_PKEY_ED25519)
     return fail(Errc::FileUnreadable, "%.200s: a public ed25519 key (PEM) expected", public_key.c_str());
   const std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context{EVP_MD_CTX_new(), &EVP_MD_CTX_free};
   const bool vouched = context && signature.size() == k_signature_bytes &&
                        EVP_DigestVerifyInit(context.get(), nullptr, nullptr, nullptr, key.get()) == 1 &&
-                       EVP_DigestVerify(context.get(), bytes_of(signature), signature.size(),
-                                        bytes_of(manifest), manifest.size()) == 1;
+                       EVP_DigestVerify(context.get(), bytes_of(signature), signature.size(), bytes_of(text),
+                                        text.size()) == 1;
   if (vouched) return {};
-  return fail(Errc::AuthenticationFailed, "the release is not signed by %.150s", public_key.c_str());
+  return fail(Errc::AuthenticationFailed, "%s is not signed by %.150s", what, public_key.c_str());
 }
 
 Result<void> check_file(const std::filesystem::path& file, const Manifest& manifest) {

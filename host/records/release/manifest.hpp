@@ -34,10 +34,10 @@ struct Manifest {
 [[nodiscard]] std::string to_text(const Manifest& manifest);
 [[nodiscard]] Result<Manifest> read_manifest(std::string_view text);
 
-/// Errc::AuthenticationFailed where `signature` is not that of `manifest` by the key whose public half is in
-/// the PEM file; Errc::FileUnreadable: that file is no ed25519 key.
-[[nodiscard]] Result<void> check_signature(const std::filesystem::path& public_key, std::string_view manifest,
-                                           std::string_view signature);
+/// Errc::AuthenticationFailed where `signature` is not that of `text` by the key whose public half is in the
+/// PEM file; Errc::FileUnreadable: that file is no ed25519 key.  `what`: for people, "the release".
+[[nodiscard]] Result<void> check_signature(const std::filesystem::path& public_key, std::string_view text,
+                                           std::string_view signature, const char* what);
 
 /// Errc::SizeMismatch or BadValue where the file is not the one that the manifest names.
 [[nodiscard]] Result<void> check_file(const std::filesystem::path& file, const Manifest& manifest);

@@ -7,7 +7,9 @@
 namespace biteline::release {
 namespace {
 
-constexpr std::string_view k_first = "biteline-plan 1\n";
+constexpr std::string_view k_first = "biteline-plan 2\n";
+/// Of versions whose switches were not signed: the last two lines are missing.
+constexpr std::string_view k_first_unsigned = "biteline-plan 1\n";
 
 std::string_view or_dash(const std::string& hash) {
   return hash.empty() ? std::string_view{"-"} : std::string_view{hash};
@@ -33,12 +35,15 @@ std::string to_text(const Plan& plan) {
   text.append("\nnext ").append(or_dash(plan.next));
   text.append("\nat_ms ").append(std::to_string(plan.at_ms));
   text.append("\nsure ").append(plan.sure ? "1" : "0");
-  return text.append("\nnumber ").append(std::to_string(plan.number)).append("\n");
+  text.append("\nnumber ").append(std::to_string(plan.number));
+  text.append("\nnewest ").append(std::to_string(plan.newest));
+  return text.append("\norder ").append(or_dash(plan.order)).append("\n");
 }
 
 Result<Plan> read_plan(std::string_view text) {
-  if (!text.starts_with(k_first))
-    return fail(Errc::BadFormat, "plan of releases: 'biteline-plan 1' expected in its first line");
+  const bool signed_orders = text.starts_with(k_first);
+  if (!signed_orders && !text.starts_with(k_first_unsigned))
+    return fail(Errc::BadFormat, "plan of releases: 'biteline-plan 2' expected in its first line");
   KeyLines lines{text.substr(k_first.size()), "plan of releases"};
   Plan plan;
   plan.current = lines.hash_if("current");
@@ -48,6 +53,8 @@ Result<Plan> read_plan(std::string_view text) {
   const std::int64_t sure = lines.whole("sure");
   plan.sure = sure == 1;
   plan.number = lines.whole("number");
+  plan.newest = signed_orders ? lines.whole("newest") : plan.number;
+  if (signed_orders) plan.order = lines.hash_if("order");
   if (sure > 1) lines.fault("sure");
   BITELINE_TRY(lines.finish());
   return plan;

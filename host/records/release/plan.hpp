@@ -22,7 +22,9 @@ struct Plan {
   std::string next;        ///< in force from `at_ms` on, if `sure`
   std::int64_t at_ms{0};   ///< since 1970, UTC, by this machine's clock
   bool sure{false};        ///< every cell has the next one and knows the time
-  std::int64_t number{0};  ///< of the switch that made `next`, else `current`; 0: none
+  std::int64_t number{0};  ///< of the switch that made `next`, else `current`; 0: none, or not known any more
+  std::int64_t newest{0};  ///< of all orders that stood here; it never falls, so none comes twice
+  std::string order;       ///< SHA-256 of that order's text
 
   /// The release that a scan is worked with that begins now.
   [[nodiscard]] const std::string& in_force(std::int64_t now_ms) const {

@@ -113,7 +113,7 @@ Result<void> write_result(const fs::path& scan, MendedScan& mended, const SE3& T
                           const std::vector<mend::Version>& versions, report::Report& report) {
   const Json found = found_report(scan);
   for (const char* key : {"input", "sensor", "simulated", "sample", "scan", "devices", "messages_lost",
-                          "points", "candidates", "closure_mm"}) {
+                          "points", "candidates", "closure_mm", "calibration_check"}) {
     if (found.contains(key)) report.fields[key] = found[key];
   }
   const double flagged = bite_line::flagged_of(mended.line, bite_line::k_sure_ratio).all();

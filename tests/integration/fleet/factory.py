@@ -3,6 +3,7 @@
 
 Leaves with 77 (skipped) where the daemons are not installed or this is not root.
 """
+import contextlib
 import os
 import pathlib
 import random
@@ -10,6 +11,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
 from programs import Program
@@ -36,6 +38,7 @@ class Factory:
     def __init__(self, folder, uplink, fleet, made_cell, broker_files):
         self.folder, self.uplink, self.fleet, self.made_cell = folder, uplink, fleet, made_cell
         self.running = {}
+        self.others = []  # programs beside the factory's own, that end before it
         self.uplink_options = lambda cell: []
         self.fleet_options = []
         self.ended = []
@@ -95,7 +98,8 @@ class Factory:
             self.running[name] = Program(POSTGRES / "postgres", "-D", self.folder / "data", "-c", "listen_addresses=127.0.0.1",
                                          "-c", "unix_socket_directories=", "-c", "max_wal_size=64MB", user="postgres", cwd="/")
         elif name == "fleet":
-            self.running[name] = Program(self.fleet, "--database", self.database(), "--metrics", "9118", *self.fleet_options, *tls("fleet"))
+            self.running[name] = Program(self.fleet, "--database", self.database(), "--metrics", "9118",
+                                         "--accounts", self.folder / "accounts", *self.fleet_options, *tls("fleet"))
         else:
             self.running[name] = Program(self.uplink, "--results", self.folder / name, "--cell", name,
                                          "--sparkplug", GROUP, *self.uplink_options(name), *tls(name))
@@ -118,8 +122,25 @@ class Factory:
         return int(rows[0][0]) if rows else -1
 
     def end(self):
+        for program in self.others:
+            program.end()
         for program in self.running.values():
             program.end(signal.SIGQUIT if "postgres" in program.command[0] else signal.SIGTERM)
+
+
+@contextlib.contextmanager
+def factory_of(arguments):
+    """A factory for the body, in a folder of its own; where the body fails, its programs' last words are told."""
+    with tempfile.TemporaryDirectory() as folder:
+        factory = Factory(pathlib.Path(folder), *arguments)
+        try:
+            yield factory
+        except BaseException:
+            for program in [*factory.ended, *factory.running.values(), *factory.others]:
+                print("---", *program.command[:3], *program.lines[-12:], sep="\n")
+            raise
+        finally:
+            factory.end()
 
 
 def put_odd_cells(factory, first, count, off_mm):

@@ -8,18 +8,15 @@ Each program is killed in turn and all at once; one cell is cut off for an hour 
 shoes, none double, in each cell's order.
 """
 import json
-import pathlib
-import signal
 import socket
 import ssl
 import struct
 import subprocess
 import sys
-import tempfile
 import time
 import urllib.request
 
-from factory import CELLS, REAL_CELL, Factory, put_odd_cells  # and the way to the module below
+from factory import CELLS, REAL_CELL, factory_of, put_odd_cells  # and the way to the module below
 from programs import PATIENCE_S, comes_true
 from real_cell import RealCell
 
@@ -164,8 +161,12 @@ def odd_cell_is_named(factory):
 
 
 def metrics_tell_it(factory):
+    token_file = factory.folder / "metrics.token"
+    subprocess.run([factory.fleet, "--accounts", factory.folder / "accounts", "--metrics-token", token_file], check=True)
+    request = urllib.request.Request("http://127.0.0.1:9118/metrics", headers={"Authorization": f"Bearer {token_file.read_text().strip()}"})
+
     def metrics():
-        with urllib.request.urlopen("http://127.0.0.1:9118/metrics", timeout=PATIENCE_S) as answer:
+        with urllib.request.urlopen(request, timeout=PATIENCE_S) as answer:
             return answer.read().decode()
 
     comes_true(lambda: f'biteline_fleet_shoes_total{{cell="cell-3",verdict="ok"}} {(SHOES + HOUR) * 4 // 5}' in metrics(), "the metrics of cell-3")
@@ -178,25 +179,17 @@ def metrics_tell_it(factory):
 
 
 def main():
-    with tempfile.TemporaryDirectory() as folder:
-        factory = Factory(pathlib.Path(folder), *sys.argv[1:5])
-        try:
-            for name in ("broker", "database", "fleet", *CELLS, REAL_CELL):
-                factory.start(name)
-            real = RealCell(factory.folder / REAL_CELL, *sys.argv[5:8])
-            each_is_killed_in_turn(factory, real)
-            real_service_loses_nothing(factory, real)
-            one_is_cut_off_for_an_hour(factory)
-            rows_are_the_shoes(factory)
-            strangers_are_kept_out(factory)
-            odd_cell_is_named(factory)
-            metrics_tell_it(factory)
-        except BaseException:
-            for program in [*factory.ended, *factory.running.values()]:
-                print("---", *program.command[:3], *program.lines[-12:], sep="\n")
-            raise
-        finally:
-            factory.end()
+    with factory_of(sys.argv[1:5]) as factory:
+        for name in ("broker", "database", "fleet", *CELLS, REAL_CELL):
+            factory.start(name)
+        real = RealCell(factory.folder / REAL_CELL, *sys.argv[5:8])
+        each_is_killed_in_turn(factory, real)
+        real_service_loses_nothing(factory, real)
+        one_is_cut_off_for_an_hour(factory)
+        rows_are_the_shoes(factory)
+        strangers_are_kept_out(factory)
+        odd_cell_is_named(factory)
+        metrics_tell_it(factory)
     print("rows are the shoes of all cells, once and in order")
 
 

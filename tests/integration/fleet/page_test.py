@@ -10,11 +10,10 @@ import os
 import pathlib
 import subprocess
 import sys
-import tempfile
 import urllib.error
 import urllib.request
 
-from factory import CELLS, Factory, put_odd_cells, skip
+from factory import CELLS, factory_of, put_odd_cells, skip
 from programs import PATIENCE_S, Program, comes_true
 from recordings import make_recording
 
@@ -38,12 +37,15 @@ def nobody_gets_in(paths):
         status, answer = ask("GET", path)
         assert status == 401, (path, status, answer)
     assert ask("POST", "/fleet/fetches", body={"cell": "cell-1", "scan": "scan-0001"})[0] == 401
+    assert ask("POST", "/fleet/marks", body={"cell": "cell-1", "scan": "scan-0001", "marked": True})[0] == 401
 
 
 def api_as_viewer(factory):
     """Who may what; what is counted; and no way to an arm."""
     token = ask("POST", "/sessions", body={"name": "vera", "password": "only looking"})[1]["token"]
     assert ask("POST", "/fleet/fetches", token, {"cell": "cell-2", "scan": "scan-0005"})[0] == 403
+    assert ask("POST", "/fleet/marks", token, {"cell": "cell-2", "scan": "scan-0005", "marked": False})[0] == 403
+    assert factory.sql("SELECT marked FROM fetches WHERE state = 'whole'") == [["t"]], "as the page left it"
     for path in ("/commands/stop", "/commands/laser-off", "/commands/start", "/scans/scan-0001/send", "/control"):
         status, answer = ask("POST", path, token, {})
         assert status == 404 and "commands no cell" in answer["error"]["message"], (path, status, answer)
@@ -91,44 +93,33 @@ def offer_a_release(factory):
 def main():
     if not pathlib.Path(PAGE, "centre/app.js").exists():
         skip("the page was not built")
-    with tempfile.TemporaryDirectory() as folder:
-        factory = Factory(pathlib.Path(folder), *sys.argv[1:5])
-        factory.fleet_options = ["--recordings", factory.folder / "recordings", "--control", "tcp://127.0.0.1:9119", "--accounts",
-                                 factory.folder / "accounts"]
-        web = None
-        try:
-            for cell in CELLS:
-                assert factory.make_shoes(cell, 1, 30).wait(PATIENCE_S) == 0
-            for name in ("broker", "database", "fleet", *CELLS):
-                factory.start(name)
-            for cell in CELLS:
-                comes_true(lambda: factory.shoes_of(cell) == 30, f"the shoes of {cell}")
-            make_recording(factory.folder / "cell-2", "scan-0005", 60_000, 5)
-            put_odd_cells(factory, 1, 40, 0)
-            put_odd_cells(factory, 41, 20, 0.3)
-            offer_a_release(factory)
-            factory.kill("cell-3")
-            web = Program(WEB, "--listen", "127.0.0.1:8090", "--control", "tcp://127.0.0.1:9119", "--page", pathlib.Path(PAGE, "centre"),
-                          "--exit-with-parent")
-            web.line_with("http://")
-            comes_true(lambda: ask("GET", "/me")[0] == 401, "the centre behind the web program")
-            nobody_gets_in(["/state", "/fleet/cells", "/fleet/scans", "/fleet/trends", "/fleet/groups", "/fleet/alarms", "/fleet/odd",
-                            "/fleet/releases", "/fleet/fetches", "/users", "/log"])
-            looked = subprocess.run([NODE, f"{ROOT}/tests/web/centre_test.mjs", ADDRESS, PICTURES], text=True, capture_output=True,
-                                    env={**os.environ, "BITELINE_WEB_SOURCE": f"{ROOT}/host/web"})
-            print(looked.stdout, looked.stderr)
-            if looked.returncode == 77:
-                sys.exit(77)
-            assert looked.returncode == 0
-            api_as_viewer(factory)
-        except BaseException:
-            for program in [*factory.ended, *factory.running.values(), *([web] if web else [])]:
-                print("---", *program.command[:3], *program.lines[-12:], sep="\n")
-            raise
-        finally:
-            if web:
-                web.end()
-            factory.end()
+    with factory_of(sys.argv[1:5]) as factory:
+        factory.fleet_options = ["--recordings", factory.folder / "recordings", "--control", "tcp://127.0.0.1:9119"]
+        for cell in CELLS:
+            assert factory.make_shoes(cell, 1, 30).wait(PATIENCE_S) == 0
+        for name in ("broker", "database", "fleet", *CELLS):
+            factory.start(name)
+        for cell in CELLS:
+            comes_true(lambda: factory.shoes_of(cell) == 30, f"the shoes of {cell}")
+        make_recording(factory.folder / "cell-2", "scan-0005", 60_000, 5)
+        put_odd_cells(factory, 1, 40, 0)
+        put_odd_cells(factory, 41, 20, 0.3)
+        offer_a_release(factory)
+        factory.kill("cell-3")
+        web = Program(WEB, "--listen", "127.0.0.1:8090", "--control", "tcp://127.0.0.1:9119", "--page", pathlib.Path(PAGE, "centre"),
+                      "--exit-with-parent")
+        factory.others.append(web)
+        web.line_with("http://")
+        comes_true(lambda: ask("GET", "/me")[0] == 401, "the centre behind the web program")
+        nobody_gets_in(["/state", "/fleet/cells", "/fleet/scans", "/fleet/trends", "/fleet/groups", "/fleet/alarms", "/fleet/odd",
+                        "/fleet/releases", "/fleet/fetches", "/users", "/log"])
+        looked = subprocess.run([NODE, f"{ROOT}/tests/web/centre_test.mjs", ADDRESS, PICTURES], text=True, capture_output=True,
+                                env={**os.environ, "BITELINE_WEB_SOURCE": f"{ROOT}/host/web"})
+        print(looked.stdout, looked.stderr)
+        if looked.returncode == 77:
+            sys.exit(77)
+        assert looked.returncode == 0
+        api_as_viewer(factory)
 
 
 main()

@@ -3,7 +3,7 @@
 """recording_test.py UPLINK FLEET MADE_CELL BROKER_FILES: recordings fetched from their cells, over real daemons.
 
 Uplink, broker and centre are killed while the bytes come; results go before; a cell at work is left alone; what is gone
-is refused by name.
+is refused by name; at the centre they go by space and age, but for marked ones.
 """
 import hashlib
 import json
@@ -11,14 +11,13 @@ import pathlib
 import subprocess
 import sys
 import tarfile
-import tempfile
 import time
 
-from factory import CELLS, Factory
+from factory import CELLS, factory_of
 from programs import PATIENCE_S, comes_true
 from recordings import make_recording
 
-LARGE, SMALL = 12_000_000, 60_000
+LARGE, MIDDLE, SMALL = 12_000_000, 6_000_000, 60_000
 
 
 class Fetches:
@@ -68,14 +67,34 @@ def killed_in_the_middle(fetches, factory):
 
 
 def results_go_before(fetches, factory):
-    """While shoes are made, none waits for a recording."""
+    """A cell that was cut off tells its shoes first: while one is missing at the centre, the recording stands still."""
     expected = make_recording(factory.folder / "cell-2", "scan-0005", LARGE, 5)
-    command = fetches.begin("cell-2/scan-0005")
-    comes_true(lambda: fetches.row("cell-2/scan-0005")["have"] > 0, "bytes come")
-    maker = factory.make_shoes("cell-2", 11, 40)
-    assert maker.wait(PATIENCE_S) == 0
-    comes_true(lambda: factory.shoes_of("cell-2") == 50, "the shoes that were made meanwhile")
-    check_same(fetches.whole(command, "cell-2/scan-0005"), expected)
+    what = "cell-2/scan-0005"
+    command = fetches.begin(what)
+    comes_true(lambda: fetches.row(what)["have"] > 0, "bytes come")
+    factory.kill("cell-2")
+    before, now = -1, fetches.row(what)["have"]
+    while now != before:  # until what was on its way has come, and is in the database
+        time.sleep(3)
+        before, now = now, fetches.row(what)["have"]
+    assert before < LARGE, "the whole recording came before the cell was cut off"
+    assert factory.make_shoes("cell-2", 11, 40).wait(PATIENCE_S) == 0
+    factory.start("cell-2")
+
+    def seen():
+        """Bytes and shoes at one moment."""
+        rows = factory.sql("SELECT (SELECT max(have) FROM fetches WHERE cell = 'cell-2' AND scan = 'scan-0005'), "
+                           "(SELECT count(*) FROM shoes WHERE cell = 'cell-2')")
+        return [int(number) for number in rows[0]] if rows else [before, 50]
+
+    moments = [seen()]
+    while moments[-1][1] < 50:
+        moments.append(seen())
+        assert len(moments) < 20_000, moments[-1]
+    early = [moment for moment in moments if moment[0] > before and moment[1] < 50]
+    assert not early, (before, early[:3])
+    check_same(fetches.whole(command, what), expected)
+    print(f"results first: {len(moments)} looks, {before} bytes stood still until the last of 40 shoes was there", flush=True)
 
 
 def cell_at_work_is_left_alone(fetches, factory):
@@ -115,29 +134,57 @@ def cell_that_is_away_is_waited_for(fetches, factory):
     check_same(fetches.whole(command, "cell-1/scan-0006"), expected)
 
 
+def old_ones_go_but_marked_ones_stay(fetches, factory):
+    """By space, then by age; the rows stay, and who marks one that is gone is told."""
+    def order(*words):
+        return subprocess.run(fetches.order(*words), capture_output=True, text=True, timeout=PATIENCE_S)
+
+    scans = [f"cell-2/scan-{number:04}" for number in (6, 7, 8)]
+    files = []
+    for number, what in enumerate(scans):
+        cell, scan = what.split("/")
+        make_recording(factory.folder / cell, scan, MIDDLE, 60 + number)
+        files.append(fetches.whole(fetches.begin(what), what))
+    others = [row for row in factory.sql("SELECT cell, scan FROM fetches WHERE state = 'whole'") if "/".join(row) not in scans]
+    assert order("--mark", scans[0]).returncode == 0 and fetches.row(scans[0])["marked"]
+    factory.kill("fleet")
+    factory.fleet_options += ["--keep-gb", "0.01", "--keep-days", "30"]
+    factory.start("fleet")
+    comes_true(lambda: fetches.row(scans[1])["state"] == "removed", "there is no room for the second")
+    assert fetches.row(scans[1])["words"] == "newer ones needed its room" and not files[1].exists()
+    # The marked one and the newest alone are beyond the limit: they stay, and all others have gone.
+    assert files[0].exists() and files[2].exists()
+    for cell, scan in others:
+        assert fetches.row(f"{cell}/{scan}")["state"] == "removed", (cell, scan)
+    done = order("--mark", scans[1])
+    assert done.returncode == 2 and "no such recording is here" in done.stderr, done
+    assert factory.sql("UPDATE fetches SET ended = now() - interval '31 days' WHERE state = 'whole'") is not None
+    comes_true(lambda: fetches.row(scans[2])["state"] == "removed", "the newest is too old")
+    assert fetches.row(scans[2])["words"] == "it was too old" and not files[2].exists()
+    assert files[0].exists() and fetches.row(scans[0])["state"] == "whole"
+    assert order("--unmark", scans[0]).returncode == 0
+    comes_true(lambda: not files[0].exists(), "the one that is marked no more goes")
+    # It can be had again.
+    comes_true(lambda: fetches.row(scans[0])["state"] == "removed", "the row says so")
+    assert fetches.whole(fetches.begin(scans[0]), scans[0]).exists()
+
+
 def main():
-    with tempfile.TemporaryDirectory() as folder:
-        factory = Factory(pathlib.Path(folder), *sys.argv[1:5])
+    with factory_of(sys.argv[1:5]) as factory:
         factory.fleet_options = ["--recordings", factory.folder / "recordings"]
         fetches = Fetches(factory)
-        try:
-            for cell in CELLS:
-                assert factory.make_shoes(cell, 1, 10).wait(PATIENCE_S) == 0
-            for name in ("broker", "database", "fleet", *CELLS):
-                factory.start(name)
-            for cell in CELLS:
-                comes_true(lambda: factory.shoes_of(cell) == 10, f"the shoes of {cell}")
-            killed_in_the_middle(fetches, factory)
-            results_go_before(fetches, factory)
-            cell_at_work_is_left_alone(fetches, factory)
-            what_cannot_be_had_is_told(fetches, factory)
-            cell_that_is_away_is_waited_for(fetches, factory)
-        except BaseException:
-            for program in [*factory.ended, *factory.running.values()]:
-                print("---", *program.command[:3], *program.lines[-12:], sep="\n")
-            raise
-        finally:
-            factory.end()
+        for cell in CELLS:
+            assert factory.make_shoes(cell, 1, 10).wait(PATIENCE_S) == 0
+        for name in ("broker", "database", "fleet", *CELLS):
+            factory.start(name)
+        for cell in CELLS:
+            comes_true(lambda: factory.shoes_of(cell) == 10, f"the shoes of {cell}")
+        killed_in_the_middle(fetches, factory)
+        results_go_before(fetches, factory)
+        cell_at_work_is_left_alone(fetches, factory)
+        what_cannot_be_had_is_told(fetches, factory)
+        cell_that_is_away_is_waited_for(fetches, factory)
+        old_ones_go_but_marked_ones_stay(fetches, factory)
     print("recordings came whole, behind the results, and what is gone was told")
 
 

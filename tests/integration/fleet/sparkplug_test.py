@@ -10,10 +10,9 @@ import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 
-from factory import GROUP, Factory, skip
+from factory import GROUP, factory_of, skip
 from programs import PATIENCE_S, Program, comes_true
 
 JUDGE = pathlib.Path(__file__).with_name("sparkplug_judge.mjs")
@@ -74,52 +73,42 @@ def main():
     if not shutil.which("mosquitto_sub") or not shutil.which("node"):
         skip("mosquitto-clients and node are needed")
     judge(web, "rebirth")
-    with tempfile.TemporaryDirectory() as folder:
-        factory = Factory(pathlib.Path(folder), *sys.argv[1:5])
-        host = None
-        try:
-            factory.start("broker")
-            comes_true(lambda: any("running" in line for line in factory.running["broker"].lines), "the broker runs")
-            host = Host(factory, web)
-            time.sleep(0.5)
-            factory.start(CELL)
-            birth = comes_true(lambda: host.of("NBIRTH"), "a birth")[0]
-            assert birth["metrics"]["Last shoe/Length mm"] == {"type": "Double", "value": None}, birth
-            assert birth["metrics"]["Last shoe/Time"]["type"] == "DateTime", birth
+    with factory_of(sys.argv[1:5]) as factory:
+        factory.start("broker")
+        comes_true(lambda: any("running" in line for line in factory.running["broker"].lines), "the broker runs")
+        host = Host(factory, web)
+        factory.others.append(host.ear)
+        time.sleep(0.5)
+        factory.start(CELL)
+        birth = comes_true(lambda: host.of("NBIRTH"), "a birth")[0]
+        assert birth["metrics"]["Last shoe/Length mm"] == {"type": "Double", "value": None}, birth
+        assert birth["metrics"]["Last shoe/Time"]["type"] == "DateTime", birth
 
-            def told_shoes():
-                return [value(one, "Last shoe/Scan") for one in host.of("NDATA") if "Last shoe/Scan" in one["metrics"]]
+        def told_shoes():
+            return [value(one, "Last shoe/Scan") for one in host.of("NDATA") if "Last shoe/Scan" in one["metrics"]]
 
-            # The first look at a memory tells of its last shoe; from there on each is told.
-            last = f"scan-{SHOES:04d}"
-            assert factory.make_shoes(CELL, 1, 1).wait(PATIENCE_S) == 0
-            comes_true(told_shoes, "the first shoe")
-            assert factory.make_shoes(CELL, 2, SHOES - 1).wait(PATIENCE_S) == 0
-            comes_true(lambda: last in told_shoes(), "the last shoe")
-            told = told_shoes()
-            assert [name for at, name in enumerate(told) if name not in told[:at]] == [f"scan-{n:04d}" for n in range(1, SHOES + 1)], told
+        # The first look at a memory tells of its last shoe; from there on each is told.
+        last = f"scan-{SHOES:04d}"
+        assert factory.make_shoes(CELL, 1, 1).wait(PATIENCE_S) == 0
+        comes_true(told_shoes, "the first shoe")
+        assert factory.make_shoes(CELL, 2, SHOES - 1).wait(PATIENCE_S) == 0
+        comes_true(lambda: last in told_shoes(), "the last shoe")
+        told = told_shoes()
+        assert [name for at, name in enumerate(told) if name not in told[:at]] == [f"scan-{n:04d}" for n in range(1, SHOES + 1)], told
 
-            host.ask_rebirth(pathlib.Path(folder))
-            again = comes_true(lambda: host.of("NBIRTH")[1:], "the birth again")[0]
-            assert value(again, "bdSeq") == value(birth, "bdSeq")
-            assert value(again, "Last shoe/Scan") == last and abs(value(again, "Last shoe/Length mm") - 800 - 0.01 * SHOES) < 1e-9, again
-            assert value(again, "Last shoe/Time") == 1_795_000_000_000 + 20_000 * SHOES, again
+        host.ask_rebirth(factory.folder)
+        again = comes_true(lambda: host.of("NBIRTH")[1:], "the birth again")[0]
+        assert value(again, "bdSeq") == value(birth, "bdSeq")
+        assert value(again, "Last shoe/Scan") == last and abs(value(again, "Last shoe/Length mm") - 800 - 0.01 * SHOES) < 1e-9, again
+        assert value(again, "Last shoe/Time") == 1_795_000_000_000 + 20_000 * SHOES, again
 
-            factory.kill(CELL)  # the broker tells it
-            assert comes_true(lambda: host.of("NDEATH"), "a death by the broker")
-            factory.start(CELL)
-            comes_true(lambda: host.of("NBIRTH")[2:], "the birth of the next line")
-            factory.running.pop(CELL).end(signal.SIGTERM)  # in order: it tells it itself
-            comes_true(lambda: host.of("NDEATH")[1:], "a death in order")
-            check_order(host.heard())
-        except BaseException:
-            for program in [*factory.ended, *factory.running.values()]:
-                print("---", *program.command[:3], *program.lines[-12:], sep="\n")
-            raise
-        finally:
-            if host:
-                host.ear.end()
-            factory.end()
+        factory.kill(CELL)  # the broker tells it
+        assert comes_true(lambda: host.of("NDEATH"), "a death by the broker")
+        factory.start(CELL)
+        comes_true(lambda: host.of("NBIRTH")[2:], "the birth of the next line")
+        factory.running.pop(CELL).end(signal.SIGTERM)  # in order: it tells it itself
+        comes_true(lambda: host.of("NDEATH")[1:], "a death in order")
+        check_order(host.heard())
     print("births, data and deaths as the standard asks")
 
 

@@ -61,28 +61,49 @@ TEST(FleetMetrics, TextHasEveryCellAndEscapesLabels) {
     STRCMP_CONTAINS(line, text.c_str());
 }
 
-TEST(FleetMetrics, ShippedRulesAskForMetricsThatThereAre) {
-  std::ifstream file{BITELINE_RULES};
-  const std::string rules{std::istreambuf_iterator<char>{file}, {}};
+TEST(FleetMetrics, ShippedRulesAndBoardAskForMetricsThatThereAre) {
   const std::set<std::string> there = names_in(metrics_text(made()));
-  const std::set<std::string> asked = names_in(rules);
-  CHECK(asked.size() >= 6);
-  for (const std::string& name : asked) CHECK_TEXT(there.contains(name), name.c_str());
+  for (const char* shipped : {"/rules.yml", "/board.json"}) {
+    std::ifstream file{std::string{BITELINE_PROMETHEUS} + shipped};
+    const std::set<std::string> asked = names_in({std::istreambuf_iterator<char>{file}, {}});
+    CHECK_TEXT(asked.size() >= 6, shipped);
+    for (const std::string& name : asked) CHECK_TEXT(there.contains(name), name.c_str());
+  }
+}
+
+TEST(FleetMetrics, NobodyReadsWithoutATokenAlsoOnLoopback) {
+  const auto port = MetricsPort::open(0, [](const std::string& token) { return token == "abc"; });
+  SUCCEEDS(port);
+  (*port)->show("a 1\n");
+  const auto ask = [&](const std::string& headers) {
+    return test::WebClient{(*port)->port()}.ask("GET", "/metrics", headers);
+  };
+  for (const char* headers :
+       {"", "Authorization: Bearer \r\n", "Authorization: Bearer abcd\r\n", "Authorization: Basic abc\r\n",
+        "X-Authorization: Bearer abc\r\n", "Authorization: Bearer ab c\r\n"}) {
+    const test::WebReply reply = ask(headers);
+    LONGS_EQUAL_TEXT(401, reply.status, headers);
+    CHECK_TEXT(reply.body.find("a 1") == std::string::npos, headers);
+    STRCMP_EQUAL("Bearer", reply.header("www-authenticate").c_str());
+  }
+  LONGS_EQUAL(200, ask("Authorization: Bearer abc\r\n").status);
+  LONGS_EQUAL(200, ask("authorization: bearer abc\r\n").status);
 }
 
 TEST(FleetMetrics, PortAnswersAndSlowOrWrongClientsHoldItUpForABoundedTime) {
-  const auto port = MetricsPort::open(0);
+  const auto port = MetricsPort::open(0, [](const std::string& token) { return token == "abc"; });
   SUCCEEDS(port);
   (*port)->show("a 1\n");
-  const test::WebReply reply = test::WebClient{(*port)->port()}.ask("GET", "/metrics");
+  const char* const token = "Authorization: Bearer abc\r\n";
+  const test::WebReply reply = test::WebClient{(*port)->port()}.ask("GET", "/metrics", token);
   LONGS_EQUAL(200, reply.status);
   STRCMP_EQUAL("a 1\n", reply.body.c_str());
   LONGS_EQUAL(404, test::WebClient{(*port)->port()}.ask("GET", "/").status);
   const test::WebClient silent{(*port)->port()};
   const test::WebClient endless{(*port)->port()};
   endless.send(std::string(20'000, 'x'));
-  LONGS_EQUAL(200, test::WebClient{(*port)->port()}.ask("GET", "/metrics").status);
-  const auto taken = MetricsPort::open((*port)->port());
+  LONGS_EQUAL(200, test::WebClient{(*port)->port()}.ask("GET", "/metrics", token).status);
+  const auto taken = MetricsPort::open((*port)->port(), {});
   CHECK(!taken);
   CHECK(taken.error().code == Errc::PeerRefused);
 }

@@ -151,6 +151,17 @@ TEST(Recording, FolderThatChangesIsReadAnew) {
   LONGS_EQUAL(1, row.tries);
 }
 
+TEST(Recording, FolderThatShrankWhileTheUplinkWasDownIsReadAnew) {
+  run(2);
+  CHECK(row.have > 0 && row.have < row.total);
+  folder.write("results/scan-0007/scan.btln", "short");
+  giver = RecordingGiver{results};
+  run();
+  check_whole();
+  LONGS_EQUAL(1, row.tries);
+  CHECK(row.total < 100'000);
+}
+
 TEST(Recording, WhatIsGoneIsRefusedByName) {
   fs::remove_all(results / "scan-0007");
   run();

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "common/system/file.hpp"
 #include "host/records/archive/archive.hpp"
 #include "host/records/digest/digest.hpp"
 #include "tests/support/errors.hpp"
@@ -25,7 +26,7 @@ TEST_GROUP(ReleaseKeeper) {
   fs::path shelf{folder.path() / "releases"}, key{folder.path() / "key.pem"};
   test::Signer signer{key};
   std::vector<PartAsk> asks;
-  ReleaseKeeper sut{shelf, key, [this](const PartAsk& ask) { asks.push_back(ask); }};
+  ReleaseKeeper sut{shelf, key, "cell-1", [this](const PartAsk& ask) { asks.push_back(ask); }};
   ReleaseKeeper::Clock::time_point now{seconds{100}};
   std::string bytes;
   release::Manifest manifest;
@@ -43,11 +44,16 @@ TEST_GROUP(ReleaseKeeper) {
     const std::string text = release::to_text(manifest);
     return {.manifest = text, .signature = signer.sign(text)};
   }
-  ReleasePlan plan_with(std::int64_t number, std::int64_t at_ms, bool sure) const {
+  ReleasePlan plan_with(std::int64_t number, std::int64_t at_ms, bool sure,
+                        const std::vector<std::string>& cells = {"cell-0", "cell-1"}) const {
+    const std::string order = release::to_text(
+        release::Order{.number = number, .sha256 = manifest.sha256, .at_ms = at_ms, .cells = cells});
     ReleasePlan plan = plan_of_it();
-    plan.turn =
-        ReleasePlan::Switch{.number = number, .sha256 = manifest.sha256, .at_ms = at_ms, .sure = sure};
+    plan.turn = ReleasePlan::Switch{.order = order, .signature = signer.sign(order), .sure = sure};
     return plan;
+  }
+  std::string plan_file() const {
+    return read_regular_file(shelf / release::k_plan_file, 4096).value();
   }
   /// As the centre answers an ask, part by part.
   Result<bool> answer(const PartAsk& ask) {
@@ -149,7 +155,71 @@ TEST(ReleaseKeeper, CentreThatKnowsOfNoSwitchBringsNoOlderOneBack) {
   SUCCEEDS(sut.hear(plan_with(4, 1000, true), now, 2000));
   SUCCEEDS(sut.hear(plan_of_it(), now, 3000));
   LONGS_EQUAL(4, sut.word(3000).number);
-  FAILS_NAMING(Errc::WrongState, "switch 3, but 4 is known", sut.hear(plan_with(3, 1000, true), now, 4000));
+}
+
+TEST(ReleaseKeeper, OldOrderIsRefusedHoweverWellItIsSigned) {
+  make("one");
+  fetch();
+  const ReleasePlan old = plan_with(4, 1000, true);
+  SUCCEEDS(sut.hear(old, now, 2000));
+  const std::string first = manifest.sha256;
+  make("two");
+  SUCCEEDS(sut.hear(plan_of_it(), now, 2000));
+  asks.clear();
+  SUCCEEDS(sut.look(now, 2000));
+  CHECK(answer(asks.back()).value());
+  SUCCEEDS(settle());
+  SUCCEEDS(sut.hear(plan_with(5, 3000, false), now, 2500));
+  SUCCEEDS(sut.hear(plan_with(5, 3000, true), now, 2500));
+  SUCCEEDS(sut.look(now, 3000));
+  STRCMP_EQUAL(manifest.sha256.c_str(), sut.word(3000).current.c_str());
+  const std::string stands = plan_file();
+  // Recorded on its way and told again.
+  FAILS_NAMING(Errc::WrongState, "switch 4: a newer or another one is known here (switch 5)",
+               sut.hear(old, now, 4000));
+  STRCMP_EQUAL(stands.c_str(), plan_file().c_str());
+  STRCMP_CONTAINS("switch 4", sut.word(4000).fault.c_str());
+  SUCCEEDS(sut.hear(plan_with(5, 3000, true), now, 4000));
+  STRCMP_EQUAL("", sut.word(4000).fault.c_str());
+  CHECK(sut.word(4000).current != first);
+}
+
+TEST(ReleaseKeeper, ForgedOrCutOrderChangesNothing) {
+  make("one");
+  fetch();
+  SUCCEEDS(sut.hear(plan_with(4, 1000, false), now, 500));
+  const std::string stands = plan_file();
+  const ReleasePlan sound = plan_with(5, 1000, true);
+  ReleasePlan plan = sound;
+  const test::Signer stranger{folder.path() / "stranger.pem"};
+  plan.turn->signature = stranger.sign(plan.turn->order);
+  FAILS_NAMING(Errc::AuthenticationFailed, "order of a switch is not signed by", sut.hear(plan, now, 600));
+  // So that the centre need not wait for its time.
+  LONGS_EQUAL(5, sut.word(600).refused);
+  // The same order for an earlier time.
+  plan = sound;
+  plan.turn->order.replace(plan.turn->order.find("at_ms 1000"), 10, "at_ms 0700");
+  FAILS_NAMING(Errc::AuthenticationFailed, "not signed by", sut.hear(plan, now, 600));
+  for (std::size_t size = 0; size < sound.turn->order.size(); ++size) {
+    plan = sound;
+    plan.turn->order.resize(size);
+    CHECK_TEXT(!sut.hear(plan, now, 600), "an order cut on its way");
+    plan.turn->signature = signer.sign(plan.turn->order);
+    CHECK_TEXT(!sut.hear(plan, now, 600), "an order that was cut and then signed");
+  }
+  plan = sound;
+  plan.turn->signature.resize(63);
+  CHECK(!sut.hear(plan, now, 600));
+  FAILS_NAMING(Errc::WrongState, "not for cell-1", sut.hear(plan_with(5, 1000, true, {"cell-11"}), now, 600));
+  STRCMP_EQUAL(stands.c_str(), plan_file().c_str());
+  LONGS_EQUAL(4, sut.word(600).number);
+  LONGS_EQUAL(5, sut.word(600).refused);
+  SUCCEEDS(sut.hear(plan_of_it(), now, 600));
+  LONGS_EQUAL(0, sut.word(600).refused);
+  SUCCEEDS(sut.hear(plan_with(4, 1000, false), now, 600));
+  SUCCEEDS(sut.hear(sound, now, 600));
+  LONGS_EQUAL(0, sut.word(600).refused);
+  LONGS_EQUAL(5, sut.word(600).number);
 }
 
 TEST(ReleaseKeeper, GoesOnBehindTheLastWholePart) {
@@ -209,6 +279,7 @@ TEST(ReleaseKeeper, WithdrawnSwitchIsForgotten) {
   SUCCEEDS(sut.hear(plan_of_it(), now, 990));
   STRCMP_EQUAL("", sut.word(5000).current.c_str());
   LONGS_EQUAL(0, sut.word(5000).number);
+  LONGS_EQUAL(4, sut.word(5000).newest);
 }
 
 TEST(ReleaseKeeper, WhoWasAwaySwitchesWhenItIsBack) {

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/records/release/order.hpp"
 #include "tests/support/errors.hpp"
 
 namespace biteline::fleet {
@@ -35,28 +36,43 @@ TEST_GROUP(ReleaseMessages){};
 TEST(ReleaseMessages, PlanComesThrough) {
   ReleasePlan plan{.manifest = "biteline-release 1\n", .signature = std::string("\0\xff\x10", 3)};
   CHECK(!read_release_plan(to_text(plan))->turn);
-  plan.turn = ReleasePlan::Switch{.number = 3, .sha256 = k_hash, .at_ms = 17, .sure = true};
+  plan.turn = ReleasePlan::Switch{
+      .order = "biteline-switch 1\n", .signature = std::string("\xff\0\x01", 3), .sure = true};
   const auto back = read_release_plan(to_text(plan));
   SUCCEEDS(back);
   CHECK(back->signature == plan.signature);
   STRCMP_EQUAL(plan.manifest.c_str(), back->manifest.c_str());
-  LONGS_EQUAL(17, back->turn->at_ms);
+  STRCMP_EQUAL("biteline-switch 1\n", back->turn->order.c_str());
+  CHECK(back->turn->signature == plan.turn->signature);
   CHECK(back->turn->sure);
   check_fields(to_text(plan), read_release_plan);
   Json spoiled = Json::parse(to_text(plan));
   spoiled["signature"] = "0g";
   CHECK(!read_release_plan(spoiled.dump()));
+  for (const char* key : {"order", "signature", "sure"}) {
+    spoiled = Json::parse(to_text(plan));
+    spoiled["switch"].erase(key);
+    CHECK_TEXT(!read_release_plan(spoiled.dump()), key);
+  }
   spoiled = Json::parse(to_text(plan));
-  spoiled["switch"]["sha256"] = "../../etc";
+  spoiled["switch"]["order"] = std::string(release::k_most_order_bytes + 1, 'x');
   CHECK(!read_release_plan(spoiled.dump()));
 }
 
 TEST(ReleaseMessages, WordAndAskComeThrough) {
-  const ReleaseWord word{.has = {k_hash}, .current = k_hash, .number = 2, .fault = "a fault", .clock_ms = 9};
+  const ReleaseWord word{.has = {k_hash},
+                         .current = k_hash,
+                         .number = 2,
+                         .newest = 3,
+                         .refused = 4,
+                         .fault = "a fault",
+                         .clock_ms = 9};
   const auto back = read_release_word(to_text(word));
   SUCCEEDS(back);
   CHECK(back->has == word.has);
   STRCMP_EQUAL("a fault", back->fault.c_str());
+  LONGS_EQUAL(3, back->newest);
+  LONGS_EQUAL(4, back->refused);
   check_fields(to_text(word), read_release_word);
   SUCCEEDS(read_release_word(to_text(ReleaseWord{})));
   ReleaseWord many;

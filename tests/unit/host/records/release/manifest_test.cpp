@@ -40,20 +40,20 @@ TEST(ReleaseManifest, HasOneReading) {
 TEST(ReleaseManifest, SignatureVouchesForThisTextByThisKey) {
   const test::Signer signer{folder.path() / "key.pem"}, other{folder.path() / "other.pem"};
   const std::string text = to_text(manifest), signature = signer.sign(text);
-  SUCCEEDS(check_signature(folder.path() / "key.pem", text, signature));
+  SUCCEEDS(check_signature(folder.path() / "key.pem", text, signature, "it"));
   FAILS_NAMING(Errc::AuthenticationFailed, "not signed by",
-               check_signature(folder.path() / "other.pem", text, signature));
+               check_signature(folder.path() / "other.pem", text, signature, "it"));
   for (const std::string& wrong :
        {std::string{}, signature.substr(1), signature + "x", std::string(64, '\0')})
     FAILS_NAMING(Errc::AuthenticationFailed, "not signed by",
-                 check_signature(folder.path() / "key.pem", text, wrong));
+                 check_signature(folder.path() / "key.pem", text, wrong, "it"));
   for (std::size_t at = 0; at < text.size(); at += 7) {
     std::string changed = text;
     changed[at] = static_cast<char>(changed[at] ^ 1);
-    CHECK_TEXT(!check_signature(folder.path() / "key.pem", changed, signature), changed.c_str());
+    CHECK_TEXT(!check_signature(folder.path() / "key.pem", changed, signature, "it"), changed.c_str());
   }
   FAILS_NAMING(Errc::FileUnreadable, "ed25519",
-               check_signature(folder.write("none.pem", "no key"), text, signature));
+               check_signature(folder.write("none.pem", "no key"), text, signature, "it"));
 }
 
 TEST(ReleaseManifest, FileIsTheOneThatIsNamed) {

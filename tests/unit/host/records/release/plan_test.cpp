@@ -12,7 +12,14 @@ namespace {
 const std::string k_old(64, 'a'), k_new(64, 'b');
 
 Plan planned(bool sure) {
-  return {.current = k_old, .before = {}, .next = k_new, .at_ms = 1000, .sure = sure, .number = 7};
+  return {.current = k_old,
+          .before = {},
+          .next = k_new,
+          .at_ms = 1000,
+          .sure = sure,
+          .number = 7,
+          .newest = 8,
+          .order = std::string(64, 'd')};
 }
 
 }  // namespace
@@ -28,6 +35,15 @@ TEST(ReleasePlan, ComesBackAsItWas) {
   const std::string sound = to_text(planned(true));
   for (std::size_t at = 0; at < sound.size(); ++at) CHECK_TEXT(!read_plan(sound.substr(0, at)), "cut short");
   CHECK(!read_plan(sound + "more\n"));
+}
+
+TEST(ReleasePlan, ReadsWhatVersionsWithoutSignedOrdersWrote) {
+  const auto plan =
+      read_plan("biteline-plan 1\ncurrent " + k_old + "\nbefore -\nnext -\nat_ms 0\nsure 0\nnumber 7\n");
+  SUCCEEDS(plan);
+  STRCMP_EQUAL(k_old.c_str(), plan->current.c_str());
+  LONGS_EQUAL(7, plan->newest);
+  STRCMP_EQUAL("", plan->order.c_str());
 }
 
 TEST(ReleasePlan, SwitchesAtItsTimeAndOnlyWhenSure) {

@@ -60,7 +60,7 @@ TEST(ReleaseShelf, ScanTakesAllFromTheReleaseInForce) {
   const Manifest manifest = collected("one");
   SUCCEEDS(sut.take_in(manifest));
   CHECK(!in_force(sut.folder(), 0).value().has_value());
-  SUCCEEDS(sut.write({.current = manifest.sha256, .before = {}, .next = {}}));
+  SUCCEEDS(sut.write({.current = manifest.sha256, .before = {}, .next = {}, .order = {}}));
   const auto release = in_force(sut.folder(), 0);
   SUCCEEDS(release);
   STRCMP_EQUAL(manifest.sha256.c_str(), (*release)->hash.c_str());
@@ -77,7 +77,7 @@ TEST(ReleaseShelf, TidyKeepsWhatThePlanNamesAndWhatIsWanted) {
     SUCCEEDS(sut.take_in(manifest));
     hashes.push_back(manifest.sha256);
   }
-  const Plan plan{.current = hashes[0], .before = hashes[1], .next = hashes[2]};
+  const Plan plan{.current = hashes[0], .before = hashes[1], .next = hashes[2], .order = {}};
   SUCCEEDS(sut.write(plan));
   std::ofstream(sut.part_of(hashes[4])) << "half";
   SUCCEEDS(sut.tidy(plan, hashes[3]));

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#include "host/apps/biteline-fleet/options.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include "common/options/number.hpp"
+#include "host/fleet/program.hpp"
+
+namespace biteline::fleet {
+namespace {
+
+/// What CLI11 cannot say: a token is made without a database, and needs none.
+void check(const FleetOptions& options) {
+  const bool token = !options.metrics_token.empty() || options.drop_metrics_token;
+  if (!options.metrics_token.empty() && options.drop_metrics_token)
+    throw CLI::ExcludesError("--metrics-token", "--drop-metrics-token");
+  if (!token && options.database.empty()) throw CLI::RequiredError("--database");
+}
+
+}  // namespace
+
+ParsedFleetOptions parse_fleet_options(int argc, char** argv) {
+  ParsedFleetOptions parsed;
+  FleetOptions& options = parsed.options;
+  std::error_code fault;
+  options.migrations = std::filesystem::read_symlink("/proc/self/exe", fault).parent_path().parent_path() /
+                       "share/biteline/migrations";
+  CLI::App app{"The factory's centre: takes the shoes of all cells from the broker into PostgreSQL.",
+               k_fleet_program};
+  app.set_version_flag("--version", BITELINE_VERSION);
+  app.add_option(
+      "--database", options.database,
+      "PostgreSQL, as libpq takes it: \"host=HOST dbname=NAME user=NAME\"; a password stands in ~/.pgpass");
+  add_broker_options(app, options.broker);
+  app.add_option("--migrations", options.migrations, "Folder of the tables' versions")->capture_default_str();
+  auto* metrics = app.add_option(
+      "--metrics", options.metrics,
+      "Give Prometheus' text at http://127.0.0.1:PORT/metrics to who shows a token; 0: any free port");
+  auto* control =
+      app.add_option("--control", options.control,
+                     "Where biteline-web comes in for the page of all cells: tcp://127.0.0.1:PORT");
+  auto* accounts = app.add_option("--accounts", options.accounts,
+                                  "Folder of accounts and log: of the page, and of who may read --metrics");
+  control->needs(accounts);
+  metrics->needs(accounts);
+  app.add_option(
+         "--metrics-token", options.metrics_token,
+         "Use the token in this file, or make one there, and leave: a Prometheus that shows it may read "
+         "--metrics of the centre with these --accounts; the one before ends, also while the centre runs")
+      ->needs(accounts);
+  app.add_flag("--drop-metrics-token", options.drop_metrics_token, "End that token, and leave")
+      ->needs(accounts);
+  app.add_flag("--list", options.list, "Print the cells with their health and counts, and leave");
+  app.add_flag(
+      "--odd", options.odd,
+      "Name each cell whose lines of a model differ from the other cells', and leave; exit status 3 where "
+      "there is one");
+  add_release_options(app, options.releases);
+  auto* recordings =
+      app.add_option("--recordings", options.recordings,
+                     "Folder for the recordings that are asked for with --fetch; without: none are fetched");
+  app.add_option(
+         "--keep-days", options.limits.days,
+         "Remove recordings that came earlier than so many days ago, but for marked ones; their rows stay")
+      ->check(options::number({.minimum = 1, .maximum = 36500}, "days"))
+      ->needs(recordings);
+  app.add_option(
+         "--keep-gb", options.limits.gb,
+         "Remove the oldest recordings beyond so many gigabytes, but for marked ones and the newest; their "
+         "rows stay")
+      ->check(options::number({.minimum = 0.01, .maximum = 1e6}, "GB"))
+      ->needs(recordings);
+  add_recording_options(app, options.fetches);
+  app.add_flag("--json", options.json, "With --list, --odd, --releases or --fetches: as JSON");
+  app.add_flag("--exit-with-parent", options.exit_with_parent,
+               "Stop when the program that started this one ends");
+  try {
+    app.parse(argc, argv);
+    check(options);
+  } catch (const CLI::ParseError& error) {
+    parsed.leave_with =
+        error.get_exit_code() == 0
+            ? app.exit(error)
+            : complain(k_fleet_program, std::string{error.what()} + " (see --help)", ExitStatus::BadInput);
+  }
+  return parsed;
+}
+
+}  // namespace biteline::fleet
