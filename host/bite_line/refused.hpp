@@ -20,7 +20,7 @@ enum class Refused {
   NotAShoe,          ///< outline and height are not a shoe's
   NoUpper,           ///< no wall goes on above the crease: an open sandal, a rim
   Overhang,          ///< what lies above stands out beyond what lies below: a lid
-  CutIntoSole,       ///< a groove in the sole, whose edge lies above and is not to be seen all the way round
+  CutIntoSole,       ///< a crease of the sole: a plain one between two surfaces goes round above it
   Rivalled,          ///< over too much of its length the line may be another crease
   TooMuchUnsure,     ///< too many of its points are below the limit
   TooMuchUncertain,  ///< too many of its points are sure, and yet have a U95 above 1 mm

@@ -102,7 +102,7 @@ class Chains {
   }
 
   void join_neighbours(int col) {
-    const int reach = rows_of(config_.step_mm * grid_.col_mm);
+    const int reach = rows_of(config_.smooth_mm * grid_.col_mm);
     const auto here = static_cast<std::size_t>(col);
     const std::size_t there = column_after(col);
     for (int i = first_[here]; i < first_[here + 1]; ++i) {
@@ -138,7 +138,7 @@ class Chains {
       for (; first != end; ++first) {
         const Crest& after = crests_[static_cast<std::size_t>(*first)];
         const int gap = cols_on(crests_[before], after);
-        if (gap < 2 || gap > most_cols) continue;
+        if (gap < 1 || gap > most_cols) continue;
         const double rise_mm = std::abs(after.row - crests_[before].row) * grid_.row_mm;
         if (rise_mm > config_.step_mm + config_.bridge_rise * gap * grid_.col_mm) continue;
         // A millimetre up counts as much as five along: creases run on as they were.
@@ -151,7 +151,7 @@ class Chains {
       // What lies within reach behind the seam, then what lies before it.
       const int behind = std::min(col - 1, col + most_cols - grid_.cols);
       add_pairs(i, begins.begin(), from_col(behind + 1));
-      add_pairs(i, from_col(col + 2), from_col(std::min(grid_.cols, col + most_cols + 1)));
+      add_pairs(i, from_col(col + 1), from_col(std::min(grid_.cols, col + most_cols + 1)));
     }
     std::stable_sort(pairs.begin(), pairs.end(),
                      [](const Ends& a, const Ends& b) { return a.cost < b.cost; });

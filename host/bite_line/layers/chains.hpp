@@ -15,8 +15,11 @@ struct ChainConfig {
   float least_likeness{0.15F};  ///< of a place that belongs to a crease
   /// A crease goes on where it keeps this much of its likeness: a trace of it is no more than its shadow.
   float as_strong_ratio{0.5F};
-  double apart_mm{1.0};      ///< a crest is the highest within so much
-  double step_mm{1.0};       ///< most change of height from column to column
+  double apart_mm{1.0};  ///< a crest is the highest within so much
+  /// Most change of height from column to column of a crease that goes on plainly, and where it has to jump:
+  /// that waits until all have gone on plainly, so that no edge that runs up to a crease takes its place.
+  double smooth_mm{0.75};
+  double step_mm{1.0};
   double bridge_mm{45.0};    ///< so far a crease may not be there, or not be seen, and go on behind
   double bridge_rise{0.12};  ///< most change of height on the way over a gap, beyond a step
 };

@@ -57,4 +57,18 @@ TEST(Chains, WhatRunsIntoAnotherCreaseEndsThere) {
   CHECK(round_at(60, 150) < 0.4F);
 }
 
+TEST(Chains, AnEdgeThatRunsUpToACreaseDoesNotTakeItsPlace) {
+  // As read on a shoe with a bumper: where its edges come up to the line only one crest is to be seen.
+  crease(20, 0, 120);
+  crease(20, 124, 196);
+  crease(20, 200, 400);
+  for (int col = 100; col < 124; ++col) {
+    likeness[grid.at((col - 59) / 4, col)] = 0.8F;
+    likeness[grid.at((col - 59) / 4, 319 - col)] = 0.8F;
+  }
+  DOUBLES_EQUAL(1.0, round_at(20, 7), 1e-6);
+  DOUBLES_EQUAL(1.0, round_at(20, 160), 1e-6);
+  CHECK(round_at(10, 100) < 0.3F);
+}
+
 }  // namespace biteline::bite_line

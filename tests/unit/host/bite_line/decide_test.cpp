@@ -69,15 +69,31 @@ TEST(Decide, AGrooveBelowASolesEdgeThatIsFilledTooFarIsNotTakenForIt) {
           decided(layers(groove, {{.crease = edge, .above = true, .all_round = true, .margin = 0.1}})));
 }
 
+TEST(Decide, ALedgeBelowTheEdgeOfANearlyFlushSoleIsNotTakenForIt) {
+  // As read on a made shoe: the ledge stands out by 4 mm, the sole at the bite line by 0.3 mm.
+  Crease edge = crease(16, 9, 0.3);
+  edge.visible_share = 0.9;
+  refuses(Refused::CutIntoSole,
+          decided(layers(crease(11.5, 38, 4.0),
+                         {{.crease = edge, .above = true, .all_round = true, .margin = 0.26}})));
+}
+
 TEST(Decide, AnUppersOverlayIsNoSolesEdge) {
-  // A toe cap's edge stands out as a sole's does, but below it the sole's own edge does, too.
-  Crease overlay = crease(38, 18, 1.3);
+  // As read on a scanned sneaker: it is far weaker than the line.
+  Crease overlay = crease(44, 8, 2.2);
   overlay.visible_share = 0.55;
   const Decision sut = decided(
-      layers(crease(26, 50, 1.5), {{.crease = overlay, .above = true, .all_round = true, .margin = 0.3}}));
+      layers(crease(26, 50, 1.5), {{.crease = overlay, .above = true, .all_round = true, .margin = 0.5}}));
   CHECK_FALSE(sut.refusal.has_value());
   LONGS_EQUAL(2, sut.paths.size());
   DOUBLES_EQUAL(26.0, sut.paths.front().mean_height_mm, 1e-9);
+}
+
+TEST(Decide, ACollarsEdgeIsNoSolesEdge) {
+  const Decision sut =
+      decided(layers(crease(35, 46, 0.8),
+                     {{.crease = crease(84, 8, 2.2), .above = true, .all_round = true, .margin = 0.35}}));
+  CHECK_FALSE(sut.refusal.has_value());
 }
 
 TEST(Decide, ALineOnWhatMayBeAnotherLayersIsRefusedWithBothHeights) {
