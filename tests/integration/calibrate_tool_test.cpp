@@ -77,6 +77,22 @@ TEST(CalibrateTool, CameraAloneGivesItsLinesAndNoMadeUpOnes) {
   STRCMP_EQUAL("ok", report()["status"].get<std::string>().c_str());
   CHECK(report()["camera"]["fu_px"]["sigma"].get<double>() > 0);
   CHECK(fs::exists(out() / "stages/coverage.png"));
+  CHECK(report()["warnings"].empty());
+  std::ifstream page(out() / "index.html");
+  const std::string text{std::istreambuf_iterator<char>(page), {}};
+  STRCMP_CONTAINS("stages/coverage.png", text.c_str());
+  STRCMP_CONTAINS("rings off the camera model", text.c_str());
+}
+
+TEST(CalibrateTool, FilesWithoutUseAreNamed) {
+  write_target("");
+  write_views(6);
+  folder.write("camera/IMG_7.png", "");
+  folder.write("camera/7.jpg", "");
+  run({"calibrate", "camera", folder.path().string(), "--out", out().string()},
+      "camera/IMG_7.png is not used");
+  LONGS_EQUAL(2, report()["warnings"].size());
+  STRCMP_CONTAINS("camera/7.jpg", report()["warnings"][0].get<std::string>().c_str());
 }
 
 TEST(CalibrateTool, JsonIsExactlyTheReportAlsoOfARefusal) {

@@ -4,45 +4,29 @@
 #include <sys/stat.h>
 
 #include "common/wire/keys.hpp"
-#include "host/intake/child_process.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/said.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace biteline {
 
-using intake::ChildProcess;
-using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
 TEST_GROUP(KeysTool) {
   test::TemporaryFolder folder;
   std::string host{folder.path() / "host"}, sensor{folder.path() / "sensor"};
 
-  struct Said {
-    int status;
-    std::string out, last_error;
-    int errors;
-  };
-  static Said keys(std::vector<std::string> arguments) {
+  static test::Said keys(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "keys");
-    auto child = ChildProcess::start({.program = BITELINE_TOOL, .arguments = arguments});
-    SUCCEEDS(child);
-    Said said{};
-    while (const auto line = child->next_line(60s)) said.out += *line + "\n";
-    const auto status = child->wait(60s);
-    SUCCEEDS(status);
-    said.status = *status;
-    said.last_error = child->last_words();
-    said.errors = child->stderr_lines();
-    return said;
+    return test::said_by(BITELINE_TOOL, std::move(arguments));
   }
   static void works(const std::vector<std::string>& arguments) {
-    const Said said = keys(arguments);
+    const test::Said said = keys(arguments);
     LONGS_EQUAL_TEXT(0, said.status, said.last_error.c_str());
     LONGS_EQUAL(0, said.errors);
   }
   static void fails(const std::vector<std::string>& arguments, const char* words) {
-    const Said said = keys(arguments);
+    const test::Said said = keys(arguments);
     LONGS_EQUAL(2, said.status);
     LONGS_EQUAL(1, said.errors);
     STRCMP_CONTAINS(words, said.last_error.c_str());
@@ -61,7 +45,7 @@ TEST_GROUP(KeysTool) {
 };
 
 TEST(KeysTool, PairsAreMadeWhereTheyBelongAndSayWhatIsNext) {
-  const Said made = keys({"make", "--keys", host});
+  const test::Said made = keys({"make", "--keys", host});
   LONGS_EQUAL(0, made.status);
   STRCMP_CONTAINS("host.public to the sensor", made.out.c_str());
   struct stat secret {};
@@ -69,7 +53,7 @@ TEST(KeysTool, PairsAreMadeWhereTheyBelongAndSayWhatIsNext) {
   LONGS_EQUAL(0600, secret.st_mode & 0777);
   CHECK(!fs::exists(fs::path{host} / "sensor.secret"));
 
-  const Said of_sensor = keys({"make", "--sensor", "--keys", sensor});
+  const test::Said of_sensor = keys({"make", "--sensor", "--keys", sensor});
   LONGS_EQUAL(0, of_sensor.status);
   STRCMP_CONTAINS("sensor.public to the key folder of each host", of_sensor.out.c_str());
   CHECK(!fs::exists(fs::path{sensor} / "host.secret"));

@@ -3,14 +3,12 @@
 #include <CppUTest/TestHarness.h>
 
 #include "common/settings/settings.hpp"
-#include "host/intake/child_process.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/said.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace biteline {
 
-using intake::ChildProcess;
-using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
 TEST_GROUP(SettingsTool) {
@@ -18,36 +16,19 @@ TEST_GROUP(SettingsTool) {
   fs::path store{folder.path() / "store"};
   fs::path start{store / settings::k_start_file};
 
-  struct Said {
-    int status;
-    std::string out, last_error;
-    int errors;
-  };
-  static Said run(const fs::path& program, std::vector<std::string> arguments) {
-    auto child = ChildProcess::start({.program = program, .arguments = std::move(arguments)});
-    SUCCEEDS(child);
-    Said said{};
-    while (const auto line = child->next_line(60s)) said.out += *line + "\n";
-    const auto status = child->wait(60s);
-    SUCCEEDS(status);
-    said.status = *status;
-    said.last_error = child->last_words();
-    said.errors = child->stderr_lines();
-    return said;
-  }
-  Said tool(std::vector<std::string> arguments) const {
+  test::Said tool(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), "settings");
     arguments.insert(arguments.end(), {"--store", store});
-    return run(BITELINE_TOOL, arguments);
+    return test::said_by(BITELINE_TOOL, std::move(arguments));
   }
   std::string works(const std::vector<std::string>& arguments) const {
-    const Said said = tool(arguments);
+    const test::Said said = tool(arguments);
     LONGS_EQUAL_TEXT(0, said.status, said.last_error.c_str());
     LONGS_EQUAL(0, said.errors);
     return said.out;
   }
   void fails(const std::vector<std::string>& arguments, const char* words) const {
-    const Said said = tool(arguments);
+    const test::Said said = tool(arguments);
     LONGS_EQUAL(2, said.status);
     LONGS_EQUAL(1, said.errors);
     STRCMP_CONTAINS(words, said.last_error.c_str());
@@ -115,8 +96,9 @@ TEST(SettingsTool, KilledWhileItWritesTheFormerSetStands) {
   save("night", "camera: {exposure_us: 400}");
   works({"use", "day"});
   // A limit of no bytes kills the program at its first write, before any rename.
-  const Said killed = run("/bin/sh", {"-c", "ulimit -c 0; ulimit -f 0; exec \"$@\"", "sh", BITELINE_TOOL,
-                                      "settings", "use", "night", "--store", store.string()});
+  const test::Said killed =
+      test::said_by("/bin/sh", {"-c", "ulimit -c 0; ulimit -f 0; exec \"$@\"", "sh", BITELINE_TOOL,
+                                "settings", "use", "night", "--store", store.string()});
   CHECK(killed.status != 0);
   DOUBLES_EQUAL(250, starting_exposure_us(), 0);
   // What such a death leaves beside is in nobody's way.
@@ -128,15 +110,16 @@ TEST(SettingsTool, KilledWhileItWritesTheFormerSetStands) {
 
 TEST(SettingsTool, TheSensorRefusesASetByLineBeforeItOpensAnything) {
   const std::string bad = file("bad.yaml", "peaks:\n  threshold_grey: 300");
-  const Said said =
-      run(BITELINE_SENSOR, {"--source", "board:/nowhere", "--sensor", "/nowhere", "--settings", bad});
+  const test::Said said = test::said_by(
+      BITELINE_SENSOR, {"--source", "board:/nowhere", "--sensor", "/nowhere", "--settings", bad});
   LONGS_EQUAL(2, said.status);
   LONGS_EQUAL(1, said.errors);
   STRCMP_CONTAINS("bad.yaml line 2, peaks.threshold_grey: a finite number from 1 to 254",
                   said.last_error.c_str());
   // A folder means its start-up set.
   save("day", "camera: {exposure_us: 250}");
-  const Said none = run(BITELINE_SENSOR, {"--source", "board:/nowhere", "--settings", store.string()});
+  const test::Said none =
+      test::said_by(BITELINE_SENSOR, {"--source", "board:/nowhere", "--settings", store.string()});
   STRCMP_CONTAINS("start-up.yaml", none.last_error.c_str());
 }
 

@@ -42,11 +42,14 @@ Result<void> run(const gige::Options& options) {
                   [](const std::string& line) { std::fprintf(stderr, "biteline-gige: %s\n", line.c_str()); }};
   feed.run(g_stop);
   const gige::ServerCounts counts = server->counts();
-  std::printf("biteline-gige: %llu frames, %llu packets, %llu sent again, %llu no longer kept\n",
-              static_cast<unsigned long long>(counts.stream.frames),
-              static_cast<unsigned long long>(counts.stream.packets),
-              static_cast<unsigned long long>(counts.stream.resent),
-              static_cast<unsigned long long>(counts.stream.unavailable));
+  std::printf(
+      "biteline-gige: %llu frames, %llu packets, %llu asked for again, %llu of them no longer kept, %llu not "
+      "taken by the network\n",
+      static_cast<unsigned long long>(counts.stream.frames),
+      static_cast<unsigned long long>(counts.stream.packets),
+      static_cast<unsigned long long>(counts.stream.resent),
+      static_cast<unsigned long long>(counts.stream.unavailable),
+      static_cast<unsigned long long>(counts.unsent_again));
   return {};
 }
 

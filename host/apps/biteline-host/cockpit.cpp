@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "host/records/mounted/mounted_record.hpp"
+
 namespace biteline::service {
 namespace {
 
 using api::Json;
 
-constexpr std::size_t k_most_wishes = 64;
 constexpr std::chrono::milliseconds k_between_states{200};
 
 }  // namespace
@@ -17,6 +18,9 @@ constexpr std::chrono::milliseconds k_between_states{200};
 Result<std::unique_ptr<Cockpit>> Cockpit::open(const CockpitConfig& config) {
   BITELINE_ASSIGN(memory::Memory memory, memory::Memory::open(config.results / memory::k_memory_file));
   std::unique_ptr<Cockpit> cockpit{new Cockpit{config, std::move(memory)}};
+  // What was being taught when the last service ended still waits for a person.
+  BITELINE_ASSIGN(const std::optional<std::string> hold, cockpit->memory_.setting(k_hold_key));
+  cockpit->hold_all_ = cockpit->hold_kept_ = hold == "yes";
   if (config.endpoint) BITELINE_TRY(cockpit->listen());
   return cockpit;
 }
@@ -54,9 +58,15 @@ Result<void> Cockpit::listen() {
                      },
                  .last_seq = [this] { return server_ ? server_->last_seq() : 0; },
                  .stock = [folders = config_.stock] { return stock_now(folders); }});
-  reruns_ = std::make_unique<RerunWorker>(
-      RerunRoom{.results = config_.results, .stock = config_.stock, .arm = config_.rerun_arm},
-      [this](const std::string& scan) { tell_scan(scan); });
+  reruns_ = std::make_unique<RerunWorker>(RerunRoom{.results = config_.results,
+                                                    .stock = config_.stock,
+                                                    .arm = config_.rerun_arm,
+                                                    .mounted = [this]() -> Result<path::Mounted> {
+                                                      BITELINE_ASSIGN(const mounted::Record record,
+                                                                      mounted::read_record(memory_));
+                                                      return record.mounted();
+                                                    }},
+                                          [this](const std::string& scan) { tell_scan(scan); });
   control::ServerConfig server;
   server.endpoint = *config_.endpoint;
   server.keys = config_.keys;
@@ -69,15 +79,18 @@ Result<void> Cockpit::listen() {
       server_,
       control::Server::open(
           server, {.urgent = [this](const control::Request& request) { return api_->urgent(request); },
-                   .ordinary = [this](const control::Request& request) { return api_->ordinary(request); }}));
+                   .ordinary = [this](const control::Request& request) { return api_->ordinary(request); },
+                   .is_long = &api::Api::is_long}));
   address_ = server_->address();
   return {};
 }
 
 void Cockpit::wish(Wish wish) {
   const std::lock_guard lock{mutex_};
-  // Nobody wishes so much but by a fault; a stop has taken effect already.
-  if (wishes_.size() < k_most_wishes) wishes_.push_back(std::move(wish));
+  // The last of a kind counts, so there are never more than kinds and scans that were held.
+  std::erase_if(wishes_,
+                [&](const Wish& other) { return other.kind == wish.kind && other.scan == wish.scan; });
+  wishes_.push_back(std::move(wish));
 }
 
 std::optional<Wish> Cockpit::next_wish() {
@@ -90,7 +103,7 @@ std::optional<Wish> Cockpit::next_wish() {
 
 bool Cockpit::wants_hold(const std::string& scan) const {
   const std::lock_guard lock{mutex_};
-  return hold_wanted_ == scan;
+  return hold_all_ || hold_wanted_ == scan;
 }
 
 void Cockpit::show(Phase phase, const std::string& now, const std::string& next) {
@@ -180,11 +193,16 @@ double Cockpit::cycle_s() const {
   return cycle_begun_ ? std::chrono::duration<double>(Clock::now() - *cycle_begun_).count() : 0;
 }
 
-void Cockpit::hold(const std::string& scan, Wait wait) {
+void Cockpit::hold(const std::string& scan, Wait wait, std::optional<double> fresh_s) {
   const std::lock_guard lock{mutex_};
   held_ = scan;
   wait_ = wait;
+  fresh_until_.reset();
+  if (fresh_s)
+    fresh_until_ =
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*fresh_s));
   if (mending_ == scan) mending_.clear();
+  if (going_on_ == scan) going_on_.clear();
   if (scan.empty()) hold_wanted_.clear();
 }
 

@@ -30,6 +30,7 @@ struct CockpitConfig {
   std::string sensor;                      ///< tcp://HOST:PORT
   std::string arm;                         ///< UR5e, ...; empty: none
   std::string controller;                  ///< HOST:PORT; empty: none
+  std::string rtde;                        ///< its real-time port, HOST:PORT; empty: none
   std::string process;                     ///< its name; empty: none
   std::optional<RerunArm> rerun_arm;       ///< what a scan's path is planned anew with; nothing: none is
   std::optional<wire::Endpoint> endpoint;  ///< where doors come in; nothing: none do
@@ -37,9 +38,25 @@ struct CockpitConfig {
   std::vector<line_control::Job> jobs;  ///< of the line's control; with any, each start is one scan
 };
 
+/// In the memory's settings: "yes" while every scan waits for a person.
+inline constexpr const char* k_hold_key = "hold_every_scan";
+
 /// What a door wants of the service's own thread.
 struct Wish {
-  enum class Kind { Start, Rescan, Stop, LaserOff, Send, Reject, Hold, Mended, Model, Settings };
+  enum class Kind {
+    Start,
+    Rescan,
+    Stop,
+    LaserOff,
+    Send,
+    Reject,
+    Hold,
+    Mended,
+    Model,
+    Settings,
+    Process,
+    Air
+  };
   Kind kind{Kind::Stop};
   std::string scan, who, why;
   api::Job job{};
@@ -95,7 +112,9 @@ class Cockpit final : public api::Cell {
   enum class Wait { Word, Mend, Model };
   /// The scan waits for a person until its name is empty again; only one that waits for a word can be
   /// accepted, and only one that waits for its model can be given one.
-  void hold(const std::string& scan, Wait wait = Wait::Word);
+  /// `fresh_s`: for so long the gate lets it through for its age; nothing: it does not at all, or it has no
+  /// path.
+  void hold(const std::string& scan, Wait wait = Wait::Word, std::optional<double> fresh_s = {});
   /// While it is held no person's word about a scan is taken.  Whoever reads a scan's row and writes it again
   /// holds it, and who holds a scan writes its row and calls hold() under one of it: then a word never finds
   /// one without the other, and none is overwritten.
@@ -110,11 +129,13 @@ class Cockpit final : public api::Cell {
   void stop(const std::string& who) override;
   void laser_off(const std::string& who) override;
   [[nodiscard]] Result<void> start(const api::Job& job, const std::string& who) override;
-  [[nodiscard]] Result<void> rescan(const std::string& who, const std::string& why,
-                                    const std::string& door) override;
+  [[nodiscard]] Result<void> rescan(const Rescan& order) override;
   [[nodiscard]] Result<void> decide(const api::Decision& decision) override;
   [[nodiscard]] Result<void> choose_model(const std::string& scan, const std::string& model,
                                           const std::string& who) override;
+  [[nodiscard]] Result<void> choose_process(const std::string& scan, const std::string& process,
+                                            const std::string& who) override;
+  [[nodiscard]] Result<void> run_in_air(const std::string& scan, const std::string& who) override;
   [[nodiscard]] Result<void> begin_mend(const std::string& scan) override;
   void end_mend(const std::string& scan, bool mended, const std::string& who) override;
   [[nodiscard]] Result<void> change_settings(const std::vector<api::SettingChange>& changes,
@@ -127,6 +148,7 @@ class Cockpit final : public api::Cell {
   [[nodiscard]] Result<int> rerun(const api::RerunOrder& order) override;
   [[nodiscard]] Result<api::TriedPath> try_process(const std::string& scan,
                                                    const path::Process& process) override;
+  [[nodiscard]] Result<robot::ur::ArmLook> look_at_arm() override;
   [[nodiscard]] bool rerun_open(const std::string& scan, int number) override;
 
  private:
@@ -134,7 +156,18 @@ class Cockpit final : public api::Cell {
   [[nodiscard]] Result<void> listen();
   void publish_state();
   [[nodiscard]] api::Json state_locked() const;
+  /// What waits for a person, and for what; null: nothing.
+  [[nodiscard]] api::Json held_json_locked() const;
   void wish(Wish wish);
+  /// The scan that is held goes on: nobody can say a word about it until it is held again.
+  [[nodiscard]] Result<void> take_held_locked(const std::string& scan);
+  void go_on_locked();
+  /// Of the scans to come; one in work waits as it was asked for.
+  void hold_all_locked(bool hold);
+  /// So that it outlives this process.
+  [[nodiscard]] Result<void> keep_hold(bool hold, const std::string& who);
+  /// Of an order that was refused: kept is what is in force.
+  void keep_what_holds(const std::string& who);
   void go(const api::Job& job, const std::string& who);
   void pause_by_person();
   [[nodiscard]] line_control::Standing standing_locked(bool control_held) const;
@@ -155,9 +188,13 @@ class Cockpit final : public api::Cell {
   bool stopped_{false};  ///< by a person
   std::deque<Wish> wishes_;
   std::string hold_wanted_;
+  bool hold_all_{false};   ///< of the job that a person started
+  bool hold_kept_{false};  ///< as it stands in the memory
   std::string held_;
-  Wait wait_{Wait::Word};  ///< of what is held
-  std::string mending_;    ///< a scan whose line is being mended, or whose path is planned anew
+  Wait wait_{Wait::Word};                           ///< of what is held
+  std::optional<Clock::time_point> fresh_until_{};  ///< of what is held
+  std::string going_on_;  ///< a scan that was held, until it waits again or its row is the last
+  std::string mending_;   ///< a scan whose line is being mended, or whose path is planned anew
   Phase phase_{Phase::Starting};
   std::string now_{"starts"}, next_, scan_;
   std::optional<double> progress_{};

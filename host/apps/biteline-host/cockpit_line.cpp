@@ -35,6 +35,7 @@ void Cockpit::pause_by_person() {
 
 void Cockpit::end_cycle(const memory::Scan& scan) {
   const std::lock_guard lock{mutex_};
+  if (going_on_ == scan.name) going_on_.clear();
   cycle_.scan_ends({.scan = scan.name,
                     .verdict = scan.verdict,
                     .model = scan.model,
@@ -72,8 +73,10 @@ api::Cell::LineStart Cockpit::start_for_line(int request, bool control_held) {
     line_control::Cycle::Start start = cycle_.start(request, standing_locked(control_held));
     if (!start.go) return {.refusal = start.refusal, .fresh = false};
     job = std::move(start.go);
+    hold_all_locked(false);
   }
   go({.model = job->model, .process = job->process}, "the line's control");
+  static_cast<void>(keep_hold(false, "the line's control"));
   return {.refusal = Refusal::None, .fresh = true};
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 // What doors say: a stop, a start, a word about a scan, a mended line, a result worked out anew.
+#include <utility>
+
 #include "host/apps/biteline-host/cockpit.hpp"
+#include "host/apps/biteline-host/steps.hpp"
 
 namespace biteline::service {
 
@@ -17,17 +20,64 @@ void Cockpit::laser_off(const std::string& who) {
 }
 
 Result<void> Cockpit::start(const api::Job& job, const std::string& who) {
-  {
+  if (job.hold) BITELINE_TRY(keep_hold(true, who));
+  const Result<void> begun = [&]() -> Result<void> {
     const std::lock_guard lock{mutex_};
     if (!held_.empty())
       return fail(Errc::WrongState, "%s waits for a person; accept or reject it first", held_.c_str());
+    // It would take back a stop that an ordered run in the air has not met yet.
+    if (!going_on_.empty())
+      return fail(Errc::WrongState, "%s is in work; start when it waits again, or is done",
+                  going_on_.c_str());
     if (cycle_.on_demand() && cycle_.busy())
       return fail(Errc::WrongState, "a scan is in work, and each start is one scan; wait for its end");
     cycle_.begin(0);
     stopped_ = false;
+    hold_all_locked(job.hold);
+    return {};
+  }();
+  if (!begun) {
+    keep_what_holds(who);
+    return begun;
   }
   go(job, who);
+  // Where it cannot be kept a restart holds on: that is the safe side.
+  if (!job.hold) static_cast<void>(keep_hold(false, who));
   return {};
+}
+
+Result<void> Cockpit::keep_hold(bool hold, const std::string& who) {
+  {
+    const std::lock_guard lock{mutex_};
+    if (hold_kept_ == hold) return {};
+  }
+  BITELINE_TRY(memory_.put_setting(k_hold_key, hold ? "yes" : "no",
+                                   {.id = 0,
+                                    .time = memory::now_ms(),
+                                    .who = who,
+                                    .door = {},
+                                    .action = hold ? "hold every scan" : "hold no more",
+                                    .subject = "cell",
+                                    .before = hold ? "no" : "yes",
+                                    .after = hold ? "yes" : "no"}));
+  const std::lock_guard lock{mutex_};
+  hold_kept_ = hold;
+  return {};
+}
+
+void Cockpit::keep_what_holds(const std::string& who) {
+  bool hold = false;
+  {
+    const std::lock_guard lock{mutex_};
+    hold = hold_all_;
+  }
+  // Where it cannot be kept a restart holds: that is the safe side.
+  static_cast<void>(keep_hold(hold, who));
+}
+
+void Cockpit::hold_all_locked(bool hold) {
+  if (hold_all_ && !hold && (phase_ == Phase::Scanning || phase_ == Phase::Working)) hold_wanted_ = scan_;
+  hold_all_ = hold;
 }
 
 void Cockpit::go(const api::Job& job, const std::string& who) {
@@ -36,29 +86,40 @@ void Cockpit::go(const api::Job& job, const std::string& who) {
   wish({.kind = Wish::Kind::Start, .scan = {}, .who = who, .why = {}, .job = job});
 }
 
-Result<void> Cockpit::rescan(const std::string& who, const std::string& why, const std::string& door) {
+Result<void> Cockpit::rescan(const Rescan& order) {
   std::string held;
   {
     const std::lock_guard lock{mutex_};
     if (phase_ == Phase::Following) return fail(Errc::WrongState, "the arm follows a path; stop it first");
+    if (!going_on_.empty())
+      return fail(Errc::WrongState, "%s is in work; scan again when it waits again, or is done",
+                  going_on_.c_str());
     held = held_;
     if (held.empty() && cycle_.on_demand() && cycle_.busy())
       return fail(Errc::WrongState, "a scan is in work; wait for its end, or stop it first");
   }
-  if (!held.empty())
-    BITELINE_TRY(decide({.kind = api::Decision::Kind::Reject,
-                         .scan = held,
-                         .who = who,
-                         .why = "scanned again: " + why,
-                         .door = door}));
+  if (order.hold) BITELINE_TRY(keep_hold(true, order.who));
+  if (!held.empty()) {
+    const Result<void> rejected = decide({.kind = api::Decision::Kind::Reject,
+                                          .scan = held,
+                                          .who = order.who,
+                                          .why = "scanned again: " + order.why,
+                                          .door = order.door});
+    if (!rejected) {
+      keep_what_holds(order.who);
+      return rejected;
+    }
+  }
   {
     const std::lock_guard lock{mutex_};
     cycle_.begin(0);
     stopped_ = false;
+    hold_all_locked(order.hold);
   }
   halted_ = false;
   paused_ = false;
-  wish({.kind = Wish::Kind::Rescan, .scan = {}, .who = who, .why = why});
+  wish({.kind = Wish::Kind::Rescan, .scan = {}, .who = order.who, .why = order.why});
+  if (!order.hold) static_cast<void>(keep_hold(false, order.who));
   return {};
 }
 
@@ -72,6 +133,9 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
     const std::lock_guard lock{mutex_};
     if (mending_ == decision.scan)
       return fail(Errc::WrongState, "%s is being mended; decide when its path is checked", mending_.c_str());
+    // A no would meet a path that is planned or run: stop it, or wait until it is held again.
+    if (decision.kind == Reject && going_on_ == decision.scan)
+      return fail(Errc::WrongState, "%s is in work; reject it when it waits again", going_on_.c_str());
     held = held_ == decision.scan;
     wait = wait_;
     in_work = !held && hold_wanted_ == decision.scan;
@@ -98,7 +162,8 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
     return fail(Errc::WrongState, "the model of %s is not known; choose one, or reject it",
                 decision.scan.c_str());
   if (sends && held && wait == Wait::Mend)
-    return fail(Errc::WrongState, "%s has no checked path with its mended line; mend it again, or reject it",
+    return fail(Errc::WrongState,
+                "%s has no checked path; mend its line, choose another process, or reject it",
                 decision.scan.c_str());
   if (sends && !held)
     return fail(Errc::WrongState, "%s does not wait for a word; scan the shoe again", decision.scan.c_str());
@@ -140,8 +205,7 @@ Result<void> Cockpit::choose_model(const std::string& scan, const std::string& m
     const std::lock_guard lock{mutex_};
     if (held_ != scan || wait_ != Wait::Model)
       return fail(Errc::WrongState, "%s does not wait for its model", scan.c_str());
-    held_.clear();
-    hold_wanted_.clear();
+    go_on_locked();
   }
   wish({.kind = Wish::Kind::Model,
         .scan = scan,
@@ -151,12 +215,60 @@ Result<void> Cockpit::choose_model(const std::string& scan, const std::string& m
   return {};
 }
 
+Result<void> Cockpit::take_held_locked(const std::string& scan) {
+  if (!config_.rerun_arm)
+    return fail(Errc::WrongState, "no path is planned without an arm; start the service with --robot");
+  if (mending_ == scan) return fail(Errc::WrongState, "%s is being mended; wait for it", mending_.c_str());
+  if (held_ != scan)
+    return fail(Errc::WrongState, "%s does not wait for a person; scan the shoe again, and hold it",
+                scan.c_str());
+  go_on_locked();
+  return {};
+}
+
+void Cockpit::go_on_locked() {
+  // Whoever wants to see it first still does, also once its model is named.
+  going_on_ = std::exchange(held_, {});
+}
+
+Result<void> Cockpit::choose_process(const std::string& scan, const std::string& process,
+                                     const std::string& who) {
+  const std::unique_lock words = between_words();
+  {
+    const std::lock_guard lock{mutex_};
+    BITELINE_TRY(take_held_locked(scan));
+  }
+  wish({.kind = Wish::Kind::Process,
+        .scan = scan,
+        .who = who,
+        .why = {},
+        .job = {.model = {}, .process = process}});
+  return {};
+}
+
+Result<void> Cockpit::run_in_air(const std::string& scan, const std::string& who) {
+  const std::unique_lock words = between_words();
+  {
+    const std::lock_guard lock{mutex_};
+    if (held_ == scan && wait_ != Wait::Word)
+      return fail(Errc::WrongState, "%s has no checked path yet; choose its process, or its model",
+                  scan.c_str());
+    BITELINE_TRY(take_held_locked(scan));
+    halted_ = false;
+  }
+  wish({.kind = Wish::Kind::Air, .scan = scan, .who = who, .why = {}});
+  return {};
+}
+
 Result<void> Cockpit::begin_mend(const std::string& scan) {
   const std::unique_lock words = between_words();
   const std::lock_guard lock{mutex_};
   if (held_ == scan && wait_ == Wait::Model)
     return fail(Errc::WrongState, "the model of %s is not known; choose one first", scan.c_str());
   if (!mending_.empty()) return fail(Errc::WrongState, "%s is being mended; wait for it", mending_.c_str());
+  // Also while another scan comes in.
+  if (going_on_ == scan)
+    return fail(Errc::WrongState, "%s is in work; mend it when it waits again", scan.c_str());
   // Deciding, and held no more: a word about it waits to be heeded.
   if (scan_ == scan && held_ != scan &&
       (phase_ == Phase::Scanning || phase_ == Phase::Working || phase_ == Phase::Deciding ||
@@ -198,6 +310,18 @@ Result<api::TriedPath> Cockpit::try_process(const std::string& scan, const path:
   BITELINE_ASSIGN(const path::PlanOutcome outcome, try_path(reruns_->room(), scan, process));
   if (outcome.path) return api::TriedPath{.refused = {}, .duration_s = outcome.path->duration_s()};
   return api::TriedPath{.refused = report::told(*outcome.refusal), .duration_s = 0};
+}
+
+Result<robot::ur::ArmLook> Cockpit::look_at_arm() {
+  if (config_.rtde.empty())
+    return fail(Errc::WrongState, "there is no arm to touch with; start the service with --robot");
+  {
+    const std::lock_guard lock{mutex_};
+    if (phase_ == Phase::Following)
+      return fail(Errc::WrongState, "the arm follows a path; touch when it stands");
+  }
+  BITELINE_ASSIGN(const HostPort rtde, parse_host_port(config_.rtde));
+  return robot::ur::look_at_arm(rtde.host, rtde.port);
 }
 
 bool Cockpit::rerun_open(const std::string& scan, int number) {

@@ -41,6 +41,7 @@ Result<void> Cockpit::change_settings(const std::vector<api::SettingChange>& cha
                      .scan = {},
                      .who = who,
                      .why = {},
+                     .job = {},
                      .settings = text,
                      .question = question});
   const bool told =

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What doors see: lamps with words, the robot and the sensor.
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -50,6 +51,16 @@ Json clock_lamp(const wire::Devices& devices) {
 
 }  // namespace
 
+Json Cockpit::held_json_locked() const {
+  if (held_.empty()) return nullptr;
+  constexpr std::array k_waits{"word", "path", "model"};
+  Json held{
+      {"scan", held_}, {"waits_for", k_waits.at(static_cast<std::size_t>(wait_))}, {"fresh_s", nullptr}};
+  if (fresh_until_)
+    held["fresh_s"] = std::max(0.0, std::chrono::duration<double>(*fresh_until_ - Clock::now()).count());
+  return held;
+}
+
 Json Cockpit::state_locked() const {
   const bool connected = sensor_lost_.empty();
   Json lamps;
@@ -87,6 +98,7 @@ Json Cockpit::state_locked() const {
         {"last_s", api::or_null(last_cycle_s_)}}},
       {"model", nullptr},
       {"process", api::or_null(process_)}};
+  state["held"] = held_json_locked();
   if (!model_.empty()) state["model"] = {{"name", model_}, {"probability", model_probability_}};
   return state;
 }

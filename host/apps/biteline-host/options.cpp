@@ -102,6 +102,15 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_option("--restore", options.restore,
                  "Put back what such a file holds, and leave; --out must have no memory yet")
       ->excludes("--backup");
+  std::string on_drift{"warn"};
+  app.add_option(
+         "--on-drift", on_drift,
+         "When scans show that the head's calibration has drifted: warn, or stop (no path is sent without a "
+         "person's word)")
+      ->check(CLI::IsMember({"warn", "stop"}))
+      ->capture_default_str();
+  app.add_flag("--calibration-anew", options.calibration_anew,
+               "Forget what the scans so far said about the calibration, and learn anew what is usual");
   app.add_flag("--once", options.once, "One scan, then leave");
   std::string kept{"none"};
   app.add_option("--keep-recordings", kept,
@@ -127,6 +136,7 @@ ParsedOptions parse_options(int argc, char** argv) {
     return parsed;
   }
   options.kept = *which;
+  options.stop_on_drift = on_drift == "stop";
   if (!uncertainty.empty()) {
     const Result<uncertainty::HeadUncertainty> known = uncertainty::read_uncertainty(uncertainty);
     if (!known) {

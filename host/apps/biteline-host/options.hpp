@@ -57,6 +57,8 @@ struct Options {
   bool models{false};                 ///< each scan's model is recognised in the library
   std::optional<double> keep_days{};  ///< folders of older scans go; their rows stay
   std::optional<double> keep_gb{};    ///< the oldest folders go beyond it
+  bool stop_on_drift{false};          ///< of the head's calibration: no path is sent without a person's word
+  bool calibration_anew{false};       ///< what was learnt of it is forgotten at the start
   bool once{false};
   KeptRecordings kept;
   bool exit_with_parent{false};

@@ -11,6 +11,8 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
                                   "choose the model and scan again, or save this scan as a model"},
       report::RefusalRow<Refused>{Refused::RerunFailed, "rerun_failed",
                                   "mend what the reason names, then work the scan out again"},
+      report::RefusalRow<Refused>{Refused::CalibrationDrifted, "calibration_drifted",
+                                  "look at the part that is named, then calibrate the head again"},
   };
   return k_rows;
 }

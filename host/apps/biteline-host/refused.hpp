@@ -7,8 +7,9 @@
 namespace biteline::service {
 
 enum class Refused {
-  ModelUnknown,  ///< no model of the library is sure enough to be worked without a person
-  RerunFailed,   ///< a kept scan could not be worked out again
+  ModelUnknown,        ///< no model of the library is sure enough to be worked without a person
+  RerunFailed,         ///< a kept scan could not be worked out again
+  CalibrationDrifted,  ///< since it was made, as its scans of some shoes show
 };
 
 [[nodiscard]] std::span<const report::RefusalRow<Refused>> refusal_table(Refused);

@@ -106,21 +106,26 @@ Result<path::Process> process_of(const RerunArm& arm, const api::Stock& stock, c
   return arm.process;
 }
 
-path::PlanRequest request_of(const RerunArm& arm, path::Process process, const cloud::PointCloud& cloud,
-                             cloud::ClosedLine line) {
+Result<path::PlanRequest> request_of(const RerunRoom& room, path::Process process,
+                                     const cloud::PointCloud& cloud, cloud::ClosedLine line) {
+  const RerunArm& arm = *room.arm;
   path::PlanRequest request;
+  if (room.mounted) {
+    BITELINE_ASSIGN(request.mounted, room.mounted());
+  }
   request.process = std::move(process);
   request.arm = arm.model;
-  request.table_z_mm = arm.table_z_mm;
+  request.table_z_mm = request.mounted.table_z_mm.value_or(arm.table_z_mm);
   request.cloud = cloud.points;
   request.line = std::move(line);
   return request;
 }
 
-Result<void> plan(const RerunArm& arm, path::Process process, const cloud::PointCloud& cloud,
+Result<void> plan(const RerunRoom& room, path::Process process, const cloud::PointCloud& cloud,
                   cloud::ClosedLine line, const fs::path& folder) {
   report::Report report;
-  const path::PlanRequest request = request_of(arm, std::move(process), cloud, std::move(line));
+  BITELINE_ASSIGN(const path::PlanRequest request,
+                  request_of(room, std::move(process), cloud, std::move(line)));
   BITELINE_TRY(results::prepare_plan_folder(folder / "path"));
   const path::PlanOutcome outcome = report.timed("plan", [&] { return path::plan(request); });
   BITELINE_TRY(results::write_plan_result(folder / "path", request, outcome, report));
@@ -162,7 +167,7 @@ Result<void> work_again(const RerunRoom& room, const api::RerunOrder& order, int
     BITELINE_ASSIGN(line, take_line(scan, cloud, folder, report));
   }
   if (!line || !room.arm) return {};
-  return plan(*room.arm, std::move(*process), cloud, std::move(*line), folder);
+  return plan(room, std::move(*process), cloud, std::move(*line), folder);
 }
 
 Result<path::PlanOutcome> try_path(const RerunRoom& room, const std::string& scan,
@@ -170,7 +175,7 @@ Result<path::PlanOutcome> try_path(const RerunRoom& room, const std::string& sca
   const fs::path folder = room.results / scan;
   BITELINE_ASSIGN(const cloud::PointCloud cloud, cloud::read_cloud(folder / "cloud.ply"));
   BITELINE_ASSIGN(cloud::ClosedLine line, cloud::read_line(folder / "line.csv"));
-  path::PlanRequest request = request_of(*room.arm, process, cloud, std::move(line));
+  BITELINE_ASSIGN(path::PlanRequest request, request_of(room, process, cloud, std::move(line)));
   // Every other request of a door waits for this one.
   request.seek_remedy = false;
   tbb::task_arena one_core{1};

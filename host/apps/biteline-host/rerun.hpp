@@ -27,7 +27,8 @@ struct RerunArm {
 struct RerunRoom {
   std::filesystem::path results;
   StockFolders stock;
-  std::optional<RerunArm> arm;  ///< without: lines alone
+  std::optional<RerunArm> arm;                       ///< without: lines alone
+  std::function<Result<path::Mounted>()> mounted{};  ///< what was taught; none: nothing is
 };
 
 /// The outcome in the order's folder of the scan: line.csv, report.json, view, path/.  Never gate.json, and

@@ -93,7 +93,15 @@ std::optional<memory::Scan> row_of(const fs::path& folder) {
   if (const auto weak = report.find("weak_stretches"); weak != report.end() && weak->is_array())
     scan.weak_stretches = static_cast<int>(weak->size());
   if (text_of(report, "status") == "ok") {
-    scan.verdict = scan.weak_stretches > 0 || scan.line_version > 0 ? "amber" : "ok";
+    const auto check = report.find("calibration_check");
+    const bool drifted =
+        check != report.end() && check->is_object() && text_of(*check, "status") == "drifted";
+    scan.verdict = scan.weak_stretches > 0 || scan.line_version > 0 || drifted ? "amber" : "ok";
+    if (drifted) {
+      scan.reason_code = text_of(*check, "reason_code");
+      scan.reason = text_of(*check, "words");
+      scan.next_step = text_of(*check, "next_step");
+    }
     take_line(folder / "line.csv", scan);
     const Json plan = read_json(folder / "path/report.json");
     if (plan.is_object() && text_of(plan, "status") == "refused") take_refusal(plan, scan);

@@ -82,6 +82,7 @@ Result<Service> Service::create(const Options& options) {
                      .sensor = options.sensor.text(),
                      .arm = robot ? robot->arm.name : "",
                      .controller = robot ? robot->options.script : "",
+                     .rtde = robot ? robot->options.rtde : "",
                      .process = robot ? robot->process.name : "",
                      .rerun_arm = robot ? std::optional{RerunArm{.model = robot->arm,
                                                                  .process = robot->process,

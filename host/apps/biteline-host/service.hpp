@@ -65,6 +65,7 @@ class Service {
     bool one_connection{false};              ///< it ended on the same
     std::optional<HostClock::time_point> ended{};
     Chosen chosen{};
+    bool drifted{false};  ///< the calibration has, as this scan and those before it show
   };
   /// A checked path that waits for a person's word.
   struct Held {
@@ -105,6 +106,9 @@ class Service {
   /// Stop, Laser off, what a person decided: of the doors.
   void heed_wishes();
   void heed(const Wish& wish);
+  /// Of what is held: `work` gets it on the result's thread.
+  template <class Work>
+  void go_on_with_held(const Wish& wish, const char* words, Work work);
   /// The arm is there, of the right kind and in remote control, or there is none; asked before a scan is
   /// spent.
   [[nodiscard]] bool robot_ready();
@@ -124,6 +128,9 @@ class Service {
   /// The row of what was worked out, and room for the next.
   void close_result(const std::filesystem::path& folder, const Chosen& chosen);
   [[nodiscard]] Result<LineStep> work_out_line(Scan& scan, intake::ScanOutcome& outcome);
+  /// What the scan says about its own calibration; what fails in it is told, and costs no scan, but with
+  /// --on-drift stop counts as a drift.
+  void check_own_calibration(Scan& scan, const intake::ScanOutcome& outcome);
   /// The same with the library: whose line it is, and the process of that model.
   [[nodiscard]] Result<LineStep> use_library(Scan& scan, const intake::ScanOutcome& outcome, LineStep found);
   [[nodiscard]] const path::Process& process_of(const Chosen& chosen) const;
@@ -131,12 +138,25 @@ class Service {
   /// Read once for a scan: a switch while it is worked is for the next one.
   [[nodiscard]] Result<void> choose_release(Chosen& chosen) const;
   [[nodiscard]] api::Stock stock_for(const Chosen& chosen) const;
+  /// Now, here and below: a scan may have waited for a long time.
+  [[nodiscard]] bool holds_arm() const;
+  /// What was taught; one that cannot be read is an Error, so that nothing is planned or sent unchecked.
+  [[nodiscard]] Result<path::Mounted> mounted() const;
+  /// `held`: it waits for a person in any case, also without a path.
   [[nodiscard]] Result<ExitStatus> work_out_path(Scan& scan, const intake::ScanOutcome& outcome,
-                                                 const LineStep& line);
+                                                 const LineStep& line, bool held = false);
+  /// With the line as it stands in the folder, mended or not, and the request's process.
+  [[nodiscard]] Result<ExitStatus> plan_anew(Held& held);
   /// Plans what waits anew, with the line that a person has mended, and lets it wait again.
   [[nodiscard]] Result<ExitStatus> plan_mended(Held held);
   /// Goes on with a scan whose model a person has named; it waits again where that model cannot be read.
   [[nodiscard]] Result<ExitStatus> work_named(Unnamed unnamed, const std::string& model);
+  /// What is taught (service_teach.cpp): plans what waits anew with another process.
+  [[nodiscard]] Result<ExitStatus> plan_with(Held held, const std::string& process);
+  /// The same of a scan whose model nobody knows: it goes on without one.
+  [[nodiscard]] Result<ExitStatus> work_with(Unnamed unnamed, const std::string& process);
+  /// The arm runs what waits in the air; its outcome stands in the scan's folder `air`.
+  [[nodiscard]] Result<ExitStatus> run_in_air(Held held, const robot::Word& word);
   /// Something waits for a person.
   [[nodiscard]] bool waits() const { return held_ || unnamed_; }
   /// Sends what waited, with a person's word.

@@ -52,8 +52,14 @@ void Service::show_idle() {
 
 void Service::tell_held() {
   if (held_) {
+    const std::optional<HostClock::time_point> ended = held_->request.scan_ended;
+    std::optional<double> fresh_s;
+    if (ended && held_->plan.outcome.path) {
+      const double age_s = 1e-9 * static_cast<double>((now() - *ended).count());
+      fresh_s = held_->plan.request.process.gate.scan_age_s - age_s;
+    }
     cockpit_->hold(held_->folder.filename().string(),
-                   held_->plan.outcome.path ? Cockpit::Wait::Word : Cockpit::Wait::Mend);
+                   held_->plan.outcome.path ? Cockpit::Wait::Word : Cockpit::Wait::Mend, fresh_s);
   } else {
     cockpit_->hold(unnamed_->scan.folder.filename().string(), Cockpit::Wait::Model);
   }
@@ -89,7 +95,8 @@ void Service::heed_wishes() {
   while (const std::optional<Wish> wish = cockpit_->next_wish()) {
     // What is held belongs to the result's thread until that has ended; a word may come before.
     const bool of_held = wish->kind == Wish::Kind::Send || wish->kind == Wish::Kind::Reject ||
-                         wish->kind == Wish::Kind::Model || wish->kind == Wish::Kind::Mended;
+                         wish->kind == Wish::Kind::Model || wish->kind == Wish::Kind::Mended ||
+                         wish->kind == Wish::Kind::Process || wish->kind == Wish::Kind::Air;
     if (of_held && result_.valid()) {
       later_.push_back(*wish);
     } else {
@@ -98,6 +105,18 @@ void Service::heed_wishes() {
   }
   if (result_.valid()) return;
   for (const Wish& wish : std::exchange(later_, {})) heed(wish);
+}
+
+template <class Work>
+void Service::go_on_with_held(const Wish& wish, const char* words, Work work) {
+  if (result_.valid() || !held_ || held_->folder.filename() != wish.scan) return;
+  say_step("%s %s by %s", wish.scan.c_str(), words, wish.who.c_str());
+  told_held_ = false;
+  result_ = std::async(std::launch::async, [held = std::move(*held_), work = std::move(work)]() mutable {
+    pthread_setname_np(pthread_self(), "bl-result");
+    return work(std::move(held));
+  });
+  held_.reset();
 }
 
 void Service::heed(const Wish& wish) {
@@ -142,32 +161,41 @@ void Service::heed(const Wish& wish) {
       }
       [[fallthrough]];
     case Wish::Kind::Send:
-      if (result_.valid() || !held_ || held_->folder.filename() != wish.scan) return;
-      told_held_ = false;
       if (wish.kind == Wish::Kind::Reject) {
+        if (result_.valid() || !held_ || held_->folder.filename() != wish.scan) return;
+        told_held_ = false;
         say_step("%s is rejected by %s", wish.scan.c_str(), wish.who.c_str());
         end_recording(held_->intake, ExitStatus::Refused);
         held_.reset();
         return;
       }
-      say_step("%s is accepted by %s", wish.scan.c_str(), wish.who.c_str());
-      result_ = std::async(
-          std::launch::async,
-          [this, held = std::move(*held_), word = robot::Word{.by = wish.who, .at = utc_now()}]() mutable {
-            pthread_setname_np(pthread_self(), "bl-result");
-            return send_held(std::move(held), word);
-          });
-      held_.reset();
-      return;
+      return go_on_with_held(wish, "is accepted",
+                             [this, word = robot::Word{.by = wish.who, .at = utc_now()}](Held held) {
+                               return send_held(std::move(held), word);
+                             });
     case Wish::Kind::Mended:
-      if (result_.valid() || !held_ || held_->folder.filename() != wish.scan) return;
-      say_step("the line of %s is mended by %s", wish.scan.c_str(), wish.who.c_str());
+      return go_on_with_held(wish, "has its line mended",
+                             [this](Held held) { return plan_mended(std::move(held)); });
+    case Wish::Kind::Air:
+      return go_on_with_held(wish, "is run in the air",
+                             [this, word = robot::Word{.by = wish.who, .at = utc_now()}](Held held) {
+                               return run_in_air(std::move(held), word);
+                             });
+    case Wish::Kind::Process:
+      if (!unnamed_) {
+        return go_on_with_held(wish, "gets another process", [this, process = wish.job.process](Held held) {
+          return plan_with(std::move(held), process);
+        });
+      }
+      if (result_.valid() || unnamed_->scan.folder.filename() != wish.scan) return;
+      say_step("%s goes on with %s by %s", wish.scan.c_str(), wish.job.process.c_str(), wish.who.c_str());
       told_held_ = false;
-      result_ = std::async(std::launch::async, [this, held = std::move(*held_)]() mutable {
-        pthread_setname_np(pthread_self(), "bl-result");
-        return plan_mended(std::move(held));
-      });
-      held_.reset();
+      result_ = std::async(std::launch::async,
+                           [this, unnamed = std::move(*unnamed_), process = wish.job.process]() mutable {
+                             pthread_setname_np(pthread_self(), "bl-result");
+                             return work_with(std::move(unnamed), process);
+                           });
+      unnamed_.reset();
       return;
     case Wish::Kind::Settings:
       if (!link_ || !sensor_heard_)

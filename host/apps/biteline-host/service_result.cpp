@@ -7,10 +7,13 @@
 #include <utility>
 
 #include "host/apps/biteline-host/attempt.hpp"
+#include "host/apps/biteline-host/calibration_check.hpp"
 #include "host/apps/biteline-host/recognise.hpp"
 #include "host/apps/biteline-host/scan_row.hpp"
 #include "host/apps/biteline-host/service.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
+#include "host/doors/api/air.hpp"
+#include "host/records/mounted/mounted_record.hpp"
 #include "host/records/results/plan_result.hpp"
 #include "host/transfer/library.hpp"
 
@@ -18,16 +21,6 @@ namespace biteline::service {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A scan's own exceptions (memory, text that no JSON takes) are the scan's, not the service's.
-template <class Work>
-Result<ExitStatus> without_exceptions(Work&& work) {
-  try {
-    return work();
-  } catch (const std::exception& error) {
-    return fail(Errc::ContractBroken, "%.200s", error.what());
-  }
-}
 
 /// Who started this service: a person's word is his.
 std::string user_name() {
@@ -71,6 +64,7 @@ Result<ExitStatus> Service::work_out_files(Scan& scan) {
   LineStep line;
   Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
     BITELINE_ASSIGN(line, work_out_line(scan, outcome));
+    check_own_calibration(scan, outcome);
     return line.status;
   });
   if (!status) {
@@ -115,6 +109,24 @@ Result<LineStep> Service::work_out_line(Scan& scan, intake::ScanOutcome& outcome
   BITELINE_ASSIGN(LineStep found, find_line(scan.folder, outcome, *scan.line, options_.uncertainty,
                                             hash_of(scan.chosen.release)));
   return use_library(scan, outcome, std::move(found));
+}
+
+void Service::check_own_calibration(Scan& scan, const intake::ScanOutcome& outcome) {
+  if (outcome.failure) return;
+  if (options_.calibration_anew) {
+    options_.calibration_anew = false;
+    if (const Result<void> anew = begin_calibration_check_anew(cockpit_->memory(), user_name()); !anew)
+      complain(anew.error());
+  }
+  const OnDrift on_drift = options_.stop_on_drift ? OnDrift::Stop : OnDrift::Warn;
+  const Result<ExitStatus> done = without_exceptions([&]() -> Result<ExitStatus> {
+    BITELINE_ASSIGN(scan.drifted, check_calibration(scan.folder, outcome, cockpit_->memory(), on_drift));
+    return ExitStatus::Done;
+  });
+  if (done) return;
+  complain(done.error());
+  // Nobody knows: with --on-drift stop a person looks.
+  scan.drifted = options_.stop_on_drift;
 }
 
 Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& outcome, LineStep found) {
@@ -187,11 +199,23 @@ const path::Process& Service::process_of(const Chosen& chosen) const {
   return chosen.process ? *chosen.process : robot_->process;
 }
 
+bool Service::holds_arm() const {
+  return locks_.arm && (!locks_.claim || locks_.claim->safe());
+}
+
+Result<path::Mounted> Service::mounted() const {
+  BITELINE_ASSIGN(const mounted::Record record, mounted::read_record(cockpit_->memory()));
+  return record.mounted();
+}
+
 Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome& outcome,
-                                          const LineStep& line) {
+                                          const LineStep& line, bool held) {
   const std::string name = scan.folder.filename().string();
-  const PlanStepRequest request{
-      .arm = robot_->arm, .process = process_of(scan.chosen), .table_z_mm = robot_->options.table_z_mm};
+  BITELINE_ASSIGN(const path::Mounted taught, mounted());
+  const PlanStepRequest request{.arm = robot_->arm,
+                                .process = process_of(scan.chosen),
+                                .table_z_mm = robot_->options.table_z_mm,
+                                .mounted = taught};
   cockpit_->show(Phase::Working, "plans the path of " + name,
                  robot_->options.send ? "the arm follows it" : "the next scan");
   BITELINE_ASSIGN(PlanStep plan, plan_path(scan.folder / "path", request, outcome, *line.line));
@@ -199,14 +223,17 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
   const robot::ScanFacts facts = facts_of(scan, outcome);
   SendRequest send{.controller = controller_of(robot_->options),
                    .serial = robot_->options.serial,
-                   .holds_arm = locks_.arm && (!locks_.claim || locks_.claim->safe()),
+                   .holds_arm = holds_arm(),
                    .scan = facts,
                    .confidence = line.confidence,
                    .approved = {},
-                   .scan_ended = scan.recovered ? std::nullopt : scan.ended};
-  const bool asks =
-      needs_a_person(process_of(scan.chosen).gate, line.confidence) || cockpit_->wants_hold(name);
-  if (wanted && asks && !facts.confirmed && cockpit_->has_doors()) {
+                   .scan_ended = scan.recovered ? std::nullopt : scan.ended,
+                   .mounted = taught};
+  const bool drift_stops = scan.drifted && options_.stop_on_drift;
+  const bool hold = cockpit_->wants_hold(name);
+  const bool asks = needs_a_person(process_of(scan.chosen).gate, line.confidence) || hold || drift_stops;
+  const bool waits_for_person = wanted && asks && !facts.confirmed && cockpit_->has_doors();
+  if (waits_for_person || (held && robot_->options.send)) {
     say_step("%s is held: a person must accept it", name.c_str());
     held_.emplace(Held{.folder = scan.folder,
                        .intake = std::move(scan.intake),
@@ -220,23 +247,48 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
   const bool waits_for_a_word = wanted && !facts.confirmed && (!seen || asks);
   if (!waits_for_a_word) end_recording(scan.intake, plan.status);
   if (!wanted) return plan.status;
+  if (drift_stops && !facts.confirmed) {
+    say_step(
+        "refused: the path of %s is not sent: the calibration has drifted, or could not be checked; a person "
+        "who has looked may say --confirm %s",
+        name.c_str(), name.c_str());
+    return ExitStatus::Refused;
+  }
+  if (hold && !facts.confirmed) {
+    // Of a service before this one, that had doors.
+    say_step(
+        "refused: the path of %s is not sent: every scan waits for a person, and no door is open; start "
+        "without hold at a door (--control), or say --confirm %s",
+        name.c_str(), name.c_str());
+    return ExitStatus::Refused;
+  }
   cockpit_->show(Phase::Following, "the arm follows the line of " + name, "the next scan");
+  BITELINE_ASSIGN(send.mounted, mounted());
   return follow_path(scan.folder, plan, send, cockpit_->halted());
+}
+
+Result<ExitStatus> Service::plan_anew(Held& held) {
+  // From here on the old path is none: its folder is written anew.
+  held.plan.outcome = {};
+  // Nor has the new one run in the air.
+  std::error_code error;
+  fs::remove_all(held.folder / api::k_air_folder, error);
+  if (error) return fail_errno(Errc::WriteFailed, error.value(), "%.200s", held.folder.c_str());
+  BITELINE_TRY(results::prepare_plan_folder(held.folder / "path"));
+  const std::optional<memory::Scan> row = row_of(held.folder);
+  if (!row || row->verdict == "refused") return ExitStatus::Refused;
+  held.request.confidence = row->confidence.value_or(0);
+  BITELINE_ASSIGN(cloud::ClosedLine line, cloud::read_line(held.folder / "line.csv"));
+  BITELINE_ASSIGN(held.plan.request.mounted, mounted());
+  held.plan.request.table_z_mm = held.plan.request.mounted.table_z_mm.value_or(robot_->options.table_z_mm);
+  BITELINE_ASSIGN(held.plan, plan_again(held.folder / "path", held.plan.request, std::move(line)));
+  return held.plan.status;
 }
 
 Result<ExitStatus> Service::plan_mended(Held held) {
   const std::string name = held.folder.filename().string();
   cockpit_->show(Phase::Working, "plans the path of the mended " + name, "a person decides");
-  const Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
-    held.plan.outcome = {};
-    BITELINE_TRY(results::prepare_plan_folder(held.folder / "path"));
-    const std::optional<memory::Scan> row = row_of(held.folder);
-    if (!row || row->verdict == "refused") return ExitStatus::Refused;
-    held.request.confidence = row->confidence.value_or(0);
-    BITELINE_ASSIGN(cloud::ClosedLine line, cloud::read_line(held.folder / "line.csv"));
-    BITELINE_ASSIGN(held.plan, plan_again(held.folder / "path", held.plan.request, std::move(line)));
-    return held.plan.status;
-  });
+  const Result<ExitStatus> status = without_exceptions([&] { return plan_anew(held); });
   // Also without a path: it can be mended again, or rejected.
   held_.emplace(std::move(held));
   remember(held_->folder, "held", held_->chosen);
@@ -268,6 +320,7 @@ Result<ExitStatus> Service::work_named(Unnamed unnamed, const std::string& model
     if (!line.line) {
       const Carrier carrier{.name = model, .sample = std::move(*sample), .options = {}};
       BITELINE_ASSIGN(line, carry_line(folder, carrier, unnamed.outcome, hash_of(chosen.release)));
+      check_own_calibration(scan, unnamed.outcome);
     }
     if (line.line && robot_) return work_out_path(scan, unnamed.outcome, line);
     end_recording(scan.intake, line.status);
@@ -281,8 +334,11 @@ Result<ExitStatus> Service::send_held(Held held, const robot::Word& word) {
   cockpit_->show(Phase::Following, "the arm follows the line of " + held.folder.filename().string(),
                  "the next scan");
   held.request.approved = word;
-  const Result<ExitStatus> status = without_exceptions(
-      [&] { return follow_path(held.folder, held.plan, held.request, cockpit_->halted()); });
+  held.request.holds_arm = holds_arm();
+  const Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
+    BITELINE_ASSIGN(held.request.mounted, mounted());
+    return follow_path(held.folder, held.plan, held.request, cockpit_->halted());
+  });
   end_recording(held.intake, ExitStatus::Done);
   remember(held.folder, "accepted", held.chosen);
   return status;

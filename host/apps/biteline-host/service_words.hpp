@@ -3,6 +3,7 @@
 /// \file Small things that every part of the service says the same way.
 
 #include <cstdint>
+#include <exception>
 #include <filesystem>
 #include <string>
 
@@ -32,5 +33,15 @@ void complain(const Error& error);
 [[nodiscard]] ControllerAddress controller_of(const RobotOptions& robot);
 /// Shipped processes stand beside the program, as installed and as built.
 [[nodiscard]] StockFolders stock_folders(const Options& options);
+
+/// A scan's own exceptions (memory, text that no JSON takes) are the scan's, not the service's.
+template <class Work>
+Result<ExitStatus> without_exceptions(Work&& work) {
+  try {
+    return work();
+  } catch (const std::exception& error) {
+    return fail(Errc::ContractBroken, "%.200s", error.what());
+  }
+}
 
 }  // namespace biteline::service

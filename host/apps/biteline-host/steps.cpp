@@ -124,6 +124,10 @@ robot::GateInputs gate_inputs(const PlanStep& plan, const SendRequest& request) 
                    .tool_off_mm = off.translation().norm(),
                    .tool_off_rad = geometry::log_so3(off.linear()).norm(),
                    .same_payload = same_payload(plan.outcome.path->path().payload, process.tool.payload)};
+  inputs.result.tip_from_taught_mm = path::tip_off_mm(process, request.mounted);
+  inputs.result.payload_as_taught = path::carries_as_taught(process, request.mounted);
+  if (request.mounted.table_z_mm)
+    inputs.result.table_from_taught_mm = std::abs(plan.request.table_z_mm - *request.mounted.table_z_mm);
   inputs.arm.arm = plan.request.arm.name;
   inputs.arm.held = request.holds_arm;
   if (!request.serial.empty()) inputs.arm.serial = request.serial;
@@ -275,7 +279,8 @@ Result<PlanStep> plan_path(const fs::path& folder, const PlanStepRequest& reques
   path::PlanRequest plan_request;
   plan_request.process = request.process;
   plan_request.arm = request.arm;
-  plan_request.table_z_mm = request.table_z_mm;
+  plan_request.table_z_mm = request.mounted.table_z_mm.value_or(request.table_z_mm);
+  plan_request.mounted = request.mounted;
   plan_request.cloud = scan.cloud.points;
   return plan_again(folder, std::move(plan_request), line);
 }

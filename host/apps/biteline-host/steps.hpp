@@ -59,6 +59,7 @@ struct PlanStepRequest {
   kinematics::ArmModel arm;
   path::Process process;
   double table_z_mm{0};
+  path::Mounted mounted{};  ///< as it was taught; its table's height goes before `table_z_mm`
 };
 
 struct PlanStep {
@@ -99,6 +100,7 @@ struct SendRequest {
   double confidence{0};                   ///< of the line
   std::optional<robot::Word> approved{};  ///< a person's, on this result
   std::optional<HostClock::time_point> scan_ended{};
+  path::Mounted mounted{};  ///< as it is taught when the path is sent
 };
 
 /// Where the arm stands, checks its way to the path from there, asks the controller about itself, opens the

@@ -51,7 +51,7 @@ class Connection {
 
   [[nodiscard]] net::awaitable<void> send(WebAnswer answer, std::string_view policy = k_data_policy);
   [[nodiscard]] net::awaitable<void> send_openapi();
-  [[nodiscard]] net::awaitable<void> send_metrics(std::string session);
+  [[nodiscard]] net::awaitable<void> send_metrics(std::string token);
   [[nodiscard]] net::awaitable<void> send_file_list(std::string scan);
   [[nodiscard]] net::awaitable<void> send_result_file(const WebRequest& request, std::string scan,
                                                       std::string path);

@@ -43,20 +43,20 @@ net::awaitable<void> Connection::send_openapi() {
   co_await send(text_answer(200, "application/yaml", std::move(text)));
 }
 
-net::awaitable<void> Connection::send_metrics(std::string session) {
-  std::array<Json, 2> bodies;
-  const std::array<std::string, 2> paths{"/api/v1/state", "/api/v1/sensors"};
-  for (std::size_t i = 0; i < paths.size(); ++i) {
-    control::Request question;
-    question.token = session;
-    question.door = "web";
-    question.method = "GET";
-    question.path = paths[i];
-    control::Answer given = co_await ask_service(context_, std::move(question));
-    if (given.status == 200) bodies[i] = std::move(given.body);
+net::awaitable<void> Connection::send_metrics(std::string token) {
+  control::Request question;
+  question.token = std::move(token);
+  question.door = "web";
+  question.method = "GET";
+  question.path = "/api/v1/exchange/metrics";
+  const control::Answer given = co_await ask_service(context_, std::move(question));
+  if (given.status != 200 || !given.body.is_object()) {
+    co_await send(as_http(given, "/metrics"));
+    co_return;
   }
   co_await send(text_answer(200, "text/plain; version=0.0.4; charset=utf-8",
-                            metrics_text(context_.counts(), bodies[0], bodies[1])));
+                            metrics_text(context_.counts(), given.body.value("state", Json{}),
+                                         given.body.value("sensors", Json{}))));
 }
 
 net::awaitable<void> Connection::send_file_list(std::string scan) {

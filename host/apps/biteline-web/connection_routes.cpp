@@ -118,6 +118,11 @@ net::awaitable<void> Connection::answer_route(const WebRequest& request, Asked a
     co_await send(login_needed());
     co_return;
   }
+  // The service knows who may: a program's own token is no session.
+  if (route.handling == Handling::Metrics) {
+    co_await send_metrics(session);
+    co_return;
+  }
   const control::Answer who = co_await ask_who(context_, session, is_local(request));
   if (who.status != 200) {
     co_await send(as_http(who, asked.path));
@@ -129,9 +134,6 @@ net::awaitable<void> Connection::answer_route(const WebRequest& request, Asked a
       break;
     case Handling::File:
       co_await send_result_file(request, asked.match.named.at("id"), asked.match.named.at("path"));
-      break;
-    case Handling::Metrics:
-      co_await send_metrics(session);
       break;
     default:
       co_await watch(request, route.handling, session);

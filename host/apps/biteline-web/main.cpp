@@ -11,6 +11,7 @@
 #include "common/system/last_words.hpp"
 #include "host/apps/biteline-web/options.hpp"
 #include "host/apps/biteline-web/sensor_watch.hpp"
+#include "host/doors/accounts/metrics_token.hpp"
 
 namespace {
 
@@ -64,6 +65,9 @@ Result<void> run(const web::WebOptions& options, const StopSignals& signals) {
     BITELINE_ASSIGN(const std::string password, web::read_password(stdin));
     return web::add_user(*options.add_user, password);
   }
+  if (options.drop_metrics_token) return accounts::drop_metrics_token(options.accounts);
+  if (!options.metrics_token.empty())
+    return accounts::use_metrics_token(options.accounts, options.metrics_token);
   if (options.exit_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
   web::SensorWatchConfig watched{.sensor = options.sensor, .keys = {}};
   if (options.sensor_keys) {

@@ -4,6 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "host/records/memory/memory.hpp"
+
 namespace biteline::web {
 namespace {
 
@@ -108,7 +110,12 @@ ParsedWebOptions parse_web_options(int argc, char** argv) {
   auto* role =
       app.add_option("--role", account.role, "viewer, operator, engineer or administrator")->needs(add);
   add->needs(role);
-  app.add_option("--out", account.out, "biteline-host's folder of results")->needs(add);
+  app.add_option("--out", account.out, "biteline-host's folder of results");
+  app.add_option(
+      "--metrics-token", options.metrics_token,
+      "Use the token in this file, or make one there, and leave: a Prometheus that shows it may read "
+      "/metrics of --out's service, and nothing else; the one before ends, also while the service runs");
+  app.add_flag("--drop-metrics-token", options.drop_metrics_token, "End that token, and leave");
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");
   try {
@@ -144,6 +151,18 @@ ParsedWebOptions parse_web_options(int argc, char** argv) {
       return parsed;
     }
     option.endpoint = *endpoint;
+  }
+  if (!options.metrics_token.empty() || options.drop_metrics_token) {
+    if (account.out.empty() || !account.name.empty() ||
+        (options.drop_metrics_token && !options.metrics_token.empty()))
+      parsed.leave_with =
+          complain("one of --metrics-token FILE and --drop-metrics-token, with --out DIR (see --help)");
+    options.accounts = account.out / memory::k_memory_file;
+    return parsed;
+  }
+  if (!account.out.empty() && account.name.empty()) {
+    parsed.leave_with = complain("--out needs --add-user or --metrics-token (see --help)");
+    return parsed;
   }
   if (!account.name.empty()) {
     if (account.out.empty() == !options.control) {

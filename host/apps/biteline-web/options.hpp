@@ -21,6 +21,9 @@ struct WebOptions {
   std::optional<std::filesystem::path> sensor_keys;
   LineDoorsConfig line;                    ///< no door of it is open unless asked for
   std::optional<AddUserRequest> add_user;  ///< only this is done
+  std::filesystem::path accounts;          ///< of the next two: the file that the accounts are in
+  std::filesystem::path metrics_token;     ///< only this is done: a new one, into this file
+  bool drop_metrics_token{false};          ///< only this is done
   bool exit_with_parent{false};
 };
 

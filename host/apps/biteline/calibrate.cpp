@@ -7,16 +7,19 @@
 #include <set>
 
 #include "common/config/sensor_yaml.hpp"
+#include "host/apps/biteline/calibrate_page.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/calibration/clock/clock_offset.hpp"
 #include "host/calibration/head/comparison.hpp"
 #include "host/calibration/head/head_calibration.hpp"
 #include "host/calibration/head/head_pictures.hpp"
 #include "host/calibration/head/head_report.hpp"
+#include "host/calibration/head/leftovers.hpp"
 #include "host/calibration/head/verdict.hpp"
 #include "host/calibration/refine/scan_refinement.hpp"
 #include "host/cloud/uncertainty/uncertainty_file.hpp"
 #include "host/records/report/json_text.hpp"
+#include "host/records/report/progress.hpp"
 #include "host/records/report/report.hpp"
 
 namespace biteline::app {
@@ -62,20 +65,36 @@ Result<ExitStatus> refuse(report::Report& report, const calibration::Refusal& re
 }
 
 Result<calibration::HeadInput> read_input(const Options& options, const std::set<std::string>& parts,
-                                          const std::optional<geometry::SensorModel>& known) {
+                                          const std::optional<geometry::SensorModel>& known, bool quiet) {
   calibration::HeadInput input;
+  report::Progress progress{"parts", k_parts.size(), quiet};
   if (known) input.known_camera = known->camera;
   // The camera is under everything; its pictures are taken also when only a later part is asked for.
   if (parts.contains("camera") || !known) {
     BITELINE_ASSIGN(input.camera, calibration::read_camera_folder(options.calib));
   }
+  progress.set(1);
   if (parts.contains("laser")) {
     BITELINE_ASSIGN(input.laser, calibration::read_laser_folder(options.calib));
   }
+  progress.set(2);
   if (parts.contains("hand-eye")) {
     BITELINE_ASSIGN(input.hand_eye, calibration::read_hand_eye_folder(options.calib));
   }
+  progress.set(3);
   return input;
+}
+
+/// Of the parts that were read: files without a partner, or of a name that nobody looks for.
+std::vector<std::string> warnings_of(const fs::path& calib, const calibration::HeadInput& input) {
+  std::vector<std::string> lines;
+  const auto add = [&lines](const std::vector<std::string>& more) {
+    lines.insert(lines.end(), more.begin(), more.end());
+  };
+  if (input.camera) add(calibration::camera_leftovers(calib));
+  if (input.laser) add(calibration::laser_leftovers(calib));
+  if (input.hand_eye) add(calibration::hand_eye_leftovers(calib));
+  return lines;
 }
 
 /// What turns pixels into points: calibrated just now, or as the given sensor.yaml says.
@@ -199,16 +218,23 @@ Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global
     BITELINE_ASSIGN(known, config::read_sensor_yaml(options.sensor));
   }
   BITELINE_ASSIGN(const calibration::HeadInput input,
-                  report.timed("read", [&] { return read_input(options, parts, known); }));
+                  report.timed("read", [&] { return read_input(options, parts, known, global.quiet); }));
   BITELINE_TRY(report::prepare_folder(options.out / "stages"));
   std::error_code ignored;
   // An older result must not outlive a refusal.
-  for (const char* name : {"sensor.yaml", uncertainty::k_file_name}) fs::remove(options.out / name, ignored);
+  for (const char* name : {"sensor.yaml", "index.html", uncertainty::k_file_name, "stages/coverage.png",
+                           "stages/rings_camera.png", "stages/rings_laser.png", "stages/stripe.png",
+                           "stages/rings_handeye.png", "stages/left_out.png"})
+    fs::remove(options.out / name, ignored);
 
   const calibration::HeadCalibration result =
       report.timed("calibrate", [&] { return calibration::calibrate_head(input); });
   report.fields["input"] = options.calib.filename().string();
   report.fields["parts"] = parts;
+  const std::vector<std::string> warnings = warnings_of(options.calib, input);
+  report.fields["warnings"] = warnings;
+  for (const std::string& warning : warnings)
+    if (!global.quiet) std::fprintf(stderr, "biteline: warning: %s\n", warning.c_str());
   report.fields.update(calibration::report_fields(result));
   const calibration::Verdict verdict = calibration::judge(result);
   report.fields["verdict"] = {{"grade", calibration::name_of(verdict.grade)},
@@ -218,6 +244,7 @@ Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global
   BITELINE_TRY(report.timed_aside("pictures", [&] {
     return calibration::draw_calibration(result, options.calib, options.out / "stages");
   }));
+  BITELINE_TRY(write_calibration_page(report.fields, verdict, options.out));
   if (result.refused) {
     if (error_row(result.refused->code).exit_status != ExitStatus::Refused)
       return tl::unexpected<Error>(*result.refused);
@@ -284,6 +311,8 @@ Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global
         options.out / uncertainty::k_file_name,
         uncertainty::uncertainty_text(uncertainty_of(result.fit, *result.hand_eye, clock_sigma))));
   }
+  // Again: what came after the pictures is in it now.
+  BITELINE_TRY(write_calibration_page(report.fields, verdict, options.out));
   BITELINE_TRY(report.write(options.out));
   return tell(report, global, words_of(verdict));
 }

@@ -40,6 +40,7 @@ void add_history(CLI::App& app, Context& context);
 void add_keys(CLI::App& app, Context& context);
 void add_line(CLI::App& app, Context& context);
 void add_model(CLI::App& app, Context& context);
+void add_mounted(CLI::App& app, Context& context);
 void add_plan(CLI::App& app, Context& context);
 void add_record(CLI::App& app, Context& context);
 void add_replay(CLI::App& app, Context& context);

@@ -96,6 +96,7 @@ int main(int argc, char** argv) {
   add_keys(app, context);
   add_line(app, context);
   add_model(app, context);
+  add_mounted(app, context);
   add_record(app, context);
   add_replay(app, context);
   add_plan(app, context);

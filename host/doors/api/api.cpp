@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "host/doors/accounts/metrics_token.hpp"
 #include "host/doors/api/people.hpp"
 #include "host/doors/api/words.hpp"
 
@@ -20,10 +21,12 @@ using control::Request;
 namespace {
 
 constexpr std::string_view k_root = "/api/v1";
+constexpr std::string_view k_for_metrics = "/api/v1/exchange/metrics";
 constexpr const char* k_stop = "/api/v1/commands/stop";
 constexpr const char* k_laser_off = "/api/v1/commands/laser-off";
 constexpr const char* k_line = "/api/v1/line";
 constexpr const char* k_check_process = "/api/v1/processes/check";  // changes nothing: no log row
+constexpr const char* k_touches = "/api/v1/mounted/touches";        // nor does this
 constexpr std::size_t k_most_why = 500;
 
 /// The parts of `path` that stand where `pattern` has "{}"; nothing when they do not fit.
@@ -73,6 +76,8 @@ std::vector<Api::Route> Api::routes() {
       {"POST", "/scans/{}/send", Operator, true, &Api::send},
       {"POST", "/scans/{}/hold", Operator, true, &Api::hold},
       {"POST", "/scans/{}/model", Operator, true, &Api::choose_model},
+      {"POST", "/scans/{}/process", Engineer, true, &Api::choose_process},
+      {"POST", "/scans/{}/air", Operator, true, &Api::run_in_air},
       {"POST", "/scans/{}/mend", Operator, true, &Api::mend},
       {"POST", "/scans/{}/rerun", Engineer, true, &Api::rerun},
       {"POST", "/scans/{}/keep", Operator, false, &Api::keep},
@@ -91,6 +96,11 @@ std::vector<Api::Route> Api::routes() {
       {"POST", "/processes/check", Engineer, false, &Api::check_process},
       {"GET", "/processes/{}", Viewer, false, &Api::read_process},
       {"PUT", "/processes/{}", Engineer, false, &Api::write_process},
+      {"GET", "/mounted", Viewer, false, &Api::read_mounted},
+      {"POST", "/mounted/touches", Engineer, true, &Api::touch},
+      {"DELETE", "/mounted/touches", Engineer, true, &Api::end_lesson},
+      {"PUT", "/mounted/{}", Engineer, true, &Api::keep_mounted},
+      {"DELETE", "/mounted/{}", Engineer, true, &Api::forget_mounted},
       {"GET", "/robots", Viewer, false, &Api::list_robots},
       {"GET", "/sensors", Viewer, false, &Api::list_sensors},
       {"PATCH", "/sensors/settings", Engineer, true, &Api::change_settings},
@@ -115,6 +125,18 @@ std::optional<Answer> Api::urgent(const Request& request) {
   if (request.method != "POST") return std::nullopt;
   if (request.path != k_stop && request.path != k_laser_off) return std::nullopt;
   return stop(request, request.path == k_laser_off);
+}
+
+bool Api::is_long(const Request& request) {
+  // A Prometheus that looks waits for no file and no arm.
+  if (!request.path.starts_with(k_root) || request.path == k_for_metrics) return false;
+  const std::string_view path = std::string_view{request.path}.substr(k_root.size());
+  const auto below = [path](std::string_view folder) {
+    return path.starts_with(folder) && (path.size() == folder.size() || path[folder.size()] == '/');
+  };
+  // All that changes the library is in one line, and so is all that touches the exchange.
+  return below("/exchange") || below("/models") || below("/mounted") || path == "/sensors/settings" ||
+         path == "/processes/check";
 }
 
 Answer Api::stop(const Request& request, bool laser) {
@@ -149,7 +171,8 @@ Answer Api::ordinary(const Request& request) {
   // Of the libraries below (JSON, files): the request's fault or a defect, never the service's end.
   try {
     Answer answer = dispatch(request);
-    const bool changed = request.method != "GET" && request.path != k_check_process;
+    const bool changed =
+        request.method != "GET" && request.path != k_check_process && request.path != k_touches;
     if (changed && answer.status < 300 && rooms_.publish) {
       if (const auto rows = rooms_.memory.log_rows(0, 1); rows && !rows->empty())
         rooms_.publish("log", to_json(rows->front()));
@@ -164,6 +187,14 @@ Answer Api::dispatch(const Request& request) {
   if (const std::optional<Answer> now = urgent(request)) return *now;
   if (!request.path.starts_with(k_root))
     return control::refusal(404, "not_found", "no such path; the API begins with /api/v1");
+  // Between programs: what biteline-web makes its /metrics of, also for a program that has a token for it.
+  if (request.method == "GET" && request.path == k_for_metrics) {
+    const Result<bool> may = accounts::may_read_metrics(rooms_.memory, rooms_.accounts, request.token);
+    if (!may) return answer_of(may.error());
+    if (!*may) return people::login_needed();
+    const Call call{.request = request, .person = {}, .names = {}};
+    return ok({{"state", rooms_.cell.state()}, {"sensors", list_sensors(call).body}});
+  }
   const std::string_view path = std::string_view{request.path}.substr(k_root.size());
   static const std::vector<Route> k_routes = routes();
   bool other_method = false;
@@ -254,12 +285,16 @@ Answer Api::change_control(const Call& call) {
 
 Answer Api::start(const Call& call) {
   Fields fields{call.request.body};
-  const Job job{.model = fields.text("model", 64), .process = fields.text("process", 64)};
+  const Job job{.model = fields.text("model", 64),
+                .process = fields.text("process", 64),
+                .hold = fields.boolean("hold").value_or(false)};
   if (!job.model.empty() && !is_name(job.model)) fields.fault("model", "a model's name expected");
   if (!job.process.empty() && !is_name(job.process)) fields.fault("process", "a process's name expected");
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
   if (!job.process.empty()) {
-    if (const auto process = rooms_.processes.find(job.process); !process) return answer_of(process.error());
+    const Result<Stock> stock = this->stock();
+    if (!stock) return answer_of(stock.error());
+    if (const auto process = stock->processes.find(job.process); !process) return answer_of(process.error());
   }
   const Result<void> done = rooms_.cell.start(job, call.person.name);
   if (!done) return answer_of(done.error());
@@ -277,8 +312,10 @@ Answer Api::start(const Call& call) {
 Answer Api::rescan(const Call& call) {
   Fields fields{call.request.body};
   const std::string why = fields.text("why", k_most_why);
+  const bool hold = fields.boolean("hold").value_or(false);
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
-  const Result<void> done = rooms_.cell.rescan(call.person.name, why, call.request.door);
+  const Result<void> done =
+      rooms_.cell.rescan({.who = call.person.name, .why = why, .door = call.request.door, .hold = hold});
   if (!done) return answer_of(done.error());
   static_cast<void>(rooms_.memory.log({.id = 0,
                                        .time = memory::now_ms(),

@@ -10,6 +10,7 @@
 #include "host/doors/accounts/accounts.hpp"
 #include "host/doors/api/cell.hpp"
 #include "host/doors/api/exchange.hpp"
+#include "host/doors/api/mounted.hpp"
 #include "host/doors/api/stock.hpp"
 #include "host/doors/control/messages.hpp"
 #include "host/records/memory/memory.hpp"
@@ -37,14 +38,16 @@ struct Call {
   std::vector<std::string> names{};  ///< the path's parts in braces, in order
 };
 
-/// Thread: safe from any; ordinary() one at a time.
+/// Thread: safe from any; of ordinary() one that is_long() and one that is not at a time.
 class Api {
  public:
-  explicit Api(Rooms rooms) : rooms_{std::move(rooms)} {}
+  explicit Api(Rooms rooms) : rooms_{std::move(rooms)}, mounted_{rooms_.memory, rooms_.cell} {}
 
   /// Stop, Laser off and the line's reading, at once.  Nothing for all else.
   [[nodiscard]] std::optional<control::Answer> urgent(const control::Request& request);
   [[nodiscard]] control::Answer ordinary(const control::Request& request);
+  /// A model's file, an arm or a sensor that is asked: seconds, for which no other request waits.
+  [[nodiscard]] static bool is_long(const control::Request& request);
 
  private:
   struct Route;
@@ -71,6 +74,11 @@ class Api {
   [[nodiscard]] control::Answer hold(const Call& call);
   [[nodiscard]] control::Answer send(const Call& call);
   [[nodiscard]] control::Answer choose_model(const Call& call);
+  [[nodiscard]] control::Answer choose_process(const Call& call);
+  [[nodiscard]] control::Answer run_in_air(const Call& call);
+  /// 202, and who did what in the log.
+  [[nodiscard]] control::Answer begun(const Call& call, const std::string& action, const std::string& what,
+                                      const std::string& words);
   [[nodiscard]] control::Answer mend(const Call& call);
   [[nodiscard]] control::Answer rerun(const Call& call);
   [[nodiscard]] control::Answer keep(const Call& call);
@@ -92,6 +100,11 @@ class Api {
   [[nodiscard]] control::Answer check_process(const Call& call);
   [[nodiscard]] Result<std::string> newest_with_line() const;
   [[nodiscard]] Result<Stock> stock() const;
+  [[nodiscard]] control::Answer read_mounted(const Call& call);
+  [[nodiscard]] control::Answer touch(const Call& call);
+  [[nodiscard]] control::Answer end_lesson(const Call& call);
+  [[nodiscard]] control::Answer keep_mounted(const Call& call);
+  [[nodiscard]] control::Answer forget_mounted(const Call& call);
   [[nodiscard]] control::Answer list_robots(const Call& call);
   [[nodiscard]] control::Answer list_sensors(const Call& call);
   [[nodiscard]] control::Answer change_settings(const Call& call);
@@ -106,6 +119,7 @@ class Api {
   [[nodiscard]] Json control_json() const;
 
   Rooms rooms_;
+  MountedRoom mounted_;
 };
 
 }  // namespace biteline::api

@@ -11,6 +11,7 @@
 #include "host/doors/control/messages.hpp"
 #include "host/doors/line_control/line_state.hpp"
 #include "host/records/report/refusal.hpp"
+#include "host/robot/link/ur/arm_look.hpp"
 #include "host/robot/path/process.hpp"
 
 namespace biteline::api {
@@ -31,6 +32,7 @@ struct Decision {
 struct Job {
   std::string model;
   std::string process;  ///< name of a process; empty: the model's own
+  bool hold{false};     ///< every scan of it waits for a person, whatever its process says
 };
 
 /// What a path along a kept scan's line would be.
@@ -66,8 +68,12 @@ class Cell {
 
   /// Errc::WrongState says why not now.
   [[nodiscard]] virtual Result<void> start(const Job& job, const std::string& who) = 0;
-  [[nodiscard]] virtual Result<void> rescan(const std::string& who, const std::string& why,
-                                            const std::string& door) = 0;
+  /// `hold` as of a job: of the shoe that is scanned again, and of those after it.
+  struct Rescan {
+    std::string who, why, door;
+    bool hold{false};
+  };
+  [[nodiscard]] virtual Result<void> rescan(const Rescan& order) = 0;
   [[nodiscard]] virtual Result<void> decide(const Decision& decision) = 0;
 
   /// The sensor takes all of them or none.  Waits for its answer, 8 s at most: a camera is told and read
@@ -96,6 +102,15 @@ class Cell {
   [[nodiscard]] virtual Result<void> choose_model(const std::string& scan, const std::string& model,
                                                   const std::string& who) = 0;
 
+  /// A scan that waits gets its path planned anew with the process of this name, and waits on; one whose
+  /// model nobody knows goes on without a model, and then waits for a person's word.  Errc::WrongState: it
+  /// does not wait, or there is no arm.
+  [[nodiscard]] virtual Result<void> choose_process(const std::string& scan, const std::string& process,
+                                                    const std::string& who) = 0;
+  /// The arm runs the path of a scan that waits for a word in the air (host/robot/path/first_run.hpp),
+  /// through the same checks and the same gate; then the scan waits again.  Errc::WrongState as above.
+  [[nodiscard]] virtual Result<void> run_in_air(const std::string& scan, const std::string& who) = 0;
+
   /// Its line is being mended: until end_mend() nobody can accept the scan.  Errc::WrongState while the scan
   /// is in work.
   [[nodiscard]] virtual Result<void> begin_mend(const std::string& scan) = 0;
@@ -110,6 +125,9 @@ class Cell {
   /// tenths of a second of one core.  Errc::WrongState without an arm, and while the arm follows a path.
   [[nodiscard]] virtual Result<TriedPath> try_process(const std::string& scan,
                                                       const path::Process& process) = 0;
+  /// Where the arm stands and what its controller carries; it is read, and takes up to some seconds.
+  /// Errc::WrongState without an arm, while it moves, and while it follows a path.
+  [[nodiscard]] virtual Result<robot::ur::ArmLook> look_at_arm() = 0;
   /// It waits or is worked on.
   [[nodiscard]] virtual bool rerun_open(const std::string& scan, int number) = 0;
 };

@@ -33,6 +33,7 @@ Answer told_of_file(const Error& error, const fs::path& file, const fs::path& li
   };
   put(file.string(), "the file");
   put(library.string(), "the library");
+  put("--replace", "replace");
   Answer answer = answer_of(error);
   // What was brought is the door's, not a broken file of the service's.
   const bool of_the_file = error.code == Errc::SizeMismatch || error.code == Errc::FileUnreadable;
@@ -81,7 +82,13 @@ Answer Api::import_model(const Call& call) {
   const fs::path file = exchange.brought_by(owner);
   const Result<transfer::ModelInfo> model = rooms_.models.import_from(file, name, replace);
   exchange.drop(owner);
-  if (!model) return told_of_file(model.error(), file, rooms_.models.folder());
+  if (!model) {
+    Answer told = told_of_file(model.error(), file, rooms_.models.folder());
+    // All that is left of wrong arguments: the file's own name is taken.
+    if (model.error().code == Errc::InvalidArgument)
+      told = control::refusal(409, "exists", told.body["error"]["message"].get<std::string>());
+    return told;
+  }
   return tell_of_model(call, *model, "import model", "");
 }
 

@@ -6,7 +6,9 @@
 
 #include "common/system/file.hpp"
 #include "host/bite_line/mend/versions.hpp"
+#include "host/doors/api/air.hpp"
 #include "host/doors/api/api.hpp"
+#include "host/doors/api/json_file.hpp"
 #include "host/doors/api/rerun.hpp"
 #include "host/doors/api/words.hpp"
 #include "host/records/memory/history.hpp"
@@ -18,14 +20,6 @@ using control::Answer;
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A result's JSON file; null when there is none or it is none.
-Json file_json(const fs::path& file) {
-  const Result<std::string> text = read_regular_file(file, k_most_settings_bytes);
-  if (!text) return {};
-  Json json = Json::parse(*text, nullptr, false);
-  return json.is_discarded() ? Json{} : json;
-}
 
 /// `LineVersion`s; a list that cannot be read shows what was found alone.
 Json versions_json(const fs::path& folder, const memory::Scan& scan) {
@@ -45,6 +39,13 @@ Json versions_json(const fs::path& folder, const memory::Scan& scan) {
 }
 
 }  // namespace
+
+Json file_json(const fs::path& file) {
+  const Result<std::string> text = read_regular_file(file, k_most_settings_bytes);
+  if (!text) return {};
+  Json json = Json::parse(*text, nullptr, false);
+  return json.is_discarded() ? Json{} : json;
+}
 
 Answer Api::list_scans(const Call& call) {
   const QueryFilter query = filter_of(call.request.query);
@@ -68,6 +69,7 @@ Answer Api::read_scan(const Call& call) {
   json["report"] = file_json(folder / "report.json");
   json["gate"] = file_json(folder / "gate.json");
   json["follow"] = file_json(folder / "followed.json");
+  json["air"] = air_json(folder / k_air_folder);
   json["versions"] = versions_json(folder, **scan);
   json["reruns"] = reruns_json(folder, [&](int number) { return rooms_.cell.rerun_open(id, number); });
   Json stretches = Json::array();
@@ -129,15 +131,46 @@ Answer Api::choose_model(const Call& call) {
   if (info->damage) return answer_of(*info->damage);
   const Result<void> chosen = rooms_.cell.choose_model(id, model, call.person.name);
   if (!chosen) return answer_of(chosen.error());
+  return begun(call, "choose model", model, id + " goes on as " + model);
+}
+
+Answer Api::begun(const Call& call, const std::string& action, const std::string& what,
+                  const std::string& words) {
   static_cast<void>(rooms_.memory.log({.id = 0,
                                        .time = memory::now_ms(),
                                        .who = call.person.name,
                                        .door = call.request.door,
-                                       .action = "choose model",
-                                       .subject = id,
+                                       .action = action,
+                                       .subject = call.names.front(),
                                        .before = {},
-                                       .after = model}));
-  return ok({{"done", false}, {"words", id + " goes on as " + model}}, 202);
+                                       .after = what}));
+  return ok({{"done", false}, {"words", words}}, 202);
+}
+
+Answer Api::choose_process(const Call& call) {
+  const std::string& id = call.names.front();
+  Fields fields{call.request.body};
+  const std::string process = fields.text("process", 64, true);
+  if (!process.empty() && !is_name(process)) fields.fault("process", "a process's name expected");
+  if (const std::optional<Answer> faults = fields.faults()) return *faults;
+  if (!is_scan_id(id)) return control::refusal(404, "not_found", "no such scan; GET /scans lists them");
+  const Result<Stock> stock = this->stock();
+  if (!stock) return answer_of(stock.error());
+  if (const auto stored = stock->processes.find(process); !stored) return answer_of(stored.error());
+  const Result<void> chosen = rooms_.cell.choose_process(id, process, call.person.name);
+  if (!chosen) return answer_of(chosen.error());
+  return begun(call, "choose process", process, "the path of " + id + " is planned with " + process);
+}
+
+Answer Api::run_in_air(const Call& call) {
+  const std::string& id = call.names.front();
+  Fields fields{call.request.body};
+  if (const std::optional<Answer> faults = fields.faults()) return *faults;
+  if (!is_scan_id(id)) return control::refusal(404, "not_found", "no such scan; GET /scans lists them");
+  const Result<void> begins = rooms_.cell.run_in_air(id, call.person.name);
+  if (!begins) return answer_of(begins.error());
+  return begun(call, "run in the air", "",
+               "the arm runs the path of " + id + " in the air, if the gate opens");
 }
 
 Answer Api::keep(const Call& call) {

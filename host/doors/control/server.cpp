@@ -45,6 +45,13 @@ struct Work {
   Request request;
 };
 
+/// A worker, and what waits for it.
+struct Line {
+  std::deque<Work> work{};
+  std::condition_variable has_work{};
+  std::thread thread{};
+};
+
 struct Outgoing {
   Door door;  ///< empty: an event for all
   std::string text;
@@ -62,8 +69,7 @@ struct Server::State {
   std::string address;
 
   mutable std::mutex mutex{};
-  std::condition_variable has_work{};
-  std::deque<Work> work{};
+  Line usual{}, seconds{};  ///< what takes seconds holds up nothing else
   std::deque<Outgoing> outgoing{};
   std::map<Door, Clock::time_point> doors{};  ///< that said hello, and when last
   std::uint64_t next_seq{1};
@@ -72,7 +78,6 @@ struct Server::State {
   Clock::time_point allowed_read{};
   std::atomic<bool> stop{false};
   std::thread io{};
-  std::thread worker{};
 
   State(ServerConfig config_, Handlers handlers_, wire::SocketContext context_,
         std::optional<wire::Socket> gatekeeper_, wire::Socket socket_, Wake wake_, std::string address_)
@@ -125,13 +130,15 @@ struct Server::State {
       send_to(door, to_text(*urgent));
       return;
     }
+    Line& line = handlers.is_long && handlers.is_long(request) ? seconds : usual;
     {
       const std::lock_guard lock{mutex};
+      // Of this worker alone: what waits for the other one must not keep it idle.
       const auto of_this =
-          static_cast<std::size_t>(std::ranges::count(work, door, [](const Work& w) { return w.door; }));
-      if (work.size() < k_most_waiting && of_this < k_most_waiting_of_one) {
-        work.push_back({.door = door, .request = std::move(request)});
-        has_work.notify_one();
+          static_cast<std::size_t>(std::ranges::count(line.work, door, [](const Work& w) { return w.door; }));
+      if (line.work.size() < k_most_waiting && of_this < k_most_waiting_of_one) {
+        line.work.push_back({.door = door, .request = std::move(request)});
+        line.has_work.notify_one();
         return;
       }
       ++counters.refused_messages;
@@ -218,16 +225,16 @@ struct Server::State {
     }
   }
 
-  void run_work() {
-    pthread_setname_np(pthread_self(), "bl-control-work");
+  void run_work(Line& line, const char* name) {
+    pthread_setname_np(pthread_self(), name);
     while (true) {
       Work next;
       {
         std::unique_lock lock{mutex};
-        has_work.wait(lock, [this] { return stop || !work.empty(); });
+        line.has_work.wait(lock, [&] { return stop || !line.work.empty(); });
         if (stop) return;
-        next = std::move(work.front());
-        work.pop_front();
+        next = std::move(line.work.front());
+        line.work.pop_front();
       }
       Answer answer = handlers.ordinary(next.request);
       answer.id = next.request.id;
@@ -259,7 +266,9 @@ Result<std::unique_ptr<Server>> Server::open(const ServerConfig& config, Handler
 
 Server::Server(std::unique_ptr<State> state) : state_{std::move(state)} {
   state_->io = std::thread{[state = state_.get()] { state->run_io(); }};
-  state_->worker = std::thread{[state = state_.get()] { state->run_work(); }};
+  state_->usual.thread = std::thread{[own = state_.get()] { own->run_work(own->usual, "bl-control-work"); }};
+  state_->seconds.thread =
+      std::thread{[own = state_.get()] { own->run_work(own->seconds, "bl-control-long"); }};
 }
 
 Server::~Server() {
@@ -267,9 +276,11 @@ Server::~Server() {
     const std::lock_guard lock{state_->mutex};
     state_->stop = true;
   }
-  state_->has_work.notify_all();
+  state_->usual.has_work.notify_all();
+  state_->seconds.has_work.notify_all();
   state_->wake.ring();
-  state_->worker.join();
+  state_->usual.thread.join();
+  state_->seconds.thread.join();
   state_->io.join();
 }
 

@@ -21,12 +21,14 @@ struct ServerConfig {
   Json hello;  ///< what a door is told first: version, results folder, ...
 };
 
-/// What answers.  Both may be called at the same time.
+/// What answers.  All may be called at the same time.
 struct Handlers {
   /// On the end's own thread, at once: only what must not wait (Stop, Laser off).  Nothing: not urgent.
   std::function<std::optional<Answer>(const Request&)> urgent;
-  /// On the worker's thread, one after the other.
+  /// On a worker's thread, one after the other; what is_long() has a worker of its own beside the others'.
   std::function<Answer(const Request&)> ordinary;
+  /// It takes seconds: a file to look through, an arm or a sensor to ask.  None: nothing does.
+  std::function<bool(const Request&)> is_long{};
 };
 
 struct ServerCounters {
@@ -36,9 +38,10 @@ struct ServerCounters {
   std::uint64_t refused_doors{0};     ///< keys that are not in the list
 };
 
-/// Thread: two of its own ("bl-control" for the socket, "bl-control-work" for the handler); its methods are
-/// safe from any.  Nobody who is slow, silent or hostile holds it up: what a door does not take is dropped
-/// and counted, at most 128 requests wait, 32 of one door, a message has at most 512 KiB.
+/// Thread: three of its own ("bl-control" for the socket, "bl-control-work" and "bl-control-long" for the
+/// handler); its methods are safe from any.  Nobody who is slow, silent or hostile holds it up: what a door
+/// does not take is dropped and counted, at most 128 requests wait for each worker, 32 of one door, a message
+/// has at most 512 KiB.
 class Server {
  public:
   [[nodiscard]] static Result<std::unique_ptr<Server>> open(const ServerConfig& config, Handlers handlers);

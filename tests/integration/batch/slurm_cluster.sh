@@ -1,7 +1,66 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# A Slurm of two nodes on loopback, without systemd and control groups.  Sourced: start_cluster FOLDER, start_slurmd N;
-# sets SLURM_CONF, slurmd_1, slurmd_2 and adds every process to `daemons`.
+# A Slurm of two nodes on loopback, without systemd and control groups, that ends with the script that sources this.
+#   begin_cluster BITELINE   sets root (a folder), SLURM_CONF, slurmd_1, slurmd_2; leaves with 77 where it cannot be
+#   start_slurmd N           once more, after it was killed
+#   lose_a_step BATCH        a running task of this batch's folder and its slurmstepd end at once; Slurm is told
+#   wait_until SECONDS WORDS COMMAND...
+# Who starts a process that must end with the script adds it to `daemons`.  What failed is told with run.txt and the logs.
+
+skip() { echo "skipped: $1" >&2; exit 77; }
+fail() { echo "FAILED: $1" >&2; exit 1; }
+
+daemons=()
+end_cluster() {
+  # Without a cluster of its own these would speak to the machine's.
+  [ "${SLURM_CONF:-}" = "$root/slurm.conf" ] && squeue --noheader --format=%A 2>/dev/null | sort -u | xargs -r scancel 2>/dev/null
+  local pid
+  for pid in "${daemons[@]}"; do kill "$pid" 2>/dev/null; done
+  for pid in "${daemons[@]}"; do wait "$pid" 2>/dev/null; done
+  rm -rf "$root"
+}
+
+begin_cluster() {
+  export PATH=$PATH:/usr/sbin
+  local program
+  for program in munged slurmctld slurmd sbatch squeue scancel python3; do
+    command -v "$program" >/dev/null || skip "$program is not installed"
+  done
+  [ -x "$1" ] || skip "$1 was not built"
+  [ "$(id -u)" -eq 0 ] || skip 'slurmd runs jobs of other users: it needs root'
+  root=$(mktemp -d /tmp/biteline-slurm-XXXXXX)
+  trap end_cluster EXIT
+  start_cluster "$root" || { tail -n 20 "$root"/*.log >&2; fail 'the cluster did not start'; }
+}
+
+wait_until() {
+  local left=$((10 * $1)) words=$2
+  shift 2
+  until "$@"; do
+    left=$((left - 1))
+    [ "$left" -gt 0 ] || { tail -n 20 "$root/run.txt" "$root"/*.log >&2; squeue >&2; fail "$words"; }
+    sleep 0.1
+  done
+}
+
+parent_of() { awk '/^PPid:/ { print $2 }' "/proc/$1/status" 2>/dev/null; }
+
+lost_step() { # BATCH: true once one was met and killed; sets `lost`
+  local task step
+  for task in $(pgrep -f -- "batch run $1 --shard "); do
+    step=$(parent_of "$task")
+    [ -n "$step" ] && grep -q '^slurmstepd' "/proc/$step/comm" 2>/dev/null || continue
+    lost=$(tr '\0' '\n' <"/proc/$task/environ" | sed -n 's/^SLURM_JOB_ID=//p')
+    [ -n "$lost" ] && kill -KILL "$step" "$task" 2>/dev/null && return 0
+  done
+  return 1
+}
+
+lose_a_step() {
+  wait_until 300 'no step was met running' lost_step "$1"
+  # Slurm itself finds the loss and does the same, but only after two minutes.
+  scontrol requeue "$lost" || fail "the lost task $lost cannot be queued again"
+}
 
 free_port() { python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'; }
 

@@ -15,6 +15,7 @@
 #include "host/intake/child_process.hpp"
 #include "host/intake/sensor_process.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/said.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/timed_test.hpp"
@@ -103,20 +104,8 @@ TEST_GROUP(Commission) {
     return text;
   }
 
-  struct Done {
-    int status;
-    std::string out, last_error;
-  };
-  static Done run(const char* program, const std::vector<std::string>& words) {
-    auto child = ChildProcess::start({.program = program, .arguments = words});
-    SUCCEEDS(child);
-    Done done{};
-    while (const auto line = child->next_line(seconds{180})) done.out += *line + "\n";
-    const auto status = child->wait(seconds{60});
-    SUCCEEDS(status);
-    done.status = *status;
-    done.last_error = child->last_words();
-    return done;
+  static test::Said run(const char* program, const std::vector<std::string>& words) {
+    return test::said_by(program, words, seconds{180});
   }
 
   /// A shoe's line by the sensor program with `sensor_file` and a settings file, and the service; its mean
@@ -150,13 +139,13 @@ TEST_GROUP(Commission) {
                                         sensor_file.string(), "--settings", set, "--rt", "ignore"},
                                        seconds{30});
       SUCCEEDS(sensor);
-      const Done scan =
+      const test::Said scan =
           run(BITELINE_HOST, {"--sensor", sensor->endpoint().text(), "--out", out.string(), "--once"});
       told = scan.last_error;
       const fs::path line = out / "scan-0001/line.csv";
       if (scan.status != 0 || !fs::exists(line)) continue;
-      const Done judged = run(BITELINE_TOOL, {"evaluate", "--json", "--line", line.string(), "--truth",
-                                              (place / "truth/groove.csv").string()});
+      const test::Said judged = run(BITELINE_TOOL, {"evaluate", "--json", "--line", line.string(), "--truth",
+                                                    (place / "truth/groove.csv").string()});
       LONGS_EQUAL_TEXT(0, judged.status, judged.last_error.c_str());
       return nlohmann::json::parse(judged.out).at("mean").get<double>();
     }
@@ -194,7 +183,7 @@ TIMED_TEST(Commission, AnUncalibratedHeadIsCalibratedFromLivePictures) {
   cell.reset();
 
   const fs::path out = folder.path() / "result";
-  const Done calibrated = run(BITELINE_TOOL, {"calibrate", calib.string(), "--out", out.string()});
+  const test::Said calibrated = run(BITELINE_TOOL, {"calibrate", calib.string(), "--out", out.string()});
   LONGS_EQUAL_TEXT(0, calibrated.status, calibrated.last_error.c_str());
   const auto found = config::read_sensor_yaml(out / "sensor.yaml");
   SUCCEEDS(found);
@@ -248,7 +237,7 @@ TIMED_TEST(Commission, AScanIsKeptAsASessionWhoseReplayFindsTheLine) {
                                          files.at("sensor").get<std::string>(),
                                          "--rt",
                                          "ignore"};
-    const Done taken = run(BITELINE_TOOL, words);
+    const test::Said taken = run(BITELINE_TOOL, words);
     told = taken.out + taken.last_error;
     // A busy machine may end a scan: that is told, and nothing else is.
     if (taken.status != 0) {
@@ -259,14 +248,14 @@ TIMED_TEST(Commission, AScanIsKeptAsASessionWhoseReplayFindsTheLine) {
     }
     STRCMP_CONTAINS(" profiles without stripe", taken.out.c_str());
     STRCMP_CONTAINS("biteline replay", taken.out.c_str());
-    const Done again = run(BITELINE_TOOL, words);
+    const test::Said again = run(BITELINE_TOOL, words);
     CHECK(again.status != 0);
     STRCMP_CONTAINS("name another folder", again.last_error.c_str());
     const fs::path out = place / "line";
-    const Done line = run(BITELINE_TOOL, {"replay", session.string(), "--out", out.string()});
+    const test::Said line = run(BITELINE_TOOL, {"replay", session.string(), "--out", out.string()});
     LONGS_EQUAL_TEXT(0, line.status, line.last_error.c_str());
-    const Done judged = run(BITELINE_TOOL, {"evaluate", "--json", "--line", (out / "line.csv").string(),
-                                            "--truth", (place / "truth/groove.csv").string()});
+    const test::Said judged = run(BITELINE_TOOL, {"evaluate", "--json", "--line", (out / "line.csv").string(),
+                                                  "--truth", (place / "truth/groove.csv").string()});
     LONGS_EQUAL_TEXT(0, judged.status, judged.last_error.c_str());
     CHECK_COMPARE(nlohmann::json::parse(judged.out).at("mean").get<double>(), <, 0.1);
     return;
@@ -278,7 +267,7 @@ TIMED_TEST(Commission, AScanBehindAnOpenDoorIsBadAndSaysWhy) {
   if (!open({.camera_places = 1, .laser_places = 0, .hand_eye_places = 0})) return;
   cell->drive(Line::Interlock, false);
   folder.write("sensor.yaml", config::sensor_yaml_text(cell->scene().head.model, ""));
-  const Done taken =
+  const test::Said taken =
       run(BITELINE_TOOL, {"capture", "scan", (folder.path() / "scan").string(), "--board", board.string(),
                           "--sensor", (folder.path() / "sensor.yaml").string(), "--rt", "ignore"});
   LONGS_EQUAL_TEXT(3, taken.status, taken.last_error.c_str());

@@ -18,6 +18,7 @@
 #include "hal/linux/socketcan/can_pose_source.hpp"
 #include "hal/sim/bus/bus_devices.hpp"
 #include "hal/sim/shoe/surface_distance.hpp"
+#include "tests/support/errors.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/support/timed_test.hpp"
 
@@ -238,6 +239,28 @@ TIMED_TEST(LiveCell, AnOpenDoorDarkensTheLaserWhateverTheSensorDrives) {
   CHECK(devices.laser->set(true).has_value());
   for (int i = 0; i < 5; ++i) devices.camera->release(*devices.camera->next_frame(k_second));
   LONGS_EQUAL(0, cell->counts().exposures_lit);
+}
+
+TEST(LiveCell, LaserIsDarkOnceTheMonostableHasRunOutWhateverItsLineDoes) {
+  constexpr Nanoseconds k_monostable = std::chrono::milliseconds{60};
+  LiveSettings settings = quick_cell();
+  settings.monostable = k_monostable;
+  const auto cell = open_cell(settings);
+  if (!cell) return;
+  const auto laser = *SimGpioOut::open(cell->settings().wires, Line::LaserEnable);
+  const auto heart = *SimGpioOut::open(cell->settings().wires, Line::Heartbeat);
+  SUCCEEDS(laser->set(true));
+  CHECK_FALSE(cell->enabled(hal::monotonic_now()));  // never fed
+  const SensorClock::time_point before = hal::monotonic_now();
+  SUCCEEDS(heart->set(true));
+  const SensorClock::time_point after = hal::monotonic_now();
+  SUCCEEDS(heart->set(false));  // rising edges feed it
+  CHECK(cell->enabled(before + k_monostable - Nanoseconds{1}));
+  CHECK_FALSE(cell->enabled(after + k_monostable));
+  CHECK(cell->disabled_since() >= before + k_monostable);
+  CHECK(cell->disabled_since() <= after + k_monostable);
+  SUCCEEDS(laser->set(false));
+  CHECK_FALSE(cell->enabled(before));
 }
 
 // The arm goes where no ray tracer's numbers reach, and pictures are drawn there.

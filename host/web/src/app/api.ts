@@ -33,8 +33,15 @@ export interface State {
   cycle?: { this_s?: number | null; last_s?: number | null };
   model?: { name: string; probability?: number } | null;
   process?: string | null;
+  held?: Held | null;
   control: Control;
   seq: number;
+}
+/// The scan that waits for a person, and how long the gate lets it through for its age.
+export interface Held {
+  scan: string;
+  waits_for: 'word' | 'path' | 'model';
+  fresh_s: number | null;
 }
 export type Verdict = 'working' | 'ok' | 'amber' | 'refused' | 'failed';
 export interface ScanRow {
@@ -85,10 +92,18 @@ export interface Rerun {
   line?: string | null;
   path?: string | null;
 }
+/// What became of the last run in the air.
+export interface AirRun {
+  state: 'begun' | 'refused' | 'stopped' | 'followed';
+  reason?: string | null;
+  next_step?: string | null;
+  duration_s?: number | null;
+}
 export interface Scan extends ScanRow {
   report: Record<string, unknown> | null;
   gate?: Record<string, unknown> | null;
   follow?: Record<string, unknown> | null;
+  air?: AirRun | null;
   versions?: LineVersion[];
   reruns?: Rerun[];
 }
@@ -190,6 +205,42 @@ export interface FileRow {
   path: string;
   bytes: number;
   time: string;
+}
+/// One part of what is mounted, with who taught it and how well it is known.
+export interface Taught {
+  version: number;
+  who: string;
+  time: string;
+  touches?: number;
+  residual_mm?: number;
+  u95_mm?: number;
+  at_mm?: [number, number, number];
+  kg?: number;
+  centre_mm?: [number, number, number];
+  z_mm?: number;
+}
+export interface Mounted {
+  version: number;
+  tip: Taught | null;
+  payload: Taught | null;
+  table: Taught | null;
+  /// Touches that are not kept yet.
+  lesson: {
+    part: 'tip' | 'table';
+    touches: number;
+    at_mm?: [number, number, number] | null;
+    z_mm?: number | null;
+    residual_mm?: number | null;
+    u95_mm?: number | null;
+    missing: string | null;
+  } | null;
+  /// What it said last.
+  controller: {
+    tip_mm: [number, number, number];
+    payload_kg?: number | null;
+    payload_centre_mm?: [number, number, number] | null;
+    carries_as_taught?: boolean | null;
+  } | null;
 }
 /// JSON Schema, as far as processes use it.
 export interface Schema {

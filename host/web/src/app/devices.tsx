@@ -4,6 +4,7 @@ import type { JSX } from 'preact';
 import { useMemo } from 'preact/hooks';
 import { number, t, t_or } from '../words';
 import type { Disk, Robot, Sensor } from './api';
+import { MountedCard } from './mounted';
 import { Chart, Failure, Figures, Table } from './parts';
 import { use_reading, use_store } from './store';
 
@@ -74,6 +75,7 @@ export function Devices(): JSX.Element {
           />
         </section>
       ))}
+      {robots && robots.robots.length > 0 && <MountedCard />}
       {robots && robots.robots.length === 0 && <p>{t('no_robots')}</p>}
       {(sensors?.sensors ?? []).map((sensor) => (
         <section class="card" key={sensor.name}>

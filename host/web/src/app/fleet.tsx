@@ -344,18 +344,41 @@ function Fetches(): JSX.Element | null {
   return (
     <section>
       <h2>{t('recordings')}</h2>
-      <Table label={t('recordings')} heads={[t('cell'), t('scan'), t('state'), t('bytes'), t('words')]}>
+      <Table
+        label={t('recordings')}
+        heads={[t('cell'), t('scan'), t('state'), t('bytes'), t('words'), t('fetch_stay')]}
+      >
         {value.fetches.slice(0, 20).map((one) => (
           <tr key={one.number}>
             <th scope="row">{one.cell}</th>
             <td>{one.scan}</td>
-            <td>{t(`fetch_${one.state}`)}</td>
+            <td>{t(one.marked && one.state === 'whole' ? 'fetch_marked' : `fetch_${one.state}`)}</td>
             <td>{one.total > 0 ? percent(one.have, one.total) : '–'}</td>
             <td>{one.words ?? '–'}</td>
+            <td>{one.state === 'whole' && <KeepRecording one={one} />}</td>
           </tr>
         ))}
       </Table>
     </section>
+  );
+}
+
+function KeepRecording({ one }: { one: Fetch }): JSX.Element {
+  const scan = `${one.cell}/${one.scan}`;
+  const does = t(one.marked ? 'fetch_let_go' : 'fetch_keep');
+  const mark = () =>
+    act(t(one.marked ? 'done_let_go' : 'done_keep', { scan }), () =>
+      call('POST', '/fleet/marks', { cell: one.cell, scan: one.scan, marked: !one.marked }),
+    );
+  return (
+    <button
+      type="button"
+      disabled={!may('engineer')}
+      aria-label={`${does} ${scan}`}
+      onClick={() => void mark()}
+    >
+      {does}
+    </button>
   );
 }
 

@@ -61,8 +61,9 @@ export interface Fetch {
   number: number;
   cell: string;
   scan: string;
-  state: 'asked' | 'coming' | 'whole' | 'refused';
+  state: 'asked' | 'coming' | 'whole' | 'refused' | 'removed';
   have: number;
   total: number;
+  marked: boolean;
   words: string | null;
 }

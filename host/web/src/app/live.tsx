@@ -4,6 +4,7 @@ import type { JSX } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { amount, number, t, t_or } from '../words';
 import { type Model, type ScanRow, call } from './api';
+import { Fresh } from './fresh';
 import { watch_live } from './live_data';
 import { LiveScene, type LiveColour } from './live_scene';
 import { AskWhy, Failure, Figures, Verdict } from './parts';
@@ -175,6 +176,7 @@ export function Waiting(): JSX.Element | null {
             <a href={`#/scans/${scan.id}`}>{scan.id}</a> <Verdict scan={scan} />{' '}
             {scan.why ?? scan.reason ?? ''}
           </p>
+          <Fresh scan={scan.id} />
           <Decide scan={scan} />
         </div>
       ))}

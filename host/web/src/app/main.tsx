@@ -32,8 +32,19 @@ import {
   use_store,
   words_of,
 } from './store';
+import { Teach } from './teach';
 
-const cell_views = ['live', 'scans', 'models', 'processes', 'sensor', 'devices', 'people', 'log'] as const;
+const cell_views = [
+  'live',
+  'scans',
+  'teach',
+  'models',
+  'processes',
+  'sensor',
+  'devices',
+  'people',
+  'log',
+] as const;
 const views = at_centre ? fleet_views : cell_views;
 
 function use_route(): string[] {
@@ -337,6 +348,7 @@ function App(): JSX.Element {
         <main id="main" tabIndex={-1}>
           {view === 'live' && <Live />}
           {view === 'scans' && (route[1] ? <OneScan key={route[1]} id={route[1]} /> : <Scans />)}
+          {view === 'teach' && <Teach />}
           {view === 'models' && <Models />}
           {view === 'processes' && <Processes />}
           {view === 'sensor' && <Sensor />}

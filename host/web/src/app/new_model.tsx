@@ -3,39 +3,25 @@
 import type { JSX } from 'preact';
 import { useState } from 'preact/hooks';
 import { t } from '../words';
-import { type Model, type ProcessRow, type ScanRow, call, query, send_file } from './api';
+import { type Model, type ProcessRow, type ScanRow, query, send_file } from './api';
+import { ModelForm, name_pattern } from './model_form';
 import { act, holds_control, time_words, use_reading, use_store } from './store';
-
-const name_pattern = '[A-Za-z0-9][A-Za-z0-9._\\-]*';
 
 export function NewModel({ names }: { names: string[] }): JSX.Element {
   const { value: scans } = use_reading<{ scans: ScanRow[] }>('/scans?limit=100');
   const { value: processes } = use_reading<{ processes: ProcessRow[] }>('/processes');
-  const [form, set_form] = useState({ name: '', scan: '', process: '', size: '', foot: '' });
+  const [form, set_form] = useState({ scan: '', process: '' });
   const usable = (scans?.scans ?? []).filter((scan) => scan.verdict === 'ok' || scan.verdict === 'amber');
   const field = (name: keyof typeof form) => ({
     value: form[name],
     onInput: (event: { currentTarget: { value: string } }) =>
       set_form({ ...form, [name]: event.currentTarget.value }),
   });
-  const exists = names.includes(form.name);
   return (
     <section class="card">
       <h2>{t('new_model')}</h2>
       <p>{t('new_model_words')}</p>
-      <form
-        class="form"
-        onSubmit={(event) => {
-          event.preventDefault();
-          const body = Object.fromEntries(Object.entries(form).filter(([, value]) => value !== ''));
-          void act(t('done_model', { name: form.name }), () =>
-            call('POST', '/models', exists ? { ...body, replace: true } : body),
-          );
-        }}
-      >
-        <label>
-          {t('name')} <input required maxLength={64} pattern={name_pattern} {...field('name')} />
-        </label>
+      <ModelForm look="form" names={names} scan={form.scan} process={form.process} enabled>
         <label>
           {t('scan')}{' '}
           <select required {...field('scan')}>
@@ -58,22 +44,7 @@ export function NewModel({ names }: { names: string[] }): JSX.Element {
             ))}
           </select>
         </label>
-        <label>
-          {t('size')} <input maxLength={20} placeholder="EU 42" {...field('size')} />
-        </label>
-        <label>
-          {t('foot')}{' '}
-          <select {...field('foot')}>
-            <option value="">–</option>
-            <option value="left">{t('left')}</option>
-            <option value="right">{t('right')}</option>
-          </select>
-        </label>
-        {exists && <p class="notice look">{t('replaces', { name: form.name })}</p>}
-        <button type="submit" class="go">
-          {exists ? t('replace') : t('save')}
-        </button>
-      </form>
+      </ModelForm>
     </section>
   );
 }

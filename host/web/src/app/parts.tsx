@@ -46,6 +46,27 @@ export function InForce({ release }: { release: string | null | undefined }): JS
   return release ? <p class="notice">{t('release_in_force', { release: release.slice(0, 12) })}</p> : null;
 }
 
+/// A numbered step; `done` puts a tick beside its name.
+export function Step(props: {
+  number: number;
+  name: string;
+  done: boolean;
+  children: ComponentChildren;
+}): JSX.Element {
+  return (
+    <section class="card step" aria-label={props.name}>
+      <h2>
+        <span class="step-number" aria-hidden="true">
+          {props.done ? '✔' : props.number}
+        </span>{' '}
+        {props.name}
+        {props.done && <span class="quiet">{` (${t('done_word')})`}</span>}
+      </h2>
+      {props.children}
+    </section>
+  );
+}
+
 /// A table that scrolls by itself on a narrow screen, also by keyboard.
 export function Table(props: { label: string; heads: string[]; children: ComponentChildren }): JSX.Element {
   return (

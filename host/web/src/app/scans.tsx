@@ -310,7 +310,7 @@ const named = [
   'track.csv',
 ];
 
-function ScanView({ scan, files }: { scan: Scan; files: FileRow[] }): JSX.Element {
+export function ScanView({ scan, files }: { scan: Scan; files: FileRow[] }): JSX.Element {
   const { data, error } = use_view(scan.id, scan.line_version);
   const shown: ResultFile[] = files
     .filter((file) => named.includes(file.path))

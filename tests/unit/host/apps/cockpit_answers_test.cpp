@@ -105,6 +105,11 @@ TEST(CockpitAnswers, RobotsProgressModelAndHolderAreTold) {
   static_cast<void>(ask("POST", "/control", {{"action", "take"}, {"why", "my shift"}}));
   static_cast<void>(ask("POST", "/commands/stop"));
   look_everywhere();
+  sut->hold("scan-0001", Cockpit::Wait::Word, 60);
+  look_everywhere();
+  sut->hold("");
+  static_cast<void>(ask("POST", "/commands/start", {{"hold", true}}));
+  static_cast<void>(ask("POST", "/commands/rescan", {{"why", "again"}, {"hold", true}}));
   const Json state = ask("GET", "/state");
   DOUBLES_EQUAL(0.5, state["progress"].get<double>(), 0);
   STRCMP_EQUAL("ada", state["control"]["holder"].get<std::string>().c_str());

@@ -5,9 +5,8 @@
 #include <future>
 
 #include "common/settings/settings.hpp"
-#include "host/apps/biteline-host/cockpit.hpp"
-#include "tests/support/errors.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/unit/host/apps/opened_cockpit.hpp"
 
 namespace biteline::service {
 
@@ -18,11 +17,7 @@ TEST_GROUP(CockpitSettings) {
   std::unique_ptr<Cockpit> sut;
 
   void setup() override {
-    CockpitConfig config;
-    config.results = folder.path();
-    auto opened = Cockpit::open(config);
-    SUCCEEDS(opened);
-    sut = std::move(*opened);
+    sut = test::opened_cockpit(folder.path());
   }
   void hear_sensor() {
     wire::Health health;

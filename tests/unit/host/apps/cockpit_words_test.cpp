@@ -4,9 +4,8 @@
 
 #include <future>
 
-#include "host/apps/biteline-host/cockpit.hpp"
-#include "tests/support/errors.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/unit/host/apps/opened_cockpit.hpp"
 
 namespace biteline::service {
 
@@ -17,11 +16,7 @@ TEST_GROUP(CockpitWords) {
   std::unique_ptr<Cockpit> sut;
 
   void setup() override {
-    CockpitConfig config;
-    config.results = folder.path();
-    auto opened = Cockpit::open(config);
-    SUCCEEDS(opened);
-    sut = std::move(*opened);
+    sut = test::opened_cockpit(folder.path());
   }
   void put(const std::string& decision, const std::string& verdict = "amber") {
     memory::Scan row;

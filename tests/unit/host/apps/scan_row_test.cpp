@@ -110,7 +110,7 @@ TEST(ScanRow, PlacesAreSignedDistancesToTheModelsLine) {
 }
 
 TEST(ScanRow, EachRefusalOfTheServiceHasItsWords) {
-  test::check_refusal_table(Refused::RerunFailed);
+  test::check_refusal_table(Refused::CalibrationDrifted);
 }
 
 }  // namespace biteline::service

@@ -65,7 +65,10 @@ TEST(ApiAnswers, AModelGoesOutAsAFileAndComesBackInPieces) {
   LONGS_EQUAL(200, ask("POST", "/control", {{"action", "take"}}).status);
   // Its own name is taken; another is not, and a piece that does not fit ends it.
   STRCMP_EQUAL("exists", code_of(piece(0, file, true, {{"name", "boot"}})).c_str());
-  LONGS_EQUAL(400, piece(0, file, true).status);
+  // Under the name that the file has, the answer is the same.
+  const control::Answer nameless = piece(0, file, true);
+  LONGS_EQUAL(409, nameless.status);
+  STRCMP_EQUAL("exists", code_of(nameless).c_str());
   LONGS_EQUAL(200, piece(0, file.substr(0, half), false).status);
   STRCMP_EQUAL("wrong_state", code_of(piece(half + 1, "x", false)).c_str());
   STRCMP_EQUAL("wrong_state", code_of(piece(half, file.substr(half), true)).c_str());
@@ -171,6 +174,59 @@ TEST(ApiAnswers, AProcessIsTriedOnTheNewestLineWithoutBeingSaved) {
   cell.next = fail(Errc::WrongState, "no arm");
   wish["process"]["motion"]["speed_mm_s"] = 20;
   LONGS_EQUAL(409, ask("POST", "/processes/check", wish).status);
+}
+
+TEST(ApiAnswers, AWaitingScanGetsAProcessAndARunInTheAir) {
+  put_sample("scan-0001");
+  log_in("ana");
+  LONGS_EQUAL(200, ask("POST", "/control", {{"action", "take"}}).status);
+  LONGS_EQUAL(403, ask("POST", "/scans/scan-0001/process", {{"process", "grind"}}).status);
+  CHECK(ask("GET", "/scans/scan-0001").body["air"].is_null());
+  LONGS_EQUAL(202, ask("POST", "/scans/scan-0001/air").status);
+  STRCMP_EQUAL("air scan-0001 ana", cell.did.back().c_str());
+  log_in("eng");
+  STRCMP_EQUAL("control_held",
+               code_of(ask("POST", "/scans/scan-0001/process", {{"process", "grind"}})).c_str());
+  LONGS_EQUAL(200, ask("POST", "/control", {{"action", "take"}, {"why", "to teach"}}).status);
+  LONGS_EQUAL(202, ask("POST", "/scans/scan-0001/process", {{"process", "grind"}}).status);
+  STRCMP_EQUAL("process scan-0001 grind eng", cell.did.back().c_str());
+  LONGS_EQUAL(404, ask("POST", "/scans/scan-0001/process", {{"process", "not-there"}}).status);
+  LONGS_EQUAL(400, ask("POST", "/scans/scan-0001/process", {{"process", "../x"}}).status);
+  LONGS_EQUAL(400, ask("POST", "/scans/scan-0001/air", {{"speed", 1}}).status);
+  LONGS_EQUAL(404, ask("POST", "/scans/scan/air").status);
+  // What is taught waits from its start on.
+  LONGS_EQUAL(202, ask("POST", "/commands/start", {{"hold", true}}).status);
+  STRCMP_EQUAL("start eng  held", cell.did.back().c_str());
+  LONGS_EQUAL(202, ask("POST", "/commands/rescan", {{"hold", true}}).status);
+  STRCMP_EQUAL("rescan eng held", cell.did.back().c_str());
+  LONGS_EQUAL(400, ask("POST", "/commands/start", {{"hold", "yes"}}).status);
+  cell.next = fail(Errc::WrongState, "it does not wait");
+  LONGS_EQUAL(409, ask("POST", "/scans/scan-0001/process", {{"process", "grind"}}).status);
+  LONGS_EQUAL(409, ask("POST", "/scans/scan-0001/air").status);
+}
+
+TEST(ApiAnswers, WhatBecameOfARunInTheAirIsTold) {
+  put_sample("scan-0001");
+  log_in("vic");
+  const auto state = [this] {
+    const Json air = ask("GET", "/scans/scan-0001").body["air"];
+    return air["state"].get<std::string>() + " " +
+           (air["reason"].is_null() ? "" : air["reason"].get<std::string>());
+  };
+  folder.write("scan-0001/air/path/report.json", R"({"status":"ok"})");
+  STRCMP_EQUAL("begun ", state().c_str());
+  folder.write("scan-0001/air/path/report.json", R"({"reason_code":"cannot_follow","reason":"joint 4"})");
+  STRCMP_EQUAL("refused joint 4", state().c_str());
+  folder.write("scan-0001/air/gate.json",
+               R"({"permitted":false,"rows":[{"state":"passed"},{"state":"failed","name":"scan's age",)"
+               R"("value":"130 s","limit":"120 s","reason_code":"scan_too_old","next_step":"scan again"}]})");
+  STRCMP_EQUAL("refused not sent: scan's age: 130 s (120 s)", state().c_str());
+  folder.write("scan-0001/air/report.json", R"({"status":"refused","reason":"no controller"})");
+  STRCMP_EQUAL("refused no controller", state().c_str());
+  folder.write("scan-0001/air/followed.json", R"({"completed":false,"stopped":{"reason":"a stop"}})");
+  STRCMP_EQUAL("stopped a stop", state().c_str());
+  folder.write("scan-0001/air/followed.json", R"({"completed":true,"duration_s":99.5})");
+  STRCMP_EQUAL("followed ", state().c_str());
 }
 
 TEST(ApiAnswers, ASessionTellsWhoItIsAndEnds) {

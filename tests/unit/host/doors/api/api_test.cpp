@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "host/doors/accounts/metrics_token.hpp"
 #include "tests/unit/host/doors/api/api_world.hpp"
 
 namespace biteline::api {
@@ -11,8 +12,9 @@ namespace biteline::api {
 TEST_GROUP_BASE(Api, ApiWorld){};
 
 TEST(Api, NothingIsToldWithoutALogin) {
-  for (const char* path : {"/state", "/me", "/scans", "/models", "/processes", "/robots", "/sensors", "/log",
-                           "/users", "/history/trends", "/history.csv", "/control", "/scans/scan-0001"}) {
+  for (const char* path :
+       {"/state", "/me", "/scans", "/models", "/processes", "/robots", "/mounted", "/sensors", "/log",
+        "/users", "/history/trends", "/history.csv", "/control", "/scans/scan-0001", "/exchange/metrics"}) {
     const control::Answer answer = ask("GET", path);
     LONGS_EQUAL_TEXT(401, answer.status, path);
     STRCMP_EQUAL("login_needed", code_of(answer).c_str());
@@ -20,6 +22,23 @@ TEST(Api, NothingIsToldWithoutALogin) {
   token = "no such token";
   LONGS_EQUAL(401, ask("GET", "/state").status);
   LONGS_EQUAL(401, ask("POST", "/sessions", {{"name", "ada"}, {"password", "wrong password"}}).status);
+}
+
+TEST(Api, TokenOfAProgramReadsTheMetricsAndNothingElse) {
+  token = std::string(40, 'p');
+  SUCCEEDS(accounts::use_metrics_token(folder.path() / memory::k_memory_file, folder.write("token", token)));
+  const control::Answer metrics = ask("GET", "/exchange/metrics");
+  LONGS_EQUAL(200, metrics.status);
+  STRCMP_EQUAL("waiting", metrics.body["state"]["phase"].get<std::string>().c_str());
+  CHECK(metrics.body["sensors"]["disk"]["free_bytes"].is_number());
+  for (const char* path :
+       {"/state", "/me", "/scans", "/sensors", "/log", "/users", "/history.csv", "/control"})
+    LONGS_EQUAL_TEXT(401, ask("GET", path).status, path);
+  LONGS_EQUAL(401, ask("POST", "/commands/start").status);
+  LONGS_EQUAL(401, ask("POST", "/commands/stop").status);
+  // A person's session does as well.
+  log_in("vic");
+  LONGS_EQUAL(200, ask("GET", "/exchange/metrics").status);
 }
 
 TEST(Api, RolesAreTheLeastThatMay) {

@@ -31,11 +31,11 @@ struct FakeCell final : Cell {
   void stop(const std::string& who) override { did.push_back("stop " + who); }
   void laser_off(const std::string& who) override { did.push_back("laser off " + who); }
   Result<void> start(const Job& job, const std::string& who) override {
-    did.push_back("start " + who + " " + job.process);
+    did.push_back("start " + who + " " + job.process + (job.hold ? " held" : ""));
     return next;
   }
-  Result<void> rescan(const std::string& who, const std::string&, const std::string&) override {
-    did.push_back("rescan " + who);
+  Result<void> rescan(const Rescan& order) override {
+    did.push_back("rescan " + order.who + (order.hold ? " held" : ""));
     return next;
   }
   Result<void> begin_mend(const std::string& scan) override {
@@ -78,6 +78,15 @@ struct FakeCell final : Cell {
     did.push_back("model " + scan + " " + model + " " + who);
     return next;
   }
+  Result<void> choose_process(const std::string& scan, const std::string& process,
+                              const std::string& who) override {
+    did.push_back("process " + scan + " " + process + " " + who);
+    return next;
+  }
+  Result<void> run_in_air(const std::string& scan, const std::string& who) override {
+    did.push_back("air " + scan + " " + who);
+    return next;
+  }
   Result<int> rerun(const RerunOrder& order) override {
     did.push_back("rerun " + order.scan + " " + order.who + " " + settings_json(order).dump());
     if (!next) return tl::unexpected<Error>{next.error()};
@@ -89,6 +98,11 @@ struct FakeCell final : Cell {
     return tried;
   }
   TriedPath tried{};
+  Result<robot::ur::ArmLook> look_at_arm() override {
+    if (!next) return tl::unexpected<Error>{next.error()};
+    return look;
+  }
+  robot::ur::ArmLook look{};
   bool rerun_open(const std::string&, int number) override { return number > 1; }
   Result<void> decide(const Decision& decision) override {
     did.push_back("decide " + decision.scan + " " + decision.who + " " + decision.door + " " + decision.why);

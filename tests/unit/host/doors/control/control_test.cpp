@@ -40,7 +40,7 @@ std::span<const std::uint8_t> bytes_of(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-/// Says back what it was asked; "/slow" waits for `gate`.
+/// Says back what it was asked; "/slow" and "/long" wait for `gate`, the second as one that takes seconds.
 struct Echo {
   std::promise<void> gate;
   std::shared_future<void> opened{gate.get_future().share()};
@@ -54,11 +54,12 @@ struct Echo {
             },
             .ordinary =
                 [opened = opened](const Request& request) {
-                  if (request.path == "/slow") opened.wait();
+                  if (request.path == "/slow" || request.path == "/long") opened.wait();
                   Answer answer;
                   answer.body = {{"path", request.path}, {"door", request.door}, {"body", request.body}};
                   return answer;
-                }};
+                },
+            .is_long = [](const Request& request) { return request.path == "/long"; }};
   }
 };
 
@@ -110,6 +111,33 @@ TEST(ControlEnd, UrgentRequestsPassThoseThatWait) {
   CHECK(answer.wait_for(0s) == std::future_status::timeout);
   echo.gate.set_value();
   LONGS_EQUAL(200, answer.get().status);
+}
+
+TEST(ControlEnd, WhatTakesSecondsHoldsUpNoOtherRequest) {
+  Echo echo;
+  const auto server = open_server(echo);
+  const auto client = Client::open({.endpoint = endpoint_of(*server), .keys = {}, .patience = k_patience});
+  SUCCEEDS(client);
+  std::promise<Answer> first, second;
+  (*client)->ask(request_to("/long"), [&](Answer answer) { first.set_value(std::move(answer)); });
+  (*client)->ask(request_to("/long"), [&](Answer answer) { second.set_value(std::move(answer)); });
+  LONGS_EQUAL(200, (*client)->ask(request_to("/a")).status);
+  std::future<Answer> one = first.get_future(), other = second.get_future();
+  CHECK(one.wait_for(0s) == std::future_status::timeout);
+  CHECK(other.wait_for(0s) == std::future_status::timeout);
+  echo.gate.set_value();
+  LONGS_EQUAL(200, one.get().status);
+  LONGS_EQUAL(200, other.get().status);
+}
+
+TEST(ControlEnd, AFloodOfWhatTakesSecondsLeavesRoomForTheRest) {
+  Echo echo;
+  const auto server = open_server(echo);
+  const auto client = Client::open({.endpoint = endpoint_of(*server), .keys = {}, .patience = k_patience});
+  SUCCEEDS(client);
+  for (int i = 0; i < 100; ++i) (*client)->ask(request_to("/long"), [](const Answer&) {});
+  LONGS_EQUAL(200, (*client)->ask(request_to("/a")).status);
+  echo.gate.set_value();
 }
 
 TEST(ControlEnd, EventsComeInOrderAndTheFirstIsTheHello) {

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: MIT
+// biteline mounted: tip, payload and table of a cell, shown and taught.
+#include <pwd.h>
+#include <unistd.h>
+
+#include <iostream>
+
+#include "common/core/fixed_text.hpp"
+#include "common/options/number.hpp"
+#include "common/wire/endpoint.hpp"
+#include "host/apps/biteline/command.hpp"
+#include "host/records/mounted/mounted_record.hpp"
+#include "host/records/report/file_lock.hpp"
+#include "host/robot/link/ur/arm_look.hpp"
+
+namespace biteline::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Lesson = kinematics::TouchLesson;
+
+struct Options {
+  fs::path results, touches;
+  std::string teach, forget, arm, who;
+  std::vector<double> payload;  // kg, then the centre in the flange [mm]
+};
+
+/// Who is at the keyboard.
+std::string user_name() {
+  passwd entry{};
+  passwd* found = nullptr;
+  char buffer[1024];
+  if (getpwuid_r(::getuid(), &entry, buffer, sizeof buffer, &found) == 0 && found != nullptr)
+    return found->pw_name;
+  return "user " + std::to_string(::getuid());
+}
+
+std::string words_of(const kinematics::Touched& touched, Lesson::Part part) {
+  using Text = FixedText<200>;
+  if (part == Lesson::Part::Table)
+    return Text::format("the table stands at %.2f mm in the robot's base; residual %.2f mm, U95 %.2f mm",
+                        touched.z_mm, touched.residual_mm, touched.u95_mm)
+        .c_str();
+  return Text::format("the tip stands at (%.2f, %.2f, %.2f) mm in the flange; residual %.2f mm, U95 %.2f mm",
+                      touched.tip_flange.x(), touched.tip_flange.y(), touched.tip_flange.z(),
+                      touched.residual_mm, touched.u95_mm)
+      .c_str();
+}
+
+/// One line of a person for each touch, until "save".  What went wrong with a touch is told, and costs only
+/// that touch.
+Result<void> touch_by_hand(Lesson& lesson, const std::string& arm) {
+  BITELINE_ASSIGN(const wire::Endpoint at, wire::parse_endpoint("tcp://" + arm));
+  std::fputs("Enter: touch; back: take the last touch back; save: keep it; Ctrl-D: leave\n", stderr);
+  for (std::string line; std::getline(std::cin, line);) {
+    if (line == "save") return {};
+    Result<void> done{};
+    if (line == "back") {
+      lesson.take_back();
+    } else {
+      const Result<robot::ur::ArmLook> look = robot::ur::look_at_arm(at.host, at.port);
+      done = look ? lesson.add(look->T_base_flange) : Result<void>{tl::unexpected<Error>{look.error()}};
+    }
+    const Result<kinematics::Touched> outcome = lesson.outcome();
+    std::fprintf(stderr, "%s\n",
+                 !done ? to_line(done.error()).c_str()
+                       : (std::to_string(lesson.touches()) + " touches: " +
+                          (outcome ? words_of(*outcome, lesson.part()) : to_line(outcome.error())))
+                             .c_str());
+  }
+  return fail(Errc::InvalidArgument, "nothing was kept: the input ended before 'save'");
+}
+
+Result<mounted::Record> teach(memory::Memory& memory, const Options& options, const mounted::Hand& hand,
+                              report::Report& report) {
+  BITELINE_ASSIGN(const mounted::Record before, mounted::read_record(memory));
+  const Lesson::Part part = options.teach == "tip" ? Lesson::Part::Tip : Lesson::Part::Table;
+  if (part == Lesson::Part::Table && !before.tip)
+    return fail(Errc::WrongState, "teach the tip first: it is what touches the table");
+  Lesson lesson;
+  lesson.begin(part, before.tip ? before.tip->tip_flange : Vec3{Vec3::Zero()});
+  if (!options.touches.empty()) {
+    BITELINE_ASSIGN(const std::vector<SE3> touches, kinematics::read_touches(options.touches));
+    for (const SE3& T_base_flange : touches) BITELINE_TRY(lesson.add(T_base_flange));
+  } else {
+    BITELINE_TRY(touch_by_hand(lesson, options.arm));
+  }
+  BITELINE_ASSIGN(const kinematics::Touched touched, lesson.outcome());
+  report.fields["residual_mm"] = touched.residual_mm;
+  report.fields["u95_mm"] = touched.u95_mm;
+  return mounted::keep_touched(memory, part, touched, lesson.touches(), hand);
+}
+
+std::string words_of(const mounted::Taught& how) {
+  std::string words =
+      ", version " + std::to_string(how.version) + ", " + how.who + ", " + memory::to_iso(how.time);
+  if (how.touches > 0)
+    words += FixedText<120>::format(", %d touches, residual %.2f mm, U95 %.2f mm", how.touches,
+                                    how.residual_mm, how.u95_mm)
+                 .c_str();
+  return words;
+}
+
+std::string words_of(const mounted::Record& record) {
+  using Text = FixedText<200>;
+  std::string words = "tip      ";
+  if (record.tip) {
+    const Vec3& tip = record.tip->tip_flange;
+    words +=
+        Text::format("(%.2f, %.2f, %.2f) mm", tip.x(), tip.y(), tip.z()).c_str() + words_of(record.tip->how);
+  } else {
+    words += "not taught";
+  }
+  words += "\npayload  ";
+  if (record.payload) {
+    const Vec3& centre = record.payload->payload.centre_flange_mm;
+    words += Text::format("%.2f kg at (%.0f, %.0f, %.0f) mm", record.payload->payload.mass_kg, centre.x(),
+                          centre.y(), centre.z())
+                 .c_str() +
+             words_of(record.payload->how);
+  } else {
+    words += "not taught";
+  }
+  words += "\ntable    ";
+  words += record.table ? Text::format("%.2f mm", record.table->z_mm).c_str() + words_of(record.table->how)
+                        : std::string{"not taught"};
+  return words;
+}
+
+Result<ExitStatus> show(const mounted::Record& record, report::Report& report, const GlobalOptions& global) {
+  report.fields["mounted"] = mounted::to_json(record);
+  // What is mounted is the result: --quiet leaves it.
+  return tell(report, {.quiet = false, .json = global.json}, words_of(record));
+}
+
+Result<ExitStatus> run_mounted(const Options& options, const GlobalOptions& global) {
+  report::Report report;
+  const fs::path file = options.results / memory::k_memory_file;
+  if (options.teach.empty() && options.forget.empty() && options.payload.empty()) {
+    BITELINE_ASSIGN(const memory::Memory memory, memory::Memory::open_to_read(file));
+    BITELINE_ASSIGN(const mounted::Record record, mounted::read_record(memory));
+    return show(record, report, global);
+  }
+  if (!options.teach.empty() && options.touches.empty() == options.arm.empty())
+    return fail(Errc::InvalidArgument, "--teach needs --touches or --arm, one of them");
+  Result<report::FileLock> lock =
+      report::FileLock::take(options.results / "biteline-host.lock", "biteline mounted");
+  if (!lock)
+    return fail(lock.error().code, "%.200s; while a service runs, teach on its page",
+                to_line(lock.error()).c_str());
+  BITELINE_ASSIGN(memory::Memory memory, memory::Memory::open(file));
+  const mounted::Hand hand{.who = options.who.empty() ? user_name() : options.who, .door = "command line"};
+  if (!options.forget.empty()) {
+    BITELINE_ASSIGN(const mounted::Record record,
+                    mounted::forget(memory, *mounted::part_of(options.forget), hand));
+    return show(record, report, global);
+  }
+  if (!options.payload.empty()) {
+    const path::Payload payload{
+        .mass_kg = options.payload[0],
+        .centre_flange_mm = {options.payload[1], options.payload[2], options.payload[3]}};
+    BITELINE_ASSIGN(const mounted::Record record, mounted::keep_payload(memory, payload, hand));
+    return show(record, report, global);
+  }
+  BITELINE_ASSIGN(const mounted::Record record, teach(memory, options, hand, report));
+  return show(record, report, global);
+}
+
+}  // namespace
+
+void add_mounted(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "mounted", "What is mounted at a cell: tool tip, payload and table, shown and taught");
+  command->add_option("results", options->results, "The service's --out folder")->required();
+  auto* teach = command
+                    ->add_option("--teach", options->teach,
+                                 "Teach the tip (touch one point from several sides), or the table's height "
+                                 "(touch it at three places or more)")
+                    ->check(CLI::IsMember({"tip", "table"}));
+  command
+      ->add_option("--touches", options->touches,
+                   "With --teach: poses of the flange (number, mm, quaternion), a row for each touch")
+      ->needs(teach);
+  command
+      ->add_option("--arm", options->arm,
+                   "With --teach: the controller's real-time port, HOST:PORT; one Enter for each touch")
+      ->needs(teach);
+  auto* payload = command
+                      ->add_option("--payload", options->payload,
+                                   "What the flange carries: its mass [kg], and its centre in the flange x y "
+                                   "z [mm]")
+                      ->check(options::number({.minimum = -1000, .maximum = 1000}, "kg, mm"))
+                      ->expected(4)
+                      ->excludes(teach);
+  command
+      ->add_option("--forget", options->forget, "Forget what was taught of this part: it is checked no more")
+      ->check(CLI::IsMember({"tip", "payload", "table"}))
+      ->excludes(teach)
+      ->excludes(payload);
+  command->add_option("--who", options->who, "Whose hand it is; default: this user");
+  command->callback([options, &context] {
+    context.run = [options, &context] { return run_mounted(*options, context.options); };
+  });
+}
+
+}  // namespace biteline::app

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// The one form that makes a model of a scan: name, size and foot; what else it asks for is its caller's.
+import type { ComponentChildren, JSX } from 'preact';
+import { useState } from 'preact/hooks';
+import { t } from '../words';
+import { call } from './api';
+import { act } from './store';
+
+export const name_pattern = '[A-Za-z0-9][A-Za-z0-9._\\-]*';
+
+export function ModelForm(props: {
+  look: 'form' | 'tools';
+  names: string[];
+  scan: string;
+  process: string;
+  enabled: boolean;
+  /// The name under which it was saved here; empty: not yet.
+  saved?: string;
+  save?: (name: string) => void;
+  children?: ComponentChildren;
+}): JSX.Element {
+  const [form, set_form] = useState({ name: '', size: '', foot: '' });
+  const field = (key: keyof typeof form) => ({
+    value: form[key],
+    disabled: !props.enabled,
+    onInput: (event: { currentTarget: { value: string } }) =>
+      set_form({ ...form, [key]: event.currentTarget.value }),
+  });
+  const exists = props.names.includes(form.name);
+  const save = () => {
+    const wish = { ...form, scan: props.scan, process: props.process };
+    const body = Object.fromEntries(Object.entries(wish).filter(([, text]) => text !== ''));
+    return act(t('done_model', { name: form.name }), () =>
+      call('POST', '/models', exists ? { ...body, replace: true } : body),
+    ).then((done) => done && props.save?.(form.name));
+  };
+  return (
+    <form
+      class={props.look}
+      onSubmit={(event) => {
+        event.preventDefault();
+        void save();
+      }}
+    >
+      <label>
+        {t('name')} <input required maxLength={64} pattern={name_pattern} {...field('name')} />
+      </label>
+      {props.children}
+      <label>
+        {t('size')} <input maxLength={20} size={8} placeholder="EU 42" {...field('size')} />
+      </label>
+      <label>
+        {t('foot')}{' '}
+        <select {...field('foot')}>
+          <option value="">–</option>
+          <option value="left">{t('left')}</option>
+          <option value="right">{t('right')}</option>
+        </select>
+      </label>
+      {exists && props.saved !== form.name && <p class="notice look">{t('replaces', { name: form.name })}</p>}
+      <button type="submit" class={props.saved ? '' : 'go'} disabled={!props.enabled}>
+        {exists ? t('replace') : t('save')}
+      </button>
+    </form>
+  );
+}

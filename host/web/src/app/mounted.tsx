@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+// What is mounted at the cell: tip and table by touching, the payload as numbers; each a version with who and when.
+import type { JSX } from 'preact';
+import { useState } from 'preact/hooks';
+import { amount, number, t, t_or } from '../words';
+import { type Mounted, type Taught, call } from './api';
+import { Failure, Figures } from './parts';
+import { act, holds_control, may, time_words, use_reading } from './store';
+
+type Part = 'tip' | 'payload' | 'table';
+type Vector = [number, number, number];
+
+function place(at: Vector | null | undefined, digits = 1): string {
+  return at ? `(${at.map((v) => number(v, digits)).join(', ')}) mm` : '–';
+}
+
+function value_words(part: Part, taught: Taught): string {
+  if (part === 'tip') return place(taught.at_mm, 2);
+  if (part === 'payload') return `${amount(taught.kg, 'kg')}, ${place(taught.centre_mm, 0)}`;
+  return amount(taught.z_mm, 'mm');
+}
+
+function how_words(taught: Taught): string {
+  const by = t('mounted_by', { version: taught.version, who: taught.who, time: time_words(taught.time) });
+  if (taught.touches === undefined) return by;
+  return `${by}; ${t('mounted_known', {
+    touches: taught.touches,
+    residual: number(taught.residual_mm),
+    u95: number(taught.u95_mm),
+  })}`;
+}
+
+interface OfPart {
+  part: Part;
+  mounted: Mounted;
+  enabled: boolean;
+  change: (method: string, path: string, body?: unknown) => void;
+}
+
+function Known({ part, mounted, enabled, change }: OfPart): JSX.Element {
+  const taught = mounted[part];
+  return (
+    <>
+      <p>{taught ? `${value_words(part, taught)}. ${how_words(taught)}` : t('mounted_none')}</p>
+      {taught && (
+        <button type="button" disabled={!enabled} onClick={() => change('DELETE', `/mounted/${part}`)}>
+          {t('mounted_forget')}
+        </button>
+      )}
+    </>
+  );
+}
+
+/// Touch after touch, until what they give is told and can be kept.
+function Touching(props: OfPart): JSX.Element {
+  const { part, mounted, enabled, change } = props;
+  const lesson = mounted.lesson?.part === part ? mounted.lesson : null;
+  const ready = lesson !== null && lesson.missing === null;
+  return (
+    <section aria-label={t_or(`mounted_${part}`, part)}>
+      <h3>{t_or(`mounted_${part}`, part)}</h3>
+      <p class="quiet">{t_or(`mounted_${part}_words`, '')}</p>
+      <Known {...props} />
+      <div class="tools">
+        <button
+          type="button"
+          class={ready ? '' : 'go'}
+          disabled={!enabled || (part === 'table' && !mounted.tip)}
+          onClick={() => change('POST', '/mounted/touches', { part })}
+        >
+          {t('mounted_touch')}
+        </button>
+        <button
+          type="button"
+          disabled={!enabled || !lesson}
+          onClick={() => change('POST', '/mounted/touches', { part, take_back: true })}
+        >
+          {t('mounted_take_back')}
+        </button>
+        <button
+          type="button"
+          class={ready ? 'go' : ''}
+          disabled={!enabled || !ready}
+          onClick={() => change('PUT', `/mounted/${part}`)}
+        >
+          {t('save')}
+        </button>
+      </div>
+      <div role="status">
+        {lesson && (
+          <p class={`notice ${ready ? 'good' : 'look'}`}>
+            {t('mounted_touches', { touches: lesson.touches })}{' '}
+            {ready
+              ? `${part === 'tip' ? place(lesson.at_mm, 2) : amount(lesson.z_mm, 'mm')}; ${t(
+                  'mounted_quality',
+                  {
+                    residual: number(lesson.residual_mm),
+                    u95: number(lesson.u95_mm),
+                  },
+                )}`
+              : lesson.missing}
+          </p>
+        )}
+      </div>
+    </section>
+  );
+}
+
+const axes = ['x', 'y', 'z'] as const;
+
+function Carried(props: OfPart): JSX.Element {
+  const { mounted, enabled, change } = props;
+  const [typed, set_typed] = useState({ kg: '', x: '', y: '', z: '' });
+  const field = (key: keyof typeof typed) => ({
+    type: 'number' as const,
+    step: 'any',
+    required: true,
+    size: 6,
+    disabled: !enabled,
+    value: typed[key],
+    onInput: (event: { currentTarget: { value: string } }) =>
+      set_typed({ ...typed, [key]: event.currentTarget.value }),
+  });
+  const controller = mounted.controller;
+  const told = controller?.payload_kg ?? null;
+  return (
+    <section aria-label={t('mounted_payload')}>
+      <h3>{t('mounted_payload')}</h3>
+      <p class="quiet">{t('mounted_payload_words')}</p>
+      <Known {...props} />
+      <form
+        class="tools"
+        onSubmit={(event) => {
+          event.preventDefault();
+          const centre_mm = axes.map((axis) => Number(typed[axis]));
+          change('PUT', '/mounted/payload', { kg: Number(typed.kg), centre_mm });
+        }}
+      >
+        <label>
+          {t('mounted_mass')} <input min={0} max={20} {...field('kg')} />
+        </label>
+        {axes.map((axis) => (
+          <label key={axis}>
+            {`${t('mounted_centre')} ${axis} [mm]`}
+            <input min={-1000} max={1000} {...field(axis)} />
+          </label>
+        ))}
+        <button type="submit" disabled={!enabled}>
+          {t('save')}
+        </button>
+      </form>
+      {told !== null && (
+        <p class={`notice ${controller?.carries_as_taught === false ? 'look' : ''}`}>
+          {t('mounted_controller', { kg: number(told), centre: place(controller?.payload_centre_mm, 0) })}{' '}
+          {controller?.carries_as_taught === false && t('mounted_differs')}
+        </p>
+      )}
+    </section>
+  );
+}
+
+export function MountedCard(): JSX.Element {
+  // Read again after each change: act() sees to it.
+  const { value: mounted, error } = use_reading<Mounted>('/mounted');
+  const enabled = may('engineer') && holds_control();
+  const change: OfPart['change'] = (method, path, body) =>
+    void act(t('done_mounted'), () => call<Mounted>(method, path, body));
+  return (
+    <section class="card">
+      <h2>{t('mounted')}</h2>
+      <p>{t('mounted_words')}</p>
+      {!enabled && <p class="quiet">{may('engineer') ? t('needs_control') : t('needs_engineer')}</p>}
+      <Failure text={error} />
+      {mounted && (
+        <>
+          <Figures rows={[[t('version'), mounted.version]]} />
+          <Touching part="tip" mounted={mounted} enabled={enabled} change={change} />
+          <Carried part="payload" mounted={mounted} enabled={enabled} change={change} />
+          <Touching part="table" mounted={mounted} enabled={enabled} change={change} />
+        </>
+      )}
+    </section>
+  );
+}

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT
+// The steps of teaching behind the scan: process with its dry run, run in the air, model, go.
+import type { JSX } from 'preact';
+import { useEffect, useRef, useState } from 'preact/hooks';
+import { number, t, t_or } from '../words';
+import {
+  type FileRow,
+  type Model,
+  type ProcessRow,
+  type Scan,
+  type TriedProcess,
+  call,
+  file_address,
+} from './api';
+import { ModelForm } from './model_form';
+import { Step, Verdict } from './parts';
+import { TriedWords, type Tried } from './process_check';
+import { act, use_reading, words_of } from './store';
+
+interface OfScan {
+  scan: Scan;
+  enabled: boolean;
+}
+
+/// What the service says of a process along this scan's line; null: none is chosen.
+function use_fit(scan: string, name: string): Tried | null {
+  const [tried, set_tried] = useState<Tried | null>(null);
+  useEffect(() => {
+    if (name === '') return set_tried(null);
+    let alive = true;
+    set_tried({ state: 'waits' });
+    call<{ process: unknown }>('GET', `/processes/${name}`)
+      .then(({ process }) => call<TriedProcess>('POST', '/processes/check', { process, scan }))
+      .then((told) => alive && set_tried({ state: 'told', told }))
+      .catch((refused) => alive && set_tried({ state: 'refused', words: words_of(refused) }));
+    return () => {
+      alive = false;
+    };
+  }, [scan, name]);
+  return tried;
+}
+
+export function ProcessStep(
+  props: OfScan & { taken: string; take: (name: string) => void; dry_run: FileRow | null },
+): JSX.Element {
+  const { scan, taken } = props;
+  const { value } = use_reading<{ processes: ProcessRow[] }>('/processes');
+  const [name, set_name] = useState(taken);
+  const tried = use_fit(scan.id, props.enabled && name !== taken ? name : '');
+  // A process may have another name than its file, so the scan's row does not tell.
+  const [taken_here, set_taken_here] = useState(false);
+  const planned = taken_here && props.dry_run !== null;
+  const asked = useRef(false);
+  const take = () => {
+    asked.current = true;
+    return act(t('done_choose_process', { name }), () =>
+      call('POST', `/scans/${scan.id}/process`, { process: name }),
+    ).then((done) => {
+      if (!done) return;
+      set_taken_here(true);
+      props.take(name);
+    });
+  };
+  // The scan before this one had it: only the shoe is scanned anew.
+  useEffect(() => {
+    if (props.enabled && taken !== '' && !planned && !asked.current) void take();
+  }, [props.enabled, taken, planned]);
+  return (
+    <Step number={3} name={t('teach_process')} done={planned}>
+      <p>{t('teach_process_words')}</p>
+      <div class="tools">
+        <label>
+          {t('process')}{' '}
+          <select value={name} onChange={(event) => set_name(event.currentTarget.value)}>
+            <option value="">{t('choose')}</option>
+            {(value?.processes ?? []).map((one) => (
+              <option key={one.name} value={one.name}>
+                {one.name}
+              </option>
+            ))}
+          </select>
+        </label>
+        <button type="button" class="go" disabled={!props.enabled || name === ''} onClick={() => void take()}>
+          {t('teach_take_process')}
+        </button>
+        <a href="#/processes">{t('teach_edit_process')}</a>
+        <a href="#/devices">{t('teach_mounted')}</a>
+      </div>
+      <TriedWords tried={tried} />
+      {props.dry_run ? (
+        <>
+          <h3>{t('teach_dry_run')}</h3>
+          <iframe
+            key={`${props.dry_run.time} ${props.dry_run.bytes}`}
+            class="dry-run"
+            title={t('teach_dry_run')}
+            src={file_address(scan.id, 'path/tracking.html')}
+          />
+        </>
+      ) : (
+        <p class="quiet">{t('teach_no_path')}</p>
+      )}
+    </Step>
+  );
+}
+
+export function AirStep({ scan, enabled, ready }: OfScan & { ready: boolean }): JSX.Element {
+  const air = scan.air ?? null;
+  const look = air?.state === 'followed' ? 'good' : air?.state === 'begun' ? '' : 'refused';
+  return (
+    <Step number={4} name={t('teach_air')} done={air?.state === 'followed'}>
+      <p>{t('teach_air_words')}</p>
+      <button
+        type="button"
+        class={air?.state === 'followed' ? '' : 'go'}
+        disabled={!enabled || !ready}
+        onClick={() => void act(t('done_air'), () => call('POST', `/scans/${scan.id}/air`))}
+      >
+        {t('teach_air_go')}
+      </button>
+      <div role="status">
+        {air && (
+          <p class={`notice ${look}`}>
+            {t_or(`air_${air.state}`, air.state)}
+            {air.duration_s ? `, ${number(air.duration_s, 0)} s` : ''}
+            {air.reason ? `: ${air.reason}. ${air.next_step ?? ''}` : ''}
+          </p>
+        )}
+      </div>
+    </Step>
+  );
+}
+
+export function SaveStep(
+  props: OfScan & { process: string; saved: string; save: (name: string) => void },
+): JSX.Element {
+  const { value } = use_reading<{ models: Model[] }>('/models');
+  return (
+    <Step number={5} name={t('teach_save')} done={props.saved !== ''}>
+      <p>{t('teach_save_words')}</p>
+      <ModelForm
+        look="tools"
+        names={(value?.models ?? []).map((model) => model.name)}
+        scan={props.scan.id}
+        process={props.process}
+        enabled={props.enabled}
+        saved={props.saved}
+        save={props.save}
+      />
+    </Step>
+  );
+}
+
+export function GoStep(props: OfScan & { model: string; fresh: boolean }): JSX.Element {
+  const { scan, enabled, model } = props;
+  const at = `/scans/${scan.id}`;
+  return (
+    <Step number={6} name={t('teach_go')} done={scan.followed === true}>
+      <p>{model ? t('teach_go_words', { model }) : t('teach_go_unsaved')}</p>
+      <div class="tools">
+        <button
+          type="button"
+          class={props.fresh ? 'go' : ''}
+          disabled={!enabled || !props.fresh}
+          onClick={() => void act(t('done_accept'), () => call('POST', `${at}/accept`, {}))}
+        >
+          {t('teach_go_now')}
+        </button>
+        <button
+          type="button"
+          class={props.fresh ? '' : 'go'}
+          disabled={!enabled}
+          onClick={() => void act(t('done_rescan'), () => call('POST', '/commands/rescan', {}))}
+        >
+          {t('teach_go_again')}
+        </button>
+      </div>
+      {scan.decision !== 'held' && (
+        <p class="notice">
+          <Verdict scan={scan} /> {t_or(`decision_${scan.decision}`, scan.decision)}
+          {scan.followed === true ? `, ${t('followed')}` : ''} {scan.reason ?? ''} {scan.next_step ?? ''}
+        </p>
+      )}
+    </Step>
+  );
+}

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+// Teaching: another process for a scan that waits, and its first run in the air.
+#include <CppUTest/TestHarness.h>
+
+#include "tests/integration/robot/person.hpp"
+
+namespace biteline {
+
+TEST_GROUP_BASE(ServiceTeach, ServiceWithArm){};
+
+TEST(ServiceTeach, WaitingScanIsPlannedWithAnotherProcessAndRunInTheAirThroughTheSameGate) {
+  const fs::path scan = leave_scan("scan-0001");
+  ChildProcess host = start(holding(), {});
+  Page page{address_told(host)};
+  page.begin();
+  const auto held = [](const control::Json& row) { return row["decision"] == "held"; };
+  const std::string before = page.scan_once("scan-0001", held)["process"].get<std::string>();
+  page.wait_until_deciding();
+  LONGS_EQUAL(202, page.ask("POST", "/scans/scan-0001/process", {{"process", "cement"}}).status);
+  // While it is planned nobody can say a word about it.
+  LONGS_EQUAL(409, page.ask("POST", "/scans/scan-0001/air").status);
+  LONGS_EQUAL(409, page.ask("POST", "/scans/scan-0001/accept").status);
+  page.scan_once("scan-0001",
+                 [&](const control::Json& row) { return row["process"] != before && held(row); });
+  page.wait_until_deciding();
+  CHECK(fs::exists(scan / "path/path.csv"));
+  CHECK(page.ask("GET", "/scans/scan-0001").body["air"].is_null());
+
+  LONGS_EQUAL(202, page.ask("POST", "/scans/scan-0001/air").status);
+  const control::Json air = page.scan_once("scan-0001", [](const control::Json& row) {
+    return row["air"].is_object() && row["air"]["state"] != "begun";
+  })["air"];
+  // Nobody saw this scan come in, so nothing moves in the air either.
+  STRCMP_EQUAL("refused", air["state"].get<std::string>().c_str());
+  STRCMP_EQUAL("scan_not_seen", air["reason_code"].get<std::string>().c_str());
+  STRCMP_CONTAINS("ada", gate_of(scan / "air")["inputs"]["result"].value("approved_by", "").c_str());
+  CHECK(fs::exists(scan / "air/path/path.csv"));
+  page.wait_until_deciding();
+  CHECK(!fs::exists(scan / "gate.json"));
+  CHECK(controller.script().empty());
+  // It waits as before, and a word about it counts.
+  LONGS_EQUAL(200, page.ask("POST", "/scans/scan-0001/reject", {{"why", "only tried"}}).status);
+  LONGS_EQUAL(409, page.ask("POST", "/scans/scan-0001/air").status);
+}
+
+/// A person vouches for the old scan's shoe: then it is judged like a fresh one.
+TEST(ServiceTeach, RunInTheAirThatTheGateLetsThroughSendsOffAndNeverOn) {
+  const fs::path scan = leave_scan("scan-0001");
+  std::ifstream coarse{coarse_process()};
+  fs::create_directories(results() / "processes");
+  std::ofstream{results() / "processes/coarse.yaml"} << coarse.rdbuf();
+  ChildProcess host = start(
+      holding(), {"--models", "--library", (folder.path() / "models").string(), "--confirm", "scan-0001"});
+  Page page{address_told(host)};
+  page.begin();
+  const auto held = [](const control::Json& row) { return row["decision"] == "held"; };
+  static_cast<void>(page.scan_once("scan-0001", held));
+  page.wait_until_deciding();
+  LONGS_EQUAL(202, page.ask("POST", "/scans/scan-0001/process", {{"process", "coarse"}}).status);
+  page.scan_once("scan-0001",
+                 [&](const control::Json& row) { return row["reason_code"].is_null() && held(row); });
+  page.wait_until_deciding();
+  LONGS_EQUAL(202, page.ask("POST", "/scans/scan-0001/air").status);
+  page.scan_once("scan-0001", [](const control::Json& row) {
+    return row["air"].is_object() && row["air"]["state"] != "begun";
+  });
+  const nlohmann::json gate = gate_of(scan / "air");
+  CHECK_TEXT(gate.value("permitted", false), reasons_of(scan / "air").c_str());
+  // This controller never begins the program: the service ends it, with the tool's output off.
+  page.wait_until_deciding();
+  const std::string sent = controller.script();
+  STRCMP_CONTAINS("def biteline_path():\n", sent.c_str());
+  STRCMP_CONTAINS("set_standard_digital_out(0, False)", sent.c_str());
+  CHECK(sent.find("True") == std::string::npos);
+  CHECK(sent.find("digital_out") < sent.find("  move"));
+  // What waits is the path itself, and nothing of it was sent.
+  CHECK(!fs::exists(scan / "gate.json"));
+  CHECK(held(page.ask("GET", "/scans/scan-0001").body));
+}
+
+TEST(ServiceTeach, ScanOfNoKnownModelGoesOnWithAProcessAndStillWaits) {
+  const fs::path scan = leave_scan("scan-0001");
+  ChildProcess host = start(holding(), {"--models", "--library", (folder.path() / "models").string()});
+  Page page{address_told(host)};
+  page.begin();
+  const auto held = [](const control::Json& row) { return row["decision"] == "held"; };
+  static_cast<void>(page.scan_once("scan-0001", held));
+  page.wait_until_deciding();
+  LONGS_EQUAL(409, page.ask("POST", "/scans/scan-0001/air").status);
+  // A process that sends by itself: what is taught waits for a person all the same.
+  LONGS_EQUAL(202, page.ask("POST", "/scans/scan-0001/process", {{"process", "cement"}}).status);
+  const control::Json row = page.scan_once(
+      "scan-0001", [&](const control::Json& now) { return now["reason_code"].is_null() && held(now); });
+  CHECK(row["model"].is_null());
+  CHECK(fs::exists(scan / "path/path.csv"));
+  page.wait_until_deciding();
+  CHECK(!fs::exists(scan / "gate.json"));
+  CHECK(controller.script().empty());
+}
+
+TEST(ServiceTeach, ProcessOfAnotherToolThanTaughtIsRefusedBeforeItsPathAndAtTheGate) {
+  const fs::path scan = leave_scan("scan-0001");
+  ChildProcess host = start(holding(), {});
+  Page page{address_told(host)};
+  page.begin();
+  const auto held = [](const control::Json& row) { return row["decision"] == "held"; };
+  static_cast<void>(page.scan_once("scan-0001", held));
+  page.wait_until_deciding();
+  CHECK(fs::exists(scan / "path/path.csv"));
+  // The arm is read where it stands; once it stands so it is one touch.
+  const control::Answer touched = page.ask("POST", "/mounted/touches", {{"part", "tip"}});
+  LONGS_EQUAL(200, touched.status);
+  LONGS_EQUAL(1, touched.body["lesson"]["touches"].get<int>());
+  DOUBLES_EQUAL(150, touched.body["controller"]["tip_mm"][2].get<double>(), 1e-6);
+  LONGS_EQUAL(409, page.ask("POST", "/mounted/touches", {{"part", "tip"}}).status);
+  LONGS_EQUAL(409, page.ask("PUT", "/mounted/tip").status);
+
+  // Taught before it is planned: there is no path.
+  const control::Json load{{"kg", 5}, {"centre_mm", control::Json::array({0, 0, 70})}};
+  LONGS_EQUAL(200, page.ask("PUT", "/mounted/payload", load).status);
+  LONGS_EQUAL(202, page.ask("POST", "/scans/scan-0001/process", {{"process", "cement"}}).status);
+  static_cast<void>(page.scan_once(
+      "scan-0001", [&](const control::Json& row) { return row["process"] == "cement" && held(row); }));
+  page.wait_until_deciding();
+  CHECK(!fs::exists(scan / "path/path.csv"));
+  const auto report = [&] {
+    std::ifstream stream{scan / "path/report.json"};
+    return nlohmann::json::parse(stream, nullptr, false);
+  }();
+  STRCMP_EQUAL("not_as_taught", report.value("reason_code", "").c_str());
+  STRCMP_EQUAL("path", page.ask("GET", "/state").body["held"]["waits_for"].get<std::string>().c_str());
+
+  LONGS_EQUAL(200, page.ask("DELETE", "/mounted/payload").status);
+  LONGS_EQUAL(202, page.ask("POST", "/scans/scan-0001/process", {{"process", "cement"}}).status);
+  page.wait_until_deciding();
+  static_cast<void>(page.scan_once("scan-0001", [&](const control::Json& row) {
+    return held(row) && fs::exists(scan / "path/path.csv");
+  }));
+  page.wait_until_deciding();
+  // Taught between plan and word: the gate says no.
+  LONGS_EQUAL(200, page.ask("PUT", "/mounted/payload", load).status);
+  LONGS_EQUAL(200, page.ask("POST", "/scans/scan-0001/accept").status);
+  static_cast<void>(
+      page.scan_once("scan-0001", [](const control::Json& row) { return row["reason_code"].is_string(); }));
+  STRCMP_CONTAINS("not_as_taught", reasons_of(scan).c_str());
+  CHECK(controller.script().empty());
+}
+
+}  // namespace biteline

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT
+// What is taught waits for a person: from the start on, and between its words.
+#include <CppUTest/TestHarness.h>
+
+#include "host/apps/biteline-host/cockpit.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace biteline::service {
+
+TEST_GROUP(CockpitTeach) {
+  test::TemporaryFolder folder;
+  std::unique_ptr<Cockpit> sut;
+
+  void open(bool with_arm) {
+    CockpitConfig config;
+    config.results = folder.path();
+    config.arm = "UR5e";
+    if (with_arm) {
+      config.rerun_arm =
+          RerunArm{.model = *kinematics::arm_model("UR5e"),
+                   .process = *path::read_process(std::filesystem::path{BITELINE_PROCESSES} / "rough.yaml"),
+                   .table_z_mm = 0};
+    }
+    auto opened = Cockpit::open(config);
+    SUCCEEDS(opened);
+    sut = std::move(*opened);
+  }
+  void teardown() override {
+    sut.reset();
+  }
+  static void refused(const Result<void>& word) {
+    CHECK(!word);
+    CHECK(word.error().code == Errc::WrongState);
+  }
+  Wish::Kind next() const {
+    const std::optional<Wish> wish = sut->next_wish();
+    CHECK(wish.has_value());
+    return wish->kind;
+  }
+};
+
+TEST(CockpitTeach, AHoldOutlivesTheServiceAndAStartWithoutItEndsIt) {
+  open(true);
+  SUCCEEDS(sut->start({.model = {}, .process = {}, .hold = true}, "ada"));
+  sut.reset();
+  open(true);
+  CHECK(sut->wants_hold("scan-0001"));
+  const auto rows = sut->memory().log_rows(0, 1);
+  SUCCEEDS(rows);
+  STRCMP_EQUAL("hold every scan", rows->front().action.c_str());
+  // A start that is refused takes nothing back.
+  sut->hold("scan-0001");
+  refused(sut->start({}, "ada"));
+  sut.reset();
+  open(true);
+  CHECK(sut->wants_hold("scan-0001"));
+  SUCCEEDS(sut->start({}, "ada"));
+  sut.reset();
+  open(true);
+  CHECK_FALSE(sut->wants_hold("scan-0001"));
+}
+
+TEST(CockpitTeach, AStartThatHoldsHoldsEveryScanUntilOneWithoutIt) {
+  open(true);
+  CHECK_FALSE(sut->wants_hold("scan-0001"));
+  SUCCEEDS(sut->start({.model = {}, .process = {}, .hold = true}, "ada"));
+  CHECK(sut->wants_hold("scan-0001"));
+  CHECK(sut->wants_hold("scan-0002"));
+  // A word about one scan takes nothing from the next.
+  sut->hold("scan-0001");
+  sut->hold("");
+  CHECK(sut->wants_hold("scan-0002"));
+  SUCCEEDS(sut->rescan({.who = "ada", .why = "again", .door = "web", .hold = true}));
+  CHECK(sut->wants_hold("scan-0003"));
+  SUCCEEDS(sut->rescan({.who = "ada", .why = "now it works", .door = "web", .hold = false}));
+  CHECK_FALSE(sut->wants_hold("scan-0004"));
+  SUCCEEDS(sut->start({.model = {}, .process = {}, .hold = true}, "ada"));
+  SUCCEEDS(sut->start({}, "ada"));
+  CHECK_FALSE(sut->wants_hold("scan-0005"));
+  // One in work was asked for with it, and waits.
+  SUCCEEDS(sut->start({.model = {}, .process = {}, .hold = true}, "ada"));
+  sut->show_scan("scan-0006");
+  sut->show(Phase::Scanning, "scan-0006 comes in", "its line");
+  SUCCEEDS(sut->start({}, "ada"));
+  CHECK(sut->wants_hold("scan-0006"));
+  CHECK_FALSE(sut->wants_hold("scan-0007"));
+}
+
+TEST(CockpitTeach, ARunInTheAirNeedsACheckedPathThatWaits) {
+  open(true);
+  refused(sut->run_in_air("scan-0001", "ada"));
+  refused(sut->choose_process("scan-0001", "rough", "ada"));
+  sut->hold("scan-0001", Cockpit::Wait::Mend);
+  refused(sut->run_in_air("scan-0001", "ada"));
+  sut->hold("scan-0001", Cockpit::Wait::Model);
+  refused(sut->run_in_air("scan-0001", "ada"));
+  sut->hold("scan-0001", Cockpit::Wait::Word, 100);
+  refused(sut->run_in_air("scan-0002", "ada"));
+  SUCCEEDS(sut->begin_mend("scan-0001"));
+  refused(sut->run_in_air("scan-0001", "ada"));
+  refused(sut->choose_process("scan-0001", "rough", "ada"));
+  sut->end_mend("scan-0001", false, "ada");
+  sut->halt();
+  SUCCEEDS(sut->run_in_air("scan-0001", "ada"));
+  CHECK(next() == Wish::Kind::Air);
+  CHECK_FALSE(sut->halted());
+  // Until it waits again nobody can say a word about it.
+  refused(sut->run_in_air("scan-0001", "ada"));
+  refused(sut->choose_process("scan-0001", "rough", "ada"));
+  // A stop stays one: no start takes it back before the run in the air has met it.
+  sut->halt();
+  refused(sut->start({}, "ada"));
+  refused(sut->rescan({.who = "ada", .why = "again", .door = "web", .hold = false}));
+  CHECK(sut->halted());
+  memory::Scan row;
+  row.name = "scan-0001";
+  row.time = 1;
+  row.verdict = "ok";
+  row.decision = "held";
+  SUCCEEDS(sut->memory().put_scan(row, memory::LogRow{}));
+  const api::Decision no{
+      .kind = api::Decision::Kind::Reject, .scan = "scan-0001", .who = "ada", .why = "no", .door = "web"};
+  refused(sut->decide(no));
+  refused(sut->begin_mend("scan-0001"));
+  CHECK(!sut->next_wish());
+  sut->hold("scan-0001", Cockpit::Wait::Model);
+  SUCCEEDS(sut->choose_process("scan-0001", "rough", "ada"));
+  CHECK(next() == Wish::Kind::Process);
+  refused(sut->decide(no));
+  sut->hold("scan-0001");
+  SUCCEEDS(sut->decide(no));
+  CHECK(next() == Wish::Kind::Reject);
+}
+
+/// However often somebody starts and stops while the service is busy.
+TEST(CockpitTeach, NoWordIsLostBehindManyOthersAndTheLastOfAKindCounts) {
+  open(true);
+  for (int i = 0; i < 200; ++i) {
+    SUCCEEDS(sut->start({.model = {}, .process = std::string{"p"} + std::to_string(i)}, "ada"));
+    sut->laser_off("ada");
+    sut->stop("ada");
+  }
+  sut->hold("scan-0001");
+  SUCCEEDS(sut->choose_process("scan-0001", "rough", "ada"));
+  const std::optional<Wish> start = sut->next_wish();
+  CHECK(start && start->kind == Wish::Kind::Start);
+  STRCMP_EQUAL("p199", start->job.process.c_str());
+  CHECK(next() == Wish::Kind::LaserOff);
+  CHECK(next() == Wish::Kind::Stop);
+  CHECK(next() == Wish::Kind::Process);
+  CHECK(!sut->next_wish());
+}
+
+TEST(CockpitTeach, AHoldStaysOneWhenTheModelIsNamed) {
+  open(true);
+  sut->show_scan("scan-0001");
+  sut->show(Phase::Working, "scan-0001", "its path");
+  SUCCEEDS(sut->decide({.kind = api::Decision::Kind::Hold,
+                        .scan = "scan-0001",
+                        .who = "ada",
+                        .why = "let me see it",
+                        .door = "web"}));
+  sut->hold("scan-0001", Cockpit::Wait::Model);
+  SUCCEEDS(sut->choose_model("scan-0001", "boot", "ada"));
+  CHECK(sut->wants_hold("scan-0001"));
+}
+
+TEST(CockpitTeach, NothingIsPlannedWithoutAnArm) {
+  open(false);
+  sut->hold("scan-0001");
+  refused(sut->run_in_air("scan-0001", "ada"));
+  refused(sut->choose_process("scan-0001", "rough", "ada"));
+}
+
+TEST(CockpitTeach, StateSaysWhatWaitsForWhatAndHowLongItIsFresh) {
+  open(true);
+  CHECK(sut->state()["held"].is_null());
+  sut->hold("scan-0001", Cockpit::Wait::Word, 100);
+  api::Json held = sut->state()["held"];
+  STRCMP_EQUAL("scan-0001", held["scan"].get<std::string>().c_str());
+  STRCMP_EQUAL("word", held["waits_for"].get<std::string>().c_str());
+  CHECK(held["fresh_s"].get<double>() <= 100);
+  // Of a scan that grew too old before it waited.
+  sut->hold("scan-0001", Cockpit::Wait::Word, -5);
+  DOUBLES_EQUAL(0, sut->state()["held"]["fresh_s"].get<double>(), 0);
+  sut->hold("scan-0001", Cockpit::Wait::Mend);
+  held = sut->state()["held"];
+  STRCMP_EQUAL("path", held["waits_for"].get<std::string>().c_str());
+  CHECK(held["fresh_s"].is_null());
+  sut->hold("");
+  CHECK(sut->state()["held"].is_null());
+}
+
+}  // namespace biteline::service
