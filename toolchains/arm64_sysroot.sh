@@ -6,7 +6,7 @@ set -euo pipefail
 
 # What the firmware and its tests link; headers and libraries only.
 packages="libc6-dev libstdc++-12-dev libaravis-dev libcpputest-dev libeigen3-dev libexpected-dev libfmt-dev
-  libflatbuffers-dev libgpiod-dev libhwy-dev libspdlog-dev libspng-dev libsystemd-dev libturbojpeg0-dev libusb-1.0-0-dev libyaml-cpp-dev libzmq3-dev cppzmq-dev libcli11-dev
+  libflatbuffers-dev libgpiod-dev libhwy-dev libspdlog-dev libspng-dev libssl-dev libsystemd-dev libturbojpeg0-dev libusb-1.0-0-dev libyaml-cpp-dev libzmq3-dev libzstd-dev cppzmq-dev libcli11-dev
   nlohmann-json3-dev busybox-static"
 
 mkdir -p "$arm64_cache"

@@ -44,7 +44,8 @@ holds "$uplink" usr/bin/biteline-uplink usr/share/man/man1/biteline-uplink.1 usr
 holds "$fleet" usr/bin/biteline-fleet usr/share/man/man1/biteline-fleet.1 usr/lib/systemd/system/biteline-fleet.service \
   usr/lib/sysusers.d/biteline-fleet.conf etc/biteline/fleet.env usr/share/biteline/migrations/0001_cells_and_shoes.sql \
   usr/share/biteline/migrations/0002_releases.sql usr/share/biteline/migrations/0003_switch_cells.sql usr/share/biteline/migrations/0004_fetches.sql \
-  usr/share/biteline/broker/mosquitto.conf usr/share/biteline/broker/acl usr/share/biteline/prometheus/rules.yml \
+  usr/share/biteline/migrations/0005_signed_switches.sql usr/share/biteline/migrations/0006_kept_recordings.sql usr/share/biteline/migrations/0007_refused_orders.sql \
+  usr/share/biteline/broker/mosquitto.conf usr/share/biteline/broker/acl usr/share/biteline/prometheus/board.json usr/share/biteline/prometheus/prometheus.yml usr/share/biteline/prometheus/rules.yml \
   usr/share/doc/biteline-fleet/LICENSE
 twice=$(for deb in "$host" "$web" "$gige" "$uplink" "$fleet"; do dpkg-deb -c "$deb" | awk '!/\/$/ {print $6}'; done | sort | uniq -d)
 [ -z "$twice" ] || bad "in more than one package: $twice"

@@ -119,7 +119,7 @@ const Fault k_table[] = {
     {"stream thread stalled", When::Scan, 700ms, true, k_dark, "", stall("bl-stream")},
     {"pose thread stalled", When::Scan, 300ms, false, k_less, "", stall("bl-pose")},
     {"sensor killed", When::Scan, 0ms, true, k_dark, "", kill_sensor},
-    {"sensor stands still", When::Scan, 500ms, false, k_dark, "", hold_sensor},
+    {"sensor stands still", When::Scan, 500ms, true, k_dark, "", hold_sensor},
     {"edges lost", When::Scan, 200ms, false, k_less, "", count(&sim::CellFaults::edges_to_lose, 2)},
     {"edges doubled", When::Scan, 200ms, false, k_less, "", count(&sim::CellFaults::edges_to_double, 2)},
     {"strobe echoes lost", When::Scan, 200ms, false, k_less, "", count(&sim::CellFaults::echoes_to_lose, 2)},

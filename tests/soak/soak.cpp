@@ -171,11 +171,12 @@ void Soak::work_fault() {
 void Soak::watch_dark(Clock::time_point now) {
   Running& run = *running_;
   if (!run.fault->darkens || run.dark) return;
-  const bool dark = !stand_.cell().level(Line::LaserEnable);
+  const bool dark = !stand_.cell().enabled(hal::monotonic_now());
   if (!dark && now - *run.made < 2s) return;
-  // The line's own stamp: this thread may have been late to look.
+  // The cell's own stamp: this thread may have been late to look, and the kernel to let go of a dead
+  // program's line.
   const Clock::time_point fell{
-      std::chrono::duration_cast<Clock::duration>(stand_.cell().dark_since().time_since_epoch())};
+      std::chrono::duration_cast<Clock::duration>(stand_.cell().disabled_since().time_since_epoch())};
   run.dark = dark ? std::max(fell, *run.made) : now;
   const double dark_ms = own_ms(*urgent_, *run.made, *run.dark);
   Row& row = rows_[run.fault->name];
@@ -268,9 +269,12 @@ void Soak::settle() {
   memory_.note("page", stand_.page().program().pid(), resident_mb(stand_.page().program().pid()));
   memory_.note("cell", ::getpid(), resident_mb(::getpid()));
   std::printf(
-      "%s  %-26s %-9s %s%s (machine late by up to %.0f ms, ordinary programs by %.0f ms of a second)\n",
+      "%s  %-26s %-9s %s%s (machine late by up to %.0f ms, ordinary programs by %.0f ms of a second; lit "
+      "%llu "
+      "times, %zu scans)\n",
       run.name.c_str(), run.fault->name, name_of(account.outcome), account.reason.c_str(),
-      made || !run.fault->make ? "" : " not made", late_ms, programs_late_ms);
+      made || !run.fault->make ? "" : " not made", late_ms, programs_late_ms,
+      static_cast<unsigned long long>(stand_.cell().lightings()), begun_.size());
   std::fflush(stdout);
   // What came out even is not kept: an hour of clouds is large.
   if (wrong_.size() == wrong_before) {

@@ -98,6 +98,7 @@ Result<std::unique_ptr<Stand>> Stand::open(const StandSettings& settings) {
   live.arm = k_arm;
   live.keep_track = false;
   live.robot.model = "UR5E";
+  live.monostable = std::chrono::milliseconds{60};
   BITELINE_ASSIGN(stand->cell_, sim::LiveCell::open(live));
   BITELINE_ASSIGN(stand->between_, ControllerBetween::open(stand->cell_->robot_ports()));
   BITELINE_TRY(stand->write_files());
@@ -118,8 +119,9 @@ Result<void> Stand::write_files() const {
   BITELINE_TRY(
       sim::write_file(out / "sensor.yaml",
                       config::sensor_yaml_text(cell_->scene().head.model, "made for a soak run, simulated")));
-  BITELINE_TRY(sim::write_file(out / "board.yaml",
-                               sim::board_yaml_text({.wires = live.wires, .camera = live.camera_address})));
+  BITELINE_TRY(sim::write_file(
+      out / "board.yaml",
+      sim::board_yaml_text({.wires = live.wires, .camera = live.camera_address, .monostable = true})));
   settings::SettingsSet set;
   set.set(settings::Key::RateHz, {.number = live.scene.rate_hz});
   BITELINE_TRY(sim::write_file(out / "settings.yaml", settings::settings_text(set)));

@@ -93,8 +93,11 @@ SweepCell sweep_cell(std::uint64_t seed, std::uint64_t index) {
 
 SweepScan scan_of(const SweepCell& cell) {
   const bool designed = sim::is_designed(cell.shoe.shoe_class);
-  const sim::MadeShoe shoe{designed ? sim::draw_designed_shoe(cell.shoe, cell.seed)
-                                    : sim::draw_shoe(cell.shoe.shoe_class, cell.seed)};
+  sim::ShoeParameters drawn = designed ? sim::draw_designed_shoe(cell.shoe, cell.seed)
+                                       : sim::draw_shoe(cell.shoe.shoe_class, cell.seed);
+  drawn.groove.step_mm *= cell.crease_ratio;
+  drawn.groove.depth_mm *= cell.crease_ratio;
+  const sim::MadeShoe shoe{drawn};
   sim::Random random{cell.seed * 77 + 5};
   SE3 T_base_shoe = SE3::Identity();
   T_base_shoe.linear() =

@@ -21,6 +21,8 @@ struct SweepCell {
   sim::DesignedShoe shoe;  ///< of a plain class: the class alone counts
   CloudFault fault{CloudFault::None};
   std::uint64_t seed{1};
+  double crease_ratio{
+      1};  ///< of the step and the depth drawn: a sole may be nearly flush, its decoys are not
 
   [[nodiscard]] bool is_shoe() const {
     return !sim::is_thing(shoe.shoe_class) && shoe.shoe_class != sim::ShoeClass::Bare;

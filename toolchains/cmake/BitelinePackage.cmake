@@ -37,7 +37,7 @@ if(CMAKE_SYSTEM_PROCESSOR STREQUAL aarch64)
   set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
   # dpkg-shlibdeps would ask this machine's packages, which are of the other architecture.
   set(CPACK_DEBIAN_FIRMWARE_PACKAGE_DEPENDS
-      "libc6 (>= 2.36), libgcc-s1, libstdc++6 (>= 12), libaravis-0.8-0, libglib2.0-0, libgpiod2, libhwy1, libspng0, libturbojpeg0, libyaml-cpp0.7, libzmq5")
+      "libc6 (>= 2.36), libgcc-s1, libstdc++6 (>= 12), libaravis-0.8-0, libglib2.0-0, libgpiod2, libhwy1, libspng0, libssl3, libturbojpeg0, libyaml-cpp0.7, libzmq5, libzstd1, zlib1g")
 else()
   set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 endif()

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
 // bench_full_rate [SECONDS]: the sensor program on whole frames over GigE Vision's loopback, for as long as
 // asked: the rate, what was lost, and whether its memory grows.  Without an argument 30 s, so that ./run
-// bench stays short; a release has 600.  Then again with --record, for at most 20 s: what the disk takes.
+// bench stays short; a release has 600.  Then again with --record into a folder, and into an MCAP file, for
+// at most 20 s each: what the disk takes, beside what it takes of one plain file.
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -9,6 +13,7 @@
 #include <fstream>
 #include <string>
 
+#include "common/mcap/reader.hpp"
 #include "common/session/recording_facts.hpp"
 #include "host/intake/sensor_link.hpp"
 #include "host/intake/sensor_process.hpp"
@@ -43,6 +48,54 @@ void row(const char* what, double ours, const char* unit, const char* target,
               bench, what, ours, unit, target);
 }
 
+enum class Recording { None, Folder, File };
+
+/// Of one file of 256 MB that is written plainly, and on the disk at the end; 0: it could not be written.
+double disk_megabytes_s(const std::filesystem::path& folder) {
+  constexpr std::size_t k_piece = 1U << 20U, k_pieces = 256;
+  const std::filesystem::path file = folder / "plain";
+  std::vector<char> piece(k_piece);
+  for (std::size_t i = 0; i < piece.size(); ++i) piece[i] = static_cast<char>(i * 2654435761U >> 13U);
+  const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  if (fd < 0) return 0;
+  const Clock::time_point begin = Clock::now();
+  bool good = true;
+  for (std::size_t i = 0; i < k_pieces && good; ++i)
+    good = ::write(fd, piece.data(), piece.size()) == static_cast<ssize_t>(piece.size());
+  good = good && ::fdatasync(fd) == 0;
+  const double seconds_taken = std::chrono::duration<double>(Clock::now() - begin).count();
+  ::close(fd);
+  std::filesystem::remove(file);
+  return good ? 1e-6 * static_cast<double>(k_piece * k_pieces) / seconds_taken : 0;
+}
+
+Result<session::RecordingFacts> facts_of(const std::filesystem::path& recording) {
+  if (std::filesystem::is_directory(recording))
+    return session::read_recording_facts(recording / "recording.yaml");
+  const test::TemporaryFolder folder;
+  std::filesystem::path facts;
+  BITELINE_ASSIGN(
+      const mcap::FileEnd end,
+      mcap::read_messages(
+          recording, {.on_message = {},
+                      .on_attachment = [&](const mcap::Attachment& file) -> Result<void> {
+                        if (file.name == "recording.yaml")
+                          facts = folder.write("facts.yaml", std::string{file.data.begin(), file.data.end()});
+                        return {};
+                      },
+                      .on_metadata = {}}));
+  if (!end.damage.empty()) return fail(Errc::BadFormat, "%s: %.200s", recording.c_str(), end.damage.c_str());
+  return session::read_recording_facts(facts);
+}
+
+std::uint64_t bytes_of(const std::filesystem::path& recording) {
+  if (!std::filesystem::is_directory(recording)) return std::filesystem::file_size(recording);
+  std::uint64_t bytes = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator{recording})
+    if (entry.is_regular_file()) bytes += entry.file_size();
+  return bytes;
+}
+
 class Run {
  public:
   Run(test::PictureCell& cell, intake::SensorProcess& sensor, intake::SensorLink& link)
@@ -72,22 +125,23 @@ class Run {
   }
 
   /// Of a run with --record; call once the sensor has ended.  True: no profile, message or pose is lost.
-  Result<bool> tell_recording(const std::filesystem::path& session) const {
-    BITELINE_ASSIGN(const session::RecordingFacts facts,
-                    session::read_recording_facts(session / "recording.yaml"));
-    std::uint64_t bytes = 0;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator{session})
-      if (entry.is_regular_file()) bytes += entry.file_size();
+  Result<bool> tell_recording(const std::filesystem::path& recording, double disk_megabytes_s) const {
+    BITELINE_ASSIGN(const session::RecordingFacts facts, facts_of(recording));
+    const double written_megabytes_s = 1e-6 * static_cast<double>(bytes_of(recording)) / duration_s_;
     const wire::Counters& counters = account_.end->counters;
     const auto all = static_cast<double>(facts.pictures + facts.pictures_left_out);
     const std::uint64_t lost = counters.profiles_dropped + counters.messages_lost + account_.lost,
                         left_out = facts.messages_left_out + facts.poses_left_out;
-    const auto tell = [](const char* what, double ours, const char* unit, const char* target) {
-      row(what, ours, unit, target, "recording");
+    const char* const bench = std::filesystem::is_directory(recording) ? "recording" : "recording_mcap";
+    const auto tell = [bench](const char* what, double ours, const char* unit, const char* target) {
+      row(what, ours, unit, target, bench);
     };
     tell("duration", duration_s_, "s", "null");
     tell("rate", static_cast<double>(counters.frames) / duration_s_, "1/s", "100");
-    tell("written", 1e-6 * static_cast<double>(bytes) / duration_s_, "MB/s", "null");
+    tell("written", written_megabytes_s, "MB/s", "null");
+    tell("one plain file in the same folder", disk_megabytes_s, "MB/s", "null");
+    if (disk_megabytes_s > 0)
+      tell("written, of the plain file's rate", 100 * written_megabytes_s / disk_megabytes_s, "%", "null");
     tell("pictures kept", all > 0 ? 100 * static_cast<double>(facts.pictures) / all : 0, "%", "null");
     tell("profiles lost", static_cast<double>(lost), "1", "0");
     tell("frames lost or damaged", static_cast<double>(counters.frames_lost + counters.frames_damaged), "1",
@@ -141,7 +195,7 @@ class Run {
   double duration_s_{0};
 };
 
-Result<bool> bench(seconds duration, bool recording) {
+Result<bool> bench(seconds duration, Recording recording) {
   const test::TemporaryFolder folder;
   BITELINE_ASSIGN(const auto cell,
                   test::PictureCell::open({.width_px = 1626, .height_px = 1236, .rate_hz = 101}));
@@ -151,8 +205,11 @@ Result<bool> bench(seconds duration, bool recording) {
   // A store that is full after the warm-up: from then on every profile takes the room of an old one.
   std::vector<std::string> arguments{"--source", "board:" + board_file, "--sensor", sensor_file, "--store-mb",
                                      "16",       "--rt=required"};
-  const std::filesystem::path session = folder.path() / "session";
-  if (recording) arguments.insert(arguments.begin(), {"--record", session.string()});
+  const std::filesystem::path session =
+      folder.path() / (recording == Recording::File ? "session.mcap" : "session");
+  const bool records = recording != Recording::None;
+  const double plain_megabytes_s = records ? disk_megabytes_s(folder.path()) : 0;
+  if (records) arguments.insert(arguments.begin(), {"--record", session.string()});
   auto sensor = intake::SensorProcess::start(program, arguments, k_patience);
   if (!sensor) {
     std::fprintf(stderr, "%s; as any program then\n", to_line(sensor.error()).c_str());
@@ -165,9 +222,9 @@ Result<bool> bench(seconds duration, bool recording) {
   BITELINE_ASSIGN(const auto link, intake::SensorLink::open(config));
   Run run{*cell, *sensor, *link};
   BITELINE_TRY(run.run(duration));
-  if (recording) {
+  if (records) {
     sensor->child().stop(k_patience);
-    return run.tell_recording(session);
+    return run.tell_recording(session, plain_megabytes_s);
   }
   return run.tell(cell->triggers_missed());
 }
@@ -176,9 +233,10 @@ Result<bool> bench(seconds duration, bool recording) {
 
 int main(int argc, char** argv) {
   const seconds duration{argc > 1 ? std::atoi(argv[1]) : 30};
-  Result<bool> done = bench(duration, false);
-  if (done) {
-    const Result<bool> recorded = bench(std::min(duration, seconds{20}), true);
+  Result<bool> done = bench(duration, Recording::None);
+  for (const Recording kind : {Recording::Folder, Recording::File}) {
+    if (!done) break;
+    const Result<bool> recorded = bench(std::min(duration, seconds{20}), kind);
     done = recorded ? Result<bool>{*done && *recorded} : recorded;
   }
   if (!done) {
