@@ -36,6 +36,7 @@ struct SensorLink::State {
   wire::Socket caller;
   wire::Socket watcher;
   HostProtocol protocol;
+  wire::HandshakeRecord handshakes;
   HostClock::time_point opened{now()};
   bool connected{false};
   int connections{0};
@@ -47,6 +48,7 @@ struct SensorLink::State {
       const std::string address = config.sensor.text();
       switch (*event) {
         case wire::LinkEvent::Connected:
+          handshakes.on_success();
           ++connections;
           connected = true;
           protocol.on_connected(now());
@@ -54,6 +56,9 @@ struct SensorLink::State {
         case wire::LinkEvent::AuthenticationFailed:
           return fail(Errc::AuthenticationFailed, "the sensor at %s does not let this host's key in",
                       address.c_str());
+        case wire::LinkEvent::HandshakeBroken:
+          if (!handshakes.on_broken()) break;  // tried again by itself
+          [[fallthrough]];
         case wire::LinkEvent::HandshakeFailed:
           return fail(Errc::AuthenticationFailed, "the sensor at %s and this host do not agree on keys",
                       address.c_str());

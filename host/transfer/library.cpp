@@ -359,6 +359,9 @@ Result<ModelInfo> Library::import_from(const fs::path& file, const std::string& 
   BITELINE_ASSIGN(const Beside beside, Beside::create(folder_));
   BITELINE_ASSIGN(archive::About about, archive::unpack(file, k_archive_kind, beside.path()));
   const std::string as = name.empty() ? about.more["name"] : name;
+  if (name.empty() && !good_name(as))
+    return fail(Errc::BadFormat, "%.200s names its model '%.80s'; give it another name", file.c_str(),
+                as.c_str());
   BITELINE_TRY(check_name(as));
   const bool replaces = has(as);
   if (replaces && !replace) {
