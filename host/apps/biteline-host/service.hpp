@@ -66,6 +66,8 @@ class Service {
     std::optional<HostClock::time_point> ended{};
     Chosen chosen{};
     bool drifted{false};  ///< the calibration has, as this scan and those before it show
+    std::future<std::optional<kinematics::Joints>>
+        arm_rad{};  ///< where it stood after the scan, asked meanwhile
   };
   /// A checked path that waits for a person's word.
   struct Held {

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
 // A complete scan becomes a line, a path and a motion.
-#include <pwd.h>
-#include <unistd.h>
-
 #include <exception>
 #include <utility>
 
+#include "common/system/user_name.hpp"
 #include "host/apps/biteline-host/attempt.hpp"
 #include "host/apps/biteline-host/calibration_check.hpp"
 #include "host/apps/biteline-host/recognise.hpp"
@@ -21,16 +19,6 @@ namespace biteline::service {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Who started this service: a person's word is his.
-std::string user_name() {
-  passwd entry{};
-  passwd* found = nullptr;
-  char buffer[1024];
-  if (getpwuid_r(::getuid(), &entry, buffer, sizeof buffer, &found) == 0 && found != nullptr)
-    return found->pw_name;
-  return "user " + std::to_string(::getuid());
-}
 
 std::string hash_of(const std::optional<release::InForce>& release) {
   return release ? release->hash : std::string{};
@@ -63,6 +51,9 @@ Result<ExitStatus> Service::work_out_files(Scan& scan) {
   intake::ScanOutcome outcome;
   LineStep line;
   Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
+    // Beside the line, so that the path waits for neither.
+    if (robot_ && robot_->options.send)
+      scan.arm_rad = std::async(std::launch::async, where_arm_is, controller_of(robot_->options));
     BITELINE_ASSIGN(line, work_out_line(scan, outcome));
     check_own_calibration(scan, outcome);
     return line.status;
@@ -215,7 +206,8 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
   const PlanStepRequest request{.arm = robot_->arm,
                                 .process = process_of(scan.chosen),
                                 .table_z_mm = robot_->options.table_z_mm,
-                                .mounted = taught};
+                                .mounted = taught,
+                                .near_rad = scan.arm_rad.valid() ? scan.arm_rad.get() : std::nullopt};
   cockpit_->show(Phase::Working, "plans the path of " + name,
                  robot_->options.send ? "the arm follows it" : "the next scan");
   BITELINE_ASSIGN(PlanStep plan, plan_path(scan.folder / "path", request, outcome, *line.line));

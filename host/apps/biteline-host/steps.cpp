@@ -79,7 +79,9 @@ Result<robot::ur::Endpoint> dashboard_of(const ControllerAddress& controller) {
   return robot::ur::Endpoint{.host = dashboard.host, .port = dashboard.port};
 }
 
-Result<std::unique_ptr<robot::ur::UrLink>> open_robot(const ControllerAddress& controller) {
+Result<std::unique_ptr<robot::ur::UrLink>> open_robot(
+    const ControllerAddress& controller,
+    double connect_patience_s = robot::ur::UrLink::Config{}.connect_patience_s) {
   BITELINE_ASSIGN(const HostPort rtde, parse_host_port(controller.rtde));
   BITELINE_ASSIGN(const HostPort script, parse_host_port(controller.script));
   if (rtde.host != script.host) {
@@ -92,6 +94,7 @@ Result<std::unique_ptr<robot::ur::UrLink>> open_robot(const ControllerAddress& c
   config.rtde_port = rtde.port;
   config.script_port = script.port;
   config.dashboard_port = dashboard.port;
+  config.connect_patience_s = connect_patience_s;
   return robot::ur::UrLink::open(config);
 }
 
@@ -274,6 +277,15 @@ Result<LineStep> carry_line(const fs::path& folder, const Carrier& carrier, cons
   return step;
 }
 
+std::optional<kinematics::Joints> where_arm_is(const ControllerAddress& controller) {
+  constexpr double k_patience_s = 0.5;
+  const auto link = open_robot(controller, k_patience_s);
+  if (!link) return std::nullopt;
+  const Result<robot::RobotState> state = (*link)->latest();
+  if (!state) return std::nullopt;
+  return state->q_rad;
+}
+
 Result<PlanStep> plan_path(const fs::path& folder, const PlanStepRequest& request,
                            const intake::ScanOutcome& scan, const cloud::ClosedLine& line) {
   path::PlanRequest plan_request;
@@ -281,6 +293,7 @@ Result<PlanStep> plan_path(const fs::path& folder, const PlanStepRequest& reques
   plan_request.arm = request.arm;
   plan_request.table_z_mm = request.mounted.table_z_mm.value_or(request.table_z_mm);
   plan_request.mounted = request.mounted;
+  plan_request.near_rad = request.near_rad;
   plan_request.cloud = scan.cloud.points;
   return plan_again(folder, std::move(plan_request), line);
 }

@@ -60,6 +60,7 @@ struct PlanStepRequest {
   path::Process process;
   double table_z_mm{0};
   path::Mounted mounted{};  ///< as it was taught; its table's height goes before `table_z_mm`
+  std::optional<kinematics::Joints> near_rad{};  ///< where the arm was after the scan, where somebody knows
 };
 
 struct PlanStep {
@@ -82,6 +83,10 @@ struct ControllerAddress {
   std::string script;     ///< HOST:PORT
   std::string dashboard;  ///< HOST:PORT; empty: port 29999 of the script's machine
 };
+
+/// The arm's joints now [rad], for a path that begins near to them; nothing where the controller does not
+/// tell them within half a second.  A wish and no check: follow_path() looks again.
+[[nodiscard]] std::optional<kinematics::Joints> where_arm_is(const ControllerAddress& controller);
 
 struct HostPort {
   std::string host;
