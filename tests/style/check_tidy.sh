@@ -12,6 +12,7 @@ shift 2
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 . "$here/files.sh"
 most_files=10 most_s=240
+command -v python3 >/dev/null || { echo "skipped: python3 is not installed"; exit 77; }
 command -v clang-tidy >/dev/null || { echo "skipped: clang-tidy is not installed"; exit 77; }
 [ -f "$build/compile_commands.json" ] || { echo "skipped: $build has no compile_commands.json"; exit 77; }
 cd "$root" || exit 1
@@ -31,14 +32,16 @@ case ${1:-} in
   *) files=$(printf '%s\n' "$@") ;;
 esac
 # Only what this build compiles has a command to check it with.
+commands=$(mktemp -d)
+trap 'rm -rf "$commands"' EXIT
+"$here/own_commands.py" "$build/compile_commands.json" >"$commands/compile_commands.json" || exit 1
 files=$(while read -r file; do
-  [ -n "$file" ] && grep -qF "\"file\": \"$root/$file\"" "$build/compile_commands.json" && echo "$file"
+  [ -n "$file" ] && grep -qF "\"file\": \"$root/$file\"" "$commands/compile_commands.json" && echo "$file"
 done <<<"$files")
 [ -n "$files" ] || exit 0
 
-said=$(mktemp)
-trap 'rm -f "$said"' EXIT
-timeout "$most_s" xargs -P "$(nproc)" -n 1 clang-tidy --quiet -p "$build" >"$said" 2>/dev/null <<<"$files"
+said=$commands/said
+timeout "$most_s" xargs -P "$(nproc)" -n 1 clang-tidy --quiet -p "$commands" >"$said" 2>/dev/null <<<"$files"
 [ $? -eq 124 ] && echo "tidy: stopped after $most_s s; the rest is for --all"
 found=$(grep -E '(warning|error): .*\[[a-z]+-[a-z0-9,-]+\]$' "$said" | grep -v 'clang-diagnostic' | sort -u)
 if [ -n "$found" ]; then

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct BatchOptions {
   fs::path manifest, folder, before, after;
   batch::BatchSettings settings;
   double shard_s{100};
@@ -24,7 +24,7 @@ struct Options {
   BatchMergeOptions merge;
 };
 
-Result<ExitStatus> plan_batch(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> plan_batch(const BatchOptions& options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_ASSIGN(std::vector<batch::Recording> recordings, batch::find_recordings(options.manifest));
   const int processors = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
@@ -40,7 +40,7 @@ Result<ExitStatus> plan_batch(const Options& options, const GlobalOptions& globa
                   std::to_string(plan.shards.size()) + (plan.shards.size() == 1 ? " shard" : " shards"));
 }
 
-Result<ExitStatus> run_planned(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> run_planned(const BatchOptions& options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_ASSIGN(const batch::BatchRun run, open_batch(options.folder, options.run));
   if (options.shard) {
@@ -54,13 +54,13 @@ Result<ExitStatus> run_planned(const Options& options, const GlobalOptions& glob
   return tell(report, global, "");
 }
 
-Result<ExitStatus> merge_planned(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> merge_planned(const BatchOptions& options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_ASSIGN(const batch::BatchRun run, open_batch(options.folder, options.run));
   return merge_batch(run, options.merge, global, report);
 }
 
-Result<ExitStatus> compare(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> compare(const BatchOptions& options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_ASSIGN(const batch::ResultSet before, batch::ResultSet::open(options.before));
   BITELINE_ASSIGN(const batch::ResultSet after, batch::ResultSet::open(options.after));
@@ -70,7 +70,7 @@ Result<ExitStatus> compare(const Options& options, const GlobalOptions& global) 
 }  // namespace
 
 void add_batch(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BatchOptions>();
   CLI::App* command = app.add_subcommand("batch", "Many recordings through one build; two builds compared");
   command->require_subcommand(1);
   const auto add = [&](const char* name, const char* what, auto&& run) {

@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 
 const std::vector<std::string> k_parts{"camera", "laser", "hand-eye", "clock"};
 
-struct Options {
+struct CalibrateOptions {
   fs::path calib, out, sensor, compare, refine;
   std::vector<std::string> only;
 };
@@ -39,7 +39,7 @@ const char* folder_of(const std::string& part) {
 }
 
 /// What is asked for, or everything that the folder holds.
-Result<std::set<std::string>> parts_of(const Options& options) {
+Result<std::set<std::string>> parts_of(const CalibrateOptions& options) {
   if (!fs::is_directory(options.calib))
     return fail(Errc::FileNotFound, "%s: a calibration folder expected", options.calib.c_str());
   if (!options.only.empty()) {
@@ -57,14 +57,14 @@ Result<std::set<std::string>> parts_of(const Options& options) {
   return parts;
 }
 
-Result<ExitStatus> refuse(report::Report& report, const calibration::Refusal& refusal, const Options& options,
-                          const GlobalOptions& global) {
+Result<ExitStatus> refuse(report::Report& report, const calibration::Refusal& refusal,
+                          const CalibrateOptions& options, const GlobalOptions& global) {
   report.refuse(refusal);
   BITELINE_TRY(report.write(options.out));
   return tell(report, global, "biteline: refused: " + refusal.reason);
 }
 
-Result<calibration::HeadInput> read_input(const Options& options, const std::set<std::string>& parts,
+Result<calibration::HeadInput> read_input(const CalibrateOptions& options, const std::set<std::string>& parts,
                                           const std::optional<geometry::SensorModel>& known, bool quiet) {
   calibration::HeadInput input;
   report::Progress progress{"parts", k_parts.size(), quiet};
@@ -114,8 +114,8 @@ double ms_of(Nanoseconds duration) {
   return 1e-6 * static_cast<double>(duration.count());
 }
 
-Result<calibration::ClockOffset> clock_part(const Options& options, const geometry::SensorModel& sensor,
-                                            report::Report& report) {
+Result<calibration::ClockOffset> clock_part(const CalibrateOptions& options,
+                                            const geometry::SensorModel& sensor, report::Report& report) {
   BITELINE_ASSIGN(const calibration::Scan scan, report.timed("read", [&] {
     return calibration::read_scan(options.calib / "clock", k_scan_column_step);
   }));
@@ -136,8 +136,8 @@ calibration::RefineMatrix prior_of(const calibration::HeadFit& fit, Nanoseconds 
   return prior;
 }
 
-Result<void> refine_part(const Options& options, const calibration::HeadFit& fit, Nanoseconds clock_sigma,
-                         geometry::SensorModel& sensor, report::Report& report) {
+Result<void> refine_part(const CalibrateOptions& options, const calibration::HeadFit& fit,
+                         Nanoseconds clock_sigma, geometry::SensorModel& sensor, report::Report& report) {
   BITELINE_ASSIGN(const calibration::Scan scan, report.timed("read", [&] {
     return calibration::read_scan(options.refine, k_scan_column_step);
   }));
@@ -172,7 +172,7 @@ uncertainty::HeadUncertainty uncertainty_of(const calibration::HeadFit& fit,
   return out;
 }
 
-Result<void> compare_part(const Options& options, const calibration::HeadFit& fit, int width_px,
+Result<void> compare_part(const CalibrateOptions& options, const calibration::HeadFit& fit, int width_px,
                           report::Report& report) {
   BITELINE_ASSIGN(const geometry::SensorModel before, config::read_sensor_yaml(options.compare));
   const calibration::Comparison c = calibration::compare_heads(fit, before, width_px);
@@ -210,7 +210,7 @@ std::string words_of(const calibration::Verdict& verdict) {
   return words;
 }
 
-Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> calibrate(const CalibrateOptions& options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_ASSIGN(const std::set<std::string> parts, parts_of(options));
   std::optional<geometry::SensorModel> known;
@@ -317,7 +317,7 @@ Result<ExitStatus> calibrate(const Options& options, const GlobalOptions& global
   return tell(report, global, words_of(verdict));
 }
 
-void add_options(CLI::App* command, const std::shared_ptr<Options>& options, bool whole) {
+void add_options(CLI::App* command, const std::shared_ptr<CalibrateOptions>& options, bool whole) {
   command->add_option("CALIB", options->calib, "The calibration folder")->required(!whole);
   command->add_option("--out", options->out, "Where the results go")->required(!whole);
   command->add_option("--sensor", options->sensor, "A sensor.yaml to take from what is not calibrated here");
@@ -330,7 +330,7 @@ void add_options(CLI::App* command, const std::shared_ptr<Options>& options, boo
 }  // namespace
 
 void add_calibrate(CLI::App& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CalibrateOptions>();
   CLI::App* command =
       app.add_subcommand("calibrate", "Calibrates a head: camera, laser plane, mounting, clock");
   add_options(command, options, true);
@@ -344,7 +344,7 @@ void add_calibrate(CLI::App& app, Context& context) {
     context.run = [options, &context] { return calibrate(*options, context.options); };
   });
   for (const std::string& part : k_parts) {
-    const auto own = std::make_shared<Options>();
+    const auto own = std::make_shared<CalibrateOptions>();
     CLI::App* sub = command->add_subcommand(part, "Only this part, and what it stands on");
     add_options(sub, own, false);
     own->only = {part};

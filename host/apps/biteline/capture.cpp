@@ -34,7 +34,7 @@ using capture::ArmRest;
 
 enum class Part { Camera, Laser, HandEye };
 
-struct Options {
+struct CaptureOptions {
   fs::path calib, board{"/etc/biteline/board.yaml"}, target, poses;
   std::string rt{"required"};
   double exposure_us{20'000}, laser_exposure_us{400};
@@ -77,7 +77,7 @@ std::string number_name(int number, const char* ending) {
 }
 
 /// CALIB/target.yaml, or CALIB/laser/target.yaml: there already, or a copy of --target.
-Result<calibration::RingTarget> target_of(const Options& options, Part part) {
+Result<calibration::RingTarget> target_of(const CaptureOptions& options, Part part) {
   const fs::path file = options.calib / (part == Part::Laser ? "laser/target.yaml" : "target.yaml");
   std::error_code error;
   if (!options.target.empty()) {
@@ -103,7 +103,7 @@ Result<calibration::RingTarget> target_of(const Options& options, Part part) {
 /// One part of the wizard, from the pictures that are there to the verdict.
 class Session {
  public:
-  Session(const Options& options, const GlobalOptions& global, Part part, capture::StillCamera& camera,
+  Session(const CaptureOptions& options, const GlobalOptions& global, Part part, capture::StillCamera& camera,
           const calibration::RingTarget& target)
       : options_{options}, global_{global}, part_{part}, camera_{camera}, target_{target} {}
 
@@ -324,7 +324,7 @@ class Session {
     return out;
   }
 
-  const Options& options_;
+  const CaptureOptions& options_;
   const GlobalOptions& global_;
   Part part_;
   capture::StillCamera& camera_;
@@ -353,7 +353,7 @@ Result<calibration::Verdict> verdict_of(const fs::path& calib, Part part) {
   return calibration::judge(calibration::calibrate_head(input));
 }
 
-Result<ExitStatus> run(const Options& options, const GlobalOptions& global, Part part) {
+Result<ExitStatus> run(const CaptureOptions& options, const GlobalOptions& global, Part part) {
   std::signal(SIGPIPE, SIG_IGN);  // a sensor program that died is an error, not our death
   BITELINE_ASSIGN(const calibration::RingTarget target, target_of(options, part));
   {
@@ -388,7 +388,7 @@ Result<ExitStatus> run(const Options& options, const GlobalOptions& global, Part
 }  // namespace
 
 void add_capture(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CaptureOptions>();
   CLI::App* command = app.add_subcommand(
       "capture", "Calibration pictures with poses from the sensor's own devices, into a calibration folder");
   command->require_subcommand(1);

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct CaptureCheckOptions {
   fs::path cloud, out, history;
   std::optional<cloud::Unit> unit;
   std::optional<double> ball_mm, step_mm;
@@ -58,7 +58,7 @@ Result<void> add_to_history(const fs::path& file, const std::string& row) {
   return report::write_file_atomically(file, text + row);
 }
 
-Result<ExitStatus> check(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> check(const CaptureCheckOptions& options, const GlobalOptions& global) {
   if (options.ball_mm.has_value() == options.step_mm.has_value())
     return fail(Errc::InvalidArgument, "capture check: --ball or --step expected, one of them");
   report::Report report;
@@ -100,7 +100,7 @@ Result<ExitStatus> check(const Options& options, const GlobalOptions& global) {
 }  // namespace
 
 void add_capture_check(CLI::App& capture, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CaptureCheckOptions>();
   CLI::App* command = capture.add_subcommand(
       "check", "A piece of known size in a scan: is what the scan says within a limit?");
   command->add_option("CLOUD", options->cloud, std::string{"The scan's cloud: "} + k_cloud_kinds)->required();

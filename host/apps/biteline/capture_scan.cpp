@@ -20,7 +20,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-struct Options {
+struct CaptureScanOptions {
   capture::ScanOrder order{
       .board = "/etc/biteline/board.yaml", .sensor = "/etc/biteline/sensor.yaml", .session = {}};
   double seconds{600};
@@ -66,8 +66,8 @@ class Watch {
   Clock::time_point ends_, told_{Clock::now()};
 };
 
-void tell(const Options& options, const capture::TakenScan& scan, const calibration::Verdict& verdict,
-          const GlobalOptions& global) {
+void tell(const CaptureScanOptions& options, const capture::TakenScan& scan,
+          const calibration::Verdict& verdict, const GlobalOptions& global) {
   if (global.json) {
     const nlohmann::ordered_json json{{"part", "scan"},
                                       {"grade", calibration::name_of(verdict.grade)},
@@ -88,7 +88,7 @@ void tell(const Options& options, const capture::TakenScan& scan, const calibrat
               static_cast<unsigned long long>(scan.facts.pictures), options.order.session.c_str());
 }
 
-Result<ExitStatus> run(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> run(const CaptureScanOptions& options, const GlobalOptions& global) {
   std::signal(SIGPIPE, SIG_IGN);  // a sensor program that died is an error, not our death
   const auto watch = std::make_shared<Watch>(global, options.seconds);
   BITELINE_ASSIGN(const capture::TakenScan scan,
@@ -102,7 +102,7 @@ Result<ExitStatus> run(const Options& options, const GlobalOptions& global) {
 }  // namespace
 
 void add_capture_scan(CLI::App& capture, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CaptureScanOptions>();
   capture::ScanOrder& order = options->order;
   CLI::App* command = capture.add_subcommand(
       "scan", "One live scan as a session folder: pictures, poses, profiles, settings; what it is worth");

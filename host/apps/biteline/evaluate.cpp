@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct EvaluateOptions {
   fs::path line, truth, cloud, surface;
   std::optional<cloud::Unit> unit;
   bool align{false};
@@ -51,7 +51,7 @@ ExitStatus tell_figures(const nlohmann::ordered_json& figures, const GlobalOptio
   return tell(report, {.quiet = false, .json = global.json}, words);
 }
 
-Result<ExitStatus> evaluate_line(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> evaluate_line(const EvaluateOptions& options, const GlobalOptions& global) {
   BITELINE_ASSIGN(const cloud::ClosedLine result, cloud::read_line(options.line));
   BITELINE_ASSIGN(const cloud::ClosedLine truth, cloud::read_positions(options.truth));
   const evaluation::LineError error =
@@ -79,7 +79,7 @@ Result<ExitStatus> evaluate_line(const Options& options, const GlobalOptions& gl
   return tell_figures(figures, global);
 }
 
-Result<ExitStatus> evaluate_cloud(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> evaluate_cloud(const EvaluateOptions& options, const GlobalOptions& global) {
   BITELINE_ASSIGN(const cloud::CloudFile file, cloud::read_cloud_file(options.cloud, options.unit));
   const cloud::PointCloud& cloud = file.cloud;
   BITELINE_ASSIGN(const cloud::TriangleMesh mesh, cloud::read_mesh(options.surface));
@@ -106,7 +106,7 @@ Result<ExitStatus> evaluate_cloud(const Options& options, const GlobalOptions& g
 }  // namespace
 
 void add_evaluate(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EvaluateOptions>();
   CLI::App* command = app.add_subcommand("evaluate", "Measure a result against a truth (mm, degrees)");
   auto* line = command->add_option("--line", options->line, "A line.csv to measure");
   auto* truth = command->add_option("--truth", options->truth, "The true line: rows that begin with x, y, z");

@@ -10,13 +10,13 @@
 namespace biteline::app {
 namespace {
 
-struct Options {
+struct ExtractOptions {
   std::filesystem::path cloud, out;
   std::optional<cloud::Unit> unit;
   Method method{Method::Default};
 };
 
-Result<ExitStatus> extract(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> extract(const ExtractOptions& options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_ASSIGN(const cloud::CloudFile file,
                   report.timed("read", [&] { return cloud::read_cloud_file(options.cloud, options.unit); }));
@@ -36,7 +36,7 @@ Result<ExitStatus> extract(const Options& options, const GlobalOptions& global) 
 }  // namespace
 
 void add_extract(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExtractOptions>();
   CLI::App* command = app.add_subcommand("extract", "Find the bite line in a point cloud");
   command->add_option("cloud", options->cloud, std::string{"The cloud: "} + k_cloud_kinds)->required();
   add_unit_option(*command, options->unit);

@@ -10,14 +10,14 @@
 namespace biteline::app {
 namespace {
 
-struct Options {
+struct HistoryOptions {
   std::filesystem::path results;
   std::string from, to, model, verdict;
   int limit{20};
   bool csv{false}, trends{false};
 };
 
-Result<memory::ScanFilter> filter_of(const Options& options) {
+Result<memory::ScanFilter> filter_of(const HistoryOptions& options) {
   memory::ScanFilter filter;
   for (const auto& [text, time, name] :
        {std::tuple{&options.from, &filter.from, "--from"}, std::tuple{&options.to, &filter.to, "--to"}}) {
@@ -109,7 +109,7 @@ Result<ExitStatus> run_trends(const memory::Memory& memory, const memory::ScanFi
   return tell(report, {.quiet = false, .json = global.json}, words);
 }
 
-Result<ExitStatus> run_history(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> run_history(const HistoryOptions& options, const GlobalOptions& global) {
   BITELINE_ASSIGN(const memory::ScanFilter filter, filter_of(options));
   BITELINE_ASSIGN(const memory::Memory memory,
                   memory::Memory::open_to_read(options.results / memory::k_memory_file));
@@ -124,7 +124,7 @@ Result<ExitStatus> run_history(const Options& options, const GlobalOptions& glob
 }  // namespace
 
 void add_history(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<HistoryOptions>();
   CLI::App* command =
       app.add_subcommand("history", "What a service remembers of its shoes; also while it runs");
   command->add_option("results", options->results, "The service's --out folder")->required();

@@ -10,14 +10,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct KeysOptions {
   fs::path folder, public_key;
   std::string name;
   bool of_sensor{false};
 };
 
 /// What the other side needs, and where it goes: a public key is no secret.
-void say_next(const Options& options, const GlobalOptions& global) {
+void say_next(const KeysOptions& options, const GlobalOptions& global) {
   if (global.quiet) return;
   if (options.of_sensor) {
     std::printf("copy %s to the key folder of each host\n", (options.folder / "sensor.public").c_str());
@@ -28,14 +28,14 @@ void say_next(const Options& options, const GlobalOptions& global) {
   }
 }
 
-Result<ExitStatus> make(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> make(const KeysOptions& options, const GlobalOptions& global) {
   BITELINE_TRY(options.of_sensor ? wire::make_sensor_keys(options.folder)
                                  : wire::make_host_keys(options.folder));
   say_next(options, global);
   return ExitStatus::Done;
 }
 
-Result<ExitStatus> rotate(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> rotate(const KeysOptions& options, const GlobalOptions& global) {
   BITELINE_TRY(
       wire::rotate_keys(options.folder, options.of_sensor ? wire::KeyOwner::Sensor : wire::KeyOwner::Host));
   say_next(options, global);
@@ -50,7 +50,7 @@ Result<ExitStatus> done(const Result<void>& result) {
 }  // namespace
 
 void add_keys(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<KeysOptions>();
   CLI::App* command = app.add_subcommand("keys", "Keys for the link between sensor and host");
   command->require_subcommand(1);
   const auto add = [&](const char* name, const char* what, auto&& run) {
@@ -68,14 +68,14 @@ void add_keys(CLI::App& app, Context& context) {
   rotate_command->add_flag("--sensor", options->of_sensor, "The folder is a sensor's");
   CLI::App* allow_command =
       add("allow", "Let a host in: its key in a sensor's hosts.allowed, an older one of that name out",
-          [](const Options& o, const GlobalOptions&) {
+          [](const KeysOptions& o, const GlobalOptions&) {
             return done(wire::allow_host(o.folder, o.name, o.public_key));
           });
   allow_command->add_option("name", options->name, "What the host is called")->required();
   allow_command->add_option("key", options->public_key, "Its host.public")->required();
-  CLI::App* revoke_command =
-      add("revoke", "Put a host out of a sensor's hosts.allowed; a running sensor cuts it off",
-          [](const Options& o, const GlobalOptions&) { return done(wire::revoke_host(o.folder, o.name)); });
+  CLI::App* revoke_command = add(
+      "revoke", "Put a host out of a sensor's hosts.allowed; a running sensor cuts it off",
+      [](const KeysOptions& o, const GlobalOptions&) { return done(wire::revoke_host(o.folder, o.name)); });
   revoke_command->add_option("name", options->name, "Its name, or its key")->required();
 }
 

@@ -7,11 +7,11 @@
 namespace biteline::app {
 namespace {
 
-struct Options {
+struct LineOptions {
   std::filesystem::path line, out;
 };
 
-Result<ExitStatus> export_line(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> export_line(const LineOptions& options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_ASSIGN(const cloud::ClosedLine line, cloud::read_line(options.line));
   BITELINE_TRY(line_files::write_line_file(options.out, line));
@@ -24,7 +24,7 @@ Result<ExitStatus> export_line(const Options& options, const GlobalOptions& glob
 }  // namespace
 
 void add_line(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<LineOptions>();
   CLI::App* command = app.add_subcommand("line", "Mend a found line, and give it to other programs");
   command->require_subcommand(1);
   add_line_edit(*command, context);

@@ -2,15 +2,13 @@
 // biteline line edit, biteline line show: a found line put right by hand.
 #include "host/apps/biteline/line_edit.hpp"
 
-#include <pwd.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 
 #include "common/core/fixed_text.hpp"
 #include "common/options/number.hpp"
+#include "common/system/user_name.hpp"
 #include "host/records/report/file_lock.hpp"
 #include "host/records/results/mended_result.hpp"
 #include "host/records/results/view/weak_stretches.hpp"
@@ -21,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using options::number;
 
-struct Options {
+struct LineEditOptions {
   fs::path scan;
   int candidate{0};
   std::vector<std::string> through;
@@ -30,16 +28,6 @@ struct Options {
   int back_to{-1};
   std::string why, who;
 };
-
-/// Who is at the keyboard.
-std::string user_name() {
-  passwd entry{};
-  passwd* found = nullptr;
-  char buffer[1024];
-  if (getpwuid_r(::getuid(), &entry, buffer, sizeof buffer, &found) == 0 && found != nullptr)
-    return found->pw_name;
-  return "user " + std::to_string(::getuid());
-}
 
 /// "X,Y,Z" in base, mm.
 Result<Vec3> read_point(const std::string& text) {
@@ -60,7 +48,8 @@ Result<Vec3> read_point(const std::string& text) {
   return point;
 }
 
-Result<std::vector<mend::Step>> steps_of(const Options& options, const std::vector<mend::Version>& versions) {
+Result<std::vector<mend::Step>> steps_of(const LineEditOptions& options,
+                                         const std::vector<mend::Version>& versions) {
   using Kind = mend::Step::Kind;
   std::vector<mend::Step> steps;
   if (options.back_to >= 0)
@@ -103,7 +92,7 @@ Result<void> no_service_holds(const fs::path& scan) {
   return fail(Errc::PeerRefused, "%.200s; mend the line on its page", to_line(held.error()).c_str());
 }
 
-Result<ExitStatus> edit(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> edit(const LineEditOptions& options, const GlobalOptions& global) {
   BITELINE_TRY(no_service_holds(options.scan));
   report::Report report;
   BITELINE_ASSIGN(const std::vector<mend::Version> versions, mend::read_versions(options.scan));
@@ -129,7 +118,7 @@ std::string words_of(const mend::Version& version) {
       .c_str();
 }
 
-Result<ExitStatus> show(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> show(const LineEditOptions& options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_ASSIGN(const std::vector<mend::Version> versions, mend::read_versions(options.scan));
   const Result<cloud::ClosedLine> line = mend::read_version(options.scan, versions.back().version);
@@ -168,7 +157,7 @@ Result<ExitStatus> show(const Options& options, const GlobalOptions& global) {
 }  // namespace
 
 void add_line_edit(CLI::App& line, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<LineEditOptions>();
   CLI::App* edit_command = line.add_subcommand(
       "edit", "Mend the line of a scan; each mend is a new version, and what was found stays");
   edit_command->add_option("SCAN", options->scan, "The scan's folder: cloud.ply and report.json")->required();

@@ -12,7 +12,7 @@
 namespace biteline::app {
 namespace {
 
-struct Options {
+struct ModelOptions {
   std::string name;
   bool replace{false};
   transfer::ModelMade made;
@@ -55,7 +55,7 @@ std::string words_of(const transfer::ModelInfo& model) {
       .c_str();
 }
 
-Result<ExitStatus> save(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> save(const ModelOptions& options, const GlobalOptions& global) {
   transfer::ModelMade made = options.made;
   made.time = utc_now();
   made.scan = options.sample.filename().string();
@@ -68,14 +68,14 @@ Result<ExitStatus> save(const Options& options, const GlobalOptions& global) {
   return tell(report, global, words_of(model));
 }
 
-Result<ExitStatus> undo(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> undo(const ModelOptions& options, const GlobalOptions& global) {
   BITELINE_ASSIGN(const transfer::ModelInfo model, transfer::Library{options.library}.undo(options.name));
   report::Report report;
   report.fields = json_of(model);
   return tell(report, global, words_of(model));
 }
 
-Result<ExitStatus> list(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> list(const ModelOptions& options, const GlobalOptions& global) {
   BITELINE_ASSIGN(const std::vector<transfer::ModelInfo> models, transfer::Library{options.library}.list());
   report::Report report;
   report.fields["models"] = nlohmann::ordered_json::array();
@@ -88,14 +88,14 @@ Result<ExitStatus> list(const Options& options, const GlobalOptions& global) {
   return tell(report, {.quiet = false, .json = global.json}, words);
 }
 
-Result<ExitStatus> remove(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> remove(const ModelOptions& options, const GlobalOptions& global) {
   BITELINE_TRY(transfer::Library{options.library}.remove(options.name));
   report::Report report;
   report.fields["removed"] = options.name;
   return tell(report, global, "");
 }
 
-Result<ExitStatus> export_one(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> export_one(const ModelOptions& options, const GlobalOptions& global) {
   BITELINE_TRY(transfer::Library{options.library}.export_to(options.name, options.file));
   report::Report report;
   report.fields["name"] = options.name;
@@ -103,7 +103,7 @@ Result<ExitStatus> export_one(const Options& options, const GlobalOptions& globa
   return tell(report, global, "wrote " + options.file.string());
 }
 
-Result<ExitStatus> import_one(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> import_one(const ModelOptions& options, const GlobalOptions& global) {
   BITELINE_ASSIGN(const transfer::ModelInfo model, transfer::Library{options.library}.import_from(
                                                        options.file, options.name, options.replace));
   report::Report report;
@@ -114,7 +114,7 @@ Result<ExitStatus> import_one(const Options& options, const GlobalOptions& globa
 }  // namespace
 
 void add_model(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ModelOptions>();
   CLI::App* command = app.add_subcommand("model", "The library of saved samples");
   command->require_subcommand(1);
   command->add_option("--library", options->library, "Folder of the saved models")->capture_default_str();

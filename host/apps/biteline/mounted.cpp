@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
 // biteline mounted: tip, payload and table of a cell, shown and taught.
-#include <pwd.h>
-#include <unistd.h>
-
 #include <iostream>
 
 #include "common/core/fixed_text.hpp"
 #include "common/options/number.hpp"
+#include "common/system/user_name.hpp"
 #include "common/wire/endpoint.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/records/mounted/mounted_record.hpp"
@@ -19,21 +17,11 @@ namespace {
 namespace fs = std::filesystem;
 using Lesson = kinematics::TouchLesson;
 
-struct Options {
+struct MountedOptions {
   fs::path results, touches;
   std::string teach, forget, arm, who;
   std::vector<double> payload;  // kg, then the centre in the flange [mm]
 };
-
-/// Who is at the keyboard.
-std::string user_name() {
-  passwd entry{};
-  passwd* found = nullptr;
-  char buffer[1024];
-  if (getpwuid_r(::getuid(), &entry, buffer, sizeof buffer, &found) == 0 && found != nullptr)
-    return found->pw_name;
-  return "user " + std::to_string(::getuid());
-}
 
 std::string words_of(const kinematics::Touched& touched, Lesson::Part part) {
   using Text = FixedText<200>;
@@ -71,8 +59,8 @@ Result<void> touch_by_hand(Lesson& lesson, const std::string& arm) {
   return fail(Errc::InvalidArgument, "nothing was kept: the input ended before 'save'");
 }
 
-Result<mounted::Record> teach(memory::Memory& memory, const Options& options, const mounted::Hand& hand,
-                              report::Report& report) {
+Result<mounted::Record> teach(memory::Memory& memory, const MountedOptions& options,
+                              const mounted::Hand& hand, report::Report& report) {
   BITELINE_ASSIGN(const mounted::Record before, mounted::read_record(memory));
   const Lesson::Part part = options.teach == "tip" ? Lesson::Part::Tip : Lesson::Part::Table;
   if (part == Lesson::Part::Table && !before.tip)
@@ -133,7 +121,7 @@ Result<ExitStatus> show(const mounted::Record& record, report::Report& report, c
   return tell(report, {.quiet = false, .json = global.json}, words_of(record));
 }
 
-Result<ExitStatus> run_mounted(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> run_mounted(const MountedOptions& options, const GlobalOptions& global) {
   report::Report report;
   const fs::path file = options.results / memory::k_memory_file;
   if (options.teach.empty() && options.forget.empty() && options.payload.empty()) {
@@ -169,7 +157,7 @@ Result<ExitStatus> run_mounted(const Options& options, const GlobalOptions& glob
 }  // namespace
 
 void add_mounted(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<MountedOptions>();
   CLI::App* command = app.add_subcommand(
       "mounted", "What is mounted at a cell: tool tip, payload and table, shown and taught");
   command->add_option("results", options->results, "The service's --out folder")->required();

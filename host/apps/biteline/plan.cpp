@@ -21,7 +21,7 @@ using options::number;
 
 constexpr double k_rad_per_deg = std::numbers::pi / 180;
 
-struct Options {
+struct PlanOptions {
   fs::path line, process, scan, out, kinematics, cloud, touches;
   std::optional<cloud::Unit> unit;
   std::string robot;
@@ -32,7 +32,7 @@ struct Options {
 };
 
 /// The process file, or the scan by the head of --scan.
-Result<path::Process> read_process(const Options& options, bool turned) {
+Result<path::Process> read_process(const PlanOptions& options, bool turned) {
   if (options.scan.empty()) return path::read_process(options.process);
   BITELINE_ASSIGN(const geometry::SensorModel sensor, config::read_sensor_yaml(options.scan));
   path::ScanSettings settings{.spacing_mm = options.spacing_mm, .turned = turned};
@@ -40,7 +40,7 @@ Result<path::Process> read_process(const Options& options, bool turned) {
   return path::scan_process(sensor, settings);
 }
 
-Result<path::PlanRequest> read_request(const Options& options, report::Report& report) {
+Result<path::PlanRequest> read_request(const PlanOptions& options, report::Report& report) {
   path::PlanRequest request;
   BITELINE_ASSIGN(request.arm, kinematics::arm_model(options.robot));
   if (!options.kinematics.empty()) {
@@ -79,7 +79,7 @@ std::string summary(const path::PlanRequest& request, const path::PlanOutcome& o
       .c_str();
 }
 
-Result<ExitStatus> run_plan(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> run_plan(const PlanOptions& options, const GlobalOptions& global) {
   report::Report report;
   // Before anything can fail: whatever comes of this run, no path of an earlier one stands for it.
   BITELINE_TRY(results::prepare_plan_folder(options.out));
@@ -99,7 +99,7 @@ Result<ExitStatus> run_plan(const Options& options, const GlobalOptions& global)
 }  // namespace
 
 void add_plan(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PlanOptions>();
   CLI::App* command = app.add_subcommand("plan", "Plan a checked tool path along a line");
   command->add_option("LINE", options->line, "line.csv")->required();
   command->add_option("--robot", options->robot, "UR3e, UR5e, UR10e, UR3, UR5 or UR10")->required();

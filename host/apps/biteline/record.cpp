@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* k_program = "biteline " BITELINE_VERSION;
 
-struct Options {
+struct RecordOptions {
   std::filesystem::path input, out, results;
   std::string last_link;
   bool stored{false};
@@ -40,7 +40,7 @@ void warn(const std::filesystem::path& file, const std::string& what) {
   std::fprintf(stderr, "biteline: %s: %s\n", file.c_str(), what.c_str());
 }
 
-Result<ExitStatus> export_recording(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> export_recording(const RecordOptions& options, const GlobalOptions& global) {
   report::Report report;
   std::optional<report::Progress> progress;
   BITELINE_ASSIGN(const recording::Exported exported, recording::export_mcap({
@@ -70,7 +70,7 @@ Result<ExitStatus> export_recording(const Options& options, const GlobalOptions&
               options.out.string() + ": " + counts_text(exported) + "; last link " + exported.last_link);
 }
 
-Result<ExitStatus> import_recording(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> import_recording(const RecordOptions& options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_ASSIGN(const recording::Imported imported, recording::import_mcap(options.input, options.out));
   if (!imported.lacks.empty()) {
@@ -83,7 +83,7 @@ Result<ExitStatus> import_recording(const Options& options, const GlobalOptions&
   return tell(report, global, options.out.string() + ": " + counts_text(imported));
 }
 
-Result<ExitStatus> verify_recording(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> verify_recording(const RecordOptions& options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_ASSIGN(const mcap::Verdict verdict, mcap::verify(options.input));
   report.fields["library"] = verdict.library;
@@ -123,7 +123,7 @@ Result<ExitStatus> verify_recording(const Options& options, const GlobalOptions&
 }  // namespace
 
 void add_record(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RecordOptions>();
   CLI::App* command = app.add_subcommand("record", "Recordings as one MCAP file, and back");
   command->require_subcommand(1);
 

@@ -20,7 +20,7 @@
 namespace biteline::app {
 namespace {
 
-struct Options {
+struct ReplayOptions {
   std::filesystem::path session, out, sensor, uncertainty;
   std::string peak_mode;
   Method method{Method::Default};
@@ -36,7 +36,7 @@ FoundLine finish_line(intake::LiveLine& line, const std::shared_ptr<const uncert
 }
 
 /// Told by the option, or by the file beside the sensor.yaml that counts.
-Result<std::optional<uncertainty::HeadUncertainty>> uncertainty_of(const Options& options) {
+Result<std::optional<uncertainty::HeadUncertainty>> uncertainty_of(const ReplayOptions& options) {
   if (!options.uncertainty.empty()) {
     BITELINE_ASSIGN(const uncertainty::HeadUncertainty told,
                     uncertainty::read_uncertainty(options.uncertainty));
@@ -48,7 +48,7 @@ Result<std::optional<uncertainty::HeadUncertainty>> uncertainty_of(const Options
 
 using OnProfile = std::function<void(const profile::Profile&, std::span<const Eigen::Vector3f>)>;
 
-Result<intake::SessionRun> take_in_profiles(const intake::ProfileSource& input, const Options& options,
+Result<intake::SessionRun> take_in_profiles(const intake::ProfileSource& input, const ReplayOptions& options,
                                             const OnProfile& on_profile, report::Report& report) {
   if (!options.sensor.empty() || !options.peak_mode.empty()) {
     return fail(Errc::InvalidArgument, "--sensor and --peak-mode need pictures, but %s", input.why.c_str());
@@ -89,7 +89,7 @@ class Unpacked {
   std::filesystem::path folder_;
 };
 
-Result<ExitStatus> replay(Options options, const GlobalOptions& global) {
+Result<ExitStatus> replay(ReplayOptions options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_TRY(results::prepare_result_folder(options.out));
   const std::string input_name = options.session.filename().string();
@@ -141,7 +141,7 @@ Result<ExitStatus> replay(Options options, const GlobalOptions& global) {
 }  // namespace
 
 void add_replay(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReplayOptions>();
   CLI::App* command =
       app.add_subcommand("replay", "Run a recorded session through the sensor's pipeline and the host's");
   command

@@ -25,7 +25,7 @@ using settings::SettingsSet;
 
 constexpr const char* k_former_file = "start-up.former.yaml";
 
-struct Options {
+struct SettingsOptions {
   fs::path store{"/etc/biteline/settings"};
   std::string name, other, note;
   fs::path board, sensor;
@@ -39,7 +39,7 @@ bool is_name(const std::string& text) {
 }
 
 /// A file by its path, or a set of the store by its name.
-fs::path file_of(const Options& options, const std::string& text) {
+fs::path file_of(const SettingsOptions& options, const std::string& text) {
   return is_name(text) ? options.store / (text + ".yaml") : fs::path{text};
 }
 
@@ -60,7 +60,7 @@ nlohmann::ordered_json json_of(const SettingsSet& set) {
   return json;
 }
 
-Result<ExitStatus> show(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> show(const SettingsOptions& options, const GlobalOptions& global) {
   const fs::path file =
       options.name.empty() ? options.store / settings::k_start_file : file_of(options, options.name);
   BITELINE_ASSIGN(const SettingsSet set, settings::read_settings(file));
@@ -80,7 +80,7 @@ Result<ExitStatus> show(const Options& options, const GlobalOptions& global) {
   return ExitStatus::Done;
 }
 
-Result<ExitStatus> list(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> list(const SettingsOptions& options, const GlobalOptions& global) {
   std::error_code error;
   std::vector<fs::path> files;
   for (fs::directory_iterator it{options.store, error}, end; !error && it != end; it.increment(error)) {
@@ -104,7 +104,7 @@ Result<ExitStatus> list(const Options& options, const GlobalOptions& global) {
   return ExitStatus::Done;
 }
 
-Result<ExitStatus> compare(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> compare(const SettingsOptions& options, const GlobalOptions& global) {
   BITELINE_ASSIGN(const SettingsSet left, settings::read_settings(file_of(options, options.name)));
   BITELINE_ASSIGN(const SettingsSet right, settings::read_settings(file_of(options, options.other)));
   const std::vector<settings::Difference> differences = settings::compare(left, right);
@@ -122,7 +122,7 @@ Result<ExitStatus> compare(const Options& options, const GlobalOptions& global) 
 }
 
 /// The sensor program tells its camera the set and reads it back; what it says of the set.
-Result<void> try_on_camera(const Options& options, const fs::path& file) {
+Result<void> try_on_camera(const SettingsOptions& options, const fs::path& file) {
   constexpr std::chrono::seconds k_patience{30};
   BITELINE_ASSIGN(const fs::path program, intake::find_sensor_program());
   BITELINE_ASSIGN(intake::ChildProcess sensor,
@@ -148,7 +148,7 @@ Result<void> try_on_camera(const Options& options, const fs::path& file) {
   return {};
 }
 
-Result<ExitStatus> check(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> check(const SettingsOptions& options, const GlobalOptions& global) {
   const fs::path file = file_of(options, options.name);
   BITELINE_TRY(settings::read_settings(file));
   if (!options.board.empty()) BITELINE_TRY(try_on_camera(options, file));
@@ -159,7 +159,7 @@ Result<ExitStatus> check(const Options& options, const GlobalOptions& global) {
   return ExitStatus::Done;
 }
 
-Result<ExitStatus> save(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> save(const SettingsOptions& options, const GlobalOptions& global) {
   if (!is_name(options.name) || options.name == "start-up")
     return fail(Errc::InvalidArgument, "%.64s: a name of letters, digits, - and _ expected, not start-up",
                 options.name.c_str());
@@ -173,7 +173,7 @@ Result<ExitStatus> save(const Options& options, const GlobalOptions& global) {
 }
 
 /// The start-up set changes by one rename; the one before stays beside it.
-Result<ExitStatus> use(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> use(const SettingsOptions& options, const GlobalOptions& global) {
   if (options.back == !options.name.empty())
     return fail(Errc::InvalidArgument, "settings use: a set's name, or --back");
   const fs::path start = options.store / settings::k_start_file, former = options.store / k_former_file;
@@ -198,7 +198,7 @@ Result<ExitStatus> use(const Options& options, const GlobalOptions& global) {
   return ExitStatus::Done;
 }
 
-Result<ExitStatus> send(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> send(const SettingsOptions& options, const GlobalOptions& global) {
   BITELINE_ASSIGN(const SettingsSet set, settings::read_settings(file_of(options, options.name)));
   BITELINE_TRY(send_settings(options.running, set));
   if (!global.quiet)
@@ -206,7 +206,7 @@ Result<ExitStatus> send(const Options& options, const GlobalOptions& global) {
   return ExitStatus::Done;
 }
 
-Result<ExitStatus> fetch(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> fetch(const SettingsOptions& options, const GlobalOptions& global) {
   BITELINE_ASSIGN(const std::string text, fetch_settings(options.running));
   if (!global.json) {
     std::printf("%s", text.c_str());
@@ -217,12 +217,12 @@ Result<ExitStatus> fetch(const Options& options, const GlobalOptions& global) {
   return ExitStatus::Done;
 }
 
-void add_running_options(CLI::App* command, Options& options) {
+void add_running_options(CLI::App* command, SettingsOptions& options) {
   command->add_option("--at", options.running.endpoint, "The sensor that runs: tcp://HOST:PORT")->required();
   command->add_option("--keys", options.running.keys, "Folder of keys; compulsory beyond loopback");
 }
 
-void add_camera_options(CLI::App* command, Options& options) {
+void add_camera_options(CLI::App* command, SettingsOptions& options) {
   CLI::Option* board =
       command->add_option("--board", options.board, "Try it on this board's camera; the sensor must be off");
   CLI::Option* sensor =
@@ -234,7 +234,7 @@ void add_camera_options(CLI::App* command, Options& options) {
 }  // namespace
 
 void add_settings(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SettingsOptions>();
   CLI::App* command =
       app.add_subcommand("settings", "Sets of settings by name, and the one that a sensor starts with");
   command->require_subcommand(1);

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct SweepOptions {
   fs::path out;
   std::vector<std::string> shoes, decoys, told;
   std::string seeds{"1-10"};
@@ -51,7 +51,7 @@ Result<Seeds> seeds_of(const std::string& text) {
 }
 
 /// Every class with every decoy and seed.
-Result<std::vector<batch::Recording>> made_recordings(const Options& options, const fs::path& cell) {
+Result<std::vector<batch::Recording>> made_recordings(const SweepOptions& options, const fs::path& cell) {
   BITELINE_ASSIGN(const Seeds seeds, seeds_of(options.seeds));
   // Another biteline-cell makes another shoe of the same seed.
   BITELINE_ASSIGN(const std::string cell_hash, digest_of_file(cell));
@@ -85,7 +85,7 @@ Result<std::vector<batch::Recording>> made_recordings(const Options& options, co
   return recordings;
 }
 
-Result<ExitStatus> sweep(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> sweep(const SweepOptions& options, const GlobalOptions& global) {
   report::Report report;
   std::error_code ignored;
   const fs::path cell = options.run.cell.empty()
@@ -106,7 +106,7 @@ Result<ExitStatus> sweep(const Options& options, const GlobalOptions& global) {
 }  // namespace
 
 void add_sweep(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SweepOptions>();
   CLI::App* command =
       app.add_subcommand("sweep", "Shoes made by class and seed, run as a batch and judged by their truth");
   add_merge_options(*command, options->merge);

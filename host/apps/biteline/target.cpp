@@ -10,7 +10,7 @@
 namespace biteline::app {
 namespace {
 
-struct Options {
+struct TargetOptions {
   std::filesystem::path out;
   calibration::RingTarget target{
       .rows = 4, .cols = 7, .pitch_mm = 14, .outer_diameter_mm = 12, .inner_diameter_mm = 6};
@@ -26,7 +26,7 @@ Result<void> check_numbers(const std::filesystem::path& file, const calibration:
               file.c_str());
 }
 
-Result<ExitStatus> draw(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> draw(const TargetOptions& options, const GlobalOptions& global) {
   const calibration::RingTarget& t = options.target;
   if (t.outer_diameter_mm >= t.pitch_mm)
     return fail(Errc::InvalidArgument, "--outer-diameter: less than the pitch expected");
@@ -57,7 +57,7 @@ Result<ExitStatus> draw(const Options& options, const GlobalOptions& global) {
 }  // namespace
 
 void add_target(CLI::App& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<TargetOptions>();
   CLI::App* command =
       app.add_subcommand("target", "Draws a ring target to print to scale, and writes its target.yaml");
   command

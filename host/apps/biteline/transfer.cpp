@@ -16,7 +16,7 @@
 namespace biteline::app {
 namespace {
 
-struct Options {
+struct TransferOptions {
   std::string sample;  ///< folder, or a model's name; empty: find the model
   std::filesystem::path upper, out, library{transfer::Library::default_folder()};
   std::optional<cloud::Unit> unit;
@@ -40,7 +40,7 @@ nlohmann::ordered_json json_of(const transfer::Identification& found) {
 }
 
 /// The sample that was named, or the model that the upper is found to be.
-Result<transfer::Transfer> carry_over(const Options& options, const cloud::PointCloud& upper,
+Result<transfer::Transfer> carry_over(const TransferOptions& options, const cloud::PointCloud& upper,
                                       report::Report& report) {
   const transfer::Library library{options.library};
   std::string sample_name = options.sample;
@@ -58,7 +58,7 @@ Result<transfer::Transfer> carry_over(const Options& options, const cloud::Point
   return report.timed("transfer", [&] { return transfer::transfer_line(sample, upper, options.transfer); });
 }
 
-Result<ExitStatus> transfer(const Options& options, const GlobalOptions& global) {
+Result<ExitStatus> transfer(const TransferOptions& options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_TRY(results::prepare_result_folder(options.out));
   BITELINE_ASSIGN(const cloud::CloudFile upper,
@@ -77,7 +77,7 @@ Result<ExitStatus> transfer(const Options& options, const GlobalOptions& global)
 }  // namespace
 
 void add_transfer(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TransferOptions>();
   CLI::App* command =
       app.add_subcommand("transfer", "Carry a sample's bite line over to the next upper of its model");
   command->add_option("--sample", options->sample,

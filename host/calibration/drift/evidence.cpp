@@ -73,15 +73,15 @@ double limit_mm(const std::vector<Equation>& rows, const Vector& x) {
   return std::max(0.02, 4.685 * geometry::k_sigma_per_mad * geometry::median_of(std::move(off)));
 }
 
-struct Sums {
+struct FitSums {
   Matrix information{Matrix::Zero()};
   Vector pull{Vector::Zero()};
   double before{0}, after{0}, weight{0};
   std::set<std::uint32_t> frames{};
 };
 
-Sums sums_of(const std::vector<Equation>& rows, const Vector& x) {
-  Sums sums;
+FitSums sums_of(const std::vector<Equation>& rows, const Vector& x) {
+  FitSums sums;
   const double limit = limit_mm(rows, x);
   for (const Equation& e : rows) {
     const double left = e.distance_mm + e.row * x;
@@ -133,7 +133,7 @@ Result<Evidence> look_at(const ScanView& scan, const geometry::SensorModel& head
   // Twice: the second time what a drift explains is no outlier.
   constexpr double k_start_sigma_mm = 0.02;
   Vector x = Vector::Zero();
-  Sums sums;
+  FitSums sums;
   double variance_mm2 = k_start_sigma_mm * k_start_sigma_mm;
   for (int round = 0; round < 3; ++round) {
     sums = sums_of(rows, x);

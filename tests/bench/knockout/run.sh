@@ -12,7 +12,7 @@ mkdir -p "$tree"
 export BITELINE_DATA=${BITELINE_DATA:-$source/../shared/data}
 launcher=()
 if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
-cmake -S "$tree" --preset release "${launcher[@]}" >"$work/configure.log" 2>&1 || { cat "$work/configure.log" >&2; exit 1; }
+cmake -S "$tree" --preset release -DBITELINE_UNITY=OFF "${launcher[@]}" >"$work/configure.log" 2>&1 || { cat "$work/configure.log" >&2; exit 1; }
 
 # verdicts FILE: builds and runs what is in the tree now.
 verdicts() {

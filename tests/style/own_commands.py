@@ -1,0 +1,19 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""own_commands.py compile_commands.json: the same commands, one for each source, also where a build compiles several as one unit."""
+import json
+import re
+import sys
+
+own = []
+with open(sys.argv[1], encoding="utf-8") as file:
+    commands = json.load(file)
+for entry in commands:
+    unit = entry["file"]
+    if "/Unity/unity_" not in unit:
+        own.append(entry)
+        continue
+    with open(unit, encoding="utf-8") as file:
+        for source in re.findall(r'^#include "(.*)"$', file.read(), re.MULTILINE):
+            own.append({**entry, "file": source, "command": entry["command"].replace(f"-c {unit}", f"-c {source}")})
+json.dump(own, sys.stdout, indent=0)
