@@ -189,6 +189,22 @@ TEST(Decide, HalfAShoeIsNotClosedAcrossItsOpening) {
   STRCMP_CONTAINS("91 mm", sut.refusal->reason.c_str());
 }
 
+TEST(Decide, AStretchThatNobodySawIsBridgedUpTo45Millimetres) {
+  Crease bridged = crease(26, 60, 3.0);
+  bridged.seen_share = 0.92;
+  bridged.visible_share = 0.92;
+  for (const double unseen_mm : {40.0, 50.0}) {
+    bridged.longest_gap_mm = unseen_mm;
+    bridged.longest_unseen_mm = unseen_mm;
+    const Decision sut = decided(layers(bridged));
+    if (unseen_mm < 45) {
+      CHECK_FALSE(sut.refusal.has_value());
+    } else {
+      refuses(Refused::TooMuchMissing, sut);
+    }
+  }
+}
+
 TEST(Decide, APathWhereNothingWasSeenIsNoMissingSurfaceButNoCrease) {
   // As read on a drawn shoe with a smooth fillet: without a crease the path may lie beside the surface.
   Crease fillet = crease(26, 5.7, 3.0);
