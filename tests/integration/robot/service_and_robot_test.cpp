@@ -3,6 +3,8 @@
 #include <CppUTest/TestHarness.h>
 
 #include <csignal>
+#include <numbers>
+#include <sstream>
 
 #include "tests/integration/robot/service_with_arm.hpp"
 
@@ -51,6 +53,32 @@ TEST(ServiceAndRobot, WordCountsForOneSending) {
     STRCMP_CONTAINS("sent_before", reasons_of(results() / "scan-0001").c_str());
   }
   CHECK_EQUAL(sent, controller.script());
+}
+
+/// Of path.csv, its first row.
+double first_base_rad(const fs::path& path) {
+  std::ifstream stream{path};
+  std::string row;
+  while (std::getline(stream, row) && (row.empty() || row[0] == '#')) {
+  }
+  std::istringstream cells{row};
+  std::string cell;
+  for (int i = 0; i <= 10; ++i) std::getline(cells, cell, ',');
+  return std::stod(cell);
+}
+
+TEST(ServiceAndRobot, PathBeginsAtTheTurnOfTheBaseWhereTheArmStood) {
+  std::vector<double> begun_rad;
+  for (const double base_rad : {-5.0, 5.0}) {
+    FakeController turned{[=](robot::test::PlayedState& state) { state.q[0] = base_rad; }, 0.002};
+    const fs::path scan = leave_scan(base_rad < 0 ? "scan-0001" : "scan-0002");
+    std::vector<std::string> all = sending(k_no_sensor);
+    *(std::ranges::find(all, "--rtde") + 1) = "127.0.0.1:" + std::to_string(turned.rtde_port());
+    ChildProcess host = start(all, {"--once"});
+    static_cast<void>(end_of(host));
+    begun_rad.push_back(first_base_rad(scan / "path/path.csv"));
+  }
+  DOUBLES_EQUAL(2 * std::numbers::pi, begun_rad[1] - begun_rad[0], 1e-6);
 }
 
 TEST(ServiceAndRobot, ArmInLocalControlOrAnotherArmIsSentNothing) {
