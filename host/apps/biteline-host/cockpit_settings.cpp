@@ -37,19 +37,17 @@ Result<void> Cockpit::change_settings(const std::vector<api::SettingChange>& cha
   settings_asked_ = true;
   settings_answer_.reset();
   settings_sent_ = text;
-  wishes_.push_back({.kind = Wish::Kind::Settings,
-                     .scan = {},
-                     .who = who,
-                     .why = {},
-                     .job = {},
-                     .settings = text,
-                     .question = question});
+  Wish& wish = wishes_.emplace_back();
+  wish.kind = Wish::Kind::Settings;
+  wish.who = who;
+  wish.settings = text;
+  wish.question = question;
   const bool told =
       settings_answered_.wait_for(lock, k_patience, [this] { return settings_answer_.has_value(); });
   settings_asked_ = false;
   if (told) return *settings_answer_;
   // What was not even sent does not take effect any more.
-  std::erase_if(wishes_, [question](const Wish& wish) { return wish.question == question; });
+  std::erase_if(wishes_, [question](const Wish& one) { return one.question == question; });
   return fail(Errc::WrongState,
               "the sensor has not said whether it takes the settings; see what it runs with");
 }
