@@ -208,4 +208,12 @@ std::optional<HostWord> Stand::hear_host(std::chrono::milliseconds patience) {
   return word_of(std::move(*line));
 }
 
+std::vector<HostWord> Stand::last_host_words() {
+  std::vector<HostWord> words;
+  while (Result<std::string> line = host_->next_line(0ms)) {
+    if (std::optional<HostWord> word = word_of(std::move(*line))) words.push_back(std::move(*word));
+  }
+  return words;
+}
+
 }  // namespace biteline::soak

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "hal/sim/live/live_cell.hpp"
 #include "host/intake/child_process.hpp"
@@ -50,6 +51,8 @@ class Stand {
 
   /// Waits a little for the service's next line.
   [[nodiscard]] std::optional<HostWord> hear_host(std::chrono::milliseconds patience);
+  /// What the service said while it ended.
+  [[nodiscard]] std::vector<HostWord> last_host_words();
 
  private:
   explicit Stand(StandSettings settings) : settings_(std::move(settings)) {}
