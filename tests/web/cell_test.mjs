@@ -11,8 +11,8 @@ const [, , pictures] = process.argv.slice(2);
 mkdirSync(pictures, { recursive: true });
 
 async function whole_way() {
-  // A person decides, so that there is time to mend what was found.
-  const { address, host: first_host, host_arguments } = await start_cell({ add_to_gate: '  approval: person\n' });
+  // A person decides, so that there is time to mend what was found; a slow browser must not let the scan grow too old.
+  const { address, host: first_host, host_arguments } = await start_cell({ add_to_gate: '  approval: person\n  scan_age_s: 3600\n' });
   let host = first_host;
 
   const { browser, close } = await start();
