@@ -10,6 +10,9 @@ const types = { html: 'text/html; charset=utf-8', js: 'text/javascript', css: 't
 const policy =
   "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; frame-src 'self'; worker-src 'self'";
 
+/// A page that lives on slow events shows where the tests are in a race with it.
+const events_late_ms = Number(process.env.BITELINE_TEST_EVENTS_LATE_MS ?? 0);
+
 /// A made shoe: an oval wall of 280 x 100 mm over a step of 4 mm, in the shoe's own frame; base is 300 mm away.
 export function made_view({ weak = true, found = true } = {}) {
   const places = [];
@@ -207,7 +210,11 @@ export class FakeCell {
   }
   push(event, data) {
     const text = JSON.stringify({ event, data, seq: ++this.seq, time: new Date().toISOString() });
-    for (const { socket, live } of this.sockets) if (!live) socket.write(this.frame(Buffer.from(text), 1));
+    const send = () => {
+      for (const { socket, live } of this.sockets) if (!live) socket.write(this.frame(Buffer.from(text), 1));
+    };
+    if (events_late_ms > 0) setTimeout(send, events_late_ms);
+    else send();
   }
 
   push_live(bytes) {

@@ -349,6 +349,7 @@ await otto.page.goto(`${address}#/teach`);
 await otto.page.getByText('An engineer may change this.').waitFor();
 check(await otto.page.getByRole('button', { name: 'Plan with this process' }).isDisabled(), 'an operator may teach');
 await otto.page.getByRole('button', { name: 'Release control' }).click();
+await anna.page.getByText('Nobody has control').waitFor();
 await anna.page.getByRole('button', { name: 'Take control' }).click();
 await anna.page.getByText('You have control', { exact: true }).waitFor();
 const process_step = anna.page.getByRole('region', { name: 'Process and dry run' });
@@ -401,8 +402,10 @@ cell.scans.shift();
 Object.assign(cell.scans[0], { decision: 'accepted' });
 cell.push('state', cell.told_state());
 await anna.page.getByRole('button', { name: 'Release control' }).click();
+await otto.page.getByText('Nobody has control').waitFor();
 await otto.page.getByRole('button', { name: 'Take control' }).click();
 await otto.page.getByText('You have control', { exact: true }).waitFor();
+await anna.page.getByText('otto has control').waitFor();
 
 say('work a scan out again: beside the result, and seen by all');
 await anna.page.goto(`${address}#/scans/scan-0004`);
