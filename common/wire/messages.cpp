@@ -60,9 +60,11 @@ PackedBody pack_body(FlatBufferBuilder& fbb, const Health& health) {
   const auto reason = text(fbb, health.laser_reason);
   const auto devices = pack_devices(fbb, health.devices);
   const auto settings = pack_settings(fbb, health.settings);
-  return packed(fb::Body_Health,
-                fb::CreateHealth(fbb, counters, stages, static_cast<fb::LaserState>(health.laser), reason,
-                                 health.scanning, devices, health.observers, health.pictures, settings));
+  const auto upkeep = pack_upkeep(fbb, health.upkeep);
+  return packed(
+      fb::Body_Health,
+      fb::CreateHealth(fbb, counters, stages, static_cast<fb::LaserState>(health.laser), reason,
+                       health.scanning, devices, health.observers, health.pictures, settings, upkeep));
 }
 
 PackedBody pack_body(FlatBufferBuilder& fbb, const EndOfScan& end) {
@@ -155,6 +157,7 @@ Result<Body> read_body(const fb::Health& table) {
   if (table.laser() > fb::LaserState_MAX) return fail(Errc::ProtocolError, "health: unknown laser state");
   BITELINE_ASSIGN(Devices devices, read_devices(table.devices()));
   BITELINE_ASSIGN(std::optional<SettingsState> settings, read_settings(table.settings()));
+  BITELINE_ASSIGN(const std::optional<UpkeepState> upkeep, read_upkeep(table.upkeep()));
   return Health{.counters = read_counters(table.counters()),
                 .stages = read_stages(table.stages()),
                 .laser = static_cast<LaserState>(table.laser()),
@@ -163,7 +166,8 @@ Result<Body> read_body(const fb::Health& table) {
                 .devices = std::move(devices),
                 .observers = table.observers(),
                 .pictures = table.pictures(),
-                .settings = std::move(settings)};
+                .settings = std::move(settings),
+                .upkeep = upkeep};
 }
 
 Result<Body> read_body(const fb::EndOfScan& table) {

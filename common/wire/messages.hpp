@@ -20,7 +20,7 @@ namespace biteline::wire {
 /// Raised, with the reason in PROTOCOL.md, whenever an old peer would misread a message.
 inline constexpr std::uint16_t k_protocol = 1;
 /// Raised, with the reason in PROTOCOL.md, when something is added that an old peer may do without.
-inline constexpr std::uint16_t k_protocol_minor = 2;
+inline constexpr std::uint16_t k_protocol_minor = 3;
 
 /// No message is longer; sockets drop what is.  A full profile (5184 points) packs to at most 222 KB.
 inline constexpr std::size_t k_max_message_bytes = 512 * 1024;
@@ -106,6 +106,17 @@ struct SettingsState {
   std::uint32_t changes{0};  ///< sets of hosts taken since the sensor started
 };
 
+/// What the unit has been through since it was first started, this start included.
+struct UpkeepState {
+  std::uint64_t starts{0};     ///< of the sensor program
+  std::uint64_t boots{0};      ///< of the machine
+  double run_s{0};             ///< the program ran
+  double laser_s{0};           ///< the laser was on
+  std::uint64_t lightings{0};  ///< the laser went on
+  std::uint64_t frames{0};
+  std::optional<float> coldest_degc, hottest_degc;  ///< of the head; both or none
+};
+
 /// A few times a second; the newest replaces the older.
 struct Health {
   Counters counters;
@@ -117,6 +128,7 @@ struct Health {
   std::uint32_t observers{0};               ///< connected now
   std::uint64_t pictures{0};                ///< made for observers since the sensor started
   std::optional<SettingsState> settings{};  ///< nothing: a recording, or a sensor of 1.1
+  std::optional<UpkeepState> upkeep{};      ///< nothing: not counted, or a sensor of 1.2
 };
 
 /// The scan's last message, in sequence with its profiles.

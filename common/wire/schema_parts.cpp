@@ -252,4 +252,36 @@ Result<Devices> read_devices(const fb::Devices* table) {
   return devices;
 }
 
+flatbuffers::Offset<fb::UpkeepState> pack_upkeep(flatbuffers::FlatBufferBuilder& fbb,
+                                                 const std::optional<UpkeepState>& upkeep) {
+  if (!upkeep) return {};
+  return fb::CreateUpkeepState(fbb, upkeep->starts, upkeep->boots, upkeep->run_s, upkeep->laser_s,
+                               upkeep->lightings, upkeep->frames,
+                               upkeep->coldest_degc && upkeep->hottest_degc, upkeep->coldest_degc.value_or(0),
+                               upkeep->hottest_degc.value_or(0));
+}
+
+Result<std::optional<UpkeepState>> read_upkeep(const fb::UpkeepState* table) {
+  if (table == nullptr) return std::optional<UpkeepState>{};
+  for (const double duration_s : {table->run_s(), table->laser_s()}) {
+    if (!std::isfinite(duration_s) || duration_s < 0)
+      return fail(Errc::ProtocolError, "upkeep: a time that is none");
+  }
+  UpkeepState upkeep{.starts = table->starts(),
+                     .boots = table->boots(),
+                     .run_s = table->run_s(),
+                     .laser_s = table->laser_s(),
+                     .lightings = table->lightings(),
+                     .frames = table->frames(),
+                     .coldest_degc = {},
+                     .hottest_degc = {}};
+  if (table->degc_known()) {
+    if (!std::isfinite(table->coldest_degc()) || !std::isfinite(table->hottest_degc()))
+      return fail(Errc::ProtocolError, "upkeep: a temperature that is not finite");
+    upkeep.coldest_degc = table->coldest_degc();
+    upkeep.hottest_degc = table->hottest_degc();
+  }
+  return upkeep;
+}
+
 }  // namespace biteline::wire

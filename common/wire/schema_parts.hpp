@@ -42,4 +42,8 @@ using StageTimeVector = flatbuffers::Vector<flatbuffers::Offset<fb::StageTime>>;
 /// All unknown when absent: an older sensor.
 [[nodiscard]] Result<Devices> read_devices(const fb::Devices* table);
 
+[[nodiscard]] flatbuffers::Offset<fb::UpkeepState> pack_upkeep(flatbuffers::FlatBufferBuilder& fbb,
+                                                               const std::optional<UpkeepState>& upkeep);
+[[nodiscard]] Result<std::optional<UpkeepState>> read_upkeep(const fb::UpkeepState* table);
+
 }  // namespace biteline::wire

@@ -60,7 +60,7 @@ void wait_for_signal(const sigset_t& signals, const std::atomic<bool>& stream_ov
 class UnitCount {
  public:
   UnitCount(const std::optional<std::filesystem::path>& folder, const runtime::LaserWatch* laser,
-            const sensor::Streamer& streamer)
+            sensor::Streamer& streamer)
       : laser_{laser}, streamer_{streamer} {
     if (!folder) return;
     Result<upkeep::UpkeepKeeper> keeper = upkeep::UpkeepKeeper::open(*folder, upkeep::present_boot());
@@ -78,6 +78,7 @@ class UnitCount {
                             .head_degc = streamer_.head_degc(),
                             .frames = streamer_.frames()};
     keeper_->see(look);
+    streamer_.note_upkeep(figures(keeper_->upkeep()));
     if (keeper_->due()) write();
   }
 
@@ -88,13 +89,29 @@ class UnitCount {
   }
 
  private:
+  static wire::UpkeepState figures(const upkeep::Upkeep& upkeep) {
+    wire::UpkeepState state{.starts = upkeep.starts,
+                            .boots = upkeep.boots,
+                            .run_s = upkeep.run_s,
+                            .laser_s = upkeep.laser_s,
+                            .lightings = upkeep.lightings,
+                            .frames = upkeep.frames,
+                            .coldest_degc = {},
+                            .hottest_degc = {}};
+    if (upkeep.coldest_degc && upkeep.hottest_degc) {
+      state.coldest_degc = static_cast<float>(*upkeep.coldest_degc);
+      state.hottest_degc = static_cast<float>(*upkeep.hottest_degc);
+    }
+    return state;
+  }
+
   static void complain(const Error& error) {
     std::fprintf(stderr, "biteline-sensor: what the unit goes through is not counted: %s\n",
                  to_line(error).c_str());
   }
 
   const runtime::LaserWatch* laser_;
-  const sensor::Streamer& streamer_;
+  sensor::Streamer& streamer_;
   std::optional<upkeep::UpkeepKeeper> keeper_;
 };
 

@@ -404,6 +404,9 @@ wire::Health Streamer::health() const {
   health.devices = devices();
   health.pictures = picture_maker_.made();
   if (!kind_.recording) health.settings = settings_.state();
+  // Nothing while its writer is held up in the middle: what was told before stands.
+  if (const std::optional<wire::UpkeepState> upkeep = upkeep_.rt_load()) upkeep_told_ = upkeep;
+  health.upkeep = upkeep_told_;
   frames_ = frames_before_ + (scanner_ ? health.counters.frames : 0);
   if (laser_ == nullptr) {
     health.laser_reason = "there is no laser";

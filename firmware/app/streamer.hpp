@@ -12,6 +12,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/rt/latest_value.hpp"
 #include "firmware/app/picture_maker.hpp"
 #include "firmware/app/scanner.hpp"
 #include "firmware/app/settings_control.hpp"
@@ -73,6 +74,9 @@ class Streamer {
     return std::isfinite(now) ? std::optional{now} : std::nullopt;
   }
 
+  /// What the unit has been through, told on in the health.  One thread, any.
+  void note_upkeep(const wire::UpkeepState& upkeep) { upkeep_.rt_store(upkeep); }
+
  private:
   enum class State { Idle, Scanning, Ending };
 
@@ -122,6 +126,8 @@ class Streamer {
   mutable std::atomic<double> head_degc_{std::numeric_limits<double>::quiet_NaN()};
   mutable std::atomic<std::uint64_t> frames_{0};
   std::uint64_t frames_before_{0};  ///< of the scans that are over
+  rt::LatestValue<wire::UpkeepState> upkeep_;
+  mutable std::optional<wire::UpkeepState> upkeep_told_{};
   SensorClock::time_point light_asked_at_;
   SensorClock::time_point host_seen_at_;
   bool lit_{false};

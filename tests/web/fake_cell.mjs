@@ -65,6 +65,7 @@ export function made_view({ weak = true, found = true } = {}) {
   };
 }
 
+const upkeep = { starts: 12, boots: 3, run_s: 469800, laser_s: 51120, lightings: 512, frames: 3000000, coldest_degc: 18.5, hottest_degc: 46.25 };
 const passwords = { anna: 'correct horse', otto: 'battery staple', vera: 'only looking' };
 const schema = {
   type: 'object',
@@ -416,7 +417,7 @@ export class FakeCell {
     if (path === '/robots') return [200, { robots: [{ name: 'UR5e', address: '127.0.0.1', serial: '2022', connected: true, powered: true, remote: false, ready: false, words: 'not in remote control: switch it on the pendant' }] }];
     if (path === '/sensors') {
       return [200, {
-        sensors: [{ name: 'sensor', connected: true, scanning: false, laser: 'off', laser_reason: '', camera_connected: true, poses_flow: true, realtime: true, temperature_degc: 41.5, frames: 60593, frames_lost: 0, frames_damaged: 0, profiles: 60593, profiles_dropped: 2, messages_lost: 0, poses_lost: 0, overruns: 0, version: '0.1.0', fault: 'camera silent', next_step: 'look at its cable', clocks: [{ name: 'camera', known: true, offset_ns: 1234567, uncertainty_ns: 2100, drift_ppm: 3.2, steps: 0 }] }],
+        sensors: [{ name: 'sensor', connected: true, scanning: false, laser: 'off', laser_reason: '', camera_connected: true, poses_flow: true, realtime: true, temperature_degc: 41.5, frames: 60593, frames_lost: 0, frames_damaged: 0, profiles: 60593, profiles_dropped: 2, messages_lost: 0, poses_lost: 0, overruns: 0, version: '0.1.0', upkeep, fault: 'camera silent', next_step: 'look at its cable', clocks: [{ name: 'camera', known: true, offset_ns: 1234567, uncertainty_ns: 2100, drift_ppm: 3.2, steps: 0 }] }],
         disk: { free_bytes: 31e9, total_bytes: 64e9 },
       }];
     }
@@ -503,7 +504,7 @@ export const live = {
     const state = {
       name: 'head 3', version: '0.1.0', simulated: false, recording: false, scanning: true, laser: 'on', laser_reason: '',
       region_px: [100, 40, 640, 400], frames: 900, frames_lost: 1, frames_damaged: 0, profiles: 899, observers: 1,
-      triggered_by_software: false, temperature_degc: 41.5, rate_max_hz: 123.4, changes: 1,
+      triggered_by_software: false, temperature_degc: 41.5, rate_max_hz: 123.4, changes: 1, upkeep,
       trigger: { edges: 900, edges_missed: 1, edges_lost: 0, frames_paired: 899, frames_without_edge: 0 },
       settings: cell.settings,
     };

@@ -135,6 +135,10 @@ for (const [width, height, scheme] of [[390, 844, 'light'], [390, 844, 'dark'], 
     }
     if (name === 'scan') await one.page.getByText('Section across the line', { exact: true }).waitFor();
     if (name === 'processes') await one.page.getByText('passes every check', { exact: false }).waitFor();
+    if (name === 'devices' || name === 'sensor') {
+      for (const words of ['12 of the program, 3 of the machine', '130.5 h', '14.20 h in 512 times', '18.5 to 46.3 °C'])
+        await one.page.getByText(words, { exact: true }).waitFor();
+    }
     if (name === 'scans') await one.page.getByText('Share with a line').first().waitFor();
     await one.page.waitForTimeout(100);
     await wide_as_screen(one.page, title);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "host/apps/biteline-host/cockpit.hpp"
+#include "host/doors/control/upkeep.hpp"
 
 namespace biteline::service {
 namespace {
@@ -164,6 +165,7 @@ Json Cockpit::sensors() {
   }
   sensor["clocks"] = Json::array();
   for (const wire::ClockState& clock : health.devices.clocks) sensor["clocks"].push_back(clock_json(clock));
+  sensor["upkeep"] = health.upkeep ? control::to_json(*health.upkeep) : Json{};
   const bool fault = health.laser == wire::LaserState::Fault;
   sensor["fault"] = fault ? Json(health.laser_reason) : Json{};
   sensor["next_step"] = fault ? Json("remove the cause, then start again") : Json{};

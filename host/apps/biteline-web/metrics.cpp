@@ -45,23 +45,36 @@ void write_lamps(Exposition& out, const Json& lamps) {
 }
 
 struct SensorField {
+  std::string_view group;  ///< the object within the sensor's; empty: the sensor's own
   std::string_view field;
   std::string_view name;
   std::string_view type;
   std::string_view help;
 };
 constexpr std::array k_sensor_fields{
-    SensorField{"connected", "sensor_connected", "gauge", "1 while the sensor is heard."},
-    SensorField{"temperature_degc", "sensor_temperature_degc", "gauge", "Temperature of the camera [degC]."},
-    SensorField{"frames", "sensor_frames_total", "counter", "Frames taken."},
-    SensorField{"frames_lost", "sensor_frames_lost_total", "counter", "Frames lost."},
-    SensorField{"frames_damaged", "sensor_frames_damaged_total", "counter",
+    SensorField{"", "connected", "sensor_connected", "gauge", "1 while the sensor is heard."},
+    SensorField{"", "temperature_degc", "sensor_temperature_degc", "gauge",
+                "Temperature of the camera [degC]."},
+    SensorField{"", "frames", "sensor_frames_total", "counter", "Frames taken."},
+    SensorField{"", "frames_lost", "sensor_frames_lost_total", "counter", "Frames lost."},
+    SensorField{"", "frames_damaged", "sensor_frames_damaged_total", "counter",
                 "Frames that the driver marked bad."},
-    SensorField{"profiles", "sensor_profiles_total", "counter", "Profiles made."},
-    SensorField{"profiles_dropped", "sensor_profiles_dropped_total", "counter", "Profiles dropped."},
-    SensorField{"messages_lost", "sensor_messages_lost_total", "counter", "Messages lost on the way."},
-    SensorField{"poses_lost", "sensor_poses_lost_total", "counter", "Robot poses lost."},
-    SensorField{"overruns", "sensor_overruns_total", "counter", "Frames processed late."},
+    SensorField{"", "profiles", "sensor_profiles_total", "counter", "Profiles made."},
+    SensorField{"", "profiles_dropped", "sensor_profiles_dropped_total", "counter", "Profiles dropped."},
+    SensorField{"", "messages_lost", "sensor_messages_lost_total", "counter", "Messages lost on the way."},
+    SensorField{"", "poses_lost", "sensor_poses_lost_total", "counter", "Robot poses lost."},
+    SensorField{"", "overruns", "sensor_overruns_total", "counter", "Frames processed late."},
+    SensorField{"upkeep", "starts", "sensor_starts_total", "counter", "Starts of the sensor's program."},
+    SensorField{"upkeep", "boots", "sensor_boots_total", "counter", "Boots of the unit."},
+    SensorField{"upkeep", "run_s", "sensor_run_seconds_total", "counter", "The sensor's program ran [s]."},
+    SensorField{"upkeep", "laser_s", "sensor_laser_seconds_total", "counter", "The laser was on [s]."},
+    SensorField{"upkeep", "lightings", "sensor_lightings_total", "counter", "The laser went on."},
+    SensorField{"upkeep", "frames", "sensor_unit_frames_total", "counter",
+                "Frames since the unit was first started."},
+    SensorField{"upkeep", "coldest_degc", "sensor_coldest_degc", "gauge",
+                "Coldest that the head has been [degC]."},
+    SensorField{"upkeep", "hottest_degc", "sensor_hottest_degc", "gauge",
+                "Hottest that the head has been [degC]."},
 };
 
 void write_sensors(Exposition& out, const Json& body) {
@@ -70,7 +83,7 @@ void write_sensors(Exposition& out, const Json& body) {
   for (const SensorField& field : k_sensor_fields) {
     bool headed = false;
     for (const Json& sensor : sensors) {
-      const Json* number = number_in(sensor, field.field);
+      const Json* number = number_in(field.group.empty() ? sensor : part(sensor, field.group), field.field);
       if (number == nullptr) continue;
       if (!headed) out.head(field.name, field.type, field.help);
       headed = true;

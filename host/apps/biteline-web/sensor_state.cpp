@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/settings/settings.hpp"
+#include "host/doors/control/upkeep.hpp"
 #include "host/records/report/json_text.hpp"
 
 namespace biteline::web {
@@ -93,6 +94,7 @@ std::string sensor_state(const wire::SensorHello& sensor, const wire::Health& he
   if (health.devices.trigger) json["trigger"] = trigger_json(*health.devices.trigger);
   if (health.devices.capture && health.devices.capture->rate_max_hz > 0)
     json["rate_max_hz"] = health.devices.capture->rate_max_hz;
+  if (health.upkeep) json["upkeep"] = control::to_json(*health.upkeep);
   if (!health.settings) return report::to_text(json);
   if (health.settings->rate_max_hz > 0) json["rate_max_hz"] = health.settings->rate_max_hz;
   json["changes"] = health.settings->changes;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The API as openapi.yaml describes it.
+import type { Upkeep } from './upkeep';
 
 export type Role = 'viewer' | 'operator' | 'engineer' | 'administrator';
 export const roles: Role[] = ['viewer', 'operator', 'engineer', 'administrator'];
@@ -154,6 +155,7 @@ export interface Sensor {
   name: string;
   connected: boolean;
   clocks?: Clock[];
+  upkeep?: Upkeep | null;
   fault?: string | null;
   next_step?: string | null;
   [key: string]: unknown;

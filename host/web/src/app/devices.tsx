@@ -7,6 +7,7 @@ import type { Disk, Robot, Sensor } from './api';
 import { MountedCard } from './mounted';
 import { Chart, Failure, Figures, Table } from './parts';
 import { use_reading, use_store } from './store';
+import { upkeep_rows } from './upkeep';
 
 const figures = [
   'frames',
@@ -105,6 +106,7 @@ export function Devices(): JSX.Element {
                     sensor[name] === undefined ? '–' : Number(sensor[name]).toLocaleString(),
                   ] as [string, string],
               ),
+              ...upkeep_rows(sensor.upkeep),
               [t('version'), String(sensor.version ?? '–')],
             ]}
           />

@@ -15,6 +15,7 @@ import {
   measure,
 } from './sensor_picture';
 import { type Setting, SensorSettings } from './sensor_settings';
+import { type Upkeep, upkeep_rows } from './upkeep';
 
 export interface SensorState {
   name: string;
@@ -34,6 +35,7 @@ export interface SensorState {
   rate_max_hz?: number;
   changes?: number;
   trigger?: { edges: number; edges_missed: number; frames_without_edge: number };
+  upkeep?: Upkeep;
   settings?: Setting[];
 }
 
@@ -192,6 +194,7 @@ export function Sensor(): JSX.Element {
                 ? t('trigger_counts', { edges: state.trigger.edges, missed: state.trigger.edges_missed })
                 : t(state.triggered_by_software ? 'trigger_software' : 'trigger_untied'),
             ],
+            ...upkeep_rows(state.upkeep),
           ]}
         />
       )}

@@ -167,6 +167,30 @@ TEST(Messages, SettingsGoAlongWholeAndWithTheirLines) {
   CHECK(decode(packet).error().code == Errc::ProtocolError);
 }
 
+TEST(Messages, WhatTheUnitHasBeenThroughComesBack) {
+  CHECK(!round_trip(Health{}).upkeep);
+  Health health;
+  health.upkeep = UpkeepState{.starts = 12,
+                              .boots = 3,
+                              .run_s = 469800,
+                              .laser_s = 51120.5,
+                              .lightings = 512,
+                              .frames = 3000000000,
+                              .coldest_degc = {},
+                              .hottest_degc = {}};
+  const UpkeepState dark = round_trip(health).upkeep.value();
+  CHECK(dark.starts == 12 && dark.boots == 3 && dark.lightings == 512 && dark.frames == 3000000000);
+  CHECK(dark.run_s == 469800 && dark.laser_s == 51120.5 && !dark.coldest_degc && !dark.hottest_degc);
+  health.upkeep->coldest_degc = -3.5F;
+  health.upkeep->hottest_degc = 46.25F;
+  const UpkeepState warm = round_trip(health).upkeep.value();
+  CHECK(warm.coldest_degc == -3.5F && warm.hottest_degc == 46.25F);
+  health.upkeep->hottest_degc = std::numeric_limits<float>::infinity();
+  FAILS_NAMING(Errc::ProtocolError, "temperature", decode(bytes_of({.body = health})));
+  health.upkeep = UpkeepState{.laser_s = -1, .coldest_degc = {}, .hottest_degc = {}};
+  FAILS_NAMING(Errc::ProtocolError, "upkeep", decode(bytes_of({.body = health})));
+}
+
 TEST(Messages, HealthAndEndCarryCountersAndStages) {
   Health health;
   health.counters.frames = 1;

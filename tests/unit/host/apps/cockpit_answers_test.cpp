@@ -90,6 +90,25 @@ TEST(CockpitAnswers, LampsAndSensorTellEachStateOfTheLaser) {
   }
 }
 
+TEST(CockpitAnswers, WhatTheUnitHasBeenThroughIsToldWhereItCounts) {
+  sut->hear(wire::SensorHello{});
+  wire::Health health;
+  sut->hear(health);
+  CHECK(ask("GET", "/sensors")["sensors"][0]["upkeep"].is_null());
+  health.upkeep = wire::UpkeepState{
+      .starts = 12, .boots = 3, .run_s = 7200, .laser_s = 90.5, .coldest_degc = {}, .hottest_degc = {}};
+  sut->hear(health);
+  Json upkeep = ask("GET", "/sensors")["sensors"][0]["upkeep"];
+  LONGS_EQUAL(12, upkeep["starts"].get<int>());
+  DOUBLES_EQUAL(90.5, upkeep["laser_s"].get<double>(), 0);
+  CHECK(upkeep["hottest_degc"].is_null());
+  health.upkeep->coldest_degc = 18.0F;
+  health.upkeep->hottest_degc = 46.5F;
+  sut->hear(health);
+  upkeep = ask("GET", "/sensors")["sensors"][0]["upkeep"];
+  DOUBLES_EQUAL(46.5, upkeep["hottest_degc"].get<double>(), 0);
+}
+
 TEST(CockpitAnswers, RobotsProgressModelAndHolderAreTold) {
   robot::ur::ControllerWords words;
   words.serial = "20225500123";

@@ -173,6 +173,10 @@ TEST(LiveMessages, SensorTellsWhatItRunsWithAndWhatEachKeyMayBe) {
   LONGS_EQUAL(1, exposure.at("range").at(0).get<int>());
   CHECK(json.at("settings").at(4).at("now").is_null());
   LONGS_EQUAL(16, json.at("settings").size());
+  CHECK(!json.contains("upkeep"));
+  health.upkeep = wire::UpkeepState{.lightings = 512, .coldest_degc = {}, .hottest_degc = {}};
+  LONGS_EQUAL(512,
+              nlohmann::json::parse(sensor_state(sensor, health)).at("upkeep").at("lightings").get<int>());
   // A broken set takes nothing else with it.
   health.settings->text = "camera: [";
   CHECK(!nlohmann::json::parse(sensor_state(sensor, health)).contains("settings"));

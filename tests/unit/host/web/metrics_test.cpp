@@ -15,12 +15,18 @@ TEST_GROUP(Metrics){};
 TEST(Metrics, EveryLineIsOfTheTextForm) {
   const Json state{{"lamps", {{"laser", {{"level", "ok"}, {"words", "off"}}}}},
                    {"cycle", {{"last_s", 19.5}}}};
-  const Json sensors{{"sensors", {{{"name", "a\"b\\c\nd"}, {"connected", true}, {"frames", 12}}}},
-                     {"disk", {{"free_bytes", 5000000000}}}};
+  const Json upkeep{{"starts", 4}, {"laser_s", 90.5}, {"frames", 800}, {"hottest_degc", nullptr}};
+  const Json sensors{
+      {"sensors", {{{"name", "a\"b\\c\nd"}, {"connected", true}, {"frames", 12}, {"upkeep", upkeep}}}},
+      {"disk", {{"free_bytes", 5000000000}}}};
   const std::string text = metrics_text({.requests = 7}, state, sensors);
   STRCMP_CONTAINS("biteline_lamp{lamp=\"laser\",level=\"ok\"} 1\n", text.c_str());
   STRCMP_CONTAINS("biteline_cycle_seconds 19.5\n", text.c_str());
   STRCMP_CONTAINS("biteline_sensor_frames_total{sensor=\"a\\\"b\\\\c\\nd\"} 12\n", text.c_str());
+  STRCMP_CONTAINS("biteline_sensor_laser_seconds_total{sensor=\"a\\\"b\\\\c\\nd\"} 90.5\n", text.c_str());
+  STRCMP_CONTAINS("biteline_sensor_starts_total{", text.c_str());
+  STRCMP_CONTAINS("biteline_sensor_unit_frames_total{sensor=\"a\\\"b\\\\c\\nd\"} 800\n", text.c_str());
+  CHECK(text.find("hottest") == std::string::npos);
   STRCMP_CONTAINS("biteline_disk_free_bytes 5000000000\n", text.c_str());
   STRCMP_CONTAINS("biteline_web_requests_total 7\n", text.c_str());
   const std::regex form{
