@@ -96,11 +96,15 @@ std::optional<memory::Scan> row_of(const fs::path& folder) {
     const auto check = report.find("calibration_check");
     const bool drifted =
         check != report.end() && check->is_object() && text_of(*check, "status") == "drifted";
-    scan.verdict = scan.weak_stretches > 0 || scan.line_version > 0 || drifted ? "amber" : "ok";
-    if (drifted) {
-      scan.reason_code = text_of(*check, "reason_code");
-      scan.reason = text_of(*check, "words");
-      scan.next_step = text_of(*check, "next_step");
+    const auto prior = report.find("prior");
+    const bool off_mended = prior != report.end() && prior->is_object() && prior->contains("reason_code");
+    const bool amber = scan.weak_stretches > 0 || scan.line_version > 0 || drifted || off_mended;
+    scan.verdict = amber ? "amber" : "ok";
+    if (drifted || off_mended) {
+      const Json& told = drifted ? *check : *prior;
+      scan.reason_code = text_of(told, "reason_code");
+      scan.reason = text_of(told, "words");
+      scan.next_step = text_of(told, "next_step");
     }
     take_line(folder / "line.csv", scan);
     const Json plan = read_json(folder / "path/report.json");

@@ -6,6 +6,7 @@
 #include "common/system/user_name.hpp"
 #include "host/apps/biteline-host/attempt.hpp"
 #include "host/apps/biteline-host/calibration_check.hpp"
+#include "host/apps/biteline-host/prior_step.hpp"
 #include "host/apps/biteline-host/recognise.hpp"
 #include "host/apps/biteline-host/scan_row.hpp"
 #include "host/apps/biteline-host/service.hpp"
@@ -156,7 +157,12 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
   BITELINE_TRY(choose_process(chosen));
   cockpit_->show_model(chosen.model, chosen.probability, chosen.process_name);
   if (found.line) {
-    if (alignment) chosen.places = places_of(*found.line, sample.line, alignment->T_upper_sample);
+    BITELINE_ASSIGN(
+        found, heed_mended_model(
+                   scan.folder, std::move(found), outcome.cloud,
+                   {.name = chosen.model, .sample = sample, .on_scan = alignment ? &*alignment : nullptr}));
+    if (alignment && found.line)
+      chosen.places = places_of(*found.line, sample.line, alignment->T_upper_sample);
     return found;
   }
   // An upper without its sole: the model's line is carried over.
@@ -313,6 +319,9 @@ Result<ExitStatus> Service::work_named(Unnamed unnamed, const std::string& model
       const Carrier carrier{.name = model, .sample = std::move(*sample), .options = {}};
       BITELINE_ASSIGN(line, carry_line(folder, carrier, unnamed.outcome, hash_of(chosen.release)));
       check_own_calibration(scan, unnamed.outcome);
+    } else {
+      BITELINE_ASSIGN(line, heed_mended_model(folder, std::move(line), unnamed.outcome.cloud,
+                                              {.name = model, .sample = *sample}));
     }
     if (line.line && robot_) return work_out_path(scan, unnamed.outcome, line);
     end_recording(scan.intake, line.status);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "common/core/fixed_text.hpp"
 
@@ -101,8 +102,9 @@ Text rivalled_text(const Layers& layers, double share) {
       100 * share, longest->crease.mean_height_mm, layers.line.mean_height_mm);
 }
 
-JudgedPath judged(const Crease& crease, double confidence) {
-  return {.confidence = confidence,
+JudgedPath judged(const Crease& crease, bool passes, double confidence) {
+  return {.passes = passes,
+          .confidence = confidence,
           .row = crease.row,
           .mean_height_mm = crease.mean_height_mm,
           .closure_mm = crease.closure_mm,
@@ -110,13 +112,13 @@ JudgedPath judged(const Crease& crease, double confidence) {
           .seen_share = crease.seen_share};
 }
 
-}  // namespace
+double percent(double share) {
+  return 100.0 * share;
+}
 
-Decision decide(const Layers& layers, const PlanShape& plan, double min_confidence) {
-  const Crease& line = layers.line;
+/// The gates that look at one crease alone.
+auto own_gates(const Crease& line, const PlanShape& plan) {
   constexpr ShoeOutlines shoes{};
-  const double rivalled = share_below_half(layers.hold);
-  const auto percent = [](double share) { return 100.0 * share; };
   const Text all_round = Text::format(
       "no crease all the way round: the best path shows one on %.0f %% of its length, its longest gap is "
       "%.0f mm, "
@@ -124,7 +126,7 @@ Decision decide(const Layers& layers, const PlanShape& plan, double min_confiden
       percent(line.visible_share), line.longest_gap_mm, line.median_turn_rad / k_deg);
   // Where hardly a crease is there at all, the path may lie wherever nothing was seen.
   const bool worth_seeing = line.visible_share > 0.7 * line.seen_share && line.visible_share > 0.3;
-  const std::array gates{
+  return std::array{
       Gate{Refused::NotAShoe, -distance_to_shoes(plan, shoes), -shoes.limit, shoes.softness,
            Text::format(
                "not a shoe: its outline is broadest at %.2f of its length (shoes: about %.2f), and over that "
@@ -161,15 +163,31 @@ Decision decide(const Layers& layers, const PlanShape& plan, double min_confiden
                "no bite line: the crease at a mean height of %.1f mm lies within one surface, which goes "
                "on below it as above, and not between a sole and an upper",
                line.mean_height_mm)},
+      Gate{Refused::DoesNotClose, -line.closure_mm, -k_most_closure_mm, 0.5,
+           Text::format("the crease does not close: its ends lie %.1f mm apart in height", line.closure_mm)},
+  };
+}
+
+bool all_pass(std::span<const Gate> gates) {
+  return std::ranges::all_of(gates, [](const Gate& gate) { return gate.sure() >= 0.5; });
+}
+
+}  // namespace
+
+Decision decide(const Layers& layers, const PlanShape& plan, double min_confidence) {
+  const Crease& line = layers.line;
+  const double rivalled = share_below_half(layers.hold);
+  const auto own = own_gates(line, plan);
+  const std::array beside_others{
       Gate{
           Refused::CutIntoSole, -cut_into_sole(layers), -0.5, 0.12,
           Text::format("no bite line: the crease at a mean height of %.1f mm belongs to the sole, whose edge "
                        "shows above it but less plainly",
                        line.mean_height_mm)},
-      Gate{Refused::DoesNotClose, -line.closure_mm, -k_most_closure_mm, 0.5,
-           Text::format("the crease does not close: its ends lie %.1f mm apart in height", line.closure_mm)},
       Gate{Refused::Rivalled, -rivalled, -k_most_rivalled_share, 0.01, rivalled_text(layers, rivalled)},
   };
+  std::vector<Gate> gates{own.begin(), own.end()};
+  gates.insert(gates.end(), beside_others.begin(), beside_others.end());
 
   Decision decision;
   decision.of_line = 1;
@@ -191,9 +209,10 @@ Decision decide(const Layers& layers, const PlanShape& plan, double min_confiden
     decision.refusal = Refusal{.code = no->code, .reason = no->reason.c_str()};
     decision.confidence = std::min({decision.confidence, no->sure(), 0.99 * min_confidence});
   }
-  decision.paths.push_back(judged(line, decision.confidence));
+  decision.paths.push_back(judged(line, all_pass(own), decision.confidence));
   for (const Rival& rival : layers.rivals)
-    decision.paths.push_back(judged(rival.crease, std::min(1 - decision.of_line, 0.99 * min_confidence)));
+    decision.paths.push_back(judged(rival.crease, all_pass(own_gates(rival.crease, plan)),
+                                    std::min(1 - decision.of_line, 0.99 * min_confidence)));
   return decision;
 }
 

@@ -14,6 +14,7 @@ namespace biteline::bite_line {
 
 /// A closed path that was judged.
 struct JudgedPath {
+  bool passes{false};       ///< every gate that looks at it alone, and not at what else the line could be
   double confidence{0};     ///< 0 to 1
   std::vector<double> row;  ///< per column, in rows of the side's grid
   double mean_height_mm{0};

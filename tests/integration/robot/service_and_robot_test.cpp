@@ -6,6 +6,8 @@
 #include <numbers>
 #include <sstream>
 
+#include "host/cloud/closed_line.hpp"
+#include "host/transfer/library.hpp"
 #include "tests/integration/robot/service_with_arm.hpp"
 
 namespace biteline {
@@ -79,6 +81,36 @@ TEST(ServiceAndRobot, PathBeginsAtTheTurnOfTheBaseWhereTheArmStood) {
     begun_rad.push_back(first_base_rad(scan / "path/path.csv"));
   }
   DOUBLES_EQUAL(2 * std::numbers::pi, begun_rad[1] - begun_rad[0], 1e-6);
+}
+
+TEST(ServiceAndRobot, LineThatLiesOffTheModelsMendedOneIsTold) {
+  const fs::path sample = leave_scan("scan-0001");
+  ChildProcess first = start(sending(k_no_sensor), {"--once"});
+  static_cast<void>(end_of(first));
+  // A model whose line a person has put 3 mm higher over 60 points: on no crease that the scan shows.
+  auto line = cloud::read_line(sample / "line.csv");
+  SUCCEEDS(line);
+  for (std::size_t i = 100; i < 160; ++i) {
+    line->points[i].position.z() += 3;
+    line->points[i].source = cloud::PointSource::Mended;
+    line->points[i].u95_mm = 0.5;
+  }
+  SUCCEEDS(cloud::write_line(sample / "line.csv", *line));
+  SUCCEEDS(transfer::Library{folder.path() / "models"}.save("boot", sample));
+
+  const fs::path scan = leave_scan("scan-0002");
+  ChildProcess second =
+      start(sending(k_no_sensor), {"--once", "--models", "--library", (folder.path() / "models").string()});
+  STRCMP_CONTAINS("off the mended line of boot", end_of(second).second.c_str());
+  const nlohmann::json prior = report_of(scan)["prior"];
+  STRCMP_EQUAL("line_off_mended", prior.value("reason_code", "").c_str());
+  LONGS_EQUAL(1, prior.value("candidate", 0));
+  DOUBLES_EQUAL(3, prior.value("most_mm", 0.0), 0.8);
+  CHECK(prior.value("beyond_mm", 0.0) > 10);
+  // Told, and the line stays as the scan shows it.
+  const auto found = cloud::read_line(scan / "line.csv");
+  SUCCEEDS(found);
+  for (const cloud::LinePoint& point : found->points) CHECK(point.source != cloud::PointSource::Mended);
 }
 
 TEST(ServiceAndRobot, ArmInLocalControlOrAnotherArmIsSentNothing) {

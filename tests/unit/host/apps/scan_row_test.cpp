@@ -110,7 +110,7 @@ TEST(ScanRow, PlacesAreSignedDistancesToTheModelsLine) {
 }
 
 TEST(ScanRow, EachRefusalOfTheServiceHasItsWords) {
-  test::check_refusal_table(Refused::CalibrationDrifted);
+  test::check_refusal_table(Refused::LineOffMended);
 }
 
 }  // namespace biteline::service

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+#include "host/apps/biteline-host/prior_step.hpp"
+
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "common/core/fixed_text.hpp"
+#include "common/system/file.hpp"
+#include "host/apps/biteline-host/refused.hpp"
+#include "host/bite_line/mend/prior.hpp"
+#include "host/records/report/json_text.hpp"
+#include "host/records/report/report.hpp"
+#include "host/records/results/mended_result.hpp"
+
+namespace biteline::service {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using Text = FixedText<240>;
+
+Result<transfer::Alignment> align_model(const transfer::SampleFiles& sample, const cloud::PointCloud& cloud) {
+  BITELINE_ASSIGN(const transfer::Sample prepared, transfer::prepare_sample(sample.cloud, sample.line));
+  BITELINE_ASSIGN(const transfer::Upper upper, transfer::prepare_upper(cloud));
+  return transfer::align(prepared, upper, {});
+}
+
+cloud::ClosedLine placed(const cloud::ClosedLine& line, const SE3& T_scan_model) {
+  cloud::ClosedLine out = line;
+  for (cloud::LinePoint& point : out.points) {
+    point.position = T_scan_model * point.position;
+    point.normal = T_scan_model.linear() * point.normal;
+    point.tangent = T_scan_model.linear() * point.tangent;
+  }
+  return out;
+}
+
+Json json_of(const std::string& model, const mend::OffPrior& off, int candidate) {
+  return {{"model", model},
+          {"candidate", candidate},
+          {"mean_mm", off.mean_mm},
+          {"most_mm", off.most_mm},
+          {"u95_mm", off.u95_mm},
+          {"most_at", {off.most_at.x(), off.most_at.y(), off.most_at.z()}},
+          {"beyond_mm", off.beyond_mm}};
+}
+
+/// `prior` in the scan's report; what it says, on stdout.
+Result<void> tell(const fs::path& folder, Json prior, const std::string& words) {
+  say_step("%s", words.c_str());
+  prior["words"] = words;
+  BITELINE_ASSIGN(const std::string text, read_regular_file(folder / "report.json", k_most_settings_bytes));
+  Json report = Json::parse(text, nullptr, false);
+  if (!report.is_object())
+    return fail(Errc::FileUnreadable, "%s is no report", (folder / "report.json").c_str());
+  report["prior"] = std::move(prior);
+  return report::write_file_atomically(folder / "report.json", report::to_text(report) + "\n");
+}
+
+/// The line as found, or the candidate that is nearer, as a new version.
+Result<int> take_nearest(const fs::path& folder, const cloud::PointCloud& cloud,
+                         const cloud::ClosedLine& prior, const std::string& model, LineStep& line) {
+  const mend::OrRefusal<mend::Surface> surface = mend::Surface::of(cloud);
+  if (!surface) return 1;
+  const int candidate = mend::nearest_candidate(*surface, prior);
+  if (candidate == 1) return 1;
+  report::Report report;
+  const results::MendOrder order{
+      .steps = {{.kind = mend::Step::Kind::Candidate, .candidate = candidate}},
+      .who = "model " + model,
+      .why = "nearest to the model's mended line of the candidates that pass their gates"};
+  BITELINE_ASSIGN(const mend::OrRefusal<results::MendedScan> taken,
+                  results::mend_scan(folder, order, report));
+  if (!taken) return 1;
+  line = {.status = taken->status, .confidence = taken->confidence, .line = {}};
+  if (taken->status == ExitStatus::Done) line.line = taken->line;
+  say_step("%s", taken->words.c_str());
+  return candidate;
+}
+
+}  // namespace
+
+Result<LineStep> heed_mended_model(const fs::path& folder, LineStep found, const cloud::PointCloud& cloud,
+                                   const MendedModel& model) {
+  if (!found.line || !mend::is_mended(model.sample.line)) return found;
+  const Result<transfer::Alignment> alignment =
+      model.on_scan ? Result<transfer::Alignment>{*model.on_scan} : align_model(model.sample, cloud);
+  if (!alignment || !alignment->accepted()) {
+    const std::string why = alignment ? alignment->reason : to_line(alignment.error());
+    BITELINE_TRY(
+        tell(folder, {{"model", model.name}}, "the mended line of " + model.name + " has no say: " + why));
+    return found;
+  }
+  const cloud::ClosedLine prior = placed(model.sample.line, alignment->T_upper_sample);
+  mend::OffPrior off = mend::off_prior(*found.line, prior, alignment->line_sigma_mm);
+  int candidate = 1;
+  if (off.beyond_mm > 0) {
+    BITELINE_ASSIGN(candidate, take_nearest(folder, cloud, prior, model.name, found));
+    if (candidate > 1 && found.line) off = mend::off_prior(*found.line, prior, alignment->line_sigma_mm);
+  }
+  Json prior_json = json_of(model.name, off, candidate);
+  Text words = Text::format("the line keeps to the mended line of %.64s: %.2f mm off at most",
+                            model.name.c_str(), off.most_mm);
+  if (off.beyond_mm > 0) {
+    words = Text::format(
+        "the line lies up to %.1f mm off the mended line of %.64s, where the difference is known to %.1f mm, "
+        "and %.0f mm of it beyond what is known",
+        off.most_mm, model.name.c_str(), off.u95_mm, off.beyond_mm);
+    const report::ToldRefusal told =
+        report::told(Refusal{.code = Refused::LineOffMended, .reason = words.c_str()});
+    prior_json["reason_code"] = told.reason_code;
+    prior_json["next_step"] = told.next_step;
+  }
+  BITELINE_TRY(tell(folder, std::move(prior_json), words.c_str()));
+  return found;
+}
+
+}  // namespace biteline::service
