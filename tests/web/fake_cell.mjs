@@ -454,15 +454,15 @@ export const live = {
     return bytes;
   },
   cloud(scan, count) {
-    const bytes = Buffer.alloc(9 + 12 * count);
+    const bytes = Buffer.alloc(9 + 20 * count);
     bytes[0] = 3;
     bytes.writeUInt32LE(scan, 1);
     bytes.writeUInt32LE(count, 5);
     for (let i = 0; i < count; ++i) {
       const a = (2 * Math.PI * i) / 500;
-      bytes.writeFloatLE(400 + 140 * Math.cos(a), 9 + 12 * i);
-      bytes.writeFloatLE(50 * Math.sin(a), 13 + 12 * i);
-      bytes.writeFloatLE(i / 100, 17 + 12 * i);
+      [400 + 140 * Math.cos(a), 50 * Math.sin(a), i / 100, i % 50 === 0 ? Number.NaN : 0.2 * Math.sin(3 * a), 0.02 + 0.02 * Math.cos(a)].forEach((v, k) => {
+        bytes.writeFloatLE(v, 9 + 20 * i + 4 * k);
+      });
     }
     return bytes;
   },

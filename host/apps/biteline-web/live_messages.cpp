@@ -90,11 +90,15 @@ LiveBytes profile_message(const profile::Profile& profile) {
   return out.done();
 }
 
-LiveBytes cloud_message(std::uint32_t scan, std::span<const Eigen::Vector3f> points_base) {
-  Writer out{LiveKind::Cloud, 8 + 12 * points_base.size()};
+LiveBytes cloud_message(std::uint32_t scan, std::span<const LivePoint> points) {
+  Writer out{LiveKind::Cloud, 8 + 20 * points.size()};
   out.put(scan);
-  out.put(static_cast<std::uint32_t>(points_base.size()));
-  for (const Eigen::Vector3f& point : points_base) out.put(point);
+  out.put(static_cast<std::uint32_t>(points.size()));
+  for (const LivePoint& point : points) {
+    out.put(point.point_base);
+    out.put(point.curvature_per_mm);
+    out.put(point.sigma_mm);
+  }
   return out.done();
 }
 

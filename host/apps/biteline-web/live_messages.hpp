@@ -44,8 +44,12 @@ struct LiveStamp {
 /// x and z of each point in the camera's frame [mm]; the flag's low byte is what the page colours by.
 [[nodiscard]] LiveBytes profile_message(const profile::Profile& profile);
 
-/// Points in the base frame [mm].
-[[nodiscard]] LiveBytes cloud_message(std::uint32_t scan, std::span<const Eigen::Vector3f> points_base);
+struct LivePoint {
+  Eigen::Vector3f point_base;  ///< mm
+  float curvature_per_mm{0};   ///< of its profile, concave above 0; NaN: unknown
+  float sigma_mm{0};           ///< of its place in the picture, see ProfilePoint
+};
+[[nodiscard]] LiveBytes cloud_message(std::uint32_t scan, std::span<const LivePoint> points);
 
 [[nodiscard]] LiveBytes line_message(const cloud::ClosedLine& line);  ///< u95 is NaN where it is not known
 

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "common/wire/observer.hpp"
+#include "host/apps/biteline-web/profile_curvature.hpp"
 #include "host/apps/biteline-web/routes.hpp"
 #include "host/apps/biteline-web/sensor_state.hpp"
 #include "host/cloud/closed_line.hpp"
@@ -20,20 +21,23 @@ LiveBytes CloudPieces::add(std::uint64_t scan, const profile::Profile& profile) 
   if (scan != scan_) {
     scan_ = scan;
     profiles_ = 0;
-    points_base_.clear();
+    points_.clear();
   }
   if ((profile.header.flags & profile::k_profile_not_usable) == 0) {
     const SE3 T_base_cam = profile.header.T_base_flange * *T_flange_cam_;
     const std::size_t step = 1 + profile.points.size() / k_points_a_profile;
+    const std::vector<float> curvature = profile_curvature(profile.points);
     for (std::size_t i = 0; i < profile.points.size(); i += step) {
       const profile::ProfilePoint& point = profile.points[i];
       if ((point.flags & profile::k_point_not_surface) != 0) continue;
-      points_base_.emplace_back((T_base_cam * point.point_cam.cast<double>()).cast<float>());
+      points_.push_back({.point_base = (T_base_cam * point.point_cam.cast<double>()).cast<float>(),
+                         .curvature_per_mm = curvature[i],
+                         .sigma_mm = point.sigma_mm});
     }
   }
-  if (++profiles_ < k_profiles_a_piece || points_base_.empty()) return nullptr;
-  LiveBytes piece = cloud_message(static_cast<std::uint32_t>(scan), points_base_);
-  points_base_.clear();
+  if (++profiles_ < k_profiles_a_piece || points_.empty()) return nullptr;
+  LiveBytes piece = cloud_message(static_cast<std::uint32_t>(scan), points_);
+  points_.clear();
   profiles_ = 0;
   return piece;
 }

@@ -44,7 +44,7 @@ class CloudPieces {
 
  private:
   std::optional<SE3> T_flange_cam_;
-  std::vector<Eigen::Vector3f> points_base_;
+  std::vector<LivePoint> points_;
   std::uint64_t scan_{0};
   int profiles_{0};
 };

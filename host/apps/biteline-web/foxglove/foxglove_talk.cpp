@@ -4,6 +4,7 @@
 #include <google/protobuf/descriptor.pb.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 #include "common/core/base64.hpp"
@@ -67,9 +68,10 @@ std::string points_message(const std::string& bytes, std::uint64_t now_ns) {
   cloud.set_frame_id("base");
   cloud.mutable_pose()->mutable_position();
   cloud.mutable_pose()->mutable_orientation()->set_w(1);
-  cloud.set_point_stride(3 * sizeof(float));
+  constexpr std::size_t k_stride = 5 * sizeof(float);
+  cloud.set_point_stride(k_stride);
   std::uint32_t offset = 0;
-  for (const char* name : {"x", "y", "z"}) {
+  for (const char* name : {"x", "y", "z", "curvature", "sigma"}) {
     foxglove::PackedElementField& field = *cloud.add_fields();
     field.set_name(name);
     field.set_offset(offset);
@@ -77,11 +79,13 @@ std::string points_message(const std::string& bytes, std::uint64_t now_ns) {
     offset += sizeof(float);
   }
   std::string data = bytes.substr(k_cloud_begin);
-  for (std::size_t at = 0; at + sizeof(float) <= data.size(); at += sizeof(float)) {
-    float value = 0;
-    std::memcpy(&value, data.data() + at, sizeof value);
-    value = static_cast<float>(value * k_metres_a_mm);
-    std::memcpy(data.data() + at, &value, sizeof value);
+  // In metres, and 1/m.
+  for (std::size_t at = 0; at + k_stride <= data.size(); at += k_stride) {
+    std::array<float, 5> point{};
+    std::memcpy(point.data(), data.data() + at, sizeof point);
+    constexpr auto k_scale = static_cast<float>(k_metres_a_mm);
+    for (std::size_t i = 0; i < point.size(); ++i) point.at(i) *= i == 3 ? 1 / k_scale : k_scale;
+    std::memcpy(data.data() + at, point.data(), sizeof point);
   }
   cloud.set_data(std::move(data));
   return cloud.SerializeAsString();

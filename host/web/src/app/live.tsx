@@ -2,6 +2,7 @@
 // What the cell does now: lamps, picture, profile, cloud, and what waits for a person.
 import type { JSX } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
+import { type Scale, gradient } from '../viewer/colours';
 import { amount, number, t, t_or } from '../words';
 import { type Model, type ScanRow, call } from './api';
 import { Fresh } from './fresh';
@@ -56,12 +57,35 @@ function draw_profile(canvas: HTMLCanvasElement, xz_mm: Float32Array, flags: Uin
   );
 }
 
+/// What the colours of the points mean.
+function ColourScale({ by, scale }: { by: LiveColour; scale: Scale | null }): JSX.Element | null {
+  if (by !== 'time' && !scale) return null;
+  const digits = by === 'height' ? 0 : 1;
+  const low = scale ? number(scale.low, digits) : t('colour_time_first');
+  const high = scale ? `${number(scale.high, digits)} ${scale.unit}` : t('colour_time_last');
+  return (
+    <span class="colour-scale">
+      {low} <span class="gradient" style={{ background: gradient }} aria-hidden="true" /> {high}
+      {by === 'curvature' && ` (${t('colour_curvature_words')})`}
+      {by === 'uncertainty' && ` (${t('colour_sigma_words')})`}
+    </span>
+  );
+}
+
 function LivePictures(): JSX.Element {
   const picture = useRef<HTMLImageElement>(null);
   const profile = useRef<HTMLCanvasElement>(null);
   const box = useRef<HTMLDivElement>(null);
   const scene = useRef<LiveScene | null>(null);
-  const [seen, set_seen] = useState({ picture: -1, profile: -1, empty: -1, points: 0, line: 0, tip: '' });
+  const [seen, set_seen] = useState({
+    picture: -1,
+    profile: -1,
+    empty: -1,
+    points: 0,
+    line: 0,
+    tip: '',
+    scale: null as Scale | null,
+  });
   const [without, set_without] = useState('');
   const [colour, set_colour] = useState<LiveColour>('height');
   useEffect(() => {
@@ -90,9 +114,10 @@ function LivePictures(): JSX.Element {
           empty: empty ? message.seq : -1,
         }));
       } else if (message.kind === 'cloud') {
-        scene.current?.add_cloud(message.scan, message.xyz_mm);
+        scene.current?.add_cloud(message.scan, message.points);
         set_seen((s) => ({
           ...s,
+          scale: scene.current?.scale() ?? null,
           points: scene.current?.points() ?? 0,
           line: scene.current?.line_points() ?? 0,
         }));
@@ -115,6 +140,8 @@ function LivePictures(): JSX.Element {
     if (!scene.current) return;
     scene.current.colour = colour;
     scene.current.recolour();
+    const scale = scene.current.scale();
+    set_seen((s) => ({ ...s, scale }));
   }, [colour]);
   return (
     <div class="live-grid">
@@ -138,9 +165,12 @@ function LivePictures(): JSX.Element {
             {t('colour')}{' '}
             <select value={colour} onChange={(e) => set_colour(e.currentTarget.value as LiveColour)}>
               <option value="height">{t('colour_height')}</option>
+              <option value="curvature">{t('colour_curvature')}</option>
+              <option value="uncertainty">{t('colour_sigma')}</option>
               <option value="time">{t('colour_time')}</option>
             </select>
           </label>
+          <ColourScale by={colour} scale={seen.scale} />
         </figcaption>
         <div class="stage" ref={box} role="img" aria-label={t('live_cloud')}>
           {without && <p class="notice refused">{without}</p>}

@@ -7,7 +7,8 @@ import { socket_address } from './store';
 export type LiveMessage =
   | { kind: 'picture'; seq: number; jpeg: Blob }
   | { kind: 'profile'; seq: number; xz_mm: Float32Array; flags: Uint8Array }
-  | { kind: 'cloud'; scan: number; xyz_mm: Float32Array }
+  /// x y z (mm), curvature (1/mm), sigma (mm) of each point
+  | { kind: 'cloud'; scan: number; points: Float32Array }
   | { kind: 'line'; values: Float32Array }
   | { kind: 'arm'; joints_rad: number[]; tip_mm: [number, number, number] }
   | { kind: 'peaks'; peaks: Peaks }
@@ -65,11 +66,11 @@ export function read_live(buffer: ArrayBuffer): LiveMessage | null {
   }
   if (kind === 3 && size >= 9) {
     const count = view.getUint32(5, true);
-    if (size < 9 + 12 * count) return null;
+    if (size < 9 + 20 * count) return null;
     return {
       kind: 'cloud',
       scan: view.getUint32(1, true),
-      xyz_mm: new Float32Array(buffer.slice(9, 9 + 12 * count)),
+      points: new Float32Array(buffer.slice(9, 9 + 20 * count)),
     };
   }
   if (kind === 4 && size >= 5) {

@@ -2,10 +2,17 @@
 // The cloud as it grows, the line and the tool tip's way, in the robot's base; z is up.
 import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
-import { colour_of } from '../viewer/colours';
+import { colour_of, type Rgb, type Scale } from '../viewer/colours';
 
 const most_points = 300_000;
-export type LiveColour = 'height' | 'time';
+export type LiveColour = 'height' | 'curvature' | 'uncertainty' | 'time';
+/// Fixed, so that a colour means the same on every shoe: radii from 5 mm on, and a tenth of the limit of U95.
+const fixed: Partial<Record<LiveColour, Scale>> = {
+  curvature: { low: -0.2, high: 0.2, unit: '1/mm' },
+  uncertainty: { low: 0, high: 0.1, unit: 'mm' },
+};
+/// Where nothing is known.
+const unknown: Rgb = [0.5, 0.5, 0.5];
 
 export class LiveScene {
   private renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true });
@@ -14,6 +21,8 @@ export class LiveScene {
   private controls: OrbitControls;
   private positions = new Float32Array(3 * most_points);
   private colours = new Float32Array(3 * most_points);
+  private curvature_per_mm = new Float32Array(most_points);
+  private sigma_mm = new Float32Array(most_points);
   private geometry = new THREE.BufferGeometry();
   private count = 0;
   private scan = -1;
@@ -71,7 +80,8 @@ export class LiveScene {
     this.renderer.domElement.remove();
   }
 
-  add_cloud(scan: number, xyz_mm: Float32Array): void {
+  /// x y z (mm), curvature (1/mm), sigma (mm) of each point.
+  add_cloud(scan: number, points: Float32Array): void {
     if (scan !== this.scan) {
       this.scan = scan;
       this.count = 0;
@@ -80,9 +90,11 @@ export class LiveScene {
       this.trail = [];
     }
     const p = new THREE.Vector3();
-    for (let i = 0; i + 2 < xyz_mm.length && this.count < most_points; i += 3) {
-      this.positions.set(xyz_mm.subarray(i, i + 3), 3 * this.count++);
-      this.box3.expandByPoint(p.set(xyz_mm[i]!, xyz_mm[i + 1]!, xyz_mm[i + 2]!));
+    for (let i = 0; i + 4 < points.length && this.count < most_points; i += 5) {
+      this.curvature_per_mm[this.count] = points[i + 3]!;
+      this.sigma_mm[this.count] = points[i + 4]!;
+      this.positions.set(points.subarray(i, i + 3), 3 * this.count++);
+      this.box3.expandByPoint(p.set(points[i]!, points[i + 1]!, points[i + 2]!));
     }
     this.recolour();
     if (!this.touched) this.fit();
@@ -129,14 +141,25 @@ export class LiveScene {
     this.draw();
   }
 
+  /// What the ends of the colours mean; none while there is nothing, or where it is the order alone.
+  scale(): Scale | null {
+    if (this.count === 0 || this.colour === 'time') return null;
+    return fixed[this.colour] ?? { low: this.box3.min.z, high: this.box3.max.z, unit: 'mm' };
+  }
+
+  private value(i: number): number {
+    if (this.colour === 'curvature') return this.curvature_per_mm[i]!;
+    if (this.colour === 'uncertainty') return this.sigma_mm[i]!;
+    return this.positions[3 * i + 2]!;
+  }
+
   recolour(): void {
-    const { min, max } = this.box3;
+    const scale = this.scale();
     for (let i = 0; i < this.count; ++i) {
-      const share =
-        this.colour === 'time'
-          ? i / Math.max(1, this.count)
-          : (this.positions[3 * i + 2]! - min.z) / Math.max(1, max.z - min.z);
-      this.colours.set(colour_of(share), 3 * i);
+      const share = scale
+        ? (this.value(i) - scale.low) / Math.max(1e-6, scale.high - scale.low)
+        : i / this.count;
+      this.colours.set(Number.isFinite(share) ? colour_of(share) : unknown, 3 * i);
     }
     this.geometry.setDrawRange(0, this.count);
     this.geometry.attributes.position!.needsUpdate = true;

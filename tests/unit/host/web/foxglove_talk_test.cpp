@@ -3,6 +3,7 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <array>
 #include <cstring>
 
 #include "foxglove/schemas.pb.h"
@@ -49,17 +50,20 @@ TEST(FoxgloveTalk, TheChannelsBringTheirSchemas) {
 
 TEST(FoxgloveTalk, PointsComeInMetres) {
   sut.hear(R"({"op":"subscribe","subscriptions":[{"id":7,"channelId":2}]})");
-  const std::vector<Eigen::Vector3f> points{{1000, 2000, -3000}};
+  const std::vector<LivePoint> points{
+      {.point_base = {1000, 2000, -3000}, .curvature_per_mm = 0.25F, .sigma_mm = 0.5F}};
   const auto messages = sut.messages(*cloud_message(1, points), k_now_ns);
   LONGS_EQUAL(1, messages.size());
   foxglove::PointCloud cloud;
   CHECK(cloud.ParseFromString(content(messages[0], 7)));
-  LONGS_EQUAL(12, cloud.point_stride());
-  LONGS_EQUAL(3, cloud.fields_size());
-  LONGS_EQUAL(12, cloud.data().size());
-  float z_m = 0;
-  std::memcpy(&z_m, cloud.data().data() + 8, sizeof z_m);
-  DOUBLES_EQUAL(-3, z_m, 1e-6);
+  LONGS_EQUAL(20, cloud.point_stride());
+  LONGS_EQUAL(5, cloud.fields_size());
+  LONGS_EQUAL(20, cloud.data().size());
+  std::array<float, 5> point{};
+  std::memcpy(point.data(), cloud.data().data(), sizeof point);
+  DOUBLES_EQUAL(-3, point[2], 1e-6);
+  DOUBLES_EQUAL(250, point[3], 1e-3);
+  DOUBLES_EQUAL(0.0005, point[4], 1e-9);
   LONGS_EQUAL(1'700'000'000, cloud.timestamp().seconds());
   LONGS_EQUAL(123, cloud.timestamp().nanos());
 }

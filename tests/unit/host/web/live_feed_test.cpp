@@ -130,12 +130,15 @@ TEST(LiveFeed, MessagesHaveTheBytesOfTheDescription) {
   CHECK(number_at<float>(*peaks, 19) == 50.5F);
   LONGS_EQUAL(profile::k_point_clipped, number_at<std::uint8_t>(*peaks, 23));
 
-  const std::vector<Eigen::Vector3f> points{{1, 2, 3}, {4, 5, 6}};
+  const std::vector<LivePoint> points{
+      {.point_base = {1, 2, 3}}, {.point_base = {4, 5, 6}, .curvature_per_mm = 0.25F, .sigma_mm = 0.125F}};
   const LiveBytes cloud = cloud_message(9, points);
-  LONGS_EQUAL(9 + 24, cloud->size());
+  LONGS_EQUAL(9 + 40, cloud->size());
   LONGS_EQUAL(9, number_at<std::uint32_t>(*cloud, 1));
   LONGS_EQUAL(2, number_at<std::uint32_t>(*cloud, 5));
-  CHECK(number_at<float>(*cloud, 29) == 6.0F);
+  CHECK(number_at<float>(*cloud, 37) == 6.0F);
+  CHECK(number_at<float>(*cloud, 41) == 0.25F);
+  CHECK(number_at<float>(*cloud, 45) == 0.125F);
 
   cloud::ClosedLine line;
   line.points.resize(1);
