@@ -126,7 +126,8 @@ robot::GateInputs gate_inputs(const PlanStep& plan, const SendRequest& request) 
                    .u95_mm = path::certainty_of(plan.outcome.path->path(), process.gate.tolerance_mm).u95_mm,
                    .tool_off_mm = off.translation().norm(),
                    .tool_off_rad = geometry::log_so3(off.linear()).norm(),
-                   .same_payload = same_payload(plan.outcome.path->path().payload, process.tool.payload)};
+                   .same_payload = same_payload(plan.outcome.path->path().payload,
+                                                path::carried(process, request.mounted))};
   inputs.result.tip_from_taught_mm = path::tip_off_mm(process, request.mounted);
   inputs.result.payload_as_taught = path::carries_as_taught(process, request.mounted);
   if (request.mounted.table_z_mm)

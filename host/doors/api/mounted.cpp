@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "host/doors/api/mounted.hpp"
 
+#include "common/core/fixed_text.hpp"
 #include "host/doors/api/api.hpp"
 #include "host/doors/api/words.hpp"
 #include "host/records/mounted/mounted_record.hpp"
@@ -11,6 +12,9 @@ using control::Answer;
 using Lesson = kinematics::TouchLesson;
 
 namespace {
+
+/// A person takes the hand off the arm no sooner.
+constexpr std::chrono::seconds k_latest_touch{2};
 
 Json list(const Vec3& v) {
   return Json::array({v.x(), v.y(), v.z()});
@@ -72,7 +76,7 @@ Answer MountedRoom::read() {
   return ok(std::move(json));
 }
 
-Answer MountedRoom::touch(const Json& body) {
+Answer MountedRoom::touch(const Json& body, std::chrono::steady_clock::time_point heard) {
   Fields fields{body};
   const std::string part = fields.text("part", 10, true);
   const bool take_back = fields.boolean("take_back").value_or(false);
@@ -91,6 +95,16 @@ Answer MountedRoom::touch(const Json& body) {
   const Result<robot::ur::ArmLook> look = cell_.look_at_arm();
   if (!look) return answer_of(look.error());
   look_ = *look;
+  // Others' work may have come first, and the arm may have gone on since the person said "it touches".
+  const std::chrono::duration<double> late = std::chrono::steady_clock::now() - heard;
+  if (late > k_latest_touch) {
+    return control::refusal(
+        409, "wrong_state",
+        FixedText<160>::format("the arm could be asked only %.1f s after the touch, and may "
+                               "have moved by then; touch again",
+                               late.count())
+            .c_str());
+  }
   if (other) lesson_.begin(wanted, record->tip ? record->tip->tip_flange : Vec3{Vec3::Zero()});
   if (const Result<void> added = lesson_.add(look->T_base_flange); !added) return answer_of(added.error());
   return read();
@@ -152,7 +166,7 @@ Answer Api::read_mounted(const Call&) {
   return mounted_.read();
 }
 Answer Api::touch(const Call& call) {
-  return mounted_.touch(call.request.body);
+  return mounted_.touch(call.request.body, call.request.heard);
 }
 Answer Api::end_lesson(const Call&) {
   return mounted_.end_lesson();

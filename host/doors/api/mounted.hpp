@@ -2,6 +2,7 @@
 #pragma once
 /// \file What is mounted is taught: touches of the arm, numbers, and versions in the memory.
 
+#include <chrono>
 #include <optional>
 
 #include "host/doors/api/cell.hpp"
@@ -19,7 +20,7 @@ class MountedRoom {
   /// `Mounted` of the API.
   [[nodiscard]] control::Answer read();
   /// Begins a lesson of `part` where another one was in work.
-  [[nodiscard]] control::Answer touch(const Json& body);
+  [[nodiscard]] control::Answer touch(const Json& body, std::chrono::steady_clock::time_point heard);
   [[nodiscard]] control::Answer end_lesson();
   [[nodiscard]] control::Answer keep(const std::string& part, const Json& body, const std::string& who,
                                      const std::string& door);

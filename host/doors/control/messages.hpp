@@ -2,6 +2,7 @@
 #pragma once
 /// \file What goes over the service's control end: requests, answers and events, one JSON text each.
 
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -32,6 +33,8 @@ struct Request {
   std::string path;     ///< "/api/v1/scans/scan-0003/accept"
   std::map<std::string, std::string> query;
   Json body;  ///< null: none
+  /// When the service heard it: what is answered much later is told by this.  Not sent.
+  std::chrono::steady_clock::time_point heard{std::chrono::steady_clock::now()};
 };
 
 struct Answer {

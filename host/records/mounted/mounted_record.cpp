@@ -135,6 +135,7 @@ ordered_json to_json(const Record& record, Part part) {
     case Part::Table:
       if (!record.table) return json;
       json["z_mm"] = record.table->z_mm;
+      if (record.table->tip_version > 0) json["tip_version"] = record.table->tip_version;
       tell(record.table->how, json);
       return json;
   }
@@ -166,8 +167,12 @@ Result<Record> read_record(const memory::Memory& memory) {
                                         .centre_flange_mm = Reader{load, good}.vector("centre_mm")},
                             .how = Reader{load, good}.how()};
     if (const ordered_json& table = json["table"]; table.is_object())
-      record.table = Table{.z_mm = Reader{table, good}.number("z_mm", -k_highest_mm, k_highest_mm),
-                           .how = Reader{table, good}.how()};
+      record.table =
+          Table{.z_mm = Reader{table, good}.number("z_mm", -k_highest_mm, k_highest_mm),
+                .tip_version = table.contains("tip_version")
+                                   ? static_cast<int>(Reader{table, good}.number("tip_version", 1, 1e9))
+                                   : 0,
+                .how = Reader{table, good}.how()};
   }
   if (good) return record;
   return fail(Errc::BadFormat, "%.150s: what is mounted cannot be read; forget the tip, then teach all anew",
@@ -190,7 +195,8 @@ Result<Record> keep_touched(memory::Memory& memory, kinematics::TouchLesson::Par
   if (tip) {
     now.tip = Tip{.tip_flange = touched.tip_flange, .how = how};
   } else {
-    now.table = Table{.z_mm = touched.z_mm, .how = how};
+    now.table =
+        Table{.z_mm = touched.z_mm, .tip_version = before.tip ? before.tip->how.version : 0, .how = how};
   }
   return keep(memory, before, std::move(now), tip ? Part::Tip : Part::Table, hand, "teach");
 }

@@ -29,7 +29,8 @@ struct Load {
   Taught how{};
 };
 struct Table {
-  double z_mm{0};  ///< in the robot's base
+  double z_mm{0};      ///< in the robot's base
+  int tip_version{0};  ///< of the tip that touched it; 0: an older program did not tell
   Taught how{};
 };
 

@@ -19,6 +19,10 @@ std::optional<bool> carries_as_taught(const Process& process, const Mounted& mou
              k_taught_centre_mm;
 }
 
+std::optional<Payload> carried(const Process& process, const Mounted& mounted) {
+  return process.tool.payload ? process.tool.payload : mounted.payload;
+}
+
 std::vector<Check> check_mounted(const Process& process, const Mounted& mounted) {
   std::vector<Check> checks;
   if (const std::optional<double> off_mm = tip_off_mm(process, mounted)) {

@@ -28,6 +28,10 @@ inline constexpr double k_taught_payload_kg = 0.1, k_taught_centre_mm = 20;
 /// The process carries what was taught; nothing: none was taught, or the process tells none.
 [[nodiscard]] std::optional<bool> carries_as_taught(const Process& process, const Mounted& mounted);
 
+/// What the arm carries along a path: what the process tells, else what was taught; nothing: the controller's
+/// own setting counts.
+[[nodiscard]] std::optional<Payload> carried(const Process& process, const Mounted& mounted);
+
 /// A row for each part that was taught; empty: nothing was.
 [[nodiscard]] std::vector<Check> check_mounted(const Process& process, const Mounted& mounted);
 

@@ -127,7 +127,7 @@ PlannedPath assembled(const PlanRequest& request, const ToolPath& path, const Jo
   PlannedPath out{.robot = request.arm.name,
                   .process = request.process.name,
                   .T_flange_tcp = request.process.tool.T_flange_tcp,
-                  .payload = request.process.tool.payload,
+                  .payload = carried(request.process, request.mounted),
                   .motion = request.process.motion,
                   .digital_output = request.process.digital_output,
                   .tool_off = request.tool_off,

@@ -103,9 +103,10 @@ void add_result_rows(const GateInputs& inputs, std::vector<GateRow>& rows) {
                   when(result.tool_off_mm <= k_tool_mm && result.tool_off_rad <= k_tool_rad)});
   rows.push_back({Refused::OtherPayload, "path's payload",
                   !result.same_payload   ? "none told: the controller's own setting counts"
-                  : *result.same_payload ? "the process's"
+                  : *result.same_payload ? "the process's, or the taught one"
                                          : "another",
-                  "the process's", result.same_payload ? when(*result.same_payload) : State::NotKnown});
+                  "the process's, else the taught one",
+                  result.same_payload ? when(*result.same_payload) : State::NotKnown});
 }
 
 /// A row for each part that was taught: without teaching the gate is as it was.

@@ -220,6 +220,7 @@ export interface Taught {
   kg?: number;
   centre_mm?: [number, number, number];
   z_mm?: number;
+  tip_version?: number;
 }
 export interface Mounted {
   version: number;

@@ -39,8 +39,12 @@ interface OfPart {
 
 function Known({ part, mounted, enabled, change }: OfPart): JSX.Element {
   const taught = mounted[part];
+  const touched_by = part === 'table' ? taught?.tip_version : undefined;
   return (
     <>
+      {touched_by !== undefined && touched_by !== mounted.tip?.version && (
+        <p class="notice look">{t('mounted_other_tip')}</p>
+      )}
       <p>{taught ? `${value_words(part, taught)}. ${how_words(taught)}` : t('mounted_none')}</p>
       {taught && (
         <button type="button" disabled={!enabled} onClick={() => change('DELETE', `/mounted/${part}`)}>

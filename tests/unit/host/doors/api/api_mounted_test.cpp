@@ -76,6 +76,35 @@ TEST(ApiMounted, TheTableIsTouchedWithATipThatIsKnown) {
   LONGS_EQUAL(2, kept.body["version"].get<int>());
 }
 
+TEST(ApiMounted, ATouchThatTheArmIsAskedForTooLateDoesNotCount) {
+  take_control_as("eng");
+  LONGS_EQUAL(200, touch("tip", {400, 0, 50}, 0).status);
+  control::Request late;
+  late.token = token;
+  late.method = "POST";
+  late.path = "/api/v1/mounted/touches";
+  late.body = {{"part", "tip"}};
+  late.heard -= std::chrono::seconds{5};  // others' work came first
+  cell.look.T_base_flange.translation().x() += 10;
+  const control::Answer answer = sut.ordinary(late);
+  STRCMP_EQUAL("wrong_state", code_of(answer).c_str());
+  STRCMP_CONTAINS("touch again", answer.body.dump().c_str());
+  LONGS_EQUAL(1, ask("GET", "/mounted").body["lesson"]["touches"].get<int>());
+}
+
+TEST(ApiMounted, ATableTellsWhichTipTouchedIt) {
+  take_control_as("eng");
+  teach_tip();
+  for (const auto& [place, side] :
+       {std::pair{Vec3{400, -200, -12}, 0}, {Vec3{400, 200, -12}, 1}, {Vec3{700, 0, -12}, 2}})
+    LONGS_EQUAL(200, touch("table", place, side).status);
+  const Json kept = ask("PUT", "/mounted/table").body;
+  LONGS_EQUAL(kept["tip"]["version"].get<int>(), kept["table"]["tip_version"].get<int>());
+  teach_tip();
+  const Json anew = ask("GET", "/mounted").body;
+  CHECK(anew["tip"]["version"].get<int>() != anew["table"]["tip_version"].get<int>());
+}
+
 TEST(ApiMounted, ThePayloadIsTakenInItsRangeAndComparedWithTheControllers) {
   take_control_as("eng");
   const Json centre = Json::array({0, 0, 65});

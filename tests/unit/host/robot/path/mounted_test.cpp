@@ -40,6 +40,19 @@ TEST(Mounted, AProcessOfTheMountedToolIsPlanned) {
   LONGS_EQUAL(2, check_mounted(request.process, request.mounted).size());
 }
 
+TEST(Mounted, AProcessThatTellsNoPayloadCarriesTheTaughtOne) {
+  const Payload taught{.mass_kg = 1.25, .centre_flange_mm = {0, 5, 60}};
+  request.process.tool.payload.reset();
+  CHECK(!carried(request.process, {}));
+  request.mounted.payload = taught;
+  const PlanOutcome outcome = plan(request);
+  CHECK(outcome.path.has_value());
+  const std::optional<Payload>& sent = outcome.path->path().payload;
+  CHECK(sent.has_value());
+  DOUBLES_EQUAL(1.25, sent->mass_kg, 0);
+  CHECK(sent->centre_flange_mm == taught.centre_flange_mm);
+}
+
 TEST(Mounted, AProcessWhoseTipDiffersIsRefusedBeforeAnythingIsPlanned) {
   request.mounted.tip_flange = tip + Vec3{0, 0, 1.2};
   const PlanOutcome outcome = plan(request);
