@@ -145,7 +145,11 @@ struct Ack {
   std::uint64_t safe_sequence{0};
 };
 
-enum class Command : std::uint8_t { StartScan, StopScan, LaserOff, UseSettings };
+/// KeepLast, KeepNext: the recording of the scan that waits, or of the one that ends next; a sensor of 1.2
+/// does not answer them.
+enum class Command : std::uint8_t { StartScan, StopScan, LaserOff, UseSettings, KeepLast, KeepNext };
+/// Of KeepLast and KeepNext.
+inline constexpr std::uint16_t k_least_minor_to_keep = 3;
 
 struct Control {
   std::uint32_t id{0};
@@ -156,7 +160,7 @@ struct Control {
 struct ControlReply {
   std::uint32_t id{0};
   std::uint16_t errc{0};  ///< 0: done
-  std::string where;
+  std::string where;      ///< done: what was kept, of KeepLast and KeepNext
 };
 
 /// These messages are gone for good.

@@ -98,8 +98,10 @@ Streamer::Streamer(const StreamerConfig& config, SourceKind& kind, stream::Strea
               [this](wire::Command command) { return obey(command); }, [this] { return health(); }},
       settings_{kind, config_.pipeline, config.told},
       record_turn_{config.record_every},
+      keep_request_{{.series = config.record, .asked = config.record_asked, .realtime = config.realtime}},
       picture_maker_{config.realtime} {
   server_.take_settings_by([this](const std::string& text) { return use_settings(text); });
+  server_.keep_recordings_by([this](wire::Command command) { return keep_scan(command); });
 }
 
 Result<void> Streamer::wait_for_closing() {
@@ -209,6 +211,7 @@ void Streamer::run(const std::atomic<bool>& stop) {
       answer_settings();
       if (scanner_->finished()) announce_end();
     }
+    answer_keep();
     serve_pictures();
     server_.tick(clock_.now());
   }
@@ -434,6 +437,9 @@ Result<void> Streamer::obey(wire::Command command) {
       return {};
     case wire::Command::UseSettings:
       return fail(Errc::ProtocolError, "settings without a set");
+    case wire::Command::KeepLast:
+    case wire::Command::KeepNext:
+      return keep_scan(command);
     case wire::Command::StopScan:
       break;
   }
@@ -456,6 +462,23 @@ std::optional<Result<void>> Streamer::use_settings(const std::string& text) {
   // Hosts may still fetch the last scan: it keeps the head that it was made with.
   if (done && !ended_once_) server_.set_model(kind_.model);
   return done;
+}
+
+Result<void> Streamer::keep_scan(wire::Command command) {
+  // Of the present scan's recorder nothing is known yet: the one before is meant.
+  const std::size_t ended = recorders_.size() - (recording_ ? 1 : 0);
+  record::LastScan last;
+  if (ended > 0) {
+    const record::SessionRecorder& recorder = *recorders_[ended - 1];
+    last.being_written = !recorder.done();
+    if (recorder.done()) last.fault = recorder.fault();
+  }
+  return keep_request_.begin(
+      command == wire::Command::KeepLast ? record::KeepWhich::Last : record::KeepWhich::Next, last);
+}
+
+void Streamer::answer_keep() {
+  if (const std::optional<Result<std::string>> kept = keep_request_.take()) server_.answer_keep(*kept);
 }
 
 void Streamer::answer_settings() {

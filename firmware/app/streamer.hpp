@@ -16,6 +16,7 @@
 #include "firmware/app/picture_maker.hpp"
 #include "firmware/app/scanner.hpp"
 #include "firmware/app/settings_control.hpp"
+#include "firmware/record/keep_request.hpp"
 #include "firmware/record/session_recorder.hpp"
 #include "firmware/record/wanted.hpp"
 #include "firmware/stream/stream_socket.hpp"
@@ -101,6 +102,8 @@ class Streamer {
   /// Nothing: the running scan takes them first.
   [[nodiscard]] std::optional<Result<void>> use_settings(const std::string& text);
   void answer_settings();
+  [[nodiscard]] Result<void> keep_scan(wire::Command command);
+  void answer_keep();
   [[nodiscard]] Result<void> wait_for_closing();
 
   StreamerConfig config_;
@@ -115,6 +118,7 @@ class Streamer {
   std::vector<std::shared_ptr<record::SessionRecorder>> recorders_;
   bool recording_{false};  ///< the present scan is being recorded
   record::EveryNth record_turn_;
+  record::KeepRequest keep_request_;
   std::unique_ptr<Scanner> scanner_;  ///< of the present scan; nothing while Idle
   wire::EndOfScan last_end_;          ///< the last scan's counts, told on while Idle
   PictureMaker picture_maker_;

@@ -64,6 +64,8 @@ class SessionRecorder {
   void discard();
   /// All is on the disk that will be.
   [[nodiscard]] bool done() const { return done_.load(); }
+  /// What ended the recording before the scan; empty: nothing did.  Pre: done().
+  [[nodiscard]] const std::string& fault() const { return config_.facts.fault; }
 
  private:
   /// Messages that wait for the disk; 20 s of full profiles at 100 Hz.

@@ -58,7 +58,8 @@ Result<fs::path> keep_last(const fs::path& series) {
 Result<void> keep_next(const fs::path& series) {
   const fs::path wish = wish_of(series);
   const int number = ::open(wish.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
-  if (number < 0) return fail_errno(Errc::WriteFailed, errno, "%s", wish.c_str());
+  const bool full = errno == ENOSPC || errno == EDQUOT;
+  if (number < 0) return fail_errno(full ? Errc::DiskFull : Errc::WriteFailed, errno, "%s", wish.c_str());
   ::close(number);
   return {};
 }

@@ -30,7 +30,7 @@ class EveryNth {
 /// Gives the newest scan that waits and is not being written its name in the series, which it returns.
 /// Errc::FileNotFound: none waits.
 [[nodiscard]] Result<std::filesystem::path> keep_last(const std::filesystem::path& series);
-/// The scan that ends next is kept.  Errc::WriteFailed.
+/// The scan that ends next is kept.  Errc::DiskFull, Errc::WriteFailed.
 [[nodiscard]] Result<void> keep_next(const std::filesystem::path& series);
 
 /// For who wrote `waiting` and still holds it: its name in the series where somebody asked for it; else

@@ -205,13 +205,32 @@ void StreamServer::answer_settings(const Result<void>& done) {
   health_due_ = {};  // what holds now is told at once
 }
 
+void StreamServer::on_keep(const PeerId& peer, const wire::Control& control) {
+  if (const Result<void> allowed = check_owner(peer); !allowed) return reply(peer, control.id, allowed);
+  if (keep_asked_)
+    return reply(peer, control.id, fail(Errc::WrongState, "the request before is still under way"));
+  if (!on_keep_) return reply(peer, control.id, fail(Errc::NotSupported, "this sensor records nothing"));
+  if (const Result<void> begun = on_keep_(control.command); !begun) return reply(peer, control.id, begun);
+  keep_asked_ = Question{.peer = peer, .id = control.id};
+}
+
+void StreamServer::answer_keep(const Result<std::string>& kept) {
+  BITELINE_EXPECTS(keep_asked_.has_value());
+  const Question asked = *std::exchange(keep_asked_, std::nullopt);
+  if (!kept) return reply(asked.peer, asked.id, tl::unexpected<Error>{kept.error()});
+  reply(asked.peer, asked.id, {}, *kept);
+}
+
 void StreamServer::on_control(const PeerId& peer, const wire::Control& control) {
   if (control.command == wire::Command::UseSettings) return on_settings(peer, control);
+  if (control.command == wire::Command::KeepLast || control.command == wire::Command::KeepNext)
+    return on_keep(peer, control);
   reply(peer, control.id, obey(peer, control.command));
 }
 
-void StreamServer::reply(const PeerId& peer, std::uint32_t id, const Result<void>& done) {
-  wire::ControlReply reply{.id = id, .errc = 0, .where = {}};
+void StreamServer::reply(const PeerId& peer, std::uint32_t id, const Result<void>& done,
+                         const std::string& words) {
+  wire::ControlReply reply{.id = id, .errc = 0, .where = words};
   if (!done) {
     reply.errc = static_cast<std::uint16_t>(done.error().code);
     reply.where = done.error().where.c_str();

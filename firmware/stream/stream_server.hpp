@@ -38,6 +38,8 @@ class StreamServer {
   using CommandHandler = std::function<Result<void>(wire::Command)>;
   /// Of a whole settings file.  Nothing: the answer comes by answer_settings().
   using SettingsHandler = std::function<std::optional<Result<void>>(const std::string& text)>;
+  /// Of KeepLast or KeepNext; the answer comes by answer_keep(), or at once where it is a refusal.
+  using KeepHandler = std::function<Result<void>(wire::Command)>;
   using HealthProvider = std::function<wire::Health()>;
 
   /// `identity`: what the sensor says of itself; its held range is filled in here.
@@ -48,6 +50,10 @@ class StreamServer {
   void take_settings_by(SettingsHandler handler) { on_settings_ = std::move(handler); }
   /// To the host whose settings were not answered at once.  Pre: there is one.
   void answer_settings(const Result<void>& done);
+  /// Without: hosts are told that nothing is recorded.
+  void keep_recordings_by(KeepHandler handler) { on_keep_ = std::move(handler); }
+  /// To the host that asked for a recording: what was kept.  Pre: there is one.
+  void answer_keep(const Result<std::string>& kept);
   /// From the next hello on.
   void set_model(const geometry::SensorModel& model) { identity_.model = model; }
 
@@ -105,7 +111,7 @@ class StreamServer {
   void send(const PeerId& peer, const wire::Message& message);
   void encode_hello();  ///< into scratch_
   void send_hello(const PeerId& peer);
-  void reply(const PeerId& peer, std::uint32_t id, const Result<void>& done);
+  void reply(const PeerId& peer, std::uint32_t id, const Result<void>& done, const std::string& words = {});
   void send_due(const PeerId& peer, Host& host);
   void on_hello(const PeerId& peer, const wire::HostHello& hello, SensorClock::time_point now);
   void on_observer(const PeerId& peer, const wire::ObserverHello& hello, SensorClock::time_point now);
@@ -115,6 +121,7 @@ class StreamServer {
   [[nodiscard]] Result<void> check_owner(const PeerId& peer);
   [[nodiscard]] Result<void> obey(const PeerId& peer, wire::Command command);
   void on_settings(const PeerId& peer, const wire::Control& control);
+  void on_keep(const PeerId& peer, const wire::Control& control);
   void on_control(const PeerId& peer, const wire::Control& control);
   void update_acknowledged();
   void drop_silent_hosts(SensorClock::time_point now);
@@ -125,6 +132,7 @@ class StreamServer {
   Outbox& outbox_;
   CommandHandler on_command_;
   SettingsHandler on_settings_;
+  KeepHandler on_keep_;
   HealthProvider health_;
   MessageStore store_;
   std::map<PeerId, Host> hosts_;
@@ -136,6 +144,7 @@ class StreamServer {
     std::uint32_t id{0};
   };
   std::optional<Question> settings_asked_;  ///< not answered yet
+  std::optional<Question> keep_asked_;      ///< likewise
   std::uint64_t scan_id_{0};
   bool ended_{false};
   bool end_delivered_{false};  ///< at least one host has the end, even if it has left since

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The real programs with the simulated cell, for the tests of the page: started, named in a failure's report, ended.
 import { spawn, spawnSync } from 'node:child_process';
-import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -88,8 +88,11 @@ export class Busy extends Error {
 export async function start_cell({ add_to_gate, host_more = [], shoe: [kind, seed] = ['deep', '5'] }) {
   const cell = run('biteline-cell', ['serve', '--seed', seed, '--shoe', kind, '--size', '0', '--arm', 'ur5e', '--place', '0', '--out', join(out, 'cell'), '--exit-with-parent']);
   const places = await line_of(cell, json);
+  // It counts what it goes through, and keeps a scan on request; no pictures, so that the disk is no part of it.
+  mkdirSync(join(out, 'unit'));
+  const unit = ['--upkeep', join(out, 'unit'), '--record', join(out, 'kept'), '--record-asked', '--record-pictures', '0'];
   // With real-time rights where there are any: then no other program on this machine holds the sensor up.
-  const sensor_with = (rt) => line_of(run('biteline-sensor', ['--source', `board:${places.board}`, '--sensor', places.sensor, '--rt', rt, '--exit-with-parent']), json);
+  const sensor_with = (rt) => line_of(run('biteline-sensor', ['--source', `board:${places.board}`, '--sensor', places.sensor, '--rt', rt, '--exit-with-parent', ...unit]), json);
   const { endpoint } = await sensor_with('required').catch(() => sensor_with('ignore'));
   // Row 3, column 4 of T_base_shoe: the table's height, which an integrator knows of his cell.
   const table_z = readFileSync(join(out, 'cell/truth/T_base_shoe.txt'), 'utf8').split(/\s+/).filter(Boolean)[11];

@@ -2,10 +2,10 @@
 // The whole way in a browser: first account, login, control, a scan of the simulated cell, decision, the arm follows it;
 // a second browser watches; the service is killed and comes back.  Real: sensor, service, web program, page.
 // cell_test.mjs BIN SOURCE PICTURE_FOLDER
-import { mkdirSync } from 'node:fs';
+import { existsSync, mkdirSync } from 'node:fs';
 import { join } from 'node:path';
 import { check, check_answers, failures, look_for_faults, open, start, whole_page } from './browser.mjs';
-import { Busy, finish, run, say, start_cell } from './cell_programs.mjs';
+import { Busy, finish, out, run, say, start_cell } from './cell_programs.mjs';
 
 const [, , pictures] = process.argv.slice(2);
 mkdirSync(pictures, { recursive: true });
@@ -120,6 +120,17 @@ async function whole_way() {
   await anna.page.getByRole('button', { name: 'Accept' }).click();
   const followed = await row_of((row) => row.id === scan.id && row.followed === true, 240);
   say(`${followed.id} was followed by the arm`);
+  // The sensor kept this scan's recording until somebody asks for it, and counts what it goes through.
+  await anna.page.goto(`${address}#/sensor`);
+  await anna.page.getByRole('button', { name: "Keep the last scan's recording" }).click();
+  await anna.page.getByText(`kept: ${join(out, 'kept')}`, { exact: true }).waitFor();
+  check(existsSync(join(out, 'kept/recording.yaml')), 'the recording is not there');
+  const { upkeep } = (await ask('sensors')).sensors[0];
+  check(upkeep.starts === 1 && upkeep.lightings >= 1 && upkeep.laser_s > 1 && upkeep.laser_s < upkeep.run_s, `upkeep ${JSON.stringify(upkeep)}`);
+  await anna.page.getByText('1 of the program, 1 of the machine', { exact: true }).waitFor();
+  const metrics = await anna.page.evaluate(async () => (await fetch('/metrics')).text());
+  check(/\nbiteline_sensor_laser_seconds_total\{sensor="[^"]*"\} [1-9]/.test(metrics), 'the metrics do not tell the laser hours');
+  say('the recording is kept, the unit tells what it has been through');
   await anna.page.goto(`${address}#/scans`);
   await anna.page.getByRole('row', { name: new RegExp(scan.id) }).waitFor();
   await vera.page.goto(`${address}#/scans/${scan.id}`);

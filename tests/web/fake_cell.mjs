@@ -378,6 +378,14 @@ export class FakeCell {
       }
       return [200, { done: true }];
     }
+    if (path === '/sensors/keep') {
+      if (this.control.holder !== me.name) return fail(409, 'control_needed', 'take control first');
+      // As a sensor: one scan waits, and only once.
+      if (given.which === 'next') return [200, { done: true, words: 'kept: the scan that ends next, as /var/lib/biteline/scan' }];
+      if (this.last_kept) return fail(409, 'refused', '/var/lib/biteline/scan-last: no scan waits there');
+      this.last_kept = true;
+      return [200, { done: true, words: 'kept: /var/lib/biteline/scan-2' }];
+    }
     if (path.startsWith('/commands/')) return this.control.holder === me.name ? [202, { done: false }] : fail(409, 'control_needed', 'take control first');
     if (path === '/models' && method === 'POST') {
       this.models.push({ ...given, version: 1, time: new Date().toISOString() });

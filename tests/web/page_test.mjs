@@ -162,6 +162,7 @@ for (let turn = 20; turn < 26 && !(await setting('Exposure').isVisible()); ++tur
   await anna.page.waitForTimeout(500);
 }
 check(await setting('Exposure').isDisabled(), 'a setting can be changed without control');
+check(await anna.page.getByRole('button', { name: "Keep the last scan's recording" }).isDisabled(), 'a recording is kept without control');
 await anna.page.getByRole('button', { name: 'Take control' }).click();
 await anna.page.getByText('You have control', { exact: true }).waitFor();
 const send_settings = anna.page.getByRole('button', { name: 'Send to the sensor' });
@@ -186,6 +187,16 @@ check(JSON.stringify(sent) === '{"camera.exposure_us":333,"camera.follow_stripe"
 await send_live(30);
 await anna.page.getByText('333 was asked, the camera took 330 us', { exact: false }).waitFor();
 check((await setting('Exposure').inputValue()) === '330', 'what the camera took is not read back');
+await anna.page.getByRole('button', { name: "Keep the last scan's recording" }).click();
+await anna.page.getByText('kept: /var/lib/biteline/scan-2').waitFor();
+anna.may_fail = true;
+await anna.page.getByRole('button', { name: "Keep the last scan's recording" }).click();
+await anna.page.getByText('no scan waits there', { exact: false }).first().waitFor();
+anna.may_fail = false;
+// A scan is on, as the fake sensor says.
+await anna.page.getByRole('button', { name: 'Keep this recording' }).click();
+await anna.page.getByText('kept: the scan that ends next', { exact: false }).waitFor();
+await look_for_faults(anna.page, 'a recording kept');
 await anna.page.getByRole('button', { name: 'Release control' }).click();
 await anna.page.getByText('Nobody has control').waitFor();
 

@@ -36,7 +36,7 @@ Cockpit::~Cockpit() {
     const std::lock_guard lock{mutex_};
     ending_ = true;
   }
-  answer_settings({}, fail(Errc::WrongState, "the service ends"));
+  answer_sensor({}, fail(Errc::WrongState, "the service ends"));
   // Its thread tells the server, the server's threads give it work: it ends first and is asked no more.
   if (reruns_) reruns_->end();
 }
@@ -160,7 +160,7 @@ void Cockpit::hear(const wire::Health& health) {
 }
 
 void Cockpit::lose_sensor(const std::string& why) {
-  answer_settings({}, fail(Errc::WrongState, "the sensor was lost before it answered: %s", why.c_str()));
+  answer_sensor({}, fail(Errc::WrongState, "the sensor was lost before it answered: %s", why.c_str()));
   {
     const std::lock_guard lock{mutex_};
     sensor_lost_ = why;

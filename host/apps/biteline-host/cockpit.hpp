@@ -54,14 +54,16 @@ struct Wish {
     Mended,
     Model,
     Settings,
+    Keep,
     Process,
     Air
   };
   Kind kind{Kind::Stop};
   std::string scan, who, why;
   api::Job job{};
-  std::string settings{};     ///< a whole settings file
-  std::uint32_t question{0};  ///< which answer_settings() is to name
+  std::string settings{};                          ///< a whole settings file
+  wire::Command command{wire::Command::KeepLast};  ///< of Keep
+  std::uint32_t question{0};                       ///< which answer_settings() is to name
 };
 
 /// Owns memory, accounts, API and control end.  Thread: the doors' threads call the Cell's methods, the
@@ -94,8 +96,9 @@ class Cockpit final : public api::Cell {
   void hear(const wire::SensorHello& hello);
   void hear(const wire::Health& health);
   void lose_sensor(const std::string& why);
-  /// What the sensor said to the settings of a wish; without a question whichever is on its way.
-  void answer_settings(std::optional<std::uint32_t> question, const Result<void>& done);
+  /// What the sensor said to the settings of a wish, or what it kept; without a question whichever is on its
+  /// way.
+  void answer_sensor(std::optional<std::uint32_t> question, const Result<std::string>& done);
   /// What the controller says of itself, or why it says nothing; `wrong`: what to do first.
   void hear(const Result<robot::ur::ControllerWords>& words, const std::string& wrong);
   /// A cycle goes from one asking for a scan to the next.  On demand this scan is the last until the next
@@ -140,6 +143,7 @@ class Cockpit final : public api::Cell {
   void end_mend(const std::string& scan, bool mended, const std::string& who) override;
   [[nodiscard]] Result<void> change_settings(const std::vector<api::SettingChange>& changes,
                                              const std::string& who) override;
+  [[nodiscard]] Result<std::string> keep_recording(bool next, const std::string& who) override;
   [[nodiscard]] bool on_demand() override { return cycle_.on_demand(); }
   [[nodiscard]] line_control::LineState line_state() override;
   [[nodiscard]] std::optional<api::Job> job_of(int number) override;
@@ -172,6 +176,11 @@ class Cockpit final : public api::Cell {
   void pause_by_person();
   [[nodiscard]] line_control::Standing standing_locked(bool control_held) const;
 
+  /// Pre: no other question is on its way.  Waits, unlocked, for the sensor's answer to the wish; `silent`:
+  /// what is told when none comes.
+  [[nodiscard]] Result<std::string> ask_sensor(std::unique_lock<std::mutex>& lock, Wish wish,
+                                               const char* silent);
+
   using Clock = std::chrono::steady_clock;
 
   CockpitConfig config_;
@@ -203,12 +212,12 @@ class Cockpit final : public api::Cell {
   std::optional<wire::SensorHello> hello_{};
   std::optional<wire::Health> health_{};
   std::string sensor_lost_{"not connected yet"};
-  bool ending_{false};                             ///< nobody waits for the sensor any more
-  bool settings_asked_{false};                     ///< a set is on its way to the sensor
-  std::uint32_t settings_question_{100};           ///< its number; below are the service's own
-  std::string settings_sent_;                      ///< its text
-  std::optional<Result<void>> settings_answer_{};  ///< and this is what it said
-  std::condition_variable settings_answered_;
+  bool ending_{false};                                  ///< nobody waits for the sensor any more
+  bool sensor_asked_{false};                            ///< a wish is on its way to the sensor
+  std::uint32_t sensor_question_{100};                  ///< its number; below are the service's own
+  std::string settings_sent_;                           ///< its set; empty: it has none
+  std::optional<Result<std::string>> sensor_answer_{};  ///< and this is what the sensor said
+  std::condition_variable sensor_answered_;
   std::optional<robot::ur::ControllerWords> robot_{};
   std::string robot_wrong_;
   bool robot_asked_{false};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A door changes what the sensor runs with: the set in use with the changes, sent whole, answered by the
-// sensor.
+// What a door asks of the sensor, which answers it: the set in use with changes, sent whole; a recording to
+// be kept.
 #include "common/settings/settings.hpp"
 
 #include "host/apps/biteline-host/cockpit.hpp"
@@ -20,7 +20,7 @@ Result<void> Cockpit::change_settings(const std::vector<api::SettingChange>& cha
   if (!health_ || !health_->settings)
     return fail(Errc::WrongState, "this sensor takes no settings over the network");
   if (ending_) return fail(Errc::WrongState, "the service ends");
-  if (settings_asked_) return fail(Errc::WrongState, "another change is on its way; wait for it");
+  if (sensor_asked_) return fail(Errc::WrongState, "another change is on its way; wait for it");
   BITELINE_ASSIGN(settings::SettingsSet set,
                   settings::parse_settings(health_->settings->text, "the settings in use"));
   for (const api::SettingChange& change : changes) {
@@ -33,35 +33,62 @@ Result<void> Cockpit::change_settings(const std::vector<api::SettingChange>& cha
   // Whole and checked together, as a file would be.
   const std::string text = settings::settings_text(set);
   BITELINE_TRY(settings::parse_settings(text, "settings"));
-  const std::uint32_t question = ++settings_question_;
-  settings_asked_ = true;
-  settings_answer_.reset();
   settings_sent_ = text;
-  Wish& wish = wishes_.emplace_back();
-  wish.kind = Wish::Kind::Settings;
-  wish.who = who;
-  wish.settings = text;
-  wish.question = question;
-  const bool told =
-      settings_answered_.wait_for(lock, k_patience, [this] { return settings_answer_.has_value(); });
-  settings_asked_ = false;
-  if (told) return *settings_answer_;
-  // What was not even sent does not take effect any more.
-  std::erase_if(wishes_, [question](const Wish& one) { return one.question == question; });
-  return fail(Errc::WrongState,
-              "the sensor has not said whether it takes the settings; see what it runs with");
+  const Result<std::string> taken =
+      ask_sensor(lock, {.kind = Wish::Kind::Settings, .who = who, .settings = text},
+                 "the sensor has not said whether it takes the settings; see what it runs with");
+  if (!taken) return tl::unexpected<Error>{taken.error()};
+  return {};
 }
 
-void Cockpit::answer_settings(std::optional<std::uint32_t> question, const Result<void>& done) {
+Result<std::string> Cockpit::keep_recording(bool next, const std::string& who) {
+  std::unique_lock lock{mutex_};
+  if (!sensor_lost_.empty() || !hello_)
+    return fail(Errc::WrongState, "no sensor: %s",
+                sensor_lost_.empty() ? "not told yet" : sensor_lost_.c_str());
+  if (hello_->protocol_minor < wire::k_least_minor_to_keep) {
+    return fail(Errc::WrongState,
+                "%s keeps no recording over the network: it is older than protocol 1.3; on the unit: "
+                "biteline-sensor --record NAME --keep last",
+                hello_->name.c_str());
+  }
+  if (ending_) return fail(Errc::WrongState, "the service ends");
+  if (sensor_asked_)
+    return fail(Errc::WrongState, "another question to the sensor is on its way; wait for it");
+  settings_sent_.clear();
+  return ask_sensor(lock,
+                    {.kind = Wish::Kind::Keep,
+                     .who = who,
+                     .command = next ? wire::Command::KeepNext : wire::Command::KeepLast},
+                    "the sensor has not said whether it keeps the recording; ask again");
+}
+
+Result<std::string> Cockpit::ask_sensor(std::unique_lock<std::mutex>& lock, Wish wish, const char* silent) {
+  const std::uint32_t question = ++sensor_question_;
+  sensor_asked_ = true;
+  sensor_answer_.reset();
+  wish.question = question;
+  wishes_.push_back(std::move(wish));
+  const bool told =
+      sensor_answered_.wait_for(lock, k_patience, [this] { return sensor_answer_.has_value(); });
+  sensor_asked_ = false;
+  if (told) return *sensor_answer_;
+  // What was not even sent does not take effect any more.
+  std::erase_if(wishes_, [question](const Wish& one) { return one.question == question; });
+  return fail(Errc::WrongState, "%s", silent);
+}
+
+void Cockpit::answer_sensor(std::optional<std::uint32_t> question, const Result<std::string>& done) {
   {
     const std::lock_guard lock{mutex_};
     // An answer that comes too late is to nobody.
-    if (!settings_asked_ || (question && *question != settings_question_)) return;
-    settings_answer_ = done;
+    if (!sensor_asked_ || (question && *question != sensor_question_)) return;
+    sensor_answer_ = done;
     // Until the sensor tells them itself: a change that comes first is to these, not to those of before.
-    if (done && health_ && health_->settings) health_->settings->text = settings_sent_;
+    if (done && !settings_sent_.empty() && health_ && health_->settings)
+      health_->settings->text = settings_sent_;
   }
-  settings_answered_.notify_all();
+  sensor_answered_.notify_all();
 }
 
 }  // namespace biteline::service

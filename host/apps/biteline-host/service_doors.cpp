@@ -199,9 +199,15 @@ void Service::heed(const Wish& wish) {
       return;
     case Wish::Kind::Settings:
       if (!link_ || !sensor_heard_)
-        return cockpit_->answer_settings(wish.question, fail(Errc::WrongState, "no sensor is connected"));
+        return cockpit_->answer_sensor(wish.question, fail(Errc::WrongState, "no sensor is connected"));
       say_step("settings are changed by %s", wish.who.c_str());
       link_->command({.id = wish.question, .command = wire::Command::UseSettings, .settings = wish.settings});
+      return;
+    case Wish::Kind::Keep:
+      if (!link_ || !sensor_heard_)
+        return cockpit_->answer_sensor(wish.question, fail(Errc::WrongState, "no sensor is connected"));
+      say_step("a recording is asked for by %s", wish.who.c_str());
+      link_->command({.id = wish.question, .command = wish.command});
       return;
     case Wish::Kind::Hold:
       return;

@@ -71,9 +71,9 @@ Result<void> Service::on_event(const intake::LinkEvent& event) {
   if (const auto* health = std::get_if<wire::Health>(&event)) cockpit_->hear(*health);
   if (const auto* reply = std::get_if<wire::ControlReply>(&event)) {
     if (reply->id > k_last_own_id) {
-      Result<void> done;
+      Result<std::string> done = reply->where;
       if (reply->errc != 0) done = fail(Errc::PeerRefused, "%s", reply->where.c_str());
-      cockpit_->answer_settings(reply->id, done);
+      cockpit_->answer_sensor(reply->id, done);
       return {};
     }
     if (reply->errc == 0 || reply->id != k_start_id) return {};

@@ -22,7 +22,7 @@ inline constexpr const char* k_results_lock = "biteline-host.lock";
 /// The answer to a start matters: a stop has done its work or there was nothing to stop.
 inline constexpr std::uint32_t k_start_id = 1;
 inline constexpr std::uint32_t k_stop_id = 2;
-/// Larger ones: a set of settings, as Cockpit counts them.
+/// Larger ones: settings and recordings, as Cockpit counts them.
 inline constexpr std::uint32_t k_last_own_id = 2;
 
 /// One line on standard error.

@@ -53,6 +53,7 @@ constexpr std::array k_routes{
     Route{"GET", "/api/v1/robots", Handling::Forward},
     Route{"GET", "/api/v1/sensors", Handling::Forward},
     Route{"PATCH", "/api/v1/sensors/settings", Handling::Forward},
+    Route{"POST", "/api/v1/sensors/keep", Handling::Forward},
     Route{"GET", "/api/v1/users", Handling::Forward},
     Route{"POST", "/api/v1/users", Handling::Forward},
     Route{"PATCH", "/api/v1/users/{user}", Handling::Forward},

@@ -104,6 +104,7 @@ std::vector<Api::Route> Api::routes() {
       {"GET", "/robots", Viewer, false, &Api::list_robots},
       {"GET", "/sensors", Viewer, false, &Api::list_sensors},
       {"PATCH", "/sensors/settings", Engineer, true, &Api::change_settings},
+      {"POST", "/sensors/keep", Operator, true, &Api::keep_recording},
       {"GET", "/users", Administrator, false, &Api::list_users},
       // The first account is made by whoever sits at the cell's own machine: add_user() sees to it.
       {"POST", "/users", std::nullopt, false, &Api::add_user},
@@ -136,7 +137,7 @@ bool Api::is_long(const Request& request) {
   };
   // All that changes the library is in one line, and so is all that touches the exchange.
   return below("/exchange") || below("/models") || below("/mounted") || path == "/sensors/settings" ||
-         path == "/processes/check";
+         path == "/sensors/keep" || path == "/processes/check";
 }
 
 Answer Api::stop(const Request& request, bool laser) {

@@ -108,6 +108,7 @@ class Api {
   [[nodiscard]] control::Answer list_robots(const Call& call);
   [[nodiscard]] control::Answer list_sensors(const Call& call);
   [[nodiscard]] control::Answer change_settings(const Call& call);
+  [[nodiscard]] control::Answer keep_recording(const Call& call);
   [[nodiscard]] control::Answer list_users(const Call& call);
   [[nodiscard]] control::Answer add_user(const Call& call);
   [[nodiscard]] control::Answer change_user(const Call& call);

@@ -82,6 +82,11 @@ class Cell {
   [[nodiscard]] virtual Result<void> change_settings(const std::vector<SettingChange>& changes,
                                                      const std::string& who) = 0;
 
+  /// The sensor keeps the scan that waits, or with `next` the one that ends next, and says which.  Waits as
+  /// change_settings().  Errc::WrongState: no sensor, or one that is too old.  Errc::PeerRefused: its own
+  /// reason.
+  [[nodiscard]] virtual Result<std::string> keep_recording(bool next, const std::string& who) = 0;
+
   /// For the line's control (host/doors/line_control).  False: it has no say here.
   [[nodiscard]] virtual bool on_demand() = 0;
   /// Nothing of the memory is asked: it may be read many times a second.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the sensor runs with, changed at a door.
+// What a door asks of the sensor: other settings, a recording to be kept.
 #include "common/settings/settings.hpp"
 
 #include "host/doors/api/api.hpp"
@@ -89,6 +89,25 @@ Answer Api::change_settings(const Call& call) {
                                        .before = {},
                                        .after = words_of(changes)}));
   return ok({{"done", true}, {"words", "the sensor took it, and runs with it until it stops"}});
+}
+
+Answer Api::keep_recording(const Call& call) {
+  Fields fields{call.request.body};
+  constexpr std::size_t k_longest_word = 10;
+  const std::string which = fields.text("which", k_longest_word, true);
+  if (which != "last" && which != "next") fields.fault("which", "last or next expected");
+  if (const std::optional<Answer> faults = fields.faults()) return *faults;
+  const Result<std::string> kept = rooms_.cell.keep_recording(which == "next", call.person.name);
+  if (!kept) return answer_of(kept.error());
+  static_cast<void>(rooms_.memory.log({.id = 0,
+                                       .time = memory::now_ms(),
+                                       .who = call.person.name,
+                                       .door = call.request.door,
+                                       .action = "keep recording",
+                                       .subject = "sensor",
+                                       .before = {},
+                                       .after = *kept}));
+  return ok({{"done", true}, {"words", "kept: " + *kept}});
 }
 
 }  // namespace biteline::api

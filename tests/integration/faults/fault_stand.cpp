@@ -34,7 +34,8 @@ WakeupProbe::Clock::time_point on_probe_clock(SensorClock::time_point instant) {
 
 }  // namespace
 
-std::unique_ptr<FaultStand> FaultStand::set_up(const PictureCellConfig& config) {
+std::unique_ptr<FaultStand> FaultStand::set_up(const PictureCellConfig& config,
+                                               std::vector<std::string> more) {
   auto cell = PictureCell::open(config);
   if (!cell) {
     note_skipped(to_line(cell.error()));
@@ -43,6 +44,7 @@ std::unique_ptr<FaultStand> FaultStand::set_up(const PictureCellConfig& config) 
   note_ran();
   std::unique_ptr<FaultStand> stand{new FaultStand};
   stand->cell_ = std::move(*cell);
+  stand->more_ = std::move(more);
   stand->account_.emplace(*stand->cell_);
   stand->board_file_ = stand->folder_.write("board.yaml", stand->cell_->board_file_text());
   stand->sensor_file_ = stand->folder_.write("sensor.yaml", stand->cell_->sensor_file_text());
@@ -54,9 +56,9 @@ std::unique_ptr<FaultStand> FaultStand::set_up(const PictureCellConfig& config) 
 
 void FaultStand::start_sensor() {
   for (const char* const rights : {"--rt=required", "--rt=ignore"}) {
-    auto sensor = intake::SensorProcess::start(
-        *intake::find_sensor_program(),
-        {"--source", "board:" + board_file_, "--sensor", sensor_file_, rights}, k_patience);
+    std::vector<std::string> arguments{"--source", "board:" + board_file_, "--sensor", sensor_file_, rights};
+    arguments.insert(arguments.end(), more_.begin(), more_.end());
+    auto sensor = intake::SensorProcess::start(*intake::find_sensor_program(), arguments, k_patience);
     if (!sensor && sensor.error().where.view().find("--rt=ignore") != std::string_view::npos) continue;
     SUCCEEDS(sensor);
     urgent_ = std::string_view{rights} == "--rt=required";
@@ -93,6 +95,14 @@ void FaultStand::come_back() {
 
 void FaultStand::command(wire::Command command) {
   link_->command({.id = ++command_id_, .command = command});
+}
+
+wire::ControlReply FaultStand::ask(wire::Command order) {
+  reply_.reset();
+  command(order);
+  if (!take_until([this] { return reply_.has_value(); }))
+    return {.id = 0, .errc = static_cast<std::uint16_t>(Errc::Timeout), .where = "no answer"};
+  return *reply_;
 }
 
 std::string FaultStand::send_settings(const std::string& text) {
@@ -149,6 +159,7 @@ void FaultStand::take(const intake::LinkEvent& event) {
   }
   if (const auto* health = std::get_if<wire::Health>(&event); health && health->settings)
     settings_ = *health->settings;
+  if (const auto* health = std::get_if<wire::Health>(&event)) upkeep_ = health->upkeep;
   if (const auto* reply = std::get_if<wire::ControlReply>(&event)) reply_ = *reply;
   account_->take(event);
 }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/intake/sensor_link.hpp"
 #include "host/intake/sensor_process.hpp"
@@ -27,7 +28,9 @@ class FaultStand {
   FaultStand& operator=(const FaultStand&) = delete;
 
   /// Nothing, noted as skipped: the camera's port is taken.
-  [[nodiscard]] static std::unique_ptr<FaultStand> set_up(const PictureCellConfig& config = {});
+  /// `more`: of the sensor's command line.
+  [[nodiscard]] static std::unique_ptr<FaultStand> set_up(const PictureCellConfig& config = {},
+                                                          std::vector<std::string> more = {});
 
   PictureCell& cell() { return *cell_; }
   /// The sensor has real-time rights.
@@ -39,11 +42,14 @@ class FaultStand {
   /// that.
   [[nodiscard]] std::optional<std::string> start_scan(std::uint64_t profiles = 20);
   void command(wire::Command command);
+  /// What the sensor says to a command; errc 403: nothing.
+  [[nodiscard]] wire::ControlReply ask(wire::Command command);
   /// What the sensor says to a settings file; empty: it took it.
   [[nodiscard]] std::string send_settings(const std::string& text);
   /// Of the newest health and hello.
   [[nodiscard]] const wire::SettingsState& settings() const { return settings_; }
   [[nodiscard]] const wire::SensorHello& hello() const { return hello_; }
+  [[nodiscard]] const std::optional<wire::UpkeepState>& upkeep() const { return upkeep_; }
 
   /// Takes in what comes until `done` says so; false: it never did, or not until the scan ended.
   bool take_until(const std::function<bool()>& done);
@@ -78,6 +84,8 @@ class FaultStand {
   std::optional<wire::ControlReply> reply_;
   wire::SettingsState settings_;
   wire::SensorHello hello_;
+  std::optional<wire::UpkeepState> upkeep_;
+  std::vector<std::string> more_;
   bool urgent_{false};
   bool known_{false};  ///< the sensor has answered this host
   std::uint32_t command_id_{0};

@@ -5,6 +5,7 @@ import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { amount, number, t, t_or } from '../words';
 import { watch_live } from './live_data';
 import { Chart, Figures } from './parts';
+import { SensorKeep } from './sensor_keep';
 import {
   type Measures,
   type PeakMark,
@@ -227,6 +228,7 @@ export function Sensor(): JSX.Element {
           )}
         </section>
       )}
+      {state && !state.recording && <SensorKeep scanning={state.scanning} />}
     </>
   );
 }

@@ -143,6 +143,8 @@ TEST(Messages, SmallMessagesComeBack) {
   CHECK(gap.first == 4 && gap.count == 6);
   const Control control = round_trip(Control{.id = 3, .command = Command::LaserOff});
   CHECK(control.id == 3 && control.command == Command::LaserOff);
+  for (const Command command : {Command::KeepLast, Command::KeepNext})
+    CHECK(round_trip(Control{.id = 4, .command = command}).command == command);
   const ControlReply reply = round_trip(ControlReply{.id = 3, .errc = 503, .where = "door"});
   CHECK(reply.id == 3 && reply.errc == 503 && reply.where == "door");
   const Bye bye = round_trip(Bye{.reason = ByeReason::Refused, .text = "full", .protocol = 1});

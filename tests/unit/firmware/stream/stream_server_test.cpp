@@ -348,6 +348,48 @@ TEST(StreamServer, SettingsAreTheOwnersAndAnsweredOnceTheyAreTaken) {
   LONGS_EQUAL(0, outbox.of<wire::ControlReply>("a").back().errc);
 }
 
+TEST(StreamServer, ARecordingIsKeptForTheScansOwnerAndToldOnceItIs) {
+  const wire::Control order{.id = 7, .command = wire::Command::KeepLast};
+  const auto newest = [&](const PeerId& peer) { return outbox.of<wire::ControlReply>(peer).back(); };
+  receive("a", wire::HostHello{.name = "workshop"});
+  receive("b", wire::HostHello{});
+  receive("a", order);
+  LONGS_EQUAL(static_cast<int>(Errc::NotSupported), newest("a").errc);
+  std::vector<wire::Command> asked;
+  Result<void> begins;
+  sut->keep_recordings_by([&](wire::Command command) {
+    asked.push_back(command);
+    return begins;
+  });
+  door_open = false;
+  receive("a", wire::Control{.id = 1, .command = wire::Command::StartScan});
+  receive("b", order);
+  receive("o", wire::ObserverHello{});
+  receive("o", order);
+  CHECK(asked.empty());
+  LONGS_EQUAL(static_cast<int>(Errc::PeerRefused), newest("b").errc);
+  LONGS_EQUAL(static_cast<int>(Errc::PeerRefused), newest("o").errc);
+  receive("a", order);
+  CHECK(asked == std::vector{wire::Command::KeepLast});
+  LONGS_EQUAL(1, newest("a").id);
+  // A second one while the first is on its way is not taken for it.
+  receive("a", wire::Control{.id = 8, .command = wire::Command::KeepNext});
+  LONGS_EQUAL(1, asked.size());
+  LONGS_EQUAL(static_cast<int>(Errc::WrongState), newest("a").errc);
+  sut->answer_keep(Result<std::string>{"/data/scan-2"});
+  LONGS_EQUAL(7, newest("a").id);
+  LONGS_EQUAL(0, newest("a").errc);
+  STRCMP_EQUAL("/data/scan-2", newest("a").where.c_str());
+  begins = fail(Errc::WrongState, "still being written");
+  receive("a", wire::Control{.id = 9, .command = wire::Command::KeepNext});
+  LONGS_EQUAL(9, newest("a").id);
+  STRCMP_EQUAL("still being written", newest("a").where.c_str());
+  begins = {};
+  receive("a", wire::Control{.id = 10, .command = wire::Command::KeepNext});
+  sut->answer_keep(fail(Errc::DiskFull, "the disk is full"));
+  LONGS_EQUAL(static_cast<int>(Errc::DiskFull), newest("a").errc);
+}
+
 TEST(StreamServer, WhoOnlyBringsSettingsTakesNoScan) {
   door_open = false;
   receive("a", wire::HostHello{.name = "workshop"});

@@ -55,8 +55,8 @@ TEST(CockpitSettings, TheSetInUseGoesWholeWithTheChangesAndTheSensorsWordComesBa
   STRCMP_EQUAL("first", set->word(Key::PeakChoice).value_or("").c_str());
   FAILS_NAMING(Errc::WrongState, "another change is on its way", sut->change_settings({exposure(1)}, "ada"));
   // The word to another question is not to this one.
-  sut->answer_settings(asked.question - 1, fail(Errc::PeerRefused, "too late"));
-  sut->answer_settings(asked.question, {});
+  sut->answer_sensor(asked.question - 1, fail(Errc::PeerRefused, "too late"));
+  sut->answer_sensor(asked.question, {});
   SUCCEEDS(done.get());
 
   auto again = change({{.key = Key::PeakChoice, .value = settings::Value{.word = "last"}}});
@@ -67,7 +67,7 @@ TEST(CockpitSettings, TheSetInUseGoesWholeWithTheChangesAndTheSensorsWordComesBa
   SUCCEEDS(kept);
   DOUBLES_EQUAL(300, kept->number(Key::ExposureUs).value_or(0), 0);
   CHECK(!kept->at(Key::Gain));
-  sut->answer_settings(second.question, fail(Errc::PeerRefused, "camera.exposure_us: at most 300 us"));
+  sut->answer_sensor(second.question, fail(Errc::PeerRefused, "camera.exposure_us: at most 300 us"));
   FAILS_NAMING(Errc::PeerRefused, "at most 300 us", again.get());
 }
 
@@ -88,6 +88,36 @@ TEST(CockpitSettings, ASensorThatGoesAwayAnswersForItself) {
   static_cast<void>(wish());
   sut->lose_sensor("silent for 5 s");
   FAILS_NAMING(Errc::WrongState, "silent for 5 s", done.get());
+}
+
+TEST(CockpitSettings, ARecordingIsAskedForAndTheSensorsWordComesBack) {
+  FAILS_NAMING(Errc::WrongState, "no sensor", sut->keep_recording(false, "ada"));
+  wire::SensorHello hello;
+  hello.name = "head 3";
+  hello.protocol_minor = 2;
+  sut->hear(hello);
+  FAILS_NAMING(Errc::WrongState, "head 3 keeps no recording over the network: it is older than protocol 1.3",
+               sut->keep_recording(false, "ada"));
+  CHECK(!sut->next_wish());
+  hello.protocol_minor = wire::k_least_minor_to_keep;
+  sut->hear(hello);
+  hear_sensor();
+  const auto keep = [this](bool next) {
+    return std::async(std::launch::async, [this, next] { return sut->keep_recording(next, "ada"); });
+  };
+  auto last = keep(false);
+  Wish asked = wish();
+  CHECK(asked.kind == Wish::Kind::Keep && asked.command == wire::Command::KeepLast);
+  FAILS_NAMING(Errc::WrongState, "on its way", sut->change_settings({exposure(300)}, "eng"));
+  sut->answer_sensor(asked.question, Result<std::string>{"/data/scan-2"});
+  const Result<std::string> kept = last.get();
+  SUCCEEDS(kept);
+  STRCMP_EQUAL("/data/scan-2", kept->c_str());
+  auto next = keep(true);
+  asked = wish();
+  CHECK(asked.command == wire::Command::KeepNext);
+  sut->answer_sensor(asked.question, fail(Errc::PeerRefused, "this sensor records nothing"));
+  FAILS_NAMING(Errc::PeerRefused, "records nothing", next.get());
 }
 
 }  // namespace biteline::service

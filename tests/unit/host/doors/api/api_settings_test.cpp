@@ -75,4 +75,31 @@ TEST(ApiSettings, TheSensorsReasonComesBackAndIsNoChange) {
   CHECK(rows->front().action != "settings");
 }
 
+TEST(ApiSettings, AnOperatorInControlHasTheSensorKeepARecording) {
+  const auto keep = [this](const Json& body) { return ask("POST", "/sensors/keep", body); };
+  log_in("ana");
+  STRCMP_EQUAL("control_needed", code_of(keep({{"which", "last"}})).c_str());
+  take_control_as("ana");
+  for (const Json& body : {Json{{"which", "all"}}, Json{{"which", 1}}, Json::object()}) {
+    const control::Answer answer = keep(body);
+    LONGS_EQUAL(400, answer.status);
+    STRCMP_CONTAINS("which", answer.body["error"]["message"].get<std::string>().c_str());
+  }
+  CHECK(cell.did.empty());
+  control::Answer answer = keep({{"which", "last"}});
+  LONGS_EQUAL(200, answer.status);
+  STRCMP_EQUAL("kept: /data/scan-2", answer.body["words"].get<std::string>().c_str());
+  LONGS_EQUAL(200, keep({{"which", "next"}}).status);
+  STRCMP_EQUAL("keep last ana", cell.did[0].c_str());
+  STRCMP_EQUAL("keep next ana", cell.did[1].c_str());
+  const auto rows = memory->log_rows(0, 2);
+  SUCCEEDS(rows);
+  STRCMP_EQUAL("keep recording", rows->back().action.c_str());
+  STRCMP_EQUAL("/data/scan-2", rows->back().after.c_str());
+  cell.next = fail(Errc::PeerRefused, "/data/scan-last: no scan waits there");
+  answer = keep({{"which", "last"}});
+  LONGS_EQUAL(409, answer.status);
+  STRCMP_CONTAINS("no scan waits", answer.body["error"]["message"].get<std::string>().c_str());
+}
+
 }  // namespace biteline::api

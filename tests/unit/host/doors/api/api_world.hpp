@@ -51,6 +51,11 @@ struct FakeCell final : Cell {
                     (change.value ? settings::value_text(change.key, *change.value) : "none") + " " + who);
     return next;
   }
+  Result<std::string> keep_recording(bool following, const std::string& who) override {
+    did.push_back(std::string{"keep "} + (following ? "next " : "last ") + who);
+    if (!next) return tl::unexpected<Error>{next.error()};
+    return std::string{following ? "the scan that ends next" : "/data/scan-2"};
+  }
   bool on_demand() override { return jobs; }
   line_control::LineState line_state() override {
     line_control::LineState state;
