@@ -50,6 +50,12 @@ Result<CloudFile> from_mesh(Result<TriangleMesh> mesh, double mm_per_unit) {
 Result<CloudFile> read_by_ending(const fs::path& file, double mm_per_unit) {
   CloudFile read;
   const std::string type = ending(file);
+  std::error_code error;
+  if (std::filesystem::is_directory(file, error)) {
+    return fail(Errc::BadFormat,
+                "%s: a folder, and a cloud's file expected; `biteline replay` takes a session's folder",
+                file.c_str());
+  }
   if (type == ".ply") {
     BITELINE_ASSIGN(read.cloud, read_cloud(file, &read.dropped));
     return read;

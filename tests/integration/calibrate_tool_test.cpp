@@ -81,7 +81,7 @@ TEST(CalibrateTool, CameraAloneGivesItsLinesAndNoMadeUpOnes) {
   std::ifstream page(out() / "index.html");
   const std::string text{std::istreambuf_iterator<char>(page), {}};
   STRCMP_CONTAINS("stages/coverage.png", text.c_str());
-  STRCMP_CONTAINS("rings off the camera model", text.c_str());
+  STRCMP_CONTAINS("rings or corners off the camera model", text.c_str());
 }
 
 TEST(CalibrateTool, FilesWithoutUseAreNamed) {
@@ -172,6 +172,27 @@ TEST(CalibrateTool, TargetIsDrawnToScale) {
   const fs::path two = folder.path() / "two.pdf";
   LONGS_EQUAL(0, run({"target", "--out", two.string(), "--planes", "2"}, ""));
   LONGS_EQUAL(2, calibration::read_target(folder.path() / "two.yaml")->planes);
+}
+
+TEST(CalibrateTool, ChessboardIsDrawnAndOptionsOfTheOtherKindAreRefused) {
+  const fs::path file = folder.path() / "board.svg";
+  LONGS_EQUAL(0, run({"target", "--kind", "chessboard", "--out", file.string(), "--square-rows", "5",
+                      "--square-cols", "8"},
+                     ""));
+  std::ifstream in(file);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  int squares = 0;
+  for (auto at = text.find("<rect x="); at != std::string::npos; at = text.find("<rect x=", at + 1))
+    ++squares;
+  LONGS_EQUAL(20, squares);
+  const auto target = calibration::read_target(folder.path() / "board.yaml");
+  SUCCEEDS(target);
+  LONGS_EQUAL(4 * 7, target->rings());
+  DOUBLES_EQUAL(8, target->pitch_mm, 1e-9);
+  LONGS_EQUAL(2, run({"target", "--kind", "chessboard", "--rows", "5", "--out", file.string()},
+                     "--rows: not of --kind chessboard"));
+  LONGS_EQUAL(
+      2, run({"target", "--square-rows", "5", "--out", file.string()}, "--square-rows: not of --kind rings"));
 }
 
 }  // namespace biteline

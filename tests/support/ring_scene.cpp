@@ -13,17 +13,33 @@ constexpr double k_dark_grey = 30, k_bright_grey = 170, k_background_grey = 60, 
 
 double target_level(const RingScene& scene, const Vec2& place, const PictureOptions& options) {
   const calibration::RingTarget& t = scene.target;
-  const double margin_mm = t.pitch_mm;
+  // Of a chessboard one square lies beyond the outermost corners.
+  const double margin_mm = t.chessboard() ? 1.5 * t.pitch_mm : t.pitch_mm;
   if (place.x() < -margin_mm || place.y() < -margin_mm || place.x() > (t.cols - 1) * t.pitch_mm + margin_mm ||
       place.y() > (t.rows - 1) * t.pitch_mm + margin_mm) {
     return -1;
   }
   if (options.covered && options.covered(place)) return k_cover_grey;
+  if (t.chessboard()) {
+    const double square_col = std::floor(place.x() / t.pitch_mm) + 1,
+                 square_row = std::floor(place.y() / t.pitch_mm) + 1;
+    if (square_col < 0 || square_row < 0 || square_col > t.cols || square_row > t.rows) return k_bright_grey;
+    const bool as_first = std::fmod(square_col + square_row, 2) == 0;
+    return as_first == t.first_is_white ? k_bright_grey : k_dark_grey;
+  }
   const double col = std::clamp(std::round(place.x() / t.pitch_mm), 0.0, t.cols - 1.0);
   const double row = std::clamp(std::round(place.y() / t.pitch_mm), 0.0, t.rows - 1.0);
   const double radius_mm = (place - Vec2(col, row) * t.pitch_mm).norm();
   return radius_mm < t.outer_diameter_mm / 2 && radius_mm > t.inner_diameter_mm / 2 ? k_dark_grey
                                                                                     : k_bright_grey;
+}
+
+/// Place within a pixel of one of `side` x `side` samples.  A board's straight edges run along rows of
+/// samples for many pixels, so that none of its samples share a row or column.
+std::pair<double, double> sample_of(bool chessboard, int index, int side) {
+  if (!chessboard) return {(index % side + 0.5) / side - 0.5, (index / side + 0.5) / side - 0.5};
+  const double along = index * 0.6180339887 + 0.25;
+  return {(index + 0.5) / (side * side) - 0.5, along - std::floor(along) - 0.5};
 }
 
 void blur(std::vector<double>& levels, int width, int height, double sigma_px) {
@@ -82,8 +98,7 @@ image::GreyImage draw_rings(const RingScene& scene, const std::vector<SE3>& T_ca
       const Vec3 dv = scene.camera.ray(place_px + half_v) - scene.camera.ray(place_px - half_v);
       double sum = 0;
       for (int i = 0; i < options.samples * options.samples; ++i) {
-        const double su = (i % options.samples + 0.5) / options.samples - 0.5,
-                     sv = (i / options.samples + 0.5) / options.samples - 0.5;
+        const auto [su, sv] = sample_of(scene.target.chessboard(), i, options.samples);
         double level = -1;
         for (std::size_t k = 0; k < H_target_ideal.size() && level < 0; ++k) {
           const Vec3 place = H_target_ideal[k] * (ray + su * du + sv * dv);

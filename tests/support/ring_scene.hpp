@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Made pictures of ring targets with known camera and poses, for the calibration's tests and
-/// benchmarks.
+/// \file Made pictures of ring targets and chessboards with known camera and poses, for the calibration's
+/// tests and benchmarks.
 
 #include <functional>
 #include <random>

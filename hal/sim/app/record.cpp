@@ -129,6 +129,10 @@ void add_record_calibration(CLI::App& app, Context& context) {
                    "Fills the lit pictures from ones of this size, nearest pixel, as a scaler does")
       ->capture_default_str()
       ->check(options::number({.minimum = 0.5, .maximum = 1.0}, ""));
+  command
+      ->add_option("--chessboard", settings.chessboard_squares,
+                   "Chessboards in place of rings, so many squares from one ring's centre to the next")
+      ->check(options::number({.minimum = 1, .maximum = 4}, ""));
   CLI::Option* clock = command
                            ->add_option("--clock-offset-ms", options->clock_offset_ms,
                                         "Adds clock/, a scan with this offset between the clocks")

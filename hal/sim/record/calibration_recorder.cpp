@@ -25,7 +25,7 @@ class Recorder {
         settings_(settings),
         progress_(progress),
         head_(draw_head(settings.head_seed)),
-        views_(head_, Random(settings.view_seed).fork(1)),
+        views_(head_, Random(settings.view_seed).fork(1), settings.chessboard_squares),
         noise_(Random(settings.view_seed).fork(2)) {
     head_.model.region = {.offset_u_px = 0,
                           .offset_v_px = 0,
@@ -42,8 +42,12 @@ class Recorder {
   Result<void> record() {
     for (const char* part : {"camera", "laser", "handeye", "truth"})
       BITELINE_TRY(make_folder(folder_ / part));
-    BITELINE_TRY(write_file(folder_ / "target.yaml", grid_text(RingGrid{})));
-    BITELINE_TRY(write_file(folder_ / "laser" / "target.yaml", "planes: 2\n" + grid_text(plane_grid())));
+    const auto text_of = [&](const RingGrid& grid) {
+      return grid_text(settings_.chessboard_squares > 0 ? grid.as_chessboard(settings_.chessboard_squares)
+                                                        : grid);
+    };
+    BITELINE_TRY(write_file(folder_ / "target.yaml", text_of(RingGrid{})));
+    BITELINE_TRY(write_file(folder_ / "laser" / "target.yaml", "planes: 2\n" + text_of(plane_grid())));
     BITELINE_TRY(
         write_file(folder_ / "truth" / "sensor.yaml",
                    config::sensor_yaml_text(

@@ -22,6 +22,11 @@ RingGrid plane_grid() {
 
 std::string grid_text(const RingGrid& grid) {
   char text[200];
+  if (grid.chessboard) {
+    std::snprintf(text, sizeof text, "kind: chessboard\nsquare_rows: %d\nsquare_cols: %d\npitch: %.1f\n",
+                  grid.rows + 1, grid.cols + 1, grid.pitch_mm);
+    return text;
+  }
   std::snprintf(text, sizeof text,
                 "rows: %d\ncols: %d\npitch: %.1f\nouter_diameter: %.1f\ninner_diameter: %.1f\n", grid.rows,
                 grid.cols, grid.pitch_mm, grid.outer_diameter_mm, grid.inner_diameter_mm);
@@ -52,13 +57,16 @@ PlacedGrid CalibrationViews::draw_view(double tilt_rad) {
       const Mat3 R = geometry::exp_so3(Vec3(0, 0, random_.uniform({-0.5, 0.5}))) *
                      geometry::exp_so3(tilt * Vec3(std::cos(direction_rad), std::sin(direction_rad), 0));
       const Vec3 place(random_.uniform({-25, 25}), random_.uniform({-22, 22}), random_.uniform({190, 270}));
-      const PlacedGrid view{.grid = {}, .T_cam_sheet = geometry::make_se3(Eigen::Quaterniond(R), place)};
-      if (all_rings_visible(head_, view, k_ring_margin_px)) return view;
+      PlacedGrid view{.grid = {}, .T_cam_sheet = geometry::make_se3(Eigen::Quaterniond(R), place)};
+      if (!all_rings_visible(head_, view, k_ring_margin_px)) continue;
+      if (squares_ > 0) view.grid = view.grid.as_chessboard(squares_);
+      return view;
     }
   }
 }
 
 std::array<PlacedGrid, 2> CalibrationViews::draw_two_planes(double plane_angle_rad) {
+  const RingGrid grid = squares_ > 0 ? plane_grid().as_chessboard(squares_) : plane_grid();
   for (;;) {
     const Mat3 R = geometry::exp_so3(Vec3(0, 0, random_.uniform({-0.25, 0.25}))) *
                    geometry::exp_so3(Vec3(random_.uniform({-0.2, 0.2}), random_.uniform({-0.2, 0.2}), 0));
@@ -72,9 +80,8 @@ std::array<PlacedGrid, 2> CalibrationViews::draw_two_planes(double plane_angle_r
       SE3 T_ridge_sheet = SE3::Identity();
       T_ridge_sheet.linear() = geometry::exp_so3(Vec3(0, -turn_rad, 0));
       T_ridge_sheet.translation() =
-          T_ridge_sheet.linear() * Vec3(sign * (plane_grid().width_mm() / 2 + k_ridge_gap_mm), 0, 0);
-      sheets[static_cast<std::size_t>(side)] = {.grid = plane_grid(),
-                                                .T_cam_sheet = T_cam_ridge * T_ridge_sheet};
+          T_ridge_sheet.linear() * Vec3(sign * (grid.width_mm() / 2 + k_ridge_gap_mm), 0, 0);
+      sheets[static_cast<std::size_t>(side)] = {.grid = grid, .T_cam_sheet = T_cam_ridge * T_ridge_sheet};
     }
     if (all_rings_visible(head_, sheets[0], k_ring_margin_px) &&
         all_rings_visible(head_, sheets[1], k_ring_margin_px))

@@ -22,7 +22,10 @@ namespace biteline::sim {
 /// Draws places until every ring lies in the picture.
 class CalibrationViews {
  public:
-  CalibrationViews(const MadeHead& head, const Random& random) : head_{head}, random_{random} {}
+  /// Single sheets stand in the same places whatever `squares` says; the two of the laser lie farther
+  /// apart, since squares reach farther than rings.
+  CalibrationViews(const MadeHead& head, const Random& random, int squares = 0)
+      : head_{head}, random_{random}, squares_{squares} {}
 
   /// A sheet somewhere in the field, tilted up to `tilt_rad`.
   [[nodiscard]] PlacedGrid draw_view(double tilt_rad);
@@ -36,6 +39,7 @@ class CalibrationViews {
  private:
   MadeHead head_;
   Random random_;
+  int squares_;  ///< 0: rings
 };
 
 }  // namespace biteline::sim

@@ -15,9 +15,18 @@ namespace {
 enum class Shade : std::uint8_t { Background, White, Black };
 
 constexpr int k_edge_samples = 6;
+/// A board's straight edges run along rows of samples for many pixels.  These lie on a Fibonacci lattice, no
+/// two in a row or column.
+constexpr int k_board_samples = 89, k_board_step = 55;
 
 Shade shade_on(const RingGrid& grid, double x_mm, double y_mm) {
   if (std::abs(x_mm) > grid.width_mm() / 2 || std::abs(y_mm) > grid.height_mm() / 2) return Shade::Background;
+  if (grid.chessboard) {
+    const double col = std::floor(x_mm / grid.pitch_mm + 0.5 * (grid.cols + 1));
+    const double row = std::floor(y_mm / grid.pitch_mm + 0.5 * (grid.rows + 1));
+    if (col < 0 || row < 0 || col > grid.cols || row > grid.rows) return Shade::White;
+    return std::fmod(col + row, 2) == 0 ? Shade::Black : Shade::White;
+  }
   const double col = std::round(x_mm / grid.pitch_mm + 0.5 * (grid.cols - 1));
   const double row = std::round(y_mm / grid.pitch_mm + 0.5 * (grid.rows - 1));
   if (col < 0 || row < 0 || col >= grid.cols || row >= grid.rows) return Shade::White;
@@ -85,6 +94,23 @@ class Rays {
   std::vector<Vec2> rays_;
 };
 
+/// Places within a pixel.
+std::vector<Vec2> edge_samples(bool chessboard) {
+  std::vector<Vec2> samples;
+  if (chessboard) {
+    for (int i = 0; i < k_board_samples; ++i) {
+      samples.emplace_back((i + 0.5) / k_board_samples - 0.5,
+                           (i * k_board_step % k_board_samples + 0.5) / k_board_samples - 0.5);
+    }
+    return samples;
+  }
+  for (int i = 0; i < k_edge_samples; ++i) {
+    for (int k = 0; k < k_edge_samples; ++k)
+      samples.emplace_back((i + 0.5) / k_edge_samples - 0.5, (k + 0.5) / k_edge_samples - 0.5);
+  }
+  return samples;
+}
+
 /// Separable Gaussian blur; the border repeats.
 void blur(std::vector<float>& picture, int width, int height, double sigma_px) {
   const int reach = static_cast<int>(std::ceil(4 * sigma_px));
@@ -136,6 +162,7 @@ image::GreyImage render_rings(const MadeHead& head, std::span<const PlacedGrid> 
     return ratio_of(sheets.seen_along(rays.at(u, v, shift(u) + du, shift(v) + dv)));
   };
 
+  const std::vector<Vec2> samples = edge_samples(!placed.empty() && placed.front().grid.chessboard);
   std::vector<Shade> middles(index(0, height));
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u)
@@ -157,12 +184,8 @@ image::GreyImage render_rings(const MadeHead& head, std::span<const PlacedGrid> 
       double ratio = ratio_of(middles[index(u, v)]);
       if (crossed(u, v)) {
         ratio = 0;
-        for (int i = 0; i < k_edge_samples; ++i) {
-          for (int k = 0; k < k_edge_samples; ++k) {
-            ratio += seen_from(u, v, (i + 0.5) / k_edge_samples - 0.5, (k + 0.5) / k_edge_samples - 0.5);
-          }
-        }
-        ratio /= k_edge_samples * k_edge_samples;
+        for (const Vec2& sample : samples) ratio += seen_from(u, v, sample.x(), sample.y());
+        ratio /= static_cast<double>(samples.size());
       }
       const double across = (u - 0.5 * width) / width * std::cos(light.slope_rad) +
                             (v - 0.5 * height) / width * std::sin(light.slope_rad);

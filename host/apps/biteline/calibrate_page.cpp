@@ -18,8 +18,8 @@ struct Figure {
   const char* unit;
 };
 constexpr std::array k_figures{
-    Figure{"/camera/rms_px", "rings off the camera model, RMS", "px"},
-    Figure{"/camera/coverage_ratio", "share of the picture that held rings", ""},
+    Figure{"/camera/rms_px", "rings or corners off the camera model, RMS", "px"},
+    Figure{"/camera/coverage_ratio", "share of the picture that held rings or corners", ""},
     Figure{"/laser/rms_mm", "stripe points off the laser plane, RMS", "mm"},
     Figure{"/hand_eye/left_out_rms_mm", "target as the other views predict it, RMS", "mm"},
     Figure{"/hand_eye/axes_spread_deg", "spread of the axes that the wrist turned about", "deg"},
@@ -31,11 +31,12 @@ struct Picture {
   const char* caption;
 };
 constexpr std::array k_pictures{
-    Picture{"stages/coverage.png", "Where in the picture rings were seen, with what the model is off by"},
-    Picture{"stages/rings_camera.png", "Camera: found rings"},
-    Picture{"stages/rings_laser.png", "Laser: found rings and stripe"},
+    Picture{"stages/coverage.png",
+            "Where in the picture rings or corners were seen, with what the model is off by"},
+    Picture{"stages/rings_camera.png", "Camera: found rings or corners"},
+    Picture{"stages/rings_laser.png", "Laser: found rings or corners, and stripe"},
     Picture{"stages/stripe.png", "Laser: each place's distance from the plane"},
-    Picture{"stages/rings_handeye.png", "Hand-eye: found rings"},
+    Picture{"stages/rings_handeye.png", "Hand-eye: found rings or corners"},
     Picture{"stages/left_out.png", "Hand-eye: each view as the others predict it"},
 };
 

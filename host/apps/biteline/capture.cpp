@@ -417,12 +417,12 @@ void add_capture(CLI::App& app, Context& context) {
   };
   add_capture_check(*command, context);
   add_capture_scan(*command, context);
-  add("camera", "Views of the ring target: lens and sensor", Part::Camera);
+  add("camera", "Views of the target: lens and sensor", Part::Camera);
   add("laser", "The two-plane target, each place with lamp and with laser: the laser's plane", Part::Laser)
       ->add_option("--laser-exposure-us", options->laser_exposure_us, "With the laser on")
       ->check(options::number({.minimum = 1, .maximum = 1e6}, "us"))
       ->capture_default_str();
-  add("hand-eye", "The fixed ring target from many poses of the arm: the head's place on the flange",
+  add("hand-eye", "The fixed target from many poses of the arm: the head's place on the flange",
       Part::HandEye)
       ->add_option("--poses", options->poses, "Poses read by hand, numbered as the pictures (poses.csv)");
 }

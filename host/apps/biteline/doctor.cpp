@@ -19,21 +19,16 @@
 #include <vector>
 
 #include "host/apps/biteline/command.hpp"
+#include "host/apps/biteline/doctor_abilities.hpp"
 #include "host/intake/child_process.hpp"
 #include "host/intake/sensor_process.hpp"
 #include "host/records/report/json_text.hpp"
+#include "host/robot/link/ur/controller_words.hpp"
 
 namespace biteline::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Finding {
-  std::string what;
-  bool ready{false};
-  std::string seen;
-  std::string step;  ///< empty when ready
-};
 
 std::string first_line(const fs::path& file) {
   std::ifstream stream(file);
@@ -178,6 +173,54 @@ Result<std::vector<Finding>> examine_board(const std::string& board_file) {
   return findings;
 }
 
+/// What the arm's controller says on its dashboard.
+Finding ask_robot(const std::string& address) {
+  constexpr Nanoseconds k_patience{3'000'000'000};
+  constexpr std::uint16_t k_dashboard_port = 29999;
+  const std::size_t colon = address.rfind(':');
+  const Result<wire::Endpoint> at = wire::parse_endpoint(
+      "tcp://" + address + (colon == std::string::npos ? ":" + std::to_string(k_dashboard_port) : ""));
+  const auto words = at ? robot::ur::ask_controller({.host = at->host, .port = at->port}, k_patience)
+                        : Result<robot::ur::ControllerWords>{tl::unexpected<Error>{at.error()}};
+  const std::string what = "robot at " + address;
+  if (!words)
+    return {what, false, to_line(words.error()),
+            "switch the controller on, check cable and address, allow the dashboard in its settings"};
+  const std::string seen = robot::ur::summary(*words);
+  if (words->remote == false)
+    return {what, false, seen,
+            "switch on remote control at the teach pendant (Settings, System, Remote Control)"};
+  if (words->robot_mode.value_or("RUNNING") != "RUNNING")
+    return {what, false, seen, "switch the arm on and release its brakes at the teach pendant"};
+  return {what, true, seen, ""};
+}
+
+void print(const std::vector<Finding>& findings, const std::vector<Ability>& abilities) {
+  for (const Finding& f : findings) {
+    std::printf("%-7s %-44s %s\n", f.ready ? "ready" : "missing", f.what.c_str(), f.seen.c_str());
+    if (!f.ready) std::printf("        %-44s -> %s\n", "", f.step.c_str());
+  }
+  std::printf("\n");
+  for (const Ability& ability : abilities) {
+    if (ability.can()) std::printf("you can:    %s\n", ability.what.c_str());
+  }
+  for (const Ability& ability : abilities) {
+    if (!ability.can())
+      std::printf("you cannot: %s, because: %s\n", ability.what.c_str(), ability.because().c_str());
+  }
+}
+
+nlohmann::ordered_json as_json(const std::vector<Finding>& findings, const std::vector<Ability>& abilities) {
+  nlohmann::ordered_json json{{"findings", nlohmann::ordered_json::array()},
+                              {"abilities", nlohmann::ordered_json::array()}};
+  for (const Finding& f : findings)
+    json["findings"].push_back({{"what", f.what}, {"ready", f.ready}, {"seen", f.seen}, {"step", f.step}});
+  for (const Ability& ability : abilities)
+    json["abilities"].push_back(
+        {{"what", ability.what}, {"can", ability.can()}, {"missing", ability.missing}});
+  return json;
+}
+
 }  // namespace
 
 void add_doctor(CLI::App& app, Context& context) {
@@ -189,24 +232,23 @@ void add_doctor(CLI::App& app, Context& context) {
       ->add_option("--board", *board,
                    "Open each device of this board.yaml too; a unit's own is looked at anyway")
       ->check(CLI::ExistingFile);
-  command->callback([board, &context] {
-    context.run = [board, &context]() -> Result<ExitStatus> {
+  auto robot = std::make_shared<std::string>();
+  command->add_option("--robot", *robot,
+                      "Ask the arm's controller, too: HOST, or HOST:PORT of its dashboard");
+  command->callback([board, robot, &context] {
+    context.run = [board, robot, &context]() -> Result<ExitStatus> {
       std::vector<Finding> findings = examine();
       if (!board->empty()) {
         BITELINE_ASSIGN(std::vector<Finding> devices, examine_board(*board));
         findings.insert(findings.end(), std::make_move_iterator(devices.begin()),
                         std::make_move_iterator(devices.end()));
       }
+      if (!robot->empty()) findings.push_back(ask_robot(*robot));
+      const std::vector<Ability> abilities = abilities_of(findings);
       if (context.options.json) {
-        nlohmann::ordered_json list = nlohmann::ordered_json::array();
-        for (const Finding& f : findings)
-          list.push_back({{"what", f.what}, {"ready", f.ready}, {"seen", f.seen}, {"step", f.step}});
-        std::printf("%s\n", report::to_text(list).c_str());
-        return ExitStatus::Done;
-      }
-      for (const Finding& f : findings) {
-        std::printf("%-7s %-44s %s\n", f.ready ? "ready" : "missing", f.what.c_str(), f.seen.c_str());
-        if (!f.ready) std::printf("        %-44s -> %s\n", "", f.step.c_str());
+        std::printf("%s\n", report::to_text(as_json(findings, abilities)).c_str());
+      } else {
+        print(findings, abilities);
       }
       return ExitStatus::Done;
     };

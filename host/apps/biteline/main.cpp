@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/system/last_words.hpp"
@@ -36,25 +37,76 @@ std::size_t difference(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+constexpr std::size_t k_longest_name = 40, k_most_letters_wrong = 2;
+
+/// The nearest of `names` that may have been meant; empty: none is near.
+std::string nearest_of(std::string_view word, const std::vector<std::string>& names) {
+  std::string nearest;
+  std::size_t least = k_most_letters_wrong + 1;
+  for (const std::string& name : names) {
+    const std::size_t wrong = difference(word, name);
+    if (wrong >= least) continue;
+    least = wrong;
+    nearest = name;
+  }
+  return nearest;
+}
+
 /// The first word, where it is no command, and the command it may have been meant for.
-std::optional<std::string> mistyped(const CLI::App& app, int argc, char** argv) {
-  constexpr std::size_t k_longest_name = 40, k_most_letters_wrong = 2;
+std::optional<std::string> mistyped_command(const CLI::App& app, int argc, char** argv) {
   int i = 1;
   while (i < argc && argv[i][0] == '-') ++i;
   if (i == argc) return std::nullopt;
   const std::string_view word = std::string_view{argv[i]}.substr(0, k_longest_name);
-  std::string nearest, all;
-  std::size_t least = k_most_letters_wrong + 1;
+  std::vector<std::string> names;
+  std::string all;
   for (const CLI::App* command : app.get_subcommands({})) {
     if (command->get_name() == word) return std::nullopt;
+    names.push_back(command->get_name());
     all += (all.empty() ? "" : ", ") + command->get_name();
-    const std::size_t wrong = difference(word, command->get_name());
-    if (wrong >= least) continue;
-    least = wrong;
-    nearest = command->get_name();
   }
+  const std::string nearest = nearest_of(word, names);
   return "no command '" + std::string{word} + "'" +
          (nearest.empty() ? "; there are " + all : "; did you mean " + nearest + "?");
+}
+
+/// The first option that no command on the way knows, and the one it may have been meant for.  A value that
+/// begins with two dashes is taken for one, too: it is asked for only where the line was refused.
+std::optional<std::string> mistyped_option(const CLI::App& app, int argc, char** argv) {
+  std::vector<std::string> names;
+  const auto learn = [&names](const CLI::App& of) {
+    for (const CLI::Option* option : of.get_options())
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  };
+  learn(app);
+  const CLI::App* command = &app;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word{argv[i]};
+    if (word.starts_with("--")) continue;
+    for (const CLI::App* next : command->get_subcommands({})) {
+      if (next->get_name() != word) continue;
+      command = next;
+      learn(*next);
+      break;
+    }
+  }
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = std::string{argv[i]}.substr(0, std::string_view{argv[i]}.find('='));
+    if (word.size() <= 2 || word.size() > k_longest_name || !word.starts_with("--")) continue;
+    if (std::ranges::find(names, word) != names.end()) continue;
+    const std::string nearest = nearest_of(word, names);
+    if (!nearest.empty()) return "no option '" + word + "'; did you mean " + nearest + "?";
+  }
+  return std::nullopt;
+}
+
+/// `biteline help [COMMAND]...` is `biteline [COMMAND]... --help`.
+std::vector<std::string> words_of(int argc, char** argv) {
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (words.empty() || words.front() != "help") return words;
+  words.erase(words.begin());
+  words.emplace_back("--help");
+  return words;
 }
 
 }  // namespace
@@ -82,7 +134,7 @@ int main(int argc, char** argv) {
   app.fallthrough();
   app.add_flag("--quiet", context.options.quiet, "No progress, no words beyond the result");
   app.add_flag("--json", context.options.json, "The result's report.json on stdout, and nothing else");
-  app.set_version_flag("--version", "biteline " BITELINE_VERSION);
+  app.set_version_flag("-V,--version", "biteline " BITELINE_VERSION);
   add_target(app, context);
   add_transfer(app, context);
   add_capture(app, context);
@@ -105,11 +157,14 @@ int main(int argc, char** argv) {
   add_sweep(app, context);
 
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> words = words_of(argc, argv);
+    std::ranges::reverse(words);  // as the parser takes them
+    app.parse(std::move(words));
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
-    const std::string what = mistyped(app, argc, argv).value_or(error.what());
-    std::fprintf(stderr, "biteline: %s (see --help)\n", what.c_str());
+    std::optional<std::string> what = mistyped_command(app, argc, argv);
+    if (!what) what = mistyped_option(app, argc, argv);
+    std::fprintf(stderr, "biteline: %s (see --help)\n", what.value_or(error.what()).c_str());
     return static_cast<int>(biteline::ExitStatus::BadInput);
   }
   try {

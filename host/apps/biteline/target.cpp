@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// biteline target: a ring target to print to scale, and its target.yaml.
+// biteline target: a ring target or chessboard to print to scale, and its target.yaml.
 #include <memory>
 
 #include "common/options/number.hpp"
@@ -12,9 +12,35 @@ namespace {
 
 struct TargetOptions {
   std::filesystem::path out;
+  std::string kind{"rings"};
   calibration::RingTarget target{
       .rows = 4, .cols = 7, .pitch_mm = 14, .outer_diameter_mm = 12, .inner_diameter_mm = 6};
+  /// In place of what the rings have.
+  int square_rows{8}, square_cols{11};
+  double square_mm{8};
 };
+
+/// Options of the other kind of target: told, not passed over.
+struct KindOptions {
+  std::vector<CLI::Option*> rings, chessboard;
+  CLI::Option* pitch{nullptr};  ///< of both
+};
+
+Result<calibration::RingTarget> target_of(const TargetOptions& options, const KindOptions& kinds) {
+  const bool chessboard = options.kind == "chessboard";
+  for (const CLI::Option* other : chessboard ? kinds.rings : kinds.chessboard) {
+    if (other->count() > 0)
+      return fail(Errc::InvalidArgument, "%s: not of --kind %s", other->get_name().c_str(),
+                  options.kind.c_str());
+  }
+  calibration::RingTarget target = options.target;
+  if (!chessboard) return target;
+  return calibration::RingTarget{.rows = options.square_rows - 1,
+                                 .cols = options.square_cols - 1,
+                                 .pitch_mm = kinds.pitch->count() > 0 ? target.pitch_mm : options.square_mm,
+                                 .planes = target.planes,
+                                 .kind = calibration::TargetKind::Chessboard};
+}
 
 /// Somebody may have corrected it by the ruler: numbers of another target are not written over.
 Result<void> check_numbers(const std::filesystem::path& file, const calibration::RingTarget& target) {
@@ -26,11 +52,11 @@ Result<void> check_numbers(const std::filesystem::path& file, const calibration:
               file.c_str());
 }
 
-Result<ExitStatus> draw(const TargetOptions& options, const GlobalOptions& global) {
-  const calibration::RingTarget& t = options.target;
-  if (t.outer_diameter_mm >= t.pitch_mm)
+Result<ExitStatus> draw(const TargetOptions& options, const KindOptions& kinds, const GlobalOptions& global) {
+  BITELINE_ASSIGN(const calibration::RingTarget t, target_of(options, kinds));
+  if (!t.chessboard() && t.outer_diameter_mm >= t.pitch_mm)
     return fail(Errc::InvalidArgument, "--outer-diameter: less than the pitch expected");
-  if (t.inner_diameter_mm >= t.outer_diameter_mm)
+  if (!t.chessboard() && t.inner_diameter_mm >= t.outer_diameter_mm)
     return fail(Errc::InvalidArgument, "--inner-diameter: less than the outer diameter expected");
   const bool pdf = options.out.extension() == ".pdf";
   if (!pdf && options.out.extension() != ".svg")
@@ -46,9 +72,15 @@ Result<ExitStatus> draw(const TargetOptions& options, const GlobalOptions& globa
   report.fields["file"] = options.out.filename().string();
   report.fields["numbers"] = numbers.filename().string();
   report.fields["planes"] = t.planes;
+  report.fields["kind"] = options.kind;
+  report.fields["pitch_mm"] = t.pitch_mm;
+  if (t.chessboard()) {
+    report.fields["square_rows"] = t.rows + 1;
+    report.fields["square_cols"] = t.cols + 1;
+    return tell(report, global, "");
+  }
   report.fields["rows"] = t.rows;
   report.fields["cols"] = t.cols;
-  report.fields["pitch_mm"] = t.pitch_mm;
   report.fields["outer_diameter_mm"] = t.outer_diameter_mm;
   report.fields["inner_diameter_mm"] = t.inner_diameter_mm;
   return tell(report, global, "");
@@ -58,32 +90,46 @@ Result<ExitStatus> draw(const TargetOptions& options, const GlobalOptions& globa
 
 void add_target(CLI::App& app, Context& context) {
   const auto options = std::make_shared<TargetOptions>();
-  CLI::App* command =
-      app.add_subcommand("target", "Draws a ring target to print to scale, and writes its target.yaml");
+  CLI::App* command = app.add_subcommand(
+      "target", "Draws a ring target or a chessboard to print to scale, and writes its target.yaml");
+  const auto kinds = std::make_shared<KindOptions>();
   command
       ->add_option("--out", options->out,
                    "The drawing, FILE.pdf or FILE.svg; FILE.yaml with its numbers is written beside it")
       ->required();
-  command->add_option("--rows", options->target.rows, "Rows of rings")
-      ->check(options::number({.minimum = 2, .maximum = 100}, ""))
+  command
+      ->add_option("--kind", options->kind,
+                   "rings or chessboard; what a chessboard costs in accuracy: docs/calibration.md")
+      ->check(CLI::IsMember({"rings", "chessboard"}))
       ->capture_default_str();
-  command->add_option("--cols", options->target.cols, "Rings in a row")
-      ->check(options::number({.minimum = 2, .maximum = 100}, ""))
-      ->capture_default_str();
-  command->add_option("--pitch", options->target.pitch_mm, "From ring to ring [mm]")
-      ->check(options::number({.minimum = 1, .maximum = 500}, "mm"))
-      ->capture_default_str();
-  command->add_option("--outer-diameter", options->target.outer_diameter_mm, "[mm]")
-      ->check(options::number({.minimum = 0.5, .maximum = 500}, "mm"))
-      ->capture_default_str();
-  command->add_option("--inner-diameter", options->target.inner_diameter_mm, "[mm]")
-      ->check(options::number({.minimum = 0.1, .maximum = 500}, "mm"))
-      ->capture_default_str();
+  const auto add_count = [&](const char* name, int& value, const char* words, double minimum) {
+    return command->add_option(name, value, words)
+        ->check(options::number({.minimum = minimum, .maximum = 100}, ""))
+        ->capture_default_str();
+  };
+  kinds->rings.push_back(add_count("--rows", options->target.rows, "Rows of rings", 2));
+  kinds->rings.push_back(add_count("--cols", options->target.cols, "Rings in a row", 2));
+  kinds->chessboard.push_back(
+      add_count("--square-rows", options->square_rows, "Rows of squares, of a chessboard", 3));
+  kinds->chessboard.push_back(
+      add_count("--square-cols", options->square_cols, "Squares in a row, of a chessboard", 3));
+  kinds->pitch = command
+                     ->add_option("--pitch", options->target.pitch_mm,
+                                  "From ring to ring; the side of a square (then 8) [mm]")
+                     ->check(options::number({.minimum = 1, .maximum = 500}, "mm"))
+                     ->capture_default_str();
+  kinds->rings.push_back(command->add_option("--outer-diameter", options->target.outer_diameter_mm, "[mm]")
+                             ->check(options::number({.minimum = 0.5, .maximum = 500}, "mm"))
+                             ->capture_default_str());
+  kinds->rings.push_back(command->add_option("--inner-diameter", options->target.inner_diameter_mm, "[mm]")
+                             ->check(options::number({.minimum = 0.1, .maximum = 500}, "mm"))
+                             ->capture_default_str());
   command->add_option("--planes", options->target.planes, "2: two grids, for the laser's two plates")
       ->check(options::number({.minimum = 1, .maximum = 2}, ""))
       ->capture_default_str();
-  command->callback(
-      [options, &context] { context.run = [options, &context] { return draw(*options, context.options); }; });
+  command->callback([options, kinds, &context] {
+    context.run = [options, kinds, &context] { return draw(*options, *kinds, context.options); };
+  });
 }
 
 }  // namespace biteline::app

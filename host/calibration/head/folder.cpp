@@ -60,13 +60,16 @@ PictureSize common_size(const std::vector<GridPicture>& pictures) {
 }
 
 /// Why a picture cannot be used at all; "" when it can.
-std::string fault_of(const GridPicture& picture, PictureSize size) {
+std::string fault_of(const GridPicture& picture, PictureSize size, const RingTarget& target) {
   if (picture.size.width_px != size.width_px || picture.size.height_px != size.height_px) {
     return std::to_string(picture.size.width_px) + " x " + std::to_string(picture.size.height_px) +
            " px where the others have " + std::to_string(size.width_px) + " x " +
            std::to_string(size.height_px) + " (another camera?)";
   }
-  return picture.grids.empty() ? "no ring grid of target.yaml's shape found" : "";
+  if (!picture.grids.empty()) return "";
+  return target.chessboard() ? "no chessboard as target.yaml says found (square_rows and square_cols count "
+                               "squares, first_square is the upper left one)"
+                             : "no ring grid of target.yaml's shape found";
 }
 
 }  // namespace
@@ -79,7 +82,7 @@ Result<CameraFolder> read_camera_folder(const fs::path& calib) {
   BITELINE_TRY(first_error(pictures));
   folder.size = common_size(pictures);
   for (const GridPicture& picture : pictures) {
-    const std::string fault = fault_of(picture, folder.size);
+    const std::string fault = fault_of(picture, folder.size, folder.target);
     if (fault.empty()) {
       folder.views.push_back(make_plane_view(picture.name, picture.grids[0], folder.target));
     } else {
@@ -103,7 +106,7 @@ Result<LaserFolder> read_laser_folder(const fs::path& calib) {
                                     [&](const NumberedPicture& p) { return p.number == lit[i].number; });
     // Set aside later, for it has no stripe; laser_leftovers() names the picture that is missing.
     if (laser == dark.end()) {
-      if (fault_of(pictures[i], size).empty())
+      if (fault_of(pictures[i], size, folder.target).empty())
         for (const GridView& grid : pictures[i].grids)
           place.planes.push_back(make_plane_view(place.name, grid, folder.target));
       folder.places.push_back(std::move(place));
@@ -111,7 +114,7 @@ Result<LaserFolder> read_laser_folder(const fs::path& calib) {
     }
     BITELINE_ASSIGN(const image::GreyImage picture, read_picture(laser->file));
     const bool same_size = picture.width_px == size.width_px && picture.height_px == size.height_px;
-    if (same_size && fault_of(pictures[i], size).empty()) {
+    if (same_size && fault_of(pictures[i], size, folder.target).empty()) {
       for (const GridView& grid : pictures[i].grids)
         place.planes.push_back(make_plane_view(place.name, grid, folder.target));
       constexpr int k_thinned_columns = 16;  // a tenth of a ring's width: straight, whatever the lens
@@ -136,7 +139,7 @@ Result<HandEyeFolder> read_hand_eye_folder(const fs::path& calib) {
     const auto pose = std::find_if(poses.begin(), poses.end(), [&](const session::StampedPose& p) {
       return p.stamp.time_since_epoch().count() == files[i].number;
     });
-    std::string fault = fault_of(pictures[i], size);
+    std::string fault = fault_of(pictures[i], size, folder.target);
     if (fault.empty() && pose == poses.end()) fault = "no row with its number in handeye/poses.csv";
     if (fault.empty()) {
       folder.views.push_back({.view = make_plane_view(pictures[i].name, pictures[i].grids[0], folder.target),

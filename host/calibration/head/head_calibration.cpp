@@ -24,6 +24,7 @@ void append(std::vector<SetAside>& all, const std::vector<SetAside>& more) {
 
 Result<void> check_print(const std::vector<PlaneView>& views) {
   for (const PlaneView& view : views) {
+    if (view.target.chessboard()) continue;
     const double told = view.target.inner_diameter_mm / view.target.outer_diameter_mm,
                  seen = seen_diameter_ratio(view);
     if (seen > 0 && std::abs(seen / told - 1) > k_diameter_tolerance_ratio) {
@@ -144,8 +145,8 @@ class Calibrator {
         char reason[160];
         std::snprintf(
             reason, sizeof reason,
-            "rings off by %.2f px under the camera's calibration, at most %.2f expected (another camera?)",
-            pose ? pose->rms_px : 0.0, limit_px);
+            "%s off by %.2f px under the camera's calibration, at most %.2f expected (another camera?)",
+            view.target.marks(), pose ? pose->rms_px : 0.0, limit_px);
         result_.set_aside.push_back({.name = view.name, .reason = reason});
         continue;
       }
@@ -189,9 +190,9 @@ class Calibrator {
     if (!result_.camera) return {};
     if (result_.fit.rms_px > std::max(k_least_joint_rms_px, k_most_joint_ratio * result_.camera->rms_px)) {
       return fail(Errc::Refused,
-                  "the folders contradict each other: rings to %.3f px together, camera/ alone to %.3f px "
+                  "the folders contradict each other: %s to %.3f px together, camera/ alone to %.3f px "
                   "(one folder mirrored, or of another camera?)",
-                  result_.fit.rms_px, result_.camera->rms_px);
+                  input_.camera->target.marks(), result_.fit.rms_px, result_.camera->rms_px);
     }
     const CameraVector sigma = result_.camera->sigma();
     const geometry::Camera &alone = result_.camera->camera, &all = result_.fit.state.camera;

@@ -67,6 +67,8 @@ cv::Mat draw_tile(const Tile& tile, const fs::path& calib) {
         for (std::size_t i = 0; i < edge->size(); i += 4)
           cv::circle(picture, to_cv((*edge)[i] * scale), 0, k_green, -1);
       }
+      if (ring.ring.outer_edge.empty())  // a chessboard's corner
+        cv::circle(picture, to_cv(ring.ring.centre_px * scale), 2, k_green, 1, cv::LINE_AA);
     }
     for (std::size_t i = 1; i < grid->centres.size(); ++i) {
       cv::line(picture, to_cv(grid->centres[i - 1].pixel_px * scale),
@@ -141,8 +143,9 @@ Result<void> draw_coverage(const HeadCalibration& calibration, const fs::path& f
     }
   }
   put_text(picture,
-           words("ring centres of %zu views, residuals x %.0f; RMS %.4f px, %.0f %% of the fields covered",
-                 camera.views.size(), k_arrow_scale, camera.rms_px, 100 * camera.coverage_ratio),
+           words("%s of %zu views, residuals x %.0f; RMS %.4f px, %.0f %% of the fields covered",
+                 camera.views.front().view.target.marks(), camera.views.size(), k_arrow_scale, camera.rms_px,
+                 100 * camera.coverage_ratio),
            {8, 18}, k_white);
   return write(file, picture);
 }
@@ -211,7 +214,8 @@ Result<void> draw_calibration(const HeadCalibration& calibration, const fs::path
     std::vector<Tile> tiles;
     for (const CameraView& view : calibration.camera->views) {
       tiles.push_back({.name = view.view.name,
-                       .caption = words("%zu rings, RMS %.4f px", view.view.centres.size(), view.rms_px),
+                       .caption = words("%zu %s, RMS %.4f px", view.view.centres.size(),
+                                        view.view.target.marks(), view.rms_px),
                        .grids = {&view.view},
                        .stripe_px = {}});
     }

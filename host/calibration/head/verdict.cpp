@@ -64,9 +64,11 @@ const char* name_of(Grade grade) {
 
 Verdict judge(const CameraCalibration& camera) {
   Judge judge;
-  judge.figure(camera.rms_px, k_rings_px, "rings off by [px]");
+  const bool corners = !camera.views.empty() && camera.views.front().view.target.chessboard();
+  judge.figure(camera.rms_px, k_rings_px, corners ? "corners off by [px]" : "rings off by [px]");
   judge.figure(camera.sigma()[0] / camera.camera.fu_px, k_focal_sigma_ratio, "focal length known to [ratio]");
-  judge.at_least(camera.coverage_ratio, k_coverage_ratio, "share of the picture that held rings");
+  judge.at_least(camera.coverage_ratio, k_coverage_ratio,
+                 corners ? "share of the picture that held corners" : "share of the picture that held rings");
   judge.at_least(camera.largest_tilt_rad * k_degrees_per_rad, k_tilt_deg, "largest tilt [degrees]");
   judge.at_least(static_cast<double>(camera.views.size()), static_cast<double>(k_camera_views),
                  "camera pictures");

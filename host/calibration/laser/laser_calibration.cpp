@@ -199,7 +199,7 @@ bool relate_planes(std::vector<LaserView>& views, SE3& T_plane1_plane2) {
 
 /// Poses of the grids and the stripe points on them; or why the view cannot be used.
 std::optional<std::string> prepare(const geometry::Camera& camera, LaserView& view) {
-  if (view.pictures.planes.empty()) return "no ring grid found in the lit picture";
+  if (view.pictures.planes.empty()) return "no grid of its target.yaml found in the lit picture";
   if (view.pictures.stripe.empty()) return "no stripe in its laser picture";
   for (PlaneView& plane : view.pictures.planes) {
     const auto pose = fit_view_pose(camera, plane);
@@ -207,7 +207,8 @@ std::optional<std::string> prepare(const geometry::Camera& camera, LaserView& vi
     if (pose->rms_px > k_most_ring_rms_px) {
       char reason[160];
       std::snprintf(reason, sizeof reason,
-                    "rings off by %.2f px under the camera's calibration (another camera?)", pose->rms_px);
+                    "%s off by %.2f px under the camera's calibration (another camera?)",
+                    plane.target.marks(), pose->rms_px);
       return reason;
     }
     view.T_cam_plane.push_back(pose->T_cam_target);

@@ -9,13 +9,14 @@
 
 namespace biteline::calibration {
 
-/// One ring in a picture, in full-sensor pixels.
+/// One ring in a picture, in full-sensor pixels.  Of a chessboard's corner only centre and blur are set.
 struct Ring {
   Ellipse outer, inner;                      ///< fitted to the edges below
   std::vector<Vec2> outer_edge, inner_edge;  ///< kept edge points
   Vec2 centre_px{Vec2::Zero()};              ///< image of the circles' centre, from the pair
   double diameter_ratio{0};                  ///< inner to outer
   double edge_rms_px{0};                     ///< of both fits
+  double blur_px{0};                         ///< of a corner: standard deviation, across its blurrier edge
 };
 
 /// Every whole, dark, closed ring; several scales of the threshold, so that size and light may be anything.

@@ -4,18 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <numbers>
 #include <optional>
 
+#include "host/calibration/chess/chessboard.hpp"
 #include "host/calibration/rings/homography.hpp"
+#include "host/calibration/rings/lattice.hpp"
 
 namespace biteline::calibration {
 
 namespace {
-
-using Cell = std::pair<int, int>;             ///< (row, col) in a lattice of its own origin and orientation
-using Lattice = std::map<Cell, std::size_t>;  ///< to the ring's index
 
 /// A ring may lie this far from its prediction, in pitches: lens distortion and the first cell's noise, well
 /// below the half pitch at which the neighbour would be meant.
@@ -25,28 +22,6 @@ constexpr double k_size_tolerance_ratio = 0.25;
 
 double size_of(const Ellipse& ellipse) {
   return std::sqrt(ellipse.major_semi * ellipse.minor_semi);
-}
-
-/// Fit in units of the pitch, to the rings' centres.
-std::optional<Mat3> lattice_homography(const Lattice& lattice, const std::vector<Ring>& rings) {
-  std::vector<PlanePoint> points;
-  points.reserve(lattice.size());
-  for (const auto& [cell, index] : lattice) {
-    points.push_back({.plane = Vec2(cell.second, cell.first), .image = rings[index].centre_px});
-  }
-  return fit_homography(points);
-}
-
-/// As lattice_homography(), but of the rings within `reach` cells: there lens distortion hardly bends the
-/// lattice.
-std::optional<Mat3> local_homography(const Lattice& lattice, const std::vector<Ring>& rings, Cell about,
-                                     int reach) {
-  Lattice near;
-  for (const auto& [cell, index] : lattice) {
-    if (std::abs(cell.first - about.first) <= reach && std::abs(cell.second - about.second) <= reach)
-      near[cell] = index;
-  }
-  return near.size() >= 4 ? lattice_homography(near, rings) : std::nullopt;
 }
 
 /// Whether the ring looks as a ring of the target does at that place of the plane.
@@ -64,30 +39,6 @@ bool agrees(const Ring& ring, const Mat3& H, Cell cell, double outer_radius_pitc
                minor_ratio = ring.outer.minor_semi / expected->minor_semi;
   return std::abs(std::log(major_ratio)) < k_size_tolerance_ratio &&
          std::abs(std::log(minor_ratio)) < k_size_tolerance_ratio;
-}
-
-struct Extent {
-  int min_row{std::numeric_limits<int>::max()}, max_row{std::numeric_limits<int>::min()};
-  int min_col{std::numeric_limits<int>::max()}, max_col{std::numeric_limits<int>::min()};
-
-  void include(Cell cell) {
-    min_row = std::min(min_row, cell.first);
-    max_row = std::max(max_row, cell.first);
-    min_col = std::min(min_col, cell.second);
-    max_col = std::max(max_col, cell.second);
-  }
-  [[nodiscard]] int rows() const { return max_row - min_row + 1; }
-  [[nodiscard]] int cols() const { return max_col - min_col + 1; }
-  [[nodiscard]] bool fits(const RingTarget& target) const {
-    return (rows() <= target.rows && cols() <= target.cols) ||
-           (rows() <= target.cols && cols() <= target.rows);
-  }
-};
-
-Extent extent_of(const Lattice& lattice) {
-  Extent extent;
-  for (const auto& [cell, index] : lattice) extent.include(cell);
-  return extent;
 }
 
 class Grower {
@@ -225,68 +176,6 @@ class Grower {
   double outer_radius_pitch_;
 };
 
-/// A reading of a lattice: quarter turns, then a shift that puts it on the target.
-struct Numbering {
-  int quarter_turns{0};
-  int row_shift{0}, col_shift{0};
-
-  [[nodiscard]] Cell apply(Cell cell) const {
-    for (int i = 0; i < quarter_turns; ++i) cell = {cell.second, -cell.first};
-    return {cell.first + row_shift, cell.second + col_shift};
-  }
-};
-
-std::vector<Numbering> numberings(const Lattice& lattice, const RingTarget& target) {
-  std::vector<Numbering> result;
-  for (int turns = 0; turns < 4; ++turns) {
-    Extent extent;
-    for (const auto& [cell, index] : lattice) extent.include(Numbering{.quarter_turns = turns}.apply(cell));
-    for (int row = 0; row + extent.rows() <= target.rows; ++row) {
-      for (int col = 0; col + extent.cols() <= target.cols; ++col) {
-        result.push_back(
-            {.quarter_turns = turns, .row_shift = row - extent.min_row, .col_shift = col - extent.min_col});
-      }
-    }
-  }
-  return result;
-}
-
-/// Target frame of reading `other` in that of reading `first`, both of one lattice.
-SE3 between(const Numbering& first, const Numbering& other, double pitch_mm) {
-  const auto place = [&](const Numbering& numbering, Cell cell) {
-    const Cell target_cell = numbering.apply(cell);
-    return Vec2(target_cell.second * pitch_mm, target_cell.first * pitch_mm);
-  };
-  const Vec2 o_first = place(first, {0, 0}), x_first = place(first, {0, 1}) - o_first;
-  const Vec2 o_other = place(other, {0, 0}), x_other = place(other, {0, 1}) - o_other;
-  const double turn_rad = std::atan2(x_first.y(), x_first.x()) - std::atan2(x_other.y(), x_other.x());
-  SE3 T_first_other = SE3::Identity();
-  T_first_other.linear() = Eigen::AngleAxisd(turn_rad, Vec3::UnitZ()).toRotationMatrix();
-  const Vec2 shift = o_first - T_first_other.linear().topLeftCorner<2, 2>() * o_other;
-  T_first_other.translation() = Vec3(shift.x(), shift.y(), 0);
-  return T_first_other;
-}
-
-std::optional<GridView> numbered(const Lattice& lattice, const std::vector<Ring>& rings,
-                                 const RingTarget& target) {
-  const int least = std::max(k_least_grid_rings, static_cast<int>(std::ceil(0.4 * target.rings())));
-  if (static_cast<int>(lattice.size()) < std::min(least, target.rings())) return std::nullopt;
-  const std::vector<Numbering> all = numberings(lattice, target);
-  if (all.empty()) return std::nullopt;
-  GridView view;
-  for (const auto& [cell, index] : lattice) {
-    const Cell place = all.front().apply(cell);
-    view.rings.push_back({.ring = rings[index], .row = place.first, .col = place.second});
-  }
-  std::sort(view.rings.begin(), view.rings.end(), [](const GridRing& a, const GridRing& b) {
-    return std::pair(a.row, a.col) < std::pair(b.row, b.col);
-  });
-  view.missing = target.rings() - static_cast<int>(view.rings.size());
-  for (const Numbering& numbering : all)
-    view.readings.push_back({.T_this_other = between(all.front(), numbering, target.pitch_mm)});
-  return view;
-}
-
 /// Looks again where the homography expects a ring that is not there: a shadow or a thumb may have hidden it
 /// from the threshold while most of its edges can be seen.
 std::vector<Ring> second_look(const image::GreyImage& picture, const GridView& view,
@@ -321,7 +210,7 @@ std::vector<GridView> find_grids(const std::vector<Ring>& rings, const RingTarge
   std::vector<char> taken(rings.size(), 0);
   for (int i = 0; i < count; ++i) {
     const Lattice lattice = Grower(rings, taken, target).best();
-    std::optional<GridView> view = numbered(lattice, rings, target);
+    std::optional<GridView> view = numbered(lattice, rings, target, numberings(lattice, target));
     if (!view) break;
     for (const auto& [cell, index] : lattice) taken[index] = 1;
     views.push_back(std::move(*view));
@@ -330,6 +219,7 @@ std::vector<GridView> find_grids(const std::vector<Ring>& rings, const RingTarge
 }
 
 std::vector<GridView> find_grids(const image::GreyImage& picture, const RingTarget& target, int count) {
+  if (target.chessboard()) return find_chessboards(picture, target, count);
   std::vector<Ring> rings = find_rings(picture);
   std::vector<GridView> views = find_grids(rings, target, count);
   const std::size_t before = rings.size();

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file The ring grid: what is printed, as target.yaml tells it.
+/// \file The ring grid or chessboard: what is printed, as target.yaml tells it.
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -10,16 +11,24 @@
 
 namespace biteline::calibration {
 
-/// Dark rings on a bright plane.  Target frame: origin at the first ring's centre, x along a row, y along a
-/// column, z into the plane, away from a camera that looks at its printed side.
+enum class TargetKind : std::uint8_t { Rings, Chessboard };
+
+/// Dark rings on a bright plane, or a chessboard, whose inner corners then stand for the rings.  Target
+/// frame: origin at the first ring's centre, x along a row, y along a column, z into the plane, away from a
+/// camera that looks at its printed side.
 struct RingTarget {
   int rows{0};
   int cols{0};
   double pitch_mm{0};
   double outer_diameter_mm{0};
   double inner_diameter_mm{0};
-  int planes{1};  ///< grids of this kind on the target; 2 for the laser's
+  int planes{1};                       ///< grids of this kind on the target; 2 for the laser's
+  TargetKind kind{TargetKind::Rings};  ///< a chessboard has no diameters
+  bool first_is_white{false};          ///< of a chessboard: its upper left square
 
+  [[nodiscard]] bool chessboard() const { return kind == TargetKind::Chessboard; }
+  /// What a person calls its marks.
+  [[nodiscard]] const char* marks() const { return chessboard() ? "corners" : "rings"; }
   [[nodiscard]] int rings() const { return rows * cols; }
   [[nodiscard]] Vec3 ring_target(int row, int col) const { return {col * pitch_mm, row * pitch_mm, 0}; }
   /// Middle of the grid.

@@ -33,13 +33,32 @@ void add_ruler(TargetSheet& sheet, double x_mm, double y_mm) {
   }
 }
 
+/// Neighbouring squares touch at their corners only: no seam lies between two black ones.
+void add_squares(TargetSheet& sheet, const RingTarget& target, const Vec2& corner_mm) {
+  for (int row = 0; row <= target.rows; ++row) {
+    for (int col = 0; col <= target.cols; ++col) {
+      if (((row + col) % 2 != 0) != target.first_is_white) continue;
+      sheet.squares.push_back(
+          {.x_mm = corner_mm.x() + col * target.pitch_mm, .y_mm = corner_mm.y() + row * target.pitch_mm});
+    }
+  }
+}
+
 std::vector<std::string> caption(const RingTarget& target) {
   std::vector<std::string> rows;
   rows.emplace_back("Print at 100 %, no fitting to the page. The ruler must measure 50 mm.");
   std::string numbers;
-  append(numbers, "rows: %d, cols: %d, pitch: %g, outer_diameter: %g, inner_diameter: %g, planes: %d [mm]",
-         target.rows, target.cols, target.pitch_mm, target.outer_diameter_mm, target.inner_diameter_mm,
-         target.planes);
+  if (target.chessboard()) {
+    append(numbers,
+           "kind: chessboard, square_rows: %d, square_cols: %d, pitch: %g, first_square: %s, planes: %d",
+           target.rows + 1, target.cols + 1, target.pitch_mm, target.first_is_white ? "white" : "black",
+           target.planes);
+    numbers += " [mm]";
+  } else {
+    append(numbers, "rows: %d, cols: %d, pitch: %g, outer_diameter: %g, inner_diameter: %g, planes: %d [mm]",
+           target.rows, target.cols, target.pitch_mm, target.outer_diameter_mm, target.inner_diameter_mm,
+           target.planes);
+  }
   rows.push_back(std::move(numbers));
   rows.emplace_back(target.planes == 1
                         ? "Glue it flat, matt side up. These numbers are target.yaml's."
@@ -76,6 +95,9 @@ std::string page_content(const TargetSheet& sheet) {
   append(content, "0 G 0 g\n%.6f w\n", x(sheet.ring_stroke_mm));
   for (const TargetSheet::Ring& ring : sheet.rings)
     add_circle(content, x(ring.x_mm), y(ring.y_mm), x(sheet.ring_radius_mm));
+  const double side_pt = x(sheet.square_mm);
+  for (const TargetSheet::Square& square : sheet.squares)
+    append(content, "%.6f %.6f %.6f %.6f re f\n", x(square.x_mm), y(square.y_mm) - side_pt, side_pt, side_pt);
   append(content, "%.6f w\n", x(k_line_mm));
   for (const TargetSheet::Stroke& stroke : sheet.strokes) {
     append(content, "%s 0 d\n%.6f %.6f m %.6f %.6f l S\n", stroke.dashed ? "[6 6]" : "[]", x(stroke.x0_mm),
@@ -91,18 +113,26 @@ std::string page_content(const TargetSheet& sheet) {
 }  // namespace
 
 TargetSheet target_sheet(const RingTarget& target) {
-  const double margin_mm = std::max(target.pitch_mm, target.outer_diameter_mm);
+  // From the sheet's edge to the first mark: of a board a square, and half of one left white.
+  const double margin_mm =
+      target.chessboard() ? 1.5 * target.pitch_mm : std::max(target.pitch_mm, target.outer_diameter_mm);
   const double grid_mm = (target.cols - 1) * target.pitch_mm;
   const double apart_mm = grid_mm + 2 * margin_mm;  // a margin on either side of the cut
   TargetSheet sheet;
   sheet.ring_radius_mm = (target.outer_diameter_mm + target.inner_diameter_mm) / 4;
   sheet.ring_stroke_mm = (target.outer_diameter_mm - target.inner_diameter_mm) / 2;
   sheet.width_mm = std::max((target.planes - 1) * apart_mm + grid_mm, k_caption_mm) + 2 * margin_mm;
+  sheet.square_mm = target.chessboard() ? target.pitch_mm : 0;
   for (int plane = 0; plane < target.planes; ++plane) {
+    const double first_mm = margin_mm + plane * apart_mm;
+    if (target.chessboard()) {
+      add_squares(sheet, target, {first_mm - target.pitch_mm, margin_mm - target.pitch_mm});
+      continue;
+    }
     for (int row = 0; row < target.rows; ++row) {
       for (int col = 0; col < target.cols; ++col) {
-        sheet.rings.push_back({.x_mm = margin_mm + plane * apart_mm + col * target.pitch_mm,
-                               .y_mm = margin_mm + row * target.pitch_mm});
+        sheet.rings.push_back(
+            {.x_mm = first_mm + col * target.pitch_mm, .y_mm = margin_mm + row * target.pitch_mm});
       }
     }
   }
@@ -127,10 +157,19 @@ std::string target_svg(const RingTarget& target) {
          "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.3fmm\" height=\"%.3fmm\" viewBox=\"0 0 %.3f "
          "%.3f\">\n",
          sheet.width_mm, sheet.height_mm, sheet.width_mm, sheet.height_mm);
-  append(svg, "<title>Ring target %d x %d, pitch %g mm, diameters %g and %g mm</title>\n", target.rows,
-         target.cols, target.pitch_mm, target.outer_diameter_mm, target.inner_diameter_mm);
+  if (target.chessboard()) {
+    append(svg, "<title>Chessboard of %d x %d squares of %g mm</title>\n", target.rows + 1, target.cols + 1,
+           target.pitch_mm);
+  } else {
+    append(svg, "<title>Ring target %d x %d, pitch %g mm, diameters %g and %g mm</title>\n", target.rows,
+           target.cols, target.pitch_mm, target.outer_diameter_mm, target.inner_diameter_mm);
+  }
+  svg += "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<g fill=\"black\">\n";
+  for (const TargetSheet::Square& square : sheet.squares)
+    append(svg, "<rect x=\"%.4f\" y=\"%.4f\" width=\"%.4f\" height=\"%.4f\"/>\n", square.x_mm, square.y_mm,
+           sheet.square_mm, sheet.square_mm);
   append(svg,
-         "<rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n<g fill=\"none\" stroke=\"black\" "
+         "</g>\n<g fill=\"none\" stroke=\"black\" "
          "stroke-width=\"%.4f\">\n",
          sheet.ring_stroke_mm);
   for (const TargetSheet::Ring& ring : sheet.rings)
@@ -175,6 +214,16 @@ std::string target_pdf(const RingTarget& target) {
 
 std::string target_text(const RingTarget& target) {
   char text[400];
+  if (target.chessboard()) {
+    std::snprintf(
+        text, sizeof text,
+        "# Squares are counted. Lengths in mm, as printed: measure the ruler, and correct pitch when it is "
+        "not 50 mm.\n"
+        "kind: chessboard\nsquare_rows: %d\nsquare_cols: %d\npitch: %.9g\nfirst_square: %s\nplanes: %d\n",
+        target.rows + 1, target.cols + 1, target.pitch_mm, target.first_is_white ? "white" : "black",
+        target.planes);
+    return text;
+  }
   std::snprintf(
       text, sizeof text,
       "# Lengths in mm, as printed: measure the ruler, and correct all three when it is not 50 mm.\n"

@@ -14,6 +14,10 @@ struct TargetSheet {
   struct Ring {
     double x_mm{0}, y_mm{0};  ///< centre
   };
+  /// Of a chessboard, black.
+  struct Square {
+    double x_mm{0}, y_mm{0};  ///< upper left corner
+  };
   struct Stroke {
     double x0_mm{0}, y0_mm{0}, x1_mm{0}, y1_mm{0};
     bool dashed{false};
@@ -25,6 +29,8 @@ struct TargetSheet {
   double width_mm{0}, height_mm{0};
   double ring_radius_mm{0}, ring_stroke_mm{0};  ///< of the middle of the printed ring
   std::vector<Ring> rings;
+  double square_mm{0};
+  std::vector<Square> squares;
   std::vector<Stroke> strokes;  ///< the ruler of 50 mm; with two planes where to cut
   std::vector<Words> words;     ///< the whole caption
 };

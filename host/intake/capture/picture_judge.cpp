@@ -31,18 +31,21 @@ std::string text(const char* pattern, double value) {
 /// The part of the picture that the grids take.
 struct Box {
   int left{0}, top{0}, right{0}, bottom{0};
+
+  void include(const Vec2& place_px) {
+    left = std::min(left, static_cast<int>(place_px.x()));
+    right = std::max(right, static_cast<int>(place_px.x()) + 1);
+    top = std::min(top, static_cast<int>(place_px.y()));
+    bottom = std::max(bottom, static_cast<int>(place_px.y()) + 1);
+  }
 };
 
 Box box_of(const std::vector<calibration::GridView>& grids, const image::GreyImage& picture) {
   Box box{picture.width_px, picture.height_px, 0, 0};
   for (const calibration::GridView& grid : grids) {
     for (const calibration::GridRing& ring : grid.rings) {
-      for (const Vec2& edge : ring.ring.outer_edge) {
-        box.left = std::min(box.left, static_cast<int>(edge.x()));
-        box.right = std::max(box.right, static_cast<int>(edge.x()) + 1);
-        box.top = std::min(box.top, static_cast<int>(edge.y()));
-        box.bottom = std::max(box.bottom, static_cast<int>(edge.y()) + 1);
-      }
+      for (const Vec2& edge : ring.ring.outer_edge) box.include(edge);
+      box.include(ring.ring.centre_px);  // a chessboard's corner is all there is
     }
   }
   return {std::max(box.left, 1), std::max(box.top, 1), std::min(box.right, picture.width_px - 1),
@@ -61,6 +64,18 @@ int quantile(const Histogram& histogram, double share) {
   return 255;
 }
 
+/// A board's edges run in two directions only, along neither of the picture's: each corner has its own fit.
+double corner_blur_px(const std::vector<calibration::GridView>& grids) {
+  std::vector<double> blurs_px;
+  for (const calibration::GridView& grid : grids) {
+    for (const calibration::GridRing& corner : grid.rings) blurs_px.push_back(corner.ring.blur_px);
+  }
+  if (blurs_px.empty()) return 0;
+  const auto middle = blurs_px.begin() + static_cast<std::ptrdiff_t>(blurs_px.size() / 2);
+  std::nth_element(blurs_px.begin(), middle, blurs_px.end());
+  return *middle;
+}
+
 /// An edge of a given blur and contrast has its steepest slope of contrast / (sigma sqrt(2 pi)).
 double blur_px(double contrast, int slope) {
   return slope <= 0 ? 1e3 : contrast / (slope * std::sqrt(2 * std::numbers::pi));
@@ -73,10 +88,13 @@ PictureVerdict judge_rings(const image::GreyImage& picture, const std::vector<ca
   PictureVerdict verdict;
   for (const calibration::GridView& grid : grids) verdict.rings += static_cast<int>(grid.rings.size());
   if (static_cast<int>(grids.size()) < target.planes) {
-    verdict.refused =
-        target.planes == 1
-            ? "the ring target is not seen: is all of it in the picture, is the lamp on?"
-            : "both ring planes must be seen whole; " + std::to_string(grids.size()) + " of 2 are";
+    verdict.refused = target.planes == 1
+                          ? std::string(target.chessboard() ? "the chessboard" : "the ring target") +
+                                " is not seen: is all of it in the picture, is the lamp on?"
+                          : std::string("both planes of ") + target.marks() + " must be seen whole; " +
+                                std::to_string(grids.size()) + " of 2 are";
+    if (target.chessboard())
+      verdict.refused += " Does target.yaml count its squares, and name the upper left one's colour?";
     return verdict;
   }
   const Box box = box_of(grids, picture);
@@ -100,8 +118,9 @@ PictureVerdict judge_rings(const image::GreyImage& picture, const std::vector<ca
     all += grey[i];
     if (static_cast<int>(i) >= k_saturated_grey) saturated += grey[i];
   }
-  verdict.blur_px = std::max(blur_px(white - black, quantile(slope_u, k_steepest)),
-                             blur_px(white - black, quantile(slope_v, k_steepest)));
+  verdict.blur_px = target.chessboard() ? corner_blur_px(grids)
+                                        : std::max(blur_px(white - black, quantile(slope_u, k_steepest)),
+                                                   blur_px(white - black, quantile(slope_v, k_steepest)));
   const double saturated_ratio =
       static_cast<double>(saturated) / static_cast<double>(std::max<std::size_t>(all, 1));
   if (verdict.blur_px > k_blurred_px) {
@@ -116,7 +135,8 @@ PictureVerdict judge_rings(const image::GreyImage& picture, const std::vector<ca
   }
   const int expected = target.planes * target.rings();
   if (verdict.rings < expected)
-    verdict.warnings.push_back(std::to_string(expected - verdict.rings) + " rings are not seen");
+    verdict.warnings.push_back(std::to_string(expected - verdict.rings) + " " + target.marks() +
+                               " are not seen");
   return verdict;
 }
 

@@ -101,4 +101,35 @@ TEST(TargetDrawing, NumbersBesideItAreReadBack) {
   LONGS_EQUAL(2, read->planes);
 }
 
+TEST(TargetDrawing, AChessboardHasItsSquaresAndIsReadBack) {
+  constexpr RingTarget k_board{
+      .rows = 4, .cols = 6, .pitch_mm = 9, .planes = 2, .kind = TargetKind::Chessboard};
+  const TargetSheet sheet = target_sheet(k_board);
+  LONGS_EQUAL(0, sheet.rings.size());
+  LONGS_EQUAL(2 * 18, sheet.squares.size());  // of 5 x 7, the first one black
+  const TargetSheet::Square &first = sheet.squares[0], &second = sheet.squares[1];
+  DOUBLES_EQUAL(18, second.x_mm - first.x_mm, 1e-9);
+  std::istringstream lines{content_of(target_pdf(k_board))};
+  std::size_t squares = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.ends_with(" re f")) continue;
+    std::istringstream words{line};
+    double x = 0, y = 0, width = 0, height = 0;
+    words >> x >> y >> width >> height;
+    const TargetSheet::Square& square = sheet.squares.at(squares++);
+    DOUBLES_EQUAL(square.x_mm, x * k_mm_per_point, 1e-5);
+    DOUBLES_EQUAL(square.y_mm, sheet.height_mm - (y + height) * k_mm_per_point, 1e-5);
+    DOUBLES_EQUAL(9, width * k_mm_per_point, 1e-5);
+    CHECK(square.x_mm > 0 && square.x_mm + 9 < sheet.width_mm);
+    CHECK(std::abs(square.x_mm + 4.5 - sheet.strokes.front().x0_mm) > 4.5);  // the cut
+  }
+  LONGS_EQUAL(36, squares);
+  STRCMP_CONTAINS("square_rows: 5, square_cols: 7, pitch: 9", target_svg(k_board).c_str());
+  const test::TemporaryFolder folder;
+  const auto read = read_target(folder.write("target.yaml", target_text(k_board)));
+  SUCCEEDS(read);
+  STRCMP_EQUAL(target_text(k_board).c_str(), target_text(*read).c_str());
+  CHECK(read->chessboard());
+}
+
 }  // namespace biteline::calibration

@@ -56,6 +56,27 @@ TEST(PictureJudge, ATargetThatIsNotThereIsTold) {
                   judge_rings(one, calibration::find_grids(one, scene.target, 1), two).refused.c_str());
 }
 
+TEST(PictureJudge, AChessboardIsJudgedAsRingsAre) {
+  scene.target = {.rows = 5, .cols = 8, .pitch_mm = 9, .kind = calibration::TargetKind::Chessboard};
+  const PictureVerdict sharp = judged(picture(0.9));
+  STRCMP_EQUAL("", sharp.refused.c_str());
+  CHECK(sharp.warnings.empty());
+  LONGS_EQUAL(40, sharp.rings);
+  DOUBLES_EQUAL(0.9, sharp.blur_px, 0.2);
+  STRCMP_CONTAINS("a little blurred", judged(picture(2.6)).warnings.at(0).c_str());
+  STRCMP_CONTAINS("blurred by", judged(picture(4.5)).refused.c_str());
+  STRCMP_CONTAINS("too dark", judged(picture(0.9, 0.2)).refused.c_str());
+  STRCMP_CONTAINS("too bright", judged(picture(0.9, 2.2)).refused.c_str());
+  scene.target.cols = 7;
+  const image::GreyImage larger = [&] {
+    scene.target.cols = 8;
+    image::GreyImage drawn = picture(0.9);
+    scene.target.cols = 7;
+    return drawn;
+  }();
+  STRCMP_CONTAINS("count its squares", judged(larger).refused.c_str());
+}
+
 TEST(PictureJudge, AStripeIsWantedAndNotAtFullScale) {
   image::GreyImage image{.width_px = 640, .height_px = 400, .pixels = std::vector<std::uint8_t>(256000, 2)};
   STRCMP_CONTAINS("columns only", judge_stripe(image).refused.c_str());
