@@ -140,6 +140,12 @@ std::optional<ArrivedFrame> AravisClient::next_frame(Nanoseconds timeout) {
         arv_chunk_parser_get_integer_value(state_->chunks, buffer, "ChunkProfileSequence", &error));
     if (error == nullptr)
       frame.flange = arv_chunk_parser_get_float_value(state_->chunks, buffer, "ChunkFlangePose", &error);
+    if (error == nullptr)
+      frame.exposure_us =
+          arv_chunk_parser_get_float_value(state_->chunks, buffer, "ChunkExposureTime", &error);
+    if (error == nullptr)
+      frame.camera_frame = static_cast<std::uint64_t>(
+          arv_chunk_parser_get_integer_value(state_->chunks, buffer, "ChunkCameraFrame", &error));
     if (const Result<void> read = checked(error, "chunk"); !read) frame.complete = false;
   }
   arv_stream_push_buffer(state_->stream, buffer);

@@ -20,10 +20,12 @@ struct ArrivedFrame {
   int width{0}, height{0};
   std::vector<std::uint8_t> payload;
   std::vector<std::uint8_t> lines_chunk;  ///< with chunks only
-  /// ChunkProfileSequence and ChunkFlangePose as the description has them: Aravis' parser of chunks has no
-  /// selectors, so they are the first line's and the first number.
+  /// ChunkProfileSequence, ChunkFlangePose, ChunkExposureTime and ChunkCameraFrame as the description has
+  /// them: Aravis' parser of chunks has no selectors, so they are the first line's and the first number.
   std::uint64_t sequence{0};
   double flange{0};
+  double exposure_us{0};
+  std::uint64_t camera_frame{0};
 };
 
 struct StreamStatistics {

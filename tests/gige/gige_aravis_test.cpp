@@ -68,6 +68,11 @@ TEST_GROUP(GigeAravis) {
     return test::made_profile(static_cast<std::uint64_t>(frame * k_lines + line), k_points);
   }
 
+  /// Another one for each frame.
+  static Nanoseconds exposure_of(int frame) {
+    return Nanoseconds{400'000 + 1'500 * frame};
+  }
+
   /// The lines of the next frame as they are to arrive, after they were offered.
   std::vector<std::uint8_t> offer_frame(gige::Format format, int frame) const {
     std::vector<std::uint8_t> lines;
@@ -89,6 +94,7 @@ TEST_GROUP(GigeAravis) {
     const gige::ServerCounts before = server->counts();
     for (int frame = 0; frame < k_frames; ++frame) {
       losing = noisy;
+      server->set_exposure(exposure_of(frame));
       const std::vector<std::uint8_t> expected = offer_frame(format, frame);
       // A frame whose end is lost shows that by the next one, which comes whole.
       losing = false;
@@ -108,11 +114,13 @@ TEST_GROUP(GigeAravis) {
       std::vector<std::uint8_t> records;
       for (int line = 0; line < k_lines; ++line) {
         const profile::Profile made = made_line(frame, line);
-        const std::vector<std::uint8_t> record = gige::line_record(k_scan, made.header);
+        const std::vector<std::uint8_t> record = gige::line_record(k_scan, made.header, exposure_of(frame));
         records.insert(records.end(), record.begin(), record.end());
         if (line == 0) DOUBLES_EQUAL(made.header.T_base_flange.linear()(0, 0), arrived->flange, 0);
+        if (line == 0) LONGS_EQUAL(made.header.frame_sequence, arrived->camera_frame);
       }
       CHECK(records == arrived->lines_chunk);
+      DOUBLES_EQUAL(1e-3 * static_cast<double>(exposure_of(frame).count()), arrived->exposure_us, 0);
     }
     SUCCEEDS(client->stop());
     const gige::ServerCounts after = server->counts();
@@ -183,6 +191,7 @@ TEST(GigeAravis, PicturesAreThePictures) {
     picture.format = wire::PictureFormat::Raw;
     picture.pixels.resize(shape.bytes());
     for (std::uint8_t& pixel : picture.pixels) pixel = static_cast<std::uint8_t>(random());
+    server->set_exposure(exposure_of(3));
     server->offer(k_scan, picture);
     const auto arrived = client->next_frame(20s);
     CHECK(arrived && arrived->complete);
@@ -192,7 +201,7 @@ TEST(GigeAravis, PicturesAreThePictures) {
     MEMCMP_EQUAL(picture.pixels.data(), arrived->payload.data(), picture.pixels.size());
     LONGS_EQUAL(number, arrived->sequence);
     LONGS_EQUAL(k_picture_stamp_ns * (1 + number), arrived->stamp);
-    CHECK(arrived->lines_chunk == gige::picture_record(k_scan, picture));
+    CHECK(arrived->lines_chunk == gige::picture_record(k_scan, picture, exposure_of(3)));
   }
   SUCCEEDS(client->stop());
   LONGS_EQUAL(0, client->statistics().failed);

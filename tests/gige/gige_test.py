@@ -131,6 +131,12 @@ def check_line(form, line, profile, scale, offset, columns, across):
     return len(truth)
 
 
+def exposure_of(session):
+    """In us, as the recording's head has it."""
+    text = pathlib.Path(session, "cam0", "sensor.yaml").read_text()
+    return int(re.search(r"^exposure_ns: (\d+)$", text, re.M).group(1)) / 1000
+
+
 def check_scan(face, sensor, session, profiles, form, lines, chunks, lost_ratio):
     running, endpoint = start_sensor(sensor, session)
     device = start_face(face, endpoint, "--allow-control")
@@ -154,6 +160,7 @@ def check_scan(face, sensor, session, profiles, form, lines, chunks, lost_ratio)
     assert math.isnan(invalid) if form == ABC32F else invalid == NO_DEPTH
     size = client.read(place["PayloadSize"])
     frames = acquire(client, profiles, lines)
+    exposure_us = exposure_of(session)
     line_bytes = columns * {ABC32F: 12, AC16: 4, C16: 2}[form]
     points = 0
     for i, (leader, payload) in enumerate(frames):
@@ -165,7 +172,7 @@ def check_scan(face, sensor, session, profiles, form, lines, chunks, lost_ratio)
         for row in range(lines):
             line = payload[row * line_bytes :][:line_bytes]
             number = i * lines + row
-            record = struct.unpack_from(">QQQII12d", records, 128 * row) if chunks else None
+            record = struct.unpack_from(">QQQII12ddQ", records, 144 * row) if chunks else None
             if number >= len(profiles):
                 assert not chunks or record[4] == 0
                 continue
@@ -173,7 +180,8 @@ def check_scan(face, sensor, session, profiles, form, lines, chunks, lost_ratio)
             points += check_line(form, line, profile, scale, offset, columns, across)
             if chunks:
                 assert record[2:5] == (profile["sequence"], profile["flags"], 1), record
-                assert list(record[5:]) == profile["T_base_flange"]
+                assert list(record[5:17]) == profile["T_base_flange"]
+                assert record[17] == exposure_us and record[18] == profile["frame_sequence"], record
                 assert row or record[0] == facts["stamp"]
     told = stop(device)
     running.terminate()

@@ -113,8 +113,8 @@ def unpack(packed, count, lengths, step):
     return values
 
 def read_profile(table):
-    count = table.number(6, "I")
-    profile = {"sequence": table.number(0, "Q"), "flags": table.number(5, "I"), "T_base_flange": table.motion(3)}
+    read, count = table.number, table.number(6, "I")
+    profile = {"sequence": read(0, "Q"), "frame_sequence": read(1, "Q"), "flags": read(5, "I"), "T_base_flange": table.motion(3)}
     for i, name in enumerate(FLOATS):
         bits = unpack(table.bytes(7 + i), count, DENSE, 0)
         profile[name] = struct.unpack("<%df" % count, struct.pack("<%dI" % count, *bits))

@@ -201,7 +201,7 @@ void Device::set_head(std::size_t columns, const Depth& depth, const PictureShap
 void Device::offer(std::uint64_t scan, const profile::Profile& profile) {
   if (!acquiring_ || choices_.picture()) return;
   if (lines_ == 0) begin_frame(profile.header.exposure_mid);
-  add_line(line_of(choices_.format, columns_, depth_, profile), line_record(scan, profile.header));
+  add_line(line_of(choices_.format, columns_, depth_, profile), line_record(scan, profile.header, exposure_));
 }
 
 void Device::begin_frame(SensorClock::time_point exposure_mid) {
@@ -218,7 +218,7 @@ void Device::offer(std::uint64_t scan, const wire::Picture& picture) {
   if (!pixels) return;
   begin_frame(picture.exposure_mid);
   stream_.append(*pixels);
-  if (choices_.chunks) records_ = picture_record(scan, picture);
+  if (choices_.chunks) records_ = picture_record(scan, picture, exposure_);
   end_frame();
 }
 

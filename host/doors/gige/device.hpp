@@ -33,6 +33,8 @@ class Device {
 
   /// A stream of another head's frames ends.
   void set_head(std::size_t columns, const Depth& depth, const PictureShape& pictures = {});
+  /// Of the lines and pictures from now on; 0: not known.
+  void set_exposure(Nanoseconds exposure) { exposure_ = exposure; }
   /// Goes out as a frame, while a client acquires pictures.
   void offer(std::uint64_t scan, const wire::Picture& picture);
   /// Goes out as a line, while a client acquires profiles.
@@ -74,6 +76,7 @@ class Device {
   PictureShape pictures_;
   std::size_t columns_{0};
   Depth depth_;
+  Nanoseconds exposure_{0};
   std::uint32_t lines_{0};             ///< in the frame that is begun
   std::vector<std::uint8_t> records_;  ///< of those lines
 };

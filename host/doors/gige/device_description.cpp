@@ -18,6 +18,8 @@ struct ChunkField {
   std::uint32_t offset;  ///< in the record, bytes
   int bytes;
   const char* index;  ///< a further selector with its stride, or nothing
+  const char* space{"Custom"};
+  const char* unit{""};
 };
 
 constexpr std::array k_chunk_fields{
@@ -27,6 +29,8 @@ constexpr std::array k_chunk_fields{
     ChunkField{"ChunkProfileFlags", "IntReg", 24, 4, ""},
     ChunkField{"ChunkLineValid", "IntReg", 28, 4, ""},
     ChunkField{"ChunkFlangePose", "FloatReg", 32, 8, "<pIndex Offset=\"8\">ChunkFlangePoseSelector</pIndex>"},
+    ChunkField{"ChunkExposureTime", "FloatReg", 128, 8, "", "Standard", "<Unit>us</Unit>"},
+    ChunkField{"ChunkCameraFrame", "IntReg", 136, 8, ""},
 };
 
 void add_chunks(Description& xml) {
@@ -52,11 +56,11 @@ void add_chunks(Description& xml) {
     const bool integer = std::string_view{field.kind} == "IntReg";
     std::snprintf(
         text.data(), text.size(),
-        "<%s Name=\"%s\" NameSpace=\"Custom\"><Address>%u</Address>"
+        "<%s Name=\"%s\" NameSpace=\"%s\"><Address>%u</Address>"
         "<pIndex Offset=\"%zu\">ChunkScanLineSelector</pIndex>%s<Length>%d</Length>"
-        "<AccessMode>RO</AccessMode><pPort>LinesChunk</pPort>%s<Endianess>BigEndian</Endianess></%s>",
-        field.kind, field.name, field.offset, k_line_record_bytes, field.index, field.bytes,
-        integer ? "<Sign>Unsigned</Sign>" : "", field.kind);
+        "<AccessMode>RO</AccessMode><pPort>LinesChunk</pPort>%s<Endianess>BigEndian</Endianess>%s</%s>",
+        field.kind, field.name, field.space, field.offset, k_line_record_bytes, field.index, field.bytes,
+        integer ? "<Sign>Unsigned</Sign>" : "", field.unit, field.kind);
     xml.line(text.data());
   }
   std::array<char, 160> port{};

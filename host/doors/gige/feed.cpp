@@ -6,6 +6,7 @@
 
 #include "common/wire/observer.hpp"
 #include "host/doors/gige/depth.hpp"
+#include "host/doors/gige/exposure.hpp"
 #include "host/intake/sensor_link.hpp"
 
 namespace biteline::gige {
@@ -21,6 +22,23 @@ constexpr std::chrono::seconds k_ask_patience{10};
 /// All of them, as fast as any sensor scans.
 constexpr double k_every_profile_hz = 10'000;
 constexpr const char* k_name = "biteline-gige";
+
+/// Tells the face the exposure whenever it changed; a health comes four times a second.
+class ExposureWatch {
+ public:
+  explicit ExposureWatch(Server& server) : server_{server} {}
+  void hear(const wire::SensorHello& hello) { tell(exposure_of(hello)); }
+  void hear(const wire::Health& health) { tell(exposure_of(health, told_)); }
+
+ private:
+  void tell(Nanoseconds exposure) {
+    told_ = exposure;
+    server_.set_exposure(exposure);
+  }
+
+  Server& server_;
+  Nanoseconds told_{0};
+};
 
 void show_head(Server& server, const geometry::SensorModel& model) {
   server.set_head(static_cast<std::size_t>(model.region.width_px), depth_of(model),
@@ -62,7 +80,7 @@ class PictureWatch {
 /// A scan of this program's own, from its first profile to its end.
 class OwnScan {
  public:
-  OwnScan(Server& server, intake::SensorLink& link) : server_{server}, link_{link} {}
+  OwnScan(Server& server, intake::SensorLink& link) : server_{server}, link_{link}, exposure_{server} {}
 
   Result<void> take(const intake::LinkEvent& event) {
     if (const auto* hello = std::get_if<intake::Hello>(&event)) return begin(*hello);
@@ -71,6 +89,7 @@ class OwnScan {
       if (reply->errc == 0) return {};
       return fail(Errc::PeerRefused, "the sensor refuses a scan: %s", reply->where.c_str());
     }
+    if (const auto* health = std::get_if<wire::Health>(&event)) exposure_.hear(*health);
     if (!wanted_) return {};
     if (const auto* profile = std::get_if<intake::ProfileEvent>(&event))
       server_.offer(scan_, profile->profile);
@@ -88,6 +107,7 @@ class OwnScan {
  private:
   Result<void> begin(const intake::Hello& hello) {
     show_head(server_, hello.sensor.model);
+    exposure_.hear(hello.sensor);
     // A recording plays by itself; of a live sensor what it holds of earlier scans is not this client's.
     wanted_ = hello.sensor.lossless || (asked_ && hello.scan_id != scan_before_);
     scan_ = hello.scan_id;
@@ -101,6 +121,7 @@ class OwnScan {
 
   Server& server_;
   intake::SensorLink& link_;
+  ExposureWatch exposure_;
   bool asked_{false}, wanted_{false}, unanswered_{false}, on_{false};
   std::uint64_t scan_{0}, scan_before_{0};
 };
@@ -145,6 +166,7 @@ Result<void> Feed::observe(const std::atomic<bool>& stop) {
   BITELINE_ASSIGN(const auto observer, wire::Observer::open(watched));
   bool wished = false;
   PictureWatch pictures{config_, server_};
+  ExposureWatch exposure{server_};
   while (!stop) {
     if (server_.acquiring() && config_.allow_control) return {};
     BITELINE_TRY(pictures.turn());
@@ -154,7 +176,11 @@ Result<void> Feed::observe(const std::atomic<bool>& stop) {
     BITELINE_ASSIGN(const auto message, observer->next(k_turn));
     if (!message) continue;
     told_.clear();
-    if (const auto* hello = std::get_if<wire::SensorHello>(&message->body)) show_head(server_, hello->model);
+    if (const auto* hello = std::get_if<wire::SensorHello>(&message->body)) {
+      show_head(server_, hello->model);
+      exposure.hear(*hello);
+    }
+    if (const auto* health = std::get_if<wire::Health>(&message->body)) exposure.hear(*health);
     if (const auto* profile = std::get_if<profile::Profile>(&message->body))
       server_.offer(message->scan_id, *profile);
     if (std::holds_alternative<wire::EndOfScan>(message->body)) server_.end_scan();

@@ -77,7 +77,8 @@ std::vector<std::uint8_t> line_of(Format format, std::size_t columns, const Dept
   return line;
 }
 
-std::vector<std::uint8_t> line_record(std::uint64_t scan, const profile::ProfileHeader& header) {
+std::vector<std::uint8_t> line_record(std::uint64_t scan, const profile::ProfileHeader& header,
+                                      Nanoseconds exposure) {
   std::vector<std::uint8_t> record(k_line_record_bytes);
   put_long(record, 0, static_cast<std::uint64_t>(header.exposure_mid.time_since_epoch().count()));
   put_long(record, 8, scan);
@@ -89,6 +90,9 @@ std::vector<std::uint8_t> line_record(std::uint64_t scan, const profile::Profile
     const double number = i < 9 ? flange.linear()(i / 3, i % 3) : flange.translation()[i - 9];
     put_long(record, 32 + 8 * static_cast<std::size_t>(i), std::bit_cast<std::uint64_t>(number));
   }
+  const double exposure_us = 1e-3 * static_cast<double>(exposure.count());
+  put_long(record, 128, std::bit_cast<std::uint64_t>(exposure_us));
+  put_long(record, 136, header.frame_sequence);
   return record;
 }
 

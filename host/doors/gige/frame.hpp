@@ -37,8 +37,9 @@ inline constexpr std::uint16_t k_no_depth = 65535;
 /// Chunk with one record for each line of a frame; and the tag of the picture before it.
 inline constexpr std::uint32_t k_lines_chunk = 0x4c4e'0001, k_picture_chunk = 0x4c4e'0000;
 /// A record, big-endian: stamp in ns, scan, sequence (64 bits each), flags and validity (32 bits each), then
-/// T_base_flange as twelve 64-bit floats: rotation row by row, translation in mm.
-inline constexpr std::size_t k_line_record_bytes = 128;
+/// T_base_flange as twelve 64-bit floats: rotation row by row, translation in mm.  Then the exposure in us as
+/// a 64-bit float, and the camera's own count (64 bits).
+inline constexpr std::size_t k_line_record_bytes = 144;
 inline constexpr std::size_t k_chunk_tag_bytes = 8;
 
 [[nodiscard]] std::size_t line_bytes(Format format, std::size_t columns);
@@ -50,7 +51,8 @@ inline constexpr std::size_t k_chunk_tag_bytes = 8;
 /// A line without any surface.
 [[nodiscard]] std::vector<std::uint8_t> empty_line(Format format, std::size_t columns);
 
-/// Of one line; all zeros, invalid, where a frame was filled up.
-[[nodiscard]] std::vector<std::uint8_t> line_record(std::uint64_t scan, const profile::ProfileHeader& header);
+/// Of one line; all zeros, invalid, where a frame was filled up.  `exposure`: 0: not known.
+[[nodiscard]] std::vector<std::uint8_t> line_record(std::uint64_t scan, const profile::ProfileHeader& header,
+                                                    Nanoseconds exposure);
 
 }  // namespace biteline::gige

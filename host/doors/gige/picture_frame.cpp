@@ -53,12 +53,14 @@ std::optional<std::vector<std::uint8_t>> whole_picture(const PictureShape& shape
   return whole;
 }
 
-std::vector<std::uint8_t> picture_record(std::uint64_t scan, const wire::Picture& picture) {
+std::vector<std::uint8_t> picture_record(std::uint64_t scan, const wire::Picture& picture,
+                                         Nanoseconds exposure) {
   profile::ProfileHeader header;
   header.sequence = picture.profile_sequence;
+  header.frame_sequence = picture.frame_sequence;
   header.exposure_mid = picture.exposure_mid;
   header.flags = profile::k_profile_pose_missing;
-  return line_record(scan, header);
+  return line_record(scan, header, exposure);
 }
 
 }  // namespace biteline::gige

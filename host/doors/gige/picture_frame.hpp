@@ -37,6 +37,7 @@ struct PictureShape {
                                                                      const wire::Picture& picture);
 
 /// As a profile's line_record(), with the profile that the picture completed; without a pose.
-[[nodiscard]] std::vector<std::uint8_t> picture_record(std::uint64_t scan, const wire::Picture& picture);
+[[nodiscard]] std::vector<std::uint8_t> picture_record(std::uint64_t scan, const wire::Picture& picture,
+                                                       Nanoseconds exposure);
 
 }  // namespace biteline::gige

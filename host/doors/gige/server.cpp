@@ -231,6 +231,10 @@ void Server::set_head(std::size_t columns, const Depth& depth, const PictureShap
   state_->with_device([&](Device& device) { device.set_head(columns, depth, pictures); });
 }
 
+void Server::set_exposure(Nanoseconds exposure) {
+  state_->with_device([&](Device& device) { device.set_exposure(exposure); });
+}
+
 void Server::offer(std::uint64_t scan, const wire::Picture& picture) {
   state_->with_device([&](Device& device) { device.offer(scan, picture); });
 }

@@ -48,6 +48,7 @@ class Server {
 
   /// As Device has them.
   void set_head(std::size_t columns, const Depth& depth, const PictureShape& pictures = {});
+  void set_exposure(Nanoseconds exposure);
   void offer(std::uint64_t scan, const wire::Picture& picture);
   void offer(std::uint64_t scan, const profile::Profile& profile);
   void end_scan();
