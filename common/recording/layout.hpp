@@ -13,6 +13,9 @@ inline constexpr const char* k_picture = "/cam0/image";  ///< sensor_msgs/Compre
 inline constexpr const char* k_pose = "/pose0/pose";     ///< JSON, a row of pose0/data.csv
 inline constexpr const char* k_scan = "/scan/message";   ///< the sensor's messages as they came
 inline constexpr const char* k_event = "/scan/event";    ///< JSON: the scan's begin and end, for people
+// With --ros2, in CDR and metres; they tell what stands in the others, and an import does without them.
+inline constexpr const char* k_ros_pose = "/pose0/pose_stamped";  ///< geometry_msgs/PoseStamped, base
+inline constexpr const char* k_ros_points = "/scan/points";       ///< sensor_msgs/PointCloud2, base
 }  // namespace topic
 
 /// Attached under these names, and taken out again under no others.

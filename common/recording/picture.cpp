@@ -3,22 +3,10 @@
 
 #include <string_view>
 
+#include "common/recording/cdr.hpp"
+
 namespace biteline::recording {
 namespace {
-
-/// CDR, little-endian, no options.  Alignment counts from behind it.
-constexpr std::size_t k_head_bytes = 4;
-
-void put_whole(std::vector<std::uint8_t>& out, std::uint32_t value) {
-  while ((out.size() - k_head_bytes) % 4 != 0) out.push_back(0);
-  for (int shift = 0; shift < 32; shift += 8) out.push_back(static_cast<std::uint8_t>(value >> shift));
-}
-
-void put_text(std::vector<std::uint8_t>& out, std::string_view text) {
-  put_whole(out, static_cast<std::uint32_t>(text.size() + 1));
-  out.insert(out.end(), text.begin(), text.end());
-  out.push_back(0);
-}
 
 class Take {
  public:
@@ -51,27 +39,17 @@ class Take {
 }  // namespace
 
 std::vector<std::uint8_t> picture_message(std::int64_t stamp_ns, std::span<const std::uint8_t> file) {
-  constexpr std::int64_t k_second = 1'000'000'000;
-  std::int64_t seconds = stamp_ns / k_second, rest = stamp_ns % k_second;
-  if (rest < 0) {
-    rest += k_second;
-    --seconds;
-  }
-  std::vector<std::uint8_t> out{0, 1, 0, 0};
-  out.reserve(file.size() + 64);
-  put_whole(out, static_cast<std::uint32_t>(seconds));
-  put_whole(out, static_cast<std::uint32_t>(rest));
-  put_text(out, "cam0");
-  put_text(out, "png");
-  put_whole(out, static_cast<std::uint32_t>(file.size()));
-  out.insert(out.end(), file.begin(), file.end());
-  return out;
+  CdrWriter out{file.size() + 64};
+  out.put_header(stamp_ns, "cam0");
+  out.put_text("png");
+  out.put_bytes(file);
+  return out.take();
 }
 
 Result<std::span<const std::uint8_t>> picture_file_of(std::span<const std::uint8_t> message) {
-  if (message.size() < k_head_bytes || message[0] != 0 || message[1] != 1)
+  if (message.size() < k_cdr_head_bytes || message[0] != 0 || message[1] != 1)
     return fail(Errc::BadFormat, "a picture as little-endian CDR expected");
-  Take take{message.subspan(k_head_bytes)};
+  Take take{message.subspan(k_cdr_head_bytes)};
   take.whole();
   take.whole();
   take.counted();

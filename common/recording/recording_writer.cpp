@@ -53,12 +53,24 @@ Result<void> RecordingWriter::add_channels() {
   };
   BITELINE_ASSIGN(pose_, add(topic::k_pose, "json", "biteline.Pose", "jsonschema", k_pose_schema));
   BITELINE_ASSIGN(frame_, add(topic::k_frame, "json", "biteline.Frame", "jsonschema", k_frame_schema));
-  BITELINE_ASSIGN(picture_, add(topic::k_picture, "cdr", k_picture_schema_name, "ros2msg", k_picture_schema));
+  BITELINE_ASSIGN(picture_, add_cdr_channel(topic::k_picture, k_picture_schema_name, k_picture_schema));
   const auto wire_schema = wire::binary_schema();
   BITELINE_ASSIGN(scan_, add(topic::k_scan, "flatbuffer", "biteline.wire.fb.Envelope", "flatbuffer",
                              std::string{wire_schema.begin(), wire_schema.end()}));
   BITELINE_ASSIGN(event_, add(topic::k_event, "json", "biteline.Event", "jsonschema", k_event_schema));
   return {};
+}
+
+Result<std::uint16_t> RecordingWriter::add_cdr_channel(const char* topic, std::string schema_name,
+                                                       std::string schema) {
+  BITELINE_ASSIGN(const std::uint16_t id,
+                  writer_.add_schema(std::move(schema_name), "ros2msg", std::move(schema)));
+  return writer_.add_channel(id, topic, "cdr");
+}
+
+Result<void> RecordingWriter::add_cdr(std::uint16_t channel, std::int64_t camera_ns,
+                                      std::span<const std::uint8_t> message) {
+  return write(channel, camera_ns, message);
 }
 
 Result<void> RecordingWriter::write(std::uint16_t channel, std::int64_t time_ns, mcap::View data) {

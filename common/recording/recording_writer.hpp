@@ -39,6 +39,11 @@ class RecordingWriter {
   [[nodiscard]] Result<void> add_picture(const FrameRow& row, std::span<const std::uint8_t> png);
   /// `bytes`: `message` as it came.  What has no time of its own gets that of what came before, or next.
   [[nodiscard]] Result<void> add_message(const wire::Message& message, std::span<const std::uint8_t> bytes);
+  /// One more, of CDR messages: its number.  After add_channels(), before the first message.
+  [[nodiscard]] Result<std::uint16_t> add_cdr_channel(const char* topic, std::string schema_name,
+                                                      std::string schema);
+  [[nodiscard]] Result<void> add_cdr(std::uint16_t channel, std::int64_t camera_ns,
+                                     std::span<const std::uint8_t> message);
   /// What was written so far survives the program's end.
   [[nodiscard]] Result<void> flush();
   /// The last link of the hash chain.

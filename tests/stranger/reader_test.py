@@ -6,6 +6,7 @@ The last two are its examples in C++.
 """
 import json
 import pathlib
+import struct
 import subprocess
 import sys
 import tempfile
@@ -18,8 +19,6 @@ import biteline_scan  # noqa: E402
 
 def read_cloud(file):
     """Places by profile and column, of any binary PLY."""
-    import struct
-
     head, _, body = file.read_bytes().partition(b"end_header\n")
     lines = [line.split() for line in head.decode().splitlines()]
     count = next(int(words[2]) for words in lines if words[:2] == ["element", "vertex"])
@@ -44,8 +43,51 @@ def six_digits(number):
     return float(f"{number:.6g}")
 
 
+def ros2_poses(tool, judge, session, folder):
+    file = folder / "poses.mcap"
+    subprocess.run([tool, "record", "export", session, "--ros2", "--out", file], check=True, capture_output=True)
+    told = subprocess.run([*judge, file], capture_output=True, text=True)
+    if told.returncode == 77:
+        return
+    assert told.returncode == 0, told.stderr
+    rows = [line.split(",") for line in (pathlib.Path(session) / "pose0/data.csv").read_text().splitlines()[1:]]
+    poses = json.loads(told.stdout)["/pose0/pose_stamped"]
+    assert len(poses) == len(rows) > 10
+    for message, row in zip(poses, rows):
+        place, turn = message["pose"]["position"], message["pose"]["orientation"]
+        known = list(map(float, row[1:]))
+        assert max(abs(1000 * place[axis] - known[i]) for i, axis in enumerate("xyz")) < 1e-9
+        assert [turn[axis] for axis in "wxyz"] == known[3:]
+
+
+def ros2_messages(tool, judge, recording, cloud, folder):
+    """The recording's ROS 2 messages, read by their own definitions in the file: the points are the cloud's."""
+    file = folder / "ros2.mcap"
+    subprocess.run([tool, "record", "export", recording, "--ros2", "--out", file], check=True, capture_output=True)
+    told = subprocess.run([*judge, file], capture_output=True, text=True)
+    if told.returncode == 77:
+        print("ROS 2 messages not judged: no packages of the page")
+        return
+    assert told.returncode == 0, told.stderr
+    points = {}
+    for message in json.loads(told.stdout)["/scan/points"]:
+        assert message["header"]["frame_id"] == "base" and message["height"] == 1 and message["point_step"] == 16
+        assert [field["name"] for field in message["fields"]] == ["x", "y", "z", "intensity"]
+        assert message["row_step"] == 16 * message["width"] and not message["is_bigendian"]
+        points[message["header"]["stamp"]["sec"] * 10**9 + message["header"]["stamp"]["nanosec"]] = [
+            place[:3] for place in struct.iter_unpack("<ffff", bytes(message["data"]))
+        ]
+    assert sum(map(len, points.values())) == len(cloud)
+    in_order = [place for stamp in sorted(points) for place in points[stamp]]
+    worst_mm = max(abs(1000 * a - b) for place, known in zip(in_order, cloud.values()) for a, b in zip(place, known))
+    print(f"ROS 2: {len(in_order)} points of {len(points)} profiles, worst {worst_mm:.2e} mm")
+    assert worst_mm < 1e-3
+    subprocess.run([tool, "record", "import", file, "--out", folder / "back"], check=True, capture_output=True)
+    assert (folder / "back" / "scan.btln").read_bytes() == recording.read_bytes()
+
+
 def main():
-    sensor, service, session, scan_to_ply, read_live = sys.argv[1:6]
+    sensor, service, session, scan_to_ply, read_live, tool = sys.argv[1:7]
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         running = subprocess.Popen([sensor, "--source", "replay:" + session, "--exit-with-parent"], stdout=subprocess.PIPE)
@@ -65,6 +107,9 @@ def main():
         # The clouds hold places of up to some metres in 32-bit floats.
         assert worst_mm < 1e-3
 
+        if sys.argv[7:]:
+            ros2_messages(tool, sys.argv[7:], scan, cloud, folder)
+            ros2_poses(tool, sys.argv[7:], session, folder)
         told = subprocess.run([scan_to_ply, scan, folder / "read_by_cpp.ply"], check=True, capture_output=True, text=True).stdout
         assert read_cloud(folder / "read_by_cpp.ply") == {key: tuple(map(six_digits, place)) for key, place in exact(scan).items()}
         whole = len(list(biteline_scan.profiles(scan)))

@@ -19,7 +19,7 @@ constexpr const char* k_program = "biteline " BITELINE_VERSION;
 struct RecordOptions {
   std::filesystem::path input, out, results;
   std::string last_link;
-  bool stored{false};
+  bool stored{false}, ros2{false};
 };
 
 template <class Counts>
@@ -50,6 +50,7 @@ Result<ExitStatus> export_recording(const RecordOptions& options, const GlobalOp
                                                           .library = k_program,
                                                           .build = k_program,
                                                           .packed = !options.stored,
+                                                          .ros2 = options.ros2,
                                                           .progress =
                                                               [&](std::size_t done, std::size_t total) {
                                                                 if (!progress)
@@ -133,6 +134,8 @@ void add_record(CLI::App& app, Context& context) {
   to_file->add_option("--results", options->results,
                       "A result folder whose report.json, line.csv and gate.json go along");
   to_file->add_flag("--stored", options->stored, "Chunks as they are, not packed by zstd");
+  to_file->add_flag("--ros2", options->ros2,
+                    "Poses and points also as ROS 2's messages (PoseStamped, PointCloud2; metres, base)");
   to_file->callback([options, &context] {
     context.run = [options, &context] { return export_recording(*options, context.options); };
   });

@@ -15,6 +15,7 @@
 #include "common/session/session.hpp"
 #include "common/system/file.hpp"
 #include "common/wire/scan_file.hpp"
+#include "host/records/recording/ros2.hpp"
 
 namespace biteline::recording {
 namespace {
@@ -74,6 +75,12 @@ class Export {
     }
     BITELINE_TRY(attach_files());
     BITELINE_TRY(writer_.add_channels());
+    if (options_.ros2) {
+      BITELINE_ASSIGN(ros_pose_, writer_.add_cdr_channel(topic::k_ros_pose, ros2::k_pose_schema_name,
+                                                         ros2::pose_schema()));
+      BITELINE_ASSIGN(ros_points_, writer_.add_cdr_channel(topic::k_ros_points, ros2::k_points_schema_name,
+                                                           ros2::points_schema()));
+    }
     const fs::path scan = folder ? options_.input / "scan.btln" : options_.input;
     if (!folder || fs::exists(scan, ignored)) {
       BITELINE_TRY(write_scan(scan));
@@ -105,7 +112,9 @@ class Export {
   Result<void> write_next_pose() {
     const TimedPose& pose = poses_[next_pose_++];
     ++exported_.poses;
-    return writer_.add_pose(pose.row, pose.camera_ns);
+    BITELINE_TRY(writer_.add_pose(pose.row, pose.camera_ns));
+    if (!options_.ros2) return {};
+    return writer_.add_cdr(ros_pose_, pose.camera_ns, ros2::pose_message(pose.camera_ns, pose.row));
   }
 
   /// With the pose behind it: where a file is cut, what is left has the poses of its pictures.
@@ -146,11 +155,15 @@ class Export {
         const wire::ScanFileEnd end,
         wire::read_scan_file(
             file, [&](const wire::Message& message, std::span<const std::uint8_t> bytes) -> Result<void> {
-              if (const auto* profile = std::get_if<profile::Profile>(&message.body)) {
+              if (const auto* hello = std::get_if<wire::SensorHello>(&message.body))
+                T_flange_cam_ = hello->model.T_flange_cam;
+              const auto* profile = std::get_if<profile::Profile>(&message.body);
+              if (profile != nullptr) {
                 BITELINE_TRY(write_frames_until(profile->header.exposure_mid.time_since_epoch().count()));
               }
               ++exported_.messages;
-              return writer_.add_message(message, bytes);
+              BITELINE_TRY(writer_.add_message(message, bytes));
+              return profile != nullptr ? write_points(*profile) : Result<void>{};
             }));
     BITELINE_TRY(write_frames_until(std::numeric_limits<std::int64_t>::max()));
     if (end.bytes_left != 0) {
@@ -158,6 +171,14 @@ class Export {
                         " bytes behind the last whole message are left out";
     }
     return {};
+  }
+
+  /// What enters a cloud: profiles and points that are good for it.
+  Result<void> write_points(const profile::Profile& profile) {
+    const bool usable = (profile.header.flags & profile::k_profile_not_usable) == 0;
+    if (!options_.ros2 || !usable || !T_flange_cam_) return {};
+    const std::int64_t stamp_ns = profile.header.exposure_mid.time_since_epoch().count();
+    return writer_.add_cdr(ros_points_, stamp_ns, ros2::points_message(profile, *T_flange_cam_));
   }
 
   /// Settings, tables of results, pictures of 16 384 x 16 384 that hold anything.
@@ -169,6 +190,8 @@ class Export {
   std::optional<session::Session> session_;
   std::vector<TimedPose> poses_;
   std::size_t next_pose_{0}, next_frame_{0};
+  std::uint16_t ros_pose_{0}, ros_points_{0};
+  std::optional<SE3> T_flange_cam_;  ///< as the scan's hello told it
 };
 
 }  // namespace

@@ -18,6 +18,7 @@ struct ExportOptions {
   std::string library;            ///< who writes, with version
   std::string build;              ///< for the file's metadata
   bool packed{true};              ///< zstd
+  bool ros2{false};               ///< poses and points also as ROS 2's messages
   std::function<void(std::size_t done, std::size_t total)> progress;  ///< by pictures; may be empty
 };
 

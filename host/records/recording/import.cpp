@@ -98,7 +98,7 @@ class Import {
       BITELINE_ASSIGN(row_, frame_row_of(data));
       return {};
     }
-    if (on != topic::k_event) ++imported_.strange;
+    if (on != topic::k_event && on != topic::k_ros_pose && on != topic::k_ros_points) ++imported_.strange;
     return {};
   }
 
