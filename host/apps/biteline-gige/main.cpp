@@ -44,12 +44,13 @@ Result<void> run(const gige::Options& options) {
   const gige::ServerCounts counts = server->counts();
   std::printf(
       "biteline-gige: %llu frames, %llu packets, %llu asked for again, %llu of them no longer kept, %llu not "
-      "taken by the network\n",
+      "taken by the network, %llu pictures of another form left out\n",
       static_cast<unsigned long long>(counts.stream.frames),
       static_cast<unsigned long long>(counts.stream.packets),
       static_cast<unsigned long long>(counts.stream.resent),
       static_cast<unsigned long long>(counts.stream.unavailable),
-      static_cast<unsigned long long>(counts.unsent_again));
+      static_cast<unsigned long long>(counts.unsent_again),
+      static_cast<unsigned long long>(counts.pictures_left_out));
   return {};
 }
 

@@ -215,7 +215,10 @@ void Device::begin_frame(SensorClock::time_point exposure_mid) {
 void Device::offer(std::uint64_t scan, const wire::Picture& picture) {
   if (!wants_pictures()) return;
   const std::optional<std::vector<std::uint8_t>> pixels = whole_picture(pictures_, picture);
-  if (!pixels) return;
+  if (!pixels) {
+    ++pictures_left_out_;
+    return;
+  }
   begin_frame(picture.exposure_mid);
   stream_.append(*pixels);
   if (choices_.chunks) records_ = picture_record(scan, picture, exposure_);

@@ -43,6 +43,8 @@ class Device {
   void end_scan();
 
   [[nodiscard]] bool acquiring() const { return acquiring_; }
+  /// Offered while a client acquired pictures, and of another form than the device's.
+  [[nodiscard]] std::uint64_t pictures_left_out() const { return pictures_left_out_; }
   /// And what it acquires is pictures.
   [[nodiscard]] bool wants_pictures() const { return acquiring_ && choices_.picture(); }
   /// How often a client has started.
@@ -76,6 +78,7 @@ class Device {
   PictureShape pictures_;
   std::size_t columns_{0};
   Depth depth_;
+  std::uint64_t pictures_left_out_{0};
   Nanoseconds exposure_{0};
   std::uint32_t lines_{0};             ///< in the frame that is begun
   std::vector<std::uint8_t> records_;  ///< of those lines

@@ -266,6 +266,7 @@ ServerCounts Server::counts() const {
   const std::lock_guard lock{state_->mutex};
   ServerCounts counts = state_->counts;
   counts.stream = state_->device->counts();
+  counts.pictures_left_out = state_->device->pictures_left_out();
   return counts;
 }
 

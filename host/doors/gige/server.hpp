@@ -28,10 +28,11 @@ struct ServerConfig {
 
 struct ServerCounts {
   StreamCounts stream;
-  std::uint64_t lost{0};          ///< thrown away as `lose` said
-  std::uint64_t unsent{0};        ///< the network did not take them
-  std::uint64_t unsent_again{0};  ///< were to be sent again, and the network did not take them at once
-  std::uint64_t strangers{0};     ///< commands of others than `clients`
+  std::uint64_t lost{0};               ///< thrown away as `lose` said
+  std::uint64_t unsent{0};             ///< the network did not take them
+  std::uint64_t unsent_again{0};       ///< were to be sent again, and the network did not take them at once
+  std::uint64_t strangers{0};          ///< commands of others than `clients`
+  std::uint64_t pictures_left_out{0};  ///< not raw, or of another step than the device's
 };
 
 /// GVCP's port is fixed (3956), so there is one for each address.  Packets of the stream are not fragmented.

@@ -112,9 +112,11 @@ TEST(GigeDevice, PicturesGoOutAsMono8AndProfilesDoNot) {
   LONGS_EQUAL(77, gige::word_at(payload, 500 * 100 + 8 + 20));
   // A picture of another step is none of these.
   const std::size_t before = sent.size();
+  LONGS_EQUAL(0, device.pictures_left_out());
   picture.step = 2;
   device.offer(3, picture);
   LONGS_EQUAL(before, sent.size());
+  LONGS_EQUAL(1, device.pictures_left_out());
   // Profiles again, as many lines as before.
   LONGS_EQUAL(0, write(gige::own::k_acquisition, 0));
   LONGS_EQUAL(0, write(gige::own::k_pixel_format, static_cast<std::uint32_t>(gige::Format::C16)));
