@@ -339,6 +339,25 @@ Result<void> Library::remove(const std::string& name) const {
   return keep_for_undo(folder_, name, path_of(name));
 }
 
+Result<ModelInfo> Library::rename(const std::string& name, const std::string& new_name) const {
+  BITELINE_TRY(check_name(name));
+  BITELINE_TRY(check_name(new_name));
+  if (!has(name)) return fail(Errc::FileNotFound, "no model %s in %s", name.c_str(), folder_.c_str());
+  BITELINE_ASSIGN(const Manifest manifest, check(name, path_of(name)));
+  if (::renameat2(AT_FDCWD, path_of(name).c_str(), AT_FDCWD, path_of(new_name).c_str(), RENAME_NOREPLACE) !=
+      0) {
+    if (errno == EEXIST)
+      return fail(Errc::InvalidArgument, "model %s exists in %.120s; choose another name", new_name.c_str(),
+                  folder_.c_str());
+    return fail_errno(Errc::WriteFailed, errno, "%s", path_of(new_name).c_str());
+  }
+  // The folder's name counts; this one is for people.
+  BITELINE_TRY(
+      report::write_file_atomically(path_of(new_name) / k_manifest_file, manifest_text(new_name, manifest)));
+  BITELINE_TRY(sync_folder(folder_));
+  return info_of(new_name, path_of(new_name), manifest);
+}
+
 Result<void> Library::export_to(const std::string& name, const fs::path& target) const {
   BITELINE_TRY(check_name(name));
   if (!has(name)) return fail(Errc::FileNotFound, "no model %s in %s", name.c_str(), folder_.c_str());

@@ -67,6 +67,9 @@ class Library {
   [[nodiscard]] Result<SampleFiles> load(const std::string& name) const;
 
   [[nodiscard]] Result<void> remove(const std::string& name) const;
+  /// One step; nothing of the new name may exist: Errc::InvalidArgument.  Jobs, tables and undo() keep the
+  /// old name.
+  [[nodiscard]] Result<ModelInfo> rename(const std::string& name, const std::string& new_name) const;
 
   /// The model as one file (host/records/archive, kind "model"), with process, picture and where it came
   /// from.

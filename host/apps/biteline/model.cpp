@@ -13,7 +13,7 @@ namespace biteline::app {
 namespace {
 
 struct ModelOptions {
-  std::string name;
+  std::string name, new_name;
   bool replace{false};
   transfer::ModelMade made;
   ReleaseOrder release;
@@ -95,6 +95,15 @@ Result<ExitStatus> remove(const ModelOptions& options, const GlobalOptions& glob
   return tell(report, global, "");
 }
 
+Result<ExitStatus> rename(const ModelOptions& options, const GlobalOptions& global) {
+  BITELINE_ASSIGN(const transfer::ModelInfo model,
+                  transfer::Library{options.library}.rename(options.name, options.new_name));
+  report::Report report;
+  report.fields["name"] = model.name;
+  report.fields["was"] = options.name;
+  return tell(report, global, "model " + options.name + " is " + model.name + " now");
+}
+
 Result<ExitStatus> export_one(const ModelOptions& options, const GlobalOptions& global) {
   BITELINE_TRY(transfer::Library{options.library}.export_to(options.name, options.file));
   report::Report report;
@@ -167,6 +176,13 @@ void add_model(CLI::App& app, Context& context) {
     context.run = [options, &context] {
       return write_release(options->release, options->library, context.options);
     };
+  });
+
+  CLI::App* rename_command = command->add_subcommand("rename", "Give a model another name");
+  rename_command->add_option("name", options->name, "The model's name")->required();
+  rename_command->add_option("new_name", options->new_name, "Its new name; no model may have it")->required();
+  rename_command->callback([options, &context] {
+    context.run = [options, &context] { return rename(*options, context.options); };
   });
 
   CLI::App* remove_command = command->add_subcommand("remove", "Forget a model");

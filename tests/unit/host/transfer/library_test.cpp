@@ -95,6 +95,24 @@ TEST(Library, UndoBringsBackWhatWasReplacedOrRemoved) {
   FAILS_NAMING(Errc::FileNotFound, "nothing to undo", sut.undo("b"));
 }
 
+TEST(Library, ARenamedModelIsTheSameUnderItsNewNameAlone) {
+  ModelMade made;
+  made.size = "EU 42";
+  SUCCEEDS(sut.save("a", sample(7), {.made = made}));
+  SUCCEEDS(sut.save("b", sample(9)));
+  FAILS_NAMING(Errc::InvalidArgument, "model b exists", sut.rename("a", "b"));
+  LONGS_EQUAL(9, sut.load("b")->cloud.size());
+  FAILS_NAMING(Errc::FileNotFound, "no model c", sut.rename("c", "d"));
+  CHECK_FALSE(sut.rename("a", "../a").has_value());
+  const auto renamed = sut.rename("a", "c");
+  SUCCEEDS(renamed);
+  STRCMP_EQUAL("c", renamed->name.c_str());
+  STRCMP_EQUAL("EU 42", sut.info("c")->made.size.c_str());
+  LONGS_EQUAL(7, sut.load("c")->cloud.size());
+  CHECK(!sut.has("a"));
+  LONGS_EQUAL(2, sut.names()->size());
+}
+
 TEST(Library, SizeFootAndTimeGoWithTheModel) {
   ModelMade made;
   made.time = "2026-11-20T21:04:05.123Z";
