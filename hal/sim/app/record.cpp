@@ -25,7 +25,17 @@ struct RecordOptions {
   double clock_offset_ms{0};
   bool hide_clock_offset{false};
   std::optional<sim::OutlinePart> part;
+  std::optional<double> arrival_jitter_ms, arrival_late_ms;
+  bool camera_stamps{false};
 };
+
+/// As of a camera without a trigger; none without one of the options.
+std::optional<sim::ArrivalStamps> arrival_of(const RecordOptions& options) {
+  if (!options.arrival_jitter_ms && !options.arrival_late_ms && !options.camera_stamps) return std::nullopt;
+  return sim::ArrivalStamps{.jitter_ms = options.arrival_jitter_ms.value_or(0),
+                            .unknown_late_ms = options.arrival_late_ms.value_or(0),
+                            .camera_stamps = options.camera_stamps};
+}
 
 /// On a terminal only; the last one wipes its own trace.
 void show_progress(double ratio) {
@@ -46,7 +56,8 @@ Result<void> record(const RecordOptions& options) {
       .tell_clock_offset = !options.hide_clock_offset,
       .noise_seed = settings.shoe.seed,
       .part = options.part,
-      .disturbances = disturbances_of(options.world)};
+      .disturbances = disturbances_of(options.world),
+      .arrival = arrival_of(options)};
   if (!options.arm.empty()) {
     const auto kinematics = sim::ArmKinematics::named(options.arm);
     if (!kinematics)
@@ -158,6 +169,17 @@ void add_record(CLI::App& app, Context& context) {
   command->add_option("--out", options->out, "The session's folder")->required();
   command->add_option("--clock-offset-ms", options->clock_offset_ms, "Pose clock minus camera clock")
       ->check(options::number({.minimum = -1000, .maximum = 1000}, "ms"));
+  command
+      ->add_option(
+          "--arrival-jitter-ms", options->arrival_jitter_ms,
+          "A camera without a trigger: pictures are stamped when they come, late by an exponential law of "
+          "this mean, which is calibrated away")
+      ->check(options::number({.minimum = 0, .maximum = 100}, "ms"));
+  command
+      ->add_option("--arrival-late-ms", options->arrival_late_ms, "Likewise, a delay that nobody calibrated")
+      ->check(options::number({.minimum = -10, .maximum = 10}, "ms"));
+  command->add_flag("--camera-stamps", options->camera_stamps,
+                    "Likewise, but the camera has a clock, which is mapped by the least delays");
   command->add_flag("--hide-clock-offset", options->hide_clock_offset, "sensor.yaml says 0 instead");
   auto part = std::make_shared<sim::OutlinePart>();
   CLI::Option* from =

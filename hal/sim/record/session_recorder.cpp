@@ -77,6 +77,15 @@ std::vector<session::StampedPose> made_poses(const MadeScene& scene, const HeadW
   return poses;
 }
 
+/// Files keep the names of the true instants.
+void stamp_by_arrival(std::vector<session::FrameEntry>& frames, const ArrivalStamps& arrival,
+                      std::uint64_t seed) {
+  std::vector<SensorClock::time_point> mids;
+  for (const session::FrameEntry& frame : frames) mids.push_back(frame.exposure_mid);
+  const auto stamps = arrival_stamps(mids, arrival, seed);
+  for (std::size_t i = 0; i < frames.size(); ++i) frames[i].exposure_mid = stamps[i];
+}
+
 }  // namespace
 
 Result<void> record_session(const std::filesystem::path& folder, const MadeScene& scene,
@@ -124,6 +133,7 @@ Result<void> record_session(const std::filesystem::path& folder, const MadeScene
     BITELINE_TRY(image::write_png(frames.back().file, picture, packing));
     if (progress) progress(static_cast<double>(i + 1 - range.first) / (range.end - range.first));
   }
+  if (settings.arrival) stamp_by_arrival(frames, *settings.arrival, settings.noise_seed);
   BITELINE_TRY(session::write_frame_table(folder / "cam0" / "data.csv", frames));
   BITELINE_TRY(
       session::write_pose_table(folder / "pose0" / "data.csv", made_poses(scene, way, settings, range)));

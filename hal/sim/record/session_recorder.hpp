@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 
+#include "hal/sim/record/arrival_stamps.hpp"
 #include "hal/sim/record/disturbances.hpp"
 #include "hal/sim/record/made_scene.hpp"
 
@@ -29,6 +30,8 @@ struct RecordSettings {
   /// None: as if no arm carried the head, at an even speed.  Pre: no `part` beside it.
   std::optional<HeadWay> way{};
   Disturbances disturbances{};  ///< the arm's own are in `way`
+  /// None: stamps are the middles of the exposures, as with a trigger.
+  std::optional<ArrivalStamps> arrival{};
 };
 
 /// Writes SESSION/ in the exchange format (README, "Data formats"), truth included.  Same arguments, same

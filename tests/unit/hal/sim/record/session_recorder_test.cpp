@@ -183,4 +183,24 @@ TEST(SessionRecorder, ABareUpperHasNoTrueLineOfItsOwn) {
   CHECK(fs::exists(folder.path() / "T_base_shoe.txt"));
 }
 
+TEST(SessionRecorder, WithoutATriggerTheSamePicturesAreStampedWhenTheyCome) {
+  const auto scene = make_scene(quick_scene(ShoeClass::Deep));
+  CHECK(scene.has_value());
+  const TemporaryFolder triggered("triggered"), free("free");
+  CHECK(record_session(triggered.path(), **scene, {}, {}).has_value());
+  const ArrivalStamps arrival{.jitter_ms = 2};
+  CHECK(record_session(free.path(), **scene, {.arrival = arrival}, {}).has_value());
+  const auto exact = session::read_session(triggered.path()), late = session::read_session(free.path());
+  CHECK(exact.has_value() && late.has_value());
+  LONGS_EQUAL(exact->frames.size(), late->frames.size());
+  std::vector<SensorClock::time_point> mids;
+  for (const session::FrameEntry& frame : exact->frames) mids.push_back(frame.exposure_mid);
+  const auto stamps = arrival_stamps(mids, arrival, RecordSettings{}.noise_seed);
+  for (std::size_t i = 0; i < mids.size(); ++i) {
+    CHECK(late->frames[i].exposure_mid == stamps[i]);
+    CHECK(stamps[i] != mids[i]);
+    CHECK(bytes_of(exact->frames[i].file) == bytes_of(late->frames[i].file));
+  }
+}
+
 }  // namespace biteline::sim
