@@ -106,9 +106,10 @@ Result<LineStep> Service::work_out_line(Scan& scan, intake::ScanOutcome& outcome
 void Service::check_own_calibration(Scan& scan, const intake::ScanOutcome& outcome) {
   if (outcome.failure) return;
   if (options_.calibration_anew) {
-    options_.calibration_anew = false;
-    if (const Result<void> anew = begin_calibration_check_anew(cockpit_->memory(), user_name()); !anew)
-      complain(anew.error());
+    // A memory that is busy or full now takes it at the next scan.
+    const Result<void> anew = begin_calibration_check_anew(cockpit_->memory(), user_name());
+    options_.calibration_anew = !anew;
+    if (!anew) complain(anew.error());
   }
   const OnDrift on_drift = options_.stop_on_drift ? OnDrift::Stop : OnDrift::Warn;
   const Result<ExitStatus> done = without_exceptions([&]() -> Result<ExitStatus> {

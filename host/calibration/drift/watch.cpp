@@ -3,7 +3,10 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <string_view>
+#include <system_error>
 
 #include "common/core/fixed_text.hpp"
 
@@ -30,6 +33,28 @@ double scatter_of(const Sums& left) {
     ++freedom;
   }
   return freedom > 0 ? sum / freedom : 0;
+}
+
+/// "scan-" and 12 of "scan-12".
+struct Numbered {
+  std::string_view name;
+  unsigned long number{0};
+};
+Numbered numbered(std::string_view scan) {
+  const std::size_t digits = scan.find_last_not_of("0123456789") + 1;
+  Numbered out{.name = scan.substr(0, digits)};
+  const std::from_chars_result read =
+      std::from_chars(scan.data() + digits, scan.data() + scan.size(), out.number);
+  // Without a number, or with one beyond all counting, the whole is the name.
+  if (read.ec != std::errc{}) out.name = scan;
+  return out;
+}
+
+/// `scan` is the last one, or one with a lower number: a person had it worked out again.
+bool came_before(const std::string& scan, const std::string& last) {
+  if (scan.empty()) return false;
+  const Numbered now = numbered(scan), then = numbered(last);
+  return scan == last || (now.name == then.name && now.number <= then.number);
 }
 
 }  // namespace
@@ -60,6 +85,7 @@ double Watch::spread() const {
 }
 
 void Watch::pass(const std::string& scan) {
+  if (came_before(scan, last_scan_)) return;
   last_scan_ = scan;
   if (verdict_.status == Status::Drifted) return;
   verdict_ = {.status = Status::NotSeen,
@@ -68,7 +94,7 @@ void Watch::pass(const std::string& scan) {
 }
 
 const Verdict& Watch::take(const std::string& scan, const Evidence& evidence) {
-  if (scan == last_scan_ && !scan.empty()) return verdict_;
+  if (came_before(scan, last_scan_)) return verdict_;
   const Vector alone = evidence.alone(), sigma = evidence.alone_sigma();
   // Seen twice from one direction only: it would learn for ever.
   if (!(sigma.minCoeff() <= k_most_sigma)) {

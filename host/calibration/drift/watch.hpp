@@ -35,7 +35,8 @@ class Watch {
  public:
   Watch();
 
-  /// A shoe with places seen twice.  A name that came last is not counted again.
+  /// A shoe with places seen twice.  Names end in a number that rises; one that came before, or came last, is
+  /// not counted again.
   const Verdict& take(const std::string& scan, const Evidence& evidence);
   /// A shoe without.
   void pass(const std::string& scan);

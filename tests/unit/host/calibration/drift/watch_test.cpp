@@ -60,6 +60,16 @@ TEST(Watch, AScanIsCountedOnce) {
   sut.take("scan-0001", *evidence);
   sut.take("scan-0001", *evidence);
   LONGS_EQUAL(1, sut.verdict().shoes);
+  sut.take("scan-9999", *evidence);
+  // A person had an older one worked out again.
+  sut.take("scan-0007", *evidence);
+  LONGS_EQUAL(2, sut.verdict().shoes);
+  sut.pass("scan-0008");
+  sut.take("scan-0009", *evidence);
+  LONGS_EQUAL(2, sut.verdict().shoes);
+  sut.take("scan-10000", *evidence);
+  sut.take("bench", *evidence);
+  LONGS_EQUAL(4, sut.verdict().shoes);
 }
 
 TEST(Watch, GoesOnFromItsTextAsIfNothingHadBeen) {
