@@ -105,6 +105,11 @@ Result<void> check_together(const SettingsSet& set) {
   if (set.on(Key::AutoExposure).value_or(false) &&
       (told(Key::SecondExposureUs) || set.on(Key::LaserOffFrames).value_or(false)))
     return set.refuse(Key::AutoExposure, "neither second_exposure_us nor laser_off_frames beside it");
+  if (set.on(Key::TestPattern).value_or(false) &&
+      (told(Key::SecondExposureUs) || set.on(Key::LaserOffFrames).value_or(false) ||
+       set.on(Key::AutoExposure).value_or(false) || set.on(Key::FollowStripe).value_or(false)))
+    return set.refuse(Key::TestPattern,
+                      "none of auto_exposure, follow_stripe, laser_off_frames, second_exposure_us beside it");
   const auto exposure = set.number(Key::ExposureUs), second = set.number(Key::SecondExposureUs);
   if (exposure && second && *second <= *exposure)
     return set.refuse(Key::SecondExposureUs, "more than exposure_us");
@@ -146,6 +151,13 @@ const std::array<KeyRow, k_key_count>& key_table() {
        "",
        "off",
        "Every second picture without laser, taken off the next: against the room's light"},
+      {Kind::OnOff,
+       "camera",
+       "test_pattern",
+       {},
+       "",
+       "off",
+       "A made stripe in place of each picture; the laser stays dark, and no scan is worked on"},
       {Kind::Whole, "region", "left_px", {0, 16384}, "px", k_of_head, "First column of the full sensor"},
       {Kind::Whole, "region", "top_px", {0, 16384}, "px", k_of_head, "First row of the full sensor"},
       {Kind::Whole, "region", "width_px", {16, 16384}, "px", k_of_head, "Columns"},

@@ -27,6 +27,7 @@ enum class Key : std::uint8_t {
   AutoExposure,
   FollowStripe,
   LaserOffFrames,
+  TestPattern,
   RegionLeft,
   RegionTop,
   RegionWidth,
@@ -37,7 +38,7 @@ enum class Key : std::uint8_t {
   PeakWidthMin,
   PeakWidthMax,
 };
-inline constexpr std::size_t k_key_count = 16;
+inline constexpr std::size_t k_key_count = 17;
 
 struct KeyRow {
   enum class Kind { Number, Whole, OnOff, Word } kind{Kind::Number};

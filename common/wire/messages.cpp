@@ -47,7 +47,7 @@ PackedBody pack_body(FlatBufferBuilder& fbb, const SensorHello& hello) {
   return packed(fb::Body_SensorHello,
                 fb::CreateSensorHello(fbb, name, version, scan_name, hello.frames_expected, hello.lossless,
                                       hello.simulated, hello.scanning, hello.held_from, hello.held_to, model,
-                                      hello.protocol_minor));
+                                      hello.protocol_minor, hello.test_pattern));
 }
 
 PackedBody pack_body(FlatBufferBuilder& fbb, const profile::Profile& profile) {
@@ -145,7 +145,8 @@ Result<Body> read_body(const fb::SensorHello& table) {
                      .held_from = table.held_from(),
                      .held_to = table.held_to(),
                      .model = model,
-                     .protocol_minor = table.protocol_minor()};
+                     .protocol_minor = table.protocol_minor(),
+                     .test_pattern = table.test_pattern()};
 }
 
 Result<Body> read_body(const fb::Profile& table) {

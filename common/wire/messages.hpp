@@ -52,6 +52,7 @@ struct SensorHello {
   std::uint64_t held_to{0};    ///< one past the newest
   geometry::SensorModel model;
   std::uint16_t protocol_minor{k_protocol_minor};  ///< 0: a sensor that knows no observers
+  bool test_pattern{false};                        ///< the scan shows made pictures: it is nobody's shoe
 };
 
 struct StageTime {

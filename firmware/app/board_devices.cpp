@@ -3,6 +3,7 @@
 
 #include "common/config/sensor_yaml.hpp"
 #include "firmware/app/backends/backend.hpp"
+#include "firmware/app/test_pattern.hpp"
 #include "firmware/runtime/thread_table.hpp"
 #include "hal/linux/pwm/encoder_trigger.hpp"
 #include "hal/linux/pwm/software_pwm.hpp"
@@ -25,6 +26,8 @@ Result<Source> BoardDevices::open() {
   BITELINE_ASSIGN(source.camera, open_camera());
   BITELINE_TRY(configure(*source.camera, present_settings()));
   in_use = set_in_use(*former_, model, capture);
+  if (capture.test_pattern)
+    source.camera = std::make_unique<TestPatternCamera>(std::move(source.camera), model.region);
   BITELINE_ASSIGN(source.poses, open_poses());
   BITELINE_ASSIGN(source.trigger, open_trigger());
   if (source.trigger) BITELINE_TRY(source.trigger->configure(train_of(model, capture)));

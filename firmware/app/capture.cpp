@@ -39,6 +39,11 @@ Result<void> check(const Capture& capture, const geometry::SensorModel& head) {
                 "a second exposure and laser-off frames exclude each other: the ambient light "
                 "of one exposure is not that of the other");
   }
+  if (capture.test_pattern && capture.any()) {
+    return fail(Errc::InvalidArgument,
+                "camera.test_pattern goes with neither automatic exposure, following, laser-off frames nor a "
+                "second exposure, in the settings or on the command line");
+  }
   if (capture.pairs() && capture.auto_exposure) {
     return fail(Errc::InvalidArgument,
                 "automatic exposure goes with neither a second exposure nor laser-off frames: "

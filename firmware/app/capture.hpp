@@ -21,6 +21,7 @@ struct Capture {
   bool follow_stripe{false};       ///< the camera shows only the rows about the stripe
   bool laser_off_frames{false};    ///< every second frame without laser, taken off the next
   Nanoseconds second_exposure{0};  ///< every second frame this long, merged per column; 0: none
+  bool test_pattern{false};        ///< made pictures, and no light
 
   [[nodiscard]] bool any() const {
     return auto_exposure || follow_stripe || laser_off_frames || second_exposure.count() != 0;

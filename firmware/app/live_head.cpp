@@ -161,6 +161,7 @@ Capture put_over(const Capture& told, const SettingsSet& set) {
   capture.auto_exposure = told.auto_exposure || set.on(Key::AutoExposure).value_or(false);
   capture.follow_stripe = told.follow_stripe || set.on(Key::FollowStripe).value_or(false);
   capture.laser_off_frames = told.laser_off_frames || set.on(Key::LaserOffFrames).value_or(false);
+  capture.test_pattern = told.test_pattern || set.on(Key::TestPattern).value_or(false);
   if (capture.second_exposure.count() == 0)
     capture.second_exposure = of_microseconds(set.number(Key::SecondExposureUs).value_or(0));
   return capture;
@@ -225,6 +226,8 @@ SettingsSet set_in_use(const hal::CameraSettings& taken, const geometry::SensorM
   on(Key::AutoExposure, capture.auto_exposure);
   on(Key::FollowStripe, capture.follow_stripe);
   on(Key::LaserOffFrames, capture.laser_off_frames);
+  // Only where it is on: hosts of 1.2 do not know the key.
+  if (capture.test_pattern) on(Key::TestPattern, true);
   number(Key::RegionLeft, taken.region.offset_u_px);
   number(Key::RegionTop, taken.region.offset_v_px);
   number(Key::RegionWidth, taken.region.width_px);

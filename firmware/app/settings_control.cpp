@@ -64,6 +64,7 @@ Result<SettingsControl::Prepared> SettingsControl::prepare(const std::string& te
   BITELINE_TRY(for_each_key([&](Key key) -> Result<void> {
     const auto &wanted = next.set.at(key), &comes = next.whole.at(key);
     if (!wanted || (comes && alike(*wanted, *comes))) return {};
+    if (key == Key::TestPattern && !comes && !wanted->on) return {};
     return next.set.refuse(key, comes ? settings::value_text(key, *comes) + ", as the command line says,"
                                       : std::string{"none, as the command line says,"});
   }));
@@ -94,7 +95,8 @@ Result<void> SettingsControl::check_changes(const Prepared& next, const Scanner&
     if (is_peaks(key)) return {};
     // The camera's own number, as the sensor tells it.
     if (const auto& taken = kind_.in_use.at(key); after && taken && alike(*after, *taken)) return {};
-    const std::string now = before ? settings::value_text(key, *before) : "none";
+    const std::string none = key == Key::TestPattern ? "off" : "none";
+    const std::string now = before ? settings::value_text(key, *before) : none;
     const bool at_once = key == Key::ExposureUs && !kind_.capture.auto_exposure && !kind_.capture.pairs();
     if (!at_once) {
       return fail(Errc::WrongState, "%s: it stays %s while a scan is on; stop the scan first",

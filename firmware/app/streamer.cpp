@@ -125,7 +125,8 @@ Result<void> Streamer::start_scan() {
                                                                      .lossless = kind_.recording,
                                                                      .realtime = config_.realtime},
                                                                     clock_, laser_));
-  if (config_.record && record_turn_.due()) {
+  // A replay of made pictures would be a scan of nothing.
+  if (config_.record && !kind_.capture.test_pattern && record_turn_.due()) {
     BITELINE_TRY(begin_recording());
     scanner->record_into(recorders_.back()->tap());
   }
@@ -138,9 +139,11 @@ Result<void> Streamer::start_scan() {
     return started;
   }
   // Only now: a scan that never began is not the one to record.
-  record_turn_.pass();
+  test_pattern_ = kind_.capture.test_pattern;
+  if (!test_pattern_) record_turn_.pass();
   scanner_ = std::move(scanner);
   server_.set_model(kind_.model);
+  server_.set_test_pattern(test_pattern_);
   server_.begin_scan(random_scan_id(), scan_name, frames_expected);
   if (recording_) recorders_.back()->keep_message(server_.hello_message());
   failure_.reset();
@@ -149,7 +152,7 @@ Result<void> Streamer::start_scan() {
   state_ = State::Scanning;
   lit_ = false;
   light_asked_at_ = host_seen_at_ = clock_.now();
-  if (laser_ != nullptr) laser_->ask_for_light(true);
+  if (laser_ != nullptr && !test_pattern_) laser_->ask_for_light(true);
   return {};
 }
 
@@ -257,7 +260,7 @@ void Streamer::judge_robots_end() {
 }
 
 void Streamer::watch_light() {
-  if (state_ != State::Scanning || laser_ == nullptr) return;
+  if (state_ != State::Scanning || laser_ == nullptr || test_pattern_) return;
   const runtime::LaserWatch::Status laser = laser_->status();
   lit_ = lit_ || laser.on;
   if (laser.on) return;
@@ -421,6 +424,8 @@ wire::Health Streamer::health() const {
                      ? wire::LaserState::Fault
                      : wire::LaserState::Off;
   if (!laser.on) health.laser_reason = runtime::text(laser.reason);
+  if (!laser.on && test_pattern_ && state_ == State::Scanning)
+    health.laser_reason += "; the sensor shows its test pattern";
   return health;
 }
 

@@ -135,6 +135,7 @@ class Streamer {
   SensorClock::time_point light_asked_at_;
   SensorClock::time_point host_seen_at_;
   bool lit_{false};
+  bool test_pattern_{false};  ///< the present or last scan's pictures are made: it has no light
   bool robot_was_active_{false};
   struct RobotsEnd {
     SensorClock::time_point seen_at;

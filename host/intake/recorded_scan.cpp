@@ -74,6 +74,11 @@ Result<RecordedScan> read_recorded_scan(
         }
         return {};
       }));
+  if (intake.scan.run.sensor.test_pattern) {
+    return fail(Errc::BadValue,
+                "%s: the sensor showed its test pattern, and no shoe; scan with camera.test_pattern off",
+                file.c_str());
+  }
   intake.scan.lacks = what_lacks(intake, end);
   SessionRun& run = intake.scan.run;
   if (intake.end) {

@@ -8,6 +8,8 @@ namespace biteline::intake {
 std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
   static constexpr std::array k_rows{
       report::RefusalRow<Refused>{Refused::ScanNotComplete, "scan_not_complete", "scan the shoe again"},
+      report::RefusalRow<Refused>{Refused::TestPattern, "test_pattern",
+                                  "turn camera.test_pattern off, then scan the shoe"},
       report::RefusalRow<Refused>{
           Refused::ScanSetAside, "scan_set_aside",
           "scan the shoe again, and keep this folder: its recording shows the defect"},

@@ -8,6 +8,7 @@ namespace biteline::intake {
 
 enum class Refused {
   ScanNotComplete,  ///< it ended before its own end: sensor, poses, light or the link failed
+  TestPattern,      ///< the sensor showed made pictures
   ScanSetAside,     ///< working it out failed before: it must not end the service again and again
 };
 

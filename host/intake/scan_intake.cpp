@@ -107,7 +107,9 @@ ScanOutcome ScanIntake::finish() {
   outcome.sensor_stages = end_.stages;
   outcome.sensor_devices = end_.devices;
   outcome.messages_lost = messages_lost_;
-  if (!ended_) {
+  if (sensor_.test_pattern) {
+    outcome.failure = fail(Errc::WrongState, "the sensor shows its test pattern, and no shoe").value();
+  } else if (!ended_) {
     outcome.failure = fail(Errc::ConnectionLost, "the sensor no longer has the scan's end").value();
   } else if (end_.errc != 0) {
     outcome.failure = error_of(end_);

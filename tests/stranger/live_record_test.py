@@ -144,6 +144,39 @@ def check_live_file(sensor, cell, tool, folder, judge):
     print(f"one MCAP file: {pictures} pictures, {len(live)} profiles, the same bits; read by {judged}", flush=True)
 
 
+def check_test_pattern(sensor, cell, service, folder):
+    """A scan of made pictures is refused by name, and not recorded."""
+    settings, session, out = folder / "pattern.yaml", folder / "pattern", folder / "pattern-service"
+    settings.write_text("camera: {test_pattern: true}\n...\n")
+    for _ in range(ATTEMPTS):
+        serving, place = start(cell, "serve", "--speed-mm-s", 150, "--rate-hz", 25, "--out", folder / "pattern-cell", "--exit-with-parent")
+        if place:
+            break
+        told = stop(serving)
+        if "3956" in told:
+            sys.exit(SKIPPED)
+        time.sleep(2)
+    for rights in ("required", "ignore"):
+        running, hello = start(sensor, "--source", "board:" + place["board"], "--sensor", place["sensor"], "--rt", rights,
+                               "--record", session, "--settings", settings, "--exit-with-parent")
+        if hello:
+            break
+    assert hello, stop(running)
+    working = subprocess.Popen([str(c) for c in (service, "--sensor", hello["endpoint"], "--out", out, "--once")],
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    # The simulated arm waits for light, which never comes: the scan ends with the cell, longer than light may take.
+    time.sleep(7)
+    serving.terminate()
+    lit = json.loads(serving.communicate(timeout=60)[0].splitlines()[-1])
+    said = "".join(working.communicate(timeout=60))
+    stop(running)
+    report = json.loads((out / "scan-0001" / "report.json").read_text())
+    assert working.returncode == 3 and report["reason_code"] == "test_pattern", (working.returncode, report, said)
+    assert report["scan"]["profiles"] > 30 and lit["exposures_lit"] == 0, (report["scan"], lit)
+    assert not session.exists()
+    print(f"test pattern: {report['scan']['profiles']} profiles in the dark, refused: {report['reason']}", flush=True)
+
+
 def check_kept(sensor, folder):
     """What waits gets its name when somebody asks, and nobody gets what does not wait."""
     series = folder / "kept"
@@ -258,6 +291,7 @@ def main():
             assert points > 1000
             shutil.rmtree(session)
         check_full_disk(sensor, cell, pathlib.Path(folder))
+        check_test_pattern(sensor, cell, service, pathlib.Path(folder))
         check_kept(sensor, pathlib.Path(folder))
         check_live_file(sensor, cell, tool, pathlib.Path(folder), sys.argv[5:7])
         for name, check in (("whole", check_whole_line), ("thinned", check_thinned_line)):

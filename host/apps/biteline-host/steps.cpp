@@ -45,10 +45,13 @@ bool sent_before(const fs::path& folder) {
 
 Result<LineStep> keep_unfinished(const fs::path& folder, const intake::ScanOutcome& scan,
                                  report::Report& report) {
-  const intake::Refusal refusal{.code = intake::Refused::ScanNotComplete,
-                                .reason = "the scan is not complete after " +
-                                          std::to_string(scan.counts.profiles) +
-                                          " profiles: " + to_line(*scan.failure)};
+  const intake::Refusal refusal =
+      scan.sensor.test_pattern
+          ? intake::Refusal{.code = intake::Refused::TestPattern, .reason = scan.failure->where.c_str()}
+          : intake::Refusal{.code = intake::Refused::ScanNotComplete,
+                            .reason = "the scan is not complete after " +
+                                      std::to_string(scan.counts.profiles) +
+                                      " profiles: " + to_line(*scan.failure)};
   report.refuse(refusal);
   BITELINE_TRY(cloud::write_cloud(folder / "cloud.ply", scan.cloud));
   BITELINE_TRY(report.write(folder));

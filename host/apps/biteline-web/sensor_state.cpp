@@ -15,6 +15,8 @@ using settings::Key;
 
 /// As a request gives it back; null where nothing is said.
 ordered_json bare(const settings::KeyRow& row, const std::optional<settings::Value>& value) {
+  // Switches are off where nothing is said.
+  if (!value && row.kind == settings::KeyRow::Kind::OnOff) return false;
   if (!value) return nullptr;
   switch (row.kind) {
     case settings::KeyRow::Kind::OnOff:

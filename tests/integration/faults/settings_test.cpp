@@ -94,6 +94,36 @@ TIMED_TEST(SentSettings, NextScanHasWhatWasSentBetweenScansAndNothingOfWhatWasRe
   end_scan();
 }
 
+TIMED_TEST(SentSettings, TestPatternIsDarkKnownAndNobodysShoe) {
+  const TemporaryFolder folder;
+  const std::string series = (folder.path() / "scan").string();
+  stand = FaultStand::set_up({}, {"--record", series});
+  if (!stand) return;
+  taken("camera: {test_pattern: true}");
+  CHECK(in_use().on(Key::TestPattern).value_or(false));
+  stand->command(wire::Command::StartScan);
+  CHECK(stand->take_profiles(100));
+  CHECK(!stand->cell().laser_on());
+  CHECK(stand->hello().test_pattern);
+  CHECK(stand->account().with(profile::k_profile_frame_damaged) >= 100);
+  LONGS_EQUAL(0, stand->account().with(profile::k_profile_stripe_lost));
+  refused("camera: {test_pattern: false}", "camera.test_pattern: it stays on while a scan is on");
+  // Longer than a scan waits for its light.
+  CHECK(stand->take_profiles(600));
+  CHECK(!stand->cell().laser_on());
+  end_scan();
+  CHECK(!std::filesystem::exists(series));
+  taken("note: as it was");
+  CHECK(!in_use().at(Key::TestPattern));
+  const auto begun = stand->start_scan();
+  CHECK_TEXT(!begun, begun.value_or("").c_str());
+  CHECK(!stand->hello().test_pattern);
+  refused("camera: {test_pattern: true}", "a recording is on");
+  end_scan();
+  CHECK(std::filesystem::exists(series));
+  LONGS_EQUAL(0, stand->account().with(profile::k_profile_frame_damaged));
+}
+
 TIMED_TEST(SentSettings, ToolSendsAFileAndFetchesWhatIsInUse) {
   stand = FaultStand::set_up();
   if (!stand) return;

@@ -169,6 +169,9 @@ export function Sensor(): JSX.Element {
       {!state && <p class="notice">{t('sensor_none')}</p>}
       {silent && <p class="notice look">{t('sensor_silent')}</p>}
       {state?.simulated && <p class="notice">{t('simulated')}</p>}
+      {state?.settings?.some((row) => row.key === 'camera.test_pattern' && row.now === true) && (
+        <p class="notice look">{t('test_pattern_on')}</p>
+      )}
       {state && (
         <Figures
           rows={[

@@ -28,6 +28,7 @@ const other_names: Record<string, string> = {
   'camera.second_exposure_us': 'Gocator: Multiple Exposure',
   'camera.auto_exposure': 'Gocator: Dynamic Exposure',
   'camera.follow_stripe': 'AT: AoiTracking',
+  'camera.test_pattern': 'SICK, AT: TestPattern',
   'region.left_px': 'Gocator: Active Area; SICK, AT: OffsetX',
   'region.top_px': 'Gocator: Active Area; SICK, AT: OffsetY',
   'region.width_px': 'Gocator: Active Area; SICK, AT: Width',

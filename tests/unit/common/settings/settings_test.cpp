@@ -69,6 +69,11 @@ TEST(Settings, EachFaultNamesLineKeyAndWhatIsExpected) {
 }
 
 TEST(Settings, WhatExcludesEachOtherIsTold) {
+  for (const char* other :
+       {"laser_off_frames: true", "auto_exposure: true", "follow_stripe: true", "second_exposure_us: 800"})
+    FAILS_NAMING(Errc::BadValue, "camera.test_pattern: none of auto_exposure",
+                 parse("camera:\n  test_pattern: true\n  " + std::string{other}));
+  SUCCEEDS(parse("camera:\n  test_pattern: false\n  auto_exposure: true"));
   FAILS_NAMING(Errc::BadValue, "set.yaml line 3, camera.second_exposure_us: no laser_off_frames beside it",
                parse("camera:\n  laser_off_frames: true\n  second_exposure_us: 800"));
   FAILS_NAMING(Errc::BadValue, "camera.auto_exposure",

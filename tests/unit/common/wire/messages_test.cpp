@@ -338,6 +338,10 @@ TEST(Messages, PictureThatContradictsItselfIsRefused) {
 
 TEST(Messages, HelloSaysTheMinorVersion) {
   LONGS_EQUAL(k_protocol_minor, round_trip(made_hello()).protocol_minor);
+  CHECK(!round_trip(made_hello()).test_pattern);
+  SensorHello pattern = made_hello();
+  pattern.test_pattern = true;
+  CHECK(round_trip(pattern).test_pattern);
   Health health;
   health.observers = 3;
   health.pictures = 1234;

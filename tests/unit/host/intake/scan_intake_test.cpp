@@ -8,6 +8,7 @@
 #include <csignal>
 #include <fstream>
 
+#include "host/intake/recorded_scan.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/made_profile.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -180,6 +181,25 @@ TEST(ScanIntake, ScanWithoutItsEndOrWithABadOneIsAFailure) {
   Result<ScanIntake> failed = ScanIntake::begin(other.path(), hello, packet_of(hello.sensor));
   take_end(*failed, 0, static_cast<std::uint16_t>(Errc::DeviceLost));
   LONGS_EQUAL(static_cast<int>(Errc::DeviceLost), static_cast<int>(failed->finish().failure->code));
+}
+
+TEST(ScanIntake, TestPatternIsNoScanThoughItIsWhole) {
+  Hello hello = made_hello();
+  hello.sensor.test_pattern = true;
+  {
+    Result<ScanIntake> sut = ScanIntake::begin(folder.path(), hello, packet_of(hello.sensor));
+    SUCCEEDS(sut);
+    for (std::uint64_t i = 0; i < 3; ++i) take_profile(*sut, i);
+    take_end(*sut, 3);
+    const ScanOutcome outcome = sut->finish();
+    CHECK(outcome.failure.has_value());
+    STRCMP_CONTAINS("test pattern", outcome.failure->where.c_str());
+  }
+  // Nor is it one when a successor of this process, or a replay, reads it.
+  Result<ScanIntake> again = ScanIntake::recover(folder.path());
+  SUCCEEDS(again);
+  STRCMP_CONTAINS("test pattern", again->finish().failure->where.c_str());
+  FAILS_NAMING(Errc::BadValue, "test pattern", read_recorded_scan(folder.path() / "scan.btln", {}));
 }
 
 TEST(ScanIntake, FullDiskIsToldAndLeavesAWholeFile) {

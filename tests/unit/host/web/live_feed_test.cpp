@@ -174,8 +174,9 @@ TEST(LiveMessages, SensorTellsWhatItRunsWithAndWhatEachKeyMayBe) {
   LONGS_EQUAL(250, exposure.at("now").get<int>());
   STRCMP_EQUAL("number", exposure.at("kind").get<std::string>().c_str());
   LONGS_EQUAL(1, exposure.at("range").at(0).get<int>());
-  CHECK(json.at("settings").at(4).at("now").is_null());
-  LONGS_EQUAL(16, json.at("settings").size());
+  CHECK(json.at("settings").at(1).at("now").is_null());
+  CHECK(json.at("settings").at(7).at("now") == false);
+  LONGS_EQUAL(17, json.at("settings").size());
   CHECK(!json.contains("upkeep"));
   health.upkeep = wire::UpkeepState{.lightings = 512, .coldest_degc = {}, .hottest_degc = {}};
   LONGS_EQUAL(512,
