@@ -35,7 +35,7 @@ TargetShow::TargetShow(const MadeHead& head, const TargetShowSettings& settings)
                         .offset_v_px = 0,
                         .width_px = head.sensor_width_px,
                         .height_px = head.sensor_height_px};
-  CalibrationViews views(head_, Random(settings.seed).fork(3));
+  CalibrationViews views(head_, Random(settings.seed).fork(3), settings.chessboard_squares);
   const SE3 T_base_sheet = views.draw_table_place();
   const SE3 T_cam_flange = head_.model.T_flange_cam.inverse(Eigen::Isometry);
   const auto add = [&](std::vector<PlacedGrid> sheets) {

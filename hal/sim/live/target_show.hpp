@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Ring targets before a made head, as live pictures: what the head sees while it is calibrated.
+/// \file Ring targets or chessboards before a made head, as live pictures: what the head sees while it is
+/// calibrated.
 
 #include <cstdint>
 #include <memory>
@@ -16,6 +17,7 @@ namespace biteline::sim {
 struct TargetShowSettings {
   std::uint64_t seed{1};
   int camera_places{12}, laser_places{7}, hand_eye_places{13};
+  int chessboard_squares{0};  ///< as of CalibrationViews
   /// The lamp gives its white at this exposure.  So long, since the head's filter keeps most of it out.
   Nanoseconds lamp_exposure{20'000'000};
 };

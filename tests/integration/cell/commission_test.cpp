@@ -66,8 +66,11 @@ TEST_GROUP(Commission) {
     cell = open_cell(settings_of(targets));
     if (!cell) return false;
     folder.write("board.yaml", board_yaml_text({.wires = cell->settings().wires}));
-    folder.write("target.yaml", grid_text(RingGrid{}));
-    folder.write("two.yaml", "planes: 2\n" + grid_text(plane_grid()));
+    const auto text_of = [squares = targets.chessboard_squares](const RingGrid& grid) {
+      return grid_text(squares > 0 ? grid.as_chessboard(squares) : grid);
+    };
+    folder.write("target.yaml", text_of(RingGrid{}));
+    folder.write("two.yaml", "planes: 2\n" + text_of(plane_grid()));
     return true;
   }
 
@@ -193,6 +196,16 @@ TIMED_TEST(Commission, AnUncalibratedHeadIsCalibratedFromLivePictures) {
   CHECK_COMPARE(farthest_mm(truth, *found), <, 0.1);
   // The bar of the whole: what was commissioned finds a line.
   CHECK_COMPARE(scanned_line_error_mm(out / "sensor.yaml", truth), <, 0.1);
+}
+
+TIMED_TEST(Commission, ChessboardsAreTakenByTheSameWizard) {
+  if (!open({.camera_places = 5, .laser_places = 3, .hand_eye_places = 0, .chessboard_squares = 2})) return;
+  LONGS_EQUAL_TEXT(0, capture("camera", "target.yaml", 0, 5), all_said().c_str());
+  STRCMP_CONTAINS("camera pictures: 5, good is 8", all_said().c_str());
+  LONGS_EQUAL_TEXT(0, capture("laser", "two.yaml", 5, 3), all_said().c_str());
+  STRCMP_CONTAINS("laser: fair", all_said().c_str());
+  CHECK(all_said().find("corners are not seen") == std::string::npos);
+  CHECK_FALSE(cell->level(Line::LaserEnable));
 }
 
 TIMED_TEST(Commission, WhatIsNoPictureIsNotKept) {
