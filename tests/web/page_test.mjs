@@ -102,7 +102,7 @@ for (const [width, height, scheme] of [[390, 844, 'light'], [390, 844, 'dark'], 
       check(await one.page.locator('figure img').isVisible(), `${title}: no camera picture`);
       // What a colour means stands beside it, with its unit.
       for (const [colour, unit] of [['uncertainty', '0.1 mm'], ['time', 'last'], ['curvature', '0.2 1/mm']]) {
-        await one.page.getByLabel('Colour', { exact: true }).selectOption(colour);
+        await one.page.getByRole('combobox', { name: /^Colour/ }).selectOption(colour);
         await one.page.locator('.colour-scale', { hasText: unit }).waitFor();
       }
     }
