@@ -83,17 +83,41 @@ export class Busy extends Error {
   }
 }
 
+/// Ends a program and waits for its end.
+export async function end(one, signal = 'SIGTERM') {
+  if (one.ended) return;
+  const gone = new Promise((done) => one.child.on('exit', done));
+  one.child.kill(signal);
+  await gone;
+}
+
+/// The simulated cell with its camera, arm and shoe; `more`: options of `biteline-cell serve`.
+export async function start_world(folder, more) {
+  const cell = run('biteline-cell', ['serve', '--arm', 'ur5e', '--out', folder, '--exit-with-parent', ...more]);
+  return { cell, places: await line_of(cell, json) };
+}
+
+/// The sensor on the cell's devices, with real-time rights where there are any: then no other program on this machine
+/// holds it up.
+export async function start_sensor(places, more = []) {
+  for (const rt of ['required', 'ignore']) {
+    const sensor = run('biteline-sensor', ['--source', `board:${places.board}`, '--sensor', places.sensor, '--rt', rt, '--exit-with-parent', ...more]);
+    try {
+      return { sensor, endpoint: (await line_of(sensor, json)).endpoint };
+    } catch (error) {
+      if (rt === 'ignore') throw error;
+    }
+  }
+}
+
 /// Cell, sensor, service and web program; `add_to_gate`: lines of the process's gate, `host_more`: options of the service,
 /// `shoe`: class and seed.  The service has jobs, so each start is one scan: nothing is scanned before somebody asks for it.
 export async function start_cell({ add_to_gate, host_more = [], shoe: [kind, seed] = ['deep', '5'] }) {
-  const cell = run('biteline-cell', ['serve', '--seed', seed, '--shoe', kind, '--size', '0', '--arm', 'ur5e', '--place', '0', '--out', join(out, 'cell'), '--exit-with-parent']);
-  const places = await line_of(cell, json);
+  const { cell, places } = await start_world(join(out, 'cell'), ['--seed', seed, '--shoe', kind, '--size', '0', '--place', '0']);
   // It counts what it goes through, and keeps a scan on request; no pictures, so that the disk is no part of it.
   mkdirSync(join(out, 'unit'));
   const unit = ['--upkeep', join(out, 'unit'), '--record', join(out, 'kept'), '--record-asked', '--record-pictures', '0'];
-  // With real-time rights where there are any: then no other program on this machine holds the sensor up.
-  const sensor_with = (rt) => line_of(run('biteline-sensor', ['--source', `board:${places.board}`, '--sensor', places.sensor, '--rt', rt, '--exit-with-parent', ...unit]), json);
-  const { endpoint } = await sensor_with('required').catch(() => sensor_with('ignore'));
+  const { sensor, endpoint } = await start_sensor(places, unit);
   // Row 3, column 4 of T_base_shoe: the table's height, which an integrator knows of his cell.
   const table_z = readFileSync(join(out, 'cell/truth/T_base_shoe.txt'), 'utf8').split(/\s+/).filter(Boolean)[11];
   const control = `tcp://127.0.0.1:${await free_port()}`;
@@ -121,5 +145,5 @@ export async function start_cell({ add_to_gate, host_more = [], shoe: [kind, see
     }
   }
   say('the four programs run');
-  return { address, host, host_arguments, process_file };
+  return { address, host, host_arguments, process_file, cell, places, sensor, endpoint };
 }
