@@ -79,7 +79,7 @@ async function day() {
   await phase_is(['scanning'], 60);
   await page.waitForTimeout(1500);
   await end(sensor, 'SIGKILL');
-  for (const deadline = Date.now() + 60_000; (await ask('state')).lamps.camera.state === 'ok'; await page.waitForTimeout(250)) {
+  for (const deadline = Date.now() + 60_000; (await ask('state')).lamps.camera.level === 'ok'; await page.waitForTimeout(250)) {
     if (Date.now() > deadline) throw new Error(`the camera's lamp is ok without a sensor: ${JSON.stringify(await ask('state'))}`);
   }
   await page.screenshot({ path: join(pictures, 'cell_without_sensor_1280.png') });

@@ -158,6 +158,13 @@ function date_words(times_s: number[]): string[] {
   });
 }
 
+/// One point alone stands in the middle of a day, or between its neighbours.
+function around(plot: uPlot, low: number, high: number): [number, number] {
+  if (low !== high) return [low, high];
+  const half = plot.scales.x!.time ? 43_200 : 1;
+  return [low - half, high + half];
+}
+
 export interface Curve {
   label: string;
   values: (number | null)[];
@@ -185,7 +192,7 @@ export function Chart(props: {
       {
         width: Math.max(280, box.current.clientWidth),
         height: 220,
-        scales: { x: { time: props.is_time ?? true } },
+        scales: { x: { time: props.is_time ?? true, range: around } },
         axes: [props.is_time === false ? axis : { ...axis, values: (_, times) => date_words(times) }, axis],
         series: [
           { label: props.is_time === false ? t('place') : t('time') },
