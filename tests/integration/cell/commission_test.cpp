@@ -122,7 +122,8 @@ TEST_GROUP(Commission) {
                   1e-3 * static_cast<double>(head.exposure->count()), region.offset_u_px, region.offset_v_px,
                   region.width_px, region.height_px);
     const std::string set = folder.write("set.yaml", text);
-    constexpr int k_attempts = 4;
+    // The sensor runs without real-time rights here: what else the machine does makes its frames late.
+    constexpr int k_attempts = 10;
     std::string told;
     for (int attempt = 0; attempt < k_attempts; ++attempt) {
       const fs::path place = folder.path() / ("place-" + std::to_string(attempt)), out = place / "service";
@@ -144,7 +145,7 @@ TEST_GROUP(Commission) {
       SUCCEEDS(sensor);
       const test::Said scan =
           run(BITELINE_HOST, {"--sensor", sensor->endpoint().text(), "--out", out.string(), "--once"});
-      told = scan.last_error;
+      told = scan.out + scan.last_error;
       const fs::path line = out / "scan-0001/line.csv";
       if (scan.status != 0 || !fs::exists(line)) continue;
       const test::Said judged = run(BITELINE_TOOL, {"evaluate", "--json", "--line", line.string(), "--truth",
