@@ -115,6 +115,7 @@ Result<std::unique_ptr<StillCamera>> StillCamera::open(const BoardDevices& devic
   std::unique_ptr<StillCamera> stills{new StillCamera{clock, laser}};
   BITELINE_ASSIGN(stills->camera_, devices.open_camera());
   BITELINE_ASSIGN(const hal::CameraLimits limits, stills->camera_->limits());
+  stills->fixed_exposure_ = limits.exposure_max == Nanoseconds{0};
   const bool triggered = devices.board().camera.hardware_trigger;
   BITELINE_ASSIGN(const hal::CameraSettings taken,
                   stills->camera_->configure(
@@ -217,17 +218,19 @@ Result<void> StillCamera::idle() {
 }
 
 Result<void> StillCamera::wait_for_exposure(Nanoseconds exposure) {
-  if (exposure != exposure_) {
-    BITELINE_ASSIGN(exposure_, camera_->adjust_exposure(exposure));
-    // Frames that were exposed before and waited in the driver say nothing of the new one.
-    const SensorClock::time_point from = clock_.now();
-    for (int settled = 0; settled < k_frames_to_settle;) {
-      if (clock_.now() - from > k_frame_patience + 2 * k_frames_to_settle * exposure_)
-        return fail(Errc::Timeout, "camera: no picture of the new exposure came");
-      BITELINE_ASSIGN(const hal::FrameView frame, next_frame());
-      if (frame.exposure_mid - exposure_ / 2 >= from) ++settled;
-      camera_->release(frame);
-    }
+  if (exposure == exposure_) return {};
+  const Result<Nanoseconds> taken = camera_->adjust_exposure(exposure);
+  // A driver without the control exposes as it does; the answer tells it by an exposure of 0.
+  if (!taken && taken.error().code == Errc::NotSupported && fixed_exposure_) return {};
+  BITELINE_ASSIGN(exposure_, taken);
+  // Frames that were exposed before and waited in the driver say nothing of the new one.
+  const SensorClock::time_point from = clock_.now();
+  for (int settled = 0; settled < k_frames_to_settle;) {
+    if (clock_.now() - from > k_frame_patience + 2 * k_frames_to_settle * exposure_)
+      return fail(Errc::Timeout, "camera: no picture of the new exposure came");
+    BITELINE_ASSIGN(const hal::FrameView frame, next_frame());
+    if (frame.exposure_mid - exposure_ / 2 >= from) ++settled;
+    camera_->release(frame);
   }
   return {};
 }
@@ -285,7 +288,7 @@ Result<Still> StillCamera::take(Nanoseconds exposure, bool lit, const std::atomi
   }
   if (!taken) return tl::unexpected<Error>{taken.error()};
   still.rest = rest();
-  still.exposure = exposure_;
+  still.exposure = fixed_exposure_ ? Nanoseconds{0} : exposure_;
   return still;
 }
 

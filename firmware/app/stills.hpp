@@ -25,7 +25,7 @@ struct Rest {
 struct Still {
   image::GreyImage picture;
   Rest rest;                ///< up to the end of the exposure
-  Nanoseconds exposure{0};  ///< as the camera took it
+  Nanoseconds exposure{0};  ///< as the camera took it; 0: its driver has no exposure control
 };
 
 /// Frames flow from open() to the end of the object, since the laser's guard wants them.  Light is asked for
@@ -67,6 +67,7 @@ class StillCamera {
   std::unique_ptr<hal::PoseSource> poses_;  ///< null: it did not open
   std::unique_ptr<hal::PwmOut> trigger_;
   Nanoseconds exposure_{0};
+  bool fixed_exposure_{false};  ///< the driver tells no range of it
   std::thread pose_thread_;
   std::atomic<bool> stopping_{false};
   struct TimedPose {
@@ -82,7 +83,7 @@ class StillCamera {
 ///     pose
 ///       {"ok":true,"poses":N,"pose":[x,y,z,qw,qx,qy,qz],"moved_mm":..,"moved_deg":..}
 ///     take dark|laser US FILE
-///       the same, and "exposure_us"; FILE is the picture (png)
+///       the same, and "exposure_us", 0 where the driver has no exposure control; FILE is the picture (png)
 ///
 /// What fails is answered too: {"ok":false,"error":"..."}; a device that is lost ends it.
 [[nodiscard]] Result<void> serve_stills(StillCamera& camera, const std::atomic<bool>& stop);

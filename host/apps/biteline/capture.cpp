@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <thread>
+#include <utility>
 
 #include "common/options/number.hpp"
 #include "common/session/session.hpp"
@@ -204,6 +205,8 @@ class Session {
       if (rest.error().code != Errc::DeviceError || attempt == k_most_attempts)
         return tl::unexpected<Error>{rest.error()};
     }
+    if (taken.rest.exposure_us == 0.0 && !std::exchange(told_of_exposure_, true))
+      say("the camera's driver has no exposure control: its pictures are as bright as it makes them");
     BITELINE_ASSIGN(taken.picture, calibration::read_picture(taken.file));
     return taken;
   }
@@ -331,6 +334,7 @@ class Session {
   calibration::RingTarget target_;
   fs::path folder_;
   int number_{0}, kept_{0};
+  bool told_of_exposure_{false};
   std::optional<SE3> T_last_;
   calibration::PictureSize size_;
   std::vector<calibration::PlaneView> views_;

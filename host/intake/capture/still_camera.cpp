@@ -14,6 +14,7 @@ namespace {
 constexpr std::chrono::seconds k_patience{20};
 constexpr NumberRange k_quaternion{-1.0001, 1.0001};
 constexpr double k_unit_tolerance = 1e-3;
+constexpr NumberRange k_exposure_us{0, 2e6};
 constexpr int k_most_poses = 1'000'000;
 
 /// From another program: nothing in it is believed before it was looked at.
@@ -34,6 +35,7 @@ Result<ArmRest> parse(const std::string& line) {
   };
   const auto poses = number("poses", {0, k_most_poses}), mm = number("moved_mm", {0, 2 * k_far_mm}),
              deg = number("moved_deg", {0, 360});
+  const auto exposure_us = number("exposure_us", k_exposure_us);
   if (!poses || !mm || !deg || !json.contains("pose") || !json["pose"].is_array() || json["pose"].size() != 7)
     return bad();
   std::array<double, 7> p{};
@@ -47,7 +49,8 @@ Result<ArmRest> parse(const std::string& line) {
   return ArmRest{.poses = static_cast<int>(*poses),
                  .T_base_flange = geometry::make_se3(q.normalized(), {p[0], p[1], p[2]}),
                  .moved_mm = *mm,
-                 .moved_deg = *deg};
+                 .moved_deg = *deg,
+                 .exposure_us = exposure_us};
 }
 
 }  // namespace

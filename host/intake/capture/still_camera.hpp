@@ -3,6 +3,7 @@
 /// \file The sensor program as a camera for single pictures (`biteline-sensor --stills`).
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "common/core/result.hpp"
@@ -16,6 +17,7 @@ struct ArmRest {
   int poses{0};  ///< 0: no pose came
   SE3 T_base_flange{SE3::Identity()};
   double moved_mm{0}, moved_deg{0};
+  std::optional<double> exposure_us;  ///< of a picture; 0: the camera's driver has no exposure control
 };
 
 struct StillOrder {
