@@ -3,7 +3,7 @@
 # boot.sh plain|rt BUILD COMMAND PROGRAM... [-- FILE...]: boots Debian's arm64 kernel with the test devices in QEMU, runs
 # COMMAND in it, and leaves with its status.  PROGRAMs (of the arm64 build folder BUILD) and FILEs stand in /test.
 # Exit 77 and the reason when this machine lacks a tool.  BITELINE_VM_SECONDS limits the run (420).
-# BITELINE_VM_QEMU adds arguments for QEMU, e.g. a forwarded port.
+# BITELINE_VM_QEMU adds arguments for QEMU, e.g. a forwarded port; BITELINE_VM_MODULES adds modules of the kernel's.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 root=$here/../..
@@ -49,7 +49,8 @@ if [ ! -e "$kernel/modules/lib/modules/$version/extra/$ptp.ko" ]; then
   ptp=
   command="export BITELINE_WITHOUT_PTP=1; $command"
 fi
-for module in configfs virtio_pci virtio_mmio virtio_net vcan can-raw pwm-bcm2835 softdog vivid biteline-gpio-sim $ptp biteline-dma-heap; do
+for module in configfs virtio_pci virtio_mmio virtio_net vcan can-raw pwm-bcm2835 softdog vivid biteline-gpio-sim $ptp biteline-dma-heap \
+  ${BITELINE_VM_MODULES:-}; do
   add_module "$module"
 done
 

@@ -11,14 +11,18 @@ namespace biteline::test {
 
 using namespace std::chrono_literals;
 
-void MovingArm::run() {
+namespace {
+
+/// Until `stop`: SYNC and one FD frame every 8 ms with what `T_base_flange_at` tells.
+template <class PoseAt>
+void broadcast(const std::atomic<bool>& stop, SensorClock::time_point start, PoseAt T_base_flange_at) {
   const auto bus = hal::SocketcanBus::open({.interface = "vcan0"}).value();
   const auto ear = hal::SocketcanBus::open({.interface = "vcan0"}).value();
   if (!ear->set_filters(
           std::array{hal::CanFilter{.id = canpose::k_sync_id, .mask = 0x7FF, .extended = false}}))
     return;
   canpose::PoseMessage pose{.sync_counter = 0};
-  while (!stop_) {
+  while (!stop) {
     pose.sync_counter = static_cast<std::uint8_t>(pose.sync_counter % canpose::k_sync_counter_last + 1);
     hal::CanFrame frame{
         .id = canpose::k_sync_id, .size_bytes = 1, .data = {pose.sync_counter}, .received = {}};
@@ -28,8 +32,8 @@ void MovingArm::run() {
     Result<hal::CanFrame> heard = ear->receive(1s);
     while (heard && heard->data[0] != pose.sync_counter) heard = ear->receive(1s);
     if (!heard) continue;
-    pose.stamp_us = static_cast<std::uint64_t>((heard->received - start_).count() / 1000);
-    pose.T_base_flange.translation().x() = x_mm(heard->received);
+    pose.stamp_us = static_cast<std::uint64_t>((heard->received - start).count() / 1000);
+    pose.T_base_flange = T_base_flange_at(heard->received);
     const canpose::FdFrame coded = canpose::encode_fd(pose).value();
     frame = {.id = canpose::k_default_base_id + canpose::k_fd_id_offset,
              .fd = true,
@@ -39,6 +43,23 @@ void MovingArm::run() {
     static_cast<void>(bus->send(frame));
     std::this_thread::sleep_for(8ms);
   }
+}
+
+}  // namespace
+
+void MovingArm::run() {
+  broadcast(stop_, start_, [this](SensorClock::time_point instant) {
+    SE3 T = SE3::Identity();
+    T.translation().x() = x_mm(instant);
+    return T;
+  });
+}
+
+void RestingArm::run() {
+  broadcast(stop_, hal::monotonic_now(), [this](SensorClock::time_point) {
+    const std::lock_guard lock{mutex_};
+    return T_base_flange_;
+  });
 }
 
 void TriggerWire::on_frame() {

@@ -5,9 +5,11 @@
 
 #include <atomic>
 #include <cstdint>
+#include <mutex>
 #include <string>
 #include <thread>
 
+#include "common/geometry/se3.hpp"
 #include "hal/linux/posix/descriptor.hpp"
 #include "tests/hal/kernel/gpio_sim.hpp"
 
@@ -30,6 +32,30 @@ class MovingArm {
   void run();
 
   SensorClock::time_point start_{hal::monotonic_now()};
+  std::atomic<bool> stop_{false};
+  std::thread thread_{[this] { run(); }};
+};
+
+/// The arm on the bus, at rest: the same frames, and another place at once.
+class RestingArm {
+ public:
+  explicit RestingArm(const SE3& T_base_flange) : T_base_flange_{T_base_flange} {}
+  RestingArm(const RestingArm&) = delete;
+  RestingArm& operator=(const RestingArm&) = delete;
+  void put(const SE3& T_base_flange) {
+    const std::lock_guard lock{mutex_};
+    T_base_flange_ = T_base_flange;
+  }
+  ~RestingArm() {
+    stop_ = true;
+    thread_.join();
+  }
+
+ private:
+  void run();
+
+  std::mutex mutex_;
+  SE3 T_base_flange_;  ///< guarded by mutex_
   std::atomic<bool> stop_{false};
   std::thread thread_{[this] { run(); }};
 };

@@ -15,6 +15,7 @@
 #include "host/intake/child_process.hpp"
 #include "host/intake/sensor_process.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/head_points.hpp"
 #include "tests/support/said.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -156,21 +157,6 @@ TEST_GROUP(Commission) {
     FAIL(told.c_str());
     return 0;
   }
-
-  /// How far apart the two heads put the points that one stripe may show, in the flange's frame.
-  static double farthest_mm(const geometry::SensorModel& a, const geometry::SensorModel& b) {
-    const auto place = [](const geometry::SensorModel& head, const Vec2& pixel_px) {
-      const Vec3 ray = head.camera.ray(pixel_px);
-      const double depth_mm = head.laser_plane.distance_mm / head.laser_plane.normal_cam.dot(ray);
-      return Vec3(head.T_flange_cam * Vec3(depth_mm * ray));
-    };
-    double farthest = 0;
-    for (double u = 200; u <= 1400; u += 200) {
-      for (double v = 450; v <= 800; v += 50)
-        farthest = std::max(farthest, (place(a, {u, v}) - place(b, {u, v})).norm());
-    }
-    return farthest;
-  }
 };
 
 TIMED_TEST(Commission, AnUncalibratedHeadIsCalibratedFromLivePictures) {
@@ -194,7 +180,7 @@ TIMED_TEST(Commission, AnUncalibratedHeadIsCalibratedFromLivePictures) {
   STRCMP_CONTAINS("calibration: ", calibrated.out.c_str());
   CHECK(calibrated.out.find("calibration: bad") == std::string::npos);
   // As good as the accuracy of a line, over the working region.
-  CHECK_COMPARE(farthest_mm(truth, *found), <, 0.1);
+  CHECK_COMPARE(test::farthest_mm(truth, *found), <, 0.1);
   // The bar of the whole: what was commissioned finds a line.
   CHECK_COMPARE(scanned_line_error_mm(out / "sensor.yaml", truth), <, 0.1);
 }
