@@ -207,7 +207,8 @@ Attempt try_seam(const PlanRequest& request, const Scene& scene, const Collision
                       {.near_rad = request.from_rad ? request.from_rad : request.near_rad});
   attempt.blockage = joints.blockage;
   if (!joints.path) return attempt;
-  const Timing timing = time_path(request.arm, attempt.tool_path, *joints.path, request.process.motion);
+  const Timing timing =
+      time_path(request.arm, attempt.tool_path, *joints.path, request.process.motion, request.ways_as_driven);
   attempt.outcome =
       check_path(assembled(request, attempt.tool_path, *joints.path, timing), request.arm, collisions, {});
   attempt.outcome.checks.push_back(chord_check(attempt.tool_path, request.process.motion));

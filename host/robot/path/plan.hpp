@@ -22,6 +22,7 @@ struct PlanRequest {
   std::vector<Eigen::Vector3f> cloud;  ///< of the shoe, in the line's frame; empty: guessed from the line
   double least_tip_to_shoe_mm{0};      ///< of the tip along the line; 0: it works on the shoe
   bool tool_off{false};                ///< the output is switched off, and never on
+  bool ways_as_driven{false};          ///< see time_path()
   Mounted mounted{};                   ///< what was taught at the cell; a process made for another is refused
   bool seek_remedy{true};              ///< of a path that is refused; dozens of trials
 };

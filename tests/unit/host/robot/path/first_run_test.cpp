@@ -56,6 +56,36 @@ TEST(FirstRun, EveryShippedProcessRunsHigherAndTenTimesSlowerWithItsToolOff) {
   }
 }
 
+/// Of all ways beside the line, from stop to stop: how much longer the plan takes than a controller, which
+/// drives each at the fastest speed planned on it.
+double most_ahead_s(const PlannedPath& path) {
+  double ahead_s = 0;
+  const std::vector<Waypoint>& w = path.waypoints;
+  for (std::size_t first = 0; first + 1 < w.size(); ++first) {
+    double fastest_mm_s = 0;
+    std::size_t last = first + 1;
+    for (; last + 1 < w.size() && w[last].speed_mm_s > 0 && w[last].segment != Segment::Line; ++last)
+      fastest_mm_s = std::max(fastest_mm_s, w[last].speed_mm_s);
+    if (fastest_mm_s > 0)
+      ahead_s += w[last].time_s - w[first].time_s - (w[last].arc_mm - w[first].arc_mm) / fastest_mm_s;
+    first = last - 1;
+  }
+  return ahead_s;
+}
+
+TEST(FirstRun, NoControllerIsSoFarAheadOnAStraightWayThatFollowingStopsIt) {
+  for (const char* name : {"grind.yaml", "rough.yaml", "cement.yaml", "spray.yaml"}) {
+    for (const double base_rad : {0.0, 1.2, 2.4, -1.2}) {
+      PlanRequest asked = request(name);
+      // Other places beside the arm bend its joints otherwise.
+      asked.T_line_base = Eigen::AngleAxisd(base_rad, Vec3::UnitZ()) * asked.T_line_base;
+      const PlanOutcome first = plan(first_run(asked));
+      if (!first.path) continue;
+      CHECK_COMPARE(most_ahead_s(first.path->path()), <, asked.process.follow.late_s);
+    }
+  }
+}
+
 /// The upper's wall leans out by so much above the line.
 std::vector<Eigen::Vector3f> wall(const cloud::ClosedLine& line, double lean_rad) {
   std::vector<Eigen::Vector3f> points;
