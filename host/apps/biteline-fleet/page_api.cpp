@@ -3,20 +3,14 @@
 
 #include <algorithm>
 
-#include "host/doors/accounts/metrics_token.hpp"
 #include "host/doors/api/people.hpp"
 #include "host/doors/api/words.hpp"
-#include "host/fleet/alarms.hpp"
-#include "host/fleet/releases.hpp"
-#include "host/records/memory/history.hpp"
 
 namespace biteline::fleet {
 
 using accounts::Person;
 using accounts::Role;
-using api::ok;
 using control::Answer;
-using control::Json;
 using control::Request;
 
 namespace {
@@ -28,29 +22,6 @@ constexpr std::string_view k_fetches = "/fleet/fetches";
 constexpr std::chrono::milliseconds k_fresh{3000};
 constexpr int k_rest = 10;
 constexpr std::size_t k_most_kept = 200;
-
-std::string query_text(const Request& request, const char* key) {
-  const auto found = request.query.find(key);
-  return found == request.query.end() ? std::string{} : found->second;
-}
-
-/// The cell's own filter, beside which the centre knows one more.
-api::QueryFilter filter_of(const Request& request) {
-  std::map<std::string, std::string> query = request.query;
-  query.erase("cell");
-  return api::filter_of(query);
-}
-
-Json sums_json(const memory::Trend& sums) {
-  return {{"scans", sums.scans},
-          {"ok", sums.ok},
-          {"amber", sums.amber},
-          {"refused", sums.refused},
-          {"failed", sums.failed},
-          {"length_mm", api::or_null(sums.mean_length_mm)},
-          {"u95_mm", api::or_null(sums.median_u95_mm)},
-          {"cycle_s", api::or_null(sums.median_cycle_s)}};
-}
 
 }  // namespace
 
@@ -180,185 +151,6 @@ Answer PageApi::answer_of(const Error& error) {
   if (!away) return api::answer_of(error);
   centre_.reset();
   return control::refusal(503, "database_away", "the centre's database does not answer; the cells keep all");
-}
-
-Answer PageApi::read_state(const Call&) {
-  Result<Centre*> here = centre();
-  // One that went away is noticed by asking; not for what counts all shoes, since every page asks each 5 s.
-  if (here && !(*here)->committed("", "")) centre_.reset();
-  return ok({{"kind", "fleet"},
-             {"version", rooms_.version},
-             {"broker", rooms_.broker.load()},
-             {"database", centre_.has_value()},
-             {"time", control::utc_now()}});
-}
-
-Answer PageApi::read_for_metrics(const Call& call) {
-  const Result<bool> may = accounts::may_read_metrics(rooms_.memory, rooms_.accounts, call.request.token);
-  if (!may) return api::answer_of(may.error());
-  if (!*may) return api::people::login_needed();
-  return ok({{"state", read_state(call).body}, {"sensors", Json{}}});
-}
-
-Answer PageApi::read_log(const Call& call) {
-  const api::QueryFilter query = filter_of(call.request);
-  if (query.fault) return *query.fault;
-  const memory::ScanFilter& filter = query.filter;
-  Result<std::vector<memory::LogRow>> rows =
-      rooms_.memory.log_rows(filter.before_id, filter.limit + 1, filter.from, filter.to);
-  if (!rows) return api::answer_of(rows.error());
-  Json next;
-  if (static_cast<int>(rows->size()) > filter.limit) {
-    rows->pop_back();
-    next = std::to_string(rows->back().id);
-  }
-  Json entries = Json::array();
-  for (const memory::LogRow& row : *rows) entries.push_back(api::to_json(row));
-  return ok({{"entries", std::move(entries)}, {"next", std::move(next)}});
-}
-
-Answer PageApi::list_cells(const Call&) {
-  const Result<Centre*> here = centre();
-  if (!here) return answer_of(here.error());
-  const Result<std::vector<CellRow>> cells = (*here)->cells();
-  if (!cells) return answer_of(cells.error());
-  Json rows = Json::array();
-  for (const CellRow& cell : *cells)
-    rows.push_back({{"cell", cell.cell},
-                    {"online", cell.online},
-                    {"heard", memory::to_iso(cell.heard_ms)},
-                    {"version", cell.version},
-                    {"waiting", cell.waiting},
-                    {"scans", cell.shoes},
-                    {"ok", cell.ok},
-                    {"amber", cell.amber},
-                    {"refused", cell.refused},
-                    {"failed", cell.failed},
-                    {"last", cell.last_shoe_ms ? Json(memory::to_iso(*cell.last_shoe_ms)) : Json{}}});
-  return ok({{"cells", std::move(rows)}});
-}
-
-Answer PageApi::list_shoes(const Call& call) {
-  const api::QueryFilter query = filter_of(call.request);
-  if (query.fault) return *query.fault;
-  const Result<Centre*> here = centre();
-  if (!here) return answer_of(here.error());
-  const Result<FleetShoes> page = Overview{**here}.shoes(query_text(call.request, "cell"), query.filter);
-  if (!page) return answer_of(page.error());
-  Json scans = Json::array();
-  for (const FleetShoe& shoe : page->shoes) {
-    const memory::Scan& scan = shoe.scan;
-    scans.push_back({{"cell", shoe.cell},
-                     {"id", scan.name},
-                     {"time", memory::to_iso(scan.time)},
-                     {"verdict", scan.verdict},
-                     {"decision", scan.decision},
-                     {"model", api::or_null(scan.model)},
-                     {"process", api::or_null(scan.process)},
-                     {"reason_code", api::or_null(scan.reason_code)},
-                     {"reason", api::or_null(scan.reason)},
-                     {"length_mm", api::or_null(scan.length_mm)},
-                     {"confidence", api::or_null(scan.confidence)},
-                     {"u95_mm", api::or_null(scan.u95_mm)},
-                     {"cycle_s", api::or_null(scan.cycle_s)},
-                     {"sent", scan.sent},
-                     {"followed", scan.followed ? Json(*scan.followed) : Json{}},
-                     {"release", api::or_null(shoe.release)}});
-  }
-  return ok({{"scans", std::move(scans)},
-             {"next", page->next_id > 0 ? Json(std::to_string(page->next_id)) : Json{}}});
-}
-
-Answer PageApi::read_trends(const Call& call) {
-  const api::QueryFilter query = filter_of(call.request);
-  if (query.fault) return *query.fault;
-  const std::string asked = query_text(call.request, "bucket");
-  const std::string bucket = asked.empty() ? "day" : asked;
-  if (bucket != "hour" && bucket != "day" && bucket != "week")
-    return control::refusal(400, "bad_request", "query bucket: hour, day or week expected");
-  const memory::UnixMs bucket_ms =
-      bucket == "hour" ? memory::k_day_ms / 24 : (bucket == "week" ? 7 : 1) * memory::k_day_ms;
-  const Result<Centre*> here = centre();
-  if (!here) return answer_of(here.error());
-  const Result<memory::Trends> trends =
-      Overview{**here}.trends(query_text(call.request, "cell"), query.filter, bucket_ms);
-  return trends ? ok(memory::to_json(*trends)) : answer_of(trends.error());
-}
-
-Answer PageApi::list_groups(const Call& call) {
-  const api::QueryFilter query = filter_of(call.request);
-  if (query.fault) return *query.fault;
-  const Result<Centre*> here = centre();
-  if (!here) return answer_of(here.error());
-  const Result<std::vector<Group>> groups = Overview{**here}.groups(query.filter);
-  if (!groups) return answer_of(groups.error());
-  Json rows = Json::array();
-  for (const Group& group : *groups) {
-    Json row{{"cell", group.cell}, {"model", api::or_null(group.model)}};
-    row.update(sums_json(group.sums));
-    rows.push_back(std::move(row));
-  }
-  return ok({{"groups", std::move(rows)}});
-}
-
-Answer PageApi::list_alarms(const Call&) {
-  const Result<Centre*> here = centre();
-  if (!here) return answer_of(here.error());
-  FleetNews news{.broker = rooms_.broker.load(), .database = true};
-  Result<std::vector<CellRow>> cells = (*here)->cells();
-  if (!cells) return answer_of(cells.error());
-  news.cells = std::move(*cells);
-  Result<std::vector<OddOfModel>> odd = odd_of_all(**here);
-  if (!odd) return answer_of(odd.error());
-  news.odd = std::move(*odd);
-  const Result<std::vector<LastHour>> hours = Overview{**here}.last_hour();
-  if (!hours) return answer_of(hours.error());
-  Json rows = Json::array();
-  for (const Alarm& alarm : alarms_of(news, *hours, memory::now_ms()))
-    rows.push_back({{"code", alarm.code},
-                    {"cell", api::or_null(alarm.cell)},
-                    {"model", api::or_null(alarm.model)},
-                    {"value", alarm.value}});
-  return ok({{"alarms", std::move(rows)}});
-}
-
-Answer PageApi::list_odd(const Call&) {
-  const Result<Centre*> here = centre();
-  if (!here) return answer_of(here.error());
-  const Result<std::vector<OddOfModel>> all = odd_of_all(**here);
-  if (!all) return answer_of(all.error());
-  Json rows = Json::array();
-  for (const auto& [model, odd] : *all)
-    rows.push_back({{"model", model},
-                    {"cell", odd.cell},
-                    {"difference", to_text(odd.difference)},
-                    {"mm", odd.mm},
-                    {"u95_mm", odd.u95_mm},
-                    {"scans", odd.shoes},
-                    {"since", odd.since}});
-  return ok({{"odd", std::move(rows)}});
-}
-
-Answer PageApi::list_releases(const Call&) {
-  const Result<Centre*> here = centre();
-  if (!here) return answer_of(here.error());
-  const Result<std::vector<ReleaseRow>> releases = Releases{**here}.list();
-  if (!releases) return answer_of(releases.error());
-  Json rows = Json::array();
-  for (const ReleaseRow& release : *releases) {
-    Json cells = Json::array();
-    for (const ReleaseCell& cell : release.cells)
-      cells.push_back({{"cell", cell.cell},
-                       {"ready", cell.ready},
-                       {"in_force", cell.in_force},
-                       {"why", api::or_null(cell.why)}});
-    rows.push_back({{"number", release.number},
-                    {"name", release.name},
-                    {"sha256", release.sha256},
-                    {"bytes", release.bytes},
-                    {"cells", std::move(cells)}});
-  }
-  return ok({{"releases", std::move(rows)}});
 }
 
 }  // namespace biteline::fleet
