@@ -1,11 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# run.sh [WORK]: the product with one heuristic less at a time, in a copy of the tree in WORK (default: build/knockout).
+# run.sh [WORK [ROWS]]: the product with one heuristic less at a time, in a copy of the tree in WORK (default: build/knockout).
+# ROWS picks by name (a regular expression, default: all).
 # Prints for each how many of the cases change their verdict, and which; knockouts.txt says what is knocked out.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 source=$(cd "$here/../../.." && pwd)
 work=${1:-$source/build/knockout}
+rows=${2:-.}
 tree=$work/tree
 mkdir -p "$tree"
 (cd "$source" && git ls-files -z | tar --null -T - -cf - 2>/dev/null) | tar -xf - -C "$tree"
@@ -25,10 +27,11 @@ echo "$(wc -l <"$work/as_it_is.tsv") cases; the product as it is: $(cut -f2 "$wo
 echo "| knocked out | serves | verdicts changed | worse by more than a tenth and 0.005 mm |"
 echo "| --- | --- | --- | --- |"
 number=0
-grep -v '^#' "$here/knockouts.txt" | while IFS='|' read -r name file expression serves; do
+grep -v '^#' "$tree/tests/bench/knockout/knockouts.txt" | while IFS='|' read -r name file expression serves; do
   number=$((number + 1))
   name=$(xargs -0 <<<"$name") file=$(tr -d ' ' <<<"$file") serves=$(xargs -0 <<<"$serves")
   expression=$(sed 's/^ //; s/ $//' <<<"$expression")
+  [[ $name =~ $rows ]] || continue
   cp "$tree/$file" "$work/original"
   sed -i "$expression" "$tree/$file"
   if cmp -s "$tree/$file" "$work/original"; then
