@@ -112,6 +112,17 @@ case $1 in
 #include <utility>
 std::string f(std::string a) { std::string b = std::move(a); return a + b; }'
     seed 'a class is not CamelCase' 'class bad_name {};'
+    # As CMake writes it: a header that the compiler alone can read.
+    touch "$tree/build/cmake_pch.hxx"
+    echo compiled >"$tree/build/cmake_pch.hxx.gch"
+    precompiled="-Winvalid-pch -include $tree/build/cmake_pch.hxx"
+    sed -i "s|-std=c++20|& $precompiled|" "$tree/build/compile_commands.json"
+    seed 'a class beside a precompiled header is not CamelCase' 'class bad_name {};'
+    echo 'class GoodName {};' >"$tree/host/cloud/bad.cpp"
+    must_be_green "$here/check_tidy.sh" "$tree" "$tree/build" --all
+    cp "$tree/build/cmake_pch.hxx.gch" "$tree/build/other.hxx.gch"
+    sed -i "s|cmake_pch.hxx|other.hxx|" "$tree/build/compile_commands.json"
+    must_be_red 'clang cannot read a command' "$here/check_tidy.sh" "$tree" "$tree/build" --all
     ;;
   *) echo "usage: catches_violation.sh format|names|docs|tidy"; exit 2 ;;
 esac
