@@ -37,7 +37,10 @@ double target_level(const RingScene& scene, const Vec2& place, const PictureOpti
 /// Place within a pixel of one of `side` x `side` samples.  A board's straight edges run along rows of
 /// samples for many pixels, so that none of its samples share a row or column.
 std::pair<double, double> sample_of(bool chessboard, int index, int side) {
-  if (!chessboard) return {(index % side + 0.5) / side - 0.5, (index / side + 0.5) / side - 0.5};
+  if (!chessboard) {
+    const int row = index / side;
+    return {(index % side + 0.5) / side - 0.5, (row + 0.5) / side - 0.5};
+  }
   const double along = index * 0.6180339887 + 0.25;
   return {(index + 0.5) / (side * side) - 0.5, along - std::floor(along) - 0.5};
 }
