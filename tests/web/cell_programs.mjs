@@ -6,7 +6,7 @@ import { createServer } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { createInterface } from 'node:readline';
-import { check, skip } from './browser.mjs';
+import { check, failures, skip } from './browser.mjs';
 
 const [bin, source] = process.argv.slice(2);
 for (const name of ['biteline-cell', 'biteline-sensor', 'biteline-host', 'biteline-web']) {
@@ -65,7 +65,7 @@ export function free_port() {
   });
 }
 
-export async function finish(status) {
+async function finish(status) {
   for (const one of [...started].reverse()) {
     if (one.ended) continue;
     one.child.kill('SIGTERM');
@@ -81,6 +81,21 @@ export class Busy extends Error {
   constructor(scans) {
     super(`none of ${scans} scans was whole: this machine is too busy for the simulated cell`);
   }
+}
+
+/// The whole test to its verdict, the programs' end and this one's; a busy machine skips what has not failed.
+export async function run_test(test) {
+  try {
+    await test();
+  } catch (error) {
+    if (error instanceof Busy && failures() === 0) {
+      say(`skipped: ${error.message}`);
+      await finish(77);
+    }
+    check(false, error.stack);
+  }
+  say(failures() === 0 ? 'all good' : `${failures()} checks failed`);
+  await finish(failures() === 0 ? 0 : 1);
 }
 
 /// Ends a program and waits for its end.

@@ -4,8 +4,8 @@
 // cell_test.mjs BIN SOURCE PICTURE_FOLDER
 import { existsSync, mkdirSync } from 'node:fs';
 import { join } from 'node:path';
-import { check, check_answers, failures, look_for_faults, open, start, whole_page } from './browser.mjs';
-import { Busy, finish, out, run, say, start_cell } from './cell_programs.mjs';
+import { check, check_answers, look_for_faults, open, start, whole_page } from './browser.mjs';
+import { Busy, out, run, run_test, say, start_cell } from './cell_programs.mjs';
 
 const [, , pictures] = process.argv.slice(2);
 mkdirSync(pictures, { recursive: true });
@@ -157,14 +157,4 @@ async function whole_way() {
   check_answers();
 }
 
-try {
-  await whole_way();
-} catch (error) {
-  if (error instanceof Busy && failures() === 0) {
-    say(`skipped: ${error.message}`);
-    await finish(77);
-  }
-  check(false, error.stack);
-}
-say(failures() === 0 ? 'all good' : `${failures()} checks failed`);
-await finish(failures() === 0 ? 0 : 1);
+await run_test(whole_way);

@@ -4,8 +4,8 @@
 // Real: sensor, service, web program, page, on the simulated cell.  day_test.mjs BIN SOURCE PICTURE_FOLDER
 import { mkdirSync } from 'node:fs';
 import { join } from 'node:path';
-import { check, check_answers, failures, look_for_faults, open, start } from './browser.mjs';
-import { Busy, end, finish, out, say, start_cell, start_sensor, start_world } from './cell_programs.mjs';
+import { check, check_answers, look_for_faults, open, start } from './browser.mjs';
+import { Busy, end, out, run_test, say, start_cell, start_sensor, start_world } from './cell_programs.mjs';
 
 const [, , pictures] = process.argv.slice(2);
 mkdirSync(pictures, { recursive: true });
@@ -135,14 +135,4 @@ async function day() {
   check_answers();
 }
 
-try {
-  await day();
-} catch (error) {
-  if (error instanceof Busy && failures() === 0) {
-    say(`skipped: ${error.message}`);
-    await finish(77);
-  }
-  check(false, error.stack);
-}
-say(failures() === 0 ? 'all good' : `${failures()} checks failed`);
-await finish(failures() === 0 ? 0 : 1);
+await run_test(day);

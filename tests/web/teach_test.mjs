@@ -4,8 +4,8 @@
 // teach_test.mjs BIN SOURCE PICTURE_FOLDER [CLASS SEED]: a shoe of its own, with the gate as it is shipped, for the bench.
 import { mkdirSync } from 'node:fs';
 import { join } from 'node:path';
-import { check, check_answers, failures, look_for_faults, open, start } from './browser.mjs';
-import { Busy, finish, out, say, start_cell } from './cell_programs.mjs';
+import { check, check_answers, look_for_faults, open, start } from './browser.mjs';
+import { Busy, out, run_test, say, start_cell } from './cell_programs.mjs';
 
 const [, , pictures, ...shoe] = process.argv.slice(2);
 mkdirSync(pictures, { recursive: true });
@@ -128,14 +128,4 @@ async function teach() {
   check_answers();
 }
 
-try {
-  await teach();
-} catch (error) {
-  if (error instanceof Busy && failures() === 0) {
-    say(`skipped: ${error.message}`);
-    await finish(77);
-  }
-  check(false, error.stack);
-}
-say(failures() === 0 ? 'all good' : `${failures()} checks failed`);
-await finish(failures() === 0 ? 0 : 1);
+await run_test(teach);
