@@ -28,6 +28,20 @@ double seconds(Nanoseconds duration) {
   return 1e-9 * static_cast<double>(duration.count());
 }
 
+bool is_count(const std::optional<std::int64_t>& ticks) {
+  return ticks && *ticks >= -k_most_ticks && *ticks <= k_most_ticks;
+}
+
+/// Pre: `instant` is between the two, or at the later one.
+std::optional<std::int64_t> count_between(const PoseSample& before, const PoseSample& after,
+                                          SensorClock::time_point instant) {
+  if (after.stamp == instant) return after.encoder_ticks;
+  if (!is_count(before.encoder_ticks) || !is_count(after.encoder_ticks)) return std::nullopt;
+  const std::int64_t way_ticks = *after.encoder_ticks - *before.encoder_ticks;
+  const double share = seconds(instant - before.stamp) / seconds(after.stamp - before.stamp);
+  return *before.encoder_ticks + std::llround(share * static_cast<double>(way_ticks));
+}
+
 /// Samples around one instant, as twists about a reference pose near it.
 struct Window {
   SE3 T_base_reference{SE3::Identity()};
@@ -149,6 +163,9 @@ bool rt_pose_at(std::span<const PoseSample> samples, SensorClock::time_point ins
   const Nanoseconds hole = samples[static_cast<std::size_t>(nearest_after)].stamp -
                            samples[static_cast<std::size_t>(nearest_before)].stamp;
   out.stale = out.age > smoothing.stale_after || hole > k_widest_hole;
+  if (!out.extrapolated && hole <= k_widest_hole)
+    out.encoder_ticks = count_between(samples[static_cast<std::size_t>(nearest_before)],
+                                      samples[static_cast<std::size_t>(nearest_after)], instant);
   if (hole > k_widest_hole) {
     out.T_base_flange =
         samples[static_cast<std::size_t>(before_age < after_age ? nearest_before : nearest_after)]

@@ -2,6 +2,8 @@
 #pragma once
 /// \file The robot's pose at an instant between stamped samples, smoothed.
 
+#include <cstdint>
+#include <optional>
 #include <span>
 
 #include "common/geometry/se3.hpp"
@@ -9,10 +11,14 @@
 
 namespace biteline::geometry {
 
+/// Encoder counts farther from zero are none: a double holds no farther whole number for sure.
+inline constexpr std::int64_t k_most_ticks = std::int64_t{1} << 53;
+
 /// A pose as stamped by its source, on the sensor's clock (clocks.hpp, to_sensor_clock).
 struct PoseSample {
   SensorClock::time_point stamp;
   SE3 T_base_flange{SE3::Identity()};
+  std::optional<std::int64_t> encoder_ticks{};  ///< where an encoder is the pose
 };
 
 /// How many samples one pose may be drawn from.
@@ -41,6 +47,9 @@ struct PoseEstimate {
   /// Age above PoseSmoothing::stale_after, or so far beyond the samples that their noise is multiplied.
   bool stale{false};
   bool extrapolated{false};  ///< no sample on one side of the instant
+  /// The encoder's count, linear between the two samples about the instant, to the nearest tick.  Nothing
+  /// where one of them is missing or has none.
+  std::optional<std::int64_t> encoder_ticks{};
 };
 
 /// Local polynomial regression on SE(3): the samples around `instant` are mapped to twists about a

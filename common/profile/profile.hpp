@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -71,6 +72,8 @@ struct ProfileHeader {
       0};                   ///< of a bracket: from exposure_mid to the longer exposure's middle; 0: none
   Nanoseconds pose_age{0};  ///< distance in time from exposure_mid to the nearest pose sample
   std::uint32_t flags{0};   ///< ProfileFlag
+  /// An encoder's count at exposure_mid, where one is the pose (geometry::PoseEstimate).
+  std::optional<std::int64_t> encoder_ticks{};
 };
 
 /// A profile on the host: as long as it has points.

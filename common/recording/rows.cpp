@@ -17,11 +17,11 @@ Result<Json> object_of(std::span<const std::uint8_t> message) {
   return json;
 }
 
-Result<std::int64_t> stamp_of(const Json& json) {
-  const auto stamp = json.find("stamp_ns");
-  if (stamp == json.end() || !stamp->is_number_integer())
-    return fail(Errc::BadValue, "stamp_ns: a whole number expected");
-  return stamp->get<std::int64_t>();
+Result<std::int64_t> signed_whole_of(const Json& json, const char* key) {
+  const auto value = json.find(key);
+  if (value == json.end() || !value->is_number_integer())
+    return fail(Errc::BadValue, "%s: a whole number expected", key);
+  return value->get<std::int64_t>();
 }
 
 Result<void> take_numbers(const Json& json, const char* key, std::span<double> out) {
@@ -53,16 +53,19 @@ bool is_plain_name(const std::string& name) {
 
 std::string message_of(const PoseRow& row) {
   const auto& v = row.values;
-  return Json{{"stamp_ns", row.stamp_ns}, {"p_mm", {v[0], v[1], v[2]}}, {"q_wxyz", {v[3], v[4], v[5], v[6]}}}
-      .dump();
+  Json json{{"stamp_ns", row.stamp_ns}, {"p_mm", {v[0], v[1], v[2]}}, {"q_wxyz", {v[3], v[4], v[5], v[6]}}};
+  if (row.encoder_ticks) json["encoder_ticks"] = *row.encoder_ticks;
+  return json.dump();
 }
 
 Result<PoseRow> pose_row_of(std::span<const std::uint8_t> message) {
   BITELINE_ASSIGN(const Json json, object_of(message));
   PoseRow row;
-  BITELINE_ASSIGN(row.stamp_ns, stamp_of(json));
+  BITELINE_ASSIGN(row.stamp_ns, signed_whole_of(json, "stamp_ns"));
   BITELINE_TRY(take_numbers(json, "p_mm", std::span{row.values}.first(3)));
   BITELINE_TRY(take_numbers(json, "q_wxyz", std::span{row.values}.last(4)));
+  if (!json.contains("encoder_ticks")) return row;
+  BITELINE_ASSIGN(row.encoder_ticks, signed_whole_of(json, "encoder_ticks"));
   return row;
 }
 
@@ -89,7 +92,7 @@ std::string message_of(const FrameRow& row) {
 Result<FrameRow> frame_row_of(std::span<const std::uint8_t> message) {
   BITELINE_ASSIGN(const Json json, object_of(message));
   FrameRow row;
-  BITELINE_ASSIGN(row.stamp_ns, stamp_of(json));
+  BITELINE_ASSIGN(row.stamp_ns, signed_whole_of(json, "stamp_ns"));
   const auto file = json.find("file");
   if (file == json.end() || !file->is_string() || !is_plain_name(file->get<std::string>()))
     return fail(Errc::BadValue, "file: a plain file name expected");

@@ -12,14 +12,15 @@
 
 namespace biteline::recording {
 
-/// One row of pose0/data.csv.
+/// One row of pose0/data.csv, and of pose0/encoder.csv where there is one.
 struct PoseRow {
   std::int64_t stamp_ns{0};        ///< robot clock
   std::array<double, 7> values{};  ///< p_x p_y p_z [mm], q_w q_x q_y q_z
+  std::optional<std::int64_t> encoder_ticks{};
 };
 [[nodiscard]] std::string message_of(const PoseRow& row);
 [[nodiscard]] Result<PoseRow> pose_row_of(std::span<const std::uint8_t> message);
-/// With its line's end.
+/// Of pose0/data.csv, with its line's end.
 [[nodiscard]] std::string table_row(const PoseRow& row);
 
 /// One row of cam0/data.csv, and of cam0/frames.csv where there is one.
@@ -43,7 +44,8 @@ inline constexpr const char* k_pose_schema = R"({
   "properties": {
     "stamp_ns": {"type": "integer", "description": "the robot's clock"},
     "p_mm": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3},
-    "q_wxyz": {"type": "array", "items": {"type": "number"}, "minItems": 4, "maxItems": 4}
+    "q_wxyz": {"type": "array", "items": {"type": "number"}, "minItems": 4, "maxItems": 4},
+    "encoder_ticks": {"type": "integer", "description": "where an encoder is the pose"}
   },
   "required": ["stamp_ns", "p_mm", "q_wxyz"]
 })";

@@ -9,6 +9,7 @@
 
 #include "common/config/sensor_yaml.hpp"
 #include "common/csv/table.hpp"
+#include "common/geometry/pose_track.hpp"
 
 namespace biteline::session {
 namespace {
@@ -110,6 +111,15 @@ Result<void> read_frame_facts(const fs::path& file, const geometry::Region& regi
               frames.size(), index);
 }
 
+/// Into the poses: what pose0/encoder.csv tells of each.
+Result<void> read_counts(const fs::path& file, std::vector<StampedPose>& poses) {
+  std::vector<std::int64_t> stamps_ns;
+  for (const StampedPose& pose : poses) stamps_ns.push_back(pose.stamp.time_since_epoch().count());
+  BITELINE_ASSIGN(const auto counts, read_encoder_table(file, stamps_ns));
+  for (std::size_t i = 0; i < poses.size(); ++i) poses[i].encoder_ticks = counts[i];
+  return {};
+}
+
 Result<void> check_coverage(const Session& session) {
   const Nanoseconds offset = session.sensor.pose_clock_offset;
   const auto first_pose = to_sensor_clock(session.poses.front().stamp, offset);
@@ -165,6 +175,29 @@ Result<std::vector<StampedPose>> read_pose_table(const fs::path& file, RowOrder 
   return poses;
 }
 
+Result<std::vector<std::optional<std::int64_t>>> read_encoder_table(
+    const fs::path& file, std::span<const std::int64_t> pose_stamps_ns) {
+  std::vector<std::optional<std::int64_t>> counts(pose_stamps_ns.size());
+  std::size_t next = 0;
+  BITELINE_TRY(csv::read_table(file, 2, 2, [&](const csv::Row& row) -> Result<void> {
+    BITELINE_ASSIGN(const std::int64_t stamp_ns, read_stamp(row, file));
+    BITELINE_ASSIGN(const std::int64_t ticks, row.integer(1));
+    if (ticks < -geometry::k_most_ticks || ticks > geometry::k_most_ticks) {
+      return fail(Errc::BadValue, "%s row %d, field 2: a count between -2^53 and 2^53 expected", file.c_str(),
+                  row.number());
+    }
+    while (next < counts.size() && pose_stamps_ns[next] < stamp_ns) ++next;
+    if (next == counts.size()) return {};
+    if (pose_stamps_ns[next] != stamp_ns) {
+      return fail(Errc::BadValue, "%s row %d, field 1: rising stamps of the poses of data.csv expected",
+                  file.c_str(), row.number());
+    }
+    counts[next++] = ticks;
+    return {};
+  }));
+  return counts;
+}
+
 Result<Session> read_session(const fs::path& root) {
   std::error_code ignored;
   if (!fs::is_directory(root, ignored))
@@ -173,7 +206,11 @@ Result<Session> read_session(const fs::path& root) {
   BITELINE_ASSIGN(session.sensor, config::read_sensor_yaml(root / "cam0/sensor.yaml"));
   BITELINE_ASSIGN(session.frames, read_frame_table(root / "cam0/data.csv"));
   BITELINE_ASSIGN(session.poses, read_pose_table(root / "pose0/data.csv"));
-  const fs::path facts = root / "recording.yaml", frame_facts = root / "cam0/frames.csv";
+  const fs::path facts = root / "recording.yaml", frame_facts = root / "cam0/frames.csv",
+                 counts = root / "pose0/encoder.csv";
+  if (fs::exists(counts, ignored)) {
+    BITELINE_TRY(read_counts(counts, session.poses));
+  }
   if (fs::exists(frame_facts, ignored)) {
     BITELINE_TRY(read_frame_facts(frame_facts, session.sensor.region, session.frames));
   }

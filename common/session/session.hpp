@@ -2,8 +2,10 @@
 #pragma once
 /// \file A recorded scan as a plain folder (README, "Data formats"): reading and writing.
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,6 +29,7 @@ struct FrameEntry {
 struct StampedPose {
   RobotClock::time_point stamp;
   SE3 T_base_flange{SE3::Identity()};
+  std::optional<std::int64_t> encoder_ticks{};  ///< of a live recording, where an encoder is the pose
 };
 
 struct Session {
@@ -50,6 +53,11 @@ enum class RowOrder {
 [[nodiscard]] Result<std::vector<StampedPose>> read_pose_table(const std::filesystem::path& file,
                                                                RowOrder order = RowOrder::Rising);
 
+/// pose0/encoder.csv: the count at each of the poses of these stamps, in their order; nothing at a pose
+/// without a row.  Rows behind the last pose are passed over: a recording that was cut may have them.
+[[nodiscard]] Result<std::vector<std::optional<std::int64_t>>> read_encoder_table(
+    const std::filesystem::path& file, std::span<const std::int64_t> pose_stamps_ns);
+
 [[nodiscard]] Result<void> write_pose_table(const std::filesystem::path& file,
                                             const std::vector<StampedPose>& poses);
 /// One row with every digit of the numbers: what is read back makes the same pose, bit for bit.
@@ -58,6 +66,7 @@ enum class RowOrder {
                                          const Eigen::Quaterniond& rotation, const Vec3& translation_mm);
 inline constexpr const char* k_pose_table_head =
     "#timestamp [ns],p_x [mm],p_y [mm],p_z [mm],q_w [],q_x [],q_y [],q_z []\n";
+inline constexpr const char* k_encoder_table_head = "#timestamp [ns],encoder [ticks]\n";
 inline constexpr const char* k_frame_table_head = "#timestamp [ns],filename\n";
 /// cam0/frames.csv, one row for each of cam0/data.csv.
 inline constexpr const char* k_frame_facts_head =

@@ -26,10 +26,10 @@ flatbuffers::Offset<fb::Profile> pack_profile(flatbuffers::FlatBufferBuilder& fb
   const auto peaks =
       pack_column(fbb, points, k_constant, [](const ProfilePoint& p) { return std::uint32_t{p.peak_count}; });
   const fb::Motion T_base_flange = pack_motion(header.T_base_flange);
-  return fb::CreateProfile(fbb, header.sequence, header.frame_sequence,
-                           header.exposure_mid.time_since_epoch().count(), &T_base_flange,
-                           header.pose_age.count(), header.flags, static_cast<std::uint32_t>(points.size()),
-                           x, y, z, sigma, row, sigma_row, amplitude, width, column, flags, peaks);
+  return fb::CreateProfile(
+      fbb, header.sequence, header.frame_sequence, header.exposure_mid.time_since_epoch().count(),
+      &T_base_flange, header.pose_age.count(), header.flags, static_cast<std::uint32_t>(points.size()), x, y,
+      z, sigma, row, sigma_row, amplitude, width, column, flags, peaks, header.encoder_ticks);
 }
 
 Result<profile::Profile> read_profile(const fb::Profile& table) {
@@ -44,6 +44,7 @@ Result<profile::Profile> read_profile(const fb::Profile& table) {
   BITELINE_ASSIGN(profile.header.T_base_flange, read_motion(*table.flange()));
   profile.header.pose_age = Nanoseconds{table.pose_age_ns()};
   profile.header.flags = table.flags();
+  profile.header.encoder_ticks = table.encoder_ticks();
 
   profile.points.resize(table.point_count());
   const std::span<ProfilePoint> points{profile.points};

@@ -291,7 +291,8 @@ void Scanner::read_poses() {
       if (ahead) {
         rejected_poses_.fetch_add(1, std::memory_order_relaxed);
       } else {
-        keep_pose({.stamp = stamp, .T_base_flange = pose->T_base_flange});
+        keep_pose(
+            {.stamp = stamp, .T_base_flange = pose->T_base_flange, .encoder_ticks = pose->encoder_ticks});
       }
     } else if (pose.error().code != Errc::Timeout) {
       record_failure(pose.error());
@@ -310,11 +311,15 @@ void Scanner::keep_pose(const geometry::PoseSample& pose) {
   const Vec3 translation_mm = pose.T_base_flange.translation();
   const geometry::PoseSample kept{
       .stamp = pose.stamp,
-      .T_base_flange = config_.lossless ? pose.T_base_flange : geometry::make_se3(rotation, translation_mm)};
+      .T_base_flange = config_.lossless ? pose.T_base_flange : geometry::make_se3(rotation, translation_mm),
+      .encoder_ticks = pose.encoder_ticks};
   if (!poses_.rt_push(kept)) {
     rejected_poses_.fetch_add(1, std::memory_order_relaxed);
   } else if (recording_ != nullptr) {
-    recording_->rt_keep_pose({.stamp = pose.stamp, .rotation = rotation, .translation_mm = translation_mm});
+    recording_->rt_keep_pose({.stamp = pose.stamp,
+                              .rotation = rotation,
+                              .translation_mm = translation_mm,
+                              .encoder_ticks = pose.encoder_ticks});
   }
 }
 

@@ -37,11 +37,13 @@ class PoseHistory {
                                const geometry::PoseSmoothing& smoothing) const noexcept BITELINE_RT;
 
  private:
-  /// What a slot holds: 64 bytes instead of an SE3's 144.
+  /// What a slot holds: 80 bytes instead of a sample's 168.
   struct Packed {
     std::int64_t stamp_ns;
     std::array<double, 3> translation_mm;
     std::array<double, 4> quaternion_xyzw;
+    std::int64_t encoder_ticks;
+    std::uint64_t counted;  ///< 0: no count
   };
   [[nodiscard]] SensorClock::time_point rt_stamp_of(std::uint64_t index) const noexcept BITELINE_RT;
 

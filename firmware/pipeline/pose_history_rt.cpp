@@ -28,7 +28,9 @@ bool PoseHistory::rt_push(const geometry::PoseSample& sample) noexcept BITELINE_
   slots_[count % k_capacity].rt_store(
       {.stamp_ns = sample.stamp.time_since_epoch().count(),
        .translation_mm = {translation.x(), translation.y(), translation.z()},
-       .quaternion_xyzw = {rotation.x(), rotation.y(), rotation.z(), rotation.w()}});
+       .quaternion_xyzw = {rotation.x(), rotation.y(), rotation.z(), rotation.w()},
+       .encoder_ticks = sample.encoder_ticks.value_or(0),
+       .counted = sample.encoder_ticks ? 1U : 0U});
   count_.store(count + 1, std::memory_order_release);
   return true;
 }
@@ -84,6 +86,8 @@ bool PoseHistory::rt_pose_at(SensorClock::time_point instant, const geometry::Po
                                         .toRotationMatrix();
     sample.T_base_flange.translation() =
         Eigen::Vector3d{packed.translation_mm[0], packed.translation_mm[1], packed.translation_mm[2]};
+    sample.encoder_ticks.reset();
+    if (packed.counted != 0) sample.encoder_ticks = packed.encoder_ticks;
   }
   // Acquire loads of the words precede this one: had the writer begun to overwrite `first`, it would show
   // here.

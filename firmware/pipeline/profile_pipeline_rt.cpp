@@ -239,6 +239,7 @@ void ProfilePipeline::rt_stamp(ProfileBuffer& profile, const PoseHistory& poses)
   if (!poses.rt_pose_at(profile.header.exposure_mid, state.config.pose_smoothing, pose)) return;
   profile.header.T_base_flange = pose.T_base_flange;
   profile.header.pose_age = pose.age;
+  profile.header.encoder_ticks = pose.encoder_ticks;
   profile.header.flags &= ~static_cast<std::uint32_t>(
       profile::k_profile_pose_missing | profile::k_profile_pose_stale | profile::k_profile_pose_extrapolated);
   if (pose.stale) profile.header.flags |= profile::k_profile_pose_stale;

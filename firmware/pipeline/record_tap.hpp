@@ -31,6 +31,7 @@ struct RecordedPose {
   SensorClock::time_point stamp;
   Eigen::Quaterniond rotation;
   Vec3 translation_mm;
+  std::optional<std::int64_t> encoder_ticks{};
 };
 
 /// Frames and poses on their way to the disk.  Nobody waits: what finds no room, and frames that are not

@@ -34,7 +34,8 @@ class McapFile final : public RecordStore {
       const Vec3& p = pose.translation_mm;
       const Eigen::Quaterniond& q = pose.rotation;
       BITELINE_TRY(noted(writer_.add_pose({.stamp_ns = camera_ns + pose_clock_offset_.count(),
-                                           .values = {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()}},
+                                           .values = {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()},
+                                           .encoder_ticks = pose.encoder_ticks},
                                           camera_ns)));
     }
     return {};

@@ -62,9 +62,20 @@ class SessionFolder final : public RecordStore {
   }
 
   Result<void> add_poses(std::span<const pipeline::RecordedPose> poses) override {
-    std::string rows;
-    for (const pipeline::RecordedPose& pose : poses)
+    std::string rows, counts;
+    for (const pipeline::RecordedPose& pose : poses) {
       rows += session::exact_pose_row(pose.stamp, pose_clock_offset_, pose.rotation, pose.translation_mm);
+      if (!pose.encoder_ticks) continue;
+      counts += std::to_string((pose.stamp.time_since_epoch() + pose_clock_offset_).count()) + ',' +
+                std::to_string(*pose.encoder_ticks) + '\n';
+    }
+    // The counts first: a cut between the two leaves rows too many, which a reader passes over.
+    if (!counts.empty()) {
+      if (!counts_) {
+        BITELINE_ASSIGN(counts_, create_with(folder_ / "pose0/encoder.csv", session::k_encoder_table_head));
+      }
+      BITELINE_TRY(counts_->append(counts));
+    }
     return poses_->append(rows);
   }
 
@@ -108,6 +119,7 @@ class SessionFolder final : public RecordStore {
   Nanoseconds pose_clock_offset_;
   std::optional<HeldRecording> held_;
   std::optional<AppendFile> frames_, frame_facts_, poses_, scan_;
+  std::optional<AppendFile> counts_;  ///< once a pose has an encoder's count
   PictureFile picture_;
   wire::Bytes record_;
 };

@@ -27,8 +27,9 @@ struct RobotPose {
   std::optional<SensorClock::time_point> stamp_sensor;
   SensorClock::time_point received;  ///< when it arrived here
   SE3 T_base_flange{SE3::Identity()};
-  std::uint64_t sequence{0};  ///< gaps are losses
-  std::uint32_t status{0};    ///< PoseStatus
+  std::uint64_t sequence{0};                    ///< gaps are losses
+  std::uint32_t status{0};                      ///< PoseStatus
+  std::optional<std::int64_t> encoder_ticks{};  ///< where an encoder is the pose: ticks since it was opened
 };
 
 enum class PoseState {

@@ -23,7 +23,8 @@ Result<RobotPose> ReplayPoses::next_pose(Nanoseconds) {
                    .received = stamp_sensor,
                    .T_base_flange = pose.T_base_flange,
                    .sequence = index,
-                   .status = 0};
+                   .status = 0,
+                   .encoder_ticks = pose.encoder_ticks};
 }
 
 Result<void> ReplayPoses::stop() {

@@ -146,6 +146,12 @@ std::optional<ArrivedFrame> AravisClient::next_frame(Nanoseconds timeout) {
     if (error == nullptr)
       frame.camera_frame = static_cast<std::uint64_t>(
           arv_chunk_parser_get_integer_value(state_->chunks, buffer, "ChunkCameraFrame", &error));
+    if (error == nullptr)
+      frame.encoder_valid =
+          arv_chunk_parser_get_integer_value(state_->chunks, buffer, "ChunkEncoderValid", &error) != 0;
+    if (error == nullptr)
+      frame.encoder_ticks =
+          arv_chunk_parser_get_integer_value(state_->chunks, buffer, "ChunkEncoderValue", &error);
     if (const Result<void> read = checked(error, "chunk"); !read) frame.complete = false;
   }
   arv_stream_push_buffer(state_->stream, buffer);

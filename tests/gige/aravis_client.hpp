@@ -20,12 +20,15 @@ struct ArrivedFrame {
   int width{0}, height{0};
   std::vector<std::uint8_t> payload;
   std::vector<std::uint8_t> lines_chunk;  ///< with chunks only
-  /// ChunkProfileSequence, ChunkFlangePose, ChunkExposureTime and ChunkCameraFrame as the description has
-  /// them: Aravis' parser of chunks has no selectors, so they are the first line's and the first number.
+  /// ChunkProfileSequence, ChunkFlangePose, ChunkExposureTime, ChunkCameraFrame and ChunkEncoderValue as the
+  /// description has them: Aravis' parser of chunks has no selectors, so they are the first line's and the
+  /// first number.
   std::uint64_t sequence{0};
   double flange{0};
   double exposure_us{0};
   std::uint64_t camera_frame{0};
+  bool encoder_valid{false};  ///< ChunkEncoderValid, which says whether the value is available
+  std::int64_t encoder_ticks{0};
 };
 
 struct StreamStatistics {

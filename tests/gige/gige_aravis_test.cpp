@@ -65,7 +65,9 @@ TEST_GROUP(GigeAravis) {
   }
 
   static profile::Profile made_line(int frame, int line) {
-    return test::made_profile(static_cast<std::uint64_t>(frame * k_lines + line), k_points);
+    profile::Profile made = test::made_profile(static_cast<std::uint64_t>(frame * k_lines + line), k_points);
+    if (frame % 2 != 0) made.header.encoder_ticks.reset();
+    return made;
   }
 
   /// Another one for each frame.
@@ -116,8 +118,11 @@ TEST_GROUP(GigeAravis) {
         const profile::Profile made = made_line(frame, line);
         const std::vector<std::uint8_t> record = gige::line_record(k_scan, made.header, exposure_of(frame));
         records.insert(records.end(), record.begin(), record.end());
-        if (line == 0) DOUBLES_EQUAL(made.header.T_base_flange.linear()(0, 0), arrived->flange, 0);
-        if (line == 0) LONGS_EQUAL(made.header.frame_sequence, arrived->camera_frame);
+        if (line != 0) continue;
+        DOUBLES_EQUAL(made.header.T_base_flange.linear()(0, 0), arrived->flange, 0);
+        LONGS_EQUAL(made.header.frame_sequence, arrived->camera_frame);
+        CHECK_EQUAL(made.header.encoder_ticks.has_value(), arrived->encoder_valid);
+        CHECK(made.header.encoder_ticks.value_or(0) == arrived->encoder_ticks);
       }
       CHECK(records == arrived->lines_chunk);
       DOUBLES_EQUAL(1e-3 * static_cast<double>(exposure_of(frame).count()), arrived->exposure_us, 0);

@@ -12,10 +12,14 @@ import re
 import struct
 import subprocess
 import sys
+import tempfile
 import time
 import xml.dom.minidom
 
+sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+import encoder_counts
 from gige_client import PRIVILEGE, STREAM_ADDRESS, Client, Refused, read_chunks, read_leader
 
 STRANGER = pathlib.Path(__file__).parents[1] / "stranger" / "stranger.py"
@@ -172,7 +176,7 @@ def check_scan(face, sensor, session, profiles, form, lines, chunks, lost_ratio)
         for row in range(lines):
             line = payload[row * line_bytes :][:line_bytes]
             number = i * lines + row
-            record = struct.unpack_from(">QQQII12ddQ", records, 144 * row) if chunks else None
+            record = struct.unpack_from(">QQQII12ddQqI4x", records, 160 * row) if chunks else None
             if number >= len(profiles):
                 assert not chunks or record[4] == 0
                 continue
@@ -182,6 +186,7 @@ def check_scan(face, sensor, session, profiles, form, lines, chunks, lost_ratio)
                 assert record[2:5] == (profile["sequence"], profile["flags"], 1), record
                 assert list(record[5:17]) == profile["T_base_flange"]
                 assert record[17] == exposure_us and record[18] == profile["frame_sequence"], record
+                assert (record[19] if record[20] else None) == profile["encoder_ticks"], record
                 assert row or record[0] == facts["stamp"]
     told = stop(device)
     running.terminate()
@@ -260,6 +265,11 @@ def main():
     trials = ((ABC32F, 1, 1, 0), (ABC32F, 3, 1, 0.02), (C16, 1, 0, 0.2), (C16, 3, 1, 0.1), (AC16, 2, 1, 0.02), (ABC32F, 64, 0, 0.02))
     for form, lines, chunks, lost_ratio in trials:
         check_scan(face, sensor, session, profiles, form, lines, chunks, lost_ratio)
+    with tempfile.TemporaryDirectory() as folder:
+        copy, counts = encoder_counts.counted(session, folder)
+        profiles = native_profiles(sensor, str(copy))
+        encoder_counts.check(copy, counts, profiles)
+        check_scan(face, sensor, str(copy), profiles, ABC32F, 2, 1, 0.02)
     check_rights(face, sensor, session)
 
 

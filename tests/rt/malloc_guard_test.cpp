@@ -85,7 +85,7 @@ TEST(MallocGuard, TenThousandFramesAllocateNothing) {
     const std::vector<std::uint8_t>& picture = pictures[frame % 16];
     for (int k = 0; k < 5; ++k) {
       now += std::chrono::milliseconds{2};
-      geometry::PoseSample sample{.stamp = now};
+      geometry::PoseSample sample{.stamp = now, .encoder_ticks = now.time_since_epoch().count() / 1000};
       sample.T_base_flange.translation().x() = 1e-6 * static_cast<double>(now.time_since_epoch().count());
       poses->rt_push(sample);
     }

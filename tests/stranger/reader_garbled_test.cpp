@@ -43,6 +43,7 @@ TEST(UsersReader, HasEveryBitOfAProfile) {
   LONGS_EQUAL(made.header.flags, profile.flags);
   LONGS_EQUAL(made.header.exposure_mid.time_since_epoch().count(), profile.exposure_mid_ns);
   DOUBLES_EQUAL(3, profile.T_flange_cam[11], 0);
+  CHECK(made.header.encoder_ticks && profile.encoder_ticks == made.header.encoder_ticks);
   LONGS_EQUAL(made.points.size(), profile.x.size());
   for (int i = 0; i < 12; ++i) {
     const SE3& flange = made.header.T_base_flange;
@@ -57,6 +58,12 @@ TEST(UsersReader, HasEveryBitOfAProfile) {
     CHECK(point.width_px == profile.width_px[i] && point.column == profile.column[i]);
     CHECK(point.flags == profile.point_flags[i] && point.peak_count == profile.peak_count[i]);
   }
+}
+
+TEST(UsersReader, AnEncodersCountIsAbsentWhereNoneIsThePose) {
+  const wire::Bytes bytes = encoded(test::made_profile(5, 3));
+  const auto read = decoder.read(bytes.data(), bytes.size());
+  CHECK(read && read->profile && !read->profile->encoder_ticks);
 }
 
 TEST(UsersReader, SaysWhatTheSensorUnderstands) {

@@ -14,7 +14,9 @@ import tempfile
 sys.dont_write_bytecode = True
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT / "host" / "records" / "reader"))
+sys.path.append(str(ROOT / "tests" / "support"))
 import biteline_scan  # noqa: E402
+import encoder_counts  # noqa: E402
 
 
 def read_cloud(file):
@@ -86,17 +88,32 @@ def ros2_messages(tool, judge, recording, cloud, folder):
     assert (folder / "back" / "scan.btln").read_bytes() == recording.read_bytes()
 
 
+def keep_scan(sensor, service, session, folder):
+    """Takes a replay into the folder, as a service that keeps its recordings."""
+    running = subprocess.Popen([sensor, "--source", "replay:" + str(session), "--exit-with-parent"], stdout=subprocess.PIPE)
+    address = json.loads(running.stdout.readline())["endpoint"]
+    # Part of a shoe: the line is refused, the cloud is there.
+    kept = subprocess.run([service, "--sensor", address, "--out", folder, "--once", "--keep-recording"], capture_output=True)
+    assert kept.returncode in (0, 3), kept.stderr
+    running.wait(timeout=30)
+    return folder / "scan-0001" / "scan.btln"
+
+
+def check_counts(sensor, service, session, folder):
+    """An encoder's counts, as the poses give them."""
+    copy, counts = encoder_counts.counted(session, folder)
+    scan = keep_scan(sensor, service, copy, folder / "with-counts")
+    print(f"an encoder's count in {encoder_counts.check(copy, counts, list(biteline_scan.profiles(scan)))} profiles")
+
+
 def main():
     sensor, service, session, scan_to_ply, read_live, tool = sys.argv[1:7]
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        running = subprocess.Popen([sensor, "--source", "replay:" + session, "--exit-with-parent"], stdout=subprocess.PIPE)
-        address = json.loads(running.stdout.readline())["endpoint"]
-        # Part of a shoe: the line is refused, the cloud is there.
-        kept = subprocess.run([service, "--sensor", address, "--out", folder, "--once", "--keep-recording"], capture_output=True)
-        assert kept.returncode in (0, 3), kept.stderr
-        running.wait(timeout=30)
-        scan, cloud = folder / "scan-0001" / "scan.btln", read_cloud(folder / "scan-0001" / "cloud.ply")
+        scan = keep_scan(sensor, service, session, folder)
+        cloud = read_cloud(folder / "scan-0001" / "cloud.ply")
+        assert all(profile["encoder_ticks"] is None for profile in biteline_scan.profiles(scan))
+        check_counts(sensor, service, session, folder)
 
         script = ROOT / "host" / "records" / "reader" / "biteline_scan.py"
         subprocess.run([sys.executable, script, scan, folder / "read.ply"], check=True)

@@ -66,7 +66,6 @@ class Table:
 
     def number(self, slot, form, default=0):
         return self.read(form, self.place(slot)) if self.place(slot) else default
-
     def motion(self, slot):  # rotation row by row, then translation in mm
         return struct.unpack_from("<12d", self.data, self.place(slot))
 
@@ -114,7 +113,8 @@ def unpack(packed, count, lengths, step):
 
 def read_profile(table):
     read, count = table.number, table.number(6, "I")
-    profile = {"sequence": read(0, "Q"), "frame_sequence": read(1, "Q"), "flags": read(5, "I"), "T_base_flange": table.motion(3)}
+    profile = {"sequence": read(0, "Q"), "frame_sequence": read(1, "Q"), "flags": read(5, "I"), "T_base_flange": table.motion(3),
+               "exposure_mid_ns": read(2, "q"), "encoder_ticks": read(18, "q", None)}  # absent: no encoder is the pose
     for i, name in enumerate(FLOATS):
         bits = unpack(table.bytes(7 + i), count, DENSE, 0)
         profile[name] = struct.unpack("<%df" % count, struct.pack("<%dI" % count, *bits))

@@ -8,6 +8,10 @@ import subprocess
 import sys
 import tempfile
 
+sys.dont_write_bytecode = True
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+import encoder_counts  # noqa: E402
+
 NOT_USABLE, NOT_SURFACE = 0x1A3, 0x322  # docs/protocol.md, the tables of flags
 MOST_LINES = 150
 
@@ -44,6 +48,15 @@ def check_examples(source):
         assert known["unpack"](bytes.fromhex(packed), len(values), known[lengths], step) == list(values)
 
 
+def take_scan(client, sensor, session):
+    """What the client tells of a replay, line by line."""
+    program = subprocess.Popen([sensor, "--source", "replay:" + str(session), "--exit-with-parent"], stdout=subprocess.PIPE)
+    address = json.loads(program.stdout.readline())["endpoint"].removeprefix("tcp://").rsplit(":", 1)
+    told = subprocess.run([sys.executable, client, *address], capture_output=True, check=True, text=True).stdout
+    assert program.wait(timeout=30) == 0
+    return [json.loads(line) for line in told.splitlines()]
+
+
 def main():
     sensor, tool, session = sys.argv[1:4]
     client = pathlib.Path(__file__).with_name("stranger.py")
@@ -54,12 +67,7 @@ def main():
         replay = subprocess.run([tool, "--quiet", "replay", session, "--out", folder], capture_output=True)
         assert replay.returncode in (0, 3), replay.stderr
         cloud = {(p["profile"], p["column"]): (p["x"], p["y"], p["z"]) for p in read_cloud(pathlib.Path(folder, "cloud.ply"))}
-    program = subprocess.Popen([sensor, "--source", "replay:" + session, "--exit-with-parent"], stdout=subprocess.PIPE)
-    address = json.loads(program.stdout.readline())["endpoint"].removeprefix("tcp://").rsplit(":", 1)
-    told = subprocess.run([sys.executable, client, *address], capture_output=True, check=True, text=True).stdout
-    assert program.wait(timeout=30) == 0
-
-    hello, *profiles, end = [json.loads(line) for line in told.splitlines()]
+    hello, *profiles, end = take_scan(client, sensor, session)
     assert end == {"end": 0}, end
     assert [p["sequence"] for p in profiles] == list(range(len(profiles)))
     worst_mm, points = 0, 0
@@ -76,6 +84,12 @@ def main():
     assert points == len(cloud) > 1000
     # The cloud holds places of up to some metres in 32-bit floats.
     assert worst_mm < 1e-3
+
+    assert all(p["encoder_ticks"] is None for p in profiles)
+    with tempfile.TemporaryDirectory() as folder:
+        copy, counts = encoder_counts.counted(session, folder)
+        having = encoder_counts.check(copy, counts, take_scan(client, sensor, copy)[1:-1])
+    print(f"an encoder's count in {having} profiles")
 
 
 main()

@@ -34,7 +34,8 @@ Result<RobotPose> EncoderPoseSource::next_pose(Nanoseconds timeout) {
                        .stamp_sensor = reading->stamp,
                        .received = reading->stamp,
                        .T_base_flange = geometry::exp_se3(way) * config_.T_base_flange_start,
-                       .sequence = poses_.fetch_add(1)};
+                       .sequence = poses_.fetch_add(1),
+                       .encoder_ticks = reading->position_ticks};
     }
     const SensorClock::time_point now = clock_.now();
     if (state_ == PoseState::Streaming && now - last_stamp_ > config_.lost_after) state_ = PoseState::Lost;

@@ -20,6 +20,8 @@ struct ChunkField {
   const char* index;  ///< a further selector with its stride, or nothing
   const char* space{"Custom"};
   const char* unit{""};
+  const char* sign{"Unsigned"};
+  const char* available{""};  ///< where it is not always there: what says so
 };
 
 constexpr std::array k_chunk_fields{
@@ -31,6 +33,9 @@ constexpr std::array k_chunk_fields{
     ChunkField{"ChunkFlangePose", "FloatReg", 32, 8, "<pIndex Offset=\"8\">ChunkFlangePoseSelector</pIndex>"},
     ChunkField{"ChunkExposureTime", "FloatReg", 128, 8, "", "Standard", "<Unit>us</Unit>"},
     ChunkField{"ChunkCameraFrame", "IntReg", 136, 8, ""},
+    ChunkField{"ChunkEncoderValue", "IntReg", 144, 8, "", "Standard", "", "Signed",
+               "<pIsAvailable>ChunkEncoderValid</pIsAvailable>"},
+    ChunkField{"ChunkEncoderValid", "IntReg", 152, 4, ""},
 };
 
 void add_chunks(Description& xml) {
@@ -50,17 +55,24 @@ void add_chunks(Description& xml) {
   xml.line(
       "<Integer Name=\"ChunkFlangePoseSelector\" NameSpace=\"Custom\"><Value>0</Value><Min>0</Min>"
       "<Max>11</Max><pSelected>ChunkFlangePose</pSelected></Integer>");
+  xml.listed("ChunkEncoderSelector");
+  xml.line(
+      "<Enumeration Name=\"ChunkEncoderSelector\" NameSpace=\"Standard\"><EnumEntry Name=\"Encoder0\" "
+      "NameSpace=\"Standard\"><Value>0</Value></EnumEntry><Value>0</Value>"
+      "<pSelected>ChunkEncoderValue</pSelected></Enumeration>");
   for (const ChunkField& field : k_chunk_fields) {
     xml.listed(field.name);
     std::array<char, 640> text{};
-    const bool integer = std::string_view{field.kind} == "IntReg";
+    const std::string sign = std::string_view{field.kind} == "IntReg"
+                                 ? std::string{"<Sign>"} + field.sign + "</Sign>"
+                                 : std::string{};
     std::snprintf(
         text.data(), text.size(),
-        "<%s Name=\"%s\" NameSpace=\"%s\"><Address>%u</Address>"
+        "<%s Name=\"%s\" NameSpace=\"%s\">%s<Address>%u</Address>"
         "<pIndex Offset=\"%zu\">ChunkScanLineSelector</pIndex>%s<Length>%d</Length>"
         "<AccessMode>RO</AccessMode><pPort>LinesChunk</pPort>%s<Endianess>BigEndian</Endianess>%s</%s>",
-        field.kind, field.name, field.space, field.offset, k_line_record_bytes, field.index, field.bytes,
-        integer ? "<Sign>Unsigned</Sign>" : "", field.unit, field.kind);
+        field.kind, field.name, field.space, field.available, field.offset, k_line_record_bytes, field.index,
+        field.bytes, sign.c_str(), field.unit, field.kind);
     xml.line(text.data());
   }
   std::array<char, 160> port{};

@@ -93,6 +93,8 @@ std::vector<std::uint8_t> line_record(std::uint64_t scan, const profile::Profile
   const double exposure_us = 1e-3 * static_cast<double>(exposure.count());
   put_long(record, 128, std::bit_cast<std::uint64_t>(exposure_us));
   put_long(record, 136, header.frame_sequence);
+  put_long(record, 144, static_cast<std::uint64_t>(header.encoder_ticks.value_or(0)));
+  put_word(record, 152, header.encoder_ticks ? 1 : 0);
   return record;
 }
 

@@ -38,8 +38,9 @@ inline constexpr std::uint16_t k_no_depth = 65535;
 inline constexpr std::uint32_t k_lines_chunk = 0x4c4e'0001, k_picture_chunk = 0x4c4e'0000;
 /// A record, big-endian: stamp in ns, scan, sequence (64 bits each), flags and validity (32 bits each), then
 /// T_base_flange as twelve 64-bit floats: rotation row by row, translation in mm.  Then the exposure in us as
-/// a 64-bit float, and the camera's own count (64 bits).
-inline constexpr std::size_t k_line_record_bytes = 144;
+/// a 64-bit float, and the camera's own count (64 bits).  Then the encoder's count (64 bits, signed), whether
+/// there is one, and a zero (32 bits each).
+inline constexpr std::size_t k_line_record_bytes = 160;
 inline constexpr std::size_t k_chunk_tag_bytes = 8;
 
 [[nodiscard]] std::size_t line_bytes(Format format, std::size_t columns);

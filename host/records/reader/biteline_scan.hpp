@@ -37,6 +37,7 @@ struct Profile {
   std::uint64_t scan_id{0}, sequence{0}, frame_sequence{0};
   std::int64_t exposure_mid_ns{0};
   std::uint32_t flags{0};
+  std::optional<std::int64_t> encoder_ticks{};  ///< where an encoder is the pose
   Motion T_base_flange{}, T_flange_cam{};
   std::vector<float> x, y, z, sigma_mm, row_px, sigma_row_px, amplitude, width_px;
   std::vector<std::uint16_t> column, point_flags;
@@ -210,6 +211,7 @@ inline std::optional<Profile> read_profile(Reader& reader, Table& body) {
   profile.exposure_mid_ns = body.number<std::int64_t>(2);
   profile.T_base_flange = body.motion(3);
   profile.flags = body.number<std::uint32_t>(5);
+  if (body.place(18)) profile.encoder_ticks = body.number<std::int64_t>(18);
   std::size_t slot = 7;
   for (std::vector<float>* column : {&profile.x, &profile.y, &profile.z, &profile.sigma_mm, &profile.row_px,
                                      &profile.sigma_row_px, &profile.amplitude, &profile.width_px})

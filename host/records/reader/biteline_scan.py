@@ -105,6 +105,7 @@ def profiles(file):
             "T_base_flange": body.motion(3),
             "T_flange_cam": T_flange_cam,
             "flags": body.number(5, "I"),
+            "encoder_ticks": body.number(18, "q") if body.place(18) else None,
         }
         for i, name in enumerate(FLOATS):
             bits = _unpack(body.bytes(7 + i), count, _DENSE, 0)

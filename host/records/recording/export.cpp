@@ -47,6 +47,13 @@ Result<std::vector<TimedPose>> read_poses(const session::Session& session) {
     poses.push_back(pose);
     return {};
   }));
+  const fs::path counts_file = session.root / "pose0/encoder.csv";
+  std::error_code ignored;
+  if (!fs::exists(counts_file, ignored)) return poses;
+  std::vector<std::int64_t> stamps_ns;
+  for (const TimedPose& pose : poses) stamps_ns.push_back(pose.row.stamp_ns);
+  BITELINE_ASSIGN(const auto counts, session::read_encoder_table(counts_file, stamps_ns));
+  for (std::size_t i = 0; i < poses.size(); ++i) poses[i].row.encoder_ticks = counts[i];
   return poses;
 }
 

@@ -83,6 +83,7 @@ class Import {
                   imported_.lacks.c_str());
     }
     if (poses_) BITELINE_TRY(poses_->close());
+    if (counts_) BITELINE_TRY(counts_->close());
     if (scan_) BITELINE_TRY(scan_->close());
     if (imported_.pictures > 0) BITELINE_TRY(write_frames());
     if (!imported_.lacks.empty()) BITELINE_TRY(mark_incomplete());
@@ -109,6 +110,14 @@ class Import {
       BITELINE_TRY(poses_->add(session::k_pose_table_head));
     }
     last_pose_ns_ = imported_.poses++ == 0 ? row.stamp_ns : std::max(last_pose_ns_, row.stamp_ns);
+    if (row.encoder_ticks) {
+      if (!counts_) {
+        BITELINE_ASSIGN(counts_, Output::create(folder_ / "pose0/encoder.csv"));
+        BITELINE_TRY(counts_->add(session::k_encoder_table_head));
+      }
+      BITELINE_TRY(
+          counts_->add(std::to_string(row.stamp_ns) + ',' + std::to_string(*row.encoder_ticks) + '\n'));
+    }
     return poses_->add(table_row(row));
   }
 
@@ -195,7 +204,7 @@ class Import {
 
   fs::path folder_;
   Imported imported_;
-  std::optional<Output> poses_, scan_;
+  std::optional<Output> poses_, counts_, scan_;
   std::int64_t last_pose_ns_{0};
   std::optional<FrameRow> row_;
   std::vector<FrameRow> frames_;

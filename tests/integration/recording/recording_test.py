@@ -7,6 +7,10 @@ import subprocess
 import sys
 import tempfile
 
+sys.dont_write_bytecode = True
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "support"))
+import encoder_counts  # noqa: E402
+
 PICTURES = "cam0/data"
 
 
@@ -43,6 +47,20 @@ def check_same_line(tool, session, file, folder):
     assert not (folder / "from-file" / "unpacked").exists()
     points = len((folder / "from-file" / "line.csv").read_text().splitlines()) - 1
     print(f"replayed from the file: the same cloud and the same line of {points} points", flush=True)
+
+
+def check_counts(tool, session, folder):
+    """An encoder's counts go into the file and come out again, row by row; nothing else is another."""
+    copy, _ = encoder_counts.counted(session, folder)
+    file, back = folder / "counted.mcap", folder / "counted-back"
+    run(tool, "record", "export", copy, "--out", file)
+    run(tool, "record", "import", file, "--out", back)
+    assert (back / "pose0/encoder.csv").read_bytes() == (copy / "pose0/encoder.csv").read_bytes()
+    check_same_session(copy, back)
+    assert not (folder / "back" / "pose0/encoder.csv").exists()
+    (copy / "pose0/encoder.csv").write_text("5,5\n")
+    said = run(tool, "record", "export", copy, "--out", folder / "none.mcap", status=2).stderr
+    assert "pose0/encoder.csv row 1, field 1" in said and said.count("\n") == 1, said
 
 
 def check_damage(tool, file, folder):
@@ -109,6 +127,7 @@ def main():
         assert checked["last_link"] == told["last_link"] and checked["all_check_sums"] and not checked["faults"]
         run(tool, "record", "import", file, "--out", folder / "back")
         check_same_session(session, folder / "back")
+        check_counts(tool, golden / "part", folder)
         check_same_line(tool, session, file, folder)
         run(tool, "record", "export", session, "--out", folder / "packed.mcap", "--results", folder / "from-file")
         packed = verdict(tool, folder / "packed.mcap")

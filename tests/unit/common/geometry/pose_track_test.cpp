@@ -4,6 +4,7 @@
 #include <CppUTest/TestHarness.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -42,6 +43,38 @@ TEST_GROUP(PoseTrack) {
     return samples;
   }
 };
+
+TEST(PoseTrack, AnEncodersCountIsLinearBetweenTheTwoNeighbours) {
+  std::vector<PoseSample> samples = record(0.002, 5, 0, 0);
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    samples[i].encoder_ticks = -7 + static_cast<std::int64_t>(i * i) * 10;
+  const auto count_at = [&](double time_s) {
+    PoseEstimate sut;
+    CHECK(rt_pose_at(samples, at_s(time_s), {}, sut));
+    return sut.encoder_ticks;
+  };
+  CHECK(count_at(0.002) == 3);    // at a sample: its own
+  CHECK(count_at(0.0029) == 17);  // 3 + 0.45 * 30 = 16.5, to the nearest
+  CHECK(count_at(0.0000) == -7);
+  CHECK(count_at(0.0001) == -6);  // -6.5, away from zero as a way of 0.5
+  CHECK(count_at(0.008) == 153);
+  CHECK(!count_at(0.0081));  // nothing behind: none is made up
+  CHECK(!count_at(-0.0001));
+  samples[2].encoder_ticks.reset();
+  CHECK(!count_at(0.003));
+  CHECK(count_at(0.001) == -2);
+  samples[1].encoder_ticks = std::numeric_limits<std::int64_t>::min();
+  samples[0].encoder_ticks = std::numeric_limits<std::int64_t>::max();
+  CHECK(!count_at(0.001));  // no machine's
+}
+
+TEST(PoseTrack, NoCountAcrossAHole) {
+  const std::vector<PoseSample> samples{{.stamp = at_s(1), .encoder_ticks = 100},
+                                        {.stamp = at_s(2.5), .encoder_ticks = 200}};
+  PoseEstimate sut;
+  CHECK(rt_pose_at(samples, at_s(1.2), {}, sut));
+  CHECK(sut.stale && !sut.encoder_ticks);
+}
 
 TEST(PoseTrack, ExactMotionIsNotRoundedAndHasNoLag) {
   const auto samples = record(0.002, 500, 0, 0);

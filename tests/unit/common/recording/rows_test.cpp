@@ -23,6 +23,14 @@ TEST(RecordingRows, PoseKeepsEveryBit) {
   SUCCEEDS(again);
   LONGS_EQUAL(row.stamp_ns, again->stamp_ns);
   CHECK(std::memcmp(row.values.data(), again->values.data(), sizeof row.values) == 0);
+  CHECK(!again->encoder_ticks);
+}
+
+TEST(RecordingRows, AnEncodersCountIsInThePosesMessageWhereThereIsOne) {
+  const std::string message = message_of(PoseRow{.stamp_ns = 1, .encoder_ticks = -0x1f'ffff'ffff'ffff});
+  CHECK(pose_row_of(view(message))->encoder_ticks == -0x1f'ffff'ffff'ffff);
+  const std::string half = R"({"stamp_ns":1,"p_mm":[1,2,3],"q_wxyz":[1,0,0,0],"encoder_ticks":0.5})";
+  FAILS_NAMING(Errc::BadValue, "encoder_ticks: a whole number", pose_row_of(view(half)));
 }
 
 TEST(RecordingRows, FrameIsReadAsItWasSaid) {

@@ -59,6 +59,27 @@ TEST(Session, StampsAtTheEndsOfTheirRangeAreRefused) {
   FAILS_NAMING(Errc::BadValue, "pose0/data.csv row 1, field 2", read());
 }
 
+TEST(Session, AnEncodersCountsBelongToTheirPoses) {
+  SUCCEEDS(read());
+  CHECK(!read()->poses[0].encoder_ticks);
+  // A pose may have none; what stands behind the last pose is of a recording that was cut.
+  folder.write("pose0/encoder.csv",
+               std::string{k_encoder_table_head} + "900,-5\n2100,9007199254740992\n2200,1\n");
+  const auto sut = read();
+  SUCCEEDS(sut);
+  CHECK(sut->poses[0].encoder_ticks == -5);
+  CHECK(!sut->poses[1].encoder_ticks);
+  CHECK(sut->poses[2].encoder_ticks == std::int64_t{1} << 53);
+  folder.write("pose0/encoder.csv", "900,-5\n1501,7\n");
+  FAILS_NAMING(Errc::BadValue, "pose0/encoder.csv row 2, field 1: rising stamps of the poses", read());
+  folder.write("pose0/encoder.csv", "900,-5\n900,7\n");
+  FAILS_NAMING(Errc::BadValue, "pose0/encoder.csv row 2, field 1: rising stamps of the poses", read());
+  folder.write("pose0/encoder.csv", "900,9007199254740993\n");
+  FAILS_NAMING(Errc::BadValue, "pose0/encoder.csv row 1, field 2: a count between", read());
+  folder.write("pose0/encoder.csv", "900,1.5\n");
+  FAILS_NAMING(Errc::BadValue, "pose0/encoder.csv row 1, field 2: a whole number", read());
+}
+
 TEST(Session, BadRowsAreNamed) {
   poses = "900,1,2,3,1,0,0,0\n1500,4,5,6,1,0\n2100,7,8,9,1,0,0,0\n";
   FAILS_NAMING(Errc::BadFormat, "pose0/data.csv row 2: 8 fields expected, found 6", read());

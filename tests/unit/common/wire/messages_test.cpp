@@ -94,12 +94,22 @@ TEST(Messages, ProfileComesBackBitForBit) {
     LONGS_EQUAL(12, got.header.sequence);
     LONGS_EQUAL(19, got.header.frame_sequence);
     LONGS_EQUAL(12345, got.header.pose_age.count());
+    CHECK(got.header.encoder_ticks == -0x1'2345'6789'abcd - 12);
     LONGS_EQUAL(sent.header.flags, got.header.flags);
     for (std::size_t i = 0; i < sent.points.size(); ++i) {
       CHECK(test::same_bits(sent.points[i], got.points[i]));
       CHECK(std::bit_cast<std::uint32_t>(sent.points[i].sigma_mm) ==
             std::bit_cast<std::uint32_t>(got.points[i].sigma_mm));
     }
+  }
+}
+
+TEST(Messages, AnEncodersCountIsAbsentOrAnyNumber) {
+  profile::Profile profile = test::made_profile(5, 3);
+  CHECK(!round_trip(profile).header.encoder_ticks);
+  for (const std::int64_t ticks : {std::int64_t{0}, std::numeric_limits<std::int64_t>::min()}) {
+    profile.header.encoder_ticks = ticks;
+    CHECK(round_trip(profile).header.encoder_ticks == ticks);
   }
 }
 

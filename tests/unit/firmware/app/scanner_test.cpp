@@ -19,6 +19,7 @@ using std::chrono::milliseconds;
 
 constexpr std::int64_t k_frame_period_ns = 1'000'000;
 constexpr std::int64_t k_first_ns = 1'000'000'000;
+constexpr std::int64_t k_tick_ns = 1000;  ///< an encoder that tells the time in its own unit
 
 /// One picture for ever, a stamp per frame; skips a number now and then as a camera that loses frames.
 class FastCamera final : public hal::LineCamera {
@@ -87,6 +88,7 @@ class FastPoses final : public hal::PoseSource {
     hal::RobotPose sample;
     sample.stamp = RobotClock::time_point{Nanoseconds{time_ns}};
     sample.T_base_flange.translation().x() = 1e-9 * static_cast<double>(time_ns);
+    sample.encoder_ticks = time_ns / k_tick_ns;
     sample.sequence = given_++;
     return sample;
   }
@@ -145,6 +147,8 @@ TEST(Scanner, LosslessSourceWaitsAndEveryProfileArrivesWithItsPose) {
     const double expected_mm =
         1e-9 * static_cast<double>(profile->header.exposure_mid.time_since_epoch().count());
     DOUBLES_EQUAL(expected_mm, profile->header.T_base_flange.translation().x(), 1e-6);
+    CHECK(profile->header.encoder_ticks ==
+          profile->header.exposure_mid.time_since_epoch().count() / k_tick_ns);
     CHECK(profile->count > 0);
     sut->give_back();
     ++taken;

@@ -51,6 +51,19 @@ TEST(PoseHistory, FindsPosesAlsoAfterTheRingCameRound) {
   CHECK(pose.extrapolated);
 }
 
+TEST(PoseHistory, CountsComeBackWhereThereAreAny) {
+  for (int i = 0; i < 6; ++i) {
+    geometry::PoseSample sample{.stamp = at_ms(2 * i), .T_base_flange = cruising(at_ms(2 * i))};
+    if (i < 4) sample.encoder_ticks = -100 * i;
+    CHECK(sut->rt_push(sample));
+  }
+  geometry::PoseEstimate pose;
+  CHECK(sut->rt_pose_at(at_ms(5), {}, pose));
+  CHECK(pose.encoder_ticks == -250);
+  CHECK(sut->rt_pose_at(at_ms(7), {}, pose));
+  CHECK(!pose.encoder_ticks);
+}
+
 TEST(PoseHistory, IsReadyWhenTheWindowIsComplete) {
   const geometry::PoseSmoothing smoothing{.samples_each_side = 4, .reach = std::chrono::milliseconds{50}};
   for (int i = 0; i < 10; ++i) push(2 * i);      // to 18 ms

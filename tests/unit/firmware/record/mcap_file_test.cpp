@@ -29,6 +29,7 @@ SensorClock::time_point at_ms(std::int64_t ms) {
 struct Read {
   std::map<std::string, std::uint64_t> messages;  ///< by topic
   std::string facts;                              ///< the last recording.yaml
+  std::string last_pose;                          ///< JSON
   std::string damage;
 };
 
@@ -36,8 +37,10 @@ Read read(const std::filesystem::path& file) {
   Read all;
   const auto end = mcap::read_messages(
       file, {.on_message =
-                 [&](const mcap::Channel& channel, const mcap::Schema*, const mcap::Message&) {
+                 [&](const mcap::Channel& channel, const mcap::Schema*, const mcap::Message& message) {
                    ++all.messages[channel.topic];
+                   if (channel.topic == "/pose0/pose")
+                     all.last_pose.assign(message.data.begin(), message.data.end());
                    return Result<void>{};
                  },
              .on_attachment =
@@ -108,7 +111,8 @@ TEST_GROUP(McapFile) {
   void keep(int number) {
     recorder->tap()->rt_keep_pose({.stamp = at_ms(number),
                                    .rotation = Eigen::Quaterniond{0.1, 0.7, 0.5, 0.3}.normalized(),
-                                   .translation_mm = {1.0 / 3, -200.0 / 7, 1e-7}});
+                                   .translation_mm = {1.0 / 3, -200.0 / 7, 1e-7},
+                                   .encoder_ticks = -7700 - number});
     recorder->tap()->rt_keep_frame({.pixels = pixels,
                                     .width_px = k_width_px,
                                     .height_px = k_height_px,
@@ -142,6 +146,7 @@ TEST(McapFile, EndedScanIsWholeAndEverySumHolds) {
   LONGS_EQUAL(5, all.messages.at("/pose0/pose"));
   LONGS_EQUAL(1, all.messages.at("/scan/message"));
   LONGS_EQUAL(1, all.messages.at("/scan/event"));
+  STRCMP_CONTAINS("\"encoder_ticks\":-7740}", all.last_pose.c_str());
   STRCMP_CONTAINS("complete: true", all.facts.c_str());
   STRCMP_CONTAINS("pictures: 5", all.facts.c_str());
 }

@@ -70,17 +70,18 @@ TEST_GROUP(SessionRecorder) {
                                     .exposure_mid = at_ms(number),
                                     .flags = number % 2 == 0 ? 0U : hal::k_frame_laser_off});
   }
-  void keep_pose(int number) {
+  void keep_pose(int number, std::optional<std::int64_t> encoder_ticks = std::nullopt) {
     recorder->tap()->rt_keep_pose({.stamp = at_ms(number),
                                    .rotation = Eigen::Quaterniond{0.1, 0.7, 0.5, 0.3}.normalized(),
-                                   .translation_mm = {1.0 / 3, -200.0 / 7, 1e-7}});
+                                   .translation_mm = {1.0 / 3, -200.0 / 7, 1e-7},
+                                   .encoder_ticks = encoder_ticks});
   }
 };
 
 TEST(SessionRecorder, WhatIsReadBackIsWhatWasKeptToTheLastBit) {
   begin();
   for (int i = 0; i < 5; ++i) {
-    keep_pose(10 * i);
+    keep_pose(10 * i, -(std::int64_t{1} << (10 * i)));
     keep_frame(10 * i, i == 3 ? 64 : k_height_px);
   }
   recorder->keep_message(hello_of(model));
@@ -103,6 +104,7 @@ TEST(SessionRecorder, WhatIsReadBackIsWhatWasKeptToTheLastBit) {
   const SE3 kept =
       geometry::make_se3(Eigen::Quaterniond{0.1, 0.7, 0.5, 0.3}.normalized(), {1.0 / 3, -200.0 / 7, 1e-7});
   CHECK(read->poses[1].T_base_flange.matrix() == kept.matrix());
+  for (std::size_t i = 0; i < 5; ++i) CHECK(read->poses[i].encoder_ticks == -(std::int64_t{1} << (10 * i)));
 }
 
 TEST(SessionRecorder, DiskSlowerThanTheCameraCostsPicturesAndNothingElse) {

@@ -133,6 +133,7 @@ TEST(EncoderMotion, PoseIsTheWayAlongTheAxis) {
   DOUBLES_EQUAL(200 * std::cos(0.5), pose->T_base_flange.translation().x(), 1e-9);
   DOUBLES_EQUAL(200 * std::sin(0.5), pose->T_base_flange.translation().y(), 1e-9);
   DOUBLES_EQUAL(50, pose->T_base_flange.translation().z(), 1e-9);
+  CHECK(pose->encoder_ticks == 500);
   const auto next = sut.next_pose(std::chrono::milliseconds{100});
   SUCCEEDS(next);
   CHECK(*next->stamp_sensor > *pose->stamp_sensor);

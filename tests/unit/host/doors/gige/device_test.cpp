@@ -87,7 +87,7 @@ TEST(GigeDevice, PicturesGoOutAsMono8AndProfilesDoNot) {
   LONGS_EQUAL(100, read(gige::own::k_height));
   LONGS_EQUAL(code(Status::InvalidParameter), write(gige::own::k_height, 7));
   LONGS_EQUAL(0, write(gige::own::k_chunk_mode, 1));
-  LONGS_EQUAL(500 * 100 + 8 + 144 + 8, read(gige::own::k_payload_size));
+  LONGS_EQUAL(500 * 100 + 8 + 160 + 8, read(gige::own::k_payload_size));
   LONGS_EQUAL(0, write(k_stream_address, 0x7f00'0001));
   LONGS_EQUAL(0, write(k_stream_port, 6000));
   LONGS_EQUAL(0, write(gige::own::k_acquisition, 1));

@@ -36,15 +36,20 @@ TEST(GigeExposure, WhatIsInForceGoesBeforeWhatTheHeadWasTold) {
   CHECK(gige::exposure_of(health, k_before) == Nanoseconds{300'000});
 }
 
-TEST(GigeExposure, ARecordTellsItAndTheCamerasCountBehindThePose) {
+TEST(GigeExposure, ARecordTellsItAndTheCountsBehindThePose) {
   profile::ProfileHeader header;
   header.sequence = 5;
   header.frame_sequence = 0x1122334455667788;
   const auto record = gige::line_record(3, header, Nanoseconds{250'500});
-  LONGS_EQUAL(144, record.size());
+  LONGS_EQUAL(160, record.size());
   CHECK(long_at(record, 16) == 5);
   DOUBLES_EQUAL(250.5, std::bit_cast<double>(long_at(record, 128)), 0);
   CHECK(long_at(record, 136) == 0x1122334455667788);
+  CHECK(long_at(record, 144) == 0 && long_at(record, 152) == 0);
+  header.encoder_ticks = -3;
+  const auto counted = gige::line_record(3, header, Nanoseconds{250'500});
+  CHECK(long_at(counted, 144) == ~std::uint64_t{2});
+  CHECK(long_at(counted, 152) == 1ULL << 32U);
 }
 
 }  // namespace biteline
