@@ -75,6 +75,7 @@ void tables(Seeds& seeds) {
   seeds.keep(cloud::write_line(seeds.in("tables", "line.csv"), line));
   poses.resize(4);
   seeds.keep(session::write_pose_table(seeds.in("tables", "poses.csv"), poses));
+  seeds.bytes("tables", "encoder.csv", std::string{session::k_encoder_table_head} + "0,-5\n1000,7\n3000,9\n");
 }
 
 void messages(Seeds& seeds) {

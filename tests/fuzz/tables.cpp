@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Tables of poses, lines and truths; what reads as a line is judged, too, in bounded time.
+// Tables of poses, encoder counts, lines and truths; what reads as a line is judged, too, in bounded time.
+#include <array>
+
 #include "common/core/numbers.hpp"
+#include "common/geometry/pose_track.hpp"
 #include "common/session/session.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/robot/path/checks/line_check.hpp"
@@ -18,6 +21,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     for (const session::StampedPose& pose : *poses)
       fuzz::demand(is_plausible_place(Vec3{pose.T_base_flange.translation()}), "poses are near");
+  }
+  constexpr std::array<std::int64_t, 4> k_stamps_ns{0, 1000, 2000, 3000};
+  const auto counts = session::read_encoder_table(file.path(), k_stamps_ns);
+  if (!counts) fuzz::demand_clean(counts.error());
+  for (std::size_t i = 0; counts && i < counts->size(); ++i) {
+    const std::int64_t ticks = (*counts)[i].value_or(0);
+    fuzz::demand(ticks >= -geometry::k_most_ticks && ticks <= geometry::k_most_ticks, "counts are counts");
   }
   for (const auto& line : {cloud::read_line(file.path()), cloud::read_positions(file.path())}) {
     if (!line) {
