@@ -2,7 +2,6 @@
 #include "host/bite_line/side/outer_layer.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -21,6 +20,8 @@ constexpr double k_fine_z_mm = 0.33;  // of the envelope
 // Rows so much higher than that may be as high as a groove, and take its bottom for what lies behind its
 // flanks.  Read off scans: one of a real shape has rows of 2.3 and is better with them, made ones from 2.45.
 constexpr double k_high_rows = 2.4;
+// Then this many points of a column fall into a row where they lie anywhere.
+constexpr double k_row_points = 3.0;
 constexpr float k_layer_o_mm = 0.75F;
 constexpr int k_layer_bins = 80;
 
@@ -62,15 +63,14 @@ class DepthLayers {
  public:
   DepthLayers(std::span<const OutlinePlace> places, const Buckets& buckets, const Columns& columns,
               const OuterLayerConfig& config, double grow)
-      : raster_{config, k_layer_z_mm * grow}, columns_{columns}, cols_{buckets.size()} {
-    const std::size_t cells = cols_ * raster_.rows;
+      : raster_{config, k_layer_z_mm * grow}, columns_{columns} {
+    const std::size_t cells = buckets.size() * raster_.rows;
     counts_.assign(cells * k_layer_bins, 0);
     limit_.assign(cells, -k_inner_mm);
     totals_.assign(cells, 0);
-    Large<float> top(cells, k_nothing_mm);
     const int gap_bins =
         std::max(1, static_cast<int>(std::lround(config.gap_mm / static_cast<double>(k_layer_o_mm))));
-    tbb::parallel_for(std::size_t{0}, cols_, [&](std::size_t col) {
+    tbb::parallel_for(std::size_t{0}, buckets.size(), [&](std::size_t col) {
       for (const std::uint32_t i : buckets[col]) {
         const std::size_t row = raster_.row_of(places[i].z_mm, columns_.level_mm(col, places[i]));
         if (row == raster_.rows) continue;
@@ -80,12 +80,9 @@ class DepthLayers {
       for (std::size_t cell = col * raster_.rows; cell < (col + 1) * raster_.rows; ++cell) {
         const std::span<const std::uint8_t> counts{counts_.data() + cell * k_layer_bins, k_layer_bins};
         for (const std::uint8_t count : counts) totals_[cell] += count;
-        const Cluster cluster = outermost_cluster(counts, totals_[cell], gap_bins);
-        limit_[cell] = cluster.low_mm;
-        top[cell] = cluster.high_mm;
+        limit_[cell] = innermost_of_outermost(counts, totals_[cell], gap_bins);
       }
     });
-    follow_neighbours(top, static_cast<float>(config.gap_mm));
   }
 
   [[nodiscard]] bool contains(std::size_t col, const OutlinePlace& place) const {
@@ -112,24 +109,18 @@ class DepthLayers {
         std::clamp((o_mm + k_inner_mm) / k_layer_o_mm, 0.0F, k_layer_bins - 1.0F));
   }
 
-  struct Cluster {
-    float low_mm{-k_inner_mm};
-    float high_mm{k_nothing_mm};
-  };
-
   /// Goes inwards from the outermost bin and stops at the first gap behind a cluster that is more than a
   /// stray point.
-  static Cluster outermost_cluster(std::span<const std::uint8_t> counts, std::uint32_t total, int gap_bins) {
-    if (total == 0) return {};
+  static float innermost_of_outermost(std::span<const std::uint8_t> counts, std::uint32_t total,
+                                      int gap_bins) {
+    if (total == 0) return -k_inner_mm;
     const std::uint32_t enough = std::clamp<std::uint32_t>(total / 12, 1, 4);
     std::uint32_t cluster = 0;
     int empty = 0;
     int lowest = 0;
-    int highest = 0;
     for (int bin = k_layer_bins - 1; bin >= 0; --bin) {
       const std::uint8_t count = counts[static_cast<std::size_t>(bin)];
       if (count > 0) {
-        if (cluster == 0) highest = bin;
         cluster += count;
         lowest = bin;
         empty = 0;
@@ -138,48 +129,12 @@ class DepthLayers {
         cluster = 0;
       }
     }
-    const auto edge = [](int bin) { return static_cast<float>(bin) * k_layer_o_mm - k_inner_mm; };
-    return {edge(lowest) - 0.01F, edge(highest + 1)};
-  }
-
-  /// A cell whose outermost points lie a layer behind those of most cells around it has seen only the inner
-  /// layer.
-  void follow_neighbours(std::span<const float> top, float gap_mm) {
-    const Large<float> limit = limit_;
-    tbb::parallel_for(std::size_t{0}, cols_, [&](std::size_t col) {
-      std::array<std::pair<float, float>, 15> around;
-      for (std::size_t row = 0; row < raster_.rows; ++row) {
-        const std::size_t cell = col * raster_.rows + row;
-        if (top[cell] <= k_nothing_mm) continue;
-        const float clear_mm = top[cell] + gap_mm + k_layer_o_mm;
-        std::size_t count = 0;
-        std::size_t clear = 0;
-        for (int away = -2; away <= 2; ++away) {
-          const std::size_t c = (col + 2 * cols_ - 2 + static_cast<std::size_t>(away + 2)) % cols_;
-          const float up_rows =
-              static_cast<float>(away) * columns_.climb[col] * columns_.width_mm * raster_.per_row;
-          const auto level = static_cast<std::ptrdiff_t>(row) + std::lround(up_rows);
-          for (std::ptrdiff_t r = level - 1; r <= level + 1; ++r) {
-            if (r < 0 || r >= static_cast<std::ptrdiff_t>(raster_.rows)) continue;
-            const std::size_t other = c * raster_.rows + static_cast<std::size_t>(r);
-            if (top[other] <= k_nothing_mm) continue;
-            around[count++] = {top[other], limit[other]};
-            clear += top[other] > clear_mm ? 1U : 0U;
-          }
-        }
-        if (count < 3 || clear < count - count / 2) continue;
-        const auto middle = around.begin() + static_cast<std::ptrdiff_t>(count / 2);
-        std::nth_element(around.begin(), middle, around.begin() + static_cast<std::ptrdiff_t>(count));
-        limit_[cell] = std::max(limit_[cell], middle->second);
-      }
-    });
+    return static_cast<float>(lowest) * k_layer_o_mm - k_inner_mm - 0.01F;
   }
 
   static constexpr std::uint8_t k_full = 255;  // nothing here asks for more
-  static constexpr float k_nothing_mm = -1000.0F;
   Raster raster_;
   const Columns& columns_;
-  std::size_t cols_;
   Large<float> limit_;
   Large<std::uint8_t> counts_;
   Large<std::uint32_t> totals_;
@@ -267,9 +222,15 @@ Buckets keep_outer_layer(std::span<OutlinePlace> places, const OuterLayerConfig&
   const DepthLayers layers{places, buckets, columns, config, grow};
   const Raster fine{config, k_fine_z_mm};
   const Raster higher{config, k_fine_z_mm * grow};
+  const double points_per_mm = points_per_mm2 * config.length_mm / static_cast<double>(cols);
+  const Raster lower{config, std::clamp(k_row_points / points_per_mm, k_fine_z_mm, k_fine_z_mm * grow)};
   tbb::parallel_for(std::size_t{0}, buckets.size(), [&](std::size_t col) {
-    const bool in_fine_rows = grow > k_high_rows && dense_in_height(col, buckets[col], columns, places, fine);
-    keep_outer_layer_of(col, buckets[col], columns, places, layers, in_fine_rows ? fine : higher,
+    const bool high = grow > k_high_rows;
+    const bool dense = high && dense_in_height(col, buckets[col], columns, places, fine);
+    keep_outer_layer_of(col, buckets[col], columns, places, layers,
+                        dense  ? fine
+                        : high ? lower
+                               : higher,
                         static_cast<float>(config.depth_mm));
   });
   return buckets;
