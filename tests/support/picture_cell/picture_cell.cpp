@@ -8,6 +8,7 @@
 #include <cstring>
 #include <random>
 
+#include "common/canpose/encoder.hpp"
 #include "common/canpose/pose_frames.hpp"
 #include "common/config/sensor_yaml.hpp"
 #include "firmware/pipeline/profile_pipeline.hpp"
@@ -146,7 +147,13 @@ void PictureCell::plug_camera() {
 }
 
 std::string PictureCell::board_file_text() const {
-  return sim::board_yaml_text({.wires = name_, .camera = line_ ? "127.0.0.2" : "127.0.0.1"});
+  std::string text = sim::board_yaml_text({.wires = name_, .camera = line_ ? "127.0.0.2" : "127.0.0.1"});
+  if (config_.encoder_node == 0) return text;
+  const std::string bus = "  kind: can\n  interface: sim:" + name_;
+  return text.replace(text.find(bus), bus.size(),
+                      "  kind: encoder\n  interface: sim:" + name_ +
+                          "\n  node: " + std::to_string(config_.encoder_node) +
+                          "\n  per_tick_mm: [0.005, 0, 0]\n  per_tick_rad: [0, 0, 0]");
 }
 
 std::string PictureCell::sensor_file_text() const {
@@ -183,6 +190,14 @@ SE3 PictureCell::T_base_flange_at(SensorClock::time_point instant) const {
   return T;
 }
 
+void PictureCell::send_encoder(SensorClock::time_point instant) {
+  const double way_ticks = k_ticks_per_s * 1e-9 * static_cast<double>((instant - start_).count());
+  const auto position = static_cast<std::uint32_t>(std::llround(way_ticks));
+  hal::CanFrame frame{.id = canpose::tpdo1_id(config_.encoder_node), .size_bytes = 4, .received = instant};
+  for (std::size_t i = 0; i < 4; ++i) frame.data[i] = static_cast<std::uint8_t>(position >> (8 * i));
+  bus_->send(frame);
+}
+
 void PictureCell::send_poses(const std::stop_token& stop) {
   constexpr Nanoseconds k_hour = std::chrono::hours{1};
   // A controller without hardware stamps: its interrupt comes when it comes.
@@ -195,6 +210,7 @@ void PictureCell::send_poses(const std::stop_token& stop) {
     if (faults.robot_needs_light && !laser_on()) set_scan_active(false);
     counter = static_cast<std::uint8_t>(counter % canpose::k_sync_counter_last + 1);
     if (faults.bus_off) continue;
+    if (config_.encoder_node != 0) send_encoder(due);
     // The instant is the grid's and not this thread's: a real controller's SYNC does not wait for our
     // scheduler.
     const bool ahead = sim::due(faults.poses_from_future);

@@ -30,6 +30,8 @@ struct PictureCellConfig {
   double lossy_line_ratio{0};   ///< by a line before the camera, which can
   /// Different ones, then again from the first.  A prime, so that no loss of a round number hides.
   std::uint32_t pictures{13};
+  /// CANopen node of an encoder, which is the pose then; 0: none.
+  std::uint8_t encoder_node{0};
 };
 
 /// What a test may do to the running cell.  Any thread.
@@ -70,6 +72,8 @@ class PictureCell {
   [[nodiscard]] SE3 T_base_flange_at(SensorClock::time_point instant) const;
   static constexpr double k_speed_mm_s = 250;
   static constexpr double k_radius_mm = 100;
+  /// Of the encoder, which turns evenly.
+  static constexpr double k_ticks_per_s = 47'321;
 
   /// The stripe's row in picture `number` (taken modulo their count), in the region.
   [[nodiscard]] double stripe_row_px(std::uint64_t number, int column) const;
@@ -89,6 +93,7 @@ class PictureCell {
   void on_edge(SensorClock::time_point edge, Nanoseconds pulse);
   void fire(SensorClock::time_point edge, Nanoseconds pulse);
   void send_poses(const std::stop_token& stop);
+  void send_encoder(SensorClock::time_point instant);
 
   PictureCellConfig config_;
   geometry::SensorModel head_;
