@@ -37,6 +37,31 @@ inline void add_stripe(const MadeStripe& made, std::vector<double>& mean) {
   }
 }
 
+/// How much of the light comes back, by column and row.
+using Albedo = std::function<double(double, double)>;
+
+/// The stripe on a surface, seen through optics that blur by 0.6 px.
+inline std::vector<double> on_surface(const MadeStripe& made, const Albedo& albedo) {
+  constexpr double k_blur_px = 0.6, k_step_px = 0.3;
+  std::vector<double> mean(static_cast<std::size_t>(made.width_px * made.height_px), 0.0);
+  for (int u = 0; u < made.width_px; ++u) {
+    for (int v = 0; v < made.height_px; ++v) {
+      if (std::fabs(v - made.row_px(u)) > 6 * made.sigma_px) continue;
+      double sum = 0, weights = 0;
+      for (int a = -5; a <= 5; ++a) {
+        for (int b = -5; b <= 5; ++b) {
+          const double weight = std::exp(-0.5 * (a * a + b * b) * std::pow(k_step_px / k_blur_px, 2));
+          const double x = (v + b * k_step_px - made.row_px(u)) / made.sigma_px;
+          weights += weight;
+          sum += weight * std::exp(-0.5 * x * x) * albedo(u + a * k_step_px, v + b * k_step_px);
+        }
+      }
+      mean[static_cast<std::size_t>(v * made.width_px + u)] = made.amplitude * sum / weights;
+    }
+  }
+  return mean;
+}
+
 /// Read noise, shot noise, speckle independent from pixel to pixel, then eight bits.
 inline std::vector<std::uint8_t> expose(const MadeStripe& made, const std::vector<double>& mean,
                                         std::mt19937_64& random) {

@@ -3,10 +3,15 @@
 // with one of its heuristics knocked out.
 //
 //   knockout_verdicts
+#include <cmath>
 #include <cstdio>
+#include <memory>
+#include <numbers>
 #include <string>
 
 #include "common/config/sensor_yaml.hpp"
+#include "common/stripe/peak_extractor.hpp"
+#include "common/stripe/peak_selector.hpp"
 #include "hal/sim/shoe/random.hpp"
 #include "host/bite_line/evaluation/cloud_error.hpp"
 #include "host/bite_line/evaluation/line_error.hpp"
@@ -16,7 +21,10 @@
 #include "host/intake/session_run.hpp"
 #include "host/transfer/transfer.hpp"
 #include "tests/support/known_shoe.hpp"
+#include "tests/support/last_pair.hpp"
+#include "tests/support/line_sweep.hpp"
 #include "tests/support/made_pair.hpp"
+#include "tests/support/made_stripe.hpp"
 #include "tests/support/shared_data.hpp"
 
 namespace biteline::bench {
@@ -100,6 +108,18 @@ void line_rows() {
   }
 }
 
+/// Shoes of the sweep that need what other rows do not: tilted ones, strays beside and on them, caps' edges.
+void sweep_rows() {
+  for (const std::uint64_t index : {43, 47, 67, 121, 128, 148, 178, 283}) {
+    const test::SweepCell cell = test::sweep_cell(20'261'122, index);
+    const test::SweepScan scan = test::scan_of(cell);
+    line_row("line, " + std::string{sim::name_of(cell.shoe.shoe_class)} + " with " +
+                 std::string{sim::name_of(cell.shoe.decoy)} + ", fault " +
+                 std::string{test::name_of(cell.fault)} + ", " + std::to_string(index),
+             scan.cloud, scan.truth);
+  }
+}
+
 void transfer_row(const std::string& name, const test::MadePair& pair, const Eigen::Affine3d& change,
                   const transfer::TransferOptions& options) {
   cloud::PointCloud upper = pair.upper_cloud;
@@ -113,6 +133,30 @@ void transfer_row(const std::string& name, const test::MadePair& pair, const Eig
   row(name, mean_mm <= 0.2 ? "right" : mean_mm <= 0.5 ? "imprecise" : "wrong", mean_mm);
 }
 
+Eigen::Affine3d scaled(double x, double y, double z) {
+  Eigen::Affine3d change = Eigen::Affine3d::Identity();
+  change.linear() = Vec3{x, y, z}.asDiagonal();
+  return change;
+}
+
+/// A factory that grades by the length alone, sections and heights as they are.
+void longer_row(const std::string& name, test::MadePair pair, sim::ShoeParameters size) {
+  size.outline.length_mm *= 0.87;
+  const sim::MadeShoe upper{sim::bare_upper_of(size, 0.15, 9)};
+  pair.upper_cloud = test::scanned(upper.parameters(), pair.T_base_upper, {.column_step_mm = 0.2});
+  pair.upper_line =
+      test::as_line(sim::carried_line(sim::true_line(sim::MadeShoe{size}, 1.0), upper), pair.T_base_upper);
+  transfer_row(name, pair, Eigen::Affine3d::Identity(), {.align = {.grade = true}});
+}
+
+/// Collars that agree with each other and not with the shoe.
+void collar_rows() {
+  const test::MadePair pair = test::last_pair({.seed = 7, .collar = test::Collar::Parallel});
+  for (const double ratio : {0.96, 1.04})
+    transfer_row("transfer, collar cut parallel, " + std::to_string(ratio) + ", graded", pair,
+                 scaled(ratio, ratio, ratio), {.align = {.grade = true}});
+}
+
 void transfer_rows() {
   for (const sim::ShoeClass shoe_class : {sim::ShoeClass::Deep, sim::ShoeClass::Stitched}) {
     for (const std::uint64_t seed : {3, 6}) {
@@ -120,16 +164,13 @@ void transfer_rows() {
           test::made_pair({.shoe_class = shoe_class, .seed = seed, .scan = {.column_step_mm = 0.2}});
       const std::string name =
           "transfer, " + std::string{sim::name_of(shoe_class)} + " " + std::to_string(seed);
-      const auto scaled = [](double x, double y, double z) {
-        Eigen::Affine3d change = Eigen::Affine3d::Identity();
-        change.linear() = Vec3{x, y, z}.asDiagonal();
-        return change;
-      };
       const transfer::TransferOptions graded{.align = {.grade = true}};
       transfer_row(name + ", same size", pair, scaled(1, 1, 1), {});
       transfer_row(name + ", all 4 % larger, graded", pair, scaled(1.04, 1.04, 1.04), graded);
       transfer_row(name + ", 3 % smaller, graded", pair, scaled(0.97, 0.97, 0.97), graded);
       transfer_row(name + ", higher by 2 %, graded", pair, scaled(1.04, 1.04, 1.02), graded);
+      longer_row(name + ", 13 % shorter, sections as they are, graded", pair,
+                 sim::draw_shoe(shoe_class, seed));
       transfer_row(name + ", another size", pair, scaled(1.04, 1.04, 1.04), {});
       transfer_row(name + ", other foot", pair, scaled(1, -1, 1), {});
       transfer_row(name + ", upside down", pair, scaled(1, -1, -1), {});
@@ -157,6 +198,39 @@ void calibration_row(const std::string& name, const fs::path& folder) {
   row(name, rms_mm <= 0.010 ? "right" : rms_mm <= 0.030 ? "imprecise" : "wrong", rms_mm);
 }
 
+/// Black beyond an edge that comes to the stripe at 15 degrees: the columns that are taken for the surface.
+void print_row() {
+  const double angle_rad = 15 * std::numbers::pi / 180;
+  stripe::test::MadeStripe made;
+  made.width_px = 400;
+  made.amplitude = 150;
+  made.noise.speckle_contrast = 0.1F;
+  made.row_px = [](int u) { return 60 + 0.05 * u; };
+  const std::vector<double> mean = stripe::test::on_surface(made, [&](double u, double v) {
+    return (u - 200) * std::sin(angle_rad) + (v - 70) * std::cos(angle_rad) > 0 ? 0.05 : 1.0;
+  });
+  std::mt19937_64 random{5};
+  const std::vector<std::uint8_t> pixels = stripe::test::expose(made, mean, random);
+  auto extractor = stripe::PeakExtractor::create({.noise = made.noise}, made.width_px, made.height_px);
+  const auto peaks = std::make_unique<stripe::Peaks>();
+  const auto selection = std::make_unique<stripe::Selection>();
+  extractor->rt_extract({.pixels = pixels.data(), .stride_bytes = static_cast<std::size_t>(made.width_px)},
+                        *peaks);
+  stripe::PeakSelector{stripe::SelectorConfig{}}.rt_select(*peaks, *selection);
+  double sum_px2 = 0, count = 0;
+  for (int u = 0; u < made.width_px; ++u) {
+    const auto column = static_cast<std::size_t>(u);
+    const stripe::Selected& selected = selection->columns[column];
+    if (selected.kept_index < 0 || selected.flags != 0) continue;
+    const stripe::Peak& peak = peaks->columns[column].kept[static_cast<std::size_t>(selected.kept_index)];
+    if ((peak.flags & stripe::k_peak_poor_fit) != 0) continue;
+    sum_px2 += std::pow(static_cast<double>(peak.row_px) - made.row_px(u), 2);
+    ++count;
+  }
+  const double rms_px = std::sqrt(sum_px2 / std::max(count, 1.0));
+  row("stripe, black print, px", count > 100 && rms_px <= 0.15 ? "right" : "imprecise", rms_px);
+}
+
 void replay_row(const std::string& name, const fs::path& session, double right_mm) {
   const auto run = intake::run_sensor_on_session({.session = session,
                                                   .sensor_file = {},
@@ -175,10 +249,13 @@ void run() {
   replay_row("stripe, golden part", k_golden / "part", 0.0105);
   if (const auto session = test::shared_data("sessions/sport3"))
     replay_row("stripe, sport3", *session, 0.0105);
+  print_row();
   calibration_row("calibration, golden head", k_golden / "head");
   if (const auto folder = test::shared_data("calib/head21")) calibration_row("calibration, head21", *folder);
   line_rows();
+  sweep_rows();
   transfer_rows();
+  collar_rows();
 }
 
 }  // namespace

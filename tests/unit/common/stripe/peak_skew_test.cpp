@@ -18,9 +18,6 @@ constexpr int k_pictures = 5;
 /// Where the print's edge meets the stripe.
 constexpr int k_edge_column = 200;
 
-/// How much of the light comes back, by column and row.
-using Albedo = std::function<double(double, double)>;
-
 test::MadeStripe made_stripe(double sigma_px, double speckle_contrast) {
   test::MadeStripe made;
   made.width_px = 400;
@@ -32,32 +29,10 @@ test::MadeStripe made_stripe(double sigma_px, double speckle_contrast) {
 }
 
 /// Black beyond a straight edge that comes to the stripe at this angle.
-Albedo black_print(double angle_rad) {
+test::Albedo black_print(double angle_rad) {
   return [angle_rad](double u, double v) {
     return (u - k_edge_column) * std::sin(angle_rad) + (v - 70) * std::cos(angle_rad) > 0 ? 0.05 : 1.0;
   };
-}
-
-/// The stripe on such a surface, seen through optics that blur by 0.6 px.
-std::vector<double> on_surface(const test::MadeStripe& made, const Albedo& albedo) {
-  constexpr double k_blur_px = 0.6, k_step_px = 0.3;
-  std::vector<double> mean(static_cast<std::size_t>(made.width_px * made.height_px), 0.0);
-  for (int u = 0; u < made.width_px; ++u) {
-    for (int v = 0; v < made.height_px; ++v) {
-      if (std::fabs(v - made.row_px(u)) > 6 * made.sigma_px) continue;
-      double sum = 0, weights = 0;
-      for (int a = -5; a <= 5; ++a) {
-        for (int b = -5; b <= 5; ++b) {
-          const double weight = std::exp(-0.5 * (a * a + b * b) * std::pow(k_step_px / k_blur_px, 2));
-          const double x = (v + b * k_step_px - made.row_px(u)) / made.sigma_px;
-          weights += weight;
-          sum += weight * std::exp(-0.5 * x * x) * albedo(u + a * k_step_px, v + b * k_step_px);
-        }
-      }
-      mean[static_cast<std::size_t>(v * made.width_px + u)] = made.amplitude * sum / weights;
-    }
-  }
-  return mean;
 }
 
 /// Errors in standard deviations of the stripe.
@@ -123,7 +98,7 @@ TEST(PeakSkew, WhatBlackPrintCutsIsFlaggedAndTheRestIsNot) {
     for (const double angle_deg : {5.0, 15.0, 30.0}) {
       const test::MadeStripe made = made_stripe(sigma_px, 0.1);
       const double angle_rad = angle_deg * std::numbers::pi / 180;
-      const Found found = find(made, on_surface(made, black_print(angle_rad)));
+      const Found found = find(made, test::on_surface(made, black_print(angle_rad)));
       const auto text =
           StringFromFormat("sigma %.1f px, %.0f deg: surface %.3f of %d, all %.3f, %d flagged", sigma_px,
                            angle_deg, found.surface_rms, found.surface, found.all_rms, found.flagged);
@@ -142,7 +117,7 @@ TEST(PeakSkew, WhatBlackPrintCutsIsFlaggedAndTheRestIsNot) {
 TEST(PeakSkew, SpeckleCutsNothing) {
   for (const double sigma_px : {1.4, 2.1, 3.5}) {
     const test::MadeStripe made = made_stripe(sigma_px, 0.25);
-    const Found found = find(made, on_surface(made, [](double, double) { return 1.0; }));
+    const Found found = find(made, test::on_surface(made, [](double, double) { return 1.0; }));
     CHECK(found.surface > k_pictures * 395);
     LONGS_EQUAL(0, found.flagged);
     CHECK_TEXT(found.doubted < 0.01 * found.surface,
@@ -153,7 +128,7 @@ TEST(PeakSkew, SpeckleCutsNothing) {
 TEST(PeakSkew, ASmoothGradientCutsNothing) {
   // To a third along the line, and across it from half as bright again to half as bright within two widths.
   const test::MadeStripe made = made_stripe(2.1, 0.1);
-  const Found found = find(made, on_surface(made, [&](double u, double v) {
+  const Found found = find(made, test::on_surface(made, [&](double u, double v) {
                              const double across =
                                  (v - made.row_px(static_cast<int>(u))) / (4.7 * made.sigma_px);
                              return (1 - u / 600) * std::clamp(1 - 0.5 * across, 0.0, 2.0);
