@@ -23,8 +23,8 @@ BEGIN {
   label(300, 195, "lap: seen twice")
   head(305, 213, 14, 110, "#224488")
   head(395, 206, -14, 95, "#aa3322")
-  label(50, 330, "begin: yaw one way, raised,"); label(50, 350, "drawing back")
-  label(500, 330, "end: yaw the other way, rolled,"); label(500, 350, "coming nearer")
+  label(50, 330, "begin: yaw one way, raised,"); label(50, 350, "coming nearer")
+  label(500, 330, "end: yaw the other way, rolled,"); label(500, 350, "drawing back")
   label(50, 385, "Box: laser and its beam.  Ring: camera and its sight.  A right calibration sees one surface.")
   print "</svg>"
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "host/intake/live_line.hpp"
+
 namespace biteline::intake {
 namespace {
 
@@ -17,6 +19,13 @@ Error error_of(const wire::EndOfScan& end) {
     return static_cast<std::uint16_t>(row.code) == end.errc;
   });
   return fail(known ? static_cast<Errc>(end.errc) : Errc::ProtocolError, "%s", end.where.c_str()).value();
+}
+
+void keep_pose(const profile::ProfileHeader& header, std::vector<TakenFrom>& poses) {
+  if ((header.flags & profile::k_profile_not_usable) != 0) return;
+  const auto number = static_cast<std::uint32_t>(header.sequence);
+  if (poses.empty() || number > poses.back().profile)
+    poses.push_back({.profile = number, .pose = pose_of(header)});
 }
 
 }  // namespace
@@ -33,6 +42,7 @@ Result<ScanIntake> ScanIntake::recover(const fs::path& folder) {
   struct Kept {
     std::optional<wire::SensorHello> sensor;
     std::optional<CloudBuilder> builder;
+    std::vector<TakenFrom> poses;
     ScanGaps gaps;
     std::optional<wire::EndOfScan> end;
     std::uint64_t lost{0};
@@ -47,6 +57,7 @@ Result<ScanIntake> ScanIntake::recover(const fs::path& folder) {
       kept.sensor = std::move(*hello);
     } else if (const auto* profile = std::get_if<profile::Profile>(&message.body)) {
       kept.builder->add(*profile);
+      keep_pose(profile->header, kept.poses);
       kept.gaps.add(profile->header);
       kept.next = message.sequence + 1;
     } else if (const auto* gap = std::get_if<wire::Gap>(&message.body)) {
@@ -61,6 +72,7 @@ Result<ScanIntake> ScanIntake::recover(const fs::path& folder) {
                   ScanJournal::recover(folder / k_journal_name, on_message));
   ScanIntake intake{std::move(recovered.journal), std::move(*kept.sensor), recovered.position};
   intake.builder_ = std::move(*kept.builder);
+  intake.poses_ = std::move(kept.poses);
   intake.gaps_ = std::move(kept.gaps);
   intake.messages_lost_ = kept.lost;
   if (kept.end) intake.account(*kept.end);
@@ -76,6 +88,7 @@ Result<void> ScanIntake::take(const LinkEvent& event, std::span<const std::uint8
   if (const auto* profile = std::get_if<ProfileEvent>(&event)) {
     BITELINE_TRY(journal_.append(packet));
     builder_.add(profile->profile);
+    keep_pose(profile->profile.header, poses_);
     gaps_.add(profile->profile.header);
     position_.next_sequence = profile->sequence + 1;
   } else if (const auto* loss = std::get_if<LossEvent>(&event)) {
@@ -102,6 +115,7 @@ ScanOutcome ScanIntake::finish() {
   ScanOutcome outcome;
   outcome.counts = builder_.counts();
   outcome.cloud = builder_.take();
+  outcome.poses = poses_;
   outcome.sensor = sensor_;
   outcome.sensor_counters = end_.counters;
   outcome.sensor_stages = end_.stages;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/core/result.hpp"
+#include "host/cloud/uncertainty/scan_spread.hpp"
 #include "host/intake/cloud_builder.hpp"
 #include "host/intake/completeness.hpp"
 #include "host/intake/scan_gaps.hpp"
@@ -16,8 +17,15 @@
 namespace biteline::intake {
 
 /// What a scan has come to.
+/// Where the arm was when a profile was taken.
+struct TakenFrom {
+  std::uint32_t profile{0};  ///< its sequence number
+  uncertainty::ProfilePose pose{};
+};
+
 struct ScanOutcome {
   cloud::PointCloud cloud;
+  std::vector<TakenFrom> poses;  ///< of the cloud's profiles, in the order of their numbers
   IngestCounts counts;
   wire::SensorHello sensor;
   wire::Counters sensor_counters;
@@ -73,6 +81,7 @@ class ScanIntake {
   wire::SensorHello sensor_;
   ScanPosition position_;
   CloudBuilder builder_;
+  std::vector<TakenFrom> poses_;
   ScanGaps gaps_;
   LightAccount light_;
   bool light_told_{false};

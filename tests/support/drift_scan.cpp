@@ -12,8 +12,6 @@ namespace {
 
 constexpr int k_fan_rays = 260;  // some 0.6 mm apart on the wall
 constexpr double k_rate_hz = 100;
-/// A check lap lasts less.
-constexpr double k_lap_s = 0.7;
 /// Neighbouring poses are off alike: what stays from one profile to the next of the slow part, and how large
 /// that is beside the white one.
 constexpr double k_stays = 0.9, k_slow = 0.4;
@@ -52,6 +50,7 @@ Result<DriftCell> DriftCell::make(const Settings& settings) {
       .scan_speed_mm_s = settings.speed_mm_s,
       .rate_hz = k_rate_hz,
       .check = settings.check,
+      .surroundings = settings.table,
       .fineness = {.column_mm = 0.5, .fine_row_mm = 0.3, .fine_band_mm = 4.5, .coarse_row_mm = 0.4}};
   BITELINE_ASSIGN(std::unique_ptr<sim::MadeScene> scene, sim::make_scene(scene_settings));
   const auto arm = sim::ArmKinematics::named("ur10e");
@@ -59,34 +58,27 @@ Result<DriftCell> DriftCell::make(const Settings& settings) {
   DriftCell cell;
   cell.way_ =
       sim::way_of(*reachable.scan, *arm, settings.real ? sim::common_arm_dynamics() : sim::ArmDynamics{});
+  cell.last_profile_s_ = reachable.scan->full_until_s();
+  cell.rest_to_rest_s_ = reachable.scan->duration_s();
   cell.scene_ = std::move(scene);
   return cell;
 }
 
-DriftScan DriftCell::scan(const Draw& draw) const {
-  sim::Random random(draw.seed ^ 0x4452494654ULL);
+std::vector<DriftCell::Look> DriftCell::looks(const Setting& setting) const {
   const sim::MadeHead& head = scene_->head;
-  const uncertainty::Parameters drifted = drift::parameters_of(draw.drifted);
   const geometry::SensorModel actual =
-      uncertainty::perturbed(head.model, drift::axes_of(head.model), drifted);
-  const double late_s = drifted[uncertainty::k_clock_at];
+      uncertainty::perturbed(head.model, drift::axes_of(head.model), drift::parameters_of(setting.drifted));
   // The laser's own rays, in the plane where it shines now.
   const Vec3& n = actual.laser_plane.normal_cam;
   const Vec3 emitter_cam =
       head.laser.emitter_cam - actual.laser_plane.signed_distance_mm(head.laser.emitter_cam) * n;
   const Vec3 beam_cam = (head.laser.beam_cam - n.dot(head.laser.beam_cam) * n).normalized();
   const Vec3 across_cam = beam_cam.cross(n);
-  const SE3 T_shoe_base = scene_->T_base_shoe.inverse();
-  PoseError pose_error(random, draw.pose_mm, draw.pose_rad);
+  const SE3 T_shoe_base = (scene_->T_base_shoe * setting.T_shoe_put).inverse();
+  std::vector<Look> seen;
   const auto frames = static_cast<std::uint32_t>(way_.duration_s * k_rate_hz);
-  DriftScan made;
   for (std::uint32_t k = 0; k < frames; ++k) {
-    const double time_s = k / k_rate_hz;
-    const SE3 told = way_.T_base_flange_told_at(time_s - late_s) * pose_error.next();
-    made.poses.push_back({.profile = k, .pose = {.T_base_flange = told, .time_s = time_s}});
-    if (draw.only_lap && time_s > k_lap_s && time_s < way_.duration_s - k_lap_s) continue;
-    const SE3 T_base_cam = way_.T_base_flange_at(time_s) * actual.T_flange_cam;
-    const SE3 T_shoe_cam = T_shoe_base * T_base_cam;
+    const SE3 T_shoe_cam = T_shoe_base * way_.T_base_flange_at(k / k_rate_hz) * actual.T_flange_cam;
     const Vec3 emitter = T_shoe_cam * emitter_cam, eye = T_shoe_cam.translation();
     for (int ray = 0; ray < k_fan_rays; ++ray) {
       const double across = std::tan(head.laser.fan_half_rad) * (2.0 * ray / (k_fan_rays - 1) - 1);
@@ -95,16 +87,34 @@ DriftScan DriftCell::scan(const Draw& draw) const {
       if (!hit) continue;
       const Vec3 point = emitter + hit->distance_mm * along;
       if (!scene_->scene.sees(eye, point)) continue;
-      Vec2 pixel = actual.camera.project(T_shoe_cam.inverse() * point);
+      const Vec2 pixel = actual.camera.project(T_shoe_cam.inverse() * point);
       const geometry::Region& region = head.model.region;
       if (pixel.x() < 0 || pixel.x() >= region.width_px || pixel.y() < region.offset_v_px ||
           pixel.y() >= region.offset_v_px + region.height_px)
         continue;
-      pixel.y() += draw.noise_px * random.gaussian();
-      const Vec3 seen_cam = geometry::triangulate(head.model.camera, head.model.laser_plane, pixel);
-      made.points_base.push_back((told * head.model.T_flange_cam * seen_cam).cast<float>());
-      made.profile.push_back(k);
+      seen.push_back({.profile = k, .pixel = pixel});
     }
+  }
+  return seen;
+}
+
+DriftScan DriftCell::scan(const std::vector<Look>& looks, const Draw& draw) const {
+  sim::Random random(draw.seed ^ 0x4452494654ULL);
+  const geometry::SensorModel& model = scene_->head.model;
+  PoseError pose_error(random, draw.pose_mm, draw.pose_rad);
+  DriftScan made;
+  const auto frames = static_cast<std::uint32_t>(way_.duration_s * k_rate_hz);
+  for (std::uint32_t k = 0; k < frames; ++k) {
+    const double time_s = k / k_rate_hz;
+    const SE3 told = way_.T_base_flange_told_at(time_s - draw.late_s) * pose_error.next();
+    made.poses.push_back({.profile = k, .pose = {.T_base_flange = told, .time_s = time_s}});
+  }
+  for (const Look& look : looks) {
+    const Vec2 pixel = look.pixel + Vec2{0, draw.noise_px * random.gaussian()};
+    const Vec3 seen_cam = geometry::triangulate(model.camera, model.laser_plane, pixel);
+    const SE3& told = made.poses[look.profile].pose.T_base_flange;
+    made.points_base.push_back((told * model.T_flange_cam * seen_cam).cast<float>());
+    made.profile.push_back(look.profile);
   }
   return made;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file A shoe scanned with a check lap by a head that has drifted: exact rays, no pictures.
+/// \file A shoe on its table, scanned with a check lap by a head that has drifted: exact rays, no pictures.
 
 #include <cstdint>
 #include <memory>
@@ -28,25 +28,40 @@ class DriftCell {
     std::uint64_t shoe_seed{1}, head_seed{21};
     double size{42};
     double speed_mm_s{250};
-    bool real{true};  ///< elastic joints, following error, latency
+    bool real{true};   ///< elastic joints, following error, latency
+    bool table{true};  ///< under the shoe; else it hangs in the dark
     sim::CheckLap check{.length_mm = 50};
   };
   [[nodiscard]] static Result<DriftCell> make(const Settings& settings);
 
+  /// What the camera sees of the stripe, without noise.
+  struct Look {
+    std::uint32_t profile;
+    Vec2 pixel;
+  };
+  struct Setting {
+    drift::Vector drifted{drift::Vector::Zero()};  ///< of the head and the table, since the calibration
+    SE3 T_shoe_put{SE3::Identity()};               ///< where the shoe stands, in the frame of where it should
+  };
+  [[nodiscard]] std::vector<Look> looks(const Setting& setting) const;
+
   struct Draw {
-    drift::Vector drifted{drift::Vector::Zero()};  ///< of the head, since its calibration
+    double late_s{0};  ///< of the pose clock
     std::uint64_t seed{1};
     double noise_px{0.1};
     double pose_mm{0.010}, pose_rad{5.2e-5};  ///< as a recorded session's
-    bool only_lap{true};                      ///< what is seen once is left out
   };
-  [[nodiscard]] DriftScan scan(const Draw& draw) const;
+  /// Places by the calibration that the head had.
+  [[nodiscard]] DriftScan scan(const std::vector<Look>& looks, const Draw& draw) const;
   [[nodiscard]] const geometry::SensorModel& calibrated() const { return scene_->head.model; }
-  [[nodiscard]] double duration_s() const { return way_.duration_s; }
+  /// From rest: until the last profile, and until rest.
+  [[nodiscard]] double last_profile_s() const { return last_profile_s_; }
+  [[nodiscard]] double rest_to_rest_s() const { return rest_to_rest_s_; }
 
  private:
   std::shared_ptr<const sim::MadeScene> scene_;
   sim::HeadWay way_;
+  double last_profile_s_{0}, rest_to_rest_s_{0};
 };
 
 }  // namespace biteline::test

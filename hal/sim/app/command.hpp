@@ -31,7 +31,7 @@ struct SceneOptions {
   double speed_mm_s{100};
   double rate_hz{100};
   double ambient_grey{0};
-  double check_lap_mm{0};  ///< the scan ends so far over its own begin, differently held; 0: it does not
+  double check_lap_mm{0};  ///< the scan's ends overlap by so much, differently held; 0: they do not
   std::string reach_of{};  ///< an arm: the shoe stands where it gets all the way round; empty: anywhere
 };
 

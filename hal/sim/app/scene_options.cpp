@@ -41,9 +41,8 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
       ->check(options::number({.minimum = 1, .maximum = 1000}, ""));
   command
       .add_option("--check-lap", options.check_lap_mm,
-                  "The scan goes so far over its own begin, with the head turned [mm]: a drifted calibration "
-                  "shows; 50 is "
-                  "usual, 0: it does not")
+                  "The scan's end and begin see the same wall over so much, with the head turned [mm]: a "
+                  "drifted calibration shows; 50 is usual, which the ramps at 250 mm/s do anyway; 0: off")
       ->capture_default_str()
       ->check(options::number({.minimum = 0, .maximum = 100}, "mm"));
   command

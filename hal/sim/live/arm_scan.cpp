@@ -15,8 +15,6 @@ namespace {
 
 /// Between samples of the way: the sharpest toe, 20 mm, then turns by 6 degrees.
 constexpr double k_step_mm = 2;
-/// Of the stripe, where no joint asks for less.
-constexpr double k_acceleration_mm_s2 = 1000;
 /// Neighbouring samples of one posture; a jump to another one is farther.
 constexpr double k_most_between_rad = 0.35;
 /// Over the shoe's place before and after the scan.
@@ -147,7 +145,7 @@ void centre_turns(std::vector<JointVector>& way_rad) {
 Result<ArmScan> ArmScan::plan(const ScanPath& path, const MadeHead& head, const ArmKinematics& arm,
                               const ScanPlace& place) {
   const double speed = path.settings().speed_mm_s;
-  const double lead_mm = std::max(10.0, speed * speed / (2 * k_acceleration_mm_s2));
+  const double lead_mm = ramp_mm(speed);
   const auto samples = static_cast<std::size_t>(std::ceil((path.length_mm() + 2 * lead_mm) / k_step_mm)) + 1;
   std::vector<SE3> flange;
   for (std::size_t i = 0; i < samples; ++i)
@@ -189,10 +187,11 @@ Result<ArmScan> ArmScan::plan(const ScanPath& path, const MadeHead& head, const 
     scan.above_end_rad_ = *above_end;
     scan.speed_mm_s_ = fastest_way(
         scan.q_rad_, k_step_mm,
-        {.joints = arm.limits(), .speed_mm_s = speed, .acceleration_mm_s2 = k_acceleration_mm_s2});
+        {.joints = arm.limits(), .speed_mm_s = speed, .acceleration_mm_s2 = k_scan_acceleration_mm_s2});
     scan.set_times(lead_mm, path.length_mm());
     scan.slow_down(scan.overload(arm.limits()));
     scan.set_times(lead_mm, path.length_mm());
+    if (path.settings().check.length_mm > 0) scan.see_ramps();
     return true;
   };
   for (const JointVector& begin_rad : postures(flange.front(), arm)) {
@@ -235,6 +234,22 @@ void ArmScan::set_times(double lead_mm, double length_mm) {
     if (time_s_[i] >= full_from_s_ && time_s_[i] <= full_until_s_)
       slowest_mm_s_ = std::min(slowest_mm_s_, speed_mm_s_[i]);
   }
+}
+
+void ArmScan::see_ramps() {
+  // Slower, the arm takes many pictures of one place; at the end somebody waits for the line.
+  constexpr double k_share_at_begin = 0.2, k_share_at_end = 0.7;
+  const double most_mm_s = *std::max_element(speed_mm_s_.begin(), speed_mm_s_.end());
+  const auto quicker_than = [&](double share) {
+    return [least_mm_s = share * most_mm_s](double speed_mm_s) { return speed_mm_s >= least_mm_s; };
+  };
+  const auto first = std::find_if(speed_mm_s_.begin(), speed_mm_s_.end(), quicker_than(k_share_at_begin)) -
+                     speed_mm_s_.begin();
+  const auto behind =
+      std::find_if(speed_mm_s_.rbegin(), speed_mm_s_.rend(), quicker_than(k_share_at_end)).base() -
+      speed_mm_s_.begin();
+  full_from_s_ = std::min(full_from_s_, time_s_[static_cast<std::size_t>(first)]);
+  full_until_s_ = std::max(full_until_s_, time_s_[static_cast<std::size_t>(behind - 1)]);
 }
 
 double ArmScan::time_of_s(double place) const {

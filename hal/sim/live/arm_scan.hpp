@@ -34,7 +34,8 @@ class ArmScan {
   /// Above the begin and above the end, clear of the shoe's top.
   [[nodiscard]] const JointVector& above_begin_rad() const { return above_begin_rad_; }
   [[nodiscard]] const JointVector& above_end_rad() const { return above_end_rad_; }
-  /// Where the stripe is on the path from its begin to its end: the scan proper.
+  /// Where the stripe is on the path from its begin to its end: the scan proper.  With a check lap what the
+  /// arm passes while it sets out and stops belongs to it.
   [[nodiscard]] double full_from_s() const { return full_from_s_; }
   [[nodiscard]] double full_until_s() const { return full_until_s_; }
   /// Of the stripe within the scan proper.
@@ -46,6 +47,8 @@ class ArmScan {
   /// By how much a controller's cycles would ask too much of a joint: slower by this they do not.
   [[nodiscard]] double overload(const JointLimits& limits) const;
   void slow_down(double factor);
+  /// The scan proper then holds the ramps, too.
+  void see_ramps();
   /// Where the way's place `place`, counted in samples, comes by.
   [[nodiscard]] double time_of_s(double place) const;
 

@@ -38,7 +38,10 @@ ScanPath::ScanPath(const Outline& outline, const MadeHead& head, const ScanPathS
 }
 
 double ScanPath::length_mm() const {
-  return outline_.perimeter_mm() + 2 * settings_.lead_mm + settings_.check.length_mm;
+  return outline_.perimeter_mm() + 2 * settings_.lead_mm + overlap_mm();
+}
+double ScanPath::overlap_mm() const {
+  return std::max(0.0, settings_.check.length_mm - 2 * ramp_mm(settings_.speed_mm_s));
 }
 double ScanPath::duration_s() const {
   return length_mm() / settings_.speed_mm_s;
@@ -58,23 +61,23 @@ Vec2 ScanPath::outwards_at(double s_mm) const {
 }
 
 /// Yaw differs all along the lap, pitch most at its begin, roll at its end: no axis is the same throughout.
-/// The head draws back at the begin and nearer at the end: its speed along the beam tells the clock.
+/// The head comes nearer behind the begin and draws back before the end: its speed along the beam tells the
+/// clock.  All of it fades over half of the way round, so that no joint is hurried.
 SE3 ScanPath::T_beam_checking_at(double way_mm) const {
   const CheckLap& check = settings_.check;
   SE3 T = SE3::Identity();
   if (check.length_mm <= 0) return T;
-  const double lap_mm = check.length_mm + 2 * settings_.lead_mm;
   const double after_mm = way_mm, before_mm = length_mm() - way_mm;
-  constexpr double k_long = 3.5, k_short = 2.5;
-  const double both = fall(after_mm, k_long * lap_mm) - fall(before_mm, k_long * lap_mm);
-  const double begin = fall(after_mm, k_short * lap_mm), end = fall(before_mm, k_short * lap_mm);
+  const double long_mm = 0.45 * outline_.perimeter_mm(), short_mm = 0.25 * outline_.perimeter_mm();
+  const double both = fall(after_mm, long_mm) - fall(before_mm, long_mm);
+  const double begin = fall(after_mm, short_mm), end = fall(before_mm, short_mm);
   // Of the beam's frame: x up, y along the travel, z along the beam.  The table is near: nothing of the head
   // goes down.
   T.linear() = (Eigen::AngleAxisd(check.yaw_rad * both, Vec3::UnitX()) *
                 Eigen::AngleAxisd(-check.pitch_rad * begin, Vec3::UnitY()) *
                 Eigen::AngleAxisd(-check.roll_rad * end, Vec3::UnitZ()))
                    .toRotationMatrix();
-  T.translation() = Vec3(check.height_mm * fall(after_mm, k_long * lap_mm), 0, check.near_mm * (begin + end));
+  T.translation() = Vec3(check.height_mm * fall(after_mm, long_mm), 0, -check.away_mm * (begin + end));
   return T;
 }
 

@@ -7,13 +7,23 @@
 
 namespace biteline::sim {
 
-/// How the head holds itself where the scan ends over its own begin, so that a calibration that is off shows
-/// there: at the begin turned and shifted one way, at the end the other way, none of it in between.
+/// Of the stripe where an arm sets out and stops, unless a joint asks for less.
+inline constexpr double k_scan_acceleration_mm_s2 = 1000;
+/// The way over which it comes to the scan's speed.
+[[nodiscard]] constexpr double ramp_mm(double speed_mm_s) {
+  constexpr double k_least_mm = 10;
+  const double way_mm = speed_mm_s * speed_mm_s / (2 * k_scan_acceleration_mm_s2);
+  return way_mm > k_least_mm ? way_mm : k_least_mm;
+}
+
+/// How the head holds itself where the scan's end and its begin see the same wall, so that a calibration that
+/// is off shows there: at the begin turned and shifted one way, at the end the other way, hardly at all in
+/// between.  What the arm passes while it sets out and stops is seen, too: that overlap takes no time.
 struct CheckLap {
-  double length_mm{0};  ///< 50 is usual; the end goes so much farther over the begin; 0: no such lap
-  double yaw_rad{0.24}, pitch_rad{0.24}, roll_rad{0.24};  ///< about height, travel and beam
-  double near_mm{6};                                      ///< along the beam, nearer at both ends
-  double height_mm{8};                                    ///< the begin is seen from so much higher
+  double length_mm{0};  ///< both ends overlap by so much, 50 is usual; 0: no such lap
+  double yaw_rad{0.27}, pitch_rad{0.25}, roll_rad{0.27};  ///< about height, travel and beam
+  double away_mm{8};                                      ///< along the beam, farther off at both ends
+  double height_mm{20};                                   ///< the begin is seen from so much higher
 };
 
 struct ScanPathSettings {
@@ -44,6 +54,8 @@ class ScanPath {
  private:
   [[nodiscard]] Vec2 outwards_at(double s_mm) const;
   [[nodiscard]] SE3 T_beam_checking_at(double way_mm) const;
+  /// What the arm's ramps leave to be overlapped.
+  [[nodiscard]] double overlap_mm() const;
 
   Outline outline_;
   ScanPathSettings settings_;

@@ -38,7 +38,7 @@ struct SceneSettings {
   double scan_speed_mm_s{100};
   double rate_hz{100};
   double ambient_grey{0};    ///< of the room's light, at the head's own exposure
-  CheckLap check{};          ///< the scan ends over its own begin, differently held
+  CheckLap check{};          ///< the scan's ends overlap, differently held
   bool surroundings{false};  ///< table, plate and pins; else the shoe hangs in the dark
   MeshFineness fineness{};
 };

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "host/apps/biteline-host/calibration_check.hpp"
 
+#include <tbb/task_arena.h>
+
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <vector>
 
 #include "common/core/fixed_text.hpp"
 #include "common/system/file.hpp"
-#include "common/wire/scan_file.hpp"
 #include "host/apps/biteline-host/refused.hpp"
 #include "host/apps/biteline-host/steps.hpp"
 #include "host/calibration/drift/watch.hpp"
-#include "host/intake/live_line.hpp"
 #include "host/records/report/json_text.hpp"
 #include "host/records/report/report.hpp"
 
@@ -83,24 +83,10 @@ Result<drift::Watch> watch_of(const memory::Memory& memory, const std::string& h
   return drift::Watch{};
 }
 
-/// Of the profiles that went into the cloud.
-Result<std::vector<drift::PosedProfile>> poses_in(const fs::path& folder) {
-  std::vector<drift::PosedProfile> poses;
-  BITELINE_TRY(wire::read_scan_file(
-      folder / "scan.btln", [&](const wire::Message& message, std::span<const std::uint8_t>) -> Result<void> {
-        const auto* profile = std::get_if<profile::Profile>(&message.body);
-        if (profile == nullptr || (profile->header.flags & profile::k_profile_not_usable) != 0) return {};
-        const auto number = static_cast<std::uint32_t>(profile->header.sequence);
-        if (poses.empty() || number > poses.back().profile)
-          poses.push_back({.profile = number, .pose = intake::pose_of(profile->header)});
-        return {};
-      }));
-  return poses;
-}
-
 Json quantities_json(const drift::Watch& watch, const drift::Evidence& evidence) {
   Json rows = Json::array();
-  const drift::Vector alone = evidence.alone(), sigma = evidence.alone_sigma();
+  const drift::Sums seen = watch.seen(evidence);
+  const drift::Vector alone = seen.alone(), sigma = seen.alone_sigma();
   for (int i = 0; i < drift::k_quantities; ++i) {
     const drift::Quantity& quantity = drift::k_table.at(static_cast<std::size_t>(i));
     const drift::SelfStarting& row = watch.row(i);
@@ -145,6 +131,7 @@ Json json_of(const drift::Watch& watch, const Result<drift::Evidence>& evidence,
   }
   const drift::Blind blind = drift::blind_of(*evidence);
   json["places"] = evidence->pairs;
+  json["table_profiles"] = evidence->table ? evidence->table->profiles : 0;
   json["apart_mm"] = evidence->before_mm;
   json["apart_after_mm"] = evidence->after_mm;
   json["limit"] = drift::SelfStarting::k_limit;
@@ -156,20 +143,26 @@ Json json_of(const drift::Watch& watch, const Result<drift::Evidence>& evidence,
 
 }  // namespace
 
-Result<bool> check_calibration(const fs::path& folder, const intake::ScanOutcome& scan,
-                               memory::Memory& memory, OnDrift on_drift) {
+Result<drift::Evidence> look_at_calibration(const intake::ScanOutcome& scan) {
+  std::vector<drift::PosedProfile> poses;
+  for (const intake::TakenFrom& taken : scan.poses)
+    poses.push_back({.profile = taken.profile, .pose = taken.pose});
+  // The arm may be followed meanwhile.
+  tbb::task_arena one_core{1};
+  return one_core.execute([&] {
+    return drift::look_at({.points_base = scan.cloud.points, .profile = scan.cloud.profile, .poses = poses},
+                          scan.sensor.model);
+  });
+}
+
+Result<bool> check_calibration(const fs::path& folder, const Result<drift::Evidence>& evidence,
+                               const geometry::SensorModel& model, memory::Memory& memory, OnDrift on_drift) {
   const Result<std::string> text = read_regular_file(folder / "report.json", k_most_settings_bytes);
   Json report = text ? Json::parse(*text, nullptr, false) : Json{};
   if (!report.is_object()) return false;
-  const std::string head = identity_of(scan.sensor.model);
+  const std::string head = identity_of(model);
   BITELINE_ASSIGN(drift::Watch watch, watch_of(memory, head));
   const std::string name = folder.filename().string();
-  const Result<std::vector<drift::PosedProfile>> poses = poses_in(folder);
-  const Result<drift::Evidence> evidence =
-      poses
-          ? drift::look_at({.points_base = scan.cloud.points, .profile = scan.cloud.profile, .poses = *poses},
-                           scan.sensor.model)
-          : Result<drift::Evidence>{tl::unexpected<Error>{poses.error()}};
   if (evidence) {
     watch.take(name, *evidence);
   } else {

@@ -13,6 +13,7 @@
 #include "host/apps/biteline-host/cockpit.hpp"
 #include "host/apps/biteline-host/options.hpp"
 #include "host/apps/biteline-host/steps.hpp"
+#include "host/calibration/drift/evidence.hpp"
 #include "host/intake/child_process.hpp"
 #include "host/intake/live_line.hpp"
 #include "host/intake/scan_intake.hpp"
@@ -66,6 +67,9 @@ class Service {
     std::optional<HostClock::time_point> ended{};
     Chosen chosen{};
     bool drifted{false};  ///< the calibration has, as this scan and those before it show
+    /// What this scan shows of it, looked at meanwhile; none: not yet, or no more.
+    std::future<Result<drift::Evidence>> calibration{};
+    bool calibration_checked{false};
     std::future<std::optional<kinematics::Joints>>
         arm_rad{};  ///< where it stood after the scan, asked meanwhile
   };
@@ -132,6 +136,9 @@ class Service {
   [[nodiscard]] Result<LineStep> work_out_line(Scan& scan, intake::ScanOutcome& outcome);
   /// What the scan says about its own calibration; what fails in it is told, and costs no scan, but with
   /// --on-drift stop counts as a drift.
+  /// Beside what comes next, on one core; `outcome` stays until check_own_calibration().
+  void look_at_own_calibration(Scan& scan, const intake::ScanOutcome& outcome) const;
+  /// Once for each scan: waits for that look.
   void check_own_calibration(Scan& scan, const intake::ScanOutcome& outcome);
   /// The same with the library: whose line it is, and the process of that model.
   [[nodiscard]] Result<LineStep> use_library(Scan& scan, const intake::ScanOutcome& outcome, LineStep found);

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: MIT
 // A complete scan becomes a line, a path and a motion.
+#include <pthread.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <exception>
 #include <utility>
 
@@ -20,6 +24,8 @@ namespace biteline::service {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr int k_nice_beside_an_arm = 19;
 
 std::string hash_of(const std::optional<release::InForce>& release) {
   return release ? release->hash : std::string{};
@@ -56,9 +62,11 @@ Result<ExitStatus> Service::work_out_files(Scan& scan) {
     if (robot_ && robot_->options.send)
       scan.arm_rad = std::async(std::launch::async, where_arm_is, controller_of(robot_->options));
     BITELINE_ASSIGN(line, work_out_line(scan, outcome));
-    check_own_calibration(scan, outcome);
     return line.status;
   });
+  const bool path_follows =
+      status.has_value() && scan.chosen.unknown.empty() && line.line.has_value() && robot_.has_value();
+  if (status && !path_follows) check_own_calibration(scan, outcome);
   if (!status) {
     // A disk that is full or a folder that is gone is not the scan's fault: it is taken up again.
     const bool own_fault = status.error().code != Errc::DiskFull && status.error().code != Errc::WriteFailed;
@@ -78,7 +86,9 @@ Result<ExitStatus> Service::work_out_files(Scan& scan) {
     end_recording(scan.intake, *status);
     return status;
   }
-  return without_exceptions([&] { return work_out_path(scan, outcome, line); });
+  status = without_exceptions([&] { return work_out_path(scan, outcome, line); });
+  check_own_calibration(scan, outcome);
+  return status;
 }
 
 Result<void> Service::choose_release(Chosen& chosen) const {
@@ -103,8 +113,21 @@ Result<LineStep> Service::work_out_line(Scan& scan, intake::ScanOutcome& outcome
   return use_library(scan, outcome, std::move(found));
 }
 
+void Service::look_at_own_calibration(Scan& scan, const intake::ScanOutcome& outcome) const {
+  if (outcome.failure || scan.calibration_checked || scan.calibration.valid()) return;
+  // Who waits for it gets it at once; beside a moving arm it gives way.
+  const bool gives_way = !options_.stop_on_drift;
+  scan.calibration = std::async(std::launch::async, [&outcome, gives_way] {
+    pthread_setname_np(pthread_self(), "bl-check");
+    if (gives_way)
+      static_cast<void>(::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), k_nice_beside_an_arm));
+    return look_at_calibration(outcome);
+  });
+}
+
 void Service::check_own_calibration(Scan& scan, const intake::ScanOutcome& outcome) {
-  if (outcome.failure) return;
+  if (outcome.failure || scan.calibration_checked) return;
+  scan.calibration_checked = true;
   if (options_.calibration_anew) {
     // A memory that is busy or full now takes it at the next scan.
     const Result<void> anew = begin_calibration_check_anew(cockpit_->memory(), user_name());
@@ -113,7 +136,10 @@ void Service::check_own_calibration(Scan& scan, const intake::ScanOutcome& outco
   }
   const OnDrift on_drift = options_.stop_on_drift ? OnDrift::Stop : OnDrift::Warn;
   const Result<ExitStatus> done = without_exceptions([&]() -> Result<ExitStatus> {
-    BITELINE_ASSIGN(scan.drifted, check_calibration(scan.folder, outcome, cockpit_->memory(), on_drift));
+    const Result<drift::Evidence> evidence =
+        scan.calibration.valid() ? scan.calibration.get() : look_at_calibration(outcome);
+    BITELINE_ASSIGN(scan.drifted, check_calibration(scan.folder, evidence, outcome.sensor.model,
+                                                    cockpit_->memory(), on_drift));
     return ExitStatus::Done;
   });
   if (done) return;
@@ -217,6 +243,8 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
                                 .near_rad = scan.arm_rad.valid() ? scan.arm_rad.get() : std::nullopt};
   cockpit_->show(Phase::Working, "plans the path of " + name,
                  robot_->options.send ? "the arm follows it" : "the next scan");
+  // Who stops has to know before the arm sets out; who warns does not keep it waiting.
+  if (options_.stop_on_drift) look_at_own_calibration(scan, outcome);
   BITELINE_ASSIGN(PlanStep plan, plan_path(scan.folder / "path", request, outcome, *line.line));
   const bool wanted = plan.outcome.path && robot_->options.send;
   const robot::ScanFacts facts = facts_of(scan, outcome);
@@ -228,6 +256,7 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
                    .approved = {},
                    .scan_ended = scan.recovered ? std::nullopt : scan.ended,
                    .mounted = taught};
+  if (options_.stop_on_drift) check_own_calibration(scan, outcome);
   const bool drift_stops = scan.drifted && options_.stop_on_drift;
   const bool hold = cockpit_->wants_hold(name);
   const bool asks = needs_a_person(process_of(scan.chosen).gate, line.confidence) || hold || drift_stops;
@@ -263,6 +292,7 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
   }
   cockpit_->show(Phase::Following, "the arm follows the line of " + name, "the next scan");
   BITELINE_ASSIGN(send.mounted, mounted());
+  look_at_own_calibration(scan, outcome);
   return follow_path(scan.folder, plan, send, cockpit_->halted());
 }
 
@@ -319,6 +349,8 @@ Result<ExitStatus> Service::work_named(Unnamed unnamed, const std::string& model
     if (!line.line) {
       const Carrier carrier{.name = model, .sample = std::move(*sample), .options = {}};
       BITELINE_ASSIGN(line, carry_line(folder, carrier, unnamed.outcome, hash_of(chosen.release)));
+      // The report is a new one.
+      scan.calibration_checked = false;
       check_own_calibration(scan, unnamed.outcome);
     } else {
       BITELINE_ASSIGN(line, heed_mended_model(folder, std::move(line), unnamed.outcome.cloud,

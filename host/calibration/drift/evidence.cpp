@@ -4,10 +4,10 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 
 #include "host/calibration/clock/overlap.hpp"
+#include "host/calibration/drift/motion.hpp"
 #include "host/calibration/drift/seen_twice.hpp"
 #include "host/geometry/robust.hpp"
 
@@ -27,31 +27,15 @@ struct Equation {
   std::uint32_t frame{0};
 };
 
-/// How a point in base moves with the quantities.
-class Motion {
- public:
-  Motion(const SeenTwice& seen, const geometry::SensorModel& head)
-      : seen_{seen}, head_{head}, axes_{axes_of(head)}, map_{parameters_per_quantity()} {}
-
-  [[nodiscard]] Eigen::Matrix<double, 3, k_quantities> of(std::size_t i) const {
-    const calibration::ScanPoint& point = seen_.points[i];
-    Eigen::Matrix<double, 3, uncertainty::k_parameters> J =
-        seen_.rotation[point.frame] *
-        uncertainty::point_jacobian(head_, axes_, head_.camera.project(point.point_cam));
-    J.col(uncertainty::k_clock_at) = point.velocity_base_mm_s;
-    return J * map_;
-  }
-
- private:
-  const SeenTwice& seen_;
-  const geometry::SensorModel& head_;
-  uncertainty::HeadUncertainty axes_;
-  Eigen::Matrix<double, uncertainty::k_parameters, k_quantities> map_;
-};
-
 std::vector<Equation> equations(const SeenTwice& seen, const std::vector<OverlapPair>& pairs,
                                 const geometry::SensorModel& head) {
-  const Motion motion{seen, head};
+  const Motion motion{head};
+  const auto moves = [&](std::size_t i) {
+    const calibration::ScanPoint& point = seen.points[i];
+    return motion.of({.point_cam = point.point_cam,
+                      .velocity_base_mm_s = point.velocity_base_mm_s,
+                      .R_base_flange = seen.rotation[point.frame]});
+  };
   constexpr std::size_t k_most = 3000;
   const std::size_t step = std::max<std::size_t>(1, pairs.size() / k_most);
   std::vector<Equation> rows;
@@ -60,7 +44,7 @@ std::vector<Equation> equations(const SeenTwice& seen, const std::vector<Overlap
     // The others lie within some millimetres and move alike: the heaviest stands for them.
     const auto heaviest = std::max_element(pair.weights.begin(), pair.weights.end()) - pair.weights.begin();
     const std::size_t other = pair.others[static_cast<std::size_t>(heaviest)];
-    const Row row = pair.normal.transpose() * (motion.of(pair.point) - motion.of(other));
+    const Row row = pair.normal.transpose() * (moves(pair.point) - moves(other));
     if (row.allFinite() && std::isfinite(pair.distance_mm))
       rows.push_back({.row = row, .distance_mm = pair.distance_mm, .frame = seen.points[pair.point].frame});
   }
@@ -98,25 +82,8 @@ FitSums sums_of(const std::vector<Equation>& rows, const Vector& x) {
   return sums;
 }
 
-}  // namespace
-
-Vector Evidence::alone() const {
-  Vector x = Vector::Zero();
-  for (int i = 0; i < k_quantities; ++i) {
-    if (information(i, i) > 0) x[i] = pull[i] / information(i, i);
-  }
-  return x;
-}
-
-Vector Evidence::alone_sigma() const {
-  Vector sigma = Vector::Constant(std::numeric_limits<double>::infinity());
-  for (int i = 0; i < k_quantities; ++i) {
-    if (information(i, i) > 0) sigma[i] = 1 / std::sqrt(information(i, i));
-  }
-  return sigma;
-}
-
-Result<Evidence> look_at(const ScanView& scan, const geometry::SensorModel& head) {
+/// Of the places seen twice.
+Result<Evidence> look_at_seam(const ScanView& scan, const geometry::SensorModel& head) {
   const SeenTwice seen = seen_twice(scan, head);
   std::vector<OverlapPair> pairs;
   if (seen.points.size() >= k_least_pairs)
@@ -127,7 +94,7 @@ Result<Evidence> look_at(const ScanView& scan, const geometry::SensorModel& head
     return fail(
         Errc::Degenerate,
         "calibration check: hardly any surface is seen twice (%zu places): let the scan end some 60 mm "
-        "behind its begin, from another direction",
+        "behind its begin, from another direction, or show the table all the way round",
         rows.size());
   }
   // Twice: the second time what a drift explains is no outlier.
@@ -148,12 +115,31 @@ Result<Evidence> look_at(const ScanView& scan, const geometry::SensorModel& head
   }
   if (!sums.information.allFinite() || !sums.pull.allFinite())
     return fail(Errc::Degenerate, "calibration check: the scan's places are no numbers");
-  Evidence evidence{.information = sums.information,
-                    .pull = sums.pull,
+  Evidence evidence{.seam = {.information = sums.information, .pull = sums.pull},
                     .before_mm = std::sqrt(sums.before / sums.weight),
                     .after_mm = std::sqrt(sums.after / sums.weight),
                     .pairs = rows.size(),
-                    .profiles = sums.frames.size()};
+                    .profiles = sums.frames.size(),
+                    .table = {}};
+  return evidence;
+}
+
+}  // namespace
+
+Sums Evidence::sums(const std::optional<TablePlane>& usual) const {
+  Sums sums = seam;
+  if (!table || (usual && table->is_another(*usual))) return sums;
+  const TableEvidence counted = usual ? table->counted_from(*usual) : *table;
+  sums.add(counted.information, counted.pull);
+  return sums;
+}
+
+Result<Evidence> look_at(const ScanView& scan, const geometry::SensorModel& head) {
+  std::optional<TableEvidence> table = see_table(scan, head);
+  Result<Evidence> evidence = look_at_seam(scan, head);
+  if (!evidence && !table) return evidence;
+  if (!evidence) evidence = Evidence{};
+  evidence->table = std::move(table);
   return evidence;
 }
 

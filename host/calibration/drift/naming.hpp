@@ -6,20 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "host/calibration/drift/quantities.hpp"
+#include "host/calibration/drift/sums.hpp"
 
 namespace biteline::drift {
-
-/// Sums over scans of what Evidence holds; `pull` is what is left after the usual.
-struct Sums {
-  Matrix information{Matrix::Zero()};
-  Vector pull{Vector::Zero()};
-
-  void add(const Matrix& more_information, const Vector& more_pull) {
-    information += more_information;
-    pull += more_pull;
-  }
-};
 
 struct Named {
   std::array<double, k_parts> probability{};  ///< they sum up to 1
@@ -27,8 +16,9 @@ struct Named {
   Vector drift{Vector::Zero()};               ///< of that part's quantities, in fault sizes
 };
 
-/// One part has drifted, its quantities by some fault sizes each: Bayes' rule over the four.  `spread`: how
-/// many times more the scans scatter than `sums` states, as a variance; 1 and more.
+/// One part has drifted, its quantities by some fault sizes each: Bayes' rule over the five.  `sums`: what
+/// is left after the usual; `spread`: how many times more the scans scatter than it states, as a variance; 1
+/// and more.
 [[nodiscard]] Named name(const Sums& sums, double spread);
 
 /// "laser", or "laser or mounting" where the second is not ruled out.

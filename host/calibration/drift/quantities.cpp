@@ -11,7 +11,7 @@ uncertainty::HeadUncertainty axes_of(const geometry::SensorModel& head) {
   // A turn about an axis moves the normal along the other one.
   axes.plane_axes.col(0) = stripe.cross(n);
   axes.plane_axes.col(1) = stripe;
-  axes.plane_middle_cam = Vec3{0, 0, head.laser_plane.distance_mm / n.z()};
+  axes.plane_middle_cam = head.laser_plane.distance_mm * n;
   return axes;
 }
 
@@ -26,7 +26,7 @@ Eigen::Matrix<double, uncertainty::k_parameters, k_quantities> parameters_per_qu
   for (int i = 0; i < k_plane_parameters; ++i)
     map(k_plane_at + i, 3 + i) = k_table.at(static_cast<std::size_t>(3 + i)).si;
   for (int i = 0; i < 6; ++i) map(k_mounting_at + i, 6 + i) = k_table.at(static_cast<std::size_t>(6 + i)).si;
-  map(k_clock_at, 12) = k_table[12].si;
+  map(k_clock_at, k_head_quantities - 1) = k_table[k_head_quantities - 1].si;
   return map;
 }
 

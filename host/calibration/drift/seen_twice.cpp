@@ -29,49 +29,6 @@ struct Sights {
   double last_s{-std::numeric_limits<double>::infinity()};
 };
 
-/// A profile from where the arm was at the one before says nothing new, and an arm that stands takes
-/// thousands of them.
-constexpr double k_least_way_mm = 0.2, k_arm_mm = 200;
-std::vector<bool> moved_on(std::span<const PosedProfile> poses) {
-  std::vector<bool> moved(poses.size(), true);
-  std::size_t last = 0;
-  for (std::size_t k = 1; k < poses.size(); ++k) {
-    const SE3& from = poses[last].pose.T_base_flange;
-    const SE3& to = poses[k].pose.T_base_flange;
-    const double way_mm =
-        (to.translation() - from.translation()).norm() + k_arm_mm * (to.linear() - from.linear()).norm();
-    moved[k] = !(way_mm < k_least_way_mm);
-    if (moved[k]) last = k;
-  }
-  return moved;
-}
-
-/// Frame of each point; none: it has no pose, is no place, or the arm stood still.
-constexpr std::uint32_t k_none = std::numeric_limits<std::uint32_t>::max();
-std::vector<std::uint32_t> frames_of(const ScanView& scan) {
-  std::vector<std::uint32_t> frames(scan.points_base.size(), k_none);
-  const std::vector<bool> moved = moved_on(scan.poses);
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    const auto found = std::ranges::lower_bound(scan.poses, scan.profile[i], {}, &PosedProfile::profile);
-    const bool known = found != scan.poses.end() && found->profile == scan.profile[i];
-    constexpr float k_far_mm = 1e5;
-    if (!known || !moved[static_cast<std::size_t>(found - scan.poses.begin())]) continue;
-    if (scan.points_base[i].allFinite() && scan.points_base[i].cwiseAbs().maxCoeff() < k_far_mm)
-      frames[i] = static_cast<std::uint32_t>(found - scan.poses.begin());
-  }
-  return frames;
-}
-
-/// Of the flange's frame at a point, from the neighbouring poses.
-Vec3 velocity_mm_s(std::span<const PosedProfile> poses, std::size_t frame, const Vec3& point_base) {
-  const auto& before = poses[frame > 0 ? frame - 1 : frame].pose;
-  const auto& after = poses[std::min(frame + 1, poses.size() - 1)].pose;
-  const double seconds = after.time_s - before.time_s;
-  if (!(seconds > 0)) return Vec3::Zero();
-  const Vec3 point_flange = poses[frame].pose.T_base_flange.inverse() * point_base;
-  return (after.T_base_flange * point_flange - before.T_base_flange * point_flange) / seconds;
-}
-
 /// Between profiles, where they lie: half of them are nearer.
 double profile_spacing_mm(const std::vector<calibration::ScanPoint>& points) {
   std::vector<double> apart_mm;
@@ -91,16 +48,16 @@ SeenTwice seen_twice(const ScanView& scan, const geometry::SensorModel& head) {
   const std::vector<std::uint32_t> frames = frames_of(scan);
   std::unordered_map<std::uint64_t, Sights> cells;
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (frames[i] == k_none) continue;
+    if (frames[i] == k_no_frame) continue;
     Sights& sights = cells[cell_of(scan.points_base[i])];
     const double time_s = scan.poses[frames[i]].pose.time_s;
     sights.first_s = std::min(sights.first_s, time_s);
     sights.last_s = std::max(sights.last_s, time_s);
   }
   Vec3 last{Vec3::Constant(std::numeric_limits<double>::infinity())};
-  std::uint32_t last_frame = k_none;
+  std::uint32_t last_frame = k_no_frame;
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (frames[i] == k_none) continue;
+    if (frames[i] == k_no_frame) continue;
     const Sights& sights = cells[cell_of(scan.points_base[i])];
     if (!(sights.last_s - sights.first_s > k_least_gap_s)) continue;
     const Vec3 point = scan.points_base[i].cast<double>();

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "host/calibration/clock/overlap.hpp"
-#include "host/calibration/drift/evidence.hpp"
+#include "host/calibration/drift/scan_view.hpp"
 
 namespace biteline::drift {
 

@@ -14,8 +14,9 @@ namespace biteline::drift {
 namespace {
 
 /// A quantity that a scan knows worse, alone and in fault sizes, is not seen.  Scans scatter some twice as
-/// much as they state (pose errors along the lap go together), and a fault must be four times the scatter.
-constexpr double k_most_sigma = 0.15;
+/// much as they state (pose errors along the lap go together).  A CUSUM tells a step within five numbers from
+/// SelfStarting::k_slack + k_limit / 5 = 2.45 deviations on.
+constexpr double k_most_sigma = 0.2;
 /// What is usual is held to about so many fault sizes.
 constexpr double k_usual_size = 3;
 /// A fault lasts so many shoes before somebody asks.
@@ -95,7 +96,9 @@ void Watch::pass(const std::string& scan) {
 
 const Verdict& Watch::take(const std::string& scan, const Evidence& evidence) {
   if (came_before(scan, last_scan_)) return verdict_;
-  const Vector alone = evidence.alone(), sigma = evidence.alone_sigma();
+  heed_table(evidence.table);
+  const Sums sums = seen(evidence);
+  const Vector alone = sums.alone(), sigma = sums.alone_sigma();
   // Seen twice from one direction only: it would learn for ever.
   if (!(sigma.minCoeff() <= k_most_sigma)) {
     pass(scan);
@@ -109,7 +112,7 @@ const Verdict& Watch::take(const std::string& scan, const Evidence& evidence) {
       if (sigma[i] <= k_most_sigma) rows_.at(static_cast<std::size_t>(i)).take(alone[i]);
     }
   }
-  recent_.push_back({.information = evidence.information, .pull = evidence.pull});
+  recent_.push_back(sums);
   if (recent_.size() > k_recent) {
     if (!drifted) {
       Sums left = recent_.front();
@@ -123,6 +126,18 @@ const Verdict& Watch::take(const std::string& scan, const Evidence& evidence) {
   if (drifted) verdict_.for_shoes = std::min(verdict_.for_shoes + 1, static_cast<int>(k_recent));
   judge();
   return verdict_;
+}
+
+void Watch::heed_table(const std::optional<TableEvidence>& table) {
+  if (!table) return;
+  if (table_ && table->is_another(*table_)) {
+    if (++another_table_ < k_another_table || verdict_.status == Status::Drifted) return;
+    Watch anew;
+    anew.last_scan_ = last_scan_;
+    *this = std::move(anew);
+  }
+  another_table_ = 0;
+  if (!table_) table_ = table->plane;
 }
 
 void Watch::judge() {
@@ -156,15 +171,16 @@ void Watch::judge() {
 
 Blind blind_of(const Evidence& evidence) {
   Blind blind;
-  const Vector sigma = evidence.alone_sigma();
-  for (int i = 0; i < k_quantities; ++i) {
+  const Sums seen = evidence.sums();
+  const Vector sigma = seen.alone_sigma();
+  for (int i = 0; i < k_head_quantities; ++i) {
     const Quantity& quantity = k_table.at(static_cast<std::size_t>(i));
     if (!(sigma[i] <= k_most_sigma)) {
       blind.unseen.emplace_back(quantity.name);
       continue;
     }
-    Sums sums{.information = k_shoes_asked * evidence.information,
-              .pull = k_shoes_asked * evidence.information.col(i)};
+    Sums sums{.information = k_shoes_asked * seen.information,
+              .pull = k_shoes_asked * seen.information.col(i)};
     const std::string words = words_of(name(sums, 1));
     if (words != k_part_names.at(static_cast<std::size_t>(quantity.part)))
       blind.mistaken.push_back(std::string(quantity.name) + " (" + words + ")");

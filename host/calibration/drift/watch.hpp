@@ -42,6 +42,8 @@ class Watch {
   void pass(const std::string& scan);
 
   [[nodiscard]] const Verdict& verdict() const { return verdict_; }
+  /// A scan's evidence as this watch counts it: the table from the usual one.
+  [[nodiscard]] Sums seen(const Evidence& evidence) const { return evidence.sums(table_); }
   [[nodiscard]] const SelfStarting& row(int quantity) const {
     return rows_.at(static_cast<std::size_t>(quantity));
   }
@@ -56,6 +58,11 @@ class Watch {
   /// Shoes that a drift is named by.
   static constexpr std::size_t k_recent = 10;
 
+  /// Shoes on another table after which that one is the usual.
+  static constexpr int k_another_table = 10;
+
+  /// Takes the first table for the usual one, and another one that stays: all is learnt anew on it.
+  void heed_table(const std::optional<TableEvidence>& table);
   [[nodiscard]] Vector usual() const;
   [[nodiscard]] double spread() const;
   void judge();
@@ -64,13 +71,15 @@ class Watch {
   std::deque<Sums> recent_;         ///< the last shoes, oldest first
   Sums sound_;                      ///< of those before
   int sound_shoes_{0};
-  double scatter_{0};  ///< sum over sound shoes of what the usual leaves, per degree of freedom
+  double scatter_{0};                ///< sum over sound shoes of what the usual leaves, per degree of freedom
+  std::optional<TablePlane> table_;  ///< the usual one
+  int another_table_{0};             ///< shoes on another one, one after the other
   std::string last_scan_;
   Verdict verdict_;
 };
 
-/// Quantities whose fault of one size a scan like this would hardly show, and those that it would show but
-/// call by another part's name too: for people, "laser roll", "mounting z (head or mounting)".
+/// Quantities of the head whose fault of one size a scan like this would hardly show, and those that it would
+/// show but call by another part's name too: for people, "laser roll", "mounting z (head or mounting)".
 struct Blind {
   std::vector<std::string> unseen;
   std::vector<std::string> mistaken;

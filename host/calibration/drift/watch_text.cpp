@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int k_version = 1;
+constexpr int k_version = 2;
 /// A sum over a lifetime of shoes; beyond it is no number of ours.
 constexpr NumberRange k_plausible{.minimum = -1e15, .maximum = 1e15};
 
@@ -69,6 +69,18 @@ class Reader {
     for (double& value : sums.pull) value = number(json[at++]);
     return sums;
   }
+  std::optional<TablePlane> table(const Json& json) {
+    if (json.is_null()) return std::nullopt;
+    constexpr std::size_t k_numbers = 5;
+    if (!json.is_array() || json.size() != k_numbers) {
+      sound_ = false;
+      return std::nullopt;
+    }
+    return TablePlane{.middle = {number(json[0]), number(json[1])},
+                      .height_mm = number(json[2]),
+                      .slope_x = number(json[3]),
+                      .slope_y = number(json[4])};
+  }
 
  private:
   bool sound_{true};
@@ -90,12 +102,17 @@ std::string Watch::to_text() const {
                     {"falling", s.falling}});
   }
   for (const Sums& sums : recent_) recent.push_back(json_of(sums));
+  Json table;
+  if (table_)
+    table = {table_->middle.x(), table_->middle.y(), table_->height_mm, table_->slope_x, table_->slope_y};
   return Json{{"version", k_version},
               {"rows", rows},
               {"recent", recent},
               {"sound", json_of(sound_)},
               {"sound_shoes", sound_shoes_},
               {"scatter", scatter_},
+              {"table", table},
+              {"another_table", another_table_},
               {"last_scan", last_scan_},
               {"shoes", verdict_.shoes},
               {"drifted_for", verdict_.status == Status::Drifted ? verdict_.for_shoes : 0}}
@@ -129,6 +146,8 @@ Result<Watch> Watch::from_text(const std::string& text) {
   watch.sound_ = reader.sums(reader.value(json, "sound"));
   watch.sound_shoes_ = reader.count(json, "sound_shoes");
   watch.scatter_ = reader.number(json, "scatter");
+  watch.table_ = reader.table(reader.value(json, "table"));
+  watch.another_table_ = reader.count(json, "another_table");
   const Json& last = reader.value(json, "last_scan");
   watch.last_scan_ = last.is_string() ? last.get<std::string>() : std::string{};
   watch.verdict_.shoes = reader.count(json, "shoes");

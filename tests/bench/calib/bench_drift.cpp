@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // How soon a drifted calibration is named, and how often a sound one is called drifted: shoes on an elastic
-// arm, scanned with a check lap by exact rays.
+// arm, scanned with a check lap by exact rays, with noise of pixels and poses drawn anew for each shoe.
 //
 //     bench_drift [SOUND SHOES [TRIALS [SPEED]]]
 #include <algorithm>
@@ -8,9 +8,11 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <numbers>
 #include <string>
 #include <vector>
 
+#include "hal/sim/shoe/random.hpp"
 #include "host/calibration/drift/watch.hpp"
 #include "tests/support/drift_scan.hpp"
 
@@ -18,6 +20,8 @@ namespace biteline::bench {
 namespace {
 
 constexpr int k_learnt = 30, k_bar = 5, k_most = 12;
+/// Rays are shot once for each of so many places where a fixture lets a shoe stand.
+constexpr int k_places = 6;
 
 int number_of(int argc, char** argv, int at, int otherwise) {
   if (argc <= at) return otherwise;
@@ -26,13 +30,39 @@ int number_of(int argc, char** argv, int at, int otherwise) {
   return value;
 }
 
+/// As a fixture lets it: some tenths of a millimetre and of a degree.
+SE3 put_by(sim::Random& random) {
+  Twist xi = Twist::Zero();
+  xi[0] = random.gaussian() * 0.5;
+  xi[1] = random.gaussian() * 0.5;
+  xi[5] = random.gaussian() * 0.3 * std::numbers::pi / 180;
+  return geometry::exp_se3(xi);
+}
+
 /// A cell's shoes, one after the other.
 class Shoes {
  public:
-  Shoes(std::vector<test::DriftCell> cells, std::uint64_t seed) : cells_{std::move(cells)}, seed_{seed} {}
-  void next(drift::Watch& watch, const drift::Vector& drifted = drift::Vector::Zero()) {
+  using Looks = std::vector<test::DriftCell::Look>;
+
+  Shoes(std::vector<test::DriftCell> cells, std::uint64_t seed) : cells_{std::move(cells)}, random_{seed} {
+    sound_ = looks_of(drift::Vector::Zero());
+  }
+  /// Rays of this drift, for each model in each place.
+  [[nodiscard]] std::vector<Looks> looks_of(const drift::Vector& drifted) {
+    sim::Random places{7};
+    std::vector<Looks> looks;
+    for (int place = 0; place < k_places; ++place)
+      for (const test::DriftCell& cell : cells_)
+        looks.push_back(cell.looks({.drifted = drifted, .T_shoe_put = put_by(places)}));
+    return looks;
+  }
+  void next(drift::Watch& watch) { next(watch, sound_, 0); }
+  void next(drift::Watch& watch, const std::vector<Looks>& looks, double late_s) {
     const test::DriftCell& cell = cells_[count_ % cells_.size()];
-    const test::DriftScan scan = cell.scan({.drifted = drifted, .seed = seed_ * 100'000 + count_});
+    // Places come by chance, models in turn.
+    const auto place = static_cast<std::size_t>(random_.uniform({0, k_places - 1e-9}));
+    const test::DriftScan scan = cell.scan(looks[place * cells_.size() + count_ % cells_.size()],
+                                           {.late_s = late_s, .seed = 1'000'003 * (count_ + 1)});
     const auto evidence = drift::look_at(scan.view(), cell.calibrated());
     const std::string name = std::to_string(++count_);
     if (evidence) {
@@ -41,14 +71,13 @@ class Shoes {
       watch.pass(name);
     }
   }
-  [[nodiscard]] drift::Evidence evidence() const {
-    const auto evidence = drift::look_at(cells_.front().scan({}).view(), cells_.front().calibrated());
-    return evidence ? *evidence : drift::Evidence{};
-  }
+  [[nodiscard]] test::DriftScan first() const { return cells_.front().scan(sound_.front(), {}); }
+  [[nodiscard]] const test::DriftCell& cell() const { return cells_.front(); }
 
  private:
   std::vector<test::DriftCell> cells_;
-  std::uint64_t seed_;
+  sim::Random random_;
+  std::vector<Looks> sound_;
   std::uint64_t count_{0};
 };
 
@@ -60,50 +89,73 @@ void print(const std::string& bench, const std::string& what, double ours, doubl
   std::fflush(stdout);
 }
 
-void name_faults(Shoes& shoes, const drift::Watch& learnt, const std::string& cell, int trials) {
-  for (int i = 0; i < drift::k_quantities; ++i) {
-    const drift::Quantity& quantity = drift::k_table.at(static_cast<std::size_t>(i));
-    const std::string part{drift::k_part_names.at(static_cast<std::size_t>(quantity.part))};
-    int in_time = 0, right = 0, alone = 0, after_sum = 0;
-    for (int trial = 0; trial < trials; ++trial) {
+struct Told {
+  int in_time{0}, right{0}, alone{0}, shoes{0};
+};
+
+Told name_fault(Shoes& shoes, const drift::Watch& learnt, int quantity, int trials) {
+  const std::string part{drift::k_part_names.at(
+      static_cast<std::size_t>(drift::k_table.at(static_cast<std::size_t>(quantity)).part))};
+  Told told;
+  for (const double sign : {1.0, -1.0}) {
+    const drift::Vector drifted = sign * drift::Vector::Unit(quantity);
+    const auto looks = shoes.looks_of(drifted);
+    const double late_s = drift::parameters_of(drifted)[uncertainty::k_clock_at];
+    for (int trial = sign > 0 ? 0 : 1; trial < trials; trial += 2) {
       drift::Watch watch = learnt;
-      const drift::Vector drifted = (trial % 2 == 0 ? 1 : -1) * drift::Vector::Unit(i);
       int after = 0;
       while (after < k_most && watch.verdict().status != drift::Status::Drifted) {
-        shoes.next(watch, drifted);
+        shoes.next(watch, looks, late_s);
         ++after;
       }
-      after_sum += after;
-      const drift::Verdict& verdict = watch.verdict();
-      if (verdict.status != drift::Status::Drifted) continue;
-      in_time += after <= k_bar ? 1 : 0;
-      const std::string words = drift::words_of(*verdict.named);
-      right += words.find(part) != std::string::npos ? 1 : 0;
-      alone += words == part ? 1 : 0;
+      told.shoes += after;
+      if (watch.verdict().status != drift::Status::Drifted) continue;
+      told.in_time += after <= k_bar ? 1 : 0;
+      // Each shoe of the drift sharpens the name.
+      for (int shoe = after; shoe < k_bar; ++shoe) shoes.next(watch, looks, late_s);
+      const std::string words = drift::words_of(*watch.verdict().named);
+      std::fprintf(stderr, "%s %+.0f: %d shoes: %s\n",
+                   std::string(drift::k_table.at(static_cast<std::size_t>(quantity)).name).c_str(), sign,
+                   after, watch.verdict().words.c_str());
+      told.right += words.find(part) != std::string::npos ? 1 : 0;
+      told.alone += words == part ? 1 : 0;
     }
+  }
+  return told;
+}
+
+void name_faults(Shoes& shoes, const drift::Watch& learnt, const std::string& cell, int trials) {
+  for (int i = 0; i < drift::k_head_quantities; ++i) {
+    const drift::Quantity& quantity = drift::k_table.at(static_cast<std::size_t>(i));
+    const Told told = name_fault(shoes, learnt, i, trials);
     const std::string what = cell + ": " + std::string(quantity.name) + " off by " +
                              std::to_string(quantity.size).substr(0, 4) + " " + std::string(quantity.unit);
     const double share = 1.0 / trials;
-    print("shoes_until_told", what, after_sum * share, k_bar, "shoes");
-    print("told_within_five", what, in_time * share, 1, "share");
-    print("right_part_named", what, right * share, 1, "share");
-    print("named_alone", what, alone * share, 1, "share");
+    print("shoes_until_told", what, told.shoes * share, k_bar, "shoes");
+    print("told_within_five", what, told.in_time * share, 1, "share");
+    print("right_part_named", what, told.right * share, 1, "share");
+    print("named_alone", what, told.alone * share, 1, "share");
   }
 }
 
 void run(const std::string& cell, std::vector<test::DriftCell> cells, int sound, int trials) {
-  print("scan_s", cell, cells.front().duration_s(), 0, "s");
-  const test::DriftScan whole = cells.front().scan({.only_lap = false});
-  const auto begun = std::chrono::steady_clock::now();
-  const auto looked = drift::look_at(whole.view(), cells.front().calibrated());
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
-  print("look_s", cell + ": " + std::to_string(looked ? looked->pairs : 0) + " places", took.count(), 0, "s");
   Shoes shoes(std::move(cells), 1);
-  for (const std::string& unseen : drift::blind_of(shoes.evidence()).unseen)
-    print("cannot_see", cell + ": " + unseen, 1, 0, "");
+  const test::DriftScan first = shoes.first();
+  const auto begun = std::chrono::steady_clock::now();
+  const auto looked = drift::look_at(first.view(), shoes.cell().calibrated());
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
+  if (!looked) {
+    std::fprintf(stderr, "%s: %s\n", cell.c_str(), to_line(looked.error()).c_str());
+    return;
+  }
+  print("look_s", cell + ": " + std::to_string(looked->pairs) + " places", took.count(), 0, "s");
+  const drift::Blind blind = drift::blind_of(*looked);
+  for (const std::string& unseen : blind.unseen) print("cannot_see", cell + ": " + unseen, 1, 0, "");
+  for (const std::string& mistaken : blind.mistaken)
+    print("cannot_tell_apart", cell + ": " + mistaken, 1, 0, "");
   drift::Watch watch;
   for (int i = 0; i < k_learnt; ++i) shoes.next(watch);
-  name_faults(shoes, watch, cell, trials);
+  if (trials > 0) name_faults(shoes, watch, cell, trials);
   int alarms = 0;
   for (int i = 0; i < sound; ++i) {
     shoes.next(watch);
@@ -116,22 +168,40 @@ void run(const std::string& cell, std::vector<test::DriftCell> cells, int sound,
   print("false_alarms", cell + ": " + std::to_string(sound) + " sound shoes", alarms, 0, "");
 }
 
+Result<std::vector<test::DriftCell>> cells_of(double speed_mm_s, bool table) {
+  std::vector<test::DriftCell> cells;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    BITELINE_ASSIGN(test::DriftCell made,
+                    test::DriftCell::make({.shoe_seed = seed, .speed_mm_s = speed_mm_s, .table = table}));
+    if (table) {
+      BITELINE_ASSIGN(const test::DriftCell plain,
+                      test::DriftCell::make({.shoe_seed = seed, .speed_mm_s = speed_mm_s, .check = {}}));
+      const std::string what = "model " + std::to_string(seed);
+      constexpr double k_longer_s = 0.3;
+      print("scan_s", what, made.rest_to_rest_s(), plain.rest_to_rest_s(), "s");
+      print("lap_s", what + ": from rest to rest", made.rest_to_rest_s() - plain.rest_to_rest_s(), k_longer_s,
+            "s");
+      print("lap_s", what + ": until the last profile", made.last_profile_s() - plain.last_profile_s(),
+            k_longer_s, "s");
+    }
+    cells.push_back(std::move(made));
+  }
+  return cells;
+}
+
 int run_all(int argc, char** argv) {
   const int sound = number_of(argc, argv, 1, 1000), trials = number_of(argc, argv, 2, 10);
   const double speed_mm_s = number_of(argc, argv, 3, 250);
-  std::vector<test::DriftCell> cells;
-  const auto plain = test::DriftCell::make({.speed_mm_s = speed_mm_s, .check = {}});
-  if (plain) print("scan_s", "without a check lap", plain->duration_s(), 0, "s");
-  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    auto made = test::DriftCell::make({.shoe_seed = seed, .speed_mm_s = speed_mm_s});
-    if (!made) {
-      std::fprintf(stderr, "%s\n", to_line(made.error()).c_str());
+  for (const bool table : {true, false}) {
+    auto cells = cells_of(speed_mm_s, table);
+    if (!cells) {
+      std::fprintf(stderr, "%s\n", to_line(cells.error()).c_str());
       return 1;
     }
-    cells.push_back(std::move(*made));
+    const std::string words = table ? "on a table" : "no table in view";
+    run("one model, " + words, {cells->front()}, sound, trials);
+    run("four models in turn, " + words, std::move(*cells), sound, trials);
   }
-  run("one model", {cells.front()}, sound, trials);
-  run("four models in turn", cells, sound, trials);
   return 0;
 }
 

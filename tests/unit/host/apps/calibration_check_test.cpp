@@ -68,11 +68,15 @@ TEST_GROUP(CalibrationCheck) {
     return intake->finish();
   }
 
+  Result<bool> judge(const fs::path& scan, const intake::ScanOutcome& outcome, OnDrift on_drift) {
+    return check_calibration(scan, look_at_calibration(outcome), outcome.sensor.model, *memory, on_drift);
+  }
+
   bool check(const drift::Vector& drifted = drift::Vector::Zero(), OnDrift on_drift = OnDrift::Warn) {
     const fs::path scan = next_folder();
     const auto outcome = come_in(
         scan, drift::scan_ball({.drifted = drifted, .seed = static_cast<std::uint64_t>(500 + shoes++)}));
-    const Result<bool> sut = check_calibration(scan, outcome, *memory, on_drift);
+    const Result<bool> sut = judge(scan, outcome, on_drift);
     SUCCEEDS(sut);
     report = nlohmann::json::parse(std::ifstream{scan / "report.json"});
     return *sut;
@@ -116,7 +120,7 @@ TEST(CalibrationCheck, AnotherCalibrationBeginsAnew) {
   const fs::path scan = next_folder();
   intake::ScanOutcome outcome = come_in(scan, drift::scan_ball({.seed = 900}));
   outcome.sensor.model.laser_plane.distance_mm += 0.01;
-  SUCCEEDS(check_calibration(scan, outcome, *memory, OnDrift::Warn));
+  SUCCEEDS(judge(scan, outcome, OnDrift::Warn));
   report = nlohmann::json::parse(std::ifstream{scan / "report.json"});
   LONGS_EQUAL(1, report["calibration_check"]["shoes"].get<int>());
 }
@@ -127,7 +131,7 @@ TEST(CalibrationCheck, AScanThatSeesNothingTwiceSaysSoAndLeavesTheMemoryAlone) {
   drift::BallScan once = drift::scan_ball({});
   once.points_base.resize(once.points_base.size() / 2);
   once.profile.resize(once.points_base.size());
-  const auto sut = check_calibration(scan, come_in(scan, once), *memory, OnDrift::Stop);
+  const auto sut = judge(scan, come_in(scan, once), OnDrift::Stop);
   SUCCEEDS(sut);
   CHECK_FALSE(*sut);
   report = nlohmann::json::parse(std::ifstream{scan / "report.json"});

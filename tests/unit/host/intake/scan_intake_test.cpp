@@ -97,6 +97,8 @@ TEST(ScanIntake, SuccessorFindsEverythingThatWasTaken) {
   LONGS_EQUAL(3, outcome.counts.profiles);
   LONGS_EQUAL(0, outcome.counts.profiles_lost);
   LONGS_EQUAL(3, outcome.sensor_counters.frames);
+  LONGS_EQUAL(3, outcome.poses.size());
+  LONGS_EQUAL(2, outcome.poses.back().profile);
   STRCMP_EQUAL("left", outcome.sensor.name.c_str());
   DOUBLES_EQUAL(2, outcome.sensor.model.T_flange_cam.translation().y(), 0);
   CHECK(!outcome.failure);

@@ -17,10 +17,14 @@ TEST_GROUP(ArmScan) {
   static ShoeParameters shoe_of(double eu_size) {
     return draw_shoe(ShoeClass::Deep, 5, length_of_size_mm(eu_size));
   }
-  ScanPath path_round(const ShoeParameters& shoe, double speed_mm_s) const {
+  ScanPath path_round(const ShoeParameters& shoe, double speed_mm_s, double turn_over_mm = 100,
+                      const CheckLap& check = {}) const {
     return {Outline(shoe.outline),
             head,
-            {.target_z_mm = 0.55 * shoe.upper.top_z_mm, .speed_mm_s = speed_mm_s, .turn_over_mm = 100}};
+            {.target_z_mm = 0.55 * shoe.upper.top_z_mm,
+             .speed_mm_s = speed_mm_s,
+             .turn_over_mm = turn_over_mm,
+             .check = check}};
   }
   static ScanPlace place_of(const ShoeParameters& shoe, std::uint64_t seed, std::string_view arm_name) {
     return {.T_base_shoe = draw_place(seed, places_within_reach_of(arm_name), shoe.outline.length_mm),
@@ -91,6 +95,26 @@ TEST(ArmScan, NoJointGoesFasterOrFartherThanItMay) {
     CHECK_COMPARE(scan->slowest_mm_s(), >, 0);
     CHECK_COMPARE(scan->slowest_mm_s(), <=, speed_mm_s);
   }
+}
+
+TEST(ArmScan, ACheckLapLastsThreeTenthsOfASecondAtMostAndSeesTheRamps) {
+  const ShoeParameters shoe = shoe_of(42);
+  const double over_mm = 0.6 * Outline(shoe.outline).perimeter_mm();
+  const ScanPlace place = place_of(shoe, 5, "ur10e");
+  const auto plain = ArmScan::plan(path_round(shoe, 250, over_mm), head, arm, place);
+  const auto lap = ArmScan::plan(path_round(shoe, 250, over_mm, {.length_mm = 50}), head, arm, place);
+  SUCCEEDS(plain);
+  SUCCEEDS(lap);
+  CHECK_COMPARE(lap->duration_s(), <=, plain->duration_s() + 0.3);
+  CHECK_COMPARE(lap->full_until_s(), <=, plain->full_until_s() + 0.3);
+  // The ramp before the path's begin is 31 mm long.
+  const double seen_mm = (arm.T_base_flange(lap->q_rad_at(lap->full_from_s())).translation() -
+                          arm.T_base_flange(plain->q_rad_at(plain->full_from_s())).translation())
+                             .norm();
+  CHECK_COMPARE(seen_mm, >, 20);
+  const Load load = load_of(*lap);
+  CHECK_COMPARE(load.speed, <=, 1.02);
+  CHECK_COMPARE(load.acceleration, <=, 1.1);
 }
 
 TEST(ArmScan, WhatTheArmDoesNotReachIsRefusedWithThePlace) {

@@ -18,7 +18,7 @@ TEST(Evidence, ASoundHeadShowsNoQuantityBeyondFourDeviations) {
   CHECK(sut->pairs >= 200);
   CHECK(sut->after_mm < 0.02);
   for (int i = 0; i < k_quantities; ++i)
-    CHECK(std::abs(sut->alone()[i]) < 4 * std::max(sut->alone_sigma()[i], 0.02));
+    CHECK(std::abs(sut->sums().alone()[i]) < 4 * std::max(sut->sums().alone_sigma()[i], 0.02));
 }
 
 TEST(Evidence, WhatDriftedIsMeasured) {
@@ -29,8 +29,8 @@ TEST(Evidence, WhatDriftedIsMeasured) {
     const auto sut = look_at(scan_ball({.drifted = drifted}).view(), ball_head());
     SUCCEEDS(sound);
     SUCCEEDS(sut);
-    const double sigma = sut->alone_sigma()[i];
-    if (sigma < 0.15) DOUBLES_EQUAL(2, sut->alone()[i] - sound->alone()[i], 0.2 + 4 * sigma);
+    const double sigma = sut->sums().alone_sigma()[i];
+    if (sigma < 0.15) DOUBLES_EQUAL(2, sut->sums().alone()[i] - sound->sums().alone()[i], 0.2 + 4 * sigma);
   }
 }
 
@@ -40,7 +40,7 @@ TEST(Evidence, TheSecondPassTurnedShowsMoreThanTheSameWayTwice) {
   SUCCEEDS(same);
   SUCCEEDS(turned);
   // A mounting turned about the travel is off alike in both passes, unless one of them is turned.
-  for (const int i : {7, 9, 10}) CHECK(turned->alone_sigma()[i] < 0.5 * same->alone_sigma()[i]);
+  for (const int i : {7, 9, 10}) CHECK(turned->sums().alone_sigma()[i] < 0.5 * same->sums().alone_sigma()[i]);
 }
 
 TEST(Evidence, AScanThatSeesNothingTwiceSaysWhatToDo) {
@@ -64,8 +64,9 @@ TEST(Evidence, PlacesThatAreNoNumbersAndProfilesWithoutPoseAreLeftOut) {
   for (std::size_t i = 40; i < scan.points_base.size(); i += 997) scan.profile[i] = 9999;
   const auto sut = look_at(scan.view(), ball_head());
   SUCCEEDS(sut);
-  CHECK(sut->information.allFinite() && sut->pull.allFinite());
-  for (const int i : {7, 9, 10}) DOUBLES_EQUAL(clean->alone()[i], sut->alone()[i], 5 * sut->alone_sigma()[i]);
+  CHECK(sut->seam.information.allFinite() && sut->seam.pull.allFinite());
+  for (const int i : {7, 9, 10})
+    DOUBLES_EQUAL(clean->sums().alone()[i], sut->sums().alone()[i], 5 * sut->sums().alone_sigma()[i]);
 }
 
 TEST(Evidence, ScansStampedInTheYear2026KeepTheirTimes) {

@@ -100,7 +100,7 @@ TEST(Watch, TextThatIsNoneIsRefused) {
   for (const std::string& bad :
        {std::string{}, std::string{"{}"}, std::string{"[1,2]"}, text.substr(0, text.size() / 2),
         std::string{text}.replace(text.find("\"sound_shoes\":"), 15, "\"sound_shoes\":-"),
-        std::string{text}.replace(text.find("\"version\":1"), 11, "\"version\":2")}) {
+        std::string{text}.replace(text.find("\"version\":2"), 11, "\"version\":1")}) {
     FAILS_NAMING(Errc::BadFormat, "calibration check", Watch::from_text(bad));
   }
 }
