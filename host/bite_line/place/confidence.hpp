@@ -12,8 +12,8 @@ struct ConfidenceModel {
   double corner_ratio{0.2};
   double doubt_mm{0.15};
   double least_mm{0.05};
-  double half_mm{1.145};  ///< ... at which one in two lies within 0.3 mm: a spread is no deviation
-  double power{2.06};     ///< how steeply the share falls with it
+  double half_mm{1.224};  ///< ... at which one in two lies within 0.3 mm: a spread is no deviation
+  double power{2.075};    ///< how steeply the share falls with it
   /// A section that lies so far from the running mean over its neighbours is one in two.  Made shoes hold
   /// more, but hardly one jumps.
   double jump_mm{0.8};

@@ -13,29 +13,36 @@ std::size_t lever_steps(double station_mm) {
   return static_cast<std::size_t>(std::lround(geometry::k_end_lever_mm / station_mm));
 }
 
-/// Mean square of `off_mm(trial)` over gaps of the same length that lie, with `beside` on both sides, where
+/// RMS of `off_mm(trial, share)` over gaps of the same length that lie, with `beside` on both sides, where
 /// all is known.
 template <class Off>
-double tried_mm(std::span<const std::uint8_t> known, const geometry::Gap& gap, std::size_t beside,
-                double station_mm, Off&& off_mm) {
+TriedBridge tried(std::span<const std::uint8_t> known, const geometry::Gap& gap, std::size_t beside,
+                  double station_mm, Off&& off_mm) {
   constexpr double k_stride_mm = 5.0;
-  constexpr std::size_t k_fewest = 3;
+  constexpr int k_fewest = 3;
   const std::size_t count = known.size();
   const std::size_t length = gap.steps + 2 * beside;
   const auto stride =
       std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(k_stride_mm / station_mm)));
-  if (length >= count) return 0;
-  double sum = 0;
-  std::size_t trials = 0;
+  TriedBridge sum;
+  if (length >= count) return sum;
+  int trials = 0;
   for (std::size_t from = 0; from < count; from += stride) {
     bool all_known = true;
     for (std::size_t k = 0; all_known && k <= length; ++k) all_known = known[(from + k) % count] != 0;
     if (!all_known) continue;
-    const double off = off_mm(geometry::Gap{.first = (from + beside) % count, .steps = gap.steps});
-    sum += off * off;
+    const geometry::Gap trial{.first = (from + beside) % count, .steps = gap.steps};
+    for (std::size_t eighth = 1; eighth <= TriedBridge::k_eighths; ++eighth) {
+      const double share = static_cast<double>(eighth) / (2 * TriedBridge::k_eighths);
+      const double off_first = off_mm(trial, share);
+      const double off_last = off_mm(trial, 1 - share);
+      sum.rms_mm.at(eighth - 1) += 0.5 * (off_first * off_first + off_last * off_last);
+    }
     ++trials;
   }
-  return trials < k_fewest ? 0 : std::sqrt(sum / static_cast<double>(trials));
+  if (trials < k_fewest) return {};
+  for (double& value : sum.rms_mm) value = std::sqrt(value / trials);
+  return sum;
 }
 
 }  // namespace
@@ -63,33 +70,43 @@ geometry::Arc gap_arc(std::span<const Vec2> plan, const geometry::Gap& gap, doub
       .d1 = -geometry::CurveEnd{.end = ahead(0), .near = ahead(lever), .far = ahead(2 * lever)}.direction()};
 }
 
-double tried_plan_mm(std::span<const Vec2> plan, std::span<const std::uint8_t> known,
-                     const geometry::Gap& gap, double station_mm) {
-  return tried_mm(known, gap, 2 * lever_steps(station_mm), station_mm, [&](const geometry::Gap& trial) {
-    const Vec2 middle = gap_arc(plan, trial, station_mm).at(0.5).head<2>();
-    double nearest = std::numeric_limits<double>::max();
-    for (std::size_t k = 0; k <= trial.steps; ++k)
-      nearest = std::min(nearest, (plan[(trial.first + k) % plan.size()] - middle).norm());
-    return nearest;
-  });
+double TriedBridge::at(double share) const {
+  const double eighths = 2 * k_eighths * std::clamp(std::min(share, 1 - share), 0.0, 0.5);
+  const auto below = std::min(static_cast<std::size_t>(eighths), k_eighths - 1);
+  const double low = below == 0 ? 0 : rms_mm.at(below - 1);
+  return low + (eighths - static_cast<double>(below)) * (rms_mm.at(below) - low);
 }
 
-double tried_height_mm(std::span<const double> z_mm, std::span<const std::uint8_t> known,
+TriedBridge tried_plan(std::span<const Vec2> plan, std::span<const std::uint8_t> known,
                        const geometry::Gap& gap, double station_mm) {
+  const auto off_mm = [&](const geometry::Gap& trial, double share) {
+    const Vec2 place = gap_arc(plan, trial, station_mm).at(share).head<2>();
+    double nearest2 = std::numeric_limits<double>::max();
+    for (std::size_t k = 0; k <= trial.steps; ++k)
+      nearest2 = std::min(nearest2, (plan[(trial.first + k) % plan.size()] - place).squaredNorm());
+    return std::sqrt(nearest2);
+  };
+  return tried(known, gap, 2 * lever_steps(station_mm), station_mm, off_mm);
+}
+
+TriedBridge tried_height(std::span<const double> z_mm, std::span<const std::uint8_t> known,
+                         const geometry::Gap& gap, double station_mm) {
   const auto beside = static_cast<std::size_t>(std::lround(k_height_lever_mm / station_mm));
-  return tried_mm(known, gap, beside, station_mm, [&](const geometry::Gap& trial) {
+  const auto off_mm = [&](const geometry::Gap& trial, double share) {
     // The stretch alone: its lever, the gap, the other lever.
     const std::size_t count = z_mm.size();
     std::vector<double> stretch;
     for (std::size_t k = 0; k <= trial.steps + 2 * beside; ++k)
       stretch.push_back(z_mm[(trial.first + count - beside + k) % count]);
-    const std::size_t middle = beside + trial.steps / 2;
-    const double truth = stretch[middle];
+    const std::size_t place =
+        beside + static_cast<std::size_t>(std::lround(share * static_cast<double>(trial.steps)));
+    const double truth = stretch[place];
     std::vector<std::uint8_t> seen(stretch.size(), 1);
     std::fill_n(seen.begin() + static_cast<std::ptrdiff_t>(beside) + 1, trial.steps - 1, std::uint8_t{0});
     geometry::bridge_smooth(stretch, seen, station_mm, k_height_lever_mm);
-    return stretch[middle] - truth;
-  });
+    return stretch[place] - truth;
+  };
+  return tried(known, gap, beside, station_mm, off_mm);
 }
 
 }  // namespace biteline::bite_line

@@ -2,6 +2,7 @@
 #pragma once
 /// \file How a line is carried across stretches that were not seen, and how wrong that is on the line itself.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -22,15 +23,23 @@ inline constexpr double k_height_lever_mm = 10.0;
                              double station_mm);
 
 /// What a gap hides is not known, but how this line bends elsewhere is: gaps of the same length are made
-/// where the line was seen, all the way round, and bridged in the same way.  The RMS of what the bridges are
-/// off by at their middles, mm; 0 where the line was seen over less than three such gaps.
-[[nodiscard]] double tried_plan_mm(std::span<const Vec2> plan, std::span<const std::uint8_t> known,
-                                   const geometry::Gap& gap, double station_mm);
-[[nodiscard]] double tried_height_mm(std::span<const double> z_mm, std::span<const std::uint8_t> known,
-                                     const geometry::Gap& gap, double station_mm);
+/// where the line was seen, all the way round, and bridged in the same way.  What those bridges are off by.
+struct TriedBridge {
+  static constexpr std::size_t k_eighths = 4;
+  /// RMS at 1, 2, 3 and 4 eighths of the length from either end, mm; all 0 where the line was seen over less
+  /// than three such gaps.
+  std::array<double, k_eighths> rms_mm{};
 
-/// Share of the error at a gap's middle that is left at `share` of its length: both ends hold place and
-/// direction, so that it grows with the square from them.
+  /// At `share` of the gap's length, mm; 0 at its ends, which are known.
+  [[nodiscard]] double at(double share) const;
+};
+[[nodiscard]] TriedBridge tried_plan(std::span<const Vec2> plan, std::span<const std::uint8_t> known,
+                                     const geometry::Gap& gap, double station_mm);
+[[nodiscard]] TriedBridge tried_height(std::span<const double> z_mm, std::span<const std::uint8_t> known,
+                                       const geometry::Gap& gap, double station_mm);
+
+/// How far a corner may lie outside at `share` of a gap's length, of what it may in the middle: both ends
+/// hold place and direction, so that it grows with the square from them.
 [[nodiscard]] inline double gap_swell(double share) {
   const double from_ends = 4 * share * (1 - share);
   return from_ends * from_ends;

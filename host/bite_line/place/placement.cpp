@@ -3,80 +3,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include <tbb/parallel_for.h>
 
 #include "host/bite_line/buckets.hpp"
 #include "host/bite_line/place/gap_bridge.hpp"
 #include "host/bite_line/place/path_curve.hpp"
-#include "host/bite_line/place/ridge.hpp"
 #include "host/bite_line/place/ridge_doubt.hpp"
 #include "host/bite_line/place/sampling.hpp"
-#include "host/bite_line/place/sections.hpp"
+#include "host/bite_line/place/section_course.hpp"
 #include "host/geometry/bridge.hpp"
 #include "host/geometry/closed_curve.hpp"
 
 namespace biteline::bite_line {
 
 namespace {
-
-/// Three profiles of a usual scan: less, with nothing around, may be strays.
-constexpr double k_island_mm = 3.0;
-
-struct Surface {
-  double o_mm;
-  bool seen;  ///< and not only a straight line across a shadow, which hides the depth of a groove
-};
-
-std::optional<Surface> surface_at(const Sections& sections, int station, double row) {
-  // How far from the row a point may be that has seen it.
-  constexpr double k_beside_mm = 0.2;
-  const int below = static_cast<int>(std::floor(row));
-  const int beside = static_cast<int>(std::lround(k_beside_mm / sections.row_mm));
-  if (below < 0 || below + 1 >= sections.rows) return std::nullopt;
-  const std::size_t low = sections.at(station, below);
-  const std::size_t high = sections.at(station, below + 1);
-  if (sections.known[low] == Sections::k_nothing || sections.known[high] == Sections::k_nothing)
-    return std::nullopt;
-  bool seen = false;
-  for (int r = std::max(0, below - beside); r <= std::min(sections.rows - 1, below + 1 + beside); ++r)
-    seen = seen || sections.known[sections.at(station, r)] == Sections::k_seen;
-  const double fraction = row - below;
-  return Surface{.o_mm = (1 - fraction) * static_cast<double>(sections.o_mm[low]) +
-                         fraction * static_cast<double>(sections.o_mm[high]),
-                 .seen = seen};
-}
-
-/// How far out the line lies at every station, and where that is known.
-struct Outwards {
-  std::vector<double> o_mm;
-  std::vector<std::uint8_t> known;
-};
-
-Outwards outwards_of(const Sections& sections, std::span<const double> row) {
-  // Over longer stretches a groove in shadow is better guessed by the straight line across it than from its
-  // ends.
-  constexpr double k_longest_shadow_mm = 12.0;
-  Outwards out{std::vector<double>(row.size(), 0.0), std::vector<std::uint8_t>(row.size(), 0)};
-  std::vector<std::uint8_t> filled(row.size(), 0);
-  for (std::size_t i = 0; i < row.size(); ++i) {
-    const std::optional<Surface> surface = surface_at(sections, static_cast<int>(i), row[i]);
-    if (!surface) continue;
-    out.o_mm[i] = surface->o_mm;
-    out.known[i] = surface->seen ? 1 : 0;
-    filled[i] = surface->seen ? 0 : 1;
-  }
-  if (std::find(out.known.begin(), out.known.end(), 1) == out.known.end()) out.known = filled;
-  for (const geometry::Gap& gap : geometry::gaps_of(std::vector<std::uint8_t>{out.known})) {
-    if (static_cast<double>(gap.steps) * sections.station_mm <= k_longest_shadow_mm) continue;
-    for (std::size_t k = 1; k < gap.steps; ++k) {
-      const std::size_t i = (gap.first + k) % row.size();
-      if (filled[i] != 0) out.known[i] = 1;
-    }
-  }
-  return out;
-}
 
 /// Shorter ones are off by less than the scatter beside them.
 bool is_long(const geometry::Gap& gap, double station_mm) {
@@ -112,21 +53,6 @@ std::vector<GapPlace> gap_places(std::span<const std::uint8_t> known, const Outl
   return places;
 }
 
-/// What lies beside an unseen stretch leans on points from one side only: a millimetre of it is not taken.
-void shrink_beside_gaps(std::vector<std::uint8_t>& known, double station_mm) {
-  constexpr double k_long_mm = 3.0;
-  constexpr double k_margin_mm = 1.0;
-  const auto margin = static_cast<std::size_t>(std::lround(k_margin_mm / station_mm));
-  const std::size_t count = known.size();
-  for (const geometry::Gap& gap : geometry::gaps_of(known)) {
-    if (static_cast<double>(gap.steps) * station_mm < k_long_mm) continue;
-    for (std::size_t k = 0; k < margin; ++k) {
-      known[(gap.first + count - k) % count] = 0;
-      known[(gap.first + gap.steps + k) % count] = 0;
-    }
-  }
-}
-
 struct Plan {
   std::vector<Vec2> places;
   std::vector<double> corner_mm;  ///< how far a course that turns sharper could lie outside; 0 where known
@@ -159,13 +85,14 @@ Plan plan_of(const Outline& outline, std::span<const double> o, std::span<const 
     const double turn_rad =
         firm ? arc.turn_rad() : std::acos(std::clamp(normal(gap.first).dot(normal(end)), -1.0, 1.0));
     const double corner_mm = geometry::corner_beyond_arc_mm(chord.norm(), turn_rad);
-    const double tried_mm = is_long(gap, station_mm) ? tried_plan_mm(seen, known, gap, station_mm) : 0;
+    const TriedBridge tried =
+        is_long(gap, station_mm) ? tried_plan(seen, known, gap, station_mm) : TriedBridge{};
     for (std::size_t k = 1; k < gap.steps; ++k) {
       const std::size_t at = (gap.first + k) % count;
       const double share = static_cast<double>(k) / static_cast<double>(gap.steps);
       plan[at] = arc.at(share).head<2>();
       made.corner_mm[at] = corner_mm * gap_swell(share);
-      made.tried_mm[at] = tried_mm * gap_swell(share);
+      made.tried_mm[at] = tried.at(share);
     }
   }
   return made;
@@ -177,10 +104,9 @@ std::vector<double> tried_heights(std::span<const double> z_mm, std::span<const 
   std::vector<double> tried(z_mm.size(), 0.0);
   for (const geometry::Gap& gap : geometry::gaps_of(known)) {
     if (!is_long(gap, station_mm)) continue;
-    const double off_mm = tried_height_mm(z_mm, known, gap, station_mm);
+    const TriedBridge off = tried_height(z_mm, known, gap, station_mm);
     for (std::size_t k = 1; k < gap.steps; ++k)
-      tried[(gap.first + k) % tried.size()] =
-          off_mm * gap_swell(static_cast<double>(k) / static_cast<double>(gap.steps));
+      tried[(gap.first + k) % tried.size()] = off.at(static_cast<double>(k) / static_cast<double>(gap.steps));
   }
   return tried;
 }
@@ -243,28 +169,23 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
       static_cast<std::size_t>(std::max(32.0, std::round(path_outline.length_mm() / config.spacing_mm)));
   const std::vector<double> path_z = heights_at_stations(curve, path_outline, stations);
 
-  const SectionPoints points{{.points = input.near, .outline = path_outline, .path_z_mm = path_z}, {}};
+  const SectionInput sectioned{.points = input.near, .outline = path_outline, .path_z_mm = path_z};
+  const SectionPoints points{sectioned, {}};
   const double sample_mm = points.sample_mm();
-  const Sections sections = points.cut(sigma_along_mm(input.points_per_mm2, sample_mm));
-  Ridge ridge = follow_ridge(sections, section_curvature(sections, config.smoothing_mm), config.search_mm);
-
-  geometry::drop_islands(ridge.visible, sections.station_mm, k_island_mm);
-  std::vector<double> seen_z(stations);
-  for (std::size_t i = 0; i < stations; ++i) seen_z[i] = path_z[i] + sections.z_mm(ridge.row[i]);
-  std::vector<double> whole_z = seen_z;
-  geometry::bridge_smooth(whole_z, ridge.visible, sections.station_mm, k_height_lever_mm);
-  const std::vector<double> z = geometry::running_mean(whole_z, config.mean_mm / sections.station_mm);
-
-  std::vector<double> row(stations);
-  for (std::size_t i = 0; i < stations; ++i)
-    row[i] = sections.zero_row + (z[i] - path_z[i]) / sections.row_mm;
-  Outwards outwards = outwards_of(sections, row);
-  geometry::drop_islands(outwards.known, sections.station_mm, k_island_mm);
-  shrink_beside_gaps(outwards.known, sections.station_mm);
-  geometry::bridge_straight(outwards.o_mm, outwards.known, sections.station_mm);
-  const Plan plan = plan_of(path_outline, outwards.o_mm, outwards.known, sections.station_mm);
+  const SectionCourseConfig course_config{.along_mm = sigma_along_mm(input.points_per_mm2, sample_mm),
+                                          .smoothing_mm = config.smoothing_mm,
+                                          .search_mm = config.search_mm,
+                                          .mean_mm = config.mean_mm};
+  SectionCourse course = section_course(points, path_z, course_config);
+  const Sections& sections = course.sections;
+  Ridge& ridge = course.ridge;
+  const std::vector<double>& z = course.z_mm;
+  const std::vector<double> few = are_few(input.points_per_mm2)
+                                      ? half_spread(sectioned, course, course_config)
+                                      : std::vector<double>(stations, 0.0);
+  const Plan plan = plan_of(path_outline, course.o_mm, course.o_known, sections.station_mm);
   const std::vector<GapPlace> gap = gap_places(ridge.visible, path_outline, sections.station_mm);
-  const std::vector<GapPlace> shadow = gap_places(outwards.known, path_outline, sections.station_mm);
+  const std::vector<GapPlace> shadow = gap_places(course.o_known, path_outline, sections.station_mm);
   const std::vector<Vec3> normals = normals_above({.points = points,
                                                    .sections = sections,
                                                    .outline = path_outline,
@@ -273,11 +194,11 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
                                                   config.normals);
 
   const std::vector<double> scatter =
-      scatter_of(seen_z, z, ridge.visible, config.mean_mm / sections.station_mm);
-  const std::vector<PlaceNoise> noise = place_noise(sections, row, ridge.visible, config.mean_mm);
+      scatter_of(course.seen_z_mm, z, ridge.visible, config.mean_mm / sections.station_mm);
+  const std::vector<PlaceNoise> noise = place_noise(sections, course.row, ridge.visible, config.mean_mm);
   const std::vector<double> tried_z = tried_heights(z, ridge.visible, sections.station_mm);
 
-  const std::vector<double> between_o = between_profiles(outwards.o_mm, sample_mm, sections.station_mm);
+  const std::vector<double> between_o = between_profiles(course.o_mm, sample_mm, sections.station_mm);
   const std::vector<double> between_z = between_profiles(z, sample_mm, sections.station_mm);
 
   placement.points.resize(stations);
@@ -286,7 +207,7 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
         .position = {plan.places[i].x(), plan.places[i].y(), z[i]},
         .normal = normals[i],
         .curvature_per_mm = ridge.k_per_mm[i],
-        .own_z_mm = seen_z[i],
+        .own_z_mm = course.seen_z_mm[i],
         .to_visible_mm = gap[i].to_known_mm,
         .doubt = std::max(gap[i].doubt, shadow[i].doubt),
         .corner_mm = plan.corner_mm[i],
@@ -295,6 +216,7 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
         .untried = (gap[i].in_long && tried_z[i] == 0) || (shadow[i].in_long && plan.tried_mm[i] == 0),
         .between_out_mm = between_o[i],
         .between_up_mm = between_z[i],
+        .few_out_mm = few[i],
         .noise = noise[i],
         .scatter_mm = scatter[i]};
     set_layer(input, placement.points[i]);

@@ -40,6 +40,7 @@ struct PlacedStation {
   bool untried{false};     ///< in a long gap, and the line was not seen over enough such lengths to try one
   double between_out_mm{0};  ///< of a bend that lies between two profiles: standard deviation, level ...
   double between_up_mm{0};   ///< ... and in height
+  double few_out_mm{0};      ///< where points are few: standard deviation outwards, see half_spread()
   PlaceNoise noise{};
   double scatter_mm{0};  ///< RMS of the sections' own heights about their running mean, over its length
   double hold{1};        ///< that the path keeps its layer here ...

@@ -29,6 +29,7 @@ struct SpreadModel {
   /// classes) the middle of nine in ten is off by less than 0.29 of it where that is 1 to 4 mm, by 0.17 and
   /// less where it is more: a radius of 0.25, of which this is the deviation.
   double corner{0.1};
+  double few{0.75};      ///< of what two halves of few points tell, see half_spread()
   double flat_mm{0.25};  ///< of a flat place's doubt: 1 is one in two within 0.3 mm
 };
 

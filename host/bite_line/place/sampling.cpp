@@ -9,9 +9,25 @@
 
 namespace biteline::bite_line {
 
+namespace {
+
+constexpr double k_two_profiles_mm = 0.7;
+
+/// Six points within the definition's Gaussian and these.
+double sigma_of_six_mm(double points_per_mm2) {
+  return 6.0 / (2.5 * std::max(points_per_mm2, 0.1));
+}
+
+}  // namespace
+
 double sigma_along_mm(double points_per_mm2, double sample_mm) {
-  constexpr double k_of_sample = 0.4;
-  return std::max(std::clamp(6.0 / (2.5 * std::max(points_per_mm2, 0.1)), 0.7, 2.0), k_of_sample * sample_mm);
+  constexpr double k_widest_mm = 2.0, k_of_sample = 0.4;
+  return std::max(std::clamp(sigma_of_six_mm(points_per_mm2), k_two_profiles_mm, k_widest_mm),
+                  k_of_sample * sample_mm);
+}
+
+bool are_few(double points_per_mm2) {
+  return sigma_of_six_mm(points_per_mm2) > k_two_profiles_mm;
 }
 
 std::vector<double> between_profiles(std::span<const double> values, double sample_mm, double station_mm) {

@@ -12,6 +12,9 @@ namespace biteline::bite_line {
 /// both count, and on one its neighbours hardly do.  Standard deviation, mm.
 [[nodiscard]] double sigma_along_mm(double points_per_mm2, double sample_mm);
 
+/// The weights are wider than two profiles, since that few points are there.
+[[nodiscard]] bool are_few(double points_per_mm2);
+
 /// Standard deviation of a straight course between profiles `sample_mm` apart, per station of a closed line.
 /// Of a bend that its second differences over that distance tell, it is off by an eighth of those half-way,
 /// and by sqrt(8 / 15) of that in the mean.

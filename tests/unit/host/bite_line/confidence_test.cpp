@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <CppUTest/TestHarness.h>
 
+#include <cmath>
+
 #include "host/bite_line/place/confidence.hpp"
 #include "host/bite_line/place/point_spread.hpp"
 
@@ -48,6 +50,13 @@ TEST(Confidence, ABridgesHeightIsNoJump) {
   PlacedStation bridged{.position = {0, 0, 30}, .own_z_mm = 31, .doubt = 0.5, .tried_out_mm = 0.3};
   bridged.tried_up_mm = 0.4;
   DOUBLES_EQUAL(bridge_held_of({.tried_mm = 0.5, .doubt = 0.5}), within_of(bridged), 1e-12);
+}
+
+TEST(Confidence, FewPointsWidenU95Outwards) {
+  PlacedStation few{.position = {0, 0, 30}, .own_z_mm = 30, .few_out_mm = 0.15};
+  const PointSpread spread = spread_of(few);
+  DOUBLES_EQUAL(SpreadModel{}.few * few.few_out_mm, std::sqrt(spread.covariance_mm2(0, 0)), 1e-9);
+  DOUBLES_EQUAL(0, spread.covariance_mm2(1, 1), 1e-12);
 }
 
 TEST(Confidence, ALongBridgeThatCouldNotBeTriedIsNoBetterForIt) {

@@ -42,13 +42,13 @@ std::vector<std::uint8_t> known_but(const geometry::Gap& gap) {
 TEST_GROUP(GapBridge){};
 
 TEST(GapBridge, OnACircleABridgeIsNotOff) {
-  DOUBLES_EQUAL(0, tried_plan_mm(ring(0, 1), known_but(k_gap), k_gap, k_station_mm), 0.02);
+  DOUBLES_EQUAL(0, tried_plan(ring(0, 1), known_but(k_gap), k_gap, k_station_mm).at(0.5), 0.02);
 }
 
 TEST(GapBridge, OnALineThatBendsItIsOffByWhatItBends) {
   // Its own gap is bridged as badly as the others: the RMS over all of them tells of it.
   const std::vector<Vec2> plan = ring(2, 12);
-  const double sut = tried_plan_mm(plan, known_but(k_gap), k_gap, k_station_mm);
+  const double sut = tried_plan(plan, known_but(k_gap), k_gap, k_station_mm).at(0.5);
   double square = 0;
   for (std::size_t i = 0; i < k_stations; ++i) {
     const geometry::Gap own{.first = i, .steps = k_gap.steps};
@@ -60,18 +60,41 @@ TEST(GapBridge, OnALineThatBendsItIsOffByWhatItBends) {
   DOUBLES_EQUAL(std::sqrt(square), sut, 0.2 * std::sqrt(square));
 }
 
+TEST(GapBridge, WhereALineKinksTheErrorGrowsStraightFromTheEnds) {
+  // A regular polygon: an end that lies beside a corner goes on straight, and the line does not.
+  std::vector<Vec2> plan;
+  constexpr std::size_t k_sides = 6;
+  for (std::size_t i = 0; i < k_stations; ++i) {
+    const double share = static_cast<double>(i * k_sides % k_stations) / k_stations;
+    const std::size_t side = i * k_sides / k_stations;
+    const auto corner = [](std::size_t k) {
+      const double at = 2 * std::numbers::pi * static_cast<double>(k) / k_sides;
+      return Vec2{100 * std::cos(at), 100 * std::sin(at)};
+    };
+    plan.emplace_back((1 - share) * corner(side) + share * corner(side + 1));
+  }
+  const TriedBridge sut = tried_plan(plan, known_but(k_gap), k_gap, k_station_mm);
+  const double straight = sut.at(0.5) / 4;
+  const double swelling = sut.at(0.5) * gap_swell(0.125);
+  CHECK_COMPARE(sut.at(0.5), >, 0.5);
+  CHECK_COMPARE(sut.at(0.125), >, 0.5 * (straight + swelling));
+  DOUBLES_EQUAL(0, sut.at(0), 1e-12);
+  DOUBLES_EQUAL(sut.at(0.2), sut.at(0.8), 1e-12);
+  DOUBLES_EQUAL(0.5 * (sut.rms_mm.at(1) + sut.rms_mm.at(2)), sut.at(2.5 / 8), 1e-12);
+}
+
 TEST(GapBridge, HeightsAreTriedTheSameWay) {
   std::vector<double> level(k_stations, 20.0);
-  DOUBLES_EQUAL(0, tried_height_mm(level, known_but(k_gap), k_gap, k_station_mm), 1e-9);
+  DOUBLES_EQUAL(0, tried_height(level, known_but(k_gap), k_gap, k_station_mm).at(0.5), 1e-9);
   std::vector<double> wavy;
   for (std::size_t i = 0; i < k_stations; ++i) wavy.push_back(20 + 2 * std::sin(12 * angle(i)));
-  CHECK_COMPARE(tried_height_mm(wavy, known_but(k_gap), k_gap, k_station_mm), >, 0.3);
+  CHECK_COMPARE(tried_height(wavy, known_but(k_gap), k_gap, k_station_mm).at(0.5), >, 0.3);
 }
 
 TEST(GapBridge, WhereLittleWasSeenNothingIsTried) {
   std::vector<std::uint8_t> known(k_stations, 0);
   for (std::size_t i = 0; i < 90; ++i) known[i] = 1;
-  DOUBLES_EQUAL(0, tried_plan_mm(ring(2, 12), known, k_gap, k_station_mm), 1e-9);
+  DOUBLES_EQUAL(0, tried_plan(ring(2, 12), known, k_gap, k_station_mm).at(0.5), 1e-9);
 }
 
 TEST(GapBridge, ABridgeThatFailsElsewhereIsNotTrusted) {

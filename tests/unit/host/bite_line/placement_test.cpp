@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "host/bite_line/place/placement.hpp"
 #include "host/bite_line/place/ridge.hpp"
@@ -29,8 +30,9 @@ int row_at(const Sections& sections, double above_path_mm) {
 }
 
 template <class O>
-PlacedLine placed(O&& o_mm) {
-  const Side side = test::drum_side(o_mm, {.s_mm = 0.7, .z_mm = 0.1, .z_begin_mm = 10, .z_end_mm = 40});
+PlacedLine placed(O&& o_mm, double profiles_mm = 0.7) {
+  const Side side =
+      test::drum_side(o_mm, {.s_mm = profiles_mm, .z_mm = 0.1, .z_begin_mm = 10, .z_end_mm = 40});
   const SideGrid& grid = side.field.grid;
   // As a crease's path would be: on the grid's row, up to half of one off.
   const std::vector<double> path_row(static_cast<std::size_t>(grid.cols),
@@ -189,6 +191,38 @@ TEST(Placement, TheLineLiesWhereTheSectionTurnsMost) {
     const OutlinePlace place = outline.locate(station.position.cast<float>());
     DOUBLES_EQUAL(-1.0, place.o_mm, 0.03);
     DOUBLES_EQUAL(0, station.doubt, 1e-9);
+  }
+}
+
+TEST(Placement, FewPointsTellHowFarTheLineMayBeOff) {
+  // A groove 2.5 mm deep of which one place in ten was seen, here and there: one point per square millimetre.
+  const auto groove = [](double z) { return 2.5 * test::groove_mm(z, k_z_mm); };
+  std::uint32_t drawn = 1;
+  const auto few = [&](double, double z) {
+    drawn = drawn * 1664525U + 1013904223U;
+    return drawn >> 16U < 6554U ? groove(z) : test::k_no_point;
+  };
+  const Outline outline = test::egg_outline();
+  const auto off_of = [&](const PlacedStation& station) {
+    return static_cast<double>(outline.locate(station.position.cast<float>()).o_mm) - groove(k_z_mm);
+  };
+  const PlacedLine sut = placed(few, 1.0);
+  double off_mm2 = 0, told_mm2 = 0;
+  std::size_t held = 0;
+  for (const PlacedStation& station : sut.points) {
+    const double off_mm = off_of(station);
+    off_mm2 += off_mm * off_mm;
+    told_mm2 += station.few_out_mm * station.few_out_mm;
+    held += std::abs(off_mm) <= 1.96 * station.few_out_mm ? 1U : 0U;
+  }
+  const auto count = static_cast<double>(sut.points.size());
+  // There is something to tell, and the groove's bottom is not taken for what lies behind its flanks.
+  CHECK_COMPARE(std::sqrt(off_mm2 / count), >, 0.05);
+  CHECK_COMPARE(std::sqrt(off_mm2 / count), <, 0.2);
+  CHECK_COMPARE(told_mm2, >, 0.7 * off_mm2);
+  CHECK_COMPARE(static_cast<double>(held), >, 0.85 * count);
+  for (const PlacedStation& station : placed([&](double, double z) { return groove(z); }).points) {
+    DOUBLES_EQUAL(0, station.few_out_mm, 1e-12);
   }
 }
 
