@@ -22,6 +22,7 @@
 #include "hal/sim/live/trigger_timer.hpp"
 #include "hal/sim/record/disturbances.hpp"
 #include "hal/sim/record/made_scene.hpp"
+#include "hal/sim/record/surroundings.hpp"
 #include "hal/sim/robot/ur_controller.hpp"
 #include "hal/sim/shoe/random.hpp"
 
@@ -85,6 +86,11 @@ class LiveCell {
   [[nodiscard]] double scan_duration_s() const;
   /// The arm's own way; nothing with a straight holder.
   [[nodiscard]] const ArmScan* arm_scan() const { return arm_scan_.get(); }
+  /// The arm stands on the table, and the shoe on a fixture: in the base.
+  struct Stand {
+    double table_z_mm{0}, fixture_z_mm{0}, fixture_beyond_mm{k_plate_beyond_mm};
+  };
+  [[nodiscard]] Stand stand() const { return {.fixture_z_mm = scene_->T_base_shoe.translation().z()}; }
   /// What stood in the way at the place asked for; empty: the shoe stands there.
   [[nodiscard]] const std::string& moved_because() const { return moved_because_; }
 

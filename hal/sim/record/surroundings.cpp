@@ -56,7 +56,7 @@ std::vector<Vec2> box(const Vec2& low, const Vec2& high) {
 }  // namespace
 
 void add_surroundings(SurfaceMesh& mesh, const Outline& outline) {
-  constexpr double k_table_half_mm = 800, k_plate_beyond_mm = 30, k_every_mm = 5;
+  constexpr double k_table_half_mm = 800, k_every_mm = 5;
   constexpr int k_pins = 6;
   Vec2 low = outline.at(0).point, high = low;
   for (double s_mm = 0; s_mm < outline.perimeter_mm(); s_mm += k_every_mm) {

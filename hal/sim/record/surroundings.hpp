@@ -13,6 +13,7 @@ namespace biteline::sim {
 void add_surroundings(SurfaceMesh& mesh, const Outline& outline);
 
 inline constexpr double k_fixture_plate_mm = 10;  ///< thick: the table is so far below the shoe
+inline constexpr double k_plate_beyond_mm = 30;   ///< the shoe, all round
 inline constexpr double k_pin_height_mm = 8, k_pin_radius_mm = 3, k_pin_gap_mm = 6;
 
 }  // namespace biteline::sim

@@ -2,7 +2,6 @@
 #include "host/apps/biteline-demo/stand.hpp"
 
 #include <chrono>
-#include <fstream>
 #include <sstream>
 
 #include "host/cloud/uncertainty/uncertainty_file.hpp"
@@ -44,16 +43,6 @@ Result<std::string> endpoint(const Server& server, const char* name) {
     return fail(Errc::ProtocolError, "no '%s' among the endpoints of a started program", name);
   }
   return server.endpoints[name].get<std::string>();
-}
-
-/// z of the table that the shoe stands on, which an integrator knows of his cell: here the cell's own.
-double table_z_mm(const fs::path& truth) {
-  std::ifstream file(truth / "T_base_shoe.txt");
-  double entry = 0, z_mm = 0;
-  for (int i = 0; i < 12 && file >> entry; ++i) {
-    if (i == 11) z_mm = entry;
-  }
-  return z_mm;
 }
 
 std::vector<std::string> cell_arguments(const CellOptions& options, const Shoe& shoe, const fs::path& out) {
@@ -112,16 +101,34 @@ Result<Stand> start_stand(const CellOptions& options, const Shoe& shoe, const fs
 std::vector<std::string> host_arguments(const CellOptions& options, const Stand& stand,
                                         const fs::path& folder) {
   const auto told = [&](const char* name) { return stand.cell.endpoints.value(name, ""); };
-  return {"--sensor",      stand.stream,
-          "--out",         folder.string(),
-          "--uncertainty", stand.known.string(),
-          "--robot",       options.arm,
-          "--process",     options.process.string(),
-          "--table-z",     std::to_string(table_z_mm(folder / "cell/truth")),
-          "--rtde",        told("rtde"),
-          "--script",      told("script"),
-          "--dashboard",   told("dashboard"),
-          "--send",        "--exit-with-parent"};
+  // What an integrator measures in his cell.
+  const auto measured = [&](const char* name) {
+    return std::to_string(stand.cell.endpoints.value(name, 0.0));
+  };
+  return {"--sensor",
+          stand.stream,
+          "--out",
+          folder.string(),
+          "--uncertainty",
+          stand.known.string(),
+          "--robot",
+          options.arm,
+          "--process",
+          options.process.string(),
+          "--table-z",
+          measured("table_z_mm"),
+          "--fixture-z",
+          measured("fixture_z_mm"),
+          "--fixture-beyond",
+          measured("fixture_beyond_mm"),
+          "--rtde",
+          told("rtde"),
+          "--script",
+          told("script"),
+          "--dashboard",
+          told("dashboard"),
+          "--send",
+          "--exit-with-parent"};
 }
 
 }  // namespace biteline::demo

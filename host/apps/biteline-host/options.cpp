@@ -55,6 +55,17 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_option("--table-z", robot.table_z_mm, "Height of the table in the robot's base [mm]")
       ->check(options::number(k_plausible_mm, "mm"))
       ->needs(arm);
+  auto* fixture =
+      app.add_option(
+             "--fixture-z", robot.fixture_z_mm,
+             "Where the shoe stands on a fixture: its top in the robot's base [mm]; else on the table")
+          ->check(options::number(k_plausible_mm, "mm"))
+          ->needs(arm);
+  app.add_option("--fixture-beyond", robot.fixture_beyond_mm,
+                 "How far the fixture stands out beyond the line, all round [mm]")
+      ->check(options::number({.minimum = 0, .maximum = 500}, "mm"))
+      ->needs(fixture)
+      ->capture_default_str();
   app.add_option("--rtde", robot.rtde, "The controller's real-time port, HOST:PORT")->capture_default_str();
   app.add_option("--script", robot.script, "The controller's script port, HOST:PORT")->capture_default_str();
   app.add_option("--dashboard", robot.dashboard,

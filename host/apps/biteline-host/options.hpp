@@ -9,6 +9,7 @@
 #include "common/wire/endpoint.hpp"
 #include "host/apps/biteline-host/kept_recordings.hpp"
 #include "host/cloud/uncertainty/head_uncertainty.hpp"
+#include "host/robot/path/checks/fixture.hpp"
 #include "host/transfer/transfer.hpp"
 
 namespace biteline::service {
@@ -21,6 +22,8 @@ struct RobotOptions {
   std::string dashboard;  ///< empty: port 29999 of the script's machine
   std::string serial;     ///< of the one arm that may be meant; empty: any of that model
   double table_z_mm{0};
+  std::optional<double> fixture_z_mm;  ///< its top, where the shoe stands on one
+  double fixture_beyond_mm{path::Fixture{}.beyond_mm};
   int hold_register{47};  ///< of the controller's input_int_register_N; below 0: none is held
   bool send{false};
   std::string confirm;  ///< the one scan that a person lets be sent though nobody saw it come in

@@ -116,6 +116,7 @@ Result<path::PlanRequest> request_of(const RerunRoom& room, path::Process proces
   request.process = std::move(process);
   request.arm = arm.model;
   request.table_z_mm = request.mounted.table_z_mm.value_or(arm.table_z_mm);
+  request.fixture = arm.fixture;
   request.cloud = cloud.points;
   request.line = std::move(line);
   return request;

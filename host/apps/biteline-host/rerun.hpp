@@ -22,6 +22,7 @@ struct RerunArm {
   kinematics::ArmModel model;
   path::Process process;  ///< where neither order nor model names one
   double table_z_mm{0};
+  std::optional<path::Fixture> fixture{};
 };
 
 struct RerunRoom {

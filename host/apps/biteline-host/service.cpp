@@ -86,7 +86,8 @@ Result<Service> Service::create(const Options& options) {
                      .process = robot ? robot->process.name : "",
                      .rerun_arm = robot ? std::optional{RerunArm{.model = robot->arm,
                                                                  .process = robot->process,
-                                                                 .table_z_mm = robot->options.table_z_mm}}
+                                                                 .table_z_mm = robot->options.table_z_mm,
+                                                                 .fixture = fixture_of(robot->options)}}
                                         : std::nullopt,
                      .endpoint = options.doors.control,
                      .keys = std::move(control_keys),

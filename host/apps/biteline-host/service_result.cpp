@@ -239,6 +239,7 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
   const PlanStepRequest request{.arm = robot_->arm,
                                 .process = process_of(scan.chosen),
                                 .table_z_mm = robot_->options.table_z_mm,
+                                .fixture = fixture_of(robot_->options),
                                 .mounted = taught,
                                 .near_rad = scan.arm_rad.valid() ? scan.arm_rad.get() : std::nullopt};
   cockpit_->show(Phase::Working, "plans the path of " + name,

@@ -16,6 +16,11 @@ HostClock::time_point now() {
       std::chrono::duration_cast<Nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())};
 }
 
+std::optional<path::Fixture> fixture_of(const RobotOptions& robot) {
+  if (!robot.fixture_z_mm) return std::nullopt;
+  return path::Fixture{.top_z_mm = *robot.fixture_z_mm, .beyond_mm = robot.fixture_beyond_mm};
+}
+
 ControllerAddress controller_of(const RobotOptions& robot) {
   return {.rtde = robot.rtde, .script = robot.script, .dashboard = robot.dashboard};
 }

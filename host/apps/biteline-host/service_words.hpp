@@ -31,6 +31,8 @@ void complain(const Error& error);
 [[nodiscard]] HostClock::time_point now();
 [[nodiscard]] std::string utc_now();
 [[nodiscard]] ControllerAddress controller_of(const RobotOptions& robot);
+/// What the shoe stands on above the table; none: on the table.
+[[nodiscard]] std::optional<path::Fixture> fixture_of(const RobotOptions& robot);
 /// Shipped processes stand beside the program, as installed and as built.
 [[nodiscard]] StockFolders stock_folders(const Options& options);
 

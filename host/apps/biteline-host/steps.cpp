@@ -296,6 +296,7 @@ Result<PlanStep> plan_path(const fs::path& folder, const PlanStepRequest& reques
   plan_request.process = request.process;
   plan_request.arm = request.arm;
   plan_request.table_z_mm = request.mounted.table_z_mm.value_or(request.table_z_mm);
+  plan_request.fixture = request.fixture;
   plan_request.mounted = request.mounted;
   plan_request.near_rad = request.near_rad;
   plan_request.cloud = scan.cloud.points;

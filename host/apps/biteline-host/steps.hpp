@@ -59,7 +59,8 @@ struct PlanStepRequest {
   kinematics::ArmModel arm;
   path::Process process;
   double table_z_mm{0};
-  path::Mounted mounted{};  ///< as it was taught; its table's height goes before `table_z_mm`
+  std::optional<path::Fixture> fixture{};  ///< what the shoe stands on above the table
+  path::Mounted mounted{};                 ///< as it was taught; its table's height goes before `table_z_mm`
   std::optional<kinematics::Joints> near_rad{};  ///< where the arm was after the scan, where somebody knows
 };
 

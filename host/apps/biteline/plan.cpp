@@ -28,6 +28,8 @@ struct PlanOptions {
   std::vector<double> base_at{0, 0, 0, 0};  // x y z [mm], yaw [deg]
   std::vector<double> from_deg;
   double table_z_mm{0};
+  std::optional<double> fixture_z_mm;
+  double fixture_beyond_mm{path::Fixture{}.beyond_mm};
   double spacing_mm{1};
 };
 
@@ -65,6 +67,9 @@ Result<path::PlanRequest> read_request(const PlanOptions& options, report::Repor
       Eigen::Quaterniond{Eigen::AngleAxisd(options.base_at[3] * k_rad_per_deg, Vec3::UnitZ())},
       Vec3{options.base_at[0], options.base_at[1], options.base_at[2]});
   request.table_z_mm = options.table_z_mm;
+  if (options.fixture_z_mm)
+    request.fixture =
+        path::Fixture{.top_z_mm = *options.fixture_z_mm, .beyond_mm = options.fixture_beyond_mm};
   if (!options.from_deg.empty())
     request.from_rad = k_rad_per_deg * Eigen::Map<const kinematics::Joints>(options.from_deg.data());
   return request;
@@ -126,6 +131,18 @@ void add_plan(CLI::App& app, Context& context) {
                       "The tool's tip from touching one point: poses of the flange (number, mm, quaternion)");
   command->add_option("--table-z", options->table_z_mm, "Height of the table in the line's frame [mm]")
       ->check(number(k_plausible_mm, "mm"));
+  auto* fixture =
+      command
+          ->add_option(
+              "--fixture-z", options->fixture_z_mm,
+              "Where the shoe stands on a fixture: its top in the line's frame [mm]; else on the table")
+          ->check(number(k_plausible_mm, "mm"));
+  command
+      ->add_option("--fixture-beyond", options->fixture_beyond_mm,
+                   "How far the fixture stands out beyond the line, all round [mm]")
+      ->check(number({.minimum = 0, .maximum = 500}, "mm"))
+      ->needs(fixture)
+      ->capture_default_str();
   command->add_option("--cloud", options->cloud,
                       "The shoe's cloud for collisions; without it the shoe is guessed from the line");
   add_unit_option(*command, options->unit);

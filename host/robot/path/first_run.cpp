@@ -25,10 +25,7 @@ PlanRequest first_run(PlanRequest request) {
   for (Zone& zone : process.zones)
     zone.speed_ratio = slowed_mm_s(zone.speed_ratio * line_mm_s) / motion.speed_mm_s;
   process.follow.stall_s = std::max(process.follow.stall_s, FollowLimits{}.stall_s);
-  // A controller drives a straight way at the fastest speed planned on it, and is at that speed at once.  At
-  // a tenth of the speed it would be so far ahead of the plan that following stops it.
   motion.transfer_speed_mm_s = std::min(motion.transfer_speed_mm_s, motion.approach_speed_mm_s);
-  request.ways_as_driven = true;
   request.tool_off = true;
   request.least_tip_to_shoe_mm = k_first_run_clear_mm;
   return request;

@@ -53,6 +53,11 @@ Scene scene_of(const PlanRequest& request) {
     replace_shoe(scene.surroundings, cloud);
     surface = std::move(cloud);
   }
+  if (request.fixture) {
+    Fixture fixture = *request.fixture;
+    fixture.top_z_mm += T_base_line.translation().z();
+    add_fixture(scene.surroundings, scene.line, fixture);
+  }
   if (request.process.sight)
     scene.seen = request.cloud.empty() ? guessed(scene.surroundings) : Occupancy{surface, k_scan_spacing_mm};
   return scene;
@@ -62,6 +67,10 @@ Scene shifted(const Scene& scene, const Vec3& by_mm) {
   Scene out{.line = scene.line, .surroundings = scene.surroundings};
   for (cloud::LinePoint& p : out.line.points) p.position += by_mm;
   for (Vec3& p : out.surroundings.shoe_points) p += by_mm;
+  if (out.surroundings.fixture) {
+    out.surroundings.fixture->top_z_mm += by_mm.z();
+    for (Vec2& corner : out.surroundings.fixture->outline) corner += by_mm.head<2>();
+  }
   // Raised on a block, the shoe leaves the table where it is.
   return out;
 }
@@ -207,8 +216,7 @@ Attempt try_seam(const PlanRequest& request, const Scene& scene, const Collision
                       {.near_rad = request.from_rad ? request.from_rad : request.near_rad});
   attempt.blockage = joints.blockage;
   if (!joints.path) return attempt;
-  const Timing timing =
-      time_path(request.arm, attempt.tool_path, *joints.path, request.process.motion, request.ways_as_driven);
+  const Timing timing = time_path(request.arm, attempt.tool_path, *joints.path, request.process.motion);
   attempt.outcome =
       check_path(assembled(request, attempt.tool_path, *joints.path, timing), request.arm, collisions, {});
   attempt.outcome.checks.push_back(chord_check(attempt.tool_path, request.process.motion));

@@ -3,6 +3,7 @@
 /// \file Line, process and arm in; a checked path or a reason and a way out.
 
 #include "host/robot/path/checks/checked_path.hpp"
+#include "host/robot/path/checks/fixture.hpp"
 #include "host/robot/path/mounted.hpp"
 #include "host/robot/path/refused.hpp"
 
@@ -14,6 +15,7 @@ struct PlanRequest {
   kinematics::ArmModel arm;
   SE3 T_line_base{SE3::Identity()};  ///< the planning arm's base in that frame
   double table_z_mm{0};              ///< in the line's frame
+  std::optional<Fixture> fixture{};  ///< none: the shoe stands on the table
   ShoeGuess shoe;
   std::optional<kinematics::Joints>
       from_rad{};  ///< where the arm stands before; then its way there is found and checked
@@ -22,7 +24,6 @@ struct PlanRequest {
   std::vector<Eigen::Vector3f> cloud;  ///< of the shoe, in the line's frame; empty: guessed from the line
   double least_tip_to_shoe_mm{0};      ///< of the tip along the line; 0: it works on the shoe
   bool tool_off{false};                ///< the output is switched off, and never on
-  bool ways_as_driven{false};          ///< see time_path()
   Mounted mounted{};                   ///< what was taught at the cell; a process made for another is refused
   bool seek_remedy{true};              ///< of a path that is refused; dozens of trials
 };

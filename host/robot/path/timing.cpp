@@ -118,10 +118,11 @@ bool stops_at(const ToolPath& path, std::size_t i, const Motion& motion) {
   return in.dot(out) < k_corner_cosine * in.norm() * out.norm();
 }
 
-/// From stop to stop beside the line: the slowest place's speed for all.
+/// From stop to stop beside the line in a straight way: the slowest place's speed for all.
 void even_out_ways(const ToolPath& path, std::vector<double>& speed_mm_s) {
   const auto moves_on_way = [&](std::size_t i) {
-    return i < speed_mm_s.size() && speed_mm_s[i] > 0 && path.points[i].segment != Segment::Line;
+    if (i >= speed_mm_s.size() || speed_mm_s[i] <= 0) return false;
+    return path.points[i].segment == Segment::Approach || path.points[i].segment == Segment::Retreat;
   };
   for (std::size_t first = 0; first < speed_mm_s.size(); ++first) {
     if (!moves_on_way(first)) continue;
@@ -138,7 +139,7 @@ void even_out_ways(const ToolPath& path, std::vector<double>& speed_mm_s) {
 }  // namespace
 
 Timing time_path(const kinematics::ArmModel& arm, const ToolPath& path, const JointPath& joints,
-                 const Motion& motion, bool ways_as_driven) {
+                 const Motion& motion) {
   const std::size_t n = path.points.size();
   Timing timing{.speed_mm_s = std::vector<double>(n), .time_s = std::vector<double>(n)};
   std::vector<Room> rooms;
@@ -159,7 +160,7 @@ Timing time_path(const kinematics::ArmModel& arm, const ToolPath& path, const Jo
     }
     timing.speed_mm_s[i] = stops_at(path, i, motion) ? 0 : limit_mm_s;
   }
-  if (ways_as_driven) even_out_ways(path, timing.speed_mm_s);
+  even_out_ways(path, timing.speed_mm_s);
   // From one place to the next, in either direction of time, what the joints leave at both.
   const auto reach = [&](std::size_t from, std::size_t to) {
     const double v = timing.speed_mm_s[from], step = step_mm(path, std::min(from, to));
@@ -179,7 +180,7 @@ Timing time_path(const kinematics::ArmModel& arm, const ToolPath& path, const Jo
     const double most_mm_s =
         std::min(worked ? process_speed_mm_s(path, i, motion) : motion.approach_speed_mm_s,
                  std::sqrt(a * step_mm(path, i)));
-    if (ways_as_driven && !worked && mean_mm_s > 0) {
+    if (!worked && mean_mm_s > 0) {
       const auto [slow, fast] = std::minmax(timing.speed_mm_s[i], timing.speed_mm_s[i + 1]);
       const double ramp_mm = (fast * fast - slow * slow) / (2 * a);
       timing.time_s[i + 1] =

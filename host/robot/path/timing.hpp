@@ -16,11 +16,10 @@ struct Timing {
 /// The fastest speeds within the process's and the joints' limits: per point by curvature and joint speed,
 /// then along the path by acceleration, forwards and back (Bobrow, Dubowsky, Gibson 1985, with constant
 /// acceleration).  The tip stops where the kind of segment changes and where a straight way bends.
-/// `ways_as_driven`: straight ways beside the line as a controller drives them: each at one speed, the
-/// slowest that any place of it allows, and as soon as the acceleration lets the tip.  Else a change of speed
-/// takes from one point to the next, which matters where the tip is slow and the points lie far apart.
+/// Straight ways beside the line as a controller drives them: each at one speed, the slowest that any place
+/// of it allows, and as soon as the acceleration lets the tip.
 [[nodiscard]] Timing time_path(const kinematics::ArmModel& arm, const ToolPath& path, const JointPath& joints,
-                               const Motion& motion, bool ways_as_driven = false);
+                               const Motion& motion);
 
 /// Largest joint acceleration over its limit, and where.
 struct JointAcceleration {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "host/robot/kinematics/chain.hpp"
+#include "host/robot/path/checks/fixture.hpp"
 #include "host/robot/path/checks/program_check.hpp"
 
 namespace biteline::path {
@@ -158,8 +159,13 @@ Check acceleration_check(const PlannedPath& path, const ArmModel& arm) {
 Check tip_check(const PlannedPath& path, const CollisionModel& collisions, double least_mm) {
   Worst worst{.value = 1e9};
   for (const Waypoint& w : path.waypoints)
-    worst.smaller(w.T_base_tcp.translation().z() - collisions.surroundings().table_z_mm, w.arc_mm);
-  return at_least("tip above the table", worst, least_mm, "mm", "the tip comes too near to the table");
+    worst.smaller(
+        w.T_base_tcp.translation().z() - floor_mm(collisions.surroundings(), w.T_base_tcp.translation()),
+        w.arc_mm);
+  return at_least("tip above the table", worst, least_mm, "mm",
+                  collisions.surroundings().fixture
+                      ? "the tip comes too near to the table, or to what the shoe stands on"
+                      : "the tip comes too near to the table");
 }
 
 Check singularity_check(const PlannedPath& path, const ArmModel& arm, double least) {

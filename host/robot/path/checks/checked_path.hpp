@@ -35,6 +35,7 @@ struct PlannedPath {
   int digital_output{-1};
   bool tool_off{false};                       ///< the output is switched off where it would be switched on
   std::vector<kinematics::Joints> via_rad{};  ///< postures on the arm's way to the first waypoint (way_there)
+  std::optional<double> way_there_rad_s{};    ///< of the joints on it; none: the process's
   std::vector<Waypoint> waypoints;
 };
 

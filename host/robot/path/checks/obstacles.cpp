@@ -121,7 +121,13 @@ CollisionModel::CollisionModel(const kinematics::ArmModel& arm, const Tool& tool
   // enough.
   const double length_mm = end.norm();
   if (length_mm > tool.body_radius_mm) tool_flange_.b = end * ((length_mm - tool.body_radius_mm) / length_mm);
+  tip_flange_ = {.a = end, .b = tip, .radius_mm = 0};
   for (const Vec3& p : surroundings_.shoe_points) shoe_box_.extend(p);
+}
+
+Clearance CollisionModel::tip_clearance(const SE3& T_base_flange, double enough_mm) const {
+  const Capsule tip{.a = T_base_flange * tip_flange_.a, .b = T_base_flange * tip_flange_.b, .radius_mm = 0};
+  return {.mm = to_shoe_mm(tip, enough_mm), .what = "tool's tip and shoe"};
 }
 
 double CollisionModel::to_shoe_mm(const Capsule& capsule, double enough_mm) const {

@@ -12,11 +12,19 @@
 
 namespace biteline::path {
 
-/// Table and shoe in base.
+/// What the shoe stands on above the table (fixture.hpp), seen from above.
+struct FixtureBlock {
+  double top_z_mm{0};
+  std::vector<Vec2> outline;
+};
+
+/// Table, fixture and shoe in base.
 struct Surroundings {
   double table_z_mm{0};
-  std::vector<Vec3> shoe_points;  ///< surface and inside, `shoe_spacing_mm` apart or closer
+  std::vector<Vec3>
+      shoe_points;  ///< surface and inside, the fixture's too, `shoe_spacing_mm` apart or closer
   double shoe_spacing_mm{8};
+  std::optional<FixtureBlock> fixture{};
 };
 
 /// What is known of a shoe from its line alone: the sole below it, `overhang_mm` wide, the upper above it,
@@ -46,6 +54,8 @@ class CollisionModel {
   /// `enough_mm`: clearances beyond that are not told apart (faster).
   [[nodiscard]] Clearance clearance(const std::array<SE3, kinematics::k_joints>& T_base_joint,
                                     double enough_mm) const;
+  /// Of the tool's axis from its body to its tip, which may come close to the shoe where it works alone.
+  [[nodiscard]] Clearance tip_clearance(const SE3& T_base_flange, double enough_mm) const;
 
   [[nodiscard]] const Surroundings& surroundings() const { return surroundings_; }
 
@@ -53,7 +63,7 @@ class CollisionModel {
   [[nodiscard]] double to_shoe_mm(const kinematics::Capsule& capsule, double enough_mm) const;
 
   std::array<kinematics::LinkCapsule, kinematics::k_link_capsules> links_;
-  kinematics::Capsule tool_flange_;
+  kinematics::Capsule tool_flange_, tip_flange_;
   Surroundings surroundings_;
   Eigen::AlignedBox3d shoe_box_;
 };

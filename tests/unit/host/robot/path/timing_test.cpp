@@ -90,6 +90,27 @@ TEST(Timing, WhatABendLeavesOfAJointIsForSpeedingUpAndNoMore) {
   CHECK(*std::max_element(t.speed_mm_s.begin(), t.speed_mm_s.end()) >= 0.98 * fastest_mm_s);
 }
 
+TEST(Timing, AStraightWayLastsAsLongAsAControllerTakes) {
+  // 12 mm slowly, with a single point between, and 40 mm fast from stop to stop.
+  Way way = straight(8, 0);
+  const double arcs_mm[] = {0, 10, 20, 30, 40, 46, 52, 72};
+  for (std::size_t i = 0; i < 8; ++i) {
+    ToolPoint& point = way.path.points[i];
+    point.segment = i < 6 ? Segment::Approach : Segment::Line;
+    point.arc_mm = arcs_mm[i];
+    point.T_base_tcp.translation().x() = std::min(arcs_mm[i], 52.0);
+    point.T_base_tcp.translation().y() = std::max(arcs_mm[i] - 52, 0.0);
+  }
+  motion = {.speed_mm_s = 100,
+            .acceleration_mm_s2 = 1000,
+            .approach_mm = 12,
+            .approach_speed_mm_s = 30,
+            .transfer_speed_mm_s = 250};
+  const Timing t = time_path(arm, way.path, way.joints, motion);
+  DOUBLES_EQUAL(2 * std::sqrt(0.040 / 1.0), t.time_s[4], 1e-3);
+  DOUBLES_EQUAL(12.0 / 30 + 0.03, t.time_s[6] - t.time_s[4], 1e-3);
+}
+
 TEST(Timing, OnlyTheTipNearTheLineIsSlowOnItsWayIn) {
   Way way = straight(101, 0);
   for (ToolPoint& point : way.path.points) {
