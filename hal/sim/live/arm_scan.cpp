@@ -148,8 +148,11 @@ Result<ArmScan> ArmScan::plan(const ScanPath& path, const MadeHead& head, const 
   const double lead_mm = ramp_mm(speed);
   const auto samples = static_cast<std::size_t>(std::ceil((path.length_mm() + 2 * lead_mm) / k_step_mm)) + 1;
   std::vector<SE3> flange;
-  for (std::size_t i = 0; i < samples; ++i)
-    flange.push_back(T_base_flange_at(path, head, place, k_step_mm * static_cast<double>(i) - lead_mm));
+  for (std::size_t i = 0; i < samples; ++i) {
+    const double way_mm = k_step_mm * static_cast<double>(i) - lead_mm;
+    flange.push_back(
+        T_base_flange_at(path, head, place, place.clockwise ? path.length_mm() - way_mm : way_mm));
+  }
   const Surroundings surroundings(path, head, arm, place);
 
   Obstacle obstacle;
@@ -185,12 +188,7 @@ Result<ArmScan> ArmScan::plan(const ScanPath& path, const MadeHead& head, const 
     if (!above_begin || !above_end) return blocked(samples, "the arm does not reach the place above it");
     scan.above_begin_rad_ = *above_begin;
     scan.above_end_rad_ = *above_end;
-    scan.speed_mm_s_ = fastest_way(
-        scan.q_rad_, k_step_mm,
-        {.joints = arm.limits(), .speed_mm_s = speed, .acceleration_mm_s2 = k_scan_acceleration_mm_s2});
-    scan.set_times(lead_mm, path.length_mm());
-    scan.slow_down(scan.overload(arm.limits()));
-    scan.set_times(lead_mm, path.length_mm());
+    scan.take_speeds(arm.limits(), speed, lead_mm, path.length_mm());
     if (path.settings().check.length_mm > 0) scan.see_ramps();
     return true;
   };
@@ -203,24 +201,46 @@ Result<ArmScan> ArmScan::plan(const ScanPath& path, const MadeHead& head, const 
   return fail(Errc::OutOfReach, "%s, %.0f mm along the outline", obstacle.words.c_str(), obstacle.at_mm);
 }
 
-double ArmScan::overload(const JointLimits& limits) const {
+std::vector<double> ArmScan::overloads(const JointLimits& limits) const {
   constexpr double k_cycle_s = 0.002;
-  double most = 0;
+  std::vector<double> most(q_rad_.size(), 0);
+  std::size_t at = 0;
   JointVector a = q_rad_at(0), b = q_rad_at(k_cycle_s);
   for (double t = 2 * k_cycle_s; t <= duration_s(); t += k_cycle_s) {
     const JointVector c = q_rad_at(t);
+    while (at + 1 < time_s_.size() && time_s_[at + 1] <= t - k_cycle_s) ++at;
     const JointVector v = (c - a) / (2 * k_cycle_s), dv = (c - 2 * b + a) / (k_cycle_s * k_cycle_s);
     // Slower by a factor: accelerations fall by its square.
-    most = std::max({most, v.cwiseQuotient(limits.speed_rad_s).cwiseAbs().maxCoeff(),
-                     std::sqrt(dv.cwiseQuotient(limits.acceleration_rad_s2).cwiseAbs().maxCoeff())});
+    most[at] = std::max({most[at], v.cwiseQuotient(limits.speed_rad_s).cwiseAbs().maxCoeff(),
+                         std::sqrt(dv.cwiseQuotient(limits.acceleration_rad_s2).cwiseAbs().maxCoeff())});
     a = b;
     b = c;
   }
   return most;
 }
 
-void ArmScan::slow_down(double factor) {
-  for (double& speed : speed_mm_s_) speed /= std::max(1.0, factor);
+void ArmScan::take_speeds(const JointLimits& limits, double speed_mm_s, double lead_mm, double length_mm) {
+  WayLimits way{.joints = limits,
+                .speed_mm_s = speed_mm_s,
+                .acceleration_mm_s2 = k_scan_acceleration_mm_s2,
+                .slower = std::vector<double>(q_rad_.size(), 1)};
+  // The quickest law has its edges taken off, which asks some joints too much: there the next one is slower.
+  constexpr int k_rounds = 4, k_side = 6;
+  for (int round = 0; round < k_rounds; ++round) {
+    speed_mm_s_ = fastest_way(q_rad_, k_step_mm, way);
+    set_times(lead_mm, length_mm);
+    const std::vector<double> over = overloads(limits);
+    const auto count = static_cast<std::ptrdiff_t>(over.size());
+    for (std::ptrdiff_t i = 0; i < count; ++i) {
+      const auto from = over.begin() + std::max<std::ptrdiff_t>(0, i - k_side),
+                 to = over.begin() + std::min(count, i + k_side + 1);
+      way.slower[static_cast<std::size_t>(i)] *= std::max(1.0, *std::max_element(from, to));
+    }
+  }
+  const std::vector<double> over = overloads(limits);
+  const double most = std::max(1.0, *std::max_element(over.begin(), over.end()));
+  for (double& speed : speed_mm_s_) speed /= most;
+  set_times(lead_mm, length_mm);
 }
 
 void ArmScan::set_times(double lead_mm, double length_mm) {

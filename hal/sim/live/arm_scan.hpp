@@ -16,6 +16,7 @@ namespace biteline::sim {
 struct ScanPlace {
   SE3 T_base_shoe{SE3::Identity()};  ///< the table is the plane under the shoe
   double top_z_mm{64};               ///< of the shoe, above the table
+  bool clockwise{false};             ///< from the path's end to its begin
 };
 
 /// The stripe goes along the outline at the path's speed, and slower where a joint's speed or acceleration
@@ -44,9 +45,11 @@ class ArmScan {
  private:
   ArmScan() = default;
   void set_times(double lead_mm, double length_mm);
-  /// By how much a controller's cycles would ask too much of a joint: slower by this they do not.
-  [[nodiscard]] double overload(const JointLimits& limits) const;
-  void slow_down(double factor);
+  /// By how much a controller's cycles behind each sample would ask too much of a joint: slower by this they
+  /// do not.
+  [[nodiscard]] std::vector<double> overloads(const JointLimits& limits) const;
+  /// As fast as the joints can take it.
+  void take_speeds(const JointLimits& limits, double speed_mm_s, double lead_mm, double length_mm);
   /// The scan proper then holds the ramps, too.
   void see_ramps();
   /// Where the way's place `place`, counted in samples, comes by.

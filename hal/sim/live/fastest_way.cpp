@@ -15,12 +15,12 @@ constexpr double k_none = 1e-12;
 /// What one sample allows: x is the speed squared, u the acceleration along the way.
 class Stage {
  public:
-  Stage(const JointVector& slope, const JointVector& bend, const WayLimits& limits)
-      : slope_(slope), bend_(bend), limits_(limits) {
+  Stage(const JointVector& slope, const JointVector& bend, const WayLimits& limits, double slower)
+      : slope_(slope), bend_(bend), limits_(limits), share_(k_share / slower) {
     highest_x_ = limits.speed_mm_s * limits.speed_mm_s;
     for (Eigen::Index i = 0; i < 6; ++i) {
       const double turn = std::max(k_none, std::abs(slope[i]));
-      highest_x_ = std::min(highest_x_, std::pow(k_share * limits.joints.speed_rad_s[i] / turn, 2));
+      highest_x_ = std::min(highest_x_, std::pow(share_ * limits.joints.speed_rad_s[i] / turn, 2));
     }
   }
 
@@ -31,7 +31,8 @@ class Stage {
   [[nodiscard]] Range accelerations(double x) const {
     Range range{-limits_.acceleration_mm_s2, limits_.acceleration_mm_s2};
     for (Eigen::Index i = 0; i < 6; ++i) {
-      const double most = k_share * limits_.joints.acceleration_rad_s2[i], bent = bend_[i] * x;
+      const double most = share_ / k_share * share_ * limits_.joints.acceleration_rad_s2[i],
+                   bent = bend_[i] * x;
       if (std::abs(slope_[i]) < k_none) {
         if (std::abs(bent) > most) return {1, 0};
         continue;
@@ -56,6 +57,7 @@ class Stage {
  private:
   JointVector slope_, bend_;
   const WayLimits& limits_;
+  double share_;
   double highest_x_;
 };
 
@@ -81,7 +83,8 @@ std::vector<double> fastest_way(const std::vector<JointVector>& q_rad, double st
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t at = std::clamp<std::size_t>(i, 1, count - 2);
     const JointVector &a = q_rad[at - 1], &b = q_rad[at], &c = q_rad[at + 1];
-    stages.emplace_back((c - a) / (2 * step_mm), (c - 2 * b + a) / (step_mm * step_mm), limits);
+    stages.emplace_back((c - a) / (2 * step_mm), (c - 2 * b + a) / (step_mm * step_mm), limits,
+                        limits.slower.empty() ? 1.0 : limits.slower[i]);
   }
   // From the end: how fast one may be and still stop.
   std::vector<double> highest_x(count, 0);

@@ -10,8 +10,9 @@ namespace biteline::sim {
 
 struct WayLimits {
   JointLimits joints;
-  double speed_mm_s;          ///< along the way
-  double acceleration_mm_s2;  ///< likewise
+  double speed_mm_s;             ///< along the way
+  double acceleration_mm_s2;     ///< likewise
+  std::vector<double> slower{};  ///< at each sample: the joints take it slower by this; empty: nowhere
 };
 
 /// The speed at each sample, mm/s, of the quickest time law (Pham and Pham, "A new approach to time-optimal

@@ -15,7 +15,9 @@ Result<ReachableScan> place_within_reach(MadeScene& scene, const ArmKinematics& 
                                      settings.shoe.outline.length_mm);
     }
     auto scan = ArmScan::plan(scene.path, scene.head, kinematics,
-                              {.T_base_shoe = scene.T_base_shoe, .top_z_mm = settings.shoe.upper.top_z_mm});
+                              {.T_base_shoe = scene.T_base_shoe,
+                               .top_z_mm = settings.shoe.upper.top_z_mm,
+                               .clockwise = settings.scan_clockwise});
     if (scan) return ReachableScan{std::make_shared<const ArmScan>(std::move(*scan)), first_reason};
     if (i == 0) first_reason = to_line(scan.error());
   }

@@ -33,7 +33,8 @@ struct ScanPathSettings {
   /// The beam turns with the outline's mean direction over so much of it, so that an arm can follow; 0: along
   /// its normal at each place.
   double turn_over_mm{0};
-  double lead_mm{2};  ///< begins so far before the outline's start and ends so far beyond it
+  double begin_mm{0};  ///< along the outline: where the scan begins and ends
+  double lead_mm{2};   ///< begins so far before that place and ends so far beyond it
   CheckLap check{};
 };
 
@@ -47,7 +48,9 @@ class ScanPath {
   /// Where the camera is `way_mm` after the path's begin; any number, the path repeats.
   [[nodiscard]] SE3 T_shoe_cam_at(double way_mm) const;
   /// Outline place under the stripe there.
-  [[nodiscard]] double s_at_mm(double way_mm) const { return way_mm - settings_.lead_mm; }
+  [[nodiscard]] double s_at_mm(double way_mm) const {
+    return settings_.begin_mm + way_mm - settings_.lead_mm;
+  }
   [[nodiscard]] const ScanPathSettings& settings() const { return settings_; }
   [[nodiscard]] const Outline& outline() const { return outline_; }
 

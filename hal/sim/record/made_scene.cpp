@@ -98,6 +98,7 @@ Result<std::unique_ptr<MadeScene>> make_scene(const SceneSettings& settings) {
                               .turn_over_mm = settings.holder == Holder::Bracket
                                                   ? k_turn_ratio * placed.shoe.outline().perimeter_mm()
                                                   : 0,
+                              .begin_mm = settings.scan_begin_ratio * placed.shoe.outline().perimeter_mm(),
                               .check = settings.check};
   ScanPath scan_path(placed.shoe.outline(), head, path);
   return std::make_unique<MadeScene>(

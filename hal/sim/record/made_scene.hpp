@@ -36,6 +36,8 @@ struct SceneSettings {
   std::uint64_t head_seed{21};
   Holder holder{Holder::Straight};
   double scan_speed_mm_s{100};
+  double scan_begin_ratio{0};  ///< of the way round, from the heel, anticlockwise: where the scan begins
+  bool scan_clockwise{false};  ///< on the arm: the other way round, so that a path turns the wrist back
   double rate_hz{100};
   double ambient_grey{0};    ///< of the room's light, at the head's own exposure
   CheckLap check{};          ///< the scan's ends overlap, differently held

@@ -47,6 +47,7 @@ constexpr std::array k_help{
     Help{"motion.overlap_mm", "Beyond the starting point, so that the seam is covered"},
     Help{"motion.approach_mm", "Way in, along the tool's axis"},
     Help{"motion.approach_speed_mm_s", "Speed of the way in and out"},
+    Help{"motion.draw_back_mm", "Farther back along the tool's axis, fast"},
     Help{"motion.lift_mm", "Straight up, before and after"},
     Help{"motion.transfer_speed_mm_s", "Speed between places above the shoe"},
     Help{"follow.off_path_mm", "The arm is stopped when its tip is farther from the path"},

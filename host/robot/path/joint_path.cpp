@@ -22,6 +22,8 @@ constexpr double k_max_step_rad = 0.8;
 constexpr int k_turn_steps = 4;
 // The way to the path's beginning is slow: a radian of it costs as much as some whole turns along the path.
 constexpr double k_way_there_cost = 1;
+// On the ways in and out the tool had better not turn about its axis: they are short, and it would be slow.
+constexpr double k_turn_beside_line_cost = 40;
 // Elbow: the links meet at a straight fold, so it never crosses pi.
 constexpr int k_elbow = 2;
 
@@ -140,6 +142,8 @@ class Search {
   /// Extends the best ways by one knot; false when no state can be reached.
   bool connect(const Knot& from, Knot& to) const {
     bool any = false;
+    const Segment segment = path_.points[to.point].segment;
+    const bool beside_line = segment == Segment::Approach || segment == Segment::Retreat;
     for (State& state : to.states) {
       const Joints q_rad = state.q_rad;
       for (std::size_t i = 0; i < from.states.size(); ++i) {
@@ -158,7 +162,9 @@ class Search {
           possible = std::abs(d_rad) <= k_max_step_rad &&
                      high_rad - low_rad <= arm_.limits.maximum_rad[joint] - arm_.limits.minimum_rad[joint];
         }
-        const double cost = before.cost + turned2 + state.own_cost;
+        const double turn_rad = turn_step_rad_ * turn_distance(before.turn, state.turn);
+        const double cost = before.cost + turned2 + state.own_cost +
+                            (beside_line ? k_turn_beside_line_cost * turn_rad * turn_rad : 0);
         if (!possible || cost >= state.cost) continue;
         state.cost = cost;
         state.previous = static_cast<int>(i);

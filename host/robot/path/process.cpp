@@ -77,6 +77,7 @@ Motion read_motion(YamlReader reader) {
   m.approach_mm = reader.number_or("approach_mm", d.approach_mm, {.minimum = 1, .maximum = 300});
   m.approach_speed_mm_s =
       reader.number_or("approach_speed_mm_s", d.approach_speed_mm_s, {.minimum = 1, .maximum = 500});
+  m.draw_back_mm = reader.number_or("draw_back_mm", d.draw_back_mm, {.minimum = 0, .maximum = 300});
   m.lift_mm = reader.number_or("lift_mm", d.lift_mm, {.minimum = 0, .maximum = 500});
   m.transfer_speed_mm_s =
       reader.number_or("transfer_speed_mm_s", d.transfer_speed_mm_s, {.minimum = 1, .maximum = 1000});

@@ -74,9 +74,12 @@ struct Motion {
   double overlap_mm{10};                 ///< beyond the starting point, so that the seam is covered
   double approach_mm{30};                ///< back along the tool's axis
   double approach_speed_mm_s{30};
-  double lift_mm{80};  ///< from there straight up, before and after
+  double draw_back_mm{0};  ///< farther back along it, at the speed between places
+  double lift_mm{80};      ///< from there straight up, before and after
   double transfer_speed_mm_s{150};
-  double way_there_rad_s{0.5};  ///< of the joints to the path's beginning: slow, a person may be near
+  /// Of the joints to the path's beginning: slow, a person may be near.  Faster where neither arm nor tool
+  /// then goes faster than `transfer_speed_mm_s` (way_there.hpp).
+  double way_there_rad_s{0.5};
 };
 
 /// When an arm that follows is stopped.  Angles in the file are degrees.

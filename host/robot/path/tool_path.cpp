@@ -280,12 +280,15 @@ std::vector<ToolPoint> along_run(const Job& job, const Run& run, const FineWay& 
   return points;
 }
 
-/// Drawn back along the tool's axis, and lifted from there.
+/// Drawn back along the tool's axis, slowly, then farther, and lifted from there.
 SE3 drawn_back(const SE3& T, const Motion& motion) {
   return shifted(T, -motion.approach_mm * T.linear().col(2));
 }
+SE3 clear(const SE3& T, const Motion& motion) {
+  return shifted(drawn_back(T, motion), -motion.draw_back_mm * T.linear().col(2));
+}
 SE3 lifted(const SE3& T, const Motion& motion) {
-  return shifted(drawn_back(T, motion), motion.lift_mm * Vec3::UnitZ());
+  return shifted(clear(T, motion), motion.lift_mm * Vec3::UnitZ());
 }
 
 /// From above one place of the line to above another, the shorter way round; without its beginning.
@@ -330,18 +333,18 @@ Job job_of(const cloud::ClosedLine& line, const Process& process) {
 /// Down to a run's first point, along it, and up again from its last.
 void append_run(std::vector<ToolPoint>& points, const std::vector<ToolPoint>& along, const Motion& motion) {
   const SE3 &T_in = along.front().T_base_tcp, &T_out = along.back().T_base_tcp;
-  if (motion.lift_mm > 0) {
-    append_straight(points, lifted(T_in, motion), drawn_back(T_in, motion), Segment::Approach,
-                    along.front().line_base);
-  }
+  const auto straight = [&](const SE3& T_from, const SE3& T_to, Segment segment, const Vec3& line_base) {
+    if (!T_from.translation().isApprox(T_to.translation()))
+      append_straight(points, T_from, T_to, segment, line_base);
+  };
+  straight(lifted(T_in, motion), clear(T_in, motion), Segment::Approach, along.front().line_base);
+  straight(clear(T_in, motion), drawn_back(T_in, motion), Segment::Approach, along.front().line_base);
   append_straight(points, drawn_back(T_in, motion), T_in, Segment::Approach, along.front().line_base);
   points.back() = along.front();
   points.insert(points.end(), along.begin() + 1, along.end());
   append_straight(points, T_out, drawn_back(T_out, motion), Segment::Retreat, along.back().line_base);
-  if (motion.lift_mm > 0) {
-    append_straight(points, drawn_back(T_out, motion), lifted(T_out, motion), Segment::Retreat,
-                    along.back().line_base);
-  }
+  straight(drawn_back(T_out, motion), clear(T_out, motion), Segment::Retreat, along.back().line_base);
+  straight(clear(T_out, motion), lifted(T_out, motion), Segment::Retreat, along.back().line_base);
 }
 
 }  // namespace

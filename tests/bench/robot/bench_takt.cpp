@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // bench_takt [SHOES [SPEED]]: what a whole shoe takes in made time, for each shipped process: grown-ups' made
-// shoes, size 42, before a UR10e, scanned at SPEED mm/s (350).  The scan is the one that the simulated cell
+// shoes, size 42, before a UR10e, scanned at SPEED mm/s (400).  The scan is the one that the simulated cell
 // makes; the path is the planner's, from where the scan leaves the arm, laid out in time by the simulated
-// controller's program.
+// controller's program.  Ends with 1 where a bar is missed or a path refused.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hal/sim/live/reachable_scan.hpp"
+#include "hal/sim/record/surroundings.hpp"
 #include "hal/sim/robot/program.hpp"
 #include "hal/sim/shoe/scanned_cloud.hpp"
 #include "host/robot/link/ur/script.hpp"
@@ -25,9 +26,10 @@ constexpr const char* k_arm = "ur10e";
 constexpr double k_whole_s = 12, k_others_s = 6, k_scan_s = 3;
 /// Line and path are computed in real time, while the arm comes to rest; this much they may take.
 constexpr double k_computed_s = 0.2;
-/// Of the table: a shoe that stands higher stands on a block, since no table is higher than the arm's
-/// shoulder.
-constexpr double k_table_z_mm = 60;
+/// The arm stands on the table, the shoe on a fixture.
+constexpr double k_table_z_mm = 0;
+/// Of the way round: in the waist, where the wrist is slow as the scan begins and ends.
+constexpr double k_scan_begin_ratio = 0.25;
 constexpr std::uint64_t k_first_seed = 5;
 
 struct Shoe {
@@ -44,6 +46,8 @@ Result<Shoe> make_shoe(std::uint64_t seed, double speed_mm_s, const sim::ArmKine
       .places = sim::places_within_reach_of(k_arm),
       .holder = sim::Holder::Bracket,
       .scan_speed_mm_s = speed_mm_s,
+      .scan_begin_ratio = k_scan_begin_ratio,
+      .scan_clockwise = true,
       .fineness = {.column_mm = 2, .fine_row_mm = 1, .fine_band_mm = 4, .coarse_row_mm = 2}};
   Shoe shoe;
   BITELINE_ASSIGN(shoe.scene, sim::make_scene(settings));
@@ -98,7 +102,9 @@ Result<Takt> takt_of(const Shoe& shoe, const path::Process& process, const sim::
       .process = process,
       .arm = *kinematics::arm_model("UR10e"),
       .T_line_base = SE3::Identity(),
-      .table_z_mm = std::min(k_table_z_mm, shoe.scene->T_base_shoe.translation().z()),
+      .table_z_mm = k_table_z_mm,
+      .fixture = path::Fixture{.top_z_mm = shoe.scene->T_base_shoe.translation().z(),
+                               .beyond_mm = sim::k_plate_beyond_mm},
       .shoe = {},
       .from_rad = shoe.scan->q_rad_at(shoe.scan->duration_s()),
       .cloud = shoe.points,
@@ -121,7 +127,15 @@ Result<Takt> takt_of(const Shoe& shoe, const path::Process& process, const sim::
               .planned_s = planned.path->duration_s()};
 }
 
+/// What was missed so far.
+int misses = 0;
+
+/// `target`: none is 0.
 void row(const std::string& part, const std::string& what, double seconds, double target) {
+  if (target > 0 && seconds > target) {
+    ++misses;
+    std::fprintf(stderr, "bench_takt: missed: %s: %.2f s, not %.2f\n", what.c_str(), seconds, target);
+  }
   std::printf("{\"bench\":\"takt.%s\",\"what\":\"%s\",\"ours\":%.3f,\"unit\":\"s\",\"target\":%.3g}\n",
               part.c_str(), what.c_str(), seconds, target);
   std::fflush(stdout);
@@ -164,11 +178,12 @@ int run(std::uint64_t shoes, double speed_mm_s) {
       if (takt) {
         rows_of(file, name, *takt);
       } else {
+        ++misses;
         std::fprintf(stderr, "bench_takt: %s, %s: %s\n", file, name.c_str(), to_line(takt.error()).c_str());
       }
     }
   }
-  return 0;
+  return misses == 0 ? 0 : 1;
 }
 
 }  // namespace
@@ -176,7 +191,7 @@ int run(std::uint64_t shoes, double speed_mm_s) {
 
 int main(int argc, char** argv) {
   const int shoes = argc > 1 ? std::atoi(argv[1]) : 3;
-  const double speed_mm_s = argc > 2 ? std::atof(argv[2]) : 350;
+  const double speed_mm_s = argc > 2 ? std::atof(argv[2]) : 400;
   if (shoes < 1 || !(speed_mm_s > 0)) {
     std::fprintf(stderr, "usage: bench_takt [SHOES [SPEED]]\n");
     return 2;

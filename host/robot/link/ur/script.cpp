@@ -15,8 +15,9 @@ using path::PlannedPath;
 using path::Segment;
 using path::Waypoint;
 
-// Towards the first waypoint from wherever the arm stands: URScript's own default.
-constexpr double k_home_acceleration_rad_s2 = 1.4;
+// Towards the first waypoint from wherever the arm stands: URScript's own default, and more where it is up to
+// a higher speed: in the same time then.
+constexpr double k_home_acceleration_rad_s2 = 1.4, k_home_ramp_s = 0.36;
 // movep and movel need a speed above zero.  Nothing is planned slower: a tip that is faster than its plan is
 // stopped.
 constexpr double k_least_speed_mm_s = 0.01;
@@ -47,7 +48,8 @@ Line payload_text(const path::Payload& payload) {
 
 Line joint_move_text(const kinematics::Joints& q, double speed_rad_s) {
   return Line::format("  movej([%.8f,%.8f,%.8f,%.8f,%.8f,%.8f], a=%.3f, v=%.3f)\n", q[0], q[1], q[2], q[3],
-                      q[4], q[5], k_home_acceleration_rad_s2, speed_rad_s);
+                      q[4], q[5], std::max(k_home_acceleration_rad_s2, speed_rad_s / k_home_ramp_s),
+                      speed_rad_s);
 }
 
 /// The fastest speed of a straight way, which the controller ramps up to and down from by itself.
@@ -94,9 +96,9 @@ std::string urscript(const path::CheckedPath& checked) {
   if (path.payload) text += payload_text(*path.payload).view();
   // Whatever an earlier program left on, the arm does not travel with it.
   if (path.digital_output >= 0) text += output_text(path.digital_output, false).view();
-  for (const kinematics::Joints& via : path.via_rad)
-    text += joint_move_text(via, path.motion.way_there_rad_s).view();
-  text += joint_move_text(w.front().q_rad, path.motion.way_there_rad_s).view();
+  const double way_rad_s = path.way_there_rad_s.value_or(path.motion.way_there_rad_s);
+  for (const kinematics::Joints& via : path.via_rad) text += joint_move_text(via, way_rad_s).view();
+  text += joint_move_text(w.front().q_rad, way_rad_s).view();
   std::size_t at = 0;
   for (const path::PathRun& run : path::rounded_runs(path)) {
     const bool on_line = w[run.last].segment == Segment::Line;

@@ -15,42 +15,79 @@ namespace {
 using kinematics::Joints;
 
 constexpr double k_clearance_mm = 5;  // nobody has looked at this way: more than on the path itself
+constexpr double k_tip_mm = 2;        // of the tool's end, as thin as its axis: what the path itself keeps
 constexpr double k_enough_mm = 50;
 constexpr double k_leaving_mm = 0.5;  // on its way out past something round
 constexpr double k_step_rad = 0.02;   // of the fastest joint: 20 mm at the end of a metre of arm
 constexpr std::array k_raises_mm{100.0, 200.0, 350.0};
-
-Clearance clearance_at(const Joints& q_rad, const kinematics::ArmModel& arm,
-                       const CollisionModel& collisions) {
-  return collisions.clearance(kinematics::joint_frames(arm, q_rad), k_enough_mm);
-}
 
 struct Walked {
   bool free{true};
   Clearance nearest{.mm = k_enough_mm, .what = ""};
 };
 
+/// Of the body, and of the tip, which works nowhere on this way.
+struct Clearances {
+  Clearance body, tip;
+};
+Clearances clearances_at(const Joints& q_rad, const kinematics::ArmModel& arm,
+                         const CollisionModel& collisions) {
+  const auto frames = kinematics::joint_frames(arm, q_rad);
+  return {.body = collisions.clearance(frames, k_enough_mm),
+          .tip = collisions.tip_clearance(frames.back(), k_enough_mm)};
+}
+
+/// How far anything from the elbow to the tip goes for a radian of the fastest joint, at most.
+double most_mm_per_rad(const std::vector<Joints>& stops, const kinematics::ArmModel& arm, const Vec3& tip) {
+  const auto places = [&](const Joints& q_rad) {
+    const auto frames = kinematics::joint_frames(arm, q_rad);
+    std::vector<Vec3> out;
+    for (std::size_t i = 1; i < frames.size(); ++i) out.emplace_back(frames[i].translation());
+    out.emplace_back(frames.back() * tip);
+    return out;
+  };
+  double most = 0;
+  for (std::size_t leg = 0; leg + 1 < stops.size(); ++leg) {
+    const Joints change_rad = stops[leg + 1] - stops[leg];
+    const double way_rad = change_rad.cwiseAbs().maxCoeff();
+    const int steps = 1 + static_cast<int>(way_rad / k_step_rad);
+    std::vector<Vec3> before = places(stops[leg]);
+    for (int i = 1; i <= steps && way_rad > 0; ++i) {
+      std::vector<Vec3> here = places(stops[leg] + change_rad * (static_cast<double>(i) / steps));
+      for (std::size_t k = 0; k < here.size(); ++k)
+        most = std::max(most, (here[k] - before[k]).norm() * steps / way_rad);
+      before = std::move(here);
+    }
+  }
+  return most;
+}
+
 /// Along the legs.  Where the arm stands it may be nearer than the limit (it has just worked there), and it
 /// may come no nearer until it is once free; from then on the limit holds, or what the path's own beginning
-/// has.
+/// has.  So does the tip's, from where it is once free on.
 Walked walk(const std::vector<Joints>& stops, const kinematics::ArmModel& arm,
             const CollisionModel& collisions) {
-  const double start_mm = clearance_at(stops.front(), arm, collisions).mm;
-  const double least_mm = std::min(k_clearance_mm, clearance_at(stops.back(), arm, collisions).mm);
+  const Clearances begin = clearances_at(stops.front(), arm, collisions),
+                   end = clearances_at(stops.back(), arm, collisions);
+  const double least_mm = std::min(k_clearance_mm, end.body.mm), tip_mm = std::min(k_tip_mm, end.tip.mm);
   Walked walked;
-  bool left = start_mm >= least_mm;
+  bool left = begin.body.mm >= least_mm, tip_left = begin.tip.mm >= tip_mm;
   for (std::size_t leg = 0; leg + 1 < stops.size(); ++leg) {
     const Joints change_rad = stops[leg + 1] - stops[leg];
     const int steps = 1 + static_cast<int>(change_rad.cwiseAbs().maxCoeff() / k_step_rad);
     for (int i = 1; i <= steps; ++i) {
-      const Clearance clearance =
-          clearance_at(stops[leg] + change_rad * (static_cast<double>(i) / steps), arm, collisions);
-      left = left || clearance.mm >= least_mm;
-      if (clearance.mm < walked.nearest.mm) walked.nearest = clearance;
-      if (clearance.mm < (left ? least_mm : start_mm - k_leaving_mm)) walked.free = false;
+      const Clearances here =
+          clearances_at(stops[leg] + change_rad * (static_cast<double>(i) / steps), arm, collisions);
+      left = left || here.body.mm >= least_mm;
+      tip_left = tip_left || here.tip.mm >= tip_mm;
+      if (here.body.mm < walked.nearest.mm) walked.nearest = here.body;
+      if (here.body.mm < (left ? least_mm : begin.body.mm - k_leaving_mm)) walked.free = false;
+      if (!tip_left || here.tip.mm >= tip_mm) continue;
+      walked.free = false;
+      if (here.tip.mm < walked.nearest.mm) walked.nearest = here.tip;
     }
   }
-  walked.free = walked.free && left;
+  walked.free = walked.free && left && tip_left;
   return walked;
 }
 
@@ -86,8 +123,9 @@ std::vector<std::vector<Joints>> detours(const Joints& from_rad, const Joints& t
 }  // namespace
 
 struct WayFinder {
-  static CheckedPath entered(PlannedPath path, std::vector<Joints> via_rad) {
+  static CheckedPath entered(PlannedPath path, std::vector<Joints> via_rad, double speed_rad_s) {
     path.via_rad = std::move(via_rad);
+    path.way_there_rad_s = speed_rad_s;
     return CheckedPath{std::move(path)};
   }
 };
@@ -124,7 +162,12 @@ WayThere find_way_there(const Joints& from_rad, const CheckedPath& path, const k
     direct = false;
     if (!walked.free) continue;
     out.check.passed = true;
-    out.path = WayFinder::entered(path.path(), via_rad);
+    const Motion& motion = path.path().motion;
+    const double most_mm = std::max(1.0, most_mm_per_rad(stops, arm, path.path().T_flange_tcp.translation()));
+    const double speed_rad_s =
+        std::clamp(motion.transfer_speed_mm_s / most_mm, motion.way_there_rad_s,
+                   std::max(motion.way_there_rad_s, k_most_way_ratio * motion.way_there_rad_s));
+    out.path = WayFinder::entered(path.path(), via_rad, speed_rad_s);
     return out;
   }
   return out;

@@ -97,6 +97,44 @@ TEST(ArmScan, NoJointGoesFasterOrFartherThanItMay) {
   }
 }
 
+TEST(ArmScan, AGrownUpsShoeIsScannedWithinThreeSecondsFromTheWaist) {
+  for (const double size : {39.0, 42.0, 44.0}) {
+    const ShoeParameters shoe = shoe_of(size);
+    const Outline outline(shoe.outline);
+    const ScanPath path(outline, head,
+                        {.target_z_mm = 0.55 * shoe.upper.top_z_mm,
+                         .speed_mm_s = 400,
+                         .turn_over_mm = 0.6 * outline.perimeter_mm(),
+                         .begin_mm = 0.25 * outline.perimeter_mm()});
+    const auto scan = ArmScan::plan(path, head, arm, place_of(shoe, 5, "ur10e"));
+    SUCCEEDS(scan);
+    CHECK_COMPARE(scan->full_until_s() - scan->full_from_s(), <=, 3);
+    // It stands soon after: the wrist is slow there.
+    CHECK_COMPARE(scan->duration_s() - scan->full_until_s(), <=, 0.5);
+    CHECK_COMPARE(load_of(*scan).speed, <=, 1.02);
+    CHECK_COMPARE(load_of(*scan).acceleration, <=, 1.1);
+  }
+}
+
+TEST(ArmScan, ClockwiseTheHeadPassesTheSamePlacesBackwardsAndTheWristTurnsTheOtherWay) {
+  const ShoeParameters shoe = shoe_of(42);
+  const ScanPath path = path_round(shoe, 250);
+  ScanPlace place = place_of(shoe, 5, "ur10e");
+  const auto there = ArmScan::plan(path, head, arm, place);
+  place.clockwise = true;
+  const auto back = ArmScan::plan(path, head, arm, place);
+  SUCCEEDS(there);
+  SUCCEEDS(back);
+  TRANSFORMS_EQUAL(arm.T_base_flange(there->q_rad_at(there->full_from_s())),
+                   arm.T_base_flange(back->q_rad_at(back->full_until_s())), 0.1, 1e-3);
+  TRANSFORMS_EQUAL(arm.T_base_flange(there->q_rad_at(there->full_until_s())),
+                   arm.T_base_flange(back->q_rad_at(back->full_from_s())), 0.1, 1e-3);
+  const auto turned_rad = [](const ArmScan& scan) {
+    return scan.q_rad_at(scan.duration_s())[5] - scan.q_rad_at(0)[5];
+  };
+  CHECK(std::abs(turned_rad(*there)) > 6 && turned_rad(*there) * turned_rad(*back) < 0);
+}
+
 TEST(ArmScan, ACheckLapLastsThreeTenthsOfASecondAtMostAndSeesTheRamps) {
   const ShoeParameters shoe = shoe_of(42);
   const double over_mm = 0.6 * Outline(shoe.outline).perimeter_mm();

@@ -94,12 +94,15 @@ TEST(ToolPath, GoesOnceRoundAndOverlaps) {
 
 TEST(ToolPath, ApproachesAlongTheAxisAndFromAbove) {
   Process process;
+  process.placement.tilt_rad = 1;
+  process.motion.draw_back_mm = 15;
   const ToolPath path = make_tool_path(line, process, 0);
   const auto first =
       std::ranges::find_if(path.points, [](const ToolPoint& p) { return p.segment == Segment::Line; });
   CHECK(first != path.points.begin());
   const Vec3 contact = first->T_base_tcp.translation();
-  const Vec3 before = contact - process.motion.approach_mm * first->T_base_tcp.linear().col(2);
+  const Vec3 before = contact - (process.motion.approach_mm + process.motion.draw_back_mm) *
+                                    first->T_base_tcp.linear().col(2);
   const Vec3 high = before + Vec3{0, 0, process.motion.lift_mm};
   DOUBLES_EQUAL(0.0, (path.points.front().T_base_tcp.translation() - high).norm(), 1e-9);
   CHECK(path.points.front().segment == Segment::Approach);

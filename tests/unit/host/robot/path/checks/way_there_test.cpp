@@ -67,7 +67,7 @@ TEST_GROUP(WayThere) {
 
 TEST(WayThere, AFreeWayIsDirect) {
   kinematics::Joints from = first();
-  from[0] += 0.3;
+  from[1] -= 0.2;
   const WayThere sut = find_way_there(from, *planned.path, request.arm, collisions());
   CHECK_TEXT(sut.check.passed, sut.check.detail.c_str());
   CHECK(sut.path.has_value());
@@ -87,7 +87,7 @@ TEST(WayThere, AnArmBesideTheShoeGoesOverIt) {
   const kinematics::Joints from = waypoints[other].q_rad;
   const Vec3 half_way = kinematics::forward(request.arm, (from + first()) / 2) *
                         request.process.tool.T_flange_tcp.translation();
-  for (double z_mm = 20; z_mm < half_way.z() + 60; z_mm += 5)
+  for (double z_mm = 20; z_mm < half_way.z() + 90; z_mm += 5)
     planned.surroundings.shoe_points.emplace_back(half_way.x(), half_way.y(), z_mm);
   const WayThere sut = find_way_there(from, *planned.path, request.arm, collisions());
   CHECK_TEXT(sut.check.passed, sut.check.detail.c_str());
@@ -99,6 +99,50 @@ TEST(WayThere, AnArmBesideTheShoeGoesOverIt) {
         std::min(5.0, collisions().clearance(kinematics::joint_frames(request.arm, from), 50).mm) - 1);
   CHECK(least_mm({from, first()}) < 5);
   CHECK(!sut.path->path().via_rad.empty());
+}
+
+TEST(WayThere, IsFasterOnlyWhereNothingGoesFasterThanBetweenPlaces) {
+  const Motion& motion = request.process.motion;
+  const Vec3 tip_flange = request.process.tool.T_flange_tcp.translation();
+  double slowest_rad_s = 1e9, fastest_rad_s = 0;
+  for (const auto& [joint, by_rad] : {std::pair{5, 0.6}, {4, 0.3}, {3, -0.2}, {0, 0.3}}) {
+    kinematics::Joints from = first();
+    from[joint] += by_rad;
+    const WayThere sut = find_way_there(from, *planned.path, request.arm, collisions());
+    CHECK_TEXT(sut.check.passed, sut.check.detail.c_str());
+    const double rad_s = sut.path->path().way_there_rad_s.value_or(0);
+    slowest_rad_s = std::min(slowest_rad_s, rad_s);
+    fastest_rad_s = std::max(fastest_rad_s, rad_s);
+    CHECK(rad_s >= motion.way_there_rad_s && rad_s <= k_most_way_ratio * motion.way_there_rad_s);
+    if (rad_s <= motion.way_there_rad_s || !sut.path->path().via_rad.empty()) continue;
+    constexpr int k_steps = 200;
+    for (int i = 0; i < k_steps; ++i) {
+      const auto at = [&](int step) -> Vec3 {
+        const kinematics::Joints q = from + (first() - from) * (static_cast<double>(step) / k_steps);
+        return kinematics::forward(request.arm, q) * tip_flange;
+      };
+      const double step_s = std::abs(by_rad) / k_steps / rad_s;
+      CHECK((at(i + 1) - at(i)).norm() / step_s <= 1.01 * motion.transfer_speed_mm_s);
+    }
+  }
+  // Turned about its axis the tool goes nowhere; the base takes it far round.
+  DOUBLES_EQUAL(k_most_way_ratio * motion.way_there_rad_s, fastest_rad_s, 1e-9);
+  CHECK(slowest_rad_s < 1.2 * motion.way_there_rad_s);
+}
+
+TEST(WayThere, DoesNotSweepTheTipThroughTheUpper) {
+  // Over the shoe's middle, as low as the tip's part of the tool only: a wall stands between.
+  kinematics::Joints from = first();
+  from[0] += 0.25;
+  const Vec3 half_way = kinematics::forward(request.arm, (from + first()) / 2) *
+                        request.process.tool.T_flange_tcp.translation();
+  planned.surroundings.shoe_points.emplace_back(half_way);
+  const CollisionModel sut = collisions();
+  const auto middle = kinematics::joint_frames(request.arm, (from + first()) / 2);
+  CHECK(sut.clearance(middle, 50).mm > 5);
+  CHECK(sut.tip_clearance(middle.back(), 50).mm < 0);
+  const WayThere way = find_way_there(from, *planned.path, request.arm, sut);
+  CHECK(!way.path || !way.path->path().via_rad.empty());
 }
 
 TEST(WayThere, WithoutAFreeWayThereIsNone) {
