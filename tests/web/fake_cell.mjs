@@ -111,6 +111,9 @@ export class FakeCell {
     this.local = true;
     /// How long a check of a process takes, and how many were under way at once.
     this.check_takes_ms = 0;
+    /// The answer about control comes so late; its event does not.
+    this.control_answer_ms = 0;
+    this.control_answers = 0;
     this.checks = 0;
     this.most_checks = 0;
     this.view_fails = false;
@@ -239,10 +242,12 @@ export class FakeCell {
         this.checks -= 1;
       }
       const result = this.decide(request, path, given, url.searchParams, body);
+      if (path === '/control') await new Promise((done) => setTimeout(done, this.control_answer_ms));
       const [status, value, headers = {}] = result;
       const is_text = typeof value === 'string' || Buffer.isBuffer(value);
       response.writeHead(status, { 'content-type': is_text ? (headers['content-type'] ?? 'text/plain') : 'application/json', 'content-security-policy': policy, ...headers });
       response.end(status === 204 ? undefined : is_text ? value : JSON.stringify(value));
+      if (path === '/control') this.control_answers += 1;
     });
   }
 

@@ -421,11 +421,18 @@ for (const one of [anna, otto]) {
 cell.scans.shift();
 Object.assign(cell.scans[0], { decision: 'accepted' });
 cell.push('state', cell.told_state());
+// An answer that comes later than the event of what happened since puts nothing back.
+cell.control_answer_ms = 1500;
+const control_answers = cell.control_answers;
 await anna.page.getByRole('button', { name: 'Release control' }).click();
 await otto.page.getByText('Nobody has control').waitFor();
 await otto.page.getByRole('button', { name: 'Take control' }).click();
 await otto.page.getByText('You have control', { exact: true }).waitFor();
 await anna.page.getByText('otto has control').waitFor();
+for (let tries = 0; tries < 600 && cell.control_answers < control_answers + 2; ++tries) await anna.page.waitForTimeout(100);
+await anna.page.waitForTimeout(500);
+check((await anna.page.getByText('otto has control').count()) === 1, 'a late answer puts back who had control before');
+cell.control_answer_ms = 0;
 
 say('work a scan out again: beside the result, and seen by all');
 await anna.page.goto(`${address}#/scans/scan-0004`);
