@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 
 #include <tbb/parallel_for.h>
 
@@ -40,6 +41,7 @@ class Chains {
     first_.push_back(static_cast<int>(crests_.size()));
     for (int col = 0; col < grid.cols; ++col) join_neighbours(col);
     bridge();
+    close_laps();
   }
 
   [[nodiscard]] Large<float> shares() const {
@@ -118,12 +120,33 @@ class Chains {
     return (to.col - from.col + grid_.cols) % grid_.cols;
   }
 
+  [[nodiscard]] double rise_mm(const Crest& from, const Crest& to) const {
+    return std::abs(to.row - from.row) * grid_.row_mm;
+  }
+
+  [[nodiscard]] int most_gap_cols() const { return static_cast<int>(config_.bridge_mm / grid_.col_mm); }
+
+  /// Two ends that face each other over a gap.
+  struct Ends {
+    int before, after;
+    double cost;
+  };
+  /// Nothing where a crease that ends at one cannot go on at the other.
+  [[nodiscard]] std::optional<Ends> ends_of(std::size_t before, std::size_t after) const {
+    const Crest& from = crests_[before];
+    const Crest& to = crests_[after];
+    const int gap = cols_on(from, to);
+    const double gap_mm = gap * grid_.col_mm;
+    const double rise = rise_mm(from, to);
+    if (gap < 1 || gap > most_gap_cols() || rise > config_.step_mm + config_.bridge_rise * gap_mm)
+      return std::nullopt;
+    // A millimetre up counts as much as five along: creases run on as they were.
+    return Ends{
+        .before = static_cast<int>(before), .after = static_cast<int>(after), .cost = gap_mm + 5 * rise};
+  }
+
   void bridge() {
-    const int most_cols = static_cast<int>(config_.bridge_mm / grid_.col_mm);
-    struct Ends {
-      int before, after;
-      double cost;
-    };
+    const int most_cols = most_gap_cols();
     std::vector<Ends> pairs;
     std::vector<int> begins;  // by column
     for (std::size_t i = 0; i < crests_.size(); ++i) {
@@ -136,13 +159,7 @@ class Chains {
     };
     const auto add_pairs = [&](std::size_t before, auto first, auto end) {
       for (; first != end; ++first) {
-        const Crest& after = crests_[static_cast<std::size_t>(*first)];
-        const int gap = cols_on(crests_[before], after);
-        if (gap < 1 || gap > most_cols) continue;
-        const double rise_mm = std::abs(after.row - crests_[before].row) * grid_.row_mm;
-        if (rise_mm > config_.step_mm + config_.bridge_rise * gap * grid_.col_mm) continue;
-        // A millimetre up counts as much as five along: creases run on as they were.
-        pairs.push_back({static_cast<int>(before), *first, gap * grid_.col_mm + 5 * rise_mm});
+        if (const auto pair = ends_of(before, static_cast<std::size_t>(*first))) pairs.push_back(*pair);
       }
     };
     for (std::size_t i = 0; i < crests_.size(); ++i) {
@@ -160,6 +177,56 @@ class Chains {
           crests_[static_cast<std::size_t>(pair.after)].last == k_none)
         join(pair.before, pair.after);
     }
+  }
+
+  [[nodiscard]] bool is_bridged(const Crest& crest) const {
+    if (crest.next == k_none) return false;
+    const Crest& next = crests_[static_cast<std::size_t>(crest.next)];
+    return cols_on(crest, next) > 1 || rise_mm(crest, next) > config_.smooth_mm * grid_.col_mm;
+  }
+
+  /// A crease that goes round closes on itself.  A chain that is longer than the way round does not: over a
+  /// gap it went on along another crease, though a piece of its own faces it there.
+  void close_laps() {
+    for (std::size_t first = 0; first < crests_.size(); ++first) {
+      if (crests_[first].last == k_none) close_lap(first);
+    }
+  }
+
+  void close_lap(std::size_t first) {
+    struct End {
+      std::size_t crest;
+      int way;  // columns from the chain's begin
+    };
+    std::vector<End> begins{{.crest = first, .way = 0}};
+    std::vector<End> ends;
+    End here = begins.front();
+    while (crests_[here.crest].next != k_none) {
+      const auto next = static_cast<std::size_t>(crests_[here.crest].next);
+      const int way = here.way + cols_on(crests_[here.crest], crests_[next]);
+      if (is_bridged(crests_[here.crest])) {
+        ends.push_back(here);
+        begins.push_back({.crest = next, .way = way});
+      }
+      here = {.crest = next, .way = way};
+    }
+    ends.push_back(here);
+    if (here.way < grid_.cols) return;
+    std::optional<Ends> best;
+    for (const End& end : ends) {
+      for (const End& begin : begins) {
+        const int way = end.way - begin.way;
+        if (way < grid_.cols - most_gap_cols() || way >= grid_.cols) continue;
+        const std::optional<Ends> pair = ends_of(end.crest, begin.crest);
+        if (pair && (!best || pair->cost < best->cost)) best = pair;
+      }
+    }
+    if (!best) return;
+    const int tail = crests_[static_cast<std::size_t>(best->before)].next;
+    const int head = crests_[static_cast<std::size_t>(best->after)].last;
+    if (tail != k_none) crests_[static_cast<std::size_t>(tail)].last = k_none;
+    if (head != k_none) crests_[static_cast<std::size_t>(head)].next = k_none;
+    join(best->before, best->after);
   }
 
   /// Of each crest's chain the share of the way round on which it is about as strong as at the crest.  A gap

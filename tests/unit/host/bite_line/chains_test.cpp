@@ -71,4 +71,19 @@ TEST(Chains, AnEdgeThatRunsUpToACreaseDoesNotTakeItsPlace) {
   CHECK(round_at(10, 100) < 0.3F);
 }
 
+TEST(Chains, ACreaseThatFallsWithinAGapClosesOnItselfAndNotOnAnEdgeAtItsOldHeight) {
+  // As read on a shoe with a heel counter: the line falls by 4 mm where a sector is missing, and the upper
+  // edge of the counter begins behind it at the height that the line had before.
+  crease(60, 240, 400);
+  crease(60, 0, 10);
+  crease(44, 46, 240);
+  for (int col = 200; col < 240; ++col) {
+    likeness[grid.at(44, col)] = 0;
+    likeness[grid.at(44 + 16 * (col - 199) / 40, col)] = 0.8F;  // and climbs again
+  }
+  crease(60, 45, 120);
+  DOUBLES_EQUAL(1.0, round_at(44, 100), 1e-6);
+  DOUBLES_EQUAL(75.0 / 400, round_at(60, 100), 0.01);
+}
+
 }  // namespace biteline::bite_line
