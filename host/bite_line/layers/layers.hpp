@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "host/bite_line/layers/changes.hpp"
 #include "host/bite_line/layers/course.hpp"
 #include "host/bite_line/layers/evidence.hpp"
 #include "host/bite_line/path/creases.hpp"
@@ -13,6 +14,7 @@ namespace biteline::bite_line {
 struct LayersConfig {
   EvidenceConfig evidence{};
   CourseConfig course{};
+  ChangeConfig change{};
   CreaseConfig crease{};
   /// A rival is as good as the course where it costs no more.  What tells them apart is the same all along a
   /// rival, so its margin is a mean per column, over `margin_cols` more than it has: what is that short is
@@ -22,6 +24,8 @@ struct LayersConfig {
   double margin{0.07};  ///< at which the course is one of two
   double margin_soft{0.012};
   int most{6};  ///< rivals described
+  /// That a stretch between two changes of the crease is on the line's: none of those seen was.
+  float changed_hold{0.1F};
 };
 
 /// Another layer: it lies beside the line over a part of its length, or all the way round.
@@ -40,6 +44,7 @@ struct Layers {
   std::vector<float> other_mm;  ///< per column: how far off the layer lies that the line holds least against
   std::vector<float> sharp;     ///< per column: how sharp a place the crease has, 1 but on flat weak ones
   std::vector<Rival> rivals;    ///< the nearest first
+  std::vector<OtherCrease> others{};  ///< where it left its crease for another
 };
 
 /// Per column of a path: how sharp a place its crease has.

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double k_deg = std::numbers::pi / 180.0;
 
-using Text = FixedText<240>;
+using Sentence = FixedText<240>;
 
 /// A gate: passed for sure well above the limit, 0.5 at it, 0.88 two softnesses above.
 struct Gate {
@@ -23,7 +23,7 @@ struct Gate {
   double value;
   double limit;
   double softness;
-  Text reason;
+  Sentence reason;
 
   [[nodiscard]] double sure() const { return 1.0 / (1.0 + std::exp(-(value - limit) / softness)); }
 };
@@ -88,15 +88,24 @@ double share_below_half(const std::vector<float>& hold) {
          static_cast<double>(hold.size());
 }
 
-/// The rival that takes most of the line's length, for the sentence.
-Text rivalled_text(const Layers& layers, double share) {
+/// What takes most of the line's length, for the sentence.
+Sentence rivalled_text(const Layers& layers, double share) {
+  if (!layers.others.empty()) {
+    const auto cols = static_cast<double>(layers.hold.size());
+    const OtherCrease& other = *std::ranges::max_element(layers.others, {}, &OtherCrease::cols);
+    if (other.cols / cols > k_most_rivalled_share) {
+      return Sentence::format(
+          "the line changes from one crease to another, %.1f mm off, and keeps it over %.0f %% of its length",
+          other.off_mm, 100 * other.cols / cols);
+    }
+  }
   const Rival* longest = nullptr;
   for (const Rival& rival : layers.rivals) {
     if (longest == nullptr || rival.cols > longest->cols) longest = &rival;
   }
   if (longest == nullptr)
-    return Text::format("the line keeps no layer on %.0f %% of its length", 100 * share);
-  return Text::format(
+    return Sentence::format("the line keeps no layer on %.0f %% of its length", 100 * share);
+  return Sentence::format(
       "the line may be another crease on %.0f %% of its length: one at a mean height of %.1f mm "
       "is about as good as that at %.1f mm",
       100 * share, longest->crease.mean_height_mm, layers.line.mean_height_mm);
@@ -119,7 +128,7 @@ double percent(double share) {
 /// The gates that look at one crease alone.
 auto own_gates(const Crease& line, const PlanShape& plan) {
   constexpr ShoeOutlines shoes{};
-  const Text all_round = Text::format(
+  const Sentence all_round = Sentence::format(
       "no crease all the way round: the best path shows one on %.0f %% of its length, its longest gap is "
       "%.0f mm, "
       "and the surface turns by %.1f degrees across it",
@@ -128,43 +137,44 @@ auto own_gates(const Crease& line, const PlanShape& plan) {
   const bool worth_seeing = line.visible_share > 0.7 * line.seen_share && line.visible_share > 0.3;
   return std::array{
       Gate{Refused::NotAShoe, -distance_to_shoes(plan, shoes), -shoes.limit, shoes.softness,
-           Text::format(
+           Sentence::format(
                "not a shoe: its outline is broadest at %.2f of its length (shoes: about %.2f), and over that "
                "%.2f broad at an end (%.2f) and %.2f at the heel (%.2f)",
                plan.broadest_at, shoes.mean[0], plan.end_breadth, shoes.mean[1], plan.heel_breadth,
                shoes.mean[2])},
       Gate{Refused::NoCrease, line.evidence, k_least_evidence, 0.02,
-           Text::copy("no crease: nothing concave runs round the side")},
+           Sentence::copy("no crease: nothing concave runs round the side")},
       Gate{Refused::TooMuchMissing, worth_seeing ? -line.longest_unseen_mm : 0.0, -k_longest_unseen_mm, 1.5,
-           Text::format(
+           Sentence::format(
                "too much is missing: no surface was seen over %.0f mm of the best path round the shoe",
                line.longest_unseen_mm)},
-      Gate{
-          Refused::TooMuchMissing, worth_seeing ? line.seen_share : 1.0, k_least_seen_share, 0.02,
-          Text::format("too much is missing: the surface was seen on %.0f %% of the best path round the shoe",
-                       percent(line.seen_share))},
+      Gate{Refused::TooMuchMissing, worth_seeing ? line.seen_share : 1.0, k_least_seen_share, 0.02,
+           Sentence::format(
+               "too much is missing: the surface was seen on %.0f %% of the best path round the shoe",
+               percent(line.seen_share))},
       Gate{Refused::NoCreaseAllRound, line.visible_share, k_least_visible_share, 0.035, all_round},
       Gate{Refused::NoCreaseAllRound, -line.longest_gap_mm, -k_longest_gap_mm, 8.0, all_round},
       Gate{Refused::NoCreaseAllRound, line.median_turn_rad / k_deg, k_least_turn_deg, 0.8, all_round},
       Gate{Refused::NoUpper, line.upper_share, k_least_upper_share, 0.03,
-           Text::format(
+           Sentence::format(
                "no upper: above the crease a wall goes on over %.0f %% of its length only, as on an open "
                "sandal or a rim",
                percent(line.upper_share))},
       // A second ledge close below bends the lower flank; what stands out behind that, too, is a lid.
       Gate{Refused::Overhang, line.flanks_seen ? std::max(line.flank_step_mm, line.median_step_mm) : 0.0,
            k_least_step_mm, 0.1,
-           Text::format(
+           Sentence::format(
                "no bite line: what lies above the crease stands out by %.1f mm beyond what lies below it, "
                "as a lid does",
                -line.flank_step_mm)},
       Gate{Refused::WithinOneSurface, between_two_deg(line), 0.0, 0.8,
-           Text::format(
+           Sentence::format(
                "no bite line: the crease at a mean height of %.1f mm lies within one surface, which goes "
                "on below it as above, and not between a sole and an upper",
                line.mean_height_mm)},
       Gate{Refused::DoesNotClose, -line.closure_mm, -k_most_closure_mm, 0.5,
-           Text::format("the crease does not close: its ends lie %.1f mm apart in height", line.closure_mm)},
+           Sentence::format("the crease does not close: its ends lie %.1f mm apart in height",
+                            line.closure_mm)},
   };
 }
 
@@ -179,11 +189,11 @@ Decision decide(const Layers& layers, const PlanShape& plan, double min_confiden
   const double rivalled = share_below_half(layers.hold);
   const auto own = own_gates(line, plan);
   const std::array beside_others{
-      Gate{
-          Refused::CutIntoSole, -cut_into_sole(layers), -0.5, 0.12,
-          Text::format("no bite line: the crease at a mean height of %.1f mm belongs to the sole, whose edge "
-                       "shows above it but less plainly",
-                       line.mean_height_mm)},
+      Gate{Refused::CutIntoSole, -cut_into_sole(layers), -0.5, 0.12,
+           Sentence::format(
+               "no bite line: the crease at a mean height of %.1f mm belongs to the sole, whose edge "
+               "shows above it but less plainly",
+               line.mean_height_mm)},
       Gate{Refused::Rivalled, -rivalled, -k_most_rivalled_share, 0.01, rivalled_text(layers, rivalled)},
   };
   std::vector<Gate> gates{own.begin(), own.end()};

@@ -107,6 +107,16 @@ TEST(Decide, ALineOnWhatMayBeAnotherLayersIsRefusedWithBothHeights) {
   STRCMP_CONTAINS("34.0", sut.refusal->reason.c_str());
 }
 
+TEST(Decide, ALineThatChangesItsCreaseSaysByHowMuchAndHowLong) {
+  Layers changed = layers(crease(22, 60, 0.8));
+  changed.others.push_back({.first_col = 40, .cols = 20, .off_mm = 4.2});
+  std::fill_n(changed.hold.begin() + 40, 20, 0.1F);
+  const Decision sut = decided(changed);
+  refuses(Refused::Rivalled, sut);
+  STRCMP_CONTAINS("4.2 mm off", sut.refusal->reason.c_str());
+  STRCMP_CONTAINS("20 %", sut.refusal->reason.c_str());
+}
+
 TEST(Decide, AShortRivalLowersTheConfidenceByItsShare) {
   Layers two = layers(crease(22, 60, 0.8));
   std::fill_n(two.hold.begin() + 40, 5, 0.1F);

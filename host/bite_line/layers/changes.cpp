@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/layers/changes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace biteline::bite_line {
+
+namespace {
+
+/// The side along a closed path.
+class OnSide {
+ public:
+  OnSide(const SideField& field, std::span<const int> path) : field_{field}, path_{path} {}
+
+  [[nodiscard]] std::size_t wrapped(int col) const {
+    return static_cast<std::size_t>((col % cols() + cols()) % cols());
+  }
+  [[nodiscard]] int cols() const { return field_.grid.cols; }
+  [[nodiscard]] int row(int col) const { return path_[wrapped(col)]; }
+  [[nodiscard]] float turn_rad(int col) const { return field_.turn_rad[cell(col)]; }
+  [[nodiscard]] bool seen(int col) const { return field_.seen[cell(col)] != 0; }
+  [[nodiscard]] float usual_turn_rad() const {
+    std::vector<float> turns;
+    for (int col = 0; col < cols(); ++col) turns.push_back(turn_rad(col));
+    const auto middle = turns.begin() + cols() / 2;
+    std::nth_element(turns.begin(), middle, turns.end());
+    return *middle;
+  }
+
+ private:
+  [[nodiscard]] std::size_t cell(int col) const {
+    return field_.grid.at(row(col), static_cast<int>(wrapped(col)));
+  }
+  const SideField& field_;
+  std::span<const int> path_;
+};
+
+/// What the course's directions before and behind a column differ by in height there.
+double directions_apart_mm(const OnSide& course, const SideGrid& grid, int col, int half, int lever) {
+  const auto ahead = [&](int direction) {
+    const int near = course.row(col + direction * half);
+    const int far = course.row(col + direction * (half + lever));
+    return near + static_cast<double>(near - far) * half / lever;
+  };
+  return (ahead(1) - ahead(-1)) * grid.row_mm;
+}
+
+bool leaves_crease(const OnSide& course, int col, int half, float least_turn_rad) {
+  bool leaves = false;
+  int seen = 0;
+  for (int c = col - half; c <= col + half; ++c) {
+    leaves = leaves || (course.seen(c) && course.turn_rad(c) < least_turn_rad);
+    seen += course.seen(c) ? 1 : 0;
+  }
+  return leaves && seen > half;
+}
+
+/// Columns from `col` on in one direction to the nearest long stretch that was not seen; all without one.
+int cols_to_unseen(const OnSide& course, int col, int direction, int least_cols) {
+  int run = 0;
+  for (int k = 1; k < course.cols(); ++k) {
+    run = course.seen(col + direction * k) ? 0 : run + 1;
+    if (run == least_cols) return k - run;
+  }
+  return course.cols();
+}
+
+}  // namespace
+
+std::vector<LayerChange> layer_changes(const SideField& field, std::span<const int> path,
+                                       const ChangeConfig& config) {
+  const OnSide course{field, path};
+  const int half = static_cast<int>(std::lround(config.half_mm / field.grid.col_mm));
+  const int lever = static_cast<int>(std::lround(config.lever_mm / field.grid.col_mm));
+  const float least_turn_rad = config.off_crease_ratio * course.usual_turn_rad();
+  std::vector<double> apart;
+  for (int col = 0; col < course.cols(); ++col) {
+    const double here = directions_apart_mm(course, field.grid, col, half, lever);
+    const bool is_change =
+        std::abs(here) >= config.least_mm && leaves_crease(course, col, half, least_turn_rad);
+    apart.push_back(is_change ? here : 0);
+  }
+  std::vector<LayerChange> changes;
+  for (int col = 0; col < course.cols(); ++col) {
+    const double here = std::abs(apart[static_cast<std::size_t>(col)]);
+    bool most = here > 0;
+    for (int c = 1; most && c <= 2 * half; ++c)
+      most =
+          std::abs(apart[course.wrapped(col - c)]) < here && std::abs(apart[course.wrapped(col + c)]) <= here;
+    if (most) changes.push_back({.col = col, .rise_mm = apart[static_cast<std::size_t>(col)]});
+  }
+  return changes;
+}
+
+std::vector<OtherCrease> other_creases(const SideField& field, std::span<const int> path,
+                                       std::span<const LayerChange> changes) {
+  constexpr double k_same_mm = 1.5;    // both steps are between the same two creases, which may draw apart
+  constexpr double k_hides_mm = 10.0;  // so much unseen may hide a step
+  const OnSide course{field, path};
+  const int hides = static_cast<int>(std::lround(k_hides_mm / field.grid.col_mm));
+  std::vector<OtherCrease> others;
+  for (const LayerChange& change : changes) {
+    OtherCrease shortest{.cols = course.cols(), .off_mm = std::abs(change.rise_mm)};
+    const auto take = [&](int first, int cols) {
+      if (cols >= shortest.cols) return;
+      shortest.first_col = static_cast<int>(course.wrapped(first));
+      shortest.cols = cols;
+    };
+    for (const LayerChange& back : changes) {
+      if (&back == &change || std::abs(back.rise_mm + change.rise_mm) > k_same_mm) continue;
+      const int behind = static_cast<int>(course.wrapped(back.col - change.col));
+      take(change.col, behind);
+      take(back.col, course.cols() - behind);
+    }
+    if (shortest.cols == course.cols()) {
+      take(change.col, cols_to_unseen(course, change.col, 1, hides));
+      const int before = cols_to_unseen(course, change.col, -1, hides);
+      take(change.col - before, before);
+    }
+    if (shortest.cols < course.cols()) others.push_back(shortest);
+  }
+  return others;
+}
+
+}  // namespace biteline::bite_line

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+#include <CppUTest/TestHarness.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "host/bite_line/layers/changes.hpp"
+
+namespace biteline::bite_line {
+
+/// A side with a crease at row 60 all round, and another one at row 44 (4 mm lower).
+TEST_GROUP(LayerChanges) {
+  static constexpr int k_cols = 400;
+  static constexpr int k_line = 60, k_other = 44;
+  SideField field;
+  std::vector<int> path = std::vector<int>(k_cols, k_line);
+
+  void setup() override {
+    field.grid = {.rows = 100, .cols = k_cols, .z_low_mm = 0, .row_mm = 0.25, .col_mm = 1.0};
+    field.seen.resize(field.grid.size());
+    field.turn_rad.resize(field.grid.size());
+    std::fill(field.seen.begin(), field.seen.end(), std::uint8_t{1});
+    std::fill(field.turn_rad.begin(), field.turn_rad.end(), 0.0F);
+    for (int col = 0; col < k_cols; ++col) crease(k_line, col), crease(k_other, col);
+  }
+  void crease(int row, int col) {
+    for (int r = row - 1; r <= row + 1; ++r) field.turn_rad[field.grid.at(r, col)] = 0.3F;
+  }
+  /// The path lies on the other crease from one column to another, and takes 4 columns to get there and back.
+  void leave(int from, int to) {
+    for (int col = from; col < to; ++col) {
+      const int away = 4 * std::min({col - from, to - 1 - col, 4});
+      path[static_cast<std::size_t>(col % k_cols)] = k_line - away;
+    }
+  }
+  void hide(int from, int to) {
+    for (int col = from; col < to; ++col) {
+      for (int row = 0; row < field.grid.rows; ++row) {
+        field.seen[field.grid.at(row, col)] = 0;
+        field.turn_rad[field.grid.at(row, col)] = 0;
+      }
+    }
+  }
+  std::vector<OtherCrease> others() {
+    return other_creases(field, path, layer_changes(field, path, {}));
+  }
+};
+
+TEST(LayerChanges, ACourseOnOneCreaseHasNone) {
+  CHECK(layer_changes(field, path, {}).empty());
+  CHECK(others().empty());
+}
+
+TEST(LayerChanges, ACourseThatCrossesToAnotherCreaseAndBackIsOffBetween) {
+  leave(100, 180);
+  const std::vector<LayerChange> sut = layer_changes(field, path, {});
+  LONGS_EQUAL(2, sut.size());
+  DOUBLES_EQUAL(-4, sut[0].rise_mm, 0.5);
+  DOUBLES_EQUAL(4, sut[1].rise_mm, 0.5);
+  for (const OtherCrease& other : others()) {
+    DOUBLES_EQUAL(102, other.first_col, 3);
+    DOUBLES_EQUAL(76, other.cols, 6);
+    DOUBLES_EQUAL(4, other.off_mm, 0.5);
+  }
+}
+
+TEST(LayerChanges, TheShorterWayIsTheOtherCreaseAcrossTheSeam) {
+  leave(360, 430);
+  LONGS_EQUAL(2, others().size());
+  for (const OtherCrease& other : others()) {
+    DOUBLES_EQUAL(362, other.first_col, 3);
+    DOUBLES_EQUAL(66, other.cols, 6);
+  }
+}
+
+TEST(LayerChanges, ACreaseThatClimbsIsKept) {
+  for (int col = 100; col < 136; ++col) {
+    const int row = k_line + 2 * std::min(col - 100, 135 - col);
+    path[static_cast<std::size_t>(col)] = row;
+    crease(row, col);
+  }
+  CHECK(layer_changes(field, path, {}).empty());
+}
+
+TEST(LayerChanges, AFadedStretchAtTheSameHeightIsNone) {
+  for (int col = 100; col < 140; ++col) {
+    for (int row = 0; row < field.grid.rows; ++row) field.turn_rad[field.grid.at(row, col)] = 0;
+  }
+  CHECK(layer_changes(field, path, {}).empty());
+}
+
+TEST(LayerChanges, WhatWasNotSeenHidesTheOtherStep) {
+  leave(100, 180);
+  hide(96, 116);
+  const std::vector<LayerChange> sut = layer_changes(field, path, {});
+  LONGS_EQUAL(1, sut.size());
+  LONGS_EQUAL(1, others().size());
+  DOUBLES_EQUAL(116, others().front().first_col, 3);
+  DOUBLES_EQUAL(62, others().front().cols, 6);
+}
+
+}  // namespace biteline::bite_line
