@@ -222,6 +222,8 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
     set_layer(input, placement.points[i]);
   }
   doubt_ridge(ridge, config.mean_mm / sections.station_mm, placement.points);
+  doubt_bridges(ridge.visible, placement.points);
+  doubt_bridges(course.o_known, placement.points);
   for (std::size_t i = 0; i < stations; ++i) {
     const double step = (placement.points[(i + 1) % stations].position - placement.points[i].position).norm();
     placement.length_mm += step;

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <span>
 
+#include "host/bite_line/place/point_spread.hpp"
+#include "host/geometry/bridge.hpp"
 #include "host/geometry/closed_curve.hpp"
 #include "host/geometry/robust.hpp"
 
@@ -58,6 +60,26 @@ void doubt_ridge(const Ridge& ridge, double steps, std::vector<PlacedStation>& s
     if (hold[i] >= stations[i].hold) continue;
     stations[i].hold = hold[i];
     stations[i].other_mm = away[i] / std::max(times[i], 1e-6);
+  }
+}
+
+void doubt_bridges(std::span<const std::uint8_t> known, std::vector<PlacedStation>& stations) {
+  const std::size_t count = stations.size();
+  for (const geometry::Gap& gap : geometry::gaps_of(known)) {
+    const PlacedStation& first = stations[gap.first];
+    const PlacedStation& last = stations[(gap.first + gap.steps) % count];
+    for (std::size_t k = 1; k < gap.steps; ++k) {
+      PlacedStation& station = stations[(gap.first + k) % count];
+      const double share = static_cast<double>(k) / static_cast<double>(gap.steps);
+      const auto lean_on = [&](const PlacedStation& end, double weight) {
+        const double other_mm = weight * end.other_mm;
+        if (end.hold >= station.hold || other_mm <= k_confident_mm) return;
+        station.hold = end.hold;
+        station.other_mm = std::max(station.other_mm, other_mm);
+      };
+      lean_on(first, 1 - share);
+      lean_on(last, share);
+    }
   }
 }
 

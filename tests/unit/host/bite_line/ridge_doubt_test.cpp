@@ -79,4 +79,21 @@ TEST(DoubtRidge, WhatIsBridgedIsDoubtedElsewhere) {
   for (const PlacedStation& station : stations) CHECK_COMPARE(station.hold, >, 0.99);
 }
 
+TEST(DoubtRidge, ABridgeLeansOnBothItsEnds) {
+  std::vector<std::uint8_t> known(k_count, 1);
+  for (std::size_t i = 101; i < 120; ++i) known[i] = 0;
+  std::vector<PlacedStation> sut(k_count);
+  for (std::size_t i = 80; i <= 100; ++i) {
+    sut[i].hold = 0.2;
+    sut[i].other_mm = 4;
+  }
+  doubt_bridges(known, sut);
+  for (std::size_t i = 101; i < 118; ++i) {
+    DOUBLES_EQUAL(0.2, sut[i].hold, 1e-9);
+    DOUBLES_EQUAL(4 * static_cast<double>(120 - i) / 20, sut[i].other_mm, 1e-9);
+  }
+  // Where it can be off by no more than what counts as right, it is sure; and so is its good end.
+  for (const std::size_t i : {119U, 120U, 130U}) DOUBLES_EQUAL(1, sut[i].hold, 1e-9);
+}
+
 }  // namespace biteline::bite_line
