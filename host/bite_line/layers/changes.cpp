@@ -67,6 +67,22 @@ int cols_to_unseen(const OnSide& course, int col, int direction, int least_cols)
   return course.cols();
 }
 
+/// Columns from a change on in one direction to where the course has crossed half of its rise again; all
+/// without one near by.  Lines climb by themselves, so that far away it says nothing.
+int cols_to_way_back(const OnSide& course, const SideGrid& grid, const LayerChange& change, int direction) {
+  constexpr double k_near_mm = 100.0;
+  constexpr double k_beside_mm = 8.0;
+  const auto cols_of = [&](double mm) { return static_cast<int>(std::lround(mm / grid.col_mm)); };
+  const int beside = cols_of(k_beside_mm);
+  const int here = course.row(change.col + direction * beside);
+  const int away = course.row(change.col - direction * beside);
+  for (int k = beside; k < std::min(cols_of(k_near_mm), course.cols()); ++k) {
+    const int row = course.row(change.col + direction * k);
+    if (std::abs(row - away) <= std::abs(row - here)) return k;
+  }
+  return course.cols();
+}
+
 }  // namespace
 
 std::vector<LayerChange> layer_changes(const SideField& field, std::span<const int> path,
@@ -115,9 +131,12 @@ std::vector<OtherCrease> other_creases(const SideField& field, std::span<const i
       take(back.col, course.cols() - behind);
     }
     if (shortest.cols == course.cols()) {
-      take(change.col, cols_to_unseen(course, change.col, 1, hides));
-      const int before = cols_to_unseen(course, change.col, -1, hides);
-      take(change.col - before, before);
+      const auto cols_to = [&](int direction) {
+        return std::min(cols_to_unseen(course, change.col, direction, hides),
+                        cols_to_way_back(course, field.grid, change, direction));
+      };
+      take(change.col, cols_to(1));
+      take(change.col - cols_to(-1), cols_to(-1));
     }
     if (shortest.cols < course.cols()) others.push_back(shortest);
   }

@@ -34,8 +34,8 @@ struct OtherCrease {
   double off_mm{0};
 };
 
-/// A course that leaves its crease comes back to it: with the opposite step, or where a stretch was not seen.
-/// The shorter way between the two is the part on another crease.
+/// A course that leaves its crease comes back to it: with the opposite step, where a stretch was not seen, or
+/// else by and by, where its height is back.  The shorter way between the two is the part on another crease.
 [[nodiscard]] std::vector<OtherCrease> other_creases(const SideField& field, std::span<const int> path,
                                                      std::span<const LayerChange> changes);
 

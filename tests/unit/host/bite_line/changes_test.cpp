@@ -82,6 +82,20 @@ TEST(LayerChanges, ACreaseThatClimbsIsKept) {
   CHECK(layer_changes(field, path, {}).empty());
 }
 
+TEST(LayerChanges, TheWayBackMayBeSlow) {
+  leave(100, 180);
+  // It comes back over 40 mm, along an edge that runs up from the one crease to the other.
+  for (int col = 140; col < 180; ++col) {
+    const int row = k_other + 16 * (col - 139) / 40;
+    path[static_cast<std::size_t>(col)] = row;
+    crease(row, col);
+  }
+  LONGS_EQUAL(1, layer_changes(field, path, {}).size());
+  LONGS_EQUAL(1, others().size());
+  DOUBLES_EQUAL(102, others().front().first_col, 3);
+  DOUBLES_EQUAL(57, others().front().cols, 6);
+}
+
 TEST(LayerChanges, AFadedStretchAtTheSameHeightIsNone) {
   for (int col = 100; col < 140; ++col) {
     for (int row = 0; row < field.grid.rows; ++row) field.turn_rad[field.grid.at(row, col)] = 0;
