@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <span>
+#include <vector>
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 namespace biteline::bite_line {
@@ -58,50 +61,114 @@ struct Raster {
   }
 };
 
-/// The innermost o that still belongs to the outermost layer, per coarse cell, column after column.
-class DepthLayers {
+/// What one column keeps.  Its memory serves one column after the other.
+class ColumnSieve {
  public:
-  DepthLayers(std::span<const OutlinePlace> places, const Buckets& buckets, const Columns& columns,
-              const OuterLayerConfig& config, double grow)
-      : raster_{config, k_layer_z_mm * grow}, columns_{columns} {
-    const std::size_t cells = buckets.size() * raster_.rows;
-    counts_.assign(cells * k_layer_bins, 0);
-    limit_.assign(cells, -k_inner_mm);
-    totals_.assign(cells, 0);
-    const int gap_bins =
-        std::max(1, static_cast<int>(std::lround(config.gap_mm / static_cast<double>(k_layer_o_mm))));
-    tbb::parallel_for(std::size_t{0}, buckets.size(), [&](std::size_t col) {
-      for (const std::uint32_t i : buckets[col]) {
-        const std::size_t row = raster_.row_of(places[i].z_mm, columns_.level_mm(col, places[i]));
-        if (row == raster_.rows) continue;
-        auto& count = counts_[(col * raster_.rows + row) * k_layer_bins + bin_of(places[i].o_mm)];
-        if (count < k_full) ++count;
-      }
-      for (std::size_t cell = col * raster_.rows; cell < (col + 1) * raster_.rows; ++cell) {
-        const std::span<const std::uint8_t> counts{counts_.data() + cell * k_layer_bins, k_layer_bins};
-        for (const std::uint8_t count : counts) totals_[cell] += count;
-        limit_[cell] = innermost_of_outermost(counts, totals_[cell], gap_bins);
-      }
-    });
-  }
+  ColumnSieve(const Columns& columns, const Raster& coarse, int gap_bins, float depth_mm)
+      : columns_{columns},
+        coarse_{coarse},
+        gap_bins_{gap_bins},
+        depth_mm_{depth_mm},
+        counts_(coarse.rows * k_layer_bins),
+        layers_(coarse.rows) {}
 
-  [[nodiscard]] bool contains(std::size_t col, const OutlinePlace& place) const {
-    const std::size_t row = raster_.row_of(place.z_mm, columns_.level_mm(col, place));
-    if (row == raster_.rows) return false;
-    const std::size_t cell = col * raster_.rows + row;
-    return place.o_mm >= limit_[cell] && !stray(cell, place.o_mm);
+  /// Drops what lies behind the outermost layer, then what is deeper than the outermost o of the fine rows
+  /// about it, which leave out a twentieth of their points as strays.
+  void keep_outer_layer(std::size_t col, std::span<const std::uint32_t> column, const Raster& fine,
+                        std::span<OutlinePlace> places) {
+    read(col, column, places);
+    find_layers();
+    keep_layers(fine, places);
+    drop_behind_envelope(places);
   }
 
  private:
+  struct Point {
+    std::uint32_t index;
+    std::uint32_t row;  ///< of the coarse raster, then of the fine one
+    float o_mm;
+    float z_mm;
+    float level_mm;
+  };
+  /// Of a coarse cell.
+  struct Layer {
+    float innermost_mm;  ///< the innermost o that still belongs to the outermost layer
+    std::uint32_t points;
+  };
+  // The two largest per row; with many points in a row the second one stands for it.
+  struct Outermost {
+    float first{k_nothing};
+    float second{k_nothing};
+    std::uint32_t points{0};
+    [[nodiscard]] float top() const { return points >= k_many ? second : first; }
+  };
+
+  void read(std::size_t col, std::span<const std::uint32_t> column, std::span<OutlinePlace> places) {
+    std::fill(counts_.begin(), counts_.end(), std::uint8_t{0});
+    points_.clear();
+    for (const std::uint32_t i : column) {
+      OutlinePlace& place = places[i];
+      const float level_mm = columns_.level_mm(col, place);
+      const std::size_t row = coarse_.row_of(place.z_mm, level_mm);
+      if (row == coarse_.rows) {
+        place.s_mm = -1.0F;
+        continue;
+      }
+      points_.push_back({i, static_cast<std::uint32_t>(row), place.o_mm, place.z_mm, level_mm});
+      std::uint8_t& count = counts_[row * k_layer_bins + bin_of(place.o_mm)];
+      if (count < k_full) ++count;
+    }
+  }
+
+  void find_layers() {
+    for (std::size_t row = 0; row < layers_.size(); ++row) {
+      const std::span<const std::uint8_t> counts{counts_.data() + row * k_layer_bins, k_layer_bins};
+      const std::uint32_t total = std::accumulate(counts.begin(), counts.end(), std::uint32_t{0});
+      layers_[row] = {innermost_of_outermost(counts, total, gap_bins_), total};
+    }
+  }
+
+  void keep_layers(const Raster& fine, std::span<OutlinePlace> places) {
+    outermost_.assign(fine.rows, {});
+    kept_.clear();
+    for (const Point& point : points_) {
+      const std::size_t at = fine.row_of(point.z_mm, point.level_mm);
+      if (at == fine.rows || point.o_mm < layers_[point.row].innermost_mm || stray(point)) {
+        places[point.index].s_mm = -1.0F;
+        continue;
+      }
+      kept_.push_back({point.index, static_cast<std::uint32_t>(at), point.o_mm, point.z_mm, point.level_mm});
+      Outermost& row = outermost_[at];
+      ++row.points;
+      row.second = std::max(row.second, std::min(row.first, point.o_mm));
+      row.first = std::max(row.first, point.o_mm);
+    }
+  }
+
+  void drop_behind_envelope(std::span<OutlinePlace> places) {
+    const std::size_t rows = outermost_.size();
+    floor_.resize(rows);
+    for (std::size_t row = 0; row < rows; ++row) {
+      float lowest = -k_nothing;
+      for (std::size_t r = std::max<std::size_t>(row, 1) - 1; r <= std::min(rows - 1, row + 1); ++r) {
+        if (outermost_[r].points > 0) lowest = std::min(lowest, outermost_[r].top());
+      }
+      floor_[row] = lowest - depth_mm_;
+    }
+    for (const Point& point : kept_) {
+      if (point.o_mm < floor_[point.row]) places[point.index].s_mm = -1.0F;
+    }
+  }
+
   /// Hardly any company at its own depth, in a cell with many points.
-  [[nodiscard]] bool stray(std::size_t cell, float o_mm) const {
-    const std::uint8_t* counts = counts_.data() + cell * k_layer_bins;
-    const std::size_t bin = bin_of(o_mm);
+  [[nodiscard]] bool stray(const Point& point) const {
+    const std::uint8_t* counts = counts_.data() + point.row * k_layer_bins;
+    const std::size_t bin = bin_of(point.o_mm);
     std::uint32_t near = counts[bin];
     if (near > 2) return false;
     if (bin > 0) near += counts[bin - 1];
     if (bin + 1 < k_layer_bins) near += counts[bin + 1];
-    return near <= 2 && totals_[cell] >= 15;
+    return near <= 2 && layers_[point.row].points >= 15;
   }
 
   static std::size_t bin_of(float o_mm) {
@@ -133,60 +200,18 @@ class DepthLayers {
   }
 
   static constexpr std::uint8_t k_full = 255;  // nothing here asks for more
-  Raster raster_;
+  static constexpr float k_nothing = -1.0e6F;
+  static constexpr std::uint32_t k_many = 20;
   const Columns& columns_;
-  Large<float> limit_;
-  Large<std::uint8_t> counts_;
-  Large<std::uint32_t> totals_;
+  const Raster& coarse_;
+  int gap_bins_;
+  float depth_mm_;
+  std::vector<std::uint8_t> counts_;  ///< per coarse row and bin of o
+  std::vector<Layer> layers_;         ///< per coarse row
+  std::vector<Point> points_, kept_;
+  std::vector<Outermost> outermost_;  ///< per fine row
+  std::vector<float> floor_;
 };
-
-/// Drops from a column what lies behind the outermost layer, then what is deeper than the outermost o of the
-/// fine rows about it, which leave out a twentieth of their points as strays.
-void keep_outer_layer_of(std::size_t col, std::span<const std::uint32_t> column, const Columns& columns,
-                         std::span<OutlinePlace> places, const DepthLayers& layers, const Raster& fine,
-                         float depth_mm) {
-  constexpr float k_nothing = -1.0e6F;
-  constexpr std::uint32_t k_many = 20;
-  // The two largest per row; with many points in a row the second one stands for it.
-  struct Outermost {
-    float first{k_nothing};
-    float second{k_nothing};
-    std::uint32_t points{0};
-    [[nodiscard]] float top() const { return points >= k_many ? second : first; }
-  };
-  struct Kept {
-    std::uint32_t index;
-    std::uint32_t row;
-    float o_mm;
-  };
-  std::vector<Outermost> outermost(fine.rows);
-  std::vector<Kept> kept;
-  kept.reserve(column.size());
-  for (const std::uint32_t i : column) {
-    OutlinePlace& place = places[i];
-    const std::size_t at = fine.row_of(place.z_mm, columns.level_mm(col, place));
-    if (at == fine.rows || !layers.contains(col, place)) {
-      place.s_mm = -1.0F;
-      continue;
-    }
-    kept.push_back({i, static_cast<std::uint32_t>(at), place.o_mm});
-    Outermost& row = outermost[at];
-    ++row.points;
-    row.second = std::max(row.second, std::min(row.first, place.o_mm));
-    row.first = std::max(row.first, place.o_mm);
-  }
-  std::vector<float> floor(fine.rows);
-  for (std::size_t row = 0; row < fine.rows; ++row) {
-    float lowest = -k_nothing;
-    for (std::size_t r = std::max<std::size_t>(row, 1) - 1; r <= std::min(fine.rows - 1, row + 1); ++r) {
-      if (outermost[r].points > 0) lowest = std::min(lowest, outermost[r].top());
-    }
-    floor[row] = lowest - depth_mm;
-  }
-  for (const Kept& point : kept) {
-    if (point.o_mm < floor[point.row]) places[point.index].s_mm = -1.0F;
-  }
-}
 
 /// Hardly a row of the column is empty between two that are not: profiles lie apart, and are dense along
 /// themselves.
@@ -219,19 +244,20 @@ Buckets keep_outer_layer(std::span<OutlinePlace> places, const OuterLayerConfig&
                     return s_mm < 0 ? -1 : std::min(cols - 1, static_cast<int>(s_mm * per_s));
                   }};
   const Columns columns{config, buckets.size()};
-  const DepthLayers layers{places, buckets, columns, config, grow};
+  const Raster coarse{config, k_layer_z_mm * grow};
   const Raster fine{config, k_fine_z_mm};
   const Raster higher{config, k_fine_z_mm * grow};
   const double points_per_mm = points_per_mm2 * config.length_mm / static_cast<double>(cols);
   const Raster lower{config, std::clamp(k_row_points / points_per_mm, k_fine_z_mm, k_fine_z_mm * grow)};
-  tbb::parallel_for(std::size_t{0}, buckets.size(), [&](std::size_t col) {
-    const bool high = grow > k_high_rows;
-    const bool dense = high && dense_in_height(col, buckets[col], columns, places, fine);
-    keep_outer_layer_of(col, buckets[col], columns, places, layers,
-                        dense  ? fine
-                        : high ? lower
-                               : higher,
-                        static_cast<float>(config.depth_mm));
+  const int gap_bins =
+      std::max(1, static_cast<int>(std::lround(config.gap_mm / static_cast<double>(k_layer_o_mm))));
+  const bool high = grow > k_high_rows;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>{0, buckets.size(), 8}, [&](const auto& range) {
+    ColumnSieve sieve{columns, coarse, gap_bins, static_cast<float>(config.depth_mm)};
+    for (std::size_t col = range.begin(); col != range.end(); ++col) {
+      const bool dense = high && dense_in_height(col, buckets[col], columns, places, fine);
+      sieve.keep_outer_layer(col, buckets[col], dense ? fine : high ? lower : higher, places);
+    }
   });
   return buckets;
 }
