@@ -51,13 +51,6 @@ std::vector<Vec3> inside(const std::vector<Vec3>& outline, double spacing_mm) {
   return out;
 }
 
-double to_point_mm(const Capsule& capsule, const Vec3& point) {
-  const Vec3 along = capsule.b - capsule.a;
-  const double length2 = along.squaredNorm();
-  const double t = length2 > 0 ? std::clamp((point - capsule.a).dot(along) / length2, 0.0, 1.0) : 0.0;
-  return (point - capsule.a - t * along).norm() - capsule.radius_mm;
-}
-
 }  // namespace
 
 Surroundings surroundings_of_line(const cloud::ClosedLine& line, const ShoeGuess& guess, double table_z_mm) {
@@ -86,11 +79,16 @@ Surroundings surroundings_of_line(const cloud::ClosedLine& line, const ShoeGuess
 
 void replace_shoe(Surroundings& surroundings, const std::vector<Eigen::Vector3f>& cloud_base) {
   constexpr float k_above_table_mm = 3;
+  // Points of a scan follow each other closely: most are in the cell of the one before.
   std::map<std::tuple<int, int, int>, Vec3> cells;
+  std::tuple<int, int, int> last{};
   const auto cell = [](float mm) { return static_cast<int>(std::floor(mm / (k_spacing_mm / 2))); };
   for (const Eigen::Vector3f& p : cloud_base) {
     if (p.z() < static_cast<float>(surroundings.table_z_mm) + k_above_table_mm) continue;
-    cells.try_emplace({cell(p.x()), cell(p.y()), cell(p.z())}, p.cast<double>());
+    const std::tuple key{cell(p.x()), cell(p.y()), cell(p.z())};
+    if (key == last && !cells.empty()) continue;
+    cells.try_emplace(key, p.cast<double>());
+    last = key;
   }
   surroundings.shoe_points.clear();
   for (const auto& [key, point] : cells) surroundings.shoe_points.push_back(point);
@@ -113,7 +111,9 @@ double distance_mm(const Capsule& a, const Capsule& b) {
 }
 
 CollisionModel::CollisionModel(const kinematics::ArmModel& arm, const Tool& tool, Surroundings surroundings)
-    : links_{kinematics::link_capsules(arm)}, surroundings_{std::move(surroundings)} {
+    : links_{kinematics::link_capsules(arm)},
+      surroundings_{std::move(surroundings)},
+      shoe_{surroundings_.shoe_points} {
   const Vec3 tip = tool.T_flange_tcp.translation();
   const Vec3 end = tip - tool.contact_length_mm * tool.T_flange_tcp.linear().col(2);
   tool_flange_ = {.a = Vec3::Zero(), .b = end, .radius_mm = tool.body_radius_mm};
@@ -139,11 +139,7 @@ double CollisionModel::to_shoe_mm(const Capsule& capsule, double enough_mm) cons
   if (!box.intersects(shoe_box_)) return enough_mm;
   const double gap_mm =
       0.5 * surroundings_.shoe_spacing_mm;  // the surface may be that much nearer between the points
-  double nearest_mm = enough_mm;
-  for (const Vec3& p : surroundings_.shoe_points) {
-    if (box.contains(p)) nearest_mm = std::min(nearest_mm, to_point_mm(capsule, p) - gap_mm);
-  }
-  return nearest_mm;
+  return shoe_.nearest_mm(capsule, enough_mm + gap_mm) - gap_mm;
 }
 
 Clearance CollisionModel::clearance(const std::array<SE3, kinematics::k_joints>& T_base_joint,

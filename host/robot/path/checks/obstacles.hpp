@@ -8,6 +8,7 @@
 
 #include "host/cloud/closed_line.hpp"
 #include "host/robot/kinematics/arm_shape.hpp"
+#include "host/robot/path/checks/point_blocks.hpp"
 #include "host/robot/path/process.hpp"
 
 namespace biteline::path {
@@ -65,6 +66,7 @@ class CollisionModel {
   std::array<kinematics::LinkCapsule, kinematics::k_link_capsules> links_;
   kinematics::Capsule tool_flange_, tip_flange_;
   Surroundings surroundings_;
+  PointBlocks shoe_;
   Eigen::AlignedBox3d shoe_box_;
 };
 

@@ -19,7 +19,7 @@ constexpr double k_tip_mm = 2;        // of the tool's end, as thin as its axis:
 constexpr double k_enough_mm = 50;
 constexpr double k_leaving_mm = 0.5;  // on its way out past something round
 constexpr double k_step_rad = 0.02;   // of the fastest joint: 20 mm at the end of a metre of arm
-constexpr std::array k_raises_mm{100.0, 200.0, 350.0};
+constexpr std::array k_raises_mm{40.0, 100.0, 200.0, 350.0};
 
 struct Walked {
   bool free{true};
