@@ -83,6 +83,8 @@ Result<int> take_nearest(const fs::path& folder, const cloud::PointCloud& cloud,
 Result<LineStep> heed_mended_model(const fs::path& folder, LineStep found, const cloud::PointCloud& cloud,
                                    const MendedModel& model) {
   if (!found.line || !mend::is_mended(model.sample.line)) return found;
+  // Before the report gets what follows, and the line perhaps another version.
+  BITELINE_TRY(found.pages.write(cloud));
   const Result<transfer::Alignment> alignment =
       model.on_scan ? Result<transfer::Alignment>{*model.on_scan} : align_model(model.sample, cloud);
   if (!alignment || !alignment->accepted()) {

@@ -153,7 +153,7 @@ class Service {
   [[nodiscard]] Result<path::Mounted> mounted() const;
   /// `held`: it waits for a person in any case, also without a path.
   [[nodiscard]] Result<ExitStatus> work_out_path(Scan& scan, const intake::ScanOutcome& outcome,
-                                                 const LineStep& line, bool held = false);
+                                                 LineStep& line, bool held = false);
   /// With the line as it stands in the folder, mended or not, and the request's process.
   [[nodiscard]] Result<ExitStatus> plan_anew(Held& held);
   /// Plans what waits anew, with the line that a person has mended, and lets it wait again.

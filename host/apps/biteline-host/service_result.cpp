@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: MIT
 // A complete scan becomes a line, a path and a motion.
-#include <pthread.h>
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <exception>
 #include <utility>
 
@@ -24,8 +20,6 @@ namespace biteline::service {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int k_nice_beside_an_arm = 19;
 
 std::string hash_of(const std::optional<release::InForce>& release) {
   return release ? release->hash : std::string{};
@@ -57,16 +51,18 @@ Result<ExitStatus> Service::work_out_files(Scan& scan) {
   BITELINE_TRY(mark_attempt(scan.folder));
   intake::ScanOutcome outcome;
   LineStep line;
+  const auto path_follows = [&] {
+    return scan.chosen.unknown.empty() && line.line.has_value() && robot_.has_value();
+  };
   Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
     // Beside the line, so that the path waits for neither.
     if (robot_ && robot_->options.send)
       scan.arm_rad = std::async(std::launch::async, where_arm_is, controller_of(robot_->options));
     BITELINE_ASSIGN(line, work_out_line(scan, outcome));
+    if (!path_follows()) BITELINE_TRY(line.pages.write(outcome.cloud));
     return line.status;
   });
-  const bool path_follows =
-      status.has_value() && scan.chosen.unknown.empty() && line.line.has_value() && robot_.has_value();
-  if (status && !path_follows) check_own_calibration(scan, outcome);
+  if (status && !path_follows()) check_own_calibration(scan, outcome);
   if (!status) {
     // A disk that is full or a folder that is gone is not the scan's fault: it is taken up again.
     const bool own_fault = status.error().code != Errc::DiskFull && status.error().code != Errc::WriteFailed;
@@ -87,6 +83,11 @@ Result<ExitStatus> Service::work_out_files(Scan& scan) {
     return status;
   }
   status = without_exceptions([&] { return work_out_path(scan, outcome, line); });
+  const Result<ExitStatus> pages = without_exceptions([&]() -> Result<ExitStatus> {
+    BITELINE_TRY(line.pages.write(outcome.cloud));
+    return ExitStatus::Done;
+  });
+  if (!pages) complain(pages.error());
   check_own_calibration(scan, outcome);
   return status;
 }
@@ -118,9 +119,7 @@ void Service::look_at_own_calibration(Scan& scan, const intake::ScanOutcome& out
   // Who waits for it gets it at once; beside a moving arm it gives way.
   const bool gives_way = !options_.stop_on_drift;
   scan.calibration = std::async(std::launch::async, [&outcome, gives_way] {
-    pthread_setname_np(pthread_self(), "bl-check");
-    if (gives_way)
-      static_cast<void>(::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), k_nice_beside_an_arm));
+    name_thread("bl-check", gives_way);
     return look_at_calibration(outcome);
   });
 }
@@ -173,6 +172,7 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
       return found;
     }
     if (!model.sure()) {
+      BITELINE_TRY(found.pages.write(outcome.cloud));
       BITELINE_TRY(refuse_unknown(scan.folder, model.words, hash_of(chosen.release)));
       return LineStep{.status = ExitStatus::Refused, .confidence = 0, .line = {}};
     }
@@ -232,8 +232,8 @@ Result<path::Mounted> Service::mounted() const {
   return record.mounted();
 }
 
-Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome& outcome,
-                                          const LineStep& line, bool held) {
+Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome& outcome, LineStep& line,
+                                          bool held) {
   const std::string name = scan.folder.filename().string();
   BITELINE_ASSIGN(const path::Mounted taught, mounted());
   const PlanStepRequest request{.arm = robot_->arm,
@@ -294,7 +294,8 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
   cockpit_->show(Phase::Following, "the arm follows the line of " + name, "the next scan");
   BITELINE_ASSIGN(send.mounted, mounted());
   look_at_own_calibration(scan, outcome);
-  return follow_path(scan.folder, plan, send, cockpit_->halted());
+  return follow_path(scan.folder, plan, send, cockpit_->halted(),
+                     [&] { return line.pages.write(outcome.cloud); });
 }
 
 Result<ExitStatus> Service::plan_anew(Held& held) {
@@ -350,6 +351,7 @@ Result<ExitStatus> Service::work_named(Unnamed unnamed, const std::string& model
     if (!line.line) {
       const Carrier carrier{.name = model, .sample = std::move(*sample), .options = {}};
       BITELINE_ASSIGN(line, carry_line(folder, carrier, unnamed.outcome, hash_of(chosen.release)));
+      BITELINE_TRY(line.pages.write(unnamed.outcome.cloud));
       // The report is a new one.
       scan.calibration_checked = false;
       check_own_calibration(scan, unnamed.outcome);

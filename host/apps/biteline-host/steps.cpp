@@ -11,6 +11,7 @@
 
 #include "common/core/fixed_text.hpp"
 #include "host/apps/biteline-host/refused.hpp"
+#include "host/apps/biteline-host/service_words.hpp"
 #include "host/cloud/ply.hpp"
 #include "host/intake/account.hpp"
 #include "host/intake/refused.hpp"
@@ -185,6 +186,11 @@ Result<void> write_followed(const fs::path& folder, const robot::FollowReport& f
       {"completed", deviation.completed},
       {"samples", deviation.samples},
       {"duration_s", followed.duration_s},
+      {"parts_s",
+       {{"way_there", deviation.parts.way_there_s},
+        {"approach", deviation.parts.approach_s},
+        {"line", deviation.parts.line_s},
+        {"retreat", deviation.parts.retreat_s}}},
       {"slowest_speed_ratio", followed.slowest_speed_ratio},
       {"from_path_mm",
        {{"mean", deviation.mean_mm},
@@ -244,12 +250,15 @@ Result<LineStep> find_line(const fs::path& folder, const intake::ScanOutcome& sc
   intake::LiveLine::Outcome outcome = line.wait();
   report.add_stage("last profile to line", outcome.last_profile_to_line_s);
   bite_line::Extraction& extraction = outcome.extraction;
-  BITELINE_ASSIGN(const ExitStatus status,
-                  results::write_line_result(folder, scan.cloud, extraction,
-                                             results::stages_of(std::move(outcome.workings)), report));
+  BITELINE_ASSIGN(const ExitStatus status, results::write_line_files(folder, scan.cloud, extraction, report));
   say_step("%s", results::summary(extraction).c_str());
   LineStep step{.status = status, .confidence = extraction.confidence, .line = {}};
-  if (status == ExitStatus::Done) step.line = std::move(extraction.line);
+  if (status == ExitStatus::Done) step.line = extraction.line;
+  step.pages = LatePages{[folder, extraction = std::move(extraction),
+                          stages = results::stages_of(std::move(outcome.workings)),
+                          report](const cloud::PointCloud& cloud) mutable {
+    return results::write_line_pages(folder, cloud, extraction, stages, report);
+  }};
   return step;
 }
 
@@ -274,10 +283,14 @@ Result<LineStep> carry_line(const fs::path& folder, const Carrier& carrier, cons
       "transfer", [&] { return transfer::transfer_line(carrier.sample, scan.cloud, carrier.options); });
   BITELINE_TRY(report.timed("write", [&] { return cloud::write_cloud(folder / "cloud.ply", scan.cloud); }));
   BITELINE_ASSIGN(const ExitStatus status,
-                  results::write_transfer_result(folder, scan.cloud, transfer, report));
+                  results::write_transfer_files(folder, scan.cloud, transfer, report));
   say_step("%s", results::summary(transfer).c_str());
   LineStep step{.status = status, .confidence = transfer.confidence, .line = {}};
-  if (status == ExitStatus::Done) step.line = std::move(transfer.carried.line);
+  if (status == ExitStatus::Done) step.line = transfer.carried.line;
+  step.pages =
+      LatePages{[folder, transfer = std::move(transfer), report](const cloud::PointCloud& cloud) mutable {
+        return results::write_transfer_pages(folder, cloud, transfer, report);
+      }};
   return step;
 }
 
@@ -368,7 +381,7 @@ bool needs_a_person(const path::GateLimits& limits, double confidence) {
 }
 
 Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, const SendRequest& request,
-                               const std::atomic<bool>& stop) {
+                               const std::atomic<bool>& stop, std::function<Result<void>()> meanwhile) {
   robot::GateInputs inputs = gate_inputs(plan, request);
   inputs.scan.sent_before = sent_before(folder);
   if (scan_fails(robot::judge(inputs))) return say_refused(folder, inputs);
@@ -401,8 +414,10 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
 
   say_step("sends the path to %s", request.controller.script.c_str());
   robot::FollowReport followed;
+  std::future<Result<void>> beside = begin_beside_arm(std::move(meanwhile));
   const Result<void> done =
       robot::follow(*link, *gate.path, {.limits = plan.request.process.follow, .stop = &stop}, followed);
+  if (const Result<void> written = beside.get(); !written) complain(written.error());
   // As far as it went, also when it was stopped.
   BITELINE_TRY(write_followed(folder, followed));
   BITELINE_TRY(results::write_tracking(folder / "path", plan.request, plan.outcome, followed.track));

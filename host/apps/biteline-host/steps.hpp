@@ -10,6 +10,7 @@
 
 #include "common/core/result.hpp"
 #include "common/time/clocks.hpp"
+#include "host/apps/biteline-host/late_work.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/intake/live_line.hpp"
 #include "host/intake/scan_intake.hpp"
@@ -29,12 +30,13 @@ struct LineStep {
   ExitStatus status{ExitStatus::Refused};
   double confidence{0};
   std::optional<cloud::ClosedLine> line;  ///< when one was found
+  LatePages pages{};                      ///< before anybody else changes report.json
 };
 
-/// cloud.ply, line.csv, stages/, report.json.  A scan that did not come to its own end is refused: the cloud
-/// is kept. `line` has had every profile of the scan.  `known`: how well its head is known, where that is
-/// told.  `release`, here and below: SHA-256 of the one that the scan is worked with, for report.json; empty:
-/// none.
+/// cloud.ply, line.csv, report.json; stages/ and index.html with the pages.  A scan that did not come to its
+/// own end is refused: the cloud is kept. `line` has had every profile of the scan.  `known`: how well its
+/// head is known, where that is told.  `release`, here and below: SHA-256 of the one that the scan is worked
+/// with, for report.json; empty: none.
 [[nodiscard]] Result<LineStep> find_line(const std::filesystem::path& folder, const intake::ScanOutcome& scan,
                                          intake::LiveLine& line,
                                          const std::optional<uncertainty::HeadUncertainty>& known,
@@ -112,9 +114,11 @@ struct SendRequest {
 /// Where the arm stands, checks its way to the path from there, asks the controller about itself, opens the
 /// gate (gate.json), sends the path, watches the arm follow: followed.json, track.csv, and the track in
 /// path/tracking.html.  The arm is stopped when it leaves the process's limits and when `stop` is set.
+/// `meanwhile` runs beside the arm's motion, at the least priority; what fails in it is told.
 /// Pre: the plan has a path.
 [[nodiscard]] Result<ExitStatus> follow_path(const std::filesystem::path& folder, const PlanStep& plan,
-                                             const SendRequest& request, const std::atomic<bool>& stop);
+                                             const SendRequest& request, const std::atomic<bool>& stop,
+                                             std::function<Result<void>()> meanwhile = {});
 
 /// What the controller says about itself before a scan, on stdout too; and whether the arm stands, so that no
 /// light goes on while an older program still moves it.

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "common/system/file.hpp"
 #include "host/cloud/ply.hpp"
 #include "host/records/report/json_text.hpp"
 #include "host/records/report/page.hpp"
@@ -76,9 +77,8 @@ Result<void> prepare_result_folder(const std::filesystem::path& folder) {
   return {};
 }
 
-Result<ExitStatus> write_line_result(const std::filesystem::path& folder, const cloud::PointCloud& cloud,
-                                     const bite_line::Extraction& extraction, const StageSource& stages,
-                                     report::Report& report) {
+Result<ExitStatus> write_line_files(const std::filesystem::path& folder, const cloud::PointCloud& cloud,
+                                    const bite_line::Extraction& extraction, report::Report& report) {
   report.fields["points"] = cloud.size();
   if (extraction.found) {
     report.fields["length_mm"] = extraction.length_mm;
@@ -94,7 +94,8 @@ Result<ExitStatus> write_line_result(const std::filesystem::path& folder, const 
   const std::vector<WeakStretch> weak = weak_stretches(extraction.line, extraction.T_base_shoe);
   if (extraction.found) {
     report.fields["weak_stretches"] = as_json(weak);
-    report.fields["u95"] = u95_json(extraction.line, parts_of_found_line(extraction.head_in_u95));
+    report.fields["u95"] = u95_json(
+        extraction.line, parts_of_found_line({.head = extraction.head_in_u95, .arm = extraction.arm}));
   }
   for (const report::StageTime& stage : extraction.stages)
     report.fields["extraction_s"][stage.name] = stage.seconds;
@@ -105,6 +106,23 @@ Result<ExitStatus> write_line_result(const std::filesystem::path& folder, const 
     return cloud::write_line(folder / "line.csv", extraction.line);
   }));
   report.stop_clock();
+  BITELINE_TRY(report.write(folder));
+  return extraction.found ? ExitStatus::Done : ExitStatus::Refused;
+}
+
+Result<void> write_report_again(const std::filesystem::path& folder, report::Report& report) {
+  using nlohmann::ordered_json;
+  const Result<std::string> before = read_regular_file(folder / "report.json", k_most_settings_bytes);
+  ordered_json all = before ? ordered_json::parse(*before, nullptr, false) : ordered_json{};
+  if (!all.is_object()) return report.write(folder);
+  all.update(ordered_json::parse(report.text()));
+  return report::write_file_atomically(folder / "report.json", report::to_text(all) + "\n");
+}
+
+Result<void> write_line_pages(const std::filesystem::path& folder, const cloud::PointCloud& cloud,
+                              const bite_line::Extraction& extraction, const StageSource& stages,
+                              report::Report& report) {
+  const std::vector<WeakStretch> weak = weak_stretches(extraction.line, extraction.T_base_shoe);
   BITELINE_TRY(report.timed_aside("pictures", [&]() -> Result<void> {
     const bite_line::LineStages shown = stages();
     report.fields["feature_points"] = shown.feature_points.size();
@@ -123,8 +141,15 @@ Result<ExitStatus> write_line_result(const std::filesystem::path& folder, const 
     BITELINE_TRY(write_view(folder, view));
     return write_page(folder, extraction, weak, report);
   }));
-  BITELINE_TRY(report.write(folder));
-  return extraction.found ? ExitStatus::Done : ExitStatus::Refused;
+  return write_report_again(folder, report);
+}
+
+Result<ExitStatus> write_line_result(const std::filesystem::path& folder, const cloud::PointCloud& cloud,
+                                     const bite_line::Extraction& extraction, const StageSource& stages,
+                                     report::Report& report) {
+  BITELINE_ASSIGN(const ExitStatus status, write_line_files(folder, cloud, extraction, report));
+  BITELINE_TRY(write_line_pages(folder, cloud, extraction, stages, report));
+  return status;
 }
 
 std::string summary(const bite_line::Extraction& extraction) {

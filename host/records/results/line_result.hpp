@@ -32,8 +32,20 @@ template <class Workings>
   };
 }
 
-/// Writes cloud.ply, line.csv (unless refused), stages/ and report.json; fills the report's fields.  Done or
-/// Refused.
+/// Writes cloud.ply, line.csv (unless refused) and report.json; fills the report's fields.  Done or Refused.
+[[nodiscard]] Result<ExitStatus> write_line_files(const std::filesystem::path& folder,
+                                                  const cloud::PointCloud& cloud,
+                                                  const bite_line::Extraction& extraction,
+                                                  report::Report& report);
+/// report.json as it was written before, with what the report has got since: what others have added to the
+/// file stays.
+[[nodiscard]] Result<void> write_report_again(const std::filesystem::path& folder, report::Report& report);
+/// After it: stages/, view and index.html, and report.json again.  Nobody needs to wait for them.
+[[nodiscard]] Result<void> write_line_pages(const std::filesystem::path& folder,
+                                            const cloud::PointCloud& cloud,
+                                            const bite_line::Extraction& extraction,
+                                            const StageSource& stages, report::Report& report);
+/// Both.
 [[nodiscard]] Result<ExitStatus> write_line_result(const std::filesystem::path& folder,
                                                    const cloud::PointCloud& cloud,
                                                    const bite_line::Extraction& extraction,

@@ -131,8 +131,8 @@ Result<void> write_page(const std::filesystem::path& folder, const transfer::Tra
 
 }  // namespace
 
-Result<ExitStatus> write_transfer_result(const std::filesystem::path& folder, const cloud::PointCloud& upper,
-                                         const transfer::Transfer& transfer, report::Report& report) {
+Result<ExitStatus> write_transfer_files(const std::filesystem::path& folder, const cloud::PointCloud& upper,
+                                        const transfer::Transfer& transfer, report::Report& report) {
   report.fields["points"] = upper.size();
   fill(transfer, report);
   const SE3& T_base_shoe = transfer.alignment.placement.T_target_source;
@@ -146,6 +146,14 @@ Result<ExitStatus> write_transfer_result(const std::filesystem::path& folder, co
         report.timed("write", [&] { return cloud::write_line(folder / "line.csv", transfer.carried.line); }));
   }
   report.stop_clock();
+  BITELINE_TRY(report.write(folder));
+  return transfer.found ? ExitStatus::Done : ExitStatus::Refused;
+}
+
+Result<void> write_transfer_pages(const std::filesystem::path& folder, const cloud::PointCloud& upper,
+                                  const transfer::Transfer& transfer, report::Report& report) {
+  const SE3& T_base_shoe = transfer.alignment.placement.T_target_source;
+  const std::vector<WeakStretch> weak = weak_stretches(transfer.carried.line, T_base_shoe);
   BITELINE_TRY(report.timed_aside("pictures", [&]() -> Result<void> {
     if (!upper.points.empty())
       BITELINE_TRY(results::write_transfer_stages(folder / "stages", upper, transfer));
@@ -161,8 +169,14 @@ Result<ExitStatus> write_transfer_result(const std::filesystem::path& folder, co
     BITELINE_TRY(write_view(folder, view));
     return write_page(folder, transfer, weak, report);
   }));
-  BITELINE_TRY(report.write(folder));
-  return transfer.found ? ExitStatus::Done : ExitStatus::Refused;
+  return write_report_again(folder, report);
+}
+
+Result<ExitStatus> write_transfer_result(const std::filesystem::path& folder, const cloud::PointCloud& upper,
+                                         const transfer::Transfer& transfer, report::Report& report) {
+  BITELINE_ASSIGN(const ExitStatus status, write_transfer_files(folder, upper, transfer, report));
+  BITELINE_TRY(write_transfer_pages(folder, upper, transfer, report));
+  return status;
 }
 
 std::string summary(const transfer::Transfer& transfer) {

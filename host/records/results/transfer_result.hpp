@@ -11,8 +11,17 @@
 
 namespace biteline::results {
 
-/// Writes line.csv (unless refused), stages/, index.html and report.json; fills the report's fields.  Done or
-/// Refused. A transfer that was refused before anything was aligned has its reason and no pictures.
+/// Writes line.csv (unless refused) and report.json; fills the report's fields.  Done or Refused.
+[[nodiscard]] Result<ExitStatus> write_transfer_files(const std::filesystem::path& folder,
+                                                      const cloud::PointCloud& upper,
+                                                      const transfer::Transfer& transfer,
+                                                      report::Report& report);
+/// After it: stages/, view and index.html, and report.json again.  Nobody needs to wait for them.  A transfer
+/// that was refused before anything was aligned has its reason and no pictures.
+[[nodiscard]] Result<void> write_transfer_pages(const std::filesystem::path& folder,
+                                                const cloud::PointCloud& upper,
+                                                const transfer::Transfer& transfer, report::Report& report);
+/// Both.
 [[nodiscard]] Result<ExitStatus> write_transfer_result(const std::filesystem::path& folder,
                                                        const cloud::PointCloud& upper,
                                                        const transfer::Transfer& transfer,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "host/geometry/robust.hpp"
 #include "host/robot/path/place.hpp"
@@ -90,6 +91,35 @@ class Passed {
   std::size_t last_segment_{0};
 };
 
+/// Notes when the arm comes from one part of the path to the next.
+class Parts {
+ public:
+  explicit Parts(double end_mm) : end_mm_{end_mm} {}
+
+  void way_there(double time_s) {
+    if (!first_s_) first_s_ = time_s;
+    begun_s_ = time_s;
+  }
+  void on_path(double time_s, double arc_mm, bool on_line) {
+    if (!line_from_s_ && on_line) line_from_s_ = time_s;
+    if (on_line) line_until_s_ = time_s;
+    if (!line_from_s_ || arc_mm < end_mm_) ended_s_ = time_s;
+  }
+
+  [[nodiscard]] PartTimes times() const {
+    if (!first_s_ || !line_from_s_) return {};
+    return {.way_there_s = begun_s_ - *first_s_,
+            .approach_s = *line_from_s_ - begun_s_,
+            .line_s = line_until_s_ - *line_from_s_,
+            .retreat_s = std::max(0.0, ended_s_ - line_until_s_)};
+  }
+
+ private:
+  double end_mm_;
+  std::optional<double> first_s_{}, line_from_s_{};
+  double begun_s_{0}, line_until_s_{0}, ended_s_{0};
+};
+
 }  // namespace
 
 TrackDeviation deviation(const PlannedPath& path, std::span<const TrackSample> track) {
@@ -99,9 +129,11 @@ TrackDeviation deviation(const PlannedPath& path, std::span<const TrackSample> t
   double sum_mm = 0, sum_mm2 = 0, line_sum_mm = 0;
   std::vector<double> from_path_mm, from_line_mm;
   Passed passed{path};
+  Parts parts{end_mm - k_passed_mm};
   for (const TrackSample& sample : track) {
     const Vec3 tip = sample.T_base_tcp.translation();
     if (here_mm < 0) {
+      parts.way_there(sample.time_s);
       // The way to the first waypoint is the arm's own.  States may be missing just there.
       if (nearest_place(path, tip, {.from_mm = 0, .to_mm = k_ahead_mm}).distance_mm > k_passed_mm) continue;
       here_mm = 0;
@@ -112,6 +144,7 @@ TrackDeviation deviation(const PlannedPath& path, std::span<const TrackSample> t
     passed.add(place, sample);
     const bool on_line = path.waypoints[place.segment].segment == Segment::Line &&
                          path.waypoints[place.segment + 1].segment == Segment::Line;
+    parts.on_path(sample.time_s, here_mm, on_line);
     if (!on_line) continue;
     const SE3 T_planned = pose_at(path, place);
     ++out.samples;
@@ -139,6 +172,7 @@ TrackDeviation deviation(const PlannedPath& path, std::span<const TrackSample> t
     out.line_p95_mm = geometry::quantile_of(std::span<double>{from_line_mm}, 0.95);
   }
   out.covered = passed.share();
+  out.parts = parts.times();
   out.completed = here_mm >= end_mm - k_passed_mm;
   return out;
 }

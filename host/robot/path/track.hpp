@@ -13,6 +13,14 @@ struct TrackSample {
   SE3 T_base_tcp;
 };
 
+/// How long each part of a whole run took, from the track's first sample on.
+struct PartTimes {
+  double way_there_s{0};  ///< to the path's beginning
+  double approach_s{0};
+  double line_s{0};  ///< from the first to the last place on the line, ways between stretches included
+  double retreat_s{0};
+};
+
 struct TrackDeviation {
   std::size_t samples{0};  ///< on the line, approach and retreat left out
   double mean_mm{0};       ///< of the tip from the planned way
@@ -27,6 +35,7 @@ struct TrackDeviation {
   double line_max_mm{0};
   double covered{0};      ///< share of the line's waypoints that were passed within 0.5 mm
   bool completed{false};  ///< reached the path's end
+  PartTimes parts{};      ///< of what is not completed, as far as it went
 };
 
 /// Goes along path and track together, so that the overlap of the seam is not confused with the beginning.

@@ -103,6 +103,22 @@ TEST(LineResult, FoundLineLeavesEveryFile) {
   LONGS_EQUAL(1, json["candidates"].size());
 }
 
+TEST(LineResult, PagesThatComeLaterKeepWhatTheReportGotMeanwhile) {
+  const Drum d = drum(true);
+  report::Report report;
+  SUCCEEDS(prepare_result_folder(folder.path()));
+  SUCCEEDS(write_line_files(folder.path(), d.stages.surface, d.extraction, report));
+  CHECK(has("line.csv") && !has("index.html"));
+  auto json = report_json();
+  json["calibration_check"] = "drifted";
+  folder.write("report.json", json.dump());
+  SUCCEEDS(write_line_pages(
+      folder.path(), d.stages.surface, d.extraction, [&] { return d.stages; }, report));
+  CHECK(has("index.html") && has("stages/6_sequence.png"));
+  STRCMP_EQUAL("drifted", report_json()["calibration_check"].get<std::string>().c_str());
+  LONGS_EQUAL(d.stages.feature_points.size(), report_json()["feature_points"].get<std::size_t>());
+}
+
 TEST(LineResult, RefusalRemovesTheLineOfAnEarlierRun) {
   CHECK(write(drum(true)) == ExitStatus::Done);
   CHECK(write(drum(false)) == ExitStatus::Refused);

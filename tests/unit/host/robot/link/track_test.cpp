@@ -37,6 +37,30 @@ TEST(Track, PlanItselfHasNoDeviationAndCoversAll) {
   CHECK(d.line_max_mm < 0.1);
 }
 
+TEST(Track, EachPartsTimeIsThatOfThePlan) {
+  std::vector<TrackSample> samples;
+  constexpr double k_way_there_s = 1.5;
+  SE3 T_before = path.waypoints.front().T_base_tcp;
+  T_before.pretranslate(Vec3{0, 0, 100});
+  for (double time_s = 0; time_s < k_way_there_s; time_s += 0.1)
+    samples.push_back({.time_s = time_s, .T_base_tcp = T_before});
+  double begin_s = -1, end_s = 0;
+  for (const Waypoint& w : path.waypoints) {
+    samples.push_back({.time_s = k_way_there_s + w.time_s, .T_base_tcp = w.T_base_tcp});
+    if (w.segment != Segment::Line) continue;
+    if (begin_s < 0) begin_s = w.time_s;
+    end_s = w.time_s;
+  }
+  // As it stands at the end until the program is over.
+  samples.push_back({.time_s = samples.back().time_s + 3, .T_base_tcp = samples.back().T_base_tcp});
+  const PartTimes parts = deviation(path, samples).parts;
+  constexpr double k_sample_s = 0.1;
+  DOUBLES_EQUAL(k_way_there_s, parts.way_there_s, k_sample_s);
+  DOUBLES_EQUAL(begin_s, parts.approach_s, k_sample_s);
+  DOUBLES_EQUAL(end_s - begin_s, parts.line_s, 2 * k_sample_s);
+  DOUBLES_EQUAL(path.waypoints.back().time_s - end_s, parts.retreat_s, 2 * k_sample_s);
+}
+
 TEST(Track, OffsetAcrossTheAxisShowsInBothMeasures) {
   SE3 change = SE3::Identity();
   change.translation().z() = 0.3;  // along the tool, across the way
