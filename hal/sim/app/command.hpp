@@ -31,11 +31,15 @@ struct SceneOptions {
   double speed_mm_s{100};
   double rate_hz{100};
   double ambient_grey{0};
+  double scan_begin_ratio{0};  ///< of the way round, from the heel, anticlockwise
+  bool scan_clockwise{false};
   double check_lap_mm{0};  ///< the scan's ends overlap by so much, differently held; 0: they do not
   std::string reach_of{};  ///< an arm: the shoe stands where it gets all the way round; empty: anywhere
 };
 
 void add_scene_options(CLI::App& command, SceneOptions& options);
+/// Of what goes round the shoe.
+void add_way_round_options(CLI::App& command, SceneOptions& options);
 /// Of recordings alone: a live cell has its own arm and says how the head hangs on it.
 void add_reach_option(CLI::App& command, SceneOptions& options);
 [[nodiscard]] Result<sim::SceneSettings> scene_settings(const SceneOptions& options);

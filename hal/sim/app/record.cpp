@@ -159,12 +159,14 @@ void add_record(CLI::App& app, Context& context) {
   CLI::App* command =
       app.add_subcommand("record", "Write a made scan as a session folder, with its truth; no time runs");
   add_scene_options(*command, options->scene);
+  add_way_round_options(*command, options->scene);
   add_reach_option(*command, options->scene);
   add_world_options(*command, options->world);
   CLI::Option* arm = command->add_option(
       "--arm", options->arm,
       "This arm makes the scan with the head on a bracket, as its joints can: ur3e, ur5e or ur10e");
-  for (const char* of_the_arm : {"--elastic-hz", "--unseen-ratio", "--following-ms", "--latency-ms"})
+  for (const char* of_the_arm :
+       {"--elastic-hz", "--unseen-ratio", "--following-ms", "--latency-ms", "--scan-clockwise"})
     command->get_option(of_the_arm)->needs(arm);
   command->add_option("--out", options->out, "The session's folder")->required();
   command->add_option("--clock-offset-ms", options->clock_offset_ms, "Pose clock minus camera clock")
@@ -190,7 +192,7 @@ void add_record(CLI::App& app, Context& context) {
                             ->check(options::number({.minimum = 0.1, .maximum = 2000}, "mm"))
                             ->needs(from);
   from->needs(length);
-  from->excludes(arm);
+  from->excludes(arm)->excludes(command->get_option("--scan-begin"));
   command->callback([options, part, from, &context] {
     if (from->count() > 0) options->part = *part;
     context.run = [options] { return record(*options); };

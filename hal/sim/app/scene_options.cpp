@@ -54,6 +54,19 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
       ->check(options::number({.minimum = 1, .maximum = 1000}, ""));
 }
 
+void add_way_round_options(CLI::App& command, SceneOptions& options) {
+  command
+      .add_option(
+          "--scan-begin", options.scan_begin_ratio,
+          "Where on the way round the scan begins and ends, anticlockwise from the heel; 0.25: in the "
+          "waist, where the wrist is slow")
+      ->capture_default_str()
+      ->check(options::number({.minimum = 0, .maximum = 1}, ""));
+  command.add_flag("--scan-clockwise,!--scan-anticlockwise", options.scan_clockwise,
+                   "Which way round the arm takes the head, as seen from above: a path that goes "
+                   "anticlockwise then turns the wrist back (default: anticlockwise)");
+}
+
 void add_reach_option(CLI::App& command, SceneOptions& options) {
   command
       .add_option("--within-reach-of", options.reach_of,
@@ -95,6 +108,8 @@ Result<sim::SceneSettings> scene_settings(const SceneOptions& options) {
       .head_seed = options.head,
       .holder = options.straight_holder ? sim::Holder::Straight : sim::Holder::Bracket,
       .scan_speed_mm_s = options.speed_mm_s,
+      .scan_begin_ratio = options.scan_begin_ratio,
+      .scan_clockwise = options.scan_clockwise,
       .rate_hz = options.rate_hz,
       .ambient_grey = options.ambient_grey,
       .check = {.length_mm = options.check_lap_mm}};

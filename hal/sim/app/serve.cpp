@@ -34,6 +34,7 @@ struct ServeOptions {
   bool camera_free_clock{false};
   std::optional<double> time_ratio;
   double monostable_ms{0};
+  bool stay_at_end{false};
   bool anywhere{false};
   bool exit_with_parent{false};
 };
@@ -49,7 +50,7 @@ void print_endpoints(const sim::LiveCell& cell, const ServeOptions& options) {
       "\"dashboard\":\"127.0.0.1:%d\",\"arm\":\"%s\",\"out\":\"%s\",\"sensor\":\"%s/"
       "sensor.yaml\",\"board\":\"%s/board.yaml\",\"scan_s\":%.3f,\"pose_sigma_mm\":%.4g,"
       "\"pose_sigma_rad\":%.4g,\"time_ratio\":%.2f,\"table_z_mm\":%.2f,\"fixture_z_mm\":%.2f,"
-      "\"fixture_beyond_mm\":%.0f}\n",
+      "\"fixture_beyond_mm\":%.1f}\n",
       options.world.world.c_str(), cell.settings().wires.c_str(), cell.settings().camera_address.c_str(),
       int{ports.rtde}, int{ports.script}, int{ports.dashboard}, options.arm.c_str(), options.out.c_str(),
       options.out.c_str(), options.out.c_str(), cell.scan_duration_s(), cell.settings().pose_noise_mm,
@@ -95,6 +96,7 @@ Result<void> serve(const ServeOptions& options) {
   settings.lost_packet_ratio = options.lost_packet_ratio;
   settings.camera_ptp = !options.camera_free_clock;
   settings.time_ratio = options.time_ratio;
+  settings.stay_at_end = options.stay_at_end;
   settings.monostable = Nanoseconds{std::llround(1e6 * options.monostable_ms)};
   settings.on_slower = [](double time_ratio) {
     std::fprintf(stderr,
@@ -142,6 +144,7 @@ void add_serve(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand(
       "serve", "Run the cell until SIGTERM: camera, wires, pose bus and robot, all simulated");
   add_scene_options(*command, options->scene);
+  add_way_round_options(*command, options->scene);
   add_world_options(*command, options->world);
   command
       ->add_option("--out", options->out,
@@ -153,10 +156,15 @@ void add_serve(CLI::App& app, Context& context) {
       ->add_option("--camera", options->camera, "Address of the GigE Vision camera; its port, 3956, is fixed")
       ->capture_default_str();
   command->add_option("--arm", options->arm, "ur3e, ur5e or ur10e")->capture_default_str();
-  command->add_flag(
+  CLI::Option* straight = command->add_flag(
       "--straight-holder", options->scene.straight_holder,
       "The head hangs on the flange as published; the arm then scans as if it had no links, since "
       "none reaches all the way round");
+  command
+      ->add_flag("--stay-at-end", options->stay_at_end,
+                 "The arm waits for scripts where the scan ends; else it goes upright above the table first")
+      ->excludes(straight);
+  straight->excludes(command->get_option("--scan-clockwise"));
   command->add_option("--rtde-port", options->rtde_port, "0: a free one; a real controller has 30004")
       ->capture_default_str();
   command->add_option("--script-port", options->script_port, "0: a free one; a real controller has 30002")

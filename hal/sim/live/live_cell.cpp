@@ -2,9 +2,7 @@
 #include "hal/sim/live/live_cell.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <optional>
 
@@ -28,8 +26,6 @@ constexpr double k_degree = std::numbers::pi / 180;
 const JointVector k_park_rad = k_degree * (JointVector() << 180, -90, 60, 100, 90, 160).finished();
 /// A pose's frame follows its SYNC by about its own length on a 1 Mbit/s bus with a 4 Mbit/s data phase.
 constexpr Nanoseconds k_frame_time{250'000};
-/// The track is for one cell's life; a row each 2 ms for an hour.
-constexpr std::size_t k_most_track_rows = 1'800'000;
 
 double seconds(Nanoseconds time) {
   return static_cast<double>(time.count()) * 1e-9;
@@ -278,16 +274,25 @@ LiveCell::ScanMotion LiveCell::joint_scan(const JointVector& q_from_rad) const {
   std::vector<Leg> there, back;
   const JointVector begin_rad = arm_scan_->q_rad_at(0);
   constexpr double k_there_rad = 1e-6;
-  if ((q_from_rad - begin_rad).cwiseAbs().maxCoeff() > k_there_rad) {
-    add(there, q_from_rad, k_park_rad);
+  const auto stands_at = [&](const JointVector& q_rad) {
+    return (q_from_rad - q_rad).cwiseAbs().maxCoeff() <= k_there_rad;
+  };
+  const JointVector end_rad = arm_scan_->q_rad_at(arm_scan_->duration_s());
+  if (!stands_at(begin_rad)) {
+    // Beside the shoe: up first.
+    const bool at_end = stands_at(end_rad);
+    if (at_end) add(there, q_from_rad, arm_scan_->above_end_rad());
+    add(there, at_end ? arm_scan_->above_end_rad() : q_from_rad, k_park_rad);
     add(there, k_park_rad, arm_scan_->above_begin_rad());
     add(there, arm_scan_->above_begin_rad(), begin_rad);
   }
   const double scan_s = time_s;
   time_s += arm_scan_->duration_s();
   const double back_s = time_s;
-  add(back, arm_scan_->q_rad_at(arm_scan_->duration_s()), arm_scan_->above_end_rad());
-  add(back, arm_scan_->above_end_rad(), k_park_rad);
+  if (!settings_.stay_at_end) {
+    add(back, end_rad, arm_scan_->above_end_rad());
+    add(back, arm_scan_->above_end_rad(), k_park_rad);
+  }
   const auto on_legs = [](const std::vector<Leg>& legs, double at_s) {
     const auto after = std::upper_bound(legs.begin() + 1, legs.end(), at_s,
                                         [](double t, const Leg& leg) { return t < leg.begin_s; });
@@ -299,10 +304,10 @@ LiveCell::ScanMotion LiveCell::joint_scan(const JointVector& q_from_rad) const {
                      .q_rad_at =
                          [=, scan = arm_scan_](double at_s) {
                            if (at_s < scan_s) return on_legs(there, at_s);
-                           if (at_s >= back_s) return on_legs(back, at_s);
+                           if (at_s >= back_s && !back.empty()) return on_legs(back, at_s);
                            return scan->q_rad_at(at_s - scan_s);
                          },
-                     .q_end_rad = k_park_rad},
+                     .q_end_rad = back.empty() ? end_rad : k_park_rad},
           .full_from_s = scan_s + arm_scan_->full_from_s(),
           .full_until_s = scan_s + arm_scan_->full_until_s()};
 }
@@ -345,16 +350,16 @@ void LiveCell::on_cycle(SensorClock::time_point instant, const ArmState& state, 
     arm_.run(slowed(std::move(scan.motion), time_ratio()), instant);
     ++scans_;
   }
-  bus_->drive(Line::ScanActive, now_ns >= scan_full_from_ns_ && now_ns < scan_full_until_ns_, instant);
+  const bool scans = now_ns >= scan_full_from_ns_ && now_ns < scan_full_until_ns_;
+  bus_->drive(Line::ScanActive, scans, instant);
   send_pose(instant, state, real.T_base_flange_told);
   if (!state.moving || !settings_.keep_track) return;
-  const std::lock_guard lock(track_mutex_);
-  if (track_.size() < k_most_track_rows) {
-    track_.push_back({.stamp = instant.time_since_epoch() + settings_.robot.clock_offset,
-                      .T_base_tcp = real.T_base_flange_told * state.T_flange_tcp,
-                      .program = state.program_running,
-                      .outputs = state.outputs});
-  }
+  track_.add({.stamp = instant.time_since_epoch() + settings_.robot.clock_offset,
+              .T_base_tcp = real.T_base_flange_told * state.T_flange_tcp,
+              .program = state.program_running,
+              .outputs = state.outputs,
+              .scans = scans,
+              .time_ratio = state.program_running ? 1 : time_ratio()});
 }
 
 void LiveCell::send_pose(SensorClock::time_point instant, const ArmState& state,
@@ -399,24 +404,6 @@ LiveCounts LiveCell::counts() const {
           .scripts_run = robot_->scripts_run(),
           .scripts_refused = robot_->scripts_refused(),
           .bus_messages_dropped = bus_->messages_dropped()};
-}
-
-Result<void> LiveCell::write_track(const std::filesystem::path& file) const {
-  const std::lock_guard lock(track_mutex_);
-  std::FILE* out = std::fopen(file.c_str(), "wb");
-  if (out == nullptr) return fail_errno(Errc::WriteFailed, errno, "%s", file.c_str());
-  std::fprintf(
-      out, "#timestamp [ns],p_x [mm],p_y [mm],p_z [mm],q_w [],q_x [],q_y [],q_z [],script [],outputs []\n");
-  for (const TrackRow& row : track_) {
-    const Vec3 p = row.T_base_tcp.translation();
-    const Eigen::Quaterniond q(row.T_base_tcp.linear());
-    std::fprintf(out, "%lld,%.5f,%.5f,%.5f,%.9f,%.9f,%.9f,%.9f,%d,%d\n",
-                 static_cast<long long>(row.stamp.count()), p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(),
-                 row.program ? 1 : 0, row.outputs);
-  }
-  const bool failed = std::ferror(out) != 0;
-  if (std::fclose(out) != 0 || failed) return fail_errno(Errc::WriteFailed, errno, "%s", file.c_str());
-  return {};
 }
 
 }  // namespace biteline::sim

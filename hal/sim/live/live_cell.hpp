@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -16,6 +15,7 @@
 #include "hal/sim/gvcamera/gv_camera.hpp"
 #include "hal/sim/live/arm_scan.hpp"
 #include "hal/sim/live/cell_faults.hpp"
+#include "hal/sim/live/cell_track.hpp"
 #include "hal/sim/live/reachable_scan.hpp"
 #include "hal/sim/live/slow_motion.hpp"
 #include "hal/sim/live/target_show.hpp"
@@ -49,6 +49,8 @@ struct LiveSettings {
   /// Before the laser, fed by the heartbeat line; 0: none.  The boards have 60 ms.  A machine that holds the
   /// sensor's safety thread up for longer darkens a scan.
   Nanoseconds monostable{0};
+  /// The arm waits where the scan ends, on a bracket; else upright above the table.
+  bool stay_at_end{false};
   bool keep_track{true};  ///< for write_track(); memory grows with the arm's way
 };
 
@@ -60,8 +62,8 @@ struct LiveCounts {
 
 /// The laser shines while LaserEnable, Interlock and Key are active and the monostable, if there is one, has
 /// not run out.  When LaserEnable goes on, the arm takes the head
-/// once round the shoe; ScanActive is high while the stripe is on the scan's path.  After that it goes to
-/// an upright posture above the table and waits for scripts.
+/// once round the shoe; ScanActive is high while the stripe is on the scan's path.  After that it waits for
+/// scripts: upright above the table, or where the scan ends.
 ///
 /// A head on a bracket goes as the arm's joints can take it (ArmScan); places where they cannot are passed
 /// over for others.  A straight holder's goes as if the arm had no links: no upright arm takes it all the way
@@ -90,7 +92,10 @@ class LiveCell {
   struct Stand {
     double table_z_mm{0}, fixture_z_mm{0}, fixture_beyond_mm{k_plate_beyond_mm};
   };
-  [[nodiscard]] Stand stand() const { return {.fixture_z_mm = scene_->T_base_shoe.translation().z()}; }
+  [[nodiscard]] Stand stand() const {
+    return {.fixture_z_mm = scene_->T_base_shoe.translation().z(),
+            .fixture_beyond_mm = plate_beyond_line_mm(scene_->shoe.outline(), scene_->line)};
+  }
   /// What stood in the way at the place asked for; empty: the shoe stands there.
   [[nodiscard]] const std::string& moved_because() const { return moved_because_; }
 
@@ -120,18 +125,12 @@ class LiveCell {
   [[nodiscard]] ArmState arm_at(SensorClock::time_point instant) const { return arm_.at(instant); }
   [[nodiscard]] ArmReal arm_really_at(SensorClock::time_point instant) const { return arm_.real_at(instant); }
 
-  /// The tool's way as the controller knows it, one row for each cycle while the arm moved: #timestamp [ns]
-  /// (robot clock), T_base_tcp as position and quaternion, whether a script ran, digital outputs.
-  [[nodiscard]] Result<void> write_track(const std::filesystem::path& file) const;
+  /// The tool's way as the controller knows it, one row for each cycle while the arm moved.
+  [[nodiscard]] Result<void> write_track(const std::filesystem::path& file) const {
+    return track_.write(file);
+  }
 
  private:
-  struct TrackRow {
-    Nanoseconds stamp;
-    SE3 T_base_tcp;
-    bool program;
-    std::uint8_t outputs;
-  };
-
   LiveCell(const LiveSettings& settings, std::unique_ptr<MadeScene> scene, const ArmKinematics& kinematics,
            ReachableScan reachable);
   void on_edge(SensorClock::time_point edge, Nanoseconds pulse);
@@ -168,8 +167,7 @@ class LiveCell {
   std::atomic<std::int64_t> heartbeat_ns_{0};  ///< last rising edge
   std::uint8_t sync_counter_{0};               ///< controller's thread
   Random pose_noise_;                          ///< controller's thread
-  mutable std::mutex track_mutex_;
-  std::vector<TrackRow> track_;
+  CellTrack track_;
   Nanoseconds period_asked_{0}, pulse_asked_{0};  ///< wires' thread
   std::atomic<bool> ready_{false};                ///< every part exists
   std::unique_ptr<BusServer> bus_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace biteline::sim {
@@ -53,20 +54,43 @@ std::vector<Vec2> box(const Vec2& low, const Vec2& high) {
   return {low, {high.x(), low.y()}, high, {low.x(), high.y()}};
 }
 
+constexpr double k_every_mm = 5;
+
 }  // namespace
 
+std::vector<Vec2> plate_outline(const Outline& outline) {
+  std::vector<Vec2> corners;
+  for (double s_mm = 0; s_mm < outline.perimeter_mm(); s_mm += k_every_mm) {
+    const Outline::Place place = outline.at(s_mm);
+    corners.emplace_back(place.point + k_plate_beyond_mm * place.normal);
+  }
+  return corners;
+}
+
+double plate_beyond_line_mm(const Outline& outline, const std::vector<TrueLinePoint>& line) {
+  if (line.empty()) return k_plate_beyond_mm;
+  double farthest_mm = 0;
+  for (const Vec2& corner : plate_outline(outline)) {
+    double to_line_mm = std::numeric_limits<double>::infinity();
+    for (const TrueLinePoint& point : line)
+      to_line_mm = std::min(to_line_mm, (point.point_shoe.head<2>() - corner).norm());
+    farthest_mm = std::max(farthest_mm, to_line_mm);
+  }
+  return farthest_mm;
+}
+
 void add_surroundings(SurfaceMesh& mesh, const Outline& outline) {
-  constexpr double k_table_half_mm = 800, k_every_mm = 5;
+  constexpr double k_table_half_mm = 800;
   constexpr int k_pins = 6;
   Vec2 low = outline.at(0).point, high = low;
   for (double s_mm = 0; s_mm < outline.perimeter_mm(); s_mm += k_every_mm) {
     low = low.cwiseMin(outline.at(s_mm).point);
     high = high.cwiseMax(outline.at(s_mm).point);
   }
-  const Vec2 beyond = Vec2::Constant(k_plate_beyond_mm), middle = 0.5 * (low + high);
+  const Vec2 middle = 0.5 * (low + high);
   const Vec2 reach = Vec2::Constant(k_table_half_mm);
   add_prism(mesh, box(middle - reach, middle + reach), -2 * k_fixture_plate_mm, -k_fixture_plate_mm, k_wood);
-  add_prism(mesh, box(low - beyond, high + beyond), -k_fixture_plate_mm, 0, k_steel);
+  add_prism(mesh, plate_outline(outline), -k_fixture_plate_mm, 0, k_steel);
   for (int i = 0; i < k_pins; ++i) {
     const Outline::Place foot = outline.at((i + 0.5) / k_pins * outline.perimeter_mm());
     add_prism(mesh, circle(foot.point + k_pin_gap_mm * foot.normal, k_pin_radius_mm), 0, k_pin_height_mm,

@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <fstream>
-#include <nlohmann/json.hpp>
 
+#include "host/apps/biteline-demo/json_file.hpp"
 #include "host/apps/biteline-demo/lateness.hpp"
 #include "host/apps/biteline-demo/stand.hpp"
 #include "host/intake/child_process.hpp"
@@ -38,12 +37,6 @@ Result<int> attend(ChildProcess& host, bool quiet) {
     if (line.error().code != Errc::ProcessDied) return tl::unexpected<Error>(line.error());
     return host.wait(10s);  // its stdout ended: it is leaving
   }
-}
-
-ordered_json read_json(const fs::path& file) {
-  std::ifstream stream(file);
-  ordered_json json = ordered_json::parse(stream, nullptr, false);
-  return json.is_object() ? json : ordered_json::object();
 }
 
 Result<evaluation::LineError> measure_line(const fs::path& scan, const fs::path& truth) {
@@ -159,6 +152,7 @@ Result<ShoeResult> run_shoe(const CellOptions& options, const Shoe& shoe) {
   if (fs::exists(result.scan / "line.csv")) {
     BITELINE_ASSIGN(result.error, measure_line(result.scan, folder / "cell/truth"));
   }
+  result.made = made_times(folder / "cell", result.scan);
   result.verdict = verdict_of(result, last_words, busy);
   result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;

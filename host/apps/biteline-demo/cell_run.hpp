@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/core/result.hpp"
+#include "host/apps/biteline-demo/made_times.hpp"
 #include "host/bite_line/evaluation/line_error.hpp"
 
 namespace biteline::demo {
@@ -17,10 +18,12 @@ struct CellOptions {
   std::filesystem::path out{"demo-result"};
   std::uint64_t seed{5};
   std::string shoe{"deep"};
-  std::string arm{"ur5e"};
-  double size{0};                      ///< European; 0: as long as the class draws it
-  double speed_mm_s{50};               ///< of the stripe along the outline, where the arm's joints allow it
-  double rate_hz{50};                  ///< pictures a second
+  std::string arm{"ur10e"};
+  double size{42};                     ///< European; 0: as long as the class draws it
+  double speed_mm_s{400};              ///< of the stripe along the outline, where the arm's joints allow it
+  double rate_hz{200};                 ///< pictures a second: 2 mm apart at that speed
+  double scan_begin_ratio{0.25};       ///< of the way round, from the heel, anticlockwise: in the waist
+  bool scan_clockwise{true};           ///< the path, anticlockwise, then turns the wrist back
   std::optional<double> time_ratio{};  ///< of real time, of scans; nothing: what the machine can
   std::filesystem::path process;
   bool quiet{false};
@@ -43,6 +46,7 @@ struct ShoeResult {
   double time_ratio{1};                        ///< of real time, of the scan
   double scan_s{0};  ///< once round, in the arm's time; without the ways there and back
   double wall_s{0};
+  std::optional<MadeTimes> made{};  ///< where the arm followed
 
   [[nodiscard]] bool good() const { return host_status == 0; }
 };

@@ -2,9 +2,8 @@
 #include "host/apps/biteline-demo/demo_page.hpp"
 
 #include <cmath>
-#include <fstream>
-#include <nlohmann/json.hpp>
 
+#include "host/apps/biteline-demo/json_file.hpp"
 #include "host/records/report/page.hpp"
 #include "host/records/results/pictures/stages.hpp"
 #include "host/records/results/pictures/transfer_stages.hpp"
@@ -13,29 +12,23 @@ namespace biteline::demo {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
+using Json = nlohmann::ordered_json;
 using report::Page;
 
 /// What the host wrote about one shoe.
 struct Reports {
-  json line, plan, followed;
+  Json line, plan, followed;
 };
 
-json read_json(const fs::path& file) {
-  std::ifstream stream(file);
-  json value = json::parse(stream, nullptr, false);
-  return value.is_object() ? value : json::object();
-}
-
 /// A number at /group/name, or a dash.
-std::string number(const json& value, const char* pointer, const char* unit) {
-  const json::json_pointer at{pointer};
+std::string number(const Json& value, const char* pointer, const char* unit) {
+  const Json::json_pointer at{pointer};
   return value.contains(at) && value[at].is_number() ? report::value_text(value[at].get<double>(), unit)
                                                      : "-";
 }
 
-std::string seconds(const json& value, const char* pointer) {
-  const json::json_pointer at{pointer};
+std::string seconds(const Json& value, const char* pointer) {
+  const Json::json_pointer at{pointer};
   return value.contains(at) ? report::seconds_text(value[at].get<double>()) : "-";
 }
 
@@ -79,15 +72,26 @@ void compare(Page& page, const std::vector<ShoeResult>& results, const std::vect
       [](const ShoeResult&, const Reports& r) { return number(r.followed, "/from_line_mm/max", "mm"); });
   add("share of the line that the arm passed",
       [](const ShoeResult&, const Reports& r) { return number(r.followed, "/covered", ""); });
-  add("the scan, once round",
-      [](const ShoeResult& result, const Reports&) { return report::seconds_text(result.scan_s); });
+  const auto of_made = [&](const char* name, double MadeTimes::*member) {
+    add(name, [member](const ShoeResult& result, const Reports&) {
+      return result.made ? report::seconds_text((*result.made).*member) : std::string{"-"};
+    });
+  };
+  of_made("the scan, once round, in the arm's time", &MadeTimes::scan_s);
+  of_made("until the arm stands", &MadeTimes::rest_s);
+  of_made("until it sets out, line and path meanwhile", &MadeTimes::sets_out_s);
+  of_made("way to the path's beginning", &MadeTimes::way_there_s);
+  of_made("approach", &MadeTimes::approach_s);
+  of_made("along the line", &MadeTimes::work_s);
+  of_made("retreat", &MadeTimes::retreat_s);
+  add("the whole shoe in the arm's time", [](const ShoeResult& result, const Reports&) {
+    return result.made ? report::seconds_text(result.made->whole_s()) : std::string{"-"};
+  });
   add("from the last profile to the line", [](const ShoeResult& result, const Reports& r) {
     return seconds(r.line, result.shoe.sample ? "/stages/transfer" : "/stages/last profile to line");
   });
   add("line to checked path",
       [](const ShoeResult&, const Reports& r) { return seconds(r.plan, "/stages/plan"); });
-  add("following",
-      [](const ShoeResult&, const Reports& r) { return number(r.followed, "/duration_s", "s"); });
   add("the whole shoe, starting the programs included",
       [](const ShoeResult& result, const Reports&) { return report::seconds_text(result.wall_s); });
   page.table(headings, rows);

@@ -51,6 +51,7 @@ Result<std::vector<ShoeResult>> run_shoes(const Options& options, const CellOpti
     if (!cell.quiet) std::printf("%s: %s\n", shoe.name.c_str(), what), std::fflush(stdout);
     BITELINE_ASSIGN(ShoeResult result, run_shoe(cell, shoe));
     if (!cell.quiet) std::printf("  %s\n", result.verdict.c_str());
+    if (!cell.quiet && result.made) std::printf("  %s\n", words(*result.made).c_str());
     results.push_back(std::move(result));
     return {};
   };
@@ -79,6 +80,13 @@ nlohmann::ordered_json shoe_fields(const ShoeResult& result) {
   nlohmann::ordered_json fields{{"name", result.shoe.name},        {"scan", result.scan.string()},
                                 {"verdict", result.verdict},       {"scan_s", result.scan_s},
                                 {"time_ratio", result.time_ratio}, {"total_s", result.wall_s}};
+  if (const auto& made = result.made) {
+    fields["made_s"] = {{"scan", made->scan_s},           {"rest", made->rest_s},
+                        {"sets_out", made->sets_out_s},   {"line_and_path", made->line_and_path_s},
+                        {"way_there", made->way_there_s}, {"approach", made->approach_s},
+                        {"work", made->work_s},           {"retreat", made->retreat_s},
+                        {"whole", made->whole_s()}};
+  }
   if (result.error) {
     fields["line_error_mm"] = {
         {"mean", result.error->mean_mm}, {"p95", result.error->p95_mm}, {"max", result.error->max_mm}};
@@ -132,6 +140,14 @@ void add_options(CLI::App& app, Options& options) {
                  "Of the stripe along the outline; the arm goes slower where its joints ask for it")
       ->check(options::number({.minimum = 1, .maximum = 1000}, ""))
       ->capture_default_str();
+  app.add_option("--scan-begin", options.cell.scan_begin_ratio,
+                 "Where on the way round the scan begins and ends, anticlockwise from the heel; 0.25: in the "
+                 "waist, where the wrist is slow")
+      ->check(options::number({.minimum = 0, .maximum = 1}, ""))
+      ->capture_default_str();
+  app.add_flag("--scan-clockwise,!--scan-anticlockwise", options.cell.scan_clockwise,
+               "Which way round the arm takes the head, as seen from above (default: clockwise, so that the "
+               "path turns the wrist back)");
   app.add_option("--rate-hz", options.cell.rate_hz, "Pictures a second")
       ->check(options::number({.minimum = 1, .maximum = 1000}, ""))
       ->capture_default_str();

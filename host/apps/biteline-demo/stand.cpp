@@ -67,7 +67,11 @@ std::vector<std::string> cell_arguments(const CellOptions& options, const Shoe& 
                                      "--speed-mm-s",
                                      number(options.speed_mm_s),
                                      "--rate-hz",
-                                     number(options.rate_hz)};
+                                     number(options.rate_hz),
+                                     "--scan-begin",
+                                     number(options.scan_begin_ratio),
+                                     options.scan_clockwise ? "--scan-clockwise" : "--scan-anticlockwise",
+                                     "--stay-at-end"};
   if (options.time_ratio) arguments.insert(arguments.end(), {"--time-ratio", number(*options.time_ratio)});
   if (shoe.sample) arguments.emplace_back("--upper");
   return arguments;

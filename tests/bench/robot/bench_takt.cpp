@@ -1,31 +1,35 @@
 // SPDX-License-Identifier: MIT
 // bench_takt [SHOES [SPEED]]: what a whole shoe takes in made time, for each shipped process: grown-ups' made
 // shoes, size 42, before a UR10e, scanned at SPEED mm/s (400).  The scan is the one that the simulated cell
-// makes; the path is the planner's, from where the scan leaves the arm, laid out in time by the simulated
-// controller's program.  Ends with 1 where a bar is missed or a path refused.
+// makes; its profiles come in at the camera's rate, and the line is the one found in them; the path is the
+// planner's, from where the scan leaves the arm, laid out in time by the simulated controller's program.
+// Line and path are timed as computed, on this machine.  Ends with 1 where a bar is missed or a path refused.
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "hal/sim/live/reachable_scan.hpp"
 #include "hal/sim/record/surroundings.hpp"
 #include "hal/sim/robot/program.hpp"
 #include "hal/sim/shoe/scanned_cloud.hpp"
+#include "host/intake/live_line.hpp"
 #include "host/robot/link/ur/script.hpp"
 #include "host/robot/path/checks/way_there.hpp"
 #include "host/robot/path/plan.hpp"
-#include "tests/support/made_pair.hpp"
 
 namespace biteline::bench {
 namespace {
 
 constexpr const char* k_arm = "ur10e";
 /// The bars of a factory's takt: the spray's whole shoe; of the others all but the work along the line.
-constexpr double k_whole_s = 12, k_others_s = 6, k_scan_s = 3;
-/// Line and path are computed in real time, while the arm comes to rest; this much they may take.
-constexpr double k_computed_s = 0.2;
+constexpr double k_whole_s = 12, k_others_s = 6, k_scan_s = 3, k_line_and_path_s = 0.2;
+constexpr double k_rate_hz = 100;
+/// Of the arm's poses, as the simulated cell has them.
+constexpr double k_pose_sigma_mm = 0.010, k_pose_sigma_rad = 5.2e-5;
 /// The arm stands on the table, the shoe on a fixture.
 constexpr double k_table_z_mm = 0;
 /// Of the way round: in the waist, where the wrist is slow as the scan begins and ends.
@@ -36,8 +40,41 @@ struct Shoe {
   std::unique_ptr<sim::MadeScene> scene;
   std::shared_ptr<const sim::ArmScan> scan;
   cloud::ClosedLine line;
+  double line_s{0};  ///< computed, from the last profile to the line
   std::vector<Eigen::Vector3f> points;
 };
+
+/// As the service finds it: profile after profile, as they come.
+Result<void> find_line(Shoe& shoe, double speed_mm_s) {
+  const sim::MadeScene& scene = *shoe.scene;
+  const sim::ScannedCloud scan =
+      sim::scan_quickly(scene.shoe, {.profile_step_mm = speed_mm_s / k_rate_hz}, scene.T_base_shoe);
+  const SE3 T_cam_flange = scene.head.model.T_flange_cam.inverse(Eigen::Isometry);
+  intake::LiveLine line{{}};
+  auto due = std::chrono::steady_clock::now();
+  for (std::size_t first = 0; first < scan.points.size();) {
+    const std::uint32_t profile = scan.profile[first];
+    std::size_t end = first;
+    while (end < scan.points.size() && scan.profile[end] == profile) ++end;
+    const double time_s = profile / k_rate_hz;
+    const SE3 T_base_cam = scene.T_base_shoe * scene.path.T_shoe_cam_at(time_s * speed_mm_s);
+    due += std::chrono::microseconds{std::llround(1e6 / k_rate_hz)};
+    std::this_thread::sleep_until(due);
+    line.add_profile(profile, {scan.points.data() + first, end - first},
+                     uncertainty::ProfilePose{.T_base_flange = T_base_cam * T_cam_flange, .time_s = time_s});
+    first = end;
+  }
+  line.close(std::make_shared<const uncertainty::KnownHead>(uncertainty::KnownHead{
+      .model = scene.head.model,
+      .uncertainty = {.pose_sigma_mm = k_pose_sigma_mm, .pose_sigma_rad = k_pose_sigma_rad}}));
+  intake::LiveLine::Outcome found = line.wait();
+  if (!found.extraction.found)
+    return fail(Errc::CheckFailed, "no line: %s", found.extraction.reason().c_str());
+  shoe.line = std::move(found.extraction.line);
+  shoe.line_s = found.last_profile_to_line_s;
+  shoe.points = scan.points;
+  return {};
+}
 
 Result<Shoe> make_shoe(std::uint64_t seed, double speed_mm_s, const sim::ArmKinematics& arm) {
   const sim::SceneSettings settings{
@@ -53,23 +90,19 @@ Result<Shoe> make_shoe(std::uint64_t seed, double speed_mm_s, const sim::ArmKine
   BITELINE_ASSIGN(shoe.scene, sim::make_scene(settings));
   BITELINE_ASSIGN(const sim::ReachableScan reachable, sim::place_within_reach(*shoe.scene, arm, k_arm));
   shoe.scan = reachable.scan;
-  shoe.line = test::as_line(shoe.scene->line, shoe.scene->T_base_shoe);
-  shoe.points = sim::scan_quickly(shoe.scene->shoe, {.profile_step_mm = 2, .column_step_mm = 0.5},
-                                  shoe.scene->T_base_shoe)
-                    .points;
+  BITELINE_TRY(find_line(shoe, speed_mm_s));
   return shoe;
 }
 
 /// Seconds of made time.
 struct Takt {
-  double scan_s{0};  ///< of the stripe, from begin to end
-  double rest_s{0};  ///< from there until the arm stands
+  double scan_s{0};      ///< of the stripe, from begin to end
+  double rest_s{0};      ///< from there until the arm stands
+  double computed_s{0};  ///< line and path, meanwhile
   double there_s{0}, approach_s{0}, work_s{0}, retreat_s{0};
   double planned_s{0};  ///< approach to retreat as the planner has them
   [[nodiscard]] double path_s() const { return approach_s + work_s + retreat_s; }
-  [[nodiscard]] double whole_s() const {
-    return scan_s + std::max(rest_s, k_computed_s) + there_s + path_s();
-  }
+  [[nodiscard]] double whole_s() const { return scan_s + std::max(rest_s, computed_s) + there_s + path_s(); }
 };
 
 /// How long the program's first `steps` steps last.
@@ -103,13 +136,16 @@ Result<Takt> takt_of(const Shoe& shoe, const path::Process& process, const sim::
       .arm = *kinematics::arm_model("UR10e"),
       .T_line_base = SE3::Identity(),
       .table_z_mm = k_table_z_mm,
-      .fixture = path::Fixture{.top_z_mm = shoe.scene->T_base_shoe.translation().z(),
-                               .beyond_mm = sim::k_plate_beyond_mm},
+      .fixture =
+          path::Fixture{.top_z_mm = shoe.scene->T_base_shoe.translation().z(),
+                        .beyond_mm = sim::plate_beyond_line_mm(shoe.scene->shoe.outline(), shoe.scene->line)},
       .shoe = {},
       .from_rad = shoe.scan->q_rad_at(shoe.scan->duration_s()),
       .cloud = shoe.points,
       .seek_remedy = false};
+  const auto begin = std::chrono::steady_clock::now();
   const path::PlanOutcome planned = path::plan(request);
+  const double path_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (!planned.path) return fail(Errc::CheckFailed, "%s", planned.reason().c_str());
   BITELINE_ASSIGN(sim::Script script, sim::parse_script(robot::ur::urscript(*planned.path)));
   script.start_rad = request.from_rad;
@@ -120,6 +156,7 @@ Result<Takt> takt_of(const Shoe& shoe, const path::Process& process, const sim::
                all_s = lasts_s(script, script.steps.size(), arm);
   return Takt{.scan_s = shoe.scan->full_until_s() - shoe.scan->full_from_s(),
               .rest_s = shoe.scan->duration_s() - shoe.scan->full_until_s(),
+              .computed_s = shoe.line_s + path_s,
               .there_s = there_s,
               .approach_s = line_s - there_s,
               .work_s = worked_s - line_s,
@@ -143,6 +180,8 @@ void row(const std::string& part, const std::string& what, double seconds, doubl
 
 void rows_of(const std::string& process, const std::string& shoe, const Takt& takt) {
   const std::string what = process + ", " + shoe;
+  row("line_and_path", what + ": computed, from the last profile to the checked path", takt.computed_s,
+      k_line_and_path_s);
   row("way_there", what + ": from the scan's end to the path's beginning", takt.there_s, 0);
   row("approach", what, takt.approach_s, 0);
   row("work", what, takt.work_s, 0);
@@ -170,6 +209,7 @@ int run(std::uint64_t shoes, double speed_mm_s) {
     row("scan", name + ": of the stripe, from begin to end",
         shoe->scan->full_until_s() - shoe->scan->full_from_s(), k_scan_s);
     row("scan_comes_to_rest", name, shoe->scan->duration_s() - shoe->scan->full_until_s(), 0);
+    row("line", name + ": computed, from the last profile on", shoe->line_s, 0);
     for (const char* file : {"spray", "cement", "grind", "rough"}) {
       const Result<path::Process> process =
           path::read_process(std::filesystem::path{BITELINE_PROCESSES} / (std::string{file} + ".yaml"));

@@ -217,6 +217,30 @@ TIMED_TEST(LiveCell, AtHalfOfRealTimeTheSamePicturesComeLater) {
   lies_on_shoe(scan, *cell);
 }
 
+TIMED_TEST(LiveCell, AnArmThatStaysWaitsWhereItsScanEndsAndScansAgainFromThere) {
+  LiveSettings settings = quick_cell();
+  settings.arm = "ur10e";
+  settings.stay_at_end = true;
+  settings.scene.shoe = draw_shoe(ShoeClass::Deep, 5, length_of_size_mm(42));
+  settings.scene.places = places_within_reach_of("ur10e");
+  settings.scene.holder = Holder::Bracket;
+  settings.scene.scan_begin_ratio = 0.25;
+  settings.scene.scan_clockwise = true;
+  const auto cell = open_cell(settings);
+  if (!cell) return;
+  Devices devices(*cell);
+  const ArmScan& scan = *cell->arm_scan();
+  const JointVector end_rad = scan.q_rad_at(scan.duration_s());
+  CHECK(take_scan(devices).complete);
+  CHECK(devices.laser->set(false).has_value());
+  std::this_thread::sleep_for(std::chrono::milliseconds{800});  // it comes to rest within 0.4 s
+  const ArmState waits = cell->arm_at(hal::monotonic_now());
+  CHECK(!waits.moving);
+  DOUBLES_EQUAL(0, (*waits.q_rad - end_rad).cwiseAbs().maxCoeff(), 1e-6);
+  CHECK(take_scan(devices).complete);
+  LONGS_EQUAL(2, cell->counts().scans);
+}
+
 TIMED_TEST(LiveCell, WithoutLaserThereIsNoLightAndNoScan) {
   const auto cell = open_cell(quick_cell());
   if (!cell) return;
@@ -323,7 +347,7 @@ TIMED_TEST(LiveCell, TheTrackOfARunScriptIsWritten) {
   }
   std::filesystem::remove(file);
   CHECK(rows > 20);
-  CHECK(last.ends_with(",1,0"));
+  CHECK(last.ends_with(",1,0,0,1"));
 }
 
 }  // namespace biteline::sim

@@ -5,7 +5,9 @@
 
 #include <filesystem>
 
+#include "hal/sim/record/surroundings.hpp"
 #include "host/robot/path/plan.hpp"
+#include "tests/support/made_pair.hpp"
 #include "tests/unit/host/robot/path/made_line.hpp"
 
 namespace biteline::path {
@@ -38,6 +40,27 @@ TEST(Fixture, IsTheFloorUnderATipWithinItsPlateAndTheTableIsBesideIt) {
   Surroundings lower{.table_z_mm = 140, .shoe_points = {}};
   add_fixture(lower, request.line, {.top_z_mm = 128, .beyond_mm = 30});
   CHECK(!lower.fixture && lower.shoe_points.empty());
+}
+
+TEST(Fixture, HoldsTheWholePlateOfTheMadeCellAndLittleMore) {
+  for (const std::uint64_t seed : {5U, 6U, 7U}) {
+    const sim::MadeShoe shoe{sim::draw_shoe(sim::ShoeClass::Deep, seed, sim::length_of_size_mm(42))};
+    const auto truth = sim::true_line(shoe, 0.5);
+    CHECK(!truth.empty());
+    Surroundings sut{.table_z_mm = -100, .shoe_points = {}};
+    add_fixture(sut, biteline::test::as_line(truth, SE3::Identity()),
+                {.top_z_mm = 0, .beyond_mm = sim::plate_beyond_line_mm(shoe.outline(), truth)});
+    // The drawn plate's edge lies within the planned one, and 4 mm farther out there is nothing any more.
+    const std::vector<Vec2> drawn = sim::plate_outline(shoe.outline());
+    Vec2 middle = Vec2::Zero();
+    for (const Vec2& corner : drawn) middle += corner / static_cast<double>(drawn.size());
+    for (const Vec2& corner : drawn) {
+      const Vec2 outwards = (corner - middle).normalized(), inner = corner - 0.3 * outwards,
+                 outer = corner + 4 * outwards;
+      DOUBLES_EQUAL(0, floor_mm(sut, {inner.x(), inner.y(), 50}), 1e-9);
+      DOUBLES_EQUAL(-100, floor_mm(sut, {outer.x(), outer.y(), 50}), 1e-9);
+    }
+  }
 }
 
 TEST(Fixture, LetsAShoeOnAPostBeWorkedThatAsHighATableWouldNot) {
