@@ -60,26 +60,47 @@ double slope_at(const Sections& sections, int station, double line_row) {
   return static_cast<double>(sections.o_mm[b] - sections.o_mm[a]) / ((high - low) * sections.row_mm);
 }
 
+/// A smoothed hollow is shallower, by half its second derivative times the variance of what smooths it: the
+/// sections' Gaussian, and a row's height.  0 where it was not seen.
+double round_at(const Sections& sections, int station, double line_row) {
+  const int lag = rows_of(sections, 0.1);
+  const auto row = static_cast<int>(std::lround(line_row));
+  if (row < lag || row + lag >= sections.rows) return 0;
+  const std::size_t at = sections.at(station, row);
+  const auto step = static_cast<std::size_t>(lag);
+  if (sections.known[at] != Sections::k_seen || sections.known[at - step] != Sections::k_seen ||
+      sections.known[at + step] != Sections::k_seen)
+    return 0;
+  const double bend_mm =
+      static_cast<double>(sections.o_mm[at - step] - 2 * sections.o_mm[at] + sections.o_mm[at + step]);
+  const double sigma_rows = SectionConfig{}.sigma_z_mm / sections.row_mm;
+  return 0.5 * bend_mm / (lag * lag) * (sigma_rows * sigma_rows + 1.0 / 12);
+}
+
 }  // namespace
 
 std::vector<PlaceNoise> place_noise(const Sections& sections, std::span<const double> row,
                                     std::span<const std::uint8_t> visible, double mean_mm) {
   const auto stations = static_cast<std::size_t>(sections.stations);
-  std::vector<double> mm2(stations), counted(stations);
+  std::vector<double> mm2(stations), counted(stations), round_mm(stations);
   std::vector<PlaceNoise> noise(stations);
   tbb::parallel_for(tbb::blocked_range<std::size_t>{0, stations, 64}, [&](const auto& range) {
     std::vector<double> room;
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
       counted[i] = visible[i] != 0 ? 1 : 0;
       mm2[i] = counted[i] * noise_mm2(sections, static_cast<int>(i), row[i], room);
+      round_mm[i] = round_at(sections, static_cast<int>(i), row[i]);
       noise[i].slope = slope_at(sections, static_cast<int>(i), row[i]);
     }
   });
   const double steps = mean_mm / sections.station_mm;
   mm2 = geometry::running_mean(mm2, steps);
   counted = geometry::running_mean(counted, steps);
-  for (std::size_t i = 0; i < stations; ++i)
+  round_mm = geometry::running_mean(round_mm, steps);
+  for (std::size_t i = 0; i < stations; ++i) {
     noise[i].outward_mm = std::sqrt(std::max(mm2[i], 0.0) / std::max(counted[i], 1 / steps));
+    noise[i].round_mm = round_mm[i];
+  }
   return noise;
 }
 

@@ -13,6 +13,7 @@ namespace biteline::bite_line {
 struct PlaceNoise {
   double outward_mm{0};  ///< standard deviation of the surface at the line
   double slope{0};       ///< do/dz at the line: a change of height moves the point outwards by so much
+  double round_mm{0};    ///< by so much the sections' own smoothing lies outside the crease
 };
 
 /// Per station.  The noise is read from the sections' second differences beside the crease, where the surface
