@@ -10,6 +10,7 @@
 #include "common/geometry/se3.hpp"
 #include "host/bite_line/refused.hpp"
 #include "host/cloud/closed_line.hpp"
+#include "host/cloud/uncertainty/arm_sway.hpp"
 #include "host/cloud/uncertainty/scan_spread.hpp"
 #include "host/records/report/stage_clock.hpp"
 
@@ -42,7 +43,8 @@ struct Extraction {
   double length_mm{0};
   double bridged_mm{0};     ///< length without a visible crease, bridged from both sides
   bool head_in_u95{false};  ///< U95 holds calibration, poses and clock beside noise, gaps and layers
-  std::vector<Candidate> candidates{};  ///< found or not, best first
+  std::optional<uncertainty::ArmMotion> arm{};  ///< in U95, where the scan tells it
+  std::vector<Candidate> candidates{};          ///< found or not, best first
   SE3 T_base_shoe{SE3::Identity()};
   std::vector<report::StageTime> stages{};  ///< in order, wall time
 

@@ -41,9 +41,9 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
                       config.point_spacing_mm);
   });
   Extraction extraction = clock.run("finish", [&] {
-    std::optional<uncertainty::ScanSpread> spread;
-    if (config.head != nullptr && !scan.poses.empty()) spread.emplace(*config.head, scan.poses);
-    return finish(side, decision, placed, config, spread);
+    WholeScan whole{.head = {}, .arm = scan.arm};
+    if (config.head != nullptr && !scan.poses.empty()) whole.head.emplace(*config.head, scan.poses);
+    return finish(side, decision, placed, config, whole);
   });
   extraction.stages = clock.take();
   if (workings != nullptr)

@@ -15,6 +15,7 @@ void LiveScan::add_profile(std::uint64_t sequence, std::span<const Eigen::Vector
   // Neighbours along the stripe are some 0.07 mm apart: their means over a quarter of a millimetre carry all
   // that finding the line needs.
   constexpr float k_run_mm = 0.25F;
+  const std::size_t first_mean = means_.size();
   std::size_t i = 0;
   while (i < points.size()) {
     const auto first = static_cast<std::uint32_t>(raw_.size());
@@ -29,6 +30,7 @@ void LiveScan::add_profile(std::uint64_t sequence, std::span<const Eigen::Vector
     means_.push_back(start + sum / count);
     first_raw_.push_back(first);
   }
+  if (pose) arm_.add_profile(std::span{means_}.subspan(first_mean), pose->time_s);
 }
 
 void LiveScan::add_profiles(const cloud::PointCloud& cloud) {
@@ -64,8 +66,9 @@ Extraction LiveScan::finish(const Config& config, std::optional<Workings>* worki
   for (const Profile& profile : profiles_) {
     if (profile.pose && profile.points > 0) poses.push_back(*profile.pose);
   }
-  return find_bite_line({.means = means_, .points = raw_, .first_point = first_raw_, .poses = poses}, config,
-                        workings);
+  return find_bite_line(
+      {.means = means_, .points = raw_, .first_point = first_raw_, .poses = poses, .arm = arm_.motion()},
+      config, workings);
 }
 
 }  // namespace biteline::bite_line

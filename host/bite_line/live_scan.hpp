@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/bite_line/find_bite_line.hpp"
+#include "host/cloud/uncertainty/arm_sway.hpp"
 
 namespace biteline::bite_line {
 
@@ -49,6 +50,7 @@ class LiveScan {
   std::vector<Eigen::Vector3f> raw_;
   std::vector<Eigen::Vector3f> means_;    ///< of runs of neighbours
   std::vector<std::uint32_t> first_raw_;  ///< of each run
+  uncertainty::ArmSway arm_;
 };
 
 }  // namespace biteline::bite_line

@@ -3,12 +3,14 @@
 /// \file The points of a scan as the steps take them: organised and scattered clouds by one door.
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include <Eigen/Core>
 
 #include "host/bite_line/large.hpp"
 #include "host/bite_line/shoe/shoe.hpp"
+#include "host/cloud/uncertainty/arm_sway.hpp"
 #include "host/cloud/uncertainty/scan_spread.hpp"
 
 namespace biteline::bite_line {
@@ -20,6 +22,7 @@ struct ScanPoints {
   std::span<const Eigen::Vector3f> points;            ///< run after run
   std::span<const std::uint32_t> first_point;         ///< of each run; empty: runs of one
   std::span<const uncertainty::ProfilePose> poses{};  ///< in the order of time; empty: not known
+  std::optional<uncertainty::ArmMotion> arm{};        ///< what the scan tells of its arm
 
   [[nodiscard]] static ScanPoints scattered(std::span<const Eigen::Vector3f> points) {
     return {.means = points, .points = points, .first_point = {}};

@@ -21,16 +21,18 @@ namespace {
 /// Covariance of the whole scan at the line, in the planes across it: slow along the line, and dear.
 class AcrossSpread {
  public:
-  AcrossSpread(const std::optional<uncertainty::ScanSpread>& spread, const cloud::ClosedLine& line) {
-    if (!spread) return;
+  AcrossSpread(const WholeScan& scan, const cloud::ClosedLine& line) {
+    if (!scan.head && !scan.arm) return;
     constexpr std::size_t k_points_apart = 8;
     count_ = line.points.size();
     nodes_.resize(std::max<std::size_t>(1, count_ / k_points_apart));
     tbb::parallel_for(std::size_t{0}, nodes_.size(), [&](std::size_t k) {
-      nodes_[k] = spread->covariance_mm2(line.points[k * count_ / nodes_.size()].position);
+      const Vec3& point = line.points[k * count_ / nodes_.size()].position;
+      const double arm_mm = scan.arm ? scan.arm->sigma_mm_at(point) : 0;
+      nodes_[k] = scan.head ? scan.head->covariance_mm2(point, arm_mm) : arm_mm * arm_mm * Mat3::Identity();
     });
   }
-  /// Zero without a head.
+  /// Zero without head and arm.
   [[nodiscard]] Mat3 at(std::size_t point) const {
     if (nodes_.empty()) return Mat3::Zero();
     const double place = static_cast<double>(point * nodes_.size()) / static_cast<double>(count_);
@@ -108,7 +110,7 @@ Candidate candidate_of(const JudgedPath& path, const Side& side) {
 }  // namespace
 
 cloud::ClosedLine even_line(const PlacedLine& placed_line, const SE3& T_base_shoe, double of_line,
-                            const std::optional<uncertainty::ScanSpread>& spread, double spacing_mm) {
+                            const WholeScan& scan, double spacing_mm) {
   const auto& placed = placed_line.points;
   const geometry::ArcLength along{placed.size(), [&](std::size_t i) { return placed[i].position; }};
   const std::size_t count = along.count_for(spacing_mm);
@@ -127,7 +129,7 @@ cloud::ClosedLine even_line(const PlacedLine& placed_line, const SE3& T_base_sho
     own.push_back(between(spread_of(a), spread_of(b), at.share));
   }
   add_tangents(line);
-  const AcrossSpread whole{spread, line};
+  const AcrossSpread whole{scan, line};
   const Vec3 up = T_base_shoe.linear().col(2);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     cloud::LinePoint& point = line.points[k];
@@ -162,7 +164,7 @@ void add_tangents(cloud::ClosedLine& line) {
 }
 
 Extraction finish(const Side& side, const Decision& decision, const PlacedLine& placed, const Config& config,
-                  const std::optional<uncertainty::ScanSpread>& spread) {
+                  const WholeScan& whole) {
   Extraction out{.confidence = decision.confidence, .T_base_shoe = side.shoe.T_base_shoe};
   for (const JudgedPath& path : decision.paths) out.candidates.push_back(candidate_of(path, side));
   out.refusal = decision.refusal;
@@ -181,9 +183,10 @@ Extraction finish(const Side& side, const Decision& decision, const PlacedLine& 
                               .c_str()};
     return out;
   }
-  out.line = even_line(placed, side.shoe.T_base_shoe, line_held_of(decision.of_line), spread,
+  out.line = even_line(placed, side.shoe.T_base_shoe, line_held_of(decision.of_line), whole,
                        config.point_spacing_mm);
-  out.head_in_u95 = spread.has_value();
+  out.head_in_u95 = whole.head.has_value();
+  out.arm = whole.arm;
   const Flagged flagged = flagged_of(out.line, config.min_confidence_ratio);
   out.confidence = std::min(out.confidence, 1 - flagged.all());
   out.refusal = flagged_refusal(flagged, placed.bridged_mm);

@@ -12,20 +12,23 @@
 
 namespace biteline::bite_line {
 
+/// What a scan as a whole adds to its points' uncertainty, as far as it is known.
+struct WholeScan {
+  std::optional<uncertainty::ScanSpread> head{};  ///< calibration, poses and clock
+  std::optional<uncertainty::ArmMotion> arm{};    ///< what the scan tells of its arm
+};
+
 /// `placed` is empty when the decision is a refusal.  What was bridged was not seen to be the bite line: it
-/// lowers the confidence, and a line that is then below the limit is refused.  `spread`: what calibration,
-/// poses and clock add to the points' uncertainty, where that is known.
+/// lowers the confidence, and a line that is then below the limit is refused.
 [[nodiscard]] Extraction finish(const Side& side, const Decision& decision, const PlacedLine& placed,
-                                const Config& config,
-                                const std::optional<uncertainty::ScanSpread>& spread = {});
+                                const Config& config, const WholeScan& whole = {});
 
 /// A cloud that ended before there was a side.
 [[nodiscard]] Extraction refused(Refusal refusal, std::vector<report::StageTime> stages);
 
 /// Evenly spaced along the placed line, in base, with tangents.  `of_line`: that the line is the bite line.
 [[nodiscard]] cloud::ClosedLine even_line(const PlacedLine& placed, const SE3& T_base_shoe, double of_line,
-                                          const std::optional<uncertainty::ScanSpread>& spread,
-                                          double spacing_mm);
+                                          const WholeScan& scan, double spacing_mm);
 
 /// A point of less confidence, or of more U95 than the second, is flagged.
 inline constexpr double k_sure_ratio = 0.5;

@@ -57,7 +57,7 @@ Vec3 ScanSpread::velocity_mm_s(std::size_t profile, const Vec3& point_flange) co
   return (after.T_base_flange * point_flange - before.T_base_flange * point_flange) / seconds;
 }
 
-Mat3 ScanSpread::covariance_mm2(const Vec3& point_base) const {
+Mat3 ScanSpread::covariance_mm2(const Vec3& point_base, double arm_sigma_mm) const {
   const std::ptrdiff_t profile = nearest_profile(point_base);
   if (profile < 0) return Mat3::Zero();
   const auto at = static_cast<std::size_t>(profile);
@@ -73,8 +73,12 @@ Mat3 ScanSpread::covariance_mm2(const Vec3& point_base) const {
       R * point_jacobian(model, known, model.camera.project(point_cam));
   J.col(k_clock_at) = velocity_mm_s(at, point_flange);
   const Mat3 lever = R * geometry::hat(point_flange);
-  return J * known.covariance * J.transpose() + known.pose_sigma_mm * known.pose_sigma_mm * Mat3::Identity() +
-         known.pose_sigma_rad * known.pose_sigma_rad * lever * lever.transpose();
+  Mat3 pose_mm2 = known.pose_sigma_mm * known.pose_sigma_mm * Mat3::Identity() +
+                  known.pose_sigma_rad * known.pose_sigma_rad * lever * lever.transpose();
+  // What is stated of the poses is in what the scan shows, and is not added twice.
+  const double more_mm2 = arm_sigma_mm * arm_sigma_mm - pose_mm2.trace() / 3;
+  pose_mm2 += std::max(more_mm2, 0.0) * Mat3::Identity();
+  return J * known.covariance * J.transpose() + pose_mm2;
 }
 
 }  // namespace biteline::uncertainty

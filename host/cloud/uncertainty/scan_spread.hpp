@@ -30,8 +30,8 @@ class ScanSpread {
 
   /// Covariance of the place in base, mm^2: of a place on the scanned surface, by the profile whose laser
   /// plane lies nearest among those that have it in view.  Zero where there is none.  Cost: 40
-  /// triangulations.
-  [[nodiscard]] Mat3 covariance_mm2(const Vec3& point_base) const;
+  /// triangulations.  `arm_sigma_mm`: poses are off by no less in each coordinate, as the scan itself shows.
+  [[nodiscard]] Mat3 covariance_mm2(const Vec3& point_base, double arm_sigma_mm = 0) const;
 
  private:
   struct Eye {

@@ -6,16 +6,17 @@
 
 namespace biteline::results {
 
-U95Parts parts_of_found_line(bool head) {
-  U95Parts parts{.holds = {"noise", "gaps", "profiles", "other layers"}, .lacks = {}};
+U95Parts parts_of_found_line(const U95OfScan& scan) {
+  U95Parts parts{.holds = {"noise", "gaps", "profiles", "other layers"}, .lacks = {}, .arm = scan.arm};
   for (const char* part : {"calibration", "poses", "clock"})
-    (head ? parts.holds : parts.lacks).emplace_back(part);
+    (scan.head ? parts.holds : parts.lacks).emplace_back(part);
+  (scan.arm ? parts.holds : parts.lacks).emplace_back("the arm's give");
   return parts;
 }
 
 U95Parts parts_of_carried_line() {
   return {.holds = {"alignment", "difference of the lasts", "gaps"},
-          .lacks = {"the sample's own line", "calibration", "poses", "clock"}};
+          .lacks = {"the sample's own line", "calibration", "poses", "clock", "the arm's give"}};
 }
 
 double pooled_u95_mm(const cloud::ClosedLine& line) {
@@ -46,11 +47,16 @@ nlohmann::ordered_json u95_json(const cloud::ClosedLine& line, const U95Parts& p
     arc_mm += (line.points[(i + 1) % line.points.size()].position - p.position).norm();
   }
   if (line.points.empty()) return nullptr;
-  return {{"pooled_mm", pooled_u95_mm(line)},
-          {"max_mm", most_mm},
-          {"max_at_mm", at_mm},
-          {"holds", parts.holds},
-          {"lacks", parts.lacks}};
+  nlohmann::ordered_json json{{"pooled_mm", pooled_u95_mm(line)},
+                              {"max_mm", most_mm},
+                              {"max_at_mm", at_mm},
+                              {"holds", parts.holds},
+                              {"lacks", parts.lacks}};
+  if (parts.arm) {
+    json["arm_sigma_mm"] = parts.arm->sigma_mm;
+    json["arm_profiles"] = parts.arm->profiles;
+  }
+  return json;
 }
 
 void add_u95(report::Page& page, const nlohmann::ordered_json& fields) {

@@ -3,10 +3,12 @@
 /// \file A line's U95 in short: pooled, at its largest, and what it holds.
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/cloud/closed_line.hpp"
+#include "host/cloud/uncertainty/arm_sway.hpp"
 #include "host/records/report/page.hpp"
 
 namespace biteline::results {
@@ -15,10 +17,16 @@ namespace biteline::results {
 struct U95Parts {
   std::vector<std::string> holds;
   std::vector<std::string> lacks;
+  std::optional<uncertainty::ArmMotion> arm{};  ///< estimated from the scan
 };
 
-/// Of a line found in a scan; `head`: calibration, poses and clock are in it.
-[[nodiscard]] U95Parts parts_of_found_line(bool head);
+/// What of a scan as a whole is in a U95.
+struct U95OfScan {
+  bool head{false};  ///< calibration, poses and clock
+  std::optional<uncertainty::ArmMotion> arm{};
+};
+/// Of a line found in a scan.
+[[nodiscard]] U95Parts parts_of_found_line(const U95OfScan& scan);
 /// Of a line carried over from a sample.
 [[nodiscard]] U95Parts parts_of_carried_line();
 
@@ -26,7 +34,8 @@ struct U95Parts {
 /// U95.
 [[nodiscard]] double pooled_u95_mm(const cloud::ClosedLine& line);
 
-/// `pooled_mm`, `max_mm`, `max_at_mm` (along the line), `holds`, `lacks`.  Null where a point has none.
+/// `pooled_mm`, `max_mm`, `max_at_mm` (along the line), `holds`, `lacks`, and of the arm where it was
+/// estimated `arm_sigma_mm`, `arm_profiles`.  Null where a point has none.
 [[nodiscard]] nlohmann::ordered_json u95_json(const cloud::ClosedLine& line, const U95Parts& parts);
 
 /// The `u95` of report.json's fields as a table with what it means; nothing where there is none.

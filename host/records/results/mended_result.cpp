@@ -136,7 +136,7 @@ Result<void> write_result(const fs::path& scan, MendedScan& mended, const SE3& T
   const std::vector<WeakStretch> weak = weak_stretches(mended.line, T_base_shoe);
   report.fields["weak_stretches"] = as_json(weak);
   // A hand's part is a bound, and poses and calibration are not weighed again.
-  U95Parts parts = parts_of_found_line(false);
+  U95Parts parts = parts_of_found_line({});
   parts.holds.push_back("at least 0.5 mm where a hand put the line beside any crease");
   report.fields["u95"] = u95_json(mended.line, parts);
   report.fields["versions"] = versions_json(versions);

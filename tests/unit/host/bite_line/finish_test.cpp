@@ -76,6 +76,22 @@ TEST(Finish, ALineBelowTheLimitIsRefusedWithTheTrueReasonAndNeverHandedOut) {
   LONGS_EQUAL(1, sut.candidates.size());
 }
 
+TEST(Finish, WhatTheArmGivesIsInU95WithoutAHeadToo) {
+  const PlacedLine placed = level_line(side.outline, 0);
+  const Extraction still = finish(side, decided(side, 0.9), placed, {});
+  CHECK_FALSE(still.arm.has_value());
+  const Vec3 somewhere = still.line.points.front().position;
+  const Extraction sut =
+      finish(side, decided(side, 0.9), placed, {},
+             {.head = {}, .arm = {{.sigma_mm = 0.05, .profiles = 200, .places = {{somewhere, 0.05}}}}});
+  CHECK(sut.found);
+  CHECK(sut.arm.has_value());
+  CHECK_FALSE(sut.head_in_u95);
+  // Of a round normal distribution in the plane across: sqrt(-2 ln 0.05) deviations.
+  DOUBLES_EQUAL(0, still.line.points.front().u95_mm.value_or(-1), 0.001);
+  DOUBLES_EQUAL(2.4477 * 0.05, sut.line.points.front().u95_mm.value_or(-1), 0.001);
+}
+
 TEST(Finish, ARefusedDecisionStaysItsOwnRefusal) {
   Decision decision = decided(side, 0.3);
   decision.refusal = Refusal{Refused::Rivalled, "two"};

@@ -32,6 +32,15 @@ TEST(ScanSpread, AClockMovesAPointAlongTheArmsWay) {
   DOUBLES_EQUAL(0.1, std::sqrt(sut.covariance_mm2(somewhere()).trace()), 0.03);
 }
 
+TEST(ScanSpread, PosesAreOffByNoLessThanTheScanShows) {
+  scan.head.uncertainty.covariance.setZero();
+  scan.head.uncertainty.pose_sigma_mm = 0.03;
+  scan.head.uncertainty.pose_sigma_rad = 0;
+  const ScanSpread sut{scan.head, scan.poses};
+  CHECK((sut.covariance_mm2(somewhere(), 0.05) - 0.05 * 0.05 * Mat3::Identity()).norm() < 1e-12);
+  CHECK((sut.covariance_mm2(somewhere(), 0.02) - 0.03 * 0.03 * Mat3::Identity()).norm() < 1e-12);
+}
+
 TEST(ScanSpread, PosesAddTheirOwn) {
   scan.head.uncertainty.covariance.setZero();
   scan.head.uncertainty.pose_sigma_mm = 0.05;

@@ -42,18 +42,30 @@ TEST(LineUncertainty, ThePooledOneHoldsNineteenOfTwentyOfAll) {
 }
 
 TEST(LineUncertainty, ReportSaysWhereItIsLargestAndWhatItHolds) {
-  const auto sut = u95_json(line_with({0.1, 0.2, 0.9, 0.1}), parts_of_found_line(false));
+  const auto sut = u95_json(line_with({0.1, 0.2, 0.9, 0.1}), parts_of_found_line({}));
   DOUBLES_EQUAL(0.9, sut["max_mm"].get<double>(), 1e-12);
   // The third corner of a square in a circle of 50 mm.
   DOUBLES_EQUAL(2 * 50 * std::sqrt(2.0), sut["max_at_mm"].get<double>(), 1e-6);
   CHECK(has(sut["holds"], "noise"));
   CHECK(has(sut["lacks"], "calibration"));
-  CHECK(has(u95_json(line_with({0.1, 0.2, 0.9}), parts_of_found_line(true))["holds"], "clock"));
+  CHECK(has(u95_json(line_with({0.1, 0.2, 0.9}), parts_of_found_line({.head = true}))["holds"], "clock"));
+}
+
+TEST(LineUncertainty, ReportSaysWhetherTheArmsGiveWasEstimated) {
+  const auto unknown = u95_json(line_with({0.1, 0.2, 0.1}), parts_of_found_line({}));
+  CHECK(has(unknown["lacks"], "the arm's give"));
+  CHECK_FALSE(unknown.contains("arm_sigma_mm"));
+  const auto sut = u95_json(line_with({0.1, 0.2, 0.1}),
+                            parts_of_found_line({.arm = {{.sigma_mm = 0.02, .profiles = 250}}}));
+  CHECK(has(sut["holds"], "the arm's give"));
+  CHECK_FALSE(has(sut["lacks"], "the arm's give"));
+  DOUBLES_EQUAL(0.02, sut["arm_sigma_mm"].get<double>(), 1e-12);
+  CHECK_EQUAL(250, sut["arm_profiles"].get<int>());
 }
 
 TEST(LineUncertainty, APointWithoutItLeavesNothingToSay) {
-  CHECK(u95_json(line_with({0.1, std::nullopt, 0.1}), parts_of_found_line(true)).is_null());
-  CHECK(u95_json({}, parts_of_found_line(true)).is_null());
+  CHECK(u95_json(line_with({0.1, std::nullopt, 0.1}), parts_of_found_line({.head = true})).is_null());
+  CHECK(u95_json({}, parts_of_found_line({.head = true})).is_null());
 }
 
 }  // namespace biteline::results
