@@ -28,7 +28,7 @@ using Json = nlohmann::json;
 constexpr double k_flagged_confidence = 0.5, k_flagged_u95_mm = 1;
 
 struct Figures {
-  double mean_mm{0}, p95_mm{0}, complete_ratio{0}, flagged_ratio{0}, u95_mm{0}, scan_s{0};
+  double mean_mm{0}, p95_mm{0}, complete_ratio{0}, flagged_ratio{0}, u95_mm{0}, within_ratio{0}, scan_s{0};
 };
 
 bool ran(const std::string& command) {
@@ -40,8 +40,49 @@ Json read_json(const fs::path& file) {
   return Json::parse(in, nullptr, false);
 }
 
-/// Shares of flagged points and the mean U95 of a line.csv.
-void read_line(const fs::path& file, Figures& figures) {
+using Place = std::array<double, 3>;
+
+/// From the closed line of `truth`.
+double off_mm(const Place& place, const std::vector<Place>& truth) {
+  double least_mm2 = HUGE_VAL;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const Place &a = truth[i], &b = truth[(i + 1) % truth.size()];
+    double along = 0, length = 0, apart = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      along += (place[k] - a[k]) * (b[k] - a[k]);
+      length += (b[k] - a[k]) * (b[k] - a[k]);
+    }
+    const double share = std::clamp(along / std::max(length, 1e-12), 0.0, 1.0);
+    for (std::size_t k = 0; k < 3; ++k) apart += std::pow(place[k] - a[k] - share * (b[k] - a[k]), 2);
+    least_mm2 = std::min(least_mm2, apart);
+  }
+  return std::sqrt(least_mm2);
+}
+
+Place place_of(const std::vector<std::string>& fields) {
+  return {std::atof(fields[0].c_str()), std::atof(fields[1].c_str()), std::atof(fields[2].c_str())};
+}
+
+std::vector<std::string> fields_of(const std::string& row) {
+  std::vector<std::string> fields;
+  std::string field;
+  for (std::stringstream text(row); std::getline(text, field, ',');) fields.push_back(field);
+  return fields;
+}
+
+std::vector<Place> read_truth(const fs::path& file) {
+  std::ifstream in(file);
+  std::vector<Place> places;
+  std::string row;
+  std::getline(in, row);
+  while (std::getline(in, row)) {
+    if (const auto fields = fields_of(row); fields.size() >= 3) places.push_back(place_of(fields));
+  }
+  return places;
+}
+
+/// Shares of flagged points and of those within their U95, and the mean U95 of a line.csv.
+void read_line(const fs::path& file, const std::vector<Place>& truth, Figures& figures) {
   std::ifstream in(file);
   std::string row, field;
   std::getline(in, row);
@@ -52,19 +93,20 @@ void read_line(const fs::path& file, Figures& figures) {
     return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
   };
   const std::size_t confidence = column("confidence"), u95 = column("u95");
-  int points = 0, flagged = 0;
+  int points = 0, flagged = 0, within = 0;
   while (std::getline(in, row)) {
-    std::vector<std::string> fields;
-    for (std::stringstream text(row); std::getline(text, field, ',');) fields.push_back(field);
+    const std::vector<std::string> fields = fields_of(row);
     if (fields.size() <= std::max(confidence, u95)) continue;
     const double u95_mm = std::atof(fields[u95].c_str());
     ++points;
     figures.u95_mm += u95_mm;
     if (std::atof(fields[confidence].c_str()) < k_flagged_confidence || u95_mm > k_flagged_u95_mm) ++flagged;
+    if (off_mm(place_of(fields), truth) <= u95_mm) ++within;
   }
   if (points == 0) return;
   figures.u95_mm /= points;
   figures.flagged_ratio = static_cast<double>(flagged) / points;
+  figures.within_ratio = static_cast<double>(within) / points;
 }
 
 /// False when there is no line.
@@ -85,7 +127,7 @@ bool scan(const std::string& scene, const char* world, Figures& figures) {
              .p95_mm = told.value("p95", 0.0),
              .complete_ratio = told.value("complete", 0.0),
              .scan_s = report["scan"].value("duration_s", 0.0)};
-  read_line(fs::path(result) / "line.csv", figures);
+  read_line(fs::path(result) / "line.csv", read_truth(fs::path(session) / "truth" / "groove.csv"), figures);
   return true;
 }
 
@@ -126,6 +168,7 @@ bool measure(int speed_mm_s, int rate_hz, int shoes, int first_seed) {
     sum.complete_ratio += figures[2].complete_ratio;
     sum.flagged_ratio += figures[2].flagged_ratio;
     sum.u95_mm += figures[2].u95_mm;
+    sum.within_ratio += figures[2].within_ratio;
     sum.scan_s += figures[2].scan_s;
   }
   row(speed_mm_s, rate_hz, "shoes with a line in all three worlds", lines, "", std::to_string(shoes).c_str());
@@ -140,6 +183,7 @@ bool measure(int speed_mm_s, int rate_hz, int shoes, int first_seed) {
   row(speed_mm_s, rate_hz, "line, complete", 100 * sum.complete_ratio / lines, "%", "95");
   row(speed_mm_s, rate_hz, "flagged", 100 * sum.flagged_ratio / lines, "%", "5");
   row(speed_mm_s, rate_hz, "U95, mean", sum.u95_mm / lines, "mm", "");
+  row(speed_mm_s, rate_hz, "points within their U95", 100 * sum.within_ratio / lines, "%", "95");
   row(speed_mm_s, rate_hz, "of frame rate and stripe", rate_mm, "mm", "");
   row(speed_mm_s, rate_hz, "of exposure, light and speckle", exposure_mm, "mm", "");
   row(speed_mm_s, rate_hz, "of vibration", vibration_mm, "mm", "");
