@@ -5,15 +5,15 @@
 namespace biteline::bite_line {
 
 /// `power` and `half_mm` are fitted by tests/bench/line/fit_confidence.py to bridged points of made shoes
-/// with a missing sector (bench_line_confidence --fault sector, seeds 7021 and 7041).
+/// with a missing sector (bench_line_confidence --fault sector, seeds 7021, 7041 and 8011).
 struct ConfidenceModel {
   /// A bridge's spread: what such bridges are off by elsewhere on the line, this much of the corner that the
   /// shoe may have there, and of the gap's doubt ...
   double corner_ratio{0.2};
   double doubt_mm{0.15};
   double least_mm{0.05};
-  double half_mm{1.224};  ///< ... at which one in two lies within 0.3 mm: a spread is no deviation
-  double power{2.075};    ///< how steeply the share falls with it
+  double half_mm{1.303};  ///< ... at which one in two lies within 0.3 mm: a spread is no deviation
+  double power{2.222};    ///< how steeply the share falls with it
   /// A section that lies so far from the running mean over its neighbours is one in two.  Made shoes hold
   /// more, but hardly one jumps.
   double jump_mm{0.8};

@@ -55,9 +55,14 @@ std::vector<GapPlace> gap_places(std::span<const std::uint8_t> known, const Outl
 
 struct Plan {
   std::vector<Vec2> places;
-  std::vector<double> corner_mm;  ///< how far a course that turns sharper could lie outside; 0 where known
+  std::vector<double> corner_mm;  ///< how far another course could lie out or in, see PlacedStation
   std::vector<double> tried_mm;   ///< what such a bridge is off by on this line, at that place; 0 where known
 };
+
+double beyond_chord_mm(const Vec2& from, const Vec2& chord, const Vec2& place) {
+  const Vec2 to = place - from;
+  return std::abs(to.x() * chord.y() - to.y() * chord.x()) / std::max(chord.norm(), 1e-9);
+}
 
 /// o along the outline's normal where the section is known; elsewhere on arcs that leave both ends in their
 /// own directions.
@@ -91,7 +96,8 @@ Plan plan_of(const Outline& outline, std::span<const double> o, std::span<const 
       const std::size_t at = (gap.first + k) % count;
       const double share = static_cast<double>(k) / static_cast<double>(gap.steps);
       plan[at] = arc.at(share).head<2>();
-      made.corner_mm[at] = corner_mm * gap_swell(share);
+      made.corner_mm[at] =
+          std::max(corner_mm * gap_swell(share), beyond_chord_mm(seen[gap.first], chord, plan[at]));
       made.tried_mm[at] = tried.at(share);
     }
   }

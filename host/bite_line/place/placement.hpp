@@ -34,7 +34,9 @@ struct PlacedStation {
       0};  ///< distance along the line to the nearest place where the crease was seen; 0 there
   /// Expected error over 0.3 mm where the crease, or the surface at its own depth, was not seen; 0 elsewhere.
   double doubt{0};
-  double corner_mm{0};     ///< where the surface was not seen: how far a sharper course could lie outside
+  /// Where the surface was not seen: how far a course that turns sharper could lie outside, or one that goes
+  /// straight after a kink at the gap's end inside, whichever is more.
+  double corner_mm{0};
   double tried_out_mm{0};  ///< what bridges of that length are off by elsewhere on this line (RMS), level ...
   double tried_up_mm{0};   ///< ... and in height; 0 where it was seen, and where none could be tried
   bool untried{false};     ///< in a long gap, and the line was not seen over enough such lengths to try one
