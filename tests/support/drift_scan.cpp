@@ -10,8 +10,8 @@
 namespace biteline::test {
 namespace {
 
-constexpr int k_fan_rays = 260;  // some 0.6 mm apart on the wall
 constexpr double k_rate_hz = 100;
+constexpr double k_waist_ratio = 0.25;
 /// Neighbouring poses are off alike: what stays from one profile to the next of the slow part, and how large
 /// that is beside the white one.
 constexpr double k_stays = 0.9, k_slow = 0.4;
@@ -48,6 +48,8 @@ Result<DriftCell> DriftCell::make(const Settings& settings) {
       .head_seed = settings.head_seed,
       .holder = sim::Holder::Bracket,
       .scan_speed_mm_s = settings.speed_mm_s,
+      .scan_begin_ratio = settings.takt ? k_waist_ratio : 0,
+      .scan_clockwise = settings.takt,
       .rate_hz = k_rate_hz,
       .check = settings.check,
       .surroundings = settings.table,
@@ -56,6 +58,7 @@ Result<DriftCell> DriftCell::make(const Settings& settings) {
   const auto arm = sim::ArmKinematics::named("ur10e");
   BITELINE_ASSIGN(const sim::ReachableScan reachable, sim::place_within_reach(*scene, *arm, "ur10e"));
   DriftCell cell;
+  cell.fan_rays_ = settings.fan_rays;
   cell.way_ =
       sim::way_of(*reachable.scan, *arm, settings.real ? sim::common_arm_dynamics() : sim::ArmDynamics{});
   cell.last_profile_s_ = reachable.scan->full_until_s();
@@ -80,8 +83,8 @@ std::vector<DriftCell::Look> DriftCell::looks(const Setting& setting) const {
   for (std::uint32_t k = 0; k < frames; ++k) {
     const SE3 T_shoe_cam = T_shoe_base * way_.T_base_flange_at(k / k_rate_hz) * actual.T_flange_cam;
     const Vec3 emitter = T_shoe_cam * emitter_cam, eye = T_shoe_cam.translation();
-    for (int ray = 0; ray < k_fan_rays; ++ray) {
-      const double across = std::tan(head.laser.fan_half_rad) * (2.0 * ray / (k_fan_rays - 1) - 1);
+    for (int ray = 0; ray < fan_rays_; ++ray) {
+      const double across = std::tan(head.laser.fan_half_rad) * (2.0 * ray / (fan_rays_ - 1) - 1);
       const Vec3 along = T_shoe_cam.linear() * (beam_cam + across * across_cam).normalized();
       const auto hit = scene_->scene.first_hit(emitter, along);
       if (!hit) continue;

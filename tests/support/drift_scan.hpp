@@ -28,9 +28,11 @@ class DriftCell {
     std::uint64_t shoe_seed{1}, head_seed{21};
     double size{42};
     double speed_mm_s{250};
+    bool takt{false};  ///< begins in the waist and goes clockwise
     bool real{true};   ///< elastic joints, following error, latency
     bool table{true};  ///< under the shoe; else it hangs in the dark
     sim::CheckLap check{.length_mm = 50};
+    int fan_rays{260};  ///< some 0.6 mm apart on the wall
   };
   [[nodiscard]] static Result<DriftCell> make(const Settings& settings);
 
@@ -61,6 +63,7 @@ class DriftCell {
  private:
   std::shared_ptr<const sim::MadeScene> scene_;
   sim::HeadWay way_;
+  int fan_rays_{0};
   double last_profile_s_{0}, rest_to_rest_s_{0};
 };
 

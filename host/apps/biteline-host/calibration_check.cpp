@@ -156,15 +156,16 @@ Result<drift::Evidence> look_at_calibration(const intake::ScanOutcome& scan) {
 }
 
 Result<bool> check_calibration(const fs::path& folder, const Result<drift::Evidence>& evidence,
-                               const geometry::SensorModel& model, memory::Memory& memory, OnDrift on_drift) {
+                               const geometry::SensorModel& sensor, memory::Memory& memory, OnDrift on_drift,
+                               const std::string& model) {
   const Result<std::string> text = read_regular_file(folder / "report.json", k_most_settings_bytes);
   Json report = text ? Json::parse(*text, nullptr, false) : Json{};
   if (!report.is_object()) return false;
-  const std::string head = identity_of(model);
+  const std::string head = identity_of(sensor);
   BITELINE_ASSIGN(drift::Watch watch, watch_of(memory, head));
   const std::string name = folder.filename().string();
   if (evidence) {
-    watch.take(name, *evidence);
+    watch.take(name, *evidence, model);
   } else {
     watch.pass(name);
   }

@@ -20,10 +20,11 @@ enum class OnDrift : std::uint8_t { Warn, Stop };
 /// Judges that, adds `calibration_check` to the folder's report.json, keeps the judgement in the memory and
 /// tells a drift in one line.  True: the calibration has drifted.  A scan is judged once, however often this
 /// is called; another head, or another calibration of it, begins anew.  Without report.json: nothing is done.
+/// `model`: whose shoe it is; empty: not known.
 [[nodiscard]] Result<bool> check_calibration(const std::filesystem::path& folder,
                                              const Result<drift::Evidence>& evidence,
-                                             const geometry::SensorModel& head, memory::Memory& memory,
-                                             OnDrift on_drift);
+                                             const geometry::SensorModel& sensor, memory::Memory& memory,
+                                             OnDrift on_drift, const std::string& model = {});
 
 /// Forgets what was learnt, also a drift: the next scans are the usual ones.  `who` stands in the log.
 [[nodiscard]] Result<void> begin_calibration_check_anew(memory::Memory& memory, const std::string& who);

@@ -138,7 +138,7 @@ void Service::check_own_calibration(Scan& scan, const intake::ScanOutcome& outco
     const Result<drift::Evidence> evidence =
         scan.calibration.valid() ? scan.calibration.get() : look_at_calibration(outcome);
     BITELINE_ASSIGN(scan.drifted, check_calibration(scan.folder, evidence, outcome.sensor.model,
-                                                    cockpit_->memory(), on_drift));
+                                                    cockpit_->memory(), on_drift, scan.chosen.model));
     return ExitStatus::Done;
   });
   if (done) return;

@@ -17,8 +17,6 @@ namespace {
 /// much as they state (pose errors along the lap go together).  A CUSUM tells a step within five numbers from
 /// SelfStarting::k_slack + k_limit / 5 = 2.45 deviations on.
 constexpr double k_most_sigma = 0.2;
-/// What is usual is held to about so many fault sizes.
-constexpr double k_usual_size = 3;
 /// A fault lasts so many shoes before somebody asks.
 constexpr double k_shoes_asked = 5;
 
@@ -77,8 +75,7 @@ std::string_view to_string(Status status) {
 Watch::Watch() : rows_(k_quantities, SelfStarting{k_least_sigma}) {}
 
 Vector Watch::usual() const {
-  const Matrix held = sound_.information + Matrix::Identity() / (k_usual_size * k_usual_size);
-  return held.ldlt().solve(sound_.pull);
+  return explained(sound_);
 }
 
 double Watch::spread() const {
@@ -94,11 +91,11 @@ void Watch::pass(const std::string& scan) {
               .words = "this scan shows no place well enough twice"};
 }
 
-const Verdict& Watch::take(const std::string& scan, const Evidence& evidence) {
+const Verdict& Watch::take(const std::string& scan, const Evidence& evidence, const std::string& model) {
   if (came_before(scan, last_scan_)) return verdict_;
   heed_table(evidence.table);
   const Sums sums = seen(evidence);
-  const Vector alone = sums.alone(), sigma = sums.alone_sigma();
+  const Vector sigma = sums.alone_sigma();
   // Seen twice from one direction only: it would learn for ever.
   if (!(sigma.minCoeff() <= k_most_sigma)) {
     pass(scan);
@@ -107,12 +104,17 @@ const Verdict& Watch::take(const std::string& scan, const Evidence& evidence) {
   last_scan_ = scan;
   ++verdict_.shoes;
   const bool drifted = verdict_.status == Status::Drifted;
+  const std::optional<ModelUsuals::Said> said = models_.take(model, sums, !drifted);
+  if (!said) {
+    judge();
+    return verdict_;
+  }
   if (!drifted) {
     for (int i = 0; i < k_quantities; ++i) {
-      if (sigma[i] <= k_most_sigma) rows_.at(static_cast<std::size_t>(i)).take(alone[i]);
+      if (sigma[i] <= k_most_sigma) rows_.at(static_cast<std::size_t>(i)).take(said->alone[i]);
     }
   }
-  recent_.push_back(sums);
+  recent_.push_back(said->sums);
   if (recent_.size() > k_recent) {
     if (!drifted) {
       Sums left = recent_.front();
@@ -161,8 +163,7 @@ void Watch::judge() {
       recent_.size() - std::min(recent_.size(), static_cast<std::size_t>(verdict_.for_shoes));
   for (std::size_t i = 0; i < recent_.size(); ++i)
     (i < before ? usual_sums : changed).add(recent_[i].information, recent_[i].pull);
-  const Matrix held = usual_sums.information + Matrix::Identity() / (k_usual_size * k_usual_size);
-  changed.pull -= changed.information * held.ldlt().solve(usual_sums.pull);
+  changed.pull -= changed.information * explained(usual_sums);
   verdict_.status = Status::Drifted;
   verdict_.named = name(changed, spread());
   verdict_.words = words_of(*verdict_.named) + " drifted: " + largest_of(*verdict_.named) +

@@ -9,6 +9,7 @@
 
 #include "common/core/result.hpp"
 #include "host/calibration/drift/evidence.hpp"
+#include "host/calibration/drift/model_usuals.hpp"
 #include "host/calibration/drift/naming.hpp"
 #include "host/calibration/drift/self_starting.hpp"
 
@@ -36,8 +37,8 @@ class Watch {
   Watch();
 
   /// A shoe with places seen twice.  Names end in a number that rises; one that came before, or came last, is
-  /// not counted again.
-  const Verdict& take(const std::string& scan, const Evidence& evidence);
+  /// not counted again.  `model`: whose shoe it is; empty: nobody knows, or there is only one.
+  const Verdict& take(const std::string& scan, const Evidence& evidence, const std::string& model = {});
   /// A shoe without.
   void pass(const std::string& scan);
 
@@ -71,7 +72,8 @@ class Watch {
   std::deque<Sums> recent_;         ///< the last shoes, oldest first
   Sums sound_;                      ///< of those before
   int sound_shoes_{0};
-  double scatter_{0};                ///< sum over sound shoes of what the usual leaves, per degree of freedom
+  double scatter_{0};  ///< sum over sound shoes of what the usual leaves, per degree of freedom
+  ModelUsuals models_;
   std::optional<TablePlane> table_;  ///< the usual one
   int another_table_{0};             ///< shoes on another one, one after the other
   std::string last_scan_;

@@ -2,6 +2,7 @@
 // A watch as text: what a cell's memory keeps from shoe to shoe.
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "common/core/numbers.hpp"
 #include "host/calibration/drift/watch.hpp"
@@ -11,7 +12,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int k_version = 2;
+constexpr int k_version = 3;
 /// A sum over a lifetime of shoes; beyond it is no number of ours.
 constexpr NumberRange k_plausible{.minimum = -1e15, .maximum = 1e15};
 
@@ -69,6 +70,31 @@ class Reader {
     for (double& value : sums.pull) value = number(json[at++]);
     return sums;
   }
+  Vector vector(const Json& json) {
+    Vector values = Vector::Zero();
+    if (!json.is_array() || json.size() != k_quantities) {
+      sound_ = false;
+      return values;
+    }
+    for (int i = 0; i < k_quantities; ++i) values[i] = number(json[static_cast<std::size_t>(i)]);
+    return values;
+  }
+  std::string text(const Json& json, const char* key) {
+    const Json& found = value(json, key);
+    if (found.is_string()) return found.get<std::string>();
+    sound_ = false;
+    return {};
+  }
+  ModelUsuals models(const Json& json) {
+    std::map<std::string, ModelUsuals::Usual> of;
+    for (const Json& model : list(json, "models", ModelUsuals::k_most + 1))
+      of[text(model, "name")] = {.sums = sums(value(model, "sums")),
+                                 .alone = vector(value(model, "alone")),
+                                 .shoes = count(model, "shoes")};
+    std::string first = text(json, "first_model");
+    if (!of.empty() && !of.contains(first)) sound_ = false;
+    return {std::move(first), std::move(of)};
+  }
   std::optional<TablePlane> table(const Json& json) {
     if (json.is_null()) return std::nullopt;
     constexpr std::size_t k_numbers = 5;
@@ -102,6 +128,12 @@ std::string Watch::to_text() const {
                     {"falling", s.falling}});
   }
   for (const Sums& sums : recent_) recent.push_back(json_of(sums));
+  Json models = Json::array();
+  for (const auto& [name, usual] : models_.of())
+    models.push_back({{"name", name},
+                      {"shoes", usual.shoes},
+                      {"sums", json_of(usual.sums)},
+                      {"alone", std::vector<double>(usual.alone.begin(), usual.alone.end())}});
   Json table;
   if (table_)
     table = {table_->middle.x(), table_->middle.y(), table_->height_mm, table_->slope_x, table_->slope_y};
@@ -111,6 +143,8 @@ std::string Watch::to_text() const {
               {"sound", json_of(sound_)},
               {"sound_shoes", sound_shoes_},
               {"scatter", scatter_},
+              {"first_model", models_.first()},
+              {"models", models},
               {"table", table},
               {"another_table", another_table_},
               {"last_scan", last_scan_},
@@ -146,6 +180,7 @@ Result<Watch> Watch::from_text(const std::string& text) {
   watch.sound_ = reader.sums(reader.value(json, "sound"));
   watch.sound_shoes_ = reader.count(json, "sound_shoes");
   watch.scatter_ = reader.number(json, "scatter");
+  watch.models_ = reader.models(json);
   watch.table_ = reader.table(reader.value(json, "table"));
   watch.another_table_ = reader.count(json, "another_table");
   const Json& last = reader.value(json, "last_scan");

@@ -2,7 +2,9 @@
 // How soon a drifted calibration is named, and how often a sound one is called drifted: shoes on an elastic
 // arm, scanned with a check lap by exact rays, with noise of pixels and poses drawn anew for each shoe.
 //
-//     bench_drift [SOUND SHOES [TRIALS [SPEED]]]
+//     bench_drift [SOUND SHOES [TRIALS [SPEED [takt]]]]
+//
+// takt: scanned as the takt does, from the waist and clockwise.
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -10,6 +12,7 @@
 #include <cstring>
 #include <numbers>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hal/sim/shoe/random.hpp"
@@ -64,9 +67,9 @@ class Shoes {
     const test::DriftScan scan = cell.scan(looks[place * cells_.size() + count_ % cells_.size()],
                                            {.late_s = late_s, .seed = 1'000'003 * (count_ + 1)});
     const auto evidence = drift::look_at(scan.view(), cell.calibrated());
-    const std::string name = std::to_string(++count_);
+    const std::string model = std::to_string(count_ % cells_.size()), name = std::to_string(++count_);
     if (evidence) {
-      watch.take(name, *evidence);
+      watch.take(name, *evidence, model);
     } else {
       watch.pass(name);
     }
@@ -139,6 +142,7 @@ void name_faults(Shoes& shoes, const drift::Watch& learnt, const std::string& ce
 }
 
 void run(const std::string& cell, std::vector<test::DriftCell> cells, int sound, int trials) {
+  const bool several = cells.size() > 1;
   Shoes shoes(std::move(cells), 1);
   const test::DriftScan first = shoes.first();
   const auto begun = std::chrono::steady_clock::now();
@@ -154,7 +158,9 @@ void run(const std::string& cell, std::vector<test::DriftCell> cells, int sound,
   for (const std::string& mistaken : blind.mistaken)
     print("cannot_tell_apart", cell + ": " + mistaken, 1, 0, "");
   drift::Watch watch;
-  for (int i = 0; i < k_learnt; ++i) shoes.next(watch);
+  // Each model's first shoes tell what is usual of it.
+  const int learnt = k_learnt + (several ? k_learnt : 0);
+  for (int i = 0; i < learnt; ++i) shoes.next(watch);
   if (trials > 0) name_faults(shoes, watch, cell, trials);
   int alarms = 0;
   for (int i = 0; i < sound; ++i) {
@@ -168,14 +174,16 @@ void run(const std::string& cell, std::vector<test::DriftCell> cells, int sound,
   print("false_alarms", cell + ": " + std::to_string(sound) + " sound shoes", alarms, 0, "");
 }
 
-Result<std::vector<test::DriftCell>> cells_of(double speed_mm_s, bool table) {
+Result<std::vector<test::DriftCell>> cells_of(double speed_mm_s, bool takt, bool table) {
   std::vector<test::DriftCell> cells;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    BITELINE_ASSIGN(test::DriftCell made,
-                    test::DriftCell::make({.shoe_seed = seed, .speed_mm_s = speed_mm_s, .table = table}));
+    BITELINE_ASSIGN(
+        test::DriftCell made,
+        test::DriftCell::make({.shoe_seed = seed, .speed_mm_s = speed_mm_s, .takt = takt, .table = table}));
     if (table) {
-      BITELINE_ASSIGN(const test::DriftCell plain,
-                      test::DriftCell::make({.shoe_seed = seed, .speed_mm_s = speed_mm_s, .check = {}}));
+      BITELINE_ASSIGN(
+          const test::DriftCell plain,
+          test::DriftCell::make({.shoe_seed = seed, .speed_mm_s = speed_mm_s, .takt = takt, .check = {}}));
       const std::string what = "model " + std::to_string(seed);
       constexpr double k_longer_s = 0.3;
       print("scan_s", what, made.rest_to_rest_s(), plain.rest_to_rest_s(), "s");
@@ -192,8 +200,9 @@ Result<std::vector<test::DriftCell>> cells_of(double speed_mm_s, bool table) {
 int run_all(int argc, char** argv) {
   const int sound = number_of(argc, argv, 1, 1000), trials = number_of(argc, argv, 2, 10);
   const double speed_mm_s = number_of(argc, argv, 3, 250);
+  const bool takt = argc > 4 && std::string_view{argv[4]} == "takt";
   for (const bool table : {true, false}) {
-    auto cells = cells_of(speed_mm_s, table);
+    auto cells = cells_of(speed_mm_s, takt, table);
     if (!cells) {
       std::fprintf(stderr, "%s\n", to_line(cells.error()).c_str());
       return 1;

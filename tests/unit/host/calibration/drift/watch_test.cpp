@@ -3,6 +3,8 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <array>
+
 #include "tests/support/errors.hpp"
 #include "tests/unit/host/calibration/drift/seen_ball.hpp"
 
@@ -12,12 +14,23 @@ TEST_GROUP(Watch) {
   Watch sut;
   int shoes{0};
 
-  void see(const Vector& drifted = Vector::Zero()) {
+  void see(const Vector& drifted = Vector::Zero(), const std::string& model = {}) {
     const auto evidence = look_at(
         scan_ball({.drifted = drifted, .seed = static_cast<std::uint64_t>(100 + shoes)}).view(), ball_head());
     SUCCEEDS(evidence);
-    sut.take("scan-" + std::to_string(shoes++), *evidence);
+    sut.take("scan-" + std::to_string(shoes++), *evidence, model);
   }
+  /// In turn; round each of them the arm bends otherwise, so that it looks like a drift of its own.
+  void see_models(int count, const Vector& drifted = Vector::Zero()) {
+    constexpr std::array k_names{"court", "trail", "street"};
+    for (int i = 0; i < count; ++i) {
+      const auto model = static_cast<std::size_t>(shoes) % k_names.size();
+      const Vector bends = Vector::Unit(7) * (model == 1 ? 1.5 : 0) - Vector::Unit(12) * (model == 2 ? 2 : 0);
+      see(drifted + bends, by_name ? k_names.at(model) : "");
+      if (sut.verdict().status == Status::Drifted) return;
+    }
+  }
+  bool by_name{true};
   void learn(int count) {
     for (int i = 0; i < count; ++i) see();
   }
@@ -45,6 +58,26 @@ TEST(Watch, NamesWhatDriftedWithinFiveShoes) {
         k_part_names.at(static_cast<std::size_t>(k_table.at(static_cast<std::size_t>(i)).part))};
     STRCMP_CONTAINS(part.c_str(), sut.verdict().words.c_str());
   }
+}
+
+TEST(Watch, ModelsInTurnHaveAUsualOfTheirOwn) {
+  see_models(36);
+  CHECK(sut.verdict().status == Status::Sound);
+  const Watch sound = *Watch::from_text(sut.to_text());
+  for (const int i : {7, 12}) {
+    sut = sound;
+    const int before = shoes;
+    see_models(5, Vector::Unit(i));
+    CHECK(sut.verdict().status == Status::Drifted);
+    CHECK(shoes - before <= 5);
+  }
+}
+
+TEST(Watch, WithoutTheirNamesTheSameModelsHideADrift) {
+  by_name = false;
+  see_models(36);
+  see_models(5, Vector::Unit(12));
+  CHECK(sut.verdict().status != Status::Drifted);
 }
 
 TEST(Watch, ADriftStaysTold) {
@@ -100,7 +133,7 @@ TEST(Watch, TextThatIsNoneIsRefused) {
   for (const std::string& bad :
        {std::string{}, std::string{"{}"}, std::string{"[1,2]"}, text.substr(0, text.size() / 2),
         std::string{text}.replace(text.find("\"sound_shoes\":"), 15, "\"sound_shoes\":-"),
-        std::string{text}.replace(text.find("\"version\":2"), 11, "\"version\":1")}) {
+        std::string{text}.replace(text.find("\"version\":3"), 11, "\"version\":1")}) {
     FAILS_NAMING(Errc::BadFormat, "calibration check", Watch::from_text(bad));
   }
 }
