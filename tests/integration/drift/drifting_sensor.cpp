@@ -19,6 +19,9 @@ namespace {
 using namespace biteline;
 using Looks = std::vector<test::DriftCell::Look>;
 
+/// As close as a camera's columns, so that a path along the line is smooth.
+constexpr int k_fan_rays = 1500;
+
 SensorClock::time_point now() {
   return SensorClock::time_point{std::chrono::steady_clock::now().time_since_epoch()};
 }
@@ -49,7 +52,7 @@ std::vector<profile::Profile> profiles_of(const test::DriftScan& scan, const geo
 }
 
 Result<void> serve(std::uint64_t sound) {
-  BITELINE_ASSIGN(const test::DriftCell cell, test::DriftCell::make({}));
+  BITELINE_ASSIGN(const test::DriftCell cell, test::DriftCell::make({.fan_rays = k_fan_rays}));
   constexpr int k_mounting_y = 7;
   const Looks straight = cell.looks({}), slipped = cell.looks({.drifted = drift::Vector::Unit(k_mounting_y)});
   BITELINE_ASSIGN(const auto socket, stream::StreamSocket::open({}));
