@@ -37,14 +37,20 @@ class OnSide {
   std::span<const int> path_;
 };
 
-/// What the course's directions before and behind a column differ by in height there.
-double directions_apart_mm(const OnSide& course, const SideGrid& grid, int col, int half, int lever) {
-  const auto ahead = [&](int direction) {
+/// The course's directions before and behind a column, carried on to it.
+struct Directions {
+  double apart_mm;  ///< in height, of the later one over the earlier one
+  double bend;      ///< of their slopes
+};
+Directions directions_at(const OnSide& course, const SideGrid& grid, int col, int half, int lever) {
+  const auto fall = [&](int direction) {
     const int near = course.row(col + direction * half);
-    const int far = course.row(col + direction * (half + lever));
-    return near + static_cast<double>(near - far) * half / lever;
+    return static_cast<double>(near - course.row(col + direction * (half + lever))) / lever;
   };
-  return (ahead(1) - ahead(-1)) * grid.row_mm;
+  const double before = fall(-1);
+  const double behind = fall(1);
+  const double rows = course.row(col + half) - course.row(col - half) + half * (behind - before);
+  return {.apart_mm = rows * grid.row_mm, .bend = std::abs(before + behind) * grid.row_mm / grid.col_mm};
 }
 
 bool leaves_crease(const OnSide& course, int col, int half, float least_turn_rad) {
@@ -93,10 +99,11 @@ std::vector<LayerChange> layer_changes(const SideField& field, std::span<const i
   const float least_turn_rad = config.off_crease_ratio * course.usual_turn_rad();
   std::vector<double> apart;
   for (int col = 0; col < course.cols(); ++col) {
-    const double here = directions_apart_mm(course, field.grid, col, half, lever);
-    const bool is_change =
-        std::abs(here) >= config.least_mm && leaves_crease(course, col, half, least_turn_rad);
-    apart.push_back(is_change ? here : 0);
+    const Directions here = directions_at(course, field.grid, col, half, lever);
+    // Where the course bends, the column in the middle may lie beside the bend by as much.
+    const bool is_change = std::abs(here.apart_mm) >= config.least_mm + config.half_mm * here.bend &&
+                           leaves_crease(course, col, half, least_turn_rad);
+    apart.push_back(is_change ? here.apart_mm : 0);
   }
   std::vector<LayerChange> changes;
   for (int col = 0; col < course.cols(); ++col) {

@@ -82,6 +82,15 @@ TEST(LayerChanges, ACreaseThatClimbsIsKept) {
   CHECK(layer_changes(field, path, {}).empty());
 }
 
+TEST(LayerChanges, ABendWhereTheCreaseFadesIsNone) {
+  for (int col = 0; col < k_cols; ++col) {
+    const int row = 12 + 2 * std::clamp(col - 100, 0, 39);
+    path[static_cast<std::size_t>(col)] = row;
+    if (col < 90 || col > 110) crease(row, col);
+  }
+  for (const LayerChange& sut : layer_changes(field, path, {})) CHECK(sut.col < 60 || sut.col > 160);
+}
+
 TEST(LayerChanges, TheWayBackMayBeSlow) {
   leave(100, 180);
   // It comes back over 40 mm, along an edge that runs up from the one crease to the other.
