@@ -64,6 +64,7 @@ void doubt_ridge(const Ridge& ridge, double steps, std::vector<PlacedStation>& s
 }
 
 void doubt_bridges(std::span<const std::uint8_t> known, std::vector<PlacedStation>& stations) {
+  constexpr double k_unsure = 0.5;
   const std::size_t count = stations.size();
   for (const geometry::Gap& gap : geometry::gaps_of(known)) {
     const PlacedStation& first = stations[gap.first];
@@ -73,7 +74,7 @@ void doubt_bridges(std::span<const std::uint8_t> known, std::vector<PlacedStatio
       const double share = static_cast<double>(k) / static_cast<double>(gap.steps);
       const auto lean_on = [&](const PlacedStation& end, double weight) {
         const double other_mm = weight * end.other_mm;
-        if (end.hold >= station.hold || other_mm <= k_confident_mm) return;
+        if (end.hold >= std::min(station.hold, k_unsure) || other_mm <= k_confident_mm) return;
         station.hold = end.hold;
         station.other_mm = std::max(station.other_mm, other_mm);
       };

@@ -17,8 +17,9 @@ namespace biteline::bite_line {
 /// point whose mean takes in a quarter and more of such a place is as unsure.
 void doubt_ridge(const Ridge& ridge, double steps, std::vector<PlacedStation>& stations);
 
-/// The same over the gaps of `known`: a bridge leans on both its ends.  Where one of them may lie in another
-/// hollow, the bridge is off by that at this end, and by nothing at the other one.
+/// The same over the gaps of `known`: a bridge leans on both its ends.  Where one of them is
+/// rather in another hollow than on the line, the bridge is off by that at this end, and by nothing at the
+/// other one.
 void doubt_bridges(std::span<const std::uint8_t> known, std::vector<PlacedStation>& stations);
 
 }  // namespace biteline::bite_line
