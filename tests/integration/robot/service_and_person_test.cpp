@@ -23,6 +23,7 @@ TEST(ServiceAndPerson, HeldScanWaitsForAPersonAndTheGateStillJudges) {
       page.scan_once("scan-0001", [](const control::Json& scan) { return scan["decision"] == "held"; });
   STRCMP_EQUAL("held", held["decision"].get<std::string>().c_str());
   CHECK(!held["sent"].get<bool>());
+  page.wait_until_deciding();
   LONGS_EQUAL(409, page.ask("POST", "/commands/start").status);
 
   LONGS_EQUAL(200, page.ask("POST", "/scans/scan-0001/accept", {{"why", "looked at it"}}).status);
