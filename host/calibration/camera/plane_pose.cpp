@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/calibration/rings/homography.hpp"
+#include "host/geometry/symmetric.hpp"
 
 namespace biteline::calibration {
 
@@ -91,10 +92,10 @@ std::optional<PlanePose> fit_plane_pose(const geometry::Camera& camera,
       gradient += weight * J.transpose() * residual_px;
       sum_px2 += residual_px.squaredNorm();
     }
-    const Eigen::LDLT<Mat6> solver(information);
+    const geometry::SymmetricSolver solver{information};
     const Twist step = solver.solve(gradient);
-    if (solver.info() != Eigen::Success || !step.allFinite()) return std::nullopt;
-    pose.covariance_per_px2 = solver.solve(Mat6::Identity());
+    if (!solver.sound() || !step.allFinite()) return std::nullopt;
+    pose.covariance_per_px2 = solver.inverse();
     pose.rms_px = std::sqrt(sum_px2 / static_cast<double>(centres.size()));
     if (step.norm() < 1e-12 * pose.T_cam_target.translation().norm()) break;
     pose.T_cam_target = pose.T_cam_target * geometry::exp_se3(step);

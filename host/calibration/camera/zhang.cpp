@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "host/geometry/symmetric.hpp"
+
 namespace biteline::calibration {
 
 namespace {
@@ -26,8 +28,7 @@ std::optional<geometry::Camera> solve_all(std::span<const Mat3> homographies) {
     for (const Row5& row : {Row5(v_row(H, 0, 1)), Row5(v_row(H, 0, 0) - v_row(H, 1, 1))})
       scatter += row.transpose() * row;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 5, 5>> solver(scatter);
-  Eigen::Matrix<double, 5, 1> b = solver.eigenvectors().col(0);
+  Eigen::Matrix<double, 5, 1> b = geometry::principal_axes(scatter).vectors.col(0);
   if (b[0] < 0) b = -b;
   if (!(b[0] > 0) || !(b[1] > 0)) return std::nullopt;
   const double cu = -b[2] / b[0], cv = -b[3] / b[1];
@@ -47,7 +48,7 @@ std::optional<geometry::Camera> solve_focal(std::span<const Mat3> homographies) 
       right -= row.head<2>().transpose() * row[4];
     }
   }
-  const Vec2 b = normal.ldlt().solve(right);
+  const Vec2 b = geometry::solve_symmetric(normal, right);
   if (!(b[0] > 0) || !(b[1] > 0)) {
     const double both = right.sum() / normal.sum();  // one focal length
     if (!(both > 0)) return std::nullopt;

@@ -8,6 +8,8 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "host/geometry/symmetric.hpp"
+
 namespace biteline::calibration {
 
 namespace {
@@ -198,7 +200,7 @@ std::optional<Corner> refine_corner(const image::GreyImage& picture, const Corne
   for (int round = 0; round < k_most_rounds && damping < k_most_damping; ++round) {
     CornerMatrix damped = now.information.selfadjointView<Eigen::Upper>();
     damped.diagonal() *= 1 + damping;
-    const CornerVector step = damped.ldlt().solve(now.gradient);
+    const CornerVector step = geometry::solve_symmetric(damped, now.gradient);
     if (!step.allFinite()) return std::nullopt;
     CornerModel next{model.x + step};
     for (const int blur : {6, 7}) next.x[blur] = std::clamp(next.x[blur], k_least_blur_px, radius_px);

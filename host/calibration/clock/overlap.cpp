@@ -10,6 +10,7 @@
 
 #include "common/geometry/pose_track.hpp"
 #include "host/calibration/laser/laser_calibration.hpp"
+#include "host/geometry/symmetric.hpp"
 
 namespace biteline::calibration {
 
@@ -59,10 +60,10 @@ bool fit_surface(const std::vector<ScanPoint>& points, OverlapPair& pair, double
     z[static_cast<Eigen::Index>(i)] = d.dot(n);
   }
   const Eigen::Matrix<double, 6, 6> normal_matrix = A.transpose() * A;
-  const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> solver(normal_matrix);
-  const Eigen::VectorXd weights = A * solver.solve(Eigen::Matrix<double, 6, 1>::Unit(0));
-  if (solver.info() != Eigen::Success || !weights.allFinite() || weights.squaredNorm() > k_most_gain)
-    return false;
+  const geometry::SymmetricSolver solver{normal_matrix};
+  const Eigen::Matrix<double, 6, 1> first = solver.solve(Eigen::VectorXd::Unit(6, 0));
+  const Eigen::VectorXd weights = A * first;
+  if (!solver.sound() || !weights.allFinite() || weights.squaredNorm() > k_most_gain) return false;
   const Eigen::Matrix<double, 6, 1> a = solver.solve(A.transpose() * z);
   pair.weights.assign(weights.data(), weights.data() + weights.size());
   pair.normal = (n - a[1] * e1 - a[2] * e2).normalized();

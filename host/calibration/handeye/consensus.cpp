@@ -9,6 +9,7 @@
 #include <random>
 
 #include "host/calibration/handeye/motions.hpp"
+#include "host/geometry/symmetric.hpp"
 
 namespace biteline::calibration {
 
@@ -70,7 +71,7 @@ Consensus settled(std::span<const StopReadings> stops, Consensus consensus) {
               .coeffs();
       sum += q * q.transpose();
     }
-    const Eigen::Vector4d q = Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(sum).eigenvectors().col(3);
+    const Eigen::Vector4d q = geometry::principal_axes(sum).vectors.col(3);
     Consensus next = agreeing(stops, *R_flange_cam, Eigen::Quaterniond(q).normalized().toRotationMatrix());
     if (!better(next, consensus)) break;
     consensus = std::move(next);

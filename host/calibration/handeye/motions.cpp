@@ -4,6 +4,8 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "host/geometry/symmetric.hpp"
+
 namespace biteline::calibration {
 
 namespace {
@@ -65,9 +67,9 @@ std::optional<TranslationFit> translation_of_x(std::span<const Stop> stops, cons
     right += J.transpose() * y;
     square_sum += y.squaredNorm();
   }
-  const Eigen::LDLT<Eigen::Matrix4d> solver(normal);
+  const geometry::SymmetricSolver solver{normal};
   const Eigen::Vector4d solution = solver.solve(right);
-  if (solver.info() != Eigen::Success || !solution.allFinite()) return std::nullopt;
+  if (!solver.sound() || !solution.allFinite()) return std::nullopt;
   const double rest = std::max(0.0, square_sum - solution.dot(right));
   const double freedom = std::max<double>(1, 3.0 * static_cast<double>(stops.size() - 1) - 4);
   // Pairs share stops: of n (n - 1) / 2 only n - 1 are independent.
@@ -77,8 +79,7 @@ std::optional<TranslationFit> translation_of_x(std::span<const Stop> stops, cons
   TranslationFit fit;
   fit.translation_mm = solution.head<3>();
   fit.pose_scale = solution[3] / length;
-  fit.pose_scale_sigma =
-      std::sqrt(std::max(0.0, solver.solve(Eigen::Vector4d::Unit(3))[3]) * share * variance) / length;
+  fit.pose_scale_sigma = std::sqrt(std::max(0.0, solver.inverse()(3, 3)) * share * variance) / length;
   fit.rms_mm = std::sqrt(rest / (3.0 * static_cast<double>(motions.size())));
   return fit;
 }

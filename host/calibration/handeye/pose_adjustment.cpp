@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/geometry/symmetric.hpp"
+
 namespace biteline::calibration {
 
 namespace {
@@ -54,7 +56,7 @@ PoseNoise improved_noise(std::span<const WeightedStop> stops, const PoseAdjustme
     r.segment<6>(6 * k) = l.residual;
   }
   const Eigen::MatrixXd VJ = V_inverse * J;
-  const Eigen::MatrixXd P = V_inverse - VJ * (J.transpose() * VJ).ldlt().solve(VJ.transpose());
+  const Eigen::MatrixXd P = V_inverse - VJ * geometry::solve_symmetric(J.transpose() * VJ, VJ.transpose());
   const Eigen::VectorXd Pr = P * r;
   const auto factor = [&](const Eigen::MatrixXd& V_i) {
     const double expected = (P.cwiseProduct(V_i)).sum();  // tr(P V_i), both symmetric
@@ -87,16 +89,17 @@ PoseAdjustment adjust_poses(std::span<const WeightedStop> stops, const PoseAdjus
     Eigen::Matrix<double, 12, 1> gradient = Eigen::Matrix<double, 12, 1>::Zero();
     for (const WeightedStop& stop : stops) {
       const Linearised l = linearise(stop.stop, at);
-      const Eigen::LDLT<Mat6> weight(covariance_of(stop, l, at.noise));
-      information += l.J.transpose() * weight.solve(l.J);
-      gradient += l.J.transpose() * weight.solve(l.residual);
+      const geometry::SymmetricSolver weight{covariance_of(stop, l, at.noise)};
+      const Mat6x12 weighted = weight.solve(l.J);
+      information += l.J.transpose() * weighted;
+      gradient += weighted.transpose() * l.residual;
     }
-    const Eigen::LDLT<Eigen::Matrix<double, 12, 12>> solver(information);
+    const geometry::SymmetricSolver solver{information};
     const Eigen::Matrix<double, 12, 1> step = -solver.solve(gradient);
     if (!step.allFinite()) return at;
     at.T_flange_cam = geometry::orthonormalised(at.T_flange_cam * geometry::exp_se3(step.head<6>()));
     at.T_base_target = geometry::orthonormalised(at.T_base_target * geometry::exp_se3(step.tail<6>()));
-    at.covariance = solver.solve(Eigen::Matrix<double, 12, 12>::Identity()).topLeftCorner<6, 6>();
+    at.covariance = solver.inverse().topLeftCorner<6, 6>();
     at.converged = step.norm() < 1e-9;
   }
   return at;

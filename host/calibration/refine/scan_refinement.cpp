@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "host/geometry/robust.hpp"
+#include "host/geometry/symmetric.hpp"
 
 namespace biteline::calibration {
 
@@ -110,7 +111,7 @@ Result<ScanRefinement> refine_from_scan(const Scan& scan, const ScanModel& start
                 "refine: hardly any surface is seen twice: let the arm come back over the same place from "
                 "another direction");
   };
-  const RefineMatrix prior_information = prior.ldlt().solve(RefineMatrix::Identity());
+  const RefineMatrix prior_information = geometry::SymmetricSolver{prior}.inverse();
   const Vec3 middle_cam = middle_of(scan, start);
   ScanRefinement result{.model = start,
                         .change = RefineVector::Zero(),
@@ -122,9 +123,9 @@ Result<ScanRefinement> refine_from_scan(const Scan& scan, const ScanModel& start
     const std::optional<System> system = linearise(scan, result.model, plane_axes, middle_cam);
     if (!system) return nothing_seen_twice();
     if (round == 0) result.rms_before_mm = system->rms_mm;
-    const Eigen::LDLT<RefineMatrix> solver(system->information + prior_information);
+    const geometry::SymmetricSolver solver{system->information + prior_information};
     const RefineVector step = -solver.solve(system->gradient + prior_information * result.change);
-    result.sigma = solver.solve(RefineMatrix::Identity()).diagonal().cwiseMax(0).cwiseSqrt();
+    result.sigma = solver.inverse().diagonal().cwiseMax(0).cwiseSqrt();
     result.pairs = system->pairs;
     result.rms_after_mm = system->rms_mm;
     if (step.cwiseQuotient(result.sigma).cwiseAbs().maxCoeff() < 0.01) break;

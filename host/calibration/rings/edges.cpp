@@ -6,6 +6,8 @@
 #include <numbers>
 #include <optional>
 
+#include "host/geometry/symmetric.hpp"
+
 namespace biteline::calibration {
 
 namespace {
@@ -97,7 +99,7 @@ Vec2 gradient_of(const std::vector<Step>& steps, double Step::*level, double bey
     normal += row * row.transpose();
     right += row * (step.*level);
   }
-  return normal.ldlt().solve(right).tail<2>();
+  return geometry::solve_symmetric(normal, right).bottomRows<2>();
 }
 
 }  // namespace

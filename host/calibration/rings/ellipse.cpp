@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "host/geometry/robust.hpp"
+#include "host/geometry/symmetric.hpp"
 
 namespace biteline::calibration {
 
@@ -103,7 +104,7 @@ Ellipse refine(Ellipse ellipse, std::span<const Vec2> points) {
       gradient += J * residual;
     }
     information(4, 4) += 1e-9 * information.trace();  // a circle has no angle
-    const Eigen::Matrix<double, 5, 1> step = information.ldlt().solve(gradient);
+    const Eigen::Matrix<double, 5, 1> step = geometry::solve_symmetric(information, gradient);
     Eigen::Matrix<double, 5, 1> next;
     next << ellipse.centre, a, b, ellipse.angle_rad;
     next -= step;

@@ -4,6 +4,8 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "host/geometry/symmetric.hpp"
+
 namespace biteline::calibration {
 
 namespace {
@@ -40,7 +42,7 @@ void refine(Mat3& H, std::span<const PlanePoint> points) {
       information += J.transpose() * J;
       gradient += J.transpose() * (point.image - q.head<2>() / q[2]);
     }
-    const Eigen::Matrix<double, 8, 1> step = information.ldlt().solve(gradient);
+    const Eigen::Matrix<double, 8, 1> step = geometry::solve_symmetric(information, gradient);
     if (!step.allFinite()) return;
     H.row(0) += step.segment<3>(0).transpose();
     H.row(1) += step.segment<3>(3).transpose();
@@ -69,10 +71,10 @@ std::optional<Mat3> fit_homography(std::span<const PlanePoint> points) {
     rows.block<1, 3>(1, 6) = -q[1] * p.transpose();
     scatter += rows.transpose() * rows;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> solver(scatter);
+  const auto [values, vectors] = geometry::principal_axes(scatter);
   // A second vanishing eigenvalue: points on a line, or fewer than four different ones.
-  if (solver.eigenvalues()[1] < 1e-10 * solver.eigenvalues()[8]) return std::nullopt;
-  const Eigen::Matrix<double, 9, 1> h = solver.eigenvectors().col(0);
+  if (values[1] < 1e-10 * values[8]) return std::nullopt;
+  const Eigen::Matrix<double, 9, 1> h = vectors.col(0);
   Mat3 H;
   H << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], h[8];
   if (std::abs(H(2, 2)) < 1e-9) return std::nullopt;

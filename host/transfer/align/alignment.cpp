@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "common/core/fixed_text.hpp"
+#include "host/geometry/symmetric.hpp"
 #include "host/transfer/align/advice.hpp"
 #include "host/transfer/align/fit.hpp"
 #include "host/transfer/align/line_beside.hpp"
@@ -85,7 +86,7 @@ double line_sigma_mm(const Sample& sample, const Fit& fit, Information H) {
   for (Eigen::Index i = 0; i < H.rows(); ++i) {
     if (H(i, i) <= 0) H(i, i) = 1;  // a tied factor: no column anywhere
   }
-  const Information covariance = H.ldlt().solve(Information::Identity(H.rows(), H.cols()));
+  const Information covariance = geometry::SymmetricSolver{H}.inverse();
   double sum = 0;
   for (const Vec3& p : sample.line_shoe) {
     const LineJacobian J = line_jacobian(fit.icp.placement.grade, p, fit.tie, H.rows());
@@ -133,10 +134,9 @@ void tell_uncertainty(const Sample& sample, const Fit& fit, Alignment& alignment
   const Vec3 arms = arms_mm(sample.line_shoe, centre);
   Eigen::Matrix<double, 6, 1> unit;
   unit << 1, 1, 1, 1 / arms.x(), 1 / arms.y(), 1 / arms.z();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver{unit.asDiagonal() * about_pivot *
-                                                                          unit.asDiagonal()};
-  const Eigen::Matrix<double, 6, 1> variances = solver.eigenvalues().cwiseMax(1e-12).cwiseInverse();
-  alignment.weakest = {.sigma_mm = std::sqrt(variances[0]), .words = words_of(solver.eigenvectors().col(0))};
+  const auto [values, axes] = geometry::principal_axes(unit.asDiagonal() * about_pivot * unit.asDiagonal());
+  const Eigen::Matrix<double, 6, 1> variances = values.cwiseMax(1e-12).cwiseInverse();
+  alignment.weakest = {.sigma_mm = std::sqrt(variances[0]), .words = words_of(axes.col(0))};
   // Rims that move the line may be right or not: half of what they move it by stays in doubt.
   alignment.line_sigma_mm = std::hypot(line_sigma_mm(sample, fit, H), fit.rim_shift_mm / 2);
 }
