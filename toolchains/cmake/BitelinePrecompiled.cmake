@@ -3,6 +3,16 @@
 # Every unit still includes what it uses: presets dev, arm64 and fuzz build without this and would not compile.
 option(BITELINE_PRECOMPILE "Parse Eigen and the most used standard headers once" OFF)
 
+# Half of all sources are tests.  Their own code waits for programs and calls libraries, which are optimised as ever: little
+# optimisation and no notes for a debugger spare a third of its compilation.  Benchmarks measure, so they are compiled as products.
+option(BITELINE_QUICK_TESTS "Compile the tests' own sources quickly (-O1 -g0)" OFF)
+
+# By itself the compiler tidies its memory every few dozen megabytes: a twentieth of its time.
+option(BITELINE_ROOMY_COMPILER "GCC may fill 1 GB before it tidies up (1.7 GB for each of its processes at most)" OFF)
+if(BITELINE_ROOMY_COMPILER AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  add_compile_options(--param=ggc-min-heapsize=1048576)
+endif()
+
 # precompiled(<name> HEADERS...): target <name>, whose parsed headers other targets may start from.
 function(precompiled name)
   file(WRITE ${CMAKE_BINARY_DIR}/generated/${name}.cpp "")
@@ -20,14 +30,23 @@ if(BITELINE_PRECOMPILE)
   precompiled(biteline_precompiled)
   precompiled(biteline_precompiled_no_exceptions)
   target_compile_options(biteline_precompiled_no_exceptions PRIVATE -fno-exceptions)
+  if(BITELINE_QUICK_TESTS)
+    precompiled(biteline_precompiled_tests)
+    target_compile_options(biteline_precompiled_tests PRIVATE -O1 -g0)
+  endif()
 endif()
 
-# biteline_precompile(<target> [NO_EXCEPTIONS]): the target's units start from the headers above.
+# biteline_precompile(<target> [NO_EXCEPTIONS|TESTS]): the target's units start from the headers above.  TESTS: only tests use it.
 function(biteline_precompile target)
-  cmake_parse_arguments(ARG "NO_EXCEPTIONS" "" "" ${ARGN})
-  if(BITELINE_PRECOMPILE AND ARG_NO_EXCEPTIONS)
-    target_precompile_headers(${target} REUSE_FROM biteline_precompiled_no_exceptions)
-  elseif(BITELINE_PRECOMPILE)
-    target_precompile_headers(${target} REUSE_FROM biteline_precompiled)
+  cmake_parse_arguments(ARG "NO_EXCEPTIONS;TESTS" "" "" ${ARGN})
+  set(kind "")
+  if(ARG_TESTS AND BITELINE_QUICK_TESTS)
+    target_compile_options(${target} PRIVATE -O1 -g0)
+    set(kind _tests)
+  elseif(ARG_NO_EXCEPTIONS)
+    set(kind _no_exceptions)
+  endif()
+  if(BITELINE_PRECOMPILE)
+    target_precompile_headers(${target} REUSE_FROM biteline_precompiled${kind})
   endif()
 endfunction()
