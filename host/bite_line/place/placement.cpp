@@ -12,6 +12,7 @@
 #include "host/bite_line/place/ridge_doubt.hpp"
 #include "host/bite_line/place/sampling.hpp"
 #include "host/bite_line/place/section_course.hpp"
+#include "host/bite_line/place/thing_beside.hpp"
 #include "host/geometry/bridge.hpp"
 #include "host/geometry/closed_curve.hpp"
 
@@ -230,6 +231,7 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
   doubt_ridge(ridge, config.mean_mm / sections.station_mm, placement.points);
   doubt_bridges(ridge.visible, placement.points);
   doubt_bridges(course.o_known, placement.points);
+  doubt_things_beside(sections.station_mm, placement.points);
   for (std::size_t i = 0; i < stations; ++i) {
     const double step = (placement.points[(i + 1) % stations].position - placement.points[i].position).norm();
     placement.length_mm += step;

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/place/thing_beside.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+namespace biteline::bite_line {
+
+namespace {
+
+Vec2 level(const PlacedStation& station) {
+  return station.position.head<2>();
+}
+
+double cross(const Vec2& a, const Vec2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// Middles of the runs of stations at which the line turns inwards by a sharp corner.
+std::vector<std::size_t> hollow_corners(const std::vector<PlacedStation>& stations, std::size_t from,
+                                        std::size_t to, double corner_rad) {
+  const std::size_t count = stations.size();
+  const auto at = [&](std::size_t i) { return level(stations[i % count]); };
+  std::vector<std::size_t> corners;
+  std::size_t run = 0;
+  for (std::size_t i = 0; i <= count; ++i) {
+    const Vec2 before = at(i + count - from) - at(i + count - to);
+    const Vec2 behind = at(i + to) - at(i + from);
+    const bool sharp = i < count && std::atan2(cross(before, behind), before.dot(behind)) < -corner_rad;
+    if (sharp) {
+      ++run;
+    } else if (run > 0) {
+      corners.push_back(i - 1 - (run - 1) / 2);
+      run = 0;
+    }
+  }
+  return corners;
+}
+
+}  // namespace
+
+void doubt_things_beside(double station_mm, std::vector<PlacedStation>& stations, const ThingConfig& config) {
+  const std::size_t count = stations.size();
+  const auto steps_of = [&](double mm) { return static_cast<std::size_t>(std::lround(mm / station_mm)); };
+  const std::size_t beside = steps_of(config.beside_mm);
+  if (count <= 2 * steps_of(config.longest_mm)) return;
+  const std::vector<std::size_t> corners = hollow_corners(
+      stations, steps_of(config.from_mm), steps_of(config.to_mm), config.corner_deg * std::numbers::pi / 180);
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const std::size_t first = corners[k];
+    const std::size_t steps = (corners[(k + 1) % corners.size()] + count - first) % count;
+    if (steps == 0 || steps > steps_of(config.longest_mm)) continue;
+    const Vec2 foot = level(stations[first]);
+    const Vec2 between = level(stations[(first + steps) % count]) - foot;
+    double out_mm = 0;
+    for (std::size_t i = 1; i < steps; ++i) {
+      // Outwards of an anticlockwise line is to its right.
+      const double away = cross(level(stations[(first + i) % count]) - foot, between);
+      out_mm = std::max(out_mm, away / std::max(between.norm(), 1e-6));
+    }
+    for (std::size_t i = 0; i <= steps + 2 * beside; ++i) {
+      PlacedStation& station = stations[(first + count - beside + i) % count];
+      if (config.hold >= station.hold) continue;
+      station.hold = config.hold;
+      station.other_mm = std::max(station.other_mm, out_mm);
+    }
+  }
+}
+
+}  // namespace biteline::bite_line

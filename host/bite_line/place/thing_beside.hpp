@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Where the line runs round something that stands beside the shoe: a pin, a clamp, a cable.
+
+#include <vector>
+
+#include "host/bite_line/place/placement.hpp"
+
+namespace biteline::bite_line {
+
+/// Seen from above a shoe's outline has no sharp hollow corner.  A line that has two of them within
+/// `longest_mm` runs out at the one and comes back at the other.
+///
+///      ___      what stands beside it
+///     |   |
+///  ___|   |___  the line
+struct ThingConfig {
+  double corner_deg{35.0};  ///< inwards, of a sharp corner
+  double from_mm{1.5};      ///< to both sides of it ...
+  double to_mm{6.0};        ///< ... between these its directions are taken
+  double longest_mm{60.0};  ///< along the line
+  double beside_mm{3.0};    ///< of the line is as unsure, on both sides
+  double hold{0.1};         ///< that the line is right there
+};
+
+/// Lowers `hold` of the stations round such a thing, and sets `other_mm` to how far it stands out.
+/// `stations`: closed, anticlockwise, `station_mm` apart.
+void doubt_things_beside(double station_mm, std::vector<PlacedStation>& stations,
+                         const ThingConfig& config = {});
+
+}  // namespace biteline::bite_line
