@@ -14,7 +14,7 @@ Vec2 level(const PlacedStation& station) {
   return station.position.head<2>();
 }
 
-double cross(const Vec2& a, const Vec2& b) {
+double cross_mm2(const Vec2& a, const Vec2& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
@@ -28,7 +28,7 @@ std::vector<std::size_t> hollow_corners(const std::vector<PlacedStation>& statio
   for (std::size_t i = 0; i <= count; ++i) {
     const Vec2 before = at(i + count - from) - at(i + count - to);
     const Vec2 behind = at(i + to) - at(i + from);
-    const bool sharp = i < count && std::atan2(cross(before, behind), before.dot(behind)) < -corner_rad;
+    const bool sharp = i < count && std::atan2(cross_mm2(before, behind), before.dot(behind)) < -corner_rad;
     if (sharp) {
       ++run;
     } else if (run > 0) {
@@ -57,7 +57,7 @@ void doubt_things_beside(double station_mm, std::vector<PlacedStation>& stations
     double out_mm = 0;
     for (std::size_t i = 1; i < steps; ++i) {
       // Outwards of an anticlockwise line is to its right.
-      const double away = cross(level(stations[(first + i) % count]) - foot, between);
+      const double away = cross_mm2(level(stations[(first + i) % count]) - foot, between);
       out_mm = std::max(out_mm, away / std::max(between.norm(), 1e-6));
     }
     for (std::size_t i = 0; i <= steps + 2 * beside; ++i) {
