@@ -38,7 +38,12 @@ HWY_INLINE void sum_terms(std::span<float> to, std::size_t terms, Term&& term) {
   std::size_t i = 0;
   for (; i + 4 * lanes <= to.size(); i += 4 * lanes) sum_rows<4>(d, to.data(), terms, i, term);
   for (; i + lanes <= to.size(); i += lanes) sum_rows<1>(d, to.data(), terms, i, term);
-  for (; i < to.size(); ++i) sum_rows<1>(one, to.data(), terms, i, term);
+  if (i == to.size()) return;
+  if (to.size() >= lanes) {
+    sum_rows<1>(d, to.data(), terms, to.size() - lanes, term);
+  } else {
+    for (; i < to.size(); ++i) sum_rows<1>(one, to.data(), terms, i, term);
+  }
 }
 
 void SumTaps(std::span<float> to, std::span<const Tap> taps) {
@@ -49,14 +54,33 @@ void Convolve(std::span<float> to, const float* from, std::span<const float> ker
   sum_terms(to, kernel.size(), [&](std::size_t j) { return Tap{from + j, kernel[j]}; });
 }
 
-/// Calls `work(d, i)` for whole vectors, then for what remains value by value.
+/// Calls `work(d, i)` for whole vectors.  The last one reaches back over what is done already: the same once
+/// more costs less than value by value.
 template <class Work>
 HWY_INLINE void for_lanes(std::size_t size, Work&& work) {
   const hn::ScalableTag<float> d;
   const hn::CappedTag<float, 1> one;
   std::size_t i = 0;
   for (; i + hn::Lanes(d) <= size; i += hn::Lanes(d)) work(d, i);
-  for (; i < size; ++i) work(one, i);
+  if (i == size) return;
+  if (size >= hn::Lanes(d)) {
+    work(d, size - hn::Lanes(d));
+  } else {
+    for (; i < size; ++i) work(one, i);
+  }
+}
+
+void MostOfSums(std::span<float> to, std::span<const Tap> taps, std::size_t together) {
+  for_lanes(to.size(), [&](auto d, std::size_t i) {
+    auto most = hn::Zero(d);
+    for (std::size_t first = 0; first < taps.size(); first += together) {
+      auto sum = hn::Zero(d);
+      for (const Tap& tap : taps.subspan(first, together))
+        sum = hn::MulAdd(hn::Set(d, tap.weight), hn::LoadU(d, tap.from + i), sum);
+      most = hn::Max(most, sum);
+    }
+    hn::StoreU(most, d, to.data() + i);
+  });
 }
 
 template <class D, class M>
@@ -166,6 +190,7 @@ namespace biteline::bite_line {
 HWY_EXPORT(Convolve);
 HWY_EXPORT(FitLines);
 HWY_EXPORT(FitRows);
+HWY_EXPORT(MostOfSums);
 HWY_EXPORT(SlopeAngles);
 HWY_EXPORT(StepColumn);
 HWY_EXPORT(SumTaps);
@@ -180,6 +205,9 @@ std::vector<float> gaussian(double sigma_steps, double sigmas) {
 
 void sum_taps(std::span<float> to, std::span<const Tap> taps) {
   HWY_DYNAMIC_DISPATCH(SumTaps)(to, taps);
+}
+void most_of_sums(std::span<float> to, std::span<const Tap> taps, std::size_t together) {
+  HWY_DYNAMIC_DISPATCH(MostOfSums)(to, taps, together);
 }
 void convolve(std::span<float> to, const float* from, std::span<const float> kernel) {
   HWY_DYNAMIC_DISPATCH(Convolve)(to, from, kernel);

@@ -2,7 +2,6 @@
 #include "host/bite_line/layers/course.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -17,65 +16,10 @@ namespace biteline::bite_line {
 
 namespace {
 
-constexpr float k_blocked = 1e30F;
-
-/// Totals of the cheapest ways to each place, twice round in one direction; those of the second round count.
-class Totals {
- public:
-  /// `ahead`: from low columns to high ones.
-  Totals(std::span<const float> cost, int rows, int cols, bool ahead, const PathConfig& config)
-      : rows_{static_cast<std::size_t>(rows)}, cols_{cols}, ahead_{ahead} {
-    const int count = 2 * cols;
-    total_.resize(rows_ * static_cast<std::size_t>(cols));
-    step_.resize(rows_ * static_cast<std::size_t>(count));
-    const auto reach = static_cast<std::size_t>(config.max_step_rows);
-    std::vector<float> before(rows_ + 2 * reach, k_blocked), after = before, penalty;
-    for (int d = -config.max_step_rows; d <= config.max_step_rows; ++d)
-      penalty.push_back(static_cast<float>(config.step_cost * d * d));
-    std::copy_n(cost.data() + at(0), rows_, before.data() + reach);
-    std::fill_n(step_.data(), rows_, std::int8_t{0});
-    for (int k = 1; k < count; ++k) {
-      step_column({.before = before.data() + reach,
-                   .penalty = penalty,
-                   .own = cost.data() + at(k),
-                   .most = k_blocked},
-                  {after.data() + reach, rows_}, step_.data() + static_cast<std::size_t>(k) * rows_);
-      std::swap(before, after);
-      if (k >= cols) std::copy_n(before.data() + reach, rows_, total_.data() + at(k));
-    }
-  }
-
-  [[nodiscard]] float total(int row, int col) const {
-    return total_[static_cast<std::size_t>(col) * rows_ + static_cast<std::size_t>(row)];
-  }
-  /// Columns of the way to a column of the second round.
-  [[nodiscard]] int length(int col) const { return cols_ + 1 + (ahead_ ? col : cols_ - 1 - col); }
-  /// Row of the way one column before the `k`-th from the sweep's start.
-  [[nodiscard]] int before(int row, int k) const {
-    return row + step_[static_cast<std::size_t>(k) * rows_ + static_cast<std::size_t>(row)];
-  }
-
- private:
-  /// First cell of the k-th column that the sweep comes to.
-  [[nodiscard]] std::size_t at(int k) const {
-    const int col = k % cols_;
-    return static_cast<std::size_t>(ahead_ ? col : cols_ - 1 - col) * rows_;
-  }
-
-  std::size_t rows_;
-  int cols_;
-  bool ahead_;
-  Large<float> total_;
-  Large<std::int8_t> step_;
-};
-
 class Search {
  public:
-  Search(std::span<const float> cost, int rows, int cols, const CourseConfig& config)
-      : cost_{cost}, rows_{rows}, cols_{cols}, config_{config} {
-    tbb::parallel_invoke([&] { ahead_.emplace_back(cost, rows, cols, true, config.path); },
-                         [&] { back_.emplace_back(cost, rows, cols, false, config.path); });
-  }
+  Search(const Ways& ways, const CourseConfig& config)
+      : ways_{ways}, rows_{ways.rows()}, cols_{ways.cols()}, config_{config} {}
 
   Course run(const ClosedPath& best) {
     Course course;
@@ -94,14 +38,6 @@ class Search {
   }
 
  private:
-  [[nodiscard]] float through(int row, int col) const {
-    return ahead_.front().total(row, col) + back_.front().total(row, col) - cost_at(row, col);
-  }
-  [[nodiscard]] float cost_at(int row, int col) const {
-    return cost_[static_cast<std::size_t>(col) * static_cast<std::size_t>(rows_) +
-                 static_cast<std::size_t>(row)];
-  }
-
   struct Rival {
     int row{-1};
     int col{-1};
@@ -112,16 +48,16 @@ class Search {
   void add_rivals_at(const Course& course, int col, bool above, std::vector<Rival>& rivals) const {
     constexpr int k_about_rows = 3;
     const int own = course.row[static_cast<std::size_t>(col)];
-    const float least = through(own, col);
+    const float least = ways_.through(own, col);
     const int first = above ? own + config_.apart_rows : 0;
     const int end = above ? rows_ : own - config_.apart_rows + 1;
     for (int row = first; row < end; ++row) {
-      if (cost_at(row, col) > config_.most_cost) continue;
-      const float here = through(row, col);
+      if (ways_.cost(row, col) > config_.most_cost) continue;
+      const float here = ways_.through(row, col);
       bool lowest = true;
       for (int r = std::max(first, row - k_about_rows); lowest && r <= std::min(end - 1, row + k_about_rows);
            ++r)
-        lowest = through(r, col) >= here;
+        lowest = ways_.through(r, col) >= here;
       if (lowest) rivals.push_back({.row = row, .col = col, .worse = static_cast<double>(here - least)});
     }
   }
@@ -135,20 +71,19 @@ class Search {
     const int col = rival.col;
     constexpr int k_met_rows = 2;
     const auto met = [&](int row, int c) { return std::abs(row - own_row(course, c)) <= k_met_rows; };
-    const auto walk = [&](const Totals& totals, int direction) {
+    const auto walk = [&](bool ahead) {
       std::vector<int> rows;
-      int row = rival.row;
       int c = col;
-      for (int k = totals.length(col) - 1; k > 0; --k) {
-        row = totals.before(row, k);
-        c += direction;
-        if (met(row, c)) break;
+      ways_.walk(rival.row, col, ahead, [&](int row) {
+        c += ahead ? 1 : -1;
+        if (met(row, c)) return false;
         rows.push_back(row);
-      }
+        return true;
+      });
       return rows;
     };
-    std::vector<int> left = walk(ahead_.front(), -1);
-    const std::vector<int> right = walk(back_.front(), 1);
+    std::vector<int> left = walk(false);
+    const std::vector<int> right = walk(true);
     Branch branch{.first_col = 0,
                   .row = {},
                   .above = above,
@@ -172,7 +107,7 @@ class Search {
     std::stable_sort(rivals.begin(), rivals.end(),
                      [](const Rival& a, const Rival& b) { return a.worse < b.worse; });
     constexpr int k_same_rows = 3;
-    std::vector<std::uint8_t> known(cost_.size(), 0);
+    std::vector<std::uint8_t> known(ways_.cost().size(), 0);
     const auto cell = [&](int row, int col) {
       return static_cast<std::size_t>(col) * static_cast<std::size_t>(rows_) + static_cast<std::size_t>(row);
     };
@@ -194,38 +129,98 @@ class Search {
   /// The best closed course that lies wholly above, or below: it never comes back.
   [[nodiscard]] Branch beside(const Course& course, bool above) const {
     constexpr float k_barred = 100.0F;
-    Large<float> cost(cost_.size());
-    std::copy(cost_.begin(), cost_.end(), cost.begin());
+    // Rows that are barred all the way round are left out.
+    const auto [lowest, highest] = std::minmax_element(course.row.begin(), course.row.end());
+    const int first = above ? std::min(*lowest + config_.apart_rows, rows_ - 1) : 0;
+    const int end = above ? rows_ : std::max(*highest - config_.apart_rows + 1, 1);
+    const int height = end - first;
+    Large<float> cost(static_cast<std::size_t>(height) * static_cast<std::size_t>(cols_));
     for (int col = 0; col < cols_; ++col) {
       const int own = course.row[static_cast<std::size_t>(col)];
-      float* column = cost.data() + static_cast<std::size_t>(col) * static_cast<std::size_t>(rows_);
-      const int first = above ? 0 : std::max(0, own - config_.apart_rows);
-      const int end = above ? std::min(rows_, own + config_.apart_rows) : rows_;
-      std::fill(column + first, column + end, k_barred);
+      const int barred_to = above ? std::clamp(own + config_.apart_rows - first, 0, height) : height;
+      const int barred_from = above ? 0 : std::clamp(own - config_.apart_rows, 0, height);
+      float* column = cost.data() + static_cast<std::size_t>(col) * static_cast<std::size_t>(height);
+      std::copy_n(
+          ways_.cost().data() + static_cast<std::size_t>(col) * static_cast<std::size_t>(rows_) + first,
+          height, column);
+      std::fill(column + barred_from, column + barred_to, k_barred);
     }
-    const ClosedPath path = shortest_closed_path({cost.data(), cost.size()}, rows_, cols_, config_.path);
-    return {.first_col = 0,
-            .row = path.row,
-            .above = above,
-            .worse = path.cost - course.cost,
-            .over_cols = static_cast<double>(cols_)};
+    const ClosedPath path = shortest_closed_path({cost.data(), cost.size()}, height, cols_, config_.path);
+    Branch branch{.first_col = 0,
+                  .row = path.row,
+                  .above = above,
+                  .worse = path.cost - course.cost,
+                  .over_cols = static_cast<double>(cols_)};
+    for (int& row : branch.row) row += first;
+    return branch;
   }
 
-  std::span<const float> cost_;
+  const Ways& ways_;
   int rows_;
   int cols_;
   CourseConfig config_;
-  std::vector<Totals> ahead_, back_;
 };
 
 }  // namespace
 
-Course find_course(std::span<const float> cost, int rows, int cols, const ClosedPath& best,
-                   const CourseConfig& config) {
+Ways::Ways(std::span<const float> cost, int rows, int cols, const PathConfig& config)
+    : cost_{cost}, rows_{rows}, cols_{cols}, config_{config} {
   BITELINE_EXPECTS(rows > 0 && cols > 1 &&
                    cost.size() == static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols));
-  BITELINE_EXPECTS(best.row.size() == static_cast<std::size_t>(cols));
-  return Search{cost, rows, cols, config}.run(best);
+  tbb::parallel_invoke([&] { ahead_ = sweep(true); }, [&] { back_ = sweep(false); });
+}
+
+Ways::Totals Ways::sweep(bool ahead) const {
+  constexpr float k_blocked = 1e30F;
+  const auto height = static_cast<std::size_t>(rows_);
+  const int count = 2 * cols_;
+  Totals totals;
+  totals.total.resize(cost_.size());
+  totals.step.resize(2 * cost_.size());
+  /// First cell of the k-th column that the sweep comes to.
+  const auto column = [&](int k) { return at(0, ahead ? k % cols_ : cols_ - 1 - k % cols_); };
+  const auto reach = static_cast<std::size_t>(config_.max_step_rows);
+  std::vector<float> before(height + 2 * reach, k_blocked), after = before, penalty;
+  for (int d = -config_.max_step_rows; d <= config_.max_step_rows; ++d)
+    penalty.push_back(static_cast<float>(config_.step_cost * d * d));
+  std::copy_n(cost_.data() + column(0), height, before.data() + reach);
+  std::fill_n(totals.step.data(), height, std::int8_t{0});
+  for (int k = 1; k < count; ++k) {
+    step_column({.before = before.data() + reach,
+                 .penalty = penalty,
+                 .own = cost_.data() + column(k),
+                 .most = k_blocked},
+                {after.data() + reach, height}, totals.step.data() + at(0, k));
+    std::swap(before, after);
+    const float* total = before.data() + reach;
+    if (k == cols_ - 1) totals.once.assign(total, total + height);
+    if (k >= cols_) std::copy_n(total, height, totals.total.data() + column(k));
+  }
+  return totals;
+}
+
+ClosedPath Ways::best() const {
+  const float* last = ahead_.total.data() + at(0, cols_ - 1);
+  auto row = static_cast<int>(std::min_element(last, last + rows_) - last);
+  for (int k = 2 * cols_ - 1; k > cols_; --k) row = before(ahead_, row, k);
+  return closed_path_through(cost_, rows_, cols_, row, config_);
+}
+
+ClosedPath Ways::open() const {
+  const auto end = std::min_element(ahead_.once.begin(), ahead_.once.end());
+  auto row = static_cast<int>(end - ahead_.once.begin());
+  ClosedPath path{.row = std::vector<int>(static_cast<std::size_t>(cols_)),
+                  .cost = static_cast<double>(*end)};
+  for (int k = cols_ - 1; k >= 0; --k) {
+    path.row[static_cast<std::size_t>(k)] = row;
+    row = before(ahead_, row, k);
+  }
+  return path;
+}
+
+Course find_course(const Ways& ways, const ClosedPath& best, const CourseConfig& config) {
+  BITELINE_EXPECTS(best.row.size() == static_cast<std::size_t>(ways.cols()));
+  return Search{ways, config}.run(best);
 }
 
 }  // namespace biteline::bite_line

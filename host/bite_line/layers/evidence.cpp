@@ -11,52 +11,11 @@
 #include <tbb/parallel_for.h>
 
 #include "host/bite_line/lanes.hpp"
+#include "host/bite_line/layers/likeness.hpp"
 
 namespace biteline::bite_line {
 
 namespace {
-
-/// Sums along a column from its bottom, so that a straight line through any of its rows takes two look-ups.
-struct RunningSums {
-  struct Sums {
-    double n{0}, z{0}, zz{0}, o{0}, zo{0};
-  };
-  std::vector<Sums> upto;  ///< of the rows below each
-
-  void of(const SideField& field, int col) {
-    const SideGrid& grid = field.grid;
-    upto.assign(static_cast<std::size_t>(grid.rows) + 1, {});
-    for (int row = 0; row < grid.rows; ++row) {
-      const auto at = static_cast<std::size_t>(row);
-      Sums sums = upto[at];
-      const std::size_t cell = grid.at(row, col);
-      if (field.seen[cell] != 0) {
-        const double z = row * grid.row_mm;
-        const auto o = static_cast<double>(field.o_mm[cell]);
-        sums = {sums.n + 1, sums.z + z, sums.zz + z * z, sums.o + o, sums.zo + z * o};
-      }
-      upto[at + 1] = sums;
-    }
-  }
-  /// Line o = at + slope (z - z0) through the rows low to high; false with less than 60 % of them seen.
-  bool line(int low, int high, double z0_mm, double& at_mm, double& slope) const {
-    const int rows = static_cast<int>(upto.size()) - 1;
-    const int first = std::max(low, 0);
-    const int end = std::min(high + 1, rows);
-    if (first >= end) return false;
-    const Sums& a = upto[static_cast<std::size_t>(first)];
-    const Sums& b = upto[static_cast<std::size_t>(end)];
-    const double n = b.n - a.n;
-    if (n < 0.6 * (high - low + 1)) return false;
-    const double z = (b.z - a.z) / n;
-    const double o = (b.o - a.o) / n;
-    const double spread = (b.zz - a.zz) / n - z * z;
-    if (spread < 1e-6) return false;
-    slope = ((b.zo - a.zo) / n - z * o) / spread;
-    at_mm = o + slope * (z0_mm - z);
-    return true;
-  }
-};
 
 /// The turn averaged along the direction in which it is largest: a crease runs on, noise and weave do not.
 ///
@@ -85,21 +44,19 @@ class Runs {
     });
   }
 
-  /// Of one column; `along` is room for as many values.
-  void of(int col, std::span<float> most, std::vector<float>& along) const {
-    std::fill(most.begin(), most.end(), 0.0F);
-    along.resize(most.size());
-    std::vector<Tap> taps(static_cast<std::size_t>(2 * reach_ + 1));
-    const float weight = 1.0F / static_cast<float>(taps.size());
+  /// Of one column; `taps` is room for the work.
+  void of(int col, std::span<float> most, std::vector<Tap>& taps) const {
+    const auto together = static_cast<std::size_t>(2 * reach_ + 1);
+    const float weight = 1.0F / static_cast<float>(together);
+    taps.clear();
     for (const int half : k_half_rows) {
       for (int j = -reach_; j <= reach_; ++j) {
         const int other = ((col + 2 * j) % grid_.cols + grid_.cols) % grid_.cols;
-        taps[static_cast<std::size_t>(j + reach_)] = {
-            turn_.data() + height_ * static_cast<std::size_t>(other) + margin_ + half * j, weight};
+        taps.push_back(
+            {turn_.data() + height_ * static_cast<std::size_t>(other) + margin_ + half * j, weight});
       }
-      sum_taps(along, taps);
-      for (std::size_t row = 0; row < most.size(); ++row) most[row] = std::max(most[row], along[row]);
     }
+    most_of_sums(most, taps, together);
   }
 
  private:
@@ -117,83 +74,58 @@ class Runs {
 class ColumnEvidence {
  public:
   ColumnEvidence(const SideField& field, const Runs& runs, const EvidenceConfig& config)
-      : field_{field}, runs_{runs}, config_{config} {}
+      : field_{field},
+        runs_{runs},
+        config_{config},
+        likeness_{likeness_config(field.grid, config), static_cast<std::size_t>(field.grid.rows)} {}
 
   void of(int col, float* likeness) {
-    const SideGrid& grid = field_.grid;
-    sums_.of(field_, col);
-    turn_.resize(static_cast<std::size_t>(grid.rows));
-    runs_.of(col, turn_, along_);
-    noise_rad_ = std::max(config_.noise_rad, config_.rough_ratio * roughness(col));
-    for (int row = 0; row < grid.rows; ++row) likeness[row] = static_cast<float>(likeness_at(row));
+    runs_.of(col, likeness_.turn_rad(), taps_);
+    const double noise_rad = noise_of(col);
+    const std::size_t first = field_.grid.at(0, col);
+    const std::span like = likeness_.of(field_.o_mm.data() + first, field_.seen.data() + first, noise_rad);
+    std::copy(like.begin(), like.end(), likeness);
   }
 
  private:
-  [[nodiscard]] int rows_of(double mm) const {
-    return static_cast<int>(std::lround(mm / field_.grid.row_mm));
+  static LikenessConfig likeness_config(const SideGrid& grid, const EvidenceConfig& config) {
+    const auto rows_of = [&](double mm) { return static_cast<int>(std::lround(mm / grid.row_mm)); };
+    return {.row_mm = grid.row_mm,
+            .crease_rad = config.crease_rad,
+            .crest = rows_of(config.crest_mm),
+            .one_surface_ratio = config.one_surface_ratio,
+            .flank_soft_rad = config.flank_soft_rad,
+            .rad_per_step_mm = config.rad_per_step_mm,
+            .near_from = rows_of(1.0),
+            .near_to = rows_of(3.0),
+            .flank_from = rows_of(2.0),
+            .flank_to = rows_of(6.0)};
   }
 
-  /// Median turn of the column, either way: weave, noise, or few points.
-  double roughness(int col) {
+  /// Turns that are nothing: more than usual where most of the column turns, either way, as weave, noise and
+  /// few points do.
+  double noise_of(int col) {
     const SideGrid& grid = field_.grid;
-    along_.clear();
+    sizes_.clear();
+    std::size_t calm = 0;
     for (int row = 0; row < grid.rows; row += 2) {
       const std::size_t cell = grid.at(row, col);
-      if (field_.seen[cell] != 0) along_.push_back(std::abs(field_.turn_rad[cell]));
+      if (field_.seen[cell] == 0) continue;
+      sizes_.push_back(std::abs(field_.turn_rad[cell]));
+      if (config_.rough_ratio * static_cast<double>(sizes_.back()) <= config_.noise_rad) ++calm;
     }
-    if (along_.empty()) return 0;
-    const auto middle = along_.begin() + static_cast<std::ptrdiff_t>(along_.size() / 2);
-    std::nth_element(along_.begin(), middle, along_.end());
-    return static_cast<double>(*middle);
-  }
-
-  [[nodiscard]] double likeness_at(int row) const {
-    const auto turn = static_cast<double>(turn_[static_cast<std::size_t>(row)]);
-    if (turn <= noise_rad_) return 0;
-    // A line is where the surface turns most, and not on the flank of that.
-    double most = turn;
-    const int reach = rows_of(config_.crest_mm);
-    for (int r = std::max(0, row - reach); r <= std::min(field_.grid.rows - 1, row + reach); ++r)
-      most = std::max(most, static_cast<double>(turn_[static_cast<std::size_t>(r)]));
-    const double crease = turn / most * (1 - std::exp(-(turn - noise_rad_) / config_.crease_rad));
-    return crease * (config_.one_surface_ratio + (1 - config_.one_surface_ratio) * two_surfaces(row)) *
-           not_overhung(row);
-  }
-
-  /// That what lies 1 to 3 mm above does not stand out beyond what lies as far below: the lower edge of a
-  /// piece laid on the upper is a crease, too.
-  [[nodiscard]] double not_overhung(int row) const {
-    const double z0_mm = row * field_.grid.row_mm;
-    double above_mm = 0, above = 0, below_mm = 0, below = 0;
-    if (!sums_.line(row + rows_of(1.0), row + rows_of(3.0), z0_mm, above_mm, above) ||
-        !sums_.line(row - rows_of(3.0), row - rows_of(1.0), z0_mm, below_mm, below))
-      return 1;
-    constexpr double k_overhang_mm = 0.5;
-    constexpr double k_soft_mm = 0.1;
-    constexpr double k_certain = 30;  // beyond it the power of e leaves what a number holds
-    return 1.0 / (1.0 + std::exp(std::clamp((above_mm - below_mm - k_overhang_mm) / k_soft_mm, -k_certain,
-                                            k_certain)));
-  }
-
-  /// That the surfaces 2 to 6 mm above and below are two: they turn against each other or one stands out.
-  [[nodiscard]] double two_surfaces(int row) const {
-    const double z0_mm = row * field_.grid.row_mm;
-    double above_mm = 0, above = 0, below_mm = 0, below = 0;
-    if (!sums_.line(row + rows_of(2.0), row + rows_of(6.0), z0_mm, above_mm, above) ||
-        !sums_.line(row - rows_of(6.0), row - rows_of(2.0), z0_mm, below_mm, below))
-      return 0.6;
-    const double between =
-        std::atan(above) - std::atan(below) + config_.rad_per_step_mm * std::max(below_mm - above_mm, 0.0);
-    return 1.0 / (1.0 + std::exp(-between / config_.flank_soft_rad));
+    if (sizes_.empty() || calm > sizes_.size() / 2) return config_.noise_rad;
+    const auto middle = sizes_.begin() + static_cast<std::ptrdiff_t>(sizes_.size() / 2);
+    std::nth_element(sizes_.begin(), middle, sizes_.end());
+    return config_.rough_ratio * static_cast<double>(*middle);
   }
 
   const SideField& field_;
   const Runs& runs_;
   const EvidenceConfig& config_;
-  RunningSums sums_;
-  std::vector<float> turn_;   ///< along the best direction
-  std::vector<float> along_;  ///< room for that
-  double noise_rad_{0};
+  ColumnLikeness likeness_;
+  std::vector<Tap> taps_;
+  std::vector<float> sizes_;
 };
 
 /// What a course through each place of a column costs.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <utility>
 
 #include <tbb/parallel_for.h>
 
@@ -18,9 +19,8 @@ constexpr double k_mean_mm = 8.5;             // along the line, of its place
 constexpr std::size_t k_shortest_told = 15;   // columns: a shorter rival is told by the points' confidence
 
 /// Height between the ends of the best course that need not close, where that is much cheaper.
-double closure_mm(const SideField& field, std::span<const float> cost, const Course& course,
-                  double visible_share, const PathConfig& config) {
-  const ClosedPath open = shortest_open_path(cost, field.grid.rows, field.grid.cols, config);
+double closure_mm(const SideField& field, const Ways& ways, const Course& course, double visible_share) {
+  const ClosedPath open = ways.open();
   const bool spiral = visible_share > k_worth_a_look_share && course.cost - open.cost > k_spiral_cost;
   return spiral ? std::abs(open.row.front() - open.row.back()) * field.grid.row_mm : 0.0;
 }
@@ -97,15 +97,16 @@ std::vector<float> sharp_along(const SideField& field, const Crease& line) {
 }
 
 FirstLook first_look(const SideField& field, const LayersConfig& config) {
-  FirstLook look{.evidence = find_evidence(field, config.evidence), .best = {}};
-  look.best = shortest_closed_path(look.evidence.cost, field.grid.rows, field.grid.cols, config.course.path);
-  return look;
+  Evidence evidence = find_evidence(field, config.evidence);
+  Ways ways{evidence.cost, field.grid.rows, field.grid.cols, config.course.path};
+  ClosedPath best = ways.best();
+  return {.evidence = std::move(evidence), .ways = std::move(ways), .best = std::move(best)};
 }
 
 Layers find_layers(const SideField& field, const FirstLook& look, const LayersConfig& config) {
   const SideGrid& grid = field.grid;
   const Evidence& evidence = look.evidence;
-  const Course course = find_course(evidence.cost, grid.rows, grid.cols, look.best, config.course);
+  const Course course = find_course(look.ways, look.best, config.course);
   const auto margin_of = [&](const Branch& branch) {
     const bool returns = branch.over_cols < grid.cols;
     return (branch.worse + (returns ? config.kink : 0.0)) / (branch.over_cols + config.margin_cols);
@@ -146,8 +147,7 @@ Layers find_layers(const SideField& field, const FirstLook& look, const LayersCo
   tbb::parallel_for(std::size_t{0}, told.size() + 1, [&](std::size_t i) {
     if (i == 0) {
       layers.line = describe(field, evidence.likeness, course.row, config.crease);
-      layers.line.closure_mm =
-          closure_mm(field, evidence.cost, course, layers.line.visible_share, config.course.path);
+      layers.line.closure_mm = closure_mm(field, look.ways, course, layers.line.visible_share);
       return;
     }
     const Branch& branch = *told[i - 1];

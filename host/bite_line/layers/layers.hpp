@@ -53,6 +53,7 @@ struct Layers {
 /// How much each place looks like the bite line, and the best closed course through that.
 struct FirstLook {
   Evidence evidence;
+  Ways ways;  ///< through its cost
   ClosedPath best;
 };
 [[nodiscard]] FirstLook first_look(const SideField& field, const LayersConfig& config);

@@ -62,6 +62,20 @@ std::vector<int> trace_back(const Sweep& result, int rows, int count, int row) {
 
 }  // namespace
 
+ClosedPath closed_path_through(std::span<const float> cost, int rows, int cols, int row,
+                               const PathConfig& config) {
+  // Once round from the row back to the same row: cols + 1 columns, the last being the first again.
+  const auto seam_row = static_cast<std::size_t>(row);
+  std::vector<float> start(static_cast<std::size_t>(rows), k_blocked);
+  start[seam_row] = 0;
+  const Sweep once = sweep(cost, rows, cols, cols + 1, start, config);
+  ClosedPath path;
+  path.row = trace_back(once, rows, cols + 1, row);
+  path.row.pop_back();
+  path.cost = static_cast<double>(once.total[seam_row]) - static_cast<double>(cost[seam_row]);
+  return path;
+}
+
 ClosedPath shortest_closed_path(std::span<const float> cost, int rows, int cols, const PathConfig& config) {
   BITELINE_EXPECTS(rows > 0 && cols > 1 &&
                    cost.size() == static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols));
@@ -71,27 +85,7 @@ ClosedPath shortest_closed_path(std::span<const float> cost, int rows, int cols,
       static_cast<int>(std::min_element(twice.total.begin(), twice.total.end()) - twice.total.begin());
   const int seam_row = trace_back(twice, rows, 2 * cols, end)[static_cast<std::size_t>(cols)];
 
-  // Once round from the seam's row back to the same row: cols + 1 columns, the last being the first again.
-  std::vector<float> start(static_cast<std::size_t>(rows), k_blocked);
-  start[static_cast<std::size_t>(seam_row)] = 0;
-  const Sweep once = sweep(cost, rows, cols, cols + 1, start, config);
-  ClosedPath path;
-  path.row = trace_back(once, rows, cols + 1, seam_row);
-  path.row.pop_back();
-  path.cost = static_cast<double>(once.total[static_cast<std::size_t>(seam_row)]) -
-              static_cast<double>(cost[static_cast<std::size_t>(seam_row)]);
-  return path;
-}
-
-ClosedPath shortest_open_path(std::span<const float> cost, int rows, int cols, const PathConfig& config) {
-  BITELINE_EXPECTS(rows > 0 && cols > 1 &&
-                   cost.size() == static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols));
-  const Sweep once =
-      sweep(cost, rows, cols, cols, std::vector<float>(static_cast<std::size_t>(rows), 0.0F), config);
-  const auto end =
-      static_cast<int>(std::min_element(once.total.begin(), once.total.end()) - once.total.begin());
-  return {.row = trace_back(once, rows, cols, end),
-          .cost = static_cast<double>(once.total[static_cast<std::size_t>(end)])};
+  return closed_path_through(cost, rows, cols, seam_row, config);
 }
 
 }  // namespace biteline::bite_line

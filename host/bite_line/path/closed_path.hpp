@@ -26,9 +26,8 @@ struct PathConfig {
 [[nodiscard]] ClosedPath shortest_closed_path(std::span<const float> cost, int rows, int cols,
                                               const PathConfig& config);
 
-/// The same without the condition that the ends join: where a crease runs off upwards or downwards (a
-/// spiral), this path is much cheaper than the closed one and its ends lie apart.
-[[nodiscard]] ClosedPath shortest_open_path(std::span<const float> cost, int rows, int cols,
-                                            const PathConfig& config);
+/// The best of those that run through `row` of column 0.
+[[nodiscard]] ClosedPath closed_path_through(std::span<const float> cost, int rows, int cols, int row,
+                                             const PathConfig& config);
 
 }  // namespace biteline::bite_line

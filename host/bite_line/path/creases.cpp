@@ -25,41 +25,51 @@ float turn_at(const SideField& field, std::size_t cell) {
   return std::max(field.turn_rad[cell], 0.8F * field.wide_turn_rad[cell]);
 }
 
-/// Typical turn of the surroundings, 4 to 12 mm above and below the path: texture, noise.
-double surrounding_turn(const SideField& field, int row, int col) {
+/// A turn stands out when it is three times that of most places of its surroundings, 4 to 12 mm above and
+/// below the path: these are texture and noise.
+bool stands_out(const SideField& field, int row, int col, double turn_rad) {
   const SideGrid& grid = field.grid;
-  std::vector<float> around;
   const int near = static_cast<int>(4.0 / grid.row_mm);
   const int far = static_cast<int>(12.0 / grid.row_mm);
-  around.reserve(128);
-  for (int d = -far; d <= far; d += 2) {
-    if (std::abs(d) < near) continue;
-    const int r = row + d;
-    if (r < 0 || r >= grid.rows) continue;
-    for (int c = col - 2; c <= col + 2; c += 2) {
-      const std::size_t cell = grid.at(r, (c + grid.cols) % grid.cols);
-      if (field.seen[cell] != 0) around.push_back(std::abs(field.turn_rad[cell]));
+  constexpr double k_times = 3.0;
+  int seen = 0;
+  int calmer = 0;
+  const auto look = [&](const std::size_t column, int low, int high) {
+    const int first = low < 0 ? low + (1 - low) / 2 * 2 : low;
+    const int last = std::min(high, grid.rows - 1);
+    for (int r = first; r <= last; r += 2) {
+      const std::size_t cell = column + static_cast<std::size_t>(r);
+      seen += field.seen[cell];
+      const auto around = static_cast<double>(std::abs(field.turn_rad[cell]));
+      calmer += field.seen[cell] != 0 && k_times * around < turn_rad ? 1 : 0;
     }
+  };
+  for (int c = col - 2; c <= col + 2; c += 2) {
+    const std::size_t column = grid.at(0, (c + grid.cols) % grid.cols);
+    look(column, row - far, row - near);
+    look(column, row + near, row + far);
   }
-  return median(std::move(around));
+  return seen == 0 ? turn_rad > 0 : calmer > seen / 2;
 }
 
 /// How far the surface below the path stands out beyond the surface above it.
 bool step_at(const SideField& field, int row, int col, double& step_mm) {
   const SideGrid& grid = field.grid;
-  const auto rows_of = [&](double mm) { return static_cast<int>(std::lround(mm / grid.row_mm)); };
-  double below = -1e9;
-  double above = -1e9;
-  for (int r = std::max(0, row - rows_of(6.0)); r <= row - rows_of(0.75); ++r) {
-    const std::size_t cell = grid.at(r, col);
-    if (field.seen[cell] != 0) below = std::max(below, static_cast<double>(field.o_mm[cell]));
-  }
-  for (int r = row + rows_of(0.75); r <= std::min(grid.rows - 1, row + rows_of(6.0)); ++r) {
-    const std::size_t cell = grid.at(r, col);
-    if (field.seen[cell] != 0) above = std::max(above, static_cast<double>(field.o_mm[cell]));
-  }
-  step_mm = below - above;
-  return below > -1e8 && above > -1e8;
+  const int from = static_cast<int>(std::lround(0.75 / grid.row_mm));
+  const int to = static_cast<int>(std::lround(6.0 / grid.row_mm));
+  constexpr float k_nothing_mm = -1e9F;
+  const auto outermost = [&](int low, int high) {
+    float most = k_nothing_mm;
+    for (int r = std::max(0, low); r <= std::min(grid.rows - 1, high); ++r) {
+      const std::size_t cell = grid.at(r, col);
+      if (field.seen[cell] != 0) most = std::max(most, field.o_mm[cell]);
+    }
+    return most;
+  };
+  const float below = outermost(row - to, row - from);
+  const float above = outermost(row + from, row + to);
+  step_mm = static_cast<double>(below) - static_cast<double>(above);
+  return below > k_nothing_mm && above > k_nothing_mm;
 }
 
 /// A straight line o = middle + slope z through rows from `low` to `high`, z from the row `zero`.
@@ -150,9 +160,8 @@ Crease describe(const SideField& field, std::span<const float> likeness, std::sp
     const double turn = static_cast<double>(turn_at(field, cell));
     crease.turn_rad[col] = static_cast<float>(turn);
     turns.push_back(turn);
-    if (turn > std::max(config.least_turn_rad, 3.0 * surrounding_turn(field, row, c)))
-      crease.visible[col] = 1;
-    if (crease.visible[col] == 0) continue;
+    if (!(turn > config.least_turn_rad && stands_out(field, row, c, turn))) continue;
+    crease.visible[col] = 1;
     if (const std::optional<TwoFlanks> flanks = flanks_at(field, row, c)) {
       flank_turns.push_back(flanks->turn_rad);
       flank_steps.push_back(flanks->step_mm);

@@ -74,15 +74,4 @@ TEST(ClosedPath, FollowsAGrooveAcrossTheSeam) {
   for (int c = 0; c < cols; ++c) LONGS_EQUAL(groove(c), sut.row[static_cast<std::size_t>(c)]);
 }
 
-TEST(ClosedPath, ASpiralIsCheapOnlyWhenItNeedNotClose) {
-  const int rows = 40;
-  const int cols = 80;
-  std::vector<float> cost(static_cast<std::size_t>(rows * cols), 1.0F);
-  for (int c = 0; c < cols; ++c) cost[static_cast<std::size_t>(c * rows + 10 + c / 4)] = 0.0F;
-  const ClosedPath closed = shortest_closed_path(cost, rows, cols, {});
-  const ClosedPath sut = shortest_open_path(cost, rows, cols, {});
-  LONGS_EQUAL(19, sut.row.back() - sut.row.front());
-  CHECK(closed.cost > sut.cost + 4);
-}
-
 }  // namespace biteline::bite_line

@@ -25,8 +25,8 @@ struct Field {
 };
 
 Course found(const Field& field) {
-  return find_course(field.cost, k_rows, k_cols,
-                     shortest_closed_path(field.cost, k_rows, k_cols, CourseConfig{}.path), {});
+  const Ways ways{field.cost, k_rows, k_cols, CourseConfig{}.path};
+  return find_course(ways, ways.best(), {});
 }
 
 }  // namespace
@@ -98,6 +98,26 @@ TEST(Course, IsTheSameWhereverTheSeamIs) {
       LONGS_EQUAL(sut.row[static_cast<std::size_t>(col)],
                   other.row[static_cast<std::size_t>((col + shift) % k_cols)]);
   }
+}
+
+TEST(Course, TheWaysKnowTheBestClosedPath) {
+  std::mt19937 random{6};
+  std::uniform_real_distribution<float> uniform{0.0F, 1.0F};
+  Field field;
+  for (float& cost : field.cost) cost = uniform(random);
+  const ClosedPath expected = shortest_closed_path(field.cost, k_rows, k_cols, CourseConfig{}.path);
+  const ClosedPath sut = Ways{field.cost, k_rows, k_cols, CourseConfig{}.path}.best();
+  CHECK(expected.row == sut.row);
+  DOUBLES_EQUAL(expected.cost, sut.cost, 0.0);
+}
+
+TEST(Course, ASpiralIsCheapOnlyWhenItNeedNotClose) {
+  Field field;
+  for (int col = 0; col < k_cols; ++col) field.at(10 + col / 4, col) = 0.0F;
+  const Ways ways{field.cost, k_rows, k_cols, CourseConfig{}.path};
+  const ClosedPath sut = ways.open();
+  LONGS_EQUAL((k_cols - 1) / 4, sut.row.back() - sut.row.front());
+  CHECK(ways.best().cost > sut.cost + 4);
 }
 
 }  // namespace biteline::bite_line
