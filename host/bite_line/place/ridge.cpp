@@ -16,9 +16,6 @@ namespace biteline::bite_line {
 
 namespace {
 
-// Flatter than a radius of 12 mm is the shape of the shoe, not a crease.
-constexpr double k_least_curvature_per_mm = 0.08;
-
 /// Typical size of the sections' curvature outside the search range: texture and noise.
 double curvature_noise(const Sections& sections, std::span<const float> k, double search_mm) {
   std::vector<double> values;

@@ -14,6 +14,9 @@ namespace biteline::bite_line {
 /// o'^2)^1.5. Gaussian and its derivatives are folded into one pass; unknown rows leave k at 0.
 [[nodiscard]] Large<float> section_curvature(const Sections& sections, double sigma_mm);
 
+/// Flatter than a radius of 12 mm is the shape of the shoe, not a crease.
+inline constexpr double k_least_curvature_per_mm = 0.08;
+
 struct Ridge {
   std::vector<double> row;       ///< per station, sub-row
   std::vector<double> k_per_mm;  ///< there

@@ -42,6 +42,53 @@ std::optional<Surface> surface_at(const Sections& sections, int station, double 
                  .seen = seen};
 }
 
+/// Rows of one section, [low, end).
+struct Hole {
+  int low{0};
+  int end{0};
+};
+
+/// What was not seen of a section nearest to `row`: within `reach` rows, with the sole's edge standing out
+/// below it or nothing below it, and the wall above.
+std::optional<Hole> hole_near(const Sections& sections, int station, double row, double reach) {
+  const auto known = [&](int r) { return sections.known[sections.at(station, r)] != Sections::k_nothing; };
+  std::optional<Hole> nearest;
+  double nearest_rows = reach;
+  for (int low = 0; low < sections.rows;) {
+    if (known(low)) {
+      ++low;
+      continue;
+    }
+    int end = low;
+    while (end < sections.rows && !known(end)) ++end;
+    const bool stands_out = low == 0 || (end < sections.rows && sections.o_mm[sections.at(station, low - 1)] >
+                                                                    sections.o_mm[sections.at(station, end)]);
+    const double away = std::max({low - row, row - end, 0.0});
+    if (end < sections.rows && stands_out && away <= nearest_rows) {
+      nearest = Hole{.low = low, .end = end};
+      nearest_rows = away;
+    }
+    low = end;
+  }
+  return nearest;
+}
+
+/// Where a section shows no crease, it lies in what was not seen: a bridge that leaves the hole of its
+/// section is led back to the hole's edge.
+void keep_in_holes(const Sections& sections, const Ridge& ridge, std::span<const double> path_z_mm,
+                   std::vector<double>& z_mm) {
+  constexpr double k_reach_mm = 1.5;
+  for (std::size_t i = 0; i < z_mm.size(); ++i) {
+    if (ridge.k_per_mm[i] >= k_least_curvature_per_mm) continue;
+    const double row = sections.zero_row + (z_mm[i] - path_z_mm[i]) / sections.row_mm;
+    const std::optional<Hole> hole =
+        hole_near(sections, static_cast<int>(i), row, k_reach_mm / sections.row_mm);
+    if (!hole) continue;
+    const double inside = std::clamp(row, static_cast<double>(hole->low), static_cast<double>(hole->end));
+    z_mm[i] += (inside - row) * sections.row_mm;
+  }
+}
+
 /// How far out the line lies at every station, and where that is known.
 struct Outwards {
   std::vector<double> o_mm;
@@ -113,6 +160,7 @@ SectionCourse section_course(const SectionPoints& points, std::span<const double
     course.seen_z_mm[i] = path_z_mm[i] + sections.z_mm(course.ridge.row[i]);
   std::vector<double> whole_z = course.seen_z_mm;
   geometry::bridge_smooth(whole_z, course.ridge.visible, station_mm, k_height_lever_mm);
+  keep_in_holes(sections, course.ridge, path_z_mm, whole_z);
   course.z_mm = geometry::running_mean(whole_z, config.mean_mm / station_mm);
   course.row.resize(stations);
   for (std::size_t i = 0; i < stations; ++i)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -24,14 +25,6 @@ constexpr float k_reach_o_mm = 14.0F;
 /// Per station, one after the other, for each row the sums of weight, s, s^2, o and s o; s from the bin's
 /// middle.
 enum Sum : std::size_t { k_w, k_s, k_ss, k_o, k_so, k_sums };
-
-/// Where one point falls.
-struct Landing {
-  std::int32_t station;  ///< negative: on none
-  std::int32_t row;
-  float s_mm;
-  float o_mm;
-};
 
 /// The path's height at a station and at the next one, so that a sloping path leaves the sections level.
 struct Step {
@@ -59,8 +52,8 @@ class Lander {
         per_station_{1.0F / station_mm_},
         per_row_{static_cast<float>(1.0 / config.row_mm)} {}
 
-  [[nodiscard]] Landing land(const OutlinePlace& place) const {
-    constexpr Landing k_nowhere{-1, 0, 0, 0};
+  [[nodiscard]] SectionPoints::Landing land(const OutlinePlace& place) const {
+    constexpr SectionPoints::Landing k_nowhere{-1, 0, 0, 0};
     if (place.s_mm < 0 || std::abs(place.o_mm) > k_reach_o_mm) return k_nowhere;
     const float at = place.s_mm * per_station_;
     const auto nearest = static_cast<int>(at + 0.5F);
@@ -78,34 +71,6 @@ class Lander {
   int stations_;
   float rows_, zero_row_, station_mm_, per_station_, per_row_;
 };
-
-Large<float> collect(const SectionInput& input, const SectionConfig& config, const Sections& sections) {
-  Large<Landing> landings(input.points.size());
-  const Lander lander{input, config, sections};
-  tbb::parallel_for(tbb::blocked_range<std::size_t>{0, input.points.size(), 4096}, [&](const auto& range) {
-    std::vector<OutlinePlace> places(range.size());
-    input.outline.locate(input.points.subspan(range.begin(), range.size()), places);
-    for (std::size_t i = 0; i < places.size(); ++i) landings[range.begin() + i] = lander.land(places[i]);
-  });
-  const auto stations = static_cast<std::size_t>(sections.stations);
-  const Buckets at_station{landings.size(), stations, [&](std::size_t i) { return landings[i].station; }};
-  const auto rows = static_cast<std::size_t>(sections.rows);
-  Large<float> bins(stations * k_sums * rows);
-  tbb::parallel_for(std::size_t{0}, stations, [&](std::size_t station) {
-    const std::span block{bins.data() + station * k_sums * rows, k_sums * rows};
-    std::fill(block.begin(), block.end(), 0.0F);
-    for (const std::uint32_t i : at_station[station]) {
-      const Landing& landing = landings[i];
-      float* bin = block.data() + landing.row;
-      bin[k_w * rows] += 1.0F;
-      bin[k_s * rows] += landing.s_mm;
-      bin[k_ss * rows] += landing.s_mm * landing.s_mm;
-      bin[k_o * rows] += landing.o_mm;
-      bin[k_so * rows] += landing.s_mm * landing.o_mm;
-    }
-  });
-  return bins;
-}
 
 /// Per sum, what goes into it.
 using Taps = std::array<std::vector<Tap>, k_sums>;
@@ -170,16 +135,107 @@ void fill_gaps(Sections& sections, int station) {
   }
 }
 
+/// What lies below a row that hides it is another thing's, and so is what the weights along the line carry
+/// from there to the stations beside it.
+void take_out_hidden(std::span<const std::optional<int>> hidden_below, int beside, Sections& sections) {
+  for (int station = 0; station < sections.stations; ++station) {
+    const std::optional<int> row = hidden_below[static_cast<std::size_t>(station)];
+    if (!row) continue;
+    const double z_mm = sections.path_z_mm[static_cast<std::size_t>(station)] + sections.z_mm(*row);
+    for (int j = -beside; j <= beside; ++j) {
+      const int other = ((station + j) % sections.stations + sections.stations) % sections.stations;
+      const double up_mm = z_mm - sections.path_z_mm[static_cast<std::size_t>(other)];
+      const int end = sections.zero_row + static_cast<int>(std::lround(up_mm / sections.row_mm));
+      std::uint8_t* known = sections.known.data() + sections.at(other, 0);
+      std::fill(known, known + std::clamp(end, 0, sections.rows), std::uint8_t{0});
+    }
+  }
+}
+
+Sections frame_of(const SectionInput& input, const SectionConfig& config) {
+  Sections frame;
+  frame.stations = static_cast<int>(input.path_z_mm.size());
+  frame.station_mm = input.outline.length_mm() / frame.stations;
+  frame.row_mm = config.row_mm;
+  frame.zero_row = static_cast<int>(std::lround(config.below_mm / config.row_mm));
+  frame.rows = frame.zero_row + static_cast<int>(std::lround(config.above_mm / config.row_mm)) + 1;
+  frame.path_z_mm.assign(input.path_z_mm.begin(), input.path_z_mm.end());
+  return frame;
+}
+
 }  // namespace
 
-SectionPoints::SectionPoints(const SectionInput& input, const SectionConfig& config) : config_{config} {
-  frame_.stations = static_cast<int>(input.path_z_mm.size());
-  frame_.station_mm = input.outline.length_mm() / frame_.stations;
-  frame_.row_mm = config.row_mm;
-  frame_.zero_row = static_cast<int>(std::lround(config.below_mm / config.row_mm));
-  frame_.rows = frame_.zero_row + static_cast<int>(std::lround(config.above_mm / config.row_mm)) + 1;
-  frame_.path_z_mm.assign(input.path_z_mm.begin(), input.path_z_mm.end());
-  bins_ = collect(input, config, frame_);
+SectionPoints::SectionPoints(const SectionInput& input, const SectionConfig& config)
+    : config_{config},
+      frame_{frame_of(input, config)},
+      landings_{landings_of(input)},
+      at_station_{landings_.size(), input.path_z_mm.size(),
+                  [&](std::size_t i) { return landings_[i].station; }},
+      bins_{bins_of_landings()} {}
+
+Large<SectionPoints::Landing> SectionPoints::landings_of(const SectionInput& input) const {
+  Large<Landing> landings(input.points.size());
+  const Lander lander{input, config_, frame_};
+  tbb::parallel_for(tbb::blocked_range<std::size_t>{0, input.points.size(), 4096}, [&](const auto& range) {
+    std::vector<OutlinePlace> places(range.size());
+    input.outline.locate(input.points.subspan(range.begin(), range.size()), places);
+    for (std::size_t i = 0; i < places.size(); ++i) landings[range.begin() + i] = lander.land(places[i]);
+  });
+  return landings;
+}
+
+Large<float> SectionPoints::bins_of_landings() const {
+  const std::size_t stations = at_station_.size();
+  const auto rows = static_cast<std::size_t>(frame_.rows);
+  Large<float> bins(stations * k_sums * rows);
+  tbb::parallel_for(std::size_t{0}, stations, [&](std::size_t station) {
+    const std::span block{bins.data() + station * k_sums * rows, k_sums * rows};
+    std::fill(block.begin(), block.end(), 0.0F);
+    for (const std::uint32_t i : at_station_[station]) {
+      const Landing& landing = landings_[i];
+      float* bin = block.data() + landing.row;
+      bin[k_w * rows] += 1.0F;
+      bin[k_s * rows] += landing.s_mm;
+      bin[k_ss * rows] += landing.s_mm * landing.s_mm;
+      bin[k_o * rows] += landing.o_mm;
+      bin[k_so * rows] += landing.s_mm * landing.o_mm;
+    }
+  });
+  return bins;
+}
+
+bool SectionPoints::seen_between(int station, int reach, int low_row, int end_row, float o_mm,
+                                 float far_mm) const {
+  std::vector<float> between{o_mm, far_mm};
+  for (int j = -reach; j <= reach; ++j) {
+    const int other = ((station + j) % frame_.stations + frame_.stations) % frame_.stations;
+    for (const std::uint32_t i : at_station_[static_cast<std::size_t>(other)]) {
+      const Landing& landing = landings_[i];
+      if (landing.row >= low_row && landing.row < end_row && landing.o_mm > o_mm && landing.o_mm < far_mm)
+        between.push_back(landing.o_mm);
+    }
+  }
+  std::sort(between.begin(), between.end());
+  for (std::size_t k = 1; k < between.size(); ++k)
+    if (between[k] - between[k - 1] > k_longest_filled_mm) return false;
+  return true;
+}
+
+std::optional<int> SectionPoints::hidden_below(int station, int reach, const Sections& sections) const {
+  // The weights over the rows make a slope of a jump: so high at most.
+  constexpr double k_slope_mm = 0.4;
+  constexpr double k_beside_mm = 0.3;
+  const int slope = static_cast<int>(std::lround(k_slope_mm / sections.row_mm));
+  const int beside = static_cast<int>(std::lround(k_beside_mm / sections.row_mm));
+  const float* o = sections.o_mm.data() + sections.at(station, 0);
+  const std::uint8_t* known = sections.known.data() + sections.at(station, 0);
+  for (int row = sections.rows - 1; row >= slope; --row) {
+    const int below = row - slope;
+    if (o[below] - o[row] <= k_longest_filled_mm || known[row] == 0 || known[below] == 0) continue;
+    if (!seen_between(station, reach, below - beside, row + beside, o[row], o[below])) return row;
+    row = below + 1;
+  }
+  return std::nullopt;
 }
 
 SectionPoints::Patch SectionPoints::patch(int station, int low_row, int end_row) const {
@@ -236,6 +292,8 @@ Sections SectionPoints::cut(double sigma_s_mm) const {
   const std::vector<float> up = gaussian(config_.sigma_z_mm / config_.row_mm, 3.5);
   const std::size_t reach = up.size() / 2;
   const auto rows = static_cast<std::size_t>(sections.rows);
+  const auto beside = static_cast<int>(along.size() / 2);
+  std::vector<std::optional<int>> hidden(static_cast<std::size_t>(sections.stations));
   tbb::parallel_for(tbb::blocked_range<int>{0, sections.stations, 16}, [&](const auto& range) {
     Taps taps;
     std::vector<float> column(k_sums * (rows + 2 * reach));
@@ -245,9 +303,11 @@ Sections SectionPoints::cut(double sigma_s_mm) const {
       for (std::size_t sum = 0; sum < k_sums; ++sum)
         convolve({sums.data() + sum * rows, rows}, column.data() + sum * (rows + 2 * reach), up);
       fit_station(sums, sections, station);
-      fill_gaps(sections, station);
+      hidden[static_cast<std::size_t>(station)] = hidden_below(station, beside, sections);
     }
   });
+  take_out_hidden(hidden, beside, sections);
+  tbb::parallel_for(0, sections.stations, [&](int station) { fill_gaps(sections, station); });
   return sections;
 }
 

@@ -4,11 +4,13 @@
 /// line's place.
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "host/bite_line/buckets.hpp"
 #include "host/bite_line/large.hpp"
 #include "host/bite_line/shoe/plan.hpp"
 
@@ -23,7 +25,8 @@ struct SectionConfig {
       0.06};  ///< merges a scan's points (0.07 mm apart) without touching the definition's 0.4 mm
 };
 
-/// o(z) per station; z counts from the path.  A row is unknown where no point is near.
+/// o(z) per station; z counts from the path.  A row is unknown where no point is near, and below a jump
+/// outwards that shows no point on its way: what lies there stands in front of the shoe and hides it.
 struct Sections {
   int stations{0};
   int rows{0};
@@ -58,6 +61,14 @@ class SectionPoints {
   /// apart was not seen, and does not count.
   [[nodiscard]] double sample_mm() const;
 
+  /// Where one point falls.
+  struct Landing {
+    std::int32_t station;  ///< negative: on none
+    std::int32_t row;
+    float s_mm;
+    float o_mm;
+  };
+
   /// What lies in some rows of one station, unsmoothed.
   struct Patch {
     double points{0};
@@ -68,10 +79,19 @@ class SectionPoints {
   [[nodiscard]] Patch patch(int station, int low_row, int end_row) const;
 
  private:
+  [[nodiscard]] Large<Landing> landings_of(const SectionInput& input) const;
+  [[nodiscard]] Large<float> bins_of_landings() const;
   [[nodiscard]] bool any_point(int station, int low_row, int end_row) const;
+  /// Whether points lie on the way from `o_mm` out to `far_mm`, seen in the stations `reach` to both sides.
+  [[nodiscard]] bool seen_between(int station, int reach, int low_row, int end_row, float o_mm,
+                                  float far_mm) const;
+  /// The row below which something stands in front of the shoe.
+  [[nodiscard]] std::optional<int> hidden_below(int station, int reach, const Sections& sections) const;
 
   SectionConfig config_;
-  Sections frame_;     ///< without values
+  Sections frame_;  ///< without values
+  Large<Landing> landings_;
+  Buckets at_station_;
   Large<float> bins_;  ///< per station, one sum after the other, each over all rows
 };
 

@@ -30,13 +30,13 @@ int row_at(const Sections& sections, double above_path_mm) {
 }
 
 template <class O>
-PlacedLine placed(O&& o_mm, double profiles_mm = 0.7) {
+PlacedLine placed(O&& o_mm, double profiles_mm = 0.7, double path_z_mm = k_z_mm) {
   const Side side =
       test::drum_side(o_mm, {.s_mm = profiles_mm, .z_mm = 0.1, .z_begin_mm = 10, .z_end_mm = 40});
   const SideGrid& grid = side.field.grid;
   // As a crease's path would be: on the grid's row, up to half of one off.
   const std::vector<double> path_row(static_cast<std::size_t>(grid.cols),
-                                     std::floor((k_z_mm - grid.z_low_mm) / grid.row_mm));
+                                     std::floor((path_z_mm - grid.z_low_mm) / grid.row_mm));
   Large<Eigen::Vector3f> near;
   for (const std::uint32_t i : near_path(side.field, path_row)) near.push_back(side.shoe.points[i]);
   return place_line({.near = near,
@@ -85,6 +85,23 @@ TEST(Sections, AShadowAcrossAFlatSlopeIsAsLongAsItIsLevel) {
     return above <= 0 ? 3.0 : -3.0;
   });
   CHECK(sut.known[sut.at(100, row_at(sut, 0.5))] == Sections::k_nothing);
+}
+
+TEST(Sections, WhatStandsInFrontOfTheWallEndsThem) {
+  // A pin 6 mm off the wall hides what lies lower than a millimetre above the path.
+  const auto pin = [](double s) { return s > 100 && s < 106; };
+  const Sections sut = sections_of([&](double s, double z) { return pin(s) && z < k_z_mm + 1 ? 6.0 : 0.0; });
+  const int behind = static_cast<int>(103 / sut.station_mm);
+  CHECK(sut.known[sut.at(behind, row_at(sut, 0.5))] == Sections::k_nothing);
+  CHECK(sut.known[sut.at(behind, row_at(sut, -3))] == Sections::k_nothing);
+  CHECK(sut.known[sut.at(behind, row_at(sut, 2))] == Sections::k_seen);
+  CHECK(sut.known[sut.at(static_cast<int>(120 / sut.station_mm), row_at(sut, -3))] == Sections::k_seen);
+}
+
+TEST(Sections, ALedgeThatWasSeenEndsNone) {
+  const Sections sut =
+      sections_of([](double, double z) { return 6.0 * std::clamp((k_z_mm - z) / 0.3, 0.0, 1.0); });
+  CHECK(sut.known[sut.at(100, row_at(sut, -3))] == Sections::k_seen);
 }
 
 TEST(Sections, CurvatureOfAParabolaIsItsOwn) {
@@ -257,6 +274,42 @@ TEST(Placement, AMissingSectorIsBridgedAndDoubted) {
   }
   CHECK_COMPARE(most_doubt, >, 0.05);
   CHECK_COMPARE(most_corner_mm, >, 0.1);
+}
+
+TEST(Placement, ACreaseBehindAPinIsBridgedAndNotTheWallAboveThePin) {
+  constexpr double k_path_above_mm = 1.5;
+  const auto pin = [](double s) { return s > 190 && s < 198; };
+  const PlacedLine sut = placed(
+      [&](double s, double z) { return pin(s) && z < k_z_mm + 1.2 ? 6.0 : test::groove_mm(z, k_z_mm); }, 0.7,
+      k_z_mm + k_path_above_mm);
+  CHECK_COMPARE(sut.bridged_mm, >, 8);
+  CHECK_COMPARE(sut.bridged_mm, <, 16);
+  const Outline outline = test::egg_outline();
+  for (const PlacedStation& station : sut.points) {
+    DOUBLES_EQUAL(k_z_mm, station.position.z(), 0.1);
+    DOUBLES_EQUAL(-1.0, outline.locate(station.position.cast<float>()).o_mm, 0.1);
+  }
+}
+
+TEST(Placement, WhereNoCreaseWasSeenTheLineKeepsToTheHoleInTheSections) {
+  // The crease sinks by 1.5 mm within a shadow that is 2 mm high; a smooth bridge would run above it.
+  constexpr double k_from_mm = 180, k_to_mm = 210, k_sunk_mm = 1.5, k_hole_mm = 2.0;
+  const auto crease = [](double s) {
+    const double share = std::clamp((s - k_from_mm) / (k_to_mm - k_from_mm), 0.0, 1.0);
+    return k_z_mm - k_sunk_mm * std::pow(std::sin(std::numbers::pi * share), 2);
+  };
+  const auto hidden = [&](double s, double z) {
+    return s > k_from_mm && s < k_to_mm && std::abs(z - crease(s)) < 0.5 * k_hole_mm;
+  };
+  const PlacedLine sut = placed([&](double s, double z) {
+    return hidden(s, z) ? test::k_no_point : test::groove_mm(z, crease(s)) + (z < crease(s) ? 1.5 : 0.0);
+  });
+  const Vec2 middle = test::egg_outline().point(0.5 * (k_from_mm + k_to_mm));
+  for (const PlacedStation& station : sut.points) {
+    if ((station.position.head<2>() - middle).norm() < 2)
+      // The running mean lifts the bottom of the arch by an eighth of a millimetre.
+      CHECK_COMPARE(station.position.z(), <, k_z_mm - k_sunk_mm + 0.5 * k_hole_mm + 0.15);
+  }
 }
 
 }  // namespace biteline::bite_line
