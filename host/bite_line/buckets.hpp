@@ -51,8 +51,6 @@ class Buckets {
   [[nodiscard]] std::span<const std::uint32_t> operator[](std::size_t bucket) const {
     return {items_.data() + start_[bucket], start_[bucket + 1] - start_[bucket]};
   }
-  /// All items that were not left out, bucket after bucket.
-  [[nodiscard]] Large<std::uint32_t> take_items() && { return std::move(items_); }
 
  private:
   std::vector<std::uint32_t> start_;
@@ -62,7 +60,26 @@ class Buckets {
 /// The items for which `wanted(item)` holds, in rising order.
 template <class Wanted>
 [[nodiscard]] Large<std::uint32_t> items_where(std::size_t items, Wanted&& wanted) {
-  return Buckets{items, 1, [&](std::size_t i) { return wanted(i) ? 0 : -1; }}.take_items();
+  constexpr std::size_t k_chunk = 16384;
+  const std::size_t chunks = (items + k_chunk - 1) / k_chunk;
+  Large<std::uint32_t> found(items);
+  std::vector<std::size_t> first(chunks + 1, 0);
+  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+    std::uint32_t* const begin = found.data() + chunk * k_chunk;
+    std::uint32_t* next = begin;
+    for (std::size_t i = chunk * k_chunk; i < std::min(items, (chunk + 1) * k_chunk); ++i) {
+      *next = static_cast<std::uint32_t>(i);
+      next += wanted(i) ? 1 : 0;
+    }
+    first[chunk + 1] = static_cast<std::size_t>(next - begin);
+  });
+  for (std::size_t chunk = 0; chunk < chunks; ++chunk) first[chunk + 1] += first[chunk];
+  Large<std::uint32_t> kept;
+  kept.resize(first.back());
+  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+    std::copy_n(found.data() + chunk * k_chunk, first[chunk + 1] - first[chunk], kept.data() + first[chunk]);
+  });
+  return kept;
 }
 
 }  // namespace biteline::bite_line

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <tbb/parallel_for.h>
 
@@ -23,12 +24,12 @@ std::pair<Eigen::Vector3f, Eigen::Vector3f> robust_bounds(std::span<const Eigen:
     std::vector<float> values;
     values.reserve(points.size() / step + 1);
     for (std::size_t i = 0; i < points.size(); i += step) values.push_back(points[i][axis]);
-    const auto cut = static_cast<std::ptrdiff_t>(values.size() / 2000);
-    std::nth_element(values.begin(), values.begin() + cut, values.end());
-    low[axis] = values[static_cast<std::size_t>(cut)] - k_margin_mm;
-    const auto top = static_cast<std::ptrdiff_t>(values.size()) - 1 - cut;
-    std::nth_element(values.begin(), values.begin() + top, values.end());
-    high[axis] = values[static_cast<std::size_t>(top)] + k_margin_mm;
+    // Few lie beyond: these alone are sorted.
+    std::vector<float> ends(values.size() / 2000 + 1);
+    std::partial_sort_copy(values.begin(), values.end(), ends.begin(), ends.end());
+    low[axis] = ends.back() - k_margin_mm;
+    std::partial_sort_copy(values.begin(), values.end(), ends.begin(), ends.end(), std::greater<>{});
+    high[axis] = ends.back() + k_margin_mm;
   });
   return {low, high};
 }
@@ -100,6 +101,13 @@ std::int32_t Cells::cell_at(const Eigen::Vector3f& point) const {
 
 Eigen::Vector3f Cells::mean(std::int32_t cell) const {
   return mean_[static_cast<std::size_t>(slot_[static_cast<std::size_t>(cell)])];
+}
+
+Large<std::uint8_t> Cells::by_cell(std::span<const std::uint8_t> by_slot) const {
+  Large<std::uint8_t> values(slot_.size(), 0);
+  for (std::size_t slot = 0; slot < occupied_.size(); ++slot)
+    values[static_cast<std::size_t>(occupied_[slot])] = by_slot[slot];
+  return values;
 }
 
 int Cells::label(const std::vector<bool>& keep, std::vector<std::int32_t>& labels) const {

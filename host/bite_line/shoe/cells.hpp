@@ -37,6 +37,8 @@ class Cells {
   /// Mean of the cell's points.
   [[nodiscard]] Eigen::Vector3f mean(std::int32_t cell) const;
   [[nodiscard]] float cell_mm() const { return cell_mm_; }
+  /// What is given for the occupied cells, for each cell; 0 for empty ones.
+  [[nodiscard]] Large<std::uint8_t> by_cell(std::span<const std::uint8_t> by_slot) const;
 
   /// Labels the occupied cells that `keep` marks by 26-connected component, from 0; -1 for all others.
   /// Returns the number of components.

@@ -271,19 +271,25 @@ OrRefusal<Shoe> find_shoe(std::span<const Eigen::Vector3f> points_base) {
   std::vector<std::int32_t> labels;
   const int components = cells.label(keep, labels);
   const std::vector<bool> chosen = choose_components(cells, labels, components);
-  std::vector<bool> cell_chosen(cells.occupied().size(), false);
-  std::vector<Vec3> means;
+  const auto is_chosen = [&](std::size_t slot) {
+    return labels[slot] >= 0 && chosen[static_cast<std::size_t>(labels[slot])];
+  };
+  enum OfShoe : std::uint8_t { k_none = 0, k_chosen, k_beside };
+  std::vector<std::uint8_t> parts(labels.size(), k_none);
+  std::vector<Vec3> means, means_to_the_rim;
   for (std::size_t slot = 0; slot < labels.size(); ++slot) {
-    if (labels[slot] < 0 || !chosen[static_cast<std::size_t>(labels[slot])]) continue;
-    means.push_back(cells.mean(cells.occupied()[slot]).cast<double>());
-    // A cell whose corner alone the surface cuts has few points, too.
-    cells.around(slot, [&](std::size_t other) {
-      if (other == slot || few[other]) cell_chosen[other] = true;
-    });
-  }
-  std::vector<Vec3> means_to_the_rim;
-  for (std::size_t slot = 0; slot < labels.size(); ++slot) {
-    if (cell_chosen[slot]) means_to_the_rim.push_back(cells.mean(cells.occupied()[slot]).cast<double>());
+    if (is_chosen(slot)) {
+      parts[slot] = k_chosen;
+    } else if (few[slot]) {
+      // A cell whose corner alone the surface cuts has few points, too.
+      cells.around(slot, [&](std::size_t other) {
+        if (is_chosen(other)) parts[slot] = k_beside;
+      });
+    }
+    if (parts[slot] == k_none) continue;
+    const Vec3 mean = cells.mean(cells.occupied()[slot]).cast<double>();
+    if (parts[slot] == k_chosen) means.push_back(mean);
+    means_to_the_rim.push_back(mean);
   }
   if (means.size() < 200)
     return refuse(Refused::NothingConnected, "not a shoe: nothing connected of a shoe's size");
@@ -291,11 +297,12 @@ OrRefusal<Shoe> find_shoe(std::span<const Eigen::Vector3f> points_base) {
   Mat3 R_base_up = Mat3::Identity();
   if (table) R_base_up = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), table->normal).toRotationMatrix();
   PlanBox box;
-  for (int round = 0; round < 3; ++round) {
+  constexpr int k_rounds = 3;
+  for (int round = 1;; ++round) {
     std::vector<Vec3> up = means;
     for (Vec3& p : up) p = R_base_up.transpose() * p;
     shoe.T_base_shoe = axes_from_plan(up, R_base_up, box);
-    if (!shoe_sized(box)) break;
+    if (!shoe_sized(box) || round == k_rounds) break;
     std::vector<Vec3> in_shoe = means_to_the_rim;
     const SE3 T_shoe_base = shoe.T_base_shoe.inverse();
     for (Vec3& p : in_shoe) p = T_shoe_base * p;
@@ -315,10 +322,13 @@ OrRefusal<Shoe> find_shoe(std::span<const Eigen::Vector3f> points_base) {
   }
 
   const Eigen::Isometry3f T_shoe_base = shoe.T_base_shoe.inverse().cast<float>();
-  shoe.index = items_where(points_base.size(), [&](std::size_t i) {
+  const Large<std::uint8_t> part_of_cell = cells.by_cell(parts);
+  const auto part = [&](std::size_t i) {
     const std::int32_t cell = cells.cell_of(i);
-    return cell >= 0 && cell_chosen[cells.slot(cell)] &&
-           !(table && table->height_mm(points_base[i].cast<double>()) < 1.0);
+    return cell < 0 ? k_none : static_cast<OfShoe>(part_of_cell[static_cast<std::size_t>(cell)]);
+  };
+  shoe.index = items_where(points_base.size(), [&](std::size_t i) {
+    return part(i) != k_none && !(table && table->height_mm(points_base[i].cast<double>()) < 1.0);
   });
   shoe.points.resize(shoe.index.size());
   shoe.alone.resize(shoe.index.size());
@@ -327,7 +337,7 @@ OrRefusal<Shoe> find_shoe(std::span<const Eigen::Vector3f> points_base) {
       [&](const auto& range, Eigen::AlignedBox3f box_seen) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
           shoe.points[i] = T_shoe_base * points_base[shoe.index[i]];
-          shoe.alone[i] = few[cells.slot(cells.cell_of(shoe.index[i]))] ? 1 : 0;
+          shoe.alone[i] = part(shoe.index[i]) == k_beside ? 1 : 0;
           box_seen.extend(shoe.points[i]);
         }
         return box_seen;
