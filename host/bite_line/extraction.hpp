@@ -21,6 +21,8 @@ struct Config {
   double min_confidence_ratio{0.5};  ///< a line less sure than this is refused
   /// The head that scanned, with what its calibration states: part of U95 where the scan has poses, too.
   std::shared_ptr<const uncertainty::KnownHead> head{};
+  /// Of the arm, by earlier scans: for one with poses that does not show it.
+  std::optional<uncertainty::ArmGive> arm_give{};
 };
 
 /// A closed crease that could be the bite line.  The first of a list is the best one.
@@ -43,7 +45,7 @@ struct Extraction {
   double length_mm{0};
   double bridged_mm{0};     ///< length without a visible crease, bridged from both sides
   bool head_in_u95{false};  ///< U95 holds calibration, poses and clock beside noise, gaps and layers
-  std::optional<uncertainty::ArmMotion> arm{};  ///< in U95, where the scan tells it
+  std::optional<uncertainty::ArmMotion> arm{};  ///< in U95, where the scan has poses
   std::vector<Candidate> candidates{};          ///< found or not, best first
   SE3 T_base_shoe{SE3::Identity()};
   std::vector<report::StageTime> stages{};  ///< in order, wall time

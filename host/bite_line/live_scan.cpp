@@ -2,10 +2,22 @@
 #include "host/bite_line/live_scan.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/core/contracts.hpp"
 
 namespace biteline::bite_line {
+namespace {
+
+/// Of an arm that a scan does not show.
+uncertainty::ArmGive known_give(const Config& config) {
+  if (config.head != nullptr && config.head->uncertainty.arm_give_mm_per_m_s2)
+    return {.mm_per_m_s2 = *config.head->uncertainty.arm_give_mm_per_m_s2,
+            .source = uncertainty::ArmSource::Stated};
+  return config.arm_give.value_or(uncertainty::k_assumed_give);
+}
+
+}  // namespace
 
 void LiveScan::add_profile(std::uint64_t sequence, std::span<const Eigen::Vector3f> points,
                            const std::optional<uncertainty::ProfilePose>& pose) {
@@ -30,7 +42,7 @@ void LiveScan::add_profile(std::uint64_t sequence, std::span<const Eigen::Vector
     means_.push_back(start + sum / count);
     first_raw_.push_back(first);
   }
-  if (pose) arm_.add_profile(std::span{means_}.subspan(first_mean), pose->time_s);
+  if (pose) arm_.add_profile(std::span{means_}.subspan(first_mean), *pose);
 }
 
 void LiveScan::add_profiles(const cloud::PointCloud& cloud) {
@@ -66,8 +78,10 @@ Extraction LiveScan::finish(const Config& config, std::optional<Workings>* worki
   for (const Profile& profile : profiles_) {
     if (profile.pose && profile.points > 0) poses.push_back(*profile.pose);
   }
+  std::optional<uncertainty::ArmMotion> arm = arm_.motion();
+  if (!arm) arm = arm_.motion_by(known_give(config));
   return find_bite_line(
-      {.means = means_, .points = raw_, .first_point = first_raw_, .poses = poses, .arm = arm_.motion()},
+      {.means = means_, .points = raw_, .first_point = first_raw_, .poses = poses, .arm = std::move(arm)},
       config, workings);
 }
 

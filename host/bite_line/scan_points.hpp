@@ -22,7 +22,7 @@ struct ScanPoints {
   std::span<const Eigen::Vector3f> points;            ///< run after run
   std::span<const std::uint32_t> first_point;         ///< of each run; empty: runs of one
   std::span<const uncertainty::ProfilePose> poses{};  ///< in the order of time; empty: not known
-  std::optional<uncertainty::ArmMotion> arm{};        ///< what the scan tells of its arm
+  std::optional<uncertainty::ArmMotion> arm{};        ///< how far it was off its told poses
 
   [[nodiscard]] static ScanPoints scattered(std::span<const Eigen::Vector3f> points) {
     return {.means = points, .points = points, .first_point = {}};

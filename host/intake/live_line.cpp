@@ -39,20 +39,26 @@ void LiveLine::add_profile(std::uint64_t sequence, std::span<const Eigen::Vector
   changed_.notify_all();
 }
 
-void LiveLine::add_profiles(const cloud::PointCloud& cloud) {
+void LiveLine::add_profiles(const cloud::PointCloud& cloud, std::span<const TakenFrom> poses) {
   BITELINE_EXPECTS(cloud.profile.size() == cloud.points.size());
   for (std::size_t first = 0; first < cloud.size();) {
     std::size_t end = first;
     while (end < cloud.size() && cloud.profile[end] == cloud.profile[first]) ++end;
-    add_profile(cloud.profile[first], {cloud.points.data() + first, end - first});
+    const std::uint32_t number = cloud.profile[first];
+    while (!poses.empty() && poses.front().profile < number) poses = poses.subspan(1);
+    std::optional<uncertainty::ProfilePose> pose;
+    if (!poses.empty() && poses.front().profile == number) pose = poses.front().pose;
+    add_profile(number, {cloud.points.data() + first, end - first}, pose);
     first = end;
   }
 }
 
-void LiveLine::close(std::shared_ptr<const uncertainty::KnownHead> head) {
+void LiveLine::close(std::shared_ptr<const uncertainty::KnownHead> head,
+                     const std::optional<uncertainty::ArmGive>& arm_give) {
   {
     const std::lock_guard lock{mutex_};
     config_.head = std::move(head);
+    config_.arm_give = arm_give;
     closed_ = true;
   }
   changed_.notify_all();

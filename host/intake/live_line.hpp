@@ -17,6 +17,7 @@
 #include "common/profile/profile.hpp"
 #include "host/bite_line/live_scan.hpp"
 #include "host/cloud/point_cloud.hpp"
+#include "host/intake/scan_intake.hpp"
 
 namespace biteline::intake {
 
@@ -44,11 +45,13 @@ class LiveLine {
   /// `pose`: where the arm was, for the line's uncertainty.
   void add_profile(std::uint64_t sequence, std::span<const Eigen::Vector3f> points_base,
                    const std::optional<uncertainty::ProfilePose>& pose = {});
-  /// The profiles of a cloud that has scan order, for a scan that goes on after a restart.
-  void add_profiles(const cloud::PointCloud& cloud);
+  /// The profiles of a cloud that has scan order, for a scan that goes on after a restart.  `poses`: of as
+  /// many as there are, in the order of their numbers.
+  void add_profiles(const cloud::PointCloud& cloud, std::span<const TakenFrom> poses = {});
   /// No more profiles: the closing steps begin.  `head`: the one that scanned, where it is told how well it
-  /// is known.
-  void close(std::shared_ptr<const uncertainty::KnownHead> head = {});
+  /// is known.  `arm_give`: of the arm, by earlier scans.
+  void close(std::shared_ptr<const uncertainty::KnownHead> head = {},
+             const std::optional<uncertainty::ArmGive>& arm_give = {});
 
   struct Outcome {
     bite_line::Extraction extraction;

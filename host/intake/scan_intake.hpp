@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/core/result.hpp"
@@ -16,13 +17,13 @@
 
 namespace biteline::intake {
 
-/// What a scan has come to.
 /// Where the arm was when a profile was taken.
 struct TakenFrom {
   std::uint32_t profile{0};  ///< its sequence number
   uncertainty::ProfilePose pose{};
 };
 
+/// What a scan has come to.
 struct ScanOutcome {
   cloud::PointCloud cloud;
   std::vector<TakenFrom> poses;  ///< of the cloud's profiles, in the order of their numbers
@@ -60,6 +61,7 @@ class ScanIntake {
   /// The sensor has said once more how its light is: a light that failed just before the end is known now.
   [[nodiscard]] bool light_told() const { return light_told_; }
   [[nodiscard]] const cloud::PointCloud& cloud() const { return builder_.cloud(); }  ///< as far as it came
+  [[nodiscard]] std::span<const TakenFrom> poses() const { return poses_; }
   [[nodiscard]] std::uint64_t profiles() const { return builder_.counts().profiles; }
   [[nodiscard]] std::uint64_t profiles_expected() const { return sensor_.frames_expected; }
 

@@ -128,6 +128,7 @@ UncertainScan uncertain_scan(const UncertainScanSettings& settings) {
   stated.covariance *= settings.errors * settings.errors;
   stated.pose_sigma_mm *= settings.errors;
   stated.pose_sigma_rad *= settings.errors;
+  stated.arm_give_mm_per_m_s2 = 0;  // it is off as its poses' spread says
   const Parameters error = settings.errors > 0 ? draw_error(stated.covariance, random) : Parameters::Zero();
   made.head.model = uncertainty::perturbed(head.model, stated, error);
   const double late_s = error[uncertainty::k_clock_at];

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/system/user_name.hpp"
+#include "host/apps/biteline-host/arm_memory.hpp"
 #include "host/apps/biteline-host/attempt.hpp"
 #include "host/apps/biteline-host/calibration_check.hpp"
 #include "host/apps/biteline-host/prior_step.hpp"
@@ -109,8 +110,15 @@ Result<LineStep> Service::work_out_line(Scan& scan, intake::ScanOutcome& outcome
     scan.chosen.model = carrier_->name;
     return carry_line(scan.folder, *carrier_, outcome, {});
   }
-  BITELINE_ASSIGN(LineStep found, find_line(scan.folder, outcome, *scan.line, options_.uncertainty,
-                                            hash_of(scan.chosen.release)));
+  KnownBefore known{.head = options_.uncertainty, .arm = {}};
+  if (const auto arm = remembered_arm(cockpit_->memory()); arm)
+    known.arm = *arm;
+  else
+    complain(arm.error());
+  BITELINE_ASSIGN(LineStep found,
+                  find_line(scan.folder, outcome, *scan.line, known, hash_of(scan.chosen.release)));
+  const auto kept = remember_arm(scan.folder.filename().string(), found.arm, cockpit_->memory());
+  if (!kept) complain(kept.error());
   return use_library(scan, outcome, std::move(found));
 }
 

@@ -131,7 +131,7 @@ void Service::hold_scan(const fs::path& folder, intake::ScanIntake intake) {
   scan_.emplace(Scan{.folder = folder, .intake = std::move(intake), .line = {}, .connection = connection()});
   if (carrier_) return;
   scan_->line = std::make_unique<intake::LiveLine>(bite_line::Config{});
-  scan_->line->add_profiles(scan_->intake.cloud());
+  scan_->line->add_profiles(scan_->intake.cloud(), scan_->intake.poses());
 }
 
 void Service::find_unfinished() {

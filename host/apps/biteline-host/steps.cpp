@@ -238,21 +238,20 @@ void say_step(const char* pattern, ...) {
 }
 
 Result<LineStep> find_line(const fs::path& folder, const intake::ScanOutcome& scan, intake::LiveLine& line,
-                           const std::optional<uncertainty::HeadUncertainty>& known,
-                           const std::string& release) {
+                           const KnownBefore& known, const std::string& release) {
   report::Report report;
   BITELINE_TRY(results::prepare_result_folder(folder));
   fill_scan(scan, release, report);
   if (scan.failure) return keep_unfinished(folder, scan, report);
   std::shared_ptr<const uncertainty::KnownHead> head;
-  if (known) head = std::make_shared<const uncertainty::KnownHead>(scan.sensor.model, *known);
-  line.close(std::move(head));
+  if (known.head) head = std::make_shared<const uncertainty::KnownHead>(scan.sensor.model, *known.head);
+  line.close(std::move(head), known.arm);
   intake::LiveLine::Outcome outcome = line.wait();
   report.add_stage("last profile to line", outcome.last_profile_to_line_s);
   bite_line::Extraction& extraction = outcome.extraction;
   BITELINE_ASSIGN(const ExitStatus status, results::write_line_files(folder, scan.cloud, extraction, report));
   say_step("%s", results::summary(extraction).c_str());
-  LineStep step{.status = status, .confidence = extraction.confidence, .line = {}};
+  LineStep step{.status = status, .confidence = extraction.confidence, .line = {}, .arm = extraction.arm};
   if (status == ExitStatus::Done) step.line = extraction.line;
   step.pages = LatePages{[folder, extraction = std::move(extraction),
                           stages = results::stages_of(std::move(outcome.workings)),

@@ -30,16 +30,21 @@ struct LineStep {
   ExitStatus status{ExitStatus::Refused};
   double confidence{0};
   std::optional<cloud::ClosedLine> line;  ///< when one was found
-  LatePages pages{};                      ///< before anybody else changes report.json
+  std::optional<uncertainty::ArmMotion> arm{};
+  LatePages pages{};  ///< before anybody else changes report.json
+};
+
+/// What a scan's U95 takes from elsewhere, where it is told.
+struct KnownBefore {
+  std::optional<uncertainty::HeadUncertainty> head{};
+  std::optional<uncertainty::ArmGive> arm{};
 };
 
 /// cloud.ply, line.csv, report.json; stages/ and index.html with the pages.  A scan that did not come to its
-/// own end is refused: the cloud is kept. `line` has had every profile of the scan.  `known`: how well its
-/// head is known, where that is told.  `release`, here and below: SHA-256 of the one that the scan is worked
-/// with, for report.json; empty: none.
+/// own end is refused: the cloud is kept. `line` has had every profile of the scan.  `release`, here and
+/// below: SHA-256 of the one that the scan is worked with, for report.json; empty: none.
 [[nodiscard]] Result<LineStep> find_line(const std::filesystem::path& folder, const intake::ScanOutcome& scan,
-                                         intake::LiveLine& line,
-                                         const std::optional<uncertainty::HeadUncertainty>& known,
+                                         intake::LiveLine& line, const KnownBefore& known,
                                          const std::string& release);
 
 /// The line stands in the folder, but nobody knows whose it is: the report refuses it, and line.csv goes.

@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "host/cloud/uncertainty/radius.hpp"
@@ -27,6 +28,8 @@ constexpr double k_reach_s = 0.1;
 constexpr int k_least_near = 5;
 /// Of the whole scan's variance in that of a place.
 constexpr double k_of_all = 0.35;
+/// Likewise of an arm by its motion: a spring swings on behind what moved it.
+constexpr double k_of_all_by_motion = 0.5;
 
 /// z = fit . (1, x, y), counted from a middle.
 struct Plane {
@@ -44,6 +47,12 @@ Number median_of(std::vector<Number>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+double mean_of(std::span<const double> values) {
+  return values.empty()
+             ? 0
+             : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
 /// Student's limit for 95 % over that of the normal distribution; good to 2 % from four degrees of freedom
@@ -91,7 +100,7 @@ std::optional<ArmSway::Piece> ArmSway::lowest_level(std::span<const Eigen::Vecto
   return Piece{.middle_base = middle, .noise_mm2 = noise_mm * noise_mm, .profile = 0};
 }
 
-void ArmSway::add_profile(std::span<const Eigen::Vector3f> points_base, double time_s) {
+void ArmSway::add_profile(std::span<const Eigen::Vector3f> points_base, const ProfilePose& pose) {
   if (points_base.empty()) return;
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();  // from the first: single precision has few digits
   for (const Eigen::Vector3f& point : points_base) sum += point - points_base.front();
@@ -100,7 +109,9 @@ void ArmSway::add_profile(std::span<const Eigen::Vector3f> points_base, double t
     piece->profile = profiles_.size();
     pieces_.push_back(*piece);
   }
-  profiles_.push_back({.middle_base = (points_base.front() + sum).cast<double>(), .time_s = time_s});
+  profiles_.push_back({.T_base_flange = pose.T_base_flange,
+                       .time_s = pose.time_s,
+                       .point_base = (points_base.front() + sum).cast<double>()});
 }
 
 std::vector<ArmSway::Piece> ArmSway::on_one_plane() const {
@@ -188,10 +199,34 @@ std::optional<ArmMotion> ArmSway::motion() const {
   ArmMotion motion;
   motion.profiles = used.size();
   for (std::size_t i = 0; i < profiles_.size(); ++i) {
-    motion.places.push_back({profiles_[i].middle_base, wider * std::sqrt(local[i])});
+    motion.places.push_back({profiles_[i].point_base, wider * std::sqrt(local[i])});
     motion.sigma_mm += wider * wider * local[i] / static_cast<double>(profiles_.size());
   }
   motion.sigma_mm = std::sqrt(motion.sigma_mm);
+  if (const double square = mean_of(squared_accelerations(profiles_)); square > 0)
+    motion.give_mm_per_m_s2 = motion.sigma_mm / std::sqrt(square);
+  return motion;
+}
+
+std::optional<ArmMotion> ArmSway::motion_by(const ArmGive& give) const {
+  const std::vector<double> squares = squared_accelerations(profiles_);
+  if (squares.empty()) return std::nullopt;
+  const double mean = mean_of(squares);
+  ArmMotion motion{.sigma_mm = give.mm_per_m_s2 * std::sqrt(mean),
+                   .source = give.source,
+                   .give_mm_per_m_s2 = give.mm_per_m_s2};
+  double sum = 0;
+  std::size_t first = 0;
+  std::size_t end = 0;
+  for (const CarriedPoint& profile : profiles_) {
+    const double time_s = profile.time_s;
+    while (end < squares.size() && profiles_[end].time_s <= time_s + k_reach_s) sum += squares[end++];
+    while (profiles_[first].time_s < time_s - k_reach_s) sum -= squares[first++];
+    const double near = std::max(sum, 0.0) / static_cast<double>(end - first);
+    motion.places.push_back({.middle_base = profile.point_base,
+                             .sigma_mm = give.mm_per_m_s2 * std::sqrt((1 - k_of_all_by_motion) * near +
+                                                                      k_of_all_by_motion * mean)});
+  }
   return motion;
 }
 

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "common/geometry/se3.hpp"
+#include "host/cloud/uncertainty/arm_give.hpp"
+#include "host/cloud/uncertainty/scan_spread.hpp"
 
 namespace biteline::uncertainty {
 
@@ -20,6 +22,8 @@ struct ArmMotion {
   double sigma_mm{0};           ///< root mean square over the places
   std::size_t profiles{0};      ///< that showed it
   std::vector<Place> places{};  ///< never empty
+  ArmSource source{ArmSource::Table};
+  double give_mm_per_m_s2{0};  ///< `sigma_mm` over the arm's acceleration; 0: it is not known
 
   /// Of the profile that lies nearest.
   [[nodiscard]] double sigma_mm_at(const Vec3& point_base) const;
@@ -35,10 +39,13 @@ struct ArmMotion {
 class ArmSway {
  public:
   /// Points in base, z upwards, neighbours on the stripe next to each other.  In the order of time.
-  void add_profile(std::span<const Eigen::Vector3f> points_base, double time_s);
+  void add_profile(std::span<const Eigen::Vector3f> points_base, const ProfilePose& pose);
 
   /// None where the surface was not seen on both sides of a shoe, or in too few profiles.
   [[nodiscard]] std::optional<ArmMotion> motion() const;
+  /// Of an arm that gives so much, by how it moved: where the surface was not seen.  None of fewer than five
+  /// profiles.
+  [[nodiscard]] std::optional<ArmMotion> motion_by(const ArmGive& give) const;
 
  private:
   /// Of the level surface.
@@ -47,17 +54,13 @@ class ArmSway {
     double noise_mm2;  ///< of its height
     std::size_t profile;
   };
-  struct Profile {
-    Vec3 middle_base;
-    double time_s;
-  };
   [[nodiscard]] static std::optional<Piece> lowest_level(std::span<const Eigen::Vector3f> points_base);
   /// Without what lies on no plane with most of them; z is above the plane.
   [[nodiscard]] std::vector<Piece> on_one_plane() const;
   /// Variance at each profile, of pieces without noise.
   [[nodiscard]] std::vector<double> local_mm2(std::span<const Piece> pieces, double mean_mm2) const;
 
-  std::vector<Profile> profiles_;
+  std::vector<CarriedPoint> profiles_;  ///< by their middles
   std::vector<Piece> pieces_;
 };
 

@@ -3,6 +3,7 @@
 /// \file How well a head is known: what its calibration states beside its values.
 
 #include <array>
+#include <optional>
 #include <string_view>
 
 #include "common/geometry/sensor_model.hpp"
@@ -31,6 +32,8 @@ struct HeadUncertainty {
   /// out.
   double pose_sigma_mm{0};
   double pose_sigma_rad{0};
+  /// Of the arm, unseen by its encoders, per acceleration: one coordinate's standard deviation.
+  std::optional<double> arm_give_mm_per_m_s2{};
 };
 
 /// The head with its parameters off by `delta`.

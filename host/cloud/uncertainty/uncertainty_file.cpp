@@ -61,6 +61,8 @@ Result<HeadUncertainty> read_uncertainty(const std::filesystem::path& file) {
     reader.fault(Errc::BadValue, "covariance", "a symmetric matrix with variances on its diagonal");
   out.pose_sigma_mm = reader.number("pose_sigma_mm", {.minimum = 0, .maximum = 100});
   out.pose_sigma_rad = reader.number("pose_sigma_rad", {.minimum = 0, .maximum = 1});
+  constexpr const char* k_give = "arm_give_mm_per_m_s2";
+  if (reader.has(k_give)) out.arm_give_mm_per_m_s2 = reader.number(k_give, {.minimum = 0, .maximum = 10});
   BITELINE_TRY(reader.finish());
   return out;
 }
@@ -83,7 +85,10 @@ std::string uncertainty_text(const HeadUncertainty& uncertainty) {
          "]\nplane_axes:" + rows_of(uncertainty.plane_axes) +
          "covariance:" + rows_of(uncertainty.covariance) +
          "pose_sigma_mm: " + number(uncertainty.pose_sigma_mm) +
-         "\npose_sigma_rad: " + number(uncertainty.pose_sigma_rad) + "\n";
+         "\npose_sigma_rad: " + number(uncertainty.pose_sigma_rad) + "\n" +
+         (uncertainty.arm_give_mm_per_m_s2
+              ? "arm_give_mm_per_m_s2: " + number(*uncertainty.arm_give_mm_per_m_s2) + "\n"
+              : "");
 }
 
 }  // namespace biteline::uncertainty

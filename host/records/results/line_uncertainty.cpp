@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace biteline::results {
 
@@ -10,7 +11,8 @@ U95Parts parts_of_found_line(const U95OfScan& scan) {
   U95Parts parts{.holds = {"noise", "gaps", "profiles", "other layers"}, .lacks = {}, .arm = scan.arm};
   for (const char* part : {"calibration", "poses", "clock"})
     (scan.head ? parts.holds : parts.lacks).emplace_back(part);
-  (scan.arm ? parts.holds : parts.lacks).emplace_back("the arm's give");
+  const bool assumed = scan.arm && scan.arm->source == uncertainty::ArmSource::Assumed;
+  (scan.arm ? parts.holds : parts.lacks).emplace_back(assumed ? "the arm's give, assumed" : "the arm's give");
   return parts;
 }
 
@@ -54,10 +56,24 @@ nlohmann::ordered_json u95_json(const cloud::ClosedLine& line, const U95Parts& p
                               {"lacks", parts.lacks}};
   if (parts.arm) {
     json["arm_sigma_mm"] = parts.arm->sigma_mm;
-    json["arm_profiles"] = parts.arm->profiles;
+    json["arm_from"] = uncertainty::to_string(parts.arm->source);
+    if (parts.arm->give_mm_per_m_s2 > 0) json["arm_give_mm_per_m_s2"] = parts.arm->give_mm_per_m_s2;
+    if (parts.arm->profiles > 0) json["arm_profiles"] = parts.arm->profiles;
   }
   return json;
 }
+
+namespace {
+
+/// Of `arm_from`, and what to do about an assumption.
+std::string arm_words(const std::string& from) {
+  if (from == to_string(uncertainty::ArmSource::Assumed))
+    return "nothing, so much is assumed: show the table or fixture all the way round";
+  if (from == to_string(uncertainty::ArmSource::Stated)) return "uncertainty.yaml";
+  return from == to_string(uncertainty::ArmSource::Table) ? "the table, in this scan" : "earlier scans";
+}
+
+}  // namespace
 
 void add_u95(report::Page& page, const nlohmann::ordered_json& fields) {
   if (!fields.contains("u95") || !fields["u95"].is_object()) return;
@@ -68,12 +84,16 @@ void add_u95(report::Page& page, const nlohmann::ordered_json& fields) {
     for (const auto& word : u95[key]) all += (all.empty() ? "" : ", ") + word.get<std::string>();
     return all.empty() ? std::string{"nothing"} : all;
   };
+  std::vector<std::pair<std::string, std::string>> figures{
+      {"95 % of the line's points are nearer to the bite line than", mm("pooled_mm")},
+      {"largest U95 of a point", mm("max_mm")},
+      {"there, along the line at", mm("max_at_mm")},
+      {"it holds", words("holds")},
+      {"it does not hold", words("lacks")}};
+  if (u95.contains("arm_from"))
+    figures.push_back({"the arm's give is known from", arm_words(u95["arm_from"].get<std::string>())});
   page.heading("Uncertainty (U95)");
-  page.figures({{"95 % of the line's points are nearer to the bite line than", mm("pooled_mm")},
-                {"largest U95 of a point", mm("max_mm")},
-                {"there, along the line at", mm("max_at_mm")},
-                {"it holds", words("holds")},
-                {"it does not hold", words("lacks")}});
+  page.figures(figures);
 }
 
 }  // namespace biteline::results

@@ -17,7 +17,7 @@ namespace biteline::results {
 struct U95Parts {
   std::vector<std::string> holds;
   std::vector<std::string> lacks;
-  std::optional<uncertainty::ArmMotion> arm{};  ///< estimated from the scan
+  std::optional<uncertainty::ArmMotion> arm{};
 };
 
 /// What of a scan as a whole is in a U95.
@@ -34,8 +34,9 @@ struct U95OfScan {
 /// U95.
 [[nodiscard]] double pooled_u95_mm(const cloud::ClosedLine& line);
 
-/// `pooled_mm`, `max_mm`, `max_at_mm` (along the line), `holds`, `lacks`, and of the arm where it was
-/// estimated `arm_sigma_mm`, `arm_profiles`.  Null where a point has none.
+/// `pooled_mm`, `max_mm`, `max_at_mm` (along the line), `holds`, `lacks`, and of the arm where there is a
+/// figure `arm_sigma_mm`, `arm_from`, `arm_give_mm_per_m_s2`, and where the scan shows it `arm_profiles`.
+/// Null where a point has none.
 [[nodiscard]] nlohmann::ordered_json u95_json(const cloud::ClosedLine& line, const U95Parts& parts);
 
 /// The `u95` of report.json's fields as a table with what it means; nothing where there is none.

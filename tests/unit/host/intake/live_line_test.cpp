@@ -76,6 +76,60 @@ TEST(LiveLine, LineOfEachClassIsThatOfTheFinishedCloud) {
   }
 }
 
+TEST(LiveLine, ACloudTakenUpAgainKeepsItsPoses) {
+  const cloud::PointCloud cloud = scan_of(sim::ShoeClass::Deep);
+  // Every other profile has one; the arm sways along its way.
+  std::vector<TakenFrom> poses;
+  for (const Range& range : profiles_of(cloud)) {
+    const std::uint32_t number = cloud.profile[range.first];
+    if (number % 2 != 0) continue;
+    TakenFrom taken{.profile = number, .pose = {.time_s = 0.01 * number}};
+    taken.pose.T_base_flange.translation().x() = std::sin(50 * taken.pose.time_s);
+    poses.push_back(taken);
+  }
+  LiveLine sut{k_line_only};
+  sut.add_profiles(cloud, poses);
+  sut.close({}, uncertainty::ArmGive{.mm_per_m_s2 = 0.05, .source = uncertainty::ArmSource::EarlierScans});
+  const bite_line::Extraction line = sut.wait().extraction;
+  CHECK(line.arm.has_value());
+  CHECK_EQUAL(poses.size(), line.arm->places.size());
+  CHECK(line.arm->source == uncertainty::ArmSource::EarlierScans);
+  DOUBLES_EQUAL(0.05, line.arm->give_mm_per_m_s2, 1e-12);
+  LiveLine without{k_line_only};
+  without.add_profiles(cloud);
+  without.close();
+  CHECK_FALSE(without.wait().extraction.arm.has_value());
+}
+
+TEST(LiveLine, AnArmThatNothingTellsOfIsAssumedAndWhatIsStatedGoesFirst) {
+  const cloud::PointCloud cloud = scan_of(sim::ShoeClass::Deep);
+  std::vector<TakenFrom> poses;
+  for (const Range& range : profiles_of(cloud)) {
+    const std::uint32_t number = cloud.profile[range.first];
+    poses.push_back({.profile = number, .pose = {.time_s = 0.01 * number}});
+    poses.back().pose.T_base_flange.translation().x() = 10 * std::sin(10 * poses.back().pose.time_s);
+  }
+  const auto line_of = [&](std::shared_ptr<const uncertainty::KnownHead> head,
+                           std::optional<uncertainty::ArmGive> earlier) {
+    LiveLine sut{k_line_only};
+    sut.add_profiles(cloud, poses);
+    sut.close(std::move(head), earlier);
+    return sut.wait().extraction;
+  };
+  const bite_line::Extraction assumed = line_of({}, {});
+  CHECK(assumed.arm.has_value());
+  CHECK(assumed.arm->source == uncertainty::ArmSource::Assumed);
+  // A coordinate's deviation is in the radius of every place.
+  for (const cloud::LinePoint& p : assumed.line.points)
+    CHECK_COMPARE(p.u95_mm.value_or(0), >, assumed.arm->sigma_mm_at(p.position));
+  const uncertainty::ArmGive earlier{.mm_per_m_s2 = 0.05, .source = uncertainty::ArmSource::EarlierScans};
+  uncertainty::KnownHead head{};
+  head.uncertainty.arm_give_mm_per_m_s2 = 0.01;
+  const bite_line::Extraction stated = line_of(std::make_shared<const uncertainty::KnownHead>(head), earlier);
+  CHECK(stated.arm->source == uncertainty::ArmSource::Stated);
+  DOUBLES_EQUAL(0.01, stated.arm->give_mm_per_m_s2, 1e-12);
+}
+
 TEST(LiveLine, RefusesWhatTheFinishedCloudIsRefusedForAndSaysTheSame) {
   const cloud::PointCloud bare = scan_of(sim::ShoeClass::Bare);
   LiveLine sut{k_line_only};

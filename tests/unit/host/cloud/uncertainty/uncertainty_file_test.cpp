@@ -33,6 +33,21 @@ TEST(UncertaintyFile, IsReadAsItWasWritten) {
   DOUBLES_EQUAL(known.pose_sigma_rad, sut->pose_sigma_rad, 1e-12);
 }
 
+TEST(UncertaintyFile, AnArmMayBeStatedAndNeedNot) {
+  HeadUncertainty stated = known;
+  stated.arm_give_mm_per_m_s2 = 0.034;
+  const auto sut = read_uncertainty(folder.write(k_file_name, uncertainty_text(stated)));
+  SUCCEEDS(sut);
+  DOUBLES_EQUAL(0.034, sut->arm_give_mm_per_m_s2.value_or(-1), 1e-12);
+  stated.arm_give_mm_per_m_s2.reset();
+  const auto none = read_uncertainty(folder.write(k_file_name, uncertainty_text(stated)));
+  SUCCEEDS(none);
+  CHECK_FALSE(none->arm_give_mm_per_m_s2.has_value());
+  stated.arm_give_mm_per_m_s2 = -1;
+  FAILS_NAMING(Errc::BadValue, "arm_give_mm_per_m_s2",
+               read_uncertainty(folder.write(k_file_name, uncertainty_text(stated))));
+}
+
 TEST(UncertaintyFile, BesideASensorYamlThereMayBeNone) {
   const auto none = read_uncertainty_beside(folder.path() / "sensor.yaml");
   SUCCEEDS(none);

@@ -61,6 +61,18 @@ TEST(LineUncertainty, ReportSaysWhetherTheArmsGiveWasEstimated) {
   CHECK_FALSE(has(sut["lacks"], "the arm's give"));
   DOUBLES_EQUAL(0.02, sut["arm_sigma_mm"].get<double>(), 1e-12);
   CHECK_EQUAL(250, sut["arm_profiles"].get<int>());
+  STRCMP_EQUAL("table", sut["arm_from"].get<std::string>().c_str());
+}
+
+TEST(LineUncertainty, ReportSaysThatAnArmIsAssumed) {
+  const auto sut = u95_json(line_with({0.1, 0.2, 0.1}),
+                            parts_of_found_line({.arm = {{.sigma_mm = 0.05,
+                                                          .source = uncertainty::ArmSource::Assumed,
+                                                          .give_mm_per_m_s2 = 0.12}}}));
+  CHECK(has(sut["holds"], "the arm's give, assumed"));
+  STRCMP_EQUAL("assumed", sut["arm_from"].get<std::string>().c_str());
+  DOUBLES_EQUAL(0.12, sut["arm_give_mm_per_m_s2"].get<double>(), 1e-12);
+  CHECK_FALSE(sut.contains("arm_profiles"));
 }
 
 TEST(LineUncertainty, APointWithoutItLeavesNothingToSay) {
