@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "host/geometry/closed_curve.hpp"
 
+#include "host/geometry/robust.hpp"
+
 namespace biteline::geometry {
 
 std::vector<double> running_mean(std::span<const double> values, double window) {
@@ -19,6 +21,19 @@ std::vector<double> running_mean(std::span<const double> values, double window) 
     mean[i] = sum / weight;
   }
   return mean;
+}
+
+std::vector<double> running_median(std::span<const double> values, std::size_t beside) {
+  std::vector<double> median(values.size());
+  std::vector<double> about;
+  const auto reach = static_cast<std::ptrdiff_t>(beside);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    about.clear();
+    for (std::ptrdiff_t j = -reach; j <= reach; ++j)
+      about.push_back(values[round_index(i, j, values.size())]);
+    median[i] = median_of(std::span<double>{about});
+  }
+  return median;
 }
 
 }  // namespace biteline::geometry

@@ -95,4 +95,7 @@ template <class Value>
 /// Mean over `window` steps round closed data; fractional at the ends so that the window is exact.
 [[nodiscard]] std::vector<double> running_mean(std::span<const double> values, double window);
 
+/// Median of each value and the `beside` ones to either side, round closed data.
+[[nodiscard]] std::vector<double> running_median(std::span<const double> values, std::size_t beside);
+
 }  // namespace biteline::geometry

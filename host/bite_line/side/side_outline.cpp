@@ -8,6 +8,8 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
+#include "host/geometry/closed_curve.hpp"
+
 namespace biteline::bite_line {
 
 namespace {
@@ -54,10 +56,12 @@ std::vector<Vec2> side_reach(const Side& side) {
   constexpr int k_every_row = 2;
   constexpr double k_inside_share = 0.9;
   constexpr std::size_t k_fewest = 5;
+  // A pin, a clamp or a strap's end is shorter along the outline, and none of a shoe's shape.
+  constexpr double k_least_part_mm = 40;
   const SideField& field = side.field;
   const SideGrid& grid = field.grid;
   const int rows = std::min(grid.rows, static_cast<int>(static_cast<double>(k_band_mm) / grid.row_mm));
-  std::vector<Vec2> reach;
+  std::vector<double> s_mm, reach_mm;
   std::vector<float> out_mm;
   for (int col = 0; col < grid.cols; col += k_every_col) {
     out_mm.clear();
@@ -69,9 +73,14 @@ std::vector<Vec2> side_reach(const Side& side) {
     const auto at =
         out_mm.begin() + static_cast<std::ptrdiff_t>(k_inside_share * static_cast<double>(out_mm.size()));
     std::nth_element(out_mm.begin(), at, out_mm.end());
-    const double s_mm = (col + 0.5) * grid.col_mm;
-    reach.push_back(side.outline.point(s_mm) + static_cast<double>(*at) * side.outline.normal(s_mm));
+    s_mm.push_back((col + 0.5) * grid.col_mm);
+    reach_mm.push_back(static_cast<double>(*at));
   }
+  reach_mm = geometry::running_median(
+      reach_mm, static_cast<std::size_t>(0.5 * k_least_part_mm / (k_every_col * grid.col_mm)));
+  std::vector<Vec2> reach;
+  for (std::size_t i = 0; i < s_mm.size(); ++i)
+    reach.push_back(side.outline.point(s_mm[i]) + reach_mm[i] * side.outline.normal(s_mm[i]));
   return reach;
 }
 

@@ -15,8 +15,8 @@ namespace biteline::bite_line {
 [[nodiscard]] Outline side_outline(const Shoe& shoe);
 
 /// How far out the side stands, in shoe, closed and anticlockwise: every two millimetres the place beyond
-/// which a tenth of the height lies, up to 45 mm above the lowest point.  Strays beside a surface widen the
-/// hull; here they count for nothing.
+/// which a tenth of the height lies, up to 45 mm above the lowest point.  Strays beside a surface, and pins
+/// and clamps about it, widen the hull; here they count for nothing.
 [[nodiscard]] std::vector<Vec2> side_reach(const Side& side);
 
 }  // namespace biteline::bite_line

@@ -129,4 +129,14 @@ TEST(SideField, StraysBesideTheSideDoNotWidenItsReach) {
   }
 }
 
+TEST(SideField, APinBesideTheSideIsNoneOfItsReach) {
+  const auto pin = [](double s) { return std::fmod(s + 60, 120) < 8; };
+  const Side side = test::drum_side([&](double s, double) { return pin(s) ? 8.0 : 0.0; });
+  for (const Vec2& p : side_reach(side)) {
+    const OutlinePlace at =
+        side.outline.locate({static_cast<float>(p.x()), static_cast<float>(p.y()), 20.0F});
+    CHECK_COMPARE(std::abs(at.o_mm), <, 0.8F);  // a tenth of the pin: the field blurs its sides
+  }
+}
+
 }  // namespace biteline::bite_line

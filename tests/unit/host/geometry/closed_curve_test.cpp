@@ -67,6 +67,14 @@ TEST(ClosedCurve, ARunningMeanCountsPartsOfAStep) {
   DOUBLES_EQUAL(0, sut[0], 1e-12);
 }
 
+TEST(ClosedCurve, ARunningMedianDropsWhatIsShorterThanHalfItsWindow) {
+  const std::vector<double> bump{5, 0, 0, 2, 2, 2, 2, 0, 0, 5};
+  const std::vector<double> sut = running_median(bump, 2);
+  DOUBLES_EQUAL(0, sut[0], 1e-12);  // the two fives are next to each other round the end
+  DOUBLES_EQUAL(0, sut[9], 1e-12);
+  DOUBLES_EQUAL(2, sut[4], 1e-12);
+}
+
 TEST_GROUP(Robust){};
 
 TEST(Robust, TheMedianHoldsAgainstAThirdOfWrongValues) {
