@@ -182,14 +182,14 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
   const SectionCourseConfig course_config{.along_mm = sigma_along_mm(input.points_per_mm2, sample_mm),
                                           .smoothing_mm = config.smoothing_mm,
                                           .search_mm = config.search_mm,
-                                          .mean_mm = config.mean_mm};
+                                          .mean_mm = config.mean_mm,
+                                          .few = are_few(input.points_per_mm2)};
   SectionCourse course = section_course(points, path_z, course_config);
   const Sections& sections = course.sections;
   Ridge& ridge = course.ridge;
   const std::vector<double>& z = course.z_mm;
-  const std::vector<double> few = are_few(input.points_per_mm2)
-                                      ? half_spread(sectioned, course, course_config)
-                                      : std::vector<double>(stations, 0.0);
+  const std::vector<double> few =
+      course_config.few ? half_spread(sectioned, course, course_config) : std::vector<double>(stations, 0.0);
   const Plan plan = plan_of(path_outline, course.o_mm, course.o_known, sections.station_mm);
   const std::vector<GapPlace> gap = gap_places(ridge.visible, path_outline, sections.station_mm);
   const std::vector<GapPlace> shadow = gap_places(course.o_known, path_outline, sections.station_mm);

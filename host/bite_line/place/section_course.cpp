@@ -134,11 +134,24 @@ void shrink_beside_gaps(std::vector<std::uint8_t>& known, double station_mm) {
   }
 }
 
-/// Bridged by straight lines.
-Outwards whole_outwards(const Sections& sections, std::span<const double> row) {
+/// Mean of what is known over so many stations about each that is.
+void mean_of_known(Outwards& outwards, double stations) {
+  std::vector<double> share(outwards.known.begin(), outwards.known.end());
+  std::vector<double> sum(share.size());
+  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = share[i] * outwards.o_mm[i];
+  share = geometry::running_mean(share, stations);
+  sum = geometry::running_mean(sum, stations);
+  for (std::size_t i = 0; i < sum.size(); ++i)
+    if (outwards.known[i] != 0) outwards.o_mm[i] = sum[i] / share[i];
+}
+
+/// Bridged by straight lines.  `few`: a place then hangs on one or two points, and on those beside it.
+Outwards whole_outwards(const Sections& sections, std::span<const double> row, bool few) {
+  constexpr double k_few_mean_mm = 4.0;
   Outwards outwards = outwards_of(sections, row);
   geometry::drop_islands(outwards.known, sections.station_mm, k_island_mm);
   shrink_beside_gaps(outwards.known, sections.station_mm);
+  if (few) mean_of_known(outwards, k_few_mean_mm / sections.station_mm);
   geometry::bridge_straight(outwards.o_mm, outwards.known, sections.station_mm);
   return outwards;
 }
@@ -166,7 +179,7 @@ SectionCourse section_course(const SectionPoints& points, std::span<const double
   for (std::size_t i = 0; i < stations; ++i)
     course.row[i] = sections.zero_row + (course.z_mm[i] - path_z_mm[i]) / sections.row_mm;
 
-  Outwards outwards = whole_outwards(sections, course.row);
+  Outwards outwards = whole_outwards(sections, course.row, config.few);
   course.o_mm = std::move(outwards.o_mm);
   course.o_known = std::move(outwards.known);
   return course;
@@ -179,7 +192,7 @@ std::vector<double> half_spread(const SectionInput& input, const SectionCourse& 
   const auto out_of = [&](std::span<const Eigen::Vector3f> points) {
     const SectionPoints sorted{{.points = points, .outline = input.outline, .path_z_mm = input.path_z_mm},
                                {}};
-    return whole_outwards(sorted.cut(config.along_mm), whole.row).o_mm;
+    return whole_outwards(sorted.cut(config.along_mm), whole.row, config.few).o_mm;
   };
   const std::vector<double> a = out_of(half[0]);
   const std::vector<double> b = out_of(half[1]);
