@@ -1,28 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "host/bite_line/find_bite_line.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "host/bite_line/layers/climb.hpp"
-#include "host/bite_line/live_scan.hpp"
 #include "host/bite_line/path/decide.hpp"
 #include "host/bite_line/place/finish.hpp"
 #include "host/bite_line/place/place_path.hpp"
 #include "host/bite_line/side/side_outline.hpp"
 
 namespace biteline::bite_line {
-
-namespace {
-
-/// The profiles' points lie together and rise: scan order as it is written.  A cloud may carry the numbers
-/// and yet be in another order.
-bool in_scan_order(const cloud::PointCloud& cloud) {
-  return !cloud.points.empty() && cloud.profile.size() == cloud.size() &&
-         std::is_sorted(cloud.profile.begin(), cloud.profile.end());
-}
-
-}  // namespace
 
 Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::optional<Workings>* workings) {
   report::StageClock clock;
@@ -53,10 +40,8 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
 
 Extraction find_bite_line(const cloud::PointCloud& cloud, const Config& config,
                           std::optional<Workings>* workings) {
-  if (!in_scan_order(cloud)) return find_bite_line(ScanPoints::scattered(cloud.points), config, workings);
-  LiveScan scan;
-  scan.add_profiles(cloud);
-  return scan.finish(config, workings);
+  const PointRuns runs = runs_of(cloud);
+  return find_bite_line(runs.scan(cloud.points), config, workings);
 }
 
 }  // namespace biteline::bite_line

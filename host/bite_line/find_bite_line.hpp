@@ -17,8 +17,7 @@ namespace biteline::bite_line {
 [[nodiscard]] Extraction find_bite_line(const ScanPoints& scan, const Config& config,
                                         std::optional<Workings>* workings = nullptr);
 
-/// Of a cloud in any order.  One in scan order is taken as a LiveScan takes it, which is faster and gives the
-/// same line as the running scan.
+/// Of a cloud in any order.  One in scan order gives the same line as the running scan.
 [[nodiscard]] Extraction find_bite_line(const cloud::PointCloud& cloud, const Config& config,
                                         std::optional<Workings>* workings = nullptr);
 

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/core/contracts.hpp"
-
 namespace biteline::bite_line {
 namespace {
 
@@ -24,36 +22,15 @@ void LiveScan::add_profile(std::uint64_t sequence, std::span<const Eigen::Vector
   if (!sequences_.insert(sequence).second) return;
   profiles_.push_back(
       {.sequence = sequence, .first_raw = raw_.size(), .points = points.size(), .pose = pose});
-  // Neighbours along the stripe are some 0.07 mm apart: their means over a quarter of a millimetre carry all
-  // that finding the line needs.
-  constexpr float k_run_mm = 0.25F;
   const std::size_t first_mean = means_.size();
-  std::size_t i = 0;
-  while (i < points.size()) {
-    const auto first = static_cast<std::uint32_t>(raw_.size());
-    const Eigen::Vector3f start = points[i];
-    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-    float count = 0;
-    for (; i < points.size() && (points[i] - start).squaredNorm() < k_run_mm * k_run_mm; ++i) {
-      sum += points[i] - start;
-      count += 1;
-      raw_.push_back(points[i]);
-    }
-    means_.push_back(start + sum / count);
-    first_raw_.push_back(first);
+  for (std::size_t first = 0; first < points.size();) {
+    const Run run = run_from(points, first);
+    means_.push_back(run.mean);
+    first_raw_.push_back(static_cast<std::uint32_t>(raw_.size() + first));
+    first = run.end;
   }
+  raw_.insert(raw_.end(), points.begin(), points.end());
   if (pose) arm_.add_profile(std::span{means_}.subspan(first_mean), *pose);
-}
-
-void LiveScan::add_profiles(const cloud::PointCloud& cloud) {
-  BITELINE_EXPECTS(cloud.profile.size() == cloud.size());
-  raw_.reserve(raw_.size() + cloud.size());
-  for (std::size_t first = 0; first < cloud.size();) {
-    std::size_t end = first;
-    while (end < cloud.size() && cloud.profile[end] == cloud.profile[first]) ++end;
-    add_profile(cloud.profile[first], {cloud.points.data() + first, end - first});
-    first = end;
-  }
 }
 
 bool LiveScan::in_order() const {

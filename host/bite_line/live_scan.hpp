@@ -24,14 +24,8 @@ class LiveScan {
   /// `pose`: where the arm was, for the line's uncertainty.
   void add_profile(std::uint64_t sequence, std::span<const Eigen::Vector3f> points,
                    const std::optional<uncertainty::ProfilePose>& pose = {});
-  /// All profiles of a cloud that has scan order.
-  void add_profiles(const cloud::PointCloud& cloud);
   [[nodiscard]] std::size_t points() const { return raw_.size(); }
   [[nodiscard]] std::size_t profiles() const { return profiles_.size(); }
-  /// In order of the profiles; borrowed, and without poses.  Pre: profiles came in order.
-  [[nodiscard]] ScanPoints scan_points() const {
-    return {.means = means_, .points = raw_, .first_point = first_raw_};
-  }
   /// May be called at any time, also more than once: the line as far as seen, or why there is none yet.
   [[nodiscard]] Extraction finish(const Config& config, std::optional<Workings>* workings = nullptr) const;
 

@@ -2,6 +2,7 @@
 #pragma once
 /// \file The points of a scan as the steps take them: organised and scattered clouds by one door.
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -10,13 +11,22 @@
 
 #include "host/bite_line/large.hpp"
 #include "host/bite_line/shoe/shoe.hpp"
+#include "host/cloud/point_cloud.hpp"
 #include "host/cloud/uncertainty/arm_sway.hpp"
 #include "host/cloud/uncertainty/scan_spread.hpp"
 
 namespace biteline::bite_line {
 
-/// Neighbours along a stripe make a run; its mean stands for it wherever the line is found, its own points
-/// wherever the line is placed.  A scattered cloud is runs of one.  Base, mm, finite; borrowed.
+/// Neighbours along a stripe are some 0.07 mm apart: their means over a quarter of a millimetre carry all
+/// that finding the line needs.
+struct Run {
+  Eigen::Vector3f mean;
+  std::size_t end;  ///< in the points, behind its last one
+};
+[[nodiscard]] Run run_from(std::span<const Eigen::Vector3f> points, std::size_t first);
+
+/// The mean of a run stands for it wherever the line is found, its own points wherever the line is placed.
+/// Base, mm, finite; borrowed.
 struct ScanPoints {
   std::span<const Eigen::Vector3f> means;             ///< of the runs
   std::span<const Eigen::Vector3f> points;            ///< run after run
@@ -24,9 +34,6 @@ struct ScanPoints {
   std::span<const uncertainty::ProfilePose> poses{};  ///< in the order of time; empty: not known
   std::optional<uncertainty::ArmMotion> arm{};        ///< how far it was off its told poses
 
-  [[nodiscard]] static ScanPoints scattered(std::span<const Eigen::Vector3f> points) {
-    return {.means = points, .points = points, .first_point = {}};
-  }
   [[nodiscard]] std::span<const Eigen::Vector3f> run(std::size_t i) const {
     if (first_point.empty()) return points.subspan(i, 1);
     const std::size_t end = i + 1 < first_point.size() ? first_point[i + 1] : points.size();
@@ -36,6 +43,21 @@ struct ScanPoints {
     return static_cast<double>(points.size()) / static_cast<double>(means.size());
   }
 };
+
+/// The runs of a cloud, as neighbours lie in its own order.
+struct PointRuns {
+  Large<Eigen::Vector3f> means;  ///< empty: each point is a run
+  Large<std::uint32_t> first_point;
+
+  [[nodiscard]] ScanPoints scan(std::span<const Eigen::Vector3f> points) const {
+    return {.means = means.empty() ? points : std::span<const Eigen::Vector3f>{means},
+            .points = points,
+            .first_point = first_point};
+  }
+};
+/// A profile's end is a run's.  Without profiles, points that hardly have neighbours in their order are left
+/// as they are: it is no stripe's, or strays lie among them, which would weigh as much as runs.
+[[nodiscard]] PointRuns runs_of(const cloud::PointCloud& cloud);
 
 /// All points of the runs behind these points of the shoe (indices into its `points`), in shoe.
 [[nodiscard]] Large<Eigen::Vector3f> points_behind(const ScanPoints& scan, const Shoe& shoe,

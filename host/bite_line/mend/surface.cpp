@@ -15,33 +15,19 @@ namespace {
 
 using namespace bite_line;
 
-bool in_scan_order(const cloud::PointCloud& cloud) {
-  return !cloud.points.empty() && cloud.profile.size() == cloud.size() &&
-         std::is_sorted(cloud.profile.begin(), cloud.profile.end());
-}
-
 }  // namespace
 
 OrRefusal<Surface> Surface::of(const cloud::PointCloud& cloud) {
-  LiveScan scan;
-  cloud::PointCloud scattered;
-  if (in_scan_order(cloud)) {
-    scan.add_profiles(cloud);
-  } else {
-    scattered.points = cloud.points;
-  }
-  const ScanPoints points =
-      scattered.points.empty() ? scan.scan_points() : ScanPoints::scattered(scattered.points);
-  bite_line::OrRefusal<Shoe> shoe = find_shoe(points.means);
+  PointRuns runs = runs_of(cloud);
+  bite_line::OrRefusal<Shoe> shoe = find_shoe(runs.scan(cloud.points).means);
   if (!shoe) return refuse(Refused::NothingToMend, "nothing to mend: " + shoe.error().reason);
   Outline outline = side_outline(*shoe);
   SideField field = SideField::build(*shoe, outline, {});
-  return Surface{std::move(scan), std::move(scattered),
-                 Side{std::move(*shoe), std::move(outline), std::move(field)}};
+  return Surface{cloud.points, std::move(runs), Side{std::move(*shoe), std::move(outline), std::move(field)}};
 }
 
-Surface::Surface(LiveScan scan, cloud::PointCloud scattered, Side side)
-    : scan_{std::move(scan)}, scattered_{std::move(scattered)}, side_{std::move(side)} {
+Surface::Surface(std::vector<Eigen::Vector3f> points, PointRuns runs, Side side)
+    : points_{std::move(points)}, runs_{std::move(runs)}, side_{std::move(side)} {
   const Layers layers = find_layers_along(side_, {});
   Evidence evidence = find_evidence(side_.field, {});
   likeness_ = std::move(evidence.likeness);
@@ -50,7 +36,7 @@ Surface::Surface(LiveScan scan, cloud::PointCloud scattered, Side side)
 }
 
 ScanPoints Surface::points() const {
-  return scattered_.points.empty() ? scan_.scan_points() : ScanPoints::scattered(scattered_.points);
+  return runs_.scan(points_);
 }
 
 std::optional<GridPlace> Surface::locate(const Vec3& point) const {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "host/bite_line/layers/layers.hpp"
-#include "host/bite_line/live_scan.hpp"
 #include "host/bite_line/mend/refused.hpp"
 #include "host/bite_line/path/decide.hpp"
+#include "host/bite_line/scan_points.hpp"
 #include "host/bite_line/side/side.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/cloud/point_cloud.hpp"
@@ -45,12 +45,12 @@ class Surface {
   [[nodiscard]] cloud::ClosedLine place(std::span<const double> path, double of_line) const;
 
  private:
-  Surface(bite_line::LiveScan scan, cloud::PointCloud scattered, bite_line::Side side);
+  Surface(std::vector<Eigen::Vector3f> points, bite_line::PointRuns runs, bite_line::Side side);
 
   [[nodiscard]] bite_line::ScanPoints points() const;
 
-  bite_line::LiveScan scan_;     ///< of an organised cloud ...
-  cloud::PointCloud scattered_;  ///< ... else this
+  std::vector<Eigen::Vector3f> points_;
+  bite_line::PointRuns runs_;  ///< of these points
   bite_line::Side side_;
   bite_line::Large<float> likeness_, cost_;
   bite_line::Decision decision_;

@@ -3,6 +3,9 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <algorithm>
+#include <random>
+
 #include "host/bite_line/place/confidence.hpp"
 #include "host/bite_line/scan_points.hpp"
 #include "tests/unit/host/bite_line/drum.hpp"
@@ -130,7 +133,7 @@ TEST(Finish, ALineWhoseU95IsTooLargeOverMoreThanATenthIsRefusedForThat) {
 
 TEST_GROUP(ScanPoints){};
 
-TEST(ScanPoints, RunsGiveAllTheirPointsAndScatteredOnesThemselves) {
+TEST(ScanPoints, RunsGiveAllTheirPoints) {
   Shoe shoe;
   shoe.T_base_shoe.translation() = Vec3{100, 0, 0};
   const std::vector<Eigen::Vector3f> raw{{100, 0, 0}, {101, 0, 0}, {102, 0, 0}, {103, 0, 0}};
@@ -142,9 +145,56 @@ TEST(ScanPoints, RunsGiveAllTheirPointsAndScatteredOnesThemselves) {
   LONGS_EQUAL(2, runs.size());
   DOUBLES_EQUAL(2, runs[0].x(), 1e-5);
   DOUBLES_EQUAL(3, runs[1].x(), 1e-5);
-  const auto single = points_behind(ScanPoints::scattered(raw), shoe, of_shoe);
-  LONGS_EQUAL(1, single.size());
-  DOUBLES_EQUAL(1, single[0].x(), 1e-5);
+}
+
+TEST(ScanPoints, NeighboursOfOneProfileMakeARun) {
+  cloud::PointCloud cloud;
+  cloud.points = {{0, 0, 0},     {0.1F, 0, 0}, {0.2F, 0, 0}, {0.3F, 0, 0},
+                  {0.35F, 0, 0}, {9, 0, 0},    {0.4F, 0, 0}};
+  cloud.profile.assign(7, 4);
+  PointRuns sut = runs_of(cloud);
+  LONGS_EQUAL(4, sut.means.size());
+  DOUBLES_EQUAL(0.1, sut.means[0].x(), 1e-6);
+  DOUBLES_EQUAL(0.325, sut.means[1].x(), 1e-6);
+  LONGS_EQUAL(3, sut.first_point[1]);
+  DOUBLES_EQUAL(9, sut.means[2].x(), 1e-6);
+  cloud.profile = {4, 4, 7, 7, 7, 7, 7};
+  sut = runs_of(cloud);
+  DOUBLES_EQUAL(0.05, sut.means[0].x(), 1e-6);
+  LONGS_EQUAL(2, sut.first_point[1]);
+  LONGS_EQUAL(0, runs_of({}).means.size());
+}
+
+TEST(ScanPoints, WithoutProfilesOnlyNeighboursInTheirOrderAreJoined) {
+  cloud::PointCloud cloud;
+  for (int i = 0; i < 9000; ++i)
+    cloud.points.emplace_back(0.07F * static_cast<float>(i % 300), static_cast<float>(i / 300), 0.0F);
+  const std::size_t runs = runs_of(cloud).means.size();
+  CHECK(runs > 9000 / 5 && runs < 9000 / 3);
+  LONGS_EQUAL(runs, runs_of(cloud).scan(cloud.points).means.size());
+  std::shuffle(cloud.points.begin(), cloud.points.end(), std::mt19937{3});
+  LONGS_EQUAL(0, runs_of(cloud).means.size());
+  LONGS_EQUAL(9000, runs_of(cloud).scan(cloud.points).means.size());
+  LONGS_EQUAL(1, runs_of(cloud).scan(cloud.points).run(17).size());
+}
+
+TEST(ScanPoints, RunsAreTheSameAsOneThreadFindsThem) {
+  // More than one thread's piece, and profiles that reach over the pieces' ends.
+  cloud::PointCloud cloud;
+  for (std::uint32_t i = 0; i < 60'000; ++i) {
+    cloud.points.emplace_back(0.07F * static_cast<float>(i % 7000), static_cast<float>(i / 7000), 0.0F);
+    cloud.profile.push_back(i / 7000);
+  }
+  const PointRuns sut = runs_of(cloud);
+  std::size_t k = 0;
+  for (std::size_t first = 0; first < cloud.size(); ++k) {
+    const std::size_t profile_end = std::min<std::size_t>(cloud.size(), (first / 7000 + 1) * 7000);
+    const Run run = run_from({cloud.points.data(), profile_end}, first);
+    LONGS_EQUAL(first, sut.first_point[k]);
+    CHECK(run.mean == sut.means[k]);
+    first = run.end;
+  }
+  LONGS_EQUAL(k, sut.means.size());
 }
 
 }  // namespace biteline::bite_line
