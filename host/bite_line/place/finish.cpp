@@ -63,22 +63,26 @@ Flagged flagged_of(const cloud::ClosedLine& line, double min_confidence) {
 namespace {
 
 /// Why a line with so much flagged is none; nothing where it is one.
-std::optional<Refusal> flagged_refusal(const Flagged& flagged, double bridged_mm) {
+std::optional<Refusal> flagged_refusal(const Flagged& flagged, const PlacedLine& placed) {
   if (!(flagged.all() > k_most_flagged_share)) return std::nullopt;
-  using Text = FixedText<200>;
+  using Text = FixedText<240>;
+  const Text in_front = placed.thing_beside_mm > 0
+                            ? Text::format("; a pin, a clamp or a cable stands in front of it over %.0f mm",
+                                           placed.thing_beside_mm)
+                            : Text::copy("");
   if (flagged.uncertain > flagged.unsure) {
-    return Refusal{
-        Refused::TooMuchUncertain,
-        Text::format("U95 is above %.0f mm on %.0f %% of the line's length and %.0f %% is unsure "
-                     "(together at most %.0f %%)",
-                     k_sure_mm, 100 * flagged.uncertain, 100 * flagged.unsure, 100 * k_most_flagged_share)
-            .c_str()};
+    return Refusal{Refused::TooMuchUncertain,
+                   Text::format("U95 is above %.0f mm on %.0f %% of the line's length and %.0f %% is unsure "
+                                "(together at most %.0f %%)%s",
+                                k_sure_mm, 100 * flagged.uncertain, 100 * flagged.unsure,
+                                100 * k_most_flagged_share, in_front.c_str())
+                       .c_str()};
   }
   return Refusal{
       Refused::TooMuchUnsure,
       Text::format("%.0f %% of the line's length is unsure (at most %.0f %%); %.0f mm were not seen and are "
-                   "bridged",
-                   100 * flagged.all(), 100 * k_most_flagged_share, bridged_mm)
+                   "bridged%s",
+                   100 * flagged.all(), 100 * k_most_flagged_share, placed.bridged_mm, in_front.c_str())
           .c_str()};
 }
 
@@ -189,7 +193,7 @@ Extraction finish(const Side& side, const Decision& decision, const PlacedLine& 
   out.arm = whole.arm;
   const Flagged flagged = flagged_of(out.line, config.min_confidence_ratio);
   out.confidence = std::min(out.confidence, 1 - flagged.all());
-  out.refusal = flagged_refusal(flagged, placed.bridged_mm);
+  out.refusal = flagged_refusal(flagged, placed);
   if (out.refusal) {
     out.line = {};
     out.confidence = std::min(out.confidence, 0.99 * config.min_confidence_ratio);

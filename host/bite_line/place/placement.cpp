@@ -225,7 +225,8 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
         .between_up_mm = between_z[i],
         .few_out_mm = few[i],
         .noise = noise[i],
-        .scatter_mm = scatter[i]};
+        .scatter_mm = scatter[i],
+        .thing_beside = sections.ended[i] != 0};
     set_layer(input, placement.points[i]);
   }
   doubt_ridge(ridge, config.mean_mm / sections.station_mm, placement.points);
@@ -236,6 +237,7 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
     const double step = (placement.points[(i + 1) % stations].position - placement.points[i].position).norm();
     placement.length_mm += step;
     if (placement.points[i].to_visible_mm > 0) placement.bridged_mm += step;
+    if (placement.points[i].thing_beside) placement.thing_beside_mm += step;
   }
   return placement;
 }

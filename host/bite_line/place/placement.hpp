@@ -44,10 +44,11 @@ struct PlacedStation {
   double between_up_mm{0};   ///< ... and in height
   double few_out_mm{0};      ///< where points are few: standard deviation outwards, see half_spread()
   PlaceNoise noise{};
-  double scatter_mm{0};  ///< RMS of the sections' own heights about their running mean, over its length
-  double hold{1};        ///< that the path keeps its layer here ...
-  double other_mm{0};    ///< ... and how far off the other layer is
-  double sharp{1};       ///< 1 but where a weak crease lies on a flat slope
+  double scatter_mm{0};      ///< RMS of the sections' own heights about their running mean, over its length
+  double hold{1};            ///< that the path keeps its layer here ...
+  double other_mm{0};        ///< ... and how far off the other layer is
+  double sharp{1};           ///< 1 but where a weak crease lies on a flat slope
+  bool thing_beside{false};  ///< a pin, a clamp or a cable hides the shoe here, or the line runs round it
 };
 
 /// Expected error of a place in a gap, over 0.3 mm: `to_known` from its nearer end, in a gap so long and over
@@ -60,6 +61,7 @@ struct PlacedLine {
   std::vector<PlacedStation> points;  ///< closed, evenly spaced, anticlockwise
   double length_mm{0};
   double bridged_mm{0};
+  double thing_beside_mm{0};  ///< of the length, see PlacedStation
 };
 
 /// Points of the outermost layer within reach of the path's height (a row of the grid per column): what

@@ -138,6 +138,7 @@ void fill_gaps(Sections& sections, int station) {
 /// What lies below a row that hides it is another thing's, and so is what the weights along the line carry
 /// from there to the stations beside it.
 void take_out_hidden(std::span<const std::optional<int>> hidden_below, int beside, Sections& sections) {
+  sections.ended.assign(hidden_below.size(), 0);
   for (int station = 0; station < sections.stations; ++station) {
     const std::optional<int> row = hidden_below[static_cast<std::size_t>(station)];
     if (!row) continue;
@@ -148,6 +149,7 @@ void take_out_hidden(std::span<const std::optional<int>> hidden_below, int besid
       const int end = sections.zero_row + static_cast<int>(std::lround(up_mm / sections.row_mm));
       std::uint8_t* known = sections.known.data() + sections.at(other, 0);
       std::fill(known, known + std::clamp(end, 0, sections.rows), std::uint8_t{0});
+      sections.ended[static_cast<std::size_t>(other)] = 1;
     }
   }
 }

@@ -37,6 +37,7 @@ struct Sections {
   Large<float> o_mm;              ///< stations x rows; gaps up to 1.5 mm are filled by straight lines
   enum Known : std::uint8_t { k_nothing = 0, k_seen = 1, k_filled = 2 };
   Large<std::uint8_t> known;
+  std::vector<std::uint8_t> ended;  ///< per station: 1 where something stands in front of the shoe
 
   [[nodiscard]] std::size_t at(int station, int row) const {
     return static_cast<std::size_t>(station) * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row);

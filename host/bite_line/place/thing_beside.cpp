@@ -62,6 +62,7 @@ void doubt_things_beside(double station_mm, std::vector<PlacedStation>& stations
     }
     for (std::size_t i = 0; i <= steps + 2 * beside; ++i) {
       PlacedStation& station = stations[(first + count - beside + i) % count];
+      station.thing_beside = true;
       if (config.hold >= station.hold) continue;
       station.hold = config.hold;
       station.other_mm = std::max(station.other_mm, out_mm);

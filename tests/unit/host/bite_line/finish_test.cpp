@@ -131,6 +131,17 @@ TEST(Finish, ALineWhoseU95IsTooLargeOverMoreThanATenthIsRefusedForThat) {
   CHECK(sut.confidence < 0.5);
 }
 
+TEST(Finish, ARefusedLineTellsWhatStandsInFrontOfIt) {
+  PlacedLine line = level_line(side.outline, 0);
+  for (std::size_t i = 0; i < line.points.size() / 5; ++i) line.points[i].hold = 0.1;
+  const Extraction alone = finish(side, decided(side, 0.9), line, {});
+  STRCMP_CONTAINS("is unsure", alone.refusal->reason.c_str());
+  CHECK(alone.refusal->reason.find("stands in front") == std::string::npos);
+  line.thing_beside_mm = 12;
+  const Extraction sut = finish(side, decided(side, 0.9), line, {});
+  STRCMP_CONTAINS("a pin, a clamp or a cable stands in front of it over 12 mm", sut.refusal->reason.c_str());
+}
+
 TEST_GROUP(ScanPoints){};
 
 TEST(ScanPoints, RunsGiveAllTheirPoints) {

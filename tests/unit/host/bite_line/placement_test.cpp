@@ -284,6 +284,8 @@ TEST(Placement, ACreaseBehindAPinIsBridgedAndNotTheWallAboveThePin) {
       k_z_mm + k_path_above_mm);
   CHECK_COMPARE(sut.bridged_mm, >, 8);
   CHECK_COMPARE(sut.bridged_mm, <, 16);
+  CHECK_COMPARE(sut.thing_beside_mm, >, 8);
+  CHECK_COMPARE(sut.thing_beside_mm, <, 16);
   const Outline outline = test::egg_outline();
   for (const PlacedStation& station : sut.points) {
     DOUBLES_EQUAL(k_z_mm, station.position.z(), 0.1);
