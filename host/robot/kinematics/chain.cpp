@@ -51,7 +51,12 @@ const char* Singularity::worst_name() const {
 }
 
 Singularity singularity(const ArmModel& arm, const Joints& q_rad) {
-  const Vec3 wrist_base = joint_frames(arm, q_rad)[4].translation();
+  return singularity(arm, q_rad, joint_frames(arm, q_rad));
+}
+
+Singularity singularity(const ArmModel& arm, const Joints& q_rad,
+                        const std::array<SE3, k_joints>& T_base_joint) {
+  const Vec3 wrist_base = T_base_joint[4].translation();
   const double radius_mm = std::hypot(wrist_base.x(), wrist_base.y());
   const double inner_mm = arm.nominal.d4_mm;
   const double reach_mm = std::abs(arm.nominal.a2_mm) + std::abs(arm.nominal.a3_mm);

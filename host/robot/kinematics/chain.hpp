@@ -31,5 +31,8 @@ struct Singularity {
   [[nodiscard]] const char* worst_name() const;
 };
 [[nodiscard]] Singularity singularity(const ArmModel& arm, const Joints& q_rad);
+/// The same where the frames of these joints are known.
+[[nodiscard]] Singularity singularity(const ArmModel& arm, const Joints& q_rad,
+                                      const std::array<SE3, k_joints>& T_base_joint);
 
 }  // namespace biteline::kinematics

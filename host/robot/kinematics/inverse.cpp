@@ -40,9 +40,9 @@ struct ClosedFormOptions {
 };
 
 /// Elbow, shoulder lift and wrist 1 for given q1, q5, q6: a planar arm of two links.
-void solve_plane(const DhLengths& arm, const SE3& T_base_flange, const Joints& partial, Branch branch,
-                 const ClosedFormOptions& options, Solutions& solutions) {
-  const std::array<SE3, k_joints> fixed = nominal_frames(arm);
+void solve_plane(const DhLengths& arm, const std::array<SE3, k_joints>& fixed, const SE3& T_base_flange,
+                 const Joints& partial, Branch branch, const ClosedFormOptions& options,
+                 Solutions& solutions) {
   const auto joint = [&](std::size_t i) {
     SE3 T = fixed[i];
     T.rotate(Eigen::AngleAxisd(partial[static_cast<Eigen::Index>(i)], Vec3::UnitZ()));
@@ -78,6 +78,7 @@ Solutions inverse_nominal(const DhLengths& arm, const SE3& T_base_flange, const 
   const std::optional<double> side_rad = acos_within(arm.d4_mm / radius_mm, options.slack);
   if (!side_rad) return solutions;
 
+  const std::array<SE3, k_joints> fixed = nominal_frames(arm);
   for (const Branch shoulder : {Branch{0}, Branch{1}}) {
     Joints q_rad = Joints::Zero();
     const double sign = shoulder == 0 ? 1 : -1;
@@ -94,8 +95,8 @@ Solutions inverse_nominal(const DhLengths& arm, const SE3& T_base_flange, const 
       } else {
         q_rad[5] = std::atan2((-R(0, 1) * s1 + R(1, 1) * c1) / s5, (R(0, 0) * s1 - R(1, 0) * c1) / s5);
       }
-      solve_plane(arm, T_base_flange, q_rad, static_cast<Branch>(shoulder | (wrist_side << 1U)), options,
-                  solutions);
+      solve_plane(arm, fixed, T_base_flange, q_rad, static_cast<Branch>(shoulder | (wrist_side << 1U)),
+                  options, solutions);
     }
   }
   return solutions;
@@ -293,6 +294,21 @@ Solutions inverse(const ArmModel& arm, const SE3& T_base_flange, const InverseOp
 
 double nearest_turn(double angle_rad, double reference_rad) {
   return reference_rad + std::remainder(angle_rad - reference_rad, 2 * k_pi);
+}
+
+Joints nearest_turns(Joints q_rad, const Joints& reference_rad, const JointLimits& limits,
+                     double margin_rad) {
+  constexpr double k_whole_rad = 2 * k_pi;
+  for (int joint = 0; joint < 6; ++joint) {
+    if (joint == k_elbow) continue;
+    double& angle_rad = q_rad[joint];
+    angle_rad = nearest_turn(angle_rad, reference_rad[joint]);
+    const double over_rad = angle_rad - (limits.maximum_rad[joint] - margin_rad),
+                 under_rad = limits.minimum_rad[joint] + margin_rad - angle_rad;
+    if (over_rad > 0) angle_rad -= k_whole_rad * std::ceil(over_rad / k_whole_rad);
+    if (under_rad > 0) angle_rad += k_whole_rad * std::ceil(under_rad / k_whole_rad);
+  }
+  return q_rad;
 }
 
 }  // namespace biteline::kinematics

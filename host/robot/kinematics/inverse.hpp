@@ -51,4 +51,12 @@ struct InverseOptions {
 /// The angle's twin (plus or minus whole turns) nearest to `reference_rad`.
 [[nodiscard]] double nearest_turn(double angle_rad, double reference_rad);
 
+/// The links meet at a straight fold, so the elbow never crosses pi.
+inline constexpr int k_elbow = 2;
+
+/// The posture's twin by whole turns nearest to `reference_rad`, each joint `margin_rad` within its limits;
+/// the elbow stays as it is.
+[[nodiscard]] Joints nearest_turns(Joints q_rad, const Joints& reference_rad, const JointLimits& limits,
+                                   double margin_rad);
+
 }  // namespace biteline::kinematics

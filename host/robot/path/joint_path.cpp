@@ -14,6 +14,7 @@ namespace biteline::path {
 namespace {
 
 using kinematics::Joints;
+using kinematics::k_elbow;
 constexpr double k_pi = std::numbers::pi;
 
 // A step of the search grid is 8 mm; a joint that turns more than this over it would have to stop the tool.
@@ -24,16 +25,18 @@ constexpr int k_turn_steps = 4;
 constexpr double k_way_there_cost = 1;
 // On the ways in and out the tool had better not turn about its axis: they are short, and it would be slow.
 constexpr double k_turn_beside_line_cost = 40;
-// Elbow: the links meet at a straight fold, so it never crosses pi.
-constexpr int k_elbow = 2;
+// Between the knots the turns are smoothed: so far beside the search's own way a joint may come.
+constexpr double k_beside_knots_rad = 0.1;
+constexpr double k_unreached = 1e300;
 
 struct State {
-  Joints q_rad;       ///< as the inverse gives it, then with whole turns counted along the best way here
+  Joints solved_rad;  ///< as the inverse gives it, within half a turn of zero
+  Joints q_rad;       ///< with whole turns counted along the best way here
   Joints lowest_rad;  ///< on the best way here
   Joints highest_rad;
   int turn{0};
   double own_cost{0};
-  double cost{1e300};
+  double cost{k_unreached};
   int previous{-1};
 };
 
@@ -62,14 +65,18 @@ class Search {
     for (const Knot& knot : knots_) {
       if (knot.states.empty()) return {.path = std::nullopt, .blockage = why_empty(knot)};
     }
-    for (State& state : knots_.front().states) state.cost = state.own_cost + way_there_cost(state.q_rad);
-    for (std::size_t k = 1; k < knots_.size(); ++k) {
-      if (!connect(knots_[k - 1], knots_[k])) return {.path = std::nullopt, .blockage = why_unconnected(k)};
-    }
+    // With whole turns as they count from the wished posture on; where a joint's limits leave no way so, with
+    // those that fit.
+    std::optional<std::size_t> stuck;
+    if (options_.near_rad) stuck = connect_all(Turns::Counted);
+    if (stuck || !options_.near_rad) stuck = connect_all(Turns::Fitted);
+    if (stuck) return {.path = std::nullopt, .blockage = why_unconnected(*stuck)};
     return refine(backtrack());
   }
 
  private:
+  enum class Turns { Counted, Fitted };
+
   void place_knots() {
     double next_mm = 0;
     for (std::size_t i = 0; i < path_.points.size(); ++i) {
@@ -102,17 +109,18 @@ class Search {
         ((arm_.limits.minimum_rad - q_rad).array() > 0).any())
       return;
     ++knot.in_limits;
-    const double singularity = kinematics::singularity(arm_, q_rad).worst();
+    const auto frames = kinematics::joint_frames(arm_, q_rad);
+    const double singularity = kinematics::singularity(arm_, q_rad, frames).worst();
     if (singularity < options_.least_singularity) return;
     ++knot.regular;
-    const Clearance clearance = collisions_.clearance(kinematics::joint_frames(arm_, q_rad), 20.0);
+    const Clearance clearance = collisions_.clearance(frames, 20.0);
     if (clearance.mm < options_.least_clearance_mm) {
       if (knot.worst_clearance.mm > 1e8 || clearance.mm > knot.worst_clearance.mm)
         knot.worst_clearance = clearance;
       return;
     }
     State state;
-    state.q_rad = state.lowest_rad = state.highest_rad = q_rad;
+    state.solved_rad = state.q_rad = state.lowest_rad = state.highest_rad = q_rad;
     state.turn = turn;
     // Staying 0.3 away from singularities and 20 mm from everything costs nothing, coming nearer costs like
     // turning.
@@ -121,17 +129,25 @@ class Search {
     knot.states.push_back(state);
   }
 
-  /// Of the joint that has the farthest way from the wished posture; whole turns come later.
-  [[nodiscard]] double way_there_cost(const Joints& q_rad) const {
-    if (!options_.near_rad) return 0;
-    double farthest_rad = 0;
-    for (int joint = 0; joint < 6; ++joint) {
-      const double near_rad = (*options_.near_rad)[joint];
-      const double to_rad =
-          joint == k_elbow ? q_rad[joint] : kinematics::nearest_turn(q_rad[joint], near_rad);
-      farthest_rad = std::max(farthest_rad, std::abs(to_rad - near_rad));
+  void begin(State& state, Turns turns) const {
+    state.q_rad = state.solved_rad;
+    state.cost = state.own_cost;
+    if (options_.near_rad) {
+      const Joints counted_rad =
+          kinematics::nearest_turns(state.solved_rad, *options_.near_rad, arm_.limits, k_beside_knots_rad);
+      state.cost += k_way_there_cost * (counted_rad - *options_.near_rad).cwiseAbs().maxCoeff();
+      if (turns == Turns::Counted) state.q_rad = counted_rad;
     }
-    return k_way_there_cost * farthest_rad;
+    state.lowest_rad = state.highest_rad = state.q_rad;
+  }
+
+  /// The knot that no way leads to; none: all are connected.
+  std::optional<std::size_t> connect_all(Turns turns) {
+    for (State& state : knots_.front().states) begin(state, turns);
+    for (std::size_t k = 1; k < knots_.size(); ++k) {
+      if (!connect(knots_[k - 1], knots_[k], turns)) return k;
+    }
+    return std::nullopt;
   }
 
   [[nodiscard]] int turn_distance(int a, int b) const {
@@ -140,27 +156,30 @@ class Search {
   }
 
   /// Extends the best ways by one knot; false when no state can be reached.
-  bool connect(const Knot& from, Knot& to) const {
+  bool connect(const Knot& from, Knot& to, Turns turns) const {
     bool any = false;
     const Segment segment = path_.points[to.point].segment;
     const bool beside_line = segment == Segment::Approach || segment == Segment::Retreat;
     for (State& state : to.states) {
-      const Joints q_rad = state.q_rad;
+      state.cost = k_unreached;
       for (std::size_t i = 0; i < from.states.size(); ++i) {
         const State& before = from.states[i];
-        if (before.cost >= 1e299 || turn_distance(before.turn, state.turn) > k_turn_steps) continue;
+        if (before.cost >= k_unreached || turn_distance(before.turn, state.turn) > k_turn_steps) continue;
         Joints q_here_rad;
         double turned2 = 0;
         bool possible = true;
         for (int joint = 0; joint < 6 && possible; ++joint) {
-          q_here_rad[joint] =
-              joint == k_elbow ? q_rad[joint] : kinematics::nearest_turn(q_rad[joint], before.q_rad[joint]);
-          const double d_rad = q_here_rad[joint] - before.q_rad[joint];
+          double d_rad = state.solved_rad[joint] - before.solved_rad[joint];
+          if (joint != k_elbow && std::abs(d_rad) > k_pi) d_rad -= std::copysign(2 * k_pi, d_rad);
+          q_here_rad[joint] = before.q_rad[joint] + d_rad;
           turned2 += d_rad * d_rad;
           const double low_rad = std::min(before.lowest_rad[joint], q_here_rad[joint]);
           const double high_rad = std::max(before.highest_rad[joint], q_here_rad[joint]);
-          possible = std::abs(d_rad) <= k_max_step_rad &&
-                     high_rad - low_rad <= arm_.limits.maximum_rad[joint] - arm_.limits.minimum_rad[joint];
+          const double least_rad = arm_.limits.minimum_rad[joint], most_rad = arm_.limits.maximum_rad[joint];
+          possible = std::abs(d_rad) <= k_max_step_rad && high_rad - low_rad <= most_rad - least_rad;
+          if (turns == Turns::Counted && joint != k_elbow)
+            possible = possible && low_rad >= least_rad + k_beside_knots_rad &&
+                       high_rad <= most_rad - k_beside_knots_rad;
         }
         const double turn_rad = turn_step_rad_ * turn_distance(before.turn, state.turn);
         const double cost = before.cost + turned2 + state.own_cost +

@@ -37,7 +37,7 @@ struct JointPathOptions {
   int turns{36};                   ///< and about the tool's axis, over its whole freedom
   double least_singularity{0.05};  ///< kinematics::Singularity::worst() that is still gone through
   double least_clearance_mm{2};
-  std::optional<kinematics::Joints> near_rad{};  ///< the path had better begin near to this posture
+  std::optional<kinematics::Joints> near_rad{};  ///< the path had better begin near to this posture; finite
 };
 
 /// Dynamic programming over (knot, free turn, branch): the cheapest continuous way through the allowed

@@ -9,6 +9,7 @@
 #include "host/robot/path/checks/cloud_check.hpp"
 #include "host/robot/path/checks/sight.hpp"
 #include "host/robot/path/checks/way_there.hpp"
+#include "host/robot/path/entry.hpp"
 #include "host/robot/path/zones.hpp"
 
 namespace biteline::path {
@@ -86,9 +87,9 @@ bool is_possible(const Scene& scene, const Process& process, const kinematics::A
       .knot_spacing_mm = 16, .turns = 18, .least_singularity = 0.06, .least_clearance_mm = 4};
   constexpr std::size_t k_seams = 3;
   const CollisionModel collisions{arm, process.tool, scene.surroundings};
-  const std::vector<double> seams = seam_candidates(scene.line, process);
+  const std::vector<Seam> seams = seam_candidates(scene.line, process);
   for (std::size_t i = 0; i < std::min(k_seams, seams.size()); ++i) {
-    const ToolPath path = make_tool_path(scene.line, process, seams[i]);
+    const ToolPath path = make_tool_path(scene.line, process, seams[i].arc_mm);
     const JointPathResult result = find_joint_path(arm, path, process.tool, collisions, k_trial);
     if (result.path) return true;
     if (!depends_on_seam(result.blockage)) return false;
@@ -201,19 +202,28 @@ Check air_check(const PlannedPath& path, const Surroundings& surroundings, doubl
   return check;
 }
 
+/// Where the arm stands before, or about so, where that is known.
+std::optional<kinematics::Joints> stands_at(const PlanRequest& request) {
+  const std::optional<kinematics::Joints>& from_rad = request.from_rad ? request.from_rad : request.near_rad;
+  // Any other number is none of a joint, and find_way_there() says so.
+  constexpr double k_most_rad = 4 * std::numbers::pi;
+  const bool known = from_rad && (from_rad->cwiseAbs().array() <= k_most_rad).all();
+  return known ? from_rad : std::nullopt;
+}
+
 /// The line entered at one place: how far that gets.
 struct Attempt {
   ToolPath tool_path;
   Blockage blockage;
   CheckOutcome outcome;
 };
-Attempt try_seam(const PlanRequest& request, const Scene& scene, const CollisionModel& collisions,
-                 double seam_mm) {
-  Attempt attempt{
-      .tool_path = make_tool_path(scene.line, request.process, seam_mm), .blockage = {}, .outcome = {}};
-  const JointPathResult joints =
-      find_joint_path(request.arm, attempt.tool_path, request.process.tool, collisions,
-                      {.near_rad = request.from_rad ? request.from_rad : request.near_rad});
+Attempt try_entry(const PlanRequest& request, const Scene& scene, const CollisionModel& collisions,
+                  double seam_mm, double farther_back_mm) {
+  Attempt attempt{.tool_path = make_tool_path(scene.line, request.process, seam_mm, farther_back_mm),
+                  .blockage = {},
+                  .outcome = {}};
+  const JointPathResult joints = find_joint_path(request.arm, attempt.tool_path, request.process.tool,
+                                                 collisions, {.near_rad = stands_at(request)});
   attempt.blockage = joints.blockage;
   if (!joints.path) return attempt;
   const Timing timing = time_path(request.arm, attempt.tool_path, *joints.path, request.process.motion);
@@ -292,8 +302,11 @@ PlanOutcome plan(const PlanRequest& request) {
   out.surroundings = scene.surroundings;
   const CollisionModel collisions{request.arm, request.process.tool, scene.surroundings};
   bool first = true;
-  for (const double seam_mm : seam_candidates(scene.line, request.process)) {
-    Attempt attempt = try_seam(request, scene, collisions, seam_mm);
+  const std::optional<kinematics::Joints> from_rad = stands_at(request);
+  for (const Seam& seam : seams_in_order(scene.line, request.process, request.arm, from_rad)) {
+    const double back_mm =
+        from_rad ? farther_back_mm(seam, request.process.tool, request.arm, collisions, *from_rad) : 0;
+    Attempt attempt = try_entry(request, scene, collisions, seam.arc_mm, back_mm);
     if (first || attempt.outcome.path) {
       out.tool_path = std::move(attempt.tool_path);
       out.blockage = attempt.blockage;

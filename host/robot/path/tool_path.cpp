@@ -330,21 +330,32 @@ Job job_of(const cloud::ClosedLine& line, const Process& process) {
   return job;
 }
 
+/// What is worked in one go, in order.
+std::vector<Run> runs_in(const Job& job, const Process& process, std::size_t entry) {
+  const auto overlap = static_cast<std::size_t>(std::ceil(process.motion.overlap_mm / job.line.fine_mm));
+  std::vector<Run> runs = runs_along(job.work, process, entry, overlap);
+  // check_zones() looks every millimetre: between two zones these finer places may meet a single one.
+  std::erase_if(runs, [](const Run& run) { return run.steps == 0; });
+  BITELINE_EXPECTS(!runs.empty());
+  return runs;
+}
+
 /// Down to a run's first point, along it, and up again from its last.
-void append_run(std::vector<ToolPoint>& points, const std::vector<ToolPoint>& along, const Motion& motion) {
+void append_run(std::vector<ToolPoint>& points, const std::vector<ToolPoint>& along, const Motion& motion_in,
+                const Motion& motion_out) {
   const SE3 &T_in = along.front().T_base_tcp, &T_out = along.back().T_base_tcp;
   const auto straight = [&](const SE3& T_from, const SE3& T_to, Segment segment, const Vec3& line_base) {
     if (!T_from.translation().isApprox(T_to.translation()))
       append_straight(points, T_from, T_to, segment, line_base);
   };
-  straight(lifted(T_in, motion), clear(T_in, motion), Segment::Approach, along.front().line_base);
-  straight(clear(T_in, motion), drawn_back(T_in, motion), Segment::Approach, along.front().line_base);
-  append_straight(points, drawn_back(T_in, motion), T_in, Segment::Approach, along.front().line_base);
+  straight(lifted(T_in, motion_in), clear(T_in, motion_in), Segment::Approach, along.front().line_base);
+  straight(clear(T_in, motion_in), drawn_back(T_in, motion_in), Segment::Approach, along.front().line_base);
+  append_straight(points, drawn_back(T_in, motion_in), T_in, Segment::Approach, along.front().line_base);
   points.back() = along.front();
   points.insert(points.end(), along.begin() + 1, along.end());
-  append_straight(points, T_out, drawn_back(T_out, motion), Segment::Retreat, along.back().line_base);
-  straight(drawn_back(T_out, motion), clear(T_out, motion), Segment::Retreat, along.back().line_base);
-  straight(clear(T_out, motion), lifted(T_out, motion), Segment::Retreat, along.back().line_base);
+  append_straight(points, T_out, drawn_back(T_out, motion_out), Segment::Retreat, along.back().line_base);
+  straight(drawn_back(T_out, motion_out), clear(T_out, motion_out), Segment::Retreat, along.back().line_base);
+  straight(clear(T_out, motion_out), lifted(T_out, motion_out), Segment::Retreat, along.back().line_base);
 }
 
 }  // namespace
@@ -363,8 +374,10 @@ const char* name_of(Segment segment) {
   return "";
 }
 
-std::vector<double> seam_candidates(const cloud::ClosedLine& line, const Process& process) {
-  const auto [samples, fine_mm, unused_mm] = sampled(line, process);
+std::vector<Seam> seam_candidates(const cloud::ClosedLine& line, const Process& process) {
+  const Job job = job_of(line, process);
+  const std::vector<PathSample>& samples = job.line.samples;
+  const double fine_mm = job.line.fine_mm;
   std::vector<double> cost(samples.size());
   if (process.start == Start::Auto) {
     cost = harm(samples, fine_mm);
@@ -381,27 +394,27 @@ std::vector<double> seam_candidates(const cloud::ClosedLine& line, const Process
     best.push_back(static_cast<std::size_t>(std::min_element(from, to) - cost.begin()));
   }
   std::ranges::sort(best, {}, [&](std::size_t i) { return cost[i]; });
-  std::vector<double> out;
+  std::vector<Seam> out;
   for (const std::size_t i : best) {
     const double here_mm = fine_mm * static_cast<double>(i);
     // Two sectors may share one good place at their border.
     const bool taken = std::ranges::any_of(
-        out, [&](double other_mm) { return std::abs(other_mm - here_mm) < k_seam_apart_mm; });
-    if (!taken) out.push_back(here_mm);
+        out, [&](const Seam& other) { return std::abs(other.arc_mm - here_mm) < k_seam_apart_mm; });
+    if (taken) continue;
+    const std::size_t first = runs_in(job, process, i).front().first;
+    out.push_back(
+        {.arc_mm = here_mm, .harm = cost[i], .T_base_begins = lifted(job.frame(first), process.motion)});
   }
   return out;
 }
 
-ToolPath make_tool_path(const cloud::ClosedLine& line, const Process& process, double seam_arc_mm) {
+ToolPath make_tool_path(const cloud::ClosedLine& line, const Process& process, double seam_arc_mm,
+                        double farther_back_mm) {
   const Motion& motion = process.motion;
   const Job job = job_of(line, process);
   const double fine_mm = job.line.fine_mm;
   const std::size_t entry = static_cast<std::size_t>(std::round(seam_arc_mm / fine_mm)) % job.count();
-  const auto overlap = static_cast<std::size_t>(std::ceil(motion.overlap_mm / fine_mm));
-  std::vector<Run> runs = runs_along(job.work, process, entry, overlap);
-  // check_zones() looks every millimetre: between two zones these finer places may meet a single one.
-  std::erase_if(runs, [](const Run& run) { return run.steps == 0; });
-  BITELINE_EXPECTS(!runs.empty());
+  const std::vector<Run> runs = runs_in(job, process, entry);
   std::vector<FineWay> ways;
   double way_mm = 0;
   for (const Run& run : runs) {
@@ -422,8 +435,10 @@ ToolPath make_tool_path(const cloud::ClosedLine& line, const Process& process, d
     }
     done_mm += ways[i].mm;
     const std::vector<ToolPoint> along = along_run(job, runs[i], ways[i], path.spacing_mm);
+    Motion motion_in = motion;
     if (i == 0) {
-      path.points.push_back({.T_base_tcp = lifted(along.front().T_base_tcp, motion),
+      motion_in.draw_back_mm += farther_back_mm;
+      path.points.push_back({.T_base_tcp = lifted(along.front().T_base_tcp, motion_in),
                              .segment = Segment::Approach,
                              .arc_mm = 0,
                              .curvature_per_mm = 0,
@@ -433,7 +448,7 @@ ToolPath make_tool_path(const cloud::ClosedLine& line, const Process& process, d
           travel(job, runs[i - 1].first + runs[i - 1].steps, runs[i].first, motion);
       path.points.insert(path.points.end(), way.begin(), way.end());
     }
-    append_run(path.points, along, motion);
+    append_run(path.points, along, motion_in, motion);
   }
   for (std::size_t i = 1; i < path.points.size(); ++i) {
     path.points[i].arc_mm =

@@ -36,13 +36,21 @@ struct ToolPath {
 
 /// Lift, approach, the whole line once and its overlap, and away again; with zones (zones.hpp) each stretch
 /// so, and the way to the next one between.  Tool directions are smoothed along the line (8 mm), so that
-/// noise of a normal does not shake the wrist; positions are not.  Pre: the line passed check_line() and
-/// check_zones().
+/// noise of a normal does not shake the wrist; positions are not.  The first way in begins
+/// `farther_back_mm` farther back along the tool than the process asks.  Pre: the line passed check_line()
+/// and check_zones().
 [[nodiscard]] ToolPath make_tool_path(const cloud::ClosedLine& line, const Process& process,
-                                      double seam_arc_mm);
+                                      double seam_arc_mm, double farther_back_mm = 0);
 
-/// Where the line may be entered, along the line as given, the least harmful first: one place for a start
-/// that the process fixes, else the best of eight sectors.  Pre: the line passed check_line().
-[[nodiscard]] std::vector<double> seam_candidates(const cloud::ClosedLine& line, const Process& process);
+/// A place where the line may be entered.
+struct Seam {
+  double arc_mm{0};   ///< along the line as given
+  double harm{0};     ///< turns of the line there, rad, and nearness to the ends of the outline, 0 to 1
+  SE3 T_base_begins;  ///< where a path from there begins, before any free turn
+};
+
+/// The least harmful first: one place for a start that the process fixes, else the best of eight sectors.
+/// Pre: the line passed check_line() and check_zones().
+[[nodiscard]] std::vector<Seam> seam_candidates(const cloud::ClosedLine& line, const Process& process);
 
 }  // namespace biteline::path

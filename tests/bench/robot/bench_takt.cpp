@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// bench_takt [SHOES [SPEED]]: what a whole shoe takes in made time, for each shipped process: grown-ups' made
-// shoes, size 42, before a UR10e, scanned at SPEED mm/s (400).  The scan is the one that the simulated cell
-// makes; its profiles come in at the camera's rate, and the line is the one found in them; the path is the
-// planner's, from where the scan leaves the arm, laid out in time by the simulated controller's program.
-// Line and path are timed as computed, on this machine.  Ends with 1 where a bar is missed or a path refused.
+// bench_takt [SHOES [SPEED [CLASS [SIZE [FIRST]]]]]: what a whole shoe takes in made time, for each shipped
+// process: made shoes, if not told otherwise deep ones of size 42 from seed 5 on, before a UR10e, scanned at
+// SPEED mm/s (400).  The scan is the one that the simulated cell makes; its profiles come in at the camera's
+// rate, and the line is the one found in them; the path is the planner's, from where the scan leaves the arm,
+// laid out in time by the simulated controller's program.  Line and path are timed as computed, on this
+// machine.  Ends with 1 where a bar is missed or a path refused.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -34,7 +35,15 @@ constexpr double k_pose_sigma_mm = 0.010, k_pose_sigma_rad = 5.2e-5;
 constexpr double k_table_z_mm = 0;
 /// Of the way round: in the waist, where the wrist is slow as the scan begins and ends.
 constexpr double k_scan_begin_ratio = 0.25;
-constexpr std::uint64_t k_first_seed = 5;
+
+/// Which shoes, and how fast they are scanned.
+struct Asked {
+  int shoes{3};
+  double speed_mm_s{400};
+  sim::ShoeClass shoe_class{sim::ShoeClass::Deep};
+  int size{42};
+  std::uint64_t first_seed{5};
+};
 
 struct Shoe {
   std::unique_ptr<sim::MadeScene> scene;
@@ -64,9 +73,11 @@ Result<void> find_line(Shoe& shoe, double speed_mm_s) {
                      uncertainty::ProfilePose{.T_base_flange = T_base_cam * T_cam_flange, .time_s = time_s});
     first = end;
   }
-  line.close(std::make_shared<const uncertainty::KnownHead>(uncertainty::KnownHead{
-      .model = scene.head.model,
-      .uncertainty = {.pose_sigma_mm = k_pose_sigma_mm, .pose_sigma_rad = k_pose_sigma_rad}}));
+  line.close(std::make_shared<const uncertainty::KnownHead>(
+      uncertainty::KnownHead{.model = scene.head.model,
+                             .uncertainty = {.pose_sigma_mm = k_pose_sigma_mm,
+                                             .pose_sigma_rad = k_pose_sigma_rad,
+                                             .arm_give_mm_per_m_s2 = 0}}));  // this scan's arm gives nothing
   intake::LiveLine::Outcome found = line.wait();
   if (!found.extraction.found)
     return fail(Errc::CheckFailed, "no line: %s", found.extraction.reason().c_str());
@@ -76,13 +87,13 @@ Result<void> find_line(Shoe& shoe, double speed_mm_s) {
   return {};
 }
 
-Result<Shoe> make_shoe(std::uint64_t seed, double speed_mm_s, const sim::ArmKinematics& arm) {
+Result<Shoe> make_shoe(std::uint64_t seed, const Asked& asked, const sim::ArmKinematics& arm) {
   const sim::SceneSettings settings{
-      .shoe = sim::draw_shoe(sim::ShoeClass::Deep, seed, sim::length_of_size_mm(42)),
+      .shoe = sim::draw_shoe(asked.shoe_class, seed, sim::length_of_size_mm(asked.size)),
       .place_seed = seed,
       .places = sim::places_within_reach_of(k_arm),
       .holder = sim::Holder::Bracket,
-      .scan_speed_mm_s = speed_mm_s,
+      .scan_speed_mm_s = asked.speed_mm_s,
       .scan_begin_ratio = k_scan_begin_ratio,
       .scan_clockwise = true,
       .fineness = {.column_mm = 2, .fine_row_mm = 1, .fine_band_mm = 4, .coarse_row_mm = 2}};
@@ -90,7 +101,7 @@ Result<Shoe> make_shoe(std::uint64_t seed, double speed_mm_s, const sim::ArmKine
   BITELINE_ASSIGN(shoe.scene, sim::make_scene(settings));
   BITELINE_ASSIGN(const sim::ReachableScan reachable, sim::place_within_reach(*shoe.scene, arm, k_arm));
   shoe.scan = reachable.scan;
-  BITELINE_TRY(find_line(shoe, speed_mm_s));
+  BITELINE_TRY(find_line(shoe, asked.speed_mm_s));
   return shoe;
 }
 
@@ -196,16 +207,18 @@ void rows_of(const std::string& process, const std::string& shoe, const Takt& ta
   row(spray ? "whole_but_the_way_there" : "without_work_and_way_there", what, counts_s - takt.there_s, bar_s);
 }
 
-int run(std::uint64_t shoes, double speed_mm_s) {
+int run(const Asked& asked) {
   const auto arm = sim::ArmKinematics::named(k_arm);
-  for (std::uint64_t seed = k_first_seed; seed < k_first_seed + shoes; ++seed) {
-    const Result<Shoe> shoe = make_shoe(seed, speed_mm_s, *arm);
+  for (int i = 0; i < asked.shoes; ++i) {
+    const std::uint64_t seed = asked.first_seed + static_cast<std::uint64_t>(i);
+    const Result<Shoe> shoe = make_shoe(seed, asked, *arm);
     if (!shoe) {
       std::fprintf(stderr, "bench_takt: shoe %d: %s\n", static_cast<int>(seed),
                    to_line(shoe.error()).c_str());
       return 1;
     }
-    const std::string name = "shoe " + std::to_string(seed) + " of size 42, UR10e";
+    const std::string name = std::string{sim::name_of(asked.shoe_class)} + " shoe " + std::to_string(seed) +
+                             " of size " + std::to_string(asked.size) + ", UR10e";
     row("scan", name + ": of the stripe, from begin to end",
         shoe->scan->full_until_s() - shoe->scan->full_from_s(), k_scan_s);
     row("scan_comes_to_rest", name, shoe->scan->duration_s() - shoe->scan->full_until_s(), 0);
@@ -230,11 +243,17 @@ int run(std::uint64_t shoes, double speed_mm_s) {
 }  // namespace biteline::bench
 
 int main(int argc, char** argv) {
-  const int shoes = argc > 1 ? std::atoi(argv[1]) : 3;
-  const double speed_mm_s = argc > 2 ? std::atof(argv[2]) : 400;
-  if (shoes < 1 || !(speed_mm_s > 0)) {
-    std::fprintf(stderr, "usage: bench_takt [SHOES [SPEED]]\n");
+  biteline::bench::Asked asked;
+  const auto number = [&](int place, double usual) { return argc > place ? std::atof(argv[place]) : usual; };
+  asked.shoes = static_cast<int>(number(1, asked.shoes));
+  asked.speed_mm_s = number(2, asked.speed_mm_s);
+  const auto shoe_class = biteline::sim::shoe_class_named(argc > 3 ? argv[3] : "deep");
+  asked.size = static_cast<int>(number(4, asked.size));
+  asked.first_seed = static_cast<std::uint64_t>(number(5, static_cast<double>(asked.first_seed)));
+  if (asked.shoes < 1 || !(asked.speed_mm_s > 0) || !shoe_class || asked.size < 1) {
+    std::fprintf(stderr, "usage: bench_takt [SHOES [SPEED [CLASS [SIZE [FIRST]]]]]\n");
     return 2;
   }
-  return biteline::bench::run(static_cast<std::uint64_t>(shoes), speed_mm_s);
+  asked.shoe_class = *shoe_class;
+  return biteline::bench::run(asked);
 }

@@ -15,9 +15,9 @@ using path::PlannedPath;
 using path::Segment;
 using path::Waypoint;
 
-// Towards the first waypoint from wherever the arm stands: URScript's own default, and more where it is up to
-// a higher speed: in the same time then.
-constexpr double k_home_acceleration_rad_s2 = 1.4, k_home_ramp_s = 0.36;
+// Towards the first waypoint from wherever the arm stands: to its speed in the time in which a joint comes to
+// the highest such speed within its own limit, and never more slowly than URScript's default.
+constexpr double k_home_acceleration_rad_s2 = 1.4, k_home_ramp_s = 0.3;
 // movep and movel need a speed above zero.  Nothing is planned slower: a tip that is faster than its plan is
 // stopped.
 constexpr double k_least_speed_mm_s = 0.01;

@@ -162,10 +162,10 @@ Clearance CollisionModel::clearance(const std::array<SE3, kinematics::k_joints>&
   };
 
   take(to_table_mm(tool), "tool and table");
-  take(to_shoe_mm(tool, enough_mm), "tool and shoe");
+  take(to_shoe_mm(tool, best.mm), "tool and shoe");
   for (std::size_t i = 2; i < links.size(); ++i) {
     take(to_table_mm(links[i]), "arm and table");
-    if (i >= 3) take(to_shoe_mm(links[i], enough_mm), "arm and shoe");
+    if (i >= 3) take(to_shoe_mm(links[i], best.mm), "arm and shoe");
   }
   // Neighbours of the chain touch by construction; the forearm cannot reach the wrists' far side.
   for (const std::size_t fixed : {0U, 1U, 2U}) {

@@ -15,11 +15,26 @@ using kinematics::Capsule;
 constexpr double k_cube_mm = 32;
 constexpr double k_far_away_mm = 1e9;
 
-double to_point_mm(const Capsule& capsule, const Vec3& point) {
-  const Vec3 along = capsule.b - capsule.a;
-  const double length2 = along.squaredNorm();
-  const double t = length2 > 0 ? std::clamp((point - capsule.a).dot(along) / length2, 0.0, 1.0) : 0.0;
-  return (point - capsule.a - t * along).norm() - capsule.radius_mm;
+/// A capsule's axis, asked for its distance to many points.
+class Axis {
+ public:
+  explicit Axis(const Capsule& capsule) : begin_{capsule.a}, along_{capsule.b - capsule.a} {
+    const double length2 = along_.squaredNorm();
+    per_length2_ = length2 > 0 ? 1 / length2 : 0;
+  }
+  [[nodiscard]] double squared_to(const Vec3& point) const {
+    const Vec3 from_begin = point - begin_;
+    const double t = std::clamp(from_begin.dot(along_) * per_length2_, 0.0, 1.0);
+    return (from_begin - t * along_).squaredNorm();
+  }
+
+ private:
+  Vec3 begin_, along_;
+  double per_length2_;
+};
+
+double squared(double value) {
+  return value * value;
 }
 
 auto cube_of(const Vec3& point) {
@@ -47,13 +62,21 @@ PointBlocks::PointBlocks(const std::vector<Vec3>& points) {
 }
 
 double PointBlocks::nearest_mm(const Capsule& capsule, double enough_mm) const {
-  double nearest_mm = enough_mm;
+  const Axis axis{capsule};
+  // From the axis: of what is nearest so far.
+  double least_mm = enough_mm + capsule.radius_mm;
+  if (!(least_mm > 0)) return enough_mm;
+  bool any = false;
   for (const Block& block : blocks_) {
-    if (!(to_point_mm(capsule, block.centre) - block.radius_mm < nearest_mm)) continue;
+    if (!(axis.squared_to(block.centre) < squared(least_mm + block.radius_mm))) continue;
+    double least2 = squared(least_mm);
     for (std::size_t i = block.first; i < block.end; ++i)
-      nearest_mm = std::min(nearest_mm, to_point_mm(capsule, points_[i]));
+      least2 = std::min(least2, axis.squared_to(points_[i]));
+    if (!(least2 < squared(least_mm))) continue;
+    least_mm = std::sqrt(least2);
+    any = true;
   }
-  return nearest_mm;
+  return any ? least_mm - capsule.radius_mm : enough_mm;
 }
 
 }  // namespace biteline::path

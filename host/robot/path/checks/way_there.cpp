@@ -19,7 +19,7 @@ constexpr double k_tip_mm = 2;        // of the tool's end, as thin as its axis:
 constexpr double k_enough_mm = 50;
 constexpr double k_leaving_mm = 0.5;  // on its way out past something round
 constexpr double k_step_rad = 0.02;   // of the fastest joint: 20 mm at the end of a metre of arm
-constexpr std::array k_raises_mm{40.0, 100.0, 200.0, 350.0};
+constexpr std::array k_raises_mm{15.0, 40.0, 100.0, 200.0, 350.0};
 
 struct Walked {
   bool free{true};
@@ -129,6 +129,11 @@ struct WayFinder {
     return CheckedPath{std::move(path)};
   }
 };
+
+bool is_free_way(const Joints& from_rad, const Joints& to_rad, const kinematics::ArmModel& arm,
+                 const CollisionModel& collisions) {
+  return walk({from_rad, to_rad}, arm, collisions).free;
+}
 
 WayThere find_way_there(const Joints& from_rad, const CheckedPath& path, const kinematics::ArmModel& arm,
                         const CollisionModel& collisions) {

@@ -21,4 +21,8 @@ struct WayThere {
 [[nodiscard]] WayThere find_way_there(const kinematics::Joints& from_rad, const CheckedPath& path,
                                       const kinematics::ArmModel& arm, const CollisionModel& collisions);
 
+/// Whether the straight joint move from one posture to the other is such a way.
+[[nodiscard]] bool is_free_way(const kinematics::Joints& from_rad, const kinematics::Joints& to_rad,
+                               const kinematics::ArmModel& arm, const CollisionModel& collisions);
+
 }  // namespace biteline::path

@@ -107,4 +107,18 @@ TEST(Inverse, NearestTurnCrossesTheSeam) {
   DOUBLES_EQUAL(-3.2, nearest_turn(2 * std::numbers::pi - 3.2, -3.1), 1e-12);
 }
 
+TEST(Inverse, NearestTurnsStayWithinTheLimits) {
+  constexpr double k_whole_rad = 2 * std::numbers::pi;
+  const ArmModel arm = test::arm("UR10e");
+  Joints q_rad, reference_rad;
+  q_rad << 0.2, -3, 3, 2, -2, 1;
+  reference_rad << 6.25, 3, -3, 2.1, 4, -6.2;
+  const Joints sut = nearest_turns(q_rad, reference_rad, arm.limits, 0.1);
+  Joints expected_rad;
+  // Round the base would be nearer beyond its limit; the elbow never turns round.
+  expected_rad << 0.2, k_whole_rad - 3, 3, 2, k_whole_rad - 2, 1 - k_whole_rad;
+  DOUBLES_EQUAL(0, (sut - expected_rad).norm(), 1e-9);
+  DOUBLES_EQUAL(1, nearest_turns(q_rad, reference_rad, arm.limits, 2)[5], 1e-9);
+}
+
 }  // namespace biteline::kinematics

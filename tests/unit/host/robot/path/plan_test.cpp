@@ -137,6 +137,21 @@ TEST(Plan, PathBeginsNearToWhereTheArmStands) {
   CHECK(way_rad(sut) < 1);
 }
 
+/// A wrist that a scan left near its limit is not turned back as a whole before the path begins.
+TEST(Plan, PathBeginsWithTheTurnsThatTheWristHas) {
+  PlanRequest asked = request("UR5e", "grind.yaml");
+  const PlanOutcome anywhere = plan(asked);
+  CHECK(anywhere.path.has_value());
+  for (const double wrist_rad : {-6.2, -5.5, -4.0, -2.0, 0.0, 2.0, 4.0, 5.5, 6.2}) {
+    kinematics::Joints stands_rad = anywhere.path->path().waypoints.front().q_rad;
+    stands_rad[5] = wrist_rad;
+    asked.near_rad = stands_rad;
+    const PlanOutcome sut = plan(asked);
+    CHECK_TEXT(sut.path.has_value(), sut.reason().c_str());
+    CHECK((sut.path->path().waypoints.front().q_rad - stands_rad).cwiseAbs().maxCoeff() < 1.5);
+  }
+}
+
 TEST(Plan, ShoeOutOfReachIsRefusedWithAMoveThatHelps) {
   PlanRequest asked = request("UR5e", "grind.yaml");
   const Vec3 away{200, 50, 0};

@@ -107,6 +107,12 @@ TEST(ToolPath, ApproachesAlongTheAxisAndFromAbove) {
   DOUBLES_EQUAL(0.0, (path.points.front().T_base_tcp.translation() - high).norm(), 1e-9);
   CHECK(path.points.front().segment == Segment::Approach);
   CHECK(path.points.back().segment == Segment::Retreat);
+
+  // Farther back along the same axis; away from the line as ever.
+  const ToolPath farther = make_tool_path(line, process, 0, 20);
+  const Vec3 higher = high - 20 * first->T_base_tcp.linear().col(2);
+  DOUBLES_EQUAL(0.0, (farther.points.front().T_base_tcp.translation() - higher).norm(), 1e-9);
+  TRANSFORMS_EQUAL(path.points.back().T_base_tcp, farther.points.back().T_base_tcp, 1e-9, 1e-9);
 }
 
 TEST(ToolPath, IsEquivariantUnderTurningTheShoe) {
@@ -144,9 +150,10 @@ TEST(ToolPath, TipThatStandsOffGoesFasterRoundTheToeThanItsPlaceOnTheLine) {
 }
 
 TEST(ToolPath, SeamAvoidsToeAndHeel) {
-  const std::vector<double> seams = seam_candidates(line, {});
+  const std::vector<Seam> seams = seam_candidates(line, {});
   CHECK(seams.size() >= 4 && seams.size() <= 8);
-  const ToolPath path = make_tool_path(line, {}, seams.front());
+  const ToolPath path = make_tool_path(line, {}, seams.front().arc_mm);
+  TRANSFORMS_EQUAL(seams.front().T_base_begins, path.points.front().T_base_tcp, 1e-9, 1e-9);
   const Vec3 entry = on_line(path).front().line_base;
   CHECK(std::abs(entry.x() - 540) < 60);  // the oval reaches 135 mm either way
 }
