@@ -13,12 +13,16 @@
 #include "host/bite_line/place/sampling.hpp"
 #include "host/bite_line/place/section_course.hpp"
 #include "host/bite_line/place/thing_beside.hpp"
+#include "host/bite_line/side/outer_layer.hpp"
 #include "host/geometry/bridge.hpp"
 #include "host/geometry/closed_curve.hpp"
 
 namespace biteline::bite_line {
 
 namespace {
+
+/// From the path: what may be a hollow's bottom is the line's own there.
+constexpr float k_hollow_reach_mm = 1.25F;
 
 /// Shorter ones are off by less than the scatter beside them.
 bool is_long(const geometry::Gap& gap, double station_mm) {
@@ -161,9 +165,11 @@ Large<std::uint32_t> near_path(const SideField& field, std::span<const double> p
   const auto per_col = static_cast<float>(1 / grid.col_mm);
   return items_where(field.places.size(), [&](std::size_t i) {
     const OutlinePlace& place = field.places[i];
-    if (place.s_mm < 0) return false;
-    const auto col = std::min(path_z_mm.size() - 1, static_cast<std::size_t>(place.s_mm * per_col));
+    const float s_mm = std::max(place.s_mm, hollow_s_mm(place));
+    if (s_mm < 0) return false;
+    const auto col = std::min(path_z_mm.size() - 1, static_cast<std::size_t>(s_mm * per_col));
     const float above_path_mm = place.z_mm - path_z_mm[col];
+    if (place.s_mm < 0) return std::abs(above_path_mm) < k_hollow_reach_mm;
     return above_path_mm > -below_mm && above_path_mm < above_mm;
   });
 }

@@ -64,9 +64,10 @@ struct Raster {
 /// What one column keeps.  Its memory serves one column after the other.
 class ColumnSieve {
  public:
-  ColumnSieve(const Columns& columns, const Raster& coarse, int gap_bins, float depth_mm)
+  ColumnSieve(const Columns& columns, const Raster& coarse, const Raster& thin, int gap_bins, float depth_mm)
       : columns_{columns},
         coarse_{coarse},
+        thin_{thin},
         gap_bins_{gap_bins},
         depth_mm_{depth_mm},
         counts_(coarse.rows * k_layer_bins),
@@ -130,6 +131,7 @@ class ColumnSieve {
 
   void keep_layers(const Raster& fine, std::span<OutlinePlace> places) {
     outermost_.assign(fine.rows, {});
+    own_top_mm_.assign(thin_.rows + 1, k_nothing);
     kept_.clear();
     for (const Point& point : points_) {
       const std::size_t at = fine.row_of(point.z_mm, point.level_mm);
@@ -138,6 +140,8 @@ class ColumnSieve {
         continue;
       }
       kept_.push_back({point.index, static_cast<std::uint32_t>(at), point.o_mm, point.z_mm, point.level_mm});
+      float& top_mm = own_top_mm_[thin_.row_of(point.z_mm, point.level_mm)];
+      top_mm = std::max(top_mm, point.o_mm);
       Outermost& row = outermost_[at];
       ++row.points;
       row.second = std::max(row.second, std::min(row.first, point.o_mm));
@@ -156,7 +160,12 @@ class ColumnSieve {
       floor_[row] = lowest - depth_mm_;
     }
     for (const Point& point : kept_) {
-      if (point.o_mm < floor_[point.row]) places[point.index].s_mm = -1.0F;
+      if (point.o_mm >= floor_[point.row]) continue;
+      float& s_mm = places[point.index].s_mm;
+      const float own_top_mm = own_top_mm_[thin_.row_of(point.z_mm, point.level_mm)];
+      const bool hollow =
+          point.o_mm >= floor_[point.row] - k_hollow_mm && point.o_mm >= own_top_mm - depth_mm_;
+      s_mm = hollow ? -2 - s_mm : -1.0F;
     }
   }
 
@@ -204,6 +213,7 @@ class ColumnSieve {
   static constexpr std::uint32_t k_many = 20;
   const Columns& columns_;
   const Raster& coarse_;
+  const Raster& thin_;
   int gap_bins_;
   float depth_mm_;
   std::vector<std::uint8_t> counts_;  ///< per coarse row and bin of o
@@ -211,6 +221,7 @@ class ColumnSieve {
   std::vector<Point> points_, kept_;
   std::vector<Outermost> outermost_;  ///< per fine row
   std::vector<float> floor_;
+  std::vector<float> own_top_mm_;  ///< per thin row
 };
 
 /// Hardly a row of the column is empty between two that are not: profiles lie apart, and are dense along
@@ -253,7 +264,7 @@ Buckets keep_outer_layer(std::span<OutlinePlace> places, const OuterLayerConfig&
       std::max(1, static_cast<int>(std::lround(config.gap_mm / static_cast<double>(k_layer_o_mm))));
   const bool high = grow > k_high_rows;
   tbb::parallel_for(tbb::blocked_range<std::size_t>{0, buckets.size(), 8}, [&](const auto& range) {
-    ColumnSieve sieve{columns, coarse, gap_bins, static_cast<float>(config.depth_mm)};
+    ColumnSieve sieve{columns, coarse, fine, gap_bins, static_cast<float>(config.depth_mm)};
     for (std::size_t col = range.begin(); col != range.end(); ++col) {
       const bool dense = high && dense_in_height(col, buckets[col], columns, places, fine);
       sieve.keep_outer_layer(col, buckets[col], dense ? fine : high ? lower : higher, places);

@@ -13,6 +13,13 @@ namespace biteline::bite_line {
 /// How far inside the outline a surface may lie: a toe's top does.
 inline constexpr float k_inner_mm = 44.0F;
 
+/// Where along the outline a place lies that was taken out, and may be a hollow's bottom: less than this
+/// behind the envelope, with nothing in front of it at its own height.  Negative: it is none.
+inline constexpr float k_hollow_mm = 0.6F;
+[[nodiscard]] constexpr float hollow_s_mm(const OutlinePlace& place) {
+  return -2 - place.s_mm;
+}
+
 struct OuterLayerConfig {
   double length_mm{0};  ///< of the outline
   double z_low_mm{0};
@@ -25,6 +32,7 @@ struct OuterLayerConfig {
 };
 
 /// Takes the points behind the outermost layer, and those above the height, out: their s becomes negative.
+/// One that may be the bottom of a hollow narrower than the envelope's rows keeps it for hollow_s_mm().
 ///
 /// Twice: a clear gap behind the outermost cluster of a coarse cell separates a lining; then whatever is
 /// deeper than the outermost points at its own height and at those just above and below lies behind the

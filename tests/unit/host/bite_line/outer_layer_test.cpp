@@ -70,9 +70,37 @@ TEST(OuterLayer, AnInsoleAtTheHeightOfTheCreaseGoes) {
     wall.places.push_back({wall.any(0, 600), wall.any(-25, -1.0F), 30 + wall.any(-0.1F, 0.1F)});
   keep_outer_layer(wall.places, k_config);
   std::size_t left = 0;
-  for (std::size_t i = outside; i < wall.places.size(); ++i) left += wall.places[i].s_mm >= 0 ? 1 : 0;
+  for (std::size_t i = outside; i < wall.places.size(); ++i) {
+    const OutlinePlace& place = wall.places[i];
+    left += place.s_mm >= 0 || hollow_s_mm(place) >= 0 ? 1 : 0;
+  }
   CHECK_COMPARE(static_cast<double>(left), <,
                 k_by_chance_ratio * static_cast<double>(wall.places.size() - outside));
+}
+
+TEST(OuterLayer, ABottomThatTheRowsAreTooHighForIsKeptAsOne) {
+  // Two points per square millimetre: the envelope's rows are as high as the groove is wide.
+  const std::vector<OutlinePlace> all = [] {
+    std::vector<OutlinePlace> places;
+    for (float s_mm = 0.5F; s_mm < 600; s_mm += 2.5F)
+      for (float z_mm = std::fmod(s_mm, 0.2F); z_mm < 60; z_mm += 0.2F)
+        places.push_back({s_mm, std::min(0.0F, 1.6F * (std::abs(z_mm - 30.1F) - 1.1F)), z_mm});
+    return places;
+  }();
+  wall.places = all;
+  keep_outer_layer(wall.places, k_config);
+  std::size_t taken_out = 0;
+  std::size_t lost = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (std::abs(all[i].z_mm - 30.1F) > 0.3F || wall.places[i].s_mm >= 0) continue;
+    ++taken_out;
+    if (hollow_s_mm(wall.places[i]) < 0)
+      ++lost;
+    else
+      DOUBLES_EQUAL(all[i].s_mm, hollow_s_mm(wall.places[i]), 1e-3);
+  }
+  CHECK_COMPARE(taken_out, >, 100);
+  CHECK_COMPARE(lost, <, taken_out / 20);
 }
 
 TEST(OuterLayer, AGrooveKeepsItsBottomWhereProfilesLieApart) {
