@@ -14,6 +14,7 @@ struct PlaceNoise {
   double outward_mm{0};  ///< standard deviation of the surface at the line
   double slope{0};       ///< do/dz at the line: a change of height moves the point outwards by so much
   double round_mm{0};    ///< by so much the sections' own smoothing lies outside the crease
+  double filled_mm{0};   ///< where the hollow's bottom was not seen: standard deviation outwards
 };
 
 /// Per station.  The noise is read from the sections' second differences beside the crease, where the surface

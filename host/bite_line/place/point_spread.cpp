@@ -42,7 +42,8 @@ PointSpread spread_of(const PlacedStation& station, const SpreadModel& model) {
   Eigen::Matrix2d covariance_mm2 =
       height_mm2 * wall * wall.transpose() + anywhere_mm2 * Eigen::Matrix2d::Identity();
   covariance_mm2 += (between_mm2 + tried_mm2).asDiagonal();
-  covariance_mm2(0, 0) += square(model.few * station.few_out_mm) + square(station.noise.round_mm);
+  covariance_mm2(0, 0) += square(model.few * station.few_out_mm) + square(station.noise.round_mm) +
+                          square(station.noise.filled_mm);
   return {.covariance_mm2 = covariance_mm2,
           .hold = station.hold,
           .within = within_of(station),

@@ -46,4 +46,28 @@ TEST(PlaceNoise, WhatWasNotSeenIsNotCalledRound) {
   DOUBLES_EQUAL(0, noise_of(sections).round_mm, 1e-9);
 }
 
+TEST(PlaceNoise, ABottomThatWasNotSeenMayLieDeeperThanTheLineThatFillsIt) {
+  Sections sections = hollow(3);
+  const Sections whole = sections;
+  // At one station 0.4 mm to both sides of the crease: a chord lies 0.24 mm outside of its bottom.
+  constexpr int k_station = 20, k_reach = 8;
+  for (int row = k_crease - k_reach + 1; row < k_crease + k_reach; ++row) {
+    sections.o_mm[sections.at(k_station, row)] = whole.o_mm[whole.at(k_station, k_crease + k_reach)];
+    sections.known[sections.at(k_station, row)] = Sections::k_filled;
+  }
+  const std::vector<double> row(static_cast<std::size_t>(sections.stations), k_crease);
+  const std::vector<std::uint8_t> visible(row.size(), 1);
+  const std::vector<PlaceNoise> sut = place_noise(sections, row, visible, 8.5);
+  const double off_mm = 0.5 * 3 * 0.4 * 0.4;
+  CHECK_COMPARE(1.96 * sut[k_station].filled_mm, >, off_mm);
+  CHECK_COMPARE(sut[k_station].filled_mm, <, off_mm);
+  // Sections take in what lies beside them.
+  DOUBLES_EQUAL(sut[k_station].filled_mm, sut[k_station + 4].filled_mm, 1e-12);
+  DOUBLES_EQUAL(0, sut[k_station + 5].filled_mm, 1e-12);
+  DOUBLES_EQUAL(0, place_noise(whole, row, visible, 8.5)[k_station].filled_mm, 1e-12);
+  // Where a flank was not seen nobody knows how deep it goes; a slope has no bottom.
+  sections.known[sections.at(k_station, k_crease + k_reach + 3)] = Sections::k_nothing;
+  DOUBLES_EQUAL(0, place_noise(sections, row, visible, 8.5)[k_station].filled_mm, 1e-12);
+}
+
 }  // namespace biteline::bite_line
