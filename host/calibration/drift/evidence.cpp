@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "host/calibration/drift/evidence.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -10,6 +9,7 @@
 #include "host/calibration/drift/motion.hpp"
 #include "host/calibration/drift/seen_twice.hpp"
 #include "host/geometry/robust.hpp"
+#include "host/geometry/symmetric.hpp"
 
 namespace biteline::drift {
 namespace {
@@ -111,7 +111,8 @@ Result<Evidence> look_at_seam(const ScanView& scan, const geometry::SensorModel&
     const double scale = 1 / (variance_mm2 * per_profile);
     sums.information *= scale;
     sums.pull *= scale;
-    x = (sums.information + Matrix::Identity() / (k_wide * k_wide)).ldlt().solve(sums.pull);
+    const Matrix held = sums.information + Matrix::Identity() / (k_wide * k_wide);
+    x = geometry::solve_symmetric(held, sums.pull);
   }
   if (!sums.information.allFinite() || !sums.pull.allFinite())
     return fail(Errc::Degenerate, "calibration check: the scan's places are no numbers");

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "host/calibration/drift/model_usuals.hpp"
 
-#include <Eigen/Dense>
 #include <utility>
+
+#include "host/geometry/symmetric.hpp"
 
 namespace biteline::drift {
 namespace {
@@ -13,7 +14,7 @@ constexpr const char* k_others = "(others)";
 
 Vector explained(const Sums& sums) {
   const Matrix held = sums.information + Matrix::Identity() / (k_usual_size * k_usual_size);
-  return held.ldlt().solve(sums.pull);
+  return geometry::solve_symmetric(held, sums.pull);
 }
 
 ModelUsuals::ModelUsuals(std::string first, std::map<std::string, Usual> of)

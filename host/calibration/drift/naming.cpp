@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "host/calibration/drift/naming.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "common/core/fixed_text.hpp"
+#include "host/geometry/symmetric.hpp"
 
 namespace biteline::drift {
 namespace {
@@ -71,7 +71,8 @@ Tried try_part(const Sums& sums, double spread, Part part) {
 Named name(const Sums& sums, double spread) {
   spread = std::max(spread, 1.0);
   const Matrix held = sums.information + Matrix::Identity() / (k_usual_drift * k_usual_drift);
-  const double seen = sums.pull.dot(held.ldlt().solve(sums.pull)) / k_quantities;
+  const Vector explained = geometry::solve_symmetric(held, sums.pull);
+  const double seen = sums.pull.dot(explained) / k_quantities;
   spread += k_model_error * k_model_error * std::max(seen, 0.0);
   std::array<Tried, k_parts> tried;
   for (std::size_t p = 0; p < k_parts; ++p) tried.at(p) = try_part(sums, spread, static_cast<Part>(p));

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "host/calibration/drift/watch.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <system_error>
 
 #include "common/core/fixed_text.hpp"
+#include "host/geometry/symmetric.hpp"
 
 namespace biteline::drift {
 namespace {
@@ -22,12 +22,12 @@ constexpr double k_shoes_asked = 5;
 
 /// What is left of a scan's pull after the usual, as a variance per degree of freedom.
 double scatter_of(const Sums& left) {
-  const Eigen::SelfAdjointEigenSolver<Matrix> parts(left.information);
+  const geometry::PrincipalAxes parts = geometry::principal_axes(left.information);
   double sum = 0, freedom = 0;
   for (int i = 0; i < k_quantities; ++i) {
-    const double information = parts.eigenvalues()[i];
+    const double information = parts.values[i];
     if (!(information > 1 / (k_most_sigma * k_most_sigma))) continue;
-    const double pull = parts.eigenvectors().col(i).dot(left.pull);
+    const double pull = parts.vectors.col(i).dot(left.pull);
     sum += pull * pull / information;
     ++freedom;
   }

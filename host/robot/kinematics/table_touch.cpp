@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: MIT
 #include "host/robot/kinematics/table_touch.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "host/geometry/symmetric.hpp"
 #include "host/robot/kinematics/student.hpp"
 
 namespace biteline::kinematics {
 namespace {
 
-constexpr std::size_t k_least_touches = 3;
+constexpr std::size_t k_least_table_touches = 3;
 
 }  // namespace
 
 Result<TableTouch> fit_table_touch(std::span<const Vec3> tips_base, const TableTouchLimits& limits) {
-  if (tips_base.size() < k_least_touches) {
+  if (tips_base.size() < k_least_table_touches) {
     return fail(Errc::Degenerate, "table touch: %zu places, at least %zu needed", tips_base.size(),
-                k_least_touches);
+                k_least_table_touches);
   }
   const auto n = static_cast<double>(tips_base.size());
   Vec3 centre = Vec3::Zero();
@@ -26,8 +26,7 @@ Result<TableTouch> fit_table_touch(std::span<const Vec3> tips_base, const TableT
     const Eigen::Vector2d off = (tip - centre).head<2>();
     spread += off * off.transpose() / n;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes{spread, Eigen::EigenvaluesOnly};
-  const double least_mm = std::sqrt(std::max(0.0, axes.eigenvalues()[0]));
+  const double least_mm = std::sqrt(std::max(0.0, geometry::principal_axes(spread).values[0]));
   if (!(least_mm >= limits.least_spread_mm)) {
     return fail(
         Errc::Degenerate,

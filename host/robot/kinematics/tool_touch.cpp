@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "host/robot/kinematics/tool_touch.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
 #include "common/csv/table.hpp"
+#include "host/geometry/symmetric.hpp"
 #include "host/robot/kinematics/student.hpp"
 
 namespace biteline::kinematics {
 namespace {
 
-constexpr std::size_t k_least_touches = 4;
+constexpr std::size_t k_least_tip_touches = 4;
 // Smallest singular value of the rotations' part per square root of touches: 0.1 is a spread of about 6
 // degrees.
 constexpr double k_least_spread = 0.1;
@@ -21,8 +20,8 @@ constexpr double k_least_spread = 0.1;
 
 Result<ToolTouch> fit_tool_touch(std::span<const SE3> T_base_flange, const ToolTouchLimits& limits) {
   const std::size_t n = T_base_flange.size();
-  if (n < k_least_touches)
-    return fail(Errc::Degenerate, "tool touch: %zu touches, at least %zu needed", n, k_least_touches);
+  if (n < k_least_tip_touches)
+    return fail(Errc::Degenerate, "tool touch: %zu touches, at least %zu needed", n, k_least_tip_touches);
   const auto rows = static_cast<Eigen::Index>(3 * n);
   Eigen::MatrixXd A(rows, 6);
   Eigen::VectorXd b(rows);
@@ -32,15 +31,18 @@ Result<ToolTouch> fit_tool_touch(std::span<const SE3> T_base_flange, const ToolT
     A.block<3, 3>(row, 3) = -Mat3::Identity();
     b.segment<3>(row) = -T_base_flange[i].translation();
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd{A, Eigen::ComputeThinU | Eigen::ComputeThinV};
-  const double spread = svd.singularValues()[5] / std::sqrt(static_cast<double>(n));
+  // Of the normal equations: the rotations' entries are at most 1, and the spread is 0.1 at least.
+  const Eigen::MatrixXd normal = A.transpose() * A;
+  const double spread =
+      std::sqrt(std::max(0.0, geometry::principal_axes(normal).values[0]) / static_cast<double>(n));
   if (spread < k_least_spread) {
     return fail(
         Errc::Degenerate,
         "tool touch: orientations too much alike (spread %.3f, at least %.1f); touch from other sides",
         spread, k_least_spread);
   }
-  const Eigen::VectorXd x = svd.solve(b);
+  const geometry::SymmetricSolver solver{normal};
+  const Eigen::VectorXd x = solver.solve(A.transpose() * b);
   const Eigen::VectorXd left = A * x - b;
 
   ToolTouch out{.tip_flange = x.head<3>(),
@@ -56,11 +58,10 @@ Result<ToolTouch> fit_tool_touch(std::span<const SE3> T_base_flange, const ToolT
   out.rms_mm = std::sqrt(left.squaredNorm() / static_cast<double>(n));
   // Covariance of linear least squares: s^2 (A^T A)^-1 with 3 n - 6 degrees of freedom.
   const double variance_mm2 = left.squaredNorm() / static_cast<double>(rows - 6);
-  const Eigen::Matrix<double, 6, 6> covariance = variance_mm2 * (A.transpose() * A).inverse();
+  const Eigen::MatrixXd covariance = variance_mm2 * solver.inverse();
   for (int axis = 0; axis < 3; ++axis) out.sigma_mm[axis] = std::sqrt(std::max(0.0, covariance(axis, axis)));
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes{Mat3{covariance.topLeftCorner<3, 3>()},
-                                                 Eigen::EigenvaluesOnly};
-  out.u95_mm = student_95(static_cast<int>(rows - 6)) * std::sqrt(std::max(0.0, axes.eigenvalues()[2]));
+  const double most_mm2 = geometry::principal_axes(covariance.topLeftCorner(3, 3)).values[2];
+  out.u95_mm = student_95(static_cast<int>(rows - 6)) * std::sqrt(std::max(0.0, most_mm2));
 
   if (out.rms_mm > limits.max_rms_mm) {
     return fail(
