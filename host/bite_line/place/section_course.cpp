@@ -172,7 +172,9 @@ SectionCourse section_course(const SectionPoints& points, std::span<const double
   for (std::size_t i = 0; i < stations; ++i)
     course.seen_z_mm[i] = path_z_mm[i] + sections.z_mm(course.ridge.row[i]);
   std::vector<double> whole_z = course.seen_z_mm;
-  geometry::bridge_smooth(whole_z, course.ridge.visible, station_mm, k_height_lever_mm);
+  std::vector<std::uint8_t> firm = course.ridge.visible;
+  shrink_beside_gaps(firm, station_mm);
+  geometry::bridge_smooth(whole_z, firm, station_mm, k_height_lever_mm);
   keep_in_holes(sections, course.ridge, path_z_mm, whole_z);
   course.z_mm = geometry::running_mean(whole_z, config.mean_mm / station_mm);
   course.row.resize(stations);
