@@ -16,7 +16,7 @@ namespace {
 
 using control::Json;
 
-constexpr std::chrono::milliseconds k_between_looks{200};
+constexpr std::chrono::milliseconds k_between_fetch_looks{200};
 
 std::string where(const FetchRow& row) {
   if (row.state == FetchState::Whole || row.state == FetchState::Refused || row.state == FetchState::Removed)
@@ -66,13 +66,13 @@ Result<ExitStatus> fetch(const RecordingOrders& orders, Centre& centre) {
     // Removed: it was whole for a moment.
     if (row.state == FetchState::Whole || row.state == FetchState::Removed) return ExitStatus::Done;
     if (row.state == FetchState::Refused) return ExitStatus::Refused;
-    std::this_thread::sleep_for(k_between_looks);
+    std::this_thread::sleep_for(k_between_fetch_looks);
   }
   std::printf("fetch %lld goes on without this command; see --fetches\n", static_cast<long long>(number));
   return ExitStatus::Done;
 }
 
-Result<ExitStatus> list(Centre& centre, bool json) {
+Result<ExitStatus> list_fetches(Centre& centre, bool json) {
   BITELINE_ASSIGN(const std::vector<FetchRow> rows, Recordings{centre}.list());
   Json told = Json::array();
   for (const FetchRow& row : rows) {
@@ -107,7 +107,7 @@ void add_recording_options(CLI::App& app, RecordingOrders& orders) {
 }
 
 Result<ExitStatus> carry_out(const RecordingOrders& orders, Centre& centre, bool json) {
-  if (orders.list) return list(centre, json);
+  if (orders.list) return list_fetches(centre, json);
   if (!orders.mark.empty() || !orders.unmark.empty()) return mark(orders, centre);
   return fetch(orders, centre);
 }

@@ -20,7 +20,7 @@ using control::Json;
 
 /// A script needs so long from --order to --switch.
 constexpr int k_to_sign_s = 5;
-constexpr std::chrono::milliseconds k_between_looks{200};
+constexpr std::chrono::milliseconds k_between_release_looks{200};
 
 std::string names(const std::vector<std::string>& cells) {
   std::string text;
@@ -45,7 +45,7 @@ Result<ExitStatus> offer(const ReleaseOrders& orders, Centre& centre) {
   return ExitStatus::Done;
 }
 
-Result<ExitStatus> list(Centre& centre, bool json) {
+Result<ExitStatus> list_releases(Centre& centre, bool json) {
   BITELINE_ASSIGN(const std::vector<ReleaseRow> rows, Releases{centre}.list());
   Json told = Json::array();
   for (const ReleaseRow& row : rows) {
@@ -105,7 +105,7 @@ Result<ExitStatus> switch_by(const ReleaseOrders& orders, Centre& centre) {
                   who.c_str(), row.state == SwitchState::Planned ? "; does biteline-fleet run?" : "");
       return ExitStatus::Refused;
     }
-    std::this_thread::sleep_for(k_between_looks);
+    std::this_thread::sleep_for(k_between_release_looks);
   }
   std::printf("switch %lld goes on without this command; see --releases\n", static_cast<long long>(number));
   return ExitStatus::Done;
@@ -162,7 +162,7 @@ Result<ExitStatus> carry_out(const ReleaseOrders& orders, Centre& centre, bool j
                 static_cast<long long>(*orders.forget));
     return ExitStatus::Done;
   }
-  return list(centre, json);
+  return list_releases(centre, json);
 }
 
 }  // namespace biteline::fleet

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "host/intake/capture/advice.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "host/geometry/symmetric.hpp"
 
 namespace biteline::capture {
 namespace {
@@ -90,8 +91,7 @@ std::string missing_turn(const std::vector<SE3>& T_base_flange) {
   }
   if (largest_rad < k_least_turn_rad) return "turn the head farther, by 30 degrees or more";
   scatter /= static_cast<double>(T_base_flange.size() - 1);
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes{scatter};
-  if (std::sqrt(std::max(0.0, axes.eigenvalues()[1])) < k_least_spread_rad)
+  if (std::sqrt(std::max(0.0, geometry::principal_axes(scatter).values[1])) < k_least_spread_rad)
     return "turn the head about another axis: so far it turned about one only";
   return {};
 }

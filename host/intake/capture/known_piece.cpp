@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "host/intake/capture/known_piece.hpp"
 
-#include <Eigen/Dense>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +10,7 @@
 #include <vector>
 
 #include "host/geometry/fit.hpp"
+#include "host/geometry/symmetric.hpp"
 
 namespace biteline::capture {
 namespace {
@@ -133,14 +132,13 @@ PieceSize common_step(std::span<const Vec3> low, std::span<const Vec3> high) {
     return mean;
   };
   const Vec3 apart = -add(low) + add(high);
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes{scatter};
+  const geometry::PrincipalAxes axes = geometry::principal_axes(scatter);
   const double count = static_cast<double>(low.size() + high.size());
-  const double variance_mm2 = axes.eigenvalues()[0] / count;
+  const double variance_mm2 = axes.values[0] / count;
   double share = 1 / static_cast<double>(low.size()) + 1 / static_cast<double>(high.size());
-  for (const int i : {1, 2})
-    share += std::pow(axes.eigenvectors().col(i).dot(apart), 2) / axes.eigenvalues()[i];
-  return {std::abs(axes.eigenvectors().col(0).dot(apart)), std::sqrt(variance_mm2 * share),
-          std::sqrt(variance_mm2), low.size() + high.size()};
+  for (const int i : {1, 2}) share += std::pow(axes.vectors.col(i).dot(apart), 2) / axes.values[i];
+  return {std::abs(axes.vectors.col(0).dot(apart)), std::sqrt(variance_mm2 * share), std::sqrt(variance_mm2),
+          low.size() + high.size()};
 }
 
 }  // namespace
@@ -166,13 +164,14 @@ Result<PieceSize> measure_ball(std::span<const Vec3> points, double diameter_mm)
       normal_matrix += row * row.transpose();
       right -= row * sphere->off_mm(point);
     }
-    const Eigen::Vector4d step = normal_matrix.ldlt().solve(right);
+    const Eigen::Vector4d step = geometry::solve_symmetric(normal_matrix, right);
     sphere->centre += step.head<3>();
     sphere->radius_mm += step[3];
     within_mm = std::min(k_near_mm, std::max(k_outlier_sigmas * rms_mm(*sphere, used), 1e-6));
   }
   const double scatter_mm = rms_mm(*sphere, used);
-  const double sigma_mm = 2 * scatter_mm * std::sqrt(std::max(0.0, normal_matrix.inverse()(3, 3)));
+  const double radius_variance = geometry::SymmetricSolver{normal_matrix}.inverse()(3, 3);
+  const double sigma_mm = 2 * scatter_mm * std::sqrt(std::max(0.0, radius_variance));
   constexpr double k_most_sigma_ratio = 0.005;
   if (!(sigma_mm <= k_most_sigma_ratio * diameter_mm) ||
       std::abs(2 * sphere->radius_mm / diameter_mm - 1) > k_size_tolerance_ratio)
