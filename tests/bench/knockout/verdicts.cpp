@@ -25,6 +25,7 @@
 #include "tests/support/line_sweep.hpp"
 #include "tests/support/made_pair.hpp"
 #include "tests/support/made_stripe.hpp"
+#include "tests/support/shape_truth.hpp"
 #include "tests/support/shared_data.hpp"
 
 namespace biteline::bench {
@@ -108,15 +109,47 @@ void line_rows() {
   }
 }
 
-/// Shoes of the sweep that need what other rows do not: tilted ones, strays beside and on them, caps' edges.
+void sweep_row(std::uint64_t seed, std::uint64_t index, double crease_ratio) {
+  test::SweepCell cell = test::sweep_cell(seed, index);
+  cell.crease_ratio = crease_ratio;
+  const test::SweepScan scan = test::scan_of(cell);
+  line_row("line, " + std::string{sim::name_of(cell.shoe.shoe_class)} + " with " +
+               std::string{sim::name_of(cell.shoe.decoy)} + ", fault " +
+               std::string{test::name_of(cell.fault)} + ", " + std::to_string(index),
+           scan.cloud, scan.truth);
+}
+
+/// Shoes of the sweep that need what other rows do not.
 void sweep_rows() {
-  for (const std::uint64_t index : {43, 47, 67, 121, 128, 148, 178, 283}) {
-    const test::SweepCell cell = test::sweep_cell(20'261'122, index);
-    const test::SweepScan scan = test::scan_of(cell);
-    line_row("line, " + std::string{sim::name_of(cell.shoe.shoe_class)} + " with " +
-                 std::string{sim::name_of(cell.shoe.decoy)} + ", fault " +
-                 std::string{test::name_of(cell.fault)} + ", " + std::to_string(index),
-             scan.cloud, scan.truth);
+  constexpr std::uint64_t k_seed = 20'261'122;
+  constexpr std::uint64_t k_later_seed = 70'531;
+  constexpr double k_nearly_flush = 0.12;
+  // Tilted ones, strays beside and on them, caps' edges.
+  for (const std::uint64_t index : {43, 47, 67, 121, 128, 148, 178, 283}) sweep_row(k_seed, index, 1);
+  // A pump that hardly holds, and two boxes whose lids hang over.
+  for (const std::uint64_t index : {855, 8, 117}) sweep_row(k_later_seed, index, 1);
+  // Soles whose ledges and welts are stronger than their line.
+  for (const std::uint64_t index : {6, 65, 109, 125, 136, 196})
+    sweep_row(k_later_seed, index, k_nearly_flush);
+}
+
+/// Shapes of public origin with a known line, or none.
+void shape_rows() {
+  constexpr double k_right_mm = 5.0;
+  for (const test::Shape& shape : test::k_shapes) {
+    const auto cloud = test::cloud_of(shape);
+    const auto truth = test::truth_of(shape);
+    if (!cloud || !truth || (truth->line.points.empty() && !truth->has_none)) continue;
+    const bite_line::Extraction found = bite_line::find_bite_line(*cloud, {});
+    const std::string name = std::string{"shape, "} + shape.name;
+    if (!found.found) {
+      row(name, code_of(found.refusal), 0);
+    } else if (truth->has_none) {
+      row(name, "a line where there is none", 0);
+    } else {
+      const test::LineOnShape line = test::line_on_shape(found.line, truth->line);
+      row(name, line.wrong_mm <= k_right_mm ? "right" : "wrong", line.mean_mm);
+    }
   }
 }
 
@@ -254,6 +287,7 @@ void run() {
   if (const auto folder = test::shared_data("calib/head21")) calibration_row("calibration, head21", *folder);
   line_rows();
   sweep_rows();
+  shape_rows();
   transfer_rows();
   collar_rows();
 }
