@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file The broker's options on the command lines of both ends.
+/// \file How both ends are told of the broker.
 
 #include <string>
 
 #include "host/fleet/broker.hpp"
-
-namespace CLI {
-class App;
-}
 
 namespace biteline::fleet {
 
@@ -17,7 +13,6 @@ struct BrokerOptions {
   TlsFiles tls;
 };
 
-void add_broker_options(CLI::App& app, BrokerOptions& options);
 /// Errc::InvalidArgument says which option is missing.
 [[nodiscard]] Result<BrokerConfig> broker_of(const BrokerOptions& options);
 

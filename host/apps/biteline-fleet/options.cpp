@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include "common/options/number.hpp"
+#include "host/fleet/broker_command_line.hpp"
 #include "host/fleet/program.hpp"
 
 namespace biteline::fleet {

@@ -7,7 +7,7 @@
 #include <csignal>
 #include <cstdio>
 
-#include "host/fleet/broker_options.hpp"
+#include "host/fleet/broker_command_line.hpp"
 #include "host/fleet/idle_disk.hpp"
 #include "host/fleet/program.hpp"
 #include "host/fleet/recording_giver.hpp"
