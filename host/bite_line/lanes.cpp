@@ -157,6 +157,18 @@ void SlopeAngles(std::span<float> to, const float* low, const float* high, float
   });
 }
 
+void Curvatures(std::span<float> to, const float* from, float per_mm) {
+  for_lanes(to.size(), [&](auto d, std::size_t i) {
+    const auto low = hn::LoadU(d, from + i), middle = hn::LoadU(d, from + i + 1),
+               high = hn::LoadU(d, from + i + 2);
+    const auto slope = hn::Mul(hn::Set(d, 0.5F * per_mm), hn::Sub(high, low));
+    const auto bow = hn::Add(hn::Sub(high, hn::Add(middle, middle)), low);
+    const auto stretch = hn::MulAdd(slope, slope, hn::Set(d, 1.0F));
+    hn::StoreU(hn::Div(hn::Mul(hn::Set(d, per_mm * per_mm), bow), hn::Mul(stretch, hn::Sqrt(stretch))), d,
+               to.data() + i);
+  });
+}
+
 /// Rows `r` to `r + lanes` at once.
 template <class D>
 HWY_INLINE void step_rows(D d, const ColumnStep& column, std::size_t r, float* total, std::int8_t* step) {
@@ -188,6 +200,7 @@ HWY_AFTER_NAMESPACE();
 namespace biteline::bite_line {
 
 HWY_EXPORT(Convolve);
+HWY_EXPORT(Curvatures);
 HWY_EXPORT(FitLines);
 HWY_EXPORT(FitRows);
 HWY_EXPORT(MostOfSums);
@@ -220,6 +233,9 @@ void fit_rows(std::span<const RowOfSums> rows, const LineFit& fit, std::span<flo
 }
 void slope_angles(std::span<float> to, const float* low, const float* high, float per_span) {
   HWY_DYNAMIC_DISPATCH(SlopeAngles)(to, low, high, per_span);
+}
+void curvatures(std::span<float> to, const float* from, float per_mm) {
+  HWY_DYNAMIC_DISPATCH(Curvatures)(to, from, per_mm);
 }
 void step_column(const ColumnStep& column, std::span<float> total, std::int8_t* step) {
   HWY_DYNAMIC_DISPATCH(StepColumn)(column, total, step);

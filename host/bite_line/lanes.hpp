@@ -51,6 +51,9 @@ void fit_rows(std::span<const RowOfSums> rows, const LineFit& fit, std::span<flo
 /// to[i] = atan((high[i] - low[i]) * per_span) to 1e-5 rad.
 void slope_angles(std::span<float> to, const float* low, const float* high, float per_span);
 
+/// Curvature of a curve with `per_mm` values to a millimetre: to[i] of that through from[i] to from[i + 2].
+void curvatures(std::span<float> to, const float* from, float per_mm);
+
 /// One column of a path's dynamic programming.
 struct ColumnStep {
   const float* before;             ///< totals of the column before; reach values below and above are readable

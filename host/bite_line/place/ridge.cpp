@@ -119,14 +119,11 @@ Large<float> section_curvature(const Sections& sections, double sigma_mm) {
           padded[i] = o[r];
       }
       convolve(smooth, padded.data(), kernel);
-      float* out = k.data() + sections.at(station, 0);
-      const auto inverse_h = static_cast<float>(1.0 / h);
-      for (std::size_t r = std::max<std::size_t>(begin, 1); r + 1 < std::min(end, rows); ++r) {
-        const float d1 = 0.5F * inverse_h * (smooth[r + 1] - smooth[r - 1]);
-        const float d2 = inverse_h * inverse_h * (smooth[r + 1] - 2 * smooth[r] + smooth[r - 1]);
-        const float q = 1 + d1 * d1;
-        out[r] = d2 / (q * std::sqrt(q));
-      }
+      const std::size_t first = std::max<std::size_t>(begin, 1);
+      const std::size_t last = std::min(end, rows) - 1;
+      if (first >= last) continue;
+      curvatures({k.data() + sections.at(station, static_cast<int>(first)), last - first},
+                 smooth.data() + first - 1, static_cast<float>(1.0 / h));
     }
   });
   return k;

@@ -3,6 +3,7 @@
 #include <CppUTest/TestHarness.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <random>
 #include <vector>
@@ -34,6 +35,22 @@ TEST(Lanes, AKernelSlidesAlongRowsOfAnyLength) {
     convolve({to.data(), size}, from.data(), kernel);
     for (std::size_t i = 0; i < size; ++i)
       DOUBLES_EQUAL(0.25F * from[i] - 0.5F * from[i + 1] + from[i + 2], to[i], 1e-6);
+    DOUBLES_EQUAL(7.0, to[size], 0);
+  }
+}
+
+TEST(Lanes, ACirclesCurvatureIsItsOwnAlsoWhereItIsSteep) {
+  constexpr double k_radius_mm = 5;
+  constexpr double k_step_mm = 0.05;
+  std::vector<float> circle;
+  for (std::size_t i = 0; i < k_longest + 2; ++i) {
+    const double z_mm = k_step_mm * static_cast<double>(i);
+    circle.push_back(static_cast<float>(-std::sqrt(k_radius_mm * k_radius_mm - z_mm * z_mm)));
+  }
+  for (std::size_t size = 1; size <= k_longest; ++size) {
+    std::vector<float> to(size + 1, 7.0F);
+    curvatures({to.data(), size}, circle.data(), static_cast<float>(1 / k_step_mm));
+    for (std::size_t i = 0; i < size; ++i) DOUBLES_EQUAL(1 / k_radius_mm, to[i], 1e-3);
     DOUBLES_EQUAL(7.0, to[size], 0);
   }
 }
