@@ -115,10 +115,19 @@ double Arc::turn_rad() const {
   return std::acos(std::clamp(d0.normalized().dot(d1.normalized()), -0.942, 1.0));
 }
 
+namespace {
+
+constexpr double k_most_corner_rad = 2.8;
+
+}  // namespace
+
+double corner_beyond_chord_mm(double chord_mm, double turn_rad) {
+  return 0.5 * chord_mm * std::tan(0.5 * std::clamp(turn_rad, 0.0, k_most_corner_rad));
+}
+
 double corner_beyond_arc_mm(double chord_mm, double turn_rad) {
-  constexpr double k_most_rad = 2.8;
-  const double theta = std::clamp(turn_rad, 0.0, k_most_rad);
-  return 0.5 * chord_mm * (std::tan(0.5 * theta) - std::tan(0.25 * theta));
+  const double of_arc_rad = 0.5 * std::min(turn_rad, k_most_corner_rad);
+  return corner_beyond_chord_mm(chord_mm, turn_rad) - corner_beyond_chord_mm(chord_mm, of_arc_rad);
 }
 
 Vec3 Arc::at(double share) const {

@@ -46,8 +46,12 @@ struct Arc {
   [[nodiscard]] double turn_rad() const;  ///< theta, at most 2.8: beyond it a cubic is no circle
 };
 
+/// How far the corner in which two ends meet lies beyond the straight line between them, in the middle.  The
+/// turn counts up to 2.8 rad.
+[[nodiscard]] double corner_beyond_chord_mm(double chord_mm, double turn_rad);
+
 /// How far the corner in which two ends meet lies beyond the circle between them, in the middle: what lies
-/// between may be as blunt as the circle or as sharp as the corner.  The turn counts up to 2.8 rad.
+/// between may be as blunt as the circle or as sharp as the corner.
 [[nodiscard]] double corner_beyond_arc_mm(double chord_mm, double turn_rad);
 
 /// Over this length beside a gap the direction of its end is taken, and again over as much behind that.

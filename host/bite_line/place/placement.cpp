@@ -94,15 +94,18 @@ Plan plan_of(const Outline& outline, std::span<const double> o, std::span<const 
     const auto normal = [&](std::size_t at) { return outline.normal(static_cast<double>(at) * station_mm); };
     const double turn_rad =
         firm ? arc.turn_rad() : std::acos(std::clamp(normal(gap.first).dot(normal(end)), -1.0, 1.0));
-    const double corner_mm = geometry::corner_beyond_arc_mm(chord.norm(), turn_rad);
+    const auto corner_mm = [&](double share) {
+      if (firm) return geometry::corner_beyond_arc_mm(chord.norm(), turn_rad) * gap_swell(share);
+      // Of an end that is not firm no direction is known: the line may leave the chord at once.
+      return geometry::corner_beyond_chord_mm(chord.norm(), turn_rad) * 2 * std::min(share, 1 - share);
+    };
     const TriedBridge tried =
         is_long(gap, station_mm) ? tried_plan(seen, known, gap, station_mm) : TriedBridge{};
     for (std::size_t k = 1; k < gap.steps; ++k) {
       const std::size_t at = (gap.first + k) % count;
       const double share = static_cast<double>(k) / static_cast<double>(gap.steps);
       plan[at] = arc.at(share).head<2>();
-      made.corner_mm[at] =
-          std::max(corner_mm * gap_swell(share), beyond_chord_mm(seen[gap.first], chord, plan[at]));
+      made.corner_mm[at] = std::max(corner_mm(share), beyond_chord_mm(seen[gap.first], chord, plan[at]));
       made.tried_mm[at] = tried.at(share);
     }
   }

@@ -276,6 +276,29 @@ TEST(Placement, AMissingSectorIsBridgedAndDoubted) {
   CHECK_COMPARE(most_corner_mm, >, 0.1);
 }
 
+TEST(Placement, WhereEndsAreNotFirmABridgeIsUnsureFromItsFirstMillimetresOn) {
+  // The toe is gone, and 5 mm before it another 4 mm: no end of the gap has the length that tells a
+  // direction.
+  const Outline outline = test::egg_outline();
+  const double toe_mm = outline.locate({280.0F, 0.0F, 20.0F}).s_mm;
+  const auto of_toe = [&](double s) {
+    const double away = std::abs(s - toe_mm);
+    return std::min(away, outline.length_mm() - away);
+  };
+  const PlacedLine sut = placed([&](double s, double z) {
+    const double away = of_toe(s);
+    return away < 15 || (away > 20 && away < 24) ? test::k_no_point : test::groove_mm(z, k_z_mm);
+  });
+  double least_mm = 1e9;
+  for (const PlacedStation& station : sut.points) {
+    const double away = of_toe(outline.locate(station.position.cast<float>()).s_mm);
+    if (away > 8 && away < 11) least_mm = std::min(least_mm, station.corner_mm);
+  }
+  // The ends' directions meet at some 100 degrees: 5 mm from an end the line may be as far off its chord.
+  CHECK_COMPARE(least_mm, >, 3.0);
+  CHECK_COMPARE(least_mm, <, 10.0);
+}
+
 TEST(Placement, ABridgeDoesNotLeanOnTheLastProfileBesideIt) {
   constexpr double k_from_mm = 180, k_to_mm = 210, k_skewed_mm = 0.7;
   const PlacedLine sut = placed(

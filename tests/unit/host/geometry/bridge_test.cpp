@@ -61,6 +61,8 @@ TEST(Bridge, ASquaresCornerLiesBeyondItsCircle) {
   DOUBLES_EQUAL(chord - 10, corner_beyond_arc_mm(chord, 0.5 * std::numbers::pi), 1e-9);
   DOUBLES_EQUAL(0, corner_beyond_arc_mm(chord, 0), 1e-12);
   CHECK(std::isfinite(corner_beyond_arc_mm(chord, std::numbers::pi)));
+  // Two ends at right angles meet half a chord beyond the middle of it.
+  DOUBLES_EQUAL(0.5 * chord, corner_beyond_chord_mm(chord, 0.5 * std::numbers::pi), 1e-9);
 }
 
 TEST(Bridge, ArcBetweenTangentsOfACircleLiesOnTheCircle) {
