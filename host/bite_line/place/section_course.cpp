@@ -119,10 +119,11 @@ Outwards outwards_of(const Sections& sections, std::span<const double> row) {
   return out;
 }
 
-/// What lies beside an unseen stretch leans on points from one side only: `margin_mm` of it is not taken.
-void shrink_beside_gaps(std::vector<std::uint8_t>& known, double station_mm, double margin_mm) {
+/// What lies beside an unseen stretch leans on points from one side only: a millimetre of it is not taken.
+void shrink_beside_gaps(std::vector<std::uint8_t>& known, double station_mm) {
   constexpr double k_long_mm = 3.0;
-  const auto margin = static_cast<std::size_t>(std::lround(margin_mm / station_mm));
+  constexpr double k_margin_mm = 1.0;
+  const auto margin = static_cast<std::size_t>(std::lround(k_margin_mm / station_mm));
   const std::size_t count = known.size();
   for (const geometry::Gap& gap : geometry::gaps_of(known)) {
     if (static_cast<double>(gap.steps) * station_mm < k_long_mm) continue;
@@ -147,10 +148,9 @@ void mean_of_known(Outwards& outwards, double stations) {
 /// Bridged by straight lines.  `few`: a place then hangs on one or two points, and on those beside it.
 Outwards whole_outwards(const Sections& sections, std::span<const double> row, bool few) {
   constexpr double k_few_mean_mm = 4.0;
-  constexpr double k_margin_mm = 1.0;
   Outwards outwards = outwards_of(sections, row);
   geometry::drop_islands(outwards.known, sections.station_mm, k_island_mm);
-  shrink_beside_gaps(outwards.known, sections.station_mm, k_margin_mm);
+  shrink_beside_gaps(outwards.known, sections.station_mm);
   if (few) mean_of_known(outwards, k_few_mean_mm / sections.station_mm);
   geometry::bridge_straight(outwards.o_mm, outwards.known, sections.station_mm);
   return outwards;
@@ -172,10 +172,8 @@ SectionCourse section_course(const SectionPoints& points, std::span<const double
   for (std::size_t i = 0; i < stations; ++i)
     course.seen_z_mm[i] = path_z_mm[i] + sections.z_mm(course.ridge.row[i]);
   std::vector<double> whole_z = course.seen_z_mm;
-  // A bridge goes on as steeply as its ends: they count beyond the weights along the line only.
-  constexpr double k_margin_mm = 2.0;
   std::vector<std::uint8_t> firm = course.ridge.visible;
-  shrink_beside_gaps(firm, station_mm, k_margin_mm);
+  shrink_beside_gaps(firm, station_mm);
   geometry::bridge_smooth(whole_z, firm, station_mm, k_height_lever_mm);
   keep_in_holes(sections, course.ridge, path_z_mm, whole_z);
   course.z_mm = geometry::running_mean(whole_z, config.mean_mm / station_mm);

@@ -311,7 +311,7 @@ TEST(Placement, ABridgeDoesNotLeanOnTheLastProfileBesideIt) {
   const Vec2 middle = test::egg_outline().point(0.5 * (k_from_mm + k_to_mm));
   for (const PlacedStation& station : sut.points)
     if ((station.position.head<2>() - middle).norm() < 10)
-      DOUBLES_EQUAL(k_z_mm, station.position.z(), 0.4 * k_skewed_mm);
+      DOUBLES_EQUAL(k_z_mm, station.position.z(), 0.95);  // 1.11 where it leans on the last one
 }
 
 TEST(Placement, ACreaseBehindAPinIsBridgedAndNotTheWallAboveThePin) {
