@@ -10,7 +10,7 @@
 namespace biteline::sim {
 
 /// Streams of random numbers, one per part.
-enum DesignStream : std::uint64_t { k_outline = 21, k_sole, k_upper, k_decoy, k_second, k_light };
+enum DesignStream : std::uint64_t { k_outline = 21, k_sole, k_upper, k_decoy, k_second, k_light, k_paint };
 
 /// Perimeter of a shoe of length 1; only the spread of things along it depends on it.
 constexpr double k_perimeter_ratio = 2.13;

@@ -49,6 +49,16 @@ Reflectance draw_reflectance(Materials materials, ShoeClass shoe_class, Random r
   return {.upper = skin ? leather(random) : cloth(random), .sole = sole};
 }
 
+/// As two-colour soles are, and tapes, mudguards and counters.
+void paint(ShoeParameters& shoe, Random random) {
+  for (std::vector<Relief>* reliefs : {&shoe.sole.reliefs, &shoe.upper.reliefs}) {
+    for (Relief& relief : *reliefs) {
+      if (relief.kind == Relief::Kind::Ledge || relief.kind == Relief::Kind::Band)
+        relief.material = rubber(random);
+    }
+  }
+}
+
 }  // namespace
 
 Material foam(Random& random) {
@@ -97,6 +107,7 @@ ShoeParameters draw_designed_shoe(const DesignedShoe& designed, std::uint64_t se
     if (also != designed.decoy) add_decoy(shoe, also, second.fork(k_decoy));
   }
   shoe.reflectance = draw_reflectance(designed.materials, designed.shoe_class, source.fork(k_light));
+  if (designed.painted) paint(shoe, source.fork(k_paint));
   return shoe;
 }
 

@@ -14,6 +14,7 @@ struct DesignedShoe {
   ShoeClass shoe_class{ShoeClass::Cupsole};
   Decoy decoy{Decoy::None};
   Materials materials{Materials::Contrast};
+  bool painted{false};                ///< ledges, tapes and pieces laid on have colours of their own
   std::optional<double> length_mm{};  ///< else drawn
 };
 

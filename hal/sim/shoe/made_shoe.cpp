@@ -324,11 +324,26 @@ Vec3 Section::point(double z_mm) const {
   return {horizontal.x(), horizontal.y(), z_mm};
 }
 
+const Material& Section::material_at(bool on_sole, double u_mm) const {
+  const Reflectance& reflectance = shoe_->parameters_.reflectance;
+  const Material* material = on_sole ? &reflectance.sole : &reflectance.upper;
+  for (const LocalRelief& local : on_sole ? sole_reliefs_ : upper_reliefs_) {
+    const Relief& relief = *local.relief;
+    if (!relief.material || local.here_ratio < 0.5) continue;
+    const double above_mm = u_mm - local.middle_u_mm;
+    const bool in = relief.kind == Relief::Kind::Ledge  ? above_mm < 0
+                    : relief.kind == Relief::Kind::Band ? std::abs(above_mm) < relief.half_mm
+                                                        : false;
+    if (in) material = &*relief.material;
+  }
+  return *material;
+}
+
 SurfaceLook Section::look(double z_mm) const {
   const ShoeParameters& p = shoe_->parameters_;
   const double u_mm = z_mm - line_height_mm_;
   const bool on_sole = !p.bare && u_mm < p.groove.lip_u_mm;
-  const Material& material = on_sole ? p.reflectance.sole : p.reflectance.upper;
+  const Material& material = material_at(on_sole, u_mm);
   SurfaceLook look{
       .diffuse_ratio = material.diffuse_ratio, .glossy = false, .scattering_mm = material.scattering_mm};
   if (material.grain_ratio > 0)

@@ -49,6 +49,7 @@ class Section {
     double here_ratio;  ///< 1 where it is, 0 where it is not
     double pitch_mm;    ///< a whole number of times round the outline
   };
+  [[nodiscard]] const Material& material_at(bool on_sole, double u_mm) const;
   [[nodiscard]] double reliefs_mm(const std::vector<LocalRelief>& reliefs, double u_mm) const;
 
   const MadeShoe* shoe_;

@@ -35,10 +35,45 @@ void hide(const std::vector<double>& z_mm, const std::vector<double>& offset_mm,
   }
 }
 
+/// The stripe as the head of the rendered pictures sees it (MadeHead's light and lens), in the plane of the
+/// section.
+class StripeOn {
+ public:
+  StripeOn(const ScanSettings& settings, Random random) : settings_{settings}, random_{random} {}
+
+  /// A section's wall faces the head by another angle than the next one's.
+  void next_profile() { facing_ratio_ = std::exp(k_facing_spread * random_.gaussian()); }
+
+  void add(const SurfaceLook& look, const Vec2& place_mm, double slope, ScannedCloud& cloud) {
+    const Vec2 to_laser = Vec2{settings_.laser_distance_mm, settings_.laser_z_mm} - place_mm;
+    const double distance_mm = to_laser.norm();
+    const double cosine = Vec2{1, -slope}.normalized().dot(to_laser) / distance_mm;
+    const double sigma_px = std::hypot(k_sheet_px, k_blur_px, look.scattering_mm / k_mm_per_px);
+    const double grey = k_full_grey * facing_ratio_ * (look.glossy ? k_gloss_ratio : look.diffuse_ratio) *
+                        std::max(cosine, k_least_cosine) * (settings_.laser_distance_mm / distance_mm) *
+                        (k_sheet_px / sigma_px) * (1 + k_speckle_ratio * random_.gaussian());
+    cloud.amplitude.push_back(
+        static_cast<float>(std::clamp(grey + k_noise_grey * random_.gaussian(), 1.0, 255.0)));
+    cloud.width_px.push_back(static_cast<float>(k_fwhm_per_sigma * sigma_px *
+                                                std::max(0.2, 1 + k_width_spread * random_.gaussian())));
+  }
+
+ private:
+  static constexpr double k_mm_per_px = 0.1, k_sheet_px = 1.9, k_blur_px = 1.1, k_full_grey = 380;
+  static constexpr double k_gloss_ratio = 0.02, k_least_cosine = 0.03;
+  static constexpr double k_speckle_ratio = 0.08, k_noise_grey = 1.0, k_width_spread = 0.06;
+  static constexpr double k_facing_spread = 0.1, k_fwhm_per_sigma = 2.3548;
+
+  const ScanSettings& settings_;
+  Random random_;
+  double facing_ratio_{1};
+};
+
 }  // namespace
 
 ScannedCloud scan_quickly(const MadeShoe& shoe, const ScanSettings& settings, const SE3& T_frame_shoe) {
   Random random(settings.seed);
+  StripeOn stripe{settings, random.fork(1)};
   ScannedCloud cloud;
   const int profiles =
       std::max(3, static_cast<int>(std::round(shoe.perimeter_mm() / settings.profile_step_mm)));
@@ -62,9 +97,11 @@ ScannedCloud scan_quickly(const MadeShoe& shoe, const ScanSettings& settings, co
     seen.assign(z_mm.size(), true);
     hide(z_mm, offset_mm, camera, seen);
     hide(z_mm, offset_mm, laser, seen);
+    stripe.next_profile();
     for (std::size_t i = 0; i < z_mm.size(); ++i) {
       const double noise_mm = settings.noise_mm * random.gaussian();
-      const bool lost = section.look(z_mm[i]).glossy && random.chance(settings.gloss_loss_ratio);
+      const SurfaceLook look = section.look(z_mm[i]);
+      const bool lost = look.glossy && random.chance(settings.gloss_loss_ratio);
       if (!seen[i] || lost) continue;
       const Vec2 horizontal = section.place().point + offset_mm[i] * section.place().normal;
       const Vec2 eye = section.place().point + settings.camera_distance_mm * section.place().normal;
@@ -73,6 +110,11 @@ ScannedCloud scan_quickly(const MadeShoe& shoe, const ScanSettings& settings, co
       cloud.points.push_back((T_frame_shoe * (point + noise_mm * ray)).cast<float>());
       cloud.profile.push_back(static_cast<std::uint32_t>(profile));
       cloud.column.push_back(static_cast<std::uint16_t>(std::floor(z_mm[i] / settings.column_step_mm)));
+      if (!settings.stripe) continue;
+      const std::size_t before = i > 0 ? i - 1 : i;
+      const std::size_t behind = i + 1 < z_mm.size() ? i + 1 : i;
+      const double slope = (offset_mm[behind] - offset_mm[before]) / (z_mm[behind] - z_mm[before] + 1e-9);
+      stripe.add(look, {offset_mm[i], z_mm[i]}, slope, cloud);
     }
   }
   return cloud;

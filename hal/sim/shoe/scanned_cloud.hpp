@@ -6,7 +6,8 @@
 /// One profile for each step along the outline, one point for each image column; noise along the viewing ray;
 /// what either laser or camera cannot see past the shoe's own section is missing, and so are glossy patches.
 /// For occlusion laser and camera are taken to stand in the section's plane: the stripe's sideways view is
-/// left out.
+/// left out.  The stripe's height follows material, incidence and distance as the rendered pictures' does;
+/// its width follows the material and the blur.
 
 #include <cstdint>
 #include <vector>
@@ -27,6 +28,8 @@ struct ScanSettings {
   double field_high_z_mm{110};
   double gloss_loss_ratio{0.92};  ///< share of the points lost on glossy patches
   std::uint64_t seed{1};
+  /// With the stripe's amplitude and width.  The points are the same without.
+  bool stripe{false};
 };
 
 /// Scan order; all arrays of one length.  Coordinates in the frame that `T_frame_shoe` maps to.
@@ -34,6 +37,7 @@ struct ScannedCloud {
   std::vector<Eigen::Vector3f> points;
   std::vector<std::uint32_t> profile;
   std::vector<std::uint16_t> column;
+  std::vector<float> amplitude, width_px;  ///< of the stripe; empty without
 };
 
 [[nodiscard]] ScannedCloud scan_quickly(const MadeShoe& shoe, const ScanSettings& settings,

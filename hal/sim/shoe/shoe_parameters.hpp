@@ -115,6 +115,13 @@ struct Stretch {
   double soft_mm{3};
 };
 
+/// What the stripe looks like on a material.
+struct Material {
+  double diffuse_ratio{0.6};  ///< share of light given back
+  double grain_ratio{0};      ///< how much that differs from place to place, standard deviation
+  double scattering_mm{0};    ///< light that wanders inside widens the stripe, standard deviation
+};
+
 /// A part of the surface that stands out, or lies back, along the outline: ledges, grooves, tapes, ribs.
 /// Its middle runs at `u_mm` above the line, risen towards heel and toe; `where` bounds it along the outline.
 struct Relief {
@@ -135,6 +142,7 @@ struct Relief {
   double duty_ratio{0.5};
   double slant_ratio{0};  ///< of a periodic one's pieces: change of s per u
   std::optional<Stretch> where{};
+  std::optional<Material> material{};  ///< of a ledge or a band; none: of what it lies on
 };
 
 struct SoleShape {
@@ -210,13 +218,6 @@ struct GlossPatch {
   double u_mm{0};
   double half_length_mm{10};
   double half_height_mm{4};
-};
-
-/// What the stripe looks like on a material.
-struct Material {
-  double diffuse_ratio{0.6};  ///< share of light given back
-  double grain_ratio{0};      ///< how much that differs from place to place, standard deviation
-  double scattering_mm{0};    ///< light that wanders inside widens the stripe, standard deviation
 };
 
 struct Reflectance {

@@ -41,6 +41,35 @@ TEST(ScannedCloud, ComesInScanOrder) {
   }
 }
 
+TEST(ScannedCloud, TheStripeShowsTheMaterialAndChangesNoPoint) {
+  ShoeParameters parameters = draw_shoe(ShoeClass::Step, 5);
+  parameters.reflectance.upper = {.diffuse_ratio = 0.3, .grain_ratio = 0, .scattering_mm = 0};
+  parameters.reflectance.sole = {.diffuse_ratio = 0.6, .grain_ratio = 0, .scattering_mm = 0.2};
+  const MadeShoe shoe(parameters);
+  const ScanSettings settings{.profile_step_mm = 20, .stripe = true};
+  const ScannedCloud sut = scan_quickly(shoe, settings, SE3::Identity());
+  const ScannedCloud without = scan_quickly(shoe, {.profile_step_mm = 20}, SE3::Identity());
+  CHECK(without.points == sut.points);
+  CHECK(without.amplitude.empty());
+  LONGS_EQUAL(sut.points.size(), sut.amplitude.size());
+  const double profiles = std::round(shoe.perimeter_mm() / settings.profile_step_mm);
+  struct Mean {
+    double grey{0}, width_px{0}, count{0};
+  } above, below;
+  for (std::size_t i = 0; i < sut.points.size(); ++i) {
+    const double line_z_mm = shoe.section(shoe.perimeter_mm() * sut.profile[i] / profiles).line_height_mm();
+    const double above_mm = static_cast<double>(sut.points[i].z()) - line_z_mm;
+    if (std::abs(above_mm) < 3 || std::abs(above_mm) > 6) continue;
+    Mean& mean = above_mm > 0 ? above : below;
+    mean.grey += static_cast<double>(sut.amplitude[i]);
+    mean.width_px += static_cast<double>(sut.width_px[i]);
+    mean.count += 1;
+  }
+  // The wider stripe is the lower one, so half the light of the sole goes into its width.
+  CHECK_COMPARE(above.grey / above.count, <, 0.8 * below.grey / below.count);
+  CHECK_COMPARE(above.width_px / above.count, <, 0.85 * below.width_px / below.count);
+}
+
 TEST(ScannedCloud, HidesWhatTheLipHides) {
   // A lip standing 12 mm out hides the wall right above it from a head standing low.
   ShoeParameters parameters = draw_shoe(ShoeClass::Step, 3);
