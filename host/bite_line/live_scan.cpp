@@ -18,17 +18,25 @@ uncertainty::ArmGive known_give(const Config& config) {
 }  // namespace
 
 void LiveScan::add_profile(std::uint64_t sequence, std::span<const Eigen::Vector3f> points,
-                           const std::optional<uncertainty::ProfilePose>& pose) {
+                           const std::optional<uncertainty::ProfilePose>& pose,
+                           const cloud::StripeSpan& stripe) {
   if (!sequences_.insert(sequence).second) return;
-  profiles_.push_back(
-      {.sequence = sequence, .first_raw = raw_.size(), .points = points.size(), .pose = pose});
   const std::size_t first_mean = means_.size();
+  profiles_.push_back({.sequence = sequence,
+                       .first_raw = raw_.size(),
+                       .points = points.size(),
+                       .first_run = first_mean,
+                       .pose = pose});
+  const bool has_look = stripe.amplitude.size() == points.size() && !points.empty();
+  if (has_look) looks_.resize(first_mean);
   for (std::size_t first = 0; first < points.size();) {
     const Run run = run_from(points, first);
     means_.push_back(run.mean);
     first_raw_.push_back(static_cast<std::uint32_t>(raw_.size() + first));
+    if (has_look) looks_.push_back(look_of(stripe.part(first, run.end - first)));
     first = run.end;
   }
+  if (!looks_.empty()) looks_.resize(means_.size());
   raw_.insert(raw_.end(), points.begin(), points.end());
   if (pose) arm_.add_profile(std::span{means_}.subspan(first_mean), *pose);
 }
@@ -43,8 +51,14 @@ LiveScan LiveScan::ordered() const {
   std::sort(order.begin(), order.end(),
             [](const Profile& a, const Profile& b) { return a.sequence < b.sequence; });
   LiveScan scan;
-  for (const Profile& profile : order)
+  for (const Profile& profile : order) {
+    const std::size_t first_run = scan.means_.size();
     scan.add_profile(profile.sequence, {raw_.data() + profile.first_raw, profile.points}, profile.pose);
+    if (looks_.empty()) continue;
+    const auto from = looks_.begin() + static_cast<std::ptrdiff_t>(profile.first_run);
+    scan.looks_.insert(scan.looks_.end(), from,
+                       from + static_cast<std::ptrdiff_t>(scan.means_.size() - first_run));
+  }
   return scan;
 }
 
@@ -57,9 +71,13 @@ Extraction LiveScan::finish(const Config& config, std::optional<Workings>* worki
   }
   std::optional<uncertainty::ArmMotion> arm = arm_.motion();
   if (!arm) arm = arm_.motion_by(known_give(config));
-  return find_bite_line(
-      {.means = means_, .points = raw_, .first_point = first_raw_, .poses = poses, .arm = std::move(arm)},
-      config, workings);
+  return find_bite_line({.means = means_,
+                         .points = raw_,
+                         .first_point = first_raw_,
+                         .poses = poses,
+                         .arm = std::move(arm),
+                         .looks = looks_},
+                        config, workings);
 }
 
 }  // namespace biteline::bite_line

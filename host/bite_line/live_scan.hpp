@@ -21,9 +21,10 @@ class LiveScan {
  public:
   /// Points of one profile in base, in the order of the stripe.  One that is here already, by its sequence
   /// number, is left out: after a broken connection profiles may come twice.
-  /// `pose`: where the arm was, for the line's uncertainty.
+  /// `pose`: where the arm was, for the line's uncertainty.  `stripe`: at these points, for the materials.
   void add_profile(std::uint64_t sequence, std::span<const Eigen::Vector3f> points,
-                   const std::optional<uncertainty::ProfilePose>& pose = {});
+                   const std::optional<uncertainty::ProfilePose>& pose = {},
+                   const cloud::StripeSpan& stripe = {});
   [[nodiscard]] std::size_t points() const { return raw_.size(); }
   [[nodiscard]] std::size_t profiles() const { return profiles_.size(); }
   /// May be called at any time, also more than once: the line as far as seen, or why there is none yet.
@@ -34,6 +35,7 @@ class LiveScan {
     std::uint64_t sequence{0};
     std::size_t first_raw{0};
     std::size_t points{0};
+    std::size_t first_run{0};
     std::optional<uncertainty::ProfilePose> pose{};
   };
   [[nodiscard]] bool in_order() const;
@@ -44,6 +46,7 @@ class LiveScan {
   std::vector<Eigen::Vector3f> raw_;
   std::vector<Eigen::Vector3f> means_;    ///< of runs of neighbours
   std::vector<std::uint32_t> first_raw_;  ///< of each run
+  std::vector<RunLook> looks_;            ///< of each run; empty as long as no profile came with its stripe
   uncertainty::ArmSway arm_;
 };
 

@@ -2,11 +2,14 @@
 #include "host/bite_line/scan_points.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <vector>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+
+#include "common/profile/profile.hpp"
 
 namespace biteline::bite_line {
 
@@ -35,6 +38,20 @@ Run run_from(std::span<const Eigen::Vector3f> points, std::size_t first) {
   for (; end < points.size() && (points[end] - start).squaredNorm() < k_run_mm * k_run_mm; ++end)
     sum += points[end] - start;
   return {.mean = start + sum / static_cast<float>(end - first), .end = end};
+}
+
+RunLook look_of(const cloud::StripeSpan& stripe) {
+  const auto log_mean = [&](std::span<const float> values) {
+    float sum = 0, count = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (!(values[i] > 0)) continue;
+      if (!stripe.flags.empty() && (stripe.flags[i] & profile::k_point_second_exposure) != 0) continue;
+      sum += values[i];
+      count += 1;
+    }
+    return count > 0 ? std::log(sum / count) : RunLook::k_unknown;
+  };
+  return {.log_amplitude = log_mean(stripe.amplitude), .log_width = log_mean(stripe.width_px)};
 }
 
 PointRuns runs_of(const cloud::PointCloud& cloud) {
@@ -68,12 +85,26 @@ PointRuns runs_of(const cloud::PointCloud& cloud) {
   for (const PointRuns& runs : found) before.push_back(before.back() + runs.means.size());
   PointRuns all;
   const std::size_t all_alone = std::accumulate(alone.begin(), alone.end(), std::size_t{0});
-  if (!organised && all_alone * k_most_alone_of > before.back()) return all;
+  const bool has_looks = cloud.amplitude.size() == cloud.size();
+  if (!organised && all_alone * k_most_alone_of > before.back()) {
+    if (has_looks) {
+      all.looks.resize(cloud.size());
+      for (std::size_t i = 0; i < cloud.size(); ++i) all.looks[i] = look_of(cloud.stripe(i, 1));
+    }
+    return all;
+  }
+  if (has_looks) all.looks.resize(before.back());
   all.means.resize(before.back());
   all.first_point.resize(before.back());
   tbb::parallel_for(std::size_t{0}, pieces, [&](std::size_t piece) {
     std::ranges::copy(found[piece].means, all.means.data() + before[piece]);
     std::ranges::copy(found[piece].first_point, all.first_point.data() + before[piece]);
+    for (std::size_t i = 0; has_looks && i < found[piece].means.size(); ++i) {
+      const std::size_t first = found[piece].first_point[i];
+      const std::size_t end =
+          i + 1 < found[piece].means.size() ? found[piece].first_point[i + 1] : ends[piece + 1];
+      all.looks[before[piece] + i] = look_of(cloud.stripe(first, end - first));
+    }
   });
   return all;
 }

@@ -25,6 +25,16 @@ struct Run {
 };
 [[nodiscard]] Run run_from(std::span<const Eigen::Vector3f> points, std::size_t first);
 
+/// The laser's stripe over a run, as the sensor measured it: what its surface is made of shows in it.
+struct RunLook {
+  static constexpr float k_unknown = -1e6F;
+  float log_amplitude{k_unknown};
+  float log_width{k_unknown};
+};
+/// Of the means over `stripe`'s points.  Those of a bracket's longer exposure stay out: their grey levels do
+/// not compare with the others'.
+[[nodiscard]] RunLook look_of(const cloud::StripeSpan& stripe);
+
 /// The mean of a run stands for it wherever the line is found, its own points wherever the line is placed.
 /// Base, mm, finite; borrowed.
 struct ScanPoints {
@@ -33,6 +43,7 @@ struct ScanPoints {
   std::span<const std::uint32_t> first_point;         ///< of each run; empty: runs of one
   std::span<const uncertainty::ProfilePose> poses{};  ///< in the order of time; empty: not known
   std::optional<uncertainty::ArmMotion> arm{};        ///< how far it was off its told poses
+  std::span<const RunLook> looks{};                   ///< of the runs; empty: not known
 
   [[nodiscard]] std::span<const Eigen::Vector3f> run(std::size_t i) const {
     if (first_point.empty()) return points.subspan(i, 1);
@@ -48,11 +59,13 @@ struct ScanPoints {
 struct PointRuns {
   Large<Eigen::Vector3f> means;  ///< empty: each point is a run
   Large<std::uint32_t> first_point;
+  Large<RunLook> looks;  ///< empty: the cloud knows no amplitude
 
   [[nodiscard]] ScanPoints scan(std::span<const Eigen::Vector3f> points) const {
     return {.means = means.empty() ? points : std::span<const Eigen::Vector3f>{means},
             .points = points,
-            .first_point = first_point};
+            .first_point = first_point,
+            .looks = looks};
   }
 };
 /// A profile's end is a run's.  Without profiles, points that hardly have neighbours in their order are left

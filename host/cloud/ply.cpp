@@ -2,13 +2,8 @@
 #include "host/cloud/ply.hpp"
 
 #include <algorithm>
-#include <bit>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <limits>
-#include <memory>
 
 #include "common/core/numbers.hpp"
 #include "common/system/file.hpp"
@@ -16,8 +11,6 @@
 
 namespace biteline::cloud {
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "write_cloud() writes memory as it is");
 
 /// Values of one row, in the order of the element's properties; lists are skipped.
 Result<void> read_row(PlyBody& body, const PlyElement& element, std::vector<double>& values) {
@@ -49,7 +42,7 @@ Result<void> skip_element(PlyBody& body, const PlyElement& element) {
 
 /// Where the properties of a cloud stand in a row; -1: not there.
 struct CloudColumns {
-  int x, y, z, nx, ny, nz, profile, column, sigma_mm, flags, mean_curvature;
+  int x, y, z, nx, ny, nz, profile, column, sigma_mm, flags, mean_curvature, amplitude, width_px;
 
   explicit CloudColumns(const PlyElement& vertex)
       : x{vertex.find("x")},
@@ -62,7 +55,9 @@ struct CloudColumns {
         column{vertex.find("column")},
         sigma_mm{vertex.find("sigma_mm")},
         flags{vertex.find("flags")},
-        mean_curvature{vertex.find("mean_curvature")} {}
+        mean_curvature{vertex.find("mean_curvature")},
+        amplitude{vertex.find("amplitude")},
+        width_px{vertex.find("width_px")} {}
 
   [[nodiscard]] bool has_normals() const { return nx >= 0 && ny >= 0 && nz >= 0; }
   [[nodiscard]] bool has_order() const { return profile >= 0 && column >= 0; }
@@ -100,6 +95,8 @@ void append(PointCloud& cloud, const CloudColumns& at, const std::vector<double>
   if (at.flags >= 0) cloud.flags.push_back(clamp_to<std::uint16_t>(value(at.flags)));
   if (at.mean_curvature >= 0)
     cloud.mean_per_mm.push_back(float_or(value(at.mean_curvature), std::numeric_limits<float>::quiet_NaN()));
+  if (at.amplitude >= 0) cloud.amplitude.push_back(std::max(0.F, float_or(value(at.amplitude), 0.F)));
+  if (at.width_px >= 0) cloud.width_px.push_back(std::max(0.F, float_or(value(at.width_px), 0.F)));
 }
 
 Result<const PlyElement*> find_vertices(const PlyHeader& header, const std::string& name) {
@@ -124,53 +121,6 @@ Result<const PlyElement*> find_vertices(const PlyHeader& header, const std::stri
 /// ask for memory.
 std::size_t plausible_count(const PlyElement& element, std::size_t file_bytes) {
   return std::min(element.count, file_bytes);
-}
-
-class BinaryWriter {
- public:
-  static Result<BinaryWriter> open(const std::filesystem::path& file) {
-    BinaryWriter writer{file};
-    writer.stream_.reset(std::fopen(writer.beside_.c_str(), "wb"));
-    if (!writer.stream_) return fail_errno(Errc::WriteFailed, errno, "%s", writer.beside_.c_str());
-    return writer;
-  }
-  void put(const void* bytes, std::size_t count) {
-    if (good_ && std::fwrite(bytes, 1, count, stream_.get()) != count) {
-      good_ = false;
-      errno_ = errno;
-    }
-  }
-  void put(const std::string& text) { put(text.data(), text.size()); }
-  Result<void> close() {
-    if (good_ && std::fflush(stream_.get()) != 0) {
-      good_ = false;
-      errno_ = errno;
-    }
-    stream_.reset();
-    if (!good_) {
-      std::error_code ignored;
-      std::filesystem::remove(beside_, ignored);
-      return fail_errno(errno_ == ENOSPC ? Errc::DiskFull : Errc::WriteFailed, errno_, "%s", file_.c_str());
-    }
-    if (std::rename(beside_.c_str(), file_.c_str()) != 0)
-      return fail_errno(Errc::WriteFailed, errno, "%s", file_.c_str());
-    return {};
-  }
-
- private:
-  struct Closer {
-    void operator()(std::FILE* stream) const { std::fclose(stream); }
-  };
-  explicit BinaryWriter(const std::filesystem::path& file) : file_{file}, beside_{file.string() + ".part"} {}
-  std::filesystem::path file_, beside_;
-  std::unique_ptr<std::FILE, Closer> stream_;
-  bool good_{true};
-  int errno_{0};
-};
-
-template <class T>
-void put_field(std::string& row, const T& value) {
-  row.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
 }  // namespace
@@ -203,36 +153,6 @@ Result<PointCloud> read_cloud(const std::filesystem::path& file, std::size_t* dr
                 vertices->count);
   if (dropped != nullptr) *dropped = left_out;
   return cloud;
-}
-
-Result<void> write_cloud(const std::filesystem::path& file, const PointCloud& cloud) {
-  BITELINE_ASSIGN(BinaryWriter writer, BinaryWriter::open(file));
-  const bool normals = !cloud.normals.empty(), order = cloud.organised(), sigma = !cloud.sigma_mm.empty(),
-             flags = !cloud.flags.empty(), curvature = !cloud.mean_per_mm.empty();
-  std::string header =
-      "ply\nformat binary_little_endian 1.0\ncomment lengths in mm, robot base frame\nelement vertex " +
-      std::to_string(cloud.size()) + "\nproperty float x\nproperty float y\nproperty float z\n";
-  if (normals) header += "property float nx\nproperty float ny\nproperty float nz\n";
-  if (order) header += "property uint profile\nproperty ushort column\n";
-  if (sigma) header += "property float sigma_mm\n";
-  if (flags) header += "property ushort flags\n";
-  if (curvature) header += "property float mean_curvature\n";
-  writer.put(header + "end_header\n");
-  std::string row;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    row.clear();
-    for (int k = 0; k < 3; ++k) put_field(row, cloud.points[i][k]);
-    for (int k = 0; normals && k < 3; ++k) put_field(row, cloud.normals[i][k]);
-    if (order) {
-      put_field(row, cloud.profile[i]);
-      put_field(row, cloud.column[i]);
-    }
-    if (sigma) put_field(row, cloud.sigma_mm[i]);
-    if (flags) put_field(row, cloud.flags[i]);
-    if (curvature) put_field(row, cloud.mean_per_mm[i]);
-    writer.put(row);
-  }
-  return writer.close();
 }
 
 Result<TriangleMesh> read_mesh(const std::filesystem::path& file) {

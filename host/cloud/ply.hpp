@@ -16,9 +16,9 @@ struct TriangleMesh {
 };
 
 /// Reads ascii or binary PLY of either byte order: x y z of any numeric type, optional nx ny nz profile
-/// column sigma_mm flags mean_curvature; other properties and elements are skipped.  Non-finite points are
-/// left out and counted in `dropped` when given. Fails naming the file and the line or byte: no x, truncated,
-/// no finite point.
+/// column sigma_mm flags mean_curvature amplitude width_px; other properties and elements are skipped.
+/// Non-finite points are left out and counted in `dropped` when given.  Fails naming the file and the line or
+/// byte: no x, truncated, no finite point.
 [[nodiscard]] Result<PointCloud> read_cloud(const std::filesystem::path& file,
                                             std::size_t* dropped = nullptr);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "host/intake/cloud_builder.hpp"
 
+#include <cmath>
 #include <cstddef>
 
 #include "common/core/numbers.hpp"
@@ -54,6 +55,11 @@ std::vector<std::pair<std::string, std::uint64_t>> named(const std::array<FlagNa
   return result;
 }
 
+/// What no stripe measures is not known: a sensor's numbers come from outside.
+float known_or_none(float value) {
+  return std::isfinite(value) && value > 0 ? value : 0.F;
+}
+
 }  // namespace
 
 std::vector<std::pair<std::string, std::uint64_t>> profile_flag_counts(const IngestCounts& counts) {
@@ -74,6 +80,7 @@ std::span<const Eigen::Vector3f> CloudBuilder::add(const profile::Profile& profi
   counts_.points += profile.points.size();
   if (header.sequence > next_sequence_) counts_.profiles_lost += header.sequence - next_sequence_;
   next_sequence_ = header.sequence + 1;
+  first_of_last_ = cloud_.size();
   count_flags(header.flags, counts_.profiles_by_flag);
   for (const profile::ProfilePoint& point : profile.points) count_flags(point.flags, counts_.points_by_flag);
 
@@ -82,7 +89,6 @@ std::span<const Eigen::Vector3f> CloudBuilder::add(const profile::Profile& profi
     return {};
   }
   ++counts_.profiles_used;
-  const std::size_t before = cloud_.size();
   const SE3 T_base_cam = header.T_base_flange * T_flange_cam_;
   for (const profile::ProfilePoint& point : profile.points) {
     if ((point.flags & profile::k_point_not_surface) != 0) {
@@ -91,8 +97,8 @@ std::span<const Eigen::Vector3f> CloudBuilder::add(const profile::Profile& profi
       append(T_base_cam, header.sequence, point);
     }
   }
-  const std::span points = std::span{cloud_.points}.subspan(before);
-  surface_.add_profile(points, std::span{cloud_.column}.subspan(before),
+  const std::span points = std::span{cloud_.points}.subspan(first_of_last_);
+  surface_.add_profile(points, std::span{cloud_.column}.subspan(first_of_last_),
                        T_base_cam.translation().cast<float>());
   return points;
 }
@@ -117,6 +123,8 @@ void CloudBuilder::append(const SE3& T_base_cam, std::uint64_t sequence, const p
   cloud_.column.push_back(point.column);
   cloud_.sigma_mm.push_back(point.sigma_mm);
   cloud_.flags.push_back(point.flags);
+  cloud_.amplitude.push_back(known_or_none(point.amplitude));
+  cloud_.width_px.push_back(known_or_none(point.width_px));
 }
 
 }  // namespace biteline::intake

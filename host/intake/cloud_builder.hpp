@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <utility>
@@ -36,6 +37,10 @@ struct IngestCounts {
 [[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> point_flag_counts(
     const IngestCounts& counts);
 
+/// A profile as it came, its points in the cloud, and the stripe at these.
+using OnProfile = std::function<void(const profile::Profile&, std::span<const Eigen::Vector3f> points_base,
+                                     const cloud::StripeSpan& stripe)>;
+
 /// Leaves out profiles with k_profile_not_usable and points with k_point_not_surface; normals and curvature
 /// are worked out as profiles come.  Not thread-safe.
 class CloudBuilder {
@@ -44,6 +49,10 @@ class CloudBuilder {
 
   /// The points that came in, in base; valid until the next call.
   std::span<const Eigen::Vector3f> add(const profile::Profile& profile);
+  /// At those points.
+  [[nodiscard]] cloud::StripeSpan stripe_of_last() const {
+    return cloud_.stripe(first_of_last_, cloud_.size() - first_of_last_);
+  }
 
   [[nodiscard]] const IngestCounts& counts() const { return counts_; }
   /// As far as it came; without normals and curvature.
@@ -58,6 +67,7 @@ class CloudBuilder {
   cloud::PointCloud cloud_;
   curvature::ScanSurface surface_;
   IngestCounts counts_;
+  std::size_t first_of_last_{0};  ///< in the cloud, of the last profile
   std::uint64_t next_sequence_{0};
   double begun_s_{0};  ///< exposure of the first profile
 };

@@ -29,11 +29,17 @@ LiveLine::~LiveLine() {
 }
 
 void LiveLine::add_profile(std::uint64_t sequence, std::span<const Eigen::Vector3f> points_base,
-                           const std::optional<uncertainty::ProfilePose>& pose) {
+                           const std::optional<uncertainty::ProfilePose>& pose,
+                           const cloud::StripeSpan& stripe) {
   {
     const std::lock_guard lock{mutex_};
     BITELINE_EXPECTS(!closed_);
-    waiting_.push_back({sequence, {points_base.begin(), points_base.end()}, pose});
+    waiting_.push_back({.sequence = sequence,
+                        .points_base = {points_base.begin(), points_base.end()},
+                        .pose = pose,
+                        .amplitude = {stripe.amplitude.begin(), stripe.amplitude.end()},
+                        .width_px = {stripe.width_px.begin(), stripe.width_px.end()},
+                        .flags = {stripe.flags.begin(), stripe.flags.end()}});
     last_profile_ = Clock::now();
   }
   changed_.notify_all();
@@ -48,7 +54,7 @@ void LiveLine::add_profiles(const cloud::PointCloud& cloud, std::span<const Take
     while (!poses.empty() && poses.front().profile < number) poses = poses.subspan(1);
     std::optional<uncertainty::ProfilePose> pose;
     if (!poses.empty() && poses.front().profile == number) pose = poses.front().pose;
-    add_profile(number, {cloud.points.data() + first, end - first}, pose);
+    add_profile(number, {cloud.points.data() + first, end - first}, pose, cloud.stripe(first, end - first));
     first = end;
   }
 }
@@ -93,7 +99,9 @@ void LiveLine::work() noexcept {
 void LiveLine::find_line() {
   bite_line::LiveScan scan;
   while (const std::optional<Profile> profile = next())
-    scan.add_profile(profile->sequence, profile->points_base, profile->pose);
+    scan.add_profile(
+        profile->sequence, profile->points_base, profile->pose,
+        {.amplitude = profile->amplitude, .width_px = profile->width_px, .flags = profile->flags});
   {
     const std::lock_guard lock{mutex_};
     if (dropped_) return;

@@ -42,9 +42,10 @@ class LiveLine {
   LiveLine(const LiveLine&) = delete;
   LiveLine& operator=(const LiveLine&) = delete;
 
-  /// `pose`: where the arm was, for the line's uncertainty.
+  /// `pose`: where the arm was, for the line's uncertainty.  `stripe`: at these points, for the materials.
   void add_profile(std::uint64_t sequence, std::span<const Eigen::Vector3f> points_base,
-                   const std::optional<uncertainty::ProfilePose>& pose = {});
+                   const std::optional<uncertainty::ProfilePose>& pose = {},
+                   const cloud::StripeSpan& stripe = {});
   /// The profiles of a cloud that has scan order, for a scan that goes on after a restart.  `poses`: of as
   /// many as there are, in the order of their numbers.
   void add_profiles(const cloud::PointCloud& cloud, std::span<const TakenFrom> poses = {});
@@ -69,6 +70,8 @@ class LiveLine {
     std::uint64_t sequence{0};
     std::vector<Eigen::Vector3f> points_base;
     std::optional<uncertainty::ProfilePose> pose{};
+    std::vector<float> amplitude{}, width_px{};
+    std::vector<std::uint16_t> flags{};
   };
 
   void work() noexcept;

@@ -52,10 +52,7 @@ Result<std::optional<ProfileSource>> choose_profiles(const std::filesystem::path
              std::to_string(facts.unrepeatable) + " profiles made otherwise, or it was cut)"};
 }
 
-Result<RecordedScan> read_recorded_scan(
-    const std::filesystem::path& file,
-    const std::function<void(const profile::Profile&, std::span<const Eigen::Vector3f> points_base)>&
-        on_profile) {
+Result<RecordedScan> read_recorded_scan(const std::filesystem::path& file, const OnProfile& on_profile) {
   Intake intake;
   BITELINE_ASSIGN(
       const wire::ScanFileEnd end,
@@ -67,7 +64,7 @@ Result<RecordedScan> read_recorded_scan(
         } else if (auto* profile = std::get_if<profile::Profile>(&message.body)) {
           intake.note_sequence(message.sequence);
           const std::span<const Eigen::Vector3f> points = intake.builder->add(*profile);
-          if (on_profile) on_profile(*profile, points);
+          if (on_profile) on_profile(*profile, points, intake.builder->stripe_of_last());
         } else if (auto* over = std::get_if<wire::EndOfScan>(&message.body)) {
           intake.note_sequence(message.sequence);
           intake.end = std::move(*over);

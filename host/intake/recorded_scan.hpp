@@ -31,9 +31,7 @@ struct RecordedScan {
 
 /// Takes in every message before the file's end or first damage.  The points are bit for bit those that a
 /// host had while the scan ran.  Errc::BadFormat when the file is no recorded scan.
-[[nodiscard]] Result<RecordedScan> read_recorded_scan(
-    const std::filesystem::path& file,
-    const std::function<void(const profile::Profile&, std::span<const Eigen::Vector3f> points_base)>&
-        on_profile);
+[[nodiscard]] Result<RecordedScan> read_recorded_scan(const std::filesystem::path& file,
+                                                      const OnProfile& on_profile);
 
 }  // namespace biteline::intake

@@ -103,7 +103,7 @@ class Intake {
       builder_.emplace(hello->sensor.model);
     } else if (const auto* profile = std::get_if<ProfileEvent>(&event)) {
       const std::span<const Eigen::Vector3f> points = builder_->add(profile->profile);
-      if (options_.on_profile) options_.on_profile(profile->profile, points);
+      if (options_.on_profile) options_.on_profile(profile->profile, points, builder_->stripe_of_last());
       if (options_.progress) options_.progress(builder_->counts().profiles, run_.sensor.frames_expected);
     } else if (const auto* end = std::get_if<wire::EndOfScan>(&event)) {
       if (end->errc != 0) return tl::unexpected<Error>{error_of(*end)};

@@ -23,8 +23,7 @@ struct SessionRunOptions {
   std::optional<std::filesystem::path> program;  ///< biteline-sensor; default: beside the running program
   /// Told after every profile: how many came, how many are expected.
   std::function<void(std::size_t done, std::size_t total)> progress;
-  /// Each profile as it came, and its points in the cloud.
-  std::function<void(const profile::Profile&, std::span<const Eigen::Vector3f> points_base)> on_profile;
+  OnProfile on_profile;
 };
 
 struct SessionRun {

@@ -230,7 +230,7 @@ TEST(SensorAndHosts, KilledSensorIsToldAtOnceToWhoStartedIt) {
                                                   find_sensor_program()->string() + " \"$@\"\n");
   fs::permissions(*options.program, fs::perms::owner_all);
   int taken = 0;
-  options.on_profile = [&](const profile::Profile&, std::span<const Eigen::Vector3f>) {
+  options.on_profile = [&](const profile::Profile&, auto&&...) {
     if (++taken != 5) return;
     int pid = 0;
     std::ifstream{pid_file} >> pid;

@@ -14,10 +14,20 @@ namespace {
 
 void keep_if(cloud::PointCloud& cloud, const std::vector<bool>& keep) {
   std::size_t kept = 0;
+  const bool stripe = !cloud.amplitude.empty();
   for (std::size_t i = 0; i < keep.size(); ++i) {
-    if (keep[i]) cloud.points[kept++] = cloud.points[i];
+    if (!keep[i]) continue;
+    cloud.points[kept] = cloud.points[i];
+    if (stripe) {
+      cloud.amplitude[kept] = cloud.amplitude[i];
+      cloud.width_px[kept] = cloud.width_px[i];
+    }
+    ++kept;
   }
   cloud.points.resize(kept);
+  if (!stripe) return;
+  cloud.amplitude.resize(kept);
+  cloud.width_px.resize(kept);
 }
 
 Eigen::Affine3d about(const Vec3& centre, const Mat3& M) {
@@ -26,7 +36,8 @@ Eigen::Affine3d about(const Vec3& centre, const Mat3& M) {
 
 class Spoiler {
  public:
-  Spoiler(cloud::PointCloud& cloud, std::uint64_t seed) : cloud_{cloud}, random_{seed * 131 + 9} {
+  Spoiler(cloud::PointCloud& cloud, std::uint64_t seed)
+      : cloud_{cloud}, random_{seed * 131 + 9}, stripe_{seed * 137 + 11} {
     low_ = high_ = cloud.points.front();
     for (const Eigen::Vector3f& p : cloud.points) {
       low_ = low_.cwiseMin(p);
@@ -110,8 +121,13 @@ class Spoiler {
 
   void shuffle() {
     std::vector<Eigen::Vector3f>& points = cloud_.points;
-    for (std::size_t i = points.size(); i-- > 1;)
-      std::swap(points[i], points[static_cast<std::size_t>(random_.integer(0, static_cast<int>(i)))]);
+    for (std::size_t i = points.size(); i-- > 1;) {
+      const auto other = static_cast<std::size_t>(random_.integer(0, static_cast<int>(i)));
+      std::swap(points[i], points[other]);
+      if (cloud_.amplitude.empty()) continue;
+      std::swap(cloud_.amplitude[i], cloud_.amplitude[other]);
+      std::swap(cloud_.width_px[i], cloud_.width_px[other]);
+    }
   }
 
  private:
@@ -119,10 +135,16 @@ class Spoiler {
     for (Eigen::Vector3f& p : cloud_.points) p = (by * p.cast<double>()).cast<float>();
     return by;
   }
-  void add(const Vec3& p) { cloud_.points.push_back(p.cast<float>()); }
+  /// Of something grey.
+  void add(const Vec3& p) {
+    cloud_.points.push_back(p.cast<float>());
+    if (cloud_.amplitude.empty()) return;
+    cloud_.amplitude.push_back(static_cast<float>(stripe_.uniform({20, 200})));
+    cloud_.width_px.push_back(static_cast<float>(stripe_.uniform({4, 6})));
+  }
 
   cloud::PointCloud& cloud_;
-  sim::Random random_;
+  sim::Random random_, stripe_;
   Eigen::Vector3f low_, high_, middle_;
 };
 

@@ -87,6 +87,8 @@ SweepCell sweep_cell(std::uint64_t seed, std::uint64_t index) {
   } else {
     cell.shoe.shoe_class = draw<sim::ShoeClass>(random, sim::k_first_thing, sim::k_shoe_class_names.size());
   }
+  // Paint is drawn apart: shapes and faults stay what they were before there was any.
+  cell.shoe.painted = sim::Random{seed * 1'000'033 + index}.chance(0.3);
   if (random.chance(0.6)) cell.fault = draw<CloudFault>(random, 1, k_cloud_fault_names.size());
   return cell;
 }
@@ -107,10 +109,13 @@ SweepScan scan_of(const SweepCell& cell) {
       Vec3{random.uniform({200, 600}), random.uniform({-300, 300}), random.uniform({20, 80})};
 
   SweepScan made;
-  const sim::ScannedCloud scan = sim::scan_quickly(shoe, {.seed = cell.seed}, T_base_shoe);
+  const sim::ScannedCloud scan =
+      sim::scan_quickly(shoe, {.seed = cell.seed, .stripe = cell.stripe}, T_base_shoe);
   made.cloud.points = scan.points;
   made.cloud.profile = scan.profile;
   made.cloud.column = scan.column;
+  made.cloud.amplitude = scan.amplitude;
+  made.cloud.width_px = scan.width_px;
   const std::vector<sim::TrueLinePoint> line = sim::true_line(shoe, 0.5);
   std::vector<Vec3> where;
   for (const sim::TrueLinePoint& point : line) where.push_back(T_base_shoe * point.point_shoe);

@@ -21,6 +21,7 @@ struct SweepCell {
   sim::DesignedShoe shoe;  ///< of a plain class: the class alone counts
   CloudFault fault{CloudFault::None};
   std::uint64_t seed{1};
+  bool stripe{false};  ///< the cloud carries the stripe's amplitude and width: materials show
   double crease_ratio{
       1};  ///< of the step and the depth drawn: a sole may be nearly flush, its decoys are not
 

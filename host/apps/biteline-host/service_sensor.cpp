@@ -89,9 +89,10 @@ Result<void> Service::on_event(const intake::LinkEvent& event) {
   }
   link_->acknowledge();
   if (const auto* profile = std::get_if<intake::ProfileEvent>(&event); profile && scan_->line) {
-    scan_->line->add_profile(profile->profile.header.sequence,
-                             std::span{scan_->intake.cloud().points}.subspan(before),
-                             intake::pose_of(profile->profile.header));
+    const cloud::PointCloud& cloud = scan_->intake.cloud();
+    scan_->line->add_profile(profile->profile.header.sequence, std::span{cloud.points}.subspan(before),
+                             intake::pose_of(profile->profile.header),
+                             cloud.stripe(before, cloud.size() - before));
   }
   return {};
 }

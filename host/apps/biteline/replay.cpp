@@ -46,10 +46,8 @@ Result<std::optional<uncertainty::HeadUncertainty>> uncertainty_of(const ReplayO
       options.sensor.empty() ? options.session / "cam0" / "sensor.yaml" : options.sensor);
 }
 
-using OnProfile = std::function<void(const profile::Profile&, std::span<const Eigen::Vector3f>)>;
-
 Result<intake::SessionRun> take_in_profiles(const intake::ProfileSource& input, const ReplayOptions& options,
-                                            const OnProfile& on_profile, report::Report& report) {
+                                            const intake::OnProfile& on_profile, report::Report& report) {
   if (!options.sensor.empty() || !options.peak_mode.empty()) {
     return fail(Errc::InvalidArgument, "--sensor and --peak-mode need pictures, but %s", input.why.c_str());
   }
@@ -113,9 +111,10 @@ Result<ExitStatus> replay(ReplayOptions options, const GlobalOptions& global) {
   // The published way wants the whole cloud; the default works along with the scan.
   std::optional<intake::LiveLine> line;
   if (options.method == Method::Default) line.emplace(bite_line::Config{});
-  run_options.on_profile = [&](const profile::Profile& profile,
-                               std::span<const Eigen::Vector3f> points_base) {
-    if (line) line->add_profile(profile.header.sequence, points_base, intake::pose_of(profile.header));
+  run_options.on_profile = [&](const profile::Profile& profile, std::span<const Eigen::Vector3f> points_base,
+                               const cloud::StripeSpan& stripe) {
+    if (line)
+      line->add_profile(profile.header.sequence, points_base, intake::pose_of(profile.header), stripe);
   };
   BITELINE_ASSIGN(const std::optional<intake::ProfileSource> input, intake::choose_profiles(options.session));
   BITELINE_ASSIGN(const intake::SessionRun run, report.timed("scan", [&] {

@@ -3,7 +3,8 @@
 // how many are right, refused and wrong, and how many wrong ones that still allows with 95 %.
 //
 //   bench_line_sweep [--count N] [--seed N] [--from N] [--class NAME] [--decoy NAME] [--fault NAME]
-//                    [--crease RATIO] [--threads N] [--published] [--rows] [--save DIR] [--only I,J,..]
+//                    [--crease RATIO] [--threads N] [--published] [--rows] [--materials] [--save DIR] [--only
+//                    I,J,..]
 //
 // --crease makes the bite line's own step and depth so much of what was drawn, and nothing else: with 0.2 and
 // less a sole is nearly flush, and most of its decoys are stronger than the line.
@@ -42,6 +43,7 @@ struct Options {
   std::size_t threads{2};
   bool published{false};
   bool rows{false};
+  bool materials{false};
 
   [[nodiscard]] bool asks_for(const test::SweepCell& cell) const {
     const auto fits = [](const std::string& asked, std::string_view is) {
@@ -121,6 +123,7 @@ class Sweep {
       const std::uint64_t index = options_.only.empty() ? options_.from + i : options_.only[i];
       test::SweepCell cell = test::sweep_cell(options_.seed, index);
       cell.crease_ratio = options_.crease_ratio;
+      cell.stripe = options_.materials;
       if (options_.asks_for(cell)) judge(index, cell);
     });
     for (const auto& [what, tally] : ours_) {
@@ -196,6 +199,8 @@ int main(int argc, char** argv) {
     const std::string argument = argv[i];
     if (argument == "--published") {
       options.published = true;
+    } else if (argument == "--materials") {
+      options.materials = true;
     } else if (argument == "--rows") {
       options.rows = true;
     } else if (i + 1 < argc) {

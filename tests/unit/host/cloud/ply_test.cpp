@@ -32,6 +32,8 @@ TEST(Ply, CloudSurvivesWriting) {
     cloud.flags.push_back(3);
     cloud.mean_per_mm.push_back(i == 7 ? std::numeric_limits<float>::quiet_NaN()
                                        : 0.01F * static_cast<float>(i));
+    cloud.amplitude.push_back(i == 5 ? 0.F : 100.5F + static_cast<float>(i));
+    cloud.width_px.push_back(4.25F);
   }
   SUCCEEDS(write_cloud(folder.path() / "c.ply", cloud));
   const auto sut = read_cloud(folder.path() / "c.ply");
@@ -44,6 +46,27 @@ TEST(Ply, CloudSurvivesWriting) {
   DOUBLES_EQUAL(0, (cloud.normals[7] - sut->normals[7]).norm(), 1e-6);
   DOUBLES_EQUAL(0.08, sut->mean_per_mm[8], 1e-6);
   CHECK(std::isnan(sut->mean_per_mm[7]));
+  CHECK(cloud.amplitude == sut->amplitude);
+  CHECK(cloud.width_px == sut->width_px);
+}
+
+TEST(Ply, AnAmplitudeThatIsNoneIsNotKnown) {
+  const auto sut = read(
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float amplitude\nproperty float width_px\nend_header\n1 2 3 nan -4\n4 5 6 120 nan\n7 8 9 "
+      "1e300 5\n");
+  SUCCEEDS(sut);
+  CHECK((sut->amplitude == std::vector<float>{0, 120, 0}));
+  CHECK((sut->width_px == std::vector<float>{0, 0, 5}));
+}
+
+TEST(Ply, CloudWithoutStripeIsWrittenWithout) {
+  const PointCloud cloud{.points = {{1, 2, 3}}};
+  SUCCEEDS(write_cloud(folder.path() / "c.ply", cloud));
+  const auto sut = read_cloud(folder.path() / "c.ply");
+  SUCCEEDS(sut);
+  CHECK(sut->amplitude.empty());
+  CHECK(sut->width_px.empty());
 }
 
 TEST(Ply, ElementWithoutPropertiesCostsNothingHoweverManyRowsItClaims) {

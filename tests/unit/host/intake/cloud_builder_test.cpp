@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "tests/support/made_profile.hpp"
@@ -38,6 +39,30 @@ TEST(CloudBuilder, PointsGoFromCameraOverFlangeToBase) {
     DOUBLES_EQUAL(profile.points[i].sigma_mm, sut.cloud().sigma_mm[i], 0);
   }
   CHECK(sut.cloud().organised());
+}
+
+TEST(CloudBuilder, TheStripeOfThePointsThatStayComesAlong) {
+  CloudBuilder sut{sensor};
+  const auto number = [](std::size_t i) { return static_cast<float>(i); };
+  for (std::size_t i = 0; i < 5; ++i) {
+    profile.points[i].amplitude = 100 + number(i);
+    profile.points[i].width_px = 4 + number(i);
+  }
+  profile.points[1].flags = profile::k_point_reflection;
+  profile.points[2].amplitude = -3;
+  profile.points[3].amplitude = std::numeric_limits<float>::quiet_NaN();
+  CHECK(sut.stripe_of_last().amplitude.empty());
+  sut.add(profile);
+  profile.header.sequence = 1;
+  profile.points.resize(1);
+  sut.add(profile);
+  CHECK((sut.cloud().amplitude == std::vector<float>{100, 0, 0, 104, 100}));
+  CHECK((sut.cloud().width_px == std::vector<float>{4, 6, 7, 8, 4}));
+  LONGS_EQUAL(1, sut.stripe_of_last().amplitude.size());
+  DOUBLES_EQUAL(100, sut.stripe_of_last().amplitude[0], 0);
+  LONGS_EQUAL(1, sut.stripe_of_last().flags.size());
+  const cloud::PointCloud taken = sut.take();
+  LONGS_EQUAL(taken.size(), taken.amplitude.size());
 }
 
 TEST(CloudBuilder, PlacesBeyondAllArmsStayOut) {
