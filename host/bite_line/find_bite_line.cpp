@@ -28,7 +28,7 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
                       config.point_spacing_mm);
   });
   Extraction extraction = clock.run("finish", [&] {
-    WholeScan whole{.head = {}, .arm = scan.arm};
+    uncertainty::WholeScan whole{.head = {}, .arm = scan.arm};
     if (config.head != nullptr && !scan.poses.empty()) whole.head.emplace(*config.head, scan.poses);
     return finish(side, decision, placed, config, whole);
   });

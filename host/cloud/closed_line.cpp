@@ -107,6 +107,11 @@ std::string_view source_word(PointSource source) {
   return k_source_words.at(static_cast<std::size_t>(source));
 }
 
+void flag_unsure(LinePoint& point) {
+  if (!(point.confidence >= k_sure_ratio && point.u95_mm.value_or(0) <= k_sure_mm))
+    point.flags |= k_line_unsure;
+}
+
 double length_mm(const ClosedLine& line) {
   double sum_mm = 0;
   for (std::size_t i = 0; i < line.points.size(); ++i) {

@@ -36,6 +36,14 @@ struct LinePoint {
   PointSource source{PointSource::Seen};
 };
 
+/// A point is within this of the bite line with its confidence.
+inline constexpr double k_right_mm = 0.3;
+/// A point of less confidence, or of more U95 than the second, is flagged.
+inline constexpr double k_sure_ratio = 0.5;
+inline constexpr double k_sure_mm = 1.0;
+/// Sets k_line_unsure where the point is.  One without a U95 is judged by its confidence.
+void flag_unsure(LinePoint& point);
+
 /// The last point is joined to the first; anticlockwise seen from +z of the shoe; evenly spaced.
 struct ClosedLine {
   std::vector<LinePoint> points;

@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -51,7 +52,10 @@ std::vector<PlacedPoint> placed_line(const cloud::ClosedLine& line, const Sample
   for (const cloud::LinePoint& point : line.points) {
     const Alignment::OnLine on_upper = alignment.placed(
         {.point = T_shoe_base * point.position, .normal = T_shoe_base.linear() * point.normal});
-    placed.push_back({.position = on_upper.point, .normal = on_upper.normal, .confidence = point.confidence});
+    placed.push_back({.position = on_upper.point,
+                      .normal = on_upper.normal,
+                      .confidence = point.confidence,
+                      .sample_u95_mm = point.u95_mm.value_or(0)});
   }
   return placed;
 }
@@ -151,6 +155,16 @@ std::vector<double> sigmas_of(const cloud::ClosedLine& line) {
   return sigmas_mm;
 }
 
+/// What both scans do not know of themselves.  The sample's part came with its points.
+void tell_of_scans(const cloud::ClosedLine& sample, const uncertainty::WholeScan& upper, const Vec3& up,
+                   Transfer& transfer) {
+  add_scan(upper, up, transfer.carried.line);
+  transfer.sample_u95 = std::all_of(sample.points.begin(), sample.points.end(),
+                                    [](const cloud::LinePoint& point) { return point.u95_mm.has_value(); });
+  transfer.head_u95 = upper.head.has_value();
+  transfer.arm = upper.arm;
+}
+
 double mean_confidence(const cloud::ClosedLine& line) {
   double sum = 0;
   for (const cloud::LinePoint& point : line.points) sum += point.confidence;
@@ -235,6 +249,7 @@ Transfer transfer_line(const SampleFiles& sample, const cloud::PointCloud& upper
   clock.lap("rays");
   transfer.refusal = transfer.carried.refusal;
   transfer.found = !transfer.refusal;
+  if (transfer.found) tell_of_scans(sample.line, options.upper_scan, up, transfer);
   if (transfer.found) transfer.bound_mm = bound_mm(sigmas_of(transfer.carried.line));
   transfer.confidence = mean_confidence(transfer.carried.line);
   return transfer;

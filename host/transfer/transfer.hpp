@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "host/cloud/uncertainty/whole_scan.hpp"
 #include "host/records/report/stage_clock.hpp"
 #include "host/transfer/align/alignment.hpp"
 #include "host/transfer/carry/carried_line.hpp"
@@ -16,6 +17,7 @@ struct TransferOptions {
   transfer::AlignOptions align{};
   transfer::RayDirection direction{transfer::RayDirection::Level};
   double max_gap_mm{45};  ///< longest gap in the upper's scan that is bridged (docs/transfer.md)
+  uncertainty::WholeScan upper_scan{};  ///< what is known of the scan that the upper's cloud is of
 };
 
 struct Transfer {
@@ -27,9 +29,12 @@ struct Transfer {
   transfer::CarriedLine carried{};  ///< its line is empty when not found
   double bound_mm{
       0};  ///< 19 of 20 points of the line are nearer than this to the bite line, as far as the scans tell
-  double confidence{0};                     ///< mean over the points
-  bool from_mesh{false};                    ///< the upper's scan was organised
-  std::vector<report::StageTime> stages{};  ///< in order, wall time; empty when a cloud holds no shoe
+  double confidence{0};                         ///< mean over the points
+  bool sample_u95{false};                       ///< the sample's own is in that of the points
+  bool head_u95{false};                         ///< so are calibration, poses and clock
+  std::optional<uncertainty::ArmMotion> arm{};  ///< so is what the upper's scan tells of its arm
+  bool from_mesh{false};                        ///< the upper's scan was organised
+  std::vector<report::StageTime> stages{};      ///< in order, wall time; empty when a cloud holds no shoe
 
   /// One plain sentence when not found.
   [[nodiscard]] std::string reason() const { return refusal ? refusal->reason : std::string{}; }

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/cloud/uncertainty/radius.hpp"
+
 namespace biteline::transfer {
 namespace {
 
@@ -76,6 +78,20 @@ void tell_spread(const Belief& belief, const SE3& T_target_source, const CarryOp
     }
     point.sigma_mm = u95_mm(parts) / k_share_sigmas;
   });
+}
+
+void add_scan(const uncertainty::WholeScan& scan, const Vec3& up, cloud::ClosedLine& line) {
+  if (!scan.known()) return;
+  const uncertainty::SpreadAlong spread{scan, line.points.size(),
+                                        [&](std::size_t i) { return line.points[i].position; }};
+  for (std::size_t i = 0; i < line.points.size(); ++i) {
+    cloud::LinePoint& point = line.points[i];
+    const uncertainty::Axes axes =
+        uncertainty::principal_axes(uncertainty::across(spread.at(i), point.tangent, up));
+    point.confidence *= uncertainty::chance_within(axes, cloud::k_right_mm);
+    point.u95_mm = std::hypot(*point.u95_mm, uncertainty::u95_mm(axes, 1, 0));
+    cloud::flag_unsure(point);
+  }
 }
 
 double bound_mm(const std::vector<double>& sigmas_mm) {

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "host/cloud/uncertainty/whole_scan.hpp"
 #include "host/transfer/align/evidence.hpp"
 #include "host/transfer/carry/carried_line.hpp"
 
@@ -14,6 +15,10 @@ namespace biteline::transfer {
 /// wall, and along itself a line cannot be off.
 void tell_spread(const Belief& belief, const SE3& T_target_source, const CarryOptions& options,
                  std::vector<PlacedPoint>& placed);
+
+/// The upper's surface is where its scan has it: widens each point's U95 by what the scan does not know, and
+/// lowers its confidence.
+void add_scan(const uncertainty::WholeScan& scan, const Vec3& up, cloud::ClosedLine& line);
 
 /// Within which 19 of 20 points of such standard deviations are.
 [[nodiscard]] double bound_mm(const std::vector<double>& sigmas_mm);

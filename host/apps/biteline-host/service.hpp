@@ -133,6 +133,8 @@ class Service {
   [[nodiscard]] Result<ExitStatus> work_out_files(Scan& scan);
   /// The row of what was worked out, and room for the next.
   void close_result(const std::filesystem::path& folder, const Chosen& chosen);
+  [[nodiscard]] KnownBefore known_before() const;
+  void keep_arm(const Scan& scan, const LineStep& step) const;
   [[nodiscard]] Result<LineStep> work_out_line(Scan& scan, intake::ScanOutcome& outcome);
   /// What the scan says about its own calibration; what fails in it is told, and costs no scan, but with
   /// --on-drift stop counts as a drift.

@@ -106,20 +106,31 @@ api::Stock Service::stock_for(const Chosen& chosen) const {
 Result<LineStep> Service::work_out_line(Scan& scan, intake::ScanOutcome& outcome) {
   outcome = scan.intake.finish();
   BITELINE_TRY(choose_release(scan.chosen));
+  const KnownBefore known = known_before();
   if (carrier_) {
     scan.chosen.model = carrier_->name;
-    return carry_line(scan.folder, *carrier_, outcome, {});
+    BITELINE_ASSIGN(LineStep carried, carry_line(scan.folder, *carrier_, outcome, known, {}));
+    keep_arm(scan, carried);
+    return carried;
   }
+  BITELINE_ASSIGN(LineStep found,
+                  find_line(scan.folder, outcome, *scan.line, known, hash_of(scan.chosen.release)));
+  keep_arm(scan, found);
+  return use_library(scan, outcome, std::move(found));
+}
+
+KnownBefore Service::known_before() const {
   KnownBefore known{.head = options_.uncertainty, .arm = {}};
   if (const auto arm = remembered_arm(cockpit_->memory()); arm)
     known.arm = *arm;
   else
     complain(arm.error());
-  BITELINE_ASSIGN(LineStep found,
-                  find_line(scan.folder, outcome, *scan.line, known, hash_of(scan.chosen.release)));
-  const auto kept = remember_arm(scan.folder.filename().string(), found.arm, cockpit_->memory());
+  return known;
+}
+
+void Service::keep_arm(const Scan& scan, const LineStep& step) const {
+  const auto kept = remember_arm(scan.folder.filename().string(), step.arm, cockpit_->memory());
   if (!kept) complain(kept.error());
-  return use_library(scan, outcome, std::move(found));
 }
 
 void Service::look_at_own_calibration(Scan& scan, const intake::ScanOutcome& outcome) const {
@@ -202,7 +213,7 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
   }
   // An upper without its sole: the model's line is carried over.
   return carry_line(scan.folder, {.name = chosen.model, .sample = std::move(sample), .options = {}}, outcome,
-                    hash_of(chosen.release));
+                    known_before(), hash_of(chosen.release));
 }
 
 Result<void> Service::choose_process(Chosen& chosen) const {
@@ -358,7 +369,8 @@ Result<ExitStatus> Service::work_named(Unnamed unnamed, const std::string& model
     LineStep line = std::move(unnamed.line);
     if (!line.line) {
       const Carrier carrier{.name = model, .sample = std::move(*sample), .options = {}};
-      BITELINE_ASSIGN(line, carry_line(folder, carrier, unnamed.outcome, hash_of(chosen.release)));
+      BITELINE_ASSIGN(line,
+                      carry_line(folder, carrier, unnamed.outcome, known_before(), hash_of(chosen.release)));
       BITELINE_TRY(line.pages.write(unnamed.outcome.cloud));
       // The report is a new one.
       scan.calibration_checked = false;

@@ -15,6 +15,7 @@
 #include "host/cloud/ply.hpp"
 #include "host/intake/account.hpp"
 #include "host/intake/refused.hpp"
+#include "host/intake/whole_scan.hpp"
 #include "host/records/report/json_text.hpp"
 #include "host/records/report/report.hpp"
 #include "host/records/results/line_result.hpp"
@@ -272,19 +273,23 @@ Result<void> refuse_unknown(const fs::path& folder, const std::string& words, co
 }
 
 Result<LineStep> carry_line(const fs::path& folder, const Carrier& carrier, const intake::ScanOutcome& scan,
-                            const std::string& release) {
+                            const KnownBefore& known, const std::string& release) {
   report::Report report;
   BITELINE_TRY(results::prepare_result_folder(folder));
   fill_scan(scan, release, report);
   report.fields["sample"] = carrier.name;
   if (scan.failure) return keep_unfinished(folder, scan, report);
-  transfer::Transfer transfer = report.timed(
-      "transfer", [&] { return transfer::transfer_line(carrier.sample, scan.cloud, carrier.options); });
+  transfer::TransferOptions options = carrier.options;
+  transfer::Transfer transfer = report.timed("transfer", [&] {
+    options.upper_scan = intake::whole_scan_of(scan, known.head, known.arm);
+    return transfer::transfer_line(carrier.sample, scan.cloud, options);
+  });
   BITELINE_TRY(report.timed("write", [&] { return cloud::write_cloud(folder / "cloud.ply", scan.cloud); }));
   BITELINE_ASSIGN(const ExitStatus status,
                   results::write_transfer_files(folder, scan.cloud, transfer, report));
   say_step("%s", results::summary(transfer).c_str());
-  LineStep step{.status = status, .confidence = transfer.confidence, .line = {}};
+  LineStep step{
+      .status = status, .confidence = transfer.confidence, .line = {}, .arm = options.upper_scan.arm};
   if (status == ExitStatus::Done) step.line = transfer.carried.line;
   step.pages =
       LatePages{[folder, transfer = std::move(transfer), report](const cloud::PointCloud& cloud) mutable {

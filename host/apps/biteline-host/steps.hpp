@@ -60,7 +60,8 @@ struct Carrier {
 
 /// The same of an upper without a sole: its line is the sample's, carried over.
 [[nodiscard]] Result<LineStep> carry_line(const std::filesystem::path& folder, const Carrier& carrier,
-                                          const intake::ScanOutcome& scan, const std::string& release);
+                                          const intake::ScanOutcome& scan, const KnownBefore& known,
+                                          const std::string& release);
 
 struct PlanStepRequest {
   kinematics::ArmModel arm;

@@ -171,9 +171,8 @@ void mark_mended(LinePoint& point, const LinePoint& replaced) {
   point.confidence = std::min(point.confidence, replaced.confidence);
   if (point.source != PointSource::Seen) point.u95_mm = std::max(point.u95_mm.value_or(0), k_least_u95_mm);
   point.source = PointSource::Mended;
-  const bool sure =
-      point.confidence >= bite_line::k_sure_ratio && point.u95_mm.value_or(0) <= bite_line::k_sure_mm;
-  point.flags = sure ? 0U : static_cast<std::uint32_t>(cloud::k_line_unsure);
+  point.flags = 0;
+  cloud::flag_unsure(point);
 }
 
 ClosedLine splice(const ClosedLine& line, Ends ends, std::span<const LinePoint> stretch) {

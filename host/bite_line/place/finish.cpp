@@ -16,43 +16,11 @@
 
 namespace biteline::bite_line {
 
-namespace {
-
-/// Covariance of the whole scan at the line, in the planes across it: slow along the line, and dear.
-class AcrossSpread {
- public:
-  AcrossSpread(const WholeScan& scan, const cloud::ClosedLine& line) {
-    if (!scan.head && !scan.arm) return;
-    constexpr std::size_t k_points_apart = 8;
-    count_ = line.points.size();
-    nodes_.resize(std::max<std::size_t>(1, count_ / k_points_apart));
-    tbb::parallel_for(std::size_t{0}, nodes_.size(), [&](std::size_t k) {
-      const Vec3& point = line.points[k * count_ / nodes_.size()].position;
-      const double arm_mm = scan.arm ? scan.arm->sigma_mm_at(point) : 0;
-      nodes_[k] = scan.head ? scan.head->covariance_mm2(point, arm_mm) : arm_mm * arm_mm * Mat3::Identity();
-    });
-  }
-  /// Zero without head and arm.
-  [[nodiscard]] Mat3 at(std::size_t point) const {
-    if (nodes_.empty()) return Mat3::Zero();
-    const double place = static_cast<double>(point * nodes_.size()) / static_cast<double>(count_);
-    const auto before = static_cast<std::size_t>(place) % nodes_.size();
-    const double fraction = place - std::floor(place);
-    return (1 - fraction) * nodes_[before] + fraction * nodes_[(before + 1) % nodes_.size()];
-  }
-
- private:
-  std::size_t count_{0};
-  std::vector<Mat3> nodes_;
-};
-
-}  // namespace
-
 Flagged flagged_of(const cloud::ClosedLine& line, double min_confidence) {
   const double each = 1.0 / static_cast<double>(std::max<std::size_t>(line.points.size(), 1));
   Flagged flagged;
   for (const cloud::LinePoint& p : line.points) {
-    if (!(p.confidence >= std::max(min_confidence, k_sure_ratio)))
+    if (!(p.confidence >= std::max(min_confidence, cloud::k_sure_ratio)))
       flagged.unsure += each;
     else if ((p.flags & cloud::k_line_unsure) != 0)
       flagged.uncertain += each;
@@ -74,7 +42,7 @@ std::optional<Refusal> flagged_refusal(const Flagged& flagged, const PlacedLine&
     return Refusal{Refused::TooMuchUncertain,
                    Text::format("U95 is above %.0f mm on %.0f %% of the line's length and %.0f %% is unsure "
                                 "(together at most %.0f %%)%s",
-                                k_sure_mm, 100 * flagged.uncertain, 100 * flagged.unsure,
+                                cloud::k_sure_mm, 100 * flagged.uncertain, 100 * flagged.unsure,
                                 100 * k_most_flagged_share, in_front.c_str())
                        .c_str()};
   }
@@ -114,7 +82,7 @@ Candidate candidate_of(const JudgedPath& path, const Side& side) {
 }  // namespace
 
 cloud::ClosedLine even_line(const PlacedLine& placed_line, const SE3& T_base_shoe, double of_line,
-                            const WholeScan& scan, double spacing_mm) {
+                            const uncertainty::WholeScan& scan, double spacing_mm) {
   const auto& placed = placed_line.points;
   const geometry::ArcLength along{placed.size(), [&](std::size_t i) { return placed[i].position; }};
   const std::size_t count = along.count_for(spacing_mm);
@@ -133,21 +101,17 @@ cloud::ClosedLine even_line(const PlacedLine& placed_line, const SE3& T_base_sho
     own.push_back(between(spread_of(a), spread_of(b), at.share));
   }
   add_tangents(line);
-  const AcrossSpread whole{scan, line};
+  const uncertainty::SpreadAlong whole{scan, count, [&](std::size_t k) { return line.points[k].position; }};
   const Vec3 up = T_base_shoe.linear().col(2);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     cloud::LinePoint& point = line.points[k];
-    // The plane across the line; its axes are outwards and nearly up, as the own spread has them.
-    Eigen::Matrix<double, 3, 2> plane;
-    plane.col(0) = point.tangent.cross(up).normalized();
-    plane.col(1) = plane.col(0).cross(point.tangent);
-    const Eigen::Matrix2d of_scan = plane.transpose() * whole.at(k) * plane;
+    // In the axes of the own spread: outwards and nearly up.
+    const Eigen::Matrix2d of_scan = uncertainty::across(whole.at(k), point.tangent, up);
     const uncertainty::Axes axes = uncertainty::principal_axes(own[k].covariance_mm2 + of_scan);
     point.confidence = of_line * own[k].hold * own[k].within *
-                       uncertainty::chance_within(uncertainty::principal_axes(of_scan), k_confident_mm);
+                       uncertainty::chance_within(uncertainty::principal_axes(of_scan), cloud::k_right_mm);
     point.u95_mm = uncertainty::u95_mm(axes, own[k].hold, own[k].other_mm);
-    if (!(point.confidence >= k_sure_ratio && *point.u95_mm <= k_sure_mm))
-      point.flags |= cloud::k_line_unsure;
+    cloud::flag_unsure(point);
   });
   return line;
 }
@@ -168,7 +132,7 @@ void add_tangents(cloud::ClosedLine& line) {
 }
 
 Extraction finish(const Side& side, const Decision& decision, const PlacedLine& placed, const Config& config,
-                  const WholeScan& whole) {
+                  const uncertainty::WholeScan& whole) {
   Extraction out{.confidence = decision.confidence, .T_base_shoe = side.shoe.T_base_shoe};
   for (const JudgedPath& path : decision.paths) out.candidates.push_back(candidate_of(path, side));
   out.refusal = decision.refusal;

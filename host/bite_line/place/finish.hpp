@@ -9,30 +9,21 @@
 #include "host/bite_line/path/decide.hpp"
 #include "host/bite_line/place/placement.hpp"
 #include "host/bite_line/side/side.hpp"
+#include "host/cloud/uncertainty/whole_scan.hpp"
 
 namespace biteline::bite_line {
-
-/// What a scan as a whole adds to its points' uncertainty, as far as it is known.
-struct WholeScan {
-  std::optional<uncertainty::ScanSpread> head{};  ///< calibration, poses and clock
-  std::optional<uncertainty::ArmMotion> arm{};    ///< what the scan tells of its arm
-};
 
 /// `placed` is empty when the decision is a refusal.  What was bridged was not seen to be the bite line: it
 /// lowers the confidence, and a line that is then below the limit is refused.
 [[nodiscard]] Extraction finish(const Side& side, const Decision& decision, const PlacedLine& placed,
-                                const Config& config, const WholeScan& whole = {});
+                                const Config& config, const uncertainty::WholeScan& whole = {});
 
 /// A cloud that ended before there was a side.
 [[nodiscard]] Extraction refused(Refusal refusal, std::vector<report::StageTime> stages);
 
 /// Evenly spaced along the placed line, in base, with tangents.  `of_line`: that the line is the bite line.
 [[nodiscard]] cloud::ClosedLine even_line(const PlacedLine& placed, const SE3& T_base_shoe, double of_line,
-                                          const WholeScan& scan, double spacing_mm);
-
-/// A point of less confidence, or of more U95 than the second, is flagged.
-inline constexpr double k_sure_ratio = 0.5;
-inline constexpr double k_sure_mm = 1.0;
+                                          const uncertainty::WholeScan& scan, double spacing_mm);
 
 /// A line with more than this flagged is none: a tool would work beside the bite line there.
 inline constexpr double k_most_flagged_share = 0.1;

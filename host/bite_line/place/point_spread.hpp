@@ -6,9 +6,6 @@
 
 namespace biteline::bite_line {
 
-/// A point is within this of the true line with its confidence.
-inline constexpr double k_confident_mm = 0.3;
-
 /// In the upright plane across the line: outwards, then up; mm.
 struct PointSpread {
   Eigen::Matrix2d covariance_mm2{Eigen::Matrix2d::Zero()};  ///< where the line keeps its layer ...

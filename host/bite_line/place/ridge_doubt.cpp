@@ -7,6 +7,7 @@
 #include <span>
 
 #include "host/bite_line/place/point_spread.hpp"
+#include "host/cloud/closed_line.hpp"
 #include "host/geometry/bridge.hpp"
 #include "host/geometry/closed_curve.hpp"
 #include "host/geometry/robust.hpp"
@@ -74,7 +75,7 @@ void doubt_bridges(std::span<const std::uint8_t> known, std::vector<PlacedStatio
       const double share = static_cast<double>(k) / static_cast<double>(gap.steps);
       const auto lean_on = [&](const PlacedStation& end, double weight) {
         const double other_mm = weight * end.other_mm;
-        if (end.hold >= std::min(station.hold, k_unsure) || other_mm <= k_confident_mm) return;
+        if (end.hold >= std::min(station.hold, k_unsure) || other_mm <= cloud::k_right_mm) return;
         station.hold = end.hold;
         station.other_mm = std::max(station.other_mm, other_mm);
       };

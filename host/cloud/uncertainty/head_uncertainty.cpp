@@ -5,6 +5,12 @@
 
 namespace biteline::uncertainty {
 
+ArmGive give_of(const std::optional<HeadUncertainty>& stated, const std::optional<ArmGive>& earlier) {
+  if (stated && stated->arm_give_mm_per_m_s2)
+    return {.mm_per_m_s2 = *stated->arm_give_mm_per_m_s2, .source = ArmSource::Stated};
+  return earlier.value_or(k_assumed_give);
+}
+
 geometry::SensorModel perturbed(const geometry::SensorModel& head, const HeadUncertainty& uncertainty,
                                 const Parameters& delta) {
   geometry::SensorModel out = head;

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "common/geometry/sensor_model.hpp"
+#include "host/cloud/uncertainty/arm_give.hpp"
 
 namespace biteline::uncertainty {
 
@@ -35,6 +36,10 @@ struct HeadUncertainty {
   /// Of the arm, unseen by its encoders, per acceleration: one coordinate's standard deviation.
   std::optional<double> arm_give_mm_per_m_s2{};
 };
+
+/// Of an arm that a scan does not show: what is stated of it, else by earlier scans, else the assumption.
+[[nodiscard]] ArmGive give_of(const std::optional<HeadUncertainty>& stated,
+                              const std::optional<ArmGive>& earlier);
 
 /// The head with its parameters off by `delta`.
 [[nodiscard]] geometry::SensorModel perturbed(const geometry::SensorModel& head,

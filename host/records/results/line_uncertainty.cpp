@@ -7,18 +7,28 @@
 
 namespace biteline::results {
 
-U95Parts parts_of_found_line(const U95OfScan& scan) {
-  U95Parts parts{.holds = {"noise", "gaps", "profiles", "other layers"}, .lacks = {}, .arm = scan.arm};
+namespace {
+
+void add_scan(const U95OfScan& scan, U95Parts& parts) {
   for (const char* part : {"calibration", "poses", "clock"})
     (scan.head ? parts.holds : parts.lacks).emplace_back(part);
   const bool assumed = scan.arm && scan.arm->source == uncertainty::ArmSource::Assumed;
   (scan.arm ? parts.holds : parts.lacks).emplace_back(assumed ? "the arm's give, assumed" : "the arm's give");
+}
+
+}  // namespace
+
+U95Parts parts_of_found_line(const U95OfScan& scan) {
+  U95Parts parts{.holds = {"noise", "gaps", "profiles", "other layers"}, .lacks = {}, .arm = scan.arm};
+  add_scan(scan, parts);
   return parts;
 }
 
-U95Parts parts_of_carried_line() {
-  return {.holds = {"alignment", "difference of the lasts", "gaps"},
-          .lacks = {"the sample's own line", "calibration", "poses", "clock", "the arm's give"}};
+U95Parts parts_of_carried_line(const U95OfScan& scan, bool sample) {
+  U95Parts parts{.holds = {"alignment", "difference of the lasts", "gaps"}, .lacks = {}, .arm = scan.arm};
+  (sample ? parts.holds : parts.lacks).emplace_back("the sample's own line");
+  add_scan(scan, parts);
+  return parts;
 }
 
 double pooled_u95_mm(const cloud::ClosedLine& line) {

@@ -27,8 +27,8 @@ struct U95OfScan {
 };
 /// Of a line found in a scan.
 [[nodiscard]] U95Parts parts_of_found_line(const U95OfScan& scan);
-/// Of a line carried over from a sample.
-[[nodiscard]] U95Parts parts_of_carried_line();
+/// Of a line carried over from a sample into this scan; `sample`: the sample's own U95 is known.
+[[nodiscard]] U95Parts parts_of_carried_line(const U95OfScan& scan, bool sample);
 
 /// The radius that holds 95 % of all points, each taken as round about its place.  Pre: every point has a
 /// U95.

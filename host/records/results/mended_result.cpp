@@ -52,7 +52,7 @@ double found_confidence(const Json& found) {
 
 /// Why a mended line is no result.
 std::optional<mend::Refusal> judge(const cloud::ClosedLine& line) {
-  constexpr double k_limit = bite_line::k_sure_ratio;
+  constexpr double k_limit = cloud::k_sure_ratio;
   const double flagged = bite_line::flagged_of(line, k_limit).all();
   if (flagged > bite_line::k_most_flagged_share) {
     return mend::Refusal{
@@ -116,7 +116,7 @@ Result<void> write_result(const fs::path& scan, MendedScan& mended, const SE3& T
                           "points", "candidates", "closure_mm", "calibration_check"}) {
     if (found.contains(key)) report.fields[key] = found[key];
   }
-  const double flagged = bite_line::flagged_of(mended.line, bite_line::k_sure_ratio).all();
+  const double flagged = bite_line::flagged_of(mended.line, cloud::k_sure_ratio).all();
   mended.confidence = std::min(found_confidence(found), 1 - flagged);
   const std::optional<mend::Refusal> refusal = judge(mended.line);
   mended.status = refusal ? ExitStatus::Refused : ExitStatus::Done;

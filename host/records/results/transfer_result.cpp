@@ -139,7 +139,9 @@ Result<ExitStatus> write_transfer_files(const std::filesystem::path& folder, con
   const std::vector<WeakStretch> weak = weak_stretches(transfer.carried.line, T_base_shoe);
   if (transfer.found) {
     report.fields["weak_stretches"] = as_json(weak);
-    report.fields["u95"] = u95_json(transfer.carried.line, parts_of_carried_line());
+    report.fields["u95"] = u95_json(
+        transfer.carried.line,
+        parts_of_carried_line({.head = transfer.head_u95, .arm = transfer.arm}, transfer.sample_u95));
   }
   if (transfer.found) {
     BITELINE_TRY(

@@ -25,7 +25,6 @@ constexpr double k_normal_window_mm = 1.5;  // along the line, to both sides: st
 constexpr double k_min_patch_mm =
     0.6;  // hits of a patch scatter at least so much across its short side (4 mm high: 1.4)
 constexpr int k_normal_heights = 10;  // 0.5 mm apart: a thread or a stitch is not stepped over
-constexpr double k_right_mm = 0.3;    // confidence is the chance to be within it (host/cloud)
 // How far a bridged place is off, per mm of its gap: along the sample's wall; on a straight way where that
 // was not seen.
 constexpr double k_bridge_sigma_per_mm = 0.005, k_straight_sigma_per_mm = 0.04;
@@ -37,7 +36,7 @@ struct Cast {
   Vec3 origin, direction;
   std::optional<double> distance_mm;
   bool bridged{false};
-  double placed_sigma_mm{0}, bridge_sigma_mm{0};
+  double placed_sigma_mm{0}, bridge_sigma_mm{0}, sample_u95_mm{0};
   double confidence{1};
   std::optional<double> wall_mm;
 
@@ -53,6 +52,7 @@ std::vector<Cast> cast_all(const RaySurface& surface, const std::vector<PlacedPo
             .direction = ray_direction(placed[i], options),
             .distance_mm = std::nullopt,
             .placed_sigma_mm = placed[i].sigma_mm,
+            .sample_u95_mm = placed[i].sample_u95_mm,
             .confidence = placed[i].confidence,
             .wall_mm = placed[i].wall_mm};
     const std::optional<Hit> hit =
@@ -264,8 +264,6 @@ double chance_within(double distance_mm, double sigma_mm) {
   return std::erf(distance_mm / (std::sqrt(2.0) * sigma_mm));
 }
 
-constexpr double k_sure_ratio = 0.5, k_sure_mm = 1;  // less or more is flagged: LineFlag
-
 /// How far a point is off, 19 times of 20, in standard deviations.
 constexpr double k_u95_sigmas = 1.96;
 
@@ -305,11 +303,10 @@ void resample(const RaySurface& surface, const std::vector<Cast>& casts, double 
         {.position = origins.back(),
          .normal = directions.back(),
          .tangent = Vec3::Zero(),
-         .confidence = nearer.confidence * chance_within(k_right_mm, sigma_mm),
-         .u95_mm = k_u95_sigmas * sigma_mm,
+         .confidence = nearer.confidence * chance_within(cloud::k_right_mm, sigma_mm),
+         .u95_mm = std::hypot(k_u95_sigmas * sigma_mm, nearer.sample_u95_mm),
          .source = nearer.bridged ? cloud::PointSource::Bridged : cloud::PointSource::Carried});
-    cloud::LinePoint& made = carried.line.points.back();
-    if (!(made.confidence >= k_sure_ratio && *made.u95_mm <= k_sure_mm)) made.flags |= cloud::k_line_unsure;
+    cloud::flag_unsure(carried.line.points.back());
     carried.bridged.push_back(nearer.bridged);
     if (nearer.bridged) carried.bridged_mm += even_mm;
   }

@@ -17,7 +17,8 @@ struct PlacedPoint {
   Vec3 position{Vec3::Zero()};
   Vec3 normal{Vec3::UnitX()};  ///< outward, unit
   double confidence{1};
-  double sigma_mm{0.1};  ///< how far the true line may be off here, across the line
+  double sigma_mm{0.1};     ///< how far the true line may be off here, across the line
+  double sample_u95_mm{0};  ///< of the sample's own line here; 0: not known
   /// Along the ray to the sample's own wall above the line, where that is seen: gaps are bridged as it runs.
   std::optional<double> wall_mm{};
 };

@@ -43,15 +43,15 @@ class BoxTest {
 
   [[nodiscard]] bool meets(const Eigen::Array3f& low, const Eigen::Array3f& high) const {
     // Separating axes: the three of the box, then the three crossed with the segment (Ericson 2004, 5.3.3).
-    constexpr float k_margin_mm = 1e-3F;
-    const Eigen::Array3f extent = (high - low) / 2 + k_margin_mm;
+    constexpr float k_box_margin_mm = 1e-3F;
+    const Eigen::Array3f extent = (high - low) / 2 + k_box_margin_mm;
     const Eigen::Array3f m = middle_ - (high + low) / 2;
     const Eigen::Array3f reach = half_.abs();
     if ((m.abs() > extent + reach).any()) return false;
     const Eigen::Vector3f cross = m.matrix().cross(half_.matrix());
-    return std::abs(cross.x()) <= extent.y() * reach.z() + extent.z() * reach.y() + k_margin_mm &&
-           std::abs(cross.y()) <= extent.x() * reach.z() + extent.z() * reach.x() + k_margin_mm &&
-           std::abs(cross.z()) <= extent.x() * reach.y() + extent.y() * reach.x() + k_margin_mm;
+    return std::abs(cross.x()) <= extent.y() * reach.z() + extent.z() * reach.y() + k_box_margin_mm &&
+           std::abs(cross.y()) <= extent.x() * reach.z() + extent.z() * reach.x() + k_box_margin_mm &&
+           std::abs(cross.z()) <= extent.x() * reach.y() + extent.y() * reach.x() + k_box_margin_mm;
   }
 
  private:

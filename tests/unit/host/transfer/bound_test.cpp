@@ -116,4 +116,25 @@ TEST(Bound, EdgesCutByOneTemplateAtOtherHeightsAreNotOneEdge) {
   CHECK_COMPARE(sum_mm / static_cast<double>(sut.carried.line.points.size()), <=, sut.bound_mm);
 }
 
+TEST(Bound, HoldsWhatTheUppersScanDoesNotKnow) {
+  const test::MadePair pair = test::last_pair({.seed = 700, .difference_rms_mm = 0.12, .feather_seen = true});
+  const transfer::SampleFiles sample{.cloud = pair.sample_cloud, .line = pair.sample_line};
+  const Transfer alone = transfer_line(sample, pair.upper_cloud, {});
+  const double sigma_mm = 0.1;
+  TransferOptions options;
+  options.upper_scan.arm = uncertainty::ArmMotion{
+      .sigma_mm = sigma_mm, .profiles = 1, .places = {{.middle_base = Vec3::Zero(), .sigma_mm = sigma_mm}}};
+  const Transfer sut = transfer_line(sample, pair.upper_cloud, options);
+  // Off alike both ways across the line: Rayleigh's distribution.
+  const double arm_u95_mm = sigma_mm * std::sqrt(-2 * std::log(0.05));
+  LONGS_EQUAL(alone.carried.line.points.size(), sut.carried.line.points.size());
+  for (std::size_t i = 0; i < sut.carried.line.points.size(); ++i) {
+    const cloud::LinePoint &before = alone.carried.line.points[i], &after = sut.carried.line.points[i];
+    DOUBLES_EQUAL(std::hypot(*before.u95_mm, arm_u95_mm), *after.u95_mm, 1e-3);
+    CHECK(after.confidence < before.confidence);
+  }
+  CHECK(sut.bound_mm > arm_u95_mm);
+  CHECK(sut.arm && !sut.head_u95);
+}
+
 }  // namespace biteline::transfer

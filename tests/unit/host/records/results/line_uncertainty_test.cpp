@@ -75,6 +75,19 @@ TEST(LineUncertainty, ReportSaysThatAnArmIsAssumed) {
   CHECK_FALSE(sut.contains("arm_profiles"));
 }
 
+TEST(LineUncertainty, ReportSaysWhatACarriedLineHolds) {
+  const auto bare = u95_json(line_with({0.1, 0.2, 0.1}), parts_of_carried_line({}, false));
+  for (const char* part : {"the sample's own line", "calibration", "poses", "clock", "the arm's give"})
+    CHECK(has(bare["lacks"], part));
+  const auto sut =
+      u95_json(line_with({0.1, 0.2, 0.1}),
+               parts_of_carried_line({.head = true, .arm = {{.sigma_mm = 0.02, .profiles = 250}}}, true));
+  CHECK(sut["lacks"].empty());
+  CHECK(has(sut["holds"], "alignment"));
+  CHECK(has(sut["holds"], "the sample's own line"));
+  DOUBLES_EQUAL(0.02, sut["arm_sigma_mm"].get<double>(), 1e-12);
+}
+
 TEST(LineUncertainty, APointWithoutItLeavesNothingToSay) {
   CHECK(u95_json(line_with({0.1, std::nullopt, 0.1}), parts_of_found_line({.head = true})).is_null());
   CHECK(u95_json({}, parts_of_found_line({.head = true})).is_null());

@@ -53,6 +53,15 @@ TEST(CarriedLine, LevelRaysKeepTheHeightAndTakeTheSurfacesNormals) {
   }
 }
 
+TEST(CarriedLine, TheSamplesOwnU95StaysInThatOfItsPoints) {
+  std::vector<PlacedPoint> placed = placed_circle();
+  const CarriedLine alone = carry_line(*ScanMesh::create(scan.scan()), placed, {});
+  for (PlacedPoint& point : placed) point.sample_u95_mm = 0.4;
+  const CarriedLine sut = carry_line(*ScanMesh::create(scan.scan()), placed, {});
+  for (std::size_t i = 0; i < sut.line.points.size(); ++i)
+    DOUBLES_EQUAL(std::hypot(*alone.line.points[i].u95_mm, 0.4), *sut.line.points[i].u95_mm, 1e-9);
+}
+
 TEST(CarriedLine, RaysAlongTheNormalLeaveTheHeight) {
   const CarriedLine sut = carried({.direction = RayDirection::Normal});
   for (const cloud::LinePoint& p : sut.line.points)
