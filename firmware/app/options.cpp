@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/app/options.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
-#include "common/options/number.hpp"
+#include "common/options/command.hpp"
 #include "common/settings/settings.hpp"
 #include "common/stripe/peak_names.hpp"
 
@@ -19,17 +18,17 @@ int complain(const std::string& line) {
 }
 
 /// How a stripe is found, under the names that profile sensors give it.
-void add_peak_options(CLI::App& app, PeakWishes& wishes) {
-  app.add_option_function<std::string>(
+void add_peak_options(options::Command& app, PeakWishes& wishes) {
+  app.add_option_function(
          "--peak-mode", [&](const std::string& name) { wishes.mode = stripe::k_peak_modes.at(name); },
          "Where in a column the stripe is: by its whole shape (matched, the default), or as other sensors do")
-      ->check(CLI::IsMember(stripe::k_peak_modes).description(""))
+      ->check(options::one_of(stripe::k_peak_modes).unshown())
       ->type_name("matched|maximum|threshold|centre-of-gravity|fir");
-  app.add_option_function<std::string>(
+  app.add_option_function(
          "--peak", [&](const std::string& name) { wishes.choice = stripe::k_peak_choices.at(name); },
          "Which of several peaks in a column: the one that goes on from its neighbours, or by strength or "
          "place")
-      ->check(CLI::IsMember(stripe::k_peak_choices).description(""))
+      ->check(options::one_of(stripe::k_peak_choices).unshown())
       ->type_name("continuity|strongest|first|last");
   const stripe::PeakConfig defaults;
   app.add_option("--peak-threshold", wishes.threshold_grey,
@@ -50,8 +49,8 @@ ParsedOptions parse_options(int argc, char** argv) {
   Options& options = parsed.options;
   std::string listen = "tcp://127.0.0.1:0";
   std::string realtime;
-  CLI::App app{"Biteline's sensor program: camera frames in, 3-D profiles out to the host.",
-               "biteline-sensor"};
+  options::Command app{"Biteline's sensor program: camera frames in, 3-D profiles out to the host.",
+                       "biteline-sensor"};
   app.set_version_flag("--version", BITELINE_VERSION);
   app.add_option("--source", options.source.source,
                  "replay:SESSION, a recorded session's folder; board:FILE, the devices of a board.yaml");
@@ -69,7 +68,7 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_option("--name", options.name, "What the sensor calls itself");
   app.add_option("--rt", realtime,
                  "required: refuse to run without real-time rights; ignore: run as any program")
-      ->check(CLI::IsMember({"required", "ignore"}));
+      ->check(options::one_of({"required", "ignore"}));
   app.add_option("--store-mb", options.store_megabytes, "Room for what hosts have not fetched yet, in MB")
       ->check(options::number({.minimum = 1, .maximum = 16384}, "MB"))
       ->capture_default_str();
@@ -104,7 +103,7 @@ ParsedOptions parse_options(int argc, char** argv) {
          "--keep", options.keep,
          "last: give the scan that waits under --record NAME its own name; next: the one that ends next; "
          "and leave")
-      ->check(CLI::IsMember({"last", "next"}));
+      ->check(options::one_of({"last", "next"}));
   add_peak_options(app, options.peaks);
   app.add_option(
       "--upkeep", options.upkeep,
@@ -121,11 +120,8 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_flag("--check-rate", options.check_rate,
                "With --sensor: take pictures for three seconds in the dark, and fail where "
                "this program does not keep up with the head's rate");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    parsed.leave_with =
-        error.get_exit_code() == 0 ? app.exit(error) : complain(std::string{error.what()} + " (see --help)");
+  if (const std::optional<options::Leave> leave = app.parse(argc, argv)) {
+    parsed.leave_with = leave->fault.empty() ? 0 : complain(leave->fault + " (see --help)");
     return parsed;
   }
   if (options.check_rate && !options.source.sensor_file) {

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file The broker's options on the command lines of both ends.  In a header: only programs work through the
-/// option parser, eight seconds of compilation each time.
+/// \file The broker's options on the command lines of both ends.
 
-#include <CLI/CLI.hpp>
-
+#include "common/options/command.hpp"
 #include "host/fleet/broker_options.hpp"
 
 namespace biteline::fleet {
 
-inline void add_broker_options(CLI::App& app, BrokerOptions& options) {
+inline void add_broker_options(options::Command& app, BrokerOptions& options) {
   app.add_option("--broker", options.address,
                  "The MQTT broker: mqtts://HOST:PORT; without TLS (mqtt://) on loopback only");
   app.add_option("--ca", options.tls.authority, "PEM of the authority that signed the broker's certificate");

@@ -2,12 +2,11 @@
 // biteline_soak: cell, sensor and host service for minutes or hours, with faults of both tables at random.
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
 #include <random>
 
-#include "common/options/number.hpp"
+#include "common/options/command.hpp"
 #include "tests/soak/soak.hpp"
 
 namespace {
@@ -38,7 +37,9 @@ int run(const soak::SoakSettings& settings, const soak::StandSettings& place) {
 
 int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
-  CLI::App app{"The whole cell with faults at random, and the books of every scan.  Exit 0: even, 3: not."};
+  options::Command app{
+      "The whole cell with faults at random, and the books of every scan.  Exit 0: even, 3: not.",
+      "biteline_soak"};
   soak::SoakSettings settings{.minutes = 2, .seed = std::random_device{}()};
   // A folder of its own: two runs beside each other would exchange their boards.
   soak::StandSettings place{.out =
@@ -50,10 +51,10 @@ int main(int argc, char** argv) {
   app.add_option("--out", place.out, "Folder of what did not come out even; emptied first")
       ->capture_default_str();
   app.add_flag("--verbose", place.verbose, "Show what the programs say");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+  if (const std::optional<options::Leave> leave = app.parse(argc, argv)) {
+    if (leave->fault.empty()) return 0;
+    std::fprintf(stderr, "biteline_soak: %s (see --help)\n", leave->fault.c_str());
+    return static_cast<int>(ExitStatus::BadInput);
   }
   std::error_code error;
   fs::remove_all(place.out, error);

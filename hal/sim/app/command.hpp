@@ -2,11 +2,11 @@
 #pragma once
 /// \file The subcommands of biteline-cell.
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
 
 #include "common/core/result.hpp"
+#include "common/options/command.hpp"
 #include "hal/sim/record/made_scene.hpp"
 
 namespace biteline::cell {
@@ -37,16 +37,16 @@ struct SceneOptions {
   std::string reach_of{};  ///< an arm: the shoe stands where it gets all the way round; empty: anywhere
 };
 
-void add_scene_options(CLI::App& command, SceneOptions& options);
+void add_scene_options(options::Command& command, SceneOptions& options);
 /// Of what goes round the shoe.
-void add_way_round_options(CLI::App& command, SceneOptions& options);
+void add_way_round_options(options::Command& command, SceneOptions& options);
 /// Of recordings alone: a live cell has its own arm and says how the head hangs on it.
-void add_reach_option(CLI::App& command, SceneOptions& options);
+void add_reach_option(options::Command& command, SceneOptions& options);
 [[nodiscard]] Result<sim::SceneSettings> scene_settings(const SceneOptions& options);
 
-void add_record(CLI::App& app, Context& context);
-void add_record_calibration(CLI::App& app, Context& context);
-void add_record_cloud(CLI::App& app, Context& context);
-void add_serve(CLI::App& app, Context& context);
+void add_record(options::Command& app, Context& context);
+void add_record_calibration(options::Command& app, Context& context);
+void add_record_cloud(options::Command& app, Context& context);
+void add_serve(options::Command& app, Context& context);
 
 }  // namespace biteline::cell

@@ -20,7 +20,7 @@ int report_failure(const biteline::Error& error) {
 int main(int argc, char** argv) {
   biteline::install_last_words("biteline-cell");
   using namespace biteline::cell;
-  CLI::App app{
+  biteline::options::Command app{
       "Biteline's simulated cell: a made shoe, a scanning head and an arm.  Everything it serves is "
       "simulated.",
       "biteline-cell"};
@@ -31,11 +31,9 @@ int main(int argc, char** argv) {
   add_record_calibration(app, context);
   add_record_cloud(app, context);
 
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
-    std::fprintf(stderr, "biteline-cell: %s (see --help)\n", error.what());
+  if (const std::optional<biteline::options::Leave> leave = app.parse(argc, argv)) {
+    if (leave->fault.empty()) return 0;
+    std::fprintf(stderr, "biteline-cell: %s (see --help)\n", leave->fault.c_str());
     return static_cast<int>(biteline::ExitStatus::BadInput);
   }
   try {

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "common/options/number.hpp"
+#include "common/options/command.hpp"
 #include "hal/sim/app/command.hpp"
 #include "hal/sim/app/world_options.hpp"
 #include "hal/sim/live/arm_way.hpp"
@@ -107,10 +107,10 @@ Result<void> record_calibration(const CalibrationOptions& options, bool with_clo
 
 }  // namespace
 
-void add_record_calibration(CLI::App& app, Context& context) {
+void add_record_calibration(options::Command& app, Context& context) {
   auto options = std::make_shared<CalibrationOptions>();
   sim::CalibrationSettings& settings = options->settings;
-  CLI::App* command = app.add_subcommand(
+  options::Command* command = app.add_subcommand(
       "record-calibration", "Write a made head's calibration folder, with the true answer; no time runs");
   command
       ->add_option("--head", settings.head_seed, "Which head: its true calibration is drawn from this seed")
@@ -144,25 +144,25 @@ void add_record_calibration(CLI::App& app, Context& context) {
       ->add_option("--chessboard", settings.chessboard_squares,
                    "Chessboards in place of rings, so many squares from one ring's centre to the next")
       ->check(options::number({.minimum = 1, .maximum = 4}, ""));
-  CLI::Option* clock = command
-                           ->add_option("--clock-offset-ms", options->clock_offset_ms,
-                                        "Adds clock/, a scan with this offset between the clocks")
-                           ->check(options::number({.minimum = -1000, .maximum = 1000}, "ms"));
+  options::Option* clock = command
+                               ->add_option("--clock-offset-ms", options->clock_offset_ms,
+                                            "Adds clock/, a scan with this offset between the clocks")
+                               ->check(options::number({.minimum = -1000, .maximum = 1000}, "ms"));
   command->callback([options, clock, &context] {
     const bool with_clock = clock->count() > 0;
     context.run = [options, with_clock] { return record_calibration(*options, with_clock); };
   });
 }
 
-void add_record(CLI::App& app, Context& context) {
+void add_record(options::Command& app, Context& context) {
   auto options = std::make_shared<RecordOptions>();
-  CLI::App* command =
+  options::Command* command =
       app.add_subcommand("record", "Write a made scan as a session folder, with its truth; no time runs");
   add_scene_options(*command, options->scene);
   add_way_round_options(*command, options->scene);
   add_reach_option(*command, options->scene);
   add_world_options(*command, options->world);
-  CLI::Option* arm = command->add_option(
+  options::Option* arm = command->add_option(
       "--arm", options->arm,
       "This arm makes the scan with the head on a bracket, as its joints can: ur3e, ur5e or ur10e");
   for (const char* of_the_arm :
@@ -184,13 +184,13 @@ void add_record(CLI::App& app, Context& context) {
                     "Likewise, but the camera has a clock, which is mapped by the least delays");
   command->add_flag("--hide-clock-offset", options->hide_clock_offset, "sensor.yaml says 0 instead");
   auto part = std::make_shared<sim::OutlinePart>();
-  CLI::Option* from =
+  options::Option* from =
       command
           ->add_option("--from-mm", part->from_s_mm, "Only a part of the scan: from here along the outline")
           ->check(options::number({.minimum = 0, .maximum = 2000}, "mm"));
-  CLI::Option* length = command->add_option("--length-mm", part->length_mm, "How long that part is")
-                            ->check(options::number({.minimum = 0.1, .maximum = 2000}, "mm"))
-                            ->needs(from);
+  options::Option* length = command->add_option("--length-mm", part->length_mm, "How long that part is")
+                                ->check(options::number({.minimum = 0.1, .maximum = 2000}, "mm"))
+                                ->needs(from);
   from->needs(length);
   from->excludes(arm)->excludes(command->get_option("--scan-begin"));
   command->callback([options, part, from, &context] {
@@ -199,9 +199,9 @@ void add_record(CLI::App& app, Context& context) {
   });
 }
 
-void add_record_cloud(CLI::App& app, Context& context) {
+void add_record_cloud(options::Command& app, Context& context) {
   auto options = std::make_shared<CloudOptions>();
-  CLI::App* command = app.add_subcommand(
+  options::Command* command = app.add_subcommand(
       "record-cloud", "Write a made scan as a finished cloud, with its truth; no pictures, no time runs");
   add_scene_options(*command, options->scene);
   add_reach_option(*command, options->scene);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include <utility>
 
-#include "common/options/number.hpp"
+#include "common/options/command.hpp"
 #include "hal/sim/app/command.hpp"
 #include "hal/sim/shoe/designed_shoe.hpp"
 
 namespace biteline::cell {
 
-void add_scene_options(CLI::App& command, SceneOptions& options) {
+void add_scene_options(options::Command& command, SceneOptions& options) {
   std::string classes;
   for (const auto name : sim::k_shoe_class_names)
     classes += (classes.empty() ? "" : ", ") + std::string(name);
@@ -23,7 +23,7 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
   command
       .add_option("--size", options.size,
                   "European size, 36 to 47 for grown-ups; 0: as long as the class draws it, a child's too")
-      ->check(CLI::IsMember({0.0}) | options::number({.minimum = 14, .maximum = 52}, ""))
+      ->check(options::one_of_numbers({0.0}) | options::number({.minimum = 14, .maximum = 52}, ""))
       ->capture_default_str();
   command.add_option("--head", options.head, "Which head: its true calibration is drawn from this seed")
       ->capture_default_str();
@@ -54,7 +54,7 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
       ->check(options::number({.minimum = 1, .maximum = 1000}, ""));
 }
 
-void add_way_round_options(CLI::App& command, SceneOptions& options) {
+void add_way_round_options(options::Command& command, SceneOptions& options) {
   command
       .add_option(
           "--scan-begin", options.scan_begin_ratio,
@@ -67,11 +67,11 @@ void add_way_round_options(CLI::App& command, SceneOptions& options) {
                    "anticlockwise then turns the wrist back (default: anticlockwise)");
 }
 
-void add_reach_option(CLI::App& command, SceneOptions& options) {
+void add_reach_option(options::Command& command, SceneOptions& options) {
   command
       .add_option("--within-reach-of", options.reach_of,
                   "The shoe stands where this arm gets all the way round: ur3e, ur5e or ur10e")
-      ->check(CLI::IsMember({"ur3e", "ur5e", "ur10e"}));
+      ->check(options::one_of({"ur3e", "ur5e", "ur10e"}));
 }
 
 namespace {

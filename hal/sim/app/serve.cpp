@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "common/config/sensor_yaml.hpp"
-#include "common/options/number.hpp"
+#include "common/options/command.hpp"
 #include "hal/sim/app/command.hpp"
 #include "hal/sim/app/world_options.hpp"
 #include "hal/sim/bus/board_file.hpp"
@@ -139,9 +139,9 @@ Result<void> serve(const ServeOptions& options) {
 
 }  // namespace
 
-void add_serve(CLI::App& app, Context& context) {
+void add_serve(options::Command& app, Context& context) {
   auto options = std::make_shared<ServeOptions>();
-  CLI::App* command = app.add_subcommand(
+  options::Command* command = app.add_subcommand(
       "serve", "Run the cell until SIGTERM: camera, wires, pose bus and robot, all simulated");
   add_scene_options(*command, options->scene);
   add_way_round_options(*command, options->scene);
@@ -156,7 +156,7 @@ void add_serve(CLI::App& app, Context& context) {
       ->add_option("--camera", options->camera, "Address of the GigE Vision camera; its port, 3956, is fixed")
       ->capture_default_str();
   command->add_option("--arm", options->arm, "ur3e, ur5e or ur10e")->capture_default_str();
-  CLI::Option* straight = command->add_flag(
+  options::Option* straight = command->add_flag(
       "--straight-holder", options->scene.straight_holder,
       "The head hangs on the flange as published; the arm then scans as if it had no links, since "
       "none reaches all the way round");
@@ -176,7 +176,7 @@ void add_serve(CLI::App& app, Context& context) {
       ->default_str("0");
   command->add_option("--robot-rate-hz", options->robot_rate_hz, "500: e series, 125: CB3")
       ->capture_default_str()
-      ->check(CLI::IsMember({125, 500}));
+      ->check(options::one_of_numbers({125, 500}));
   command->add_option("--robot-clock-ms", options->robot_clock_ms, "Robot clock minus camera clock")
       ->check(options::number({.minimum = -1e6, .maximum = 1e6}, "ms"));
   command->add_option("--lost-packet-ratio", options->lost_packet_ratio, "Of the camera's packets")

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "common/options/number.hpp"
+#include "common/options/command.hpp"
 
 namespace biteline::cell {
 
@@ -14,13 +14,13 @@ constexpr double k_hall_grey = 4;
 
 }  // namespace
 
-void add_world_options(CLI::App& command, WorldOptions& options) {
+void add_world_options(options::Command& command, WorldOptions& options) {
   command
       .add_option(
           "--world", options.world,
           "real: elastic joints, a controller's following error and latency, motion blur, speckle that "
           "stays on the surface, table, fixture, flickering lamps; ideal: none of these")
-      ->check(CLI::IsMember({"ideal", "real"}))
+      ->check(options::one_of({"ideal", "real"}))
       ->capture_default_str();
   command.add_option("--elastic-hz", options.elastic_hz, "Own frequency of the softest joint; 0: stiff")
       ->check(options::number({.minimum = 0, .maximum = 60}, "Hz"));
@@ -30,7 +30,7 @@ void add_world_options(CLI::App& command, WorldOptions& options) {
       ->check(options::number({.minimum = 0, .maximum = 1}, ""));
   // JointDynamics' steps are too coarse for less than 1.4 ms: the drives would swing up.
   command.add_option("--following-ms", options.following_ms, "The drives' lag behind their target; 0: none")
-      ->check(CLI::IsMember({0.0}) | options::number({.minimum = 2, .maximum = 200}, "ms"));
+      ->check(options::one_of_numbers({0.0}) | options::number({.minimum = 2, .maximum = 200}, "ms"));
   command
       .add_option("--latency-ms", options.latency_ms,
                   "From the controller's target to the drives, rounded to whole ones")

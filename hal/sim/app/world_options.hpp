@@ -2,10 +2,10 @@
 #pragma once
 /// \file The options that say how real the simulated cell is.
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 
+#include "common/options/command.hpp"
 #include "hal/sim/record/disturbances.hpp"
 #include "hal/sim/record/made_scene.hpp"
 
@@ -17,7 +17,7 @@ struct WorldOptions {
   std::optional<double> elastic_hz{}, unseen_ratio{}, following_ms{}, latency_ms{};
 };
 
-void add_world_options(CLI::App& command, WorldOptions& options);
+void add_world_options(options::Command& command, WorldOptions& options);
 [[nodiscard]] sim::Disturbances disturbances_of(const WorldOptions& options);
 /// Table, fixture and the hall's light, where the world has them.
 void set_surroundings(sim::SceneSettings& scene, const WorldOptions& options);

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 // biteline-demo: a sample and the uppers after it through the simulated cell, by the real sensor program and
 // host service.  A program of its own, so that a first demo builds no more than it needs.
-#include <CLI/CLI.hpp>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "common/options/number.hpp"
+#include "common/options/command.hpp"
 #include "common/system/last_words.hpp"
 #include "common/system/own_network.hpp"
 #include "host/apps/biteline-demo/cell_run.hpp"
@@ -123,7 +122,7 @@ Result<ExitStatus> run_demo(const Options& options) {
   return status;
 }
 
-void add_options(CLI::App& app, Options& options) {
+void add_options(options::Command& app, Options& options) {
   options.cell.process = process_file("grind");
   app.set_version_flag("--version", "biteline-demo " BITELINE_VERSION);
   app.add_flag("--quiet", options.cell.quiet, "No progress, no words beyond the result");
@@ -134,7 +133,7 @@ void add_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--size", options.cell.size,
                  "European size, 36 to 47 for grown-ups; 0: as long as the class draws it, a child's too")
-      ->check(CLI::IsMember({0.0}) | options::number({.minimum = 14, .maximum = 52}, ""))
+      ->check(options::one_of_numbers({0.0}) | options::number({.minimum = 14, .maximum = 52}, ""))
       ->capture_default_str();
   app.add_option("--speed-mm-s", options.cell.speed_mm_s,
                  "Of the stripe along the outline; the arm goes slower where its joints ask for it")
@@ -175,19 +174,16 @@ void add_options(CLI::App& app, Options& options) {
 
 int main(int argc, char** argv) {
   biteline::install_last_words("biteline-demo");
-  CLI::App app{
+  biteline::options::Command app{
       "The main job without hardware: a sample and the uppers after it; simulated cell, real sensor program "
       "and "
       "host service.",
       "biteline-demo"};
   biteline::demo::Options options;
   biteline::demo::add_options(app, options);
-  try {
-    app.parse(argc, argv);
-    options.web = app.count("--web") > 0;
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
-    std::fprintf(stderr, "biteline-demo: %s (see --help)\n", error.what());
+  if (const std::optional<biteline::options::Leave> leave = app.parse(argc, argv)) {
+    if (leave->fault.empty()) return 0;
+    std::fprintf(stderr, "biteline-demo: %s (see --help)\n", leave->fault.c_str());
     return static_cast<int>(biteline::ExitStatus::BadInput);
   }
   const biteline::Result<biteline::ExitStatus> status = biteline::demo::run_demo(options);
@@ -195,3 +191,4 @@ int main(int argc, char** argv) {
   std::fprintf(stderr, "biteline-demo: %s\n", biteline::to_line(status.error()).c_str());
   return static_cast<int>(biteline::error_row(status.error().code).exit_status);
 }
+  options.web = app.get_option("--web")->count() > 0;

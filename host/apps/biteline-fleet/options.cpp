@@ -1,21 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "host/apps/biteline-fleet/options.hpp"
 
-#include <CLI/CLI.hpp>
-
-#include "common/options/number.hpp"
+#include "common/options/command.hpp"
 #include "host/fleet/broker_command_line.hpp"
 #include "host/fleet/program.hpp"
 
 namespace biteline::fleet {
 namespace {
 
-/// What CLI11 cannot say: a token is made without a database, and needs none.
-void check(const FleetOptions& options) {
+/// What the parser cannot say: a token is made without a database, and needs none.
+std::optional<options::Leave> unfit(const FleetOptions& options) {
   const bool token = !options.metrics_token.empty() || options.drop_metrics_token;
   if (!options.metrics_token.empty() && options.drop_metrics_token)
-    throw CLI::ExcludesError("--metrics-token", "--drop-metrics-token");
-  if (!token && options.database.empty()) throw CLI::RequiredError("--database");
+    return options::Leave{.fault = "--metrics-token excludes --drop-metrics-token"};
+  if (!token && options.database.empty()) return options::Leave{.fault = "--database is required"};
+  return std::nullopt;
 }
 
 }  // namespace
@@ -26,8 +25,8 @@ ParsedFleetOptions parse_fleet_options(int argc, char** argv) {
   std::error_code fault;
   options.migrations = std::filesystem::read_symlink("/proc/self/exe", fault).parent_path().parent_path() /
                        "share/biteline/migrations";
-  CLI::App app{"The factory's centre: takes the shoes of all cells from the broker into PostgreSQL.",
-               k_fleet_program};
+  options::Command app{"The factory's centre: takes the shoes of all cells from the broker into PostgreSQL.",
+                       k_fleet_program};
   app.set_version_flag("--version", BITELINE_VERSION);
   app.add_option(
       "--database", options.database,
@@ -75,15 +74,12 @@ ParsedFleetOptions parse_fleet_options(int argc, char** argv) {
   app.add_flag("--json", options.json, "With --list, --odd, --releases or --fetches: as JSON");
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");
-  try {
-    app.parse(argc, argv);
-    check(options);
-  } catch (const CLI::ParseError& error) {
-    parsed.leave_with =
-        error.get_exit_code() == 0
-            ? app.exit(error)
-            : complain(k_fleet_program, std::string{error.what()} + " (see --help)", ExitStatus::BadInput);
-  }
+  std::optional<options::Leave> leave = app.parse(argc, argv);
+  if (!leave) leave = unfit(options);
+  if (leave)
+    parsed.leave_with = leave->fault.empty()
+                            ? 0
+                            : complain(k_fleet_program, leave->fault + " (see --help)", ExitStatus::BadInput);
   return parsed;
 }
 

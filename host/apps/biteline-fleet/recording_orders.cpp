@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "host/apps/biteline-fleet/recording_orders.hpp"
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <thread>
 
+#include "common/options/command.hpp"
 #include "host/doors/control/messages.hpp"
 #include "host/fleet/program.hpp"
 #include "host/fleet/recording_messages.hpp"
@@ -94,7 +94,7 @@ Result<ExitStatus> list_fetches(Centre& centre, bool json) {
 
 }  // namespace
 
-void add_recording_options(CLI::App& app, RecordingOrders& orders) {
+void add_recording_options(options::Command& app, RecordingOrders& orders) {
   app.add_option("--fetch", orders.fetch,
                  "CELL/SCAN: fetch the folder of this scan from its cell, as one tar file into the running "
                  "centre's --recordings, and leave when it is there; exit status 3 where it cannot be had");

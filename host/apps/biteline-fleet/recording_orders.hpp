@@ -7,8 +7,8 @@
 #include "common/core/error.hpp"
 #include "host/fleet/centre.hpp"
 
-namespace CLI {
-class App;
+namespace biteline::options {
+class Command;
 }
 
 namespace biteline::fleet {
@@ -20,7 +20,7 @@ struct RecordingOrders {
   [[nodiscard]] bool any() const { return !fetch.empty() || !mark.empty() || !unmark.empty() || list; }
 };
 
-void add_recording_options(CLI::App& app, RecordingOrders& orders);
+void add_recording_options(options::Command& app, RecordingOrders& orders);
 /// Prints what came of it; Refused where the recording cannot be had.
 [[nodiscard]] Result<ExitStatus> carry_out(const RecordingOrders& orders, Centre& centre, bool json);
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "host/apps/biteline-fleet/release_orders.hpp"
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <limits>
 #include <thread>
 
+#include "common/options/command.hpp"
 #include "common/system/file.hpp"
 #include "host/doors/control/messages.hpp"
 #include "host/fleet/program.hpp"
@@ -113,7 +113,7 @@ Result<ExitStatus> switch_by(const ReleaseOrders& orders, Centre& centre) {
 
 }  // namespace
 
-void add_release_options(CLI::App& app, ReleaseOrders& orders) {
+void add_release_options(options::Command& app, ReleaseOrders& orders) {
   auto* offer =
       app.add_option("--offer", orders.offer,
                      "Offer this release (a file of `biteline model release`, its manifest and signature "
@@ -143,13 +143,13 @@ void add_release_options(CLI::App& app, ReleaseOrders& orders) {
       ->excludes(order)
       ->excludes(turn);
   app.add_option("--in", orders.in_s, "With --order: so many seconds from now")
-      ->check(CLI::Range(k_least_ahead_s + k_to_sign_s, k_most_ahead_s))
+      ->check(options::whole_number(k_least_ahead_s + k_to_sign_s, k_most_ahead_s))
       ->capture_default_str()
       ->needs(order);
   app.add_option("--after", orders.after,
                  "With --order and --switch: the newest switch that its cells know, where they say that they "
                  "know one that this database, put back from long ago, does not")
-      ->check(CLI::Range(std::int64_t{0}, std::int64_t{std::numeric_limits<std::int32_t>::max()}));
+      ->check(options::whole_number(std::int64_t{0}, std::int64_t{std::numeric_limits<std::int32_t>::max()}));
 }
 
 Result<ExitStatus> carry_out(const ReleaseOrders& orders, Centre& centre, bool json) {

@@ -11,8 +11,8 @@
 #include "common/core/error.hpp"
 #include "host/fleet/centre.hpp"
 
-namespace CLI {
-class App;
+namespace biteline::options {
+class Command;
 }
 
 namespace biteline::fleet {
@@ -30,7 +30,7 @@ struct ReleaseOrders {
   [[nodiscard]] bool any() const { return !offer.empty() || order || !turn.empty() || forget || list; }
 };
 
-void add_release_options(CLI::App& app, ReleaseOrders& orders);
+void add_release_options(options::Command& app, ReleaseOrders& orders);
 /// Prints what came of it; Refused where a switch was withdrawn.
 [[nodiscard]] Result<ExitStatus> carry_out(const ReleaseOrders& orders, Centre& centre, bool json);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "host/apps/biteline-gige/options.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
+#include "common/options/command.hpp"
 
 namespace biteline::gige {
 namespace {
@@ -51,8 +51,8 @@ ParsedOptions parse_options(int argc, char** argv) {
   options.server.version = BITELINE_VERSION;
   options.server.serial = "biteline";
   Texts texts;
-  CLI::App app{"Shows a sensor's profiles as a GigE Vision device, for software that speaks GenICam.",
-               "biteline-gige"};
+  options::Command app{"Shows a sensor's profiles as a GigE Vision device, for software that speaks GenICam.",
+                       "biteline-gige"};
   app.set_version_flag("--version", BITELINE_VERSION);
   app.add_option("--sensor", texts.sensor, "The sensor: tcp://HOST:PORT")->required();
   app.add_option("--keys", texts.keys, "Folder of keys for the sensor; compulsory beyond loopback");
@@ -73,11 +73,8 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_option("--name", options.server.name, "The device's name, at most 15 letters");
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    parsed.leave_with =
-        error.get_exit_code() == 0 ? app.exit(error) : complain(std::string{error.what()} + " (see --help)");
+  if (const std::optional<options::Leave> leave = app.parse(argc, argv)) {
+    parsed.leave_with = leave->fault.empty() ? 0 : complain(leave->fault + " (see --help)");
     return parsed;
   }
   if (const Result<void> done = read(texts, options); !done)

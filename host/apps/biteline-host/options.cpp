@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "host/apps/biteline-host/options.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 
-#include "common/options/number.hpp"
+#include "common/options/command.hpp"
 #include "host/cloud/uncertainty/uncertainty_file.hpp"
 #include "host/transfer/library.hpp"
 
@@ -24,7 +23,7 @@ ParsedOptions parse_options(int argc, char** argv) {
   RobotOptions robot;
   SampleOptions carry{.sample = {}, .library = transfer::Library::default_folder(), .transfer = {}};
   std::string sensor;
-  CLI::App app{
+  options::Command app{
       "Biteline's service: takes scans in, finds the bite line, plans the path, lets the arm follow it.",
       "biteline-host"};
   app.set_version_flag("--version", BITELINE_VERSION);
@@ -78,7 +77,7 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_option("--hold-register", robot.hold_register,
                  "With --send this service keeps the controller's input_int_register_N, which one client can "
                  "have: a service on another machine is refused; -1: keeps none")
-      ->check(CLI::Range(-1, 47))
+      ->check(options::whole_number(-1, 47))
       ->capture_default_str();
   app.add_option(
          "--confirm", robot.confirm,
@@ -106,39 +105,38 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_option("--keep-gb", options.keep_gb,
                  "Remove the oldest folders beyond so many gigabytes, but for marked ones; their rows stay")
       ->check(options::number({.minimum = 0.1, .maximum = 1e6}, "GB"));
-  app.add_option(
+  auto* backup = app.add_option(
       "--backup", options.backup,
       "Write memory, accounts, settings, models and saved processes into this file, and leave; also while "
       "a service runs");
   app.add_option("--restore", options.restore,
                  "Put back what such a file holds, and leave; --out must have no memory yet")
-      ->excludes("--backup");
+      ->excludes(backup);
   std::string on_drift{"warn"};
   app.add_option(
          "--on-drift", on_drift,
          "When scans show that the head's calibration has drifted: warn, or stop (no path is sent without a "
          "person's word)")
-      ->check(CLI::IsMember({"warn", "stop"}))
+      ->check(options::one_of({"warn", "stop"}))
       ->capture_default_str();
   app.add_flag("--calibration-anew", options.calibration_anew,
                "Forget what the scans so far said about the calibration, and learn anew what is usual");
   app.add_flag("--once", options.once, "One scan, then leave");
   std::string kept{"none"};
-  app.add_option("--keep-recordings", kept,
-                 "Keep the messages beside the result: all, refused (line or path, or rejected by a person), "
-                 "none, or a "
-                 "number N for each Nth scan")
-      ->capture_default_str();
+  auto* keep =
+      app.add_option(
+             "--keep-recordings", kept,
+             "Keep the messages beside the result: all, refused (line or path, or rejected by a person), "
+             "none, or a "
+             "number N for each Nth scan")
+          ->capture_default_str();
   app.add_flag_callback(
          "--keep-recording", [&kept] { kept = "all"; }, "The same as --keep-recordings all")
-      ->excludes("--keep-recordings");
+      ->excludes(keep);
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    parsed.leave_with =
-        error.get_exit_code() == 0 ? app.exit(error) : complain(std::string{error.what()} + " (see --help)");
+  if (const std::optional<options::Leave> leave = app.parse(argc, argv)) {
+    parsed.leave_with = leave->fault.empty() ? 0 : complain(leave->fault + " (see --help)");
     return parsed;
   }
   const Result<KeptRecordings> which = KeptRecordings::parse(kept);

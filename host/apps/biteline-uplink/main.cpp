@@ -3,10 +3,10 @@
 // that the centre asks for.  It reads the cell's memory and results and never writes them.
 #include <sys/prctl.h>
 
-#include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
 
+#include "common/options/command.hpp"
 #include "host/fleet/broker_command_line.hpp"
 #include "host/fleet/idle_disk.hpp"
 #include "host/fleet/program.hpp"
@@ -274,7 +274,7 @@ int complain(const std::string& line, ExitStatus status) {
 
 int run(int argc, char** argv) {
   Options options;
-  CLI::App app{"Tells the factory's centre of every shoe of one cell, over MQTT 5.", k_program};
+  options::Command app{"Tells the factory's centre of every shoe of one cell, over MQTT 5.", k_program};
   app.set_version_flag("--version", BITELINE_VERSION);
   app.add_option("--results", options.results, "biteline-host's folder of results (its --out)")->required();
   app.add_option("--cell", options.cell, "This cell's name: letters, digits, - and _, at most 64")
@@ -291,12 +291,8 @@ int run(int argc, char** argv) {
   key->needs(releases);
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
-    return complain(std::string{error.what()} + " (see --help)", ExitStatus::BadInput);
-  }
+  if (const std::optional<options::Leave> leave = app.parse(argc, argv))
+    return leave->fault.empty() ? 0 : complain(leave->fault + " (see --help)", ExitStatus::BadInput);
   if (!fleet::is_cell_name(options.cell))
     return complain("--cell: letters, digits, - and _ expected, at most 64", ExitStatus::BadInput);
   if (!options.sparkplug.empty() && !fleet::is_cell_name(options.sparkplug))

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "host/apps/biteline-web/options.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "common/options/command.hpp"
 #include "host/records/memory/memory.hpp"
 
 namespace biteline::web {
@@ -70,8 +70,8 @@ ParsedWebOptions parse_web_options(int argc, char** argv) {
   std::string sensor;
   TlsFiles tls;
   AddUserRequest account;
-  CLI::App app{"Biteline's page and API: shows and steers a cell's service over HTTP and WebSocket.",
-               "biteline-web"};
+  options::Command app{"Biteline's page and API: shows and steers a cell's service over HTTP and WebSocket.",
+                       "biteline-web"};
   app.set_version_flag("--version", BITELINE_VERSION);
   app.add_option("--listen", listen,
                  "ADDRESS or ADDRESS:PORT of one interface; beyond loopback TLS is compulsory")
@@ -118,11 +118,8 @@ ParsedWebOptions parse_web_options(int argc, char** argv) {
   app.add_flag("--drop-metrics-token", options.drop_metrics_token, "End that token, and leave");
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    parsed.leave_with =
-        error.get_exit_code() == 0 ? app.exit(error) : complain(std::string{error.what()} + " (see --help)");
+  if (const std::optional<options::Leave> leave = app.parse(argc, argv)) {
+    parsed.leave_with = leave->fault.empty() ? 0 : complain(leave->fault + " (see --help)");
     return parsed;
   }
   if (!tls.certificate.empty()) server.tls = tls;

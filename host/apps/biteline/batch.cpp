@@ -5,7 +5,7 @@
 #include <optional>
 #include <thread>
 
-#include "common/options/number.hpp"
+#include "common/options/command.hpp"
 #include "host/apps/biteline/batch_run.hpp"
 #include "host/records/batch/plan.hpp"
 #include "host/records/batch/recording.hpp"
@@ -69,18 +69,19 @@ Result<ExitStatus> compare(const BatchOptions& options, const GlobalOptions& glo
 
 }  // namespace
 
-void add_batch(CLI::App& app, Context& context) {
+void add_batch(options::Command& app, Context& context) {
   auto options = std::make_shared<BatchOptions>();
-  CLI::App* command = app.add_subcommand("batch", "Many recordings through one build; two builds compared");
+  options::Command* command =
+      app.add_subcommand("batch", "Many recordings through one build; two builds compared");
   command->require_subcommand(1);
   const auto add = [&](const char* name, const char* what, auto&& run) {
-    CLI::App* sub = command->add_subcommand(name, what);
+    options::Command* sub = command->add_subcommand(name, what);
     sub->callback([options, &context, run] {
       context.run = [options, &context, run] { return run(*options, context.options); };
     });
     return sub;
   };
-  CLI::App* plan = add("plan", "Hash the recordings and cut them into shards", plan_batch);
+  options::Command* plan = add("plan", "Hash the recordings and cut them into shards", plan_batch);
   plan->add_option("manifest", options->manifest,
                    "A text with a folder, session, cloud or pattern on each line; or one of these itself")
       ->required();
@@ -89,14 +90,14 @@ void add_batch(CLI::App& app, Context& context) {
       ->capture_default_str()
       ->check(options::number({.minimum = 0, .maximum = 1e6}, "s"));
   plan->add_option("--unit", options->settings.unit, "Unit of the clouds")
-      ->check(CLI::IsMember({"mm", "m", "in"}).description(""))
+      ->check(options::one_of({"mm", "m", "in"}).unshown())
       ->type_name("mm|m|in");
   plan->add_option("--method", options->settings.method, "How the line is found")
       ->capture_default_str()
-      ->check(CLI::IsMember({"default", "published"}).description(""))
+      ->check(options::one_of({"default", "published"}).unshown())
       ->type_name("default|published");
 
-  CLI::App* run =
+  options::Command* run =
       add("run", "Compute what is not known yet of this build; a stopped run goes on", run_planned);
   run->add_option("folder", options->folder, "The batch's folder")->required();
   add_build_options(*run, options->run);
@@ -104,19 +105,19 @@ void add_batch(CLI::App& app, Context& context) {
   add_engine_options(*run, options->run);
   run->add_option("--shard", options->shard, "This one alone: what a task of Slurm does");
 
-  CLI::App* merge = add("merge", "One SQLite file and one page of a finished run", merge_planned);
+  options::Command* merge = add("merge", "One SQLite file and one page of a finished run", merge_planned);
   merge->add_option("folder", options->folder, "The batch's folder")->required();
   add_build_options(*merge, options->run);
   add_merge_options(*merge, options->merge);
 
-  CLI::App* both =
+  options::Command* both =
       add("compare", "What changed from OLD to NEW; exit status 3 when something is worse", compare);
   both->add_option("old", options->before, "A merged folder, or a pinned baseline")->required();
   both->add_option("new", options->after, "A merged folder")->required();
   both->add_option("--out", options->merge.out, "Folder for index.html, report.json")->required();
   both->add_option("--pictures", options->merge.pictures, "Of so many changed lines")
       ->capture_default_str()
-      ->check(CLI::Range(0, 1000));
+      ->check(options::whole_number(0, 1000));
 }
 
 }  // namespace biteline::app

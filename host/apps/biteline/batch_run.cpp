@@ -10,7 +10,7 @@
 #include <memory>
 #include <thread>
 
-#include "common/options/number.hpp"
+#include "common/options/command.hpp"
 #include "host/records/batch/compare.hpp"
 #include "host/records/batch/merge.hpp"
 #include "host/records/report/file_lock.hpp"
@@ -63,13 +63,13 @@ void fill(report::Report& report, const batch::Comparison& comparison) {
 
 }  // namespace
 
-void add_build_options(CLI::App& command, BatchRunOptions& options) {
+void add_build_options(options::Command& command, BatchRunOptions& options) {
   command.add_option("--program", options.program, "The biteline that is judged; without: this one");
   command.add_option("--cell", options.cell,
                      "The biteline-cell that makes recordings; without: beside this one");
 }
 
-void add_limit_options(CLI::App& command, BatchRunOptions& options) {
+void add_limit_options(options::Command& command, BatchRunOptions& options) {
   command.add_option("--time-s", options.limits.time_s, "A recording that takes longer is killed and named")
       ->capture_default_str()
       ->check(options::number({.minimum = 0.1, .maximum = 86400}, "s"));
@@ -78,32 +78,32 @@ void add_limit_options(CLI::App& command, BatchRunOptions& options) {
       ->check(options::number({.minimum = 16, .maximum = 1e6}, "MB"));
 }
 
-void add_engine_options(CLI::App& command, BatchRunOptions& options) {
+void add_engine_options(options::Command& command, BatchRunOptions& options) {
   command.add_option("--engine", options.engine, "Processes of this machine, or array jobs of Slurm")
       ->capture_default_str()
-      ->check(CLI::IsMember({"local", "slurm"}).description(""))
+      ->check(options::one_of({"local", "slurm"}).unshown())
       ->type_name("local|slurm");
   command.add_option("--jobs", options.jobs, "At a time; 0: one for each processor, on Slurm as many as fit")
       ->capture_default_str()
-      ->check(CLI::Range(0, 10000));
+      ->check(options::whole_number(0, 10000));
   command.add_flag("--again", options.again, "Compute anew what crashed, hung or failed before");
   command.add_option("--partition", options.slurm.partition, "Slurm's partition; without: its own choice");
   command
       .add_option("--attempts", options.slurm.attempts, "How often Slurm gets a shard that left no result")
       ->capture_default_str()
-      ->check(CLI::Range(1, 100));
+      ->check(options::whole_number(1, 100));
   command.add_option("--look-every-s", options.slurm.look_every_s, "Between two looks at Slurm's queue")
       ->capture_default_str()
       ->check(options::number({.minimum = 0.1, .maximum = 3600}, "s"));
 }
 
-void add_merge_options(CLI::App& command, BatchMergeOptions& options) {
+void add_merge_options(options::Command& command, BatchMergeOptions& options) {
   command.add_option("--out", options.out, "Folder for batch.sqlite, index.html, report.json")->required();
   command.add_option("--expect", options.expect, "A pinned baseline: exit status 3 when something is worse");
   command.add_option("--pin", options.pin, "Write these results as a baseline (.json) for version control");
   command.add_option("--pictures", options.pictures, "Of so many lines on the page")
       ->capture_default_str()
-      ->check(CLI::Range(0, 1000));
+      ->check(options::whole_number(0, 1000));
 }
 
 Result<batch::BatchRun> open_batch(const fs::path& folder, const BatchRunOptions& options) {

@@ -2,11 +2,11 @@
 #pragma once
 /// \file What `batch run`, `batch merge` and `sweep` share: a run's options, doing it, and merging it.
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
 #include <string>
 
+#include "common/options/command.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/records/batch/result_set.hpp"
 #include "host/records/batch/run.hpp"
@@ -22,15 +22,15 @@ struct BatchRunOptions {
   batch::ProcessLimits limits;
   batch::SlurmOptions slurm;
 };
-void add_build_options(CLI::App& command, BatchRunOptions& options);
-void add_limit_options(CLI::App& command, BatchRunOptions& options);
-void add_engine_options(CLI::App& command, BatchRunOptions& options);
+void add_build_options(options::Command& command, BatchRunOptions& options);
+void add_limit_options(options::Command& command, BatchRunOptions& options);
+void add_engine_options(options::Command& command, BatchRunOptions& options);
 
 struct BatchMergeOptions {
   std::filesystem::path out, expect, pin;
   int pictures{10};
 };
-void add_merge_options(CLI::App& command, BatchMergeOptions& options);
+void add_merge_options(options::Command& command, BatchMergeOptions& options);
 
 /// The plan in `folder` with the build and the limits.
 [[nodiscard]] Result<batch::BatchRun> open_batch(const std::filesystem::path& folder,

@@ -317,7 +317,7 @@ Result<ExitStatus> calibrate(const CalibrateOptions& options, const GlobalOption
   return tell(report, global, words_of(verdict));
 }
 
-void add_options(CLI::App* command, const std::shared_ptr<CalibrateOptions>& options, bool whole) {
+void add_options(options::Command* command, const std::shared_ptr<CalibrateOptions>& options, bool whole) {
   command->add_option("CALIB", options->calib, "The calibration folder")->required(!whole);
   command->add_option("--out", options->out, "Where the results go")->required(!whole);
   command->add_option("--sensor", options->sensor, "A sensor.yaml to take from what is not calibrated here");
@@ -329,23 +329,23 @@ void add_options(CLI::App* command, const std::shared_ptr<CalibrateOptions>& opt
 
 }  // namespace
 
-void add_calibrate(CLI::App& app, Context& context) {
+void add_calibrate(options::Command& app, Context& context) {
   const auto options = std::make_shared<CalibrateOptions>();
-  CLI::App* command =
+  options::Command* command =
       app.add_subcommand("calibrate", "Calibrates a head: camera, laser plane, mounting, clock");
   add_options(command, options, true);
   command->add_option("--only", options->only, "Some of the parts: camera,laser,hand-eye,clock")
       ->delimiter(',')
-      ->check(CLI::IsMember(k_parts));
+      ->check(options::one_of(k_parts));
   command->callback([command, options, &context] {
     if (context.run) return;  // a part's own subcommand was given
-    if (options->calib.empty()) throw CLI::RequiredError("CALIB");
-    if (options->out.empty()) throw CLI::RequiredError("--out");
+    if (options->calib.empty()) throw options::Unfit{"CALIB is required"};
+    if (options->out.empty()) throw options::Unfit{"--out is required"};
     context.run = [options, &context] { return calibrate(*options, context.options); };
   });
   for (const std::string& part : k_parts) {
     const auto own = std::make_shared<CalibrateOptions>();
-    CLI::App* sub = command->add_subcommand(part, "Only this part, and what it stands on");
+    options::Command* sub = command->add_subcommand(part, "Only this part, and what it stands on");
     add_options(sub, own, false);
     own->only = {part};
     sub->callback(

@@ -12,7 +12,7 @@
 #include <thread>
 #include <utility>
 
-#include "common/options/number.hpp"
+#include "common/options/command.hpp"
 #include "common/session/session.hpp"
 #include "common/system/file.hpp"
 #include "host/apps/biteline/capture_check.hpp"
@@ -391,13 +391,13 @@ Result<ExitStatus> run(const CaptureOptions& options, const GlobalOptions& globa
 
 }  // namespace
 
-void add_capture(CLI::App& app, Context& context) {
+void add_capture(options::Command& app, Context& context) {
   auto options = std::make_shared<CaptureOptions>();
-  CLI::App* command = app.add_subcommand(
+  options::Command* command = app.add_subcommand(
       "capture", "Calibration pictures with poses from the sensor's own devices, into a calibration folder");
   command->require_subcommand(1);
   const auto add = [&](const char* name, const char* what, Part part) {
-    CLI::App* sub = command->add_subcommand(name, what);
+    options::Command* sub = command->add_subcommand(name, what);
     sub->add_option("CALIB", options->calib, "The calibration folder; pictures are added to what is there")
         ->required();
     sub->add_option("--board", options->board, "The unit's board.yaml; its sensor program must be off")
@@ -412,7 +412,7 @@ void add_capture(CLI::App& app, Context& context) {
     sub->add_flag("--auto", options->by_itself,
                   "A picture whenever the arm has come to rest at a new place, in place of Enter");
     sub->add_option("--rt", options->rt, "As of biteline-sensor: required or ignore")
-        ->check(CLI::IsMember({"required", "ignore"}))
+        ->check(options::one_of({"required", "ignore"}))
         ->capture_default_str();
     sub->callback([options, part, &context] {
       context.run = [options, part, &context] { return run(*options, context.options, part); };

@@ -8,7 +8,7 @@
 #include <ctime>
 #include <memory>
 
-#include "common/options/number.hpp"
+#include "common/options/command.hpp"
 #include "common/system/file.hpp"
 #include "host/apps/biteline/cloud_option.hpp"
 #include "host/intake/capture/known_piece.hpp"
@@ -99,9 +99,9 @@ Result<ExitStatus> check(const CaptureCheckOptions& options, const GlobalOptions
 
 }  // namespace
 
-void add_capture_check(CLI::App& capture, Context& context) {
+void add_capture_check(options::Command& capture, Context& context) {
   auto options = std::make_shared<CaptureCheckOptions>();
-  CLI::App* command = capture.add_subcommand(
+  options::Command* command = capture.add_subcommand(
       "check", "A piece of known size in a scan: is what the scan says within a limit?");
   command->add_option("CLOUD", options->cloud, std::string{"The scan's cloud: "} + k_cloud_kinds)->required();
   add_unit_option(*command, options->unit);

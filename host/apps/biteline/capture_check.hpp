@@ -6,6 +6,6 @@
 
 namespace biteline::app {
 
-void add_capture_check(CLI::App& capture, Context& context);
+void add_capture_check(options::Command& capture, Context& context);
 
 }  // namespace biteline::app

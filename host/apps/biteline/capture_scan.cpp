@@ -11,7 +11,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "common/options/number.hpp"
+#include "common/options/command.hpp"
 #include "host/intake/capture/scan_capture.hpp"
 #include "host/records/report/json_text.hpp"
 
@@ -101,10 +101,10 @@ Result<ExitStatus> run(const CaptureScanOptions& options, const GlobalOptions& g
 
 }  // namespace
 
-void add_capture_scan(CLI::App& capture, Context& context) {
+void add_capture_scan(options::Command& capture, Context& context) {
   auto options = std::make_shared<CaptureScanOptions>();
   capture::ScanOrder& order = options->order;
-  CLI::App* command = capture.add_subcommand(
+  options::Command* command = capture.add_subcommand(
       "scan", "One live scan as a session folder: pictures, poses, profiles, settings; what it is worth");
   command->add_option("SESSION", order.session, "The folder, not there yet")->required();
   command->add_option("--board", order.board, "The unit's board.yaml; its sensor program must be off")
@@ -120,7 +120,7 @@ void add_capture_scan(CLI::App& capture, Context& context) {
       ->check(options::number({.minimum = 1, .maximum = 3600}, "s"))
       ->capture_default_str();
   command->add_option("--rt", order.rt, "As of biteline-sensor: required or ignore")
-      ->check(CLI::IsMember({"required", "ignore"}))
+      ->check(options::one_of({"required", "ignore"}))
       ->capture_default_str();
   command->callback(
       [options, &context] { context.run = [options, &context] { return run(*options, context.options); }; });

@@ -6,11 +6,10 @@
 
 namespace biteline::app {
 
-void add_unit_option(CLI::App& command, std::optional<cloud::Unit>& unit) {
+void add_unit_option(options::Command& command, std::optional<cloud::Unit>& unit) {
   const std::map<std::string, cloud::Unit> units{
       {"mm", cloud::Unit::Millimetre}, {"m", cloud::Unit::Metre}, {"in", cloud::Unit::Inch}};
-  command.add_option("--unit", unit, "The cloud's unit of length; mm unless told")
-      ->transform(CLI::CheckedTransformer(units).description(""))
+  command.add_choice("--unit", unit, units, "The cloud's unit of length; mm unless told")
       ->type_name("mm|m|in");
 }
 

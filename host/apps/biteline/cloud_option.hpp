@@ -2,9 +2,9 @@
 #pragma once
 /// \file --unit, and the clouds that commands read.
 
-#include <CLI/CLI.hpp>
 #include <optional>
 
+#include "common/options/command.hpp"
 #include "host/cloud/cloud_file.hpp"
 
 namespace biteline::app {
@@ -13,6 +13,6 @@ namespace biteline::app {
 inline constexpr const char* k_cloud_kinds = "PLY, XYZ, CSV, PCD, STL or OBJ; mm, or as --unit says";
 
 /// `--unit mm|m|in`: the unit of the cloud that the command reads.
-void add_unit_option(CLI::App& command, std::optional<cloud::Unit>& unit);
+void add_unit_option(options::Command& command, std::optional<cloud::Unit>& unit);
 
 }  // namespace biteline::app

@@ -2,11 +2,11 @@
 #pragma once
 /// \file How a subcommand of `biteline` hooks in: one file, one add_<command>() each.
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
 
 #include "common/core/result.hpp"
+#include "common/options/command.hpp"
 #include "host/records/report/report.hpp"
 
 namespace biteline::app {
@@ -28,25 +28,25 @@ struct Context {
 /// a person, on stderr when refused.  Call after the report was written.
 [[nodiscard]] ExitStatus tell(report::Report& report, const GlobalOptions& global, const std::string& words);
 
-void add_batch(CLI::App& app, Context& context);
-void add_calibrate(CLI::App& app, Context& context);
-void add_capture(CLI::App& app, Context& context);
-void add_demo(CLI::App& app, Context& context);
-void add_doctor(CLI::App& app, Context& context);
-void add_evaluate(CLI::App& app, Context& context);
-void add_explain(CLI::App& app, Context& context);
-void add_extract(CLI::App& app, Context& context);
-void add_history(CLI::App& app, Context& context);
-void add_keys(CLI::App& app, Context& context);
-void add_line(CLI::App& app, Context& context);
-void add_model(CLI::App& app, Context& context);
-void add_mounted(CLI::App& app, Context& context);
-void add_plan(CLI::App& app, Context& context);
-void add_record(CLI::App& app, Context& context);
-void add_replay(CLI::App& app, Context& context);
-void add_settings(CLI::App& app, Context& context);
-void add_sweep(CLI::App& app, Context& context);
-void add_target(CLI::App& app, Context& context);
-void add_transfer(CLI::App& app, Context& context);
+void add_batch(options::Command& app, Context& context);
+void add_calibrate(options::Command& app, Context& context);
+void add_capture(options::Command& app, Context& context);
+void add_demo(options::Command& app, Context& context);
+void add_doctor(options::Command& app, Context& context);
+void add_evaluate(options::Command& app, Context& context);
+void add_explain(options::Command& app, Context& context);
+void add_extract(options::Command& app, Context& context);
+void add_history(options::Command& app, Context& context);
+void add_keys(options::Command& app, Context& context);
+void add_line(options::Command& app, Context& context);
+void add_model(options::Command& app, Context& context);
+void add_mounted(options::Command& app, Context& context);
+void add_plan(options::Command& app, Context& context);
+void add_record(options::Command& app, Context& context);
+void add_replay(options::Command& app, Context& context);
+void add_settings(options::Command& app, Context& context);
+void add_sweep(options::Command& app, Context& context);
+void add_target(options::Command& app, Context& context);
+void add_transfer(options::Command& app, Context& context);
 
 }  // namespace biteline::app

@@ -25,14 +25,13 @@ Result<ExitStatus> become_demo(std::vector<std::string> arguments, const GlobalO
 
 }  // namespace
 
-void add_demo(CLI::App& app, Context& context) {
-  CLI::App* command = app.add_subcommand("demo",
-                                         "The main job without hardware: a sample and the uppers after it; "
-                                         "simulated cell, real sensor program and host service");
+void add_demo(options::Command& app, Context& context) {
+  options::Command* command =
+      app.add_subcommand("demo",
+                         "The main job without hardware: a sample and the uppers after it; "
+                         "simulated cell, real sensor program and host service");
   // Its options are those of biteline-demo, --help among them.
-  command->set_help_flag();
-  command->fallthrough(false);
-  command->prefix_command();
+  command->take_the_rest();
   command->callback([command, &context] {
     context.run = [command, &context] { return become_demo(command->remaining(), context.options); };
   });

@@ -223,15 +223,15 @@ nlohmann::ordered_json as_json(const std::vector<Finding>& findings, const std::
 
 }  // namespace
 
-void add_doctor(CLI::App& app, Context& context) {
+void add_doctor(options::Command& app, Context& context) {
   static constexpr const char* k_unit_board = "/etc/biteline/board.yaml";
-  CLI::App* command = app.add_subcommand(
+  options::Command* command = app.add_subcommand(
       "doctor", "Say what of this machine and board is ready, and the one step for what is not");
   auto board = std::make_shared<std::string>(fs::exists(k_unit_board) ? k_unit_board : "");
   command
       ->add_option("--board", *board,
                    "Open each device of this board.yaml too; a unit's own is looked at anyway")
-      ->check(CLI::ExistingFile);
+      ->check(options::existing_file());
   auto robot = std::make_shared<std::string>();
   command->add_option("--robot", *robot,
                       "Ask the arm's controller, too: HOST, or HOST:PORT of its dashboard");

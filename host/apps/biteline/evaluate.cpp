@@ -105,9 +105,10 @@ Result<ExitStatus> evaluate_cloud(const EvaluateOptions& options, const GlobalOp
 
 }  // namespace
 
-void add_evaluate(CLI::App& app, Context& context) {
+void add_evaluate(options::Command& app, Context& context) {
   auto options = std::make_shared<EvaluateOptions>();
-  CLI::App* command = app.add_subcommand("evaluate", "Measure a result against a truth (mm, degrees)");
+  options::Command* command =
+      app.add_subcommand("evaluate", "Measure a result against a truth (mm, degrees)");
   auto* line = command->add_option("--line", options->line, "A line.csv to measure");
   auto* truth = command->add_option("--truth", options->truth, "The true line: rows that begin with x, y, z");
   auto* cloud =

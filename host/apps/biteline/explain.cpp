@@ -45,9 +45,10 @@ Result<ExitStatus> explain(const std::filesystem::path& scan, const GlobalOption
 
 }  // namespace
 
-void add_explain(CLI::App& app, Context& context) {
+void add_explain(options::Command& app, Context& context) {
   auto scan = std::make_shared<std::filesystem::path>();
-  CLI::App* command = app.add_subcommand("explain", "Why a scan's path was sent to the arm, or was not");
+  options::Command* command =
+      app.add_subcommand("explain", "Why a scan's path was sent to the arm, or was not");
   command->add_option("SCAN", *scan, "The scan's folder")->required();
   command->callback(
       [scan, &context] { context.run = [scan, &context] { return explain(*scan, context.options); }; });

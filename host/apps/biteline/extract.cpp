@@ -35,9 +35,9 @@ Result<ExitStatus> extract(const ExtractOptions& options, const GlobalOptions& g
 
 }  // namespace
 
-void add_extract(CLI::App& app, Context& context) {
+void add_extract(options::Command& app, Context& context) {
   auto options = std::make_shared<ExtractOptions>();
-  CLI::App* command = app.add_subcommand("extract", "Find the bite line in a point cloud");
+  options::Command* command = app.add_subcommand("extract", "Find the bite line in a point cloud");
   command->add_option("cloud", options->cloud, std::string{"The cloud: "} + k_cloud_kinds)->required();
   add_unit_option(*command, options->unit);
   command->add_option("--out", options->out, "Folder for line.csv, report.json, stages/")->required();

@@ -123,18 +123,18 @@ Result<ExitStatus> run_history(const HistoryOptions& options, const GlobalOption
 
 }  // namespace
 
-void add_history(CLI::App& app, Context& context) {
+void add_history(options::Command& app, Context& context) {
   auto options = std::make_shared<HistoryOptions>();
-  CLI::App* command =
+  options::Command* command =
       app.add_subcommand("history", "What a service remembers of its shoes; also while it runs");
   command->add_option("results", options->results, "The service's --out folder")->required();
   command->add_option("--from", options->from, "At or after this day or time, UTC");
   command->add_option("--to", options->to, "Before this day or time, UTC");
   command->add_option("--model", options->model, "Of this model");
   command->add_option("--verdict", options->verdict, "Of this verdict")
-      ->check(CLI::IsMember({"working", "ok", "amber", "refused", "failed"}));
+      ->check(options::one_of({"working", "ok", "amber", "refused", "failed"}));
   command->add_option("--limit", options->limit, "Newest so many")
-      ->check(CLI::Range(1, memory::k_most_scans))
+      ->check(options::whole_number(1, memory::k_most_scans))
       ->capture_default_str();
   auto* csv = command->add_flag("--csv", options->csv, "All of them as CSV, whatever the limit");
   command->add_flag("--trends", options->trends, "Counts by day, and reasons by count")->excludes(csv);

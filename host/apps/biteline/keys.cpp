@@ -49,31 +49,31 @@ Result<ExitStatus> done(const Result<void>& result) {
 
 }  // namespace
 
-void add_keys(CLI::App& app, Context& context) {
+void add_keys(options::Command& app, Context& context) {
   auto options = std::make_shared<KeysOptions>();
-  CLI::App* command = app.add_subcommand("keys", "Keys for the link between sensor and host");
+  options::Command* command = app.add_subcommand("keys", "Keys for the link between sensor and host");
   command->require_subcommand(1);
   const auto add = [&](const char* name, const char* what, auto&& run) {
-    CLI::App* sub = command->add_subcommand(name, what);
+    options::Command* sub = command->add_subcommand(name, what);
     sub->add_option("--keys", options->folder, "The key folder")->required();
     sub->callback([options, &context, run] {
       context.run = [options, &context, run] { return run(*options, context.options); };
     });
     return sub;
   };
-  CLI::App* make_command =
+  options::Command* make_command =
       add("make", "Make a host's own pair where it lives (a sensor: biteline-sensor --make-keys)", make);
   make_command->add_flag("--sensor", options->of_sensor, "The pair of a sensor instead");
-  CLI::App* rotate_command = add("rotate", "A new pair in the place of the old one", rotate);
+  options::Command* rotate_command = add("rotate", "A new pair in the place of the old one", rotate);
   rotate_command->add_flag("--sensor", options->of_sensor, "The folder is a sensor's");
-  CLI::App* allow_command =
+  options::Command* allow_command =
       add("allow", "Let a host in: its key in a sensor's hosts.allowed, an older one of that name out",
           [](const KeysOptions& o, const GlobalOptions&) {
             return done(wire::allow_host(o.folder, o.name, o.public_key));
           });
   allow_command->add_option("name", options->name, "What the host is called")->required();
   allow_command->add_option("key", options->public_key, "Its host.public")->required();
-  CLI::App* revoke_command = add(
+  options::Command* revoke_command = add(
       "revoke", "Put a host out of a sensor's hosts.allowed; a running sensor cuts it off",
       [](const KeysOptions& o, const GlobalOptions&) { return done(wire::revoke_host(o.folder, o.name)); });
   revoke_command->add_option("name", options->name, "Its name, or its key")->required();

@@ -23,12 +23,13 @@ Result<ExitStatus> export_line(const LineOptions& options, const GlobalOptions& 
 
 }  // namespace
 
-void add_line(CLI::App& app, Context& context) {
+void add_line(options::Command& app, Context& context) {
   auto options = std::make_shared<LineOptions>();
-  CLI::App* command = app.add_subcommand("line", "Mend a found line, and give it to other programs");
+  options::Command* command = app.add_subcommand("line", "Mend a found line, and give it to other programs");
   command->require_subcommand(1);
   add_line_edit(*command, context);
-  CLI::App* to_file = command->add_subcommand("export", "Write a line as CSV, PLY, DXF, STEP or JSON");
+  options::Command* to_file =
+      command->add_subcommand("export", "Write a line as CSV, PLY, DXF, STEP or JSON");
   to_file->add_option("line", options->line, "The line: line.csv of a result folder")->required();
   to_file->add_option("--out", options->out, "File: .csv .ply .dxf .step .stp or .json")->required();
   to_file->callback([options, &context] {

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "common/core/fixed_text.hpp"
-#include "common/options/number.hpp"
+#include "common/options/command.hpp"
 #include "common/system/user_name.hpp"
 #include "host/records/report/file_lock.hpp"
 #include "host/records/results/mended_result.hpp"
@@ -156,14 +156,14 @@ Result<ExitStatus> show(const LineEditOptions& options, const GlobalOptions& glo
 
 }  // namespace
 
-void add_line_edit(CLI::App& line, Context& context) {
+void add_line_edit(options::Command& line, Context& context) {
   auto options = std::make_shared<LineEditOptions>();
-  CLI::App* edit_command = line.add_subcommand(
+  options::Command* edit_command = line.add_subcommand(
       "edit", "Mend the line of a scan; each mend is a new version, and what was found stays");
   edit_command->add_option("SCAN", options->scan, "The scan's folder: cloud.ply and report.json")->required();
   edit_command
       ->add_option("--candidate", options->candidate, "Take this candidate of the report, counted from 1")
-      ->check(CLI::Range(1, 99));
+      ->check(options::whole_number(1, 99));
   edit_command
       ->add_option(
           "--through", options->through,
@@ -174,20 +174,21 @@ void add_line_edit(CLI::App& line, Context& context) {
       "Where the stretch begins, along the line [mm]; default: 20 mm before the points");
   auto* to =
       edit_command->add_option("--to", options->to_mm, "Where it ends [mm]; alone with --from: found again");
-  for (CLI::Option* end : {from, to}) end->check(number({.minimum = 0, .maximum = 5000}, "mm"));
+  for (options::Option* end : {from, to}) end->check(number({.minimum = 0, .maximum = 5000}, "mm"));
   edit_command->add_flag("--cut", options->cut, "Take out what lies between --from and --to, and bridge it");
   edit_command->add_flag("--undo", options->undo, "Back to the version that was mended last");
   edit_command->add_option("--back-to", options->back_to, "Back to this version; 0: as found")
-      ->check(CLI::Range(0, 10'000));
+      ->check(options::whole_number(0, 10'000));
   edit_command->add_option("--why", options->why, "In a few words; kept with the version")->required();
   edit_command->add_option("--who", options->who, "Whose hand it is; default: this user");
   edit_command->callback([options, from, to, &context] {
-    options->has_from = !from->empty();
-    options->has_to = !to->empty();
+    options->has_from = from->count() > 0;
+    options->has_to = to->count() > 0;
     context.run = [options, &context] { return edit(*options, context.options); };
   });
 
-  CLI::App* show_command = line.add_subcommand("show", "A scan's line: weak stretches, and its versions");
+  options::Command* show_command =
+      line.add_subcommand("show", "A scan's line: weak stretches, and its versions");
   show_command->add_option("SCAN", options->scan, "The scan's folder")->required();
   show_command->callback(
       [options, &context] { context.run = [options, &context] { return show(*options, context.options); }; });

@@ -6,6 +6,6 @@
 
 namespace biteline::app {
 
-void add_line_edit(CLI::App& line, Context& context);
+void add_line_edit(options::Command& line, Context& context);
 
 }  // namespace biteline::app

@@ -16,6 +16,8 @@
 
 namespace {
 
+using biteline::options::Command;
+
 int report_failure(const biteline::Error& error) {
   std::fprintf(stderr, "biteline: %s\n", biteline::to_line(error).c_str());
   return static_cast<int>(biteline::error_row(error.code).exit_status);
@@ -53,17 +55,17 @@ std::string nearest_of(std::string_view word, const std::vector<std::string>& na
 }
 
 /// The first word, where it is no command, and the command it may have been meant for.
-std::optional<std::string> mistyped_command(const CLI::App& app, int argc, char** argv) {
+std::optional<std::string> mistyped_command(const Command& app, int argc, char** argv) {
   int i = 1;
   while (i < argc && argv[i][0] == '-') ++i;
   if (i == argc) return std::nullopt;
   const std::string_view word = std::string_view{argv[i]}.substr(0, k_longest_name);
   std::vector<std::string> names;
   std::string all;
-  for (const CLI::App* command : app.get_subcommands({})) {
-    if (command->get_name() == word) return std::nullopt;
-    names.push_back(command->get_name());
-    all += (all.empty() ? "" : ", ") + command->get_name();
+  for (const Command& command : app.commands()) {
+    if (command.name() == word) return std::nullopt;
+    names.push_back(command.name());
+    all += (all.empty() ? "" : ", ") + command.name();
   }
   const std::string nearest = nearest_of(word, names);
   return "no command '" + std::string{word} + "'" +
@@ -72,21 +74,20 @@ std::optional<std::string> mistyped_command(const CLI::App& app, int argc, char*
 
 /// The first option that no command on the way knows, and the one it may have been meant for.  A value that
 /// begins with two dashes is taken for one, too: it is asked for only where the line was refused.
-std::optional<std::string> mistyped_option(const CLI::App& app, int argc, char** argv) {
+std::optional<std::string> mistyped_option(const Command& app, int argc, char** argv) {
   std::vector<std::string> names;
-  const auto learn = [&names](const CLI::App& of) {
-    for (const CLI::Option* option : of.get_options())
-      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  const auto learn = [&names](const Command& of) {
+    for (const std::string& name : of.long_names()) names.push_back("--" + name);
   };
   learn(app);
-  const CLI::App* command = &app;
+  const Command* command = &app;
   for (int i = 1; i < argc; ++i) {
     const std::string word{argv[i]};
     if (word.starts_with("--")) continue;
-    for (const CLI::App* next : command->get_subcommands({})) {
-      if (next->get_name() != word) continue;
-      command = next;
-      learn(*next);
+    for (const Command& next : command->commands()) {
+      if (next.name() != word) continue;
+      command = &next;
+      learn(next);
       break;
     }
   }
@@ -127,8 +128,8 @@ ExitStatus tell(report::Report& report, const GlobalOptions& global, const std::
 int main(int argc, char** argv) {
   biteline::install_last_words("biteline");
   using namespace biteline::app;
-  CLI::App app{"Biteline: finds a shoe's bite line in laser scans and plans a tool path along it.",
-               "biteline"};
+  biteline::options::Command app{
+      "Biteline: finds a shoe's bite line in laser scans and plans a tool path along it.", "biteline"};
   Context context;
   app.require_subcommand(1);
   app.fallthrough();
@@ -156,15 +157,11 @@ int main(int argc, char** argv) {
   add_settings(app, context);
   add_sweep(app, context);
 
-  try {
-    std::vector<std::string> words = words_of(argc, argv);
-    std::ranges::reverse(words);  // as the parser takes them
-    app.parse(std::move(words));
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
+  if (const std::optional<biteline::options::Leave> leave = app.parse(words_of(argc, argv))) {
+    if (leave->fault.empty()) return 0;
     std::optional<std::string> what = mistyped_command(app, argc, argv);
     if (!what) what = mistyped_option(app, argc, argv);
-    std::fprintf(stderr, "biteline: %s (see --help)\n", what.value_or(error.what()).c_str());
+    std::fprintf(stderr, "biteline: %s (see --help)\n", what.value_or(leave->fault).c_str());
     return static_cast<int>(biteline::ExitStatus::BadInput);
   }
   try {

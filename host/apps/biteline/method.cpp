@@ -8,10 +8,9 @@
 
 namespace biteline::app {
 
-void add_method_option(CLI::App& command, Method& method) {
+void add_method_option(options::Command& command, Method& method) {
   const std::map<std::string, Method> methods{{"default", Method::Default}, {"published", Method::Published}};
-  command.add_option("--method", method, "default, or the published one, for comparison")
-      ->transform(CLI::CheckedTransformer(methods).description(""))
+  command.add_choice("--method", method, methods, "default, or the published one, for comparison")
       ->type_name("default|published");
 }
 

@@ -2,8 +2,7 @@
 #pragma once
 /// \file --method: how the line is found, for every command that looks for one.
 
-#include <CLI/CLI.hpp>
-
+#include "common/options/command.hpp"
 #include "host/bite_line/extraction.hpp"
 #include "host/cloud/point_cloud.hpp"
 #include "host/records/results/line_result.hpp"
@@ -15,7 +14,7 @@ enum class Method {
   Published,  ///< greedy tracing of curvature pixels, joining, back-projection and thinning
 };
 
-void add_method_option(CLI::App& command, Method& method);
+void add_method_option(options::Command& command, Method& method);
 
 struct FoundLine {
   bite_line::Extraction extraction;

@@ -122,13 +122,13 @@ Result<ExitStatus> import_one(const ModelOptions& options, const GlobalOptions& 
 
 }  // namespace
 
-void add_model(CLI::App& app, Context& context) {
+void add_model(options::Command& app, Context& context) {
   auto options = std::make_shared<ModelOptions>();
-  CLI::App* command = app.add_subcommand("model", "The library of saved samples");
+  options::Command* command = app.add_subcommand("model", "The library of saved samples");
   command->require_subcommand(1);
   command->add_option("--library", options->library, "Folder of the saved models")->capture_default_str();
 
-  CLI::App* save_command = command->add_subcommand(
+  options::Command* save_command = command->add_subcommand(
       "save", "Save a finished sample under a name; one of that name is replaced with --replace alone");
   save_command->add_option("name", options->name, "The model's name")->required();
   save_command->add_option("sample", options->sample, "Folder with cloud.ply and line.csv")->required();
@@ -136,28 +136,28 @@ void add_model(CLI::App& app, Context& context) {
   save_command->add_flag("--replace", options->replace, "Put it in the place of the model of this name");
   save_command->add_option("--size", options->made.size, "As printed in the shoe, e.g. 'EU 42'");
   save_command->add_option("--foot", options->made.foot, "left or right")
-      ->check(CLI::IsMember({"left", "right"}));
+      ->check(options::one_of({"left", "right"}));
   save_command->callback(
       [options, &context] { context.run = [options, &context] { return save(*options, context.options); }; });
 
-  CLI::App* list_command = command->add_subcommand("list", "What is saved, and whether it is sound");
+  options::Command* list_command = command->add_subcommand("list", "What is saved, and whether it is sound");
   list_command->callback(
       [options, &context] { context.run = [options, &context] { return list(*options, context.options); }; });
 
-  CLI::App* undo_command =
+  options::Command* undo_command =
       command->add_subcommand("undo", "Bring back what was replaced or removed last under a name");
   undo_command->add_option("name", options->name, "The model's name")->required();
   undo_command->callback(
       [options, &context] { context.run = [options, &context] { return undo(*options, context.options); }; });
 
-  CLI::App* export_command = command->add_subcommand("export", "Write a model into one file");
+  options::Command* export_command = command->add_subcommand("export", "Write a model into one file");
   export_command->add_option("name", options->name, "The model's name")->required();
   export_command->add_option("--out", options->file, "The file, e.g. runner-42.tar")->required();
   export_command->callback([options, &context] {
     context.run = [options, &context] { return export_one(*options, context.options); };
   });
 
-  CLI::App* import_command = command->add_subcommand(
+  options::Command* import_command = command->add_subcommand(
       "import", "Take in a model's file; one of its name is replaced with --replace alone");
   import_command->add_option("file", options->file, "A file of `model export`")->required();
   import_command->add_option("--name", options->name, "The model's name here; without: its own");
@@ -166,7 +166,7 @@ void add_model(CLI::App& app, Context& context) {
     context.run = [options, &context] { return import_one(*options, context.options); };
   });
 
-  CLI::App* release_command = command->add_subcommand(
+  options::Command* release_command = command->add_subcommand(
       "release", "Write models and processes into one file that a factory's centre hands to its cells");
   release_command->add_option("name", options->release.name, "The release's name, e.g. autumn-3")->required();
   release_command->add_option("--out", options->release.out, "The file, e.g. autumn-3.tar")->required();
@@ -178,14 +178,14 @@ void add_model(CLI::App& app, Context& context) {
     };
   });
 
-  CLI::App* rename_command = command->add_subcommand("rename", "Give a model another name");
+  options::Command* rename_command = command->add_subcommand("rename", "Give a model another name");
   rename_command->add_option("name", options->name, "The model's name")->required();
   rename_command->add_option("new_name", options->new_name, "Its new name; no model may have it")->required();
   rename_command->callback([options, &context] {
     context.run = [options, &context] { return rename(*options, context.options); };
   });
 
-  CLI::App* remove_command = command->add_subcommand("remove", "Forget a model");
+  options::Command* remove_command = command->add_subcommand("remove", "Forget a model");
   remove_command->add_option("name", options->name, "The model's name")->required();
   remove_command->callback([options, &context] {
     context.run = [options, &context] { return remove(*options, context.options); };

@@ -3,7 +3,7 @@
 #include <iostream>
 
 #include "common/core/fixed_text.hpp"
-#include "common/options/number.hpp"
+#include "common/options/command.hpp"
 #include "common/system/user_name.hpp"
 #include "common/wire/endpoint.hpp"
 #include "host/apps/biteline/command.hpp"
@@ -156,16 +156,16 @@ Result<ExitStatus> run_mounted(const MountedOptions& options, const GlobalOption
 
 }  // namespace
 
-void add_mounted(CLI::App& app, Context& context) {
+void add_mounted(options::Command& app, Context& context) {
   auto options = std::make_shared<MountedOptions>();
-  CLI::App* command = app.add_subcommand(
+  options::Command* command = app.add_subcommand(
       "mounted", "What is mounted at a cell: tool tip, payload and table, shown and taught");
   command->add_option("results", options->results, "The service's --out folder")->required();
   auto* teach = command
                     ->add_option("--teach", options->teach,
                                  "Teach the tip (touch one point from several sides), or the table's height "
                                  "(touch it at three places or more)")
-                    ->check(CLI::IsMember({"tip", "table"}));
+                    ->check(options::one_of({"tip", "table"}));
   command
       ->add_option("--touches", options->touches,
                    "With --teach: poses of the flange (number, mm, quaternion), a row for each touch")
@@ -183,7 +183,7 @@ void add_mounted(CLI::App& app, Context& context) {
                       ->excludes(teach);
   command
       ->add_option("--forget", options->forget, "Forget what was taught of this part: it is checked no more")
-      ->check(CLI::IsMember({"tip", "payload", "table"}))
+      ->check(options::one_of({"tip", "payload", "table"}))
       ->excludes(teach)
       ->excludes(payload);
   command->add_option("--who", options->who, "Whose hand it is; default: this user");

@@ -4,7 +4,7 @@
 
 #include "common/config/sensor_yaml.hpp"
 #include "common/core/fixed_text.hpp"
-#include "common/options/number.hpp"
+#include "common/options/command.hpp"
 #include "host/apps/biteline/cloud_option.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/records/report/json_text.hpp"
@@ -103,12 +103,12 @@ Result<ExitStatus> run_plan(const PlanOptions& options, const GlobalOptions& glo
 
 }  // namespace
 
-void add_plan(CLI::App& app, Context& context) {
+void add_plan(options::Command& app, Context& context) {
   auto options = std::make_shared<PlanOptions>();
-  CLI::App* command = app.add_subcommand("plan", "Plan a checked tool path along a line");
+  options::Command* command = app.add_subcommand("plan", "Plan a checked tool path along a line");
   command->add_option("LINE", options->line, "line.csv")->required();
   command->add_option("--robot", options->robot, "UR3e, UR5e, UR10e, UR3, UR5 or UR10")->required();
-  CLI::Option_group* work = command->add_option_group("work", "What is done along the line");
+  options::Command* work = command->add_option_group("work", "What is done along the line");
   work->add_option("--process", options->process, "Process YAML: tool, placement, motion");
   work->add_option("--scan", options->scan, "sensor.yaml: the path of a scan by this head");
   work->require_option(1);

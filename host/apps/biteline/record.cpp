@@ -123,12 +123,13 @@ Result<ExitStatus> verify_recording(const RecordOptions& options, const GlobalOp
 
 }  // namespace
 
-void add_record(CLI::App& app, Context& context) {
+void add_record(options::Command& app, Context& context) {
   auto options = std::make_shared<RecordOptions>();
-  CLI::App* command = app.add_subcommand("record", "Recordings as one MCAP file, and back");
+  options::Command* command = app.add_subcommand("record", "Recordings as one MCAP file, and back");
   command->require_subcommand(1);
 
-  CLI::App* to_file = command->add_subcommand("export", "Write a session or a scan.btln as one MCAP file");
+  options::Command* to_file =
+      command->add_subcommand("export", "Write a session or a scan.btln as one MCAP file");
   to_file->add_option("recording", options->input, "The session's folder, or scan.btln")->required();
   to_file->add_option("--out", options->out, "The MCAP file; nothing is overwritten")->required();
   to_file->add_option("--results", options->results,
@@ -140,7 +141,7 @@ void add_record(CLI::App& app, Context& context) {
     context.run = [options, &context] { return export_recording(*options, context.options); };
   });
 
-  CLI::App* from_file =
+  options::Command* from_file =
       command->add_subcommand("import", "Write what an MCAP file holds as a session or a scan.btln");
   from_file->add_option("file", options->input, "The MCAP file; of a cut one all before the cut")->required();
   from_file->add_option("--out", options->out, "Folder, made here; nothing is overwritten")->required();
@@ -148,7 +149,7 @@ void add_record(CLI::App& app, Context& context) {
     context.run = [options, &context] { return import_recording(*options, context.options); };
   });
 
-  CLI::App* judge = command->add_subcommand(
+  options::Command* judge = command->add_subcommand(
       "verify", "Check every sum, index, count and link of an MCAP file; exit status 3 where one is wrong");
   judge->add_option("file", options->input, "The MCAP file, of any program")->required();
   judge->add_option("--last-link", options->last_link,

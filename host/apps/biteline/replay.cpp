@@ -139,9 +139,9 @@ Result<ExitStatus> replay(ReplayOptions options, const GlobalOptions& global) {
 
 }  // namespace
 
-void add_replay(CLI::App& app, Context& context) {
+void add_replay(options::Command& app, Context& context) {
   auto options = std::make_shared<ReplayOptions>();
-  CLI::App* command =
+  options::Command* command =
       app.add_subcommand("replay", "Run a recorded session through the sensor's pipeline and the host's");
   command
       ->add_option("session", options->session,
@@ -160,7 +160,7 @@ void add_replay(CLI::App& app, Context& context) {
       ->add_option("--peak-mode", options->peak_mode,
                    "Where in a column the stripe is: by its whole shape (matched, the default), or as other "
                    "sensors do")
-      ->check(CLI::IsMember(stripe::k_peak_modes).description(""))
+      ->check(options::one_of(stripe::k_peak_modes).unshown())
       ->type_name("matched|maximum|threshold|centre-of-gravity|fir");
   add_method_option(*command, options->method);
   command->callback([options, &context] {

@@ -217,15 +217,15 @@ Result<ExitStatus> fetch(const SettingsOptions& options, const GlobalOptions& gl
   return ExitStatus::Done;
 }
 
-void add_running_options(CLI::App* command, SettingsOptions& options) {
+void add_running_options(options::Command* command, SettingsOptions& options) {
   command->add_option("--at", options.running.endpoint, "The sensor that runs: tcp://HOST:PORT")->required();
   command->add_option("--keys", options.running.keys, "Folder of keys; compulsory beyond loopback");
 }
 
-void add_camera_options(CLI::App* command, SettingsOptions& options) {
-  CLI::Option* board =
+void add_camera_options(options::Command* command, SettingsOptions& options) {
+  options::Option* board =
       command->add_option("--board", options.board, "Try it on this board's camera; the sensor must be off");
-  CLI::Option* sensor =
+  options::Option* sensor =
       command->add_option("--sensor", options.sensor, "The head's sensor.yaml, beside --board");
   board->needs(sensor);
   sensor->needs(board);
@@ -233,13 +233,13 @@ void add_camera_options(CLI::App* command, SettingsOptions& options) {
 
 }  // namespace
 
-void add_settings(CLI::App& app, Context& context) {
+void add_settings(options::Command& app, Context& context) {
   auto options = std::make_shared<SettingsOptions>();
-  CLI::App* command =
+  options::Command* command =
       app.add_subcommand("settings", "Sets of settings by name, and the one that a sensor starts with");
   command->require_subcommand(1);
   const auto add = [&](const char* name, const char* what, auto&& run) {
-    CLI::App* sub = command->add_subcommand(name, what);
+    options::Command* sub = command->add_subcommand(name, what);
     sub->add_option("--store", options->store, "Where named sets are kept")->capture_default_str();
     sub->callback([options, &context, run] {
       context.run = [options, &context, run] { return run(*options, context.options); };
@@ -250,22 +250,22 @@ void add_settings(CLI::App& app, Context& context) {
   add("list", "The named sets; * is the start-up set", list);
   add("show", "Every setting of a set with its unit and what it does; * is set here", show)
       ->add_option("SET", options->name, std::string{which} + "; without it the start-up set");
-  CLI::App* compare_command = add("compare", "What two sets differ in", compare);
+  options::Command* compare_command = add("compare", "What two sets differ in", compare);
   compare_command->add_option("LEFT", options->name, which)->required();
   compare_command->add_option("RIGHT", options->other, which)->required();
-  CLI::App* check_command = add("check", "Is a set good, and does the camera take it?", check);
+  options::Command* check_command = add("check", "Is a set good, and does the camera take it?", check);
   check_command->add_option("SET", options->name, which)->required();
   add_camera_options(check_command, *options);
-  CLI::App* save_command = add("save", "Keep a settings file under a name", save);
+  options::Command* save_command = add("save", "Keep a settings file under a name", save);
   save_command->add_option("NAME", options->name, "Letters, digits, - and _")->required();
   save_command->add_option("FILE", options->other, "A settings file; settings.yaml of a recording, for one")
       ->required();
   save_command->add_option("--note", options->note, "One line for people");
-  CLI::App* use_command = add("use", "Make a set the one that the sensor starts with", use);
+  options::Command* use_command = add("use", "Make a set the one that the sensor starts with", use);
   use_command->add_option("SET", options->name, which);
   use_command->add_flag("--back", options->back, "The start-up set before the last change again");
   add_camera_options(use_command, *options);
-  CLI::App* send_command = add(
+  options::Command* send_command = add(
       "send", "Let a sensor that runs take a set, all of it or nothing; only the host in control may", send);
   send_command->add_option("SET", options->name, which)->required();
   add_running_options(send_command, *options);

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "common/options/number.hpp"
+#include "common/options/command.hpp"
 #include "host/apps/biteline/batch_run.hpp"
 #include "host/records/batch/plan.hpp"
 #include "host/records/batch/recording.hpp"
@@ -105,9 +105,9 @@ Result<ExitStatus> sweep(const SweepOptions& options, const GlobalOptions& globa
 
 }  // namespace
 
-void add_sweep(CLI::App& app, Context& context) {
+void add_sweep(options::Command& app, Context& context) {
   auto options = std::make_shared<SweepOptions>();
-  CLI::App* command =
+  options::Command* command =
       app.add_subcommand("sweep", "Shoes made by class and seed, run as a batch and judged by their truth");
   add_merge_options(*command, options->merge);
   command->add_option("--shoe", options->shoes, "Classes of shoe (biteline-cell record --help lists them)")

@@ -2,7 +2,7 @@
 // biteline target: a ring target or chessboard to print to scale, and its target.yaml.
 #include <memory>
 
-#include "common/options/number.hpp"
+#include "common/options/command.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/calibration/rings/target_drawing.hpp"
 #include "host/records/report/report.hpp"
@@ -22,16 +22,15 @@ struct TargetOptions {
 
 /// Options of the other kind of target: told, not passed over.
 struct KindOptions {
-  std::vector<CLI::Option*> rings, chessboard;
-  CLI::Option* pitch{nullptr};  ///< of both
+  std::vector<options::Option*> rings, chessboard;
+  options::Option* pitch{nullptr};  ///< of both
 };
 
 Result<calibration::RingTarget> target_of(const TargetOptions& options, const KindOptions& kinds) {
   const bool chessboard = options.kind == "chessboard";
-  for (const CLI::Option* other : chessboard ? kinds.rings : kinds.chessboard) {
+  for (const options::Option* other : chessboard ? kinds.rings : kinds.chessboard) {
     if (other->count() > 0)
-      return fail(Errc::InvalidArgument, "%s: not of --kind %s", other->get_name().c_str(),
-                  options.kind.c_str());
+      return fail(Errc::InvalidArgument, "%s: not of --kind %s", other->name().c_str(), options.kind.c_str());
   }
   calibration::RingTarget target = options.target;
   if (!chessboard) return target;
@@ -88,9 +87,9 @@ Result<ExitStatus> draw(const TargetOptions& options, const KindOptions& kinds, 
 
 }  // namespace
 
-void add_target(CLI::App& app, Context& context) {
+void add_target(options::Command& app, Context& context) {
   const auto options = std::make_shared<TargetOptions>();
-  CLI::App* command = app.add_subcommand(
+  options::Command* command = app.add_subcommand(
       "target", "Draws a ring target or a chessboard to print to scale, and writes its target.yaml");
   const auto kinds = std::make_shared<KindOptions>();
   command
@@ -100,7 +99,7 @@ void add_target(CLI::App& app, Context& context) {
   command
       ->add_option("--kind", options->kind,
                    "rings or chessboard; what a chessboard costs in accuracy: docs/calibration.md")
-      ->check(CLI::IsMember({"rings", "chessboard"}))
+      ->check(options::one_of({"rings", "chessboard"}))
       ->capture_default_str();
   const auto add_count = [&](const char* name, int& value, const char* words, double minimum) {
     return command->add_option(name, value, words)

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <map>
 
-#include "common/options/number.hpp"
+#include "common/options/command.hpp"
 #include "host/apps/biteline/cloud_option.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/records/report/json_text.hpp"
@@ -76,9 +76,9 @@ Result<ExitStatus> transfer(const TransferOptions& options, const GlobalOptions&
 
 }  // namespace
 
-void add_transfer(CLI::App& app, Context& context) {
+void add_transfer(options::Command& app, Context& context) {
   auto options = std::make_shared<TransferOptions>();
-  CLI::App* command =
+  options::Command* command =
       app.add_subcommand("transfer", "Carry a sample's bite line over to the next upper of its model");
   command->add_option("--sample", options->sample,
                       "Folder of a finished sample, or a saved model's name; left out: find the model");
@@ -93,9 +93,8 @@ void add_transfer(CLI::App& app, Context& context) {
   const std::map<std::string, transfer::RayDirection> directions{{"level", transfer::RayDirection::Level},
                                                                  {"normal", transfer::RayDirection::Normal}};
   command
-      ->add_option("--rays", options->transfer.direction,
+      ->add_choice("--rays", options->transfer.direction, directions,
                    "Rays from the sample's line: level, or along its normals")
-      ->transform(CLI::CheckedTransformer(directions).description(""))
       ->type_name("level|normal");
   command
       ->add_option("--max-gap", options->transfer.max_gap_mm,
