@@ -18,7 +18,7 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
   Outline outline = clock.run("outline", [&] { return side_outline(*shoe); });
   SideField field = clock.run("side", [&] { return SideField::build(*shoe, outline, {}); });
   Side side{std::move(*shoe), std::move(outline), std::move(field)};
-  const Layers layers = clock.run("layers", [&] { return find_layers_along(side, {}); });
+  const Layers layers = clock.run("layers", [&] { return find_layers_along(side, {}, scan.looks); });
   Decision decision = clock.run(
       "decision", [&] { return decide(layers, plan_shape(side_reach(side)), config.min_confidence_ratio); });
   PlacedLine placed = clock.run("place", [&] {

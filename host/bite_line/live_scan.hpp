@@ -16,7 +16,7 @@ namespace biteline::bite_line {
 /// Profiles are reduced as they come, so that only the closing steps remain when the last one is in: axes,
 /// height field and path from the reduced points, the line's place from the raw ones.  find_bite_line() takes
 /// an organised cloud the same way, so the line is that of the finished cloud, whatever the order in which
-/// profiles came. Thread: one at a time.  Memory: 22 bytes per point.
+/// profiles came. Thread: one at a time.  Memory: 22 bytes per point, 25 with its stripe.
 class LiveScan {
  public:
   /// Points of one profile in base, in the order of the stripe.  One that is here already, by its sequence

@@ -21,7 +21,7 @@ std::vector<float> climb_of(const SideGrid& grid, std::span<const double> row) {
   return climb;
 }
 
-Layers find_layers_along(Side& side, const LayersConfig& config) {
+Layers find_layers_along(Side& side, const LayersConfig& config, std::span<const RunLook> looks) {
   constexpr SideField::Config k_field{};
   const auto steep = static_cast<float>(k_field.sigma_z_mm / k_field.sigma_s_mm);
   FirstLook look = first_look(side.field, config);
@@ -30,7 +30,7 @@ Layers find_layers_along(Side& side, const LayersConfig& config) {
     side.field = SideField::build(side.shoe, side.outline, k_field, climb);
     look = first_look(side.field, config);
   }
-  return find_layers(side.field, look, config);
+  return find_layers(side.field, look, config, [&] { return Materials::of(side.shoe, side.field, looks); });
 }
 
 }  // namespace biteline::bite_line

@@ -18,6 +18,8 @@ namespace biteline::bite_line {
 /// own smoothing in height, a level mean along the outline would wash them out: then the side is read once
 /// more, along the best course's climb, and its layers are found in that.  Creases of a sole run side by
 /// side, so the climb is right even where that course lies on another one.
-[[nodiscard]] Layers find_layers_along(Side& side, const LayersConfig& config);
+/// `looks`: of the runs that the shoe's points stand for; empty: not known.
+[[nodiscard]] Layers find_layers_along(Side& side, const LayersConfig& config,
+                                       std::span<const RunLook> looks = {});
 
 }  // namespace biteline::bite_line

@@ -63,6 +63,28 @@ std::vector<int> with_branch(const Course& course, const Branch& branch) {
   return row;
 }
 
+/// What the materials say of a course against its rivals: -1 to 1.
+class MaterialVote {
+ public:
+  MaterialVote(const Course& course, const MaterialsOfSide& of_side) : course_{course}, of_side_{of_side} {}
+
+  /// A part of the way round says nothing: caps, counters and bumpers have colours of their own.
+  double favours(const Branch& branch) {
+    if (!of_side_ || branch.row.size() != course_.row.size()) return 0;
+    if (!asked_) {
+      materials_ = of_side_();
+      asked_ = true;
+    }
+    return materials_ ? materials_->favours(course_.row, with_branch(course_, branch)) : 0;
+  }
+
+ private:
+  const Course& course_;
+  const MaterialsOfSide& of_side_;
+  std::optional<Materials> materials_;
+  bool asked_{false};
+};
+
 }  // namespace
 
 std::vector<float> sharp_along(const SideField& field, const Crease& line) {
@@ -103,7 +125,8 @@ FirstLook first_look(const SideField& field, const LayersConfig& config) {
   return {.evidence = std::move(evidence), .ways = std::move(ways), .best = std::move(best)};
 }
 
-Layers find_layers(const SideField& field, const FirstLook& look, const LayersConfig& config) {
+Layers find_layers(const SideField& field, const FirstLook& look, const LayersConfig& config,
+                   const MaterialsOfSide& materials) {
   const SideGrid& grid = field.grid;
   const Evidence& evidence = look.evidence;
   const Course course = find_course(look.ways, look.best, config.course);
@@ -115,11 +138,18 @@ Layers find_layers(const SideField& field, const FirstLook& look, const LayersCo
   Layers layers;
   layers.hold.assign(static_cast<std::size_t>(grid.cols), 1.0F);
   layers.other_mm.assign(static_cast<std::size_t>(grid.cols), 0.0F);
-  std::vector<const Branch*> told;
+  struct Told {
+    const Branch* branch;
+    double margin, material;
+  };
+  std::vector<Told> told;
+  MaterialVote vote{course, materials};
   for (const Branch& branch : course.branches) {
     const double margin = margin_of(branch);
-    const auto hold =
-        static_cast<float>(1.0 / (1.0 + std::exp(-(margin - config.margin) / config.margin_soft)));
+    const double material = margin < config.material_most_margin ? vote.favours(branch) : 0;
+    const double log_odds =
+        (margin - config.margin) / config.margin_soft + config.material_log_odds * material;
+    const auto hold = static_cast<float>(1.0 / (1.0 + std::exp(-log_odds)));
     for (std::size_t k = 0; k < branch.row.size(); ++k) {
       const std::size_t col = (static_cast<std::size_t>(branch.first_col) + k) % layers.hold.size();
       // What was not seen is bridged, and told as that.
@@ -128,7 +158,7 @@ Layers find_layers(const SideField& field, const FirstLook& look, const LayersCo
       layers.hold[col] = hold;
       layers.other_mm[col] = apart_mm(field, static_cast<int>(col), course.row[col], branch.row[k]);
     }
-    if (branch.row.size() >= k_shortest_told) told.push_back(&branch);
+    if (branch.row.size() >= k_shortest_told) told.push_back({&branch, margin, material});
   }
   layers.others = other_creases(field, course.row, layer_changes(field, course.row, config.change));
   for (const OtherCrease& other : layers.others) {
@@ -140,7 +170,7 @@ Layers find_layers(const SideField& field, const FirstLook& look, const LayersCo
     }
   }
   std::stable_sort(told.begin(), told.end(),
-                   [&](const Branch* a, const Branch* b) { return margin_of(*a) < margin_of(*b); });
+                   [](const Told& a, const Told& b) { return a.margin < b.margin; });
   told.resize(std::min(told.size(), static_cast<std::size_t>(config.most)));
 
   layers.rivals.resize(told.size());
@@ -150,14 +180,15 @@ Layers find_layers(const SideField& field, const FirstLook& look, const LayersCo
       layers.line.closure_mm = closure_mm(field, look.ways, course, layers.line.visible_share);
       return;
     }
-    const Branch& branch = *told[i - 1];
+    const Branch& branch = *told[i - 1].branch;
     layers.rivals[i - 1] = {
         .crease = describe(field, evidence.likeness, with_branch(course, branch), config.crease),
         .first_col = branch.first_col,
         .cols = static_cast<int>(branch.row.size()),
         .above = branch.above,
         .all_round = branch.over_cols >= grid.cols,
-        .margin = margin_of(branch)};
+        .margin = told[i - 1].margin,
+        .material = told[i - 1].material};
   });
   layers.sharp = sharp_along(field, layers.line);
   return layers;

@@ -2,11 +2,14 @@
 #pragma once
 /// \file The layers of the side that the bite line could be: the best course, and what parts from it.
 
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "host/bite_line/layers/changes.hpp"
 #include "host/bite_line/layers/course.hpp"
 #include "host/bite_line/layers/evidence.hpp"
+#include "host/bite_line/layers/material.hpp"
 #include "host/bite_line/path/creases.hpp"
 
 namespace biteline::bite_line {
@@ -24,6 +27,11 @@ struct LayersConfig {
   double margin{0.07};  ///< at which the course is one of two
   double margin_soft{0.012};
   int most{6};  ///< rivals described
+  /// Where the material changes at the course and not at a rival that goes all the way round, or the other
+  /// way round: a likelihood ratio of at most 10, for two colours are on many soles and one on many shoes. It
+  /// moves how sure the course is, and never the course: shape alone says where that runs.
+  double material_log_odds{2.3};
+  double material_most_margin{0.2};  ///< beyond it nothing of that is left to be seen
   /// That a stretch between two changes of the crease is on the line's: none of those seen was.
   float changed_hold{0.1F};
 };
@@ -35,7 +43,8 @@ struct Rival {
   int cols{0};
   bool above{false};
   bool all_round{false};
-  double margin{0};  ///< cost per column that the line is better by
+  double margin{0};    ///< cost per column that the line is better by
+  double material{0};  ///< Materials::favours() of the line; 0 where that was not asked
 };
 
 struct Layers {
@@ -58,6 +67,9 @@ struct FirstLook {
 };
 [[nodiscard]] FirstLook first_look(const SideField& field, const LayersConfig& config);
 
-[[nodiscard]] Layers find_layers(const SideField& field, const FirstLook& look, const LayersConfig& config);
+/// `materials`: of the side, asked for only where there is something to tell apart.
+using MaterialsOfSide = std::function<std::optional<Materials>()>;
+[[nodiscard]] Layers find_layers(const SideField& field, const FirstLook& look, const LayersConfig& config,
+                                 const MaterialsOfSide& materials = {});
 
 }  // namespace biteline::bite_line

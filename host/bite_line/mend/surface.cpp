@@ -28,7 +28,7 @@ OrRefusal<Surface> Surface::of(const cloud::PointCloud& cloud) {
 
 Surface::Surface(std::vector<Eigen::Vector3f> points, PointRuns runs, Side side)
     : points_{std::move(points)}, runs_{std::move(runs)}, side_{std::move(side)} {
-  const Layers layers = find_layers_along(side_, {});
+  const Layers layers = find_layers_along(side_, {}, runs_.looks);
   Evidence evidence = find_evidence(side_.field, {});
   likeness_ = std::move(evidence.likeness);
   cost_ = std::move(evidence.cost);

@@ -195,34 +195,6 @@ TEST(FindBiteLine, TheLineWhileScanningIsThatOfTheFinishedCloud) {
   CHECK_COMPARE(mean_error_mm(live.line, made.truth), <=, k_right_mm);
 }
 
-TEST(FindBiteLine, ProfilesOutOfOrderKeepTheirStripes) {
-  Made made = test::made_cloud(sim::ShoeClass::Deep, 47, somewhere());
-  const auto& profile = made.cloud.profile;
-  for (std::size_t i = 0; i < made.cloud.size(); ++i) {
-    made.cloud.amplitude.push_back(50 + static_cast<float>(i % 97));
-    made.cloud.width_px.push_back(4);
-  }
-  const auto scanned = [&](bool backwards) {
-    std::vector<std::pair<std::size_t, std::size_t>> ranges;
-    for (std::size_t first = 0; first < profile.size();) {
-      std::size_t end = first;
-      while (end < profile.size() && profile[end] == profile[first]) ++end;
-      ranges.emplace_back(first, end - first);
-      first = end;
-    }
-    if (backwards) std::ranges::reverse(ranges);
-    LiveScan scan;
-    for (const auto& [first, count] : ranges)
-      scan.add_profile(profile[first], {made.cloud.points.data() + first, count}, {},
-                       made.cloud.stripe(first, count));
-    return scan.finish({});
-  };
-  const Extraction forwards = scanned(false), backwards = scanned(true);
-  CHECK_TEXT(backwards.found, backwards.reason().c_str());
-  DOUBLES_EQUAL(forwards.confidence, backwards.confidence, 0);
-  LONGS_EQUAL(forwards.line.points.size(), backwards.line.points.size());
-}
-
 TEST(FindBiteLine, HalfAScanIsNotYetALine) {
   const Made made = test::made_cloud(sim::ShoeClass::Deep, 48, somewhere());
   LiveScan sut;
