@@ -1,14 +1,21 @@
 // SPDX-License-Identifier: MIT
 #include "host/bite_line/place/confidence.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace biteline::bite_line {
 
 double bridge_held_of(const BridgeSpread& bridge, const ConfidenceModel& model) {
-  const double spread_mm = model.least_mm + std::hypot(model.corner_ratio * bridge.corner_mm, bridge.tried_mm,
-                                                       model.doubt_mm * bridge.doubt);
-  return 1 / (1 + std::pow(spread_mm / model.half_mm, model.power));
+  const double spread_mm = model.least_mm + model.corner_ratio * bridge.corner_mm + bridge.tried_mm;
+  const auto above =
+      std::upper_bound(model.shares.begin(), model.shares.end(), spread_mm,
+                       [](double value, const SpreadShare& share) { return value < share.spread_mm; });
+  if (above == model.shares.begin()) return above->held;
+  const SpreadShare& low = *(above - 1);
+  const double times = spread_mm / low.spread_mm;
+  if (above == model.shares.end()) return low.held / (times * times);
+  return low.held + std::log(times) / std::log(above->spread_mm / low.spread_mm) * (above->held - low.held);
 }
 
 double jump_held_of(double jump_mm, const ConfidenceModel& model) {

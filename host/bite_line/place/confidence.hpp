@@ -2,18 +2,27 @@
 #pragma once
 /// \file What makes a point's confidence a probability: of its bridge, its jump and its line.
 
+#include <array>
+
 namespace biteline::bite_line {
 
-/// `power` and `half_mm` are fitted by tests/bench/line/fit_confidence.py to bridged points of made shoes
-/// with a missing sector (bench_line_confidence --fault sector, seeds 7021, 7041 and 8011).
+/// Of bridges with this spread so many points lie within 0.3 mm.
+struct SpreadShare {
+  double spread_mm{0};
+  double held{0};
+};
+
+/// `shares` is fitted by tests/bench/line/fit_confidence.py to bridged points of made shoes with a missing
+/// sector (bench_line_confidence --fault sector --seed 52001).
 struct ConfidenceModel {
-  /// A bridge's spread: what such bridges are off by elsewhere on the line, this much of the corner that the
-  /// shoe may have there, and of the gap's doubt ...
-  double corner_ratio{0.2};
-  double doubt_mm{0.15};
+  /// A bridge's spread: this much of how far another course may lie, and what such bridges are off by
+  /// elsewhere on the line, in full.  Both may happen at once: they add.
+  double corner_ratio{0.1};
   double least_mm{0.05};
-  double half_mm{1.303};  ///< ... at which one in two lies within 0.3 mm: a spread is no deviation
-  double power{2.222};    ///< how steeply the share falls with it
+  /// Straight between these over the spread's logarithm.  One curve with two numbers does not follow: the
+  /// share falls late and at once, and then hardly for a while.  Beyond the last it falls with the square.
+  std::array<SpreadShare, 6> shares{
+      {{0.1, 0.999}, {0.3, 0.983}, {0.6, 0.890}, {1.0, 0.413}, {1.6, 0.209}, {3.0, 0.009}}};
   /// A section that lies so far from the running mean over its neighbours is one in two.  Made shoes hold
   /// more, but hardly one jumps.
   double jump_mm{0.8};
@@ -25,7 +34,6 @@ struct ConfidenceModel {
 struct BridgeSpread {
   double corner_mm{0};  ///< see PlacedStation
   double tried_mm{0};
-  double doubt{0};
 };
 
 /// That a bridged place lies within 0.3 mm.

@@ -42,7 +42,7 @@ std::vector<GapPlace> gap_places(std::span<const std::uint8_t> known, const Outl
   std::vector<GapPlace> places(known.size());
   const std::vector<geometry::Gap> gaps = geometry::gaps_of(known);
   if (gaps.empty() && (known.empty() || known.front() == 0))
-    std::fill(places.begin(), places.end(), GapPlace{.to_known_mm = 1e9, .doubt = 1e9});
+    std::fill(places.begin(), places.end(), GapPlace{.to_known_mm = 1e9, .doubt = 1e9, .in_long = true});
   for (const geometry::Gap& gap : gaps) {
     const double length_mm = static_cast<double>(gap.steps) * station_mm;
     const double from_mm = static_cast<double>(gap.first) * station_mm;

@@ -19,8 +19,7 @@ double square(double value) {
 double within_of(const PlacedStation& station) {
   double held = station.doubt > 0
                     ? bridge_held_of({.corner_mm = station.corner_mm,
-                                      .tried_mm = std::hypot(station.tried_out_mm, station.tried_up_mm),
-                                      .doubt = station.doubt})
+                                      .tried_mm = std::hypot(station.tried_out_mm, station.tried_up_mm)})
                     : jump_held_of(station.own_z_mm - station.position.z());
   // That none could be tried is no sign of a good bridge: then its length and turn alone tell.
   if (station.untried) held = std::min(held, 1 / (1 + station.doubt));

@@ -4,18 +4,21 @@
 
     fit_confidence.py FILE...
 
-What share of bridged points of written lines lies within 0.3 mm, over their bridge's spread: `power` and `half_mm` by
-maximum likelihood.  Then each class is left out in turn, and the tenths of all its points are told as the others' fit
-claims them.  Shoes with a missing sector (--fault sector) have nearly all bridged points.
+What share of bridged points of written lines lies within 0.3 mm, at each of a few spreads: `shares`, straight in
+between over the spread's logarithm, by maximum likelihood.  Then each class is left out in turn, and the tenths of all
+its points are told as the others' fit claims them; shoes are drawn anew for the interval.  Shoes with a missing
+sector (--fault sector) have nearly all bridged points.
 """
 import csv
 import math
+import random
 import sys
 from collections import defaultdict
 
 WITHIN_MM = 0.3
 # As in ConfidenceModel: read off the likelihood, which hardly changes about them.
-CORNER, DOUBT_MM, LEAST_MM, JUMP_MM, LINE_DOUBT = 0.2, 0.15, 0.05, 0.8, 0.25
+CORNER, LEAST_MM, JUMP_MM, LINE_DOUBT = 0.1, 0.05, 0.8, 0.25
+SPREADS_MM = (0.1, 0.3, 0.6, 1.0, 1.6, 3.0)
 TEXTS = ("class", "decoy", "fault", "seed")
 
 
@@ -33,52 +36,86 @@ def read(paths):
 
 
 def spread(point):
-    parts = (CORNER * point["corner_mm"], point["tried_out_mm"], point["tried_up_mm"], DOUBT_MM * point["doubt"])
-    return LEAST_MM + math.sqrt(sum(part * part for part in parts))
+    return LEAST_MM + CORNER * point["corner_mm"] + math.hypot(point["tried_out_mm"], point["tried_up_mm"])
+
+
+def between(spread_mm):
+    """Index of the spread below, and how far the place is on the way to the next one."""
+    if spread_mm <= SPREADS_MM[0]:
+        return 0, 0.0
+    low = max(i for i, at in enumerate(SPREADS_MM[:-1]) if at < spread_mm)
+    return low, math.log(spread_mm / SPREADS_MM[low]) / math.log(SPREADS_MM[low + 1] / SPREADS_MM[low])
 
 
 def fit(points):
-    """Logistic regression of `held` on the spread's logarithm, by Newton's steps: power, half_mm."""
+    """Shares at SPREADS_MM: a point between two of them is one of either's, as likely as its outcome says (EM)."""
     # Layers and flat places have figures of their own.
-    bridged = [p for p in points if p["doubt"] > 0 and p["hold"] > 0.9 and p["sharp"] > 0.9]
-    level, slope = 0.0, -1.0
-    for _ in range(30):
-        g0 = g1 = h00 = h01 = h11 = 0.0
-        for p in bridged:
-            x = math.log(p["spread"])
-            chance = 1 / (1 + math.exp(-(level + slope * x)))
-            off, weight = p["held"] - chance, chance * (1 - chance)
-            g0, g1 = g0 + off, g1 + off * x
-            h00, h01, h11 = h00 + weight, h01 + weight * x, h11 + weight * x * x
-        determinant = h00 * h11 - h01 * h01
-        level += (h11 * g0 - h01 * g1) / determinant
-        slope += (h00 * g1 - h01 * g0) / determinant
-    return -slope, math.exp(-level / slope)
+    bridged = [(*between(p["spread"]), p["held"], line_held(p)) for p in points
+               if p["doubt"] > 0 and p["hold"] > 0.9 and p["sharp"] > 0.9 and p["spread"] <= SPREADS_MM[-1]]
+    line = sum(of_line for _, _, _, of_line in bridged) / len(bridged)
+    shares = [0.9 - 0.8 * i / len(SPREADS_MM) for i in range(len(SPREADS_MM))]
+    for _ in range(60):
+        held, all_of_it = [1e-3] * len(shares), [2e-3] * len(shares)
+        for low, way, is_held, of_line in bridged:
+            chances = [of_line * shares[low + k] if is_held else 1 - of_line * shares[low + k] for k in (0, 1)]
+            here, there = (1 - way) * chances[0], way * chances[1]
+            for k, weight in ((0, here / (here + there)), (1, there / (here + there))):
+                held[low + k] += weight * is_held
+                all_of_it[low + k] += weight
+        shares = [min(0.999, h / n / line) for h, n in zip(held, all_of_it)]
+    # A wider bridge holds no more.
+    for i in range(1, len(shares)):
+        shares[i] = min(shares[i], shares[i - 1])
+    return shares
 
 
-def confidence(point, power, half_mm):
+def line_held(point):
+    return 1 - LINE_DOUBT * (1 - point["of_line"])
+
+
+def confidence(point, shares):
     if point["doubt"] > 0:
-        within = 1 / (1 + (point["spread"] / half_mm) ** power)
+        low, way = between(point["spread"])
+        within = shares[low] + way * (shares[low + 1] - shares[low])
+        if point["spread"] > SPREADS_MM[-1]:
+            within = shares[-1] * (SPREADS_MM[-1] / point["spread"]) ** 2
     else:
         within = 1 / (1 + (point["jump_mm"] / JUMP_MM) ** 2)
-    return (1 - LINE_DOUBT * (1 - point["of_line"])) * point["hold"] * point["sharp"] * within
+    return line_held(point) * point["hold"] * point["sharp"] * within
+
+
+def interval(of_tenth, shoes):
+    """Middle 95 % of held minus claimed over draws of as many shoes."""
+    sums = defaultdict(lambda: (0, 0.0))
+    for claim, held, shoe in of_tenth:
+        points, more = sums[shoe]
+        sums[shoe] = points + 1, more + held - claim
+    drawn, rng = [], random.Random(1)
+    for _ in range(500):
+        draw = [sums[shoe] for shoe in rng.choices(shoes, k=len(shoes)) if shoe in sums]
+        if draw:
+            drawn.append(sum(more for _, more in draw) / sum(points for points, _ in draw))
+    drawn.sort()
+    return drawn[int(0.025 * len(drawn))], drawn[int(0.975 * len(drawn))]
 
 
 def main():
     points = read(sys.argv[1:])
-    print("%d shoes, power %.3f, half_mm %.3f" % (len({p["shoe"] for p in points}), *fit(points)))
+    shoes = sorted({p["shoe"] for p in points})
+    print("%d shoes; shares %s" % (len(shoes), "  ".join(
+        "%.1f mm %.3f" % pair for pair in zip(SPREADS_MM, fit(points)))))
     tenths = defaultdict(list)
     for kind in sorted({p["class"] for p in points}):
-        model = fit([p for p in points if p["class"] != kind])
+        shares = fit([p for p in points if p["class"] != kind])
         for p in points:
             if p["class"] == kind:
-                claim = confidence(p, *model)
+                claim = confidence(p, shares)
                 tenths[min(9, int(10 * claim))].append((claim, p["held"], p["shoe"]))
     print("classes left out in turn:")
     for _, of_it in sorted(tenths.items()):
-        print("  claimed %.3f  held %.3f  points %6d  shoes %4d" %
-              (sum(c for c, _, _ in of_it) / len(of_it), sum(h for _, h, _ in of_it) / len(of_it), len(of_it),
-               len({s for _, _, s in of_it})))
+        claimed, held = (sum(one[k] for one in of_it) / len(of_it) for k in (0, 1))
+        print("  claimed %.3f  held %.3f  difference %+.3f (%+.3f to %+.3f)  points %6d  shoes %4d" %
+              (claimed, held, held - claimed, *interval(of_it, shoes), len(of_it), len({s for _, _, s in of_it})))
 
 
 if __name__ == "__main__":

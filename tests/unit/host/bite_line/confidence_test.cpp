@@ -11,27 +11,35 @@ namespace biteline::bite_line {
 TEST_GROUP(Confidence){};
 
 TEST(Confidence, AWiderBridgeHoldsLessWhateverWidensIt) {
-  double by_corner = 1, by_trial = 1, by_doubt = 1;
-  for (int i = 1; i <= 40; ++i) {
-    const double corner = bridge_held_of({.corner_mm = 0.5 * i});
+  double by_corner = 1, by_trial = 1;
+  for (int i = 1; i <= 60; ++i) {
+    const double corner = bridge_held_of({.corner_mm = 1.0 * i});
     const double trial = bridge_held_of({.tried_mm = 0.1 * i});
-    const double doubt = bridge_held_of({.doubt = 0.5 * i});
     CHECK_COMPARE(corner, <, by_corner);
     CHECK_COMPARE(trial, <, by_trial);
-    CHECK_COMPARE(doubt, <, by_doubt);
     by_corner = corner;
     by_trial = trial;
-    by_doubt = doubt;
   }
-  CHECK_COMPARE(by_corner, <, 0.1);
-  CHECK_COMPARE(by_trial, <, 0.1);
-  CHECK_COMPARE(by_doubt, <, 0.2);
+  CHECK_COMPARE(by_corner, <, 0.01);
+  CHECK_COMPARE(by_trial, <, 0.01);
+  CHECK_COMPARE(by_trial, >, 0);
 }
 
-TEST(Confidence, OneInTwoHoldsAtItsSpread) {
-  const ConfidenceModel model{.least_mm = 0.2, .half_mm = 1.2};
-  DOUBLES_EQUAL(0.5, bridge_held_of({.tried_mm = 1.0}, model), 1e-12);
-  DOUBLES_EQUAL(0.5, bridge_held_of({.corner_mm = 1.0 / model.corner_ratio}, model), 1e-12);
+TEST(Confidence, EachSpreadHoldsItsShare) {
+  const ConfidenceModel model{
+      .least_mm = 0.2,
+      .shares = {{{0.3, 0.99}, {0.5, 0.9}, {1.0, 0.6}, {2.0, 0.2}, {3.0, 0.1}, {4.0, 0.04}}}};
+  DOUBLES_EQUAL(0.99, bridge_held_of({}, model), 1e-12);
+  DOUBLES_EQUAL(0.6, bridge_held_of({.tried_mm = 0.8}, model), 1e-12);
+  DOUBLES_EQUAL(0.6, bridge_held_of({.corner_mm = 0.8 / model.corner_ratio}, model), 1e-12);
+  // Another course and the trials add up; in between the logarithm counts.
+  DOUBLES_EQUAL(0.6, bridge_held_of({.corner_mm = 0.5 / model.corner_ratio, .tried_mm = 0.3}, model), 1e-12);
+  DOUBLES_EQUAL(0.4, bridge_held_of({.tried_mm = std::sqrt(2.0) - 0.2}, model), 1e-12);
+  DOUBLES_EQUAL(0.01, bridge_held_of({.tried_mm = 7.8}, model), 1e-12);
+}
+
+TEST(Confidence, OneInTwoJumpsHoldsAtItsLimit) {
+  const ConfidenceModel model;
   DOUBLES_EQUAL(0.5, jump_held_of(model.jump_mm, model), 1e-12);
   DOUBLES_EQUAL(0.5, jump_held_of(-model.jump_mm, model), 1e-12);
 }
@@ -49,7 +57,7 @@ TEST(Confidence, ABridgesHeightIsNoJump) {
   // The section of a place that was not seen is a bridge's own, and says nothing of the crease.
   PlacedStation bridged{.position = {0, 0, 30}, .own_z_mm = 31, .doubt = 0.5, .tried_out_mm = 0.3};
   bridged.tried_up_mm = 0.4;
-  DOUBLES_EQUAL(bridge_held_of({.tried_mm = 0.5, .doubt = 0.5}), within_of(bridged), 1e-12);
+  DOUBLES_EQUAL(bridge_held_of({.tried_mm = 0.5}), within_of(bridged), 1e-12);
 }
 
 TEST(Confidence, FewPointsWidenU95Outwards) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "host/bite_line/place/placement.hpp"
+#include "host/bite_line/place/point_spread.hpp"
 #include "host/bite_line/place/ridge.hpp"
 #include "host/bite_line/place/sections.hpp"
 #include "tests/unit/host/bite_line/drum.hpp"
@@ -274,6 +275,11 @@ TEST(Placement, AMissingSectorIsBridgedAndDoubted) {
   }
   CHECK_COMPARE(most_doubt, >, 0.05);
   CHECK_COMPARE(most_corner_mm, >, 0.1);
+}
+
+TEST(Placement, WhereNoCreaseWasSeenAtAllNoPointIsSure) {
+  const PlacedLine sut = placed([](double, double z) { return 0.2 * (z - k_z_mm); });
+  for (const PlacedStation& station : sut.points) DOUBLES_EQUAL(0, within_of(station), 1e-6);
 }
 
 TEST(Placement, WhereEndsAreNotFirmABridgeIsUnsureFromItsFirstMillimetresOn) {
