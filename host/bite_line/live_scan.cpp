@@ -55,6 +55,7 @@ LiveScan LiveScan::ordered() const {
     const std::size_t first_run = scan.means_.size();
     scan.add_profile(profile.sequence, {raw_.data() + profile.first_raw, profile.points}, profile.pose);
     if (looks_.empty()) continue;
+    scan.looks_.resize(first_run);  // without the unknown ones that came with no stripe
     const auto from = looks_.begin() + static_cast<std::ptrdiff_t>(profile.first_run);
     scan.looks_.insert(scan.looks_.end(), from,
                        from + static_cast<std::ptrdiff_t>(scan.means_.size() - first_run));

@@ -133,6 +133,16 @@ void sweep_rows() {
     sweep_row(k_later_seed, index, k_nearly_flush);
 }
 
+/// A sole that is nearly flush, with a stitch groove of its own about as good as its line.
+void material_row() {
+  test::SweepCell cell = test::sweep_cell(41'001, 16);
+  cell.fault = test::CloudFault::None;
+  cell.crease_ratio = 0.11;
+  cell.stripe = true;
+  const test::SweepScan scan = test::scan_of(cell);
+  line_row("line, nearly flush midsole of another material", scan.cloud, scan.truth);
+}
+
 /// Shapes of public origin with a known line, or none.
 void shape_rows() {
   constexpr double k_right_mm = 5.0;
@@ -287,6 +297,7 @@ void run() {
   if (const auto folder = test::shared_data("calib/head21")) calibration_row("calibration, head21", *folder);
   line_rows();
   sweep_rows();
+  material_row();
   shape_rows();
   transfer_rows();
   collar_rows();

@@ -78,17 +78,19 @@ cloud::PointCloud scan(double points) {
 }
 
 /// While scanning: from the last profile to the line, and what each step of it takes on one thread.
-void live(sim::ShoeClass shoe_class) {
+void live(sim::ShoeClass shoe_class, bool stripe = false) {
   const sim::MadeShoe shoe{sim::draw_shoe(shoe_class, 7)};
-  const sim::ScannedCloud scan = sim::scan_quickly(shoe, {}, SE3::Identity());
-  const std::string name{sim::name_of(shoe_class)};
+  const sim::ScannedCloud scan = sim::scan_quickly(shoe, {.stripe = stripe}, SE3::Identity());
+  const std::string name = std::string{sim::name_of(shoe_class)} + (stripe ? " with its stripe" : "");
+  const cloud::StripeSpan whole{.amplitude = scan.amplitude, .width_px = scan.width_px};
   bite_line::LiveScan live_scan;
   double longest_s = 0;
   for (std::size_t first = 0; first < scan.points.size();) {
     std::size_t end = first;
     while (end < scan.points.size() && scan.profile[end] == scan.profile[first]) ++end;
     const auto begin = std::chrono::steady_clock::now();
-    live_scan.add_profile(scan.profile[first], {scan.points.data() + first, end - first});
+    live_scan.add_profile(scan.profile[first], {scan.points.data() + first, end - first}, {},
+                          whole.part(first, end - first));
     longest_s =
         std::max(longest_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
     first = end;
@@ -138,6 +140,7 @@ int run() {
   }
   // A pump's creases climb along its shank.
   for (const sim::ShoeClass shoe_class : {sim::ShoeClass::Deep, sim::ShoeClass::Pump}) live(shoe_class);
+  live(sim::ShoeClass::Deep, true);
   return 0;
 }
 

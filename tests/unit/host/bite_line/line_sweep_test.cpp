@@ -3,9 +3,13 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "host/bite_line/find_bite_line.hpp"
+#include "host/bite_line/live_scan.hpp"
 
 namespace biteline::test {
 
@@ -42,6 +46,39 @@ bite_line::Extraction line(double off_mm, double bad_mm, double confidence) {
 }  // namespace
 
 TEST_GROUP(LineSweep){};
+
+TEST(LineSweep, ATieIsSettledByTheMaterialAlsoWhileScanning) {
+  // A sole that is nearly flush, with a stitch groove of its own about as good as its line.
+  SweepCell cell = sweep_cell(41'001, 16);
+  cell.fault = CloudFault::None;
+  cell.crease_ratio = 0.11;
+  cell.stripe = true;
+  SweepScan scan = scan_of(cell);
+  const bite_line::Extraction with = bite_line::find_bite_line(scan.cloud, {});
+  CHECK_TEXT(with.found, with.reason().c_str());
+  CHECK(judge(scan, with).judged == Judged::Right);
+  const auto scanned = [&](bool backwards) {
+    const auto& profile = scan.cloud.profile;
+    std::vector<std::pair<std::size_t, std::size_t>> ranges;
+    for (std::size_t first = 0; first < profile.size(); first += ranges.back().second) {
+      std::size_t count = 1;
+      while (first + count < profile.size() && profile[first + count] == profile[first]) ++count;
+      ranges.emplace_back(first, count);
+    }
+    if (backwards) std::ranges::reverse(ranges);
+    bite_line::LiveScan live;
+    for (const auto& [first, count] : ranges)
+      live.add_profile(profile[first], {scan.cloud.points.data() + first, count}, {},
+                       scan.cloud.stripe(first, count));
+    return live.finish({});
+  };
+  const double forwards = scanned(false).confidence;
+  DOUBLES_EQUAL(forwards, scanned(true).confidence, 0);
+  DOUBLES_EQUAL(with.confidence, forwards, 0.01);  // a live scan counts the arm's sway in
+  scan.cloud.amplitude.clear();
+  scan.cloud.width_px.clear();
+  CHECK_FALSE(bite_line::find_bite_line(scan.cloud, {}).found);
+}
 
 TEST(LineSweep, ALineIsWrongWhereMoreThanFiveMillimetresAreOffWithoutAWord) {
   CHECK(judge(ring(), line(1.2, 8, 0.9)).judged == Judged::Wrong);
