@@ -18,6 +18,9 @@ constexpr float k_off_surface_mm = 1;
 constexpr float k_below_mm = 2;
 constexpr float k_neighbour_mm = 6;  // rim's direction from points within it
 constexpr std::size_t k_min_neighbours = 4;
+// To each side.  What ends here is a piece of rim, where the view leaves it: its direction is not known, and
+// a collar's rounded top is seen there from the side, some tenths too high.
+constexpr float k_least_beside_mm = 2;
 constexpr std::size_t k_min_points = 20;  // 4 cm
 
 /// A surfel above which the surface does not go on.
@@ -145,6 +148,15 @@ Eigen::Vector3f main_direction(const std::vector<Eigen::Vector3f>& ways) {
   return solver.eigenvectors().col(2);
 }
 
+bool on_both_sides(const std::vector<Eigen::Vector3f>& ways, const Eigen::Vector3f& along) {
+  float behind_mm = 0, ahead_mm = 0;
+  for (const Eigen::Vector3f& way : ways) {
+    behind_mm = std::max(behind_mm, -way.dot(along));
+    ahead_mm = std::max(ahead_mm, way.dot(along));
+  }
+  return std::min(behind_mm, ahead_mm) >= k_least_beside_mm;
+}
+
 float median_along(const std::vector<Eigen::Vector3f>& ways, const Eigen::Vector3f& direction) {
   std::vector<float> heights;
   for (const Eigen::Vector3f& way : ways) heights.push_back(way.dot(direction));
@@ -168,6 +180,7 @@ Rim rim_of(const cloud::PointCloud& cloud, const Surfels& surfels) {
     }
     if (ways.size() < k_min_neighbours) continue;
     const Eigen::Vector3f along = main_direction(ways), up = borders[i].up;
+    if (!on_both_sides(ways, along)) continue;
     const Eigen::Vector3f across = (up - up.dot(along) * along).normalized();
     // One end is as uneven as its points are apart, and a stray point puts it too high: the rim is the middle
     // of those beside each other.

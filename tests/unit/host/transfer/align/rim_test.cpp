@@ -94,4 +94,22 @@ TEST(Rim, TooShortARimIsNone) {
   CHECK(rim(points).size() == 0);
 }
 
+TEST(Rim, WhereAPieceEndsThereIsNone) {
+  // Beyond x = 50 mm the view cuts the wall 3 mm below its end: the last column.
+  constexpr float k_piece_mm = 50;
+  cloud::PointCloud cloud;
+  for (const Eigen::Vector3f& p : slanted_wall()) {
+    const float below_mm = 25 + 0.1F * p.x() - p.z();
+    const bool cut = p.x() > k_piece_mm;
+    if (cut && below_mm < 3) continue;
+    cloud.points.push_back(p);
+    cloud.profile.push_back(static_cast<std::uint32_t>(p.x() / 1.1F));
+    cloud.column.push_back(p.z() < 1 ? 10 : cut && below_mm < 3.2F ? 90 : 50);
+  }
+  const Rim sut = rim(cloud);
+  CHECK(sut.size() > 0);
+  // A neighbour lies two millimetres and more beyond each.
+  for (const Eigen::Vector3f& p : sut.positions) CHECK(p.x() < k_piece_mm - 1.9F && p.x() > 1.9F);
+}
+
 }  // namespace biteline::transfer
