@@ -56,6 +56,24 @@ TEST(SessionRun, EveryFrameArrivesAndEveryPointLiesWhereTheStripeWas) {
   CHECK_TEXT(rms_mm < k_tolerance_mm, "points off");
 }
 
+TEST(SessionRun, TheStripesHeightAndWidthComeAlongWithEachProfileAndInTheCloud) {
+  std::size_t live = 0;
+  options.on_profile = [&](const profile::Profile&, std::span<const Eigen::Vector3f> points,
+                           const cloud::StripeSpan& stripe) {
+    LONGS_EQUAL(points.size(), stripe.amplitude.size());
+    live += stripe.width_px.size();
+  };
+  const Result<SessionRun> run = run_sensor_on_session(options);
+  SUCCEEDS(run);
+  LONGS_EQUAL(run->cloud.size(), live);
+  LONGS_EQUAL(run->cloud.size(), run->cloud.amplitude.size());
+  // Drawn with 180 grey levels and a standard deviation of 2.5 px.
+  for (std::size_t i = 0; i < run->cloud.size(); ++i) {
+    DOUBLES_EQUAL(180, run->cloud.amplitude[i], 18);
+    DOUBLES_EQUAL(2.5 * 2.355, run->cloud.width_px[i], 0.6);
+  }
+}
+
 TEST(SessionRun, AnotherCalibrationReplacesTheHeadsOwnAndNotTheRecordings) {
   geometry::SensorModel other = test::made_sensor(made);
   other.T_flange_cam.translation().x() += 100;

@@ -97,6 +97,15 @@ TEST(Sessions, MadeSportShoeIsMeasuredAndItsLineFound) {
   CHECK(normals_deg.has_value());
   CHECK_COMPARE(*normals_deg, <=, 1.0);
 
+  // A mesh without parts has one material: its stripe is carried, and says nothing.
+  LONGS_EQUAL(cloud.size(), cloud.amplitude.size());
+  LONGS_EQUAL(cloud.size(), cloud.width_px.size());
+  CHECK_COMPARE(*std::ranges::min_element(cloud.amplitude), >, 0);
+  cloud::PointCloud without = cloud;
+  without.amplitude.clear();
+  without.width_px.clear();
+  DOUBLES_EQUAL(bite_line::find_bite_line(without, {}).confidence, sut.confidence, 0);
+
   // The same points without their scan order.
   const bite_line::Extraction scattered = bite_line::find_bite_line(shuffled(cloud), {});
   CHECK_TEXT(scattered.found, scattered.reason().c_str());
