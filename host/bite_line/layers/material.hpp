@@ -21,7 +21,7 @@ struct MaterialConfig {
   double to_mm{5.0};
   double row_mm{0.5};  ///< of the cells
   double col_mm{4.0};
-  double least_runs{6};           ///< to each side of a place
+  double least_runs{4};           ///< to each side of a place
   double least_known_share{0.6};  ///< of a path's columns
   /// In logarithms, about as in percent: what slopes and shadows leave on one material.
   double least_noise_amplitude{0.06};
