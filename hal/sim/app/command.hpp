@@ -22,6 +22,7 @@ struct SceneOptions {
   std::string shoe{"deep"};
   std::string decoy{};  ///< empty: the seed draws one for a designed sole
   bool one_colour{false};
+  bool painted{false};
   double size{0};  ///< European; 0: as the class draws it
   bool straight_holder{true};
   std::uint64_t head{21};

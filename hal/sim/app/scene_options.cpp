@@ -20,6 +20,8 @@ void add_scene_options(options::Command& command, SceneOptions& options) {
                      "What else runs round a designed sole (cupsole to wedge): " + decoys +
                          "; without it the seed draws one");
   command.add_flag("--one-colour", options.one_colour, "Sole and upper of a designed sole look the same");
+  command.add_flag("--painted", options.painted,
+                   "Ledges, tapes and overlays of a designed sole have colours of their own");
   command
       .add_option("--size", options.size,
                   "European size, 36 to 47 for grown-ups; 0: as long as the class draws it, a child's too")
@@ -82,10 +84,11 @@ Result<sim::ShoeParameters> shoe_of(const SceneOptions& options) {
     return fail(Errc::InvalidArgument, "--shoe %s: no such class (see --help)", options.shoe.c_str());
   const auto length_mm =
       options.size > 0 ? std::optional(sim::length_of_size_mm(options.size)) : std::nullopt;
-  if (options.decoy.empty() && !options.one_colour)
+  if (options.decoy.empty() && !options.one_colour && !options.painted)
     return sim::draw_shoe(*shoe_class, options.seed, length_mm);
   if (!sim::is_designed(*shoe_class))
-    return fail(Errc::InvalidArgument, "--shoe %s: only a designed sole takes --decoy and --one-colour",
+    return fail(Errc::InvalidArgument,
+                "--shoe %s: only a designed sole takes --decoy, --one-colour and --painted",
                 options.shoe.c_str());
   const auto decoy = sim::decoy_named(options.decoy.empty() ? "none" : options.decoy);
   if (!decoy)
@@ -94,6 +97,7 @@ Result<sim::ShoeParameters> shoe_of(const SceneOptions& options) {
       {.shoe_class = *shoe_class,
        .decoy = *decoy,
        .materials = options.one_colour ? sim::Materials::OneColour : sim::Materials::Contrast,
+       .painted = options.painted,
        .length_mm = length_mm},
       options.seed);
 }

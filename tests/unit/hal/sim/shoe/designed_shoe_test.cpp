@@ -3,6 +3,7 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -107,6 +108,29 @@ TEST(DesignedShoe, OfOneColourGivesTheStripeNothingToTellSoleAndUpperBy) {
   };
   DOUBLES_EQUAL(0, difference(one), 0);
   CHECK(difference(two) > 0);
+}
+
+TEST(DesignedShoe, PaintColoursALedgeAndLeavesTheShapeAlone) {
+  const DesignedShoe ledge{
+      .shoe_class = ShoeClass::Cupsole, .decoy = Decoy::Ledge, .materials = Materials::OneColour};
+  DesignedShoe painted = ledge;
+  painted.painted = true;
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
+    const MadeShoe plain(draw_designed_shoe(ledge, seed)), sut(draw_designed_shoe(painted, seed));
+    std::set<double> plain_looks, looks;
+    for (double s_mm = 0; s_mm < sut.perimeter_mm(); s_mm += 20) {
+      const Section section = sut.section(s_mm), plain_section = plain.section(s_mm);
+      for (double z_mm = section.bottom_z_mm(); z_mm < section.line_height_mm(); z_mm += 0.5) {
+        DOUBLES_EQUAL(plain_section.offset_mm(z_mm), section.offset_mm(z_mm), 0);
+        plain_looks.insert(plain_section.look(z_mm).scattering_mm + plain_section.look(z_mm).diffuse_ratio);
+        looks.insert(section.look(z_mm).scattering_mm + section.look(z_mm).diffuse_ratio);
+      }
+    }
+    const bool has_ledge = std::ranges::any_of(sut.parameters().sole.reliefs, [](const Relief& relief) {
+      return relief.kind == Relief::Kind::Ledge || relief.kind == Relief::Kind::Band;
+    });
+    CHECK_EQUAL(has_ledge, plain_looks != looks);
+  }
 }
 
 TEST(DesignedShoe, AThingHasAWallAllRoundAndNoLine) {
