@@ -2,7 +2,6 @@
 // Real hand-eye sets, other targets than ours: OpenCV reads dots and chessboards, everything after is ours.
 #include <CppUTest/TestHarness.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cfenv>
 #include <cmath>
@@ -18,6 +17,7 @@
 #include "host/calibration/handeye/hand_eye.hpp"
 #include "host/calibration/laser/laser_calibration.hpp"
 #include "host/calibration/refine/head_bundle.hpp"
+#include "host/geometry/symmetric.hpp"
 #include "tests/support/photographed_stripe.hpp"
 #include "tests/support/shared_data.hpp"
 
@@ -149,7 +149,9 @@ SheetDistances sheet_distances(const HeadFit& fit, const std::vector<StripeView>
       distance_mm[k] = (fit.T_cam_plane[i][0].inverse() * point_cam).z();
     }
     square_sum += distance_mm.squaredNorm();
-    own_sum += (distance_mm - line * line.colPivHouseholderQr().solve(distance_mm)).squaredNorm();
+    const Eigen::MatrixXd own =
+        geometry::solve_symmetric(line.transpose() * line, line.transpose() * distance_mm);
+    own_sum += (distance_mm - line * own).squaredNorm();
     result.points += static_cast<int>(count);
   }
   result.rms_mm = std::sqrt(square_sum / result.points);

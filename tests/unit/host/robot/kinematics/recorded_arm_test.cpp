@@ -2,11 +2,11 @@
 // A real UR5e's recorded joints against the poses its controller reported.
 #include <CppUTest/TestHarness.h>
 
-#include <Eigen/Eigenvalues>
 #include <cstdio>
 #include <fstream>
 #include <sstream>
 
+#include "host/geometry/symmetric.hpp"
 #include "host/robot/kinematics/chain.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/unit/host/robot/kinematics/arms.hpp"
@@ -50,8 +50,8 @@ SE3 fitted_tool(const ArmModel& arm, const std::vector<Sample>& samples) {
     const Eigen::Quaterniond rotation{T_flange_tcp.linear()};
     scatter += rotation.coeffs() * rotation.coeffs().transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen{scatter};
-  return geometry::make_se3(Eigen::Quaterniond{eigen.eigenvectors().col(3)}, translation_mm);
+  const Eigen::Vector4d mean = geometry::principal_axes(scatter).vectors.col(3);
+  return geometry::make_se3(Eigen::Quaterniond{mean}, translation_mm);
 }
 
 }  // namespace
