@@ -79,12 +79,17 @@ double log_determinant(const Motions& positive) {
   return 2 * Motions{positive.llt().matrixL()}.diagonal().array().log().sum();
 }
 
-/// What a patch of the wall has measured.
+/// What a patch of the wall has measured.  One last differs from the next outwards: where the wall bends over
+/// to a collar's rounded edge, little of that is across it.
 std::vector<FieldProblem::Row> wall_rows(const Sample& sample, const std::vector<Pair>& pairs,
                                          const SE3& T_target_source) {
   struct Patch {
-    FieldProblem::Row sum{
-        .along_mm = 0, .across_mm = 0, .jacobian = MotionRow::Zero(), .difference_mm = 0, .weight = 0};
+    FieldProblem::Row sum{.along_mm = 0,
+                          .across_mm = 0,
+                          .jacobian = MotionRow::Zero(),
+                          .difference_mm = 0,
+                          .weight = 0,
+                          .share = 0};
     std::size_t count{0};
     double way_mm{0};
   };
@@ -108,6 +113,7 @@ std::vector<FieldProblem::Row> wall_rows(const Sample& sample, const std::vector
     patch.sum.across_mm += weight * place.up_mm;
     patch.sum.jacobian += weight * jacobian;
     patch.sum.difference_mm += weight * pair.residual_mm;
+    patch.sum.share += weight * n.head<2>().norm();
     patch.sum.weight += weight;
     ++patch.count;
   }
@@ -120,7 +126,8 @@ std::vector<FieldProblem::Row> wall_rows(const Sample& sample, const std::vector
                     .across_mm = patch.sum.across_mm / weight,
                     .jacobian = patch.sum.jacobian / weight,
                     .difference_mm = patch.sum.difference_mm / weight,
-                    .weight = weight});
+                    .weight = weight,
+                    .share = patch.sum.share / weight});
     mean_weight += weight;
   }
   for (FieldProblem::Row& row : rows) row.weight /= mean_weight / static_cast<double>(rows.size());

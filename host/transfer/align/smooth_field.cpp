@@ -73,7 +73,7 @@ FieldProblem::FieldProblem(const FieldWaves& waves, std::span<const Row> rows)
     const Row& row = rows[i];
     const auto at = static_cast<Eigen::Index>(i);
     const double root = std::sqrt(row.weight);
-    field.row(at) = root * waves.at(row.along_mm, row.across_mm).transpose();
+    field.row(at) = root * row.share * waves.at(row.along_mm, row.across_mm).transpose();
     sides.row(at).head<k_motion>() = root * row.jacobian.transpose();
     sides(at, k_motion) = root * row.difference_mm;
   }

@@ -45,15 +45,16 @@ class FieldWaves {
   Eigen::VectorXd along_, across_;  ///< of each wave, rad/mm
 };
 
-/// Measured differences y = -J motion + field + noise, summed up: everything that is asked afterwards comes
-/// from these, whatever the field's strength.
+/// Measured differences y = -J motion + share * field + noise, summed up: everything that is asked afterwards
+/// comes from these, whatever the field's strength.
 class FieldProblem {
  public:
   struct Row {
     double along_mm, across_mm;
     MotionRow jacobian;
     double difference_mm;
-    double weight;  ///< 1: the noise's own variance
+    double weight;    ///< 1: the noise's own variance
+    double share{1};  ///< of the field that is measured here
   };
   FieldProblem(const FieldWaves& waves, std::span<const Row> rows);
 
