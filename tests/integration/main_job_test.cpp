@@ -34,6 +34,8 @@ TEST_GROUP(MainJob) {
   /// What the product promises for such shoes (issue of the bite line): a twentieth of a millimetre on
   /// average.
   static constexpr Bars k_groove_bars{.mean_mm = 0.05, .p95_mm = 0.12};
+  /// The same by an arm that sways: 0.05 mm at 250 mm/s and 0.1 mm at 500, so 0.08 mm at the demo's 400.
+  static constexpr Bars k_swaying_bars{.mean_mm = 0.08, .p95_mm = 0.2};
   /// The same for an upper whose last differs from the sample's by 0.15 mm.
   static constexpr Bars k_transfer_bars{.mean_mm = 0.15, .p95_mm = 0.35};
 
@@ -85,7 +87,7 @@ TIMED_TEST(MainJob, DemoScansASampleAndTheUppersAfterItPlansAndFollows) {
   LONGS_EQUAL(3, read_json(out / "report.json")["shoes"].size());
   for (const char* shoe : {"sample", "upper-1", "upper-2"}) {
     const fs::path scan = last_scan(out / shoe);
-    const Bars bars = std::string{"sample"} == shoe ? k_groove_bars : k_transfer_bars;
+    const Bars bars = std::string{"sample"} == shoe ? k_swaying_bars : k_transfer_bars;
     line_is_right(scan / "line.csv", out / shoe / "cell/truth/groove.csv", bars);
     for (const char* file :
          {"index.html", "path/path.csv", "path/path.script", "path/tracking.html", "track.csv"}) {
@@ -93,9 +95,9 @@ TIMED_TEST(MainJob, DemoScansASampleAndTheUppersAfterItPlansAndFollows) {
     }
     const auto followed = read_json(scan / "followed.json");
     CHECK(followed["completed"].get<bool>());
-    // The simulated controller blends corners by at most the path's own tolerance of 0.05 mm; the line's
-    // waypoints are chords.
-    CHECK_COMPARE(followed["from_path_mm"]["max"].get<double>(), <=, 0.1);
+    // An arm with joints of 8 Hz gives by a / (2 pi 8)^2, 0.4 mm per m/s^2; where the wrist turns the tool
+    // quickest its tip is accelerated by less than 1.5 m/s^2.
+    CHECK_COMPARE(followed["from_path_mm"]["max"].get<double>(), <=, 0.6);
     CHECK_COMPARE(followed["from_path_mm"]["p95"].get<double>(), <=,
                   followed["from_path_mm"]["max"].get<double>());
     CHECK_COMPARE(followed["covered"].get<double>(), >=, 0.99);

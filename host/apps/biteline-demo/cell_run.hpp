@@ -19,6 +19,7 @@ struct CellOptions {
   std::uint64_t seed{5};
   std::string shoe{"deep"};
   std::string arm{"ur10e"};
+  std::string world{"real"};           ///< or ideal: without what an arm, a lamp and a laser add
   double size{42};                     ///< European; 0: as long as the class draws it
   double speed_mm_s{400};              ///< of the stripe along the outline, where the arm's joints allow it
   double rate_hz{200};                 ///< pictures a second: 2 mm apart at that speed

@@ -166,6 +166,11 @@ void add_options(options::Command& app, Options& options) {
       ->excludes(json)
       ->excludes(uppers);
   app.add_option("--arm", options.cell.arm, "ur3e, ur5e or ur10e")->capture_default_str();
+  app.add_option("--world", options.cell.world,
+                 "real: elastic joints, following error, latency, blur, speckle, table, fixture and lamps; "
+                 "ideal: none of these")
+      ->check(options::one_of({"ideal", "real"}))
+      ->capture_default_str();
   app.add_option("--process", options.cell.process, "Process YAML; default: grind");
 }
 
@@ -186,9 +191,9 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "biteline-demo: %s (see --help)\n", leave->fault.c_str());
     return static_cast<int>(biteline::ExitStatus::BadInput);
   }
+  options.web = app.get_option("--web")->count() > 0;
   const biteline::Result<biteline::ExitStatus> status = biteline::demo::run_demo(options);
   if (status) return static_cast<int>(*status);
   std::fprintf(stderr, "biteline-demo: %s\n", biteline::to_line(status.error()).c_str());
   return static_cast<int>(biteline::error_row(status.error().code).exit_status);
 }
-  options.web = app.get_option("--web")->count() > 0;

@@ -58,6 +58,8 @@ std::vector<std::string> cell_arguments(const CellOptions& options, const Shoe& 
                                      options.shoe,
                                      "--arm",
                                      options.arm,
+                                     "--world",
+                                     options.world,
                                      "--place",
                                      std::to_string(shoe.place),
                                      "--out",
