@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "host/bite_line/evaluation/statistics.hpp"
+#include "host/geometry/symmetric.hpp"
 
 namespace biteline::evaluation {
 namespace {
@@ -97,7 +98,7 @@ CloudError cloud_error_aligned(const cloud::PointCloud& cloud, const ReferenceSu
       A += row * row.transpose();
       b -= row * found[k].normal.dot(moved[k] - found[k].point);
     }
-    const Twist step_xi = (A + 1e-9 * Eigen::Matrix<double, 6, 6>::Identity()).ldlt().solve(b);
+    const Twist step_xi = geometry::solve_symmetric(A + 1e-9 * Eigen::Matrix<double, 6, 6>::Identity(), b);
     SE3 T_step = SE3::Identity();
     T_step.linear() = geometry::exp_so3(step_xi.tail<3>());
     T_step.translation() = middle + step_xi.head<3>() - T_step.linear() * middle;
