@@ -59,7 +59,7 @@ struct Wish {
     Air
   };
   Kind kind{Kind::Stop};
-  std::string scan, who, why;
+  std::string scan{}, who{}, why{};
   api::Job job{};
   std::string settings{};                          ///< a whole settings file
   wire::Command command{wire::Command::KeepLast};  ///< of Keep
