@@ -51,8 +51,9 @@ constexpr double k_elsewhere_mm = 2.5, k_elsewhere_aslant_mm = 0.7;
 
 constexpr double k_least_weight = 2e-3;  // less is left out
 
-// Weighed from where it led, the next motion moves the line by less than 0.05 mm.
-constexpr int k_rounds = 5;
+// Weighed from where it led, the next motion moves the line by less than 0.05 mm.  Along the shoe and turned
+// about its height little holds an upper, and little of that moves the line: there it takes some rounds.
+constexpr int k_rounds = 10;
 constexpr double k_settled_mm = 0.03, k_settled_rad = 2e-4;
 
 double square(double value) {
