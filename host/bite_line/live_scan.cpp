@@ -9,10 +9,8 @@ namespace {
 
 /// Of an arm that a scan does not show.
 uncertainty::ArmGive known_give(const Config& config) {
-  if (config.head != nullptr && config.head->uncertainty.arm_give_mm_per_m_s2)
-    return {.mm_per_m_s2 = *config.head->uncertainty.arm_give_mm_per_m_s2,
-            .source = uncertainty::ArmSource::Stated};
-  return config.arm_give.value_or(uncertainty::k_assumed_give);
+  return uncertainty::give_of(config.head != nullptr ? std::optional{config.head->uncertainty} : std::nullopt,
+                              config.arm_give);
 }
 
 }  // namespace

@@ -95,14 +95,16 @@ TEST(LiveLine, ACloudTakenUpAgainKeepsItsPoses) {
   CHECK(line.arm.has_value());
   CHECK_EQUAL(poses.size(), line.arm->places.size());
   // A scan in which no line is looked for tells the same.
-  const ScanOutcome scan{.cloud = cloud, .poses = poses};
+  ScanOutcome scan;
+  scan.cloud = cloud;
+  CHECK_FALSE(whole_scan_of(scan, {}, {}).known());
+  scan.poses = poses;
   const uncertainty::WholeScan whole = whole_scan_of(
       scan, {}, uncertainty::ArmGive{.mm_per_m_s2 = 0.05, .source = uncertainty::ArmSource::EarlierScans});
   CHECK(whole.arm && !whole.head);
   DOUBLES_EQUAL(line.arm->sigma_mm, whole.arm->sigma_mm, 1e-12);
   CHECK_EQUAL(line.arm->places.size(), whole.arm->places.size());
   CHECK(whole_scan_of(scan, uncertainty::HeadUncertainty{}, {}).head.has_value());
-  CHECK_FALSE(whole_scan_of({.cloud = cloud}, {}, {}).known());
   CHECK(line.arm->source == uncertainty::ArmSource::EarlierScans);
   DOUBLES_EQUAL(0.05, line.arm->give_mm_per_m_s2, 1e-12);
   LiveLine without{k_line_only};
