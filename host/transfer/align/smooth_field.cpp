@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 namespace biteline::transfer {
 namespace {
@@ -32,7 +31,8 @@ FieldWaves::FieldWaves(const Domain& domain) : domain_{domain} {
   across_.resize(along_.size());
   for (Eigen::Index j = 0; j < across_count_; ++j) {
     for (Eigen::Index i = 0; i < round_count; ++i) {
-      along_[j * round_count + i] = k_two_pi * static_cast<double>((i + 1) / 2) / domain.ring_mm;
+      const Eigen::Index harmonic = (i + 1) / 2;  // a cosine and a sine of each
+      along_[j * round_count + i] = k_two_pi * static_cast<double>(harmonic) / domain.ring_mm;
       across_[j * round_count + i] = std::numbers::pi * static_cast<double>(j) / width_mm;
     }
   }
@@ -86,7 +86,7 @@ FieldProblem::Reduced FieldProblem::reduced(const Eigen::VectorXd& wave_variance
   const Eigen::VectorXd roots = wave_variances.cwiseSqrt();
   Eigen::MatrixXd inner = roots.asDiagonal() * waves_squared_ * roots.asDiagonal();
   inner.diagonal().array() += 1;
-  const Eigen::LLT<Eigen::MatrixXd> factor{std::move(inner)};
+  const Eigen::LLT<Eigen::MatrixXd> factor{inner};
   Eigen::MatrixXd hidden = roots.asDiagonal() * waves_sides_;
   factor.matrixL().solveInPlace(hidden);
   const Sides left = sides_squared_ - hidden.transpose() * hidden;
