@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Binary live data, as openapi.yaml's /live describes them: little endian, byte 0 is the kind.
-import type { SensorState } from './sensor';
 import type { Peaks } from './sensor_picture';
+import type { SensorState } from './sensor_state';
 import { socket_address } from './store';
 
 export type LiveMessage =

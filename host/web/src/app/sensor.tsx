@@ -15,30 +15,9 @@ import {
   mark_colours,
   measure,
 } from './sensor_picture';
-import { type Setting, SensorSettings } from './sensor_settings';
-import { type Upkeep, upkeep_rows } from './upkeep';
-
-export interface SensorState {
-  name: string;
-  version: string;
-  simulated: boolean;
-  recording: boolean;
-  scanning: boolean;
-  laser: 'on' | 'off' | 'fault';
-  laser_reason: string;
-  region_px: [number, number, number, number];
-  frames: number;
-  frames_lost: number;
-  frames_damaged: number;
-  profiles: number;
-  triggered_by_software: boolean;
-  temperature_degc?: number;
-  rate_max_hz?: number;
-  changes?: number;
-  trigger?: { edges: number; edges_missed: number; frames_without_edge: number };
-  upkeep?: Upkeep;
-  settings?: Setting[];
-}
+import { SensorSettings } from './sensor_settings';
+import type { SensorState } from './sensor_state';
+import { upkeep_rows } from './upkeep';
 
 interface Seen {
   peaks: Peaks;
