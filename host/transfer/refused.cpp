@@ -21,6 +21,8 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
       Row{LineNotMet, "line_not_met", "scan the upper again, down to its lower edge"},
       Row{LineHardlySeen, "line_hardly_seen", "scan the upper again, all the way round"},
       Row{ScanHasGap, "scan_has_gap", "scan the upper again; the gap's place is in the reason"},
+      Row{TooMuchUnsure, "too_much_unsure",
+          "scan the upper again, all the way round; if that does not help, scan a new sample"},
       Row{SeveralModelsFit, "several_models_fit", "name the model with --sample"},
       Row{ModelNotSure, "model_not_sure", "name the model with --sample"},
       Row{NoModelFits, "no_model_fits", "save a sample of this model with biteline model save"},

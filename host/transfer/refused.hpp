@@ -19,6 +19,7 @@ enum class Refused {
   LineNotMet,             ///< no ray from the sample's line meets the upper
   LineHardlySeen,         ///< the scan shows too small a share of the line
   ScanHasGap,             ///< a gap on the line is too long to be bridged
+  TooMuchUnsure,          ///< too much of the carried line is flagged
   SeveralModelsFit,       ///< without --sample: two models fit
   ModelNotSure,           ///< without --sample: one model fits, but not well enough to be named
   NoModelFits,            ///< without --sample: none fits

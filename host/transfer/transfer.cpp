@@ -10,6 +10,8 @@
 #include <cmath>
 #include <optional>
 
+#include "common/core/fixed_text.hpp"
+#include "host/cloud/flagged.hpp"
 #include "host/transfer/align/diagnosis.hpp"
 #include "host/transfer/carry/point_surface.hpp"
 #include "host/transfer/carry/scan_mesh.hpp"
@@ -165,6 +167,20 @@ void tell_of_scans(const cloud::ClosedLine& sample, const uncertainty::WholeScan
   transfer.arm = upper.arm;
 }
 
+/// Why a carried line with so much flagged is none, as one that is found; nothing where it is one.
+std::optional<Refusal> flagged_refusal(const CarriedLine& carried, const Alignment& alignment) {
+  const cloud::Flagged flagged = cloud::flagged_of(carried.line);
+  if (!flagged.too_much()) return std::nullopt;
+  const auto words = FixedText<240>::format(
+      "%.0f %% of the carried line's length is unsure, and U95 is above %.0f mm on another %.0f %% (together "
+      "at most %.0f %%); %.0f mm were not seen on the upper and are bridged",
+      100 * flagged.unsure, cloud::k_sure_mm, 100 * flagged.uncertain, 100 * cloud::k_most_flagged_share,
+      carried.bridged_mm);
+  std::string reason = words.c_str();
+  if (!alignment.next_step.empty()) reason += "; " + alignment.next_step;
+  return Refusal{.code = Refused::TooMuchUnsure, .reason = std::move(reason)};
+}
+
 double mean_confidence(const cloud::ClosedLine& line) {
   double sum = 0;
   for (const cloud::LinePoint& point : line.points) sum += point.confidence;
@@ -248,9 +264,13 @@ Transfer transfer_line(const SampleFiles& sample, const cloud::PointCloud& upper
   transfer.carried = carry(sample, sample_up, upper, prepared, transfer.placed, carrying);
   clock.lap("rays");
   transfer.refusal = transfer.carried.refusal;
+  if (!transfer.refusal) {
+    tell_of_scans(sample.line, options.upper_scan, up, transfer);
+    transfer.bound_mm = bound_mm(sigmas_of(transfer.carried.line));
+    transfer.refusal = flagged_refusal(transfer.carried, alignment);
+    if (transfer.refusal) transfer.carried.line = {};
+  }
   transfer.found = !transfer.refusal;
-  if (transfer.found) tell_of_scans(sample.line, options.upper_scan, up, transfer);
-  if (transfer.found) transfer.bound_mm = bound_mm(sigmas_of(transfer.carried.line));
   transfer.confidence = mean_confidence(transfer.carried.line);
   return transfer;
 }

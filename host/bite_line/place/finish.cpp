@@ -11,28 +11,17 @@
 #include "common/core/fixed_text.hpp"
 #include "host/bite_line/place/confidence.hpp"
 #include "host/bite_line/place/point_spread.hpp"
+#include "host/cloud/flagged.hpp"
 #include "host/cloud/uncertainty/radius.hpp"
 #include "host/geometry/closed_curve.hpp"
 
 namespace biteline::bite_line {
 
-Flagged flagged_of(const cloud::ClosedLine& line, double min_confidence) {
-  const double each = 1.0 / static_cast<double>(std::max<std::size_t>(line.points.size(), 1));
-  Flagged flagged;
-  for (const cloud::LinePoint& p : line.points) {
-    if (!(p.confidence >= std::max(min_confidence, cloud::k_sure_ratio)))
-      flagged.unsure += each;
-    else if ((p.flags & cloud::k_line_unsure) != 0)
-      flagged.uncertain += each;
-  }
-  return flagged;
-}
-
 namespace {
 
 /// Why a line with so much flagged is none; nothing where it is one.
-std::optional<Refusal> flagged_refusal(const Flagged& flagged, const PlacedLine& placed) {
-  if (!(flagged.all() > k_most_flagged_share)) return std::nullopt;
+std::optional<Refusal> flagged_refusal(const cloud::Flagged& flagged, const PlacedLine& placed) {
+  if (!flagged.too_much()) return std::nullopt;
   using Text = FixedText<240>;
   const Text in_front = placed.thing_beside_mm > 0
                             ? Text::format("; a pin, a clamp or a cable stands in front of it over %.0f mm",
@@ -43,14 +32,15 @@ std::optional<Refusal> flagged_refusal(const Flagged& flagged, const PlacedLine&
                    Text::format("U95 is above %.0f mm on %.0f %% of the line's length and %.0f %% is unsure "
                                 "(together at most %.0f %%)%s",
                                 cloud::k_sure_mm, 100 * flagged.uncertain, 100 * flagged.unsure,
-                                100 * k_most_flagged_share, in_front.c_str())
+                                100 * cloud::k_most_flagged_share, in_front.c_str())
                        .c_str()};
   }
   return Refusal{
       Refused::TooMuchUnsure,
       Text::format("%.0f %% of the line's length is unsure (at most %.0f %%); %.0f mm were not seen and are "
                    "bridged%s",
-                   100 * flagged.all(), 100 * k_most_flagged_share, placed.bridged_mm, in_front.c_str())
+                   100 * flagged.all(), 100 * cloud::k_most_flagged_share, placed.bridged_mm,
+                   in_front.c_str())
           .c_str()};
 }
 
@@ -155,7 +145,7 @@ Extraction finish(const Side& side, const Decision& decision, const PlacedLine& 
                        config.point_spacing_mm);
   out.head_in_u95 = whole.head.has_value();
   out.arm = whole.arm;
-  const Flagged flagged = flagged_of(out.line, config.min_confidence_ratio);
+  const cloud::Flagged flagged = cloud::flagged_of(out.line, config.min_confidence_ratio);
   out.confidence = std::min(out.confidence, 1 - flagged.all());
   out.refusal = flagged_refusal(flagged, placed);
   if (out.refusal) {

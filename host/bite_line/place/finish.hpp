@@ -25,20 +25,6 @@ namespace biteline::bite_line {
 [[nodiscard]] cloud::ClosedLine even_line(const PlacedLine& placed, const SE3& T_base_shoe, double of_line,
                                           const uncertainty::WholeScan& scan, double spacing_mm);
 
-/// A line with more than this flagged is none: a tool would work beside the bite line there.
-inline constexpr double k_most_flagged_share = 0.1;
-
-/// Shares of the line's points that are flagged, by what flags them.
-struct Flagged {
-  double unsure{0};     ///< too little confidence
-  double uncertain{0};  ///< sure enough, and yet too much U95
-
-  [[nodiscard]] double all() const { return unsure + uncertain; }
-};
-
-/// A point below `min_confidence` counts as flagged, too.
-[[nodiscard]] Flagged flagged_of(const cloud::ClosedLine& line, double min_confidence);
-
 /// Central differences of the closed line's positions, over a millimetre and a half to either side.
 void add_tangents(cloud::ClosedLine& line);
 

@@ -9,7 +9,7 @@
 
 #include "common/core/fixed_text.hpp"
 #include "common/system/file.hpp"
-#include "host/bite_line/place/finish.hpp"
+#include "host/cloud/flagged.hpp"
 #include "host/cloud/ply.hpp"
 #include "host/records/report/page.hpp"
 #include "host/records/results/line_uncertainty.hpp"
@@ -52,14 +52,13 @@ double found_confidence(const Json& found) {
 
 /// Why a mended line is no result.
 std::optional<mend::Refusal> judge(const cloud::ClosedLine& line) {
-  constexpr double k_limit = cloud::k_sure_ratio;
-  const double flagged = bite_line::flagged_of(line, k_limit).all();
-  if (flagged > bite_line::k_most_flagged_share) {
+  const cloud::Flagged flagged = cloud::flagged_of(line);
+  if (flagged.too_much()) {
     return mend::Refusal{
         mend::Refused::StillUnsure,
         Text::format("%.0f %% of the mended line's length is unsure or has too much U95 (at most %.0f %%): a "
                      "hand does not raise the confidence",
-                     100 * flagged, 100 * bite_line::k_most_flagged_share)
+                     100 * flagged.all(), 100 * cloud::k_most_flagged_share)
             .c_str()};
   }
   for (const path::Check& check : path::check_line(line)) {
@@ -116,7 +115,7 @@ Result<void> write_result(const fs::path& scan, MendedScan& mended, const SE3& T
                           "points", "candidates", "closure_mm", "calibration_check"}) {
     if (found.contains(key)) report.fields[key] = found[key];
   }
-  const double flagged = bite_line::flagged_of(mended.line, cloud::k_sure_ratio).all();
+  const double flagged = cloud::flagged_of(mended.line).all();
   mended.confidence = std::min(found_confidence(found), 1 - flagged);
   const std::optional<mend::Refusal> refusal = judge(mended.line);
   mended.status = refusal ? ExitStatus::Refused : ExitStatus::Done;

@@ -137,4 +137,32 @@ TEST(Bound, HoldsWhatTheUppersScanDoesNotKnow) {
   CHECK(sut.arm && !sut.head_u95);
 }
 
+TEST(Bound, ALineWithMoreThanATenthFlaggedIsNone) {
+  const test::MadePair pair = test::last_pair({.seed = 700, .difference_rms_mm = 0.12, .feather_seen = true});
+  for (const auto& [share, is_line] : {std::pair{0.08, true}, std::pair{0.13, false}}) {
+    transfer::SampleFiles sample{.cloud = pair.sample_cloud, .line = pair.sample_line};
+    const auto unsure = static_cast<std::size_t>(share * static_cast<double>(sample.line.points.size()));
+    for (std::size_t i = 0; i < unsure; ++i) sample.line.points[i].confidence = 0.4;
+    const Transfer sut = transfer_line(sample, pair.upper_cloud, {});
+    CHECK_EQUAL(is_line, sut.found);
+    CHECK_EQUAL(is_line, !sut.carried.line.points.empty());
+    if (is_line) continue;
+    CHECK(sut.refusal->code == Refused::TooMuchUnsure);
+    STRCMP_CONTAINS("% of the carried line's length is unsure", sut.reason().c_str());
+  }
+}
+
+TEST(Bound, ALineOfAnArmThatMovesTooMuchIsNone) {
+  const test::MadePair pair = test::last_pair({.seed = 700, .difference_rms_mm = 0.12, .feather_seen = true});
+  TransferOptions options;
+  const double sigma_mm = 0.45;  // U95 is 2.45 of it
+  options.upper_scan.arm = uncertainty::ArmMotion{
+      .sigma_mm = sigma_mm, .profiles = 1, .places = {{.middle_base = Vec3::Zero(), .sigma_mm = sigma_mm}}};
+  const Transfer sut =
+      transfer_line({.cloud = pair.sample_cloud, .line = pair.sample_line}, pair.upper_cloud, options);
+  CHECK_FALSE(sut.found);
+  CHECK(sut.refusal->code == Refused::TooMuchUnsure);
+  CHECK_COMPARE(sut.bound_mm, >, cloud::k_sure_mm);
+}
+
 }  // namespace biteline::transfer
