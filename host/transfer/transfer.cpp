@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "host/transfer/transfer.hpp"
 
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <optional>
 
 #include "common/core/fixed_text.hpp"
 #include "host/cloud/flagged.hpp"
 #include "host/transfer/align/diagnosis.hpp"
+#include "host/transfer/carry/beside_line.hpp"
 #include "host/transfer/carry/point_surface.hpp"
 #include "host/transfer/carry/scan_mesh.hpp"
 #include "host/transfer/uncertainty.hpp"
@@ -25,26 +26,31 @@ using transfer::PlacedPoint;
 using transfer::Sample;
 using transfer::Upper;
 
-/// What the two scans are made into before anything is compared.
-struct Prepared {
-  std::optional<Result<Sample>> sample;
-  std::optional<Result<Upper>> upper;
-  std::optional<Result<transfer::ScanMesh>> mesh;  ///< only of an organised scan
+/// The upper's mesh, only of an organised scan.  Made beside whatever goes on until it is asked for.
+class MeshBeside {
+ public:
+  explicit MeshBeside(const cloud::PointCloud& upper) {
+    if (upper.organised()) work_.run([this, &upper] { made_ = ScanMesh::create(upper); });
+  }
+  MeshBeside(const MeshBeside&) = delete;
+  MeshBeside& operator=(const MeshBeside&) = delete;
+  ~MeshBeside() {
+    try {
+      work_.wait();
+    } catch (...) {  // nobody asks for it any more
+    }
+  }
+
+  /// Null where there is none.
+  [[nodiscard]] const ScanMesh* wait() {
+    work_.wait();
+    return made_ && made_->has_value() ? &**made_ : nullptr;
+  }
+
+ private:
+  tbb::task_group work_;
+  std::optional<Result<ScanMesh>> made_;
 };
-
-Prepared prepare(const SampleFiles& sample, const cloud::PointCloud& upper) {
-  Prepared prepared;
-  tbb::parallel_invoke([&] { prepared.sample = transfer::prepare_sample(sample.cloud, sample.line); },
-                       [&] { prepared.upper = transfer::prepare_upper(upper); },
-                       [&] {
-                         if (upper.organised()) prepared.mesh = transfer::ScanMesh::create(upper);
-                       });
-  return prepared;
-}
-
-bool has_mesh(const Prepared& prepared) {
-  return prepared.mesh && prepared.mesh->has_value();
-}
 
 std::vector<PlacedPoint> placed_line(const cloud::ClosedLine& line, const Sample& sample,
                                      const Alignment& alignment) {
@@ -62,74 +68,17 @@ std::vector<PlacedPoint> placed_line(const cloud::ClosedLine& line, const Sample
   return placed;
 }
 
-/// Where the sample's wall was not seen its line is bridged, too, and keeps its distance.
-void interpolate_walls(std::vector<PlacedPoint>& placed) {
-  const std::size_t size = placed.size();
-  const std::vector<PlacedPoint> seen = placed;
-  for (std::size_t i = 0; i < size; ++i) {
-    if (seen[i].wall_mm) continue;
-    std::size_t behind = 1, before = 1;
-    while (behind < size && !seen[(i + size - behind) % size].wall_mm) ++behind;
-    while (before < size && !seen[(i + before) % size].wall_mm) ++before;
-    if (behind == size) return;
-    const double share = static_cast<double>(behind) / static_cast<double>(behind + before);
-    placed[i].wall_mm =
-        (1 - share) * *seen[(i + size - behind) % size].wall_mm + share * *seen[(i + before) % size].wall_mm;
-  }
-}
-
-/// Along each ray to the sample's wall above the line: the mean over some heights above its groove and over a
-/// few mm along the line, so that stitches do not count.
-void find_walls(const transfer::RaySurface& sample, const cloud::ClosedLine& line, const Vec3& up,
-                std::vector<PlacedPoint>& placed) {
-  constexpr std::array k_heights_mm{5.0, 6.0, 7.0, 8.0};
-  constexpr double k_reach_mm = 15, k_half_window_mm = 3;
-  std::vector<double> sums_mm(placed.size(), 0), counts(placed.size(), 0);
-  tbb::parallel_for(std::size_t{0}, placed.size(), [&](std::size_t i) {
-    const cloud::LinePoint& p = line.points[i];
-    const Vec3 level = (p.normal - p.normal.dot(up) * up).normalized();
-    for (const double height_mm : k_heights_mm) {
-      const auto hit =
-          sample.cast({.origin = p.position + height_mm * up, .direction = level, .reach_mm = k_reach_mm});
-      if (!hit) continue;
-      sums_mm[i] += hit->distance_mm;
-      counts[i] += 1;
-    }
-  });
-  const std::size_t size = placed.size();
-  const auto half =
-      static_cast<std::size_t>(k_half_window_mm * static_cast<double>(size) / cloud::length_mm(line));
-  const auto windowed = [&](std::size_t i) -> std::optional<double> {
-    double sum_mm = 0, count = 0;
-    for (std::size_t k = 0; k <= 2 * half; ++k) {
-      sum_mm += sums_mm[(i + size + k - half) % size];
-      count += counts[(i + size + k - half) % size];
-    }
-    return count > 0 ? std::optional{sum_mm / count} : std::nullopt;
-  };
-  for (std::size_t i = 0; i < size; ++i) placed[i].wall_mm = windowed(i);
-  interpolate_walls(placed);
-}
-
 /// Mesh where there is one; scattered points where not, and where the mesh leaves gaps.  Gaps of both are
 /// bridged as the sample's wall runs.
-transfer::CarriedLine carry(const SampleFiles& sample, const Vec3& sample_up, const cloud::PointCloud& upper,
-                            const Prepared& prepared, std::vector<PlacedPoint> placed,
-                            const transfer::CarryOptions& options) {
-  const transfer::ScanMesh* mesh = has_mesh(prepared) ? &**prepared.mesh : nullptr;
-  if (mesh != nullptr) {
-    transfer::CarriedLine carried = transfer::carry_line(*mesh, placed, options);
-    if (carried.hits == carried.rays) return carried;
-  }
-  const auto sample_mesh = transfer::ScanMesh::create(sample.cloud);
-  if (sample_mesh) {
-    find_walls(*sample_mesh, sample.line, sample_up, placed);
-  } else {
-    find_walls(transfer::PointSurface{sample.cloud.points}, sample.line, sample_up, placed);
-  }
-  const transfer::PointSurface points{upper.points};
-  if (mesh == nullptr) return transfer::carry_line(points, placed, options);
-  return transfer::carry_line(transfer::FirstOf{*mesh, points}, placed, options);
+CarriedLine carry(const ReadySample& sample, const cloud::PointCloud& upper, const ScanMesh* mesh,
+                  std::vector<PlacedPoint> placed, const CarryOptions& options) {
+  if (mesh != nullptr && all_met(*mesh, placed, options)) return carry_line(*mesh, placed, options);
+  std::optional<PointSurface> points;
+  tbb::parallel_invoke([&] { points.emplace(points_beside(upper.points, placed, options)); },
+                       [&] { (void)sample.walls_mm(); });
+  for (std::size_t i = 0; i < placed.size(); ++i) placed[i].wall_mm = sample.walls_mm()[i];
+  if (mesh == nullptr) return carry_line(*points, placed, options);
+  return carry_line(FirstOf{*mesh, *points}, placed, options);
 }
 
 /// Of another size: twice the standard deviation of alignment and of what the fit of two shapes leaves, and
@@ -231,20 +180,31 @@ class LapClock {
 
 Transfer transfer_line(const SampleFiles& sample, const cloud::PointCloud& upper,
                        const TransferOptions& options) {
+  // Not its owner, and gone before it.
+  return transfer_line(ReadySample{std::shared_ptr<const SampleFiles>{std::shared_ptr<void>{}, &sample}},
+                       upper, options);
+}
+
+Transfer transfer_line(const ReadySample& sample, const cloud::PointCloud& upper,
+                       const TransferOptions& options) {
+  const cloud::ClosedLine& line = sample.files().line;
   Transfer transfer;
   LapClock clock{transfer.stages};
-  const Prepared prepared = prepare(sample, upper);
-  if (!*prepared.sample) return refused(Refused::SampleUnusable, prepared.sample->error());
-  if (!*prepared.upper) return refused(Refused::UpperWithoutShoe, prepared.upper->error());
-  transfer.from_mesh = has_mesh(prepared);
+  MeshBeside mesh{upper};
+  std::optional<Result<Upper>> made_upper;
+  tbb::parallel_invoke([&] { (void)sample.prepared(); }, [&] { made_upper = prepare_upper(upper); });
+  if (!sample.prepared()) return refused(Refused::SampleUnusable, sample.prepared().error());
+  if (!*made_upper) return refused(Refused::UpperWithoutShoe, made_upper->error());
   clock.lap("prepare");
 
-  const Sample& made_sample = **prepared.sample;
-  transfer.alignment = transfer::align(made_sample, **prepared.upper, options.align);
+  const Sample& made_sample = *sample.prepared();
+  transfer.alignment = transfer::align(made_sample, **made_upper, options.align);
+  const ScanMesh* upper_mesh = mesh.wait();
+  transfer.from_mesh = upper_mesh != nullptr;
   clock.lap("align");
   const Alignment& alignment = transfer.alignment;
   if (alignment.verdict == Verdict::OtherModel) {
-    const Diagnosis diagnosis = diagnose(made_sample, **prepared.upper, options.align, alignment);
+    const Diagnosis diagnosis = diagnose(made_sample, **made_upper, options.align, alignment);
     transfer.alignment.verdict = diagnosis.verdict;
     transfer.refusal = Refusal{.code = code_of(diagnosis.verdict), .reason = diagnosis.reason};
     clock.lap("diagnose");
@@ -252,7 +212,7 @@ Transfer transfer_line(const SampleFiles& sample, const cloud::PointCloud& upper
   }
   const Vec3 up = alignment.placement.T_target_source.linear().col(2);
   const CarryOptions carrying{.direction = options.direction, .up = up, .max_gap_mm = options.max_gap_mm};
-  transfer.placed = placed_line(sample.line, made_sample, alignment);
+  transfer.placed = placed_line(line, made_sample, alignment);
   tell_sigmas(alignment, options.align.grade, carrying, transfer.placed);
   transfer.bound_mm = bound_mm(sigmas_of(transfer.placed));
   if (!alignment.accepted()) {
@@ -260,12 +220,11 @@ Transfer transfer_line(const SampleFiles& sample, const cloud::PointCloud& upper
     return transfer;
   }
 
-  const Vec3 sample_up = made_sample.T_base_shoe.linear().col(2);
-  transfer.carried = carry(sample, sample_up, upper, prepared, transfer.placed, carrying);
+  transfer.carried = carry(sample, upper, upper_mesh, transfer.placed, carrying);
   clock.lap("rays");
   transfer.refusal = transfer.carried.refusal;
   if (!transfer.refusal) {
-    tell_of_scans(sample.line, options.upper_scan, up, transfer);
+    tell_of_scans(line, options.upper_scan, up, transfer);
     transfer.bound_mm = bound_mm(sigmas_of(transfer.carried.line));
     transfer.refusal = flagged_refusal(transfer.carried, alignment);
     if (transfer.refusal) transfer.carried.line = {};

@@ -8,6 +8,7 @@
 #include "host/records/report/stage_clock.hpp"
 #include "host/transfer/align/alignment.hpp"
 #include "host/transfer/carry/carried_line.hpp"
+#include "host/transfer/ready_sample.hpp"
 #include "host/transfer/refused.hpp"
 #include "host/transfer/sample_folder.hpp"
 
@@ -41,6 +42,9 @@ struct Transfer {
 };
 
 /// Never fails: without a line the Transfer has its refusal.
+[[nodiscard]] Transfer transfer_line(const ReadySample& sample, const cloud::PointCloud& upper,
+                                     const TransferOptions& options);
+/// The same for one upper.
 [[nodiscard]] Transfer transfer_line(const SampleFiles& sample, const cloud::PointCloud& upper,
                                      const TransferOptions& options);
 

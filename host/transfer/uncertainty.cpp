@@ -16,8 +16,15 @@ constexpr double k_share = 0.95;
 constexpr double k_share_sigmas = 1.959964;  // of a normal distribution, both sides
 constexpr int k_halvings = 24;               // of an interval some mm wide: below a micrometre
 
+/// Beyond nine nothing is left that a double could hold beside 1.
 double chance_below(double sigmas) {
+  if (std::abs(sigmas) > 9) return sigmas < 0 ? 0 : 1;
   return 0.5 * std::erfc(-sigmas / std::numbers::sqrt2);
+}
+
+/// Below e^-60 a density adds nothing, and would underflow.
+double bell(double sigmas) {
+  return std::exp(std::max(-60.0, -0.5 * sigmas * sigmas));
 }
 
 /// The smallest value at which the rising `share_within` reaches the share, below `highest`.
@@ -35,18 +42,45 @@ struct Spread {
   double weight, mean_mm, sigma_mm;
 };
 
+/// What lies within a distance, and how fast that grows.
+struct Within {
+  double share, per_mm;
+};
+
+Within share_within(const std::vector<Spread>& parts, double within_mm) {
+  constexpr double k_density = std::numbers::inv_sqrtpi / std::numbers::sqrt2;
+  Within sum{.share = 0, .per_mm = 0};
+  for (const Spread& part : parts) {
+    const double above = (within_mm - part.mean_mm) / part.sigma_mm,
+                 below = (-within_mm - part.mean_mm) / part.sigma_mm;
+    sum.share += part.weight * (chance_below(above) - chance_below(below));
+    sum.per_mm += part.weight * k_density / part.sigma_mm * (bell(above) + bell(below));
+  }
+  return sum;
+}
+
+/// Newton's steps from what one normal distribution as wide would have; halved where a step leaves what is
+/// still open.
 double u95_mm(const std::vector<Spread>& parts) {
-  double highest = 0;
-  for (const Spread& part : parts)
-    highest = std::max(highest, std::abs(part.mean_mm) + 2 * k_share_sigmas * part.sigma_mm);
-  return reached_at(highest, [&](double within_mm) {
-    double share = 0;
-    for (const Spread& part : parts) {
-      share += part.weight * (chance_below((within_mm - part.mean_mm) / part.sigma_mm) -
-                              chance_below((-within_mm - part.mean_mm) / part.sigma_mm));
+  constexpr double k_near_mm = 2e-5;  // the step after it is shorter than its square over the narrowest part
+  double low = 0, high = 0, variance = 0;
+  for (const Spread& part : parts) {
+    high = std::max(high, std::abs(part.mean_mm) + 2 * k_share_sigmas * part.sigma_mm);
+    variance += part.weight * (part.mean_mm * part.mean_mm + part.sigma_mm * part.sigma_mm);
+  }
+  double at = std::min(high, k_share_sigmas * std::sqrt(variance));
+  for (int i = 0; i < 2 * k_halvings; ++i) {
+    const Within within = share_within(parts, at);
+    (within.share < k_share ? low : high) = at;
+    const double next = within.per_mm > 0 ? at + (k_share - within.share) / within.per_mm : low;
+    if (!(next > low && next < high)) {
+      at = (low + high) / 2;
+      continue;
     }
-    return share;
-  });
+    if (std::abs(next - at) < k_near_mm) return next;
+    at = next;
+  }
+  return at;
 }
 
 /// How the carried line moves with the placement: along the wall and across the line, target's frame.

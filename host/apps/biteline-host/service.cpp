@@ -53,10 +53,13 @@ Result<Service> Service::create(const Options& options) {
   }
   std::optional<Carrier> carrier;
   if (options.sample) {
-    carrier.emplace(
-        Carrier{.name = options.sample->sample, .sample = {}, .options = options.sample->transfer});
-    BITELINE_ASSIGN(carrier->sample, transfer::find_sample(options.sample->sample,
-                                                           transfer::Library{options.sample->library}));
+    BITELINE_ASSIGN(
+        transfer::SampleFiles sample,
+        transfer::find_sample(options.sample->sample, transfer::Library{options.sample->library}));
+    carrier.emplace(Carrier{.name = options.sample->sample,
+                            .sample = transfer::ReadySample{std::move(sample)},
+                            .options = options.sample->transfer});
+    carrier->sample.make_all();
   }
   std::vector<line_control::Job> jobs;
   if (options.doors.jobs) {

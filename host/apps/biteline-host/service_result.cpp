@@ -212,8 +212,9 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
     return found;
   }
   // An upper without its sole: the model's line is carried over.
-  return carry_line(scan.folder, {.name = chosen.model, .sample = std::move(sample), .options = {}}, outcome,
-                    known_before(), hash_of(chosen.release));
+  return carry_line(scan.folder,
+                    {.name = chosen.model, .sample = transfer::ReadySample{std::move(sample)}, .options = {}},
+                    outcome, known_before(), hash_of(chosen.release));
 }
 
 Result<void> Service::choose_process(Chosen& chosen) const {
@@ -368,7 +369,8 @@ Result<ExitStatus> Service::work_named(Unnamed unnamed, const std::string& model
   const Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
     LineStep line = std::move(unnamed.line);
     if (!line.line) {
-      const Carrier carrier{.name = model, .sample = std::move(*sample), .options = {}};
+      const Carrier carrier{
+          .name = model, .sample = transfer::ReadySample{std::move(*sample)}, .options = {}};
       BITELINE_ASSIGN(line,
                       carry_line(folder, carrier, unnamed.outcome, known_before(), hash_of(chosen.release)));
       BITELINE_TRY(line.pages.write(unnamed.outcome.cloud));

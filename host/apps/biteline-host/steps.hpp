@@ -54,7 +54,7 @@ struct KnownBefore {
 /// A sample, read and ready.
 struct Carrier {
   std::string name;
-  transfer::SampleFiles sample;
+  transfer::ReadySample sample;
   transfer::TransferOptions options;
 };
 

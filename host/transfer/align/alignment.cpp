@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "host/transfer/align/alignment.hpp"
 
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
+#include <optional>
 
 #include "common/core/fixed_text.hpp"
 #include "host/geometry/symmetric.hpp"
@@ -35,14 +40,18 @@ double square(double value) {
   return value * value;
 }
 
+/// Which of the graded sample's surfels lies where.
+std::shared_ptr<const NearestTable> table_of(const Sample& sample, const Grade& grade) {
+  if (grade.is_none() && sample.common_table) return sample.common_table;
+  Surfels graded = sample.common;
+  for (std::size_t i = 0; i < graded.size(); ++i)
+    graded.positions[i] = grade.apply(graded.positions[i].cast<double>(), graded.foot(i)).cast<float>();
+  return std::make_shared<const NearestTable>(graded, static_cast<float>(k_fine_reach_mm));
+}
+
 /// Share of the upper's surfels, beside and above the line, that lie on the placed sample.
 double upper_overlap_ratio(const Sample& sample, const Upper& upper, const Placement& placement) {
-  Surfels graded = sample.common;
-  for (std::size_t i = 0; i < graded.size(); ++i) {
-    graded.positions[i] =
-        placement.grade.apply(graded.positions[i].cast<double>(), graded.foot(i)).cast<float>();
-  }
-  const NearestTable table{graded, static_cast<float>(k_fine_reach_mm)};
+  const std::shared_ptr<const NearestTable> table = table_of(sample, placement.grade);
   std::vector<Vec3> graded_line = sample.line_shoe;
   for (Vec3& p : graded_line) p = placement.grade.apply(p, Foot{.place = p.head<2>().cast<float>()});
   const LineBeside line{graded_line};
@@ -52,7 +61,7 @@ double upper_overlap_ratio(const Sample& sample, const Upper& upper, const Place
     const Vec3 p = T_source_target * position.cast<double>();
     if (p.z() < line.at(p).height_mm + k_groove_margin_mm) continue;
     ++above;
-    if (table.near(p.cast<float>()) != NearestTable::k_none) ++paired;
+    if (table->near(p.cast<float>()) != NearestTable::k_none) ++paired;
   }
   return above > 0 ? static_cast<double>(paired) / static_cast<double>(above) : 0;
 }
@@ -182,17 +191,18 @@ Verdict judge(const Alignment& alignment, Freedom freedom) {
 }
 
 /// The best of the two best starts, refined.
-Alignment best_alignment(const FitTask& task, Freedom freedom) {
+Alignment best_alignment(const FitTask& task, const std::vector<IcpResult>& coarse, Freedom freedom) {
   constexpr std::size_t k_refined = 2;
   constexpr double k_hopeless_cost_ratio =
       10;  // the right start is at most a few times worse than another at the coarse pitch
-  const std::vector<IcpResult> coarse = coarse_fits(task.sample, task.upper, freedom);
-  std::vector<Fit> fits;
-  for (std::size_t i = 0; i < std::min(k_refined, coarse.size()); ++i) {
-    if (coarse[i].cost_mm2 > k_hopeless_cost_ratio * coarse.front().cost_mm2) break;
+  const auto hopeless = std::find_if(coarse.begin(), coarse.end(), [&](const IcpResult& fit) {
+    return fit.cost_mm2 > k_hopeless_cost_ratio * coarse.front().cost_mm2;
+  });
+  std::vector<Fit> fits(std::min(k_refined, static_cast<std::size_t>(hopeless - coarse.begin())));
+  tbb::parallel_for(std::size_t{0}, fits.size(), [&](std::size_t i) {
     const Placement& start = coarse[i].placement;
-    fits.push_back(freedom == Freedom::Graded ? fit_graded(task, start) : fit_rigid(task, start));
-  }
+    fits[i] = freedom == Freedom::Graded ? fit_graded(task, start) : fit_rigid(task, start);
+  });
   std::sort(fits.begin(), fits.end(),
             [](const Fit& a, const Fit& b) { return a.icp.cost_mm2 < b.icp.cost_mm2; });
   if (freedom == Freedom::Rigid) weigh(task, fits.front());
@@ -220,11 +230,15 @@ Alignment::OnLine Alignment::placed(const OnLine& on_sample) const {
 }
 
 Alignment align(const Sample& sample, const Upper& upper, const AlignOptions& options) {
-  const NearestTable table{upper.surfels, static_cast<float>(k_fine_reach_mm)};
   const Freedom freedom = options.grade ? Freedom::Graded : Freedom::Rigid;
-  const Sample used = options.mirror ? mirrored(sample) : sample;
-  const FitTask task{.sample = used, .upper = upper, .upper_table = table};
-  Alignment alignment = best_alignment(task, freedom);
+  const std::optional<Sample> turned = options.mirror ? std::optional{mirrored(sample)} : std::nullopt;
+  const Sample& used = turned ? *turned : sample;
+  std::optional<NearestTable> table;
+  std::vector<IcpResult> coarse;
+  tbb::parallel_invoke([&] { coarse = coarse_fits(used, upper, freedom); },
+                       [&] { table.emplace(upper.surfels, static_cast<float>(k_fine_reach_mm)); });
+  const FitTask task{.sample = used, .upper = upper, .upper_table = *table};
+  Alignment alignment = best_alignment(task, coarse, freedom);
   alignment.mirrored = options.mirror;
   if (!options.grade && alignment.verdict != Verdict::OtherModel) {
     alignment.next_step =

@@ -29,8 +29,6 @@ struct Fit {
   double rival_mm{0};  ///< graded: RMS over the line of how far another reading of the sizes would move it
 };
 
-inline constexpr double k_fine_reach_mm = 5;
-
 /// By the surface, then by all that both scans show.
 [[nodiscard]] Fit fit_rigid(const FitTask& task, const Placement& start);
 

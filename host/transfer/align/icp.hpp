@@ -34,11 +34,15 @@ struct Grade {
   }
   /// The outline's normal turns with the outline; its rise is the section's.
   [[nodiscard]] Vec3 apply_normal(const Vec3& normal) const {
+    if (is_none()) return normal.normalized();
     const Vec2 level{normal.x() / length, normal.y() / width};
     const double before = normal.head<2>().norm(), after = level.norm();
     if (after <= 0) return normal;
     return Vec3{level.x() * before / after, level.y() * before / after, normal.z() * section / height}
         .normalized();
+  }
+  [[nodiscard]] bool is_none() const {
+    return length == 1 && width == 1 && section == 1 && height == 1 && offset_mm == 0;
   }
   [[nodiscard]] double largest_change() const {
     return std::max({std::abs(length - 1), std::abs(width - 1), std::abs(section - 1), std::abs(height - 1)});

@@ -34,6 +34,7 @@ Foot mirrored(const Foot& foot) {
 
 Sample mirrored(const Sample& sample) {
   Sample other = sample;
+  other.common_table = nullptr;
   for (Surfels* surfels : {&other.common, &other.common_coarse}) {
     for (Eigen::Vector3f& p : surfels->positions) p.y() = -p.y();
     for (Eigen::Vector3f& n : surfels->normals) n.y() = -n.y();
@@ -82,6 +83,8 @@ Result<Sample> prepare_sample(const cloud::PointCloud& cloud, const cloud::Close
   if (sample.common.size() < k_min_surfels)
     return fail(Errc::Refused, "next to nothing of the sample lies above its line");
   sample.common_coarse = coarsened(sample.common, k_coarse_pitch_mm);
+  sample.common_table =
+      std::make_shared<const NearestTable>(sample.common, static_cast<float>(k_fine_reach_mm));
   sample.rim = moved(rim_of(cloud, surfels), T_shoe_base);
   for (const Eigen::Vector3f& p : sample.rim.positions) {
     const LineBeside::Place beside = line_beside.at(p.cast<double>());

@@ -2,11 +2,13 @@
 #pragma once
 /// \file Sample and upper made ready for registration: what of them is common.
 
+#include <memory>
 #include <vector>
 
 #include "common/core/result.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/cloud/point_cloud.hpp"
+#include "host/transfer/align/nearest_table.hpp"
 #include "host/transfer/align/rim.hpp"
 #include "host/transfer/align/shoe_axes.hpp"
 #include "host/transfer/align/surfels.hpp"
@@ -16,6 +18,8 @@ namespace biteline::transfer {
 // The groove and the sole's edge reach this far above the line; above it sample and upper are the same
 // surface.
 inline constexpr double k_groove_margin_mm = 5;
+/// Surfaces farther apart are no pair.
+inline constexpr double k_fine_reach_mm = 5;
 
 /// A place of the wall unrolled: along the line, and up from it.
 struct OnWall {
@@ -31,6 +35,7 @@ struct Sample {
   Rim rim{};  ///< in the shoe frame
   std::vector<Vec3> line_shoe{};
   double line_length_mm{0};
+  std::shared_ptr<const NearestTable> common_table{};   ///< of `common`; null: not made
   std::vector<OnWall> common_on_wall{}, rim_on_wall{};  ///< of each surfel of `common`, each place of `rim`
 };
 

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "host/transfer/align/surfels.hpp"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "host/transfer/align/voxel_map.hpp"
 
@@ -65,6 +69,17 @@ Moments neighbourhood(const VoxelMap& voxels, const std::vector<Moments>& moment
     }
   }
   return total;
+}
+
+/// Across the surface that the points lie on; none where they are too few or strewn.
+std::optional<Eigen::Vector3f> normal_of(const Moments& around) {
+  if (around.count < k_min_points) return std::nullopt;
+  const Eigen::Vector3f offset = around.sum / around.count;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
+  solver.computeDirect(around.outer / around.count - offset * offset.transpose());
+  const Eigen::Vector3f& spread = solver.eigenvalues();
+  if (spread[0] > k_max_thickness_ratio * spread[1]) return std::nullopt;
+  return solver.eigenvectors().col(0).normalized();
 }
 
 /// The middle line of a shoe: along the longest horizontal extent, at the lower quarter of its height,
@@ -129,17 +144,15 @@ Surfels surfels_of(std::span<const Eigen::Vector3f> points, float pitch_mm) {
   Surfels surfels{.pitch_mm = pitch_mm};
   surfels.positions.reserve(voxels.size());
   surfels.normals.reserve(voxels.size());
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
+  std::vector<std::optional<Eigen::Vector3f>> normals(voxels.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>{0, voxels.size(), 256}, [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i)
+      normals[i] = normal_of(neighbourhood(voxels, moments, voxels.keys()[i], moments[i].mean()));
+  });
   for (std::size_t i = 0; i < voxels.size(); ++i) {
-    const Eigen::Vector3f mean = moments[i].mean();
-    const Moments around = neighbourhood(voxels, moments, voxels.keys()[i], mean);
-    if (around.count < k_min_points) continue;
-    const Eigen::Vector3f offset = around.sum / around.count;
-    solver.computeDirect(around.outer / around.count - offset * offset.transpose());
-    const Eigen::Vector3f& spread = solver.eigenvalues();
-    if (spread[0] > k_max_thickness_ratio * spread[1]) continue;
-    surfels.positions.push_back(mean);
-    surfels.normals.push_back(solver.eigenvectors().col(0).normalized());
+    if (!normals[i]) continue;
+    surfels.positions.push_back(moments[i].mean());
+    surfels.normals.push_back(*normals[i]);
   }
   turn_outward(surfels);
   return surfels;

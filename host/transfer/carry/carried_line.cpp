@@ -332,6 +332,14 @@ Vec3 ray_direction(const PlacedPoint& point, const CarryOptions& options) {
   return (point.normal - point.normal.dot(options.up) * options.up).normalized();
 }
 
+bool all_met(const RaySurface& surface, const std::vector<PlacedPoint>& placed, const CarryOptions& options) {
+  BITELINE_EXPECTS(placed.size() >= 3);
+  std::vector<Cast> casts = cast_all(surface, placed, options);
+  drop_spikes(casts, spacing_mm(placed));
+  return std::all_of(casts.begin(), casts.end(),
+                     [](const Cast& cast) { return cast.distance_mm.has_value(); });
+}
+
 CarriedLine carry_line(const RaySurface& surface, const std::vector<PlacedPoint>& placed,
                        const CarryOptions& options) {
   BITELINE_EXPECTS(placed.size() >= 3);

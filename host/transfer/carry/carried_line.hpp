@@ -50,6 +50,10 @@ struct CarriedLine {
   std::optional<Refusal> refusal{};  ///< why there is no line
 };
 
+/// Every placed point's ray meets the surface, and none something else.  Pre: at least 3 points.
+[[nodiscard]] bool all_met(const RaySurface& surface, const std::vector<PlacedPoint>& placed,
+                           const CarryOptions& options);
+
 /// Evenly spaced as the placed line was, anticlockwise seen from `up`.  Pre: at least 3 points.
 [[nodiscard]] CarriedLine carry_line(const RaySurface& surface, const std::vector<PlacedPoint>& placed,
                                      const CarryOptions& options);

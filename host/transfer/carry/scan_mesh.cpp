@@ -11,53 +11,6 @@
 namespace biteline::transfer {
 namespace {
 
-constexpr std::uint32_t k_empty = 0xFFFFFFFF;
-constexpr std::size_t k_chunk = 32;       // columns: 2.5 mm of a profile
-constexpr std::size_t k_group_rows = 16;  // row pairs: 18 mm of the way round
-
-/// Crossing of a ray with the triangle's plane inside the triangle (Moeller, Trumbore 1997), double
-/// precision.
-std::optional<double> crossing_mm(const Ray& ray, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 ab = b - a, ac = c - a, p = ray.direction.cross(ac);
-  const double determinant = ab.dot(p);
-  // Products of edges and a unit vector in mm²: below this the triangle is seen edge-on or has no area.
-  constexpr double k_min_area_mm2 = 1e-9;
-  if (std::abs(determinant) < k_min_area_mm2) return std::nullopt;
-  const Vec3 s = ray.origin - a;
-  const double u = s.dot(p) / determinant;
-  // A ray through a shared edge must not slip between two triangles.
-  constexpr double k_slack = 1e-9;
-  if (u < -k_slack || u > 1 + k_slack) return std::nullopt;
-  const Vec3 q = s.cross(ab);
-  const double v = ray.direction.dot(q) / determinant;
-  if (v < -k_slack || u + v > 1 + k_slack) return std::nullopt;
-  return ac.dot(q) / determinant;
-}
-
-/// Line from -reach to +reach against a box; single precision, with a margin for its rounding.
-class BoxTest {
- public:
-  explicit BoxTest(const Ray& ray)
-      : middle_{ray.origin.cast<float>().array()},
-        half_{(ray.direction * ray.reach_mm).cast<float>().array()} {}
-
-  [[nodiscard]] bool meets(const Eigen::Array3f& low, const Eigen::Array3f& high) const {
-    // Separating axes: the three of the box, then the three crossed with the segment (Ericson 2004, 5.3.3).
-    constexpr float k_box_margin_mm = 1e-3F;
-    const Eigen::Array3f extent = (high - low) / 2 + k_box_margin_mm;
-    const Eigen::Array3f m = middle_ - (high + low) / 2;
-    const Eigen::Array3f reach = half_.abs();
-    if ((m.abs() > extent + reach).any()) return false;
-    const Eigen::Vector3f cross = m.matrix().cross(half_.matrix());
-    return std::abs(cross.x()) <= extent.y() * reach.z() + extent.z() * reach.y() + k_box_margin_mm &&
-           std::abs(cross.y()) <= extent.x() * reach.z() + extent.z() * reach.x() + k_box_margin_mm &&
-           std::abs(cross.z()) <= extent.x() * reach.y() + extent.y() * reach.x() + k_box_margin_mm;
-  }
-
- private:
-  Eigen::Array3f middle_, half_;
-};
-
 /// 256 MB: 30 000 profiles of 2048 columns.  In a spoiled file each point may be a profile of its own.
 constexpr std::size_t k_most_cells = 64'000'000;
 
@@ -149,38 +102,6 @@ bool ScanMesh::joined_across(std::uint32_t a, std::uint32_t b) const {
   return (points_[a] - points_[b]).squaredNorm() <= gap_squared_;
 }
 
-template <class Visit>
-void ScanMesh::visit_quad(std::size_t row, std::size_t column, Visit&& visit) const {
-  const std::size_t next = row + 1 < rows_ ? row + 1 : 0;
-  const std::uint32_t a = cell(row, column), b = cell(row, column + 1), c = cell(next, column + 1),
-                      d = cell(next, column);
-  const auto offer = [&](std::uint32_t p, std::uint32_t q, std::uint32_t r) {
-    if (p == q || q == r || r == p) return;
-    if (flipped_) {
-      visit(Triangle{p, r, q});
-    } else {
-      visit(Triangle{p, q, r});
-    }
-  };
-  const bool ab = a != k_empty && b != k_empty && joined_in_profile(a, b);
-  const bool dc = d != k_empty && c != k_empty && joined_in_profile(d, c);
-  const bool ad = a != k_empty && d != k_empty && joined_across(a, d);
-  const bool bc = b != k_empty && c != k_empty && joined_across(b, c);
-  const bool ac = a != k_empty && c != k_empty && joined_across(a, c);
-  const bool bd = b != k_empty && d != k_empty && joined_across(b, d);
-  // All four: the shorter diagonal follows the surface; with one corner missing, the triangle that is left.
-  const bool both = ac && bd;
-  const bool prefer_ac =
-      !both || (points_[a] - points_[c]).squaredNorm() <= (points_[b] - points_[d]).squaredNorm();
-  if (ac && prefer_ac && ((ab && bc) || (dc && ad))) {
-    if (ab && bc) offer(a, b, c);
-    if (dc && ad) offer(a, c, d);
-  } else if (bd) {
-    if (ab && ad) offer(a, b, d);
-    if (bc && dc) offer(b, c, d);
-  }
-}
-
 void ScanMesh::bound() {
   const std::size_t chunks = (width_ + k_chunk - 1) / k_chunk, pairs = row_pairs();
   const std::size_t groups = (pairs + k_group_rows - 1) / k_group_rows;
@@ -202,12 +123,16 @@ void ScanMesh::bound() {
             box.high = box.high.max(points_[at].array());
           }
         }
-        Box& around = groups_[group * chunks + chunk];
-        around.low = around.low.min(box.low);
-        around.high = around.high.max(box.high);
+        groups_[group * chunks + chunk].take(box);
       }
     }
   });
+  block_chunks_ = (chunks + k_block - 1) / k_block;
+  blocks_.assign((groups + k_block - 1) / k_block * block_chunks_, nothing);
+  for (std::size_t group = 0; group < groups; ++group) {
+    for (std::size_t chunk = 0; chunk < chunks; ++chunk)
+      blocks_[group / k_block * block_chunks_ + chunk / k_block].take(groups_[group * chunks + chunk]);
+  }
 }
 
 /// Outward: away from the scan's middle, seen from above, for most of a sample of triangles.
@@ -224,59 +149,6 @@ void ScanMesh::turn_outward() {
     }
   }
   flipped_ = votes < 0;
-}
-
-/// From points some columns to both sides: columns are 0.08 mm apart, a triangle's own normal is mostly
-/// noise.
-Vec3 ScanMesh::normal_at(std::size_t row, std::size_t column, const Triangle& triangle) const {
-  constexpr std::size_t k_half_columns = 6;
-  const auto edge_normal = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) -> Vec3 {
-    return (points_[b] - points_[a]).cross(points_[d] - points_[c]).cast<double>();
-  };
-  Vec3 normal = edge_normal(triangle[0], triangle[1], triangle[0], triangle[2]);
-  const std::size_t next = row + 1 < rows_ ? row + 1 : 0;
-  if (column >= k_half_columns && column + k_half_columns < width_) {
-    const std::uint32_t below = cell(row, column - k_half_columns),
-                        above = cell(row, column + k_half_columns);
-    const std::uint32_t here = cell(row, column), beside = cell(next, column);
-    const float reach_squared = 4 * k_half_columns * k_half_columns * step_squared_;
-    if (below != k_empty && above != k_empty && here != k_empty && beside != k_empty &&
-        joined_across(here, beside) && (points_[above] - points_[below]).squaredNorm() < reach_squared) {
-      // Same turn as triangle (row, column), (row, column + 1), (next, ...): along the profile first, then
-      // across.
-      normal = flipped_ ? edge_normal(here, beside, below, above) : edge_normal(below, above, here, beside);
-    }
-  }
-  return normal.normalized();
-}
-
-std::optional<Hit> ScanMesh::cast(const Ray& ray) const {
-  const std::size_t chunks = (width_ + k_chunk - 1) / k_chunk, pairs = row_pairs();
-  const BoxTest test{ray};
-  std::optional<Hit> best;
-  const auto offer = [&](std::size_t row, std::size_t column, const Triangle& t) {
-    const Vec3 a = points_[t[0]].cast<double>(), b = points_[t[1]].cast<double>(),
-               c = points_[t[2]].cast<double>();
-    const std::optional<double> distance_mm = crossing_mm(ray, a, b, c);
-    if (!distance_mm || std::abs(*distance_mm) > (best ? std::abs(best->distance_mm) : ray.reach_mm)) return;
-    const Vec3 normal = normal_at(row, column, t);
-    if (normal.dot(ray.direction) < k_min_facing_cosine) return;
-    best = Hit{
-        .distance_mm = *distance_mm, .position = ray.origin + *distance_mm * ray.direction, .normal = normal};
-  };
-  for (std::size_t at = 0; at < groups_.size(); ++at) {
-    if (!test.meets(groups_[at].low, groups_[at].high)) continue;
-    const std::size_t first = at / chunks * k_group_rows, chunk = at % chunks;
-    for (std::size_t row = first; row < std::min(pairs, first + k_group_rows); ++row) {
-      const Box& box = chunks_[row * chunks + chunk];
-      if (!test.meets(box.low, box.high)) continue;
-      const std::size_t end = std::min(width_ - 1, (chunk + 1) * k_chunk);
-      for (std::size_t column = chunk * k_chunk; column < end; ++column) {
-        visit_quad(row, column, [&](const Triangle& t) { offer(row, column, t); });
-      }
-    }
-  }
-  return best;
 }
 
 std::vector<ScanMesh::Triangle> ScanMesh::triangles() const {
