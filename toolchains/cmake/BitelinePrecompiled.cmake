@@ -3,14 +3,25 @@
 # Every unit still includes what it uses: presets dev, arm64 and fuzz build without this and would not compile.
 option(BITELINE_PRECOMPILE "Parse Eigen and the most used standard headers once" OFF)
 
-# Half of all sources are tests.  Their own code waits for programs and calls libraries, which are optimised as ever: little
-# optimisation and no notes for a debugger spare a third of its compilation.  Benchmarks measure, so they are compiled as products.
-option(BITELINE_QUICK_TESTS "Compile the tests' own sources quickly (-O1 -g0)" OFF)
+# Half of all sources are tests, a fifth are what programs do beside the method: command lines, pages, messages, tables.  They wait
+# for people, files and networks, and call libraries, which are optimised as ever: little optimisation and no notes for a debugger
+# spare a third of their compilation.  Benchmarks measure, so they are compiled as the libraries are.
+option(BITELINE_QUICK "Compile quickly (-O1 -g0) what only waits: tests, and what is declared QUICK" OFF)
 
 # By itself the compiler tidies its memory every few dozen megabytes: a twentieth of its time.
 option(BITELINE_ROOMY_COMPILER "GCC may fill 1 GB before it tidies up (1.7 GB for each of its processes at most)" OFF)
 if(BITELINE_ROOMY_COMPILER AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
   add_compile_options(--param=ggc-min-heapsize=1048576)
+endif()
+
+# Some 170 programs are linked.
+option(BITELINE_QUICK_LINKER "Link by mold where it is installed: a quarter of the usual linker's processor time" OFF)
+if(BITELINE_QUICK_LINKER)
+  find_program(BITELINE_MOLD mold)
+  if(BITELINE_MOLD)
+    # In one process: a build is done when its last linker is.
+    add_link_options(-fuse-ld=mold -Wl,--no-fork)
+  endif()
 endif()
 
 # precompiled(<name> HEADERS...): target <name>, whose parsed headers other targets may start from.
@@ -30,19 +41,19 @@ if(BITELINE_PRECOMPILE)
   precompiled(biteline_precompiled)
   precompiled(biteline_precompiled_no_exceptions)
   target_compile_options(biteline_precompiled_no_exceptions PRIVATE -fno-exceptions)
-  if(BITELINE_QUICK_TESTS)
-    precompiled(biteline_precompiled_tests)
-    target_compile_options(biteline_precompiled_tests PRIVATE -O1 -g0)
+  if(BITELINE_QUICK)
+    precompiled(biteline_precompiled_quick)
+    target_compile_options(biteline_precompiled_quick PRIVATE -O1 -g0)
   endif()
 endif()
 
-# biteline_precompile(<target> [NO_EXCEPTIONS|TESTS]): the target's units start from the headers above.  TESTS: only tests use it.
+# biteline_precompile(<target> [NO_EXCEPTIONS|QUICK]): the target's units start from the headers above.  QUICK: see BITELINE_QUICK.
 function(biteline_precompile target)
-  cmake_parse_arguments(ARG "NO_EXCEPTIONS;TESTS" "" "" ${ARGN})
+  cmake_parse_arguments(ARG "NO_EXCEPTIONS;QUICK" "" "" ${ARGN})
   set(kind "")
-  if(ARG_TESTS AND BITELINE_QUICK_TESTS)
+  if(ARG_QUICK AND BITELINE_QUICK)
     target_compile_options(${target} PRIVATE -O1 -g0)
-    set(kind _tests)
+    set(kind _quick)
   elseif(ARG_NO_EXCEPTIONS)
     set(kind _no_exceptions)
   endif()
