@@ -9,6 +9,7 @@
 #include "host/calibration/rings/target.hpp"
 #include "host/intake/child_process.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/made_session.hpp"
 #include "tests/support/ring_scene.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -61,7 +62,7 @@ TEST_GROUP(CalibrateTool) {
 
   [[nodiscard]] nlohmann::json report() const {
     std::ifstream in(out() / "report.json");
-    return nlohmann::json::parse(in);
+    return test::read_json(in);
   }
 };
 

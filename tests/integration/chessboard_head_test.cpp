@@ -8,6 +8,7 @@
 #include "hal/sim/record/calibration_recorder.hpp"
 #include "host/intake/child_process.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace biteline {
@@ -48,7 +49,7 @@ TEST(ChessboardHead, IsCalibratedAndItsPointsLieWhereTheTruthPutsThem) {
   // Robot poses are good to 0.02 mm and 0.1 mrad, 350 mm from the flange.
   CHECK_TRUE_TEXT(most_mm < 0.1, StringFromFormat("%.3f mm", most_mm).asCharString());
   std::ifstream in(out / "report.json");
-  const auto report = nlohmann::json::parse(in);
+  const auto report = test::read_json(in);
   LONGS_EQUAL(0, report["set_aside"].size());
   // Two readings of these boards (even by even squares) are told apart by the arm's poses.
   LONGS_EQUAL(9, report["hand_eye"]["views"].size());

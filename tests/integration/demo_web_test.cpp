@@ -7,6 +7,7 @@
 
 #include "host/intake/child_process.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/web_client.hpp"
@@ -67,7 +68,7 @@ TEST_GROUP(DemoWeb) {
   static bool scans(WebClient & events) {
     while (const auto frame = events.frame()) {
       if (frame->opcode != 1) continue;
-      const json event = json::parse(frame->content, nullptr, false);
+      const json event = test::read_json(frame->content);
       if (event.value("event", "") == "state" && event["data"].value("phase", "") == "scanning") return true;
     }
     return false;
@@ -81,10 +82,10 @@ TEST(DemoWeb, TokenLetsOneViewerLookAndCommandNothing) {
   CHECK(at.port != 0);
   WebClient client{at.port};
   STRCMP_CONTAINS("<script", client.ask("GET", "/").body.c_str());
-  const std::string login = json{{"token", at.token}}.dump();
+  const std::string login = test::text_of(json{{"token", at.token}});
   const WebReply session = client.ask("POST", "/api/v1/sessions", "", login);
   LONGS_EQUAL(201, session.status);
-  const json who = json::parse(session.body);
+  const json who = test::read_json(session.body);
   STRCMP_EQUAL("viewer", who["user"]["role"].get<std::string>().c_str());
   LONGS_EQUAL(401, client.ask("POST", "/api/v1/sessions", "", login).status);
 

@@ -9,6 +9,7 @@
 
 #include "host/intake/child_process.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 #include "tests/unit/host/robot/link/fake_controller.hpp"
 
 namespace biteline {
@@ -34,7 +35,7 @@ TEST_GROUP(Doctor) {
   }
   static json doctor(std::vector<std::string> more = {}) {
     more.insert(more.begin(), {"doctor", "--json"});
-    return json::parse(say(more).out, nullptr, false);
+    return test::read_json(say(more).out);
   }
   static json row_of(const json& rows, const std::string& what) {
     const auto row = std::ranges::find_if(rows, [&](const json& r) { return r.value("what", "") == what; });

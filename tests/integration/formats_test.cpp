@@ -8,6 +8,7 @@
 
 #include "host/intake/child_process.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/made_cloud.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -39,7 +40,7 @@ TEST_GROUP(Formats) {
   }
   nlohmann::json report(const std::string& out) const {
     std::ifstream file(folder.path() / out / "report.json");
-    return nlohmann::json::parse(file);
+    return test::read_json(file);
   }
   double error_mm(const std::string& out) const {
     const auto line = cloud::read_line(folder.path() / out / "line.csv");

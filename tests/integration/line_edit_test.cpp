@@ -11,6 +11,7 @@
 #include "host/cloud/ply.hpp"
 #include "host/intake/child_process.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/made_cloud.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -58,7 +59,7 @@ TEST_GROUP(LineEdit) {
     return all.str();
   }
   nlohmann::json report() const {
-    return nlohmann::json::parse(text("report.json"));
+    return test::read_json(text("report.json"));
   }
   static std::string point(const Vec3& p) {
     return FixedText<80>::format("%.3f,%.3f,%.3f", p.x(), p.y(), p.z()).c_str();

@@ -8,6 +8,7 @@
 #include "host/cloud/closed_line.hpp"
 #include "host/intake/child_process.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/timed_test.hpp"
 
@@ -61,7 +62,7 @@ TEST_GROUP(MainJob) {
 
   static nlohmann::json read_json(const fs::path& file) {
     std::ifstream stream(file);
-    return nlohmann::json::parse(stream, nullptr, false);
+    return test::read_json(stream);
   }
 };
 

@@ -8,6 +8,7 @@
 #include "host/cloud/closed_line.hpp"
 #include "host/intake/child_process.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/host/robot/path/made_line.hpp"
 
@@ -46,7 +47,7 @@ TEST_GROUP(PlanFiles) {
   }
   std::string status_told() const {
     std::ifstream stream{out / "report.json"};
-    const auto json = nlohmann::json::parse(stream, nullptr, false);
+    const auto json = test::read_json(stream);
     return json.is_object() ? json.value("status", "") : "";
   }
   const std::string grind{fs::path{BITELINE_PROCESSES} / "grind.yaml"};

@@ -16,6 +16,7 @@
 #include "host/intake/sensor_process.hpp"
 #include "host/intake/session_run.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/key_set.hpp"
 #include "tests/support/made_session.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -108,7 +109,7 @@ TEST_GROUP(SensorAndHosts) {
   }
   nlohmann::json report() const {
     std::ifstream stream{results() / "scan-0001" / "report.json"};
-    return nlohmann::json::parse(stream, nullptr, false);
+    return test::read_json(stream);
   }
 };
 

@@ -18,6 +18,7 @@
 #include "host/calibration/laser/laser_calibration.hpp"
 #include "host/calibration/refine/head_bundle.hpp"
 #include "host/geometry/symmetric.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/photographed_stripe.hpp"
 #include "tests/support/shared_data.hpp"
 
@@ -220,7 +221,7 @@ TEST_GROUP(CalibReal){
 TEST(CalibReal, MoveitPosePairsAreConsistent) {
   BITELINE_SHARED_DATA_OR_SKIP(file, "real-calib/moveit_calibration/pose_samples.json");
   std::ifstream stream(file);
-  const auto json = nlohmann::json::parse(stream);
+  const auto json = test::read_json(stream);
   const auto matrix = [](const nlohmann::json& rows) {
     Eigen::Matrix4d m;
     for (int i = 0; i < 4; ++i) {

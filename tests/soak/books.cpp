@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "tests/support/json.hpp"
+
 namespace biteline::soak {
 namespace {
 
@@ -14,7 +16,7 @@ namespace fs = std::filesystem;
 
 nlohmann::json read_json(const fs::path& file) {
   std::ifstream stream{file};
-  nlohmann::json json = nlohmann::json::parse(stream, nullptr, false);
+  nlohmann::json json = test::read_json(stream);
   return json.is_object() ? json : nlohmann::json::object();
 }
 

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/support/json.hpp"
 #include "tests/support/web_client.hpp"
 
 namespace biteline::soak {
@@ -95,8 +96,8 @@ std::string Page::visit(std::uint16_t port, const std::stop_token& stop) {
   const auto bearer = [this] { return "Authorization: Bearer " + token_ + "\r\n"; };
   if (token_.empty() || asks.ask("GET", "/api/v1/state", bearer()).status == 401) {
     const nlohmann::json login{{"name", k_viewer}, {"password", k_password}};
-    const test::WebReply reply = asks.ask("POST", "/api/v1/sessions", "", login.dump());
-    const auto session = nlohmann::json::parse(reply.body, nullptr, false);
+    const test::WebReply reply = asks.ask("POST", "/api/v1/sessions", "", test::text_of(login));
+    const auto session = test::read_json(reply.body);
     if (reply.status != 201 || !session.is_object()) return "login: " + std::to_string(reply.status);
     token_ = session.value("token", "");
   }

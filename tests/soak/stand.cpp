@@ -14,6 +14,7 @@
 #include "common/settings/settings.hpp"
 #include "hal/sim/bus/board_file.hpp"
 #include "hal/sim/record/files.hpp"
+#include "tests/support/json.hpp"
 
 namespace biteline::soak {
 namespace {
@@ -152,7 +153,7 @@ Result<void> Stand::start_sensor() {
       if (std::string{rights} == "required") continue;  // no such rights here
       return tl::unexpected<Error>{line.error()};
     }
-    const auto told = nlohmann::json::parse(*line, nullptr, false);
+    const auto told = test::read_json(*line);
     endpoint_ = told.is_object() ? told.value("endpoint", endpoint_) : endpoint_;
     sensor_.emplace(std::move(child));
     return {};

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/support/json.hpp"
+
 namespace biteline::test {
 
 /// One line of JSON at the end of the file that BITELINE_API_ANSWERS names; without it nothing is noted.
@@ -17,7 +19,7 @@ inline void note_answer(const std::string& method, const std::string& path, int 
   if (file == nullptr) return;
   const nlohmann::ordered_json line{
       {"method", method}, {"path", path}, {"status", status}, {"type", type}, {"body", body}};
-  std::ofstream{file, std::ios::app} << line.dump() << '\n';
+  std::ofstream{file, std::ios::app} << test::text_of(line) << '\n';
 }
 
 }  // namespace biteline::test

@@ -16,6 +16,7 @@
 #include "host/intake/sensor_process.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/head_points.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/said.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -152,7 +153,7 @@ TEST_GROUP(Commission) {
       const test::Said judged = run(BITELINE_TOOL, {"evaluate", "--json", "--line", line.string(), "--truth",
                                                     (place / "truth/groove.csv").string()});
       LONGS_EQUAL_TEXT(0, judged.status, judged.last_error.c_str());
-      return nlohmann::json::parse(judged.out).at("mean").get<double>();
+      return test::read_json(judged.out).at("mean").get<double>();
     }
     FAIL(told.c_str());
     return 0;
@@ -227,7 +228,7 @@ TIMED_TEST(Commission, AScanIsKeptAsASessionWhoseReplayFindsTheLine) {
       std::this_thread::sleep_for(seconds{2});
       continue;
     }
-    const auto files = nlohmann::json::parse(*ready);
+    const auto files = test::read_json(*ready);
     const std::vector<std::string> words{"capture",
                                          "scan",
                                          session.string(),
@@ -257,7 +258,7 @@ TIMED_TEST(Commission, AScanIsKeptAsASessionWhoseReplayFindsTheLine) {
     const test::Said judged = run(BITELINE_TOOL, {"evaluate", "--json", "--line", (out / "line.csv").string(),
                                                   "--truth", (place / "truth/groove.csv").string()});
     LONGS_EQUAL_TEXT(0, judged.status, judged.last_error.c_str());
-    CHECK_COMPARE(nlohmann::json::parse(judged.out).at("mean").get<double>(), <, 0.1);
+    CHECK_COMPARE(test::read_json(judged.out).at("mean").get<double>(), <, 0.1);
     return;
   }
   FAIL(told.c_str());

@@ -5,6 +5,7 @@
 
 #include "host/doors/control/client.hpp"
 #include "tests/integration/robot/service_with_arm.hpp"
+#include "tests/support/json.hpp"
 
 namespace biteline {
 
@@ -57,7 +58,7 @@ struct Page {
       std::this_thread::sleep_for(1ms);
       scan = ask("GET", "/scans/" + name).body;
     } while (!(scan.contains("decision") && done(scan)) && std::chrono::steady_clock::now() < until);
-    CHECK_TEXT(scan.contains("decision"), scan.dump().c_str());
+    CHECK_TEXT(scan.contains("decision"), test::text_of(scan).c_str());
     return scan;
   }
 };

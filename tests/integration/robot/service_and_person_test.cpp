@@ -8,6 +8,7 @@
 
 #include "host/cloud/closed_line.hpp"
 #include "tests/integration/robot/person.hpp"
+#include "tests/support/json.hpp"
 
 namespace biteline {
 
@@ -37,7 +38,7 @@ TEST(ServiceAndPerson, HeldScanWaitsForAPersonAndTheGateStillJudges) {
                   gate_of(results() / "scan-0001")["inputs"]["result"].value("approved_by", "").c_str());
   CHECK(reasons_of(results() / "scan-0001").find("not_approved") == std::string::npos);
   CHECK(controller.script().empty());
-  STRCMP_CONTAINS("accepted", page.ask("GET", "/log").body.dump().c_str());
+  STRCMP_CONTAINS("accepted", test::text_of(page.ask("GET", "/log").body).c_str());
 }
 
 TEST(ServiceAndPerson, KeptScanIsWorkedOutAgainBesideItsResultAndNothingIsSent) {
@@ -100,7 +101,7 @@ TEST(ServiceAndPerson, ProcessIsPlannedAndCheckedOnAKeptLineAndNothingIsWritten)
   control::Json process = page.ask("GET", "/processes/grind").body["process"];
   const auto tried = [&] { return page.ask("POST", "/processes/check", {{"process", process}}); };
   const control::Json fits = tried().body;
-  CHECK_TEXT(fits.value("fits", false), fits.dump().c_str());
+  CHECK_TEXT(fits.value("fits", false), test::text_of(fits).c_str());
   STRCMP_EQUAL("scan-0001", fits["scan"].get<std::string>().c_str());
   CHECK(fits["duration_s"].get<double>() > 1);
   // Slower takes longer: what is planned is what was typed.
@@ -109,7 +110,7 @@ TEST(ServiceAndPerson, ProcessIsPlannedAndCheckedOnAKeptLineAndNothingIsWritten)
   // A tool as long as the arm reaches nothing.
   process["tool"]["tcp_position_mm"] = {0, 0, 900};
   const control::Json refused = tried().body;
-  CHECK_TEXT(refused.contains("fits") && !refused["fits"].get<bool>(), refused.dump().c_str());
+  CHECK_TEXT(refused.contains("fits") && !refused["fits"].get<bool>(), test::text_of(refused).c_str());
   CHECK(!refused["reason"].get<std::string>().empty());
   process["tool"]["tcp_position_mm"] = {0, 0};
   LONGS_EQUAL(422, tried().status);

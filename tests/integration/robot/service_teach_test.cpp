@@ -3,6 +3,7 @@
 #include <CppUTest/TestHarness.h>
 
 #include "tests/integration/robot/person.hpp"
+#include "tests/support/json.hpp"
 
 namespace biteline {
 
@@ -125,7 +126,7 @@ TEST(ServiceTeach, ProcessOfAnotherToolThanTaughtIsRefusedBeforeItsPathAndAtTheG
   CHECK(!fs::exists(scan / "path/path.csv"));
   const auto report = [&] {
     std::ifstream stream{scan / "path/report.json"};
-    return nlohmann::json::parse(stream, nullptr, false);
+    return test::read_json(stream);
   }();
   STRCMP_EQUAL("not_as_taught", report.value("reason_code", "").c_str());
   STRCMP_EQUAL("path", page.ask("GET", "/state").body["held"]["waits_for"].get<std::string>().c_str());

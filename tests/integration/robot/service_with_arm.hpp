@@ -10,6 +10,7 @@
 
 #include "host/intake/sensor_process.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/host/robot/link/fake_controller.hpp"
 
@@ -76,7 +77,7 @@ struct ServiceWithArm : Utest {
   }
   static nlohmann::json gate_of(const fs::path& scan) {
     std::ifstream stream{scan / "gate.json"};
-    return nlohmann::json::parse(stream, nullptr, false);
+    return test::read_json(stream);
   }
   /// The reasons of the gate's rows that failed.
   static std::string reasons_of(const fs::path& scan) {
@@ -144,7 +145,7 @@ struct ServiceWithArm : Utest {
   }
   static nlohmann::json report_of(const fs::path& scan) {
     std::ifstream stream{scan / "report.json"};
-    return nlohmann::json::parse(stream, nullptr, false);
+    return test::read_json(stream);
   }
 };
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace biteline::service {
@@ -16,7 +17,7 @@ TEST_GROUP(Attempt) {
 
   nlohmann::json report() const {
     std::ifstream stream{folder.path() / "report.json"};
-    return nlohmann::json::parse(stream, nullptr, false);
+    return test::read_json(stream);
   }
 };
 

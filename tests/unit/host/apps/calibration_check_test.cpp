@@ -9,6 +9,7 @@
 #include "host/apps/biteline-host/scan_row.hpp"
 
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/host/calibration/drift/seen_ball.hpp"
 
@@ -78,7 +79,7 @@ TEST_GROUP(CalibrationCheck) {
         scan, drift::scan_ball({.drifted = drifted, .seed = static_cast<std::uint64_t>(500 + shoes++)}));
     const Result<bool> sut = judge(scan, outcome, on_drift);
     SUCCEEDS(sut);
-    report = nlohmann::json::parse(std::ifstream{scan / "report.json"});
+    report = test::read_json_file(scan / "report.json");
     return *sut;
   }
 };
@@ -121,7 +122,7 @@ TEST(CalibrationCheck, AnotherCalibrationBeginsAnew) {
   intake::ScanOutcome outcome = come_in(scan, drift::scan_ball({.seed = 900}));
   outcome.sensor.model.laser_plane.distance_mm += 0.01;
   SUCCEEDS(judge(scan, outcome, OnDrift::Warn));
-  report = nlohmann::json::parse(std::ifstream{scan / "report.json"});
+  report = test::read_json_file(scan / "report.json");
   LONGS_EQUAL(1, report["calibration_check"]["shoes"].get<int>());
 }
 
@@ -134,7 +135,7 @@ TEST(CalibrationCheck, AScanThatSeesNothingTwiceSaysSoAndLeavesTheMemoryAlone) {
   const auto sut = judge(scan, come_in(scan, once), OnDrift::Stop);
   SUCCEEDS(sut);
   CHECK_FALSE(*sut);
-  report = nlohmann::json::parse(std::ifstream{scan / "report.json"});
+  report = test::read_json_file(scan / "report.json");
   STRCMP_EQUAL("not_seen", report["calibration_check"]["status"].get<std::string>().c_str());
   CHECK_FALSE(memory->setting("calibration_check")->has_value());
 }

@@ -6,6 +6,7 @@
 #include "host/doors/control/client.hpp"
 #include "tests/support/api_answers.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace biteline::service {
@@ -49,7 +50,7 @@ TEST_GROUP(CockpitAnswers) {
     request.path = "/api/v1" + path;
     request.body = std::move(body);
     const control::Answer answer = door->ask(std::move(request));
-    CHECK_TEXT(answer.status < 300, answer.body.dump().c_str());
+    CHECK_TEXT(answer.status < 300, test::text_of(answer.body).c_str());
     test::note_answer(method, path, answer.status, answer.type, answer.body);
     return answer.body;
   }

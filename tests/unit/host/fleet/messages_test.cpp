@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 
 namespace biteline::fleet {
 namespace {
@@ -56,7 +57,7 @@ TEST(FleetMessages, FaultNamesTheField) {
   for (const auto& [key, value] : sound.items()) {
     Json spoiled = sound;
     spoiled[key] = Json::array({1});
-    const auto read = read_shoe(spoiled.dump());
+    const auto read = read_shoe(test::text_of(spoiled));
     CHECK_TEXT(!read, key.c_str());
     STRCMP_CONTAINS(key.c_str(), to_line(read.error()).c_str());
   }
@@ -66,7 +67,7 @@ TEST(FleetMessages, FaultNamesTheField) {
         std::pair{"places", Json::array({1, 2})}}) {
     Json spoiled = sound;
     spoiled[key] = value;
-    CHECK_TEXT(!read_shoe(spoiled.dump()), key);
+    CHECK_TEXT(!read_shoe(test::text_of(spoiled)), key);
   }
   for (const char* text : {"", "{", "[]", "null", "{\"seq\":1e99}"}) CHECK_TEXT(!read_shoe(text), text);
 }

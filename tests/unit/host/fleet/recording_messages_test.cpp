@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 
 namespace biteline::fleet {
 namespace {
@@ -27,18 +28,18 @@ TEST(RecordingMessages, AskComesThroughAndNamesNoOtherFolder) {
   for (const char* scan : {"", "../..", "scan-7", "scan-0007/..", "scan-00000000001", "scan-000x"}) {
     Json json = Json::parse(to_text(ask));
     json["scan"] = scan;
-    FAILS_NAMING(Errc::ProtocolError, "scan", read_fetch_ask(json.dump()));
+    FAILS_NAMING(Errc::ProtocolError, "scan", read_fetch_ask(test::text_of(json)));
   }
   for (const char* key : {"number", "book", "scan", "at"}) {
     Json json = Json::parse(to_text(ask));
     json[key] = Json::array();
-    CHECK_TEXT(!read_fetch_ask(json.dump()), key);
+    CHECK_TEXT(!read_fetch_ask(test::text_of(json)), key);
     json.erase(key);
-    CHECK_TEXT(!read_fetch_ask(json.dump()), key);
+    CHECK_TEXT(!read_fetch_ask(test::text_of(json)), key);
   }
   Json json = Json::parse(to_text(ask));
   json["number"] = 1LL << 31;
-  FAILS_NAMING(Errc::ProtocolError, "number", read_fetch_ask(json.dump()));
+  FAILS_NAMING(Errc::ProtocolError, "number", read_fetch_ask(test::text_of(json)));
 }
 
 TEST(RecordingMessages, PieceComesThroughWithinItsBounds) {

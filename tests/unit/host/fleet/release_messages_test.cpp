@@ -7,6 +7,7 @@
 
 #include "host/records/release/order.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 
 namespace biteline::fleet {
 namespace {
@@ -21,10 +22,10 @@ void check_fields(const std::string& text, const Read& read) {
   for (const auto& [key, value] : sound.items()) {
     Json spoiled = sound;
     spoiled[key] = Json::array({Json::array()});
-    const auto result = read(spoiled.dump());
+    const auto result = read(test::text_of(spoiled));
     CHECK_TEXT(!result, key.c_str());
     spoiled.erase(key);
-    CHECK_TEXT(!read(spoiled.dump()), key.c_str());
+    CHECK_TEXT(!read(test::text_of(spoiled)), key.c_str());
   }
   for (const char* garbage : {"", "{", "[]", "null"}) CHECK_TEXT(!read(std::string{garbage}), garbage);
 }
@@ -48,15 +49,15 @@ TEST(ReleaseMessages, PlanComesThrough) {
   check_fields(to_text(plan), read_release_plan);
   Json spoiled = Json::parse(to_text(plan));
   spoiled["signature"] = "0g";
-  CHECK(!read_release_plan(spoiled.dump()));
+  CHECK(!read_release_plan(test::text_of(spoiled)));
   for (const char* key : {"order", "signature", "sure"}) {
     spoiled = Json::parse(to_text(plan));
     spoiled["switch"].erase(key);
-    CHECK_TEXT(!read_release_plan(spoiled.dump()), key);
+    CHECK_TEXT(!read_release_plan(test::text_of(spoiled)), key);
   }
   spoiled = Json::parse(to_text(plan));
   spoiled["switch"]["order"] = std::string(release::k_most_order_bytes + 1, 'x');
-  CHECK(!read_release_plan(spoiled.dump()));
+  CHECK(!read_release_plan(test::text_of(spoiled)));
 }
 
 TEST(ReleaseMessages, WordAndAskComeThrough) {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/apps/biteline-web/sensor_state.hpp"
+#include "tests/support/json.hpp"
 
 namespace biteline::web {
 namespace {
@@ -161,12 +162,12 @@ TEST(LiveMessages, SensorTellsWhatItRunsWithAndWhatEachKeyMayBe) {
   sensor.name = "head 3";
   wire::Health health;
   health.laser_reason = "the door is open";
-  const auto bare = nlohmann::json::parse(sensor_state(sensor, health));
+  const auto bare = test::read_json(sensor_state(sensor, health));
   CHECK(!bare.contains("settings") && !bare.contains("temperature_degc"));
   STRCMP_EQUAL("the door is open", bare.at("laser_reason").get<std::string>().c_str());
   health.settings =
       wire::SettingsState{.text = "camera:\n  exposure_us: 250\n...\n", .rate_max_hz = 120, .changes = 1};
-  const auto json = nlohmann::json::parse(sensor_state(sensor, health));
+  const auto json = test::read_json(sensor_state(sensor, health));
   LONGS_EQUAL(120, json.at("rate_max_hz").get<int>());
   const auto& exposure = json.at("settings").at(0);
   STRCMP_EQUAL("camera.exposure_us", exposure.at("key").get<std::string>().c_str());
@@ -179,11 +180,10 @@ TEST(LiveMessages, SensorTellsWhatItRunsWithAndWhatEachKeyMayBe) {
   LONGS_EQUAL(17, json.at("settings").size());
   CHECK(!json.contains("upkeep"));
   health.upkeep = wire::UpkeepState{.lightings = 512, .coldest_degc = {}, .hottest_degc = {}};
-  LONGS_EQUAL(512,
-              nlohmann::json::parse(sensor_state(sensor, health)).at("upkeep").at("lightings").get<int>());
+  LONGS_EQUAL(512, test::read_json(sensor_state(sensor, health)).at("upkeep").at("lightings").get<int>());
   // A broken set takes nothing else with it.
   health.settings->text = "camera: [";
-  CHECK(!nlohmann::json::parse(sensor_state(sensor, health)).contains("settings"));
+  CHECK(!test::read_json(sensor_state(sensor, health)).contains("settings"));
 }
 
 }  // namespace biteline::web

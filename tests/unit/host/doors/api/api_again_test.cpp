@@ -4,6 +4,7 @@
 
 #include "host/bite_line/find_bite_line.hpp"
 #include "host/cloud/ply.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/made_cloud.hpp"
 #include "tests/unit/host/doors/api/api_world.hpp"
 
@@ -115,7 +116,7 @@ TEST(ApiAgain, AMendIsANewVersionWithWhoAndWhyAndTheCellIsToldOnBothSides) {
   CHECK(cell.did.empty());
 
   const control::Answer answer = ask("POST", "/scans/scan-0001/mend", mend);
-  LONGS_EQUAL_TEXT(200, answer.status, answer.body.dump().c_str());
+  LONGS_EQUAL_TEXT(200, answer.status, test::text_of(answer.body).c_str());
   LONGS_EQUAL(1, answer.body["line_version"].get<int>());
   STRCMP_EQUAL("amber", answer.body["verdict"].get<std::string>().c_str());
   CHECK(answer.body["confidence"].get<double>() <= 0.9);

@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "common/core/base64.hpp"
+#include "tests/support/json.hpp"
 #include "tests/unit/host/doors/api/api_world.hpp"
 
 namespace biteline::api {
@@ -31,7 +32,7 @@ TEST(ApiAnswers, AModelIsMadeToldAndTakenOutOfUse) {
   const Json wish{
       {"name", "boot"}, {"scan", "scan-0001"}, {"process", "grind"}, {"size", "EU 42"}, {"foot", "left"}};
   const control::Answer made = ask("POST", "/models", wish);
-  LONGS_EQUAL_TEXT(201, made.status, made.body.dump().c_str());
+  LONGS_EQUAL_TEXT(201, made.status, test::text_of(made.body).c_str());
   STRCMP_EQUAL("left", made.body["foot"].get<std::string>().c_str());
   STRCMP_EQUAL("exists", code_of(ask("POST", "/models", wish)).c_str());
   DOUBLES_EQUAL(12, ask("GET", "/models/boot").body["length_mm"].get<double>(), 1e-3);
@@ -49,7 +50,7 @@ TEST(ApiAnswers, AModelGoesOutAsAFileAndComesBackInPieces) {
   LONGS_EQUAL(201, ask("POST", "/models", {{"name", "boot"}, {"scan", "scan-0001"}}).status);
   LONGS_EQUAL(404, ask("GET", "/models/shoe/file").status);
   const control::Answer out = ask("GET", "/models/boot/file");
-  LONGS_EQUAL_TEXT(200, out.status, out.body.dump().c_str());
+  LONGS_EQUAL_TEXT(200, out.status, test::text_of(out.body).c_str());
   STRCMP_EQUAL("application/x-tar", out.type.c_str());
   const std::string file = text_of(folder.path() / out.file);
   CHECK(file.size() > 1024);
@@ -74,7 +75,7 @@ TEST(ApiAnswers, AModelGoesOutAsAFileAndComesBackInPieces) {
   STRCMP_EQUAL("wrong_state", code_of(piece(half, file.substr(half), true)).c_str());
   LONGS_EQUAL(200, piece(0, file.substr(0, half), false).status);
   const control::Answer in = piece(half, file.substr(half), true, {{"name", "twin"}});
-  LONGS_EQUAL_TEXT(201, in.status, in.body.dump().c_str());
+  LONGS_EQUAL_TEXT(201, in.status, test::text_of(in.body).c_str());
   STRCMP_EQUAL("twin", in.body["name"].get<std::string>().c_str());
   DOUBLES_EQUAL(12, in.body["length_mm"].get<double>(), 1e-3);
   LONGS_EQUAL(201, piece(0, file, true, {{"replace", true}}).status);
@@ -85,8 +86,8 @@ TEST(ApiAnswers, AModelGoesOutAsAFileAndComesBackInPieces) {
   changed[half] = static_cast<char>(changed[half] + 1);
   for (const std::string& bad : {file.substr(0, half), changed, std::string{"no archive"}, std::string{}}) {
     const control::Answer refused = piece(0, bad, true, {{"name", "torn"}});
-    LONGS_EQUAL_TEXT(400, refused.status, refused.body.dump().c_str());
-    CHECK(refused.body.dump().find(folder.path().string()) == std::string::npos);
+    LONGS_EQUAL_TEXT(400, refused.status, test::text_of(refused.body).c_str());
+    CHECK(test::text_of(refused.body).find(folder.path().string()) == std::string::npos);
   }
   LONGS_EQUAL(404, ask("GET", "/models/torn").status);
   LONGS_EQUAL(200, piece(0, file, false).status);

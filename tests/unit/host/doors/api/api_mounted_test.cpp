@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "host/records/mounted/mounted_record.hpp"
+#include "tests/support/json.hpp"
 #include "tests/unit/host/doors/api/api_world.hpp"
 
 namespace biteline::api {
@@ -88,7 +89,7 @@ TEST(ApiMounted, ATouchThatTheArmIsAskedForTooLateDoesNotCount) {
   cell.look.T_base_flange.translation().x() += 10;
   const control::Answer answer = sut.ordinary(late);
   STRCMP_EQUAL("wrong_state", code_of(answer).c_str());
-  STRCMP_CONTAINS("touch again", answer.body.dump().c_str());
+  STRCMP_CONTAINS("touch again", test::text_of(answer.body).c_str());
   LONGS_EQUAL(1, ask("GET", "/mounted").body["lesson"]["touches"].get<int>());
 }
 
@@ -114,7 +115,7 @@ TEST(ApiMounted, ThePayloadIsTakenInItsRangeAndComparedWithTheControllers) {
         Json{{"kg", 1}, {"centre_mm", Json::array({0, 0, 2000})}},
         Json{{"kg", 1}, {"centre_mm", Json::array({0, 0, nullptr})}},
         Json{{"kg", 1}, {"centre_mm", centre}, {"g", 9.81}}}) {
-    LONGS_EQUAL_TEXT(400, ask("PUT", "/mounted/payload", body).status, body.dump().c_str());
+    LONGS_EQUAL_TEXT(400, ask("PUT", "/mounted/payload", body).status, test::text_of(body).c_str());
   }
   CHECK(ask("GET", "/mounted").body["payload"].is_null());
   cell.look.payload = path::Payload{.mass_kg = 1.62, .centre_flange_mm = {0, 0, 60}};

@@ -8,6 +8,7 @@
 #include "host/doors/api/words.hpp"
 #include "tests/support/api_answers.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace biteline::api {
@@ -93,7 +94,7 @@ struct FakeCell final : Cell {
     return next;
   }
   Result<int> rerun(const RerunOrder& order) override {
-    did.push_back("rerun " + order.scan + " " + order.who + " " + settings_json(order).dump());
+    did.push_back("rerun " + order.scan + " " + order.who + " " + test::text_of(settings_json(order)));
     if (!next) return tl::unexpected<Error>{next.error()};
     return keep_order(results, order);
   }

@@ -9,6 +9,7 @@
 
 #include "host/doors/api/process_store.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace biteline::api {
@@ -34,8 +35,8 @@ TEST(ProcessSchema, EachKeyOfTheReaderHasHelpAndItsRange) {
   DOUBLES_EQUAL(1000, speed["maximum"].get<double>(), 0);
   STRCMP_EQUAL("mm/s", speed["x-unit"].get<std::string>().c_str());
   const Json& approval = schema["properties"]["gate"]["properties"]["approval"];
-  STRCMP_EQUAL(R"(["none","person","automatic"])", approval["enum"].dump().c_str());
-  STRCMP_EQUAL(R"(["name","tool","placement","motion"])", schema["required"].dump().c_str());
+  STRCMP_EQUAL(R"(["none","person","automatic"])", test::text_of(approval["enum"]).c_str());
+  STRCMP_EQUAL(R"(["name","tool","placement","motion"])", test::text_of(schema["required"]).c_str());
 }
 
 TEST(ProcessSchema, EachKeyOfTheReaderStandsInTheDocument) {
@@ -77,12 +78,12 @@ TEST(ProcessSchema, ZonesAreAListWithUnitsAndRanges) {
   STRCMP_EQUAL("array", zones["type"].get<std::string>().c_str());
   CHECK(!zones["description"].get<std::string>().empty());
   const Json& item = zones["items"];
-  STRCMP_EQUAL(R"(["name"])", item["required"].dump().c_str());
+  STRCMP_EQUAL(R"(["name"])", test::text_of(item["required"]).c_str());
   STRCMP_EQUAL("mm", item["properties"]["outward_by_mm"]["x-unit"].get<std::string>().c_str());
   STRCMP_EQUAL("degrees", item["properties"]["tilt_by_deg"]["x-unit"].get<std::string>().c_str());
   STRCMP_EQUAL("%", item["properties"]["from_percent"]["x-unit"].get<std::string>().c_str());
   LONGS_EQUAL(10, item["properties"]["passes"]["maximum"].get<int>());
-  STRCMP_EQUAL(R"(["worked","left_out"])", item["properties"]["work"]["enum"].dump().c_str());
+  STRCMP_EQUAL(R"(["worked","left_out"])", test::text_of(item["properties"]["work"]["enum"]).c_str());
 }
 
 TEST(ProcessSchema, ZonesComeBackAsTheyWereSavedAndFaultsNameThem) {

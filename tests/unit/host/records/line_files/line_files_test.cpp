@@ -13,6 +13,7 @@
 
 #include "host/records/line_files/spline.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace biteline::line_files {
@@ -75,7 +76,7 @@ TEST(LineFile, CsvIsTheProductsOwn) {
 
 TEST(LineFile, JsonHasEveryColumn) {
   std::ifstream file(written("a.json"));
-  const nlohmann::json sut = nlohmann::json::parse(file);
+  const nlohmann::json sut = test::read_json(file);
   LONGS_EQUAL(line.points.size(), sut.at("points").size());
   const auto& second = sut.at("points").at(1);
   DOUBLES_EQUAL(line.points[1].position.x(), second.at("position_mm").at(0).get<double>(), 1e-9);

@@ -8,6 +8,7 @@
 
 #include "host/records/report/page.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/refusals.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -24,7 +25,7 @@ TEST_GROUP(Report) {
   }
   nlohmann::json written(Report & report) const {
     SUCCEEDS(report.write(folder.path()));
-    return nlohmann::json::parse(content("report.json"));
+    return test::read_json(content("report.json"));
   }
 };
 
@@ -92,7 +93,7 @@ TEST(Report, TextIsWhatTheFileHas) {
   written(sut);
   const std::string text = sut.text();
   STRCMP_EQUAL(content("report.json").c_str(), text.c_str());
-  LONGS_EQUAL(k_schema_version, nlohmann::json::parse(text)["schema_version"].get<int>());
+  LONGS_EQUAL(k_schema_version, test::read_json(text)["schema_version"].get<int>());
 }
 
 TEST(Report, FileThatCannotBeWrittenLeavesTheOldOne) {

@@ -10,6 +10,7 @@
 #include "host/records/results/pictures/shoe_view.hpp"
 #include "host/records/results/pictures/stages.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace biteline::results {
@@ -81,7 +82,7 @@ TEST_GROUP(LineResult) {
   }
   nlohmann::json report_json() const {
     std::ifstream file(folder.path() / "report.json");
-    return nlohmann::json::parse(file);
+    return test::read_json(file);
   }
   bool has(const char* name) const {
     return fs::exists(folder.path() / name);
@@ -111,7 +112,7 @@ TEST(LineResult, PagesThatComeLaterKeepWhatTheReportGotMeanwhile) {
   CHECK(has("line.csv") && !has("index.html"));
   auto json = report_json();
   json["calibration_check"] = "drifted";
-  folder.write("report.json", json.dump());
+  folder.write("report.json", test::text_of(json));
   SUCCEEDS(write_line_pages(
       folder.path(), d.stages.surface, d.extraction, [&] { return d.stages; }, report));
   CHECK(has("index.html") && has("stages/6_sequence.png"));

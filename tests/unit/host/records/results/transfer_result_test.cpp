@@ -8,6 +8,7 @@
 
 #include "host/records/results/line_result.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace biteline::results {
@@ -58,7 +59,7 @@ TEST_GROUP(TransferResult) {
   }
   nlohmann::json report_json() const {
     std::ifstream file(folder.path() / "report.json");
-    return nlohmann::json::parse(file);
+    return test::read_json(file);
   }
   bool has(const char* file) const {
     return fs::exists(folder.path() / file);

@@ -14,6 +14,7 @@
 #include "host/robot/link/gate/gate_file.hpp"
 #include "host/robot/link/robot_link.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/refusals.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/host/robot/link/permitted.hpp"
@@ -232,9 +233,9 @@ TEST(Gate, FileThatSaysOtherThanItsInputsIsRefused) {
   inputs.scan.messages_lost = 4;
   SUCCEEDS(write_gate(file(), inputs));
   std::ifstream stream{file()};
-  nlohmann::ordered_json json = nlohmann::ordered_json::parse(stream);
+  nlohmann::ordered_json json = biteline::test::read_ordered_json(stream);
   const auto write = [&](const nlohmann::ordered_json& changed) {
-    folder.write("gate.json", changed.dump());
+    folder.write("gate.json", biteline::test::text_of(changed));
   };
 
   nlohmann::ordered_json permitted = json;
@@ -254,7 +255,7 @@ TEST(Gate, FileThatSaysOtherThanItsInputsIsRefused) {
 TEST(Gate, EveryInputMustBeInTheFileAndOfItsType) {
   SUCCEEDS(write_gate(file(), test::good_inputs()));
   std::ifstream stream{file()};
-  const nlohmann::ordered_json json = nlohmann::ordered_json::parse(stream);
+  const nlohmann::ordered_json json = biteline::test::read_ordered_json(stream);
   int inputs = 0;
   for (const auto& [part, facts] : json["inputs"].items()) {
     for (const auto& [name, value] : facts.items()) {
@@ -267,7 +268,7 @@ TEST(Gate, EveryInputMustBeInTheFileAndOfItsType) {
         } else {
           changed["inputs"][part][name] = other;
         }
-        folder.write("gate.json", changed.dump());
+        folder.write("gate.json", biteline::test::text_of(changed));
         CHECK_TEXT(!read_gate(file()).has_value(), (part + "." + name).c_str());
       }
       ++inputs;

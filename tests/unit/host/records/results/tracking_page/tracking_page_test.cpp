@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/json.hpp"
 #include "tests/unit/host/robot/link/planned.hpp"
 
 namespace biteline::results {
@@ -42,7 +43,7 @@ TEST_GROUP(TrackingPage) {
   nlohmann::json data() {
     const std::string mark = "const data = ";
     const std::size_t begin = page.find(mark) + mark.size();
-    return nlohmann::json::parse(page.substr(begin, page.find(";\n", begin) - begin));
+    return test::read_json(page.substr(begin, page.find(";\n", begin) - begin));
   }
 };
 

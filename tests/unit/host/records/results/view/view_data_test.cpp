@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "tests/support/errors.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace biteline::results {
@@ -24,7 +25,7 @@ TEST_GROUP(ViewData) {
   nlohmann::json script(const char* name) const {
     const std::string all = text(name);
     const std::size_t begin = all.find(" = ") + 3;
-    return nlohmann::json::parse(all.substr(begin, all.rfind(';') - begin));
+    return test::read_json(all.substr(begin, all.rfind(';') - begin));
   }
 };
 
