@@ -38,16 +38,24 @@ class ArcLength {
   /// `mm` from 0 to total_mm().
   [[nodiscard]] OnCurve at(double mm) const {
     const auto above = std::upper_bound(at_mm_.begin() + 1, at_mm_.end() - 1, mm);
-    const auto before = static_cast<std::size_t>(above - at_mm_.begin()) - 1;
-    const double step_mm = std::max(at_mm_[before + 1] - at_mm_[before], 1e-12);
-    return {.before = before,
-            .after = (before + 1) % (at_mm_.size() - 1),
-            .share = std::clamp((mm - at_mm_[before]) / step_mm, 0.0, 1.0)};
+    return behind(static_cast<std::size_t>(above - at_mm_.begin()) - 1, mm);
   }
 
   /// The k-th of `count` evenly spaced places.
   [[nodiscard]] OnCurve even(std::size_t k, std::size_t count) const {
     return at(total_mm() * static_cast<double>(k) / static_cast<double>(count));
+  }
+  /// All of them.
+  [[nodiscard]] std::vector<OnCurve> even(std::size_t count) const {
+    std::vector<OnCurve> places;
+    places.reserve(count);
+    std::size_t before = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      const double mm = total_mm() * static_cast<double>(k) / static_cast<double>(count);
+      while (before + 2 < at_mm_.size() && at_mm_[before + 1] <= mm) ++before;
+      places.push_back(behind(before, mm));
+    }
+    return places;
   }
 
   /// How many evenly spaced points come nearest to this spacing; at least three make a closed line.
@@ -56,6 +64,13 @@ class ArcLength {
   }
 
  private:
+  [[nodiscard]] OnCurve behind(std::size_t before, double mm) const {
+    const double step_mm = std::max(at_mm_[before + 1] - at_mm_[before], 1e-12);
+    return {.before = before,
+            .after = before + 2 < at_mm_.size() ? before + 1 : 0,
+            .share = std::clamp((mm - at_mm_[before]) / step_mm, 0.0, 1.0)};
+  }
+
   std::vector<double> at_mm_;  ///< per point, and of the first one again
 };
 
@@ -63,6 +78,18 @@ class ArcLength {
 [[nodiscard]] inline std::size_t round_index(std::size_t i, std::ptrdiff_t by, std::size_t count) {
   const auto n = static_cast<std::ptrdiff_t>(count);
   return static_cast<std::size_t>(((static_cast<std::ptrdiff_t>(i) + by) % n + n) % n);
+}
+
+/// Closed data with the `beside` ones from their other end before their begin and behind their end; not
+/// empty.
+template <class Value>
+[[nodiscard]] std::vector<Value> once_more_round(std::span<const Value> values, std::ptrdiff_t beside) {
+  std::vector<Value> round;
+  round.reserve(values.size() + 2 * static_cast<std::size_t>(beside));
+  for (std::ptrdiff_t i = -beside; i < 0; ++i) round.push_back(values[round_index(0, i, values.size())]);
+  round.insert(round.end(), values.begin(), values.end());
+  for (std::ptrdiff_t i = 0; i < beside; ++i) round.push_back(values[round_index(0, i, values.size())]);
+  return round;
 }
 
 /// Gaussian mean round closed data; `sigma_samples` in steps.  `zero`: of the values' kind.
@@ -78,10 +105,7 @@ template <class Value>
   }
   std::vector<Value> smooth(values.size(), zero);
   if (values.empty()) return smooth;
-  std::vector<Value> round;
-  round.reserve(values.size() + kernel.size() - 1);
-  for (std::size_t i = 0; i < values.size() + kernel.size() - 1; ++i)
-    round.push_back(values[round_index(i, -reach, values.size())]);
+  const std::vector<Value> round = once_more_round(values, reach);
   for (std::size_t j = 0; j < kernel.size(); ++j) {
     const double share = kernel[j] / sum;
     for (std::size_t i = 0; i < smooth.size(); ++i) smooth[i] += share * round[i + j];

@@ -66,13 +66,27 @@ ClosedSpline::ClosedSpline(std::vector<Knot> knots, double turn_mm)
 }
 
 ClosedSpline::Sample ClosedSpline::at(double place_mm) const {
+  const auto above = std::upper_bound(knots_.begin(), knots_.end(), place_mm,
+                                      [](double place, const Knot& knot) { return place < knot.at_mm; });
+  return before_knot(static_cast<std::size_t>(above - knots_.begin()), place_mm);
+}
+
+std::vector<ClosedSpline::Sample> ClosedSpline::every(double step_mm, std::size_t count) const {
+  std::vector<Sample> samples;
+  samples.reserve(count);
+  std::size_t above = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double place_mm = static_cast<double>(i) * step_mm;
+    while (above < knots_.size() && knots_[above].at_mm <= place_mm) ++above;
+    samples.push_back(before_knot(above, place_mm));
+  }
+  return samples;
+}
+
+ClosedSpline::Sample ClosedSpline::before_knot(std::size_t above, double place_mm) const {
   const std::size_t n = knots_.size();
-  const auto above = static_cast<std::size_t>(
-      std::upper_bound(knots_.begin(), knots_.end(), place_mm,
-                       [](double place, const Knot& knot) { return place < knot.at_mm; }) -
-      knots_.begin());
-  const std::size_t i = (above + n - 1) % n;
-  const std::size_t j = above % n;
+  const std::size_t i = above == 0 ? n - 1 : above - 1;
+  const std::size_t j = above == n ? 0 : above;
   const double from = knots_[i].at_mm - (above == 0 ? turn_mm_ : 0.0);
   const double h = (knots_[j].at_mm + (above == n ? turn_mm_ : 0.0)) - from;
   const double b = (place_mm - from) / h;

@@ -2,6 +2,7 @@
 #pragma once
 /// \file A smooth closed function through values at uneven places.
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -24,8 +25,13 @@ class ClosedSpline {
     double interval_mm{0};  ///< between the two knots around the place
   };
   [[nodiscard]] Sample at(double place_mm) const;
+  /// `count` samples at 0, `step_mm` and so on, within one turn.
+  [[nodiscard]] std::vector<Sample> every(double step_mm, std::size_t count) const;
 
  private:
+  /// `above`: the first knot beyond the place.
+  [[nodiscard]] Sample before_knot(std::size_t above, double place_mm) const;
+
   std::vector<Knot> knots_;
   std::vector<double> bend_;  ///< second derivative at each knot
   double turn_mm_;

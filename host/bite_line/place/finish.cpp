@@ -79,8 +79,7 @@ cloud::ClosedLine even_line(const PlacedLine& placed_line, const SE3& T_base_sho
   cloud::ClosedLine line;
   line.points.reserve(count);
   std::vector<PointSpread> own;
-  for (std::size_t k = 0; k < count; ++k) {
-    const geometry::OnCurve at = along.even(k, count);
+  for (const geometry::OnCurve& at : along.even(count)) {
     const PlacedStation& a = placed[at.before];
     const PlacedStation& b = placed[at.after];
     line.points.push_back({.position = T_base_shoe * at.between<Vec3>(a.position, b.position),

@@ -20,11 +20,10 @@ double cross(const Vec2& a, const Vec2& b) {
 /// `count` points evenly spaced along a closed curve; returns its length.
 double respace(std::vector<Vec2>& curve, std::size_t count) {
   const geometry::ArcLength along{curve.size(), [&](std::size_t i) { return curve[i]; }};
-  std::vector<Vec2> even(count);
-  for (std::size_t k = 0; k < count; ++k) {
-    const geometry::OnCurve at = along.even(k, count);
-    even[k] = curve[at.before] + at.share * (curve[at.after] - curve[at.before]);
-  }
+  std::vector<Vec2> even;
+  even.reserve(count);
+  for (const geometry::OnCurve& at : along.even(count))
+    even.push_back(curve[at.before] + at.share * (curve[at.after] - curve[at.before]));
   curve = std::move(even);
   return along.total_mm();
 }

@@ -42,6 +42,13 @@ TEST(ClosedCurve, EvenPlacesAreEvenHoweverUnevenThePointsAre) {
     return place.between<Vec2>(point(place.before), point(place.after));
   };
   for (std::size_t k = 0; k < count; ++k) DOUBLES_EQUAL(2.0, (at(k + 1) - at(k)).norm(), 0.01);
+  const std::vector<OnCurve> all = sut.even(count);
+  LONGS_EQUAL(count, all.size());
+  for (std::size_t k = 0; k < count; ++k) {
+    LONGS_EQUAL(sut.even(k, count).before, all[k].before);
+    LONGS_EQUAL(sut.even(k, count).after, all[k].after);
+    DOUBLES_EQUAL(sut.even(k, count).share, all[k].share, 0);
+  }
   LONGS_EQUAL(3, sut.count_for(1e6));
 }
 
@@ -65,6 +72,13 @@ TEST(ClosedCurve, ARunningMeanCountsPartsOfAStep) {
   DOUBLES_EQUAL(1.0 / 4, sut[2], 1e-12);
   DOUBLES_EQUAL(0.5 / 4, sut[1], 1e-12);
   DOUBLES_EQUAL(0, sut[0], 1e-12);
+}
+
+TEST(ClosedCurve, AWindowLongerThanTheDataGoesRoundMoreThanOnce) {
+  const std::vector<double> few{3, 6, 9};
+  for (const double value : running_mean(few, 8.0)) DOUBLES_EQUAL(6, value, 1e-12);
+  for (const double value : running_median(few, 4)) DOUBLES_EQUAL(6, value, 1e-12);
+  CHECK(running_mean({}, 3.0).empty());
 }
 
 TEST(ClosedCurve, ARunningMedianDropsWhatIsShorterThanHalfItsWindow) {
