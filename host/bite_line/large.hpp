@@ -2,25 +2,30 @@
 #pragma once
 /// \file Memory of the closing steps' large arrays.
 
+#include <cstddef>
 #include <memory>
 #include <utility>
 #include <vector>
 
-#include <tbb/scalable_allocator.h>
-
 namespace biteline::bite_line {
 
-/// Keeps what was freed for the next array and the next scan: a fresh page costs more than the work that is
-/// done in it (2 us for 4 kB on a virtual machine).  resize() leaves trivial values as they are.
+/// Memory that was given back before, or fresh one.  Any thread; throws std::bad_alloc.
+[[nodiscard]] void* take_block(std::size_t bytes);
+/// `bytes`: as many as were taken.
+void give_block(void* memory, std::size_t bytes) noexcept;
+
+/// Keeps what was freed for the next array and the next scan, up to 64 MB: a fresh page costs more than the
+/// work that is done in it (2 us for 4 kB on a virtual machine).  resize() leaves trivial values as they are.
 template <class T>
-struct LargeAllocator : tbb::scalable_allocator<T> {
-  template <class U>
-  struct rebind {
-    using other = LargeAllocator<U>;
-  };
+struct LargeAllocator {
+  using value_type = T;
+  using is_always_equal = std::true_type;
   LargeAllocator() = default;
   template <class U>
   LargeAllocator(const LargeAllocator<U>&) noexcept {}
+
+  [[nodiscard]] T* allocate(std::size_t count) { return static_cast<T*>(take_block(count * sizeof(T))); }
+  void deallocate(T* memory, std::size_t count) noexcept { give_block(memory, count * sizeof(T)); }
 
   template <class U>
   void construct(U* place) {
@@ -30,6 +35,7 @@ struct LargeAllocator : tbb::scalable_allocator<T> {
   void construct(U* place, Arguments&&... arguments) {
     std::construct_at(place, std::forward<Arguments>(arguments)...);
   }
+  friend bool operator==(const LargeAllocator&, const LargeAllocator&) { return true; }
 };
 
 template <class T>
