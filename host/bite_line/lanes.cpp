@@ -15,34 +15,47 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// K vectors from `i` on: sums stay in registers over all terms.  `term(j)` is the j-th row and its weight.
+/// K vectors from `i` on, the last one from `last` on: sums stay in registers over all terms.  `term(j)` is
+/// the j-th row and its weight.
 template <std::size_t K, class D, class Term>
-HWY_INLINE void sum_rows(D d, float* to, std::size_t terms, std::size_t i, Term&& term) {
-  const std::size_t lanes = hn::Lanes(d);
+HWY_INLINE void sum_rows(D d, float* to, std::size_t terms, std::size_t i, std::size_t last, Term&& term) {
+  const auto at = [&](std::size_t k) { return k + 1 < K ? i + k * hn::Lanes(d) : last; };
   hn::Vec<D> sum[K];
   for (auto& s : sum) s = hn::Zero(d);
   for (std::size_t j = 0; j < terms; ++j) {
     const Tap tap = term(j);
     const auto weight = hn::Set(d, tap.weight);
-    for (std::size_t k = 0; k < K; ++k)
-      sum[k] = hn::MulAdd(weight, hn::LoadU(d, tap.from + i + k * lanes), sum[k]);
+    for (std::size_t k = 0; k < K; ++k) sum[k] = hn::MulAdd(weight, hn::LoadU(d, tap.from + at(k)), sum[k]);
   }
-  for (std::size_t k = 0; k < K; ++k) hn::StoreU(sum[k], d, to + i + k * lanes);
+  for (std::size_t k = 0; k < K; ++k) hn::StoreU(sum[k], d, to + at(k));
 }
 
+/// Four vectors at once, and what is left at once, too: one vector alone waits for its own sum at each term.
+/// The last one reaches back over what is done already.
 template <class Term>
 HWY_INLINE void sum_terms(std::span<float> to, std::size_t terms, Term&& term) {
   const hn::ScalableTag<float> d;
   const hn::CappedTag<float, 1> one;
   const std::size_t lanes = hn::Lanes(d);
+  const std::size_t size = to.size();
   std::size_t i = 0;
-  for (; i + 4 * lanes <= to.size(); i += 4 * lanes) sum_rows<4>(d, to.data(), terms, i, term);
-  for (; i + lanes <= to.size(); i += lanes) sum_rows<1>(d, to.data(), terms, i, term);
-  if (i == to.size()) return;
-  if (to.size() >= lanes) {
-    sum_rows<1>(d, to.data(), terms, to.size() - lanes, term);
-  } else {
-    for (; i < to.size(); ++i) sum_rows<1>(one, to.data(), terms, i, term);
+  if (size < lanes) {
+    for (; i < size; ++i) sum_rows<1>(one, to.data(), terms, i, i, term);
+    return;
+  }
+  for (; i + 4 * lanes <= size; i += 4 * lanes) sum_rows<4>(d, to.data(), terms, i, i + 3 * lanes, term);
+  const std::size_t last = size - lanes;
+  switch ((size - i + lanes - 1) / lanes) {
+    case 1:
+      return sum_rows<1>(d, to.data(), terms, i, last, term);
+    case 2:
+      return sum_rows<2>(d, to.data(), terms, i, last, term);
+    case 3:
+      return sum_rows<3>(d, to.data(), terms, i, last, term);
+    case 4:
+      return sum_rows<4>(d, to.data(), terms, i, last, term);
+    default:
+      return;
   }
 }
 
@@ -169,6 +182,42 @@ void Curvatures(std::span<float> to, const float* from, float per_mm) {
   });
 }
 
+/// Lanes(d) places from `from` to `to`, of three and four numbers each.
+template <class D>
+HWY_INLINE void land_lanes(D d, const PathGrid& grid, const float* from, float* to) {
+  using V = hn::Vec<D>;
+  const hn::Rebind<std::int32_t, D> di;
+  const auto set = [&](float value) { return hn::Set(d, value); };
+  const auto stations = hn::Set(di, static_cast<std::int32_t>(grid.steps.size()));
+  V s, o, z;
+  hn::LoadInterleaved3(d, from, s, o, z);
+  const V at = hn::Mul(s, set(1.0F / grid.station_mm));
+  const auto before = hn::ConvertTo(di, at);
+  const auto nearest = hn::ConvertTo(di, hn::Add(at, set(0.5F)));
+  const auto within = hn::And(hn::Gt(before, hn::Set(di, -1)), hn::Lt(before, stations));
+  const auto step = hn::Add(hn::IfThenElseZero(within, before), hn::IfThenElseZero(within, before));
+  const V path_z = hn::GatherIndex(d, &grid.steps.front().z_mm, step);
+  const V rise = hn::GatherIndex(d, &grid.steps.front().rise_mm, step);
+  const V up = hn::Sub(z, hn::MulAdd(hn::Sub(at, hn::ConvertTo(d, before)), rise, path_z));
+  const V row = hn::Add(hn::MulAdd(up, set(grid.per_row), set(grid.zero_row)), set(0.5F));
+  const V zero = hn::Zero(d);
+  const auto beside = hn::And(hn::Ge(s, zero), hn::Le(hn::Abs(o), set(grid.reach_o_mm)));
+  const auto inside = hn::And(beside, hn::And(hn::Ge(row, zero), hn::Lt(row, set(grid.rows))));
+  const auto station = hn::IfThenElseZero(hn::Lt(nearest, stations), nearest);
+  const auto landed = hn::IfThenElse(hn::RebindMask(di, inside), station, hn::Set(di, -1));
+  const auto landed_row = hn::ConvertTo(di, hn::IfThenElseZero(inside, row));
+  const V off = hn::Mul(hn::Sub(at, hn::ConvertTo(d, nearest)), set(grid.station_mm));
+  hn::StoreInterleaved4(hn::BitCast(d, landed), hn::BitCast(d, landed_row), off, o, d, to);
+}
+
+void Land(std::span<Landing> to, std::span<const OutlinePlace> places, const PathGrid& grid) {
+  static_assert(sizeof(Landing) == 4 * sizeof(float) && sizeof(OutlinePlace) == 3 * sizeof(float) &&
+                sizeof(PathGrid::Step) == 2 * sizeof(float));
+  const auto* from = reinterpret_cast<const float*>(places.data());
+  auto* landings = reinterpret_cast<float*>(to.data());
+  for_lanes(to.size(), [&](auto d, std::size_t i) { land_lanes(d, grid, from + 3 * i, landings + 4 * i); });
+}
+
 /// Rows `r` to `r + lanes` at once.
 template <class D>
 HWY_INLINE void step_rows(D d, const ColumnStep& column, std::size_t r, float* total, std::int8_t* step) {
@@ -203,6 +252,7 @@ HWY_EXPORT(Convolve);
 HWY_EXPORT(Curvatures);
 HWY_EXPORT(FitLines);
 HWY_EXPORT(FitRows);
+HWY_EXPORT(Land);
 HWY_EXPORT(MostOfSums);
 HWY_EXPORT(SlopeAngles);
 HWY_EXPORT(StepColumn);
@@ -236,6 +286,9 @@ void slope_angles(std::span<float> to, const float* low, const float* high, floa
 }
 void curvatures(std::span<float> to, const float* from, float per_mm) {
   HWY_DYNAMIC_DISPATCH(Curvatures)(to, from, per_mm);
+}
+void land(std::span<Landing> to, std::span<const OutlinePlace> places, const PathGrid& grid) {
+  HWY_DYNAMIC_DISPATCH(Land)(to, places, grid);
 }
 void step_column(const ColumnStep& column, std::span<float> total, std::int8_t* step) {
   HWY_DYNAMIC_DISPATCH(StepColumn)(column, total, step);

@@ -7,6 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "host/bite_line/shoe/outline_lookup.hpp"
+
 namespace biteline::bite_line {
 
 /// Weights exp(-j^2 / 2 sigma^2) for j from -reach to reach, reach being `sigmas` standard deviations.
@@ -53,6 +55,26 @@ void slope_angles(std::span<float> to, const float* low, const float* high, floa
 
 /// Curvature of a curve with `per_mm` values to a millimetre: to[i] of that through from[i] to from[i + 2].
 void curvatures(std::span<float> to, const float* from, float per_mm);
+
+/// A grid of `stations` along a closed path and `rows` in height about it.
+struct PathGrid {
+  struct Step {
+    float z_mm;     ///< of the path at a station
+    float rise_mm;  ///< from there to the next one, so that a sloping path leaves the sections level
+  };
+  std::span<const Step> steps;
+  float rows, zero_row;
+  float station_mm, per_row;
+  float reach_o_mm;
+};
+/// Where a point falls on it.
+struct Landing {
+  std::int32_t station;  ///< negative: on none
+  std::int32_t row;
+  float s_mm;  ///< from the station's middle
+  float o_mm;
+};
+void land(std::span<Landing> to, std::span<const OutlinePlace> places, const PathGrid& grid);
 
 /// One column of a path's dynamic programming.
 struct ColumnStep {

@@ -26,51 +26,19 @@ constexpr float k_reach_o_mm = 14.0F;
 /// middle.
 enum Sum : std::size_t { k_w, k_s, k_ss, k_o, k_so, k_sums };
 
-/// The path's height at a station and at the next one, so that a sloping path leaves the sections level.
-struct Step {
-  float z_mm{0};
-  float rise_mm{0};
-};
+/// From one sum's rows to the next one's: whole cache lines, which vectors do not straddle.
+std::size_t rows_apart(const Sections& sections) {
+  constexpr std::size_t k_line = 16;
+  return (static_cast<std::size_t>(sections.rows) + k_line - 1) / k_line * k_line;
+}
 
-std::vector<Step> steps_of(std::span<const double> path_z_mm) {
-  std::vector<Step> steps(path_z_mm.size());
+std::vector<PathGrid::Step> steps_of(std::span<const double> path_z_mm) {
+  std::vector<PathGrid::Step> steps(path_z_mm.size());
   for (std::size_t i = 0; i < steps.size(); ++i)
     steps[i] = {static_cast<float>(path_z_mm[i]),
                 static_cast<float>(path_z_mm[(i + 1) % steps.size()] - path_z_mm[i])};
   return steps;
 }
-
-/// Coordinates of a point, stations and rows instead of millimetres.
-class Lander {
- public:
-  Lander(const SectionInput& input, const SectionConfig& config, const Sections& sections)
-      : steps_{steps_of(input.path_z_mm)},
-        stations_{sections.stations},
-        rows_{static_cast<float>(sections.rows)},
-        zero_row_{static_cast<float>(sections.zero_row)},
-        station_mm_{static_cast<float>(sections.station_mm)},
-        per_station_{1.0F / station_mm_},
-        per_row_{static_cast<float>(1.0 / config.row_mm)} {}
-
-  [[nodiscard]] SectionPoints::Landing land(const OutlinePlace& place) const {
-    constexpr SectionPoints::Landing k_nowhere{-1, 0, 0, 0};
-    if (place.s_mm < 0 || std::abs(place.o_mm) > k_reach_o_mm) return k_nowhere;
-    const float at = place.s_mm * per_station_;
-    const auto nearest = static_cast<int>(at + 0.5F);
-    const int before = static_cast<int>(at);
-    const Step& step = steps_[static_cast<std::size_t>(before < stations_ ? before : 0)];
-    const float z = place.z_mm - (step.z_mm + (at - static_cast<float>(before)) * step.rise_mm);
-    const float row = z * per_row_ + zero_row_ + 0.5F;
-    if (row < 0 || row >= rows_) return k_nowhere;
-    return {nearest < stations_ ? nearest : 0, static_cast<std::int32_t>(row),
-            (at - static_cast<float>(nearest)) * station_mm_, place.o_mm};
-  }
-
- private:
-  std::vector<Step> steps_;
-  int stations_;
-  float rows_, zero_row_, station_mm_, per_station_, per_row_;
-};
 
 /// Per sum, what goes into it.
 using Taps = std::array<std::vector<Tap>, k_sums>;
@@ -80,15 +48,16 @@ using Taps = std::array<std::vector<Tap>, k_sums>;
 void sum_along(std::span<const float> bins, std::span<const float> weights, const Sections& sections,
                int station, std::size_t reach, Taps& taps, std::vector<float>& sums) {
   const auto rows = static_cast<std::size_t>(sections.rows);
+  const std::size_t apart = rows_apart(sections);
   const auto half = static_cast<int>(weights.size() / 2);
   for (std::vector<Tap>& of_sum : taps) of_sum.clear();
   for (int j = -half; j <= half; ++j) {
     const int other = ((station + j) % sections.stations + sections.stations) % sections.stations;
-    const float* block = bins.data() + static_cast<std::size_t>(other) * k_sums * rows;
+    const float* block = bins.data() + static_cast<std::size_t>(other) * k_sums * apart;
     const float g = weights[static_cast<std::size_t>(j + half)];
     const auto shift = static_cast<float>(j * sections.station_mm);
     const auto add = [&](Sum to, Sum from, float weight) {
-      taps[to].push_back({block + from * rows, weight});
+      taps[to].push_back({block + from * apart, weight});
     };
     for (const Sum sum : {k_w, k_s, k_ss, k_o, k_so}) add(sum, sum, g);
     add(k_s, k_w, g * shift);
@@ -175,20 +144,26 @@ SectionPoints::SectionPoints(const SectionInput& input, const SectionConfig& con
                   [&](std::size_t i) { return landings_[i].station; }},
       bins_{bins_of_landings()} {}
 
-Large<SectionPoints::Landing> SectionPoints::landings_of(const SectionInput& input) const {
+Large<Landing> SectionPoints::landings_of(const SectionInput& input) const {
   Large<Landing> landings(input.points.size());
-  const Lander lander{input, config_, frame_};
+  const std::vector<PathGrid::Step> steps = steps_of(input.path_z_mm);
+  const PathGrid grid{.steps = steps,
+                      .rows = static_cast<float>(frame_.rows),
+                      .zero_row = static_cast<float>(frame_.zero_row),
+                      .station_mm = static_cast<float>(frame_.station_mm),
+                      .per_row = static_cast<float>(1.0 / config_.row_mm),
+                      .reach_o_mm = k_reach_o_mm};
   tbb::parallel_for(tbb::blocked_range<std::size_t>{0, input.points.size(), 4096}, [&](const auto& range) {
     std::vector<OutlinePlace> places(range.size());
     input.outline.locate(input.points.subspan(range.begin(), range.size()), places);
-    for (std::size_t i = 0; i < places.size(); ++i) landings[range.begin() + i] = lander.land(places[i]);
+    land({landings.data() + range.begin(), range.size()}, places, grid);
   });
   return landings;
 }
 
 Large<float> SectionPoints::bins_of_landings() const {
   const std::size_t stations = at_station_.size();
-  const auto rows = static_cast<std::size_t>(frame_.rows);
+  const std::size_t rows = rows_apart(frame_);
   Large<float> bins(stations * k_sums * rows);
   tbb::parallel_for(std::size_t{0}, stations, [&](std::size_t station) {
     const std::span block{bins.data() + station * k_sums * rows, k_sums * rows};
@@ -241,13 +216,12 @@ std::optional<int> SectionPoints::hidden_below(int station, int reach, const Sec
 }
 
 SectionPoints::Patch SectionPoints::patch(int station, int low_row, int end_row) const {
-  const auto rows = static_cast<std::size_t>(frame_.rows);
+  const std::size_t rows = rows_apart(frame_);
   const float* block = bins_.data() + static_cast<std::size_t>(station) * k_sums * rows;
   Patch patch;
   for (int r = std::max(0, low_row); r < std::min(frame_.rows, end_row); ++r) {
     const auto row = static_cast<std::size_t>(r);
     const auto w = static_cast<double>(block[k_w * rows + row]);
-    if (w == 0) continue;
     patch.points += w;
     patch.s_mm += static_cast<double>(block[k_s * rows + row]);
     patch.o_mm += static_cast<double>(block[k_o * rows + row]);
@@ -280,7 +254,7 @@ double SectionPoints::sample_mm() const {
 }
 
 bool SectionPoints::any_point(int station, int low_row, int end_row) const {
-  const auto rows = static_cast<std::size_t>(frame_.rows);
+  const std::size_t rows = rows_apart(frame_);
   const float* points = bins_.data() + (static_cast<std::size_t>(station) * k_sums + k_w) * rows;
   return std::any_of(points + std::max(0, low_row), points + std::min(frame_.rows, end_row),
                      [](float count) { return count > 0; });

@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "host/bite_line/buckets.hpp"
+#include "host/bite_line/lanes.hpp"
 #include "host/bite_line/large.hpp"
 #include "host/bite_line/shoe/plan.hpp"
 
@@ -61,14 +62,6 @@ class SectionPoints {
   /// Distance along the line from one profile to the next, which three of four do not exceed.  What is far
   /// apart was not seen, and does not count.
   [[nodiscard]] double sample_mm() const;
-
-  /// Where one point falls.
-  struct Landing {
-    std::int32_t station;  ///< negative: on none
-    std::int32_t row;
-    float s_mm;
-    float o_mm;
-  };
 
   /// What lies in some rows of one station, unsmoothed.
   struct Patch {

@@ -71,4 +71,35 @@ TEST(Lanes, TheLargestOfSeveralSums) {
   }
 }
 
+TEST(Lanes, APointLandsAtItsNearestStationAndAtItsHeightAboveTheSlopingPath) {
+  const std::vector<PathGrid::Step> steps{{10, 2}, {12, -1}, {11, -1}};
+  const PathGrid grid{
+      .steps = steps, .rows = 8, .zero_row = 3, .station_mm = 0.5F, .per_row = 1, .reach_o_mm = 14};
+  const std::vector<OutlinePlace> places{
+      {0.25F, 1, 11},     // half-way to the next station: the path lies at 11 there
+      {1.4F, 2, 11.25F},  // nearest to the first one, round the end
+      {0.5F, 3, 8.4F},    // 3.6 below the path: under the lowest row
+      {0.5F, 3, 16.6F},   // 4.6 above it: over the highest
+      {0.5F, 15, 12},     // too far out
+      {-1, 0, 12},        // not on the outline
+      {-2.5F, 0, 12}};
+  const std::vector<Landing> expected{{1, 3, -0.25F, 1}, {0, 4, -0.1F, 2}, {-1, 0, 0, 0}, {-1, 0, 0, 0},
+                                      {-1, 0, 0, 0},     {-1, 0, 0, 0},    {-1, 0, 0, 0}};
+  for (std::size_t size = 1; size <= k_longest; ++size) {
+    std::vector<OutlinePlace> drawn_places;
+    for (std::size_t i = 0; i < size; ++i) drawn_places.push_back(places[i % places.size()]);
+    std::vector<Landing> sut(size + 1, Landing{7, 7, 7, 7});
+    land({sut.data(), size}, drawn_places, grid);
+    for (std::size_t i = 0; i < size; ++i) {
+      const Landing& here = expected[i % expected.size()];
+      LONGS_EQUAL(here.station, sut[i].station);
+      if (here.station < 0) continue;
+      LONGS_EQUAL(here.row, sut[i].row);
+      DOUBLES_EQUAL(here.s_mm, sut[i].s_mm, 1e-6);
+      DOUBLES_EQUAL(here.o_mm, sut[i].o_mm, 0);
+    }
+    LONGS_EQUAL(7, sut[size].station);
+  }
+}
+
 }  // namespace biteline::bite_line
