@@ -111,23 +111,29 @@ Large<std::uint8_t> Cells::by_cell(std::span<const std::uint8_t> by_slot) const 
 }
 
 int Cells::label(const std::vector<bool>& keep, std::vector<std::int32_t>& labels) const {
+  // Each cell joins the components of its neighbours before it.  A component's root is its first cell.
+  std::vector<std::size_t> parent(occupied_.size());
+  const auto root_of = [&](std::size_t slot) {
+    while (parent[slot] != slot) slot = parent[slot] = parent[parent[slot]];
+    return slot;
+  };
+  for (std::size_t slot = 0; slot < parent.size(); ++slot) {
+    parent[slot] = slot;
+    if (!keep[slot]) continue;
+    std::size_t root = slot;
+    around<true>(slot, [&](std::size_t other) {
+      if (!keep[other]) return;
+      const std::size_t of_other = root_of(other);
+      parent[std::max(root, of_other)] = std::min(root, of_other);
+      root = std::min(root, of_other);
+    });
+  }
   labels.assign(occupied_.size(), -1);
-  std::vector<std::size_t> stack;
   int components = 0;
-  for (std::size_t seed = 0; seed < occupied_.size(); ++seed) {
-    if (!keep[seed] || labels[seed] >= 0) continue;
-    labels[seed] = components;
-    stack.push_back(seed);
-    while (!stack.empty()) {
-      const std::size_t slot = stack.back();
-      stack.pop_back();
-      around(slot, [&](std::size_t other) {
-        if (!keep[other] || labels[other] >= 0) return;
-        labels[other] = components;
-        stack.push_back(other);
-      });
-    }
-    ++components;
+  for (std::size_t slot = 0; slot < parent.size(); ++slot) {
+    if (!keep[slot]) continue;
+    const std::size_t root = root_of(slot);
+    labels[slot] = root == slot ? components++ : labels[root];
   }
   return components;
 }

@@ -43,8 +43,9 @@ class Cells {
   /// Labels the occupied cells that `keep` marks by 26-connected component, from 0; -1 for all others.
   /// Returns the number of components.
   int label(const std::vector<bool>& keep, std::vector<std::int32_t>& labels) const;
-  /// Calls `visit` with the slot of each occupied cell among the 26 around an occupied cell, and of itself.
-  template <class Visit>
+  /// Calls `visit` with the slot of each occupied cell among the 26 around an occupied cell, and of itself;
+  /// `Before`: of the 13 before it alone.
+  template <bool Before = false, class Visit>
   void around(std::size_t slot, Visit&& visit) const;
 
  private:
@@ -61,15 +62,18 @@ class Cells {
   Large<Eigen::Vector3f> mean_;  ///< per occupied cell
 };
 
-template <class Visit>
+template <bool Before, class Visit>
 void Cells::around(std::size_t slot, Visit&& visit) const {
   const std::int32_t cell = occupied_[slot];
   const int x = cell % size_.x();
   const int y = (cell / size_.x()) % size_.y();
   const int z = cell / (size_.x() * size_.y());
-  for (int cz = std::max(0, z - 1); cz <= std::min(size_.z() - 1, z + 1); ++cz) {
-    for (int cy = std::max(0, y - 1); cy <= std::min(size_.y() - 1, y + 1); ++cy) {
-      for (int cx = std::max(0, x - 1); cx <= std::min(size_.x() - 1, x + 1); ++cx) {
+  const int last_z = Before ? z : std::min(size_.z() - 1, z + 1);
+  for (int cz = std::max(0, z - 1); cz <= last_z; ++cz) {
+    const int last_y = Before && cz == z ? y : std::min(size_.y() - 1, y + 1);
+    for (int cy = std::max(0, y - 1); cy <= last_y; ++cy) {
+      const int last_x = Before && cz == z && cy == y ? x - 1 : std::min(size_.x() - 1, x + 1);
+      for (int cx = std::max(0, x - 1); cx <= last_x; ++cx) {
         const std::int32_t other = slot_[static_cast<std::size_t>((cz * size_.y() + cy) * size_.x() + cx)];
         if (other >= 0) visit(static_cast<std::size_t>(other));
       }
