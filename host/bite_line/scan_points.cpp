@@ -6,7 +6,6 @@
 #include <numeric>
 #include <vector>
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include "common/profile/profile.hpp"
@@ -111,17 +110,25 @@ PointRuns runs_of(const cloud::PointCloud& cloud) {
 
 Large<Eigen::Vector3f> points_behind(const ScanPoints& scan, const Shoe& shoe,
                                      std::span<const std::uint32_t> of_shoe) {
-  const auto run_of = [&](std::size_t i) { return scan.run(shoe.index[of_shoe[i]]); };
-  Large<std::size_t> first(of_shoe.size() + 1, 0);
-  for (std::size_t i = 0; i < of_shoe.size(); ++i) first[i + 1] = first[i] + run_of(i).size();
+  constexpr std::size_t k_piece = 4096;
+  const std::size_t pieces = (of_shoe.size() + k_piece - 1) / k_piece;
+  const auto for_runs = [&](std::size_t piece, auto&& use) {
+    for (std::size_t i = piece * k_piece; i < std::min(of_shoe.size(), (piece + 1) * k_piece); ++i)
+      use(scan.run(shoe.index[of_shoe[i]]));
+  };
+  std::vector<std::size_t> first(pieces + 1, 0);
+  tbb::parallel_for(std::size_t{0}, pieces, [&](std::size_t piece) {
+    for_runs(piece, [&](std::span<const Eigen::Vector3f> run) { first[piece + 1] += run.size(); });
+  });
+  std::partial_sum(first.begin(), first.end(), first.begin());
   Large<Eigen::Vector3f> points;
   points.resize(first.back());
   const Eigen::Isometry3f T_shoe_base = shoe.T_base_shoe.inverse().cast<float>();
-  tbb::parallel_for(tbb::blocked_range<std::size_t>{0, of_shoe.size(), 4096}, [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      Eigen::Vector3f* to = points.data() + first[i];
-      for (const Eigen::Vector3f& p : run_of(i)) *to++ = T_shoe_base * p;
-    }
+  tbb::parallel_for(std::size_t{0}, pieces, [&](std::size_t piece) {
+    Eigen::Vector3f* to = points.data() + first[piece];
+    for_runs(piece, [&](std::span<const Eigen::Vector3f> run) {
+      for (const Eigen::Vector3f& p : run) *to++ = T_shoe_base * p;
+    });
   });
   return points;
 }

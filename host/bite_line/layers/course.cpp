@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include <tbb/parallel_invoke.h>
 
@@ -27,8 +30,13 @@ class Search {
     course.cost = best.cost;
     Branch over;
     Branch under;
-    tbb::parallel_invoke([&] { over = beside(course, true); }, [&] { under = beside(course, false); });
-    for (const bool above : {true, false}) add_branches(course, above);
+    std::vector<Branch> above;
+    std::vector<Branch> below;
+    tbb::parallel_invoke([&] { over = beside(course, true); }, [&] { under = beside(course, false); },
+                         [&] { above = branches(course.row, true); },
+                         [&] { below = branches(course.row, false); });
+    course.branches = std::move(above);
+    std::ranges::move(below, std::back_inserter(course.branches));
     course.branches.push_back(std::move(over));
     course.branches.push_back(std::move(under));
     std::stable_sort(course.branches.begin(), course.branches.end(), [](const Branch& a, const Branch& b) {
@@ -45,9 +53,9 @@ class Search {
   };
   /// Creases of the column that lie apart from the course: where the cheapest course through a place is the
   /// cheapest about it, and the place itself shows something.
-  void add_rivals_at(const Course& course, int col, bool above, std::vector<Rival>& rivals) const {
+  void add_rivals_at(std::span<const int> course, int col, bool above, std::vector<Rival>& rivals) const {
     constexpr int k_about_rows = 3;
-    const int own = course.row[static_cast<std::size_t>(col)];
+    const int own = course[static_cast<std::size_t>(col)];
     const float least = ways_.through(own, col);
     const int first = above ? own + config_.apart_rows : 0;
     const int end = above ? rows_ : own - config_.apart_rows + 1;
@@ -62,12 +70,12 @@ class Search {
     }
   }
 
-  [[nodiscard]] int own_row(const Course& course, int col) const {
-    return course.row[static_cast<std::size_t>((col % cols_ + cols_) % cols_)];
+  [[nodiscard]] int own_row(std::span<const int> course, int col) const {
+    return course[static_cast<std::size_t>((col % cols_ + cols_) % cols_)];
   }
 
   /// The whole way through a place, until it meets the course.
-  [[nodiscard]] Branch trace(const Course& course, const Rival& rival, bool above) const {
+  [[nodiscard]] Branch trace(std::span<const int> course, const Rival& rival, bool above) const {
     const int col = rival.col;
     constexpr int k_met_rows = 2;
     const auto met = [&](int row, int c) { return std::abs(row - own_row(course, c)) <= k_met_rows; };
@@ -101,7 +109,8 @@ class Search {
     return branch;
   }
 
-  void add_branches(Course& course, bool above) const {
+  [[nodiscard]] std::vector<Branch> branches(std::span<const int> course, bool above) const {
+    std::vector<Branch> found;
     std::vector<Rival> rivals;
     for (int col = 0; col < cols_; ++col) add_rivals_at(course, col, above, rivals);
     std::stable_sort(rivals.begin(), rivals.end(),
@@ -111,10 +120,9 @@ class Search {
     const auto cell = [&](int row, int col) {
       return static_cast<std::size_t>(col) * static_cast<std::size_t>(rows_) + static_cast<std::size_t>(row);
     };
-    int found = 0;
     for (const Rival& rival : rivals) {
       if (known[cell(rival.row, rival.col)] != 0) continue;
-      if (++found > config_.most) break;
+      if (found.size() == static_cast<std::size_t>(config_.most)) break;
       Branch branch = trace(course, rival, above);
       for (std::size_t k = 0; k < branch.row.size(); ++k) {
         const int col = (branch.first_col + static_cast<int>(k)) % cols_;
@@ -122,8 +130,9 @@ class Search {
              row <= std::min(rows_ - 1, branch.row[k] + k_same_rows); ++row)
           known[cell(row, col)] = 1;
       }
-      course.branches.push_back(std::move(branch));
+      found.push_back(std::move(branch));
     }
+    return found;
   }
 
   /// The best closed course that lies wholly above, or below: it never comes back.

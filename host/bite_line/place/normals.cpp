@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
+#include <utility>
+#include <vector>
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include "host/geometry/bridge.hpp"
@@ -58,20 +62,22 @@ std::optional<Smooth> smooth_at(const Sections& sections, int station, double ro
                          (2 * k_reach * sections.row_mm)};
 }
 
-/// What one strip's points say, by place along the line; those of one profile that fall on two stations are
-/// joined.
-std::vector<geometry::ClosedSpline::Knot> knots_of(const NormalInput& input, double above_line_mm) {
+/// What one strip's points say at one station.
+struct Weighted {
+  geometry::ClosedSpline::Knot knot;
+  double points;  ///< 0: none there
+};
+
+/// All strips of a station, whose points lie beside each other in memory.
+void read_station(const NormalInput& input, int station, double from_mm, std::span<Weighted> strips) {
   const Sections& sections = input.sections;
   const double turn_mm = sections.stations * sections.station_mm;
-  struct Weighted {
-    geometry::ClosedSpline::Knot knot;
-    double points;
-  };
-  std::vector<Weighted> found;
-  for (int station = 0; station < sections.stations; ++station) {
+  const double rows = k_strip_mm / sections.row_mm;
+  for (std::size_t k = 0; k < strips.size(); ++k) {
+    strips[k].points = 0;
+    const double above_line_mm = from_mm + static_cast<double>(k) * k_strip_mm;
     const double z = input.line_z_mm[static_cast<std::size_t>(station)] + above_line_mm;
     const double low = row_of(sections, station, z);
-    const double rows = k_strip_mm / sections.row_mm;
     const auto first = static_cast<int>(std::lround(low));
     const SectionPoints::Patch patch =
         input.points.patch(station, first, first + static_cast<int>(std::lround(rows)));
@@ -83,10 +89,19 @@ std::vector<geometry::ClosedSpline::Knot> knots_of(const NormalInput& input, dou
     const double o = patch.o_mm + smooth->slope * (middle - patch.row) * sections.row_mm;
     if (std::abs(o - smooth->o_mm) > k_stray_mm) continue;
     const double at = station * sections.station_mm + patch.s_mm;
-    found.push_back({{at < 0 ? at + turn_mm : at, o}, patch.points});
+    strips[k] = {{at < 0 ? at + turn_mm : at, o}, patch.points};
   }
-  std::sort(found.begin(), found.end(),
-            [](const Weighted& a, const Weighted& b) { return a.knot.at_mm < b.knot.at_mm; });
+}
+
+/// What one strip's points say, by place along the line; those of one profile that fall on two stations are
+/// joined.  `read`: of its stations in their order.
+std::vector<geometry::ClosedSpline::Knot> knots_of(std::vector<Weighted> found, double turn_mm) {
+  std::erase_if(found, [](const Weighted& weighted) { return weighted.points == 0; });
+  const auto before = [](const Weighted& a, const Weighted& b) { return a.knot.at_mm < b.knot.at_mm; };
+  // The first station's may lie at the end of the turn.
+  if (found.size() > 1 && before(found.back(), found.front()))
+    std::rotate(found.begin(), found.begin() + 1, found.end());
+  if (!std::is_sorted(found.begin(), found.end(), before)) std::sort(found.begin(), found.end(), before);
   const double usual_mm = turn_mm / static_cast<double>(std::max<std::size_t>(found.size(), 1));
   std::vector<geometry::ClosedSpline::Knot> knots;
   double points = 0;
@@ -106,20 +121,20 @@ std::vector<geometry::ClosedSpline::Knot> knots_of(const NormalInput& input, dou
   return knots;
 }
 
-Strip strip_of(const NormalInput& input, double above_line_mm) {
+Strip strip_of(const Sections& sections, std::vector<Weighted> found) {
   constexpr double k_longest_mm = 3.0;     // between profiles that belong together; more is a hole
   constexpr double k_longest_usual = 3.0;  // the same in sparse clouds
-  const Sections& sections = input.sections;
   const auto stations = static_cast<std::size_t>(sections.stations);
-  Strip strip{Track{stations}, Track{stations}};
-  std::vector<geometry::ClosedSpline::Knot> knots = knots_of(input, above_line_mm);
-  if (knots.size() < 8) return strip;
   const double turn_mm = sections.stations * sections.station_mm;
+  Strip strip{Track{stations}, Track{stations}};
+  std::vector<geometry::ClosedSpline::Knot> knots = knots_of(std::move(found), turn_mm);
+  if (knots.size() < 8) return strip;
   const double longest =
       std::max(k_longest_mm, k_longest_usual * turn_mm / static_cast<double>(knots.size()));
   const geometry::ClosedSpline spline{std::move(knots), turn_mm};
+  const auto samples = spline.every(sections.station_mm, stations);
   for (std::size_t i = 0; i < stations; ++i) {
-    const geometry::ClosedSpline::Sample sample = spline.at(static_cast<double>(i) * sections.station_mm);
+    const geometry::ClosedSpline::Sample& sample = samples[i];
     if (sample.interval_mm > longest) continue;
     strip.o.set(i, sample.value);
     strip.slope_along.set(i, sample.slope);
@@ -169,10 +184,17 @@ std::vector<Vec3> normals_above(const NormalInput& input, const NormalConfig& co
   const Sections& sections = input.sections;
   const auto stations = static_cast<std::size_t>(sections.stations);
   const auto count = static_cast<std::size_t>(std::lround((config.to_mm - config.from_mm) / k_strip_mm));
-  std::vector<Strip> strips(count, Strip{Track{0}, Track{0}});
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
-    strips[k] = strip_of(input, config.from_mm + static_cast<double>(k) * k_strip_mm);
+  std::vector<std::vector<Weighted>> read(count, std::vector<Weighted>(stations));
+  tbb::parallel_for(tbb::blocked_range<int>{0, sections.stations, 64}, [&](const auto& range) {
+    std::vector<Weighted> of_station(count);
+    for (int station = range.begin(); station != range.end(); ++station) {
+      read_station(input, station, config.from_mm, of_station);
+      for (std::size_t k = 0; k < count; ++k) read[k][static_cast<std::size_t>(station)] = of_station[k];
+    }
   });
+  std::vector<Strip> strips(count, Strip{Track{0}, Track{0}});
+  tbb::parallel_for(std::size_t{0}, count,
+                    [&](std::size_t k) { strips[k] = strip_of(sections, std::move(read[k])); });
   std::vector<Track> o, up, along;
   for (std::size_t k = 0; k < count; ++k) {
     if (k > 0) {

@@ -62,11 +62,14 @@ std::vector<double> heights_at_stations(const PathCurve& curve, const Outline& p
   struct Sample {
     double s, z;
   };
+  std::vector<Eigen::Vector3f> points;
+  for (const Vec2& p : curve.plan)
+    points.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()), 0.0F);
+  std::vector<OutlinePlace> feet(points.size());
+  path_outline.locate(points, feet);
   std::vector<Sample> samples;
-  for (std::size_t i = 0; i < curve.plan.size(); ++i) {
-    const OutlinePlace foot = path_outline.locate(
-        {static_cast<float>(curve.plan[i].x()), static_cast<float>(curve.plan[i].y()), 0.0F});
-    if (foot.s_mm >= 0) samples.push_back({static_cast<double>(foot.s_mm), curve.z_mm[i]});
+  for (std::size_t i = 0; i < feet.size(); ++i) {
+    if (feet[i].s_mm >= 0) samples.push_back({static_cast<double>(feet[i].s_mm), curve.z_mm[i]});
   }
   std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) { return a.s < b.s; });
   const double length = path_outline.length_mm();

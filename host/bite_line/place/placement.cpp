@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include "host/bite_line/buckets.hpp"
 #include "host/bite_line/place/gap_bridge.hpp"
@@ -125,20 +125,26 @@ std::vector<double> tried_heights(std::span<const double> z_mm, std::span<const 
   return tried;
 }
 
-/// What the layers say of the column that a place lies in.
-void set_layer(const PlacementInput& input, PlacedStation& station) {
+/// What the layers say of the columns that the stations lie in.
+void set_layers(const PlacementInput& input, std::vector<PlacedStation>& stations) {
   if (input.hold.empty()) return;
-  const OutlinePlace place = input.outline.locate(Eigen::Vector3f{station.position.cast<float>()});
-  if (place.s_mm < 0) {
-    station.hold = 0;
-    return;
+  std::vector<Eigen::Vector3f> positions;
+  positions.reserve(stations.size());
+  for (const PlacedStation& station : stations) positions.emplace_back(station.position.cast<float>());
+  std::vector<OutlinePlace> places(stations.size());
+  input.outline.locate(positions, places);
+  for (std::size_t i = 0; i < stations.size(); ++i) {
+    if (places[i].s_mm < 0) {
+      stations[i].hold = 0;
+      continue;
+    }
+    const auto col =
+        std::min(static_cast<std::size_t>(static_cast<double>(places[i].s_mm) / input.field.grid.col_mm),
+                 input.hold.size() - 1);
+    stations[i].hold = static_cast<double>(input.hold[col]);
+    stations[i].other_mm = static_cast<double>(input.other_mm[col]);
+    stations[i].sharp = static_cast<double>(input.sharp[col]);
   }
-  const auto col =
-      std::min(static_cast<std::size_t>(static_cast<double>(place.s_mm) / input.field.grid.col_mm),
-               input.hold.size() - 1);
-  station.hold = static_cast<double>(input.hold[col]);
-  station.other_mm = static_cast<double>(input.other_mm[col]);
-  station.sharp = static_cast<double>(input.sharp[col]);
 }
 
 /// Of the own heights about the line's, over the running mean's length; what is bridged has none.
@@ -202,17 +208,22 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
   const Plan plan = plan_of(path_outline, course.o_mm, course.o_known, sections.station_mm);
   const std::vector<GapPlace> gap = gap_places(ridge.visible, path_outline, sections.station_mm);
   const std::vector<GapPlace> shadow = gap_places(course.o_known, path_outline, sections.station_mm);
-  const std::vector<Vec3> normals = normals_above({.points = points,
-                                                   .sections = sections,
-                                                   .outline = path_outline,
-                                                   .line_z_mm = z,
-                                                   .line_plan = plan.places},
-                                                  config.normals);
-
+  std::vector<Vec3> normals;
+  std::vector<PlaceNoise> noise;
+  std::vector<double> tried_z;
+  tbb::parallel_invoke(
+      [&] {
+        normals = normals_above({.points = points,
+                                 .sections = sections,
+                                 .outline = path_outline,
+                                 .line_z_mm = z,
+                                 .line_plan = plan.places},
+                                config.normals);
+      },
+      [&] { noise = place_noise(sections, course.row, ridge.visible, config.mean_mm); },
+      [&] { tried_z = tried_heights(z, ridge.visible, sections.station_mm); });
   const std::vector<double> scatter =
       scatter_of(course.seen_z_mm, z, ridge.visible, config.mean_mm / sections.station_mm);
-  const std::vector<PlaceNoise> noise = place_noise(sections, course.row, ridge.visible, config.mean_mm);
-  const std::vector<double> tried_z = tried_heights(z, ridge.visible, sections.station_mm);
 
   const std::vector<double> between_o = between_profiles(course.o_mm, sample_mm, sections.station_mm);
   const std::vector<double> between_z = between_profiles(z, sample_mm, sections.station_mm);
@@ -236,8 +247,8 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
         .noise = noise[i],
         .scatter_mm = scatter[i],
         .thing_beside = sections.ended[i] != 0};
-    set_layer(input, placement.points[i]);
   }
+  set_layers(input, placement.points);
   doubt_ridge(ridge, config.mean_mm / sections.station_mm, placement.points);
   doubt_bridges(ridge.visible, placement.points);
   doubt_bridges(course.o_known, placement.points);

@@ -75,7 +75,7 @@ Other other_hollow(const Sections& sections, std::span<const float> k, int stati
 }  // namespace
 
 Large<float> section_curvature(const Sections& sections, double sigma_mm) {
-  Large<float> k(sections.o_mm.size(), 0.0F);
+  Large<float> k(sections.o_mm.size());
   const double h = sections.row_mm;
   std::vector<float> kernel = gaussian(sigma_mm / h, 4);
   const auto reach = static_cast<int>(kernel.size() / 2);
@@ -83,11 +83,13 @@ Large<float> section_curvature(const Sections& sections, double sigma_mm) {
   for (float& weight : kernel) weight /= sum;
   const auto rows = static_cast<std::size_t>(sections.rows);
   tbb::parallel_for(tbb::blocked_range<int>{0, sections.stations, 16}, [&](const auto& range) {
-    std::vector<float> padded(rows + 2 * static_cast<std::size_t>(reach));
+    const auto beyond = static_cast<std::size_t>(reach);
+    std::vector<float> padded(rows + 2 * beyond);
     std::vector<float> smooth(rows);
     for (int station = range.begin(); station != range.end(); ++station) {
       const float* o = sections.o_mm.data() + sections.at(station, 0);
       const std::uint8_t* known = sections.known.data() + sections.at(station, 0);
+      std::fill_n(k.data() + sections.at(station, 0), rows, 0.0F);
       // The longest known run; outside it the end values go on.
       std::size_t begin = 0;
       std::size_t end = 0;
@@ -109,15 +111,11 @@ Large<float> section_curvature(const Sections& sections, double sigma_mm) {
       const std::size_t lever = std::min<std::size_t>(end - begin - 1, static_cast<std::size_t>(1.0 / h));
       const float slope_low = (o[begin + lever] - o[begin]) / static_cast<float>(lever);
       const float slope_high = (o[end - 1] - o[end - 1 - lever]) / static_cast<float>(lever);
-      for (std::size_t i = 0; i < padded.size(); ++i) {
-        const auto r = static_cast<std::ptrdiff_t>(i) - reach;
-        if (r < static_cast<std::ptrdiff_t>(begin))
-          padded[i] = o[begin] + slope_low * static_cast<float>(r - static_cast<std::ptrdiff_t>(begin));
-        else if (r >= static_cast<std::ptrdiff_t>(end))
-          padded[i] = o[end - 1] + slope_high * static_cast<float>(r - static_cast<std::ptrdiff_t>(end - 1));
-        else
-          padded[i] = o[r];
-      }
+      for (std::size_t i = 0; i < begin + beyond; ++i)
+        padded[i] = o[begin] - slope_low * static_cast<float>(begin + beyond - i);
+      std::copy(o + begin, o + end, padded.data() + begin + beyond);
+      for (std::size_t i = end + beyond; i < padded.size(); ++i)
+        padded[i] = o[end - 1] + slope_high * static_cast<float>(i - (end - 1 + beyond));
       convolve(smooth, padded.data(), kernel);
       const std::size_t first = std::max<std::size_t>(begin, 1);
       const std::size_t last = std::min(end, rows) - 1;
@@ -134,11 +132,16 @@ Ridge follow_ridge(const Sections& sections, std::span<const float> k, double se
   const int low = sections.zero_row - reach;
   const int rows = 2 * reach + 1;
   const auto stations = static_cast<std::size_t>(sections.stations);
+  const auto for_stations = [&](auto&& work) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>{0, stations, 64}, [&](const auto& range) {
+      for (std::size_t i = range.begin(); i != range.end(); ++i) work(i);
+    });
+  };
   std::vector<double> peaks(stations);
-  for (std::size_t i = 0; i < stations; ++i) {
+  for_stations([&](std::size_t i) {
     const float* line = k.data() + sections.at(static_cast<int>(i), low);
     peaks[i] = static_cast<double>(*std::max_element(line, line + rows));
-  }
+  });
   const double usual = geometry::median_of(peaks);
   const double noise = curvature_noise(sections, k, search_mm);
 
@@ -146,12 +149,12 @@ Ridge follow_ridge(const Sections& sections, std::span<const float> k, double se
   // nothing but noise is left, continuity decides.
   const double floor = std::max({k_least_curvature_per_mm, 0.02 * usual, 2 * noise});
   Large<float> cost(static_cast<std::size_t>(rows) * stations);
-  for (std::size_t i = 0; i < stations; ++i) {
+  for_stations([&](std::size_t i) {
     const auto per_peak = static_cast<float>(1 / std::max(peaks[i], floor));
     const float* line = k.data() + sections.at(static_cast<int>(i), low);
     std::transform(line, line + rows, cost.begin() + static_cast<std::ptrdiff_t>(i) * rows,
                    [&](float value) { return 1.0F - std::max(value * per_peak, 0.0F); });
-  }
+  });
   const ClosedPath path =
       shortest_closed_path(cost, rows, sections.stations, {.max_step_rows = 3, .step_cost = 0.03});
 
@@ -161,7 +164,7 @@ Ridge follow_ridge(const Sections& sections, std::span<const float> k, double se
   ridge.visible.assign(stations, 0);
   ridge.other_k_per_mm.assign(stations, 0);
   ridge.other_mm.assign(stations, 0);
-  for (std::size_t i = 0; i < stations; ++i) {
+  for_stations([&](std::size_t i) {
     // The path may cut a corner of the ridge: climb to the top next to it.
     int row = low + path.row[i];
     const auto value = [&](int r) { return static_cast<double>(k[sections.at(static_cast<int>(i), r)]); };
@@ -183,11 +186,11 @@ Ridge follow_ridge(const Sections& sections, std::span<const float> k, double se
                                seen_both_sides(sections, static_cast<int>(i), row)
                            ? 1
                            : 0;
-    if (ridge.visible[i] == 0) continue;
+    if (ridge.visible[i] == 0) return;
     const Other other = other_hollow(sections, k, static_cast<int>(i), row, low, low + rows);
     ridge.other_k_per_mm[i] = other.k_per_mm;
     ridge.other_mm[i] = other.away_mm;
-  }
+  });
   return ridge;
 }
 
