@@ -106,14 +106,17 @@ class ColumnEvidence {
   /// few points do.
   double noise_of(int col) {
     const SideGrid& grid = field_.grid;
-    sizes_.clear();
+    sizes_.resize(static_cast<std::size_t>(grid.rows));
+    std::size_t seen = 0;
     std::size_t calm = 0;
     for (int row = 0; row < grid.rows; row += 2) {
       const std::size_t cell = grid.at(row, col);
-      if (field_.seen[cell] == 0) continue;
-      sizes_.push_back(std::abs(field_.turn_rad[cell]));
-      if (config_.rough_ratio * static_cast<double>(sizes_.back()) <= config_.noise_rad) ++calm;
+      const float size = std::abs(field_.turn_rad[cell]);
+      sizes_[seen] = size;
+      seen += field_.seen[cell];
+      calm += config_.rough_ratio * static_cast<double>(size) <= config_.noise_rad ? field_.seen[cell] : 0U;
     }
+    sizes_.resize(seen);
     if (sizes_.empty() || calm > sizes_.size() / 2) return config_.noise_rad;
     const auto middle = sizes_.begin() + static_cast<std::ptrdiff_t>(sizes_.size() / 2);
     std::nth_element(sizes_.begin(), middle, sizes_.end());
@@ -152,6 +155,7 @@ class ColumnCost {
 
   /// Likeness, less where the crease goes round by a part only.
   [[nodiscard]] float worth_at(std::size_t cell) const {
+    if (evidence_.likeness[cell] == 0) return 0;
     const double whole = std::clamp((static_cast<double>(evidence_.round[cell]) - config_.part_share) /
                                         (config_.whole_share - config_.part_share),
                                     0.0, 1.0);

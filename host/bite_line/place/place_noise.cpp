@@ -32,7 +32,7 @@ int rows_of(const Sections& sections, double mm) {
 
 /// Variance of the sections' o at a station, from second differences beside the crease; 0 where too little
 /// was seen.
-double noise_mm2(const Sections& sections, int station, double line_row, std::vector<double>& room) {
+double noise_mm2(const Sections& sections, int station, double line_row, std::vector<float>& room) {
   const int lag = rows_of(sections, k_lag_mm);
   const int beside = rows_of(sections, k_beside_crease_mm);
   const auto crease = static_cast<int>(std::lround(line_row));
@@ -44,12 +44,11 @@ double noise_mm2(const Sections& sections, int station, double line_row, std::ve
     if (sections.known[at] != Sections::k_seen || sections.known[at - step] != Sections::k_seen ||
         sections.known[at + step] != Sections::k_seen)
       continue;
-    room.push_back(std::abs(
-        static_cast<double>(sections.o_mm[at - step] - 2 * sections.o_mm[at] + sections.o_mm[at + step])));
+    room.push_back(std::abs(sections.o_mm[at - step] - 2 * sections.o_mm[at] + sections.o_mm[at + step]));
   }
   constexpr std::size_t k_least = 8;
   if (room.size() < k_least) return 0;
-  const double sigma = geometry::median_of(std::span<double>{room}) / k_median_of_normal;
+  const double sigma = static_cast<double>(geometry::median_of(std::span<float>{room})) / k_median_of_normal;
   return sigma * sigma / k_second_difference;
 }
 
@@ -124,7 +123,7 @@ std::vector<PlaceNoise> place_noise(const Sections& sections, std::span<const do
   std::vector<double> mm2(stations), counted(stations), round_mm(stations), filled_mm(stations);
   std::vector<PlaceNoise> noise(stations);
   tbb::parallel_for(tbb::blocked_range<std::size_t>{0, stations, 64}, [&](const auto& range) {
-    std::vector<double> room;
+    std::vector<float> room;
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
       counted[i] = visible[i] != 0 ? 1 : 0;
       mm2[i] = counted[i] * noise_mm2(sections, static_cast<int>(i), row[i], room);

@@ -87,6 +87,7 @@ class ColumnSieve {
   struct Point {
     std::uint32_t index;
     std::uint32_t row;  ///< of the coarse raster, then of the fine one
+    std::uint32_t bin;  ///< of o
     float o_mm;
     float z_mm;
     float level_mm;
@@ -115,8 +116,9 @@ class ColumnSieve {
         place.s_mm = -1.0F;
         continue;
       }
-      points_.push_back({i, static_cast<std::uint32_t>(row), place.o_mm, place.z_mm, level_mm});
-      std::uint8_t& count = counts_[row * k_layer_bins + bin_of(place.o_mm)];
+      const std::uint32_t bin = bin_of(place.o_mm);
+      points_.push_back({i, static_cast<std::uint32_t>(row), bin, place.o_mm, place.z_mm, level_mm});
+      std::uint8_t& count = counts_[row * k_layer_bins + bin];
       if (count < k_full) ++count;
     }
   }
@@ -139,7 +141,8 @@ class ColumnSieve {
         places[point.index].s_mm = -1.0F;
         continue;
       }
-      kept_.push_back({point.index, static_cast<std::uint32_t>(at), point.o_mm, point.z_mm, point.level_mm});
+      kept_.push_back(point);
+      kept_.back().row = static_cast<std::uint32_t>(at);
       float& top_mm = own_top_mm_[thin_.row_of(point.z_mm, point.level_mm)];
       top_mm = std::max(top_mm, point.o_mm);
       Outermost& row = outermost_[at];
@@ -172,7 +175,7 @@ class ColumnSieve {
   /// Hardly any company at its own depth, in a cell with many points.
   [[nodiscard]] bool stray(const Point& point) const {
     const std::uint8_t* counts = counts_.data() + point.row * k_layer_bins;
-    const std::size_t bin = bin_of(point.o_mm);
+    const std::uint32_t bin = point.bin;
     std::uint32_t near = counts[bin];
     if (near > 2) return false;
     if (bin > 0) near += counts[bin - 1];
@@ -180,9 +183,9 @@ class ColumnSieve {
     return near <= 2 && layers_[point.row].points >= 15;
   }
 
-  static std::size_t bin_of(float o_mm) {
-    return static_cast<std::size_t>(
-        std::clamp((o_mm + k_inner_mm) / k_layer_o_mm, 0.0F, k_layer_bins - 1.0F));
+  static std::uint32_t bin_of(float o_mm) {
+    const float bin = (o_mm + k_inner_mm) / k_layer_o_mm;
+    return static_cast<std::uint32_t>(std::min(std::max(bin, 0.0F), k_layer_bins - 1.0F));
   }
 
   /// Goes inwards from the outermost bin and stops at the first gap behind a cluster that is more than a
