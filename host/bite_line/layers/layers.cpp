@@ -164,9 +164,10 @@ Layers find_layers(const SideField& field, const FirstLook& look, const LayersCo
   for (const OtherCrease& other : layers.others) {
     for (int k = 0; k <= other.cols; ++k) {
       const auto col = static_cast<std::size_t>((other.first_col + k) % grid.cols);
-      if (!(config.changed_hold < layers.hold[col])) continue;
-      layers.hold[col] = config.changed_hold;
-      layers.other_mm[col] = static_cast<float>(other.off_mm);
+      const auto off_mm = static_cast<float>(other.off_mm);
+      const bool doubted = layers.hold[col] <= config.changed_hold;
+      layers.other_mm[col] = doubted ? std::max(layers.other_mm[col], off_mm) : off_mm;
+      layers.hold[col] = std::min(layers.hold[col], config.changed_hold);
     }
   }
   std::stable_sort(told.begin(), told.end(),

@@ -17,7 +17,7 @@ from collections import defaultdict
 
 WITHIN_MM = 0.3
 # As in ConfidenceModel: read off the likelihood, which hardly changes about them.
-CORNER, LEAST_MM, JUMP_MM, LINE_DOUBT = 0.1, 0.05, 0.8, 0.25
+CORNER, LEAST_MM, JUMP_MM, LINE_DOUBT, FLAT_SEEN = 0.1, 0.05, 0.8, 0.25, 0.35
 SPREADS_MM = (0.1, 0.3, 0.6, 1.0, 1.6, 3.0)
 TEXTS = ("class", "decoy", "fault", "seed")
 
@@ -79,9 +79,11 @@ def confidence(point, shares):
         within = shares[low] + way * (shares[low + 1] - shares[low])
         if point["spread"] > SPREADS_MM[-1]:
             within = shares[-1] * (SPREADS_MM[-1] / point["spread"]) ** 2
+        sharp = point["sharp"]
     else:
         within = 1 / (1 + (point["jump_mm"] / JUMP_MM) ** 2)
-    return line_held(point) * point["hold"] * point["sharp"] * within
+        sharp = max(point["sharp"], FLAT_SEEN)
+    return line_held(point) * point["hold"] * sharp * within
 
 
 def interval(of_tenth, shoes):

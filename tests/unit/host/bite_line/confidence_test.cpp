@@ -5,6 +5,7 @@
 
 #include "host/bite_line/place/confidence.hpp"
 #include "host/bite_line/place/point_spread.hpp"
+#include "host/cloud/closed_line.hpp"
 
 namespace biteline::bite_line {
 
@@ -51,6 +52,15 @@ TEST(Confidence, WhatWasSeenAndDoesNotJumpHolds) {
   DOUBLES_EQUAL(jump_held_of(0.4), within_of(seen), 1e-12);
   seen.sharp = 0.5;
   DOUBLES_EQUAL(0.5 * jump_held_of(0.4), within_of(seen), 1e-12);
+}
+
+TEST(Confidence, AFlatSlopeCountsForLessWhereItWasSeenAndIsFlaggedAllTheSame) {
+  PlacedStation flat{.position = {0, 0, 30}, .own_z_mm = 30};
+  flat.sharp = 0.02;
+  DOUBLES_EQUAL(ConfidenceModel{}.flat_seen, within_of(flat), 1e-12);
+  CHECK_COMPARE(within_of(flat), <, cloud::k_sure_ratio);
+  flat.doubt = 0.5;
+  CHECK_COMPARE(within_of(flat), <=, 0.02);
 }
 
 TEST(Confidence, ABridgesHeightIsNoJump) {
