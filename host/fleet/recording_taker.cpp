@@ -11,8 +11,8 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A piece that does not come is asked for again.
-constexpr std::chrono::seconds k_patience{3};
-constexpr std::size_t k_hash_at_once = 4U << 20U;
+constexpr std::chrono::seconds k_taker_patience{3};
+constexpr std::size_t k_taker_hash_at_once = 4U << 20U;
 /// Left free on the centre's disk.
 constexpr std::uint64_t k_spare_bytes = 1ULL << 30U;
 
@@ -50,7 +50,7 @@ std::optional<FetchAsk> RecordingTaker::look(const FetchRow& row, Clock::time_po
   Coming& coming = found->second;
   coming.row.online = row.online;
   if (!row.online || coming.digest) return std::nullopt;
-  if (coming.left > 0 && now - coming.asked < k_patience) return std::nullopt;
+  if (coming.left > 0 && now - coming.asked < k_taker_patience) return std::nullopt;
   coming.left = k_pieces_an_ask;
   coming.asked = now;
   return FetchAsk{.number = row.number, .book = row.book, .scan = row.scan, .at = coming.row.have};
@@ -136,7 +136,7 @@ std::vector<FetchRow> RecordingTaker::work(Clock::time_point now) {
 
 Result<bool> RecordingTaker::check_some(Coming& coming) {
   const fs::path part = part_of(coming.row);
-  BITELINE_ASSIGN(const std::string bytes, read_part_bytes(part, coming.hashed, k_hash_at_once));
+  BITELINE_ASSIGN(const std::string bytes, read_part_bytes(part, coming.hashed, k_taker_hash_at_once));
   coming.digest->add(bytes);
   coming.hashed += static_cast<std::int64_t>(bytes.size());
   if (bytes.empty()) return fail(Errc::SizeMismatch, "%.200s has become shorter", part.c_str());

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 constexpr std::array k_states{"asked", "coming", "whole", "refused", "removed"};
 constexpr double k_day_s = 86400;
 
-constexpr const char* k_columns =
+constexpr const char* k_recording_columns =
     "f.number, f.cell, f.book, f.scan, f.state, f.have, f.total, f.sha256, f.tries, f.words, "
     "coalesce(c.online, false), f.marked";
 
@@ -73,7 +73,7 @@ Result<std::vector<FetchRow>> Recordings::rows(const std::string& rest) {
   return centre_.work<std::vector<FetchRow>>([&](Centre::State& state) {
     pqxx::work work{state.connection};
     std::vector<FetchRow> rows;
-    for (const pqxx::row& row : work.exec("SELECT " + std::string{k_columns} +
+    for (const pqxx::row& row : work.exec("SELECT " + std::string{k_recording_columns} +
                                           " FROM fetches f LEFT JOIN cells c ON c.cell = f.cell " + rest))
       rows.push_back(row_of(row));
     return rows;
@@ -149,7 +149,7 @@ Result<void> Recordings::tidy(const RecordingLimits& limits, const FileOf& file_
     // Locked to the end: who marks one meanwhile finds it removed, and is told.
     std::vector<KeptRecording> kept;
     std::map<std::int64_t, fs::path> files;
-    for (const pqxx::row& row : work.exec("SELECT " + std::string{k_columns} +
+    for (const pqxx::row& row : work.exec("SELECT " + std::string{k_recording_columns} +
                                           ", extract(epoch FROM now() - f.ended)::float8, EXISTS (SELECT 1 "
                                           "FROM fetches n WHERE n.cell = f.cell "
                                           "AND n.book = f.book AND n.scan = f.scan AND n.state IN ('asked', "

@@ -10,7 +10,7 @@
 namespace biteline::service {
 namespace {
 
-int complain(const std::string& line) {
+int usage_fault(const std::string& line) {
   std::fprintf(stderr, "biteline-host: %s\n", line.c_str());
   return static_cast<int>(ExitStatus::BadInput);
 }
@@ -136,12 +136,12 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");
   if (const std::optional<options::Leave> leave = app.parse(argc, argv)) {
-    parsed.leave_with = leave->fault.empty() ? 0 : complain(leave->fault + " (see --help)");
+    parsed.leave_with = leave->fault.empty() ? 0 : usage_fault(leave->fault + " (see --help)");
     return parsed;
   }
   const Result<KeptRecordings> which = KeptRecordings::parse(kept);
   if (!which) {
-    parsed.leave_with = complain(to_line(which.error()));
+    parsed.leave_with = usage_fault(to_line(which.error()));
     return parsed;
   }
   options.kept = *which;
@@ -149,7 +149,7 @@ ParsedOptions parse_options(int argc, char** argv) {
   if (!uncertainty.empty()) {
     const Result<uncertainty::HeadUncertainty> known = uncertainty::read_uncertainty(uncertainty);
     if (!known) {
-      parsed.leave_with = complain(to_line(known.error()));
+      parsed.leave_with = usage_fault(to_line(known.error()));
       return parsed;
     }
     options.uncertainty = *known;
@@ -159,12 +159,12 @@ ParsedOptions parse_options(int argc, char** argv) {
     return parsed;
   }
   if (sensor.empty()) {
-    parsed.leave_with = complain("--sensor is required (see --help)");
+    parsed.leave_with = usage_fault("--sensor is required (see --help)");
     return parsed;
   }
   const Result<wire::Endpoint> endpoint = wire::parse_endpoint(sensor);
   if (!endpoint) {
-    parsed.leave_with = complain(to_line(endpoint.error()));
+    parsed.leave_with = usage_fault(to_line(endpoint.error()));
     return parsed;
   }
   options.sensor = *endpoint;
@@ -174,19 +174,19 @@ ParsedOptions parse_options(int argc, char** argv) {
   if (!control.empty()) {
     const Result<wire::Endpoint> at = wire::parse_endpoint(control);
     if (!at) {
-      parsed.leave_with = complain("--control: " + to_line(at.error()));
+      parsed.leave_with = usage_fault("--control: " + to_line(at.error()));
       return parsed;
     }
     options.doors.control = *at;
   }
   if (options.doors.jobs && !options.doors.control) {
-    parsed.leave_with = complain("--jobs needs --control or --web (see --help)");
+    parsed.leave_with = usage_fault("--jobs needs --control or --web (see --help)");
     return parsed;
   }
   if (!carry.sample.empty()) options.sample = carry;
   if (!robot.arm.empty()) {
     if (robot.process.empty()) {
-      parsed.leave_with = complain("--robot needs --process (see --help)");
+      parsed.leave_with = usage_fault("--robot needs --process (see --help)");
       return parsed;
     }
     options.robot = robot;

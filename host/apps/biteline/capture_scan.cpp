@@ -66,8 +66,8 @@ class Watch {
   Clock::time_point ends_, told_{Clock::now()};
 };
 
-void tell(const CaptureScanOptions& options, const capture::TakenScan& scan,
-          const calibration::Verdict& verdict, const GlobalOptions& global) {
+void tell_scan(const CaptureScanOptions& options, const capture::TakenScan& scan,
+               const calibration::Verdict& verdict, const GlobalOptions& global) {
   if (global.json) {
     const nlohmann::ordered_json json{{"part", "scan"},
                                       {"grade", calibration::name_of(verdict.grade)},
@@ -95,7 +95,7 @@ Result<ExitStatus> run(const CaptureScanOptions& options, const GlobalOptions& g
                   capture::capture_scan(
                       options.order, [watch](const capture::ScanCount& count) { return (*watch)(count); }));
   const calibration::Verdict verdict = capture::judge_scan(scan);
-  tell(options, scan, verdict, global);
+  tell_scan(options, scan, verdict, global);
   return verdict.grade == calibration::Grade::Bad ? ExitStatus::Refused : ExitStatus::Done;
 }
 

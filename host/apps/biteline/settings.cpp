@@ -60,7 +60,7 @@ nlohmann::ordered_json json_of(const SettingsSet& set) {
   return json;
 }
 
-Result<ExitStatus> show(const SettingsOptions& options, const GlobalOptions& global) {
+Result<ExitStatus> show_set(const SettingsOptions& options, const GlobalOptions& global) {
   const fs::path file =
       options.name.empty() ? options.store / settings::k_start_file : file_of(options, options.name);
   BITELINE_ASSIGN(const SettingsSet set, settings::read_settings(file));
@@ -80,7 +80,7 @@ Result<ExitStatus> show(const SettingsOptions& options, const GlobalOptions& glo
   return ExitStatus::Done;
 }
 
-Result<ExitStatus> list(const SettingsOptions& options, const GlobalOptions& global) {
+Result<ExitStatus> list_sets(const SettingsOptions& options, const GlobalOptions& global) {
   std::error_code error;
   std::vector<fs::path> files;
   for (fs::directory_iterator it{options.store, error}, end; !error && it != end; it.increment(error)) {
@@ -159,7 +159,7 @@ Result<ExitStatus> check(const SettingsOptions& options, const GlobalOptions& gl
   return ExitStatus::Done;
 }
 
-Result<ExitStatus> save(const SettingsOptions& options, const GlobalOptions& global) {
+Result<ExitStatus> save_set(const SettingsOptions& options, const GlobalOptions& global) {
   if (!is_name(options.name) || options.name == "start-up")
     return fail(Errc::InvalidArgument, "%.64s: a name of letters, digits, - and _ expected, not start-up",
                 options.name.c_str());
@@ -247,8 +247,8 @@ void add_settings(options::Command& app, Context& context) {
     return sub;
   };
   const char* which = "A set's name, or a settings file";
-  add("list", "The named sets; * is the start-up set", list);
-  add("show", "Every setting of a set with its unit and what it does; * is set here", show)
+  add("list", "The named sets; * is the start-up set", list_sets);
+  add("show", "Every setting of a set with its unit and what it does; * is set here", show_set)
       ->add_option("SET", options->name, std::string{which} + "; without it the start-up set");
   options::Command* compare_command = add("compare", "What two sets differ in", compare);
   compare_command->add_option("LEFT", options->name, which)->required();
@@ -256,7 +256,7 @@ void add_settings(options::Command& app, Context& context) {
   options::Command* check_command = add("check", "Is a set good, and does the camera take it?", check);
   check_command->add_option("SET", options->name, which)->required();
   add_camera_options(check_command, *options);
-  options::Command* save_command = add("save", "Keep a settings file under a name", save);
+  options::Command* save_command = add("save", "Keep a settings file under a name", save_set);
   save_command->add_option("NAME", options->name, "Letters, digits, - and _")->required();
   save_command->add_option("FILE", options->other, "A settings file; settings.yaml of a recording, for one")
       ->required();

@@ -22,7 +22,7 @@ constexpr double k_blur_px = 1.0;
 /// Shifts are kept free of what is wider than this: a ring of 30 px or more can take that into its ellipse.
 constexpr double k_fine_px = 12;
 /// Columns and rows in turn, which hardly depend on each other; ellipses and shifts in turn.
-constexpr int k_sweeps = 3, k_rounds = 2;
+constexpr int k_sweeps = 3, k_grid_rounds = 2;
 /// Shifts that tell less of unseen pictures' edges are noise, or of another kind; a scaler's tell over half.
 constexpr double k_least_explained_ratio = 0.1;
 /// An edge that runs along a column or a row keeps one and the same error for many pixels; after correction
@@ -217,7 +217,7 @@ void improve_axis(std::span<const EdgePoint> points, int axis, Shifts& shifts) {
 
 Shifts find_shifts(const Pictures& pictures, std::array<std::size_t, 2> size) {
   Shifts shifts{std::vector<double>(size[0], 0.0), std::vector<double>(size[1], 0.0)};
-  for (int round = 0; round < k_rounds; ++round) {
+  for (int round = 0; round < k_grid_rounds; ++round) {
     const std::vector<EdgePoint> points = edge_points_of(pictures, shifts);
     for (int sweep = 0; sweep < k_sweeps; ++sweep) {
       for (int axis = 0; axis < 2; ++axis) improve_axis(points, axis, shifts);

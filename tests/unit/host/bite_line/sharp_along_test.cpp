@@ -8,16 +8,16 @@
 namespace biteline::bite_line {
 namespace {
 
-constexpr int k_rows = 41, k_cols = 120, k_line_row = 20;
+constexpr int k_slope_rows = 41, k_slope_cols = 120, k_line_row = 20;
 
 /// A side that goes in by 3 mm for each one up, seen but for the columns `from` to `end`.
 SideField slope(int from, int end) {
   SideField field;
-  field.grid = {.rows = k_rows, .cols = k_cols, .z_low_mm = 0, .row_mm = 0.25, .col_mm = 1};
+  field.grid = {.rows = k_slope_rows, .cols = k_slope_cols, .z_low_mm = 0, .row_mm = 0.25, .col_mm = 1};
   field.o_mm.resize(field.grid.size());
   field.seen.resize(field.grid.size());
-  for (int col = 0; col < k_cols; ++col) {
-    for (int row = 0; row < k_rows; ++row) {
+  for (int col = 0; col < k_slope_cols; ++col) {
+    for (int row = 0; row < k_slope_rows; ++row) {
       field.o_mm[field.grid.at(row, col)] = static_cast<float>(-3 * row * field.grid.row_mm);
       field.seen[field.grid.at(row, col)] = col >= from && col < end ? 0 : 1;
     }
@@ -28,8 +28,8 @@ SideField slope(int from, int end) {
 /// A crease that turns by 8 degrees in the columns below `end`, by 60 elsewhere.
 Crease weak_below(int end) {
   Crease line;
-  line.row.assign(k_cols, k_line_row);
-  line.turn_rad.assign(k_cols, 1.0F);
+  line.row.assign(k_slope_cols, k_line_row);
+  line.turn_rad.assign(k_slope_cols, 1.0F);
   std::fill_n(line.turn_rad.begin(), end, 0.14F);
   return line;
 }
@@ -51,7 +51,7 @@ TEST(SharpAlong, WhatWasNotSeenIsNoSharperThanItsSides) {
 }
 
 TEST(SharpAlong, ASideThatWasNotSeenAtAllSaysNothing) {
-  for (const float sut : sharp_along(slope(0, k_cols), weak_below(60))) DOUBLES_EQUAL(1, sut, 1e-6);
+  for (const float sut : sharp_along(slope(0, k_slope_cols), weak_below(60))) DOUBLES_EQUAL(1, sut, 1e-6);
 }
 
 }  // namespace biteline::bite_line
