@@ -59,11 +59,11 @@ HWY_INLINE void sum_terms(std::span<float> to, std::size_t terms, Term&& term) {
   }
 }
 
-void SumTaps(std::span<float> to, std::span<const Tap> taps) {
+void sum_taps_lanes(std::span<float> to, std::span<const Tap> taps) {
   sum_terms(to, taps.size(), [&](std::size_t j) { return taps[j]; });
 }
 
-void Convolve(std::span<float> to, const float* from, std::span<const float> kernel) {
+void convolve_lanes(std::span<float> to, const float* from, std::span<const float> kernel) {
   sum_terms(to, kernel.size(), [&](std::size_t j) { return Tap{from + j, kernel[j]}; });
 }
 
@@ -83,7 +83,7 @@ HWY_INLINE void for_lanes(std::size_t size, Work&& work) {
   }
 }
 
-void MostOfSums(std::span<float> to, std::span<const Tap> taps, std::size_t together) {
+void most_of_sums_lanes(std::span<float> to, std::span<const Tap> taps, std::size_t together) {
   for_lanes(to.size(), [&](auto d, std::size_t i) {
     auto most = hn::Zero(d);
     for (std::size_t first = 0; first < taps.size(); first += together) {
@@ -112,7 +112,7 @@ HWY_INLINE V line_at_zero(D d, V w, V x, V xx, V value, V x_value, float least_s
   return hn::Div(above, hn::Max(hn::IfThenElse(spread, det, w), hn::Set(d, 1e-6F)));
 }
 
-void FitLines(const LineSums& sums, const LineFit& fit, std::span<float> to, std::uint8_t* known) {
+void fit_lines_lanes(const LineSums& sums, const LineFit& fit, std::span<float> to, std::uint8_t* known) {
   for_lanes(to.size(), [&](auto d, std::size_t i) {
     const auto w = hn::LoadU(d, sums.w + i);
     const auto line =
@@ -124,7 +124,8 @@ void FitLines(const LineSums& sums, const LineFit& fit, std::span<float> to, std
   });
 }
 
-void FitRows(std::span<const RowOfSums> rows, const LineFit& fit, std::span<float> to, std::uint8_t* known) {
+void fit_rows_lanes(std::span<const RowOfSums> rows, const LineFit& fit, std::span<float> to,
+                    std::uint8_t* known) {
   constexpr float k_least_share = 0.12F;  // of the weight, on either side
   for_lanes(to.size(), [&](auto d, std::size_t i) {
     const auto zero = hn::Zero(d);
@@ -153,7 +154,7 @@ void FitRows(std::span<const RowOfSums> rows, const LineFit& fit, std::span<floa
 }
 
 /// Abramowitz and Stegun 4.4.49.
-void SlopeAngles(std::span<float> to, const float* low, const float* high, float per_span) {
+void slope_angles_lanes(std::span<float> to, const float* low, const float* high, float per_span) {
   for_lanes(to.size(), [&](auto d, std::size_t i) {
     const auto set = [&](float value) { return hn::Set(d, value); };
     const auto slope = hn::Mul(hn::Sub(hn::LoadU(d, high + i), hn::LoadU(d, low + i)), set(per_span));
@@ -170,7 +171,7 @@ void SlopeAngles(std::span<float> to, const float* low, const float* high, float
   });
 }
 
-void Curvatures(std::span<float> to, const float* from, float per_mm) {
+void curvatures_lanes(std::span<float> to, const float* from, float per_mm) {
   for_lanes(to.size(), [&](auto d, std::size_t i) {
     const auto low = hn::LoadU(d, from + i), middle = hn::LoadU(d, from + i + 1),
                high = hn::LoadU(d, from + i + 2);
@@ -210,7 +211,7 @@ HWY_INLINE void land_lanes(D d, const PathGrid& grid, const float* from, float* 
   hn::StoreInterleaved4(hn::BitCast(d, landed), hn::BitCast(d, landed_row), off, o, d, to);
 }
 
-void Land(std::span<Landing> to, std::span<const OutlinePlace> places, const PathGrid& grid) {
+void land_all(std::span<Landing> to, std::span<const OutlinePlace> places, const PathGrid& grid) {
   static_assert(sizeof(Landing) == 4 * sizeof(float) && sizeof(OutlinePlace) == 3 * sizeof(float) &&
                 sizeof(PathGrid::Step) == 2 * sizeof(float));
   const auto* from = reinterpret_cast<const float*>(places.data());
@@ -237,7 +238,7 @@ HWY_INLINE void step_rows(D d, const ColumnStep& column, std::size_t r, float* t
   hn::StoreU(hn::DemoteTo(narrow, hn::ConvertTo(whole, from)), narrow, step + r);
 }
 
-void StepColumn(const ColumnStep& column, std::span<float> total, std::int8_t* step) {
+void step_column_lanes(const ColumnStep& column, std::span<float> total, std::int8_t* step) {
   for_lanes(total.size(), [&](auto d, std::size_t r) { step_rows(d, column, r, total.data(), step); });
 }
 
@@ -248,15 +249,15 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace biteline::bite_line {
 
-HWY_EXPORT(Convolve);
-HWY_EXPORT(Curvatures);
-HWY_EXPORT(FitLines);
-HWY_EXPORT(FitRows);
-HWY_EXPORT(Land);
-HWY_EXPORT(MostOfSums);
-HWY_EXPORT(SlopeAngles);
-HWY_EXPORT(StepColumn);
-HWY_EXPORT(SumTaps);
+HWY_EXPORT(convolve_lanes);
+HWY_EXPORT(curvatures_lanes);
+HWY_EXPORT(fit_lines_lanes);
+HWY_EXPORT(fit_rows_lanes);
+HWY_EXPORT(land_all);
+HWY_EXPORT(most_of_sums_lanes);
+HWY_EXPORT(slope_angles_lanes);
+HWY_EXPORT(step_column_lanes);
+HWY_EXPORT(sum_taps_lanes);
 
 std::vector<float> gaussian(double sigma_steps, double sigmas) {
   const int reach = static_cast<int>(std::ceil(sigmas * sigma_steps));
@@ -267,31 +268,31 @@ std::vector<float> gaussian(double sigma_steps, double sigmas) {
 }
 
 void sum_taps(std::span<float> to, std::span<const Tap> taps) {
-  HWY_DYNAMIC_DISPATCH(SumTaps)(to, taps);
+  HWY_DYNAMIC_DISPATCH(sum_taps_lanes)(to, taps);
 }
 void most_of_sums(std::span<float> to, std::span<const Tap> taps, std::size_t together) {
-  HWY_DYNAMIC_DISPATCH(MostOfSums)(to, taps, together);
+  HWY_DYNAMIC_DISPATCH(most_of_sums_lanes)(to, taps, together);
 }
 void convolve(std::span<float> to, const float* from, std::span<const float> kernel) {
-  HWY_DYNAMIC_DISPATCH(Convolve)(to, from, kernel);
+  HWY_DYNAMIC_DISPATCH(convolve_lanes)(to, from, kernel);
 }
 void fit_lines(const LineSums& sums, const LineFit& fit, std::span<float> to, std::uint8_t* known) {
-  HWY_DYNAMIC_DISPATCH(FitLines)(sums, fit, to, known);
+  HWY_DYNAMIC_DISPATCH(fit_lines_lanes)(sums, fit, to, known);
 }
 void fit_rows(std::span<const RowOfSums> rows, const LineFit& fit, std::span<float> to, std::uint8_t* known) {
-  HWY_DYNAMIC_DISPATCH(FitRows)(rows, fit, to, known);
+  HWY_DYNAMIC_DISPATCH(fit_rows_lanes)(rows, fit, to, known);
 }
 void slope_angles(std::span<float> to, const float* low, const float* high, float per_span) {
-  HWY_DYNAMIC_DISPATCH(SlopeAngles)(to, low, high, per_span);
+  HWY_DYNAMIC_DISPATCH(slope_angles_lanes)(to, low, high, per_span);
 }
 void curvatures(std::span<float> to, const float* from, float per_mm) {
-  HWY_DYNAMIC_DISPATCH(Curvatures)(to, from, per_mm);
+  HWY_DYNAMIC_DISPATCH(curvatures_lanes)(to, from, per_mm);
 }
 void land(std::span<Landing> to, std::span<const OutlinePlace> places, const PathGrid& grid) {
-  HWY_DYNAMIC_DISPATCH(Land)(to, places, grid);
+  HWY_DYNAMIC_DISPATCH(land_all)(to, places, grid);
 }
 void step_column(const ColumnStep& column, std::span<float> total, std::int8_t* step) {
-  HWY_DYNAMIC_DISPATCH(StepColumn)(column, total, step);
+  HWY_DYNAMIC_DISPATCH(step_column_lanes)(column, total, step);
 }
 
 }  // namespace biteline::bite_line

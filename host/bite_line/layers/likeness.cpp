@@ -79,8 +79,8 @@ HWY_INLINE hn::Vec<D> two_surfaces(D d, const LikenessConfig& config, const Colu
   return hn::IfThenElse(hn::And(above.known, below.known), sure, hn::Set(d, k_unknown));
 }
 
-void Likeness(const LikenessConfig& config, const ColumnLikeness::Table& table, std::size_t rows,
-              float* likeness) {
+void likeness_lanes(const LikenessConfig& config, const ColumnLikeness::Table& table, std::size_t rows,
+                    float* likeness) {
   const hn::CappedTag<double, ColumnLikeness::k_most_lanes> d;
   const hn::Rebind<float, decltype(d)> narrow;
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
@@ -116,7 +116,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace biteline::bite_line {
 
-HWY_EXPORT(Likeness);
+HWY_EXPORT(likeness_lanes);
 
 ColumnLikeness::ColumnLikeness(const LikenessConfig& config, std::size_t rows)
     : config_{config},
@@ -155,7 +155,7 @@ std::span<const float> ColumnLikeness::of(const float* o_mm, const std::uint8_t*
                     .o_mm = o_mm_.data() + margin_,
                     .zo = zo_.data() + margin_,
                     .noise_rad = noise_rad};
-  HWY_DYNAMIC_DISPATCH(Likeness)(config_, table, rows_, likeness_.data());
+  HWY_DYNAMIC_DISPATCH(likeness_lanes)(config_, table, rows_, likeness_.data());
   return {likeness_.data(), rows_};
 }
 

@@ -18,8 +18,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::ScalableTag<float>;
 using Indices = hn::RebindToUnsigned<D>;
 
-std::size_t CollectNear(const NeighbourSearch::Block& block, const Eigen::Vector3f& place, float most2_mm2,
-                        NeighbourSearch::Near& near) {
+std::size_t collect_near_lanes(const NeighbourSearch::Block& block, const Eigen::Vector3f& place,
+                               float most2_mm2, NeighbourSearch::Near& near) {
   const D d;
   const Indices di;
   const auto px = hn::Set(d, place.x());
@@ -41,7 +41,8 @@ std::size_t CollectNear(const NeighbourSearch::Block& block, const Eigen::Vector
 }
 
 /// Of the first `size` near ones the `count` nearest; the squared distance of the farthest of these.
-float ChooseNearest(NeighbourSearch::Near& near, std::size_t size, std::size_t count, float most2_mm2) {
+float choose_nearest_lanes(NeighbourSearch::Near& near, std::size_t size, std::size_t count,
+                           float most2_mm2) {
   const D d;
   const Indices di;
   const std::size_t lanes = hn::Lanes(d);
@@ -86,7 +87,7 @@ float ChooseNearest(NeighbourSearch::Near& near, std::size_t size, std::size_t c
   return hn::GetLane(hn::MaxOfLanes(d, farthest));
 }
 
-std::size_t VectorSize() {
+std::size_t vector_size_lanes() {
   return hn::Lanes(D());
 }
 
@@ -97,9 +98,9 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace biteline::published {
 
-HWY_EXPORT(CollectNear);
-HWY_EXPORT(ChooseNearest);
-HWY_EXPORT(VectorSize);
+HWY_EXPORT(collect_near_lanes);
+HWY_EXPORT(choose_nearest_lanes);
+HWY_EXPORT(vector_size_lanes);
 
 const NeighbourSearch::Block& NeighbourSearch::around(std::uint32_t index, int ring) {
   Block& block = blocks_[ring > 1 ? 1 : 0];
@@ -118,7 +119,7 @@ const NeighbourSearch::Block& NeighbourSearch::around(std::uint32_t index, int r
     for (std::uint32_t i = begin; i < end; ++i) block.index.push_back(i);
   });
   block.size = block.x.size();
-  const std::size_t room = block.size + HWY_DYNAMIC_DISPATCH(VectorSize)();
+  const std::size_t room = block.size + HWY_DYNAMIC_DISPATCH(vector_size_lanes)();
   constexpr float k_far_mm = 1e15F;
   for (std::vector<float>* values : {&block.x, &block.y, &block.z}) values->resize(room, k_far_mm);
   block.index.resize(room, 0);
@@ -131,7 +132,7 @@ const NeighbourSearch::Block& NeighbourSearch::around(std::uint32_t index, int r
 std::span<const std::uint32_t> NeighbourSearch::within(std::uint32_t index, float radius_mm) {
   const int ring = std::max(1, static_cast<int>(std::ceil(radius_mm / grid_->cell_mm())));
   const Block& block = around(index, ring);
-  const std::size_t count = HWY_DYNAMIC_DISPATCH(CollectNear)(
+  const std::size_t count = HWY_DYNAMIC_DISPATCH(collect_near_lanes)(
       block, {grid_->x()[index], grid_->y()[index], grid_->z()[index]}, radius_mm * radius_mm, near_);
   return {near_.index.data(), count};
 }
@@ -143,7 +144,8 @@ NeighbourSearch::Nearest NeighbourSearch::nearest(std::uint32_t index, std::size
     const float reach_mm = static_cast<float>(ring) * grid_->cell_mm();
     const std::size_t found = within(index, reach_mm).size();
     if (found < count) continue;
-    const float farthest2_mm2 = HWY_DYNAMIC_DISPATCH(ChooseNearest)(near_, found, count, reach_mm * reach_mm);
+    const float farthest2_mm2 =
+        HWY_DYNAMIC_DISPATCH(choose_nearest_lanes)(near_, found, count, reach_mm * reach_mm);
     return {{near_.chosen.data(), count}, std::sqrt(farthest2_mm2)};
   }
 }

@@ -114,7 +114,7 @@ HWY_INLINE void weigh_by_residual(float* m, std::size_t rows, const Quadric& qua
   }
 }
 
-void FitWeightedPca(Batch& batch, float offset) {
+void fit_weighted_pca_lanes(Batch& batch, float offset) {
   for (std::size_t lane = 0; lane < Batch::k_lanes; lane += hn::Lanes(D())) {
     const Rows rows = level_rows(batch, lane, offset);
     const Quadric first = solve_pca(sums_of(rows));
@@ -123,7 +123,7 @@ void FitWeightedPca(Batch& batch, float offset) {
   }
 }
 
-void FitPlainSvd(Batch& batch) {
+void fit_plain_svd_lanes(Batch& batch) {
   const D d;
   const std::size_t stride = hn::Lanes(d);
   float* m = batch.scratch[0].data();
@@ -154,15 +154,15 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace biteline::published {
 
-HWY_EXPORT(FitWeightedPca);
-HWY_EXPORT(FitPlainSvd);
+HWY_EXPORT(fit_weighted_pca_lanes);
+HWY_EXPORT(fit_plain_svd_lanes);
 
 void fit_level_sets(curvature::Batch& batch, Solver solver, float offset) {
   switch (solver) {
     case Solver::WeightedPca:
-      return HWY_DYNAMIC_DISPATCH(FitWeightedPca)(batch, offset);
+      return HWY_DYNAMIC_DISPATCH(fit_weighted_pca_lanes)(batch, offset);
     case Solver::PlainSvd:
-      return HWY_DYNAMIC_DISPATCH(FitPlainSvd)(batch);
+      return HWY_DYNAMIC_DISPATCH(fit_plain_svd_lanes)(batch);
     case Solver::LeastSquares:
       return curvature::fit_level_sets(batch, offset);
   }

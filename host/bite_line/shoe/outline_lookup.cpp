@@ -89,7 +89,8 @@ HWY_INLINE void stamp_lanes(D d, std::int32_t sample, float dx, float dy, float*
 }
 
 /// All cells within reach of the samples, `stride` samples apart.
-void Stamp(OutlineLookup::Table& table, float reach_mm, std::size_t stride, std::vector<float>& distance2) {
+void stamp_all(OutlineLookup::Table& table, float reach_mm, std::size_t stride,
+               std::vector<float>& distance2) {
   constexpr float k_cell_mm = OutlineLookup::Table::k_cell_mm;
   const hn::CappedTag<float, 16> d;
   const hn::CappedTag<float, 1> one;
@@ -116,7 +117,7 @@ void Stamp(OutlineLookup::Table& table, float reach_mm, std::size_t stride, std:
   }
 }
 
-void Locate(const OutlineLookup::Table& table, std::span<const Eigen::Vector3f> points, float* to) {
+void locate_all(const OutlineLookup::Table& table, std::span<const Eigen::Vector3f> points, float* to) {
   const hn::CappedTag<float, 16> d;
   const hn::CappedTag<float, 1> one;
   const std::size_t lanes = hn::Lanes(d);
@@ -132,8 +133,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace biteline::bite_line {
 
-HWY_EXPORT(Locate);
-HWY_EXPORT(Stamp);
+HWY_EXPORT(locate_all);
+HWY_EXPORT(stamp_all);
 
 OutlineLookup::OutlineLookup(std::vector<Sample> samples, float length_mm, float reach_mm) {
   Eigen::AlignedBox2f box;
@@ -149,14 +150,14 @@ OutlineLookup::OutlineLookup(std::vector<Sample> samples, float length_mm, float
   // A sample every 2 mm is enough to start from.
   const float per_sample_mm = length_mm / static_cast<float>(samples.size());
   table_.samples = std::move(samples);
-  HWY_DYNAMIC_DISPATCH(Stamp)
+  HWY_DYNAMIC_DISPATCH(stamp_all)
   (table_, reach_mm, static_cast<std::size_t>(std::max(1.0F, 2.0F / per_sample_mm)), distance2);
 }
 
 void OutlineLookup::locate(std::span<const Eigen::Vector3f> points, std::span<OutlinePlace> places) const {
   BITELINE_EXPECTS(places.size() == points.size());
   static_assert(sizeof(OutlinePlace) == 3 * sizeof(float));
-  HWY_DYNAMIC_DISPATCH(Locate)(table_, points, reinterpret_cast<float*>(places.data()));
+  HWY_DYNAMIC_DISPATCH(locate_all)(table_, points, reinterpret_cast<float*>(places.data()));
 }
 
 }  // namespace biteline::bite_line

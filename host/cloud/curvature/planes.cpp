@@ -41,7 +41,7 @@ HWY_INLINE void rotate(V& app, V& aqq, V& apq, V& apr, V& aqr, V (&vp)[3], V (&v
   }
 }
 
-void FitPlanes(Batch& batch) {
+void fit_planes_lanes(Batch& batch) {
   const D d;
   for (std::size_t lane = 0; lane < Batch::k_lanes; lane += hn::Lanes(d)) {
     const V zero = hn::Zero(d);
@@ -96,7 +96,7 @@ void FitPlanes(Batch& batch) {
   }
 }
 
-const char* Target() {
+const char* target_lanes() {
   return hwy::TargetName(HWY_TARGET);
 }
 
@@ -107,14 +107,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace biteline::curvature {
 
-HWY_EXPORT(FitPlanes);
-HWY_EXPORT(Target);
+HWY_EXPORT(fit_planes_lanes);
+HWY_EXPORT(target_lanes);
 
 void fit_planes(Batch& batch) {
-  HWY_DYNAMIC_DISPATCH(FitPlanes)(batch);
+  HWY_DYNAMIC_DISPATCH(fit_planes_lanes)(batch);
 }
 const char* vector_target() {
-  return HWY_DYNAMIC_DISPATCH(Target)();
+  return HWY_DYNAMIC_DISPATCH(target_lanes)();
 }
 
 }  // namespace biteline::curvature

@@ -13,7 +13,7 @@ HWY_BEFORE_NAMESPACE();
 namespace biteline::curvature {
 namespace HWY_NAMESPACE {
 
-void FitLevelSets(Batch& batch, float offset) {
+void fit_level_sets_lanes(Batch& batch, float offset) {
   for (std::size_t lane = 0; lane < Batch::k_lanes; lane += hn::Lanes(D())) {
     Sums sums = sums_of(level_rows(batch, lane, offset));
     store_curvature(solve_least_squares(sums), batch, lane);
@@ -27,10 +27,10 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace biteline::curvature {
 
-HWY_EXPORT(FitLevelSets);
+HWY_EXPORT(fit_level_sets_lanes);
 
 void fit_level_sets(Batch& batch, float offset) {
-  HWY_DYNAMIC_DISPATCH(FitLevelSets)(batch, offset);
+  HWY_DYNAMIC_DISPATCH(fit_level_sets_lanes)(batch, offset);
 }
 
 }  // namespace biteline::curvature
