@@ -112,7 +112,16 @@ case $1 in
 #include <utility>
 std::string f(std::string a) { std::string b = std::move(a); return a + b; }'
     seed 'a class is not CamelCase' 'class bad_name {};'
-    # As CMake writes it: a header that the compiler alone can read.
+    # As CMake writes it: one unit of both sources.
+    cp "$tree/build/compile_commands.json" "$tree/build/alone.json"
+    mkdir "$tree/build/Unity"
+    unit="$tree/build/Unity/unity_0_cxx.cxx"
+    printf '#include "%s"\n' "$tree"/host/cloud/{good,bad}.cpp >"$unit"
+    printf '[{"directory": "%s",\n"command": "c++ -std=c++20 -I%s -c %s",\n"file": "%s"}]\n' "$tree" "$tree" "$unit" "$unit" \
+      >"$tree/build/compile_commands.json"
+    seed 'a class of a unit is not CamelCase' 'class bad_name {};'
+    cp "$tree/build/alone.json" "$tree/build/compile_commands.json"
+    # A header that the compiler alone can read, as CMake makes it, too.
     touch "$tree/build/cmake_pch.hxx"
     echo compiled >"$tree/build/cmake_pch.hxx.gch"
     precompiled="-Winvalid-pch -include $tree/build/cmake_pch.hxx"
