@@ -268,7 +268,10 @@ void StreamServer::send_due(const PeerId& peer, Host& host) {
     host.acknowledged = std::max(host.acknowledged, host.next);
   }
   const std::uint64_t end = std::min(store_.held_to(), host.acknowledged + config_.window_messages);
+  const std::uint64_t before = host.next;
   while (host.next < end && outbox_.send(peer, store_.at(host.next))) ++host.next;
+  // Who was given the scan's end waits for what the light did until then.
+  if (ended_ && host.next > before && host.next == store_.held_to()) health_due_ = {};
 }
 
 void StreamServer::say_bye(const std::string& text) {

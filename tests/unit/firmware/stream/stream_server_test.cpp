@@ -156,6 +156,23 @@ TEST(StreamServer, EndStaysDeliveredWhenTheHostLeaves) {
   CHECK(!sut->end_acknowledged());
 }
 
+TEST(StreamServer, WhatTheLightDidFollowsTheEndAtOnce) {
+  const auto states_told = [&] { return outbox.of<wire::Health>("a").size(); };
+  add(5);
+  receive("a", wire::HostHello{});
+  sut->tick(now);
+  sut->add_end({});
+  sut->tick(now);
+  LONGS_EQUAL(1, states_told());  // the window is full: the host has no end yet
+  receive("a", wire::Ack{.safe_sequence = 4});
+  sut->tick(now);
+  LONGS_EQUAL(1, outbox.of<wire::EndOfScan>("a").size());
+  LONGS_EQUAL(2, states_told());
+  CHECK(std::holds_alternative<wire::Health>(outbox.sent["a"].back().body));
+  sut->tick(now);
+  LONGS_EQUAL(2, states_told());
+}
+
 TEST(StreamServer, HostThatLeavesIsForgotten) {
   receive("a", wire::HostHello{});
   receive("a", wire::Bye{});
