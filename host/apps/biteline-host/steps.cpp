@@ -391,7 +391,10 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
   if (scan_fails(robot::judge(inputs))) return say_refused(folder, inputs);
 
   BITELINE_ASSIGN(const std::unique_ptr<robot::ur::UrLink> link, open_robot(request.controller));
-  BITELINE_ASSIGN(const robot::RobotState still, robot::wait_until_still(*link, {.stop = &stop}));
+  BITELINE_ASSIGN(
+      const robot::RobotState still,
+      robot::wait_until_still(
+          *link, {.turn_rad = robot::k_ringing_rad, .move_mm = robot::k_ringing_mm, .stop = &stop}));
   const path::CollisionModel collisions{plan.request.arm, plan.request.process.tool,
                                         plan.outcome.surroundings};
   const path::WayThere way =

@@ -37,6 +37,11 @@ struct StillOptions {
   const std::atomic<bool>* stop{nullptr};  ///< set from outside: waits no longer
 };
 
+/// At its way's end an arm rings for some tenths of a second, at 8 to 20 Hz and by tenths of a millimetre. So
+/// much of turn_rad and move_mm is enough to send a path: a ninth of what the gate lets an arm move between
+/// the check of its way and the sending (path::GateLimits::start_rad), and 2 mm/s for an arm that creeps.
+inline constexpr double k_ringing_rad = 4e-4, k_ringing_mm = 0.4;
+
 /// Where the arm stands, once it stands.  Errc::Timeout when it goes on moving.
 [[nodiscard]] Result<RobotState> wait_until_still(const RobotLink& link, const StillOptions& options);
 

@@ -3,6 +3,8 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <cmath>
+
 #include "host/robot/link/follow.hpp"
 #include "tests/support/timed_test.hpp"
 #include "tests/unit/host/robot/link/fake_controller.hpp"
@@ -21,6 +23,10 @@ TEST_GROUP(UrLink) {
   test::FakeController controller;
 
   UrLink::Config config() {
+    return config_of(controller);
+  }
+
+  static UrLink::Config config_of(const test::FakeController& controller) {
     return {.host = "127.0.0.1",
             .rtde_port = controller.rtde_port(),
             .script_port = controller.script_port(),
@@ -85,6 +91,27 @@ TIMED_TEST(UrLink, AnArmThatNeverStandsIsGivenUp) {
   const auto state = wait_until_still(**link, {.patience_s = 0.3, .still_s = 0.1});
   CHECK_FALSE(state.has_value());
   CHECK(state.error().code == Errc::Timeout);
+}
+
+TIMED_TEST(UrLink, AnArmThatRingsStandsForAPathButNotForAStop) {
+  test::FakeController ringing{
+      [](test::PlayedState& state) { state.q[0] = 1.5e-4 * std::sin(62.8 * state.time_s); }, 0.002};
+  const auto link = UrLink::open(config_of(ringing));
+  CHECK(link.has_value());
+  CHECK(wait_until_still(**link, {.patience_s = 0.5, .turn_rad = k_ringing_rad, .move_mm = k_ringing_mm})
+            .has_value());
+  CHECK_FALSE(wait_until_still(**link, {.patience_s = 0.5}).has_value());
+}
+
+TIMED_TEST(UrLink, AnArmThatCreepsDoesNotStandForAPath) {
+  constexpr double k_rad_s = 0.02;
+  test::FakeController creeping{[&](test::PlayedState& state) { state.q[0] = k_rad_s * state.time_s; },
+                                0.002};
+  const auto link = UrLink::open(config_of(creeping));
+  CHECK(link.has_value());
+  CHECK_FALSE(
+      wait_until_still(**link, {.patience_s = 0.5, .turn_rad = k_ringing_rad, .move_mm = k_ringing_mm})
+          .has_value());
 }
 
 TIMED_TEST(UrLink, BrokenConnectionComesBackWithTheRecipe) {
