@@ -27,17 +27,36 @@ std::vector<std::size_t> pieces_of(const cloud::PointCloud& cloud) {
   return ends;
 }
 
-}  // namespace
+struct PieceRuns {
+  Large<Eigen::Vector3f> means;
+  Large<std::uint32_t> first_point;
+  std::size_t alone{0};  ///< runs of one
+};
 
-Run run_from(std::span<const Eigen::Vector3f> points, std::size_t first) {
-  constexpr float k_run_mm = 0.25F;
-  const Eigen::Vector3f& start = points[first];
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  std::size_t end = first + 1;
-  for (; end < points.size() && (points[end] - start).squaredNorm() < k_run_mm * k_run_mm; ++end)
-    sum += points[end] - start;
-  return {.mean = start + sum / static_cast<float>(end - first), .end = end};
+/// Of the points from `first` to `end`; `profile_end(i)`: where that of the i-th point ends.
+template <class ProfileEnd>
+PieceRuns runs_between(std::span<const Eigen::Vector3f> points, std::size_t first, std::size_t end,
+                       ProfileEnd&& profile_end) {
+  // Room for runs of one: arrays that grow would cost more than the runs themselves.
+  Large<Eigen::Vector3f> means(end - first);
+  Large<std::uint32_t> first_point(end - first);
+  std::size_t runs = 0, alone = 0;
+  while (first < end) {
+    const std::span profile = points.first(profile_end(first));
+    for (; first < profile.size(); ++runs) {
+      const Run run = run_from(profile, first);
+      means[runs] = run.mean;
+      first_point[runs] = static_cast<std::uint32_t>(first);
+      alone += run.end == first + 1 ? 1 : 0;
+      first = run.end;
+    }
+  }
+  return {.means = {means.data(), means.data() + runs},
+          .first_point = {first_point.data(), first_point.data() + runs},
+          .alone = alone};
 }
+
+}  // namespace
 
 RunLook look_of(const cloud::StripeSpan& stripe) {
   const auto log_mean = [&](std::span<const float> values) {
@@ -66,24 +85,18 @@ PointRuns runs_of(const cloud::PointCloud& cloud) {
   };
   const std::vector<std::size_t> ends = pieces_of(cloud);
   const std::size_t pieces = ends.size() - 1;
-  std::vector<PointRuns> found(pieces);
-  std::vector<std::size_t> alone(pieces, 0);
+  std::vector<PieceRuns> found(pieces);
   tbb::parallel_for(std::size_t{0}, pieces, [&](std::size_t piece) {
-    for (std::size_t first = ends[piece]; first < ends[piece + 1];) {
-      const std::span profile{cloud.points.data(), profile_end(first, ends[piece + 1])};
-      while (first < profile.size()) {
-        const Run run = run_from(profile, first);
-        found[piece].means.push_back(run.mean);
-        found[piece].first_point.push_back(static_cast<std::uint32_t>(first));
-        alone[piece] += run.end == first + 1 ? 1 : 0;
-        first = run.end;
-      }
-    }
+    found[piece] = runs_between(cloud.points, ends[piece], ends[piece + 1],
+                                [&](std::size_t first) { return profile_end(first, ends[piece + 1]); });
   });
   std::vector<std::size_t> before{0};
-  for (const PointRuns& runs : found) before.push_back(before.back() + runs.means.size());
+  std::size_t all_alone = 0;
+  for (const PieceRuns& runs : found) {
+    before.push_back(before.back() + runs.means.size());
+    all_alone += runs.alone;
+  }
   PointRuns all;
-  const std::size_t all_alone = std::accumulate(alone.begin(), alone.end(), std::size_t{0});
   const bool has_looks = cloud.amplitude.size() == cloud.size();
   if (!organised && all_alone * k_most_alone_of > before.back()) {
     if (has_looks) {

@@ -23,7 +23,15 @@ struct Run {
   Eigen::Vector3f mean;
   std::size_t end;  ///< in the points, behind its last one
 };
-[[nodiscard]] Run run_from(std::span<const Eigen::Vector3f> points, std::size_t first);
+[[nodiscard]] inline Run run_from(std::span<const Eigen::Vector3f> points, std::size_t first) {
+  constexpr float k_run_mm = 0.25F;
+  const Eigen::Vector3f start = points[first];
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  std::size_t end = first + 1;
+  for (; end < points.size() && (points[end] - start).squaredNorm() < k_run_mm * k_run_mm; ++end)
+    sum += points[end] - start;
+  return {.mean = start + sum / static_cast<float>(end - first), .end = end};
+}
 
 /// The laser's stripe over a run, as the sensor measured it: what its surface is made of shows in it.
 struct RunLook {
