@@ -2,6 +2,8 @@
 #include "host/bite_line/shoe/cells.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <functional>
 
@@ -18,23 +20,42 @@ std::pair<Eigen::Vector3f, Eigen::Vector3f> robust_bounds(std::span<const Eigen:
   constexpr float k_margin_mm =
       40.0F;  // one missing sector: what lies farther from everything else is no shoe
   const std::size_t step = std::max<std::size_t>(1, points.size() / k_sample);
+  std::array<std::vector<float>, 3> values;
+  for (std::vector<float>& of_axis : values) of_axis.reserve(points.size() / step + 1);
+  for (std::size_t i = 0; i < points.size(); i += step) {
+    for (std::size_t axis = 0; axis < values.size(); ++axis)
+      values[axis].push_back(points[i][static_cast<int>(axis)]);
+  }
+  // Few lie beyond: these alone are sorted.
+  const auto beyond = [&](std::size_t axis, auto before) {
+    std::vector<float> ends(values[axis].size() / 2000 + 1);
+    std::partial_sort_copy(values[axis].begin(), values[axis].end(), ends.begin(), ends.end(), before);
+    return ends.back();
+  };
   Eigen::Vector3f low;
   Eigen::Vector3f high;
-  tbb::parallel_for(0, 3, [&](int axis) {
-    std::vector<float> values;
-    values.reserve(points.size() / step + 1);
-    for (std::size_t i = 0; i < points.size(); i += step) values.push_back(points[i][axis]);
-    // Few lie beyond: these alone are sorted.
-    std::vector<float> ends(values.size() / 2000 + 1);
-    std::partial_sort_copy(values.begin(), values.end(), ends.begin(), ends.end());
-    low[axis] = ends.back() - k_margin_mm;
-    std::partial_sort_copy(values.begin(), values.end(), ends.begin(), ends.end(), std::greater<>{});
-    high[axis] = ends.back() + k_margin_mm;
+  tbb::parallel_for(std::size_t{0}, 2 * values.size(), [&](std::size_t end) {
+    const std::size_t axis = end / 2;
+    if (end % 2 == 0) {
+      low[static_cast<int>(axis)] = beyond(axis, std::less<>{}) - k_margin_mm;
+    } else {
+      high[static_cast<int>(axis)] = beyond(axis, std::greater<>{}) + k_margin_mm;
+    }
   });
   return {low, high};
 }
 
 }  // namespace
+
+std::int32_t Cells::cell_at(const Eigen::Vector3f& point) const {
+  const Eigen::Vector3f offset = (point - origin_) * inverse_mm_;
+  if (offset.minCoeff() < 0.0F) return -1;
+  const int x = static_cast<int>(offset.x());
+  const int y = static_cast<int>(offset.y());
+  const int z = static_cast<int>(offset.z());
+  if (x >= size_.x() || y >= size_.y() || z >= size_.z()) return -1;
+  return (z * size_.y() + y) * size_.x() + x;
+}
 
 Cells::Cells(std::span<const Eigen::Vector3f> points, const Config& config) : cell_mm_{config.cell_mm} {
   if (points.empty()) return;
@@ -51,56 +72,57 @@ Cells::Cells(std::span<const Eigen::Vector3f> points, const Config& config) : ce
   const auto total = static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()) *
                      static_cast<std::size_t>(size_.z());
   // Neighbours in the cloud are mostly of one cell: summed up run by run first.
-  struct Run {
-    std::size_t cell;
-    std::uint32_t points;
-    Eigen::Vector3f sum;
+  struct CellRun {
+    std::int32_t cell{-1};
+    std::uint32_t points{0};
+    Eigen::Vector3f sum{Eigen::Vector3f::Zero()};
   };
   constexpr std::size_t k_chunk = 8192;
-  std::vector<Large<Run>> runs((points.size() + k_chunk - 1) / k_chunk);
+  std::vector<std::vector<CellRun>> runs((points.size() + k_chunk - 1) / k_chunk);
   cell_of_.resize(points.size());
   tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t chunk) {
-    std::int32_t last = -1;
+    CellRun run;
+    const auto keep = [&] {
+      if (run.cell >= 0) runs[chunk].push_back(run);
+    };
     for (std::size_t i = chunk * k_chunk; i < std::min(points.size(), (chunk + 1) * k_chunk); ++i) {
-      const std::int32_t cell = cell_of_[i] = cell_at(points[i]);
-      if (cell < 0) continue;
-      if (cell != last) runs[chunk].push_back({static_cast<std::size_t>(cell), 0, Eigen::Vector3f::Zero()});
-      last = cell;
-      ++runs[chunk].back().points;
-      runs[chunk].back().sum += points[i] - origin_;
+      cell_of_[i] = cell_at(points[i]);
+      if (cell_of_[i] != run.cell) {
+        keep();
+        run = {.cell = cell_of_[i]};
+      }
+      ++run.points;
+      run.sum += points[i] - origin_;
     }
+    keep();
   });
-  count_.assign(total, 0);
-  for (const Large<Run>& chunk : runs) {
-    for (const Run& run : chunk) count_[run.cell] += run.points;
-  }
+  const auto for_runs = [&](auto&& use) {
+    for (const std::vector<CellRun>& chunk : runs) {
+      for (const CellRun& run : chunk) use(run, static_cast<std::size_t>(run.cell));
+    }
+  };
+  constexpr std::size_t k_word = 64;
+  std::vector<std::uint64_t> with_points(total / k_word + 1, 0);
+  for_runs([&](const CellRun&, std::size_t cell) {
+    with_points[cell / k_word] |= std::uint64_t{1} << cell % k_word;
+  });
   slot_.assign(total, -1);
-  for (std::size_t cell = 0; cell < total; ++cell) {
-    if (count_[cell] == 0) continue;
-    slot_[cell] = static_cast<std::int32_t>(occupied_.size());
-    occupied_.push_back(static_cast<std::int32_t>(cell));
+  for (std::size_t word = 0; word < with_points.size(); ++word) {
+    for (std::uint64_t left = with_points[word]; left != 0; left &= left - 1) {
+      const std::size_t cell = word * k_word + static_cast<std::size_t>(std::countr_zero(left));
+      slot_[cell] = static_cast<std::int32_t>(occupied_.size());
+      occupied_.push_back(static_cast<std::int32_t>(cell));
+    }
   }
-  mean_.assign(occupied_.size(), Eigen::Vector3f::Zero());
-  for (const Large<Run>& chunk : runs) {
-    for (const Run& run : chunk) mean_[static_cast<std::size_t>(slot_[run.cell])] += run.sum;
-  }
-  for (std::size_t slot = 0; slot < occupied_.size(); ++slot) {
-    mean_[slot] = origin_ + mean_[slot] / static_cast<float>(count(occupied_[slot]));
-  }
-}
-
-std::int32_t Cells::cell_at(const Eigen::Vector3f& point) const {
-  const Eigen::Vector3f offset = (point - origin_) * inverse_mm_;
-  if (offset.minCoeff() < 0.0F) return -1;
-  const int x = static_cast<int>(offset.x());
-  const int y = static_cast<int>(offset.y());
-  const int z = static_cast<int>(offset.z());
-  if (x >= size_.x() || y >= size_.y() || z >= size_.z()) return -1;
-  return (z * size_.y() + y) * size_.x() + x;
-}
-
-Eigen::Vector3f Cells::mean(std::int32_t cell) const {
-  return mean_[static_cast<std::size_t>(slot_[static_cast<std::size_t>(cell)])];
+  counts_.assign(occupied_.size(), 0);
+  means_.assign(occupied_.size(), Eigen::Vector3f::Zero());
+  for_runs([&](const CellRun& run, std::size_t cell) {
+    const auto slot = static_cast<std::size_t>(slot_[cell]);
+    counts_[slot] += run.points;
+    means_[slot] += run.sum;
+  });
+  for (std::size_t slot = 0; slot < means_.size(); ++slot)
+    means_[slot] = origin_ + means_[slot] / static_cast<float>(counts_[slot]);
 }
 
 Large<std::uint8_t> Cells::by_cell(std::span<const std::uint8_t> by_slot) const {

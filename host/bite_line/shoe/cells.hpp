@@ -31,11 +31,9 @@ class Cells {
   [[nodiscard]] std::size_t slot(std::int32_t cell) const {
     return static_cast<std::size_t>(slot_[static_cast<std::size_t>(cell)]);
   }
-  [[nodiscard]] std::uint32_t count(std::int32_t cell) const {
-    return count_[static_cast<std::size_t>(cell)];
-  }
-  /// Mean of the cell's points.
-  [[nodiscard]] Eigen::Vector3f mean(std::int32_t cell) const;
+  /// Of the occupied cells, in their order: the number of points and their mean.
+  [[nodiscard]] std::span<const std::uint32_t> counts() const { return counts_; }
+  [[nodiscard]] std::span<const Eigen::Vector3f> means() const { return means_; }
   [[nodiscard]] float cell_mm() const { return cell_mm_; }
   /// What is given for the occupied cells, for each cell; 0 for empty ones.
   [[nodiscard]] Large<std::uint8_t> by_cell(std::span<const std::uint8_t> by_slot) const;
@@ -56,10 +54,10 @@ class Cells {
   Eigen::Vector3f origin_{Eigen::Vector3f::Zero()};
   Eigen::Vector3i size_{Eigen::Vector3i::Zero()};
   Large<std::int32_t> cell_of_;  ///< per point
-  Large<std::uint32_t> count_;
   std::vector<std::int32_t> occupied_;
-  Large<std::int32_t> slot_;     ///< cell -> index into occupied_, -1 when empty
-  Large<Eigen::Vector3f> mean_;  ///< per occupied cell
+  Large<std::int32_t> slot_;           ///< cell -> index into occupied_, -1 when empty
+  std::vector<std::uint32_t> counts_;  ///< per occupied cell
+  std::vector<Eigen::Vector3f> means_;
 };
 
 template <bool Before, class Visit>

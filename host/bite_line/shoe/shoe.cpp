@@ -8,6 +8,7 @@
 #include <random>
 
 #include <tbb/blocked_range.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/parallel_reduce.h>
 
 #include "common/core/fixed_text.hpp"
@@ -63,13 +64,12 @@ std::optional<Plane> find_table(const Cells& cells) {
   constexpr double k_min_area_mm2 = 50'000.0;
   constexpr double k_max_share_below = 0.03;
   constexpr int k_draws = 300;
-  const auto& occupied = cells.occupied();
   const double cell_area = static_cast<double>(cells.cell_mm()) * static_cast<double>(cells.cell_mm());
-  if (static_cast<double>(occupied.size()) * cell_area < k_min_area_mm2) return std::nullopt;
+  if (static_cast<double>(cells.means().size()) * cell_area < k_min_area_mm2) return std::nullopt;
 
   std::vector<Vec3> means;
-  means.reserve(occupied.size());
-  for (const std::int32_t cell : occupied) means.push_back(cells.mean(cell).cast<double>());
+  means.reserve(cells.means().size());
+  for (const Eigen::Vector3f& mean : cells.means()) means.push_back(mean.cast<double>());
   std::mt19937 random{17};
   std::uniform_int_distribution<std::size_t> draw{0, means.size() - 1};
   const std::size_t step = std::max<std::size_t>(1, means.size() / 4000);
@@ -108,8 +108,7 @@ std::optional<Plane> find_table(const Cells& cells) {
 double fewest_points(const Cells& cells, std::size_t points) {
   constexpr double k_share = 0.05;
   constexpr double k_points_per_mm2 = 0.5;
-  std::vector<std::uint32_t> counts;
-  for (const std::int32_t cell : cells.occupied()) counts.push_back(cells.count(cell));
+  std::vector<std::uint32_t> counts{cells.counts().begin(), cells.counts().end()};
   if (counts.empty()) return 0;
   std::sort(counts.begin(), counts.end());
   std::size_t median = 0;
@@ -119,21 +118,13 @@ double fewest_points(const Cells& cells, std::size_t points) {
   return std::min(k_share * static_cast<double>(counts[median]), k_points_per_mm2 * cell_mm * cell_mm);
 }
 
-/// What one connected component looks like from above.
-struct Part {
-  std::vector<Vec2> hull;
-  std::size_t cells{0};
-};
-
-Part make_part(const Cells& cells, const std::vector<std::int32_t>& labels, int label) {
-  Part part;
+/// Of one connected component, seen from above.
+std::vector<Vec2> hull_of(const Cells& cells, const std::vector<std::int32_t>& labels, int label) {
   std::vector<Vec2> points;
   for (std::size_t slot = 0; slot < labels.size(); ++slot) {
-    if (labels[slot] == label) points.push_back(cells.mean(cells.occupied()[slot]).head<2>().cast<double>());
+    if (labels[slot] == label) points.push_back(cells.means()[slot].head<2>().cast<double>());
   }
-  part.cells = points.size();
-  part.hull = convex_hull(std::move(points));
-  return part;
+  return convex_hull(std::move(points));
 }
 
 bool shoe_sized(const PlanBox& box) {
@@ -154,22 +145,21 @@ std::vector<bool> choose_components(const Cells& cells, const std::vector<std::i
   }
   std::vector<int> order(static_cast<std::size_t>(components));
   for (int i = 0; i < components; ++i) order[static_cast<std::size_t>(i)] = i;
-  std::sort(order.begin(), order.end(), [&](int a, int b) {
-    return size[static_cast<std::size_t>(a)] > size[static_cast<std::size_t>(b)];
-  });
+  const auto size_of = [&](int label) { return size[static_cast<std::size_t>(label)]; };
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return size_of(a) > size_of(b); });
 
   std::vector<bool> chosen(static_cast<std::size_t>(components), false);
   if (order.empty()) return chosen;
   chosen[static_cast<std::size_t>(order[0])] = true;
-  std::vector<Vec2> hull = make_part(cells, labels, order[0]).hull;
-  if (hull.size() < 3) return chosen;
+  const double least_size = k_min_share * static_cast<double>(size_of(order[0]));
+  std::vector<Vec2> hull;
   for (std::size_t k = 1; k < std::min(order.size(), k_most_parts); ++k) {
-    const Part part = make_part(cells, labels, order[k]);
-    if (static_cast<double>(part.cells) <
-        k_min_share * static_cast<double>(size[static_cast<std::size_t>(order[0])]))
-      break;
+    if (static_cast<double>(size_of(order[k])) < least_size) break;
+    if (hull.empty()) hull = hull_of(cells, labels, order[0]);
+    if (hull.size() < 3) break;
+    const std::vector<Vec2> part = hull_of(cells, labels, order[k]);
     std::vector<Vec2> joined = hull;
-    joined.insert(joined.end(), part.hull.begin(), part.hull.end());
+    joined.insert(joined.end(), part.begin(), part.end());
     joined = convex_hull(std::move(joined));
     const PlanBox before = tightest_box(hull);
     const PlanBox after = tightest_box(joined);
@@ -250,6 +240,28 @@ SE3 axes_from_plan(std::span<const Vec3> points_up, const Mat3& R_base_up, PlanB
   return T_base_shoe;
 }
 
+/// Upright axes: z is up from the table, or else from the rim, which the axes from before it show.
+SE3 stand_up(std::span<const Vec3> means, std::span<const Vec3> means_to_the_rim,
+             const std::optional<Plane>& table, PlanBox& box) {
+  constexpr int k_rounds = 3;
+  Mat3 R_base_up = Mat3::Identity();
+  if (table) R_base_up = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), table->normal).toRotationMatrix();
+  for (int round = 1;; ++round) {
+    std::vector<Vec3> up{means.begin(), means.end()};
+    for (Vec3& p : up) p = R_base_up.transpose() * p;
+    const SE3 T_base_shoe = axes_from_plan(up, R_base_up, box);
+    if (!shoe_sized(box) || round == k_rounds) return T_base_shoe;
+    std::vector<Vec3> in_shoe{means_to_the_rim.begin(), means_to_the_rim.end()};
+    const SE3 T_shoe_base = T_base_shoe.inverse();
+    for (Vec3& p : in_shoe) p = T_shoe_base * p;
+    const std::optional<Plane> rim = find_rim(in_shoe, box.length_mm);
+    if (!rim) return T_base_shoe;
+    const Vec3 up_base = T_base_shoe.linear() * rim->normal;
+    if (up_base.z() < std::cos(k_max_tilt_rad)) return T_base_shoe;
+    R_base_up = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), up_base).toRotationMatrix();
+  }
+}
+
 }  // namespace
 
 OrRefusal<Shoe> find_shoe(std::span<const Eigen::Vector3f> points_base) {
@@ -257,15 +269,16 @@ OrRefusal<Shoe> find_shoe(std::span<const Eigen::Vector3f> points_base) {
   if (points_base.size() < k_min_points) return refuse(Refused::TooFewPoints, "not a shoe: too few points");
 
   const Cells cells{points_base, {}};
-  const std::optional<Plane> table = find_table(cells);
-  const double fewest = fewest_points(cells, points_base.size());
+  std::optional<Plane> table;
+  double fewest = 0;
+  tbb::parallel_invoke([&] { table = find_table(cells); },
+                       [&] { fewest = fewest_points(cells, points_base.size()); });
   std::vector<bool> keep(cells.occupied().size()), few(keep.size());
   for (std::size_t slot = 0; slot < keep.size(); ++slot) {
-    const std::int32_t cell = cells.occupied()[slot];
     // A cell's mean may be above the table although points of it are on it; those are dropped one by one
     // below.
-    keep[slot] = !table || table->height_mm(cells.mean(cell).cast<double>()) > 1.5;
-    few[slot] = keep[slot] && static_cast<double>(cells.count(cell)) < fewest;
+    keep[slot] = !table || table->height_mm(cells.means()[slot].cast<double>()) > 1.5;
+    few[slot] = keep[slot] && static_cast<double>(cells.counts()[slot]) < fewest;
     keep[slot] = keep[slot] && !few[slot];
   }
   std::vector<std::int32_t> labels;
@@ -287,31 +300,27 @@ OrRefusal<Shoe> find_shoe(std::span<const Eigen::Vector3f> points_base) {
       });
     }
     if (parts[slot] == k_none) continue;
-    const Vec3 mean = cells.mean(cells.occupied()[slot]).cast<double>();
+    const Vec3 mean = cells.means()[slot].cast<double>();
     if (parts[slot] == k_chosen) means.push_back(mean);
     means_to_the_rim.push_back(mean);
   }
   if (means.size() < 200)
     return refuse(Refused::NothingConnected, "not a shoe: nothing connected of a shoe's size");
 
-  Mat3 R_base_up = Mat3::Identity();
-  if (table) R_base_up = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), table->normal).toRotationMatrix();
   PlanBox box;
-  constexpr int k_rounds = 3;
-  for (int round = 1;; ++round) {
-    std::vector<Vec3> up = means;
-    for (Vec3& p : up) p = R_base_up.transpose() * p;
-    shoe.T_base_shoe = axes_from_plan(up, R_base_up, box);
-    if (!shoe_sized(box) || round == k_rounds) break;
-    std::vector<Vec3> in_shoe = means_to_the_rim;
-    const SE3 T_shoe_base = shoe.T_base_shoe.inverse();
-    for (Vec3& p : in_shoe) p = T_shoe_base * p;
-    const std::optional<Plane> rim = find_rim(in_shoe, box.length_mm);
-    if (!rim) break;
-    const Vec3 up_base = shoe.T_base_shoe.linear() * rim->normal;
-    if (up_base.z() < std::cos(k_max_tilt_rad)) break;
-    R_base_up = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), up_base).toRotationMatrix();
-  }
+  Large<std::uint8_t> part_of_cell;
+  const auto part = [&](std::size_t i) {
+    const std::int32_t cell = cells.cell_of(i);
+    return cell < 0 ? k_none : static_cast<OfShoe>(part_of_cell[static_cast<std::size_t>(cell)]);
+  };
+  tbb::parallel_invoke([&] { shoe.T_base_shoe = stand_up(means, means_to_the_rim, table, box); },
+                       [&] {
+                         part_of_cell = cells.by_cell(parts);
+                         shoe.index = items_where(points_base.size(), [&](std::size_t i) {
+                           return part(i) != k_none &&
+                                  !(table && table->height_mm(points_base[i].cast<double>()) < 1.0);
+                         });
+                       });
   shoe.length_mm = box.length_mm;
   shoe.width_mm = box.width_mm;
   if (!shoe_sized(box)) {
@@ -322,14 +331,6 @@ OrRefusal<Shoe> find_shoe(std::span<const Eigen::Vector3f> points_base) {
   }
 
   const Eigen::Isometry3f T_shoe_base = shoe.T_base_shoe.inverse().cast<float>();
-  const Large<std::uint8_t> part_of_cell = cells.by_cell(parts);
-  const auto part = [&](std::size_t i) {
-    const std::int32_t cell = cells.cell_of(i);
-    return cell < 0 ? k_none : static_cast<OfShoe>(part_of_cell[static_cast<std::size_t>(cell)]);
-  };
-  shoe.index = items_where(points_base.size(), [&](std::size_t i) {
-    return part(i) != k_none && !(table && table->height_mm(points_base[i].cast<double>()) < 1.0);
-  });
   shoe.points.resize(shoe.index.size());
   shoe.alone.resize(shoe.index.size());
   shoe.box = tbb::parallel_reduce(

@@ -52,4 +52,28 @@ TEST(Cells, WhatIsNotKeptNeitherHasALabelNorJoins) {
   LONGS_EQUAL(1, labels.back());
 }
 
+TEST(Cells, AreCountedAndAveragedInTheirOrderHoweverOftenTheCloudComesBack) {
+  // Two places, taken in turn: each is several runs of its cell.
+  std::vector<Eigen::Vector3f> points;
+  for (int round = 0; round < 100; ++round) {
+    for (const float x_mm : {30.0F, 0.0F}) {
+      points.emplace_back(x_mm, 0.0F, 0.0F);
+      points.emplace_back(x_mm + 1, 0.0F, 0.5F);
+    }
+  }
+  const Cells sut{points, {}};
+  std::size_t counted = 0;
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (std::size_t slot = 0; slot < sut.occupied().size(); ++slot) {
+    if (slot > 0) CHECK(sut.occupied()[slot - 1] < sut.occupied()[slot]);
+    counted += sut.counts()[slot];
+    sum += static_cast<float>(sut.counts()[slot]) * sut.means()[slot];
+  }
+  LONGS_EQUAL(points.size(), counted);
+  DOUBLES_EQUAL(15.5, sum.x() / static_cast<float>(counted), 1e-3);
+  DOUBLES_EQUAL(0.25, sum.z() / static_cast<float>(counted), 1e-3);
+  const std::size_t slot = sut.slot(sut.cell_of(0));
+  CHECK(sut.means()[slot].x() > 29 && sut.counts()[slot] >= 100);
+}
+
 }  // namespace biteline::bite_line
