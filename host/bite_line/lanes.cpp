@@ -219,27 +219,43 @@ void land_all(std::span<Landing> to, std::span<const OutlinePlace> places, const
   for_lanes(to.size(), [&](auto d, std::size_t i) { land_lanes(d, grid, from + 3 * i, landings + 4 * i); });
 }
 
-/// Rows `r` to `r + lanes` at once.
-template <class D>
+/// Rows `r` to `r + lanes` at once.  `Steps`: of the penalty; 0: as many as it has.
+template <std::size_t Steps, class D>
 HWY_INLINE void step_rows(D d, const ColumnStep& column, std::size_t r, float* total, std::int8_t* step) {
-  const auto reach = static_cast<std::ptrdiff_t>(column.penalty.size() / 2);
-  const float* before = column.before + r;
-  auto best = hn::Add(hn::LoadU(d, before - reach), hn::Set(d, column.penalty[0]));
-  auto from = hn::Set(d, static_cast<float>(-reach));
-  for (std::ptrdiff_t k = 1 - reach; k <= reach; ++k) {
-    const auto candidate =
-        hn::Add(hn::LoadU(d, before + k), hn::Set(d, column.penalty[static_cast<std::size_t>(k + reach)]));
-    from = hn::IfThenElse(hn::Lt(candidate, best), hn::Set(d, static_cast<float>(k)), from);
+  const hn::Rebind<std::int32_t, D> whole;
+  const hn::Rebind<std::uint32_t, D> bits;
+  const hn::Rebind<std::uint8_t, D> narrow;
+  const std::size_t steps = Steps > 0 ? Steps : column.penalty.size();
+  const std::size_t reach = steps / 2;
+  const float* before = column.before + r - reach;
+  auto best = hn::Add(hn::LoadU(d, before), hn::Set(d, column.penalty[0]));
+  auto from = hn::Set(whole, -static_cast<std::int32_t>(reach));
+  for (std::size_t k = 1; k < steps; ++k) {
+    const auto candidate = hn::Add(hn::LoadU(d, before + k), hn::Set(d, column.penalty[k]));
+    const auto away = hn::Set(whole, static_cast<std::int32_t>(k) - static_cast<std::int32_t>(reach));
+    from = hn::IfThenElse(hn::RebindMask(whole, hn::Lt(candidate, best)), away, from);
     best = hn::Min(candidate, best);
   }
   hn::StoreU(hn::Min(hn::Set(d, column.most), hn::Add(best, hn::LoadU(d, column.own + r))), d, total + r);
-  const hn::Rebind<std::int32_t, D> whole;
-  const hn::Rebind<std::int8_t, D> narrow;
-  hn::StoreU(hn::DemoteTo(narrow, hn::ConvertTo(whole, from)), narrow, step + r);
+  hn::StoreU(hn::TruncateTo(narrow, hn::BitCast(bits, from)), narrow,
+             reinterpret_cast<std::uint8_t*>(step + r));
+}
+
+template <std::size_t Steps>
+HWY_INLINE void step_all_rows(const ColumnStep& column, std::span<float> total, std::int8_t* step) {
+  for_lanes(total.size(), [&](auto d, std::size_t r) { step_rows<Steps>(d, column, r, total.data(), step); });
 }
 
 void step_column_lanes(const ColumnStep& column, std::span<float> total, std::int8_t* step) {
-  for_lanes(total.size(), [&](auto d, std::size_t r) { step_rows(d, column, r, total.data(), step); });
+  // The steps of the line's own paths are unrolled.
+  switch (column.penalty.size()) {
+    case 7:
+      return step_all_rows<7>(column, total, step);
+    case 9:
+      return step_all_rows<9>(column, total, step);
+    default:
+      return step_all_rows<0>(column, total, step);
+  }
 }
 
 }  // namespace HWY_NAMESPACE

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <random>
 #include <vector>
 
@@ -99,6 +100,32 @@ TEST(Lanes, APointLandsAtItsNearestStationAndAtItsHeightAboveTheSlopingPath) {
       DOUBLES_EQUAL(here.o_mm, sut[i].o_mm, 0);
     }
     LONGS_EQUAL(7, sut[size].station);
+  }
+}
+
+TEST(Lanes, AColumnsStepIsTheCheapestAndTheFirstOfEquals) {
+  for (const int reach : {1, 2, 3, 4, 5}) {
+    std::vector<float> penalty;
+    for (int d = -reach; d <= reach; ++d) penalty.push_back(0.25F * static_cast<float>(d * d));
+    for (std::size_t size = 1; size <= k_longest; ++size) {
+      // In quarters, so that many ways cost the same.
+      std::vector<float> before = drawn(size + 2 * static_cast<std::size_t>(reach));
+      for (float& value : before) value = std::round(4 * value) / 4;
+      const std::vector<float> own = drawn(size);
+      std::vector<float> total(size + 1, 7.0F);
+      std::vector<std::int8_t> step(size + 1, 7);
+      step_column({.before = before.data() + reach, .penalty = penalty, .own = own.data(), .most = 1.5F},
+                  {total.data(), size}, step.data());
+      for (std::size_t row = 0; row < size; ++row) {
+        std::size_t best = 0;
+        const auto cost = [&](std::size_t k) { return before[row + k] + penalty[k]; };
+        for (std::size_t k = 1; k < penalty.size(); ++k) best = cost(k) < cost(best) ? k : best;
+        LONGS_EQUAL(static_cast<int>(best) - reach, step[row]);
+        DOUBLES_EQUAL(std::min(cost(best) + own[row], 1.5F), total[row], 0);
+      }
+      DOUBLES_EQUAL(7.0, total[size], 0);
+      LONGS_EQUAL(7, step[size]);
+    }
   }
 }
 
