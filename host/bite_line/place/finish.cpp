@@ -76,9 +76,12 @@ cloud::ClosedLine even_line(const PlacedLine& placed_line, const SE3& T_base_sho
   const auto& placed = placed_line.points;
   const geometry::ArcLength along{placed.size(), [&](std::size_t i) { return placed[i].position; }};
   const std::size_t count = along.count_for(spacing_mm);
+  std::vector<PointSpread> spreads(placed.size());
+  tbb::parallel_for(std::size_t{0}, placed.size(), [&](std::size_t i) { spreads[i] = spread_of(placed[i]); });
   cloud::ClosedLine line;
   line.points.reserve(count);
   std::vector<PointSpread> own;
+  own.reserve(count);
   for (const geometry::OnCurve& at : along.even(count)) {
     const PlacedStation& a = placed[at.before];
     const PlacedStation& b = placed[at.after];
@@ -87,18 +90,21 @@ cloud::ClosedLine even_line(const PlacedLine& placed_line, const SE3& T_base_sho
                            .tangent = Vec3::UnitX(),
                            .source = a.to_visible_mm > 0 || b.to_visible_mm > 0 ? cloud::PointSource::Bridged
                                                                                 : cloud::PointSource::Seen});
-    own.push_back(between(spread_of(a), spread_of(b), at.share));
+    own.push_back(between(spreads[at.before], spreads[at.after], at.share));
   }
   add_tangents(line);
   const uncertainty::SpreadAlong whole{scan, count, [&](std::size_t k) { return line.points[k].position; }};
   const Vec3 up = T_base_shoe.linear().col(2);
+  const double nothing_of_scan = uncertainty::chance_within({}, cloud::k_right_mm);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     cloud::LinePoint& point = line.points[k];
     // In the axes of the own spread: outwards and nearly up.
     const Eigen::Matrix2d of_scan = uncertainty::across(whole.at(k), point.tangent, up);
     const uncertainty::Axes axes = uncertainty::principal_axes(own[k].covariance_mm2 + of_scan);
-    point.confidence = of_line * own[k].hold * own[k].within *
-                       uncertainty::chance_within(uncertainty::principal_axes(of_scan), cloud::k_right_mm);
+    const double within_of_scan =
+        scan.known() ? uncertainty::chance_within(uncertainty::principal_axes(of_scan), cloud::k_right_mm)
+                     : nothing_of_scan;
+    point.confidence = of_line * own[k].hold * own[k].within * within_of_scan;
     point.u95_mm = uncertainty::u95_mm(axes, own[k].hold, own[k].other_mm);
     cloud::flag_unsure(point);
   });
@@ -123,7 +129,9 @@ void add_tangents(cloud::ClosedLine& line) {
 Extraction finish(const Side& side, const Decision& decision, const PlacedLine& placed, const Config& config,
                   const uncertainty::WholeScan& whole) {
   Extraction out{.confidence = decision.confidence, .T_base_shoe = side.shoe.T_base_shoe};
-  for (const JudgedPath& path : decision.paths) out.candidates.push_back(candidate_of(path, side));
+  out.candidates.resize(decision.paths.size());
+  tbb::parallel_for(std::size_t{0}, decision.paths.size(),
+                    [&](std::size_t i) { out.candidates[i] = candidate_of(decision.paths[i], side); });
   out.refusal = decision.refusal;
   if (out.refusal) return out;
   const double bridged_share = placed.bridged_mm / std::max(placed.length_mm, 1.0);
