@@ -239,12 +239,24 @@ double SectionPoints::sample_mm() const {
   constexpr double k_band_mm = 0.5, k_reach_mm = 2.5, k_missing_mm = 10.0;
   constexpr double k_share = 0.75;
   const auto rows_of = [&](double mm) { return static_cast<int>(std::lround(mm / frame_.row_mm)); };
+  const int low = frame_.zero_row - rows_of(k_reach_mm);
+  const int height = rows_of(k_band_mm);
+  const auto bands = static_cast<std::size_t>(2 * rows_of(k_reach_mm) / height);
+  const auto stations = static_cast<std::size_t>(frame_.stations);
+  std::vector<std::uint8_t> seen(stations * bands);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>{0, stations, 64}, [&](const auto& range) {
+    for (std::size_t station = range.begin(); station != range.end(); ++station) {
+      for (std::size_t band = 0; band < bands; ++band) {
+        const int first = low + static_cast<int>(band) * height;
+        seen[station * bands + band] = any_point(static_cast<int>(station), first, first + height) ? 1 : 0;
+      }
+    }
+  });
   std::vector<int> steps;
-  for (int low = frame_.zero_row - rows_of(k_reach_mm); low < frame_.zero_row + rows_of(k_reach_mm);
-       low += rows_of(k_band_mm)) {
+  for (std::size_t band = 0; band < bands; ++band) {
     int last = -1;
     for (int station = 0; station < frame_.stations; ++station) {
-      if (!any_point(station, low, low + rows_of(k_band_mm))) continue;
+      if (seen[static_cast<std::size_t>(station) * bands + band] == 0) continue;
       if (last >= 0 && (station - last) * frame_.station_mm < k_missing_mm) steps.push_back(station - last);
       last = station;
     }
