@@ -176,7 +176,7 @@ Large<std::uint32_t> near_path(const SideField& field, std::span<const double> p
     const OutlinePlace& place = field.places[i];
     const float s_mm = std::max(place.s_mm, hollow_s_mm(place));
     if (s_mm < 0) return false;
-    const auto col = std::min(path_z_mm.size() - 1, static_cast<std::size_t>(s_mm * per_col));
+    const auto col = std::min<std::size_t>(path_z_mm.size() - 1, static_cast<std::uint32_t>(s_mm * per_col));
     const float above_path_mm = place.z_mm - path_z_mm[col];
     if (place.s_mm < 0) return std::abs(above_path_mm) < k_hollow_reach_mm;
     return above_path_mm > -below_mm && above_path_mm < above_mm;

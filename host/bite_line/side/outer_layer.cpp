@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <numeric>
 #include <span>
 #include <vector>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 namespace biteline::bite_line {
 
@@ -57,7 +59,8 @@ struct Raster {
   /// Of a place whose edge has this level; rows: the place itself lies outside.
   [[nodiscard]] std::size_t row_of(float z_mm, float level_mm) const {
     if (z_mm < z_low_mm || (z_mm - z_low_mm) * per_row >= static_cast<float>(rows)) return rows;
-    return std::min(rows - 1, static_cast<std::size_t>(std::max(level_mm - z_low_mm, 0.0F) * per_row));
+    return std::min<std::size_t>(rows - 1,
+                                 static_cast<std::uint32_t>(std::max(level_mm - z_low_mm, 0.0F) * per_row));
   }
 };
 
@@ -246,9 +249,15 @@ bool dense_in_height(std::size_t col, std::span<const std::uint32_t> column, con
 }  // namespace
 
 Buckets keep_outer_layer(std::span<OutlinePlace> places, const OuterLayerConfig& config) {
-  const auto reachable = static_cast<double>(
-      std::count_if(places.begin(), places.end(), [](const OutlinePlace& p) { return p.s_mm >= 0; }));
-  const double points_per_mm2 = std::max(reachable / (config.length_mm * config.height_mm), 1e-3);
+  const std::size_t reachable = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>{0, places.size(), 16384}, std::size_t{0},
+      [&](const auto& range, std::size_t count) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) count += places[i].s_mm >= 0 ? 1U : 0U;
+        return count;
+      },
+      std::plus<>{});
+  const double points_per_mm2 =
+      std::max(static_cast<double>(reachable) / (config.length_mm * config.height_mm), 1e-3);
   const double grow =
       std::clamp(std::sqrt(k_layer_points / (k_layer_s_mm * k_layer_z_mm * points_per_mm2)), 1.0, 3.0);
   const int cols = std::max(3, static_cast<int>(config.length_mm / (k_layer_s_mm * grow)));

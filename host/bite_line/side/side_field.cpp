@@ -63,11 +63,12 @@ Sums collect(std::span<const OutlinePlace> places, const Buckets& columns, const
       const OutlinePlace& place = places[i];
       if (place.s_mm < 0) continue;
       const float z = (place.z_mm - z_low_mm) * per_row;
-      const auto row = static_cast<std::size_t>(z);
+      const std::size_t row = static_cast<std::uint32_t>(z);
       if (row >= sums.rows) continue;
       const float dz = z - static_cast<float>(row) - 0.5F;
       float* cell =
-          sums.of(std::min(cols - 1, static_cast<std::size_t>(place.s_mm * per_col))) + margin + row;
+          sums.of(std::min<std::size_t>(cols - 1, static_cast<std::uint32_t>(place.s_mm * per_col))) +
+          margin + row;
       cell[Sums::k_w * sums.height()] += 1.0F;
       cell[Sums::k_z * sums.height()] += dz;
       cell[Sums::k_o * sums.height()] += place.o_mm;

@@ -33,7 +33,7 @@ Outline side_outline(const Shoe& shoe) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
           const Eigen::Vector3f& p = shoe.points[i];
           if (shoe.alone[i] != 0 || p.z() > shoe.box.min().z() + k_band_mm) continue;
-          const auto row = static_cast<std::size_t>((p.y() - shoe.box.min().y()) / k_cell_mm);
+          const auto row = static_cast<std::uint32_t>((p.y() - shoe.box.min().y()) / k_cell_mm);
           widen(seen[row], {p.head<2>(), p.head<2>()});
         }
         return seen;
