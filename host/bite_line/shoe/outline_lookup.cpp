@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
 
 #include "common/core/contracts.hpp"
@@ -88,9 +90,9 @@ HWY_INLINE void stamp_lanes(D d, std::int32_t sample, float dx, float dy, float*
              nearest);
 }
 
-/// All cells within reach of the samples, `stride` samples apart.
-void stamp_all(OutlineLookup::Table& table, float reach_mm, std::size_t stride,
-               std::vector<float>& distance2) {
+/// The rows from `first_row` on, of the cells within reach of the samples, `stride` samples apart.
+void stamp_rows(OutlineLookup::Table& table, float reach_mm, std::size_t stride, int first_row, int end_row,
+                std::vector<float>& distance2) {
   constexpr float k_cell_mm = OutlineLookup::Table::k_cell_mm;
   const hn::CappedTag<float, 16> d;
   const hn::CappedTag<float, 1> one;
@@ -101,8 +103,8 @@ void stamp_all(OutlineLookup::Table& table, float reach_mm, std::size_t stride,
     const float y = (table.samples[i].y_mm - table.origin.y()) / k_cell_mm;
     const int first = std::max(0, static_cast<int>(x) - reach);
     const int end = std::min(table.cols, static_cast<int>(x) + reach + 1);
-    const int last_row = std::min(table.rows - 1, static_cast<int>(y) + reach);
-    for (int r = std::max(0, static_cast<int>(y) - reach); r <= last_row; ++r) {
+    const int last_row = std::min(end_row - 1, static_cast<int>(y) + reach);
+    for (int r = std::max(first_row, static_cast<int>(y) - reach); r <= last_row; ++r) {
       const float dy = (static_cast<float>(r) + 0.5F - y) * k_cell_mm;
       float* best = distance2.data() + r * table.cols;
       std::int32_t* nearest = table.nearest.data() + r * table.cols;
@@ -112,7 +114,12 @@ void stamp_all(OutlineLookup::Table& table, float reach_mm, std::size_t stride,
       };
       int c = first;
       for (; c + lanes <= end; c += lanes) stamp(d, c);
-      for (; c < end; ++c) stamp(one, c);
+      // The last vector reaches back over what is done already, which changes nothing there.
+      if (c < end && end - first >= lanes) {
+        stamp(d, end - lanes);
+      } else {
+        for (; c < end; ++c) stamp(one, c);
+      }
     }
   }
 }
@@ -134,7 +141,7 @@ HWY_AFTER_NAMESPACE();
 namespace biteline::bite_line {
 
 HWY_EXPORT(locate_all);
-HWY_EXPORT(stamp_all);
+HWY_EXPORT(stamp_rows);
 
 OutlineLookup::OutlineLookup(std::vector<Sample> samples, float length_mm, float reach_mm) {
   Eigen::AlignedBox2f box;
@@ -150,8 +157,10 @@ OutlineLookup::OutlineLookup(std::vector<Sample> samples, float length_mm, float
   // A sample every 2 mm is enough to start from.
   const float per_sample_mm = length_mm / static_cast<float>(samples.size());
   table_.samples = std::move(samples);
-  HWY_DYNAMIC_DISPATCH(stamp_all)
-  (table_, reach_mm, static_cast<std::size_t>(std::max(1.0F, 2.0F / per_sample_mm)), distance2);
+  const auto stride = static_cast<std::size_t>(std::max(1.0F, 2.0F / per_sample_mm));
+  tbb::parallel_for(tbb::blocked_range<int>{0, table_.rows, 8}, [&](const auto& range) {
+    HWY_DYNAMIC_DISPATCH(stamp_rows)(table_, reach_mm, stride, range.begin(), range.end(), distance2);
+  });
 }
 
 void OutlineLookup::locate(std::span<const Eigen::Vector3f> points, std::span<OutlinePlace> places) const {
