@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 namespace biteline::bite_line {
 
 namespace {
+
+constexpr double k_near_mm = 100.0;  // lines climb by themselves, so that what lies farther says nothing
 
 /// The side along a closed path.
 class OnSide {
@@ -74,9 +77,8 @@ int cols_to_unseen(const OnSide& course, int col, int direction, int least_cols)
 }
 
 /// Columns from a change on in one direction to where the course has crossed half of its rise again; all
-/// without one near by.  Lines climb by themselves, so that far away it says nothing.
+/// without one near by.
 int cols_to_way_back(const OnSide& course, const SideGrid& grid, const LayerChange& change, int direction) {
-  constexpr double k_near_mm = 100.0;
   constexpr double k_beside_mm = 8.0;
   const auto cols_of = [&](double mm) { return static_cast<int>(std::lround(mm / grid.col_mm)); };
   const int beside = cols_of(k_beside_mm);
@@ -87,6 +89,53 @@ int cols_to_way_back(const OnSide& course, const SideGrid& grid, const LayerChan
     if (std::abs(row - away) <= std::abs(row - here)) return k;
   }
   return course.cols();
+}
+
+/// How far in height another way lies from the course at a column, over it > 0; nothing where it is the
+/// course.
+std::optional<double> over_mm(const OnSide& course, const SideGrid& grid, const Branch& branch, int col) {
+  const std::size_t k = course.wrapped(col - branch.first_col);
+  if (k >= branch.row.size()) return std::nullopt;
+  return (branch.row[k] - course.row(col)) * grid.row_mm;
+}
+
+/// Whether another way begins (ends, for the direction -1) at a change and goes on as if that were not: a
+/// reach away from it half of the rise is still between them.
+bool goes_on(const OnSide& course, const SideGrid& grid, const Branch& branch, const LayerChange& change,
+             int direction, int half, int reach) {
+  const int from_end = direction > 0 ? branch.first_col - change.col
+                                     : change.col - branch.first_col - static_cast<int>(branch.row.size());
+  const int away = static_cast<int>(course.wrapped(from_end + half));
+  if (away > 2 * half) return false;
+  const std::optional<double> over = over_mm(course, grid, branch, change.col + direction * reach);
+  return over && -direction * *over * change.rise_mm >= change.rise_mm * change.rise_mm / 2;
+}
+
+/// The part of a course whose crease meets the one that it was on before a change.
+OtherCrease until_they_meet(const OnSide& course, const SideGrid& grid, const LayerChange& change,
+                            const ChangeConfig& config, std::span<const Branch> branches) {
+  const auto cols_of = [&](double mm) { return static_cast<int>(std::lround(mm / grid.col_mm)); };
+  const int half = cols_of(config.half_mm);
+  const int reach = half + cols_of(config.lever_mm);
+  const Branch* cheapest = nullptr;
+  for (const Branch& branch : branches) {
+    const bool comes_back = branch.row.size() < static_cast<std::size_t>(course.cols());
+    const bool goes = comes_back && (goes_on(course, grid, branch, change, 1, half, reach) ||
+                                     goes_on(course, grid, branch, change, -1, half, reach));
+    if (goes && (cheapest == nullptr || branch.worse < cheapest->worse)) cheapest = &branch;
+  }
+  if (cheapest == nullptr) {
+    const int near = std::min(cols_of(k_near_mm), (course.cols() - 1) / 2);
+    return {.first_col = static_cast<int>(course.wrapped(change.col - near)),
+            .cols = 2 * near,
+            .off_mm = std::abs(change.rise_mm)};
+  }
+  OtherCrease other{.first_col = cheapest->first_col, .cols = static_cast<int>(cheapest->row.size())};
+  for (int k = 0; k < other.cols; ++k) {
+    const double over = over_mm(course, grid, *cheapest, other.first_col + k).value_or(0);
+    other.off_mm = std::max(other.off_mm, std::abs(over));
+  }
+  return other;
 }
 
 }  // namespace
@@ -118,7 +167,8 @@ std::vector<LayerChange> layer_changes(const SideField& field, std::span<const i
 }
 
 std::vector<OtherCrease> other_creases(const SideField& field, std::span<const int> path,
-                                       std::span<const LayerChange> changes) {
+                                       std::span<const LayerChange> changes, const ChangeConfig& config,
+                                       std::span<const Branch> branches) {
   constexpr double k_same_mm = 1.5;    // both steps are between the same two creases, which may draw apart
   constexpr double k_hides_mm = 10.0;  // so much unseen may hide a step
   const OnSide course{field, path};
@@ -145,7 +195,8 @@ std::vector<OtherCrease> other_creases(const SideField& field, std::span<const i
       take(change.col, cols_to(1));
       take(change.col - cols_to(-1), cols_to(-1));
     }
-    if (shortest.cols < course.cols()) others.push_back(shortest);
+    const bool is_back = shortest.cols < course.cols();
+    others.push_back(is_back ? shortest : until_they_meet(course, field.grid, change, config, branches));
   }
   return others;
 }

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "host/bite_line/layers/course.hpp"
 #include "host/bite_line/side/side_field.hpp"
 
 namespace biteline::bite_line {
@@ -36,7 +37,13 @@ struct OtherCrease {
 
 /// A course that leaves its crease comes back to it: with the opposite step, where a stretch was not seen, or
 /// else by and by, where its height is back.  The shorter way between the two is the part on another crease.
+///
+/// Without any of these the two creases meet.  Then one of the other ways (`branches`) begins or ends at the
+/// change and keeps to the crease that the course left there, or is on the one that it came to already: that
+/// part is unsure until they meet.  Without such a way it is unsure for 100 mm on both sides.
 [[nodiscard]] std::vector<OtherCrease> other_creases(const SideField& field, std::span<const int> path,
-                                                     std::span<const LayerChange> changes);
+                                                     std::span<const LayerChange> changes,
+                                                     const ChangeConfig& config,
+                                                     std::span<const Branch> branches);
 
 }  // namespace biteline::bite_line

@@ -160,7 +160,8 @@ Layers find_layers(const SideField& field, const FirstLook& look, const LayersCo
     }
     if (branch.row.size() >= k_shortest_told) told.push_back({&branch, margin, material});
   }
-  layers.others = other_creases(field, course.row, layer_changes(field, course.row, config.change));
+  layers.others = other_creases(field, course.row, layer_changes(field, course.row, config.change),
+                                config.change, course.branches);
   for (const OtherCrease& other : layers.others) {
     for (int k = 0; k <= other.cols; ++k) {
       const auto col = static_cast<std::size_t>((other.first_col + k) % grid.cols);

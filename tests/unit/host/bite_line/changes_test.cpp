@@ -41,8 +41,31 @@ TEST_GROUP(LayerChanges) {
       }
     }
   }
-  std::vector<OtherCrease> others() {
-    return other_creases(field, path, layer_changes(field, path, {}));
+  std::vector<OtherCrease> others(std::span<const Branch> branches = {}) {
+    return other_creases(field, path, layer_changes(field, path, {}), {}, branches);
+  }
+  /// A line that falls from row 90 to row 20 from column 100 to 240, and climbs again behind it.
+  static int falling(int col) {
+    return col < 100 ? 90 : col < 240 ? 90 - (col - 100) / 2 : 20 + 70 * (col - 240) / 160;
+  }
+  /// A crease 4 mm below it that falls later, so that they meet at 240.
+  static int meeting(int col) {
+    return std::min(falling(col), 74 - std::max(0, 54 * (col - 100) / 140));
+  }
+  /// The path changes to that one at column 100.
+  void change_to_meeting() {
+    std::fill(field.turn_rad.begin(), field.turn_rad.end(), 0.0F);
+    for (int col = 0; col < k_cols; ++col) {
+      crease(falling(col), col), crease(meeting(col), col);
+      const int row = std::max(meeting(col), falling(col) - 4 * std::max(0, col - 98));
+      path[static_cast<std::size_t>(col)] = col < 240 ? row : falling(col);
+    }
+  }
+  template <class Row>
+  static Branch on(Row row, int from, int to, double worse) {
+    Branch branch{.first_col = from, .row = {}, .worse = worse, .over_cols = static_cast<double>(to - from)};
+    for (int col = from; col < to; ++col) branch.row.push_back(row(col));
+    return branch;
   }
 };
 
@@ -120,6 +143,39 @@ TEST(LayerChanges, WhatWasNotSeenHidesTheOtherStep) {
   LONGS_EQUAL(1, others().size());
   DOUBLES_EQUAL(116, others().front().first_col, 3);
   DOUBLES_EQUAL(62, others().front().cols, 6);
+}
+
+TEST(LayerChanges, WhereTwoCreasesMeetTheOneThatWasLeftTellsHowLongTheCourseIsOffIt) {
+  // As read on a shoe with a wedge: a groove below its upper edge meets that edge where the wedge ends.
+  change_to_meeting();
+  LONGS_EQUAL(1, layer_changes(field, path, {}).size());
+  // A detour beside the change, a dearer way, one of another place and one that never comes back say
+  // nothing.
+  const std::vector<Branch> branches{on(falling, 99, 110, 0.5), on(falling, 101, 236, 6.0),
+                                     on(falling, 101, 330, 9.0), on(falling, 300, 390, 0.1),
+                                     on([](int) { return 99; }, 99, 499, 0.2)};
+  const std::vector<OtherCrease> sut = others(branches);
+  LONGS_EQUAL(1, sut.size());
+  LONGS_EQUAL(101, sut.front().first_col);
+  LONGS_EQUAL(135, sut.front().cols);
+  DOUBLES_EQUAL(4, sut.front().off_mm, 0.5);
+}
+
+TEST(LayerChanges, TheOneThatWasChangedToMayHaveBeenThereBefore) {
+  change_to_meeting();
+  const std::vector<OtherCrease> sut = others(std::vector{on(meeting, 40, 99, 6.0)});
+  LONGS_EQUAL(1, sut.size());
+  LONGS_EQUAL(40, sut.front().first_col);
+  LONGS_EQUAL(59, sut.front().cols);
+}
+
+TEST(LayerChanges, AChangeOfWhichNothingTellsMoreMakesBothSidesUnsure) {
+  change_to_meeting();
+  const std::vector<OtherCrease> sut = others();
+  LONGS_EQUAL(1, sut.size());
+  DOUBLES_EQUAL(2, sut.front().first_col, 3);
+  LONGS_EQUAL(200, sut.front().cols);
+  DOUBLES_EQUAL(4, sut.front().off_mm, 0.5);
 }
 
 }  // namespace biteline::bite_line
