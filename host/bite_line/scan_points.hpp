@@ -25,7 +25,7 @@ struct Run {
 };
 [[nodiscard]] inline Run run_from(std::span<const Eigen::Vector3f> points, std::size_t first) {
   constexpr float k_run_mm = 0.25F;
-  const Eigen::Vector3f start = points[first];
+  const Eigen::Vector3f& start = points[first];
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   std::size_t end = first + 1;
   for (; end < points.size() && (points[end] - start).squaredNorm() < k_run_mm * k_run_mm; ++end)
