@@ -59,18 +59,6 @@ double turn_deg(const sim::Section& section, double z_mm) {
          std::numbers::pi;
 }
 
-/// Distance to the closed polyline.
-double distance_mm(const Vec3& p, const cloud::ClosedLine& line) {
-  double nearest2 = std::numeric_limits<double>::max();
-  for (std::size_t i = 0; i < line.points.size(); ++i) {
-    const Vec3& a = line.points[i].position;
-    const Vec3 edge = line.points[(i + 1) % line.points.size()].position - a;
-    const double along = std::clamp((p - a).dot(edge) / std::max(edge.squaredNorm(), 1e-12), 0.0, 1.0);
-    nearest2 = std::min(nearest2, (p - a - along * edge).squaredNorm());
-  }
-  return std::sqrt(nearest2);
-}
-
 }  // namespace
 
 SweepCell sweep_cell(std::uint64_t seed, std::uint64_t index) {
@@ -91,6 +79,39 @@ SweepCell sweep_cell(std::uint64_t seed, std::uint64_t index) {
   cell.shoe.painted = sim::Random{seed * 1'000'033 + index}.chance(0.3);
   if (random.chance(0.6)) cell.fault = draw<CloudFault>(random, 1, k_cloud_fault_names.size());
   return cell;
+}
+
+double distance_mm(const Vec3& p, const cloud::ClosedLine& line) {
+  double nearest2 = std::numeric_limits<double>::max();
+  for (std::size_t i = 0; i < line.points.size(); ++i) {
+    const Vec3& a = line.points[i].position;
+    const Vec3 edge = line.points[(i + 1) % line.points.size()].position - a;
+    const double along = std::clamp((p - a).dot(edge) / std::max(edge.squaredNorm(), 1e-12), 0.0, 1.0);
+    nearest2 = std::min(nearest2, (p - a - along * edge).squaredNorm());
+  }
+  return std::sqrt(nearest2);
+}
+
+void add_truth(SweepScan& scan, const sim::MadeShoe& shoe, const Eigen::Affine3d& T_base_shoe) {
+  const std::vector<sim::TrueLinePoint> line = sim::true_line(shoe, 0.5);
+  if (line.empty()) return;
+
+  const Occupied occupied{scan.cloud};
+  std::size_t plain = 0;
+  for (const sim::TrueLinePoint& point : line) {
+    scan.truth.points.push_back({.position = T_base_shoe * point.point_shoe,
+                                 .normal = T_base_shoe.linear() * point.normal_shoe,
+                                 .tangent = Vec3::Zero(),
+                                 .confidence = 1});
+    constexpr double k_least_deg = 10, k_flank_mm = 1.0;
+    const sim::Section section = shoe.section(point.s_mm);
+    const double z_mm = point.point_shoe.z();
+    const auto seen = [&](double above_mm) {
+      return occupied.near(T_base_shoe * section.point(z_mm + above_mm));
+    };
+    plain += turn_deg(section, z_mm) >= k_least_deg && seen(-k_flank_mm) && seen(k_flank_mm) ? 1U : 0U;
+  }
+  scan.plain_to_see = static_cast<double>(plain) >= 0.9 * static_cast<double>(line.size());
 }
 
 SweepScan scan_of(const SweepCell& cell) {
@@ -124,24 +145,7 @@ SweepScan scan_of(const SweepCell& cell) {
       where.push_back(T_base_shoe * shoe.section(s_mm).point(shoe.section(s_mm).bottom_z_mm()));
   }
   const Eigen::Affine3d moved = spoil(made.cloud, cell.fault, cell.seed, where);
-  if (line.empty()) return made;
-
-  const Occupied occupied{made.cloud};
-  std::size_t plain = 0;
-  for (const sim::TrueLinePoint& point : line) {
-    made.truth.points.push_back({.position = moved * (T_base_shoe * point.point_shoe),
-                                 .normal = moved.linear() * (T_base_shoe.linear() * point.normal_shoe),
-                                 .tangent = Vec3::Zero(),
-                                 .confidence = 1});
-    constexpr double k_least_deg = 10, k_flank_mm = 1.0;
-    const sim::Section section = shoe.section(point.s_mm);
-    const double z_mm = point.point_shoe.z();
-    const auto seen = [&](double above_mm) {
-      return occupied.near(moved * (T_base_shoe * section.point(z_mm + above_mm)));
-    };
-    plain += turn_deg(section, z_mm) >= k_least_deg && seen(-k_flank_mm) && seen(k_flank_mm) ? 1U : 0U;
-  }
-  made.plain_to_see = static_cast<double>(plain) >= 0.9 * static_cast<double>(line.size());
+  add_truth(made, shoe, moved * Eigen::Affine3d{T_base_shoe});
   return made;
 }
 

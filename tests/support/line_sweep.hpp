@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hal/sim/shoe/designed_shoe.hpp"
+#include "hal/sim/shoe/made_shoe.hpp"
 #include "host/bite_line/extraction.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/cloud/point_cloud.hpp"
@@ -42,6 +43,8 @@ struct SweepScan {
   bool plain_to_see{false};
 };
 [[nodiscard]] SweepScan scan_of(const SweepCell& cell);
+/// Truth of a scan whose cloud is in, of that shoe at that place.
+void add_truth(SweepScan& scan, const sim::MadeShoe& shoe, const Eigen::Affine3d& T_base_shoe);
 
 enum class Judged : std::uint8_t { Right, Refused, Wrong };
 
@@ -52,6 +55,9 @@ struct SweepVerdict {
   double mean_mm{0};  ///< of the points that are not flagged
   double max_mm{0};
 };
+
+/// From the closed line.
+[[nodiscard]] double distance_mm(const Vec3& p, const cloud::ClosedLine& line);
 
 /// A line is wrong with more than 5 mm off by more than 1 mm outside flagged points (confidence below 0.5, or
 /// U95 above 1 mm), and wherever there is none to find.  A thing refused is right.

@@ -4,15 +4,9 @@
 #include <cmath>
 
 #include "common/options/command.hpp"
+#include "hal/sim/record/surroundings.hpp"
 
 namespace biteline::cell {
-
-namespace {
-
-/// Of a hall's lamps behind the head's filter, at the head's own exposure.
-constexpr double k_hall_grey = 4;
-
-}  // namespace
 
 void add_world_options(options::Command& command, WorldOptions& options) {
   command
@@ -51,7 +45,7 @@ sim::Disturbances disturbances_of(const WorldOptions& options) {
 void set_surroundings(sim::SceneSettings& scene, const WorldOptions& options) {
   if (options.world != "real") return;
   scene.surroundings = true;
-  if (scene.ambient_grey <= 0) scene.ambient_grey = k_hall_grey;
+  if (scene.ambient_grey <= 0) scene.ambient_grey = sim::k_hall_grey;
 }
 
 }  // namespace biteline::cell

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file What a shoe stands on and is held by.
+/// \file What a shoe stands on, is held by and lit by.
 
 #include <vector>
 
@@ -19,6 +19,9 @@ void add_surroundings(SurfaceMesh& mesh, const Outline& outline);
 [[nodiscard]] std::vector<Vec2> plate_outline(const Outline& outline);
 /// How far the plate stands out beyond the shoe's line, at most: what an integrator measures.
 [[nodiscard]] double plate_beyond_line_mm(const Outline& outline, const std::vector<TrueLinePoint>& line);
+
+/// Of a hall's lamps behind the head's filter, at the head's own exposure.
+inline constexpr double k_hall_grey = 4;
 
 inline constexpr double k_fixture_plate_mm = 10;  ///< thick: the table is so far below the shoe
 inline constexpr double k_plate_beyond_mm = 30;   ///< the shoe, all round
