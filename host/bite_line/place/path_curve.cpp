@@ -9,7 +9,10 @@
 
 namespace biteline::bite_line {
 
-PathCurve curve_of(const SideField& field, const Outline& outline, std::span<const double> path_row) {
+namespace {
+
+std::vector<Vec3> points_of(const SideField& field, const Outline& outline,
+                            std::span<const double> path_row) {
   const SideGrid& grid = field.grid;
   const auto cols = static_cast<std::ptrdiff_t>(grid.cols);
   const auto wrap = [&](std::ptrdiff_t c) { return static_cast<std::size_t>((c % cols + cols) % cols); };
@@ -49,27 +52,22 @@ PathCurve curve_of(const SideField& field, const Outline& outline, std::span<con
     for (std::ptrdiff_t j = first + 1; j < last; ++j)
       points[wrap(j)] = arc.at(static_cast<double>(j - first) / static_cast<double>(gap.steps));
   }
-  PathCurve curve;
-  for (const Vec3& p : points) {
-    curve.plan.push_back(p.head<2>());
-    curve.z_mm.push_back(p.z());
-  }
-  return curve;
+  return points;
 }
 
-std::vector<double> heights_at_stations(const PathCurve& curve, const Outline& path_outline,
+/// Heights of points at scattered s, at evenly spaced stations of their own outline.
+std::vector<double> heights_at_stations(std::span<const Vec3> path, const Outline& path_outline,
                                         std::size_t stations) {
   struct Sample {
     double s, z;
   };
   std::vector<Eigen::Vector3f> points;
-  for (const Vec2& p : curve.plan)
-    points.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()), 0.0F);
+  for (const Vec3& p : path) points.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()), 0.0F);
   std::vector<OutlinePlace> feet(points.size());
   path_outline.locate(points, feet);
   std::vector<Sample> samples;
   for (std::size_t i = 0; i < feet.size(); ++i) {
-    if (feet[i].s_mm >= 0) samples.push_back({static_cast<double>(feet[i].s_mm), curve.z_mm[i]});
+    if (feet[i].s_mm >= 0) samples.push_back({static_cast<double>(feet[i].s_mm), path[i].z()});
   }
   std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) { return a.s < b.s; });
   const double length = path_outline.length_mm();
@@ -84,6 +82,20 @@ std::vector<double> heights_at_stations(const PathCurve& curve, const Outline& p
     z[i] = samples[k].z + std::clamp((s - samples[k].s) / span, 0.0, 1.0) * (samples[k + 1].z - samples[k].z);
   }
   return geometry::smooth_closed(z, 3.0 / (length / static_cast<double>(stations)));
+}
+
+}  // namespace
+
+PathCurve curve_of(const SideField& field, const Outline& outline, std::span<const double> path_row,
+                   double spacing_mm) {
+  const std::vector<Vec3> points = points_of(field, outline, path_row);
+  std::vector<Vec2> plan;
+  for (const Vec3& p : points) plan.push_back(p.head<2>());
+  PathCurve curve{.outline = Outline{plan, {.spacing_mm = 0.5, .smoothing_mm = 4.0, .reach_mm = 18.0}},
+                  .z_mm = {}};
+  const double stations = std::max(32.0, std::round(curve.outline.length_mm() / spacing_mm));
+  curve.z_mm = heights_at_stations(points, curve.outline, static_cast<std::size_t>(stations));
+  return curve;
 }
 
 }  // namespace biteline::bite_line

@@ -8,7 +8,6 @@
 
 #include "host/bite_line/buckets.hpp"
 #include "host/bite_line/place/gap_bridge.hpp"
-#include "host/bite_line/place/path_curve.hpp"
 #include "host/bite_line/place/ridge_doubt.hpp"
 #include "host/bite_line/place/sampling.hpp"
 #include "host/bite_line/place/section_course.hpp"
@@ -185,12 +184,9 @@ Large<std::uint32_t> near_path(const SideField& field, std::span<const double> p
 
 PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config) {
   PlacedLine placement;
-  const PathCurve curve = curve_of(input.field, input.outline, input.path_row);
-  const Outline path_outline{curve.plan, {.spacing_mm = 0.5, .smoothing_mm = 4.0, .reach_mm = 18.0}};
-  const auto stations =
-      static_cast<std::size_t>(std::max(32.0, std::round(path_outline.length_mm() / config.spacing_mm)));
-  const std::vector<double> path_z = heights_at_stations(curve, path_outline, stations);
-
+  const Outline& path_outline = input.path.outline;
+  const std::vector<double>& path_z = input.path.z_mm;
+  const std::size_t stations = path_z.size();
   const SectionInput sectioned{.points = input.near, .outline = path_outline, .path_z_mm = path_z};
   const SectionPoints points{sectioned, {}};
   const double sample_mm = points.sample_mm();

@@ -10,6 +10,7 @@
 
 #include "host/bite_line/large.hpp"
 #include "host/bite_line/place/normals.hpp"
+#include "host/bite_line/place/path_curve.hpp"
 #include "host/bite_line/place/place_noise.hpp"
 #include "host/bite_line/shoe/plan.hpp"
 #include "host/bite_line/side/side_field.hpp"
@@ -17,7 +18,6 @@
 namespace biteline::bite_line {
 
 struct PlacementConfig {
-  double spacing_mm{0.5};
   double smoothing_mm{0.4};  ///< standard deviation in height: the definition's
   double search_mm{2.5};     ///< from the path: the definition's
   double mean_mm{8.5};       ///< running mean along the line: the definition says 7 to 10
@@ -79,7 +79,7 @@ struct PlacementInput {
   double points_per_mm2;
   const SideField& field;
   const Outline& outline;
-  std::span<const double> path_row;  ///< per column of the field
+  const PathCurve& path;
   /// Of each column, see PlacedStation; empty: one layer and sharp everywhere.
   std::span<const float> hold{};
   std::span<const float> other_mm{};

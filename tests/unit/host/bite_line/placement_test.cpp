@@ -44,7 +44,7 @@ PlacedLine placed(O&& o_mm, double profiles_mm = 0.7, double path_z_mm = k_z_mm)
                      .points_per_mm2 = side.field.points_per_mm2,
                      .field = side.field,
                      .outline = side.outline,
-                     .path_row = path_row},
+                     .path = curve_of(side.field, side.outline, path_row, 0.5)},
                     {});
 }
 
