@@ -7,7 +7,9 @@
 #include <cmath>
 #include <functional>
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 namespace biteline::bite_line {
 
@@ -20,12 +22,15 @@ std::pair<Eigen::Vector3f, Eigen::Vector3f> robust_bounds(std::span<const Eigen:
   constexpr float k_margin_mm =
       40.0F;  // one missing sector: what lies farther from everything else is no shoe
   const std::size_t step = std::max<std::size_t>(1, points.size() / k_sample);
+  const std::size_t count = (points.size() - 1) / step + 1;
   std::array<std::vector<float>, 3> values;
-  for (std::vector<float>& of_axis : values) of_axis.reserve(points.size() / step + 1);
-  for (std::size_t i = 0; i < points.size(); i += step) {
-    for (std::size_t axis = 0; axis < values.size(); ++axis)
-      values[axis].push_back(points[i][static_cast<int>(axis)]);
-  }
+  for (std::vector<float>& of_axis : values) of_axis.resize(count);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>{0, count, 4096}, [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      for (std::size_t axis = 0; axis < values.size(); ++axis)
+        values[axis][i] = points[i * step][static_cast<int>(axis)];
+    }
+  });
   // Few lie beyond: these alone are sorted.
   const auto beyond = [&](std::size_t axis, auto before) {
     std::vector<float> ends(values[axis].size() / 2000 + 1);
@@ -80,7 +85,7 @@ Cells::Cells(std::span<const Eigen::Vector3f> points, const Config& config) : ce
   constexpr std::size_t k_chunk = 8192;
   std::vector<std::vector<CellRun>> runs((points.size() + k_chunk - 1) / k_chunk);
   cell_of_.resize(points.size());
-  tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t chunk) {
+  const auto collect = [&](std::size_t chunk) {
     CellRun run;
     const auto keep = [&] {
       if (run.cell >= 0) runs[chunk].push_back(run);
@@ -95,7 +100,9 @@ Cells::Cells(std::span<const Eigen::Vector3f> points, const Config& config) : ce
       run.sum += points[i] - origin_;
     }
     keep();
-  });
+  };
+  tbb::parallel_invoke([&] { tbb::parallel_for(std::size_t{0}, runs.size(), collect); },
+                       [&] { slot_.assign(total, -1); });
   const auto for_runs = [&](auto&& use) {
     for (const std::vector<CellRun>& chunk : runs) {
       for (const CellRun& run : chunk) use(run, static_cast<std::size_t>(run.cell));
@@ -106,7 +113,6 @@ Cells::Cells(std::span<const Eigen::Vector3f> points, const Config& config) : ce
   for_runs([&](const CellRun&, std::size_t cell) {
     with_points[cell / k_word] |= std::uint64_t{1} << cell % k_word;
   });
-  slot_.assign(total, -1);
   for (std::size_t word = 0; word < with_points.size(); ++word) {
     for (std::uint64_t left = with_points[word]; left != 0; left &= left - 1) {
       const std::size_t cell = word * k_word + static_cast<std::size_t>(std::countr_zero(left));
