@@ -30,6 +30,16 @@ constexpr double k_row_points = 3.0;
 constexpr float k_layer_o_mm = 0.75F;
 constexpr int k_layer_bins = 80;
 
+/// Of a column whose edges climb.
+struct Level {
+  float climb;
+  float middle_mm;
+  /// Height at the column's middle of the edge that runs through a place of it.
+  [[nodiscard]] float mm(const OutlinePlace& place) const {
+    return place.z_mm - climb * (place.s_mm - middle_mm);
+  }
+};
+
 /// Columns of one length, with the climb of the surface's edges in each.
 struct Columns {
   float width_mm;
@@ -40,9 +50,8 @@ struct Columns {
     for (std::size_t col = 0; col < count && !config.climb.empty(); ++col)
       climb[col] = config.climb[(2 * col + 1) * config.climb.size() / (2 * count)];
   }
-  /// Height at the column's middle of the edge that runs through a place of it.
-  [[nodiscard]] float level_mm(std::size_t col, const OutlinePlace& place) const {
-    return place.z_mm - climb[col] * (place.s_mm - (static_cast<float>(col) + 0.5F) * width_mm);
+  [[nodiscard]] Level level_of(std::size_t col) const {
+    return {.climb = climb[col], .middle_mm = (static_cast<float>(col) + 0.5F) * width_mm};
   }
 };
 
@@ -110,20 +119,26 @@ class ColumnSieve {
 
   void read(std::size_t col, std::span<const std::uint32_t> column, std::span<OutlinePlace> places) {
     std::fill(counts_.begin(), counts_.end(), std::uint8_t{0});
-    points_.clear();
+    points_.resize(column.size());
+    // Copies, since what is written below could otherwise be these.
+    const Level level = columns_.level_of(col);
+    const Raster coarse = coarse_;
+    std::uint8_t* const counts = counts_.data();
+    Point* next = points_.data();
     for (const std::uint32_t i : column) {
       OutlinePlace& place = places[i];
-      const float level_mm = columns_.level_mm(col, place);
-      const std::size_t row = coarse_.row_of(place.z_mm, level_mm);
-      if (row == coarse_.rows) {
+      const float level_mm = level.mm(place);
+      const std::size_t row = coarse.row_of(place.z_mm, level_mm);
+      if (row == coarse.rows) {
         place.s_mm = -1.0F;
         continue;
       }
       const std::uint32_t bin = bin_of(place.o_mm);
-      points_.push_back({i, static_cast<std::uint32_t>(row), bin, place.o_mm, place.z_mm, level_mm});
-      std::uint8_t& count = counts_[row * k_layer_bins + bin];
+      *next++ = {i, static_cast<std::uint32_t>(row), bin, place.o_mm, place.z_mm, level_mm};
+      std::uint8_t& count = counts[row * k_layer_bins + bin];
       if (count < k_full) ++count;
     }
+    points_.resize(static_cast<std::size_t>(next - points_.data()));
   }
 
   void find_layers() {
@@ -134,25 +149,28 @@ class ColumnSieve {
     }
   }
 
-  void keep_layers(const Raster& fine, std::span<OutlinePlace> places) {
+  void keep_layers(const Raster fine, std::span<OutlinePlace> places) {
     outermost_.assign(fine.rows, {});
     own_top_mm_.assign(thin_.rows + 1, k_nothing);
-    kept_.clear();
+    const Raster thin = thin_;
+    Point* next = points_.data();
     for (const Point& point : points_) {
       const std::size_t at = fine.row_of(point.z_mm, point.level_mm);
       if (at == fine.rows || point.o_mm < layers_[point.row].innermost_mm || stray(point)) {
         places[point.index].s_mm = -1.0F;
         continue;
       }
-      kept_.push_back(point);
-      kept_.back().row = static_cast<std::uint32_t>(at);
-      float& top_mm = own_top_mm_[thin_.row_of(point.z_mm, point.level_mm)];
-      top_mm = std::max(top_mm, point.o_mm);
+      const float o_mm = point.o_mm;
+      float& top_mm = own_top_mm_[thin.row_of(point.z_mm, point.level_mm)];
+      top_mm = std::max(top_mm, o_mm);
       Outermost& row = outermost_[at];
       ++row.points;
-      row.second = std::max(row.second, std::min(row.first, point.o_mm));
-      row.first = std::max(row.first, point.o_mm);
+      row.second = std::max(row.second, std::min(row.first, o_mm));
+      row.first = std::max(row.first, o_mm);
+      *next = point;
+      next++->row = static_cast<std::uint32_t>(at);
     }
+    points_.resize(static_cast<std::size_t>(next - points_.data()));
   }
 
   void drop_behind_envelope(std::span<OutlinePlace> places) {
@@ -165,7 +183,7 @@ class ColumnSieve {
       }
       floor_[row] = lowest - depth_mm_;
     }
-    for (const Point& point : kept_) {
+    for (const Point& point : points_) {
       if (point.o_mm >= floor_[point.row]) continue;
       float& s_mm = places[point.index].s_mm;
       const float own_top_mm = own_top_mm_[thin_.row_of(point.z_mm, point.level_mm)];
@@ -224,7 +242,7 @@ class ColumnSieve {
   float depth_mm_;
   std::vector<std::uint8_t> counts_;  ///< per coarse row and bin of o
   std::vector<Layer> layers_;         ///< per coarse row
-  std::vector<Point> points_, kept_;
+  std::vector<Point> points_;         ///< those that are left
   std::vector<Outermost> outermost_;  ///< per fine row
   std::vector<float> floor_;
   std::vector<float> own_top_mm_;  ///< per thin row
@@ -236,8 +254,9 @@ bool dense_in_height(std::size_t col, std::span<const std::uint32_t> column, con
                      std::span<const OutlinePlace> places, const Raster& raster) {
   constexpr std::size_t k_most_holes_of = 50;
   std::vector<std::uint8_t> points(raster.rows, 0);
+  const Level level = columns.level_of(col);
   for (const std::uint32_t i : column) {
-    const std::size_t row = raster.row_of(places[i].z_mm, columns.level_mm(col, places[i]));
+    const std::size_t row = raster.row_of(places[i].z_mm, level.mm(places[i]));
     if (row < raster.rows) points[row] = 1;
   }
   std::size_t holes = 0;
