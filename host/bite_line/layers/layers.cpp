@@ -9,6 +9,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include "host/geometry/logistic.hpp"
+
 namespace biteline::bite_line {
 
 namespace {
@@ -149,7 +151,7 @@ Layers find_layers(const SideField& field, const FirstLook& look, const LayersCo
     const double material = margin < config.material_most_margin ? vote.favours(branch) : 0;
     const double log_odds =
         (margin - config.margin) / config.margin_soft + config.material_log_odds * material;
-    const auto hold = static_cast<float>(1.0 / (1.0 + std::exp(-log_odds)));
+    const auto hold = static_cast<float>(geometry::logistic(log_odds));
     for (std::size_t k = 0; k < branch.row.size(); ++k) {
       const std::size_t col = (static_cast<std::size_t>(branch.first_col) + k) % layers.hold.size();
       // What was not seen is bridged, and told as that.

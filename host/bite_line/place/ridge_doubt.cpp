@@ -10,6 +10,7 @@
 #include "host/cloud/closed_line.hpp"
 #include "host/geometry/bridge.hpp"
 #include "host/geometry/closed_curve.hpp"
+#include "host/geometry/logistic.hpp"
 #include "host/geometry/robust.hpp"
 
 namespace biteline::bite_line {
@@ -52,7 +53,7 @@ void doubt_ridge(const Ridge& ridge, double steps, std::vector<PlacedStation>& s
     }
     const bool told = static_cast<double>(about.size()) >= fewest;
     const double most = told ? geometry::median_of(std::span<double>{about}) : 0;
-    hold[i] = 1 / (1 + std::exp((most - k_as_sharp) / k_soft));
+    hold[i] = geometry::logistic((k_as_sharp - most) / k_soft);
   }
   hold = least_about(hold, half / 2);
   times = geometry::running_mean(times, steps);

@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "host/geometry/logistic.hpp"
+
 namespace biteline::bite_line {
 
 namespace {
@@ -92,7 +94,7 @@ double distance_to_shoes(const PlanShape& shape, const ShoeOutlines& shoes) {
 }
 
 double shoe_chance(const PlanShape& shape, const ShoeOutlines& shoes) {
-  return 1 / (1 + std::exp((distance_to_shoes(shape, shoes) - shoes.limit) / shoes.softness));
+  return geometry::logistic((shoes.limit - distance_to_shoes(shape, shoes)) / shoes.softness);
 }
 
 }  // namespace biteline::bite_line
