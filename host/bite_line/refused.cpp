@@ -19,6 +19,7 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
       Row{DoesNotClose, "does_not_close", "scan again; the shoe must stand still meanwhile"},
       Row{NotAShoe, "not_a_shoe", "scan a shoe with its sole on"},
       Row{NoUpper, "no_upper", "scan a shoe with a closed upper"},
+      Row{NoSole, "no_sole", "scan a shoe with its sole on, and with the sole in sight"},
       Row{Overhang, "overhang", "scan a shoe with its sole on"},
       Row{CutIntoSole, "cut_into_sole", "clean the edge of the sole, or transfer the line of a sample"},
       Row{Rivalled, "rivalled", "compare the candidates in the report; transfer the line of a sample"},

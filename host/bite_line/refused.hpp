@@ -19,6 +19,7 @@ enum class Refused {
   DoesNotClose,      ///< a spiral: its ends lie at different heights
   NotAShoe,          ///< outline and height are not a shoe's
   NoUpper,           ///< no wall goes on above the crease: an open sandal, a rim
+  NoSole,            ///< below the crease there is nothing: it lies where something stands on a table
   Overhang,          ///< what lies above stands out beyond what lies below: a lid
   CutIntoSole,       ///< a crease of the sole: a plain one between two surfaces goes round above it
   Rivalled,          ///< over too much of its length the line may be another crease

@@ -126,6 +126,18 @@ bool wall_above(const SideField& field, int row, int col, double upper_mm) {
   return seen > 0.6 * (to - from + 1);
 }
 
+/// Whether something that may be a sole shows below the path.
+bool sole_below(const SideField& field, int row, int col, const CreaseConfig& config) {
+  const SideGrid& grid = field.grid;
+  const float widest_mm = field.o_mm[grid.at(row, col)] + static_cast<float>(config.widest_sole_mm);
+  const int to = row - static_cast<int>(std::lround(config.least_sole_mm / grid.row_mm));
+  for (int r = to; r >= 0; --r) {
+    const std::size_t cell = grid.at(r, col);
+    if (field.seen[cell] != 0 && field.o_mm[cell] < widest_mm) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::vector<double> smooth_rows(const SideGrid& grid, std::span<const int> path) {
@@ -157,6 +169,7 @@ Crease describe(const SideField& field, std::span<const float> likeness, std::sp
     if (field.seen[cell] == 0) continue;
     ++seen;
     if (wall_above(field, row, c, config.upper_mm)) crease.upper_share += 1;
+    if (sole_below(field, row, c, config)) crease.sole_share += 1;
     const double turn = static_cast<double>(turn_at(field, cell));
     crease.turn_rad[col] = static_cast<float>(turn);
     turns.push_back(turn);
@@ -171,6 +184,7 @@ Crease describe(const SideField& field, std::span<const float> likeness, std::sp
   }
   const auto visible = static_cast<double>(std::count(crease.visible.begin(), crease.visible.end(), 1));
   crease.upper_share /= std::max<double>(static_cast<double>(seen), 1.0);
+  crease.sole_share /= std::max<double>(static_cast<double>(seen), 1.0);
   crease.seen_share = static_cast<double>(seen) / grid.cols;
   crease.visible_share = visible / grid.cols;
   crease.median_turn_rad = median(std::move(turns));

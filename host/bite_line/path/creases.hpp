@@ -30,6 +30,7 @@ struct Crease {
   double flank_step_mm{0};
   double step_share{0};   ///< share of the visible columns with such a step
   double upper_share{0};  ///< share of the seen columns above which a wall goes on
+  double sole_share{0};   ///< share of the seen columns below which there is something of a sole
   double mean_height_mm{0};
   double evidence{0};    ///< mean likeness over the columns, 0 to 1
   double closure_mm{0};  ///< height between the ends of the best path that need not close
@@ -38,6 +39,8 @@ struct Crease {
 struct CreaseConfig {
   double least_turn_rad{0.06};  ///< 3.5 degrees: less is a fold of cloth, not a crease
   double upper_mm{8.0};         ///< so far above a bite line there is an upper, on pumps and ballerinas too
+  double least_sole_mm{1.5};    ///< thick: a sole shows so far below its line, a plate under it does not
+  double widest_sole_mm{20.0};  ///< beyond the crease: what stands out farther is no sole but a table's edge
 };
 
 /// A path without its steps.

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <numbers>
 #include <span>
 
 #include "common/core/fixed_text.hpp"
+#include "host/geometry/logistic.hpp"
 
 namespace biteline::bite_line {
 
@@ -25,7 +25,7 @@ struct Gate {
   double softness;
   Sentence reason;
 
-  [[nodiscard]] double sure() const { return 1.0 / (1.0 + std::exp(-(value - limit) / softness)); }
+  [[nodiscard]] double sure() const { return geometry::logistic((value - limit) / softness); }
 };
 
 double sure(double value, double limit, double softness) {
@@ -46,6 +46,8 @@ constexpr double k_least_evidence = 0.1;  // of a bare upper: below 0.01
 constexpr double k_most_closure_mm = 6.0;
 // A strap or a tongue is no upper; a missing sector of 40 mm in a child's shoe leaves nine tenths.
 constexpr double k_least_upper_share = 0.8;
+// Made shoes and shapes of public origin read 0.97 and more, the edge of a fixture's plate below 0.21.
+constexpr double k_least_sole_share = 0.5;
 // A lid overhangs what is below it, by a millimetre and more.
 constexpr double k_least_step_mm = -0.6;
 // A line with more than a tenth of its length on a layer that may be another's is no line.
@@ -160,6 +162,10 @@ auto own_gates(const Crease& line, const PlanShape& plan) {
                "no upper: above the crease a wall goes on over %.0f %% of its length only, as on an open "
                "sandal or a rim",
                percent(line.upper_share))},
+      Gate{Refused::NoSole, line.sole_share, k_least_sole_share, 0.05,
+           Sentence::format("no sole: over %.0f %% of the crease's length nothing shows below it, as where "
+                            "something stands on a table or a plate",
+                            percent(1 - line.sole_share))},
       // A second ledge close below bends the lower flank; what stands out behind that, too, is a lid.
       Gate{Refused::Overhang, line.flanks_seen ? std::max(line.flank_step_mm, line.median_step_mm) : 0.0,
            k_least_step_mm, 0.1,

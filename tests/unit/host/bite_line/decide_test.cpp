@@ -16,6 +16,7 @@ Crease crease(double height_mm, double turn_deg, double step_mm) {
   c.seen_share = 1;
   c.visible_share = 1;
   c.upper_share = 1;
+  c.sole_share = 1;
   c.median_turn_rad = turn_deg * 3.14159265 / 180;
   c.median_step_mm = step_mm;
   c.step_share = step_mm > 0.15 ? 1 : 0;
@@ -149,6 +150,12 @@ TEST(Decide, AnOpenSandalHasNoUpper) {
   Crease rim = crease(20, 30, 3.0);
   rim.upper_share = 0.4;
   refuses(Refused::NoUpper, decided(layers(rim)));
+}
+
+TEST(Decide, BelowTheEdgeOfAPlateThereIsNoSole) {
+  Crease edge = crease(2, 60, 3.0);
+  edge.sole_share = 0.2;
+  refuses(Refused::NoSole, decided(layers(edge)));
 }
 
 TEST(Decide, AnOutlineThatIsNoShoesIsToldBeforeAllElse) {

@@ -21,6 +21,21 @@ using Made = test::MadeCloud;
 
 constexpr double k_right_mm = 0.08;
 
+/// Of 30 mm round a shoe or a thing that stands at `T_base_shoe`: the plate under it, every half millimetre.
+void add_plate(cloud::PointCloud& cloud, const sim::MadeShoe& shoe, const SE3& T_base_shoe) {
+  constexpr double k_step_mm = 0.5;
+  for (double s_mm = 0; s_mm < shoe.perimeter_mm(); s_mm += k_step_mm) {
+    const sim::Section section = shoe.section(s_mm);
+    const Vec3 foot = section.point(section.bottom_z_mm());
+    const Vec2 outward = shoe.outline().at(s_mm).normal;
+    for (double t_mm = k_step_mm; t_mm < 30; t_mm += k_step_mm) {
+      const Vec3 place{foot.x() + t_mm * outward.x(), foot.y() + t_mm * outward.y(), 0};
+      cloud.points.push_back((T_base_shoe * place).cast<float>());
+    }
+  }
+  cloud.profile.clear();
+}
+
 }  // namespace
 
 TEST_GROUP(FindBiteLine){};
@@ -97,6 +112,24 @@ TEST(FindBiteLine, WhatIsNoShoeIsRefused) {
   few.points.resize(12, Eigen::Vector3f::Zero());
   CHECK_FALSE(find_bite_line(few, {}).found);
   CHECK_FALSE(find_bite_line(cloud::PointCloud{}, {}).found);
+}
+
+TEST(FindBiteLine, WhereAThingMeetsThePlateItStandsOnIsNoBiteLine) {
+  // A slide has a shoe's outline, and its side goes up from the plate as an upper does from a sole.
+  const sim::ShoeParameters parameters =
+      sim::draw_shoe(sim::ShoeClass::Slide, 46, sim::length_of_size_mm(45));
+  Made slide = test::made_cloud(parameters, somewhere());
+  add_plate(slide.cloud, sim::MadeShoe{parameters}, somewhere());
+  const Extraction none = find_bite_line(slide.cloud, {});
+  CHECK_FALSE(none.found);
+  CHECK_TEXT(none.refusal->code == Refused::NoSole, none.reason().c_str());
+
+  const sim::ShoeParameters deep = sim::draw_shoe(sim::ShoeClass::Deep, 46, sim::length_of_size_mm(42));
+  Made shoe = test::made_cloud(deep, somewhere());
+  add_plate(shoe.cloud, sim::MadeShoe{deep}, somewhere());
+  const Extraction line = find_bite_line(shoe.cloud, {});
+  CHECK_TEXT(line.found, line.reason().c_str());
+  CHECK(mean_error_mm(line.line, shoe.truth) <= k_right_mm);
 }
 
 TEST(FindBiteLine, TurningTheShoeTurnsTheLine) {
