@@ -4,8 +4,7 @@
 #   --changed  the sources that differ from the commit BITELINE_STYLE_BASE (default: the one before the last), at
 #              most 10 and within 150 s, so that every test run can afford it
 #   --all      the whole tree, by the units that BUILD compiles: headers that many sources share are read once for
-#              up to sixteen of them.  An alias that its own source does not use can be used by another of the unit:
-#              that alone only --changed sees
+#              up to sixteen of them
 # What clang-tidy 14 cannot parse (some of the library's newer templates) is no finding: only named checks count.
 # What it does not begin to read is one.
 set -u
@@ -28,7 +27,7 @@ case ${1:-} in
   --all)
     own --units || exit 1
     # What a generator wrote is not ours to name; a unit, which includes our sources, lies among it.
-    files=$(sed -n 's/^"file": "\(.*\)",*$/\1/p' "$commands/compile_commands.json" | sort -u |
+    files=$(sed -n 's/^"file": "\(.*\)",*$/\1/p' "$commands/compile_commands.json" | sort -u | grep 'pp$\|xx$' |
       awk -v build="$build/" 'index($0, build) != 1 || /\/Unity\/unity_/')
     echo "tidy: $(grep -c . <<<"$files") units"
     most_s=14400

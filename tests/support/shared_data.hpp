@@ -27,4 +27,4 @@ void note_ran();
 #define BITELINE_SHARED_DATA_OR_SKIP(name, relative)                 \
   const auto name##_found = ::biteline::test::shared_data(relative); \
   if (!name##_found) return;                                         \
-  const std::filesystem::path name = *name##_found
+  const std::filesystem::path& name = *name##_found

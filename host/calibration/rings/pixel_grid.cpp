@@ -34,13 +34,13 @@ using Pictures = std::vector<const std::vector<Ring>*>;
 
 /// Weights of the blur along an edge.
 struct Blur {
-  static constexpr int k_nodes = 7;
+  static constexpr int k_nodes = 7, k_middle = k_nodes / 2;
   std::array<double, k_nodes> place_px{}, weight{};
 
   Blur() {
     double sum = 0;
     for (std::size_t k = 0; k < k_nodes; ++k) {
-      const double sigmas = 0.8 * (static_cast<double>(k) - k_nodes / 2);
+      const double sigmas = 0.8 * (static_cast<double>(k) - k_middle);
       place_px[k] = k_blur_px * sigmas;
       weight[k] = std::exp(-0.5 * sigmas * sigmas);
       sum += weight[k];

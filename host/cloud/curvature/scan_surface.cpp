@@ -71,7 +71,7 @@ void ScanSurface::add_profile(std::span<const Eigen::Vector3f> points_base,
   BITELINE_EXPECTS(points_base.size() == columns.size());
   Row next{.eye = eye_base, .way_mm = 0, .runs = {}, .columns = {columns.begin(), columns.end()}};
   for (std::size_t i = 0; i < points_base.size();) {
-    const Eigen::Vector3f start = points_base[i];
+    const Eigen::Vector3f& start = points_base[i];
     const std::size_t first = i;
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     // A point always belongs to its own run: so the loop goes on even where a difference is no number.

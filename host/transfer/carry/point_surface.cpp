@@ -12,9 +12,6 @@
 namespace biteline::transfer {
 namespace {
 
-using transfer::VoxelGrid;
-using transfer::VoxelKey;
-
 // Two spacings of the coarser scan direction (1 mm), so that a plane always sees two profiles.
 constexpr double k_radius_mm = 1.8;
 constexpr float k_voxel_mm = 1.8F;

@@ -47,7 +47,7 @@ Result<test::ScanServer> slipping_after(std::uint64_t sound) {
   BITELINE_ASSIGN(const test::DriftCell cell, test::DriftCell::make({.fan_rays = k_fan_rays}));
   constexpr int k_mounting_y = 7;
   const Looks straight = cell.looks({}), slipped = cell.looks({.drifted = drift::Vector::Unit(k_mounting_y)});
-  const geometry::SensorModel head = cell.calibrated();
+  const geometry::SensorModel& head = cell.calibrated();
   test::ScanServer server{.identity = {},
                           .make =
                               [=](std::uint64_t scan) {

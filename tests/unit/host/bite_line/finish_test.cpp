@@ -178,8 +178,10 @@ TEST(ScanPoints, NeighboursOfOneProfileMakeARun) {
 
 TEST(ScanPoints, WithoutProfilesOnlyNeighboursInTheirOrderAreJoined) {
   cloud::PointCloud cloud;
-  for (int i = 0; i < 9000; ++i)
-    cloud.points.emplace_back(0.07F * static_cast<float>(i % 300), static_cast<float>(i / 300), 0.0F);
+  for (int i = 0; i < 9000; ++i) {
+    const int row = i / 300;
+    cloud.points.emplace_back(0.07F * static_cast<float>(i % 300), static_cast<float>(row), 0.0F);
+  }
   const std::size_t runs = runs_of(cloud).means.size();
   CHECK(runs > 9000 / 5 && runs < 9000 / 3);
   LONGS_EQUAL(runs, runs_of(cloud).scan(cloud.points).means.size());
@@ -193,8 +195,9 @@ TEST(ScanPoints, RunsAreTheSameAsOneThreadFindsThem) {
   // More than one thread's piece, and profiles that reach over the pieces' ends.
   cloud::PointCloud cloud;
   for (std::uint32_t i = 0; i < 60'000; ++i) {
-    cloud.points.emplace_back(0.07F * static_cast<float>(i % 7000), static_cast<float>(i / 7000), 0.0F);
-    cloud.profile.push_back(i / 7000);
+    const std::uint32_t profile = i / 7000;
+    cloud.points.emplace_back(0.07F * static_cast<float>(i % 7000), static_cast<float>(profile), 0.0F);
+    cloud.profile.push_back(profile);
   }
   const PointRuns sut = runs_of(cloud);
   std::size_t k = 0;

@@ -69,8 +69,10 @@ TEST(NeighbourGrid, NearestEqualsBruteForceEvenFarBeyondOneCell) {
 
 TEST(NeighbourGrid, EquallyFarNeighboursFillUpWhatNearerOnesLeave) {
   std::vector<Eigen::Vector3f> points;
-  for (int i = 0; i < 900; ++i)
-    points.emplace_back(static_cast<float>(i % 30), static_cast<float>(i / 30), 0.0F);
+  for (int i = 0; i < 900; ++i) {
+    const int row = i / 30;
+    points.emplace_back(static_cast<float>(i % 30), static_cast<float>(row), 0.0F);
+  }
   const NeighbourGrid sut{points, {.cell_mm = 2.0F}};
   NeighbourSearch search{sut};
   const auto middle = static_cast<std::uint32_t>(

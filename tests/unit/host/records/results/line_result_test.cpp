@@ -39,8 +39,8 @@ TEST_GROUP(LineResult) {
     for (int i = 0; i < k_around * k_up; ++i) {
       const double a = 2 * std::numbers::pi * (i % k_around) / k_around;
       const Vec3 n(std::cos(a), std::sin(a), 0);
-      stages.surface.points.push_back(
-          (e.T_base_shoe * Vec3(60 * n + Vec3(0, 0, 0.5 * (i / k_around)))).cast<float>());
+      const int ring = i / k_around;
+      stages.surface.points.push_back((e.T_base_shoe * Vec3(60 * n + Vec3(0, 0, 0.5 * ring))).cast<float>());
       stages.surface.normals.push_back((e.T_base_shoe.linear() * n).cast<float>());
       const bool on_line = i / k_around == k_up / 2;
       stages.curvature_per_mm.push_back(on_line ? -0.5F : 0.01F);

@@ -20,7 +20,10 @@ TEST_GROUP(TransferResult) {
   cloud::PointCloud upper;
 
   void setup() override {
-    for (int i = 0; i < 4000; ++i) upper.points.push_back(on_drum(i, 0.1F * static_cast<float>(i / 100)));
+    for (int i = 0; i < 4000; ++i) {
+      const int ring = i / 100;
+      upper.points.push_back(on_drum(i, 0.1F * static_cast<float>(ring)));
+    }
   }
 
   static Eigen::Vector3f on_drum(int hundredth, float height_mm) {
