@@ -1,13 +1,38 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # run.sh [WORK [ROWS]]: the product with one heuristic less at a time, in a copy of the tree in WORK (default: build/knockout).
+# run.sh --check: only whether each row of knockouts.txt still changes its file.
 # ROWS picks by name (a regular expression, default: all).
 # Prints for each how many of the cases change their verdict, and which; knockouts.txt says what is knocked out.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 source=$(cd "$here/../../.." && pwd)
+
+# rows COMMAND...: called with each row's name, file, sed expression and what it serves.
+rows() {
+  local name file expression serves
+  while IFS='|' read -r name file expression serves; do
+    name=$(sed 's/ *$//' <<<"$name") file=$(tr -d ' ' <<<"$file") serves=$(sed 's/^ *//; s/ *$//' <<<"$serves")
+    expression=$(sed 's/^ //; s/ $//' <<<"$expression")
+    "$@" "$name" "$file" "$expression" "$serves" </dev/null
+  done < <(grep -v '^#' "$here/knockouts.txt")
+}
+
+# changes NAME FILE EXPRESSION: the file is another one without it.
+changes() {
+  if sed "$3" "$source/$2" | cmp -s - "$source/$2"; then
+    echo "run.sh: '$1' changes nothing in $2: mend knockouts.txt" >&2
+    return 1
+  fi
+}
+all_change=yes
+changes_or_tell() { changes "$@" || all_change=no; }
+rows changes_or_tell
+[[ $all_change == yes ]] || exit 1
+[[ ${1:-} != --check ]] || exit 0
+
 work=${1:-$source/build/knockout}
-rows=${2:-.}
+chosen=${2:-.}
 tree=$work/tree
 mkdir -p "$tree"
 (cd "$source" && git ls-files -z | tar --null -T - -cf - 2>/dev/null) | tar -xf - -C "$tree"
@@ -27,20 +52,16 @@ echo "$(wc -l <"$work/as_it_is.tsv") cases; the product as it is: $(cut -f2 "$wo
 echo "| knocked out | serves | verdicts changed | worse by more than a tenth and 0.005 mm |"
 echo "| --- | --- | --- | --- |"
 number=0
-grep -v '^#' "$tree/tests/bench/knockout/knockouts.txt" | while IFS='|' read -r name file expression serves; do
+knock_out() {
+  local name=$1 file=$2 expression=$3 serves=$4 changed worse
   number=$((number + 1))
-  name=$(xargs -0 <<<"$name") file=$(tr -d ' ' <<<"$file") serves=$(xargs -0 <<<"$serves")
-  expression=$(sed 's/^ //; s/ $//' <<<"$expression")
-  [[ $name =~ $rows ]] || continue
+  [[ $name =~ $chosen ]] || return 0
   cp "$tree/$file" "$work/original"
   sed -i "$expression" "$tree/$file"
-  if cmp -s "$tree/$file" "$work/original"; then
-    echo "run.sh: '$name' changes nothing in $file: mend knockouts.txt" >&2
-    exit 1
-  fi
-  verdicts "$work/$number.tsv" </dev/null
+  verdicts "$work/$number.tsv"
   changed=$(paste "$work/as_it_is.tsv" "$work/$number.tsv" | awk -F'\t' '$2 != $5 { printf "%s%s: %s -> %s", s, $1, $2, $5; s = "; " }')
   worse=$(paste "$work/as_it_is.tsv" "$work/$number.tsv" | awk -F'\t' '$2 == $5 && $6 > 1.1 * $3 + 0.005 { printf "%s%s: %.3f -> %.3f mm", s, $1, $3, $6; s = "; " }')
   echo "| $name | $serves | ${changed:-none} | ${worse:-none} |"
   cp "$work/original" "$tree/$file"
-done
+}
+rows knock_out
