@@ -15,6 +15,7 @@
 #include "host/robot/path/plan.hpp"
 #include "host/transfer/transfer.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/line_distance.hpp"
 
 namespace biteline {
 namespace {
@@ -53,17 +54,6 @@ double table_z_mm(const char* part) {
 const bite_line::Extraction& sample_line() {
   static const bite_line::Extraction found = bite_line::find_bite_line(cloud_of("sample"), {});
   return found;
-}
-
-double distance_mm(const Vec3& point, const cloud::ClosedLine& line) {
-  double least_mm = 1e9;
-  for (std::size_t i = 0; i < line.points.size(); ++i) {
-    const Vec3& a = line.points[i].position;
-    const Vec3 way = line.points[(i + 1) % line.points.size()].position - a;
-    const double part = std::clamp((point - a).dot(way) / way.squaredNorm(), 0.0, 1.0);
-    least_mm = std::min(least_mm, (a + part * way - point).norm());
-  }
-  return least_mm;
 }
 
 }  // namespace
@@ -140,7 +130,7 @@ TEST(Golden, PlanFollowsTheTrueLineAllTheWayRoundAtTheProcesssOffset) {
   cloud::ClosedLine followed;
   for (const path::Waypoint& w : sut.path->path().waypoints) {
     if (w.segment != path::Segment::Line) continue;
-    CHECK_COMPARE(distance_mm(w.line_base, truth), <=, k_line_max_mm);
+    CHECK_COMPARE(test::distance_mm(w.line_base, truth), <=, k_line_max_mm);
     CHECK_COMPARE((w.T_base_tcp.translation() - w.line_base).norm(), <=, away_mm + 1e-6);
     if (!followed.points.empty())
       longest_step_mm = std::max(longest_step_mm, (w.line_base - followed.points.back().position).norm());
@@ -148,7 +138,7 @@ TEST(Golden, PlanFollowsTheTrueLineAllTheWayRoundAtTheProcesssOffset) {
   }
   // Straight moves between the targets leave the line by the chord error that the process allows.
   for (const cloud::LinePoint& point : truth.points)
-    CHECK_COMPARE(distance_mm(point.position, followed), <=,
+    CHECK_COMPARE(test::distance_mm(point.position, followed), <=,
                   k_line_max_mm + request.process.motion.chord_error_mm);
   CHECK_COMPARE(longest_step_mm, <=, 2 * sut.path->path().motion.spacing_mm);
 }

@@ -11,6 +11,7 @@
 #include "hal/sim/shoe/random.hpp"
 #include "hal/sim/shoe/scanned_cloud.hpp"
 #include "hal/sim/shoe/true_line.hpp"
+#include "tests/support/line_distance.hpp"
 
 namespace biteline::test {
 
@@ -79,17 +80,6 @@ SweepCell sweep_cell(std::uint64_t seed, std::uint64_t index) {
   cell.shoe.painted = sim::Random{seed * 1'000'033 + index}.chance(0.3);
   if (random.chance(0.6)) cell.fault = draw<CloudFault>(random, 1, k_cloud_fault_names.size());
   return cell;
-}
-
-double distance_mm(const Vec3& p, const cloud::ClosedLine& line) {
-  double nearest2 = std::numeric_limits<double>::max();
-  for (std::size_t i = 0; i < line.points.size(); ++i) {
-    const Vec3& a = line.points[i].position;
-    const Vec3 edge = line.points[(i + 1) % line.points.size()].position - a;
-    const double along = std::clamp((p - a).dot(edge) / std::max(edge.squaredNorm(), 1e-12), 0.0, 1.0);
-    nearest2 = std::min(nearest2, (p - a - along * edge).squaredNorm());
-  }
-  return std::sqrt(nearest2);
 }
 
 void add_truth(SweepScan& scan, const sim::MadeShoe& shoe, const Eigen::Affine3d& T_base_shoe) {

@@ -56,9 +56,6 @@ struct SweepVerdict {
   double max_mm{0};
 };
 
-/// From the closed line.
-[[nodiscard]] double distance_mm(const Vec3& p, const cloud::ClosedLine& line);
-
 /// A line is wrong with more than 5 mm off by more than 1 mm outside flagged points (confidence below 0.5, or
 /// U95 above 1 mm), and wherever there is none to find.  A thing refused is right.
 [[nodiscard]] SweepVerdict judge(const SweepScan& scan, const bite_line::Extraction& found);

@@ -11,6 +11,7 @@
 #include "hal/sim/shoe/true_line.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/cloud/point_cloud.hpp"
+#include "tests/support/line_distance.hpp"
 
 namespace biteline::test {
 
@@ -41,17 +42,6 @@ inline SE3 somewhere() {
   T.linear() = Eigen::AngleAxisd(2.1, Vec3::UnitZ()).toRotationMatrix();
   T.translation() = Vec3{420, -130, 55};
   return T;
-}
-
-inline double distance_mm(const Vec3& p, const std::vector<Vec3>& closed) {
-  double best = 1e18;
-  for (std::size_t i = 0; i < closed.size(); ++i) {
-    const Vec3& a = closed[i];
-    const Vec3 edge = closed[(i + 1) % closed.size()] - a;
-    const double t = std::clamp((p - a).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
-    best = std::min(best, (a + t * edge - p).squaredNorm());
-  }
-  return std::sqrt(best);
 }
 
 inline double mean_error_mm(const cloud::ClosedLine& line, const std::vector<Vec3>& truth) {

@@ -2,11 +2,11 @@
 #include "tests/support/shape_truth.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <string>
 
 #include "common/core/contracts.hpp"
 #include "host/cloud/ply.hpp"
+#include "tests/support/line_distance.hpp"
 #include "tests/support/mesh_cloud.hpp"
 #include "tests/support/shared_data.hpp"
 
@@ -62,21 +62,12 @@ LineOnShape line_on_shape(const cloud::ClosedLine& line, const cloud::ClosedLine
   double judged = 0;
   double unflagged = 0;
   for (const cloud::LinePoint& p : line.points) {
-    double nearest = std::numeric_limits<double>::max();
+    const auto [nearest, edge] = nearest_on(truth, p.position);
+    // Beside its ends, too: there the model's labels stop.
+    const std::size_t around = edge + truth.points.size();
     bool on_chord = false;
-    for (std::size_t i = 0; i < truth.points.size(); ++i) {
-      const Vec3& a = truth.points[i].position;
-      const Vec3 edge = truth.points[(i + 1) % truth.points.size()].position - a;
-      const double along =
-          std::clamp((p.position - a).dot(edge) / std::max(edge.squaredNorm(), 1e-12), 0.0, 1.0);
-      const double distance = (p.position - a - along * edge).norm();
-      if (distance >= nearest) continue;
-      nearest = distance;
-      // Beside its ends, too: there the model's labels stop.
-      on_chord = false;
-      for (std::size_t k = i + truth.points.size() - k_beside; k <= i + truth.points.size() + k_beside; ++k)
-        on_chord = on_chord || step_at(truth, k) > k_chord_mm;
-    }
+    for (std::size_t k = around - k_beside; k <= around + k_beside; ++k)
+      on_chord = on_chord || step_at(truth, k) > k_chord_mm;
     if (on_chord) continue;
     judged += 1;
     on.mean_mm += nearest;

@@ -2,9 +2,6 @@
 // Is confidence the probability that a point lies within 0.3 mm of the bite line?  The sweep's made shoes,
 // with decoys, faults and missing sectors; on shapes with label truth, within 1.3 mm.
 //
-//   bench_line_confidence [--count N] [--seed N] [--from N] [--class NAME] [--fault NAME] [--threads N]
-//                         [--points FILE]
-//
 // --points: one row for each fourth station of every line that was placed, written or refused: what its
 // confidence is made of.  Prints the tenths of what was written; shoes are resampled for the interval.
 #include <algorithm>
@@ -20,12 +17,14 @@
 #include <vector>
 
 #include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
+#include <tbb/parallel_for_each.h>
 
 #include "host/bite_line/find_bite_line.hpp"
 #include "host/bite_line/place/point_spread.hpp"
 #include "host/cloud/ply.hpp"
 #include "host/cloud/uncertainty/radius.hpp"
+#include "tests/bench/line/sweep_options.hpp"
+#include "tests/support/line_distance.hpp"
 #include "tests/support/line_sweep.hpp"
 #include "tests/support/shape_truth.hpp"
 
@@ -39,26 +38,19 @@ struct Tenth {
 using Tenths = std::array<Tenth, 10>;
 
 /// Beside a chord, a step of more than 3 mm where the truth is not known, it is not a number.
-double distance_mm(const Vec3& point, const cloud::ClosedLine& line) {
+double error_mm_of(const Vec3& point, const cloud::ClosedLine& truth) {
   constexpr double k_chord_mm = 3;
-  double best2 = 1e18;
-  bool chord = false;
-  for (std::size_t i = 0; i < line.points.size(); ++i) {
-    const Vec3& a = line.points[i].position;
-    const Vec3 edge = line.points[(i + 1) % line.points.size()].position - a;
-    const double along = std::clamp((point - a).dot(edge) / std::max(edge.squaredNorm(), 1e-12), 0.0, 1.0);
-    const double away2 = (point - a - along * edge).squaredNorm();
-    if (!(away2 < best2)) continue;
-    best2 = away2;
-    chord = edge.norm() > k_chord_mm;
-  }
-  return chord ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(best2);
+  const test::NearestOnLine nearest = test::nearest_on(truth, point);
+  const Vec3 edge =
+      truth.points[(nearest.edge + 1) % truth.points.size()].position - truth.points[nearest.edge].position;
+  return edge.norm() > k_chord_mm ? std::numeric_limits<double>::quiet_NaN() : nearest.distance_mm;
 }
 
+/// Beside a chord, a step of more than 3 mm where the truth is not known, it is not a number.
 Tenths tenths_of(const cloud::ClosedLine& line, const cloud::ClosedLine& truth, double within_mm) {
   Tenths tenths{};
   for (const cloud::LinePoint& p : line.points) {
-    const double error_mm = distance_mm(p.position, truth);
+    const double error_mm = error_mm_of(p.position, truth);
     if (std::isnan(error_mm)) continue;
     Tenth& tenth = tenths.at(static_cast<std::size_t>(std::clamp(p.confidence * 10, 0.0, 9.0)));
     tenth.points += 1;
@@ -119,7 +111,7 @@ void write_points(std::FILE* out, const std::string& name, const bite_line::Work
   const auto& placed = workings.placed.points;
   for (std::size_t i = 0; i < placed.size(); i += 4) {
     const bite_line::PlacedStation& p = placed[i];
-    const double error_mm = distance_mm(found.T_base_shoe * p.position, truth);
+    const double error_mm = error_mm_of(found.T_base_shoe * p.position, truth);
     if (std::isnan(error_mm)) continue;
     const bite_line::PointSpread own = bite_line::spread_of(p);
     const double u95_mm =
@@ -133,19 +125,15 @@ void write_points(std::FILE* out, const std::string& name, const bite_line::Work
 }
 
 int run(int argc, char** argv) {
-  std::uint64_t count = 200, seed = 1, from = 0;
+  SweepOptions asked;
   std::size_t threads = 2;
-  std::string points_file, shoe_class, fault;
-  for (int i = 1; i + 1 < argc; i += 2) {
-    const std::string argument = argv[i];
-    if (argument == "--count") count = std::strtoull(argv[i + 1], nullptr, 10);
-    if (argument == "--seed") seed = std::strtoull(argv[i + 1], nullptr, 10);
-    if (argument == "--from") from = std::strtoull(argv[i + 1], nullptr, 10);
-    if (argument == "--class") shoe_class = argv[i + 1];
-    if (argument == "--fault") fault = argv[i + 1];
-    if (argument == "--threads") threads = std::strtoull(argv[i + 1], nullptr, 10);
-    if (argument == "--points") points_file = argv[i + 1];
-  }
+  std::string points_file, fault;
+  options::Command command{"Is confidence a probability?", "bench_line_confidence"};
+  asked.add_to(command);
+  command.add_option("--fault", fault, "clouds with this fault alone");
+  command.add_option("--threads", threads, "so many at once");
+  command.add_option("--points", points_file, "rows of stations go there");
+  if (const std::optional<int> status = read_options(command, argc, argv)) return *status;
   std::FILE* out = points_file.empty() ? nullptr : std::fopen(points_file.c_str(), "w");
   if (out != nullptr)
     std::fprintf(out,
@@ -155,11 +143,10 @@ int run(int argc, char** argv) {
   const tbb::global_control limit{tbb::global_control::max_allowed_parallelism, threads};
   std::mutex mutex;
   std::map<std::uint64_t, Tenths> made;
-  tbb::parallel_for(from, from + count, [&](std::uint64_t index) {
-    const test::SweepCell cell = test::sweep_cell(seed, index);
-    const bool asked = (shoe_class.empty() || shoe_class == sim::name_of(cell.shoe.shoe_class)) &&
-                       (fault.empty() || fault == test::name_of(cell.fault));
-    if (!cell.is_shoe() || !asked) return;
+  tbb::parallel_for_each(asked.indices(), [&](std::uint64_t index) {
+    const test::SweepCell cell = test::sweep_cell(asked.seed, index);
+    const bool fits = asked.asks_for(cell) && (fault.empty() || fault == test::name_of(cell.fault));
+    if (!cell.is_shoe() || !fits) return;
     const test::SweepScan scan = test::scan_of(cell);
     std::optional<bite_line::Workings> workings;
     const bite_line::Extraction found = bite_line::find_bite_line(scan.cloud, {}, &workings);

@@ -2,21 +2,20 @@
 // What an outline is measured by, on the sweep's made shoes and things and on shapes of public origin:
 // tests/bench/line/fit_outline.py fits ShoeOutlines (host/bite_line/shoe/plan_shape.hpp) to it.
 //
-//   bench_line_outline [--count N] [--seed N] [--from N] [--threads N]
-//
 // Of the made shoes only every second one is scanned.  A slide's and a bare upper's outlines are shoes'.
 #include <cstdio>
-#include <cstdlib>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
+#include <tbb/parallel_for_each.h>
 
 #include "host/bite_line/find_bite_line.hpp"
 #include "host/bite_line/shoe/plan_shape.hpp"
 #include "host/bite_line/side/side_outline.hpp"
 #include "host/bite_line/workings.hpp"
+#include "tests/bench/line/sweep_options.hpp"
 #include "tests/support/line_sweep.hpp"
 #include "tests/support/shape_truth.hpp"
 
@@ -36,19 +35,17 @@ void write_row(const char* kind, const std::string& name, const cloud::PointClou
 }
 
 int run(int argc, char** argv) {
-  std::uint64_t count = 200, seed = 1, from = 0;
+  SweepOptions asked;
   std::size_t threads = 2;
-  for (int i = 1; i + 1 < argc; i += 2) {
-    const std::string argument = argv[i];
-    if (argument == "--count") count = std::strtoull(argv[i + 1], nullptr, 10);
-    if (argument == "--seed") seed = std::strtoull(argv[i + 1], nullptr, 10);
-    if (argument == "--from") from = std::strtoull(argv[i + 1], nullptr, 10);
-    if (argument == "--threads") threads = std::strtoull(argv[i + 1], nullptr, 10);
-  }
+  options::Command command{"What outlines are measured by", "bench_line_outline"};
+  asked.add_to(command);
+  command.add_option("--threads", threads, "so many at once");
+  if (const std::optional<int> status = read_options(command, argc, argv)) return *status;
   std::printf("kind,class,fault,seed,broadest_at,end_breadth,heel_breadth,chance,found\n");
   const tbb::global_control limit{tbb::global_control::max_allowed_parallelism, threads};
-  tbb::parallel_for(from, from + count, [&](std::uint64_t index) {
-    const test::SweepCell cell = test::sweep_cell(seed, index);
+  tbb::parallel_for_each(asked.indices(), [&](std::uint64_t index) {
+    const test::SweepCell cell = test::sweep_cell(asked.seed, index);
+    if (!asked.asks_for(cell)) return;
     const bool thing = sim::is_thing(cell.shoe.shoe_class) && cell.shoe.shoe_class != sim::ShoeClass::Slide;
     if (!thing && index % 2 == 1) return;
     write_row(thing ? "thing" : "made",

@@ -3,15 +3,11 @@
 // through the sensor program and the running scan's line.  How many are right, refused and wrong, how far the
 // lines are off, and how many points lie within their U95.
 //
-//   bench_line_pictures [--count N] [--seed N] [--from N] [--class NAME] [--rows] [--keep DIR] [--only
-//   I,J,..]
-//
 // A scan takes some 15 s.  --rows: one for each, on stderr; it begins with the index by which
 // `--from INDEX --count 1` makes that scan again.  --keep: the sessions stay there, for `biteline replay`.
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -25,6 +21,8 @@
 #include "hal/sim/record/surroundings.hpp"
 #include "host/intake/live_line.hpp"
 #include "host/intake/session_run.hpp"
+#include "tests/bench/line/sweep_options.hpp"
+#include "tests/support/line_distance.hpp"
 #include "tests/support/line_sweep.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -34,12 +32,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* k_arm = "ur10e";
-constexpr const char* k_words[] = {"right", "REFUSED", "WRONG"};
 
 struct Options {
-  std::uint64_t count{3}, seed{1}, from{0};
-  std::string shoe_class{}, keep{};
-  std::vector<std::uint64_t> only{};  ///< these indices, instead of `count` from `from`
+  SweepOptions cells{.count = 3};
+  std::string keep{};
   bool rows{false};
 };
 
@@ -146,18 +142,11 @@ Result<Judgement> look(const ScanCell& cell, const fs::path& session, const sim:
   return judgement;
 }
 
-struct Tally {
-  int scans{0}, right{0}, refused{0}, wrong{0}, plain{0}, plain_refused{0};
+struct Tally : SweepTally {
   double sum_mm{0}, points{0}, within{0};
 
   void add(const Judgement& judgement) {
-    const test::SweepVerdict& verdict = judgement.verdict;
-    ++scans;
-    right += verdict.judged == test::Judged::Right ? 1 : 0;
-    refused += verdict.judged == test::Judged::Refused ? 1 : 0;
-    wrong += verdict.judged == test::Judged::Wrong ? 1 : 0;
-    plain += judgement.scan.plain_to_see ? 1 : 0;
-    plain_refused += judgement.scan.plain_to_see && verdict.judged == test::Judged::Refused ? 1 : 0;
+    SweepTally::add(judgement.verdict, judgement.scan.plain_to_see);
     if (!judgement.found.found || judgement.scan.truth.points.empty()) return;
     for (const cloud::LinePoint& p : judgement.found.line.points) {
       const double off_mm = test::distance_mm(p.position, judgement.scan.truth);
@@ -173,16 +162,14 @@ class Pictures {
   explicit Pictures(Options options) : options_{std::move(options)} {}
 
   void run() {
-    const std::uint64_t cells = options_.only.empty() ? options_.count : options_.only.size();
-    for (std::uint64_t i = 0; i < cells; ++i) {
-      const std::uint64_t index = options_.only.empty() ? options_.from + i : options_.only[i];
-      const ScanCell cell = scan_cell(options_.seed, index);
-      const auto shoe_class = sim::name_of(cell.sweep.shoe.shoe_class);
-      if (!options_.shoe_class.empty() && options_.shoe_class != shoe_class) continue;
+    for (const std::uint64_t index : options_.cells.indices()) {
+      const ScanCell cell = scan_cell(options_.cells.seed, index);
+      if (!options_.cells.asks_for(cell.sweep)) continue;
       if (const Result<void> made = make(index, cell); !made) {
         ++not_made_;
         std::fprintf(stderr, "%5llu %s of size %g: %s\n", static_cast<unsigned long long>(index),
-                     std::string{shoe_class}.c_str(), cell.size, to_line(made.error()).c_str());
+                     std::string{sim::name_of(cell.sweep.shoe.shoe_class)}.c_str(), cell.size,
+                     to_line(made.error()).c_str());
       }
     }
     for (const auto& [what, tally] : tallies_) print(what, tally);
@@ -217,21 +204,17 @@ class Pictures {
         "%.3f conf %.3f %s\n",
         static_cast<unsigned long long>(index), std::string{sim::name_of(cell.sweep.shoe.shoe_class)}.c_str(),
         std::string{sim::name_of(cell.sweep.shoe.decoy)}.c_str(), fault.c_str(), cell.size, cell.speed_mm_s,
-        k_words[static_cast<std::size_t>(verdict.judged)], judgement.scan.plain_to_see ? "plain" : "weak",
-        verdict.wrong_mm, verdict.mean_mm, verdict.max_mm, verdict.flagged_share, judgement.found.confidence,
+        word_for(verdict.judged), judgement.scan.plain_to_see ? "plain" : "weak", verdict.wrong_mm,
+        verdict.mean_mm, verdict.max_mm, verdict.flagged_share, judgement.found.confidence,
         judgement.found.reason().c_str());
   }
 
   static void print(const std::string& what, const Tally& tally) {
     const double points = std::max(1.0, tally.points);
     std::printf(
-        "{\"bench\":\"line.pictures\",\"what\":\"%s: wrong of "
-        "%d\",\"ours\":%d,\"unit\":\"scans\",\"right\":%d,"
-        "\"refused\":%d,\"upper_95\":%.5f,\"plain_to_see\":%d,\"plain_refused\":%d,\"mean_mm\":%.4f,"
+        "{\"bench\":\"line.pictures\",\"what\":\"%s: wrong of %d\",%s,\"mean_mm\":%.4f,"
         "\"within_u95\":%.4f}\n",
-        what.c_str(), tally.scans, tally.wrong, tally.right, tally.refused,
-        test::upper_bound_95(tally.wrong, tally.scans), tally.plain, tally.plain_refused,
-        tally.sum_mm / points, tally.within / points);
+        what.c_str(), tally.scans, tally.row("scans").c_str(), tally.sum_mm / points, tally.within / points);
   }
 
   Options options_;
@@ -243,26 +226,13 @@ class Pictures {
 }  // namespace biteline::bench
 
 int main(int argc, char** argv) {
-  biteline::bench::Options options;
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if (argument == "--rows") {
-      options.rows = true;
-    } else if (i + 1 < argc) {
-      const char* value = argv[++i];
-      if (argument == "--count") options.count = std::strtoull(value, nullptr, 10);
-      if (argument == "--seed") options.seed = std::strtoull(value, nullptr, 10);
-      if (argument == "--from") options.from = std::strtoull(value, nullptr, 10);
-      if (argument == "--class") options.shoe_class = value;
-      if (argument == "--keep") options.keep = value;
-      if (argument == "--only") {
-        for (char* next = nullptr; *value != '\0'; value = *next == ',' ? next + 1 : next) {
-          options.only.push_back(std::strtoull(value, &next, 10));
-          if (next == value) break;
-        }
-      }
-    }
-  }
-  biteline::bench::Pictures{options}.run();
+  using namespace biteline;
+  bench::Options asked;
+  options::Command command{"The sweep as scans with pictures", "bench_line_pictures"};
+  asked.cells.add_to(command);
+  command.add_option("--keep", asked.keep, "sessions stay in this folder");
+  command.add_flag("--rows", asked.rows, "a row for each, on stderr");
+  if (const std::optional<int> status = bench::read_options(command, argc, argv)) return *status;
+  bench::Pictures{asked}.run();
   return 0;
 }

@@ -25,6 +25,7 @@
 #include "host/cloud/closed_line.hpp"
 #include "host/cloud/ply.hpp"
 #include "host/cloud/uncertainty/radius.hpp"
+#include "tests/support/line_distance.hpp"
 #include "tests/support/shape_truth.hpp"
 
 namespace biteline::bench {
@@ -65,17 +66,6 @@ cloud::PointCloud made(const cloud::PointCloud& cloud, const Variant& variant) {
   return out;
 }
 
-double distance_mm(const Vec3& point, const cloud::ClosedLine& line) {
-  double best2 = std::numeric_limits<double>::max();
-  for (std::size_t i = 0; i < line.points.size(); ++i) {
-    const Vec3& a = line.points[i].position;
-    const Vec3 edge = line.points[(i + 1) % line.points.size()].position - a;
-    const double along = std::clamp((point - a).dot(edge) / std::max(edge.squaredNorm(), 1e-12), 0.0, 1.0);
-    best2 = std::min(best2, (point - a - along * edge).squaredNorm());
-  }
-  return std::sqrt(best2);
-}
-
 void write_points(std::FILE* out, const std::string& name, const Variant& variant,
                   const bite_line::Workings& workings, const bite_line::Extraction& found,
                   const cloud::ClosedLine& truth) {
@@ -88,7 +78,7 @@ void write_points(std::FILE* out, const std::string& name, const Variant& varian
                  name.c_str(), variant.name, at.x(), at.y(), at.z(), p.position.x(), p.position.y(),
                  p.position.z(), p.hold, p.other_mm, p.doubt, p.sharp, p.own_z_mm - p.position.z(),
                  p.curvature_per_mm, own.within * own.hold, u95_mm,
-                 truth.points.empty() ? -1.0 : distance_mm(at, truth));
+                 truth.points.empty() ? -1.0 : test::distance_mm(at, truth));
   }
 }
 

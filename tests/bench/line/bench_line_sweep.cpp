@@ -2,44 +2,38 @@
 // The sweep of made shoes with designed soles, decoys, materials and faults, and of things that are no shoes:
 // how many are right, refused and wrong, and how many wrong ones that still allows with 95 %.
 //
-//   bench_line_sweep [--count N] [--seed N] [--from N] [--class NAME] [--decoy NAME] [--fault NAME]
-//                    [--crease RATIO] [--threads N] [--published] [--rows] [--materials] [--save DIR] [--only
-//                    I,J,..]
-//
 // --crease makes the bite line's own step and depth so much of what was drawn, and nothing else: with 0.2 and
 // less a sole is nearly flush, and most of its decoys are stronger than the line.
 // A row (--rows, stderr) begins with the index by which `--from INDEX --count 1` makes that shoe again.
 // --save writes each cloud, its true line, the line found and all candidates there, to be looked at.
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
+#include <tbb/parallel_for_each.h>
 
 #include "host/bite_line/find_bite_line.hpp"
 #include "host/bite_line/published/published_line.hpp"
 #include "host/cloud/ply.hpp"
+#include "tests/bench/line/sweep_options.hpp"
 #include "tests/support/line_sweep.hpp"
 
 namespace biteline::bench {
 namespace {
 
 struct Options {
-  std::uint64_t count{200};
-  std::uint64_t seed{1};
-  std::uint64_t from{0};
-  std::string shoe_class{}, decoy{}, fault{};
+  SweepOptions cells{};
+  std::string decoy{}, fault{};
   double crease_ratio{1};
   std::string save{};
-  std::vector<std::uint64_t> only{};  ///< these indices, instead of `count` from `from`
   std::size_t threads{2};
   bool published{false};
   bool rows{false};
@@ -49,24 +43,17 @@ struct Options {
     const auto fits = [](const std::string& asked, std::string_view is) {
       return asked.empty() || asked == is;
     };
-    return fits(shoe_class, sim::name_of(cell.shoe.shoe_class)) &&
-           fits(decoy, sim::name_of(cell.shoe.decoy)) && fits(fault, test::name_of(cell.fault));
+    return cells.asks_for(cell) && fits(decoy, sim::name_of(cell.shoe.decoy)) &&
+           fits(fault, test::name_of(cell.fault));
   }
 };
 
-struct Tally {
-  int cases{0}, right{0}, refused{0}, wrong{0};
-  int plain{0}, plain_refused{0};  ///< shoes whose crease is plain to see
+struct Tally : SweepTally {
   double sum_mm{0};
   int lines{0};
 
   void add(const test::SweepVerdict& verdict, bool plain_to_see, bool found) {
-    ++cases;
-    right += verdict.judged == test::Judged::Right ? 1 : 0;
-    refused += verdict.judged == test::Judged::Refused ? 1 : 0;
-    wrong += verdict.judged == test::Judged::Wrong ? 1 : 0;
-    plain += plain_to_see ? 1 : 0;
-    plain_refused += plain_to_see && verdict.judged == test::Judged::Refused ? 1 : 0;
+    SweepTally::add(verdict, plain_to_see);
     if (!found) return;
     sum_mm += verdict.mean_mm;
     ++lines;
@@ -74,12 +61,8 @@ struct Tally {
 };
 
 void print(const std::string& what, const Tally& tally, const Tally* peer) {
-  std::printf(
-      "{\"bench\":\"line.sweep\",\"what\":\"%s: wrong of %d\",\"ours\":%d,\"unit\":\"shapes\",\"right\":%d,"
-      "\"refused\":%d,\"upper_95\":%.5f,\"plain_to_see\":%d,\"plain_refused\":%d,\"mean_mm\":%.4f",
-      what.c_str(), tally.cases, tally.wrong, tally.right, tally.refused,
-      test::upper_bound_95(tally.wrong, tally.cases), tally.plain, tally.plain_refused,
-      tally.sum_mm / std::max(1, tally.lines));
+  std::printf("{\"bench\":\"line.sweep\",\"what\":\"%s: wrong of %d\",%s,\"mean_mm\":%.4f", what.c_str(),
+              tally.scans, tally.row("shapes").c_str(), tally.sum_mm / std::max(1, tally.lines));
   if (peer != nullptr) {
     std::printf(",\"peer\":\"published\",\"peer_value\":%d,\"peer_right\":%d,\"peer_refused\":%d",
                 peer->wrong, peer->right, peer->refused);
@@ -118,10 +101,8 @@ class Sweep {
 
   void run() {
     const tbb::global_control limit{tbb::global_control::max_allowed_parallelism, options_.threads};
-    const std::uint64_t cells = options_.only.empty() ? options_.count : options_.only.size();
-    tbb::parallel_for(std::uint64_t{0}, cells, [&](std::uint64_t i) {
-      const std::uint64_t index = options_.only.empty() ? options_.from + i : options_.only[i];
-      test::SweepCell cell = test::sweep_cell(options_.seed, index);
+    tbb::parallel_for_each(options_.cells.indices(), [&](std::uint64_t index) {
+      test::SweepCell cell = test::sweep_cell(options_.cells.seed, index);
       cell.crease_ratio = options_.crease_ratio;
       cell.stripe = options_.materials;
       if (options_.asks_for(cell)) judge(index, cell);
@@ -174,14 +155,12 @@ class Sweep {
     if (verdict.judged == test::Judged::Refused && found.refusal)
       ++reasons_[report::refusal_row(found.refusal->code).name];
     if (!options_.rows) return;
-    constexpr const char* k_words[] = {"right", "REFUSED", "WRONG"};
     std::fprintf(
         stderr, "%5llu %-10s %-13s %-9s %-7s %s wrong %.1f mm mean %.3f max %.2f flagged %.3f conf %.3f %s\n",
         static_cast<unsigned long long>(index), std::string{sim::name_of(cell.shoe.shoe_class)}.c_str(),
         std::string{sim::name_of(cell.shoe.decoy)}.c_str(), std::string{test::name_of(cell.fault)}.c_str(),
-        k_words[static_cast<std::size_t>(verdict.judged)], scan.plain_to_see ? "plain" : "weak",
-        verdict.wrong_mm, verdict.mean_mm, verdict.max_mm, verdict.flagged_share, found.confidence,
-        found.reason().c_str());
+        word_for(verdict.judged), scan.plain_to_see ? "plain" : "weak", verdict.wrong_mm, verdict.mean_mm,
+        verdict.max_mm, verdict.flagged_share, found.confidence, found.reason().c_str());
   }
 
   Options options_;
@@ -194,34 +173,20 @@ class Sweep {
 }  // namespace biteline::bench
 
 int main(int argc, char** argv) {
-  biteline::bench::Options options;
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if (argument == "--published") {
-      options.published = true;
-    } else if (argument == "--materials") {
-      options.materials = true;
-    } else if (argument == "--rows") {
-      options.rows = true;
-    } else if (i + 1 < argc) {
-      const char* value = argv[++i];
-      if (argument == "--count") options.count = std::strtoull(value, nullptr, 10);
-      if (argument == "--seed") options.seed = std::strtoull(value, nullptr, 10);
-      if (argument == "--from") options.from = std::strtoull(value, nullptr, 10);
-      if (argument == "--threads") options.threads = std::strtoull(value, nullptr, 10);
-      if (argument == "--class") options.shoe_class = value;
-      if (argument == "--decoy") options.decoy = value;
-      if (argument == "--fault") options.fault = value;
-      if (argument == "--crease") options.crease_ratio = std::strtod(value, nullptr);
-      if (argument == "--save") options.save = value;
-      if (argument == "--only") {
-        for (char* next = nullptr; *value != '\0'; value = *next == ',' ? next + 1 : next) {
-          options.only.push_back(std::strtoull(value, &next, 10));
-          if (next == value) break;
-        }
-      }
-    }
-  }
-  biteline::bench::Sweep{options}.run();
+  using namespace biteline;
+  bench::Options asked;
+  options::Command command{"Made shoes, and things that are none: right, refused, wrong", "bench_line_sweep"};
+  asked.cells.add_to(command);
+  command.add_option("--decoy", asked.decoy, "shoes with this decoy alone");
+  command.add_option("--fault", asked.fault, "clouds with this fault alone");
+  command.add_option("--crease", asked.crease_ratio, "the bite line's own step and depth, times this")
+      ->capture_default_str();
+  command.add_option("--save", asked.save, "clouds and lines go to this folder");
+  command.add_option("--threads", asked.threads, "so many at once")->capture_default_str();
+  command.add_flag("--published", asked.published, "the published method beside it");
+  command.add_flag("--materials", asked.materials, "clouds with the stripe's amplitude and width");
+  command.add_flag("--rows", asked.rows, "a row for each, on stderr");
+  if (const std::optional<int> status = bench::read_options(command, argc, argv)) return *status;
+  bench::Sweep{asked}.run();
   return 0;
 }

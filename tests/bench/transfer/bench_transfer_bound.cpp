@@ -14,6 +14,7 @@
 #include "hal/sim/shoe/random.hpp"
 #include "host/transfer/transfer.hpp"
 #include "tests/support/last_pair.hpp"
+#include "tests/support/line_distance.hpp"
 
 namespace biteline::bench {
 namespace {
@@ -57,23 +58,13 @@ struct Tally {
   }
 };
 
-double distance_mm(const Vec3& point, const cloud::ClosedLine& line) {
-  double best = 1e9;
-  for (std::size_t i = 0; i < line.points.size(); ++i) {
-    const Vec3 a = line.points[i].position, d = line.points[(i + 1) % line.points.size()].position - a;
-    const double share = std::clamp((point - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
-    best = std::min(best, (a + share * d - point).squaredNorm());
-  }
-  return std::sqrt(best);
-}
-
 Tally tally(const test::LastPairSettings& settings, bool tell) {
   const test::MadePair pair = test::last_pair(settings);
   const transfer::Transfer transfer =
       transfer::transfer_line({.cloud = pair.sample_cloud, .line = pair.sample_line}, pair.upper_cloud, {});
   Tally tally{.pairs = 1, .refused = transfer.found ? 0 : 1, .rim_used = transfer.alignment.rim_used ? 1 : 0};
   for (const cloud::LinePoint& p : transfer.carried.line.points) {
-    const double error_mm = distance_mm(p.position, pair.upper_line);
+    const double error_mm = test::distance_mm(p.position, pair.upper_line);
     const double u95_mm = p.u95_mm.value_or(0);
     tally.errors_mm.push_back(error_mm);
     tally.within_bound += error_mm <= transfer.bound_mm ? 1 : 0;
