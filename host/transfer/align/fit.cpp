@@ -22,7 +22,6 @@ constexpr double k_rim_reach_mm = 1.5;
 // another rule.
 constexpr double k_worth = 1.5;
 constexpr double k_likely_mm = 0.4;
-constexpr double k_contradiction = 9;  // in the same units: three standard deviations
 constexpr std::array k_rules{GradeTie{.section_share = 0, .height_share = 0},
                              GradeTie{.section_share = 1, .height_share = 1},
                              GradeTie{.section_share = 1, .height_share = 0}};
@@ -103,9 +102,8 @@ double line_between_mm(const Sample& sample, const Fit& a, const Fit& b) {
   return std::sqrt(sum / static_cast<double>(sample.line_shoe.size()));
 }
 
-/// By the surface alone, then by the rims, too, where they are the same edge and the surface bears with them:
-/// a view that ends elsewhere, or a collar cut elsewhere, makes rims that agree with each other and not with
-/// the shoe.
+/// By the surface alone, then by the rims, too, where they are the same edge and leave the surfaces over each
+/// other: a view that ends elsewhere makes rims that agree with each other and not with the shoe.
 Fit refine(const FitTask& task, const Placement& start, const IcpOptions& options) {
   const Fit free =
       described(task, {.icp = run_icp(surfaces_of(task), start, options), .tie = options.tie}, options);
@@ -114,8 +112,7 @@ Fit refine(const FitTask& task, const Placement& start, const IcpOptions& option
       task,
       {.icp = run_icp(with_rims(task), free.icp.placement, options), .rim_used = true, .tie = options.tie},
       options);
-  const bool borne = with_rim.icp.overlap_ratio >= 0.98 * free.icp.overlap_ratio &&
-                     gain(task.sample.common, with_rim, free) < k_contradiction;
+  const bool borne = with_rim.icp.overlap_ratio >= 0.98 * free.icp.overlap_ratio;
   if (!rims_agree(with_rim.icp) || !borne) return free;
   Fit fit = with_rim;
   fit.rim_shift_mm = line_between_mm(task.sample, with_rim, free);
