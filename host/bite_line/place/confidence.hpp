@@ -13,7 +13,7 @@ struct SpreadShare {
 };
 
 /// `shares` is fitted by tests/bench/line/fit_confidence.py to bridged points of made shoes with a missing
-/// sector (bench_line_confidence --fault sector, seeds 52001 and 53001).
+/// sector (bench_line_confidence --fault sector, seeds 52001, 53001, 61001, 85001, 95101).
 struct ConfidenceModel {
   /// A bridge's spread: this much of how far another course may lie, and what such bridges are off by
   /// elsewhere on the line, in full.  Both may happen at once: they add.
@@ -22,7 +22,7 @@ struct ConfidenceModel {
   /// Straight between these over the spread's logarithm.  One curve with two numbers does not follow: the
   /// share falls late and at once, and then hardly for a while.  Beyond the last it falls with the square.
   std::array<SpreadShare, 6> shares{
-      {{0.1, 0.999}, {0.3, 0.979}, {0.6, 0.884}, {1.0, 0.427}, {1.6, 0.192}, {3.0, 0.007}}};
+      {{0.1, 0.999}, {0.3, 0.981}, {0.6, 0.877}, {1.0, 0.439}, {1.6, 0.189}, {3.0, 0.015}}};
   /// A section that lies so far from the running mean over its neighbours is one in two.  Made shoes hold
   /// more, but hardly one jumps.
   double jump_mm{0.8};

@@ -2,13 +2,15 @@
 # SPDX-License-Identifier: MIT
 """Fits ConfidenceModel (host/bite_line/place/confidence.hpp) to the points of bench_line_confidence --points FILE.
 
-    fit_confidence.py FILE...
+    fit_confidence.py FILE... [--test FILE...]
 
 What share of bridged points of written lines lies within 0.3 mm, at each of a few spreads: `shares`, straight in
 between over the spread's logarithm, by maximum likelihood.  Then each class is left out in turn, and the tenths of all
-its points are told as the others' fit claims them; shoes are drawn anew for the interval.  Shoes with a missing
-sector (--fault sector) have nearly all bridged points.
+its points are told as the others' fit claims them; shoes are drawn anew for the interval.  With --test, the fit's
+claims are told for the shoes of other files, too.  Shoes with a missing sector (--fault sector) have nearly all
+bridged points.
 """
+import argparse
 import csv
 import math
 import random
@@ -101,23 +103,43 @@ def interval(of_tenth, shoes):
     return drawn[int(0.025 * len(drawn))], drawn[int(0.975 * len(drawn))]
 
 
-def main():
-    points = read(sys.argv[1:])
-    shoes = sorted({p["shoe"] for p in points})
-    print("%d shoes; shares %s" % (len(shoes), "  ".join(
-        "%.1f mm %.3f" % pair for pair in zip(SPREADS_MM, fit(points)))))
+def tell(what, claims, shoes):
+    """`claims`: what each point claims, whether it holds, and its shoe."""
     tenths = defaultdict(list)
-    for kind in sorted({p["class"] for p in points}):
-        shares = fit([p for p in points if p["class"] != kind])
-        for p in points:
-            if p["class"] == kind:
-                claim = confidence(p, shares)
-                tenths[min(9, int(10 * claim))].append((claim, p["held"], p["shoe"]))
-    print("classes left out in turn:")
+    for one in claims:
+        tenths[min(9, int(10 * one[0]))].append(one)
+    print(what)
     for _, of_it in sorted(tenths.items()):
         claimed, held = (sum(one[k] for one in of_it) / len(of_it) for k in (0, 1))
         print("  claimed %.3f  held %.3f  difference %+.3f (%+.3f to %+.3f)  points %6d  shoes %4d" %
               (claimed, held, held - claimed, *interval(of_it, shoes), len(of_it), len({s for _, _, s in of_it})))
+
+
+def claims_of(points, shares):
+    return [(confidence(p, shares), p["held"], p["shoe"]) for p in points]
+
+
+def shoes_of(points):
+    return sorted({p["shoe"] for p in points})
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("files", nargs="+")
+    parser.add_argument("--test", nargs="+", default=[])
+    asked = parser.parse_args()
+    points = read(asked.files)
+    fitted = fit(points)
+    print("%d shoes; shares %s" % (len(shoes_of(points)), "  ".join(
+        "%.1f mm %.3f" % pair for pair in zip(SPREADS_MM, fitted))))
+    left_out = []
+    for kind in sorted({p["class"] for p in points}):
+        shares = fit([p for p in points if p["class"] != kind])
+        left_out += claims_of([p for p in points if p["class"] == kind], shares)
+    tell("classes left out in turn:", left_out, shoes_of(points))
+    if asked.test:
+        others = read(asked.test)
+        tell("%d other shoes:" % len(shoes_of(others)), claims_of(others, fitted), shoes_of(others))
 
 
 if __name__ == "__main__":
