@@ -83,14 +83,14 @@ bool depends_on_seam(const Blockage& blockage) {
 
 bool is_possible(const Scene& scene, const Process& process, const kinematics::ArmModel& arm) {
   // Coarser than the plan itself: a trial, and there are dozens.
-  constexpr JointPathOptions k_trial{
+  const JointPathOptions trial{
       .knot_spacing_mm = 16, .turns = 18, .least_singularity = 0.06, .least_clearance_mm = 4};
   constexpr std::size_t k_seams = 3;
   const CollisionModel collisions{arm, process.tool, scene.surroundings};
   const std::vector<Seam> seams = seam_candidates(scene.line, process);
   for (std::size_t i = 0; i < std::min(k_seams, seams.size()); ++i) {
     const ToolPath path = make_tool_path(scene.line, process, seams[i].arc_mm);
-    const JointPathResult result = find_joint_path(arm, path, process.tool, collisions, k_trial);
+    const JointPathResult result = find_joint_path(arm, path, process.tool, collisions, trial);
     if (result.path) return true;
     if (!depends_on_seam(result.blockage)) return false;
   }
