@@ -7,6 +7,7 @@
 #include "host/bite_line/path/decide.hpp"
 #include "host/bite_line/place/finish.hpp"
 #include "host/bite_line/place/place_path.hpp"
+#include "host/bite_line/side/seam.hpp"
 #include "host/bite_line/side/side_outline.hpp"
 
 namespace biteline::bite_line {
@@ -19,8 +20,10 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
   SideField field = clock.run("side", [&] { return SideField::build(*shoe, outline, {}); });
   Side side{std::move(*shoe), std::move(outline), std::move(field)};
   const Layers layers = clock.run("layers", [&] { return find_layers_along(side, {}, scan.looks); });
-  Decision decision = clock.run(
-      "decision", [&] { return decide(layers, plan_shape(side_reach(side)), config.min_confidence_ratio); });
+  const std::optional<double> seam_mm = clock.run("seam", [&] { return seam_step_mm(scan, side); });
+  Decision decision = clock.run("decision", [&] {
+    return decide(layers, plan_shape(side_reach(side)), seam_mm, config.min_confidence_ratio);
+  });
   PlacedLine placed = clock.run("place", [&] {
     if (decision.refusal) return PlacedLine{};
     return place_path(scan, side, decision.paths.front().row,
@@ -32,6 +35,7 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
     if (config.head != nullptr && !scan.poses.empty()) whole.head.emplace(*config.head, scan.poses);
     return finish(side, decision, placed, config, whole);
   });
+  extraction.seam_step_mm = seam_mm;
   extraction.stages = clock.take();
   if (workings != nullptr)
     workings->emplace(Workings{std::move(side), std::move(decision), std::move(placed)});

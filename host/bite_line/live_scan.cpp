@@ -75,7 +75,8 @@ Extraction LiveScan::finish(const Config& config, std::optional<Workings>* worki
                          .first_point = first_raw_,
                          .poses = poses,
                          .arm = std::move(arm),
-                         .looks = looks_},
+                         .looks = looks_,
+                         .in_scan_order = true},
                         config, workings);
 }
 

@@ -16,7 +16,7 @@ enum class Refused {
   TooMuchMissing,    ///< the surface was not seen over too long a way round
   NoCreaseAllRound,  ///< the crease fades over too long a way
   WithinOneSurface,  ///< the crease is sewn or cut into one surface
-  DoesNotClose,      ///< a spiral: its ends lie at different heights
+  DoesNotClose,      ///< the scan's end shows the shoe beside where its begin did
   NotAShoe,          ///< outline and height are not a shoe's
   NoUpper,           ///< no wall goes on above the crease: an open sandal, a rim
   NoSole,            ///< below the crease there is nothing: it lies where something stands on a table

@@ -97,6 +97,7 @@ PointRuns runs_of(const cloud::PointCloud& cloud) {
     all_alone += runs.alone;
   }
   PointRuns all;
+  all.in_scan_order = organised;
   const bool has_looks = cloud.amplitude.size() == cloud.size();
   if (!organised && all_alone * k_most_alone_of > before.back()) {
     if (has_looks) {

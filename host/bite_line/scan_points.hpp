@@ -52,6 +52,7 @@ struct ScanPoints {
   std::span<const uncertainty::ProfilePose> poses{};  ///< in the order of time; empty: not known
   std::optional<uncertainty::ArmMotion> arm{};        ///< how far it was off its told poses
   std::span<const RunLook> looks{};                   ///< of the runs; empty: not known
+  bool in_scan_order{false};
 
   [[nodiscard]] std::span<const Eigen::Vector3f> run(std::size_t i) const {
     if (first_point.empty()) return points.subspan(i, 1);
@@ -68,12 +69,14 @@ struct PointRuns {
   Large<Eigen::Vector3f> means;  ///< empty: each point is a run
   Large<std::uint32_t> first_point;
   Large<RunLook> looks;  ///< empty: the cloud knows no amplitude
+  bool in_scan_order{false};
 
   [[nodiscard]] ScanPoints scan(std::span<const Eigen::Vector3f> points) const {
     return {.means = means.empty() ? points : std::span<const Eigen::Vector3f>{means},
             .points = points,
             .first_point = first_point,
-            .looks = looks};
+            .looks = looks,
+            .in_scan_order = in_scan_order};
   }
 };
 /// A profile's end is a run's.  Without profiles, points that hardly have neighbours in their order are left

@@ -202,7 +202,6 @@ Ways::Totals Ways::sweep(bool ahead) const {
                 {after.data() + reach, height}, totals.step.data() + at(0, k));
     std::swap(before, after);
     const float* total = before.data() + reach;
-    if (k == cols_ - 1) totals.once.assign(total, total + height);
     if (k >= cols_) std::copy_n(total, height, totals.total.data() + column(k));
   }
   return totals;
@@ -213,18 +212,6 @@ ClosedPath Ways::best() const {
   auto row = static_cast<int>(std::min_element(last, last + rows_) - last);
   for (int k = 2 * cols_ - 1; k > cols_; --k) row = before(ahead_, row, k);
   return closed_path_through(cost_, rows_, cols_, row, config_);
-}
-
-ClosedPath Ways::open() const {
-  const auto end = std::min_element(ahead_.once.begin(), ahead_.once.end());
-  auto row = static_cast<int>(end - ahead_.once.begin());
-  ClosedPath path{.row = std::vector<int>(static_cast<std::size_t>(cols_)),
-                  .cost = static_cast<double>(*end)};
-  for (int k = cols_ - 1; k >= 0; --k) {
-    path.row[static_cast<std::size_t>(k)] = row;
-    row = before(ahead_, row, k);
-  }
-  return path;
 }
 
 Course find_course(const Ways& ways, const ClosedPath& best, const CourseConfig& config) {

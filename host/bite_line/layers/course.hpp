@@ -42,9 +42,6 @@ class Ways {
 
   /// shortest_closed_path() of that cost.
   [[nodiscard]] ClosedPath best() const;
-  /// The same without the condition that the ends join: where a crease runs off upwards or downwards (a
-  /// spiral), this path is much cheaper than the closed one and its ends lie apart.
-  [[nodiscard]] ClosedPath open() const;
 
   /// Of the cheapest course through a place, twice round and more.
   [[nodiscard]] float through(int row, int col) const {
@@ -64,7 +61,6 @@ class Ways {
   /// Totals of the ways to each place in one direction; those of the second round count.
   struct Totals {
     Large<float> total;
-    std::vector<float> once;  ///< per row, after one round
     Large<std::int8_t> step;  ///< of both rounds in the order of the sweep: from a row to the one before
   };
   [[nodiscard]] Totals sweep(bool ahead) const;

@@ -15,17 +15,8 @@ namespace biteline::bite_line {
 
 namespace {
 
-constexpr double k_spiral_cost = 8.0;         // columns without any crease
-constexpr double k_worth_a_look_share = 0.5;  // less visible ones are refused whether they close or not
-constexpr double k_mean_mm = 8.5;             // along the line, of its place
-constexpr std::size_t k_shortest_told = 15;   // columns: a shorter rival is told by the points' confidence
-
-/// Height between the ends of the best course that need not close, where that is much cheaper.
-double closure_mm(const SideField& field, const Ways& ways, const Course& course, double visible_share) {
-  const ClosedPath open = ways.open();
-  const bool spiral = visible_share > k_worth_a_look_share && course.cost - open.cost > k_spiral_cost;
-  return spiral ? std::abs(open.row.front() - open.row.back()) * field.grid.row_mm : 0.0;
-}
+constexpr double k_mean_mm = 8.5;            // along the line, of its place
+constexpr std::size_t k_shortest_told = 15;  // columns: a shorter rival is told by the points' confidence
 
 /// A weak crease on a surface that lies nearly flat: a little in height is much along the surface.  On drawn
 /// and scanned shoes a crease of 8 degrees where the surface goes in by 3 mm for each one up is off by up to
@@ -181,7 +172,6 @@ Layers find_layers(const SideField& field, const FirstLook& look, const LayersCo
   tbb::parallel_for(std::size_t{0}, told.size() + 1, [&](std::size_t i) {
     if (i == 0) {
       layers.line = describe(field, evidence.likeness, course.row, config.crease);
-      layers.line.closure_mm = closure_mm(field, look.ways, course, layers.line.visible_share);
       return;
     }
     const Branch& branch = *told[i - 1].branch;

@@ -8,6 +8,7 @@
 #include "host/bite_line/layers/climb.hpp"
 #include "host/bite_line/place/finish.hpp"
 #include "host/bite_line/place/place_path.hpp"
+#include "host/bite_line/side/seam.hpp"
 #include "host/bite_line/side/side_outline.hpp"
 
 namespace biteline::mend {
@@ -32,7 +33,8 @@ Surface::Surface(std::vector<Eigen::Vector3f> points, PointRuns runs, Side side)
   Evidence evidence = find_evidence(side_.field, {});
   likeness_ = std::move(evidence.likeness);
   cost_ = std::move(evidence.cost);
-  decision_ = decide(layers, plan_shape(side_reach(side_)), Config{}.min_confidence_ratio);
+  decision_ = decide(layers, plan_shape(side_reach(side_)), seam_step_mm(points(), side_),
+                     Config{}.min_confidence_ratio);
 }
 
 ScanPoints Surface::points() const {

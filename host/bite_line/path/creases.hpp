@@ -33,7 +33,6 @@ struct Crease {
   double sole_share{0};   ///< share of the seen columns below which there is something of a sole
   double mean_height_mm{0};
   double evidence{0};    ///< mean likeness over the columns, 0 to 1
-  double closure_mm{0};  ///< height between the ends of the best path that need not close
 };
 
 struct CreaseConfig {

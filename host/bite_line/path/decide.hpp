@@ -18,7 +18,6 @@ struct JudgedPath {
   double confidence{0};     ///< 0 to 1
   std::vector<double> row;  ///< per column, in rows of the side's grid
   double mean_height_mm{0};
-  double closure_mm{0};
   double turn_rad{0};    ///< median turn of the surface across it
   double seen_share{0};  ///< of its columns
 };
@@ -33,7 +32,10 @@ struct Decision {
 /// What a bite line is, on what has a shoe's outline: a crease all the way round; an upper goes on above it;
 /// below it the sole stands out, or at least the two are not one surface; and it keeps to one layer.
 ///
+/// `seam_step_mm`: how far the scan's end lies from its begin, where it shows both.
+///
 /// One table of gates.  Their product is the confidence, and the first that says no is the reason.
-[[nodiscard]] Decision decide(const Layers& layers, const PlanShape& plan, double min_confidence);
+[[nodiscard]] Decision decide(const Layers& layers, const PlanShape& plan, std::optional<double> seam_step_mm,
+                              double min_confidence);
 
 }  // namespace biteline::bite_line

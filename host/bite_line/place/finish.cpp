@@ -51,7 +51,7 @@ Candidate candidate_of(const JudgedPath& path, const Side& side) {
   Candidate candidate{.confidence = path.confidence,
                       .mean_height_mm = path.mean_height_mm,
                       .length_mm = 0,
-                      .closure_mm = path.closure_mm,
+                      .closure_mm = 0,
                       .crease_deg = path.turn_rad * 180.0 / std::numbers::pi,
                       .seen_share = path.seen_share,
                       .points = {}};
@@ -136,7 +136,6 @@ Extraction finish(const Side& side, const Decision& decision, const PlacedLine& 
   if (out.refusal) return out;
   const double bridged_share = placed.bridged_mm / std::max(placed.length_mm, 1.0);
   out.confidence = decision.confidence * (1 - bridged_share);
-  out.closure_mm = decision.paths.front().closure_mm;
   out.length_mm = placed.length_mm;
   out.bridged_mm = placed.bridged_mm;
   if (!(out.confidence >= config.min_confidence_ratio)) {

@@ -83,6 +83,7 @@ Result<ExitStatus> write_line_files(const std::filesystem::path& folder, const c
   if (extraction.found) {
     report.fields["length_mm"] = extraction.length_mm;
     report.fields["closure_mm"] = extraction.closure_mm;
+    if (extraction.seam_step_mm) report.fields["seam_step_mm"] = *extraction.seam_step_mm;
     report.fields["confidence"] = extraction.confidence;
     report.fields["bridged_mm"] = extraction.bridged_mm;
     report.fields["line_points"] = extraction.line.points.size();

@@ -20,6 +20,7 @@ constexpr std::array k_names{
     FigureName{"points", "points in the cloud", ""},
     FigureName{"length_mm", "length of the line", "mm"},
     FigureName{"closure_mm", "gap where the line's ends meet", "mm"},
+    FigureName{"seam_step_mm", "how far the scan's end lies from its begin", "mm"},
     FigureName{"confidence", "confidence in the line as a whole (0 to 1)", ""},
     FigureName{"bridged_mm", "bridged: no crease seen there, joined from both sides", "mm"},
     FigureName{"line_points", "points on the line", ""},

@@ -111,13 +111,4 @@ TEST(Course, TheWaysKnowTheBestClosedPath) {
   DOUBLES_EQUAL(expected.cost, sut.cost, 0.0);
 }
 
-TEST(Course, ASpiralIsCheapOnlyWhenItNeedNotClose) {
-  Field field;
-  for (int col = 0; col < k_cols; ++col) field.at(10 + col / 4, col) = 0.0F;
-  const Ways ways{field.cost, k_rows, k_cols, CourseConfig{}.path};
-  const ClosedPath sut = ways.open();
-  LONGS_EQUAL((k_cols - 1) / 4, sut.row.back() - sut.row.front());
-  CHECK(ways.best().cost > sut.cost + 4);
-}
-
 }  // namespace biteline::bite_line

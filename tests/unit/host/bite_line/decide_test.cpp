@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -39,7 +40,7 @@ PlanShape shoe_plan() {
 }
 
 Decision decided(const Layers& of) {
-  return decide(of, shoe_plan(), 0.5);
+  return decide(of, shoe_plan(), std::nullopt, 0.5);
 }
 
 void refuses(Refused code, const Decision& sut) {
@@ -161,11 +162,11 @@ TEST(Decide, BelowTheEdgeOfAPlateThereIsNoSole) {
 TEST(Decide, AnOutlineThatIsNoShoesIsToldBeforeAllElse) {
   const Layers sound = layers(crease(26, 50, 3.0));
   const PlanShape box{.broadest_at = 0.5, .end_breadth = 0.93, .heel_breadth = 1};
-  refuses(Refused::NotAShoe, decide(sound, box, 0.5));
+  refuses(Refused::NotAShoe, decide(sound, box, std::nullopt, 0.5));
   const PlanShape tin{.broadest_at = 0.5, .end_breadth = 0.34, .heel_breadth = 0.6};
-  refuses(Refused::NotAShoe, decide(sound, tin, 0.5));
+  refuses(Refused::NotAShoe, decide(sound, tin, std::nullopt, 0.5));
   const PlanShape iron{.broadest_at = 0.85, .end_breadth = 0.97, .heel_breadth = 0.3};
-  refuses(Refused::NotAShoe, decide(sound, iron, 0.5));
+  refuses(Refused::NotAShoe, decide(sound, iron, std::nullopt, 0.5));
 }
 
 TEST(Decide, HalfACreaseIsNone) {
@@ -181,10 +182,22 @@ TEST(Decide, ASmoothFilletIsNoCrease) {
   refuses(Refused::NoCreaseAllRound, decided(layers(crease(26, 3, 3.0))));
 }
 
-TEST(Decide, ASpiralDoesNotClose) {
-  Crease spiral = crease(26, 60, 3.0);
-  spiral.closure_mm = 12;
-  refuses(Refused::DoesNotClose, decided(layers(spiral)));
+TEST(Decide, AScanWhoseEndLiesBesideItsBeginDoesNotClose) {
+  const Layers sound = layers(crease(26, 60, 3.0));
+  CHECK_FALSE(decide(sound, shoe_plan(), std::nullopt, 0.5).refusal.has_value());
+  CHECK_FALSE(decide(sound, shoe_plan(), 0.2, 0.5).refusal.has_value());
+  for (const double apart_mm : {-1.0, 0.7, 3.0}) {
+    const Decision sut = decide(sound, shoe_plan(), apart_mm, 0.5);
+    refuses(Refused::DoesNotClose, sut);
+    STRCMP_CONTAINS("beside where its begin", sut.refusal->reason.c_str());
+  }
+}
+
+TEST(Decide, AMovedShoeIsToldAsSuchAndNotAsALineThatIsRivalled) {
+  Layers torn = layers(crease(26, 60, 3.0));
+  std::fill_n(torn.hold.begin(), 40, 0.1F);
+  refuses(Refused::Rivalled, decide(torn, shoe_plan(), 0.1, 0.5));
+  refuses(Refused::DoesNotClose, decide(torn, shoe_plan(), 4.0, 0.5));
 }
 
 TEST(Decide, MostOfTheSideUnseenIsToldAsSuch) {

@@ -32,7 +32,6 @@ Decision decided(const Side& side, double confidence) {
           .paths = {{.confidence = confidence,
                      .row = std::vector<double>(cols, 60.0),
                      .mean_height_mm = 25,
-                     .closure_mm = 0,
                      .turn_rad = 0.5,
                      .seen_share = 1}}};
 }

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/side/seam.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include <tbb/parallel_invoke.h>
+
+#include "host/geometry/robust.hpp"
+
+namespace biteline::bite_line {
+namespace {
+
+constexpr double k_reach_mm = 10;  // of what is looked at, either side of the seam
+constexpr double k_height_mm = 2;
+constexpr std::size_t k_least_heights = 8;  // 16 mm
+
+double away_mm(double from_s_mm, double to_s_mm, const Outline& outline) {
+  return std::remainder(to_s_mm - from_s_mm, outline.length_mm());
+}
+
+struct WayRound {
+  double from_s_mm{0};
+  double covered_mm{0};  ///< from there to the scan's end; negative: clockwise
+};
+
+/// By the medians of short pieces of the scan: single points may lie on the far wall, seen over the collar.
+WayRound way_round(const Shoe& shoe, const Outline& outline) {
+  constexpr std::size_t k_pieces = 128, k_of_piece = 15;
+  std::vector<Eigen::Vector3f> points;
+  for (std::size_t k = 0; k < k_pieces * k_of_piece; ++k)
+    points.push_back(shoe.points[k * (shoe.points.size() - 1) / (k_pieces * k_of_piece - 1)]);
+  std::vector<OutlinePlace> places(points.size());
+  outline.locate(points, places);
+  WayRound way;
+  double at_mm = static_cast<double>(places.front().s_mm);
+  for (std::size_t piece = 0; piece < k_pieces; ++piece) {
+    std::vector<double> on_mm;
+    for (const OutlinePlace& place : std::span{places}.subspan(piece * k_of_piece, k_of_piece))
+      if (place.s_mm >= 0) on_mm.push_back(away_mm(at_mm, static_cast<double>(place.s_mm), outline));
+    if (on_mm.empty()) continue;
+    const double step_mm = geometry::median_of(std::move(on_mm));
+    at_mm += step_mm;
+    if (piece == 0) {
+      way.from_s_mm = at_mm;
+    } else {
+      way.covered_mm += step_mm;
+    }
+  }
+  // From the first piece's middle to the last one's so far.
+  const double piece_mm = way.covered_mm / (k_pieces - 1);
+  way.from_s_mm -= piece_mm / 2;
+  way.covered_mm += piece_mm;
+  return way;
+}
+
+/// Straight line through what lies beside the seam at one height: how far out it is at the seam.
+class BesideSeam {
+ public:
+  void add(double s_mm, double o_mm) {
+    count_ += 1;
+    s_ += s_mm;
+    ss_ += s_mm * s_mm;
+    o_ += o_mm;
+    so_ += s_mm * o_mm;
+    nearest_mm_ = std::min(nearest_mm_, std::abs(s_mm));
+  }
+  [[nodiscard]] std::optional<double> at_seam_mm() const {
+    constexpr double k_least_points = 6, k_least_spread_mm = 1;
+    const double spread = count_ * ss_ - s_ * s_;
+    if (count_ < k_least_points || nearest_mm_ > k_reach_mm / 2 ||
+        spread < count_ * count_ * k_least_spread_mm * k_least_spread_mm)
+      return std::nullopt;
+    return (o_ - (count_ * so_ - s_ * o_) / spread * s_) / count_;
+  }
+
+ private:
+  double count_{0}, s_{0}, ss_{0}, o_{0}, so_{0};
+  double nearest_mm_{1e9};
+};
+
+using Heights = std::vector<BesideSeam>;
+
+/// What the points from `first` to `end` show beside the seam.
+Heights beside_seam(const Side& side, double seam_s_mm, std::size_t first, std::size_t end) {
+  constexpr float k_near_mm = 40;  // in plan: what is within reach of the seam lies nearer
+  constexpr std::size_t k_enough = 50'000;
+  const Shoe& shoe = side.shoe;
+  const Eigen::Vector2f seam = side.outline.point(seam_s_mm).cast<float>();
+  std::vector<Eigen::Vector3f> near;
+  const std::size_t step = (end - first) / k_enough + 1;
+  for (std::size_t i = first; i < end; i += step) {
+    const Eigen::Vector3f& point = shoe.points[i];
+    if (shoe.alone[i] == 0 && (point.head<2>() - seam).squaredNorm() < k_near_mm * k_near_mm)
+      near.push_back(point);
+  }
+  // Located anew: of two layers of a moved shoe the side's own places hold the outer one alone.
+  std::vector<OutlinePlace> places(near.size());
+  side.outline.locate(near, places);
+  Heights heights;
+  for (const OutlinePlace& place : places) {
+    if (place.s_mm < 0 || place.z_mm < 0) continue;
+    const double s_mm = away_mm(seam_s_mm, static_cast<double>(place.s_mm), side.outline);
+    if (std::abs(s_mm) > k_reach_mm) continue;
+    const auto at = static_cast<std::size_t>(static_cast<double>(place.z_mm) / k_height_mm);
+    if (heights.size() <= at) heights.resize(at + 1);
+    heights[at].add(s_mm, static_cast<double>(place.o_mm));
+  }
+  return heights;
+}
+
+}  // namespace
+
+std::optional<double> seam_step_mm(const ScanPoints& scan, const Side& side) {
+  constexpr std::size_t k_least_points = 4096;
+  constexpr double k_most_lap_share = 0.4;  // more is no scan that goes round once
+  const std::size_t count = side.shoe.points.size();
+  if (!scan.in_scan_order || count < k_least_points) return std::nullopt;
+  const WayRound way = way_round(side.shoe, side.outline);
+  const double length_mm = side.outline.length_mm();
+  const double lap_mm = std::abs(way.covered_mm) - length_mm;
+  if (lap_mm < -k_reach_mm || lap_mm > k_most_lap_share * length_mm) return std::nullopt;
+  double seam_s_mm = std::fmod(way.from_s_mm + std::copysign(lap_mm / 2, way.covered_mm), length_mm);
+  if (seam_s_mm < 0) seam_s_mm += length_mm;
+  Heights begin, end;
+  tbb::parallel_invoke([&] { begin = beside_seam(side, seam_s_mm, 0, count / 2); },
+                       [&] { end = beside_seam(side, seam_s_mm, count / 2, count); });
+  std::vector<double> steps_mm;
+  for (std::size_t i = 0; i < std::min(begin.size(), end.size()); ++i) {
+    const std::optional<double> before = begin[i].at_seam_mm(), after = end[i].at_seam_mm();
+    if (before && after) steps_mm.push_back(*after - *before);
+  }
+  if (steps_mm.size() < k_least_heights) return std::nullopt;
+  return geometry::median_of(std::move(steps_mm));
+}
+
+}  // namespace biteline::bite_line
