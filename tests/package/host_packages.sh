@@ -82,7 +82,7 @@ for turn in $(seq 100); do
 done
 kill "$(cat "$work/pid")"
 case $page in *" 200 "*) ;; *) bad "the page's program said '$page' in turn $turn" ;; esac
-in_root bash -c 'source /usr/share/bash-completion/completions/biteline; COMP_WORDS=(biteline mo); COMP_CWORD=1; _biteline; [ "${COMPREPLY[*]}" = model ]' ||
+in_root bash -c 'source /usr/share/bash-completion/completions/biteline; COMP_WORDS=(biteline mod); COMP_CWORD=1; _biteline; [ "${COMPREPLY[*]}" = model ]' ||
   bad "the completion does not know model"
 
 # What a person wrote and what the cell was taught outlive upgrade and purge.
