@@ -33,7 +33,7 @@ Surface::Surface(std::vector<Eigen::Vector3f> points, PointRuns runs, Side side)
   Evidence evidence = find_evidence(side_.field, {});
   likeness_ = std::move(evidence.likeness);
   cost_ = std::move(evidence.cost);
-  decision_ = decide(layers, plan_shape(side_reach(side_)), seam_step_mm(points(), side_),
+  decision_ = decide(layers, plan_shape(side_reach(side_)), seam_step_mm(runs_.scan(points_), side_),
                      Config{}.min_confidence_ratio);
 }
 

@@ -133,6 +133,16 @@ void sweep_rows() {
     sweep_row(k_later_seed, index, k_nearly_flush);
 }
 
+/// A shoe that somebody pushes by 3 mm when half of the scan is done: its line is nowhere.
+void pushed_row() {
+  test::SweepCell cell = test::sweep_cell(71'101, 3);
+  cell.fault = test::CloudFault::None;
+  cloud::PointCloud cloud = test::scan_of(cell).cloud;
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (2 * cloud.profile[i] > cloud.profile.back()) cloud.points[i] += Eigen::Vector3f{2.1F, 2.1F, 0};
+  line_row("line, pushed by 3 mm half-way round", cloud, {});
+}
+
 /// A sole that is nearly flush, with a stitch groove of its own about as good as its line.
 void material_row() {
   test::SweepCell cell = test::sweep_cell(41'001, 16);
@@ -296,6 +306,7 @@ void run() {
   calibration_row("calibration, golden head", k_golden / "head");
   if (const auto folder = test::shared_data("calib/head21")) calibration_row("calibration, head21", *folder);
   line_rows();
+  pushed_row();
   sweep_rows();
   material_row();
   shape_rows();
