@@ -32,7 +32,7 @@ struct Crease {
   double upper_share{0};  ///< share of the seen columns above which a wall goes on
   double sole_share{0};   ///< share of the seen columns below which there is something of a sole
   double mean_height_mm{0};
-  double evidence{0};    ///< mean likeness over the columns, 0 to 1
+  double evidence{0};  ///< mean likeness over the columns, 0 to 1
 };
 
 struct CreaseConfig {
