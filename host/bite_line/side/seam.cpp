@@ -8,6 +8,7 @@
 
 #include <tbb/parallel_invoke.h>
 
+#include "host/geometry/fit.hpp"
 #include "host/geometry/robust.hpp"
 
 namespace biteline::bite_line {
@@ -60,25 +61,27 @@ WayRound way_round(const Shoe& shoe, const Outline& outline) {
 class BesideSeam {
  public:
   void add(double s_mm, double o_mm) {
-    count_ += 1;
-    s_ += s_mm;
-    ss_ += s_mm * s_mm;
-    o_ += o_mm;
-    so_ += s_mm * o_mm;
+    line_.add(s_mm, o_mm);
+    s_sum_mm_ += s_mm;
+    o_sum_mm_ += o_mm;
+    least_s_mm_ = std::min(least_s_mm_, s_mm);
+    most_s_mm_ = std::max(most_s_mm_, s_mm);
     nearest_mm_ = std::min(nearest_mm_, std::abs(s_mm));
   }
   [[nodiscard]] std::optional<double> at_seam_mm() const {
-    constexpr double k_least_points = 6, k_least_spread_mm = 1;
-    const double spread = count_ * ss_ - s_ * s_;
-    if (count_ < k_least_points || nearest_mm_ > k_reach_mm / 2 ||
-        spread < count_ * count_ * k_least_spread_mm * k_least_spread_mm)
+    constexpr double k_least_points = 6, k_least_length_mm = 3;
+    const std::optional<double> slope = line_.slope();
+    if (!slope || line_.count() < k_least_points || nearest_mm_ > k_reach_mm / 2 ||
+        most_s_mm_ - least_s_mm_ < k_least_length_mm)
       return std::nullopt;
-    return (o_ - (count_ * so_ - s_ * o_) / spread * s_) / count_;
+    return (o_sum_mm_ - *slope * s_sum_mm_) / line_.count();
   }
 
  private:
-  double count_{0}, s_{0}, ss_{0}, o_{0}, so_{0};
-  double nearest_mm_{1e9};
+  geometry::LineSums line_;
+  double s_sum_mm_{0}, o_sum_mm_{0};
+  double least_s_mm_{k_reach_mm}, most_s_mm_{-k_reach_mm};
+  double nearest_mm_{k_reach_mm};
 };
 
 using Heights = std::vector<BesideSeam>;
