@@ -42,7 +42,7 @@ constexpr double k_least_visible_share = 0.70;
 constexpr double k_least_seen_share = 0.75;
 constexpr double k_least_turn_deg = 5.0;
 constexpr double k_least_evidence = 0.1;  // of a bare upper: below 0.01
-// Recorded scans and those of a soft arm come back to within 0.04 mm, clouds with noise to within 0.15.
+// Recorded scans and the demo's come back to within 0.04 mm, clouds with faults to within 0.15.
 constexpr double k_most_seam_step_mm = 0.5;
 // A strap or a tongue is no upper; a missing sector of 40 mm in a child's shoe leaves nine tenths.
 constexpr double k_least_upper_share = 0.8;
