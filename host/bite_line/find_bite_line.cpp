@@ -20,7 +20,8 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
   SideField field = clock.run("side", [&] { return SideField::build(*shoe, outline, {}); });
   Side side{std::move(*shoe), std::move(outline), std::move(field)};
   const Layers layers = clock.run("layers", [&] { return find_layers_along(side, {}, scan.looks); });
-  const std::optional<double> seam_mm = clock.run("seam", [&] { return seam_step_mm(scan, side); });
+  const std::optional<double> seam_mm =
+      clock.run("seam", [&] { return seam_step_mm(scan, side.shoe, side.outline); });
   Decision decision = clock.run("decision", [&] {
     return decide(layers, plan_shape(side_reach(side)), seam_mm, config.min_confidence_ratio);
   });

@@ -11,6 +11,7 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
   static constexpr std::array k_rows{
       Row{SampleUnusable, "sample_unusable", "scan the sample again, with its upper above the sole"},
       Row{UpperWithoutShoe, "upper_without_shoe", "put the upper into the sensor's sight and scan again"},
+      Row{DoesNotClose, "does_not_close", "scan the upper again; it must stand still meanwhile"},
       Row{TooLittleOverlap, "too_little_overlap", "scan the upper again, all the way round"},
       Row{DirectionNotFixed, "direction_not_fixed", "scan the upper again, with its collar, toe and heel"},
       Row{OtherFoot, "other_foot", "use the sample of this foot, or pass --mirror"},

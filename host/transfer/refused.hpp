@@ -9,6 +9,7 @@ namespace biteline::transfer {
 enum class Refused {
   SampleUnusable,         ///< its cloud holds no shoe, or next to nothing above its line
   UpperWithoutShoe,       ///< the upper's cloud holds no surface of a shoe's size
+  DoesNotClose,           ///< the upper moved while it was scanned
   TooLittleOverlap,       ///< the two scans share too little surface
   DirectionNotFixed,      ///< the common surface lets the upper slide in one direction
   OtherFoot,              ///< mirrored, it fits

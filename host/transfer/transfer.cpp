@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "common/core/fixed_text.hpp"
+#include "host/bite_line/side/seam.hpp"
 #include "host/cloud/flagged.hpp"
 #include "host/transfer/align/diagnosis.hpp"
 #include "host/transfer/carry/beside_line.hpp"
@@ -26,30 +27,33 @@ using transfer::PlacedPoint;
 using transfer::Sample;
 using transfer::Upper;
 
-/// The upper's mesh, only of an organised scan.  Made beside whatever goes on until it is asked for.
-class MeshBeside {
+/// What only an organised scan tells: the upper's mesh, and whether it stood still.  Made beside whatever
+/// goes on until it is asked for.
+class ScanBeside {
  public:
-  explicit MeshBeside(const cloud::PointCloud& upper) {
-    if (upper.organised()) work_.run([this, &upper] { made_ = ScanMesh::create(upper); });
+  explicit ScanBeside(const cloud::PointCloud& upper) {
+    if (!upper.organised()) return;
+    work_.run([this, &upper] { mesh_ = ScanMesh::create(upper); });
+    work_.run([this, &upper] { seam_step_mm_ = bite_line::seam_step_mm(upper); });
   }
-  MeshBeside(const MeshBeside&) = delete;
-  MeshBeside& operator=(const MeshBeside&) = delete;
-  ~MeshBeside() {
+  ScanBeside(const ScanBeside&) = delete;
+  ScanBeside& operator=(const ScanBeside&) = delete;
+  ~ScanBeside() {
     try {
       work_.wait();
     } catch (...) {  // nobody asks for it any more
     }
   }
 
-  /// Null where there is none.
-  [[nodiscard]] const ScanMesh* wait() {
-    work_.wait();
-    return made_ && made_->has_value() ? &**made_ : nullptr;
-  }
+  void wait() { work_.wait(); }
+  /// Null where there is none.  Pre, as of the next: waited for.
+  [[nodiscard]] const ScanMesh* mesh() const { return mesh_ && mesh_->has_value() ? &**mesh_ : nullptr; }
+  [[nodiscard]] std::optional<double> seam_step_mm() const { return seam_step_mm_; }
 
  private:
   tbb::task_group work_;
-  std::optional<Result<ScanMesh>> made_;
+  std::optional<Result<ScanMesh>> mesh_;
+  std::optional<double> seam_step_mm_;
 };
 
 std::vector<PlacedPoint> placed_line(const cloud::ClosedLine& line, const Sample& sample,
@@ -190,7 +194,7 @@ Transfer transfer_line(const ReadySample& sample, const cloud::PointCloud& upper
   const cloud::ClosedLine& line = sample.files().line;
   Transfer transfer;
   LapClock clock{transfer.stages};
-  MeshBeside mesh{upper};
+  ScanBeside beside{upper};
   std::optional<Result<Upper>> made_upper;
   tbb::parallel_invoke([&] { (void)sample.prepared(); }, [&] { made_upper = prepare_upper(upper); });
   if (!sample.prepared()) return refused(Refused::SampleUnusable, sample.prepared().error());
@@ -199,10 +203,19 @@ Transfer transfer_line(const ReadySample& sample, const cloud::PointCloud& upper
 
   const Sample& made_sample = *sample.prepared();
   transfer.alignment = transfer::align(made_sample, **made_upper, options.align);
-  const ScanMesh* upper_mesh = mesh.wait();
+  beside.wait();
+  transfer.seam_step_mm = beside.seam_step_mm();
+  const ScanMesh* upper_mesh = beside.mesh();
   transfer.from_mesh = upper_mesh != nullptr;
   clock.lap("align");
   const Alignment& alignment = transfer.alignment;
+  // A shoe that moved fits no sample, and the other reasons would not be the true one.
+  if (const double step_mm = transfer.seam_step_mm.value_or(0);
+      std::abs(step_mm) > bite_line::k_most_seam_step_mm) {
+    transfer.refusal =
+        Refusal{.code = Refused::DoesNotClose, .reason = bite_line::does_not_close(step_mm).c_str()};
+    return transfer;
+  }
   if (alignment.verdict == Verdict::OtherModel) {
     const Diagnosis diagnosis = diagnose(made_sample, **made_upper, options.align, alignment);
     transfer.alignment.verdict = diagnosis.verdict;

@@ -24,6 +24,8 @@ struct TransferOptions {
 struct Transfer {
   bool found{false};
   std::optional<Refusal> refusal{};  ///< when not found
+  std::optional<double>
+      seam_step_mm{};  ///< how far out the upper's scan ends from where it began, where it shows both
   transfer::Alignment alignment{};
   std::vector<transfer::PlacedPoint>
       placed{};  ///< the sample's line where the alignment has put it; empty when refused before

@@ -36,6 +36,14 @@ inline MadeCloud made_cloud(sim::ShoeClass shoe_class, std::uint64_t seed, const
   return made_cloud(sim::draw_shoe(shoe_class, seed), T_base_shoe);
 }
 
+/// As if somebody had pushed the shoe when so much of the scan was done.
+inline cloud::PointCloud pushed(cloud::PointCloud cloud, double share, const Eigen::Vector3f& by_mm) {
+  const double from = share * cloud.profile.back();
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (cloud.profile[i] > from) cloud.points[i] += by_mm;
+  return cloud;
+}
+
 /// Some place and yaw on the table.
 inline SE3 somewhere() {
   SE3 T = SE3::Identity();

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "common/core/fixed_text.hpp"
+#include "host/bite_line/side/seam.hpp"
 #include "host/geometry/logistic.hpp"
 
 namespace biteline::bite_line {
@@ -42,8 +43,6 @@ constexpr double k_least_visible_share = 0.70;
 constexpr double k_least_seen_share = 0.75;
 constexpr double k_least_turn_deg = 5.0;
 constexpr double k_least_evidence = 0.1;  // of a bare upper: below 0.01
-// Recorded scans and the demo's come back to within 0.04 mm, clouds with faults to within 0.15.
-constexpr double k_most_seam_step_mm = 0.5;
 // A strap or a tongue is no upper; a missing sector of 40 mm in a child's shoe leaves nine tenths.
 constexpr double k_least_upper_share = 0.8;
 // Made shoes and shapes of public origin read 0.97 and more, the edge of a fixture's plate below 0.21.
@@ -191,12 +190,9 @@ Decision decide(const Layers& layers, const PlanShape& plan, std::optional<doubl
   const Crease& line = layers.line;
   const double rivalled = share_below_half(layers.hold);
   const auto own = own_gates(line, plan);
-  const double apart_mm = std::abs(seam_step_mm.value_or(0));
   const std::array beside_others{
-      Gate{Refused::DoesNotClose, -apart_mm, -k_most_seam_step_mm, 0.03,
-           Sentence::format("the scan does not close: its end shows the shoe %.1f mm beside where its begin "
-                            "did; shoe or head moved, or the calibration does not hold",
-                            apart_mm)},
+      Gate{Refused::DoesNotClose, -std::abs(seam_step_mm.value_or(0)), -k_most_seam_step_mm, 0.03,
+           does_not_close(seam_step_mm.value_or(0))},
       Gate{Refused::CutIntoSole, -cut_into_sole(layers), -0.5, 0.12,
            Sentence::format(
                "no bite line: the crease at a mean height of %.1f mm belongs to the sole, whose edge "

@@ -8,6 +8,7 @@
 
 #include <tbb/parallel_invoke.h>
 
+#include "host/bite_line/side/side_outline.hpp"
 #include "host/geometry/fit.hpp"
 #include "host/geometry/robust.hpp"
 
@@ -87,11 +88,11 @@ class BesideSeam {
 using Heights = std::vector<BesideSeam>;
 
 /// What the points from `first` to `end` show beside the seam.
-Heights beside_seam(const Side& side, double seam_s_mm, std::size_t first, std::size_t end) {
+Heights beside_seam(const Shoe& shoe, const Outline& outline, double seam_s_mm, std::size_t first,
+                    std::size_t end) {
   constexpr float k_near_mm = 40;  // in plan: what is within reach of the seam lies nearer
   constexpr std::size_t k_enough = 50'000;
-  const Shoe& shoe = side.shoe;
-  const Eigen::Vector2f seam = side.outline.point(seam_s_mm).cast<float>();
+  const Eigen::Vector2f seam = outline.point(seam_s_mm).cast<float>();
   std::vector<Eigen::Vector3f> near;
   const std::size_t step = (end - first) / k_enough + 1;
   for (std::size_t i = first; i < end; i += step) {
@@ -101,11 +102,11 @@ Heights beside_seam(const Side& side, double seam_s_mm, std::size_t first, std::
   }
   // Located anew: of two layers of a moved shoe the side's own places hold the outer one alone.
   std::vector<OutlinePlace> places(near.size());
-  side.outline.locate(near, places);
+  outline.locate(near, places);
   Heights heights;
   for (const OutlinePlace& place : places) {
     if (place.s_mm < 0 || place.z_mm < 0) continue;
-    const double s_mm = away_mm(seam_s_mm, static_cast<double>(place.s_mm), side.outline);
+    const double s_mm = away_mm(seam_s_mm, static_cast<double>(place.s_mm), outline);
     if (std::abs(s_mm) > k_reach_mm) continue;
     const auto at = static_cast<std::size_t>(static_cast<double>(place.z_mm) / k_height_mm);
     if (heights.size() <= at) heights.resize(at + 1);
@@ -116,20 +117,20 @@ Heights beside_seam(const Side& side, double seam_s_mm, std::size_t first, std::
 
 }  // namespace
 
-std::optional<double> seam_step_mm(const ScanPoints& scan, const Side& side) {
+std::optional<double> seam_step_mm(const ScanPoints& scan, const Shoe& shoe, const Outline& outline) {
   constexpr std::size_t k_least_points = 4096;
   constexpr double k_most_lap_share = 0.4;  // more is no scan that goes round once
-  const std::size_t count = side.shoe.points.size();
+  const std::size_t count = shoe.points.size();
   if (!scan.in_scan_order || count < k_least_points) return std::nullopt;
-  const WayRound way = way_round(side.shoe, side.outline);
-  const double length_mm = side.outline.length_mm();
+  const WayRound way = way_round(shoe, outline);
+  const double length_mm = outline.length_mm();
   const double lap_mm = std::abs(way.covered_mm) - length_mm;
   if (lap_mm < -k_reach_mm || lap_mm > k_most_lap_share * length_mm) return std::nullopt;
   double seam_s_mm = std::fmod(way.from_s_mm + std::copysign(lap_mm / 2, way.covered_mm), length_mm);
   if (seam_s_mm < 0) seam_s_mm += length_mm;
   Heights begin, end;
-  tbb::parallel_invoke([&] { begin = beside_seam(side, seam_s_mm, 0, count / 2); },
-                       [&] { end = beside_seam(side, seam_s_mm, count / 2, count); });
+  tbb::parallel_invoke([&] { begin = beside_seam(shoe, outline, seam_s_mm, 0, count / 2); },
+                       [&] { end = beside_seam(shoe, outline, seam_s_mm, count / 2, count); });
   std::vector<double> steps_mm;
   for (std::size_t i = 0; i < std::min(begin.size(), end.size()); ++i) {
     const std::optional<double> before = begin[i].at_seam_mm(), after = end[i].at_seam_mm();
@@ -137,6 +138,22 @@ std::optional<double> seam_step_mm(const ScanPoints& scan, const Side& side) {
   }
   if (steps_mm.size() < k_least_heights) return std::nullopt;
   return geometry::median_of(std::move(steps_mm));
+}
+
+std::optional<double> seam_step_mm(const cloud::PointCloud& cloud) {
+  const PointRuns runs = runs_of(cloud);
+  const ScanPoints scan = runs.scan(cloud.points);
+  if (!scan.in_scan_order) return std::nullopt;
+  const OrRefusal<Shoe> shoe = find_shoe(scan.means);
+  if (!shoe) return std::nullopt;
+  return seam_step_mm(scan, *shoe, side_outline(*shoe));
+}
+
+FixedText<240> does_not_close(double seam_step_mm) {
+  return FixedText<240>::format(
+      "the scan does not close: its end shows the shoe %.1f mm beside where its "
+      "begin did; shoe or head moved, or the calibration does not hold",
+      std::abs(seam_step_mm));
 }
 
 }  // namespace biteline::bite_line

@@ -23,14 +23,6 @@ cloud::PointCloud made(std::uint64_t seed) {
   return test::made_cloud(sim::ShoeClass::Deep, seed, test::somewhere()).cloud;
 }
 
-/// As if somebody had pushed the shoe when so much of the scan was done.
-cloud::PointCloud pushed(cloud::PointCloud cloud, double share, const Eigen::Vector3f& by_mm) {
-  const double from = share * cloud.profile.back();
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    if (cloud.profile[i] > from) cloud.points[i] += by_mm;
-  return cloud;
-}
-
 /// Goes on for so many profiles behind its end, over what it saw first.
 cloud::PointCloud with_lap(cloud::PointCloud cloud, std::uint32_t profiles) {
   const std::size_t count = cloud.size();
@@ -45,10 +37,8 @@ cloud::PointCloud with_lap(cloud::PointCloud cloud, std::uint32_t profiles) {
 std::optional<double> step_mm(const cloud::PointCloud& cloud) {
   const PointRuns runs = runs_of(cloud);
   const ScanPoints scan = runs.scan(cloud.points);
-  Shoe shoe = *find_shoe(scan.means);
-  Outline outline = side_outline(shoe);
-  SideField field = SideField::build(shoe, outline, {});
-  return seam_step_mm(scan, {std::move(shoe), std::move(outline), std::move(field)});
+  const OrRefusal<Shoe> shoe = find_shoe(scan.means);
+  return seam_step_mm(scan, *shoe, side_outline(*shoe));
 }
 
 /// Most of the step over four ways in which a shoe may be pushed.
@@ -57,7 +47,7 @@ double most_mm(const cloud::PointCloud& cloud, double share, double by_mm) {
   for (int k = 0; k < 4; ++k) {
     const double angle = k * 0.785;
     const Eigen::Vector3d by{by_mm * std::cos(angle), by_mm * std::sin(angle), 0};
-    most = std::max(most, std::abs(step_mm(pushed(cloud, share, by.cast<float>())).value_or(0)));
+    most = std::max(most, std::abs(step_mm(test::pushed(cloud, share, by.cast<float>())).value_or(0)));
   }
   return most;
 }
@@ -101,7 +91,7 @@ TEST(Seam, AShoeThatMovedHasNoLine) {
   for (int k = 0; k < 4; ++k) {
     const double angle = k * 0.785;
     const Eigen::Vector3d by{3 * std::cos(angle), 3 * std::sin(angle), 0};
-    const Extraction sut = find_bite_line(pushed(sound, 0.5, by.cast<float>()), {});
+    const Extraction sut = find_bite_line(test::pushed(sound, 0.5, by.cast<float>()), {});
     if (sut.found) continue;  // along the wall at the seam, which nothing shows
     ++refused;
     CHECK(sut.refusal->code == Refused::DoesNotClose);

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "tests/support/errors.hpp"
+#include "tests/support/made_cloud.hpp"
 #include "tests/support/made_pair.hpp"
 #include "tests/support/refusals.hpp"
 
@@ -89,6 +90,19 @@ TEST(Transfer, ARefusalHasItsReasonAndNoLine) {
   CHECK(sut.refusal->code == Refused::OtherModel);
   STRCMP_CONTAINS("another model", sut.reason().c_str());
   CHECK(sut.carried.line.points.empty());
+}
+
+TEST(Transfer, AnUpperThatIsPushedWhileItIsScannedGetsNoLine) {
+  // Twice the limit and a little more.  Two ways at right angles: one of them is not along the wall at the
+  // seam.
+  int refused = 0;
+  for (const Eigen::Vector3f& by_mm : {Eigen::Vector3f{1.5F, 0, 0}, Eigen::Vector3f{0, 1.5F, 0}}) {
+    const Transfer sut = transfer_line(sample(), test::pushed(pair.upper_cloud, 0.5, by_mm), {});
+    if (sut.refusal && sut.refusal->code == Refused::DoesNotClose) ++refused;
+  }
+  CHECK_COMPARE(refused, >=, 1);
+  // Ten times a sound scan's, a tenth of the limit's twofold.
+  DOUBLES_EQUAL(0, transfer_line(sample(), pair.upper_cloud, {}).seam_step_mm.value(), 0.1);
 }
 
 TEST(Transfer, OneSampleServesOtherSizesWithinItsBound) {
