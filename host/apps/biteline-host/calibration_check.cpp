@@ -83,9 +83,9 @@ Result<drift::Watch> watch_of(const memory::Memory& memory, const std::string& h
   return drift::Watch{};
 }
 
-Json quantities_json(const drift::Watch& watch, const drift::Evidence& evidence) {
+Json quantities_json(const drift::Watch& watch, const drift::Evidence& evidence, const std::string& model) {
   Json rows = Json::array();
-  const drift::Sums seen = watch.seen(evidence);
+  const drift::Sums seen = watch.seen(evidence, model);
   const drift::Vector alone = seen.alone(), sigma = seen.alone_sigma();
   for (int i = 0; i < drift::k_quantities; ++i) {
     const drift::Quantity& quantity = drift::k_table.at(static_cast<std::size_t>(i));
@@ -108,7 +108,8 @@ Json quantities_json(const drift::Watch& watch, const drift::Evidence& evidence)
   return rows;
 }
 
-Json json_of(const drift::Watch& watch, const Result<drift::Evidence>& evidence, OnDrift on_drift) {
+Json json_of(const drift::Watch& watch, const Result<drift::Evidence>& evidence, OnDrift on_drift,
+             const std::string& model) {
   const drift::Verdict& verdict = watch.verdict();
   Json json{{"status", drift::to_string(verdict.status)},
             {"words", verdict.words},
@@ -137,7 +138,7 @@ Json json_of(const drift::Watch& watch, const Result<drift::Evidence>& evidence,
   json["limit"] = drift::SelfStarting::k_limit;
   json["cannot_see"] = blind.unseen;
   json["cannot_tell_apart"] = blind.mistaken;
-  json["quantities"] = quantities_json(watch, *evidence);
+  json["quantities"] = quantities_json(watch, *evidence, model);
   return json;
 }
 
@@ -179,7 +180,7 @@ Result<bool> check_calibration(const fs::path& folder, const Result<drift::Evide
           k_setting, kept_text,
           event("service", "calibration check", name, std::string(drift::to_string(verdict.status)))));
     }
-    report["calibration_check"] = json_of(watch, evidence, on_drift);
+    report["calibration_check"] = json_of(watch, evidence, on_drift, model);
     return report::write_file_atomically(folder / "report.json", report::to_text(report) + "\n");
   }();
   if (drifted) say_step("the calibration has drifted: %s", verdict.words.c_str());

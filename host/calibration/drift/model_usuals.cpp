@@ -20,21 +20,37 @@ Vector explained(const Sums& sums) {
 ModelUsuals::ModelUsuals(std::string first, std::map<std::string, Usual> of)
     : first_{std::move(first)}, of_{std::move(of)} {}
 
-std::optional<ModelUsuals::Said> ModelUsuals::take(const std::string& model, const Sums& seen, bool learns) {
+std::string ModelUsuals::name_of(const std::string& model) const {
+  return of_.contains(model) || of_.size() < k_most ? model : k_others;
+}
+
+ModelUsuals::Usual& ModelUsuals::own(const std::string& model) {
   if (of_.empty()) first_ = model;
-  const std::string& name = of_.contains(model) || of_.size() < k_most ? model : k_others;
-  Usual& own = of_[name];
+  return of_[name_of(model)];
+}
+
+void ModelUsuals::forget(const std::string& model, const Sums& seen) {
+  Usual& own = this->own(model);
+  own.sums.add(-seen.information, -seen.pull);
+  own.alone -= seen.alone();
+  --own.shoes;
+}
+
+std::optional<TablePlane> ModelUsuals::table_of(const std::string& model) const {
+  const auto found = of_.find(name_of(model));
+  return found == of_.end() ? std::nullopt : found->second.table;
+}
+
+std::optional<ModelUsuals::Said> ModelUsuals::take(const std::string& model, const Sums& seen, bool learns) {
+  Usual& own = this->own(model);
   const Usual& first = of_[first_];
   std::optional<Said> said;
-  if (name == first_) {
-    said = Said{.sums = seen, .alone = seen.alone()};
-  } else if (own.shoes >= k_least && first.shoes >= k_least) {
-    const Vector usual = explained(own.sums);
+  if (own.shoes >= k_least && first.shoes >= k_least) {
     Sums left = seen;
-    left.pull -= left.information * usual;
-    said = Said{.sums = left, .alone = left.alone() + first.alone / first.shoes};
-    said->sums.pull += said->sums.information * explained(first.sums);
+    left.pull -= left.information * explained(own.sums);
+    said = Said{.alone = left.alone() + first.alone / first.shoes, .left = left};
   }
+  if (is_first(model)) said = Said{.alone = seen.alone(), .left = said ? said->left : std::nullopt};
   if (learns) {
     own.sums.add(seen.information, seen.pull);
     own.alone += seen.alone();

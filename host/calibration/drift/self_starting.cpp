@@ -28,8 +28,6 @@ void SelfStarting::take(double value) {
     const double score = std::clamp(normal_of(t, state_.count - 1), -k_most_score, k_most_score);
     state_.high = std::max(0.0, state_.high + score - k_slack);
     state_.low = std::max(0.0, state_.low - score - k_slack);
-    state_.rising = state_.high > 0 ? state_.rising + 1 : 0;
-    state_.falling = state_.low > 0 ? state_.falling + 1 : 0;
   }
   state_.on_trial.push_back(value);
   if (state_.on_trial.size() <= k_on_trial) return;
@@ -39,11 +37,6 @@ void SelfStarting::take(double value) {
   const double off = proven - state_.mean;
   state_.mean += off / state_.count;
   state_.squares += off * (proven - state_.mean);
-}
-
-int SelfStarting::changed_for() const {
-  if (!changed()) return 0;
-  return state_.high > state_.low ? state_.rising : state_.falling;
 }
 
 }  // namespace biteline::drift

@@ -27,7 +27,6 @@ class SelfStarting {
     double mean{0}, squares{0};
     std::deque<double> on_trial{};
     double high{0}, low{0};
-    int rising{0}, falling{0};  ///< numbers since the sum left 0
   };
 
   explicit SelfStarting(double least_sigma) : least_sigma_{least_sigma} {}
@@ -36,8 +35,6 @@ class SelfStarting {
   /// Pre: finite.
   void take(double value);
   [[nodiscard]] bool changed() const { return state_.high > k_limit || state_.low > k_limit; }
-  /// How many of the last numbers the change is in; 0: none.
-  [[nodiscard]] int changed_for() const;
   [[nodiscard]] bool knows() const { return state_.count >= k_least; }
   [[nodiscard]] double mean() const { return state_.mean; }
   /// Of one number; never below `least_sigma`.

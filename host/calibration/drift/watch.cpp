@@ -74,10 +74,6 @@ std::string_view to_string(Status status) {
 
 Watch::Watch() : rows_(k_quantities, SelfStarting{k_least_sigma}) {}
 
-Vector Watch::usual() const {
-  return explained(sound_);
-}
-
 double Watch::spread() const {
   return sound_shoes_ > 0 ? std::max(1.0, scatter_ / sound_shoes_) : 1.0;
 }
@@ -93,8 +89,8 @@ void Watch::pass(const std::string& scan) {
 
 const Verdict& Watch::take(const std::string& scan, const Evidence& evidence, const std::string& model) {
   if (came_before(scan, last_scan_)) return verdict_;
-  heed_table(evidence.table);
-  const Sums sums = seen(evidence);
+  heed_table(evidence.table, model);
+  const Sums sums = seen(evidence, model);
   const Vector sigma = sums.alone_sigma();
   // Seen twice from one direction only: it would learn for ever.
   if (!(sigma.minCoeff() <= k_most_sigma)) {
@@ -114,14 +110,13 @@ const Verdict& Watch::take(const std::string& scan, const Evidence& evidence, co
       if (sigma[i] <= k_most_sigma) rows_.at(static_cast<std::size_t>(i)).take(said->alone[i]);
     }
   }
-  recent_.push_back(said->sums);
+  Recent recent{.model = model, .seen = sums, .scatter = {}, .learnt = !drifted};
+  if (said->left) recent.scatter = scatter_of(*said->left);
+  recent_.push_back(std::move(recent));
   if (recent_.size() > k_recent) {
-    if (!drifted) {
-      Sums left = recent_.front();
-      sound_.add(left.information, left.pull);
-      left.pull -= left.information * usual();
+    if (const Recent& proven = recent_.front(); !drifted && proven.scatter) {
       ++sound_shoes_;
-      scatter_ += scatter_of(left);
+      scatter_ += *proven.scatter;
     }
     recent_.pop_front();
   }
@@ -130,22 +125,55 @@ const Verdict& Watch::take(const std::string& scan, const Evidence& evidence, co
   return verdict_;
 }
 
-void Watch::heed_table(const std::optional<TableEvidence>& table) {
+void Watch::heed_table(const std::optional<TableEvidence>& table, const std::string& model) {
   if (!table) return;
-  if (table_ && table->is_another(*table_)) {
-    if (++another_table_ < k_another_table || verdict_.status == Status::Drifted) return;
-    Watch anew;
-    anew.last_scan_ = last_scan_;
-    *this = std::move(anew);
+  ModelUsuals::Usual& own = models_.own(model);
+  if (own.table && table->is_another(*own.table)) {
+    if (++own.on_another_table < k_another_table || verdict_.status == Status::Drifted) return;
+    if (models_.is_first(model)) {
+      Watch anew;
+      anew.last_scan_ = last_scan_;
+      *this = std::move(anew);
+      return heed_table(table, model);
+    }
+    own = {};
   }
-  another_table_ = 0;
-  if (!table_) table_ = table->plane;
+  own.on_another_table = 0;
+  if (!own.table) own.table = table->plane;
+}
+
+Sums Watch::changed_by(int shoes) const {
+  const std::size_t before = recent_.size() - std::min(recent_.size(), static_cast<std::size_t>(shoes));
+  ModelUsuals usual = models_;
+  for (std::size_t i = before; i < recent_.size(); ++i) {
+    if (recent_[i].learnt) usual.forget(recent_[i].model, recent_[i].seen);
+  }
+  Sums changed;
+  for (std::size_t i = before; i < recent_.size(); ++i) {
+    const Recent& shoe = recent_[i];
+    const ModelUsuals::Usual& own = usual.own(shoe.model);
+    if (own.shoes == 0) continue;
+    changed.add(shoe.seen.information, shoe.seen.pull - shoe.seen.information * explained(own.sums));
+  }
+  return changed;
+}
+
+int Watch::likeliest_change() const {
+  int best = 1;
+  double most = 0;
+  for (int shoes = 1; shoes <= static_cast<int>(recent_.size()); ++shoes) {
+    const Sums changed = changed_by(shoes);
+    if (const double evidence = changed.pull.dot(explained(changed)); evidence > most) {
+      most = evidence;
+      best = shoes;
+    }
+  }
+  return best;
 }
 
 void Watch::judge() {
-  for (const SelfStarting& row : rows_)
-    verdict_.for_shoes =
-        std::max(verdict_.for_shoes, std::min(row.changed_for(), static_cast<int>(k_recent)));
+  if (verdict_.for_shoes == 0 && std::ranges::any_of(rows_, &SelfStarting::changed))
+    verdict_.for_shoes = likeliest_change();
   if (verdict_.for_shoes == 0) {
     const bool knows = std::ranges::any_of(rows_, &SelfStarting::knows);
     verdict_.status = knows ? Status::Sound : Status::Learning;
@@ -156,15 +184,12 @@ void Watch::judge() {
                                 .view()};
     return;
   }
-  // What was usual before the change, and what came with it.
-  Sums usual_sums = sound_;
-  Sums changed;
-  const std::size_t before =
-      recent_.size() - std::min(recent_.size(), static_cast<std::size_t>(verdict_.for_shoes));
-  for (std::size_t i = 0; i < recent_.size(); ++i)
-    (i < before ? usual_sums : changed).add(recent_[i].information, recent_[i].pull);
-  changed.pull -= changed.information * explained(usual_sums);
   verdict_.status = Status::Drifted;
+  const Sums changed = changed_by(verdict_.for_shoes);
+  if (changed.information.isZero()) {
+    verdict_.words = "drifted, as was told before; of which part is no longer known";
+    return;
+  }
   verdict_.named = name(changed, spread());
   verdict_.words = words_of(*verdict_.named) + " drifted: " + largest_of(*verdict_.named) +
                    std::string{FixedText<64>::format(" over the last %d shoes", verdict_.for_shoes).view()};

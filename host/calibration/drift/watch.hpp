@@ -43,8 +43,10 @@ class Watch {
   void pass(const std::string& scan);
 
   [[nodiscard]] const Verdict& verdict() const { return verdict_; }
-  /// A scan's evidence as this watch counts it: the table from the usual one.
-  [[nodiscard]] Sums seen(const Evidence& evidence) const { return evidence.sums(table_); }
+  /// A scan's evidence as this watch counts it: the table from its model's usual one.
+  [[nodiscard]] Sums seen(const Evidence& evidence, const std::string& model = {}) const {
+    return evidence.sums(models_.table_of(model));
+  }
   [[nodiscard]] const SelfStarting& row(int quantity) const {
     return rows_.at(static_cast<std::size_t>(quantity));
   }
@@ -62,20 +64,29 @@ class Watch {
   /// Shoes on another table after which that one is the usual.
   static constexpr int k_another_table = 10;
 
-  /// Takes the first table for the usual one, and another one that stays: all is learnt anew on it.
-  void heed_table(const std::optional<TableEvidence>& table);
-  [[nodiscard]] Vector usual() const;
+  /// Takes a model's first table for its usual one, and another one that stays: the model is learnt anew on
+  /// it.  All is, where the others count from that model.
+  void heed_table(const std::optional<TableEvidence>& table, const std::string& model);
+  struct Recent {
+    std::string model{};
+    Sums seen{};
+    std::optional<double> scatter{};  ///< of what its model's usual leaves, per degree of freedom
+    bool learnt{true};                ///< its model's usual holds it
+  };
+
   [[nodiscard]] double spread() const;
+  /// Since how many shoes: what explains them best (Hinkley, "Inference about the change-point in a sequence
+  /// of random variables", 1970).
+  [[nodiscard]] int likeliest_change() const;
+  /// What the last shoes have beyond the usual of their models before.
+  [[nodiscard]] Sums changed_by(int shoes) const;
   void judge();
 
   std::vector<SelfStarting> rows_;  ///< one for each quantity
-  std::deque<Sums> recent_;         ///< the last shoes, oldest first
-  Sums sound_;                      ///< of those before
-  int sound_shoes_{0};
-  double scatter_{0};  ///< sum over sound shoes of what the usual leaves, per degree of freedom
+  std::deque<Recent> recent_;       ///< the last shoes, oldest first
+  int sound_shoes_{0};              ///< of those before, with a known scatter
+  double scatter_{0};               ///< their sum
   ModelUsuals models_;
-  std::optional<TablePlane> table_;  ///< the usual one
-  int another_table_{0};             ///< shoes on another one, one after the other
   std::string last_scan_;
   Verdict verdict_;
 };

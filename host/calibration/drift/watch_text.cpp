@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int k_version = 3;
+constexpr int k_version = 4;
 /// A sum over a lifetime of shoes; beyond it is no number of ours.
 constexpr NumberRange k_plausible{.minimum = -1e15, .maximum = 1e15};
 
@@ -23,6 +23,11 @@ Json json_of(const Sums& sums) {
   }
   for (const double value : sums.pull) values.push_back(value);
   return values;
+}
+
+Json json_of(const std::optional<TablePlane>& table) {
+  if (!table) return {};
+  return {table->middle.x(), table->middle.y(), table->height_mm, table->slope_x, table->slope_y};
 }
 
 /// Reads numbers only; anything else makes it wrong, once and for all.
@@ -79,6 +84,11 @@ class Reader {
     for (int i = 0; i < k_quantities; ++i) values[i] = number(json[static_cast<std::size_t>(i)]);
     return values;
   }
+  bool flag(const Json& json, const char* key) {
+    const Json& found = value(json, key);
+    if (!found.is_boolean()) sound_ = false;
+    return sound_ && found.get<bool>();
+  }
   std::string text(const Json& json, const char* key) {
     const Json& found = value(json, key);
     if (found.is_string()) return found.get<std::string>();
@@ -90,7 +100,9 @@ class Reader {
     for (const Json& model : list(json, "models", ModelUsuals::k_most + 1))
       of[text(model, "name")] = {.sums = sums(value(model, "sums")),
                                  .alone = vector(value(model, "alone")),
-                                 .shoes = count(model, "shoes")};
+                                 .shoes = count(model, "shoes"),
+                                 .table = table(value(model, "table")),
+                                 .on_another_table = count(model, "on_another_table")};
     std::string first = text(json, "first_model");
     if (!of.empty() && !of.contains(first)) sound_ = false;
     return {std::move(first), std::move(of)};
@@ -123,33 +135,27 @@ std::string Watch::to_text() const {
                     {"squares", s.squares},
                     {"on_trial", s.on_trial},
                     {"high", s.high},
-                    {"low", s.low},
-                    {"rising", s.rising},
-                    {"falling", s.falling}});
+                    {"low", s.low}});
   }
-  for (const Sums& sums : recent_) recent.push_back(json_of(sums));
+  for (const Recent& shoe : recent_)
+    recent.push_back({{"model", shoe.model},
+                      {"seen", json_of(shoe.seen)},
+                      {"scatter", shoe.scatter ? Json(*shoe.scatter) : Json{}},
+                      {"learnt", shoe.learnt}});
   Json models = Json::array();
   for (const auto& [name, usual] : models_.of())
     models.push_back({{"name", name},
                       {"shoes", usual.shoes},
                       {"sums", json_of(usual.sums)},
-                      {"alone", std::vector<double>(usual.alone.begin(), usual.alone.end())}});
-  Json table;
-  if (table_)
-    table = {table_->middle.x(), table_->middle.y(), table_->height_mm, table_->slope_x, table_->slope_y};
-  return Json{{"version", k_version},
-              {"rows", rows},
-              {"recent", recent},
-              {"sound", json_of(sound_)},
-              {"sound_shoes", sound_shoes_},
-              {"scatter", scatter_},
-              {"first_model", models_.first()},
-              {"models", models},
-              {"table", table},
-              {"another_table", another_table_},
-              {"last_scan", last_scan_},
-              {"shoes", verdict_.shoes},
-              {"drifted_for", verdict_.status == Status::Drifted ? verdict_.for_shoes : 0}}
+                      {"alone", std::vector<double>(usual.alone.begin(), usual.alone.end())},
+                      {"table", json_of(usual.table)},
+                      {"on_another_table", usual.on_another_table}});
+  return Json{
+      {"version", k_version},    {"rows", rows},
+      {"recent", recent},        {"sound_shoes", sound_shoes_},
+      {"scatter", scatter_},     {"first_model", models_.first()},
+      {"models", models},        {"last_scan", last_scan_},
+      {"shoes", verdict_.shoes}, {"drifted_for", verdict_.status == Status::Drifted ? verdict_.for_shoes : 0}}
       .dump();
 }
 
@@ -157,7 +163,13 @@ Result<Watch> Watch::from_text(const std::string& text) {
   const Json json = Json::parse(text, nullptr, false);
   Reader reader;
   Watch watch;
-  const bool known = reader.count(json, "version") == k_version;
+  const int version = reader.count(json, "version");
+  if (version > 0 && version < k_version && reader.count(json, "drifted_for") > 0 && reader.sound()) {
+    // What an earlier release learnt is not read; its alarm stays.
+    watch.verdict_.for_shoes = 1;
+    watch.judge();
+    return watch;
+  }
   const Json& rows = reader.list(json, "rows", k_quantities);
   if (rows.size() == k_quantities) {
     watch.rows_.clear();
@@ -167,27 +179,28 @@ Result<Watch> Watch::from_text(const std::string& text) {
                                 .squares = reader.number(row, "squares"),
                                 .on_trial = {},
                                 .high = reader.number(row, "high"),
-                                .low = reader.number(row, "low"),
-                                .rising = reader.count(row, "rising"),
-                                .falling = reader.count(row, "falling")};
+                                .low = reader.number(row, "low")};
       for (const Json& value : reader.list(row, "on_trial", SelfStarting::k_on_trial))
         state.on_trial.push_back(reader.number(value));
       watch.rows_.emplace_back(Watch::k_least_sigma, std::move(state));
     }
   }
-  for (const Json& sums : reader.list(json, "recent", Watch::k_recent))
-    watch.recent_.push_back(reader.sums(sums));
-  watch.sound_ = reader.sums(reader.value(json, "sound"));
+  for (const Json& shoe : reader.list(json, "recent", Watch::k_recent)) {
+    const Json& scatter = reader.value(shoe, "scatter");
+    watch.recent_.push_back(
+        {.model = reader.text(shoe, "model"),
+         .seen = reader.sums(reader.value(shoe, "seen")),
+         .scatter = scatter.is_null() ? std::nullopt : std::optional{reader.number(scatter)},
+         .learnt = reader.flag(shoe, "learnt")});
+  }
   watch.sound_shoes_ = reader.count(json, "sound_shoes");
   watch.scatter_ = reader.number(json, "scatter");
   watch.models_ = reader.models(json);
-  watch.table_ = reader.table(reader.value(json, "table"));
-  watch.another_table_ = reader.count(json, "another_table");
   const Json& last = reader.value(json, "last_scan");
   watch.last_scan_ = last.is_string() ? last.get<std::string>() : std::string{};
   watch.verdict_.shoes = reader.count(json, "shoes");
   watch.verdict_.for_shoes = reader.count(json, "drifted_for");
-  if (!known || !reader.sound() || rows.size() != k_quantities)
+  if (version != k_version || !reader.sound() || rows.size() != k_quantities)
     return fail(Errc::BadFormat, "calibration check: its memory cannot be read; it learns anew");
   if (watch.verdict_.shoes > 0) watch.judge();
   return watch;

@@ -7,6 +7,7 @@
 
 #include "tests/support/errors.hpp"
 #include "tests/unit/host/calibration/drift/seen_ball.hpp"
+#include "tests/unit/host/calibration/drift/seen_table_round.hpp"
 
 namespace biteline::drift {
 
@@ -31,6 +32,24 @@ TEST_GROUP(Watch) {
     }
   }
   bool by_name{true};
+  /// As see(), on a table that stands so much higher, in fault sizes.
+  void see_on_table(const Vector& drifted, const std::string& model, double higher) {
+    const auto seed = static_cast<std::uint64_t>(100 + shoes);
+    auto evidence = look_at(scan_ball({.drifted = drifted, .seed = seed}).view(), ball_head());
+    SUCCEEDS(evidence);
+    evidence->table =
+        see_table(scan_table({.drifted = drifted + higher * Vector::Unit(k_table_at), .seed = seed}).view(),
+                  ball_head());
+    CHECK(evidence->table.has_value());
+    sut.take("scan-" + std::to_string(shoes++), *evidence, model);
+  }
+  /// The second one on a fixture that is 40 mm higher.
+  void see_on_fixtures(int count, const Vector& drifted = Vector::Zero()) {
+    for (int i = 0; i < count && sut.verdict().status != Status::Drifted; ++i) {
+      const bool second = shoes % 2 == 1;
+      see_on_table(drifted, second ? "boot" : "court", second ? 400 : 0);
+    }
+  }
   void learn(int count) {
     for (int i = 0; i < count; ++i) see();
   }
@@ -71,6 +90,30 @@ TEST(Watch, ModelsInTurnHaveAUsualOfTheirOwn) {
     CHECK(sut.verdict().status == Status::Drifted);
     CHECK(shoes - before <= 5);
   }
+}
+
+TEST(Watch, EachModelMayStandOnAFixtureOfItsOwn) {
+  see_on_fixtures(30);
+  CHECK(sut.verdict().status == Status::Sound);
+  // What the table shows and the ball hardly does.
+  const Watch sound = *Watch::from_text(sut.to_text());
+  for (const int i : {5, 8}) {
+    sut = sound;
+    const int before = shoes;
+    see_on_fixtures(5, Vector::Unit(i));
+    CHECK(sut.verdict().status == Status::Drifted);
+    CHECK(shoes - before <= 4);
+  }
+}
+
+TEST(Watch, AModelOnAnotherFixtureIsLearntAnewAndTheOthersAreNot) {
+  see_on_fixtures(30);
+  for (int i = 0; i < 14; ++i) see_on_table(Vector::Zero(), "boot", 200);
+  CHECK(sut.verdict().status == Status::Sound);
+  LONGS_EQUAL(44, sut.verdict().shoes);
+  for (int i = 0; i < 4 && sut.verdict().status != Status::Drifted; ++i)
+    see_on_table(Vector::Unit(5), "boot", 200);
+  CHECK(sut.verdict().status == Status::Drifted);
 }
 
 TEST(Watch, WithoutTheirNamesTheSameModelsHideADrift) {
@@ -127,13 +170,23 @@ TEST(Watch, GoesOnFromItsTextAsIfNothingHadBeen) {
   }
 }
 
+TEST(Watch, AnEarlierReleasesDriftStaysToldUntilSomebodyCalibrates) {
+  sut = *Watch::from_text(R"({"version":3,"drifted_for":4})");
+  CHECK(sut.verdict().status == Status::Drifted);
+  CHECK_FALSE(sut.verdict().named.has_value());
+  learn(3);
+  CHECK(sut.verdict().status == Status::Drifted);
+  CHECK(Watch::from_text(sut.to_text())->verdict().status == Status::Drifted);
+  FAILS_NAMING(Errc::BadFormat, "calibration check", Watch::from_text(R"({"version":3,"drifted_for":0})"));
+}
+
 TEST(Watch, TextThatIsNoneIsRefused) {
   see();
   const std::string text = sut.to_text();
   for (const std::string& bad :
        {std::string{}, std::string{"{}"}, std::string{"[1,2]"}, text.substr(0, text.size() / 2),
         std::string{text}.replace(text.find("\"sound_shoes\":"), 15, "\"sound_shoes\":-"),
-        std::string{text}.replace(text.find("\"version\":3"), 11, "\"version\":1")}) {
+        std::string{text}.replace(text.find("\"version\":4"), 11, "\"version\":1")}) {
     FAILS_NAMING(Errc::BadFormat, "calibration check", Watch::from_text(bad));
   }
 }
