@@ -9,6 +9,7 @@
 
 #include "common/geometry/se3.hpp"
 #include "host/bite_line/refused.hpp"
+#include "host/bite_line/side/seam_step.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/cloud/uncertainty/arm_sway.hpp"
 #include "host/cloud/uncertainty/scan_spread.hpp"
@@ -42,8 +43,7 @@ struct Extraction {
   cloud::ClosedLine line{};          ///< empty when not found
   double confidence{0};              ///< that the line as a whole is the bite line
   double closure_mm{0};              ///< of the published method; other lines close
-  std::optional<double>
-      seam_step_mm{};  ///< how far out the scan's end lies from its begin, where it shows both
+  std::optional<SeamStep> seam{};    ///< how far the scan's end lies from its begin, where it shows both
   double length_mm{0};
   double bridged_mm{0};     ///< length without a visible crease, bridged from both sides
   bool head_in_u95{false};  ///< U95 holds calibration, poses and clock beside noise, gaps and layers

@@ -20,10 +20,10 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
   SideField field = clock.run("side", [&] { return SideField::build(*shoe, outline, {}); });
   Side side{std::move(*shoe), std::move(outline), std::move(field)};
   const Layers layers = clock.run("layers", [&] { return find_layers_along(side, {}, scan.looks); });
-  const std::optional<double> seam_mm =
-      clock.run("seam", [&] { return seam_step_mm(scan, side.shoe, side.outline); });
+  const std::optional<SeamStep> seam =
+      clock.run("seam", [&] { return seam_step(scan, side.shoe, side.outline); });
   Decision decision = clock.run("decision", [&] {
-    return decide(layers, plan_shape(side_reach(side)), seam_mm, config.min_confidence_ratio);
+    return decide(layers, plan_shape(side_reach(side)), seam, config.min_confidence_ratio);
   });
   PlacedLine placed = clock.run("place", [&] {
     if (decision.refusal) return PlacedLine{};
@@ -36,7 +36,7 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
     if (config.head != nullptr && !scan.poses.empty()) whole.head.emplace(*config.head, scan.poses);
     return finish(side, decision, placed, config, whole);
   });
-  extraction.seam_step_mm = seam_mm;
+  extraction.seam = seam;
   extraction.stages = clock.take();
   if (workings != nullptr)
     workings->emplace(Workings{std::move(side), std::move(decision), std::move(placed)});

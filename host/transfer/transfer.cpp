@@ -34,7 +34,7 @@ class ScanBeside {
   explicit ScanBeside(const cloud::PointCloud& upper) {
     if (!upper.organised()) return;
     work_.run([this, &upper] { mesh_ = ScanMesh::create(upper); });
-    work_.run([this, &upper] { seam_step_mm_ = bite_line::seam_step_mm(upper); });
+    work_.run([this, &upper] { seam_ = bite_line::seam_step(upper); });
   }
   ScanBeside(const ScanBeside&) = delete;
   ScanBeside& operator=(const ScanBeside&) = delete;
@@ -48,12 +48,12 @@ class ScanBeside {
   void wait() { work_.wait(); }
   /// Null where there is none.  Pre, as of the next: waited for.
   [[nodiscard]] const ScanMesh* mesh() const { return mesh_ && mesh_->has_value() ? &**mesh_ : nullptr; }
-  [[nodiscard]] std::optional<double> seam_step_mm() const { return seam_step_mm_; }
+  [[nodiscard]] const std::optional<bite_line::SeamStep>& seam() const { return seam_; }
 
  private:
   tbb::task_group work_;
   std::optional<Result<ScanMesh>> mesh_;
-  std::optional<double> seam_step_mm_;
+  std::optional<bite_line::SeamStep> seam_;
 };
 
 std::vector<PlacedPoint> placed_line(const cloud::ClosedLine& line, const Sample& sample,
@@ -204,16 +204,15 @@ Transfer transfer_line(const ReadySample& sample, const cloud::PointCloud& upper
   const Sample& made_sample = *sample.prepared();
   transfer.alignment = transfer::align(made_sample, **made_upper, options.align);
   beside.wait();
-  transfer.seam_step_mm = beside.seam_step_mm();
+  transfer.seam = beside.seam();
   const ScanMesh* upper_mesh = beside.mesh();
   transfer.from_mesh = upper_mesh != nullptr;
   clock.lap("align");
   const Alignment& alignment = transfer.alignment;
   // A shoe that moved fits no sample, and the other reasons would not be the true one.
-  if (const double step_mm = transfer.seam_step_mm.value_or(0);
-      std::abs(step_mm) > bite_line::k_most_seam_step_mm) {
+  if (transfer.seam && transfer.seam->moved_mm > bite_line::k_most_moved_mm) {
     transfer.refusal =
-        Refusal{.code = Refused::DoesNotClose, .reason = bite_line::does_not_close(step_mm).c_str()};
+        Refusal{.code = Refused::DoesNotClose, .reason = bite_line::does_not_close(*transfer.seam).c_str()};
     return transfer;
   }
   if (alignment.verdict == Verdict::OtherModel) {

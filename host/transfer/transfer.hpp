@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "host/bite_line/side/seam_step.hpp"
 #include "host/cloud/uncertainty/whole_scan.hpp"
 #include "host/records/report/stage_clock.hpp"
 #include "host/transfer/align/alignment.hpp"
@@ -24,8 +25,8 @@ struct TransferOptions {
 struct Transfer {
   bool found{false};
   std::optional<Refusal> refusal{};  ///< when not found
-  std::optional<double>
-      seam_step_mm{};  ///< how far out the upper's scan ends from where it began, where it shows both
+  std::optional<bite_line::SeamStep>
+      seam{};  ///< how far out the upper's scan ends from where it began, where it shows both
   transfer::Alignment alignment{};
   std::vector<transfer::PlacedPoint>
       placed{};  ///< the sample's line where the alignment has put it; empty when refused before

@@ -34,8 +34,8 @@ Surface::Surface(std::vector<Eigen::Vector3f> points, PointRuns runs, Side side)
   likeness_ = std::move(evidence.likeness);
   cost_ = std::move(evidence.cost);
   decision_ =
-      decide(layers, plan_shape(side_reach(side_)),
-             seam_step_mm(runs_.scan(points_), side_.shoe, side_.outline), Config{}.min_confidence_ratio);
+      decide(layers, plan_shape(side_reach(side_)), seam_step(runs_.scan(points_), side_.shoe, side_.outline),
+             Config{}.min_confidence_ratio);
 }
 
 ScanPoints Surface::points() const {

@@ -7,7 +7,6 @@
 #include <span>
 
 #include "common/core/fixed_text.hpp"
-#include "host/bite_line/side/seam.hpp"
 #include "host/geometry/logistic.hpp"
 
 namespace biteline::bite_line {
@@ -185,14 +184,14 @@ bool all_pass(std::span<const Gate> gates) {
 
 }  // namespace
 
-Decision decide(const Layers& layers, const PlanShape& plan, std::optional<double> seam_step_mm,
+Decision decide(const Layers& layers, const PlanShape& plan, const std::optional<SeamStep>& seam,
                 double min_confidence) {
   const Crease& line = layers.line;
   const double rivalled = share_below_half(layers.hold);
   const auto own = own_gates(line, plan);
   const std::array beside_others{
-      Gate{Refused::DoesNotClose, -std::abs(seam_step_mm.value_or(0)), -k_most_seam_step_mm, 0.03,
-           does_not_close(seam_step_mm.value_or(0))},
+      Gate{Refused::DoesNotClose, -seam.value_or(SeamStep{}).moved_mm, -k_most_moved_mm, 0.03,
+           does_not_close(seam.value_or(SeamStep{}))},
       Gate{Refused::CutIntoSole, -cut_into_sole(layers), -0.5, 0.12,
            Sentence::format(
                "no bite line: the crease at a mean height of %.1f mm belongs to the sole, whose edge "

@@ -9,6 +9,7 @@
 #include "host/bite_line/layers/layers.hpp"
 #include "host/bite_line/refused.hpp"
 #include "host/bite_line/shoe/plan_shape.hpp"
+#include "host/bite_line/side/seam_step.hpp"
 
 namespace biteline::bite_line {
 
@@ -32,10 +33,10 @@ struct Decision {
 /// What a bite line is, on what has a shoe's outline: a crease all the way round; an upper goes on above it;
 /// below it the sole stands out, or at least the two are not one surface; and it keeps to one layer.
 ///
-/// `seam_step_mm`: how far the scan's end lies from its begin, where it shows both.
+/// `seam`: how far the scan's end lies from its begin, where it shows both.
 ///
 /// One table of gates.  Their product is the confidence, and the first that says no is the reason.
-[[nodiscard]] Decision decide(const Layers& layers, const PlanShape& plan, std::optional<double> seam_step_mm,
-                              double min_confidence);
+[[nodiscard]] Decision decide(const Layers& layers, const PlanShape& plan,
+                              const std::optional<SeamStep>& seam, double min_confidence);
 
 }  // namespace biteline::bite_line

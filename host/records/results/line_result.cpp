@@ -77,13 +77,19 @@ Result<void> prepare_result_folder(const std::filesystem::path& folder) {
   return {};
 }
 
+void fill_seam(const std::optional<bite_line::SeamStep>& seam, report::Report& report) {
+  if (!seam) return;
+  report.fields["seam_step_mm"] = seam->out_mm;
+  report.fields["moved_mm"] = seam->moved_mm;
+}
+
 Result<ExitStatus> write_line_files(const std::filesystem::path& folder, const cloud::PointCloud& cloud,
                                     const bite_line::Extraction& extraction, report::Report& report) {
   report.fields["points"] = cloud.size();
+  fill_seam(extraction.seam, report);
   if (extraction.found) {
     report.fields["length_mm"] = extraction.length_mm;
     report.fields["closure_mm"] = extraction.closure_mm;
-    if (extraction.seam_step_mm) report.fields["seam_step_mm"] = *extraction.seam_step_mm;
     report.fields["confidence"] = extraction.confidence;
     report.fields["bridged_mm"] = extraction.bridged_mm;
     report.fields["line_points"] = extraction.line.points.size();

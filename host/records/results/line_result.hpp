@@ -51,6 +51,9 @@ template <class Workings>
                                                    const bite_line::Extraction& extraction,
                                                    const StageSource& stages, report::Report& report);
 
+/// `seam_step_mm` and `moved_mm` of report.json; neither where the scan does not show them.
+void fill_seam(const std::optional<bite_line::SeamStep>& seam, report::Report& report);
+
 /// One line for a person: what was found or why not.
 [[nodiscard]] std::string summary(const bite_line::Extraction& extraction);
 

@@ -60,7 +60,7 @@ void fill(const transfer::Transfer& transfer, report::Report& report) {
   if (!transfer.stages.empty()) report.fields["alignment"] = json_of(transfer.alignment);
   report.fields["confidence"] = transfer.confidence;
   report.fields["bound_mm"] = transfer.bound_mm;
-  if (transfer.seam_step_mm) report.fields["seam_step_mm"] = *transfer.seam_step_mm;
+  fill_seam(transfer.seam, report);
   if (!transfer.alignment.next_step.empty()) report.fields["next_step"] = transfer.alignment.next_step;
   report.fields["surface"] = transfer.from_mesh ? "mesh" : "points";
   for (const report::StageTime& stage : transfer.stages)

@@ -201,12 +201,12 @@ class Pictures {
     std::fprintf(
         stderr,
         "%5llu %-10s %-13s %-11s size %g %3.0f mm/s %-7s %s wrong %.1f mm mean %.3f max %.2f flagged "
-        "%.3f conf %.3f %s\n",
+        "%.3f conf %.3f moved %.3f %s\n",
         static_cast<unsigned long long>(index), std::string{sim::name_of(cell.sweep.shoe.shoe_class)}.c_str(),
         std::string{sim::name_of(cell.sweep.shoe.decoy)}.c_str(), fault.c_str(), cell.size, cell.speed_mm_s,
         word_for(verdict.judged), judgement.scan.plain_to_see ? "plain" : "weak", verdict.wrong_mm,
         verdict.mean_mm, verdict.max_mm, verdict.flagged_share, judgement.found.confidence,
-        judgement.found.reason().c_str());
+        judgement.found.seam.value_or(bite_line::SeamStep{}).moved_mm, judgement.found.reason().c_str());
   }
 
   static void print(const std::string& what, const Tally& tally) {

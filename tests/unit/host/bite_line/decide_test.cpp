@@ -185,19 +185,19 @@ TEST(Decide, ASmoothFilletIsNoCrease) {
 TEST(Decide, AScanWhoseEndLiesBesideItsBeginDoesNotClose) {
   const Layers sound = layers(crease(26, 60, 3.0));
   CHECK_FALSE(decide(sound, shoe_plan(), std::nullopt, 0.5).refusal.has_value());
-  CHECK_FALSE(decide(sound, shoe_plan(), 0.2, 0.5).refusal.has_value());
-  for (const double apart_mm : {-1.0, 0.7, 3.0}) {
-    const Decision sut = decide(sound, shoe_plan(), apart_mm, 0.5);
+  CHECK_FALSE(decide(sound, shoe_plan(), SeamStep{.moved_mm = 0.2}, 0.5).refusal.has_value());
+  for (const double moved_mm : {0.6, 3.0}) {
+    const Decision sut = decide(sound, shoe_plan(), SeamStep{.moved_mm = moved_mm}, 0.5);
     refuses(Refused::DoesNotClose, sut);
-    STRCMP_CONTAINS("beside where its begin", sut.refusal->reason.c_str());
+    STRCMP_CONTAINS("where it lay at its begin", sut.refusal->reason.c_str());
   }
 }
 
 TEST(Decide, AMovedShoeIsToldAsSuchAndNotAsALineThatIsRivalled) {
   Layers torn = layers(crease(26, 60, 3.0));
   std::fill_n(torn.hold.begin(), 40, 0.1F);
-  refuses(Refused::Rivalled, decide(torn, shoe_plan(), 0.1, 0.5));
-  refuses(Refused::DoesNotClose, decide(torn, shoe_plan(), 4.0, 0.5));
+  refuses(Refused::Rivalled, decide(torn, shoe_plan(), SeamStep{.moved_mm = 0.1}, 0.5));
+  refuses(Refused::DoesNotClose, decide(torn, shoe_plan(), SeamStep{.moved_mm = 4}, 0.5));
 }
 
 TEST(Decide, MostOfTheSideUnseenIsToldAsSuch) {

@@ -34,11 +34,23 @@ cloud::PointCloud with_lap(cloud::PointCloud cloud, std::uint32_t profiles) {
   return cloud;
 }
 
-std::optional<double> step_mm(const cloud::PointCloud& cloud) {
+std::optional<SeamStep> step_of(const cloud::PointCloud& cloud) {
   const PointRuns runs = runs_of(cloud);
   const ScanPoints scan = runs.scan(cloud.points);
   const OrRefusal<Shoe> shoe = find_shoe(scan.means);
-  return seam_step_mm(scan, *shoe, side_outline(*shoe));
+  return seam_step(scan, *shoe, side_outline(*shoe));
+}
+
+/// As if the shoe had turned about its middle while it was scanned.
+cloud::PointCloud turned(cloud::PointCloud cloud, double by_rad) {
+  Eigen::Vector3f middle = Eigen::Vector3f::Zero();
+  for (const Eigen::Vector3f& point : cloud.points) middle += point / static_cast<float>(cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const double share = static_cast<double>(cloud.profile[i]) / cloud.profile.back();
+    const Eigen::AngleAxisf turn{static_cast<float>(share * by_rad), Eigen::Vector3f::UnitZ()};
+    cloud.points[i] = middle + turn * (cloud.points[i] - middle);
+  }
+  return cloud;
 }
 
 /// Most of the step over four ways in which a shoe may be pushed.
@@ -47,7 +59,8 @@ double most_mm(const cloud::PointCloud& cloud, double share, double by_mm) {
   for (int k = 0; k < 4; ++k) {
     const double angle = k * 0.785;
     const Eigen::Vector3d by{by_mm * std::cos(angle), by_mm * std::sin(angle), 0};
-    most = std::max(most, std::abs(step_mm(test::pushed(cloud, share, by.cast<float>())).value_or(0)));
+    most = std::max(
+        most, std::abs(step_of(test::pushed(cloud, share, by.cast<float>())).value_or(SeamStep{}).out_mm));
   }
   return most;
 }
@@ -58,8 +71,8 @@ TEST_GROUP(Seam){};
 
 TEST(Seam, ASoundScansEndLiesWhereItBegan) {
   for (const std::uint64_t seed : {11, 12, 13}) {
-    DOUBLES_EQUAL(0, step_mm(made(seed)).value(), k_sound_mm);
-    DOUBLES_EQUAL(0, step_mm(with_lap(made(seed), 30)).value(), k_sound_mm);
+    DOUBLES_EQUAL(0, step_of(made(seed)).value().moved_mm, k_sound_mm);
+    DOUBLES_EQUAL(0, step_of(with_lap(made(seed), 60)).value().moved_mm, k_sound_mm);
   }
 }
 
@@ -72,6 +85,26 @@ TEST(Seam, BothLayersOfALapCountAlthoughOneLiesBehindTheOther) {
   DOUBLES_EQUAL(k_seen_ratio * 4, most_mm(with_lap(made(12), 30), 0.5, 4), k_seen_within_ratio * 4);
 }
 
+TEST(Seam, AShoeThatIsTurnedOnTheWayShowsByAnOverlapThatSlants) {
+  constexpr double k_turn_rad = 0.02;
+  const cloud::PointCloud sound = with_lap(made(12), 60);
+  // Its ends move by 2.5 mm.  A turn about where the overlap's bend has its middle would not show at all.
+  DOUBLES_EQUAL(1.7, step_of(turned(sound, k_turn_rad)).value().moved_mm, 0.8);
+  CHECK(find_bite_line(sound, {}).found);
+  const Extraction moved = find_bite_line(turned(sound, k_turn_rad), {});
+  CHECK(moved.refusal && moved.refusal->code == Refused::DoesNotClose);
+}
+
+TEST(Seam, WithAnOverlapAShoeThatMovedAnyWayHasNoLine) {
+  const cloud::PointCloud sound = with_lap(made(13), 60);
+  for (int k = 0; k < 8; ++k) {
+    const double angle = k * 0.3927;
+    const Eigen::Vector3d by{3 * std::cos(angle), 3 * std::sin(angle), 0};
+    const Extraction sut = find_bite_line(test::pushed(sound, 0.5, by.cast<float>()), {});
+    CHECK(sut.refusal && sut.refusal->code == Refused::DoesNotClose);
+  }
+}
+
 TEST(Seam, ACloudWithoutOrderAndAScanThatDoesNotComeRoundTellNothing) {
   cloud::PointCloud cloud = made(11);
   cloud::PointCloud part = cloud;
@@ -79,9 +112,9 @@ TEST(Seam, ACloudWithoutOrderAndAScanThatDoesNotComeRoundTellNothing) {
     part.points.pop_back();
     part.profile.pop_back();
   }
-  CHECK_FALSE(step_mm(part).has_value());
+  CHECK_FALSE(step_of(part).has_value());
   cloud.profile.clear();
-  CHECK_FALSE(step_mm(cloud).has_value());
+  CHECK_FALSE(step_of(cloud).has_value());
 }
 
 TEST(Seam, AShoeThatMovedHasNoLine) {

@@ -102,7 +102,7 @@ TEST(Transfer, AnUpperThatIsPushedWhileItIsScannedGetsNoLine) {
   }
   CHECK_COMPARE(refused, >=, 1);
   // Ten times a sound scan's, a tenth of the limit's twofold.
-  DOUBLES_EQUAL(0, transfer_line(sample(), pair.upper_cloud, {}).seam_step_mm.value(), 0.1);
+  DOUBLES_EQUAL(0, transfer_line(sample(), pair.upper_cloud, {}).seam.value().moved_mm, 0.1);
 }
 
 TEST(Transfer, OneSampleServesOtherSizesWithinItsBound) {
