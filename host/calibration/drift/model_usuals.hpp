@@ -47,6 +47,10 @@ class ModelUsuals {
   /// Made where the model is new.
   [[nodiscard]] Usual& own(const std::string& model);
   [[nodiscard]] bool is_first(const std::string& model) const { return name_of(model) == first_; }
+  /// One usual serves both.
+  [[nodiscard]] bool are_one(const std::string& a, const std::string& b) const {
+    return name_of(a) == name_of(b);
+  }
   /// Nothing where none was seen yet.
   [[nodiscard]] std::optional<TablePlane> table_of(const std::string& model) const;
 

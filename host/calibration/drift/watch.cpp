@@ -137,6 +137,8 @@ void Watch::heed_table(const std::optional<TableEvidence>& table, const std::str
       return heed_table(table, model);
     }
     own = {};
+    // The usual that they were learnt into is gone.
+    std::erase_if(recent_, [&](const Recent& shoe) { return models_.are_one(shoe.model, model); });
   }
   own.on_another_table = 0;
   if (!own.table) own.table = table->plane;
@@ -152,7 +154,7 @@ Sums Watch::changed_by(int shoes) const {
   for (std::size_t i = before; i < recent_.size(); ++i) {
     const Recent& shoe = recent_[i];
     const ModelUsuals::Usual& own = usual.own(shoe.model);
-    if (own.shoes == 0) continue;
+    if (own.shoes < 1) continue;
     changed.add(shoe.seen.information, shoe.seen.pull - shoe.seen.information * explained(own.sums));
   }
   return changed;
@@ -187,7 +189,7 @@ void Watch::judge() {
   verdict_.status = Status::Drifted;
   const Sums changed = changed_by(verdict_.for_shoes);
   if (changed.information.isZero()) {
-    verdict_.words = "drifted, as was told before; of which part is no longer known";
+    verdict_.words = "drifted; of which part is not known";
     return;
   }
   verdict_.named = name(changed, spread());

@@ -108,12 +108,19 @@ TEST(Watch, EachModelMayStandOnAFixtureOfItsOwn) {
 
 TEST(Watch, AModelOnAnotherFixtureIsLearntAnewAndTheOthersAreNot) {
   see_on_fixtures(30);
-  for (int i = 0; i < 14; ++i) see_on_table(Vector::Zero(), "boot", 200);
-  CHECK(sut.verdict().status == Status::Sound);
-  LONGS_EQUAL(44, sut.verdict().shoes);
-  for (int i = 0; i < 4 && sut.verdict().status != Status::Drifted; ++i)
-    see_on_table(Vector::Unit(5), "boot", 200);
-  CHECK(sut.verdict().status == Status::Drifted);
+  const Watch before = sut;
+  for (const int on_new : {12, 14, 18}) {
+    sut = before;
+    for (int i = 0; i < on_new; ++i) see_on_table(Vector::Zero(), "boot", 200);
+    CHECK(sut.verdict().status == Status::Sound);
+    LONGS_EQUAL(30 + on_new, sut.verdict().shoes);
+    for (int i = 0; i < 5 && sut.verdict().status != Status::Drifted; ++i)
+      see_on_table(Vector::Unit(5), "boot", 200);
+    CHECK(sut.verdict().status == Status::Drifted);
+    // Named from the shoes on the new one: those before are forgotten, and not taken away a second time.
+    STRCMP_CONTAINS("laser", sut.verdict().words.c_str());
+    CHECK_COMPARE(sut.verdict().for_shoes, <=, 5);
+  }
 }
 
 TEST(Watch, WithoutTheirNamesTheSameModelsHideADrift) {
