@@ -19,7 +19,7 @@ void TimedTestShell::runOneTest(TestPlugin* plugin, TestResult& result) {
   double worst_ms = 0;
   bool urgent = true;
   for (int run = 1; run <= k_runs; ++run) {
-    const WakeupProbe probe;
+    const WakeupProbe probe{rank_};
     g_probe = &probe;
     late_failure_.reset();
     UtestShell::runOneTest(plugin, result);
@@ -31,9 +31,9 @@ void TimedTestShell::runOneTest(TestPlugin* plugin, TestResult& result) {
                  worst_ms, late_failure_->c_str());
   }
   char reason[200];
-  std::snprintf(reason, sizeof reason,
-                "%s: this machine holds its %s threads up for %.1f ms of 100, %.0f allowed",
-                getFormattedName().asCharString(), urgent ? "most urgent" : "ordinary", worst_ms, late_ms_);
+  std::snprintf(
+      reason, sizeof reason, "%s: this machine holds its %s threads up for %.1f ms of 100, %.0f allowed",
+      getFormattedName().asCharString(), urgent ? "most urgent" : "ordinary", worst_ms, k_machine_late_ms);
   note_skipped(reason);
 }
 
@@ -42,7 +42,7 @@ void TimedTestShell::failWith(const TestFailure& failure) {
 }
 
 void TimedTestShell::failWith(const TestFailure& failure, const TestTerminator& terminator) {
-  if (probe().worst_ms() <= late_ms_) return UtestShell::failWith(failure, terminator);
+  if (probe().worst_ms() <= k_machine_late_ms) return UtestShell::failWith(failure, terminator);
   late_failure_ = failure.getMessage().asCharString();
   terminator.exitCurrentTest();
 }

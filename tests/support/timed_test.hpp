@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Tests whose subject must keep a time: TIMED_TEST in place of TEST.
+/// \file Tests whose subject must keep a time: TIMED_TEST or ORDINARY_TIMED_TEST in place of TEST.
 ///
 /// A check that fails on a machine that woke everybody in time is a failure, at once and for good.  One that
 /// fails while the machine itself stood still for longer than the subject allows says nothing: the test is
@@ -22,7 +22,7 @@ constexpr double k_machine_late_ms = 25;
 
 class TimedTestShell : public UtestShell {
  public:
-  explicit TimedTestShell(double late_ms = k_machine_late_ms) : late_ms_{late_ms} {}
+  explicit TimedTestShell(WakeupProbe::Rank rank) : rank_{rank} {}
   void runOneTest(TestPlugin* plugin, TestResult& result) override;
   void failWith(const TestFailure& failure) override;
   void failWith(const TestFailure& failure, const TestTerminator& terminator) override;
@@ -31,7 +31,7 @@ class TimedTestShell : public UtestShell {
   [[nodiscard]] static const WakeupProbe& probe();
 
  private:
-  double late_ms_;
+  WakeupProbe::Rank rank_;
   std::optional<std::string> late_failure_;  ///< what failed while the machine stood still
 };
 
@@ -40,12 +40,20 @@ class TimedTestShell : public UtestShell {
 
 }  // namespace biteline::test
 
-#define TIMED_TEST(testGroup, testName)                                                           \
+/// The subject has threads with real-time rights (the sensor): the machine is late when it holds those up.
+#define TIMED_TEST(testGroup, testName) BITELINE_TIMED_TEST(testGroup, testName, Urgent)
+/// The subject has ordinary threads alone (the host): what other programs take from them counts as late, too.
+#define ORDINARY_TIMED_TEST(testGroup, testName) BITELINE_TIMED_TEST(testGroup, testName, Ordinary)
+
+#define BITELINE_TIMED_TEST(testGroup, testName, probeRank)                                       \
   class TIMED_##testGroup##_##testName##_Test : public TEST_GROUP_##CppUTestGroup##testGroup {    \
    public:                                                                                        \
     void testBody() override;                                                                     \
   };                                                                                              \
   static class TIMED_##testGroup##_##testName##_Shell : public ::biteline::test::TimedTestShell { \
+   public:                                                                                        \
+    TIMED_##testGroup##_##testName##_Shell()                                                      \
+        : TimedTestShell{::biteline::test::WakeupProbe::Rank::probeRank} {}                       \
     Utest* createTest() override { return new TIMED_##testGroup##_##testName##_Test; }            \
   } TIMED_##testGroup##_##testName##_instance;                                                    \
   static TestInstaller TIMED_##testGroup##_##testName##_installer(                                \

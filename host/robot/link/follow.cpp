@@ -136,6 +136,12 @@ class Run {
   bool started_{false};
 };
 
+/// By both clocks: states that were held up tell little of the time in which they were awaited, and those
+/// that then come at once are old.
+double between_s(const RobotState& begin, const RobotState& end) {
+  return std::min(seconds(end.sampled - begin.sampled), seconds(end.received - begin.received));
+}
+
 /// After a stop: has the program ended, and does the arm stand?
 bool comes_to_rest(const RobotLink& link, double patience_s) {
   // The newest one, however old: after a silence the link may be about to come back.
@@ -190,16 +196,18 @@ Result<RobotState> wait_until_still(const RobotLink& link, const StillOptions& o
   BITELINE_ASSIGN(RobotState state, link.wait_newer(0, k_first_state_patience));
   const RobotState first = state;
   RobotState still_since = state;
-  while (seconds(state.received - still_since.received) < options.still_s) {
+  while (between_s(still_since, state) < options.still_s) {
     if (is_set(options.stop)) return fail(Errc::Refused, "robot: the service was told to stop");
     if (seconds(state.received - first.received) > options.patience_s) {
-      return fail(Errc::Timeout, "robot: it still moves after %.0f s", options.patience_s);
+      return fail(Errc::Timeout, "robot: it still moves, or its states come late, after %.0f s",
+                  options.patience_s);
     }
     BITELINE_ASSIGN(state, link.wait_newer(state.sequence, k_first_state_patience));
     const bool turned = !((state.q_rad - still_since.q_rad).cwiseAbs().maxCoeff() <= options.turn_rad);
     const bool moved =
         !((state.T_base_tcp.translation() - still_since.T_base_tcp.translation()).norm() <= options.move_mm);
-    if (turned || moved) still_since = state;
+    const bool restarted = state.sampled < still_since.sampled;
+    if (turned || moved || restarted) still_since = state;
   }
   return state;
 }

@@ -31,7 +31,7 @@ struct FollowReport {
 
 struct StillOptions {
   double patience_s{20};  ///< for what moves it to end
-  double still_s{0.2};    ///< neither joints nor tip move for so long
+  double still_s{0.2};    ///< neither joints nor tip move for so long, by the controller's clock and by ours
   double turn_rad{1e-4};  ///< less is noise of the encoders
   double move_mm{0.1};
   const std::atomic<bool>* stop{nullptr};  ///< set from outside: waits no longer

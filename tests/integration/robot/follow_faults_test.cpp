@@ -207,7 +207,7 @@ TEST(FollowFaults, SmallErrorsOfARealArmAreNoReasonToStop) {
   CHECK_TEXT(out.followed.has_value(), out.followed ? "" : to_line(out.followed.error()).c_str());
 }
 
-TIMED_TEST(FollowFaults, TipBesideThePathStopsTheArm) {
+ORDINARY_TIMED_TEST(FollowFaults, TipBesideThePathStopsTheArm) {
   has_status_3(stops("80 mm below from 20 % on", Halt::OffPath,
                      from(0.2, [](PlayedState& s) { move(s, 0, 0, -80); })));
   stops("20 mm aside, both ways", Halt::OffPath, from(0.22, [](PlayedState& s) { move(s, 20, 20, 0); }));
@@ -217,7 +217,7 @@ TIMED_TEST(FollowFaults, TipBesideThePathStopsTheArm) {
   stops("on the retreat", Halt::OffPath, from(0.98, [](PlayedState& s) { move(s, 0, 5, 0); }));
 }
 
-TIMED_TEST(FollowFaults, TipThatDriftsOffSlowlyIsStoppedAtTheLimit) {
+ORDINARY_TIMED_TEST(FollowFaults, TipThatDriftsOffSlowlyIsStoppedAtTheLimit) {
   stops("drift of 1 mm in 10 mm", Halt::OffPath, [](PlayedState& state, double share) {
     if (share < 0.22 || state.stopped) return;
     const double drift_mm = 60 * (share - 0.22);
@@ -226,7 +226,7 @@ TIMED_TEST(FollowFaults, TipThatDriftsOffSlowlyIsStoppedAtTheLimit) {
   });
 }
 
-TIMED_TEST(FollowFaults, JumpOfOneStateStopsTheArm) {
+ORDINARY_TIMED_TEST(FollowFaults, JumpOfOneStateStopsTheArm) {
   bool jumped = false;
   stops("1.7 m for one state", Halt::OffPath, [&jumped](PlayedState& state, double share) {
     if (share < 0.22 || std::exchange(jumped, true)) return;
@@ -244,13 +244,13 @@ TIMED_TEST(FollowFaults, JumpOfOneStateStopsTheArm) {
   });
 }
 
-TIMED_TEST(FollowFaults, TurnedToolStopsTheArm) {
+ORDINARY_TIMED_TEST(FollowFaults, TurnedToolStopsTheArm) {
   stops("tool turned by 5 degrees", Halt::OffDirection,
         from(0.22, [](PlayedState& s) { turn(s, 5 * k_deg); }));
   stops("tool upside down", Halt::OffDirection, from(0.2, [](PlayedState& s) { turn(s, std::numbers::pi); }));
 }
 
-TIMED_TEST(FollowFaults, JointBesideTheWayThereStopsTheArm) {
+ORDINARY_TIMED_TEST(FollowFaults, JointBesideTheWayThereStopsTheArm) {
   const auto on_the_way = [](const std::function<void(PlayedState&)>& change) {
     return [change](PlayedState& state, double share) {
       if (share > -0.02 || state.stopped || state.since_script_s < 0.3) return;
@@ -264,7 +264,7 @@ TIMED_TEST(FollowFaults, JointBesideTheWayThereStopsTheArm) {
         on_the_way([](PlayedState& s) { s.q = {0, -1.57, 0, -1.57, 0, 0}; }));
 }
 
-TIMED_TEST(FollowFaults, AnotherProgramStopsTheArm) {
+ORDINARY_TIMED_TEST(FollowFaults, AnotherProgramStopsTheArm) {
   double begun_s = -1;
   stops("another program goes its own way", Halt::OffPath, [&](PlayedState& state, double share) {
     if (share < 0.22 || state.stopped) return;
@@ -276,12 +276,12 @@ TIMED_TEST(FollowFaults, AnotherProgramStopsTheArm) {
   });
 }
 
-TIMED_TEST(FollowFaults, OtherToolStopsTheArm) {
+ORDINARY_TIMED_TEST(FollowFaults, OtherToolStopsTheArm) {
   stops("controller reckons with another tip", Halt::OtherTool,
         from(0.22, [](PlayedState& s) { s.tcp_offset[2] += 0.05; }));
 }
 
-TIMED_TEST(FollowFaults, StatesWithoutNumbersStopTheArm) {
+ORDINARY_TIMED_TEST(FollowFaults, StatesWithoutNumbersStopTheArm) {
   stops("tip NaN", Halt::Unusable, from(0.22, [](PlayedState& s) { s.tcp_pose.fill(k_nan); }));
   stops("one joint NaN", Halt::Unusable, from(0.22, [](PlayedState& s) { s.q[5] = k_nan; }));
   stops("tool NaN", Halt::Unusable, from(0.22, [](PlayedState& s) { s.tcp_offset[0] = k_nan; }));
@@ -293,7 +293,7 @@ TIMED_TEST(FollowFaults, StatesWithoutNumbersStopTheArm) {
   });
 }
 
-TIMED_TEST(FollowFaults, FrozenControllerStopsTheArm) {
+ORDINARY_TIMED_TEST(FollowFaults, FrozenControllerStopsTheArm) {
   stops("sends nothing", Halt::Silent, from(0.22, [](PlayedState& s) { s.send = false; }), limits.silence_s);
   // The tip stands in what it sends, too: where a late machine lets states pile up, a tip that went on would
   // be as rightly told as off the path.
@@ -321,7 +321,7 @@ TIMED_TEST(FollowFaults, FrozenControllerStopsTheArm) {
       limits.silence_s);
 }
 
-TIMED_TEST(FollowFaults, TipThatStandsWhileTheProgramRunsStopsTheArm) {
+ORDINARY_TIMED_TEST(FollowFaults, TipThatStandsWhileTheProgramRunsStopsTheArm) {
   const test::PlayedPath played{path.path(), home_rad};
   stops(
       "tip stands on the shoe", Halt::Stalled,
@@ -333,7 +333,7 @@ TIMED_TEST(FollowFaults, TipThatStandsWhileTheProgramRunsStopsTheArm) {
       limits.stall_s);
 }
 
-TIMED_TEST(FollowFaults, FarTooSlowOrTooFastStopsTheArm) {
+ORDINARY_TIMED_TEST(FollowFaults, FarTooSlowOrTooFastStopsTheArm) {
   limits.late_s = 0.5;
   const auto whole = [](PlayedState& state, double share) {
     if (share > 0 && !state.stopped) state.lie = true;
@@ -341,7 +341,7 @@ TIMED_TEST(FollowFaults, FarTooSlowOrTooFastStopsTheArm) {
   stops("at a third of the speed, slider at 1", Halt::Late, whole, 20, 0.33);
 }
 
-TIMED_TEST(FollowFaults, SafetyAndPowerStopTheArm) {
+ORDINARY_TIMED_TEST(FollowFaults, SafetyAndPowerStopTheArm) {
   stops("protective stop", Halt::ProtectiveStop, from(0.22, [](PlayedState& s) { s.safety_mode = 3; }));
   stops("emergency stop", Halt::ProtectiveStop, from(0.22, [](PlayedState& s) { s.safety_mode = 7; }));
   stops("fault", Halt::ProtectiveStop, from(0.22, [](PlayedState& s) { s.safety_mode = 9; }));
@@ -350,14 +350,14 @@ TIMED_TEST(FollowFaults, SafetyAndPowerStopTheArm) {
   stops("backdrive: hands on the arm", Halt::PowerOff, from(0.22, [](PlayedState& s) { s.robot_mode = 6; }));
 }
 
-TIMED_TEST(FollowFaults, LocalControlStopsTheArm) {
+ORDINARY_TIMED_TEST(FollowFaults, LocalControlStopsTheArm) {
   has_status_3(stops("somebody sets local control", Halt::LocalControl,
                      from(0.22, [](PlayedState& s) { s.remote = false; }), 0.5));
   stops("from the beginning on", Halt::LocalControl, from(-10, [](PlayedState& s) { s.remote = false; }),
         0.5);
 }
 
-TIMED_TEST(FollowFaults, StopFromOutsideStopsTheArm) {
+ORDINARY_TIMED_TEST(FollowFaults, StopFromOutsideStopsTheArm) {
   stops("the service is told to stop", Halt::Person, from(0.22, [this](PlayedState&) { stop = true; }));
 }
 
@@ -377,7 +377,7 @@ TEST(FollowFaults, ProgramThatEndsEarlyOrLeavesPartsOutIsNotDone) {
   CHECK(at_once.report.halt->code == Halt::NotCovered);
 }
 
-TIMED_TEST(FollowFaults, ProgramThatDoesNotStartIsToldAndStopped) {
+ORDINARY_TIMED_TEST(FollowFaults, ProgramThatDoesNotStartIsToldAndStopped) {
   stops(
       "program never starts", Halt::NotStarted,
       [](PlayedState& state, double) {

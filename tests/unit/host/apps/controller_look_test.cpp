@@ -26,14 +26,14 @@ TEST_GROUP(ControllerLook) {
   }
 };
 
-TIMED_TEST(ControllerLook, ArmThatStandsIsReady) {
+ORDINARY_TIMED_TEST(ControllerLook, ArmThatStandsIsReady) {
   const ControllerLook sut = look();
   STRCMP_EQUAL("", sut.wrong.c_str());
   CHECK(!sut.moves);
 }
 
 /// The path of a service that was killed goes on: no light beside an arm that moves.
-TIMED_TEST(ControllerLook, ArmThatMovesIsNotReadyAndWillBe) {
+ORDINARY_TIMED_TEST(ControllerLook, ArmThatMovesIsNotReadyAndWillBe) {
   controller.turning = true;
   const ControllerLook moving = look();
   STRCMP_CONTAINS("still moves", moving.wrong.c_str());
@@ -42,14 +42,14 @@ TIMED_TEST(ControllerLook, ArmThatMovesIsNotReadyAndWillBe) {
   STRCMP_EQUAL("", look().wrong.c_str());
 }
 
-TIMED_TEST(ControllerLook, SilentControllerIsWrongAndNotJustMoving) {
+ORDINARY_TIMED_TEST(ControllerLook, SilentControllerIsWrongAndNotJustMoving) {
   controller.silent = true;
   const ControllerLook sut = look();
   CHECK(!sut.wrong.empty());
   CHECK(!sut.moves);
 }
 
-TIMED_TEST(ControllerLook, LocalControlIsSaidFirst) {
+ORDINARY_TIMED_TEST(ControllerLook, LocalControlIsSaidFirst) {
   controller.answers["is in remote control"] = "false";
   controller.turning = true;
   const ControllerLook sut = look();

@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "tests/support/errors.hpp"
+#include "tests/support/timed_test.hpp"
 #include "tests/unit/host/robot/link/fake_controller.hpp"
 
 namespace biteline::robot::ur {
@@ -28,7 +29,7 @@ TEST_GROUP(ArmClaim) {
   }
 };
 
-TEST(ArmClaim, SecondOneIsRefusedAndGetsItOnceTheFirstIsGone) {
+ORDINARY_TIMED_TEST(ArmClaim, SecondOneIsRefusedAndGetsItOnceTheFirstIsGone) {
   auto first = ArmClaim::take(config());
   SUCCEEDS(first);
   CHECK(comes_to(**first, ArmClaim::State::Held));
@@ -42,7 +43,7 @@ TEST(ArmClaim, SecondOneIsRefusedAndGetsItOnceTheFirstIsGone) {
   CHECK(comes_to(**third, ArmClaim::State::Held));
 }
 
-TEST(ArmClaim, AnotherRegisterIsAnotherClaim) {
+ORDINARY_TIMED_TEST(ArmClaim, AnotherRegisterIsAnotherClaim) {
   const auto first = ArmClaim::take(config());
   SUCCEEDS(first);
   ArmClaim::Config other = config();
@@ -52,7 +53,7 @@ TEST(ArmClaim, AnotherRegisterIsAnotherClaim) {
   CHECK(comes_to(**second, ArmClaim::State::Held));
 }
 
-TEST(ArmClaim, LostConnectionIsNotSafeAndComesBack) {
+ORDINARY_TIMED_TEST(ArmClaim, LostConnectionIsNotSafeAndComesBack) {
   const auto sut = ArmClaim::take(config());
   SUCCEEDS(sut);
   CHECK(comes_to(**sut, ArmClaim::State::Held));
@@ -62,7 +63,7 @@ TEST(ArmClaim, LostConnectionIsNotSafeAndComesBack) {
   CHECK(comes_to(**sut, ArmClaim::State::Held));
 }
 
-TEST(ArmClaim, ControllerThatIsAwayIsNotSafe) {
+ORDINARY_TIMED_TEST(ArmClaim, ControllerThatIsAwayIsNotSafe) {
   ArmClaim::Config away = config();
   away.rtde_port = 1;
   const auto sut = ArmClaim::take(away);
@@ -70,7 +71,7 @@ TEST(ArmClaim, ControllerThatIsAwayIsNotSafe) {
   CHECK(!(*sut)->safe());
 }
 
-TEST(ArmClaim, ControllerWithoutTheRegisterIsSaidToLackIt) {
+ORDINARY_TIMED_TEST(ArmClaim, ControllerWithoutTheRegisterIsSaidToLackIt) {
   ArmClaim::Config lacking = config();
   lacking.input_register = 48;
   const auto sut = ArmClaim::take(lacking);

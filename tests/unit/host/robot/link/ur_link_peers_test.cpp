@@ -131,7 +131,7 @@ bool states_come(const UrLink& link) {
 
 TEST_GROUP(UrLinkPeers){};
 
-TIMED_TEST(UrLinkPeers, FieldsOfAnotherTypeAreRefusedByNameAndAtOnce) {
+ORDINARY_TIMED_TEST(UrLinkPeers, FieldsOfAnotherTypeAreRefusedByNameAndAtOnce) {
   const std::string all = "DOUBLE,VECTOR6D,VECTOR6D,VECTOR6D,INT32,INT32,UINT32,DOUBLE";
   const struct {
     const char *told, *reason;
@@ -158,7 +158,7 @@ TIMED_TEST(UrLinkPeers, FieldsOfAnotherTypeAreRefusedByNameAndAtOnce) {
   }
 }
 
-TIMED_TEST(UrLinkPeers, NeitherVersionIsRefusedAtOnce) {
+ORDINARY_TIMED_TEST(UrLinkPeers, NeitherVersionIsRefusedAtOnce) {
   const OddController controller{[](rtde::Bytes& bytes) {
     if (bytes.size() >= 4 && bytes[2] == 'V') bytes[3] = 0;
   }};
@@ -167,7 +167,7 @@ TIMED_TEST(UrLinkPeers, NeitherVersionIsRefusedAtOnce) {
   STRCMP_CONTAINS("neither RTDE version 2 nor 1", link.error().where.c_str());
 }
 
-TIMED_TEST(UrLinkPeers, TextBeforeTheVersionsAnswerIsHeardAndCostsNothing) {
+ORDINARY_TIMED_TEST(UrLinkPeers, TextBeforeTheVersionsAnswerIsHeardAndCostsNothing) {
   rtde::Bytes greeting;
   append(greeting,
          rtde::ControllerMessage{
@@ -181,7 +181,7 @@ TIMED_TEST(UrLinkPeers, TextBeforeTheVersionsAnswerIsHeardAndCostsNothing) {
   CHECK_EQUAL(1, controller.connections());
 }
 
-TIMED_TEST(UrLinkPeers, TextsCutShortAndUnknownPackagesAreCountedOnARunningLink) {
+ORDINARY_TIMED_TEST(UrLinkPeers, TextsCutShortAndUnknownPackagesAreCountedOnARunningLink) {
   const OddController controller{[](rtde::Bytes& bytes) {
     if (bytes.size() < 3 || bytes[2] != 'U') return;
     for (const char byte : {'\0', '\5', 'M', 'c', 'd', '\0', '\4', 'Z', '1'})
@@ -196,7 +196,7 @@ TIMED_TEST(UrLinkPeers, TextsCutShortAndUnknownPackagesAreCountedOnARunningLink)
   CHECK_EQUAL(1U, (*link)->status().connections);
 }
 
-TIMED_TEST(UrLinkPeers, Version1AndTheRateOfACb3AreTaken) {
+ORDINARY_TIMED_TEST(UrLinkPeers, Version1AndTheRateOfACb3AreTaken) {
   const OddController controller{{},
                                  {},
                                  {.version = {.major = 3, .minor = 15, .bugfix = 8, .build = 106339},
@@ -208,7 +208,7 @@ TIMED_TEST(UrLinkPeers, Version1AndTheRateOfACb3AreTaken) {
   CHECK_EQUAL(0U, (*link)->status().unusable_states);
 }
 
-TIMED_TEST(UrLinkPeers, NumbersThatNobodyCanMeanAreToldAndCounted) {
+ORDINARY_TIMED_TEST(UrLinkPeers, NumbersThatNobodyCanMeanAreToldAndCounted) {
   constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
   const struct {
     Numbers numbers;
@@ -240,7 +240,7 @@ TIMED_TEST(UrLinkPeers, NumbersThatNobodyCanMeanAreToldAndCounted) {
   }
 }
 
-TIMED_TEST(UrLinkPeers, HandshakesThatAreNotDoneInTimeAreToldSo) {
+ORDINARY_TIMED_TEST(UrLinkPeers, HandshakesThatAreNotDoneInTimeAreToldSo) {
   const OddController silent{[](rtde::Bytes& bytes) { bytes.clear(); }};
   const auto none = silent.open(0.3);
   CHECK_FALSE(none.has_value());

@@ -49,7 +49,7 @@ TEST_GROUP(UrLink) {
   }
 };
 
-TIMED_TEST(UrLink, StatesArriveInOurUnits) {
+ORDINARY_TIMED_TEST(UrLink, StatesArriveInOurUnits) {
   const auto link = UrLink::open(config());
   CHECK(link.has_value());
   const auto state = (*link)->wait_newer(0, k_patience);
@@ -61,7 +61,7 @@ TIMED_TEST(UrLink, StatesArriveInOurUnits) {
   CHECK(state->sampled.time_since_epoch() > Nanoseconds{10'000'000'000});
 }
 
-TEST(UrLink, AnArmThatStandsIsToldWithItsJoints) {
+ORDINARY_TIMED_TEST(UrLink, AnArmThatStandsIsToldWithItsJoints) {
   const auto link = UrLink::open(config());
   CHECK(link.has_value());
   const auto state = wait_until_still(**link, {.still_s = 0.02});
@@ -69,7 +69,7 @@ TEST(UrLink, AnArmThatStandsIsToldWithItsJoints) {
   CHECK(state->sequence > 1);  // not the first that came
 }
 
-TIMED_TEST(UrLink, AnArmThatMovesIsWaitedForUntilItStands) {
+ORDINARY_TIMED_TEST(UrLink, AnArmThatMovesIsWaitedForUntilItStands) {
   controller.turning = true;
   const auto link = UrLink::open(config());
   CHECK(link.has_value());
@@ -84,7 +84,7 @@ TIMED_TEST(UrLink, AnArmThatMovesIsWaitedForUntilItStands) {
   DOUBLES_EQUAL((*link)->latest()->q_rad[0], state->q_rad[0], 1e-12);
 }
 
-TIMED_TEST(UrLink, AnArmThatNeverStandsIsGivenUp) {
+ORDINARY_TIMED_TEST(UrLink, AnArmThatNeverStandsIsGivenUp) {
   controller.turning = true;
   const auto link = UrLink::open(config());
   CHECK(link.has_value());
@@ -93,7 +93,7 @@ TIMED_TEST(UrLink, AnArmThatNeverStandsIsGivenUp) {
   CHECK(state.error().code == Errc::Timeout);
 }
 
-TIMED_TEST(UrLink, AnArmThatRingsStandsForAPathButNotForAStop) {
+ORDINARY_TIMED_TEST(UrLink, AnArmThatRingsStandsForAPathButNotForAStop) {
   test::FakeController ringing{
       [](test::PlayedState& state) { state.q[0] = 1.5e-4 * std::sin(62.8 * state.time_s); }, 0.002};
   const auto link = UrLink::open(config_of(ringing));
@@ -103,7 +103,7 @@ TIMED_TEST(UrLink, AnArmThatRingsStandsForAPathButNotForAStop) {
   CHECK_FALSE(wait_until_still(**link, {.patience_s = 0.5}).has_value());
 }
 
-TIMED_TEST(UrLink, AnArmThatCreepsDoesNotStandForAPath) {
+ORDINARY_TIMED_TEST(UrLink, AnArmThatCreepsDoesNotStandForAPath) {
   constexpr double k_rad_s = 0.02;
   test::FakeController creeping{[&](test::PlayedState& state) { state.q[0] = k_rad_s * state.time_s; },
                                 0.002};
@@ -114,7 +114,19 @@ TIMED_TEST(UrLink, AnArmThatCreepsDoesNotStandForAPath) {
           .has_value());
 }
 
-TIMED_TEST(UrLink, BrokenConnectionComesBackWithTheRecipe) {
+ORDINARY_TIMED_TEST(UrLink, AnArmWhoseStatesComeLateDoesNotStandByOurClockAlone) {
+  // Each state is a fiftieth of what it should be newer than the one before; between two the arm hardly
+  // moves.
+  constexpr double k_rad_s = 0.5;
+  test::FakeController late{[&](test::PlayedState& state) { state.q[0] = k_rad_s * state.time_s; }, 0.00004};
+  const auto link = UrLink::open(config_of(late));
+  CHECK(link.has_value());
+  const auto state = wait_until_still(**link, {.patience_s = 0.5, .turn_rad = 0.1});
+  CHECK_FALSE(state.has_value());
+  CHECK(state.error().code == Errc::Timeout);
+}
+
+ORDINARY_TIMED_TEST(UrLink, BrokenConnectionComesBackWithTheRecipe) {
   const auto link = UrLink::open(config());
   CHECK(link.has_value());
   const std::uint64_t before = (*link)->status().connections;
@@ -125,7 +137,7 @@ TIMED_TEST(UrLink, BrokenConnectionComesBackWithTheRecipe) {
   CHECK((*link)->status().connected);
 }
 
-TEST(UrLink, PathIsSentOnlyToASafePoweredIdleArm) {
+ORDINARY_TIMED_TEST(UrLink, PathIsSentOnlyToASafePoweredIdleArm) {
   const path::CheckedPath path = test::planned_path("grind.yaml");
   const auto link = UrLink::open(config());
   CHECK(link.has_value());
@@ -160,7 +172,7 @@ TEST(UrLink, StatesWithoutNumbersAreNotHandedOut) {
   CHECK_FALSE(UrLink::open(impatient).has_value());
 }
 
-TIMED_TEST(UrLink, SilentControllerIsStaleThenLost) {
+ORDINARY_TIMED_TEST(UrLink, SilentControllerIsStaleThenLost) {
   const auto link = UrLink::open(config());
   CHECK(link.has_value());
   controller.silent = true;
@@ -174,32 +186,12 @@ TIMED_TEST(UrLink, SilentControllerIsStaleThenLost) {
   CHECK(state.error().code == Errc::PoseStale || state.error().code == Errc::ConnectionLost);
 }
 
-TIMED_TEST(UrLink, NobodyThereIsToldAtOnce) {
+ORDINARY_TIMED_TEST(UrLink, NobodyThereIsToldAtOnce) {
   UrLink::Config wrong = config();
   wrong.rtde_port = 1;  // nobody listens on it
   const auto link = UrLink::open(wrong);
   CHECK_FALSE(link.has_value());
   CHECK(link.error().code == Errc::ConnectFailed);
-}
-
-TIMED_TEST(UrLink, FollowingStopsTheArmWhenSafetyTrips) {
-  const path::CheckedPath path = test::planned_path("grind.yaml");
-  const auto link = UrLink::open(config());
-  CHECK(link.has_value());
-  CHECK((*link)->wait_newer(0, k_patience).has_value());
-  // The trip comes while the program runs: as soon as the script has arrived.
-  std::thread operation{[&] {
-    while (controller.script().empty()) std::this_thread::yield();
-    controller.runtime_state = 2;
-    while (controller.runtime_state != 2) std::this_thread::yield();
-    controller.safety_mode = 7;  // emergency stop
-  }};
-  FollowReport report;
-  const auto result = follow(**link, test::permitted(path), {}, report);
-  operation.join();
-  CHECK_FALSE(result.has_value());
-  CHECK(result.error().code == Errc::InterlockOpen);
-  CHECK(controller.dashboard().find("stop") != std::string::npos);
 }
 
 }  // namespace biteline::robot::ur
