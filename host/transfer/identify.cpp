@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "common/core/fixed_text.hpp"
+#include "host/bite_line/side/seam.hpp"
 #include "host/transfer/align/rough_fit.hpp"
 #include "host/transfer/shape_store.hpp"
 
@@ -173,9 +174,11 @@ Result<Identification> identify(const Library& library, const cloud::PointCloud&
   const bool any = !found.matches.empty() && found.matches.front().alignment.accepted();
   if (any && found.matches.front().probability >= k_sure_probability) {
     found.name = found.matches.front().name;
-  } else {
-    found.refusal = why_none(found, any);
+    return found;
   }
+  // A shoe that moved looks like no model, and that is not why.
+  found.refusal = why_moved(bite_line::seam_step(upper_cloud));
+  if (!found.refusal) found.refusal = why_none(found, any);
   return found;
 }
 

@@ -31,4 +31,9 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
   return k_rows;
 }
 
+std::optional<Refusal> why_moved(const std::optional<bite_line::SeamStep>& seam) {
+  if (!seam || seam->moved_mm <= bite_line::k_most_moved_mm) return std::nullopt;
+  return Refusal{.code = Refused::DoesNotClose, .reason = bite_line::does_not_close(*seam).c_str()};
+}
+
 }  // namespace biteline::transfer

@@ -2,6 +2,9 @@
 #pragma once
 /// \file Why an upper does not get a sample's line.
 
+#include <optional>
+
+#include "host/bite_line/side/seam_step.hpp"
 #include "host/records/report/refusal.hpp"
 
 namespace biteline::transfer {
@@ -29,5 +32,8 @@ enum class Refused {
 [[nodiscard]] std::span<const report::RefusalRow<Refused>> refusal_table(Refused);
 
 using Refusal = report::Refusal<Refused>;
+
+/// Nothing where the upper stood still while it was scanned, or nobody can tell.
+[[nodiscard]] std::optional<Refusal> why_moved(const std::optional<bite_line::SeamStep>& seam);
 
 }  // namespace biteline::transfer

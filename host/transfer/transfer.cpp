@@ -210,11 +210,8 @@ Transfer transfer_line(const ReadySample& sample, const cloud::PointCloud& upper
   clock.lap("align");
   const Alignment& alignment = transfer.alignment;
   // A shoe that moved fits no sample, and the other reasons would not be the true one.
-  if (transfer.seam && transfer.seam->moved_mm > bite_line::k_most_moved_mm) {
-    transfer.refusal =
-        Refusal{.code = Refused::DoesNotClose, .reason = bite_line::does_not_close(*transfer.seam).c_str()};
-    return transfer;
-  }
+  transfer.refusal = why_moved(transfer.seam);
+  if (transfer.refusal) return transfer;
   if (alignment.verdict == Verdict::OtherModel) {
     const Diagnosis diagnosis = diagnose(made_sample, **made_upper, options.align, alignment);
     transfer.alignment.verdict = diagnosis.verdict;

@@ -10,6 +10,7 @@
 #include "host/cloud/ply.hpp"
 #include "host/transfer/align/rough_fit.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/made_cloud.hpp"
 #include "tests/support/made_pair.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -118,6 +119,19 @@ TEST(Identify, NoneOfThemIsAnAnswer) {
   CHECK(sut->name.empty());
   CHECK(sut->refusal->code == Refused::NoModelFits);
   STRCMP_CONTAINS("none of the 1 models", sut->refusal->reason.c_str());
+}
+
+TEST(Identify, AnUpperThatWasPushedWhileItWasScannedIsToldSo) {
+  const cloud::PointCloud upper = teach("first", 1);
+  // So far that it looks like no model.  Two ways at right angles: one is not along the wall at the seam.
+  int told = 0;
+  for (const Eigen::Vector3f& by_mm : {Eigen::Vector3f{4, 0, 0}, Eigen::Vector3f{0, 4, 0}}) {
+    const Result<Identification> sut = identify(library, test::pushed(upper, 0.5, by_mm), {});
+    SUCCEEDS(sut);
+    CHECK(sut->name.empty());
+    if (sut->refusal->code == Refused::DoesNotClose) ++told;
+  }
+  CHECK_COMPARE(told, >=, 1);
 }
 
 TEST(Identify, TwoThatBothFitAreToldAndNotChosenFrom) {
