@@ -23,8 +23,8 @@ double jump_held_of(double jump_mm, const ConfidenceModel& model) {
   return 1 / (1 + jump * jump);
 }
 
-double flat_held_of(double sharp, bool bridged, const ConfidenceModel& model) {
-  return bridged ? sharp : std::max(sharp, model.flat_seen);
+double flat_held_of(double sharp, const ConfidenceModel& model) {
+  return std::max(sharp, model.flat_held);
 }
 
 double line_held_of(double of_line, const ConfidenceModel& model) {

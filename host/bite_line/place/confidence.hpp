@@ -13,7 +13,8 @@ struct SpreadShare {
 };
 
 /// `shares` is fitted by tests/bench/line/fit_confidence.py to bridged points of made shoes with a missing
-/// sector (bench_line_confidence --fault sector, seeds 52001, 53001, 61001, 85001, 95101).
+/// sector (bench_line_confidence --fault sector, seeds 52001, 53001, 61001, 85001, 95101, 101001, 102002,
+/// 103003).
 struct ConfidenceModel {
   /// A bridge's spread: this much of how far another course may lie, and what such bridges are off by
   /// elsewhere on the line, in full.  Both may happen at once: they add.
@@ -21,14 +22,21 @@ struct ConfidenceModel {
   double least_mm{0.05};
   /// Straight between these over the spread's logarithm.  One curve with two numbers does not follow: the
   /// share falls late and at once, and then hardly for a while.  Beyond the last it falls with the square.
-  std::array<SpreadShare, 6> shares{
-      {{0.1, 0.999}, {0.3, 0.981}, {0.6, 0.877}, {1.0, 0.439}, {1.6, 0.189}, {3.0, 0.015}}};
+  std::array<SpreadShare, 8> shares{{{0.1, 0.999},
+                                     {0.35, 0.969},
+                                     {0.55, 0.898},
+                                     {0.75, 0.694},
+                                     {1.05, 0.387},
+                                     {1.6, 0.212},
+                                     {2.4, 0.057},
+                                     {4.5, 0.0005}}};
   /// A section that lies so far from the running mean over its neighbours is one in two.  Made shoes hold
   /// more, but hardly one jumps.
   double jump_mm{0.8};
-  /// A place that was seen holds at least so often, however flat the slope.  Of 39 on made shoes 37 did, and
-  /// two of five on a scanned one.  Of one that was bridged beside a flat slope none on a scanned shoe did.
-  double flat_seen{0.35};
+  /// However flat the slope, a place beside it holds at least so often as its bridge or jump says, times
+  /// this. Made shoes hold as often as without the slope.  A scanned shoe holds two of five that were seen
+  /// and few that were bridged, so that such points stay flagged.
+  double flat_held{0.35};
   /// Of the doubt that a written line is the bite line so much is left.  No made line that was written is
   /// wrong, which would leave a fortieth; shoes nobody made may be less alike, so it is a quarter.
   double line_doubt_ratio{0.25};
@@ -46,7 +54,7 @@ struct BridgeSpread {
 [[nodiscard]] double jump_held_of(double jump_mm, const ConfidenceModel& model = {});
 
 /// That a place holds whose crease is so sharp, as far as that tells.
-[[nodiscard]] double flat_held_of(double sharp, bool bridged, const ConfidenceModel& model = {});
+[[nodiscard]] double flat_held_of(double sharp, const ConfidenceModel& model = {});
 
 /// That a written line is the bite line, `of_line` being the product of the decision's gates.
 [[nodiscard]] double line_held_of(double of_line, const ConfidenceModel& model = {});

@@ -23,10 +23,12 @@ namespace {
 std::optional<Refusal> flagged_refusal(const cloud::Flagged& flagged, const PlacedLine& placed) {
   if (!flagged.too_much()) return std::nullopt;
   using Text = FixedText<240>;
-  const Text in_front = placed.thing_beside_mm > 0
-                            ? Text::format("; a pin, a clamp or a cable stands in front of it over %.0f mm",
-                                           placed.thing_beside_mm)
-                            : Text::copy("");
+  Text in_front = Text::copy("");
+  if (placed.thing_beside_mm > 0) {
+    in_front = Text::format(
+        "; something stands in front of it over %.0f mm (a pin, a clamp, a cable or the sole's own edge)",
+        placed.thing_beside_mm);
+  }
   if (flagged.uncertain > flagged.unsure) {
     return Refusal{Refused::TooMuchUncertain,
                    Text::format("U95 is above %.0f mm on %.0f %% of the line's length and %.0f %% is unsure "

@@ -48,7 +48,7 @@ struct PlacedStation {
   double hold{1};            ///< that the path keeps its layer here ...
   double other_mm{0};        ///< ... and how far off the other layer is
   double sharp{1};           ///< 1 but where a weak crease lies on a flat slope
-  bool thing_beside{false};  ///< a pin, a clamp or a cable hides the shoe here, or the line runs round it
+  bool thing_beside{false};  ///< something hides the shoe here, or the line runs round it
 };
 
 /// Expected error of a place in a gap, over 0.3 mm: `to_known` from its nearer end, in a gap so long and over

@@ -23,7 +23,7 @@ double within_of(const PlacedStation& station) {
                     : jump_held_of(station.own_z_mm - station.position.z());
   // That none could be tried is no sign of a good bridge: then its length and turn alone tell.
   if (station.untried) held = std::min(held, 1 / (1 + station.doubt));
-  return flat_held_of(station.sharp, station.doubt > 0) * held;
+  return flat_held_of(station.sharp) * held;
 }
 
 PointSpread spread_of(const PlacedStation& station, const SpreadModel& model) {

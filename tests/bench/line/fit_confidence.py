@@ -19,8 +19,8 @@ from collections import defaultdict
 
 WITHIN_MM = 0.3
 # As in ConfidenceModel: read off the likelihood, which hardly changes about them.
-CORNER, LEAST_MM, JUMP_MM, LINE_DOUBT, FLAT_SEEN = 0.1, 0.05, 0.8, 0.25, 0.35
-SPREADS_MM = (0.1, 0.3, 0.6, 1.0, 1.6, 3.0)
+CORNER, LEAST_MM, JUMP_MM, LINE_DOUBT, FLAT_HELD = 0.1, 0.05, 0.8, 0.25, 0.35
+SPREADS_MM = (0.1, 0.35, 0.55, 0.75, 1.05, 1.6, 2.4, 4.5)
 TEXTS = ("class", "decoy", "fault", "seed")
 
 
@@ -81,11 +81,9 @@ def confidence(point, shares):
         within = shares[low] + way * (shares[low + 1] - shares[low])
         if point["spread"] > SPREADS_MM[-1]:
             within = shares[-1] * (SPREADS_MM[-1] / point["spread"]) ** 2
-        sharp = point["sharp"]
     else:
         within = 1 / (1 + (point["jump_mm"] / JUMP_MM) ** 2)
-        sharp = max(point["sharp"], FLAT_SEEN)
-    return line_held(point) * point["hold"] * sharp * within
+    return line_held(point) * point["hold"] * max(point["sharp"], FLAT_HELD) * within
 
 
 def interval(of_tenth, shoes):
@@ -131,7 +129,7 @@ def main():
     points = read(asked.files)
     fitted = fit(points)
     print("%d shoes; shares %s" % (len(shoes_of(points)), "  ".join(
-        "%.1f mm %.3f" % pair for pair in zip(SPREADS_MM, fitted))))
+        "%.2f mm %.4f" % pair for pair in zip(SPREADS_MM, fitted))))
     left_out = []
     for kind in sorted({p["class"] for p in points}):
         shares = fit([p for p in points if p["class"] != kind])

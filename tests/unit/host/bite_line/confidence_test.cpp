@@ -27,9 +27,15 @@ TEST(Confidence, AWiderBridgeHoldsLessWhateverWidensIt) {
 }
 
 TEST(Confidence, EachSpreadHoldsItsShare) {
-  const ConfidenceModel model{
-      .least_mm = 0.2,
-      .shares = {{{0.3, 0.99}, {0.5, 0.9}, {1.0, 0.6}, {2.0, 0.2}, {3.0, 0.1}, {4.0, 0.04}}}};
+  const ConfidenceModel model{.least_mm = 0.2,
+                              .shares = {{{0.3, 0.99},
+                                          {0.4, 0.95},
+                                          {0.5, 0.9},
+                                          {1.0, 0.6},
+                                          {2.0, 0.2},
+                                          {2.5, 0.15},
+                                          {3.0, 0.1},
+                                          {4.0, 0.04}}}};
   DOUBLES_EQUAL(0.99, bridge_held_of({}, model), 1e-12);
   DOUBLES_EQUAL(0.6, bridge_held_of({.tried_mm = 0.8}, model), 1e-12);
   DOUBLES_EQUAL(0.6, bridge_held_of({.corner_mm = 0.8 / model.corner_ratio}, model), 1e-12);
@@ -54,13 +60,14 @@ TEST(Confidence, WhatWasSeenAndDoesNotJumpHolds) {
   DOUBLES_EQUAL(0.5 * jump_held_of(0.4), within_of(seen), 1e-12);
 }
 
-TEST(Confidence, AFlatSlopeCountsForLessWhereItWasSeenAndIsFlaggedAllTheSame) {
+TEST(Confidence, AFlatSlopeCountsForLessSeenOrBridgedAndIsFlaggedAllTheSame) {
   PlacedStation flat{.position = {0, 0, 30}, .own_z_mm = 30};
   flat.sharp = 0.02;
-  DOUBLES_EQUAL(ConfidenceModel{}.flat_seen, within_of(flat), 1e-12);
+  DOUBLES_EQUAL(ConfidenceModel{}.flat_held, within_of(flat), 1e-12);
   CHECK_COMPARE(within_of(flat), <, cloud::k_sure_ratio);
   flat.doubt = 0.5;
-  CHECK_COMPARE(within_of(flat), <=, 0.02);
+  flat.tried_up_mm = 0.8;
+  DOUBLES_EQUAL(ConfidenceModel{}.flat_held * bridge_held_of({.tried_mm = 0.8}), within_of(flat), 1e-12);
 }
 
 TEST(Confidence, ABridgesHeightIsNoJump) {
