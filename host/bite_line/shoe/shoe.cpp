@@ -133,11 +133,39 @@ bool shoe_sized(const PlanBox& box) {
          ratio >= k_min_width_to_length && ratio <= k_max_width_to_length;
 }
 
-/// Marks the components that make up the shoe: the largest, and others that complete it (a band cut twice by
-/// missing sectors) as long as the whole stays shoe-sized and they lie within reach.
+/// Components that may be one shoe, and their outline together.
+struct Parts {
+  std::vector<int> labels;
+  std::vector<Vec2> hull;
+};
+
+/// The component `first`, and others that complete it (a band cut twice by missing sectors) as long as the
+/// whole stays shoe-sized and they lie within reach.
+Parts parts_about(int first, std::span<const int> others, const Cells& cells,
+                  const std::vector<std::int32_t>& labels) {
+  Parts parts{.labels = {first}, .hull = hull_of(cells, labels, first)};
+  for (const int other : others) {
+    if (other == first || parts.hull.size() < 3) continue;
+    const std::vector<Vec2> part = hull_of(cells, labels, other);
+    std::vector<Vec2> joined = parts.hull;
+    joined.insert(joined.end(), part.begin(), part.end());
+    joined = convex_hull(std::move(joined));
+    const PlanBox before = tightest_box(parts.hull);
+    const PlanBox after = tightest_box(joined);
+    const bool inside = after.length_mm < before.length_mm + 8 && after.width_mm < before.width_mm + 8;
+    if (!inside && (shoe_sized(before) || !shoe_sized(after))) continue;
+    parts.labels.push_back(other);
+    parts.hull = std::move(joined);
+  }
+  return parts;
+}
+
+/// Marks the components that make up the shoe: about the one that is a shoe's size by itself, or else about
+/// the largest that comes to that with others.  A clamp's column may be larger than the shoe.
 std::vector<bool> choose_components(const Cells& cells, const std::vector<std::int32_t>& labels,
                                     int components) {
-  constexpr double k_min_share = 0.04;  // of the largest: smaller ones are specks
+  constexpr double k_min_share = 0.04;   // of the largest: smaller ones are specks
+  constexpr double k_rival_share = 0.5;  // of the largest: smaller ones are parts of it
   constexpr std::size_t k_most_parts = 12;
   std::vector<std::size_t> size(static_cast<std::size_t>(components), 0);
   for (const std::int32_t label : labels) {
@@ -150,24 +178,26 @@ std::vector<bool> choose_components(const Cells& cells, const std::vector<std::i
 
   std::vector<bool> chosen(static_cast<std::size_t>(components), false);
   if (order.empty()) return chosen;
-  chosen[static_cast<std::size_t>(order[0])] = true;
-  const double least_size = k_min_share * static_cast<double>(size_of(order[0]));
-  std::vector<Vec2> hull;
-  for (std::size_t k = 1; k < std::min(order.size(), k_most_parts); ++k) {
-    if (static_cast<double>(size_of(order[k])) < least_size) break;
-    if (hull.empty()) hull = hull_of(cells, labels, order[0]);
-    if (hull.size() < 3) break;
-    const std::vector<Vec2> part = hull_of(cells, labels, order[k]);
-    std::vector<Vec2> joined = hull;
-    joined.insert(joined.end(), part.begin(), part.end());
-    joined = convex_hull(std::move(joined));
-    const PlanBox before = tightest_box(hull);
-    const PlanBox after = tightest_box(joined);
-    const bool inside = after.length_mm < before.length_mm + 8 && after.width_mm < before.width_mm + 8;
-    if (!inside && (shoe_sized(before) || !shoe_sized(after))) continue;
-    chosen[static_cast<std::size_t>(order[k])] = true;
-    hull = std::move(joined);
+  const int largest = order[0];
+  const auto share_of = [&](int label) {
+    return static_cast<double>(size_of(label)) / static_cast<double>(size_of(largest));
+  };
+  order.resize(std::min(order.size(), k_most_parts));
+  std::erase_if(order, [&](int label) { return share_of(label) < k_min_share; });
+  const auto is_sized = [](const std::vector<Vec2>& hull) {
+    return hull.size() >= 3 && shoe_sized(tightest_box(hull));
+  };
+  std::vector<int> about = order;
+  const auto by_itself = std::find_if(about.begin(), about.end(), [&](int label) {
+    return share_of(label) >= k_rival_share && is_sized(hull_of(cells, labels, label));
+  });
+  if (by_itself != about.end()) std::rotate(about.begin(), by_itself, by_itself + 1);
+  Parts shoe;
+  for (std::size_t k = 0; k < about.size() && !is_sized(shoe.hull); ++k) {
+    Parts parts = parts_about(about[k], order, cells, labels);
+    if (k == 0 || is_sized(parts.hull)) shoe = std::move(parts);
   }
+  for (const int label : shoe.labels) chosen[static_cast<std::size_t>(label)] = true;
   return chosen;
 }
 

@@ -2,6 +2,7 @@
 #include <CppUTest/TestHarness.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "tests/support/made_cloud.hpp"
@@ -87,6 +88,26 @@ TEST(FindShoe, PointsFarAwayAndASecondThingBesideAreNotTheShoe) {
   CHECK(sut.has_value());
   DOUBLES_EQUAL(90, sut->width_mm, 4);
   for (const std::uint32_t i : sut->index) CHECK(i < of_wall);
+}
+
+TEST(FindShoe, AColumnBesideTheShoeThatIsLargerIsNotPartOfIt) {
+  const SE3 T_base_shoe = biteline::test::somewhere();
+  const Points wall = wall_in_base(T_base_shoe);
+  // With the column the whole is still as broad as a shoe may be.
+  for (const double radius_mm : {20.0, 30.0}) {
+    Points points = wall;
+    for (double z = 0; z < 250; z += 0.7) {
+      for (double angle = 0; angle < 6.28; angle += 0.03) {
+        const Vec3 place{140 + radius_mm * std::cos(angle), 75 + radius_mm + radius_mm * std::sin(angle), z};
+        points.push_back((T_base_shoe * place).cast<float>());
+      }
+    }
+    const auto sut = find_shoe(points);
+    CHECK(sut.has_value());
+    DOUBLES_EQUAL(280, sut->length_mm, 4);
+    DOUBLES_EQUAL(90, sut->width_mm, 4);
+    for (const std::uint32_t i : sut->index) CHECK(i < wall.size());
+  }
 }
 
 TEST(FindShoe, WhatIsNoShoeIsRefusedByItsOwnCode) {
