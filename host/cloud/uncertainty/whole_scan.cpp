@@ -34,7 +34,10 @@ Mat3 SpreadAlong::at(std::size_t point) const {
 
 Eigen::Matrix2d across(const Mat3& covariance_mm2, const Vec3& tangent, const Vec3& up) {
   Eigen::Matrix<double, 3, 2> plane;
-  plane.col(0) = tangent.cross(up).normalized();
+  const Vec3 level = tangent.cross(up);
+  // A line that stands upright has no level direction of its own: any one square to it will do.
+  constexpr double k_upright = 1e-6;
+  plane.col(0) = level.norm() > k_upright ? level.normalized() : tangent.unitOrthogonal();
   plane.col(1) = plane.col(0).cross(tangent);
   return plane.transpose() * covariance_mm2 * plane;
 }

@@ -59,4 +59,10 @@ TEST(WholeScan, AcrossALineIsOutwardsThenUp) {
   DOUBLES_EQUAL(0, sut(0, 1), 1e-12);
 }
 
+TEST(WholeScan, ALineThatStandsUprightHasItsSpreadInTheLevelPlane) {
+  const Mat3 covariance = Vec3{1, 1, 9}.asDiagonal();
+  const Eigen::Matrix2d level = across(covariance, Vec3::UnitZ(), Vec3::UnitZ());
+  CHECK((level - Eigen::Matrix2d::Identity()).norm() < 1e-12);
+}
+
 }  // namespace biteline::uncertainty
