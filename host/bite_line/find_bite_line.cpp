@@ -2,8 +2,11 @@
 #include "host/bite_line/find_bite_line.hpp"
 
 #include <utility>
+#include <vector>
 
 #include "host/bite_line/layers/climb.hpp"
+#include "host/bite_line/level/along_guide.hpp"
+#include "host/bite_line/level/detours.hpp"
 #include "host/bite_line/path/decide.hpp"
 #include "host/bite_line/place/finish.hpp"
 #include "host/bite_line/place/place_path.hpp"
@@ -19,18 +22,31 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
   Outline outline = clock.run("outline", [&] { return side_outline(*shoe); });
   SideField field = clock.run("side", [&] { return SideField::build(*shoe, outline, {}); });
   Side side{std::move(*shoe), std::move(outline), std::move(field)};
-  const Layers layers = clock.run("layers", [&] { return find_layers_along(side, {}, scan.looks); });
+  Layers layers = clock.run("layers", [&] { return find_layers_along(side, {}, scan.looks); });
   const std::optional<SeamStep> seam =
       clock.run("seam", [&] { return seam_step(scan, side.shoe, side.outline); });
-  Decision decision = clock.run("decision", [&] {
-    return decide(layers, plan_shape(side_reach(side)), seam, config.min_confidence_ratio);
+  const std::vector<Vec2> guide = clock.run("detours", [&] {
+    const std::vector<Detour> detours = find_detours(side, layers, {});
+    doubt_detours(side.field.grid, detours, layers);
+    return guide_of(side, layers.line, detours);
   });
-  PlacedLine placed = clock.run("place", [&] {
-    if (decision.refusal) return PlacedLine{};
-    return place_path(scan, side, decision.paths.front().row,
-                      {.hold = layers.hold, .other_mm = layers.other_mm, .sharp = layers.sharp},
-                      config.point_spacing_mm);
-  });
+  Decision decision;
+  PlacedLine placed;
+  if (guide.empty()) {
+    decision = clock.run("decision", [&] {
+      return decide(layers, plan_shape(side_reach(side)), seam, config.min_confidence_ratio);
+    });
+    placed = clock.run("place", [&] {
+      if (decision.refusal) return PlacedLine{};
+      return place_path(scan, side, decision.paths.front().row,
+                        {.hold = layers.hold, .other_mm = layers.other_mm, .sharp = layers.sharp},
+                        config.point_spacing_mm);
+    });
+  } else {
+    AlongGuide along = clock.run("level", [&] { return find_along_guide(scan, side, guide, seam, config); });
+    decision = std::move(along.decision);
+    placed = std::move(along.placed);
+  }
   Extraction extraction = clock.run("finish", [&] {
     uncertainty::WholeScan whole{.head = {}, .arm = scan.arm};
     if (config.head != nullptr && !scan.poses.empty()) whole.head.emplace(*config.head, scan.poses);

@@ -60,6 +60,13 @@ double turn_deg(const sim::Section& section, double z_mm) {
          std::numbers::pi;
 }
 
+/// The definition means heights along the outline over some millimetres.  Where a line climbs upright that
+/// is no mean along the line: there it is left out.
+std::vector<sim::TrueLinePoint> truth_of(const sim::MadeShoe& shoe) {
+  if (!shoe.parameters().sole.guard) return sim::true_line(shoe, 0.5);
+  return sim::true_line(shoe, 0.1, {.running_mean_mm = 0.5});
+}
+
 }  // namespace
 
 SweepCell sweep_cell(std::uint64_t seed, std::uint64_t index) {
@@ -83,7 +90,7 @@ SweepCell sweep_cell(std::uint64_t seed, std::uint64_t index) {
 }
 
 void add_truth(SweepScan& scan, const sim::MadeShoe& shoe, const Eigen::Affine3d& T_base_shoe) {
-  const std::vector<sim::TrueLinePoint> line = sim::true_line(shoe, 0.5);
+  const std::vector<sim::TrueLinePoint> line = truth_of(shoe);
   if (line.empty()) return;
 
   const Occupied occupied{scan.cloud};
@@ -127,7 +134,7 @@ SweepScan scan_of(const SweepCell& cell) {
   made.cloud.column = scan.column;
   made.cloud.amplitude = scan.amplitude;
   made.cloud.width_px = scan.width_px;
-  const std::vector<sim::TrueLinePoint> line = sim::true_line(shoe, 0.5);
+  const std::vector<sim::TrueLinePoint> line = truth_of(shoe);
   std::vector<Vec3> where;
   for (const sim::TrueLinePoint& point : line) where.push_back(T_base_shoe * point.point_shoe);
   if (where.empty()) {

@@ -10,7 +10,16 @@
 namespace biteline::sim {
 
 /// Streams of random numbers, one per part.
-enum DesignStream : std::uint64_t { k_outline = 21, k_sole, k_upper, k_decoy, k_second, k_light, k_paint };
+enum DesignStream : std::uint64_t {
+  k_outline = 21,
+  k_sole,
+  k_upper,
+  k_decoy,
+  k_second,
+  k_light,
+  k_paint,
+  k_guard
+};
 
 /// Perimeter of a shoe of length 1; only the spread of things along it depends on it.
 constexpr double k_perimeter_ratio = 2.13;
@@ -26,6 +35,9 @@ void draw_sole(ShoeParameters& shoe, Random& random, double scale);
 
 /// Adds a decoy to sole or upper.  Where the sole is too thin for it, nothing.
 void add_decoy(ShoeParameters& shoe, Decoy decoy, Random random);
+
+/// Lets the sole wrap up over the toe.  Where the upper is too low for it, nothing.
+void add_toe_guard(ShoeParameters& shoe, Random random);
 
 [[nodiscard]] Material foam(Random& random);
 [[nodiscard]] Material rubber(Random& random);

@@ -106,6 +106,7 @@ ShoeParameters draw_designed_shoe(const DesignedShoe& designed, std::uint64_t se
     const auto also = static_cast<Decoy>(second.integer(1, static_cast<int>(k_decoy_names.size()) - 1));
     if (also != designed.decoy) add_decoy(shoe, also, second.fork(k_decoy));
   }
+  if (designed.toe_guard) add_toe_guard(shoe, source.fork(k_guard));
   shoe.reflectance = draw_reflectance(designed.materials, designed.shoe_class, source.fork(k_light));
   if (designed.painted) paint(shoe, source.fork(k_paint));
   return shoe;

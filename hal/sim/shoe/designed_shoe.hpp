@@ -16,6 +16,7 @@ struct DesignedShoe {
   Materials materials{Materials::Contrast};
   bool painted{false};                ///< ledges, tapes and pieces laid on have colours of their own
   std::optional<double> length_mm{};  ///< else drawn
+  bool toe_guard{false};  ///< the sole wraps up over the toe, by 6 to 22 mm and up to 80 degrees steep
 };
 
 /// Sole 90 to 350 mm long, low, mid-high or a boot, left or right.  A decoy keeps 4 mm and more away from the

@@ -104,6 +104,20 @@ void draw_wedge(ShoeParameters& shoe, Random& random, double scale) {
 
 }  // namespace
 
+void add_toe_guard(ShoeParameters& shoe, Random random) {
+  constexpr double k_least_rise_mm = 6, k_upper_left_mm = 10;
+  const double room_mm =
+      shoe.upper.top_z_mm - shoe.upper.toe_drop_mm - shoe.groove.line_height_mm - k_upper_left_mm;
+  const double rise_mm = std::min(random.uniform({k_least_rise_mm, 22}), room_mm);
+  const double slope = random.uniform({0.8, 6});  // up to 80 degrees
+  const double half_ratio = random.uniform({0.025, 0.09});
+  if (rise_mm < k_least_rise_mm) return;
+  shoe.sole.guard = Guard{.where = {.s_mm = 0.5 * perimeter_mm(shoe),
+                                    .half_length_mm = half_ratio * perimeter_mm(shoe),
+                                    .soft_mm = rise_mm / slope},
+                          .rise_mm = rise_mm};
+}
+
 void draw_sole(ShoeParameters& shoe, Random& random, double scale) {
   switch (shoe.shoe_class) {
     case ShoeClass::Vulcanised:

@@ -152,6 +152,18 @@ Section MadeShoe::section(double s_mm) const {
       section.bottom_z_mm_ = under_mm;
   }
 
+  if (p.sole.guard) {
+    constexpr double k_step_mm = 0.05;
+    const Guard& guard = *p.sole.guard;
+    const double way_mm = outline_.way_mm(guard.where.s_mm, s_mm);
+    section.guard_ratio_ = inside(guard.where, way_mm);
+    section.guard_rise_mm_ = guard.rise_mm * section.guard_ratio_;
+    section.guard_slope_ =
+        guard.rise_mm * (inside(guard.where, way_mm + k_step_mm) - inside(guard.where, way_mm - k_step_mm)) /
+        (2 * k_step_mm);
+    section.line_height_mm_ += section.guard_rise_mm_;
+  }
+
   section.strength_ratio_ = 1 + k_strength_variation_ratio * waves(strength_waves_, s_mm);
   for (const auto& stretch : p.filled)
     section.open_ratio_ *= 1 - inside(stretch, outline_.way_mm(stretch.s_mm, s_mm));
@@ -206,11 +218,23 @@ Vec3 MadeShoe::normal(double s_mm, double z_mm) const {
   return Vec3{horizontal.x(), horizontal.y(), -stretch * slope_z}.normalized();
 }
 
+double Section::side_of_sole_mm(double u_mm, double z_mm) const {
+  const SoleShape& sole = shoe_->parameters_.sole;
+  const UpperShape& upper = shoe_->parameters_.upper;
+  const double foot_mm = line_height_mm_ - guard_rise_mm_;
+  // A guard lies on the wall of the upper, and goes straight on below that.
+  if (guard_ratio_ > 0 && u_mm > 0) return upper.lean_per_mm * u_mm * (2 * upper.bulge_u_mm - u_mm);
+  const double plain =
+      sole.bulge_mm * std::sin(std::numbers::pi * (z_mm - bottom_z_mm_) / (foot_mm - bottom_z_mm_)) -
+      sole.flare_ratio * u_mm;
+  return guard_ratio_ > 0
+             ? (1 - guard_ratio_) * plain + guard_ratio_ * 2 * upper.lean_per_mm * upper.bulge_u_mm * u_mm
+             : plain;
+}
+
 double Section::sole_mm(double u_mm, double z_mm) const {
   const SoleShape& sole = shoe_->parameters_.sole;
-  double offset_mm =
-      sole.bulge_mm * std::sin(std::numbers::pi * (z_mm - bottom_z_mm_) / (line_height_mm_ - bottom_z_mm_)) -
-      sole.flare_ratio * u_mm + reliefs_mm(sole_reliefs_, u_mm);
+  double offset_mm = side_of_sole_mm(u_mm, z_mm) + reliefs_mm(sole_reliefs_, u_mm);
   if (z_mm < heel_top_z_mm_) offset_mm -= sole.heel_taper_ratio * (heel_top_z_mm_ - z_mm);
   for (const auto& groove : sole.parallel_grooves) {
     offset_mm -= groove.depth_mm * bell((u_mm - groove.u_mm) / groove.width_mm);
@@ -305,14 +329,17 @@ double Section::offset_mm(double z_mm) const {
   const Groove& groove = p.groove;
   const double u_mm = z_mm - line_height_mm_;
   if (p.bare) return upper_mm(bare_height_mm(u_mm));
+  // The crease is as wide on a guard's flank as elsewhere; sole and upper are what they are without one.
+  const double across_mm = u_mm / std::hypot(1.0, guard_slope_);
+  const double own_u_mm = u_mm + guard_rise_mm_;
   // Far from the lip one side alone is left, to 1e-17 of the step.
-  const double open_lip = (u_mm - groove.lip_u_mm) / groove.lip_width_mm;
-  const double filled_lip = (u_mm - groove.lip_u_mm) / k_filled_lip_width_mm;
+  const double open_lip = (across_mm - groove.lip_u_mm) / groove.lip_width_mm;
+  const double filled_lip = (across_mm - groove.lip_u_mm) / k_filled_lip_width_mm;
   const bool only_sole = open_lip < -k_tail && (open_ratio_ > 0.999999 || filled_lip < -k_tail);
   const bool only_upper = open_lip > k_tail && (open_ratio_ > 0.999999 || filled_lip > k_tail);
-  const double sole = only_upper ? 0.0 : sole_mm(u_mm, z_mm);
-  const double upper = only_sole ? 0.0 : upper_mm(u_mm);
-  const double groove_valley = strength_ratio_ * groove.depth_mm * valley(u_mm, groove.width_mm);
+  const double sole = only_upper ? 0.0 : sole_mm(own_u_mm, z_mm);
+  const double upper = only_sole ? 0.0 : upper_mm(own_u_mm);
+  const double groove_valley = strength_ratio_ * groove.depth_mm * valley(across_mm, groove.width_mm);
   const double open = sole + (upper - sole) * logistic(open_lip) - groove_valley;
   if (open_ratio_ > 0.999999) return open;
   const double filled = sole + (upper - sole) * logistic(filled_lip) - k_filled_depth_ratio * groove_valley;
@@ -343,7 +370,7 @@ SurfaceLook Section::look(double z_mm) const {
   const ShoeParameters& p = shoe_->parameters_;
   const double u_mm = z_mm - line_height_mm_;
   const bool on_sole = !p.bare && u_mm < p.groove.lip_u_mm;
-  const Material& material = material_at(on_sole, u_mm);
+  const Material& material = material_at(on_sole, u_mm + guard_rise_mm_);
   SurfaceLook look{
       .diffuse_ratio = material.diffuse_ratio, .glossy = false, .scattering_mm = material.scattering_mm};
   if (material.grain_ratio > 0)

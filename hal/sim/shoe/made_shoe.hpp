@@ -39,6 +39,8 @@ class Section {
   friend class MadeShoe;
   explicit Section(const MadeShoe& shoe) : shoe_(&shoe) {}
 
+  /// Without what is on it; `u_mm` from where the line would be without a guard, here and in what follows.
+  [[nodiscard]] double side_of_sole_mm(double u_mm, double z_mm) const;
   [[nodiscard]] double sole_mm(double u_mm, double z_mm) const;
   [[nodiscard]] double upper_mm(double u_mm) const;
   [[nodiscard]] double decoration_of_upper_mm(double u_mm) const;
@@ -56,6 +58,9 @@ class Section {
   double s_mm_{0};
   Outline::Place place_{};
   double line_height_mm_{0};
+  double guard_rise_mm_{0};  ///< of the line, over where it would be without a guard
+  double guard_ratio_{0};    ///< 1 on the guard, 0 beside it
+  double guard_slope_{0};    ///< rise per length along the outline
   double top_z_mm_{0};
   double bottom_z_mm_{0};
   double heel_top_z_mm_{0};   ///< of the heel block, 0 where the sole stands on the table

@@ -145,7 +145,15 @@ struct Relief {
   std::optional<Material> material{};  ///< of a ledge or a band; none: of what it lies on
 };
 
+/// The sole wraps up over the upper, as a guard on the toe does: the line runs up one flank and down the
+/// other, and below it there is no crease.
+struct Guard {
+  Stretch where{};  ///< its soft ends are the flanks
+  double rise_mm{15};
+};
+
 struct SoleShape {
+  std::optional<Guard> guard{};
   double bulge_mm{1.2};
   double flare_ratio{0};  ///< lower means farther out, by this share of the way down
   /// Of the sole at the line, where it does not stand on the table: 0, it reaches down everywhere.

@@ -4,6 +4,7 @@
 //
 // --crease makes the bite line's own step and depth so much of what was drawn, and nothing else: with 0.2 and
 // less a sole is nearly flush, and most of its decoys are stronger than the line.
+// --guard lets every designed sole wrap up over the toe: the line climbs up to 22 mm, nearly upright.
 // A row (--rows, stderr) begins with the index by which `--from INDEX --count 1` makes that shoe again.
 // --save writes each cloud, its true line, the line found and all candidates there, to be looked at.
 #include <algorithm>
@@ -38,6 +39,7 @@ struct Options {
   bool published{false};
   bool rows{false};
   bool materials{false};
+  bool guard{false};
 
   [[nodiscard]] bool asks_for(const test::SweepCell& cell) const {
     const auto fits = [](const std::string& asked, std::string_view is) {
@@ -105,6 +107,7 @@ class Sweep {
       test::SweepCell cell = test::sweep_cell(options_.cells.seed, index);
       cell.crease_ratio = options_.crease_ratio;
       cell.stripe = options_.materials;
+      cell.shoe.toe_guard = options_.guard;
       if (options_.asks_for(cell)) judge(index, cell);
     });
     for (const auto& [what, tally] : ours_) {
@@ -185,6 +188,7 @@ int main(int argc, char** argv) {
   command.add_option("--threads", asked.threads, "so many at once")->capture_default_str();
   command.add_flag("--published", asked.published, "the published method beside it");
   command.add_flag("--materials", asked.materials, "clouds with the stripe's amplitude and width");
+  command.add_flag("--guard", asked.guard, "designed soles wrap up over the toe");
   command.add_flag("--rows", asked.rows, "a row for each, on stderr");
   if (const std::optional<int> status = bench::read_options(command, argc, argv)) return *status;
   bench::Sweep{asked}.run();

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/level/detours.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "host/bite_line/level/cheapest_way.hpp"
+#include "host/bite_line/level/patch.hpp"
+#include "host/geometry/logistic.hpp"
+
+namespace biteline::bite_line {
+
+namespace {
+
+/// A place of closed data with `count` values, from 0 on.
+std::size_t round_of(int col, int count) {
+  return static_cast<std::size_t>((col % count + count) % count);
+}
+
+/// The course over s, which may go beyond the outline's length.
+class CourseOverS {
+ public:
+  CourseOverS(const SideGrid& grid, const Crease& line) : grid_{grid}, line_{line} {}
+
+  [[nodiscard]] double z_mm(double s_mm) const {
+    const double col = s_mm / grid_.col_mm - 0.5;
+    const double share = col - std::floor(col);
+    const int first = static_cast<int>(std::floor(col));
+    return grid_.z_mm((1 - share) * line_.row[round_of(first, grid_.cols)] +
+                      share * line_.row[round_of(first + 1, grid_.cols)]);
+  }
+  [[nodiscard]] double off_mm(const Vec2& place) const {
+    constexpr double k_reach_mm = 12.0;
+    double nearest = std::numeric_limits<double>::max();
+    for (double d = -k_reach_mm; d <= k_reach_mm; d += Patch::k_cell_mm)
+      nearest = std::min(nearest, std::hypot(d, z_mm(place.x() + d) - place.y()));
+    return nearest;
+  }
+  [[nodiscard]] double cost(const Patch& patch, const StepCosts& costs, double from_mm, double to_mm) const {
+    constexpr double k_direction_rad = std::numbers::pi / 8;
+    double sum = 0;
+    for (double s = from_mm; s < to_mm; s += Patch::k_cell_mm) {
+      const double rise = z_mm(s + Patch::k_cell_mm) - z_mm(s);
+      const auto k = std::lround(std::atan2(rise, Patch::k_cell_mm) / k_direction_rad);
+      const Cell cell = patch.cell({s, z_mm(s)});
+      sum += std::hypot(rise, Patch::k_cell_mm) *
+             static_cast<double>(costs[round_of(static_cast<int>(k), static_cast<int>(costs.size()))]
+                                      [patch.at(cell.row, cell.col)]);
+    }
+    return sum;
+  }
+
+ private:
+  const SideGrid& grid_;
+  const Crease& line_;
+};
+
+/// Columns where the course shows no crease, or lies on another one; the first may lie beyond the last.
+struct CourseGap {
+  int first, cols;
+  bool changes{false};
+};
+
+/// What shows a crease for less than an island's length between two gaps is noise.
+std::vector<CourseGap> gaps_of(const SideGrid& grid, const Layers& layers, double least_mm) {
+  constexpr double k_island_mm = 4.0;
+  constexpr double k_beside_mm = 8.0;  // of a change: the course bends there
+  const int beside = static_cast<int>(std::lround(k_beside_mm / grid.col_mm));
+  std::vector<std::uint8_t> on_line = layers.line.visible;
+  for (const OtherCrease& other : layers.others) {
+    for (int k = -beside; k <= other.cols + beside; ++k)
+      on_line[round_of(other.first_col + k, grid.cols)] = 0;
+  }
+  int start = -1;
+  for (int col = 0, run = 0; col < 2 * grid.cols && start < 0; ++col) {
+    run = on_line[round_of(col, grid.cols)] != 0 ? run + 1 : 0;
+    if (run * grid.col_mm >= 2 * k_island_mm) start = col % grid.cols + 1;
+  }
+  std::vector<CourseGap> gaps;
+  if (start < 0) return gaps;
+  for (int k = 0; k < grid.cols; ++k) {
+    if (on_line[round_of(start + k, grid.cols)] != 0) continue;
+    const int col = start + k;
+    if (!gaps.empty() && (col - gaps.back().first - gaps.back().cols) * grid.col_mm < k_island_mm)
+      gaps.back().cols = col + 1 - gaps.back().first;
+    else
+      gaps.push_back({.first = col, .cols = 1});
+  }
+  for (CourseGap& gap : gaps) {
+    gap.changes = std::ranges::any_of(layers.others, [&](const OtherCrease& other) {
+      return static_cast<int>(round_of(other.first_col - gap.first, grid.cols)) < gap.cols;
+    });
+  }
+  std::erase_if(gaps, [&](const CourseGap& gap) { return gap.cols * grid.col_mm < least_mm; });
+  return gaps;
+}
+
+/// Cells about a way, but for its ends.
+std::vector<std::uint8_t> about(const Patch& patch, const Way& way, double reach_mm) {
+  constexpr std::size_t k_ends = 24;
+  const int reach = static_cast<int>(std::lround(reach_mm / Patch::k_cell_mm));
+  std::vector<std::uint8_t> cells(patch.size(), 0);
+  for (std::size_t i = k_ends; i + k_ends < way.cells.size(); ++i) {
+    const Cell& at = way.cells[i];
+    for (int c = std::max(0, at.col - reach); c <= std::min(patch.cols - 1, at.col + reach); ++c) {
+      for (int r = std::max(0, at.row - reach); r <= std::min(patch.rows - 1, at.row + reach); ++r)
+        if (std::hypot(r - at.row, c - at.col) <= reach) cells[patch.at(r, c)] = 1;
+    }
+  }
+  return cells;
+}
+
+class GapLook {
+ public:
+  GapLook(const Side& side, const CourseOverS& course, const CourseGap& gap, const DetourConfig& config)
+      : course_{course},
+        gap_{gap},
+        config_{config},
+        length_mm_{gap.cols * side.field.grid.col_mm},
+        from_mm_{gap.first * side.field.grid.col_mm - k_beside_mm},
+        to_mm_{from_mm_ + length_mm_ + 2 * k_beside_mm},
+        patch_{Patch::of(side, window())},
+        costs_{step_costs(patch_)} {}
+
+  /// None where the course is as good as any way.
+  [[nodiscard]] std::optional<Detour> detour() const {
+    const Cell from = patch_.cell({from_mm_, course_.z_mm(from_mm_)});
+    const Cell to = patch_.cell({to_mm_, course_.z_mm(to_mm_)});
+    const Way way = cheapest_way(patch_, costs_, from, to);
+    Detour detour;
+    double unseen_mm = 0, away_mm = 0, bare_mm = 0, longest_bare_mm = 0;
+    for (std::size_t i = 0; i < way.cells.size(); ++i) {
+      const Cell& at = way.cells[i];
+      detour.places.push_back(patch_.place(at.row, at.col));
+      const double off = course_.off_mm(detour.places.back());
+      detour.off_mm = std::max(detour.off_mm, off);
+      if (i == 0) continue;
+      const double step_mm = (detour.places[i] - detour.places[i - 1]).norm();
+      const bool seen = patch_.seen[patch_.at(at.row, at.col)] != 0;
+      if (!seen) unseen_mm += step_mm;
+      bare_mm = seen && is_bare(way.cells[i - 1], at) ? bare_mm + step_mm : 0;
+      longest_bare_mm = std::max(longest_bare_mm, bare_mm);
+      if (off > k_on_course_mm) away_mm += step_mm;
+    }
+    const bool same = detour.off_mm < config_.apart_mm;
+    if (unseen_mm > config_.most_unseen_mm || (same && !gap_.changes)) return std::nullopt;
+    if (way.cost / (to_mm_ - from_mm_) > config_.most_far_cost) return std::nullopt;
+    const double straight = course_.cost(patch_, costs_, from_mm_, to_mm_);
+    if (!(margin_of(straight - way.cost, away_mm) > LayersConfig{}.margin)) return std::nullopt;
+    detour.sure = longest_bare_mm < config_.most_bare_mm && is_sure(way, detour.off_mm, from, to);
+    return detour;
+  }
+
+ private:
+  static constexpr double k_beside_mm = 10.0;    // of the gap's ends: on the crease
+  static constexpr double k_on_course_mm = 1.0;  // a way in cells is not smooth
+
+  [[nodiscard]] Window window() const {
+    constexpr double k_margin_mm = 12.0, k_below_mm = 15.0, k_above_mm = 32.0;
+    double low = course_.z_mm(from_mm_), high = low;
+    for (double s = from_mm_; s <= to_mm_; s += Patch::k_cell_mm) {
+      low = std::min(low, course_.z_mm(s));
+      high = std::max(high, course_.z_mm(s));
+    }
+    return {.s_mm = from_mm_ - k_margin_mm,
+            .length_mm = to_mm_ - from_mm_ + 2 * k_margin_mm,
+            .z_mm = low - k_below_mm,
+            .height_mm = high - low + k_below_mm + k_above_mm};
+  }
+
+  /// Whether a step shows hardly a crease.
+  [[nodiscard]] bool is_bare(const Cell& from, const Cell& to) const {
+    constexpr float k_bare_cost = 0.8F;
+    const auto* step = std::ranges::find_if(k_grid_steps, [&](GridStep by) {
+      return by.cols == to.col - from.col && by.rows == to.row - from.row;
+    });
+    return costs_[static_cast<std::size_t>(step - k_grid_steps.begin())][patch_.at(to.row, to.col)] >
+           k_bare_cost;
+  }
+
+  /// As find_layers() has it for a rival.
+  [[nodiscard]] static double margin_of(double worse, double over_mm) {
+    const LayersConfig as{};
+    return (worse + as.kink) / (over_mm + as.margin_cols);
+  }
+
+  [[nodiscard]] bool is_sure(const Way& way, double off_mm, Cell from, Cell to) const {
+    const bool far = off_mm >= config_.far_mm;
+    if (!far && way.cost / (to_mm_ - from_mm_) > config_.most_near_cost) return false;
+    const Way next = cheapest_way(patch_, costs_, from, to, about(patch_, way, config_.apart_mm));
+    return margin_of(next.cost - way.cost, length_mm_) >
+           (far ? config_.least_far_margin : config_.least_near_margin);
+  }
+
+  const CourseOverS& course_;
+  const CourseGap& gap_;
+  const DetourConfig& config_;
+  double length_mm_, from_mm_, to_mm_;
+  Patch patch_;
+  StepCosts costs_;
+};
+
+}  // namespace
+
+std::vector<Detour> find_detours(const Side& side, const Layers& layers, const DetourConfig& config) {
+  const CourseOverS course{side.field.grid, layers.line};
+  std::vector<Detour> detours;
+  for (const CourseGap& gap : gaps_of(side.field.grid, layers, config.least_gap_mm)) {
+    if (gap.cols * side.field.grid.col_mm > config.longest_gap_mm) continue;
+    if (std::optional<Detour> detour = GapLook{side, course, gap, config}.detour())
+      detours.push_back(std::move(*detour));
+  }
+  return detours;
+}
+
+void doubt_detours(const SideGrid& grid, std::span<const Detour> detours, Layers& layers) {
+  const float unsure = LayersConfig{}.changed_hold;
+  for (const Detour& detour : detours) {
+    if (detour.sure) continue;
+    for (double s = detour.places.front().x(); s <= detour.places.back().x(); s += grid.col_mm) {
+      const std::size_t col = round_of(static_cast<int>(std::floor(s / grid.col_mm)), grid.cols);
+      if (layers.hold[col] <= unsure) continue;
+      layers.hold[col] = unsure;
+      layers.other_mm[col] = static_cast<float>(detour.off_mm);
+    }
+  }
+}
+
+std::vector<Vec2> guide_of(const Side& side, const Crease& line, std::span<const Detour> detours) {
+  const SideGrid& grid = side.field.grid;
+  const double turn_mm = side.outline.length_mm();
+  const CourseOverS course{grid, line};
+  const auto detour_at = [&](double s) -> const Detour* {
+    for (const Detour& detour : detours) {
+      const double after = s - detour.places.front().x();
+      const double way = after - turn_mm * std::floor(after / turn_mm);
+      if (detour.sure && way < detour.places.back().x() - detour.places.front().x()) return &detour;
+    }
+    return nullptr;
+  };
+  std::vector<Vec2> guide;
+  if (std::ranges::none_of(detours, &Detour::sure)) return guide;
+  double begin_mm = 0.5 * grid.col_mm;
+  while (begin_mm < turn_mm && detour_at(begin_mm) != nullptr) begin_mm += grid.col_mm;
+  const Detour* last = nullptr;
+  for (int k = 0; k < grid.cols; ++k) {
+    const double s = begin_mm + k * grid.col_mm;
+    const Detour* detour = detour_at(s);
+    if (detour == nullptr) {
+      guide.emplace_back(s, course.z_mm(s));
+    } else if (detour != last) {
+      const double rounds = std::round((s - detour->places.front().x()) / turn_mm);
+      for (const Vec2& place : detour->places) guide.emplace_back(place.x() + rounds * turn_mm, place.y());
+    }
+    last = detour;
+  }
+  return guide;
+}
+
+}  // namespace biteline::bite_line

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file A shoe's side bent so that a curve on it runs level: a crease that climbs upright is found there as
+/// any other one is.
+
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "host/bite_line/large.hpp"
+#include "host/bite_line/place/placement.hpp"
+#include "host/bite_line/side/side.hpp"
+
+namespace biteline::bite_line {
+
+/// Places of the shoe and of the levelled one, mm, in shoe.
+///
+/// A place has s along the outline, z up, and o outwards.  In the plane of s and z the guide is a curve; its
+/// own coordinates there are u along and v to its left, square to it.  The levelled shoe has u where the shoe
+/// has s, the guide's mean height and v where it has z, and the same o.  Its outline turns along u as the
+/// shoe's does along s.  So lengths on the side stay what they are, and an upright section of the levelled
+/// shoe is one square to the guide.
+class Levelled {
+ public:
+  /// `guide`: see guide_of().  `side`: borrowed.
+  Levelled(const Side& side, std::span<const Vec2> guide);
+
+  /// The shoe's points within 40 mm of the guide.  Its base is its own frame.
+  [[nodiscard]] Shoe shoe() const;
+  [[nodiscard]] const Outline& outline() const { return outline_; }
+  /// Of these points in base, in the same order; what is out of reach lies at the origin.
+  [[nodiscard]] Large<Eigen::Vector3f> points(std::span<const Eigen::Vector3f> points_base) const;
+
+  /// Back from the levelled shoe.
+  [[nodiscard]] Vec3 back(const Vec3& level) const;
+  [[nodiscard]] PlacedLine back(PlacedLine placed) const;
+  /// A row of the shoe's grid per column for a path of the levelled one's: the mean where that stands
+  /// upright.
+  [[nodiscard]] std::vector<double> back(const SideField& level, std::span<const double> path_row) const;
+
+ private:
+  void level(std::span<const Eigen::Vector3f> points, std::span<Eigen::Vector3f> to) const;
+
+  const Side& side_;
+  double begin_mm_;              ///< s of the guide's first place
+  Outline unrolled_;             ///< the guide in the plane of s and z, with more of it beyond both ends
+  double first_mm_, length_mm_;  ///< of the guide, along `unrolled_`
+  double height_mm_;             ///< mean
+  Outline outline_;
+};
+
+}  // namespace biteline::bite_line
