@@ -152,6 +152,8 @@ class GapLook {
     const double straight = course_.cost(patch_, costs_, from_mm_, to_mm_);
     if (!(margin_of(straight - way.cost, away_mm) > LayersConfig{}.margin)) return std::nullopt;
     detour.sure = longest_bare_mm < config_.most_bare_mm && is_sure(way, detour.off_mm, from, to);
+    // A way along the course that is not sure says nothing that the course does not.
+    if (same && !detour.sure) return std::nullopt;
     return detour;
   }
 
