@@ -216,6 +216,10 @@ std::vector<Detour> find_detours(const Side& side, const Layers& layers, const D
     if (std::optional<Detour> detour = GapLook{side, course, gap, config}.detour())
       detours.push_back(std::move(*detour));
   }
+  // The side is levelled once, and read anew: what is unsure of a gap would be forgotten there.
+  if (!std::ranges::all_of(detours, &Detour::sure)) {
+    for (Detour& detour : detours) detour.sure = false;
+  }
   return detours;
 }
 

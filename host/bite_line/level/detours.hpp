@@ -36,7 +36,7 @@ struct Detour {
 
 /// A course runs along the outline and climbs by 45 degrees at most.  Where a sole wraps up over the toe as a
 /// guard does, its edge stands upright.  There the course shows no crease, or changes to another one; the
-/// cheapest way in any direction tells where the edge goes.
+/// cheapest way in any direction tells where the edge goes.  All are sure, or none is.
 [[nodiscard]] std::vector<Detour> find_detours(const Side& side, const Layers& layers,
                                                const DetourConfig& config);
 
