@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "host/bite_line/find_bite_line.hpp"
 
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "host/bite_line/layers/climb.hpp"
 #include "host/bite_line/level/along_guide.hpp"
 #include "host/bite_line/level/detours.hpp"
+#include "host/bite_line/level/way_round.hpp"
 #include "host/bite_line/path/decide.hpp"
 #include "host/bite_line/place/finish.hpp"
 #include "host/bite_line/place/place_path.hpp"
@@ -14,6 +16,14 @@
 #include "host/bite_line/side/side_outline.hpp"
 
 namespace biteline::bite_line {
+
+namespace {
+
+bool changes_crease(const Layers& layers, const Refusal& refusal) {
+  return refusal.code == Refused::Rivalled && !layers.others.empty();
+}
+
+}  // namespace
 
 Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::optional<Workings>* workings) {
   report::StageClock clock;
@@ -30,32 +40,37 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
     doubt_detours(side.field.grid, detours, layers);
     return guide_of(side, layers.line, detours);
   });
-  Decision decision;
-  PlacedLine placed;
-  if (guide.empty()) {
-    decision = clock.run("decision", [&] {
+  const auto look_along = [&](std::span<const Vec2> by) {
+    return clock.run("level", [&] { return find_along_guide(scan, side, by, seam, config); });
+  };
+  AlongGuide found;
+  if (!guide.empty()) {
+    found = look_along(guide);
+  } else {
+    found.decision = clock.run("decision", [&] {
       return decide(layers, plan_shape(side_reach(side)), seam, config.min_confidence_ratio);
     });
-    placed = clock.run("place", [&] {
-      if (decision.refusal) return PlacedLine{};
-      return place_path(scan, side, decision.paths.front().row,
-                        {.hold = layers.hold, .other_mm = layers.other_mm, .sharp = layers.sharp},
-                        config.point_spacing_mm);
-    });
-  } else {
-    AlongGuide along = clock.run("level", [&] { return find_along_guide(scan, side, guide, seam, config); });
-    decision = std::move(along.decision);
-    placed = std::move(along.placed);
+    if (!found.decision.refusal) {
+      found.placed = clock.run("place", [&] {
+        return place_path(scan, side, found.decision.paths.front().row,
+                          {.hold = layers.hold, .other_mm = layers.other_mm, .sharp = layers.sharp},
+                          config.point_spacing_mm);
+      });
+    } else if (changes_crease(layers, *found.decision.refusal)) {
+      const std::vector<Vec2> round = clock.run("way_round", [&] { return way_round(side, layers, {}); });
+      AlongGuide along = round.empty() ? AlongGuide{} : look_along(round);
+      if (!round.empty() && !along.decision.refusal) found = std::move(along);
+    }
   }
   Extraction extraction = clock.run("finish", [&] {
     uncertainty::WholeScan whole{.head = {}, .arm = scan.arm};
     if (config.head != nullptr && !scan.poses.empty()) whole.head.emplace(*config.head, scan.poses);
-    return finish(side, decision, placed, config, whole);
+    return finish(side, found.decision, found.placed, config, whole);
   });
   extraction.seam = seam;
   extraction.stages = clock.take();
   if (workings != nullptr)
-    workings->emplace(Workings{std::move(side), std::move(decision), std::move(placed)});
+    workings->emplace(Workings{std::move(side), std::move(found.decision), std::move(found.placed)});
   return extraction;
 }
 

@@ -16,7 +16,9 @@ AlongGuide find_along_guide(const ScanPoints& scan, const Side& side, std::span<
   Shoe shoe = levelled.shoe();
   SideField field = SideField::build(shoe, levelled.outline(), {});
   Side level{std::move(shoe), levelled.outline(), std::move(field)};
-  const Layers layers = find_layers_along(level, {}, scan.looks);
+  // The guide has climbed already: what is left is small.
+  const LayersConfig nearly_level{.course = {.path = {.max_step_rows = 4, .step_cost = 0.3}}};
+  const Layers layers = find_layers_along(level, nearly_level, scan.looks);
   AlongGuide found{
       .decision = decide(layers, plan_shape(side_reach(side)), seam, config.min_confidence_ratio),
       .placed = {}};

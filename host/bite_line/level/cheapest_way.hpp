@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/bite_line/level/patch.hpp"
+#include "host/bite_line/level/step_costs.hpp"
 
 namespace biteline::bite_line {
 

@@ -10,6 +10,7 @@
 
 #include "host/bite_line/level/cheapest_way.hpp"
 #include "host/bite_line/level/patch.hpp"
+#include "host/bite_line/level/step_costs.hpp"
 #include "host/geometry/logistic.hpp"
 
 namespace biteline::bite_line {
@@ -148,10 +149,12 @@ class GapLook {
     }
     const bool same = detour.off_mm < config_.apart_mm;
     if (unseen_mm > config_.most_unseen_mm || (same && !gap_.changes)) return std::nullopt;
-    if (way.cost / (to_mm_ - from_mm_) > config_.most_far_cost) return std::nullopt;
+    // Dear ways near by are the course's own, on a crease that hardly shows.
+    const bool dear = way.cost / (to_mm_ - from_mm_) > config_.most_far_cost;
+    if (dear && detour.off_mm < config_.far_mm) return std::nullopt;
     const double straight = course_.cost(patch_, costs_, from_mm_, to_mm_);
     if (!(margin_of(straight - way.cost, away_mm) > LayersConfig{}.margin)) return std::nullopt;
-    detour.sure = longest_bare_mm < config_.most_bare_mm && is_sure(way, detour.off_mm, from, to);
+    detour.sure = !dear && longest_bare_mm < config_.most_bare_mm && is_sure(way, detour.off_mm, from, to);
     // A way along the course that is not sure says nothing that the course does not.
     if (same && !detour.sure) return std::nullopt;
     return detour;

@@ -16,11 +16,11 @@ namespace {
 
 constexpr double k_spacing_mm = 0.5;
 constexpr double k_beside_guide_mm = 40.0;
+constexpr double k_guide_sigma_mm = 2.5;  // of the guide's smoothing
 
 /// Evenly spaced and smooth.  A way over cells has corners, and a curve that bends sharper than it is wide
 /// folds what lies beside it.
 std::vector<Vec2> smooth_guide(std::span<const Vec2> guide, double turn_mm) {
-  constexpr double k_sigma_mm = 2.5;
   const Vec2 turn{turn_mm, 0};
   std::vector<double> at_mm{0};
   const auto next = [&](std::size_t i) -> Vec2 {
@@ -37,7 +37,7 @@ std::vector<Vec2> smooth_guide(std::span<const Vec2> guide, double turn_mm) {
     from_straight.push_back((1 - share) * guide[i] + share * next(i) - share_of(k) * turn);
   }
   std::vector<Vec2> smooth =
-      geometry::smooth_closed<Vec2>(from_straight, k_sigma_mm / k_spacing_mm, Vec2::Zero());
+      geometry::smooth_closed<Vec2>(from_straight, k_guide_sigma_mm / k_spacing_mm, Vec2::Zero());
   for (std::size_t k = 0; k < count; ++k) smooth[k] += share_of(k) * turn;
   return smooth;
 }
@@ -172,8 +172,10 @@ PlacedLine Levelled::back(PlacedLine placed) const {
     const double own_mm = station.own_z_mm - station.position.z();
     const OutlinePlace place = outline_.locate(station.position.cast<float>());
     const double u_mm = first_mm_ + static_cast<double>(place.s_mm) * length_mm_ / outline_.length_mm();
-    // The running mean along the line cuts a corner of the guide by so much.
-    const double cut_mm = std::abs(unrolled_.bend_per_mm(u_mm)) * k_mean_mm * k_mean_mm / 24;
+    // The guide's smoothing and the running mean along the line cut a corner by so much: half the bend times
+    // the variance of each.
+    constexpr double k_variance_mm2 = k_guide_sigma_mm * k_guide_sigma_mm + k_mean_mm * k_mean_mm / 12;
+    const double cut_mm = std::abs(unrolled_.bend_per_mm(u_mm)) * k_variance_mm2 / 2;
     station.between_up_mm = std::hypot(station.between_up_mm, cut_mm);
     const Vec3 at = back(station.position);
     station.normal = (back(Vec3{station.position + k_step_mm * station.normal}) - at).normalized();

@@ -3,224 +3,51 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <span>
 
 #include <tbb/parallel_for.h>
 
 #include "host/bite_line/lanes.hpp"
-#include "host/bite_line/layers/evidence.hpp"
-#include "host/geometry/logistic.hpp"
 
 namespace biteline::bite_line {
 
 namespace {
 
-constexpr std::size_t k_axes = k_grid_steps.size() / 2;
-constexpr double k_fine_mm = 0.5;
-
 /// Gaussian weights along a line of values `stride` apart.
-void blur(std::vector<float>& values, std::size_t first, std::size_t count, std::size_t stride,
-          std::span<const float> weights, std::vector<float>& room) {
+void blur(std::vector<double>& values, std::size_t first, std::size_t count, std::size_t stride,
+          std::span<const float> weights, std::vector<double>& room) {
   const auto reach = static_cast<std::ptrdiff_t>(weights.size() / 2);
-  room.assign(count, 0.0F);
+  room.assign(count, 0.0);
   for (std::size_t i = 0; i < count; ++i) {
-    const float value = values[first + i * stride];
+    const double value = values[first + i * stride];
     if (value == 0) continue;
     for (std::ptrdiff_t j = -reach; j <= reach; ++j) {
       const std::ptrdiff_t to = static_cast<std::ptrdiff_t>(i) + j;
       if (to < 0 || to >= static_cast<std::ptrdiff_t>(count)) continue;
-      room[static_cast<std::size_t>(to)] += value * weights[static_cast<std::size_t>(j + reach)];
+      room[static_cast<std::size_t>(to)] +=
+          value * static_cast<double>(weights[static_cast<std::size_t>(j + reach)]);
     }
   }
   for (std::size_t i = 0; i < count; ++i) values[first + i * stride] = room[i];
 }
 
-class Reader {
- public:
-  explicit Reader(const Patch& patch) : patch_{patch} {}
+/// Sums over the points about a cell: of 1, x, z, o and their products, x and z in cells.
+enum Sum : std::size_t { k_w, k_x, k_z, k_o, k_xx, k_xz, k_zz, k_xo, k_zo, k_sums };
+using Sums = std::array<double, k_sums>;
 
-  StepCosts run() {
-    tbb::parallel_for(std::size_t{0}, k_axes, [&](std::size_t axis) { read_turns(axis); });
-    StepCosts values;
-    tbb::parallel_for(std::size_t{0}, values.size(), [&](std::size_t k) { read_likeness(k, values[k]); });
-    const auto likeness = values;
-    tbb::parallel_for(std::size_t{0}, values.size(), [&](std::size_t k) {
-      const std::vector<float> above = leave_above(likeness, k);
-      to_cost(k, above, values[k]);
-    });
-    return values;
-  }
-
- private:
-  struct Shift {
-    int cols, rows;
-  };
-  [[nodiscard]] static Shift along(std::size_t k, double mm) {
-    const GridStep step = k_grid_steps[k % k_grid_steps.size()];
-    const double cells = mm / Patch::k_cell_mm / std::hypot(step.cols, step.rows);
-    return {static_cast<int>(std::lround(step.cols * cells)),
-            static_cast<int>(std::lround(step.rows * cells))};
-  }
-  /// To the right of a step.
-  [[nodiscard]] static Shift right(std::size_t k, double mm) { return along(k + 12, mm); }
-
-  /// The cell a shift away; none beyond the edge.
-  [[nodiscard]] std::ptrdiff_t cell(int row, int col, Shift shift) const {
-    const int r = row + shift.rows;
-    const int c = col + shift.cols;
-    if (r < 0 || r >= patch_.rows || c < 0 || c >= patch_.cols) return -1;
-    return static_cast<std::ptrdiff_t>(patch_.at(r, c));
-  }
-  [[nodiscard]] bool seen(std::ptrdiff_t cell) const {
-    return cell >= 0 && patch_.seen[static_cast<std::size_t>(cell)] != 0;
-  }
-  [[nodiscard]] double o(std::ptrdiff_t cell) const {
-    return static_cast<double>(patch_.o_mm[static_cast<std::size_t>(cell)]);
-  }
-
-  /// Turn of the surface across an axis, concave > 0, as a mean along that.
-  void read_turns(std::size_t axis) {
-    constexpr double k_flank_mm = 1.0;
-    constexpr double k_run_mm = 3.0;
-    const Shift to_right = right(axis, k_flank_mm);
-    const Shift to_left = right(axis, -k_flank_mm);
-    const double mm = Patch::k_cell_mm * std::hypot(to_right.cols, to_right.rows);
-    std::vector<float> turn(patch_.size(), 0.0F);
-    for (int col = 0; col < patch_.cols; ++col) {
-      for (int row = 0; row < patch_.rows; ++row) {
-        const std::size_t here = patch_.at(row, col);
-        const std::ptrdiff_t a = cell(row, col, to_left);
-        const std::ptrdiff_t b = cell(row, col, to_right);
-        if (patch_.seen[here] == 0 || !seen(a) || !seen(b)) continue;
-        const double own = static_cast<double>(patch_.o_mm[here]);
-        turn[here] = static_cast<float>(std::atan((o(b) - own) / mm) - std::atan((own - o(a)) / mm));
-      }
-    }
-    std::vector<Shift> run;
-    for (double d = -k_run_mm; d <= k_run_mm + 1e-9; d += k_fine_mm) run.push_back(along(axis, d));
-    std::vector<float>& mean = turns_[axis];
-    mean.resize(patch_.size());
-    for (int col = 0; col < patch_.cols; ++col) {
-      for (int row = 0; row < patch_.rows; ++row) {
-        float sum = 0;
-        for (const Shift shift : run) {
-          const std::ptrdiff_t there = cell(row, col, shift);
-          if (there >= 0) sum += turn[static_cast<std::size_t>(there)];
-        }
-        mean[patch_.at(row, col)] = sum / static_cast<float>(run.size());
-      }
-    }
-  }
-
-  struct Flank {
-    double at_mm, slope;
-  };
-  /// The surface on one side as a straight line, from the place on.
-  [[nodiscard]] std::optional<Flank> flank(int row, int col, std::size_t k, double side) const {
-    constexpr double k_from_mm = 1.5, k_to_mm = 4.0;
-    double n = 0, x = 0, xx = 0, y = 0, xy = 0, all = 0;
-    for (double d = k_from_mm; d <= k_to_mm + 1e-9; d += k_fine_mm) {
-      const std::ptrdiff_t there = cell(row, col, right(k, side * d));
-      ++all;
-      if (!seen(there)) continue;
-      n += 1;
-      x += d;
-      xx += d * d;
-      y += o(there);
-      xy += d * o(there);
-    }
-    if (n < std::max(2.0, 0.6 * all)) return std::nullopt;
-    const double slope = (xy / n - x / n * y / n) / std::max(xx / n - x / n * x / n, 1e-6);
-    return Flank{y / n - slope * x / n, slope};
-  }
-
-  /// As ColumnLikeness has it for a level crease.
-  void read_likeness(std::size_t k, std::vector<float>& like) const {
-    const EvidenceConfig as{};
-    constexpr double k_one_side = 0.6;
-    constexpr double k_overhang_mm = 0.5, k_soft_mm = 0.1, k_near_mm = 2.0;
-    const std::vector<float>& turns = turns_[k % k_axes];
-    like.assign(patch_.size(), 0.0F);
-    std::vector<Shift> crest;
-    for (const double d : {-1.5, -1.0, -0.5, 0.5, 1.0, 1.5}) crest.push_back(right(k, d));
-    for (int col = 0; col < patch_.cols; ++col) {
-      for (int row = 0; row < patch_.rows; ++row) {
-        const std::size_t here = patch_.at(row, col);
-        const double turn = static_cast<double>(turns[here]);
-        if (patch_.seen[here] == 0 || turn <= k_noise_rad) continue;
-        double most = turn;
-        for (const Shift shift : crest) {
-          const std::ptrdiff_t there = cell(row, col, shift);
-          if (there >= 0) most = std::max(most, static_cast<double>(turns[static_cast<std::size_t>(there)]));
-        }
-        const double plain = 1 - std::exp(-(turn - k_noise_rad) / as.crease_rad);
-        const std::optional<Flank> sole = flank(row, col, k, 1);
-        const std::optional<Flank> upper = flank(row, col, k, -1);
-        double two = k_one_side;
-        double not_over = 1;
-        if (sole && upper) {
-          const double step_mm = std::max(sole->at_mm - upper->at_mm, 0.0);
-          two = geometry::logistic(
-              (std::atan(sole->slope) + std::atan(upper->slope) + as.rad_per_step_mm * step_mm) /
-              as.flank_soft_rad);
-          const double out_mm =
-              upper->at_mm + k_near_mm * upper->slope - sole->at_mm - k_near_mm * sole->slope;
-          not_over = geometry::logistic((k_overhang_mm - out_mm) / k_soft_mm);
-        }
-        like[here] = static_cast<float>(turn / most * plain *
-                                        (as.one_surface_ratio + (1 - as.one_surface_ratio) * two) * not_over);
-      }
-    }
-  }
-
-  /// The most line-like place on the upper's side of each one, of a crease that runs nearly alike.
-  [[nodiscard]] std::vector<float> leave_above(
-      const std::array<std::vector<float>, k_grid_steps.size()>& likeness, std::size_t k) const {
-    const EvidenceConfig as{};
-    constexpr double k_every_mm = 1.0;
-    constexpr std::size_t k_alike = 2;
-    std::vector<float> like = likeness[k];
-    for (std::size_t j = 1; j <= k_alike; ++j) {
-      for (const std::size_t other : {k + j, k + likeness.size() - j})
-        for (std::size_t i = 0; i < like.size(); ++i)
-          like[i] = std::max(like[i], likeness[other % likeness.size()][i]);
-    }
-    std::vector<Shift> shifts;
-    for (double d = as.above_from_mm; d <= as.above_to_mm; d += k_every_mm) shifts.push_back(right(k, -d));
-    std::vector<float> above(patch_.size(), 0.0F);
-    for (int col = 0; col < patch_.cols; ++col) {
-      for (int row = 0; row < patch_.rows; ++row) {
-        float& most = above[patch_.at(row, col)];
-        for (const Shift shift : shifts) {
-          const std::ptrdiff_t there = cell(row, col, shift);
-          if (there >= 0) most = std::max(most, like[static_cast<std::size_t>(there)]);
-        }
-      }
-    }
-    return above;
-  }
-
-  void to_cost(std::size_t k, const std::vector<float>& above, std::vector<float>& like) const {
-    constexpr float k_least_cost = 0.02F;
-    constexpr float k_unseen_cost = 2;
-    constexpr float k_ridge_cost = 20;  // per radian that the surface turns outwards on the way
-    const auto above_ratio = static_cast<float>(EvidenceConfig{}.above_ratio);
-    // The surface's turn on the way along a step is that across the axis square to it.
-    const std::vector<float>& ahead = turns_[(k + k_axes / 2) % k_axes];
-    for (std::size_t i = 0; i < like.size(); ++i) {
-      float cost = k_unseen_cost;
-      if (patch_.seen[i] != 0) {
-        const float out = std::clamp(-ahead[i] - static_cast<float>(k_noise_rad), 0.0F, 1.0F);
-        cost = (1 - like[i]) * (1 - like[i]) * (1 + k_ridge_cost * out);
-      }
-      like[i] = std::max(k_least_cost, cost + above_ratio * above[i]);
-    }
-  }
-
-  static constexpr double k_noise_rad = 0.05;
-  const Patch& patch_;
-  std::array<std::vector<float>, k_axes> turns_;
-};
+/// Of the plane through these points, at a place: unlike their mean it is right on slopes and at borders.
+double plane_at(const Sums& sums, double x, double z) {
+  constexpr double k_least_spread = 0.3;  // squared: hardly a slope is known of what lies closer together
+  const auto mean = [&](Sum sum) { return sums[sum] / sums[k_w]; };
+  const double mean_x = mean(k_x), mean_z = mean(k_z), mean_o = mean(k_o);
+  const double xx = mean(k_xx) - mean_x * mean_x + k_least_spread;
+  const double zz = mean(k_zz) - mean_z * mean_z + k_least_spread;
+  const double xz = mean(k_xz) - mean_x * mean_z;
+  const double xo = mean(k_xo) - mean_x * mean_o;
+  const double zo = mean(k_zo) - mean_z * mean_o;
+  const double area = xx * zz - xz * xz;
+  return mean_o + ((xo * zz - zo * xz) * (x - mean_x) + (zo * xx - xo * xz) * (z - mean_z)) / area;
+}
 
 }  // namespace
 
@@ -232,48 +59,53 @@ Cell Patch::cell(const Vec2& place) const {
 Patch Patch::of(const Side& side, const Window& window) {
   constexpr double k_sigma_mm = 0.7;
   constexpr double k_least_points = 3;  // within a circle of that radius, where points are few
-  constexpr float k_least_weight = 1.5F;
+  constexpr double k_least_weight = 1.5;
   Patch patch{.window = window,
               .rows = static_cast<int>(window.height_mm / k_cell_mm),
               .cols = static_cast<int>(window.length_mm / k_cell_mm),
               .o_mm = {},
               .seen = {}};
   const std::size_t cells = static_cast<std::size_t>(patch.rows) * static_cast<std::size_t>(patch.cols);
-  std::vector<float> weight(cells, 0.0F);
-  patch.o_mm.assign(cells, 0.0F);
+  std::array<std::vector<double>, k_sums> sums;
+  for (std::vector<double>& sum : sums) sum.assign(cells, 0.0);
   const double turn_mm = side.outline.length_mm();
   for (const OutlinePlace& place : side.field.places) {
     if (place.s_mm < 0) continue;
     double s = std::fmod(static_cast<double>(place.s_mm) - window.s_mm, turn_mm);
     if (s < 0) s += turn_mm;
-    const double z = static_cast<double>(place.z_mm) - window.z_mm;
-    if (s >= patch.cols * k_cell_mm || z < 0 || z >= patch.rows * k_cell_mm) continue;
-    const std::size_t cell = patch.at(static_cast<int>(z / k_cell_mm), static_cast<int>(s / k_cell_mm));
-    weight[cell] += 1;
-    patch.o_mm[cell] += place.o_mm;
+    const double x = s / k_cell_mm - 0.5;
+    const double z = (static_cast<double>(place.z_mm) - window.z_mm) / k_cell_mm - 0.5;
+    const auto col = static_cast<int>(std::floor(x + 0.5));
+    const auto row = static_cast<int>(std::floor(z + 0.5));
+    if (col >= patch.cols || row < 0 || row >= patch.rows) continue;
+    const auto o = static_cast<double>(place.o_mm);
+    const Sums of_point{1, x, z, o, x * x, x * z, z * z, x * o, z * o};
+    for (std::size_t sum = 0; sum < k_sums; ++sum) sums[sum][patch.at(row, col)] += of_point[sum];
   }
   const double sigma_mm =
       std::max(k_sigma_mm, std::sqrt(k_least_points / (3.14159 * std::max(side.field.points_per_mm2, 0.1))));
   const std::vector<float> weights = gaussian(sigma_mm / k_cell_mm, 3);
-  std::vector<float> room;
-  for (std::vector<float>* values : {&weight, &patch.o_mm}) {
+  tbb::parallel_for(std::size_t{0}, sums.size(), [&](std::size_t sum) {
+    std::vector<double> room;
     for (int col = 0; col < patch.cols; ++col)
-      blur(*values, patch.at(0, col), static_cast<std::size_t>(patch.rows), 1, weights, room);
+      blur(sums[sum], patch.at(0, col), static_cast<std::size_t>(patch.rows), 1, weights, room);
     for (int row = 0; row < patch.rows; ++row)
-      blur(*values, patch.at(row, 0), static_cast<std::size_t>(patch.cols),
+      blur(sums[sum], patch.at(row, 0), static_cast<std::size_t>(patch.cols),
            static_cast<std::size_t>(patch.rows), weights, room);
-  }
+  });
   patch.seen.assign(cells, 0);
-  for (std::size_t i = 0; i < cells; ++i) {
-    if (weight[i] < k_least_weight) continue;
-    patch.seen[i] = 1;
-    patch.o_mm[i] /= weight[i];
+  patch.o_mm.assign(cells, 0.0F);
+  for (int col = 0; col < patch.cols; ++col) {
+    for (int row = 0; row < patch.rows; ++row) {
+      const std::size_t cell = patch.at(row, col);
+      if (sums[k_w][cell] < k_least_weight) continue;
+      Sums of_cell;
+      for (std::size_t sum = 0; sum < k_sums; ++sum) of_cell[sum] = sums[sum][cell];
+      patch.seen[cell] = 1;
+      patch.o_mm[cell] = static_cast<float>(plane_at(of_cell, col, row));
+    }
   }
   return patch;
-}
-
-StepCosts step_costs(const Patch& patch) {
-  return Reader{patch}.run();
 }
 
 }  // namespace biteline::bite_line

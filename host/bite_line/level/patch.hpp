@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file A piece of the side on a square grid, and what a course through it costs in any direction.
+/// \file A piece of the side on a square grid.
 
 #include <array>
 #include <cmath>
@@ -51,7 +51,7 @@ struct Patch {
   Window window;
   int rows{0};
   int cols{0};
-  std::vector<float> o_mm;  ///< smoothed alike in both directions, as upright creases need it
+  std::vector<float> o_mm;  ///< by planes, alike in both directions, as upright creases need it
   std::vector<std::uint8_t> seen;
 
   static Patch of(const Side& side, const Window& window);
@@ -70,10 +70,5 @@ struct Patch {
     return static_cast<float>(k_cell_mm * std::hypot(step.cols, step.rows));
   }
 };
-
-/// Of a millimetre along each step: about 0 on a crease with the sole to its right, 1 where nothing is, and
-/// more where an edge is crossed.
-using StepCosts = std::array<std::vector<float>, k_grid_steps.size()>;
-[[nodiscard]] StepCosts step_costs(const Patch& patch);
 
 }  // namespace biteline::bite_line

@@ -12,6 +12,9 @@
 #include "host/bite_line/level/cheapest_way.hpp"
 #include "host/bite_line/level/detours.hpp"
 #include "host/bite_line/level/levelled.hpp"
+#include "host/bite_line/level/patch.hpp"
+#include "host/bite_line/level/step_costs.hpp"
+#include "host/bite_line/level/way_round.hpp"
 #include "host/bite_line/side/side_outline.hpp"
 #include "tests/support/line_sweep.hpp"
 
@@ -131,7 +134,8 @@ TEST(Level, AnEdgeCostsWhereItIsCrossedAndNotAlongIt) {
   const bite_line::StepCosts costs = bite_line::step_costs(patch);
   constexpr std::size_t k_along_outline = 0, k_up = 4;
   CHECK(costs[k_along_outline][patch.at(30, 40)] > 5);
-  DOUBLES_EQUAL(1.0, static_cast<double>(costs[k_up][patch.at(30, 40)]), 0.01);
+  // Along it there is nothing, but the edge tells of a crease to its left, which is left above: 0.4 of 0.6.
+  DOUBLES_EQUAL(1.24, static_cast<double>(costs[k_up][patch.at(30, 40)]), 0.01);
   DOUBLES_EQUAL(1.0, static_cast<double>(costs[k_along_outline][patch.at(30, 20)]), 0.01);
 }
 
@@ -149,6 +153,96 @@ TEST(Level, AnUprightStepIsACreaseForTheWayThatHasTheSoleToItsRight) {
   }
   CHECK(least_up < 0.1F);
   CHECK(least_down > 0.5F);
+}
+
+TEST(Level, AnEdgeRightBelowTellsOfACreaseThatDoesNotShow) {
+  // A wall without a crease, whose lower end turns inwards by 45 degrees and is hidden 3 mm on.
+  Patch patch = blank();
+  constexpr int k_edge_row = 20, k_hidden_rows = 14;
+  for (int col = 0; col < patch.cols; ++col) {
+    for (int row = 0; row < k_edge_row; ++row)
+      patch.o_mm[patch.at(row, col)] = static_cast<float>((row - k_edge_row) * Patch::k_cell_mm);
+    for (int row = 0; row < k_hidden_rows; ++row) patch.seen[patch.at(row, col)] = 0;
+  }
+  const bite_line::StepCosts costs = bite_line::step_costs(patch);
+  constexpr std::size_t k_along_outline = 0, k_back = 8;
+  const auto row_above_mm = [&](double mm) {
+    return k_edge_row + static_cast<int>(std::lround(mm / Patch::k_cell_mm));
+  };
+  // A turn of 45 degrees is a plain edge: (1 - 0.6)^2 is left of the cost.
+  DOUBLES_EQUAL(0.16, static_cast<double>(costs[k_along_outline][patch.at(row_above_mm(1.5), 40)]), 0.02);
+  DOUBLES_EQUAL(1.0, static_cast<double>(costs[k_along_outline][patch.at(row_above_mm(5), 40)]), 0.01);
+  CHECK_TEXT(costs[k_back][patch.at(row_above_mm(1.5), 40)] > 0.9F, "an edge above is none of a sole");
+}
+
+TEST(Level, APatchIsRightOnASlopeAndAtItsBorder) {
+  // Of a made shoe, against the side's own field, which is smoothed less in height: where both are plain.
+  const bite_line::Side side = side_of(scan_of(with_guard(designed(0), false)));
+  const bite_line::SideGrid& grid = side.field.grid;
+  const Patch patch = Patch::of(side, {.s_mm = side.outline.length_mm() - 30,
+                                       .length_mm = 60,
+                                       .z_mm = grid.z_low_mm,
+                                       .height_mm = grid.rows * grid.row_mm});
+  std::vector<double> off_mm;
+  for (int col = 0; col < patch.cols; ++col) {
+    for (int row = 0; row < patch.rows; ++row) {
+      const Vec2 place = patch.place(row, col);
+      const auto own_row = static_cast<int>((place.y() - grid.z_low_mm) / grid.row_mm);
+      const auto own_col = static_cast<int>(place.x() / grid.col_mm) % grid.cols;
+      if (own_row >= grid.rows || patch.seen[patch.at(row, col)] == 0) continue;
+      const std::size_t own = grid.at(own_row, own_col);
+      if (side.field.seen[own] == 0) continue;
+      off_mm.push_back(std::abs(static_cast<double>(patch.o_mm[patch.at(row, col)] - side.field.o_mm[own])));
+    }
+  }
+  CHECK(off_mm.size() > 2000);
+  std::ranges::sort(off_mm);
+  // Cells of both are 0.25 mm apart at most; half of the side is no steeper than a tenth of a millimetre on
+  // that way.
+  CHECK(off_mm[off_mm.size() / 2] < 0.03);
+}
+
+TEST(Level, AWayRoundIsOnTheLineWhereItIsTaken) {
+  constexpr int k_shoes = 5;
+  int taken = 0;
+  for (int k = 0; k < k_shoes; ++k) {
+    const SweepScan scan = scan_of(with_guard(designed(k)));
+    bite_line::Side side = side_of(scan);
+    const bite_line::Layers layers = bite_line::find_layers_along(side, {});
+    const std::vector<Vec2> guide = bite_line::way_round(side, layers, {});
+    if (guide.empty()) continue;
+    ++taken;
+    CHECK(guide.front().x() >= 0 && guide.front().x() < side.outline.length_mm());
+    DOUBLES_EQUAL(side.outline.length_mm(), guide.back().x() - guide.front().x(), 2 * Patch::k_cell_mm);
+    // The side's places of the true line.
+    std::vector<Vec2> truth;
+    const SE3 T_shoe_base = side.shoe.T_base_shoe.inverse();
+    for (const cloud::LinePoint& point : scan.truth.points) {
+      const Vec3 at = T_shoe_base * point.position;
+      const bite_line::OutlinePlace place = side.outline.locate(Eigen::Vector3f{at.cast<float>()});
+      truth.emplace_back(place.s_mm, place.z_mm);
+    }
+    std::vector<double> off_mm;
+    for (const Vec2& place : guide) {
+      const double s = std::fmod(place.x(), side.outline.length_mm());
+      double nearest = 1e9;
+      for (const Vec2& at : truth) nearest = std::min(nearest, (at - Vec2{s, place.y()}).norm());
+      off_mm.push_back(nearest);
+    }
+    std::ranges::sort(off_mm);
+    // A cell and its smoothing; a corner of the guard is cut by more.
+    CHECK_TEXT(off_mm[off_mm.size() * 95 / 100] < 1.5, "a way round leads elsewhere");
+  }
+  CHECK_TEXT(taken > 0, "no way round was taken");
+}
+
+TEST(Level, AShoeWithNothingPlainAllRoundHasNoWayRound) {
+  // A bare upper: nothing concave runs round it.
+  SweepCell bare = with_guard(0, false);
+  bare.shoe.shoe_class = sim::ShoeClass::Bare;
+  bite_line::Side side = side_of(scan_of(bare));
+  const bite_line::Layers layers = bite_line::find_layers_along(side, {});
+  CHECK(bite_line::way_round(side, layers, {}).empty());
 }
 
 TEST(Level, AGuardOnTheToeIsGoneRound) {

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/level/way_round.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+
+#include "host/bite_line/level/cheapest_way.hpp"
+#include "host/bite_line/level/patch.hpp"
+#include "host/bite_line/level/step_costs.hpp"
+
+namespace biteline::bite_line {
+
+namespace {
+
+/// The middle of the longest stretch of columns that show a crease which holds.
+std::optional<std::size_t> surest_col(const Layers& layers) {
+  constexpr float k_holds = 0.5F;
+  const std::size_t cols = layers.hold.size();
+  std::size_t longest = 0;
+  std::optional<std::size_t> middle;
+  for (std::size_t k = 0, run = 0; k < 2 * cols; ++k) {
+    run = layers.line.visible[k % cols] != 0 && layers.hold[k % cols] > k_holds ? run + 1 : 0;
+    if (run <= longest) continue;
+    longest = run;
+    middle = (k - run / 2) % cols;
+  }
+  return middle;
+}
+
+}  // namespace
+
+std::vector<Vec2> way_round(const Side& side, const Layers& layers, const WayRoundConfig& config) {
+  const SideGrid& grid = side.field.grid;
+  const double turn_mm = side.outline.length_mm();
+  const std::optional<std::size_t> col = surest_col(layers);
+  if (!col) return {};
+  const double s_mm = (static_cast<double>(*col) + 0.5) * grid.col_mm;
+  const double top_mm = grid.z_mm(*std::ranges::max_element(layers.line.row)) + config.above_mm;
+  // The middle of its first column is where the way begins, that of its last one is a whole turn on.
+  const Patch patch = Patch::of(side, {.s_mm = s_mm - Patch::k_cell_mm / 2,
+                                       .length_mm = turn_mm + Patch::k_cell_mm,
+                                       .z_mm = grid.z_low_mm,
+                                       .height_mm = top_mm - grid.z_low_mm});
+  const Cell begin = patch.cell({s_mm, grid.z_mm(layers.line.row[*col])});
+  const Way way = cheapest_way(patch, step_costs(patch), begin, {.row = begin.row, .col = patch.cols - 1});
+  std::vector<Vec2> guide;
+  if (way.cost > config.most_cost * turn_mm) return guide;
+  for (const Cell& at : way.cells) guide.push_back(patch.place(at.row, at.col));
+  while (guide.size() > 1 && guide.back().x() > s_mm + turn_mm - Patch::k_cell_mm / 2) guide.pop_back();
+  return guide;
+}
+
+}  // namespace biteline::bite_line
