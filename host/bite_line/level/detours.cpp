@@ -149,9 +149,10 @@ class GapLook {
     }
     const bool same = detour.off_mm < config_.apart_mm;
     if (unseen_mm > config_.most_unseen_mm || (same && !gap_.changes)) return std::nullopt;
-    // Dear ways near by are the course's own, on a crease that hardly shows.
-    const bool dear = way.cost / (to_mm_ - from_mm_) > config_.most_far_cost;
-    if (dear && detour.off_mm < config_.far_mm) return std::nullopt;
+    const double cost = way.cost / (to_mm_ - from_mm_);
+    const bool dear = cost > config_.most_far_cost;
+    // Near by a dear way is the course's own, on a crease that hardly shows.
+    if (dear && (detour.off_mm < config_.far_mm || cost > config_.most_told_cost)) return std::nullopt;
     const double straight = course_.cost(patch_, costs_, from_mm_, to_mm_);
     if (!(margin_of(straight - way.cost, away_mm) > LayersConfig{}.margin)) return std::nullopt;
     detour.sure = !dear && longest_bare_mm < config_.most_bare_mm && is_sure(way, detour.off_mm, from, to);

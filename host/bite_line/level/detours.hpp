@@ -25,6 +25,8 @@ struct DetourConfig {
   /// ten.
   double most_far_cost{0.3}, least_far_margin{0.16};
   double most_near_cost{0.15}, least_near_margin{0.6};
+  /// A far way up to so much makes the gap unsure; a dearer one tells nothing.
+  double most_told_cost{0.4};
 };
 
 /// A stretch of a course; x is s along the outline, which may go beyond its length, y is z, mm, in shoe.
