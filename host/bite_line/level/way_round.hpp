@@ -12,8 +12,8 @@ namespace biteline::bite_line {
 
 struct WayRoundConfig {
   /// Of a millimetre of the outline, as a mean: a crease that is plain nearly all the way round.  Read off
-  /// 600 made shoes with guards: of 46 ways that cost less one led to a wrong line, in a corner; of 24 that
-  /// cost more ten did.
+  /// 600 made shoes with guards, with a trial of these rules: of 46 ways that cost less one led to a wrong
+  /// line, in a corner; of 24 that cost more ten did.
   double most_cost{0.05};
   double above_mm{40};  ///< over the course's highest place: so far up the way may lead
 };
