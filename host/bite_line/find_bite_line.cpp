@@ -35,16 +35,16 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
   Layers layers = clock.run("layers", [&] { return find_layers_along(side, {}, scan.looks); });
   const std::optional<SeamStep> seam =
       clock.run("seam", [&] { return seam_step(scan, side.shoe, side.outline); });
-  const std::vector<Vec2> guide = clock.run("detours", [&] {
+  const Guide guide = clock.run("detours", [&] {
     const std::vector<Detour> detours = find_detours(side, layers, {});
     doubt_detours(side.field.grid, detours, layers);
-    return guide_of(side, layers.line, detours);
+    return Guide{.places = guide_of(side, layers.line, detours)};
   });
-  const auto look_along = [&](std::span<const Vec2> by) {
+  const auto look_along = [&](const Guide& by) {
     return clock.run("level", [&] { return find_along_guide(scan, side, by, seam, config); });
   };
   AlongGuide found;
-  if (!guide.empty()) {
+  if (!guide.places.empty()) {
     found = look_along(guide);
   } else {
     found.decision = clock.run("decision", [&] {
@@ -57,9 +57,9 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
                           config.point_spacing_mm);
       });
     } else if (changes_crease(layers, *found.decision.refusal)) {
-      const std::vector<Vec2> round = clock.run("way_round", [&] { return way_round(side, layers, {}); });
-      AlongGuide along = round.empty() ? AlongGuide{} : look_along(round);
-      if (!round.empty() && !along.decision.refusal) found = std::move(along);
+      const Guide round = clock.run("way_round", [&] { return way_round(side, layers, {}); });
+      AlongGuide along = round.places.empty() ? AlongGuide{} : look_along(round);
+      if (!round.places.empty() && !along.decision.refusal) found = std::move(along);
     }
   }
   Extraction extraction = clock.run("finish", [&] {

@@ -2,6 +2,8 @@
 // Meshes of real and drawn shoes, sampled as a scanner would see them.
 #include <CppUTest/TestHarness.h>
 
+#include <cmath>
+#include <optional>
 #include <string>
 
 #include "host/bite_line/find_bite_line.hpp"
@@ -43,6 +45,51 @@ TEST(Shoes, DesignedSolesHaveTheirLineAndWhatIsNoShoeHasNone) {
     CHECK_COMPARE_TEXT(on.mean_mm, <=, k_mean_mm, shape.name);
     CHECK_COMPARE_TEXT(on.wrong_mm, <=, k_wrong_mm, shape.name);
     CHECK_COMPARE_TEXT(on.flagged, <=, 0.1, shape.name);
+  }
+}
+
+TEST(Shoes, AThinPlateWithAGuardHasItsLineWhereTheEyeSeesIt) {
+  // Places read off pictures of the largest curvature of the cloud, in its axes; the third number is not
+  // asked where it is empty.
+  struct Seen {
+    const char* what;
+    std::optional<double> x_mm, y_mm;
+    double z_mm;
+    int side;  ///< of y
+  };
+  constexpr Seen k_seen[] = {{"seam of the midsole, right", 92.5, std::nullopt, 31.6, -1},
+                             {"seam of the midsole, right", 98.8, std::nullopt, 26.0, -1},
+                             {"plate, right", 126.5, std::nullopt, 16.4, -1},
+                             {"plate, right", 156.0, std::nullopt, 11.6, -1},
+                             {"guard, top", std::nullopt, 8.6, 55.6, 1},
+                             {"guard, flank", std::nullopt, -12.2, 40.6, -1},
+                             {"plate, left", 238.9, std::nullopt, 20.9, 1},
+                             {"plate, left", 215.9, std::nullopt, 15.9, 1},
+                             {"midsole, left", 105.1, std::nullopt, 27.3, 1}};
+  constexpr double k_read_mm = 1.2;  // four pixels of these pictures
+  for (const test::Shape& shape : test::k_shapes) {
+    if (std::string{shape.name} != "s34_trail_scan") continue;
+    const auto cloud = test::cloud_of(shape);
+    if (!cloud) continue;
+    const bite_line::Extraction sut = bite_line::find_bite_line(*cloud, {});
+    CHECK_TEXT(sut.found, sut.reason().c_str());
+    for (const Seen& seen : k_seen) {
+      double nearest_mm = 1e9;
+      bool flagged = true;
+      for (const cloud::LinePoint& point : sut.line.points) {
+        const Vec3& at = point.position;
+        if (at.y() * seen.side < 0) continue;
+        // The guard is at the toe, the rest on the two sides.
+        if (seen.y_mm && at.x() < 270) continue;
+        const double off_mm = seen.x_mm ? std::hypot(at.x() - *seen.x_mm, at.z() - seen.z_mm)
+                                        : std::hypot(at.y() - *seen.y_mm, at.z() - seen.z_mm);
+        if (off_mm >= nearest_mm) continue;
+        nearest_mm = off_mm;
+        flagged = point.flags != 0;
+      }
+      CHECK_COMPARE_TEXT(nearest_mm, <, k_read_mm, seen.what);
+      CHECK_TEXT(!flagged, seen.what);
+    }
   }
 }
 

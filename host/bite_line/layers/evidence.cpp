@@ -99,7 +99,10 @@ class ColumnEvidence {
             .near_from = rows_of(1.0),
             .near_to = rows_of(3.0),
             .flank_from = rows_of(2.0),
-            .flank_to = rows_of(6.0)};
+            .flank_to = rows_of(6.0),
+            .rim_from = rows_of(0.75),
+            .rim_to = config.thin_soles ? rows_of(3.0) : 0,
+            .rim_rad = 0.5};
   }
 
   /// Turns that are nothing: more than usual where most of the column turns, either way, as weave, noise and

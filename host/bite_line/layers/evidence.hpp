@@ -33,6 +33,7 @@ struct EvidenceConfig {
   double part_ratio{0.6};
   double part_share{0.35};
   double whole_share{0.65};
+  bool thin_soles{false};  ///< a sole may end at a rim close below the line
   ChainConfig chain{};
 };
 

@@ -2,6 +2,7 @@
 #include "host/bite_line/layers/likeness.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "host/bite_line/layers/likeness.cpp"
@@ -156,7 +157,50 @@ std::span<const float> ColumnLikeness::of(const float* o_mm, const std::uint8_t*
                     .zo = zo_.data() + margin_,
                     .noise_rad = noise_rad};
   HWY_DYNAMIC_DISPATCH(likeness_lanes)(config_, table, rows_, likeness_.data());
+  if (config_.rim_to > 0) see_rims(o_mm, seen, noise_rad);
   return {likeness_.data(), rows_};
+}
+
+/// A sole's surface ends at its rim.  What lies below a thin one is no part of it.
+void ColumnLikeness::see_rims(const float* o_mm, const std::uint8_t* seen, double noise_rad) {
+  const int reach = config_.rim_from;
+  const auto rows = static_cast<int>(rows_);
+  const auto slope = [&](int low, int high) {
+    return static_cast<double>(o_mm[high] - o_mm[low]) / ((high - low) * config_.row_mm);
+  };
+  const auto sees = [&](int low, int high) {
+    return low >= 0 && high < rows && seen[low] != 0 && seen[high] != 0;
+  };
+  const auto out_rad = [&](int row) {
+    if (!sees(row - reach, row + reach) || seen[row] == 0) return 0.0;
+    return std::atan(slope(row - reach, row)) - std::atan(slope(row, row + reach));
+  };
+  const float* turn_rad = turn_rad_.data() + margin_;
+  for (int row = 0; row < rows; ++row) {
+    const double rises = static_cast<double>(turn_rad[row]) - noise_rad;
+    if (!(rises > 0) || seen[row] == 0) continue;
+    int rim = 0;
+    double most = config_.rim_rad;
+    for (int d = config_.rim_from; d <= config_.rim_to; ++d) {
+      const double out = out_rad(row - d);
+      if (rim > 0 && out < most) break;
+      if (out > most) {
+        most = out;
+        rim = d;
+      }
+    }
+    if (rim == 0 || !sees(row - rim, row + rim)) continue;
+    float highest = turn_rad[row];
+    for (int j = std::max(-config_.crest, -row); j <= config_.crest && row + j < rows; ++j)
+      highest = std::max(highest, turn_rad[row + j]);
+    const double turn = std::atan(slope(row, row + rim)) - std::atan(slope(row - rim, row));
+    const double two = 1 / (1 + std::exp(-std::clamp(turn / config_.flank_soft_rad, -30.0, 30.0)));
+    const double like = static_cast<double>(turn_rad[row]) / static_cast<double>(highest) *
+                        (1 - std::exp(-rises / config_.crease_rad)) *
+                        (config_.one_surface_ratio + (1 - config_.one_surface_ratio) * two);
+    likeness_[static_cast<std::size_t>(row)] =
+        std::max(likeness_[static_cast<std::size_t>(row)], static_cast<float>(like));
+  }
 }
 
 }  // namespace biteline::bite_line

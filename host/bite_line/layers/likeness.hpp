@@ -17,8 +17,10 @@ struct LikenessConfig {
   double one_surface_ratio;
   double flank_soft_rad;
   double rad_per_step_mm;
-  int near_from, near_to;    ///< of what may hang over, above and below
-  int flank_from, flank_to;  ///< of the two surfaces
+  int near_from, near_to;      ///< of what may hang over, above and below
+  int flank_from, flank_to;    ///< of the two surfaces
+  int rim_from{0}, rim_to{0};  ///< of a rim below, where the lower surface ends; 0: as if there were none
+  double rim_rad{0};           ///< that the surface turns outwards there
 };
 
 class ColumnLikeness {
@@ -41,6 +43,7 @@ class ColumnLikeness {
   };
 
  private:
+  void see_rims(const float* o_mm, const std::uint8_t* seen, double noise_rad);
   LikenessConfig config_;
   std::size_t rows_;
   std::size_t margin_;

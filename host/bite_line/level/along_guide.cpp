@@ -1,34 +1,60 @@
 // SPDX-License-Identifier: MIT
 #include "host/bite_line/level/along_guide.hpp"
 
-#include <utility>
+#include <algorithm>
+#include <cmath>
 
 #include "host/bite_line/layers/climb.hpp"
 #include "host/bite_line/level/levelled.hpp"
-#include "host/bite_line/place/place_path.hpp"
+#include "host/bite_line/level/place_along.hpp"
 #include "host/bite_line/side/side_outline.hpp"
 
 namespace biteline::bite_line {
 
-AlongGuide find_along_guide(const ScanPoints& scan, const Side& side, std::span<const Vec2> guide,
+namespace {
+
+std::size_t nearest(std::span<const Vec2> places, const Vec2& to, double turn_mm) {
+  const auto off = [&](const Vec2& place) {
+    const double s = place.x() - to.x();
+    return Vec2{s - turn_mm * std::round(s / turn_mm), place.y() - to.y()}.squaredNorm();
+  };
+  return static_cast<std::size_t>(std::ranges::min_element(places, {}, off) - places.begin());
+}
+
+/// What speaks against the guide speaks against the line.
+void doubt_guide(const Guide& guide, const Levelled& levelled, const SideGrid& grid, double turn_mm,
+                 Layers& layers) {
+  if (guide.hold.empty()) return;
+  for (int c = 0; c < grid.cols; ++c) {
+    const std::size_t at = nearest(guide.places, levelled.place((c + 0.5) * grid.col_mm), turn_mm);
+    const auto col = static_cast<std::size_t>(c);
+    if (!(guide.hold[at] < layers.hold[col])) continue;
+    layers.hold[col] = guide.hold[at];
+    layers.other_mm[col] = guide.other_mm[at];
+  }
+}
+
+}  // namespace
+
+AlongGuide find_along_guide(const ScanPoints& scan, const Side& side, const Guide& guide,
                             const std::optional<SeamStep>& seam, const Config& config) {
-  const Levelled levelled{side, guide};
-  Shoe shoe = levelled.shoe();
-  SideField field = SideField::build(shoe, levelled.outline(), {});
-  Side level{std::move(shoe), levelled.outline(), std::move(field)};
+  const Levelled levelled{side, smooth_guide(guide.places, side.outline.length_mm(), k_guide_sigma_mm)};
+  Side level = side_along(levelled);
   // The guide has climbed already: what is left is small.
-  const LayersConfig nearly_level{.course = {.path = {.max_step_rows = 4, .step_cost = 0.3}}};
-  const Layers layers = find_layers_along(level, nearly_level, scan.looks);
+  const LayersConfig nearly_level{.evidence = {.thin_soles = true},
+                                  .course = {.path = {.max_step_rows = 4, .step_cost = 0.3}}};
+  Layers layers = find_layers_along(level, nearly_level, scan.looks);
+  doubt_guide(guide, levelled, level.field.grid, side.outline.length_mm(), layers);
   AlongGuide found{
       .decision = decide(layers, plan_shape(side_reach(side)), seam, config.min_confidence_ratio),
       .placed = {}};
   if (!found.decision.refusal) {
-    const Large<Eigen::Vector3f> points = levelled.points(scan.points);
-    ScanPoints on_level = scan;
-    on_level.points = points;
-    found.placed = levelled.back(place_path(
-        on_level, level, found.decision.paths.front().row,
-        {.hold = layers.hold, .other_mm = layers.other_mm, .sharp = layers.sharp}, config.point_spacing_mm));
+    found.placed = place_along(scan, side,
+                               {.levelled = levelled,
+                                .grid = level.field.grid,
+                                .path_row = found.decision.paths.front().row,
+                                .layers = layers},
+                               config.point_spacing_mm);
   }
   for (JudgedPath& path : found.decision.paths) path.row = levelled.back(level.field, path.row);
   return found;

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "host/bite_line/extraction.hpp"
+#include "host/bite_line/level/levelled.hpp"
 #include "host/bite_line/path/decide.hpp"
 #include "host/bite_line/place/placement.hpp"
 #include "host/bite_line/scan_points.hpp"
@@ -21,8 +22,7 @@ struct AlongGuide {
 
 /// Layers, decision and place as without a guide, but on the side levelled along it.  What a shoe's outline
 /// is, `side` says.
-[[nodiscard]] AlongGuide find_along_guide(const ScanPoints& scan, const Side& side,
-                                          std::span<const Vec2> guide, const std::optional<SeamStep>& seam,
-                                          const Config& config);
+[[nodiscard]] AlongGuide find_along_guide(const ScanPoints& scan, const Side& side, const Guide& guide,
+                                          const std::optional<SeamStep>& seam, const Config& config);
 
 }  // namespace biteline::bite_line

@@ -124,8 +124,8 @@ class GapLook {
         length_mm_{gap.cols * side.field.grid.col_mm},
         from_mm_{gap.first * side.field.grid.col_mm - k_beside_mm},
         to_mm_{from_mm_ + length_mm_ + 2 * k_beside_mm},
-        patch_{Patch::of(side, window())},
-        costs_{step_costs(patch_)} {}
+        patch_{Patch::of(side, window(), k_sigma_mm)},
+        costs_{step_costs(patch_, {})} {}
 
   /// None where the course is as good as any way.
   [[nodiscard]] std::optional<Detour> detour() const {
@@ -162,6 +162,7 @@ class GapLook {
   }
 
  private:
+  static constexpr double k_sigma_mm = 0.7;
   static constexpr double k_beside_mm = 10.0;    // of the gap's ends: on the crease
   static constexpr double k_on_course_mm = 1.0;  // a way in cells is not smooth
 

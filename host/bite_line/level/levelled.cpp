@@ -16,31 +16,6 @@ namespace {
 
 constexpr double k_spacing_mm = 0.5;
 constexpr double k_beside_guide_mm = 40.0;
-constexpr double k_guide_sigma_mm = 2.5;  // of the guide's smoothing
-
-/// Evenly spaced and smooth.  A way over cells has corners, and a curve that bends sharper than it is wide
-/// folds what lies beside it.
-std::vector<Vec2> smooth_guide(std::span<const Vec2> guide, double turn_mm) {
-  const Vec2 turn{turn_mm, 0};
-  std::vector<double> at_mm{0};
-  const auto next = [&](std::size_t i) -> Vec2 {
-    return i + 1 < guide.size() ? guide[i + 1] : guide[0] + turn;
-  };
-  for (std::size_t i = 0; i < guide.size(); ++i) at_mm.push_back(at_mm.back() + (next(i) - guide[i]).norm());
-  const auto count = static_cast<std::size_t>(std::lround(at_mm.back() / k_spacing_mm));
-  const auto share_of = [&](std::size_t k) { return static_cast<double>(k) / static_cast<double>(count); };
-  std::vector<Vec2> from_straight;  // closed, unlike the guide itself
-  for (std::size_t k = 0, i = 0; k < count; ++k) {
-    const double mm = at_mm.back() * share_of(k);
-    while (i + 1 < guide.size() && at_mm[i + 1] <= mm) ++i;
-    const double share = (mm - at_mm[i]) / std::max(at_mm[i + 1] - at_mm[i], 1e-9);
-    from_straight.push_back((1 - share) * guide[i] + share * next(i) - share_of(k) * turn);
-  }
-  std::vector<Vec2> smooth =
-      geometry::smooth_closed<Vec2>(from_straight, k_guide_sigma_mm / k_spacing_mm, Vec2::Zero());
-  for (std::size_t k = 0; k < count; ++k) smooth[k] += share_of(k) * turn;
-  return smooth;
-}
 
 /// As a closed curve, anticlockwise: along the guide, and back far above.
 Outline unrolled_of(std::span<const Vec2> guide, double turn_mm) {
@@ -92,10 +67,32 @@ double checked_begin(std::span<const Vec2> guide) {
 
 }  // namespace
 
+std::vector<Vec2> smooth_guide(std::span<const Vec2> guide, double turn_mm, double sigma_mm) {
+  const Vec2 turn{turn_mm, 0};
+  std::vector<double> at_mm{0};
+  const auto next = [&](std::size_t i) -> Vec2 {
+    return i + 1 < guide.size() ? guide[i + 1] : guide[0] + turn;
+  };
+  for (std::size_t i = 0; i < guide.size(); ++i) at_mm.push_back(at_mm.back() + (next(i) - guide[i]).norm());
+  const auto count = static_cast<std::size_t>(std::lround(at_mm.back() / k_spacing_mm));
+  const auto share_of = [&](std::size_t k) { return static_cast<double>(k) / static_cast<double>(count); };
+  std::vector<Vec2> from_straight;  // closed, unlike the guide itself
+  for (std::size_t k = 0, i = 0; k < count; ++k) {
+    const double mm = at_mm.back() * share_of(k);
+    while (i + 1 < guide.size() && at_mm[i + 1] <= mm) ++i;
+    const double share = (mm - at_mm[i]) / std::max(at_mm[i + 1] - at_mm[i], 1e-9);
+    from_straight.push_back((1 - share) * guide[i] + share * next(i) - share_of(k) * turn);
+  }
+  std::vector<Vec2> smooth =
+      geometry::smooth_closed<Vec2>(from_straight, sigma_mm / k_spacing_mm, Vec2::Zero());
+  for (std::size_t k = 0; k < count; ++k) smooth[k] += share_of(k) * turn;
+  return smooth;
+}
+
 Levelled::Levelled(const Side& side, std::span<const Vec2> guide)
     : side_{side},
       begin_mm_{checked_begin(guide)},
-      unrolled_{unrolled_of(smooth_guide(guide, side.outline.length_mm()), side.outline.length_mm())},
+      unrolled_{unrolled_of(guide, side.outline.length_mm())},
       first_mm_{along(unrolled_, guide.front())},
       length_mm_{along(unrolled_, guide.front() + Vec2{side.outline.length_mm(), 0}) - first_mm_},
       height_mm_{mean_height(guide)},
@@ -156,27 +153,45 @@ Shoe Levelled::shoe() const {
   return level;
 }
 
+double Levelled::along_unrolled(double u_mm) const {
+  return first_mm_ + u_mm * length_mm_ / outline_.length_mm();
+}
+
+Vec2 Levelled::unrolled(const Vec2& level) const {
+  const double mm = along_unrolled(level.x());
+  return unrolled_.point(mm) + (height_mm_ - level.y()) * unrolled_.normal(mm);
+}
+
 Vec3 Levelled::back(const Vec3& level) const {
   const OutlinePlace place = outline_.locate(level.cast<float>());
-  const double u_mm = first_mm_ + static_cast<double>(place.s_mm) * length_mm_ / outline_.length_mm();
-  const Vec2 unrolled = unrolled_.point(u_mm) + (height_mm_ - level.z()) * unrolled_.normal(u_mm);
-  const Vec2 plan = side_.outline.point(unrolled.x()) +
-                    static_cast<double>(place.o_mm) * side_.outline.normal(unrolled.x());
-  return {plan.x(), plan.y(), unrolled.y()};
+  const Vec2 at = unrolled({place.s_mm, level.z()});
+  const Vec2 plan =
+      side_.outline.point(at.x()) + static_cast<double>(place.o_mm) * side_.outline.normal(at.x());
+  return {plan.x(), plan.y(), at.y()};
+}
+
+Vec2 Levelled::place(double u_mm) const {
+  return unrolled_.point(along_unrolled(u_mm));
+}
+
+double Levelled::u_mm(const Vec2& place) const {
+  const double turn_mm = outline_.length_mm();
+  const double u = (along(unrolled_, place) - first_mm_) * turn_mm / length_mm_;
+  return u - turn_mm * std::floor(u / turn_mm);
+}
+
+double Levelled::upright_ratio(double u_mm) const {
+  return std::min(1.0, std::abs(unrolled_.normal(along_unrolled(u_mm)).y()));
+}
+
+double Levelled::bend_per_mm(double u_mm) const {
+  return unrolled_.bend_per_mm(along_unrolled(u_mm));
 }
 
 PlacedLine Levelled::back(PlacedLine placed) const {
   constexpr double k_step_mm = 1.0;  // along the normal
-  constexpr double k_mean_mm = PlacementConfig{}.mean_mm;
   for (PlacedStation& station : placed.points) {
     const double own_mm = station.own_z_mm - station.position.z();
-    const OutlinePlace place = outline_.locate(station.position.cast<float>());
-    const double u_mm = first_mm_ + static_cast<double>(place.s_mm) * length_mm_ / outline_.length_mm();
-    // The guide's smoothing and the running mean along the line cut a corner by so much: half the bend times
-    // the variance of each.
-    constexpr double k_variance_mm2 = k_guide_sigma_mm * k_guide_sigma_mm + k_mean_mm * k_mean_mm / 12;
-    const double cut_mm = std::abs(unrolled_.bend_per_mm(u_mm)) * k_variance_mm2 / 2;
-    station.between_up_mm = std::hypot(station.between_up_mm, cut_mm);
     const Vec3 at = back(station.position);
     station.normal = (back(Vec3{station.position + k_step_mm * station.normal}) - at).normalized();
     station.position = at;
@@ -185,15 +200,19 @@ PlacedLine Levelled::back(PlacedLine placed) const {
   return placed;
 }
 
+std::vector<Vec2> Levelled::guide(std::span<const Vec2> places) const {
+  std::vector<Vec2> guide;
+  for (const Vec2& at : places) guide.push_back(unrolled(at));
+  return guide;
+}
+
 std::vector<double> Levelled::back(const SideField& level, std::span<const double> path_row) const {
   const SideGrid& grid = side_.field.grid;
   const auto cols = static_cast<std::size_t>(grid.cols);
   std::vector<double> sum(cols, 0.0), count(cols, 0.0);
   for (std::size_t c = 0; c < path_row.size(); ++c) {
-    const double u_mm =
-        first_mm_ + (static_cast<double>(c) + 0.5) * level.grid.col_mm * length_mm_ / outline_.length_mm();
     const Vec2 at =
-        unrolled_.point(u_mm) + (height_mm_ - level.grid.z_mm(path_row[c])) * unrolled_.normal(u_mm);
+        unrolled({(static_cast<double>(c) + 0.5) * level.grid.col_mm, level.grid.z_mm(path_row[c])});
     const double col = std::floor(at.x() / grid.col_mm);
     const std::size_t to = geometry::round_index(0, static_cast<std::ptrdiff_t>(col), cols);
     sum[to] += (at.y() - grid.z_low_mm) / grid.row_mm - 0.5;

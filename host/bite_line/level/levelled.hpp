@@ -14,6 +14,21 @@
 
 namespace biteline::bite_line {
 
+/// A closed curve on the side, and what is known of it.
+struct Guide {
+  std::vector<Vec2> places;  ///< see guide_of()
+  /// Per place, as Layers::hold and other_mm have it; empty where nothing speaks against it.
+  std::vector<float> hold{};
+  std::vector<float> other_mm{};
+};
+
+/// Of a guide's smoothing: a way over cells has corners.
+inline constexpr double k_guide_sigma_mm = 2.5;
+
+/// Evenly spaced, and smoothed by a Gaussian of `sigma_mm` along it.  `guide`: see guide_of(); `turn_mm`: the
+/// outline's length.
+[[nodiscard]] std::vector<Vec2> smooth_guide(std::span<const Vec2> guide, double turn_mm, double sigma_mm);
+
 /// Places of the shoe and of the levelled one, mm, in shoe.
 ///
 /// A place has s along the outline, z up, and o outwards.  In the plane of s and z the guide is a curve; its
@@ -23,23 +38,37 @@ namespace biteline::bite_line {
 /// shoe is one square to the guide.
 class Levelled {
  public:
-  /// `guide`: see guide_of().  `side`: borrowed.
+  /// `guide`: evenly spaced and smooth, see smooth_guide().  A curve that bends sharper than it is wide folds
+  /// what lies beside it.  `side`: borrowed.
   Levelled(const Side& side, std::span<const Vec2> guide);
 
   /// The shoe's points within 40 mm of the guide.  Its base is its own frame.
   [[nodiscard]] Shoe shoe() const;
   [[nodiscard]] const Outline& outline() const { return outline_; }
+  [[nodiscard]] double height_mm() const { return height_mm_; }  ///< of the guide
   /// Of these points in base, in the same order; what is out of reach lies at the origin.
   [[nodiscard]] Large<Eigen::Vector3f> points(std::span<const Eigen::Vector3f> points_base) const;
+
+  /// Of the guide at u: its place, how much it bends, and the height for each millimetre across it, that is
+  /// the cosine of its climb.
+  [[nodiscard]] Vec2 place(double u_mm) const;
+  [[nodiscard]] double bend_per_mm(double u_mm) const;
+  [[nodiscard]] double upright_ratio(double u_mm) const;
+  /// The u of a place beside the guide.
+  [[nodiscard]] double u_mm(const Vec2& place) const;
 
   /// Back from the levelled shoe.
   [[nodiscard]] Vec3 back(const Vec3& level) const;
   [[nodiscard]] PlacedLine back(PlacedLine placed) const;
+  /// Places (u, z) of the levelled shoe, once round, as a guide of the shoe.
+  [[nodiscard]] std::vector<Vec2> guide(std::span<const Vec2> places) const;
   /// A row of the shoe's grid per column for a path of the levelled one's: the mean where that stands
   /// upright.
   [[nodiscard]] std::vector<double> back(const SideField& level, std::span<const double> path_row) const;
 
  private:
+  [[nodiscard]] double along_unrolled(double u_mm) const;
+  [[nodiscard]] Vec2 unrolled(const Vec2& level) const;  ///< of (u, z)
   void level(std::span<const Eigen::Vector3f> points, std::span<Eigen::Vector3f> to) const;
 
   const Side& side_;

@@ -56,8 +56,7 @@ Cell Patch::cell(const Vec2& place) const {
           .col = std::clamp(static_cast<int>((place.x() - window.s_mm) / k_cell_mm), 0, cols - 1)};
 }
 
-Patch Patch::of(const Side& side, const Window& window) {
-  constexpr double k_sigma_mm = 0.7;
+Patch Patch::of(const Side& side, const Window& window, double sigma_mm) {
   constexpr double k_least_points = 3;  // within a circle of that radius, where points are few
   constexpr double k_least_weight = 1.5;
   Patch patch{.window = window,
@@ -82,8 +81,8 @@ Patch Patch::of(const Side& side, const Window& window) {
     const Sums of_point{1, x, z, o, x * x, x * z, z * z, x * o, z * o};
     for (std::size_t sum = 0; sum < k_sums; ++sum) sums[sum][patch.at(row, col)] += of_point[sum];
   }
-  const double sigma_mm =
-      std::max(k_sigma_mm, std::sqrt(k_least_points / (3.14159 * std::max(side.field.points_per_mm2, 0.1))));
+  sigma_mm =
+      std::max(sigma_mm, std::sqrt(k_least_points / (3.14159 * std::max(side.field.points_per_mm2, 0.1))));
   const std::vector<float> weights = gaussian(sigma_mm / k_cell_mm, 3);
   tbb::parallel_for(std::size_t{0}, sums.size(), [&](std::size_t sum) {
     std::vector<double> room;

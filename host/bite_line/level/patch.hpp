@@ -54,7 +54,8 @@ struct Patch {
   std::vector<float> o_mm;  ///< by planes, alike in both directions, as upright creases need it
   std::vector<std::uint8_t> seen;
 
-  static Patch of(const Side& side, const Window& window);
+  /// `sigma_mm`: of the points' Gaussian weights, more where points are few.
+  static Patch of(const Side& side, const Window& window, double sigma_mm);
 
   [[nodiscard]] std::size_t at(int row, int col) const {
     return static_cast<std::size_t>(col) * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row);

@@ -20,7 +20,7 @@ constexpr double k_fine_mm = 0.5;
 
 class Reader {
  public:
-  explicit Reader(const Patch& patch) : patch_{patch} {}
+  Reader(const Patch& patch, const StepCostConfig& config) : patch_{patch}, config_{config} {}
 
   StepCosts run() {
     tbb::parallel_for(std::size_t{0}, k_axes, [&](std::size_t axis) { read_turns(axis); });
@@ -64,10 +64,9 @@ class Reader {
 
   /// Turn of the surface across an axis, concave > 0, as a mean along that.
   void read_turns(std::size_t axis) {
-    constexpr double k_flank_mm = 1.0;
     constexpr double k_run_mm = 3.0;
-    const Shift to_right = right(axis, k_flank_mm);
-    const Shift to_left = right(axis, -k_flank_mm);
+    const Shift to_right = right(axis, config_.flank_mm);
+    const Shift to_left = right(axis, -config_.flank_mm);
     const double mm = Patch::k_cell_mm * std::hypot(to_right.cols, to_right.rows);
     std::vector<float> turn(patch_.size(), 0.0F);
     for (int col = 0; col < patch_.cols; ++col) {
@@ -118,6 +117,29 @@ class Reader {
     return Flank{y / n - slope * x / n, slope};
   }
 
+  /// Where a sole ends close below a place: the turn there between the sole up to its rim, and the upper over
+  /// the same length.
+  [[nodiscard]] std::optional<double> turn_at_rim(int row, int col, std::size_t k) const {
+    constexpr double k_from_mm = 1.0, k_to_mm = 3.0;
+    if (config_.rim_rad <= 0) return std::nullopt;
+    const std::vector<float>& turns = turns_[k % k_axes];
+    double most = config_.rim_rad;
+    double rim_mm = 0;
+    for (double d = k_from_mm; d <= k_to_mm + 1e-9; d += k_fine_mm) {
+      const std::ptrdiff_t there = cell(row, col, right(k, d));
+      const double out = there >= 0 ? -static_cast<double>(turns[static_cast<std::size_t>(there)]) : 0;
+      if (rim_mm > 0 && out < most) break;
+      if (out <= most) continue;
+      most = out;
+      rim_mm = d;
+    }
+    const std::ptrdiff_t rim = cell(row, col, right(k, rim_mm));
+    const std::ptrdiff_t wall = cell(row, col, right(k, -rim_mm));
+    if (rim_mm == 0 || !seen(rim) || !seen(wall)) return std::nullopt;
+    const double own = static_cast<double>(patch_.o_mm[patch_.at(row, col)]);
+    return std::atan((o(rim) - own) / rim_mm) + std::atan((o(wall) - own) / rim_mm);
+  }
+
   /// As ColumnLikeness has it for a level crease.
   void read_likeness(std::size_t k, std::vector<float>& like) const {
     const EvidenceConfig as{};
@@ -138,6 +160,12 @@ class Reader {
           if (there >= 0) most = std::max(most, static_cast<double>(turns[static_cast<std::size_t>(there)]));
         }
         const double plain = 1 - std::exp(-(turn - k_noise_rad) / as.crease_rad);
+        if (const std::optional<double> at_rim = turn_at_rim(row, col, k)) {
+          const double two = geometry::logistic(*at_rim / as.flank_soft_rad);
+          like[here] = static_cast<float>(turn / most * plain *
+                                          (as.one_surface_ratio + (1 - as.one_surface_ratio) * two));
+          continue;
+        }
         const std::optional<Flank> sole = flank(row, col, k, 1);
         const std::optional<Flank> upper = flank(row, col, k, -1);
         double two = k_one_side;
@@ -185,6 +213,7 @@ class Reader {
       const std::array<std::vector<float>, k_grid_steps.size()>& likeness, std::size_t k) const {
     const EvidenceConfig as{};
     constexpr double k_every_mm = 1.0;
+    constexpr double k_above_to_mm = 35.0;  // a guard's edge lies higher than another crease does
     constexpr std::size_t k_alike = 2;
     std::vector<float> like = likeness[k];
     for (std::size_t j = 1; j <= k_alike; ++j) {
@@ -193,7 +222,7 @@ class Reader {
           like[i] = std::max(like[i], likeness[other % likeness.size()][i]);
     }
     std::vector<Shift> shifts;
-    for (double d = as.above_from_mm; d <= as.above_to_mm; d += k_every_mm) shifts.push_back(right(k, -d));
+    for (double d = as.above_from_mm; d <= k_above_to_mm; d += k_every_mm) shifts.push_back(right(k, -d));
     std::vector<float> above(patch_.size(), 0.0F);
     for (int col = 0; col < patch_.cols; ++col) {
       for (int row = 0; row < patch_.rows; ++row) {
@@ -226,13 +255,14 @@ class Reader {
 
   static constexpr double k_noise_rad = 0.05;
   const Patch& patch_;
+  const StepCostConfig& config_;
   std::array<std::vector<float>, k_axes> turns_;
 };
 
 }  // namespace
 
-StepCosts step_costs(const Patch& patch) {
-  return Reader{patch}.run();
+StepCosts step_costs(const Patch& patch, const StepCostConfig& config) {
+  return Reader{patch, config}.run();
 }
 
 }  // namespace biteline::bite_line

@@ -12,6 +12,12 @@ namespace biteline::bite_line {
 /// Of a millimetre along each step: about 0 on a crease with the sole to its right, 1 where nothing is, and
 /// more where an edge is crossed.
 using StepCosts = std::array<std::vector<float>, k_grid_steps.size()>;
-[[nodiscard]] StepCosts step_costs(const Patch& patch);
+struct StepCostConfig {
+  double flank_mm{1.0};  ///< to both sides, over which the surface's turn is read
+  /// Where the surface turns outwards by so much close below a crease, the sole ends: at a rim, or at a lip.
+  /// 0: nothing is made of that.
+  double rim_rad{0};
+};
+[[nodiscard]] StepCosts step_costs(const Patch& patch, const StepCostConfig& config);
 
 }  // namespace biteline::bite_line

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <optional>
+#include <utility>
 
 #include "host/bite_line/level/cheapest_way.hpp"
 #include "host/bite_line/level/patch.hpp"
+#include "host/bite_line/level/rival_ways.hpp"
 #include "host/bite_line/level/step_costs.hpp"
 
 namespace biteline::bite_line {
@@ -30,7 +32,7 @@ std::optional<std::size_t> surest_col(const Layers& layers) {
 
 }  // namespace
 
-std::vector<Vec2> way_round(const Side& side, const Layers& layers, const WayRoundConfig& config) {
+Guide way_round(const Side& side, const Layers& layers, const WayRoundConfig& config) {
   const SideGrid& grid = side.field.grid;
   const double turn_mm = side.outline.length_mm();
   const std::optional<std::size_t> col = surest_col(layers);
@@ -38,16 +40,23 @@ std::vector<Vec2> way_round(const Side& side, const Layers& layers, const WayRou
   const double s_mm = (static_cast<double>(*col) + 0.5) * grid.col_mm;
   const double top_mm = grid.z_mm(*std::ranges::max_element(layers.line.row)) + config.above_mm;
   // The middle of its first column is where the way begins, that of its last one is a whole turn on.
-  const Patch patch = Patch::of(side, {.s_mm = s_mm - Patch::k_cell_mm / 2,
-                                       .length_mm = turn_mm + Patch::k_cell_mm,
-                                       .z_mm = grid.z_low_mm,
-                                       .height_mm = top_mm - grid.z_low_mm});
+  const Patch patch = Patch::of(side,
+                                {.s_mm = s_mm - Patch::k_cell_mm / 2,
+                                 .length_mm = turn_mm + Patch::k_cell_mm,
+                                 .z_mm = grid.z_low_mm,
+                                 .height_mm = top_mm - grid.z_low_mm},
+                                config.sigma_mm);
   const Cell begin = patch.cell({s_mm, grid.z_mm(layers.line.row[*col])});
-  const Way way = cheapest_way(patch, step_costs(patch), begin, {.row = begin.row, .col = patch.cols - 1});
-  std::vector<Vec2> guide;
+  const StepCosts costs = step_costs(patch, {.flank_mm = config.flank_mm, .rim_rad = config.rim_rad});
+  const Way way = cheapest_way(patch, costs, begin, {.row = begin.row, .col = patch.cols - 1});
+  Guide guide;
   if (way.cost > config.most_cost * turn_mm) return guide;
-  for (const Cell& at : way.cells) guide.push_back(patch.place(at.row, at.col));
-  while (guide.size() > 1 && guide.back().x() > s_mm + turn_mm - Patch::k_cell_mm / 2) guide.pop_back();
+  WayDoubt doubt = doubt_way(patch, costs, way, {});
+  for (const Cell& at : way.cells) guide.places.push_back(patch.place(at.row, at.col));
+  while (guide.places.size() > 1 && guide.places.back().x() > s_mm + turn_mm - Patch::k_cell_mm / 2)
+    guide.places.pop_back();
+  guide.hold = std::move(doubt.hold);
+  guide.other_mm = std::move(doubt.other_mm);
   return guide;
 }
 

@@ -20,7 +20,8 @@ PlacedLine place_path(const ScanPoints& scan, const Side& side, std::span<const 
                      .path = *path,
                      .hold = along.hold,
                      .other_mm = along.other_mm,
-                     .sharp = along.sharp},
+                     .sharp = along.sharp,
+                     .upright_ratio = along.upright_ratio},
                     {});
 }
 

@@ -13,6 +13,7 @@ namespace biteline::bite_line {
 /// What is known of the layers along a path, per column (PlacedStation).
 struct AlongPath {
   std::span<const float> hold, other_mm, sharp;
+  std::span<const float> upright_ratio{};
 };
 
 /// place_line() of the path (a row per column of the side's grid) with the points of `scan` around it.

@@ -146,6 +146,22 @@ void set_layers(const PlacementInput& input, std::vector<PlacedStation>& station
   }
 }
 
+/// Of the stations, from that of the columns.
+std::vector<double> upright_ratio_of(const PlacementInput& input, double station_mm) {
+  std::vector<double> of_station;
+  if (input.upright_ratio.empty()) return of_station;
+  for (std::size_t i = 0; i < input.path.z_mm.size(); ++i) {
+    const Vec2 at = input.path.outline.point(static_cast<double>(i) * station_mm);
+    const OutlinePlace place =
+        input.outline.locate(Eigen::Vector3f{static_cast<float>(at.x()), static_cast<float>(at.y()), 0.0F});
+    const auto col =
+        static_cast<std::size_t>(std::max(place.s_mm, 0.0F) / static_cast<float>(input.field.grid.col_mm));
+    of_station.push_back(
+        static_cast<double>(input.upright_ratio[std::min(col, input.upright_ratio.size() - 1)]));
+  }
+  return of_station;
+}
+
 /// Of the own heights about the line's, over the running mean's length; what is bridged has none.
 std::vector<double> scatter_of(const std::vector<double>& own_z_mm, const std::vector<double>& z_mm,
                                const std::vector<std::uint8_t>& visible, double steps) {
@@ -190,11 +206,14 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
   const SectionInput sectioned{.points = input.near, .outline = path_outline, .path_z_mm = path_z};
   const SectionPoints points{sectioned, {}};
   const double sample_mm = points.sample_mm();
+  const std::vector<double> upright_ratio =
+      upright_ratio_of(input, path_outline.length_mm() / static_cast<double>(stations));
   const SectionCourseConfig course_config{.along_mm = sigma_along_mm(input.points_per_mm2, sample_mm),
                                           .smoothing_mm = config.smoothing_mm,
                                           .search_mm = config.search_mm,
                                           .mean_mm = config.mean_mm,
-                                          .few = are_few(input.points_per_mm2)};
+                                          .few = are_few(input.points_per_mm2),
+                                          .upright_ratio = upright_ratio};
   SectionCourse course = section_course(points, path_z, course_config);
   const Sections& sections = course.sections;
   Ridge& ridge = course.ridge;

@@ -84,6 +84,7 @@ struct PlacementInput {
   std::span<const float> hold{};
   std::span<const float> other_mm{};
   std::span<const float> sharp{};
+  std::span<const float> upright_ratio{};  ///< per column, see section_curvature(); empty: 1 everywhere
 };
 [[nodiscard]] PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config);
 

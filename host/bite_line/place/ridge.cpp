@@ -8,6 +8,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "common/core/contracts.hpp"
 #include "host/bite_line/lanes.hpp"
 #include "host/bite_line/path/closed_path.hpp"
 #include "host/geometry/robust.hpp"
@@ -15,6 +16,14 @@
 namespace biteline::bite_line {
 
 namespace {
+
+/// Weights that add up to 1.
+std::vector<float> unit_gaussian(double sigma) {
+  std::vector<float> kernel = gaussian(sigma, 4);
+  const float sum = std::accumulate(kernel.begin(), kernel.end(), 0.0F);
+  for (float& weight : kernel) weight /= sum;
+  return kernel;
+}
 
 /// Typical size of the sections' curvature outside the search range: texture and noise.
 double curvature_noise(const Sections& sections, std::span<const float> k, double search_mm) {
@@ -74,19 +83,21 @@ Other other_hollow(const Sections& sections, std::span<const float> k, int stati
 
 }  // namespace
 
-Large<float> section_curvature(const Sections& sections, double sigma_mm) {
+Large<float> section_curvature(const Sections& sections, double sigma_mm,
+                               std::span<const double> upright_ratio) {
+  BITELINE_EXPECTS(upright_ratio.empty() ||
+                   upright_ratio.size() == static_cast<std::size_t>(sections.stations));
   Large<float> k(sections.o_mm.size());
-  const double h = sections.row_mm;
-  std::vector<float> kernel = gaussian(sigma_mm / h, 4);
-  const auto reach = static_cast<int>(kernel.size() / 2);
-  const float sum = std::accumulate(kernel.begin(), kernel.end(), 0.0F);
-  for (float& weight : kernel) weight /= sum;
   const auto rows = static_cast<std::size_t>(sections.rows);
   tbb::parallel_for(tbb::blocked_range<int>{0, sections.stations, 16}, [&](const auto& range) {
-    const auto beyond = static_cast<std::size_t>(reach);
-    std::vector<float> padded(rows + 2 * beyond);
+    std::vector<float> padded;
     std::vector<float> smooth(rows);
     for (int station = range.begin(); station != range.end(); ++station) {
+      const double h =
+          sections.row_mm / (upright_ratio.empty() ? 1.0 : upright_ratio[static_cast<std::size_t>(station)]);
+      const std::vector<float> kernel = unit_gaussian(sigma_mm / h);
+      const std::size_t beyond = kernel.size() / 2;
+      padded.resize(rows + 2 * beyond);
       const float* o = sections.o_mm.data() + sections.at(station, 0);
       const std::uint8_t* known = sections.known.data() + sections.at(station, 0);
       std::fill_n(k.data() + sections.at(station, 0), rows, 0.0F);
@@ -106,7 +117,7 @@ Large<float> section_curvature(const Sections& sections, double sigma_mm) {
         }
         r = stop;
       }
-      if (end - begin < 2 * static_cast<std::size_t>(reach) / 2) continue;
+      if (end - begin < beyond) continue;
       // Beyond the run's ends it goes on straight, with the slope of its last millimetre.
       const std::size_t lever = std::min<std::size_t>(end - begin - 1, static_cast<std::size_t>(1.0 / h));
       const float slope_low = (o[begin + lever] - o[begin]) / static_cast<float>(lever);

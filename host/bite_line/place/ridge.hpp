@@ -12,7 +12,11 @@ namespace biteline::bite_line {
 
 /// Curvature of every section at every row: o smoothed by the definition's Gaussian, then k = o'' / (1 +
 /// o'^2)^1.5. Gaussian and its derivatives are folded into one pass; unknown rows leave k at 0.
-[[nodiscard]] Large<float> section_curvature(const Sections& sections, double sigma_mm);
+///
+/// The definition's section is upright.  `upright_ratio`: height for each millimetre across the line, per
+/// station, where the sections are square to a line that climbs; empty: 1.
+[[nodiscard]] Large<float> section_curvature(const Sections& sections, double sigma_mm,
+                                             std::span<const double> upright_ratio = {});
 
 /// Flatter than a radius of 12 mm is the shape of the shoe, not a crease.
 inline constexpr double k_least_curvature_per_mm = 0.08;

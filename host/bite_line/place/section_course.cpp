@@ -164,7 +164,8 @@ SectionCourse section_course(const SectionPoints& points, std::span<const double
   course.sections = points.cut(config.along_mm);
   const Sections& sections = course.sections;
   const double station_mm = sections.station_mm;
-  course.ridge = follow_ridge(sections, section_curvature(sections, config.smoothing_mm), config.search_mm);
+  course.ridge = follow_ridge(
+      sections, section_curvature(sections, config.smoothing_mm, config.upright_ratio), config.search_mm);
   geometry::drop_islands(course.ridge.visible, station_mm, k_island_mm);
 
   const std::size_t stations = path_z_mm.size();

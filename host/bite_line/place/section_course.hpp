@@ -18,7 +18,8 @@ struct SectionCourseConfig {
   double smoothing_mm{0.4};  ///< see PlacementConfig, as the two below
   double search_mm{2.5};
   double mean_mm{8.5};
-  bool few{false};  ///< see are_few()
+  bool few{false};                          ///< see are_few()
+  std::span<const double> upright_ratio{};  ///< per station, see section_curvature()
 };
 
 /// Per station, z in shoe, o from the outline that the sections are square to.

@@ -13,6 +13,7 @@
 #include "host/bite_line/level/detours.hpp"
 #include "host/bite_line/level/levelled.hpp"
 #include "host/bite_line/level/patch.hpp"
+#include "host/bite_line/level/rival_ways.hpp"
 #include "host/bite_line/level/step_costs.hpp"
 #include "host/bite_line/level/way_round.hpp"
 #include "host/bite_line/side/side_outline.hpp"
@@ -71,9 +72,95 @@ Patch blank() {
           .seen = std::vector<std::uint8_t>(k_cells, 1)};
 }
 
+/// What speaks against a level way over the blank wall; beside it a detour over `rows` more, of `columns`,
+/// costs `worse_mm` more than it.
+bite_line::WayDoubt doubt_beside_detour(int rows, int columns, double worse_mm) {
+  constexpr int k_row = 30, k_from = 5, k_to = 75;
+  const Patch patch = blank();
+  bite_line::StepCosts costs;
+  for (std::vector<float>& of_step : costs) of_step.assign(patch.size(), 1.0F);
+  const auto set = [&](int row, int col, float cost) {
+    for (std::vector<float>& of_step : costs) of_step[patch.at(row, col)] = cost;
+  };
+  for (int col = 0; col < patch.cols; ++col) set(k_row, col, 0.02F);
+  // Up one flank, along, and down the other one.
+  const int first = (patch.cols - columns) / 2;
+  const int up = rows > 0 ? 1 : -1;
+  const double length_mm = (columns + 2 * std::abs(rows)) * Patch::k_cell_mm;
+  const auto cost = static_cast<float>((worse_mm + 0.02 * columns * Patch::k_cell_mm) / length_mm);
+  for (int row = k_row + up; row != k_row + rows; row += up) {
+    set(row, first, cost);
+    set(row, first + columns, cost);
+  }
+  for (int col = first; col <= first + columns; ++col) set(k_row + rows, col, cost);
+  const bite_line::Way way =
+      bite_line::cheapest_way(patch, costs, {.row = k_row, .col = k_from}, {.row = k_row, .col = k_to});
+  return bite_line::doubt_way(patch, costs, way, {});
+}
+
+bool speaks_against(const bite_line::WayDoubt& doubt) {
+  return std::ranges::any_of(doubt.hold, [](float hold) { return hold < 0.5F; });
+}
+
 }  // namespace
 
 TEST_GROUP(Level){};
+
+TEST(Level, ARivalThatIsAboutAsGoodSpeaksAgainstAWay) {
+  // 20 mm of the way, so 35 with what is noise: 0.07 of it are 2.45 mm, of which a kink is 2.
+  constexpr int k_columns = 40;
+  const bite_line::WayDoubt doubt = doubt_beside_detour(-8, k_columns, 0.2);
+  CHECK(speaks_against(doubt));
+  // The detour's own cells, 4 mm off.
+  CHECK(std::ranges::count_if(doubt.hold, [](float hold) { return hold < 0.5F; }) >= k_columns);
+  DOUBLES_EQUAL(4.0, static_cast<double>(std::ranges::max(doubt.other_mm)), 0.01);
+  CHECK_FALSE(speaks_against(doubt_beside_detour(-8, k_columns, 1.5)));
+}
+
+TEST(Level, ARivalFarAboveAWayNeedsAWiderMargin) {
+  // 0.16 of 35 mm are 5.6: what is worse by 2 mm counts 4 with its kink.
+  constexpr int k_columns = 40;
+  CHECK(speaks_against(doubt_beside_detour(12, k_columns, 2)));
+  CHECK_FALSE(speaks_against(doubt_beside_detour(-12, k_columns, 2)));
+  CHECK_FALSE(speaks_against(doubt_beside_detour(8, k_columns, 2)));
+}
+
+TEST(Level, WhatLiesBetweenTwoUnsureStretchesIsUnsure) {
+  // Twice 10 mm of the way were not seen, 5 mm apart, and then nothing speaks against 10 mm more.
+  Patch patch = blank();
+  bite_line::StepCosts costs;
+  for (std::vector<float>& of_step : costs) of_step.assign(patch.size(), 1.0F);
+  for (int row = 0; row < patch.rows; ++row) {
+    for (int col = 8; col < 28; ++col) patch.seen[patch.at(row, col)] = 0;
+    for (int col = 38; col < 58; ++col) patch.seen[patch.at(row, col)] = 0;
+  }
+  const bite_line::Way way =
+      bite_line::cheapest_way(patch, costs, {.row = 30, .col = 2}, {.row = 30, .col = 77});
+  const bite_line::WayDoubt doubt = bite_line::doubt_way(patch, costs, way, {});
+  for (std::size_t i = 0; i < way.cells.size(); ++i) {
+    const int col = way.cells[i].col;
+    if (col >= 8 && col < 58) CHECK(doubt.hold[i] < 0.5F);
+    if (col < 7 || col > 58) CHECK(doubt.hold[i] == 1.0F);
+  }
+}
+
+TEST(Level, AThinSoleEndsAtItsRim) {
+  // The upper goes out by 45 degrees above a plate's level top of 1.5 mm; below its rim all lies 5 mm in.
+  Patch patch = blank();
+  constexpr int k_crease_row = 30, k_rim_row = 27;
+  for (int col = 0; col < patch.cols; ++col) {
+    for (int row = k_crease_row; row < patch.rows; ++row)
+      patch.o_mm[patch.at(row, col)] = static_cast<float>((row - k_crease_row) * Patch::k_cell_mm);
+    for (int row = 0; row < k_rim_row; ++row) patch.o_mm[patch.at(row, col)] = -5;
+  }
+  constexpr std::size_t k_along_outline = 0;
+  const std::size_t crease = patch.at(k_crease_row, 40);
+  const auto cost = [&](double rim_rad) {
+    return bite_line::step_costs(patch, {.flank_mm = 0.5, .rim_rad = rim_rad})[k_along_outline][crease];
+  };
+  CHECK(cost(0.2) < 0.05F);
+  CHECK_TEXT(cost(0) > 0.15F, "what lies below the rim is no flank of the crease");
+}
 
 TEST(Level, WhatIsLevelledAndBroughtBackLiesWhereItWas) {
   const bite_line::Side side = side_of(scan_of(with_guard(designed(0))));
@@ -131,7 +218,7 @@ TEST(Level, AnEdgeCostsWhereItIsCrossedAndNotAlongIt) {
   for (int col = 0; col < patch.cols; ++col)
     for (int row = 0; row < patch.rows; ++row)
       patch.o_mm[patch.at(row, col)] = static_cast<float>(-std::abs(col - 40) * Patch::k_cell_mm);
-  const bite_line::StepCosts costs = bite_line::step_costs(patch);
+  const bite_line::StepCosts costs = bite_line::step_costs(patch, {});
   constexpr std::size_t k_along_outline = 0, k_up = 4;
   CHECK(costs[k_along_outline][patch.at(30, 40)] > 5);
   // Along it there is nothing, but the edge tells of a crease to its left, which is left above: 0.4 of 0.6.
@@ -144,7 +231,7 @@ TEST(Level, AnUprightStepIsACreaseForTheWayThatHasTheSoleToItsRight) {
   Patch patch = blank();
   for (int col = 40; col < patch.cols; ++col)
     for (int row = 0; row < patch.rows; ++row) patch.o_mm[patch.at(row, col)] = col == 40 ? 1.0F : 2.0F;
-  const bite_line::StepCosts costs = bite_line::step_costs(patch);
+  const bite_line::StepCosts costs = bite_line::step_costs(patch, {});
   constexpr std::size_t k_up = 4, k_down = 12;
   float least_up = 1, least_down = 1;
   for (int col = 36; col < 42; ++col) {
@@ -164,7 +251,7 @@ TEST(Level, AnEdgeRightBelowTellsOfACreaseThatDoesNotShow) {
       patch.o_mm[patch.at(row, col)] = static_cast<float>((row - k_edge_row) * Patch::k_cell_mm);
     for (int row = 0; row < k_hidden_rows; ++row) patch.seen[patch.at(row, col)] = 0;
   }
-  const bite_line::StepCosts costs = bite_line::step_costs(patch);
+  const bite_line::StepCosts costs = bite_line::step_costs(patch, {});
   constexpr std::size_t k_along_outline = 0, k_back = 8;
   const auto row_above_mm = [&](double mm) {
     return k_edge_row + static_cast<int>(std::lround(mm / Patch::k_cell_mm));
@@ -183,7 +270,7 @@ TEST(Level, APatchIsRightOnASlopeAndAtItsBorder) {
   for (float s = 0; s < 40; s += k_every_mm)
     for (float z = k_low_mm; z < k_high_mm; z += k_every_mm)
       side.field.places.push_back({.s_mm = s, .o_mm = k_slope * z, .z_mm = z});
-  const Patch patch = Patch::of(side, {.s_mm = 0, .length_mm = 40, .z_mm = 0, .height_mm = 30});
+  const Patch patch = Patch::of(side, {.s_mm = 0, .length_mm = 40, .z_mm = 0, .height_mm = 30}, 0.7);
   // At the border a mean is 0.8 sigma too far in, that is 0.28 mm in o.  The plane's slope is a third too
   // small there at most.
   for (int row = 0; row < patch.rows; ++row) {
@@ -201,7 +288,7 @@ TEST(Level, AWayRoundIsOnTheLineWhereItIsTaken) {
     const SweepScan scan = scan_of(with_guard(designed(k)));
     bite_line::Side side = side_of(scan);
     const bite_line::Layers layers = bite_line::find_layers_along(side, {});
-    const std::vector<Vec2> guide = bite_line::way_round(side, layers, {});
+    const std::vector<Vec2> guide = bite_line::way_round(side, layers, {}).places;
     if (guide.empty()) continue;
     ++taken;
     CHECK(guide.front().x() >= 0 && guide.front().x() < side.outline.length_mm());
@@ -234,7 +321,7 @@ TEST(Level, AShoeWithNothingPlainAllRoundHasNoWayRound) {
   bare.shoe.shoe_class = sim::ShoeClass::Bare;
   bite_line::Side side = side_of(scan_of(bare));
   const bite_line::Layers layers = bite_line::find_layers_along(side, {});
-  CHECK(bite_line::way_round(side, layers, {}).empty());
+  CHECK(bite_line::way_round(side, layers, {}).places.empty());
 }
 
 TEST(Level, AGuardOnTheToeIsGoneRound) {

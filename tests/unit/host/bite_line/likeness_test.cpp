@@ -104,4 +104,30 @@ TEST(ColumnLikeness, IsItsFormulaRowByRow) {
   }
 }
 
+TEST(ColumnLikeness, ASoleMayEndAtARimCloseBelow) {
+  // The upper goes out by 45 degrees over 2 mm and then stands upright.  Below it lies a plate's upright edge
+  // of 1.5 mm, and below that all goes in.
+  constexpr int k_rows = 120, k_crease = 60;
+  Column column;
+  for (int row = 0; row < k_rows; ++row) {
+    const float up_mm = 0.25F * static_cast<float>(row - k_crease);
+    const float out_mm = up_mm > 0 ? std::min(up_mm, 2.0F) : std::min(1.5F * (up_mm + 1.5F), 0.0F);
+    column.o_mm.push_back(out_mm);
+    column.turn_rad.push_back(row == k_crease ? 0.6F : 0.0F);
+    column.seen.push_back(1);
+  }
+  const auto likeness = [&](LikenessConfig config) {
+    ColumnLikeness sut{config, k_rows};
+    std::ranges::copy(column.turn_rad, sut.turn_rad().begin());
+    return sut.of(column.o_mm.data(), column.seen.data(), k_noise_rad)[k_crease];
+  };
+  LikenessConfig with_rims = k_config;
+  with_rims.rim_from = 3;
+  with_rims.rim_to = 12;
+  with_rims.rim_rad = 0.5;
+  CHECK_TEXT(likeness(k_config) < 0.5F, "what lies below the rim counts as the sole");
+  // 1 - exp(-(0.6 - 0.026) / 0.12) is all that is left to ask.
+  DOUBLES_EQUAL(0.992, static_cast<double>(likeness(with_rims)), 0.002);
+}
+
 }  // namespace biteline::bite_line

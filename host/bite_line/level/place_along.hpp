@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The exact place of a line that was found on a levelled side.
+
+#include "host/bite_line/layers/layers.hpp"
+#include "host/bite_line/level/levelled.hpp"
+#include "host/bite_line/place/placement.hpp"
+#include "host/bite_line/scan_points.hpp"
+#include "host/bite_line/side/side.hpp"
+
+namespace biteline::bite_line {
+
+/// What was found on `levelled`: a path, a row per column of its grid, and what is known of its layers.
+struct FoundLevel {
+  const Levelled& levelled;
+  const SideGrid& grid;
+  std::span<const double> path_row;
+  const Layers& layers;
+};
+
+/// The line in shoe.  A guide is smooth, and cuts the corners of the line that was found along it.  So the
+/// side is levelled anew along that line, twice: then hardly a corner is left.
+///
+/// The definition's section is upright, and here it is square to the line.  Up to a climb of 60 degrees its
+/// curvature is read as the upright one has it; what remains is part of the line's uncertainty.
+[[nodiscard]] PlacedLine place_along(const ScanPoints& scan, const Side& side, const FoundLevel& found,
+                                     double spacing_mm);
+
+/// A side levelled along a guide.
+[[nodiscard]] Side side_along(const Levelled& levelled);
+
+}  // namespace biteline::bite_line
