@@ -182,11 +182,7 @@ class GapLook {
   /// Whether a step shows hardly a crease.
   [[nodiscard]] bool is_bare(const Cell& from, const Cell& to) const {
     constexpr float k_bare_cost = 0.8F;
-    const auto* step = std::ranges::find_if(k_grid_steps, [&](GridStep by) {
-      return by.cols == to.col - from.col && by.rows == to.row - from.row;
-    });
-    return costs_[static_cast<std::size_t>(step - k_grid_steps.begin())][patch_.at(to.row, to.col)] >
-           k_bare_cost;
+    return costs_[step_between(from, to)][patch_.at(to.row, to.col)] > k_bare_cost;
   }
 
   /// As find_layers() has it for a rival.

@@ -51,6 +51,13 @@ double plane_at(const Sums& sums, double x, double z) {
 
 }  // namespace
 
+std::size_t step_between(const Cell& from, const Cell& to) {
+  const auto* step = std::ranges::find_if(k_grid_steps, [&](GridStep by) {
+    return by.cols == to.col - from.col && by.rows == to.row - from.row;
+  });
+  return static_cast<std::size_t>(step - k_grid_steps.begin());
+}
+
 Cell Patch::cell(const Vec2& place) const {
   return {.row = std::clamp(static_cast<int>((place.y() - window.z_mm) / k_cell_mm), 0, rows - 1),
           .col = std::clamp(static_cast<int>((place.x() - window.s_mm) / k_cell_mm), 0, cols - 1)};

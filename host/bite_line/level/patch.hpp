@@ -39,6 +39,9 @@ struct Cell {
   int row, col;
 };
 
+/// The index of the step from a cell to the next one of a way.
+[[nodiscard]] std::size_t step_between(const Cell& from, const Cell& to);
+
 /// Part of the unrolled side: from `s_mm` on along the outline, from `z_mm` up.
 struct Window {
   double s_mm, length_mm;

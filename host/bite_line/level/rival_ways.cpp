@@ -145,6 +145,46 @@ void doubt_unseen(const Patch& patch, const Way& way, double most_mm, WayDoubt& 
   }
 }
 
+/// Whether a plain crease that runs nearly alike lies on the upper's side of a cell.
+bool plain_above(const Patch& patch, const StepCosts& costs, const Cell& cell, std::size_t step) {
+  constexpr float k_plain_cost = 0.15F;
+  constexpr double k_from_mm = 2.5, k_to_mm = 35.0;
+  const GridStep along = k_grid_steps[step];
+  const double cells = 1 / (Patch::k_cell_mm * std::hypot(along.cols, along.rows));
+  for (double d = k_from_mm; d <= k_to_mm; d += Patch::k_cell_mm) {
+    const int col = cell.col - static_cast<int>(std::lround(along.rows * cells * d));
+    const int row = cell.row + static_cast<int>(std::lround(along.cols * cells * d));
+    if (col < 0 || col >= patch.cols || row < 0 || row >= patch.rows) return false;
+    for (const std::size_t k : {step + costs.size() - 1, step, step + 1})
+      if (costs[k % costs.size()][patch.at(row, col)] <= k_plain_cost) return true;
+  }
+  return false;
+}
+
+/// Soles have many creases and uppers few: a way that leaves a plain one above it all along is another's.
+/// What it costs there is EvidenceConfig::above_ratio.
+void doubt_left_above(const Patch& patch, const StepCosts& costs, const Way& way,
+                      const RivalWaysConfig& config, WayDoubt& doubt) {
+  constexpr double k_share = 0.8;
+  const double least_cost = 0.9 * EvidenceConfig{}.above_ratio;
+  std::vector<double> length_mm{0}, cost{0}, above_mm{0};
+  for (std::size_t i = 1; i < way.cells.size(); ++i) {
+    const Cell& to = way.cells[i];
+    const std::size_t step = step_between(way.cells[i - 1], to);
+    const double step_mm = apart_mm(way.cells[i - 1], to);
+    length_mm.push_back(length_mm.back() + step_mm);
+    cost.push_back(cost.back() + step_mm * static_cast<double>(costs[step][patch.at(to.row, to.col)]));
+    above_mm.push_back(above_mm.back() + (plain_above(patch, costs, to, step) ? step_mm : 0));
+  }
+  for (std::size_t i = 0, j = 0; i < way.cells.size(); ++i) {
+    while (j < way.cells.size() && length_mm[j] - length_mm[i] < config.left_above_mm) ++j;
+    if (j == way.cells.size()) break;
+    const double over_mm = length_mm[j] - length_mm[i];
+    if (above_mm[j] - above_mm[i] >= k_share * over_mm && cost[j] - cost[i] >= least_cost * over_mm)
+      doubt_stretch(i, j + 1, config.far_mm, doubt);
+  }
+}
+
 /// Cells from `begin` up to `end`.
 struct Stretch {
   std::size_t begin, end;
@@ -192,6 +232,7 @@ WayDoubt doubt_way(const Patch& patch, const StepCosts& costs, const Way& way,
     if (rival.margin < (far_above ? config.least_far_margin : LayersConfig{}.margin))
       doubt_stretch(rival.first, rival.last + 1, rival.off_mm, doubt);
   });
+  doubt_left_above(patch, costs, way, config, doubt);
   doubt_unseen(patch, way, config.most_unseen_mm, doubt);
   doubt_between(config.apart_mm, doubt);
   return doubt;

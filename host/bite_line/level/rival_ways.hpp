@@ -14,6 +14,7 @@ struct RivalWaysConfig {
   double most_unseen_mm{8};       ///< what was not seen over so much may lead anywhere
   double far_mm{5};               ///< what leads so far up leaves a crease of its own below it ...
   double least_far_margin{0.16};  ///< ... and is a rival up to this margin (DetourConfig has it, too)
+  double left_above_mm{60};       ///< a plain crease that is left above over so much is the line
   int most{200};                  ///< rivals looked at, the cheapest first
 };
 
@@ -23,9 +24,9 @@ struct WayDoubt {
   std::vector<float> other_mm;
 };
 
-/// What speaks against the cheapest way `way`: rivals, stretches that were not seen, and what lies between
-/// two stretches that are unsure.  Who leaves a crease and comes back to it does so at two places; the
-/// longest stretch between two is the line's.
+/// What speaks against the cheapest way `way`: rivals, a plain crease all along above it, stretches that were
+/// not seen, and what lies between two stretches that are unsure.  Who leaves a crease and comes back to it
+/// does so at two places; the longest stretch between two is the line's.
 ///
 /// Rivals are told by the min-marginals of the graph: for each place, the cheapest way through it.
 [[nodiscard]] WayDoubt doubt_way(const Patch& patch, const StepCosts& costs, const Way& way,

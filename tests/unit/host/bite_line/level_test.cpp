@@ -144,6 +144,31 @@ TEST(Level, WhatLiesBetweenTwoUnsureStretchesIsUnsure) {
   }
 }
 
+TEST(Level, APlainCreaseAllAlongAboveAWaySpeaksAgainstIt) {
+  // 68 mm of a level way; 10 mm above it another crease that no way leads to.
+  const auto doubt = [](float cost_above, float cost_of_way) {
+    Patch patch = blank();
+    patch.cols = 160;
+    patch.window.length_mm = 80;
+    patch.o_mm.assign(static_cast<std::size_t>(patch.rows * patch.cols), 0.0F);
+    patch.seen.assign(patch.o_mm.size(), 1);
+    bite_line::StepCosts costs;
+    for (std::vector<float>& of_step : costs) {
+      of_step.assign(patch.size(), 2.0F);
+      for (int col = 0; col < patch.cols; ++col) {
+        of_step[patch.at(20, col)] = cost_of_way;
+        of_step[patch.at(40, col)] = cost_above;
+      }
+    }
+    const bite_line::Way way =
+        bite_line::cheapest_way(patch, costs, {.row = 20, .col = 12}, {.row = 20, .col = 148});
+    return bite_line::doubt_way(patch, costs, way, {});
+  };
+  CHECK(speaks_against(doubt(0.1F, 0.4F)));
+  CHECK_FALSE_TEXT(speaks_against(doubt(0.3F, 0.4F)), "what lies above is not plain");
+  CHECK_FALSE_TEXT(speaks_against(doubt(0.1F, 0.1F)), "a plain way has nothing above it");
+}
+
 TEST(Level, AThinSoleEndsAtItsRim) {
   // The upper goes out by 45 degrees above a plate's level top of 1.5 mm; below its rim all lies 5 mm in.
   Patch patch = blank();
