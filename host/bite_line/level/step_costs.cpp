@@ -8,7 +8,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include "host/bite_line/layers/evidence.hpp"
 #include "host/geometry/logistic.hpp"
 
 namespace biteline::bite_line {
@@ -213,7 +212,6 @@ class Reader {
       const std::array<std::vector<float>, k_grid_steps.size()>& likeness, std::size_t k) const {
     const EvidenceConfig as{};
     constexpr double k_every_mm = 1.0;
-    constexpr double k_above_to_mm = 35.0;  // a guard's edge lies higher than another crease does
     constexpr std::size_t k_alike = 2;
     std::vector<float> like = likeness[k];
     for (std::size_t j = 1; j <= k_alike; ++j) {
@@ -222,7 +220,8 @@ class Reader {
           like[i] = std::max(like[i], likeness[other % likeness.size()][i]);
     }
     std::vector<Shift> shifts;
-    for (double d = as.above_from_mm; d <= k_above_to_mm; d += k_every_mm) shifts.push_back(right(k, -d));
+    for (double d = as.above_from_mm; d <= config_.above_to_mm; d += k_every_mm)
+      shifts.push_back(right(k, -d));
     std::vector<float> above(patch_.size(), 0.0F);
     for (int col = 0; col < patch_.cols; ++col) {
       for (int row = 0; row < patch_.rows; ++row) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "host/bite_line/layers/evidence.hpp"
 #include "host/bite_line/level/patch.hpp"
 
 namespace biteline::bite_line {
@@ -17,6 +18,7 @@ struct StepCostConfig {
   /// Where the surface turns outwards by so much close below a crease, the sole ends: at a rim, or at a lip.
   /// 0: nothing is made of that.
   double rim_rad{0};
+  double above_to_mm{EvidenceConfig{}.above_to_mm};  ///< so far up a crease counts as left above
 };
 [[nodiscard]] StepCosts step_costs(const Patch& patch, const StepCostConfig& config);
 

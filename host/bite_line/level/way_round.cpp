@@ -2,6 +2,7 @@
 #include "host/bite_line/level/way_round.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <utility>
@@ -30,6 +31,42 @@ std::optional<std::size_t> surest_col(const Layers& layers) {
   return middle;
 }
 
+/// Whether the surface on a step's right side turns outwards by much, or ends, within a few millimetres.
+bool ends_close_below(const Patch& patch, const Cell& cell, std::size_t step) {
+  constexpr double k_rim_rad = 0.5;
+  constexpr double k_from_mm = 1.0, k_to_mm = 3.0, k_lever_mm = 1.0;
+  const GridStep along = k_grid_steps[step];
+  const double cells = 1 / (Patch::k_cell_mm * std::hypot(along.cols, along.rows));
+  const auto o_mm = [&](double d) -> std::optional<double> {
+    const int col = cell.col + static_cast<int>(std::lround(along.rows * cells * d));
+    const int row = cell.row - static_cast<int>(std::lround(along.cols * cells * d));
+    if (col < 0 || col >= patch.cols || row < 0 || row >= patch.rows) return std::nullopt;
+    if (patch.seen[patch.at(row, col)] == 0) return std::nullopt;
+    return static_cast<double>(patch.o_mm[patch.at(row, col)]);
+  };
+  for (double d = k_from_mm; d <= k_to_mm; d += Patch::k_cell_mm) {
+    const std::optional<double> before = o_mm(d - k_lever_mm), here = o_mm(d), behind = o_mm(d + k_lever_mm);
+    if (!before || !here || !behind) return true;
+    if (std::atan((*here - *before) / k_lever_mm) - std::atan((*behind - *here) / k_lever_mm) > k_rim_rad)
+      return true;
+  }
+  return false;
+}
+
+/// Of the way's length that was seen.
+double thin_share(const Patch& patch, const Way& way) {
+  double seen_mm = 0, thin_mm = 0;
+  for (std::size_t i = 1; i < way.cells.size(); ++i) {
+    const Cell& at = way.cells[i];
+    if (patch.seen[patch.at(at.row, at.col)] == 0) continue;
+    const std::size_t step = step_between(way.cells[i - 1], at);
+    const auto step_mm = static_cast<double>(Patch::length_mm(k_grid_steps[step]));
+    seen_mm += step_mm;
+    if (ends_close_below(patch, at, step)) thin_mm += step_mm;
+  }
+  return seen_mm > 0 ? thin_mm / seen_mm : 0;
+}
+
 }  // namespace
 
 Guide way_round(const Side& side, const Layers& layers, const WayRoundConfig& config) {
@@ -47,10 +84,12 @@ Guide way_round(const Side& side, const Layers& layers, const WayRoundConfig& co
                                  .height_mm = top_mm - grid.z_low_mm},
                                 config.sigma_mm);
   const Cell begin = patch.cell({s_mm, grid.z_mm(layers.line.row[*col])});
-  const StepCosts costs = step_costs(patch, {.flank_mm = config.flank_mm, .rim_rad = config.rim_rad});
+  const StepCosts costs = step_costs(
+      patch, {.flank_mm = config.flank_mm, .rim_rad = config.rim_rad, .above_to_mm = config.left_above_mm});
   const Way way = cheapest_way(patch, costs, begin, {.row = begin.row, .col = patch.cols - 1});
   Guide guide;
-  if (way.cost > config.most_cost * turn_mm) return guide;
+  const bool thin = thin_share(patch, way) >= config.least_thin_share;
+  if (way.cost > (thin ? config.most_thin_cost : config.most_cost) * turn_mm) return guide;
   WayDoubt doubt = doubt_way(patch, costs, way, {});
   for (const Cell& at : way.cells) guide.places.push_back(patch.place(at.row, at.col));
   while (guide.places.size() > 1 && guide.places.back().x() > s_mm + turn_mm - Patch::k_cell_mm / 2)
