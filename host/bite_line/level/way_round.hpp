@@ -10,7 +10,8 @@ namespace biteline::bite_line {
 
 struct WayRoundConfig {
   /// Of a millimetre of the outline, as a mean: a crease that is plain nearly all the way round.  Dearer ways
-  /// round made guards lead below them too often, along a welt or a bumper: three of 250 that nobody had seen.
+  /// round made guards lead below them too often, along a welt or a bumper: three of 250 that nobody had
+  /// seen.
   double most_cost{0.05};
   /// Where the side ends close below the way over so much of its length, the sole is a thin plate.  Then it
   /// has no other creases, and its rim says what a faded crease does not.
