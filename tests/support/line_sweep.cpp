@@ -10,7 +10,6 @@
 #include "hal/sim/shoe/made_shoe.hpp"
 #include "hal/sim/shoe/random.hpp"
 #include "hal/sim/shoe/scanned_cloud.hpp"
-#include "hal/sim/shoe/true_line.hpp"
 #include "tests/support/line_distance.hpp"
 
 namespace biteline::test {
@@ -60,14 +59,12 @@ double turn_deg(const sim::Section& section, double z_mm) {
          std::numbers::pi;
 }
 
-/// The definition means heights along the outline over some millimetres.  Where a line climbs upright that
-/// is no mean along the line: there it is left out.
-std::vector<sim::TrueLinePoint> truth_of(const sim::MadeShoe& shoe) {
+}  // namespace
+
+std::vector<sim::TrueLinePoint> true_line_of(const sim::MadeShoe& shoe) {
   if (!shoe.parameters().sole.guard) return sim::true_line(shoe, 0.5);
   return sim::true_line(shoe, 0.1, {.running_mean_mm = 0.5});
 }
-
-}  // namespace
 
 SweepCell sweep_cell(std::uint64_t seed, std::uint64_t index) {
   sim::Random random{seed * 1'000'003 + index};
@@ -90,7 +87,7 @@ SweepCell sweep_cell(std::uint64_t seed, std::uint64_t index) {
 }
 
 void add_truth(SweepScan& scan, const sim::MadeShoe& shoe, const Eigen::Affine3d& T_base_shoe) {
-  const std::vector<sim::TrueLinePoint> line = truth_of(shoe);
+  const std::vector<sim::TrueLinePoint> line = true_line_of(shoe);
   if (line.empty()) return;
 
   const Occupied occupied{scan.cloud};
@@ -134,7 +131,7 @@ SweepScan scan_of(const SweepCell& cell) {
   made.cloud.column = scan.column;
   made.cloud.amplitude = scan.amplitude;
   made.cloud.width_px = scan.width_px;
-  const std::vector<sim::TrueLinePoint> line = truth_of(shoe);
+  const std::vector<sim::TrueLinePoint> line = true_line_of(shoe);
   std::vector<Vec3> where;
   for (const sim::TrueLinePoint& point : line) where.push_back(T_base_shoe * point.point_shoe);
   if (where.empty()) {

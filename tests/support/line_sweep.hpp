@@ -10,6 +10,7 @@
 
 #include "hal/sim/shoe/designed_shoe.hpp"
 #include "hal/sim/shoe/made_shoe.hpp"
+#include "hal/sim/shoe/true_line.hpp"
 #include "host/bite_line/extraction.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/cloud/point_cloud.hpp"
@@ -34,6 +35,10 @@ struct SweepCell {
 /// The `index`-th of the sweep of that seed: three of four have a designed sole, one in ten a plain one, the
 /// rest are no shoes.
 [[nodiscard]] SweepCell sweep_cell(std::uint64_t seed, std::uint64_t index);
+
+/// As the definition has it: heights are means along the outline over some millimetres.  Where a line climbs
+/// upright, round a guard, that is no mean along the line: there it is left out.
+[[nodiscard]] std::vector<sim::TrueLinePoint> true_line_of(const sim::MadeShoe& shoe);
 
 struct SweepScan {
   cloud::PointCloud cloud;

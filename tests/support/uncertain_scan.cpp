@@ -4,13 +4,15 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "hal/sim/render/made_head.hpp"
+#include "hal/sim/shoe/designed_shoe.hpp"
 #include "hal/sim/shoe/made_shoe.hpp"
 #include "hal/sim/shoe/random.hpp"
 #include "hal/sim/shoe/scanned_cloud.hpp"
-#include "hal/sim/shoe/true_line.hpp"
 #include "host/bite_line/live_scan.hpp"
+#include "tests/support/line_sweep.hpp"
 
 namespace biteline::test {
 namespace {
@@ -119,7 +121,10 @@ UncertainScan uncertain_scan(const UncertainScanSettings& settings) {
   // Shoes of two classes with one seed are scanned by two heads.
   const std::uint64_t head_seed = settings.seed * 16 + static_cast<std::uint64_t>(settings.shoe_class);
   sim::Random random{head_seed};
-  const sim::MadeShoe shoe{sim::draw_shoe(settings.shoe_class, settings.seed)};
+  sim::ShoeParameters drawn = sim::draw_shoe(settings.shoe_class, settings.seed);
+  if (settings.toe_guard)
+    drawn = sim::draw_designed_shoe({.shoe_class = settings.shoe_class, .toe_guard = true}, settings.seed);
+  const sim::MadeShoe shoe{std::move(drawn)};
   const sim::MadeHead head = sim::draw_head(head_seed);
   const SE3 T_base_shoe = draw_place(random);
   UncertainScan made;
@@ -173,7 +178,7 @@ UncertainScan uncertain_scan(const UncertainScanSettings& settings) {
       made.cloud.column.push_back(exact.column[point]);
     }
   }
-  for (const sim::TrueLinePoint& p : sim::true_line(shoe, 0.5))
+  for (const sim::TrueLinePoint& p : true_line_of(shoe))
     made.truth.points.push_back({.position = T_base_shoe * p.point_shoe,
                                  .normal = T_base_shoe.linear() * p.normal_shoe,
                                  .tangent = Vec3::Zero(),

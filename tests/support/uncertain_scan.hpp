@@ -28,7 +28,8 @@ struct UncertainScanSettings {
   double speed_mm_s{100};
   /// Of calibration, poses and clock; 0: all are exact.
   double errors{1};
-  double missing_mm{0};  ///< of the way round nothing was seen, somewhere
+  double missing_mm{0};   ///< of the way round nothing was seen, somewhere
+  bool toe_guard{false};  ///< the sole wraps up over the toe; of a designed class
 };
 
 /// Draws, each by itself: a shoe and its place; a head; how well it is known (a covariance with correlations,

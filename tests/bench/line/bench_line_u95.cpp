@@ -6,14 +6,18 @@
 //
 // --step: between profiles, 1 mm without it.  --exact: calibration, poses and clock without error.  --points:
 // what the model of a point's error is fitted to (fit_spread.py), one row for each station.
+// The last class, `guard`, stands apart: designed soles that wrap up over the toe, every fifth with a sector
+// missing.  `steep` are its points where the found line climbs by more than 30 degrees.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/bite_line/live_scan.hpp"
@@ -106,6 +110,42 @@ void write_points(std::ostream& out, const std::string& row, const bite_line::Wo
   }
 }
 
+/// A row of the table.
+struct Class {
+  std::string name;
+  bool apart{false};  ///< not among all: its shoes are none of those the model was fitted to
+  std::function<test::UncertainScanSettings(std::uint64_t seed)> settings;
+};
+
+/// All classes with a line whose sole is drawn from a formula, each of them in turn with a sector missing,
+/// and designed soles with a guard on the toe.
+std::vector<Class> classes() {
+  constexpr auto k_classes = static_cast<std::size_t>(sim::ShoeClass::Bare);
+  const auto sector_mm = [](std::uint64_t seed) { return 8 + static_cast<double>(seed * 7 % 33); };
+  std::vector<Class> all;
+  for (std::size_t c = 0; c < k_classes; ++c) {
+    all.push_back({.name = std::string{sim::k_shoe_class_names[c]}, .settings = [c](std::uint64_t seed) {
+                     return test::UncertainScanSettings{.shoe_class = static_cast<sim::ShoeClass>(c),
+                                                        .seed = seed};
+                   }});
+  }
+  all.push_back({.name = "sector", .settings = [sector_mm](std::uint64_t seed) {
+                   return test::UncertainScanSettings{
+                       .shoe_class = static_cast<sim::ShoeClass>(seed % k_classes),
+                       .seed = seed + 1000,
+                       .missing_mm = sector_mm(seed)};
+                 }});
+  all.push_back({.name = "guard", .apart = true, .settings = [sector_mm](std::uint64_t seed) {
+                   constexpr std::size_t k_designed = sim::k_first_thing - sim::k_first_designed;
+                   return test::UncertainScanSettings{
+                       .shoe_class = static_cast<sim::ShoeClass>(sim::k_first_designed + seed % k_designed),
+                       .seed = seed + 2000,
+                       .missing_mm = seed % 5 == 0 ? sector_mm(seed) : 0,
+                       .toe_guard = true};
+                 }});
+  return all;
+}
+
 void print(const std::string& name, const Tally& t) {
   std::fprintf(stderr,
                "%-10s %4d shoes %3d refused  mean %.4f  p95 %.4f  U95 %.4f  ratio %.2f  within %.4f\n",
@@ -143,22 +183,16 @@ int run(int argc, char** argv) {
     points << "class,seed,outward_mm,slope,scatter_mm,doubt,sharp,hold,other_mm,error_out_mm,"
               "error_up_mm,bridged\n";
   }
-  Tally all;
+  Tally all, guards, steep;
   double least_class = 1;
-  // One more: a sector is missing, of every class in turn but the bare uppers.
-  constexpr auto k_classes = static_cast<std::size_t>(sim::ShoeClass::Bare);
-  for (std::size_t c = 0; c <= k_classes; ++c) {
-    const bool sector = c == k_classes;
-    const std::string name{sector ? "sector" : sim::k_shoe_class_names[c]};
-    if (!only.empty() && only != name) continue;
+  for (const Class& kind : classes()) {
+    if (!only.empty() && only != kind.name) continue;
     Tally tally;
     for (std::uint64_t seed = from; seed < from + seeds; ++seed) {
-      const test::UncertainScan made =
-          test::uncertain_scan({.shoe_class = static_cast<sim::ShoeClass>(sector ? seed % k_classes : c),
-                                .seed = sector ? seed + 1000 : seed,
-                                .profile_step_mm = step_mm,
-                                .errors = errors,
-                                .missing_mm = sector ? 8 + static_cast<double>(seed * 7 % 33) : 0});
+      test::UncertainScanSettings settings = kind.settings(seed);
+      settings.profile_step_mm = step_mm;
+      settings.errors = errors;
+      const test::UncertainScan made = test::uncertain_scan(settings);
       std::optional<bite_line::Workings> workings;
       const bite_line::Extraction found = test::line_of(made, &workings);
       ++tally.shoes;
@@ -167,28 +201,48 @@ int run(int argc, char** argv) {
         continue;
       }
       Tally one;
-      for (const cloud::LinePoint& p : found.line.points)
-        one.add(offset_mm(p.position, made.truth).norm(), p.u95_mm.value_or(0), p.confidence);
+      for (const cloud::LinePoint& p : found.line.points) {
+        const double error_mm = offset_mm(p.position, made.truth).norm();
+        one.add(error_mm, p.u95_mm.value_or(0), p.confidence);
+        constexpr double k_steep = 0.5;  // sine of 30 degrees
+        if (kind.apart && std::abs(p.tangent.z()) > k_steep)
+          steep.add(error_mm, p.u95_mm.value_or(0), p.confidence);
+      }
       if (points.is_open())
-        write_points(points, name + "," + std::to_string(seed), *workings, found, made.truth);
-      if (rows) print(name + " " + std::to_string(seed), one);
+        write_points(points, kind.name + "," + std::to_string(seed), *workings, found, made.truth);
+      if (rows) print(kind.name + " " + std::to_string(seed), one);
       tally.add(one);
     }
-    print(name, tally);
+    print(kind.name, tally);
+    if (kind.apart) {
+      guards = std::move(tally);
+      continue;
+    }
     if (!tally.errors_mm.empty()) least_class = std::min(least_class, tally.per_point(tally.within));
     all.add(tally);
   }
-  print("all", all);
+  if (all.shoes > 0) print("all", all);
+  if (guards.shoes > 0) print("steep", steep);
   const std::string what =
       std::to_string(all.shoes) + " made shoes, " + (errors > 0 ? "each head known so far" : "heads exact");
   const auto row = [](const char* bench, const std::string& told, double ours, const char* unit) {
     std::printf("{\"bench\":\"%s\",\"what\":\"%s\",\"ours\":%.4g,\"unit\":\"%s\"}\n", bench, told.c_str(),
                 ours, unit);
   };
-  row("line.u95.coverage", what, all.per_point(all.within), "share of points");
-  row("line.u95.coverage", what + ", least class", least_class, "share of points");
-  row("line.u95.ratio", what + ", mean U95 to 95th percentile of the errors",
-      all.per_point(all.u95_sum_mm) / std::max(all.p95_mm(), 1e-9), "");
+  if (all.shoes > 0) {
+    row("line.u95.coverage", what, all.per_point(all.within), "share of points");
+    row("line.u95.coverage", what + ", least class", least_class, "share of points");
+    row("line.u95.ratio", what + ", mean U95 to 95th percentile of the errors",
+        all.per_point(all.u95_sum_mm) / std::max(all.p95_mm(), 1e-9), "");
+  }
+  if (guards.shoes > 0) {
+    const std::string told = std::to_string(guards.shoes) + " made shoes with a toe guard";
+    row("line.u95.coverage", told, guards.per_point(guards.within), "share of points");
+    row("line.u95.coverage", told + ", where it climbs by more than 30 degrees",
+        steep.per_point(steep.within), "share of points");
+    row("line.u95.ratio", told + ", mean U95 to 95th percentile of the errors",
+        guards.per_point(guards.u95_sum_mm) / std::max(guards.p95_mm(), 1e-9), "");
+  }
   for (const Tenth& tenth : all.tenths) {
     if (tenth.points < 1) continue;
     std::printf(
