@@ -56,11 +56,12 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
                           {.hold = layers.hold, .other_mm = layers.other_mm, .sharp = layers.sharp},
                           config.point_spacing_mm);
       });
-    } else if (changes_crease(layers, *found.decision.refusal)) {
-      const Guide round = clock.run("way_round", [&] { return way_round(side, layers, {}); });
-      AlongGuide along = round.places.empty() ? AlongGuide{} : look_along(round);
-      if (!round.places.empty() && !along.decision.refusal) found = std::move(along);
     }
+  }
+  if (found.decision.refusal && changes_crease(layers, *found.decision.refusal)) {
+    const Guide round = clock.run("way_round", [&] { return way_round(side, layers, {}); });
+    AlongGuide along = round.places.empty() ? AlongGuide{} : look_along(round);
+    if (!round.places.empty() && !along.decision.refusal) found = std::move(along);
   }
   Extraction extraction = clock.run("finish", [&] {
     uncertainty::WholeScan whole{.head = {}, .arm = scan.arm};

@@ -148,7 +148,11 @@ UncertainScan uncertain_scan(const UncertainScanSettings& settings) {
   const auto true_pose = [&](double way_mm) -> SE3 {
     return T_base_shoe * T_shoe_cam(head, shoe.outline().at(way_mm)) * head.model.T_flange_cam.inverse();
   };
-  const double missing_from_mm = random.uniform({0, shoe.perimeter_mm()});
+  double missing_from_mm = random.uniform({0, shoe.perimeter_mm()});
+  if (const std::optional<sim::Guard>& guard = shoe.parameters().sole.guard) {
+    const double flank_mm = guard->where.s_mm + (random.chance(0.5) ? 1 : -1) * guard->where.half_length_mm;
+    missing_from_mm = flank_mm - settings.missing_mm * random.uniform({0, 1});
+  }
   const auto is_missing = [&](double way_mm) {
     const double on_mm = std::fmod(way_mm - missing_from_mm + shoe.perimeter_mm(), shoe.perimeter_mm());
     return on_mm < settings.missing_mm;

@@ -28,7 +28,7 @@ struct UncertainScanSettings {
   double speed_mm_s{100};
   /// Of calibration, poses and clock; 0: all are exact.
   double errors{1};
-  double missing_mm{0};   ///< of the way round nothing was seen, somewhere
+  double missing_mm{0};   ///< of the way round nothing was seen, somewhere; on a flank of the toe guard
   bool toe_guard{false};  ///< the sole wraps up over the toe; of a designed class
 };
 

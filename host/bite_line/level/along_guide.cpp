@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "host/bite_line/layers/climb.hpp"
+#include "host/bite_line/level/detours.hpp"
 #include "host/bite_line/level/levelled.hpp"
 #include "host/bite_line/level/place_along.hpp"
 #include "host/bite_line/side/side_outline.hpp"
@@ -34,6 +35,18 @@ void doubt_guide(const Guide& guide, const Levelled& levelled, const SideGrid& g
   }
 }
 
+/// A path that leaves the guide lies on another crease: two ways to look do not agree.
+void doubt_apart(const Levelled& levelled, const SideGrid& grid, Layers& layers) {
+  const double apart_mm = DetourConfig{}.apart_mm;
+  const float unsure = LayersConfig{}.changed_hold;
+  for (std::size_t col = 0; col < layers.hold.size(); ++col) {
+    const double off_mm = std::abs(grid.z_mm(layers.line.row[col]) - levelled.height_mm());
+    if (off_mm < apart_mm || layers.hold[col] <= unsure) continue;
+    layers.hold[col] = unsure;
+    layers.other_mm[col] = static_cast<float>(off_mm);
+  }
+}
+
 }  // namespace
 
 AlongGuide find_along_guide(const ScanPoints& scan, const Side& side, const Guide& guide,
@@ -45,6 +58,7 @@ AlongGuide find_along_guide(const ScanPoints& scan, const Side& side, const Guid
                                   .course = {.path = {.max_step_rows = 4, .step_cost = 0.3}}};
   Layers layers = find_layers_along(level, nearly_level, scan.looks);
   doubt_guide(guide, levelled, level.field.grid, side.outline.length_mm(), layers);
+  doubt_apart(levelled, level.field.grid, layers);
   AlongGuide found{
       .decision = decide(layers, plan_shape(side_reach(side)), seam, config.min_confidence_ratio),
       .placed = {}};

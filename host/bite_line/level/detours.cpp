@@ -10,6 +10,7 @@
 
 #include "host/bite_line/level/cheapest_way.hpp"
 #include "host/bite_line/level/patch.hpp"
+#include "host/bite_line/level/rival_ways.hpp"
 #include "host/bite_line/level/step_costs.hpp"
 #include "host/geometry/logistic.hpp"
 
@@ -17,10 +18,18 @@ namespace biteline::bite_line {
 
 namespace {
 
+constexpr double k_beside_mm = 10.0;  // of a gap's ends: on the crease
+
 /// A place of closed data with `count` values, from 0 on.
 std::size_t round_of(int col, int count) {
   return static_cast<std::size_t>((col % count + count) % count);
 }
+
+/// Columns where the course shows no crease, or lies on another one; the first may lie beyond the last.
+struct CourseGap {
+  int first, cols;
+  bool changes{false};
+};
 
 /// The course over s, which may go beyond the outline's length.
 class CourseOverS {
@@ -33,6 +42,16 @@ class CourseOverS {
     const int first = static_cast<int>(std::floor(col));
     return grid_.z_mm((1 - share) * line_.row[round_of(first, grid_.cols)] +
                       share * line_.row[round_of(first + 1, grid_.cols)]);
+  }
+  /// How far the course rises over a gap more than its ends' slopes tell, mm; 0 where that is little.
+  [[nodiscard]] double jump_mm(const CourseGap& gap) const {
+    constexpr double k_lever_mm = 6.0, k_least_mm = 2.0;
+    const double from_mm = gap.first * grid_.col_mm, to_mm = from_mm + gap.cols * grid_.col_mm;
+    const double rise = z_mm(to_mm) - z_mm(from_mm);
+    const double before = (z_mm(from_mm) - z_mm(from_mm - k_lever_mm)) / k_lever_mm;
+    const double after = (z_mm(to_mm + k_lever_mm) - z_mm(to_mm)) / k_lever_mm;
+    const double jump = rise - (to_mm - from_mm) * (before + after) / 2;
+    return std::abs(jump) < k_least_mm ? 0 : jump;
   }
   [[nodiscard]] double off_mm(const Vec2& place) const {
     constexpr double k_reach_mm = 12.0;
@@ -60,17 +79,11 @@ class CourseOverS {
   const Crease& line_;
 };
 
-/// Columns where the course shows no crease, or lies on another one; the first may lie beyond the last.
-struct CourseGap {
-  int first, cols;
-  bool changes{false};
-};
-
 /// What shows a crease for less than an island's length between two gaps is noise.
 std::vector<CourseGap> gaps_of(const SideGrid& grid, const Layers& layers, double least_mm) {
   constexpr double k_island_mm = 4.0;
-  constexpr double k_beside_mm = 8.0;  // of a change: the course bends there
-  const int beside = static_cast<int>(std::lround(k_beside_mm / grid.col_mm));
+  constexpr double k_bent_mm = 8.0;  // of a change: the course bends there
+  const int beside = static_cast<int>(std::lround(k_bent_mm / grid.col_mm));
   std::vector<std::uint8_t> on_line = layers.line.visible;
   for (const OtherCrease& other : layers.others) {
     for (int k = -beside; k <= other.cols + beside; ++k)
@@ -115,6 +128,22 @@ std::vector<std::uint8_t> about(const Patch& patch, const Way& way, double reach
   return cells;
 }
 
+/// Whether a gap with its ends beside it reaches into what a detour covers.
+bool overlap(const CourseGap& gap, const Detour& detour, const SideGrid& grid) {
+  const double turn_mm = grid.cols * grid.col_mm;
+  const double from_mm = gap.first * grid.col_mm - k_beside_mm;
+  const double length_mm = gap.cols * grid.col_mm + 2 * k_beside_mm;
+  const double other_mm = detour.places.back().x() - detour.places.front().x();
+  const auto ahead = [&](double mm) { return mm - turn_mm * std::floor(mm / turn_mm); };
+  return ahead(detour.places.front().x() - from_mm) < length_mm ||
+         ahead(from_mm - detour.places.front().x()) < other_mm;
+}
+
+CourseGap widened(const CourseGap& gap, const SideGrid& grid, double beside_mm) {
+  const int beside = static_cast<int>(std::lround(beside_mm / grid.col_mm));
+  return {.first = gap.first - beside, .cols = gap.cols + 2 * beside, .changes = gap.changes};
+}
+
 class GapLook {
  public:
   GapLook(const Side& side, const CourseOverS& course, const CourseGap& gap, const DetourConfig& config)
@@ -145,17 +174,23 @@ class GapLook {
       if (!seen) unseen_mm += step_mm;
       bare_mm = seen && is_bare(way.cells[i - 1], at) ? bare_mm + step_mm : 0;
       longest_bare_mm = std::max(longest_bare_mm, bare_mm);
-      if (off > k_on_course_mm) away_mm += step_mm;
+      if (off < k_on_course_mm) continue;
+      away_mm += step_mm;
+      if (detour.last == 0) detour.first = i;
+      detour.last = i;
     }
     const bool same = detour.off_mm < config_.apart_mm;
-    if (unseen_mm > config_.most_unseen_mm || (same && !gap_.changes)) return std::nullopt;
-    const double cost = way.cost / (to_mm_ - from_mm_);
-    const bool dear = cost > config_.most_far_cost;
+    if (same && !gap_.changes) return std::nullopt;
+    const bool hidden = unseen_mm > config_.most_unseen_mm;
+    const double seen_cost = (way.cost - (hidden ? k_unseen_cost * unseen_mm : 0)) / (to_mm_ - from_mm_);
+    const bool dear = seen_cost > config_.most_far_cost;
     // Near by a dear way is the course's own, on a crease that hardly shows.
-    if (dear && (detour.off_mm < config_.far_mm || cost > config_.most_told_cost)) return std::nullopt;
+    if (dear && (detour.off_mm < config_.far_mm || seen_cost > config_.most_told_cost)) return std::nullopt;
+    if (hidden && detour.off_mm < config_.far_mm) return std::nullopt;
     const double straight = course_.cost(patch_, costs_, from_mm_, to_mm_);
     if (!(margin_of(straight - way.cost, away_mm) > LayersConfig{}.margin)) return std::nullopt;
-    detour.sure = !dear && longest_bare_mm < config_.most_bare_mm && is_sure(way, detour.off_mm, from, to);
+    detour.sure =
+        !dear && !hidden && longest_bare_mm < config_.most_bare_mm && is_sure(way, detour.off_mm, from, to);
     // A way along the course that is not sure says nothing that the course does not.
     if (same && !detour.sure) return std::nullopt;
     return detour;
@@ -163,7 +198,6 @@ class GapLook {
 
  private:
   static constexpr double k_sigma_mm = 0.7;
-  static constexpr double k_beside_mm = 10.0;    // of the gap's ends: on the crease
   static constexpr double k_on_course_mm = 1.0;  // a way in cells is not smooth
 
   [[nodiscard]] Window window() const {
@@ -196,7 +230,25 @@ class GapLook {
     if (!far && way.cost / (to_mm_ - from_mm_) > config_.most_near_cost) return false;
     const Way next = cheapest_way(patch_, costs_, from, to, about(patch_, way, config_.apart_mm));
     return margin_of(next.cost - way.cost, length_mm_) >
-           (far ? config_.least_far_margin : config_.least_near_margin);
+               (far ? config_.least_far_margin : config_.least_near_margin) &&
+           !leaves_plainer(way);
+  }
+
+  /// Whether another way is plainer, but for what it leaves above: a cap's edge over a guard's is no line.
+  [[nodiscard]] bool leaves_plainer(const Way& way) const {
+    const StepCosts costs = step_costs(patch_, {.above_to_mm = 0});
+    return least_margin(patch_, costs, {.cells = way.cells, .cost = cost_of(way.cells, costs)}, {}) <
+           -LayersConfig{}.margin;
+  }
+
+  [[nodiscard]] double cost_of(std::span<const Cell> cells, const StepCosts& costs) const {
+    double sum = 0;
+    for (std::size_t i = 1; i < cells.size(); ++i) {
+      const Cell &from = cells[i - 1], &to = cells[i];
+      sum += Patch::k_cell_mm * std::hypot(to.row - from.row, to.col - from.col) *
+             static_cast<double>(costs[step_between(from, to)][patch_.at(to.row, to.col)]);
+    }
+    return sum;
   }
 
   const CourseOverS& course_;
@@ -210,11 +262,27 @@ class GapLook {
 }  // namespace
 
 std::vector<Detour> find_detours(const Side& side, const Layers& layers, const DetourConfig& config) {
-  const CourseOverS course{side.field.grid, layers.line};
+  const SideGrid& grid = side.field.grid;
+  const CourseOverS course{grid, layers.line};
   std::vector<Detour> detours;
-  for (const CourseGap& gap : gaps_of(side.field.grid, layers, config.least_gap_mm)) {
-    if (gap.cols * side.field.grid.col_mm > config.longest_gap_mm) continue;
-    if (std::optional<Detour> detour = GapLook{side, course, gap, config}.detour())
+  const std::vector<CourseGap> gaps = gaps_of(grid, layers, config.least_gap_mm);
+  const auto look = [&](const CourseGap& gap, double longest_mm) -> std::optional<Detour> {
+    if (gap.cols * grid.col_mm > longest_mm) return std::nullopt;
+    return GapLook{side, course, gap, config}.detour();
+  };
+  const auto is_free = [&](const CourseGap& gap) {
+    return std::ranges::none_of(detours, [&](const Detour& other) { return overlap(gap, other, grid); });
+  };
+  // What leaves its crease for another one may come back far away.
+  for (const CourseGap& gap : gaps) {
+    const CourseGap wide = widened(gap, grid, config.beside_mm);
+    if (!(gap.changes || course.jump_mm(gap) != 0) || wide.cols > grid.cols / 2 || !is_free(wide)) continue;
+    std::optional<Detour> detour = look(wide, wide.cols * grid.col_mm);
+    if (detour && detour->off_mm >= config.far_mm) detours.push_back(std::move(*detour));
+  }
+  for (const CourseGap& gap : gaps) {
+    if (!is_free(gap)) continue;
+    if (std::optional<Detour> detour = look(gap, config.longest_gap_mm))
       detours.push_back(std::move(*detour));
   }
   // The side is levelled once, and read anew: what is unsure of a gap would be forgotten there.
@@ -228,7 +296,7 @@ void doubt_detours(const SideGrid& grid, std::span<const Detour> detours, Layers
   const float unsure = LayersConfig{}.changed_hold;
   for (const Detour& detour : detours) {
     if (detour.sure) continue;
-    for (double s = detour.places.front().x(); s <= detour.places.back().x(); s += grid.col_mm) {
+    for (double s = detour.places[detour.first].x(); s <= detour.places[detour.last].x(); s += grid.col_mm) {
       const std::size_t col = round_of(static_cast<int>(std::floor(s / grid.col_mm)), grid.cols);
       if (layers.hold[col] <= unsure) continue;
       layers.hold[col] = unsure;

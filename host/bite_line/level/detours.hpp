@@ -14,9 +14,11 @@ namespace biteline::bite_line {
 struct DetourConfig {
   double least_gap_mm{5};      ///< without a crease: shorter ones are left as they are
   double longest_gap_mm{120};  ///< longer ones are no guard's
-  double most_bare_mm{3};      ///< a way that was seen and shows no crease over so much changes creases, too
-  double most_unseen_mm{8};    ///< a way that was not seen tells nothing
-  double apart_mm{2.5};        ///< what is nearer to the course is the same line
+  /// Where it changes its crease or its height at once, the look goes so far to both sides.
+  double beside_mm{100};
+  double most_bare_mm{3};    ///< a way that was seen and shows no crease over so much changes creases, too
+  double most_unseen_mm{8};  ///< a way of which more was not seen makes the gap unsure at most
+  double apart_mm{2.5};      ///< what is nearer to the course is the same line
   /// What goes farther away than this is told from the course with ease; nearer by, the way may follow a
   /// course that lies on the wrong crease.
   double far_mm{5};
@@ -31,9 +33,10 @@ struct DetourConfig {
 
 /// A stretch of a course; x is s along the outline, which may go beyond its length, y is z, mm, in shoe.
 struct Detour {
-  std::vector<Vec2> places;  ///< of the way, from a place of the course to a later one
-  bool sure{false};          ///< the line is on it; else the line is unsure along the stretch
-  double off_mm{0};          ///< how far it leads away from the course
+  std::vector<Vec2> places;       ///< of the way, from a place of the course to a later one
+  std::size_t first{0}, last{0};  ///< places between which it leaves the course
+  bool sure{false};               ///< the line is on it; else the line is unsure between those places
+  double off_mm{0};               ///< how far it leads away from the course
 };
 
 /// A course runs along the outline and climbs by 45 degrees at most.  Where a sole wraps up over the toe as a

@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
+#include "host/bite_line/place/gap_bridge.hpp"
+#include "host/bite_line/place/hidden_corner.hpp"
 #include "host/bite_line/place/place_path.hpp"
 #include "host/geometry/closed_curve.hpp"
 
@@ -84,18 +87,43 @@ void doubt_place(const Levelled& levelled, const Levelled& guide, PlacedLine& pl
   constexpr double k_mean_mm = PlacementConfig{}.mean_mm;
   constexpr double k_mean_mm2 = k_mean_mm * k_mean_mm / 12;
   constexpr double k_square_mm = 0.04;  // standard deviation, of an upright line
-  for (PlacedStation& station : placed.points) {
-    const auto u_mm = static_cast<double>(levelled.outline().locate(station.position.cast<float>()).s_mm);
-    const double mean_cuts_mm = std::abs(levelled.bend_per_mm(u_mm)) * k_mean_mm2 / 2;
-    const double ratio = levelled.upright_ratio(u_mm);
+  std::vector<double> u_mm, bend2_per_mm2;
+  for (const PlacedStation& station : placed.points) {
+    u_mm.push_back(static_cast<double>(levelled.outline().locate(station.position.cast<float>()).s_mm));
+    bend2_per_mm2.push_back(std::pow(levelled.bend_per_mm(u_mm.back()), 2));
+  }
+  // What is read beside a corner takes the corner in.
+  const std::vector<double> about =
+      geometry::running_mean(bend2_per_mm2, k_mean_mm * static_cast<double>(u_mm.size()) / placed.length_mm);
+  for (std::size_t i = 0; i < u_mm.size(); ++i) {
+    PlacedStation& station = placed.points[i];
+    const double bend_per_mm = std::sqrt(std::max(bend2_per_mm2[i], 4 * about[i]));
+    const double mean_cuts_mm = bend_per_mm * k_mean_mm2 / 2;
+    const double ratio = levelled.upright_ratio(u_mm[i]);
     const double square_mm = k_square_mm * std::sqrt(1 - ratio * ratio);
     double guide_cuts_mm = 0;
     if (station.to_visible_mm > 0) {
-      const double bend_per_mm = guide.bend_per_mm(guide.u_mm(levelled.place(u_mm)));
-      guide_cuts_mm = std::abs(bend_per_mm) * (k_guide_sigma_mm * k_guide_sigma_mm + k_mean_mm2) / 2;
+      const double guide_bend_per_mm = guide.bend_per_mm(guide.u_mm(levelled.place(u_mm[i])));
+      guide_cuts_mm = std::abs(guide_bend_per_mm) * (k_guide_sigma_mm * k_guide_sigma_mm + k_mean_mm2) / 2;
     }
     station.between_up_mm =
         std::hypot(std::hypot(station.between_up_mm, mean_cuts_mm / 2, square_mm), guide_cuts_mm);
+  }
+}
+
+/// A levelled line runs level, and so bridges that are tried on it are never off.  On the shoe they are.
+void doubt_gaps(PlacedLine& placed) {
+  std::vector<double> z_mm;
+  std::vector<std::uint8_t> known;
+  for (const PlacedStation& station : placed.points) {
+    z_mm.push_back(station.position.z());
+    known.push_back(station.to_visible_mm > 0 ? 0 : 1);
+  }
+  const std::vector<double> tried_mm =
+      tried_heights(z_mm, known, placed.length_mm / static_cast<double>(z_mm.size()));
+  for (std::size_t i = 0; i < z_mm.size(); ++i) {
+    PlacedStation& station = placed.points[i];
+    station.tried_up_mm = std::hypot(station.tried_up_mm, tried_mm[i]);
   }
 }
 
@@ -116,7 +144,10 @@ PlacedLine place_along(const ScanPoints& scan, const Side& side, const FoundLeve
   const Levelled second = along(first, places_of(first, place_on(scan, first, found, spacing_mm)));
   PlacedLine placed = place_on(scan, second, found, spacing_mm);
   doubt_place(second, found.levelled, placed);
-  return second.back(std::move(placed));
+  doubt_hidden_corners(second.guide(places_of(second, placed)), side.outline.length_mm(), placed);
+  placed = second.back(std::move(placed));
+  doubt_gaps(placed);
+  return placed;
 }
 
 }  // namespace biteline::bite_line

@@ -238,4 +238,12 @@ WayDoubt doubt_way(const Patch& patch, const StepCosts& costs, const Way& way,
   return doubt;
 }
 
+double least_margin(const Patch& patch, const StepCosts& costs, const Way& way,
+                    const RivalWaysConfig& config) {
+  double least = 1;
+  RivalWays{patch, costs, way, config}.tell(
+      [&](const RivalWay& rival) { least = std::min(least, rival.margin); });
+  return least;
+}
+
 }  // namespace biteline::bite_line

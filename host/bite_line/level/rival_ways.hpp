@@ -32,4 +32,8 @@ struct WayDoubt {
 [[nodiscard]] WayDoubt doubt_way(const Patch& patch, const StepCosts& costs, const Way& way,
                                  const RivalWaysConfig& config);
 
+/// The least margin of a rival of `way`, whose cost over `costs` is `way.cost`; 1 where it has none.
+[[nodiscard]] double least_margin(const Patch& patch, const StepCosts& costs, const Way& way,
+                                  const RivalWaysConfig& config);
+
 }  // namespace biteline::bite_line

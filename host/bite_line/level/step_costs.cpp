@@ -237,7 +237,6 @@ class Reader {
 
   void to_cost(std::size_t k, const std::vector<float>& above, std::vector<float>& like) const {
     constexpr float k_least_cost = 0.02F;
-    constexpr float k_unseen_cost = 2;
     constexpr float k_ridge_cost = 20;  // per radian that the surface turns outwards on the way
     const auto above_ratio = static_cast<float>(EvidenceConfig{}.above_ratio);
     // The surface's turn on the way along a step is that across the axis square to it.

@@ -11,8 +11,9 @@
 namespace biteline::bite_line {
 
 /// Of a millimetre along each step: about 0 on a crease with the sole to its right, 1 where nothing is, and
-/// more where an edge is crossed.
+/// more where an edge is crossed, or where nothing was seen.
 using StepCosts = std::array<std::vector<float>, k_grid_steps.size()>;
+inline constexpr float k_unseen_cost = 2;
 struct StepCostConfig {
   double flank_mm{1.0};  ///< to both sides, over which the surface's turn is read
   /// Where the surface turns outwards by so much close below a crease, the sole ends: at a rim, or at a lip.

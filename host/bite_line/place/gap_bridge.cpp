@@ -47,6 +47,11 @@ TriedBridge tried(std::span<const std::uint8_t> known, const geometry::Gap& gap,
 
 }  // namespace
 
+bool is_long(const geometry::Gap& gap, double station_mm) {
+  constexpr double k_long_mm = 8.0;
+  return static_cast<double>(gap.steps) * station_mm >= k_long_mm;
+}
+
 bool firm_ends(std::span<const std::uint8_t> known, const geometry::Gap& gap, double station_mm) {
   const std::size_t count = known.size();
   for (std::size_t k = 0; k <= 2 * lever_steps(station_mm); ++k) {
@@ -107,6 +112,18 @@ TriedBridge tried_height(std::span<const double> z_mm, std::span<const std::uint
     return stretch[place] - truth;
   };
   return tried(known, gap, beside, station_mm, off_mm);
+}
+
+std::vector<double> tried_heights(std::span<const double> z_mm, std::span<const std::uint8_t> known,
+                                  double station_mm) {
+  std::vector<double> tried(z_mm.size(), 0.0);
+  for (const geometry::Gap& gap : geometry::gaps_of(known)) {
+    if (!is_long(gap, station_mm)) continue;
+    const TriedBridge off = tried_height(z_mm, known, gap, station_mm);
+    for (std::size_t k = 1; k < gap.steps; ++k)
+      tried[(gap.first + k) % tried.size()] = off.at(static_cast<double>(k) / static_cast<double>(gap.steps));
+  }
+  return tried;
 }
 
 }  // namespace biteline::bite_line

@@ -16,6 +16,9 @@ namespace biteline::bite_line {
 /// Over this length beside a gap its slope in height is taken.
 inline constexpr double k_height_lever_mm = 10.0;
 
+/// Shorter ones are off by less than the scatter beside them.
+[[nodiscard]] bool is_long(const geometry::Gap& gap, double station_mm);
+
 /// The arc over a gap of a closed plan that leaves both ends in their own directions; level, z = 0.
 [[nodiscard]] geometry::Arc gap_arc(std::span<const Vec2> plan, const geometry::Gap& gap, double station_mm);
 /// Both ends of the gap are known over the whole lever of their directions.
@@ -37,6 +40,10 @@ struct TriedBridge {
                                      const geometry::Gap& gap, double station_mm);
 [[nodiscard]] TriedBridge tried_height(std::span<const double> z_mm, std::span<const std::uint8_t> known,
                                        const geometry::Gap& gap, double station_mm);
+/// What bridges in height over the long gaps are off by on this line, per station; 0 where the crease was
+/// seen.
+[[nodiscard]] std::vector<double> tried_heights(std::span<const double> z_mm,
+                                                std::span<const std::uint8_t> known, double station_mm);
 
 /// How far a corner may lie outside at `share` of a gap's length, of what it may in the middle: both ends
 /// hold place and direction, so that it grows with the square from them.

@@ -8,6 +8,7 @@
 
 #include "host/bite_line/buckets.hpp"
 #include "host/bite_line/place/gap_bridge.hpp"
+#include "host/bite_line/place/hidden_corner.hpp"
 #include "host/bite_line/place/ridge_doubt.hpp"
 #include "host/bite_line/place/sampling.hpp"
 #include "host/bite_line/place/section_course.hpp"
@@ -22,12 +23,6 @@ namespace {
 
 /// From the path: what may be a hollow's bottom is the line's own there.
 constexpr float k_hollow_reach_mm = 1.25F;
-
-/// Shorter ones are off by less than the scatter beside them.
-bool is_long(const geometry::Gap& gap, double station_mm) {
-  constexpr double k_long_mm = 8.0;
-  return static_cast<double>(gap.steps) * station_mm >= k_long_mm;
-}
 
 /// Per station: how far the nearest known one is, and what to think of a place in between.
 struct GapPlace {
@@ -109,19 +104,6 @@ Plan plan_of(const Outline& outline, std::span<const double> o, std::span<const 
     }
   }
   return made;
-}
-
-/// What bridges in height are off by on this line, per station; 0 where the crease was seen.
-std::vector<double> tried_heights(std::span<const double> z_mm, std::span<const std::uint8_t> known,
-                                  double station_mm) {
-  std::vector<double> tried(z_mm.size(), 0.0);
-  for (const geometry::Gap& gap : geometry::gaps_of(known)) {
-    if (!is_long(gap, station_mm)) continue;
-    const TriedBridge off = tried_height(z_mm, known, gap, station_mm);
-    for (std::size_t k = 1; k < gap.steps; ++k)
-      tried[(gap.first + k) % tried.size()] = off.at(static_cast<double>(k) / static_cast<double>(gap.steps));
-  }
-  return tried;
 }
 
 /// What the layers say of the columns that the stations lie in.
@@ -274,6 +256,10 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
     if (placement.points[i].to_visible_mm > 0) placement.bridged_mm += step;
     if (placement.points[i].thing_beside) placement.thing_beside_mm += step;
   }
+  std::vector<Vec2> places;
+  for (std::size_t i = 0; i < stations; ++i)
+    places.emplace_back(static_cast<double>(i) * sections.station_mm, z[i]);
+  doubt_hidden_corners(places, path_outline.length_mm(), placement);
   return placement;
 }
 

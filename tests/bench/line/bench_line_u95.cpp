@@ -6,8 +6,9 @@
 //
 // --step: between profiles, 1 mm without it.  --exact: calibration, poses and clock without error.  --points:
 // what the model of a point's error is fitted to (fit_spread.py), one row for each station.
-// The last class, `guard`, stands apart: designed soles that wrap up over the toe, every fifth with a sector
-// missing.  `steep` are its points where the found line climbs by more than 30 degrees.
+// The last two stand apart: designed soles that wrap up over the toe (`guard`), and such with a sector
+// missing on a flank of the guard (`hidden`).  `steep` are points of both where the line climbs by more than
+// 30 degrees.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,6 +22,7 @@
 #include <vector>
 
 #include "host/bite_line/live_scan.hpp"
+#include "tests/support/line_sweep.hpp"
 #include "tests/support/uncertain_scan.hpp"
 
 namespace biteline::bench {
@@ -46,7 +48,7 @@ struct Tenth {
 };
 
 struct Tally {
-  int shoes{0}, refused{0};
+  int shoes{0}, refused{0}, wrong{0};
   double within{0}, u95_sum_mm{0};
   std::vector<double> errors_mm{};
   std::array<Tenth, 10> tenths{};
@@ -63,6 +65,7 @@ struct Tally {
   void add(const Tally& other) {
     shoes += other.shoes;
     refused += other.refused;
+    wrong += other.wrong;
     within += other.within;
     u95_sum_mm += other.u95_sum_mm;
     errors_mm.insert(errors_mm.end(), other.errors_mm.begin(), other.errors_mm.end());
@@ -123,7 +126,8 @@ std::vector<Class> classes() {
   constexpr auto k_classes = static_cast<std::size_t>(sim::ShoeClass::Bare);
   const auto sector_mm = [](std::uint64_t seed) { return 8 + static_cast<double>(seed * 7 % 33); };
   std::vector<Class> all;
-  for (std::size_t c = 0; c < k_classes; ++c) {
+  for (std::size_t c = 0; c < sim::k_first_thing; ++c) {
+    if (static_cast<sim::ShoeClass>(c) == sim::ShoeClass::Bare) continue;
     all.push_back({.name = std::string{sim::k_shoe_class_names[c]}, .settings = [c](std::uint64_t seed) {
                      return test::UncertainScanSettings{.shoe_class = static_cast<sim::ShoeClass>(c),
                                                         .seed = seed};
@@ -135,22 +139,27 @@ std::vector<Class> classes() {
                        .seed = seed + 1000,
                        .missing_mm = sector_mm(seed)};
                  }});
-  all.push_back({.name = "guard", .apart = true, .settings = [sector_mm](std::uint64_t seed) {
-                   constexpr std::size_t k_designed = sim::k_first_thing - sim::k_first_designed;
-                   return test::UncertainScanSettings{
-                       .shoe_class = static_cast<sim::ShoeClass>(sim::k_first_designed + seed % k_designed),
-                       .seed = seed + 2000,
-                       .missing_mm = seed % 5 == 0 ? sector_mm(seed) : 0,
-                       .toe_guard = true};
-                 }});
+  for (const bool hidden : {false, true}) {
+    all.push_back({.name = hidden ? "hidden" : "guard",
+                   .apart = true,
+                   .settings = [hidden, sector_mm](std::uint64_t seed) {
+                     constexpr std::size_t k_designed = sim::k_first_thing - sim::k_first_designed;
+                     return test::UncertainScanSettings{
+                         .shoe_class = static_cast<sim::ShoeClass>(sim::k_first_designed + seed % k_designed),
+                         .seed = seed + 2000,
+                         .missing_mm = hidden ? sector_mm(seed) : 0,
+                         .toe_guard = true};
+                   }});
+  }
   return all;
 }
 
 void print(const std::string& name, const Tally& t) {
-  std::fprintf(stderr,
-               "%-10s %4d shoes %3d refused  mean %.4f  p95 %.4f  U95 %.4f  ratio %.2f  within %.4f\n",
-               name.c_str(), t.shoes, t.refused, t.mean_mm(), t.p95_mm(), t.per_point(t.u95_sum_mm),
-               t.per_point(t.u95_sum_mm) / std::max(t.p95_mm(), 1e-9), t.per_point(t.within));
+  std::fprintf(
+      stderr,
+      "%-10s %4d shoes %3d refused %3d wrong  mean %.4f  p95 %.4f  U95 %.4f  ratio %.2f  within %.4f\n",
+      name.c_str(), t.shoes, t.refused, t.wrong, t.mean_mm(), t.p95_mm(), t.per_point(t.u95_sum_mm),
+      t.per_point(t.u95_sum_mm) / std::max(t.p95_mm(), 1e-9), t.per_point(t.within));
 }
 
 int run(int argc, char** argv) {
@@ -183,7 +192,7 @@ int run(int argc, char** argv) {
     points << "class,seed,outward_mm,slope,scatter_mm,doubt,sharp,hold,other_mm,error_out_mm,"
               "error_up_mm,bridged\n";
   }
-  Tally all, guards, steep;
+  Tally all, guards, steep, bridged;
   double least_class = 1;
   for (const Class& kind : classes()) {
     if (!only.empty() && only != kind.name) continue;
@@ -201,9 +210,13 @@ int run(int argc, char** argv) {
         continue;
       }
       Tally one;
+      one.wrong =
+          test::judge({.cloud = {}, .truth = made.truth}, found).judged == test::Judged::Wrong ? 1 : 0;
       for (const cloud::LinePoint& p : found.line.points) {
         const double error_mm = offset_mm(p.position, made.truth).norm();
         one.add(error_mm, p.u95_mm.value_or(0), p.confidence);
+        if (kind.apart && p.source == cloud::PointSource::Bridged)
+          bridged.add(error_mm, p.u95_mm.value_or(0), p.confidence);
         constexpr double k_steep = 0.5;  // sine of 30 degrees
         if (kind.apart && std::abs(p.tangent.z()) > k_steep)
           steep.add(error_mm, p.u95_mm.value_or(0), p.confidence);
@@ -215,14 +228,18 @@ int run(int argc, char** argv) {
     }
     print(kind.name, tally);
     if (kind.apart) {
-      guards = std::move(tally);
+      guards.add(tally);
       continue;
     }
     if (!tally.errors_mm.empty()) least_class = std::min(least_class, tally.per_point(tally.within));
     all.add(tally);
   }
   if (all.shoes > 0) print("all", all);
-  if (guards.shoes > 0) print("steep", steep);
+  if (guards.shoes > 0) {
+    print("guards", guards);
+    print("steep", steep);
+    print("bridged", bridged);
+  }
   const std::string what =
       std::to_string(all.shoes) + " made shoes, " + (errors > 0 ? "each head known so far" : "heads exact");
   const auto row = [](const char* bench, const std::string& told, double ours, const char* unit) {

@@ -2,6 +2,7 @@
 #include <CppUTest/TestHarness.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -18,6 +19,7 @@
 #include "host/bite_line/level/way_round.hpp"
 #include "host/bite_line/side/side_outline.hpp"
 #include "tests/support/line_sweep.hpp"
+#include "tests/support/uncertain_scan.hpp"
 
 namespace biteline::test {
 
@@ -360,6 +362,20 @@ TEST(Level, AGuardOnTheToeIsGoneRound) {
   }
   // 3 of 4 are, of 300; without detours one of seven.  Of 12, 5 and fewer have a chance of 1 %.
   CHECK_TEXT(right > 5, "hardly a guard was gone round");
+}
+
+TEST(Level, AFlankThatWasNotSeenMakesItsGapUnsure) {
+  // What is left of a flank beside the missing sector says that the line climbs in it.  A course that bridges
+  // the sector was wrong without a word on each of these, by 2 to 10 mm over 8 mm and more.
+  constexpr std::array<UncertainScanSettings, 3> k_hidden{{
+      {.shoe_class = sim::ShoeClass::Pump, .seed = 2012, .missing_mm = 26, .toe_guard = true},
+      {.shoe_class = sim::ShoeClass::Wedge, .seed = 2062, .missing_mm = 13, .toe_guard = true},
+      {.shoe_class = sim::ShoeClass::Boot, .seed = 2081, .missing_mm = 14, .toe_guard = true},
+  }};
+  for (const UncertainScanSettings& settings : k_hidden) {
+    const UncertainScan made = uncertain_scan(settings);
+    CHECK(judge({.cloud = {}, .truth = made.truth}, line_of(made)).judged != Judged::Wrong);
+  }
 }
 
 TEST(Level, AShoeWithoutAGuardHasNoDetour) {
