@@ -4,114 +4,20 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
-#include <numbers>
 #include <optional>
 
 #include "host/bite_line/level/cheapest_way.hpp"
+#include "host/bite_line/level/course_gaps.hpp"
 #include "host/bite_line/level/patch.hpp"
 #include "host/bite_line/level/rival_ways.hpp"
 #include "host/bite_line/level/step_costs.hpp"
-#include "host/geometry/logistic.hpp"
+#include "host/geometry/closed_curve.hpp"
 
 namespace biteline::bite_line {
 
 namespace {
 
 constexpr double k_beside_mm = 10.0;  // of a gap's ends: on the crease
-
-/// A place of closed data with `count` values, from 0 on.
-std::size_t round_of(int col, int count) {
-  return static_cast<std::size_t>((col % count + count) % count);
-}
-
-/// Columns where the course shows no crease, or lies on another one; the first may lie beyond the last.
-struct CourseGap {
-  int first, cols;
-  bool changes{false};
-};
-
-/// The course over s, which may go beyond the outline's length.
-class CourseOverS {
- public:
-  CourseOverS(const SideGrid& grid, const Crease& line) : grid_{grid}, line_{line} {}
-
-  [[nodiscard]] double z_mm(double s_mm) const {
-    const double col = s_mm / grid_.col_mm - 0.5;
-    const double share = col - std::floor(col);
-    const int first = static_cast<int>(std::floor(col));
-    return grid_.z_mm((1 - share) * line_.row[round_of(first, grid_.cols)] +
-                      share * line_.row[round_of(first + 1, grid_.cols)]);
-  }
-  /// How far the course rises over a gap more than its ends' slopes tell, mm; 0 where that is little.
-  [[nodiscard]] double jump_mm(const CourseGap& gap) const {
-    constexpr double k_lever_mm = 6.0, k_least_mm = 2.0;
-    const double from_mm = gap.first * grid_.col_mm, to_mm = from_mm + gap.cols * grid_.col_mm;
-    const double rise = z_mm(to_mm) - z_mm(from_mm);
-    const double before = (z_mm(from_mm) - z_mm(from_mm - k_lever_mm)) / k_lever_mm;
-    const double after = (z_mm(to_mm + k_lever_mm) - z_mm(to_mm)) / k_lever_mm;
-    const double jump = rise - (to_mm - from_mm) * (before + after) / 2;
-    return std::abs(jump) < k_least_mm ? 0 : jump;
-  }
-  [[nodiscard]] double off_mm(const Vec2& place) const {
-    constexpr double k_reach_mm = 12.0;
-    double nearest = std::numeric_limits<double>::max();
-    for (double d = -k_reach_mm; d <= k_reach_mm; d += Patch::k_cell_mm)
-      nearest = std::min(nearest, std::hypot(d, z_mm(place.x() + d) - place.y()));
-    return nearest;
-  }
-  [[nodiscard]] double cost(const Patch& patch, const StepCosts& costs, double from_mm, double to_mm) const {
-    constexpr double k_direction_rad = std::numbers::pi / 8;
-    double sum = 0;
-    for (double s = from_mm; s < to_mm; s += Patch::k_cell_mm) {
-      const double rise = z_mm(s + Patch::k_cell_mm) - z_mm(s);
-      const auto k = std::lround(std::atan2(rise, Patch::k_cell_mm) / k_direction_rad);
-      const Cell cell = patch.cell({s, z_mm(s)});
-      sum += std::hypot(rise, Patch::k_cell_mm) *
-             static_cast<double>(costs[round_of(static_cast<int>(k), static_cast<int>(costs.size()))]
-                                      [patch.at(cell.row, cell.col)]);
-    }
-    return sum;
-  }
-
- private:
-  const SideGrid& grid_;
-  const Crease& line_;
-};
-
-/// What shows a crease for less than an island's length between two gaps is noise.
-std::vector<CourseGap> gaps_of(const SideGrid& grid, const Layers& layers, double least_mm) {
-  constexpr double k_island_mm = 4.0;
-  constexpr double k_bent_mm = 8.0;  // of a change: the course bends there
-  const int beside = static_cast<int>(std::lround(k_bent_mm / grid.col_mm));
-  std::vector<std::uint8_t> on_line = layers.line.visible;
-  for (const OtherCrease& other : layers.others) {
-    for (int k = -beside; k <= other.cols + beside; ++k)
-      on_line[round_of(other.first_col + k, grid.cols)] = 0;
-  }
-  int start = -1;
-  for (int col = 0, run = 0; col < 2 * grid.cols && start < 0; ++col) {
-    run = on_line[round_of(col, grid.cols)] != 0 ? run + 1 : 0;
-    if (run * grid.col_mm >= 2 * k_island_mm) start = col % grid.cols + 1;
-  }
-  std::vector<CourseGap> gaps;
-  if (start < 0) return gaps;
-  for (int k = 0; k < grid.cols; ++k) {
-    if (on_line[round_of(start + k, grid.cols)] != 0) continue;
-    const int col = start + k;
-    if (!gaps.empty() && (col - gaps.back().first - gaps.back().cols) * grid.col_mm < k_island_mm)
-      gaps.back().cols = col + 1 - gaps.back().first;
-    else
-      gaps.push_back({.first = col, .cols = 1});
-  }
-  for (CourseGap& gap : gaps) {
-    gap.changes = std::ranges::any_of(layers.others, [&](const OtherCrease& other) {
-      return static_cast<int>(round_of(other.first_col - gap.first, grid.cols)) < gap.cols;
-    });
-  }
-  std::erase_if(gaps, [&](const CourseGap& gap) { return gap.cols * grid.col_mm < least_mm; });
-  return gaps;
-}
 
 /// Cells about a way, but for its ends.
 std::vector<std::uint8_t> about(const Patch& patch, const Way& way, double reach_mm) {
@@ -297,7 +203,8 @@ void doubt_detours(const SideGrid& grid, std::span<const Detour> detours, Layers
   for (const Detour& detour : detours) {
     if (detour.sure) continue;
     for (double s = detour.places[detour.first].x(); s <= detour.places[detour.last].x(); s += grid.col_mm) {
-      const std::size_t col = round_of(static_cast<int>(std::floor(s / grid.col_mm)), grid.cols);
+      const auto col = geometry::round_index(0, static_cast<std::ptrdiff_t>(std::floor(s / grid.col_mm)),
+                                             static_cast<std::size_t>(grid.cols));
       if (layers.hold[col] <= unsure) continue;
       layers.hold[col] = unsure;
       layers.other_mm[col] = static_cast<float>(detour.off_mm);

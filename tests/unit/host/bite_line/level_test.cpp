@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <initializer_list>
 #include <utility>
 #include <vector>
 
@@ -376,6 +377,31 @@ TEST(Level, AFlankThatWasNotSeenMakesItsGapUnsure) {
     const UncertainScan made = uncertain_scan(settings);
     CHECK(judge({.cloud = {}, .truth = made.truth}, line_of(made)).judged != Judged::Wrong);
   }
+}
+
+/// The worst of these cells with guards.
+Judged worst_of(std::initializer_list<std::pair<std::uint64_t, std::uint64_t>> seeds_and_indices) {
+  Judged worst = Judged::Right;
+  for (const auto& [seed, index] : seeds_and_indices) {
+    SweepCell cell = sweep_cell(seed, index);
+    cell.shoe.toe_guard = true;
+    const SweepScan scan = scan_of(cell);
+    worst = std::max(worst, judge(scan, bite_line::find_bite_line(scan.cloud, {})).judged);
+  }
+  return worst;
+}
+
+// These were wrong without a word, over 50 to 90 mm; a corner over 7.
+TEST(Level, ACourseThatComesBackFarFromWhereItLeftItsCreaseIsLookedAtAsAWhole) {
+  CHECK(worst_of({{995, 272}, {3014, 70}}) == Judged::Right);
+}
+
+TEST(Level, ACapsEdgeAboveAGuardIsNotTheLine) {
+  CHECK(worst_of({{992, 119}, {3015, 20}, {3015, 289}}) != Judged::Wrong);
+}
+
+TEST(Level, ACornerOfAGuardSaysHowFarItMayBeOff) {
+  CHECK(worst_of({{3013, 205}}) == Judged::Right);
 }
 
 TEST(Level, AShoeWithoutAGuardHasNoDetour) {
