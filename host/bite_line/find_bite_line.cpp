@@ -20,7 +20,8 @@ namespace biteline::bite_line {
 namespace {
 
 bool changes_crease(const Layers& layers, const Refusal& refusal) {
-  return refusal.code == Refused::Rivalled && !layers.others.empty();
+  const bool unsure = refusal.code == Refused::Rivalled || refusal.code == Refused::TooMuchUnsure;
+  return unsure && !layers.others.empty();
 }
 
 }  // namespace
@@ -58,16 +59,24 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
       });
     }
   }
-  if (found.decision.refusal && changes_crease(layers, *found.decision.refusal)) {
+  const auto written = [&](const AlongGuide& line) {
+    return clock.run("finish", [&] {
+      uncertainty::WholeScan whole{.head = {}, .arm = scan.arm};
+      if (config.head != nullptr && !scan.poses.empty()) whole.head.emplace(*config.head, scan.poses);
+      return finish(side, line.decision, line.placed, config, whole);
+    });
+  };
+  Extraction extraction = written(found);
+  if (extraction.refusal && changes_crease(layers, *extraction.refusal)) {
     const Guide round = clock.run("way_round", [&] { return way_round(side, layers, {}); });
-    AlongGuide along = round.places.empty() ? AlongGuide{} : look_along(round);
-    if (!round.places.empty() && !along.decision.refusal) found = std::move(along);
+    if (!round.places.empty()) {
+      AlongGuide along = look_along(round);
+      if (Extraction again = written(along); !again.refusal) {
+        found = std::move(along);
+        extraction = std::move(again);
+      }
+    }
   }
-  Extraction extraction = clock.run("finish", [&] {
-    uncertainty::WholeScan whole{.head = {}, .arm = scan.arm};
-    if (config.head != nullptr && !scan.poses.empty()) whole.head.emplace(*config.head, scan.poses);
-    return finish(side, found.decision, found.placed, config, whole);
-  });
   extraction.seam = seam;
   extraction.stages = clock.take();
   if (workings != nullptr)

@@ -112,16 +112,22 @@ void doubt_place(const Levelled& levelled, const Levelled& guide, PlacedLine& pl
 }
 
 /// A levelled line runs level, and so bridges that are tried on it are never off.  On the shoe they are.
+/// Where it climbs upright hardly a gap is: what a corner in a gap does, doubt_hidden_corners() says.
 void doubt_gaps(PlacedLine& placed) {
+  constexpr double k_upright = 0.5;  // sine of 30 degrees
+  const std::size_t count = placed.points.size();
+  const double station_mm = placed.length_mm / static_cast<double>(count);
   std::vector<double> z_mm;
-  std::vector<std::uint8_t> known;
-  for (const PlacedStation& station : placed.points) {
-    z_mm.push_back(station.position.z());
-    known.push_back(station.to_visible_mm > 0 ? 0 : 1);
+  std::vector<std::uint8_t> known, usual;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double climb_mm =
+        placed.points[(i + 1) % count].position.z() - placed.points[(i + count - 1) % count].position.z();
+    z_mm.push_back(placed.points[i].position.z());
+    known.push_back(placed.points[i].to_visible_mm > 0 ? 0 : 1);
+    usual.push_back(known.back() != 0 && std::abs(climb_mm) < k_upright * 2 * station_mm ? 1 : 0);
   }
-  const std::vector<double> tried_mm =
-      tried_heights(z_mm, known, placed.length_mm / static_cast<double>(z_mm.size()));
-  for (std::size_t i = 0; i < z_mm.size(); ++i) {
+  const std::vector<double> tried_mm = tried_heights(z_mm, known, usual, station_mm);
+  for (std::size_t i = 0; i < count; ++i) {
     PlacedStation& station = placed.points[i];
     station.tried_up_mm = std::hypot(station.tried_up_mm, tried_mm[i]);
   }

@@ -115,11 +115,11 @@ TriedBridge tried_height(std::span<const double> z_mm, std::span<const std::uint
 }
 
 std::vector<double> tried_heights(std::span<const double> z_mm, std::span<const std::uint8_t> known,
-                                  double station_mm) {
+                                  std::span<const std::uint8_t> usual, double station_mm) {
   std::vector<double> tried(z_mm.size(), 0.0);
   for (const geometry::Gap& gap : geometry::gaps_of(known)) {
     if (!is_long(gap, station_mm)) continue;
-    const TriedBridge off = tried_height(z_mm, known, gap, station_mm);
+    const TriedBridge off = tried_height(z_mm, usual, gap, station_mm);
     for (std::size_t k = 1; k < gap.steps; ++k)
       tried[(gap.first + k) % tried.size()] = off.at(static_cast<double>(k) / static_cast<double>(gap.steps));
   }

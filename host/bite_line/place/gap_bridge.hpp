@@ -41,9 +41,10 @@ struct TriedBridge {
 [[nodiscard]] TriedBridge tried_height(std::span<const double> z_mm, std::span<const std::uint8_t> known,
                                        const geometry::Gap& gap, double station_mm);
 /// What bridges in height over the long gaps are off by on this line, per station; 0 where the crease was
-/// seen.
+/// seen.  `usual`: where such bridges may be tried.
 [[nodiscard]] std::vector<double> tried_heights(std::span<const double> z_mm,
-                                                std::span<const std::uint8_t> known, double station_mm);
+                                                std::span<const std::uint8_t> known,
+                                                std::span<const std::uint8_t> usual, double station_mm);
 
 /// How far a corner may lie outside at `share` of a gap's length, of what it may in the middle: both ends
 /// hold place and direction, so that it grows with the square from them.

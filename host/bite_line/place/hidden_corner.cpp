@@ -6,12 +6,12 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "host/bite_line/place/gap_bridge.hpp"
 #include "host/geometry/bridge.hpp"
 
 namespace biteline::bite_line {
 
 void doubt_hidden_corners(std::span<const Vec2> place, double turn_mm, PlacedLine& placed) {
-  constexpr double k_upright = 0.5;  // sine of 30 degrees
   const std::size_t count = placed.points.size();
   const double station_mm = placed.length_mm / static_cast<double>(count);
   const auto lever = static_cast<std::size_t>(std::lround(geometry::k_end_lever_mm / station_mm));
@@ -24,6 +24,7 @@ void doubt_hidden_corners(std::span<const Vec2> place, double turn_mm, PlacedLin
   std::vector<std::uint8_t> known;
   for (const PlacedStation& station : placed.points) known.push_back(station.to_visible_mm > 0 ? 0 : 1);
   for (const geometry::Gap& gap : geometry::gaps_of(known)) {
+    if (!is_long(gap, station_mm)) continue;
     const std::size_t first = gap.first + count,
                       end = first + gap.steps;  // a turn on: there is a place before
     const Vec3 chord = at(end) - at(first);
@@ -35,13 +36,12 @@ void doubt_hidden_corners(std::span<const Vec2> place, double turn_mm, PlacedLin
     const double before_mm = off_chord_mm(before), after_mm = off_chord_mm(after);
     const double climb =
         std::max({std::abs(before.y()), std::abs(after.y()), std::abs(chord.y()) / chord.norm()});
-    const double upright = std::min(1.0, climb / k_upright);
     for (std::size_t k = 1; k < gap.steps; ++k) {
       PlacedStation& station = placed.points[(first + k) % count];
       const double share = static_cast<double>(k) / static_cast<double>(gap.steps);
       const double away_mm =
           std::min(station.to_visible_mm, std::max(share * before_mm, (1 - share) * after_mm));
-      station.tried_up_mm = std::hypot(station.tried_up_mm, upright * away_mm / 2);
+      station.tried_up_mm = std::hypot(station.tried_up_mm, climb * away_mm / 2);
     }
   }
 }

@@ -2,8 +2,11 @@
 #include "host/bite_line/place/place_path.hpp"
 
 #include <optional>
+#include <vector>
 
 #include <tbb/parallel_invoke.h>
+
+#include "host/bite_line/place/hidden_corner.hpp"
 
 namespace biteline::bite_line {
 
@@ -13,16 +16,26 @@ PlacedLine place_path(const ScanPoints& scan, const Side& side, std::span<const 
   std::optional<PathCurve> path;
   tbb::parallel_invoke([&] { near = points_behind(scan, side.shoe, near_path(side.field, path_row)); },
                        [&] { path = curve_of(side.field, side.outline, path_row, spacing_mm); });
-  return place_line({.near = near,
-                     .points_per_mm2 = side.field.points_per_mm2 * scan.points_per_run(),
-                     .field = side.field,
-                     .outline = side.outline,
-                     .path = *path,
-                     .hold = along.hold,
-                     .other_mm = along.other_mm,
-                     .sharp = along.sharp,
-                     .upright_ratio = along.upright_ratio},
-                    {});
+  PlacedLine placed = place_line({.near = near,
+                                  .points_per_mm2 = side.field.points_per_mm2 * scan.points_per_run(),
+                                  .field = side.field,
+                                  .outline = side.outline,
+                                  .path = *path,
+                                  .hold = along.hold,
+                                  .other_mm = along.other_mm,
+                                  .sharp = along.sharp,
+                                  .upright_ratio = along.upright_ratio},
+                                 {});
+  // What is levelled has its corners where it was not.
+  if (along.upright_ratio.empty()) {
+    std::vector<Vec2> places;
+    const double turn_mm = path->outline.length_mm();
+    const auto count = static_cast<double>(placed.points.size());
+    for (const PlacedStation& station : placed.points)
+      places.emplace_back(turn_mm * static_cast<double>(places.size()) / count, station.position.z());
+    doubt_hidden_corners(places, turn_mm, placed);
+  }
+  return placed;
 }
 
 }  // namespace biteline::bite_line

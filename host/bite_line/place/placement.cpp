@@ -8,7 +8,6 @@
 
 #include "host/bite_line/buckets.hpp"
 #include "host/bite_line/place/gap_bridge.hpp"
-#include "host/bite_line/place/hidden_corner.hpp"
 #include "host/bite_line/place/ridge_doubt.hpp"
 #include "host/bite_line/place/sampling.hpp"
 #include "host/bite_line/place/section_course.hpp"
@@ -218,7 +217,7 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
                                 config.normals);
       },
       [&] { noise = place_noise(sections, course.row, ridge.visible, config.mean_mm); },
-      [&] { tried_z = tried_heights(z, ridge.visible, sections.station_mm); });
+      [&] { tried_z = tried_heights(z, ridge.visible, ridge.visible, sections.station_mm); });
   const std::vector<double> scatter =
       scatter_of(course.seen_z_mm, z, ridge.visible, config.mean_mm / sections.station_mm);
 
@@ -256,10 +255,6 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
     if (placement.points[i].to_visible_mm > 0) placement.bridged_mm += step;
     if (placement.points[i].thing_beside) placement.thing_beside_mm += step;
   }
-  std::vector<Vec2> places;
-  for (std::size_t i = 0; i < stations; ++i)
-    places.emplace_back(static_cast<double>(i) * sections.station_mm, z[i]);
-  doubt_hidden_corners(places, path_outline.length_mm(), placement);
   return placement;
 }
 

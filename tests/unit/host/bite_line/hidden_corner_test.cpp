@@ -2,6 +2,7 @@
 #include <CppUTest/TestHarness.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -41,9 +42,10 @@ TEST(HiddenCorner, HalfOfHowFarItLeadsAwayIsAStandardDeviation) {
   // Level before, 45 degrees behind; the chord goes 20 mm along and 10 up.  Straight on from its beginning is
   // 10 mm off at its end: so far away is a kink at the end, and half as far in the middle.
   const std::vector<double> up_mm = hidden_up(1);
-  DOUBLES_EQUAL(5.0 / 2, up_mm[k_hidden_steps / 2], 0.02);
+  const double climb = std::sqrt(0.5);
+  DOUBLES_EQUAL(climb * 5 / 2, up_mm[k_hidden_steps / 2], 0.02);
   // 2 mm before the end it can be 2 mm off at most.
-  DOUBLES_EQUAL(2.0 / 2, up_mm[k_hidden_steps - 4], 0.02);
+  DOUBLES_EQUAL(climb * 2 / 2, up_mm[k_hidden_steps - 4], 0.02);
   DOUBLES_EQUAL(0, up_mm[k_hidden_steps], 1e-9);
   DOUBLES_EQUAL(0, up_mm[k_hidden_steps + 20], 1e-9);
 }
