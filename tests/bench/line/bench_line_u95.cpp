@@ -113,15 +113,26 @@ void write_points(std::ostream& out, const std::string& row, const bite_line::Wo
   }
 }
 
+void tell_row(const char* bench, const std::string& what, double ours, const char* unit) {
+  std::printf("{\"bench\":\"%s\",\"what\":\"%s\",\"ours\":%.4g,\"unit\":\"%s\"}\n", bench, what.c_str(), ours,
+              unit);
+}
+
+void tell(const std::string& what, const Tally& t) {
+  tell_row("line.u95.coverage", what, t.per_point(t.within), "share of points");
+  tell_row("line.u95.ratio", what + ", mean U95 to 95th percentile of the errors",
+           t.per_point(t.u95_sum_mm) / std::max(t.p95_mm(), 1e-9), "");
+}
+
 /// A row of the table.
 struct Class {
   std::string name;
-  bool apart{false};  ///< not among all: its shoes are none of those the model was fitted to
+  bool apart{false};  ///< not among all: a class of hard cases
   std::function<test::UncertainScanSettings(std::uint64_t seed)> settings;
 };
 
-/// All classes with a line whose sole is drawn from a formula, each of them in turn with a sector missing,
-/// and designed soles with a guard on the toe.
+/// All classes with a line; those whose sole is drawn from a formula in turn with a sector missing; and
+/// designed soles with a guard on the toe.
 std::vector<Class> classes() {
   constexpr auto k_classes = static_cast<std::size_t>(sim::ShoeClass::Bare);
   const auto sector_mm = [](std::uint64_t seed) { return 8 + static_cast<double>(seed * 7 % 33); };
@@ -192,7 +203,7 @@ int run(int argc, char** argv) {
     points << "class,seed,outward_mm,slope,scatter_mm,doubt,sharp,hold,other_mm,error_out_mm,"
               "error_up_mm,bridged\n";
   }
-  Tally all, guards, steep, bridged;
+  Tally all, steep, bridged;
   double least_class = 1;
   for (const Class& kind : classes()) {
     if (!only.empty() && only != kind.name) continue;
@@ -228,37 +239,23 @@ int run(int argc, char** argv) {
     }
     print(kind.name, tally);
     if (kind.apart) {
-      guards.add(tally);
+      tell(kind.name + ": " + std::to_string(tally.shoes) + " made shoes with a toe guard", tally);
       continue;
     }
     if (!tally.errors_mm.empty()) least_class = std::min(least_class, tally.per_point(tally.within));
     all.add(tally);
   }
-  if (all.shoes > 0) print("all", all);
-  if (guards.shoes > 0) {
-    print("guards", guards);
-    print("steep", steep);
-    print("bridged", bridged);
-  }
   const std::string what =
       std::to_string(all.shoes) + " made shoes, " + (errors > 0 ? "each head known so far" : "heads exact");
-  const auto row = [](const char* bench, const std::string& told, double ours, const char* unit) {
-    std::printf("{\"bench\":\"%s\",\"what\":\"%s\",\"ours\":%.4g,\"unit\":\"%s\"}\n", bench, told.c_str(),
-                ours, unit);
-  };
   if (all.shoes > 0) {
-    row("line.u95.coverage", what, all.per_point(all.within), "share of points");
-    row("line.u95.coverage", what + ", least class", least_class, "share of points");
-    row("line.u95.ratio", what + ", mean U95 to 95th percentile of the errors",
-        all.per_point(all.u95_sum_mm) / std::max(all.p95_mm(), 1e-9), "");
+    print("all", all);
+    tell(what, all);
+    tell_row("line.u95.coverage", what + ", least class", least_class, "share of points");
   }
-  if (guards.shoes > 0) {
-    const std::string told = std::to_string(guards.shoes) + " made shoes with a toe guard";
-    row("line.u95.coverage", told, guards.per_point(guards.within), "share of points");
-    row("line.u95.coverage", told + ", where it climbs by more than 30 degrees",
-        steep.per_point(steep.within), "share of points");
-    row("line.u95.ratio", told + ", mean U95 to 95th percentile of the errors",
-        guards.per_point(guards.u95_sum_mm) / std::max(guards.p95_mm(), 1e-9), "");
+  if (!steep.errors_mm.empty()) {
+    print("steep", steep);
+    print("bridged", bridged);
+    tell("made shoes with a toe guard, where they climb by more than 30 degrees", steep);
   }
   for (const Tenth& tenth : all.tenths) {
     if (tenth.points < 1) continue;
