@@ -92,7 +92,7 @@ void doubt_place(const Levelled& levelled, const Levelled& guide, PlacedLine& pl
     u_mm.push_back(static_cast<double>(levelled.outline().locate(station.position.cast<float>()).s_mm));
     bend2_per_mm2.push_back(std::pow(levelled.bend_per_mm(u_mm.back()), 2));
   }
-  // What is read beside a corner takes the corner in.
+  // What is read beside a corner takes the corner in: there the bend's RMS counts twice.
   const std::vector<double> about =
       geometry::running_mean(bend2_per_mm2, k_mean_mm * static_cast<double>(u_mm.size()) / placed.length_mm);
   for (std::size_t i = 0; i < u_mm.size(); ++i) {
@@ -111,9 +111,9 @@ void doubt_place(const Levelled& levelled, const Levelled& guide, PlacedLine& pl
   }
 }
 
-/// A levelled line runs level, and so bridges that are tried on it are never off.  On the shoe they are.
-/// Where it climbs upright hardly a gap is: what a corner in a gap does, doubt_hidden_corners() says.
-void doubt_gaps(PlacedLine& placed) {
+/// A levelled line runs level, and so bridges that are tried on it are never off.  On the shoe they are; but
+/// not where it climbs upright, since of corners in a gap doubt_hidden_corners() tells.
+void try_bridges(PlacedLine& placed) {
   constexpr double k_upright = 0.5;  // sine of 30 degrees
   const std::size_t count = placed.points.size();
   const double station_mm = placed.length_mm / static_cast<double>(count);
@@ -152,7 +152,7 @@ PlacedLine place_along(const ScanPoints& scan, const Side& side, const FoundLeve
   doubt_place(second, found.levelled, placed);
   doubt_hidden_corners(second.guide(places_of(second, placed)), side.outline.length_mm(), placed);
   placed = second.back(std::move(placed));
-  doubt_gaps(placed);
+  try_bridges(placed);
   return placed;
 }
 

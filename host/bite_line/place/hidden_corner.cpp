@@ -12,6 +12,7 @@
 namespace biteline::bite_line {
 
 void doubt_hidden_corners(std::span<const Vec2> place, double turn_mm, PlacedLine& placed) {
+  if (placed.points.empty()) return;
   const std::size_t count = placed.points.size();
   const double station_mm = placed.length_mm / static_cast<double>(count);
   const auto lever = static_cast<std::size_t>(std::lround(geometry::k_end_lever_mm / station_mm));
@@ -25,8 +26,8 @@ void doubt_hidden_corners(std::span<const Vec2> place, double turn_mm, PlacedLin
   for (const PlacedStation& station : placed.points) known.push_back(station.to_visible_mm > 0 ? 0 : 1);
   for (const geometry::Gap& gap : geometry::gaps_of(known)) {
     if (!is_long(gap, station_mm)) continue;
-    const std::size_t first = gap.first + count,
-                      end = first + gap.steps;  // a turn on: there is a place before
+    const std::size_t first = gap.first + count;  // a turn on: there is a place before it
+    const std::size_t end = first + gap.steps;
     const Vec3 chord = at(end) - at(first);
     const Vec3 before = end_of(first, first - lever, first - 2 * lever);
     const Vec3 after = -end_of(end, end + lever, end + 2 * lever);
