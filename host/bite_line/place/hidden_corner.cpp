@@ -42,7 +42,7 @@ void doubt_hidden_corners(std::span<const Vec2> place, double turn_mm, PlacedLin
       const double share = static_cast<double>(k) / static_cast<double>(gap.steps);
       const double away_mm =
           std::min(station.to_visible_mm, std::max(share * before_mm, (1 - share) * after_mm));
-      station.tried_up_mm = std::hypot(station.tried_up_mm, climb * away_mm / 2);
+      station.hidden_up_mm = climb * away_mm / 2;
     }
   }
 }

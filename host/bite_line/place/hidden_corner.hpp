@@ -21,8 +21,8 @@ namespace biteline::bite_line {
 /// Half of that is a standard deviation, all of it where the line climbs upright: there soles have corners.
 /// Where it climbs less it is so much less, and nothing where the line runs level.  Gaps below 8 mm add none.
 ///
-/// `place`: of each station, along the outline and up, mm; `turn_mm`: once round the outline.  Adds to
-/// PlacedStation::tried_up_mm, across the line.
+/// `place`: of each station, along the outline and up, mm; `turn_mm`: once round the outline.  Sets
+/// PlacedStation::hidden_up_mm.
 void doubt_hidden_corners(std::span<const Vec2> place, double turn_mm, PlacedLine& placed);
 
 }  // namespace biteline::bite_line

@@ -39,6 +39,7 @@ struct PlacedStation {
   double corner_mm{0};
   double tried_out_mm{0};  ///< what bridges of that length are off by elsewhere on this line (RMS), level ...
   double tried_up_mm{0};   ///< ... and in height; 0 where it was seen, and where none could be tried
+  double hidden_up_mm{0};  ///< where a gap may hide a corner of the line: standard deviation in height
   bool untried{false};     ///< in a long gap, and the line was not seen over enough such lengths to try one
   double between_out_mm{0};  ///< of a bend that lies between two profiles: standard deviation, level ...
   double between_up_mm{0};   ///< ... and in height

@@ -37,7 +37,8 @@ PointSpread spread_of(const PlacedStation& station, const SpreadModel& model) {
                               square(model.gap_mm * station.doubt) +
                               square(model.corner * station.corner_mm) + square(model.flat_mm * flat);
   const Eigen::Vector2d between_mm2{square(station.between_out_mm), square(station.between_up_mm)};
-  const Eigen::Vector2d tried_mm2{square(station.tried_out_mm), square(station.tried_up_mm)};
+  const Eigen::Vector2d tried_mm2{square(station.tried_out_mm),
+                                  square(station.tried_up_mm) + square(station.hidden_up_mm)};
   Eigen::Matrix2d covariance_mm2 =
       height_mm2 * wall * wall.transpose() + anywhere_mm2 * Eigen::Matrix2d::Identity();
   covariance_mm2 += (between_mm2 + tried_mm2).asDiagonal();
