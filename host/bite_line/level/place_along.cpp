@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "host/bite_line/place/gap_bridge.hpp"
-#include "host/bite_line/place/hidden_corner.hpp"
 #include "host/bite_line/place/place_path.hpp"
 #include "host/geometry/closed_curve.hpp"
 
@@ -111,8 +110,8 @@ void doubt_place(const Levelled& levelled, const Levelled& guide, PlacedLine& pl
   }
 }
 
-/// A levelled line runs level, and so bridges that are tried on it are never off.  On the shoe they are; but
-/// not where it climbs upright, since of corners in a gap doubt_hidden_corners() tells.
+/// A levelled line runs level, and so bridges that are tried on it are never off.  On the shoe they are.
+/// Where it climbs upright none is tried: one corner would speak for all gaps.
 void try_bridges(PlacedLine& placed) {
   constexpr double k_upright = 0.5;  // sine of 30 degrees
   const std::size_t count = placed.points.size();
@@ -150,7 +149,6 @@ PlacedLine place_along(const ScanPoints& scan, const Side& side, const FoundLeve
   const Levelled second = along(first, places_of(first, place_on(scan, first, found, spacing_mm)));
   PlacedLine placed = place_on(scan, second, found, spacing_mm);
   doubt_place(second, found.levelled, placed);
-  doubt_hidden_corners(second.guide(places_of(second, placed)), side.outline.length_mm(), placed);
   placed = second.back(std::move(placed));
   try_bridges(placed);
   return placed;

@@ -12,6 +12,7 @@
 namespace biteline::bite_line {
 
 void doubt_hidden_corners(std::span<const Vec2> place, double turn_mm, PlacedLine& placed) {
+  constexpr double k_curve = 0.34, k_corner = 0.5;  // sines of 20 and 30 degrees
   if (placed.points.empty()) return;
   const std::size_t count = placed.points.size();
   const double station_mm = placed.length_mm / static_cast<double>(count);
@@ -37,12 +38,13 @@ void doubt_hidden_corners(std::span<const Vec2> place, double turn_mm, PlacedLin
     const double before_mm = off_chord_mm(before), after_mm = off_chord_mm(after);
     const double climb =
         std::max({std::abs(before.y()), std::abs(after.y()), std::abs(chord.y()) / chord.norm()});
+    const double upright = std::clamp((climb - k_curve) / (k_corner - k_curve), 0.0, 1.0);
     for (std::size_t k = 1; k < gap.steps; ++k) {
       PlacedStation& station = placed.points[(first + k) % count];
       const double share = static_cast<double>(k) / static_cast<double>(gap.steps);
       const double away_mm =
           std::min(station.to_visible_mm, std::max(share * before_mm, (1 - share) * after_mm));
-      station.hidden_up_mm = climb * away_mm / 2;
+      station.hidden_up_mm = upright * away_mm / 2;
     }
   }
 }

@@ -18,8 +18,8 @@ namespace biteline::bite_line {
 ///        .  .            . . the bridge
 ///   ___.___.             _____ a course with a corner: so far away may the line be
 ///
-/// Half of that is a standard deviation, all of it where the line climbs upright: there soles have corners.
-/// Where it climbs less it is so much less, and nothing where the line runs level.  Gaps below 8 mm add none.
+/// Half of that is a standard deviation where the line climbs by 30 degrees and more at the gap, as guards
+/// alone make it, and nothing below 20.  Gaps below 8 mm add none.
 ///
 /// `place`: of each station, along the outline and up, mm; `turn_mm`: once round the outline.  Sets
 /// PlacedStation::hidden_up_mm.
