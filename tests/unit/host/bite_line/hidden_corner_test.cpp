@@ -29,7 +29,8 @@ std::vector<double> hidden_up(double slope, std::size_t first = k_before_gap) {
   }
   doubt_hidden_corners(place, k_spaced * k_apart_mm, line);
   std::vector<double> up_mm;
-  for (std::size_t i = 0; i < k_spaced; ++i) up_mm.push_back(line.points[(i + first) % k_spaced].hidden_up_mm);
+  for (std::size_t i = 0; i < k_spaced; ++i)
+    up_mm.push_back(line.points[(i + first) % k_spaced].hidden_up_mm);
   return up_mm;
 }
 
