@@ -87,7 +87,7 @@ class GapLook {
     }
     const bool same = detour.off_mm < config_.apart_mm;
     if (same && !gap_.changes) return std::nullopt;
-    const bool hidden = unseen_mm > config_.most_unseen_mm;
+    const bool hidden = detour.hidden = unseen_mm > config_.most_unseen_mm;
     const double seen_cost = (way.cost - (hidden ? k_unseen_cost * unseen_mm : 0)) / (to_mm_ - from_mm_);
     const bool dear = seen_cost > config_.most_far_cost;
     // Near by a dear way is the course's own, on a crease that hardly shows.
@@ -199,15 +199,15 @@ std::vector<Detour> find_detours(const Side& side, const Layers& layers, const D
 }
 
 void doubt_detours(const SideGrid& grid, std::span<const Detour> detours, Layers& layers) {
-  const float unsure = LayersConfig{}.changed_hold;
+  constexpr float k_hidden_hold = 0.94F;  // below 0.95, from where on U95 does not ask for the other way
   for (const Detour& detour : detours) {
     if (detour.sure) continue;
+    const float unsure = detour.hidden ? k_hidden_hold : LayersConfig{}.changed_hold;
     for (double s = detour.places[detour.first].x(); s <= detour.places[detour.last].x(); s += grid.col_mm) {
       const auto col = geometry::round_index(0, static_cast<std::ptrdiff_t>(std::floor(s / grid.col_mm)),
                                              static_cast<std::size_t>(grid.cols));
-      if (layers.hold[col] <= unsure) continue;
-      layers.hold[col] = unsure;
-      layers.other_mm[col] = static_cast<float>(detour.off_mm);
+      layers.hold[col] = std::min(layers.hold[col], unsure);
+      layers.other_mm[col] = std::max(layers.other_mm[col], static_cast<float>(detour.off_mm));
     }
   }
 }

@@ -36,6 +36,7 @@ struct Detour {
   std::vector<Vec2> places;       ///< of the way, from a place of the course to a later one
   std::size_t first{0}, last{0};  ///< places between which it leaves the course
   bool sure{false};               ///< the line is on it; else the line is unsure between those places
+  bool hidden{false};             ///< too much of it was not seen to say that it is the line
   double off_mm{0};               ///< how far it leads away from the course
 };
 
@@ -45,7 +46,8 @@ struct Detour {
 [[nodiscard]] std::vector<Detour> find_detours(const Side& side, const Layers& layers,
                                                const DetourConfig& config);
 
-/// Makes the columns of what is not sure unsure.
+/// Makes the columns of what is not sure unsure.  Most of what hides is no guard's flank: such columns hardly
+/// lose confidence, but their U95 reaches up to the way.
 void doubt_detours(const SideGrid& grid, std::span<const Detour> detours, Layers& layers);
 
 /// The course with its sure detours, once round: the first place's s is within the outline's length, and the
