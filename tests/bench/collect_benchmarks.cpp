@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // collect_benchmarks FOLDER OUT.json: runs every bench_* program in FOLDER, one after the other, shows their
 // rows as one table and writes them to OUT.json.  A row is a line of JSON on a program's stdout:
-//   {"bench":"stripe.extract","what":"...","ours":1.0,"peer":"OpenCV","peer_value":2.0,"unit":"s","ratio":0.5,"target":0.1}
+//   {"bench":"stripe.extract","what":"...","ours":1.0,"peer":"OpenCV","peer_value":2.0,"unit":"s",
+//    "ratio":0.5,"target":0.1}
 #include <sys/wait.h>
 
 #include <algorithm>

@@ -2,7 +2,6 @@
 #pragma once
 /// \file Where a course leaves its crease.
 
-#include <cmath>
 #include <vector>
 
 #include "common/geometry/se3.hpp"

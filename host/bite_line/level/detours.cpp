@@ -87,16 +87,17 @@ class GapLook {
     }
     const bool same = detour.off_mm < config_.apart_mm;
     if (same && !gap_.changes) return std::nullopt;
-    const bool hidden = detour.hidden = unseen_mm > config_.most_unseen_mm;
-    const double seen_cost = (way.cost - (hidden ? k_unseen_cost * unseen_mm : 0)) / (to_mm_ - from_mm_);
+    detour.hidden = unseen_mm > config_.most_unseen_mm;
+    const double seen_cost =
+        (way.cost - (detour.hidden ? k_unseen_cost * unseen_mm : 0)) / (to_mm_ - from_mm_);
     const bool dear = seen_cost > config_.most_far_cost;
     // Near by a dear way is the course's own, on a crease that hardly shows.
     if (dear && (detour.off_mm < config_.far_mm || seen_cost > config_.most_told_cost)) return std::nullopt;
-    if (hidden && detour.off_mm < config_.far_mm) return std::nullopt;
+    if (detour.hidden && detour.off_mm < config_.far_mm) return std::nullopt;
     const double straight = course_.cost(patch_, costs_, from_mm_, to_mm_);
     if (!(margin_of(straight - way.cost, away_mm) > LayersConfig{}.margin)) return std::nullopt;
-    detour.sure =
-        !dear && !hidden && longest_bare_mm < config_.most_bare_mm && is_sure(way, detour.off_mm, from, to);
+    detour.sure = !dear && !detour.hidden && longest_bare_mm < config_.most_bare_mm &&
+                  is_sure(way, detour.off_mm, from, to);
     // A way along the course that is not sure says nothing that the course does not.
     if (same && !detour.sure) return std::nullopt;
     return detour;
@@ -172,24 +173,21 @@ std::vector<Detour> find_detours(const Side& side, const Layers& layers, const D
   const CourseOverS course{grid, layers.line};
   std::vector<Detour> detours;
   const std::vector<CourseGap> gaps = gaps_of(grid, layers, config.least_gap_mm);
-  const auto look = [&](const CourseGap& gap, double longest_mm) -> std::optional<Detour> {
-    if (gap.cols * grid.col_mm > longest_mm) return std::nullopt;
-    return GapLook{side, course, gap, config}.detour();
-  };
+  const auto look = [&](const CourseGap& gap) { return GapLook{side, course, gap, config}.detour(); };
   const auto is_free = [&](const CourseGap& gap) {
     return std::ranges::none_of(detours, [&](const Detour& other) { return overlap(gap, other, grid); });
   };
   // What leaves its crease for another one may come back far away.
   for (const CourseGap& gap : gaps) {
+    const bool leaves = gap.changes || course.jump_mm(gap) != 0;
     const CourseGap wide = widened(gap, grid, config.beside_mm);
-    if (!(gap.changes || course.jump_mm(gap) != 0) || wide.cols > grid.cols / 2 || !is_free(wide)) continue;
-    std::optional<Detour> detour = look(wide, wide.cols * grid.col_mm);
+    if (!leaves || wide.cols > grid.cols / 2 || !is_free(wide)) continue;
+    std::optional<Detour> detour = look(wide);
     if (detour && detour->off_mm >= config.far_mm) detours.push_back(std::move(*detour));
   }
   for (const CourseGap& gap : gaps) {
-    if (!is_free(gap)) continue;
-    if (std::optional<Detour> detour = look(gap, config.longest_gap_mm))
-      detours.push_back(std::move(*detour));
+    if (gap.cols * grid.col_mm > config.longest_gap_mm || !is_free(gap)) continue;
+    if (std::optional<Detour> detour = look(gap)) detours.push_back(std::move(*detour));
   }
   // The side is levelled once, and read anew: what is unsure of a gap would be forgotten there.
   if (!std::ranges::all_of(detours, &Detour::sure)) {

@@ -26,7 +26,7 @@ PlacedLine place_path(const ScanPoints& scan, const Side& side, std::span<const 
                                   .sharp = along.sharp,
                                   .upright_ratio = along.upright_ratio},
                                  {});
-  // What is levelled has its corners where it was not.
+  // A levelled line shows no climb: place_along() has its own doubts of gaps.
   if (along.upright_ratio.empty()) {
     std::vector<Vec2> places;
     const double turn_mm = path->outline.length_mm();

@@ -105,6 +105,18 @@ bool speaks_against(const bite_line::WayDoubt& doubt) {
   return std::ranges::any_of(doubt.hold, [](float hold) { return hold < 0.5F; });
 }
 
+/// The worst of these cells with guards.
+Judged worst_of(std::initializer_list<std::pair<std::uint64_t, std::uint64_t>> seeds_and_indices) {
+  Judged worst = Judged::Right;
+  for (const auto& [seed, index] : seeds_and_indices) {
+    SweepCell cell = sweep_cell(seed, index);
+    cell.shoe.toe_guard = true;
+    const SweepScan scan = scan_of(cell);
+    worst = std::max(worst, judge(scan, bite_line::find_bite_line(scan.cloud, {})).judged);
+  }
+  return worst;
+}
+
 }  // namespace
 
 TEST_GROUP(Level){};
@@ -379,28 +391,18 @@ TEST(Level, AFlankThatWasNotSeenMakesItsGapUnsure) {
   }
 }
 
-/// The worst of these cells with guards.
-Judged worst_of(std::initializer_list<std::pair<std::uint64_t, std::uint64_t>> seeds_and_indices) {
-  Judged worst = Judged::Right;
-  for (const auto& [seed, index] : seeds_and_indices) {
-    SweepCell cell = sweep_cell(seed, index);
-    cell.shoe.toe_guard = true;
-    const SweepScan scan = scan_of(cell);
-    worst = std::max(worst, judge(scan, bite_line::find_bite_line(scan.cloud, {})).judged);
-  }
-  return worst;
-}
-
-// These were wrong without a word, over 50 to 90 mm; a corner over 7.
 TEST(Level, ACourseThatComesBackFarFromWhereItLeftItsCreaseIsLookedAtAsAWhole) {
+  // They were wrong without a word, over 34 and 65 mm.
   CHECK(worst_of({{995, 272}, {3014, 70}}) == Judged::Right);
 }
 
 TEST(Level, ACapsEdgeAboveAGuardIsNotTheLine) {
+  // They were wrong without a word, over 48 to 92 mm.
   CHECK(worst_of({{992, 119}, {3015, 20}, {3015, 289}}) != Judged::Wrong);
 }
 
 TEST(Level, ACornerOfAGuardSaysHowFarItMayBeOff) {
+  // It was wrong without a word, over 7 mm.
   CHECK(worst_of({{3013, 205}}) == Judged::Right);
 }
 
