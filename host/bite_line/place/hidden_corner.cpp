@@ -18,7 +18,8 @@ void doubt_hidden_corners(std::span<const Vec2> place, double turn_mm, PlacedLin
   const double station_mm = placed.length_mm / static_cast<double>(count);
   const auto lever = static_cast<std::size_t>(std::lround(geometry::k_end_lever_mm / station_mm));
   const auto at = [&](std::size_t i) {
-    return Vec3{place[i % count].x() + turn_mm * static_cast<double>(i / count), place[i % count].y(), 0};
+    const std::size_t turns = i / count;
+    return Vec3{place[i % count].x() + turn_mm * static_cast<double>(turns), place[i % count].y(), 0};
   };
   const auto end_of = [&](std::size_t end, std::size_t near, std::size_t far) {
     return geometry::CurveEnd{at(end), at(near), at(far)}.direction().normalized();
