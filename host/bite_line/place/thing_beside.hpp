@@ -15,7 +15,10 @@ namespace biteline::bite_line {
 ///     |   |
 ///  ___|   |___  the line
 struct ThingConfig {
-  double corner_deg{35.0};  ///< inwards, of a sharp corner
+  double corner_deg{35.0};        ///< inwards, of the sharper one of two corners
+  double least_corner_deg{25.0};  ///< of the other one: a bridge runs out on a slant
+  /// So far out, over so much of the line: beside a filled crease corners are as blunt, but no pin is there.
+  double least_slanted_mm{3.0}, longest_slanted_mm{25.0};
   double from_mm{1.5};      ///< to both sides of it ...
   double to_mm{6.0};        ///< ... between these its directions are taken
   double longest_mm{60.0};  ///< along the line

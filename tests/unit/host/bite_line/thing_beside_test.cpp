@@ -66,6 +66,26 @@ TEST(ThingBeside, APinBesideTheShoeMakesTheLineRoundItUnsure) {
   }
 }
 
+TEST(ThingBeside, ABridgeThatRunsOutToAPinOnASlantIsUnsure) {
+  // 28 degrees out, and straight back: so it was on a scan with pictures, 6 mm off without a word.
+  const auto slanted = [](double s_mm) {
+    return std::max(0.0, std::min((s_mm - 138) * 6.4 / 12, (151.5 - s_mm) * 6.4 / 1.5));
+  };
+  std::vector<PlacedStation> sut = oval(slanted);
+  doubt_things_beside(k_station_mm, sut);
+  for (std::size_t i = 0; i < sut.size(); ++i) {
+    if (slanted(k_station_mm * static_cast<double>(i)) > 0.5) DOUBLES_EQUAL(0.1, sut[i].hold, 1e-9);
+  }
+}
+
+TEST(ThingBeside, TwoBluntCornersAreNone) {
+  // 28 degrees out, and 28 back.
+  std::vector<PlacedStation> sut =
+      oval([](double s_mm) { return std::max(0.0, 12 - std::abs(s_mm - 150)) * 6.4 / 12; });
+  doubt_things_beside(k_station_mm, sut);
+  for (const PlacedStation& station : sut) DOUBLES_EQUAL(1, station.hold, 0);
+}
+
 TEST(ThingBeside, ASharpToeIsNone) {
   std::vector<PlacedStation> sut =
       oval([](double s_mm) { return 25 * std::max(0.0, 1 - std::abs(s_mm - 150) / 40); });
