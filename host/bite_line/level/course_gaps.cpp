@@ -19,11 +19,15 @@ std::size_t column(const SideGrid& grid, int col) {
 
 }  // namespace
 
-std::vector<CourseGap> gaps_of(const SideGrid& grid, const Layers& layers, double least_mm) {
+std::vector<CourseGap> gaps_of(const SideGrid& grid, const Layers& layers, double least_mm,
+                               double least_turn_rad) {
   constexpr double k_island_mm = 4.0;
   constexpr double k_bent_mm = 8.0;  // of a change: the course bends there
   const int beside = static_cast<int>(std::lround(k_bent_mm / grid.col_mm));
   std::vector<std::uint8_t> on_line = layers.line.visible;
+  for (std::size_t col = 0; least_turn_rad > 0 && col < on_line.size(); ++col) {
+    if (layers.line.turn_rad[col] < least_turn_rad) on_line[col] = 0;
+  }
   for (const OtherCrease& other : layers.others) {
     for (int k = -beside; k <= other.cols + beside; ++k) on_line[column(grid, other.first_col + k)] = 0;
   }

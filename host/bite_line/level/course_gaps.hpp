@@ -19,8 +19,9 @@ struct CourseGap {
 };
 
 /// Gaps of `least_mm` and more.  What shows a crease for less than an island's length between two gaps is
-/// noise.
-[[nodiscard]] std::vector<CourseGap> gaps_of(const SideGrid& grid, const Layers& layers, double least_mm);
+/// noise.  A crease that turns by less than `least_turn_rad` counts as none.
+[[nodiscard]] std::vector<CourseGap> gaps_of(const SideGrid& grid, const Layers& layers, double least_mm,
+                                             double least_turn_rad = 0);
 
 /// A course over s, which may go beyond the outline's length.
 class CourseOverS {

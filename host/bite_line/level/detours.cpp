@@ -185,6 +185,13 @@ std::vector<Detour> find_detours(const Side& side, const Layers& layers, const D
     std::optional<Detour> detour = look(wide);
     if (detour && detour->off_mm >= config.far_mm) detours.push_back(std::move(*detour));
   }
+  // A faded crease is the line's own, most of all; a sure way far off says that it is not.
+  const double weak_rad = config.weak_ratio * layers.line.median_turn_rad;
+  for (const CourseGap& gap : gaps_of(grid, layers, config.least_gap_mm, weak_rad)) {
+    if (gap.cols * grid.col_mm > config.longest_gap_mm || !is_free(gap)) continue;
+    std::optional<Detour> detour = look(gap);
+    if (detour && detour->sure && detour->off_mm >= config.far_mm) detours.push_back(std::move(*detour));
+  }
   for (const CourseGap& gap : gaps) {
     if (gap.cols * grid.col_mm > config.longest_gap_mm || !is_free(gap)) continue;
     if (std::optional<Detour> detour = look(gap)) detours.push_back(std::move(*detour));

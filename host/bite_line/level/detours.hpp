@@ -16,6 +16,7 @@ struct DetourConfig {
   double longest_gap_mm{120};  ///< longer ones are no guard's
   /// Where it changes its crease or its height at once, the look goes so far to both sides.
   double beside_mm{100};
+  double weak_ratio{0.35};   ///< of the line's usual turn: a crease so much weaker may be another one
   double most_bare_mm{3};    ///< a way that was seen and shows no crease over so much changes creases, too
   double most_unseen_mm{8};  ///< a way of which more was not seen makes the gap unsure at most
   double apart_mm{2.5};      ///< what is nearer to the course is the same line

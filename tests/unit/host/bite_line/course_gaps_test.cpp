@@ -22,6 +22,7 @@ Crease stepped(double step_mm) {
     line.row.push_back((20 + climb_mm + (col >= 50 && col < 80 ? step_mm : 0)) / k_columns_of_1_mm.row_mm);
   }
   line.visible.assign(line.row.size(), 1);
+  line.turn_rad.assign(line.row.size(), 0.8F);
   return line;
 }
 
@@ -70,6 +71,19 @@ TEST(CourseGaps, AGapIsWhereNoCreaseShowsOrAnotherOneIsTaken) {
       LONGS_EQUAL(10, gap.cols);
     }
   }
+}
+
+TEST(CourseGaps, ACreaseThatTurnsTooLittleCountsAsNone) {
+  Layers layers;
+  layers.line = stepped(0);
+  std::fill_n(layers.line.turn_rad.begin() + 100, 40, 0.2F);
+  std::fill_n(layers.line.turn_rad.begin() + 200, 40, 0.4F);
+  CHECK(gaps_of(k_columns_of_1_mm, layers, 5).empty());
+  const std::vector<CourseGap> sut = gaps_of(k_columns_of_1_mm, layers, 5, 0.3);
+  LONGS_EQUAL(1, sut.size());
+  LONGS_EQUAL(100, sut.front().first % k_columns_of_1_mm.cols);
+  LONGS_EQUAL(40, sut.front().cols);
+  CHECK(!sut.front().changes);
 }
 
 }  // namespace biteline::bite_line

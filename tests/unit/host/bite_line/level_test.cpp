@@ -406,6 +406,11 @@ TEST(Level, ACornerOfAGuardSaysHowFarItMayBeOff) {
   CHECK(worst_of({{3013, 205}}) == Judged::Right);
 }
 
+TEST(Level, AHollowBelowAGuardThatIsMuchWeakerThanTheLineIsNotTheLine) {
+  // It was wrong without a word, over 49 mm and by up to 14 mm.
+  CHECK(worst_of({{3019, 154}}) == Judged::Right);
+}
+
 TEST(Level, AShoeWithoutAGuardHasNoDetour) {
   for (int k = 0; k < 8; ++k) {
     const bite_line::Side made = side_of(scan_of(with_guard(designed(k), false)));
