@@ -57,8 +57,9 @@ void doubt_things_beside(double station_mm, std::vector<PlacedStation>& stations
   constexpr double k_rad_per_deg = std::numbers::pi / 180;
   const std::vector<HollowCorner> corners = hollow_corners(
       stations, steps_of(config.from_mm), steps_of(config.to_mm), config.least_corner_deg * k_rad_per_deg);
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    const HollowCorner &out = corners[k], &back = corners[(k + 1) % corners.size()];
+  // Any two: a blunt corner may lie between two sharp ones.
+  for (std::size_t k = 0; k < corners.size() * corners.size(); ++k) {
+    const HollowCorner &out = corners[k / corners.size()], &back = corners[k % corners.size()];
     const std::size_t first = out.station;
     const std::size_t steps = (back.station + count - first) % count;
     if (steps == 0 || steps > steps_of(config.longest_mm)) continue;

@@ -78,6 +78,19 @@ TEST(ThingBeside, ABridgeThatRunsOutToAPinOnASlantIsUnsure) {
   }
 }
 
+TEST(ThingBeside, ABluntCornerBetweenTwoSharpOnesHidesNothing) {
+  // Straight out by 6 mm, along the shoe, 28 degrees farther out, and straight back.
+  const auto stepped = [](double s_mm) {
+    const double out_mm = 6 + std::max(0.0, s_mm - 160) * 6.4 / 12;
+    return std::max(0.0, std::min({(s_mm - 130) * 4, out_mm, (174 - s_mm) * 6}));
+  };
+  std::vector<PlacedStation> sut = oval(stepped);
+  doubt_things_beside(k_station_mm, sut);
+  for (std::size_t i = 0; i < sut.size(); ++i) {
+    if (stepped(k_station_mm * static_cast<double>(i)) > 0.5) DOUBLES_EQUAL(0.1, sut[i].hold, 1e-9);
+  }
+}
+
 TEST(ThingBeside, TwoBluntCornersAreNone) {
   // 28 degrees out, and 28 back.
   std::vector<PlacedStation> sut =
