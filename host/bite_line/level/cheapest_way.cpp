@@ -11,6 +11,14 @@
 
 namespace biteline::bite_line {
 
+namespace {
+
+float step_cost(const std::vector<float>& of_step, std::size_t k, std::size_t here, std::size_t there) {
+  return Patch::length_mm(k_grid_steps[k]) * 0.5F * (of_step[here] + of_step[there]);
+}
+
+}  // namespace
+
 WayTree cheapest_ways(const Patch& patch, const StepCosts& costs, Cell root, Towards towards,
                       std::optional<Cell> only, std::span<const std::uint8_t> barred) {
   BITELINE_EXPECTS(barred.empty() || barred.size() == patch.size());
@@ -35,8 +43,7 @@ WayTree cheapest_ways(const Patch& patch, const StepCosts& costs, Cell root, Tow
       if (r < 0 || r >= patch.rows || c < 0 || c >= patch.cols) continue;
       const std::size_t there = patch.at(r, c);
       const float bar = !barred.empty() && barred[there] != 0 ? k_barred_cost : 0.0F;
-      const float sum =
-          cost + Patch::length_mm(k_grid_steps[k]) * (0.5F * (costs[k][here] + costs[k][there]) + bar);
+      const float sum = cost + step_cost(costs[k], k, here, there) + Patch::length_mm(k_grid_steps[k]) * bar;
       if (sum >= tree.total[there]) continue;
       tree.total[there] = sum;
       tree.step[there] = static_cast<std::int8_t>(k);
@@ -44,6 +51,17 @@ WayTree cheapest_ways(const Patch& patch, const StepCosts& costs, Cell root, Tow
     }
   }
   return tree;
+}
+
+double cost_of(const Patch& patch, const StepCosts& costs, std::span<const Cell> cells) {
+  double sum = 0;
+  for (std::size_t i = 1; i < cells.size(); ++i) {
+    const std::size_t k = step_between(cells[i - 1], cells[i]);
+    const std::size_t here = patch.at(cells[i - 1].row, cells[i - 1].col);
+    const std::size_t there = patch.at(cells[i].row, cells[i].col);
+    sum += static_cast<double>(step_cost(costs[k], k, here, there));
+  }
+  return sum;
 }
 
 std::vector<Cell> cells_to_root(const Patch& patch, const WayTree& tree, Towards towards, Cell from) {

@@ -138,24 +138,7 @@ class GapLook {
     const Way next = cheapest_way(patch_, costs_, from, to, about(patch_, way, config_.apart_mm));
     return margin_of(next.cost - way.cost, length_mm_) >
                (far ? config_.least_far_margin : config_.least_near_margin) &&
-           !leaves_plainer(way);
-  }
-
-  /// Whether another way is plainer, but for what it leaves above: a cap's edge over a guard's is no line.
-  [[nodiscard]] bool leaves_plainer(const Way& way) const {
-    const StepCosts costs = step_costs(patch_, {.above_to_mm = 0});
-    return least_margin(patch_, costs, {.cells = way.cells, .cost = cost_of(way.cells, costs)}, {}) <
-           -LayersConfig{}.margin;
-  }
-
-  [[nodiscard]] double cost_of(std::span<const Cell> cells, const StepCosts& costs) const {
-    double sum = 0;
-    for (std::size_t i = 1; i < cells.size(); ++i) {
-      const Cell &from = cells[i - 1], &to = cells[i];
-      sum += Patch::k_cell_mm * std::hypot(to.row - from.row, to.col - from.col) *
-             static_cast<double>(costs[step_between(from, to)][patch_.at(to.row, to.col)]);
-    }
-    return sum;
+           !leaves_plainer(patch_, step_costs(patch_, {.above_to_mm = 0}), way, {});
   }
 
   const CourseOverS& course_;

@@ -123,6 +123,16 @@ class RivalWays {
   std::vector<std::size_t> open_;    ///< cells that show a crease, the cheapest way through them first
 };
 
+/// Gives each way to `hear` that is cheaper than `way` by more than the margin of a rival.
+template <class Hear>
+void tell_plainer(const Patch& patch, const StepCosts& bare_costs, const Way& way,
+                  const RivalWaysConfig& config, Hear&& hear) {
+  const Way bare{.cells = way.cells, .cost = cost_of(patch, bare_costs, way.cells)};
+  RivalWays{patch, bare_costs, bare, config}.tell([&](const RivalWay& rival) {
+    if (rival.margin < -LayersConfig{}.margin) hear(rival);
+  });
+}
+
 void doubt_stretch(std::size_t from, std::size_t to, double off_mm, WayDoubt& doubt) {
   const float unsure = LayersConfig{}.changed_hold;
   for (std::size_t i = from; i < to; ++i) {
@@ -223,7 +233,7 @@ void doubt_between(double off_mm, WayDoubt& doubt) {
 
 }  // namespace
 
-WayDoubt doubt_way(const Patch& patch, const StepCosts& costs, const Way& way,
+WayDoubt doubt_way(const Patch& patch, const StepCosts& costs, const StepCosts& bare_costs, const Way& way,
                    const RivalWaysConfig& config) {
   WayDoubt doubt{.hold = std::vector<float>(way.cells.size(), 1.0F),
                  .other_mm = std::vector<float>(way.cells.size(), 0.0F)};
@@ -232,18 +242,21 @@ WayDoubt doubt_way(const Patch& patch, const StepCosts& costs, const Way& way,
     if (rival.margin < (far_above ? config.least_far_margin : LayersConfig{}.margin))
       doubt_stretch(rival.first, rival.last + 1, rival.off_mm, doubt);
   });
+  tell_plainer(patch, bare_costs, way, config, [&](const RivalWay& rival) {
+    if (!rival.above && rival.off_mm >= config.far_mm)
+      doubt_stretch(rival.first, rival.last + 1, rival.off_mm, doubt);
+  });
   doubt_left_above(patch, costs, way, config, doubt);
   doubt_unseen(patch, way, config.most_unseen_mm, doubt);
   doubt_between(config.apart_mm, doubt);
   return doubt;
 }
 
-double least_margin(const Patch& patch, const StepCosts& costs, const Way& way,
+bool leaves_plainer(const Patch& patch, const StepCosts& bare_costs, const Way& way,
                     const RivalWaysConfig& config) {
-  double least = 1;
-  RivalWays{patch, costs, way, config}.tell(
-      [&](const RivalWay& rival) { least = std::min(least, rival.margin); });
-  return least;
+  bool leaves = false;
+  tell_plainer(patch, bare_costs, way, config, [&](const RivalWay&) { leaves = true; });
+  return leaves;
 }
 
 }  // namespace biteline::bite_line

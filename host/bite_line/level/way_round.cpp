@@ -84,13 +84,15 @@ Guide way_round(const Side& side, const Layers& layers, const WayRoundConfig& co
                                  .height_mm = top_mm - grid.z_low_mm},
                                 config.sigma_mm);
   const Cell begin = patch.cell({s_mm, grid.z_mm(layers.line.row[*col])});
-  const StepCosts costs = step_costs(
-      patch, {.flank_mm = config.flank_mm, .rim_rad = config.rim_rad, .above_to_mm = config.left_above_mm});
+  StepCostConfig reads{
+      .flank_mm = config.flank_mm, .rim_rad = config.rim_rad, .above_to_mm = config.left_above_mm};
+  const StepCosts costs = step_costs(patch, reads);
   const Way way = cheapest_way(patch, costs, begin, {.row = begin.row, .col = patch.cols - 1});
   Guide guide;
   const bool thin = thin_share(patch, way) >= config.least_thin_share;
   if (way.cost > (thin ? config.most_thin_cost : config.most_cost) * turn_mm) return guide;
-  WayDoubt doubt = doubt_way(patch, costs, way, {});
+  reads.above_to_mm = 0;
+  WayDoubt doubt = doubt_way(patch, costs, step_costs(patch, reads), way, {});
   for (const Cell& at : way.cells) guide.places.push_back(patch.place(at.row, at.col));
   while (guide.places.size() > 1 && guide.places.back().x() > s_mm + turn_mm - Patch::k_cell_mm / 2)
     guide.places.pop_back();
