@@ -53,6 +53,12 @@ WayTree cheapest_ways(const Patch& patch, const StepCosts& costs, Cell root, Tow
   return tree;
 }
 
+std::vector<Vec2> places_of(const Patch& patch, const Way& way) {
+  std::vector<Vec2> places;
+  for (const Cell& at : way.cells) places.push_back(patch.place(at.row, at.col));
+  return places;
+}
+
 double cost_of(const Patch& patch, const StepCosts& costs, std::span<const Cell> cells) {
   double sum = 0;
   for (std::size_t i = 1; i < cells.size(); ++i) {

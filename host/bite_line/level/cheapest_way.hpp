@@ -35,6 +35,9 @@ enum class Towards : std::uint8_t { Others, Root };
 [[nodiscard]] Way cheapest_way(const Patch& patch, const StepCosts& costs, Cell from, Cell to,
                                std::span<const std::uint8_t> barred = {});
 
+/// The cells' places: s, z.
+[[nodiscard]] std::vector<Vec2> places_of(const Patch& patch, const Way& way);
+
 /// Of a way along these cells, each a step from the one before.
 [[nodiscard]] double cost_of(const Patch& patch, const StepCosts& costs, std::span<const Cell> cells);
 

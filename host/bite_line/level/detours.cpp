@@ -22,15 +22,9 @@ constexpr double k_beside_mm = 10.0;  // of a gap's ends: on the crease
 /// Cells about a way, but for its ends.
 std::vector<std::uint8_t> about(const Patch& patch, const Way& way, double reach_mm) {
   constexpr std::size_t k_ends = 24;
-  const int reach = static_cast<int>(std::lround(reach_mm / Patch::k_cell_mm));
   std::vector<std::uint8_t> cells(patch.size(), 0);
-  for (std::size_t i = k_ends; i + k_ends < way.cells.size(); ++i) {
-    const Cell& at = way.cells[i];
-    for (int c = std::max(0, at.col - reach); c <= std::min(patch.cols - 1, at.col + reach); ++c) {
-      for (int r = std::max(0, at.row - reach); r <= std::min(patch.rows - 1, at.row + reach); ++r)
-        if (std::hypot(r - at.row, c - at.col) <= reach) cells[patch.at(r, c)] = 1;
-    }
-  }
+  for (std::size_t i = k_ends; i + k_ends < way.cells.size(); ++i)
+    patch.mark_about(way.cells[i], reach_mm, cells);
   return cells;
 }
 

@@ -58,6 +58,14 @@ std::size_t step_between(const Cell& from, const Cell& to) {
   return static_cast<std::size_t>(step - k_grid_steps.begin());
 }
 
+void Patch::mark_about(const Cell& at, double reach_mm, std::vector<std::uint8_t>& cells) const {
+  const int reach = static_cast<int>(std::lround(reach_mm / k_cell_mm));
+  for (int c = std::max(0, at.col - reach); c <= std::min(cols - 1, at.col + reach); ++c) {
+    for (int r = std::max(0, at.row - reach); r <= std::min(rows - 1, at.row + reach); ++r)
+      if (std::hypot(r - at.row, c - at.col) <= reach) cells[this->at(r, c)] = 1;
+  }
+}
+
 Cell Patch::cell(const Vec2& place) const {
   return {.row = std::clamp(static_cast<int>((place.y() - window.z_mm) / k_cell_mm), 0, rows - 1),
           .col = std::clamp(static_cast<int>((place.x() - window.s_mm) / k_cell_mm), 0, cols - 1)};

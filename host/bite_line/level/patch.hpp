@@ -70,6 +70,8 @@ struct Patch {
   }
   /// The cell that holds a place, or the nearest one.
   [[nodiscard]] Cell cell(const Vec2& place) const;
+  /// Sets what lies within a reach of a cell to 1, in a value per cell.
+  void mark_about(const Cell& at, double reach_mm, std::vector<std::uint8_t>& cells) const;
   [[nodiscard]] static float length_mm(GridStep step) {
     return static_cast<float>(k_cell_mm * std::hypot(step.cols, step.rows));
   }

@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "host/bite_line/layers/layers.hpp"
+#include "host/bite_line/level/branches.hpp"
 
 namespace biteline::bite_line {
 
@@ -65,13 +66,7 @@ class RivalWays {
   [[nodiscard]] float through(std::size_t cell) const { return ahead_.total[cell] + back_.total[cell]; }
 
   /// What lies about a cell needs no look of its own.
-  void take(const Cell& cell) {
-    const int reach = static_cast<int>(std::lround(config_.apart_mm / Patch::k_cell_mm));
-    for (int c = std::max(0, cell.col - reach); c <= std::min(patch_.cols - 1, cell.col + reach); ++c) {
-      for (int r = std::max(0, cell.row - reach); r <= std::min(patch_.rows - 1, cell.row + reach); ++r)
-        if (std::hypot(r - cell.row, c - cell.col) <= reach) taken_[patch_.at(r, c)] = 1;
-    }
-  }
+  void take(const Cell& cell) { patch_.mark_about(cell, config_.apart_mm, taken_); }
 
   /// The way's cell where a tree's way from a cell meets it; what lies before that goes to `apart`.
   std::size_t meets(const WayTree& tree, Towards towards, const Cell& from, std::vector<Cell>& apart) const {
@@ -122,16 +117,6 @@ class RivalWays {
   std::vector<std::uint8_t> taken_;  ///< per cell: on the way or on a rival that was looked at
   std::vector<std::size_t> open_;    ///< cells that show a crease, the cheapest way through them first
 };
-
-/// Gives each way to `hear` that is cheaper than `way` by more than the margin of a rival.
-template <class Hear>
-void tell_plainer(const Patch& patch, const StepCosts& bare_costs, const Way& way,
-                  const RivalWaysConfig& config, Hear&& hear) {
-  const Way bare{.cells = way.cells, .cost = cost_of(patch, bare_costs, way.cells)};
-  RivalWays{patch, bare_costs, bare, config}.tell([&](const RivalWay& rival) {
-    if (rival.margin < -LayersConfig{}.margin) hear(rival);
-  });
-}
 
 void doubt_stretch(std::size_t from, std::size_t to, double off_mm, WayDoubt& doubt) {
   const float unsure = LayersConfig{}.changed_hold;
@@ -242,10 +227,8 @@ WayDoubt doubt_way(const Patch& patch, const StepCosts& costs, const StepCosts& 
     if (rival.margin < (far_above ? config.least_far_margin : LayersConfig{}.margin))
       doubt_stretch(rival.first, rival.last + 1, rival.off_mm, doubt);
   });
-  tell_plainer(patch, bare_costs, way, config, [&](const RivalWay& rival) {
-    if (!rival.above && rival.off_mm >= config.far_mm)
-      doubt_stretch(rival.first, rival.last + 1, rival.off_mm, doubt);
-  });
+  for (const std::size_t i : branches(patch, bare_costs, places_of(patch, way), {}))
+    doubt_stretch(i, i + 1, config.far_mm, doubt);
   doubt_left_above(patch, costs, way, config, doubt);
   doubt_unseen(patch, way, config.most_unseen_mm, doubt);
   doubt_between(config.apart_mm, doubt);
@@ -254,8 +237,10 @@ WayDoubt doubt_way(const Patch& patch, const StepCosts& costs, const StepCosts& 
 
 bool leaves_plainer(const Patch& patch, const StepCosts& bare_costs, const Way& way,
                     const RivalWaysConfig& config) {
+  const Way bare{.cells = way.cells, .cost = cost_of(patch, bare_costs, way.cells)};
   bool leaves = false;
-  tell_plainer(patch, bare_costs, way, config, [&](const RivalWay&) { leaves = true; });
+  RivalWays{patch, bare_costs, bare, config}.tell(
+      [&](const RivalWay& rival) { leaves = leaves || rival.margin < -LayersConfig{}.margin; });
   return leaves;
 }
 

@@ -24,13 +24,13 @@ struct WayDoubt {
   std::vector<float> other_mm;
 };
 
-/// What speaks against the cheapest way `way`: rivals, a plainer way far below it, a plain crease all along
-/// above it, stretches that were not seen, and what lies between two stretches that are unsure.  Who leaves a
-/// crease and comes back to it does so at two places; the longest stretch between two is the line's.
+/// What speaks against the cheapest way `way`: rivals, places where it branches off a crease, a plain crease
+/// all along above it, stretches that were not seen, and what lies between two stretches that are unsure.
+/// Who leaves a crease and comes back to it does so at two places; the longest stretch between two is the
+/// line's.
 ///
 /// Rivals are told by the min-marginals of the graph: for each place, the cheapest way through it.
-/// `bare_costs`: the same, but nothing is made of a crease that is left above (StepCostConfig).  So is told
-/// what goes on below where a way climbs from a strong crease to a weak one, as to a toe cap's edge.
+/// `bare_costs`: the same, but nothing is made of a crease that is left above (StepCostConfig).
 [[nodiscard]] WayDoubt doubt_way(const Patch& patch, const StepCosts& costs, const StepCosts& bare_costs,
                                  const Way& way, const RivalWaysConfig& config);
 

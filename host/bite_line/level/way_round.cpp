@@ -93,7 +93,7 @@ Guide way_round(const Side& side, const Layers& layers, const WayRoundConfig& co
   if (way.cost > (thin ? config.most_thin_cost : config.most_cost) * turn_mm) return guide;
   reads.above_to_mm = 0;
   WayDoubt doubt = doubt_way(patch, costs, step_costs(patch, reads), way, {});
-  for (const Cell& at : way.cells) guide.places.push_back(patch.place(at.row, at.col));
+  guide.places = places_of(patch, way);
   while (guide.places.size() > 1 && guide.places.back().x() > s_mm + turn_mm - Patch::k_cell_mm / 2)
     guide.places.pop_back();
   guide.hold = std::move(doubt.hold);
