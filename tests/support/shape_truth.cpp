@@ -46,13 +46,13 @@ double step_at(const cloud::ClosedLine& line, std::size_t i) {
 
 }  // namespace
 
+bool is_flagged(const cloud::LinePoint& p) {
+  return !(p.confidence >= 0.5) || (p.u95_mm && !(*p.u95_mm <= 1.0)) || (p.flags & cloud::k_line_unsure) != 0;
+}
+
 LineOnShape line_on_shape(const cloud::ClosedLine& line, const cloud::ClosedLine& truth, double truth_mm) {
   constexpr double k_chord_mm = 3.0;
   constexpr std::size_t k_beside = 8;  // some 4 mm
-  const auto is_flagged = [](const cloud::LinePoint& p) {
-    return !(p.confidence >= 0.5) || (p.u95_mm && !(*p.u95_mm <= 1.0)) ||
-           (p.flags & cloud::k_line_unsure) != 0;
-  };
   LineOnShape on;
   if (line.points.empty()) return on;
   const auto count = static_cast<double>(line.points.size());

@@ -52,6 +52,9 @@ struct LineOnShape {
   double within_u95{0};            ///< share of the judged points: inside U95 and the truth's own error
 };
 
+/// Confidence below 0.5, or U95 above 1 mm.
+[[nodiscard]] bool is_flagged(const cloud::LinePoint& p);
+
 /// From the line's points to the truth's polyline.  Steps of more than 3 mm in the truth are chords where it
 /// is not known: what lies beside one is left out.  `truth_mm`: the truth's own error.
 [[nodiscard]] LineOnShape line_on_shape(const cloud::ClosedLine& line, const cloud::ClosedLine& truth,

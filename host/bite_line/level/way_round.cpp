@@ -67,38 +67,98 @@ double thin_share(const Patch& patch, const Way& way) {
   return seen_mm > 0 ? thin_mm / seen_mm : 0;
 }
 
+/// Once round the side from a place on.
+class Round {
+ public:
+  Round(const Side& side, const Layers& layers, const WayRoundConfig& config, const Vec2& begin)
+      : patch_{Patch::of(side, window(side, layers, config, begin), config.sigma_mm)},
+        costs_{costs(config, config.left_above_mm)},
+        bare_costs_{costs(config, 0)} {
+    const Cell from = patch_.cell(begin);
+    way_ = cheapest_way(patch_, costs_, from, {.row = from.row, .col = patch_.cols - 1});
+  }
+
+  /// Whether it begins and ends on a plain crease.
+  [[nodiscard]] bool begins_plain() const {
+    const auto beside = static_cast<std::size_t>(std::lround(k_beside_mm / Patch::k_cell_mm));
+    if (way_.cells.size() <= 2 * beside) return false;
+    double cost = 0;
+    for (std::size_t i = 1; i <= beside; ++i)
+      cost += cost_at(bare_costs_, i) + cost_at(bare_costs_, way_.cells.size() - i);
+    return cost <= 2 * static_cast<double>(beside) * k_plain_cost;
+  }
+
+  /// The middle of the way's longest stretch on a plain crease.
+  [[nodiscard]] Vec2 plainest_place() const {
+    std::size_t middle = 0;
+    for (std::size_t i = 1, run = 0, longest = 0; i < way_.cells.size(); ++i) {
+      run = cost_at(costs_, i) <= k_plain_cost ? run + 1 : 0;
+      if (run <= longest) continue;
+      longest = run;
+      middle = i - run / 2;
+    }
+    return patch_.place(way_.cells[middle].row, way_.cells[middle].col);
+  }
+
+  [[nodiscard]] Guide guide(const WayRoundConfig& config, double turn_mm) const {
+    Guide guide;
+    const bool thin = thin_share(patch_, way_) >= config.least_thin_share;
+    if (way_.cost > (thin ? config.most_thin_cost : config.most_cost) * turn_mm) return guide;
+    WayDoubt doubt = doubt_way(patch_, costs_, bare_costs_, way_, {});
+    guide.places = places_of(patch_, way_);
+    const double begin_mm = guide.places.front().x();
+    while (guide.places.size() > 1 && guide.places.back().x() > begin_mm + turn_mm - Patch::k_cell_mm / 2)
+      guide.places.pop_back();
+    guide.hold = std::move(doubt.hold);
+    guide.other_mm = std::move(doubt.other_mm);
+    return guide;
+  }
+
+ private:
+  static constexpr double k_plain_cost = 0.15;
+  static constexpr double k_beside_mm = 10.0;
+
+  /// Of the step that leads to the way's cell `i`, per millimetre.
+  [[nodiscard]] double cost_at(const StepCosts& costs, std::size_t i) const {
+    const Cell& at = way_.cells[i];
+    return static_cast<double>(costs[step_between(way_.cells[i - 1], at)][patch_.at(at.row, at.col)]);
+  }
+
+  /// The middle of its first column is where the way begins, that of its last one is a whole turn on.
+  static Window window(const Side& side, const Layers& layers, const WayRoundConfig& config,
+                       const Vec2& begin) {
+    const SideGrid& grid = side.field.grid;
+    const double top_mm = grid.z_mm(*std::ranges::max_element(layers.line.row)) + config.above_mm;
+    return {.s_mm = begin.x() - Patch::k_cell_mm / 2,
+            .length_mm = side.outline.length_mm() + Patch::k_cell_mm,
+            .z_mm = grid.z_low_mm,
+            .height_mm = top_mm - grid.z_low_mm};
+  }
+
+  [[nodiscard]] StepCosts costs(const WayRoundConfig& config, double above_to_mm) const {
+    return step_costs(patch_,
+                      {.flank_mm = config.flank_mm, .rim_rad = config.rim_rad, .above_to_mm = above_to_mm});
+  }
+
+  Patch patch_;
+  StepCosts costs_, bare_costs_;  ///< as doubt_way() has them
+  Way way_;
+};
+
 }  // namespace
 
 Guide way_round(const Side& side, const Layers& layers, const WayRoundConfig& config) {
   const SideGrid& grid = side.field.grid;
-  const double turn_mm = side.outline.length_mm();
   const std::optional<std::size_t> col = surest_col(layers);
   if (!col) return {};
-  const double s_mm = (static_cast<double>(*col) + 0.5) * grid.col_mm;
-  const double top_mm = grid.z_mm(*std::ranges::max_element(layers.line.row)) + config.above_mm;
-  // The middle of its first column is where the way begins, that of its last one is a whole turn on.
-  const Patch patch = Patch::of(side,
-                                {.s_mm = s_mm - Patch::k_cell_mm / 2,
-                                 .length_mm = turn_mm + Patch::k_cell_mm,
-                                 .z_mm = grid.z_low_mm,
-                                 .height_mm = top_mm - grid.z_low_mm},
-                                config.sigma_mm);
-  const Cell begin = patch.cell({s_mm, grid.z_mm(layers.line.row[*col])});
-  StepCostConfig reads{
-      .flank_mm = config.flank_mm, .rim_rad = config.rim_rad, .above_to_mm = config.left_above_mm};
-  const StepCosts costs = step_costs(patch, reads);
-  const Way way = cheapest_way(patch, costs, begin, {.row = begin.row, .col = patch.cols - 1});
-  Guide guide;
-  const bool thin = thin_share(patch, way) >= config.least_thin_share;
-  if (way.cost > (thin ? config.most_thin_cost : config.most_cost) * turn_mm) return guide;
-  reads.above_to_mm = 0;
-  WayDoubt doubt = doubt_way(patch, costs, step_costs(patch, reads), way, {});
-  guide.places = places_of(patch, way);
-  while (guide.places.size() > 1 && guide.places.back().x() > s_mm + turn_mm - Patch::k_cell_mm / 2)
-    guide.places.pop_back();
-  guide.hold = std::move(doubt.hold);
-  guide.other_mm = std::move(doubt.other_mm);
-  return guide;
+  const Vec2 begin{(static_cast<double>(*col) + 0.5) * grid.col_mm, grid.z_mm(layers.line.row[*col])};
+  const double turn_mm = side.outline.length_mm();
+  const Round round{side, layers, config, begin};
+  if (round.begins_plain()) return round.guide(config, turn_mm);
+  // The course lies on another crease there.  Where the way is plainest it does not.
+  Vec2 plainest = round.plainest_place();
+  plainest.x() -= turn_mm * std::floor(plainest.x() / turn_mm);
+  return Round{side, layers, config, plainest}.guide(config, turn_mm);
 }
 
 }  // namespace biteline::bite_line

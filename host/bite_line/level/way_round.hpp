@@ -26,8 +26,9 @@ struct WayRoundConfig {
   double left_above_mm{35};  ///< a guard's edge is left above from so far below
 };
 
-/// The cheapest closed way, from the middle of the course's longest stretch on a plain crease once round, and
-/// what speaks against it.  Empty where it costs too much.
+/// The cheapest closed way, and what speaks against it.  Empty where it costs too much.  It begins in the
+/// middle of the course's longest stretch on a plain crease; where it leaves that at once, in that of its
+/// own.
 [[nodiscard]] Guide way_round(const Side& side, const Layers& layers, const WayRoundConfig& config);
 
 }  // namespace biteline::bite_line
