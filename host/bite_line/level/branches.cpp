@@ -21,11 +21,12 @@ class BranchLook {
     for (const Vec2& place : way) patch.mark_about(patch.cell(place), config.apart_mm, near_way_);
   }
 
-  [[nodiscard]] bool branches(std::size_t i) const {
+  void look_at(std::size_t i, Branches& found) const {
     const std::optional<Vec2> before = towards(i, -1), behind = towards(i, 1);
-    if (!before || !behind) return false;
-    if (std::acos(std::clamp(-before->dot(*behind), -1.0, 1.0)) < config_.least_turn_rad) return false;
-    return goes_on(places_[i], -*before, -*before) || goes_on(places_[i], -*behind, *behind);
+    if (!before || !behind) return;
+    if (std::acos(std::clamp(-before->dot(*behind), -1.0, 1.0)) < config_.least_turn_rad) return;
+    if (goes_on(places_[i], -*before, -*before)) found.off.push_back(i);
+    if (goes_on(places_[i], -*behind, *behind)) found.onto.push_back(i);
   }
 
  private:
@@ -77,13 +78,12 @@ class BranchLook {
 
 }  // namespace
 
-std::vector<std::size_t> branches(const Patch& patch, const StepCosts& bare_costs, std::span<const Vec2> way,
-                                  const BranchConfig& config) {
+Branches branches(const Patch& patch, const StepCosts& bare_costs, std::span<const Vec2> way,
+                  const BranchConfig& config) {
   const BranchLook look{patch, bare_costs, way, config};
-  std::vector<std::size_t> at;
-  for (std::size_t i = 0; i < way.size(); ++i)
-    if (look.branches(i)) at.push_back(i);
-  return at;
+  Branches found;
+  for (std::size_t i = 0; i < way.size(); ++i) look.look_at(i, found);
+  return found;
 }
 
 }  // namespace biteline::bite_line

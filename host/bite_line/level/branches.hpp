@@ -22,10 +22,20 @@ struct BranchConfig {
   double apart_mm{2.5};  ///< what is nearer to the way is the way's own
 };
 
-/// Indices of the places (s, z) of a way where it turns, and a plain crease goes straight on without it, or
-/// comes straight from behind.  Creases of a shoe lie one over the other and do not branch: there the way
-/// changes from one to another.  `bare_costs` as doubt_way() has them.
-[[nodiscard]] std::vector<std::size_t> branches(const Patch& patch, const StepCosts& bare_costs,
-                                                std::span<const Vec2> way, const BranchConfig& config);
+/// Indices of a way's places.
+struct Branches {
+  std::vector<std::size_t> onto;  ///< a crease that comes straight from behind
+  std::vector<std::size_t> off;   ///< one that goes straight on
+
+  /// Whether the way keeps to a crease that goes on beyond it at both ends.
+  [[nodiscard]] bool lie_on_another() const {
+    return !onto.empty() && !off.empty() && onto.front() < off.back();
+  }
+};
+
+/// Where a way over places (s, z) turns onto a plain crease, and off it.  Creases of a shoe lie one over the
+/// other and do not branch: there the way changes from one to another.  `bare_costs` as doubt_way() has them.
+[[nodiscard]] Branches branches(const Patch& patch, const StepCosts& bare_costs, std::span<const Vec2> way,
+                                const BranchConfig& config);
 
 }  // namespace biteline::bite_line

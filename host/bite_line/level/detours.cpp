@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "host/bite_line/level/branches.hpp"
 #include "host/bite_line/level/cheapest_way.hpp"
 #include "host/bite_line/level/course_gaps.hpp"
 #include "host/bite_line/level/patch.hpp"
@@ -130,9 +131,11 @@ class GapLook {
     const bool far = off_mm >= config_.far_mm;
     if (!far && way.cost / (to_mm_ - from_mm_) > config_.most_near_cost) return false;
     const Way next = cheapest_way(patch_, costs_, from, to, about(patch_, way, config_.apart_mm));
-    return margin_of(next.cost - way.cost, length_mm_) >
-               (far ? config_.least_far_margin : config_.least_near_margin) &&
-           !leaves_plainer(patch_, step_costs(patch_, {.above_to_mm = 0}), way, {});
+    const double least_margin = far ? config_.least_far_margin : config_.least_near_margin;
+    if (margin_of(next.cost - way.cost, length_mm_) <= least_margin) return false;
+    const StepCosts bare_costs = step_costs(patch_, {.above_to_mm = 0});
+    return !leaves_plainer(patch_, bare_costs, way, {}) &&
+           !branches(patch_, bare_costs, places_of(patch_, way), {}).lie_on_another();
   }
 
   const CourseOverS& course_;

@@ -227,8 +227,9 @@ WayDoubt doubt_way(const Patch& patch, const StepCosts& costs, const StepCosts& 
     if (rival.margin < (far_above ? config.least_far_margin : LayersConfig{}.margin))
       doubt_stretch(rival.first, rival.last + 1, rival.off_mm, doubt);
   });
-  for (const std::size_t i : branches(patch, bare_costs, places_of(patch, way), {}))
-    doubt_stretch(i, i + 1, config.far_mm, doubt);
+  const Branches found = branches(patch, bare_costs, places_of(patch, way), {});
+  for (const std::vector<std::size_t>* at : {&found.onto, &found.off})
+    for (const std::size_t i : *at) doubt_stretch(i, i + 1, config.far_mm, doubt);
   doubt_left_above(patch, costs, way, config, doubt);
   doubt_unseen(patch, way, config.most_unseen_mm, doubt);
   doubt_between(config.apart_mm, doubt);

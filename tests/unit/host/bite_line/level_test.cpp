@@ -152,7 +152,7 @@ TEST(Level, ARivalFarAboveAWayNeedsAWiderMargin) {
 
 TEST(Level, AWayBranchesWhereItTurnsOffACreaseThatGoesStraightOn) {
   // A way along row 30 climbs by 45 degrees to row 50; of the level creases on these two rows some is there.
-  constexpr int k_low = 30, k_high = 50, k_climb = 20;
+  constexpr int k_low = 30, k_high = 50, k_climb = 20, k_up = 40, k_last = 80;
   const auto branches = [](int low_to, int high_from) {
     const Patch patch = blank();
     bite_line::StepCosts costs;
@@ -164,19 +164,27 @@ TEST(Level, AWayBranchesWhereItTurnsOffACreaseThatGoesStraightOn) {
     std::vector<Vec2> way;
     for (int col = 0; col < patch.cols; ++col)
       way.push_back(patch.place(k_low + std::clamp(col - k_climb, 0, k_high - k_low), col));
-    std::vector<int> cols;
-    for (const std::size_t i : bite_line::branches(patch, costs, way, {}))
-      cols.push_back(static_cast<int>(i));
-    return cols;
+    return bite_line::branches(patch, costs, way, {});
   };
-  constexpr int k_last = 80;
-  CHECK_TEXT(branches(k_climb, k_climb + 20).empty(), "both end where the way turns");
-  const std::vector<int> off = branches(k_last, k_climb + 20);
-  CHECK(!off.empty() && off.front() <= k_climb && off.back() >= k_climb);
-  CHECK_TEXT(off.back() < k_climb + 12, "only there");
-  CHECK_TEXT(branches(k_climb + 20, k_climb + 20).empty(), "it fades 10 mm on");
-  const std::vector<int> onto = branches(k_climb, 0);
-  CHECK(!onto.empty() && onto.front() <= k_climb + 20 && onto.back() >= k_climb + 20);
+  const bite_line::Branches both_end = branches(k_climb, k_up);
+  CHECK_TEXT(both_end.onto.empty() && both_end.off.empty(), "both creases end where the way turns");
+  const bite_line::Branches goes_on = branches(k_last, k_up);
+  CHECK(goes_on.onto.empty() && !goes_on.off.empty());
+  const auto is_about = [](const std::vector<std::size_t>& at, std::size_t col) {
+    constexpr std::size_t k_lever = 12;
+    return at.front() <= col && at.back() >= col && at.back() < col + k_lever;
+  };
+  CHECK(is_about(goes_on.off, k_climb));
+  CHECK_TEXT(branches(k_up, k_up).off.empty(), "it fades 10 mm on");
+  const bite_line::Branches comes = branches(k_climb, 0);
+  CHECK(comes.off.empty() && !comes.onto.empty());
+  CHECK(is_about(comes.onto, k_up));
+  CHECK_FALSE(goes_on.lie_on_another() || comes.lie_on_another() || branches(k_last, 0).lie_on_another());
+}
+
+TEST(Level, AWayThatTurnsOntoACreaseAndOffItLiesOnAnother) {
+  CHECK((bite_line::Branches{.onto = {40}, .off = {90}}.lie_on_another()));
+  CHECK_FALSE((bite_line::Branches{.onto = {90}, .off = {40}}.lie_on_another()));
 }
 
 TEST(Level, WhatLiesBetweenTwoUnsureStretchesIsUnsure) {
@@ -437,7 +445,7 @@ TEST(Level, ACourseThatComesBackFarFromWhereItLeftItsCreaseIsLookedAtAsAWhole) {
 
 TEST(Level, ACapsEdgeAboveAGuardIsNotTheLine) {
   // They were wrong without a word, over 48 to 192 mm.
-  CHECK(worst_of({{992, 119}, {3015, 20}, {3015, 289}, {3020, 168}}) != Judged::Wrong);
+  CHECK(worst_of({{992, 119}, {3015, 20}, {3015, 289}, {3020, 168}, {3021, 3}}) != Judged::Wrong);
 }
 
 TEST(Level, AGrooveBelowAGuardThatGoesOnBesideTheLineIsNotTheLine) {
