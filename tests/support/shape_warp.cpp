@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 #include <random>
-#include <cstdlib>
 
 namespace biteline::test {
 
@@ -35,8 +34,6 @@ ShapeWarp ShapeWarp::drawn(std::uint32_t seed) {
     warp.sector_rad = between(0.05, 0.25);
     warp.sector_at_rad = between(0, k_turn_rad);
   }
-  if (getenv("W_NONOISE")) warp.noise_mm = 0; if (getenv("W_KEEP")) warp.kept_share = 1; if (getenv("W_NOGAP")) warp.sector_rad = 0; if (getenv("W_NOBEND")) {warp.scale = {1,1,1}; warp.spring_mm=warp.curve_mm=0;}
-  if (getenv("W_NOTILT")) warp.tilt_rad = 0; if (getenv("W_NOYAW")) warp.yaw_rad = 0; if (getenv("W_NOMIRROR")) warp.mirrored = false;
   return warp;
 }
 
