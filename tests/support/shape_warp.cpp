@@ -37,6 +37,10 @@ ShapeWarp ShapeWarp::drawn(std::uint32_t seed) {
   return warp;
 }
 
+ShapeWarp ShapeWarp::rigid() const {
+  return {.yaw_rad = yaw_rad, .tilt_rad = tilt_rad, .tilt_to_rad = tilt_to_rad, .mirrored = mirrored};
+}
+
 Vec3 ShapeWarp::place(const Vec3& at) const {
   const double along = k_turn_rad * at.x() / wave_mm;
   Vec3 to = scale.cwiseProduct(at);
@@ -59,7 +63,7 @@ cloud::PointCloud ShapeWarp::cloud(const cloud::PointCloud& of) const {
     const Vec3 at = of.points[i].cast<double>();
     const double from = std::atan2(at.y() - middle.y(), at.x() - middle.x()) - sector_at_rad;
     const bool hidden = from - k_turn_rad * std::floor(from / k_turn_rad) < sector_rad;
-    if (hidden || !kept(random)) continue;
+    if (hidden || (kept_share < 1 && !kept(random))) continue;
     Vec3 moved = place(at);
     if (noise_mm > 0) moved += Vec3{noise(random), noise(random), noise(random)};
     to.points.push_back(moved.cast<float>());

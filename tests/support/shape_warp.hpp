@@ -25,6 +25,8 @@ struct ShapeWarp {
 
   /// One of many that a shoe's shape may have: lengths by 15 %, heights by 20 %, bends by 5 mm.
   static ShapeWarp drawn(std::uint32_t seed);
+  /// Turned, tilted and mirrored alike; all else as it is.
+  [[nodiscard]] ShapeWarp rigid() const;
 
   [[nodiscard]] Vec3 place(const Vec3& at) const;
   /// Points' order and profiles are those of the cloud; none where it is mirrored.

@@ -2,7 +2,8 @@
 // The line on shapes that nobody here designed: right, flagged, refused or wrong, as they are and turned,
 // tilted, mirrored, noisier.
 //
-// Where no truth is known, the sure part of the line on the shape as it is, which was looked at, is all others'.
+// Where no truth is known, the sure part of the line on the shape as it is, which was looked at, is all
+// others'.
 // --points: one row for each placed station, written or refused: where it is, what its confidence is made of,
 // and how far off the known line.
 #include <algorithm>
@@ -74,7 +75,7 @@ void write_paths(std::FILE* out, const std::string& name, const Variant& variant
 
 /// What is asked for.
 struct Options {
-  bool variants{false};
+  bool variants{false}, rigid{false};
   std::uint32_t first_warp{0}, warps{0};
   std::string only{};
   bool published{false};
@@ -148,8 +149,11 @@ void run_all(const Options& options, const std::string& name, const cloud::Point
              const test::ShapeTruth& truth, const Files& files) {
   std::vector<Variant> others;
   if (options.variants) others = variants();
-  for (std::uint32_t seed = options.first_warp; seed < options.first_warp + options.warps; ++seed)
-    others.push_back({"warp " + std::to_string(seed), test::ShapeWarp::drawn(seed)});
+  for (std::uint32_t seed = options.first_warp; seed < options.first_warp + options.warps; ++seed) {
+    const test::ShapeWarp warp = test::ShapeWarp::drawn(seed);
+    others.push_back(
+        {(options.rigid ? "moved " : "warp ") + std::to_string(seed), options.rigid ? warp.rigid() : warp});
+  }
   const Variant itself{"as it is", {}};
   test::ShapeTruth known = truth;
   cloud::ClosedLine own_line = run(name, cloud, truth, itself, false, files);
@@ -189,6 +193,7 @@ int main(int argc, char** argv) {
   command.add_option("--warps", asked.warps, "so many others of each: stretched, bent, thinned, with gaps");
   command.add_option("--first", asked.first_warp, "the first of these")->capture_default_str();
   command.add_option("--only", asked.only, "shapes whose name begins so");
+  command.add_flag("--rigid", asked.rigid, "these are turned, tilted and mirrored alone");
   command.add_flag("--published", asked.published, "the published method beside it");
   command.add_option("--save", asked.save, "clouds and known lines go to this folder");
   command.add_option("--points", asked.points, "a row for each placed station goes there");
