@@ -9,7 +9,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include "host/geometry/closed_curve.hpp"
 #include "host/geometry/logistic.hpp"
 
 namespace biteline::bite_line {
@@ -156,12 +155,9 @@ Layers find_layers(const SideField& field, const FirstLook& look, const LayersCo
   }
   layers.others = other_creases(field, course.row, layer_changes(field, course.row, config.change),
                                 config.change, course.branches);
-  // A change is told by its middle: so far beside that the course is on neither crease.
-  const int beside = static_cast<int>(std::lround(config.change.half_mm / grid.col_mm));
   for (const OtherCrease& other : layers.others) {
-    for (int k = -beside; k <= other.cols + beside; ++k) {
-      const std::size_t col =
-          geometry::round_index(0, other.first_col + k, static_cast<std::size_t>(grid.cols));
+    for (int k = 0; k <= other.cols; ++k) {
+      const auto col = static_cast<std::size_t>((other.first_col + k) % grid.cols);
       const auto off_mm = static_cast<float>(other.off_mm);
       const bool doubted = layers.hold[col] <= config.changed_hold;
       layers.other_mm[col] = doubted ? std::max(layers.other_mm[col], off_mm) : off_mm;
