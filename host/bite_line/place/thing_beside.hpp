@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Where the line runs round something that stands beside the shoe: a pin, a clamp, a cable.
+/// \file Where the line leaves a shoe's outline: round a pin, a clamp, a cable; or into a gap of the scan.
 
 #include <vector>
 
@@ -27,6 +27,13 @@ struct ThingConfig {
 };
 
 /// Lowers `hold` of the stations round such a thing, and sets `other_mm` to how far it stands out.
+/// Where a sector was not seen on a slant, the line may follow its rim inwards and come back:
+///
+///  ___     ___  the line
+///     \  /
+///      \/      a hollow corner between two that turn outwards
+///
+/// Such stations are as unsure.
 /// `stations`: closed, anticlockwise, `station_mm` apart.
 void doubt_things_beside(double station_mm, std::vector<PlacedStation>& stations,
                          const ThingConfig& config = {});

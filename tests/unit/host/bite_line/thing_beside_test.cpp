@@ -52,6 +52,19 @@ TEST(ThingBeside, AWaistThatGoesInIsNone) {
   for (const PlacedStation& station : sut) DOUBLES_EQUAL(1, station.hold, 0);
 }
 
+TEST(ThingBeside, ALineThatFollowsTheRimOfAGapInwardsIsUnsureThere) {
+  // 15 mm in and back over 28 mm, as on a shoe of which a sector was not seen on a slant.
+  const auto bay = [](double s_mm) { return -15 * std::max(0.0, 1 - std::abs(s_mm - 150) / 14); };
+  std::vector<PlacedStation> sut = oval(bay);
+  doubt_things_beside(k_station_mm, sut);
+  for (std::size_t i = 0; i < sut.size(); ++i) {
+    const double s_mm = k_station_mm * static_cast<double>(i);
+    if (bay(s_mm) < 0) CHECK(sut[i].hold < 0.5);
+    if (std::abs(s_mm - 150) > 25) DOUBLES_EQUAL(1, sut[i].hold, 0);
+    CHECK_FALSE(sut[i].thing_beside);
+  }
+}
+
 TEST(ThingBeside, APinBesideTheShoeMakesTheLineRoundItUnsure) {
   std::vector<PlacedStation> sut = oval(pin);
   doubt_things_beside(k_station_mm, sut);
