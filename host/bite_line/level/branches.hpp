@@ -18,8 +18,8 @@ struct BranchConfig {
   double from_mm{4}, to_mm{20};  ///< where the crease is looked for, straight on
   double beside_mm{1};           ///< it may lie so far beside that, and 0.1 of how far on
   double least_share{0.8};       ///< of that length that shows it
-  float plain_cost{0.15F};
-  double apart_mm{2.5};  ///< what is nearer to the way is the way's own
+  float plain_cost{0.15F};       ///< of a step on it, at most, per millimetre
+  double apart_mm{2.5};          ///< what is nearer to the way is the way's own
 };
 
 /// Indices of a way's places.
