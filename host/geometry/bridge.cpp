@@ -19,14 +19,15 @@ Value hermite(const Value& p0, const Value& d0, const Value& p1, const Value& d1
   return (2 * u3 - 3 * u2 + 1) * p0 + (u3 - 2 * u2 + u) * d0 + (3 * u2 - 2 * u3) * p1 + (u3 - u2) * d1;
 }
 
-/// Slope per station, by least squares over the known stations from `at` on in steps of `away` (+1 or -1).
+/// Slope per station, by least squares over what is known of the stations from `at` on in steps of `away` (+1
+/// or -1).
 double slope_at(std::span<const double> values, std::span<const std::uint8_t> known, std::size_t at, int away,
                 std::size_t lever) {
   LineSums sums;
   for (std::size_t k = 0; k <= lever; ++k) {
     const auto x = static_cast<std::ptrdiff_t>(k) * away;
     const std::size_t i = round_index(at, x, values.size());
-    if (known[i] == 0) break;
+    if (known[i] == 0) continue;
     sums.add(static_cast<double>(x), values[i]);
   }
   return sums.count() < 4 ? 0.0 : sums.slope().value_or(0.0);

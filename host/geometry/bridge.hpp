@@ -32,7 +32,7 @@ void bridge_straight(std::vector<double>& values, std::span<const std::uint8_t> 
 void bridge_means(std::vector<double>& values, std::span<const std::uint8_t> known, double station_mm,
                   double ends_mm);
 
-/// Cubics that leave both ends with the slope of the last `lever_mm` before them.
+/// Cubics that leave both ends with the slope of what is known of the last `lever_mm` before them.
 void bridge_smooth(std::vector<double>& values, std::span<const std::uint8_t> known, double station_mm,
                    double lever_mm);
 

@@ -9,8 +9,8 @@ namespace biteline::bite_line {
 
 namespace {
 
-std::size_t lever_steps(double station_mm) {
-  return static_cast<std::size_t>(std::lround(geometry::k_end_lever_mm / station_mm));
+std::size_t lever_steps(double station_mm, double lever_mm) {
+  return static_cast<std::size_t>(std::lround(lever_mm / station_mm));
 }
 
 /// RMS of `off_mm(trial, share)` over gaps of the same length that lie, with `beside` on both sides, where
@@ -52,27 +52,61 @@ bool is_long(const geometry::Gap& gap, double station_mm) {
   return static_cast<double>(gap.steps) * station_mm >= k_long_mm;
 }
 
-bool firm_ends(std::span<const std::uint8_t> known, const geometry::Gap& gap, double station_mm) {
+std::vector<std::uint8_t> known_but_for_short(std::span<const std::uint8_t> known, double station_mm) {
+  std::vector<std::uint8_t> nearly(known.begin(), known.end());
+  for (const geometry::Gap& gap : geometry::gaps_of(known)) {
+    if (is_long(gap, station_mm)) continue;
+    for (std::size_t k = 1; k < gap.steps; ++k) nearly[(gap.first + k) % nearly.size()] = 1;
+  }
+  return nearly;
+}
+
+bool firm_ends(std::span<const std::uint8_t> known, const geometry::Gap& gap, double station_mm,
+               double lever_mm) {
   const std::size_t count = known.size();
-  for (std::size_t k = 0; k <= 2 * lever_steps(station_mm); ++k) {
-    if (known[(gap.first + count - k % count) % count] == 0) return false;
+  const std::size_t reach = 2 * lever_steps(station_mm, lever_mm);
+  if (gap.steps + 2 * reach >= count) return false;
+  for (std::size_t k = 0; k <= reach; ++k) {
+    if (known[(gap.first + count - k) % count] == 0) return false;
     if (known[(gap.first + gap.steps + k) % count] == 0) return false;
   }
   return true;
 }
 
-geometry::Arc gap_arc(std::span<const Vec2> plan, const geometry::Gap& gap, double station_mm) {
+geometry::Arc gap_arc(std::span<const Vec2> plan, const geometry::Gap& gap, double station_mm,
+                      double lever_mm) {
   const std::size_t count = plan.size();
-  const std::size_t lever = lever_steps(station_mm);
+  const std::size_t lever = lever_steps(station_mm, lever_mm);
   const std::size_t end = (gap.first + gap.steps) % count;
   const auto level = [&](std::size_t at) { return Vec3{plan[at].x(), plan[at].y(), 0}; };
-  const auto back = [&](std::size_t k) { return level((gap.first + count - k) % count); };
+  const auto back = [&](std::size_t k) { return level((gap.first + count - k % count) % count); };
   const auto ahead = [&](std::size_t k) { return level((end + k) % count); };
   return {
       .p0 = back(0),
       .d0 = geometry::CurveEnd{.end = back(0), .near = back(lever), .far = back(2 * lever)}.direction(),
       .p1 = ahead(0),
       .d1 = -geometry::CurveEnd{.end = ahead(0), .near = ahead(lever), .far = ahead(2 * lever)}.direction()};
+}
+
+PlanBridge plan_bridge(std::span<const Vec2> plan, std::span<const std::uint8_t> known,
+                       const geometry::Gap& gap, const Outline& outline, double station_mm) {
+  if (firm_ends(known, gap, station_mm)) {
+    constexpr double k_long_lever_mm = 2 * geometry::k_end_lever_mm;
+    const bool firm_far = firm_ends(known, gap, station_mm, k_long_lever_mm);
+    const geometry::Arc one = gap_arc(plan, gap, station_mm);
+    return {.one = one, .other = firm_far ? gap_arc(plan, gap, station_mm, k_long_lever_mm) : one};
+  }
+  const std::size_t end = (gap.first + gap.steps) % plan.size();
+  const auto level = [](const Vec2& place) { return Vec3{place.x(), place.y(), 0}; };
+  const auto along = [&](std::size_t at) {
+    const Vec2 normal = outline.normal(static_cast<double>(at) * station_mm);
+    return Vec3{-normal.y(), normal.x(), 0};
+  };
+  const Vec3 first = level(plan[gap.first]);
+  const Vec3 last = level(plan[end]);
+  return {.one = {.p0 = first, .d0 = last - first, .p1 = last, .d1 = last - first},
+          .other = {.p0 = first, .d0 = along(gap.first), .p1 = last, .d1 = along(end)},
+          .firm = false};
 }
 
 double TriedBridge::at(double share) const {
@@ -91,7 +125,7 @@ TriedBridge tried_plan(std::span<const Vec2> plan, std::span<const std::uint8_t>
       nearest2 = std::min(nearest2, (plan[(trial.first + k) % plan.size()] - place).squaredNorm());
     return std::sqrt(nearest2);
   };
-  return tried(known, gap, 2 * lever_steps(station_mm), station_mm, off_mm);
+  return tried(known, gap, 2 * lever_steps(station_mm, geometry::k_end_lever_mm), station_mm, off_mm);
 }
 
 TriedBridge tried_height(std::span<const double> z_mm, std::span<const std::uint8_t> known,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/geometry/se3.hpp"
+#include "host/bite_line/shoe/plan.hpp"
 #include "host/geometry/bridge.hpp"
 
 namespace biteline::bite_line {
@@ -19,11 +20,32 @@ inline constexpr double k_height_lever_mm = 10.0;
 /// Shorter ones are off by less than the scatter beside them.
 [[nodiscard]] bool is_long(const geometry::Gap& gap, double station_mm);
 
-/// The arc over a gap of a closed plan that leaves both ends in their own directions; level, z = 0.
-[[nodiscard]] geometry::Arc gap_arc(std::span<const Vec2> plan, const geometry::Gap& gap, double station_mm);
+/// Short gaps count as known: over a few millimetres the outline itself, along which they are bridged, tells
+/// the direction.
+[[nodiscard]] std::vector<std::uint8_t> known_but_for_short(std::span<const std::uint8_t> known,
+                                                            double station_mm);
 /// Both ends of the gap are known over the whole lever of their directions.
-[[nodiscard]] bool firm_ends(std::span<const std::uint8_t> known, const geometry::Gap& gap,
-                             double station_mm);
+[[nodiscard]] bool firm_ends(std::span<const std::uint8_t> known, const geometry::Gap& gap, double station_mm,
+                             double lever_mm = geometry::k_end_lever_mm);
+/// The arc over a gap of a closed plan that leaves both ends in their own directions; level, z = 0.
+[[nodiscard]] geometry::Arc gap_arc(std::span<const Vec2> plan, const geometry::Gap& gap, double station_mm,
+                                    double lever_mm = geometry::k_end_lever_mm);
+
+/// Over one gap of a closed plan: midway between two arcs that its ends allow.
+struct PlanBridge {
+  geometry::Arc one, other;
+  bool firm{true};  ///< or of an end no direction is known
+
+  [[nodiscard]] Vec2 at(double share) const { return (0.5 * (one.at(share) + other.at(share))).head<2>(); }
+  /// Standard deviation of the middle of two that are as good as each other, mm.
+  [[nodiscard]] double off_mm(double share) const { return 0.5 * (one.at(share) - other.at(share)).norm(); }
+  [[nodiscard]] double turn_rad() const { return firm ? one.turn_rad() : other.turn_rad(); }
+};
+/// The ends' directions are read over one lever and over two: where a seam or a joint lies right beside the
+/// gap, these differ.  Of an end that is not firm `outline`, whose stations the plan has, tells a direction:
+/// then midway between that arc and the chord.  `known`: but for short gaps.
+[[nodiscard]] PlanBridge plan_bridge(std::span<const Vec2> plan, std::span<const std::uint8_t> known,
+                                     const geometry::Gap& gap, const Outline& outline, double station_mm);
 
 /// What a gap hides is not known, but how this line bends elsewhere is: gaps of the same length are made
 /// where the line was seen, all the way round, and bridged in the same way.  What those bridges are off by.

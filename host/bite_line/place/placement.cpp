@@ -55,6 +55,7 @@ struct Plan {
   std::vector<Vec2> places;
   std::vector<double> corner_mm;  ///< how far another course could lie out or in, see PlacedStation
   std::vector<double> tried_mm;   ///< what such a bridge is off by on this line, at that place; 0 where known
+  std::vector<double> off_mm;     ///< how far off it may be as its own ends tell
 };
 
 double beyond_chord_mm(const Vec2& from, const Vec2& chord, const Vec2& place) {
@@ -67,28 +68,22 @@ double beyond_chord_mm(const Vec2& from, const Vec2& chord, const Vec2& place) {
 Plan plan_of(const Outline& outline, std::span<const double> o, std::span<const std::uint8_t> known,
              double station_mm) {
   const std::size_t count = o.size();
-  Plan made{std::vector<Vec2>(count), std::vector<double>(count, 0.0), std::vector<double>(count, 0.0)};
+  const std::vector<double> none(count, 0.0);
+  Plan made{.places = std::vector<Vec2>(count), .corner_mm = none, .tried_mm = none, .off_mm = none};
   std::vector<Vec2>& plan = made.places;
   for (std::size_t i = 0; i < count; ++i) {
     const double s = static_cast<double>(i) * station_mm;
     plan[i] = outline.point(s) + o[i] * outline.normal(s);
   }
   const std::vector<Vec2> seen = plan;
+  const std::vector<std::uint8_t> nearly_known = known_but_for_short(known, station_mm);
   for (const geometry::Gap& gap : geometry::gaps_of(known)) {
     const std::size_t end = (gap.first + gap.steps) % count;
-    const bool firm = firm_ends(known, gap, station_mm);
+    const PlanBridge bridge = plan_bridge(seen, nearly_known, gap, outline, station_mm);
     const Vec2 chord = seen[end] - seen[gap.first];
-    const Vec3 straight{chord.x(), chord.y(), 0};
-    const geometry::Arc arc = firm ? gap_arc(seen, gap, station_mm)
-                                   : geometry::Arc{.p0 = {seen[gap.first].x(), seen[gap.first].y(), 0},
-                                                   .d0 = straight,
-                                                   .p1 = {seen[end].x(), seen[end].y(), 0},
-                                                   .d1 = straight};
-    const auto normal = [&](std::size_t at) { return outline.normal(static_cast<double>(at) * station_mm); };
-    const double turn_rad =
-        firm ? arc.turn_rad() : std::acos(std::clamp(normal(gap.first).dot(normal(end)), -1.0, 1.0));
+    const double turn_rad = bridge.turn_rad();
     const auto corner_mm = [&](double share) {
-      if (firm) return geometry::corner_beyond_arc_mm(chord.norm(), turn_rad) * gap_swell(share);
+      if (bridge.firm) return geometry::corner_beyond_arc_mm(chord.norm(), turn_rad) * gap_swell(share);
       // Of an end that is not firm no direction is known: the line may leave the chord at once.
       return geometry::corner_beyond_chord_mm(chord.norm(), turn_rad) * 2 * std::min(share, 1 - share);
     };
@@ -97,9 +92,10 @@ Plan plan_of(const Outline& outline, std::span<const double> o, std::span<const 
     for (std::size_t k = 1; k < gap.steps; ++k) {
       const std::size_t at = (gap.first + k) % count;
       const double share = static_cast<double>(k) / static_cast<double>(gap.steps);
-      plan[at] = arc.at(share).head<2>();
+      plan[at] = bridge.at(share);
       made.corner_mm[at] = std::max(corner_mm(share), beyond_chord_mm(seen[gap.first], chord, plan[at]));
       made.tried_mm[at] = tried.at(share);
+      made.off_mm[at] = bridge.off_mm(share);
     }
   }
   return made;
@@ -234,7 +230,7 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
         .to_visible_mm = gap[i].to_known_mm,
         .doubt = std::max(gap[i].doubt, shadow[i].doubt),
         .corner_mm = plan.corner_mm[i],
-        .tried_out_mm = plan.tried_mm[i],
+        .tried_out_mm = std::max(plan.tried_mm[i], plan.off_mm[i]),
         .tried_up_mm = tried_z[i],
         .untried = (gap[i].in_long && tried_z[i] == 0) || (shadow[i].in_long && plan.tried_mm[i] == 0),
         .between_out_mm = between_o[i],

@@ -45,6 +45,28 @@ TEST(GapBridge, OnACircleABridgeIsNotOff) {
   DOUBLES_EQUAL(0, tried_plan(ring(0, 1), known_but(k_gap), k_gap, k_station_mm).at(0.5), 0.02);
 }
 
+TEST(GapBridge, BesideAJointItLiesBetweenTwoArcsAndSaysHowFarTheyAreApart) {
+  std::vector<Vec2> plan = ring(0, 1);
+  const Outline outline{plan, {}};
+  const std::vector<std::uint8_t> known = known_but(k_gap);
+  const PlanBridge plain = plan_bridge(plan, known, k_gap, outline, k_station_mm);
+  CHECK(plain.firm);
+  DOUBLES_EQUAL(0, plain.off_mm(0.5), 0.02);
+  // The last 3 mm before the gap go out by 0.4 mm.
+  const Vec2 truth = plan[(k_gap.first + k_gap.steps / 3) % k_stations];
+  for (std::size_t k = 0; k < 6; ++k) {
+    Vec2& place = plan[(k_gap.first + k_stations - k) % k_stations];
+    place *= 1 + 0.4 * (1 - static_cast<double>(k) / 6) / place.norm();
+  }
+  const PlanBridge sut = plan_bridge(plan, known, k_gap, outline, k_station_mm);
+  const double of_one = (sut.one.at(1.0 / 3).head<2>() - truth).norm();
+  const double of_both = (sut.at(1.0 / 3) - truth).norm();
+  CHECK_COMPARE(of_both, <, of_one);
+  // The directions are off by 1.5 times 0.4 mm over 6 and over 12 mm.  A third across 35 mm that is 0.15 of
+  // the length, and half of the difference is told.
+  CHECK_COMPARE(sut.off_mm(1.0 / 3), >, 0.1);
+}
+
 TEST(GapBridge, OnALineThatBendsItIsOffByWhatItBends) {
   // Its own gap is bridged as badly as the others: the RMS over all of them tells of it.
   const std::vector<Vec2> plan = ring(2, 12);

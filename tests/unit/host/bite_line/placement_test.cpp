@@ -283,7 +283,7 @@ TEST(Placement, WhereNoCreaseWasSeenAtAllNoPointIsSure) {
 }
 
 TEST(Placement, WhereEndsAreNotFirmABridgeIsUnsureFromItsFirstMillimetresOn) {
-  // The toe is gone, and 5 mm before it another 4 mm: no end of the gap has the length that tells a
+  // The toe is gone, and 5 mm before it another 10 mm: no end of the gap has the length that tells a
   // direction.
   const Outline outline = test::egg_outline();
   const double toe_mm = outline.locate({280.0F, 0.0F, 20.0F}).s_mm;
@@ -293,7 +293,7 @@ TEST(Placement, WhereEndsAreNotFirmABridgeIsUnsureFromItsFirstMillimetresOn) {
   };
   const PlacedLine sut = placed([&](double s, double z) {
     const double away = of_toe(s);
-    return away < 15 || (away > 20 && away < 24) ? test::k_no_point : test::groove_mm(z, k_z_mm);
+    return away < 15 || (away > 20 && away < 30) ? test::k_no_point : test::groove_mm(z, k_z_mm);
   });
   double least_mm = 1e9;
   for (const PlacedStation& station : sut.points) {
@@ -303,6 +303,19 @@ TEST(Placement, WhereEndsAreNotFirmABridgeIsUnsureFromItsFirstMillimetresOn) {
   // The ends' directions meet at some 100 degrees: 5 mm from an end the line may be as far off its chord.
   CHECK_COMPARE(least_mm, >, 3.0);
   CHECK_COMPARE(least_mm, <, 10.0);
+}
+
+TEST(Placement, AShortGapBesideALongOneTakesNoDirectionFromItsEnd) {
+  // As above, but 3 mm are gone before the toe: straight across the toe the line would be 5 mm off.
+  const Outline outline = test::egg_outline();
+  const double toe_mm = outline.locate({280.0F, 0.0F, 20.0F}).s_mm;
+  const PlacedLine sut = placed([&](double s, double z) {
+    const double about = std::abs(s - toe_mm);
+    const double away = std::min(about, outline.length_mm() - about);
+    return away < 15 || (away > 20 && away < 23) ? test::k_no_point : test::groove_mm(z, k_z_mm);
+  });
+  for (const PlacedStation& station : sut.points)
+    DOUBLES_EQUAL(-1.0, outline.locate(station.position.cast<float>()).o_mm, 1.0);
 }
 
 TEST(Placement, ABridgeDoesNotLeanOnTheLastProfileBesideIt) {

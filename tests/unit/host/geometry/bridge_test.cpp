@@ -46,6 +46,20 @@ TEST(Bridge, SmoothBridgeFollowsAParabolaAndAStraightOneItsChord) {
   DOUBLES_EQUAL(parabola(39), straight[50], 0.03);
 }
 
+TEST(Bridge, ASlopeIsReadBehindAShortGapToo) {
+  // On a slope of 0.1 the last millimetre and a half beside the gap climbs by 0.6: too short to lead.
+  constexpr double k_station_mm = 0.5;
+  std::vector<std::uint8_t> known(100, 1);
+  std::vector<double> values(100);
+  for (std::size_t i = 0; i < 100; ++i) values[i] = 0.05 * static_cast<double>(i);
+  for (std::size_t i = 40; i < 80; ++i) known[i] = 0;
+  for (std::size_t i = 34; i < 36; ++i) known[i] = 0;
+  for (std::size_t i = 36; i < 40; ++i) values[i] += 0.25 * static_cast<double>(i - 36);
+  values[39] = 0.05 * 39;
+  bridge_smooth(values, known, k_station_mm, 10.0);
+  for (std::size_t i = 40; i < 80; ++i) DOUBLES_EQUAL(0.05 * static_cast<double>(i), values[i], 0.5);
+}
+
 TEST(Bridge, MeansOfTheEndsCarryAScatteringValueAcross) {
   std::vector<std::uint8_t> known(40, 1);
   std::vector<double> values(40);
