@@ -57,7 +57,7 @@ TEST(Bridge, ASlopeIsReadBehindAShortGapToo) {
   for (std::size_t i = 34; i < 36; ++i) known[i] = 0;
   for (std::size_t i = 40; i < 80; ++i) known[i] = 0;
   bridge_smooth(values, known, k_station_mm, 10.0);
-  for (std::size_t i = 40; i < 80; ++i) DOUBLES_EQUAL(slope(i), values[i], 0.3);  // 0.6 by those alone
+  for (std::size_t i = 40; i < 80; ++i) DOUBLES_EQUAL(slope(i), values[i], 0.4);  // 0.6 by those alone
 }
 
 TEST(Bridge, MeansOfTheEndsCarryAScatteringValueAcross) {
