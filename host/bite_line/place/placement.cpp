@@ -220,25 +220,30 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
   const std::vector<double> between_o = between_profiles(course.o_mm, sample_mm, sections.station_mm);
   const std::vector<double> between_z = between_profiles(z, sample_mm, sections.station_mm);
 
+  // Bridges are tried where a crease was seen: of a surface that was seen and has none they say nothing.
+  const auto untried = [&](std::size_t i) {
+    const bool seen_bare = shadow[i].to_known_mm == 0 && noise[i].filled_mm == 0;
+    return (gap[i].in_long && (tried_z[i] == 0 || seen_bare)) || (shadow[i].in_long && plan.tried_mm[i] == 0);
+  };
+
   placement.points.resize(stations);
   for (std::size_t i = 0; i < stations; ++i) {
-    placement.points[i] = {
-        .position = {plan.places[i].x(), plan.places[i].y(), z[i]},
-        .normal = normals[i],
-        .curvature_per_mm = ridge.k_per_mm[i],
-        .own_z_mm = course.seen_z_mm[i],
-        .to_visible_mm = gap[i].to_known_mm,
-        .doubt = std::max(gap[i].doubt, shadow[i].doubt),
-        .corner_mm = plan.corner_mm[i],
-        .tried_out_mm = std::max(plan.tried_mm[i], plan.off_mm[i]),
-        .tried_up_mm = tried_z[i],
-        .untried = (gap[i].in_long && tried_z[i] == 0) || (shadow[i].in_long && plan.tried_mm[i] == 0),
-        .between_out_mm = between_o[i],
-        .between_up_mm = between_z[i],
-        .few_out_mm = few[i],
-        .noise = noise[i],
-        .scatter_mm = scatter[i],
-        .thing_beside = sections.ended[i] != 0};
+    placement.points[i] = {.position = {plan.places[i].x(), plan.places[i].y(), z[i]},
+                           .normal = normals[i],
+                           .curvature_per_mm = ridge.k_per_mm[i],
+                           .own_z_mm = course.seen_z_mm[i],
+                           .to_visible_mm = gap[i].to_known_mm,
+                           .doubt = std::max(gap[i].doubt, shadow[i].doubt),
+                           .corner_mm = plan.corner_mm[i],
+                           .tried_out_mm = std::max(plan.tried_mm[i], plan.off_mm[i]),
+                           .tried_up_mm = tried_z[i],
+                           .untried = untried(i),
+                           .between_out_mm = between_o[i],
+                           .between_up_mm = between_z[i],
+                           .few_out_mm = few[i],
+                           .noise = noise[i],
+                           .scatter_mm = scatter[i],
+                           .thing_beside = sections.ended[i] != 0};
   }
   set_layers(input, placement.points);
   doubt_ridge(ridge, config.mean_mm / sections.station_mm, placement.points);

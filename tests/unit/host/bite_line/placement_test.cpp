@@ -305,6 +305,22 @@ TEST(Placement, WhereEndsAreNotFirmABridgeIsUnsureFromItsFirstMillimetresOn) {
   CHECK_COMPARE(least_mm, <, 10.0);
 }
 
+TEST(Placement, WhereASurfaceWasSeenAndHasNoCreaseALongBridgeIsUnsure) {
+  // Such bridges do well elsewhere on this line, but there it has a crease: by that alone 0.999.
+  constexpr double k_middle_mm = 195;
+  const auto within_middle = [&](double length_mm) {
+    const PlacedLine sut = placed([&](double s, double z) {
+      return std::abs(s - k_middle_mm) < length_mm / 2 ? 0.0 : test::groove_mm(z, k_z_mm);
+    });
+    const Vec2 middle = test::egg_outline().point(k_middle_mm);
+    const auto away = [&](const PlacedStation& a) { return (a.position.head<2>() - middle).norm(); };
+    return within_of(*std::min_element(sut.points.begin(), sut.points.end(),
+                                       [&](const auto& a, const auto& b) { return away(a) < away(b); }));
+  };
+  CHECK_COMPARE(within_middle(12), >, 0.9);
+  CHECK_COMPARE(within_middle(50), <, 0.6);
+}
+
 TEST(Placement, AShortGapBesideALongOneTakesNoDirectionFromItsEnd) {
   // As above, but 3 mm are gone before the toe: straight across the toe the line would be 5 mm off.
   const Outline outline = test::egg_outline();
