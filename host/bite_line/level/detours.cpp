@@ -160,10 +160,12 @@ std::vector<Detour> find_detours(const Side& side, const Layers& layers, const D
   // What leaves its crease for another one may come back far away.
   for (const CourseGap& gap : gaps) {
     const bool leaves = gap.changes || course.jump_mm(gap) != 0;
-    const CourseGap wide = widened(gap, grid, config.beside_mm);
-    if (!leaves || wide.cols > grid.cols / 2 || !is_free(wide)) continue;
+    // Where the look would go more than half round, it goes less far.
+    const double room_mm = 0.5 * (grid.cols / 2 - gap.cols) * grid.col_mm;
+    const CourseGap wide = widened(gap, grid, std::min(config.beside_mm, room_mm));
+    if (!leaves || room_mm < 0 || !is_free(wide)) continue;
     std::optional<Detour> detour = look(wide);
-    if (detour && detour->off_mm >= config.far_mm) detours.push_back(std::move(*detour));
+    if (detour && (detour->sure || detour->off_mm >= config.far_mm)) detours.push_back(std::move(*detour));
   }
   // A faded crease is the line's own, most of all; a sure way far off says that it is not.
   const double weak_rad = config.weak_ratio * layers.line.median_turn_rad;

@@ -27,6 +27,7 @@ constexpr float k_hollow_reach_mm = 1.25F;
 struct GapPlace {
   double to_known_mm{0};
   double doubt{0};
+  double most_doubt{0};  ///< that of the gap's middle
   bool in_long{false};
 };
 
@@ -35,7 +36,8 @@ std::vector<GapPlace> gap_places(std::span<const std::uint8_t> known, const Outl
   std::vector<GapPlace> places(known.size());
   const std::vector<geometry::Gap> gaps = geometry::gaps_of(known);
   if (gaps.empty() && (known.empty() || known.front() == 0))
-    std::fill(places.begin(), places.end(), GapPlace{.to_known_mm = 1e9, .doubt = 1e9, .in_long = true});
+    std::fill(places.begin(), places.end(),
+              GapPlace{.to_known_mm = 1e9, .doubt = 1e9, .most_doubt = 1e9, .in_long = true});
   for (const geometry::Gap& gap : gaps) {
     const double length_mm = static_cast<double>(gap.steps) * station_mm;
     const double from_mm = static_cast<double>(gap.first) * station_mm;
@@ -45,6 +47,7 @@ std::vector<GapPlace> gap_places(std::span<const std::uint8_t> known, const Outl
       const double to_known_mm = static_cast<double>(std::min(k, gap.steps - k)) * station_mm;
       places[(gap.first + k) % places.size()] = {.to_known_mm = to_known_mm,
                                                  .doubt = gap_doubt(to_known_mm, length_mm, turn_rad),
+                                                 .most_doubt = gap_doubt(length_mm / 2, length_mm, turn_rad),
                                                  .in_long = is_long(gap, station_mm)};
     }
   }
@@ -221,29 +224,34 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
   const std::vector<double> between_z = between_profiles(z, sample_mm, sections.station_mm);
 
   // Bridges are tried where a crease was seen: of a surface that was seen and has none they say nothing.
+  // Where the line goes another way there, it leaves this one at once.
+  const auto seen_bare = [&](std::size_t i) {
+    return gap[i].in_long && shadow[i].to_known_mm == 0 && noise[i].filled_mm == 0;
+  };
   const auto untried = [&](std::size_t i) {
-    const bool seen_bare = shadow[i].to_known_mm == 0 && noise[i].filled_mm == 0;
-    return (gap[i].in_long && (tried_z[i] == 0 || seen_bare)) || (shadow[i].in_long && plan.tried_mm[i] == 0);
+    return seen_bare(i) || (gap[i].in_long && tried_z[i] == 0) ||
+           (shadow[i].in_long && plan.tried_mm[i] == 0);
   };
 
   placement.points.resize(stations);
   for (std::size_t i = 0; i < stations; ++i) {
-    placement.points[i] = {.position = {plan.places[i].x(), plan.places[i].y(), z[i]},
-                           .normal = normals[i],
-                           .curvature_per_mm = ridge.k_per_mm[i],
-                           .own_z_mm = course.seen_z_mm[i],
-                           .to_visible_mm = gap[i].to_known_mm,
-                           .doubt = std::max(gap[i].doubt, shadow[i].doubt),
-                           .corner_mm = plan.corner_mm[i],
-                           .tried_out_mm = std::max(plan.tried_mm[i], plan.off_mm[i]),
-                           .tried_up_mm = tried_z[i],
-                           .untried = untried(i),
-                           .between_out_mm = between_o[i],
-                           .between_up_mm = between_z[i],
-                           .few_out_mm = few[i],
-                           .noise = noise[i],
-                           .scatter_mm = scatter[i],
-                           .thing_beside = sections.ended[i] != 0};
+    placement.points[i] = {
+        .position = {plan.places[i].x(), plan.places[i].y(), z[i]},
+        .normal = normals[i],
+        .curvature_per_mm = ridge.k_per_mm[i],
+        .own_z_mm = course.seen_z_mm[i],
+        .to_visible_mm = gap[i].to_known_mm,
+        .doubt = std::max(seen_bare(i) ? gap[i].most_doubt : gap[i].doubt, shadow[i].doubt),
+        .corner_mm = plan.corner_mm[i],
+        .tried_out_mm = std::max(plan.tried_mm[i], plan.off_mm[i]),
+        .tried_up_mm = tried_z[i],
+        .untried = untried(i),
+        .between_out_mm = between_o[i],
+        .between_up_mm = between_z[i],
+        .few_out_mm = few[i],
+        .noise = noise[i],
+        .scatter_mm = scatter[i],
+        .thing_beside = sections.ended[i] != 0};
   }
   set_layers(input, placement.points);
   doubt_ridge(ridge, config.mean_mm / sections.station_mm, placement.points);
