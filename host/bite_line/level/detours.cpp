@@ -161,7 +161,7 @@ std::vector<Detour> find_detours(const Side& side, const Layers& layers, const D
   for (const CourseGap& gap : gaps) {
     const bool leaves = gap.changes || course.jump_mm(gap) != 0;
     // Where the look would go more than half round, it goes less far.
-    const double room_mm = 0.5 * (grid.cols / 2 - gap.cols) * grid.col_mm;
+    const double room_mm = 0.5 * (0.5 * grid.cols - gap.cols) * grid.col_mm;
     const CourseGap wide = widened(gap, grid, std::min(config.beside_mm, room_mm));
     if (!leaves || room_mm < 0 || !is_free(wide)) continue;
     std::optional<Detour> detour = look(wide);
