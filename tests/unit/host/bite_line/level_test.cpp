@@ -463,6 +463,16 @@ TEST(Level, AHollowBelowAGuardThatIsMuchWeakerThanTheLineIsNotTheLine) {
   CHECK(worst_of({{3019, 154}}) == Judged::Right);
 }
 
+TEST(Level, AGuardFarRoundTheToeIsNoChangeOfCrease) {
+  // They were refused: the guard goes on over more than 120 mm, and the look round it over half the shoe.
+  CHECK(worst_of({{3023, 138}, {3023, 142}}) == Judged::Right);
+}
+
+TEST(Level, WhatWasSeenBelowAGuardAndShowsNoCreaseIsNotTheLine) {
+  // They were wrong without a word, over 30 and 37 mm.
+  CHECK(worst_of({{3023, 103}, {3022, 6}}) != Judged::Wrong);
+}
+
 TEST(Level, AShoeWithoutAGuardHasNoDetour) {
   for (int k = 0; k < 8; ++k) {
     const bite_line::Side made = side_of(scan_of(with_guard(designed(k), false)));
