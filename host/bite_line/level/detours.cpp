@@ -47,9 +47,12 @@ CourseGap widened(const CourseGap& gap, const SideGrid& grid, double beside_mm) 
 
 class GapLook {
  public:
-  GapLook(const Side& side, const CourseOverS& course, const CourseGap& gap, const DetourConfig& config)
+  /// `within_mm`: so long is the gap itself, where the look is wider.
+  GapLook(const Side& side, const CourseOverS& course, const CourseGap& gap, double within_mm,
+          const DetourConfig& config)
       : course_{course},
         gap_{gap},
+        within_mm_{within_mm},
         config_{config},
         length_mm_{gap.cols * side.field.grid.col_mm},
         from_mm_{gap.first * side.field.grid.col_mm - k_beside_mm},
@@ -129,7 +132,7 @@ class GapLook {
 
   [[nodiscard]] bool is_sure(const Way& way, double off_mm, Cell from, Cell to) const {
     const bool far = off_mm >= config_.far_mm;
-    if (!far && way.cost / (to_mm_ - from_mm_) > config_.most_near_cost) return false;
+    if (!far && way.cost / (within_mm_ + 2 * k_beside_mm) > config_.most_near_cost) return false;
     const Way next = cheapest_way(patch_, costs_, from, to, about(patch_, way, config_.apart_mm));
     const double least_margin = far ? config_.least_far_margin : config_.least_near_margin;
     if (margin_of(next.cost - way.cost, length_mm_) <= least_margin) return false;
@@ -140,6 +143,7 @@ class GapLook {
 
   const CourseOverS& course_;
   const CourseGap& gap_;
+  double within_mm_;
   const DetourConfig& config_;
   double length_mm_, from_mm_, to_mm_;
   Patch patch_;
@@ -153,7 +157,9 @@ std::vector<Detour> find_detours(const Side& side, const Layers& layers, const D
   const CourseOverS course{grid, layers.line};
   std::vector<Detour> detours;
   const std::vector<CourseGap> gaps = gaps_of(grid, layers, config.least_gap_mm);
-  const auto look = [&](const CourseGap& gap) { return GapLook{side, course, gap, config}.detour(); };
+  const auto look = [&](const CourseGap& gap, const CourseGap& wide) {
+    return GapLook{side, course, wide, gap.cols * grid.col_mm, config}.detour();
+  };
   const auto is_free = [&](const CourseGap& gap) {
     return std::ranges::none_of(detours, [&](const Detour& other) { return overlap(gap, other, grid); });
   };
@@ -164,19 +170,19 @@ std::vector<Detour> find_detours(const Side& side, const Layers& layers, const D
     const double room_mm = 0.5 * (0.5 * grid.cols - gap.cols) * grid.col_mm;
     const CourseGap wide = widened(gap, grid, std::min(config.beside_mm, room_mm));
     if (!leaves || room_mm < 0 || !is_free(wide)) continue;
-    std::optional<Detour> detour = look(wide);
+    std::optional<Detour> detour = look(gap, wide);
     if (detour && (detour->sure || detour->off_mm >= config.far_mm)) detours.push_back(std::move(*detour));
   }
   // A faded crease is the line's own, most of all; a sure way far off says that it is not.
   const double weak_rad = config.weak_ratio * layers.line.median_turn_rad;
   for (const CourseGap& gap : gaps_of(grid, layers, config.least_gap_mm, weak_rad)) {
     if (gap.cols * grid.col_mm > config.longest_gap_mm || !is_free(gap)) continue;
-    std::optional<Detour> detour = look(gap);
+    std::optional<Detour> detour = look(gap, gap);
     if (detour && detour->sure && detour->off_mm >= config.far_mm) detours.push_back(std::move(*detour));
   }
   for (const CourseGap& gap : gaps) {
     if (gap.cols * grid.col_mm > config.longest_gap_mm || !is_free(gap)) continue;
-    if (std::optional<Detour> detour = look(gap)) detours.push_back(std::move(*detour));
+    if (std::optional<Detour> detour = look(gap, gap)) detours.push_back(std::move(*detour));
   }
   // The side is levelled once, and read anew: what is unsure of a gap would be forgotten there.
   if (!std::ranges::all_of(detours, &Detour::sure)) {

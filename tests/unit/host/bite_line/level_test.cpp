@@ -473,6 +473,11 @@ TEST(Level, WhatWasSeenBelowAGuardAndShowsNoCreaseIsNotTheLine) {
   CHECK(worst_of({{3023, 103}, {3022, 6}}) != Judged::Wrong);
 }
 
+TEST(Level, AWideLookDoesNotMakeADearWayCheap) {
+  // With its cost spread over the wide look's length it was wrong over 40 mm, on the guard's own stitches.
+  CHECK(worst_of({{3024, 275}}) != Judged::Wrong);
+}
+
 TEST(Level, AShoeWithoutAGuardHasNoDetour) {
   for (int k = 0; k < 8; ++k) {
     const bite_line::Side made = side_of(scan_of(with_guard(designed(k), false)));
