@@ -13,8 +13,7 @@ struct SpreadShare {
 };
 
 /// `shares` is fitted by tests/bench/line/fit_confidence.py to bridged points of made shoes with a missing
-/// sector (bench_line_confidence --fault sector, seeds 52001, 53001, 61001, 85001, 95101, 101001, 102002,
-/// 103003).
+/// sector (bench_line_confidence --fault sector, seeds 106006, 107007 and 108008).
 struct ConfidenceModel {
   /// A bridge's spread: this much of how far another course may lie, and what such bridges are off by
   /// elsewhere on the line, in full.  Both may happen at once: they add.
@@ -23,13 +22,13 @@ struct ConfidenceModel {
   /// Straight between these over the spread's logarithm.  One curve with two numbers does not follow: the
   /// share falls late and at once, and then hardly for a while.  Beyond the last it falls with the square.
   std::array<SpreadShare, 8> shares{{{0.1, 0.999},
-                                     {0.35, 0.969},
-                                     {0.55, 0.898},
-                                     {0.75, 0.694},
-                                     {1.05, 0.387},
-                                     {1.6, 0.212},
-                                     {2.4, 0.057},
-                                     {4.5, 0.0005}}};
+                                     {0.35, 0.985},
+                                     {0.55, 0.869},
+                                     {0.75, 0.670},
+                                     {1.05, 0.422},
+                                     {1.6, 0.276},
+                                     {2.4, 0.112},
+                                     {4.5, 0.0035}}};
   /// A section that lies so far from the running mean over its neighbours is one in two.  Made shoes hold
   /// more, but hardly one jumps.
   double jump_mm{0.8};
