@@ -86,7 +86,8 @@ class GapLook {
     const bool same = detour.off_mm < config_.apart_mm;
     if (same && !gap_.changes) return std::nullopt;
     detour.hidden = unseen_mm > config_.most_unseen_mm;
-    const double seen_cost = (way.cost - (detour.hidden ? k_unseen_cost * unseen_mm : 0)) / own_mm_;
+    const double seen_cost =
+        (way.cost - (detour.hidden ? k_unseen_cost * unseen_mm : 0)) / (to_mm_ - from_mm_);
     const bool dear = seen_cost > config_.most_far_cost;
     // Near by a dear way is the course's own, on a crease that hardly shows.
     if (dear && (detour.off_mm < config_.far_mm || seen_cost > config_.most_told_cost)) return std::nullopt;
@@ -131,7 +132,7 @@ class GapLook {
 
   [[nodiscard]] bool is_sure(const Way& way, double off_mm, Cell from, Cell to) const {
     const bool far = off_mm >= config_.far_mm;
-    if (!far && way.cost / own_mm_ > config_.most_near_cost) return false;
+    if (way.cost / own_mm_ > (far ? config_.most_far_cost : config_.most_near_cost)) return false;
     const Way next = cheapest_way(patch_, costs_, from, to, about(patch_, way, config_.apart_mm));
     const double least_margin = far ? config_.least_far_margin : config_.least_near_margin;
     if (margin_of(next.cost - way.cost, length_mm_) <= least_margin) return false;
@@ -142,7 +143,7 @@ class GapLook {
 
   const CourseOverS& course_;
   const CourseGap& gap_;
-  double own_mm_;  ///< a way is paid for over this length alone
+  double own_mm_;  ///< a sure way is paid for over this length alone
   const DetourConfig& config_;
   double length_mm_, from_mm_, to_mm_;
   Patch patch_;
