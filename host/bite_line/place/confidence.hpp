@@ -13,7 +13,7 @@ struct SpreadShare {
 };
 
 /// `shares` is fitted by tests/bench/line/fit_confidence.py to bridged points of made shoes with a missing
-/// sector (bench_line_confidence --fault sector, seeds 106006, 107007 and 108008).
+/// sector (bench_line_confidence --fault sector, seeds 106006, 107007, 108008 and 109009).
 struct ConfidenceModel {
   /// A bridge's spread: this much of how far another course may lie, and what such bridges are off by
   /// elsewhere on the line, in full.  Both may happen at once: they add.
@@ -22,13 +22,13 @@ struct ConfidenceModel {
   /// Straight between these over the spread's logarithm.  One curve with two numbers does not follow: the
   /// share falls late and at once, and then hardly for a while.  Beyond the last it falls with the square.
   std::array<SpreadShare, 8> shares{{{0.1, 0.999},
-                                     {0.35, 0.985},
-                                     {0.55, 0.869},
-                                     {0.75, 0.670},
-                                     {1.05, 0.422},
-                                     {1.6, 0.276},
+                                     {0.35, 0.987},
+                                     {0.55, 0.868},
+                                     {0.75, 0.669},
+                                     {1.05, 0.424},
+                                     {1.6, 0.271},
                                      {2.4, 0.112},
-                                     {4.5, 0.0035}}};
+                                     {4.5, 0.0105}}};
   /// A section that lies so far from the running mean over its neighbours is one in two.  Made shoes hold
   /// more, but hardly one jumps.
   double jump_mm{0.8};
