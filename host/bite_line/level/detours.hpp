@@ -13,8 +13,9 @@ namespace biteline::bite_line {
 
 struct DetourConfig {
   double least_gap_mm{5};      ///< without a crease: shorter ones are left as they are
-  double longest_gap_mm{120};  ///< longer ones are no guard's
-  /// Where it changes its crease or its height at once, the look goes so far to both sides.
+  double longest_gap_mm{120};  ///< longer ones without a change are no guard's
+  /// Where it changes its crease or its height at once, the look goes so far to both sides, and no farther
+  /// than half round.
   double beside_mm{100};
   double weak_ratio{0.35};   ///< of the line's usual turn: a crease so much weaker may be another one
   double most_bare_mm{3};    ///< a way that was seen and shows no crease over so much changes creases, too

@@ -45,6 +45,19 @@ TriedBridge tried(std::span<const std::uint8_t> known, const geometry::Gap& gap,
   return sum;
 }
 
+/// Both ends of the gap are known over the whole lever of their directions.
+bool firm_ends(std::span<const std::uint8_t> known, const geometry::Gap& gap, double station_mm,
+               double lever_mm) {
+  const std::size_t count = known.size();
+  const std::size_t reach = 2 * lever_steps(station_mm, lever_mm);
+  if (gap.steps + 2 * reach >= count) return false;
+  for (std::size_t k = 0; k <= reach; ++k) {
+    if (known[(gap.first + count - k) % count] == 0) return false;
+    if (known[(gap.first + gap.steps + k) % count] == 0) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 bool is_long(const geometry::Gap& gap, double station_mm) {
@@ -59,18 +72,6 @@ std::vector<std::uint8_t> known_but_for_short(std::span<const std::uint8_t> know
     for (std::size_t k = 1; k < gap.steps; ++k) nearly[(gap.first + k) % nearly.size()] = 1;
   }
   return nearly;
-}
-
-bool firm_ends(std::span<const std::uint8_t> known, const geometry::Gap& gap, double station_mm,
-               double lever_mm) {
-  const std::size_t count = known.size();
-  const std::size_t reach = 2 * lever_steps(station_mm, lever_mm);
-  if (gap.steps + 2 * reach >= count) return false;
-  for (std::size_t k = 0; k <= reach; ++k) {
-    if (known[(gap.first + count - k) % count] == 0) return false;
-    if (known[(gap.first + gap.steps + k) % count] == 0) return false;
-  }
-  return true;
 }
 
 geometry::Arc gap_arc(std::span<const Vec2> plan, const geometry::Gap& gap, double station_mm,
@@ -90,7 +91,7 @@ geometry::Arc gap_arc(std::span<const Vec2> plan, const geometry::Gap& gap, doub
 
 PlanBridge plan_bridge(std::span<const Vec2> plan, std::span<const std::uint8_t> known,
                        const geometry::Gap& gap, const Outline& outline, double station_mm) {
-  if (firm_ends(known, gap, station_mm)) {
+  if (firm_ends(known, gap, station_mm, geometry::k_end_lever_mm)) {
     constexpr double k_long_lever_mm = 2 * geometry::k_end_lever_mm;
     const bool firm_far = firm_ends(known, gap, station_mm, k_long_lever_mm);
     const geometry::Arc one = gap_arc(plan, gap, station_mm);

@@ -24,9 +24,6 @@ inline constexpr double k_height_lever_mm = 10.0;
 /// the direction.
 [[nodiscard]] std::vector<std::uint8_t> known_but_for_short(std::span<const std::uint8_t> known,
                                                             double station_mm);
-/// Both ends of the gap are known over the whole lever of their directions.
-[[nodiscard]] bool firm_ends(std::span<const std::uint8_t> known, const geometry::Gap& gap, double station_mm,
-                             double lever_mm = geometry::k_end_lever_mm);
 /// The arc over a gap of a closed plan that leaves both ends in their own directions; level, z = 0.
 [[nodiscard]] geometry::Arc gap_arc(std::span<const Vec2> plan, const geometry::Gap& gap, double station_mm,
                                     double lever_mm = geometry::k_end_lever_mm);

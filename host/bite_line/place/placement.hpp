@@ -40,9 +40,11 @@ struct PlacedStation {
   /// What bridges of that length are off by elsewhere on this line (RMS), level, or more where the gap's own
   /// ends allow more ...
   double tried_out_mm{0};
-  double tried_up_mm{0};     ///< ... and in height; 0 where it was seen, and where none could be tried
-  double hidden_up_mm{0};    ///< where a gap may hide a corner of the line: standard deviation in height
-  bool untried{false};       ///< in a long gap, and the line was not seen over enough such lengths to try one
+  double tried_up_mm{0};   ///< ... and in height; 0 where it was seen, and where none could be tried
+  double hidden_up_mm{0};  ///< where a gap may hide a corner of the line: standard deviation in height
+  /// In a long gap, and the line was not seen over enough such lengths to try one, or the surface was seen
+  /// there and has no crease.
+  bool untried{false};
   double between_out_mm{0};  ///< of a bend that lies between two profiles: standard deviation, level ...
   double between_up_mm{0};   ///< ... and in height
   double few_out_mm{0};      ///< where points are few: standard deviation outwards, see half_spread()
