@@ -113,10 +113,11 @@ Result<void> serve(const ServeOptions& options) {
   settings.robot.clock_offset = Nanoseconds{std::llround(options.robot_clock_ms * 1e6)};
   BITELINE_ASSIGN(const auto cell, sim::LiveCell::open(settings));
   if (!cell->moved_because().empty()) {
-    std::fprintf(
-        stderr,
-        "biteline-cell: the arm does not get round the shoe at its place (%s): it stands at another one\n",
-        cell->moved_because().c_str());
+    std::fprintf(stderr,
+                 "biteline-cell: the arm does not get round the shoe at its place (%s): it stands at another "
+                 "one, or the "
+                 "head goes higher\n",
+                 cell->moved_because().c_str());
   }
   const std::filesystem::path out(options.out);
   BITELINE_TRY(sim::write_truth(out / "truth", cell->scene()));
