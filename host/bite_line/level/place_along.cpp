@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -40,44 +39,6 @@ std::vector<Vec2> places_of(const Levelled& levelled, const PlacedLine& placed) 
     places.emplace_back(u_mm, z_mm[i]);
   }
   return places;
-}
-
-/// A guide that follows a line which was placed, and what that does not know of it.
-struct LineGuide {
-  std::vector<Vec2> places;
-  std::vector<double> off_mm;  ///< standard deviation where it is carried across a gap; elsewhere 0
-};
-
-/// A guide is led by what is beside the crease, too: over what stands in front of it, along the sole's edge.
-/// Where the crease was not seen the guide is carried across, as the line's plan is.  `places`: a guide of
-/// the shoe, one for each station of `placed`.
-LineGuide carried_across(std::vector<Vec2> places, const PlacedLine& placed, double turn_mm) {
-  const std::size_t count = places.size();
-  const double station_mm = placed.length_mm / static_cast<double>(count);
-  std::vector<std::uint8_t> known;
-  for (const PlacedStation& station : placed.points) known.push_back(station.to_visible_mm > 0 ? 0 : 1);
-  // A turn more at either end: there is no end then.
-  std::vector<Vec2> turns;
-  for (const double turn : {-1.0, 0.0, 1.0}) {
-    for (const Vec2& place : places) turns.push_back(place + Vec2{turn * turn_mm, 0});
-  }
-  const std::vector<std::uint8_t> nearly_known = known_but_for_short(known, station_mm);
-  std::vector<std::uint8_t> known_turns;
-  for (int turn = 0; turn < 3; ++turn)
-    known_turns.insert(known_turns.end(), nearly_known.begin(), nearly_known.end());
-  LineGuide guide{.places = std::move(places), .off_mm = std::vector<double>(count, 0.0)};
-  for (const geometry::Gap& gap : geometry::gaps_of(nearly_known)) {
-    const geometry::Gap in_turns{.first = count + gap.first, .steps = gap.steps};
-    const std::optional<PlanBridge> bridge = firm_bridge(turns, known_turns, in_turns, station_mm);
-    if (!bridge) continue;
-    for (std::size_t k = 1; k < gap.steps; ++k) {
-      const std::size_t at = (gap.first + k) % count;
-      const double share = static_cast<double>(k) / static_cast<double>(gap.steps);
-      guide.places[at] = bridge->at(share) - Vec2{gap.first + k < count ? 0.0 : turn_mm, 0};
-      guide.off_mm[at] = bridge->off_mm(share);
-    }
-  }
-  return guide;
 }
 
 /// The values of the columns beside which another levelled side's columns lie.
@@ -185,10 +146,7 @@ PlacedLine place_along(const ScanPoints& scan, const Side& side, const FoundLeve
     return Levelled{side, smooth_guide(by.guide(places), side.outline.length_mm(), k_spaced_mm)};
   };
   const Levelled first = along(found.levelled, places_of(found.grid, found.path_row));
-  const PlacedLine nearly = place_on(scan, first, found, spacing_mm);
-  const LineGuide line =
-      carried_across(first.guide(places_of(first, nearly)), nearly, side.outline.length_mm());
-  const Levelled second{side, smooth_guide(line.places, side.outline.length_mm(), k_spaced_mm)};
+  const Levelled second = along(first, places_of(first, place_on(scan, first, found, spacing_mm)));
   PlacedLine placed = place_on(scan, second, found, spacing_mm);
   doubt_place(second, found.levelled, placed);
   placed = second.back(std::move(placed));

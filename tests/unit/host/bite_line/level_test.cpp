@@ -479,11 +479,6 @@ TEST(Level, AWideLookDoesNotMakeADearWayCheap) {
   CHECK(worst_of({{3024, 275}, {3025, 101}}) != Judged::Wrong);
 }
 
-TEST(Level, AGuideThatSagsInAGapDoesNotPullTheLineDown) {
-  // Over 10 mm of a sector it sagged by 2 mm without a word.
-  CHECK(worst_of({{3024, 68}}) == Judged::Right);
-}
-
 TEST(Level, AShoeWithoutAGuardHasNoDetour) {
   for (int k = 0; k < 8; ++k) {
     const bite_line::Side made = side_of(scan_of(with_guard(designed(k), false)));
