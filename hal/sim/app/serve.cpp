@@ -115,8 +115,7 @@ Result<void> serve(const ServeOptions& options) {
   if (!cell->moved_because().empty()) {
     std::fprintf(stderr,
                  "biteline-cell: the arm does not get round the shoe at its place (%s): it stands at another "
-                 "one, or the "
-                 "head goes higher\n",
+                 "one, or the head goes higher\n",
                  cell->moved_because().c_str());
   }
   const std::filesystem::path out(options.out);

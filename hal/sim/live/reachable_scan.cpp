@@ -28,6 +28,7 @@ Result<ReachableScan> place_within_reach(MadeScene& scene, const ArmKinematics& 
       if (first_reason.empty()) first_reason = to_line(scan.error());
     }
   }
+  scene.path = low;
   return fail(
       Errc::OutOfReach,
       "%s does not take the head round this shoe of %.0f mm at %d places tried, up to %.0f mm higher (%s)",

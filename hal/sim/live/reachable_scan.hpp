@@ -18,7 +18,7 @@ struct ReachableScan {
 
 /// Moves the scene's shoe until the arm reaches all the way round it.  Where no place does, the scan aims
 /// higher by 10 and 20 mm: beside a low shoe the camera is near the table.  Errc::OutOfReach tells the first
-/// place's reason.
+/// place's reason, and the scene aims as before.
 [[nodiscard]] Result<ReachableScan> place_within_reach(MadeScene& scene, const ArmKinematics& kinematics,
                                                        const std::string& arm);
 

@@ -42,6 +42,7 @@ TEST(ReachableScan, ACameraThatWouldTouchTheTableGoesHigher) {
 TEST(ReachableScan, WhatStaysOutOfReachIsRefusedWithTheFirstPlacesReason) {
   const auto scene = scene_aimed_at(-40);
   FAILS_NAMING(Errc::OutOfReach, "touches the table", placed(*scene));
+  DOUBLES_EQUAL(-40, scene->path.settings().target_z_mm, 0);
 }
 
 }  // namespace biteline::sim
