@@ -40,6 +40,7 @@ double along(const Outline& unrolled, const Vec2& place) {
 
 /// Closed, and as long as the guide to the closing error of its turns.
 Outline outline_of(const Outline& outline, const Outline& unrolled, double first_mm, double length_mm) {
+  BITELINE_EXPECTS(length_mm > 1);  // a guide runs once round, forwards
   const auto count = static_cast<std::size_t>(std::lround(length_mm));
   const double step_mm = length_mm / static_cast<double>(count);
   std::vector<Vec2> curve;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -35,10 +36,57 @@ std::vector<Vec2> places_of(const Levelled& levelled, const PlacedLine& placed) 
   std::vector<Vec2> places;
   for (std::size_t i = 0; i < z_mm.size(); ++i) {
     auto u_mm = static_cast<double>(levelled.outline().locate(placed.points[i].position.cast<float>()).s_mm);
-    if (i > 0) u_mm -= turn_mm * std::round((u_mm - places.back().x()) / turn_mm);
+    // The first one lies beside the outline's begin, and may lie just before it.
+    u_mm -= turn_mm * std::round((u_mm - (i > 0 ? places.back().x() : 0.0)) / turn_mm);
     places.emplace_back(u_mm, z_mm[i]);
   }
   return places;
+}
+
+/// A guide that follows a line which was placed, and what that does not know of it.
+struct LineGuide {
+  std::vector<Vec2> places;
+  /// Standard deviation where it is carried across a gap; empty elsewhere.
+  std::vector<std::optional<double>> carried_off_mm;
+};
+
+/// Both ends point at each other: a bridge that turned back would fold the side.
+bool runs_forwards(const PlanBridge& bridge) {
+  const Vec3 chord = bridge.one.p1 - bridge.one.p0;
+  return bridge.one.d0.dot(chord) > 0 && bridge.one.d1.dot(chord) > 0;
+}
+
+/// A guide is led by what is beside the crease, too: over what stands in front of it, along the sole's edge.
+/// Where the crease was not seen the guide is carried across, as the line's plan is.  `places`: a guide of
+/// the shoe, one for each station of `placed`.
+LineGuide carried_across(std::vector<Vec2> places, const PlacedLine& placed, double turn_mm) {
+  const std::size_t count = places.size();
+  const double station_mm = placed.length_mm / static_cast<double>(count);
+  std::vector<std::uint8_t> known;
+  for (const PlacedStation& station : placed.points) known.push_back(station.to_visible_mm > 0 ? 0 : 1);
+  // A turn more at either end: there is no end then.
+  std::vector<Vec2> turns;
+  for (const double turn : {-1.0, 0.0, 1.0}) {
+    for (const Vec2& place : places) turns.push_back(place + Vec2{turn * turn_mm, 0});
+  }
+  const std::vector<std::uint8_t> nearly_known = known_but_for_short(known, station_mm);
+  std::vector<std::uint8_t> known_turns;
+  for (int turn = 0; turn < 3; ++turn)
+    known_turns.insert(known_turns.end(), nearly_known.begin(), nearly_known.end());
+  LineGuide guide{.places = std::move(places), .carried_off_mm = {}};
+  guide.carried_off_mm.resize(count);
+  for (const geometry::Gap& gap : geometry::gaps_of(nearly_known)) {
+    const geometry::Gap in_turns{.first = count + gap.first, .steps = gap.steps};
+    const std::optional<PlanBridge> bridge = firm_bridge(turns, known_turns, in_turns, station_mm);
+    if (!bridge || !runs_forwards(*bridge)) continue;
+    for (std::size_t k = 1; k < gap.steps; ++k) {
+      const std::size_t at = (gap.first + k) % count;
+      const double share = static_cast<double>(k) / static_cast<double>(gap.steps);
+      guide.places[at] = bridge->at(share) - Vec2{gap.first + k < count ? 0.0 : turn_mm, 0};
+      guide.carried_off_mm[at] = bridge->off_mm(share);
+    }
+  }
+  return guide;
 }
 
 /// The values of the columns beside which another levelled side's columns lie.
@@ -81,8 +129,9 @@ PlacedLine place_on(const ScanPoints& scan, const Levelled& levelled, const Foun
 /// What the definition's own line may be off a levelled one.  Its running mean cuts bends: by half the bend
 /// times the mean's variance, of which nothing is left here; that is taken for two standard deviations.  Its
 /// upright section sees the flanks of a crease that climbs at another angle: 0.05 mm where made pumps climb
-/// by 40 degrees.  What was not seen follows the guide, whose corners its own smoothing cuts, too.
-void doubt_place(const Levelled& levelled, const Levelled& guide, PlacedLine& placed) {
+/// by 40 degrees.  What was not seen follows the guide: `found`, whose corners its own smoothing cuts, too,
+/// or `line` where that was carried across.
+void doubt_place(const Levelled& levelled, const Levelled& found, const LineGuide& line, PlacedLine& placed) {
   constexpr double k_mean_mm = PlacementConfig{}.mean_mm;
   constexpr double k_mean_mm2 = k_mean_mm * k_mean_mm / 12;
   constexpr double k_square_mm = 0.04;  // standard deviation, of an upright line
@@ -100,13 +149,16 @@ void doubt_place(const Levelled& levelled, const Levelled& guide, PlacedLine& pl
     const double mean_cuts_mm = bend_per_mm * k_mean_mm2 / 2;
     const double ratio = levelled.upright_ratio(u_mm[i]);
     const double square_mm = k_square_mm * std::sqrt(1 - ratio * ratio);
-    double guide_cuts_mm = 0;
+    double guide_off_mm = 0;
     if (station.to_visible_mm > 0) {
-      const double guide_bend_per_mm = guide.bend_per_mm(guide.u_mm(levelled.place(u_mm[i])));
-      guide_cuts_mm = std::abs(guide_bend_per_mm) * (k_guide_sigma_mm * k_guide_sigma_mm + k_mean_mm2) / 2;
+      const Vec2 place = levelled.place(u_mm[i]);
+      const double found_bend_per_mm = std::abs(found.bend_per_mm(found.u_mm(place)));
+      // The line's guide has a place for each of its stations, and begins where the line does.
+      guide_off_mm = line.carried_off_mm[i * line.places.size() / u_mm.size()].value_or(
+          found_bend_per_mm * (k_guide_sigma_mm * k_guide_sigma_mm + k_mean_mm2) / 2);
     }
     station.between_up_mm =
-        std::hypot(std::hypot(station.between_up_mm, mean_cuts_mm / 2, square_mm), guide_cuts_mm);
+        std::hypot(std::hypot(station.between_up_mm, mean_cuts_mm / 2, square_mm), guide_off_mm);
   }
 }
 
@@ -146,9 +198,12 @@ PlacedLine place_along(const ScanPoints& scan, const Side& side, const FoundLeve
     return Levelled{side, smooth_guide(by.guide(places), side.outline.length_mm(), k_spaced_mm)};
   };
   const Levelled first = along(found.levelled, places_of(found.grid, found.path_row));
-  const Levelled second = along(first, places_of(first, place_on(scan, first, found, spacing_mm)));
+  const PlacedLine nearly = place_on(scan, first, found, spacing_mm);
+  const LineGuide line =
+      carried_across(first.guide(places_of(first, nearly)), nearly, side.outline.length_mm());
+  const Levelled second{side, smooth_guide(line.places, side.outline.length_mm(), k_spaced_mm)};
   PlacedLine placed = place_on(scan, second, found, spacing_mm);
-  doubt_place(second, found.levelled, placed);
+  doubt_place(second, found.levelled, line, placed);
   placed = second.back(std::move(placed));
   try_bridges(placed);
   return placed;

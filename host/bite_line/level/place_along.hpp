@@ -19,7 +19,8 @@ struct FoundLevel {
 };
 
 /// The line in shoe.  A guide is smooth, and cuts the corners of the line that was found along it.  So the
-/// side is levelled anew along that line, twice: then hardly a corner is left.
+/// side is levelled anew along that line, twice: then hardly a corner is left.  A guide also runs on where no
+/// crease is seen, so the line does not: before the second time it is carried across such gaps.
 ///
 /// The definition's section is upright, and here it is square to the line.  Up to a climb of 60 degrees its
 /// curvature is read as the upright one has it; what remains is part of the line's uncertainty.

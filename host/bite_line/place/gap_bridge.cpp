@@ -89,14 +89,18 @@ geometry::Arc gap_arc(std::span<const Vec2> plan, const geometry::Gap& gap, doub
       .d1 = -geometry::CurveEnd{.end = ahead(0), .near = ahead(lever), .far = ahead(2 * lever)}.direction()};
 }
 
+std::optional<PlanBridge> firm_bridge(std::span<const Vec2> plan, std::span<const std::uint8_t> known,
+                                      const geometry::Gap& gap, double station_mm) {
+  if (!firm_ends(known, gap, station_mm, geometry::k_end_lever_mm)) return std::nullopt;
+  constexpr double k_long_lever_mm = 2 * geometry::k_end_lever_mm;
+  const bool firm_far = firm_ends(known, gap, station_mm, k_long_lever_mm);
+  const geometry::Arc one = gap_arc(plan, gap, station_mm);
+  return PlanBridge{.one = one, .other = firm_far ? gap_arc(plan, gap, station_mm, k_long_lever_mm) : one};
+}
+
 PlanBridge plan_bridge(std::span<const Vec2> plan, std::span<const std::uint8_t> known,
                        const geometry::Gap& gap, const Outline& outline, double station_mm) {
-  if (firm_ends(known, gap, station_mm, geometry::k_end_lever_mm)) {
-    constexpr double k_long_lever_mm = 2 * geometry::k_end_lever_mm;
-    const bool firm_far = firm_ends(known, gap, station_mm, k_long_lever_mm);
-    const geometry::Arc one = gap_arc(plan, gap, station_mm);
-    return {.one = one, .other = firm_far ? gap_arc(plan, gap, station_mm, k_long_lever_mm) : one};
-  }
+  if (const std::optional<PlanBridge> firm = firm_bridge(plan, known, gap, station_mm)) return *firm;
   const std::size_t end = (gap.first + gap.steps) % plan.size();
   const auto level = [](const Vec2& place) { return Vec3{place.x(), place.y(), 0}; };
   const auto along = [&](std::size_t at) {

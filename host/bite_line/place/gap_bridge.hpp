@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -39,8 +40,12 @@ struct PlanBridge {
   [[nodiscard]] double turn_rad() const { return firm ? one.turn_rad() : other.turn_rad(); }
 };
 /// The ends' directions are read over one lever and over two: where a seam or a joint lies right beside the
-/// gap, these differ.  Of an end that is not firm `outline`, whose stations the plan has, tells a direction:
-/// then midway between that arc and the chord.  `known`: but for short gaps.
+/// gap, these differ.  `known`: but for short gaps.  Empty where an end is not firm.
+[[nodiscard]] std::optional<PlanBridge> firm_bridge(std::span<const Vec2> plan,
+                                                    std::span<const std::uint8_t> known,
+                                                    const geometry::Gap& gap, double station_mm);
+/// Of an end that is not firm `outline`, whose stations the plan has, tells a direction: then midway between
+/// that arc and the chord.
 [[nodiscard]] PlanBridge plan_bridge(std::span<const Vec2> plan, std::span<const std::uint8_t> known,
                                      const geometry::Gap& gap, const Outline& outline, double station_mm);
 

@@ -479,6 +479,20 @@ TEST(Level, AWideLookDoesNotMakeADearWayCheap) {
   CHECK(worst_of({{3024, 275}, {3025, 101}}) != Judged::Wrong);
 }
 
+TEST(Level, AGuideThatSagsInAGapDoesNotPullTheLineDown) {
+  // Over 10 mm of a sector it sagged by 2 mm without a word.
+  CHECK(worst_of({{3024, 68}}) == Judged::Right);
+}
+
+TEST(Level, ALineThatBeginsJustBeforeTheOutlineIsNotStretched) {
+  // Its first station lay 0.3 mm before the outline's begin and was counted a turn later: 157 of 220 mm were
+  // bridged, it was said; 37 mm of it were not seen.
+  SweepCell cell = sweep_cell(3028, 106);
+  cell.shoe.toe_guard = true;
+  const bite_line::Extraction found = bite_line::find_bite_line(scan_of(cell).cloud, {});
+  CHECK(found.found || found.refusal->code != bite_line::Refused::TooMuchBridged);
+}
+
 TEST(Level, AShoeWithoutAGuardHasNoDetour) {
   for (int k = 0; k < 8; ++k) {
     const bite_line::Side made = side_of(scan_of(with_guard(designed(k), false)));
