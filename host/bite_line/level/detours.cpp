@@ -58,7 +58,8 @@ class GapLook {
         from_mm_{gap.first * side.field.grid.col_mm - k_beside_mm},
         to_mm_{from_mm_ + length_mm_ + 2 * k_beside_mm},
         patch_{Patch::of(side, window(), k_sigma_mm)},
-        costs_{step_costs(patch_, {})} {}
+        looks_{look_at_steps(patch_, {})},
+        costs_{step_costs(patch_, looks_)} {}
 
   /// None where the course is as good as any way.
   [[nodiscard]] std::optional<Detour> detour() const {
@@ -136,7 +137,7 @@ class GapLook {
     const Way next = cheapest_way(patch_, costs_, from, to, about(patch_, way, config_.apart_mm));
     const double least_margin = far ? config_.least_far_margin : config_.least_near_margin;
     if (margin_of(next.cost - way.cost, length_mm_) <= least_margin) return false;
-    const StepCosts bare_costs = step_costs(patch_, {.above_to_mm = 0});
+    const StepCosts bare_costs = step_costs(patch_, looks_, 0);
     return !leaves_plainer(patch_, bare_costs, way, {}) &&
            !branches(patch_, bare_costs, places_of(patch_, way), {}).lie_on_another();
   }
@@ -147,6 +148,7 @@ class GapLook {
   const DetourConfig& config_;
   double length_mm_, from_mm_, to_mm_;
   Patch patch_;
+  StepLooks looks_;
   StepCosts costs_;
 };
 

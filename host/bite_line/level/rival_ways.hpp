@@ -30,7 +30,7 @@ struct WayDoubt {
 /// line's.
 ///
 /// Rivals are told by the min-marginals of the graph: for each place, the cheapest way through it.
-/// `bare_costs`: the same, but nothing is made of a crease that is left above (StepCostConfig).
+/// `bare_costs`: the same, but nothing is made of a crease that is left above.
 [[nodiscard]] WayDoubt doubt_way(const Patch& patch, const StepCosts& costs, const StepCosts& bare_costs,
                                  const Way& way, const RivalWaysConfig& config);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <utility>
 
 #include <tbb/parallel_for.h>
 
@@ -16,25 +17,13 @@ namespace {
 
 constexpr std::size_t k_axes = k_grid_steps.size() / 2;
 constexpr double k_fine_mm = 0.5;
+constexpr double k_noise_rad = 0.05;
 
-class Reader {
+/// A cell's neighbours, whole shifts away.
+class Shifts {
  public:
-  Reader(const Patch& patch, const StepCostConfig& config) : patch_{patch}, config_{config} {}
+  explicit Shifts(const Patch& patch) : patch_{patch} {}
 
-  StepCosts run() {
-    tbb::parallel_for(std::size_t{0}, k_axes, [&](std::size_t axis) { read_turns(axis); });
-    StepCosts values;
-    tbb::parallel_for(std::size_t{0}, values.size(), [&](std::size_t k) { read_likeness(k, values[k]); });
-    tbb::parallel_for(std::size_t{0}, values.size(), [&](std::size_t k) { add_rims(k, values[k]); });
-    const auto likeness = values;
-    tbb::parallel_for(std::size_t{0}, values.size(), [&](std::size_t k) {
-      const std::vector<float> above = leave_above(likeness, k);
-      to_cost(k, above, values[k]);
-    });
-    return values;
-  }
-
- private:
   struct Shift {
     int cols, rows;
   };
@@ -54,6 +43,18 @@ class Reader {
     if (r < 0 || r >= patch_.rows || c < 0 || c >= patch_.cols) return -1;
     return static_cast<std::ptrdiff_t>(patch_.at(r, c));
   }
+  /// Calls `use(here, there)` with each cell that has one a shift away, column by column.
+  template <class Use>
+  void for_shifted(Shift shift, Use&& use) const {
+    const int first = std::max(0, -shift.rows);
+    const int count = patch_.rows - std::abs(shift.rows);
+    for (int col = std::max(0, -shift.cols); col < patch_.cols - std::max(0, shift.cols); ++col) {
+      if (count <= 0) return;
+      const std::size_t here = patch_.at(first, col);
+      const std::size_t there = patch_.at(first + shift.rows, col + shift.cols);
+      for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) use(here + i, there + i);
+    }
+  }
   [[nodiscard]] bool seen(std::ptrdiff_t cell) const {
     return cell >= 0 && patch_.seen[static_cast<std::size_t>(cell)] != 0;
   }
@@ -61,6 +62,24 @@ class Reader {
     return static_cast<double>(patch_.o_mm[static_cast<std::size_t>(cell)]);
   }
 
+ private:
+  const Patch& patch_;
+};
+
+class Reader : Shifts {
+ public:
+  Reader(const Patch& patch, const StepLookConfig& config) : Shifts{patch}, patch_{patch}, config_{config} {}
+
+  StepLooks run() {
+    tbb::parallel_for(std::size_t{0}, k_axes, [&](std::size_t axis) { read_turns(axis); });
+    tbb::parallel_for(std::size_t{0}, looks_.likeness.size(), [&](std::size_t k) {
+      read_likeness(k, looks_.likeness[k]);
+      add_rims(k, looks_.likeness[k]);
+    });
+    return std::move(looks_);
+  }
+
+ private:
   /// Turn of the surface across an axis, concave > 0, as a mean along that.
   void read_turns(std::size_t axis) {
     constexpr double k_run_mm = 3.0;
@@ -78,20 +97,12 @@ class Reader {
         turn[here] = static_cast<float>(std::atan((o(b) - own) / mm) - std::atan((own - o(a)) / mm));
       }
     }
-    std::vector<Shift> run;
-    for (double d = -k_run_mm; d <= k_run_mm + 1e-9; d += k_fine_mm) run.push_back(along(axis, d));
-    std::vector<float>& mean = turns_[axis];
-    mean.resize(patch_.size());
-    for (int col = 0; col < patch_.cols; ++col) {
-      for (int row = 0; row < patch_.rows; ++row) {
-        float sum = 0;
-        for (const Shift shift : run) {
-          const std::ptrdiff_t there = cell(row, col, shift);
-          if (there >= 0) sum += turn[static_cast<std::size_t>(there)];
-        }
-        mean[patch_.at(row, col)] = sum / static_cast<float>(run.size());
-      }
-    }
+    std::vector<float>& mean = looks_.turn_rad[axis];
+    mean.assign(patch_.size(), 0.0F);
+    float count = 0;
+    for (double d = -k_run_mm; d <= k_run_mm + 1e-9; d += k_fine_mm, ++count)
+      for_shifted(along(axis, d), [&](std::size_t here, std::size_t there) { mean[here] += turn[there]; });
+    for (float& value : mean) value /= count;
   }
 
   struct Flank {
@@ -121,7 +132,7 @@ class Reader {
   [[nodiscard]] std::optional<double> turn_at_rim(int row, int col, std::size_t k) const {
     constexpr double k_from_mm = 1.0, k_to_mm = 3.0;
     if (config_.rim_rad <= 0) return std::nullopt;
-    const std::vector<float>& turns = turns_[k % k_axes];
+    const std::vector<float>& turns = looks_.turn_rad[k % k_axes];
     double most = config_.rim_rad;
     double rim_mm = 0;
     for (double d = k_from_mm; d <= k_to_mm + 1e-9; d += k_fine_mm) {
@@ -144,20 +155,19 @@ class Reader {
     const EvidenceConfig as{};
     constexpr double k_one_side = 0.6;
     constexpr double k_overhang_mm = 0.5, k_soft_mm = 0.1, k_near_mm = 2.0;
-    const std::vector<float>& turns = turns_[k % k_axes];
+    const std::vector<float>& turns = looks_.turn_rad[k % k_axes];
     like.assign(patch_.size(), 0.0F);
-    std::vector<Shift> crest;
-    for (const double d : {-1.5, -1.0, -0.5, 0.5, 1.0, 1.5}) crest.push_back(right(k, d));
+    std::vector<float> crest = turns;  // the sharpest turn about each cell
+    for (const double d : {-1.5, -1.0, -0.5, 0.5, 1.0, 1.5})
+      for_shifted(right(k, d), [&](std::size_t here, std::size_t there) {
+        crest[here] = std::max(crest[here], turns[there]);
+      });
     for (int col = 0; col < patch_.cols; ++col) {
       for (int row = 0; row < patch_.rows; ++row) {
         const std::size_t here = patch_.at(row, col);
         const double turn = static_cast<double>(turns[here]);
         if (patch_.seen[here] == 0 || turn <= k_noise_rad) continue;
-        double most = turn;
-        for (const Shift shift : crest) {
-          const std::ptrdiff_t there = cell(row, col, shift);
-          if (there >= 0) most = std::max(most, static_cast<double>(turns[static_cast<std::size_t>(there)]));
-        }
+        const auto most = static_cast<double>(crest[here]);
         const double plain = 1 - std::exp(-(turn - k_noise_rad) / as.crease_rad);
         if (const std::optional<double> at_rim = turn_at_rim(row, col, k)) {
           const double two = geometry::logistic(*at_rim / as.flank_soft_rad);
@@ -188,79 +198,86 @@ class Reader {
   void add_rims(std::size_t k, std::vector<float>& like) const {
     constexpr double k_rim_ratio = 0.6;  // of a plain crease
     constexpr double k_from_mm = 1.0, k_to_mm = 2.0;
-    constexpr double k_least_rad = 0.15;
-    const std::vector<float>& turns = turns_[k % k_axes];
-    std::vector<Shift> below;
-    for (double d = k_from_mm; d <= k_to_mm + 1e-9; d += k_fine_mm) below.push_back(right(k, d));
-    for (int col = 0; col < patch_.cols; ++col) {
-      for (int row = 0; row < patch_.rows; ++row) {
-        const std::size_t here = patch_.at(row, col);
-        if (patch_.seen[here] == 0) continue;
-        double out = k_least_rad;
-        for (const Shift shift : below) {
-          const std::ptrdiff_t there = cell(row, col, shift);
-          if (there >= 0) out = std::max(out, -static_cast<double>(turns[static_cast<std::size_t>(there)]));
-        }
-        const double plain = 1 - std::exp(-(out - k_least_rad) / EvidenceConfig{}.crease_rad);
-        like[here] = std::max(like[here], static_cast<float>(k_rim_ratio * plain));
-      }
+    constexpr float k_least_rad = 0.15F;
+    const std::vector<float>& turns = looks_.turn_rad[k % k_axes];
+    std::vector<float> out(patch_.size(), k_least_rad);
+    for (double d = k_from_mm; d <= k_to_mm + 1e-9; d += k_fine_mm)
+      for_shifted(right(k, d), [&](std::size_t here, std::size_t there) {
+        out[here] = std::max(out[here], -turns[there]);
+      });
+    for (std::size_t i = 0; i < like.size(); ++i) {
+      if (patch_.seen[i] == 0 || out[i] <= k_least_rad) continue;
+      const double over = static_cast<double>(out[i] - k_least_rad);
+      const double plain = 1 - std::exp(-over / EvidenceConfig{}.crease_rad);
+      like[i] = std::max(like[i], static_cast<float>(k_rim_ratio * plain));
     }
   }
 
+  const Patch& patch_;
+  const StepLookConfig& config_;
+  StepLooks looks_;
+};
+
+class CostMaker : Shifts {
+ public:
+  CostMaker(const Patch& patch, const StepLooks& looks) : Shifts{patch}, patch_{patch}, looks_{looks} {}
+
   /// The most line-like place on the upper's side of each one, of a crease that runs nearly alike.
-  [[nodiscard]] std::vector<float> leave_above(
-      const std::array<std::vector<float>, k_grid_steps.size()>& likeness, std::size_t k) const {
+  [[nodiscard]] std::vector<float> left_above(std::size_t k, double to_mm) const {
     const EvidenceConfig as{};
     constexpr double k_every_mm = 1.0;
     constexpr std::size_t k_alike = 2;
-    std::vector<float> like = likeness[k];
-    for (std::size_t j = 1; j <= k_alike; ++j) {
-      for (const std::size_t other : {k + j, k + likeness.size() - j})
-        for (std::size_t i = 0; i < like.size(); ++i)
-          like[i] = std::max(like[i], likeness[other % likeness.size()][i]);
-    }
-    std::vector<Shift> shifts;
-    for (double d = as.above_from_mm; d <= config_.above_to_mm; d += k_every_mm)
-      shifts.push_back(right(k, -d));
     std::vector<float> above(patch_.size(), 0.0F);
-    for (int col = 0; col < patch_.cols; ++col) {
-      for (int row = 0; row < patch_.rows; ++row) {
-        float& most = above[patch_.at(row, col)];
-        for (const Shift shift : shifts) {
-          const std::ptrdiff_t there = cell(row, col, shift);
-          if (there >= 0) most = std::max(most, like[static_cast<std::size_t>(there)]);
-        }
-      }
+    if (to_mm < as.above_from_mm) return above;
+    std::vector<float> like = looks_.likeness[k];
+    for (std::size_t j = 1; j <= k_alike; ++j) {
+      for (const std::size_t other : {k + j, k + looks_.likeness.size() - j})
+        for (std::size_t i = 0; i < like.size(); ++i)
+          like[i] = std::max(like[i], looks_.likeness[other % looks_.likeness.size()][i]);
     }
+    for (double d = as.above_from_mm; d <= to_mm; d += k_every_mm)
+      for_shifted(right(k, -d), [&](std::size_t here, std::size_t there) {
+        above[here] = std::max(above[here], like[there]);
+      });
     return above;
   }
 
-  void to_cost(std::size_t k, const std::vector<float>& above, std::vector<float>& like) const {
+  [[nodiscard]] std::vector<float> cost_of(std::size_t k, std::vector<float> above) const {
     constexpr float k_least_cost = 0.02F;
     constexpr float k_ridge_cost = 20;  // per radian that the surface turns outwards on the way
     const auto above_ratio = static_cast<float>(EvidenceConfig{}.above_ratio);
+    const std::vector<float>& like = looks_.likeness[k];
     // The surface's turn on the way along a step is that across the axis square to it.
-    const std::vector<float>& ahead = turns_[(k + k_axes / 2) % k_axes];
-    for (std::size_t i = 0; i < like.size(); ++i) {
+    const std::vector<float>& ahead = looks_.turn_rad[(k + k_axes / 2) % k_axes];
+    std::vector<float> costs = std::move(above);
+    for (std::size_t i = 0; i < costs.size(); ++i) {
       float cost = k_unseen_cost;
       if (patch_.seen[i] != 0) {
         const float out = std::clamp(-ahead[i] - static_cast<float>(k_noise_rad), 0.0F, 1.0F);
         cost = (1 - like[i]) * (1 - like[i]) * (1 + k_ridge_cost * out);
       }
-      like[i] = std::max(k_least_cost, cost + above_ratio * above[i]);
+      costs[i] = std::max(k_least_cost, cost + above_ratio * costs[i]);
     }
+    return costs;
   }
 
-  static constexpr double k_noise_rad = 0.05;
+ private:
   const Patch& patch_;
-  const StepCostConfig& config_;
-  std::array<std::vector<float>, k_axes> turns_;
+  const StepLooks& looks_;
 };
 
 }  // namespace
 
-StepCosts step_costs(const Patch& patch, const StepCostConfig& config) {
+StepLooks look_at_steps(const Patch& patch, const StepLookConfig& config) {
   return Reader{patch, config}.run();
+}
+
+StepCosts step_costs(const Patch& patch, const StepLooks& looks, double above_to_mm) {
+  const CostMaker maker{patch, looks};
+  StepCosts costs;
+  tbb::parallel_for(std::size_t{0}, costs.size(),
+                    [&](std::size_t k) { costs[k] = maker.cost_of(k, maker.left_above(k, above_to_mm)); });
+  return costs;
 }
 
 }  // namespace biteline::bite_line

@@ -72,8 +72,9 @@ class Round {
  public:
   Round(const Side& side, const Layers& layers, const WayRoundConfig& config, const Vec2& begin)
       : patch_{Patch::of(side, window(side, layers, config, begin), config.sigma_mm)},
-        costs_{costs(config, config.left_above_mm)},
-        bare_costs_{costs(config, 0)} {
+        looks_{look_at_steps(patch_, {.flank_mm = config.flank_mm, .rim_rad = config.rim_rad})},
+        costs_{step_costs(patch_, looks_, config.left_above_mm)},
+        bare_costs_{step_costs(patch_, looks_, 0)} {
     const Cell from = patch_.cell(begin);
     way_ = cheapest_way(patch_, costs_, from, {.row = from.row, .col = patch_.cols - 1});
   }
@@ -135,12 +136,8 @@ class Round {
             .height_mm = top_mm - grid.z_low_mm};
   }
 
-  [[nodiscard]] StepCosts costs(const WayRoundConfig& config, double above_to_mm) const {
-    return step_costs(patch_,
-                      {.flank_mm = config.flank_mm, .rim_rad = config.rim_rad, .above_to_mm = above_to_mm});
-  }
-
   Patch patch_;
+  StepLooks looks_;
   StepCosts costs_, bare_costs_;  ///< as doubt_way() has them
   Way way_;
 };

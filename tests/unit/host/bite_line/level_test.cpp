@@ -127,6 +127,10 @@ Judged worst_of(std::initializer_list<std::pair<std::uint64_t, std::uint64_t>> s
   return worst;
 }
 
+bite_line::StepCosts costs_on(const Patch& patch, const bite_line::StepLookConfig& config = {}) {
+  return bite_line::step_costs(patch, bite_line::look_at_steps(patch, config));
+}
+
 }  // namespace
 
 TEST_GROUP(Level){};
@@ -243,7 +247,7 @@ TEST(Level, AThinSoleEndsAtItsRim) {
   constexpr std::size_t k_along_outline = 0;
   const std::size_t crease = patch.at(k_crease_row, 40);
   const auto cost = [&](double rim_rad) {
-    return bite_line::step_costs(patch, {.flank_mm = 0.5, .rim_rad = rim_rad})[k_along_outline][crease];
+    return costs_on(patch, {.flank_mm = 0.5, .rim_rad = rim_rad})[k_along_outline][crease];
   };
   CHECK(cost(0.2) < 0.05F);
   CHECK_TEXT(cost(0) > 0.15F, "what lies below the rim is no flank of the crease");
@@ -305,7 +309,7 @@ TEST(Level, AnEdgeCostsWhereItIsCrossedAndNotAlongIt) {
   for (int col = 0; col < patch.cols; ++col)
     for (int row = 0; row < patch.rows; ++row)
       patch.o_mm[patch.at(row, col)] = static_cast<float>(-std::abs(col - 40) * Patch::k_cell_mm);
-  const bite_line::StepCosts costs = bite_line::step_costs(patch, {});
+  const bite_line::StepCosts costs = costs_on(patch);
   constexpr std::size_t k_along_outline = 0, k_up = 4;
   CHECK(costs[k_along_outline][patch.at(30, 40)] > 5);
   // Along it there is nothing, but the edge tells of a crease to its left, which is left above: 0.4 of 0.6.
@@ -318,7 +322,7 @@ TEST(Level, AnUprightStepIsACreaseForTheWayThatHasTheSoleToItsRight) {
   Patch patch = blank();
   for (int col = 40; col < patch.cols; ++col)
     for (int row = 0; row < patch.rows; ++row) patch.o_mm[patch.at(row, col)] = col == 40 ? 1.0F : 2.0F;
-  const bite_line::StepCosts costs = bite_line::step_costs(patch, {});
+  const bite_line::StepCosts costs = costs_on(patch);
   constexpr std::size_t k_up = 4, k_down = 12;
   float least_up = 1, least_down = 1;
   for (int col = 36; col < 42; ++col) {
@@ -338,7 +342,7 @@ TEST(Level, AnEdgeRightBelowTellsOfACreaseThatDoesNotShow) {
       patch.o_mm[patch.at(row, col)] = static_cast<float>((row - k_edge_row) * Patch::k_cell_mm);
     for (int row = 0; row < k_hidden_rows; ++row) patch.seen[patch.at(row, col)] = 0;
   }
-  const bite_line::StepCosts costs = bite_line::step_costs(patch, {});
+  const bite_line::StepCosts costs = costs_on(patch);
   constexpr std::size_t k_along_outline = 0, k_back = 8;
   const auto row_above_mm = [&](double mm) {
     return k_edge_row + static_cast<int>(std::lround(mm / Patch::k_cell_mm));
