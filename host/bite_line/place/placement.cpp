@@ -142,14 +142,23 @@ std::vector<double> upright_ratio_of(const PlacementInput& input, double station
   return of_station;
 }
 
-/// Of the own heights about the line's, over the running mean's length; what is bridged has none.
+/// Of the own heights about the line's, over the running mean's length; what is bridged has none.  Where of a
+/// stretch a share s was seen, its sections' RMS is 1 / sqrt(s) times that of all, and the mean leans on so
+/// many fewer of them, which is as much again.  Long gaps have doubts of their own, and do not count.
 std::vector<double> scatter_of(const std::vector<double>& own_z_mm, const std::vector<double>& z_mm,
-                               const std::vector<std::uint8_t>& visible, double steps) {
+                               const std::vector<std::uint8_t>& visible, double mean_mm, double station_mm) {
+  const double steps = mean_mm / station_mm;
   std::vector<double> square(z_mm.size());
   for (std::size_t i = 0; i < square.size(); ++i)
     square[i] = visible[i] != 0 ? (own_z_mm[i] - z_mm[i]) * (own_z_mm[i] - z_mm[i]) : 0.0;
+  const auto share_of = [&](const std::vector<std::uint8_t>& flags) {
+    return geometry::running_mean(std::vector<double>{flags.begin(), flags.end()}, steps);
+  };
   std::vector<double> scatter = geometry::running_mean(square, steps);
-  for (double& value : scatter) value = std::sqrt(std::max(value, 0.0));
+  const std::vector<double> seen = share_of(visible);
+  const std::vector<double> but_for_short = share_of(known_but_for_short(visible, station_mm));
+  for (std::size_t i = 0; i < scatter.size(); ++i)
+    scatter[i] = std::sqrt(std::max(scatter[i], 0.0)) * but_for_short[i] / std::max(seen[i], 1 / steps);
   return scatter;
 }
 
@@ -218,7 +227,7 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
       [&] { noise = place_noise(sections, course.row, ridge.visible, config.mean_mm); },
       [&] { tried_z = tried_heights(z, ridge.visible, ridge.visible, sections.station_mm); });
   const std::vector<double> scatter =
-      scatter_of(course.seen_z_mm, z, ridge.visible, config.mean_mm / sections.station_mm);
+      scatter_of(course.seen_z_mm, z, ridge.visible, config.mean_mm, sections.station_mm);
 
   const std::vector<double> between_o = between_profiles(course.o_mm, sample_mm, sections.station_mm);
   const std::vector<double> between_z = between_profiles(z, sample_mm, sections.station_mm);

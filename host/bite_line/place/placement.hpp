@@ -49,7 +49,8 @@ struct PlacedStation {
   double between_up_mm{0};   ///< ... and in height
   double few_out_mm{0};      ///< where points are few: standard deviation outwards, see half_spread()
   PlaceNoise noise{};
-  double scatter_mm{0};      ///< RMS of the sections' own heights about their running mean, over its length
+  /// RMS of the sections' own heights about their running mean, over its length; more where few were seen.
+  double scatter_mm{0};
   double hold{1};            ///< that the path keeps its layer here ...
   double other_mm{0};        ///< ... and how far off the other layer is
   double sharp{1};           ///< 1 but where a weak crease lies on a flat slope
