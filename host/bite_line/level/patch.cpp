@@ -13,6 +13,10 @@ namespace biteline::bite_line {
 
 namespace {
 
+int squared(int value) {
+  return value * value;
+}
+
 /// Gaussian weights along a line of values `stride` apart.
 void blur(std::vector<double>& values, std::size_t first, std::size_t count, std::size_t stride,
           std::span<const float> weights, std::vector<double>& room) {
@@ -62,7 +66,7 @@ void Patch::mark_about(const Cell& at, double reach_mm, std::vector<std::uint8_t
   const int reach = static_cast<int>(std::lround(reach_mm / k_cell_mm));
   for (int c = std::max(0, at.col - reach); c <= std::min(cols - 1, at.col + reach); ++c) {
     for (int r = std::max(0, at.row - reach); r <= std::min(rows - 1, at.row + reach); ++r)
-      if (std::hypot(r - at.row, c - at.col) <= reach) cells[this->at(r, c)] = 1;
+      if (squared(r - at.row) + squared(c - at.col) <= squared(reach)) cells[this->at(r, c)] = 1;
   }
 }
 

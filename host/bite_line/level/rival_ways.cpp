@@ -18,6 +18,11 @@ double apart_mm(const Cell& a, const Cell& b) {
   return Patch::k_cell_mm * std::hypot(a.row - b.row, a.col - b.col);
 }
 
+/// Squared, in cells.
+int apart2(const Cell& a, const Cell& b) {
+  return (a.row - b.row) * (a.row - b.row) + (a.col - b.col) * (a.col - b.col);
+}
+
 /// Another way between two cells of the way.
 struct RivalWay {
   std::size_t first, last;
@@ -99,7 +104,7 @@ class RivalWays {
     constexpr std::size_t k_lever = 3;
     std::size_t nearest = rival.first;
     for (std::size_t i = rival.first; i <= rival.last; ++i)
-      if (apart_mm(of, way_.cells[i]) < apart_mm(of, way_.cells[nearest])) nearest = i;
+      if (apart2(of, way_.cells[i]) < apart2(of, way_.cells[nearest])) nearest = i;
     const Cell& here = way_.cells[nearest];
     if (apart_mm(of, here) <= rival.off_mm) return;
     rival.off_mm = apart_mm(of, here);

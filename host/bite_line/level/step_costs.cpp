@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include <tbb/parallel_for.h>
 
@@ -105,16 +107,27 @@ class Reader : Shifts {
     for (float& value : mean) value /= count;
   }
 
+  struct Place {
+    double away_mm;
+    Shift shift;
+  };
+  /// To the right of a step where `side` is 1, to its left where it is -1.
+  [[nodiscard]] static std::vector<Place> places_beside(std::size_t k, double side, double from_mm,
+                                                        double to_mm) {
+    std::vector<Place> all;
+    for (double d = from_mm; d <= to_mm + 1e-9; d += k_fine_mm)
+      all.push_back({.away_mm = d, .shift = right(k, side * d)});
+    return all;
+  }
+
   struct Flank {
     double at_mm, slope;
   };
   /// The surface on one side as a straight line, from the place on.
-  [[nodiscard]] std::optional<Flank> flank(int row, int col, std::size_t k, double side) const {
-    constexpr double k_from_mm = 1.5, k_to_mm = 4.0;
-    double n = 0, x = 0, xx = 0, y = 0, xy = 0, all = 0;
-    for (double d = k_from_mm; d <= k_to_mm + 1e-9; d += k_fine_mm) {
-      const std::ptrdiff_t there = cell(row, col, right(k, side * d));
-      ++all;
+  [[nodiscard]] std::optional<Flank> flank(int row, int col, std::span<const Place> places) const {
+    double n = 0, x = 0, xx = 0, y = 0, xy = 0;
+    for (const auto& [d, shift] : places) {
+      const std::ptrdiff_t there = cell(row, col, shift);
       if (!seen(there)) continue;
       n += 1;
       x += d;
@@ -122,30 +135,31 @@ class Reader : Shifts {
       y += o(there);
       xy += d * o(there);
     }
-    if (n < std::max(2.0, 0.6 * all)) return std::nullopt;
+    if (n < std::max(2.0, 0.6 * static_cast<double>(places.size()))) return std::nullopt;
     const double slope = (xy / n - x / n * y / n) / std::max(xx / n - x / n * x / n, 1e-6);
     return Flank{y / n - slope * x / n, slope};
   }
 
   /// Where a sole ends close below a place: the turn there between the sole up to its rim, and the upper over
   /// the same length.
-  [[nodiscard]] std::optional<double> turn_at_rim(int row, int col, std::size_t k) const {
-    constexpr double k_from_mm = 1.0, k_to_mm = 3.0;
+  [[nodiscard]] std::optional<double> turn_at_rim(int row, int col, std::size_t k,
+                                                  std::span<const Place> places) const {
     if (config_.rim_rad <= 0) return std::nullopt;
     const std::vector<float>& turns = looks_.turn_rad[k % k_axes];
     double most = config_.rim_rad;
     double rim_mm = 0;
-    for (double d = k_from_mm; d <= k_to_mm + 1e-9; d += k_fine_mm) {
-      const std::ptrdiff_t there = cell(row, col, right(k, d));
+    for (const auto& [d, shift] : places) {
+      const std::ptrdiff_t there = cell(row, col, shift);
       const double out = there >= 0 ? -static_cast<double>(turns[static_cast<std::size_t>(there)]) : 0;
       if (rim_mm > 0 && out < most) break;
       if (out <= most) continue;
       most = out;
       rim_mm = d;
     }
+    if (rim_mm == 0) return std::nullopt;
     const std::ptrdiff_t rim = cell(row, col, right(k, rim_mm));
     const std::ptrdiff_t wall = cell(row, col, right(k, -rim_mm));
-    if (rim_mm == 0 || !seen(rim) || !seen(wall)) return std::nullopt;
+    if (!seen(rim) || !seen(wall)) return std::nullopt;
     const double own = static_cast<double>(patch_.o_mm[patch_.at(row, col)]);
     return std::atan((o(rim) - own) / rim_mm) + std::atan((o(wall) - own) / rim_mm);
   }
@@ -157,6 +171,9 @@ class Reader : Shifts {
     constexpr double k_overhang_mm = 0.5, k_soft_mm = 0.1, k_near_mm = 2.0;
     const std::vector<float>& turns = looks_.turn_rad[k % k_axes];
     like.assign(patch_.size(), 0.0F);
+    const std::vector<Place> to_rim = places_beside(k, 1, 1.0, 3.0);
+    const std::vector<Place> on_sole = places_beside(k, 1, 1.5, 4.0);
+    const std::vector<Place> on_upper = places_beside(k, -1, 1.5, 4.0);
     std::vector<float> crest = turns;  // the sharpest turn about each cell
     for (const double d : {-1.5, -1.0, -0.5, 0.5, 1.0, 1.5})
       for_shifted(right(k, d), [&](std::size_t here, std::size_t there) {
@@ -169,14 +186,14 @@ class Reader : Shifts {
         if (patch_.seen[here] == 0 || turn <= k_noise_rad) continue;
         const auto most = static_cast<double>(crest[here]);
         const double plain = 1 - std::exp(-(turn - k_noise_rad) / as.crease_rad);
-        if (const std::optional<double> at_rim = turn_at_rim(row, col, k)) {
+        if (const std::optional<double> at_rim = turn_at_rim(row, col, k, to_rim)) {
           const double two = geometry::logistic(*at_rim / as.flank_soft_rad);
           like[here] = static_cast<float>(turn / most * plain *
                                           (as.one_surface_ratio + (1 - as.one_surface_ratio) * two));
           continue;
         }
-        const std::optional<Flank> sole = flank(row, col, k, 1);
-        const std::optional<Flank> upper = flank(row, col, k, -1);
+        const std::optional<Flank> sole = flank(row, col, on_sole);
+        const std::optional<Flank> upper = flank(row, col, on_upper);
         double two = k_one_side;
         double not_over = 1;
         if (sole && upper) {
