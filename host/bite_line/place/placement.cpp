@@ -54,6 +54,22 @@ std::vector<GapPlace> gap_places(std::span<const std::uint8_t> known, const Outl
   return places;
 }
 
+/// A surface that was seen over so much and shows no crease says that the line goes another way: then it is
+/// there with less than one half.
+void doubt_bare(std::span<const std::uint8_t> bare, double station_mm, std::vector<PlacedStation>& stations) {
+  constexpr double k_bare_mm = 16.0;
+  constexpr double k_bare_doubt = 1.1;
+  std::vector<std::uint8_t> shows;
+  for (const std::uint8_t flag : bare) shows.push_back(flag == 0 ? 1 : 0);
+  for (const geometry::Gap& gap : geometry::gaps_of(shows)) {
+    if (static_cast<double>(gap.steps) * station_mm < k_bare_mm) continue;
+    for (std::size_t k = 1; k < gap.steps; ++k) {
+      PlacedStation& station = stations[(gap.first + k) % stations.size()];
+      station.doubt = std::max(station.doubt, k_bare_doubt);
+    }
+  }
+}
+
 struct Plan {
   std::vector<Vec2> places;
   std::vector<double> corner_mm;  ///< how far another course could lie out or in, see PlacedStation
@@ -242,6 +258,7 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
            (shadow[i].in_long && plan.tried_mm[i] == 0);
   };
 
+  std::vector<std::uint8_t> bare(stations, 0);
   placement.points.resize(stations);
   for (std::size_t i = 0; i < stations; ++i) {
     placement.points[i] = {
@@ -261,7 +278,9 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
         .noise = noise[i],
         .scatter_mm = scatter[i],
         .thing_beside = sections.ended[i] != 0};
+    bare[i] = seen_bare(i) ? 1 : 0;
   }
+  doubt_bare(bare, sections.station_mm, placement.points);
   set_layers(input, placement.points);
   doubt_ridge(ridge, config.mean_mm / sections.station_mm, placement.points);
   doubt_bridges(ridge.visible, placement.points);
