@@ -2,10 +2,8 @@
 #include <CppUTest/TestHarness.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <initializer_list>
 #include <utility>
 #include <vector>
 
@@ -21,7 +19,6 @@
 #include "host/bite_line/level/way_round.hpp"
 #include "host/bite_line/side/side_outline.hpp"
 #include "tests/support/line_sweep.hpp"
-#include "tests/support/uncertain_scan.hpp"
 
 namespace biteline::test {
 
@@ -113,18 +110,6 @@ bite_line::WayDoubt doubt_beside_detour(int rows, int columns, double worse_mm) 
 
 bool speaks_against(const bite_line::WayDoubt& doubt) {
   return std::ranges::any_of(doubt.hold, [](float hold) { return hold < 0.5F; });
-}
-
-/// The worst of these cells with guards.
-Judged worst_of(std::initializer_list<std::pair<std::uint64_t, std::uint64_t>> seeds_and_indices) {
-  Judged worst = Judged::Right;
-  for (const auto& [seed, index] : seeds_and_indices) {
-    SweepCell cell = sweep_cell(seed, index);
-    cell.shoe.toe_guard = true;
-    const SweepScan scan = scan_of(cell);
-    worst = std::max(worst, judge(scan, bite_line::find_bite_line(scan.cloud, {})).judged);
-  }
-  return worst;
 }
 
 bite_line::StepCosts costs_on(const Patch& patch, const bite_line::StepLookConfig& config = {}) {
@@ -426,76 +411,6 @@ TEST(Level, AGuardOnTheToeIsGoneRound) {
   }
   // 3 of 4 are, of 300; without detours one of seven.  Of 12, 5 and fewer have a chance of 1 %.
   CHECK_TEXT(right > 5, "hardly a guard was gone round");
-}
-
-TEST(Level, AFlankThatWasNotSeenMakesItsGapUnsure) {
-  // What is left of a flank beside the missing sector says that the line climbs in it.  A course that bridges
-  // the sector was wrong without a word on each of these, by 2 to 10 mm over 8 mm and more.
-  constexpr std::array<UncertainScanSettings, 3> k_hidden{{
-      {.shoe_class = sim::ShoeClass::Pump, .seed = 2012, .missing_mm = 26, .toe_guard = true},
-      {.shoe_class = sim::ShoeClass::Wedge, .seed = 2062, .missing_mm = 13, .toe_guard = true},
-      {.shoe_class = sim::ShoeClass::Boot, .seed = 2081, .missing_mm = 14, .toe_guard = true},
-  }};
-  for (const UncertainScanSettings& settings : k_hidden) {
-    const UncertainScan made = uncertain_scan(settings);
-    CHECK(judge({.cloud = {}, .truth = made.truth}, line_of(made)).judged != Judged::Wrong);
-  }
-}
-
-TEST(Level, ACourseThatComesBackFarFromWhereItLeftItsCreaseIsLookedAtAsAWhole) {
-  // They were wrong without a word, over 34 and 65 mm.
-  CHECK(worst_of({{995, 272}, {3014, 70}}) == Judged::Right);
-}
-
-TEST(Level, ACapsEdgeAboveAGuardIsNotTheLine) {
-  // They were wrong without a word, over 48 to 192 mm.
-  CHECK(worst_of({{992, 119}, {3015, 20}, {3015, 289}, {3020, 168}, {3021, 3}}) != Judged::Wrong);
-}
-
-TEST(Level, AGrooveBelowAGuardThatGoesOnBesideTheLineIsNotTheLine) {
-  // It was wrong without a word, over 55 mm.
-  CHECK(worst_of({{3019, 227}}) != Judged::Wrong);
-}
-
-TEST(Level, ACornerOfAGuardSaysHowFarItMayBeOff) {
-  // It was wrong without a word, over 7 mm.
-  CHECK(worst_of({{3013, 205}}) == Judged::Right);
-}
-
-TEST(Level, AHollowBelowAGuardThatIsMuchWeakerThanTheLineIsNotTheLine) {
-  // It was wrong without a word, over 49 mm and by up to 14 mm.
-  CHECK(worst_of({{3019, 154}}) == Judged::Right);
-}
-
-TEST(Level, AGuardFarRoundTheToeIsNoChangeOfCrease) {
-  // They were refused: the guard goes on over more than 120 mm, and the look round it over half the shoe.
-  CHECK(worst_of({{3023, 138}, {3023, 142}}) == Judged::Right);
-}
-
-TEST(Level, WhatWasSeenBelowAGuardAndShowsNoCreaseIsNotTheLine) {
-  // They were wrong without a word, over 30 and 37 mm.
-  // The last one was over 22 mm, with a confidence of 0.6.
-  CHECK(worst_of({{3023, 103}, {3022, 6}, {3029, 275}}) != Judged::Wrong);
-}
-
-TEST(Level, AWideLookDoesNotMakeADearWayCheap) {
-  // With its cost spread over the wide look's length one was wrong over 40 mm, on the guard's own stitches,
-  // and one over 34 mm, on the lower edge of a bumper.
-  CHECK(worst_of({{3024, 275}, {3025, 101}}) != Judged::Wrong);
-}
-
-TEST(Level, AGuideThatSagsInAGapDoesNotPullTheLineDown) {
-  // Over 10 mm of a sector it sagged by 2 mm without a word.
-  CHECK(worst_of({{3024, 68}}) == Judged::Right);
-}
-
-TEST(Level, ALineThatBeginsJustBeforeTheOutlineIsNotStretched) {
-  // Its first station lay 0.3 mm before the outline's begin and was counted a turn later: 157 of 220 mm were
-  // bridged, it was said; 37 mm of it were not seen.
-  SweepCell cell = sweep_cell(3028, 106);
-  cell.shoe.toe_guard = true;
-  const bite_line::Extraction found = bite_line::find_bite_line(scan_of(cell).cloud, {});
-  CHECK(found.found || found.refusal->code != bite_line::Refused::TooMuchBridged);
 }
 
 TEST(Level, AShoeWithoutAGuardHasNoDetour) {
