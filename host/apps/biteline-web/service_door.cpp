@@ -34,15 +34,8 @@ class ControlDoor final : public ServiceDoor {
  public:
   Result<void> open(const control::ClientConfig& config) {
     BITELINE_ASSIGN(client_, control::Client::open(
-                                 config,
-                                 [this](const control::Event& event) {
-                                   const std::lock_guard lock{mutex_};
-                                   if (on_event_) on_event_(event);
-                                 },
-                                 [this](bool connected) {
-                                   const std::lock_guard lock{mutex_};
-                                   if (on_event_) on_event_(link_event(connected));
-                                 }));
+                                 config, [this](const control::Event& event) { hear(event); },
+                                 [this](bool connected) { hear(link_event(connected)); }));
     return {};
   }
 
@@ -57,11 +50,20 @@ class ControlDoor final : public ServiceDoor {
   void listen(OnEvent on_event) override {
     const std::lock_guard lock{mutex_};
     on_event_ = std::move(on_event);
+    if (hello_) on_event_(*hello_);
+    hello_.reset();
   }
 
  private:
+  void hear(const control::Event& event) {
+    const std::lock_guard lock{mutex_};
+    if (on_event_) return on_event_(event);
+    if (event.name == "hello") hello_ = event;
+  }
+
   std::mutex mutex_;
   OnEvent on_event_;
+  std::optional<control::Event> hello_;      // the service says it once: kept for who listens later
   std::unique_ptr<control::Client> client_;  // last: its thread uses the rest
 };
 

@@ -11,7 +11,8 @@
 
 namespace biteline::web {
 
-/// Thread: the callbacks come on another thread than the caller's and must not block.
+/// Thread: the callbacks must not block.  They come on another thread than the caller's; only a `hello` that
+/// came before listen() is told within it.
 class ServiceDoor {
  public:
   using OnAnswer = std::function<void(control::Answer)>;

@@ -91,12 +91,12 @@ struct Server::State {
     if (config.keys) allowed = config.keys->allowed_hosts;
   }
 
-  void send_to(const Door& door, const std::string& text) {
-    // False: that door is gone or does not read; nobody waits for it.
-    if (!socket.send({bytes_of(door), bytes_of(text)})) {
-      const std::lock_guard lock{mutex};
-      ++counters.dropped_events;
-    }
+  /// False: that door is gone or does not read; nobody waits for it.
+  bool send_to(const Door& door, const std::string& text) {
+    if (socket.send({bytes_of(door), bytes_of(text)})) return true;
+    const std::lock_guard lock{mutex};
+    ++counters.dropped_events;
+    return false;
   }
 
   void greet(const Door& door) {
@@ -113,7 +113,11 @@ struct Server::State {
       seq = next_seq - 1;  // of the last one before: the next is no gap
     }
     if (fresh) {
-      send_to(door, to_text(Event{.name = "hello", .data = config.hello, .seq = seq, .time = utc_now()}));
+      const Event hello{.name = "hello", .data = config.hello, .seq = seq, .time = utc_now()};
+      if (send_to(door, to_text(hello))) return;
+      // It is said once: a door that did not get it is greeted as a new one again.
+      const std::lock_guard lock{mutex};
+      doors.erase(door);
     } else {
       send_to(door, to_text(Event{.name = "alive", .data = {}, .seq = seq, .time = utc_now()}));
     }
