@@ -11,5 +11,6 @@ BITELINE_ARM64_SYSROOT=$("$root/toolchains/arm64_sysroot.sh")
 export BITELINE_ARM64_SYSROOT
 launcher=()
 if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
-cmake --preset arm64 -S "$root" -B "$1" "${launcher[@]}"
+# Tests are compiled quickly, as in `./run build`: a fifth of the time.
+cmake --preset arm64 -S "$root" -B "$1" -DBITELINE_QUICK=ON -DBITELINE_ROOMY_COMPILER=ON "${launcher[@]}"
 cmake --build "$1"
