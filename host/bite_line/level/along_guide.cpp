@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/bite_line/layers/climb.hpp"
 #include "host/bite_line/level/detours.hpp"
@@ -51,26 +52,36 @@ void doubt_apart(const Levelled& levelled, const SideGrid& grid, Layers& layers)
 
 AlongGuide find_along_guide(const ScanPoints& scan, const Side& side, const Guide& guide,
                             const std::optional<SeamStep>& seam, const Config& config) {
-  const Levelled levelled{side, smooth_guide(guide.places, side.outline.length_mm(), k_guide_sigma_mm)};
-  Side level = side_along(levelled);
+  AlongGuide found;
+  const double turn_mm = side.outline.length_mm();
+  const OrRefusal<Levelled> levelled =
+      Levelled::along(side, smooth_guide(guide.places, turn_mm, k_guide_sigma_mm));
+  if (!levelled) {
+    found.decision.refusal = levelled.error();
+    return found;
+  }
+  Side level = side_along(*levelled);
   // The guide has climbed already: what is left is small.
   const LayersConfig nearly_level{.evidence = {.thin_soles = true},
                                   .course = {.path = {.max_step_rows = 4, .step_cost = 0.3}}};
   Layers layers = find_layers_along(level, nearly_level, scan.looks);
-  doubt_guide(guide, levelled, level.field.grid, side.outline.length_mm(), layers);
-  doubt_apart(levelled, level.field.grid, layers);
-  AlongGuide found{
-      .decision = decide(layers, plan_shape(side_reach(side)), seam, config.min_confidence_ratio),
-      .placed = {}};
+  doubt_guide(guide, *levelled, level.field.grid, turn_mm, layers);
+  doubt_apart(*levelled, level.field.grid, layers);
+  found.decision = decide(layers, plan_shape(side_reach(side)), seam, config.min_confidence_ratio);
   if (!found.decision.refusal) {
-    found.placed = place_along(scan, side,
-                               {.levelled = levelled,
-                                .grid = level.field.grid,
-                                .path_row = found.decision.paths.front().row,
-                                .layers = layers},
-                               config.point_spacing_mm);
+    OrRefusal<PlacedLine> placed = place_along(scan, side,
+                                               {.levelled = *levelled,
+                                                .grid = level.field.grid,
+                                                .path_row = found.decision.paths.front().row,
+                                                .layers = layers},
+                                               config.point_spacing_mm);
+    if (placed) {
+      found.placed = std::move(*placed);
+    } else {
+      found.decision.refusal = placed.error();
+    }
   }
-  for (JudgedPath& path : found.decision.paths) path.row = levelled.back(level.field, path.row);
+  for (JudgedPath& path : found.decision.paths) path.row = levelled->back(level.field, path.row);
   return found;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -33,14 +34,14 @@ Outline unrolled_of(std::span<const Vec2> guide, double turn_mm) {
   return Outline{curve, {.spacing_mm = k_spacing_mm, .smoothing_mm = 0, .reach_mm = k_beside_guide_mm}};
 }
 
-double along(const Outline& unrolled, const Vec2& place) {
+/// Of a place beside it; below 0 where there is none.
+double along_curve(const Outline& unrolled, const Vec2& place) {
   const Eigen::Vector2f at = place.cast<float>();
   return static_cast<double>(unrolled.locate({at.x(), at.y(), 0}).s_mm);
 }
 
 /// Closed, and as long as the guide to the closing error of its turns.
 Outline outline_of(const Outline& outline, const Outline& unrolled, double first_mm, double length_mm) {
-  BITELINE_EXPECTS(length_mm > 1);  // a guide runs once round, forwards
   const auto count = static_cast<std::size_t>(std::lround(length_mm));
   const double step_mm = length_mm / static_cast<double>(count);
   std::vector<Vec2> curve;
@@ -59,11 +60,6 @@ double mean_height(std::span<const Vec2> guide) {
   double sum = 0;
   for (const Vec2& place : guide) sum += place.y();
   return sum / static_cast<double>(guide.size());
-}
-
-double checked_begin(std::span<const Vec2> guide) {
-  BITELINE_EXPECTS(guide.size() > 2);
-  return guide.front().x();
 }
 
 }  // namespace
@@ -90,12 +86,25 @@ std::vector<Vec2> smooth_guide(std::span<const Vec2> guide, double turn_mm, doub
   return smooth;
 }
 
-Levelled::Levelled(const Side& side, std::span<const Vec2> guide)
+OrRefusal<Levelled> Levelled::along(const Side& side, std::span<const Vec2> guide) {
+  constexpr double k_least_ratio = 0.9;  // nothing that goes round is shorter than the outline, to rounding
+  BITELINE_EXPECTS(guide.size() > 2);
+  const double turn_mm = side.outline.length_mm();
+  Outline unrolled = unrolled_of(guide, turn_mm);
+  const double first_mm = along_curve(unrolled, guide.front());
+  const double length_mm = along_curve(unrolled, guide.front() + Vec2{turn_mm, 0}) - first_mm;
+  if (first_mm < 0 || length_mm < k_least_ratio * turn_mm)
+    return refuse(Refused::NoCreaseAllRound, "the crease that was followed turns back: it does not go round");
+  return Levelled{side, guide, std::move(unrolled), first_mm, length_mm};
+}
+
+Levelled::Levelled(const Side& side, std::span<const Vec2> guide, Outline unrolled, double first_mm,
+                   double length_mm)
     : side_{side},
-      begin_mm_{checked_begin(guide)},
-      unrolled_{unrolled_of(guide, side.outline.length_mm())},
-      first_mm_{along(unrolled_, guide.front())},
-      length_mm_{along(unrolled_, guide.front() + Vec2{side.outline.length_mm(), 0}) - first_mm_},
+      begin_mm_{guide.front().x()},
+      unrolled_{std::move(unrolled)},
+      first_mm_{first_mm},
+      length_mm_{length_mm},
       height_mm_{mean_height(guide)},
       outline_{outline_of(side.outline, unrolled_, first_mm_, length_mm_)} {}
 
@@ -177,7 +186,7 @@ Vec2 Levelled::place(double u_mm) const {
 
 double Levelled::u_mm(const Vec2& place) const {
   const double turn_mm = outline_.length_mm();
-  const double u = (along(unrolled_, place) - first_mm_) * turn_mm / length_mm_;
+  const double u = (along_curve(unrolled_, place) - first_mm_) * turn_mm / length_mm_;
   return u - turn_mm * std::floor(u / turn_mm);
 }
 

@@ -10,6 +10,7 @@
 
 #include "host/bite_line/large.hpp"
 #include "host/bite_line/place/placement.hpp"
+#include "host/bite_line/refused.hpp"
 #include "host/bite_line/side/side.hpp"
 
 namespace biteline::bite_line {
@@ -39,8 +40,8 @@ inline constexpr double k_guide_sigma_mm = 2.5;
 class Levelled {
  public:
   /// `guide`: evenly spaced and smooth, see smooth_guide().  A curve that bends sharper than it is wide folds
-  /// what lies beside it.  `side`: borrowed.
-  Levelled(const Side& side, std::span<const Vec2> guide);
+  /// what lies beside it.  One that does not run once round, forwards, is refused.  `side`: borrowed.
+  [[nodiscard]] static OrRefusal<Levelled> along(const Side& side, std::span<const Vec2> guide);
 
   /// The shoe's points within 40 mm of the guide.  Its base is its own frame.
   [[nodiscard]] Shoe shoe() const;
@@ -67,6 +68,8 @@ class Levelled {
   [[nodiscard]] std::vector<double> back(const SideField& level, std::span<const double> path_row) const;
 
  private:
+  Levelled(const Side& side, std::span<const Vec2> guide, Outline unrolled, double first_mm,
+           double length_mm);
   [[nodiscard]] double along_unrolled(double u_mm) const;
   [[nodiscard]] Vec2 unrolled(const Vec2& level) const;  ///< of (u, z)
   void level(std::span<const Eigen::Vector3f> points, std::span<Eigen::Vector3f> to) const;

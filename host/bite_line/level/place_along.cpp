@@ -192,19 +192,22 @@ Side side_along(const Levelled& levelled) {
   return {std::move(shoe), levelled.outline(), std::move(field)};
 }
 
-PlacedLine place_along(const ScanPoints& scan, const Side& side, const FoundLevel& found, double spacing_mm) {
+OrRefusal<PlacedLine> place_along(const ScanPoints& scan, const Side& side, const FoundLevel& found,
+                                  double spacing_mm) {
   constexpr double k_spaced_mm = 0.5;
-  const auto along = [&](const Levelled& by, std::span<const Vec2> places) {
-    return Levelled{side, smooth_guide(by.guide(places), side.outline.length_mm(), k_spaced_mm)};
+  const double turn_mm = side.outline.length_mm();
+  const auto along = [&](std::span<const Vec2> places) {
+    return Levelled::along(side, smooth_guide(places, turn_mm, k_spaced_mm));
   };
-  const Levelled first = along(found.levelled, places_of(found.grid, found.path_row));
-  const PlacedLine nearly = place_on(scan, first, found, spacing_mm);
-  const LineGuide line =
-      carried_across(first.guide(places_of(first, nearly)), nearly, side.outline.length_mm());
-  const Levelled second{side, smooth_guide(line.places, side.outline.length_mm(), k_spaced_mm)};
-  PlacedLine placed = place_on(scan, second, found, spacing_mm);
-  doubt_place(second, found.levelled, line, placed);
-  placed = second.back(std::move(placed));
+  const OrRefusal<Levelled> first = along(found.levelled.guide(places_of(found.grid, found.path_row)));
+  if (!first) return tl::unexpected{first.error()};
+  const PlacedLine nearly = place_on(scan, *first, found, spacing_mm);
+  const LineGuide line = carried_across(first->guide(places_of(*first, nearly)), nearly, turn_mm);
+  const OrRefusal<Levelled> second = along(line.places);
+  if (!second) return tl::unexpected{second.error()};
+  PlacedLine placed = place_on(scan, *second, found, spacing_mm);
+  doubt_place(*second, found.levelled, line, placed);
+  placed = second->back(std::move(placed));
   try_bridges(placed);
   return placed;
 }

@@ -23,9 +23,10 @@ struct FoundLevel {
 /// crease is seen, so the line does not: before the second time it is carried across such gaps.
 ///
 /// The definition's section is upright, and here it is square to the line.  Up to a climb of 60 degrees its
-/// curvature is read as the upright one has it; what remains is part of the line's uncertainty.
-[[nodiscard]] PlacedLine place_along(const ScanPoints& scan, const Side& side, const FoundLevel& found,
-                                     double spacing_mm);
+/// curvature is read as the upright one has it; what remains is part of the line's uncertainty.  A line that
+/// turns back on itself is refused.
+[[nodiscard]] OrRefusal<PlacedLine> place_along(const ScanPoints& scan, const Side& side,
+                                                const FoundLevel& found, double spacing_mm);
 
 /// A side levelled along a guide.
 [[nodiscard]] Side side_along(const Levelled& levelled);

@@ -240,14 +240,15 @@ TEST(Level, AThinSoleEndsAtItsRim) {
 
 TEST(Level, WhatIsLevelledAndBroughtBackLiesWhereItWas) {
   const bite_line::Side side = side_of(scan_of(with_guard(designed(0))));
-  const bite_line::Levelled levelled{side, gate(side.outline.length_mm(), 25, 40)};
-  const bite_line::Shoe level = levelled.shoe();
+  const auto levelled = bite_line::Levelled::along(side, gate(side.outline.length_mm(), 25, 40));
+  CHECK(levelled.has_value());
+  const bite_line::Shoe level = levelled->shoe();
   CHECK(level.points.size() > side.shoe.points.size() / 2);
   std::vector<float> off_mm;
   for (std::size_t i = 0; i < level.points.size(); i += 50) {
     const auto own = std::lower_bound(side.shoe.index.begin(), side.shoe.index.end(), level.index[i]);
     const Eigen::Vector3f& was = side.shoe.points[static_cast<std::size_t>(own - side.shoe.index.begin())];
-    off_mm.push_back((levelled.back(level.points[i].cast<double>()).cast<float>() - was).norm());
+    off_mm.push_back((levelled->back(level.points[i].cast<double>()).cast<float>() - was).norm());
   }
   // What lies in the fold of a corner has no place of its own: a part of the two corners' 40 mm.
   std::ranges::sort(off_mm);
@@ -257,13 +258,14 @@ TEST(Level, WhatIsLevelledAndBroughtBackLiesWhereItWas) {
 TEST(Level, TheGuideRunsLevelAtItsMeanHeight) {
   const bite_line::Side side = side_of(scan_of(with_guard(designed(0))));
   const std::vector<Vec2> guide = gate(side.outline.length_mm(), 25, 40);
-  const bite_line::Levelled levelled{side, guide};
+  const auto levelled = bite_line::Levelled::along(side, guide);
+  CHECK(levelled.has_value());
   double mean_mm = 0;
   for (const Vec2& place : guide) mean_mm += place.y() / static_cast<double>(guide.size());
   // Up one flank: 8 mm above the foot, and clear of the smoothed corners.
   const Vec2 plan = side.outline.point(100);
   const Vec3 at = side.shoe.T_base_shoe * Vec3{plan.x(), plan.y(), 33};
-  const Eigen::Vector3f up = levelled.points(std::vector<Eigen::Vector3f>{at.cast<float>()}).front();
+  const Eigen::Vector3f up = levelled->points(std::vector<Eigen::Vector3f>{at.cast<float>()}).front();
   DOUBLES_EQUAL(mean_mm, static_cast<double>(up.z()), 0.3);
 }
 
