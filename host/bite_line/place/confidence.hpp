@@ -13,7 +13,7 @@ struct SpreadShare {
 };
 
 /// `shares` is fitted by tests/bench/line/fit_confidence.py to bridged points of made shoes with a missing
-/// sector (bench_line_confidence --fault sector, seeds 106006, 107007, 108008 and 109009).
+/// sector (bench_line_confidence --fault sector, seeds 106006, 107007, 108008, 109009 and 119009).
 struct ConfidenceModel {
   /// A bridge's spread: this much of how far another course may lie, and what such bridges are off by
   /// elsewhere on the line, in full.  Both may happen at once: they add.
@@ -21,21 +21,22 @@ struct ConfidenceModel {
   double least_mm{0.05};
   /// Straight between these over the spread's logarithm.  One curve with two numbers does not follow: the
   /// share falls late and at once, and then hardly for a while.  Beyond the last it falls with the square.
-  std::array<SpreadShare, 8> shares{{{0.1, 0.999},
-                                     {0.35, 0.987},
-                                     {0.55, 0.868},
-                                     {0.75, 0.669},
-                                     {1.05, 0.424},
-                                     {1.6, 0.271},
-                                     {2.4, 0.112},
-                                     {4.5, 0.0105}}};
+  std::array<SpreadShare, 9> shares{{{0.1, 0.999},
+                                     {0.35, 0.986},
+                                     {0.55, 0.873},
+                                     {0.75, 0.659},
+                                     {1.05, 0.441},
+                                     {1.3, 0.309},
+                                     {1.75, 0.265},
+                                     {2.3, 0.126},
+                                     {4.5, 0.006}}};
   /// A section that lies so far from the running mean over its neighbours is one in two.  Made shoes hold
   /// more, but hardly one jumps.
   double jump_mm{0.8};
   /// However flat the slope, a place beside it holds at least so often as its bridge or jump says, times
-  /// this. Made shoes hold as often as without the slope.  A scanned shoe holds two of five that were seen
+  /// this.  Made shoes hold as often as without the slope.  A scanned shoe holds two of five that were seen
   /// and few that were bridged, so that such points stay flagged.
-  double flat_held{0.35};
+  double flat_held{0.4};
   /// Of the doubt that a written line is the bite line so much is left.  No made line that was written is
   /// wrong, which would leave a fortieth; shoes nobody made may be less alike, so it is a quarter.
   double line_doubt_ratio{0.25};

@@ -19,8 +19,8 @@ from collections import defaultdict
 
 WITHIN_MM = 0.3
 # As in ConfidenceModel: read off the likelihood, which hardly changes about them.
-CORNER, LEAST_MM, JUMP_MM, LINE_DOUBT, FLAT_HELD = 0.1, 0.05, 0.8, 0.25, 0.35
-SPREADS_MM = (0.1, 0.35, 0.55, 0.75, 1.05, 1.6, 2.4, 4.5)
+CORNER, LEAST_MM, JUMP_MM, LINE_DOUBT, FLAT_HELD = 0.1, 0.05, 0.8, 0.25, 0.4
+SPREADS_MM = (0.1, 0.35, 0.55, 0.75, 1.05, 1.3, 1.75, 2.3, 4.5)
 TEXTS = ("class", "decoy", "fault", "seed")
 
 

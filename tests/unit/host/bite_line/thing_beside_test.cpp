@@ -66,12 +66,13 @@ TEST(ThingBeside, ALineThatFollowsTheRimOfAGapInwardsIsUnsureThere) {
 }
 
 TEST(ThingBeside, APinBesideTheShoeMakesTheLineRoundItUnsure) {
+  CHECK_TEXT(ThingConfig{}.hold < 0.5, "below the limit");
   std::vector<PlacedStation> sut = oval(pin);
   doubt_things_beside(k_station_mm, sut);
   for (std::size_t i = 0; i < sut.size(); ++i) {
     const double s_mm = k_station_mm * static_cast<double>(i);
     if (pin(s_mm) > 0.5) {
-      DOUBLES_EQUAL(0.1, sut[i].hold, 1e-9);
+      DOUBLES_EQUAL(ThingConfig{}.hold, sut[i].hold, 1e-9);
       DOUBLES_EQUAL(10, sut[i].other_mm, 1);
     } else if (std::abs(s_mm - 150) > 20) {
       DOUBLES_EQUAL(1, sut[i].hold, 0);
@@ -87,7 +88,8 @@ TEST(ThingBeside, ABridgeThatRunsOutToAPinOnASlantIsUnsure) {
   std::vector<PlacedStation> sut = oval(slanted);
   doubt_things_beside(k_station_mm, sut);
   for (std::size_t i = 0; i < sut.size(); ++i) {
-    if (slanted(k_station_mm * static_cast<double>(i)) > 0.5) DOUBLES_EQUAL(0.1, sut[i].hold, 1e-9);
+    if (slanted(k_station_mm * static_cast<double>(i)) > 0.5)
+      DOUBLES_EQUAL(ThingConfig{}.hold, sut[i].hold, 1e-9);
   }
 }
 
@@ -100,7 +102,8 @@ TEST(ThingBeside, ABluntCornerBetweenTwoSharpOnesHidesNothing) {
   std::vector<PlacedStation> sut = oval(stepped);
   doubt_things_beside(k_station_mm, sut);
   for (std::size_t i = 0; i < sut.size(); ++i) {
-    if (stepped(k_station_mm * static_cast<double>(i)) > 0.5) DOUBLES_EQUAL(0.1, sut[i].hold, 1e-9);
+    if (stepped(k_station_mm * static_cast<double>(i)) > 0.5)
+      DOUBLES_EQUAL(ThingConfig{}.hold, sut[i].hold, 1e-9);
   }
 }
 
