@@ -139,4 +139,34 @@ TEST(Shoes, AThinPlateWithAGuardHasItsLineWhereTheEyeSeesIt) {
   }
 }
 
+TEST(Shoes, AGuardWithABadgeOnItIsGoneRound) {
+  // Below the guard's edge the badge shows a piece of a crease, and the line once ran along it without a
+  // word. Places on the toe, read off a picture of the cloud from the front, in its axes.
+  struct Seen {
+    const char* what;
+    double y_mm, z_mm;
+  };
+  constexpr Seen k_seen[] = {{"right flank", -10.0, 41.0}, {"right flank", -9.5, 45.0},
+                             {"right flank", -8.5, 48.0},  {"top", 0.0, 52.5},
+                             {"left flank", 10.5, 49.0},   {"left flank", 11.2, 46.5}};
+  constexpr double k_read_mm = 1.2;
+  constexpr double k_toe_mm = 280;
+  for (const test::Shape& shape : test::k_shapes) {
+    if (std::string{shape.name} != "s06_nike_pegasus36") continue;
+    const auto cloud = test::cloud_of(shape);
+    if (!cloud) continue;
+    const bite_line::Extraction sut = bite_line::find_bite_line(*cloud, {});
+    CHECK_TEXT(sut.found, sut.reason().c_str());
+    for (const Seen& seen : k_seen) {
+      double nearest_mm = 1e9;
+      for (const cloud::LinePoint& point : sut.line.points) {
+        const Vec3& at = point.position;
+        if (at.x() > k_toe_mm)
+          nearest_mm = std::min(nearest_mm, std::hypot(at.y() - seen.y_mm, at.z() - seen.z_mm));
+      }
+      CHECK_COMPARE_TEXT(nearest_mm, <, k_read_mm, seen.what);
+    }
+  }
+}
+
 }  // namespace biteline

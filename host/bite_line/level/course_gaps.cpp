@@ -19,14 +19,13 @@ std::size_t column(const SideGrid& grid, int col) {
 
 }  // namespace
 
-std::vector<CourseGap> gaps_of(const SideGrid& grid, const Layers& layers, double least_mm,
-                               double least_turn_rad) {
-  constexpr double k_island_mm = 4.0;
-  constexpr double k_bent_mm = 8.0;  // of a change: the course bends there
+std::vector<CourseGap> gaps_of(const SideGrid& grid, const Layers& layers, const GapConfig& config) {
+  constexpr double k_begin_mm = 8.0;  // of crease, before the first gap
+  constexpr double k_bent_mm = 8.0;   // of a change: the course bends there
   const int beside = static_cast<int>(std::lround(k_bent_mm / grid.col_mm));
   std::vector<std::uint8_t> on_line = layers.line.visible;
-  for (std::size_t col = 0; least_turn_rad > 0 && col < on_line.size(); ++col) {
-    if (layers.line.turn_rad[col] < least_turn_rad) on_line[col] = 0;
+  for (std::size_t col = 0; config.least_turn_rad > 0 && col < on_line.size(); ++col) {
+    if (layers.line.turn_rad[col] < config.least_turn_rad) on_line[col] = 0;
   }
   for (const OtherCrease& other : layers.others) {
     for (int k = -beside; k <= other.cols + beside; ++k) on_line[column(grid, other.first_col + k)] = 0;
@@ -34,14 +33,14 @@ std::vector<CourseGap> gaps_of(const SideGrid& grid, const Layers& layers, doubl
   int start = -1;
   for (int col = 0, run = 0; col < 2 * grid.cols && start < 0; ++col) {
     run = on_line[column(grid, col)] != 0 ? run + 1 : 0;
-    if (run * grid.col_mm >= 2 * k_island_mm) start = col % grid.cols + 1;
+    if (run * grid.col_mm >= k_begin_mm) start = col % grid.cols + 1;
   }
   std::vector<CourseGap> gaps;
   if (start < 0) return gaps;
   for (int k = 0; k < grid.cols; ++k) {
     if (on_line[column(grid, start + k)] != 0) continue;
     const int col = start + k;
-    if (!gaps.empty() && (col - gaps.back().first - gaps.back().cols) * grid.col_mm < k_island_mm)
+    if (!gaps.empty() && (col - gaps.back().first - gaps.back().cols) * grid.col_mm < config.island_mm)
       gaps.back().cols = col + 1 - gaps.back().first;
     else
       gaps.push_back({.first = col, .cols = 1});
@@ -51,7 +50,7 @@ std::vector<CourseGap> gaps_of(const SideGrid& grid, const Layers& layers, doubl
       return static_cast<int>(column(grid, other.first_col - gap.first)) < gap.cols;
     });
   }
-  std::erase_if(gaps, [&](const CourseGap& gap) { return gap.cols * grid.col_mm < least_mm; });
+  std::erase_if(gaps, [&](const CourseGap& gap) { return gap.cols * grid.col_mm < config.least_mm; });
   return gaps;
 }
 

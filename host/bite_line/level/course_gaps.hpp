@@ -18,10 +18,14 @@ struct CourseGap {
   bool changes{false};  ///< lies on another crease somewhere in it
 };
 
-/// Gaps of `least_mm` and more.  What shows a crease for less than an island's length between two gaps is
-/// noise.  A crease that turns by less than `least_turn_rad` counts as none.
-[[nodiscard]] std::vector<CourseGap> gaps_of(const SideGrid& grid, const Layers& layers, double least_mm,
-                                             double least_turn_rad = 0);
+struct GapConfig {
+  double least_mm;           ///< shorter ones are none
+  double least_turn_rad{0};  ///< a crease that turns by less counts as none
+  double island_mm{4};       ///< what shows a crease for less between two gaps is noise
+};
+
+[[nodiscard]] std::vector<CourseGap> gaps_of(const SideGrid& grid, const Layers& layers,
+                                             const GapConfig& config);
 
 /// A course over s, which may go beyond the outline's length.
 class CourseOverS {

@@ -158,7 +158,7 @@ std::vector<Detour> find_detours(const Side& side, const Layers& layers, const D
   const SideGrid& grid = side.field.grid;
   const CourseOverS course{grid, layers.line};
   std::vector<Detour> detours;
-  const std::vector<CourseGap> gaps = gaps_of(grid, layers, config.least_gap_mm);
+  const std::vector<CourseGap> gaps = gaps_of(grid, layers, {.least_mm = config.least_gap_mm});
   const auto look = [&](const CourseGap& gap, const CourseGap& wide) {
     return GapLook{side, course, wide, gap.cols * grid.col_mm, config}.detour();
   };
@@ -177,7 +177,23 @@ std::vector<Detour> find_detours(const Side& side, const Layers& layers, const D
   }
   // A faded crease is the line's own, most of all; a sure way far off says that it is not.
   const double weak_rad = config.weak_ratio * layers.line.median_turn_rad;
-  for (const CourseGap& gap : gaps_of(grid, layers, config.least_gap_mm, weak_rad)) {
+  const std::vector<CourseGap> weak_gaps =
+      gaps_of(grid, layers, {.least_mm = config.least_gap_mm, .least_turn_rad = weak_rad});
+  // A badge on a guard shows a piece of a crease below its edge.
+  DetourConfig joining = config;
+  joining.most_far_cost = config.most_joined_cost;
+  for (const CourseGap& gap : gaps_of(grid, layers,
+                                      {.least_mm = config.least_gap_mm,
+                                      .least_turn_rad = weak_rad,
+                                      .island_mm = config.longest_island_mm})) {
+    const auto parts = std::ranges::count_if(weak_gaps, [&](const CourseGap& part) {
+      return part.first >= gap.first && part.first + part.cols <= gap.first + gap.cols;
+    });
+    if (parts < 2 || gap.cols * grid.col_mm > config.longest_gap_mm || !is_free(gap)) continue;
+    std::optional<Detour> detour = GapLook{side, course, gap, gap.cols * grid.col_mm, joining}.detour();
+    if (detour && detour->sure && detour->off_mm >= config.far_mm) detours.push_back(std::move(*detour));
+  }
+  for (const CourseGap& gap : weak_gaps) {
     if (gap.cols * grid.col_mm > config.longest_gap_mm || !is_free(gap)) continue;
     std::optional<Detour> detour = look(gap, gap);
     if (detour && detour->sure && detour->off_mm >= config.far_mm) detours.push_back(std::move(*detour));

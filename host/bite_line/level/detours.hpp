@@ -29,6 +29,9 @@ struct DetourConfig {
   /// ten.
   double most_far_cost{0.3}, least_far_margin{0.16};
   double most_near_cost{0.15}, least_near_margin{0.6};
+  /// Gaps with so short an island between them are one, too.  A far way over them may cost so much: it goes
+  /// round a guard with a badge on it, and a high guard's edge is long for its gap.
+  double longest_island_mm{8}, most_joined_cost{0.5};
   /// A far way up to so much makes the gap unsure; a dearer one tells nothing.
   double most_told_cost{0.4};
 };

@@ -58,7 +58,7 @@ TEST(CourseGaps, AGapIsWhereNoCreaseShowsOrAnotherOneIsTaken) {
   std::fill_n(layers.line.visible.begin() + 295, 5, std::uint8_t{0});  // over the beginning
   std::fill_n(layers.line.visible.begin(), 5, std::uint8_t{0});
   layers.others.push_back({.first_col = 200, .cols = 20, .off_mm = 4});
-  const std::vector<CourseGap> sut = gaps_of(k_columns_of_1_mm, layers, 5);
+  const std::vector<CourseGap> sut = gaps_of(k_columns_of_1_mm, layers, {.least_mm = 5});
   LONGS_EQUAL(3, sut.size());
   for (const CourseGap& gap : sut) {
     const int first = gap.first % k_columns_of_1_mm.cols;
@@ -73,13 +73,26 @@ TEST(CourseGaps, AGapIsWhereNoCreaseShowsOrAnotherOneIsTaken) {
   }
 }
 
+TEST(CourseGaps, AnIslandDividesAGapUnlessItIsShorterThanAsked) {
+  Layers layers;
+  layers.line = stepped(0);
+  std::fill_n(layers.line.visible.begin() + 100, 18, std::uint8_t{0});
+  std::fill_n(layers.line.visible.begin() + 106, 6, std::uint8_t{1});
+  LONGS_EQUAL(2, gaps_of(k_columns_of_1_mm, layers, {.least_mm = 5}).size());
+  const std::vector<CourseGap> sut = gaps_of(k_columns_of_1_mm, layers, {.least_mm = 5, .island_mm = 8});
+  LONGS_EQUAL(1, sut.size());
+  LONGS_EQUAL(100, sut.front().first % k_columns_of_1_mm.cols);
+  LONGS_EQUAL(18, sut.front().cols);
+}
+
 TEST(CourseGaps, ACreaseThatTurnsTooLittleCountsAsNone) {
   Layers layers;
   layers.line = stepped(0);
   std::fill_n(layers.line.turn_rad.begin() + 100, 40, 0.2F);
   std::fill_n(layers.line.turn_rad.begin() + 200, 40, 0.4F);
-  CHECK(gaps_of(k_columns_of_1_mm, layers, 5).empty());
-  const std::vector<CourseGap> sut = gaps_of(k_columns_of_1_mm, layers, 5, 0.3);
+  CHECK(gaps_of(k_columns_of_1_mm, layers, {.least_mm = 5}).empty());
+  const std::vector<CourseGap> sut =
+      gaps_of(k_columns_of_1_mm, layers, {.least_mm = 5, .least_turn_rad = 0.3});
   LONGS_EQUAL(1, sut.size());
   LONGS_EQUAL(100, sut.front().first % k_columns_of_1_mm.cols);
   LONGS_EQUAL(40, sut.front().cols);
