@@ -18,7 +18,7 @@ struct DetourConfig {
   /// than half round.
   double beside_mm{100};
   double weak_ratio{0.35};   ///< of the line's usual turn: a crease so much weaker may be another one
-  double most_bare_mm{3};    ///< a way that was seen and shows no crease over so much changes creases, too
+  double most_bare_mm{4.5};  ///< a way that was seen and shows no crease over so much changes creases, too
   double most_unseen_mm{8};  ///< a way of which more was not seen makes the gap unsure at most
   double apart_mm{2.5};      ///< what is nearer to the course is the same line
   /// What goes farther away than this is told from the course with ease; nearer by, the way may follow a
