@@ -223,8 +223,12 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
   const Sections& sections = course.sections;
   Ridge& ridge = course.ridge;
   const std::vector<double>& z = course.z_mm;
-  const std::vector<double> few =
-      course_config.few ? half_spread(sectioned, course, course_config) : std::vector<double>(stations, 0.0);
+  std::vector<double> few(stations, 0.0);
+  CourseSpread width{.out_mm = few, .up_mm = few};
+  if (course_config.few) {
+    few = half_spread(sectioned, course, course_config);
+    width = width_spread(points, path_z, course, course_config);
+  }
   const Plan plan = plan_of(path_outline, course.o_mm, course.o_known, sections.station_mm);
   const std::vector<GapPlace> gap = gap_places(ridge.visible, path_outline, sections.station_mm);
   const std::vector<GapPlace> shadow = gap_places(course.o_known, path_outline, sections.station_mm);
@@ -272,8 +276,8 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
         .tried_out_mm = std::max(plan.tried_mm[i], plan.off_mm[i]),
         .tried_up_mm = tried_z[i],
         .untried = untried(i),
-        .between_out_mm = between_o[i],
-        .between_up_mm = between_z[i],
+        .between_out_mm = std::hypot(between_o[i], width.out_mm[i]),
+        .between_up_mm = std::hypot(between_z[i], width.up_mm[i]),
         .few_out_mm = few[i],
         .noise = noise[i],
         .scatter_mm = scatter[i],

@@ -45,9 +45,10 @@ struct PlacedStation {
   /// In a long gap, and the line was not seen over enough such lengths to try one, or the surface was seen
   /// there and has no crease.
   bool untried{false};
-  double between_out_mm{0};  ///< of a bend that lies between two profiles: standard deviation, level ...
-  double between_up_mm{0};   ///< ... and in height
-  double few_out_mm{0};      ///< where points are few: standard deviation outwards, see half_spread()
+  /// Of a bend that lies between two profiles, or within a wide section: standard deviation, level ...
+  double between_out_mm{0};
+  double between_up_mm{0};  ///< ... and in height
+  double few_out_mm{0};     ///< where points are few: standard deviation outwards, see half_spread()
   PlaceNoise noise{};
   /// RMS of the sections' own heights about their running mean, over its length; more where few were seen.
   double scatter_mm{0};

@@ -217,4 +217,22 @@ std::vector<double> half_spread(const SectionInput& input, const SectionCourse& 
   return sigma;
 }
 
+CourseSpread width_spread(const SectionPoints& points, std::span<const double> path_z_mm,
+                          const SectionCourse& whole, const SectionCourseConfig& config) {
+  constexpr double k_wider = 1.5;
+  constexpr double k_more = k_wider * k_wider - 1;
+  SectionCourseConfig wider = config;
+  wider.along_mm *= k_wider;
+  const SectionCourse wide = section_course(points, path_z_mm, wider);
+  const std::size_t stations = whole.row.size();
+  CourseSpread spread{.out_mm = std::vector<double>(stations, 0.0),
+                      .up_mm = std::vector<double>(stations, 0.0)};
+  for (std::size_t i = 0; i < stations; ++i) {
+    if (whole.o_known[i] == 0 || wide.o_known[i] == 0) continue;
+    spread.out_mm[i] = std::abs(wide.o_mm[i] - whole.o_mm[i]) / k_more;
+    spread.up_mm[i] = std::abs(wide.z_mm[i] - whole.z_mm[i]) / k_more;
+  }
+  return spread;
+}
+
 }  // namespace biteline::bite_line
