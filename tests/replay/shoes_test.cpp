@@ -20,6 +20,19 @@ struct ForgivesUnderflow : Utest {
   void teardown() override { std::feclearexcept(FE_UNDERFLOW); }
 };
 
+namespace {
+
+/// Of the shape as it is; none without the shared data.
+std::optional<bite_line::Extraction> line_of(const std::string& name) {
+  for (const test::Shape& shape : test::k_shapes) {
+    if (name != shape.name) continue;
+    if (const auto cloud = test::cloud_of(shape)) return bite_line::find_bite_line(*cloud, {});
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
 TEST_GROUP_BASE(Shoes, ForgivesUnderflow){};
 
 TEST(Shoes, EachHasItsLineOrARefusal) {
@@ -113,29 +126,25 @@ TEST(Shoes, AThinPlateWithAGuardHasItsLineWhereTheEyeSeesIt) {
                              {"plate, left", 215.9, std::nullopt, 15.9, 1},
                              {"midsole, left", 105.1, std::nullopt, 27.3, 1}};
   constexpr double k_read_mm = 1.2;  // four pixels of these pictures
-  for (const test::Shape& shape : test::k_shapes) {
-    if (std::string{shape.name} != "s34_trail_scan") continue;
-    const auto cloud = test::cloud_of(shape);
-    if (!cloud) continue;
-    const bite_line::Extraction sut = bite_line::find_bite_line(*cloud, {});
-    CHECK_TEXT(sut.found, sut.reason().c_str());
-    for (const Seen& seen : k_seen) {
-      double nearest_mm = 1e9;
-      bool flagged = true;
-      for (const cloud::LinePoint& point : sut.line.points) {
-        const Vec3& at = point.position;
-        if (at.y() * seen.side < 0) continue;
-        // The guard is at the toe, the rest on the two sides.
-        if (seen.y_mm && at.x() < 270) continue;
-        const double off_mm = seen.x_mm ? std::hypot(at.x() - *seen.x_mm, at.z() - seen.z_mm)
-                                        : std::hypot(at.y() - *seen.y_mm, at.z() - seen.z_mm);
-        if (off_mm >= nearest_mm) continue;
-        nearest_mm = off_mm;
-        flagged = point.flags != 0;
-      }
-      CHECK_COMPARE_TEXT(nearest_mm, <, k_read_mm, seen.what);
-      CHECK_TEXT(!flagged, seen.what);
+  const std::optional<bite_line::Extraction> sut = line_of("s34_trail_scan");
+  if (!sut) return;
+  CHECK_TEXT(sut->found, sut->reason().c_str());
+  for (const Seen& seen : k_seen) {
+    double nearest_mm = 1e9;
+    bool flagged = true;
+    for (const cloud::LinePoint& point : sut->line.points) {
+      const Vec3& at = point.position;
+      if (at.y() * seen.side < 0) continue;
+      // The guard is at the toe, the rest on the two sides.
+      if (seen.y_mm && at.x() < 270) continue;
+      const double off_mm = seen.x_mm ? std::hypot(at.x() - *seen.x_mm, at.z() - seen.z_mm)
+                                      : std::hypot(at.y() - *seen.y_mm, at.z() - seen.z_mm);
+      if (off_mm >= nearest_mm) continue;
+      nearest_mm = off_mm;
+      flagged = point.flags != 0;
     }
+    CHECK_COMPARE_TEXT(nearest_mm, <, k_read_mm, seen.what);
+    CHECK_TEXT(!flagged, seen.what);
   }
 }
 
@@ -151,21 +160,17 @@ TEST(Shoes, AGuardWithABadgeOnItIsGoneRound) {
                              {"left flank", 10.5, 49.0},   {"left flank", 11.2, 46.5}};
   constexpr double k_read_mm = 1.2;
   constexpr double k_toe_mm = 280;
-  for (const test::Shape& shape : test::k_shapes) {
-    if (std::string{shape.name} != "s06_nike_pegasus36") continue;
-    const auto cloud = test::cloud_of(shape);
-    if (!cloud) continue;
-    const bite_line::Extraction sut = bite_line::find_bite_line(*cloud, {});
-    CHECK_TEXT(sut.found, sut.reason().c_str());
-    for (const Seen& seen : k_seen) {
-      double nearest_mm = 1e9;
-      for (const cloud::LinePoint& point : sut.line.points) {
-        const Vec3& at = point.position;
-        if (at.x() > k_toe_mm)
-          nearest_mm = std::min(nearest_mm, std::hypot(at.y() - seen.y_mm, at.z() - seen.z_mm));
-      }
-      CHECK_COMPARE_TEXT(nearest_mm, <, k_read_mm, seen.what);
+  const std::optional<bite_line::Extraction> sut = line_of("s06_nike_pegasus36");
+  if (!sut) return;
+  CHECK_TEXT(sut->found, sut->reason().c_str());
+  for (const Seen& seen : k_seen) {
+    double nearest_mm = 1e9;
+    for (const cloud::LinePoint& point : sut->line.points) {
+      const Vec3& at = point.position;
+      if (at.x() > k_toe_mm)
+        nearest_mm = std::min(nearest_mm, std::hypot(at.y() - seen.y_mm, at.z() - seen.z_mm));
     }
+    CHECK_COMPARE_TEXT(nearest_mm, <, k_read_mm, seen.what);
   }
 }
 
