@@ -24,6 +24,7 @@ struct GapConfig {
   double island_mm{4};       ///< what shows a crease for less between two gaps is noise
 };
 
+/// Once round, from behind a stretch that shows its crease; none where no such stretch is.
 [[nodiscard]] std::vector<CourseGap> gaps_of(const SideGrid& grid, const Layers& layers,
                                              const GapConfig& config);
 

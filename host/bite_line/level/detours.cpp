@@ -176,28 +176,25 @@ std::vector<Detour> find_detours(const Side& side, const Layers& layers, const D
     if (detour && (detour->sure || detour->off_mm >= config.far_mm)) detours.push_back(std::move(*detour));
   }
   // A faded crease is the line's own, most of all; a sure way far off says that it is not.
-  const double weak_rad = config.weak_ratio * layers.line.median_turn_rad;
-  const std::vector<CourseGap> weak_gaps =
-      gaps_of(grid, layers, {.least_mm = config.least_gap_mm, .least_turn_rad = weak_rad});
-  // A badge on a guard shows a piece of a crease below its edge.
+  const auto take_sure_and_far = [&](const CourseGap& gap, const DetourConfig& by) {
+    if (gap.cols * grid.col_mm > config.longest_gap_mm || !is_free(gap)) return;
+    std::optional<Detour> detour = GapLook{side, course, gap, gap.cols * grid.col_mm, by}.detour();
+    if (detour && detour->sure && detour->off_mm >= config.far_mm) detours.push_back(std::move(*detour));
+  };
+  GapConfig weak{.least_mm = config.least_gap_mm,
+                 .least_turn_rad = config.weak_ratio * layers.line.median_turn_rad};
+  const std::vector<CourseGap> weak_gaps = gaps_of(grid, layers, weak);
+  // A badge on a guard shows a piece of a crease below its edge, between two such gaps.
+  weak.island_mm = config.longest_island_mm;
   DetourConfig joining = config;
   joining.most_far_cost = config.most_joined_cost;
-  for (const CourseGap& gap : gaps_of(grid, layers,
-                                      {.least_mm = config.least_gap_mm,
-                                      .least_turn_rad = weak_rad,
-                                      .island_mm = config.longest_island_mm})) {
+  for (const CourseGap& gap : gaps_of(grid, layers, weak)) {
     const auto parts = std::ranges::count_if(weak_gaps, [&](const CourseGap& part) {
       return part.first >= gap.first && part.first + part.cols <= gap.first + gap.cols;
     });
-    if (parts < 2 || gap.cols * grid.col_mm > config.longest_gap_mm || !is_free(gap)) continue;
-    std::optional<Detour> detour = GapLook{side, course, gap, gap.cols * grid.col_mm, joining}.detour();
-    if (detour && detour->sure && detour->off_mm >= config.far_mm) detours.push_back(std::move(*detour));
+    if (parts >= 2) take_sure_and_far(gap, joining);
   }
-  for (const CourseGap& gap : weak_gaps) {
-    if (gap.cols * grid.col_mm > config.longest_gap_mm || !is_free(gap)) continue;
-    std::optional<Detour> detour = look(gap, gap);
-    if (detour && detour->sure && detour->off_mm >= config.far_mm) detours.push_back(std::move(*detour));
-  }
+  for (const CourseGap& gap : weak_gaps) take_sure_and_far(gap, config);
   for (const CourseGap& gap : gaps) {
     if (gap.cols * grid.col_mm > config.longest_gap_mm || !is_free(gap)) continue;
     if (std::optional<Detour> detour = look(gap, gap)) detours.push_back(std::move(*detour));

@@ -51,7 +51,7 @@ struct CourseSpread {
 
 /// How far `whole` may lie off because its sections are wide where points are few.  A section takes the
 /// places beside it in, and to second order that moves it by half the line's bend times the variance along
-/// the line. Sections half as wide again move it by 1.25 times as much more, which tells.  A filled crease
+/// the line.  Sections half as wide again move it by 1.25 times as much more, which tells.  A filled crease
 /// jumps over a few millimetres, and both halves of the points miss that in the same way.
 [[nodiscard]] CourseSpread width_spread(const SectionPoints& points, std::span<const double> path_z_mm,
                                         const SectionCourse& whole, const SectionCourseConfig& config);
