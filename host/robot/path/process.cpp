@@ -12,7 +12,7 @@ namespace {
 
 using config::YamlReader;
 
-/// Points that claim as much hold to 0.95 and more (docs/line.md, bench of the confidence).
+/// Points that claim as much hold to 0.95 and more (docs/line-figures.md, bench of the confidence).
 constexpr double k_automatic_above = 0.95;
 constexpr double k_rad_per_deg = std::numbers::pi / 180;
 
