@@ -56,6 +56,31 @@ bool hidden(const Sections& sections, int station, int row) {
   return sections.o_mm[sections.at(station, above)] - sections.o_mm[sections.at(station, row)] > k_above_mm;
 }
 
+/// Room for one run of rows.
+struct Smoothed {
+  std::vector<float> padded, rows;
+};
+
+/// Of rows that are all known, but for the first and the last one, which are left as they are.  Beyond its
+/// ends the run goes on straight, with the slope of its last millimetre.  `h`: from row to row, mm.
+void curvatures_of_run(std::span<const float> o, std::span<const float> kernel, double h, Smoothed& smoothed,
+                       float* k) {
+  const std::size_t beyond = kernel.size() / 2;
+  const std::size_t count = o.size();
+  const std::size_t lever = std::min(count - 1, static_cast<std::size_t>(1.0 / h));
+  const float slope_low = (o[lever] - o[0]) / static_cast<float>(lever);
+  const float slope_high = (o[count - 1] - o[count - 1 - lever]) / static_cast<float>(lever);
+  smoothed.padded.resize(count + 2 * beyond);
+  smoothed.rows.resize(count);
+  for (std::size_t i = 0; i < beyond; ++i) {
+    smoothed.padded[i] = o[0] - slope_low * static_cast<float>(beyond - i);
+    smoothed.padded[beyond + count + i] = o[count - 1] + slope_high * static_cast<float>(i + 1);
+  }
+  std::copy(o.begin(), o.end(), smoothed.padded.begin() + static_cast<std::ptrdiff_t>(beyond));
+  convolve(smoothed.rows, smoothed.padded.data(), kernel);
+  curvatures({k + 1, count - 2}, smoothed.rows.data(), static_cast<float>(1.0 / h));
+}
+
 struct Other {
   double k_per_mm{0};
   double away_mm{0};
@@ -90,49 +115,21 @@ Large<float> section_curvature(const Sections& sections, double sigma_mm,
   Large<float> k(sections.o_mm.size());
   const auto rows = static_cast<std::size_t>(sections.rows);
   tbb::parallel_for(tbb::blocked_range<int>{0, sections.stations, 16}, [&](const auto& range) {
-    std::vector<float> padded;
-    std::vector<float> smooth(rows);
+    Smoothed smoothed;
     for (int station = range.begin(); station != range.end(); ++station) {
       const double h =
           sections.row_mm / (upright_ratio.empty() ? 1.0 : upright_ratio[static_cast<std::size_t>(station)]);
       const std::vector<float> kernel = unit_gaussian(sigma_mm / h);
-      const std::size_t beyond = kernel.size() / 2;
-      padded.resize(rows + 2 * beyond);
-      const float* o = sections.o_mm.data() + sections.at(station, 0);
-      const std::uint8_t* known = sections.known.data() + sections.at(station, 0);
-      std::fill_n(k.data() + sections.at(station, 0), rows, 0.0F);
-      // The longest known run; outside it the end values go on.
-      std::size_t begin = 0;
-      std::size_t end = 0;
-      for (std::size_t r = 0; r < rows;) {
-        if (known[r] == 0) {
-          ++r;
-          continue;
-        }
-        std::size_t stop = r;
-        while (stop < rows && known[stop] != 0) ++stop;
-        if (stop - r > end - begin) {
-          begin = r;
-          end = stop;
-        }
-        r = stop;
+      const std::size_t first = sections.at(station, 0);
+      const std::span o{sections.o_mm.data() + first, rows};
+      const std::uint8_t* known = sections.known.data() + first;
+      std::fill_n(k.data() + first, rows, 0.0F);
+      // A shadow parts a section; the crease may lie in any of its parts.
+      for (std::size_t begin = 0, end = 0; begin < rows; begin = end + 1) {
+        for (end = begin; end < rows && known[end] != 0;) ++end;
+        if (end - begin > kernel.size() / 2)
+          curvatures_of_run(o.subspan(begin, end - begin), kernel, h, smoothed, k.data() + first + begin);
       }
-      if (end - begin < beyond) continue;
-      // Beyond the run's ends it goes on straight, with the slope of its last millimetre.
-      const std::size_t lever = std::min<std::size_t>(end - begin - 1, static_cast<std::size_t>(1.0 / h));
-      const float slope_low = (o[begin + lever] - o[begin]) / static_cast<float>(lever);
-      const float slope_high = (o[end - 1] - o[end - 1 - lever]) / static_cast<float>(lever);
-      for (std::size_t i = 0; i < begin + beyond; ++i)
-        padded[i] = o[begin] - slope_low * static_cast<float>(begin + beyond - i);
-      std::copy(o + begin, o + end, padded.data() + begin + beyond);
-      for (std::size_t i = end + beyond; i < padded.size(); ++i)
-        padded[i] = o[end - 1] + slope_high * static_cast<float>(i - (end - 1 + beyond));
-      convolve(smooth, padded.data(), kernel);
-      const std::size_t first = std::max<std::size_t>(begin, 1);
-      const std::size_t last = std::min(end, rows) - 1;
-      if (first >= last) continue;
-      curvatures({k.data() + sections.at(station, static_cast<int>(first)), last - first},
-                 smooth.data() + first - 1, static_cast<float>(1.0 / h));
     }
   });
   return k;

@@ -11,7 +11,8 @@
 namespace biteline::bite_line {
 
 /// Curvature of every section at every row: o smoothed by the definition's Gaussian, then k = o'' / (1 +
-/// o'^2)^1.5. Gaussian and its derivatives are folded into one pass; unknown rows leave k at 0.
+/// o'^2)^1.5. Gaussian and its derivatives are folded into one pass; unknown rows leave k at 0.  Each stretch
+/// of known rows is worked on by itself, and goes on straight beyond its ends.
 ///
 /// The definition's section is upright.  `upright_ratio`: height for each millimetre across the line, per
 /// station, where the sections are square to a line that climbs; empty: 1.

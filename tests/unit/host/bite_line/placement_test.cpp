@@ -175,6 +175,22 @@ TEST(Ridge, AHollowThatTheWallAboveHidesIsNone) {
   CHECK_COMPARE(told(slit(3)), <, 0.3);
 }
 
+TEST(Ridge, ACreaseInTheShorterPartOfASectionIsSeen) {
+  // As on a glossy shoe: neither the groove's upper flank nor the top of its sole was seen.
+  Sections sections = sections_of([](double, double z) { return test::groove_mm(z, k_z_mm); });
+  for (int station = 0; station < sections.stations; ++station) {
+    for (int row = 0; row < sections.rows; ++row) {
+      const double above_mm = sections.z_mm(row);
+      if (above_mm < -1.4 || (above_mm > 1.4 && above_mm < 3)) sections.known[sections.at(station, row)] = 0;
+    }
+  }
+  const Ridge sut = follow_ridge(sections, section_curvature(sections, 0.4), 2.5);
+  for (std::size_t i = 0; i < sut.row.size(); ++i) {
+    CHECK(sut.visible[i] != 0);
+    DOUBLES_EQUAL(0, sections.z_mm(sut.row[i]), 0.1);
+  }
+}
+
 TEST(Ridge, NothingIsVisibleOnAPlainWall) {
   const Sections sections = sections_of([](double, double z) { return 0.2 * (z - k_z_mm); });
   const Ridge sut = follow_ridge(sections, section_curvature(sections, 0.4), 2.5);
