@@ -70,12 +70,6 @@ double cost_of(const Patch& patch, const StepCosts& costs, std::span<const Cell>
   return sum;
 }
 
-bool is_bare(const Patch& patch, const StepCosts& costs, const Cell& from, const Cell& to) {
-  constexpr float k_bare_cost = 0.8F;
-  const std::size_t cell = patch.at(to.row, to.col);
-  return patch.seen[cell] != 0 && costs[step_between(from, to)][cell] > k_bare_cost;
-}
-
 std::vector<Cell> cells_to_root(const Patch& patch, const WayTree& tree, Towards towards, Cell from) {
   const int sign = towards == Towards::Others ? -1 : 1;
   std::vector<Cell> cells{from};

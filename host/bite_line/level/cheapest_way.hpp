@@ -41,9 +41,6 @@ enum class Towards : std::uint8_t { Others, Root };
 /// Of a way along these cells, each a step from the one before.
 [[nodiscard]] double cost_of(const Patch& patch, const StepCosts& costs, std::span<const Cell> cells);
 
-/// Whether a step leads over what was seen and shows hardly a crease.
-[[nodiscard]] bool is_bare(const Patch& patch, const StepCosts& costs, const Cell& from, const Cell& to);
-
 /// The cells of the way between a cell and the root, that cell first.
 [[nodiscard]] std::vector<Cell> cells_to_root(const Patch& patch, const WayTree& tree, Towards towards,
                                               Cell from);

@@ -77,7 +77,7 @@ class GapLook {
       const double step_mm = (detour.places[i] - detour.places[i - 1]).norm();
       const bool seen = patch_.seen[patch_.at(at.row, at.col)] != 0;
       if (!seen) unseen_mm += step_mm;
-      bare_mm = is_bare(patch_, costs_, way.cells[i - 1], at) ? bare_mm + step_mm : 0;
+      bare_mm = seen && is_bare(way.cells[i - 1], at) ? bare_mm + step_mm : 0;
       longest_bare_mm = std::max(longest_bare_mm, bare_mm);
       if (off < k_on_course_mm) continue;
       away_mm += step_mm;
@@ -117,6 +117,12 @@ class GapLook {
             .length_mm = to_mm_ - from_mm_ + 2 * k_margin_mm,
             .z_mm = low - k_below_mm,
             .height_mm = high - low + k_below_mm + k_above_mm};
+  }
+
+  /// Whether a step shows hardly a crease.
+  [[nodiscard]] bool is_bare(const Cell& from, const Cell& to) const {
+    constexpr float k_bare_cost = 0.8F;
+    return costs_[step_between(from, to)][patch_.at(to.row, to.col)] > k_bare_cost;
   }
 
   /// As find_layers() has it for a rival.

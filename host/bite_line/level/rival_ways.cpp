@@ -131,13 +131,11 @@ void doubt_stretch(std::size_t from, std::size_t to, double off_mm, WayDoubt& do
   }
 }
 
-/// Where all steps over more than `most_mm` are `such` steps, from one cell to the next.
-template <class Such>
-void doubt_runs(const Way& way, double most_mm, const Such& such, WayDoubt& doubt) {
+void doubt_unseen(const Patch& patch, const Way& way, double most_mm, WayDoubt& doubt) {
   double length_mm = 0;
   std::size_t first = 0;
   for (std::size_t i = 1; i < way.cells.size(); ++i) {
-    if (such(way.cells[i - 1], way.cells[i])) {
+    if (patch.seen[patch.at(way.cells[i].row, way.cells[i].col)] == 0) {
       length_mm += apart_mm(way.cells[i - 1], way.cells[i]);
       continue;
     }
@@ -238,10 +236,7 @@ WayDoubt doubt_way(const Patch& patch, const StepCosts& costs, const StepCosts& 
   for (const std::vector<std::size_t>* at : {&found.onto, &found.off})
     for (const std::size_t i : *at) doubt_stretch(i, i + 1, config.far_mm, doubt);
   doubt_left_above(patch, costs, way, config, doubt);
-  const auto unseen = [&](const Cell&, const Cell& to) { return patch.seen[patch.at(to.row, to.col)] == 0; };
-  doubt_runs(way, config.most_unseen_mm, unseen, doubt);
-  const auto bare = [&](const Cell& from, const Cell& to) { return is_bare(patch, costs, from, to); };
-  doubt_runs(way, config.most_bare_mm, bare, doubt);
+  doubt_unseen(patch, way, config.most_unseen_mm, doubt);
   doubt_between(config.apart_mm, doubt);
   return doubt;
 }

@@ -12,7 +12,6 @@ struct RivalWaysConfig {
   double apart_mm{2.5};           ///< what is nearer is the same way
   float shows_cost{0.8F};         ///< of a place that shows a crease
   double most_unseen_mm{8};       ///< what was not seen over so much may lead anywhere
-  double most_bare_mm{4.5};       ///< what was seen and shows no crease over so much may lead to another one
   double far_mm{5};               ///< what leads so far up leaves a crease of its own below it ...
   double least_far_margin{0.16};  ///< ... and is a rival up to this margin (DetourConfig has it, too)
   double left_above_mm{60};       ///< a plain crease that is left above over so much is the line
@@ -26,7 +25,7 @@ struct WayDoubt {
 };
 
 /// What speaks against the cheapest way `way`: rivals, places where it branches off a crease, a plain crease
-/// all along above it, stretches that were not seen or are bare, and what lies between two that are unsure.
+/// all along above it, stretches that were not seen, and what lies between two stretches that are unsure.
 /// Who leaves a crease and comes back to it does so at two places; the longest stretch between two is the
 /// line's.
 ///

@@ -61,11 +61,6 @@ TEST(GuardLines, ACapsEdgeAboveAGuardIsNotTheLine) {
   CHECK(worst_of({{992, 119}, {3015, 20}, {3015, 289}, {3020, 168}, {3021, 3}}) != Judged::Wrong);
 }
 
-TEST(GuardLines, ABumpersEdgeAboveAGuardIsReachedOverABareSurface) {
-  // It was wrong without a word over 101 mm, 4 mm above the guard's own weaker edge.
-  CHECK(worst_of({{3031, 213}}) != Judged::Wrong);
-}
-
 TEST(GuardLines, AGrooveBelowAGuardThatGoesOnBesideTheLineIsNotTheLine) {
   // It was wrong without a word, over 55 mm.
   CHECK(worst_of({{3019, 227}}) != Judged::Wrong);
