@@ -186,6 +186,23 @@ void try_bridges(PlacedLine& placed) {
 
 }  // namespace
 
+void doubt_guide_in_gaps(double guide_z_mm, PlacedLine& placed) {
+  const std::size_t count = placed.points.size();
+  std::vector<std::uint8_t> known;
+  for (const PlacedStation& station : placed.points) known.push_back(station.to_visible_mm > 0 ? 0 : 1);
+  for (const geometry::Gap& gap : geometry::gaps_of(known)) {
+    const auto off_mm = [&](std::size_t steps) {
+      return placed.points[(gap.first + steps) % count].own_z_mm - guide_z_mm;
+    };
+    for (std::size_t k = 1; k < gap.steps; ++k) {
+      PlacedStation& station = placed.points[(gap.first + k) % count];
+      const double share = static_cast<double>(k) / static_cast<double>(gap.steps);
+      station.between_up_mm =
+          std::hypot(station.between_up_mm, (1 - share) * off_mm(0), share * off_mm(gap.steps));
+    }
+  }
+}
+
 Side side_along(const Levelled& levelled) {
   Shoe shoe = levelled.shoe();
   SideField field = SideField::build(shoe, levelled.outline(), {});
@@ -207,6 +224,7 @@ OrRefusal<PlacedLine> place_along(const ScanPoints& scan, const Side& side, cons
   if (!second) return tl::unexpected{second.error()};
   PlacedLine placed = place_on(scan, *second, found, spacing_mm);
   doubt_place(*second, found.levelled, line, placed);
+  doubt_guide_in_gaps(second->height_mm(), placed);
   placed = second->back(std::move(placed));
   try_bridges(placed);
   return placed;

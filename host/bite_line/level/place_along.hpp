@@ -28,6 +28,11 @@ struct FoundLevel {
 [[nodiscard]] OrRefusal<PlacedLine> place_along(const ScanPoints& scan, const Side& side,
                                                 const FoundLevel& found, double spacing_mm);
 
+/// What is bridged follows the guide, which runs at `guide_z_mm`.  Where a gap's end lies off it, the guide
+/// was led astray there, and so it may be in the gap: by as much at this end, and by nothing at the other
+/// one. The stations are those of the levelled side.
+void doubt_guide_in_gaps(double guide_z_mm, PlacedLine& placed);
+
 /// A side levelled along a guide.
 [[nodiscard]] Side side_along(const Levelled& levelled);
 

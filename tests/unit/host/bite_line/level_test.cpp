@@ -14,6 +14,7 @@
 #include "host/bite_line/level/detours.hpp"
 #include "host/bite_line/level/levelled.hpp"
 #include "host/bite_line/level/patch.hpp"
+#include "host/bite_line/level/place_along.hpp"
 #include "host/bite_line/level/rival_ways.hpp"
 #include "host/bite_line/level/step_costs.hpp"
 #include "host/bite_line/level/way_round.hpp"
@@ -253,6 +254,22 @@ TEST(Level, WhatIsLevelledAndBroughtBackLiesWhereItWas) {
   // What lies in the fold of a corner has no place of its own: a part of the two corners' 40 mm.
   std::ranges::sort(off_mm);
   CHECK_TEXT(off_mm[off_mm.size() * 9 / 10] < 0.03F, "nine of ten within the outline's own interpolation");
+}
+
+TEST(Level, ABridgeIsAsUnsureAsItsGuideIsOffAtItsEnds) {
+  // A gap of ten stations: its guide is off by 1 mm where it ends, and right where it begins.
+  bite_line::PlacedLine placed;
+  placed.points.resize(100);
+  for (std::size_t i = 0; i < 100; ++i) {
+    placed.points[i].own_z_mm = i == 60 ? 11.0 : 10.0;
+    placed.points[i].to_visible_mm = i > 50 && i < 60 ? 1.0 : 0.0;
+  }
+  bite_line::doubt_guide_in_gaps(10.0, placed);
+  for (std::size_t k = 0; k <= 10; ++k) {
+    const double in_gap_mm = k < 10 ? 0.1 * static_cast<double>(k) : 0.0;
+    DOUBLES_EQUAL(in_gap_mm, placed.points[50 + k].between_up_mm, 1e-12);
+  }
+  DOUBLES_EQUAL(0, placed.points[20].between_up_mm, 1e-12);
 }
 
 TEST(Level, TheGuideRunsLevelAtItsMeanHeight) {
