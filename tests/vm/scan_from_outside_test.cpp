@@ -29,6 +29,7 @@
 #include "tests/support/key_set.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/timed_test.hpp"
 
 namespace biteline {
 namespace {
@@ -215,7 +216,8 @@ TEST_GROUP(ScanFromOutside) {
   }
 };
 
-TEST(ScanFromOutside, ThousandProfilesAreThoseOfTheReplayAndEveryCountIsRight) {
+// The machine is emulated, by ordinary threads: its sensor stops when these do not get their time.
+ORDINARY_TIMED_TEST(ScanFromOutside, ThousandProfilesAreThoseOfTheReplayAndEveryCountIsRight) {
   if (environment("BITELINE_ARM64_BUILD").empty())
     return test::note_skipped("started by ctest, which names kernel and build");
   if (!fs::exists(environment("BITELINE_ARM64_BUILD") + "/bin/biteline-sensor"))
