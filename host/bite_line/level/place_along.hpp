@@ -30,7 +30,7 @@ struct FoundLevel {
 
 /// What is bridged follows the guide, which runs at `guide_z_mm`.  Where a gap's end lies off it, the guide
 /// was led astray there, and so it may be in the gap: by as much at this end, and by nothing at the other
-/// one. The stations are those of the levelled side.
+/// one.  The stations are those of the levelled side.
 void doubt_guide_in_gaps(double guide_z_mm, PlacedLine& placed);
 
 /// A side levelled along a guide.
