@@ -7,17 +7,12 @@
 // exposures that the wizard asks for.  The laser's line lights nothing: the lit picture is shown when the
 // wizard orders it, and the guest's half (tests/hal/kernel/stills_test.cpp) compares orders and line.
 #include <CppUTest/TestHarness.h>
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
 
 #include "common/config/sensor_yaml.hpp"
 #include "common/session/session.hpp"
-#include "hal/linux/posix/descriptor.hpp"
 #include "hal/sim/live/target_show.hpp"
 #include "host/intake/child_process.hpp"
 #include "tests/support/errors.hpp"
@@ -26,6 +21,7 @@
 #include "tests/support/shared_data.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/transforms.hpp"
+#include "tests/vm/emulated_machine.hpp"
 
 namespace biteline {
 namespace {
@@ -41,7 +37,6 @@ constexpr int k_width_px = 800, k_height_px = 600;
 constexpr double k_pixel_ratio = 0.5;
 /// What the wizard asks for unless told otherwise.
 constexpr Nanoseconds k_lamp_exposure = milliseconds{20}, k_laser_exposure = std::chrono::microseconds{400};
-constexpr seconds k_boot_patience{180};
 /// One picture in software emulation, beside whatever else this machine does.
 constexpr seconds k_picture_patience{60};
 /// What the pose bus rounds to: 0.1 um, and quaternions in 32 bits.
@@ -59,22 +54,6 @@ sim::MadeHead made_head() {
   return head;
 }
 
-std::string environment(const char* name) {
-  const char* const value = std::getenv(name);
-  return value != nullptr ? value : "";
-}
-
-int free_port() {
-  const hal::Descriptor socket{::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  CHECK_EQUAL(0, ::bind(socket.number(), reinterpret_cast<const sockaddr*>(&address), size));
-  CHECK_EQUAL(0, ::getsockname(socket.number(), reinterpret_cast<sockaddr*>(&address), &size));
-  return ntohs(address.sin_port);
-}
-
 }  // namespace
 
 TEST_GROUP(CommissionFromOutside) {
@@ -83,7 +62,7 @@ TEST_GROUP(CommissionFromOutside) {
   sim::MadeHead head{made_head()};
   sim::TargetShowSettings places{.camera_places = 8, .laser_places = 5, .hand_eye_places = 9};
   sim::TargetShow targets{head, places};
-  std::optional<ChildProcess> machine;
+  test::EmulatedMachine machine;
   std::string said;
 
   [[nodiscard]] static fs::path file_of(const fs::path& in, std::size_t place, const char* kind) {
@@ -125,50 +104,24 @@ TEST_GROUP(CommissionFromOutside) {
     fs::rename(share / "place.part", share / "place");
   }
 
-  void boot(int port) {
-    const std::string in = share.string(),
-                      guest = "mkdir -p " + in +
-                              " && mount -t 9p -o trans=virtio,version=9p2000.L,msize=262144 share " + in +
-                              " && BITELINE_BOARD=/test/board.yaml BITELINE_SHARE=" + in +
-                              " BITELINE_SENSOR=/test/biteline-sensor /test/kernel_stills_test -v",
-                      machine_words =
-                          "-netdev user,id=net,restrict=on,hostfwd=tcp:127.0.0.1:" + std::to_string(port) +
-                          "-:5555 -device virtio-net-pci,netdev=net,romfile= -virtfs "
-                          "local,path=" +
-                          in + ",mount_tag=share,security_model=none",
-                      command = "BITELINE_VM_MODULES='9pnet_virtio 9p' BITELINE_VM_QEMU='" + machine_words +
-                                "' exec '" + environment("BITELINE_VM_BOOT") + "' " +
-                                environment("BITELINE_VM_KERNEL") + " '" +
-                                environment("BITELINE_ARM64_BUILD") + "' '" + guest +
-                                "' bin/biteline-sensor tests/kernel_stills_test -- '" +
-                                environment("BITELINE_VM_BOARD") + "'";
-    auto started =
-        ChildProcess::start({.program = "/bin/bash", .arguments = {"-c", command}, .pass_stderr = true});
-    SUCCEEDS(started);
-    machine.emplace(std::move(*started));
-  }
-  bool wait_until_ready() {
-    const auto deadline = std::chrono::steady_clock::now() + k_boot_patience;
-    while (std::chrono::steady_clock::now() < deadline) {
-      const auto line = machine->next_line(seconds{5});
-      if (!line && line.error().code != Errc::Timeout) return false;
-      if (!line) continue;
-      std::printf("%s\n", line->c_str());
-      if (line->find("stills: ready") != std::string::npos) return true;
-    }
-    return false;
-  }
-  void tell_the_rest(milliseconds patience) {
-    while (const auto line = machine->next_line(patience)) std::printf("%s\n", line->c_str());
+  void boot() {
+    const std::string in = share.string();
+    machine.boot({.modules = "9pnet_virtio 9p",
+                  .devices = "-virtfs local,path=" + in + ",mount_tag=share,security_model=none",
+                  .guest = "mkdir -p " + in +
+                           " && mount -t 9p -o trans=virtio,version=9p2000.L,msize=262144 share " + in +
+                           " && BITELINE_BOARD=/test/board.yaml BITELINE_SHARE=" + in +
+                           " BITELINE_SENSOR=/test/biteline-sensor /test/kernel_stills_test -v",
+                  .program = "tests/kernel_stills_test"});
   }
 
   /// The tool as it is, and beside it, where it looks for the sensor program, a wire to the one in the
   /// machine.
-  void make_tool(int port) const {
+  void make_tool() const {
     fs::create_directories(tool.parent_path());
     fs::copy_file(BITELINE_TOOL, tool);
     const fs::path wire = tool.parent_path() / "biteline-sensor";
-    std::ofstream{wire} << "#!/bin/bash\nexec 3<>/dev/tcp/127.0.0.1/" << port
+    std::ofstream{wire} << "#!/bin/bash\nexec 3<>/dev/tcp/127.0.0.1/" << machine.port()
                         << " 4<&0\ncat <&4 >&3 &\nexec cat <&3\n";
     fs::permissions(wire, fs::perms::owner_all);
   }
@@ -196,7 +149,7 @@ TEST_GROUP(CommissionFromOutside) {
     }
     const auto status = wizard->wait(k_picture_patience);
     SUCCEEDS(status);
-    if (*status != 0) tell_the_rest(seconds{1});
+    if (*status != 0) machine.tell_the_rest(seconds{1});
     LONGS_EQUAL_TEXT(0, *status, wizard->last_words().c_str());
     LONGS_EQUAL(count, kept.size());
     return kept;
@@ -217,24 +170,19 @@ TEST_GROUP(CommissionFromOutside) {
 };
 
 TEST(CommissionFromOutside, AnUncalibratedHeadIsCalibratedThroughKernelDevices) {
-  if (environment("BITELINE_ARM64_BUILD").empty())
-    return test::note_skipped("started by ctest, which names kernel and build");
-  if (!fs::exists(environment("BITELINE_ARM64_BUILD") + "/bin/biteline-sensor"))
-    return test::note_skipped("no arm64 build");
+  if (test::nothing_to_boot()) return;
   fs::create_directories(calib);
   folder.write("target.yaml", sim::grid_text(sim::RingGrid{}));
   folder.write("two.yaml", "planes: 2\n" + sim::grid_text(sim::plane_grid()));
   write_places();
   go_to(0);
   make_pictures(0, 1);
-  const int port = free_port();
-  make_tool(port);
-  boot(port);
+  make_tool();
+  boot();
   make_pictures(1, targets.count());  // while it boots
   std::printf("pictures made\n");
-  const bool up = wait_until_ready();
-  if (!up && machine->wait(seconds{5}) == 77)
-    return test::note_skipped("boot.sh lacks something here, see above");
+  const bool up = machine.says("stills: ready");
+  if (!up && machine.cannot_run_here()) return;
   test::note_ran();
   CHECK_TEXT(up, "the machine does not come up");
 
@@ -245,10 +193,8 @@ TEST(CommissionFromOutside, AnUncalibratedHeadIsCalibratedThroughKernelDevices) 
              hand_eye = capture("hand-eye", "target.yaml", first_hand_eye, places.hand_eye_places);
   STRCMP_CONTAINS("no exposure control", said.c_str());
   go_to(-1);
-  tell_the_rest(k_picture_patience);
-  const auto ended = machine->wait(k_picture_patience);
-  SUCCEEDS(ended);
-  LONGS_EQUAL(0, *ended);
+  machine.tell_the_rest(k_picture_patience);
+  machine.ends_well(k_picture_patience);
 
   check_pictures(camera, "camera", ".png", "lamp");
   check_pictures(laser, "laser", "_rings.png", "lamp");

@@ -7,22 +7,16 @@
 // the PWM is switched on by the sensor, and each frame of the driver then makes the edge that it is paired
 // with.
 #include <CppUTest/TestHarness.h>
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 
 #include <bit>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
 #include <numbers>
 
 #include "common/config/sensor_yaml.hpp"
 #include "common/image/grey_image.hpp"
 #include "common/session/session.hpp"
-#include "hal/linux/posix/descriptor.hpp"
-#include "host/intake/child_process.hpp"
 #include "host/intake/sensor_link.hpp"
 #include "host/intake/session_run.hpp"
 #include "tests/support/errors.hpp"
@@ -30,6 +24,7 @@
 #include "tests/support/shared_data.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/timed_test.hpp"
+#include "tests/vm/emulated_machine.hpp"
 
 namespace biteline {
 namespace {
@@ -43,7 +38,7 @@ constexpr int k_height_px = 480;
 constexpr int k_pictures = 31;  // a prime: different ones, then again from the first
 constexpr std::uint64_t k_frames = 1000;
 /// The machine boots and scans in software emulation, beside whatever else this one does.
-constexpr seconds k_boot_patience{180};
+constexpr seconds k_boot_patience = test::EmulatedMachine::k_boot_patience;
 constexpr seconds k_scan_patience{240};
 
 /// Each picture's stripe stands half a pixel lower than the one before.
@@ -110,27 +105,11 @@ std::vector<std::uint32_t> clockless_bits(const std::vector<profile::ProfilePoin
   return bits;
 }
 
-int free_port() {
-  const hal::Descriptor socket{::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  CHECK_EQUAL(0, ::bind(socket.number(), reinterpret_cast<const sockaddr*>(&address), size));
-  CHECK_EQUAL(0, ::getsockname(socket.number(), reinterpret_cast<sockaddr*>(&address), &size));
-  return ntohs(address.sin_port);
-}
-
-std::string environment(const char* name) {
-  const char* const value = std::getenv(name);
-  return value != nullptr ? value : "";
-}
-
 }  // namespace
 
 TEST_GROUP(ScanFromOutside) {
   test::TemporaryFolder folder;
-  std::optional<intake::ChildProcess> machine;
+  test::EmulatedMachine machine;
   std::unique_ptr<intake::SensorLink> link;
   std::vector<profile::Profile> profiles;
   std::uint64_t lost{0};
@@ -145,43 +124,12 @@ TEST_GROUP(ScanFromOutside) {
     return folder.path() / "keys";
   }
 
-  void boot(int port) {
-    const std::string build = environment("BITELINE_ARM64_BUILD");
-    const std::string guest =
-        "BITELINE_BOARD=/test/board.yaml BITELINE_SESSION=/test/session BITELINE_KEYS=/test/keys "
-        "BITELINE_SENSOR=/test/biteline-sensor /test/kernel_program_test";
-    const std::string command =
-        "BITELINE_VM_QEMU='-netdev user,id=net,restrict=on,hostfwd=tcp:127.0.0.1:" + std::to_string(port) +
-        "-:5555 -device virtio-net-pci,netdev=net,romfile=' exec '" + environment("BITELINE_VM_BOOT") + "' " +
-        environment("BITELINE_VM_KERNEL") + " '" + build + "' '" + guest +
-        "' bin/biteline-sensor tests/kernel_program_test -- '" + environment("BITELINE_VM_BOARD") + "' '" +
-        session().string() + "' '" + keys().string() + "'";
-    auto started = intake::ChildProcess::start(
-        {.program = "/bin/bash", .arguments = {"-c", command}, .pass_stderr = true});
-    SUCCEEDS(started);
-    machine.emplace(std::move(*started));
-  }
-  /// The forwarded port answers before anybody listens inside: the sensor's own line says when.
-  bool wait_for_sensor() {
-    const auto deadline = std::chrono::steady_clock::now() + k_boot_patience;
-    while (std::chrono::steady_clock::now() < deadline) {
-      const auto line = machine->next_line(seconds{5});
-      if (!line && line.error().code != Errc::Timeout) return false;
-      if (!line) continue;
-      std::printf("%s\n", line->c_str());
-      if (line->find("\"endpoint\"") != std::string::npos) return true;
-    }
-    return false;
-  }
-  void tell_the_rest() {
-    while (const auto line = machine->next_line(seconds{60})) std::printf("%s\n", line->c_str());
-  }
   /// Takes in what comes until `done`; false: it never did, or the machine ended.
   template <class Done>
   bool take_until(seconds patience, Done done) {
     const auto deadline = std::chrono::steady_clock::now() + patience;
     while (!done()) {
-      if (std::chrono::steady_clock::now() > deadline || !machine->running()) return false;
+      if (std::chrono::steady_clock::now() > deadline || !machine.runs()) return false;
       auto event = link->next(milliseconds{50});
       if (!event) {
         std::printf("%s\n", to_line(event.error()).c_str());
@@ -203,9 +151,9 @@ TEST_GROUP(ScanFromOutside) {
   std::vector<std::vector<std::uint32_t>> replayed() {
     intake::SessionRunOptions options;
     options.session = session();
-    options.program =
-        folder.write("sensor.sh", "#!/bin/sh\nexec " + environment("BITELINE_ARM64_EMULATOR") + " '" +
-                                      environment("BITELINE_ARM64_BUILD") + "/bin/biteline-sensor' \"$@\"\n");
+    options.program = folder.write(
+        "sensor.sh", "#!/bin/sh\nexec " + test::environment("BITELINE_ARM64_EMULATOR") + " '" +
+                         test::environment("BITELINE_ARM64_BUILD") + "/bin/biteline-sensor' \"$@\"\n");
     fs::permissions(*options.program, fs::perms::owner_all);
     std::vector<std::vector<std::uint32_t>> found;
     options.on_profile = [&](const profile::Profile& profile, auto&&...) {
@@ -218,22 +166,22 @@ TEST_GROUP(ScanFromOutside) {
 
 // The machine is emulated, by ordinary threads: its sensor stops when these do not get their time.
 ORDINARY_TIMED_TEST(ScanFromOutside, ThousandProfilesAreThoseOfTheReplayAndEveryCountIsRight) {
-  if (environment("BITELINE_ARM64_BUILD").empty())
-    return test::note_skipped("started by ctest, which names kernel and build");
-  if (!fs::exists(environment("BITELINE_ARM64_BUILD") + "/bin/biteline-sensor"))
-    return test::note_skipped("no arm64 build");
+  if (test::nothing_to_boot()) return;
   write_session(session());
   SUCCEEDS(test::make_key_set(keys()));
-  const int port = free_port();
-  boot(port);
-  const bool up = wait_for_sensor();
-  if (!up && machine->wait(seconds{5}) == 77)
-    return test::note_skipped("boot.sh lacks something here, see above");
+  machine.boot({.guest = "BITELINE_BOARD=/test/board.yaml BITELINE_SESSION=/test/session "
+                         "BITELINE_KEYS=/test/keys BITELINE_SENSOR=/test/biteline-sensor "
+                         "/test/kernel_program_test",
+                .program = "tests/kernel_program_test",
+                .files = {session(), keys()}});
+  // The forwarded port answers before anybody listens inside: the sensor's own line says when.
+  const bool up = machine.says("\"endpoint\"");
+  if (!up && machine.cannot_run_here()) return;
   test::note_ran();
   CHECK_TEXT(up, "the sensor in the machine does not come up");
 
   intake::SensorLinkConfig config;
-  config.sensor = {.host = "127.0.0.1", .port = static_cast<std::uint16_t>(port)};
+  config.sensor = {.host = "127.0.0.1", .port = static_cast<std::uint16_t>(machine.port())};
   auto host_keys = wire::read_host_keys(keys());
   SUCCEEDS(host_keys);
   config.keys = *host_keys;
@@ -282,10 +230,8 @@ ORDINARY_TIMED_TEST(ScanFromOutside, ThousandProfilesAreThoseOfTheReplayAndEvery
   CHECK(counters.poses > 0);
   CHECK(end->devices.realtime);
   link.reset();
-  tell_the_rest();
-  const auto status = machine->wait(k_scan_patience);
-  SUCCEEDS(status);
-  LONGS_EQUAL(0, *status);
+  machine.tell_the_rest(seconds{60});
+  machine.ends_well(k_scan_patience);
 }
 
 }  // namespace biteline
