@@ -11,6 +11,8 @@
 namespace biteline::rtde {
 namespace {
 
+using namespace std::string_view_literals;
+
 struct Heard : ClientListener {
   std::vector<std::pair<std::size_t, std::vector<Value>>> data;
   std::vector<TextMessage> texts;
@@ -45,6 +47,10 @@ ClientSession::Config two_recipes() {
           .inputs = {{{"speed_slider_mask", Uint32}, {"speed_slider_fraction", Double}}}};
 }
 
+Bytes bytes(std::string_view text) {
+  return {text.begin(), text.end()};
+}
+
 }  // namespace
 
 TEST_GROUP(RtdeSessions) {
@@ -71,6 +77,17 @@ TEST_GROUP(RtdeSessions) {
       }
     }
     return {};
+  }
+  struct Exchange {
+    std::string_view asked, answered;
+  };
+  /// Each request is answered by just these bytes.
+  void check_answers(ControllerSession & controller, std::span<const Exchange> exchanges) {
+    for (const Exchange& exchange : exchanges) {
+      CHECK(controller.consume(bytes(exchange.asked), taken).has_value());
+      CHECK(bytes(exchange.answered) == controller.outgoing());
+      controller.outgoing().clear();
+    }
   }
 };
 
@@ -136,13 +153,9 @@ TEST(RtdeSessions, AnInputBelongsToOneClientUntilItGoes) {
 
 /// The exchange of Universal Robots' Python client (record.py) byte by byte, as the guide lays it out.
 TEST(RtdeSessions, GoldenBytesOfAPeersExchange) {
-  const auto bytes = [](std::string_view text) { return Bytes(text.begin(), text.end()); };
-  using namespace std::string_view_literals;
   ControllerSession controller{{}};
   controller.start();
-  const struct {
-    std::string_view asked, answered;
-  } rows[] = {
+  const Exchange exchanges[] = {
       {"\x00\x05V\x00\x02"sv, "\x00\x04V\x01"sv},
       {"\x00\x03v"sv, "\x00\x13v\x00\x00\x00\x05\x00\x00\x00\x0c\x00\x00\x00\x00\x00\x00\x00\x00"sv},
       {"\x00\x1fO\x40\x5f\x40\x00\x00\x00\x00\x00timestamp,robot_mode"sv,
@@ -150,11 +163,7 @@ TEST(RtdeSessions, GoldenBytesOfAPeersExchange) {
        "DOUBLE,INT32"sv},
       {"\x00\x03S"sv, "\x00\x04S\x01"sv},
   };
-  for (const auto& row : rows) {
-    CHECK(controller.consume(bytes(row.asked), taken).has_value());
-    CHECK(bytes(row.answered) == controller.outgoing());
-    controller.outgoing().clear();
-  }
+  check_answers(controller, exchanges);
   arm.time_s = 1;
   controller.append_outputs(0, arm);
   CHECK(bytes("\x00\x10U\x01\x3f\xf0\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00"sv) == controller.outgoing());
@@ -162,22 +171,14 @@ TEST(RtdeSessions, GoldenBytesOfAPeersExchange) {
 
 /// What a CB3 of old hears and says: no numbers of recipes, no rate, and so Universal Robots' first guide.
 TEST(RtdeSessions, GoldenBytesOfVersion1) {
-  const auto bytes = [](std::string_view text) { return Bytes(text.begin(), text.end()); };
-  using namespace std::string_view_literals;
   ControllerSession controller{{}};
   controller.start();
-  const struct {
-    std::string_view asked, answered;
-  } rows[] = {
+  const Exchange exchanges[] = {
       {"\x00\x05V\x00\x01"sv, "\x00\x04V\x01"sv},
       {"\x00\x17Otimestamp,robot_mode"sv, "\x00\x0fODOUBLE,INT32"sv},
       {"\x00\x03S"sv, "\x00\x04S\x01"sv},
   };
-  for (const auto& row : rows) {
-    CHECK(controller.consume(bytes(row.asked), taken).has_value());
-    CHECK(bytes(row.answered) == controller.outgoing());
-    controller.outgoing().clear();
-  }
+  check_answers(controller, exchanges);
   arm.time_s = 1;
   controller.append_outputs(0, arm);
   CHECK(bytes("\x00\x0fU\x3f\xf0\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00"sv) == controller.outgoing());
@@ -188,13 +189,9 @@ TEST(RtdeSessions, GoldenBytesOfVersion1) {
 
 /// Inputs as the client libraries write them (RTDEWriter, RTDEIOInterface): the slider at a quarter.
 TEST(RtdeSessions, GoldenBytesOfInputsAndTexts) {
-  const auto bytes = [](std::string_view text) { return Bytes(text.begin(), text.end()); };
-  using namespace std::string_view_literals;
   ControllerSession controller{{}};
   controller.start();
-  const struct {
-    std::string_view asked, answered;
-  } rows[] = {
+  const Exchange exchanges[] = {
       {"\x00\x05V\x00\x02"sv, "\x00\x04V\x01"sv},
       {"\x00\x2aIspeed_slider_mask,speed_slider_fraction"sv,
        "\x00\x11I\x01"
@@ -204,11 +201,7 @@ TEST(RtdeSessions, GoldenBytesOfInputsAndTexts) {
        "NOT_FOUND"sv},
       {"\x00\x10U\x01\x00\x00\x00\x01\x3f\xd0\x00\x00\x00\x00\x00\x00"sv, ""sv},
   };
-  for (const auto& row : rows) {
-    CHECK(controller.consume(bytes(row.asked), taken).has_value());
-    CHECK(bytes(row.answered) == controller.outgoing());
-    controller.outgoing().clear();
-  }
+  check_answers(controller, exchanges);
   controller.send_text({.level = TextLevel::Warning, .text = "slow", .source = "arm"});
   CHECK(bytes("\x00\x0dM\x04slow\x03"
               "arm\x02"sv) == controller.outgoing());
