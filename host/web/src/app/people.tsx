@@ -3,6 +3,7 @@
 import type { JSX } from 'preact';
 import { useState } from 'preact/hooks';
 import { t, t_or } from '../words';
+import { NewNameField, NewPasswordField } from './account_fields';
 import { type LogEntry, type Role, type User, call, query, roles } from './api';
 import { Failure, Table } from './parts';
 import { act, may, time_words, use_reading, use_store } from './store';
@@ -102,17 +103,7 @@ function NewUser(): JSX.Element {
           );
         }}
       >
-        <label>
-          {t('name')}{' '}
-          <input
-            required
-            autocomplete="off"
-            maxLength={64}
-            pattern="[A-Za-z0-9][A-Za-z0-9._@\-]*"
-            value={form.name}
-            onInput={(e) => set_form({ ...form, name: e.currentTarget.value })}
-          />
-        </label>
+        <NewNameField label={t('name')} value={form.name} set={(name) => set_form({ ...form, name })} />
         <label>
           {t('role')}{' '}
           <select
@@ -126,18 +117,11 @@ function NewUser(): JSX.Element {
             ))}
           </select>
         </label>
-        <label>
-          {t('password')}{' '}
-          <input
-            type="password"
-            required
-            minLength={8}
-            maxLength={200}
-            autocomplete="new-password"
-            value={form.password}
-            onInput={(e) => set_form({ ...form, password: e.currentTarget.value })}
-          />
-        </label>
+        <NewPasswordField
+          label={t('password')}
+          value={form.password}
+          set={(password) => set_form({ ...form, password })}
+        />
         <button type="submit" class="go">
           {t('save')}
         </button>
@@ -172,18 +156,11 @@ function OwnPassword(): JSX.Element | null {
             onInput={(e) => set_form({ ...form, old_password: e.currentTarget.value })}
           />
         </label>
-        <label>
-          {t('new_password')}{' '}
-          <input
-            type="password"
-            required
-            minLength={8}
-            maxLength={200}
-            autocomplete="new-password"
-            value={form.password}
-            onInput={(e) => set_form({ ...form, password: e.currentTarget.value })}
-          />
-        </label>
+        <NewPasswordField
+          label={t('new_password')}
+          value={form.password}
+          set={(password) => set_form({ ...form, password })}
+        />
         <button type="submit">{t('save')}</button>
       </form>
     </section>
