@@ -3,6 +3,8 @@
 #include <CppUTest/TestHarness.h>
 
 #include <random>
+#include <span>
+#include <string_view>
 
 #include "common/rtde/client_session.hpp"
 #include "common/rtde/controller_session.hpp"
