@@ -7,6 +7,7 @@
 #include <tbb/parallel_invoke.h>
 
 #include "host/bite_line/buckets.hpp"
+#include "host/bite_line/place/bare_doubt.hpp"
 #include "host/bite_line/place/gap_bridge.hpp"
 #include "host/bite_line/place/ridge_doubt.hpp"
 #include "host/bite_line/place/sampling.hpp"
@@ -52,22 +53,6 @@ std::vector<GapPlace> gap_places(std::span<const std::uint8_t> known, const Outl
     }
   }
   return places;
-}
-
-/// A surface that was seen over so much and shows no crease says that the line goes another way: then it is
-/// there with less than one half.
-void doubt_bare(std::span<const std::uint8_t> bare, double station_mm, std::vector<PlacedStation>& stations) {
-  constexpr double k_bare_mm = 16.0;
-  constexpr double k_bare_doubt = 1.1;
-  std::vector<std::uint8_t> shows;
-  for (const std::uint8_t flag : bare) shows.push_back(flag == 0 ? 1 : 0);
-  for (const geometry::Gap& gap : geometry::gaps_of(shows)) {
-    if (static_cast<double>(gap.steps) * station_mm < k_bare_mm) continue;
-    for (std::size_t k = 1; k < gap.steps; ++k) {
-      PlacedStation& station = stations[(gap.first + k) % stations.size()];
-      station.doubt = std::max(station.doubt, k_bare_doubt);
-    }
-  }
 }
 
 struct Plan {
@@ -284,7 +269,7 @@ PlacedLine place_line(const PlacementInput& input, const PlacementConfig& config
         .thing_beside = sections.ended[i] != 0};
     bare[i] = seen_bare(i) ? 1 : 0;
   }
-  doubt_bare(bare, sections.station_mm, placement.points);
+  doubt_bare(bare, ridge, sections.station_mm, config.mean_mm, placement.points);
   set_layers(input, placement.points);
   doubt_ridge(ridge, config.mean_mm / sections.station_mm, placement.points);
   doubt_bridges(ridge.visible, placement.points);
