@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "host/bite_line/find_bite_line.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <span>
 #include <utility>
 #include <vector>
@@ -22,6 +24,12 @@ namespace {
 bool changes_crease(const Layers& layers, const Refusal& refusal) {
   const bool unsure = refusal.code == Refused::Rivalled || refusal.code == Refused::TooMuchUnsure;
   return unsure && !layers.others.empty();
+}
+
+/// A course over columns climbs by 45 degrees at most, and the shank of a high heel by more.
+bool climbs_steeply(const SideGrid& grid, const Layers& layers) {
+  constexpr float k_steep = 0.75F;
+  return std::ranges::any_of(climb_of(grid, layers.line.row), [](float c) { return std::abs(c) > k_steep; });
 }
 
 }  // namespace
@@ -67,7 +75,8 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
     });
   };
   Extraction extraction = written(found);
-  if (extraction.refusal && changes_crease(layers, *extraction.refusal)) {
+  if (extraction.refusal &&
+      (changes_crease(layers, *extraction.refusal) || climbs_steeply(side.field.grid, layers))) {
     const Guide round = clock.run("way_round", [&] { return way_round(side, layers, {}); });
     if (!round.places.empty()) {
       AlongGuide along = look_along(round);

@@ -90,6 +90,22 @@ TEST(Shoes, NoneHasAWrongLineHoweverItLiesAndIsBent) {
   }
 }
 
+TEST(Shoes, ALineThatReachesAboveTheUsualFieldIsFollowedThere) {
+  // Bent so, the midsole's line at the heel lies 93 mm high.  The field ended at 90 mm, and the line ran
+  // along the ledge below, 10 mm off over 80 mm without a word.
+  constexpr std::uint32_t k_high = 18;
+  for (const test::Shape& shape : test::k_shapes) {
+    if (std::string{shape.name} != "s32_ledge_midsole") continue;
+    const auto cloud = test::cloud_of(shape);
+    const auto truth = test::truth_of(shape);
+    if (!cloud || !truth) continue;
+    const test::ShapeWarp warp = test::ShapeWarp::drawn(k_high);
+    const bite_line::Extraction sut = bite_line::find_bite_line(warp.cloud(*cloud), {});
+    CHECK(sut.found);
+    CHECK_COMPARE(test::line_on_shape(sut.line, warp.line(truth->line)).wrong_mm, <=, 5.0);
+  }
+}
+
 TEST(Shoes, AThinPlateWithAGuardHasItsLineHoweverItLies) {
   // Of 30 such 23 are found, and the others are refused: more than a tenth of them is unsure.
   constexpr std::uint32_t k_first = 101, k_count = 5;

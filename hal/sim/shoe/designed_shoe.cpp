@@ -96,6 +96,7 @@ ShoeParameters draw_designed_shoe(const DesignedShoe& designed, std::uint64_t se
   const double scale = std::sqrt(shoe.outline.length_mm / 290);
   Random sole = source.fork(k_sole);
   draw_sole(shoe, sole, scale);
+  if (designed.heel_ratio) shoe.groove.heel_lift_mm = *designed.heel_ratio * shoe.outline.length_mm;
   // A small shoe's sole stands out by less: its ends are too tight for more.
   shoe.groove.step_mm = std::min(shoe.groove.step_mm, shoe.outline.length_mm / 55);
   Random upper = source.fork(k_upper);

@@ -14,8 +14,9 @@ struct DesignedShoe {
   ShoeClass shoe_class{ShoeClass::Cupsole};
   Decoy decoy{Decoy::None};
   Materials materials{Materials::Contrast};
-  bool painted{false};                ///< ledges, tapes and pieces laid on have colours of their own
-  std::optional<double> length_mm{};  ///< else drawn
+  bool painted{false};                 ///< ledges, tapes and pieces laid on have colours of their own
+  std::optional<double> length_mm{};   ///< else drawn
+  std::optional<double> heel_ratio{};  ///< height of the heel over the length; else drawn
   bool toe_guard{false};  ///< the sole wraps up over the toe, by 6 to 22 mm and up to 80 degrees steep
 };
 

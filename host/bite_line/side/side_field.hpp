@@ -37,7 +37,7 @@ struct SideField {
   struct Config {
     double row_mm{0.25};
     double col_mm{1.0};
-    double top_mm{90.0};        ///< above the lowest point: no bite line is higher
+    double top_mm{90.0};        ///< above the lowest point: of a low shoe, see find_layers_along()
     double sigma_z_mm{0.5};     ///< close to the 0.4 mm of the line's definition, and a little calmer
     double sigma_s_mm{2.0};     ///< two profiles of a usual scan
     double lining_gap_mm{1.5};  ///< what lies this far behind the outermost surface is another layer

@@ -5,6 +5,8 @@
 // --crease makes the bite line's own step and depth so much of what was drawn, and nothing else: with 0.2 and
 // less a sole is nearly flush, and most of its decoys are stronger than the line.
 // --guard lets every designed sole wrap up over the toe: the line climbs up to 22 mm, nearly upright.
+// --heel lifts the line at the heel by so much of the length, 0.4 for a high one: it lies above a low shoe's
+// upper.
 // A row (--rows, stderr) begins with the index by which `--from INDEX --count 1` makes that shoe again.
 // --save writes each cloud, its true line, the line found and all candidates there, to be looked at.
 #include <algorithm>
@@ -40,6 +42,7 @@ struct Options {
   bool rows{false};
   bool materials{false};
   bool guard{false};
+  std::optional<double> heel_ratio{};
 
   [[nodiscard]] bool asks_for(const test::SweepCell& cell) const {
     const auto fits = [](const std::string& asked, std::string_view is) {
@@ -108,6 +111,7 @@ class Sweep {
       cell.crease_ratio = options_.crease_ratio;
       cell.stripe = options_.materials;
       cell.shoe.toe_guard = options_.guard;
+      cell.shoe.heel_ratio = options_.heel_ratio;
       if (options_.asks_for(cell)) judge(index, cell);
     });
     for (const auto& [what, tally] : ours_) {
@@ -189,6 +193,7 @@ int main(int argc, char** argv) {
   command.add_flag("--published", asked.published, "the published method beside it");
   command.add_flag("--materials", asked.materials, "clouds with the stripe's amplitude and width");
   command.add_flag("--guard", asked.guard, "designed soles wrap up over the toe");
+  command.add_option("--heel", asked.heel_ratio, "heels of designed shoes are so high, over their length");
   command.add_flag("--rows", asked.rows, "a row for each, on stderr");
   if (const std::optional<int> status = bench::read_options(command, argc, argv)) return *status;
   bench::Sweep{asked}.run();

@@ -68,4 +68,17 @@ TEST(Climb, ACreaseThatClimbsIsAsSharpInTheFieldAsALevelOne) {
                   sut.field.grid.z_mm(layers.line.row[static_cast<std::size_t>(col)]), 0.7);
 }
 
+TEST(Climb, ACreaseAsHighAsAHeelIsFollowedAboveALevelLedge) {
+  // From 75 mm up to 115 mm and down again, below a wall that goes on; a ledge below it is level.
+  const double length_mm = test::egg_outline().length_mm();
+  const auto z_mm = [&](double s) { return 95 - 20 * std::cos(2 * std::numbers::pi * s / length_mm); };
+  const auto steps = test::DrumSteps{.s_mm = 0.7, .z_mm = 0.1, .z_begin_mm = 0, .z_end_mm = 140};
+  Side sut =
+      test::drum_side([&](double s, double z) { return sole_mm(z - z_mm(s)) + sole_mm(z - 67); }, steps);
+  const Layers layers = find_layers_along(sut, {});
+  for (int col = 0; col < sut.field.grid.cols; ++col)
+    DOUBLES_EQUAL(z_mm((col + 0.5) * sut.field.grid.col_mm) + 0.5,
+                  sut.field.grid.z_mm(layers.line.row[static_cast<std::size_t>(col)]), 0.7);
+}
+
 }  // namespace biteline::bite_line
