@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Our line and the published one over the classes of made shoes: how often right, refused, wrong; how well
 // calibrated.
-//
-//   bench_line_class [--seeds N] [--from N] [--class NAME] [--no-published] [--rows]
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +18,7 @@
 #include "host/bite_line/evaluation/line_error.hpp"
 #include "host/bite_line/find_bite_line.hpp"
 #include "host/bite_line/published/published_line.hpp"
+#include "tests/bench/line/sweep_options.hpp"
 #include "tests/support/cloud_faults.hpp"
 
 namespace biteline::bench {
@@ -188,24 +187,24 @@ void print(const std::string& name, const Tally& ours, const Tally& theirs) {
   std::fflush(stdout);
 }
 
-int run(int argc, char** argv) {
-  std::uint64_t seeds = 23;
-  std::uint64_t from = 1;
-  std::string only;
-  bool with_published = true;
-  bool rows = false;
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if (argument == "--seeds" && i + 1 < argc)
-      seeds = std::strtoull(argv[++i], nullptr, 10);
-    else if (argument == "--from" && i + 1 < argc)
-      from = std::strtoull(argv[++i], nullptr, 10);
-    else if (argument == "--class" && i + 1 < argc)
-      only = argv[++i];
-    else if (argument == "--no-published")
-      with_published = false;
-    else if (argument == "--rows")
-      rows = true;
+struct Asked {
+  std::uint64_t seeds{23}, from{1};
+  std::string only{};
+  bool ours_alone{false}, rows{false};
+};
+
+bool is_known(const std::string& name) {
+  const auto is_it = [&](test::CloudFault fault) { return test::name_of(fault) == name; };
+  const auto plain_end = sim::k_shoe_class_names.begin() + sim::k_plain_classes;
+  return name.empty() || name == "upper" ||
+         std::find(sim::k_shoe_class_names.begin(), plain_end, name) != plain_end ||
+         std::any_of(k_disturbances.begin(), k_disturbances.end(), is_it);
+}
+
+int run(const Asked& asked) {
+  if (!is_known(asked.only)) {
+    std::fprintf(stderr, "no class or fault %s\n", asked.only.c_str());
+    return 2;
   }
   Tally all_ours;
   Tally all_published;
@@ -224,20 +223,20 @@ int run(int argc, char** argv) {
   };
   for (std::size_t c = 0; c < sim::k_plain_classes; ++c) {
     const std::string name{sim::k_shoe_class_names[c]};
-    if (!only.empty() && only != name) continue;
+    if (!asked.only.empty() && asked.only != name) continue;
     Tally ours;
     Tally theirs;
-    for (std::uint64_t seed = from; seed < from + seeds; ++seed) {
+    for (std::uint64_t seed = asked.from; seed < asked.from + asked.seeds; ++seed) {
       const Case made = make_case(static_cast<sim::ShoeClass>(c), seed);
       const bool bare = made.truth.points.empty();
       std::string row;
       judge(made, bite_line::find_bite_line(made.cloud, {}), bare, ours, &calibration, row);
-      if (rows)
+      if (asked.rows)
         std::fprintf(stderr, "%-9s %3llu ours      %s\n", name.c_str(), static_cast<unsigned long long>(seed),
                      row.c_str());
-      if (!with_published) continue;
+      if (asked.ours_alone) continue;
       judge(made, published::find_bite_line(made.cloud.points, {}), bare, theirs, nullptr, row);
-      if (rows)
+      if (asked.rows)
         std::fprintf(stderr, "%-9s %3llu published %s\n", name.c_str(), static_cast<unsigned long long>(seed),
                      row.c_str());
     }
@@ -246,15 +245,15 @@ int run(int argc, char** argv) {
     add(all_published, theirs);
   }
   print("all", all_ours, all_published);
-  if (only.empty() || only == "upper") {
+  if (asked.only.empty() || asked.only == "upper") {
     Tally ours;
-    for (std::uint64_t seed = from; seed < from + seeds; ++seed) {
+    for (std::uint64_t seed = asked.from; seed < asked.from + asked.seeds; ++seed) {
       // Every other one with the seams and stitches that a line could be taken for.
       const std::size_t c = seed % 2 == 0 ? seed / 2 % 9 : static_cast<std::size_t>(sim::ShoeClass::Stitched);
       const Case made = make_case(static_cast<sim::ShoeClass>(c), seed, true);
       std::string row;
       judge(made, bite_line::find_bite_line(made.cloud, {}), true, ours, nullptr, row);
-      if (rows)
+      if (asked.rows)
         std::fprintf(stderr, "%-9s %3llu %-9s %s\n", "upper", static_cast<unsigned long long>(seed),
                      std::string{sim::k_shoe_class_names[c]}.c_str(), row.c_str());
     }
@@ -262,16 +261,16 @@ int run(int argc, char** argv) {
   }
   for (std::size_t d = 0; d < k_disturbances.size(); ++d) {
     const std::string name{test::name_of(k_disturbances[d])};
-    if (!only.empty() && only != name) continue;
+    if (!asked.only.empty() && asked.only != name) continue;
     Tally ours;
-    for (std::uint64_t seed = from; seed < from + seeds; ++seed) {
+    for (std::uint64_t seed = asked.from; seed < asked.from + asked.seeds; ++seed) {
       // Every class but the bare one in turn.
       Case made = make_case(static_cast<sim::ShoeClass>(seed % 9), seed + 1000);
       disturb(made, k_disturbances[d], seed);
       std::string row;
       judge(made, bite_line::find_bite_line(made.cloud, {}), false, ours, &calibration, row,
             k_disturbances[d] == test::CloudFault::Sector);
-      if (rows)
+      if (asked.rows)
         std::fprintf(stderr, "%-9s %3llu %-9s %s\n", name.c_str(), static_cast<unsigned long long>(seed),
                      std::string{sim::k_shoe_class_names[seed % 9]}.c_str(), row.c_str());
     }
@@ -292,5 +291,15 @@ int run(int argc, char** argv) {
 }  // namespace biteline::bench
 
 int main(int argc, char** argv) {
-  return biteline::bench::run(argc, argv);
+  namespace bench = biteline::bench;
+  bench::Asked asked;
+  biteline::options::Command command{"Made shoes of each class: our line and the published one",
+                                     "bench_line_class"};
+  command.add_option("--seeds", asked.seeds, "so many shoes of each class")->capture_default_str();
+  command.add_option("--from", asked.from, "the first seed")->capture_default_str();
+  command.add_option("--class", asked.only, "this class alone, or `upper`, or a fault of the cloud");
+  command.add_flag("--no-published", asked.ours_alone, "our line alone");
+  command.add_flag("--rows", asked.rows, "a row for each shoe, on stderr");
+  if (const std::optional<int> status = bench::read_options(command, argc, argv)) return *status;
+  return bench::run(asked);
 }

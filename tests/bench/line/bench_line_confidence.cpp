@@ -12,7 +12,6 @@
 #include <limits>
 #include <map>
 #include <mutex>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -23,6 +22,7 @@
 #include "host/bite_line/place/point_spread.hpp"
 #include "host/cloud/ply.hpp"
 #include "host/cloud/uncertainty/radius.hpp"
+#include "tests/bench/line/drawn_anew.hpp"
 #include "tests/bench/line/sweep_options.hpp"
 #include "tests/support/line_distance.hpp"
 #include "tests/support/line_sweep.hpp"
@@ -60,42 +60,20 @@ Tenths tenths_of(const cloud::ClosedLine& line, const cloud::ClosedLine& truth, 
   return tenths;
 }
 
-/// Middle 95 % of held minus claimed over a thousand draws of as many shoes.
-std::array<double, 2> interval(const std::vector<Tenths>& shoes, std::size_t i) {
-  constexpr int k_draws = 1000;
-  std::mt19937 random{1};
-  std::uniform_int_distribution<std::size_t> any{0, shoes.size() - 1};
-  std::vector<double> differences;
-  for (int draw = 0; draw < k_draws; ++draw) {
-    Tenth sum;
-    for (std::size_t k = 0; k < shoes.size(); ++k) {
-      const Tenth& one = shoes[any(random)].at(i);
-      sum.points += one.points;
-      sum.claimed += one.claimed;
-      sum.held += one.held;
-    }
-    if (sum.points > 0) differences.push_back((sum.held - sum.claimed) / sum.points);
-  }
-  if (differences.empty()) return {0, 0};
-  std::sort(differences.begin(), differences.end());
-  const auto at = [&](double share) {
-    return differences[static_cast<std::size_t>(share * static_cast<double>(differences.size() - 1))];
-  };
-  return {at(0.025), at(0.975)};
-}
-
 void print(const char* what, double within_mm, const std::vector<Tenths>& shoes) {
   for (std::size_t i = 0; i < Tenths{}.size(); ++i) {
     Tenth sum;
     int with = 0;
+    std::vector<ShoeShare> differences;
     for (const Tenths& one : shoes) {
+      differences.push_back({.part = one.at(i).held - one.at(i).claimed, .whole = one.at(i).points});
       sum.points += one.at(i).points;
       sum.claimed += one.at(i).claimed;
       sum.held += one.at(i).held;
       with += one.at(i).points > 0 ? 1 : 0;
     }
     if (sum.points < 1) continue;
-    const auto [low, high] = interval(shoes, i);
+    const auto [low, high] = drawn_anew(differences);
     std::printf(
         "{\"bench\":\"line.confidence\",\"what\":\"%s: share within %.1f mm of points that claim %.3f\","
         "\"ours\":%.4f,\"unit\":\"share\",\"target\":%.4f,\"points\":%.0f,\"shoes\":%d,"

@@ -2,10 +2,8 @@
 // Does U95 hold the true line with 95 %, and is confidence the probability of 0.3 mm?  Made shoes of all
 // classes, each scanned by a head of its own that is not known exactly.
 //
-//   bench_line_u95 [--seeds N] [--from N] [--class NAME] [--step MM] [--exact] [--points FILE] [--rows]
-//
-// --step: between profiles, 1 mm without it.  --exact: calibration, poses and clock without error.  --points:
-// what the model of a point's error is fitted to (fit_spread.py), one row for each station.
+// --points: what the model of a point's error is fitted to (fit_spread.py), one row for each station.
+// One head scans all points of a shoe, so they are off together: shoes are drawn anew for the intervals.
 // The last two stand apart: designed soles that wrap up over the toe (`guard`), and such with a sector
 // missing on a flank of the guard (`hidden`).  `steep` are points of both where the line climbs by more than
 // 30 degrees.
@@ -13,15 +11,16 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
 #include <functional>
-#include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "host/bite_line/live_scan.hpp"
+#include "tests/bench/line/drawn_anew.hpp"
+#include "tests/bench/line/sweep_options.hpp"
 #include "tests/support/line_sweep.hpp"
 #include "tests/support/uncertain_scan.hpp"
 
@@ -50,6 +49,7 @@ struct Tenth {
 struct Tally {
   int shoes{0}, refused{0}, wrong{0};
   double within{0}, u95_sum_mm{0};
+  std::vector<ShoeShare> lines{};  ///< points within their U95
   std::vector<double> errors_mm{};
   std::array<Tenth, 10> tenths{};
 
@@ -67,6 +67,7 @@ struct Tally {
     refused += other.refused;
     wrong += other.wrong;
     within += other.within;
+    lines.insert(lines.end(), other.lines.begin(), other.lines.end());
     u95_sum_mm += other.u95_sum_mm;
     errors_mm.insert(errors_mm.end(), other.errors_mm.begin(), other.errors_mm.end());
     for (std::size_t i = 0; i < tenths.size(); ++i) {
@@ -119,7 +120,11 @@ void tell_row(const char* bench, const std::string& what, double ours, const cha
 }
 
 void tell(const std::string& what, const Tally& t) {
-  tell_row("line.u95.coverage", what, t.per_point(t.within), "share of points");
+  const std::array<double, 2> about = drawn_anew(t.lines);
+  std::printf(
+      "{\"bench\":\"line.u95.coverage\",\"what\":\"%s\",\"ours\":%.4f,\"interval\":[%.4f,%.4f],"
+      "\"unit\":\"share of points\"}\n",
+      what.c_str(), t.per_point(t.within), about[0], about[1]);
   tell_row("line.u95.ratio", what + ", mean U95 to 95th percentile of the errors",
            t.per_point(t.u95_sum_mm) / std::max(t.p95_mm(), 1e-9), "");
 }
@@ -167,51 +172,41 @@ std::vector<Class> classes() {
 
 void print(const std::string& name, const Tally& t) {
   std::fprintf(
-      stderr,
-      "%-10s %4d shoes %3d refused %3d wrong  mean %.4f  p95 %.4f  U95 %.4f  ratio %.2f  within %.4f\n",
+      stderr, "%-10s %4d shoes %3d refused %3d wrong  mean %.4f  p95 %.4f  U95 %.4f  ratio %.2f  within %.4f",
       name.c_str(), t.shoes, t.refused, t.wrong, t.mean_mm(), t.p95_mm(), t.per_point(t.u95_sum_mm),
       t.per_point(t.u95_sum_mm) / std::max(t.p95_mm(), 1e-9), t.per_point(t.within));
+  if (t.lines.size() > 1) {
+    const std::array<double, 2> about = drawn_anew(t.lines);
+    std::fprintf(stderr, " (%.4f to %.4f)", about[0], about[1]);
+  }
+  std::fprintf(stderr, "\n");
 }
 
-int run(int argc, char** argv) {
-  std::uint64_t seeds = 6;
-  std::uint64_t from = 1;
-  std::string only, points_file;
-  bool rows = false;
-  double errors = 1, step_mm = 1;
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    const bool more = i + 1 < argc;
-    if (argument == "--seeds" && more)
-      seeds = std::strtoull(argv[++i], nullptr, 10);
-    else if (argument == "--from" && more)
-      from = std::strtoull(argv[++i], nullptr, 10);
-    else if (argument == "--class" && more)
-      only = argv[++i];
-    else if (argument == "--step" && more)
-      step_mm = std::strtod(argv[++i], nullptr);
-    else if (argument == "--points" && more)
-      points_file = argv[++i];
-    else if (argument == "--exact")
-      errors = 0;
-    else if (argument == "--rows")
-      rows = true;
-  }
+struct Asked {
+  std::uint64_t seeds{6}, from{1};
+  std::string only{}, points_file{};
+  double step_mm{1};
+  bool exact{false}, rows{false};
+};
+
+int run(const Asked& asked) {
   std::ofstream points;
-  if (!points_file.empty()) {
-    points.open(points_file);
+  if (!asked.points_file.empty()) {
+    points.open(asked.points_file);
     points << "class,seed,outward_mm,slope,scatter_mm,doubt,sharp,hold,other_mm,error_out_mm,"
               "error_up_mm,bridged\n";
   }
   Tally all, steep, bridged;
   double least_class = 1;
+  bool any = false;
   for (const Class& kind : classes()) {
-    if (!only.empty() && only != kind.name) continue;
+    if (!asked.only.empty() && asked.only != kind.name) continue;
+    any = true;
     Tally tally;
-    for (std::uint64_t seed = from; seed < from + seeds; ++seed) {
+    for (std::uint64_t seed = asked.from; seed < asked.from + asked.seeds; ++seed) {
       test::UncertainScanSettings settings = kind.settings(seed);
-      settings.profile_step_mm = step_mm;
-      settings.errors = errors;
+      settings.profile_step_mm = asked.step_mm;
+      settings.errors = asked.exact ? 0 : 1;
       const test::UncertainScan made = test::uncertain_scan(settings);
       std::optional<bite_line::Workings> workings;
       const bite_line::Extraction found = test::line_of(made, &workings);
@@ -234,7 +229,8 @@ int run(int argc, char** argv) {
       }
       if (points.is_open())
         write_points(points, kind.name + "," + std::to_string(seed), *workings, found, made.truth);
-      if (rows) print(kind.name + " " + std::to_string(seed), one);
+      if (asked.rows) print(kind.name + " " + std::to_string(seed), one);
+      one.lines = {{.part = one.within, .whole = static_cast<double>(one.errors_mm.size())}};
       tally.add(one);
     }
     print(kind.name, tally);
@@ -245,8 +241,12 @@ int run(int argc, char** argv) {
     if (!tally.errors_mm.empty()) least_class = std::min(least_class, tally.per_point(tally.within));
     all.add(tally);
   }
+  if (!any) {
+    std::fprintf(stderr, "no class %s\n", asked.only.c_str());
+    return 2;
+  }
   const std::string what =
-      std::to_string(all.shoes) + " made shoes, " + (errors > 0 ? "each head known so far" : "heads exact");
+      std::to_string(all.shoes) + " made shoes, " + (asked.exact ? "heads exact" : "each head known so far");
   if (all.shoes > 0) {
     print("all", all);
     tell(what, all);
@@ -272,5 +272,17 @@ int run(int argc, char** argv) {
 }  // namespace biteline::bench
 
 int main(int argc, char** argv) {
-  return biteline::bench::run(argc, argv);
+  namespace bench = biteline::bench;
+  bench::Asked asked;
+  biteline::options::Command command{"Does U95 hold the true line?  Made shoes of all classes, a head each",
+                                     "bench_line_u95"};
+  command.add_option("--seeds", asked.seeds, "so many shoes of each class")->capture_default_str();
+  command.add_option("--from", asked.from, "the first seed")->capture_default_str();
+  command.add_option("--class", asked.only, "this class alone");
+  command.add_option("--step", asked.step_mm, "between profiles, mm")->capture_default_str();
+  command.add_option("--points", asked.points_file, "a row for each station goes to this file");
+  command.add_flag("--exact", asked.exact, "calibration, poses and clock without error");
+  command.add_flag("--rows", asked.rows, "a row for each shoe, on stderr");
+  if (const std::optional<int> status = bench::read_options(command, argc, argv)) return *status;
+  return bench::run(asked);
 }
