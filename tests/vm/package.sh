@@ -17,7 +17,7 @@ for library in $(aarch64-linux-gnu-objdump -p bin/biteline-sensor | sed -n 's/^ 
 done
 dpkg-deb -c "$deb" > files.log
 for file in usr/bin/biteline-sensor lib/systemd/system/biteline-sensor.service lib/udev/rules.d/90-biteline.rules \
-  lib/sysusers.d/biteline.conf share/biteline/boards/rpi-cm4/board.yaml; do
+  lib/sysusers.d/biteline.conf lib/sysctl.d/90-biteline.conf share/biteline/boards/rpi-cm4/board.yaml; do
   grep -q "$file\$" files.log || { echo "$deb lacks $file"; exit 1; }
 done
 echo "$deb: $(stat -c %s "$deb") bytes,$depends"

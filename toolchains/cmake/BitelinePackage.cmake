@@ -6,6 +6,7 @@ install(TARGETS biteline-sensor RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMP
 install(FILES boards/common/systemd/biteline-sensor.service DESTINATION lib/systemd/system COMPONENT firmware)
 install(FILES boards/common/udev/90-biteline.rules DESTINATION lib/udev/rules.d COMPONENT firmware)
 install(FILES boards/common/sysusers/biteline.conf DESTINATION lib/sysusers.d COMPONENT firmware)
+install(FILES boards/common/sysctl/90-biteline.conf DESTINATION lib/sysctl.d COMPONENT firmware)
 install(PROGRAMS firmware/update/biteline_update.sh DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT firmware RENAME biteline-update)
 install(PROGRAMS firmware/update/biteline_bundle.sh DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT firmware RENAME biteline-bundle)
 install(PROGRAMS firmware/update/biteline_backup.sh DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT firmware RENAME biteline-backup)

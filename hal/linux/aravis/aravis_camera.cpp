@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "hal/linux/aravis/aravis_device.hpp"
+#include "hal/linux/aravis/receive_buffer.hpp"
 
 namespace biteline::hal {
 
@@ -226,9 +227,16 @@ Result<void> AravisCamera::begin_stream() {
   const guint payload_bytes = arv_camera_get_payload(device.camera, call);
   if (call.failed()) return call.failure();
   if (ARV_IS_GV_STREAM(device.stream)) {
-    // A burst of whole frames fits the socket, so that a receiver that is late by a frame loses none.
-    g_object_set(device.stream, "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size",
-                 static_cast<int>(std::min<std::uint64_t>(16ULL * payload_bytes, 64ULL << 20U)), nullptr);
+    // A burst of whole frames fits the socket, so that a receiver that is late by a frame loses none.  Aravis
+    // would enlarge it with the first packet, when the rest of the first frame is on its way: 0, leave it.
+    g_object_set(device.stream, "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size", 0,
+                 nullptr);
+    const auto burst_bytes = static_cast<int>(std::min<std::uint64_t>(16ULL * payload_bytes, 64ULL << 20U));
+    const guint16 port = arv_gv_stream_get_port(ARV_GV_STREAM(device.stream));
+    if (const Result<int> room = enlarge_receive_buffer(port, burst_bytes); !room) {
+      device.drop_stream();
+      return tl::unexpected<Error>{room.error()};
+    }
     // A frame that waits for missing packets holds back all after it.  Aravis' own 200 ms would count as a
     // camera that gives no frames (the laser's guard allows 75 ms): give such a frame up, flagged, well
     // before that.

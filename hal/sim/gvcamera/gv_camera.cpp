@@ -24,7 +24,8 @@ namespace {
 
 /// How often the fake camera looks for a trigger; its default of 25 Hz would be the highest frame rate.
 /// Aravis sleeps whole milliseconds and spins for the rest: at 1000 Hz that is all the time, a processor for
-/// itself.
+/// itself.  Until it has sent a stream's first frame it looks every 100 ms, whatever it is told (0.8.26): the
+/// first edges wait, and their frames come in a burst.
 constexpr double k_trigger_poll_hz = 250;
 /// Edges whose frames are still to be made on a busy machine: half a second at 100 a second.
 constexpr std::size_t k_edges_kept = 50;
