@@ -203,7 +203,6 @@ Result<void> AravisCamera::start() {
   device.rows = device.rows_before = {.first_px = 0, .height_px = device.settings.region.height_px};
   BITELINE_ASSIGN(const CameraLimits limit, limits());
   device.row_step_px = limit.region_step_v_px;
-  device.first_frame = true;
   device.next_sequence = device.base_sequence = 0;
   device.last_mid = SensorClock::time_point::min();
   device.arrival.reset();
@@ -249,10 +248,12 @@ Result<void> AravisCamera::begin_stream() {
     std::size_t size_bytes = 0;
     void* data = const_cast<void*>(arv_buffer_get_data(buffer, &size_bytes));
     std::memset(data, 0, payload_bytes);  // touched now, not while frames flow
-    arv_stream_push_buffer(device.stream, buffer);
+    device.push(buffer);
   }
   device.borrowed.reserve(static_cast<std::size_t>(device.config.buffers));
   device.counter = {};
+  device.payload_bytes = payload_bytes;
+  device.passed_over = 0;
   if (const Result<void> begun = device.begin_sequence(); !begun) {
     device.drop_stream();
     return begun;
@@ -283,9 +284,11 @@ Result<FrameView> AravisCamera::next_frame(Nanoseconds timeout) {
     const ArvBufferStatus status = arv_buffer_get_status(buffer);
     const bool whole = status == ARV_BUFFER_STATUS_SUCCESS;
     const bool holed = status == ARV_BUFFER_STATUS_MISSING_PACKETS || status == ARV_BUFFER_STATUS_TIMEOUT;
+    const guint64 number = arv_buffer_get_frame_id(buffer);
     std::size_t size_bytes = 0;
     const auto* pixels = static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &size_bytes));
-    // The size of a frame whose leader was lost is not known: that of the settings counts.
+    // Aravis tells the size of whole frames alone: else that of the settings counts.
+    if (!whole) size_bytes = device.payload_bytes;
     const int width_px = device.settings.region.width_px;
     const RowRange rows = device.rows_of(whole ? arv_buffer_get_image_height(buffer) : device.rows.height_px);
     const int height_px = rows.height_px;
@@ -293,9 +296,11 @@ Result<FrameView> AravisCamera::next_frame(Nanoseconds timeout) {
     const bool foreign = (whole && (arv_buffer_get_image_width(buffer) != width_px ||
                                     arv_buffer_get_image_height(buffer) != height_px)) ||
                          size_bytes < wanted_bytes;
-    if ((!whole && !holed) || foreign || pixels == nullptr) {
-      // Aborted, of another size or without data: nothing to show; its gap shows in the count.
-      arv_stream_push_buffer(device.stream, buffer);
+    if ((!whole && !holed) || foreign || pixels == nullptr || number == Device::k_no_number) {
+      // Aborted, of another size, or of a number and time that nobody knows: nothing to show.  Its gap shows
+      // in the next one's number, or is counted here where that is the first.
+      ++device.passed_over;
+      device.push(buffer);
       continue;
     }
     FrameView frame{.pixels = {pixels, wanted_bytes},
@@ -303,10 +308,10 @@ Result<FrameView> AravisCamera::next_frame(Nanoseconds timeout) {
                     .height_px = height_px,
                     .first_row_px = rows.first_px,
                     .stride_bytes = static_cast<std::size_t>(width_px),
-                    .sequence = device.counter.count(arv_buffer_get_frame_id(buffer)),
+                    .sequence = device.counter.count(number),
                     .exposure_mid = {},
                     .flags = whole ? 0U : static_cast<std::uint32_t>(k_frame_damaged)};
-    // 0: the leader was lost.  146 years: no clock's, and its difference to ours might not fit.
+    // 0: a camera without a clock.  146 years: no clock's, and its difference to ours might not fit.
     constexpr std::uint64_t k_last_stamp_ns = std::uint64_t{1} << 62U;
     const std::uint64_t stamp_ns = arv_buffer_get_timestamp(buffer);
     const bool stamped = stamp_ns != 0 && stamp_ns < k_last_stamp_ns;
@@ -320,20 +325,14 @@ Result<FrameView> AravisCamera::next_frame(Nanoseconds timeout) {
     }
     frame.exposure_mid = begin + exposure / 2;
     if (unsure) frame.flags |= k_frame_stamp_uncertain;
-    if (device.last_mid != SensorClock::time_point::min() && device.counter.fresh()) {
-      // First of a new stream: nobody numbered the frames that were not taken meanwhile, but they came at a
-      // rate.
-      const double away_s = 1e-9 * static_cast<double>((frame.exposure_mid - device.last_mid).count());
-      device.base_sequence += static_cast<std::uint64_t>(
-          std::max<long long>(0, std::llround(away_s * device.settings.rate_hz) - 1));
-    }
+    if (device.counter.fresh()) device.base_sequence += device.frames_before_first(frame.exposure_mid);
+    device.passed_over = 0;
     device.last_mid = frame.exposure_mid;
     frame.sequence += device.base_sequence;
-    if (!device.first_frame && frame.sequence > device.next_sequence) {
+    if (frame.sequence > device.next_sequence) {
       frame.flags |= k_frame_gap_before;
       device.frames_lost += frame.sequence - device.next_sequence;
     }
-    device.first_frame = false;
     device.next_sequence = frame.sequence + 1;
     if (whole) {
       ++device.frames;
@@ -356,7 +355,7 @@ void AravisCamera::release(const FrameView& frame) noexcept {
     return arv_buffer_get_data(buffer, &size_bytes) == frame.pixels.data();
   });
   if (found == device.borrowed.end()) return;  // stop() took it back already
-  arv_stream_push_buffer(device.stream, *found);
+  device.push(*found);
   *found = device.borrowed.back();
   device.borrowed.pop_back();
 }

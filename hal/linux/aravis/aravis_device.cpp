@@ -2,6 +2,7 @@
 #include "hal/linux/aravis/aravis_device.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 namespace biteline::hal {
@@ -120,6 +121,13 @@ Result<void> AravisCamera::Device::begin_sequence() {
   if (!call.failed()) arv_camera_set_string(camera, "SequencerMode", "On", call);
   if (call.failed()) return call.failure();
   return {};
+}
+
+std::uint64_t AravisCamera::Device::frames_before_first(SensorClock::time_point first_mid) const {
+  if (last_mid == SensorClock::time_point::min()) return passed_over;
+  const double away_s = 1e-9 * static_cast<double>((first_mid - last_mid).count());
+  const long long by_rate = std::llround(away_s * settings.rate_hz) - 1;
+  return std::max(passed_over, static_cast<std::uint64_t>(std::max(0LL, by_rate)));
 }
 
 void AravisCamera::Device::read_ptp() {

@@ -76,9 +76,10 @@ struct AravisCamera::Device {
   rt::LatestValue<ClockHealth> clock_health;
   FrameCounter counter;
   std::uint64_t next_sequence{0};
-  bool first_frame{true};
-  RowRange rows;         ///< of settings.region that frames show now
-  RowRange rows_before;  ///< what they showed before the last change: of another height
+  std::size_t payload_bytes{0};  ///< room in a buffer of the present stream
+  std::uint64_t passed_over{0};  ///< buffers since the last frame that was given out
+  RowRange rows;                 ///< of settings.region that frames show now
+  RowRange rows_before;          ///< what they showed before the last change: of another height
   int row_step_px{1};
   /// Frames before the present stream's first (adjust_rows() makes a new one), and when the last of them was.
   std::uint64_t base_sequence{0};
@@ -106,6 +107,20 @@ struct AravisCamera::Device {
     if (stream != nullptr) g_object_unref(stream);
     stream = nullptr;
   }
+
+  /// Number of a buffer whose leader has not come; no frame's own: GigE Vision counts from 1, USB3 Vision
+  /// from 0.
+  static constexpr guint64 k_no_number = ~guint64{0};
+  /// Gives a buffer to Aravis.  It is marked first: where a leader is lost, Aravis leaves number and stamp of
+  /// the frame before in it.
+  void push(ArvBuffer* buffer) const {
+    arv_buffer_set_frame_id(buffer, k_no_number);
+    arv_buffer_set_timestamp(buffer, 0);
+    arv_stream_push_buffer(stream, buffer);
+  }
+  /// Frames that the camera took before the present stream's first one and that nobody numbered: those that
+  /// came broken, and after a change of the rows those that were not taken meanwhile, which came at a rate.
+  [[nodiscard]] std::uint64_t frames_before_first(SensorClock::time_point first_mid) const;
 
   [[nodiscard]] bool has(const char* feature) const {
     const KeepFloatingPointFlags flags;

@@ -126,7 +126,9 @@ void LossyLine::from_stream() {
     kept.block = gige::half_at(packet, 2);
     kept.packet = gige::word_at(packet, 4) & 0xFFFFFFU;
     kept.bytes.assign(packet.begin(), packet.end());
-    if (std::uniform_real_distribution<double>{0, 1}(random_) < config_.lost_ratio) {
+    const bool leader_to_lose = kept.packet == 0 && leaders_lost_ < config_.leaders_to_lose;
+    if (leader_to_lose) ++leaders_lost_;
+    if (leader_to_lose || std::uniform_real_distribution<double>{0, 1}(random_) < config_.lost_ratio) {
       ++lost_;
       continue;
     }

@@ -30,6 +30,7 @@ class LossyLine {
     std::string address{"127.0.0.2"};  ///< where the client finds the camera
     std::string camera{"127.0.0.1"};
     double lost_ratio{0.01};
+    std::uint64_t leaders_to_lose{0};  ///< of the frames that come first, beside that ratio
     double garbled_ratio{
         0};  ///< of the packets that come through: some bytes changed, mostly of their headers
     std::uint32_t seed{1};
@@ -69,6 +70,7 @@ class LossyLine {
   std::size_t next_kept_{0};
   std::array<std::uint8_t, 65536> buffer_{};
   std::mt19937 random_;
+  std::uint64_t leaders_lost_{0};  ///< of leaders_to_lose
   std::atomic<std::uint64_t> lost_{0}, sent_again_{0};
   std::atomic<bool> stopping_{false};
   std::thread thread_;
