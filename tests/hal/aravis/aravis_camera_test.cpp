@@ -10,59 +10,12 @@
 #include <cstring>
 #include <thread>
 
-#include "hal/sim/gvcamera/gv_camera.hpp"
-#include "hal/sim/gvcamera/lossy_line.hpp"
-#include "tests/support/fuzz.hpp"
-#include "tests/support/shared_data.hpp"
+#include "tests/hal/aravis/small_camera.hpp"
 #include "tests/support/timed_test.hpp"
 
 namespace biteline::hal {
 
 namespace {
-
-using sim::GvCamera;
-using sim::GvExposure;
-
-constexpr Nanoseconds k_second{1'000'000'000};
-
-SensorClock::time_point now() {
-  return SensorClock::time_point{
-      std::chrono::duration_cast<Nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())};
-}
-
-/// Every picture tells its own number, size and place, so that a mix-up shows.
-void paint_number(const GvExposure& exposure, std::span<std::uint8_t> pixels) {
-  std::memset(pixels.data(), static_cast<int>(exposure.sequence % 251), pixels.size());
-  pixels[1] = static_cast<std::uint8_t>(exposure.region.offset_v_px % 256);
-  pixels[pixels.size() - 1] = 77;
-}
-
-/// The standard fixes the port, so one camera at a time lives on an address; another test may just be using
-/// it.
-std::unique_ptr<GvCamera> open_server(const GvCamera::Config& config,
-                                      GvCamera::Painter painter = paint_number) {
-  for (int attempt = 0; attempt < 100; ++attempt) {
-    if (auto camera = GvCamera::open(config, painter)) {
-      test::note_ran();
-      return std::move(*camera);
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds{100});  // until the other test gives the port back
-  }
-  test::note_skipped("GigE Vision port 3956 on 127.0.0.1 is not free");
-  return nullptr;
-}
-
-GvCamera::Config small_camera() {
-  GvCamera::Config config;
-  config.region = {.offset_u_px = 0, .offset_v_px = 456, .width_px = 640, .height_px = 120};
-  return config;
-}
-
-CameraSettings settings(double rate_hz) {
-  return {.region = {.offset_u_px = 16, .offset_v_px = 100, .width_px = 640, .height_px = 120},
-          .exposure = Nanoseconds{500'000},
-          .rate_hz = rate_hz};
-}
 
 /// What the camera was set to when it exposed: 10 us units of exposure, strobe, first row.
 void paint_settings(const GvExposure& exposure, std::span<std::uint8_t> pixels) {
@@ -98,10 +51,6 @@ CameraSettings triggered_settings() {
 }
 
 }  // namespace
-
-#define SERVER_OR_SKIP(name, ...)             \
-  const auto name = open_server(__VA_ARGS__); \
-  if (!name) return
 
 TEST_GROUP(AravisCamera){};
 
@@ -354,133 +303,6 @@ TIMED_TEST(AravisCamera, ACameraWithAClockOfItsOwnIsMappedByArrivalAndSaidToBeUn
     CHECK(std::chrono::abs(now() - frame->exposure_mid) < k_second);
     sut->release(*frame);
   }
-}
-
-TIMED_TEST(AravisCamera, LostPacketsGiveDamagedFramesAndGapsThatAreCounted) {
-  GvCamera::Config config = small_camera();
-  config.lost_packet_ratio = 0.004;  // 640 x 120 in packets of 1400 bytes: one frame in five
-  SERVER_OR_SKIP(server, config);
-  auto sut = *AravisCamera::open({.packet_bytes = 1400});
-  CHECK(sut->configure(settings(200)).has_value());
-  CHECK(sut->start().has_value());
-  std::uint64_t flagged = 0, whole = 0, last_sequence = 0;
-  for (int i = 0; i < 120; ++i) {
-    const auto frame = sut->next_frame(2 * k_second);
-    CHECK(frame.has_value());
-    (frame->flags & k_frame_damaged) != 0 ? ++flagged : ++whole;
-    last_sequence = frame->sequence;
-    sut->release(*frame);
-  }
-  CHECK(sut->stop().has_value());
-  const CameraHealth health = sut->health();
-  CHECK(flagged + health.frames_lost > 2);
-  LONGS_EQUAL(flagged, health.frames_damaged);
-  LONGS_EQUAL(whole, health.frames);
-  // Every frame of the camera's own count is accounted for.
-  LONGS_EQUAL(last_sequence + 1, health.frames + health.frames_damaged + health.frames_lost);
-}
-
-// Aravis leaves the former frame's number and stamp in a buffer whose leader is lost.
-TIMED_TEST(AravisCamera, AFrameWithoutItsLeaderIsNeverGivenAnothersNumberAndTime) {
-  GvCamera::Config config = small_camera();
-  config.lost_packet_ratio = 0.02;  // 58 packets a frame: two frames in three, one leader in fifty
-  SERVER_OR_SKIP(server, config);
-  auto sut = *AravisCamera::open({.packet_bytes = 1400});
-  CHECK(sut->configure(settings(200)).has_value());
-  CHECK(sut->start().has_value());
-  std::uint64_t last_sequence = 0;
-  auto last_mid = SensorClock::time_point::min();
-  for (int i = 0; i < 400; ++i) {
-    const auto frame = sut->next_frame(2 * k_second);
-    CHECK(frame.has_value());
-    CHECK(frame->exposure_mid > last_mid);
-    last_mid = frame->exposure_mid;
-    last_sequence = frame->sequence;
-    sut->release(*frame);
-  }
-  CHECK(sut->stop().has_value());
-  const CameraHealth health = sut->health();
-  CHECK(health.frames_lost > 0);
-  CHECK(last_sequence < server->exposures());
-  // Frames with holes are given out from the first on: a hole is some thirty times as likely as a lost
-  // leader.
-  CHECK(health.frames_damaged > 5 * health.frames_lost);
-}
-
-TIMED_TEST(AravisCamera, FramesLostBeforeTheFirstOneAreCounted) {
-  SERVER_OR_SKIP(server, small_camera());
-  const auto line = *sim::LossyLine::open({.lost_ratio = 0, .leaders_to_lose = 3});
-  auto sut = *AravisCamera::open({.address = "127.0.0.2", .packet_bytes = 1400});
-  CHECK(sut->configure(settings(100)).has_value());
-  CHECK(sut->start().has_value());
-  for (std::uint64_t number = 3; number < 30; ++number) {
-    const auto frame = sut->next_frame(2 * k_second);
-    CHECK(frame.has_value());
-    LONGS_EQUAL(number, frame->sequence);
-    LONGS_EQUAL(number == 3, (frame->flags & k_frame_gap_before) != 0);
-    sut->release(*frame);
-  }
-  LONGS_EQUAL(3, line->packets_lost());
-  LONGS_EQUAL(3, sut->health().frames_lost);
-  LONGS_EQUAL(0, sut->health().frames_damaged);
-}
-
-TIMED_TEST(AravisCamera, LostPacketsAreAskedForAgainAndTheFrameIsWhole) {
-  GvCamera::Config config = small_camera();
-  config.resends = true;
-  SERVER_OR_SKIP(server, config);
-  const auto line = *sim::LossyLine::open({.lost_ratio = 0.01});
-  auto sut = *AravisCamera::open({.address = "127.0.0.2", .packet_bytes = 1400});
-  CHECK(sut->configure(settings(50)).has_value());
-  CHECK(sut->start().has_value());
-  std::uint64_t whole = 0;
-  for (int i = 0; i < 60; ++i) {
-    const auto frame = sut->next_frame(2 * k_second);
-    CHECK(frame.has_value());
-    if ((frame->flags & k_frame_damaged) == 0) {
-      ++whole;
-      LONGS_EQUAL(77, frame->pixels[640 * 120 - 1]);
-      LONGS_EQUAL(frame->pixels[0], frame->pixels[640 * 60]);
-    }
-    sut->release(*frame);
-  }
-  CHECK(sut->stop().has_value());
-  // 57 packets in a frame: every second one lost a packet at first.
-  CHECK(line->packets_lost() > 15);
-  CHECK(line->packets_sent_again() > 0);
-  CHECK(sut->health().packets_resent > 0);
-  CHECK(whole > 50);
-}
-
-/// Headers, sizes, stamps and numbers of any value: every frame given out has the size that was asked for,
-/// its pixels can be read, and good packets make good frames again.
-TIMED_TEST(AravisCamera, GarbledPacketsNeverHarm) {
-  GvCamera::Config config = small_camera();
-  config.resends = true;
-  SERVER_OR_SKIP(server, config);
-  std::uint64_t readable = 0, whole = 0;
-  for (int round = 0; round < test::fuzz_factor(); ++round) {
-    const auto line = *sim::LossyLine::open(
-        {.lost_ratio = 0, .garbled_ratio = 0.01, .seed = static_cast<std::uint32_t>(round + 1)});
-    auto sut = *AravisCamera::open({.address = "127.0.0.2", .packet_bytes = 1400});
-    CHECK(sut->configure(settings(100)).has_value());
-    CHECK(sut->start().has_value());
-    for (int i = 0; i < 200; ++i) {
-      const auto frame = sut->next_frame(Nanoseconds{100'000'000});
-      if (!frame) {
-        CHECK_EQUAL(static_cast<int>(Errc::Timeout), static_cast<int>(frame.error().code));
-        continue;
-      }
-      LONGS_EQUAL(640 * 120, frame->pixels.size());
-      LONGS_EQUAL(640, frame->width_px);
-      for (const std::uint8_t pixel : frame->pixels) readable += pixel == 77 ? 1 : 0;
-      whole += (frame->flags & k_frame_damaged) == 0 ? 1 : 0;
-      sut->release(*frame);
-    }
-    CHECK(sut->stop().has_value());
-  }
-  CHECK(readable > 0);
-  CHECK(whole > 20);
 }
 
 TIMED_TEST(AravisCamera, ALostCameraIsSaidAndCanBeOpenedAgain) {
